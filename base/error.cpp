@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "base/error.hpp"
+
+namespace palpate {
+
+int exitStatus(Error::Code code) noexcept {
+  switch (code) {
+    case Error::Code::kBadInput: return 2;
+    case Error::Code::kNotFound: return 3;
+    case Error::Code::kIo: return 4;
+    case Error::Code::kOutOfMemory: return 5;
+    case Error::Code::kDevice: return 6;
+    case Error::Code::kCancelled: return 130;
+  }
+  return 1;
+}
+
+}  // namespace palpate

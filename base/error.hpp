@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// base/error.hpp: the one error type of set-up and engine code. The servo throws nothing; it raises fault flags.
+//
+// A message is one line that a user can act on: which input, what is wrong with it, what to do.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+namespace palpate {
+
+class Error : public std::runtime_error {
+ public:
+  // What kind of trouble, so that a caller (and the exit status) can tell them apart.
+  enum class Code {
+    kBadInput,     // a file, scene or flag that cannot be used as it is
+    kNotFound,     // a file, folder, device or driver that is not there
+    kIo,           // reading or writing failed: permission, full disk, broken pipe
+    kOutOfMemory,  // a budget of main or GPU memory would be exceeded
+    kDevice,       // Vulkan or a haptic device failed
+    kCancelled     // the user stopped the work
+  };
+
+  // `input`: the file, flag or key; `reason`: what is wrong; `remedy`: what to do. Joined as "input: reason; remedy".
+  Error(Code code, const std::string& input, const std::string& reason, const std::string& remedy)
+      : std::runtime_error(fmt::format("{}: {}; {}", input, reason, remedy)), code_(code) {}
+
+  [[nodiscard]] Code code() const noexcept { return code_; }
+
+ private:
+  Code code_;
+};
+
+// The process's exit status for an error code: 2 bad input, 3 not found, 4 I/O, 5 memory, 6 device, 130 cancelled.
+[[nodiscard]] int exitStatus(Error::Code code) noexcept;
+
+}  // namespace palpate

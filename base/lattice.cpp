@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "base/lattice.hpp"
+
+#include "base/error.hpp"
+#include "base/units.hpp"
+
+namespace palpate {
+
+void checkLattice(const Lattice& lattice, const std::string& input) {
+  const Vec3& h = lattice.spacing_m;
+  if (!h.allFinite() || h.minCoeff() <= 0) {
+    throw Error(Error::Code::kBadInput, input,
+                fmt::format("spacing {:g} x {:g} x {:g} mm is not positive", h.x() * kMillimetresPerMetre,
+                            h.y() * kMillimetresPerMetre, h.z() * kMillimetresPerMetre),
+                "write the true voxel size into the file's header");
+  }
+  const Mat3 product = lattice.R_WL.transpose() * lattice.R_WL;
+  if (!lattice.origin_W.allFinite() || !product.isIdentity(1e-4)) {
+    throw Error(Error::Code::kBadInput, input, "its axes are sheared or its orientation is not a rotation",
+                "resample the volume onto orthogonal axes");
+  }
+}
+
+}  // namespace palpate

@@ -1,0 +1,30 @@
+# Compiler rules for every target: C++20, warnings are errors, no contraction, optional sanitizers.
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
+if(NOT CMAKE_BUILD_TYPE)
+  set(CMAKE_BUILD_TYPE Release CACHE STRING "" FORCE)
+endif()
+
+find_program(PALPATE_CCACHE ccache)
+if(PALPATE_CCACHE)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${PALPATE_CCACHE})
+endif()
+
+set(PALPATE_SANITIZE "" CACHE STRING "Sanitizers, as in -fsanitize=")
+
+add_library(palpate_compiler INTERFACE)
+target_compile_options(palpate_compiler INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wold-style-cast -Werror
+  # A CPU twin must round as its kernel does, so a*b+c stays two operations.
+  -ffp-contract=off)
+if(PALPATE_SANITIZE)
+  target_compile_options(palpate_compiler INTERFACE -fsanitize=${PALPATE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  target_link_options(palpate_compiler INTERFACE -fsanitize=${PALPATE_SANITIZE})
+endif()
+find_program(PALPATE_LLD ld.lld)
+if(PALPATE_LLD)
+  target_link_options(palpate_compiler INTERFACE -fuse-ld=lld)
+endif()

@@ -1,0 +1,18 @@
+# palpate_test(servo_window_exchange SOURCES exchange_test.cpp DEPENDS servo_window [LIBRARIES ...] [USES ...] [LABELS gpu])
+# One small binary per test file family; each GoogleTest case is a ctest entry of the binary's own run.
+find_package(GTest REQUIRED)
+set(PALPATE_TEST_TIMEOUT 300)
+if(PALPATE_SANITIZE)
+  set(PALPATE_TEST_TIMEOUT 1200)
+endif()
+
+function(palpate_test name)
+  cmake_parse_arguments(TEST "" "" "SOURCES;DEPENDS;LIBRARIES;USES;LABELS" ${ARGN})
+  set(target test_${name})
+  add_executable(${target} ${TEST_SOURCES})
+  list(TRANSFORM TEST_DEPENDS PREPEND palpate::)
+  target_link_libraries(${target} PRIVATE palpate_compiler ${TEST_DEPENDS} ${TEST_LIBRARIES} GTest::gmock GTest::gtest_main)
+  palpate_fence(${target} ${TEST_USES})
+  add_test(NAME ${name} COMMAND ${target})
+  set_tests_properties(${name} PROPERTIES LABELS "${TEST_LABELS}" TIMEOUT ${PALPATE_TEST_TIMEOUT})
+endfunction()
