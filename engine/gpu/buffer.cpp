@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/gpu/buffer.hpp"
+
+#include <array>
+
+#include "base/error.hpp"
+#include "engine/gpu/buffer_state.hpp"
+
+namespace palpate::gpu {
+namespace {
+
+using Property = vk::MemoryPropertyFlagBits;
+
+// The first memory type that the buffer allows and that has the wanted properties, in order of preference.
+std::uint32_t memoryType(const vk::raii::PhysicalDevice& physical, std::uint32_t allowed, MemoryKind kind) {
+  const std::array<vk::MemoryPropertyFlags, 2> device = {Property::eDeviceLocal, vk::MemoryPropertyFlags{}};
+  const std::array<vk::MemoryPropertyFlags, 2> host = {
+      Property::eHostVisible | Property::eHostCoherent | Property::eHostCached,
+      Property::eHostVisible | Property::eHostCoherent};
+  const vk::PhysicalDeviceMemoryProperties memory = physical.getMemoryProperties();
+  for (const auto wanted : kind == MemoryKind::kDevice ? device : host) {
+    for (std::uint32_t i = 0; i < memory.memoryTypeCount; ++i) {
+      if ((allowed >> i & 1U) != 0 && (memory.memoryTypes[i].propertyFlags & wanted) == wanted) return i;
+    }
+  }
+  throw Error(Error::Code::kDevice, "Vulkan", "the device has no memory that the host can read",
+              "choose another one with --gpu");
+}
+
+bool hostReachable(const vk::raii::PhysicalDevice& physical, std::uint32_t type) {
+  const auto flags = physical.getMemoryProperties().memoryTypes[type].propertyFlags;
+  const vk::MemoryPropertyFlags wanted = Property::eHostVisible | Property::eHostCoherent;
+  return (flags & wanted) == wanted;
+}
+
+}  // namespace
+
+Buffer::Buffer(Gpu& gpu, std::string name, std::size_t bytes, MemoryKind kind) : state_(std::make_unique<State>()) {
+  Gpu::State& vulkan = gpu.state();
+  state_->name = std::move(name);
+  try {
+    const auto usage = vk::BufferUsageFlagBits::eStorageBuffer | vk::BufferUsageFlagBits::eTransferSrc |
+                       vk::BufferUsageFlagBits::eTransferDst;
+    state_->buffer = {vulkan.device, vk::BufferCreateInfo{.size = bytes, .usage = usage}};
+    const vk::MemoryRequirements need = state_->buffer.getMemoryRequirements();
+    const std::uint32_t type = memoryType(vulkan.physical, need.memoryTypeBits, kind);
+    state_->memory = {vulkan.device, vk::MemoryAllocateInfo{.allocationSize = need.size, .memoryTypeIndex = type}};
+    state_->buffer.bindMemory(*state_->memory, 0);
+    if (hostReachable(vulkan.physical, type)) state_->mapped = state_->memory.mapMemory(0, VK_WHOLE_SIZE);
+    vulkan.name(state_->buffer, state_->name);
+    vulkan.name(state_->memory, state_->name + " memory");
+  } catch (const vk::SystemError& error) {
+    throw Error(Error::Code::kOutOfMemory, state_->name,
+                fmt::format("{} has no {:.1f} MiB left for it ({})", vulkan.info.name,
+                            static_cast<double>(bytes) / 1048576.0, error.what()),
+                "close other programs, use a smaller volume, or choose another device with --gpu");
+  }
+  state_->gpu = &vulkan;
+  state_->bytes = bytes;
+  vulkan.bytes_in_use += bytes;
+}
+
+Buffer::~Buffer() = default;
+Buffer::Buffer(Buffer&&) noexcept = default;
+Buffer& Buffer::operator=(Buffer&&) noexcept = default;
+
+std::size_t Buffer::bytes() const noexcept { return state_->bytes; }
+void* Buffer::mapped() const noexcept { return state_->mapped; }
+
+}  // namespace palpate::gpu

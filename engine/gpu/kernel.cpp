@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/gpu/kernel.hpp"
+
+#include "base/error.hpp"
+#include "engine/gpu/kernel_state.hpp"
+
+namespace palpate::gpu {
+namespace {
+
+vk::raii::DescriptorSetLayout makeSetLayout(const vk::raii::Device& device, std::uint32_t count) {
+  std::vector<vk::DescriptorSetLayoutBinding> bindings(count);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    bindings[i] = vk::DescriptorSetLayoutBinding{.binding = i,
+                   .descriptorType = vk::DescriptorType::eStorageBuffer,
+                   .descriptorCount = 1,
+                   .stageFlags = vk::ShaderStageFlagBits::eCompute};
+  }
+  return {device, vk::DescriptorSetLayoutCreateInfo{.bindingCount = count, .pBindings = bindings.data()}};
+}
+
+vk::raii::PipelineLayout makeLayout(const vk::raii::Device& device, const vk::raii::DescriptorSetLayout& set_layout,
+                                    std::uint32_t push_bytes) {
+  const vk::PushConstantRange push{.stageFlags = vk::ShaderStageFlagBits::eCompute, .offset = 0, .size = push_bytes};
+  return {device, vk::PipelineLayoutCreateInfo{.setLayoutCount = 1,
+                                               .pSetLayouts = &*set_layout,
+                                               .pushConstantRangeCount = push_bytes > 0 ? 1U : 0U,
+                                               .pPushConstantRanges = &push}};
+}
+
+vk::raii::Pipeline makePipeline(const vk::raii::Device& device, const KernelSpec& spec,
+                                const vk::raii::PipelineLayout& layout) {
+  const vk::raii::ShaderModule shader(
+      device, vk::ShaderModuleCreateInfo{.codeSize = spec.spirv.size_bytes(), .pCode = spec.spirv.data()});
+  std::vector<vk::SpecializationMapEntry> entries(spec.specialisation.size());
+  for (std::uint32_t i = 0; i < entries.size(); ++i) {
+    entries[i] = vk::SpecializationMapEntry{.constantID = i, .offset = 4 * i, .size = 4};
+  }
+  const vk::SpecializationInfo constants{.mapEntryCount = static_cast<std::uint32_t>(entries.size()),
+                                         .pMapEntries = entries.data(),
+                                         .dataSize = 4 * spec.specialisation.size(),
+                                         .pData = spec.specialisation.data()};
+  const vk::PipelineShaderStageCreateInfo stage{.stage = vk::ShaderStageFlagBits::eCompute,
+                                                .module = *shader,
+                                                .pName = "main",
+                                                .pSpecializationInfo = &constants};
+  return {device, nullptr, vk::ComputePipelineCreateInfo{.stage = stage, .layout = *layout}};
+}
+
+}  // namespace
+
+Kernel::Kernel(Gpu& gpu, const KernelSpec& spec) : state_(std::make_unique<State>()) {
+  Gpu::State& vulkan = gpu.state();
+  state_->name = spec.name;
+  state_->bindings = spec.bindings;
+  state_->push_bytes = spec.push_bytes;
+  try {
+    state_->set_layout = makeSetLayout(vulkan.device, spec.bindings);
+    state_->layout = makeLayout(vulkan.device, state_->set_layout, spec.push_bytes);
+    state_->pipeline = makePipeline(vulkan.device, spec, state_->layout);
+  } catch (const vk::SystemError& error) {
+    throw Error(Error::Code::kDevice, "kernel " + spec.name,
+                fmt::format("{} refused it ({})", vulkan.info.name, error.what()), "choose another device with --gpu");
+  }
+  vulkan.name(state_->pipeline, spec.name);
+}
+
+Kernel::~Kernel() = default;
+Kernel::Kernel(Kernel&&) noexcept = default;
+Kernel& Kernel::operator=(Kernel&&) noexcept = default;
+
+}  // namespace palpate::gpu

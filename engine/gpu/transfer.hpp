@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// engine/gpu/transfer.hpp: moves bytes between the host and a buffer: in place where the buffer is mapped, else through one
+// staging buffer that is filled again and again. Blocks until the bytes are there.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+
+#include "engine/gpu/buffer.hpp"
+#include "engine/gpu/commands.hpp"
+
+namespace palpate::gpu {
+
+class Transfer {
+ public:
+  // `in_place` false: always through the staging buffer, which tests use to cover that way on any device.
+  explicit Transfer(Gpu& gpu, bool in_place = true);
+
+  void upload(std::span<const std::byte> bytes, const Buffer& to, std::size_t offset = 0);
+  void download(const Buffer& from, std::span<std::byte> bytes, std::size_t offset = 0);
+
+ private:
+  Buffer& staging();
+
+  Gpu& gpu_;
+  bool in_place_;
+  std::optional<Buffer> staging_;
+  Commands commands_;
+};
+
+}  // namespace palpate::gpu

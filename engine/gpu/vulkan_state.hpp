@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// engine/gpu/vulkan_state.hpp: the Vulkan objects behind Gpu, Buffer, Kernel and Commands. Private to engine/gpu.
+#pragma once
+
+#include <vulkan/vulkan_raii.hpp>
+
+#include <atomic>
+#include <optional>
+#include <string>
+
+#include "engine/gpu/gpu.hpp"
+
+namespace palpate::gpu {
+
+struct Gpu::State {
+  // Parent before child: members are destroyed in the opposite order.
+  GpuInfo info;
+  vk::raii::Context context;
+  vk::raii::Instance instance = nullptr;
+  vk::raii::DebugUtilsMessengerEXT messenger = nullptr;
+  vk::raii::PhysicalDevice physical = nullptr;
+  std::uint32_t queue_family = 0;
+  vk::raii::Device device = nullptr;
+  vk::raii::Queue queue = nullptr;
+  vk::raii::CommandPool command_pool = nullptr;
+  vk::raii::Semaphore timeline = nullptr;   // counts submissions
+  std::uint64_t submitted = 0;              // the value of the newest submission
+  bool named = false;                       // debug names are wanted
+  std::atomic<std::uint64_t> bytes_in_use = 0;
+
+  void wait(std::uint64_t value);           // until submission `value` is done; throws Error(kDevice) after 60 s
+
+  template <typename Handle>
+  void name(const Handle& handle, const std::string& text) {
+    if (!named) return;
+    using Native = typename Handle::CType;
+    device.setDebugUtilsObjectNameEXT({.objectType = Handle::objectType,
+                                       .objectHandle = reinterpret_cast<std::uint64_t>(static_cast<Native>(*handle)),
+                                       .pObjectName = text.c_str()});
+  }
+};
+
+// selection.cpp
+[[nodiscard]] vk::raii::Context openLoader();
+[[nodiscard]] vk::raii::Instance makeInstance(const vk::raii::Context& context, bool validation);
+[[nodiscard]] GpuInfo describe(const vk::raii::PhysicalDevice& physical);
+[[nodiscard]] vk::raii::PhysicalDevice choose(const vk::raii::Instance& instance, const std::string& name);
+[[nodiscard]] std::optional<std::uint32_t> computeQueueFamily(const vk::raii::PhysicalDevice& physical);
+
+// validation.cpp
+[[nodiscard]] vk::raii::DebugUtilsMessengerEXT makeMessenger(const vk::raii::Instance& instance);
+
+}  // namespace palpate::gpu

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/passes/active_bricks.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <numeric>
+
+namespace palpate {
+namespace {
+
+void markWithHalo(std::vector<bool>& active, const Vec3i& counts, const Vec3i& brick) {
+  const Vec3i end = (brick.array() + 1).min(counts.array() - 1);
+  for (int z = brick.z(); z <= end.z(); ++z) {
+    for (int y = brick.y(); y <= end.y(); ++y) {
+      for (int x = brick.x(); x <= end.x(); ++x) {
+        active[(static_cast<std::size_t>(z) * counts.y() + y) * counts.x() + x] = true;
+      }
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> activeBricks(std::span<const layout::BrickBounds> bounds, const Vec3i& brick_counts,
+                                        float isovalue) {
+  std::vector<bool> active(bounds.size());
+  std::size_t index = 0;
+  for (int z = 0; z < brick_counts.z(); ++z) {
+    for (int y = 0; y < brick_counts.y(); ++y) {
+      for (int x = 0; x < brick_counts.x(); ++x, ++index) {
+        // Density above the isovalue is object, at or below it background.
+        if (bounds[index].lowest <= isovalue && bounds[index].highest > isovalue) markWithHalo(active, brick_counts, {x, y, z});
+      }
+    }
+  }
+  std::vector<std::uint32_t> list;
+  for (std::size_t b = 0; b < active.size(); ++b) {
+    if (active[b]) list.push_back(static_cast<std::uint32_t>(b));
+  }
+  return list;
+}
+
+std::vector<std::uint32_t> allBricks(const Vec3i& brick_counts) {
+  std::vector<std::uint32_t> list(static_cast<std::size_t>(brick_counts.prod()));
+  std::iota(list.begin(), list.end(), 0U);
+  return list;
+}
+
+}  // namespace palpate

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// engine/passes/isosurface_pass.hpp: draws the isosurface (shaders/isosurface.comp), skipping bricks that cannot hold it.
+// Twin of its depth: engine/reference/isosurface.hpp. Thread: the Gpu's. Blocks; lavapipe: a second or so a megapixel.
+#pragma once
+
+#include "engine/gpu/commands.hpp"
+#include "engine/gpu/kernel.hpp"
+#include "engine/gpu/transfer.hpp"
+#include "engine/passes/brick_bounds_pass.hpp"
+#include "engine/passes/brick_pool.hpp"
+#include "engine/passes/camera.hpp"
+#include "shaders/isosurface.layout.h"
+
+namespace palpate {
+
+class IsosurfacePass {
+ public:
+  IsosurfacePass(gpu::Gpu& gpu, gpu::Transfer& transfer, const BrickPool& pool, const BrickBoundsPass& bounds);
+
+  [[nodiscard]] RenderedImage draw(const Camera& camera, double isovalue);
+
+ private:
+  gpu::Gpu& gpu_;
+  gpu::Transfer& transfer_;
+  const BrickPool& pool_;
+  const BrickBoundsPass& bounds_;
+  gpu::Kernel kernel_;
+  gpu::Commands commands_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// engine/reference/isosurface.hpp: the CPU twin of shaders/isosurface.comp's depth: where a ray meets the isosurface.
+// Any thread. It steps in small steps with no skipping, so it is slow and obvious.
+#pragma once
+
+#include <optional>
+
+#include "engine/reference/dense_field.hpp"
+
+namespace palpate::reference {
+
+// Trilinear density at a point in voxels, clamped to the domain; in double.
+[[nodiscard]] double trilinear(const DenseField& field, const Vec3& p_L);
+
+// Distance [m] from `eye_W` along the unit direction to the first point inside the domain with density above the isovalue,
+// found in steps of `step_voxels` and refined by bisection; empty if there is none.
+[[nodiscard]] std::optional<double> firstHit(const DenseField& field, double isovalue, const Vec3& eye_W,
+                                             const Vec3& direction_W, double step_voxels);
+
+}  // namespace palpate::reference

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// shaders/brick_pool.glsl: reading the brick pool. Include after the push constant that holds `PoolDomain`, with
+// POOL_DOMAIN defined to that member.
+#include "brick_pool.layout.h"
+
+// How many slabs this volume uses: with one, the choice of slab folds away.
+layout(constant_id = 0) const uint kSlabCount = 1;
+
+layout(std430, binding = BINDING_PAGES) readonly buffer Pages { BrickPage pages[]; };
+layout(std430, binding = BINDING_SLABS + 0) readonly buffer Slab0 { vec4 slab0[]; };
+layout(std430, binding = BINDING_SLABS + 1) readonly buffer Slab1 { vec4 slab1[]; };
+layout(std430, binding = BINDING_SLABS + 2) readonly buffer Slab2 { vec4 slab2[]; };
+layout(std430, binding = BINDING_SLABS + 3) readonly buffer Slab3 { vec4 slab3[]; };
+layout(std430, binding = BINDING_SLABS + 4) readonly buffer Slab4 { vec4 slab4[]; };
+layout(std430, binding = BINDING_SLABS + 5) readonly buffer Slab5 { vec4 slab5[]; };
+layout(std430, binding = BINDING_SLABS + 6) readonly buffer Slab6 { vec4 slab6[]; };
+layout(std430, binding = BINDING_SLABS + 7) readonly buffer Slab7 { vec4 slab7[]; };
+
+uvec3 domainSize() { return uvec3(POOL_DOMAIN.size_x, POOL_DOMAIN.size_y, POOL_DOMAIN.size_z); }
+
+uint brickIndex(uvec3 brick) { return (brick.z * POOL_DOMAIN.bricks_y + brick.y) * POOL_DOMAIN.bricks_x + brick.x; }
+
+uvec3 brickOfIndex(uint index) {
+  const uint slice = POOL_DOMAIN.bricks_x * POOL_DOMAIN.bricks_y;
+  const uint in_slice = index % slice;
+  return uvec3(in_slice % POOL_DOMAIN.bricks_x, in_slice / POOL_DOMAIN.bricks_x, index / slice);
+}
+
+// Four densities along i: quad 0 or 1 of a row.
+vec4 slabQuad(uint slot, uint quad) {
+  const uint at = (slot % BRICKS_PER_DENSITY_SLAB) * BRICK_QUADS + quad;
+  if (kSlabCount == 1) return slab0[at];
+  switch (slot / BRICKS_PER_DENSITY_SLAB) {
+    case 0: return slab0[at];
+    case 1: return slab1[at];
+    case 2: return slab2[at];
+    case 3: return slab3[at];
+    case 4: return slab4[at];
+    case 5: return slab5[at];
+    case 6: return slab6[at];
+    default: return slab7[at];
+  }
+}
+
+struct Row {
+  vec4 low, high;  // the eight densities along i
+};
+
+// Row (y, z) of a page, y and z within the brick.
+Row pageRow(BrickPage page, uint y, uint z) {
+  if (page.slot == NO_SLOT) return Row(vec4(page.constant), vec4(page.constant));
+  const uint quad = (z * BRICK_EDGE + y) * 2;
+  return Row(slabQuad(page.slot, quad), slabQuad(page.slot, quad + 1));
+}
+
+// One density at a voxel of the domain.
+float densityAt(uvec3 voxel) {
+  const BrickPage page = pages[brickIndex(voxel / BRICK_EDGE)];
+  if (page.slot == NO_SLOT) return page.constant;
+  const uvec3 in_brick = voxel % BRICK_EDGE;
+  const uint quad = (in_brick.z * BRICK_EDGE + in_brick.y) * 2 + in_brick.x / 4;
+  return slabQuad(page.slot, quad)[in_brick.x % 4];
+}

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// shaders/window.comp: gathers the samples around the tool from bricks into one small dense box that the servo reads. A
+// work group is a brick, an invocation a row of eight voxels. Bricks without gradients give density and a zero gradient.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "window.layout.h"
+
+layout(local_size_x = BRICK_ROWS) in;
+layout(push_constant) uniform Push { WindowPush push; };
+#define POOL_DOMAIN push.domain
+#include "brick_pool.glsl"
+
+layout(std430, binding = WINDOW_BINDING_TASKS) readonly buffer Tasks { BrickTask tasks[]; };
+layout(std430, binding = WINDOW_BINDING_SAMPLES) readonly buffer Samples { vec4 samples[]; };
+layout(std430, binding = WINDOW_BINDING_WINDOW) writeonly buffer Window { vec4 window[]; };
+
+void main() {
+  if (gl_WorkGroupID.x >= push.task_count) return;
+  const BrickTask task = tasks[push.first_task + gl_WorkGroupID.x];
+  const uint row_index = gl_LocalInvocationID.x;
+  const uvec3 first =
+      brickOfIndex(task.brick) * BRICK_EDGE + uvec3(0, row_index % BRICK_EDGE, row_index / BRICK_EDGE);
+  const uvec3 origin = uvec3(push.first_x, push.first_y, push.first_z);
+  const uvec3 size = uvec3(push.window_x, push.window_y, push.window_z);
+  // Unsigned wrap-around makes voxels before the origin huge, so one comparison tests both sides.
+  const uvec2 at = first.yz - origin.yz;
+  if (any(greaterThanEqual(at, size.yz))) return;
+
+  const Row row = pageRow(pages[task.brick], row_index % BRICK_EDGE, row_index / BRICK_EDGE);
+  for (uint i = 0; i < BRICK_EDGE; ++i) {
+    const uint x = first.x + i - origin.x;
+    if (x >= size.x) continue;
+    vec4 value = vec4(0, 0, 0, i < 4 ? row.low[i] : row.high[i - 4]);
+    if (task.sample_slot != NO_SLOT) {
+      value = samples[task.sample_slot * (BRICK_ROWS * BRICK_EDGE) + row_index * BRICK_EDGE + i];
+    }
+    window[(at.y * size.y + at.x) * size.x + x] = value;
+  }
+}
