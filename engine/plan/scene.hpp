@@ -31,7 +31,7 @@ struct Scene {
   double force_limit_N = 8;              // of the simulated device
   double slew_limit_N_per_s = 20000;
   double fade_s = 0.1;                   // time in which a faulty force fades to zero
-  double stale_window_s = 0.5;           // a window older than this while the tool has left its middle is a fault
+  double stale_window_s = 0.25;          // a window that the engine has not confirmed for so long is a fault
   // hand and simulated device
   bool spring_hand = false;              // false: the HIP is exactly the path
   double hand_mass_kg = 0.1;
@@ -51,7 +51,8 @@ struct Scene {
   double approach_m = 10.0e-3;
   // output
   std::string out = "out";
-  bool trace = true;
+  bool trace = true;                     // write trace.csv
+  bool picture = true;                   // draw view.png
   int image_width = 1280;
   int image_height = 720;
   std::uint64_t seed = 1;

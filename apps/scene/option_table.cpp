@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/scene/option_table.hpp"
+
+#include <algorithm>
+
+#include "base/error.hpp"
+#include "base/units.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr double kMm = kMetresPerMillimetre;
+
+NumberOption number(double Scene::* member, double scale, double lowest, double highest) {
+  return {member, scale, lowest, highest};
+}
+IntegerOption integer(int Scene::* member, long long lowest, long long highest) { return {member, lowest, highest}; }
+
+// clang-format off
+const SceneOption kOptions[] = {
+    {"--volume", "volume", "", "file, DICOM folder or phantom:NAME?size=64&noise=0.05", TextOption{&Scene::volume}},
+    {"--iso", "isovalue", "density", "isovalue: above it is object; chosen from the histogram if not given",
+     NumberOption{&Scene::isovalue, 1, -3.4e38, 3.4e38}},
+    {"--gpu", "gpu", "", "part of the Vulkan device's name; the best one if not given", TextOption{&Scene::gpu}},
+    {"--gradient", "gradient", "", "gradients of the bricks that the isosurface needs, or of all",
+     SwitchOption{&Scene::gradient_all, "active", "all"}},
+    {"--algorithm", "servo.algorithm", "", "haptic algorithm: hri or hri-paper", TextOption{&Scene::algorithm}},
+    {"--n", "servo.n", "ticks", "the virtual plane is found again every n ticks", integer(&Scene::plane_renewal_ticks, 1, 100000)},
+    {"--stiffness", "servo.stiffness_N_per_m", "N/m", "stiffness of the contact, K", number(&Scene::stiffness_N_per_m, 1, 0, 1e5)},
+    {"--damping", "servo.damping_Ns_per_m", "N s/m", "damping of the contact along the normal, B", number(&Scene::damping_Ns_per_m, 1, 0, 1000)},
+    {"--rate", "servo.rate_hz", "Hz", "servo rate", number(&Scene::rate_hz, 1, 10, 20000)},
+    {"--seconds", "servo.seconds", "s", "how long the servo runs", number(&Scene::duration_s, 1, 0.01, 3600)},
+    {"--clock", "servo.clock", "", "real: keeps time; simulated: as fast as it can, the same trace on every run",
+     SwitchOption{&Scene::simulated_clock, "real", "simulated"}},
+    {"--force-limit", "safety.force_limit_N", "N", "no larger force leaves the safety gate", number(&Scene::force_limit_N, 1, 0, 1000)},
+    {"--slew-limit", "safety.slew_limit_N_per_s", "N/s", "no faster change of force leaves the safety gate", number(&Scene::slew_limit_N_per_s, 1, 1, 1e7)},
+    {"--fade", "safety.fade_s", "s", "time in which the force fades to zero after a fault", number(&Scene::fade_s, 1, 0, 10)},
+    {"--stale", "safety.stale_window_s", "s", "a window not confirmed for so long is a fault", number(&Scene::stale_window_s, 1, 0.001, 60)},
+    {"--hand", "hand.kind", "", "rigid: the device is exactly on the path; spring: a hand pulls it and feels the force",
+     SwitchOption{&Scene::spring_hand, "rigid", "spring"}},
+    {"--hand-mass", "hand.mass_kg", "kg", "mass of the spring hand", number(&Scene::hand_mass_kg, 1, 0, 100)},
+    {"--hand-damping", "hand.damping_Ns_per_m", "N s/m", "damping of the spring hand", number(&Scene::hand_damping_Ns_per_m, 1, 0, 1e4)},
+    {"--hand-stiffness", "hand.stiffness_N_per_m", "N/m", "stiffness of the spring hand", number(&Scene::hand_stiffness_N_per_m, 1, 0, 1e5)},
+    {"--device-mass", "device.mass_kg", "kg", "mass of the simulated device", number(&Scene::device_mass_kg, 1, 1e-6, 100)},
+    {"--device-damping", "device.damping_Ns_per_m", "N s/m", "viscous friction of the simulated device", number(&Scene::device_damping_Ns_per_m, 1, 0, 1e4)},
+    {"--encoder", "device.encoder_resolution_mm", "mm", "resolution of the simulated device's encoders, 0: none", number(&Scene::encoder_resolution_m, kMm, 0, 10)},
+    {"--delay", "device.delay_ticks", "ticks", "delay of the simulated device's force", integer(&Scene::device_delay_ticks, 0, 1000)},
+    {"--path", "path.file", "", "CSV file with header time_s,x_m,y_m,z_m, instead of a path built from the surface", TextOption{&Scene::path_file}},
+    {"--toward", "path.toward", "", "world direction in which the tool approaches; chosen if not given", VectorOption{&Scene::path_toward, 1, true}},
+    {"--start", "path.start_mm", "mm", "world point near the surface where the press begins; chosen if not given", VectorOption{&Scene::path_start_W, kMm, false}},
+    {"--slide-toward", "path.slide_toward", "", "world direction of the slide; chosen if not given", VectorOption{&Scene::path_slide, 1, true}},
+    {"--depth", "path.depth_mm", "mm", "how deep the path presses below the surface", number(&Scene::press_depth_m, kMm, 0, 100)},
+    {"--slide", "path.slide_mm", "mm", "how far the path slides along the surface", number(&Scene::slide_length_m, kMm, 0, 1000)},
+    {"--approach", "path.approach_mm", "mm", "how far outside the path begins and ends", number(&Scene::approach_m, kMm, 0.01, 1000)},
+    {"--out", "output.folder", "", "folder for trace.csv, summary.json, report.html, view.png", TextOption{&Scene::out}},
+    {"--trace", "output.trace", "", "write trace.csv", SwitchOption{&Scene::trace, "off", "on"}},
+    {"--picture", "output.picture", "", "draw view.png", SwitchOption{&Scene::picture, "off", "on"}},
+    {"--width", "output.width", "pixel", "width of view.png", integer(&Scene::image_width, 320, 8192)},
+    {"--height", "output.height", "pixel", "height of view.png", integer(&Scene::image_height, 240, 8192)},
+};
+// clang-format on
+
+}  // namespace
+
+std::span<const SceneOption> sceneOptions() { return kOptions; }
+
+const SceneOption* optionOfKey(std::string_view key) {
+  const auto* found = std::find_if(std::begin(kOptions), std::end(kOptions), [&](const auto& o) { return key == o.key; });
+  return found == std::end(kOptions) ? nullptr : found;
+}
+
+std::string optionHelp(const SceneOption& option) {
+  const std::string standard = optionText(option.value, Scene{});
+  std::string text = option.help;
+  if (*option.unit != '\0') text += fmt::format(" [{}]", option.unit);
+  text += " (";
+  if (const auto* words = std::get_if<SwitchOption>(&option.value)) {
+    text += fmt::format("{} or {}; ", words->word_if_false, words->word_if_true);
+  }
+  if (!standard.empty()) text += fmt::format("default {}; ", standard);
+  return text + fmt::format("key {})", option.key);
+}
+
+std::string sceneDocument() {
+  std::string text =
+      "# Scene files\n\nA scene is a TOML file: `palpate touch scene.toml`. Every flag overrides its key. A dot in a key is a "
+      "TOML table:\n`servo.n` stands for `n` under `[servo]`. Relative paths in a scene start at the scene's folder. This "
+      "page is printed by\n`palpate scene`.\n\n| key | flag | unit | takes | default | meaning |\n|---|---|---|---|---|---|\n";
+  for (const SceneOption& option : kOptions) {
+    text += fmt::format("| `{}` | `{}` | {} | {} | {} | {} |\n", option.key, option.flag, option.unit,
+                        optionForm(option.value), optionText(option.value, Scene{}), option.help);
+  }
+  return text;
+}
+
+}  // namespace palpate

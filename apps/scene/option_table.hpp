@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// apps/scene/option_table.hpp: every option of a scene, once: flag, TOML key, unit, range, help. The command line, the scene
+// file, `--help`, docs/scene.md and summary.json all read this table. Any thread.
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "apps/scene/option_value.hpp"
+
+namespace palpate {
+
+struct SceneOption {
+  const char* flag;   // "--stiffness"
+  const char* key;    // "servo.stiffness_N_per_m"
+  const char* unit;   // as on screens: "N/m"; empty for words and counts without one
+  const char* help;
+  OptionValue value;
+};
+
+[[nodiscard]] std::span<const SceneOption> sceneOptions();
+
+// The row of a key, or null.
+[[nodiscard]] const SceneOption* optionOfKey(std::string_view key);
+
+// "stiffness of the contact, K [N/m] (default 500; key servo.stiffness_N_per_m)"
+[[nodiscard]] std::string optionHelp(const SceneOption& option);
+
+// The table of docs/scene.md, as `palpate scene` prints it.
+[[nodiscard]] std::string sceneDocument();
+
+}  // namespace palpate

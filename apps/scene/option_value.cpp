@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/scene/option_value.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <string_view>
+
+#include "base/error.hpp"
+
+namespace palpate {
+namespace {
+
+[[noreturn]] void refuse(const std::string& where, const std::string& text, const OptionValue& value) {
+  throw Error(Error::Code::kBadInput, where, fmt::format("'{}' is not what it takes", text), "give " + optionForm(value));
+}
+
+template <typename Number>
+std::optional<Number> parseNumber(std::string_view text) {
+  Number number{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return number;
+}
+
+std::string_view trimmed(std::string_view text) {
+  const auto first = text.find_first_not_of(" \t");
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
+}
+
+std::optional<Vec3> parseVector(std::string_view text) {
+  Vec3 vector;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto comma = text.find(',');
+    if ((comma == std::string_view::npos) != (axis == 2)) return std::nullopt;
+    const auto number = parseNumber<double>(trimmed(text.substr(0, comma)));
+    if (!number || !std::isfinite(*number)) return std::nullopt;
+    vector[axis] = *number;
+    if (axis < 2) text.remove_prefix(comma + 1);
+  }
+  return vector;
+}
+
+struct Setter {
+  const OptionValue& value;
+  const std::string& text;
+  const std::string& where;
+  Scene& scene;
+
+  void operator()(const NumberOption& option) const {
+    const auto number = parseNumber<double>(text);
+    // Written so that NaN is refused too.
+    if (!number || !(*number >= option.lowest && *number <= option.highest)) refuse(where, text, value);
+    std::visit([&](auto member) { scene.*member = *number * option.scale; }, option.member);
+  }
+  void operator()(const IntegerOption& option) const {
+    const auto number = parseNumber<long long>(text);
+    if (!number || *number < option.lowest || *number > option.highest) refuse(where, text, value);
+    std::visit([&](auto member) { scene.*member = static_cast<std::remove_reference_t<decltype(scene.*member)>>(*number); },
+               option.member);
+  }
+  void operator()(const TextOption& option) const { scene.*option.member = text; }
+  void operator()(const SwitchOption& option) const {
+    if (text != option.word_if_false && text != option.word_if_true) refuse(where, text, value);
+    scene.*option.member = text == option.word_if_true;
+  }
+  void operator()(const VectorOption& option) const {
+    const auto vector = parseVector(text);
+    if (!vector || (option.direction && vector->norm() == 0)) refuse(where, text, value);
+    scene.*option.member = option.direction ? vector->normalized() : Vec3(*vector * option.scale);
+  }
+};
+
+struct Writer {
+  const Scene& scene;
+
+  std::string operator()(const NumberOption& option) const {
+    const auto text = [&](double si) { return fmt::format("{:.10g}", si / option.scale); };
+    if (const auto* plain = std::get_if<double Scene::*>(&option.member)) return text(scene.**plain);
+    const auto& chosen = scene.*std::get<std::optional<double> Scene::*>(option.member);
+    return chosen ? text(*chosen) : std::string();
+  }
+  std::string operator()(const IntegerOption& option) const {
+    return std::visit([&](auto member) { return std::to_string(scene.*member); }, option.member);
+  }
+  std::string operator()(const TextOption& option) const { return scene.*option.member; }
+  std::string operator()(const SwitchOption& option) const {
+    return scene.*option.member ? option.word_if_true : option.word_if_false;
+  }
+  std::string operator()(const VectorOption& option) const {
+    const std::optional<Vec3>& vector = scene.*option.member;
+    if (!vector) return {};
+    const Vec3 shown = option.direction ? *vector : Vec3(*vector / option.scale);
+    return fmt::format("{:.10g},{:.10g},{:.10g}", shown.x(), shown.y(), shown.z());
+  }
+};
+
+struct Form {
+  std::string operator()(const NumberOption& option) const {
+    return fmt::format("a number from {:g} to {:g}", option.lowest, option.highest);
+  }
+  std::string operator()(const IntegerOption& option) const {
+    return fmt::format("a whole number from {} to {}", option.lowest, option.highest);
+  }
+  std::string operator()(const TextOption&) const { return "text"; }
+  std::string operator()(const SwitchOption& option) const {
+    return fmt::format("{} or {}", option.word_if_false, option.word_if_true);
+  }
+  std::string operator()(const VectorOption& option) const {
+    return option.direction ? "x,y,z, not all zero" : "x,y,z";
+  }
+};
+
+}  // namespace
+
+void setOption(const OptionValue& value, const std::string& text, const std::string& where, Scene& scene) {
+  std::visit(Setter{value, text, where, scene}, value);
+}
+
+std::string optionText(const OptionValue& value, const Scene& scene) { return std::visit(Writer{scene}, value); }
+
+std::string optionForm(const OptionValue& value) { return std::visit(Form{}, value); }
+
+}  // namespace palpate

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// apps/scene/option_value.hpp: one value of a scene, read from text and written as text, with its range and screen unit.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <variant>
+
+#include "engine/plan/scene.hpp"
+
+namespace palpate {
+
+// A number: screen unit * scale = the scene's SI value. The range is in the screen unit and closed.
+struct NumberOption {
+  std::variant<double Scene::*, std::optional<double> Scene::*> member;
+  double scale = 1;
+  double lowest = 0;
+  double highest = 0;
+};
+
+struct IntegerOption {
+  std::variant<int Scene::*, std::uint64_t Scene::*> member;
+  long long lowest = 0;
+  long long highest = 0;
+};
+
+struct TextOption {
+  std::string Scene::* member;
+};
+
+// One of two words.
+struct SwitchOption {
+  bool Scene::* member;
+  const char* word_if_false;
+  const char* word_if_true;
+};
+
+// Three numbers with commas between them: "x,y,z".
+struct VectorOption {
+  std::optional<Vec3> Scene::* member;
+  double scale = 1;
+  bool direction = false;  // made a unit vector; zero is refused
+};
+
+using OptionValue = std::variant<NumberOption, IntegerOption, TextOption, SwitchOption, VectorOption>;
+
+// Sets the member of `scene` from `text`. `where`: the flag or key, for the message. Throws Error(kBadInput) for text of
+// the wrong form, NaN, or a number out of range; the scene is then unchanged.
+void setOption(const OptionValue& value, const std::string& text, const std::string& where, Scene& scene);
+
+// The member's value in the form that setOption() takes; empty for a value that the program chooses.
+[[nodiscard]] std::string optionText(const OptionValue& value, const Scene& scene);
+
+// What may be given: "0 ... 20000", "rigid or spring", "x,y,z".
+[[nodiscard]] std::string optionForm(const OptionValue& value);
+
+}  // namespace palpate

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/scene/scene_file.hpp"
+
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <fstream>
+#include <numeric>
+#include <vector>
+
+#include "apps/scene/option_table.hpp"
+#include "base/error.hpp"
+
+namespace palpate {
+namespace {
+
+// Number of single-letter edits between two words (Levenshtein 1966).
+std::size_t editDistance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = std::exchange(row[0], i);
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t replace = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+      diagonal = std::exchange(row[j], std::min({row[j] + 1, row[j - 1] + 1, replace}));
+    }
+  }
+  return row.back();
+}
+
+std::string nearestKey(std::string_view key) {
+  const auto options = sceneOptions();
+  const auto nearest = std::min_element(options.begin(), options.end(), [&](const auto& a, const auto& b) {
+    return editDistance(key, a.key) < editDistance(key, b.key);
+  });
+  return nearest->key;
+}
+
+std::string nodeText(const toml::node& node, const std::string& where) {
+  if (const auto* text = node.as_string()) return text->get();
+  if (const auto* integer = node.as_integer()) return std::to_string(integer->get());
+  if (const auto* number = node.as_floating_point()) return fmt::format("{:.17g}", number->get());
+  if (const auto* flag = node.as_boolean()) return flag->get() ? "on" : "off";
+  if (const auto* array = node.as_array()) {
+    std::string text;
+    for (const toml::node& element : *array) text += (text.empty() ? "" : ",") + nodeText(element, where);
+    return text;
+  }
+  throw Error(Error::Code::kBadInput, where, "this kind of value is not understood", "give a number, text, or [x, y, z]");
+}
+
+void setKeys(const toml::table& table, const std::string& prefix, const std::string& file, Scene& scene) {
+  for (const auto& [name, node] : table) {
+    const std::string key = prefix + std::string(name.str());
+    if (const auto* inner = node.as_table()) {
+      setKeys(*inner, key + ".", file, scene);
+      continue;
+    }
+    const std::string where = fmt::format("{}:{}: {}", file, node.source().begin.line, key);
+    const SceneOption* option = optionOfKey(key);
+    if (option == nullptr) {
+      throw Error(Error::Code::kBadInput, where, "there is no such key",
+                  "did you mean " + nearestKey(key) + "? 'palpate scene' lists all");
+    }
+    setOption(option->value, nodeText(node, where), where, scene);
+  }
+}
+
+// A path in the scene starts at the scene's folder; a phantom is no path.
+void resolve(const std::filesystem::path& folder, std::string& name) {
+  if (name.empty() || name.rfind("phantom:", 0) == 0) return;
+  if (std::filesystem::path(name).is_relative()) name = (folder / name).lexically_normal().string();
+}
+
+}  // namespace
+
+void readSceneFile(const std::filesystem::path& file, Scene& scene) {
+  std::ifstream stream(file);
+  if (!stream) {
+    throw Error(Error::Code::kNotFound, file.string(), "the scene file cannot be opened", "check the path and its permissions");
+  }
+  Scene read = scene;
+  read.volume.clear();
+  read.path_file.clear();
+  try {
+    setKeys(toml::parse(stream, file.string()), "", file.string(), read);
+  } catch (const toml::parse_error& error) {
+    throw Error(Error::Code::kBadInput,
+                fmt::format("{}:{}:{}", file.string(), error.source().begin.line, error.source().begin.column),
+                std::string(error.description()), "mend the TOML there");
+  }
+  resolve(file.parent_path(), read.volume);
+  resolve(file.parent_path(), read.path_file);
+  scene = read;
+}
+
+}  // namespace palpate

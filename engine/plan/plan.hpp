@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// engine/plan/plan.hpp: scene -> the passes and buffers that it needs, and no others. Any thread; no cost.
+//
+// What a scene does not ask for is not there; the plan says what was left out, and, once the volume is known, what that
+// saved. `palpate plan SCENE` prints it; `palpate touch` keeps it in summary.json.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "engine/plan/scene.hpp"
+
+namespace palpate {
+
+enum class Pass { kUpload, kBrickBounds, kGradient, kWindow, kIsosurface };
+
+[[nodiscard]] const char* passName(Pass pass) noexcept;
+
+struct Plan {
+  std::vector<Pass> passes;         // in order of execution
+  bool gradient_all = false;        // gradients of every brick, not of those alone that the isosurface needs
+  bool draws = false;
+
+  [[nodiscard]] bool has(Pass pass) const noexcept;
+};
+
+[[nodiscard]] Plan makePlan(const Scene& scene);
+
+// What is known of the volume once its bounds are: for the words below.
+struct PlanFacts {
+  std::size_t bricks = 0;           // of the whole domain
+  std::size_t stored_bricks = 0;    // that are not constant
+  std::size_t gradient_bricks = 0;  // that got gradients
+};
+
+struct PlanLine {
+  bool done = false;       // false: left out
+  std::string what;        // "gradient of 1234 of 13824 bricks"
+  std::string why;
+  std::uint64_t saved_bytes = 0;
+};
+
+[[nodiscard]] std::vector<PlanLine> planLines(const Plan& plan, const PlanFacts& facts);
+
+}  // namespace palpate

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/service/engine.hpp"
+
+#include <chrono>
+
+#include "base/error.hpp"
+#include "engine/passes/active_bricks.hpp"
+
+namespace palpate {
+namespace {
+
+// A new window is gathered once the tool is this far from the middle of the last one: at 32 voxels it then still has 10
+// voxels of samples ahead, and a gather costs too much to do it for every voxel. [voxel]
+constexpr int kRecentreVoxels = 6;
+
+}  // namespace
+
+template <typename Work>
+void Engine::stage(const char* name, Work work) {
+  const auto start = std::chrono::steady_clock::now();
+  work();
+  stages_.push_back({name, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()});
+}
+
+Engine::Engine(const Volume& volume, const Plan& plan, double isovalue, const std::string& gpu_name)
+    : isovalue_(isovalue), gpu_(gpu::GpuRequest{.name = gpu_name}), transfer_(gpu_) {
+  stage(passName(Pass::kUpload), [&] { pool_ = std::make_unique<BrickPool>(gpu_, transfer_, volume); });
+  if (plan.has(Pass::kBrickBounds)) {
+    stage(passName(Pass::kBrickBounds), [&] {
+      bounds_ = std::make_unique<BrickBoundsPass>(gpu_, *pool_);
+      bounds_->run();
+    });
+  }
+  stage(passName(Pass::kGradient), [&] { computeGradients(plan); });
+  stage(passName(Pass::kWindow), [&] { makeWindows(); });
+  if (plan.draws) isosurface_ = std::make_unique<IsosurfacePass>(gpu_, transfer_, *pool_, *bounds_);
+}
+
+Engine::~Engine() = default;
+
+void Engine::computeGradients(const Plan& plan) {
+  const std::vector<std::uint32_t> bricks =
+      plan.gradient_all ? allBricks(pool_->brickCounts())
+                        : activeBricks(bounds_->read(transfer_), pool_->brickCounts(), static_cast<float>(isovalue_));
+  store_ = std::make_unique<SampleStore>(gpu_, pool_->brickCount(), bricks);
+  gradient_ = std::make_unique<GradientPass>(gpu_, transfer_, *pool_, *store_);
+  gradient_->run();
+}
+
+void Engine::makeWindows() {
+  window_ = std::make_unique<WindowPass>(gpu_, *pool_, *store_);
+  const auto capacity = static_cast<std::size_t>(pool_->size().cwiseMin(kWindowEdge).prod());
+  std::array<Sample*, 3> storages{};
+  for (Sample*& storage : storages) {
+    window_buffers_.emplace_back(gpu_, "window slot", capacity * sizeof(Sample), gpu::MemoryKind::kHost);
+    storage = static_cast<Sample*>(window_buffers_.back().mapped());
+  }
+  exchange_ = std::make_unique<WindowExchange>(storages, capacity);
+}
+
+bool Engine::publishAround(const Vec3& tool_W, std::int64_t now_ns) {
+  const WindowBox box = windowAround(pool_->lattice().toIndex(tool_W), pool_->size());
+  if (published_ && (box.first - published_->first).cwiseAbs().maxCoeff() < kRecentreVoxels) {
+    exchange_->confirm(now_ns);
+    return false;
+  }
+  const unsigned slot = exchange_->backIndex();
+  window_->run(box, window_buffers_[slot]);
+  SampleWindow& window = exchange_->back();
+  window.lattice = pool_->lattice().shifted(box.first);
+  window.size = box.size;
+  for (int axis = 0; axis < 3; ++axis) {
+    window.low_is_border[axis] = box.first[axis] == 0;
+    window.high_is_border[axis] = box.first[axis] + box.size[axis] == pool_->size()[axis];
+  }
+  window.edit_version = 0;
+  window.stamp_ns = now_ns;
+  exchange_->publish();
+  published_ = box;
+  return true;
+}
+
+RenderedImage Engine::draw(const Camera& camera) {
+  if (!isosurface_) {
+    throw Error(Error::Code::kBadInput, "picture", "the plan has no isosurface pass", "leave --picture on");
+  }
+  return isosurface_->draw(camera, isovalue_);
+}
+
+std::vector<MemoryFigure> Engine::memory() const {
+  std::uint64_t windows = 0;
+  for (const gpu::Buffer& buffer : window_buffers_) windows += buffer.bytes();
+  return {{"gpu brick pool", pool_->bytes()},
+          {"gpu samples", store_->bytes()},
+          {"gpu windows", windows},
+          {"gpu total", gpu_.bytesInUse()}};
+}
+
+PlanFacts Engine::planFacts() const noexcept {
+  return {pool_->brickCount(), pool_->storedBricks(), store_->bricks().size()};
+}
+
+}  // namespace palpate
