@@ -30,7 +30,7 @@ struct GpuInfo {
 [[nodiscard]] std::vector<GpuInfo> listGpus();
 
 struct GpuRequest {
-  std::string name;         // part of a device's name, letter case ignored; empty: the best
+  std::string name{};       // part of a device's name, letter case ignored; empty: the best
   bool validation = false;  // open with the Khronos validation layer, synchronisation validation included
 };
 
