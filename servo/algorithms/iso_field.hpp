@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+// servo/algorithms/iso_field.hpp: a window with an isovalue: is a point in the object, and where does a line enter it?
+//
+// Density above tau is object, at or below it background (the paper, section 3.1); beyond the volume is background.
+// Frame W: world [m]. Thread: the servo's. Cost: stated at each search, in fetches; every search has a stated maximum.
+// Errors: none; what is beyond the window is kUnknown and never taken for either side.
+#pragma once
+
+#include <optional>
+
+#include "servo/window/window_sampler.hpp"
+
+namespace palpate {
+
+enum class Side : std::uint8_t { kOutside, kInside, kUnknown };
+
+struct Probe {
+  Vec3 p_W = Vec3::Zero();  // [m]
+  double density = 0;       // -infinity beyond the volume
+  Side side = Side::kUnknown;
+};
+
+// A face of the volume, or none: where the object is cut by the end of the volume, the face is its surface.
+struct CutFace {
+  int axis = -1;  // of the lattice; -1: none
+  bool high = false;
+  [[nodiscard]] bool any() const noexcept { return axis >= 0; }
+};
+
+// Where a line comes in from outside.
+struct Entry {
+  Vec3 p_W = Vec3::Zero();         // on the surface [m]
+  Vec3 direction_W = Vec3::Zero();  // unit, from outside to inside along the line [-]
+  CutFace face;
+};
+
+class IsoField {
+ public:
+  // A line is searched in steps of at most half the smallest voxel; a longer line than this many steps in longer steps.
+  static constexpr int kMaxSearchSteps = 256;
+  // Regula falsi steps that bring an entry from half a voxel to about 1e-4 of one.
+  static constexpr int kMaxRefineSteps = 6;
+
+  IsoField() = default;
+  IsoField(const SampleWindow& window, double isovalue) noexcept : sampler_(window), isovalue_(isovalue) {}
+
+  [[nodiscard]] const WindowSampler& sampler() const noexcept { return sampler_; }
+  [[nodiscard]] double isovalue() const noexcept { return isovalue_; }
+  [[nodiscard]] double voxel() const noexcept { return sampler_.smallestSpacing(); }  // the smallest side [m]
+
+  // One fetch.
+  [[nodiscard]] Probe probe(const Vec3& p_W) const noexcept {
+    const Fetch f = sampler_.at(p_W);
+    const Side known = f.density > isovalue_ ? Side::kInside : Side::kOutside;
+    return {p_W, f.density, f.place == Place::kBeyondWindow ? Side::kUnknown : known};
+  }
+
+  // The first place between `from` and `to` where the line goes from outside in; both ends may be outside. At most
+  // kMaxSearchSteps + kMaxRefineSteps + 1 fetches, none for a line of one step that does not enter.
+  [[nodiscard]] std::optional<Entry> firstEntry(const Probe& from, const Probe& to) const noexcept;
+
+  // From a point inside, the first place on the way to `to_W` where the line comes out; as an entry seen from outside.
+  // At most kMaxSearchSteps + kMaxRefineSteps + 1 fetches.
+  [[nodiscard]] std::optional<Entry> firstExit(const Probe& inside, const Vec3& to_W) const noexcept;
+
+  // The nearest point of a world position in the box of the window's samples [m].
+  [[nodiscard]] Vec3 clampToBox(const Vec3& p_W) const noexcept;
+
+ private:
+  [[nodiscard]] int searchSteps(const Vec3& way_W) const noexcept;
+  [[nodiscard]] Entry refined(Probe outside, Probe inside) const noexcept;
+  [[nodiscard]] CutFace clipToBox(Probe& outside, const Probe& inside) const noexcept;
+
+  WindowSampler sampler_;
+  double isovalue_ = 0;
+};
+
+}  // namespace palpate

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// servo/algorithms/registry.hpp: the haptic algorithms by name. A new one is a file here and a row in registry.cpp.
+//
+// Set-up only: allocates and throws.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string_view>
+
+#include "servo/algorithms/algorithm.hpp"
+#include "servo/contact/contact_effect.hpp"
+
+namespace palpate {
+
+struct AlgorithmEntry {
+  std::string_view name;
+  std::string_view description;  // one line
+};
+
+// The first is the default.
+[[nodiscard]] std::span<const AlgorithmEntry> algorithms() noexcept;
+
+// Throws Error(kBadInput) on an unknown name (the message names the known ones), on a renewal below 1 tick, on a negative or
+// non-finite stiffness or damping or a non-finite isovalue, and on effects for an algorithm that takes none.
+[[nodiscard]] std::unique_ptr<Algorithm> makeAlgorithm(std::string_view name, const AlgorithmParameters& parameters,
+                                                       ContactEffects effects = {});
+
+}  // namespace palpate

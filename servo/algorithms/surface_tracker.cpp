@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/algorithms/surface_tracker.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace palpate {
+namespace {
+
+Vec3 tangential(const Vec3& v_W, const Vec3& normal_W) noexcept { return v_W - normal_W * normal_W.dot(v_W); }
+
+Vec3 shortened(const Vec3& v_W, double longest_m) noexcept {
+  const double squared_m2 = v_W.squaredNorm();
+  return squared_m2 <= longest_m * longest_m ? v_W : Vec3(v_W * (longest_m / std::sqrt(squared_m2)));
+}
+
+// Where the sampled gradient and the interpolated density disagree (a wall of one voxel), plain Newton swings or crawls.
+// The ratio of two residuals gives the true slope, as in the secant method.
+class NewtonGain {
+ public:
+  [[nodiscard]] double update(double residual_m) noexcept {
+    if (comparable_) {
+      const double ratio = residual_m / last_m_;
+      gain_ = std::clamp(gain_ / (1 - std::min(ratio, 0.75)), 0.25, 4.0);
+    }
+    last_m_ = residual_m;
+    return gain_;
+  }
+  // A residual can be compared with the next one only if the step between was mostly along the normal.
+  void stepped(double normal_m, double tangential_squared_m2) noexcept {
+    comparable_ = tangential_squared_m2 <= normal_m * normal_m && normal_m != 0;
+  }
+
+ private:
+  double gain_ = 1;
+  double last_m_ = 0;
+  bool comparable_ = false;
+};
+
+}  // namespace
+
+Track SurfaceTracker::follow(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface) noexcept {
+  return surface.face.any() ? followFace(field, hip_W, surface) : followIsosurface(field, hip_W, surface);
+}
+
+Track SurfaceTracker::followIsosurface(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface) noexcept {
+  const double h_m = field.voxel();
+  const double line_squared_m2 = kLineTolerance * kLineTolerance * h_m * h_m;
+  Vec3 x_W = surface.p_W + shortened(tangential(hip_W - surface.p_W, surface.normal_W), h_m);
+  NewtonGain gain;
+  SurfacePoint best;
+  double best_m = kUsable * h_m;
+  bool clamped = false;
+  for (int step = 0; step < kMaxSteps; ++step) {
+    Fetch f = field.sampler().at(x_W);
+    if (f.place == Place::kBeyondWindow) return Track::kBeyondWindow;
+    if (f.place == Place::kBeyondVolume) {
+      clamped = true;
+      x_W = field.clampToBox(x_W);
+      f = field.sampler().at(x_W);
+    }
+    const double steepness_squared = f.gradient_W.squaredNorm();
+    if (!(steepness_squared > 0) || !std::isfinite(steepness_squared)) return Track::kFlat;
+    const double per_steepness = 1 / std::sqrt(steepness_squared);
+    const Vec3 normal_W = f.gradient_W * -per_steepness;
+    const double residual_m = (f.density - field.isovalue()) * per_steepness;  // depth of x below the surface
+    if (!std::isfinite(residual_m)) return Track::kLost;
+    const double climb_m = std::clamp(gain.update(residual_m) * residual_m, -h_m, h_m);
+    const Vec3 aside_W = tangential(hip_W - x_W, normal_W);
+    const double aside_squared_m2 = aside_W.squaredNorm();
+    if (std::abs(climb_m) <= best_m) {
+      best = {x_W + normal_W * climb_m, normal_W, {}};
+      best_m = std::max(std::abs(climb_m), kDensityTolerance * h_m);
+      if (best_m <= kDensityTolerance * h_m && aside_squared_m2 <= line_squared_m2) break;
+    }
+    const Vec3 move_W = shortened(aside_W, h_m);
+    gain.stepped(climb_m, move_W.squaredNorm());
+    x_W += normal_W * climb_m + move_W;
+  }
+  if (clamped && field.sampler().place(hip_W) == Place::kBeyondVolume) return Track::kLeftVolume;
+  if (best.normal_W.isZero(0)) return Track::kLost;
+  surface = best;
+  return Track::kFound;
+}
+
+// The nearest point of the face; where the object has ended on the way there, the isosurface takes over from its edge.
+Track SurfaceTracker::followFace(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface) noexcept {
+  const WindowSampler& sampler = field.sampler();
+  const int axis = surface.face.axis;
+  const double last = sampler.lastIndex()[axis];
+  const auto onFace = [&](const Vec3& p_W) {
+    Vec3 p_L = sampler.toIndex(p_W).cwiseMax(Vec3::Zero()).cwiseMin(sampler.lastIndex());
+    p_L[axis] = surface.face.high ? last : 0.0;
+    return field.probe(sampler.toWorld(p_L));
+  };
+  // A window moves with the tool, so the face must still be one of the volume's and not just the window's end.
+  const Vec3 beyond_W = sampler.toWorld(sampler.toIndex(surface.p_W)) + surface.normal_W * field.voxel();
+  if (sampler.place(beyond_W) != Place::kBeyondVolume) return Track::kBeyondWindow;
+  const Probe nearest = onFace(hip_W);
+  if (nearest.side == Side::kInside) {
+    surface.p_W = nearest.p_W;
+    return Track::kFound;
+  }
+  Vec3 object_W = onFace(surface.p_W).p_W;
+  if (field.probe(object_W).side != Side::kInside) return Track::kLost;
+  Vec3 background_W = nearest.p_W;
+  for (int i = 0; i < kMaxEdgeSteps; ++i) {
+    const Vec3 middle_W = 0.5 * (object_W + background_W);
+    (field.probe(middle_W).side == Side::kInside ? object_W : background_W) = middle_W;
+  }
+  SurfacePoint edge{object_W, -field.sampler().at(object_W).gradient_W, {}};
+  if (!(edge.normal_W.squaredNorm() > 0)) return Track::kFlat;
+  edge.normal_W.normalize();
+  const Track result = followIsosurface(field, hip_W, edge);
+  if (result == Track::kFound) surface = edge;
+  return result;
+}
+
+}  // namespace palpate

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// servo/devices/device.hpp: what the servo asks of a haptic device, real or simulated.
+//
+// Frame W: world; a device that has a frame of its own turns into the world itself. Units [m, N].
+// Threads: read(), write() and elapse() by the servo thread alone, in each tick elapse, read, write; no heap, lock or throw in
+// them, and no system call but the device's own I/O, which must not wait. The rest before the loop starts.
+// Errors: false from read() or write() means that the device did not answer; the servo then fades the force to zero.
+#pragma once
+
+#include <string_view>
+
+#include "base/vec.hpp"
+
+namespace palpate {
+
+struct DeviceLimits {
+  double force_limit_N = 0;         // largest force in any direction [N]
+  double position_resolution_m = 0;  // of its encoders; 0: none to speak of [m]
+};
+
+class Device {
+ public:
+  virtual ~Device() = default;
+  [[nodiscard]] virtual std::string_view name() const noexcept = 0;
+  [[nodiscard]] virtual DeviceLimits limits() const noexcept = 0;
+
+  // Grid periods that have passed since the last tick: 1, or more where deadlines were missed; not called before the first
+  // tick. A real device has its own time and leaves this empty.
+  virtual void elapse(int ticks) noexcept { static_cast<void>(ticks); }
+  // Where the HIP is now; `position_W` is left alone on failure.
+  [[nodiscard]] virtual bool read(Vec3& position_W) noexcept = 0;
+  // The force to hold until the next write.
+  [[nodiscard]] virtual bool write(const Vec3& force_W) noexcept = 0;
+};
+
+}  // namespace palpate

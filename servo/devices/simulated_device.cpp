@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/devices/simulated_device.hpp"
+
+#include <cmath>
+
+#include "base/error.hpp"
+
+namespace palpate {
+namespace {
+
+void check(bool good, const char* key, double value, const char* remedy) {
+  if (!good || !std::isfinite(value)) {
+    throw Error(Error::Code::kBadInput, key, fmt::format("{:g} cannot be used", value), remedy);
+  }
+}
+
+const SimulatedDeviceParameters& checked(const SimulatedDeviceParameters& p, double rate_hz) {
+  check(rate_hz > 0, "rate", rate_hz, "give a positive rate in Hz");
+  check(p.force_limit_N > 0, "device force limit", p.force_limit_N, "give newtons above 0");
+  check(p.encoder_resolution_m >= 0, "encoder resolution", p.encoder_resolution_m, "give 0 m or more");
+  check(p.delay_ticks >= 0 && p.delay_ticks <= 10000, "device delay", p.delay_ticks, "give 0 to 10000 ticks");
+  return p;
+}
+
+}  // namespace
+
+SimulatedDevice::SimulatedDevice(const SimulatedDeviceParameters& parameters, const Path& path, double rate_hz)
+    : parameters_(checked(parameters, rate_hz)),
+      path_(path),
+      rate_hz_(rate_hz),
+      dynamics_(parameters.dynamics, 1 / rate_hz),
+      written_W_(static_cast<std::size_t>(parameters.delay_ticks) + 1, Vec3::Zero()) {
+  state_.position_W = path.position(0);
+}
+
+std::string_view SimulatedDevice::name() const noexcept {
+  return parameters_.hand == Hand::kRigid ? "simulated, rigid hand" : "simulated, spring hand";
+}
+
+DeviceLimits SimulatedDevice::limits() const noexcept {
+  return {parameters_.force_limit_N, parameters_.encoder_resolution_m};
+}
+
+// The servo writes in every tick that it runs; where it missed some, the device holds the last force, as hardware does.
+void SimulatedDevice::elapse(int ticks) noexcept {
+  for (int i = 0; i < ticks; ++i) {
+    const Vec3 start_W = path_.position(timeOf(tick_));
+    const Vec3 end_W = path_.position(timeOf(++tick_));
+    if (parameters_.hand == Hand::kRigid) {
+      state_ = {end_W, (end_W - start_W) * rate_hz_};
+    } else {
+      state_ = dynamics_.step(state_, start_W, end_W, written_W_[next_]);
+    }
+    const std::size_t size = written_W_.size();
+    const Vec3 newest_W = written_W_[(next_ + size - 1) % size];
+    next_ = (next_ + 1) % size;
+    written_W_[(next_ + size - 1) % size] = newest_W;
+  }
+}
+
+bool SimulatedDevice::read(Vec3& position_W) noexcept {
+  const double resolution_m = parameters_.encoder_resolution_m;
+  position_W = state_.position_W;
+  if (resolution_m > 0) {
+    for (double& x : position_W) x = std::round(x / resolution_m) * resolution_m;
+  }
+  return true;
+}
+
+bool SimulatedDevice::write(const Vec3& force_W) noexcept {
+  if (!force_W.allFinite()) return false;
+  const double size_N = force_W.stableNorm();
+  const std::size_t newest = (next_ + written_W_.size() - 1) % written_W_.size();
+  const double limit_N = parameters_.force_limit_N;
+  written_W_[newest] = size_N > limit_N ? Vec3(force_W / size_N * limit_N) : force_W;
+  return true;
+}
+
+}  // namespace palpate

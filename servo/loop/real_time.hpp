@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// servo/loop/real_time.hpp: what the servo thread asks of the system before its first tick, and its clock.
+//
+// Nothing here is required: what the system refuses is noted with its reason and remedy, and the loop goes on.
+// Thread: the servo's, on itself. Cost: system calls, so before the first tick only; the clock's two are the exception.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace palpate {
+
+struct RealTimeStatus {
+  bool asked = false;           // false with the simulated clock, or where not wanted
+  bool fifo = false;            // runs under SCHED_FIFO
+  bool memory_locked = false;   // the process's present pages stay in memory
+  std::vector<std::string> notes;  // for each thing refused: what, why, what to do
+};
+
+// Asks for SCHED_FIFO at `priority` (1 to 99) for the calling thread and for the process's present memory to stay resident.
+// Later memory is not asked for: under a limit that would make the allocations of other threads fail.
+[[nodiscard]] RealTimeStatus becomeRealTime(int priority);
+
+// CLOCK_MONOTONIC [ns]; no system call where the vDSO serves it.
+[[nodiscard]] std::int64_t monotonicNow_ns() noexcept;
+
+// Sleeps until `due_ns` on that clock; returns at once if it has passed. Signals do not end it early.
+void sleepUntil(std::int64_t due_ns) noexcept;
+
+}  // namespace palpate

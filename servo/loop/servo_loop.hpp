@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+// servo/loop/servo_loop.hpp: the haptic loop: device -> velocity -> algorithm -> safety gate -> device, tick after tick.
+//
+// One object is one run. Time is a grid: tick k is due k / rate after the start. With the real clock a thread of its own sleeps
+// until each grid point; a tick that is not done when the next is due is flagged kOverrun, and the grid points that have passed
+// are left out, not made up for: tick numbers keep to the grid, so they have a gap there and time_s stays tick / rate.
+// With the simulated clock the caller's thread runs the ticks as fast as it can, every grid point, and cost and lateness are 0:
+// the same inputs give the same records, bit for bit.
+// Real-time rule: between its first and last tick the servo thread allocates nothing, takes no lock, throws and prints nothing,
+// and makes no system call but its sleep and the device's I/O (tests/servo/loop proves it).
+// Frame W: world. Times: nanoseconds of CLOCK_MONOTONIC, or since the start with the simulated clock.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <thread>
+#include <vector>
+
+#include "servo/algorithms/algorithm.hpp"
+#include "servo/devices/device.hpp"
+#include "servo/loop/real_time.hpp"
+#include "servo/loop/tick_recorder.hpp"
+#include "servo/loop/velocity_filter.hpp"
+#include "servo/safety/safety_gate.hpp"
+#include "servo/window/tool_pose.hpp"
+#include "servo/window/window_exchange.hpp"
+
+namespace palpate {
+
+struct LoopParameters {
+  double rate_hz = 1000;            // 1 to 20000 [Hz]
+  std::int64_t ticks = 5000;        // grid points of the run; 0: until requestStop() [tick]
+  std::int64_t record_ticks = -1;   // newest ticks to keep; -1: all, which needs `ticks` [tick]
+  double velocity_cutoff_hz = 200;  // of the velocity estimate; 0: none [Hz]
+  bool real_time = true;            // ask for priority and locked memory (real clock)
+  int priority = 80;                // of SCHED_FIFO
+  SafetyParameters safety;
+};
+
+struct LoopResult {
+  std::vector<TickRecord> records;
+  std::int64_t ticks_run = 0;      // ticks that were run [tick]
+  std::int64_t ticks_skipped = 0;  // grid points left out after missed deadlines [tick]
+  RealTimeStatus real_time;
+};
+
+class ServoLoop {
+ public:
+  // All must outlive the loop; it is the reader of `windows` and the writer of `tool`. Reads the device once, puts the algorithm
+  // there, and publishes the first ToolPose (tick -1, time 0), so that the engine can place the first window.
+  // Throws Error(kBadInput) on parameters out of range, Error(kDevice) if the device cannot be read.
+  ServoLoop(const LoopParameters& parameters, Algorithm& algorithm, Device& device, WindowExchange& windows,
+            ToolPoseMailbox& tool);
+  ~ServoLoop();  // stops and joins a running thread
+
+  // Simulated clock: the whole run, in the caller's thread. `before_tick` is called before each with its number and its time in
+  // ns, for an engine that publishes in step; it may do what it likes. It may be empty.
+  using Hook = std::function<void(std::int64_t tick, std::int64_t time_ns)>;
+  [[nodiscard]] LoopResult runSimulated(const Hook& before_tick = {});
+
+  // Real clock: starts the thread; the result comes from wait(), which joins. Throws std::system_error without a thread.
+  void start();
+  [[nodiscard]] LoopResult wait();
+  [[nodiscard]] bool running() const noexcept { return running_.load(std::memory_order_acquire); }
+
+  // Any thread, any time: no tick begins after the servo has seen it. The force is set to zero at the end of every run.
+  void requestStop() noexcept { stop_.store(true, std::memory_order_relaxed); }
+
+ private:
+  struct Due {
+    std::int64_t tick = 0;
+    std::int64_t lateness_ns = 0;
+    int elapsed_ticks = 0;  // since the last tick that ran; 0 before the first
+  };
+  [[nodiscard]] std::int64_t offset_ns(std::int64_t tick) const noexcept;  // of a grid point from the start [ns]
+  [[nodiscard]] bool wanted(std::int64_t tick) const noexcept;
+  void runReal();
+  const SampleWindow& runTick(const Due& due, std::int64_t now_ns, TickRecord& record) noexcept;
+  void endForce() noexcept;
+  [[nodiscard]] LoopResult result();
+
+  LoopParameters parameters_;
+  Algorithm& algorithm_;
+  Device& device_;
+  WindowExchange& windows_;
+  ToolPoseMailbox& tool_;
+  SafetyGate gate_;
+  VelocityFilter velocity_;
+  TickRecorder recorder_;
+  Vec3 hip_W_ = Vec3::Zero();  // last position that could be read [m]
+  int ticks_since_read_ = 0;
+  std::uint32_t carried_faults_ = 0;  // of the last tick, after its gate
+  std::int64_t ticks_run_ = 0;
+  std::int64_t ticks_skipped_ = 0;
+  RealTimeStatus real_time_;
+  std::atomic<bool> stop_{false};
+  std::atomic<bool> running_{false};
+  std::jthread thread_;  // last: it uses the rest
+};
+
+}  // namespace palpate

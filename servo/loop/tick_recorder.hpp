@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// servo/loop/tick_recorder.hpp: the records of a run, in memory that is there before the first tick.
+//
+// Keeps the newest `capacity` ticks; a run that is not longer is kept whole. Thread: next() by the servo, taken() after the run.
+// Cost: next() a few instructions and no heap; taken() moves the records and, where they have wrapped, rotates them.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "servo/loop/tick_record.hpp"
+
+namespace palpate {
+
+class TickRecorder {
+ public:
+  explicit TickRecorder(std::size_t capacity);
+
+  // A zeroed record to fill, padding included, so that equal runs compare equal as bytes; null with capacity 0.
+  [[nodiscard]] TickRecord* next() noexcept;
+  // The records in the order of their ticks; the recorder is empty afterwards.
+  [[nodiscard]] std::vector<TickRecord> taken();
+
+ private:
+  std::vector<TickRecord> records_;
+  std::size_t count_ = 0;  // since the start
+};
+
+}  // namespace palpate

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// servo/safety/faults.hpp: everything that can go wrong in a tick, as bits, with what it means and what to do.
+//
+// The servo raises bits and nothing else; texts are made from them after the run or by another thread.
+// Thread: bits anywhere; the text functions allocate, so not in the servo. Cost: none worth a word. Errors: none.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+namespace palpate {
+
+enum class ServoFault : std::uint32_t {
+  kNone = 0,
+  // These take the force away: it fades to zero (safety_gate.hpp).
+  kNoWindow = 1U << 0,
+  kStaleWindow = 1U << 1,
+  kBeyondWindow = 1U << 2,
+  kNonFiniteForce = 1U << 3,
+  kDeviceError = 1U << 4,
+  // These are notes: the force goes on, limited where the name says so.
+  kForceLimited = 1U << 5,
+  kSlewLimited = 1U << 6,
+  kOverrun = 1U << 7,
+  kZeroGradient = 1U << 8,
+  kInsideObject = 1U << 9,
+  kSurfaceLost = 1U << 10,
+};
+
+[[nodiscard]] constexpr std::uint32_t bit(ServoFault fault) noexcept { return static_cast<std::uint32_t>(fault); }
+[[nodiscard]] constexpr bool has(std::uint32_t faults, ServoFault fault) noexcept { return (faults & bit(fault)) != 0; }
+
+// The bits that take the force away.
+inline constexpr std::uint32_t kFadingFaults = bit(ServoFault::kNoWindow) | bit(ServoFault::kStaleWindow) |
+                                               bit(ServoFault::kBeyondWindow) | bit(ServoFault::kNonFiniteForce) |
+                                               bit(ServoFault::kDeviceError);
+
+struct FaultText {
+  ServoFault fault;
+  const char* name;    // as in trace.csv and reports
+  const char* text;    // what happened
+  const char* remedy;  // what to do
+};
+
+// One row for each bit, lowest bit first.
+[[nodiscard]] std::span<const FaultText> faultTable() noexcept;
+
+// The set bits by name, "beyond-window force-limited"; "none" for none. A bit that no row has shows as "unknown-fault".
+[[nodiscard]] std::string faultNames(std::uint32_t faults);
+
+// One line for each set bit: "name: text; remedy". Empty for none.
+[[nodiscard]] std::string describeFaults(std::uint32_t faults);
+
+}  // namespace palpate

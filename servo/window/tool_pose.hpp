@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// servo/window/tool_pose.hpp: where the tool is, from the servo to the engine, which puts the next window around it.
+//
+// Frame W: world [m, m/s]. Threads: the servo publishes every tick, the engine reads; wait-free on both sides.
+#pragma once
+
+#include <cstdint>
+
+#include "base/vec.hpp"
+#include "servo/window/triple_buffer.hpp"
+
+namespace palpate {
+
+struct ToolPose {
+  Vec3 position_W = Vec3::Zero();  // HIP, as the servo read it [m]
+  Vec3 velocity_W = Vec3::Zero();  // the servo's filtered estimate [m/s]
+  std::int64_t tick = -1;          // of the servo; -1: before the first tick
+  std::int64_t time_ns = 0;        // on the servo's clock [ns]
+};
+
+using ToolPoseMailbox = TripleBuffer<ToolPose>;
+
+}  // namespace palpate

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+// servo/window/triple_buffer.hpp: newest value from one thread to another: three slots, no lock, latest value wins.
+//
+// Threads: back() and publish() by the one writer, latest() by the one reader. Every call is wait-free on its own side: one
+// atomic exchange at most, no retry; a slow reader never holds the writer up and the other way round.
+// Cost: publish() one exchange; latest() one load, and one exchange when there is something new.
+// Errors: none. Heap: none after construction.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+
+namespace palpate {
+
+// The slots are the back one (the writer's), the front one (the reader's) and the middle one, whose number lies in an
+// atomic together with a bit that says whether the reader has not seen it yet. Each side swaps its own slot for the middle.
+//
+// kSwap: release, because what a side has written (or has finished to read) in the slot that it gives away must be done
+// before the other side gets it; acquire, because the slot that it takes was given away by the other side in the same
+// manner. Weaker orders tear: tests/servo/window instantiates a relaxed copy, and the thread sanitizer reports it.
+template <class T, std::memory_order kSwap = std::memory_order_acq_rel>
+class TripleBuffer {
+ public:
+  TripleBuffer() = default;
+  // Every slot starts as `first`. Nothing counts as published: latest() gives `first` until the first publish().
+  explicit TripleBuffer(const T& first) : slots_{Slot{first}, Slot{first}, Slot{first}} {}
+
+  TripleBuffer(const TripleBuffer&) = delete;
+  TripleBuffer& operator=(const TripleBuffer&) = delete;
+
+  // Writer: the slot to fill. It holds some older value; valid until publish().
+  [[nodiscard]] T& back() noexcept { return slots_[back_].value; }
+  // Writer: which of the three slots back() is: 0, 1 or 2, for storage that belongs to a slot.
+  [[nodiscard]] unsigned backIndex() const noexcept { return back_; }
+  // Writer: hands back() over; back() is another slot afterwards.
+  void publish() noexcept { back_ = middle_.exchange(back_ | kFresh, kSwap) & kIndex; }
+
+  // Reader: the newest published value; the reference is valid, and its content constant, until the next call.
+  [[nodiscard]] const T& latest() noexcept {
+    // Relaxed is enough to look: the exchange below is what orders, and a missed bit is seen at the next call.
+    if ((middle_.load(std::memory_order_relaxed) & kFresh) != 0) front_ = middle_.exchange(front_, kSwap) & kIndex;
+    return slots_[front_].value;
+  }
+
+  // Set-up only, before the threads start: slot 0, 1 or 2.
+  [[nodiscard]] T& slot(unsigned index) noexcept { return slots_[index].value; }
+
+ private:
+  static constexpr unsigned kIndex = 3;
+  static constexpr unsigned kFresh = 4;
+  static constexpr std::size_t kCacheLine = 64;  // [byte]; each side's slot and number on lines of their own
+  static_assert(std::atomic<unsigned>::is_always_lock_free);
+
+  struct alignas(kCacheLine) Slot {
+    T value{};
+  };
+  std::array<Slot, 3> slots_{};
+  alignas(kCacheLine) unsigned back_ = 0;
+  alignas(kCacheLine) std::atomic<unsigned> middle_{1};
+  alignas(kCacheLine) unsigned front_ = 2;
+};
+
+}  // namespace palpate

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// servo/window/window_exchange.hpp: windows from the engine to the servo, and the engine's word that they still hold.
+//
+// Three windows over three sample storages that somebody else owns: the engine maps GPU buffers, tests use WindowStorage.
+// Threads: the writer's calls by the engine, the reader's by the servo; all wait-free (triple_buffer.hpp). Times are on the
+// servo's clock [ns].
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <vector>
+
+#include "servo/window/sample_window.hpp"
+#include "servo/window/triple_buffer.hpp"
+
+namespace palpate {
+
+// Plain memory for the three slots of an exchange.
+class WindowStorage {
+ public:
+  explicit WindowStorage(std::size_t capacity_samples);
+  [[nodiscard]] std::array<Sample*, 3> pointers() noexcept;
+  [[nodiscard]] std::size_t capacity() const noexcept { return samples_[0].size(); }
+
+ private:
+  std::array<std::vector<Sample>, 3> samples_;
+};
+
+class WindowExchange {
+ public:
+  // `storages`: three blocks of `capacity_samples` samples each, which outlive the exchange.
+  // Throws Error(kBadInput) on a null or shared storage and on a capacity below 8 samples.
+  WindowExchange(const std::array<Sample*, 3>& storages, std::size_t capacity_samples);
+  explicit WindowExchange(WindowStorage& storage) : WindowExchange(storage.pointers(), storage.capacity()) {}
+
+  // Writer. Fill every field of back() except `samples` and `version`, and size.x * size.y * size.z samples at
+  // backSamples(), i fastest. Both hold the content of an older window and are valid until publish().
+  [[nodiscard]] SampleWindow& back() noexcept { return buffer_.back(); }
+  [[nodiscard]] Sample* backSamples() noexcept { return storages_[buffer_.backIndex()]; }
+  [[nodiscard]] std::size_t capacity() const noexcept { return capacity_samples_; }
+  // Writer: the next window to be published gets this version; the first is 1.
+  [[nodiscard]] std::uint64_t nextVersion() const noexcept { return version_ + 1; }
+
+  // Writer: sets `samples` and `version` (one more than the last), confirms it at its stamp_ns, and hands it over.
+  // Throws Error(kBadInput) when a side is below 2 samples or the window exceeds the capacity; then nothing is published.
+  void publish();
+
+  // Writer: the engine's heartbeat: at `now_ns` the newest published window is still what the volume holds there.
+  void confirm(std::int64_t now_ns) noexcept { confirmed_at_ns_.store(now_ns, std::memory_order_release); }
+
+  // Reader: the newest window; valid and constant until the next call. Version 0: nothing published yet.
+  [[nodiscard]] const SampleWindow& latest() noexcept { return buffer_.latest(); }
+
+  // Reader: when the newest window was last known to be true. Call it before latest(): the release in confirm() and this
+  // acquire make sure that latest() then gives the window that was confirmed, or a newer one, never an older.
+  [[nodiscard]] std::int64_t confirmedAt_ns() const noexcept { return confirmed_at_ns_.load(std::memory_order_acquire); }
+
+ private:
+  std::array<Sample*, 3> storages_;
+  std::size_t capacity_samples_;
+  std::uint64_t version_ = 0;  // writer's
+  TripleBuffer<SampleWindow> buffer_;
+  alignas(64) std::atomic<std::int64_t> confirmed_at_ns_{0};
+};
+
+}  // namespace palpate

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+// servo/window/window_sampler.hpp: a window made ready to be sampled many times: its affine map and strides, worked out once.
+//
+// Frames: W world [m]; L the window's lattice [voxel]. Position math in double, weights and samples in float.
+// Thread: any; it reads the samples of the window that it was made from, so it lives no longer than they do.
+// Cost: making one some 20 ns; at() eight 16-byte loads and seven lerps of four floats, some 20 ns in a dependent chain.
+// Errors: none; a non-finite position is beyond the window.
+#pragma once
+
+#include <cstring>
+
+#include "servo/window/sample_window.hpp"
+
+namespace palpate {
+
+class WindowSampler {
+ public:
+  WindowSampler() = default;  // of no window: every place is beyond it
+  explicit WindowSampler(const SampleWindow& window) noexcept;
+
+  // World [m] to lattice [voxel] and back; outward unit normal of the face across `axis` at its `high` or low end.
+  [[nodiscard]] Vec3 toIndex(const Vec3& p_W) const noexcept {
+    const double x = p_W.x() - origin_W_.x();
+    const double y = p_W.y() - origin_W_.y();
+    const double z = p_W.z() - origin_W_.z();
+    return {A_LW_(0, 0) * x + A_LW_(0, 1) * y + A_LW_(0, 2) * z, A_LW_(1, 0) * x + A_LW_(1, 1) * y + A_LW_(1, 2) * z,
+            A_LW_(2, 0) * x + A_LW_(2, 1) * y + A_LW_(2, 2) * z};
+  }
+  [[nodiscard]] Vec3 toWorld(const Vec3& p_L) const noexcept { return window_->lattice.toWorld(p_L); }
+  [[nodiscard]] Vec3 faceNormal(int axis, bool high) const noexcept {
+    return window_->lattice.R_WL.col(axis) * (high ? 1.0 : -1.0);
+  }
+  [[nodiscard]] const Vec3& lastIndex() const noexcept { return last_L_; }                 // size - 1 [voxel]
+  [[nodiscard]] double smallestSpacing() const noexcept { return smallest_spacing_m_; }  // [m]
+
+  [[nodiscard]] Place place(const Vec3& p_W) const noexcept { return placeOf(toIndex(p_W)); }
+
+  // Density and gradient at a point, both trilinear.
+  [[nodiscard]] Fetch at(const Vec3& p_W) const noexcept {
+    const Vec3 p_L = toIndex(p_W);
+    if (!holds(p_L)) return beyond(p_L);
+    return interpolate(p_L);
+  }
+
+ private:
+  using Float4 = float __attribute__((vector_size(16)));  // gradient i, j, k and density of one sample
+
+  // Rounding may put a point of a face this far out [voxel].
+  static constexpr double kFaceTolerance = 1e-9;
+
+  [[nodiscard]] bool holds(const Vec3& p_L) const noexcept {
+    return p_L.x() >= low_ && p_L.y() >= low_ && p_L.z() >= low_ && p_L.x() <= high_L_.x() && p_L.y() <= high_L_.y() &&
+           p_L.z() <= high_L_.z();
+  }
+  [[nodiscard]] Place placeOf(const Vec3& p_L) const noexcept { return holds(p_L) ? Place::kInside : beyond(p_L).place; }
+  [[nodiscard]] Fetch beyond(const Vec3& p_L) const noexcept;
+
+  static Float4 load(const Sample* sample) noexcept {
+    Float4 value;
+    std::memcpy(&value, sample, sizeof value);
+    return value;
+  }
+  // Of the lerp's two forms, this one gives a constant field back exactly, so flat background at tau stays background.
+  static Float4 lerp(Float4 a, Float4 b, Float4 t) noexcept { return a + t * (b - a); }
+  static Float4 broadcast(double t) noexcept {
+    const auto f = static_cast<float>(t);
+    return Float4{f, f, f, f};
+  }
+
+  // Low corner of the cell along one axis: truncated (p >= 0 up to the tolerance), the last sample belongs to the last cell.
+  static int cell(double p, int last_cell) noexcept {
+    const int i = static_cast<int>(p);
+    return i < last_cell ? i : last_cell;
+  }
+
+  [[nodiscard]] Fetch interpolate(const Vec3& p_L) const noexcept {
+    const int i = cell(p_L.x(), last_cell_.x());
+    const int j = cell(p_L.y(), last_cell_.y());
+    const int k = cell(p_L.z(), last_cell_.z());
+    const Sample* low = samples_ + (i + row_ * j + slice_ * k);
+    const Sample* high = low + slice_;
+    const Float4 u = broadcast(p_L.x() - i);
+    const Float4 v = broadcast(p_L.y() - j);
+    const Float4 w = broadcast(p_L.z() - k);
+    const Float4 a = lerp(lerp(load(low), load(low + 1), u), lerp(load(low + row_), load(low + row_ + 1), u), v);
+    const Float4 b = lerp(lerp(load(high), load(high + 1), u), lerp(load(high + row_), load(high + row_ + 1), u), v);
+    const Float4 s = lerp(a, b, w);
+    const double gi = s[0];
+    const double gj = s[1];
+    const double gk = s[2];
+    return {s[3], Vec3(R_WL_.col(0) * gi + R_WL_.col(1) * gj + R_WL_.col(2) * gk), Place::kInside};
+  }
+
+  Vec3 origin_W_ = Vec3::Zero();
+  Mat3 A_LW_ = Mat3::Zero();          // world offset [m] to lattice [voxel]
+  Mat3 R_WL_ = Mat3::Identity();
+  double low_ = -kFaceTolerance;
+  Vec3 high_L_ = Vec3::Constant(-1);  // [voxel]; below low_: holds nothing
+  Vec3 last_L_ = Vec3::Zero();
+  Vec3i last_cell_ = Vec3i::Zero();
+  std::ptrdiff_t row_ = 0, slice_ = 0;  // [sample]
+  const Sample* samples_ = nullptr;
+  double smallest_spacing_m_ = 1;
+  const SampleWindow* window_ = nullptr;
+};
+
+}  // namespace palpate
