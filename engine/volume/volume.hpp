@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,8 @@ struct VolumeFacts {
   double rescale_slope = 1;      // file value * slope + intercept = density
   double rescale_intercept = 0;
   bool is_level_set = false;     // a VDB level set: density is minus the signed distance [m], isovalue 0
+  std::optional<double> declared_isovalue;  // of a phantom: the density of its exact surface
+  std::string remark;            // what a user should know: "largest of 3 series", ...; empty: nothing
 };
 
 class Volume {
@@ -60,7 +63,8 @@ class Volume {
   [[nodiscard]] std::vector<float> toDense() const;
 
   // Trilinear density and central-difference gradient [density/m, world] at a world point, for set-up code such as path
-  // building. Returns false outside the domain.
+  // building. The gradient is interpolated between voxels as the density is; on the domain's faces its difference is
+  // one-sided. Returns false outside the box between the first and the last voxel's centre.
   bool sample(const Vec3& p_W, double& density, Vec3& gradient_W) const;
 
   [[nodiscard]] std::size_t storedBytes() const;              // of the grid on the CPU [byte]

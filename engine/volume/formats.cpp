@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/volume/formats.hpp"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "base/error.hpp"
+#include "engine/volume/magic.hpp"
+#include "engine/volume/readers.hpp"
+#include "engine/volume/text_header.hpp"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+
+// "file.vdb#grid" and "folder#1.2.3" name a part of what is before the last '#'.
+std::string withoutPart(const std::string& name) {
+  return fs::exists(name) ? name : name.substr(0, name.rfind('#'));
+}
+
+bool endsWithAny(const std::string& name, const std::vector<std::string>& suffixes) {
+  return std::any_of(suffixes.begin(), suffixes.end(), [&](const std::string& suffix) { return name.ends_with(suffix); });
+}
+
+const VolumeFormat& formatNamed(const std::string& name) {
+  const auto& formats = volumeFormats();
+  return *std::find_if(formats.begin(), formats.end(), [&](const VolumeFormat& format) { return format.name == name; });
+}
+
+std::string allSuffixes() {
+  std::vector<std::string> suffixes;
+  for (const VolumeFormat& format : volumeFormats()) {
+    suffixes.insert(suffixes.end(), format.suffixes.begin(), format.suffixes.end());
+  }
+  return fmt::format("{}", fmt::join(suffixes, " "));
+}
+
+// `seen`: what the file's first bytes say it is, "" where they say nothing.
+[[noreturn]] void refuseSuffix(const std::string& name, const std::string& seen) {
+  if (seen == "DICOM") {
+    throw Error(Error::Code::kBadInput, name, "it is one DICOM slice", "give the folder that holds the series");
+  }
+  if (seen.empty()) {
+    throw Error(Error::Code::kBadInput, name, "its suffix names no known format and its content does not either",
+                "use one of " + allSuffixes() + ", a DICOM folder or phantom:NAME");
+  }
+  throw Error(Error::Code::kBadInput, name, "it holds " + seen + " data, which its suffix does not say",
+              fmt::format("rename it to {}", fmt::join(formatNamed(seen).suffixes, " or ")));
+}
+
+const VolumeFormat& chooseByFile(const std::string& name, const std::string& path) {
+  const std::string seen = formatByContent(path);
+  const std::string lower = lowerCase(path);
+  for (const VolumeFormat& format : volumeFormats()) {
+    if (!endsWithAny(lower, format.suffixes)) continue;
+    if (!seen.empty() && seen != format.name) refuseSuffix(name, seen);
+    return format;
+  }
+  refuseSuffix(name, seen);
+}
+
+const VolumeFormat& chooseFormat(const std::string& name) {
+  if (name.starts_with("phantom:")) return formatNamed("phantom");
+  const std::string path = withoutPart(name);
+  std::error_code failure;
+  const fs::file_status status = fs::status(path, failure);
+  if (fs::is_directory(status)) return formatNamed("DICOM series");
+  if (!fs::exists(status)) {
+    throw Error(Error::Code::kNotFound, name, "there is no such file or folder", "check the path, or use phantom:sphere");
+  }
+  if (!fs::is_regular_file(status)) throw Error(Error::Code::kBadInput, name, "it is no file", "give a volume's file");
+  return chooseByFile(name, path);
+}
+
+}  // namespace
+
+const std::vector<VolumeFormat>& volumeFormats() {
+  static const std::vector<VolumeFormat> kFormats = {
+      {"NRRD", {".nrrd", ".nhdr"}, "NRRD, attached or detached, raw, gzip or text", readNrrd},
+      {"phantom", {}, "phantom:NAME?size=64&spacing=1mm&noise=0&seed=1", readPhantom},
+      {"DICOM series", {}, "DICOM", readNrrd},
+  };
+  return kFormats;
+}
+
+Volume loadVolume(const std::string& name, std::size_t memory_budget_bytes) {
+  return chooseFormat(name).read(name, memory_budget_bytes);
+}
+
+}  // namespace palpate

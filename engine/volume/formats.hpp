@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// engine/volume/formats.hpp: the registry of what loadVolume can read. A new format is one file with a reader and one
+// line in formats.cpp.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "engine/volume/volume.hpp"
+
+namespace palpate {
+
+struct VolumeFormat {
+  std::string name;                   // "NRRD"
+  std::vector<std::string> suffixes;  // lower case, with the dot; empty for what is chosen in another way
+  std::string description;            // one line for help texts
+  Volume (*read)(const std::string& name, std::size_t memory_budget_bytes);
+};
+
+// Every format, in the order in which help texts list them. Any thread.
+[[nodiscard]] const std::vector<VolumeFormat>& volumeFormats();
+
+}  // namespace palpate

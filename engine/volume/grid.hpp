@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// engine/volume/grid.hpp: what a Volume holds. Private to engine/volume: it is the one header that includes OpenVDB.
+//
+// Leaves lie at multiples of 8 from (0,0,0), so a leaf is a brick; a constant brick is a tile of the level above. Voxels
+// of a leaf outside the domain repeat the nearest voxel inside and are inactive. The grid's transform is the identity
+// (VDB refuses voxels below 15 micrometres, its unit being the metre); `lattice` is the truth.
+#pragma once
+
+#include <openvdb/Grid.h>
+#include <openvdb/tree/Tree.h>
+
+#include <functional>
+#include <memory>
+
+#include "engine/volume/volume.hpp"
+
+namespace palpate {
+
+using ScalarTree = openvdb::tree::Tree4<float, 5, 4, 3>::Type;  // openvdb::FloatTree
+using ScalarGrid = openvdb::Grid<ScalarTree>;                   // openvdb::FloatGrid
+
+struct Volume::Grid {
+  Vec3i size = Vec3i::Zero();  // [voxel]
+  Lattice lattice;
+  VolumeFacts facts;
+  float minimum = 0;
+  float maximum = 0;
+  ScalarGrid::Ptr field;
+};
+
+// Reads one brick of a domain as Volume::readBrick does: 512 values, or one value and true where it is constant.
+using BrickSource = std::function<bool(const Vec3i& brick, float* values)>;
+
+// Builds the grid brick by brick. Throws Error(kBadInput): a dimension below 2, a bad lattice, NaN or infinite values
+// (with their count and the first one's index).
+[[nodiscard]] std::unique_ptr<Volume::Grid> buildGrid(const Vec3i& size, const Lattice& lattice, VolumeFacts facts,
+                                                      const BrickSource& source);
+
+}  // namespace palpate

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// engine/volume/itk_image.hpp: reads one image file through ITK. Private to engine/volume.
+//
+// ITK gives LPS millimetres; the lattice that comes back is in metres. ITK hides some faults of a header (it takes the
+// size of a negative spacing, puts 1 for 0), so each format's own file looks at the raw header first.
+#pragma once
+
+#include <string>
+
+#include "engine/volume/itk_file.hpp"
+#include "engine/volume/volume.hpp"
+
+namespace palpate {
+
+struct ItkRequest {
+  ItkReader reader = ItkReader::kNrrd;
+  std::string path;
+  VolumeFacts facts;                  // source is the name in messages; value_type is filled where it is empty
+  double metres_per_unit = 1.0e-3;    // of the file's lengths
+  std::size_t memory_budget_bytes = 0;
+};
+
+// Refuses several components, fewer than three dimensions, more than one time point, what exceeds the memory budget, and
+// what ITK cannot read. Set-up thread.
+[[nodiscard]] Volume readItkImage(ItkRequest request);
+
+}  // namespace palpate

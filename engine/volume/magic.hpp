@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+// engine/volume/magic.hpp: what a file is by its first bytes, whatever its name says. Private to engine/volume.
+#pragma once
+
+#include <string>
+
+namespace palpate {
+
+// A name from volumeFormats(), "DICOM" for one slice, or "" if the bytes say nothing. gzip files are opened to look inside.
+// Cost: reads at most a few KiB. Any thread.
+[[nodiscard]] std::string formatByContent(const std::string& path);
+
+}  // namespace palpate

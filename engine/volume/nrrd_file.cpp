@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+// NRRD, attached (.nrrd) and detached (.nhdr). Source of the format: https://teem.sourceforge.net/nrrd/format.html
+//
+// ITK reads it and turns "space: right-anterior-superior" and "left-anterior-superior" to LPS. Looked at before: spacings
+// (ITK takes the size of a negative one), units of length (ITK ignores them), the stored size of raw and gzip data.
+#include <cmath>
+#include <filesystem>
+#include <limits>
+
+#include "base/error.hpp"
+#include "engine/volume/itk_image.hpp"
+#include "engine/volume/memory_budget.hpp"
+#include "engine/volume/readers.hpp"
+#include "engine/volume/text_header.hpp"
+
+namespace palpate {
+namespace {
+
+[[noreturn]] void refuse(const std::string& source, const std::string& reason, const std::string& remedy) {
+  throw Error(Error::Code::kBadInput, source, reason, remedy);
+}
+
+// The sizes of the header; memory is checked here too, because ITK may allocate while it reads a header.
+double claimedVoxels(const TextHeader& header, const std::string& source, std::size_t memory_budget_bytes) {
+  const std::vector<double> sizes = header.numbers("sizes");
+  double voxels = 1;
+  for (const double size : sizes) {
+    if (!(size >= 1 && size <= 1e15) || size != std::floor(size)) {
+      refuse(source, fmt::format("its sizes \"{}\" are not counts", header.text("sizes")), "write the file again");
+    }
+    voxels *= size;
+  }
+  if (sizes.size() < 3) refuse(source, fmt::format("it has {} dimensions", sizes.size()), "give a volume");
+  checkMemory(source, voxels * (kDenseBytesPerVoxel + kGridBytesPerVoxel + kGpuBytesPerVoxel), memory_budget_bytes);
+  return voxels;
+}
+
+// Spacings of axes that are not in space may be NaN; those that are numbers must be above 0.
+void checkSpacings(const TextHeader& header, const std::string& source) {
+  for (const double spacing : header.numbers("spacings")) {
+    if (std::isnan(spacing) || (spacing > 0 && std::isfinite(spacing))) continue;
+    refuse(source, fmt::format("its spacings \"{}\" are not positive", header.text("spacings")),
+           "write the true voxel size into the header");
+  }
+  const std::vector<double> directions = header.numbers("space directions");
+  for (std::size_t n = 0; n + 2 < directions.size(); n += 3) {
+    const double length = std::hypot(directions[n], directions[n + 1], directions[n + 2]);
+    if (!(length > 0) && !std::isnan(length)) {
+      refuse(source, fmt::format("its space directions \"{}\" hold a zero vector", header.text("space directions")),
+             "write the true voxel size into the header");
+    }
+  }
+}
+
+// Millimetres unless "space units" or "units" says otherwise of the first axis.
+double metresPerUnit(const TextHeader& header, const std::string& source) {
+  std::string units = header.text("space units");
+  if (units.empty()) units = header.text("units");
+  const std::size_t first = units.find('"');
+  if (first == std::string::npos) return 1e-3;
+  const std::string unit = units.substr(first + 1, units.find('"', first + 1) - first - 1);
+  if (unit.empty() || unit == "mm" || unit == "millimeter" || unit == "millimeters" || unit == "???") return 1e-3;
+  if (unit == "um" || unit == "micrometer" || unit == "microns" || unit == "micron") return 1e-6;
+  if (unit == "cm" || unit == "centimeter") return 1e-2;
+  if (unit == "m" || unit == "meter") return 1;
+  refuse(source, fmt::format("its unit of length \"{}\" is not known", unit), "use mm, um, cm or m");
+}
+
+double bytesOfType(const std::string& type) {
+  if (type.find("64") != std::string::npos || type.find("long long") != std::string::npos) return 8;
+  if (type == "double" || type == "longlong" || type == "ulonglong") return 8;
+  if (type.find("16") != std::string::npos || type.find("short") != std::string::npos) return 2;
+  if (type.find("char") != std::string::npos || type == "int8" || type == "uint8" || type == "int8_t" ||
+      type == "uint8_t") {
+    return 1;
+  }
+  return 4;
+}
+
+// Where the data lie; "LIST" and numbered patterns are left to ITK.
+void checkData(const TextHeader& header, const std::string& path, const std::string& source, double voxels) {
+  const std::string encoding = lowerCase(header.text("encoding"));
+  const bool compressed = encoding == "gzip" || encoding == "gz";
+  if (encoding != "raw" && !compressed) return;
+  std::string data = header.text("data file");
+  if (data.empty()) data = header.text("datafile");
+  double stored = static_cast<double>(fileBytes(path, source) - header.data_offset);
+  if (!data.empty()) {
+    if (data.find('%') != std::string::npos || lowerCase(data).starts_with("list")) return;
+    const std::filesystem::path file = std::filesystem::path(path).parent_path() / data;
+    stored = static_cast<double>(fileBytes(file.string(), source));
+  }
+  checkStoredBytes(source, stored, voxels * bytesOfType(lowerCase(header.text("type"))), compressed);
+}
+
+std::string orientationOf(const TextHeader& header) {
+  const std::string space = lowerCase(header.text("space"));
+  if (space.empty()) return "no space in the file: axes taken as LPS";
+  if (space == "left-posterior-superior" || space == "lps") return "LPS file";
+  if (space == "right-anterior-superior" || space == "ras") return "RAS file turned to LPS";
+  if (space == "left-anterior-superior" || space == "las") return "LAS file turned to LPS";
+  return fmt::format("space \"{}\" taken as LPS", space);
+}
+
+}  // namespace
+
+Volume readNrrd(const std::string& name, std::size_t memory_budget_bytes) {
+  const TextHeader header = readTextHeader(name, name, ':', "");
+  const double voxels = claimedVoxels(header, name, memory_budget_bytes);
+  checkSpacings(header, name);
+  checkData(header, name, name, voxels);
+  ItkRequest request;
+  request.reader = ItkReader::kNrrd;
+  request.path = name;
+  request.metres_per_unit = metresPerUnit(header, name);
+  request.memory_budget_bytes = memory_budget_bytes;
+  request.facts.source = name;
+  request.facts.format = "NRRD";
+  request.facts.orientation = orientationOf(header);
+  if (header.text("spacings").empty() && header.text("space directions").empty()) {
+    request.facts.remark = "the file gives no voxel size; 1 mm is assumed";
+  }
+  return readItkImage(std::move(request));
+}
+
+}  // namespace palpate

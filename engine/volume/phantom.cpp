@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/volume/phantom.hpp"
+
+#include <algorithm>
+#include <random>
+
+#include "engine/volume/memory_budget.hpp"
+#include "engine/volume/readers.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr int kBlock = 4;  // voxels along the edge of the blocks that are skipped when constant
+
+Lattice centredLattice(const PhantomSpec& spec) {
+  const Vec3 half_m = (spec.size - Vec3i::Ones()).cast<double>().cwiseProduct(spec.spacing_m) / 2;
+  return {-half_m, Mat3::Identity(), spec.spacing_m};
+}
+
+// Irwin-Hall: the sum of twelve 16 bit uniforms, centred and scaled to deviation 1. Integers only, so that no maths
+// library has a say in the result. Variance of one: (65536^2 - 1) / 12.
+class Gauss {
+ public:
+  explicit Gauss(std::uint64_t seed) : bits_(seed) {}
+
+  double operator()() {
+    std::int64_t sum = 0;
+    for (int word = 0; word < 3; ++word) {
+      const std::uint64_t bits = bits_();
+      for (unsigned shift = 0; shift < 64; shift += 16) sum += static_cast<std::int64_t>(bits >> shift & 0xffffU);
+    }
+    return static_cast<double>(sum - 6 * 65535) * 0x1p-16;  // 1 / sqrt(65536^2 - 1) is 2^-16 within 2e-10
+  }
+
+ private:
+  std::mt19937_64 bits_;
+};
+
+void addNoise(std::vector<float>& values, double deviation, std::uint64_t seed) {
+  Gauss gauss(seed);
+  for (float& value : values) value = static_cast<float>(static_cast<double>(value) + deviation * gauss());
+}
+
+}  // namespace
+
+Phantom::Phantom(const PhantomSpec& spec, const Profile& profile)
+    : spec_(spec), profile_(profile), lattice_(centredLattice(spec)) {}
+
+double Phantom::density(const Vec3& p_W) const {
+  return std::clamp(profile_.isovalue - profile_.slope_per_m * signedDistance_m(p_W), profile_.low, profile_.high);
+}
+
+double Phantom::constantRadius_m(const Vec3& p_W) const {
+  return beyondRamp_m(signedDistance_m(p_W), (profile_.high - profile_.isovalue) / profile_.slope_per_m,
+                      (profile_.isovalue - profile_.low) / profile_.slope_per_m);
+}
+
+double Phantom::beyondRamp_m(double distance_m, double below_m, double above_m) {
+  return std::max({0.0, distance_m - above_m, -below_m - distance_m});
+}
+
+std::vector<float> Phantom::densities() const {
+  const Vec3i& n = size();
+  std::vector<float> values(static_cast<std::size_t>(n.cast<long long>().prod()));
+  const double half_diagonal_m = lattice_.spacing_m.norm() * (kBlock - 1) / 2;
+  const auto at = [&](int i, int j, int k) -> float& {
+    return values[(static_cast<std::size_t>(k) * n.y() + j) * n.x() + i];
+  };
+  for (int k0 = 0; k0 < n.z(); k0 += kBlock) {
+    for (int j0 = 0; j0 < n.y(); j0 += kBlock) {
+      for (int i0 = 0; i0 < n.x(); i0 += kBlock) {
+        const Vec3 middle_W = lattice_.toWorld(Vec3(i0, j0, k0) + Vec3::Constant((kBlock - 1) / 2.0));
+        const bool constant = constantRadius_m(middle_W) > half_diagonal_m;
+        const auto middle = constant ? static_cast<float>(density(middle_W)) : 0.0F;
+        for (int k = k0; k < std::min(k0 + kBlock, n.z()); ++k) {
+          for (int j = j0; j < std::min(j0 + kBlock, n.y()); ++j) {
+            for (int i = i0; i < std::min(i0 + kBlock, n.x()); ++i) {
+              at(i, j, k) = constant ? middle : static_cast<float>(density(lattice_.toWorld(Vec3(i, j, k))));
+            }
+          }
+        }
+      }
+    }
+  }
+  return values;
+}
+
+std::unique_ptr<Phantom> makePhantom(const std::string& text) {
+  const PhantomSpec spec = parsePhantomSpec(text);
+  const auto& kinds = phantomKinds();
+  return std::find_if(kinds.begin(), kinds.end(), [&](const PhantomKind& kind) { return kind.name == spec.name; })
+      ->make(spec);
+}
+
+Volume makeVolume(const Phantom& phantom) {
+  const PhantomSpec& spec = phantom.spec();
+  std::vector<float> values = phantom.densities();
+  if (spec.noise > 0) addNoise(values, spec.noise * (phantom.profile().high - phantom.profile().low), spec.seed);
+  VolumeFacts facts;
+  facts.source = spec.text;
+  facts.format = "phantom";
+  facts.value_type = "float32";
+  facts.orientation = "LPS axes, centred on the world's origin";
+  facts.declared_isovalue = phantom.isovalue();
+  return Volume::fromDense(spec.size, phantom.lattice(), values, std::move(facts));
+}
+
+Volume readPhantom(const std::string& name, std::size_t memory_budget_bytes) {
+  const PhantomSpec spec = parsePhantomSpec(name);
+  checkMemory(name, spec.size.x(), spec.size.y(), spec.size.z(), 0, memory_budget_bytes);
+  return makeVolume(*makePhantom(name));
+}
+
+}  // namespace palpate

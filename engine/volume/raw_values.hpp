@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+// engine/volume/raw_values.hpp: values as files hold them, made floats; and a lattice as files round it, made exact.
+// Private to engine/volume. Any thread.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "engine/volume/value_type.hpp"
+#include "engine/volume/volume.hpp"
+
+namespace palpate {
+
+// `raw` holds values of one type in the machine's byte order. Each becomes float(value * slope + intercept), rounded once.
+[[nodiscard]] std::vector<float> toFloats(const std::vector<char>& raw, ValueType type, double slope = 1,
+                                          double intercept = 0);
+
+// checkLattice, then the nearest true rotation or reflection, so that toIndex inverts toWorld to rounding.
+[[nodiscard]] Lattice orthonormalised(Lattice lattice, const std::string& input);
+
+}  // namespace palpate

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// engine/volume/text_header.hpp: the "key: value" or "key = value" lines at the head of NRRD and MetaImage files.
+// Private to engine/volume. It finds what must be checked before a library sees the file. Any thread.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace palpate {
+
+struct TextHeader {
+  std::map<std::string, std::string> fields;  // lower-case keys, trimmed values; the first of a key counts
+  std::uint64_t data_offset = 0;              // first byte after the header [byte]
+
+  [[nodiscard]] std::string text(const std::string& key) const;  // "" where it is missing
+  // Every number of a value, brackets and commas being blanks; words that are no number become NaN.
+  [[nodiscard]] std::vector<double> numbers(const std::string& key) const;
+};
+
+// Reads lines until one is empty (NRRD), or starts with `last_key` (MetaImage), or the file ends. At most 1 MiB is read.
+// Throws Error(kIo) if the file cannot be read.
+[[nodiscard]] TextHeader readTextHeader(const std::string& path, const std::string& source, char separator,
+                                        const std::string& last_key);
+
+[[nodiscard]] std::string lowerCase(std::string text);
+
+// Size of a file [byte]. Throws Error(kNotFound).
+[[nodiscard]] std::uint64_t fileBytes(const std::string& path, const std::string& source);
+
+// Throws Error(kBadInput) unless `stored` bytes of data are enough for `wanted`; for gzip, 1032:1 is the most that deflate
+// can pack. So that a header which lies is found before memory is filled.
+void checkStoredBytes(const std::string& source, double stored, double wanted, bool compressed);
+
+}  // namespace palpate
