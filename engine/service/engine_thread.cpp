@@ -2,6 +2,7 @@
 #include "engine/service/engine_thread.hpp"
 
 #include <chrono>
+#include <utility>
 
 namespace palpate {
 namespace {

@@ -38,6 +38,8 @@ class WindowExchange {
   // backSamples(), i fastest. Both hold the content of an older window and are valid until publish().
   [[nodiscard]] SampleWindow& back() noexcept { return buffer_.back(); }
   [[nodiscard]] Sample* backSamples() noexcept { return storages_[buffer_.backIndex()]; }
+  // Writer: which of the three storages that is: 0, 1 or 2.
+  [[nodiscard]] unsigned backIndex() const noexcept { return buffer_.backIndex(); }
   [[nodiscard]] std::size_t capacity() const noexcept { return capacity_samples_; }
   // Writer: the next window to be published gets this version; the first is 1.
   [[nodiscard]] std::uint64_t nextVersion() const noexcept { return version_ + 1; }

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/passes/window_pass.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "engine/passes/active_bricks.hpp"
+#include "engine/passes/gradient_pass.hpp"
+#include "engine/reference/window.hpp"
+#include "test_fields.hpp"
+
+namespace palpate {
+namespace {
+
+std::vector<Sample> gather(const Volume& volume, const std::vector<std::uint32_t>& bricks, const WindowBox& box) {
+  gpu::Gpu gpu({});
+  gpu::Transfer transfer(gpu);
+  const BrickPool pool(gpu, transfer, volume);
+  const SampleStore store(gpu, pool.brickCount(), bricks);
+  GradientPass(gpu, transfer, pool, store).run();
+  std::vector<Sample> samples(static_cast<std::size_t>(box.size.prod()));
+  const gpu::Buffer window(gpu, "window", samples.size() * sizeof(Sample), gpu::MemoryKind::kHost);
+  WindowPass(gpu, pool, store).run(box, window);
+  std::memcpy(samples.data(), window.mapped(), window.bytes());
+  return samples;
+}
+
+class WindowGather : public testing::TestWithParam<Vec3i> {};
+
+TEST_P(WindowGather, EqualsTheTwinBitForBit) {
+  const Volume volume = ballField({53, 41, 37}, 14.0);
+  const WindowBox box{GetParam(), volume.size().cwiseMin(kWindowEdge)};
+  const std::vector<Sample> samples = gather(volume, allBricks(volume.brickCount()), box);
+  const std::vector<Sample> expected = reference::windowSamples(reference::denseField(volume), box.first, box.size);
+  ASSERT_EQ(samples.size(), expected.size());
+  EXPECT_EQ(std::memcmp(samples.data(), expected.data(), samples.size() * sizeof(Sample)), 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Places, WindowGather, testing::Values(Vec3i(0, 0, 0), Vec3i(21, 9, 5), Vec3i(8, 8, 0), Vec3i(13, 1, 3)));
+
+TEST(WindowGather, GivesDensityWithoutGradientWhereABrickHasNone) {
+  const Volume volume = ballField({40, 40, 40}, 12.0);
+  const WindowBox box{{4, 4, 4}, {32, 32, 32}};
+  const std::vector<Sample> samples = gather(volume, {}, box);
+  for (const Vec3i& p : {Vec3i(0, 0, 0), Vec3i(16, 16, 16), Vec3i(31, 31, 31)}) {
+    const Sample& sample = samples[static_cast<std::size_t>((p.z() * 32 + p.y()) * 32 + p.x())];
+    EXPECT_EQ(sample.density, volume.value(p + box.first));
+    EXPECT_EQ(sample.gradient_i, 0);
+    EXPECT_EQ(sample.gradient_k, 0);
+  }
+}
+
+TEST(WindowAround, IsCentredAndStaysInTheDomain) {
+  const Vec3i domain(100, 20, 64);
+  EXPECT_EQ(windowAround({50, 10, 32}, domain).first, Vec3i(34, 0, 16));
+  EXPECT_EQ(windowAround({50, 10, 32}, domain).size, Vec3i(32, 20, 32));
+  EXPECT_EQ(windowAround({-1e12, 10, 1e12}, domain).first, Vec3i(0, 0, 32));
+  EXPECT_EQ(windowAround({99, 0, 0}, domain).first, Vec3i(68, 0, 0));
+}
+
+}  // namespace
+}  // namespace palpate
