@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/console/progress.hpp"
+
+#include <unistd.h>
+
+#include <fmt/format.h>
+
+namespace palpate {
+
+Progress::Progress(std::FILE* stream) : stream_(stream), terminal_(isatty(fileno(stream)) == 1) {}
+
+Progress::~Progress() { done(); }
+
+void Progress::show(const std::string& text) {
+  if (text == shown_) return;
+  fmt::print(stream_, "\r\033[K{}", text);
+  std::fflush(stream_);
+  shown_ = text;
+}
+
+void Progress::stage(const std::string& what) {
+  stage_ = what;
+  if (terminal_) {
+    show(what + " ...");
+  } else {
+    fmt::print(stream_, "{} ...\n", what);
+  }
+}
+
+void Progress::fraction(double done) {
+  if (terminal_) show(fmt::format("{} ... {:3.0f} %", stage_, 100 * done));
+}
+
+void Progress::done() {
+  if (terminal_ && !shown_.empty()) {
+    fmt::print(stream_, "\r\033[K");
+    std::fflush(stream_);
+  }
+  shown_.clear();
+}
+
+}  // namespace palpate

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scene_arguments.hpp"
+
+#include <filesystem>
+
+#include "apps/scene/option_table.hpp"
+#include "apps/scene/scene_file.hpp"
+
+namespace palpate {
+namespace {
+
+// Quotes what a shell would take apart.
+std::string shellWord(const std::string& word) {
+  static constexpr const char* kPlain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=./:,@%";
+  if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) return word;
+  std::string quoted = "'";
+  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
+}
+
+}  // namespace
+
+SceneArguments::SceneArguments(CLI::App& verb) : values_(sceneOptions().size()) {
+  verb.add_option("source", source_, "volume (file, DICOM folder, phantom:NAME?size=64) or scene file (.toml)")
+      ->type_name("VOLUME|SCENE.toml");
+  for (std::size_t i = 0; i < values_.size(); ++i) {
+    const SceneOption& option = sceneOptions()[i];
+    options_.push_back(verb.add_option(option.flag, values_[i], optionHelp(option))->type_name(" "));
+  }
+}
+
+Scene SceneArguments::scene() const {
+  Scene scene;
+  if (std::filesystem::path(source_).extension() == ".toml") {
+    readSceneFile(source_, scene);
+  } else {
+    scene.volume = source_;
+  }
+  for (std::size_t i = 0; i < values_.size(); ++i) {
+    const SceneOption& option = sceneOptions()[i];
+    if (options_[i]->count() > 0) setOption(option.value, values_[i], option.flag, scene);
+  }
+  return scene;
+}
+
+std::string SceneArguments::commandLine(const std::string& verb) const {
+  std::string line = "palpate " + verb;
+  if (!source_.empty()) line += " " + shellWord(source_);
+  for (std::size_t i = 0; i < values_.size(); ++i) {
+    if (options_[i]->count() > 0) line += std::string(" ") + sceneOptions()[i].flag + " " + shellWord(values_[i]);
+  }
+  return line;
+}
+
+}  // namespace palpate

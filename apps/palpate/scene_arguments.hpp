@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// apps/palpate/scene_arguments.hpp: the scene on a command line: VOLUME or SCENE.toml, and a flag for every key.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "engine/plan/scene.hpp"
+
+namespace palpate {
+
+class SceneArguments {
+ public:
+  // Adds the positional argument and all scene flags to the verb. This object must outlive the parsing.
+  explicit SceneArguments(CLI::App& verb);
+
+  // Defaults, then the scene file, then flags. Throws Error for values that do not fit.
+  [[nodiscard]] Scene scene() const;
+
+  // A line that repeats the run: the verb, the positional argument and the flags as given.
+  [[nodiscard]] std::string commandLine(const std::string& verb) const;
+
+ private:
+  std::string source_;               // volume, or scene file if it ends in .toml
+  std::vector<std::string> values_;  // by row of the option table; what was given
+  std::vector<CLI::Option*> options_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+// palpate info FILE: size, spacing, type, range, histogram and suggested isovalues.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "apps/console/progress.hpp"
+#include "base/units.hpp"
+#include "engine/volume/statistics.hpp"
+#include "verbs.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr int kBins = 24;
+constexpr int kBarLength = 50;
+
+void printFacts(const Volume& volume) {
+  const VolumeFacts& facts = volume.facts();
+  const Vec3 spacing_mm = volume.lattice().spacing_m * kMillimetresPerMetre;
+  const Vec3 origin_mm = volume.lattice().origin_W * kMillimetresPerMetre;
+  const Vec3 extent_mm = volume.size().cast<double>().cwiseProduct(spacing_mm);
+  const Mat3& axes = volume.lattice().R_WL;
+  fmt::print("{}\n", facts.source);
+  fmt::print("  format       {} ({})\n", facts.format, facts.value_type);
+  fmt::print("  size         {} x {} x {} voxels\n", volume.size().x(), volume.size().y(), volume.size().z());
+  fmt::print("  spacing      {:.6g} x {:.6g} x {:.6g} mm\n", spacing_mm.x(), spacing_mm.y(), spacing_mm.z());
+  fmt::print("  extent       {:.4g} x {:.4g} x {:.4g} mm\n", extent_mm.x(), extent_mm.y(), extent_mm.z());
+  fmt::print("  origin       {:.6g}, {:.6g}, {:.6g} mm (LPS)\n", origin_mm.x(), origin_mm.y(), origin_mm.z());
+  fmt::print("  axes         i ({:.4g}, {:.4g}, {:.4g})  j ({:.4g}, {:.4g}, {:.4g})  k ({:.4g}, {:.4g}, {:.4g})\n", axes(0, 0),
+             axes(1, 0), axes(2, 0), axes(0, 1), axes(1, 1), axes(2, 1), axes(0, 2), axes(1, 2), axes(2, 2));
+  if (!facts.orientation.empty()) fmt::print("  orientation  {}\n", facts.orientation);
+  if (facts.rescale_slope != 1 || facts.rescale_intercept != 0) {
+    fmt::print("  rescale      density = {:g} * stored + {:g}\n", facts.rescale_slope, facts.rescale_intercept);
+  }
+  fmt::print("  bricks       {} of {} hold more than one value; {:.1f} MiB stored\n", volume.storedBricks(),
+             volume.brickCount().prod(), static_cast<double>(volume.storedBytes()) / 1048576.0);
+}
+
+void printHistogram(const Histogram& histogram) {
+  const std::uint64_t most = *std::max_element(histogram.counts.begin(), histogram.counts.end());
+  fmt::print("  histogram (length of a bar: logarithm of the voxel count)\n");
+  for (std::size_t bin = 0; bin < histogram.counts.size(); ++bin) {
+    const std::uint64_t count = histogram.counts[bin];
+    const double share = std::log1p(static_cast<double>(count)) / std::log1p(static_cast<double>(most));
+    fmt::print("  {:>12.5g}  {:<{}}  {}\n", histogram.low + static_cast<double>(bin) * histogram.bin_width,
+               std::string(static_cast<std::size_t>(std::lround(kBarLength * share)), '#'), kBarLength, count);
+  }
+}
+
+void printStatistics(const VolumeStatistics& statistics) {
+  fmt::print("  range        {:g} ... {:g}, mean {:.5g}\n", statistics.minimum, statistics.maximum, statistics.mean);
+  printHistogram(statistics.histogram);
+  if (statistics.suggestions.empty()) {
+    fmt::print("  isovalues    none: every voxel holds the same value, so there is no surface\n");
+    return;
+  }
+  fmt::print("  isovalues worth trying (--iso), the default first\n");
+  for (const IsovalueSuggestion& suggestion : statistics.suggestions) {
+    fmt::print("  {:>12g}  {}\n", suggestion.isovalue, suggestion.reason);
+  }
+}
+
+}  // namespace
+
+void addInfoVerb(CLI::App& app) {
+  CLI::App* verb = app.add_subcommand("info", "say what a volume is: size, spacing, type, range, histogram, isovalues");
+  auto name = std::make_shared<std::string>();
+  verb->add_option("volume", *name, "file, DICOM folder or phantom:NAME?size=64")->required();
+  verb->callback([name] {
+    Progress progress;
+    progress.stage("loading " + *name);
+    const Volume volume = loadVolume(*name);
+    progress.done();
+    printFacts(volume);
+    printStatistics(statisticsOf(volume, kBins));
+  });
+}
+
+}  // namespace palpate

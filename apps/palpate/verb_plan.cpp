@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// palpate plan VOLUME|SCENE: which passes a scene needs, what was left out, and what that saves.
+#include <fmt/format.h>
+
+#include "apps/console/progress.hpp"
+#include "engine/service/engine.hpp"
+#include "engine/volume/statistics.hpp"
+#include "scene_arguments.hpp"
+#include "verbs.hpp"
+
+namespace palpate {
+
+void addPlanVerb(CLI::App& app) {
+  CLI::App* verb = app.add_subcommand("plan", "say which passes a scene needs, what is left out and what that saves");
+  auto arguments = std::make_shared<SceneArguments>(*verb);
+  verb->callback([arguments] {
+    const Scene scene = arguments->scene();
+    Progress progress;
+    progress.stage("loading " + scene.volume);
+    const Volume volume = loadVolume(scene.volume);
+    const double isovalue = scene.isovalue ? *scene.isovalue : defaultIsovalue(volume);
+    checkIsovalue(volume, isovalue);
+    const Plan plan = makePlan(scene);
+    progress.stage("computing on Vulkan");
+    const Engine engine(volume, plan, isovalue, scene.gpu);
+    progress.done();
+    fmt::print("{} at isovalue {:g} on {}\n", scene.volume, isovalue, engine.gpu().name);
+    for (const PlanLine& line : planLines(plan, engine.planFacts())) {
+      fmt::print("  {:<8}  {:<64} {:>10}  {}\n", line.done ? "do" : "leave", line.what,
+                 line.saved_bytes > 0 ? fmt::format("-{:.1f} MiB", static_cast<double>(line.saved_bytes) / 1048576.0) : "",
+                 line.why);
+    }
+  });
+}
+
+}  // namespace palpate

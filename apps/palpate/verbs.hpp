@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+// apps/palpate/verbs.hpp: the verbs of the command line. A new verb is one file and one line here and in main.cpp.
+//
+// Each function adds its verb to the program; the verb's callback does the work and throws Error, which main() turns into one
+// line on stderr and an exit status.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace palpate {
+
+void addTouchVerb(CLI::App& app);
+void addInfoVerb(CLI::App& app);
+void addCheckVerb(CLI::App& app);
+void addDevicesVerb(CLI::App& app);
+void addPlanVerb(CLI::App& app);
+void addSceneVerb(CLI::App& app);
+
+}  // namespace palpate

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/touch/picture.hpp"
+
+#include "apps/view/compose_view.hpp"
+#include "apps/view/contact_region.hpp"
+#include "apps/view/framing.hpp"
+
+namespace palpate {
+namespace {
+
+// A region of contact is shown with at least this much around it. [voxel]
+constexpr double kLeastRegionVoxels = 10;
+
+}  // namespace
+
+std::string drawPicture(const TouchRun& run, const SurfaceField& surface, Engine& engine) {
+  const ViewLayout layout = layOutView(run.scene.image_width, run.scene.image_height);
+  const ContactRegion region =
+      findContactRegion(run.records, kLeastRegionVoxels * surface.lattice().spacing_m.maxCoeff());
+  ViewPictures pictures;
+  pictures.overview_camera =
+      overviewCamera(findObjectBounds(surface), region, layout.overview.width, layout.overview.height);
+  pictures.close_up_camera = closeUpCamera(surface, region, layout.close_up.width, layout.close_up.height);
+  pictures.overview = engine.draw(pictures.overview_camera);
+  pictures.close_up = engine.draw(pictures.close_up_camera);
+  return composeView(layout, pictures, region, run);
+}
+
+}  // namespace palpate

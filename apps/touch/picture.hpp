@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// apps/touch/picture.hpp: view.png of a finished run: cameras chosen from the contact, surface drawn by the engine, annotated.
+#pragma once
+
+#include <string>
+
+#include "apps/path/surface_field.hpp"
+#include "apps/report/touch_run.hpp"
+#include "engine/service/engine.hpp"
+
+namespace palpate {
+
+// Bytes of a PNG. Thread: the engine's. Cost: two renderings; on lavapipe a second or two.
+[[nodiscard]] std::string drawPicture(const TouchRun& run, const SurfaceField& surface, Engine& engine);
+
+}  // namespace palpate

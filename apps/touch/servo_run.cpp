@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/touch/servo_run.hpp"
+
+#include <chrono>
+#include <cmath>
+#include <thread>
+
+#include "apps/console/interrupt.hpp"
+#include "engine/service/engine_thread.hpp"
+#include "servo/algorithms/registry.hpp"
+#include "servo/devices/simulated_device.hpp"
+
+namespace palpate {
+namespace {
+
+LoopParameters loopParameters(const Scene& scene) {
+  LoopParameters loop;
+  loop.rate_hz = scene.rate_hz;
+  loop.ticks = std::llround(scene.duration_s * scene.rate_hz);
+  loop.safety = {.force_limit_N = scene.force_limit_N,
+                 .slew_limit_N_per_s = scene.slew_limit_N_per_s,
+                 .fade_s = scene.fade_s,
+                 .stale_window_s = scene.stale_window_s};
+  return loop;
+}
+
+SimulatedDeviceParameters deviceParameters(const Scene& scene) {
+  SimulatedDeviceParameters device;
+  device.hand = scene.spring_hand ? Hand::kSpring : Hand::kRigid;
+  device.dynamics = {.device_mass_kg = scene.device_mass_kg,
+                     .device_damping_Ns_per_m = scene.device_damping_Ns_per_m,
+                     .hand_mass_kg = scene.hand_mass_kg,
+                     .hand_damping_Ns_per_m = scene.hand_damping_Ns_per_m,
+                     .hand_stiffness_N_per_m = scene.hand_stiffness_N_per_m};
+  device.force_limit_N = scene.force_limit_N;
+  device.encoder_resolution_m = scene.encoder_resolution_m;
+  device.delay_ticks = scene.device_delay_ticks;
+  return device;
+}
+
+// The engine publishes in step with the servo, so that the same scene gives the same trace, bit for bit.
+LoopResult runSimulated(ServoLoop& loop, ToolPoseMailbox& tool, Engine& engine, double ticks, Progress& progress) {
+  return loop.runSimulated([&](std::int64_t tick, std::int64_t time_ns) {
+    engine.publishAround(tool.latest().position_W, time_ns);
+    if (tick % 256 == 0) {
+      progress.fraction(static_cast<double>(tick) / ticks);
+      if (interrupted()) loop.requestStop();
+    }
+  });
+}
+
+LoopResult runReal(ServoLoop& loop, ToolPoseMailbox& tool, Engine& engine, double duration_s, Progress& progress) {
+  using Clock = std::chrono::steady_clock;
+  engine.publishAround(tool.latest().position_W, monotonicNow_ns());
+  EngineThread publisher(engine, tool);
+  const auto start = Clock::now();
+  loop.start();
+  while (loop.running()) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    progress.fraction(std::min(1.0, std::chrono::duration<double>(Clock::now() - start).count() / duration_s));
+    if (interrupted()) loop.requestStop();
+  }
+  LoopResult result = loop.wait();
+  publisher.stop();
+  return result;
+}
+
+}  // namespace
+
+LoopResult runServo(const Scene& scene, double isovalue, const Path& path, Engine& engine, Progress& progress) {
+  const LoopParameters parameters = loopParameters(scene);
+  const std::unique_ptr<Algorithm> algorithm =
+      makeAlgorithm(scene.algorithm, {.isovalue = isovalue,
+                                      .stiffness_N_per_m = scene.stiffness_N_per_m,
+                                      .damping_Ns_per_m = scene.damping_Ns_per_m,
+                                      .plane_renewal_ticks = scene.plane_renewal_ticks});
+  SimulatedDevice device(deviceParameters(scene), path, scene.rate_hz);
+  ToolPoseMailbox tool;
+  ServoLoop loop(parameters, *algorithm, device, engine.exchange(), tool);
+  if (scene.simulated_clock) return runSimulated(loop, tool, engine, static_cast<double>(parameters.ticks), progress);
+  return runReal(loop, tool, engine, scene.duration_s, progress);
+}
+
+}  // namespace palpate

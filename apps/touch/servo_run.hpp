@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// apps/touch/servo_run.hpp: runs the servo along a path on a prepared engine, in real time or on the simulated clock.
+#pragma once
+
+#include "apps/console/progress.hpp"
+#include "engine/plan/scene.hpp"
+#include "engine/service/engine.hpp"
+#include "servo/devices/path.hpp"
+#include "servo/loop/servo_loop.hpp"
+
+namespace palpate {
+
+// Blocks for the run's time. Ctrl-C ends it early, in order: what was felt until then is returned.
+[[nodiscard]] LoopResult runServo(const Scene& scene, double isovalue, const Path& path, Engine& engine, Progress& progress);
+
+}  // namespace palpate

@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/touch/touch_job.hpp"
+
+#include <sys/resource.h>
+
+#include <chrono>
+
+#include "apps/console/interrupt.hpp"
+#include "apps/report/atomic_file.hpp"
+#include "apps/report/html_report.hpp"
+#include "apps/report/summary.hpp"
+#include "apps/report/trace_csv.hpp"
+#include "apps/touch/exact_errors.hpp"
+#include "apps/touch/output_folder.hpp"
+#include "apps/touch/picture.hpp"
+#include "apps/touch/scripted_path.hpp"
+#include "apps/touch/servo_run.hpp"
+#include "apps/touch/volume_surface.hpp"
+#include "base/error.hpp"
+#include "engine/service/engine.hpp"
+#include "engine/volume/statistics.hpp"
+#include "servo/algorithms/registry.hpp"
+#include "servo/safety/faults.hpp"
+
+namespace palpate {
+namespace {
+
+// Runs the stages of a job: each is announced, timed, and not begun after Ctrl-C.
+class Stages {
+ public:
+  Stages(Progress& progress, std::vector<StageTime>& times) : progress_(progress), times_(times) {}
+
+  template <typename Work>
+  auto run(const char* name, const std::string& words, Work work) {
+    throwIfInterrupted("palpate touch");
+    progress_.stage(words);
+    const auto start = std::chrono::steady_clock::now();
+    auto result = work();
+    times_.push_back({name, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()});
+    return result;
+  }
+
+ private:
+  Progress& progress_;
+  std::vector<StageTime>& times_;
+};
+
+// Faults of the command line are found before a volume is loaded for them.
+void checkEarly(const Scene& scene) {
+  if (scene.volume.empty()) {
+    throw Error(Error::Code::kBadInput, "palpate touch", "no volume is given",
+                "name a file, a DICOM folder or a phantom, for example phantom:sphere?size=64");
+  }
+  (void)makeAlgorithm(scene.algorithm, {.isovalue = scene.isovalue.value_or(0.0),
+                                        .stiffness_N_per_m = scene.stiffness_N_per_m,
+                                        .damping_Ns_per_m = scene.damping_Ns_per_m,
+                                        .plane_renewal_ticks = scene.plane_renewal_ticks});
+}
+
+RunVolume volumeOf(const Volume& volume, double isovalue) {
+  return {volume.facts().source, volume.facts().format, volume.size(),   volume.lattice().spacing_m,
+          volume.minimum(),      volume.maximum(),      isovalue};
+}
+
+std::vector<std::string> planWords(const Plan& plan, const PlanFacts& facts) {
+  std::vector<std::string> words;
+  for (const PlanLine& line : planLines(plan, facts)) {
+    std::string text = fmt::format("{}: {} ({})", line.done ? "done" : "left out", line.what, line.why);
+    if (line.saved_bytes > 0) text += fmt::format("; saves {:.1f} MiB", static_cast<double>(line.saved_bytes) / 1048576.0);
+    words.push_back(std::move(text));
+  }
+  return words;
+}
+
+std::vector<RunFault> faultsOf(const std::vector<TickRecord>& records) {
+  std::vector<RunFault> faults;
+  for (const FaultText& row : faultTable()) {
+    RunFault fault{row.name, 0, 0, row.text, row.remedy};
+    for (const TickRecord& record : records) {
+      if (!has(record.faults, row.fault)) continue;
+      if (fault.ticks++ == 0) fault.first_tick = record.tick;
+    }
+    if (fault.ticks > 0) faults.push_back(std::move(fault));
+  }
+  return faults;
+}
+
+std::vector<std::string> realTimeWords(const Scene& scene, const LoopResult& result) {
+  std::vector<std::string> words;
+  if (scene.simulated_clock) words.emplace_back("simulated clock: ticks as fast as they compute, no deadlines");
+  if (result.real_time.fifo) words.emplace_back("SCHED_FIFO priority");
+  if (result.real_time.memory_locked) words.emplace_back("memory locked");
+  words.insert(words.end(), result.real_time.notes.begin(), result.real_time.notes.end());
+  if (result.ticks_skipped > 0) words.push_back(fmt::format("{} grid points left out after missed deadlines", result.ticks_skipped));
+  return words;
+}
+
+MemoryFigure residentPeak() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return {"process peak", static_cast<std::uint64_t>(usage.ru_maxrss) * 1024};
+}
+
+// Writes everything; `picture` may be empty.
+void writeOutputs(const TouchRun& run, const std::string& picture, const OutputFolder& folder) {
+  if (run.scene.trace) writeTraceCsv(folder.file("trace.csv"), run.records);
+  if (!picture.empty()) writeFileAtomically(folder.file("view.png"), picture);
+  writeReport(folder.file("report.html"), run, picture);
+  writeSummary(folder.file("summary.json"), run);
+}
+
+std::vector<std::string> outputFiles(const Scene& scene, const OutputFolder& folder) {
+  std::vector<std::string> files;
+  if (scene.picture) files.push_back(folder.file("view.png").string());
+  files.push_back(folder.file("report.html").string());
+  files.push_back(folder.file("summary.json").string());
+  if (scene.trace) files.push_back(folder.file("trace.csv").string());
+  return files;
+}
+
+}  // namespace
+
+TouchRun runTouchJob(const Scene& scene, const std::string& command, const std::string& commit, Progress& progress) {
+  checkEarly(scene);
+  const OutputFolder folder(scene.out);
+  TouchRun run;
+  run.scene = scene;
+  run.machine = readMachineFacts();
+  run.commit = commit;
+  run.command = command;
+  Stages stages(progress, run.stages);
+
+  const Volume volume = stages.run("load", "loading " + scene.volume, [&] { return loadVolume(scene.volume); });
+  const double isovalue = scene.isovalue ? *scene.isovalue : defaultIsovalue(volume);
+  checkIsovalue(volume, isovalue);
+  run.scene.isovalue = isovalue;
+  run.volume = volumeOf(volume, isovalue);
+  const VolumeSurface surface(volume, isovalue);
+
+  const ScriptedPath path = stages.run("path", "building the path", [&] { return scriptedPath(scene, surface); });
+  run.scene.duration_s = scene.path_file.empty() ? scene.duration_s : path.path.duration_s();
+  run.phases = path.phases;
+  run.notes = path.notes;
+
+  const Plan plan = makePlan(scene);
+  const auto engine = stages.run("engine", "computing on Vulkan", [&] {
+    return std::make_unique<Engine>(volume, plan, isovalue, scene.gpu);
+  });
+  run.vulkan = {engine->gpu().name, engine->gpu().driver, engine->gpu().api_version};
+  for (const StageTime& inner : engine->stages()) run.stages.push_back({"engine: " + inner.name, inner.seconds});
+  run.plan = planWords(plan, engine->planFacts());
+
+  LoopResult result = stages.run("servo", fmt::format("palpating with {} on {}", scene.algorithm, engine->gpu().name),
+                                 [&] { return runServo(run.scene, isovalue, path.path, *engine, progress); });
+  run.records = std::move(result.records);
+  run.realtime = realTimeWords(scene, result);
+  run.faults = faultsOf(run.records);
+  if (scene.volume.starts_with("phantom:")) run.exact = exactErrors(*makePhantom(scene.volume), run.records, run.phases);
+
+  run.files = outputFiles(scene, folder);
+  const std::string picture =
+      plan.draws ? stages.run("picture", "drawing", [&] { return drawPicture(run, surface, *engine); }) : std::string();
+  run.memory = engine->memory();
+  run.memory.push_back({"volume on the CPU", volume.storedBytes()});
+  run.memory.push_back(residentPeak());
+  throwIfInterrupted("palpate touch");
+  progress.stage("writing " + scene.out);
+  writeOutputs(run, picture, folder);
+  progress.done();
+  return run;
+}
+
+}  // namespace palpate

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+// apps/touch/touch_job.hpp: the main job: load, plan, compute on Vulkan, publish, palpate along a path, report.
+#pragma once
+
+#include <string>
+
+#include "apps/console/progress.hpp"
+#include "apps/report/touch_run.hpp"
+#include "engine/plan/scene.hpp"
+
+namespace palpate {
+
+// Runs the scene and writes trace.csv, summary.json, report.html and view.png into its output folder; each is there whole
+// or not at all. `command`: the line that repeats the run. Throws Error; nothing is left behind then.
+TouchRun runTouchJob(const Scene& scene, const std::string& command, const std::string& commit, Progress& progress);
+
+}  // namespace palpate

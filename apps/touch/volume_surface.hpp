@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// apps/touch/volume_surface.hpp: a volume and its isovalue as the surface that paths are built from. Any thread.
+#pragma once
+
+#include "apps/path/surface_field.hpp"
+#include "engine/volume/volume.hpp"
+
+namespace palpate {
+
+class VolumeSurface final : public SurfaceField {
+ public:
+  VolumeSurface(const Volume& volume, double isovalue) : volume_(volume), isovalue_(isovalue) {}
+
+  bool sample(const Vec3& p_W, double& density, Vec3& gradient_W) const override;
+  [[nodiscard]] double isovalue() const override { return isovalue_; }
+  [[nodiscard]] const Lattice& lattice() const override { return volume_.lattice(); }
+  [[nodiscard]] Vec3i size() const override { return volume_.size(); }
+
+ private:
+  const Volume& volume_;
+  double isovalue_;
+};
+
+}  // namespace palpate
