@@ -79,9 +79,13 @@ const VolumeFormat& chooseFormat(const std::string& name) {
 
 const std::vector<VolumeFormat>& volumeFormats() {
   static const std::vector<VolumeFormat> kFormats = {
-      {"NRRD", {".nrrd", ".nhdr"}, "NRRD, attached or detached, raw, gzip or text", readNrrd},
-      {"phantom", {}, "phantom:NAME?size=64&spacing=1mm&noise=0&seed=1", readPhantom},
-      {"DICOM series", {}, "DICOM", readNrrd},
+      {"NRRD", {".nrrd", ".nhdr"}, "NRRD, attached or detached: raw, gzip or text", readNrrd},
+      {"NIfTI", {".nii", ".nii.gz", ".hdr", ".img"}, "NIfTI-1, one file or a pair; turned from RAS to LPS", readNifti},
+      {"MetaImage", {".mha", ".mhd"}, "MetaImage, one file or header and data", readMeta},
+      {"OpenVDB", {".vdb"}, "OpenVDB density or level set; file.vdb#grid names a grid", readVdb},
+      {"InVesalius", {".inv3"}, "InVesalius project", readInvesalius},
+      {"DICOM series", {}, "folder of DICOM slices; folder#UID names a series", readDicom},
+      {"phantom", {}, "phantom:NAME?size=64&spacing=1mm&noise=0&seed=1: a surface known exactly", readPhantom},
   };
   return kFormats;
 }

@@ -51,7 +51,7 @@ Volume read(ItkRequest& request) {
   std::vector<char> raw(static_cast<std::size_t>(size.cast<long long>().prod()) * byteSize(type));
   file.read(raw.data());
   if (request.facts.value_type.empty()) request.facts.value_type = nameOf(type);
-  const std::vector<float> values = toFloats(raw, type);
+  const std::vector<float> values = toFloats(raw, type, request.slope, request.intercept);
   std::vector<char>().swap(raw);  // the grid takes its place
   return Volume::fromDense(size, lattice, values, std::move(request.facts));
 }

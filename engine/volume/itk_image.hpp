@@ -17,6 +17,8 @@ struct ItkRequest {
   std::string path;
   VolumeFacts facts;                  // source is the name in messages; value_type is filled where it is empty
   double metres_per_unit = 1.0e-3;    // of the file's lengths
+  double slope = 1;                   // applied here, for formats in which ITK does not
+  double intercept = 0;
   std::size_t memory_budget_bytes = 0;
 };
 

@@ -2,6 +2,7 @@
 // engine/volume/magic.hpp: what a file is by its first bytes, whatever its name says. Private to engine/volume.
 #pragma once
 
+#include <cstddef>
 #include <string>
 
 namespace palpate {
@@ -9,5 +10,8 @@ namespace palpate {
 // A name from volumeFormats(), "DICOM" for one slice, or "" if the bytes say nothing. gzip files are opened to look inside.
 // Cost: reads at most a few KiB. Any thread.
 [[nodiscard]] std::string formatByContent(const std::string& path);
+
+// The first `count` bytes of a file, fewer where it ends, taken out of gzip if they lie in it. "" if it cannot be read.
+[[nodiscard]] std::string headOf(const std::string& path, std::size_t count);
 
 }  // namespace palpate

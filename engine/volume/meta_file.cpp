@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+// MetaImage: .mha, and .mhd with its data in a second file. Source of the format: https://itk.org/Wiki/ITK/MetaIO
+//
+// ITK reads it; its frame is LPS. Looked at before: spacing (MetaIO takes the size of a negative one), channels, the
+// stored size. The slope from elements to intensities, which ITK leaves out, is applied here.
+#include <cmath>
+#include <filesystem>
+
+#include "base/error.hpp"
+#include "engine/volume/itk_image.hpp"
+#include "engine/volume/memory_budget.hpp"
+#include "engine/volume/readers.hpp"
+#include "engine/volume/text_header.hpp"
+
+namespace palpate {
+namespace {
+
+[[noreturn]] void refuse(const std::string& source, const std::string& reason, const std::string& remedy) {
+  throw Error(Error::Code::kBadInput, source, reason, remedy);
+}
+
+double bytesOfType(const std::string& type) {
+  if (type.find("CHAR") != std::string::npos) return 1;
+  if (type.find("SHORT") != std::string::npos) return 2;
+  if (type.find("LONG_LONG") != std::string::npos || type.find("DOUBLE") != std::string::npos) return 8;
+  return 4;
+}
+
+double claimedBytes(const TextHeader& header, const std::string& source, std::size_t memory_budget_bytes) {
+  const std::vector<double> sizes = header.numbers("dimsize");
+  if (sizes.size() < 3) refuse(source, fmt::format("it has {} dimensions", sizes.size()), "give a volume");
+  double voxels = 1;
+  for (const double size : sizes) {
+    if (!(size >= 1 && size <= 1e15) || size != std::floor(size)) {
+      refuse(source, fmt::format("its DimSize \"{}\" is no list of counts", header.text("dimsize")), "write the file again");
+    }
+    voxels *= size;
+  }
+  const double bytes = bytesOfType(header.text("elementtype"));
+  checkMemory(source, voxels * (bytes + kDenseBytesPerVoxel + kGridBytesPerVoxel + kGpuBytesPerVoxel), memory_budget_bytes);
+  return voxels * bytes;
+}
+
+// One channel is one component; MetaIO itself turns a channel count that is no number into 1.
+void checkChannels(const TextHeader& header, const std::string& source) {
+  const std::string channels = header.text("elementnumberofchannels");
+  if (channels.empty() || channels == "1") return;
+  refuse(source, fmt::format("it has {} components a voxel, and a density is one number", channels), "extract one component");
+}
+
+void checkSpacing(const TextHeader& header, const std::string& source) {
+  for (const std::string key : {"elementspacing", "elementsize"}) {
+    for (const double spacing : header.numbers(key)) {
+      if (spacing > 0 && std::isfinite(spacing)) continue;
+      refuse(source, fmt::format("its {} \"{}\" is not positive", key == "elementsize" ? "ElementSize" : "ElementSpacing",
+                                 header.text(key)),
+             "write the true voxel size into the header");
+    }
+  }
+}
+
+bool isTrue(const TextHeader& header, const std::string& key) {
+  const std::string value = lowerCase(header.text(key));
+  return value == "true" || value == "1" || value == "t";
+}
+
+// Where the data lie: after the header, or in a file beside it; lists and patterns of files are left to ITK.
+void checkData(const TextHeader& header, const std::string& path, const std::string& source, double wanted) {
+  const std::string data = header.text("elementdatafile");
+  if (data.empty()) refuse(source, "its header has no ElementDataFile", "write the file again");
+  const bool compressed = isTrue(header, "compresseddata");
+  if (data.find('%') != std::string::npos || lowerCase(data).starts_with("list")) return;
+  double stored = static_cast<double>(fileBytes(path, source) - header.data_offset);
+  if (lowerCase(data) != "local") {
+    stored = static_cast<double>(fileBytes((std::filesystem::path(path).parent_path() / data).string(), source));
+  }
+  const std::vector<double> packed = header.numbers("compresseddatasize");
+  if (compressed && !packed.empty()) checkStoredBytes(source, stored, packed[0], false);
+  if (lowerCase(header.text("binarydata")) != "false") checkStoredBytes(source, stored, wanted, compressed);
+}
+
+double numberOr(const TextHeader& header, const std::string& key, double otherwise) {
+  const std::vector<double> numbers = header.numbers(key);
+  return numbers.empty() ? otherwise : numbers[0];
+}
+
+}  // namespace
+
+Volume readMeta(const std::string& name, std::size_t memory_budget_bytes) {
+  const TextHeader header = readTextHeader(name, name, '=', "elementdatafile");
+  checkChannels(header, name);
+  const double wanted = claimedBytes(header, name, memory_budget_bytes);
+  checkSpacing(header, name);
+  checkData(header, name, name, wanted);
+  ItkRequest request;
+  request.reader = ItkReader::kMeta;
+  request.path = name;
+  request.memory_budget_bytes = memory_budget_bytes;
+  request.slope = numberOr(header, "elementtointensityfunctionslope", 1);
+  request.intercept = numberOr(header, "elementtointensityfunctionoffset", 0);
+  request.facts.source = name;
+  request.facts.format = "MetaImage";
+  request.facts.orientation = "LPS file";
+  request.facts.rescale_slope = request.slope;
+  request.facts.rescale_intercept = request.intercept;
+  if (header.text("elementspacing").empty() && header.text("elementsize").empty()) {
+    request.facts.remark = "the file gives no voxel size; 1 mm is assumed";
+  }
+  return readItkImage(std::move(request));
+}
+
+}  // namespace palpate

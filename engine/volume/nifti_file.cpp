@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+// NIfTI-1: .nii, .nii.gz and .hdr/.img pairs. Source of the format: nifti1.h, https://nifti.nimh.nih.gov/nifti-1
+//
+// ITK reads it, turns RAS to LPS and applies scl_slope and scl_inter. Looked at before: dimensions, voxel sizes (ITK takes
+// the size of a negative one), value type, the stored size. Analyze 7.5 files are refused: they do not say left from right.
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstring>
+
+#include "base/error.hpp"
+#include "engine/volume/itk_image.hpp"
+#include "engine/volume/magic.hpp"
+#include "engine/volume/memory_budget.hpp"
+#include "engine/volume/readers.hpp"
+#include "engine/volume/text_header.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr std::size_t kHeaderBytes = 348;
+
+[[noreturn]] void refuse(const std::string& source, const std::string& reason, const std::string& remedy) {
+  throw Error(Error::Code::kBadInput, source, reason, remedy);
+}
+
+// The 348 bytes of nifti_1_header, in either byte order. Offsets are the format's.
+class RawHeader {
+ public:
+  RawHeader(std::string bytes, const std::string& source) : bytes_(std::move(bytes)) {
+    if (bytes_.size() < kHeaderBytes) refuse(source, "its header is cut short", "copy or write the file again");
+    swapped_ = get<std::int16_t>(40) < 1 || get<std::int16_t>(40) > 7;
+    const std::string magic = bytes_.substr(344, 3);
+    if (get<std::int32_t>(0) == 540) refuse(source, "it is NIfTI-2", "convert it to NIfTI-1");
+    if (magic != "n+1" && magic != "ni1") {
+      refuse(source, "it is no NIfTI file; an Analyze file would not say left from right", "convert it to NIfTI");
+    }
+  }
+
+  [[nodiscard]] int dimension(std::size_t axis) const { return get<std::int16_t>(40 + 2 * axis); }  // 0: their count
+  [[nodiscard]] double voxelSize(std::size_t axis) const { return get<float>(76 + 4 * axis); }
+  [[nodiscard]] int type() const { return get<std::int16_t>(70); }
+  [[nodiscard]] double dataOffset() const { return get<float>(108); }
+  [[nodiscard]] double slope() const { return get<float>(112); }
+  [[nodiscard]] double intercept() const { return get<float>(116); }
+  [[nodiscard]] bool oneFile() const { return bytes_[345] == '+'; }
+  [[nodiscard]] bool hasOrientation() const { return get<std::int16_t>(252) > 0 || get<std::int16_t>(254) > 0; }
+
+ private:
+  template <class T>
+  [[nodiscard]] T get(std::size_t offset) const {
+    std::array<char, sizeof(T)> raw;
+    std::copy_n(bytes_.data() + offset, sizeof(T), raw.data());
+    if (swapped_) std::reverse(raw.begin(), raw.end());
+    return std::bit_cast<T>(raw);
+  }
+
+  std::string bytes_;
+  bool swapped_ = false;
+};
+
+ValueType valueTypeOf(const RawHeader& header, const std::string& source) {
+  switch (header.type()) {
+    case 2: return ValueType::kUint8;
+    case 4: return ValueType::kInt16;
+    case 8: return ValueType::kInt32;
+    case 16: return ValueType::kFloat32;
+    case 64: return ValueType::kFloat64;
+    case 256: return ValueType::kInt8;
+    case 512: return ValueType::kUint16;
+    case 768: return ValueType::kUint32;
+    case 1024: return ValueType::kInt64;
+    case 1280: return ValueType::kUint64;
+    case 32:
+    case 128:
+    case 1792:
+    case 2304: refuse(source, "its voxels are complex numbers or colours, several components each", "extract one component");
+    default: refuse(source, fmt::format("its value type {} is not supported", header.type()), "write it as int16 or float32");
+  }
+}
+
+double claimedBytes(const RawHeader& header, const std::string& source, std::size_t memory_budget_bytes) {
+  const int axes = header.dimension(0);
+  if (axes < 3 || axes > 7) refuse(source, fmt::format("it has {} dimensions", axes), "give a volume");
+  for (std::size_t axis = 4; axis <= static_cast<std::size_t>(axes); ++axis) {
+    if (header.dimension(axis) <= 1) continue;
+    refuse(source, fmt::format("it is a series of {} volumes or components", header.dimension(axis)), "extract one of them");
+  }
+  const double bytes = static_cast<double>(byteSize(valueTypeOf(header, source)));
+  checkMemory(source, header.dimension(1), header.dimension(2), header.dimension(3), bytes, memory_budget_bytes);
+  return bytes * header.dimension(1) * header.dimension(2) * header.dimension(3);
+}
+
+void checkVoxelSize(const RawHeader& header, const std::string& source) {
+  for (std::size_t axis = 1; axis <= 3; ++axis) {
+    if (header.voxelSize(axis) > 0 && std::isfinite(header.voxelSize(axis))) continue;
+    refuse(source, fmt::format("its voxel size pixdim[{}] is {:g}, not positive", axis, header.voxelSize(axis)),
+           "write the true voxel size into the header");
+  }
+}
+
+// "scan.hdr" and "scan.img" are one volume; the header is in the former.
+std::string headerPath(const std::string& name) {
+  const std::string lower = lowerCase(name);
+  if (lower.ends_with(".img")) return name.substr(0, name.size() - 4) + ".hdr";
+  if (lower.ends_with(".img.gz")) return name.substr(0, name.size() - 7) + ".hdr.gz";
+  return name;
+}
+
+void checkData(const RawHeader& header, const std::string& name, double wanted) {
+  if (!header.oneFile()) return;  // ITK finds the .img
+  const bool compressed = lowerCase(name).ends_with(".gz");
+  const double offset = compressed ? 0 : header.dataOffset();
+  if (!(offset >= 0 && offset < 1e12)) refuse(name, "its data offset is no place in a file", "write the file again");
+  checkStoredBytes(name, static_cast<double>(fileBytes(name, name)) - offset, wanted, compressed);
+}
+
+}  // namespace
+
+Volume readNifti(const std::string& name, std::size_t memory_budget_bytes) {
+  const std::string path = headerPath(name);
+  if (path != name) static_cast<void>(fileBytes(path, name));  // an .img without its .hdr
+  const RawHeader header(headOf(path, kHeaderBytes), name);
+  checkVoxelSize(header, name);
+  checkData(header, name, claimedBytes(header, name, memory_budget_bytes));
+  ItkRequest request;
+  request.reader = ItkReader::kNifti;
+  request.path = path;
+  request.memory_budget_bytes = memory_budget_bytes;
+  request.facts.source = name;
+  request.facts.format = "NIfTI";
+  request.facts.value_type = nameOf(valueTypeOf(header, name));
+  request.facts.orientation = header.hasOrientation() ? "RAS file turned to LPS" : "no orientation in the file: taken as RAS";
+  if (header.slope() != 0) {  // 0 means none
+    request.facts.rescale_slope = header.slope();
+    request.facts.rescale_intercept = header.intercept();
+  }
+  return readItkImage(std::move(request));
+}
+
+}  // namespace palpate

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/volume/statistics.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "base/error.hpp"
+#include "engine/volume/otsu.hpp"
+
+namespace palpate {
+namespace {
+
+// Calls add(value, count) for every voxel of the domain, constant bricks at once.
+template <class Add>
+void forEachValue(const Volume& volume, const Add& add) {
+  std::array<float, kBrickVoxels> values = {};
+  const Vec3i bricks = volume.brickCount();
+  for (int bk = 0; bk < bricks.z(); ++bk) {
+    for (int bj = 0; bj < bricks.y(); ++bj) {
+      for (int bi = 0; bi < bricks.x(); ++bi) {
+        const Vec3i brick(bi, bj, bk);
+        const Vec3i inside = (volume.size() - brick * kBrickSize).cwiseMin(Vec3i::Constant(kBrickSize));
+        if (volume.readBrick(brick, values.data())) {
+          add(static_cast<double>(values[0]), static_cast<std::uint64_t>(inside.prod()));
+          continue;
+        }
+        for (int k = 0; k < inside.z(); ++k) {
+          for (int j = 0; j < inside.y(); ++j) {
+            const float* row = values.data() + (k * kBrickSize + j) * kBrickSize;
+            for (int i = 0; i < inside.x(); ++i) add(static_cast<double>(row[i]), std::uint64_t{1});
+          }
+        }
+      }
+    }
+  }
+}
+
+void fillHistogram(const Volume& volume, int bins, VolumeStatistics& statistics) {
+  Histogram& histogram = statistics.histogram;
+  histogram.low = statistics.minimum;
+  histogram.bin_width = (statistics.maximum - statistics.minimum) / bins;
+  histogram.counts.assign(static_cast<std::size_t>(bins), 0);
+  double sum = 0;
+  double count = 0;
+  forEachValue(volume, [&](double value, std::uint64_t voxels) {
+    const double place = histogram.bin_width > 0 ? (value - histogram.low) / histogram.bin_width : 0;
+    histogram.counts[static_cast<std::size_t>(std::min(place, bins - 1.0))] += voxels;
+    sum += value * static_cast<double>(voxels);
+    count += static_cast<double>(voxels);
+  });
+  statistics.mean = sum / count;
+}
+
+// Hounsfield units: air near -1000 and bone well above 0.
+bool looksLikeHounsfield(const VolumeStatistics& statistics) {
+  return statistics.minimum <= -900 && statistics.minimum >= -10000 && statistics.maximum >= 300;
+}
+
+std::vector<IsovalueSuggestion> suggest(const VolumeFacts& facts, const VolumeStatistics& statistics) {
+  std::vector<IsovalueSuggestion> all;
+  if (facts.declared_isovalue) all.push_back({*facts.declared_isovalue, "the phantom's exact surface"});
+  if (facts.is_level_set) all.push_back({0, "the level set's surface"});
+  if (all.empty() && looksLikeHounsfield(statistics)) {
+    all.push_back({226, "bone in a CT (InVesalius preset)"});
+    all.push_back({300, "compact bone in a CT"});
+    all.push_back({-300, "skin in a CT"});
+  }
+  all.push_back({otsuThreshold(statistics.histogram), "Otsu's threshold, two classes"});
+  const auto [lower, upper] = otsuThresholds(statistics.histogram);
+  all.push_back({lower, "Otsu's lower threshold, three classes"});
+  all.push_back({upper, "Otsu's upper threshold, three classes"});
+  std::erase_if(all, [&](const IsovalueSuggestion& one) {
+    return !(one.isovalue >= statistics.minimum && one.isovalue < statistics.maximum);
+  });
+  return all;
+}
+
+[[noreturn]] void refuseConstant(const Volume& volume) {
+  throw Error(Error::Code::kBadInput, volume.facts().source,
+              fmt::format("every voxel is {:g}; there is no isosurface", volume.minimum()), "give a volume that varies");
+}
+
+}  // namespace
+
+VolumeStatistics statisticsOf(const Volume& volume, int bins) {
+  constexpr int kMostBins = 1000000;
+  if (bins < 1 || bins > kMostBins) {
+    throw Error(Error::Code::kBadInput, "histogram", fmt::format("{} bins", bins), fmt::format("ask for 1 to {}", kMostBins));
+  }
+  constexpr int kOtsuBins = 256;
+  VolumeStatistics statistics;
+  statistics.minimum = static_cast<double>(volume.minimum());
+  statistics.maximum = static_cast<double>(volume.maximum());
+  fillHistogram(volume, kOtsuBins, statistics);
+  if (statistics.minimum < statistics.maximum) statistics.suggestions = suggest(volume.facts(), statistics);
+  if (bins != kOtsuBins) fillHistogram(volume, bins, statistics);
+  return statistics;
+}
+
+double defaultIsovalue(const Volume& volume) {
+  if (!(volume.minimum() < volume.maximum())) refuseConstant(volume);
+  return statisticsOf(volume).suggestions.at(0).isovalue;
+}
+
+void checkIsovalue(const Volume& volume, double isovalue) {
+  if (!(volume.minimum() < volume.maximum())) refuseConstant(volume);
+  if (isovalue >= static_cast<double>(volume.minimum()) && isovalue < static_cast<double>(volume.maximum())) return;
+  std::string suggestions;
+  for (const IsovalueSuggestion& one : statisticsOf(volume).suggestions) {
+    suggestions += fmt::format("{}{:g} ({})", suggestions.empty() ? "" : ", ", one.isovalue, one.reason);
+  }
+  throw Error(Error::Code::kBadInput, volume.facts().source,
+              fmt::format("isovalue {:g} is outside its values, {:g} to {:g}", isovalue, volume.minimum(), volume.maximum()),
+              "try " + suggestions);
+}
+
+}  // namespace palpate

@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: Apache-2.0
+// OpenVDB files: the first float, half, double or integer grid, or the one that "file.vdb#name" names.
+//
+// The domain is the box of active voxels, padded by two voxels on every side, which are background wherever the grid has
+// nothing else. Lengths are metres unless the grid's or the file's metadata "unit" says mm, um or cm; a level set becomes
+// density = -distance [m], so that density above 0 is inside. World axes are taken as LPS.
+#include <openvdb/io/Stream.h>
+#include <openvdb/openvdb.h>
+
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+#include "base/error.hpp"
+#include "base/units.hpp"
+#include "engine/volume/grid.hpp"
+#include "engine/volume/memory_budget.hpp"
+#include "engine/volume/raw_values.hpp"
+#include "engine/volume/readers.hpp"
+#include "engine/volume/text_header.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr int kPadding = 2;  // [voxel]
+
+[[noreturn]] void refuse(const std::string& source, const std::string& reason, const std::string& remedy) {
+  throw Error(Error::Code::kBadInput, source, reason, remedy);
+}
+
+// Reads every grid. Unlike io::File, a stream can be told to throw where it ends, so a header that lies about a count
+// cannot keep the reader busy with bytes that are not there.
+openvdb::GridPtrVecPtr readGrids(const std::string& path, const std::string& source) {
+  openvdb::initialize();
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw Error(Error::Code::kIo, source, "it cannot be opened", "check its permissions");
+  file.exceptions(std::ios::failbit | std::ios::badbit);
+  try {
+    openvdb::io::Stream stream(file, false);
+    return stream.getGrids();
+  } catch (const std::bad_alloc&) {
+    refuse(source, "it asks for more memory than there is", "the file may be damaged: copy or write it again");
+  } catch (const std::exception&) {
+    refuse(source, "it is no OpenVDB file, or it is cut short or damaged", "copy or write it again");
+  }
+}
+
+bool isScalar(const openvdb::GridBase& grid) {
+  return grid.isType<openvdb::FloatGrid>() || grid.isType<openvdb::DoubleGrid>() || grid.isType<openvdb::Int32Grid>();
+}
+
+const openvdb::GridBase& chooseGrid(const openvdb::GridPtrVec& grids, const std::string& wanted, const std::string& source) {
+  std::string names;
+  for (const auto& grid : grids) {
+    if (isScalar(*grid) && (wanted.empty() || grid->getName() == wanted)) return *grid;
+    names += fmt::format("{}\"{}\" ({})", names.empty() ? "" : ", ", grid->getName(), grid->valueType());
+  }
+  if (names.empty()) refuse(source, "it has no grids", "write the file again");
+  if (wanted.empty()) refuse(source, "it has no grid of numbers, only " + names, "give a density or a level set");
+  refuse(source, fmt::format("it has no grid of numbers named \"{}\"; there are {}", wanted, names), "name one of them");
+}
+
+double metresPerUnit(const openvdb::GridBase& grid, const std::string& source) {
+  const auto unit = grid.getMetadata<openvdb::StringMetadata>("unit");
+  if (!unit || unit->value() == "m") return 1;
+  if (unit->value() == "mm") return kMetresPerMillimetre;
+  if (unit->value() == "cm") return 1e-2;
+  if (unit->value() == "um") return 1e-6;
+  refuse(source, fmt::format("its unit of length \"{}\" is not known", unit->value()), "use m, cm, mm or um");
+}
+
+// The lattice whose voxel (0,0,0) is the grid's voxel `first`. VDB multiplies row vectors: rows 0 to 2 are the axes.
+Lattice latticeOf(const openvdb::GridBase& grid, const openvdb::Coord& first, const std::string& source) {
+  if (!grid.transform().isLinear()) refuse(source, "its transform is not linear", "resample the volume onto a regular grid");
+  const openvdb::Mat4R matrix = grid.transform().baseMap()->getAffineMap()->getMat4();
+  const double metres = metresPerUnit(grid, source);
+  const openvdb::Vec3d origin = grid.transform().indexToWorld(first);
+  Lattice lattice;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Vec3 step = Vec3(matrix(axis, 0), matrix(axis, 1), matrix(axis, 2)) * metres;
+    lattice.spacing_m[axis] = step.norm();
+    lattice.R_WL.col(axis) = step / step.norm();
+    lattice.origin_W[axis] = origin[axis] * metres;
+  }
+  return orthonormalised(lattice, source);
+}
+
+openvdb::CoordBBox domainOf(const openvdb::GridBase& grid, const std::string& source) {
+  openvdb::CoordBBox box = grid.evalActiveVoxelBoundingBox();
+  if (box.empty()) refuse(source, fmt::format("its grid \"{}\" has no active voxels", grid.getName()), "give another grid");
+  for (int axis = 0; axis < 3; ++axis) {
+    const double length = static_cast<double>(box.max()[axis]) - static_cast<double>(box.min()[axis]);
+    if (length < kMaxDimension - 2 * kPadding && std::abs(static_cast<double>(box.min()[axis])) < 1e9) continue;
+    refuse(source, fmt::format("its active voxels span {:.0f} along an axis, and {} are the most", length + 1, kMaxDimension),
+           "crop or resample it");
+  }
+  box.expand(kPadding);
+  return box;
+}
+
+// Reads bricks out of a grid of any value type; where no leaf reaches into a brick only its corners are looked at.
+template <class Tree>
+class TreeBricks {
+ public:
+  TreeBricks(const Tree& tree, const openvdb::CoordBBox& domain, double scale)
+      : values_(tree), domain_(domain), scale_(scale) {}
+
+  bool operator()(const Vec3i& brick, float* out) {
+    const openvdb::Coord first =
+        domain_.min().offsetBy(brick.x() * kBrickSize, brick.y() * kBrickSize, brick.z() * kBrickSize);
+    if (constantFrom(first, out)) return true;
+    for (int k = 0; k < kBrickSize; ++k) {
+      for (int j = 0; j < kBrickSize; ++j) {
+        for (int i = 0; i < kBrickSize; ++i) *out++ = at(first.offsetBy(i, j, k));
+      }
+    }
+    return false;
+  }
+
+ private:
+  float at(openvdb::Coord voxel) const {
+    voxel.minComponent(domain_.max());
+    return static_cast<float>(scale_ * static_cast<double>(values_.getValue(voxel)));
+  }
+
+  // A brick reaches into at most two leaf cells along an axis, and each of its eight corners lies in another of them.
+  bool constantFrom(const openvdb::Coord& first, float* out) const {
+    out[0] = at(first);
+    for (int corner = 0; corner < 8; ++corner) {
+      const int last = kBrickSize - 1;
+      const openvdb::Coord voxel = first.offsetBy((corner & 1) * last, (corner >> 1 & 1) * last, (corner >> 2 & 1) * last);
+      const float value = at(voxel);
+      if (values_.probeConstLeaf(voxel) != nullptr || std::memcmp(&value, out, sizeof value) != 0) return false;
+    }
+    return true;
+  }
+
+  openvdb::tree::ValueAccessor<const Tree> values_;
+  openvdb::CoordBBox domain_;
+  double scale_;
+};
+
+template <class GridType>
+Volume convert(const openvdb::GridBase& base, const Lattice& lattice, const openvdb::CoordBBox& domain, double scale,
+               VolumeFacts facts) {
+  const auto& grid = static_cast<const GridType&>(base);
+  const openvdb::Coord dim = domain.dim();
+  TreeBricks<typename GridType::TreeType> bricks(grid.constTree(), domain, scale);
+  return Volume(buildGrid(Vec3i(dim.x(), dim.y(), dim.z()), lattice, std::move(facts),
+                          [&](const Vec3i& brick, float* values) { return bricks(brick, values); }));
+}
+
+// Leaves count double (source and copy) and with what the GPU needs; every brick of the domain costs a tile.
+void checkSparseMemory(const openvdb::GridBase& grid, const openvdb::CoordBBox& domain, const std::string& source,
+                       std::size_t memory_budget_bytes) {
+  constexpr double kTileBytes = 8;
+  const openvdb::Coord dim = domain.dim();
+  const double box = static_cast<double>(dim.x()) * static_cast<double>(dim.y()) * static_cast<double>(dim.z());
+  checkMemory(source, static_cast<double>(grid.memUsage()) * (1 + kGpuBytesPerVoxel / 4) + box / kBrickVoxels * kTileBytes,
+              memory_budget_bytes);
+}
+
+}  // namespace
+
+Volume readVdb(const std::string& name, std::size_t memory_budget_bytes) {
+  const bool whole = std::filesystem::exists(name);
+  const std::string path = whole ? name : name.substr(0, name.rfind('#'));
+  const std::string wanted = whole ? "" : name.substr(name.rfind('#') + 1);
+  checkMemory(name, static_cast<double>(fileBytes(path, name)), memory_budget_bytes);
+  const openvdb::GridPtrVecPtr grids = readGrids(path, name);
+  const openvdb::GridBase& grid = chooseGrid(*grids, wanted, name);
+  const openvdb::CoordBBox domain = domainOf(grid, name);
+  checkSparseMemory(grid, domain, name, memory_budget_bytes);
+  const Lattice lattice = latticeOf(grid, domain.min(), name);
+  VolumeFacts facts;
+  facts.source = name;
+  facts.format = "OpenVDB";
+  facts.value_type = grid.saveFloatAsHalf() ? "half" : grid.valueType();
+  facts.orientation = "world axes taken as LPS";
+  facts.is_level_set = grid.getGridClass() == openvdb::GRID_LEVEL_SET;
+  const double scale = facts.is_level_set ? -metresPerUnit(grid, name) : 1;
+  if (grid.isType<openvdb::FloatGrid>()) return convert<openvdb::FloatGrid>(grid, lattice, domain, scale, std::move(facts));
+  if (grid.isType<openvdb::DoubleGrid>()) return convert<openvdb::DoubleGrid>(grid, lattice, domain, scale, std::move(facts));
+  return convert<openvdb::Int32Grid>(grid, lattice, domain, scale, std::move(facts));
+}
+
+}  // namespace palpate
