@@ -66,6 +66,10 @@ void Hri::refreshField(const SampleWindow& window) noexcept {
 
 void Hri::renew(const Vec3& hip_W, std::uint32_t& faults) noexcept {
   held_ = field_.sampler().place(hip_W) == Place::kBeyondWindow;
+  if (!held_ && field_.sampler().place(surface_.p_W) == Place::kBeyondWindow) {
+    // The window has left the old surface point behind; the plane under the HIP is the best that is known.
+    surface_.p_W = hip_W + surface_.normal_W * surface_.normal_W.dot(surface_.p_W - hip_W);
+  }
   const Track result = held_ ? Track::kBeyondWindow : SurfaceTracker::follow(field_, hip_W, surface_);
   switch (result) {
     case Track::kFound:

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/algorithms/registry.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "base/error.hpp"
+
+namespace palpate {
+namespace {
+
+class NoEffect final : public ContactEffect {
+ public:
+  void release() noexcept override {}
+  Vec3 move(const ContactState&, const Vec3& vhip_W) noexcept override { return vhip_W; }
+};
+
+TEST(AlgorithmRegistry, MakesEveryAlgorithmItLists) {
+  ASSERT_FALSE(algorithms().empty());
+  EXPECT_EQ(algorithms().front().name, "hri");
+  for (const AlgorithmEntry& entry : algorithms()) {
+    EXPECT_NE(makeAlgorithm(entry.name, {}), nullptr) << entry.name;
+    EXPECT_FALSE(entry.description.empty());
+  }
+}
+
+TEST(AlgorithmRegistry, AnUnknownNameIsAnsweredWithTheKnownOnes) {
+  try {
+    static_cast<void>(makeAlgorithm("god-object", {}));
+    FAIL() << "accepted";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), Error::Code::kBadInput);
+    for (const AlgorithmEntry& entry : algorithms()) {
+      EXPECT_THAT(error.what(), testing::HasSubstr(std::string(entry.name)));
+    }
+  }
+}
+
+TEST(AlgorithmRegistry, RefusesParametersThatCannotBeUsed) {
+  const auto refused = [](auto change) {
+    AlgorithmParameters p;
+    change(p);
+    EXPECT_THROW(static_cast<void>(makeAlgorithm("hri", p)), Error);
+  };
+  refused([](AlgorithmParameters& p) { p.plane_renewal_ticks = 0; });
+  refused([](AlgorithmParameters& p) { p.stiffness_N_per_m = -1; });
+  refused([](AlgorithmParameters& p) { p.damping_Ns_per_m = -1; });
+  refused([](AlgorithmParameters& p) { p.stiffness_N_per_m = NAN; });
+  refused([](AlgorithmParameters& p) { p.isovalue = INFINITY; });
+}
+
+TEST(AlgorithmRegistry, ThePaperTakesNoEffects) {
+  ContactEffects effects;
+  effects.push_back(std::make_unique<NoEffect>());
+  EXPECT_THROW(static_cast<void>(makeAlgorithm("hri-paper", {}, std::move(effects))), Error);
+}
+
+}  // namespace
+}  // namespace palpate

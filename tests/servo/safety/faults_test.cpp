@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/safety/faults.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <bit>
+
+namespace palpate {
+namespace {
+
+TEST(Faults, EveryRowIsOneBitInOrderWithTexts) {
+  std::uint32_t seen = 0;
+  for (const FaultText& row : faultTable()) {
+    EXPECT_EQ(std::popcount(bit(row.fault)), 1);
+    EXPECT_GT(bit(row.fault), seen) << row.name;
+    seen |= bit(row.fault);
+    EXPECT_STRNE(row.name, "");
+    EXPECT_STRNE(row.text, "");
+    EXPECT_STRNE(row.remedy, "");
+  }
+  EXPECT_EQ(seen & kFadingFaults, kFadingFaults);
+  // A bit without a row would be a gap here.
+  EXPECT_EQ(seen, (1U << faultTable().size()) - 1);
+}
+
+TEST(Faults, NamesOfSetBits) {
+  EXPECT_EQ(faultNames(0), "none");
+  EXPECT_EQ(faultNames(bit(ServoFault::kOverrun) | bit(ServoFault::kNoWindow)), "no-window overrun");
+  EXPECT_EQ(faultNames(1U << 31), "unknown-fault");
+}
+
+TEST(Faults, OneLineForEachSetBitWithItsRemedy) {
+  const std::string text = describeFaults(bit(ServoFault::kStaleWindow) | bit(ServoFault::kForceLimited));
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 2);
+  EXPECT_THAT(text, testing::HasSubstr("stale-window: "));
+  EXPECT_THAT(text, testing::HasSubstr("lower the stiffness"));
+  EXPECT_EQ(describeFaults(0), "");
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/safety/safety_gate.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "base/error.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+SafetyParameters parameters() { return {8, 1e6, 0.01, 0.5}; }  // 10 ticks of fade at 1 kHz, no slew to speak of
+
+GateInput healthy(const Vec3& force_W) { return {force_W, 0, 0}; }
+
+TEST(SafetyGate, LetsAHealthyForceThrough) {
+  SafetyGate gate(parameters(), 1000);
+  const GateOutput out = gate.pass(healthy({1, 2, 3}));
+  EXPECT_EQ(out.force_W, Vec3(1, 2, 3));
+  EXPECT_EQ(out.faults, 0u);
+}
+
+TEST(SafetyGate, CutsToTheMaximumInTheSameDirection) {
+  SafetyGate gate(parameters(), 1000);
+  const GateOutput out = gate.pass(healthy({0, 30, 40}));
+  EXPECT_TRUE(out.force_W.isApprox(Vec3(0, 4.8, 6.4), 1e-12));
+  EXPECT_EQ(out.faults, bit(ServoFault::kForceLimited));
+  // Finite, but its square is not.
+  const GateOutput huge = gate.pass(healthy({0, 0, 1e300}));
+  EXPECT_TRUE(huge.force_W.isApprox(Vec3(0, 0, 8), 1e-12));
+}
+
+TEST(SafetyGate, LimitsTheSlewUpAndDown) {
+  SafetyParameters p = parameters();
+  p.slew_limit_N_per_s = 500;  // 0.5 N a tick
+  SafetyGate gate(p, 1000);
+  for (int tick = 1; tick <= 4; ++tick) {
+    const GateOutput out = gate.pass(healthy({0, 0, 2}));
+    EXPECT_NEAR(out.force_W.z(), 0.5 * tick, 1e-12);
+    EXPECT_EQ(has(out.faults, ServoFault::kSlewLimited), tick < 4);
+  }
+  EXPECT_NEAR(gate.pass(healthy({0, 0, -2})).force_W.z(), 1.5, 1e-12);
+}
+
+// Every fault that takes the force away, each raised in its own way.
+struct Cause {
+  const char* name;
+  GateInput input;
+  ServoFault fault;
+};
+
+class GateFaults : public testing::TestWithParam<Cause> {};
+
+TEST_P(GateFaults, FadeStraightToZeroWithinTheTimeAndComeBackTheSameWay) {
+  SafetyGate gate(parameters(), 1000);
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(gate.pass(healthy({0, 0, 4})).force_W.z(), 4);
+  for (int tick = 1; tick <= 10; ++tick) {
+    const GateOutput out = gate.pass(GetParam().input);
+    EXPECT_TRUE(has(out.faults, GetParam().fault));
+    // Smaller by a tenth in each tick, from the first on: the last force is never repeated.
+    EXPECT_NEAR(out.force_W.z(), 4 * (1 - tick / 10.0), 1e-12);
+  }
+  EXPECT_TRUE(gate.pass(GetParam().input).force_W.isZero(0));
+  for (int tick = 1; tick <= 12; ++tick) {
+    const GateOutput out = gate.pass(healthy({2, 0, 0}));
+    EXPECT_NEAR(out.force_W.x(), 2 * std::min(1.0, tick / 10.0), 1e-12);
+    EXPECT_EQ(out.faults, 0u);
+  }
+}
+
+constexpr std::int64_t kStale_ns = 500'000'001;
+INSTANTIATE_TEST_SUITE_P(
+    All, GateFaults,
+    testing::Values(Cause{"NoWindow", {{0, 0, 4}, 0, bit(ServoFault::kNoWindow)}, ServoFault::kNoWindow},
+                    Cause{"Stale", {{0, 0, 4}, kStale_ns, 0}, ServoFault::kStaleWindow},
+                    Cause{"Beyond", {{0, 0, 4}, 0, bit(ServoFault::kBeyondWindow)}, ServoFault::kBeyondWindow},
+                    Cause{"NaN", {{0, kNaN, 4}, 0, 0}, ServoFault::kNonFiniteForce},
+                    Cause{"Infinite", {{0, 0, INFINITY}, 0, 0}, ServoFault::kNonFiniteForce},
+                    Cause{"Device", {{0, 0, 4}, 0, bit(ServoFault::kDeviceError)}, ServoFault::kDeviceError}),
+    [](const auto& cause) { return std::string(cause.param.name); });
+
+TEST(SafetyGate, NotesDoNotTakeTheForceAway) {
+  SafetyGate gate(parameters(), 1000);
+  const std::uint32_t notes = bit(ServoFault::kOverrun) | bit(ServoFault::kZeroGradient) |
+                              bit(ServoFault::kInsideObject) | bit(ServoFault::kSurfaceLost);
+  EXPECT_EQ(gate.pass({{0, 0, 4}, 0, notes}).force_W.z(), 4);
+}
+
+TEST(SafetyGate, AgeAtTheLimitIsFresh) {
+  SafetyGate gate(parameters(), 1000);
+  EXPECT_EQ(gate.pass({{0, 0, 4}, 500'000'000, 0}).faults, 0u);
+}
+
+// Healthy again in the middle of a fade: it goes on from the authority reached, not from full force.
+TEST(SafetyGate, RecoversFromWhereTheFadeWas) {
+  SafetyGate gate(parameters(), 1000);
+  EXPECT_EQ(gate.pass(healthy({0, 0, 4})).force_W.z(), 4);
+  for (int i = 0; i < 5; ++i) static_cast<void>(gate.pass({{0, 0, 4}, 0, bit(ServoFault::kNoWindow)}));
+  EXPECT_NEAR(gate.lastForce().z(), 2, 1e-12);
+  EXPECT_NEAR(gate.pass(healthy({0, 0, 4})).force_W.z(), 2.4, 1e-12);
+  // And a fade that begins there takes no longer than what is left.
+  for (int tick = 1; tick <= 6; ++tick) {
+    EXPECT_NEAR(gate.pass({{0, 0, 4}, 0, bit(ServoFault::kNoWindow)}).force_W.z(), 2.4 * (1 - tick / 6.0), 1e-12);
+  }
+}
+
+TEST(SafetyGate, NoFadeTimeMeansZeroAtOnce) {
+  SafetyParameters p = parameters();
+  p.fade_s = 0;
+  SafetyGate gate(p, 1000);
+  EXPECT_EQ(gate.pass(healthy({0, 0, 4})).force_W.z(), 4);
+  EXPECT_TRUE(gate.pass({{0, 0, 4}, 0, bit(ServoFault::kDeviceError)}).force_W.isZero(0));
+}
+
+TEST(SafetyGate, FadeTicksFollowTimeAndRate) {
+  SafetyParameters p = parameters();
+  p.fade_s = 0.1;
+  EXPECT_EQ(SafetyGate(p, 1000).fadeTicks(), 100);
+  EXPECT_EQ(SafetyGate(p, 20000).fadeTicks(), 2000);
+}
+
+TEST(SafetyGate, RefusesLimitsThatAreNone) {
+  const auto refused = [](SafetyParameters p, double rate_hz = 1000) { EXPECT_THROW(SafetyGate(p, rate_hz), Error); };
+  refused({0, 1, 0.1, 0.5});
+  refused({kNaN, 1, 0.1, 0.5});
+  refused({8, 0, 0.1, 0.5});
+  refused({8, 1, -0.1, 0.5});
+  refused({8, 1, kNaN, 0.5});
+  refused({8, 1, 0.1, -1});
+  refused(parameters(), 0);
+}
+
+}  // namespace
+}  // namespace palpate
