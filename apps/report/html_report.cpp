@@ -41,8 +41,8 @@ std::string plotSection(const std::vector<ReportPlot>& plots, bool simulated_clo
   std::string out = "<section id=\"plots\">\n<h2>Over time</h2>\n<p class=\"hint script\">Drag to zoom in all plots, "
                     "double-click to see everything again.</p>\n";
   for (const ReportPlot& plot : plots) {
-    out += fmt::format("<h3>{}</h3>\n<div class=\"graph script\" id=\"{}\"></div>\n<noscript>{}</noscript>\n", escapeHtml(plot.title),
-                       plot.id, curveSvg({plot.table.time_s, {plot.table.series.back()}}, plot.title + " over time"));
+    out += fmt::format("<h3>{}<span class=\"legend script\" id=\"{}-legend\"></span></h3>\n<div class=\"graph script\" id=\"{}\"></div>\n"
+                       "<noscript>{}</noscript>\n", escapeHtml(plot.title), plot.id, plot.id, curveSvg({plot.table.time_s, {plot.table.series.back()}}, plot.title + " over time"));
   }
   if (simulated_clock) out += "<p>The clock was simulated: ticks followed each other without waiting, so tick cost and wake-up lateness were not measured.</p>\n";
   return out + "</section>\n";

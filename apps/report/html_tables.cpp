@@ -34,8 +34,8 @@ std::string mm(double metres) { return shortNumber(metres * kMillimetresPerMetre
 std::string servoFigures(const TouchRun& run, const RunFigures& f) {
   if (run.scene.simulated_clock) return figure("simulated", "clock", "no times were measured");
   return figure(shortNumber(f.tick_cost_us.p50), "us", fmt::format("tick cost, median; 99 % within {} us", shortNumber(f.tick_cost_us.p99))) +
-         figure(shortNumber(f.lateness_us.p99), "us", fmt::format("wake-up late, 99 %; worst {} us", shortNumber(f.lateness_us.max))) +
-         figure(std::to_string(f.late_ticks), "ticks", fmt::format("late, of {}", f.ticks));
+         figure(shortNumber(f.lateness_us.p99), "us", fmt::format("wake-up after the due time, 99 %; worst {} us", shortNumber(f.lateness_us.max))) +
+         figure(std::to_string(f.late_ticks), "late", fmt::format("of {} ticks", f.ticks));
 }
 
 std::string exactFigures(const std::optional<ExactErrors>& e) {
@@ -49,7 +49,10 @@ std::string jsonValue(const nlohmann::ordered_json& value) {
   if (value.is_boolean()) return value.get<bool>() ? "yes" : "no";
   if (value.is_string()) return value.get<std::string>().empty() ? "-" : value.get<std::string>();
   if (value.is_number_float()) return fmt::format("{:g}", value.get<double>());
-  return value.dump();
+  if (!value.is_array()) return value.dump();
+  std::string out;
+  for (const auto& item : value) out += (out.empty() ? "" : ", ") + jsonValue(item);
+  return out;
 }
 
 }  // namespace

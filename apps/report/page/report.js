@@ -42,6 +42,7 @@
       colors: plot.labels.map(function (label) { return seriesColors[label] || color('--accent'); }),
       series: {magnitude: {strokeWidth: 2}},
       strokeWidth: 1.2, animatedZooms: false, includeZero: true, legend: 'always', labelsSeparateLines: false,
+      labelsDiv: document.getElementById(plot.id + '-legend'),
       axisLineColor: color('--line'), gridLineColor: color('--line'), axisLabelFontSize: 12, rightGap: 8,
       axes: {x: {axisLabelFormatter: function (t) { return +t.toFixed(4) + ' s'; },
                  valueFormatter: function (t) { return t.toFixed(4) + ' s'; }},
