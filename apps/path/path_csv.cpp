@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/path/path_csv.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <string_view>
+
+#include "base/error.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr std::string_view kHeader = "time_s,x_m,y_m,z_m";
+constexpr double kHoleFactor = 10;  // a gap above this many median intervals is a hole
+
+struct NumberedPoint {
+  TimedPoint point;
+  std::size_t line = 0;  // in the file, from 1
+};
+
+[[noreturn]] void refuseReading(const std::filesystem::path& file) {
+  throw Error(Error::Code::kIo, file.string(), "the path file cannot be read", "check that it is a file and that you may read it");
+}
+
+std::string readAll(const std::filesystem::path& file) {
+  if (!std::filesystem::exists(file)) {
+    throw Error(Error::Code::kNotFound, file.string(), "the path file does not exist", "check the name");
+  }
+  // Opening a folder succeeds on Linux and reading it throws, so it is asked first.
+  std::ifstream in(file, std::ios::binary);
+  if (std::filesystem::is_directory(file) || !in) refuseReading(file);
+  std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+  return text;
+}
+
+// Takes the next line off `text`, without its line end.
+std::string_view takeLine(std::string_view& text) {
+  const auto end = text.find('\n');
+  std::string_view line = text.substr(0, end);
+  text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+  if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+  return line;
+}
+
+[[noreturn]] void refuseLine(const std::string& file, std::size_t line, const std::string& reason,
+                             const std::string& remedy) {
+  throw Error(Error::Code::kBadInput, fmt::format("{}, line {}", file, line), reason, remedy);
+}
+
+double readNumber(std::string_view text, const std::string& file, std::size_t line) {
+  while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
+  while (!text.empty() && text.back() == ' ') text.remove_suffix(1);
+  double value = 0;
+  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (status != std::errc() || end != text.data() + text.size()) {
+    refuseLine(file, line, fmt::format("\"{}\" is not a number", text.substr(0, 40)), "write plain decimal numbers");
+  }
+  if (!std::isfinite(value)) {
+    refuseLine(file, line, fmt::format("{} is not a finite number", text), "remove the row or give its true value");
+  }
+  return value;
+}
+
+TimedPoint readRow(std::string_view text, const std::string& file, std::size_t line) {
+  std::array<double, 4> values{};
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const auto comma = text.find(',');
+    if ((comma == std::string_view::npos) != (i + 1 == values.size())) {
+      refuseLine(file, line, "a row needs exactly four numbers", fmt::format("write {}", kHeader));
+    }
+    values[i] = readNumber(text.substr(0, comma), file, line);
+    text.remove_prefix(comma == std::string_view::npos ? text.size() : comma + 1);
+  }
+  return {values[0], Vec3(values[1], values[2], values[3])};
+}
+
+std::vector<NumberedPoint> readRows(std::string_view text, const std::string& file) {
+  std::vector<NumberedPoint> rows;
+  for (std::size_t line = 2; !text.empty(); ++line) {
+    const std::string_view row = takeLine(text);
+    if (!row.empty()) rows.push_back({readRow(row, file, line), line});
+  }
+  return rows;
+}
+
+void checkTimesRise(const std::vector<NumberedPoint>& rows, const std::string& file) {
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    const double before_s = rows[i - 1].point.time_s, now_s = rows[i].point.time_s;
+    if (now_s > before_s) continue;
+    refuseLine(file, rows[i].line,
+               fmt::format("time {} from {} s to {} s", now_s < before_s ? "goes back" : "does not move on", before_s, now_s),
+               "sort the rows by time and remove repeated ones");
+  }
+}
+
+void checkNoHole(const std::vector<NumberedPoint>& rows, const std::string& file) {
+  std::vector<double> gaps_s;
+  for (std::size_t i = 1; i < rows.size(); ++i) gaps_s.push_back(rows[i].point.time_s - rows[i - 1].point.time_s);
+  std::vector<double> sorted = gaps_s;
+  // The lower median, so that of two unequal gaps the longer one can be a hole.
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>((sorted.size() - 1) / 2);
+  std::nth_element(sorted.begin(), middle, sorted.end());
+  for (std::size_t i = 0; i < gaps_s.size(); ++i) {
+    if (gaps_s[i] <= kHoleFactor * *middle) continue;
+    refuseLine(file, rows[i + 1].line,
+               fmt::format("a hole in the path: nothing between {} s and {} s, where rows come every {} s",
+                           rows[i].point.time_s, rows[i + 1].point.time_s, *middle),
+               "record the path again or fill in the missing rows");
+  }
+}
+
+}  // namespace
+
+std::vector<TimedPoint> readPathCsv(const std::filesystem::path& file) {
+  const std::string name = file.string(), text = readAll(file);
+  std::string_view rest = text;
+  if (const std::string_view header = takeLine(rest); header != kHeader) {
+    refuseLine(name, 1, text.empty() ? "the file is empty" : fmt::format("the header is \"{}\"", header.substr(0, 80)),
+               fmt::format("make the first line {}", kHeader));
+  }
+  const std::vector<NumberedPoint> rows = readRows(rest, name);
+  if (rows.size() < 2) {
+    throw Error(Error::Code::kBadInput, name, fmt::format("a path needs at least two rows, it has {}", rows.size()),
+                "add rows of time and position");
+  }
+  checkTimesRise(rows, name);
+  checkNoHole(rows, name);
+
+  std::vector<TimedPoint> points;
+  points.reserve(rows.size());
+  for (const NumberedPoint& row : rows) points.push_back(row.point);
+  return points;
+}
+
+}  // namespace palpate

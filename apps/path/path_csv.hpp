@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// apps/path/path_csv.hpp: reads a recorded or hand-written path: a CSV file with the header time_s,x_m,y_m,z_m.
+//
+// World frame [m], seconds. Set-up code, any thread. Cost: one pass over the file, which is held in memory.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "apps/path/timed_point.hpp"
+
+namespace palpate {
+
+// The rows of `file`, in order. Lines may end in CR LF; empty lines are skipped; numbers use '.' in every locale.
+// Refuses, with file and line: a file that is missing (Error kNotFound) or cannot be read (kIo); and as kBadInput another
+// header, fewer than two rows, a row that is not four numbers, NaN or infinity, time that repeats or goes back, and a hole:
+// a gap of more than ten times the median interval.
+[[nodiscard]] std::vector<TimedPoint> readPathCsv(const std::filesystem::path& file);
+
+}  // namespace palpate

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+// apps/path/path_request.hpp: what a user can ask of a path that is built from the surface; see Scene for the flags.
+#pragma once
+
+#include <optional>
+
+#include "base/vec.hpp"
+
+namespace palpate {
+
+struct PathRequest {
+  double duration_s = 5;            // of the whole path [s]
+  double approach_m = 10.0e-3;      // how far from the surface it begins [m]
+  double press_depth_m = 1.0e-3;    // below the surface while sliding [m]
+  double slide_length_m = 20.0e-3;  // along the surface [m]
+  std::optional<Vec3> toward_W;     // direction in which the tool approaches; empty: chosen
+  std::optional<Vec3> start_W;      // a point near the surface where the press begins [m]; empty: chosen
+  std::optional<Vec3> slide_W;      // direction of the slide; empty: chosen
+};
+
+}  // namespace palpate

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+// apps/path/surface_field.hpp: what path building needs to know of a volume: density, gradient, isovalue, extent.
+//
+// World frame [m]. Above the isovalue is object, at or below it background; normals point out of the object.
+#pragma once
+
+#include "base/lattice.hpp"
+#include "base/vec.hpp"
+
+namespace palpate {
+
+class SurfaceField {
+ public:
+  virtual ~SurfaceField() = default;
+  // Density and its gradient [density/m] at a point; false outside the volume, where nothing is known.
+  virtual bool sample(const Vec3& p_W, double& density, Vec3& gradient_W) const = 0;
+  [[nodiscard]] virtual double isovalue() const = 0;         // tau [density]
+  [[nodiscard]] virtual const Lattice& lattice() const = 0;  // where the samples lie
+  [[nodiscard]] virtual Vec3i size() const = 0;              // samples along the lattice's axes [voxel]
+};
+
+}  // namespace palpate

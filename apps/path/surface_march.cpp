@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/path/surface_march.hpp"
+
+#include <cmath>
+#include <numbers>
+
+namespace palpate {
+namespace {
+
+constexpr double kStepVoxels = 0.25;
+constexpr double kScan = std::numbers::pi / 16;  // angle between the directions that are tried [rad]
+constexpr double kSkip = std::numbers::pi / 24;  // the way back itself lies on the surface: begin a little beside it
+constexpr int kBisections = 24;
+
+// The cutting plane: angles are measured from x, the direction of the walk, towards y, out of the object.
+struct Plane {
+  Vec3 x_W, y_W;
+  [[nodiscard]] Vec3 at(double angle) const { return std::cos(angle) * x_W + std::sin(angle) * y_W; }
+};
+
+// Angle at which a turn from the way back, clockwise through the outside, meets the object; empty at the border.
+std::optional<double> nextHeading(const SurfaceField& field, const Vec3& p_W, const Plane& plane, double heading, double step_m) {
+  const auto height = [&](double angle) { return heightAt(field, p_W + step_m * plane.at(angle)); };
+  const double back = heading + std::numbers::pi;
+  double outside = back - kSkip;
+  for (double angle = outside; angle > back - 2 * std::numbers::pi + kSkip; angle -= kScan) {
+    const auto now = height(angle);
+    if (!now) return std::nullopt;
+    if (*now <= 0) {
+      outside = angle;
+      continue;
+    }
+    double inside = angle;
+    for (int i = 0; i < kBisections; ++i) {
+      const double middle = (outside + inside) / 2;
+      (height(middle).value_or(0) > 0 ? inside : outside) = middle;
+    }
+    return outside;
+  }
+  return std::nullopt;  // a speck smaller than a step
+}
+
+}  // namespace
+
+SurfaceCurve marchSurface(const SurfaceField& field, const SurfacePoint& start, const Vec3& direction_W, double length_m) {
+  const Vec3 along_W = direction_W - direction_W.dot(start.normal_W) * start.normal_W;
+  const Plane plane{along_W.normalized(), start.normal_W};
+  const int steps = static_cast<int>(std::ceil(length_m / (kStepVoxels * field.lattice().smallestSpacing())));
+  SurfaceCurve curve{{start}, steps > 0 ? length_m / steps : 0};
+  double heading = 0;
+  for (int i = 0; i < steps; ++i) {
+    const SurfacePoint& last = curve.points.back();
+    const auto next = nextHeading(field, last.p_W, plane, heading, curve.step_m);
+    if (!next) break;
+    const Vec3 p_W = last.p_W + curve.step_m * plane.at(*next);
+    const Vec3 normal_W = normalAt(field, p_W).value_or(last.normal_W);
+    curve.points.push_back({p_W, normal_W});
+    heading = *next;
+  }
+  return curve;
+}
+
+}  // namespace palpate

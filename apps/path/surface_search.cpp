@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/path/surface_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace palpate {
+namespace {
+
+constexpr int kBisections = 20;         // half a voxel / 2^20 is below 1e-6 voxel
+constexpr double kSnapVoxels = 1e-4;    // Newton has arrived
+constexpr int kNearestDirections = 600;
+
+double voxel(const SurfaceField& field) { return field.lattice().smallestSpacing(); }
+
+// Both ends are known, `out_W` in background and `in_W` in the object: halves the way between until it has no length.
+Vec3 bisect(const SurfaceField& field, Vec3 out_W, Vec3 in_W) {
+  for (int i = 0; i < kBisections; ++i) {
+    const Vec3 middle_W = 0.5 * (out_W + in_W);
+    (heightAt(field, middle_W).value_or(0) > 0 ? in_W : out_W) = middle_W;
+  }
+  return out_W;
+}
+
+std::optional<SurfacePoint> withNormal(const SurfaceField& field, const Vec3& p_W) {
+  const auto normal_W = normalAt(field, p_W);
+  if (!normal_W) return std::nullopt;
+  return SurfacePoint{p_W, *normal_W};
+}
+
+// Evenly spread unit directions (Fibonacci lattice), so that the search is the same on every machine.
+Vec3 spreadDirection(int i, int count) {
+  const double z = 1 - (2.0 * i + 1) / count, radius = std::sqrt(1 - z * z);
+  const double turn = std::numbers::pi * (3 - std::sqrt(5.0)) * i;
+  return {radius * std::cos(turn), radius * std::sin(turn), z};
+}
+
+// Where the side changes first along a ray, in either sense, as a distance from its origin [m].
+std::optional<double> firstChange(const SurfaceField& field, const Vec3& origin_W, const Vec3& direction_W, double reach_m) {
+  const double step_m = 0.5 * voxel(field);
+  auto before = heightAt(field, origin_W);
+  for (double s = step_m; s <= reach_m; s += step_m) {
+    const auto now = heightAt(field, origin_W + s * direction_W);
+    if (before && now && (*before > 0) != (*now > 0)) return s;
+    before = now;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<double> heightAt(const SurfaceField& field, const Vec3& p_W) {
+  double density = 0;
+  Vec3 gradient_W;
+  if (!field.sample(p_W, density, gradient_W)) return std::nullopt;
+  return density - field.isovalue();
+}
+
+std::optional<Vec3> normalAt(const SurfaceField& field, const Vec3& p_W) {
+  double density = 0;
+  Vec3 gradient_W;
+  if (!field.sample(p_W, density, gradient_W)) return std::nullopt;
+  const double norm = gradient_W.norm();
+  if (!(norm > 0)) return std::nullopt;
+  return -gradient_W / norm;
+}
+
+std::optional<SurfacePoint> firstEntry(const SurfaceField& field, const Vec3& origin_W, const Vec3& direction_W,
+                                       double reach_m) {
+  const double step_m = 0.5 * voxel(field);
+  const int steps = static_cast<int>(std::ceil(reach_m / step_m));
+  bool outside_before = false;  // unknown space is not background: a volume cut through the object has no surface there
+  for (int i = 0; i <= steps; ++i) {
+    const Vec3 p_W = origin_W + std::min(i * step_m, reach_m) * direction_W;
+    const auto height = heightAt(field, p_W);
+    if (height && *height > 0 && outside_before) {
+      return withNormal(field, bisect(field, p_W - step_m * direction_W, p_W));
+    }
+    outside_before = height && *height <= 0;
+  }
+  return std::nullopt;
+}
+
+double freeDistance(const SurfaceField& field, const SurfacePoint& from, const Vec3& direction_W, double reach_m) {
+  const double step_m = 0.5 * voxel(field);
+  for (double s = step_m; s < reach_m; s += step_m) {
+    if (heightAt(field, from.p_W + s * direction_W).value_or(0) > 0) return s - step_m;
+  }
+  return reach_m;
+}
+
+std::optional<SurfacePoint> snapToSurface(const SurfaceField& field, const Vec3& near_W) {
+  const double h_m = voxel(field);
+  Vec3 p_W = near_W;
+  for (int i = 0; i < 60; ++i) {
+    double density = 0;
+    Vec3 gradient_W;
+    if (!field.sample(p_W, density, gradient_W) || !(gradient_W.squaredNorm() > 0)) return std::nullopt;
+    Vec3 step_W = (field.isovalue() - density) / gradient_W.squaredNorm() * gradient_W;
+    if (step_W.norm() < kSnapVoxels * h_m) return withNormal(field, p_W);
+    if (step_W.norm() > 0.5 * h_m) step_W *= 0.5 * h_m / step_W.norm();
+    p_W += step_W;
+  }
+  return std::nullopt;
+}
+
+std::optional<SurfacePoint> nearestSurfacePoint(const SurfaceField& field, const Vec3& p_W, double reach_m) {
+  double best_m = reach_m;
+  std::optional<SurfacePoint> best;
+  for (int i = 0; i < kNearestDirections; ++i) {
+    const Vec3 direction_W = spreadDirection(i, kNearestDirections);
+    const auto distance_m = firstChange(field, p_W, direction_W, best_m);
+    if (!distance_m) continue;
+    const auto point = snapToSurface(field, p_W + *distance_m * direction_W);
+    if (!point || (best && (point->p_W - p_W).norm() >= (best->p_W - p_W).norm())) continue;
+    best = point;
+    best_m = std::min(best_m, *distance_m);
+  }
+  // At the foot point the line to p runs along the normal: move against what is left of it in the tangent plane.
+  for (int i = 0; best && i < 20; ++i) {
+    const Vec3 away_W = p_W - best->p_W;
+    const Vec3 along_W = away_W - away_W.dot(best->normal_W) * best->normal_W;
+    const auto next = snapToSurface(field, best->p_W + 0.7 * along_W);
+    if (!next || (next->p_W - p_W).norm() >= away_W.norm()) break;
+    best = next;
+  }
+  return best;
+}
+
+}  // namespace palpate

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/report/atomic_file.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <utility>
+
+#include "base/error.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr std::size_t kBufferBytes = 64 * 1024;
+
+const char* remedyFor(int error) {
+  switch (error) {
+    case ENOSPC:
+    case EDQUOT:
+    case EFBIG: return "make room or write elsewhere with --out";
+    case ENOENT:
+    case ENOTDIR: return "make the folder first or write elsewhere with --out";
+    default: return "check the permissions or write elsewhere with --out";
+  }
+}
+
+}  // namespace
+
+AtomicFile::AtomicFile(std::filesystem::path target) : target_(std::move(target)) {
+  std::error_code ignored;
+  const auto status = std::filesystem::status(target_, ignored);
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
+    throw Error(Error::Code::kIo, target_.string(), "it is not a plain file and will not be replaced",
+                "write to another name");
+  }
+  temporary_ = target_;
+  temporary_ += fmt::format(".{}.part", getpid());
+  descriptor_ = open(temporary_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  if (descriptor_ < 0) fail("cannot be created", errno);
+}
+
+AtomicFile::~AtomicFile() {
+  if (descriptor_ >= 0) close(descriptor_);
+  if (!temporary_.empty()) unlink(temporary_.c_str());
+}
+
+void AtomicFile::fail(const std::string& what, int error) const {
+  throw Error(Error::Code::kIo, target_.string(), what + " (" + std::strerror(error) + ")", remedyFor(error));
+}
+
+void AtomicFile::drain() {
+  for (std::string_view rest = buffer_; !rest.empty();) {
+    const ssize_t written = ::write(descriptor_, rest.data(), rest.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) fail("cannot be written", errno);
+    rest.remove_prefix(static_cast<std::size_t>(written));
+  }
+  buffer_.clear();
+}
+
+void AtomicFile::write(std::string_view text) {
+  buffer_ += text;
+  if (buffer_.size() >= kBufferBytes) drain();
+}
+
+void AtomicFile::commit() {
+  drain();
+  if (fsync(descriptor_) != 0) fail("cannot be written", errno);
+  if (close(std::exchange(descriptor_, -1)) != 0) fail("cannot be written", errno);
+  if (std::rename(temporary_.c_str(), target_.c_str()) != 0) fail("cannot be renamed into place", errno);
+  temporary_.clear();
+}
+
+void writeFileAtomically(const std::filesystem::path& target, std::string_view text) {
+  AtomicFile file(target);
+  file.write(text);
+  file.commit();
+}
+
+}  // namespace palpate

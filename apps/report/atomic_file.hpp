@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// apps/report/atomic_file.hpp: writes a file so that it is there whole or not at all.
+//
+// The text goes to a temporary file beside the target; commit() flushes it to the disk, checks every step and renames it.
+// Without commit (an exception on the way) the temporary file is removed and an older target stays as it was.
+// Set-up code, one thread per object. Cost: a system call for each 64 KiB, and waiting for the disk at commit.
+// A process that wants an error instead of its death at a file size limit must ignore SIGXFSZ.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace palpate {
+
+class AtomicFile {
+ public:
+  // Refuses (Error kIo): a folder that is missing or may not be written; a target that is there but is no plain file.
+  explicit AtomicFile(std::filesystem::path target);
+  ~AtomicFile();
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
+
+  void write(std::string_view text);  // throws Error kIo: disk full, quota, file size limit
+  void commit();                      // throws Error kIo; once only
+
+ private:
+  void drain();
+  [[noreturn]] void fail(const std::string& what, int error) const;
+  std::filesystem::path target_, temporary_;
+  std::string buffer_;
+  int descriptor_ = -1;
+};
+
+// The whole of `text` in one go.
+void writeFileAtomically(const std::filesystem::path& target, std::string_view text);
+
+}  // namespace palpate

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// apps/report/html_data.hpp: the curves of report.html as data: which plots there are, and their rows.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "apps/report/decimate.hpp"
+#include "apps/report/touch_run.hpp"
+
+namespace palpate {
+
+struct ReportPlot {
+  std::string id;                   // of the element that it is drawn into
+  std::string title;                // with the unit
+  std::vector<std::string> labels;  // of the series; the last one is drawn boldest
+  PlotTable table;                  // decimated
+};
+
+// Force and depth; tick cost and lateness too unless the clock was simulated. Any thread; some passes over the records.
+[[nodiscard]] std::vector<ReportPlot> makePlots(const TouchRun& run);
+
+// {"plots": [{id, title, labels, rows: [[time, ...], ...]}], "phases": [...]}: numbers to five digits, NaN as null.
+[[nodiscard]] nlohmann::ordered_json plotsJson(const std::vector<ReportPlot>& plots, const TouchRun& run);
+
+}  // namespace palpate

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/report/html_tables.hpp"
+
+#include <fmt/format.h>
+
+#include "apps/report/html_text.hpp"
+#include "apps/report/words.hpp"
+#include "base/units.hpp"
+
+namespace palpate {
+namespace {
+
+std::string section(const char* id, const char* title, const std::string& body) {
+  return fmt::format("<section id=\"{}\">\n<h2>{}</h2>\n{}</section>\n", id, title, body);
+}
+
+std::string row(const std::string& name, const std::string& value) {
+  return fmt::format("<tr><th scope=\"row\">{}</th><td>{}</td></tr>\n", escapeHtml(name), escapeHtml(value));
+}
+
+std::string list(const std::vector<std::string>& lines) {
+  if (lines.empty()) return "";
+  std::string out = "<ul>\n";
+  for (const std::string& line : lines) out += "<li>" + escapeHtml(line) + "</li>\n";
+  return out + "</ul>\n";
+}
+
+std::string figure(const std::string& value, const std::string& unit, const std::string& meaning) {
+  return fmt::format("<div class=\"figure\"><b>{}<small> {}</small></b><span>{}</span></div>\n", escapeHtml(value), escapeHtml(unit), escapeHtml(meaning));
+}
+
+std::string mm(double metres) { return shortNumber(metres * kMillimetresPerMetre); }
+
+std::string servoFigures(const TouchRun& run, const RunFigures& f) {
+  if (run.scene.simulated_clock) return figure("simulated", "clock", "no times were measured");
+  return figure(shortNumber(f.tick_cost_us.p50), "us", fmt::format("tick cost, median; 99 % within {} us", shortNumber(f.tick_cost_us.p99))) +
+         figure(shortNumber(f.lateness_us.p99), "us", fmt::format("wake-up after the due time, 99 %; worst {} us", shortNumber(f.lateness_us.max))) +
+         figure(std::to_string(f.late_ticks), "late", fmt::format("of {} ticks", f.ticks));
+}
+
+std::string exactFigures(const std::optional<ExactErrors>& e) {
+  if (!e) return "";
+  return figure(shortNumber(e->vhip_median_voxel), "voxel", fmt::format("tool point off the exact surface, median; 99 % within {} voxel", shortNumber(e->vhip_p99_voxel))) +
+         figure(shortNumber(e->force_angle_median_deg), "degrees", fmt::format("force off the exact normal, median; 99 % within {} degrees", shortNumber(e->force_angle_p99_deg)));
+}
+
+std::string jsonValue(const nlohmann::ordered_json& value) {
+  if (value.is_null()) return "chosen by the program";
+  if (value.is_boolean()) return value.get<bool>() ? "yes" : "no";
+  if (value.is_string()) return value.get<std::string>().empty() ? "-" : value.get<std::string>();
+  if (value.is_number_float()) return fmt::format("{:g}", value.get<double>());
+  if (!value.is_array()) return value.dump();
+  std::string out;
+  for (const auto& item : value) out += (out.empty() ? "" : ", ") + jsonValue(item);
+  return out;
+}
+
+}  // namespace
+
+std::string keyFigures(const TouchRun& run, const RunFigures& f) {
+  std::string out = "<div class=\"figures\">\n";
+  out += figure(shortNumber(f.contact_s), "s", fmt::format("in contact, of {} s", shortNumber(f.time_s)));
+  out += figure(shortNumber(f.force_N.max), "N", fmt::format("largest force; median {} N", shortNumber(f.force_N.p50)));
+  out += figure(mm(f.depth_m.max), "mm", fmt::format("deepest press; median {} mm", mm(f.depth_m.p50)));
+  out += figure(mm(f.vhip_way_m), "mm", "of surface followed");
+  out += exactFigures(run.exact) + servoFigures(run, f);
+  return section("figures", "Key figures", out + "</div>\n");
+}
+
+std::string faultSection(const TouchRun& run) {
+  std::string body;
+  if (run.faults.empty()) body = "<p>No fault was raised.</p>\n";
+  for (const RunFault& fault : run.faults) {
+    body += fmt::format("<div class=\"fault\"><b>{}</b> in {} of {} ticks, first at tick {}.<br>{}<br><i>What to do:</i> {}</div>\n",
+                        escapeHtml(fault.name), fault.ticks, run.records.size(), fault.first_tick, escapeHtml(fault.text),
+                        escapeHtml(fault.remedy));
+  }
+  if (!run.notes.empty()) body += "<p>Not as asked for:</p>\n" + list(run.notes);
+  return section("faults", "Faults and notes", body);
+}
+
+std::string workSection(const TouchRun& run) {
+  double total_s = 0;
+  std::string stages, memory;
+  for (const StageTime& stage : run.stages) {
+    total_s += stage.seconds;
+    stages += row(stage.name, shortNumber(stage.seconds) + " s");
+  }
+  for (const MemoryFigure& figure : run.memory) memory += row(figure.name, bytesInWords(figure.bytes));
+  return section("work", "Time and memory",
+                 "<div class=\"columns\"><table><caption>Stages</caption>\n" + stages +
+                     row("all together", shortNumber(total_s) + " s") + "</table>\n<table><caption>Memory</caption>\n" + memory +
+                     "</table></div>\n");
+}
+
+std::string planSection(const TouchRun& run) {
+  return section("plan", "What was computed and what was left out", run.plan.empty() ? "<p>No plan was recorded.</p>\n" : list(run.plan));
+}
+
+std::string machineSection(const TouchRun& run) {
+  const MachineFacts& m = run.machine;
+  return section("machine", "Machine",
+                 "<table>\n" + row("processor", m.cpu) + row("cores allowed", std::to_string(m.cores)) +
+                     row("memory", bytesInWords(m.memory_bytes)) + row("system", m.os + ", " + m.kernel) +
+                     row("Vulkan device", run.vulkan.device) +
+                     row("Vulkan driver", run.vulkan.driver + ", Vulkan " + run.vulkan.api_version) + "</table>\n" +
+                     (run.realtime.empty() ? "" : "<p>Real time:</p>\n" + list(run.realtime)));
+}
+
+std::string parameterSection(const nlohmann::ordered_json& summary) {
+  std::string volume, scene;
+  for (const auto& [key, value] : summary.at("volume").items()) volume += row(keyInWords(key), jsonValue(value));
+  for (const auto& [key, value] : summary.at("scene").items()) scene += row(keyInWords(key), jsonValue(value));
+  return section("parameters", "Volume and parameters",
+                 "<table><caption>Volume</caption>\n" + volume +
+                     "</table>\n<details><summary>All parameters of the run</summary>\n<table>\n" + scene + "</table></details>\n");
+}
+
+std::string repeatSection(const TouchRun& run) {
+  std::string body = "<pre><code>" + escapeHtml(run.command) + "</code></pre>\n<p>Program version " + escapeHtml(run.commit);
+  body += run.scene.simulated_clock ? ". With the simulated clock the trace comes out the same, bit for bit.</p>\n"
+                                    : ". With the real clock times differ from run to run.</p>\n";
+  return section("repeat", "How to repeat it", body);
+}
+
+}  // namespace palpate

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/report/run_figures.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/units.hpp"
+#include "base/vec.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr double kMicrosecondsPerNanosecond = 1e-3;
+constexpr double kMillisecondsPerNanosecond = 1e-6;
+
+Vec3 vec(const double (&v)[3]) { return {v[0], v[1], v[2]}; }
+
+template <typename Value>
+Percentiles over(const std::vector<TickRecord>& records, bool contact_only, Value value) {
+  std::vector<double> values;
+  values.reserve(records.size());
+  for (const TickRecord& record : records) {
+    if (contact_only && !record.in_contact) continue;
+    if (const double v = value(record); !std::isnan(v)) values.push_back(v);
+  }
+  return percentiles(std::move(values));
+}
+
+void addContact(const std::vector<TickRecord>& records, RunFigures& figures) {
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    const TickRecord& now = records[i];
+    const TickRecord* before = i > 0 ? &records[i - 1] : nullptr;
+    if (before) {
+      const double step_N = (vec(now.force_W) - vec(before->force_W)).norm();
+      figures.force_step_max_N = std::max(figures.force_step_max_N, step_N);
+    }
+    if (!now.in_contact) continue;
+    ++figures.contact_ticks;
+    if (figures.first_contact_s < 0) figures.first_contact_s = now.time_s;
+    if (before && before->in_contact) {
+      figures.vhip_way_m += (vec(now.vhip_W) - vec(before->vhip_W)).norm();
+    } else {
+      ++figures.touches;
+    }
+  }
+}
+
+void addLoop(const std::vector<TickRecord>& records, double rate_hz, RunFigures& figures) {
+  std::vector<std::uint64_t> versions;
+  for (const TickRecord& record : records) {
+    figures.plane_age_max_ticks = std::max(figures.plane_age_max_ticks, record.plane_age_ticks);
+    if (record.faults != 0) ++figures.faulty_ticks;
+    const double busy_ns = static_cast<double>(record.lateness_ns) + record.tick_cost_ns;
+    if (busy_ns > kNanosecondsPerSecond / rate_hz) ++figures.late_ticks;
+    if (versions.empty() || versions.back() != record.window_version) versions.push_back(record.window_version);
+  }
+  figures.windows_used = versions.size();
+}
+
+}  // namespace
+
+double forceOf(const TickRecord& record) noexcept { return vec(record.force_W).norm(); }
+
+double depthOf(const TickRecord& record) noexcept {
+  if (!record.in_contact) return 0;
+  return std::max(0.0, (vec(record.vhip_W) - vec(record.hip_W)).dot(vec(record.normal_W)));
+}
+
+RunFigures computeFigures(const std::vector<TickRecord>& records, double rate_hz) {
+  RunFigures figures;
+  figures.ticks = static_cast<std::int64_t>(records.size());
+  addContact(records, figures);
+  addLoop(records, rate_hz, figures);
+  figures.time_s = static_cast<double>(figures.ticks) / rate_hz;
+  figures.contact_s = static_cast<double>(figures.contact_ticks) / rate_hz;
+  figures.force_N = over(records, true, forceOf);
+  figures.depth_m = over(records, true, depthOf);
+  figures.tick_cost_us = over(records, false, [](const TickRecord& r) { return r.tick_cost_ns * kMicrosecondsPerNanosecond; });
+  figures.lateness_us = over(records, false, [](const TickRecord& r) {
+    return static_cast<double>(r.lateness_ns) * kMicrosecondsPerNanosecond;
+  });
+  figures.window_age_ms = over(records, false, [](const TickRecord& r) {
+    return static_cast<double>(r.window_age_ns) * kMillisecondsPerNanosecond;
+  });
+  return figures;
+}
+
+}  // namespace palpate

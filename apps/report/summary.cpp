@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/report/summary.hpp"
+
+#include "apps/report/atomic_file.hpp"
+#include "apps/report/run_figures.hpp"
+#include "apps/report/words.hpp"
+
+namespace palpate {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json toJson(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+Json toJson(const std::optional<Vec3>& v) { return v ? toJson(*v) : Json(nullptr); }
+
+Json toJson(const Percentiles& p) { return {{"count", p.count}, {"p50", p.p50}, {"p90", p.p90}, {"p99", p.p99}, {"p99_9", p.p999}, {"max", p.max}}; }
+
+template <typename Item, typename Convert>
+Json listOf(const std::vector<Item>& items, Convert convert) {
+  Json list = Json::array();
+  for (const Item& item : items) list.push_back(convert(item));
+  return list;
+}
+
+Json volumeJson(const RunVolume& v) {
+  return {{"name", v.name},
+          {"format", v.format},
+          {"size_voxel", {v.size.x(), v.size.y(), v.size.z()}},
+          {"spacing_m", toJson(v.spacing_m)},
+          {"minimum_density", v.minimum},
+          {"maximum_density", v.maximum},
+          {"isovalue_density", v.isovalue}};
+}
+
+Json machineJson(const MachineFacts& m) {
+  return {{"cpu", m.cpu}, {"cores", m.cores}, {"memory_bytes", m.memory_bytes}, {"kernel", m.kernel}, {"os", m.os}};
+}
+
+Json sceneJson(const Scene& s) {
+  return {{"volume", s.volume},
+          {"isovalue_density", s.isovalue ? Json(*s.isovalue) : Json(nullptr)},
+          {"gpu", s.gpu},
+          {"gradient_all", s.gradient_all},
+          {"algorithm", s.algorithm},
+          {"plane_renewal_ticks", s.plane_renewal_ticks},
+          {"stiffness_N_per_m", s.stiffness_N_per_m},
+          {"damping_Ns_per_m", s.damping_Ns_per_m},
+          {"rate_hz", s.rate_hz},
+          {"duration_s", s.duration_s},
+          {"simulated_clock", s.simulated_clock},
+          {"force_limit_N", s.force_limit_N},
+          {"slew_limit_N_per_s", s.slew_limit_N_per_s},
+          {"fade_s", s.fade_s},
+          {"stale_window_s", s.stale_window_s},
+          {"spring_hand", s.spring_hand},
+          {"hand_mass_kg", s.hand_mass_kg},
+          {"hand_damping_Ns_per_m", s.hand_damping_Ns_per_m},
+          {"hand_stiffness_N_per_m", s.hand_stiffness_N_per_m},
+          {"device_mass_kg", s.device_mass_kg},
+          {"device_damping_Ns_per_m", s.device_damping_Ns_per_m},
+          {"encoder_resolution_m", s.encoder_resolution_m},
+          {"device_delay_ticks", s.device_delay_ticks},
+          {"path_file", s.path_file},
+          {"path_toward", toJson(s.path_toward)},
+          {"path_start_m", toJson(s.path_start_W)},
+          {"path_slide", toJson(s.path_slide)},
+          {"press_depth_m", s.press_depth_m},
+          {"slide_length_m", s.slide_length_m},
+          {"approach_m", s.approach_m},
+          {"out", s.out},
+          {"trace", s.trace},
+          {"image_width_px", s.image_width},
+          {"image_height_px", s.image_height},
+          {"seed", s.seed}};
+}
+
+Json contactJson(const RunFigures& f) {
+  return {{"ticks", f.contact_ticks},
+          {"time_s", f.contact_s},
+          {"touches", f.touches},
+          {"first_s", f.first_contact_s >= 0 ? Json(f.first_contact_s) : Json(nullptr)},
+          {"way_m", f.vhip_way_m},
+          {"force_N", toJson(f.force_N)},
+          {"depth_m", toJson(f.depth_m)},
+          {"force_step_max_N", f.force_step_max_N}};
+}
+
+Json servoJson(const TouchRun& run, const RunFigures& f) {
+  return {{"ticks", f.ticks},
+          {"time_s", f.time_s},
+          {"times_measured", !run.scene.simulated_clock},
+          {"late_ticks", f.late_ticks},
+          {"faulty_ticks", f.faulty_ticks},
+          {"windows_used", f.windows_used},
+          {"plane_age_max_ticks", f.plane_age_max_ticks},
+          {"tick_cost_us", toJson(f.tick_cost_us)},
+          {"lateness_us", toJson(f.lateness_us)},
+          {"window_age_ms", toJson(f.window_age_ms)},
+          {"realtime", run.realtime}};
+}
+
+Json exactJson(const std::optional<ExactErrors>& e) {
+  if (!e) return nullptr;
+  return {{"vhip_median_voxel", e->vhip_median_voxel},
+          {"vhip_p99_voxel", e->vhip_p99_voxel},
+          {"force_angle_median_deg", e->force_angle_median_deg},
+          {"force_angle_p99_deg", e->force_angle_p99_deg}};
+}
+
+Json faultJson(const RunFault& f) {
+  return {{"name", f.name}, {"ticks", f.ticks}, {"first_tick", f.first_tick}, {"text", f.text}, {"remedy", f.remedy}};
+}
+
+}  // namespace
+
+Json makeSummary(const TouchRun& run) {
+  const RunFigures figures = computeFigures(run.records, run.scene.rate_hz);
+  const auto stage = [](const StageTime& s) { return Json{{"name", s.name}, {"seconds", s.seconds}}; };
+  const auto memory = [](const MemoryFigure& m) { return Json{{"name", m.name}, {"bytes", m.bytes}}; };
+  const auto phase = [](const PathPhase& p) { return Json{{"name", p.name}, {"begin_s", p.begin_s}, {"end_s", p.end_s}}; };
+  return {{"schema", kSummarySchema},
+          {"verdict", verdict(run, figures)},
+          {"commit", run.commit},
+          {"command", run.command},
+          {"volume", volumeJson(run.volume)},
+          {"contact", contactJson(figures)},
+          {"servo", servoJson(run, figures)},
+          {"exact", exactJson(run.exact)},
+          {"faults", listOf(run.faults, faultJson)},
+          {"notes", run.notes},
+          {"phases", listOf(run.phases, phase)},
+          {"stages", listOf(run.stages, stage)},
+          {"memory", listOf(run.memory, memory)},
+          {"plan", run.plan},
+          {"machine", machineJson(run.machine)},
+          {"vulkan", {{"device", run.vulkan.device}, {"driver", run.vulkan.driver}, {"api_version", run.vulkan.api_version}}},
+          {"scene", sceneJson(run.scene)},
+          {"files", run.files}};
+}
+
+void writeSummary(const std::filesystem::path& file, const TouchRun& run) {
+  // Names of files and drivers need not be valid UTF-8; JSON must be.
+  writeFileAtomically(file, makeSummary(run).dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+}
+
+}  // namespace palpate

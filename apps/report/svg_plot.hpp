@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+// apps/report/svg_plot.hpp: small pictures for the report that need no script: histograms, and curves for its absence.
+//
+// Colours come from the page's style sheet by class. Any thread; cost follows the size of the text.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "apps/report/decimate.hpp"
+#include "apps/report/histogram.hpp"
+
+namespace palpate {
+
+// Bars over a logarithmic time axis [us]; heights are logarithmic too, since one late tick in a million matters.
+[[nodiscard]] std::string histogramSvg(const LogHistogram& histogram, const std::string& label);
+
+// One polyline for the first series of the table, time along, with its range written at the axis.
+[[nodiscard]] std::string curveSvg(const PlotTable& table, const std::string& label);
+
+}  // namespace palpate

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/report/words.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+
+#include "base/units.hpp"
+
+namespace palpate {
+namespace {
+
+std::string mm(double metres) { return shortNumber(metres * kMillimetresPerMetre) + " mm"; }
+
+std::string touchedLine(const TouchRun& run) {
+  const RunVolume& v = run.volume;
+  return fmt::format("Touched   {} ({} x {} x {} voxels) at isovalue {}\n", v.name, v.size.x(), v.size.y(), v.size.z(),
+                     shortNumber(v.isovalue));
+}
+
+std::string contactLine(const RunFigures& f) {
+  if (f.contact_ticks == 0) return fmt::format("Contact   none in {} s\n", shortNumber(f.time_s));
+  return fmt::format("Contact   {} s of {} s, {}, over {} of surface\n", shortNumber(f.contact_s), shortNumber(f.time_s),
+                     f.touches == 1 ? "one touch" : fmt::format("{} touches", f.touches), mm(f.vhip_way_m));
+}
+
+std::string feelLine(const RunFigures& f) {
+  if (f.contact_ticks == 0) return "";
+  return fmt::format("Felt      force median {} N, at most {} N; depth median {}, at most {}\n", shortNumber(f.force_N.p50),
+                     shortNumber(f.force_N.max), mm(f.depth_m.p50), mm(f.depth_m.max));
+}
+
+std::string servoLine(const TouchRun& run, const RunFigures& f) {
+  if (run.scene.simulated_clock) {
+    return fmt::format("Servo     {} at {} Hz, {} ticks, simulated clock (no times measured)\n", run.scene.algorithm,
+                       shortNumber(run.scene.rate_hz), f.ticks);
+  }
+  return fmt::format("Servo     {} at {} Hz, {} ticks, {} late; tick {} us median, {} us p99; wake-up {} us p99 late\n",
+                     run.scene.algorithm, shortNumber(run.scene.rate_hz), f.ticks, f.late_ticks, shortNumber(f.tick_cost_us.p50),
+                     shortNumber(f.tick_cost_us.p99), shortNumber(f.lateness_us.p99));
+}
+
+std::string exactLine(const TouchRun& run) {
+  if (!run.exact) return "";
+  return fmt::format("Truth     VHIP off by {} voxel median, {} p99; force off by {} degrees median, {} p99\n",
+                     shortNumber(run.exact->vhip_median_voxel), shortNumber(run.exact->vhip_p99_voxel),
+                     shortNumber(run.exact->force_angle_median_deg), shortNumber(run.exact->force_angle_p99_deg));
+}
+
+std::string faultLines(const TouchRun& run) {
+  if (run.faults.empty()) return "Faults    none\n";
+  std::string out;
+  for (const RunFault& fault : run.faults) {
+    out += fmt::format("Fault     {} in {} of {} ticks, first at tick {}: {}; {}\n", fault.name, fault.ticks, run.records.size(),
+                       fault.first_tick, fault.text, fault.remedy);
+  }
+  return out;
+}
+
+std::string listLines(const char* word, const std::vector<std::string>& lines) {
+  std::string out;
+  for (const std::string& line : lines) out += fmt::format("{:<10}{}\n", word, line);
+  return out;
+}
+
+std::string filesLine(const TouchRun& run) {
+  std::string names;
+  for (const std::string& file : run.files) names += (names.empty() ? "" : "  ") + file;
+  return names.empty() ? "" : "Files     " + names + "\n";
+}
+
+}  // namespace
+
+std::string shortNumber(double value) {
+  if (value != 0 && std::abs(value) >= 100 && std::abs(value) < 1e7) return fmt::format("{:.0f}", value);
+  return fmt::format("{:.3g}", value);
+}
+
+std::string bytesInWords(std::uint64_t bytes) {
+  constexpr std::array<const char*, 5> kUnits = {"B", "KiB", "MiB", "GiB", "TiB"};
+  double value = static_cast<double>(bytes);
+  std::size_t unit = 0;
+  for (; value >= 1024 && unit + 1 < kUnits.size(); ++unit) value /= 1024;
+  return shortNumber(value) + " " + kUnits[unit];
+}
+
+std::string faultWord(std::size_t count) {
+  if (count == 0) return "no fault";
+  return count == 1 ? "1 kind of fault" : fmt::format("{} kinds of fault", count);
+}
+
+std::string verdict(const TouchRun& run, const RunFigures& f) {
+  const std::string end = "; " + faultWord(run.faults.size()) + ".";
+  if (f.contact_ticks == 0) return fmt::format("The tool never touched the surface in {} s{}", shortNumber(f.time_s), end);
+  return fmt::format("The tool touched the surface for {} s of {} s, pressed at most {} deep and felt at most {} N{}",
+                     shortNumber(f.contact_s), shortNumber(f.time_s), mm(f.depth_m.max), shortNumber(f.force_N.max), end);
+}
+
+std::string closingSummary(const TouchRun& run) {
+  const RunFigures figures = computeFigures(run.records, run.scene.rate_hz);
+  return touchedLine(run) + contactLine(figures) + feelLine(figures) + servoLine(run, figures) + exactLine(run) +
+         faultLines(run) + listLines("Note", run.notes) + filesLine(run);
+}
+
+}  // namespace palpate

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+// apps/report/words.hpp: a run in words: one sentence for a heading, eight lines for a terminal, numbers with units.
+//
+// Screen units (mm, N, us, MiB). Any thread; a few microseconds once the figures are there.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "apps/report/run_figures.hpp"
+#include "apps/report/touch_run.hpp"
+
+namespace palpate {
+
+// "The tool touched the surface for 3.1 s of 5 s, pressed at most 1.2 mm deep with 0.6 N; no fault."
+[[nodiscard]] std::string verdict(const TouchRun& run, const RunFigures& figures);
+
+// About eight lines, each ending in a newline: what was touched, how it felt, how the servo did, faults, files.
+[[nodiscard]] std::string closingSummary(const TouchRun& run);
+
+// Three significant digits: 0.123, 12.3, 123, 1234 (never fewer than the integer has).
+[[nodiscard]] std::string shortNumber(double value);
+[[nodiscard]] std::string bytesInWords(std::uint64_t bytes);  // "512 B", "1.5 MiB"
+[[nodiscard]] std::string faultWord(std::size_t count);       // "no fault", "1 kind of fault", "3 kinds of fault"
+
+}  // namespace palpate

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/view/force_arrows.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "apps/report/run_figures.hpp"
+
+namespace palpate {
+namespace {
+
+Vec3 vec(const double (&v)[3]) { return {v[0], v[1], v[2]}; }
+
+double wayInContact(const std::vector<TickRecord>& records) {
+  double way_m = 0;
+  for (std::size_t i = 1; i < records.size(); ++i) {
+    if (records[i].in_contact && records[i - 1].in_contact) way_m += (vec(records[i].vhip_W) - vec(records[i - 1].vhip_W)).norm();
+  }
+  return way_m;
+}
+
+constexpr double kPeak = 1.05;  // above this many times the middle's force the largest is shown
+
+// A stretch of the way while it is walked: the ticks nearest to its middle and with the largest force.
+struct Stretch {
+  std::int64_t number = -1;
+  const TickRecord* middle = nullptr;
+  const TickRecord* largest = nullptr;
+  double off_middle = 1;
+
+  void consider(const TickRecord& now, double place) {
+    const double off = std::abs(place - static_cast<double>(number) - 0.5);
+    if (!middle || off < off_middle) {
+      middle = &now;
+      off_middle = off;
+    }
+    if (!largest || forceOf(now) > forceOf(*largest)) largest = &now;
+  }
+
+  void moveOn(std::int64_t next, std::vector<ForceArrow>& arrows) {
+    if (middle) {
+      const TickRecord& r = forceOf(*largest) > kPeak * forceOf(*middle) ? *largest : *middle;
+      arrows.push_back({vec(r.hip_W), vec(r.vhip_W), vec(r.force_W)});
+    }
+    *this = {};
+    number = next;
+  }
+};
+
+}  // namespace
+
+double roundDown(double value) {
+  const double decade = std::pow(10.0, std::floor(std::log10(value)));
+  const double digit = value / decade;
+  return (digit >= 5 ? 5 : digit >= 2 ? 2 : 1) * decade;
+}
+
+ForceArrows chooseForceArrows(const std::vector<TickRecord>& records, int wanted) {
+  ForceArrows out;
+  out.every_m = roundDown(std::max(wayInContact(records) / wanted * 1.5, 1e-6));
+  double way_m = 0;
+  Stretch stretch;
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    const TickRecord& now = records[i];
+    if (!now.in_contact) continue;
+    if (i > 0 && records[i - 1].in_contact) way_m += (vec(now.vhip_W) - vec(records[i - 1].vhip_W)).norm();
+    const auto number = static_cast<std::int64_t>(way_m / out.every_m);
+    if (number != stretch.number) stretch.moveOn(number, out.arrows);
+    stretch.consider(now, way_m / out.every_m);
+    out.most_N = std::max(out.most_N, forceOf(now));
+  }
+  stretch.moveOn(-1, out.arrows);
+  return out;
+}
+
+Color forceColor(double share) {
+  constexpr std::array<Color, 4> kStops = {{{0.98, 0.75, 0.18}, {0.94, 0.42, 0.10}, {0.80, 0.11, 0.22}, {0.42, 0.05, 0.45}}};
+  const double place = std::clamp(share, 0.0, 1.0) * (kStops.size() - 1);
+  const auto i = std::min(static_cast<std::size_t>(place), kStops.size() - 2);
+  const double t = place - static_cast<double>(i);
+  const auto mix = [t](double a, double b) { return a + t * (b - a); };
+  return {mix(kStops[i].red, kStops[i + 1].red), mix(kStops[i].green, kStops[i + 1].green), mix(kStops[i].blue, kStops[i + 1].blue)};
+}
+
+}  // namespace palpate

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/view/framing.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "base/units.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr double kFov_rad = 30 / kDegreesPerRadian;
+constexpr int kGrid = 24;  // samples along an axis when the object is looked for
+constexpr std::array<double, 4> kElevations_deg = {28, 42, 58, 75};
+
+// From where a sphere fills the smaller side of the picture.
+double distanceFor(double radius_m, int width, int height) {
+  const double half = std::atan(std::tan(kFov_rad / 2) * std::min(1.0, static_cast<double>(width) / height));
+  return radius_m / std::sin(half);
+}
+
+// Share of points that the object hides: rays from just above the surface towards the camera.
+double hiddenShare(const SurfaceField& field, const ContactRegion& region, const Vec3& from_W) {
+  if (region.points_W.empty()) return 0;
+  const double h_m = field.lattice().smallestSpacing();
+  int hidden = 0;
+  for (const Vec3& p_W : region.points_W) {
+    const Vec3 start_W = p_W + 1.5 * h_m * region.normal_W;
+    for (double s = h_m; s < 4 * region.radius_m; s += h_m) {
+      double density = 0;
+      Vec3 gradient_W;
+      if (!field.sample(start_W + s * from_W, density, gradient_W) || density <= field.isovalue()) continue;
+      ++hidden;
+      break;
+    }
+  }
+  return hidden / static_cast<double>(region.points_W.size());
+}
+
+Vec3 upFor(const Vec3& from_W) { return std::abs(from_W.z()) < 0.95 ? Vec3::UnitZ() : Vec3(-Vec3::UnitY()); }
+
+}  // namespace
+
+ObjectBounds findObjectBounds(const SurfaceField& field) {
+  const Vec3 last = field.size().cast<double>() - Vec3::Ones();
+  Vec3 low = last, high = Vec3::Zero();
+  for (int i = 0; i < kGrid * kGrid * kGrid; ++i) {
+    const Vec3 share = Vec3(i % kGrid, i / kGrid % kGrid, i / kGrid / kGrid) / (kGrid - 1);
+    const Vec3 p_L = share.cwiseProduct(last);
+    double density = 0;
+    Vec3 gradient_W;
+    if (!field.sample(field.lattice().toWorld(p_L), density, gradient_W) || density <= field.isovalue()) continue;
+    low = low.cwiseMin(p_L);
+    high = high.cwiseMax(p_L);
+  }
+  if ((high.array() < low.array()).any()) {
+    low = Vec3::Zero();
+    high = last;
+  }
+  const Vec3 cell = last / (kGrid - 1);  // the surface may lie this much outside the outermost sample that is object
+  const Vec3 half_m = ((high - low) / 2 + cell / 2).cwiseProduct(field.lattice().spacing_m);
+  return {field.lattice().toWorld((low + high) / 2), half_m.norm()};
+}
+
+ViewCamera overviewCamera(const ObjectBounds& object, const ContactRegion& region, int width, int height) {
+  const Vec3 outward_W = region.centre_W - object.centre_W;
+  Vec3 side_W = region.normal_W + (outward_W.norm() > 1e-9 ? outward_W.normalized() : Vec3::Zero());
+  if (side_W.norm() < 1e-3) side_W = region.normal_W;
+  // A quarter turn of the way around keeps the normal from pointing straight at the eye.
+  const Vec3 from_W = (side_W.normalized() - 0.8 * region.normal_W.cross(region.along_W)).normalized();
+  return lookAt(object.centre_W, from_W, distanceFor(object.radius_m, width, height), upFor(from_W), width, height, kFov_rad);
+}
+
+ViewCamera closeUpCamera(const SurfaceField& field, const ContactRegion& region, int width, int height) {
+  const Vec3 side_W = region.along_W.cross(region.normal_W);
+  Vec3 best_W = region.normal_W;
+  double best = 2;
+  for (const double elevation_deg : kElevations_deg) {
+    for (const double sign : {1.0, -1.0}) {
+      const double angle = elevation_deg / kDegreesPerRadian;
+      const Vec3 from_W = sign * std::cos(angle) * side_W + std::sin(angle) * region.normal_W;
+      const double hidden = hiddenShare(field, region, from_W);
+      if (hidden >= best - 0.05) continue;
+      best = hidden;
+      best_W = from_W;
+    }
+  }
+  // Room above for arrows: the camera looks at a point a little out of the surface.
+  const Vec3 target_W = region.centre_W + 0.15 * region.radius_m * region.normal_W;
+  return lookAt(target_W, best_W, distanceFor(region.radius_m, width, height), region.normal_W, width, height, kFov_rad);
+}
+
+}  // namespace palpate

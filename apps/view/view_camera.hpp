@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// apps/view/view_camera.hpp: where a picture is taken from, and where a point of the world appears in it.
+//
+// World frame [m]. Pixels count from the top left corner; the centre of the first pixel is (0.5, 0.5). Any thread.
+#pragma once
+
+#include <optional>
+
+#include "base/vec.hpp"
+
+namespace palpate {
+
+struct ViewCamera {
+  Vec3 position_W = Vec3::Zero();   // [m]
+  Vec3 forward_W = -Vec3::UnitZ();  // unit, into the picture
+  Vec3 right_W = Vec3::UnitX();     // unit
+  Vec3 up_W = Vec3::UnitY();        // unit; forward x up = right
+  double vertical_fov_rad = 0.5;    // angle between the upper and lower edge [rad]
+  int width = 0, height = 0;        // [pixel]
+
+  struct Projection {
+    double x = 0, y = 0;     // [pixel]
+    double distance_m = 0;   // from the camera along the ray, as in RenderedImage [m]
+  };
+  // Empty for a point that is not in front of the camera. Points beside the picture have pixels outside it.
+  [[nodiscard]] std::optional<Projection> project(const Vec3& p_W) const noexcept;
+
+  // Unit direction of the ray through a place in the picture.
+  [[nodiscard]] Vec3 rayThrough(double x, double y) const noexcept;
+
+  // Length in the world of one pixel at a distance along `forward` [m].
+  [[nodiscard]] double pixelSize(double depth_m) const noexcept;
+};
+
+// A camera at `distance_m` from `target_W`, on its side `from_W` (unit), with `up_W` (not along from_W) upwards.
+[[nodiscard]] ViewCamera lookAt(const Vec3& target_W, const Vec3& from_W, double distance_m, const Vec3& up_W, int width,
+                                int height, double vertical_fov_rad);
+
+}  // namespace palpate

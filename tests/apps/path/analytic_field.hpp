@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// Fields given by a formula: density is the signed distance to the surface [m], positive inside; isovalue 0.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <utility>
+
+#include "apps/path/surface_field.hpp"
+
+namespace palpate {
+
+class AnalyticField : public SurfaceField {
+ public:
+  using Formula = std::function<double(const Vec3&)>;
+  // A cube of `half_m` around the world's origin with samples `voxel_m` apart; the formula is taken without sampling.
+  AnalyticField(Formula formula, double half_m, double voxel_m) : formula_(std::move(formula)), half_m_(half_m) {
+    lattice_.origin_W = Vec3::Constant(-half_m);
+    lattice_.spacing_m = Vec3::Constant(voxel_m);
+    size_ = Vec3i::Constant(static_cast<int>(std::lround(2 * half_m / voxel_m)) + 1);
+  }
+  bool sample(const Vec3& p_W, double& density, Vec3& gradient_W) const override {
+    if (p_W.cwiseAbs().maxCoeff() > half_m_) return false;
+    constexpr double kStep_m = 1e-6;
+    density = formula_(p_W);
+    for (int i = 0; i < 3; ++i) {
+      const Vec3 step_W = kStep_m * Vec3::Unit(i);
+      gradient_W[i] = (formula_(p_W + step_W) - formula_(p_W - step_W)) / (2 * kStep_m);
+    }
+    return true;
+  }
+  [[nodiscard]] double isovalue() const override { return isovalue_; }
+  [[nodiscard]] const Lattice& lattice() const override { return lattice_; }
+  [[nodiscard]] Vec3i size() const override { return size_; }
+  void setIsovalue(double isovalue) { isovalue_ = isovalue; }
+
+ private:
+  Formula formula_;
+  double half_m_, isovalue_ = 0;
+  Lattice lattice_;
+  Vec3i size_;
+};
+
+inline double sphereDistance(const Vec3& p, double radius_m) { return radius_m - p.norm(); }
+
+inline double boxDistance(const Vec3& p, const Vec3& half) {
+  const Vec3 q = p.cwiseAbs() - half;
+  return -(q.cwiseMax(0).norm() + std::min(q.maxCoeff(), 0.0));
+}
+
+// A slab 40 x 40 x 20 mm, its top at z = 10 mm, with a round hole of radius 5 mm and depth 8 mm from the top, at the middle.
+inline double slabWithHole(const Vec3& p) {
+  const double across = std::hypot(p.x(), p.y()) - 5e-3, down = 2e-3 - p.z();
+  const double hole = std::hypot(std::max(across, 0.0), std::max(down, 0.0)) + std::min(std::max(across, down), 0.0);
+  return std::min(boxDistance(p, Vec3(20e-3, 20e-3, 10e-3)), hole);
+}
+
+}  // namespace palpate

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/path/path_csv.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <string>
+
+#include "base/error.hpp"
+
+namespace palpate {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr const char* kHeader = "time_s,x_m,y_m,z_m\n";
+
+class PathCsv : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
+    file_ = std::filesystem::path(::testing::TempDir()) / (std::string("palpate_path_") + info->name() + ".csv");
+  }
+  void TearDown() override { std::filesystem::remove(file_); }
+
+  std::vector<TimedPoint> read(const std::string& text) {
+    std::ofstream(file_, std::ios::binary) << text;
+    return readPathCsv(file_);
+  }
+  void expectRefusal(const std::string& text, const std::string& words) {
+    try {
+      (void)read(text);
+      FAIL() << "accepted";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), Error::Code::kBadInput);
+      EXPECT_THAT(error.what(), HasSubstr(words));
+      EXPECT_THAT(error.what(), HasSubstr(file_.filename().string()));
+      EXPECT_THAT(error.what(), Not(HasSubstr("\n")));
+    }
+  }
+  std::filesystem::path file_;
+};
+
+TEST_F(PathCsv, ReadsRowsInOrder) {
+  const auto points = read(std::string(kHeader) + "0,1,2,3\n0.5,-1e-3,0,4.25\n\n");
+  ASSERT_EQ(points.size(), 2U);
+  EXPECT_EQ(points[1].time_s, 0.5);
+  EXPECT_EQ(points[1].p_W, Vec3(-1e-3, 0, 4.25));
+}
+
+TEST_F(PathCsv, ToleratesCarriageReturnsAndAMissingLastNewline) {
+  const auto points = read("time_s,x_m,y_m,z_m\r\n0,1,2,3\r\n1,1,2,3");
+  EXPECT_EQ(points.size(), 2U);
+  EXPECT_EQ(points[1].p_W, Vec3(1, 2, 3));
+}
+
+TEST_F(PathCsv, RefusesAMissingFile) {
+  try {
+    (void)readPathCsv(file_);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), Error::Code::kNotFound);
+  }
+}
+
+TEST_F(PathCsv, RefusesAFolder) {
+  try {
+    (void)readPathCsv(::testing::TempDir());
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), Error::Code::kIo);
+  }
+}
+
+TEST_F(PathCsv, RefusesAnotherHeader) { expectRefusal("t,x,y,z\n0,0,0,0\n1,0,0,0\n", "line 1: the header is \"t,x,y,z\""); }
+TEST_F(PathCsv, RefusesAnEmptyFile) { expectRefusal("", "the file is empty"); }
+TEST_F(PathCsv, RefusesASingleRow) { expectRefusal(std::string(kHeader) + "0,0,0,0\n", "at least two rows, it has 1"); }
+TEST_F(PathCsv, RefusesAWord) {
+  expectRefusal(std::string(kHeader) + "0,0,0,0\n1,0,left,0\n", "line 3: \"left\" is not a number");
+}
+TEST_F(PathCsv, RefusesANumberWithATail) { expectRefusal(std::string(kHeader) + "0,0,0,0\n1,0,1mm,0\n", "\"1mm\""); }
+TEST_F(PathCsv, RefusesNan) { expectRefusal(std::string(kHeader) + "0,0,0,0\n1,nan,0,0\n", "line 3: nan is not a finite"); }
+TEST_F(PathCsv, RefusesInfinity) { expectRefusal(std::string(kHeader) + "0,0,0,0\n1,0,0,-inf\n", "line 3: -inf"); }
+TEST_F(PathCsv, RefusesTooFewColumns) { expectRefusal(std::string(kHeader) + "0,0,0,0\n1,0,0\n", "line 3: a row needs"); }
+TEST_F(PathCsv, RefusesTooManyColumns) { expectRefusal(std::string(kHeader) + "0,0,0,0,0\n", "line 2: a row needs"); }
+TEST_F(PathCsv, RefusesTimeGoingBack) {
+  expectRefusal(std::string(kHeader) + "0,0,0,0\n1,0,0,0\n0.5,0,0,0\n", "line 4: time goes back from 1 s to 0.5 s");
+}
+TEST_F(PathCsv, RefusesRepeatedTime) {
+  expectRefusal(std::string(kHeader) + "0,0,0,0\n1,0,0,0\n1,0,0,0\n", "line 4: time does not move on from 1 s to 1 s");
+}
+TEST_F(PathCsv, RefusesAHole) {
+  expectRefusal(std::string(kHeader) + "0,0,0,0\n1,0,0,0\n2,0,0,0\n12.5,0,0,0\n13.5,0,0,0\n",
+                "line 5: a hole in the path: nothing between 2 s and 12.5 s");
+}
+TEST_F(PathCsv, AcceptsAGapOfTenIntervals) {
+  EXPECT_EQ(read(std::string(kHeader) + "0,0,0,0\n1,0,0,0\n2,0,0,0\n12,0,0,0\n").size(), 4U);
+}
+
+}  // namespace
+}  // namespace palpate

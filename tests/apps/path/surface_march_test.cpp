@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/path/surface_march.hpp"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "analytic_field.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr double kVoxel_m = 0.5e-3;
+
+// On a circle of radius R a chord h spans the arc 2 R asin(h / 2R): after the whole way the place is known exactly.
+TEST(SurfaceMarch, GoesAroundASphereOnAGreatCircle) {
+  const double radius_m = 10e-3;
+  const AnalyticField sphere([=](const Vec3& p) { return sphereDistance(p, radius_m); }, 16e-3, kVoxel_m);
+  const auto curve = marchSurface(sphere, {Vec3(0, 0, radius_m), Vec3::UnitZ()}, Vec3(1, 0, 0.3), 25e-3);
+  const auto steps = static_cast<double>(curve.points.size() - 1);
+  EXPECT_NEAR(curve.length(), 25e-3, 1e-12);
+  EXPECT_LE(curve.step_m, kVoxel_m / 4);
+  const double angle = steps * 2 * std::asin(curve.step_m / (2 * radius_m));
+  const Vec3 expected = radius_m * Vec3(std::sin(angle), 0, std::cos(angle));
+  EXPECT_LT((curve.points.back().p_W - expected).norm(), 1e-7);
+}
+
+TEST(SurfaceMarch, FollowsSharpEdgesIntoAHoleAndOut) {
+  const AnalyticField slab(slabWithHole, 30e-3, kVoxel_m);
+  const auto curve = marchSurface(slab, {Vec3(-10e-3, 0, 10e-3), Vec3::UnitZ()}, Vec3::UnitX(), 5e-3 + 8e-3 + 10e-3 + 8e-3 + 3e-3);
+  bool was_on_floor = false;
+  for (const SurfacePoint& point : curve.points) {
+    EXPECT_NEAR(slabWithHole(point.p_W), 0, 1e-9);
+    was_on_floor |= point.p_W.head<2>().norm() < 1e-3 && std::abs(point.p_W.z() - 2e-3) < 1e-9;
+  }
+  EXPECT_TRUE(was_on_floor);
+  // Each of the four corners is cut by one chord: at most (sqrt 2 - 1) step longer or shorter than the way along the walls.
+  EXPECT_NEAR(curve.points.back().p_W.x(), 8e-3, 4 * 0.5 * kVoxel_m / 4 * 2);
+  EXPECT_NEAR(curve.points.back().p_W.z(), 10e-3, 1e-9);
+}
+
+TEST(SurfaceMarch, EndsAtTheVolumesBorder) {
+  const AnalyticField plane([](const Vec3& p) { return -p.z(); }, 10e-3, kVoxel_m);
+  const auto curve = marchSurface(plane, {Vec3::Zero(), Vec3::UnitZ()}, Vec3::UnitX(), 25e-3);
+  EXPECT_LE(curve.length(), 10e-3);
+  EXPECT_GE(curve.length(), 10e-3 - kVoxel_m / 2);  // a step's circle must lie inside, so the last step may be missing
+}
+
+TEST(SurfaceMarch, NoLengthIsOnePoint) {
+  const AnalyticField plane([](const Vec3& p) { return -p.z(); }, 10e-3, kVoxel_m);
+  EXPECT_EQ(marchSurface(plane, {Vec3::Zero(), Vec3::UnitZ()}, Vec3::UnitX(), 0).points.size(), 1U);
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/path/touch_path.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "base/error.hpp"
+#include "analytic_field.hpp"
+
+namespace palpate {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+constexpr double kVoxel_m = 0.5e-3;
+constexpr double kRadius_m = 15e-3;
+
+AnalyticField sphere() { return {[](const Vec3& p) { return sphereDistance(p, kRadius_m); }, 30e-3, kVoxel_m}; }
+AnalyticField slab() { return {slabWithHole, 30e-3, kVoxel_m}; }
+AnalyticField plane() { return {[](const Vec3& p) { return -p.z(); }, 12e-3, kVoxel_m}; }
+
+const PathPhase& phase(const TouchPath& path, const std::string& name) {
+  for (const PathPhase& p : path.phases) {
+    if (p.name == name) return p;
+  }
+  throw std::out_of_range(name);
+}
+
+Vec3 at(const TouchPath& path, double time_s) {
+  const double place = time_s / path.points.back().time_s * static_cast<double>(path.points.size() - 1);
+  return path.points[static_cast<std::size_t>(std::lround(place))].p_W;
+}
+
+void expectRefusal(const SurfaceField& field, const PathRequest& request, const std::string& words) {
+  try {
+    (void)buildTouchPath(field, request);
+    FAIL() << "accepted";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), Error::Code::kBadInput);
+    EXPECT_THAT(error.what(), HasSubstr(words));
+  }
+}
+
+TEST(TouchPath, StartsOutsidePressesSlidesAndLeaves) {
+  const TouchPath path = buildTouchPath(sphere(), {});
+  EXPECT_EQ(path.points.front().time_s, 0);
+  EXPECT_EQ(path.points.back().time_s, 5.0);  // exact
+  EXPECT_NEAR(-sphereDistance(path.points.front().p_W, kRadius_m), 10e-3, 1e-9);
+  EXPECT_NEAR(-sphereDistance(path.points.back().p_W, kRadius_m), 10e-3, 1e-8);
+  EXPECT_NEAR(sphereDistance(at(path, phase(path, "press").end_s), kRadius_m), 1e-3, 1e-9);
+  EXPECT_NEAR(path.slid_m, 20e-3, 1e-12);
+  EXPECT_THAT(path.notes, IsEmpty());
+}
+
+// The depth lacks d (1 - exp(-s^2 / 2R^2)) for the smoothed normal (s = 1 mm) and gains s_c^2 / 2R for the smoothed
+// curve (s_c = 0.375 mm). Both with R = 15 mm, within 5 % of themselves; the ends are exact.
+TEST(TouchPath, SlidesAtThePressDepth) {
+  const TouchPath path = buildTouchPath(sphere(), {});
+  const double less_m = 1e-3 * (1 - std::exp(-0.5 * 1e-6 / (kRadius_m * kRadius_m)));
+  const double more_m = 0.375e-3 * 0.375e-3 / (2 * kRadius_m);
+  for (const TimedPoint& point : path.points) {
+    if (point.time_s < phase(path, "slide").begin_s || point.time_s > phase(path, "slide").end_s) continue;
+    const double depth_m = sphereDistance(point.p_W, kRadius_m);
+    EXPECT_GE(depth_m, 1e-3 - 1.05 * less_m);
+    EXPECT_LE(depth_m, 1e-3 + 1.05 * more_m);
+  }
+}
+
+// Minimum jerk over a way L in time T has speed at most 1.875 L/T and acceleration at most 5.7735 L/T^2; turning on the
+// radius R adds v^2 / R. Between points the velocity then changes by at most acceleration * interval.
+TEST(TouchPath, SpeedHasNoJumps) {
+  const TouchPath path = buildTouchPath(sphere(), {});
+  const double interval_s = path.points[1].time_s;
+  const double slide_v = 1.875 * 20e-3 / 2.75, most_a = 5.7735 * 11e-3 / (0.75 * 0.75) + slide_v * slide_v / (kRadius_m - 1e-3);
+  for (std::size_t i = 1; i + 1 < path.points.size(); ++i) {
+    const Vec3 change = (path.points[i + 1].p_W - 2 * path.points[i].p_W + path.points[i - 1].p_W) / interval_s;
+    ASSERT_LE(change.norm(), 1.05 * most_a * interval_s) << "at " << path.points[i].time_s << " s";
+  }
+}
+
+// Over a sharp edge the smoothed curve bends within a Gaussian of s = 0.75 voxel: curvature (pi/2) / (s sqrt(2 pi)).
+TEST(TouchPath, SpeedHasNoJumpsOverSharpEdges) {
+  PathRequest request;
+  request.start_W = Vec3(-12e-3, 0, 10e-3);
+  request.slide_W = Vec3::UnitX();
+  request.slide_length_m = 36e-3;
+  const TouchPath path = buildTouchPath(slab(), request);
+  const double interval_s = path.points[1].time_s, most_v = 1.875 * 36e-3 / 2.75 * 1.6, sigma_m = 0.375e-3;
+  const double curvature = 1.5708 / (sigma_m * 2.5066), press_a = 5.7735 * 11e-3 / (0.75 * 0.75);
+  for (std::size_t i = 1; i + 1 < path.points.size(); ++i) {
+    const Vec3 change = (path.points[i + 1].p_W - 2 * path.points[i].p_W + path.points[i - 1].p_W) / interval_s;
+    ASSERT_LE(change.norm(), (press_a + most_v * most_v * curvature) * interval_s) << "at " << path.points[i].time_s << " s";
+  }
+}
+
+// In the hole the tool stays inside the object (it never shows above the surface) and never deeper than the press.
+TEST(TouchPath, StaysPressedThroughAHole) {
+  PathRequest request;
+  request.start_W = Vec3(-12e-3, 0, 10e-3);
+  request.slide_W = Vec3::UnitX();
+  request.slide_length_m = 36e-3;
+  const TouchPath path = buildTouchPath(slab(), request);
+  double lowest_m = 1;
+  for (const TimedPoint& point : path.points) {
+    if (point.time_s < phase(path, "slide").begin_s || point.time_s > phase(path, "slide").end_s) continue;
+    const double depth_m = slabWithHole(point.p_W);
+    EXPECT_GT(depth_m, 0) << "at " << point.time_s << " s";
+    // At a concave corner both walls are offset: the depth below the corner point itself is at most sqrt(2) * depth.
+    EXPECT_LT(depth_m, 1.4143e-3);
+    lowest_m = std::min(lowest_m, point.p_W.z());
+  }
+  EXPECT_NEAR(lowest_m, 2e-3 - 1e-3, 0.05e-3);  // it was on the floor of the hole, a press depth below
+}
+
+TEST(TouchPath, PhasesFollowEachOther) {
+  const TouchPath path = buildTouchPath(sphere(), {});
+  std::vector<std::string> names;
+  for (const PathPhase& p : path.phases) names.push_back(p.name);
+  EXPECT_THAT(names, ElementsAre("approach", "press", "slide", "retreat"));
+  EXPECT_EQ(path.phases.front().begin_s, 0);
+  for (std::size_t i = 1; i < path.phases.size(); ++i) EXPECT_EQ(path.phases[i].begin_s, path.phases[i - 1].end_s);
+  EXPECT_EQ(path.phases.back().end_s, 5.0);
+}
+
+TEST(TouchPath, IsTheSameEveryTime) {
+  const TouchPath a = buildTouchPath(slab(), {}), b = buildTouchPath(slab(), {});
+  ASSERT_EQ(a.points.size(), b.points.size());
+  for (std::size_t i = 0; i < a.points.size(); ++i) EXPECT_EQ(a.points[i].p_W, b.points[i].p_W);
+}
+
+TEST(TouchPath, ComesFromTheWishedDirection) {
+  PathRequest request;
+  request.toward_W = Vec3(-2, 0, 0);
+  const TouchPath path = buildTouchPath(sphere(), request);
+  const Vec3 way = (path.start.p_W - path.points.front().p_W).normalized();
+  EXPECT_LT((way - Vec3(-1, 0, 0)).norm(), 1e-9);
+  EXPECT_GT(path.start.p_W.x(), 0);
+}
+
+TEST(TouchPath, SlidesInTheWishedDirection) {
+  PathRequest request;
+  request.start_W = Vec3(0, 0, 16e-3);
+  request.slide_W = Vec3(0, 1, 0);
+  const TouchPath path = buildTouchPath(sphere(), request);
+  EXPECT_LT((path.start.p_W - Vec3(0, 0, kRadius_m)).norm(), 0.01 * kVoxel_m);
+  EXPECT_GT(path.slide_W.y(), 0.99);
+}
+
+TEST(TouchPath, SaysHowMuchOfTheSlideIsMissing) {
+  PathRequest request;
+  request.start_W = Vec3(0, 0, 1e-3);
+  request.slide_W = Vec3::UnitX();
+  request.approach_m = 5e-3;
+  const TouchPath path = buildTouchPath(plane(), request);
+  EXPECT_NEAR(path.slid_m, 12e-3, 0.5e-3);
+  ASSERT_EQ(path.notes.size(), 1U);
+  EXPECT_THAT(path.notes[0], HasSubstr("instead of 20 mm: the surface ends at the border"));
+}
+
+TEST(TouchPath, ShortensAnApproachThatTheObjectBlocks) {
+  PathRequest request;
+  request.start_W = Vec3(5e-3, 0, 5e-3);  // the wall of the hole; the other wall is 10 mm away
+  request.slide_length_m = 0;
+  request.approach_m = 12e-3;
+  const TouchPath path = buildTouchPath(slab(), request);
+  EXPECT_NEAR((path.points.front().p_W - path.start.p_W).norm(), 8e-3, kVoxel_m);
+  EXPECT_EQ(path.notes.size(), 2U);  // approach and retreat
+}
+
+TEST(TouchPath, RefusesAVolumeWithoutSurface) {
+  AnalyticField field = sphere();
+  field.setIsovalue(1);
+  expectRefusal(field, {}, "no ray into the volume meets a surface at isovalue 1; the isovalue may be wrong");
+}
+TEST(TouchPath, RefusesAStartFarFromTheSurface) {
+  PathRequest request;
+  request.start_W = Vec3(0.5, 0, 0);
+  expectRefusal(sphere(), request, "path start: no surface");
+}
+TEST(TouchPath, RefusesAnApproachFromInside) {
+  PathRequest request;
+  request.start_W = Vec3(0, 0, 15e-3);
+  request.toward_W = Vec3::UnitZ();
+  expectRefusal(sphere(), request, "from inside the object");
+}
+TEST(TouchPath, RefusesASlideAlongTheNormal) {
+  PathRequest request;
+  request.start_W = Vec3(0, 0, 15e-3);
+  request.slide_W = Vec3::UnitZ();
+  expectRefusal(plane(), request, "along the surface normal");
+}
+TEST(TouchPath, RefusesImpossibleNumbers) {
+  const double nan = std::nan("");
+  PathRequest request;
+  request.duration_s = 0;
+  expectRefusal(sphere(), request, "path duration: 0 s is not possible");
+  request = {};
+  request.approach_m = -1;
+  expectRefusal(sphere(), request, "path approach");
+  request = {};
+  request.press_depth_m = nan;
+  expectRefusal(sphere(), request, "path press depth");
+  request = {};
+  request.slide_length_m = -1e-3;
+  expectRefusal(sphere(), request, "path slide length");
+  request = {};
+  request.toward_W = Vec3::Zero();
+  expectRefusal(sphere(), request, "path toward");
+  request = {};
+  request.slide_W = Vec3(nan, 0, 0);
+  expectRefusal(sphere(), request, "path slide");
+  request = {};
+  request.start_W = Vec3(nan, 0, 0);
+  expectRefusal(sphere(), request, "path start");
+}
+
+}  // namespace
+}  // namespace palpate

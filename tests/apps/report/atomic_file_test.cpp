@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/report/atomic_file.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <stdexcept>
+
+#include "base/error.hpp"
+#include "temporary_folder.hpp"
+
+namespace palpate {
+namespace {
+
+using ::testing::HasSubstr;
+
+// A limit on the size of files stands for the full disk: the write fails in the same place.
+class FileSizeLimit {
+ public:
+  explicit FileSizeLimit(rlim_t bytes) {
+    handler_ = std::signal(SIGXFSZ, SIG_IGN);
+    getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit now{bytes, before_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &now);
+  }
+  ~FileSizeLimit() {
+    setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, handler_);
+  }
+  FileSizeLimit(const FileSizeLimit&) = delete;
+  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
+
+ private:
+  rlimit before_{};
+  void (*handler_)(int) = nullptr;
+};
+
+template <typename Action>
+void expectIoError(Action action, const std::string& words) {
+  try {
+    action();
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), Error::Code::kIo);
+    EXPECT_THAT(error.what(), HasSubstr(words));
+  }
+}
+
+TEST(AtomicFile, WritesTheWholeTextAndNothingElse) {
+  TemporaryFolder folder;
+  const std::string text(200'000, 'x');
+  writeFileAtomically(folder.path() / "a.txt", text);
+  EXPECT_EQ(contentsOf(folder.path() / "a.txt"), text);
+  EXPECT_EQ(folder.files(), 1);
+}
+
+TEST(AtomicFile, ReplacesAnOlderFile) {
+  TemporaryFolder folder;
+  writeFileAtomically(folder.path() / "a.txt", "old");
+  writeFileAtomically(folder.path() / "a.txt", "new");
+  EXPECT_EQ(contentsOf(folder.path() / "a.txt"), "new");
+}
+
+TEST(AtomicFile, AnExceptionOnTheWayLeavesTheOlderFile) {
+  TemporaryFolder folder;
+  writeFileAtomically(folder.path() / "a.txt", "old");
+  try {
+    AtomicFile file(folder.path() / "a.txt");
+    file.write(std::string(100'000, 'n'));
+    throw std::runtime_error("stop");
+  } catch (const std::runtime_error&) {
+  }
+  EXPECT_EQ(contentsOf(folder.path() / "a.txt"), "old");
+  EXPECT_EQ(folder.files(), 1);
+}
+
+TEST(AtomicFile, AFullDiskIsAnErrorAndLeavesNothing) {
+  TemporaryFolder folder;
+  const FileSizeLimit limit(10'000);
+  expectIoError([&] { writeFileAtomically(folder.path() / "a.txt", std::string(100'000, 'x')); }, "make room");
+  EXPECT_EQ(folder.files(), 0);
+}
+
+TEST(AtomicFile, AFullDiskLeavesTheOlderFile) {
+  TemporaryFolder folder;
+  writeFileAtomically(folder.path() / "a.txt", "old");
+  const FileSizeLimit limit(10'000);
+  expectIoError([&] { writeFileAtomically(folder.path() / "a.txt", std::string(100'000, 'x')); }, "a.txt: cannot be written");
+  EXPECT_EQ(contentsOf(folder.path() / "a.txt"), "old");
+  EXPECT_EQ(folder.files(), 1);
+}
+
+TEST(AtomicFile, RefusesAMissingFolder) {
+  TemporaryFolder folder;
+  expectIoError([&] { writeFileAtomically(folder.path() / "no" / "a.txt", "x"); }, "make the folder first");
+}
+
+TEST(AtomicFile, RefusesAnUnwritableFolder) {
+  if (geteuid() == 0) {  // root may write anywhere but into /proc
+    expectIoError([] { writeFileAtomically("/proc/palpate.txt", "x"); }, "cannot be created");
+    return;
+  }
+  TemporaryFolder folder;
+  std::filesystem::permissions(folder.path(), std::filesystem::perms::owner_read | std::filesystem::perms::owner_exec);
+  expectIoError([&] { writeFileAtomically(folder.path() / "a.txt", "x"); }, "check the permissions");
+  EXPECT_EQ(folder.files(), 0);
+}
+
+TEST(AtomicFile, RefusesToReplaceADevice) {
+  expectIoError([] { writeFileAtomically("/dev/full", "x"); }, "not a plain file");
+  EXPECT_TRUE(std::filesystem::is_character_file("/dev/full"));
+}
+
+TEST(AtomicFile, RefusesToReplaceAFolder) {
+  TemporaryFolder folder;
+  expectIoError([&] { writeFileAtomically(folder.path(), "x"); }, "not a plain file");
+}
+
+}  // namespace
+}  // namespace palpate

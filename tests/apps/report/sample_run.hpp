@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+// A run made up for tests: a tool over a flat surface z = 0, pressed by 1 mm for the middle of the time; every field filled.
+#pragma once
+
+#include <cmath>
+#include <numbers>
+
+#include "apps/report/touch_run.hpp"
+
+namespace palpate {
+
+// One record: the tool at (x, 0, -depth), the surface at z = 0, a spring of 500 N/m.
+inline TickRecord pressedTick(std::int64_t tick, double rate_hz, double x_m, double depth_m) {
+  TickRecord r;
+  r.tick = tick;
+  r.time_s = static_cast<double>(tick) / rate_hz;
+  r.hip_W[0] = r.vhip_W[0] = x_m;
+  r.hip_W[2] = -depth_m;
+  r.in_contact = depth_m > 0;
+  r.vhip_W[2] = r.in_contact ? 0 : -depth_m;
+  if (r.in_contact) r.normal_W[2] = 1;
+  if (r.in_contact) r.force_W[2] = 500 * depth_m;
+  r.density = static_cast<float>(depth_m);
+  r.plane_age_ticks = r.in_contact ? static_cast<std::int32_t>(tick % 5) : 0;
+  r.window_version = static_cast<std::uint64_t>(tick / 20);
+  r.tick_cost_ns = 2000 + static_cast<std::int32_t>(tick * 7919 % 900);
+  r.lateness_ns = 30'000 + tick * 104729 % 40'000;
+  r.window_age_ns = tick % 20 * 1'000'000;
+  return r;
+}
+
+// Approach for a fifth of the ticks, contact for three fifths, retreat.
+inline std::vector<TickRecord> sampleRecords(std::int64_t ticks, double rate_hz) {
+  std::vector<TickRecord> records;
+  for (std::int64_t i = 0; i < ticks; ++i) {
+    const double share = static_cast<double>(i) / static_cast<double>(ticks);
+    const bool pressed = share >= 0.2 && share < 0.8;
+    const double depth_m = pressed ? 1e-3 * std::sin((share - 0.2) / 0.6 * std::numbers::pi) + 1e-6 : -5e-3;
+    records.push_back(pressedTick(i, rate_hz, 0.02 * share, depth_m));
+  }
+  return records;
+}
+
+inline TouchRun sampleRun() {
+  TouchRun run;
+  run.scene.volume = "phantom:sphere?size=64";
+  run.scene.path_toward = Vec3(0, 0, -1);
+  run.volume = {"phantom:sphere?size=64", "phantom", Vec3i(64, 64, 64), Vec3::Constant(0.5e-3), -1, 1, 0};
+  run.machine = {"Example CPU", 4, 8ULL << 30, "Linux 6.1", "Debian GNU/Linux 12"};
+  run.vulkan = {"llvmpipe", "Mesa 22.3", "1.3.230"};
+  run.commit = "0123abc";
+  run.command = "palpate touch 'phantom:sphere?size=64' --out out";
+  run.stages = {{"load", 0.4}, {"gradient", 0.1}};
+  run.memory = {{"bricks on the GPU", 3U << 20}};
+  run.plan = {"gradient of 120 of 512 bricks: the others hold no surface; saves 3.1 MiB"};
+  run.realtime = {"SCHED_FIFO not allowed: raise rtprio in /etc/security/limits.conf"};
+  run.notes = {"the slide is 12 mm instead of 20 mm"};
+  run.phases = {{"approach", 0, 1}, {"press", 1, 2}, {"slide", 2, 4}, {"retreat", 4, 5}};
+  run.records = sampleRecords(5000, run.scene.rate_hz);
+  run.faults = {{"stale_window", 12, 300, "the engine published too rarely", "make the window larger"}};
+  run.files = {"out/trace.csv", "out/summary.json"};
+  run.exact = ExactErrors{0.01, 0.05, 0.3, 1.2};
+  return run;
+}
+
+}  // namespace palpate

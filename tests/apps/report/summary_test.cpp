@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/report/summary.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <limits>
+#include <set>
+
+#include "sample_run.hpp"
+#include "temporary_folder.hpp"
+
+namespace palpate {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Every key of a summary as docs/summary.md writes it: "servo.ticks", "stages[].name".
+void collect(const Json& value, const std::string& name, std::set<std::string>& keys) {
+  if (value.is_object()) {
+    for (const auto& [key, item] : value.items()) collect(item, name.empty() ? key : name + "." + key, keys);
+  } else if (value.is_array() && !value.empty() && value.front().is_object()) {
+    collect(value.front(), name + "[]", keys);
+  } else {
+    keys.insert(name);
+  }
+}
+
+std::set<std::string> documentedKeys() {
+  std::ifstream in(PALPATE_DOCS "/summary.md");
+  std::set<std::string> keys;
+  for (std::string line; std::getline(in, line);) {
+    if (line.starts_with("| `")) keys.insert(line.substr(3, line.find('`', 3) - 3));
+  }
+  return keys;
+}
+
+TEST(Summary, HasExactlyTheDocumentedKeys) {
+  std::set<std::string> keys;
+  collect(makeSummary(sampleRun()), "", keys);
+  EXPECT_THAT(keys, ::testing::ContainerEq(documentedKeys()));
+}
+
+TEST(Summary, HoldsTheFiguresOfTheRun) {
+  const Json s = makeSummary(sampleRun());
+  EXPECT_EQ(s.begin().key(), "schema");
+  EXPECT_EQ(s["schema"], "palpate.touch.summary/1");
+  EXPECT_EQ(s["contact"]["ticks"], 3000);
+  EXPECT_EQ(s["contact"]["time_s"], 3.0);
+  EXPECT_NEAR(s["contact"]["depth_m"]["max"].get<double>(), 1.001e-3, 1e-9);
+  EXPECT_EQ(s["servo"]["times_measured"], true);
+  EXPECT_EQ(s["scene"]["path_slide"], nullptr);
+  EXPECT_EQ(s["scene"]["path_toward"], Json({0, 0, -1}));
+}
+
+TEST(Summary, IsNullWhereNothingIsKnown) {
+  TouchRun run = sampleRun();
+  run.exact.reset();
+  run.volume.isovalue = std::numeric_limits<double>::quiet_NaN();
+  for (TickRecord& r : run.records) r.in_contact = false;
+  const Json s = Json::parse(makeSummary(run).dump());
+  EXPECT_TRUE(s["exact"].is_null());
+  EXPECT_TRUE(s["contact"]["first_s"].is_null());
+  EXPECT_TRUE(s["volume"]["isovalue_density"].is_null());
+}
+
+TEST(Summary, IsWrittenAsValidJsonEvenForABadName) {
+  TemporaryFolder folder;
+  TouchRun run = sampleRun();
+  run.volume.name = "scan\xff\"\n";
+  writeSummary(folder.path() / "s.json", run);
+  const Json s = Json::parse(contentsOf(folder.path() / "s.json"));
+  EXPECT_EQ(s["volume"]["name"], "scan\xEF\xBF\xBD\"\n");
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/report/trace_csv.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <sstream>
+
+#include "sample_run.hpp"
+#include "temporary_folder.hpp"
+
+namespace palpate {
+namespace {
+
+std::vector<std::string> split(const std::string& line) {
+  std::vector<std::string> parts;
+  std::istringstream in(line);
+  for (std::string part; std::getline(in, part, ',');) parts.push_back(part);
+  return parts;
+}
+
+TickRecord awkwardRecord() {
+  TickRecord r;
+  r.tick = 123456789012;
+  r.time_s = 0.1 + 0.2;
+  r.hip_W[0] = -1.0 / 3;
+  r.hip_W[1] = std::numeric_limits<double>::denorm_min();
+  r.hip_W[2] = std::numeric_limits<double>::max();
+  r.vhip_W[0] = 1e-3;
+  r.normal_W[1] = -1;
+  r.force_W[2] = 0.6;
+  r.density = 1.1F;
+  r.in_contact = true;
+  r.plane_age_ticks = 4;
+  r.window_version = std::numeric_limits<std::uint64_t>::max();
+  r.faults = 0xFFFFFFFF;
+  r.tick_cost_ns = 2112;
+  return r;
+}
+
+TEST(TraceCsv, HasTheHeaderToTheLetter) {
+  TemporaryFolder folder;
+  writeTraceCsv(folder.path() / "t.csv", {});
+  EXPECT_EQ(contentsOf(folder.path() / "t.csv"),
+            "tick,time_s,hip_x_m,hip_y_m,hip_z_m,vhip_x_m,vhip_y_m,vhip_z_m,normal_x,normal_y,normal_z,force_x_n,force_y_n,"
+            "force_z_n,density,in_contact,plane_age_ticks,window_version,faults,tick_cost_ns\n");
+}
+
+TEST(TraceCsv, NumbersReadBackToTheSameBits) {
+  TemporaryFolder folder;
+  const TickRecord r = awkwardRecord();
+  writeTraceCsv(folder.path() / "t.csv", {r});
+  std::istringstream in(contentsOf(folder.path() / "t.csv"));
+  std::string line;
+  std::getline(in, line);
+  std::getline(in, line);
+  const auto cell = split(line);
+  ASSERT_EQ(cell.size(), 20U);
+  EXPECT_EQ(cell[0], "123456789012");
+  EXPECT_EQ(std::strtod(cell[1].c_str(), nullptr), r.time_s);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(std::strtod(cell[2 + i].c_str(), nullptr), r.hip_W[i]);
+    EXPECT_EQ(std::strtod(cell[5 + i].c_str(), nullptr), r.vhip_W[i]);
+    EXPECT_EQ(std::strtod(cell[8 + i].c_str(), nullptr), r.normal_W[i]);
+    EXPECT_EQ(std::strtod(cell[11 + i].c_str(), nullptr), r.force_W[i]);
+  }
+  EXPECT_EQ(cell[5], "0.001");  // shortest
+  EXPECT_EQ(cell[14], "1.1");
+  EXPECT_EQ(cell[15], "1");
+  EXPECT_EQ(cell[16], "4");
+  EXPECT_EQ(cell[17], "18446744073709551615");
+  EXPECT_EQ(cell[18], "4294967295");
+  EXPECT_EQ(cell[19], "2112");
+}
+
+TEST(TraceCsv, UnknownDensityIsNanWhateverItsSign) {
+  TemporaryFolder folder;
+  TickRecord r;
+  r.density = -std::numeric_limits<float>::quiet_NaN();
+  writeTraceCsv(folder.path() / "t.csv", {r});
+  EXPECT_NE(contentsOf(folder.path() / "t.csv").find(",nan,0,"), std::string::npos);
+}
+
+TEST(TraceCsv, EqualRecordsGiveEqualBytes) {
+  TemporaryFolder folder;
+  const auto records = sampleRecords(3000, 1000);
+  writeTraceCsv(folder.path() / "a.csv", records);
+  writeTraceCsv(folder.path() / "b.csv", records);
+  const std::string a = contentsOf(folder.path() / "a.csv");
+  EXPECT_EQ(a, contentsOf(folder.path() / "b.csv"));
+  EXPECT_EQ(std::count(a.begin(), a.end(), '\n'), 3001);
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/report/words.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sample_run.hpp"
+
+namespace palpate {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+std::string verdictOf(const TouchRun& run) { return verdict(run, computeFigures(run.records, run.scene.rate_hz)); }
+
+TEST(Words, VerdictIsOneSentence) {
+  TouchRun run = sampleRun();
+  run.faults.clear();
+  EXPECT_EQ(verdictOf(run), "The tool touched the surface for 3 s of 5 s, pressed at most 1 mm deep and felt at most 0.5 N; no fault.");
+}
+
+TEST(Words, VerdictOfARunWithoutContact) {
+  TouchRun run = sampleRun();
+  for (TickRecord& r : run.records) r.in_contact = false;
+  EXPECT_EQ(verdictOf(run), "The tool never touched the surface in 5 s; 1 kind of fault.");
+}
+
+TEST(Words, ClosingSummaryNamesWhatMatters) {
+  const std::string text = closingSummary(sampleRun());
+  for (const char* words : {"phantom:sphere?size=64", "3 s of 5 s, one touch", "at most 0.5 N", "hri at 1000 Hz, 5000 ticks, 0 late",
+                            "stale_window in 12 of 5000 ticks, first at tick 300", "make the window larger", "the slide is 12 mm",
+                            "out/trace.csv", "0.01 voxel"}) {
+    EXPECT_THAT(text, HasSubstr(words));
+  }
+  EXPECT_LE(std::count(text.begin(), text.end(), '\n'), 8);
+}
+
+TEST(Words, ClosingSummarySaysThatTheClockWasSimulated) {
+  TouchRun run = sampleRun();
+  run.scene.simulated_clock = true;
+  EXPECT_THAT(closingSummary(run), HasSubstr("no times measured"));
+  EXPECT_THAT(closingSummary(run), Not(HasSubstr("us median")));
+}
+
+TEST(Words, NumbersAndBytes) {
+  EXPECT_EQ(shortNumber(0.12345), "0.123");
+  EXPECT_EQ(shortNumber(1234.5), "1234");
+  EXPECT_EQ(shortNumber(0), "0");
+  EXPECT_EQ(bytesInWords(512), "512 B");
+  EXPECT_EQ(bytesInWords(1536 * 1024), "1.5 MiB");
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+// With PALPATE_SHOW=FOLDER in the environment the pictures and a report are written there, to be looked at.
+#include "apps/view/compose_view.hpp"
+
+#include <cairo/cairo.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <cstring>
+
+#include "apps/report/atomic_file.hpp"
+#include "apps/report/html_report.hpp"
+#include "apps/report/words.hpp"
+#include "base/error.hpp"
+#include "synthetic_run.hpp"
+
+namespace palpate {
+namespace {
+
+struct Decoded {
+  int width = 0, height = 0;
+  std::vector<std::uint32_t> rgb;
+  [[nodiscard]] std::uint32_t at(int x, int y) const { return rgb[static_cast<std::size_t>(y * width + x)] & 0xFFFFFFU; }
+};
+
+Decoded decode(const std::string& png) {
+  std::string_view rest = png;
+  const auto read = [](void* from, unsigned char* to, unsigned int count) {
+    auto& text = *static_cast<std::string_view*>(from);
+    if (text.size() < count) return CAIRO_STATUS_READ_ERROR;
+    std::memcpy(to, text.data(), count);
+    text.remove_prefix(count);
+    return CAIRO_STATUS_SUCCESS;
+  };
+  cairo_surface_t* surface = cairo_image_surface_create_from_png_stream(read, &rest);
+  Decoded out{cairo_image_surface_get_width(surface), cairo_image_surface_get_height(surface), {}};
+  for (int y = 0; y < out.height; ++y) {
+    const auto* row = reinterpret_cast<const std::uint32_t*>(cairo_image_surface_get_data(surface) + y * cairo_image_surface_get_stride(surface));
+    out.rgb.insert(out.rgb.end(), row, row + out.width);
+  }
+  cairo_surface_destroy(surface);
+  return out;
+}
+
+// Pixels of a box whose colour is within 40 of a colour in each channel.
+int countNear(const Decoded& image, const PanelBox& box, int red, int green, int blue) {
+  int count = 0;
+  for (int y = box.y; y < box.y + box.height; ++y) {
+    for (int x = box.x; x < box.x + box.width; ++x) {
+      const auto c = image.at(x, y);
+      const int r = static_cast<int>(c >> 16), g = static_cast<int>(c >> 8 & 255), b = static_cast<int>(c & 255);
+      count += std::abs(r - red) < 40 && std::abs(g - green) < 40 && std::abs(b - blue) < 40;
+    }
+  }
+  return count;
+}
+
+// Pixels that two pictures of one size do not share, within a box.
+int countChanged(const Decoded& a, const Decoded& b, const PanelBox& box) {
+  int count = 0;
+  for (int y = box.y; y < box.y + box.height; ++y) {
+    for (int x = box.x; x < box.x + box.width; ++x) count += a.at(x, y) != b.at(x, y);
+  }
+  return count;
+}
+
+class ComposeView : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    field_ = std::make_unique<AnalyticField>(bumpySphere());
+    run_ = std::make_unique<TouchRun>(syntheticRun(*field_, {}));
+    view_ = std::make_unique<SyntheticView>(viewOf(*field_, *run_, 1280, 720));
+    png_ = std::make_unique<std::string>(composeView(view_->layout, view_->pictures, view_->region, *run_));
+  }
+  static inline std::unique_ptr<AnalyticField> field_;
+  static inline std::unique_ptr<TouchRun> run_;
+  static inline std::unique_ptr<SyntheticView> view_;
+  static inline std::unique_ptr<std::string> png_;
+};
+
+TEST_F(ComposeView, IsAPngOfTheAskedSize) {
+  EXPECT_TRUE(png_->starts_with("\x89PNG\r\n\x1a\n"));
+  const Decoded image = decode(*png_);
+  EXPECT_EQ(image.width, 1280);
+  EXPECT_EQ(image.height, 720);
+  if (const char* folder = std::getenv("PALPATE_SHOW")) {
+    writeFileAtomically(std::string(folder) + "/view.png", *png_);
+    writeReport(std::string(folder) + "/report.html", *run_, *png_);
+    std::puts(closingSummary(*run_).c_str());
+  }
+}
+
+TEST_F(ComposeView, ShowsPathForcesMarksAndWords) {
+  const Decoded image = decode(*png_);
+  const PanelBox& close_up = view_->layout.close_up;
+  EXPECT_GT(countNear(image, view_->layout.overview, 18, 92, 199), 100);  // the tool's way
+  EXPECT_GT(countNear(image, close_up, 18, 92, 199), 300);
+  EXPECT_GT(countNear(image, close_up, 13, 13, 18), 300);                 // the way on the surface
+  EXPECT_GT(countNear(image, close_up, 204, 28, 56) + countNear(image, close_up, 107, 13, 115), 300);  // strong forces
+  EXPECT_GT(countNear(image, close_up, 26, 153, 64), 50);                 // start
+  EXPECT_GT(countNear(image, close_up, 217, 38, 38), 50);                 // end
+  // Ink covers some per cent of a line of text, neither nothing nor all.
+  for (const PanelBox& words : {PanelBox{16, 12, 500, 20}, PanelBox{16, 720 - 52, 500, 20}}) {
+    const double share = countNear(image, words, 28, 33, 41) / (500.0 * 20);
+    EXPECT_GT(share, 0.02);
+    EXPECT_LT(share, 0.5);
+  }
+}
+
+// The same path before a picture in which nothing hides it is drawn solid: more of the full colour.
+TEST_F(ComposeView, DrawsHiddenPartsFainter) {
+  ViewPictures clear = view_->pictures;
+  for (float& d : clear.close_up.distance_m) d = std::numeric_limits<float>::infinity();
+  const Decoded solid = decode(composeView(view_->layout, clear, view_->region, *run_)), image = decode(*png_);
+  const PanelBox& box = view_->layout.close_up;
+  EXPECT_GT(countNear(solid, box, 18, 92, 199), countNear(image, box, 18, 92, 199) + 300);
+}
+
+TEST_F(ComposeView, ARunWithoutContactIsStillAPicture) {
+  TouchRun run = *run_;
+  for (TickRecord& r : run.records) {
+    r.in_contact = false;
+    for (double& f : r.force_W) f = 0;
+  }
+  const ContactRegion region = findContactRegion(run.records, 4e-3);
+  const Decoded image = decode(composeView(view_->layout, view_->pictures, region, run));
+  EXPECT_GT(countChanged(image, decode(*png_), view_->layout.close_up), 300);
+  EXPECT_EQ(image.width, 1280);
+  run.records.clear();
+  EXPECT_EQ(decode(composeView(view_->layout, view_->pictures, findContactRegion({}, 4e-3), run)).height, 720);
+}
+
+TEST_F(ComposeView, ANameThatIsNotUtf8IsNoTrouble) {
+  TouchRun run = *run_;
+  run.volume.name = "scan\xff\xc3(\xe2\x82";
+  EXPECT_EQ(decode(composeView(view_->layout, view_->pictures, view_->region, run)).width, 1280);
+}
+
+TEST_F(ComposeView, RefusesAPictureOfAnotherSize) {
+  ViewPictures wrong = view_->pictures;
+  wrong.close_up.width -= 1;
+  EXPECT_THROW((void)composeView(view_->layout, wrong, view_->region, *run_), Error);
+}
+
+TEST(LayOutView, PanelsLieBesideEachOtherInsideThePicture) {
+  for (const auto& [width, height] : {std::pair(480, 270), std::pair(1280, 720), std::pair(1000, 1000), std::pair(3840, 2160)}) {
+    const ViewLayout layout = layOutView(width, height);
+    EXPECT_GT(layout.overview.x, 0);
+    EXPECT_GT(layout.close_up.x, layout.overview.x + layout.overview.width);
+    EXPECT_LT(layout.close_up.x + layout.close_up.width, width);
+    EXPECT_LT(layout.close_up.y + layout.close_up.height, height);
+    EXPECT_GT(layout.overview.width, width / 4);
+  }
+}
+
+TEST(LayOutView, RefusesImpossibleSizes) {
+  EXPECT_THROW((void)layOutView(479, 720), Error);
+  EXPECT_THROW((void)layOutView(1280, 0), Error);
+  EXPECT_THROW((void)layOutView(1280, 20000), Error);
+}
+
+}  // namespace
+}  // namespace palpate

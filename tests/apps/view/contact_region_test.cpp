@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/view/contact_region.hpp"
+
+#include <gtest/gtest.h>
+
+namespace palpate {
+namespace {
+
+TickRecord contactAt(double x_m) {
+  TickRecord r;
+  r.vhip_W[0] = x_m;
+  r.hip_W[2] = -1e-3;
+  r.normal_W[2] = 1;
+  r.in_contact = true;
+  return r;
+}
+
+TEST(ContactRegion, SurroundsTheContactOnly) {
+  TickRecord far;
+  far.hip_W[0] = 1;
+  const ContactRegion region = findContactRegion({far, contactAt(0.01), contactAt(0.02), contactAt(0.03), far}, 1e-3);
+  EXPECT_TRUE(region.touched);
+  EXPECT_LT((region.centre_W - Vec3(0.02, 0, 0)).norm(), 1e-12);
+  EXPECT_GE(region.radius_m, 0.01);
+  EXPECT_LT(region.radius_m, 0.02);
+  EXPECT_LT((region.normal_W - Vec3::UnitZ()).norm(), 1e-12);
+  EXPECT_LT((region.along_W - Vec3::UnitX()).norm(), 1e-12);
+}
+
+TEST(ContactRegion, OfATapHasSurroundings) {
+  const ContactRegion region = findContactRegion({contactAt(0), contactAt(0)}, 4e-3);
+  EXPECT_EQ(region.radius_m, 4e-3);
+  EXPECT_NEAR(region.along_W.dot(region.normal_W), 0, 1e-12);
+}
+
+TEST(ContactRegion, WithoutContactIsThatOfThePath) {
+  TickRecord a, b;
+  b.hip_W[1] = 0.02;
+  const ContactRegion region = findContactRegion({a, b}, 1e-3);
+  EXPECT_FALSE(region.touched);
+  EXPECT_LT((region.centre_W - Vec3(0, 0.01, 0)).norm(), 1e-12);
+}
+
+TEST(ContactRegion, OfNothingIsThere) { EXPECT_EQ(findContactRegion({}, 2e-3).radius_m, 2e-3); }
+
+}  // namespace
+}  // namespace palpate

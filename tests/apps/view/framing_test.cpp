@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/view/framing.hpp"
+
+#include <gtest/gtest.h>
+
+#include "analytic_field.hpp"
+
+namespace palpate {
+namespace {
+
+ContactRegion regionOnTop(double height_m) {
+  ContactRegion region;
+  region.centre_W = Vec3(0, 0, height_m);
+  region.radius_m = 4e-3;
+  region.touched = true;
+  for (int i = -2; i <= 2; ++i) region.points_W.push_back(Vec3(1e-3 * i, 0, height_m));
+  return region;
+}
+
+// Samples are 44 mm / 23 apart, so a ball's box is found within that, and the radius of its sphere is sqrt(3) larger.
+TEST(Framing, FindsTheObjectInTheVolume) {
+  const AnalyticField ball([](const Vec3& p) { return sphereDistance(p - Vec3(5e-3, 0, 0), 10e-3); }, 22e-3, 0.5e-3);
+  const ObjectBounds bounds = findObjectBounds(ball);
+  const double cell_m = 44e-3 / 23;
+  EXPECT_LT((bounds.centre_W - Vec3(5e-3, 0, 0)).norm(), cell_m);
+  EXPECT_NEAR(bounds.radius_m, 10e-3 * std::sqrt(3.0), cell_m * std::sqrt(3.0));
+}
+
+TEST(Framing, OfAnEmptyVolumeIsItsBox) {
+  const AnalyticField nothing([](const Vec3&) { return -1; }, 10e-3, 0.5e-3);
+  EXPECT_LT(findObjectBounds(nothing).centre_W.norm(), 1e-12);
+  EXPECT_GT(findObjectBounds(nothing).radius_m, 10e-3);
+}
+
+TEST(Framing, OverviewHoldsTheWholeObject) {
+  const AnalyticField ball([](const Vec3& p) { return sphereDistance(p, 15e-3); }, 22e-3, 0.5e-3);
+  const ViewCamera camera = overviewCamera(findObjectBounds(ball), regionOnTop(15e-3), 400, 600);
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double sign : {1.0, -1.0}) {
+      const auto p = camera.project(sign * 15e-3 * Vec3::Unit(axis));
+      ASSERT_TRUE(p);
+      EXPECT_TRUE(p->x >= 0 && p->x <= 400 && p->y >= 0 && p->y <= 600);
+    }
+  }
+  EXPECT_GT((camera.position_W - Vec3(0, 0, 15e-3)).z(), 0);  // from the touched side
+}
+
+TEST(Framing, CloseUpLooksObliquelyWithTheNormalUpwards) {
+  const AnalyticField ball([](const Vec3& p) { return sphereDistance(p, 15e-3); }, 22e-3, 0.5e-3);
+  const ViewCamera camera = closeUpCamera(ball, regionOnTop(15e-3), 700, 500);
+  const auto low = camera.project(Vec3(0, 0, 15e-3)), high = camera.project(Vec3(0, 0, 17e-3));
+  ASSERT_TRUE(low && high);
+  EXPECT_LT(high->y, low->y - 50);  // 2 mm along the normal are long in the picture
+  const double elevation = std::asin(-camera.forward_W.z()) * 57.29578;
+  EXPECT_GT(elevation, 20);
+  EXPECT_LT(elevation, 80);
+}
+
+// A wall of 30 mm beside the contact, on the side from which the camera would look first.
+TEST(Framing, CloseUpAvoidsTheSideThatTheObjectHides) {
+  const auto walled = [](double wall_y) {
+    return AnalyticField([=](const Vec3& p) { return std::max(-p.z(), boxDistance(p - Vec3(0, wall_y, 0), Vec3(20e-3, 1e-3, 30e-3))); },
+                         32e-3, 0.5e-3);
+  };
+  for (const double wall_y : {-4e-3, 4e-3}) {
+    const ViewCamera camera = closeUpCamera(walled(wall_y), regionOnTop(0), 700, 500);
+    EXPECT_LT(camera.position_W.y() * wall_y, 0);
+  }
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/view/view_camera.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace palpate {
+namespace {
+
+// At 1 m above the origin, looking down -z with +y up: fov 90 degrees over 100 pixels, so 1 m below lies 1 m per 50 pixels.
+ViewCamera downwards() { return lookAt(Vec3::Zero(), Vec3::UnitZ(), 1, Vec3::UnitY(), 200, 100, std::numbers::pi / 2); }
+
+TEST(ViewCamera, ProjectsPointsCalculatedByHand) {
+  const ViewCamera camera = downwards();
+  const auto middle = camera.project(Vec3::Zero());
+  ASSERT_TRUE(middle);
+  EXPECT_NEAR(middle->x, 100, 1e-9);
+  EXPECT_NEAR(middle->y, 50, 1e-9);
+  EXPECT_NEAR(middle->distance_m, 1, 1e-12);
+
+  const auto corner = camera.project(Vec3(2, 1, 0));
+  EXPECT_NEAR(corner->x, 200, 1e-9);  // right edge
+  EXPECT_NEAR(corner->y, 0, 1e-9);    // upper edge
+  EXPECT_NEAR(corner->distance_m, std::sqrt(6.0), 1e-12);
+
+  const auto deeper = camera.project(Vec3(1, -1, -1));  // twice as far: half as large
+  EXPECT_NEAR(deeper->x, 125, 1e-9);
+  EXPECT_NEAR(deeper->y, 75, 1e-9);
+}
+
+TEST(ViewCamera, SeesNothingBehindItself) { EXPECT_FALSE(downwards().project(Vec3(0, 0, 1.5))); }
+
+TEST(ViewCamera, RayThroughAPixelIsItsProjectionBackwards) {
+  const ViewCamera camera = lookAt(Vec3(1, 2, 3), Vec3(1, 1, 1).normalized(), 5, Vec3::UnitZ(), 640, 480, 0.6);
+  const auto p = camera.project(camera.position_W + 4 * camera.rayThrough(123.5, 77.5));
+  ASSERT_TRUE(p);
+  EXPECT_NEAR(p->x, 123.5, 1e-9);
+  EXPECT_NEAR(p->y, 77.5, 1e-9);
+  EXPECT_NEAR(p->distance_m, 4, 1e-12);
+}
+
+TEST(ViewCamera, LookAtGivesARightHandedFrame) {
+  const ViewCamera camera = lookAt(Vec3::Zero(), Vec3(1, -2, 0.5).normalized(), 1, Vec3::UnitZ(), 10, 10, 0.5);
+  EXPECT_LT((camera.forward_W.cross(camera.up_W) - camera.right_W).norm(), 1e-12);
+  EXPECT_NEAR(camera.up_W.norm(), 1, 1e-12);
+  EXPECT_GT(camera.up_W.z(), 0);
+}
+
+}  // namespace
+}  // namespace palpate
