@@ -27,7 +27,7 @@ struct IsosurfacePush {
 
 struct IsosurfacePixel {
   uint rgba;      // 8 bits each, red lowest
-  float depth_m;  // along the ray; infinity where nothing is hit [m]
+  float distance_m;  // along the ray; infinity where nothing is hit [m]
 };
 
 PALPATE_LAYOUT_CHECK(IsosurfacePush, 96)

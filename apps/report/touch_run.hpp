@@ -11,6 +11,7 @@
 
 #include "apps/path/timed_point.hpp"
 #include "apps/report/machine_facts.hpp"
+#include "base/measured.hpp"
 #include "engine/plan/scene.hpp"
 #include "servo/loop/tick_record.hpp"
 
@@ -27,16 +28,6 @@ struct RunVolume {
 
 struct VulkanFacts {
   std::string device, driver, api_version;
-};
-
-struct StageTime {
-  std::string name;
-  double seconds = 0;  // [s]
-};
-
-struct MemoryFigure {
-  std::string name;
-  std::uint64_t bytes = 0;  // [byte]
 };
 
 struct RunFault {

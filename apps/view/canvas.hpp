@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/view/rendered_image.hpp"
+#include "base/rendered_image.hpp"
 
 namespace palpate {
 

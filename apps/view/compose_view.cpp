@@ -22,7 +22,7 @@ constexpr Color kBoxColor = {0.85, 0.35, 0.05};
 
 int pixels(double value) { return static_cast<int>(std::lround(value)); }
 
-void checkPicture(const RenderedImage& image, const ViewCamera& camera, const PanelBox& box, const char* name) {
+void checkPicture(const RenderedImage& image, const Camera& camera, const PanelBox& box, const char* name) {
   const bool fits = image.complete() && image.width == box.width && image.height == box.height &&
                     camera.width == box.width && camera.height == box.height;
   if (fits) return;
@@ -31,7 +31,7 @@ void checkPicture(const RenderedImage& image, const ViewCamera& camera, const Pa
 }
 
 // The part of the overview that the close-up shows, as a square around the region's projection.
-void drawRegionBox(Canvas& canvas, const ViewCamera& camera, const ContactRegion& region, double scale) {
+void drawRegionBox(Canvas& canvas, const Camera& camera, const ContactRegion& region, double scale) {
   const auto centre = camera.project(region.centre_W);
   if (!centre) return;
   const double depth_m = (region.centre_W - camera.position_W).dot(camera.forward_W);
@@ -42,13 +42,13 @@ void drawRegionBox(Canvas& canvas, const ViewCamera& camera, const ContactRegion
   canvas.text({centre->x, y}, "close-up", 13 * scale, kBoxColor, Align::kCentre, true, true);
 }
 
-double tolerance(const TouchRun& run, const ViewCamera& camera, const ContactRegion& region) {
+double tolerance(const TouchRun& run, const Camera& camera, const ContactRegion& region) {
   const double depth_m = (region.centre_W - camera.position_W).dot(camera.forward_W);
   return std::max({2 * camera.pixelSize(std::max(depth_m, 0.0)), 0.5 * run.volume.spacing_m.minCoeff(), 1e-6});
 }
 
 void drawOverview(Canvas& canvas, const ViewLayout& layout, const ViewPictures& pictures, const ContactRegion& region, const TouchRun& run) {
-  const ViewCamera& camera = pictures.overview_camera;
+  const Camera& camera = pictures.overview_camera;
   canvas.image(pictures.overview, 0, 0);
   Panel panel(canvas, camera, pictures.overview, tolerance(run, camera, region), layout.scale);
   panel.drawHipPath(run.records);
@@ -61,7 +61,7 @@ void drawOverview(Canvas& canvas, const ViewLayout& layout, const ViewPictures& 
 
 void drawCloseUp(Canvas& canvas, const ViewLayout& layout, const ViewPictures& pictures, const ContactRegion& region,
                  const TouchRun& run, const ForceArrows& forces) {
-  const ViewCamera& camera = pictures.close_up_camera;
+  const Camera& camera = pictures.close_up_camera;
   canvas.image(pictures.close_up, 0, 0);
   Panel panel(canvas, camera, pictures.close_up, tolerance(run, camera, region), layout.scale);
   panel.drawHipPath(run.records);

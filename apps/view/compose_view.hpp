@@ -10,8 +10,8 @@
 
 #include "apps/report/touch_run.hpp"
 #include "apps/view/contact_region.hpp"
-#include "apps/view/rendered_image.hpp"
-#include "apps/view/view_camera.hpp"
+#include "base/rendered_image.hpp"
+#include "base/camera.hpp"
 
 namespace palpate {
 
@@ -26,7 +26,7 @@ struct ViewLayout {
 };
 
 struct ViewPictures {
-  ViewCamera overview_camera, close_up_camera;
+  Camera overview_camera, close_up_camera;
   RenderedImage overview, close_up;
 };
 

@@ -63,7 +63,7 @@ ObjectBounds findObjectBounds(const SurfaceField& field) {
   return {field.lattice().toWorld((low + high) / 2), half_m.norm()};
 }
 
-ViewCamera overviewCamera(const ObjectBounds& object, const ContactRegion& region, int width, int height) {
+Camera overviewCamera(const ObjectBounds& object, const ContactRegion& region, int width, int height) {
   const Vec3 outward_W = region.centre_W - object.centre_W;
   Vec3 side_W = region.normal_W + (outward_W.norm() > 1e-9 ? outward_W.normalized() : Vec3::Zero());
   if (side_W.norm() < 1e-3) side_W = region.normal_W;
@@ -72,7 +72,7 @@ ViewCamera overviewCamera(const ObjectBounds& object, const ContactRegion& regio
   return lookAt(object.centre_W, from_W, distanceFor(object.radius_m, width, height), upFor(from_W), width, height, kFov_rad);
 }
 
-ViewCamera closeUpCamera(const SurfaceField& field, const ContactRegion& region, int width, int height) {
+Camera closeUpCamera(const SurfaceField& field, const ContactRegion& region, int width, int height) {
   const Vec3 side_W = region.along_W.cross(region.normal_W);
   Vec3 best_W = region.normal_W;
   double best = 2;

@@ -6,7 +6,7 @@
 
 #include "apps/path/surface_field.hpp"
 #include "apps/view/contact_region.hpp"
-#include "apps/view/view_camera.hpp"
+#include "base/camera.hpp"
 
 namespace palpate {
 
@@ -19,10 +19,10 @@ struct ObjectBounds {
 [[nodiscard]] ObjectBounds findObjectBounds(const SurfaceField& field);
 
 // The whole object, from the side where it was touched and a little from above.
-[[nodiscard]] ViewCamera overviewCamera(const ObjectBounds& object, const ContactRegion& region, int width, int height);
+[[nodiscard]] Camera overviewCamera(const ObjectBounds& object, const ContactRegion& region, int width, int height);
 
 // The contact seen obliquely, the slide from left to right and the normal upwards, so that the depth of the press and the
 // force arrows show their length. Of several heights and both sides the first is taken from which the object hides least.
-[[nodiscard]] ViewCamera closeUpCamera(const SurfaceField& field, const ContactRegion& region, int width, int height);
+[[nodiscard]] Camera closeUpCamera(const SurfaceField& field, const ContactRegion& region, int width, int height);
 
 }  // namespace palpate

@@ -9,7 +9,7 @@
 
 #include "apps/view/canvas.hpp"
 #include "apps/view/force_arrows.hpp"
-#include "apps/view/view_camera.hpp"
+#include "base/camera.hpp"
 #include "servo/loop/tick_record.hpp"
 
 namespace palpate {
@@ -25,7 +25,7 @@ class Panel {
  public:
   // The canvas's origin is the panel's corner. `tolerance_m`: how far below the surface still counts as on it;
   // `scale`: size of lines and letters, 1 at 1280x720.
-  Panel(Canvas& canvas, const ViewCamera& camera, const RenderedImage& image, double tolerance_m, double scale);
+  Panel(Canvas& canvas, const Camera& camera, const RenderedImage& image, double tolerance_m, double scale);
 
   void drawHipPath(const std::vector<TickRecord>& records);
   void drawVhipPath(const std::vector<TickRecord>& records);
@@ -40,13 +40,13 @@ class Panel {
     Pixel pixel;
     bool visible = false;
   };
-  [[nodiscard]] bool isVisible(const ViewCamera::Projection& p) const;
+  [[nodiscard]] bool isVisible(const Camera::Projection& p) const;
   [[nodiscard]] std::vector<Place> places(const std::vector<Vec3>& points_W) const;
   void drawPlaces(const std::vector<Place>& places, const Color& color, double line);
   [[nodiscard]] bool isInside(const Vec3& p_W) const;
   void drawMark(const Vec3& p_W, const Color& color, const std::string& word);
   Canvas& canvas_;
-  const ViewCamera& camera_;
+  const Camera& camera_;
   const RenderedImage& image_;
   double tolerance_m_, scale_;
 };

@@ -2,6 +2,7 @@
 #include "engine/passes/isosurface_pass.hpp"
 
 #include <cmath>
+#include <cstring>
 #include <span>
 
 #include "engine/passes/pool_kernel.hpp"
@@ -13,7 +14,7 @@ layout::IsosurfacePush pushFor(const BrickPool& pool, const Camera& camera, doub
   const Lattice& lattice = pool.lattice();
   const auto toLattice = [&](const Vec3& direction_W) -> Vec3 { return lattice.R_WL.transpose() * direction_W; };
   // The image plane at unit distance: pixels are square.
-  const double pixel = 2.0 * std::tan(camera.vertical_view_rad / 2) / camera.height;
+  const double pixel = 2.0 * std::tan(camera.vertical_fov_rad / 2) / camera.height;
   const Vec3 right = toLattice(camera.right_W) * pixel;
   const Vec3 down = toLattice(-camera.up_W) * pixel;
   const Vec3 corner = toLattice(camera.forward_W) - right * (camera.width / 2.0) - down * (camera.height / 2.0);
@@ -54,11 +55,11 @@ RenderedImage IsosurfacePass::draw(const Camera& camera, double isovalue) {
   std::vector<layout::IsosurfacePixel> raw(count);
   transfer_.download(pixels, std::as_writable_bytes(std::span(raw)));
   RenderedImage image{camera.width, camera.height, {}, {}};
-  image.rgba.reserve(count);
-  image.depth_m.reserve(count);
-  for (const layout::IsosurfacePixel& pixel : raw) {
-    image.rgba.push_back(pixel.rgba);
-    image.depth_m.push_back(pixel.depth_m);
+  image.rgba.resize(4 * count);
+  image.distance_m.resize(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    std::memcpy(&image.rgba[4 * i], &raw[i].rgba, 4);  // red lowest, so red first on a little-endian host
+    image.distance_m[i] = raw[i].distance_m;
   }
   return image;
 }

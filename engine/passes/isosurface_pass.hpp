@@ -3,12 +3,13 @@
 // Twin of its depth: engine/reference/isosurface.hpp. Thread: the Gpu's. Blocks; lavapipe: a second or so a megapixel.
 #pragma once
 
+#include "base/camera.hpp"
+#include "base/rendered_image.hpp"
 #include "engine/gpu/commands.hpp"
 #include "engine/gpu/kernel.hpp"
 #include "engine/gpu/transfer.hpp"
 #include "engine/passes/brick_bounds_pass.hpp"
 #include "engine/passes/brick_pool.hpp"
-#include "engine/passes/camera.hpp"
 #include "shaders/isosurface.layout.h"
 
 namespace palpate {

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "base/measured.hpp"
 #include "engine/gpu/gpu.hpp"
 #include "engine/gpu/transfer.hpp"
 #include "engine/passes/brick_bounds_pass.hpp"
@@ -25,16 +26,6 @@
 #include "servo/window/window_exchange.hpp"
 
 namespace palpate {
-
-struct StageTime {
-  std::string name;
-  double seconds = 0;
-};
-
-struct MemoryFigure {
-  std::string name;
-  std::uint64_t bytes = 0;
-};
 
 class Engine {
  public:

@@ -34,7 +34,7 @@ TEST(Framing, OfAnEmptyVolumeIsItsBox) {
 
 TEST(Framing, OverviewHoldsTheWholeObject) {
   const AnalyticField ball([](const Vec3& p) { return sphereDistance(p, 15e-3); }, 22e-3, 0.5e-3);
-  const ViewCamera camera = overviewCamera(findObjectBounds(ball), regionOnTop(15e-3), 400, 600);
+  const Camera camera = overviewCamera(findObjectBounds(ball), regionOnTop(15e-3), 400, 600);
   for (int axis = 0; axis < 3; ++axis) {
     for (const double sign : {1.0, -1.0}) {
       const auto p = camera.project(sign * 15e-3 * Vec3::Unit(axis));
@@ -47,7 +47,7 @@ TEST(Framing, OverviewHoldsTheWholeObject) {
 
 TEST(Framing, CloseUpLooksObliquelyWithTheNormalUpwards) {
   const AnalyticField ball([](const Vec3& p) { return sphereDistance(p, 15e-3); }, 22e-3, 0.5e-3);
-  const ViewCamera camera = closeUpCamera(ball, regionOnTop(15e-3), 700, 500);
+  const Camera camera = closeUpCamera(ball, regionOnTop(15e-3), 700, 500);
   const auto low = camera.project(Vec3(0, 0, 15e-3)), high = camera.project(Vec3(0, 0, 17e-3));
   ASSERT_TRUE(low && high);
   EXPECT_LT(high->y, low->y - 50);  // 2 mm along the normal are long in the picture
@@ -63,7 +63,7 @@ TEST(Framing, CloseUpAvoidsTheSideThatTheObjectHides) {
                          32e-3, 0.5e-3);
   };
   for (const double wall_y : {-4e-3, 4e-3}) {
-    const ViewCamera camera = closeUpCamera(walled(wall_y), regionOnTop(0), 700, 500);
+    const Camera camera = closeUpCamera(walled(wall_y), regionOnTop(0), 700, 500);
     EXPECT_LT(camera.position_W.y() * wall_y, 0);
   }
 }

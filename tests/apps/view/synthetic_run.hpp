@@ -50,7 +50,7 @@ inline std::vector<TickRecord> idealTouch(const SurfaceField& field, const Touch
 }
 
 // Sphere tracing with a cautious step, shaded by a lamp beside the camera, on a light background.
-inline RenderedImage castRays(const SurfaceField& field, const ViewCamera& camera) {
+inline RenderedImage castRays(const SurfaceField& field, const Camera& camera) {
   RenderedImage image{camera.width, camera.height, {}, {}};
   for (int y = 0; y < camera.height; ++y) {
     for (int x = 0; x < camera.width; ++x) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/view/view_camera.hpp"
+#include "base/camera.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,10 +10,10 @@ namespace palpate {
 namespace {
 
 // At 1 m above the origin, looking down -z with +y up: fov 90 degrees over 100 pixels, so 1 m below lies 1 m per 50 pixels.
-ViewCamera downwards() { return lookAt(Vec3::Zero(), Vec3::UnitZ(), 1, Vec3::UnitY(), 200, 100, std::numbers::pi / 2); }
+Camera downwards() { return lookAt(Vec3::Zero(), Vec3::UnitZ(), 1, Vec3::UnitY(), 200, 100, std::numbers::pi / 2); }
 
-TEST(ViewCamera, ProjectsPointsCalculatedByHand) {
-  const ViewCamera camera = downwards();
+TEST(Camera, ProjectsPointsCalculatedByHand) {
+  const Camera camera = downwards();
   const auto middle = camera.project(Vec3::Zero());
   ASSERT_TRUE(middle);
   EXPECT_NEAR(middle->x, 100, 1e-9);
@@ -30,10 +30,10 @@ TEST(ViewCamera, ProjectsPointsCalculatedByHand) {
   EXPECT_NEAR(deeper->y, 75, 1e-9);
 }
 
-TEST(ViewCamera, SeesNothingBehindItself) { EXPECT_FALSE(downwards().project(Vec3(0, 0, 1.5))); }
+TEST(Camera, SeesNothingBehindItself) { EXPECT_FALSE(downwards().project(Vec3(0, 0, 1.5))); }
 
-TEST(ViewCamera, RayThroughAPixelIsItsProjectionBackwards) {
-  const ViewCamera camera = lookAt(Vec3(1, 2, 3), Vec3(1, 1, 1).normalized(), 5, Vec3::UnitZ(), 640, 480, 0.6);
+TEST(Camera, RayThroughAPixelIsItsProjectionBackwards) {
+  const Camera camera = lookAt(Vec3(1, 2, 3), Vec3(1, 1, 1).normalized(), 5, Vec3::UnitZ(), 640, 480, 0.6);
   const auto p = camera.project(camera.position_W + 4 * camera.rayThrough(123.5, 77.5));
   ASSERT_TRUE(p);
   EXPECT_NEAR(p->x, 123.5, 1e-9);
@@ -41,8 +41,8 @@ TEST(ViewCamera, RayThroughAPixelIsItsProjectionBackwards) {
   EXPECT_NEAR(p->distance_m, 4, 1e-12);
 }
 
-TEST(ViewCamera, LookAtGivesARightHandedFrame) {
-  const ViewCamera camera = lookAt(Vec3::Zero(), Vec3(1, -2, 0.5).normalized(), 1, Vec3::UnitZ(), 10, 10, 0.5);
+TEST(Camera, LookAtGivesARightHandedFrame) {
+  const Camera camera = lookAt(Vec3::Zero(), Vec3(1, -2, 0.5).normalized(), 1, Vec3::UnitZ(), 10, 10, 0.5);
   EXPECT_LT((camera.forward_W.cross(camera.up_W) - camera.right_W).norm(), 1e-12);
   EXPECT_NEAR(camera.up_W.norm(), 1, 1e-12);
   EXPECT_GT(camera.up_W.z(), 0);

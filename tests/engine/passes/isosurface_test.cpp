@@ -29,17 +29,10 @@ Camera cameraAt(const Vec3& eye_W, const Vec3& target_W) {
   camera.forward_W = (target_W - eye_W).normalized();
   camera.right_W = camera.forward_W.cross(Vec3::UnitZ()).normalized();
   camera.up_W = camera.right_W.cross(camera.forward_W);
-  camera.vertical_view_rad = 0.35;
+  camera.vertical_fov_rad = 0.35;
   camera.width = 61;
   camera.height = 47;
   return camera;
-}
-
-Vec3 rayOf(const Camera& camera, int x, int y) {
-  const double pixel = 2 * std::tan(camera.vertical_view_rad / 2) / camera.height;
-  return (camera.forward_W + (x + 0.5 - camera.width / 2.0) * pixel * camera.right_W -
-          (y + 0.5 - camera.height / 2.0) * pixel * camera.up_W)
-      .normalized();
 }
 
 // The marcher steps half a voxel and halves six times: 1/128 voxel; a float position at 0.1 m adds 1e-8 m. The twin is
@@ -55,14 +48,14 @@ TEST(Isosurface, DepthEqualsTheTwin) {
   int disagreements = 0;
   for (int y = 0; y < camera.height; ++y) {
     for (int x = 0; x < camera.width; ++x) {
-      const auto expected = reference::firstHit(field, 0.0, camera.position_W, rayOf(camera, x, y), 0.1);
-      const float depth = image.depth_m[static_cast<std::size_t>(y) * image.width + x];
+      const auto expected = reference::firstHit(field, 0.0, camera.position_W, camera.rayThrough(x + 0.5, y + 0.5), 0.1);
+      const float depth = image.distance_m[static_cast<std::size_t>(y) * image.width + x];
       const bool hit = std::isfinite(depth);
       if (hit != expected.has_value()) {
         ++disagreements;
         continue;
       }
-      EXPECT_EQ(image.rgba[static_cast<std::size_t>(y) * image.width + x] >> 24U, hit ? 255U : 0U);
+      EXPECT_EQ(image.rgba[4 * (static_cast<std::size_t>(y) * image.width + x) + 3], hit ? 255U : 0U);
       if (hit) {
         ++hits;
         EXPECT_NEAR(depth, *expected, tolerance_m) << x << ' ' << y;
@@ -81,7 +74,7 @@ TEST(Isosurface, MeetsASphereWhereItIs) {
   Camera camera = cameraAt(eye, middleOf(volume));
   const RenderedImage image = drawFrom(volume, camera, 0.0);
   const double h = volume.lattice().spacing_m.x();
-  EXPECT_NEAR(image.depth_m[static_cast<std::size_t>(23) * 61 + 30], 0.08 - 14 * h, (0.027 + 1.0 / 128) * h);
+  EXPECT_NEAR(image.distance_m[static_cast<std::size_t>(23) * 61 + 30], 0.08 - 14 * h, (0.027 + 1.0 / 128) * h);
 }
 
 // An object that fills the volume is seen as its cut faces, with the face's depth.
@@ -90,13 +83,13 @@ TEST(Isosurface, ShowsTheCutFaceOfAnObjectThatFillsTheVolume) {
   const Vec3 eye = middleOf(volume) + Vec3(0.08, 0, 0);
   const RenderedImage image = drawFrom(volume, cameraAt(eye, middleOf(volume)), 0.0);
   const double half_m = 9.5 * volume.lattice().spacing_m.x();
-  EXPECT_NEAR(image.depth_m[static_cast<std::size_t>(23) * 61 + 30], 0.08 - half_m, 1e-6);
+  EXPECT_NEAR(image.distance_m[static_cast<std::size_t>(23) * 61 + 30], 0.08 - half_m, 1e-6);
 }
 
 TEST(Isosurface, SeesNothingWhereThereIsNothing) {
   const Volume volume = ballField({24, 24, 24}, 6.0);
   const RenderedImage image = drawFrom(volume, cameraAt(middleOf(volume) + Vec3(0.08, 0, 0), middleOf(volume)), 100.0);
-  for (const float depth : image.depth_m) EXPECT_TRUE(std::isinf(depth));
+  for (const float depth : image.distance_m) EXPECT_TRUE(std::isinf(depth));
 }
 
 }  // namespace

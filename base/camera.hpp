@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/view/view_camera.hpp: where a picture is taken from, and where a point of the world appears in it.
+// base/camera.hpp: where a picture is taken from, and where a point of the world appears in it.
 //
 // World frame [m]. Pixels count from the top left corner; the centre of the first pixel is (0.5, 0.5). Any thread.
 #pragma once
@@ -10,7 +10,7 @@
 
 namespace palpate {
 
-struct ViewCamera {
+struct Camera {
   Vec3 position_W = Vec3::Zero();   // [m]
   Vec3 forward_W = -Vec3::UnitZ();  // unit, into the picture
   Vec3 right_W = Vec3::UnitX();     // unit
@@ -33,7 +33,7 @@ struct ViewCamera {
 };
 
 // A camera at `distance_m` from `target_W`, on its side `from_W` (unit), with `up_W` (not along from_W) upwards.
-[[nodiscard]] ViewCamera lookAt(const Vec3& target_W, const Vec3& from_W, double distance_m, const Vec3& up_W, int width,
+[[nodiscard]] Camera lookAt(const Vec3& target_W, const Vec3& from_W, double distance_m, const Vec3& up_W, int width,
                                 int height, double vertical_fov_rad);
 
 }  // namespace palpate

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/view/view_camera.hpp"
+#include "base/camera.hpp"
 
 #include <cmath>
 
 namespace palpate {
 
-std::optional<ViewCamera::Projection> ViewCamera::project(const Vec3& p_W) const noexcept {
+std::optional<Camera::Projection> Camera::project(const Vec3& p_W) const noexcept {
   const Vec3 way_W = p_W - position_W;
   const double depth_m = way_W.dot(forward_W);
   if (!(depth_m > 0)) return std::nullopt;
@@ -13,18 +13,18 @@ std::optional<ViewCamera::Projection> ViewCamera::project(const Vec3& p_W) const
   return Projection{0.5 * width + way_W.dot(right_W) / pixel_m, 0.5 * height - way_W.dot(up_W) / pixel_m, way_W.norm()};
 }
 
-Vec3 ViewCamera::rayThrough(double x, double y) const noexcept {
+Vec3 Camera::rayThrough(double x, double y) const noexcept {
   const double pixel = pixelSize(1);
   return (forward_W + (x - 0.5 * width) * pixel * right_W + (0.5 * height - y) * pixel * up_W).normalized();
 }
 
-double ViewCamera::pixelSize(double depth_m) const noexcept {
+double Camera::pixelSize(double depth_m) const noexcept {
   return 2 * depth_m * std::tan(vertical_fov_rad / 2) / height;
 }
 
-ViewCamera lookAt(const Vec3& target_W, const Vec3& from_W, double distance_m, const Vec3& up_W, int width, int height,
+Camera lookAt(const Vec3& target_W, const Vec3& from_W, double distance_m, const Vec3& up_W, int width, int height,
                   double vertical_fov_rad) {
-  ViewCamera camera;
+  Camera camera;
   camera.position_W = target_W + distance_m * from_W;
   camera.forward_W = -from_W;
   camera.right_W = camera.forward_W.cross(up_W).normalized();
