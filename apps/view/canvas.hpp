@@ -4,11 +4,11 @@
 // Pixels from the top left. One thread per canvas. Private to apps/view: Cairo's headers do not leave it.
 #pragma once
 
-#include <cairo/cairo.h>
-
 #include <memory>
 #include <string>
 #include <vector>
+
+#include <cairo/cairo.h>
 
 #include "apps/view/rendered_image.hpp"
 
