@@ -19,8 +19,8 @@ struct Camera {
   int width = 0, height = 0;        // [pixel]
 
   struct Projection {
-    double x = 0, y = 0;     // [pixel]
-    double distance_m = 0;   // from the camera along the ray, as in RenderedImage [m]
+    double x = 0, y = 0;    // [pixel]
+    double distance_m = 0;  // from the camera along the ray, as in RenderedImage [m]
   };
   // Empty for a point that is not in front of the camera. Points beside the picture have pixels outside it.
   [[nodiscard]] std::optional<Projection> project(const Vec3& p_W) const noexcept;
@@ -33,7 +33,12 @@ struct Camera {
 };
 
 // A camera at `distance_m` from `target_W`, on its side `from_W` (unit), with `up_W` (not along from_W) upwards.
+<<<<<<< HEAD:base/camera.hpp
 [[nodiscard]] Camera lookAt(const Vec3& target_W, const Vec3& from_W, double distance_m, const Vec3& up_W, int width,
                                 int height, double vertical_fov_rad);
+=======
+[[nodiscard]] ViewCamera lookAt(const Vec3& target_W, const Vec3& from_W, double distance_m, const Vec3& up_W,
+                                int width, int height, double vertical_fov_rad);
+>>>>>>> report:apps/view/view_camera.hpp
 
 }  // namespace palpate

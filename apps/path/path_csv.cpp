@@ -24,7 +24,8 @@ struct NumberedPoint {
 };
 
 [[noreturn]] void refuseReading(const std::filesystem::path& file) {
-  throw Error(Error::Code::kIo, file.string(), "the path file cannot be read", "check that it is a file and that you may read it");
+  throw Error(Error::Code::kIo, file.string(), "the path file cannot be read",
+              "check that it is a file and that you may read it");
 }
 
 std::string readAll(const std::filesystem::path& file) {
@@ -92,9 +93,10 @@ void checkTimesRise(const std::vector<NumberedPoint>& rows, const std::string& f
   for (std::size_t i = 1; i < rows.size(); ++i) {
     const double before_s = rows[i - 1].point.time_s, now_s = rows[i].point.time_s;
     if (now_s > before_s) continue;
-    refuseLine(file, rows[i].line,
-               fmt::format("time {} from {} s to {} s", now_s < before_s ? "goes back" : "does not move on", before_s, now_s),
-               "sort the rows by time and remove repeated ones");
+    refuseLine(
+        file, rows[i].line,
+        fmt::format("time {} from {} s to {} s", now_s < before_s ? "goes back" : "does not move on", before_s, now_s),
+        "sort the rows by time and remove repeated ones");
   }
 }
 

@@ -25,7 +25,8 @@ Vec3 continued(const std::vector<Vec3>& v, Index i) {
 std::vector<Vec3> smoothed(const std::vector<Vec3>& v, double sigma_steps) {
   const Index reach = static_cast<Index>(std::ceil(kKernelReach * sigma_steps));
   std::vector<double> weight;
-  for (Index k = -reach; k <= reach; ++k) weight.push_back(std::exp(-0.5 * static_cast<double>(k * k) / (sigma_steps * sigma_steps)));
+  for (Index k = -reach; k <= reach; ++k)
+    weight.push_back(std::exp(-0.5 * static_cast<double>(k * k) / (sigma_steps * sigma_steps)));
   double total = 0;
   for (const double w : weight) total += w;
   std::vector<Vec3> out(v.size());

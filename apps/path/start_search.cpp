@@ -16,14 +16,16 @@ constexpr double kStartReachVoxels = 20;   // a wished start may be this far fro
 constexpr double kStartReach_m = 20.0e-3;  // or this far, whichever is more
 constexpr double kRingVoxels = 3;          // radius of the surroundings whose normals are compared
 constexpr int kRingPoints = 8;
-constexpr double kClearlyBetter = 0.01;    // of score, so that rounding does not choose between equal places
+constexpr double kClearlyBetter = 0.01;  // of score, so that rounding does not choose between equal places
 
 struct Ray {
   Vec3 origin_W, direction_W;
   double reach_m;
 };
 
-Vec3 middle(const SurfaceField& field) { return field.lattice().toWorld((field.size().cast<double>() - Vec3::Ones()) / 2); }
+Vec3 middle(const SurfaceField& field) {
+  return field.lattice().toWorld((field.size().cast<double>() - Vec3::Ones()) / 2);
+}
 
 double diagonal(const SurfaceField& field) {
   return field.size().cast<double>().cwiseProduct(field.lattice().spacing_m).norm();
@@ -31,8 +33,7 @@ double diagonal(const SurfaceField& field) {
 
 // The axes and corners of the world, most natural first: from above, from the front, from the sides.
 std::vector<Vec3> naturalDirections() {
-  std::vector<Vec3> all = {-Vec3::UnitZ(), Vec3::UnitY(),  Vec3::UnitX(),
-                           -Vec3::UnitX(), -Vec3::UnitY(), Vec3::UnitZ()};
+  std::vector<Vec3> all = {-Vec3::UnitZ(), Vec3::UnitY(), Vec3::UnitX(), -Vec3::UnitX(), -Vec3::UnitY(), Vec3::UnitZ()};
   for (int i = 0; i < 8; ++i) {
     all.push_back(Vec3(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1).normalized());
   }
@@ -109,7 +110,8 @@ SurfacePoint chooseStart(const SurfaceField& field, const PathRequest& request) 
     best_score = now;
   }
   if (best) return *best;
-  throw Error(Error::Code::kBadInput, "path", fmt::format("no ray into the volume meets a surface at isovalue {:g}", field.isovalue()),
+  throw Error(Error::Code::kBadInput, "path",
+              fmt::format("no ray into the volume meets a surface at isovalue {:g}", field.isovalue()),
               "the isovalue may be wrong: choose another, or give a path start near the surface");
 }
 

@@ -9,9 +9,10 @@
 
 namespace palpate {
 
-// With a wished start: the surface point nearest to it. Otherwise rays are cast from outside the volume through and around
-// its middle (along `toward` if it is given), and of the places where they enter the object the one is taken whose
-// surroundings have the calmest normals. Refuses (Error kBadInput): no surface near the start, no ray meets the surface.
+// With a wished start: the surface point nearest to it. Otherwise rays are cast from outside the volume through and
+// around its middle (along `toward` if it is given), and of the places where they enter the object the one is taken
+// whose surroundings have the calmest normals. Refuses (Error kBadInput): no surface near the start, no ray meets the
+// surface.
 [[nodiscard]] SurfacePoint chooseStart(const SurfaceField& field, const PathRequest& request);
 
 }  // namespace palpate

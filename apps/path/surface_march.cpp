@@ -19,7 +19,8 @@ struct Plane {
 };
 
 // Angle at which a turn from the way back, clockwise through the outside, meets the object; empty at the border.
-std::optional<double> nextHeading(const SurfaceField& field, const Vec3& p_W, const Plane& plane, double heading, double step_m) {
+std::optional<double> nextHeading(const SurfaceField& field, const Vec3& p_W, const Plane& plane, double heading,
+                                  double step_m) {
   const auto height = [&](double angle) { return heightAt(field, p_W + step_m * plane.at(angle)); };
   const double back = heading + std::numbers::pi;
   double outside = back - kSkip;
@@ -42,7 +43,8 @@ std::optional<double> nextHeading(const SurfaceField& field, const Vec3& p_W, co
 
 }  // namespace
 
-SurfaceCurve marchSurface(const SurfaceField& field, const SurfacePoint& start, const Vec3& direction_W, double length_m) {
+SurfaceCurve marchSurface(const SurfaceField& field, const SurfacePoint& start, const Vec3& direction_W,
+                          double length_m) {
   const Vec3 along_W = direction_W - direction_W.dot(start.normal_W) * start.normal_W;
   const Plane plane{along_W.normalized(), start.normal_W};
   const int steps = static_cast<int>(std::ceil(length_m / (kStepVoxels * field.lattice().smallestSpacing())));

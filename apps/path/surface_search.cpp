@@ -8,11 +8,13 @@
 namespace palpate {
 namespace {
 
-constexpr int kBisections = 20;         // half a voxel / 2^20 is below 1e-6 voxel
-constexpr double kSnapVoxels = 1e-4;    // Newton has arrived
+constexpr int kBisections = 20;       // half a voxel / 2^20 is below 1e-6 voxel
+constexpr double kSnapVoxels = 1e-4;  // Newton has arrived
 constexpr int kNearestDirections = 600;
 
-double voxel(const SurfaceField& field) { return field.lattice().smallestSpacing(); }
+double voxel(const SurfaceField& field) {
+  return field.lattice().smallestSpacing();
+}
 
 // Both ends are known, `out_W` in background and `in_W` in the object: halves the way between until it has no length.
 Vec3 bisect(const SurfaceField& field, Vec3 out_W, Vec3 in_W) {
@@ -37,7 +39,8 @@ Vec3 spreadDirection(int i, int count) {
 }
 
 // Where the side changes first along a ray, in either sense, as a distance from its origin [m].
-std::optional<double> firstChange(const SurfaceField& field, const Vec3& origin_W, const Vec3& direction_W, double reach_m) {
+std::optional<double> firstChange(const SurfaceField& field, const Vec3& origin_W, const Vec3& direction_W,
+                                  double reach_m) {
   const double step_m = 0.5 * voxel(field);
   auto before = heightAt(field, origin_W);
   for (double s = step_m; s <= reach_m; s += step_m) {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // apps/path/surface_search.hpp: finds points of the isosurface: along a ray, beside a point, nearest to a point.
 //
-// World frame [m]. Set-up code; any thread while the field does not change. Nothing here throws; a miss is an empty optional.
+// World frame [m]. Set-up code; any thread while the field does not change. Nothing here throws; a miss is an empty
+// optional.
 #pragma once
 
 #include <optional>
@@ -23,8 +24,8 @@ struct SurfacePoint {
 
 // First place along origin + s * direction (unit), 0 <= s <= reach, where background turns into object. Steps of half a
 // voxel, then bisection to 1e-6 voxel. Cost: about 2 * reach / voxel samples.
-[[nodiscard]] std::optional<SurfacePoint> firstEntry(const SurfaceField& field, const Vec3& origin_W, const Vec3& direction_W,
-                                                     double reach_m);
+[[nodiscard]] std::optional<SurfacePoint> firstEntry(const SurfaceField& field, const Vec3& origin_W,
+                                                     const Vec3& direction_W, double reach_m);
 
 // How far one can go from a surface point along `direction` (unit) before entering the object, at most `reach_m` [m].
 [[nodiscard]] double freeDistance(const SurfaceField& field, const SurfacePoint& from, const Vec3& direction_W,
@@ -34,6 +35,7 @@ struct SurfacePoint {
 [[nodiscard]] std::optional<SurfacePoint> snapToSurface(const SurfaceField& field, const Vec3& near_W);
 
 // The surface point nearest to `p_W` within `reach_m`: rays in 600 directions, then sliding towards the foot point.
-[[nodiscard]] std::optional<SurfacePoint> nearestSurfacePoint(const SurfaceField& field, const Vec3& p_W, double reach_m);
+[[nodiscard]] std::optional<SurfacePoint> nearestSurfacePoint(const SurfaceField& field, const Vec3& p_W,
+                                                              double reach_m);
 
 }  // namespace palpate

@@ -18,10 +18,10 @@ namespace {
 
 constexpr std::array<const char*, 4> kPhaseNames = {"approach", "press", "slide", "retreat"};
 constexpr std::array<double, 5> kPhaseShares = {0, 0.15, 0.30, 0.85, 1};  // of the duration
-constexpr int kSlideDirections = 8;    // tried when no direction is wished
+constexpr int kSlideDirections = 8;                                       // tried when no direction is wished
 constexpr double kMostPoints = 1e6;
-constexpr double kFreeShare = 0.8;     // of the room in front of an obstacle that is used
-constexpr double kGrazing = 1e-3;      // sine below which a direction counts as along the normal
+constexpr double kFreeShare = 0.8;  // of the room in front of an obstacle that is used
+constexpr double kGrazing = 1e-3;   // sine below which a direction counts as along the normal
 
 [[noreturn]] void refuse(const std::string& input, const std::string& reason, const std::string& remedy) {
   throw Error(Error::Code::kBadInput, input, reason, remedy);
@@ -29,7 +29,8 @@ constexpr double kGrazing = 1e-3;      // sine below which a direction counts as
 
 void checkLength(const char* name, double value, const char* unit, bool may_be_zero) {
   if (std::isfinite(value) && (may_be_zero ? value >= 0 : value > 0)) return;
-  refuse(name, fmt::format("{:g} {} is not possible", value, unit), may_be_zero ? "give 0 or more" : "give more than 0");
+  refuse(name, fmt::format("{:g} {} is not possible", value, unit),
+         may_be_zero ? "give 0 or more" : "give more than 0");
 }
 
 void checkDirection(const char* name, const std::optional<Vec3>& direction_W) {
@@ -44,7 +45,8 @@ void checkRequest(const PathRequest& request) {
   checkLength("path slide length", request.slide_length_m, "m", true);
   checkDirection("path toward", request.toward_W);
   checkDirection("path slide", request.slide_W);
-  if (request.start_W && !request.start_W->allFinite()) refuse("path start", "it is not a point", "give three finite numbers");
+  if (request.start_W && !request.start_W->allFinite())
+    refuse("path start", "it is not a point", "give three finite numbers");
 }
 
 // Sum of the angles between neighbouring normals: how much a curve bends [rad].
@@ -75,7 +77,8 @@ SurfaceCurve chooseSlide(const SurfaceField& field, const SurfacePoint& start, d
 SurfaceCurve slideCurve(const SurfaceField& field, const SurfacePoint& start, const PathRequest& request) {
   if (!request.slide_W) return chooseSlide(field, start, request.slide_length_m);
   if (request.slide_W->normalized().cross(start.normal_W).norm() < kGrazing) {
-    refuse("path slide", "its direction is along the surface normal, where no slide is possible", "give another direction");
+    refuse("path slide", "its direction is along the surface normal, where no slide is possible",
+           "give another direction");
   }
   return marchSurface(field, start, *request.slide_W, request.slide_length_m);
 }
@@ -101,7 +104,9 @@ double roomAlong(const SurfaceField& field, const SurfacePoint& at, const Vec3& 
   return kFreeShare * free_m;
 }
 
-double minimumJerk(double t) { return t * t * t * (10 + t * (6 * t - 15)); }
+double minimumJerk(double t) {
+  return t * t * t * (10 + t * (6 * t - 15));
+}
 
 std::vector<PathPhase> phasesOf(double duration_s) {
   std::vector<PathPhase> phases;
@@ -140,8 +145,9 @@ TouchPath buildTouchPath(const SurfaceField& field, const PathRequest& request) 
   path.slid_m = surface.length();
   if (surface.points.size() > 1) path.slide_W = (surface.points[1].p_W - path.start.p_W).normalized();
   if (path.slid_m < request.slide_length_m * (1 - 1e-9)) {
-    path.notes.push_back(fmt::format("the slide is {:.3g} mm instead of {:.3g} mm: the surface ends at the border of the volume",
-                                     path.slid_m * kMillimetresPerMetre, request.slide_length_m * kMillimetresPerMetre));
+    path.notes.push_back(
+        fmt::format("the slide is {:.3g} mm instead of {:.3g} mm: the surface ends at the border of the volume",
+                    path.slid_m * kMillimetresPerMetre, request.slide_length_m * kMillimetresPerMetre));
   }
 
   const PressedCurve pressed(surface, request.press_depth_m, field.lattice().smallestSpacing());

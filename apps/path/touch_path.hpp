@@ -25,10 +25,10 @@ struct TouchPath {
   std::vector<std::string> notes;  // in words: what is not as asked (a short slide, a short approach)
 };
 
-// Each phase starts and ends at rest (minimum jerk), so speed has no jumps. The approach comes along `toward` or against
-// the normal; the press goes in and the retreat out along the normal. Where the object is in the way, approach and retreat
-// are shorter. Refuses (Error kBadInput): a request that is not finite or has no duration or approach, a direction that is
-// zero, a slide along the normal, an approach from inside the object, and what chooseStart refuses.
+// Each phase starts and ends at rest (minimum jerk), so speed has no jumps. The approach comes along `toward` or
+// against the normal; the press goes in and the retreat out along the normal. Where the object is in the way, approach
+// and retreat are shorter. Refuses (Error kBadInput): a request that is not finite or has no duration or approach, a
+// direction that is zero, a slide along the normal, an approach from inside the object, and what chooseStart refuses.
 [[nodiscard]] TouchPath buildTouchPath(const SurfaceField& field, const PathRequest& request);
 
 }  // namespace palpate

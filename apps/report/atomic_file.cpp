@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/report/atomic_file.hpp"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <utility>
+
+#include <fcntl.h>
+#include <unistd.h>
 
 #include "base/error.hpp"
 
@@ -20,10 +20,13 @@ const char* remedyFor(int error) {
   switch (error) {
     case ENOSPC:
     case EDQUOT:
-    case EFBIG: return "make room or write elsewhere with --out";
+    case EFBIG:
+      return "make room or write elsewhere with --out";
     case ENOENT:
-    case ENOTDIR: return "make the folder first or write elsewhere with --out";
-    default: return "check the permissions or write elsewhere with --out";
+    case ENOTDIR:
+      return "make the folder first or write elsewhere with --out";
+    default:
+      return "check the permissions or write elsewhere with --out";
   }
 }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // apps/report/atomic_file.hpp: writes a file so that it is there whole or not at all.
 //
-// The text goes to a temporary file beside the target; commit() flushes it to the disk, checks every step and renames it.
-// Without commit (an exception on the way) the temporary file is removed and an older target stays as it was.
+// The text goes to a temporary file beside the target; commit() flushes it to the disk, checks every step and renames
+// it. Without commit (an exception on the way) the temporary file is removed and an older target stays as it was.
 // Set-up code, one thread per object. Cost: a system call for each 64 KiB, and waiting for the disk at commit.
 // A process that wants an error instead of its death at a file size limit must ignore SIGXFSZ.
 #pragma once

@@ -9,7 +9,9 @@ namespace {
 constexpr double kMostDecades = 6;
 }
 
-double LogHistogram::edge(std::size_t i) const { return low * std::pow(ratio, static_cast<double>(i)); }
+double LogHistogram::edge(std::size_t i) const {
+  return low * std::pow(ratio, static_cast<double>(i));
+}
 
 LogHistogram logHistogram(const std::vector<double>& values, int per_decade) {
   LogHistogram out;

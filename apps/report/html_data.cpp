@@ -50,22 +50,31 @@ Json rowsOf(const PlotTable& table) {
 std::vector<ReportPlot> makePlots(const TouchRun& run) {
   const auto component = [](int i) { return [i](const TickRecord& r) { return r.force_W[i]; }; };
   std::vector<ReportPlot> plots;
-  plots.push_back({"plot-force", "Force [N]", {"x", "y", "z", "magnitude"},
+  plots.push_back({"plot-force",
+                   "Force [N]",
+                   {"x", "y", "z", "magnitude"},
                    tableOf(run.records, {component(0), component(1), component(2), forceOf})});
-  plots.push_back({"plot-depth", "Penetration depth [mm]", {"depth"},
-                   tableOf(run.records, {[](const TickRecord& r) { return depthOf(r) * kMillimetresPerMetre; }})});
+  plots.push_back({"plot-depth", "Penetration depth [mm]", {"depth"}, tableOf(run.records, {[](const TickRecord& r) {
+                                                                                return depthOf(r) *
+                                                                                       kMillimetresPerMetre;
+                                                                              }})});
   if (run.scene.simulated_clock) return plots;
-  plots.push_back({"plot-cost", "Tick cost [us]", {"cost"},
-                   tableOf(run.records, {[](const TickRecord& r) { return r.tick_cost_ns * 1e-3; }})});
-  plots.push_back({"plot-lateness", "Wake-up lateness [us]", {"lateness"},
-                   tableOf(run.records, {[](const TickRecord& r) { return static_cast<double>(r.lateness_ns) * 1e-3; }})});
+  plots.push_back({"plot-cost", "Tick cost [us]", {"cost"}, tableOf(run.records, {[](const TickRecord& r) {
+                                                                      return r.tick_cost_ns * 1e-3;
+                                                                    }})});
+  plots.push_back(
+      {"plot-lateness", "Wake-up lateness [us]", {"lateness"}, tableOf(run.records, {[](const TickRecord& r) {
+                                                                         return static_cast<double>(r.lateness_ns) *
+                                                                                1e-3;
+                                                                       }})});
   return plots;
 }
 
 Json plotsJson(const std::vector<ReportPlot>& plots, const TouchRun& run) {
   Json data = {{"plots", Json::array()}, {"phases", Json::array()}};
   for (const ReportPlot& plot : plots) {
-    data["plots"].push_back({{"id", plot.id}, {"title", plot.title}, {"labels", plot.labels}, {"rows", rowsOf(plot.table)}});
+    data["plots"].push_back(
+        {{"id", plot.id}, {"title", plot.title}, {"labels", plot.labels}, {"rows", rowsOf(plot.table)}});
   }
   for (const PathPhase& phase : run.phases) data["phases"].push_back({phase.name, phase.begin_s, phase.end_s});
   return data;

@@ -2,9 +2,10 @@
 // apps/report/html_data.hpp: the curves of report.html as data: which plots there are, and their rows.
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
+
+#include <nlohmann/json.hpp>
 
 #include "apps/report/decimate.hpp"
 #include "apps/report/touch_run.hpp"

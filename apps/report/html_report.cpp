@@ -27,24 +27,35 @@ std::string head(const TouchRun& run) {
 }
 
 std::string header(const TouchRun& run, const RunFigures& figures) {
-  return fmt::format("<header>\n<p class=\"kind\">Palpate touch report</p>\n<h1>{}</h1>\n<p class=\"verdict\">{}</p>\n</header>\n",
-                     escapeHtml(run.volume.name), escapeHtml(verdict(run, figures)));
+  return fmt::format(
+      "<header>\n<p class=\"kind\">Palpate touch report</p>\n<h1>{}</h1>\n<p class=\"verdict\">{}</p>\n</header>\n",
+      escapeHtml(run.volume.name), escapeHtml(verdict(run, figures)));
 }
 
 std::string picture(std::string_view view_png) {
   if (view_png.empty()) return "";
-  return fmt::format("<section id=\"picture\">\n<img alt=\"The surface that was touched, the tool's path and the forces\" "
-                     "src=\"data:image/png;base64,{}\">\n</section>\n", base64(view_png));
+  return fmt::format(
+      "<section id=\"picture\">\n<img alt=\"The surface that was touched, the tool's path and the forces\" "
+      "src=\"data:image/png;base64,{}\">\n</section>\n",
+      base64(view_png));
 }
 
 std::string plotSection(const std::vector<ReportPlot>& plots, bool simulated_clock) {
-  std::string out = "<section id=\"plots\">\n<h2>Over time</h2>\n<p class=\"hint script\">Drag to zoom in all plots, "
-                    "double-click to see everything again.</p>\n";
+  std::string out =
+      "<section id=\"plots\">\n<h2>Over time</h2>\n<p class=\"hint script\">Drag to zoom in all plots, "
+      "double-click to see everything again.</p>\n";
   for (const ReportPlot& plot : plots) {
-    out += fmt::format("<h3>{}<span class=\"legend script\" id=\"{}-legend\"></span></h3>\n<div class=\"graph script\" id=\"{}\"></div>\n"
-                       "<noscript>{}</noscript>\n", escapeHtml(plot.title), plot.id, plot.id, curveSvg({plot.table.time_s, {plot.table.series.back()}}, plot.title + " over time"));
+    out += fmt::format(
+        "<h3>{}<span class=\"legend script\" id=\"{}-legend\"></span></h3>\n<div class=\"graph script\" "
+        "id=\"{}\"></div>\n"
+        "<noscript>{}</noscript>\n",
+        escapeHtml(plot.title), plot.id, plot.id,
+        curveSvg({plot.table.time_s, {plot.table.series.back()}}, plot.title + " over time"));
   }
-  if (simulated_clock) out += "<p>The clock was simulated: ticks followed each other without waiting, so tick cost and wake-up lateness were not measured.</p>\n";
+  if (simulated_clock)
+    out +=
+        "<p>The clock was simulated: ticks followed each other without waiting, so tick cost and wake-up lateness were "
+        "not measured.</p>\n";
   return out + "</section>\n";
 }
 
@@ -56,7 +67,8 @@ std::string histograms(const TouchRun& run) {
     lateness_us.push_back(static_cast<double>(r.lateness_ns) * 1e-3);
   }
   std::string out = "<section id=\"histograms\">\n<h2>How often</h2>\n<div class=\"columns\">\n";
-  for (const auto& [values, label] : {std::pair(&cost_us, "tick cost [us]"), std::pair(&lateness_us, "wake-up lateness [us]")}) {
+  for (const auto& [values, label] :
+       {std::pair(&cost_us, "tick cost [us]"), std::pair(&lateness_us, "wake-up lateness [us]")}) {
     const LogHistogram h = logHistogram(*values, kClassesPerDecade);
     out += h.counts.empty() ? fmt::format("<p>Every {} is zero.</p>\n", label)
                             : "<div>" + histogramSvg(h, std::string("ticks by ") + label) + "</div>\n";
@@ -66,8 +78,9 @@ std::string histograms(const TouchRun& run) {
 
 std::string scripts(const std::vector<ReportPlot>& plots, const TouchRun& run) {
   using Handler = nlohmann::ordered_json::error_handler_t;
-  return fmt::format("<script type=\"application/json\" id=\"data\">{}</script>\n<script>{}</script>\n<script>\n{}</script>\n",
-                     escapeScriptJson(plotsJson(plots, run).dump(-1, ' ', false, Handler::replace)), kDygraphsJs, kReportJs);
+  return fmt::format(
+      "<script type=\"application/json\" id=\"data\">{}</script>\n<script>{}</script>\n<script>\n{}</script>\n",
+      escapeScriptJson(plotsJson(plots, run).dump(-1, ' ', false, Handler::replace)), kDygraphsJs, kReportJs);
 }
 
 }  // namespace
@@ -77,8 +90,8 @@ std::string makeReport(const TouchRun& run, std::string_view view_png) {
   const std::vector<ReportPlot> plots = makePlots(run);
   return head(run) + header(run, figures) + picture(view_png) + keyFigures(run, figures) + faultSection(run) +
          plotSection(plots, run.scene.simulated_clock) + histograms(run) + workSection(run) + planSection(run) +
-         parameterSection(makeSummary(run)) + machineSection(run) + repeatSection(run) + "</main>\n" + scripts(plots, run) +
-         "</body>\n</html>\n";
+         parameterSection(makeSummary(run)) + machineSection(run) + repeatSection(run) + "</main>\n" +
+         scripts(plots, run) + "</body>\n</html>\n";
 }
 
 void writeReport(const std::filesystem::path& file, const TouchRun& run, std::string_view view_png) {

@@ -26,22 +26,31 @@ std::string list(const std::vector<std::string>& lines) {
 }
 
 std::string figure(const std::string& value, const std::string& unit, const std::string& meaning) {
-  return fmt::format("<div class=\"figure\"><b>{}<small> {}</small></b><span>{}</span></div>\n", escapeHtml(value), escapeHtml(unit), escapeHtml(meaning));
+  return fmt::format("<div class=\"figure\"><b>{}<small> {}</small></b><span>{}</span></div>\n", escapeHtml(value),
+                     escapeHtml(unit), escapeHtml(meaning));
 }
 
-std::string mm(double metres) { return shortNumber(metres * kMillimetresPerMetre); }
+std::string mm(double metres) {
+  return shortNumber(metres * kMillimetresPerMetre);
+}
 
 std::string servoFigures(const TouchRun& run, const RunFigures& f) {
   if (run.scene.simulated_clock) return figure("simulated", "clock", "no times were measured");
-  return figure(shortNumber(f.tick_cost_us.p50), "us", fmt::format("tick cost, median; 99 % within {} us", shortNumber(f.tick_cost_us.p99))) +
-         figure(shortNumber(f.lateness_us.p99), "us", fmt::format("wake-up after the due time, 99 %; worst {} us", shortNumber(f.lateness_us.max))) +
+  return figure(shortNumber(f.tick_cost_us.p50), "us",
+                fmt::format("tick cost, median; 99 % within {} us", shortNumber(f.tick_cost_us.p99))) +
+         figure(shortNumber(f.lateness_us.p99), "us",
+                fmt::format("wake-up after the due time, 99 %; worst {} us", shortNumber(f.lateness_us.max))) +
          figure(std::to_string(f.late_ticks), "late", fmt::format("of {} ticks", f.ticks));
 }
 
 std::string exactFigures(const std::optional<ExactErrors>& e) {
   if (!e) return "";
-  return figure(shortNumber(e->vhip_median_voxel), "voxel", fmt::format("tool point off the exact surface, median; 99 % within {} voxel", shortNumber(e->vhip_p99_voxel))) +
-         figure(shortNumber(e->force_angle_median_deg), "degrees", fmt::format("force off the exact normal, median; 99 % within {} degrees", shortNumber(e->force_angle_p99_deg)));
+  return figure(shortNumber(e->vhip_median_voxel), "voxel",
+                fmt::format("tool point off the exact surface, median; 99 % within {} voxel",
+                            shortNumber(e->vhip_p99_voxel))) +
+         figure(shortNumber(e->force_angle_median_deg), "degrees",
+                fmt::format("force off the exact normal, median; 99 % within {} degrees",
+                            shortNumber(e->force_angle_p99_deg)));
 }
 
 std::string jsonValue(const nlohmann::ordered_json& value) {
@@ -71,9 +80,10 @@ std::string faultSection(const TouchRun& run) {
   std::string body;
   if (run.faults.empty()) body = "<p>No fault was raised.</p>\n";
   for (const RunFault& fault : run.faults) {
-    body += fmt::format("<div class=\"fault\"><b>{}</b> in {} of {} ticks, first at tick {}.<br>{}<br><i>What to do:</i> {}</div>\n",
-                        escapeHtml(fault.name), fault.ticks, run.records.size(), fault.first_tick, escapeHtml(fault.text),
-                        escapeHtml(fault.remedy));
+    body += fmt::format(
+        "<div class=\"fault\"><b>{}</b> in {} of {} ticks, first at tick {}.<br>{}<br><i>What to do:</i> {}</div>\n",
+        escapeHtml(fault.name), fault.ticks, run.records.size(), fault.first_tick, escapeHtml(fault.text),
+        escapeHtml(fault.remedy));
   }
   if (!run.notes.empty()) body += "<p>Not as asked for:</p>\n" + list(run.notes);
   return section("faults", "Faults and notes", body);
@@ -89,12 +99,13 @@ std::string workSection(const TouchRun& run) {
   for (const MemoryFigure& figure : run.memory) memory += row(figure.name, bytesInWords(figure.bytes));
   return section("work", "Time and memory",
                  "<div class=\"columns\"><table><caption>Stages</caption>\n" + stages +
-                     row("all together", shortNumber(total_s) + " s") + "</table>\n<table><caption>Memory</caption>\n" + memory +
-                     "</table></div>\n");
+                     row("all together", shortNumber(total_s) + " s") + "</table>\n<table><caption>Memory</caption>\n" +
+                     memory + "</table></div>\n");
 }
 
 std::string planSection(const TouchRun& run) {
-  return section("plan", "What was computed and what was left out", run.plan.empty() ? "<p>No plan was recorded.</p>\n" : list(run.plan));
+  return section("plan", "What was computed and what was left out",
+                 run.plan.empty() ? "<p>No plan was recorded.</p>\n" : list(run.plan));
 }
 
 std::string machineSection(const TouchRun& run) {
@@ -113,11 +124,13 @@ std::string parameterSection(const nlohmann::ordered_json& summary) {
   for (const auto& [key, value] : summary.at("scene").items()) scene += row(keyInWords(key), jsonValue(value));
   return section("parameters", "Volume and parameters",
                  "<table><caption>Volume</caption>\n" + volume +
-                     "</table>\n<details><summary>All parameters of the run</summary>\n<table>\n" + scene + "</table></details>\n");
+                     "</table>\n<details><summary>All parameters of the run</summary>\n<table>\n" + scene +
+                     "</table></details>\n");
 }
 
 std::string repeatSection(const TouchRun& run) {
-  std::string body = "<pre><code>" + escapeHtml(run.command) + "</code></pre>\n<p>Program version " + escapeHtml(run.commit);
+  std::string body =
+      "<pre><code>" + escapeHtml(run.command) + "</code></pre>\n<p>Program version " + escapeHtml(run.commit);
   body += run.scene.simulated_clock ? ". With the simulated clock the trace comes out the same, bit for bit.</p>\n"
                                     : ". With the real clock times differ from run to run.</p>\n";
   return section("repeat", "How to repeat it", body);

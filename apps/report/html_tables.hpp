@@ -2,8 +2,9 @@
 // apps/report/html_tables.hpp: the sections of report.html that are tables and lists, each a piece of HTML.
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <string>
+
+#include <nlohmann/json.hpp>
 
 #include "apps/report/run_figures.hpp"
 #include "apps/report/touch_run.hpp"
@@ -12,7 +13,7 @@ namespace palpate {
 
 [[nodiscard]] std::string keyFigures(const TouchRun& run, const RunFigures& figures);
 [[nodiscard]] std::string faultSection(const TouchRun& run);
-[[nodiscard]] std::string workSection(const TouchRun& run);      // stages and memory
+[[nodiscard]] std::string workSection(const TouchRun& run);  // stages and memory
 [[nodiscard]] std::string planSection(const TouchRun& run);
 [[nodiscard]] std::string machineSection(const TouchRun& run);
 [[nodiscard]] std::string parameterSection(const nlohmann::ordered_json& summary);

@@ -11,10 +11,24 @@ namespace {
 
 // Ends of the summary's keys that are units; the longest first.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 18> kUnits = {{
-    {"_Ns_per_m", "N s/m"}, {"_N_per_m", "N/m"}, {"_N_per_s", "N/s"}, {"_density", "density"}, {"_voxel", "voxel"},
-    {"_bytes", "byte"},     {"_ticks", "ticks"}, {"_deg", "deg"},     {"_kg", "kg"},           {"_hz", "Hz"},
-    {"_mm", "mm"},          {"_us", "us"},       {"_ms", "ms"},       {"_px", "pixel"},        {"_N", "N"},
-    {"_m", "m"},            {"_s", "s"},         {"_W", "world"},
+    {"_Ns_per_m", "N s/m"},
+    {"_N_per_m", "N/m"},
+    {"_N_per_s", "N/s"},
+    {"_density", "density"},
+    {"_voxel", "voxel"},
+    {"_bytes", "byte"},
+    {"_ticks", "ticks"},
+    {"_deg", "deg"},
+    {"_kg", "kg"},
+    {"_hz", "Hz"},
+    {"_mm", "mm"},
+    {"_us", "us"},
+    {"_ms", "ms"},
+    {"_px", "pixel"},
+    {"_N", "N"},
+    {"_m", "m"},
+    {"_s", "s"},
+    {"_W", "world"},
 }};
 
 }  // namespace
@@ -24,12 +38,23 @@ std::string escapeHtml(std::string_view text) {
   out.reserve(text.size());
   for (const char c : text) {
     switch (c) {
-      case '&': out += "&amp;"; break;
-      case '<': out += "&lt;"; break;
-      case '>': out += "&gt;"; break;
-      case '"': out += "&quot;"; break;
-      case '\'': out += "&#39;"; break;
-      default: out += static_cast<unsigned char>(c) < 0x20 && c != '\n' ? ' ' : c;
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      case '\'':
+        out += "&#39;";
+        break;
+      default:
+        out += static_cast<unsigned char>(c) < 0x20 && c != '\n' ? ' ' : c;
     }
   }
   return out;

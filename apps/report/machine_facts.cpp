@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/report/machine_facts.hpp"
 
+#include <fstream>
+#include <string_view>
+
 #include <sched.h>
 #include <sys/utsname.h>
 #include <unistd.h>
-
-#include <fstream>
-#include <string_view>
 
 namespace palpate {
 namespace {
@@ -39,7 +39,9 @@ MachineFacts readMachineFacts() {
   const long pages = sysconf(_SC_PHYS_PAGES), page_bytes = sysconf(_SC_PAGE_SIZE);
   return {.cpu = valueOf("/proc/cpuinfo", "model name", ':'),
           .cores = allowedCores(),
-          .memory_bytes = pages > 0 && page_bytes > 0 ? static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(page_bytes) : 0,
+          .memory_bytes = pages > 0 && page_bytes > 0
+                              ? static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(page_bytes)
+                              : 0,
           .kernel = kernelName(),
           .os = valueOf("/etc/os-release", "PRETTY_NAME", '=')};
 }

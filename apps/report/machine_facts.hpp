@@ -8,11 +8,11 @@
 namespace palpate {
 
 struct MachineFacts {
-  std::string cpu;                  // model name
-  int cores = 0;                    // that this process may use [-]
-  std::uint64_t memory_bytes = 0;   // main memory of the machine [byte]
-  std::string kernel;               // "Linux 6.1.0-18-amd64"
-  std::string os;                   // "Debian GNU/Linux 12 (bookworm)"
+  std::string cpu;                 // model name
+  int cores = 0;                   // that this process may use [-]
+  std::uint64_t memory_bytes = 0;  // main memory of the machine [byte]
+  std::string kernel;              // "Linux 6.1.0-18-amd64"
+  std::string os;                  // "Debian GNU/Linux 12 (bookworm)"
 };
 
 // Reads /proc and /etc/os-release. What cannot be read is "unknown" or 0; refuses nothing. Any thread; some file reads.

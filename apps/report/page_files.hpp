@@ -6,9 +6,9 @@
 
 namespace palpate {
 
-extern const std::string_view kDygraphsJs;   // the plotting library, from Debian's libjs-dygraphs (MIT licence)
+extern const std::string_view kDygraphsJs;  // the plotting library, from Debian's libjs-dygraphs (MIT licence)
 extern const std::string_view kDygraphsCss;
-extern const std::string_view kReportJs;     // page/report.js: draws the plots from the page's data
-extern const std::string_view kReportCss;    // page/report.css
+extern const std::string_view kReportJs;   // page/report.js: draws the plots from the page's data
+extern const std::string_view kReportCss;  // page/report.css
 
 }  // namespace palpate

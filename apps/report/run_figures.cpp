@@ -13,7 +13,9 @@ namespace {
 constexpr double kMicrosecondsPerNanosecond = 1e-3;
 constexpr double kMillisecondsPerNanosecond = 1e-6;
 
-Vec3 vec(const double (&v)[3]) { return {v[0], v[1], v[2]}; }
+Vec3 vec(const double (&v)[3]) {
+  return {v[0], v[1], v[2]};
+}
 
 template <typename Value>
 Percentiles over(const std::vector<TickRecord>& records, bool contact_only, Value value) {
@@ -59,7 +61,9 @@ void addLoop(const std::vector<TickRecord>& records, double rate_hz, RunFigures&
 
 }  // namespace
 
-double forceOf(const TickRecord& record) noexcept { return vec(record.force_W).norm(); }
+double forceOf(const TickRecord& record) noexcept {
+  return vec(record.force_W).norm();
+}
 
 double depthOf(const TickRecord& record) noexcept {
   if (!record.in_contact) return 0;
@@ -75,7 +79,8 @@ RunFigures computeFigures(const std::vector<TickRecord>& records, double rate_hz
   figures.contact_s = static_cast<double>(figures.contact_ticks) / rate_hz;
   figures.force_N = over(records, true, forceOf);
   figures.depth_m = over(records, true, depthOf);
-  figures.tick_cost_us = over(records, false, [](const TickRecord& r) { return r.tick_cost_ns * kMicrosecondsPerNanosecond; });
+  figures.tick_cost_us =
+      over(records, false, [](const TickRecord& r) { return r.tick_cost_ns * kMicrosecondsPerNanosecond; });
   figures.lateness_us = over(records, false, [](const TickRecord& r) {
     return static_cast<double>(r.lateness_ns) * kMicrosecondsPerNanosecond;
   });

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/report/run_figures.hpp: what the records of a run say in a few figures: contact, force, depth, quality of the servo.
+// apps/report/run_figures.hpp: what the records of a run say in a few figures: contact, force, depth, quality of the
+// servo.
 //
 // Any thread. Cost: some passes and sorts over the records.
 #pragma once
@@ -14,18 +15,18 @@ namespace palpate {
 
 struct RunFigures {
   std::int64_t ticks = 0;
-  double time_s = 0;               // that the ticks cover: ticks / rate [s]
+  double time_s = 0;  // that the ticks cover: ticks / rate [s]
   std::int64_t contact_ticks = 0;
-  double contact_s = 0;            // [s]
-  int touches = 0;                 // how often contact began
-  double first_contact_s = -1;     // when it first began [s]; -1: never
-  Percentiles force_N;             // magnitude, over ticks in contact [N]
-  Percentiles depth_m;             // of the HIP below the VHIP along the plane's normal, over ticks in contact [m]
-  double force_step_max_N = 0;     // largest change of the force from one tick to the next [N]
-  double vhip_way_m = 0;           // length of the VHIP's way while in contact [m]
-  Percentiles tick_cost_us;        // [us]
-  Percentiles lateness_us;         // wake-up after the due time [us]
-  Percentiles window_age_ms;       // [ms]
+  double contact_s = 0;         // [s]
+  int touches = 0;              // how often contact began
+  double first_contact_s = -1;  // when it first began [s]; -1: never
+  Percentiles force_N;          // magnitude, over ticks in contact [N]
+  Percentiles depth_m;          // of the HIP below the VHIP along the plane's normal, over ticks in contact [m]
+  double force_step_max_N = 0;  // largest change of the force from one tick to the next [N]
+  double vhip_way_m = 0;        // length of the VHIP's way while in contact [m]
+  Percentiles tick_cost_us;     // [us]
+  Percentiles lateness_us;      // wake-up after the due time [us]
+  Percentiles window_age_ms;    // [ms]
   std::int32_t plane_age_max_ticks = 0;
   std::int64_t late_ticks = 0;     // that woke up or ended after the next tick was due
   std::int64_t faulty_ticks = 0;   // with any fault flag

@@ -10,10 +10,16 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json toJson(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
-Json toJson(const std::optional<Vec3>& v) { return v ? toJson(*v) : Json(nullptr); }
+Json toJson(const Vec3& v) {
+  return {v.x(), v.y(), v.z()};
+}
+Json toJson(const std::optional<Vec3>& v) {
+  return v ? toJson(*v) : Json(nullptr);
+}
 
-Json toJson(const Percentiles& p) { return {{"count", p.count}, {"p50", p.p50}, {"p90", p.p90}, {"p99", p.p99}, {"p99_9", p.p999}, {"max", p.max}}; }
+Json toJson(const Percentiles& p) {
+  return {{"count", p.count}, {"p50", p.p50}, {"p90", p.p90}, {"p99", p.p99}, {"p99_9", p.p999}, {"max", p.max}};
+}
 
 template <typename Item, typename Convert>
 Json listOf(const std::vector<Item>& items, Convert convert) {
@@ -75,14 +81,10 @@ Json sceneJson(const Scene& s) {
 }
 
 Json contactJson(const RunFigures& f) {
-  return {{"ticks", f.contact_ticks},
-          {"time_s", f.contact_s},
-          {"touches", f.touches},
-          {"first_s", f.first_contact_s >= 0 ? Json(f.first_contact_s) : Json(nullptr)},
-          {"way_m", f.vhip_way_m},
-          {"force_N", toJson(f.force_N)},
-          {"depth_m", toJson(f.depth_m)},
-          {"force_step_max_N", f.force_step_max_N}};
+  return {{"ticks", f.contact_ticks},     {"time_s", f.contact_s},
+          {"touches", f.touches},         {"first_s", f.first_contact_s >= 0 ? Json(f.first_contact_s) : Json(nullptr)},
+          {"way_m", f.vhip_way_m},        {"force_N", toJson(f.force_N)},
+          {"depth_m", toJson(f.depth_m)}, {"force_step_max_N", f.force_step_max_N}};
 }
 
 Json servoJson(const TouchRun& run, const RunFigures& f) {
@@ -117,7 +119,9 @@ Json makeSummary(const TouchRun& run) {
   const RunFigures figures = computeFigures(run.records, run.scene.rate_hz);
   const auto stage = [](const StageTime& s) { return Json{{"name", s.name}, {"seconds", s.seconds}}; };
   const auto memory = [](const MemoryFigure& m) { return Json{{"name", m.name}, {"bytes", m.bytes}}; };
-  const auto phase = [](const PathPhase& p) { return Json{{"name", p.name}, {"begin_s", p.begin_s}, {"end_s", p.end_s}}; };
+  const auto phase = [](const PathPhase& p) {
+    return Json{{"name", p.name}, {"begin_s", p.begin_s}, {"end_s", p.end_s}};
+  };
   return {{"schema", kSummarySchema},
           {"verdict", verdict(run, figures)},
           {"commit", run.commit},
@@ -133,7 +137,8 @@ Json makeSummary(const TouchRun& run) {
           {"memory", listOf(run.memory, memory)},
           {"plan", run.plan},
           {"machine", machineJson(run.machine)},
-          {"vulkan", {{"device", run.vulkan.device}, {"driver", run.vulkan.driver}, {"api_version", run.vulkan.api_version}}},
+          {"vulkan",
+           {{"device", run.vulkan.device}, {"driver", run.vulkan.driver}, {"api_version", run.vulkan.api_version}}},
           {"scene", sceneJson(run.scene)},
           {"files", run.files}};
 }

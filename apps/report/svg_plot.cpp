@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/report/svg_plot.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
+
+#include <fmt/format.h>
 
 #include "apps/report/html_text.hpp"
 #include "apps/report/words.hpp"
@@ -25,7 +25,8 @@ std::string text(double x, double y, const char* anchor, const std::string& word
 }
 
 std::string line(double x1, double y1, double x2, double y2, const char* style) {
-  return fmt::format("<line class=\"{}\" x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\"/>\n", style, x1, y1, x2, y2);
+  return fmt::format("<line class=\"{}\" x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\"/>\n", style, x1, y1,
+                     x2, y2);
 }
 
 // Height of a bar: one tick already shows.
@@ -80,9 +81,11 @@ std::string histogramSvg(const LogHistogram& h, const std::string& label) {
   for (std::size_t i = 0; i < h.counts.size(); ++i) {
     if (h.counts[i] == 0) continue;
     const double height = barHeight(h.counts[i], decades);
-    out += fmt::format("<rect class=\"bar\" x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\"><title>{} to {} us: {} ticks</title></rect>\n",
-                       kLeft + width * static_cast<double>(i) + 0.5, kTop + kInnerHeight - height, std::max(width - 1, 0.5), height,
-                       shortNumber(h.edge(i)), shortNumber(h.edge(i + 1)), h.counts[i]);
+    out += fmt::format(
+        "<rect class=\"bar\" x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\"><title>{} to {} us: {} "
+        "ticks</title></rect>\n",
+        kLeft + width * static_cast<double>(i) + 0.5, kTop + kInnerHeight - height, std::max(width - 1, 0.5), height,
+        shortNumber(h.edge(i)), shortNumber(h.edge(i + 1)), h.counts[i]);
   }
   out += line(kLeft, kTop + kInnerHeight, kWidth - kRight, kTop + kInnerHeight, "axis");
   return out + text(kLeft + kInnerWidth / 2, kHeight - 6, "middle", label) + "</svg>\n";
@@ -101,8 +104,10 @@ std::string curveSvg(const PlotTable& table, const std::string& label) {
   }
   out += "<polyline class=\"curve\" points=\"" + points + "\"/>\n";
   out += line(kLeft, kTop + kInnerHeight, kWidth - kRight, kTop + kInnerHeight, "axis");
-  out += text(kLeft - 6, kTop + 8, "end", shortNumber(y.high)) + text(kLeft - 6, kTop + kInnerHeight, "end", shortNumber(y.low));
-  out += text(kLeft, kHeight - 24, "middle", shortNumber(begin_s)) + text(kWidth - kRight, kHeight - 24, "end", shortNumber(end_s) + " s");
+  out += text(kLeft - 6, kTop + 8, "end", shortNumber(y.high)) +
+         text(kLeft - 6, kTop + kInnerHeight, "end", shortNumber(y.low));
+  out += text(kLeft, kHeight - 24, "middle", shortNumber(begin_s)) +
+         text(kWidth - kRight, kHeight - 24, "end", shortNumber(end_s) + " s");
   return out + text(kLeft + kInnerWidth / 2, kHeight - 6, "middle", label) + "</svg>\n";
 }
 

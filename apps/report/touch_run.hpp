@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/report/touch_run.hpp: everything that a finished run knows, for the trace, the summary, the report and the picture.
+// apps/report/touch_run.hpp: everything that a finished run knows, for the trace, the summary, the report and the
+// picture.
 //
 // Plain data, filled by the verb that ran; SI units, world frame W. An empty string or list means: not known or none.
 #pragma once
@@ -18,12 +19,12 @@
 namespace palpate {
 
 struct RunVolume {
-  std::string name;                         // as the user gave it
-  std::string format;                       // "NRRD", "DICOM series", "phantom", ...
-  Vec3i size = Vec3i::Zero();               // [voxel]
-  Vec3 spacing_m = Vec3::Zero();            // [m]
-  double minimum = 0, maximum = 0;          // [density]
-  double isovalue = 0;                      // that was used [density]
+  std::string name;                 // as the user gave it
+  std::string format;               // "NRRD", "DICOM series", "phantom", ...
+  Vec3i size = Vec3i::Zero();       // [voxel]
+  Vec3 spacing_m = Vec3::Zero();    // [m]
+  double minimum = 0, maximum = 0;  // [density]
+  double isovalue = 0;              // that was used [density]
 };
 
 struct VulkanFacts {
@@ -40,18 +41,18 @@ struct RunFault {
 
 // How far the haptic algorithm was from the exact surface, where one is known (phantoms).
 struct ExactErrors {
-  double vhip_median_voxel = 0, vhip_p99_voxel = 0;        // distance of the VHIP from the surface [voxel]
+  double vhip_median_voxel = 0, vhip_p99_voxel = 0;            // distance of the VHIP from the surface [voxel]
   double force_angle_median_deg = 0, force_angle_p99_deg = 0;  // force against the exact normal [deg]
 };
 
 struct TouchRun {
-  Scene scene;                        // what was asked for
+  Scene scene;  // what was asked for
   RunVolume volume;
   MachineFacts machine;
   VulkanFacts vulkan;
-  std::string commit;                 // of the program
-  std::string command;                // line that repeats the run
-  std::vector<StageTime> stages;      // in order
+  std::string commit;             // of the program
+  std::string command;            // line that repeats the run
+  std::vector<StageTime> stages;  // in order
   std::vector<MemoryFigure> memory;
   std::vector<std::string> plan;      // what was done, what was left out and what that saved
   std::vector<std::string> realtime;  // what of real time was allowed and what not
@@ -59,7 +60,7 @@ struct TouchRun {
   std::vector<PathPhase> phases;      // of the path; empty for a path from a file
   std::vector<TickRecord> records;    // one a tick, in order
   std::vector<RunFault> faults;
-  std::vector<std::string> files;     // written or to be written, as shown to the user
+  std::vector<std::string> files;  // written or to be written, as shown to the user
   std::optional<ExactErrors> exact;
 };
 

@@ -1,17 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/report/words.hpp"
 
-#include <fmt/format.h>
-
 #include <array>
 #include <cmath>
+
+#include <fmt/format.h>
 
 #include "base/units.hpp"
 
 namespace palpate {
 namespace {
 
-std::string mm(double metres) { return shortNumber(metres * kMillimetresPerMetre) + " mm"; }
+std::string mm(double metres) {
+  return shortNumber(metres * kMillimetresPerMetre) + " mm";
+}
 
 std::string touchedLine(const TouchRun& run) {
   const RunVolume& v = run.volume;
@@ -21,14 +23,15 @@ std::string touchedLine(const TouchRun& run) {
 
 std::string contactLine(const RunFigures& f) {
   if (f.contact_ticks == 0) return fmt::format("Contact   none in {} s\n", shortNumber(f.time_s));
-  return fmt::format("Contact   {} s of {} s, {}, over {} of surface\n", shortNumber(f.contact_s), shortNumber(f.time_s),
-                     f.touches == 1 ? "one touch" : fmt::format("{} touches", f.touches), mm(f.vhip_way_m));
+  return fmt::format("Contact   {} s of {} s, {}, over {} of surface\n", shortNumber(f.contact_s),
+                     shortNumber(f.time_s), f.touches == 1 ? "one touch" : fmt::format("{} touches", f.touches),
+                     mm(f.vhip_way_m));
 }
 
 std::string feelLine(const RunFigures& f) {
   if (f.contact_ticks == 0) return "";
-  return fmt::format("Felt      force median {} N, at most {} N; depth median {}, at most {}\n", shortNumber(f.force_N.p50),
-                     shortNumber(f.force_N.max), mm(f.depth_m.p50), mm(f.depth_m.max));
+  return fmt::format("Felt      force median {} N, at most {} N; depth median {}, at most {}\n",
+                     shortNumber(f.force_N.p50), shortNumber(f.force_N.max), mm(f.depth_m.p50), mm(f.depth_m.max));
 }
 
 std::string servoLine(const TouchRun& run, const RunFigures& f) {
@@ -37,8 +40,8 @@ std::string servoLine(const TouchRun& run, const RunFigures& f) {
                        shortNumber(run.scene.rate_hz), f.ticks);
   }
   return fmt::format("Servo     {} at {} Hz, {} ticks, {} late; tick {} us median, {} us p99; wake-up {} us p99 late\n",
-                     run.scene.algorithm, shortNumber(run.scene.rate_hz), f.ticks, f.late_ticks, shortNumber(f.tick_cost_us.p50),
-                     shortNumber(f.tick_cost_us.p99), shortNumber(f.lateness_us.p99));
+                     run.scene.algorithm, shortNumber(run.scene.rate_hz), f.ticks, f.late_ticks,
+                     shortNumber(f.tick_cost_us.p50), shortNumber(f.tick_cost_us.p99), shortNumber(f.lateness_us.p99));
 }
 
 std::string exactLine(const TouchRun& run) {
@@ -52,8 +55,8 @@ std::string faultLines(const TouchRun& run) {
   if (run.faults.empty()) return "Faults    none\n";
   std::string out;
   for (const RunFault& fault : run.faults) {
-    out += fmt::format("Fault     {} in {} of {} ticks, first at tick {}: {}; {}\n", fault.name, fault.ticks, run.records.size(),
-                       fault.first_tick, fault.text, fault.remedy);
+    out += fmt::format("Fault     {} in {} of {} ticks, first at tick {}: {}; {}\n", fault.name, fault.ticks,
+                       run.records.size(), fault.first_tick, fault.text, fault.remedy);
   }
   return out;
 }
@@ -92,9 +95,11 @@ std::string faultWord(std::size_t count) {
 
 std::string verdict(const TouchRun& run, const RunFigures& f) {
   const std::string end = "; " + faultWord(run.faults.size()) + ".";
-  if (f.contact_ticks == 0) return fmt::format("The tool never touched the surface in {} s{}", shortNumber(f.time_s), end);
+  if (f.contact_ticks == 0)
+    return fmt::format("The tool never touched the surface in {} s{}", shortNumber(f.time_s), end);
   return fmt::format("The tool touched the surface for {} s of {} s, pressed at most {} deep and felt at most {} N{}",
-                     shortNumber(f.contact_s), shortNumber(f.time_s), mm(f.depth_m.max), shortNumber(f.force_N.max), end);
+                     shortNumber(f.contact_s), shortNumber(f.time_s), mm(f.depth_m.max), shortNumber(f.force_N.max),
+                     end);
 }
 
 std::string closingSummary(const TouchRun& run) {

@@ -16,7 +16,8 @@ constexpr Color kHalo = {1, 1, 1, 0.85};
 
 void check(cairo_status_t status) {
   if (status == CAIRO_STATUS_SUCCESS) return;
-  throw Error(Error::Code::kOutOfMemory, "view.png", fmt::format("the picture cannot be drawn ({})", cairo_status_to_string(status)),
+  throw Error(Error::Code::kOutOfMemory, "view.png",
+              fmt::format("the picture cannot be drawn ({})", cairo_status_to_string(status)),
               "ask for a smaller picture");
 }
 
@@ -32,7 +33,8 @@ std::string validUtf8(const std::string& words) {
     const auto lead = static_cast<unsigned char>(words[i]);
     const std::size_t length = lead < 0x80 ? 1 : lead >= 0xC2 && lead < 0xE0 ? 2 : lead >= 0xE0 && lead < 0xF0 ? 3 : 0;
     bool whole = length > 0 && i + length <= words.size();
-    for (std::size_t k = 1; whole && k < length; ++k) whole = (static_cast<unsigned char>(words[i + k]) & 0xC0U) == 0x80;
+    for (std::size_t k = 1; whole && k < length; ++k)
+      whole = (static_cast<unsigned char>(words[i + k]) & 0xC0U) == 0x80;
     const bool plain = whole && lead != 0xE0 && lead != 0xED && lead >= 0x20;  // not overlong, no surrogate, no control
     if (plain) out.append(words, i, length);
     if (!plain) out += '?';
@@ -69,7 +71,8 @@ void Canvas::setColor(const Color& color) {
 }
 
 void Canvas::setFont(double size, bool bold) {
-  cairo_select_font_face(context_.get(), kFont, CAIRO_FONT_SLANT_NORMAL, bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
+  cairo_select_font_face(context_.get(), kFont, CAIRO_FONT_SLANT_NORMAL,
+                         bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
   cairo_set_font_size(context_.get(), size);
 }
 
@@ -87,7 +90,8 @@ void Canvas::strokeRectangle(double x, double y, double width, double height, co
 }
 
 void Canvas::image(const RenderedImage& image, double x, double y) {
-  const std::unique_ptr<cairo_surface_t, Close> picture(cairo_image_surface_create(CAIRO_FORMAT_RGB24, image.width, image.height));
+  const std::unique_ptr<cairo_surface_t, Close> picture(
+      cairo_image_surface_create(CAIRO_FORMAT_RGB24, image.width, image.height));
   check(cairo_surface_status(picture.get()));
   cairo_surface_flush(picture.get());
   copyPixels(image, picture.get());
@@ -121,7 +125,9 @@ void Canvas::arrow(const Pixel& from, const Pixel& to, const Color& color, doubl
   const Pixel neck{to.x - head * ux, to.y - head * uy};
   polyline({from, neck}, color, line);
   setColor(color);
-  trace({to, {neck.x - 0.42 * head * uy, neck.y + 0.42 * head * ux}, {neck.x + 0.42 * head * uy, neck.y - 0.42 * head * ux}});
+  trace({to,
+         {neck.x - 0.42 * head * uy, neck.y + 0.42 * head * ux},
+         {neck.x + 0.42 * head * uy, neck.y - 0.42 * head * ux}});
   cairo_close_path(context_.get());
   cairo_fill(context_.get());
 }
@@ -143,7 +149,8 @@ double Canvas::textWidth(const std::string& words, double size, bool bold) {
   return extents.x_advance;
 }
 
-double Canvas::text(const Pixel& at, const std::string& given, double size, const Color& color, Align align, bool bold, bool halo) {
+double Canvas::text(const Pixel& at, const std::string& given, double size, const Color& color, Align align, bool bold,
+                    bool halo) {
   const std::string words = validUtf8(given);
   const double width = textWidth(words, size, bold);
   const double x = at.x - (align == Align::kLeft ? 0 : align == Align::kCentre ? width / 2 : width);
@@ -168,7 +175,9 @@ void Canvas::pushClip(double x, double y, double width, double height) {
   cairo_translate(context_.get(), x, y);
 }
 
-void Canvas::popClip() { cairo_restore(context_.get()); }
+void Canvas::popClip() {
+  cairo_restore(context_.get());
+}
 
 std::string Canvas::png() {
   std::string bytes;

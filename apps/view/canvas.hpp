@@ -4,13 +4,17 @@
 // Pixels from the top left. One thread per canvas. Private to apps/view: Cairo's headers do not leave it.
 #pragma once
 
-#include <cairo/cairo.h>
-
 #include <memory>
 #include <string>
 #include <vector>
 
+<<<<<<< HEAD
 #include "base/rendered_image.hpp"
+=======
+#include <cairo/cairo.h>
+
+#include "base/rendered_image.hpp"
+>>>>>>> report
 
 namespace palpate {
 

@@ -17,10 +17,12 @@ constexpr int kLeastWidth = 480, kLeastHeight = 270, kMostSide = 16384;
 constexpr double kTitle = 62, kLegend = 64, kBorder = 8;  // [pixel] at scale 1
 constexpr double kOverviewShare = 0.4;                    // of the width
 constexpr int kArrows = 14;
-constexpr double kLongestArrow = 0.5;                     // of the contact region's radius
+constexpr double kLongestArrow = 0.4;  // of the contact region's radius
 constexpr Color kBoxColor = {0.85, 0.35, 0.05};
 
-int pixels(double value) { return static_cast<int>(std::lround(value)); }
+int pixels(double value) {
+  return static_cast<int>(std::lround(value));
+}
 
 void checkPicture(const RenderedImage& image, const Camera& camera, const PanelBox& box, const char* name) {
   const bool fits = image.complete() && image.width == box.width && image.height == box.height &&
@@ -47,8 +49,14 @@ double tolerance(const TouchRun& run, const Camera& camera, const ContactRegion&
   return std::max({2 * camera.pixelSize(std::max(depth_m, 0.0)), 0.5 * run.volume.spacing_m.minCoeff(), 1e-6});
 }
 
+<<<<<<< HEAD
 void drawOverview(Canvas& canvas, const ViewLayout& layout, const ViewPictures& pictures, const ContactRegion& region, const TouchRun& run) {
   const Camera& camera = pictures.overview_camera;
+=======
+void drawOverview(Canvas& canvas, const ViewLayout& layout, const ViewPictures& pictures, const ContactRegion& region,
+                  const TouchRun& run) {
+  const Camera& camera = pictures.overview_camera;
+>>>>>>> report
   canvas.image(pictures.overview, 0, 0);
   Panel panel(canvas, camera, pictures.overview, tolerance(run, camera, region), layout.scale);
   panel.drawHipPath(run.records);
@@ -91,7 +99,8 @@ ViewLayout layOutView(int width, int height) {
   return layout;
 }
 
-std::string composeView(const ViewLayout& layout, const ViewPictures& pictures, const ContactRegion& region, const TouchRun& run) {
+std::string composeView(const ViewLayout& layout, const ViewPictures& pictures, const ContactRegion& region,
+                        const TouchRun& run) {
   checkPicture(pictures.overview, pictures.overview_camera, layout.overview, "overview");
   checkPicture(pictures.close_up, pictures.close_up_camera, layout.close_up, "close-up");
   const RunFigures figures = computeFigures(run.records, run.scene.rate_hz);

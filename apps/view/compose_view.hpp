@@ -22,7 +22,7 @@ struct PanelBox {
 struct ViewLayout {
   int width = 0, height = 0;  // of the whole picture [pixel]
   PanelBox overview, close_up;
-  double scale = 1;           // of lines and letters: 1 at 1280x720
+  double scale = 1;  // of lines and letters: 1 at 1280x720
 };
 
 struct ViewPictures {
@@ -34,7 +34,7 @@ struct ViewPictures {
 [[nodiscard]] ViewLayout layOutView(int width, int height);
 
 // Bytes of a PNG of the layout's size. Refuses (Error kBadInput) pictures whose size is not that of their panel.
-[[nodiscard]] std::string composeView(const ViewLayout& layout, const ViewPictures& pictures, const ContactRegion& region,
-                                      const TouchRun& run);
+[[nodiscard]] std::string composeView(const ViewLayout& layout, const ViewPictures& pictures,
+                                      const ContactRegion& region, const TouchRun& run);
 
 }  // namespace palpate

@@ -9,7 +9,9 @@ namespace {
 constexpr std::size_t kMostPoints = 40;
 constexpr double kRoom = 1.25;
 
-Vec3 vec(const double (&v)[3]) { return {v[0], v[1], v[2]}; }
+Vec3 vec(const double (&v)[3]) {
+  return {v[0], v[1], v[2]};
+}
 
 // A unit vector across `normal`, as near to `wish` as can be.
 Vec3 across(const Vec3& normal, const Vec3& wish) {

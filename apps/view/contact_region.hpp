@@ -12,12 +12,12 @@
 namespace palpate {
 
 struct ContactRegion {
-  Vec3 centre_W = Vec3::Zero();          // [m]
-  double radius_m = 0;                   // of a sphere around all contact points, and some room [m]
-  Vec3 normal_W = Vec3::UnitZ();         // mean of the contact normals [-]
-  Vec3 along_W = Vec3::UnitX();          // unit, across the normal: from the first to the last contact
-  std::vector<Vec3> points_W;            // some of the contact points, for tests of visibility
-  bool touched = false;                  // false: no contact; the region is that of the whole path
+  Vec3 centre_W = Vec3::Zero();   // [m]
+  double radius_m = 0;            // of a sphere around all contact points, and some room [m]
+  Vec3 normal_W = Vec3::UnitZ();  // mean of the contact normals [-]
+  Vec3 along_W = Vec3::UnitX();   // unit, across the normal: from the first to the last contact
+  std::vector<Vec3> points_W;     // some of the contact points, for tests of visibility
+  bool touched = false;           // false: no contact; the region is that of the whole path
 };
 
 // `least_radius_m`: a region is never smaller than this, so that a tap in one place still has surroundings.

@@ -10,12 +10,15 @@
 namespace palpate {
 namespace {
 
-Vec3 vec(const double (&v)[3]) { return {v[0], v[1], v[2]}; }
+Vec3 vec(const double (&v)[3]) {
+  return {v[0], v[1], v[2]};
+}
 
 double wayInContact(const std::vector<TickRecord>& records) {
   double way_m = 0;
   for (std::size_t i = 1; i < records.size(); ++i) {
-    if (records[i].in_contact && records[i - 1].in_contact) way_m += (vec(records[i].vhip_W) - vec(records[i - 1].vhip_W)).norm();
+    if (records[i].in_contact && records[i - 1].in_contact)
+      way_m += (vec(records[i].vhip_W) - vec(records[i - 1].vhip_W)).norm();
   }
   return way_m;
 }
@@ -75,12 +78,14 @@ ForceArrows chooseForceArrows(const std::vector<TickRecord>& records, int wanted
 }
 
 Color forceColor(double share) {
-  constexpr std::array<Color, 4> kStops = {{{0.98, 0.75, 0.18}, {0.94, 0.42, 0.10}, {0.80, 0.11, 0.22}, {0.42, 0.05, 0.45}}};
+  constexpr std::array<Color, 4> kStops = {
+      {{0.98, 0.75, 0.18}, {0.94, 0.42, 0.10}, {0.80, 0.11, 0.22}, {0.42, 0.05, 0.45}}};
   const double place = std::clamp(share, 0.0, 1.0) * (kStops.size() - 1);
   const auto i = std::min(static_cast<std::size_t>(place), kStops.size() - 2);
   const double t = place - static_cast<double>(i);
   const auto mix = [t](double a, double b) { return a + t * (b - a); };
-  return {mix(kStops[i].red, kStops[i + 1].red), mix(kStops[i].green, kStops[i + 1].green), mix(kStops[i].blue, kStops[i + 1].blue)};
+  return {mix(kStops[i].red, kStops[i + 1].red), mix(kStops[i].green, kStops[i + 1].green),
+          mix(kStops[i].blue, kStops[i + 1].blue)};
 }
 
 }  // namespace palpate

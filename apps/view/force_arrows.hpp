@@ -24,8 +24,8 @@ struct ForceArrows {
   double most_N = 0;   // largest force of the run in contact [N]
 };
 
-// One arrow for each stretch of the VHIP's way, about `wanted` in all: at its middle, or, where the force there is clearly
-// below the stretch's largest, at that largest one, so that a peak is not left out.
+// One arrow for each stretch of the VHIP's way, about `wanted` in all: at its middle, or, where the force there is
+// clearly below the stretch's largest, at that largest one, so that a peak is not left out.
 [[nodiscard]] ForceArrows chooseForceArrows(const std::vector<TickRecord>& records, int wanted);
 
 // From yellow (no force) over red to violet (the largest); share 0..1.

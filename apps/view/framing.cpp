@@ -13,6 +13,8 @@ namespace {
 constexpr double kFov_rad = 30 / kDegreesPerRadian;
 constexpr int kGrid = 24;  // samples along an axis when the object is looked for
 constexpr std::array<double, 4> kElevations_deg = {28, 42, 58, 75};
+constexpr double kSteepnessCost =
+    0.01;  // a degree more weighs as much as this share hidden: from above no depth is seen
 
 // From where a sphere fills the smaller side of the picture.
 double distanceFor(double radius_m, int width, int height) {
@@ -38,7 +40,9 @@ double hiddenShare(const SurfaceField& field, const ContactRegion& region, const
   return hidden / static_cast<double>(region.points_W.size());
 }
 
-Vec3 upFor(const Vec3& from_W) { return std::abs(from_W.z()) < 0.95 ? Vec3::UnitZ() : Vec3(-Vec3::UnitY()); }
+Vec3 upFor(const Vec3& from_W) {
+  return std::abs(from_W.z()) < 0.95 ? Vec3::UnitZ() : Vec3(-Vec3::UnitY());
+}
 
 }  // namespace
 
@@ -69,7 +73,8 @@ Camera overviewCamera(const ObjectBounds& object, const ContactRegion& region, i
   if (side_W.norm() < 1e-3) side_W = region.normal_W;
   // A quarter turn of the way around keeps the normal from pointing straight at the eye.
   const Vec3 from_W = (side_W.normalized() - 0.8 * region.normal_W.cross(region.along_W)).normalized();
-  return lookAt(object.centre_W, from_W, distanceFor(object.radius_m, width, height), upFor(from_W), width, height, kFov_rad);
+  return lookAt(object.centre_W, from_W, distanceFor(object.radius_m, width, height), upFor(from_W), width, height,
+                kFov_rad);
 }
 
 Camera closeUpCamera(const SurfaceField& field, const ContactRegion& region, int width, int height) {
@@ -80,15 +85,17 @@ Camera closeUpCamera(const SurfaceField& field, const ContactRegion& region, int
     for (const double sign : {1.0, -1.0}) {
       const double angle = elevation_deg / kDegreesPerRadian;
       const Vec3 from_W = sign * std::cos(angle) * side_W + std::sin(angle) * region.normal_W;
-      const double hidden = hiddenShare(field, region, from_W);
-      if (hidden >= best - 0.05) continue;
-      best = hidden;
+      const double cost =
+          hiddenShare(field, region, from_W) + kSteepnessCost * (elevation_deg - kElevations_deg.front());
+      if (cost >= best - 0.05) continue;
+      best = cost;
       best_W = from_W;
     }
   }
   // Room above for arrows: the camera looks at a point a little out of the surface.
   const Vec3 target_W = region.centre_W + 0.15 * region.radius_m * region.normal_W;
-  return lookAt(target_W, best_W, distanceFor(region.radius_m, width, height), region.normal_W, width, height, kFov_rad);
+  return lookAt(target_W, best_W, distanceFor(region.radius_m, width, height), region.normal_W, width, height,
+                kFov_rad);
 }
 
 }  // namespace palpate

@@ -20,7 +20,8 @@ double fittingSize(Canvas& canvas, const std::string& words, double size, bool b
 
 // A sample line and its name; moves `x` on.
 void lineItem(Canvas& canvas, Pixel& at, double scale, const Color& color, double dash, const char* words) {
-  canvas.polyline({{at.x, at.y - 5 * scale}, {at.x + kSample * scale, at.y - 5 * scale}}, color, 3 * scale, dash * scale);
+  canvas.polyline({{at.x, at.y - 5 * scale}, {at.x + kSample * scale, at.y - 5 * scale}}, color, 3 * scale,
+                  dash * scale);
   at.x += (kSample + 8) * scale;
   at.x += canvas.text(at, words, kText * scale, kInk) + kGap * scale;
 }
@@ -54,9 +55,11 @@ void drawTitle(Canvas& canvas, const TouchRun& run, const RunFigures& figures, d
   const double room = width - 32 * scale;
   std::string title = fmt::format("{}, isovalue {}", run.volume.name, shortNumber(run.volume.isovalue));
   if (figures.contact_ticks > 0) {
-    title += fmt::format("; at most {} N, {} mm deep", shortNumber(figures.force_N.max), shortNumber(figures.depth_m.max * kMillimetresPerMetre));
+    title += fmt::format("; at most {} N, {} mm deep", shortNumber(figures.force_N.max),
+                         shortNumber(figures.depth_m.max * kMillimetresPerMetre));
   }
-  canvas.text({16 * scale, 28 * scale}, title, fittingSize(canvas, title, 20 * scale, true, room), kInk, Align::kLeft, true);
+  canvas.text({16 * scale, 28 * scale}, title, fittingSize(canvas, title, 20 * scale, true, room), kInk, Align::kLeft,
+              true);
   const std::string sentence = verdict(run, figures);
   canvas.text({16 * scale, 50 * scale}, sentence, fittingSize(canvas, sentence, 15 * scale, false, room), kSoftInk);
 }

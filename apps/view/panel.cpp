@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/view/panel.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
+
+#include <fmt/format.h>
 
 #include "base/units.hpp"
 
@@ -15,16 +15,26 @@ constexpr double kLeastStep_px = 1.5;  // points nearer to each other are left o
 constexpr double kHiddenShare = 0.55;  // how much of its colour remains to a hidden line
 constexpr Color kWhite = {1, 1, 1};
 
-Vec3 vec(const double (&v)[3]) { return {v[0], v[1], v[2]}; }
+Vec3 vec(const double (&v)[3]) {
+  return {v[0], v[1], v[2]};
+}
 
 }  // namespace
 
 Panel::Panel(Canvas& canvas, const Camera& camera, const RenderedImage& image, double tolerance_m, double scale)
     : canvas_(canvas), camera_(camera), image_(image), tolerance_m_(tolerance_m), scale_(scale) {}
 
+<<<<<<< HEAD
 bool Panel::isVisible(const Camera::Projection& p) const {
   if (p.x < 0 || p.y < 0 || p.x >= image_.width || p.y >= image_.height) return true;  // beside the picture nothing hides
   const auto at = static_cast<std::size_t>(p.y) * static_cast<std::size_t>(image_.width) + static_cast<std::size_t>(p.x);
+=======
+bool Panel::isVisible(const Camera::Projection& p) const {
+  if (p.x < 0 || p.y < 0 || p.x >= image_.width || p.y >= image_.height)
+    return true;  // beside the picture nothing hides
+  const auto at =
+      static_cast<std::size_t>(p.y) * static_cast<std::size_t>(image_.width) + static_cast<std::size_t>(p.x);
+>>>>>>> report
   return p.distance_m <= static_cast<double>(image_.distance_m[at]) + tolerance_m_;
 }
 
@@ -34,7 +44,8 @@ std::vector<Panel::Place> Panel::places(const std::vector<Vec3>& points_W) const
     const auto p = camera_.project(points_W[i]);
     if (!p) continue;
     const bool last = i + 1 == points_W.size();
-    if (!last && !out.empty() && std::hypot(p->x - out.back().pixel.x, p->y - out.back().pixel.y) < kLeastStep_px) continue;
+    if (!last && !out.empty() && std::hypot(p->x - out.back().pixel.x, p->y - out.back().pixel.y) < kLeastStep_px)
+      continue;
     out.push_back({{p->x, p->y}, isVisible(*p)});
   }
   return out;
@@ -51,7 +62,8 @@ void Panel::drawPlaces(const std::vector<Place>& places, const Color& color, dou
     }
     const bool visible = places[begin].visible;
     if (visible) canvas_.polyline(stretch, kWhite.faded(0.7), line + 2.2 * scale_);
-    canvas_.polyline(stretch, visible ? color : color.faded(kHiddenShare), visible ? line : 0.8 * line, visible ? 0 : 5 * scale_);
+    canvas_.polyline(stretch, visible ? color : color.faded(kHiddenShare), visible ? line : 0.8 * line,
+                     visible ? 0 : 5 * scale_);
     begin = i;
   }
 }
@@ -81,7 +93,8 @@ void Panel::drawForces(const ForceArrows& forces, double longest_m) {
     const auto to = camera_.project(arrow.vhip_W + longest_m / forces.most_N * arrow.force_W);
     if (!from || !hip || !to) continue;
     const Color color = forceColor(arrow.force_W.norm() / forces.most_N).faded(isVisible(*from) ? 1 : kHiddenShare);
-    canvas_.polyline({{from->x, from->y}, {hip->x, hip->y}}, kHipColor.faded(0.8), 1.2 * scale_);  // the depth of the press
+    canvas_.polyline({{from->x, from->y}, {hip->x, hip->y}}, kHipColor.faded(0.8),
+                     1.2 * scale_);  // the depth of the press
     canvas_.disc({hip->x, hip->y}, 2.2 * scale_, kHipColor, kHipColor);
     canvas_.arrow({from->x, from->y}, {to->x, to->y}, color, 2.6 * scale_);
     canvas_.disc({from->x, from->y}, 3 * scale_, isVisible(*from) ? kWhite : kWhite.faded(kHiddenShare), kVhipColor);
@@ -116,12 +129,13 @@ void Panel::drawScaleBar(const Vec3& at_W) {
   const double depth_m = (at_W - camera_.position_W).dot(camera_.forward_W);
   if (!(depth_m > 0)) return;
   const double pixel_m = camera_.pixelSize(depth_m), length_m = roundDown(0.25 * image_.width * pixel_m);
-  const double left = 16 * scale_, right = left + length_m / pixel_m, y = image_.height - 16 * scale_, tick = 5 * scale_;
+  const double left = 16 * scale_, right = left + length_m / pixel_m, y = image_.height - 16 * scale_,
+               tick = 5 * scale_;
   const std::vector<Pixel> bar = {{left, y - tick}, {left, y}, {right, y}, {right, y - tick}};
   canvas_.polyline(bar, kWhite.faded(0.85), 5 * scale_);
   canvas_.polyline(bar, kInk, 2 * scale_);
-  canvas_.text({(left + right) / 2, y - 8 * scale_}, fmt::format("{:g} mm", length_m * kMillimetresPerMetre), 14 * scale_, kInk,
-               Align::kCentre, false, true);
+  canvas_.text({(left + right) / 2, y - 8 * scale_}, fmt::format("{:g} mm", length_m * kMillimetresPerMetre),
+               14 * scale_, kInk, Align::kCentre, false, true);
 }
 
 void Panel::drawCaption(const std::string& words) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <utility>
+#include <vector>
 
 #include "apps/path/surface_field.hpp"
 
@@ -42,14 +43,67 @@ class AnalyticField : public SurfaceField {
   Vec3i size_;
 };
 
-inline double sphereDistance(const Vec3& p, double radius_m) { return radius_m - p.norm(); }
+// Another field's values at its samples, interpolated as a volume does it; gradients by central differences of the
+// samples.
+class SampledField : public SurfaceField {
+ public:
+  explicit SampledField(const SurfaceField& field)
+      : lattice_(field.lattice()), size_(field.size()), isovalue_(field.isovalue()) {
+    Vec3 ignored;
+    values_.resize(static_cast<std::size_t>(size_.prod()));
+    for (int i = 0; i < size_.prod(); ++i) {
+      const Vec3 p_L(i % size_.x(), i / size_.x() % size_.y(), i / size_.x() / size_.y());
+      field.sample(lattice_.toWorld(p_L) * (1 - 1e-12), values_[static_cast<std::size_t>(i)], ignored);
+    }
+  }
+  bool sample(const Vec3& p_W, double& density, Vec3& gradient_W) const override {
+    const Vec3 p_L = lattice_.toIndex(p_W);
+    if ((p_L.array() < 0).any() || (p_L.array() > size_.array().cast<double>() - 1).any()) return false;
+    density = interpolated(p_L);
+    for (int i = 0; i < 3; ++i) {
+      gradient_W[i] =
+          (interpolated(p_L + Vec3::Unit(i)) - interpolated(p_L - Vec3::Unit(i))) / (2 * lattice_.spacing_m[i]);
+    }
+    return true;
+  }
+  [[nodiscard]] double isovalue() const override { return isovalue_; }
+  [[nodiscard]] const Lattice& lattice() const override { return lattice_; }
+  [[nodiscard]] Vec3i size() const override { return size_; }
+  void setIsovalue(double isovalue) { isovalue_ = isovalue; }
+
+ private:
+  [[nodiscard]] double value(Vec3i i) const {
+    i = i.cwiseMax(0).cwiseMin(size_ - Vec3i::Ones());
+    return values_[static_cast<std::size_t>(i.x() + size_.x() * (i.y() + size_.y() * i.z()))];
+  }
+  [[nodiscard]] double interpolated(const Vec3& p_L) const {
+    const Vec3 floor = p_L.array().floor(), t = p_L - floor;
+    double sum = 0;
+    for (int corner = 0; corner < 8; ++corner) {
+      const Vec3i bit(corner & 1, corner >> 1 & 1, corner >> 2);
+      double weight = 1;
+      for (int k = 0; k < 3; ++k) weight *= bit[k] ? t[k] : 1 - t[k];
+      sum += weight * value(floor.cast<int>() + bit);
+    }
+    return sum;
+  }
+  Lattice lattice_;
+  Vec3i size_;
+  double isovalue_;
+  std::vector<double> values_;
+};
+
+inline double sphereDistance(const Vec3& p, double radius_m) {
+  return radius_m - p.norm();
+}
 
 inline double boxDistance(const Vec3& p, const Vec3& half) {
   const Vec3 q = p.cwiseAbs() - half;
   return -(q.cwiseMax(0).norm() + std::min(q.maxCoeff(), 0.0));
 }
 
-// A slab 40 x 40 x 20 mm, its top at z = 10 mm, with a round hole of radius 5 mm and depth 8 mm from the top, at the middle.
+// A slab 40 x 40 x 20 mm, its top at z = 10 mm, with a round hole of radius 5 mm and depth 8 mm from the top, at the
+// middle.
 inline double slabWithHole(const Vec3& p) {
   const double across = std::hypot(p.x(), p.y()) - 5e-3, down = 2e-3 - p.z();
   const double hole = std::hypot(std::max(across, 0.0), std::max(down, 0.0)) + std::min(std::max(across, down), 0.0);

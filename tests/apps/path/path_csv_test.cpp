@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/path/path_csv.hpp"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <fstream>
 #include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 #include "base/error.hpp"
 
@@ -73,17 +73,33 @@ TEST_F(PathCsv, RefusesAFolder) {
   }
 }
 
-TEST_F(PathCsv, RefusesAnotherHeader) { expectRefusal("t,x,y,z\n0,0,0,0\n1,0,0,0\n", "line 1: the header is \"t,x,y,z\""); }
-TEST_F(PathCsv, RefusesAnEmptyFile) { expectRefusal("", "the file is empty"); }
-TEST_F(PathCsv, RefusesASingleRow) { expectRefusal(std::string(kHeader) + "0,0,0,0\n", "at least two rows, it has 1"); }
+TEST_F(PathCsv, RefusesAnotherHeader) {
+  expectRefusal("t,x,y,z\n0,0,0,0\n1,0,0,0\n", "line 1: the header is \"t,x,y,z\"");
+}
+TEST_F(PathCsv, RefusesAnEmptyFile) {
+  expectRefusal("", "the file is empty");
+}
+TEST_F(PathCsv, RefusesASingleRow) {
+  expectRefusal(std::string(kHeader) + "0,0,0,0\n", "at least two rows, it has 1");
+}
 TEST_F(PathCsv, RefusesAWord) {
   expectRefusal(std::string(kHeader) + "0,0,0,0\n1,0,left,0\n", "line 3: \"left\" is not a number");
 }
-TEST_F(PathCsv, RefusesANumberWithATail) { expectRefusal(std::string(kHeader) + "0,0,0,0\n1,0,1mm,0\n", "\"1mm\""); }
-TEST_F(PathCsv, RefusesNan) { expectRefusal(std::string(kHeader) + "0,0,0,0\n1,nan,0,0\n", "line 3: nan is not a finite"); }
-TEST_F(PathCsv, RefusesInfinity) { expectRefusal(std::string(kHeader) + "0,0,0,0\n1,0,0,-inf\n", "line 3: -inf"); }
-TEST_F(PathCsv, RefusesTooFewColumns) { expectRefusal(std::string(kHeader) + "0,0,0,0\n1,0,0\n", "line 3: a row needs"); }
-TEST_F(PathCsv, RefusesTooManyColumns) { expectRefusal(std::string(kHeader) + "0,0,0,0,0\n", "line 2: a row needs"); }
+TEST_F(PathCsv, RefusesANumberWithATail) {
+  expectRefusal(std::string(kHeader) + "0,0,0,0\n1,0,1mm,0\n", "\"1mm\"");
+}
+TEST_F(PathCsv, RefusesNan) {
+  expectRefusal(std::string(kHeader) + "0,0,0,0\n1,nan,0,0\n", "line 3: nan is not a finite");
+}
+TEST_F(PathCsv, RefusesInfinity) {
+  expectRefusal(std::string(kHeader) + "0,0,0,0\n1,0,0,-inf\n", "line 3: -inf");
+}
+TEST_F(PathCsv, RefusesTooFewColumns) {
+  expectRefusal(std::string(kHeader) + "0,0,0,0\n1,0,0\n", "line 3: a row needs");
+}
+TEST_F(PathCsv, RefusesTooManyColumns) {
+  expectRefusal(std::string(kHeader) + "0,0,0,0,0\n", "line 2: a row needs");
+}
 TEST_F(PathCsv, RefusesTimeGoingBack) {
   expectRefusal(std::string(kHeader) + "0,0,0,0\n1,0,0,0\n0.5,0,0,0\n", "line 4: time goes back from 1 s to 0.5 s");
 }

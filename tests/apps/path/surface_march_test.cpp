@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/path/surface_march.hpp"
 
-#include <gtest/gtest.h>
-
 #include <numbers>
+
+#include <gtest/gtest.h>
 
 #include "analytic_field.hpp"
 
@@ -27,14 +27,16 @@ TEST(SurfaceMarch, GoesAroundASphereOnAGreatCircle) {
 
 TEST(SurfaceMarch, FollowsSharpEdgesIntoAHoleAndOut) {
   const AnalyticField slab(slabWithHole, 30e-3, kVoxel_m);
-  const auto curve = marchSurface(slab, {Vec3(-10e-3, 0, 10e-3), Vec3::UnitZ()}, Vec3::UnitX(), 5e-3 + 8e-3 + 10e-3 + 8e-3 + 3e-3);
+  const auto curve =
+      marchSurface(slab, {Vec3(-10e-3, 0, 10e-3), Vec3::UnitZ()}, Vec3::UnitX(), 5e-3 + 8e-3 + 10e-3 + 8e-3 + 3e-3);
   bool was_on_floor = false;
   for (const SurfacePoint& point : curve.points) {
     EXPECT_NEAR(slabWithHole(point.p_W), 0, 1e-9);
     was_on_floor |= point.p_W.head<2>().norm() < 1e-3 && std::abs(point.p_W.z() - 2e-3) < 1e-9;
   }
   EXPECT_TRUE(was_on_floor);
-  // Each of the four corners is cut by one chord: at most (sqrt 2 - 1) step longer or shorter than the way along the walls.
+  // Each of the four corners is cut by one chord: at most (sqrt 2 - 1) step longer or shorter than the way along the
+  // walls.
   EXPECT_NEAR(curve.points.back().p_W.x(), 8e-3, 4 * 0.5 * kVoxel_m / 4 * 2);
   EXPECT_NEAR(curve.points.back().p_W.z(), 10e-3, 1e-9);
 }

@@ -40,7 +40,9 @@ TEST(SurfaceSearch, NearestPointOfTheSphereIsOnTheRadius) {
   }
 }
 
-TEST(SurfaceSearch, NothingNearIsNothing) { EXPECT_FALSE(nearestSurfacePoint(kSphere, Vec3(15e-3, 0, 0), 4e-3)); }
+TEST(SurfaceSearch, NothingNearIsNothing) {
+  EXPECT_FALSE(nearestSurfacePoint(kSphere, Vec3(15e-3, 0, 0), 4e-3));
+}
 
 TEST(SurfaceSearch, FreeDistanceEndsAtTheNextWall) {
   const AnalyticField hole(slabWithHole, 30e-3, kVoxel_m);

@@ -4,8 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "base/error.hpp"
 #include "analytic_field.hpp"
+#include "base/error.hpp"
 
 namespace palpate {
 namespace {
@@ -17,9 +17,15 @@ using ::testing::IsEmpty;
 constexpr double kVoxel_m = 0.5e-3;
 constexpr double kRadius_m = 15e-3;
 
-AnalyticField sphere() { return {[](const Vec3& p) { return sphereDistance(p, kRadius_m); }, 30e-3, kVoxel_m}; }
-AnalyticField slab() { return {slabWithHole, 30e-3, kVoxel_m}; }
-AnalyticField plane() { return {[](const Vec3& p) { return -p.z(); }, 12e-3, kVoxel_m}; }
+AnalyticField sphere() {
+  return {[](const Vec3& p) { return sphereDistance(p, kRadius_m); }, 30e-3, kVoxel_m};
+}
+AnalyticField slab() {
+  return {slabWithHole, 30e-3, kVoxel_m};
+}
+AnalyticField plane() {
+  return {[](const Vec3& p) { return -p.z(); }, 12e-3, kVoxel_m};
+}
 
 const PathPhase& phase(const TouchPath& path, const std::string& name) {
   for (const PathPhase& p : path.phases) {
@@ -73,7 +79,8 @@ TEST(TouchPath, SlidesAtThePressDepth) {
 TEST(TouchPath, SpeedHasNoJumps) {
   const TouchPath path = buildTouchPath(sphere(), {});
   const double interval_s = path.points[1].time_s;
-  const double slide_v = 1.875 * 20e-3 / 2.75, most_a = 5.7735 * 11e-3 / (0.75 * 0.75) + slide_v * slide_v / (kRadius_m - 1e-3);
+  const double slide_v = 1.875 * 20e-3 / 2.75,
+               most_a = 5.7735 * 11e-3 / (0.75 * 0.75) + slide_v * slide_v / (kRadius_m - 1e-3);
   for (std::size_t i = 1; i + 1 < path.points.size(); ++i) {
     const Vec3 change = (path.points[i + 1].p_W - 2 * path.points[i].p_W + path.points[i - 1].p_W) / interval_s;
     ASSERT_LE(change.norm(), 1.05 * most_a * interval_s) << "at " << path.points[i].time_s << " s";
@@ -91,7 +98,8 @@ TEST(TouchPath, SpeedHasNoJumpsOverSharpEdges) {
   const double curvature = 1.5708 / (sigma_m * 2.5066), press_a = 5.7735 * 11e-3 / (0.75 * 0.75);
   for (std::size_t i = 1; i + 1 < path.points.size(); ++i) {
     const Vec3 change = (path.points[i + 1].p_W - 2 * path.points[i].p_W + path.points[i - 1].p_W) / interval_s;
-    ASSERT_LE(change.norm(), (press_a + most_v * most_v * curvature) * interval_s) << "at " << path.points[i].time_s << " s";
+    ASSERT_LE(change.norm(), (press_a + most_v * most_v * curvature) * interval_s)
+        << "at " << path.points[i].time_s << " s";
   }
 }
 
@@ -112,6 +120,36 @@ TEST(TouchPath, StaysPressedThroughAHole) {
     lowest_m = std::min(lowest_m, point.p_W.z());
   }
   EXPECT_NEAR(lowest_m, 2e-3 - 1e-3, 0.05e-3);  // it was on the floor of the hole, a press depth below
+}
+
+// The body as a volume has it: samples, 8-corner interpolation, gradients by central differences. Linear interpolation
+// of a distance on a ball of radius R is off by at most 3/8 h^2 * 2/R; the path then keeps its depth as on the
+// formula's ball.
+TEST(TouchPath, KeepsItsDepthOnASampledSphere) {
+  const SampledField field(sphere());
+  const TouchPath path = buildTouchPath(field, {});
+  const double sampling_m = 0.375 * kVoxel_m * kVoxel_m * 2 / kRadius_m,
+               smoothing_m = 5e-6;  // as above: 2.3 and 4.7 um
+  for (const TimedPoint& point : path.points) {
+    if (point.time_s < phase(path, "slide").begin_s || point.time_s > phase(path, "slide").end_s) continue;
+    EXPECT_NEAR(sphereDistance(point.p_W, kRadius_m), 1e-3, sampling_m + smoothing_m + 1e-3 * 1e-3);
+  }
+}
+
+// A mask of zeros and ones is all steps of a voxel: the path still keeps its depth within a voxel and its speed steady.
+TEST(TouchPath, FollowsAMaskOfZerosAndOnes) {
+  AnalyticField mask([](const Vec3& p) { return sphereDistance(p, kRadius_m) > 0 ? 1.0 : 0.0; }, 30e-3, kVoxel_m);
+  SampledField field(mask);
+  field.setIsovalue(0.5);
+  const TouchPath path = buildTouchPath(field, {});
+  EXPECT_NEAR(path.slid_m, 20e-3, 1e-12);
+  for (std::size_t i = 1; i < path.points.size(); ++i) {
+    const TimedPoint &a = path.points[i - 1], &b = path.points[i];
+    if (b.time_s < phase(path, "slide").begin_s || b.time_s > phase(path, "slide").end_s) continue;
+    EXPECT_LT((b.p_W - a.p_W).norm(),
+              2 * 1.875 * 20e-3 / 2.75 * (b.time_s - a.time_s));  // twice the peak of minimum jerk
+    EXPECT_NEAR(sphereDistance(b.p_W, kRadius_m), 1e-3, kVoxel_m);
+  }
 }
 
 TEST(TouchPath, PhasesFollowEachOther) {

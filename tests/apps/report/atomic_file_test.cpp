@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/report/atomic_file.hpp"
 
+#include <csignal>
+#include <stdexcept>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <unistd.h>
-
-#include <csignal>
-#include <stdexcept>
 
 #include "base/error.hpp"
 #include "temporary_folder.hpp"
@@ -88,7 +88,8 @@ TEST(AtomicFile, AFullDiskLeavesTheOlderFile) {
   TemporaryFolder folder;
   writeFileAtomically(folder.path() / "a.txt", "old");
   const FileSizeLimit limit(10'000);
-  expectIoError([&] { writeFileAtomically(folder.path() / "a.txt", std::string(100'000, 'x')); }, "a.txt: cannot be written");
+  expectIoError([&] { writeFileAtomically(folder.path() / "a.txt", std::string(100'000, 'x')); },
+                "a.txt: cannot be written");
   EXPECT_EQ(contentsOf(folder.path() / "a.txt"), "old");
   EXPECT_EQ(folder.files(), 1);
 }

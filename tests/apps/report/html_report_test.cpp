@@ -50,7 +50,8 @@ TEST(Report, FetchesNothing) {
   EXPECT_THAT(references, ::testing::SizeIs(2));  // the picture and the empty icon
   for (const std::string& reference : references) EXPECT_TRUE(reference.starts_with("data:")) << reference;
   for (const char* way : {"@import", "url(", "fetch(", "XMLHttpRequest(", "import("}) {
-    EXPECT_EQ(countOf(page, way), countOf(std::string(kDygraphsJs), way)) << way;  // dygraphs can read URLs if it is given one
+    EXPECT_EQ(countOf(page, way), countOf(std::string(kDygraphsJs), way))
+        << way;  // dygraphs can read URLs if it is given one
   }
   // The one address is the licence in the plotting library's own comment.
   EXPECT_EQ(countOf(page, "http:") + countOf(page, "https:"), 1U);
@@ -59,13 +60,14 @@ TEST(Report, FetchesNothing) {
 
 TEST(Report, ContainsEverySection) {
   const std::string page = makeReport(sampleRun(), "PNG");
-  for (const char* id : {"picture", "figures", "faults", "plots", "histograms", "work", "plan", "parameters", "machine", "repeat"}) {
+  for (const char* id :
+       {"picture", "figures", "faults", "plots", "histograms", "work", "plan", "parameters", "machine", "repeat"}) {
     EXPECT_EQ(countOf(page, std::string("<section id=\"") + id + "\">"), 1U) << id;
   }
-  for (const char* words : {"The tool touched the surface for 3 s of 5 s", "stale_window", "make the window larger", "Example CPU",
-                            "data:image/png;base64,UE5H", "bricks on the GPU", "saves 3.1 MiB", "SCHED_FIFO", "the slide is 12 mm",
-                            "plot-force", "plot-depth", "plot-cost", "plot-lateness", "approach", "retreat", "0123abc",
-                            "stiffness [N/m]", "<noscript>"}) {
+  for (const char* words : {"The tool touched the surface for 3 s of 5 s", "stale_window", "make the window larger",
+                            "Example CPU", "data:image/png;base64,UE5H", "bricks on the GPU", "saves 3.1 MiB",
+                            "SCHED_FIFO", "the slide is 12 mm", "plot-force", "plot-depth", "plot-cost",
+                            "plot-lateness", "approach", "retreat", "0123abc", "stiffness [N/m]", "<noscript>"}) {
     EXPECT_THAT(page, HasSubstr(words));
   }
 }

@@ -1,25 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/report/quantile.hpp"
 
-#include <gtest/gtest.h>
-
 #include <numeric>
+
+#include <gtest/gtest.h>
 
 namespace palpate {
 namespace {
 
 TEST(Quantile, IsTheElementThatTheRuleNames) {
   const std::vector<double> ten = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10};
-  EXPECT_EQ(quantile(ten, 0.5), 5);   // five of ten are at or below 5
+  EXPECT_EQ(quantile(ten, 0.5), 5);  // five of ten are at or below 5
   EXPECT_EQ(quantile(ten, 0.51), 6);
-  EXPECT_EQ(quantile(ten, 0.9), 9);   // 0.9 * 10 is not 9 in binary
+  EXPECT_EQ(quantile(ten, 0.9), 9);  // 0.9 * 10 is not 9 in binary
   EXPECT_EQ(quantile(ten, 0.99), 10);
   EXPECT_EQ(quantile(ten, 1), 10);
   EXPECT_EQ(quantile(ten, 0), 1);
 }
 
-TEST(Quantile, OfNothingIsZero) { EXPECT_EQ(quantile({}, 0.5), 0); }
-TEST(Quantile, OfOneIsThatOne) { EXPECT_EQ(quantile({7}, 0.5), 7); }
+TEST(Quantile, OfNothingIsZero) {
+  EXPECT_EQ(quantile({}, 0.5), 0);
+}
+TEST(Quantile, OfOneIsThatOne) {
+  EXPECT_EQ(quantile({7}, 0.5), 7);
+}
 
 TEST(Percentiles, OfAThousandInAnyOrder) {
   std::vector<double> values(1000);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A run made up for tests: a tool over a flat surface z = 0, pressed by 1 mm for the middle of the time; every field filled.
+// A run made up for tests: a tool over a flat surface z = 0, pressed by 1 mm for the middle of the time; every field
+// filled.
 #pragma once
 
 #include <cmath>

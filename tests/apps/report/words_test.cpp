@@ -12,12 +12,15 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-std::string verdictOf(const TouchRun& run) { return verdict(run, computeFigures(run.records, run.scene.rate_hz)); }
+std::string verdictOf(const TouchRun& run) {
+  return verdict(run, computeFigures(run.records, run.scene.rate_hz));
+}
 
 TEST(Words, VerdictIsOneSentence) {
   TouchRun run = sampleRun();
   run.faults.clear();
-  EXPECT_EQ(verdictOf(run), "The tool touched the surface for 3 s of 5 s, pressed at most 1 mm deep and felt at most 0.5 N; no fault.");
+  EXPECT_EQ(verdictOf(run),
+            "The tool touched the surface for 3 s of 5 s, pressed at most 1 mm deep and felt at most 0.5 N; no fault.");
 }
 
 TEST(Words, VerdictOfARunWithoutContact) {
@@ -28,9 +31,9 @@ TEST(Words, VerdictOfARunWithoutContact) {
 
 TEST(Words, ClosingSummaryNamesWhatMatters) {
   const std::string text = closingSummary(sampleRun());
-  for (const char* words : {"phantom:sphere?size=64", "3 s of 5 s, one touch", "at most 0.5 N", "hri at 1000 Hz, 5000 ticks, 0 late",
-                            "stale_window in 12 of 5000 ticks, first at tick 300", "make the window larger", "the slide is 12 mm",
-                            "out/trace.csv", "0.01 voxel"}) {
+  for (const char* words : {"phantom:sphere?size=64", "3 s of 5 s, one touch", "at most 0.5 N",
+                            "hri at 1000 Hz, 5000 ticks, 0 late", "stale_window in 12 of 5000 ticks, first at tick 300",
+                            "make the window larger", "the slide is 12 mm", "out/trace.csv", "0.01 voxel"}) {
     EXPECT_THAT(text, HasSubstr(words));
   }
   EXPECT_LE(std::count(text.begin(), text.end(), '\n'), 8);

@@ -2,12 +2,12 @@
 // With PALPATE_SHOW=FOLDER in the environment the pictures and a report are written there, to be looked at.
 #include "apps/view/compose_view.hpp"
 
+#include <cstdlib>
+#include <cstring>
+
 #include <cairo/cairo.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
-#include <cstdlib>
-#include <cstring>
 
 #include "apps/report/atomic_file.hpp"
 #include "apps/report/html_report.hpp"
@@ -21,7 +21,9 @@ namespace {
 struct Decoded {
   int width = 0, height = 0;
   std::vector<std::uint32_t> rgb;
-  [[nodiscard]] std::uint32_t at(int x, int y) const { return rgb[static_cast<std::size_t>(y * width + x)] & 0xFFFFFFU; }
+  [[nodiscard]] std::uint32_t at(int x, int y) const {
+    return rgb[static_cast<std::size_t>(y * width + x)] & 0xFFFFFFU;
+  }
 };
 
 Decoded decode(const std::string& png) {
@@ -36,7 +38,8 @@ Decoded decode(const std::string& png) {
   cairo_surface_t* surface = cairo_image_surface_create_from_png_stream(read, &rest);
   Decoded out{cairo_image_surface_get_width(surface), cairo_image_surface_get_height(surface), {}};
   for (int y = 0; y < out.height; ++y) {
-    const auto* row = reinterpret_cast<const std::uint32_t*>(cairo_image_surface_get_data(surface) + y * cairo_image_surface_get_stride(surface));
+    const auto* row = reinterpret_cast<const std::uint32_t*>(cairo_image_surface_get_data(surface) +
+                                                             y * cairo_image_surface_get_stride(surface));
     out.rgb.insert(out.rgb.end(), row, row + out.width);
   }
   cairo_surface_destroy(surface);
@@ -96,10 +99,10 @@ TEST_F(ComposeView, ShowsPathForcesMarksAndWords) {
   const PanelBox& close_up = view_->layout.close_up;
   EXPECT_GT(countNear(image, view_->layout.overview, 18, 92, 199), 100);  // the tool's way
   EXPECT_GT(countNear(image, close_up, 18, 92, 199), 300);
-  EXPECT_GT(countNear(image, close_up, 13, 13, 18), 300);                 // the way on the surface
+  EXPECT_GT(countNear(image, close_up, 13, 13, 18), 300);  // the way on the surface
   EXPECT_GT(countNear(image, close_up, 204, 28, 56) + countNear(image, close_up, 107, 13, 115), 300);  // strong forces
-  EXPECT_GT(countNear(image, close_up, 26, 153, 64), 50);                 // start
-  EXPECT_GT(countNear(image, close_up, 217, 38, 38), 50);                 // end
+  EXPECT_GT(countNear(image, close_up, 26, 153, 64), 50);                                              // start
+  EXPECT_GT(countNear(image, close_up, 217, 38, 38), 50);                                              // end
   // Ink covers some per cent of a line of text, neither nothing nor all.
   for (const PanelBox& words : {PanelBox{16, 12, 500, 20}, PanelBox{16, 720 - 52, 500, 20}}) {
     const double share = countNear(image, words, 28, 33, 41) / (500.0 * 20);
@@ -144,7 +147,8 @@ TEST_F(ComposeView, RefusesAPictureOfAnotherSize) {
 }
 
 TEST(LayOutView, PanelsLieBesideEachOtherInsideThePicture) {
-  for (const auto& [width, height] : {std::pair(480, 270), std::pair(1280, 720), std::pair(1000, 1000), std::pair(3840, 2160)}) {
+  for (const auto& [width, height] :
+       {std::pair(480, 270), std::pair(1280, 720), std::pair(1000, 1000), std::pair(3840, 2160)}) {
     const ViewLayout layout = layOutView(width, height);
     EXPECT_GT(layout.overview.x, 0);
     EXPECT_GT(layout.close_up.x, layout.overview.x + layout.overview.width);

@@ -41,7 +41,9 @@ TEST(ContactRegion, WithoutContactIsThatOfThePath) {
   EXPECT_LT((region.centre_W - Vec3(0, 0.01, 0)).norm(), 1e-12);
 }
 
-TEST(ContactRegion, OfNothingIsThere) { EXPECT_EQ(findContactRegion({}, 2e-3).radius_m, 2e-3); }
+TEST(ContactRegion, OfNothingIsThere) {
+  EXPECT_EQ(findContactRegion({}, 2e-3).radius_m, 2e-3);
+}
 
 }  // namespace
 }  // namespace palpate

@@ -59,8 +59,9 @@ TEST(Framing, CloseUpLooksObliquelyWithTheNormalUpwards) {
 // A wall of 30 mm beside the contact, on the side from which the camera would look first.
 TEST(Framing, CloseUpAvoidsTheSideThatTheObjectHides) {
   const auto walled = [](double wall_y) {
-    return AnalyticField([=](const Vec3& p) { return std::max(-p.z(), boxDistance(p - Vec3(0, wall_y, 0), Vec3(20e-3, 1e-3, 30e-3))); },
-                         32e-3, 0.5e-3);
+    return AnalyticField(
+        [=](const Vec3& p) { return std::max(-p.z(), boxDistance(p - Vec3(0, wall_y, 0), Vec3(20e-3, 1e-3, 30e-3))); },
+        32e-3, 0.5e-3);
   };
   for (const double wall_y : {-4e-3, 4e-3}) {
     const Camera camera = closeUpCamera(walled(wall_y), regionOnTop(0), 700, 500);

@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "base/camera.hpp"
 
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <numbers>
+
+#include <gtest/gtest.h>
 
 namespace palpate {
 namespace {
 
-// At 1 m above the origin, looking down -z with +y up: fov 90 degrees over 100 pixels, so 1 m below lies 1 m per 50 pixels.
-Camera downwards() { return lookAt(Vec3::Zero(), Vec3::UnitZ(), 1, Vec3::UnitY(), 200, 100, std::numbers::pi / 2); }
+// At 1 m above the origin, looking down -z with +y up: fov 90 degrees over 100 pixels, so 1 m below lies 1 m per 50
+// pixels.
+Camera downwards() {
+  return lookAt(Vec3::Zero(), Vec3::UnitZ(), 1, Vec3::UnitY(), 200, 100, std::numbers::pi / 2);
+}
 
 TEST(Camera, ProjectsPointsCalculatedByHand) {
   const Camera camera = downwards();
@@ -30,7 +33,9 @@ TEST(Camera, ProjectsPointsCalculatedByHand) {
   EXPECT_NEAR(deeper->y, 75, 1e-9);
 }
 
-TEST(Camera, SeesNothingBehindItself) { EXPECT_FALSE(downwards().project(Vec3(0, 0, 1.5))); }
+TEST(Camera, SeesNothingBehindItself) {
+  EXPECT_FALSE(downwards().project(Vec3(0, 0, 1.5)));
+}
 
 TEST(Camera, RayThroughAPixelIsItsProjectionBackwards) {
   const Camera camera = lookAt(Vec3(1, 2, 3), Vec3(1, 1, 1).normalized(), 5, Vec3::UnitZ(), 640, 480, 0.6);
