@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/devices/hand_dynamics.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "base/error.hpp"
+
+namespace palpate {
+namespace {
+
+// Free oscillation about `rest`: x = rest + e^(-s t) (A cos w t + B sin w t), s = b / 2m, w^2 = k / m - s^2.
+struct Oscillator {
+  double stiffness, damping, mass, rest, position, velocity;
+  [[nodiscard]] double at(double t) const {
+    const double s = damping / (2 * mass);
+    const double w = std::sqrt(stiffness / mass - s * s);
+    const double a = position - rest;
+    const double b = (velocity + s * a) / w;
+    return rest + std::exp(-s * t) * (a * std::cos(w * t) + b * std::sin(w * t));
+  }
+};
+
+// A constant force on a hand that holds still: a damped oscillator about F / k. The only error is rounding: 1000 ticks of a
+// contraction, some 1e-16 each of values near 0.01.
+TEST(HandDynamics, MeetsTheDampedOscillatorExactly) {
+  const HandParameters p;
+  const double mass = p.hand_mass_kg + p.device_mass_kg;
+  const double damping = p.hand_damping_Ns_per_m + p.device_damping_Ns_per_m;
+  for (const double tick_s : {1e-3, 1e-2}) {
+    const HandDynamics dynamics(p, tick_s);
+    const Vec3 force_W(2, -1, 0);
+    HandDynamics::State state{{0.01, 0, -0.004}, {0.1, 0.2, 0}};
+    const auto axis = [&](int i) {
+      return Oscillator{p.hand_stiffness_N_per_m, damping, mass, force_W[i] / p.hand_stiffness_N_per_m,
+                        state.position_W[i], state.velocity_W[i]};
+    };
+    const Oscillator exact[3] = {axis(0), axis(1), axis(2)};
+    for (int tick = 1; tick <= 1000; ++tick) {
+      state = dynamics.step(state, Vec3::Zero(), Vec3::Zero(), force_W);
+      for (int i = 0; i < 3; ++i) ASSERT_NEAR(state.position_W[i], exact[i].at(tick * tick_s), 1e-14);
+    }
+  }
+}
+
+// A path that runs straight on: the solution is r(t) plus the oscillator about a lag of b_device v / k.
+TEST(HandDynamics, MeetsTheRampExactly) {
+  const HandParameters p;
+  const HandDynamics dynamics(p, 1e-3);
+  const double speed = 0.3;
+  const double lag = p.device_damping_Ns_per_m * speed / p.hand_stiffness_N_per_m;
+  const Oscillator exact{p.hand_stiffness_N_per_m, p.hand_damping_Ns_per_m + p.device_damping_Ns_per_m,
+                         p.hand_mass_kg + p.device_mass_kg, -lag, 0, -speed};
+  HandDynamics::State state;
+  for (int tick = 0; tick < 500; ++tick) {
+    const Vec3 start_W(speed * tick * 1e-3, 0, 0);
+    const Vec3 end_W(speed * (tick + 1) * 1e-3, 0, 0);
+    state = dynamics.step(state, start_W, end_W, Vec3::Zero());
+    ASSERT_NEAR(state.position_W.x(), end_W.x() + exact.at((tick + 1) * 1e-3), 1e-13);
+  }
+}
+
+// Exact steps do not depend on their size.
+TEST(HandDynamics, TwoHalfTicksAreOneTick) {
+  const HandDynamics whole({}, 1e-3);
+  const HandDynamics half({}, 0.5e-3);
+  const Vec3 a(0.01, 0, 0), b(0.012, -0.001, 0.003), force_W(1, 2, -3);
+  const HandDynamics::State start{{0.005, 0.001, 0}, {0.3, 0, -0.2}};
+  const auto one = whole.step(start, a, b, force_W);
+  const auto two = half.step(half.step(start, a, 0.5 * (a + b), force_W), 0.5 * (a + b), b, force_W);
+  EXPECT_LT((one.position_W - two.position_W).norm(), 1e-16);
+  EXPECT_LT((one.velocity_W - two.velocity_W).norm(), 1e-14);
+}
+
+// A device without hand or friction is a free mass: x = F t^2 / 2m.
+TEST(HandDynamics, AFreeMass) {
+  const HandDynamics dynamics({0, 0, 0, 0.05, 0}, 1e-3);
+  HandDynamics::State state;
+  for (int i = 0; i < 100; ++i) state = dynamics.step(state, Vec3::Zero(), Vec3::Zero(), Vec3(1, 0, 0));
+  EXPECT_NEAR(state.position_W.x(), 0.5 * 1 / 0.05 * 0.01, 1e-13);
+  EXPECT_NEAR(state.velocity_W.x(), 1 / 0.05 * 0.1, 1e-13);
+}
+
+TEST(HandDynamics, RefusesWhatCannotMove) {
+  EXPECT_THROW(HandDynamics({0, 3, 400, 0, 0.1}, 1e-3), Error);
+  EXPECT_THROW(HandDynamics({-0.1, 3, 400, 0.5, 0.1}, 1e-3), Error);
+  EXPECT_THROW(HandDynamics({0.1, -3, 400, 0.05, 0.1}, 1e-3), Error);
+  EXPECT_THROW(HandDynamics({0.1, 3, NAN, 0.05, 0.1}, 1e-3), Error);
+  EXPECT_THROW(HandDynamics({}, 0), Error);
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/devices/simulated_device.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "base/error.hpp"
+#include "servo/devices/sampled_path.hpp"
+
+namespace palpate {
+namespace {
+
+const SampledPath& ramp() {
+  static const SampledPath path({0, 1}, {Vec3(0, 0, 0), Vec3(0.1, -0.05, 0.02)}, SampledPath::Interpolation::kLinear);
+  return path;
+}
+const SampledPath& rest() {
+  static const SampledPath path({0}, {Vec3::Zero()}, SampledPath::Interpolation::kLinear);
+  return path;
+}
+
+TEST(SimulatedDevice, ARigidHandIsThePathWhateverTheForce) {
+  SimulatedDevice device({}, ramp(), 1000);
+  Vec3 read_W;
+  for (int tick = 0; tick < 1100; ++tick) {
+    ASSERT_TRUE(device.read(read_W));
+    ASSERT_EQ(read_W, ramp().position(tick / 1000.0));
+    ASSERT_TRUE(device.write(Vec3(5, 5, 5)));
+    device.elapse(1);
+  }
+}
+
+// The hand's spring carries the force: at rest the device stands off by F / k.
+TEST(SimulatedDevice, ASpringHandYieldsToTheForce) {
+  SimulatedDeviceParameters p;
+  p.hand = Hand::kSpring;
+  SimulatedDevice device(p, rest(), 1000);
+  for (int tick = 0; tick < 3000; ++tick) {
+    ASSERT_TRUE(device.write(Vec3(0, 4, 0)));
+    device.elapse(1);
+  }
+  // e^(-b t / 2m) is e^(-31) after 3 s.
+  EXPECT_NEAR(device.state().position_W.y(), 4 / p.dynamics.hand_stiffness_N_per_m, 1e-12);
+}
+
+TEST(SimulatedDevice, EncodersRoundToMultiplesAndHideNoMotion) {
+  SimulatedDeviceParameters p;
+  p.encoder_resolution_m = 30e-6;
+  SimulatedDevice device(p, ramp(), 1000);
+  Vec3 read_W;
+  int different = 0;
+  for (int tick = 0; tick < 1000; ++tick) {
+    ASSERT_TRUE(device.read(read_W));
+    for (int i = 0; i < 3; ++i) {
+      const double counts = read_W[i] / p.encoder_resolution_m;
+      ASSERT_NEAR(counts, std::round(counts), 1e-9);
+      ASSERT_LE(std::abs(read_W[i] - device.state().position_W[i]), 0.5 * p.encoder_resolution_m * (1 + 1e-9));
+    }
+    different += read_W == device.state().position_W ? 0 : 1;
+    device.elapse(1);
+  }
+  EXPECT_GT(different, 500);  // most places of the path are no multiples
+}
+
+TEST(SimulatedDevice, AForceActsSoManyTicksLater) {
+  for (int delay : {0, 1, 3}) {
+    SimulatedDeviceParameters p;
+    p.delay_ticks = delay;
+    SimulatedDevice device(p, rest(), 1000);
+    for (int tick = 0; tick < 10; ++tick) {
+      ASSERT_TRUE(device.write(Vec3(tick + 1, 0, 0) * 0.1));
+      EXPECT_DOUBLE_EQ(device.actingForce().x(), tick < delay ? 0.0 : (tick + 1 - delay) * 0.1) << delay << " " << tick;
+      device.elapse(1);
+    }
+  }
+}
+
+// Where the servo misses ticks the device holds the last force, as hardware does; the delay still runs in ticks.
+TEST(SimulatedDevice, HoldsTheLastForceOverMissedTicks) {
+  SimulatedDeviceParameters p;
+  p.delay_ticks = 2;
+  SimulatedDevice device(p, rest(), 1000);
+  ASSERT_TRUE(device.write(Vec3(1, 0, 0)));
+  device.elapse(1);
+  EXPECT_EQ(device.actingForce().x(), 0);
+  device.elapse(4);
+  EXPECT_EQ(device.actingForce().x(), 1);
+}
+
+TEST(SimulatedDevice, CutsTheForceToItsMaximum) {
+  SimulatedDevice device({}, rest(), 1000);
+  ASSERT_TRUE(device.write(Vec3(0, 30, 40)));
+  EXPECT_TRUE(device.actingForce().isApprox(Vec3(0, 4.8, 6.4)));
+  EXPECT_FALSE(device.write(Vec3(0, NAN, 0)));
+  EXPECT_TRUE(device.actingForce().isApprox(Vec3(0, 4.8, 6.4)));
+}
+
+TEST(SimulatedDevice, Refuses) {
+  const auto refused = [](SimulatedDeviceParameters p, double rate_hz) {
+    EXPECT_THROW(SimulatedDevice(p, rest(), rate_hz), Error);
+  };
+  SimulatedDeviceParameters p;
+  refused(p, 0);
+  p.delay_ticks = -1;
+  refused(p, 1000);
+  p = {};
+  p.encoder_resolution_m = -1;
+  refused(p, 1000);
+  p = {};
+  p.force_limit_N = 0;
+  refused(p, 1000);
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+// The servo thread makes no system call but its sleep and its clock between its first and its last tick.
+//
+// A child process runs a loop whose device puts a seccomp filter on the servo thread in the first tick. It allows the sleep,
+// the clock (where the vDSO cannot serve it), and the exit with which the device ends the child in the last tick. Any other
+// call kills the child.
+#include <gtest/gtest.h>
+#include <linux/filter.h>
+#include <linux/seccomp.h>
+#include <sys/prctl.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstddef>
+
+#include "servo/loop/servo_loop.hpp"
+#include "support/touch_scene.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr int kTicks = 200;
+constexpr int kClean = 0;
+constexpr int kNoSeccomp = 77;
+
+bool allowOnlySleepClockAndExit() {
+  constexpr auto kNumber = static_cast<unsigned>(offsetof(seccomp_data, nr));
+  sock_filter program[] = {
+      BPF_STMT(BPF_LD | BPF_W | BPF_ABS, kNumber),
+      BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, SYS_clock_nanosleep, 3, 0),
+      BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, SYS_clock_gettime, 2, 0),
+      BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, SYS_exit_group, 1, 0),
+      BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_KILL_PROCESS),
+      BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW),
+  };
+  sock_fprog filter{static_cast<unsigned short>(std::size(program)), program};
+  return prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0 && prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &filter) == 0;
+}
+
+class GuardedDevice final : public Device {
+ public:
+  GuardedDevice(const Path& path, bool calls) : inner_({}, path, 1000), calls_(calls) {}
+  [[nodiscard]] std::string_view name() const noexcept override { return "guarded"; }
+  [[nodiscard]] DeviceLimits limits() const noexcept override { return inner_.limits(); }
+  void elapse(int ticks) noexcept override { inner_.elapse(ticks); }
+  [[nodiscard]] bool read(Vec3& position_W) noexcept override {
+    if (++reads_ == 2 && !allowOnlySleepClockAndExit()) _exit(kNoSeccomp);
+    if (calls_ && reads_ == kTicks / 2) static_cast<void>(syscall(SYS_getpid));
+    return inner_.read(position_W);
+  }
+  [[nodiscard]] bool write(const Vec3& force_W) noexcept override {
+    if (reads_ == kTicks) _exit(kClean);
+    return inner_.write(force_W);
+  }
+
+ private:
+  SimulatedDevice inner_;
+  bool calls_;
+  int reads_ = 0;
+};
+
+// The wait status of a child that runs the loop.
+int runChild(std::string_view algorithm, bool device_calls) {
+  const pid_t child = fork();
+  if (child == 0) {
+    TouchScene scene(0.2, algorithm);
+    GuardedDevice device(scene.path, device_calls);
+    LoopParameters p;
+    p.ticks = 0;
+    p.record_ticks = kTicks;
+    ServoLoop loop(p, *scene.algorithm, device, scene.windows, scene.tool);
+    scene.publish(TouchScene::above(0), monotonicNow_ns());
+    loop.start();
+    static_cast<void>(loop.wait());
+    _exit(1);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  return status;
+}
+
+class SystemCallGuard : public testing::Test {
+ protected:
+  void SetUp() override {
+#if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
+    GTEST_SKIP() << "a sanitizer makes system calls of its own";
+#endif
+    if (const int status = runChild("hri", false); WIFEXITED(status) && WEXITSTATUS(status) == kNoSeccomp) {
+      GTEST_SKIP() << "no seccomp filters on this system";
+    }
+  }
+};
+
+TEST_F(SystemCallGuard, TheServoThreadOnlySleeps) {
+  for (const char* algorithm : {"hri", "hri-paper"}) {
+    const int status = runChild(algorithm, false);
+    ASSERT_TRUE(WIFEXITED(status)) << "killed by signal " << WTERMSIG(status);
+    EXPECT_EQ(WEXITSTATUS(status), kClean);
+  }
+}
+
+TEST_F(SystemCallGuard, ADeliberateCallIsCaught) {
+  const int status = runChild("hri", true);
+  ASSERT_TRUE(WIFSIGNALED(status));
+  EXPECT_EQ(WTERMSIG(status), SIGSYS);
+}
+
+}  // namespace
+}  // namespace palpate
