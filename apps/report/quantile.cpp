@@ -9,7 +9,7 @@ namespace palpate {
 double quantile(const std::vector<double>& sorted, double q) {
   if (sorted.empty()) return 0;
   const double count = static_cast<double>(sorted.size());
-  // 0.9 * 10 is 9.000000000000002 in binary: without the small allowance it would name element 10.
+  // 0.55 * 100 is a little above 55 in binary: without the small allowance it would name element 56.
   const double rank = std::ceil(std::clamp(q, 0.0, 1.0) * count * (1 - 1e-12));
   return sorted[static_cast<std::size_t>(std::max(rank, 1.0)) - 1];
 }

@@ -12,10 +12,16 @@ TEST(Quantile, IsTheElementThatTheRuleNames) {
   const std::vector<double> ten = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10};
   EXPECT_EQ(quantile(ten, 0.5), 5);  // five of ten are at or below 5
   EXPECT_EQ(quantile(ten, 0.51), 6);
-  EXPECT_EQ(quantile(ten, 0.9), 9);  // 0.9 * 10 is not 9 in binary
+  EXPECT_EQ(quantile(ten, 0.9), 9);
   EXPECT_EQ(quantile(ten, 0.99), 10);
   EXPECT_EQ(quantile(ten, 1), 10);
   EXPECT_EQ(quantile(ten, 0), 1);
+}
+
+TEST(Quantile, IsNotMovedByRounding) {
+  std::vector<double> hundred(100);
+  std::iota(hundred.begin(), hundred.end(), 1.0);
+  EXPECT_EQ(quantile(hundred, 0.55), 55);  // 0.55 * 100 is a little above 55 in binary
 }
 
 TEST(Quantile, OfNothingIsZero) {
