@@ -33,12 +33,7 @@ struct Camera {
 };
 
 // A camera at `distance_m` from `target_W`, on its side `from_W` (unit), with `up_W` (not along from_W) upwards.
-<<<<<<< HEAD:base/camera.hpp
-[[nodiscard]] Camera lookAt(const Vec3& target_W, const Vec3& from_W, double distance_m, const Vec3& up_W, int width,
-                                int height, double vertical_fov_rad);
-=======
-[[nodiscard]] ViewCamera lookAt(const Vec3& target_W, const Vec3& from_W, double distance_m, const Vec3& up_W,
+[[nodiscard]] Camera lookAt(const Vec3& target_W, const Vec3& from_W, double distance_m, const Vec3& up_W,
                                 int width, int height, double vertical_fov_rad);
->>>>>>> report:apps/view/view_camera.hpp
 
 }  // namespace palpate

@@ -8,13 +8,9 @@
 #include <string>
 #include <vector>
 
-<<<<<<< HEAD
-#include "base/rendered_image.hpp"
-=======
 #include <cairo/cairo.h>
 
 #include "base/rendered_image.hpp"
->>>>>>> report
 
 namespace palpate {
 

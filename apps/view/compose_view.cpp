@@ -49,14 +49,9 @@ double tolerance(const TouchRun& run, const Camera& camera, const ContactRegion&
   return std::max({2 * camera.pixelSize(std::max(depth_m, 0.0)), 0.5 * run.volume.spacing_m.minCoeff(), 1e-6});
 }
 
-<<<<<<< HEAD
-void drawOverview(Canvas& canvas, const ViewLayout& layout, const ViewPictures& pictures, const ContactRegion& region, const TouchRun& run) {
-  const Camera& camera = pictures.overview_camera;
-=======
 void drawOverview(Canvas& canvas, const ViewLayout& layout, const ViewPictures& pictures, const ContactRegion& region,
                   const TouchRun& run) {
   const Camera& camera = pictures.overview_camera;
->>>>>>> report
   canvas.image(pictures.overview, 0, 0);
   Panel panel(canvas, camera, pictures.overview, tolerance(run, camera, region), layout.scale);
   panel.drawHipPath(run.records);

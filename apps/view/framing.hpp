@@ -21,15 +21,9 @@ struct ObjectBounds {
 // The whole object, from the side where it was touched and a little from above.
 [[nodiscard]] Camera overviewCamera(const ObjectBounds& object, const ContactRegion& region, int width, int height);
 
-<<<<<<< HEAD
-// The contact seen obliquely, the slide from left to right and the normal upwards, so that the depth of the press and the
-// force arrows show their length. Of several heights and both sides the first is taken from which the object hides least.
-[[nodiscard]] Camera closeUpCamera(const SurfaceField& field, const ContactRegion& region, int width, int height);
-=======
 // The contact seen obliquely, the slide from left to right and the normal upwards, so that the depth of the press and
 // the force arrows show their length. Of several heights and both sides the one is taken from which the object hides
 // least, but a low one rather than a slightly better high one.
 [[nodiscard]] Camera closeUpCamera(const SurfaceField& field, const ContactRegion& region, int width, int height);
->>>>>>> report
 
 }  // namespace palpate

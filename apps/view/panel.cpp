@@ -24,17 +24,11 @@ Vec3 vec(const double (&v)[3]) {
 Panel::Panel(Canvas& canvas, const Camera& camera, const RenderedImage& image, double tolerance_m, double scale)
     : canvas_(canvas), camera_(camera), image_(image), tolerance_m_(tolerance_m), scale_(scale) {}
 
-<<<<<<< HEAD
-bool Panel::isVisible(const Camera::Projection& p) const {
-  if (p.x < 0 || p.y < 0 || p.x >= image_.width || p.y >= image_.height) return true;  // beside the picture nothing hides
-  const auto at = static_cast<std::size_t>(p.y) * static_cast<std::size_t>(image_.width) + static_cast<std::size_t>(p.x);
-=======
 bool Panel::isVisible(const Camera::Projection& p) const {
   if (p.x < 0 || p.y < 0 || p.x >= image_.width || p.y >= image_.height)
     return true;  // beside the picture nothing hides
   const auto at =
       static_cast<std::size_t>(p.y) * static_cast<std::size_t>(image_.width) + static_cast<std::size_t>(p.x);
->>>>>>> report
   return p.distance_m <= static_cast<double>(image_.distance_m[at]) + tolerance_m_;
 }
 

@@ -1,0 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+// Must not build: the servo knows no OpenVDB.
+#include <openvdb/openvdb.h>
+
+#include "servo/loop/servo_loop.hpp"
