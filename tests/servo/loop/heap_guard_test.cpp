@@ -48,9 +48,9 @@ long allocationsOfARun(std::string_view algorithm, bool device_allocates) {
   std::int64_t ticks = 0;
   for (std::int64_t seen = -1; ticks < 2 * kTicks;) {
     const ToolPose pose = scene.tool.latest();
-    if (pose.tick != seen) ++ticks;
+    const bool new_pose = pose.tick != seen;
     seen = pose.tick;
-    if (ticks % 16 == 0) scene.publish(pose.position_W, monotonicNow_ns());
+    if (new_pose && ++ticks % 32 == 1) scene.publish(pose.position_W, monotonicNow_ns());
     scene.windows.confirm(monotonicNow_ns());
     sleepUntil(monotonicNow_ns() + 300'000);
   }

@@ -18,10 +18,12 @@ void note() noexcept {
 }  // namespace
 
 #if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
-#include <sanitizer/allocator_interface.h>
+// Declared here: GCC ships the function but not its header.
+extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*taken)(const volatile void*, std::size_t),
+                                                         void (*freed)(const volatile void*));
 
 namespace {
-const int kInstalled = __sanitizer_install_malloc_and_free_hooks([](const volatile void*, size_t) { note(); },
+[[maybe_unused]] const int kInstalled = __sanitizer_install_malloc_and_free_hooks([](const volatile void*, std::size_t) { note(); },
                                                                  [](const volatile void*) {});
 }
 #else
