@@ -10,9 +10,17 @@
 
 namespace palpate {
 
+// What the walk does where the surface falls away.
+enum class OverEdges {
+  kFollow,    // it goes around every edge, down into holes and along undersides
+  kStraight,  // where the surface falls more than 40 degrees below the start's plane it goes straight on, as a finger
+              // that an arm guides, until it meets the object again
+};
+
 struct SurfaceCurve {
   std::vector<SurfacePoint> points;  // the first is the start; neighbours are step_m apart
   double step_m = 0;                 // [m]
+  double free_m = 0;                 // of its length, not on the surface: straight on beyond an edge [m]
   [[nodiscard]] double length() const { return step_m * static_cast<double>(points.size() - 1); }
 };
 
@@ -22,6 +30,6 @@ struct SurfaceCurve {
 // outside, the object is met first. Unlike a step along the tangent this cannot lose a sharp edge: it needs no
 // gradient.
 [[nodiscard]] SurfaceCurve marchSurface(const SurfaceField& field, const SurfacePoint& start, const Vec3& direction_W,
-                                        double length_m);
+                                        double length_m, OverEdges over_edges = OverEdges::kFollow);
 
 }  // namespace palpate

@@ -59,12 +59,13 @@ double turning(const SurfaceCurve& curve) {
 }
 
 // Of evenly spread directions the one that goes farthest, and of those the one that bends least.
-SurfaceCurve chooseSlide(const SurfaceField& field, const SurfacePoint& start, double length_m) {
+SurfaceCurve chooseSlide(const SurfaceField& field, const SurfacePoint& start, const PathRequest& request) {
   const Vec3 u_W = start.normal_W.unitOrthogonal(), v_W = start.normal_W.cross(u_W);
   SurfaceCurve best;
   for (int i = 0; i < kSlideDirections; ++i) {
     const double angle = 2 * std::numbers::pi * i / kSlideDirections;
-    SurfaceCurve curve = marchSurface(field, start, std::cos(angle) * u_W + std::sin(angle) * v_W, length_m);
+    SurfaceCurve curve = marchSurface(field, start, std::cos(angle) * u_W + std::sin(angle) * v_W,
+                                      request.slide_length_m, request.over_edges);
     const bool same_length = !best.points.empty() && curve.points.size() == best.points.size();
     if (best.points.empty() || curve.points.size() > best.points.size() ||
         (same_length && turning(curve) < turning(best) - 0.01)) {
@@ -75,12 +76,12 @@ SurfaceCurve chooseSlide(const SurfaceField& field, const SurfacePoint& start, d
 }
 
 SurfaceCurve slideCurve(const SurfaceField& field, const SurfacePoint& start, const PathRequest& request) {
-  if (!request.slide_W) return chooseSlide(field, start, request.slide_length_m);
+  if (!request.slide_W) return chooseSlide(field, start, request);
   if (request.slide_W->normalized().cross(start.normal_W).norm() < kGrazing) {
     refuse("path slide", "its direction is along the surface normal, where no slide is possible",
            "give another direction");
   }
-  return marchSurface(field, start, *request.slide_W, request.slide_length_m);
+  return marchSurface(field, start, *request.slide_W, request.slide_length_m, request.over_edges);
 }
 
 // Unit direction from the surface to where the tool comes from.
@@ -148,6 +149,10 @@ TouchPath buildTouchPath(const SurfaceField& field, const PathRequest& request) 
     path.notes.push_back(
         fmt::format("the slide is {:.3g} mm instead of {:.3g} mm: the surface ends at the border of the volume",
                     path.slid_m * kMillimetresPerMetre, request.slide_length_m * kMillimetresPerMetre));
+  }
+  if (surface.free_m > 0) {
+    path.notes.push_back(fmt::format("{:.3g} mm of the slide go straight on where the surface falls away",
+                                     surface.free_m * kMillimetresPerMetre));
   }
 
   const PressedCurve pressed(surface, request.press_depth_m, field.lattice().smallestSpacing());

@@ -49,6 +49,8 @@ const SceneOption kOptions[] = {
     {"--toward", "path.toward", "", "world direction in which the tool approaches; chosen if not given", VectorOption{&Scene::path_toward, 1, true}},
     {"--start", "path.start_mm", "mm", "world point near the surface where the press begins; chosen if not given", VectorOption{&Scene::path_start_W, kMm, false}},
     {"--slide-toward", "path.slide_toward", "", "world direction of the slide; chosen if not given", VectorOption{&Scene::path_slide, 1, true}},
+    {"--edges", "path.edges", "", "follow: the slide goes around every edge; straight: where the surface falls away it goes straight on",
+     SwitchOption{&Scene::straight_over_edges, "follow", "straight"}},
     {"--depth", "path.depth_mm", "mm", "how deep the path presses below the surface", number(&Scene::press_depth_m, kMm, 0, 100)},
     {"--slide", "path.slide_mm", "mm", "how far the path slides along the surface", number(&Scene::slide_length_m, kMm, 0, 1000)},
     {"--approach", "path.approach_mm", "mm", "how far outside the path begins and ends", number(&Scene::approach_m, kMm, 0.01, 1000)},

@@ -22,6 +22,7 @@ PathRequest requestOf(const Scene& scene) {
           .approach_m = scene.approach_m,
           .press_depth_m = scene.press_depth_m,
           .slide_length_m = scene.slide_length_m,
+          .over_edges = scene.straight_over_edges ? OverEdges::kStraight : OverEdges::kFollow,
           .toward_W = scene.path_toward,
           .start_W = scene.path_start_W,
           .slide_W = scene.path_slide};

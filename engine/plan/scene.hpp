@@ -46,6 +46,7 @@ struct Scene {
   std::optional<Vec3> path_toward;       // direction in which the tool approaches (world); empty: chosen
   std::optional<Vec3> path_start_W;      // a point near the surface where the press begins [m]; empty: chosen
   std::optional<Vec3> path_slide;        // direction of the slide (world); empty: chosen
+  bool straight_over_edges = false;      // false: the slide follows the surface around every edge
   double press_depth_m = 1.0e-3;
   double slide_length_m = 20.0e-3;
   double approach_m = 10.0e-3;
