@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include "tests/engine/volume/samples.hpp"
+
+namespace palpate {
+namespace {
+
+class Dicom : public testing::Test {
+ protected:
+  // Slices whose file names run against their order in space.
+  void writeSeries(const DicomFields& common, const std::vector<double>& z_mm, const std::string& prefix = "s") const {
+    const std::vector<double> ramp = rampValues(-30);
+    for (std::size_t n = 0; n < z_mm.size(); ++n) {
+      DicomFields fields = common;
+      fields.sop = fmt::format("{}.{}", common.series, n + 1);
+      fields.position = fmt::format("10\\-20\\{}", z_mm[n]);
+      const auto first = ramp.begin() + static_cast<std::ptrdiff_t>(n % 3 * 20);
+      fields.pixels.assign(first, first + 20);
+      writeSlice(fields, fmt::format("{}{}.dcm", prefix, z_mm.size() - n));
+    }
+  }
+  void writeSlice(const DicomFields& fields, const std::string& name) const {
+    writeFile(folder_.file(name), dicomBytes(fields));
+  }
+  void refuses(const std::string& reason) const { expectLoadRefusal(folder_.path(), reason); }
+
+  TempFolder folder_;
+};
+
+TEST_F(Dicom, OrdersSlicesByPositionAndAppliesTheSlope) {
+  writeSeries({}, {30, 32, 34});
+  writeFile(folder_.file("readme.txt"), "no slice");
+  const Volume volume = loadVolume(folder_.path());
+  std::vector<double> values = rampValues(-30);
+  for (double& value : values) value = 2 * value - 100;
+  Lattice lattice = plainLattice();
+  lattice.origin_W = Vec3(0.010, -0.020, 0.030);
+  expectVolume(volume, lattice, values, 1e-9);
+  EXPECT_EQ(volume.facts().format, "DICOM series");
+  EXPECT_EQ(volume.facts().value_type, "int16");
+  EXPECT_EQ(volume.facts().rescale_slope, 2);
+  EXPECT_EQ(volume.facts().rescale_intercept, -100);
+}
+
+// Coronal slices: rows run left, columns run down; the normal, row x column, is anterior to posterior.
+TEST_F(Dicom, KeepsObliqueOrientation) {
+  for (int n = 0; n < 3; ++n) {
+    DicomFields fields;
+    fields.orientation = "1\\0\\0\\0\\0\\-1";
+    fields.position = fmt::format("0\\{}\\0", 2 * n);
+    fields.sop += std::to_string(n);
+    fields.pixels = std::vector<double>(20, n);
+    writeSlice(fields, fmt::format("{}.dcm", n));
+  }
+  const Volume volume = loadVolume(folder_.path());
+  Mat3 R_WL;
+  R_WL << 1, 0, 0, 0, 0, 1, 0, -1, 0;
+  expectLattice(volume.lattice(), {Vec3::Zero(), R_WL, kSpacing_mm * 1e-3}, 1e-9);
+  EXPECT_EQ(volume.value({0, 0, 2}), 2 * 2 - 100);
+}
+
+TEST_F(Dicom, TakesTheLargestSeriesOrTheOneThatIsNamed) {
+  writeSeries({}, {0, 2, 4}, "a");
+  DicomFields other;
+  other.series = "1.2.3.9";
+  writeSeries(other, {0, 1}, "b");
+  EXPECT_EQ(loadVolume(folder_.path()).size().z(), 3);
+  EXPECT_THAT(loadVolume(folder_.path()).facts().remark, testing::HasSubstr("1.2.3.4.5, the largest of 2"));
+  EXPECT_EQ(loadVolume(folder_.path() + "#1.2.3.9").size().z(), 2);
+  expectLoadRefusal(folder_.path() + "#1.1", "1.2.3.9 (2 slices)");
+}
+
+TEST_F(Dicom, RefusesMissingSlices) {
+  writeSeries({}, {0, 2, 4, 10, 12, 14});
+  refuses("2 slices are missing between s3.dcm and s4.dcm");  // names run backwards, positions do not
+}
+
+TEST_F(Dicom, RefusesUnevenSlices) {
+  writeSeries({}, {0, 2, 4, 6.5, 8.5, 10.5});
+  refuses("2.5 mm, others 2 mm");
+}
+
+TEST_F(Dicom, RefusesTwoSlicesAtOnePlace) {
+  writeSeries({}, {0, 2, 2, 4});
+  refuses("lie at one place");
+}
+
+TEST_F(Dicom, RefusesATiltedGantry) {
+  for (int n = 0; n < 4; ++n) {
+    DicomFields fields;
+    fields.position = fmt::format("0\\{}\\{}", n, 2 * n);
+    fields.pixels = std::vector<double>(20, n);
+    writeSlice(fields, fmt::format("{}.dcm", n));
+  }
+  refuses("tilted gantry");
+}
+
+TEST_F(Dicom, RefusesSlicesThatDiffer) {
+  writeSeries({}, {0, 2});
+  DicomFields wide;
+  wide.columns = 10;
+  wide.rows = 2;
+  writeSeries(wide, {4}, "w");
+  refuses("differ in size");
+}
+
+TEST_F(Dicom, RefusesBadOrMissingGeometry) {
+  for (const std::string spacing : {"0\\1", "-1\\1", ""}) {
+    DicomFields fields;
+    fields.pixel_spacing = spacing;
+    writeSeries(fields, {0, 2, 4});
+    refuses("PixelSpacing");
+  }
+  DicomFields lost;
+  lost.position = "";
+  lost.pixels = std::vector<double>(20, 1);
+  for (int n = 1; n < 4; ++n) writeSlice(lost, fmt::format("s{}.dcm", n));
+  refuses("no position");
+}
+
+TEST_F(Dicom, RefusesColour) {
+  DicomFields fields;
+  fields.samples = 3;
+  for (int n = 0; n < 2; ++n) {
+    fields.position = fmt::format("0\\0\\{}", n);
+    fields.pixels = std::vector<double>(60, 1);
+    writeSlice(fields, fmt::format("{}.dcm", n));
+  }
+  refuses("3 components");
+}
+
+TEST_F(Dicom, RefusesOneSliceAndFoldersWithout) {
+  refuses("no DICOM slices");
+  writeSeries({}, {0});
+  refuses("one slice");
+  expectLoadRefusal(folder_.file("s1.dcm"), "give the folder");
+}
+
+TEST_F(Dicom, RefusesMoreThanTheBudget) {
+  writeSeries({}, {0, 2, 4});
+  expectRefusal([&] { static_cast<void>(loadVolume(folder_.path(), 100)); }, folder_.path(), "GiB",
+                Error::Code::kOutOfMemory);
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/engine/volume/samples.hpp"
+
+namespace palpate {
+namespace {
+
+class Meta : public testing::Test {
+ protected:
+  [[nodiscard]] Volume load(const std::string& bytes) const {
+    writeFile(path_, bytes);
+    return loadVolume(path_);
+  }
+  void refuses(const std::string& bytes, const std::string& reason, Error::Code code = Error::Code::kBadInput) const {
+    writeFile(path_, bytes);
+    expectLoadRefusal(path_, reason, code);
+  }
+
+  TempFolder folder_;
+  std::string path_ = folder_.file("a.mha");
+  std::string data_ = bytesOf<std::int16_t>(rampValues(-30));
+};
+
+TEST_F(Meta, ReadsEveryNumberType) {
+  const std::vector<double> values = rampValues(20);
+  const auto check = [&](const std::string& type, const std::string& bytes, const std::string& name) {
+    const Volume volume = load(metaHeader(type) + bytes);
+    expectVolume(volume, plainLattice(), values);
+    EXPECT_EQ(volume.facts().value_type, name);
+  };
+  check("MET_UCHAR", bytesOf<std::uint8_t>(values), "uint8");
+  check("MET_CHAR", bytesOf<std::int8_t>(values), "int8");
+  check("MET_USHORT", bytesOf<std::uint16_t>(values), "uint16");
+  check("MET_SHORT", bytesOf<std::int16_t>(values), "int16");
+  check("MET_UINT", bytesOf<std::uint32_t>(values), "uint32");
+  check("MET_INT", bytesOf<std::int32_t>(values), "int32");
+  check("MET_FLOAT", bytesOf<float>(values), "float32");
+  check("MET_DOUBLE", bytesOf<double>(values), "float64");
+}
+
+TEST_F(Meta, ReadsBigEndianAndDetachedData) {
+  std::string big = metaHeader("MET_SHORT");
+  big.replace(big.find("MSB = False"), 11, "MSB = True");
+  expectVolume(load(big + bytesOf<std::int16_t>(rampValues(-30), true)), plainLattice(), rampValues(-30));
+  path_ = folder_.file("a.mhd");
+  writeFile(folder_.file("a.raw"), data_);
+  expectVolume(load(metaHeader("MET_SHORT", "ElementSpacing = 0.5 0.75 2\n", "a.raw")), plainLattice(), rampValues(-30));
+  refuses(metaHeader("MET_SHORT", "", "missing.raw"), "not there", Error::Code::kNotFound);
+}
+
+TEST_F(Meta, KeepsAnObliqueLatticeCompressedOrNot) {
+  for (const bool compressed : {false, true}) {
+    writeWithItk(ItkWriter::kMeta, path_, itkImageOf(obliqueLattice(), rampValues()), compressed);
+    expectVolume(loadVolume(path_), obliqueLattice(), rampValues(), 1e-8);
+  }
+}
+
+TEST_F(Meta, AppliesTheSlopeToIntensities) {
+  const std::string slope = "ElementToIntensityFunctionSlope = 0.5\nElementToIntensityFunctionOffset = 100\n";
+  const Volume volume = load(metaHeader("MET_SHORT", "ElementSpacing = 0.5 0.75 2\n" + slope) + data_);
+  std::vector<double> values = rampValues(-30);
+  for (double& value : values) value = 0.5 * value + 100;
+  expectVolume(volume, plainLattice(), values);
+  EXPECT_EQ(volume.facts().rescale_slope, 0.5);
+}
+
+TEST_F(Meta, RefusesBadSpacing) {
+  for (const std::string spacing : {"0 1 1", "1 -1 1", "1 1 nan"}) {
+    refuses(metaHeader("MET_SHORT", "ElementSpacing = " + spacing + "\n") + data_, "ElementSpacing");
+  }
+}
+
+TEST_F(Meta, SaysWhenTheVoxelSizeIsMissing) {
+  EXPECT_THAT(load(metaHeader("MET_SHORT", "") + data_).facts().remark, testing::HasSubstr("1 mm"));
+}
+
+TEST_F(Meta, RefusesWhatIsNoVolume) {
+  std::string flat = metaHeader("MET_SHORT", "", "LOCAL", "5 12");
+  flat.replace(flat.find("NDims = 3"), 9, "NDims = 2");
+  refuses(flat + data_, "2 dimensions");
+  refuses(metaHeader("MET_SHORT", "ElementNumberOfChannels = 3\n", "LOCAL", "5 2 2") + data_, "3 components");
+  std::string series = metaHeader("MET_SHORT", "", "LOCAL", "5 2 2 3");
+  series.replace(series.find("NDims = 3"), 9, "NDims = 4");
+  refuses(series + data_, "series of 3");
+}
+
+TEST_F(Meta, RefusesMoreThanMemoryAndShortData) {
+  refuses(metaHeader("MET_SHORT", "", "LOCAL", "100000 100000 100000"), "GiB", Error::Code::kOutOfMemory);
+  refuses(metaHeader("MET_SHORT") + data_.substr(1), "cannot hold");
+}
+
+}  // namespace
+}  // namespace palpate

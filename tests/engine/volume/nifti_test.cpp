@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/engine/volume/samples.hpp"
+
+namespace palpate {
+namespace {
+
+// NIfTI's identity is RAS: seen from LPS, i and j run backwards.
+Lattice rasLattice() { return {Vec3::Zero(), Vec3(-1, -1, 1).asDiagonal(), kSpacing_mm * 1e-3}; }
+
+class Nifti : public testing::Test {
+ protected:
+  [[nodiscard]] Volume load(const NiftiFields& fields, const std::string& data) const {
+    writeFile(path_, niftiHeader(fields) + data);
+    return loadVolume(path_);
+  }
+  void refuses(const NiftiFields& fields, const std::string& reason, Error::Code code = Error::Code::kBadInput) const {
+    writeFile(path_, niftiHeader(fields) + data_);
+    expectLoadRefusal(path_, reason, code);
+  }
+
+  TempFolder folder_;
+  std::string path_ = folder_.file("a.nii");
+  std::string data_ = bytesOf<std::int16_t>(rampValues(-30));
+};
+
+TEST_F(Nifti, ReadsEveryNumberTypeInBothByteOrders) {
+  const std::vector<double> values = rampValues(20);
+  for (const bool big : {false, true}) {
+    const auto check = [&](int datatype, int bits, const std::string& bytes, const std::string& name) {
+      NiftiFields fields;
+      fields.datatype = datatype;
+      fields.bits = bits;
+      fields.big_endian = big;
+      const Volume volume = load(fields, bytes);
+      expectVolume(volume, rasLattice(), values);
+      EXPECT_EQ(volume.facts().value_type, name);
+    };
+    check(2, 8, bytesOf<std::uint8_t>(values, big), "uint8");
+    check(256, 8, bytesOf<std::int8_t>(values, big), "int8");
+    check(4, 16, bytesOf<std::int16_t>(values, big), "int16");
+    check(512, 16, bytesOf<std::uint16_t>(values, big), "uint16");
+    check(8, 32, bytesOf<std::int32_t>(values, big), "int32");
+    check(768, 32, bytesOf<std::uint32_t>(values, big), "uint32");
+    check(16, 32, bytesOf<float>(values, big), "float32");
+    check(64, 64, bytesOf<double>(values, big), "float64");
+  }
+}
+
+TEST_F(Nifti, AppliesSlopeAndIntercept) {
+  NiftiFields fields;
+  fields.slope = 0.5F;
+  fields.intercept = 100;
+  const Volume volume = load(fields, data_);
+  std::vector<double> values = rampValues(-30);
+  for (double& value : values) value = 0.5 * value + 100;
+  expectVolume(volume, rasLattice(), values);
+  EXPECT_EQ(volume.facts().rescale_slope, 0.5);
+  EXPECT_EQ(volume.facts().rescale_intercept, 100);
+  EXPECT_EQ(volume.facts().value_type, "int16");
+}
+
+TEST_F(Nifti, ReadsCompressedFilesAndPairs) {
+  writeGzip(folder_.file("b.nii.gz"), niftiHeader({}) + data_);
+  expectVolume(loadVolume(folder_.file("b.nii.gz")), rasLattice(), rampValues(-30));
+  NiftiFields pair;
+  pair.one_file = false;
+  writeFile(folder_.file("c.hdr"), niftiHeader(pair));
+  writeFile(folder_.file("c.img"), data_);
+  expectVolume(loadVolume(folder_.file("c.hdr")), rasLattice(), rampValues(-30));
+  expectVolume(loadVolume(folder_.file("c.img")), rasLattice(), rampValues(-30));
+}
+
+// A quarter turn about z: i runs anterior, j right. RAS offset (10, 20, 30) mm.
+TEST_F(Nifti, TurnsQuaternionsAndMatricesToLps) {
+  Mat3 R_WL;
+  R_WL << 0, 1, 0, -1, 0, 0, 0, 0, 1;
+  const Lattice lattice = {Vec3(-0.010, -0.020, 0.030), R_WL, kSpacing_mm * 1e-3};
+  NiftiFields fields;
+  fields.quaternion = {0, 0, 0.70710678F};
+  fields.offset = {10, 20, 30};
+  expectVolume(load(fields, data_), lattice, rampValues(-30), 1e-6);
+  fields = {};
+  fields.qform_code = 0;
+  fields.sform_code = 1;
+  fields.sform = {0, -0.75F, 0, 10, 0.5F, 0, 0, 20, 0, 0, 2, 30};
+  expectVolume(load(fields, data_), lattice, rampValues(-30), 1e-6);
+}
+
+TEST_F(Nifti, KeepsAnObliqueLattice) {
+  writeWithItk(ItkWriter::kNifti, folder_.file("o.nii.gz"), itkImageOf(obliqueLattice(), rampValues()), true);
+  expectVolume(loadVolume(folder_.file("o.nii.gz")), obliqueLattice(), rampValues(), 1e-6);
+}
+
+TEST_F(Nifti, HonoursUnitsOfLength) {
+  NiftiFields fields;
+  fields.offset = {-10, -20, 30};
+  Lattice lattice = rasLattice();
+  lattice.origin_W = Vec3(10, 20, 30);
+  lattice.spacing_m *= 1e3;
+  fields.units = 1;  // metres
+  expectVolume(load(fields, data_), lattice, rampValues(-30), 1e-6);
+  fields.units = 3;  // micrometres
+  lattice.origin_W *= 1e-6;
+  lattice.spacing_m *= 1e-6;
+  expectVolume(load(fields, data_), lattice, rampValues(-30), 1e-12);
+}
+
+TEST_F(Nifti, RefusesBadVoxelSizes) {
+  for (const float size : {0.0F, -1.0F, std::numeric_limits<float>::infinity(), std::nanf("")}) {
+    NiftiFields fields;
+    fields.pixdim[2] = size;
+    refuses(fields, "not positive");
+  }
+}
+
+TEST_F(Nifti, RefusesWhatIsNoVolumeOfNumbers) {
+  NiftiFields flat;
+  flat.dim = {2, 5, 12, 1, 1, 1, 1, 1};
+  refuses(flat, "2 dimensions");
+  NiftiFields series;
+  series.dim = {4, 5, 4, 1, 3, 1, 1, 1};
+  refuses(series, "series of 3");
+  NiftiFields colour;
+  colour.datatype = 128;
+  refuses(colour, "several components");
+}
+
+TEST_F(Nifti, ReadsOneTimePoint) {
+  NiftiFields series;
+  series.dim = {4, 5, 4, 3, 1, 1, 1, 1};
+  expectVolume(load(series, data_), rasLattice(), rampValues(-30));
+}
+
+TEST_F(Nifti, RefusesAnalyzeAndNifti2) {
+  NiftiFields pair;
+  pair.one_file = false;
+  std::string bytes = niftiHeader(pair);
+  overwrite(bytes, 344, std::string(4, '\0'));
+  writeFile(folder_.file("old.hdr"), bytes);
+  writeFile(folder_.file("old.img"), data_);
+  expectLoadRefusal(folder_.file("old.hdr"), "left from right");
+  bytes = std::string(540, '\0');
+  overwrite(bytes, 0, bytesOf<std::int32_t>({540}));
+  writeFile(path_, bytes);
+  expectLoadRefusal(path_, "NIfTI-2");
+}
+
+TEST_F(Nifti, RefusesMoreThanMemoryBeforeReadingIt) {
+  NiftiFields huge;
+  huge.dim = {3, 32767, 32767, 32767, 1, 1, 1, 1};
+  refuses(huge, "GiB", Error::Code::kOutOfMemory);
+}
+
+TEST_F(Nifti, RefusesShortData) {
+  writeFile(path_, niftiHeader({}) + data_.substr(2));
+  expectLoadRefusal(path_, "cannot hold");
+}
+
+}  // namespace
+}  // namespace palpate
