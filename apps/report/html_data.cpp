@@ -5,7 +5,7 @@
 #include <cmath>
 #include <functional>
 
-#include "apps/report/run_figures.hpp"
+#include "servo/loop/run_figures.hpp"
 #include "base/units.hpp"
 
 namespace palpate {

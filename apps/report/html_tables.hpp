@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "apps/report/run_figures.hpp"
+#include "servo/loop/run_figures.hpp"
 #include "apps/report/touch_run.hpp"
 
 namespace palpate {

@@ -2,7 +2,7 @@
 #include "apps/report/summary.hpp"
 
 #include "apps/report/atomic_file.hpp"
-#include "apps/report/run_figures.hpp"
+#include "servo/loop/run_figures.hpp"
 #include "apps/report/words.hpp"
 
 namespace palpate {

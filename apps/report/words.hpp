@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <string>
 
-#include "apps/report/run_figures.hpp"
+#include "servo/loop/run_figures.hpp"
 #include "apps/report/touch_run.hpp"
 
 namespace palpate {

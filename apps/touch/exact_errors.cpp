@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/report/quantile.hpp"
+#include "servo/loop/quantile.hpp"
 #include "base/units.hpp"
 
 namespace palpate {

@@ -3,6 +3,7 @@
 
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <chrono>
 
 #include "apps/console/interrupt.hpp"
@@ -20,6 +21,7 @@
 #include "engine/service/engine.hpp"
 #include "engine/volume/statistics.hpp"
 #include "servo/algorithms/registry.hpp"
+#include "servo/loop/run_figures.hpp"
 #include "servo/safety/faults.hpp"
 
 namespace palpate {
@@ -72,15 +74,12 @@ std::vector<std::string> planWords(const Plan& plan, const PlanFacts& facts) {
   return words;
 }
 
-std::vector<RunFault> faultsOf(const std::vector<TickRecord>& records) {
+std::vector<RunFault> faultsOf(const TouchRun& run) {
   std::vector<RunFault> faults;
-  for (const FaultText& row : faultTable()) {
-    RunFault fault{row.name, 0, 0, row.text, row.remedy};
-    for (const TickRecord& record : records) {
-      if (!has(record.faults, row.fault)) continue;
-      if (fault.ticks++ == 0) fault.first_tick = record.tick;
-    }
-    if (fault.ticks > 0) faults.push_back(std::move(fault));
+  for (const FaultCount& count : computeFigures(run.records, run.scene.rate_hz).faults) {
+    const auto table = faultTable();
+    const auto row = std::find_if(table.begin(), table.end(), [&](const FaultText& r) { return r.fault == count.fault; });
+    faults.push_back({row->name, count.ticks, count.first_tick, row->text, row->remedy});
   }
   return faults;
 }
@@ -154,7 +153,7 @@ TouchRun runTouchJob(const Scene& scene, const std::string& command, const std::
                                  [&] { return runServo(run.scene, isovalue, path.path, *engine, progress); });
   run.records = std::move(result.records);
   run.realtime = realTimeWords(scene, result);
-  run.faults = faultsOf(run.records);
+  run.faults = faultsOf(run);
   if (scene.volume.starts_with("phantom:")) run.exact = exactErrors(*makePhantom(scene.volume), run.records, run.phases);
 
   run.files = outputFiles(scene, folder);

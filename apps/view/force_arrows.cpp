@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "apps/report/run_figures.hpp"
+#include "servo/loop/run_figures.hpp"
 
 namespace palpate {
 namespace {

@@ -7,7 +7,7 @@
 #include <cstring>
 
 #include "base/error.hpp"
-#include "servo/loop/loop_statistics.hpp"
+#include "servo/loop/run_figures.hpp"
 #include "support/touch_scene.hpp"
 
 namespace palpate {
@@ -40,7 +40,7 @@ TEST(ServoLoopSimulated, TwoRunsAreEqualByteForByte) {
     const LoopResult b = runInStep(algorithm, Hand::kSpring);
     ASSERT_EQ(a.records.size(), 400u);
     ASSERT_EQ(b.records.size(), 400u);
-    EXPECT_GT(statisticsOf(a.records).contact_ticks, 200);
+    EXPECT_GT(computeFigures(a.records, 1000).contact_ticks, 200);
     EXPECT_EQ(std::memcmp(a.records.data(), b.records.data(), 400 * sizeof(TickRecord)), 0);
   }
 }
@@ -62,8 +62,8 @@ TEST(ServoLoopSimulated, RecordsTellWhatWasFelt) {
     const Vec3 force_W(r.force_W[0], r.force_W[1], r.force_W[2]);
     ASSERT_TRUE(r.in_contact || force_W.isZero(0));
   }
-  const LoopStatistics s = statisticsOf(run.records);
-  EXPECT_EQ(s.contacts, 1);
+  const RunFigures s = computeFigures(run.records, 1000);
+  EXPECT_EQ(s.touches, 1);
   // The path's own greatest depth. Samples of 1 mm put the surface 0.012 mm off at most (h^2 / 4 R), a plane of four ticks
   // at 15 mm/s another 1e-7 m ((v n T)^2 / 2 R), encoders 1e-6 m.
   const TouchScene scene(0.4);
@@ -71,7 +71,7 @@ TEST(ServoLoopSimulated, RecordsTellWhatWasFelt) {
   for (int tick = 0; tick < 400; ++tick) {
     deepest_m = std::max(deepest_m, 20e-3 - (scene.path.position(tick * 1e-3) - Vec3::Constant(31.3e-3)).norm());
   }
-  EXPECT_NEAR(s.max_penetration_m, deepest_m, 0.015e-3);
+  EXPECT_NEAR(s.depth_m.max, deepest_m, 0.015e-3);
 }
 
 TEST(ServoLoopSimulated, TheEngineSeesTheToolOfTheLastTick) {
@@ -223,11 +223,11 @@ TEST(ServoLoopReal, RunsTheAskedTicksOnTheGrid) {
     const Vec3 hip_W(r.hip_W[0], r.hip_W[1], r.hip_W[2]);
     ASSERT_LT((hip_W - scene.path.position(r.time_s)).norm(), 1e-12);
   }
-  const LoopStatistics s = statisticsOf(run.records);
-  EXPECT_LE(s.tick_cost_ns.p50, s.tick_cost_ns.p90);
-  EXPECT_LE(s.tick_cost_ns.p90, s.tick_cost_ns.p99);
-  EXPECT_LE(s.tick_cost_ns.p99, s.tick_cost_ns.p99_9);
-  EXPECT_LE(s.tick_cost_ns.p99_9, s.tick_cost_ns.max);
+  const RunFigures s = computeFigures(run.records, 1000);
+  EXPECT_LE(s.tick_cost_us.p50, s.tick_cost_us.p90);
+  EXPECT_LE(s.tick_cost_us.p90, s.tick_cost_us.p99);
+  EXPECT_LE(s.tick_cost_us.p99, s.tick_cost_us.p999);
+  EXPECT_LE(s.tick_cost_us.p999, s.tick_cost_us.max);
   EXPECT_GT(s.contact_ticks, 0);
 }
 

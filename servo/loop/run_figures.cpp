@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/report/run_figures.hpp"
+#include "servo/loop/run_figures.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -18,7 +18,7 @@ Vec3 vec(const double (&v)[3]) {
 }
 
 template <typename Value>
-Percentiles over(const std::vector<TickRecord>& records, bool contact_only, Value value) {
+Percentiles over(std::span<const TickRecord> records, bool contact_only, Value value) {
   std::vector<double> values;
   values.reserve(records.size());
   for (const TickRecord& record : records) {
@@ -28,7 +28,7 @@ Percentiles over(const std::vector<TickRecord>& records, bool contact_only, Valu
   return percentiles(std::move(values));
 }
 
-void addContact(const std::vector<TickRecord>& records, RunFigures& figures) {
+void addContact(std::span<const TickRecord> records, RunFigures& figures) {
   for (std::size_t i = 0; i < records.size(); ++i) {
     const TickRecord& now = records[i];
     const TickRecord* before = i > 0 ? &records[i - 1] : nullptr;
@@ -47,16 +47,27 @@ void addContact(const std::vector<TickRecord>& records, RunFigures& figures) {
   }
 }
 
-void addLoop(const std::vector<TickRecord>& records, double rate_hz, RunFigures& figures) {
+void addLoop(std::span<const TickRecord> records, RunFigures& figures) {
   std::vector<std::uint64_t> versions;
   for (const TickRecord& record : records) {
     figures.plane_age_max_ticks = std::max(figures.plane_age_max_ticks, record.plane_age_ticks);
     if (record.faults != 0) ++figures.faulty_ticks;
-    const double busy_ns = static_cast<double>(record.lateness_ns) + record.tick_cost_ns;
-    if (busy_ns > kNanosecondsPerSecond / rate_hz) ++figures.late_ticks;
+    if (has(record.faults, ServoFault::kOverrun)) ++figures.late_ticks;
     if (versions.empty() || versions.back() != record.window_version) versions.push_back(record.window_version);
   }
   figures.windows_used = versions.size();
+  for (std::size_t i = 1; i < records.size(); ++i) figures.skipped_ticks += records[i].tick - records[i - 1].tick - 1;
+}
+
+void addFaults(std::span<const TickRecord> records, RunFigures& figures) {
+  for (const FaultText& row : faultTable()) {
+    FaultCount count{row.fault, 0, 0};
+    for (const TickRecord& record : records) {
+      if (!has(record.faults, row.fault)) continue;
+      if (count.ticks++ == 0) count.first_tick = record.tick;
+    }
+    if (count.ticks > 0) figures.faults.push_back(count);
+  }
 }
 
 }  // namespace
@@ -70,11 +81,12 @@ double depthOf(const TickRecord& record) noexcept {
   return std::max(0.0, (vec(record.vhip_W) - vec(record.hip_W)).dot(vec(record.normal_W)));
 }
 
-RunFigures computeFigures(const std::vector<TickRecord>& records, double rate_hz) {
+RunFigures computeFigures(std::span<const TickRecord> records, double rate_hz) {
   RunFigures figures;
   figures.ticks = static_cast<std::int64_t>(records.size());
   addContact(records, figures);
-  addLoop(records, rate_hz, figures);
+  addLoop(records, figures);
+  addFaults(records, figures);
   figures.time_s = static_cast<double>(figures.ticks) / rate_hz;
   figures.contact_s = static_cast<double>(figures.contact_ticks) / rate_hz;
   figures.force_N = over(records, true, forceOf);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/report/quantile.hpp: quantiles of measured values, by one stated rule, and the usual five of them.
+// servo/loop/quantile.hpp: quantiles of measured values, by one stated rule, and the usual five of them.
 //
 // Any thread. Cost: one sort. NaN may not be among the values.
 #pragma once

@@ -1,17 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/report/run_figures.hpp: what the records of a run say in a few figures: contact, force, depth, quality of the
+// servo/loop/run_figures.hpp: what the records of a run say in a few figures: contact, force, depth, quality of the
 // servo.
 //
 // Any thread. Cost: some passes and sorts over the records.
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
-#include "apps/report/quantile.hpp"
+#include "servo/loop/quantile.hpp"
 #include "servo/loop/tick_record.hpp"
+#include "servo/safety/faults.hpp"
 
 namespace palpate {
+
+struct FaultCount {
+  ServoFault fault = ServoFault::kNone;
+  std::int64_t ticks = 0;       // with this bit
+  std::int64_t first_tick = 0;
+};
 
 struct RunFigures {
   std::int64_t ticks = 0;
@@ -28,13 +36,15 @@ struct RunFigures {
   Percentiles lateness_us;      // wake-up after the due time [us]
   Percentiles window_age_ms;    // [ms]
   std::int32_t plane_age_max_ticks = 0;
-  std::int64_t late_ticks = 0;     // that woke up or ended after the next tick was due
+  std::int64_t late_ticks = 0;     // not done when the next tick was due (kOverrun)
+  std::int64_t skipped_ticks = 0;  // gaps in the tick numbers: grid points left out after late ticks
   std::int64_t faulty_ticks = 0;   // with any fault flag
   std::uint64_t windows_used = 0;  // different window versions
+  std::vector<FaultCount> faults;  // those that occurred, lowest bit first
 };
 
 // `rate_hz` of the servo [1/s]. No records give all zeros.
-[[nodiscard]] RunFigures computeFigures(const std::vector<TickRecord>& records, double rate_hz);
+[[nodiscard]] RunFigures computeFigures(std::span<const TickRecord> records, double rate_hz);
 
 // Magnitude of the force [N] and depth [m] of one tick; depth is 0 without contact.
 [[nodiscard]] double forceOf(const TickRecord& record) noexcept;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/report/quantile.hpp"
+#include "servo/loop/quantile.hpp"
 
 #include <algorithm>
 #include <cmath>

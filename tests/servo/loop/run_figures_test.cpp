@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/loop/run_figures.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+namespace palpate {
+namespace {
+
+TickRecord record(std::int64_t tick, bool contact, double force_N, double depth_m, std::uint32_t faults = 0) {
+  TickRecord r;
+  r.tick = tick;
+  r.time_s = static_cast<double>(tick) / 1000;
+  r.in_contact = contact;
+  r.force_W[2] = force_N;
+  r.normal_W[2] = contact ? 1 : 0;
+  r.vhip_W[0] = static_cast<double>(tick) * 1e-3;  // a millimetre sideways a tick
+  r.vhip_W[2] = depth_m;
+  r.faults = faults;
+  r.tick_cost_ns = static_cast<std::int32_t>(100 * tick);
+  r.lateness_ns = 10'000 * tick;
+  r.window_age_ns = 1'000'000 * tick;
+  r.window_version = tick < 5 ? 1 : 2;
+  return r;
+}
+
+// Two touches by hand, ticks 3 and 4 left out.
+std::vector<TickRecord> twoTouches() {
+  const std::uint32_t overrun = bit(ServoFault::kOverrun);
+  const std::uint32_t beyond = bit(ServoFault::kBeyondWindow);
+  return {record(0, false, 0, 0), record(1, true, 1, 0.002), record(2, true, 3, 0.006, overrun),
+          record(5, false, 0.5, 0, beyond), record(6, true, -4, 0.004, beyond)};
+}
+
+TEST(RunFigures, CountContactForceAndDepth) {
+  const RunFigures f = computeFigures(twoTouches(), 1000);
+  EXPECT_EQ(f.ticks, 5);
+  EXPECT_EQ(f.contact_ticks, 3);
+  EXPECT_EQ(f.touches, 2);
+  EXPECT_DOUBLE_EQ(f.contact_s, 3e-3);
+  EXPECT_DOUBLE_EQ(f.first_contact_s, 1e-3);
+  EXPECT_DOUBLE_EQ(f.depth_m.p50, 0.004);
+  EXPECT_DOUBLE_EQ(f.depth_m.max, 0.006);
+  EXPECT_DOUBLE_EQ(f.force_N.p50, 3);
+  EXPECT_DOUBLE_EQ(f.force_N.max, 4);
+  EXPECT_DOUBLE_EQ(f.force_step_max_N, 4.5);  // from 0.5 to -4
+  // Within the first touch only: 1 mm sideways and 4 mm down.
+  EXPECT_DOUBLE_EQ(f.vhip_way_m, std::hypot(1e-3, 4e-3));
+}
+
+TEST(RunFigures, CountLateSkippedAndFaultyTicks) {
+  const RunFigures f = computeFigures(twoTouches(), 1000);
+  EXPECT_EQ(f.late_ticks, 1);
+  EXPECT_EQ(f.skipped_ticks, 2);
+  EXPECT_EQ(f.faulty_ticks, 3);
+  EXPECT_EQ(f.windows_used, 2U);
+  EXPECT_DOUBLE_EQ(f.tick_cost_us.p50, 0.2);
+  EXPECT_DOUBLE_EQ(f.lateness_us.max, 60);
+  EXPECT_DOUBLE_EQ(f.window_age_ms.p90, 6);
+  ASSERT_EQ(f.faults.size(), 2U);
+  EXPECT_EQ(f.faults[0].fault, ServoFault::kBeyondWindow);
+  EXPECT_EQ(f.faults[0].ticks, 2);
+  EXPECT_EQ(f.faults[0].first_tick, 5);
+  EXPECT_EQ(f.faults[1].fault, ServoFault::kOverrun);
+}
+
+TEST(RunFigures, DepthIsMeasuredAlongTheNormal) {
+  TickRecord r = record(0, true, 1, 2e-3);
+  r.vhip_W[0] = 5e-3;  // friction has left the VHIP behind
+  EXPECT_DOUBLE_EQ(depthOf(r), 2e-3);
+}
+
+TEST(RunFigures, OfNothingAreZero) {
+  const RunFigures f = computeFigures({}, 1000);
+  EXPECT_EQ(f.ticks, 0);
+  EXPECT_EQ(f.force_N.max, 0);
+  EXPECT_EQ(f.first_contact_s, -1);
+  EXPECT_TRUE(f.faults.empty());
+}
+
+}  // namespace
+}  // namespace palpate
