@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A folder of DICOM slices: "folder", or "folder#1.2.3" for one series by its UID; the series with most slices otherwise.
-// Source of the format: DICOM PS3.3, C.7.6.2 (Image Plane): positions and directions are LPS millimetres.
+// A folder of DICOM slices: "folder", or "folder#1.2.3" for one series by its UID; the series with most slices
+// otherwise. Source of the format: DICOM PS3.3, C.7.6.2 (Image Plane): positions and directions are LPS millimetres.
 //
 // GDCM under ITK reads each slice and applies its slope and intercept. The order and spacing of slices come from their
 // positions, never from file names or slice thickness.
@@ -8,15 +8,15 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
-#include <memory>
 
 #include "base/error.hpp"
 #include "base/units.hpp"
-#include "engine/volume/itk_file.hpp"
+#include "engine/volume/dicom_slice.hpp"
 #include "engine/volume/magic.hpp"
 #include "engine/volume/memory_budget.hpp"
 #include "engine/volume/raw_values.hpp"
 #include "engine/volume/readers.hpp"
+#include "engine/volume/text_header.hpp"
 
 namespace palpate {
 namespace {
@@ -30,74 +30,30 @@ constexpr double kLateralTolerance = 0.05;  // of the pixel spacing, from slice 
   throw Error(Error::Code::kBadInput, source, reason, remedy);
 }
 
-struct Slice {
-  fs::path path;
-  std::unique_ptr<ItkFile> file;
-  Vec3 position_mm;  // of its first pixel
-  double along_mm;   // its position along the slices' normal
+using Series = std::vector<DicomSlice>;
 
-  [[nodiscard]] std::string name() const { return path.filename().string(); }
-  [[nodiscard]] Vec3 axis(std::size_t n) const {
-    const auto& direction = file->header().direction[n];
-    return {direction[0], direction[1], direction[2]};
-  }
-};
-
-using Series = std::vector<Slice>;
-
-// "a\b\c"
-std::vector<double> numbersOf(const std::string& text) {
-  std::vector<double> numbers;
-  for (std::size_t begin = 0; begin < text.size();) {
-    const std::size_t end = std::min(text.find('\\', begin), text.size());
-    numbers.push_back(std::atof(text.substr(begin, end - begin).c_str()));
-    begin = end + 1;
-  }
-  return numbers;
+void checkIsDicom(const fs::path& path, const std::string& source) {
+  if (lowerCase(path.extension().string()) != ".dcm") return;  // any other file may lie beside the slices
+  refuse(source, fmt::format("{} is no DICOM slice, or it is damaged", path.filename().string()),
+         "copy the series again or take the file away");
 }
 
-Slice readSliceHeader(const fs::path& path, const std::string& source) {
-  Slice slice{path, nullptr, Vec3::Zero(), 0};
-  try {
-    slice.file = std::make_unique<ItkFile>(ItkReader::kDicomSlice, path.string());
-  } catch (const std::runtime_error& failure) {
-    refuse(source, fmt::format("slice {} cannot be read ({})", slice.name(), failure.what()), "copy the series again");
-  }
-  return slice;
-}
-
-// A slice must say where it lies; checked on the series that is used only.
-void checkSlice(Slice& slice, const std::string& source) {
-  const ItkHeader& header = slice.file->header();
-  if (header.components != 1 || !header.type) {
-    refuse(source, fmt::format("slice {} has {} components a pixel", slice.name(), header.components), "give a CT or MR series");
-  }
-  if (header.dimensions.size() > 2 && header.dimensions[2] > 1) {
-    refuse(source, fmt::format("{} holds several frames", slice.name()), "convert it to NIfTI or NRRD");
-  }
-  const std::vector<double> spacing = numbersOf(slice.file->tag("0028|0030"));
-  if (spacing.size() != 2 || !(spacing[0] > 0) || !(spacing[1] > 0)) {
-    refuse(source, fmt::format("the PixelSpacing \"{}\" of slice {} is not positive", slice.file->tag("0028|0030"), slice.name()),
-           "write the true pixel size into the files");
-  }
-  const std::vector<double> position = numbersOf(slice.file->tag("0020|0032"));
-  if (position.size() != 3 || numbersOf(slice.file->tag("0020|0037")).size() != 6) {
-    refuse(source, fmt::format("slice {} has no position or orientation", slice.name()), "give a CT or MR series");
-  }
-  slice.position_mm = Vec3(position[0], position[1], position[2]);
-}
-
-// Every series of a folder by its UID. Files that are no DICOM slices are passed over.
+// Every series of a folder by its UID. Files that are no DICOM slices are passed over, unless their names say they are.
 std::map<std::string, Series> readFolder(const std::string& folder, const std::string& source) {
   std::vector<fs::path> files;
   for (const auto& entry : fs::directory_iterator(folder)) {
-    if (entry.is_regular_file() && formatByContent(entry.path().string()) == "DICOM") files.push_back(entry.path());
+    if (!entry.is_regular_file()) continue;
+    if (formatByContent(entry.path().string()) == "DICOM") {
+      files.push_back(entry.path());
+    } else {
+      checkIsDicom(entry.path(), source);
+    }
   }
   if (files.empty()) refuse(source, "the folder holds no DICOM slices", "give the folder in which the slices are");
   std::sort(files.begin(), files.end());
   std::map<std::string, Series> all;
   for (const fs::path& file : files) {
-    Slice slice = readSliceHeader(file, source);
+    DicomSlice slice = readDicomSlice(file, source);
     const std::string uid = slice.file->tag("0020|000e");
     all[uid].push_back(std::move(slice));
   }
@@ -105,36 +61,41 @@ std::map<std::string, Series> readFolder(const std::string& folder, const std::s
 }
 
 // Returns the series' UID.
-std::string chooseSeries(const std::map<std::string, Series>& all, const std::string& wanted, const std::string& source) {
+std::string chooseSeries(const std::map<std::string, Series>& all, const std::string& wanted,
+                         const std::string& source) {
   if (wanted.empty()) {
-    return std::max_element(all.begin(), all.end(), [](const auto& a, const auto& b) {
-             return a.second.size() < b.second.size();
-           })->first;
+    return std::max_element(all.begin(), all.end(),
+                            [](const auto& a, const auto& b) { return a.second.size() < b.second.size(); })
+        ->first;
   }
   if (all.contains(wanted)) return wanted;
   std::string known;
-  for (const auto& [uid, series] : all) known += fmt::format("{}{} ({} slices)", known.empty() ? "" : ", ", uid, series.size());
+  for (const auto& [uid, series] : all)
+    known += fmt::format("{}{} ({} slices)", known.empty() ? "" : ", ", uid, series.size());
   refuse(source, fmt::format("the folder has no series {}", wanted), "choose one of " + known);
 }
 
 // Sorts along the normal, which is chosen so that the slices' first axis, second axis and normal are right-handed.
 void sortSlices(Series& series, const std::string& source) {
-  for (Slice& slice : series) checkSlice(slice, source);
+  for (DicomSlice& slice : series) checkDicomSlice(slice, source);
   const Vec3 normal = series[0].axis(0).cross(series[0].axis(1)).normalized();
-  for (Slice& slice : series) slice.along_mm = slice.position_mm.dot(normal);
-  std::sort(series.begin(), series.end(), [](const Slice& a, const Slice& b) { return a.along_mm < b.along_mm; });
+  for (DicomSlice& slice : series) slice.along_mm = slice.position_mm.dot(normal);
+  std::sort(series.begin(), series.end(),
+            [](const DicomSlice& a, const DicomSlice& b) { return a.along_mm < b.along_mm; });
 }
 
 void checkAlike(const Series& series, const std::string& source) {
   const ItkHeader& first = series[0].file->header();
-  for (const Slice& slice : series) {
+  for (const DicomSlice& slice : series) {
     const ItkHeader& header = slice.file->header();
     const bool same_size = header.dimensions[0] == first.dimensions[0] && header.dimensions[1] == first.dimensions[1];
     const bool same_spacing = std::abs(header.spacing[0] - first.spacing[0]) <= 1e-4 * first.spacing[0] &&
                               std::abs(header.spacing[1] - first.spacing[1]) <= 1e-4 * first.spacing[1];
-    const bool same_axes = (slice.axis(0) - series[0].axis(0)).norm() < 1e-3 && (slice.axis(1) - series[0].axis(1)).norm() < 1e-3;
+    const bool same_axes =
+        (slice.axis(0) - series[0].axis(0)).norm() < 1e-3 && (slice.axis(1) - series[0].axis(1)).norm() < 1e-3;
     if (same_size && same_spacing && same_axes) continue;
-    refuse(source, fmt::format("slices {} and {} differ in size, spacing or orientation", series[0].name(), slice.name()),
+    refuse(source,
+           fmt::format("slices {} and {} differ in size, spacing or orientation", series[0].name(), slice.name()),
            "keep one scan in a folder");
   }
 }
@@ -156,14 +117,17 @@ double checkGaps(const Series& series, const std::string& source) {
     const std::string pair = series[n - 1].name() + " and " + series[n].name();
     if (gap < 1e-3) refuse(source, "slices " + pair + " lie at one place", "keep one time point or echo in a folder");
     if (gap > 1.5 * usual) {
-      refuse(source, fmt::format("{:.0f} slices are missing between {}", std::round(gap / usual) - 1, pair), "add them");
+      refuse(source, fmt::format("{:.0f} slices are missing between {}", std::round(gap / usual) - 1, pair),
+             "add them");
     }
     if (std::abs(gap - usual) > kGapTolerance * usual) {
-      refuse(source, fmt::format("slices {} are {:g} mm apart, others {:g} mm", pair, gap, usual), "resample the series evenly");
+      refuse(source, fmt::format("slices {} are {:g} mm apart, others {:g} mm", pair, gap, usual),
+             "resample the series evenly");
     }
     const Vec3 step = series[n].position_mm - series[n - 1].position_mm;
     if ((step - gap * normal).norm() > kLateralTolerance * series[0].file->header().spacing[0]) {
-      refuse(source, fmt::format("slices {} are shifted sideways, as under a tilted gantry", pair), "resample the series upright");
+      refuse(source, fmt::format("slices {} are shifted sideways, as under a tilted gantry", pair),
+             "resample the series upright");
     }
   }
   return (series.back().along_mm - series.front().along_mm) / static_cast<double>(series.size() - 1);
@@ -183,13 +147,14 @@ std::vector<float> readPixels(const Series& series, const std::string& source) {
   const auto& n = series[0].file->header().dimensions;
   const auto pixels = static_cast<std::size_t>(n[0] * n[1]);
   values.reserve(pixels * series.size());
-  for (const Slice& slice : series) {
+  for (const DicomSlice& slice : series) {
     const ValueType type = *slice.file->header().type;
     std::vector<char> raw(pixels * byteSize(type));
     try {
       slice.file->read(raw.data());
     } catch (const std::runtime_error& failure) {
-      refuse(source, fmt::format("slice {} cannot be read ({})", slice.name(), failure.what()), "copy the series again");
+      refuse(source, fmt::format("slice {} cannot be read ({})", slice.name(), failure.what()),
+             "copy the series again");
     }
     const std::vector<float> converted = toFloats(raw, type);
     values.insert(values.end(), converted.begin(), converted.end());
@@ -198,17 +163,17 @@ std::vector<float> readPixels(const Series& series, const std::string& source) {
 }
 
 VolumeFacts factsOf(const std::map<std::string, Series>& all, const std::string& uid, const std::string& source) {
-  const Slice& first = all.at(uid)[0];
+  const DicomSlice& first = all.at(uid)[0];
   VolumeFacts facts;
   facts.source = source;
   facts.format = "DICOM series";
-  const std::vector<double> stored_bits = numbersOf(first.file->tag("0028|0100"));
-  const std::vector<double> is_signed = numbersOf(first.file->tag("0028|0103"));
+  const std::vector<double> stored_bits = dicomNumbers(first.file->tag("0028|0100"));
+  const std::vector<double> is_signed = dicomNumbers(first.file->tag("0028|0103"));
   facts.value_type = fmt::format("{}int{:.0f}", is_signed == std::vector<double>{1} ? "" : "u",
                                  stored_bits.empty() ? 16 : stored_bits[0]);
   facts.orientation = "LPS, from the slices' positions";
-  const std::vector<double> slope = numbersOf(first.file->tag("0028|1053"));
-  const std::vector<double> intercept = numbersOf(first.file->tag("0028|1052"));
+  const std::vector<double> slope = dicomNumbers(first.file->tag("0028|1053"));
+  const std::vector<double> intercept = dicomNumbers(first.file->tag("0028|1052"));
   if (!slope.empty()) facts.rescale_slope = slope[0];
   if (!intercept.empty()) facts.rescale_intercept = intercept[0];
   facts.remark = fmt::format("series {}", uid);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/volume/formats.hpp"
 
-#include <fmt/ranges.h>
-
 #include <algorithm>
 #include <filesystem>
+
+#include <fmt/ranges.h>
 
 #include "base/error.hpp"
 #include "engine/volume/magic.hpp"
@@ -22,7 +22,8 @@ std::string withoutPart(const std::string& name) {
 }
 
 bool endsWithAny(const std::string& name, const std::vector<std::string>& suffixes) {
-  return std::any_of(suffixes.begin(), suffixes.end(), [&](const std::string& suffix) { return name.ends_with(suffix); });
+  return std::any_of(suffixes.begin(), suffixes.end(),
+                     [&](const std::string& suffix) { return name.ends_with(suffix); });
 }
 
 const VolumeFormat& formatNamed(const std::string& name) {
@@ -69,7 +70,8 @@ const VolumeFormat& chooseFormat(const std::string& name) {
   const fs::file_status status = fs::status(path, failure);
   if (fs::is_directory(status)) return formatNamed("DICOM series");
   if (!fs::exists(status)) {
-    throw Error(Error::Code::kNotFound, name, "there is no such file or folder", "check the path, or use phantom:sphere");
+    throw Error(Error::Code::kNotFound, name, "there is no such file or folder",
+                "check the path, or use phantom:sphere");
   }
   if (!fs::is_regular_file(status)) throw Error(Error::Code::kBadInput, name, "it is no file", "give a volume's file");
   return chooseByFile(name, path);

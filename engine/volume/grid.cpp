@@ -20,7 +20,9 @@ void checkSize(const Vec3i& size, const std::string& input) {
 }
 
 // Bits, not values: -0 and +0 must both survive.
-bool sameBits(float a, float b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+bool sameBits(float a, float b) {
+  return std::memcmp(&a, &b, sizeof a) == 0;
+}
 
 // Voxels of a brick that lie in the domain, along each axis.
 Vec3i voxelsInside(const Vec3i& size, const Vec3i& brick) {

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // engine/volume/grid.hpp: what a Volume holds. Private to engine/volume: it is the one header that includes OpenVDB.
 //
-// Leaves lie at multiples of 8 from (0,0,0), so a leaf is a brick; a constant brick is a tile of the level above. Voxels
-// of a leaf outside the domain repeat the nearest voxel inside and are inactive. The grid's transform is the identity
-// (VDB refuses voxels below 15 micrometres, its unit being the metre); `lattice` is the truth.
+// Leaves lie at multiples of 8 from (0,0,0), so a leaf is a brick; a constant brick is a tile of the level above.
+// Voxels of a leaf outside the domain repeat the nearest voxel inside and are inactive. The grid's transform is the
+// identity (VDB refuses voxels below 15 micrometres, its unit being the metre); `lattice` is the truth.
 #pragma once
-
-#include <openvdb/Grid.h>
-#include <openvdb/tree/Tree.h>
 
 #include <functional>
 #include <memory>
+
+#include <openvdb/Grid.h>
+#include <openvdb/tree/Tree.h>
 
 #include "engine/volume/volume.hpp"
 

@@ -4,14 +4,14 @@
 //
 // InVesalius keeps its slices flipped in y against DICOM: index j runs anterior. It keeps no position, so the world's
 // origin is the centre of voxel (0, 0, 0).
-#include <archive.h>
-#include <archive_entry.h>
-#include <plist/plist.h>
-
 #include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <optional>
+
+#include <archive.h>
+#include <archive_entry.h>
+#include <plist/plist.h>
 
 #include "base/error.hpp"
 #include "base/units.hpp"
@@ -121,8 +121,8 @@ ValueType valueTypeOf(plist_t matrix, const std::string& source) {
   plist_t node = plist_dict_get_item(matrix, "dtype");
   std::string name;
   if (node != nullptr && plist_get_node_type(node) == PLIST_STRING) name = plist_get_string_ptr(node, nullptr);
-  for (const ValueType type : {ValueType::kInt16, ValueType::kUint8, ValueType::kInt8, ValueType::kUint16, ValueType::kInt32,
-                               ValueType::kUint32, ValueType::kFloat32, ValueType::kFloat64}) {
+  for (const ValueType type : {ValueType::kInt16, ValueType::kUint8, ValueType::kInt8, ValueType::kUint16,
+                               ValueType::kInt32, ValueType::kUint32, ValueType::kFloat32, ValueType::kFloat64}) {
     if (nameOf(type) == name) return type;
   }
   refuse(source, fmt::format("its values are of the type \"{}\"", name));
@@ -133,7 +133,8 @@ ValueType valueTypeOf(plist_t matrix, const std::string& source) {
 Volume readInvesalius(const std::string& name, std::size_t memory_budget_bytes) {
   const Plist root = readPlist(name, name);
   plist_t matrix = plist_dict_get_item(root.get(), "matrix");
-  if (matrix == nullptr || plist_get_node_type(matrix) != PLIST_DICT) refuse(name, "its main.plist describes no matrix");
+  if (matrix == nullptr || plist_get_node_type(matrix) != PLIST_DICT)
+    refuse(name, "its main.plist describes no matrix");
   const Vec3 shape = triple(matrix, "shape", name);  // z, y, x
   if (!(shape.minCoeff() >= 1 && shape.maxCoeff() < 1e15)) refuse(name, "its matrix has no size");
   const ValueType type = valueTypeOf(matrix, name);
@@ -148,8 +149,8 @@ Volume readInvesalius(const std::string& name, std::size_t memory_budget_bytes) 
   ArchiveMember member(name, "matrix.dat", name);
   const std::size_t wanted = static_cast<std::size_t>(size.cast<long long>().prod()) * byteSize(type);
   if (member.bytes() != static_cast<std::int64_t>(wanted)) {
-    refuse(name, fmt::format("its matrix.dat has {} bytes, and {} x {} x {} voxels of {} need {}", member.bytes(), size.x(),
-                             size.y(), size.z(), nameOf(type), wanted));
+    refuse(name, fmt::format("its matrix.dat has {} bytes, and {} x {} x {} voxels of {} need {}", member.bytes(),
+                             size.x(), size.y(), size.z(), nameOf(type), wanted));
   }
   std::vector<char> raw(wanted);
   member.read(raw.data(), raw.size());

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/volume/itk_file.hpp"
 
+#include <stdexcept>
+
 #include <itkGDCMImageIO.h>
 #include <itkMetaDataObject.h>
 #include <itkMetaImageIO.h>
 #include <itkNiftiImageIO.h>
 #include <itkNrrdImageIO.h>
 
-#include <stdexcept>
-
-#include "engine/volume/itk_quiet.hpp"
+#include "engine/volume/quiet.hpp"
 
 namespace palpate {
 
@@ -21,10 +21,14 @@ namespace {
 
 itk::ImageIOBase::Pointer makeIo(ItkReader reader) {
   switch (reader) {
-    case ItkReader::kNrrd: return itk::NrrdImageIO::New().GetPointer();
-    case ItkReader::kNifti: return itk::NiftiImageIO::New().GetPointer();
-    case ItkReader::kMeta: return itk::MetaImageIO::New().GetPointer();
-    case ItkReader::kDicomSlice: return itk::GDCMImageIO::New().GetPointer();
+    case ItkReader::kNrrd:
+      return itk::NrrdImageIO::New().GetPointer();
+    case ItkReader::kNifti:
+      return itk::NiftiImageIO::New().GetPointer();
+    case ItkReader::kMeta:
+      return itk::MetaImageIO::New().GetPointer();
+    case ItkReader::kDicomSlice:
+      return itk::GDCMImageIO::New().GetPointer();
   }
   return nullptr;
 }
@@ -32,7 +36,7 @@ itk::ImageIOBase::Pointer makeIo(ItkReader reader) {
 // Runs `work` with the screen caught and ITK's exceptions turned into one line.
 template <class Work>
 void quietly(const Work& work) {
-  const ItkQuiet quiet;
+  const Quiet quiet;
   try {
     work();
   } catch (const itk::ExceptionObject& failure) {
@@ -47,19 +51,30 @@ void quietly(const Work& work) {
 std::optional<ValueType> valueTypeOf(itk::IOComponentEnum component) {
   using Component = itk::IOComponentEnum;
   switch (component) {
-    case Component::UCHAR: return ValueType::kUint8;
-    case Component::CHAR: return ValueType::kInt8;
-    case Component::USHORT: return ValueType::kUint16;
-    case Component::SHORT: return ValueType::kInt16;
-    case Component::UINT: return ValueType::kUint32;
-    case Component::INT: return ValueType::kInt32;
+    case Component::UCHAR:
+      return ValueType::kUint8;
+    case Component::CHAR:
+      return ValueType::kInt8;
+    case Component::USHORT:
+      return ValueType::kUint16;
+    case Component::SHORT:
+      return ValueType::kInt16;
+    case Component::UINT:
+      return ValueType::kUint32;
+    case Component::INT:
+      return ValueType::kInt32;
     case Component::ULONG:
-    case Component::ULONGLONG: return ValueType::kUint64;
+    case Component::ULONGLONG:
+      return ValueType::kUint64;
     case Component::LONG:
-    case Component::LONGLONG: return ValueType::kInt64;
-    case Component::FLOAT: return ValueType::kFloat32;
-    case Component::DOUBLE: return ValueType::kFloat64;
-    default: return {};
+    case Component::LONGLONG:
+      return ValueType::kInt64;
+    case Component::FLOAT:
+      return ValueType::kFloat32;
+    case Component::DOUBLE:
+      return ValueType::kFloat64;
+    default:
+      return {};
   }
 }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // engine/volume/itk_file.hpp: one image file open in ITK. Private to engine/volume.
 //
-// Neither this header nor its .cpp may include Eigen (so no lattice and no volume): ITK brings an older copy of its own,
-// and the two do not go together in one source file. ITK's images are LPS millimetres.
+// Neither this header nor its .cpp may include Eigen (so no lattice and no volume): ITK brings an older copy of its
+// own, and the two do not go together in one source file. ITK's images are LPS millimetres.
 #pragma once
 
 #include <array>

@@ -47,7 +47,9 @@ Volume read(ItkRequest& request) {
   const auto& n = header.dimensions;
   checkMemory(source, n[0], n[1], n[2], static_cast<double>(byteSize(type)), request.memory_budget_bytes);
   const Vec3i size(static_cast<int>(n[0]), static_cast<int>(n[1]), static_cast<int>(n[2]));
-  const Lattice lattice = orthonormalised(latticeOf(header, request.metres_per_unit), source);
+  Lattice claimed = request.lattice ? *request.lattice : latticeOf(header, request.metres_per_unit);
+  claimed.origin_W *= request.origin_scale;
+  const Lattice lattice = orthonormalised(claimed, source);
   std::vector<char> raw(static_cast<std::size_t>(size.cast<long long>().prod()) * byteSize(type));
   file.read(raw.data());
   if (request.facts.value_type.empty()) request.facts.value_type = nameOf(type);

@@ -15,15 +15,17 @@ namespace palpate {
 struct ItkRequest {
   ItkReader reader = ItkReader::kNrrd;
   std::string path;
-  VolumeFacts facts;                  // source is the name in messages; value_type is filled where it is empty
-  double metres_per_unit = 1.0e-3;    // of the file's lengths
-  double slope = 1;                   // applied here, for formats in which ITK does not
+  VolumeFacts facts;                // source is the name in messages; value_type is filled where it is empty
+  double metres_per_unit = 1.0e-3;  // of the file's lengths
+  std::optional<Lattice> lattice;   // where the reader knows better than ITK
+  double origin_scale = 1;          // ITK applies NIfTI's unit of length to the voxel size, not to the origin
+  double slope = 1;                 // applied here, for formats in which ITK does not
   double intercept = 0;
   std::size_t memory_budget_bytes = 0;
 };
 
-// Refuses several components, fewer than three dimensions, more than one time point, what exceeds the memory budget, and
-// what ITK cannot read. Set-up thread.
+// Refuses several components, fewer than three dimensions, more than one time point, what exceeds the memory budget,
+// and what ITK cannot read. Set-up thread.
 [[nodiscard]] Volume readItkImage(ItkRequest request);
 
 }  // namespace palpate

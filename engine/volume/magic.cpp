@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/volume/magic.hpp"
 
-#include <archive.h>
-
 #include <algorithm>
 #include <memory>
 #include <string_view>
+
+#include <archive.h>
 
 namespace palpate {
 namespace {

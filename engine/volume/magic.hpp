@@ -7,8 +7,8 @@
 
 namespace palpate {
 
-// A name from volumeFormats(), "DICOM" for one slice, or "" if the bytes say nothing. gzip files are opened to look inside.
-// Cost: reads at most a few KiB. Any thread.
+// A name from volumeFormats(), "DICOM" for one slice, or "" if the bytes say nothing. gzip files are opened to look
+// inside. Cost: reads at most a few KiB. Any thread.
 [[nodiscard]] std::string formatByContent(const std::string& path);
 
 // The first `count` bytes of a file, fewer where it ends, taken out of gzip if they lie in it. "" if it cannot be read.

@@ -29,8 +29,8 @@ void checkMemory(const std::string& input, double bytes, std::size_t memory_budg
   const std::size_t budget = memory_budget_bytes != 0 ? memory_budget_bytes : availableMemoryBytes();
   if (bytes <= static_cast<double>(budget)) return;
   throw Error(Error::Code::kOutOfMemory, input,
-              fmt::format("it needs {:.3g} GiB with its copy for the GPU, and {:.3g} GiB are free", bytes / kBytesPerGiB,
-                          static_cast<double>(budget) / kBytesPerGiB),
+              fmt::format("it needs {:.3g} GiB with its copy for the GPU, and {:.3g} GiB are free",
+                          bytes / kBytesPerGiB, static_cast<double>(budget) / kBytesPerGiB),
               "crop or resample it, or use a machine with more memory");
 }
 

@@ -11,9 +11,9 @@
 
 namespace palpate {
 
-inline constexpr double kDenseBytesPerVoxel = 4;    // the float array handed to Volume::fromDense
-inline constexpr double kGridBytesPerVoxel = 4.2;   // a full leaf: 512 floats, its mask and its place in the tree
-inline constexpr double kGpuBytesPerVoxel = 8;      // density 4, and 16 of gradient for a quarter of the bricks
+inline constexpr double kDenseBytesPerVoxel = 4;      // the float array handed to Volume::fromDense
+inline constexpr double kGridBytesPerVoxel = 4.2;     // a full leaf: 512 floats, its mask and its place in the tree
+inline constexpr double kGpuBytesPerVoxel = 8;        // density 4, and 16 of gradient for a quarter of the bricks
 inline constexpr std::int64_t kMaxDimension = 16384;  // voxels along an axis: brick counts then fit 32 bit indices
 
 // Memory that the machine has free for new work [byte]: MemAvailable of /proc/meminfo; SIZE_MAX where there is none.

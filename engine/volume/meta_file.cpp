@@ -32,12 +32,14 @@ double claimedBytes(const TextHeader& header, const std::string& source, std::si
   double voxels = 1;
   for (const double size : sizes) {
     if (!(size >= 1 && size <= 1e15) || size != std::floor(size)) {
-      refuse(source, fmt::format("its DimSize \"{}\" is no list of counts", header.text("dimsize")), "write the file again");
+      refuse(source, fmt::format("its DimSize \"{}\" is no list of counts", header.text("dimsize")),
+             "write the file again");
     }
     voxels *= size;
   }
   const double bytes = bytesOfType(header.text("elementtype"));
-  checkMemory(source, voxels * (bytes + kDenseBytesPerVoxel + kGridBytesPerVoxel + kGpuBytesPerVoxel), memory_budget_bytes);
+  checkMemory(source, voxels * (bytes + kDenseBytesPerVoxel + kGridBytesPerVoxel + kGpuBytesPerVoxel),
+              memory_budget_bytes);
   return voxels * bytes;
 }
 
@@ -45,15 +47,17 @@ double claimedBytes(const TextHeader& header, const std::string& source, std::si
 void checkChannels(const TextHeader& header, const std::string& source) {
   const std::string channels = header.text("elementnumberofchannels");
   if (channels.empty() || channels == "1") return;
-  refuse(source, fmt::format("it has {} components a voxel, and a density is one number", channels), "extract one component");
+  refuse(source, fmt::format("it has {} components a voxel, and a density is one number", channels),
+         "extract one component");
 }
 
 void checkSpacing(const TextHeader& header, const std::string& source) {
   for (const std::string key : {"elementspacing", "elementsize"}) {
     for (const double spacing : header.numbers(key)) {
       if (spacing > 0 && std::isfinite(spacing)) continue;
-      refuse(source, fmt::format("its {} \"{}\" is not positive", key == "elementsize" ? "ElementSize" : "ElementSpacing",
-                                 header.text(key)),
+      refuse(source,
+             fmt::format("its {} \"{}\" is not positive", key == "elementsize" ? "ElementSize" : "ElementSpacing",
+                         header.text(key)),
              "write the true voxel size into the header");
     }
   }

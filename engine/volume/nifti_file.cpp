@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // NIfTI-1: .nii, .nii.gz and .hdr/.img pairs. Source of the format: nifti1.h, https://nifti.nimh.nih.gov/nifti-1
 //
-// ITK reads it, turns RAS to LPS and applies scl_slope and scl_inter. Looked at before: dimensions, voxel sizes (ITK takes
-// the size of a negative one), value type, the stored size. Analyze 7.5 files are refused: they do not say left from right.
+// ITK reads it, turns RAS to LPS and applies scl_slope and scl_inter. Looked at before: dimensions, voxel sizes (ITK
+// takes the size of a negative one), value type, the stored size. Analyze 7.5 files are refused: they do not say left
+// from right.
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 
 #include "base/error.hpp"
 #include "engine/volume/itk_image.hpp"
@@ -30,9 +32,10 @@ class RawHeader {
  public:
   RawHeader(std::string bytes, const std::string& source) : bytes_(std::move(bytes)) {
     if (bytes_.size() < kHeaderBytes) refuse(source, "its header is cut short", "copy or write the file again");
+    const auto claimed_bytes = get<std::int32_t>(0);
     swapped_ = get<std::int16_t>(40) < 1 || get<std::int16_t>(40) > 7;
+    if (claimed_bytes == 540 || get<std::int32_t>(0) == 540) refuse(source, "it is NIfTI-2", "convert it to NIfTI-1");
     const std::string magic = bytes_.substr(344, 3);
-    if (get<std::int32_t>(0) == 540) refuse(source, "it is NIfTI-2", "convert it to NIfTI-1");
     if (magic != "n+1" && magic != "ni1") {
       refuse(source, "it is no NIfTI file; an Analyze file would not say left from right", "convert it to NIfTI");
     }
@@ -44,6 +47,12 @@ class RawHeader {
   [[nodiscard]] double dataOffset() const { return get<float>(108); }
   [[nodiscard]] double slope() const { return get<float>(112); }
   [[nodiscard]] double intercept() const { return get<float>(116); }
+  // Of one unit of length [mm].
+  [[nodiscard]] double millimetresPerUnit() const {
+    const int unit = bytes_[123] & 7;
+    if (unit == 1) return 1e3;
+    return unit == 3 ? 1e-3 : 1;
+  }
   [[nodiscard]] bool oneFile() const { return bytes_[345] == '+'; }
   [[nodiscard]] bool hasOrientation() const { return get<std::int16_t>(252) > 0 || get<std::int16_t>(254) > 0; }
 
@@ -62,21 +71,33 @@ class RawHeader {
 
 ValueType valueTypeOf(const RawHeader& header, const std::string& source) {
   switch (header.type()) {
-    case 2: return ValueType::kUint8;
-    case 4: return ValueType::kInt16;
-    case 8: return ValueType::kInt32;
-    case 16: return ValueType::kFloat32;
-    case 64: return ValueType::kFloat64;
-    case 256: return ValueType::kInt8;
-    case 512: return ValueType::kUint16;
-    case 768: return ValueType::kUint32;
-    case 1024: return ValueType::kInt64;
-    case 1280: return ValueType::kUint64;
+    case 2:
+      return ValueType::kUint8;
+    case 4:
+      return ValueType::kInt16;
+    case 8:
+      return ValueType::kInt32;
+    case 16:
+      return ValueType::kFloat32;
+    case 64:
+      return ValueType::kFloat64;
+    case 256:
+      return ValueType::kInt8;
+    case 512:
+      return ValueType::kUint16;
+    case 768:
+      return ValueType::kUint32;
+    case 1024:
+      return ValueType::kInt64;
+    case 1280:
+      return ValueType::kUint64;
     case 32:
     case 128:
     case 1792:
-    case 2304: refuse(source, "its voxels are complex numbers or colours, several components each", "extract one component");
-    default: refuse(source, fmt::format("its value type {} is not supported", header.type()), "write it as int16 or float32");
+    case 2304:
+      refuse(source, "its voxels are complex numbers or colours, several components each", "extract one component");
+    default:
+      refuse(source, fmt::format("its value type {} is not supported", header.type()), "write it as int16 or float32");
   }
 }
 
@@ -85,7 +106,8 @@ double claimedBytes(const RawHeader& header, const std::string& source, std::siz
   if (axes < 3 || axes > 7) refuse(source, fmt::format("it has {} dimensions", axes), "give a volume");
   for (std::size_t axis = 4; axis <= static_cast<std::size_t>(axes); ++axis) {
     if (header.dimension(axis) <= 1) continue;
-    refuse(source, fmt::format("it is a series of {} volumes or components", header.dimension(axis)), "extract one of them");
+    refuse(source, fmt::format("it is a series of {} volumes or components", header.dimension(axis)),
+           "extract one of them");
   }
   const double bytes = static_cast<double>(byteSize(valueTypeOf(header, source)));
   checkMemory(source, header.dimension(1), header.dimension(2), header.dimension(3), bytes, memory_budget_bytes);
@@ -108,12 +130,23 @@ std::string headerPath(const std::string& name) {
   return name;
 }
 
-void checkData(const RawHeader& header, const std::string& name, double wanted) {
-  if (!header.oneFile()) return;  // ITK finds the .img
-  const bool compressed = lowerCase(name).ends_with(".gz");
+// The file that holds the voxels: "scan.hdr" has them in "scan.img", either of them gzipped or not.
+std::string dataPath(const RawHeader& header, const std::string& header_path) {
+  if (header.oneFile()) return header_path;
+  const std::string stem = header_path.substr(0, lowerCase(header_path).rfind(".hdr"));
+  for (const std::string suffix : {".img", ".img.gz", ".IMG"}) {
+    if (std::filesystem::exists(stem + suffix)) return stem + suffix;
+  }
+  return stem + ".img";
+}
+
+// ITK fills what is missing of a short .img with zeros.
+void checkData(const RawHeader& header, const std::string& header_path, const std::string& source, double wanted) {
+  const std::string path = dataPath(header, header_path);
+  const bool compressed = lowerCase(path).ends_with(".gz");
   const double offset = compressed ? 0 : header.dataOffset();
-  if (!(offset >= 0 && offset < 1e12)) refuse(name, "its data offset is no place in a file", "write the file again");
-  checkStoredBytes(name, static_cast<double>(fileBytes(name, name)) - offset, wanted, compressed);
+  if (!(offset >= 0 && offset < 1e12)) refuse(source, "its data offset is no place in a file", "write the file again");
+  checkStoredBytes(source, static_cast<double>(fileBytes(path, source)) - offset, wanted, compressed);
 }
 
 }  // namespace
@@ -123,15 +156,17 @@ Volume readNifti(const std::string& name, std::size_t memory_budget_bytes) {
   if (path != name) static_cast<void>(fileBytes(path, name));  // an .img without its .hdr
   const RawHeader header(headOf(path, kHeaderBytes), name);
   checkVoxelSize(header, name);
-  checkData(header, name, claimedBytes(header, name, memory_budget_bytes));
+  checkData(header, path, name, claimedBytes(header, name, memory_budget_bytes));
   ItkRequest request;
   request.reader = ItkReader::kNifti;
   request.path = path;
   request.memory_budget_bytes = memory_budget_bytes;
+  request.origin_scale = header.millimetresPerUnit();
   request.facts.source = name;
   request.facts.format = "NIfTI";
   request.facts.value_type = nameOf(valueTypeOf(header, name));
-  request.facts.orientation = header.hasOrientation() ? "RAS file turned to LPS" : "no orientation in the file: taken as RAS";
+  request.facts.orientation =
+      header.hasOrientation() ? "RAS file turned to LPS" : "no orientation in the file: taken as RAS";
   if (header.slope() != 0) {  // 0 means none
     request.facts.rescale_slope = header.slope();
     request.facts.rescale_intercept = header.intercept();

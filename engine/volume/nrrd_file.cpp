@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // NRRD, attached (.nrrd) and detached (.nhdr). Source of the format: https://teem.sourceforge.net/nrrd/format.html
 //
-// ITK reads it and turns "space: right-anterior-superior" and "left-anterior-superior" to LPS. Looked at before: spacings
-// (ITK takes the size of a negative one), units of length (ITK ignores them), the stored size of raw and gzip data.
+// ITK reads the values. The lattice is made here from "space directions", because ITK 5.2 turns LAS files to LPS but
+// not RAS ones. Looked at before: spacings (ITK takes the size of a negative one), units of length (ITK ignores them),
+// the stored size of raw and gzip data.
 #include <cmath>
 #include <filesystem>
-#include <limits>
+#include <optional>
 
 #include "base/error.hpp"
 #include "engine/volume/itk_image.hpp"
@@ -93,6 +94,43 @@ void checkData(const TextHeader& header, const std::string& path, const std::str
   checkStoredBytes(source, stored, voxels * bytesOfType(lowerCase(header.text("type"))), compressed);
 }
 
+// "(1,2,3) none (4,5,6)": the vectors, without what is not one.
+std::vector<Vec3> vectorsOf(const TextHeader& header, const std::string& key) {
+  const std::string text = header.text(key);
+  std::vector<Vec3> vectors;
+  for (std::size_t open = text.find('('); open != std::string::npos; open = text.find('(', open + 1)) {
+    TextHeader one;
+    one.fields[key] = text.substr(open, text.find(')', open) - open);
+    const std::vector<double> numbers = one.numbers(key);
+    if (numbers.size() == 3) vectors.emplace_back(numbers[0], numbers[1], numbers[2]);
+  }
+  return vectors;
+}
+
+// The file's frame to LPS; the identity for frames that have no anatomy.
+Vec3 signsToLps(const TextHeader& header) {
+  const std::string space = lowerCase(header.text("space"));
+  if (space == "right-anterior-superior" || space == "ras") return {-1, -1, 1};
+  if (space == "left-anterior-superior" || space == "las") return {1, -1, 1};
+  return {1, 1, 1};
+}
+
+// Empty where the header gives no directions: spacings alone ITK reads rightly.
+std::optional<Lattice> latticeOf(const TextHeader& header, double metres_per_unit) {
+  const std::vector<Vec3> directions = vectorsOf(header, "space directions");
+  const std::vector<Vec3> origin = vectorsOf(header, "space origin");
+  if (directions.size() != 3) return {};
+  const Vec3 signs = signsToLps(header);
+  Lattice lattice;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Vec3 step = directions[static_cast<std::size_t>(axis)].cwiseProduct(signs) * metres_per_unit;
+    lattice.spacing_m[axis] = step.norm();
+    lattice.R_WL.col(axis) = step.normalized();
+  }
+  if (origin.size() == 1) lattice.origin_W = origin[0].cwiseProduct(signs) * metres_per_unit;
+  return lattice;
+}
+
 std::string orientationOf(const TextHeader& header) {
   const std::string space = lowerCase(header.text("space"));
   if (space.empty()) return "no space in the file: axes taken as LPS";
@@ -113,6 +151,7 @@ Volume readNrrd(const std::string& name, std::size_t memory_budget_bytes) {
   request.reader = ItkReader::kNrrd;
   request.path = name;
   request.metres_per_unit = metresPerUnit(header, name);
+  request.lattice = latticeOf(header, request.metres_per_unit);
   request.memory_budget_bytes = memory_budget_bytes;
   request.facts.source = name;
   request.facts.format = "NRRD";

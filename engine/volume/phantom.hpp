@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/volume/phantom.hpp: volumes with a surface known exactly, so that every pass and algorithm can be held against it.
+// engine/volume/phantom.hpp: volumes with a surface known exactly, so that every pass and algorithm can be held against
+// it.
 //
-// Frame: world [m]. The lattice's centre, and with it the object's, is the world's origin; axes i, j, k run along +x, +y, +z.
-// Signed distance: NEGATIVE INSIDE the object, positive outside. Near the surface the density is linear in it:
+// Frame: world [m]. The lattice's centre, and with it the object's, is the world's origin; axes i, j, k run along +x,
+// +y, +z. Signed distance: NEGATIVE INSIDE the object, positive outside. Near the surface the density is linear in it:
 //     density = isovalue - slope * signed distance,   clamped to the values far inside and far outside,
 // so central differences see a field whose only error is the surface's curvature. Values are CT-like (air -1000).
 // Thread: const after construction; any thread. Cost of a distance: 10 ns (sphere) to about 5 us (gyroid).
@@ -75,8 +76,8 @@ class Phantom {
 // Makes the phantom that "phantom:NAME?key=value&..." names. Throws Error(kBadInput) as parsePhantomSpec does.
 [[nodiscard]] std::unique_ptr<Phantom> makePhantom(const std::string& text);
 
-// Its volume: densities plus noise, Gaussian (sum of twelve uniforms, so tails end at 6 sigma) with the standard deviation
-// spec.noise * (high - low). The same seed gives the same bits on every machine.
+// Its volume: densities plus noise, Gaussian (sum of twelve uniforms, so tails end at 6 sigma) with the standard
+// deviation spec.noise * (high - low). The same seed gives the same bits on every machine.
 [[nodiscard]] Volume makeVolume(const Phantom& phantom);
 
 }  // namespace palpate

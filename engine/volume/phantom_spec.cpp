@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/volume/phantom_spec.hpp"
 
-#include <fmt/ranges.h>
-
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <string_view>
+
+#include <fmt/ranges.h>
 
 #include "base/error.hpp"
 #include "engine/volume/memory_budget.hpp"
@@ -49,7 +49,8 @@ template <class Number>
 Eigen::Matrix<Number, 3, 1> parseTriple(const std::string& input, const std::string& key, std::string_view text) {
   const std::vector<std::string> parts = split(text, 'x');
   if (parts.size() != 1 && parts.size() != 3) {
-    refuse(input, fmt::format("{}=\"{}\" has {} numbers", key, text, parts.size()), "give one or three: 64 or 128x128x64");
+    refuse(input, fmt::format("{}=\"{}\" has {} numbers", key, text, parts.size()),
+           "give one or three: 64 or 128x128x64");
   }
   Eigen::Matrix<Number, 3, 1> triple;
   for (std::size_t n = 0; n < 3; ++n) {
@@ -78,7 +79,8 @@ Vec3 parseSpacing(const std::string& input, std::string_view text) {
 Vec3i parseSize(const std::string& input, std::string_view text) {
   const Vec3i size = parseTriple<int>(input, "size", text);
   if (size.minCoeff() < 2 || size.maxCoeff() > kMaxDimension) {
-    refuse(input, fmt::format("size={} is out of range", text), fmt::format("give 2 to {} voxels along an axis", kMaxDimension));
+    refuse(input, fmt::format("size={} is out of range", text),
+           fmt::format("give 2 to {} voxels along an axis", kMaxDimension));
   }
   return size;
 }
@@ -93,11 +95,13 @@ double parseWithin(const std::string& input, const std::string& key, std::string
 
 const PhantomKind& findKind(const std::string& input, const std::string& name) {
   const auto& kinds = phantomKinds();
-  const auto found = std::find_if(kinds.begin(), kinds.end(), [&](const PhantomKind& kind) { return kind.name == name; });
+  const auto found =
+      std::find_if(kinds.begin(), kinds.end(), [&](const PhantomKind& kind) { return kind.name == name; });
   if (found != kinds.end()) return *found;
   std::vector<std::string> names;
   for (const PhantomKind& kind : kinds) names.push_back(kind.name);
-  refuse(input, fmt::format("there is no phantom \"{}\"", name), fmt::format("choose one of {}", fmt::join(names, ", ")));
+  refuse(input, fmt::format("there is no phantom \"{}\"", name),
+         fmt::format("choose one of {}", fmt::join(names, ", ")));
 }
 
 // Sets one key; returns whether the spacing was given.
@@ -134,7 +138,12 @@ const std::vector<PhantomKind>& phantomKinds() {
       {"gyroid", "a triply periodic surface with many passages", Vec3i::Constant(64), 0, {}, makeGyroid},
       {"head", "CT-like head: skin, skull with a hole, brain, sinuses", Vec3i(128, 128, 64), 0.2048, {}, makeHead},
       {"lung", "CT-like chest: wall, lungs, vessel trees, spine", Vec3i(128, 128, 64), 0.336, {}, makeLung},
-      {"random", "random values, denormal and huge ones too, for bit-exactness tests", Vec3i::Constant(64), 0, {}, makeRandom},
+      {"random",
+       "random values, denormal and huge ones too, for bit-exactness tests",
+       Vec3i::Constant(64),
+       0,
+       {},
+       makeRandom},
   };
   return kKinds;
 }

@@ -39,21 +39,35 @@ std::vector<float> convert(const std::vector<char>& raw, double slope, double in
 
 }  // namespace
 
-std::size_t byteSize(ValueType type) noexcept { return kTypes[static_cast<std::size_t>(type)].bytes; }
-std::string nameOf(ValueType type) { return kTypes[static_cast<std::size_t>(type)].name; }
+std::size_t byteSize(ValueType type) noexcept {
+  return kTypes[static_cast<std::size_t>(type)].bytes;
+}
+std::string nameOf(ValueType type) {
+  return kTypes[static_cast<std::size_t>(type)].name;
+}
 
 std::vector<float> toFloats(const std::vector<char>& raw, ValueType type, double slope, double intercept) {
   switch (type) {
-    case ValueType::kUint8: return convert<std::uint8_t>(raw, slope, intercept);
-    case ValueType::kInt8: return convert<std::int8_t>(raw, slope, intercept);
-    case ValueType::kUint16: return convert<std::uint16_t>(raw, slope, intercept);
-    case ValueType::kInt16: return convert<std::int16_t>(raw, slope, intercept);
-    case ValueType::kUint32: return convert<std::uint32_t>(raw, slope, intercept);
-    case ValueType::kInt32: return convert<std::int32_t>(raw, slope, intercept);
-    case ValueType::kUint64: return convert<std::uint64_t>(raw, slope, intercept);
-    case ValueType::kInt64: return convert<std::int64_t>(raw, slope, intercept);
-    case ValueType::kFloat32: return convert<float>(raw, slope, intercept);
-    case ValueType::kFloat64: return convert<double>(raw, slope, intercept);
+    case ValueType::kUint8:
+      return convert<std::uint8_t>(raw, slope, intercept);
+    case ValueType::kInt8:
+      return convert<std::int8_t>(raw, slope, intercept);
+    case ValueType::kUint16:
+      return convert<std::uint16_t>(raw, slope, intercept);
+    case ValueType::kInt16:
+      return convert<std::int16_t>(raw, slope, intercept);
+    case ValueType::kUint32:
+      return convert<std::uint32_t>(raw, slope, intercept);
+    case ValueType::kInt32:
+      return convert<std::int32_t>(raw, slope, intercept);
+    case ValueType::kUint64:
+      return convert<std::uint64_t>(raw, slope, intercept);
+    case ValueType::kInt64:
+      return convert<std::int64_t>(raw, slope, intercept);
+    case ValueType::kFloat32:
+      return convert<float>(raw, slope, intercept);
+    case ValueType::kFloat64:
+      return convert<double>(raw, slope, intercept);
   }
   return {};
 }

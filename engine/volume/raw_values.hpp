@@ -11,7 +11,8 @@
 
 namespace palpate {
 
-// `raw` holds values of one type in the machine's byte order. Each becomes float(value * slope + intercept), rounded once.
+// `raw` holds values of one type in the machine's byte order. Each becomes float(value * slope + intercept), rounded
+// once.
 [[nodiscard]] std::vector<float> toFloats(const std::vector<char>& raw, ValueType type, double slope = 1,
                                           double intercept = 0);
 

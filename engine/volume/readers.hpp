@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // engine/volume/readers.hpp: one reader per format. Private to engine/volume; loadVolume chooses among them.
 //
-// Each takes the name as the user gave it ("scan.nrrd", "file.vdb#density", "folder#1.2.3") and the memory budget [byte],
-// 0 for what the machine has free. Each throws Error and leaves nothing half done.
+// Each takes the name as the user gave it ("scan.nrrd", "file.vdb#density", "folder#1.2.3") and the memory budget
+// [byte], 0 for what the machine has free. Each throws Error and leaves nothing half done.
 #pragma once
 
 #include <string>

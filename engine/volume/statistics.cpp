@@ -78,7 +78,8 @@ std::vector<IsovalueSuggestion> suggest(const VolumeFacts& facts, const VolumeSt
 
 [[noreturn]] void refuseConstant(const Volume& volume) {
   throw Error(Error::Code::kBadInput, volume.facts().source,
-              fmt::format("every voxel is {:g}; there is no isosurface", volume.minimum()), "give a volume that varies");
+              fmt::format("every voxel is {:g}; there is no isosurface", volume.minimum()),
+              "give a volume that varies");
 }
 
 }  // namespace
@@ -86,7 +87,8 @@ std::vector<IsovalueSuggestion> suggest(const VolumeFacts& facts, const VolumeSt
 VolumeStatistics statisticsOf(const Volume& volume, int bins) {
   constexpr int kMostBins = 1000000;
   if (bins < 1 || bins > kMostBins) {
-    throw Error(Error::Code::kBadInput, "histogram", fmt::format("{} bins", bins), fmt::format("ask for 1 to {}", kMostBins));
+    throw Error(Error::Code::kBadInput, "histogram", fmt::format("{} bins", bins),
+                fmt::format("ask for 1 to {}", kMostBins));
   }
   constexpr int kOtsuBins = 256;
   VolumeStatistics statistics;
@@ -110,9 +112,10 @@ void checkIsovalue(const Volume& volume, double isovalue) {
   for (const IsovalueSuggestion& one : statisticsOf(volume).suggestions) {
     suggestions += fmt::format("{}{:g} ({})", suggestions.empty() ? "" : ", ", one.isovalue, one.reason);
   }
-  throw Error(Error::Code::kBadInput, volume.facts().source,
-              fmt::format("isovalue {:g} is outside its values, {:g} to {:g}", isovalue, volume.minimum(), volume.maximum()),
-              "try " + suggestions);
+  throw Error(
+      Error::Code::kBadInput, volume.facts().source,
+      fmt::format("isovalue {:g} is outside its values, {:g} to {:g}", isovalue, volume.minimum(), volume.maximum()),
+      "try " + suggestions);
 }
 
 }  // namespace palpate

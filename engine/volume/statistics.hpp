@@ -39,7 +39,8 @@ struct VolumeStatistics {
 // otherwise Otsu's threshold. Throws Error(kBadInput) for a constant volume.
 [[nodiscard]] double defaultIsovalue(const Volume& volume);
 
-// Throws Error(kBadInput) unless [minimum, maximum) holds the isovalue; the message gives the range and the suggestions.
+// Throws Error(kBadInput) unless [minimum, maximum) holds the isovalue; the message gives the range and the
+// suggestions.
 void checkIsovalue(const Volume& volume, double isovalue);
 
 }  // namespace palpate

@@ -92,8 +92,8 @@ std::uint64_t fileBytes(const std::string& path, const std::string& source) {
 void checkStoredBytes(const std::string& source, double stored, double wanted, bool compressed) {
   if (stored * (compressed ? kDeflateLimit : 1.0) >= wanted) return;
   throw Error(Error::Code::kBadInput, source,
-              fmt::format("its header asks for {:.0f} bytes of voxels, and {:.0f} bytes{} cannot hold them", wanted, stored,
-                          compressed ? " of compressed data" : ""),
+              fmt::format("its header asks for {:.0f} bytes of voxels, and {:.0f} bytes{} cannot hold them", wanted,
+                          stored, compressed ? " of compressed data" : ""),
               "the file is cut short or its header is wrong: copy or write it again");
 }
 

@@ -20,8 +20,8 @@ struct TextHeader {
   [[nodiscard]] std::vector<double> numbers(const std::string& key) const;
 };
 
-// Reads lines until one is empty (NRRD), or starts with `last_key` (MetaImage), or the file ends. At most 1 MiB is read.
-// Throws Error(kIo) if the file cannot be read.
+// Reads lines until one is empty (NRRD), or starts with `last_key` (MetaImage), or the file ends. At most 1 MiB is
+// read. Throws Error(kIo) if the file cannot be read.
 [[nodiscard]] TextHeader readTextHeader(const std::string& path, const std::string& source, char separator,
                                         const std::string& last_key);
 
@@ -30,8 +30,8 @@ struct TextHeader {
 // Size of a file [byte]. Throws Error(kNotFound).
 [[nodiscard]] std::uint64_t fileBytes(const std::string& path, const std::string& source);
 
-// Throws Error(kBadInput) unless `stored` bytes of data are enough for `wanted`; for gzip, 1032:1 is the most that deflate
-// can pack. So that a header which lies is found before memory is filled.
+// Throws Error(kBadInput) unless `stored` bytes of data are enough for `wanted`; for gzip, 1032:1 is the most that
+// deflate can pack. So that a header which lies is found before memory is filled.
 void checkStoredBytes(const std::string& source, double stored, double wanted, bool compressed);
 
 }  // namespace palpate

@@ -1,21 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 // OpenVDB files: the first float, half, double or integer grid, or the one that "file.vdb#name" names.
 //
-// The domain is the box of active voxels, padded by two voxels on every side, which are background wherever the grid has
-// nothing else. Lengths are metres unless the grid's or the file's metadata "unit" says mm, um or cm; a level set becomes
-// density = -distance [m], so that density above 0 is inside. World axes are taken as LPS.
-#include <openvdb/io/Stream.h>
-#include <openvdb/openvdb.h>
-
+// The domain is the box of active voxels, padded by two voxels on every side, which are background wherever the grid
+// has nothing else. Lengths are metres unless the grid's or the file's metadata "unit" says mm, um or cm; a level set
+// becomes density = -distance [m], so that density above 0 is inside. World axes are taken as LPS.
 #include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 
+#include <openvdb/io/Stream.h>
+#include <openvdb/openvdb.h>
+
 #include "base/error.hpp"
 #include "base/units.hpp"
 #include "engine/volume/grid.hpp"
 #include "engine/volume/memory_budget.hpp"
+#include "engine/volume/quiet.hpp"
 #include "engine/volume/raw_values.hpp"
 #include "engine/volume/readers.hpp"
 #include "engine/volume/text_header.hpp"
@@ -32,6 +33,7 @@ constexpr int kPadding = 2;  // [voxel]
 // Reads every grid. Unlike io::File, a stream can be told to throw where it ends, so a header that lies about a count
 // cannot keep the reader busy with bytes that are not there.
 openvdb::GridPtrVecPtr readGrids(const std::string& path, const std::string& source) {
+  const Quiet quiet;
   openvdb::initialize();
   std::ifstream file(path, std::ios::binary);
   if (!file) throw Error(Error::Code::kIo, source, "it cannot be opened", "check its permissions");
@@ -50,7 +52,8 @@ bool isScalar(const openvdb::GridBase& grid) {
   return grid.isType<openvdb::FloatGrid>() || grid.isType<openvdb::DoubleGrid>() || grid.isType<openvdb::Int32Grid>();
 }
 
-const openvdb::GridBase& chooseGrid(const openvdb::GridPtrVec& grids, const std::string& wanted, const std::string& source) {
+const openvdb::GridBase& chooseGrid(const openvdb::GridPtrVec& grids, const std::string& wanted,
+                                    const std::string& source) {
   std::string names;
   for (const auto& grid : grids) {
     if (isScalar(*grid) && (wanted.empty() || grid->getName() == wanted)) return *grid;
@@ -58,7 +61,8 @@ const openvdb::GridBase& chooseGrid(const openvdb::GridPtrVec& grids, const std:
   }
   if (names.empty()) refuse(source, "it has no grids", "write the file again");
   if (wanted.empty()) refuse(source, "it has no grid of numbers, only " + names, "give a density or a level set");
-  refuse(source, fmt::format("it has no grid of numbers named \"{}\"; there are {}", wanted, names), "name one of them");
+  refuse(source, fmt::format("it has no grid of numbers named \"{}\"; there are {}", wanted, names),
+         "name one of them");
 }
 
 double metresPerUnit(const openvdb::GridBase& grid, const std::string& source) {
@@ -72,7 +76,8 @@ double metresPerUnit(const openvdb::GridBase& grid, const std::string& source) {
 
 // The lattice whose voxel (0,0,0) is the grid's voxel `first`. VDB multiplies row vectors: rows 0 to 2 are the axes.
 Lattice latticeOf(const openvdb::GridBase& grid, const openvdb::Coord& first, const std::string& source) {
-  if (!grid.transform().isLinear()) refuse(source, "its transform is not linear", "resample the volume onto a regular grid");
+  if (!grid.transform().isLinear())
+    refuse(source, "its transform is not linear", "resample the volume onto a regular grid");
   const openvdb::Mat4R matrix = grid.transform().baseMap()->getAffineMap()->getMat4();
   const double metres = metresPerUnit(grid, source);
   const openvdb::Vec3d origin = grid.transform().indexToWorld(first);
@@ -88,11 +93,13 @@ Lattice latticeOf(const openvdb::GridBase& grid, const openvdb::Coord& first, co
 
 openvdb::CoordBBox domainOf(const openvdb::GridBase& grid, const std::string& source) {
   openvdb::CoordBBox box = grid.evalActiveVoxelBoundingBox();
-  if (box.empty()) refuse(source, fmt::format("its grid \"{}\" has no active voxels", grid.getName()), "give another grid");
+  if (box.empty())
+    refuse(source, fmt::format("its grid \"{}\" has no active voxels", grid.getName()), "give another grid");
   for (int axis = 0; axis < 3; ++axis) {
     const double length = static_cast<double>(box.max()[axis]) - static_cast<double>(box.min()[axis]);
     if (length < kMaxDimension - 2 * kPadding && std::abs(static_cast<double>(box.min()[axis])) < 1e9) continue;
-    refuse(source, fmt::format("its active voxels span {:.0f} along an axis, and {} are the most", length + 1, kMaxDimension),
+    refuse(source,
+           fmt::format("its active voxels span {:.0f} along an axis, and {} are the most", length + 1, kMaxDimension),
            "crop or resample it");
   }
   box.expand(kPadding);
@@ -129,7 +136,8 @@ class TreeBricks {
     out[0] = at(first);
     for (int corner = 0; corner < 8; ++corner) {
       const int last = kBrickSize - 1;
-      const openvdb::Coord voxel = first.offsetBy((corner & 1) * last, (corner >> 1 & 1) * last, (corner >> 2 & 1) * last);
+      const openvdb::Coord voxel =
+          first.offsetBy((corner & 1) * last, (corner >> 1 & 1) * last, (corner >> 2 & 1) * last);
       const float value = at(voxel);
       if (values_.probeConstLeaf(voxel) != nullptr || std::memcmp(&value, out, sizeof value) != 0) return false;
     }
@@ -157,7 +165,8 @@ void checkSparseMemory(const openvdb::GridBase& grid, const openvdb::CoordBBox& 
   constexpr double kTileBytes = 8;
   const openvdb::Coord dim = domain.dim();
   const double box = static_cast<double>(dim.x()) * static_cast<double>(dim.y()) * static_cast<double>(dim.z());
-  checkMemory(source, static_cast<double>(grid.memUsage()) * (1 + kGpuBytesPerVoxel / 4) + box / kBrickVoxels * kTileBytes,
+  checkMemory(source,
+              static_cast<double>(grid.memUsage()) * (1 + kGpuBytesPerVoxel / 4) + box / kBrickVoxels * kTileBytes,
               memory_budget_bytes);
 }
 
@@ -180,8 +189,10 @@ Volume readVdb(const std::string& name, std::size_t memory_budget_bytes) {
   facts.orientation = "world axes taken as LPS";
   facts.is_level_set = grid.getGridClass() == openvdb::GRID_LEVEL_SET;
   const double scale = facts.is_level_set ? -metresPerUnit(grid, name) : 1;
-  if (grid.isType<openvdb::FloatGrid>()) return convert<openvdb::FloatGrid>(grid, lattice, domain, scale, std::move(facts));
-  if (grid.isType<openvdb::DoubleGrid>()) return convert<openvdb::DoubleGrid>(grid, lattice, domain, scale, std::move(facts));
+  if (grid.isType<openvdb::FloatGrid>())
+    return convert<openvdb::FloatGrid>(grid, lattice, domain, scale, std::move(facts));
+  if (grid.isType<openvdb::DoubleGrid>())
+    return convert<openvdb::DoubleGrid>(grid, lattice, domain, scale, std::move(facts));
   return convert<openvdb::Int32Grid>(grid, lattice, domain, scale, std::move(facts));
 }
 

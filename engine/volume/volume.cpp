@@ -10,7 +10,9 @@
 namespace palpate {
 namespace {
 
-openvdb::Coord coord(const Vec3i& index) { return {index.x(), index.y(), index.z()}; }
+openvdb::Coord coord(const Vec3i& index) {
+  return {index.x(), index.y(), index.z()};
+}
 
 // Copies one brick out of dense values; voxels outside the domain repeat the nearest one inside.
 void copyBrick(const std::vector<float>& dense, const Vec3i& size, const Vec3i& brick, float* values) {
@@ -55,9 +57,10 @@ Volume::~Volume() = default;
 Volume Volume::fromDense(const Vec3i& size, const Lattice& lattice, const std::vector<float>& values,
                          VolumeFacts facts) {
   if (size.minCoeff() > 0 && values.size() != static_cast<std::size_t>(size.cast<long long>().prod())) {
-    throw Error(Error::Code::kBadInput, facts.source,
-                fmt::format("{} values were given for {} x {} x {} voxels", values.size(), size.x(), size.y(), size.z()),
-                "give one value a voxel");
+    throw Error(
+        Error::Code::kBadInput, facts.source,
+        fmt::format("{} values were given for {} x {} x {} voxels", values.size(), size.x(), size.y(), size.z()),
+        "give one value a voxel");
   }
   return Volume(buildGrid(size, lattice, std::move(facts), [&](const Vec3i& brick, float* brick_values) {
     copyBrick(values, size, brick, brick_values);
@@ -65,19 +68,33 @@ Volume Volume::fromDense(const Vec3i& size, const Lattice& lattice, const std::v
   }));
 }
 
-const Vec3i& Volume::size() const noexcept { return grid_->size; }
-const Lattice& Volume::lattice() const noexcept { return grid_->lattice; }
-const VolumeFacts& Volume::facts() const noexcept { return grid_->facts; }
-float Volume::minimum() const noexcept { return grid_->minimum; }
-float Volume::maximum() const noexcept { return grid_->maximum; }
-const Volume::Grid& Volume::grid() const noexcept { return *grid_; }
+const Vec3i& Volume::size() const noexcept {
+  return grid_->size;
+}
+const Lattice& Volume::lattice() const noexcept {
+  return grid_->lattice;
+}
+const VolumeFacts& Volume::facts() const noexcept {
+  return grid_->facts;
+}
+float Volume::minimum() const noexcept {
+  return grid_->minimum;
+}
+float Volume::maximum() const noexcept {
+  return grid_->maximum;
+}
+const Volume::Grid& Volume::grid() const noexcept {
+  return *grid_;
+}
 
 float Volume::value(const Vec3i& index) const {
   const Vec3i inside = index.cwiseMin(size() - Vec3i::Ones()).cwiseMax(0);
   return grid_->field->constTree().getValue(coord(inside));
 }
 
-Vec3i Volume::brickCount() const noexcept { return (size() + Vec3i::Constant(kBrickSize - 1)) / kBrickSize; }
+Vec3i Volume::brickCount() const noexcept {
+  return (size() + Vec3i::Constant(kBrickSize - 1)) / kBrickSize;
+}
 
 bool Volume::readBrick(const Vec3i& brick, float* values) const {
   const openvdb::Coord first = coord(brick * kBrickSize);
@@ -141,7 +158,11 @@ bool Volume::sample(const Vec3& p_W, double& density, Vec3& gradient_W) const {
   return true;
 }
 
-std::size_t Volume::storedBytes() const { return grid_->field->constTree().memUsage(); }
-std::size_t Volume::storedBricks() const { return grid_->field->constTree().leafCount(); }
+std::size_t Volume::storedBytes() const {
+  return grid_->field->constTree().memUsage();
+}
+std::size_t Volume::storedBricks() const {
+  return grid_->field->constTree().leafCount();
+}
 
 }  // namespace palpate

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // engine/volume/volume.hpp: a scalar field in space: the truth on the CPU, an OpenVDB grid behind a narrow door.
 //
-// Frames: I is the volume's index space [voxel]: voxel (0,0,0) is the domain's first; lattice() takes I to the world W [m].
-// The field is defined on the domain box [0, size) only. Bricks of 8x8x8 voxels (a VDB leaf each) tile it from (0,0,0); a
-// brick whose voxels all hold one value is constant and has no storage.
-// Thread: const functions from any thread while nobody changes the volume. OpenVDB stays inside engine/volume's .cpp files.
+// Frames: I is the volume's index space [voxel]: voxel (0,0,0) is the domain's first; lattice() takes I to the world W
+// [m]. The field is defined on the domain box [0, size) only. Bricks of 8x8x8 voxels (a VDB leaf each) tile it from
+// (0,0,0); a brick whose voxels all hold one value is constant and has no storage. Thread: const functions from any
+// thread while nobody changes the volume. OpenVDB stays inside engine/volume's .cpp files.
 #pragma once
 
 #include <cstdint>
@@ -18,36 +18,37 @@
 
 namespace palpate {
 
-inline constexpr int kBrickSize = 8;                                            // voxels along a brick's edge
-inline constexpr int kBrickVoxels = kBrickSize * kBrickSize * kBrickSize;       // 512
+inline constexpr int kBrickSize = 8;                                       // voxels along a brick's edge
+inline constexpr int kBrickVoxels = kBrickSize * kBrickSize * kBrickSize;  // 512
 
 // Where a volume came from and what its numbers mean; shown by `palpate info` and kept in summaries.
 struct VolumeFacts {
-  std::string source;            // file or phantom name as the user gave it
-  std::string format;            // "NRRD", "DICOM series", "phantom", ...
-  std::string value_type;        // of the file: "int16", "float32", ...
-  std::string orientation;       // words: "LPS axes", "RAS file turned to LPS", ...
-  double rescale_slope = 1;      // file value * slope + intercept = density
+  std::string source;        // file or phantom name as the user gave it
+  std::string format;        // "NRRD", "DICOM series", "phantom", ...
+  std::string value_type;    // of the file: "int16", "float32", ...
+  std::string orientation;   // words: "LPS axes", "RAS file turned to LPS", ...
+  double rescale_slope = 1;  // file value * slope + intercept = density
   double rescale_intercept = 0;
-  bool is_level_set = false;     // a VDB level set: density is minus the signed distance [m], isovalue 0
+  bool is_level_set = false;                // a VDB level set: density is minus the signed distance [m], isovalue 0
   std::optional<double> declared_isovalue;  // of a phantom: the density of its exact surface
-  std::string remark;            // what a user should know: "largest of 3 series", ...; empty: nothing
+  std::string remark;                       // what a user should know: "largest of 3 series", ...; empty: nothing
 };
 
 class Volume {
  public:
   // Makes a volume from dense values, i fastest, size.x*size.y*size.z of them. Refuses (Error kBadInput): a dimension
   // below 2, NaN or infinite values, a bad lattice. Bricks that hold one value become constant. Cost: one pass.
-  static Volume fromDense(const Vec3i& size, const Lattice& lattice, const std::vector<float>& values, VolumeFacts facts);
+  static Volume fromDense(const Vec3i& size, const Lattice& lattice, const std::vector<float>& values,
+                          VolumeFacts facts);
 
   Volume(Volume&&) noexcept;
   Volume& operator=(Volume&&) noexcept;
   ~Volume();
 
-  [[nodiscard]] const Vec3i& size() const noexcept;           // domain [voxel]
-  [[nodiscard]] const Lattice& lattice() const noexcept;      // index space to world
+  [[nodiscard]] const Vec3i& size() const noexcept;       // domain [voxel]
+  [[nodiscard]] const Lattice& lattice() const noexcept;  // index space to world
   [[nodiscard]] const VolumeFacts& facts() const noexcept;
-  [[nodiscard]] float minimum() const noexcept;               // over the domain [density]
+  [[nodiscard]] float minimum() const noexcept;  // over the domain [density]
   [[nodiscard]] float maximum() const noexcept;
 
   // One voxel; outside the domain the nearest voxel of it. Slow (tree walk): reference code and tests.
@@ -67,11 +68,11 @@ class Volume {
   // one-sided. Returns false outside the box between the first and the last voxel's centre.
   bool sample(const Vec3& p_W, double& density, Vec3& gradient_W) const;
 
-  [[nodiscard]] std::size_t storedBytes() const;              // of the grid on the CPU [byte]
-  [[nodiscard]] std::size_t storedBricks() const;             // that are not constant
+  [[nodiscard]] std::size_t storedBytes() const;   // of the grid on the CPU [byte]
+  [[nodiscard]] std::size_t storedBricks() const;  // that are not constant
 
-  struct Grid;                                                // holds the OpenVDB grid; engine/volume/grid.hpp
-  [[nodiscard]] const Grid& grid() const noexcept;            // for engine/volume's own files
+  struct Grid;                                      // holds the OpenVDB grid; engine/volume/grid.hpp
+  [[nodiscard]] const Grid& grid() const noexcept;  // for engine/volume's own files
   explicit Volume(std::unique_ptr<Grid> grid);
 
  private:

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The nearest point on an ellipse or ellipsoid: x_i = a_i^2 p_i / (t + a_i^2) with the largest root t of
-// sum (a_i p_i / (t + a_i^2))^2 = 1. With s = t + min a^2 the sum is convex and falls for s > 0, so Newton's method from
-// the left of the root climbs to it without overshoot. Source: Eberly, "Distance from a point to an ellipse, an
+// sum (a_i p_i / (t + a_i^2))^2 = 1. With s = t + min a^2 the sum is convex and falls for s > 0, so Newton's method
+// from the left of the root climbs to it without overshoot. Source: Eberly, "Distance from a point to an ellipse, an
 // ellipsoid, or a hyperellipsoid" (Geometric Tools, 2013).
 #include <cmath>
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The gyroid: sin x cos y + sin y cos z + sin z cos x = 0, two periods along the lattice's shortest edge, the side where
-// the left term is positive being solid. It runs through the lattice's faces.
+// The gyroid: sin x cos y + sin y cos z + sin z cos x = 0, two periods along the lattice's shortest edge, the side
+// where the left term is positive being solid. It runs through the lattice's faces.
 //
 // The nearest surface point comes from Newton's method on x - p + m grad f(x) = 0, f(x) = 0, begun at the nearest of a
-// dense set of surface samples, so the distance is exact (to rounding) but within a sample's distance of the medial axis,
-// where it may belong to the second nearest sheet, which is farther by less than the samples are apart (0.01 periods).
-// Source of the surface: Schoen, NASA TN D-5541 (1970).
+// dense set of surface samples, so the distance is exact (to rounding) but within a sample's distance of the medial
+// axis, where it may belong to the second nearest sheet, which is farther by less than the samples are apart (0.01
+// periods). Source of the surface: Schoen, NASA TN D-5541 (1970).
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -121,7 +121,8 @@ class SurfaceSamples {
 
 class Gyroid : public Phantom {
  public:
-  explicit Gyroid(const PhantomSpec& spec) : Phantom(spec, simpleProfile(spec)), scale_m_(halfExtent_m(spec) / kPeriod) {}
+  explicit Gyroid(const PhantomSpec& spec)
+      : Phantom(spec, simpleProfile(spec)), scale_m_(halfExtent_m(spec) / kPeriod) {}
 
   [[nodiscard]] SurfaceOffset offset(const Vec3& p_W) const override {
     const Vec3 raw = p_W / scale_m_;
@@ -154,6 +155,8 @@ class Gyroid : public Phantom {
 
 }  // namespace
 
-std::unique_ptr<Phantom> makeGyroid(const PhantomSpec& spec) { return std::make_unique<Gyroid>(spec); }
+std::unique_ptr<Phantom> makeGyroid(const PhantomSpec& spec) {
+  return std::make_unique<Gyroid>(spec);
+}
 
 }  // namespace palpate

@@ -22,12 +22,12 @@ constexpr double kBrain = 30;
 constexpr double kVentricle = 8;
 constexpr double kBone = 1000;
 constexpr double kBoneIsovalue = 300;
-constexpr double kSlopePerVoxel = 150;     // of the ramps [density/voxel]
-constexpr double kHalfCube_m = 0.1024;     // the natural lattice's half edge [m]
+constexpr double kSlopePerVoxel = 150;  // of the ramps [density/voxel]
+constexpr double kHalfCube_m = 0.1024;  // the natural lattice's half edge [m]
 
 struct Ellipsoid {
-  Vec3 centre;      // [m] at natural size
-  Vec3 semi_axes;   // [m]
+  Vec3 centre;     // [m] at natural size
+  Vec3 semi_axes;  // [m]
 };
 
 const Ellipsoid kHeadBody = {{0, 0, 0}, {0.075, 0.092, 0.088}};
@@ -35,10 +35,10 @@ const Ellipsoid kSkullOuter = {{0, 0, 0}, {0.066, 0.083, 0.079}};
 const Ellipsoid kSkullInner = {{0, 0, 0}, {0.058, 0.075, 0.071}};
 const Ellipsoid kBrainBody = {{0, 0, 0}, {0.054, 0.071, 0.067}};
 const Ellipsoid kFace = {{0, -0.052, -0.038}, {0.028, 0.020, 0.024}};  // anterior is -y
-const std::array<Ellipsoid, 2> kSinuses = {{{{0.013, -0.054, -0.038}, {0.009, 0.011, 0.012}},
-                                            {{-0.013, -0.054, -0.038}, {0.009, 0.011, 0.012}}}};
-const std::array<Ellipsoid, 2> kVentricles = {{{{0.010, 0, 0.010}, {0.006, 0.022, 0.010}},
-                                               {{-0.010, 0, 0.010}, {0.006, 0.022, 0.010}}}};
+const std::array<Ellipsoid, 2> kSinuses = {
+    {{{0.013, -0.054, -0.038}, {0.009, 0.011, 0.012}}, {{-0.013, -0.054, -0.038}, {0.009, 0.011, 0.012}}}};
+const std::array<Ellipsoid, 2> kVentricles = {
+    {{{0.010, 0, 0.010}, {0.006, 0.022, 0.010}}, {{-0.010, 0, 0.010}, {0.006, 0.022, 0.010}}}};
 const Vec3 kHoleFrom = {0.030, 0, 0.040};  // the drill's axis, through the left parietal bone
 const Vec3 kHoleTo = {0.060, 0, 0.080};
 constexpr double kHoleRadius = 0.009;
@@ -66,10 +66,11 @@ class Head : public Phantom {
   [[nodiscard]] double constantRadius_m(const Vec3& p_W) const override {
     const double slope = profile().slope_per_m;
     const double one_m = tissueRamp_m();
-    return std::min({beyondRamp_m(signedDistance_m(p_W), (kBone - kBoneIsovalue) / slope, (kBoneIsovalue - kAir) / slope),
-                     beyondRamp_m(skinDistance_m(p_W), (kSoft - kSkin) / slope, (kSkin - kAir) / slope),
-                     beyondRamp_m(at(kBrainBody, p_W).distance_m, one_m, 0),
-                     beyondRamp_m(pair(kVentricles, p_W).distance_m, one_m, 0)});
+    return std::min(
+        {beyondRamp_m(signedDistance_m(p_W), (kBone - kBoneIsovalue) / slope, (kBoneIsovalue - kAir) / slope),
+         beyondRamp_m(skinDistance_m(p_W), (kSoft - kSkin) / slope, (kSkin - kAir) / slope),
+         beyondRamp_m(at(kBrainBody, p_W).distance_m, one_m, 0),
+         beyondRamp_m(pair(kVentricles, p_W).distance_m, one_m, 0)});
   }
 
  private:
@@ -104,6 +105,8 @@ class Head : public Phantom {
 
 }  // namespace
 
-std::unique_ptr<Phantom> makeHead(const PhantomSpec& spec) { return std::make_unique<Head>(spec); }
+std::unique_ptr<Phantom> makeHead(const PhantomSpec& spec) {
+  return std::make_unique<Head>(spec);
+}
 
 }  // namespace palpate

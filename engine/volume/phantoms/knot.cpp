@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The tube around a (2,3) torus knot. The distance is exact wherever the nearest point of the centre curve is unique and
-// the tube does not fold (its radius is a quarter of the curve's smallest radius of curvature): so near all its surface.
+// The tube around a (2,3) torus knot. The distance is exact wherever the nearest point of the centre curve is unique
+// and the tube does not fold (its radius is a quarter of the curve's smallest radius of curvature): so near all its
+// surface.
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -90,6 +91,8 @@ class Knot : public Phantom {
 
 }  // namespace
 
-std::unique_ptr<Phantom> makeKnot(const PhantomSpec& spec) { return std::make_unique<Knot>(spec); }
+std::unique_ptr<Phantom> makeKnot(const PhantomSpec& spec) {
+  return std::make_unique<Knot>(spec);
+}
 
 }  // namespace palpate

@@ -62,7 +62,8 @@ class Lung : public Phantom {
       : Phantom(spec, {kIsovalue, kAir, kSoft, kSlopePerVoxel / std::cbrt(spec.spacing_m.prod())}),
         scale_(spec.size.cast<double>().cwiseProduct(spec.spacing_m).minCoeff() / 2 / kHalfCube_m) {
     for (const double sign : {-1.0, 1.0}) {
-      grow(vessels_, Vec3(sign * 0.020, 0, 0) * scale_, Vec3(sign, 0, 0), Vec3::UnitZ(), 0.035 * scale_, 0.008 * scale_, 0);
+      grow(vessels_, Vec3(sign * 0.020, 0, 0) * scale_, Vec3(sign, 0, 0), Vec3::UnitZ(), 0.035 * scale_, 0.008 * scale_,
+           0);
     }
   }
 
@@ -105,6 +106,8 @@ class Lung : public Phantom {
 
 }  // namespace
 
-std::unique_ptr<Phantom> makeLung(const PhantomSpec& spec) { return std::make_unique<Lung>(spec); }
+std::unique_ptr<Phantom> makeLung(const PhantomSpec& spec) {
+  return std::make_unique<Lung>(spec);
+}
 
 }  // namespace palpate

@@ -14,11 +14,16 @@ float randomValue(std::uint64_t bits) {
   const auto low = static_cast<std::uint32_t>(bits);
   const std::uint32_t sign = low & 0x80000000U;
   switch ((bits >> 32) % 5) {
-    case 0: return static_cast<float>(static_cast<std::int32_t>(low)) * 0x1p-21F;  // within +-1024
-    case 1: return std::bit_cast<float>(sign | (low & 0x007fffffU));               // denormal, rarely zero
-    case 2: return sign != 0 ? -1e-30F : 1e-30F;
-    case 3: return sign != 0 ? -1e30F : 1e30F;
-    default: return sign != 0 ? -0.0F : 0.0F;
+    case 0:
+      return static_cast<float>(static_cast<std::int32_t>(low)) * 0x1p-21F;  // within +-1024
+    case 1:
+      return std::bit_cast<float>(sign | (low & 0x007fffffU));  // denormal, rarely zero
+    case 2:
+      return sign != 0 ? -1e-30F : 1e-30F;
+    case 3:
+      return sign != 0 ? -1e30F : 1e30F;
+    default:
+      return sign != 0 ? -0.0F : 0.0F;
   }
 }
 
@@ -42,6 +47,8 @@ class Random : public Phantom {
 
 }  // namespace
 
-std::unique_ptr<Phantom> makeRandom(const PhantomSpec& spec) { return std::make_unique<Random>(spec); }
+std::unique_ptr<Phantom> makeRandom(const PhantomSpec& spec) {
+  return std::make_unique<Random>(spec);
+}
 
 }  // namespace palpate

@@ -16,7 +16,9 @@ namespace palpate {
 [[nodiscard]] inline SurfaceOffset intersect(const SurfaceOffset& a, const SurfaceOffset& b) {
   return a.distance_m > b.distance_m ? a : b;
 }
-[[nodiscard]] inline SurfaceOffset complement(const SurfaceOffset& a) { return {-a.distance_m, -a.normal}; }
+[[nodiscard]] inline SurfaceOffset complement(const SurfaceOffset& a) {
+  return {-a.distance_m, -a.normal};
+}
 [[nodiscard]] inline SurfaceOffset subtract(const SurfaceOffset& a, const SurfaceOffset& b) {
   return intersect(a, complement(b));
 }
@@ -29,7 +31,8 @@ namespace palpate {
 // Centred, semi-axes along the world's. Exact to about 1e-14 of the largest semi-axis.
 [[nodiscard]] SurfaceOffset ellipsoidOffset(const Vec3& p_W, const Vec3& centre_W, const Vec3& semi_axes_m);
 // Endless along z.
-[[nodiscard]] SurfaceOffset ellipticCylinderOffset(const Vec3& p_W, const Vec3& centre_W, double semi_x_m, double semi_y_m);
+[[nodiscard]] SurfaceOffset ellipticCylinderOffset(const Vec3& p_W, const Vec3& centre_W, double semi_x_m,
+                                                   double semi_y_m);
 
 // A ramp of 1000 on either side of 0 over three voxels of the largest spacing.
 [[nodiscard]] Phantom::Profile simpleProfile(const PhantomSpec& spec);

@@ -58,7 +58,8 @@ class Sphere : public Phantom {
 // Sharp edges: outside them the nearest surface point is on the edge, so the distance is rounded there, as it must be.
 class Box : public Phantom {
  public:
-  explicit Box(const PhantomSpec& spec) : Phantom(spec, simpleProfile(spec)), half_edges_m_(-0.6 * lattice().origin_W) {}
+  explicit Box(const PhantomSpec& spec)
+      : Phantom(spec, simpleProfile(spec)), half_edges_m_(-0.6 * lattice().origin_W) {}
   [[nodiscard]] SurfaceOffset offset(const Vec3& p_W) const override { return boxOffset(p_W, half_edges_m_); }
 
  private:
@@ -78,7 +79,7 @@ class Shell : public Phantom {
   }
 
  private:
-  double radius_m_;     // of the wall's middle
+  double radius_m_;  // of the wall's middle
   double half_wall_m_;
 };
 
@@ -87,7 +88,8 @@ class Spheres : public Phantom {
  public:
   explicit Spheres(const PhantomSpec& spec) : Phantom(spec, withHighest(simpleProfile(spec))) {
     const double r_m = halfExtent_m(spec);
-    balls_ = {Ball{Vec3(-0.45, -0.35, -0.20) * r_m, 0.38 * r_m, 600}, Ball{Vec3(0.50, -0.25, 0.25) * r_m, 0.28 * r_m, 1000},
+    balls_ = {Ball{Vec3(-0.45, -0.35, -0.20) * r_m, 0.38 * r_m, 600},
+              Ball{Vec3(0.50, -0.25, 0.25) * r_m, 0.28 * r_m, 1000},
               Ball{Vec3(0.00, 0.50, 0.10) * r_m, 0.25 * r_m, kHighest}};
   }
 
@@ -95,7 +97,8 @@ class Spheres : public Phantom {
 
   [[nodiscard]] double density(const Vec3& p_W) const override {
     const Ball& ball = nearestBall(p_W);
-    return std::clamp(isovalue() - profile().slope_per_m * ballOffset(ball, p_W).distance_m, profile().low, ball.density);
+    return std::clamp(isovalue() - profile().slope_per_m * ballOffset(ball, p_W).distance_m, profile().low,
+                      ball.density);
   }
 
  private:
@@ -124,9 +127,17 @@ class Spheres : public Phantom {
 
 }  // namespace
 
-std::unique_ptr<Phantom> makeSphere(const PhantomSpec& spec) { return std::make_unique<Sphere>(spec); }
-std::unique_ptr<Phantom> makeBox(const PhantomSpec& spec) { return std::make_unique<Box>(spec); }
-std::unique_ptr<Phantom> makeSpheres(const PhantomSpec& spec) { return std::make_unique<Spheres>(spec); }
-std::unique_ptr<Phantom> makeShell(const PhantomSpec& spec) { return std::make_unique<Shell>(spec); }
+std::unique_ptr<Phantom> makeSphere(const PhantomSpec& spec) {
+  return std::make_unique<Sphere>(spec);
+}
+std::unique_ptr<Phantom> makeBox(const PhantomSpec& spec) {
+  return std::make_unique<Box>(spec);
+}
+std::unique_ptr<Phantom> makeSpheres(const PhantomSpec& spec) {
+  return std::make_unique<Spheres>(spec);
+}
+std::unique_ptr<Phantom> makeShell(const PhantomSpec& spec) {
+  return std::make_unique<Shell>(spec);
+}
 
 }  // namespace palpate

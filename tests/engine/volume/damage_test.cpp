@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files cut short or changed at random, in every format (.vdb: vdb_test.cpp). A file that is cut gives an Error, or, where
-// only a checksum is gone, the whole volume; a changed one gives an Error or some volume; none crashes or hangs.
-#include <fmt/format.h>
-
+// Files cut short or changed at random, in every format (.vdb: vdb_test.cpp). A file that is cut gives an Error, or,
+// where only a checksum is gone, the whole volume; a changed one gives an Error or some volume; none crashes or hangs.
 #include <functional>
 #include <random>
+
+#include <fmt/format.h>
 
 #include "tests/engine/volume/samples.hpp"
 
@@ -16,9 +16,12 @@ struct Format {
   std::string file;                                     // inside the folder; the one that is damaged
   std::string volume;                                   // what is loaded; "" for the folder itself
   std::function<void(const TempFolder& folder)> write;  // the whole thing, undamaged
+  std::size_t unseen = 0;                               // bytes at the end whose loss cannot be seen
 };
 
-std::string data() { return bytesOf<std::int16_t>(rampValues(-30)); }
+std::string data() {
+  return bytesOf<std::int16_t>(rampValues(-30));
+}
 
 std::string gzipped(const TempFolder& folder, const std::string& bytes) {
   writeGzip(folder.file("gz"), bytes);
@@ -41,13 +44,16 @@ std::vector<Format> formats() {
       {"NrrdRaw", "a.nrrd", "a.nrrd",
        [](const TempFolder& f) { writeFile(f.file("a.nrrd"), nrrdHeader("int16", "raw") + "\n" + data()); }},
       {"NrrdGzip", "a.nrrd", "a.nrrd",
-       [](const TempFolder& f) { writeFile(f.file("a.nrrd"), nrrdHeader("int16", "gzip") + "\n" + gzipped(f, data())); }},
+       [](const TempFolder& f) {
+         writeFile(f.file("a.nrrd"), nrrdHeader("int16", "gzip") + "\n" + gzipped(f, data()));
+       }},
       {"NrrdText", "a.nrrd", "a.nrrd",
        [](const TempFolder& f) {
          std::string text;
          for (const double value : rampValues(100)) text += fmt::format("{} ", value);
          writeFile(f.file("a.nrrd"), nrrdHeader("int16", "ascii") + "\n" + text);
-       }},
+       },
+       4},  // "159 " cut to "15" is a number too
       {"Nifti", "a.nii", "a.nii", [](const TempFolder& f) { writeFile(f.file("a.nii"), niftiHeader({}) + data()); }},
       {"NiftiGzip", "a.nii.gz", "a.nii.gz",
        [](const TempFolder& f) { writeGzip(f.file("a.nii.gz"), niftiHeader({}) + data()); }},
@@ -58,7 +64,8 @@ std::vector<Format> formats() {
          writeFile(f.file("a.hdr"), niftiHeader(pair));
          writeFile(f.file("a.img"), data());
        }},
-      {"Meta", "a.mha", "a.mha", [](const TempFolder& f) { writeFile(f.file("a.mha"), metaHeader("MET_SHORT") + data()); }},
+      {"Meta", "a.mha", "a.mha",
+       [](const TempFolder& f) { writeFile(f.file("a.mha"), metaHeader("MET_SHORT") + data()); }},
       {"MetaCompressed", "a.mha", "a.mha",
        [](const TempFolder& f) {
          writeWithItk(ItkWriter::kMeta, f.file("a.mha"), itkImageOf(plainLattice(), rampValues()), true);
@@ -97,6 +104,10 @@ TEST_P(Damage, CutFilesGiveNoHalfVolume) {
     const std::size_t length = n % 3 == 0 ? whole_.size() - static_cast<std::size_t>(n / 3) - 1
                                           : whole_.size() * static_cast<std::size_t>(n) / kCuts;
     damage(whole_.substr(0, length));
+    if (length + GetParam().unseen >= whole_.size()) {
+      ++errors;
+      continue;
+    }
     try {
       EXPECT_EQ(load(), intact_) << "cut to " << length << " of " << whole_.size();
     } catch (const Error&) {
@@ -126,7 +137,8 @@ TEST_P(Damage, ChangedFilesGiveAVolumeOrAnError) {
 // Numbers in text headers grow, lose their sign and become words.
 TEST_P(Damage, ChangedNumbersGiveAVolumeOrAnError) {
   std::mt19937_64 random(6);
-  const std::vector<std::string> numbers = {"0", "-1", "99999999999999999999", "nan", "1e400", "", "3", "1", "%d", "a b"};
+  const std::vector<std::string> numbers = {"0",  "-1", "99999999999999999999", "nan", "1e400", "", "3", "1",
+                                            "%d", "a b"};
   for (int n = 0; n < 200; ++n) {
     std::string bytes = whole_;
     const std::size_t digit = bytes.find_first_of("0123456789", random() % std::min<std::size_t>(bytes.size(), 400));
@@ -140,7 +152,8 @@ TEST_P(Damage, ChangedNumbersGiveAVolumeOrAnError) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Formats, Damage, testing::ValuesIn(formats()), [](const auto& format) { return format.param.name; });
+INSTANTIATE_TEST_SUITE_P(Formats, Damage, testing::ValuesIn(formats()),
+                         [](const auto& format) { return format.param.name; });
 
 }  // namespace
 }  // namespace palpate

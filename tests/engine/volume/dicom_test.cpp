@@ -73,12 +73,12 @@ TEST_F(Dicom, TakesTheLargestSeriesOrTheOneThatIsNamed) {
 
 TEST_F(Dicom, RefusesMissingSlices) {
   writeSeries({}, {0, 2, 4, 10, 12, 14});
-  refuses("2 slices are missing between s3.dcm and s4.dcm");  // names run backwards, positions do not
+  refuses("2 slices are missing between s4.dcm and s3.dcm");  // names run backwards, positions do not
 }
 
 TEST_F(Dicom, RefusesUnevenSlices) {
   writeSeries({}, {0, 2, 4, 6.5, 8.5, 10.5});
-  refuses("2.5 mm, others 2 mm");
+  refuses("2.5 mm apart, others 2 mm");
 }
 
 TEST_F(Dicom, RefusesTwoSlicesAtOnePlace) {

@@ -2,9 +2,6 @@
 // Helpers of the volume tests: a folder that goes away, files written byte by byte, and the small image they hold.
 #pragma once
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <bit>
 #include <cstring>
@@ -12,6 +9,9 @@
 #include <fstream>
 #include <string>
 #include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 #include "base/error.hpp"
 #include "engine/volume/volume.hpp"
@@ -74,13 +74,18 @@ inline std::vector<double> rampValues(double offset = 0) {
   return values;
 }
 
-inline std::vector<float> asFloats(const std::vector<double>& values) { return {values.begin(), values.end()}; }
+inline std::vector<float> asFloats(const std::vector<double>& values) {
+  return {values.begin(), values.end()};
+}
 
-inline Lattice plainLattice() { return {Vec3::Zero(), Mat3::Identity(), kSpacing_mm * 1e-3}; }
+inline Lattice plainLattice() {
+  return {Vec3::Zero(), Mat3::Identity(), kSpacing_mm * 1e-3};
+}
 
 // Axes turned by 30 degrees about z and then by 20 about x, and an origin off zero.
 inline Lattice obliqueLattice() {
-  const Mat3 R_WL = (Eigen::AngleAxisd(0.349, Vec3::UnitX()) * Eigen::AngleAxisd(0.5236, Vec3::UnitZ())).toRotationMatrix();
+  const Mat3 R_WL =
+      (Eigen::AngleAxisd(0.349, Vec3::UnitX()) * Eigen::AngleAxisd(0.5236, Vec3::UnitZ())).toRotationMatrix();
   return {Vec3(0.010, -0.020, 0.030), R_WL, kSpacing_mm * 1e-3};
 }
 
@@ -115,7 +120,8 @@ void expectRefusal(const Work& work, const std::string& input, const std::string
   }
 }
 
-inline void expectLoadRefusal(const std::string& name, const std::string& reason, Error::Code code = Error::Code::kBadInput) {
+inline void expectLoadRefusal(const std::string& name, const std::string& reason,
+                              Error::Code code = Error::Code::kBadInput) {
   expectRefusal([&] { static_cast<void>(loadVolume(name)); }, name, reason, code);
 }
 

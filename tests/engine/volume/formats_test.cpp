@@ -14,7 +14,8 @@ TEST(Formats, AreAllNamedOnce) {
     EXPECT_FALSE(format.description.empty());
     EXPECT_NE(format.read, nullptr);
   }
-  EXPECT_THAT(names, testing::UnorderedElementsAre("NRRD", "NIfTI", "MetaImage", "OpenVDB", "InVesalius", "DICOM series", "phantom"));
+  EXPECT_THAT(names, testing::UnorderedElementsAre("NRRD", "NIfTI", "MetaImage", "OpenVDB", "InVesalius",
+                                                   "DICOM series", "phantom"));
 }
 
 TEST(LoadVolume, RefusesWhatIsNotThere) {
@@ -65,7 +66,9 @@ TEST(MemoryBudget, RefusesAbsurdDimensions) {
   expectRefusal([] { checkMemory("a", -1, 2, 2, 2, 0); }, "a", "-1 x 2 x 2");
 }
 
-TEST(MemoryBudget, KnowsWhatTheMachineHas) { EXPECT_GT(availableMemoryBytes(), std::size_t{1} << 20U); }
+TEST(MemoryBudget, KnowsWhatTheMachineHas) {
+  EXPECT_GT(availableMemoryBytes(), std::size_t{1} << 20U);
+}
 
 }  // namespace
 }  // namespace palpate

@@ -31,7 +31,8 @@ TEST_F(Invesalius, ReadsTheMatrixWithYRunningAnterior) {
 }
 
 TEST_F(Invesalius, ReadsOtherTypes) {
-  writeTarGz(path_, {{"main.plist", invesaliusPlist("<integer>3</integer><integer>4</integer><integer>5</integer>", "float64")},
+  writeTarGz(path_, {{"main.plist",
+                      invesaliusPlist("<integer>3</integer><integer>4</integer><integer>5</integer>", "float64")},
                      {"matrix.dat", bytesOf<double>(rampValues(0.5))}});
   EXPECT_EQ(loadVolume(path_).toDense(), asFloats(rampValues(0.5)));
 }
@@ -48,20 +49,23 @@ TEST_F(Invesalius, RefusesBadNumbers) {
   const std::string shape = "<integer>3</integer><integer>4</integer><integer>5</integer>";
   refuses({{"main.plist", invesaliusPlist(shape, "text")}, {"matrix.dat", data_}}, "\"text\"");
   refuses({{"main.plist", invesaliusPlist("<integer>3</integer>")}, {"matrix.dat", data_}}, "three numbers");
-  refuses({{"main.plist", invesaliusPlist("<integer>3</integer><string>4</string><integer>5</integer>")}, {"matrix.dat", data_}},
+  refuses({{"main.plist", invesaliusPlist("<integer>3</integer><string>4</string><integer>5</integer>")},
+           {"matrix.dat", data_}},
           "no number");
   for (const std::string spacing : {"0.0", "-1.0"}) {
-    refuses({{"main.plist", invesaliusPlist(shape, "int16", "<real>1</real><real>" + spacing + "</real><real>1</real>")},
-             {"matrix.dat", data_}},
-            "not positive");
+    refuses(
+        {{"main.plist", invesaliusPlist(shape, "int16", "<real>1</real><real>" + spacing + "</real><real>1</real>")},
+         {"matrix.dat", data_}},
+        "not positive");
   }
   refuses({{"main.plist", invesaliusPlist()}, {"matrix.dat", data_.substr(2)}}, "118 bytes");
 }
 
 TEST_F(Invesalius, RefusesMoreThanMemoryBeforeReadingIt) {
-  refuses({{"main.plist", invesaliusPlist("<integer>100000</integer><integer>100000</integer><integer>100000</integer>")},
-           {"matrix.dat", data_}},
-          "GiB", Error::Code::kOutOfMemory);
+  refuses(
+      {{"main.plist", invesaliusPlist("<integer>100000</integer><integer>100000</integer><integer>100000</integer>")},
+       {"matrix.dat", data_}},
+      "GiB", Error::Code::kOutOfMemory);
 }
 
 }  // namespace

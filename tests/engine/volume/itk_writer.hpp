@@ -12,11 +12,11 @@ namespace palpate {
 enum class ItkWriter { kNrrd, kNifti, kMeta };
 
 struct ItkImage {
-  std::vector<unsigned> size;                           // [voxel]
-  std::array<double, 3> origin_mm = {0, 0, 0};          // LPS
+  std::vector<unsigned> size;                   // [voxel]
+  std::array<double, 3> origin_mm = {0, 0, 0};  // LPS
   std::array<double, 3> spacing_mm = {1, 1, 1};
   std::array<std::array<double, 3>, 3> direction = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};  // of i, j, k
-  std::vector<std::int16_t> values;                     // i fastest
+  std::vector<std::int16_t> values;                                                      // i fastest
   unsigned components = 1;
 };
 

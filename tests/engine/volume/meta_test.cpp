@@ -43,7 +43,8 @@ TEST_F(Meta, ReadsBigEndianAndDetachedData) {
   expectVolume(load(big + bytesOf<std::int16_t>(rampValues(-30), true)), plainLattice(), rampValues(-30));
   path_ = folder_.file("a.mhd");
   writeFile(folder_.file("a.raw"), data_);
-  expectVolume(load(metaHeader("MET_SHORT", "ElementSpacing = 0.5 0.75 2\n", "a.raw")), plainLattice(), rampValues(-30));
+  expectVolume(load(metaHeader("MET_SHORT", "ElementSpacing = 0.5 0.75 2\n", "a.raw")), plainLattice(),
+               rampValues(-30));
   refuses(metaHeader("MET_SHORT", "", "missing.raw"), "not there", Error::Code::kNotFound);
 }
 

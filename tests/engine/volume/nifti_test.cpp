@@ -5,7 +5,9 @@ namespace palpate {
 namespace {
 
 // NIfTI's identity is RAS: seen from LPS, i and j run backwards.
-Lattice rasLattice() { return {Vec3::Zero(), Vec3(-1, -1, 1).asDiagonal(), kSpacing_mm * 1e-3}; }
+Lattice rasLattice() {
+  return {Vec3::Zero(), Vec3(-1, -1, 1).asDiagonal(), kSpacing_mm * 1e-3};
+}
 
 class Nifti : public testing::Test {
  protected:

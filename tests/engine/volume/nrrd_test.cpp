@@ -70,7 +70,8 @@ TEST_F(Nrrd, KeepsAnObliqueLattice) {
 
 // i runs right, j anterior, k superior in both; only the frame in which the file says so differs.
 TEST_F(Nrrd, TurnsRasAndLasToLps) {
-  const auto geometry = [](const std::string& space, const std::string& i, const std::string& j, const std::string& origin) {
+  const auto geometry = [](const std::string& space, const std::string& i, const std::string& j,
+                           const std::string& origin) {
     return "space: " + space + "\nspace directions: " + i + " " + j + " (0,0,2)\nspace origin: " + origin + "\n";
   };
   const Lattice lattice = {Vec3(-0.010, 0.020, 0.030), Vec3(-1, -1, 1).asDiagonal(), kSpacing_mm * 1e-3};
@@ -89,7 +90,8 @@ TEST_F(Nrrd, HonoursUnitsOfLength) {
   lattice.spacing_m *= 1e-3;
   const std::string geometry = "spacings: 0.5 0.75 2\nunits: \"um\" \"um\" \"um\"\n";
   expectVolume(load(nrrdHeader("int16", "raw", "", geometry) + "\n" + data_), lattice, rampValues(-30));
-  refuses(nrrdHeader("int16", "raw", "", "spacings: 1 1 1\nunits: \"ell\" \"ell\" \"ell\"\n") + "\n" + data_, "\"ell\"");
+  refuses(nrrdHeader("int16", "raw", "", "spacings: 1 1 1\nunits: \"ell\" \"ell\" \"ell\"\n") + "\n" + data_,
+          "\"ell\"");
 }
 
 TEST_F(Nrrd, SaysWhenTheVoxelSizeIsMissing) {
@@ -100,11 +102,13 @@ TEST_F(Nrrd, RefusesBadSpacing) {
   for (const std::string spacing : {"0 1 1", "1 -1 1", "1 1 inf"}) {
     refuses(nrrdHeader("int16", "raw", "", "spacings: " + spacing + "\n") + "\n" + data_, "not positive");
   }
-  refuses(nrrdHeader("int16", "raw", "", "space: LPS\nspace directions: (1,0,0) (0,0,0) (0,0,1)\n") + "\n" + data_, "zero vector");
+  refuses(nrrdHeader("int16", "raw", "", "space: LPS\nspace directions: (1,0,0) (0,0,0) (0,0,1)\n") + "\n" + data_,
+          "zero vector");
 }
 
 TEST_F(Nrrd, RefusesShearedAxes) {
-  refuses(nrrdHeader("int16", "raw", "", "space: LPS\nspace directions: (1,0,0) (0.5,1,0) (0,0,1)\n") + "\n" + data_, "sheared");
+  refuses(nrrdHeader("int16", "raw", "", "space: LPS\nspace directions: (1,0,0) (0.5,1,0) (0,0,1)\n") + "\n" + data_,
+          "sheared");
 }
 
 TEST_F(Nrrd, RefusesWhatIsNoVolume) {

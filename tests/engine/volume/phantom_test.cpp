@@ -29,7 +29,9 @@ class Points {
   Vec3 half_m_;
 };
 
-double halfDiagonal_m(const Phantom& phantom) { return phantom.lattice().origin_W.norm(); }
+double halfDiagonal_m(const Phantom& phantom) {
+  return phantom.lattice().origin_W.norm();
+}
 
 class Surface : public testing::TestWithParam<std::string> {
  protected:
@@ -47,8 +49,8 @@ TEST_P(Surface, DistanceIsLipschitz) {
   }
 }
 
-// Central differences of step h err by h^2 / (6 r^2) from curvature 1/r, here below 1e-8, and by rounding, 1e-16 / 1e-6.
-// A point within h of the medial axis would fail, but none of these is.
+// Central differences of step h err by h^2 / (6 r^2) from curvature 1/r, here below 1e-8, and by rounding, 1e-16 /
+// 1e-6. A point within h of the medial axis would fail, but none of these is.
 TEST_P(Surface, GradientIsOneAndIsTheNormal) {
   Points points(*phantom_);
   const double h_m = 1e-6 * halfDiagonal_m(*phantom_);
@@ -121,9 +123,9 @@ TEST_P(Surface, HasBothSidesInTheLattice) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, Surface,
-                         testing::Values("phantom:sphere", "phantom:sphere?size=33x40x51&spacing=0.5x0.5x1.2mm", "phantom:box",
-                                         "phantom:spheres", "phantom:knot", "phantom:shell?thickness=3", "phantom:gyroid",
-                                         "phantom:head", "phantom:lung"),
+                         testing::Values("phantom:sphere", "phantom:sphere?size=33x40x51&spacing=0.5x0.5x1.2mm",
+                                         "phantom:box", "phantom:spheres", "phantom:knot", "phantom:shell?thickness=3",
+                                         "phantom:gyroid", "phantom:head", "phantom:lung"),
                          [](const auto& spec) {
                            std::string name = spec.param.substr(8, spec.param.find('?') - 8);
                            return name + std::to_string(spec.index);
@@ -143,8 +145,8 @@ TEST_P(ExactSurface, FootPointsLieOnTheSurface) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Exact, ExactSurface,
-                         testing::Values("phantom:sphere", "phantom:box", "phantom:spheres", "phantom:knot", "phantom:shell",
-                                         "phantom:gyroid"));
+                         testing::Values("phantom:sphere", "phantom:box", "phantom:spheres", "phantom:knot",
+                                         "phantom:shell", "phantom:gyroid"));
 
 // The knot's centre curve, sampled finely: the nearest sample is at most (arc / 2)^2 / (2 d) farther than the curve.
 TEST(Knot, DistanceAgreesWithAFineSampling) {
@@ -225,7 +227,8 @@ TEST(Random, HoldsEveryKindOfValueAndHasNoSurface) {
 }
 
 TEST(PhantomSpec, ReadsEveryKey) {
-  const PhantomSpec spec = parsePhantomSpec("phantom:shell?size=128x64x32&spacing=0.5x500x1.2um&noise=0.05&seed=9&thickness=1.5");
+  const PhantomSpec spec =
+      parsePhantomSpec("phantom:shell?size=128x64x32&spacing=0.5x500x1.2um&noise=0.05&seed=9&thickness=1.5");
   EXPECT_EQ(spec.size, Vec3i(128, 64, 32));
   EXPECT_LE((spec.spacing_m - Vec3(0.5e-6, 5e-4, 1.2e-6)).norm(), 1e-18);
   EXPECT_EQ(spec.noise, 0.05);

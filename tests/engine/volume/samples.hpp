@@ -2,10 +2,10 @@
 // The test image (files.hpp) as bytes of each format, made without the libraries that read them.
 #pragma once
 
+#include <utility>
+
 #include <archive.h>
 #include <archive_entry.h>
-
-#include <utility>
 
 #include "tests/engine/volume/files.hpp"
 #include "tests/engine/volume/itk_writer.hpp"
@@ -53,8 +53,8 @@ inline void writeTarGz(const std::string& path, const Members& members) {
 
 inline std::string nrrdHeader(const std::string& type, const std::string& encoding, const std::string& more = "",
                               const std::string& geometry = "spacings: 0.5 0.75 2\n") {
-  return "NRRD0004\ntype: " + type + "\ndimension: 3\nsizes: 5 4 3\n" + geometry + "endian: little\nencoding: " + encoding +
-         "\n" + more;
+  return "NRRD0004\ntype: " + type + "\ndimension: 3\nsizes: 5 4 3\n" + geometry +
+         "endian: little\nencoding: " + encoding + "\n" + more;
 }
 
 // --- NIfTI-1 --------------------------------------------------------------------------------------------------------
@@ -147,7 +147,8 @@ inline std::string dicomBytes(const DicomFields& fields) {
   const auto us = [](int value) { return bytesOf<std::uint16_t>({static_cast<double>(value)}); };
   const std::string meta = dicomElement(2, 0x0001, "OB", std::string("\0\1", 2)) + dicomElement(2, 0x0002, "UI", ct) +
                            dicomElement(2, 0x0003, "UI", fields.sop) +
-                           dicomElement(2, 0x0010, "UI", "1.2.840.10008.1.2.1") + dicomElement(2, 0x0012, "UI", "1.2.3");
+                           dicomElement(2, 0x0010, "UI", "1.2.840.10008.1.2.1") +
+                           dicomElement(2, 0x0012, "UI", "1.2.3");
   std::string set;
   set += dicomElement(0x0008, 0x0016, "UI", ct);
   set += dicomElement(0x0008, 0x0018, "UI", fields.sop);
@@ -176,13 +177,16 @@ inline std::string dicomBytes(const DicomFields& fields) {
 
 // --- InVesalius -----------------------------------------------------------------------------------------------------
 
-inline std::string invesaliusPlist(const std::string& shape = "<integer>3</integer><integer>4</integer><integer>5</integer>",
-                                   const std::string& type = "int16",
-                                   const std::string& spacing = "<real>0.5</real><real>0.75</real><real>2.0</real>") {
+inline std::string invesaliusPlist(
+    const std::string& shape = "<integer>3</integer><integer>4</integer><integer>5</integer>",
+    const std::string& type = "int16",
+    const std::string& spacing = "<real>0.5</real><real>0.75</real><real>2.0</real>") {
   return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<plist version=\"1.0\"><dict><key>matrix</key><dict>"
-         "<key>dtype</key><string>" + type + "</string><key>filename</key><string>matrix.dat</string>"
-         "<key>shape</key><array>" + shape + "</array></dict><key>spacing</key><array>" + spacing +
-         "</array></dict></plist>\n";
+         "<key>dtype</key><string>" +
+         type +
+         "</string><key>filename</key><string>matrix.dat</string>"
+         "<key>shape</key><array>" +
+         shape + "</array></dict><key>spacing</key><array>" + spacing + "</array></dict></plist>\n";
 }
 
 // --- by ITK ---------------------------------------------------------------------------------------------------------

@@ -35,7 +35,8 @@ TEST(Statistics, CountsEveryVoxelOnceInConstantAndCutBricks) {
 TEST(Statistics, PutsValuesIntoTheirBins) {
   std::vector<float> values(1000);
   std::iota(values.begin(), values.end(), 0.0F);
-  const VolumeStatistics statistics = statisticsOf(volumeOf(values, {10, 10, 10}), 9);  // width 111: 0..110, 111..221, ...
+  const VolumeStatistics statistics =
+      statisticsOf(volumeOf(values, {10, 10, 10}), 9);  // width 111: 0..110, 111..221, ...
   EXPECT_THAT(statistics.histogram.counts, testing::ElementsAre(111, 111, 111, 111, 111, 111, 111, 111, 112));
   EXPECT_EQ(statistics.mean, 499.5);
 }
@@ -90,7 +91,8 @@ TEST(CheckIsovalue, RefusesValuesOutsideWithTheRangeAndSuggestions) {
 
 TEST(CheckIsovalue, RefusesConstantVolumes) {
   const Volume volume = halves(40, 40);
-  expectRefusal([&] { static_cast<void>(defaultIsovalue(volume)); }, "test", "every voxel is 40; there is no isosurface");
+  expectRefusal([&] { static_cast<void>(defaultIsovalue(volume)); }, "test",
+                "every voxel is 40; there is no isosurface");
   expectRefusal([&] { checkIsovalue(volume, 40); }, "test", "every voxel is 40");
   EXPECT_TRUE(statisticsOf(volume).suggestions.empty());
 }

@@ -15,7 +15,9 @@ VolumeFacts facts() {
   return made;
 }
 
-std::size_t count(const Vec3i& size) { return static_cast<std::size_t>(size.prod()); }
+std::size_t count(const Vec3i& size) {
+  return static_cast<std::size_t>(size.prod());
+}
 
 // Every voxel another value.
 Volume distinctVolume(const Vec3i& size) {
@@ -107,33 +109,48 @@ TEST(Volume, DoesNotSampleOutsideTheDomain) {
 TEST(Volume, RefusesFlatVolumes) {
   for (const Vec3i& size : {Vec3i(1, 8, 8), Vec3i(8, 8, 1), Vec3i(0, 8, 8), Vec3i(8, -1, 8)}) {
     const std::vector<float> values(static_cast<std::size_t>(std::max(size.prod(), 0)));
-    expectRefusal([&] { static_cast<void>(Volume::fromDense(size, plainLattice(), values, facts())); }, "test", "two along");
+    expectRefusal([&] { static_cast<void>(Volume::fromDense(size, plainLattice(), values, facts())); }, "test",
+                  "two along");
   }
 }
 
 TEST(Volume, RefusesAWrongNumberOfValues) {
-  expectRefusal([] { static_cast<void>(Volume::fromDense({4, 4, 4}, plainLattice(), std::vector<float>(63), facts())); },
-                "test", "63 values");
+  expectRefusal(
+      [] {
+        static_cast<void>(Volume::fromDense({4, 4, 4}, plainLattice(), std::vector<float>(63), facts()));
+      },
+      "test", "63 values");
 }
 
 TEST(Volume, RefusesValuesThatAreNoNumbersWithTheirCountAndTheFirstsIndex) {
   std::vector<float> values(20 * 10 * 10, 1.0F);
-  const auto at = [&](int i, int j, int k) -> float& { return values[static_cast<std::size_t>((k * 10 + j) * 20 + i)]; };
+  const auto at = [&](int i, int j, int k) -> float& {
+    return values[static_cast<std::size_t>((k * 10 + j) * 20 + i)];
+  };
   at(17, 2, 3) = std::nanf("");  // first in the file, though not in the first brick
   at(1, 9, 3) = std::numeric_limits<float>::infinity();
-  expectRefusal([&] { static_cast<void>(Volume::fromDense({20, 10, 10}, plainLattice(), values, facts())); }, "test",
-                "2 of its 2000 voxels are NaN or infinite, the first at index (17, 2, 3)");
+  expectRefusal(
+      [&] {
+        static_cast<void>(Volume::fromDense({20, 10, 10}, plainLattice(), values, facts()));
+      },
+      "test", "2 of its 2000 voxels are NaN or infinite, the first at index (17, 2, 3)");
 }
 
 TEST(Volume, RefusesBadLattices) {
   Lattice lattice = plainLattice();
   lattice.spacing_m.y() = 0;
-  expectRefusal([&] { static_cast<void>(Volume::fromDense({2, 2, 2}, lattice, std::vector<float>(8), facts())); }, "test",
-                "not positive");
+  expectRefusal(
+      [&] {
+        static_cast<void>(Volume::fromDense({2, 2, 2}, lattice, std::vector<float>(8), facts()));
+      },
+      "test", "not positive");
   lattice = plainLattice();
   lattice.R_WL(0, 1) = 0.1;
-  expectRefusal([&] { static_cast<void>(Volume::fromDense({2, 2, 2}, lattice, std::vector<float>(8), facts())); }, "test",
-                "sheared");
+  expectRefusal(
+      [&] {
+        static_cast<void>(Volume::fromDense({2, 2, 2}, lattice, std::vector<float>(8), facts()));
+      },
+      "test", "sheared");
 }
 
 }  // namespace

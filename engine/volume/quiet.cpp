@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/volume/itk_quiet.hpp"
+#include "engine/volume/quiet.hpp"
+
+#include <iostream>
 
 #include <itkObject.h>
 #include <nifti1_io.h>
-
-#include <iostream>
 
 namespace palpate {
 namespace {
@@ -16,13 +16,13 @@ std::mutex& oneAtATime() {
 
 }  // namespace
 
-ItkQuiet::ItkQuiet()
+Quiet::Quiet()
     : lock_(oneAtATime()), old_cerr_(std::cerr.rdbuf(chatter_.rdbuf())), old_cout_(std::cout.rdbuf(chatter_.rdbuf())) {
   itk::Object::SetGlobalWarningDisplay(false);
   nifti_set_debug_level(0);  // the C library prints with fprintf
 }
 
-ItkQuiet::~ItkQuiet() {
+Quiet::~Quiet() {
   std::cerr.rdbuf(old_cerr_);
   std::cout.rdbuf(old_cout_);
 }

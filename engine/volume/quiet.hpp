@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/volume/itk_quiet.hpp: keeps ITK and the libraries under it from writing to the screen. Private to engine/volume.
+// engine/volume/quiet.hpp: keeps ITK, the libraries under it and OpenVDB from writing to the screen. Private to
+// engine/volume.
 #pragma once
 
 #include <mutex>
@@ -8,14 +9,14 @@
 
 namespace palpate {
 
-// While one lives, std::cerr and std::cout go into a buffer and the warnings of ITK, its NIfTI library and GDCM are off.
-// One at a time in a process; a second waits.
-class ItkQuiet {
+// While one lives, std::cerr and std::cout go into a buffer and the warnings of ITK, its NIfTI library and GDCM are
+// off. One at a time in a process; a second waits.
+class Quiet {
  public:
-  ItkQuiet();
-  ~ItkQuiet();
-  ItkQuiet(const ItkQuiet&) = delete;
-  ItkQuiet& operator=(const ItkQuiet&) = delete;
+  Quiet();
+  ~Quiet();
+  Quiet(const Quiet&) = delete;
+  Quiet& operator=(const Quiet&) = delete;
 
  private:
   std::unique_lock<std::mutex> lock_;

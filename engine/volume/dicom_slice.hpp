@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// engine/volume/dicom_slice.hpp: one file of a DICOM series. Private to engine/volume.
+//
+// Frame: LPS, millimetres, as in the file. Set-up thread.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/vec.hpp"
+#include "engine/volume/itk_file.hpp"
+
+namespace palpate {
+
+struct DicomSlice {
+  std::filesystem::path path;
+  std::unique_ptr<ItkFile> file;
+  Vec3 position_mm = Vec3::Zero();  // of its first pixel; known after checkDicomSlice
+  double along_mm = 0;              // its position along the slices' normal
+
+  [[nodiscard]] std::string name() const { return path.filename().string(); }
+  [[nodiscard]] Vec3 axis(std::size_t n) const {  // unit direction of columns (0) or rows (1) as their index grows
+    const auto& direction = file->header().direction[n];
+    return {direction[0], direction[1], direction[2]};
+  }
+};
+
+// Reads the header. Throws Error(kBadInput); `source` is the input that its message names.
+[[nodiscard]] DicomSlice readDicomSlice(const std::filesystem::path& path, const std::string& source);
+
+// Sets position_mm. Throws Error(kBadInput) for a slice that is in colour, has several frames, is cut short, or does
+// not say how large its pixels are and where it lies.
+void checkDicomSlice(DicomSlice& slice, const std::string& source);
+
+// The numbers of a value such as "a\b\c".
+[[nodiscard]] std::vector<double> dicomNumbers(const std::string& text);
+
+}  // namespace palpate
