@@ -3,6 +3,9 @@
 
 namespace palpate {
 
+Error::Error(Code code, const std::string& input, const std::string& reason, const std::string& remedy)
+    : std::runtime_error(input + ": " + reason + "; " + remedy), code_(code) {}
+
 int exitStatus(Error::Code code) noexcept {
   switch (code) {
     case Error::Code::kBadInput: return 2;

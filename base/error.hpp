@@ -4,11 +4,8 @@
 // A message is one line that a user can act on: which input, what is wrong with it, what to do.
 #pragma once
 
-#include <fmt/format.h>
-
 #include <stdexcept>
 #include <string>
-#include <utility>
 
 namespace palpate {
 
@@ -25,8 +22,7 @@ class Error : public std::runtime_error {
   };
 
   // `input`: the file, flag or key; `reason`: what is wrong; `remedy`: what to do. Joined as "input: reason; remedy".
-  Error(Code code, const std::string& input, const std::string& reason, const std::string& remedy)
-      : std::runtime_error(fmt::format("{}: {}; {}", input, reason, remedy)), code_(code) {}
+  Error(Code code, const std::string& input, const std::string& reason, const std::string& remedy);
 
   [[nodiscard]] Code code() const noexcept { return code_; }
 

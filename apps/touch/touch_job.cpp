@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/touch/touch_job.hpp"
 
+#include <fmt/format.h>
+
 #include <sys/resource.h>
 
 #include <algorithm>

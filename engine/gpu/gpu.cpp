@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/gpu/gpu.hpp"
 
+#include <fmt/format.h>
+
 #include "base/error.hpp"
 #include "engine/gpu/validation.hpp"
 #include "engine/gpu/vulkan_state.hpp"

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/gpu/kernel.hpp"
 
+#include <fmt/format.h>
+
 #include "base/error.hpp"
 #include "engine/gpu/kernel_state.hpp"
 

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which Vulkan device: loader, instance, enumeration, choice.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cctype>
 #include <cstring>

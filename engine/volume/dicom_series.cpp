@@ -4,6 +4,8 @@
 //
 // GDCM under ITK reads each slice and applies its slope and intercept. The order and spacing of slices come from their
 // positions, never from file names or slice thickness.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <filesystem>

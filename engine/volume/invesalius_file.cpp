@@ -4,6 +4,8 @@
 //
 // InVesalius keeps its slices flipped in y against DICOM: index j runs anterior. It keeps no position, so the world's
 // origin is the centre of voxel (0, 0, 0).
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <filesystem>
 #include <memory>

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/volume/itk_image.hpp"
 
+#include <fmt/format.h>
+
 #include "base/error.hpp"
 #include "engine/volume/memory_budget.hpp"
 #include "engine/volume/raw_values.hpp"

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/volume/memory_budget.hpp"
 
+#include <fmt/format.h>
+
 #include <fstream>
 #include <limits>
 

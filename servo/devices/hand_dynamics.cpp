@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/devices/hand_dynamics.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <unsupported/Eigen/MatrixFunctions>
 

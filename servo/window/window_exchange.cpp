@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/window/window_exchange.hpp"
 
+#include <fmt/format.h>
+
 #include "base/error.hpp"
 
 namespace palpate {
