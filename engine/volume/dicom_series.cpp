@@ -2,8 +2,8 @@
 // A folder of DICOM slices: "folder", or "folder#1.2.3" for one series by its UID; the series with most slices
 // otherwise. Source of the format: DICOM PS3.3, C.7.6.2 (Image Plane): positions and directions are LPS millimetres.
 //
-// GDCM under ITK reads each slice and applies its slope and intercept. The order and spacing of slices come from their
-// positions, never from file names or slice thickness.
+// GDCM under ITK, after a trial in a child process (trial.hpp), reads each slice and applies its slope and intercept.
+// The order and spacing of slices come from their positions, never from file names or slice thickness.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -19,6 +19,7 @@
 #include "engine/volume/raw_values.hpp"
 #include "engine/volume/readers.hpp"
 #include "engine/volume/text_header.hpp"
+#include "engine/volume/trial.hpp"
 
 namespace palpate {
 namespace {
@@ -40,6 +41,13 @@ void checkIsDicom(const fs::path& path, const std::string& source) {
          "copy the series again or take the file away");
 }
 
+// A file that kills GDCM in a trial must not be given to it here.
+void refuseFatal(const std::vector<fs::path>& files, const std::optional<std::size_t>& fatal,
+                 const std::string& source) {
+  if (!fatal) return;
+  refuse(source, fmt::format("slice {} is damaged", files[*fatal].filename().string()), "copy the series again");
+}
+
 // Every series of a folder by its UID. Files that are no DICOM slices are passed over, unless their names say they are.
 std::map<std::string, Series> readFolder(const std::string& folder, const std::string& source) {
   std::vector<fs::path> files;
@@ -53,6 +61,10 @@ std::map<std::string, Series> readFolder(const std::string& folder, const std::s
   }
   if (files.empty()) refuse(source, "the folder holds no DICOM slices", "give the folder in which the slices are");
   std::sort(files.begin(), files.end());
+  for (const fs::path& file : files) checkDicomFile(file, source);
+  refuseFatal(files,
+              firstFatal(files.size(), [&](std::size_t n) { static_cast<void>(readDicomSlice(files[n], source)); }),
+              source);
   std::map<std::string, Series> all;
   for (const fs::path& file : files) {
     DicomSlice slice = readDicomSlice(file, source);
@@ -148,6 +160,13 @@ std::vector<float> readPixels(const Series& series, const std::string& source) {
   std::vector<float> values;
   const auto& n = series[0].file->header().dimensions;
   const auto pixels = static_cast<std::size_t>(n[0] * n[1]);
+  std::vector<fs::path> files;
+  for (const DicomSlice& slice : series) files.push_back(slice.path);
+  const auto tryPixels = [&](std::size_t slice) {
+    std::vector<char> raw(pixels * byteSize(*series[slice].file->header().type));
+    series[slice].file->read(raw.data());
+  };
+  refuseFatal(files, firstFatal(files.size(), tryPixels), source);
   values.reserve(pixels * series.size());
   for (const DicomSlice& slice : series) {
     const ValueType type = *slice.file->header().type;

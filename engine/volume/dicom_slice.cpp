@@ -5,11 +5,10 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <cstring>
 #include <fstream>
-#include <string_view>
 
 #include "base/error.hpp"
+#include "engine/volume/dicom_structure.hpp"
 
 namespace palpate {
 namespace {
@@ -20,20 +19,9 @@ namespace fs = std::filesystem;
   throw Error(Error::Code::kBadInput, source, reason, remedy);
 }
 
-// Whether a file's pixels are all there; GDCM fills what is missing with what it likes. True where the pixel data
-// (7fe0, 0010) cannot be found as little endian, as in a deflated file.
-bool pixelsAreWhole(const fs::path& path) {
-  using namespace std::string_view_literals;
+std::string bytesOf(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
-  const std::string bytes(std::istreambuf_iterator<char>(file), {});
-  const std::size_t tag = bytes.rfind("\xe0\x7f\x10\x00"sv);
-  if (tag == std::string::npos || tag + 12 > bytes.size()) return tag == std::string::npos;
-  const bool has_type = bytes[tag + 4] == 'O';  // explicit: OB or OW, two bytes of nothing, the length
-  const std::size_t place = tag + (has_type ? 8 : 4);
-  std::uint32_t length = 0;
-  std::memcpy(&length, bytes.data() + place, sizeof length);
-  if (length == 0xffffffffU) return bytes.find("\xfe\xff\xdd\xe0"sv, place) != std::string::npos;  // encapsulated
-  return place + sizeof length + length <= bytes.size();
+  return {std::istreambuf_iterator<char>(file), {}};
 }
 
 }  // namespace
@@ -46,6 +34,11 @@ std::vector<double> dicomNumbers(const std::string& text) {
     begin = end + 1;
   }
   return numbers;
+}
+
+void checkDicomFile(const fs::path& path, const std::string& source) {
+  if (dicomIsWhole(bytesOf(path))) return;
+  refuse(source, fmt::format("slice {} is cut short or damaged", path.filename().string()), "copy the series again");
 }
 
 DicomSlice readDicomSlice(const fs::path& path, const std::string& source) {
@@ -68,8 +61,6 @@ void checkDicomSlice(DicomSlice& slice, const std::string& source) {
   if (header.dimensions.size() > 2 && header.dimensions[2] > 1) {
     refuse(source, fmt::format("{} holds several frames", slice.name()), "convert it to NIfTI or NRRD");
   }
-  if (!pixelsAreWhole(slice.path))
-    refuse(source, fmt::format("slice {} is cut short", slice.name()), "copy the series again");
   const std::vector<double> spacing = dicomNumbers(slice.file->tag("0028|0030"));
   if (spacing.size() != 2 || !(spacing[0] > 0) || !(spacing[1] > 0)) {
     refuse(

@@ -27,11 +27,14 @@ struct DicomSlice {
   }
 };
 
+// Throws Error(kBadInput) for a file whose elements are not all there. Only what passes may be given to GDCM.
+void checkDicomFile(const std::filesystem::path& path, const std::string& source);
+
 // Reads the header. Throws Error(kBadInput); `source` is the input that its message names.
 [[nodiscard]] DicomSlice readDicomSlice(const std::filesystem::path& path, const std::string& source);
 
-// Sets position_mm. Throws Error(kBadInput) for a slice that is in colour, has several frames, is cut short, or does
-// not say how large its pixels are and where it lies.
+// Sets position_mm. Throws Error(kBadInput) for a slice that is in colour, has several frames, or does not say how
+// large its pixels are and where it lies.
 void checkDicomSlice(DicomSlice& slice, const std::string& source);
 
 // The numbers of a value such as "a\b\c".

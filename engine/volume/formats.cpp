@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <new>
 
 #include <fmt/ranges.h>
 
@@ -93,7 +94,13 @@ const std::vector<VolumeFormat>& volumeFormats() {
 }
 
 Volume loadVolume(const std::string& name, std::size_t memory_budget_bytes) {
-  return chooseFormat(name).read(name, memory_budget_bytes);
+  try {
+    return chooseFormat(name).read(name, memory_budget_bytes);
+  } catch (const std::bad_alloc&) {
+    throw Error(Error::Code::kOutOfMemory, name, "there is no memory for it", "crop or resample it");
+  } catch (const fs::filesystem_error& failure) {
+    throw Error(Error::Code::kIo, name, failure.code().message(), "check the permissions of the file or folder");
+  }
 }
 
 }  // namespace palpate

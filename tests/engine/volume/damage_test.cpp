@@ -119,7 +119,7 @@ TEST_P(Damage, CutFilesGiveNoHalfVolume) {
 
 TEST_P(Damage, ChangedFilesGiveAVolumeOrAnError) {
   std::mt19937_64 random(5);
-  for (int n = 0; n < 300; ++n) {
+  for (int n = 0; n < 200; ++n) {
     std::string bytes = whole_;
     const int changes = 1 + static_cast<int>(random() % 3);
     for (int change = 0; change < changes; ++change) {

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/volume/dicom_structure.hpp"
+
+#include <cstdint>
+#include <cstring>
+
+namespace palpate {
+namespace {
+
+using namespace std::string_view_literals;
+
+constexpr std::size_t kPreamble = 132;  // 128 bytes of anything and "DICM"
+constexpr std::uint32_t kUndefined = 0xffffffffU;
+constexpr std::uint32_t kItem = 0xfffee000U;
+constexpr std::uint32_t kItemEnd = 0xfffee00dU;
+constexpr std::uint32_t kSequenceEnd = 0xfffee0ddU;
+constexpr std::uint32_t kTransferSyntax = 0x00020010U;
+constexpr int kDeepest = 32;  // nested sequences
+
+struct Element {
+  std::uint32_t tag = 0;
+  std::string_view type;  // "OW"; empty where the syntax is implicit and for items
+  std::uint32_t length = 0;
+};
+
+// `names` in a row, two letters each.
+bool isOneOf(std::string_view names, std::string_view type) {
+  for (std::size_t n = 0; n < names.size(); n += 3) {
+    if (names.substr(n, 2) == type) return true;
+  }
+  return false;
+}
+
+class Walk {
+ public:
+  explicit Walk(std::string_view file) : file_(file) {}
+
+  bool wholeFile() {
+    at_ = kPreamble;
+    std::string_view syntax;
+    while (at_ + 8 <= file_.size() && peekTag() >> 16U == 2) {
+      Element element;
+      if (!readHead(element) || element.length > left()) return false;
+      if (element.tag == kTransferSyntax) syntax = file_.substr(at_, element.length);
+      at_ += element.length;
+    }
+    while (!syntax.empty() && (syntax.back() == '\0' || syntax.back() == ' ')) syntax.remove_suffix(1);
+    if (syntax == "1.2.840.10008.1.2.1.99" || syntax == "1.2.840.10008.1.2.2") return true;
+    explicit_ = syntax != "1.2.840.10008.1.2";
+    return elements(file_.size(), 0);
+  }
+
+ private:
+  // Elements up to `end`, or to a delimiter of items.
+  bool elements(std::size_t end, int depth) {
+    std::uint32_t last_tag = 0;
+    while (at_ < end) {
+      Element element;
+      if (!readHead(element)) return false;
+      if (element.tag == kItemEnd) return true;
+      if (element.tag <= last_tag) return false;  // tags ascend
+      last_tag = element.tag;
+      if (!value(element, depth)) return false;
+    }
+    return at_ == end;
+  }
+
+  bool value(const Element& element, int depth) {
+    if (element.length == kUndefined) return items(file_.size(), depth + 1);
+    if (element.length > left()) return false;
+    if (element.type == "SQ") return items(at_ + element.length, depth + 1);
+    at_ += element.length;
+    return true;
+  }
+
+  // Items of a sequence, or fragments of packed pixels, which are items that hold no elements.
+  bool items(std::size_t end, int depth) {
+    if (depth > kDeepest) return false;
+    while (at_ < end) {
+      Element item;
+      if (!readHead(item)) return false;
+      if (item.tag == kSequenceEnd) return true;
+      if (item.tag != kItem) return false;
+      if (item.length == kUndefined) {
+        if (!elements(file_.size(), depth)) return false;
+      } else {
+        if (item.length > left()) return false;
+        at_ += item.length;
+      }
+    }
+    return at_ == end && end != file_.size();
+  }
+
+  bool readHead(Element& element) {
+    if (left() < 8) return false;
+    element.tag = peekTag();
+    at_ += 4;
+    if (!explicit_ || element.tag >> 16U == 0xfffeU) {
+      element.length = number<std::uint32_t>(at_);
+      at_ += 4;
+      return true;
+    }
+    element.type = file_.substr(at_, 2);
+    at_ += 2;
+    if (!isOneOf("OB OD OF OL OV OW SQ SV UC UN UR UT UV", element.type)) {
+      // GDCM guesses at a type that there is not, and may take four bytes of anything for its length.
+      if (!isOneOf("AE AS AT CS DA DS DT FD FL IS LO LT PN SH SL SS ST TM UI UL US", element.type)) return false;
+      element.length = number<std::uint16_t>(at_);
+      at_ += 2;
+      return true;
+    }
+    if (left() < 6) return false;
+    element.length = number<std::uint32_t>(at_ + 2);
+    at_ += 6;
+    return true;
+  }
+
+  [[nodiscard]] std::uint32_t peekTag() const {
+    return static_cast<std::uint32_t>(number<std::uint16_t>(at_)) << 16U | number<std::uint16_t>(at_ + 2);
+  }
+  template <class T>
+  [[nodiscard]] T number(std::size_t offset) const {
+    T value = 0;
+    std::memcpy(&value, file_.data() + offset, sizeof value);
+    return value;
+  }
+  [[nodiscard]] std::size_t left() const { return file_.size() - at_; }
+
+  std::string_view file_;
+  std::size_t at_ = 0;
+  bool explicit_ = true;
+};
+
+}  // namespace
+
+bool dicomIsWhole(std::string_view file) {
+  return file.size() > kPreamble && Walk(file).wholeFile();
+}
+
+}  // namespace palpate

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+// engine/volume/dicom_structure.hpp: whether a DICOM file's elements are all there. Private to engine/volume.
+//
+// GDCM makes up the pixels that a cut file lacks, and sets aside whatever memory a damaged length asks for. So each
+// file's elements are walked first. Source: DICOM PS3.5, chapter 7 (data set structure) and annex A (transfer
+// syntaxes).
+#pragma once
+
+#include <string_view>
+
+namespace palpate {
+
+// True if every element, item and fragment of `file` (all its bytes) ends inside it, tags ascend and types exist. Also
+// true for what cannot be walked: deflated and big endian files. Cost: no copy; one step an element. Any thread.
+[[nodiscard]] bool dicomIsWhole(std::string_view file);
+
+}  // namespace palpate
