@@ -65,6 +65,11 @@ void compareBrick(GradientCheck& check, const reference::DenseField& field, cons
 
 GradientCheck checkGradient(const Volume& volume, const std::string& gpu_name,
                             const std::function<void(double)>& progress) {
+  return checkGradient(volume, reference::denseField(volume), gpu_name, progress);
+}
+
+GradientCheck checkGradient(const Volume& volume, const reference::DenseField& field, const std::string& gpu_name,
+                            const std::function<void(double)>& progress) {
   GradientCheck check;
   gpu::Gpu gpu({.name = gpu_name});
   check.device = gpu.info().name;
@@ -77,7 +82,6 @@ GradientCheck checkGradient(const Volume& volume, const std::string& gpu_name,
   pass.run();
   check.gpu_seconds = gpu_watch.seconds();
 
-  const reference::DenseField field = reference::denseField(volume);
   const Stopwatch cpu_watch;
   std::vector<Sample> samples;
   for (std::size_t brick = 0; brick < pool.brickCount(); ++brick) {

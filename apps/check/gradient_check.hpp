@@ -8,6 +8,7 @@
 #include <string>
 
 #include "engine/gpu/gpu.hpp"
+#include "engine/reference/dense_field.hpp"
 #include "engine/volume/volume.hpp"
 
 namespace palpate {
@@ -28,5 +29,9 @@ struct GradientCheck {
 // `progress` gets the fraction done, and may throw to cancel.
 [[nodiscard]] GradientCheck checkGradient(const Volume& volume, const std::string& gpu_name,
                                           const std::function<void(double)>& progress);
+
+// The same with the field that the twin reads given apart, so that a test can make the two sides differ.
+[[nodiscard]] GradientCheck checkGradient(const Volume& volume, const reference::DenseField& field,
+                                          const std::string& gpu_name, const std::function<void(double)>& progress);
 
 }  // namespace palpate

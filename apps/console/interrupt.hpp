@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/console/interrupt.hpp: Ctrl-C ends long work in good order instead of killing it. A second one kills.
+// apps/console/interrupt.hpp: Ctrl-C ends long work in good order instead of killing it. A second one, half a second or more
+// later, kills.
 #pragma once
 
 #include <string>

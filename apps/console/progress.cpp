@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "apps/console/one_line.hpp"
+
 namespace palpate {
 
 Progress::Progress(std::FILE* stream) : stream_(stream), terminal_(isatty(fileno(stream)) == 1) {}
@@ -19,11 +21,11 @@ void Progress::show(const std::string& text) {
 }
 
 void Progress::stage(const std::string& what) {
-  stage_ = what;
+  stage_ = oneLine(what);
   if (terminal_) {
-    show(what + " ...");
+    show(stage_ + " ...");
   } else {
-    fmt::print(stream_, "{} ...\n", what);
+    fmt::print(stream_, "{} ...\n", stage_);
   }
 }
 

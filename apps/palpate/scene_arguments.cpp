@@ -5,6 +5,7 @@
 
 #include "apps/scene/option_table.hpp"
 #include "apps/scene/scene_file.hpp"
+#include "base/error.hpp"
 
 namespace palpate {
 namespace {
@@ -40,6 +41,10 @@ Scene SceneArguments::scene() const {
   for (std::size_t i = 0; i < values_.size(); ++i) {
     const SceneOption& option = sceneOptions()[i];
     if (options_[i]->count() > 0) setOption(option.value, values_[i], option.flag, scene);
+  }
+  if (scene.volume.empty()) {
+    throw Error(Error::Code::kBadInput, source_.empty() ? "VOLUME" : source_, "no volume is given",
+                "name a file, a DICOM folder or a phantom, for example phantom:sphere?size=64");
   }
   return scene;
 }

@@ -18,7 +18,7 @@ class SceneArguments {
   // Adds the positional argument and all scene flags to the verb. This object must outlive the parsing.
   explicit SceneArguments(CLI::App& verb);
 
-  // Defaults, then the scene file, then flags. Throws Error for values that do not fit.
+  // Defaults, then the scene file, then flags. Throws Error for values that do not fit and where no volume is named.
   [[nodiscard]] Scene scene() const;
 
   // A line that repeats the run: the verb, the positional argument and the flags as given.

@@ -88,8 +88,9 @@ std::string optionHelp(const SceneOption& option) {
 std::string sceneDocument() {
   std::string text =
       "# Scene files\n\nA scene is a TOML file: `palpate touch scene.toml`. Every flag overrides its key. A dot in a key is a "
-      "TOML table:\n`servo.n` stands for `n` under `[servo]`. Relative paths in a scene start at the scene's folder. This "
-      "page is printed by\n`palpate scene`.\n\n| key | flag | unit | takes | default | meaning |\n|---|---|---|---|---|---|\n";
+      "TOML table:\n`servo.n` stands for `n` under `[servo]`. `x,y,z` is written `[x, y, z]`. Relative paths of "
+      "`volume`\nand `path.file` start at the scene's folder, that of `output.folder` where the program is started. This page is "
+      "printed by\n`palpate scene`.\n\n| key | flag | unit | takes | default | meaning |\n|---|---|---|---|---|---|\n";
   for (const SceneOption& option : kOptions) {
     text += fmt::format("| `{}` | `{}` | {} | {} | {} | {} |\n", option.key, option.flag, option.unit,
                         optionForm(option.value), optionText(option.value, Scene{}), option.help);

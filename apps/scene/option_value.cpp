@@ -68,8 +68,9 @@ struct Setter {
   }
   void operator()(const VectorOption& option) const {
     const auto vector = parseVector(text);
-    if (!vector || (option.direction && vector->norm() == 0)) refuse(where, text, value);
-    scene.*option.member = option.direction ? vector->normalized() : Vec3(*vector * option.scale);
+    if (!vector || (option.direction && vector->isZero(0))) refuse(where, text, value);
+    // Stable: the square of a component may be too small or too large for a double.
+    scene.*option.member = option.direction ? vector->stableNormalized() : Vec3(*vector * option.scale);
   }
 };
 

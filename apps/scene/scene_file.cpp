@@ -38,17 +38,40 @@ std::string nearestKey(std::string_view key) {
   return nearest->key;
 }
 
-std::string nodeText(const toml::node& node, const std::string& where) {
-  if (const auto* text = node.as_string()) return text->get();
+std::string numberText(const toml::node& node) {
   if (const auto* integer = node.as_integer()) return std::to_string(integer->get());
-  if (const auto* number = node.as_floating_point()) return fmt::format("{:.17g}", number->get());
-  if (const auto* flag = node.as_boolean()) return flag->get() ? "on" : "off";
-  if (const auto* array = node.as_array()) {
+  return fmt::format("{:.17g}", node.as_floating_point()->get());
+}
+
+// A value of the kind that an option takes, as setOption() reads it; nothing for another kind: "5" is text, no number.
+struct ValueText {
+  const toml::node& node;
+  using Text = std::optional<std::string>;
+
+  Text operator()(const NumberOption&) const { return node.is_number() ? Text(numberText(node)) : Text(); }
+  Text operator()(const IntegerOption&) const { return node.is_number() ? Text(numberText(node)) : Text(); }
+  Text operator()(const TextOption&) const { return node.is_string() ? Text(node.as_string()->get()) : Text(); }
+  Text operator()(const SwitchOption&) const {
+    if (const auto* flag = node.as_boolean()) return flag->get() ? "on" : "off";
+    return node.is_string() ? Text(node.as_string()->get()) : Text();
+  }
+  Text operator()(const VectorOption&) const {
+    const auto* array = node.as_array();
+    if (array == nullptr) return std::nullopt;
     std::string text;
-    for (const toml::node& element : *array) text += (text.empty() ? "" : ",") + nodeText(element, where);
+    for (const toml::node& element : *array) {
+      if (!element.is_number()) return std::nullopt;
+      text += (text.empty() ? "" : ",") + numberText(element);
+    }
     return text;
   }
-  throw Error(Error::Code::kBadInput, where, "this kind of value is not understood", "give a number, text, or [x, y, z]");
+};
+
+std::string valueText(const toml::node& node, const OptionValue& value, const std::string& where) {
+  if (const auto text = std::visit(ValueText{node}, value)) return *text;
+  const bool vector = std::holds_alternative<VectorOption>(value);
+  throw Error(Error::Code::kBadInput, where, "the value is of another kind than it takes",
+              "give " + (vector ? std::string("[x, y, z]") : optionForm(value)));
 }
 
 void setKeys(const toml::table& table, const std::string& prefix, const std::string& file, Scene& scene) {
@@ -64,7 +87,7 @@ void setKeys(const toml::table& table, const std::string& prefix, const std::str
       throw Error(Error::Code::kBadInput, where, "there is no such key",
                   "did you mean " + nearestKey(key) + "? 'palpate scene' lists all");
     }
-    setOption(option->value, nodeText(node, where), where, scene);
+    setOption(option->value, valueText(node, option->value, where), where, scene);
   }
 }
 
@@ -78,6 +101,10 @@ void resolve(const std::filesystem::path& folder, std::string& name) {
 
 void readSceneFile(const std::filesystem::path& file, Scene& scene) {
   std::ifstream stream(file);
+  std::error_code ignored;
+  if (std::filesystem::is_directory(file, ignored)) {  // opening one succeeds, and it reads as empty
+    throw Error(Error::Code::kBadInput, file.string(), "it is a folder", "give a scene's file");
+  }
   if (!stream) {
     throw Error(Error::Code::kNotFound, file.string(), "the scene file cannot be opened", "check the path and its permissions");
   }

@@ -1,39 +1,87 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/touch/output_folder.hpp"
 
-#include <unistd.h>
-
+#include <cerrno>
 #include <cstdlib>
 #include <system_error>
+#include <vector>
 
 #include "base/error.hpp"
 
 namespace palpate {
 namespace {
 
-[[noreturn]] void refuse(const std::filesystem::path& path, const std::string& reason) {
-  throw Error(Error::Code::kIo, path.string(), "nothing can be written there (" + reason + ")",
+namespace fs = std::filesystem;
+
+[[noreturn]] void refuse(const std::string& path, const std::string& reason) {
+  throw Error(Error::Code::kIo, path, "nothing can be written there (" + reason + ")",
               "choose another folder with --out");
+}
+
+const std::string& checked(const std::string& path) {
+  if (path.empty()) refuse("--out ''", "it names no folder");
+  return path;
+}
+
+// Without a '/' at its end, whose parent would be itself.
+fs::path plain(const fs::path& path) {
+  std::error_code ignored;
+  const fs::path whole = fs::absolute(path, ignored).lexically_normal();
+  return whole.has_filename() ? whole : whole.parent_path();
 }
 
 }  // namespace
 
-OutputFolder::OutputFolder(const std::string& path) : path_(path) {
+MadeFolders::MadeFolders(const fs::path& path) : last_(plain(path)) {
+  std::error_code ignored;
+  for (fs::path at = last_; at.has_relative_path() && !fs::exists(fs::symlink_status(at, ignored));
+       at = at.parent_path()) {
+    first_ = at;
+  }
+}
+
+MadeFolders::~MadeFolders() {
+  std::error_code ignored;
+  for (fs::path at = last_; !first_.empty(); at = at.parent_path()) {
+    const fs::file_status status = fs::symlink_status(at, ignored);
+    // Removing fails, as it should, if the folder holds anything.
+    if (fs::exists(status) && !(fs::is_directory(status) && fs::remove(at, ignored))) return;
+    if (at == first_) return;
+  }
+}
+
+OutputFolder::OutputFolder(const std::string& path) : path_(checked(path)), made_(path_) {
   std::error_code error;
-  made_ = std::filesystem::create_directories(path_, error);
-  if (error) refuse(path_, error.message());
-  if (!std::filesystem::is_directory(path_)) refuse(path_, "it is not a folder");
-  std::string probe = (path_ / ".palpate-XXXXXX").string();
-  const int descriptor = mkstemp(probe.data());
-  if (descriptor < 0) refuse(path_, std::system_category().message(errno));
-  close(descriptor);
-  unlink(probe.c_str());
+  fs::create_directories(path_, error);
+  if (error) refuse(path, error.message());
+  if (!fs::is_directory(path_)) refuse(path, "it is not a folder");
+  std::string drafts = (path_ / ".palpate-XXXXXX").string();
+  if (mkdtemp(drafts.data()) == nullptr) refuse(path, std::generic_category().message(errno));
+  drafts_ = drafts;
 }
 
 OutputFolder::~OutputFolder() {
-  if (!made_) return;
   std::error_code ignored;
-  std::filesystem::remove(path_, ignored);  // fails, as it should, if the folder holds anything
+  fs::remove_all(drafts_, ignored);
+}
+
+void OutputFolder::publish() {
+  std::vector<fs::path> names;
+  for (const auto& entry : fs::directory_iterator(drafts_)) {
+    names.push_back(entry.path().filename());
+    std::error_code ignored;
+    const fs::path target = path_ / names.back();
+    const fs::file_status status = fs::status(target, ignored);
+    if (fs::exists(status) && !fs::is_regular_file(status)) {
+      throw Error(Error::Code::kIo, target.string(), "it is not a plain file and will not be replaced",
+                  "move it away or choose another folder with --out");
+    }
+  }
+  for (const fs::path& name : names) {
+    std::error_code error;
+    fs::rename(drafts_ / name, path_ / name, error);
+    if (error) refuse((path_ / name).string(), error.message());
+  }
 }
 
 }  // namespace palpate

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/touch/output_folder.hpp: the folder that a run writes into.
+// apps/touch/output_folder.hpp: the folder that a run writes into: all of its files or none. Set-up code, one thread.
 #pragma once
 
 #include <filesystem>
@@ -7,20 +7,39 @@
 
 namespace palpate {
 
+// Folders made on the way to `path`; removed again at the end as far as they are empty.
+class MadeFolders {
+ public:
+  explicit MadeFolders(const std::filesystem::path& path);  // makes nothing yet
+  ~MadeFolders();
+  MadeFolders(const MadeFolders&) = delete;
+  MadeFolders& operator=(const MadeFolders&) = delete;
+
+ private:
+  std::filesystem::path last_;
+  std::filesystem::path first_;  // that was not there; empty: all were
+};
+
 // Makes the folder if it is not there and proves, before any long work, that files can be written into it. Throws
-// Error(kIo). A folder that was made stays only if something is written into it: see OutputFolder's destructor.
+// Error(kIo). Files are written as drafts, in a hidden folder inside it, and moved into place together by publish(); what
+// was not published is removed, and so are folders that were made and stayed empty.
 class OutputFolder {
  public:
   explicit OutputFolder(const std::string& path);
-  ~OutputFolder();  // removes the folder again if this object made it and it is still empty
+  ~OutputFolder();
   OutputFolder(const OutputFolder&) = delete;
   OutputFolder& operator=(const OutputFolder&) = delete;
 
   [[nodiscard]] std::filesystem::path file(const char* name) const { return path_ / name; }
+  [[nodiscard]] std::filesystem::path draft(const char* name) const { return drafts_ / name; }
+
+  // Moves every draft into place. Throws Error(kIo), having moved none, where something that is no plain file is in the way.
+  void publish();
 
  private:
   std::filesystem::path path_;
-  bool made_ = false;
+  MadeFolders made_;
+  std::filesystem::path drafts_;
 };
 
 }  // namespace palpate

@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <filesystem>
 
 #include "apps/console/interrupt.hpp"
 #include "apps/report/atomic_file.hpp"
@@ -21,6 +23,8 @@
 #include "apps/touch/volume_surface.hpp"
 #include "base/error.hpp"
 #include "engine/service/engine.hpp"
+#include "engine/volume/memory_budget.hpp"
+#include "engine/volume/phantom.hpp"
 #include "engine/volume/statistics.hpp"
 #include "servo/algorithms/registry.hpp"
 #include "servo/loop/run_figures.hpp"
@@ -49,6 +53,25 @@ class Stages {
   std::vector<StageTime>& times_;
 };
 
+// A run has a tick at least, and the record of every tick fits into memory (twice: it is worked on for the report).
+void checkTicks(const Scene& scene) {
+  const double ticks = std::round(scene.duration_s * scene.rate_hz);
+  const std::string input = scene.path_file.empty()
+                                ? fmt::format("--seconds {:g} at --rate {:g}", scene.duration_s, scene.rate_hz)
+                                : fmt::format("{} at --rate {:g}", scene.path_file, scene.rate_hz);
+  if (!(ticks >= 1)) {
+    throw Error(Error::Code::kBadInput, input, "the run has no tick", "make it longer or the rate higher");
+  }
+  const double bytes = 2 * ticks * sizeof(TickRecord);
+  const auto available = static_cast<double>(availableMemoryBytes());
+  if (bytes <= available) return;
+  constexpr double kBytesPerGiB = 1073741824.0;
+  throw Error(Error::Code::kOutOfMemory, input,
+              fmt::format("a run of {:.3g} s records {:.3g} ticks, which need {:.3g} GiB, and {:.3g} GiB are free",
+                          scene.duration_s, ticks, bytes / kBytesPerGiB, available / kBytesPerGiB),
+              "make it shorter or the rate lower");
+}
+
 // Faults of the command line are found before a volume is loaded for them.
 void checkEarly(const Scene& scene) {
   if (scene.volume.empty()) {
@@ -59,10 +82,26 @@ void checkEarly(const Scene& scene) {
                                         .stiffness_N_per_m = scene.stiffness_N_per_m,
                                         .damping_Ns_per_m = scene.damping_Ns_per_m,
                                         .plane_renewal_ticks = scene.plane_renewal_ticks});
+  if (scene.path_file.empty()) checkTicks(scene);
+}
+
+// The phantom's exact surface lies at its own isovalue; at another one nothing exact is known.
+std::optional<ExactErrors> exactErrorsOf(const TouchRun& run) {
+  if (!run.scene.volume.starts_with("phantom:")) return std::nullopt;
+  const std::unique_ptr<Phantom> phantom = makePhantom(run.scene.volume);
+  if (phantom->isovalue() != run.volume.isovalue) return std::nullopt;
+  return exactErrors(*phantom, run.records, run.phases);
+}
+
+// On pictures and pages a file goes by its name; the command that repeats the run has its path.
+std::string shownName(const VolumeFacts& facts) {
+  if (facts.format == "phantom") return facts.source;
+  const std::filesystem::path path(facts.source);
+  return path.has_filename() ? path.filename().string() : path.parent_path().filename().string();
 }
 
 RunVolume volumeOf(const Volume& volume, double isovalue) {
-  return {volume.facts().source, volume.facts().format, volume.size(),   volume.lattice().spacing_m,
+  return {shownName(volume.facts()), volume.facts().format, volume.size(),   volume.lattice().spacing_m,
           volume.minimum(),      volume.maximum(),      isovalue};
 }
 
@@ -102,12 +141,13 @@ MemoryFigure residentPeak() {
   return {"process peak", static_cast<std::uint64_t>(usage.ru_maxrss) * 1024};
 }
 
-// Writes everything; `picture` may be empty.
-void writeOutputs(const TouchRun& run, const std::string& picture, const OutputFolder& folder) {
-  if (run.scene.trace) writeTraceCsv(folder.file("trace.csv"), run.records);
-  if (!picture.empty()) writeFileAtomically(folder.file("view.png"), picture);
-  writeReport(folder.file("report.html"), run, picture);
-  writeSummary(folder.file("summary.json"), run);
+// Writes everything or nothing; `picture` may be empty.
+void writeOutputs(const TouchRun& run, const std::string& picture, OutputFolder& folder) {
+  if (run.scene.trace) writeTraceCsv(folder.draft("trace.csv"), run.records);
+  if (!picture.empty()) writeFileAtomically(folder.draft("view.png"), picture);
+  writeReport(folder.draft("report.html"), run, picture);
+  writeSummary(folder.draft("summary.json"), run);
+  folder.publish();
 }
 
 std::vector<std::string> outputFiles(const Scene& scene, const OutputFolder& folder) {
@@ -123,7 +163,7 @@ std::vector<std::string> outputFiles(const Scene& scene, const OutputFolder& fol
 
 TouchRun runTouchJob(const Scene& scene, const std::string& command, const std::string& commit, Progress& progress) {
   checkEarly(scene);
-  const OutputFolder folder(scene.out);
+  OutputFolder folder(scene.out);
   TouchRun run;
   run.scene = scene;
   run.machine = readMachineFacts();
@@ -140,15 +180,18 @@ TouchRun runTouchJob(const Scene& scene, const std::string& command, const std::
 
   const ScriptedPath path = stages.run("path", "building the path", [&] { return scriptedPath(scene, surface); });
   run.scene.duration_s = scene.path_file.empty() ? scene.duration_s : path.path.duration_s();
+  checkTicks(run.scene);
   run.phases = path.phases;
   run.notes = path.notes;
 
   const Plan plan = makePlan(scene);
-  const auto engine = stages.run("engine", "computing on Vulkan", [&] {
+  const auto engine = stages.run("open Vulkan device", "computing on Vulkan", [&] {
     return std::make_unique<Engine>(volume, plan, isovalue, scene.gpu);
   });
   run.vulkan = {engine->gpu().name, engine->gpu().driver, engine->gpu().api_version};
-  for (const StageTime& inner : engine->stages()) run.stages.push_back({"engine: " + inner.name, inner.seconds});
+  // The engine's own stages come out of the time that making it took; what is left opened the device.
+  for (const StageTime& inner : engine->stages()) run.stages.back().seconds -= inner.seconds;
+  run.stages.insert(run.stages.end(), engine->stages().begin(), engine->stages().end());
   run.plan = planWords(plan, engine->planFacts());
 
   LoopResult result = stages.run("servo", fmt::format("palpating with {} on {}", scene.algorithm, engine->gpu().name),
@@ -156,7 +199,7 @@ TouchRun runTouchJob(const Scene& scene, const std::string& command, const std::
   run.records = std::move(result.records);
   run.realtime = realTimeWords(scene, result);
   run.faults = faultsOf(run);
-  if (scene.volume.starts_with("phantom:")) run.exact = exactErrors(*makePhantom(scene.volume), run.records, run.phases);
+  run.exact = exactErrorsOf(run);
 
   run.files = outputFiles(scene, folder);
   const std::string picture =
