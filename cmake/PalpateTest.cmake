@@ -1,20 +1,23 @@
 # palpate_test(servo_window_exchange SOURCES exchange_test.cpp DEPENDS servo_window [LIBRARIES ...] [USES ...]
-#              [LABELS short] [GPU])
+#              [LABELS short-asan-ubsan short-tsan] [GPU])
 # One small binary per test file. GPU: runs under the Vulkan validation layer, and any message of it fails the test.
-# LABELS short: also part of the short sanitizer run of `./dev test`.
+# A label short-PRESET makes the test part of the short sanitizer run of `./dev test` under that preset; the target of the
+# same name builds those tests.
 find_package(GTest REQUIRED)
 set(PALPATE_TEST_TIMEOUT 300)
 if(PALPATE_SANITIZE)
   set(PALPATE_TEST_TIMEOUT 1200)
 endif()
-add_custom_target(short_sanitizer_tests)
+add_custom_target(short-asan-ubsan)
+add_custom_target(short-tsan)
 
 # What almost every test includes, parsed once. An executable, since its code model must be that of the tests.
 add_executable(palpate_test_pch ${PROJECT_SOURCE_DIR}/tests/support/pch.cpp)
 target_link_libraries(palpate_test_pch PRIVATE palpate_compiler palpate::base GTest::gmock)
 target_precompile_headers(palpate_test_pch PRIVATE <gmock/gmock.h> <gtest/gtest.h> <Eigen/Geometry> <fmt/format.h>)
 # Optimising the tests themselves takes longer than it saves.
-target_compile_options(palpate_test_pch PRIVATE $<$<CONFIG:Release>:-O1>)
+set(PALPATE_TEST_OPTIONS $<$<CONFIG:Release>:-O1> ${PALPATE_LOW_OPTIMISATION_OPTIONS})
+target_compile_options(palpate_test_pch PRIVATE ${PALPATE_TEST_OPTIONS})
 set_target_properties(palpate_test_pch PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/test-bin)
 
 function(palpate_test name)
@@ -22,7 +25,7 @@ function(palpate_test name)
   set(target test_${name})
   add_executable(${target} ${TEST_SOURCES})
   set_target_properties(${target} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/test-bin)
-  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+  target_compile_options(${target} PRIVATE ${PALPATE_TEST_OPTIONS})
   target_precompile_headers(${target} REUSE_FROM palpate_test_pch)
   list(TRANSFORM TEST_DEPENDS PREPEND palpate::)
   target_link_libraries(${target} PRIVATE palpate_compiler ${TEST_DEPENDS} ${TEST_LIBRARIES} GTest::gmock)
@@ -35,7 +38,9 @@ function(palpate_test name)
   palpate_fence(${target} ${TEST_USES})
   add_test(NAME ${name} COMMAND ${target})
   set_tests_properties(${name} PROPERTIES LABELS "${TEST_LABELS}" TIMEOUT ${PALPATE_TEST_TIMEOUT})
-  if("short" IN_LIST TEST_LABELS)
-    add_dependencies(short_sanitizer_tests ${target})
-  endif()
+  foreach(label IN LISTS TEST_LABELS)
+    if(label MATCHES "^short-")
+      add_dependencies(${label} ${target})
+    endif()
+  endforeach()
 endfunction()

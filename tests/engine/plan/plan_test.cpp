@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/plan/plan.hpp"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+
+namespace palpate {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+std::vector<PlanLine> linesNaming(const std::vector<PlanLine>& lines, const std::string& word) {
+  std::vector<PlanLine> found;
+  std::copy_if(lines.begin(), lines.end(), std::back_inserter(found),
+               [&](const PlanLine& line) { return line.what.find(word) != std::string::npos; });
+  return found;
+}
+
+TEST(Plan, OfAnOrdinarySceneHasEveryPassInOrder) {
+  EXPECT_THAT(makePlan(Scene{}).passes,
+              ElementsAre(Pass::kUpload, Pass::kBrickBounds, Pass::kGradient, Pass::kWindow, Pass::kIsosurface));
+}
+
+TEST(Plan, WithoutAPictureHasNoRenderer) {
+  Scene scene;
+  scene.picture = false;
+  const Plan plan = makePlan(scene);
+  EXPECT_FALSE(plan.has(Pass::kIsosurface));
+  EXPECT_TRUE(plan.has(Pass::kBrickBounds));  // it still chooses the bricks
+}
+
+// All bricks have gradients and nothing is drawn: nobody would read the bounds.
+TEST(Plan, LeavesOutBoundsThatNobodyReads) {
+  Scene scene;
+  scene.gradient_all = true;
+  EXPECT_TRUE(makePlan(scene).has(Pass::kBrickBounds));  // the renderer skips by them
+  scene.picture = false;
+  EXPECT_THAT(makePlan(scene).passes, ElementsAre(Pass::kUpload, Pass::kGradient, Pass::kWindow));
+}
+
+// 100 bricks: 60 stored leave out 40 x 2 KiB of density, 25 with gradients leave out 75 x 8 KiB of samples.
+TEST(PlanLines, SayWhatWasSaved) {
+  const auto lines = planLines(makePlan(Scene{}), {.bricks = 100, .stored_bricks = 60, .gradient_bricks = 25});
+  const auto density = linesNaming(lines, "density");
+  ASSERT_EQ(density.size(), 1U);
+  EXPECT_THAT(density[0].what, HasSubstr("60 of 100"));
+  EXPECT_EQ(density[0].saved_bytes, 40U * 2048U);
+  const auto gradient = linesNaming(lines, "gradient");
+  ASSERT_EQ(gradient.size(), 1U);
+  EXPECT_THAT(gradient[0].what, HasSubstr("25 of 100"));
+  EXPECT_EQ(gradient[0].saved_bytes, 75U * 8192U);
+}
+
+TEST(PlanLines, NameWhatWasLeftOut) {
+  Scene scene;
+  scene.picture = false;
+  for (const char* word : {"picture", "filters", "friction"}) {
+    const auto lines = linesNaming(planLines(makePlan(scene), {}), word);
+    ASSERT_EQ(lines.size(), 1U) << word;
+    EXPECT_FALSE(lines[0].done) << word;
+    EXPECT_FALSE(lines[0].why.empty()) << word;
+  }
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the engine publishes: where windows lie, when they come, what they hold.
+#include "engine/service/engine.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "base/error.hpp"
+#include "engine/reference/window.hpp"
+#include "engine/volume/phantom.hpp"
+
+namespace palpate {
+namespace {
+
+Volume knot() { return makeVolume(*makePhantom("phantom:knot?size=61x53x47&spacing=0.8x1x1.2mm")); }
+
+struct Prepared {
+  Volume volume = knot();
+  Scene scene;
+  Engine engine;
+  explicit Prepared(bool gradient_all = false, bool picture = false) : engine(volume, plan(gradient_all, picture), 0, "") {}
+
+  static Plan plan(bool gradient_all, bool picture) {
+    Scene scene;
+    scene.gradient_all = gradient_all;
+    scene.picture = picture;
+    return makePlan(scene);
+  }
+  Vec3 at(double i, double j, double k) const { return volume.lattice().toWorld({i, j, k}); }
+};
+
+TEST(Engine, FirstWindowIsVersionOneAroundTheTool) {
+  Prepared p;
+  EXPECT_EQ(p.engine.exchange().latest().version, 0U);
+  EXPECT_TRUE(p.engine.publishAround(p.at(30, 26, 23), 1000));
+  const SampleWindow& window = p.engine.exchange().latest();
+  EXPECT_EQ(window.version, 1U);
+  EXPECT_EQ(window.stamp_ns, 1000);
+  EXPECT_EQ(p.engine.exchange().confirmedAt_ns(), 1000);
+  EXPECT_EQ(window.size, Vec3i(32, 32, 32));
+  // The tool is in the middle of the window, within the half voxel of rounding.
+  const Vec3 in_window = window.lattice.toIndex(p.at(30, 26, 23));
+  EXPECT_LT((in_window - Vec3::Constant(15.5)).cwiseAbs().maxCoeff(), 1.0);
+}
+
+TEST(Engine, ConfirmsInsteadOfPublishingWhileTheToolStaysNear) {
+  Prepared p;
+  p.engine.publishAround(p.at(30, 26, 23), 1000);
+  EXPECT_FALSE(p.engine.publishAround(p.at(33, 26, 23), 2000));
+  EXPECT_EQ(p.engine.exchange().latest().version, 1U);
+  EXPECT_EQ(p.engine.exchange().confirmedAt_ns(), 2000);
+  EXPECT_TRUE(p.engine.publishAround(p.at(40, 26, 23), 3000));
+  EXPECT_EQ(p.engine.exchange().latest().version, 2U);
+}
+
+TEST(Engine, SaysWhichFacesAreTheVolumesBorder) {
+  Prepared p;
+  p.engine.publishAround(p.at(0, 26, 46), 1);
+  const SampleWindow& window = p.engine.exchange().latest();
+  EXPECT_TRUE(window.low_is_border[0]);
+  EXPECT_FALSE(window.high_is_border[0]);
+  EXPECT_FALSE(window.low_is_border[1]);
+  EXPECT_TRUE(window.high_is_border[2]);
+}
+
+// With every brick's gradient the window equals the twin's, and through the exchange too.
+TEST(Engine, WindowsHoldTheTwinsSamples) {
+  Prepared p(true);
+  p.engine.publishAround(p.at(20, 30, 25), 1);
+  const SampleWindow& window = p.engine.exchange().latest();
+  const Vec3i first = p.volume.lattice().toIndex(window.lattice.origin_W).array().round().cast<int>();
+  const auto expected = reference::windowSamples(reference::denseField(p.volume), first, window.size);
+  EXPECT_EQ(std::memcmp(window.samples, expected.data(), expected.size() * sizeof(Sample)), 0);
+}
+
+// With the gradients of active bricks alone, every cell that the isosurface crosses has all its corners' gradients.
+TEST(Engine, ActiveBricksServeEveryCellOnTheSurface) {
+  Prepared p;
+  const reference::DenseField field = reference::denseField(p.volume);
+  for (const Vec3& tool : {Vec3(16, 16, 16), Vec3(44, 36, 30), Vec3(30, 26, 23)}) {
+    p.engine.publishAround(p.at(tool.x(), tool.y(), tool.z()), 1);
+    const SampleWindow& window = p.engine.exchange().latest();
+    const Vec3i first = p.volume.lattice().toIndex(window.lattice.origin_W).array().round().cast<int>();
+    const auto expected = reference::windowSamples(field, first, window.size);
+    const auto at = [&](int i, int j, int k) { return (k * window.size.y() + j) * window.size.x() + i; };
+    int crossed = 0;
+    for (int k = 0; k + 1 < window.size.z(); ++k) {
+      for (int j = 0; j + 1 < window.size.y(); ++j) {
+        for (int i = 0; i + 1 < window.size.x(); ++i) {
+          int above = 0;
+          for (int c = 0; c < 8; ++c) above += window.samples[at(i + (c & 1), j + (c >> 1 & 1), k + (c >> 2))].density > 0;
+          if (above == 0 || above == 8) continue;
+          ++crossed;
+          for (int c = 0; c < 8; ++c) {
+            const auto corner = static_cast<std::size_t>(at(i + (c & 1), j + (c >> 1 & 1), k + (c >> 2)));
+            ASSERT_EQ(std::memcmp(&window.samples[corner], &expected[corner], sizeof(Sample)), 0);
+          }
+        }
+      }
+    }
+    EXPECT_GT(crossed, 100);
+  }
+}
+
+TEST(Engine, SaysWhatItLeftOut) {
+  const Prepared some;
+  const Prepared all(true);
+  EXPECT_LT(some.engine.planFacts().gradient_bricks, all.engine.planFacts().gradient_bricks);
+  EXPECT_EQ(all.engine.planFacts().gradient_bricks, all.engine.planFacts().bricks);
+}
+
+TEST(Engine, RefusesToDrawWhatWasNotPlanned) {
+  Prepared p;
+  EXPECT_THROW((void)p.engine.draw({}), Error);
+}
+
+}  // namespace
+}  // namespace palpate

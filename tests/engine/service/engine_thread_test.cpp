@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// The engine's thread follows the tool and keeps confirming. No times are asserted: the test waits for what must come.
+#include "engine/service/engine_thread.hpp"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+
+#include "engine/volume/phantom.hpp"
+
+namespace palpate {
+namespace {
+
+template <typename Condition>
+bool comes(Condition condition) {
+  for (int i = 0; i < 20000; ++i) {
+    if (condition()) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return false;
+}
+
+void putTool(ToolPoseMailbox& poses, const Vec3& p_W, std::int64_t tick) {
+  poses.back() = {p_W, Vec3::Zero(), tick, 0};
+  poses.publish();
+}
+
+TEST(EngineThread, FollowsTheTool) {
+  const Volume volume = makeVolume(*makePhantom("phantom:sphere?size=64"));
+  Scene scene;
+  scene.picture = false;
+  Engine engine(volume, makePlan(scene), 0, "");
+  ToolPoseMailbox poses;
+  EngineThread thread(engine, poses);
+  WindowExchange& windows = engine.exchange();
+  putTool(poses, volume.lattice().toWorld({16, 16, 16}), 0);
+  ASSERT_TRUE(comes([&] { return windows.latest().version == 1; }));
+  putTool(poses, volume.lattice().toWorld({48, 48, 48}), 1);
+  ASSERT_TRUE(comes([&] { return windows.latest().version == 2; }));
+  EXPECT_EQ(thread.publications(), 2U);
+
+  const std::int64_t confirmed_ns = windows.confirmedAt_ns();
+  EXPECT_TRUE(comes([&] { return windows.confirmedAt_ns() > confirmed_ns; }));
+  thread.stop();
+  const std::int64_t last_ns = windows.confirmedAt_ns();
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  EXPECT_EQ(windows.confirmedAt_ns(), last_ns);  // a stopped engine vouches for nothing
+}
+
+TEST(EngineThread, WaitsForTheFirstTick) {
+  const Volume volume = makeVolume(*makePhantom("phantom:sphere?size=32"));
+  Scene scene;
+  scene.picture = false;
+  Engine engine(volume, makePlan(scene), 0, "");
+  ToolPoseMailbox poses;
+  EngineThread thread(engine, poses);
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  thread.stop();
+  EXPECT_EQ(thread.publications(), 0U);
+}
+
+}  // namespace
+}  // namespace palpate
