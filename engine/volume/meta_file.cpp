@@ -31,6 +31,11 @@ double bytesOfType(const std::string& type) {
 double claimedBytes(const TextHeader& header, const std::string& source, std::size_t memory_budget_bytes) {
   const std::vector<double> sizes = header.numbers("dimsize");
   if (sizes.size() < 3) refuse(source, fmt::format("it has {} dimensions", sizes.size()), "give a volume");
+  // MetaIO trusts NDims: it reads that many numbers into arrays of ten.
+  if (header.numbers("ndims") != std::vector<double>{static_cast<double>(sizes.size())} || sizes.size() > 10) {
+    refuse(source, fmt::format("its NDims \"{}\" is not the count of its DimSize", header.text("ndims")),
+           "write the file again");
+  }
   double voxels = 1;
   for (const double size : sizes) {
     if (!(size >= 1 && size <= 1e15) || size != std::floor(size)) {

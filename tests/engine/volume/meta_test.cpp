@@ -84,6 +84,14 @@ TEST_F(Meta, RefusesWhatIsNoVolume) {
   refuses(series + data_, "series of 3");
 }
 
+TEST_F(Meta, RefusesACountOfDimensionsThatIsNot) {
+  for (const std::string count : {"99999999999999999999", "4", "-1", "x"}) {
+    std::string header = metaHeader("MET_SHORT");
+    header.replace(header.find("NDims = 3"), 9, "NDims = " + count);
+    refuses(header + data_, "NDims");
+  }
+}
+
 TEST_F(Meta, RefusesMoreThanMemoryAndShortData) {
   refuses(metaHeader("MET_SHORT", "", "LOCAL", "100000 100000 100000"), "GiB", Error::Code::kOutOfMemory);
   refuses(metaHeader("MET_SHORT") + data_.substr(1), "cannot hold");
