@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/scene/option_table.hpp"
+
+#include <fstream>
+#include <iterator>
+#include <set>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace palpate {
+namespace {
+
+TEST(OptionTable, FlagsAndKeysAreUnique) {
+  std::set<std::string> flags, keys;
+  for (const SceneOption& option : sceneOptions()) {
+    EXPECT_TRUE(flags.insert(option.flag).second) << option.flag;
+    EXPECT_TRUE(keys.insert(option.key).second) << option.key;
+    EXPECT_THAT(option.flag, testing::MatchesRegex("--[a-z][a-z-]*"));
+    EXPECT_THAT(option.key, testing::MatchesRegex("([a-z]+[.])?[a-z][A-Za-z_]*"));
+    EXPECT_STRNE(option.help, "") << option.flag;
+  }
+}
+
+TEST(OptionTable, HasTheFlagsThatArePromised) {
+  std::set<std::string> flags;
+  for (const SceneOption& option : sceneOptions()) flags.insert(option.flag);
+  for (const char* flag : {"--iso", "--n", "--stiffness", "--damping", "--rate", "--seconds", "--hand", "--path",
+                           "--clock", "--gpu", "--gradient", "--algorithm", "--out", "--trace"}) {
+    EXPECT_TRUE(flags.contains(flag)) << flag;
+  }
+}
+
+// A key whose name ends in a unit and the unit on the screen are the same unit.
+TEST(OptionTable, UnitsOfKeysAreThoseOnTheScreen) {
+  const std::pair<const char*, const char*> kUnits[] = {
+      {"_N_per_m", "N/m"}, {"_Ns_per_m", "N s/m"}, {"_hz", "Hz"}, {"_mm", "mm"}, {"_kg", "kg"}, {"_N_per_s", "N/s"},
+      {"_N", "N"},         {"_ticks", "ticks"},    {"_s", "s"}};
+  for (const SceneOption& option : sceneOptions()) {
+    for (const auto& [ending, unit] : kUnits) {
+      if (!std::string_view(option.key).ends_with(ending)) continue;
+      EXPECT_STREQ(option.unit, unit) << option.key;
+      break;
+    }
+  }
+}
+
+// In words and in bits: what `palpate scene` prints as the default is what a run without the flag uses.
+TEST(OptionTable, EveryDefaultIsAValueThatItsOptionTakes) {
+  for (const SceneOption& option : sceneOptions()) {
+    const std::string standard = optionText(option.value, Scene{});
+    if (standard.empty()) continue;  // the program chooses
+    Scene scene;
+    EXPECT_NO_THROW(setOption(option.value, standard, option.flag, scene)) << option.flag;
+    EXPECT_EQ(optionText(option.value, scene), standard) << option.flag;
+  }
+}
+
+// The texts above have ten digits, so a default of more would not come back: bit for bit, every number.
+TEST(OptionTable, EveryDefaultComesBackToTheSameBits) {
+  for (const SceneOption& option : sceneOptions()) {
+    const auto* number = std::get_if<NumberOption>(&option.value);
+    if (number == nullptr || !std::holds_alternative<double Scene::*>(number->member)) continue;
+    const auto member = std::get<double Scene::*>(number->member);
+    Scene scene;
+    scene.*member = -1;
+    setOption(option.value, optionText(option.value, Scene{}), option.flag, scene);
+    EXPECT_DOUBLE_EQ(scene.*member, Scene{}.*member) << option.flag;
+  }
+}
+
+TEST(OptionTable, KeysAreFound) {
+  for (const SceneOption& option : sceneOptions()) EXPECT_EQ(optionOfKey(option.key), &option);
+  EXPECT_EQ(optionOfKey("servo"), nullptr);
+  EXPECT_EQ(optionOfKey("servo.N"), nullptr);
+  EXPECT_EQ(optionOfKey(""), nullptr);
+}
+
+TEST(OptionTable, HelpSaysUnitDefaultAndKey) {
+  EXPECT_EQ(optionHelp(*optionOfKey("servo.stiffness_N_per_m")),
+            "stiffness of the contact, K [N/m] (default 500; key servo.stiffness_N_per_m)");
+  EXPECT_THAT(optionHelp(*optionOfKey("hand.kind")),
+              testing::HasSubstr("(rigid or spring; default rigid; key hand.kind)"));
+}
+
+TEST(SceneDocument, IsTheCommittedPage) {
+  std::ifstream in(PALPATE_DOCS "/scene.md");
+  const std::string page((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+  EXPECT_EQ(page, sceneDocument()) << "run: palpate scene > docs/scene.md";
+}
+
+TEST(SceneDocument, HasARowForEachOption) {
+  for (const SceneOption& option : sceneOptions()) {
+    EXPECT_THAT(sceneDocument(), testing::HasSubstr(std::string("\n| `") + option.key + "` | `" + option.flag + "` | " +
+                                                    option.unit + " |"));
+  }
+}
+
+}  // namespace
+}  // namespace palpate

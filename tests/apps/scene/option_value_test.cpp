@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/scene/option_value.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "apps/scene/option_table.hpp"
+#include "base/error.hpp"
+
+namespace palpate {
+namespace {
+
+// Every option of a scene as text, to see that nothing changed.
+std::string everything(const Scene& scene) {
+  std::string text;
+  for (const SceneOption& option : sceneOptions()) text += optionText(option.value, scene) + "\n";
+  return text;
+}
+
+void set(const char* key, const std::string& text, Scene& scene) {
+  const SceneOption& option = *optionOfKey(key);
+  setOption(option.value, text, option.flag, scene);
+}
+
+void expectRefused(const SceneOption& option, const std::string& text) {
+  Scene scene;
+  const std::string before = everything(scene);
+  try {
+    setOption(option.value, text, option.flag, scene);
+    ADD_FAILURE() << option.flag << " took '" << text << "'";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), Error::Code::kBadInput);
+    EXPECT_THAT(error.what(), testing::StartsWith(std::string(option.flag) + ": "));
+    EXPECT_THAT(error.what(), testing::HasSubstr("'" + text + "'"));
+    EXPECT_THAT(error.what(), testing::EndsWith("; give " + optionForm(option.value)));
+  }
+  EXPECT_EQ(everything(scene), before) << option.flag;
+}
+
+template <typename Kind>
+std::vector<const SceneOption*> optionsOfKind() {
+  std::vector<const SceneOption*> options;
+  for (const SceneOption& option : sceneOptions()) {
+    if (std::holds_alternative<Kind>(option.value)) options.push_back(&option);
+  }
+  return options;
+}
+
+TEST(OptionValue, NumbersRefuseWhatIsNone) {
+  for (const SceneOption* option : optionsOfKind<NumberOption>()) {
+    for (const char* text : {"", " ", "x", "nan", "-nan", "inf", "-inf", "1e999", "5x", "5 ", "1,5", "0x10", "--1"}) {
+      expectRefused(*option, text);
+    }
+  }
+}
+
+TEST(OptionValue, WholeNumbersRefuseWhatIsNone) {
+  for (const SceneOption* option : optionsOfKind<IntegerOption>()) {
+    for (const char* text : {"", "x", "nan", "5.5", "5.0", "5x", "1e3", "99999999999999999999"})
+      expectRefused(*option, text);
+  }
+}
+
+// The range is closed: its ends are taken, what lies beyond is not.
+TEST(OptionValue, NumbersKeepTheirRange) {
+  for (const SceneOption* option : optionsOfKind<NumberOption>()) {
+    const auto& range = std::get<NumberOption>(option->value);
+    ASSERT_LT(range.lowest, range.highest) << option->flag;
+    Scene scene;
+    EXPECT_NO_THROW(setOption(option->value, fmt::format("{:.17g}", range.lowest), option->flag, scene));
+    EXPECT_NO_THROW(setOption(option->value, fmt::format("{:.17g}", range.highest), option->flag, scene));
+    expectRefused(*option, fmt::format("{:.17g}", range.lowest - std::max(1e-9, std::abs(range.lowest) * 1e-6)));
+    expectRefused(*option, fmt::format("{:.17g}", range.highest * 1.000001));
+  }
+}
+
+TEST(OptionValue, WholeNumbersKeepTheirRange) {
+  for (const SceneOption* option : optionsOfKind<IntegerOption>()) {
+    const auto& range = std::get<IntegerOption>(option->value);
+    Scene scene;
+    EXPECT_NO_THROW(setOption(option->value, std::to_string(range.lowest), option->flag, scene));
+    EXPECT_NO_THROW(setOption(option->value, std::to_string(range.highest), option->flag, scene));
+    expectRefused(*option, std::to_string(range.lowest - 1));
+    expectRefused(*option, std::to_string(range.highest + 1));
+  }
+}
+
+TEST(OptionValue, SwitchesTakeTheirTwoWordsOnly) {
+  for (const SceneOption* option : optionsOfKind<SwitchOption>()) {
+    const auto& words = std::get<SwitchOption>(option->value);
+    for (const char* word : {words.word_if_false, words.word_if_true}) {
+      Scene scene;
+      setOption(option->value, word, option->flag, scene);
+      EXPECT_EQ(scene.*words.member, word == words.word_if_true);
+      EXPECT_EQ(optionText(option->value, scene), word);
+      expectRefused(*option, std::string(word) + " ");
+    }
+    for (const char* text : {"", "1", "true", "maybe"}) expectRefused(*option, text);
+  }
+}
+
+TEST(OptionValue, VectorsTakeThreeNumbers) {
+  for (const SceneOption* option : optionsOfKind<VectorOption>()) {
+    for (const char* text : {"", "1", "1,2", "1,2,3,4", "1,2,", ",,", "1,2,x", "1,2,nan", "1,inf,3", "1;2;3"}) {
+      expectRefused(*option, text);
+    }
+    Scene scene;
+    EXPECT_NO_THROW(setOption(option->value, " 1, -2 ,3e-1", option->flag, scene));
+  }
+}
+
+TEST(OptionValue, DirectionsAreMadeUnitVectorsOfAnyLength) {
+  for (const char* text : {"3,0,-4", "3e200,0,-4e200", "3e-200,0,-4e-200"}) {
+    Scene scene;
+    set("path.toward", text, scene);
+    ASSERT_TRUE(scene.path_toward) << text;
+    EXPECT_NEAR((*scene.path_toward - Vec3(0.6, 0, -0.8)).norm(), 0, 1e-15) << text;
+  }
+  expectRefused(*optionOfKey("path.toward"), "0,0,0");
+  expectRefused(*optionOfKey("path.slide_toward"), "0,-0,0");
+}
+
+TEST(OptionValue, ScreenUnitsBecomeTheCodesUnits) {
+  Scene scene;
+  set("path.depth_mm", "2.5", scene);
+  set("path.start_mm", "1,-2,3", scene);
+  set("device.encoder_resolution_mm", "0.01", scene);
+  EXPECT_DOUBLE_EQ(scene.press_depth_m, 2.5e-3);
+  EXPECT_DOUBLE_EQ(scene.encoder_resolution_m, 1e-5);
+  EXPECT_NEAR((*scene.path_start_W - Vec3(1e-3, -2e-3, 3e-3)).norm(), 0, 1e-18);
+  EXPECT_EQ(optionText(optionOfKey("path.depth_mm")->value, scene), "2.5");
+  EXPECT_EQ(optionText(optionOfKey("path.start_mm")->value, scene), "1,-2,3");
+}
+
+TEST(OptionValue, ChosenValuesAreEmptyUntilGiven) {
+  Scene scene;
+  EXPECT_EQ(optionText(optionOfKey("isovalue")->value, scene), "");
+  set("isovalue", "-300", scene);
+  EXPECT_EQ(scene.isovalue, -300);
+  EXPECT_EQ(optionText(optionOfKey("isovalue")->value, scene), "-300");
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/scene/scene_file.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "base/error.hpp"
+#include "temporary_folder.hpp"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+class SceneFile : public testing::Test {
+ protected:
+  [[nodiscard]] fs::path write(const std::string& text) const {
+    const fs::path file = folder_.path() / "scene.toml";
+    std::ofstream(file) << text;
+    return file;
+  }
+  [[nodiscard]] Scene read(const std::string& text) const {
+    Scene scene;
+    readSceneFile(write(text), scene);
+    return scene;
+  }
+  // The message; the scene must be as it was.
+  [[nodiscard]] static std::string refusal(const fs::path& file, Error::Code code = Error::Code::kBadInput) {
+    Scene scene;
+    scene.volume = "mine";
+    scene.duration_s = 77;
+    try {
+      readSceneFile(file, scene);
+      return "no error";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), code) << error.what();
+      EXPECT_EQ(scene.volume, "mine");
+      EXPECT_EQ(scene.duration_s, 77);
+      EXPECT_EQ(scene.press_depth_m, Scene{}.press_depth_m);
+      EXPECT_THAT(error.what(), testing::StartsWith(file.string()));
+      EXPECT_THAT(error.what(), testing::Not(HasSubstr("\n")));
+      return error.what();
+    }
+  }
+  [[nodiscard]] std::string refusalOf(const std::string& text) const { return refusal(write(text)); }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(SceneFile, SetsKeysOfEveryKind) {
+  const Scene scene = read(R"(
+volume = "phantom:knot?size=32"
+isovalue = -20.5
+gradient = "all"
+[servo]
+n = 7
+stiffness_N_per_m = 1e3
+clock = "simulated"
+[path]
+toward = [0, 0, -2]
+start_mm = [1.5, -2, 3]
+[output]
+trace = false
+picture = "on"
+)");
+  EXPECT_EQ(scene.volume, "phantom:knot?size=32");
+  EXPECT_EQ(scene.isovalue, -20.5);
+  EXPECT_TRUE(scene.gradient_all);
+  EXPECT_EQ(scene.plane_renewal_ticks, 7);
+  EXPECT_EQ(scene.stiffness_N_per_m, 1000);
+  EXPECT_TRUE(scene.simulated_clock);
+  EXPECT_EQ(scene.path_toward, Vec3(0, 0, -1));
+  EXPECT_NEAR((*scene.path_start_W - Vec3(1.5e-3, -2e-3, 3e-3)).norm(), 0, 1e-18);
+  EXPECT_FALSE(scene.trace);
+  EXPECT_TRUE(scene.picture);
+}
+
+TEST_F(SceneFile, DottedKeysAndInlineTablesAreTables) {
+  EXPECT_EQ(read("servo.n = 3\n").plane_renewal_ticks, 3);
+  EXPECT_EQ(read("servo = { n = 4 }\n").plane_renewal_ticks, 4);
+}
+
+TEST_F(SceneFile, LeavesOtherKeysAsTheyWere) {
+  Scene scene;
+  scene.press_depth_m = 9e-3;
+  readSceneFile(write("[servo]\nn = 3\n"), scene);
+  EXPECT_EQ(scene.press_depth_m, 9e-3);
+  EXPECT_EQ(scene.plane_renewal_ticks, 3);
+}
+
+TEST_F(SceneFile, RelativePathsStartAtTheFile) {
+  const Scene scene =
+      read("volume = \"scans/../head.nrrd\"\n[path]\nfile = \"way.csv\"\n[output]\nfolder = \"results\"\n");
+  EXPECT_EQ(scene.volume, (folder_.path() / "head.nrrd").string());
+  EXPECT_EQ(scene.path_file, (folder_.path() / "way.csv").string());
+  EXPECT_EQ(scene.out, "results");  // where the user is, not where the scene lies
+}
+
+TEST_F(SceneFile, AbsolutePathsAndPhantomsStay) {
+  EXPECT_EQ(read("volume = \"/data/head.nrrd\"\n").volume, "/data/head.nrrd");
+  EXPECT_EQ(read("volume = \"phantom:box\"\n").volume, "phantom:box");
+  EXPECT_EQ(read("").volume, "");
+}
+
+TEST_F(SceneFile, UnknownKeysAreRefusedWithTheNearest) {
+  EXPECT_THAT(refusalOf("\n\n[servo]\nstifness_N_per_m = 5\n"),
+              testing::AllOf(HasSubstr("scene.toml:4: servo.stifness_N_per_m: "),
+                             HasSubstr("did you mean servo.stiffness_N_per_m?")));
+  EXPECT_THAT(refusalOf("isvalue = 5\n"), HasSubstr("did you mean isovalue?"));
+  EXPECT_THAT(refusalOf("n = 5\n"), HasSubstr("there is no such key"));  // of [servo]
+  EXPECT_THAT(refusalOf("[[servo]]\nn = 5\n"), HasSubstr("there is no such key"));
+  EXPECT_THAT(refusalOf("[servo.n]\nx = 5\n"), HasSubstr("servo.n.x: there is no such key"));
+}
+
+TEST_F(SceneFile, ValuesOfAnotherKindAreRefused) {
+  for (const char* text :
+       {"volume = 5", "volume = true", "volume = [1, 2]", "volume = 2020-01-01", "gpu = 1.5", "isovalue = \"5\"",
+        "isovalue = true", "isovalue = [5]", "servo.n = \"5\"", "servo.n = false", "servo.clock = 1",
+        "servo.clock = [\"real\"]", "path.toward = \"0,0,1\"", "path.toward = 1", "path.toward = [[0, 0], 1]",
+        "path.toward = [\"0\", \"0\", \"1\"]", "output.trace = 1", "output.folder = 7", "isovalue = 12:00:00"}) {
+    const std::string message = refusalOf(std::string(text) + "\n");
+    EXPECT_THAT(message, HasSubstr("scene.toml:1: ")) << text;
+    EXPECT_THAT(message, HasSubstr("another kind")) << text;
+    EXPECT_THAT(message, HasSubstr("; give ")) << text;
+  }
+}
+
+TEST_F(SceneFile, ValuesOfTheRightKindThatDoNotFitAreRefused) {
+  for (const char* text : {"servo.n = 0", "servo.n = 2.5", "isovalue = nan", "isovalue = inf", "servo.clock = \"fast\"",
+                           "hand.kind = true", "path.toward = [0, 0, 0]", "path.toward = [1, 0]", "path.toward = []",
+                           "path.start_mm = [1, 2, nan]", "servo.seconds = -1"}) {
+    EXPECT_THAT(refusalOf(std::string(text) + "\n"), HasSubstr("is not what it takes; give ")) << text;
+  }
+}
+
+TEST_F(SceneFile, SyntaxErrorsNameLineAndColumn) {
+  EXPECT_THAT(refusalOf("volume = \"x\"\n[servo\nn = 1\n"), HasSubstr("scene.toml:2:"));
+  EXPECT_THAT(refusalOf("volume = \"x\nn = 1\n"), HasSubstr("scene.toml:1:"));
+  EXPECT_THAT(refusalOf("[servo]\nn = 1\nn = 2\n"), HasSubstr("scene.toml:3:"));  // twice
+  EXPECT_THAT(refusalOf(std::string("\xff\xfe\0x", 4)), HasSubstr("scene.toml:1:"));
+}
+
+TEST_F(SceneFile, MissingFilesAndFoldersAreRefused) {
+  EXPECT_THAT(refusal(folder_.path() / "nowhere.toml", Error::Code::kNotFound), HasSubstr("cannot be opened"));
+  EXPECT_THAT(refusal(folder_.path()), HasSubstr("it is a folder"));
+}
+
+}  // namespace
+}  // namespace palpate

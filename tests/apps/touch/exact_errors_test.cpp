@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/touch/exact_errors.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+namespace palpate {
+namespace {
+
+constexpr double kVoxel_m = 1e-3;  // the sphere's voxels; its centre is the world's origin
+
+double radius_m(const Phantom& sphere) {
+  return -sphere.signedDistance_m(Vec3::Zero());
+}
+
+// The HIP below the surface on the x axis, the VHIP `off_m` outside it, the force turned by `angle_deg` from the
+// normal.
+TickRecord touching(const Phantom& sphere, double time_s, double off_m, double angle_deg) {
+  TickRecord record;
+  record.time_s = time_s;
+  record.in_contact = true;
+  record.hip_W[0] = radius_m(sphere) - 1e-3;
+  record.vhip_W[0] = radius_m(sphere) + off_m;
+  record.force_W[0] = std::cos(angle_deg * std::numbers::pi / 180);
+  record.force_W[2] = std::sin(angle_deg * std::numbers::pi / 180);
+  return record;
+}
+
+class ExactErrorsTest : public testing::Test {
+ protected:
+  std::unique_ptr<Phantom> sphere_ = makePhantom("phantom:sphere?size=32");
+};
+
+TEST_F(ExactErrorsTest, AreDistanceInVoxelsAndAngleInDegrees) {
+  const auto errors = exactErrors(*sphere_, {touching(*sphere_, 0, 0.25 * kVoxel_m, 3)}, {});
+  ASSERT_TRUE(errors);
+  EXPECT_NEAR(errors->vhip_median_voxel, 0.25, 1e-9);
+  EXPECT_NEAR(errors->force_angle_median_deg, 3, 1e-9);
+}
+
+TEST_F(ExactErrorsTest, InsideCountsAsOutside) {
+  EXPECT_NEAR(exactErrors(*sphere_, {touching(*sphere_, 0, -0.5 * kVoxel_m, -10)}, {})->vhip_median_voxel, 0.5, 1e-9);
+  EXPECT_NEAR(exactErrors(*sphere_, {touching(*sphere_, 0, -0.5 * kVoxel_m, -10)}, {})->force_angle_median_deg, 10,
+              1e-9);
+}
+
+// 1e-6 degrees is far below what an arc cosine could tell from 0 (its argument is then 1 - 1.5e-16).
+TEST_F(ExactErrorsTest, SmallAnglesAreKept) {
+  EXPECT_NEAR(exactErrors(*sphere_, {touching(*sphere_, 0, 0, 1e-6)}, {})->force_angle_median_deg, 1e-6, 1e-9);
+  EXPECT_NEAR(exactErrors(*sphere_, {touching(*sphere_, 0, 0, 180)}, {})->force_angle_median_deg, 180, 1e-9);
+}
+
+TEST_F(ExactErrorsTest, VoxelsAreTheSmallestEdge) {
+  const auto flat = makePhantom("phantom:sphere?size=32&spacing=1x1x4mm");
+  EXPECT_NEAR(exactErrors(*flat, {touching(*flat, 0, 0.25e-3, 0)}, {})->vhip_median_voxel, 0.25, 1e-9);
+}
+
+TEST_F(ExactErrorsTest, CountTheSlideOnly) {
+  const std::vector<PathPhase> phases = {{"approach", 0, 1}, {"slide", 1, 2}, {"retreat", 2, 3}};
+  const std::vector<TickRecord> records = {touching(*sphere_, 0.5, 5e-3, 90), touching(*sphere_, 1.5, 0, 1),
+                                           touching(*sphere_, 2.5, 5e-3, 90)};
+  EXPECT_NEAR(exactErrors(*sphere_, records, phases)->vhip_p99_voxel, 0, 1e-9);
+  EXPECT_NEAR(exactErrors(*sphere_, records, phases)->force_angle_p99_deg, 1, 1e-9);
+  EXPECT_NEAR(exactErrors(*sphere_, records, {})->vhip_p99_voxel, 5, 1e-9);  // a path of no phases: all of it
+}
+
+TEST_F(ExactErrorsTest, LeaveOutWhatIsNoContact) {
+  TickRecord free = touching(*sphere_, 0, 5e-3, 90);
+  free.in_contact = false;
+  TickRecord gated = touching(*sphere_, 0, 5e-3, 90);  // in contact, but the safety gate let no force through
+  std::fill(std::begin(gated.force_W), std::end(gated.force_W), 0.0);
+  EXPECT_FALSE(exactErrors(*sphere_, {free, gated}, {}));
+  EXPECT_FALSE(exactErrors(*sphere_, {}, {}));
+  EXPECT_NEAR(exactErrors(*sphere_, {free, gated, touching(*sphere_, 0, 0, 2)}, {})->force_angle_p99_deg, 2, 1e-9);
+}
+
+TEST_F(ExactErrorsTest, DoNotExistWithoutASurface) {
+  EXPECT_FALSE(exactErrors(*makePhantom("phantom:random?size=8"), {touching(*sphere_, 0, 0, 0)}, {}));
+}
+
+}  // namespace
+}  // namespace palpate

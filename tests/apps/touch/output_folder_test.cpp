@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/touch/output_folder.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "base/error.hpp"
+#include "temporary_folder.hpp"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+
+void save(const fs::path& file, const std::string& text) {
+  std::ofstream(file) << text;
+}
+
+class OutputFolderTest : public testing::Test {
+ protected:
+  [[nodiscard]] std::string path(const char* name) const { return (folder_.path() / name).string(); }
+  [[nodiscard]] bool exists(const char* name) const { return fs::exists(folder_.path() / name); }
+  [[nodiscard]] std::string refusal(const std::string& path) const {
+    try {
+      OutputFolder out(path);
+      return "no error";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), Error::Code::kIo);
+      return error.what();
+    }
+  }
+  TemporaryFolder folder_;
+};
+
+TEST_F(OutputFolderTest, IsMadeWithItsParentsAndGoneAgainIfNothingIsPublished) {
+  {
+    OutputFolder out(path("a/b/c/"));
+    EXPECT_TRUE(exists("a/b/c"));
+    save(out.draft("x"), "half");
+  }
+  EXPECT_EQ(folder_.files(), 0);
+}
+
+TEST_F(OutputFolderTest, HoldsWhatWasPublishedAndNoDrafts) {
+  {
+    OutputFolder out(path("a/b"));
+    save(out.draft("x"), "1");
+    save(out.draft("y"), "2");
+    EXPECT_FALSE(fs::exists(out.file("x")));
+    out.publish();
+  }
+  EXPECT_EQ(contentsOf(folder_.path() / "a/b/x"), "1");
+  EXPECT_EQ(contentsOf(folder_.path() / "a/b/y"), "2");
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_.path() / "a/b"), {}), 2);
+}
+
+TEST_F(OutputFolderTest, KeepsOlderFilesUntilNewOnesArePublished) {
+  fs::create_directory(path("a"));
+  save(path("a/x"), "old");
+  {
+    OutputFolder out(path("a"));
+    save(out.draft("x"), "new");
+  }
+  EXPECT_EQ(contentsOf(path("a/x")), "old");
+  {
+    OutputFolder out(path("a"));
+    save(out.draft("x"), "new");
+    out.publish();
+  }
+  EXPECT_EQ(contentsOf(path("a/x")), "new");
+}
+
+TEST_F(OutputFolderTest, PublishesNothingWhereAFolderIsInTheWay) {
+  fs::create_directories(path("a/y"));
+  OutputFolder out(path("a"));
+  save(out.draft("x"), "1");
+  save(out.draft("y"), "2");
+  EXPECT_THROW(out.publish(), Error);
+  EXPECT_FALSE(exists("a/x"));
+  EXPECT_TRUE(fs::is_directory(path("a/y")));
+}
+
+TEST_F(OutputFolderTest, KeepsAFolderThatSomebodyElseFilledMeanwhile) {
+  {
+    OutputFolder out(path("a/b"));
+    save(path("a/other"), "mine");
+  }
+  EXPECT_TRUE(exists("a/other"));
+  EXPECT_FALSE(exists("a/b"));
+}
+
+TEST_F(OutputFolderTest, IsRefusedWhereNothingCanBeWritten) {
+  save(path("file"), "mine");
+  EXPECT_THAT(refusal(path("file")), testing::StartsWith(path("file") + ": nothing can be written there"));
+  EXPECT_THAT(refusal(path("file/inner")), testing::HasSubstr("; choose another folder with --out"));
+  EXPECT_THAT(refusal("/proc/palpate"), testing::HasSubstr("/proc/palpate: nothing can be written"));
+  EXPECT_THAT(refusal(""), testing::HasSubstr("--out '': "));
+  EXPECT_THAT(refusal(path("new/") + std::string(300, 'x')), testing::HasSubstr("too long"));
+  EXPECT_FALSE(exists("new"));
+  EXPECT_EQ(contentsOf(path("file")), "mine");
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/touch/scripted_path.hpp"
+
+#include <gtest/gtest.h>
+
+#include "apps/touch/volume_surface.hpp"
+#include "base/error.hpp"
+#include "engine/volume/phantom.hpp"
+#include "temporary_folder.hpp"
+
+namespace palpate {
+namespace {
+
+class ScriptedPathTest : public testing::Test {
+ protected:
+  [[nodiscard]] ScriptedPath path(const Scene& scene) const { return scriptedPath(scene, VolumeSurface(volume_, 0)); }
+  TemporaryFolder folder_;
+  Volume volume_ = loadVolume("phantom:sphere?size=24");
+};
+
+TEST_F(ScriptedPathTest, OfTheSurfaceTakesTheWishesOfTheScene) {
+  Scene scene;
+  scene.duration_s = 2;
+  scene.press_depth_m = 1.5e-3;
+  scene.path_toward = Vec3(0, -1, 0);
+  const ScriptedPath built = path(scene);
+  EXPECT_EQ(built.path.duration_s(), 2);
+  ASSERT_EQ(built.phases.size(), 4U);
+  EXPECT_EQ(built.phases[2].name, "slide");
+  const Vec3 begin_W = built.path.position(0), low_W = built.path.position(built.phases[1].end_s);
+  EXPECT_LT((low_W - begin_W).normalized().y(), -0.99);
+  // The lowest point lies a depth below the surface; trilinear interpolation of a ball of 8 voxels' radius is off by
+  // less than h^2 / (8 R) times the three axes, some 0.05 voxel.
+  const auto sphere = makePhantom("phantom:sphere?size=24");
+  EXPECT_NEAR(sphere->signedDistance_m(low_W), -1.5e-3, 0.1e-3);
+}
+
+TEST_F(ScriptedPathTest, OfAFileIsThatFile) {
+  std::ofstream(folder_.path() / "way.csv") << "time_s,x_m,y_m,z_m\n1,0,0,0\n1.5,0,0,0.5\n2,0,0,1\n";
+  Scene scene;
+  scene.duration_s = 99;
+  scene.path_file = (folder_.path() / "way.csv").string();
+  const ScriptedPath read = path(scene);
+  EXPECT_EQ(read.path.duration_s(), 1);
+  EXPECT_TRUE(read.phases.empty());
+  EXPECT_NEAR(read.path.position(0.25).z(), 0.25, 1e-15);
+}
+
+TEST_F(ScriptedPathTest, OfAMissingFileIsRefused) {
+  Scene scene;
+  scene.path_file = (folder_.path() / "nowhere.csv").string();
+  EXPECT_THROW((void)path(scene), Error);
+}
+
+}  // namespace
+}  // namespace palpate
