@@ -23,8 +23,8 @@ target_compile_options(palpate_compiler INTERFACE
 if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
   # GCC 12 reports overlapping copies in std::string's operator+ that cannot happen (GCC bug 105329).
   target_compile_options(palpate_compiler INTERFACE -Wno-restrict)
-  # The same at lower optimisation, as impossible array bounds (GCC bug 105651).
-  set(PALPATE_LOW_OPTIMISATION_OPTIONS -Wno-array-bounds)
+  # The same at lower optimisation, as impossible bounds (GCC bug 105651).
+  set(PALPATE_LOW_OPTIMISATION_OPTIONS -Wno-array-bounds -Wno-stringop-overflow -Wno-stringop-overread)
 endif()
 if(PALPATE_SANITIZE)
   target_compile_options(palpate_compiler INTERFACE ${PALPATE_LOW_OPTIMISATION_OPTIONS} -fsanitize=${PALPATE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
