@@ -58,7 +58,7 @@ TEST_F(SceneOnCommandLine, BadFilesAreRefused) {
   expectRefusal(run({"touch", "empty.toml"}), "empty.toml", "no volume", 2);
   expectRefusal(run({"touch", "noise.toml"}), "noise.toml:1", "", 2);
   expectRefusal(run({"touch", "line.toml"}), "line.toml:1", "no such key", 2);
-  expectRefusal(run({"touch", "folder.toml"}), "folder.toml", "folder", 2);
+  expectRefusal(run({"touch", "folder.toml"}), "folder.toml", "it is a folder", 2);
   expectRefusal(run({"touch", "missing.toml"}), "missing.toml", "cannot be opened", 3);
   EXPECT_FALSE(exists("out"));
 }
