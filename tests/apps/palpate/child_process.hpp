@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// Runs the built program as a child process, as a user would, and keeps what it said.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace palpate {
+
+struct Command {
+  std::vector<std::string> arguments{};                            // behind the program's name
+  std::filesystem::path folder{};                                  // where it is started
+  std::vector<std::pair<std::string, std::string>> environment{};  // in place of what this process has
+  std::optional<std::uint64_t> file_size_limit{};                  // of every file that it writes [byte]
+  std::string output_file{};                                       // takes stdout, "" for Outcome::out
+  std::string signal_at{};                                         // words on stderr at which `signals` are sent
+  std::vector<int> signals{};
+  double timeout_s = 120;  // sanitizer builds included; then it is killed
+};
+
+struct Outcome {
+  int status = -1;  // exit status; -1: ended by a signal
+  int signal = 0;   // that ended it
+  bool timed_out = false;
+  double seconds = 0;  // wall clock
+  std::string out, err;
+};
+
+[[nodiscard]] Outcome runPalpate(const Command& command);
+
+}  // namespace palpate

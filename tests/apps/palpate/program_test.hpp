@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the tests of the command line share: a fresh folder in which the program runs, and what a refusal must look
+// like.
+#pragma once
+
+#include <sstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "child_process.hpp"
+#include "temporary_folder.hpp"
+
+namespace palpate {
+
+using Words = std::vector<std::string>;
+
+inline Words operator+(Words a, const Words& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+
+// A short run without a picture: 300 ticks.
+inline Words quickTouch(const std::string& volume, const Words& more = {}) {
+  return Words{"touch", volume, "--seconds", "0.3", "--clock", "simulated", "--picture", "off", "--out", "out"} + more;
+}
+
+// The lines of stderr that are no progress ("loading x ...").
+inline Words errorLines(const std::string& err) {
+  Words lines;
+  std::istringstream in(err);
+  for (std::string line; std::getline(in, line);) {
+    if (!line.ends_with(" ...")) lines.push_back(line);
+  }
+  return lines;
+}
+
+class ProgramTest : public testing::Test {
+ protected:
+  [[nodiscard]] Outcome run(const Words& arguments) const {
+    return runPalpate({.arguments = arguments, .folder = folder()});
+  }
+
+  [[nodiscard]] std::filesystem::path folder() const { return folder_.path(); }
+  [[nodiscard]] std::filesystem::path file(const std::string& name) const { return folder() / name; }
+  void write(const std::string& name, const std::string& bytes) const {
+    std::ofstream(file(name), std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  }
+  [[nodiscard]] bool exists(const std::string& name) const { return std::filesystem::exists(file(name)); }
+
+ private:
+  TemporaryFolder folder_;
+};
+
+inline void expectSuccess(const Outcome& outcome) {
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(errorLines(outcome.err), testing::IsEmpty());
+}
+
+// One line "palpate: ...", with the input, the reason and, behind a semicolon, a remedy.
+inline void expectRefusal(const Outcome& outcome, const std::string& input, const std::string& reason, int status) {
+  EXPECT_FALSE(outcome.timed_out);
+  EXPECT_EQ(outcome.status, status) << "signal " << outcome.signal << "\n" << outcome.err;
+  const Words lines = errorLines(outcome.err);
+  ASSERT_EQ(lines.size(), 1U) << outcome.err;
+  EXPECT_THAT(lines[0], testing::StartsWith("palpate: "));
+  EXPECT_THAT(lines[0], testing::HasSubstr(input));
+  EXPECT_THAT(lines[0], testing::HasSubstr(reason));
+  EXPECT_THAT(lines[0], testing::ContainsRegex("; .{8,}$")) << "no remedy";
+  EXPECT_THAT(lines[0], testing::Not(testing::HasSubstr("unexpected"))) << "an error that nobody thought of";
+}
+
+}  // namespace palpate

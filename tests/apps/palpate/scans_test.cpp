@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// The whole program on a real scan, where one is at hand (PALPATE_DATA).
+#include <cstdlib>
+
+#include <nlohmann/json.hpp>
+
+#include "program_test.hpp"
+
+namespace palpate {
+namespace {
+
+class Scans : public ProgramTest {
+ protected:
+  void SetUp() override {
+    const char* data = std::getenv("PALPATE_DATA");
+    if (data == nullptr) GTEST_SKIP() << "PALPATE_DATA names no folder of scans";
+    scan_ = std::string(data) + "/ct_head_headsq.nrrd";
+    if (!std::filesystem::exists(scan_)) GTEST_SKIP() << scan_ << " is not there";
+  }
+  std::string scan_;
+};
+
+TEST_F(Scans, HeadIsFelt) {
+  expectSuccess(run(quickTouch(scan_)));
+  const auto summary = nlohmann::json::parse(contentsOf(file("out/summary.json")));
+  EXPECT_GT(summary["contact"]["ticks"], 100);
+  EXPECT_EQ(summary["faults"].size(), 0U) << summary["faults"];
+}
+
+TEST_F(Scans, GradientsOfAHeadAgreeBitForBit) {
+  const Outcome outcome = run({"check", "gradient", scan_});
+  expectSuccess(outcome);
+  EXPECT_THAT(outcome.out, testing::ContainsRegex("differing values +0\n"));
+}
+
+}  // namespace
+}  // namespace palpate

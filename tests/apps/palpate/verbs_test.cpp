@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+// The other verbs, and the help of all.
+#include <nlohmann/json.hpp>
+
+#include "apps/scene/option_table.hpp"
+#include "program_test.hpp"
+
+namespace palpate {
+namespace {
+
+using testing::HasSubstr;
+
+class Verbs : public ProgramTest {};
+
+TEST_F(Verbs, HelpOfEachSaysWhatItDoes) {
+  for (const Words& verb : {Words{}, Words{"touch"}, Words{"info"}, Words{"check"}, Words{"check", "gradient"},
+                            Words{"devices"}, Words{"plan"}, Words{"scene"}}) {
+    const Outcome outcome = run(verb + Words{"--help"});
+    expectSuccess(outcome);
+    EXPECT_THAT(outcome.out, HasSubstr("Usage: palpate"));
+  }
+}
+
+TEST_F(Verbs, HelpOfTheProgramNamesEveryVerb) {
+  const std::string help = run({"--help"}).out;
+  for (const char* verb : {"touch", "info", "check", "devices", "plan", "scene"}) {
+    EXPECT_THAT(help, testing::ContainsRegex(std::string("\n  ") + verb + " +[a-z]"));
+  }
+}
+
+// Each flag with its key, and its unit and default where it has them.
+TEST_F(Verbs, HelpOfTouchShowsUnitsAndDefaults) {
+  for (const char* verb : {"touch", "plan"}) {
+    const std::string help = run({verb, "--help"}).out;
+    EXPECT_THAT(help, HasSubstr("stiffness of the contact, K [N/m] (default 500;"));
+    for (const SceneOption& option : sceneOptions()) {
+      const auto at = help.find(std::string("\n  ") + option.flag + " ");
+      ASSERT_NE(at, std::string::npos) << option.flag;
+      const std::string line = help.substr(at + 1, help.find("\n  -", at + 1) - at);
+      EXPECT_THAT(line, HasSubstr(option.key));
+      EXPECT_THAT(line, HasSubstr(*option.unit == '\0' ? "" : std::string("[") + option.unit + "]"));
+      const std::string standard = optionText(option.value, Scene{});
+      EXPECT_THAT(line, HasSubstr(standard.empty() ? "" : "default " + standard));
+    }
+  }
+  EXPECT_THAT(run({"check", "gradient", "--help"}).out, HasSubstr("[ULP] (default 0)"));
+}
+
+TEST_F(Verbs, VersionNamesProgramAndCommit) {
+  const Outcome outcome = run({"--version"});
+  expectSuccess(outcome);
+  EXPECT_THAT(outcome.out, testing::MatchesRegex("palpate [0-9]+\\.[0-9]+\\.[0-9]+ \\([0-9a-z-]+\\)\n"));
+}
+
+TEST_F(Verbs, SceneIsTheDocumentedTable) {
+  const Outcome outcome = run({"scene"});
+  expectSuccess(outcome);
+  EXPECT_EQ(outcome.out, contentsOf(PALPATE_DOCS "/scene.md"));
+}
+
+TEST_F(Verbs, InfoSaysWhatAVolumeIs) {
+  const Outcome outcome = run({"info", "phantom:sphere?size=24x20x16&spacing=0.5x1x2mm"});
+  expectSuccess(outcome);
+  for (const char* words :
+       {"24 x 20 x 16 voxels", "0.5 x 1 x 2 mm", "phantom", "range", "histogram", "isovalues worth trying"}) {
+    EXPECT_THAT(outcome.out, HasSubstr(words));
+  }
+}
+
+TEST_F(Verbs, InfoOfAConstantVolumeStillInforms) {
+  const Outcome outcome = run({"info", "phantom:sphere?size=2"});  // eight voxels at one distance from the centre
+  expectSuccess(outcome);
+  EXPECT_THAT(outcome.out, HasSubstr("no surface"));
+}
+
+TEST_F(Verbs, DevicesListsADeviceAndTheDefault) {
+  const Outcome outcome = run({"devices"});
+  expectSuccess(outcome);
+  EXPECT_THAT(outcome.out, testing::ContainsRegex("\n.+ GiB .+\\[default\\]"));
+}
+
+TEST_F(Verbs, PlanSaysWhatIsDoneAndWhatIsLeftOut) {
+  const Outcome all = run({"plan", "phantom:sphere?size=64"});
+  expectSuccess(all);
+  EXPECT_THAT(all.out, testing::ContainsRegex("\n  do +.*gradient of [0-9]+ of 512 bricks"));
+  const Outcome less = run({"plan", "phantom:sphere?size=64", "--picture", "off"});
+  expectSuccess(less);
+  EXPECT_THAT(less.out, testing::ContainsRegex("\n  leave +"));
+  EXPECT_FALSE(exists("out"));  // a plan writes nothing
+}
+
+TEST_F(Verbs, PlanRefusesWhatTouchRefuses) {
+  expectRefusal(run({"plan", "nowhere.nrrd"}), "nowhere.nrrd", "no such file", 3);
+  expectRefusal(run({"plan", "phantom:sphere?size=16", "--iso", "9999"}), "phantom:sphere", "isovalue", 2);
+}
+
+TEST_F(Verbs, CheckCountsAndReports) {
+  const Outcome outcome = run({"check", "gradient", "phantom:random?size=13x21x10", "--json", "check.json"});
+  expectSuccess(outcome);
+  const auto json = nlohmann::json::parse(contentsOf(file("check.json")));
+  EXPECT_EQ(json["compared"], 4 * 13 * 21 * 10);
+  EXPECT_EQ(json["differing"], 0);
+  EXPECT_EQ(json["holds"], true);
+  EXPECT_THAT(outcome.out, HasSubstr("holds"));
+}
+
+TEST_F(Verbs, CheckRefusesAResultFileThatCannotBeWritten) {
+  expectRefusal(run({"check", "gradient", "phantom:box?size=8", "--json", "nowhere/check.json"}), "nowhere/check.json",
+                "cannot be created", 4);
+}
+
+}  // namespace
+}  // namespace palpate
