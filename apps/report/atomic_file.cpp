@@ -23,12 +23,12 @@ const char* remedyFor(int error) {
     case ENOSPC:
     case EDQUOT:
     case EFBIG:
-      return "make room or write elsewhere with --out";
+      return "make room or write elsewhere";
     case ENOENT:
     case ENOTDIR:
-      return "make the folder first or write elsewhere with --out";
+      return "make the folder first or write elsewhere";
     default:
-      return "check the permissions or write elsewhere with --out";
+      return "check the permissions or write elsewhere";
   }
 }
 

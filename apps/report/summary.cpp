@@ -70,14 +70,15 @@ Json sceneJson(const Scene& s) {
           {"path_toward", toJson(s.path_toward)},
           {"path_start_m", toJson(s.path_start_W)},
           {"path_slide", toJson(s.path_slide)},
+          {"straight_over_edges", s.straight_over_edges},
           {"press_depth_m", s.press_depth_m},
           {"slide_length_m", s.slide_length_m},
           {"approach_m", s.approach_m},
           {"out", s.out},
           {"trace", s.trace},
+          {"picture", s.picture},
           {"image_width_px", s.image_width},
-          {"image_height_px", s.image_height},
-          {"seed", s.seed}};
+          {"image_height_px", s.image_height}};
 }
 
 Json contactJson(const RunFigures& f) {

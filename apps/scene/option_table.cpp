@@ -31,7 +31,7 @@ const SceneOption kOptions[] = {
     {"--stiffness", "servo.stiffness_N_per_m", "N/m", "stiffness of the contact, K", number(&Scene::stiffness_N_per_m, 1, 0, 1e5)},
     {"--damping", "servo.damping_Ns_per_m", "N s/m", "damping of the contact along the normal, B", number(&Scene::damping_Ns_per_m, 1, 0, 1000)},
     {"--rate", "servo.rate_hz", "Hz", "servo rate", number(&Scene::rate_hz, 1, 10, 20000)},
-    {"--seconds", "servo.seconds", "s", "how long the servo runs", number(&Scene::duration_s, 1, 0.01, 3600)},
+    {"--seconds", "servo.seconds", "s", "how long the servo runs; with --path as long as the path", number(&Scene::duration_s, 1, 0.01, 3600)},
     {"--clock", "servo.clock", "", "real: keeps time; simulated: as fast as it can, the same trace on every run",
      SwitchOption{&Scene::simulated_clock, "real", "simulated"}},
     {"--force-limit", "safety.force_limit_N", "N", "no larger force leaves the safety gate", number(&Scene::force_limit_N, 1, 0, 1000)},

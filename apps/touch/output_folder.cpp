@@ -82,6 +82,10 @@ void OutputFolder::publish() {
     fs::rename(drafts_ / name, path_ / name, error);
     if (error) refuse((path_ / name).string(), error.message());
   }
+  for (const fs::path& name : left_out_) {
+    std::error_code ignored;
+    if (fs::is_regular_file(path_ / name, ignored)) fs::remove(path_ / name, ignored);
+  }
 }
 
 }  // namespace palpate

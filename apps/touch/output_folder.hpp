@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace palpate {
 
@@ -36,10 +37,14 @@ class OutputFolder {
   // Moves every draft into place. Throws Error(kIo), having moved none, where something that is no plain file is in the way.
   void publish();
 
+  // publish() then removes an older result of this name, which would not belong to the run beside it.
+  void leaveOut(const char* name) { left_out_.emplace_back(name); }
+
  private:
   std::filesystem::path path_;
   MadeFolders made_;
   std::filesystem::path drafts_;
+  std::vector<std::filesystem::path> left_out_;
 };
 
 }  // namespace palpate

@@ -143,8 +143,16 @@ MemoryFigure residentPeak() {
 
 // Writes everything or nothing; `picture` may be empty.
 void writeOutputs(const TouchRun& run, const std::string& picture, OutputFolder& folder) {
-  if (run.scene.trace) writeTraceCsv(folder.draft("trace.csv"), run.records);
-  if (!picture.empty()) writeFileAtomically(folder.draft("view.png"), picture);
+  if (run.scene.trace) {
+    writeTraceCsv(folder.draft("trace.csv"), run.records);
+  } else {
+    folder.leaveOut("trace.csv");
+  }
+  if (picture.empty()) {
+    folder.leaveOut("view.png");
+  } else {
+    writeFileAtomically(folder.draft("view.png"), picture);
+  }
   writeReport(folder.draft("report.html"), run, picture);
   writeSummary(folder.draft("summary.json"), run);
   folder.publish();

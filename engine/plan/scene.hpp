@@ -56,7 +56,6 @@ struct Scene {
   bool picture = true;                   // draw view.png
   int image_width = 1280;
   int image_height = 720;
-  std::uint64_t seed = 1;
 };
 
 }  // namespace palpate

@@ -60,7 +60,14 @@ void Engine::makeWindows() {
 
 bool Engine::publishAround(const Vec3& tool_W, std::int64_t now_ns) {
   const WindowBox box = windowAround(pool_->lattice().toIndex(tool_W), pool_->size());
-  if (published_ && (box.first - published_->first).cwiseAbs().maxCoeff() < kRecentreVoxels) {
+  // A box that the volume's border stops does not follow the tool any further, so it is taken all the way there.
+  const Vec3i last = pool_->size() - box.size;
+  const auto stopped = [&](int axis) {
+    const int first = box.first[axis];
+    return first != published_->first[axis] && (first == 0 || first == last[axis]);
+  };
+  const bool near = published_ && (box.first - published_->first).cwiseAbs().maxCoeff() < kRecentreVoxels;
+  if (near && !stopped(0) && !stopped(1) && !stopped(2)) {
     exchange_->confirm(now_ns);
     return false;
   }

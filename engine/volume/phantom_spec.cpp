@@ -39,7 +39,7 @@ Number parseNumber(const std::string& input, const std::string& key, std::string
   const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (code != std::errc() || end != text.data() + text.size()) {
     refuse(input, fmt::format("{}=\"{}\" is not a number of the kind that is needed", key, text),
-           "see `palpate help volumes` for the form");
+           "the form is phantom:NAME?size=64&spacing=1mm&noise=0.05&seed=1");
   }
   return number;
 }

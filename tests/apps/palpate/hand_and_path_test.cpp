@@ -78,7 +78,7 @@ TEST_F(HandAndPath, ThePapersAlgorithmRuns) {
 
 // The engine renews the window only after its box has moved by several voxels; where the volume's border stops the box,
 // the tool then runs out of the old one. Disabled until engine/service renews it there.
-TEST_F(HandAndPath, DISABLED_WindowFollowsTheToolToTheBorder) {
+TEST_F(HandAndPath, WindowFollowsTheToolToTheBorder) {
   // Beside the ball, from 19 to 0 voxels before the border: the first window begins 3 voxels from it.
   write("way.csv", "time_s,x_m,y_m,z_m\n0,0,-0.005,0.0195\n0.1,0,-0.015,0.0195\n0.2,0,-0.025,0.0195\n");
   expectSuccess(run({"touch", "phantom:sphere?size=48", "--path", "way.csv", "--clock", "simulated", "--picture", "off",
