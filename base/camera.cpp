@@ -23,7 +23,7 @@ double Camera::pixelSize(double depth_m) const noexcept {
 }
 
 Camera lookAt(const Vec3& target_W, const Vec3& from_W, double distance_m, const Vec3& up_W, int width, int height,
-                  double vertical_fov_rad) {
+              double vertical_fov_rad) {
   Camera camera;
   camera.position_W = target_W + distance_m * from_W;
   camera.forward_W = -from_W;

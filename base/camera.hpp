@@ -33,7 +33,7 @@ struct Camera {
 };
 
 // A camera at `distance_m` from `target_W`, on its side `from_W` (unit), with `up_W` (not along from_W) upwards.
-[[nodiscard]] Camera lookAt(const Vec3& target_W, const Vec3& from_W, double distance_m, const Vec3& up_W,
-                                int width, int height, double vertical_fov_rad);
+[[nodiscard]] Camera lookAt(const Vec3& target_W, const Vec3& from_W, double distance_m, const Vec3& up_W, int width,
+                            int height, double vertical_fov_rad);
 
 }  // namespace palpate

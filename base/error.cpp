@@ -8,12 +8,18 @@ Error::Error(Code code, const std::string& input, const std::string& reason, con
 
 int exitStatus(Error::Code code) noexcept {
   switch (code) {
-    case Error::Code::kBadInput: return 2;
-    case Error::Code::kNotFound: return 3;
-    case Error::Code::kIo: return 4;
-    case Error::Code::kOutOfMemory: return 5;
-    case Error::Code::kDevice: return 6;
-    case Error::Code::kCancelled: return 130;
+    case Error::Code::kBadInput:
+      return 2;
+    case Error::Code::kNotFound:
+      return 3;
+    case Error::Code::kIo:
+      return 4;
+    case Error::Code::kOutOfMemory:
+      return 5;
+    case Error::Code::kDevice:
+      return 6;
+    case Error::Code::kCancelled:
+      return 130;
   }
   return 1;
 }

@@ -2,8 +2,9 @@
 // base/lattice.hpp: where the samples of a regular grid lie in the world.
 //
 // Frames: W is the world, the patient frame in DICOM's sense (LPS: +x left, +y posterior, +z superior), metres,
-// right-handed. L is the lattice's own frame: its axes are the grid's i, j, k directions, its unit the voxel; the centre
-// of sample (i, j, k) has the L coordinates (i, j, k). Axes are orthogonal; their order may be left-handed (det R_WL = -1).
+// right-handed. L is the lattice's own frame: its axes are the grid's i, j, k directions, its unit the voxel; the
+// centre of sample (i, j, k) has the L coordinates (i, j, k). Axes are orthogonal; their order may be left-handed (det
+// R_WL = -1).
 #pragma once
 
 #include "base/vec.hpp"

@@ -7,19 +7,19 @@
 #define PALPATE_BRICK_POOL_LAYOUT_H
 #include "layout_types.h"
 
-#define BRICK_EDGE 8            // voxels along an edge
-#define BRICK_ROWS 64           // rows of 8 voxels along i; also the invocations that share a brick
-#define BRICK_QUADS 128         // vec4 in a brick
-#define NO_SLOT 0xffffffffu     // a page without a brick: the constant holds everywhere
-#define DENSITY_SLABS 8         // bound at once: 8 x 128 MiB = 1 GiB of density
-#define BRICKS_PER_DENSITY_SLAB 65536u   // x 2 KiB = 128 MiB
-#define BRICKS_PER_SAMPLE_SLAB 16384u    // x 8 KiB = 128 MiB: bricks of vec4 (gradient, density)
-#define GROUPS_PER_ROW 32768u   // a list of work groups is folded into rows of this many: x is limited to 65535
+#define BRICK_EDGE 8                    // voxels along an edge
+#define BRICK_ROWS 64                   // rows of 8 voxels along i; also the invocations that share a brick
+#define BRICK_QUADS 128                 // vec4 in a brick
+#define NO_SLOT 0xffffffffu             // a page without a brick: the constant holds everywhere
+#define DENSITY_SLABS 8                 // bound at once: 8 x 128 MiB = 1 GiB of density
+#define BRICKS_PER_DENSITY_SLAB 65536u  // x 2 KiB = 128 MiB
+#define BRICKS_PER_SAMPLE_SLAB 16384u   // x 8 KiB = 128 MiB: bricks of vec4 (gradient, density)
+#define GROUPS_PER_ROW 32768u           // a list of work groups is folded into rows of this many: x is limited to 65535
 
 // Bindings of every kernel that reads the pool; a kernel's own buffers follow from BINDING_OWN on.
 #define BINDING_PAGES 0
 #define BINDING_SLABS 1
-#define BINDING_OWN 9           // BINDING_SLABS + DENSITY_SLABS
+#define BINDING_OWN 9  // BINDING_SLABS + DENSITY_SLABS
 
 PALPATE_LAYOUT_BEGIN
 

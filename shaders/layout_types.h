@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/layout_types.h: what lets one *.layout.h be read by C++ and by GLSL. Shared structs hold 4-byte scalars only, so
-// std430 and C++ agree on every offset; each layout file checks its sizes.
+// shaders/layout_types.h: what lets one *.layout.h be read by C++ and by GLSL. Shared structs hold 4-byte scalars only,
+// so std430 and C++ agree on every offset; each layout file checks its sizes.
 #ifndef PALPATE_LAYOUT_TYPES_H
 #define PALPATE_LAYOUT_TYPES_H
 
 #ifdef __cplusplus
 #include <cstdint>
-#define PALPATE_LAYOUT_BEGIN namespace palpate::layout { using uint = std::uint32_t;
+#define PALPATE_LAYOUT_BEGIN  \
+  namespace palpate::layout { \
+  using uint = std::uint32_t;
 #define PALPATE_LAYOUT_END }
 #define PALPATE_LAYOUT_CHECK(Type, bytes) static_assert(sizeof(Type) == (bytes), #Type " must match its GLSL layout");
-#define PALPATE_PUSH_CHECK(Type) static_assert(sizeof(Type) <= 128, #Type " exceeds what Vulkan guarantees for push constants");
+#define PALPATE_PUSH_CHECK(Type) \
+  static_assert(sizeof(Type) <= 128, #Type " exceeds what Vulkan guarantees for push constants");
 #else
 #define PALPATE_LAYOUT_BEGIN
 #define PALPATE_LAYOUT_END

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/check/gradient_check.hpp: every gradient of the GPU against the CPU twin. Thread: one. Cost: a pass over the volume on
-// both sides, and 24 bytes a voxel of host memory.
+// apps/check/gradient_check.hpp: every gradient of the GPU against the CPU twin. Thread: one. Cost: a pass over the
+// volume on both sides, and 24 bytes a voxel of host memory.
 #pragma once
 
 #include <cstdint>
@@ -14,16 +14,16 @@
 namespace palpate {
 
 struct GradientCheck {
-  std::uint64_t compared = 0;        // floats: three gradient components and the density of each voxel
-  std::uint64_t differing = 0;       // whose bits differ
+  std::uint64_t compared = 0;   // floats: three gradient components and the density of each voxel
+  std::uint64_t differing = 0;  // whose bits differ
   std::uint32_t largest_ulp = 0;
-  Vec3i voxel = Vec3i::Zero();       // where that is
-  std::string component;             // "gradient_i" ... "density"
-  float gpu_value = 0;               // there
+  Vec3i voxel = Vec3i::Zero();  // where that is
+  std::string component;        // "gradient_i" ... "density"
+  float gpu_value = 0;          // there
   float cpu_value = 0;
   std::string device;
-  double gpu_seconds = 0;            // of the kernel, first run excluded
-  double cpu_seconds = 0;            // of the twin
+  double gpu_seconds = 0;  // of the kernel, first run excluded
+  double cpu_seconds = 0;  // of the twin
 };
 
 // `progress` gets the fraction done, and may throw to cancel.

@@ -40,10 +40,13 @@ void catchInterrupts() {
   std::signal(SIGXFSZ, SIG_IGN);  // a file size limit is then an error that names the file
 }
 
-bool interrupted() noexcept { return interrupt_flag != 0; }
+bool interrupted() noexcept {
+  return interrupt_flag != 0;
+}
 
 void throwIfInterrupted(const std::string& work) {
-  if (interrupted()) throw Error(Error::Code::kCancelled, work, "stopped by the user", "nothing was written; start it again");
+  if (interrupted())
+    throw Error(Error::Code::kCancelled, work, "stopped by the user", "nothing was written; start it again");
 }
 
 }  // namespace palpate

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/console/interrupt.hpp: Ctrl-C ends long work in good order instead of killing it. A second one, half a second or more
-// later, kills.
+// apps/console/interrupt.hpp: Ctrl-C ends long work in good order instead of killing it. A second one, half a second or
+// more later, kills.
 #pragma once
 
 #include <string>
 
 namespace palpate {
 
-void catchInterrupts();                    // from here on SIGINT and SIGTERM only set a flag; SIGXFSZ is ignored
+void catchInterrupts();  // from here on SIGINT and SIGTERM only set a flag; SIGXFSZ is ignored
 [[nodiscard]] bool interrupted() noexcept;
 void throwIfInterrupted(const std::string& work);  // Error(kCancelled)
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // palpate: touch volumes. One file per verb; this one only starts them and reports what they throw.
-#include <fmt/format.h>
-
 #include <cstdio>
 #include <exception>
 #include <filesystem>
 #include <new>
+
+#include <fmt/format.h>
 
 #include "apps/console/interrupt.hpp"
 #include "apps/console/one_line.hpp"
@@ -38,7 +38,8 @@ void checkVerb(const CLI::App& app, int argc, char** argv) {
 }
 
 std::string parseMessage(const CLI::App* app, const CLI::Error& error) {
-  return fmt::format("palpate: {}; '{} --help' says what may be given\n", palpate::oneLine(error.what()), app->get_name());
+  return fmt::format("palpate: {}; '{} --help' says what may be given\n", palpate::oneLine(error.what()),
+                     app->get_name());
 }
 
 // Results that did not reach their file or pipe are an error, though they were computed.
@@ -52,7 +53,8 @@ int flushed() {
 
 int main(int argc, char** argv) {
   CLI::App app("Touch volumes: isosurface haptics over a Vulkan volume service.", "palpate");
-  app.set_version_flag("--version", fmt::format("palpate {} ({})", palpate::programVersion(), palpate::programCommit()));
+  app.set_version_flag("--version",
+                       fmt::format("palpate {} ({})", palpate::programVersion(), palpate::programCommit()));
   app.require_subcommand(1);
   app.failure_message(parseMessage);
   for (const auto& add : {palpate::addTouchVerb, palpate::addInfoVerb, palpate::addCheckVerb, palpate::addDevicesVerb,
@@ -78,7 +80,8 @@ int main(int argc, char** argv) {
                   palpate::exitStatus(palpate::Error::Code::kIo));
   } catch (const std::exception& error) {
     if (std::ferror(stdout) != 0) return flushed();
-    return report(fmt::format("unexpected: {}; please report this with the command that you gave", error.what()), kUnexpected);
+    return report(fmt::format("unexpected: {}; please report this with the command that you gave", error.what()),
+                  kUnexpected);
   }
   return flushed();
 }

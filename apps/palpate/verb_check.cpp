@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// palpate check gradient VOLUME: every value of the GPU against the CPU twin; the exit status says whether the bound held.
+// palpate check gradient VOLUME: every value of the GPU against the CPU twin; the exit status says whether the bound
+// held.
 #include <fmt/format.h>
-
 #include <nlohmann/json.hpp>
 
 #include "apps/check/gradient_check.hpp"
@@ -39,20 +39,19 @@ void printCheck(const CheckArguments& arguments, const GradientCheck& check) {
 }
 
 void writeJson(const CheckArguments& arguments, const GradientCheck& check) {
-  const nlohmann::ordered_json json = {
-      {"check", "gradient"},
-      {"commit", programCommit()},
-      {"volume", arguments.volume},
-      {"vulkan_device", check.device},
-      {"compared", check.compared},
-      {"differing", check.differing},
-      {"largest_ulp", check.largest_ulp},
-      {"largest_at_voxel", {check.voxel.x(), check.voxel.y(), check.voxel.z()}},
-      {"largest_component", check.component},
-      {"bound_ulp", arguments.bound_ulp},
-      {"holds", check.largest_ulp <= arguments.bound_ulp},
-      {"gpu_s", check.gpu_seconds},
-      {"cpu_s", check.cpu_seconds}};
+  const nlohmann::ordered_json json = {{"check", "gradient"},
+                                       {"commit", programCommit()},
+                                       {"volume", arguments.volume},
+                                       {"vulkan_device", check.device},
+                                       {"compared", check.compared},
+                                       {"differing", check.differing},
+                                       {"largest_ulp", check.largest_ulp},
+                                       {"largest_at_voxel", {check.voxel.x(), check.voxel.y(), check.voxel.z()}},
+                                       {"largest_component", check.component},
+                                       {"bound_ulp", arguments.bound_ulp},
+                                       {"holds", check.largest_ulp <= arguments.bound_ulp},
+                                       {"gpu_s", check.gpu_seconds},
+                                       {"cpu_s", check.cpu_seconds}};
   writeFileAtomically(arguments.json, json.dump(2) + "\n");
 }
 

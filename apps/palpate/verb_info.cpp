@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // palpate info FILE: size, spacing, type, range, histogram and suggested isovalues.
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
+
+#include <fmt/format.h>
 
 #include "apps/console/progress.hpp"
 #include "base/units.hpp"
@@ -28,8 +28,9 @@ void printFacts(const Volume& volume) {
   fmt::print("  spacing      {:.6g} x {:.6g} x {:.6g} mm\n", spacing_mm.x(), spacing_mm.y(), spacing_mm.z());
   fmt::print("  extent       {:.4g} x {:.4g} x {:.4g} mm\n", extent_mm.x(), extent_mm.y(), extent_mm.z());
   fmt::print("  origin       {:.6g}, {:.6g}, {:.6g} mm (LPS)\n", origin_mm.x(), origin_mm.y(), origin_mm.z());
-  fmt::print("  axes         i ({:.4g}, {:.4g}, {:.4g})  j ({:.4g}, {:.4g}, {:.4g})  k ({:.4g}, {:.4g}, {:.4g})\n", axes(0, 0),
-             axes(1, 0), axes(2, 0), axes(0, 1), axes(1, 1), axes(2, 1), axes(0, 2), axes(1, 2), axes(2, 2));
+  fmt::print("  axes         i ({:.4g}, {:.4g}, {:.4g})  j ({:.4g}, {:.4g}, {:.4g})  k ({:.4g}, {:.4g}, {:.4g})\n",
+             axes(0, 0), axes(1, 0), axes(2, 0), axes(0, 1), axes(1, 1), axes(2, 1), axes(0, 2), axes(1, 2),
+             axes(2, 2));
   if (!facts.orientation.empty()) fmt::print("  orientation  {}\n", facts.orientation);
   if (facts.rescale_slope != 1 || facts.rescale_intercept != 0) {
     fmt::print("  rescale      density = {:g} * stored + {:g}\n", facts.rescale_slope, facts.rescale_intercept);

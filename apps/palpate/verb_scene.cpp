@@ -8,7 +8,8 @@
 namespace palpate {
 
 void addSceneVerb(CLI::App& app) {
-  CLI::App* verb = app.add_subcommand("scene", "print every key of a scene file with its flag, unit, range and default");
+  CLI::App* verb =
+      app.add_subcommand("scene", "print every key of a scene file with its flag, unit, range and default");
   verb->callback([] { fmt::print("{}", sceneDocument()); });
 }
 

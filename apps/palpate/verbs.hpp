@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // apps/palpate/verbs.hpp: the verbs of the command line. A new verb is one file and one line here and in main.cpp.
 //
-// Each function adds its verb to the program; the verb's callback does the work and throws Error, which main() turns into one
-// line on stderr and an exit status.
+// Each function adds its verb to the program; the verb's callback does the work and throws Error, which main() turns
+// into one line on stderr and an exit status.
 #pragma once
 
 #include <CLI/CLI.hpp>

@@ -6,7 +6,11 @@ namespace {
 #include "version.inc"
 }  // namespace
 
-const char* programVersion() noexcept { return kVersion; }
-const char* programCommit() noexcept { return kCommit; }
+const char* programVersion() noexcept {
+  return kVersion;
+}
+const char* programCommit() noexcept {
+  return kCommit;
+}
 
 }  // namespace palpate

@@ -15,9 +15,9 @@ struct PathRequest {
   double press_depth_m = 1.0e-3;    // below the surface while sliding [m]
   double slide_length_m = 20.0e-3;  // along the surface [m]
   OverEdges over_edges = OverEdges::kFollow;
-  std::optional<Vec3> toward_W;     // direction in which the tool approaches; empty: chosen
-  std::optional<Vec3> start_W;      // a point near the surface where the press begins [m]; empty: chosen
-  std::optional<Vec3> slide_W;      // direction of the slide; empty: chosen
+  std::optional<Vec3> toward_W;  // direction in which the tool approaches; empty: chosen
+  std::optional<Vec3> start_W;   // a point near the surface where the press begins [m]; empty: chosen
+  std::optional<Vec3> slide_W;   // direction of the slide; empty: chosen
 };
 
 }  // namespace palpate

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/path/start_search.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <vector>
+
+#include <fmt/format.h>
 
 #include "base/error.hpp"
 #include "base/units.hpp"

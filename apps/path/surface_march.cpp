@@ -12,8 +12,9 @@ constexpr double kStepVoxels = 0.25;
 constexpr double kScan = std::numbers::pi / 16;  // angle between the directions that are tried [rad]
 constexpr double kSkip = std::numbers::pi / 24;  // the way back itself lies on the surface: begin a little beside it
 constexpr int kBisections = 24;
-constexpr double kLevelling = 0.9;                // of a heading, in each step beyond an edge
-constexpr double kSteepestFall = -40 * std::numbers::pi / 180;  // heading below which kStraight leaves the surface [rad]
+constexpr double kLevelling = 0.9;  // of a heading, in each step beyond an edge
+constexpr double kSteepestFall =
+    -40 * std::numbers::pi / 180;  // heading below which kStraight leaves the surface [rad]
 
 // The cutting plane: angles are measured from x, the direction of the walk, towards y, out of the object.
 struct Plane {
@@ -27,8 +28,7 @@ struct Turn {
 };
 
 // Angle at which a turn from the way back, clockwise through the outside, meets the object.
-Turn nextHeading(const SurfaceField& field, const Vec3& p_W, const Plane& plane, double heading,
-                                  double step_m) {
+Turn nextHeading(const SurfaceField& field, const Vec3& p_W, const Plane& plane, double heading, double step_m) {
   const auto height = [&](double angle) { return heightAt(field, p_W + step_m * plane.at(angle)); };
   const double back = heading + std::numbers::pi;
   double outside = back - kSkip;
@@ -61,8 +61,7 @@ SurfaceCurve marchSurface(const SurfaceField& field, const SurfacePoint& start, 
   for (int i = 0; i < steps; ++i) {
     const SurfacePoint& last = curve.points.back();
     const Turn turn = nextHeading(field, last.p_W, plane, heading, curve.step_m);
-    const bool on_surface =
-        turn.heading && (over_edges == OverEdges::kFollow || *turn.heading >= kSteepestFall);
+    const bool on_surface = turn.heading && (over_edges == OverEdges::kFollow || *turn.heading >= kSteepestFall);
     if (turn.border || (!on_surface && over_edges == OverEdges::kFollow)) break;
     // Beyond an edge: level with the start's plane, and never upwards.
     heading = on_surface ? *turn.heading : std::min(heading, 0.0) * kLevelling;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/path/touch_path.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <functional>
 #include <numbers>
+
+#include <fmt/format.h>
 
 #include "apps/path/pressed_curve.hpp"
 #include "apps/path/start_search.hpp"

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <functional>
 
-#include "servo/loop/run_figures.hpp"
 #include "base/units.hpp"
+#include "servo/loop/run_figures.hpp"
 
 namespace palpate {
 namespace {

@@ -6,8 +6,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "servo/loop/run_figures.hpp"
 #include "apps/report/touch_run.hpp"
+#include "servo/loop/run_figures.hpp"
 
 namespace palpate {
 

@@ -2,8 +2,8 @@
 #include "apps/report/summary.hpp"
 
 #include "apps/report/atomic_file.hpp"
-#include "servo/loop/run_figures.hpp"
 #include "apps/report/words.hpp"
+#include "servo/loop/run_figures.hpp"
 
 namespace palpate {
 namespace {

@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <string>
 
-#include "servo/loop/run_figures.hpp"
 #include "apps/report/touch_run.hpp"
+#include "servo/loop/run_figures.hpp"
 
 namespace palpate {
 

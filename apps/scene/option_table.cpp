@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/scene/option_table.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
+
+#include <fmt/format.h>
 
 #include "base/error.hpp"
 #include "base/units.hpp"
@@ -13,10 +13,12 @@ namespace {
 
 constexpr double kMm = kMetresPerMillimetre;
 
-NumberOption number(double Scene::* member, double scale, double lowest, double highest) {
+NumberOption number(double Scene::*member, double scale, double lowest, double highest) {
   return {member, scale, lowest, highest};
 }
-IntegerOption integer(int Scene::* member, long long lowest, long long highest) { return {member, lowest, highest}; }
+IntegerOption integer(int Scene::*member, long long lowest, long long highest) {
+  return {member, lowest, highest};
+}
 
 // clang-format off
 const SceneOption kOptions[] = {
@@ -66,10 +68,13 @@ const SceneOption kOptions[] = {
 
 }  // namespace
 
-std::span<const SceneOption> sceneOptions() { return kOptions; }
+std::span<const SceneOption> sceneOptions() {
+  return kOptions;
+}
 
 const SceneOption* optionOfKey(std::string_view key) {
-  const auto* found = std::find_if(std::begin(kOptions), std::end(kOptions), [&](const auto& o) { return key == o.key; });
+  const auto* found =
+      std::find_if(std::begin(kOptions), std::end(kOptions), [&](const auto& o) { return key == o.key; });
   return found == std::end(kOptions) ? nullptr : found;
 }
 
@@ -87,9 +92,11 @@ std::string optionHelp(const SceneOption& option) {
 
 std::string sceneDocument() {
   std::string text =
-      "# Scene files\n\nA scene is a TOML file: `palpate touch scene.toml`. Every flag overrides its key. A dot in a key is a "
+      "# Scene files\n\nA scene is a TOML file: `palpate touch scene.toml`. Every flag overrides its key. A dot in a "
+      "key is a "
       "TOML table:\n`servo.n` stands for `n` under `[servo]`. `x,y,z` is written `[x, y, z]`. Relative paths of "
-      "`volume`\nand `path.file` start at the scene's folder, that of `output.folder` where the program is started. This page is "
+      "`volume`\nand `path.file` start at the scene's folder, that of `output.folder` where the program is started. "
+      "This page is "
       "printed by\n`palpate scene`.\n\n| key | flag | unit | takes | default | meaning |\n|---|---|---|---|---|---|\n";
   for (const SceneOption& option : kOptions) {
     text += fmt::format("| `{}` | `{}` | {} | {} | {} | {} |\n", option.key, option.flag, option.unit,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/scene/option_table.hpp: every option of a scene, once: flag, TOML key, unit, range, help. The command line, the scene
-// file, `--help`, docs/scene.md and summary.json all read this table. Any thread.
+// apps/scene/option_table.hpp: every option of a scene, once: flag, TOML key, unit, range, help. The command line, the
+// scene file, `--help`, docs/scene.md and summary.json all read this table. Any thread.
 #pragma once
 
 #include <span>
@@ -12,9 +12,9 @@
 namespace palpate {
 
 struct SceneOption {
-  const char* flag;   // "--stiffness"
-  const char* key;    // "servo.stiffness_N_per_m"
-  const char* unit;   // as on screens: "N/m"; empty for words and counts without one
+  const char* flag;  // "--stiffness"
+  const char* key;   // "servo.stiffness_N_per_m"
+  const char* unit;  // as on screens: "N/m"; empty for words and counts without one
   const char* help;
   OptionValue value;
 };

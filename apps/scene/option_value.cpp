@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/scene/option_value.hpp"
 
-#include <fmt/format.h>
-
 #include <charconv>
 #include <cmath>
 #include <string_view>
+
+#include <fmt/format.h>
 
 #include "base/error.hpp"
 
@@ -13,7 +13,8 @@ namespace palpate {
 namespace {
 
 [[noreturn]] void refuse(const std::string& where, const std::string& text, const OptionValue& value) {
-  throw Error(Error::Code::kBadInput, where, fmt::format("'{}' is not what it takes", text), "give " + optionForm(value));
+  throw Error(Error::Code::kBadInput, where, fmt::format("'{}' is not what it takes", text),
+              "give " + optionForm(value));
 }
 
 template <typename Number>
@@ -58,8 +59,9 @@ struct Setter {
   void operator()(const IntegerOption& option) const {
     const auto number = parseNumber<long long>(text);
     if (!number || *number < option.lowest || *number > option.highest) refuse(where, text, value);
-    std::visit([&](auto member) { scene.*member = static_cast<std::remove_reference_t<decltype(scene.*member)>>(*number); },
-               option.member);
+    std::visit(
+        [&](auto member) { scene.*member = static_cast<std::remove_reference_t<decltype(scene.*member)>>(*number); },
+        option.member);
   }
   void operator()(const TextOption& option) const { scene.*option.member = text; }
   void operator()(const SwitchOption& option) const {
@@ -120,8 +122,12 @@ void setOption(const OptionValue& value, const std::string& text, const std::str
   std::visit(Setter{value, text, where, scene}, value);
 }
 
-std::string optionText(const OptionValue& value, const Scene& scene) { return std::visit(Writer{scene}, value); }
+std::string optionText(const OptionValue& value, const Scene& scene) {
+  return std::visit(Writer{scene}, value);
+}
 
-std::string optionForm(const OptionValue& value) { return std::visit(Form{}, value); }
+std::string optionForm(const OptionValue& value) {
+  return std::visit(Form{}, value);
+}
 
 }  // namespace palpate

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/scene/option_value.hpp: one value of a scene, read from text and written as text, with its range and screen unit.
+// apps/scene/option_value.hpp: one value of a scene, read from text and written as text, with its range and screen
+// unit.
 #pragma once
 
 #include <optional>
@@ -25,27 +26,27 @@ struct IntegerOption {
 };
 
 struct TextOption {
-  std::string Scene::* member;
+  std::string Scene::*member;
 };
 
 // One of two words.
 struct SwitchOption {
-  bool Scene::* member;
+  bool Scene::*member;
   const char* word_if_false;
   const char* word_if_true;
 };
 
 // Three numbers with commas between them: "x,y,z".
 struct VectorOption {
-  std::optional<Vec3> Scene::* member;
+  std::optional<Vec3> Scene::*member;
   double scale = 1;
   bool direction = false;  // made a unit vector; zero is refused
 };
 
 using OptionValue = std::variant<NumberOption, IntegerOption, TextOption, SwitchOption, VectorOption>;
 
-// Sets the member of `scene` from `text`. `where`: the flag or key, for the message. Throws Error(kBadInput) for text of
-// the wrong form, NaN, or a number out of range; the scene is then unchanged.
+// Sets the member of `scene` from `text`. `where`: the flag or key, for the message. Throws Error(kBadInput) for text
+// of the wrong form, NaN, or a number out of range; the scene is then unchanged.
 void setOption(const OptionValue& value, const std::string& text, const std::string& where, Scene& scene);
 
 // The member's value in the form that setOption() takes; empty for a value that the program chooses.

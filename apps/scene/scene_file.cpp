@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/scene/scene_file.hpp"
 
-#include <fmt/format.h>
-
-#include <toml++/toml.h>
-
 #include <algorithm>
 #include <fstream>
 #include <numeric>
 #include <vector>
+
+#include <fmt/format.h>
+#include <toml++/toml.h>
 
 #include "apps/scene/option_table.hpp"
 #include "base/error.hpp"
@@ -106,7 +105,8 @@ void readSceneFile(const std::filesystem::path& file, Scene& scene) {
     throw Error(Error::Code::kBadInput, file.string(), "it is a folder", "give a scene's file");
   }
   if (!stream) {
-    throw Error(Error::Code::kNotFound, file.string(), "the scene file cannot be opened", "check the path and its permissions");
+    throw Error(Error::Code::kNotFound, file.string(), "the scene file cannot be opened",
+                "check the path and its permissions");
   }
   Scene read = scene;
   read.volume.clear();

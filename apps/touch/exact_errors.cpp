@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "servo/loop/quantile.hpp"
 #include "base/units.hpp"
+#include "servo/loop/quantile.hpp"
 
 namespace palpate {
 namespace {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/touch/exact_errors.hpp: how far a run was from the exact surface, which phantoms know. After the run, any thread.
+// apps/touch/exact_errors.hpp: how far a run was from the exact surface, which phantoms know. After the run, any
+// thread.
 #pragma once
 
 #include <optional>
@@ -12,8 +13,8 @@
 namespace palpate {
 
 // Over the ticks in steady contact: in contact, with a force, within the phase "slide" (all ticks in contact for a path
-// without phases). The VHIP's distance from the exact surface in units of the smallest voxel edge, and the angle between
-// the force and the exact normal at the surface point nearest to the HIP. Empty where there was no such tick.
+// without phases). The VHIP's distance from the exact surface in units of the smallest voxel edge, and the angle
+// between the force and the exact normal at the surface point nearest to the HIP. Empty where there was no such tick.
 [[nodiscard]] std::optional<ExactErrors> exactErrors(const Phantom& phantom, const std::vector<TickRecord>& records,
                                                      const std::vector<PathPhase>& phases);
 

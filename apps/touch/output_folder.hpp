@@ -22,8 +22,8 @@ class MadeFolders {
 };
 
 // Makes the folder if it is not there and proves, before any long work, that files can be written into it. Throws
-// Error(kIo). Files are written as drafts, in a hidden folder inside it, and moved into place together by publish(); what
-// was not published is removed, and so are folders that were made and stayed empty.
+// Error(kIo). Files are written as drafts, in a hidden folder inside it, and moved into place together by publish();
+// what was not published is removed, and so are folders that were made and stayed empty.
 class OutputFolder {
  public:
   explicit OutputFolder(const std::string& path);
@@ -34,7 +34,8 @@ class OutputFolder {
   [[nodiscard]] std::filesystem::path file(const char* name) const { return path_ / name; }
   [[nodiscard]] std::filesystem::path draft(const char* name) const { return drafts_ / name; }
 
-  // Moves every draft into place. Throws Error(kIo), having moved none, where something that is no plain file is in the way.
+  // Moves every draft into place. Throws Error(kIo), having moved none, where something that is no plain file is in the
+  // way.
   void publish();
 
   // publish() then removes an older result of this name, which would not belong to the run beside it.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/touch/picture.hpp: view.png of a finished run: cameras chosen from the contact, surface drawn by the engine, annotated.
+// apps/touch/picture.hpp: view.png of a finished run: cameras chosen from the contact, surface drawn by the engine,
+// annotated.
 #pragma once
 
 #include <string>

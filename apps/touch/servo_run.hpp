@@ -11,6 +11,7 @@
 namespace palpate {
 
 // Blocks for the run's time. Ctrl-C ends it early, in order: what was felt until then is returned.
-[[nodiscard]] LoopResult runServo(const Scene& scene, double isovalue, const Path& path, Engine& engine, Progress& progress);
+[[nodiscard]] LoopResult runServo(const Scene& scene, double isovalue, const Path& path, Engine& engine,
+                                  Progress& progress);
 
 }  // namespace palpate

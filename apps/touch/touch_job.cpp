@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/touch/touch_job.hpp"
 
-#include <fmt/format.h>
-
-#include <sys/resource.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+
+#include <fmt/format.h>
+#include <sys/resource.h>
 
 #include "apps/console/interrupt.hpp"
 #include "apps/report/atomic_file.hpp"
@@ -101,15 +100,16 @@ std::string shownName(const VolumeFacts& facts) {
 }
 
 RunVolume volumeOf(const Volume& volume, double isovalue) {
-  return {shownName(volume.facts()), volume.facts().format, volume.size(),   volume.lattice().spacing_m,
-          volume.minimum(),      volume.maximum(),      isovalue};
+  return {shownName(volume.facts()), volume.facts().format, volume.size(), volume.lattice().spacing_m,
+          volume.minimum(),          volume.maximum(),      isovalue};
 }
 
 std::vector<std::string> planWords(const Plan& plan, const PlanFacts& facts) {
   std::vector<std::string> words;
   for (const PlanLine& line : planLines(plan, facts)) {
     std::string text = fmt::format("{}: {} ({})", line.done ? "done" : "left out", line.what, line.why);
-    if (line.saved_bytes > 0) text += fmt::format("; saves {:.1f} MiB", static_cast<double>(line.saved_bytes) / 1048576.0);
+    if (line.saved_bytes > 0)
+      text += fmt::format("; saves {:.1f} MiB", static_cast<double>(line.saved_bytes) / 1048576.0);
     words.push_back(std::move(text));
   }
   return words;
@@ -119,7 +119,8 @@ std::vector<RunFault> faultsOf(const TouchRun& run) {
   std::vector<RunFault> faults;
   for (const FaultCount& count : computeFigures(run.records, run.scene.rate_hz).faults) {
     const auto table = faultTable();
-    const auto row = std::find_if(table.begin(), table.end(), [&](const FaultText& r) { return r.fault == count.fault; });
+    const auto row =
+        std::find_if(table.begin(), table.end(), [&](const FaultText& r) { return r.fault == count.fault; });
     faults.push_back({row->name, count.ticks, count.first_tick, row->text, row->remedy});
   }
   return faults;
@@ -131,7 +132,8 @@ std::vector<std::string> realTimeWords(const Scene& scene, const LoopResult& res
   if (result.real_time.fifo) words.emplace_back("SCHED_FIFO priority");
   if (result.real_time.memory_locked) words.emplace_back("memory locked");
   words.insert(words.end(), result.real_time.notes.begin(), result.real_time.notes.end());
-  if (result.ticks_skipped > 0) words.push_back(fmt::format("{} grid points left out after missed deadlines", result.ticks_skipped));
+  if (result.ticks_skipped > 0)
+    words.push_back(fmt::format("{} grid points left out after missed deadlines", result.ticks_skipped));
   return words;
 }
 
@@ -193,9 +195,8 @@ TouchRun runTouchJob(const Scene& scene, const std::string& command, const std::
   run.notes = path.notes;
 
   const Plan plan = makePlan(scene);
-  const auto engine = stages.run("open Vulkan device", "computing on Vulkan", [&] {
-    return std::make_unique<Engine>(volume, plan, isovalue, scene.gpu);
-  });
+  const auto engine = stages.run("open Vulkan device", "computing on Vulkan",
+                                 [&] { return std::make_unique<Engine>(volume, plan, isovalue, scene.gpu); });
   run.vulkan = {engine->gpu().name, engine->gpu().driver, engine->gpu().api_version};
   // The engine's own stages come out of the time that making it took; what is left opened the device.
   for (const StageTime& inner : engine->stages()) run.stages.back().seconds -= inner.seconds;

@@ -10,8 +10,8 @@
 
 namespace palpate {
 
-// Runs the scene and writes trace.csv, summary.json, report.html and view.png into its output folder; each is there whole
-// or not at all. `command`: the line that repeats the run. Throws Error; nothing is left behind then.
+// Runs the scene and writes trace.csv, summary.json, report.html and view.png into its output folder; each is there
+// whole or not at all. `command`: the line that repeats the run. Throws Error; nothing is left behind then.
 TouchRun runTouchJob(const Scene& scene, const std::string& command, const std::string& commit, Progress& progress);
 
 }  // namespace palpate

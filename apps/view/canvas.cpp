@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/view/canvas.hpp"
 
-#include <fmt/format.h>
-
 #include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <numbers>
+
+#include <fmt/format.h>
 
 #include "base/error.hpp"
 

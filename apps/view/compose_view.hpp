@@ -10,8 +10,8 @@
 
 #include "apps/report/touch_run.hpp"
 #include "apps/view/contact_region.hpp"
-#include "base/rendered_image.hpp"
 #include "base/camera.hpp"
+#include "base/rendered_image.hpp"
 
 namespace palpate {
 

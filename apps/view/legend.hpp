@@ -2,10 +2,10 @@
 // apps/view/legend.hpp: the words around the pictures: what every line, colour and arrow means. Private to apps/view.
 #pragma once
 
-#include "servo/loop/run_figures.hpp"
 #include "apps/report/touch_run.hpp"
 #include "apps/view/canvas.hpp"
 #include "apps/view/force_arrows.hpp"
+#include "servo/loop/run_figures.hpp"
 
 namespace palpate {
 

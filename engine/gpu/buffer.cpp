@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/gpu/buffer.hpp"
 
-#include <fmt/format.h>
-
 #include <array>
+
+#include <fmt/format.h>
 
 #include "base/error.hpp"
 #include "engine/gpu/buffer_state.hpp"
@@ -66,7 +66,11 @@ Buffer::~Buffer() = default;
 Buffer::Buffer(Buffer&&) noexcept = default;
 Buffer& Buffer::operator=(Buffer&&) noexcept = default;
 
-std::size_t Buffer::bytes() const noexcept { return state_->bytes; }
-void* Buffer::mapped() const noexcept { return state_->mapped; }
+std::size_t Buffer::bytes() const noexcept {
+  return state_->bytes;
+}
+void* Buffer::mapped() const noexcept {
+  return state_->mapped;
+}
 
 }  // namespace palpate::gpu

@@ -38,10 +38,10 @@ Commands::Commands(Gpu& gpu, std::string name, std::uint32_t max_dispatches) : s
   state_->gpu = &vulkan;
   state_->name = std::move(name);
   state_->pool = makePool(vulkan.device, max_dispatches);
-  vk::raii::CommandBuffers buffers(vulkan.device,
-                                   vk::CommandBufferAllocateInfo{.commandPool = *vulkan.command_pool,
-                                                                 .level = vk::CommandBufferLevel::ePrimary,
-                                                                 .commandBufferCount = 1});
+  vk::raii::CommandBuffers buffers(
+      vulkan.device,
+      vk::CommandBufferAllocateInfo{
+          .commandPool = *vulkan.command_pool, .level = vk::CommandBufferLevel::ePrimary, .commandBufferCount = 1});
   state_->buffer = std::move(buffers.front());
   vulkan.name(state_->buffer, state_->name);
 }
@@ -78,10 +78,10 @@ vk::DescriptorSet Commands::State::bind(const Kernel::State& kernel, std::span<c
   for (std::uint32_t i = 0; i < buffers.size(); ++i) {
     infos[i] = vk::DescriptorBufferInfo{.buffer = *buffers[i]->state().buffer, .offset = 0, .range = VK_WHOLE_SIZE};
     writes[i] = vk::WriteDescriptorSet{.dstSet = set,
-                 .dstBinding = i,
-                 .descriptorCount = 1,
-                 .descriptorType = vk::DescriptorType::eStorageBuffer,
-                 .pBufferInfo = &infos[i]};
+                                       .dstBinding = i,
+                                       .descriptorCount = 1,
+                                       .descriptorType = vk::DescriptorType::eStorageBuffer,
+                                       .pBufferInfo = &infos[i]};
   }
   gpu->device.updateDescriptorSets(writes, {});
   return set;
@@ -95,8 +95,9 @@ void Commands::dispatch(const Kernel& kernel, std::span<const Buffer* const> buf
   commands.bindPipeline(vk::PipelineBindPoint::eCompute, *pipeline.pipeline);
   commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *pipeline.layout, 0, set, {});
   if (!push.empty()) {
-    commands.pushConstants<std::byte>(*pipeline.layout, vk::ShaderStageFlagBits::eCompute, 0,
-                                      vk::ArrayProxy<const std::byte>(static_cast<std::uint32_t>(push.size()), push.data()));
+    commands.pushConstants<std::byte>(
+        *pipeline.layout, vk::ShaderStageFlagBits::eCompute, 0,
+        vk::ArrayProxy<const std::byte>(static_cast<std::uint32_t>(push.size()), push.data()));
   }
   commands.dispatch(groups.x, groups.y, 1);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/gpu/commands.hpp: a list of dispatches and copies that is recorded, submitted and waited for. Reusable: the next
-// record() starts it anew, after its last run has ended. Buffers and kernels named in it must live until then.
+// engine/gpu/commands.hpp: a list of dispatches and copies that is recorded, submitted and waited for. Reusable: the
+// next record() starts it anew, after its last run has ended. Buffers and kernels named in it must live until then.
 #pragma once
 
 #include <cstddef>
@@ -40,8 +40,8 @@ class Commands {
   void barrier();      // what was written before is seen by kernels and copies after
   void hostBarrier();  // what was written before is seen by the host after wait()
   void submit();
-  void wait();         // until the newest submission is done; throws Error(kDevice) after 60 s
-  void run();          // hostBarrier, submit, wait
+  void wait();  // until the newest submission is done; throws Error(kDevice) after 60 s
+  void run();   // hostBarrier, submit, wait
 
   struct State;
 

@@ -21,8 +21,9 @@ void openDevice(Gpu::State& state) {
   state.device = {state.physical,
                   vk::DeviceCreateInfo{.pNext = &timeline, .queueCreateInfoCount = 1, .pQueueCreateInfos = &queue}};
   state.queue = {state.device, state.queue_family, 0};
-  state.command_pool = {state.device, vk::CommandPoolCreateInfo{.flags = vk::CommandPoolCreateFlagBits::eResetCommandBuffer,
-                                                                .queueFamilyIndex = state.queue_family}};
+  state.command_pool = {state.device,
+                        vk::CommandPoolCreateInfo{.flags = vk::CommandPoolCreateFlagBits::eResetCommandBuffer,
+                                                  .queueFamilyIndex = state.queue_family}};
   const vk::SemaphoreTypeCreateInfo type{.semaphoreType = vk::SemaphoreType::eTimeline, .initialValue = 0};
   state.timeline = {state.device, vk::SemaphoreCreateInfo{.pNext = &type}};
 }
@@ -65,7 +66,11 @@ Gpu::~Gpu() {
   }
 }
 
-const GpuInfo& Gpu::info() const noexcept { return state_->info; }
-std::uint64_t Gpu::bytesInUse() const noexcept { return state_->bytes_in_use.load(); }
+const GpuInfo& Gpu::info() const noexcept {
+  return state_->info;
+}
+std::uint64_t Gpu::bytesInUse() const noexcept {
+  return state_->bytes_in_use.load();
+}
 
 }  // namespace palpate::gpu

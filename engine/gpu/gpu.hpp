@@ -15,18 +15,18 @@ namespace palpate::gpu {
 
 // What is known of a device before it is opened.
 struct GpuInfo {
-  std::string name;         // "llvmpipe (LLVM 15.0.6, 256 bits)"
-  std::string type;         // "discrete", "integrated", "virtual", "cpu", "other"
-  std::string driver;       // driver name and version
-  std::string api_version;  // "1.3.230"
-  std::uint64_t memory_bytes = 0;         // of its largest device-local heap
-  std::uint64_t max_binding_bytes = 0;    // of a storage buffer
-  std::string unusable;     // empty, or why Palpate cannot use it
+  std::string name;                     // "llvmpipe (LLVM 15.0.6, 256 bits)"
+  std::string type;                     // "discrete", "integrated", "virtual", "cpu", "other"
+  std::string driver;                   // driver name and version
+  std::string api_version;              // "1.3.230"
+  std::uint64_t memory_bytes = 0;       // of its largest device-local heap
+  std::uint64_t max_binding_bytes = 0;  // of a storage buffer
+  std::string unusable;                 // empty, or why Palpate cannot use it
   [[nodiscard]] bool isCpu() const noexcept { return type == "cpu"; }
 };
 
-// Every Vulkan device of this machine, best first (discrete, integrated, virtual, cpu). Throws Error(kNotFound) with the
-// package to install where there is no loader or no driver.
+// Every Vulkan device of this machine, best first (discrete, integrated, virtual, cpu). Throws Error(kNotFound) with
+// the package to install where there is no loader or no driver.
 [[nodiscard]] std::vector<GpuInfo> listGpus();
 
 struct GpuRequest {
@@ -45,7 +45,7 @@ class Gpu {
   [[nodiscard]] const GpuInfo& info() const noexcept;
   [[nodiscard]] std::uint64_t bytesInUse() const noexcept;  // of all buffers [byte]
 
-  struct State;                                       // vulkan_state.hpp
+  struct State;  // vulkan_state.hpp
   [[nodiscard]] State& state() noexcept { return *state_; }
 
  private:

@@ -13,9 +13,9 @@ vk::raii::DescriptorSetLayout makeSetLayout(const vk::raii::Device& device, std:
   std::vector<vk::DescriptorSetLayoutBinding> bindings(count);
   for (std::uint32_t i = 0; i < count; ++i) {
     bindings[i] = vk::DescriptorSetLayoutBinding{.binding = i,
-                   .descriptorType = vk::DescriptorType::eStorageBuffer,
-                   .descriptorCount = 1,
-                   .stageFlags = vk::ShaderStageFlagBits::eCompute};
+                                                 .descriptorType = vk::DescriptorType::eStorageBuffer,
+                                                 .descriptorCount = 1,
+                                                 .stageFlags = vk::ShaderStageFlagBits::eCompute};
   }
   return {device, vk::DescriptorSetLayoutCreateInfo{.bindingCount = count, .pBindings = bindings.data()}};
 }

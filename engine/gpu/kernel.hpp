@@ -13,11 +13,11 @@
 namespace palpate::gpu {
 
 struct KernelSpec {
-  std::string name;                          // for messages and debuggers
-  std::span<const std::uint32_t> spirv;      // only read during construction
-  std::uint32_t bindings = 0;                // storage buffers 0 ... bindings - 1, all in set 0
-  std::uint32_t push_bytes = 0;              // <= 128
-  std::vector<std::uint32_t> specialisation; // constant_id 0, 1, ...
+  std::string name;                           // for messages and debuggers
+  std::span<const std::uint32_t> spirv;       // only read during construction
+  std::uint32_t bindings = 0;                 // storage buffers 0 ... bindings - 1, all in set 0
+  std::uint32_t push_bytes = 0;               // <= 128
+  std::vector<std::uint32_t> specialisation;  // constant_id 0, 1, ...
 };
 
 class Kernel {

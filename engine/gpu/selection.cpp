@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which Vulkan device: loader, instance, enumeration, choice.
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cctype>
 #include <cstring>
+
+#include <fmt/format.h>
 
 #include "base/error.hpp"
 #include "engine/gpu/vulkan_state.hpp"
@@ -17,15 +17,22 @@ constexpr const char* kDriverRemedy =
     "install one: 'apt-get install mesa-vulkan-drivers' brings lavapipe, which runs on the CPU; for a GPU install its "
     "vendor's driver";
 
-Error noDriver(const std::string& reason) { return {Error::Code::kNotFound, "Vulkan", reason, kDriverRemedy}; }
+Error noDriver(const std::string& reason) {
+  return {Error::Code::kNotFound, "Vulkan", reason, kDriverRemedy};
+}
 
 int rank(vk::PhysicalDeviceType type) {
   switch (type) {
-    case vk::PhysicalDeviceType::eDiscreteGpu: return 0;
-    case vk::PhysicalDeviceType::eIntegratedGpu: return 1;
-    case vk::PhysicalDeviceType::eVirtualGpu: return 2;
-    case vk::PhysicalDeviceType::eCpu: return 3;
-    default: return 4;
+    case vk::PhysicalDeviceType::eDiscreteGpu:
+      return 0;
+    case vk::PhysicalDeviceType::eIntegratedGpu:
+      return 1;
+    case vk::PhysicalDeviceType::eVirtualGpu:
+      return 2;
+    case vk::PhysicalDeviceType::eCpu:
+      return 3;
+    default:
+      return 4;
   }
 }
 
@@ -65,7 +72,8 @@ std::string whyUnusable(const vk::raii::PhysicalDevice& physical, const vk::Phys
   }
   const auto features =
       physical.getFeatures2<vk::PhysicalDeviceFeatures2, vk::PhysicalDeviceTimelineSemaphoreFeatures>();
-  if (!features.get<vk::PhysicalDeviceTimelineSemaphoreFeatures>().timelineSemaphore) return "it lacks timeline semaphores";
+  if (!features.get<vk::PhysicalDeviceTimelineSemaphoreFeatures>().timelineSemaphore)
+    return "it lacks timeline semaphores";
   if (!computeQueueFamily(physical)) return "it has no compute queue";
   constexpr std::uint32_t kNeededBindings = 16;
   if (properties.limits.maxPerStageDescriptorStorageBuffers < kNeededBindings) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/gpu/transfer.hpp: moves bytes between the host and a buffer: in place where the buffer is mapped, else through one
-// staging buffer that is filled again and again. Blocks until the bytes are there.
+// engine/gpu/transfer.hpp: moves bytes between the host and a buffer: in place where the buffer is mapped, else through
+// one staging buffer that is filled again and again. Blocks until the bytes are there.
 #pragma once
 
 #include <cstddef>

@@ -43,10 +43,10 @@ void clearValidationMessages() {
 vk::raii::DebugUtilsMessengerEXT makeMessenger(const vk::raii::Instance& instance) {
   using Severity = vk::DebugUtilsMessageSeverityFlagBitsEXT;
   using Type = vk::DebugUtilsMessageTypeFlagBitsEXT;
-  return {instance, vk::DebugUtilsMessengerCreateInfoEXT{
-                        .messageSeverity = Severity::eWarning | Severity::eError,
-                        .messageType = Type::eGeneral | Type::eValidation | Type::ePerformance,
-                        .pfnUserCallback = &note}};
+  return {instance,
+          vk::DebugUtilsMessengerCreateInfoEXT{.messageSeverity = Severity::eWarning | Severity::eError,
+                                               .messageType = Type::eGeneral | Type::eValidation | Type::ePerformance,
+                                               .pfnUserCallback = &note}};
 }
 
 }  // namespace palpate::gpu

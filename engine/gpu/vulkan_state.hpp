@@ -2,11 +2,11 @@
 // engine/gpu/vulkan_state.hpp: the Vulkan objects behind Gpu, Buffer, Kernel and Commands. Private to engine/gpu.
 #pragma once
 
-#include <vulkan/vulkan_raii.hpp>
-
 #include <atomic>
 #include <optional>
 #include <string>
+
+#include <vulkan/vulkan_raii.hpp>
 
 #include "engine/gpu/gpu.hpp"
 
@@ -23,12 +23,12 @@ struct Gpu::State {
   vk::raii::Device device = nullptr;
   vk::raii::Queue queue = nullptr;
   vk::raii::CommandPool command_pool = nullptr;
-  vk::raii::Semaphore timeline = nullptr;   // counts submissions
-  std::uint64_t submitted = 0;              // the value of the newest submission
-  bool named = false;                       // debug names are wanted
+  vk::raii::Semaphore timeline = nullptr;  // counts submissions
+  std::uint64_t submitted = 0;             // the value of the newest submission
+  bool named = false;                      // debug names are wanted
   std::atomic<std::uint64_t> bytes_in_use = 0;
 
-  void wait(std::uint64_t value);           // until submission `value` is done; throws Error(kDevice) after 60 s
+  void wait(std::uint64_t value);  // until submission `value` is done; throws Error(kDevice) after 60 s
 
   template <typename Handle>
   void name(const Handle& handle, const std::string& text) {

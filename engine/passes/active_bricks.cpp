@@ -29,7 +29,8 @@ std::vector<std::uint32_t> activeBricks(std::span<const layout::BrickBounds> bou
     for (int y = 0; y < brick_counts.y(); ++y) {
       for (int x = 0; x < brick_counts.x(); ++x, ++index) {
         // Density above the isovalue is object, at or below it background.
-        if (bounds[index].lowest <= isovalue && bounds[index].highest > isovalue) markWithHalo(active, brick_counts, {x, y, z});
+        if (bounds[index].lowest <= isovalue && bounds[index].highest > isovalue)
+          markWithHalo(active, brick_counts, {x, y, z});
       }
     }
   }

@@ -11,8 +11,8 @@
 
 namespace palpate {
 
-// The bricks whose cells the isosurface crosses, and their halo: the bricks that hold the far corners of such cells (one
-// brick further along +i, +j, +k). So every cell on the isosurface has a gradient at all its corners. Linear page
+// The bricks whose cells the isosurface crosses, and their halo: the bricks that hold the far corners of such cells
+// (one brick further along +i, +j, +k). So every cell on the isosurface has a gradient at all its corners. Linear page
 // indices, ascending.
 [[nodiscard]] std::vector<std::uint32_t> activeBricks(std::span<const layout::BrickBounds> bounds,
                                                       const Vec3i& brick_counts, float isovalue);

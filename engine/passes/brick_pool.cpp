@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/passes/brick_pool.hpp"
 
-#include <fmt/format.h>
-
 #include <array>
 #include <span>
+
+#include <fmt/format.h>
 
 #include "base/error.hpp"
 
@@ -22,7 +22,8 @@ layout::PoolDomain domainOf(const Volume& volume) {
 
 Error tooLarge(const Volume& volume, std::size_t slabs) {
   return {Error::Code::kOutOfMemory, volume.facts().source,
-          fmt::format("its {} bricks with content need more than {} slabs of 128 MiB on the GPU", volume.storedBricks(), slabs),
+          fmt::format("its {} bricks with content need more than {} slabs of 128 MiB on the GPU", volume.storedBricks(),
+                      slabs),
           "crop or resample the volume"};
 }
 
@@ -67,7 +68,9 @@ void BrickPool::addSlab(gpu::Gpu& gpu, gpu::Transfer& transfer, const std::vecto
   transfer.upload(std::as_bytes(std::span(values)), slabs_.back());
 }
 
-Vec3i BrickPool::size() const noexcept { return Eigen::Vector<layout::uint, 3>(domain_.size_x, domain_.size_y, domain_.size_z).cast<int>(); }
+Vec3i BrickPool::size() const noexcept {
+  return Eigen::Vector<layout::uint, 3>(domain_.size_x, domain_.size_y, domain_.size_z).cast<int>();
+}
 
 Vec3i BrickPool::brickCounts() const noexcept {
   return Eigen::Vector<layout::uint, 3>(domain_.bricks_x, domain_.bricks_y, domain_.bricks_z).cast<int>();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/passes/brick_pool.hpp: a volume's densities on the GPU: bricks of 8x8x8 behind a page table, in slabs of 128 MiB.
+// engine/passes/brick_pool.hpp: a volume's densities on the GPU: bricks of 8x8x8 behind a page table, in slabs of 128
+// MiB.
 //
 // Layout: shaders/brick_pool.layout.h. A constant brick has a page and no storage. Thread: the Gpu's.
 #pragma once
@@ -16,13 +17,13 @@ namespace palpate {
 
 class BrickPool {
  public:
-  // Uploads every brick. Throws Error(kOutOfMemory) where the volume needs more than DENSITY_SLABS slabs or more than the
-  // device has. Cost: one pass over the volume.
+  // Uploads every brick. Throws Error(kOutOfMemory) where the volume needs more than DENSITY_SLABS slabs or more than
+  // the device has. Cost: one pass over the volume.
   BrickPool(gpu::Gpu& gpu, gpu::Transfer& transfer, const Volume& volume);
 
   [[nodiscard]] const layout::PoolDomain& domain() const noexcept { return domain_; }
   [[nodiscard]] const Lattice& lattice() const noexcept { return lattice_; }
-  [[nodiscard]] Vec3i size() const noexcept;        // domain [voxel]
+  [[nodiscard]] Vec3i size() const noexcept;         // domain [voxel]
   [[nodiscard]] Vec3i brickCounts() const noexcept;  // along each axis
   [[nodiscard]] std::size_t brickCount() const noexcept;
   [[nodiscard]] std::size_t storedBricks() const noexcept { return stored_bricks_; }

@@ -12,10 +12,10 @@ namespace {
 layout::GradientPush pushFor(const BrickPool& pool, std::size_t task_count) {
   const Vec3& h = pool.lattice().spacing_m;
   const auto inverse = [](double length_m) { return static_cast<float>(1.0 / length_m); };
-  return {pool.domain(),         static_cast<layout::uint>(task_count),
-          inverse(2.0 * h.x()),  inverse(2.0 * h.y()),
-          inverse(2.0 * h.z()),  inverse(h.x()),
-          inverse(h.y()),        inverse(h.z())};
+  return {pool.domain(),        static_cast<layout::uint>(task_count),
+          inverse(2.0 * h.x()), inverse(2.0 * h.y()),
+          inverse(2.0 * h.z()), inverse(h.x()),
+          inverse(h.y()),       inverse(h.z())};
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/passes/gradient_pass.hpp: central-difference gradients of the stored bricks (shaders/gradient.comp): spacing aware,
-// one-sided at the volume's border. Twin: engine/reference/gradient.hpp. Thread: the Gpu's.
+// engine/passes/gradient_pass.hpp: central-difference gradients of the stored bricks (shaders/gradient.comp): spacing
+// aware, one-sided at the volume's border. Twin: engine/reference/gradient.hpp. Thread: the Gpu's.
 #pragma once
 
 #include "engine/gpu/commands.hpp"

@@ -24,11 +24,21 @@ layout::IsosurfacePush pushFor(const BrickPool& pool, const Camera& camera, doub
           static_cast<layout::uint>(camera.width),
           static_cast<layout::uint>(camera.height),
           f(isovalue),
-          f(lattice.spacing_m.x()), f(lattice.spacing_m.y()), f(lattice.spacing_m.z()),
-          f(eye.x()), f(eye.y()), f(eye.z()),
-          f(corner.x()), f(corner.y()), f(corner.z()),
-          f(right.x()), f(right.y()), f(right.z()),
-          f(down.x()), f(down.y()), f(down.z())};
+          f(lattice.spacing_m.x()),
+          f(lattice.spacing_m.y()),
+          f(lattice.spacing_m.z()),
+          f(eye.x()),
+          f(eye.y()),
+          f(eye.z()),
+          f(corner.x()),
+          f(corner.y()),
+          f(corner.z()),
+          f(right.x()),
+          f(right.y()),
+          f(right.z()),
+          f(down.x()),
+          f(down.y()),
+          f(down.z())};
 }
 
 }  // namespace
@@ -45,7 +55,9 @@ IsosurfacePass::IsosurfacePass(gpu::Gpu& gpu, gpu::Transfer& transfer, const Bri
 RenderedImage IsosurfacePass::draw(const Camera& camera, double isovalue) {
   const std::size_t count = static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
   const gpu::Buffer pixels(gpu_, "pixels", count * sizeof(layout::IsosurfacePixel), gpu::MemoryKind::kDevice);
-  const auto groups = [](int length) { return static_cast<std::uint32_t>((length + ISOSURFACE_GROUP - 1) / ISOSURFACE_GROUP); };
+  const auto groups = [](int length) {
+    return static_cast<std::uint32_t>((length + ISOSURFACE_GROUP - 1) / ISOSURFACE_GROUP);
+  };
   const layout::IsosurfacePush push = pushFor(pool_, camera, isovalue);
   commands_.begin();
   commands_.dispatch(kernel_, poolBindings(pool_, {&bounds_.bounds(), &pixels}), gpu::pushBytes(push),

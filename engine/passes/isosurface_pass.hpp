@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/passes/isosurface_pass.hpp: draws the isosurface (shaders/isosurface.comp), skipping bricks that cannot hold it.
-// Twin of its depth: engine/reference/isosurface.hpp. Thread: the Gpu's. Blocks; lavapipe: a second or so a megapixel.
+// engine/passes/isosurface_pass.hpp: draws the isosurface (shaders/isosurface.comp), skipping bricks that cannot hold
+// it. Twin of its depth: engine/reference/isosurface.hpp. Thread: the Gpu's. Blocks; lavapipe: a second or so a
+// megapixel.
 #pragma once
 
 #include "base/camera.hpp"

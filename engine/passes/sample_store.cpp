@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/passes/sample_store.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
+
+#include <fmt/format.h>
 
 #include "engine/volume/volume.hpp"
 #include "servo/window/sample_window.hpp"
@@ -12,7 +12,8 @@ namespace palpate {
 
 SampleStore::SampleStore(gpu::Gpu& gpu, std::size_t brick_count, const std::vector<std::uint32_t>& bricks)
     : bricks_(bricks), slot_of_brick_(brick_count, NO_SLOT) {
-  for (std::size_t slot = 0; slot < bricks.size(); ++slot) slot_of_brick_[bricks[slot]] = static_cast<std::uint32_t>(slot);
+  for (std::size_t slot = 0; slot < bricks.size(); ++slot)
+    slot_of_brick_[bricks[slot]] = static_cast<std::uint32_t>(slot);
   // At least one slab, so that a kernel has something to bind.
   for (std::size_t first = 0; first == 0 || first < bricks.size(); first += BRICKS_PER_SAMPLE_SLAB) {
     const std::size_t count = std::clamp<std::size_t>(bricks.size() - first, 1, BRICKS_PER_SAMPLE_SLAB);

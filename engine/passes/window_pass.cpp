@@ -42,8 +42,15 @@ std::vector<SlabTasks> tasksOf(const WindowBox& box, const BrickPool& pool, cons
 layout::WindowPush pushFor(const BrickPool& pool, const WindowBox& box, std::size_t first_task, std::size_t count) {
   const auto first = box.first.cast<layout::uint>().eval();
   const auto size = box.size.cast<layout::uint>().eval();
-  return {pool.domain(), static_cast<layout::uint>(first_task), static_cast<layout::uint>(count),
-          first.x(),     first.y(), first.z(), size.x(), size.y(), size.z()};
+  return {pool.domain(),
+          static_cast<layout::uint>(first_task),
+          static_cast<layout::uint>(count),
+          first.x(),
+          first.y(),
+          first.z(),
+          size.x(),
+          size.y(),
+          size.z()};
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/passes/window_pass.hpp: gathers the samples around the tool into a small dense box (shaders/window.comp), written
-// straight into memory that the servo reads. Twin: engine/reference/window.hpp. Thread: the Gpu's.
+// engine/passes/window_pass.hpp: gathers the samples around the tool into a small dense box (shaders/window.comp),
+// written straight into memory that the servo reads. Twin: engine/reference/window.hpp. Thread: the Gpu's.
 #pragma once
 
 #include "engine/gpu/commands.hpp"

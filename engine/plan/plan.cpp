@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/plan/plan.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
+
+#include <fmt/format.h>
 
 namespace palpate {
 namespace {
@@ -14,7 +14,8 @@ constexpr std::uint64_t kSampleBytes = 512 * 16;
 
 PlanLine uploadLine(const PlanFacts& facts) {
   return {true, fmt::format("{} of {} bricks of density", facts.stored_bricks, facts.bricks),
-          "a brick that holds one value has a page and no storage", (facts.bricks - facts.stored_bricks) * kDensityBytes};
+          "a brick that holds one value has a page and no storage",
+          (facts.bricks - facts.stored_bricks) * kDensityBytes};
 }
 
 PlanLine gradientLine(const Plan& plan, const PlanFacts& facts) {
@@ -32,16 +33,23 @@ PlanLine gradientLine(const Plan& plan, const PlanFacts& facts) {
 
 const char* passName(Pass pass) noexcept {
   switch (pass) {
-    case Pass::kUpload: return "upload";
-    case Pass::kBrickBounds: return "brick bounds";
-    case Pass::kGradient: return "gradient";
-    case Pass::kWindow: return "window";
-    case Pass::kIsosurface: return "isosurface";
+    case Pass::kUpload:
+      return "upload";
+    case Pass::kBrickBounds:
+      return "brick bounds";
+    case Pass::kGradient:
+      return "gradient";
+    case Pass::kWindow:
+      return "window";
+    case Pass::kIsosurface:
+      return "isosurface";
   }
   return "?";
 }
 
-bool Plan::has(Pass pass) const noexcept { return std::find(passes.begin(), passes.end(), pass) != passes.end(); }
+bool Plan::has(Pass pass) const noexcept {
+  return std::find(passes.begin(), passes.end(), pass) != passes.end();
+}
 
 Plan makePlan(const Scene& scene) {
   Plan plan;
@@ -63,7 +71,8 @@ std::vector<PlanLine> planLines(const Plan& plan, const PlanFacts& facts) {
   } else {
     lines.push_back({false, "isosurface picture", "not asked for (--picture off)", 0});
   }
-  if (!plan.has(Pass::kBrickBounds)) lines.push_back({false, "brick bounds", "every brick has gradients and nothing is drawn", 0});
+  if (!plan.has(Pass::kBrickBounds))
+    lines.push_back({false, "brick bounds", "every brick has gradients and nothing is drawn", 0});
   lines.push_back({false, "filters", "the scene names none", 0});
   lines.push_back({false, "friction, texture, recovery", "the scene names none", 0});
   return lines;

@@ -18,8 +18,8 @@ enum class Pass { kUpload, kBrickBounds, kGradient, kWindow, kIsosurface };
 [[nodiscard]] const char* passName(Pass pass) noexcept;
 
 struct Plan {
-  std::vector<Pass> passes;         // in order of execution
-  bool gradient_all = false;        // gradients of every brick, not of those alone that the isosurface needs
+  std::vector<Pass> passes;   // in order of execution
+  bool gradient_all = false;  // gradients of every brick, not of those alone that the isosurface needs
   bool draws = false;
 
   [[nodiscard]] bool has(Pass pass) const noexcept;
@@ -35,8 +35,8 @@ struct PlanFacts {
 };
 
 struct PlanLine {
-  bool done = false;       // false: left out
-  std::string what;        // "gradient of 1234 of 13824 bricks"
+  bool done = false;  // false: left out
+  std::string what;   // "gradient of 1234 of 13824 bricks"
   std::string why;
   std::uint64_t saved_bytes = 0;
 };

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // engine/plan/scene.hpp: everything that a user can ask of a run of `palpate touch`, with its defaults.
 //
-// Values are in the code's units (SI); the table in apps/scene/ gives each its flag, TOML key, screen unit and help text.
+// Values are in the code's units (SI); the table in apps/scene/ gives each its flag, TOML key, screen unit and help
+// text.
 #pragma once
 
 #include <cstdint>
@@ -14,46 +15,46 @@ namespace palpate {
 
 struct Scene {
   // volume
-  std::string volume;                    // file, folder or phantom:NAME?...
-  std::optional<double> isovalue;        // tau; empty: suggested from the histogram [density]
+  std::string volume;              // file, folder or phantom:NAME?...
+  std::optional<double> isovalue;  // tau; empty: suggested from the histogram [density]
   // compute
-  std::string gpu;                       // part of the Vulkan device's name; empty: the best one
-  bool gradient_all = false;             // every brick instead of those that the isosurface needs
+  std::string gpu;            // part of the Vulkan device's name; empty: the best one
+  bool gradient_all = false;  // every brick instead of those that the isosurface needs
   // servo
   std::string algorithm = "hri";
-  int plane_renewal_ticks = 5;           // n
+  int plane_renewal_ticks = 5;  // n
   double stiffness_N_per_m = 500;
   double damping_Ns_per_m = 0.5;
   double rate_hz = 1000;
   double duration_s = 5;
   bool simulated_clock = false;
   // safety
-  double force_limit_N = 8;              // of the simulated device
+  double force_limit_N = 8;  // of the simulated device
   double slew_limit_N_per_s = 20000;
-  double fade_s = 0.1;                   // time in which a faulty force fades to zero
-  double stale_window_s = 0.25;          // a window that the engine has not confirmed for so long is a fault
+  double fade_s = 0.1;           // time in which a faulty force fades to zero
+  double stale_window_s = 0.25;  // a window that the engine has not confirmed for so long is a fault
   // hand and simulated device
-  bool spring_hand = false;              // false: the HIP is exactly the path
+  bool spring_hand = false;  // false: the HIP is exactly the path
   double hand_mass_kg = 0.1;
   double hand_damping_Ns_per_m = 3.0;
   double hand_stiffness_N_per_m = 400;
   double device_mass_kg = 0.05;
   double device_damping_Ns_per_m = 0.1;
-  double encoder_resolution_m = 0;       // 0: none
+  double encoder_resolution_m = 0;  // 0: none
   int device_delay_ticks = 0;
   // path: a CSV file, or built from the surface
   std::string path_file;
-  std::optional<Vec3> path_toward;       // direction in which the tool approaches (world); empty: chosen
-  std::optional<Vec3> path_start_W;      // a point near the surface where the press begins [m]; empty: chosen
-  std::optional<Vec3> path_slide;        // direction of the slide (world); empty: chosen
-  bool straight_over_edges = false;      // false: the slide follows the surface around every edge
+  std::optional<Vec3> path_toward;   // direction in which the tool approaches (world); empty: chosen
+  std::optional<Vec3> path_start_W;  // a point near the surface where the press begins [m]; empty: chosen
+  std::optional<Vec3> path_slide;    // direction of the slide (world); empty: chosen
+  bool straight_over_edges = false;  // false: the slide follows the surface around every edge
   double press_depth_m = 1.0e-3;
   double slide_length_m = 20.0e-3;
   double approach_m = 10.0e-3;
   // output
   std::string out = "out";
-  bool trace = true;                     // write trace.csv
-  bool picture = true;                   // draw view.png
+  bool trace = true;    // write trace.csv
+  bool picture = true;  // draw view.png
   int image_width = 1280;
   int image_height = 720;
 };

@@ -39,7 +39,8 @@ std::vector<std::size_t> bricksOfCrossedCells(const DenseField& field, float iso
   const Vec3i bricks = (field.size.array() + kBrickSize - 1) / kBrickSize;
   std::vector<bool> needed(static_cast<std::size_t>(bricks.x()) * bricks.y() * bricks.z());
   const auto mark = [&](int x, int y, int z) {
-    needed[(static_cast<std::size_t>(z / kBrickSize) * bricks.y() + y / kBrickSize) * bricks.x() + x / kBrickSize] = true;
+    needed[(static_cast<std::size_t>(z / kBrickSize) * bricks.y() + y / kBrickSize) * bricks.x() + x / kBrickSize] =
+        true;
   };
   for (int k = 0; k + 1 < field.size.z(); ++k) {
     for (int j = 0; j + 1 < field.size.y(); ++j) {

@@ -3,6 +3,8 @@
 
 namespace palpate::reference {
 
-DenseField denseField(const Volume& volume) { return {volume.size(), volume.lattice(), volume.toDense()}; }
+DenseField denseField(const Volume& volume) {
+  return {volume.size(), volume.lattice(), volume.toDense()};
+}
 
 }  // namespace palpate::reference

@@ -11,9 +11,9 @@
 namespace palpate::reference {
 
 struct DenseField {
-  Vec3i size = Vec3i::Zero();   // [voxel]
+  Vec3i size = Vec3i::Zero();  // [voxel]
   Lattice lattice;
-  std::vector<float> values;    // i fastest
+  std::vector<float> values;  // i fastest
 
   [[nodiscard]] std::size_t offset(int i, int j, int k) const noexcept {
     return (static_cast<std::size_t>(k) * size.y() + j) * size.x() + i;

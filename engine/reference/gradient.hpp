@@ -8,8 +8,8 @@
 
 namespace palpate::reference {
 
-// Gradient at a voxel along the lattice's axes [density/m]: (f(+1) - f(-1)) * (1 / 2h), at the border (f(+1) - f(0)) * (1/h)
-// or (f(0) - f(-1)) * (1/h). All in float, no contraction: lavapipe must agree bit for bit.
+// Gradient at a voxel along the lattice's axes [density/m]: (f(+1) - f(-1)) * (1 / 2h), at the border (f(+1) - f(0)) *
+// (1/h) or (f(0) - f(-1)) * (1/h). All in float, no contraction: lavapipe must agree bit for bit.
 [[nodiscard]] std::array<float, 3> gradientAt(const DenseField& field, int i, int j, int k);
 
 // The factors 1/(2h) and 1/h, rounded to float once: kernel and twin are handed the same numbers.

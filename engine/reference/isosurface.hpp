@@ -12,8 +12,8 @@ namespace palpate::reference {
 // Trilinear density at a point in voxels, clamped to the domain; in double.
 [[nodiscard]] double trilinear(const DenseField& field, const Vec3& p_L);
 
-// Distance [m] from `eye_W` along the unit direction to the first point inside the domain with density above the isovalue,
-// found in steps of `step_voxels` and refined by bisection; empty if there is none.
+// Distance [m] from `eye_W` along the unit direction to the first point inside the domain with density above the
+// isovalue, found in steps of `step_voxels` and refined by bisection; empty if there is none.
 [[nodiscard]] std::optional<double> firstHit(const DenseField& field, double isovalue, const Vec3& eye_W,
                                              const Vec3& direction_W, double step_voxels);
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // engine/service/engine.hpp: runs a plan for one volume on one Vulkan device and publishes windows around the tool.
 //
-// Thread: one at a time: the one that made it, then the EngineThread, then the first again for the picture. The servo touches
-// nothing here but exchange().
+// Thread: one at a time: the one that made it, then the EngineThread, then the first again for the picture. The servo
+// touches nothing here but exchange().
 #pragma once
 
 #include <array>
@@ -33,8 +33,9 @@ class Engine {
   Engine(const Volume& volume, const Plan& plan, double isovalue, const std::string& gpu_name);
   ~Engine();
 
-  // Gathers a window around the tool if there is none yet or the tool has left the middle of the last one, and publishes it;
-  // otherwise confirms the last one. Returns whether a window was published. `now_ns`: on the servo's clock.
+  // Gathers a window around the tool if there is none yet or the tool has left the middle of the last one, and
+  // publishes it; otherwise confirms the last one. Returns whether a window was published. `now_ns`: on the servo's
+  // clock.
   bool publishAround(const Vec3& tool_W, std::int64_t now_ns);
 
   [[nodiscard]] RenderedImage draw(const Camera& camera);  // the plan must draw
@@ -63,7 +64,7 @@ class Engine {
   std::unique_ptr<IsosurfacePass> isosurface_;
   std::vector<gpu::Buffer> window_buffers_;  // three, mapped: the exchange's storages
   std::unique_ptr<WindowExchange> exchange_;
-  std::optional<WindowBox> published_;       // where the newest window lies
+  std::optional<WindowBox> published_;  // where the newest window lies
 };
 
 }  // namespace palpate

@@ -12,7 +12,8 @@ constexpr std::chrono::microseconds kPause{500};
 
 // The servo's clock is CLOCK_MONOTONIC, which steady_clock is on Linux.
 std::int64_t now_ns() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch()).count();
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
+      .count();
 }
 
 }  // namespace

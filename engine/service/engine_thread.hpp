@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/service/engine_thread.hpp: the engine's thread while the servo runs in real time: it follows the tool and publishes.
+// engine/service/engine_thread.hpp: the engine's thread while the servo runs in real time: it follows the tool and
+// publishes.
 //
 // If it fails it stops confirming windows; the servo then fades its force out (stale window), and stop() throws what
 // happened. Made and stopped by one thread; between the two the Engine belongs to this thread.

@@ -4,12 +4,12 @@
 //
 // GDCM under ITK, after a trial in a child process (trial.hpp), reads each slice and applies its slope and intercept.
 // The order and spacing of slices come from their positions, never from file names or slice thickness.
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <map>
+
+#include <fmt/format.h>
 
 #include "base/error.hpp"
 #include "base/units.hpp"

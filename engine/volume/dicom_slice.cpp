@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/volume/dicom_slice.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
+
+#include <fmt/format.h>
 
 #include "base/error.hpp"
 #include "engine/volume/dicom_structure.hpp"

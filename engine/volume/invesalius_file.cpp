@@ -4,8 +4,6 @@
 //
 // InVesalius keeps its slices flipped in y against DICOM: index j runs anterior. It keeps no position, so the world's
 // origin is the centre of voxel (0, 0, 0).
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <filesystem>
 #include <memory>
@@ -13,6 +11,7 @@
 
 #include <archive.h>
 #include <archive_entry.h>
+#include <fmt/format.h>
 #include <plist/plist.h>
 
 #include "base/error.hpp"

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/volume/memory_budget.hpp"
 
-#include <fmt/format.h>
-
 #include <fstream>
 #include <limits>
+
+#include <fmt/format.h>
 
 #include "base/error.hpp"
 

@@ -3,10 +3,10 @@
 //
 // ITK reads it; its frame is LPS. Looked at before: spacing (MetaIO takes the size of a negative one), channels, the
 // stored size. The slope from elements to intensities, which ITK leaves out, is applied here.
-#include <fmt/format.h>
-
 #include <cmath>
 #include <filesystem>
+
+#include <fmt/format.h>
 
 #include "base/error.hpp"
 #include "engine/volume/itk_image.hpp"

@@ -4,14 +4,14 @@
 // ITK reads it, turns RAS to LPS and applies scl_slope and scl_inter. Looked at before: dimensions, voxel sizes (ITK
 // takes the size of a negative one), value type, the stored size. Analyze 7.5 files are refused: they do not say left
 // from right.
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+
+#include <fmt/format.h>
 
 #include "base/error.hpp"
 #include "engine/volume/itk_image.hpp"

@@ -4,11 +4,11 @@
 // ITK reads the values. The lattice is made here from "space directions", because ITK 5.2 turns LAS files to LPS but
 // not RAS ones. Looked at before: spacings (ITK takes the size of a negative one), units of length (ITK ignores them),
 // the stored size of raw and gzip data.
-#include <fmt/format.h>
-
 #include <cmath>
 #include <filesystem>
 #include <optional>
+
+#include <fmt/format.h>
 
 #include "base/error.hpp"
 #include "engine/volume/itk_image.hpp"

@@ -4,13 +4,12 @@
 // The domain is the box of active voxels, padded by two voxels on every side, which are background wherever the grid
 // has nothing else. Lengths are metres unless the grid's or the file's metadata "unit" says mm, um or cm; a level set
 // becomes density = -distance [m], so that density above 0 is inside. World axes are taken as LPS.
-#include <fmt/format.h>
-
 #include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 
+#include <fmt/format.h>
 #include <openvdb/io/Stream.h>
 #include <openvdb/openvdb.h>
 

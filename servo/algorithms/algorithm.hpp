@@ -2,9 +2,9 @@
 // servo/algorithms/algorithm.hpp: what every haptic algorithm is: position, velocity, window -> VHIP, force, state.
 //
 // Frames: everything is in the world W [m, m/s, N]. Normals point out of the object: N = -grad / |grad|.
-// Force convention, stated once: d = VHIP - HIP points out of the object, and F = K d - B v_d with v_d the part of the HIP's
-// velocity along N, so that F pushes the device out and damps its motion along N.
-// Thread: tick() is called by the servo thread alone; no heap, lock, system call or throw. reset() before the loop starts.
+// Force convention, stated once: d = VHIP - HIP points out of the object, and F = K d - B v_d with v_d the part of the
+// HIP's velocity along N, so that F pushes the device out and damps its motion along N. Thread: tick() is called by the
+// servo thread alone; no heap, lock, system call or throw. reset() before the loop starts.
 #pragma once
 
 #include <cstdint>
@@ -19,15 +19,15 @@
 namespace palpate {
 
 struct AlgorithmParameters {
-  double isovalue = 0;               // tau: above it is object [density]
-  double stiffness_N_per_m = 500;    // K [N/m]
-  double damping_Ns_per_m = 0.5;     // B [N s/m]
-  int plane_renewal_ticks = 5;       // n: the plane is found again every n ticks, 1: every tick [tick]
+  double isovalue = 0;             // tau: above it is object [density]
+  double stiffness_N_per_m = 500;  // K [N/m]
+  double damping_Ns_per_m = 0.5;   // B [N s/m]
+  int plane_renewal_ticks = 5;     // n: the plane is found again every n ticks, 1: every tick [tick]
 };
 
 struct TickInput {
-  Vec3 hip_W = Vec3::Zero();           // device position [m]
-  Vec3 hip_velocity_W = Vec3::Zero();  // [m/s]
+  Vec3 hip_W = Vec3::Zero();             // device position [m]
+  Vec3 hip_velocity_W = Vec3::Zero();    // [m/s]
   const SampleWindow* window = nullptr;  // never null while the loop runs; may be unusable
 };
 

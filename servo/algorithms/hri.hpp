@@ -1,19 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 // servo/algorithms/hri.hpp: HRI with the paper's gaps mended; the default algorithm.
 //
-// As in the paper, a virtual plane stands for the surface, F = K d - B v_d, and the plane is renewed now and then. Mended:
+// As in the paper, a virtual plane stands for the surface, F = K d - B v_d, and the plane is renewed now and then.
+// Mended:
 // - n = 1 means every tick; a plane is also renewed as soon as an edit changes the window or the HIP comes out of it.
 // - The plane is at the surface point nearest to the HIP (surface_tracker.hpp), not on the line from VHIP to HIP.
-// - Contact ends when the HIP is in front of the sheet that it touched, not when the density at the HIP says so: pressing
-//   through a thin wall does not lose it. Free motion is searched along its whole way, so a fast stroke does not jump one.
+// - Contact ends when the HIP is in front of the sheet that it touched, not when the density at the HIP says so:
+// pressing
+//   through a thin wall does not lose it. Free motion is searched along its whole way, so a fast stroke does not jump
+//   one.
 // - VHIP and HIP both inside (the surface moved): search outward along N, then follow the surface as always.
 // - Inside at the start, or buried by an edit: no force until the HIP has been outside once (kInsideObject).
 // - HIP beyond the window: no force (kBeyondWindow). What was touched is remembered; short gaps in free motion are
 //   searched along the straight line, once the window has caught up.
 // - Flat field at the surface (kZeroGradient): the plane keeps its normal, a new one faces the way the HIP came.
 // - Where the volume ends in the object, its face is the surface. The force never pulls: K d - B v_d is clamped at 0.
-// Frame W: world. Thread: the servo's. Cost: in contact without renewal no transform and no fetch; with renewal one fetch at
-// least, 9 on an isosurface; in free motion a fetch per half voxel of way. Searches have stated maxima. Errors: faults.
+// Frame W: world. Thread: the servo's. Cost: in contact without renewal no transform and no fetch; with renewal one
+// fetch at least, 9 on an isosurface; in free motion a fetch per half voxel of way. Searches have stated maxima.
+// Errors: faults.
 #pragma once
 
 #include "servo/algorithms/algorithm.hpp"
@@ -24,9 +28,9 @@ namespace palpate {
 
 class Hri final : public Algorithm {
  public:
-  static constexpr double kLongestGap = 16;      // free motion beyond the window that is searched afterwards [voxel]
-  static constexpr double kOutwardSearch = 32;   // from a buried HIP along N [voxel]
-  static constexpr double kStandOff = 0.25;      // in front of the VHIP, where a search from it begins [voxel]
+  static constexpr double kLongestGap = 16;     // free motion beyond the window that is searched afterwards [voxel]
+  static constexpr double kOutwardSearch = 32;  // from a buried HIP along N [voxel]
+  static constexpr double kStandOff = 0.25;     // in front of the VHIP, where a search from it begins [voxel]
 
   explicit Hri(const AlgorithmParameters& parameters, ContactEffects effects = {}) noexcept;
   void reset(const Vec3& hip_W) noexcept override;
@@ -45,17 +49,17 @@ class Hri final : public Algorithm {
 
   AlgorithmParameters parameters_;
   ContactEffects effects_;
-  SurfacePoint surface_;        // the plane: its point and normal
+  SurfacePoint surface_;  // the plane: its point and normal
   Vec3 vhip_W_ = Vec3::Zero();
   std::int32_t age_ticks_ = 0;
-  bool in_contact_ = false;     // there is a plane, with the HIP behind it when it was found
+  bool in_contact_ = false;  // there is a plane, with the HIP behind it when it was found
   bool new_contact_ = false;
-  bool held_ = false;           // the last tick could not see the HIP; no force until one can
+  bool held_ = false;  // the last tick could not see the HIP; no force until one can
   std::uint64_t edit_version_ = 0;
 
-  bool armed_ = false;          // free_ was outside, so the way from it to the HIP can be searched for an entry
-  Probe free_;                  // last HIP known to be outside
-  IsoField field_;              // made again for every new window, when it is needed
+  bool armed_ = false;  // free_ was outside, so the way from it to the HIP can be searched for an entry
+  Probe free_;          // last HIP known to be outside
+  IsoField field_;      // made again for every new window, when it is needed
   std::uint64_t field_version_ = 0;
   const Sample* field_samples_ = nullptr;
 };

@@ -18,9 +18,8 @@ void HriPaper::reset(const Vec3& hip_W) noexcept {
 void HriPaper::makePlane(const WindowSampler& sampler, const Fetch& at_vhip, const Fetch& at_hip, const Vec3& hip_W,
                          std::uint32_t& faults) noexcept {
   has_plane_ = false;
-  const double t = std::isinf(at_vhip.density)
-                       ? 1.0
-                       : (parameters_.isovalue - at_vhip.density) / (at_hip.density - at_vhip.density);
+  const double t =
+      std::isinf(at_vhip.density) ? 1.0 : (parameters_.isovalue - at_vhip.density) / (at_hip.density - at_vhip.density);
   const Vec3 p_W = vhip_W_ + t * (hip_W - vhip_W_);
   const Fetch at_p = sampler.at(p_W);
   const double steepness = at_p.gradient_W.norm();  // [density/m]
@@ -78,8 +77,9 @@ void HriPaper::tick(const TickInput& in, TickOutput& out) noexcept {
   const double depth_m = has_plane_ ? normal_W_.dot(p_W_ - in.hip_W) : 0.0;
   if (depth_m > 0) {
     vhip_W_ = in.hip_W + depth_m * normal_W_;
-    out.force_W = (parameters_.stiffness_N_per_m * depth_m -
-                   parameters_.damping_Ns_per_m * normal_W_.dot(in.hip_velocity_W)) * normal_W_;
+    out.force_W =
+        (parameters_.stiffness_N_per_m * depth_m - parameters_.damping_Ns_per_m * normal_W_.dot(in.hip_velocity_W)) *
+        normal_W_;
     out.normal_W = normal_W_;
     out.in_contact = true;
   }

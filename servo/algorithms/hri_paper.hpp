@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // servo/algorithms/hri_paper.hpp: HRI as the paper's Figure 2 prints it, so that its results can be repeated.
 //
-// To the letter, with what that brings: the counter renews a plane every n + 1 ticks (it goes 0, 1 ... n and renews in the
-// tick after it has reached n) and is not reset when contact makes a plane; the plane is on the line from VHIP to HIP, also
-// where both are inside (then the interpolation extrapolates); F = K d - B v_d may pull. Density and normal come from the
-// window's samples, whose gradients are the engine's central differences (the paper takes them at p).
-// Where Figure 2 says nothing: a HIP beyond the window gets no force and a fault; a plane that cannot be computed (equal
-// densities, zero gradient, p beyond the window) is no plane, with kZeroGradient; a VHIP beyond the volume has density
-// -infinity, and the interpolation takes its limit, p = HIP.
-// Source: the paper, Figure 2, equations 1 to 3. Sign of d as in algorithm.hpp. Thread: the servo's. Cost: one fetch in free
-// space and without renewal none, two or three with. Errors: faults only.
+// To the letter, with what that brings: the counter renews a plane every n + 1 ticks (it goes 0, 1 ... n and renews in
+// the tick after it has reached n) and is not reset when contact makes a plane; the plane is on the line from VHIP to
+// HIP, also where both are inside (then the interpolation extrapolates); F = K d - B v_d may pull. Density and normal
+// come from the window's samples, whose gradients are the engine's central differences (the paper takes them at p).
+// Where Figure 2 says nothing: a HIP beyond the window gets no force and a fault; a plane that cannot be computed
+// (equal densities, zero gradient, p beyond the window) is no plane, with kZeroGradient; a VHIP beyond the volume has
+// density -infinity, and the interpolation takes its limit, p = HIP. Source: the paper, Figure 2, equations 1 to 3.
+// Sign of d as in algorithm.hpp. Thread: the servo's. Cost: one fetch in free space and without renewal none, two or
+// three with. Errors: faults only.
 #pragma once
 
 #include "servo/algorithms/algorithm.hpp"
@@ -32,8 +32,8 @@ class HriPaper final : public Algorithm {
   Vec3 vhip_W_ = Vec3::Zero();
   Vec3 p_W_ = Vec3::Zero();
   Vec3 normal_W_ = Vec3::Zero();
-  bool has_plane_ = false;     // VirtualPlane != (0, 0)
-  int c_ = 0;                  // the paper's counter [tick]
+  bool has_plane_ = false;  // VirtualPlane != (0, 0)
+  int c_ = 0;               // the paper's counter [tick]
   std::int32_t age_ticks_ = 0;
 };
 

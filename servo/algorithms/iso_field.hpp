@@ -29,7 +29,7 @@ struct CutFace {
 
 // Where a line comes in from outside.
 struct Entry {
-  Vec3 p_W = Vec3::Zero();         // on the surface [m]
+  Vec3 p_W = Vec3::Zero();          // on the surface [m]
   Vec3 direction_W = Vec3::Zero();  // unit, from outside to inside along the line [-]
   CutFace face;
 };

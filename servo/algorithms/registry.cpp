@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/algorithms/registry.hpp"
 
-#include <fmt/format.h>
-
 #include <array>
 #include <cmath>
+
+#include <fmt/format.h>
 
 #include "base/error.hpp"
 #include "servo/algorithms/hri.hpp"
@@ -47,7 +47,9 @@ void checkParameters(const AlgorithmParameters& p) {
 
 }  // namespace
 
-std::span<const AlgorithmEntry> algorithms() noexcept { return kEntries; }
+std::span<const AlgorithmEntry> algorithms() noexcept {
+  return kEntries;
+}
 
 std::unique_ptr<Algorithm> makeAlgorithm(std::string_view name, const AlgorithmParameters& parameters,
                                          ContactEffects effects) {

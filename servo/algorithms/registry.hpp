@@ -21,8 +21,9 @@ struct AlgorithmEntry {
 // The first is the default.
 [[nodiscard]] std::span<const AlgorithmEntry> algorithms() noexcept;
 
-// Throws Error(kBadInput) on an unknown name (the message names the known ones), on a renewal below 1 tick, on a negative or
-// non-finite stiffness or damping or a non-finite isovalue, and on effects for an algorithm that takes none.
+// Throws Error(kBadInput) on an unknown name (the message names the known ones), on a renewal below 1 tick, on a
+// negative or non-finite stiffness or damping or a non-finite isovalue, and on effects for an algorithm that takes
+// none.
 [[nodiscard]] std::unique_ptr<Algorithm> makeAlgorithm(std::string_view name, const AlgorithmParameters& parameters,
                                                        ContactEffects effects = {});
 

@@ -7,15 +7,17 @@
 namespace palpate {
 namespace {
 
-Vec3 tangential(const Vec3& v_W, const Vec3& normal_W) noexcept { return v_W - normal_W * normal_W.dot(v_W); }
+Vec3 tangential(const Vec3& v_W, const Vec3& normal_W) noexcept {
+  return v_W - normal_W * normal_W.dot(v_W);
+}
 
 Vec3 shortened(const Vec3& v_W, double longest_m) noexcept {
   const double squared_m2 = v_W.squaredNorm();
   return squared_m2 <= longest_m * longest_m ? v_W : Vec3(v_W * (longest_m / std::sqrt(squared_m2)));
 }
 
-// Where the sampled gradient and the interpolated density disagree (a wall of one voxel), plain Newton swings or crawls.
-// The ratio of two residuals gives the true slope, as in the secant method.
+// Where the sampled gradient and the interpolated density disagree (a wall of one voxel), plain Newton swings or
+// crawls. The ratio of two residuals gives the true slope, as in the secant method.
 class NewtonGain {
  public:
   [[nodiscard]] double update(double residual_m) noexcept {

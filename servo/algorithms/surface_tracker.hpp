@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // servo/algorithms/surface_tracker.hpp: from a surface point found before to the surface point nearest to the HIP.
 //
-// A step goes along the sampled gradient to the isovalue (Newton) and along the tangent plane towards the HIP, both at most a
-// voxel long, until the HIP lies on the normal line. It follows the sheet on which it began, so a HIP that has gone
-// through a thin wall is still held by the side where it came in (as the god-object of Zilles and Salisbury, 1995; the point
-// is that of Salisbury and Tarr's implicit-surface proxy, 1997). A cut face of the volume is a sheet too.
-// Frame W: world [m]. Thread: the servo's. Cost: one fetch when the surface turned little since, at most kMaxSteps + 1 on the
-// isosurface, and kMaxEdgeSteps more when a cut face ends. Errors: the result says.
+// A step goes along the sampled gradient to the isovalue (Newton) and along the tangent plane towards the HIP, both at
+// most a voxel long, until the HIP lies on the normal line. It follows the sheet on which it began, so a HIP that has
+// gone through a thin wall is still held by the side where it came in (as the god-object of Zilles and Salisbury, 1995;
+// the point is that of Salisbury and Tarr's implicit-surface proxy, 1997). A cut face of the volume is a sheet too.
+// Frame W: world [m]. Thread: the servo's. Cost: one fetch when the surface turned little since, at most kMaxSteps + 1
+// on the isosurface, and kMaxEdgeSteps more when a cut face ends. Errors: the result says.
 #pragma once
 
 #include "servo/algorithms/iso_field.hpp"
@@ -31,8 +31,8 @@ class SurfaceTracker {
  public:
   static constexpr int kMaxSteps = 8;
   static constexpr int kMaxEdgeSteps = 12;
-  // A point counts as found when the HIP is this near to its normal line and the last Newton step, which is still taken, was
-  // this short [voxel]. At 20 voxels of radius the first is 0.06 degrees.
+  // A point counts as found when the HIP is this near to its normal line and the last Newton step, which is still
+  // taken, was this short [voxel]. At 20 voxels of radius the first is 0.06 degrees.
   static constexpr double kLineTolerance = 0.02;
   static constexpr double kDensityTolerance = 0.02;
   // Out of steps, a point this near to the surface is still used [voxel].

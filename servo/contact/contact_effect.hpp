@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// servo/contact/contact_effect.hpp: what friction, texture, recovery and force shading are: they move the VHIP, nothing else.
+// servo/contact/contact_effect.hpp: what friction, texture, recovery and force shading are: they move the VHIP, nothing
+// else.
 //
-// An algorithm that is in contact first puts the VHIP on its plane, then lets each effect move it in turn, then computes
-// the force from it. Without effects this costs one comparison per tick. Source: the paper, sections 3.1 (last paragraph)
-// and 3.3.
-// Frame W: world [m, m/s]. Thread: the servo's; no heap, lock, system call or throw.
+// An algorithm that is in contact first puts the VHIP on its plane, then lets each effect move it in turn, then
+// computes the force from it. Without effects this costs one comparison per tick. Source: the paper, sections 3.1 (last
+// paragraph) and 3.3. Frame W: world [m, m/s]. Thread: the servo's; no heap, lock, system call or throw.
 #pragma once
 
 #include <memory>

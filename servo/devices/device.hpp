@@ -2,8 +2,8 @@
 // servo/devices/device.hpp: what the servo asks of a haptic device, real or simulated.
 //
 // Frame W: world; a device that has a frame of its own turns into the world itself. Units [m, N].
-// Threads: read(), write() and elapse() by the servo thread alone, in each tick elapse, read, write; no heap, lock or throw in
-// them, and no system call but the device's own I/O, which must not wait. The rest before the loop starts.
+// Threads: read(), write() and elapse() by the servo thread alone, in each tick elapse, read, write; no heap, lock or
+// throw in them, and no system call but the device's own I/O, which must not wait. The rest before the loop starts.
 // Errors: false from read() or write() means that the device did not answer; the servo then fades the force to zero.
 #pragma once
 
@@ -14,7 +14,7 @@
 namespace palpate {
 
 struct DeviceLimits {
-  double force_limit_N = 0;         // largest force in any direction [N]
+  double force_limit_N = 0;          // largest force in any direction [N]
   double position_resolution_m = 0;  // of its encoders; 0: none to speak of [m]
 };
 
@@ -24,8 +24,8 @@ class Device {
   [[nodiscard]] virtual std::string_view name() const noexcept = 0;
   [[nodiscard]] virtual DeviceLimits limits() const noexcept = 0;
 
-  // Grid periods that have passed since the last tick: 1, or more where deadlines were missed; not called before the first
-  // tick. A real device has its own time and leaves this empty.
+  // Grid periods that have passed since the last tick: 1, or more where deadlines were missed; not called before the
+  // first tick. A real device has its own time and leaves this empty.
   virtual void elapse(int ticks) noexcept { static_cast<void>(ticks); }
   // Where the HIP is now; `position_W` is left alone on failure.
   [[nodiscard]] virtual bool read(Vec3& position_W) noexcept = 0;

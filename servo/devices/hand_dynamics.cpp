@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/devices/hand_dynamics.hpp"
 
-#include <fmt/format.h>
-
 #include <cmath>
+
+#include <fmt/format.h>
 #include <unsupported/Eigen/MatrixFunctions>
 
 #include "base/error.hpp"

@@ -13,7 +13,7 @@ class Path {
  public:
   virtual ~Path() = default;
   [[nodiscard]] virtual Vec3 position(double time_s) const noexcept = 0;  // [m]
-  [[nodiscard]] virtual double duration_s() const noexcept = 0;          // [s]
+  [[nodiscard]] virtual double duration_s() const noexcept = 0;           // [s]
 };
 
 }  // namespace palpate

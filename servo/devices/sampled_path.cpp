@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/devices/sampled_path.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
+
+#include <fmt/format.h>
 
 #include "base/error.hpp"
 
@@ -43,7 +43,9 @@ SampledPath::SampledPath(std::vector<double> times_s, std::vector<Vec3> points_W
 
 // Slope of the parabola through a point and its neighbours; at the ends the chord's.
 Vec3 SampledPath::tangent(std::size_t i) const noexcept {
-  const auto chord = [&](std::size_t a) { return Vec3((points_W_[a + 1] - points_W_[a]) / (times_s_[a + 1] - times_s_[a])); };
+  const auto chord = [&](std::size_t a) {
+    return Vec3((points_W_[a + 1] - points_W_[a]) / (times_s_[a + 1] - times_s_[a]));
+  };
   if (i == 0) return chord(0);
   if (i + 1 == points_W_.size()) return chord(i - 1);
   const double before_s = times_s_[i] - times_s_[i - 1];

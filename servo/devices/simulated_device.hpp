@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // servo/devices/simulated_device.hpp: a device that needs no hardware, moved along a path by a hand.
 //
-// kRigid: the HIP is exactly the path, whatever the force. kSpring: the hand pulls the device along the path and feels the
-// force (hand_dynamics.hpp). Either way encoders round what is read, the force is cut to the device's maximum, and it acts
-// `delay_ticks` later than written. Time goes on by elapse() alone, so the same forces give the same motion, bit for bit.
-// Frame W: world [m, N]. Threads as in device.hpp; the path must outlive the device. Heap: in the constructor only.
+// kRigid: the HIP is exactly the path, whatever the force. kSpring: the hand pulls the device along the path and feels
+// the force (hand_dynamics.hpp). Either way encoders round what is read, the force is cut to the device's maximum, and
+// it acts `delay_ticks` later than written. Time goes on by elapse() alone, so the same forces give the same motion,
+// bit for bit. Frame W: world [m, N]. Threads as in device.hpp; the path must outlive the device. Heap: in the
+// constructor only.
 #pragma once
 
 #include <cstdint>
@@ -20,16 +21,16 @@ enum class Hand { kRigid, kSpring };
 
 struct SimulatedDeviceParameters {
   Hand hand = Hand::kRigid;
-  HandParameters dynamics;            // of kSpring
-  double force_limit_N = 8;           // [N]
-  double encoder_resolution_m = 0;    // positions are multiples of it along each axis; 0: not rounded [m]
-  int delay_ticks = 0;                // from write() to the force that acts [tick]
+  HandParameters dynamics;          // of kSpring
+  double force_limit_N = 8;         // [N]
+  double encoder_resolution_m = 0;  // positions are multiples of it along each axis; 0: not rounded [m]
+  int delay_ticks = 0;              // from write() to the force that acts [tick]
 };
 
 class SimulatedDevice final : public Device {
  public:
-  // Begins at rest at the path's start. Throws Error(kBadInput) on a rate or force limit that is not positive, a negative
-  // resolution, a delay outside 0 to 10000 ticks, and as HandDynamics does.
+  // Begins at rest at the path's start. Throws Error(kBadInput) on a rate or force limit that is not positive, a
+  // negative resolution, a delay outside 0 to 10000 ticks, and as HandDynamics does.
   SimulatedDevice(const SimulatedDeviceParameters& parameters, const Path& path, double rate_hz);
 
   [[nodiscard]] std::string_view name() const noexcept override;

@@ -1,20 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/loop/real_time.hpp"
 
+#include <cerrno>
+#include <system_error>
+
 #include <fmt/format.h>
 #include <pthread.h>
 #include <sys/mman.h>
 #include <time.h>
-
-#include <cerrno>
-#include <system_error>
 
 namespace palpate {
 namespace {
 
 constexpr std::int64_t kNsPerS = 1'000'000'000;
 
-std::string reason(int error) { return std::generic_category().message(error); }
+std::string reason(int error) {
+  return std::generic_category().message(error);
+}
 
 }  // namespace
 
@@ -26,16 +28,18 @@ RealTimeStatus becomeRealTime(int priority) {
   const int fifo_error = pthread_setschedparam(pthread_self(), SCHED_FIFO, &wanted);
   status.fifo = fifo_error == 0;
   if (!status.fifo) {
-    status.notes.push_back(fmt::format("no real-time priority (SCHED_FIFO {}): {}; allow rtprio {} for the user in "
-                                       "/etc/security/limits.conf, or expect more late ticks",
-                                       priority, reason(fifo_error), priority));
+    status.notes.push_back(
+        fmt::format("no real-time priority (SCHED_FIFO {}): {}; allow rtprio {} for the user in "
+                    "/etc/security/limits.conf, or expect more late ticks",
+                    priority, reason(fifo_error), priority));
   }
   // On fault: what is not in use yet, such as other threads' stacks, is not pulled in.
   status.memory_locked = mlockall(MCL_CURRENT | MCL_ONFAULT) == 0;
   if (!status.memory_locked) {
-    status.notes.push_back(fmt::format("memory not locked: {}; raise memlock for the user in /etc/security/limits.conf, "
-                                       "or expect a late tick where a page was swapped out",
-                                       reason(errno)));
+    status.notes.push_back(
+        fmt::format("memory not locked: {}; raise memlock for the user in /etc/security/limits.conf, "
+                    "or expect a late tick where a page was swapped out",
+                    reason(errno)));
   }
   return status;
 }

@@ -12,14 +12,14 @@
 namespace palpate {
 
 struct RealTimeStatus {
-  bool asked = false;           // false with the simulated clock, or where not wanted
-  bool fifo = false;            // runs under SCHED_FIFO
-  bool memory_locked = false;   // the process's present pages stay in memory
+  bool asked = false;              // false with the simulated clock, or where not wanted
+  bool fifo = false;               // runs under SCHED_FIFO
+  bool memory_locked = false;      // the process's present pages stay in memory
   std::vector<std::string> notes;  // for each thing refused: what, why, what to do
 };
 
-// Asks for SCHED_FIFO at `priority` (1 to 99) for the calling thread and for the process's present memory to stay resident.
-// Later memory is not asked for: under a limit that would make the allocations of other threads fail.
+// Asks for SCHED_FIFO at `priority` (1 to 99) for the calling thread and for the process's present memory to stay
+// resident. Later memory is not asked for: under a limit that would make the allocations of other threads fail.
 [[nodiscard]] RealTimeStatus becomeRealTime(int priority);
 
 // CLOCK_MONOTONIC [ns]; no system call where the vDSO serves it.

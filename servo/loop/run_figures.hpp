@@ -17,7 +17,7 @@ namespace palpate {
 
 struct FaultCount {
   ServoFault fault = ServoFault::kNone;
-  std::int64_t ticks = 0;       // with this bit
+  std::int64_t ticks = 0;  // with this bit
   std::int64_t first_tick = 0;
 };
 

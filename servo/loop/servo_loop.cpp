@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/loop/servo_loop.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include <fmt/format.h>
 
 #include "base/error.hpp"
 #include "base/units.hpp"
@@ -35,7 +35,9 @@ std::size_t recordCapacity(const LoopParameters& p) {
   return static_cast<std::size_t>(p.record_ticks < 0 ? all : std::min(all, p.record_ticks));
 }
 
-void copy(const Vec3& from, double (&to)[3]) noexcept { std::copy(from.begin(), from.end(), to); }
+void copy(const Vec3& from, double (&to)[3]) noexcept {
+  std::copy(from.begin(), from.end(), to);
+}
 
 float densityAt(const SampleWindow& window, const Vec3& p_W) noexcept {
   const Fetch f = fetch(window, p_W);
@@ -63,11 +65,14 @@ ServoLoop::ServoLoop(const LoopParameters& parameters, Algorithm& algorithm, Dev
   tool_.publish();
 }
 
-ServoLoop::~ServoLoop() { requestStop(); }
+ServoLoop::~ServoLoop() {
+  requestStop();
+}
 
 // A multiple of the period would drift at rates whose period is no whole number of nanoseconds.
 std::int64_t ServoLoop::offset_ns(std::int64_t tick) const noexcept {
-  return static_cast<std::int64_t>(std::llround(static_cast<double>(tick) * (kNanosecondsPerSecond / parameters_.rate_hz)));
+  return static_cast<std::int64_t>(
+      std::llround(static_cast<double>(tick) * (kNanosecondsPerSecond / parameters_.rate_hz)));
 }
 
 bool ServoLoop::wanted(std::int64_t tick) const noexcept {
@@ -112,10 +117,11 @@ void ServoLoop::runReal() {
     const std::int64_t woken_ns = monotonicNow_ns();
     TickRecord* kept = recorder_.next();
     TickRecord& record = kept != nullptr ? *kept : unkept;
-    const SampleWindow& window = runTick({tick, woken_ns - due_ns, static_cast<int>(tick - last_tick)}, woken_ns, record);
+    const SampleWindow& window =
+        runTick({tick, woken_ns - due_ns, static_cast<int>(tick - last_tick)}, woken_ns, record);
     const std::int64_t done_ns = monotonicNow_ns();
-    record.tick_cost_ns = static_cast<std::int32_t>(
-        std::min<std::int64_t>(done_ns - woken_ns, std::numeric_limits<std::int32_t>::max()));
+    record.tick_cost_ns =
+        static_cast<std::int32_t>(std::min<std::int64_t>(done_ns - woken_ns, std::numeric_limits<std::int32_t>::max()));
     record.density = densityAt(window, hip_W_);
 
     last_tick = tick++;
@@ -173,8 +179,12 @@ const SampleWindow& ServoLoop::runTick(const Due& due, std::int64_t now_ns, Tick
   return window;
 }
 
-void ServoLoop::endForce() noexcept { static_cast<void>(device_.write(Vec3::Zero())); }
+void ServoLoop::endForce() noexcept {
+  static_cast<void>(device_.write(Vec3::Zero()));
+}
 
-LoopResult ServoLoop::result() { return {recorder_.taken(), ticks_run_, ticks_skipped_, real_time_}; }
+LoopResult ServoLoop::result() {
+  return {recorder_.taken(), ticks_run_, ticks_skipped_, real_time_};
+}
 
 }  // namespace palpate

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// servo/loop/servo_loop.hpp: the haptic loop: device -> velocity -> algorithm -> safety gate -> device, tick after tick.
+// servo/loop/servo_loop.hpp: the haptic loop: device -> velocity -> algorithm -> safety gate -> device, tick after
+// tick.
 //
-// One object is one run. Time is a grid: tick k is due k / rate after the start. With the real clock a thread of its own sleeps
-// until each grid point; a tick that is not done when the next is due is flagged kOverrun, and the grid points that have passed
-// are left out, not made up for: tick numbers keep to the grid, so they have a gap there and time_s stays tick / rate.
-// With the simulated clock the caller's thread runs the ticks as fast as it can, every grid point, and cost and lateness are 0:
-// the same inputs give the same records, bit for bit.
-// Real-time rule: between its first and last tick the servo thread allocates nothing, takes no lock, throws and prints nothing,
-// and makes no system call but its sleep and the device's I/O (tests/servo/loop proves it).
-// Frame W: world. Times: nanoseconds of CLOCK_MONOTONIC, or since the start with the simulated clock.
+// One object is one run. Time is a grid: tick k is due k / rate after the start. With the real clock a thread of its
+// own sleeps until each grid point; a tick that is not done when the next is due is flagged kOverrun, and the grid
+// points that have passed are left out, not made up for: tick numbers keep to the grid, so they have a gap there and
+// time_s stays tick / rate. With the simulated clock the caller's thread runs the ticks as fast as it can, every grid
+// point, and cost and lateness are 0: the same inputs give the same records, bit for bit. Real-time rule: between its
+// first and last tick the servo thread allocates nothing, takes no lock, throws and prints nothing, and makes no system
+// call but its sleep and the device's I/O (tests/servo/loop proves it). Frame W: world. Times: nanoseconds of
+// CLOCK_MONOTONIC, or since the start with the simulated clock.
 #pragma once
 
 #include <atomic>
@@ -47,19 +48,20 @@ struct LoopResult {
 
 class ServoLoop {
  public:
-  // All must outlive the loop; it is the reader of `windows` and the writer of `tool`. Reads the device once, puts the algorithm
-  // there, and publishes the first ToolPose (tick -1, time 0), so that the engine can place the first window.
+  // All must outlive the loop; it is the reader of `windows` and the writer of `tool`. Reads the device once, puts the
+  // algorithm there, and publishes the first ToolPose (tick -1, time 0), so that the engine can place the first window.
   // Throws Error(kBadInput) on parameters out of range, Error(kDevice) if the device cannot be read.
   ServoLoop(const LoopParameters& parameters, Algorithm& algorithm, Device& device, WindowExchange& windows,
             ToolPoseMailbox& tool);
   ~ServoLoop();  // stops and joins a running thread
 
-  // Simulated clock: the whole run, in the caller's thread. `before_tick` is called before each with its number and its time in
-  // ns, for an engine that publishes in step; it may do what it likes. It may be empty.
+  // Simulated clock: the whole run, in the caller's thread. `before_tick` is called before each with its number and its
+  // time in ns, for an engine that publishes in step; it may do what it likes. It may be empty.
   using Hook = std::function<void(std::int64_t tick, std::int64_t time_ns)>;
   [[nodiscard]] LoopResult runSimulated(const Hook& before_tick = {});
 
-  // Real clock: starts the thread; the result comes from wait(), which joins. Throws std::system_error without a thread.
+  // Real clock: starts the thread; the result comes from wait(), which joins. Throws std::system_error without a
+  // thread.
   void start();
   [[nodiscard]] LoopResult wait();
   [[nodiscard]] bool running() const noexcept { return running_.load(std::memory_order_acquire); }

@@ -8,19 +8,19 @@
 namespace palpate {
 
 struct TickRecord {
-  std::int64_t tick = 0;       // counts from 0
-  double time_s = 0;           // since the loop started: tick / rate [s]
-  double hip_W[3] = {};        // device position as the servo read it [m]
-  double vhip_W[3] = {};       // virtual haptic interface point [m]
-  double normal_W[3] = {};     // of the plane in contact; zero without contact [-]
-  double force_W[3] = {};      // sent to the device, after the safety gate [N]
-  float density = 0;           // at the HIP [density]; NaN where the window does not reach
+  std::int64_t tick = 0;    // counts from 0
+  double time_s = 0;        // since the loop started: tick / rate [s]
+  double hip_W[3] = {};     // device position as the servo read it [m]
+  double vhip_W[3] = {};    // virtual haptic interface point [m]
+  double normal_W[3] = {};  // of the plane in contact; zero without contact [-]
+  double force_W[3] = {};   // sent to the device, after the safety gate [N]
+  float density = 0;        // at the HIP [density]; NaN where the window does not reach
   std::int32_t plane_age_ticks = 0;
   std::uint64_t window_version = 0;
-  std::uint32_t faults = 0;    // bits of ServoFault
-  std::int32_t tick_cost_ns = 0;     // compute time of the tick, without sleep; 0 with the simulated clock [ns]
-  std::int64_t lateness_ns = 0;      // wake-up after the due time; 0 with the simulated clock [ns]
-  std::int64_t window_age_ns = 0;    // since the window in use was published [ns]
+  std::uint32_t faults = 0;        // bits of ServoFault
+  std::int32_t tick_cost_ns = 0;   // compute time of the tick, without sleep; 0 with the simulated clock [ns]
+  std::int64_t lateness_ns = 0;    // wake-up after the due time; 0 with the simulated clock [ns]
+  std::int64_t window_age_ns = 0;  // since the window in use was published [ns]
   bool in_contact = false;
 };
 static_assert(std::is_trivially_copyable_v<TickRecord>);

@@ -20,7 +20,8 @@ std::vector<TickRecord> TickRecorder::taken() {
   if (count_ < records_.size()) {
     records_.resize(count_);
   } else if (!records_.empty()) {
-    std::rotate(records_.begin(), records_.begin() + static_cast<std::ptrdiff_t>(count_ % records_.size()), records_.end());
+    std::rotate(records_.begin(), records_.begin() + static_cast<std::ptrdiff_t>(count_ % records_.size()),
+                records_.end());
   }
   count_ = 0;
   return std::move(records_);

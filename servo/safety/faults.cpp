@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/safety/faults.hpp"
 
-#include <fmt/format.h>
-
 #include <array>
+
+#include <fmt/format.h>
 
 namespace palpate {
 namespace {
@@ -40,7 +40,9 @@ void append(std::string& names, const char* name) {
 
 }  // namespace
 
-std::span<const FaultText> faultTable() noexcept { return kTable; }
+std::span<const FaultText> faultTable() noexcept {
+  return kTable;
+}
 
 std::string faultNames(std::uint32_t faults) {
   std::string names;

@@ -28,8 +28,12 @@ enum class ServoFault : std::uint32_t {
   kSurfaceLost = 1U << 10,
 };
 
-[[nodiscard]] constexpr std::uint32_t bit(ServoFault fault) noexcept { return static_cast<std::uint32_t>(fault); }
-[[nodiscard]] constexpr bool has(std::uint32_t faults, ServoFault fault) noexcept { return (faults & bit(fault)) != 0; }
+[[nodiscard]] constexpr std::uint32_t bit(ServoFault fault) noexcept {
+  return static_cast<std::uint32_t>(fault);
+}
+[[nodiscard]] constexpr bool has(std::uint32_t faults, ServoFault fault) noexcept {
+  return (faults & bit(fault)) != 0;
+}
 
 // The bits that take the force away.
 inline constexpr std::uint32_t kFadingFaults = bit(ServoFault::kNoWindow) | bit(ServoFault::kStaleWindow) |

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/safety/safety_gate.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
+
+#include <fmt/format.h>
 
 #include "base/error.hpp"
 #include "base/units.hpp"
@@ -64,7 +64,8 @@ Vec3 SafetyGate::limited(const Vec3& wanted_W, std::uint32_t& faults) noexcept {
     target_W = wanted_W / size_N * force_limit_N_;
     faults |= bit(ServoFault::kForceLimited);
   }
-  if (authority_ticks_ < fade_ticks_) target_W *= static_cast<double>(authority_ticks_) / static_cast<double>(fade_ticks_);
+  if (authority_ticks_ < fade_ticks_)
+    target_W *= static_cast<double>(authority_ticks_) / static_cast<double>(fade_ticks_);
   const Vec3 change_W = target_W - last_W_;
   const double change_N = change_W.norm();
   if (change_N <= slew_per_tick_N_) return target_W;

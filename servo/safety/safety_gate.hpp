@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // servo/safety/safety_gate.hpp: the one gate through which a force leaves for the device.
 //
-// A force passes if it is finite, within the maximum and the slew, and built on a fresh window. A fault that takes the force
-// away (kFadingFaults) makes the last healthy force fall in a straight line to zero within fade_s; every tick of the fade is
-// smaller than the one before, so the last force is never repeated. When the fault is gone, the wanted force comes back
-// as it went: multiplied by an authority that grows to 1 within fade_s, through the slew limit. Both start from where the
-// other stopped.
-// Frame W: world [N]. Thread: the servo's. Cost: some 10 ns. Heap, locks, throws in pass(): none.
+// A force passes if it is finite, within the maximum and the slew, and built on a fresh window. A fault that takes the
+// force away (kFadingFaults) makes the last healthy force fall in a straight line to zero within fade_s; every tick of
+// the fade is smaller than the one before, so the last force is never repeated. When the fault is gone, the wanted
+// force comes back as it went: multiplied by an authority that grows to 1 within fade_s, through the slew limit. Both
+// start from where the other stopped. Frame W: world [N]. Thread: the servo's. Cost: some 10 ns. Heap, locks, throws in
+// pass(): none.
 #pragma once
 
 #include <cstdint>
@@ -53,10 +53,10 @@ class SafetyGate {
   double slew_per_tick_N_;
   std::int64_t fade_ticks_;
   std::int64_t stale_ns_;
-  std::int64_t authority_ticks_;       // 0: no force, fade_ticks_: all of it
-  std::int64_t hold_ticks_ = 0;        // authority when the fade began
-  Vec3 hold_W_ = Vec3::Zero();         // last force before the fade [N]
-  Vec3 last_W_ = Vec3::Zero();         // sent in the last tick [N]
+  std::int64_t authority_ticks_;  // 0: no force, fade_ticks_: all of it
+  std::int64_t hold_ticks_ = 0;   // authority when the fade began
+  Vec3 hold_W_ = Vec3::Zero();    // last force before the fade [N]
+  Vec3 last_W_ = Vec3::Zero();    // sent in the last tick [N]
   bool fading_ = false;
 };
 

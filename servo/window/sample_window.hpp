@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // servo/window/sample_window.hpp: the plane-ready samples around the tool, as the engine hands them to the servo.
 //
-// A window is a box of volume samples, each with density and gradient, so that one eight-corner fetch gives both and the
-// servo never takes differences. Frames: W world [m]; L the window's lattice [voxel] (base/lattice.hpp).
-// The volume ends somewhere: a face of the window may be a face of the volume, and beyond it is free space (a cut face).
+// A window is a box of volume samples, each with density and gradient, so that one eight-corner fetch gives both and
+// the servo never takes differences. Frames: W world [m]; L the window's lattice [voxel] (base/lattice.hpp). The volume
+// ends somewhere: a face of the window may be a face of the volume, and beyond it is free space (a cut face).
 #pragma once
 
 #include <array>
@@ -30,21 +30,21 @@ enum class Place : std::uint8_t {
 };
 
 struct Fetch {
-  double density = 0;                // trilinear [density]
-  Vec3 gradient_W = Vec3::Zero();    // trilinear, in the world [density/m]
+  double density = 0;              // trilinear [density]
+  Vec3 gradient_W = Vec3::Zero();  // trilinear, in the world [density/m]
   Place place = Place::kBeyondWindow;
 };
 
 // What a window says about itself. The samples are storage that somebody else owns (a mapped GPU buffer, or a vector).
 struct SampleWindow {
-  Lattice lattice;                     // its sample (0, 0, 0) is the window's first
-  Vec3i size = Vec3i::Zero();          // samples along i, j, k, each >= 2 in a usable window [voxel]
+  Lattice lattice;                       // its sample (0, 0, 0) is the window's first
+  Vec3i size = Vec3i::Zero();            // samples along i, j, k, each >= 2 in a usable window [voxel]
   std::array<bool, 3> low_is_border{};   // per axis: the first sample is the volume's first
   std::array<bool, 3> high_is_border{};  // per axis: the last sample is the volume's last
-  std::uint64_t version = 0;           // counts publications; 0: nothing published yet
-  std::uint64_t edit_version = 0;      // the volume edit that this window holds
-  std::int64_t stamp_ns = 0;           // when it was published, on the servo's clock [ns]
-  const Sample* samples = nullptr;     // size.x * size.y * size.z, i fastest
+  std::uint64_t version = 0;             // counts publications; 0: nothing published yet
+  std::uint64_t edit_version = 0;        // the volume edit that this window holds
+  std::int64_t stamp_ns = 0;             // when it was published, on the servo's clock [ns]
+  const Sample* samples = nullptr;       // size.x * size.y * size.z, i fastest
 
   [[nodiscard]] bool usable() const noexcept { return version != 0 && samples != nullptr && size.minCoeff() >= 2; }
 };

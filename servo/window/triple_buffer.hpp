@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // servo/window/triple_buffer.hpp: newest value from one thread to another: three slots, no lock, latest value wins.
 //
-// Threads: back() and publish() by the one writer, latest() by the one reader. Every call is wait-free on its own side: one
-// atomic exchange at most, no retry; a slow reader never holds the writer up and the other way round.
-// Cost: publish() one exchange; latest() one load, and one exchange when there is something new.
-// Errors: none. Heap: none after construction.
+// Threads: back() and publish() by the one writer, latest() by the one reader. Every call is wait-free on its own side:
+// one atomic exchange at most, no retry; a slow reader never holds the writer up and the other way round. Cost:
+// publish() one exchange; latest() one load, and one exchange when there is something new. Errors: none. Heap: none
+// after construction.
 #pragma once
 
 #include <array>
@@ -14,7 +14,8 @@
 namespace palpate {
 
 // The slots are the back one (the writer's), the front one (the reader's) and the middle one, whose number lies in an
-// atomic together with a bit that says whether the reader has not seen it yet. Each side swaps its own slot for the middle.
+// atomic together with a bit that says whether the reader has not seen it yet. Each side swaps its own slot for the
+// middle.
 //
 // kSwap: release, because what a side has written (or has finished to read) in the slot that it gives away must be done
 // before the other side gets it; acquire, because the slot that it takes was given away by the other side in the same

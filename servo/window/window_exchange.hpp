@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // servo/window/window_exchange.hpp: windows from the engine to the servo, and the engine's word that they still hold.
 //
-// Three windows over three sample storages that somebody else owns: the engine maps GPU buffers, tests use WindowStorage.
-// Threads: the writer's calls by the engine, the reader's by the servo; all wait-free (triple_buffer.hpp). Times are on the
-// servo's clock [ns].
+// Three windows over three sample storages that somebody else owns: the engine maps GPU buffers, tests use
+// WindowStorage. Threads: the writer's calls by the engine, the reader's by the servo; all wait-free
+// (triple_buffer.hpp). Times are on the servo's clock [ns].
 #pragma once
 
 #include <array>
@@ -45,7 +45,8 @@ class WindowExchange {
   [[nodiscard]] std::uint64_t nextVersion() const noexcept { return version_ + 1; }
 
   // Writer: sets `samples` and `version` (one more than the last), confirms it at its stamp_ns, and hands it over.
-  // Throws Error(kBadInput) when a side is below 2 samples or the window exceeds the capacity; then nothing is published.
+  // Throws Error(kBadInput) when a side is below 2 samples or the window exceeds the capacity; then nothing is
+  // published.
   void publish();
 
   // Writer: the engine's heartbeat: at `now_ns` the newest published window is still what the volume holds there.
@@ -54,9 +55,11 @@ class WindowExchange {
   // Reader: the newest window; valid and constant until the next call. Version 0: nothing published yet.
   [[nodiscard]] const SampleWindow& latest() noexcept { return buffer_.latest(); }
 
-  // Reader: when the newest window was last known to be true. Call it before latest(): the release in confirm() and this
-  // acquire make sure that latest() then gives the window that was confirmed, or a newer one, never an older.
-  [[nodiscard]] std::int64_t confirmedAt_ns() const noexcept { return confirmed_at_ns_.load(std::memory_order_acquire); }
+  // Reader: when the newest window was last known to be true. Call it before latest(): the release in confirm() and
+  // this acquire make sure that latest() then gives the window that was confirmed, or a newer one, never an older.
+  [[nodiscard]] std::int64_t confirmedAt_ns() const noexcept {
+    return confirmed_at_ns_.load(std::memory_order_acquire);
+  }
 
  private:
   std::array<Sample*, 3> storages_;

@@ -33,6 +33,8 @@ Fetch WindowSampler::beyond(const Vec3& p_L) const noexcept {
   return {-std::numeric_limits<double>::infinity(), Vec3::Zero(), Place::kBeyondVolume};
 }
 
-Fetch fetch(const SampleWindow& window, const Vec3& p_W) noexcept { return WindowSampler(window).at(p_W); }
+Fetch fetch(const SampleWindow& window, const Vec3& p_W) noexcept {
+  return WindowSampler(window).at(p_W);
+}
 
 }  // namespace palpate

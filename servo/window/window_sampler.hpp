@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// servo/window/window_sampler.hpp: a window made ready to be sampled many times: its affine map and strides, worked out once.
+// servo/window/window_sampler.hpp: a window made ready to be sampled many times: its affine map and strides, worked out
+// once.
 //
 // Frames: W world [m]; L the window's lattice [voxel]. Position math in double, weights and samples in float.
 // Thread: any; it reads the samples of the window that it was made from, so it lives no longer than they do.
-// Cost: making one some 20 ns; at() eight 16-byte loads and seven lerps of four floats, some 20 ns in a dependent chain.
-// Errors: none; a non-finite position is beyond the window.
+// Cost: making one some 20 ns; at() eight 16-byte loads and seven lerps of four floats, some 20 ns in a dependent
+// chain. Errors: none; a non-finite position is beyond the window.
 #pragma once
 
 #include <cstring>
@@ -30,7 +31,7 @@ class WindowSampler {
   [[nodiscard]] Vec3 faceNormal(int axis, bool high) const noexcept {
     return window_->lattice.R_WL.col(axis) * (high ? 1.0 : -1.0);
   }
-  [[nodiscard]] const Vec3& lastIndex() const noexcept { return last_L_; }                 // size - 1 [voxel]
+  [[nodiscard]] const Vec3& lastIndex() const noexcept { return last_L_; }               // size - 1 [voxel]
   [[nodiscard]] double smallestSpacing() const noexcept { return smallest_spacing_m_; }  // [m]
 
   [[nodiscard]] Place place(const Vec3& p_W) const noexcept { return placeOf(toIndex(p_W)); }
@@ -52,7 +53,9 @@ class WindowSampler {
     return p_L.x() >= low_ && p_L.y() >= low_ && p_L.z() >= low_ && p_L.x() <= high_L_.x() && p_L.y() <= high_L_.y() &&
            p_L.z() <= high_L_.z();
   }
-  [[nodiscard]] Place placeOf(const Vec3& p_L) const noexcept { return holds(p_L) ? Place::kInside : beyond(p_L).place; }
+  [[nodiscard]] Place placeOf(const Vec3& p_L) const noexcept {
+    return holds(p_L) ? Place::kInside : beyond(p_L).place;
+  }
   [[nodiscard]] Fetch beyond(const Vec3& p_L) const noexcept;
 
   static Float4 load(const Sample* sample) noexcept {
@@ -67,7 +70,8 @@ class WindowSampler {
     return Float4{f, f, f, f};
   }
 
-  // Low corner of the cell along one axis: truncated (p >= 0 up to the tolerance), the last sample belongs to the last cell.
+  // Low corner of the cell along one axis: truncated (p >= 0 up to the tolerance), the last sample belongs to the last
+  // cell.
   static int cell(double p, int last_cell) noexcept {
     const int i = static_cast<int>(p);
     return i < last_cell ? i : last_cell;
@@ -92,7 +96,7 @@ class WindowSampler {
   }
 
   Vec3 origin_W_ = Vec3::Zero();
-  Mat3 A_LW_ = Mat3::Zero();          // world offset [m] to lattice [voxel]
+  Mat3 A_LW_ = Mat3::Zero();  // world offset [m] to lattice [voxel]
   Mat3 R_WL_ = Mat3::Identity();
   double low_ = -kFaceTolerance;
   Vec3 high_L_ = Vec3::Constant(-1);  // [voxel]; below low_: holds nothing

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "base/error.hpp"
 
-#include <gtest/gtest.h>
-
 #include <set>
+
+#include <gtest/gtest.h>
 
 namespace palpate {
 namespace {
@@ -17,7 +17,8 @@ TEST(Error, IsOneLineOfInputReasonAndRemedy) {
 TEST(Error, EveryCodeHasItsOwnExitStatus) {
   using Code = Error::Code;
   std::set<int> seen = {0, 1};  // success, and a fault of ours
-  for (const Code code : {Code::kBadInput, Code::kNotFound, Code::kIo, Code::kOutOfMemory, Code::kDevice, Code::kCancelled}) {
+  for (const Code code :
+       {Code::kBadInput, Code::kNotFound, Code::kIo, Code::kOutOfMemory, Code::kDevice, Code::kCancelled}) {
     EXPECT_TRUE(seen.insert(exitStatus(code)).second);
   }
 }

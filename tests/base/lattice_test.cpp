@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "base/lattice.hpp"
 
-#include <gtest/gtest.h>
-
 #include <limits>
+
+#include <gtest/gtest.h>
 
 #include "base/error.hpp"
 
@@ -50,10 +50,13 @@ TEST(Lattice, ShiftedNamesAnotherSampleZero) {
   EXPECT_LT((lattice.shifted(first).toWorld({1, 2, 3}) - lattice.toWorld({6, 8, 10})).norm(), 1e-15);
 }
 
-TEST(Lattice, AcceptsWhatIsUsable) { EXPECT_NO_THROW(checkLattice(oblique(), "scan")); }
+TEST(Lattice, AcceptsWhatIsUsable) {
+  EXPECT_NO_THROW(checkLattice(oblique(), "scan"));
+}
 
 TEST(Lattice, RefusesBadSpacing) {
-  for (const double bad : {0.0, -1e-3, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+  for (const double bad :
+       {0.0, -1e-3, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     Lattice lattice = oblique();
     lattice.spacing_m.y() = bad;
     EXPECT_THROW(checkLattice(lattice, "scan"), Error) << bad;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // main() for tests that use Vulkan: the validation layer is on, and any message of it fails the test in which it came.
-#include <gtest/gtest.h>
-
 #include <cstdlib>
+
+#include <gtest/gtest.h>
 
 #include "engine/gpu/validation.hpp"
 
@@ -11,7 +11,8 @@ namespace {
 class ValidationListener : public testing::EmptyTestEventListener {
   void OnTestStart(const testing::TestInfo&) override { palpate::gpu::clearValidationMessages(); }
   void OnTestEnd(const testing::TestInfo&) override {
-    for (const std::string& message : palpate::gpu::validationMessages()) ADD_FAILURE() << "validation layer: " << message;
+    for (const std::string& message : palpate::gpu::validationMessages())
+      ADD_FAILURE() << "validation layer: " << message;
   }
 };
 

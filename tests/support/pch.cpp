@@ -1,3 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // Carries the tests' precompiled header (cmake/PalpateTest.cmake); does nothing.
-int main() { return 0; }
+int main() {
+  return 0;
+}

@@ -73,7 +73,8 @@ TEST(Gpu, CountsTheBytesOfItsBuffers) {
 // Far more than the heap holds, and than the host could overcommit.
 TEST(Buffer, RefusesMoreThanTheDeviceHas) {
   Gpu gpu({});
-  const std::string message = messageOf([&] { Buffer(gpu, "huge", 4 * gpu.info().memory_bytes + (std::size_t{1} << 36U), MemoryKind::kDevice); });
+  const std::string message = messageOf(
+      [&] { Buffer(gpu, "huge", 4 * gpu.info().memory_bytes + (std::size_t{1} << 36U), MemoryKind::kDevice); });
   EXPECT_THAT(message, HasSubstr("huge"));
   EXPECT_THAT(message, HasSubstr("MiB"));
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // A machine without a Vulkan driver gets a message that names the package to install.
-#include <gmock/gmock.h>
-
 #include <cstdlib>
+
+#include <gmock/gmock.h>
 
 #include "base/error.hpp"
 #include "engine/gpu/gpu.hpp"

@@ -2,10 +2,10 @@
 // Bytes go to the device and come back unchanged, in place and through the staging buffer.
 #include "engine/gpu/transfer.hpp"
 
-#include <gtest/gtest.h>
-
 #include <random>
 #include <vector>
+
+#include <gtest/gtest.h>
 
 namespace palpate::gpu {
 namespace {

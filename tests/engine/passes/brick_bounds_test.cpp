@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/passes/brick_bounds_pass.hpp"
-
-#include <gtest/gtest.h>
+#include "engine/reference/brick_bounds.hpp"
 
 #include <algorithm>
 
+#include <gtest/gtest.h>
+
 #include "engine/passes/active_bricks.hpp"
-#include "engine/reference/brick_bounds.hpp"
+#include "engine/passes/brick_bounds_pass.hpp"
 #include "test_fields.hpp"
 
 namespace palpate {
@@ -53,7 +53,8 @@ TEST_P(BrickBounds, EveryCrossedCellIsActive) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Sizes, BrickBounds, testing::Values(Vec3i(41, 33, 37), Vec3i(8, 8, 8), Vec3i(2, 19, 3), Vec3i(17, 16, 15)));
+INSTANTIATE_TEST_SUITE_P(Sizes, BrickBounds,
+                         testing::Values(Vec3i(41, 33, 37), Vec3i(8, 8, 8), Vec3i(2, 19, 3), Vec3i(17, 16, 15)));
 
 TEST(ActiveBricks, LeaveOutWhatTheSurfaceDoesNotNeed) {
   const Volume volume = ballField({96, 96, 96}, 9.0);
@@ -72,7 +73,9 @@ TEST(ActiveBricks, AtTheIsovalueIsBackground) {
   EXPECT_EQ(activeBricks(crossing, {1, 1, 1}, 0.0F).size(), 1U);
 }
 
-TEST(ActiveBricks, AllBricksAreAll) { EXPECT_EQ(allBricks({3, 4, 5}).size(), 60U); }
+TEST(ActiveBricks, AllBricksAreAll) {
+  EXPECT_EQ(allBricks({3, 4, 5}).size(), 60U);
+}
 
 }  // namespace
 }  // namespace palpate

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // The gradient kernel against its twin, bit for bit, and against formulas, since a twin is blind to a wrong formula.
-#include "engine/passes/gradient_pass.hpp"
-
-#include <gtest/gtest.h>
+#include "engine/reference/gradient.hpp"
 
 #include <bit>
 #include <random>
 #include <span>
 
+#include <gtest/gtest.h>
+
 #include "engine/passes/active_bricks.hpp"
-#include "engine/reference/gradient.hpp"
+#include "engine/passes/gradient_pass.hpp"
 #include "servo/window/sample_window.hpp"
 #include "test_fields.hpp"
 
@@ -66,7 +66,9 @@ void expectEqualsTwin(const Volume& volume) {
 
 class GradientBits : public testing::TestWithParam<Vec3i> {};
 
-TEST_P(GradientBits, EqualTheTwinOnABall) { expectEqualsTwin(ballField(GetParam(), 9.0)); }
+TEST_P(GradientBits, EqualTheTwinOnABall) {
+  expectEqualsTwin(ballField(GetParam(), 9.0));
+}
 
 // Denormals, 1e-30, 1e30 and ordinary values side by side.
 TEST_P(GradientBits, EqualTheTwinOnExtremes) {
@@ -79,7 +81,8 @@ TEST_P(GradientBits, EqualTheTwinOnExtremes) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Sizes, GradientBits,
-                         testing::Values(Vec3i(41, 33, 37), Vec3i(8, 8, 8), Vec3i(9, 7, 2), Vec3i(2, 2, 2), Vec3i(16, 17, 15)));
+                         testing::Values(Vec3i(41, 33, 37), Vec3i(8, 8, 8), Vec3i(9, 7, 2), Vec3i(2, 2, 2),
+                                         Vec3i(16, 17, 15)));
 
 // A linear field a + b.x has the gradient b everywhere, border included. Values are small integers and the differences
 // exact, so only the scale's rounding (half an ULP) and the product's remain: one ULP, 1.2e-7 relative.

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The picture's depth against the twin that skips nothing, and against the sphere's formula.
-#include "engine/passes/isosurface_pass.hpp"
-
-#include <gtest/gtest.h>
+#include "engine/reference/isosurface.hpp"
 
 #include <cmath>
 
-#include "engine/reference/isosurface.hpp"
+#include <gtest/gtest.h>
+
+#include "engine/passes/isosurface_pass.hpp"
 #include "test_fields.hpp"
 
 namespace palpate {
@@ -21,7 +21,9 @@ RenderedImage drawFrom(const Volume& volume, const Camera& camera, double isoval
   return IsosurfacePass(gpu, transfer, pool, bounds).draw(camera, isovalue);
 }
 
-Vec3 middleOf(const Volume& volume) { return volume.lattice().toWorld((volume.size().cast<double>().array() - 1) / 2); }
+Vec3 middleOf(const Volume& volume) {
+  return volume.lattice().toWorld((volume.size().cast<double>().array() - 1) / 2);
+}
 
 Camera cameraAt(const Vec3& eye_W, const Vec3& target_W) {
   Camera camera;
@@ -36,8 +38,8 @@ Camera cameraAt(const Vec3& eye_W, const Vec3& target_W) {
 }
 
 // The marcher steps half a voxel and halves six times: 1/128 voxel; a float position at 0.1 m adds 1e-8 m. The twin is
-// exact to 1e-9. At grazing rays a half-voxel step may pass over a sliver that the twin's finer step finds, so pixels at the
-// silhouette, where a neighbour disagrees about hit or miss in the twin, are left out.
+// exact to 1e-9. At grazing rays a half-voxel step may pass over a sliver that the twin's finer step finds, so pixels
+// at the silhouette, where a neighbour disagrees about hit or miss in the twin, are left out.
 TEST(Isosurface, DepthEqualsTheTwin) {
   const Volume volume = ballField({53, 41, 37}, 14.0);
   const Camera camera = cameraAt(middleOf(volume) + Vec3(0.05, -0.09, 0.04), middleOf(volume));
@@ -48,7 +50,8 @@ TEST(Isosurface, DepthEqualsTheTwin) {
   int disagreements = 0;
   for (int y = 0; y < camera.height; ++y) {
     for (int x = 0; x < camera.width; ++x) {
-      const auto expected = reference::firstHit(field, 0.0, camera.position_W, camera.rayThrough(x + 0.5, y + 0.5), 0.1);
+      const auto expected =
+          reference::firstHit(field, 0.0, camera.position_W, camera.rayThrough(x + 0.5, y + 0.5), 0.1);
       const float depth = image.distance_m[static_cast<std::size_t>(y) * image.width + x];
       const bool hit = std::isfinite(depth);
       if (hit != expected.has_value()) {
@@ -79,7 +82,8 @@ TEST(Isosurface, MeetsASphereWhereItIs) {
 
 // An object that fills the volume is seen as its cut faces, with the face's depth.
 TEST(Isosurface, ShowsTheCutFaceOfAnObjectThatFillsTheVolume) {
-  const Volume volume = makeField({20, 20, 20}, [](int i, int j, int k) { return static_cast<float>(10 + (i + j + k) % 3); });
+  const Volume volume =
+      makeField({20, 20, 20}, [](int i, int j, int k) { return static_cast<float>(10 + (i + j + k) % 3); });
   const Vec3 eye = middleOf(volume) + Vec3(0.08, 0, 0);
   const RenderedImage image = drawFrom(volume, cameraAt(eye, middleOf(volume)), 0.0);
   const double half_m = 9.5 * volume.lattice().spacing_m.x();

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/passes/window_pass.hpp"
-
-#include <gtest/gtest.h>
+#include "engine/reference/window.hpp"
 
 #include <cstring>
 
+#include <gtest/gtest.h>
+
 #include "engine/passes/active_bricks.hpp"
 #include "engine/passes/gradient_pass.hpp"
-#include "engine/reference/window.hpp"
+#include "engine/passes/window_pass.hpp"
 #include "test_fields.hpp"
 
 namespace palpate {
@@ -37,7 +37,8 @@ TEST_P(WindowGather, EqualsTheTwinBitForBit) {
   EXPECT_EQ(std::memcmp(samples.data(), expected.data(), samples.size() * sizeof(Sample)), 0);
 }
 
-INSTANTIATE_TEST_SUITE_P(Places, WindowGather, testing::Values(Vec3i(0, 0, 0), Vec3i(21, 9, 5), Vec3i(8, 8, 0), Vec3i(13, 1, 3)));
+INSTANTIATE_TEST_SUITE_P(Places, WindowGather,
+                         testing::Values(Vec3i(0, 0, 0), Vec3i(21, 9, 5), Vec3i(8, 8, 0), Vec3i(13, 1, 3)));
 
 TEST(WindowGather, GivesDensityWithoutGradientWhereABrickHasNone) {
   const Volume volume = ballField({40, 40, 40}, 12.0);

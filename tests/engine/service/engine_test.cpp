@@ -2,9 +2,9 @@
 // What the engine publishes: where windows lie, when they come, what they hold.
 #include "engine/service/engine.hpp"
 
-#include <gtest/gtest.h>
-
 #include <cstring>
+
+#include <gtest/gtest.h>
 
 #include "base/error.hpp"
 #include "engine/reference/window.hpp"
@@ -13,13 +13,16 @@
 namespace palpate {
 namespace {
 
-Volume knot() { return makeVolume(*makePhantom("phantom:knot?size=61x53x47&spacing=0.8x1x1.2mm")); }
+Volume knot() {
+  return makeVolume(*makePhantom("phantom:knot?size=61x53x47&spacing=0.8x1x1.2mm"));
+}
 
 struct Prepared {
   Volume volume = knot();
   Scene scene;
   Engine engine;
-  explicit Prepared(bool gradient_all = false, bool picture = false) : engine(volume, plan(gradient_all, picture), 0, "") {}
+  explicit Prepared(bool gradient_all = false, bool picture = false)
+      : engine(volume, plan(gradient_all, picture), 0, "") {}
 
   static Plan plan(bool gradient_all, bool picture) {
     Scene scene;
@@ -89,7 +92,8 @@ TEST(Engine, ActiveBricksServeEveryCellOnTheSurface) {
       for (int j = 0; j + 1 < window.size.y(); ++j) {
         for (int i = 0; i + 1 < window.size.x(); ++i) {
           int above = 0;
-          for (int c = 0; c < 8; ++c) above += window.samples[at(i + (c & 1), j + (c >> 1 & 1), k + (c >> 2))].density > 0;
+          for (int c = 0; c < 8; ++c)
+            above += window.samples[at(i + (c & 1), j + (c >> 1 & 1), k + (c >> 2))].density > 0;
           if (above == 0 || above == 8) continue;
           ++crossed;
           for (int c = 0; c < 8; ++c) {

@@ -2,9 +2,9 @@
 // The engine's thread follows the tool and keeps confirming. No times are asserted: the test waits for what must come.
 #include "engine/service/engine_thread.hpp"
 
-#include <gtest/gtest.h>
-
 #include <chrono>
+
+#include <gtest/gtest.h>
 
 #include "engine/volume/phantom.hpp"
 

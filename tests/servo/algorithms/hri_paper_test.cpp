@@ -27,18 +27,17 @@ class HriPaperTable : public testing::Test {
   HeldWindow held;
 };
 
-// Figure 2 worked by hand for n = 2, K = 500 N/m, B = 0. The tool stays at z = 9 mm (x = 5 mm: surface at 10 mm, depth 1 mm)
-// and goes over to x = 20 mm (surface at 9 mm) in tick 3; depth there is 0.5 mm at z = 8.5 mm.
-// tick  c before  branch                       c after  plane         depth, force
+// Figure 2 worked by hand for n = 2, K = 500 N/m, B = 0. The tool stays at z = 9 mm (x = 5 mm: surface at 10 mm, depth
+// 1 mm) and goes over to x = 20 mm (surface at 9 mm) in tick 3; depth there is 0.5 mm at z = 8.5 mm. tick  c before
+// branch                       c after  plane         depth, force
 //  0      0       no plane, HIP outside          0      none          0
 //  1      0       no plane, made                 0      z = 10        1 mm,   0.5 N
 //  2      0       c < n: c + 1                   1      z = 10        1 mm,   0.5 N
-//  3      1       c < n: c + 1                   2      z = 10        1.5 mm, 0.75 N   (moved to x = 20, z = 8.5: old plane)
-//  4      2       c >= n: c = 0, renewed         0      line's p      renewed after n + 1 = 3 ticks
-//  5      0       c < n                          1      same
-//  6      1       c < n                          2      same
-//  7      2       c >= n: c = 0, HIP inside      0      renewed
-//  8..10          HIP outside at z = 12 from 8: plane stays for c = 1, 2, but N.(HIP - p) >= 0, F = 0; dropped in tick 10
+//  3      1       c < n: c + 1                   2      z = 10        1.5 mm, 0.75 N   (moved to x = 20, z = 8.5: old
+//  plane) 4      2       c >= n: c = 0, renewed         0      line's p      renewed after n + 1 = 3 ticks 5      0 c <
+//  n                          1      same 6      1       c < n                          2      same 7      2       c >=
+//  n: c = 0, HIP inside      0      renewed 8..10          HIP outside at z = 12 from 8: plane stays for c = 1, 2, but
+//  N.(HIP - p) >= 0, F = 0; dropped in tick 10
 // 11      0       no plane, HIP inside again: made at once; c stays 0
 TEST_F(HriPaperTable, CounterAndForcesAsPrinted) {
   HriPaper hri(AlgorithmParameters{0.0, 500, 0.0, 2});
@@ -48,7 +47,7 @@ TEST_F(HriPaperTable, CounterAndForcesAsPrinted) {
     bool contact;
     int age;
   };
-  const Row rows[] = {{5, 11, false, 0}, {5, 9, true, 0},    {5, 9, true, 1},     {20, 8.5, true, 2},
+  const Row rows[] = {{5, 11, false, 0},  {5, 9, true, 0},    {5, 9, true, 1},    {20, 8.5, true, 2},
                       {20, 8.5, true, 0}, {20, 8.5, true, 1}, {20, 8.5, true, 2}, {20, 8.5, true, 0},
                       {20, 12, false, 1}, {20, 12, false, 2}, {20, 12, false, 0}, {20, 8.5, true, 0}};
   std::vector<TickOutput> outs;
@@ -74,14 +73,14 @@ TEST_F(HriPaperTable, CounterAndForcesAsPrinted) {
 TEST_F(HriPaperTable, ContactDoesNotResetTheCounter) {
   HriPaper hri(parameters(2));
   hri.reset(Vec3(5e-3, 5e-3, 11e-3));
-  at(hri, 5, 9);    // made, c = 0
-  at(hri, 5, 9);    // c = 1
-  at(hri, 5, 11);   // c = 2, in front
-  at(hri, 5, 11);   // c = 0, dropped
-  EXPECT_EQ(at(hri, 5, 9).plane_age_ticks, 0);   // made, c = 0
-  EXPECT_EQ(at(hri, 5, 9).plane_age_ticks, 1);   // c = 1
-  EXPECT_EQ(at(hri, 5, 9).plane_age_ticks, 2);   // c = 2
-  EXPECT_EQ(at(hri, 5, 9).plane_age_ticks, 0);   // c = 0, renewed: n + 1 = 3 ticks after it was made
+  at(hri, 5, 9);                                // made, c = 0
+  at(hri, 5, 9);                                // c = 1
+  at(hri, 5, 11);                               // c = 2, in front
+  at(hri, 5, 11);                               // c = 0, dropped
+  EXPECT_EQ(at(hri, 5, 9).plane_age_ticks, 0);  // made, c = 0
+  EXPECT_EQ(at(hri, 5, 9).plane_age_ticks, 1);  // c = 1
+  EXPECT_EQ(at(hri, 5, 9).plane_age_ticks, 2);  // c = 2
+  EXPECT_EQ(at(hri, 5, 9).plane_age_ticks, 0);  // c = 0, renewed: n + 1 = 3 ticks after it was made
 }
 
 TEST_F(HriPaperTable, DampsAlongTheNormalAndMayPull) {

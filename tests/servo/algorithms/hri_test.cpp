@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/algorithms/hri.hpp"
 
+#include <algorithm>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
-#include <algorithm>
 
 #include "base/units.hpp"
 #include "servo/safety/faults.hpp"
@@ -63,9 +63,9 @@ Slide slide(const AlgorithmParameters& parameters) {
   return result;
 }
 
-// Trilinear interpolation of |x| between millimetre samples is off by at most h^2/8 * 2/R = h^2/(4 R) = 0.0104 h here (two
-// curved directions), half of that in the median; the central difference errs by h^2/(6 R^2) = 0.02 degrees and its
-// interpolation by (h^2/8)*(2/R^2) more.
+// Trilinear interpolation of |x| between millimetre samples is off by at most h^2/8 * 2/R = h^2/(4 R) = 0.0104 h here
+// (two curved directions), half of that in the median; the central difference errs by h^2/(6 R^2) = 0.02 degrees and
+// its interpolation by (h^2/8)*(2/R^2) more.
 TEST(Hri, FollowsTheBallEveryTick) {
   const Slide s = slide(everyTick());
   EXPECT_EQ(s.lost, 0);
@@ -102,14 +102,14 @@ TEST(Hri, RenewsEveryNTicks) {
   EXPECT_THAT(ages, testing::ElementsAre(0, 1, 2, 0, 1, 2, 0, 1));
 }
 
-// A wall of one voxel. Trilinear interpolation of 0.5 t - |s| is lowest halfway between two samples at s = +-0.5 voxel, where it
-// is (t - 1 voxel) / 2: a wall of 1.0 voxel has pinholes in the samples themselves, this one has none.
+// A wall of one voxel. Trilinear interpolation of 0.5 t - |s| is lowest halfway between two samples at s = +-0.5 voxel,
+// where it is (t - 1 voxel) / 2: a wall of 1.0 voxel has pinholes in the samples themselves, this one has none.
 constexpr double kWall = 1.2e-3;
 constexpr double kWallRadius = 20.3e-3;
 
-// Fast radial strokes through the wall, 13 mm deep: 500 N/m are 6.5 N of a device's 8, and a window of 32 samples around the
-// tool still holds the wall. The tool stays held by the
-// side where it came in, also with both ends of a tick outside the wall, and is let go when it comes back.
+// Fast radial strokes through the wall, 13 mm deep: 500 N/m are 6.5 N of a device's 8, and a window of 32 samples
+// around the tool still holds the wall. The tool stays held by the side where it came in, also with both ends of a tick
+// outside the wall, and is let go when it comes back.
 TEST(Hri, DoesNotFallThroughAThinShell) {
   const AnalyticVolume volume = millimetreVolume(shell(kCentre, kWallRadius, kWall));
   int directions = 0;
@@ -170,8 +170,8 @@ TEST(Hri, FindsTheSurfaceWhenVhipAndHipAreBothInside) {
   EXPECT_LT(degreesBetween(out.force_W, hip_W - kCentre), 0.5);
 }
 
-// A plateau 20 voxels deep is put over the tool. Newton has no gradient to follow, so the search along N must find the new
-// surface.
+// A plateau 20 voxels deep is put over the tool. Newton has no gradient to follow, so the search along N must find the
+// new surface.
 TEST(Hri, SearchesAlongTheNormalWhereTheFieldIsFlat) {
   const auto plateau = [](double top_m) {
     return [=](const Vec3& p_W) { return std::clamp(top_m - p_W.z(), -1.5e-3, 1.5e-3); };
@@ -357,7 +357,8 @@ TEST(Hri, NeverPulls) {
   EXPECT_TRUE(out.force_W.isZero(0));
 }
 
-// An effect that holds the VHIP back aside adds a force of K aside, and the VHIP that it gives is the one that comes out.
+// An effect that holds the VHIP back aside adds a force of K aside, and the VHIP that it gives is the one that comes
+// out.
 class Aside final : public ContactEffect {
  public:
   void release() noexcept override { ++released; }

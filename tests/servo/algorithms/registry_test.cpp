@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/algorithms/registry.hpp"
 
+#include <cmath>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
-#include <cmath>
 
 #include "base/error.hpp"
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/devices/hand_dynamics.hpp"
 
-#include <gtest/gtest.h>
-
 #include <cmath>
+
+#include <gtest/gtest.h>
 
 #include "base/error.hpp"
 
@@ -22,8 +22,8 @@ struct Oscillator {
   }
 };
 
-// A constant force on a hand that holds still: a damped oscillator about F / k. The only error is rounding: 1000 ticks of a
-// contraction, some 1e-16 each of values near 0.01.
+// A constant force on a hand that holds still: a damped oscillator about F / k. The only error is rounding: 1000 ticks
+// of a contraction, some 1e-16 each of values near 0.01.
 TEST(HandDynamics, MeetsTheDampedOscillatorExactly) {
   const HandParameters p;
   const double mass = p.hand_mass_kg + p.device_mass_kg;
@@ -33,8 +33,9 @@ TEST(HandDynamics, MeetsTheDampedOscillatorExactly) {
     const Vec3 force_W(2, -1, 0);
     HandDynamics::State state{{0.01, 0, -0.004}, {0.1, 0.2, 0}};
     const auto axis = [&](int i) {
-      return Oscillator{p.hand_stiffness_N_per_m, damping, mass, force_W[i] / p.hand_stiffness_N_per_m,
-                        state.position_W[i], state.velocity_W[i]};
+      return Oscillator{
+          p.hand_stiffness_N_per_m, damping, mass, force_W[i] / p.hand_stiffness_N_per_m, state.position_W[i],
+          state.velocity_W[i]};
     };
     const Oscillator exact[3] = {axis(0), axis(1), axis(2)};
     for (int tick = 1; tick <= 1000; ++tick) {
@@ -50,8 +51,12 @@ TEST(HandDynamics, MeetsTheRampExactly) {
   const HandDynamics dynamics(p, 1e-3);
   const double speed = 0.3;
   const double lag = p.device_damping_Ns_per_m * speed / p.hand_stiffness_N_per_m;
-  const Oscillator exact{p.hand_stiffness_N_per_m, p.hand_damping_Ns_per_m + p.device_damping_Ns_per_m,
-                         p.hand_mass_kg + p.device_mass_kg, -lag, 0, -speed};
+  const Oscillator exact{p.hand_stiffness_N_per_m,
+                         p.hand_damping_Ns_per_m + p.device_damping_Ns_per_m,
+                         p.hand_mass_kg + p.device_mass_kg,
+                         -lag,
+                         0,
+                         -speed};
   HandDynamics::State state;
   for (int tick = 0; tick < 500; ++tick) {
     const Vec3 start_W(speed * tick * 1e-3, 0, 0);

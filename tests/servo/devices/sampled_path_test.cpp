@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/devices/sampled_path.hpp"
 
-#include <gtest/gtest.h>
-
 #include <cmath>
+
+#include <gtest/gtest.h>
 
 #include "base/error.hpp"
 
@@ -65,8 +65,8 @@ TEST(SampledPath, CubicReproducesAParabola) {
   for (double t = 0.3; t <= 1.0; t += 0.01) EXPECT_LT((path.position(t) - parabola(t)).norm(), 1e-14);
 }
 
-// The slope from the left meets that from the right, up to the step's first order: the path's second derivative is below
-// 300 m/s^2 here, so 2e-6 s on each side differ by at most 1.2e-3 m/s. A linear path jumps by metres per second.
+// The slope from the left meets that from the right, up to the step's first order: the path's second derivative is
+// below 300 m/s^2 here, so 2e-6 s on each side differ by at most 1.2e-3 m/s. A linear path jumps by metres per second.
 TEST(SampledPath, CubicHasNoCorners) {
   const SampledPath path({0, 0.1, 0.5, 0.6}, {Vec3(0, 0, 0), Vec3(1, 2, 0), Vec3(3, 2, -1), Vec3(0, 0, 1)},
                          Interpolation::kCubic);

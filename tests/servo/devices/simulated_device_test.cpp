@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/devices/simulated_device.hpp"
 
-#include <gtest/gtest.h>
-
 #include <cmath>
+
+#include <gtest/gtest.h>
 
 #include "base/error.hpp"
 #include "servo/devices/sampled_path.hpp"

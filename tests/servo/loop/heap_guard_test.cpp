@@ -11,8 +11,8 @@ namespace {
 
 constexpr int kTicks = 300;
 
-// A simulated device, read for the first time in the loop's first tick and written to for the last time in its last: the watch
-// is over everything between. It can be told to take memory in the middle.
+// A simulated device, read for the first time in the loop's first tick and written to for the last time in its last:
+// the watch is over everything between. It can be told to take memory in the middle.
 class WatchingDevice final : public Device {
  public:
   WatchingDevice(const Path& path, bool allocates) : inner_({}, path, 1000), allocates_(allocates) {}
@@ -65,7 +65,9 @@ TEST(HeapGuard, TheServoThreadTakesNothing) {
   EXPECT_EQ(allocationsOfARun("hri-paper", false), 0);
 }
 
-TEST(HeapGuard, ADeliberateAllocationIsSeen) { EXPECT_EQ(allocationsOfARun("hri", true), 1); }
+TEST(HeapGuard, ADeliberateAllocationIsSeen) {
+  EXPECT_EQ(allocationsOfARun("hri", true), 1);
+}
 
 }  // namespace
 }  // namespace palpate

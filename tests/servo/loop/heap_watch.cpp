@@ -23,8 +23,8 @@ extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*taken)(const vol
                                                          void (*freed)(const volatile void*));
 
 namespace {
-[[maybe_unused]] const int kInstalled = __sanitizer_install_malloc_and_free_hooks([](const volatile void*, std::size_t) { note(); },
-                                                                 [](const volatile void*) {});
+[[maybe_unused]] const int kInstalled = __sanitizer_install_malloc_and_free_hooks(
+    [](const volatile void*, std::size_t) { note(); }, [](const volatile void*) {});
 }
 #else
 // The functions of glibc behind malloc and its kin.
@@ -59,7 +59,11 @@ void HeapWatch::begin() noexcept {
   seen = 0;
   watching = true;
 }
-void HeapWatch::end() noexcept { watching = false; }
-long HeapWatch::count() noexcept { return seen; }
+void HeapWatch::end() noexcept {
+  watching = false;
+}
+long HeapWatch::count() noexcept {
+  return seen;
+}
 
 }  // namespace palpate

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/loop/servo_loop.hpp"
 
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <cstring>
+
+#include <gtest/gtest.h>
 
 #include "base/error.hpp"
 #include "servo/loop/run_figures.hpp"
@@ -64,8 +64,8 @@ TEST(ServoLoopSimulated, RecordsTellWhatWasFelt) {
   }
   const RunFigures s = computeFigures(run.records, 1000);
   EXPECT_EQ(s.touches, 1);
-  // The path's own greatest depth. Samples of 1 mm put the surface 0.012 mm off at most (h^2 / 4 R), a plane of four ticks
-  // at 15 mm/s another 1e-7 m ((v n T)^2 / 2 R), encoders 1e-6 m.
+  // The path's own greatest depth. Samples of 1 mm put the surface 0.012 mm off at most (h^2 / 4 R), a plane of four
+  // ticks at 15 mm/s another 1e-7 m ((v n T)^2 / 2 R), encoders 1e-6 m.
   const TouchScene scene(0.4);
   double deepest_m = 0;
   for (int tick = 0; tick < 400; ++tick) {
@@ -99,7 +99,9 @@ TEST(ServoLoopSimulated, AnEngineThatStopsConfirmingIsStaleAndTheForceFades) {
     if (tick <= 200) scene.windows.confirm(now_ns);
   });
   for (const TickRecord& r : run.records) ASSERT_EQ(has(r.faults, ServoFault::kStaleWindow), r.tick > 300) << r.tick;
-  const auto force = [&](std::size_t tick) { return std::hypot(run.records[tick].force_W[0], run.records[tick].force_W[2]); };
+  const auto force = [&](std::size_t tick) {
+    return std::hypot(run.records[tick].force_W[0], run.records[tick].force_W[2]);
+  };
   EXPECT_GT(force(300), 0.1);
   EXPECT_NEAR(force(325), 0.5 * force(300), 1e-9);
   EXPECT_EQ(force(350), 0);

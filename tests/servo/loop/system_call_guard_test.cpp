@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The servo thread makes no system call but its sleep and its clock between its first and its last tick.
 //
-// A child process runs a loop whose device puts a seccomp filter on the servo thread in the first tick. It allows the sleep,
-// the clock (where the vDSO cannot serve it), and the exit with which the device ends the child in the last tick. Any other
-// call kills the child.
+// A child process runs a loop whose device puts a seccomp filter on the servo thread in the first tick. It allows the
+// sleep, the clock (where the vDSO cannot serve it), and the exit with which the device ends the child in the last
+// tick. Any other call kills the child.
+#include <cstddef>
+
 #include <gtest/gtest.h>
 #include <linux/filter.h>
 #include <linux/seccomp.h>
@@ -11,8 +13,6 @@
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include <cstddef>
 
 #include "servo/loop/servo_loop.hpp"
 #include "support/touch_scene.hpp"

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/safety/faults.hpp"
 
+#include <bit>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
-#include <bit>
 
 namespace palpate {
 namespace {

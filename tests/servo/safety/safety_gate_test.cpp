@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/safety/safety_gate.hpp"
 
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <limits>
+
+#include <gtest/gtest.h>
 
 #include "base/error.hpp"
 
@@ -13,9 +13,13 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-SafetyParameters parameters() { return {8, 1e6, 0.01, 0.5}; }  // 10 ticks of fade at 1 kHz, no slew to speak of
+SafetyParameters parameters() {
+  return {8, 1e6, 0.01, 0.5};
+}  // 10 ticks of fade at 1 kHz, no slew to speak of
 
-GateInput healthy(const Vec3& force_W) { return {force_W, 0, 0}; }
+GateInput healthy(const Vec3& force_W) {
+  return {force_W, 0, 0};
+}
 
 TEST(SafetyGate, LetsAHealthyForceThrough) {
   SafetyGate gate(parameters(), 1000);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// tests/servo/support/analytic_volume.hpp: a volume that is a formula, and the windows that an engine would cut from it.
+// tests/servo/support/analytic_volume.hpp: a volume that is a formula, and the windows that an engine would cut from
+// it.
 //
 // Density is the formula at the samples; gradients are central differences of samples, one-sided at the volume's ends.
 #pragma once

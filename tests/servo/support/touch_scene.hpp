@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// tests/servo/support/touch_scene.hpp: everything that a loop needs to press on a ball: volume, window, path, algorithm.
+// tests/servo/support/touch_scene.hpp: everything that a loop needs to press on a ball: volume, window, path,
+// algorithm.
 #pragma once
 
 #include "servo/algorithms/registry.hpp"

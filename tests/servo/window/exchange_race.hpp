@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // tests/servo/window/exchange_race.hpp: one writer and one reader at full speed over any triple buffer.
 //
-// The payload is long enough to tear, and all its words are the number of its publication. A torn one has two numbers in it;
-// one that goes back has a smaller number than the one before.
+// The payload is long enough to tear, and all its words are the number of its publication. A torn one has two numbers
+// in it; one that goes back has a smaller number than the one before.
 #pragma once
 
 #include <algorithm>

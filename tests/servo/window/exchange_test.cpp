@@ -86,8 +86,8 @@ TEST(WindowExchange, RefusesWhatDoesNotFit) {
   EXPECT_THROW(WindowExchange({one, nullptr, one}, 8), Error);
 }
 
-// Windows of 8 x 8 x 8 samples that all carry their version; the servo must never see a mix, and a window confirmed at a time
-// must be at least as new as the one that was published before that confirmation.
+// Windows of 8 x 8 x 8 samples that all carry their version; the servo must never see a mix, and a window confirmed at
+// a time must be at least as new as the one that was published before that confirmation.
 TEST(WindowExchange, ServoSeesWholeWindowsAndAtLeastTheConfirmedOne) {
   constexpr int kSide = 8;
   const auto publications = static_cast<std::int64_t>(kPublications / 30);

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/window/fetch.hpp"
 
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <limits>
 #include <random>
+
+#include <gtest/gtest.h>
 
 #include "support/analytic_volume.hpp"
 
@@ -27,8 +27,8 @@ Vec3 randomIndex(std::mt19937& random, const Vec3i& size) {
   return Vec3(unit(random), unit(random), unit(random)).cwiseProduct((size - Vec3i::Ones()).cast<double>());
 }
 
-// A linear field is reproduced by trilinear interpolation; what is left is float rounding: values up to |f| = 1 in seven
-// lerps, 10 roundings of 6e-8 each at the most; gradients up to 30 likewise.
+// A linear field is reproduced by trilinear interpolation; what is left is float rounding: values up to |f| = 1 in
+// seven lerps, 10 roundings of 6e-8 each at the most; gradients up to 30 likewise.
 TEST(Fetch, LinearFieldInATurnedAnisotropicWindow) {
   const Vec3 slope_per_m(3, -20, 11);
   AnalyticVolume volume{turnedLattice(), Vec3i(9, 14, 11), {}};
@@ -54,7 +54,8 @@ TEST(Fetch, TrilinearFormulaOnRandomSamples) {
   held.window.size = Vec3i(5, 6, 7);
   held.window.lattice = turnedLattice();
   held.window.version = 1;
-  for (int i = 0; i < 5 * 6 * 7; ++i) held.samples.push_back({value(random), value(random), value(random), value(random)});
+  for (int i = 0; i < 5 * 6 * 7; ++i)
+    held.samples.push_back({value(random), value(random), value(random), value(random)});
   held.window.samples = held.samples.data();
   for (int n = 0; n < 2000; ++n) {
     const Vec3 p_L = randomIndex(random, held.window.size);
@@ -64,7 +65,8 @@ TEST(Fetch, TrilinearFormulaOnRandomSamples) {
     for (int corner = 0; corner < 8; ++corner) {
       const Vec3i bit(corner & 1, (corner >> 1) & 1, (corner >> 2) & 1);
       const Vec3i at = (low + bit).cwiseMin(held.window.size - Vec3i::Ones());
-      const double weight = (bit.x() ? t.x() : 1 - t.x()) * (bit.y() ? t.y() : 1 - t.y()) * (bit.z() ? t.z() : 1 - t.z());
+      const double weight =
+          (bit.x() ? t.x() : 1 - t.x()) * (bit.y() ? t.y() : 1 - t.y()) * (bit.z() ? t.z() : 1 - t.z());
       const Sample& s = held.samples[static_cast<std::size_t>(at.x() + 5 * (at.y() + 6 * at.z()))];
       sum += weight * Eigen::Vector4d(s.gradient_i, s.gradient_j, s.gradient_k, s.density);
     }
@@ -75,7 +77,8 @@ TEST(Fetch, TrilinearFormulaOnRandomSamples) {
 }
 
 TEST(Fetch, SamplesAreMetExactlyUpToTheLast) {
-  AnalyticVolume volume = millimetreVolume([](const Vec3& p_W) { return std::sin(400 * p_W.x()) * p_W.y() - p_W.z(); }, 8);
+  AnalyticVolume volume =
+      millimetreVolume([](const Vec3& p_W) { return std::sin(400 * p_W.x()) * p_W.y() - p_W.z(); }, 8);
   HeldWindow held;
   volume.hold(held, Vec3i::Zero(), Vec3i::Constant(8));
   for (int i = 0; i < 512; ++i) {
