@@ -86,6 +86,9 @@ void checkData(const TextHeader& header, const std::string& path, const std::str
     stored = static_cast<double>(fileBytes((std::filesystem::path(path).parent_path() / data).string(), source));
   }
   const std::vector<double> packed = header.numbers("compresseddatasize");
+  if (compressed && !packed.empty() && !(packed[0] >= 0)) {
+    refuse(source, "its CompressedDataSize is no count of bytes", "write the file again");
+  }
   if (compressed && !packed.empty()) checkStoredBytes(source, stored, packed[0], false);
   if (lowerCase(header.text("binarydata")) != "false") checkStoredBytes(source, stored, wanted, compressed);
 }

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "tests/engine/volume/known_leaks.hpp"
 #include "tests/engine/volume/samples.hpp"
 
 namespace palpate {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "tests/engine/volume/known_leaks.hpp"
 #include "tests/engine/volume/samples.hpp"
 
 namespace palpate {
