@@ -10,6 +10,7 @@
 #include "apps/console/interrupt.hpp"
 #include "apps/console/one_line.hpp"
 #include "base/error.hpp"
+#include "engine/gpu/validation.hpp"
 #include "verbs.hpp"
 #include "version.hpp"
 
@@ -49,6 +50,14 @@ int flushed() {
                 palpate::exitStatus(palpate::Error::Code::kIo));
 }
 
+// Under PALPATE_VALIDATION a run that the validation layer objects to has failed, whatever it printed.
+int validated(int status) {
+  for (const std::string& message : palpate::gpu::validationMessages()) {
+    status = report("validation layer: " + message, kUnexpected);
+  }
+  return status;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -83,5 +92,5 @@ int main(int argc, char** argv) {
     return report(fmt::format("unexpected: {}; please report this with the command that you gave", error.what()),
                   kUnexpected);
   }
-  return flushed();
+  return validated(flushed());
 }

@@ -2,8 +2,6 @@
 // apps/palpate/scene_arguments.hpp: the scene on a command line: VOLUME or SCENE.toml, and a flag for every key.
 #pragma once
 
-#include <map>
-#include <memory>
 #include <string>
 #include <vector>
 

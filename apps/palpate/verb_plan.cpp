@@ -18,7 +18,7 @@ void addPlanVerb(CLI::App& app) {
     Progress progress;
     progress.stage("loading " + scene.volume);
     const Volume volume = loadVolume(scene.volume);
-    const double isovalue = scene.isovalue ? *scene.isovalue : defaultIsovalue(volume);
+    const double isovalue = static_cast<float>(scene.isovalue ? *scene.isovalue : defaultIsovalue(volume));
     checkIsovalue(volume, isovalue);
     const Plan plan = makePlan(scene);
     progress.stage("computing on Vulkan");

@@ -93,6 +93,7 @@ Json servoJson(const TouchRun& run, const RunFigures& f) {
           {"time_s", f.time_s},
           {"times_measured", !run.scene.simulated_clock},
           {"late_ticks", f.late_ticks},
+          {"skipped_ticks", f.skipped_ticks},
           {"faulty_ticks", f.faulty_ticks},
           {"windows_used", f.windows_used},
           {"plane_age_max_ticks", f.plane_age_max_ticks},

@@ -61,8 +61,8 @@ const SceneOption kOptions[] = {
     {"--out", "output.folder", "", "folder for trace.csv, summary.json, report.html, view.png", TextOption{&Scene::out}},
     {"--trace", "output.trace", "", "write trace.csv", SwitchOption{&Scene::trace, "off", "on"}},
     {"--picture", "output.picture", "", "draw view.png", SwitchOption{&Scene::picture, "off", "on"}},
-    {"--width", "output.width", "pixel", "width of view.png", integer(&Scene::image_width, 480, 8192)},
-    {"--height", "output.height", "pixel", "height of view.png", integer(&Scene::image_height, 270, 8192)},
+    {"--width", "output.width", "pixel", "width of view.png", integer(&Scene::image_width, 480, 3840)},
+    {"--height", "output.height", "pixel", "height of view.png", integer(&Scene::image_height, 270, 3840)},
 };
 // clang-format on
 

@@ -10,7 +10,7 @@
 
 namespace palpate {
 
-// Blocks for the run's time. Ctrl-C ends it early, in order: what was felt until then is returned.
+// Blocks for the run's time. Ctrl-C ends it early, in order.
 [[nodiscard]] LoopResult runServo(const Scene& scene, double isovalue, const Path& path, Engine& engine,
                                   Progress& progress);
 

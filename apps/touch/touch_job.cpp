@@ -182,7 +182,8 @@ TouchRun runTouchJob(const Scene& scene, const std::string& command, const std::
   Stages stages(progress, run.stages);
 
   const Volume volume = stages.run("load", "loading " + scene.volume, [&] { return loadVolume(scene.volume); });
-  const double isovalue = scene.isovalue ? *scene.isovalue : defaultIsovalue(volume);
+  // Rounded to float once, as the GPU has it: servo and kernels must agree on what is object.
+  const double isovalue = static_cast<float>(scene.isovalue ? *scene.isovalue : defaultIsovalue(volume));
   checkIsovalue(volume, isovalue);
   run.scene.isovalue = isovalue;
   run.volume = volumeOf(volume, isovalue);

@@ -17,6 +17,17 @@ vk::raii::DescriptorPool makePool(const vk::raii::Device& device, std::uint32_t 
   return {device, vk::DescriptorPoolCreateInfo{.maxSets = sets, .poolSizeCount = 1, .pPoolSizes = &size}};
 }
 
+// What the driver throws becomes an Error that names the device and the work.
+template <typename Work>
+void guarded(const Gpu::State& gpu, const std::string& name, Work work) {
+  try {
+    work();
+  } catch (const vk::SystemError& error) {
+    throw Error(Error::Code::kDevice, gpu.info.name, fmt::format("the driver failed in '{}' ({})", name, error.what()),
+                "try again, use a smaller volume, or choose another device with --gpu");
+  }
+}
+
 }  // namespace
 
 Groups Groups::folded(std::uint32_t count, std::uint32_t row) {
@@ -58,9 +69,11 @@ Commands& Commands::operator=(Commands&&) noexcept = default;
 
 void Commands::begin() {
   wait();
-  state_->pool.reset();
-  state_->buffer.begin({.flags = vk::CommandBufferUsageFlagBits::eOneTimeSubmit});
-  barrier();  // what earlier submissions wrote is seen by this one
+  guarded(*state_->gpu, state_->name, [&] {
+    state_->pool.reset();
+    state_->buffer.begin({.flags = vk::CommandBufferUsageFlagBits::eOneTimeSubmit});
+    barrier();  // what earlier submissions wrote is seen by this one
+  });
 }
 
 vk::DescriptorSet Commands::State::bind(const Kernel::State& kernel, std::span<const Buffer* const> buffers) const {
@@ -127,20 +140,23 @@ void Commands::hostBarrier() {
 }
 
 void Commands::submit() {
-  state_->buffer.end();
-  const std::uint64_t value = ++state_->gpu->submitted;
-  const vk::TimelineSemaphoreSubmitInfo timeline{.signalSemaphoreValueCount = 1, .pSignalSemaphoreValues = &value};
-  const vk::SubmitInfo submit{.pNext = &timeline,
-                              .commandBufferCount = 1,
-                              .pCommandBuffers = &*state_->buffer,
-                              .signalSemaphoreCount = 1,
-                              .pSignalSemaphores = &*state_->gpu->timeline};
-  state_->gpu->queue.submit(submit);
-  state_->ticket = value;
+  guarded(*state_->gpu, state_->name, [&] {
+    state_->buffer.end();
+    const std::uint64_t value = ++state_->gpu->submitted;
+    const vk::TimelineSemaphoreSubmitInfo timeline{.signalSemaphoreValueCount = 1, .pSignalSemaphoreValues = &value};
+    const vk::SubmitInfo submit{.pNext = &timeline,
+                                .commandBufferCount = 1,
+                                .pCommandBuffers = &*state_->buffer,
+                                .signalSemaphoreCount = 1,
+                                .pSignalSemaphores = &*state_->gpu->timeline};
+    state_->gpu->queue.submit(submit);
+    state_->ticket = value;
+  });
 }
 
 void Commands::wait() {
-  if (state_->ticket != 0) state_->gpu->wait(state_->ticket);
+  if (state_->ticket == 0) return;
+  guarded(*state_->gpu, state_->name, [&] { state_->gpu->wait(state_->ticket); });
 }
 
 void Commands::run() {

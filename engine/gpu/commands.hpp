@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // engine/gpu/commands.hpp: a list of dispatches and copies that is recorded, submitted and waited for. Reusable: the
-// next record() starts it anew, after its last run has ended. Buffers and kernels named in it must live until then.
+// next begin() starts it anew, after its last run has ended. Buffers and kernels named in it must live until then.
 #pragma once
 
 #include <cstddef>

@@ -45,9 +45,19 @@ void checkMemory(const std::string& input, std::int64_t nx, std::int64_t ny, std
   const double voxels = static_cast<double>(nx) * static_cast<double>(ny) * static_cast<double>(nz);
   checkMemory(input, voxels * (file_bytes_per_voxel + kDenseBytesPerVoxel + kGridBytesPerVoxel + kGpuBytesPerVoxel),
               memory_budget_bytes);
-  if (nx <= kMaxDimension && ny <= kMaxDimension && nz <= kMaxDimension) return;
-  throw Error(Error::Code::kBadInput, input,
-              fmt::format("it has {} x {} x {} voxels, and an axis may have {}", nx, ny, nz, kMaxDimension),
+  if (nx > kMaxDimension || ny > kMaxDimension || nz > kMaxDimension) {
+    throw Error(Error::Code::kBadInput, input,
+                fmt::format("it has {} x {} x {} voxels, and an axis may have {}", nx, ny, nz, kMaxDimension),
+                "crop or resample it");
+  }
+  checkBricks(input, nx, ny, nz);
+}
+
+void checkBricks(const std::string& input, std::int64_t nx, std::int64_t ny, std::int64_t nz) {
+  const auto bricks = [](std::int64_t n) { return static_cast<double>((n + 7) / 8); };
+  if (bricks(nx) * bricks(ny) * bricks(nz) <= kMaxBricks) return;
+  throw Error(Error::Code::kOutOfMemory, input,
+              fmt::format("its box of {} x {} x {} voxels has more than {:.0f} bricks of 8 x 8 x 8", nx, ny, nz, kMaxBricks),
               "crop or resample it");
 }
 

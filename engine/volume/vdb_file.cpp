@@ -166,6 +166,7 @@ void checkSparseMemory(const openvdb::GridBase& grid, const openvdb::CoordBBox& 
   constexpr double kTileBytes = 8;
   const openvdb::Coord dim = domain.dim();
   const double box = static_cast<double>(dim.x()) * static_cast<double>(dim.y()) * static_cast<double>(dim.z());
+  checkBricks(source, dim.x(), dim.y(), dim.z());
   checkMemory(source,
               static_cast<double>(grid.memUsage()) * (1 + kGpuBytesPerVoxel / 4) + box / kBrickVoxels * kTileBytes,
               memory_budget_bytes);
