@@ -56,9 +56,10 @@ void checkMemory(const std::string& input, std::int64_t nx, std::int64_t ny, std
 void checkBricks(const std::string& input, std::int64_t nx, std::int64_t ny, std::int64_t nz) {
   const auto bricks = [](std::int64_t n) { return static_cast<double>((n + 7) / 8); };
   if (bricks(nx) * bricks(ny) * bricks(nz) <= kMaxBricks) return;
-  throw Error(Error::Code::kOutOfMemory, input,
-              fmt::format("its box of {} x {} x {} voxels has more than {:.0f} bricks of 8 x 8 x 8", nx, ny, nz, kMaxBricks),
-              "crop or resample it");
+  throw Error(
+      Error::Code::kOutOfMemory, input,
+      fmt::format("its box of {} x {} x {} voxels has more than {:.0f} bricks of 8 x 8 x 8", nx, ny, nz, kMaxBricks),
+      "crop or resample it");
 }
 
 }  // namespace palpate

@@ -15,7 +15,8 @@ inline constexpr double kDenseBytesPerVoxel = 4;      // the float array handed 
 inline constexpr double kGridBytesPerVoxel = 4.2;     // a full leaf: 512 floats, its mask and its place in the tree
 inline constexpr double kGpuBytesPerVoxel = 8;        // density 4, and 16 of gradient for a quarter of the bricks
 inline constexpr std::int64_t kMaxDimension = 16384;  // voxels along an axis
-// A page and the bounds of a brick take 8 bytes each on the GPU, and a binding of 128 MiB is all that Vulkan guarantees.
+// A page and the bounds of a brick take 8 bytes each on the GPU, and a binding of 128 MiB is all that Vulkan
+// guarantees.
 inline constexpr double kMaxBricks = 16777216;  // of the whole box, stored or not: 2048 x 2048 x 2048 voxels
 
 // Memory that the machine has free for new work [byte]: MemAvailable of /proc/meminfo; SIZE_MAX where there is none.
