@@ -29,10 +29,15 @@ std::size_t editDistance(std::string_view a, std::string_view b) {
   return row.back();
 }
 
+// To a known key, or to what is left of it without its unit: people forget units.
+std::size_t distanceToKey(std::string_view key, std::string_view known) {
+  return std::min(editDistance(key, known), editDistance(key, known.substr(0, known.find('_'))));
+}
+
 std::string nearestKey(std::string_view key) {
   const auto options = sceneOptions();
   const auto nearest = std::min_element(options.begin(), options.end(), [&](const auto& a, const auto& b) {
-    return editDistance(key, a.key) < editDistance(key, b.key);
+    return distanceToKey(key, a.key) < distanceToKey(key, b.key);
   });
   return nearest->key;
 }
