@@ -39,8 +39,11 @@ void checkVerb(const CLI::App& app, int argc, char** argv) {
 }
 
 std::string parseMessage(const CLI::App* app, const CLI::Error& error) {
-  return fmt::format("palpate: {}; '{} --help' says what may be given\n", palpate::oneLine(error.what()),
-                     app->get_name());
+  std::string command = app->get_name();
+  for (auto verbs = app->get_subcommands(); !verbs.empty(); verbs = verbs.front()->get_subcommands()) {
+    command += " " + verbs.front()->get_name();
+  }
+  return fmt::format("palpate: {}; '{} --help' says what may be given\n", palpate::oneLine(error.what()), command);
 }
 
 // Results that did not reach their file or pipe are an error, though they were computed.

@@ -83,9 +83,7 @@ std::string optionHelp(const SceneOption& option) {
   std::string text = option.help;
   if (*option.unit != '\0') text += fmt::format(" [{}]", option.unit);
   text += " (";
-  if (const auto* words = std::get_if<SwitchOption>(&option.value)) {
-    text += fmt::format("{} or {}; ", words->word_if_false, words->word_if_true);
-  }
+  if (!std::holds_alternative<TextOption>(option.value)) text += optionForm(option.value) + "; ";
   if (!standard.empty()) text += fmt::format("default {}; ", standard);
   return text + fmt::format("key {})", option.key);
 }

@@ -1,8 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/touch/scripted_path.hpp"
 
+#include <algorithm>
+#include <limits>
+
+#include <fmt/format.h>
+
 #include "apps/path/path_csv.hpp"
 #include "apps/path/touch_path.hpp"
+#include "base/units.hpp"
 
 namespace palpate {
 namespace {
@@ -28,10 +34,32 @@ PathRequest requestOf(const Scene& scene) {
           .slide_W = scene.path_slide};
 }
 
+// How far a point is from the box of voxel centres [m].
+double distanceToVolume(const SurfaceField& surface, const Vec3& p_W) {
+  const Vec3 p_L = surface.lattice().toIndex(p_W);
+  const Vec3 last_L = surface.size().cast<double>().array() - 1;
+  const Vec3 nearest_L = p_L.cwiseMax(0).cwiseMin(last_L);
+  return (p_L - nearest_L).cwiseProduct(surface.lattice().spacing_m).norm();
+}
+
+// A path that stays outside the volume feels nothing, and the usual reason is a file in millimetres.
+std::vector<std::string> notesOnReach(const SurfaceField& surface, const std::vector<TimedPoint>& points) {
+  double nearest_m = std::numeric_limits<double>::infinity();
+  for (const TimedPoint& point : points) nearest_m = std::min(nearest_m, distanceToVolume(surface, point.p_W));
+  if (nearest_m == 0) return {};
+  return {
+      fmt::format("the path never enters the volume: its nearest point is {:.3g} mm away; are its coordinates in "
+                  "metres, and in the volume's world?",
+                  nearest_m * kMillimetresPerMetre)};
+}
+
 }  // namespace
 
 ScriptedPath scriptedPath(const Scene& scene, const SurfaceField& surface) {
-  if (!scene.path_file.empty()) return {sampled(readPathCsv(scene.path_file)), {}, {}};
+  if (!scene.path_file.empty()) {
+    const std::vector<TimedPoint> points = readPathCsv(scene.path_file);
+    return {sampled(points), {}, notesOnReach(surface, points)};
+  }
   TouchPath built = buildTouchPath(surface, requestOf(scene));
   return {sampled(built.points), std::move(built.phases), std::move(built.notes)};
 }

@@ -78,7 +78,7 @@ TEST(OptionTable, KeysAreFound) {
 
 TEST(OptionTable, HelpSaysUnitDefaultAndKey) {
   EXPECT_EQ(optionHelp(*optionOfKey("servo.stiffness_N_per_m")),
-            "stiffness of the contact, K [N/m] (default 500; key servo.stiffness_N_per_m)");
+            "stiffness of the contact, K [N/m] (a number from 0 to 100000; default 500; key servo.stiffness_N_per_m)");
   EXPECT_THAT(optionHelp(*optionOfKey("hand.kind")),
               testing::HasSubstr("(rigid or spring; default rigid; key hand.kind)"));
 }

@@ -46,6 +46,23 @@ TEST_F(ScriptedPathTest, OfAFileIsThatFile) {
   EXPECT_NEAR(read.path.position(0.25).z(), 0.25, 1e-15);
 }
 
+// The volume's box ends 11.5 voxels of 1 mm from the origin: z from 5 m down to 1 m comes no nearer than 988.5 mm.
+TEST_F(ScriptedPathTest, SaysThatAFileInMillimetresNeverEntersTheVolume) {
+  std::ofstream(folder_.path() / "mm.csv") << "time_s,x_m,y_m,z_m\n0,0,0,5\n1,0,0,1\n";
+  Scene scene;
+  scene.path_file = (folder_.path() / "mm.csv").string();
+  const ScriptedPath read = path(scene);
+  ASSERT_EQ(read.notes.size(), 1U);
+  EXPECT_NE(read.notes[0].find("988 mm away; are its coordinates in metres"), std::string::npos) << read.notes[0];
+}
+
+TEST_F(ScriptedPathTest, OfAFileThroughTheVolumeNeedsNoNote) {
+  std::ofstream(folder_.path() / "way.csv") << "time_s,x_m,y_m,z_m\n0,0,0,0.02\n1,0,0,0.005\n";
+  Scene scene;
+  scene.path_file = (folder_.path() / "way.csv").string();
+  EXPECT_TRUE(path(scene).notes.empty());
+}
+
 TEST_F(ScriptedPathTest, OfAMissingFileIsRefused) {
   Scene scene;
   scene.path_file = (folder_.path() / "nowhere.csv").string();
