@@ -41,6 +41,18 @@ TEST(SurfaceMarch, FollowsSharpEdgesIntoAHoleAndOut) {
   EXPECT_NEAR(curve.points.back().p_W.z(), 10e-3, 1e-9);
 }
 
+// The hole is 10 mm wide from x = -5 mm to 5 mm: straight on means level across it, and on the surface again beyond. A
+// corner may be cut, or left late, by a step on either side of the hole.
+TEST(SurfaceMarch, GoesStraightOnOverAHoleWhenAsked) {
+  const AnalyticField slab(slabWithHole, 30e-3, kVoxel_m);
+  const auto curve =
+      marchSurface(slab, {Vec3(-10e-3, 0, 10e-3), Vec3::UnitZ()}, Vec3::UnitX(), 20e-3, OverEdges::kStraight);
+  for (const SurfacePoint& point : curve.points) EXPECT_NEAR(point.p_W.z(), 10e-3, 2 * curve.step_m);
+  EXPECT_NEAR(curve.free_m, 10e-3, 4 * curve.step_m);
+  EXPECT_NEAR(curve.points.back().p_W.x(), 10e-3, 4 * curve.step_m);
+  EXPECT_NEAR(slabWithHole(curve.points.back().p_W), 0, 1e-9);
+}
+
 TEST(SurfaceMarch, EndsAtTheVolumesBorder) {
   const AnalyticField plane([](const Vec3& p) { return -p.z(); }, 10e-3, kVoxel_m);
   const auto curve = marchSurface(plane, {Vec3::Zero(), Vec3::UnitZ()}, Vec3::UnitX(), 25e-3);
