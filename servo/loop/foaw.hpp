@@ -10,7 +10,8 @@
 // The paper tests every line against every position, n^2 / 2 tests; here each position narrows the interval of slopes
 // that pass it within d, and the next line's slope must lie in what is left: the same answer after n tests.
 // Ticks without a position (missed deadlines, a slow device) count as their time; the window is bounded in time.
-// Frame W: world [m, m/s]. Thread: the servo's. Cost: some 5 ns for each position in the window, no heap.
+// Frame W: world [m, m/s]. Thread: the servo's. Cost: some 2 ns for each axis and position in the window, 100 ns for 16
+// of them; no heap.
 #pragma once
 
 #include <algorithm>

@@ -20,10 +20,10 @@
 namespace palpate {
 
 struct VelocityParameters {
-  std::string name = "filter";    // a row of velocityEstimates()
-  double cutoff_hz = 200;         // of filter; 0: none [Hz]
-  std::optional<double> noise_m;  // of foaw; empty: the device's resolution (by the loop; else 0) [m]
-  int window_ticks = 16;          // of foaw: 1 to Foaw::kMostTicks [tick]
+  std::string name = "filter";                   // a row of velocityEstimates()
+  double cutoff_hz = 200;                        // of filter; 0: none [Hz]
+  std::optional<double> noise_m = std::nullopt;  // of foaw; empty: the device's resolution (by the loop; else 0) [m]
+  int window_ticks = 16;                         // of foaw: 1 to Foaw::kMostTicks [tick]
 };
 
 struct VelocityEntry {
