@@ -70,7 +70,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   app.failure_message(parseMessage);
   for (const auto& add : {palpate::addTouchVerb, palpate::addInfoVerb, palpate::addCheckVerb, palpate::addDevicesVerb,
-                          palpate::addPlanVerb, palpate::addSceneVerb}) {
+                          palpate::addPlanVerb, palpate::addSceneVerb, palpate::addFaultsVerb}) {
     add(app);
   }
   palpate::catchInterrupts();

@@ -27,6 +27,7 @@
 #include "engine/volume/statistics.hpp"
 #include "servo/algorithms/registry.hpp"
 #include "servo/loop/run_figures.hpp"
+#include "servo/loop/velocity.hpp"
 #include "servo/safety/faults.hpp"
 
 namespace palpate {
@@ -81,6 +82,9 @@ void checkEarly(const Scene& scene) {
                                         .stiffness_N_per_m = scene.stiffness_N_per_m,
                                         .damping_Ns_per_m = scene.damping_Ns_per_m,
                                         .plane_renewal_ticks = scene.plane_renewal_ticks});
+  VelocityParameters velocity;
+  velocity.name = scene.velocity;
+  (void)VelocityEstimate(velocity, scene.rate_hz);
   if (scene.path_file.empty()) checkTicks(scene);
 }
 
@@ -121,7 +125,7 @@ std::vector<RunFault> faultsOf(const TouchRun& run) {
     const auto table = faultTable();
     const auto row =
         std::find_if(table.begin(), table.end(), [&](const FaultText& r) { return r.fault == count.fault; });
-    faults.push_back({row->name, count.ticks, count.first_tick, row->text, row->remedy});
+    faults.push_back({row->name, count.ticks, count.first_tick, row->text, row->effect, row->remedy});
   }
   return faults;
 }
