@@ -17,6 +17,7 @@ namespace palpate {
 struct DeviceLimits {
   double force_limit_N = 0;          // largest force in any direction [N]
   double position_resolution_m = 0;  // of its encoders; 0: none to speak of [m]
+  int force_delay_ticks = 0;         // from write() to the force that acts, in servo ticks
 };
 
 class Device {

@@ -69,7 +69,8 @@ ServoLoop::ServoLoop(const LoopParameters& parameters, Algorithm& algorithm, Dev
       tool_(tool),
       gate_(parameters.safety, parameters.rate_hz),
       window_clock_(nanoseconds(parameters.safety.stall_s)),
-      passivity_(parameters.passivity, parameters.safety.force_limit_N, parameters.rate_hz),
+      passivity_(parameters.passivity, parameters.safety.force_limit_N, parameters.rate_hz,
+                 device.limits().force_delay_ticks),
       velocity_(velocityFor(device, parameters.velocity), parameters.rate_hz),
       recorder_(recordCapacity(parameters)) {
   if (!device_.read(hip_W_) || !hip_W_.allFinite()) {

@@ -6,8 +6,9 @@
 // tick is F . (x_next - x), exactly, whatever the way between. E is the sum of what the environment took,
 //   E -= F_last . (x - x_last),  E >= 0: passive so far, E < 0: it has given away energy that it never had
 // (Hannaford and Ryu 2002, their E with the force that was held instead of the one to come). F is the force after the
-// gate. Exact for a device that holds what it was given at once; encoders that round and a delay between servo and
-// motor put their error into E. Where positions were missing, the mean of the forces held meanwhile stands for them.
+// gate, `delay_ticks` later where the device says that it takes so long. Exact for a device that then holds it;
+// encoders that round put their error into E. Where positions were missing, the mean of the forces held meanwhile
+// stands for them.
 //
 // Controller. While its account of E is negative it adds a damper, alpha = -E / (T v^2), which takes the missing energy
 // back within a tick if v stays, before the gate. v is the servo's velocity estimate, the one that the algorithm damps
@@ -21,11 +22,14 @@
 //  - a passive device bears more than E says: a real wall within b > K T / 2 of the device's own friction is slightly
 //    active by itself (K T / 2 of damping too little), which the controller takes back all the same.
 //
-// Frame W: world [m, N]. Thread: the servo's. Cost: some 2 ns, with the controller 4 ns. Errors, heap: none.
+// Frame W: world [m, N]. Thread: the servo's. Cost: some 2 ns, with the controller 4 ns. Errors: none. Heap: in
+// the constructor.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <vector>
 
 #include "base/vec.hpp"
 
@@ -40,8 +44,9 @@ struct PassivityParameters {
 
 class Passivity {
  public:
-  // Throws Error(kBadInput) unless share and damping are finite, the share within 0 to 1, the damping not negative.
-  Passivity(const PassivityParameters& parameters, double force_limit_N, double rate_hz);
+  // Throws Error(kBadInput) unless share and damping are finite, the share within 0 to 1, damping and delay not
+  // negative.
+  Passivity(const PassivityParameters& parameters, double force_limit_N, double rate_hz, int delay_ticks = 0);
 
   void reset(const Vec3& position_W) noexcept { last_W_ = position_W; }
 
@@ -54,10 +59,12 @@ class Passivity {
     if (std::isfinite(taken_J)) account(taken_J, mean_W);
   }
 
-  // The force that the device holds from now on.
+  // The force that the device was given in this tick, and holds from now on or from `delay_ticks` later.
   void hold(const Vec3& force_W) noexcept {
-    held_W_ = held_count_ == 0 ? force_W : Vec3(held_W_ + force_W);
-    ++held_count_;
+    if (under_way_W_.empty()) return act(force_W);
+    act(under_way_W_[oldest_]);
+    under_way_W_[oldest_] = force_W;
+    oldest_ = oldest_ + 1 < under_way_W_.size() ? oldest_ + 1 : 0;
   }
 
   // The controller's force, to be added before the gate; zero where it observes only or nothing is owed [N].
@@ -76,6 +83,11 @@ class Passivity {
   static constexpr double kRounding_J = 1e-12;
 
  private:
+  void act(const Vec3& force_W) noexcept {
+    held_W_ = held_count_ == 0 ? force_W : Vec3(held_W_ + force_W);
+    ++held_count_;
+  }
+
   void account(double taken_J, const Vec3& force_W) noexcept {
     energy_J_ += taken_J;
     account_J_ += taken_J;
@@ -90,6 +102,8 @@ class Passivity {
   Vec3 last_W_ = Vec3::Zero();  // [m]
   Vec3 held_W_ = Vec3::Zero();  // sum of the forces held since then [N]
   int held_count_ = 0;
+  std::vector<Vec3> under_way_W_;  // ring of the forces that do not act yet [N]
+  std::size_t oldest_ = 0;
   double energy_J_ = 0;   // the observer's E
   double account_J_ = 0;  // the controller's, with credit forgotten
 };

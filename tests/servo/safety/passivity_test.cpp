@@ -34,15 +34,15 @@ struct Course {
   double least_J = 0, end_J = 0;
 };
 
-// The wall with damping (of the backward difference) and a delay between computing and holding the force.
-Course press(double damping_Ns_per_m, int delay_ticks) {
-  Passivity passivity({}, 8, 1 / kTick_s);
+// The wall with damping (of the backward difference) and a delay, in the wall's own computing or in the device.
+Course press(double damping_Ns_per_m, int wall_delay_ticks, int device_delay_ticks = 0) {
+  Passivity passivity({}, 8, 1 / kTick_s, device_delay_ticks);
   passivity.reset(Vec3::Zero());
   Course course;
-  for (int k = 0; k <= 2 * kSteps + delay_ticks + 1; ++k) {
+  for (int k = 0; k <= 2 * kSteps + wall_delay_ticks + device_delay_ticks + 1; ++k) {
     passivity.moved(Vec3(-depthOfTick(k), 0, 0));
     course.least_J = std::min(course.least_J, passivity.energy_J());
-    const int from = k - delay_ticks;
+    const int from = k - wall_delay_ticks;
     const double rate = (depthOfTick(from) - depthOfTick(from - 1)) / kTick_s;
     const double force_N = kStiffness * depthOfTick(from) + (depthOfTick(from) > 0 ? damping_Ns_per_m * rate : 0);
     passivity.hold(Vec3(force_N, 0, 0));
@@ -55,10 +55,13 @@ TEST(PassivityObserver, ASampledSpringGivesAwayItsLeakExactly) {
   EXPECT_NEAR(press(0, 0).end_J, -kSteps * kUnit_J, kRounding_J);
 }
 
-// K depth(k - d) times the way: -K a^2 (n (1 + 2 d) - 3 d (d + 1) / 2), the sum of both arithmetic series.
+// K depth(k - d) times the way: -K a^2 (n (1 + 2 d) - 3 d (d + 1) / 2), the sum of both arithmetic series, whether the
+// wall is late or the device.
 TEST(PassivityObserver, ADelayMakesTheLeakWorse) {
   for (const int d : {1, 2, 5}) {
-    EXPECT_NEAR(press(0, d).end_J, -kUnit_J * (kSteps * (1 + 2 * d) - 1.5 * d * (d + 1)), kRounding_J) << d;
+    const double expected_J = -kUnit_J * (kSteps * (1 + 2 * d) - 1.5 * d * (d + 1));
+    EXPECT_NEAR(press(0, d).end_J, expected_J, kRounding_J) << d;
+    EXPECT_NEAR(press(0, 0, d).end_J, expected_J, kRounding_J) << d;
   }
 }
 
@@ -233,6 +236,7 @@ TEST(PassivityController, RefusesBoundsThatAreNone) {
   refused({.force_share = kNaN});
   refused({.damping_limit_Ns_per_m = -1});
   refused({.damping_limit_Ns_per_m = kNaN});
+  EXPECT_THROW(Passivity({}, 8, 1000, -1), Error);
 }
 
 }  // namespace
