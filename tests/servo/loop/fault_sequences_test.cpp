@@ -63,7 +63,7 @@ InjectedFault randomFault(Dice& dice) {
       fault.size = dice.coin() ? 0.05 : dice.decades(1e-4, 0.3);
       break;
     case Injected::kWildPosition:
-      fault.size = sign * dice.decades(1e-4, 1e300);
+      fault.size = sign * (dice.coin() ? 1e308 : dice.decades(1e-4, 1e300));
       break;
     case Injected::kHugeForce:
       fault.size = sign * dice.decades(1, 1e308);

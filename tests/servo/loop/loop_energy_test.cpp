@@ -28,7 +28,7 @@ class Wall final : public Algorithm {
   }
 };
 
-// A hand of 0.1 kg pulls the device 1 mm into the wall. All friction together, 0.3 N s/m, is below K T / 2 = 1 N s/m:
+// A hand of 0.1 kg pulls the device 0.8 mm into the wall. All friction together, 0.3 N s/m, is below K T / 2 = 1 N s/m:
 // the tool does not come to rest by itself.
 LoopResult pressOnWall(bool control, int delay_ticks, double encoder_m = 0) {
   const SampledPath path({0, 0.1, 3}, {Vec3(5e-3, 0, 0), Vec3(-5e-3, 0, 0), Vec3(-5e-3, 1e-3, 0)},
