@@ -157,6 +157,13 @@ class ScriptedDevice final : public Device {
     return taken.back();
   }
 
+  // For so many writes nothing here will take memory.
+  void reserve(std::size_t writes) {
+    written_W.reserve(writes);
+    taken.reserve(writes);
+    answered.reserve(writes);
+  }
+
   std::vector<Vec3> written_W;  // every force that left the loop, whether the device took it or not [N]
   std::vector<bool> taken;
   std::vector<bool> answered;  // a position that can be used, in each tick
