@@ -15,7 +15,7 @@ namespace palpate {
 namespace {
 
 #if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
-constexpr int kSequences = 1000;
+constexpr int kSequences = 500;
 #else
 constexpr int kSequences = 12000;
 #endif
