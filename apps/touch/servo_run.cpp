@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "apps/console/interrupt.hpp"
+#include "apps/touch/algorithm_setup.hpp"
 #include "engine/service/engine_thread.hpp"
 #include "servo/algorithms/registry.hpp"
 #include "servo/devices/simulated_device.hpp"
@@ -69,11 +70,7 @@ LoopResult runReal(ServoLoop& loop, ToolPoseMailbox& tool, Engine& engine, doubl
 
 LoopResult runServo(const Scene& scene, double isovalue, const Path& path, Engine& engine, Progress& progress) {
   const LoopParameters parameters = loopParameters(scene);
-  const std::unique_ptr<Algorithm> algorithm =
-      makeAlgorithm(scene.algorithm, {.isovalue = isovalue,
-                                      .stiffness_N_per_m = scene.stiffness_N_per_m,
-                                      .damping_Ns_per_m = scene.damping_Ns_per_m,
-                                      .plane_renewal_ticks = scene.plane_renewal_ticks});
+  const std::unique_ptr<Algorithm> algorithm = makeAlgorithm(scene.algorithm, algorithmSetup(scene, isovalue));
   SimulatedDevice device(deviceParameters(scene), path, scene.rate_hz);
   ToolPoseMailbox tool;
   ServoLoop loop(parameters, *algorithm, device, engine.exchange(), tool);

@@ -14,6 +14,7 @@
 #include "apps/report/html_report.hpp"
 #include "apps/report/summary.hpp"
 #include "apps/report/trace_csv.hpp"
+#include "apps/touch/algorithm_setup.hpp"
 #include "apps/touch/exact_errors.hpp"
 #include "apps/touch/output_folder.hpp"
 #include "apps/touch/picture.hpp"
@@ -77,10 +78,7 @@ void checkEarly(const Scene& scene) {
     throw Error(Error::Code::kBadInput, "palpate touch", "no volume is given",
                 "name a file, a DICOM folder or a phantom, for example phantom:sphere?size=64");
   }
-  (void)makeAlgorithm(scene.algorithm, {.isovalue = scene.isovalue.value_or(0.0),
-                                        .stiffness_N_per_m = scene.stiffness_N_per_m,
-                                        .damping_Ns_per_m = scene.damping_Ns_per_m,
-                                        .plane_renewal_ticks = scene.plane_renewal_ticks});
+  (void)makeAlgorithm(scene.algorithm, algorithmSetup(scene, scene.isovalue.value_or(0.0)));
   if (scene.path_file.empty()) checkTicks(scene);
 }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/algorithms/registry.hpp"
 
-#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -13,24 +12,17 @@
 namespace palpate {
 namespace {
 
-using Maker = std::unique_ptr<Algorithm> (*)(const AlgorithmParameters&, ContactEffects);
-
-std::unique_ptr<Algorithm> makeHri(const AlgorithmParameters& parameters, ContactEffects effects) {
-  return std::make_unique<Hri>(parameters, std::move(effects));
+template <class VhipKind>
+std::unique_ptr<Algorithm> makeVhip(AlgorithmSetup&& setup) {
+  return std::make_unique<VhipKind>(setup.parameters, std::move(setup.effects));
 }
 
-std::unique_ptr<Algorithm> makeHriPaper(const AlgorithmParameters& parameters, ContactEffects effects) {
-  if (!effects.empty()) {
-    throw Error(Error::Code::kBadInput, "hri-paper", "takes no contact effects", "use hri, or leave the effects out");
-  }
-  return std::make_unique<HriPaper>(parameters);
-}
-
-constexpr std::array<AlgorithmEntry, 2> kEntries = {{
-    {"hri", "virtual plane at the surface point nearest to the tool, renewed every n ticks (the paper, mended)"},
-    {"hri-paper", "the paper's Figure 2 to the letter, plane on the ray from VHIP to HIP, renewed every n + 1 ticks"},
-}};
-constexpr std::array<Maker, kEntries.size()> kMakers = {makeHri, makeHriPaper};
+constexpr AlgorithmEntry kEntries[] = {
+    {"hri", "virtual plane at the surface point nearest to the tool, renewed every n ticks (the paper, mended)",
+     makeVhip<Hri>},
+    {"hri-paper", "the paper's Figure 2 to the letter, plane on the ray from VHIP to HIP, renewed every n + 1 ticks",
+     makeVhip<HriPaper>},
+};
 
 void check(bool good, const char* key, double value, const char* remedy) {
   if (!good) throw Error(Error::Code::kBadInput, key, fmt::format("{:g} cannot be used", value), remedy);
@@ -51,15 +43,12 @@ std::span<const AlgorithmEntry> algorithms() noexcept {
   return kEntries;
 }
 
-std::unique_ptr<Algorithm> makeAlgorithm(std::string_view name, const AlgorithmParameters& parameters,
-                                         ContactEffects effects) {
+std::unique_ptr<Algorithm> makeAlgorithm(std::string_view name, AlgorithmSetup setup) {
+  checkParameters(setup.parameters);
   std::string known;
-  for (std::size_t i = 0; i < kEntries.size(); ++i) {
-    if (kEntries[i].name == name) {
-      checkParameters(parameters);
-      return kMakers[i](parameters, std::move(effects));
-    }
-    known += (i == 0 ? "" : ", ") + std::string(kEntries[i].name);
+  for (const AlgorithmEntry& entry : kEntries) {
+    if (entry.name == name) return entry.make(std::move(setup));
+    known += (known.empty() ? "" : ", ") + std::string(entry.name);
   }
   throw Error(Error::Code::kBadInput, "algorithm", fmt::format("'{}' is not known", name), "use one of: " + known);
 }

@@ -13,9 +13,16 @@
 
 namespace palpate {
 
+// All that an algorithm is made from; each takes what it needs and refuses what it cannot use.
+struct AlgorithmSetup {
+  AlgorithmParameters parameters;
+  ContactEffects effects;
+};
+
 struct AlgorithmEntry {
   std::string_view name;
   std::string_view description;  // one line
+  std::unique_ptr<Algorithm> (*make)(AlgorithmSetup&& setup);
 };
 
 // The first is the default.
@@ -24,7 +31,6 @@ struct AlgorithmEntry {
 // Throws Error(kBadInput) on an unknown name (the message names the known ones), on a renewal below 1 tick, on a
 // negative or non-finite stiffness or damping or a non-finite isovalue, and on effects for an algorithm that takes
 // none.
-[[nodiscard]] std::unique_ptr<Algorithm> makeAlgorithm(std::string_view name, const AlgorithmParameters& parameters,
-                                                       ContactEffects effects = {});
+[[nodiscard]] std::unique_ptr<Algorithm> makeAlgorithm(std::string_view name, AlgorithmSetup setup);
 
 }  // namespace palpate
