@@ -42,7 +42,7 @@ SimulatedDeviceParameters deviceParameters(const Scene& scene) {
 // The engine publishes in step with the servo, so that the same scene gives the same trace, bit for bit.
 LoopResult runSimulated(ServoLoop& loop, ToolPoseMailbox& tool, Engine& engine, double ticks, Progress& progress) {
   return loop.runSimulated([&](std::int64_t tick, std::int64_t time_ns) {
-    engine.publishAround(tool.latest().position_W, time_ns);
+    engine.publishFor(tool.latest(), time_ns);
     if (tick % 256 == 0) {
       progress.fraction(static_cast<double>(tick) / ticks);
       if (interrupted()) loop.requestStop();
@@ -52,7 +52,7 @@ LoopResult runSimulated(ServoLoop& loop, ToolPoseMailbox& tool, Engine& engine, 
 
 LoopResult runReal(ServoLoop& loop, ToolPoseMailbox& tool, Engine& engine, double duration_s, Progress& progress) {
   using Clock = std::chrono::steady_clock;
-  engine.publishAround(tool.latest().position_W, monotonicNow_ns());
+  engine.publishFor(tool.latest(), monotonicNow_ns());
   EngineThread publisher(engine, tool);
   const auto start = Clock::now();
   loop.start();

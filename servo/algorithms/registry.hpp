@@ -15,8 +15,8 @@ namespace palpate {
 
 // All that an algorithm is made from; each takes what it needs and refuses what it cannot use.
 struct AlgorithmSetup {
-  AlgorithmParameters parameters;
-  ContactEffects effects;
+  AlgorithmParameters parameters = {};
+  ContactEffects effects = {};
 };
 
 struct AlgorithmEntry {

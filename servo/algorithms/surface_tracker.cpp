@@ -46,6 +46,33 @@ Track SurfaceTracker::follow(const IsoField& field, const Vec3& hip_W, SurfacePo
 }
 
 Track SurfaceTracker::followIsosurface(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface) noexcept {
+  SurfacePoint found = surface;
+  const Track result = newton(field, hip_W, found);
+  const bool turned_over = result == Track::kFound && found.normal_W.dot(surface.normal_W) <= 0;
+  if (!turned_over && result != Track::kLost && result != Track::kFlat) {
+    surface = found;
+    return result;
+  }
+  const Track again = cast(field, hip_W, surface);
+  return again == Track::kLost && result == Track::kFlat ? Track::kFlat : again;
+}
+
+// Moves `surface` only when it finds the sheet. Keeps the old normal where the sampled one turns over or is none.
+Track SurfaceTracker::cast(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface) noexcept {
+  const double h_m = field.voxel();
+  const Vec3 foot_W = surface.p_W + shortened(tangential(hip_W - surface.p_W, surface.normal_W), h_m);
+  const Vec3 reach_W = surface.normal_W * (kCastReach * h_m);
+  const auto entry = field.firstEntry(field.probe(foot_W + reach_W), field.probe(foot_W - reach_W));
+  if (!entry || entry->face.any()) return Track::kLost;
+  surface.p_W = entry->p_W;
+  const Vec3 out_W = -field.sampler().at(entry->p_W).gradient_W;
+  const double steepness = out_W.norm();
+  if (!(out_W.dot(surface.normal_W) > 0) || !std::isfinite(steepness)) return Track::kFoundFlat;
+  surface.normal_W = out_W / steepness;
+  return Track::kFound;
+}
+
+Track SurfaceTracker::newton(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface) noexcept {
   const double h_m = field.voxel();
   const double line_squared_m2 = kLineTolerance * kLineTolerance * h_m * h_m;
   Vec3 x_W = surface.p_W + shortened(tangential(hip_W - surface.p_W, surface.normal_W), h_m);
@@ -114,7 +141,7 @@ Track SurfaceTracker::followFace(const IsoField& field, const Vec3& hip_W, Surfa
   if (!(edge.normal_W.squaredNorm() > 0)) return Track::kFlat;
   edge.normal_W.normalize();
   const Track result = followIsosurface(field, hip_W, edge);
-  if (result == Track::kFound) surface = edge;
+  if (result == Track::kFound || result == Track::kFoundFlat) surface = edge;
   return result;
 }
 
