@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/error.hpp"
+#include "servo/algorithms/avila.hpp"
 #include "servo/algorithms/hri.hpp"
 #include "servo/algorithms/hri_paper.hpp"
 
@@ -17,11 +18,23 @@ std::unique_ptr<Algorithm> makeVhip(AlgorithmSetup&& setup) {
   return std::make_unique<VhipKind>(setup.parameters, std::move(setup.effects));
 }
 
+void refuseEffects(const ContactEffects& effects, const char* algorithm) {
+  if (effects.empty()) return;
+  throw Error(Error::Code::kBadInput, algorithm, "contact effects move a VHIP, and it has none",
+              "leave them out, or take an algorithm with a VHIP, such as hri");
+}
+
+std::unique_ptr<Algorithm> makeAvila(AlgorithmSetup&& setup) {
+  refuseEffects(setup.effects, "avila");
+  return std::make_unique<Avila>(setup.parameters);
+}
+
 constexpr AlgorithmEntry kEntries[] = {
     {"hri", "virtual plane at the surface point nearest to the tool, renewed every n ticks (the paper, mended)",
      makeVhip<Hri>},
     {"hri-paper", "the paper's Figure 2 to the letter, plane on the ray from VHIP to HIP, renewed every n + 1 ticks",
      makeVhip<HriPaper>},
+    {"avila", "depth and force from the density at the tool alone (Avila and Sobierajski 1996); penetrable", makeAvila},
 };
 
 void check(bool good, const char* key, double value, const char* remedy) {

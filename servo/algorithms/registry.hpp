@@ -16,7 +16,7 @@ namespace palpate {
 // All that an algorithm is made from; each takes what it needs and refuses what it cannot use.
 struct AlgorithmSetup {
   AlgorithmParameters parameters;
-  ContactEffects effects;
+  ContactEffects effects{};
 };
 
 struct AlgorithmEntry {
