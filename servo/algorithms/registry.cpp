@@ -7,6 +7,7 @@
 
 #include "base/error.hpp"
 #include "servo/algorithms/avila.hpp"
+#include "servo/algorithms/blezek.hpp"
 #include "servo/algorithms/hri.hpp"
 #include "servo/algorithms/hri_paper.hpp"
 
@@ -35,6 +36,8 @@ constexpr AlgorithmEntry kEntries[] = {
     {"hri-paper", "the paper's Figure 2 to the letter, plane on the ray from VHIP to HIP, renewed every n + 1 ticks",
      makeVhip<HriPaper>},
     {"avila", "depth and force from the density at the tool alone (Avila and Sobierajski 1996); penetrable", makeAvila},
+    {"blezek", "VHIP inched along the isosurface until normal and VHIP-HIP line agree (Blezek and Robb)",
+     makeVhip<Blezek>},
 };
 
 void check(bool good, const char* key, double value, const char* remedy) {
