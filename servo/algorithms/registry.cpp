@@ -10,6 +10,7 @@
 #include "servo/algorithms/blezek.hpp"
 #include "servo/algorithms/hri.hpp"
 #include "servo/algorithms/hri_paper.hpp"
+#include "servo/algorithms/implicit.hpp"
 
 namespace palpate {
 namespace {
@@ -38,6 +39,8 @@ constexpr AlgorithmEntry kEntries[] = {
     {"avila", "depth and force from the density at the tool alone (Avila and Sobierajski 1996); penetrable", makeAvila},
     {"blezek", "VHIP inched along the isosurface until normal and VHIP-HIP line agree (Blezek and Robb)",
      makeVhip<Blezek>},
+    {"implicit", "contact point tracked by its tangent plane, every tick (Salisbury and Tarr 1997)",
+     makeVhip<Implicit>},
 };
 
 void check(bool good, const char* key, double value, const char* remedy) {
