@@ -8,6 +8,7 @@
 #include "base/error.hpp"
 #include "servo/algorithms/avila.hpp"
 #include "servo/algorithms/blezek.hpp"
+#include "servo/algorithms/haptization.hpp"
 #include "servo/algorithms/hri.hpp"
 #include "servo/algorithms/hri_paper.hpp"
 #include "servo/algorithms/implicit.hpp"
@@ -31,6 +32,15 @@ std::unique_ptr<Algorithm> makeAvila(AlgorithmSetup&& setup) {
   return std::make_unique<Avila>(setup.parameters);
 }
 
+std::unique_ptr<Algorithm> makeHaptization(AlgorithmSetup&& setup) {
+  refuseEffects(setup.effects, "haptization");
+  TransferTables tables = std::move(setup.haptization);
+  TransferTables standard = TransferFunction::standard(setup.parameters.isovalue, setup.scale);
+  if (tables.density.empty()) tables.density = std::move(standard.density);
+  if (tables.gradient.empty()) tables.gradient = std::move(standard.gradient);
+  return std::make_unique<Haptization>(setup.parameters, std::move(tables));
+}
+
 constexpr AlgorithmEntry kEntries[] = {
     {"hri", "virtual plane at the surface point nearest to the tool, renewed every n ticks (the paper, mended)",
      makeVhip<Hri>},
@@ -41,6 +51,8 @@ constexpr AlgorithmEntry kEntries[] = {
      makeVhip<Blezek>},
     {"implicit", "contact point tracked by its tangent plane, every tick (Salisbury and Tarr 1997)",
      makeVhip<Implicit>},
+    {"haptization", "force and viscosity from density and gradient by a transfer function (after Iwata and Noma 1993)",
+     makeHaptization},
 };
 
 void check(bool good, const char* key, double value, const char* remedy) {

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "servo/algorithms/algorithm.hpp"
+#include "servo/algorithms/transfer_function.hpp"
 #include "servo/contact/contact_effect.hpp"
 
 namespace palpate {
@@ -17,6 +18,8 @@ namespace palpate {
 struct AlgorithmSetup {
   AlgorithmParameters parameters;
   ContactEffects effects{};
+  TransferTables haptization{};  // no density rows: the standard ones for the isovalue and `scale`
+  DensityScale scale{};
 };
 
 struct AlgorithmEntry {
@@ -29,8 +32,8 @@ struct AlgorithmEntry {
 [[nodiscard]] std::span<const AlgorithmEntry> algorithms() noexcept;
 
 // Throws Error(kBadInput) on an unknown name (the message names the known ones), on a renewal below 1 tick, on a
-// negative or non-finite stiffness or damping or a non-finite isovalue, and on effects for an algorithm that takes
-// none.
+// negative or non-finite stiffness or damping or a non-finite isovalue, on effects for an algorithm that takes none,
+// and on tables that TransferFunction refuses for one that uses them.
 [[nodiscard]] std::unique_ptr<Algorithm> makeAlgorithm(std::string_view name, AlgorithmSetup setup);
 
 }  // namespace palpate
