@@ -26,10 +26,13 @@ struct AlgorithmEntry {
   std::string_view name;
   std::string_view description;  // one line
   std::unique_ptr<Algorithm> (*make)(AlgorithmSetup&& setup);
+  bool gradient_everywhere = false;  // it reads gradients away from the isosurface too
 };
 
 // The first is the default.
 [[nodiscard]] std::span<const AlgorithmEntry> algorithms() noexcept;
+// The row of a name, or null.
+[[nodiscard]] const AlgorithmEntry* findAlgorithm(std::string_view name) noexcept;
 
 // Throws Error(kBadInput) on an unknown name (the message names the known ones), on a renewal below 1 tick, on a
 // negative or non-finite stiffness or damping or a non-finite isovalue, on effects for an algorithm that takes none,
