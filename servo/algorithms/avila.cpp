@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/algorithms/avila.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include "servo/safety/faults.hpp"
@@ -32,11 +31,14 @@ void Avila::tick(const TickInput& in, TickOutput& out) noexcept {
     out.faults = bit(ServoFault::kZeroGradient);
     return;
   }
+  // depth N = -excess g / |g|^2: the way to the force needs no root; the normal, which nothing waits for, does.
+  Vec3 out_of_object_W = f.gradient_W * (-excess / steepness_squared);
   const double per_steepness = 1 / std::sqrt(steepness_squared);
-  const double depth_m = std::min(excess * per_steepness, kDeepest * field.voxel());
+  const double deepest_m = kDeepest * field.voxel();
   out.normal_W = f.gradient_W * -per_steepness;
-  out.vhip_W = in.hip_W + depth_m * out.normal_W;
-  out.force_W = (stiffness_N_per_m_ * depth_m) * out.normal_W - damping_Ns_per_m_ * in.hip_velocity_W;
+  if (excess * excess > deepest_m * deepest_m * steepness_squared) out_of_object_W = deepest_m * out.normal_W;
+  out.vhip_W = in.hip_W + out_of_object_W;
+  out.force_W = stiffness_N_per_m_ * out_of_object_W - damping_Ns_per_m_ * in.hip_velocity_W;
   out.in_contact = true;
 }
 
