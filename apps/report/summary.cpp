@@ -54,6 +54,8 @@ Json sceneJson(const Scene& s) {
           {"rate_hz", s.rate_hz},
           {"duration_s", s.duration_s},
           {"simulated_clock", s.simulated_clock},
+          {"haptization_density", s.haptization_density},
+          {"haptization_gradient", s.haptization_gradient},
           {"force_limit_N", s.force_limit_N},
           {"slew_limit_N_per_s", s.slew_limit_N_per_s},
           {"fade_s", s.fade_s},

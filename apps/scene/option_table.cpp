@@ -7,6 +7,7 @@
 
 #include "base/error.hpp"
 #include "base/units.hpp"
+#include "servo/algorithms/registry.hpp"
 
 namespace palpate {
 namespace {
@@ -15,6 +16,17 @@ constexpr double kMm = kMetresPerMillimetre;
 
 NumberOption number(double Scene::*member, double scale, double lowest, double highest) {
   return {member, scale, lowest, highest};
+}
+// The names, from the one place that has them.
+const char* algorithmHelp() {
+  static const std::string kText = [] {
+    std::string text = "haptic algorithm: ";
+    for (const AlgorithmEntry& entry : algorithms()) {
+      text += std::string(entry.name == algorithms().front().name ? "" : ", ") + std::string(entry.name);
+    }
+    return text;
+  }();
+  return kText.c_str();
 }
 IntegerOption integer(int Scene::*member, long long lowest, long long highest) {
   return {member, lowest, highest};
@@ -28,7 +40,7 @@ const SceneOption kOptions[] = {
     {"--gpu", "gpu", "", "part of the Vulkan device's name; the best one if not given", TextOption{&Scene::gpu}},
     {"--gradient", "gradient", "", "gradients of the bricks that the isosurface needs, or of all",
      SwitchOption{&Scene::gradient_all, "active", "all"}},
-    {"--algorithm", "servo.algorithm", "", "haptic algorithm: hri or hri-paper", TextOption{&Scene::algorithm}},
+    {"--algorithm", "servo.algorithm", "", algorithmHelp(), TextOption{&Scene::algorithm}},
     {"--n", "servo.n", "ticks", "the virtual plane is found again every n ticks", integer(&Scene::plane_renewal_ticks, 1, 100000)},
     {"--stiffness", "servo.stiffness_N_per_m", "N/m", "stiffness of the contact, K", number(&Scene::stiffness_N_per_m, 1, 0, 1e5)},
     {"--damping", "servo.damping_Ns_per_m", "N s/m", "damping of the contact along the normal, B", number(&Scene::damping_Ns_per_m, 1, 0, 1000)},
@@ -36,6 +48,12 @@ const SceneOption kOptions[] = {
     {"--seconds", "servo.seconds", "s", "how long the servo runs; with --path as long as the path", number(&Scene::duration_s, 1, 0.01, 3600)},
     {"--clock", "servo.clock", "", "real: keeps time; simulated: as fast as it can, the same trace on every run",
      SwitchOption{&Scene::simulated_clock, "real", "simulated"}},
+    {"--haptization-density", "haptization.density", "density, N, N s/m",
+     "force out of the dense and viscosity by density, linear between rows; from the isovalue and the volume if not given",
+     TableOption{&Scene::haptization_density, 1, "density:force:viscosity"}},
+    {"--haptization-gradient", "haptization.gradient", "density/mm, -",
+     "weight of that force by the gradient's magnitude; from the volume if not given",
+     TableOption{&Scene::haptization_gradient, kMillimetresPerMetre, "gradient:weight"}},
     {"--force-limit", "safety.force_limit_N", "N", "no larger force leaves the safety gate", number(&Scene::force_limit_N, 1, 0, 1000)},
     {"--slew-limit", "safety.slew_limit_N_per_s", "N/s", "no faster change of force leaves the safety gate", number(&Scene::slew_limit_N_per_s, 1, 1, 1e7)},
     {"--fade", "safety.fade_s", "s", "time in which the force fades to zero after a fault", number(&Scene::fade_s, 1, 0, 10)},
@@ -92,7 +110,8 @@ std::string sceneDocument() {
   std::string text =
       "# Scene files\n\nA scene is a TOML file: `palpate touch scene.toml`. Every flag overrides its key. A dot in a "
       "key is a "
-      "TOML table:\n`servo.n` stands for `n` under `[servo]`. `x,y,z` is written `[x, y, z]`. Relative paths of "
+      "TOML table:\n`servo.n` stands for `n` under `[servo]`. `x,y,z` is written `[x, y, z]`, rows `a:b,c:d` "
+      "`[[a, b], [c, d]]`. Relative paths of "
       "`volume`\nand `path.file` start at the scene's folder, that of `output.folder` where the program is started. "
       "This page is "
       "printed by\n`palpate scene`.\n\n| key | flag | unit | takes | default | meaning |\n|---|---|---|---|---|---|\n";
@@ -100,6 +119,10 @@ std::string sceneDocument() {
     text += fmt::format("| `{}` | `{}` | {} | {} | {} | {} |\n", option.key, option.flag, option.unit,
                         optionForm(option.value), optionText(option.value, Scene{}), option.help);
   }
+  text +=
+      "\n## Algorithms\n\nMore on each: [algorithms.md](algorithms.md).\n\n| `--algorithm` | what it is |\n|---|---|\n";
+  for (const AlgorithmEntry& entry : algorithms())
+    text += fmt::format("| `{}` | {} |\n", entry.name, entry.description);
   return text;
 }
 

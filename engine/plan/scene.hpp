@@ -8,10 +8,13 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "base/vec.hpp"
 
 namespace palpate {
+
+using NumberTable = std::vector<std::vector<double>>;  // rows of equal length
 
 struct Scene {
   // volume
@@ -28,6 +31,9 @@ struct Scene {
   double rate_hz = 1000;
   double duration_s = 5;
   bool simulated_clock = false;
+  // haptization's transfer function; a table without rows: chosen from the isovalue and the volume
+  NumberTable haptization_density;   // rows: density, force [N], viscosity [N s/m]
+  NumberTable haptization_gradient;  // rows: gradient [density/m], weight [-]
   // safety
   double force_limit_N = 8;  // of the simulated device
   double slew_limit_N_per_s = 20000;

@@ -8,6 +8,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "servo/algorithms/registry.hpp"
+
 namespace palpate {
 namespace {
 
@@ -81,6 +83,15 @@ TEST(OptionTable, HelpSaysUnitDefaultAndKey) {
             "stiffness of the contact, K [N/m] (a number from 0 to 100000; default 500; key servo.stiffness_N_per_m)");
   EXPECT_THAT(optionHelp(*optionOfKey("hand.kind")),
               testing::HasSubstr("(rigid or spring; default rigid; key hand.kind)"));
+}
+
+// Words of the registry, so that no algorithm is missing where people look for its name.
+TEST(OptionTable, HelpAndDocumentNameEveryAlgorithm) {
+  for (const AlgorithmEntry& entry : algorithms()) {
+    EXPECT_THAT(optionHelp(*optionOfKey("servo.algorithm")), testing::HasSubstr(std::string(entry.name)));
+    EXPECT_THAT(sceneDocument(), testing::HasSubstr(fmt::format("\n| `{}` | {} |\n", entry.name, entry.description)));
+  }
+  EXPECT_EQ(Scene{}.algorithm, algorithms().front().name);
 }
 
 TEST(SceneDocument, IsTheCommittedPage) {

@@ -132,6 +132,25 @@ TEST(OptionValue, ScreenUnitsBecomeTheCodesUnits) {
   EXPECT_EQ(optionText(optionOfKey("path.start_mm")->value, scene), "1,-2,3");
 }
 
+TEST(OptionValue, TablesTakeRowsOfNumbers) {
+  Scene scene;
+  EXPECT_EQ(optionText(optionOfKey("haptization.density")->value, scene), "");
+  set("haptization.density", "-1000:0:0, 200 : 0.5:1 ,1e3:2:0", scene);
+  EXPECT_EQ(scene.haptization_density, (NumberTable{{-1000, 0, 0}, {200, 0.5, 1}, {1000, 2, 0}}));
+  EXPECT_EQ(optionText(optionOfKey("haptization.density")->value, scene), "-1000:0:0,200:0.5:1,1000:2:0");
+  set("haptization.gradient", "0:0,50:1", scene);  // density per millimetre
+  EXPECT_EQ(scene.haptization_gradient, (NumberTable{{0, 0}, {50000, 1}}));
+  EXPECT_EQ(optionText(optionOfKey("haptization.gradient")->value, scene), "0:0,50:1");
+}
+
+TEST(OptionValue, TablesRefuseWhatIsNone) {
+  for (const char* text : {"", " ", "1", "1:2", "1:2:3:4", "1:2:3,", ",1:2:3", "1:2:3,4:5", "1:2:x", "1:2:nan",
+                           "1:inf:3", "1::3", "1:2:3;4:5:6"}) {
+    expectRefused(*optionOfKey("haptization.density"), text);
+  }
+  expectRefused(*optionOfKey("haptization.gradient"), "1:2:3");
+}
+
 TEST(OptionValue, ChosenValuesAreEmptyUntilGiven) {
   Scene scene;
   EXPECT_EQ(optionText(optionOfKey("isovalue")->value, scene), "");

@@ -60,10 +60,18 @@ clock = "simulated"
 [path]
 toward = [0, 0, -2]
 start_mm = [1.5, -2, 3]
+[haptization]
+density = [[-1000, 0, 0], [200, 0.5, 1]]
+gradient = [
+  [0, 0],
+  [50, 1],
+]
 [output]
 trace = false
 picture = "on"
 )");
+  EXPECT_EQ(scene.haptization_density, (NumberTable{{-1000, 0, 0}, {200, 0.5, 1}}));
+  EXPECT_EQ(scene.haptization_gradient, (NumberTable{{0, 0}, {50000, 1}}));
   EXPECT_EQ(scene.volume, "phantom:knot?size=32");
   EXPECT_EQ(scene.isovalue, -20.5);
   EXPECT_TRUE(scene.gradient_all);
@@ -114,11 +122,30 @@ TEST_F(SceneFile, UnknownKeysAreRefusedWithTheNearest) {
 }
 
 TEST_F(SceneFile, ValuesOfAnotherKindAreRefused) {
-  for (const char* text :
-       {"volume = 5", "volume = true", "volume = [1, 2]", "volume = 2020-01-01", "gpu = 1.5", "isovalue = \"5\"",
-        "isovalue = true", "isovalue = [5]", "servo.n = \"5\"", "servo.n = false", "servo.clock = 1",
-        "servo.clock = [\"real\"]", "path.toward = \"0,0,1\"", "path.toward = 1", "path.toward = [[0, 0], 1]",
-        "path.toward = [\"0\", \"0\", \"1\"]", "output.trace = 1", "output.folder = 7", "isovalue = 12:00:00"}) {
+  for (const char* text : {"volume = 5",
+                           "volume = true",
+                           "volume = [1, 2]",
+                           "volume = 2020-01-01",
+                           "gpu = 1.5",
+                           "isovalue = \"5\"",
+                           "isovalue = true",
+                           "isovalue = [5]",
+                           "servo.n = \"5\"",
+                           "servo.n = false",
+                           "servo.clock = 1",
+                           "servo.clock = [\"real\"]",
+                           "path.toward = \"0,0,1\"",
+                           "path.toward = 1",
+                           "path.toward = [[0, 0], 1]",
+                           "path.toward = [\"0\", \"0\", \"1\"]",
+                           "haptization.density = 1",
+                           "haptization.density = [1, 2, 3]",
+                           "haptization.density = [[1, 2, 3], 4]",
+                           "haptization.density = [[1, 2, \"3\"]]",
+                           "haptization.density = \"1:2:3\"",
+                           "output.trace = 1",
+                           "output.folder = 7",
+                           "isovalue = 12:00:00"}) {
     const std::string message = refusalOf(std::string(text) + "\n");
     EXPECT_THAT(message, HasSubstr("scene.toml:1: ")) << text;
     EXPECT_THAT(message, HasSubstr("another kind")) << text;
@@ -127,9 +154,11 @@ TEST_F(SceneFile, ValuesOfAnotherKindAreRefused) {
 }
 
 TEST_F(SceneFile, ValuesOfTheRightKindThatDoNotFitAreRefused) {
-  for (const char* text : {"servo.n = 0", "servo.n = 2.5", "isovalue = nan", "isovalue = inf", "servo.clock = \"fast\"",
-                           "hand.kind = true", "path.toward = [0, 0, 0]", "path.toward = [1, 0]", "path.toward = []",
-                           "path.start_mm = [1, 2, nan]", "servo.seconds = -1"}) {
+  for (const char* text :
+       {"servo.n = 0", "servo.n = 2.5", "isovalue = nan", "isovalue = inf", "servo.clock = \"fast\"",
+        "hand.kind = true", "path.toward = [0, 0, 0]", "path.toward = [1, 0]", "path.toward = []",
+        "path.start_mm = [1, 2, nan]", "haptization.density = []", "haptization.density = [[]]",
+        "haptization.density = [[1, 2]]", "haptization.gradient = [[1, 2], [3, inf]]", "servo.seconds = -1"}) {
     EXPECT_THAT(refusalOf(std::string(text) + "\n"), HasSubstr("is not what it takes; give ")) << text;
   }
 }

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/touch/algorithm_setup.hpp"
+
+#include <gtest/gtest.h>
+
+namespace palpate {
+namespace {
+
+TEST(AlgorithmSetup, CarriesWhatTheSceneAsks) {
+  Scene scene;
+  scene.stiffness_N_per_m = 7;
+  scene.damping_Ns_per_m = 3;
+  scene.plane_renewal_ticks = 9;
+  scene.haptization_density = {{-1000, 0.5, 1}, {200, 2, 3}};
+  scene.haptization_gradient = {{0, 0}, {5e4, 1}};
+  const AlgorithmSetup setup = algorithmSetup(scene, 42, {.contrast = 11, .voxel_m = 2e-3});
+  EXPECT_EQ(setup.parameters.isovalue, 42);
+  EXPECT_EQ(setup.parameters.stiffness_N_per_m, 7);
+  EXPECT_EQ(setup.parameters.damping_Ns_per_m, 3);
+  EXPECT_EQ(setup.parameters.plane_renewal_ticks, 9);
+  ASSERT_EQ(setup.haptization.density.size(), 2u);
+  EXPECT_EQ(setup.haptization.density[1].density, 200);
+  EXPECT_EQ(setup.haptization.density[1].force_N, 2);
+  EXPECT_EQ(setup.haptization.density[1].viscosity_Ns_per_m, 3);
+  ASSERT_EQ(setup.haptization.gradient.size(), 2u);
+  EXPECT_EQ(setup.haptization.gradient[1].gradient_per_m, 5e4);
+  EXPECT_EQ(setup.haptization.gradient[1].weight, 1);
+  EXPECT_EQ(setup.scale.contrast, 11);
+  EXPECT_EQ(setup.scale.voxel_m, 2e-3);
+}
+
+// Gradients are computed where the isosurface is; what feels elsewhere needs them there, or it would feel nothing.
+TEST(AlgorithmSetup, AlgorithmsThatFeelAwayFromTheSurfaceGetGradientsThere) {
+  Scene scene;
+  for (const AlgorithmEntry& entry : algorithms()) {
+    scene.algorithm = entry.name;
+    EXPECT_EQ(planFor(scene).gradient_all, entry.name == "avila" || entry.name == "haptization") << entry.name;
+  }
+  scene.algorithm = "hri";
+  scene.gradient_all = true;
+  EXPECT_TRUE(planFor(scene).gradient_all);
+}
+
+}  // namespace
+}  // namespace palpate
