@@ -64,20 +64,25 @@ BlezekSurface::Inching BlezekSurface::inchAlong(const IsoField& field, const Vec
       faults |= bit(ServoFault::kZeroGradient);
       return Inching::kLost;
     }
-    const double per_steepness = 1 / std::sqrt(steepness_squared);
-    const double residual_m = (f.density - field.isovalue()) * per_steepness;  // depth of x below the surface
-    if (!(std::abs(residual_m) <= h_m)) return Inching::kLost;
-    normal_W_ = f.gradient_W * -per_steepness;
-    x_W += normal_W_ * residual_m;
+    // No roots but the normal's at the end: lengths are compared by their squares, in units of density.
+    const double excess = f.density - field.isovalue();
+    const double voxel_squared = h_m * h_m * steepness_squared;  // a voxel's worth of density, squared
+    if (!(excess * excess <= voxel_squared)) return Inching::kLost;
+    const double per_squared = 1 / steepness_squared;
+    x_W -= f.gradient_W * (excess * per_squared);
 
     const Vec3 line_W = x_W - hip_W;
-    const double depth_m = normal_W_.dot(line_W);
-    const Vec3 aside_W = line_W - depth_m * normal_W_;
+    const double along = f.gradient_W.dot(line_W) * per_squared;
+    const Vec3 aside_W = line_W - f.gradient_W * along;
     const double aside_squared_m2 = aside_W.squaredNorm();
     // On the surface the line has no length, and no direction: an angle counts from a tenth of a voxel on.
-    const double lever_m = std::max(std::abs(depth_m), 0.1 * h_m);
-    const bool aligned = aside_squared_m2 <= kAlignment * kAlignment * lever_m * lever_m;
-    if ((aligned && std::abs(residual_m) <= kOnSurface * h_m) || inch == kMaxInches) break;
+    const double lever_squared_m2 = std::max(along * along * steepness_squared, 0.01 * h_m * h_m);
+    const bool aligned = aside_squared_m2 <= kAlignment * kAlignment * lever_squared_m2;
+    const bool on_surface = excess * excess <= kOnSurface * kOnSurface * voxel_squared;
+    if ((aligned && on_surface) || inch == kMaxInches) {
+      normal_W_ = f.gradient_W / -std::sqrt(steepness_squared);
+      break;
+    }
     const double longest_m = kInch * h_m;
     const bool near = aside_squared_m2 <= longest_m * longest_m;
     x_W -= near ? aside_W : Vec3(aside_W * (longest_m / std::sqrt(aside_squared_m2)));

@@ -4,8 +4,8 @@
 // The way from the last place known to be outside to the HIP is searched for its first crossing. Inside at the start,
 // or after an edit has buried the tool: no entry until the HIP has been outside once (kInsideObject). A tick that
 // cannot see the HIP (kBeyondWindow) is bridged by the straight line of the next one that can.
-// Frame W: world [m]. Thread: the servo's. Cost: a fetch for each half voxel of way, one at least; more at an entry
-// (IsoField::firstEntry). Errors: faults.
+// Frame W: world [m]. Thread: the servo's. Cost: one fetch and IsoField::firstEntry, which for a short way that does
+// not enter takes none. Errors: faults.
 #pragma once
 
 #include <optional>

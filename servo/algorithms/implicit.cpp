@@ -59,11 +59,17 @@ std::uint32_t ImplicitSurface::ontoSurface(const IsoField& field, const Vec3& x_
   if (!(steepness_squared > 0) || !std::isfinite(steepness_squared)) {
     return bit(ServoFault::kZeroGradient) | bit(ServoFault::kSurfaceLost);
   }
-  const double per_steepness = 1 / std::sqrt(steepness_squared);
-  residual_m = (f.density - field.isovalue()) * per_steepness;  // depth of x below the surface
+  const double steepness = std::sqrt(steepness_squared);
+  const double excess = f.density - field.isovalue();
+  residual_m = excess / steepness;  // depth of x below the surface
   if (!std::isfinite(residual_m)) return bit(ServoFault::kSurfaceLost);
-  normal_W_ = f.gradient_W * -per_steepness;
-  p_W_ = x_W + normal_W_ * std::clamp(residual_m, -field.voxel(), field.voxel());
+  normal_W_ = f.gradient_W / -steepness;
+  // The way of a step needs no root; only one that is cut short goes by the normal.
+  if (std::abs(residual_m) <= field.voxel()) {
+    p_W_ = x_W - f.gradient_W * (excess / steepness_squared);
+  } else {
+    p_W_ = x_W + normal_W_ * std::clamp(residual_m, -field.voxel(), field.voxel());
+  }
   return 0;
 }
 
