@@ -184,7 +184,7 @@ TEST_F(DensityTextureTest, DoesNotDependOnTheUnitOfDensity) {
 }
 
 TEST_F(DensityTextureTest, ALevelFieldHasNone) {
-  for (const Vec3& way : wander(100)) {
+  for (const Vec3& way : wander(10)) {
     EXPECT_NEAR(height([](const Vec3& p) { return kSurface.z() - p.z(); }, kSurface + 3 * way), 0, kFloat_m);
   }
 }
