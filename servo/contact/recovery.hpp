@@ -10,10 +10,13 @@
 // - A first contact is no switch: there is no displacement to keep.
 // - The offset never makes the depth negative: the part along the normal that would do so is left out in that tick, so
 //   the VHIP then lies beside the HIP and the contact pushes no more; it does not pull.
-// Offsets are whole numbers of 1e-18 m: sums of them have no rounding, so nothing is left over and nothing drifts.
-// Source: Mark et al. (SIGGRAPH 1996), the paper, section 3.3 and Figure 6; the rule of VRPN's plane.C, which restarts
-// one ramp at every switch, where here every jump has its own. Frame W: world [m]. Thread: move() and release() the
-// servo's. Cost: some 10 ns; memory 24 bytes per tick of recovery, taken when it is made.
+// What it costs: on a surface of radius R, planes n ticks apart err in depth by j = (v n T)^2 / (2 R) when they are
+// renewed, and recovery keeps each j for (N + 1) / 2 ticks in the mean, so the depth is off by j (N + 1) / (2 n). Where
+// the surface curves evenly the steps can only fall to j / n. Offsets are whole numbers of 1e-18 m: sums of them have
+// no rounding, so nothing is left over and nothing drifts. Source: Mark et al. (SIGGRAPH 1996), the paper, section 3.3
+// and Figure 6; the rule of VRPN's plane.C, which restarts one ramp at every switch, where here every jump has its own.
+// Frame W: world [m]. Thread: move() and release() the servo's. Cost: some 10 ns; memory 24 bytes per tick of recovery,
+// taken when it is made.
 #pragma once
 
 #include <cstdint>

@@ -186,7 +186,7 @@ TEST(ForceShadingInAGroove, DoesNotRunAway) {
   const AnalyticVolume volume =
       millimetreVolume([=](const Vec3& p) { return std::hypot(p.x() - axis.x(), p.z() - axis.z()) - R; });
   AlgorithmParameters p;
-  p.plane_renewal_ticks = 5;
+  p.plane_renewal_ticks = 20;
   ContactEffects effects;
   effects.push_back(std::make_unique<ForceShading>());
   Hri hri(p, std::move(effects));
