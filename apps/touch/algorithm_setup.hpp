@@ -7,7 +7,7 @@
 
 namespace palpate {
 
-// `isovalue` as the volume has it [density].
+// `isovalue` as the volume has it [density]. Throws Error(kBadInput) on contact effects that cannot be made.
 [[nodiscard]] AlgorithmSetup algorithmSetup(const Scene& scene, double isovalue);
 
 }  // namespace palpate
