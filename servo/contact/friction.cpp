@@ -9,7 +9,7 @@ Friction::Friction(const FrictionParameters& parameters, double stiffness_N_per_
       share_(parameters.viscous_Ns_per_m > 0
                  ? stiffness_N_per_m / (stiffness_N_per_m + parameters.viscous_Ns_per_m * rate_hz)
                  : 1.0),
-      still_m_(kStill_m_per_s / rate_hz) {}
+      still_m_(kStill / rate_hz) {}
 
 void Friction::release() noexcept {
   slipping_ = false;

@@ -11,7 +11,7 @@
 // plane's normal. When the plane changes, the sled is carried onto the new one along its normal, which shortens t,
 // never adds to it. Sources: the paper, section 3 (friction limits the motion of the VHIP); Coulomb's law; the cone
 // test in the tangent plane as in Salcudean and Vlaar (1997), Hayward and Armstrong (2000). Frame W: world [m]. Thread:
-// move() and release() the servo's. Cost: some 5 ns.
+// move() and release() the servo's. Cost: some 20 ns.
 #pragma once
 
 #include "servo/contact/contact_effect.hpp"
@@ -26,7 +26,7 @@ struct FrictionParameters {
 
 class Friction final : public ContactEffect {
  public:
-  static constexpr double kStill_m_per_s = 1e-6;  // rounding must not look like motion
+  static constexpr double kStill = 1e-6;  // [m/s]; rounding must not look like motion
 
   // `stiffness_N_per_m`: K of the contact. All parameters finite and not negative (effects.hpp checks).
   Friction(const FrictionParameters& parameters, double stiffness_N_per_m, double rate_hz) noexcept;

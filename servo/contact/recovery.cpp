@@ -7,7 +7,7 @@
 namespace palpate {
 namespace {
 
-constexpr auto kLongestUnits = static_cast<std::int64_t>(Recovery::kLongest_m / Recovery::kUnit_m);
+constexpr auto kLongestUnits = static_cast<std::int64_t>(Recovery::kLongest / Recovery::kUnit);
 
 }  // namespace
 
@@ -32,17 +32,17 @@ void Recovery::decay() noexcept {
   slot_ = slot_ + 1 == ending_.size() ? 0 : slot_ + 1;
   slope_ -= ending_[slot_];
   ending_[slot_].setZero();
-  // Jumps of opposite sign may leave more than they began with; see kLongest_m.
+  // Jumps of opposite sign may leave more than they began with; see kLongest.
   if (offset_.cwiseAbs().maxCoeff() > kLongestUnits) forget();
 }
 
 // Called after decay(), so a jump begins whole and has lost its N shares N ticks from now.
 void Recovery::takeUp(const Vec3& jump_W) noexcept {
-  if (!jump_W.allFinite() || !((jump_W + offset()).cwiseAbs().maxCoeff() < kLongest_m)) {
+  if (!jump_W.allFinite() || !((jump_W + offset()).cwiseAbs().maxCoeff() < kLongest)) {
     forget();
     return;
   }
-  const double units_per_m = 1 / (kUnit_m * static_cast<double>(ticks_));
+  const double units_per_m = 1 / (kUnit * static_cast<double>(ticks_));
   const Units share(std::llround(jump_W.x() * units_per_m), std::llround(jump_W.y() * units_per_m),
                     std::llround(jump_W.z() * units_per_m));
   if (share.isZero()) return;

@@ -15,7 +15,7 @@
 // the surface curves evenly the steps can only fall to j / n. Offsets are whole numbers of 1e-18 m: sums of them have
 // no rounding, so nothing is left over and nothing drifts. Source: Mark et al. (SIGGRAPH 1996), the paper, section 3.3
 // and Figure 6; the rule of VRPN's plane.C, which restarts one ramp at every switch, where here every jump has its own.
-// Frame W: world [m]. Thread: move() and release() the servo's. Cost: some 10 ns; memory 24 bytes per tick of recovery,
+// Frame W: world [m]. Thread: move() and release() the servo's. Cost: some 15 ns; memory 24 bytes per tick of recovery,
 // taken when it is made.
 #pragma once
 
@@ -28,8 +28,8 @@ namespace palpate {
 
 class Recovery final : public ContactEffect {
  public:
-  static constexpr double kUnit_m = 1e-18;  // of the offset
-  static constexpr double kLongest_m =
+  static constexpr double kUnit = 1e-18;  // of the offset [m]
+  static constexpr double kLongest =
       0.1;  // a larger offset is no surface's: all is forgotten, and no sum of units overflows
 
   // `ticks`: N >= 1.
@@ -39,10 +39,10 @@ class Recovery final : public ContactEffect {
   [[nodiscard]] Vec3 move(const ContactState& contact, const Vec3& vhip_W) noexcept override;
 
   // What is still added to d [m].
-  [[nodiscard]] Vec3 offset() const noexcept { return offset_.cast<double>() * kUnit_m; }
+  [[nodiscard]] Vec3 offset() const noexcept { return offset_.cast<double>() * kUnit; }
 
  private:
-  using Units = Eigen::Matrix<std::int64_t, 3, 1>;  // [kUnit_m]
+  using Units = Eigen::Matrix<std::int64_t, 3, 1>;  // [kUnit]
 
   void forget() noexcept;
   void decay() noexcept;

@@ -15,7 +15,7 @@ namespace palpate {
 
 // A solid texture that fills the world: the mean of kWaves plane waves of one wavelength, in the directions of a
 // regular tetrahedron turned so that none lies along an axis. On a surface each wave shows as one of at least that
-// wavelength. Root mean square: A / sqrt(2 kWaves) = 0.354 A. Cost: some 50 ns (four sines).
+// wavelength. Root mean square: A / sqrt(2 kWaves) = 0.354 A. Cost: some 55 ns (four sines).
 class ProceduralTexture final : public ContactEffect {
  public:
   static constexpr int kWaves = 4;
@@ -40,7 +40,7 @@ class ProceduralTexture final : public ContactEffect {
 // plane, divided by the steepness there, is how far the surface departs from its trend. The neighbours are the
 // lattice's axes laid into the plane, a set that turns with the volume and weighs all directions alike. A smooth
 // surface of radius R reads h^2 / (3 R) for voxels of side h, 0.017 h at 20 voxels. Where the window or the volume
-// ends, or the gradient is zero, there is no texture. Cost: 7 fetches, some 130 ns.
+// ends, or the gradient is zero, there is no texture. Cost: 7 fetches, some 150 ns.
 class DensityTexture final : public ContactEffect {
  public:
   // `gain`: of the departure [-]; the product is cut off at +-`amplitude_m`.

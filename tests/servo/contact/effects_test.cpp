@@ -67,7 +67,8 @@ std::vector<TickOutput> touch(ContactEffects effects, const AnalyticVolume& volu
     return Vec3(R *
                 (kCentre + Vec3(std::sin(angle), 0.1 * std::sin(0.03 * i), std::cos(angle)) * (kRadius + height_m)));
   };
-  AlgorithmDriver driver(*algorithm, volume, at(0), 24);
+  AlgorithmDriver driver(*algorithm, volume, at(0), 40);
+  driver.follow = false;  // one window holds it all
   std::vector<TickOutput> outs;
   for (int i = 0; i < 1000; ++i) outs.push_back(driver.at(at(i)));
   return outs;

@@ -16,7 +16,7 @@ constexpr int kTicks = 10;       // N
 constexpr double kDepth = 1e-3;  // [m]
 
 // An offset is N whole units for each share: off by N / 2 units of 1e-18 m; sums of millimetres in double by 1e-18 m.
-constexpr double kRounding_m = kTicks * Recovery::kUnit_m + 2e-18;
+constexpr double kRounding_m = kTicks * Recovery::kUnit + 2e-18;
 
 ContactPlane level(double height_m) {
   return {Vec3(0, 0, height_m), Vec3::UnitZ(), 0};
@@ -182,7 +182,7 @@ TEST(Recovery, HugeJumpsToAndFroStayBounded) {
   for (int k = 0; k < 5000; ++k) {
     if (k % 250 == 0) contact.renew(level(k % 500 == 0 ? 0.09 : 0));
     contact.at(Vec3::Zero());
-    ASSERT_LE(std::abs(recovery.offset().z()), Recovery::kLongest_m);
+    ASSERT_LE(std::abs(recovery.offset().z()), Recovery::kLongest);
   }
 }
 
