@@ -6,8 +6,8 @@
 // 2. recovery time   takes the steps of plane switches out of that, and of nothing else: after friction it would smear
 //                    stick-slip, after texture the grain;
 // 3. texture         is felt in full, and changes the depth that friction has for its load;
-// 4. friction        holds the VHIP against all of the above, so plane switches do not drag it, and nothing after it
-//                    can turn the force out of the friction cone;
+// 4. friction        holds the VHIP against all of the above, so plane switches do not drag it, and its cone is about
+//                    the direction that they gave the force;
 // 5. stiffness       scales the finished d = VHIP - HIP: what is softer is softer along the surface too, and the
 //                    friction cone keeps its angle (viscous friction scales with the rest).
 // An effect that is not asked for is not made; with none the servo's tick has one comparison more. Set-up code:

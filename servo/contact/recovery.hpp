@@ -28,9 +28,8 @@ namespace palpate {
 
 class Recovery final : public ContactEffect {
  public:
-  static constexpr double kUnit = 1e-18;  // of the offset [m]
-  static constexpr double kLongest =
-      0.1;  // a larger offset is no surface's: all is forgotten, and no sum of units overflows
+  static constexpr double kUnit = 1e-18;   // of the offset [m]
+  static constexpr double kLongest = 0.1;  // [m]; a larger offset is no surface's: all is forgotten
 
   // `ticks`: N >= 1.
   explicit Recovery(int ticks);
