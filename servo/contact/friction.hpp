@@ -9,10 +9,10 @@
 // - it sticks again as soon as it does not move (m = 0; a sled slower than kStill stands still).
 // So slipping steadily at speed v costs mu_d K D + b_v v exactly. D is that of the VHIP that comes in, along the
 // plane's normal. When the plane changes, the sled is carried onto the new one along its normal, which shortens t,
-// never adds to it. Sources: the paper, section 3 (friction limits the
-// motion of the VHIP); Coulomb's law; a sled that sticks and slips as in Salcudean and Vlaar (1997), Hayward and
-// Armstrong (2000). Frame W: world [m]. Thread:
-// move() and release() the servo's. Cost: some 20 ns.
+// never adds to it.
+// Sources: the paper, section 3 (friction limits the motion of the VHIP); Coulomb's law; a sled that sticks and slips
+// as in Salcudean and Vlaar (1997), Hayward and Armstrong (2000). Frame W: world [m]. Thread: move() and release() the
+// servo's. Cost: some 20 ns.
 #pragma once
 
 #include "servo/contact/contact_effect.hpp"
