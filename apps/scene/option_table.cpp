@@ -32,6 +32,8 @@ IntegerOption integer(int Scene::*member, long long lowest, long long highest) {
   return {member, lowest, highest};
 }
 
+constexpr const char* kTextures[] = {"none", "procedural", "density"};
+
 // clang-format off
 const SceneOption kOptions[] = {
     {"--volume", "volume", "", "file, DICOM folder or phantom:NAME?size=64&noise=0.05", TextOption{&Scene::volume}},
@@ -58,6 +60,16 @@ const SceneOption kOptions[] = {
     {"--slew-limit", "safety.slew_limit_N_per_s", "N/s", "no faster change of force leaves the safety gate", number(&Scene::slew_limit_N_per_s, 1, 1, 1e7)},
     {"--fade", "safety.fade_s", "s", "time in which the force fades to zero after a fault", number(&Scene::fade_s, 1, 0, 10)},
     {"--stale", "safety.stale_window_s", "s", "a window not confirmed for so long is a fault", number(&Scene::stale_window_s, 1, 0.001, 60)},
+    {"--force-shading", "contact.force_shading", "", "between plane renewals the force turns with the surface", SwitchOption{&Scene::force_shading, "off", "on"}},
+    {"--recovery", "contact.recovery_ms", "ms", "time over which a new plane takes effect, 0: at once", number(&Scene::recovery_s, 1e-3, 0, 1000)},
+    {"--texture", "contact.texture", "", "fine relief: procedural, or from the density's fine structure", WordOption{&Scene::texture, kTextures}},
+    {"--texture-amplitude", "contact.texture_amplitude_mm", "mm", "the texture moves the surface by no more", number(&Scene::texture_amplitude_m, kMm, 0, 10)},
+    {"--texture-wavelength", "contact.texture_wavelength_mm", "mm", "shortest wavelength of the procedural texture", number(&Scene::texture_wavelength_m, kMm, 0.01, 1000)},
+    {"--texture-gain", "contact.texture_gain", "", "times the density's departure from its trend, for the density texture", number(&Scene::texture_gain, 1, 0, 1000)},
+    {"--friction-static", "contact.friction_static", "", "tangential to normal force at which the contact begins to slip", number(&Scene::friction_static, 1, 0, 10)},
+    {"--friction-dynamic", "contact.friction_dynamic", "", "the same while it slips, at most the static friction", number(&Scene::friction_dynamic, 1, 0, 10)},
+    {"--friction-viscous", "contact.friction_viscous_Ns_per_m", "N s/m", "force per speed while it slips", number(&Scene::friction_viscous_Ns_per_m, 1, 0, 1000)},
+    {"--stiffness-density", "contact.stiffness_density", "", "stiffness by the density under the surface: factors of K, densities rising, linear between", TableOption{&Scene::stiffness_density, 1, "density:factor"}},
     {"--hand", "hand.kind", "", "rigid: the device is exactly on the path; spring: a hand pulls it and feels the force",
      SwitchOption{&Scene::spring_hand, "rigid", "spring"}},
     {"--hand-mass", "hand.mass_kg", "kg", "mass of the spring hand", number(&Scene::hand_mass_kg, 1, 0, 100)},

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/scene/option_value.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <string_view>
@@ -92,6 +93,10 @@ struct Setter {
     if (text != option.word_if_false && text != option.word_if_true) refuse(where, text, value);
     scene.*option.member = text == option.word_if_true;
   }
+  void operator()(const WordOption& option) const {
+    if (std::find(option.words.begin(), option.words.end(), text) == option.words.end()) refuse(where, text, value);
+    scene.*option.member = text;
+  }
   void operator()(const VectorOption& option) const {
     const auto vector = parseVector(text);
     if (!vector || (option.direction && vector->isZero(0))) refuse(where, text, value);
@@ -122,6 +127,7 @@ struct Writer {
   std::string operator()(const SwitchOption& option) const {
     return scene.*option.member ? option.word_if_true : option.word_if_false;
   }
+  std::string operator()(const WordOption& option) const { return scene.*option.member; }
   std::string operator()(const VectorOption& option) const {
     const std::optional<Vec3>& vector = scene.*option.member;
     if (!vector) return {};
@@ -148,6 +154,14 @@ struct Form {
   std::string operator()(const TextOption&) const { return "text"; }
   std::string operator()(const SwitchOption& option) const {
     return fmt::format("{} or {}", option.word_if_false, option.word_if_true);
+  }
+  std::string operator()(const WordOption& option) const {
+    std::string text;
+    for (std::size_t i = 0; i < option.words.size(); ++i) {
+      const char* between = i + 1 < option.words.size() ? ", " : " or ";
+      text += (i == 0 ? "" : between) + std::string(option.words[i]);
+    }
+    return text;
   }
   std::string operator()(const VectorOption& option) const {
     return option.direction ? "x,y,z, not all zero" : "x,y,z";

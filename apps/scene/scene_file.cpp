@@ -55,6 +55,7 @@ struct ValueText {
   Text operator()(const NumberOption&) const { return node.is_number() ? Text(numberText(node)) : Text(); }
   Text operator()(const IntegerOption&) const { return node.is_number() ? Text(numberText(node)) : Text(); }
   Text operator()(const TextOption&) const { return node.is_string() ? Text(node.as_string()->get()) : Text(); }
+  Text operator()(const WordOption&) const { return node.is_string() ? Text(node.as_string()->get()) : Text(); }
   Text operator()(const SwitchOption&) const {
     if (const auto* flag = node.as_boolean()) return flag->get() ? "on" : "off";
     return node.is_string() ? Text(node.as_string()->get()) : Text();

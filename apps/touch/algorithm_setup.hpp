@@ -7,7 +7,8 @@
 
 namespace palpate {
 
-// `isovalue` as the volume has it [density]; `scale`: how its densities lie about it.
+// `isovalue` as the volume has it [density]; `scale`: how its densities lie about it. Throws
+// Error(kBadInput) on contact effects that cannot be made.
 [[nodiscard]] AlgorithmSetup algorithmSetup(const Scene& scene, double isovalue, const DensityScale& scale = {});
 
 // The scene's plan; an algorithm that feels away from the isosurface gets gradients there.

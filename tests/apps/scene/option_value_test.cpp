@@ -99,6 +99,24 @@ TEST(OptionValue, SwitchesTakeTheirTwoWordsOnly) {
   }
 }
 
+TEST(OptionValue, WordsAreTakenFromTheirListOnly) {
+  ASSERT_FALSE(optionsOfKind<WordOption>().empty());
+  for (const SceneOption* option : optionsOfKind<WordOption>()) {
+    const auto& words = std::get<WordOption>(option->value);
+    ASSERT_GT(words.words.size(), 1u);
+    EXPECT_EQ(optionText(option->value, Scene{}), words.words.front());
+    for (const char* word : words.words) {
+      Scene scene;
+      setOption(option->value, word, option->flag, scene);
+      EXPECT_EQ(scene.*words.member, word);
+      EXPECT_EQ(optionText(option->value, scene), word);
+      expectRefused(*option, std::string(word) + " ");
+    }
+    for (const char* text : {"", "1", "maybe"}) expectRefused(*option, text);
+  }
+  EXPECT_EQ(optionForm(optionOfKey("contact.texture")->value), "none, procedural or density");
+}
+
 TEST(OptionValue, VectorsTakeThreeNumbers) {
   for (const SceneOption* option : optionsOfKind<VectorOption>()) {
     for (const char* text : {"", "1", "1,2", "1,2,3,4", "1,2,", ",,", "1,2,x", "1,2,nan", "1,inf,3", "1;2;3"}) {

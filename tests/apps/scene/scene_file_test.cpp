@@ -84,6 +84,24 @@ picture = "on"
   EXPECT_TRUE(scene.picture);
 }
 
+TEST_F(SceneFile, SetsContactEffects) {
+  const Scene scene = read(R"(
+[contact]
+force_shading = true
+recovery_ms = 20
+texture = "density"
+texture_amplitude_mm = 0.05
+friction_static = 0.5
+stiffness_density = [[200, 0.3], [700, 1]]
+)");
+  EXPECT_TRUE(scene.force_shading);
+  EXPECT_DOUBLE_EQ(scene.recovery_s, 0.02);
+  EXPECT_EQ(scene.texture, "density");
+  EXPECT_DOUBLE_EQ(scene.texture_amplitude_m, 0.05e-3);
+  EXPECT_EQ(scene.friction_static, 0.5);
+  EXPECT_EQ(scene.stiffness_density, (NumberTable{{200, 0.3}, {700, 1}}));
+}
+
 TEST_F(SceneFile, DottedKeysAndInlineTablesAreTables) {
   EXPECT_EQ(read("servo.n = 3\n").plane_renewal_ticks, 3);
   EXPECT_EQ(read("servo = { n = 4 }\n").plane_renewal_ticks, 4);
@@ -153,10 +171,15 @@ TEST_F(SceneFile, ValuesOfAnotherKindAreRefused) {
   }
 }
 
+TEST_F(SceneFile, AWordIsNoNumberAndNoSwitch) {
+  EXPECT_THAT(refusalOf("contact.texture = 1\n"), HasSubstr("another kind"));
+  EXPECT_THAT(refusalOf("contact.texture = false\n"), HasSubstr("another kind"));
+}
+
 TEST_F(SceneFile, ValuesOfTheRightKindThatDoNotFitAreRefused) {
   for (const char* text :
        {"servo.n = 0", "servo.n = 2.5", "isovalue = nan", "isovalue = inf", "servo.clock = \"fast\"",
-        "hand.kind = true", "path.toward = [0, 0, 0]", "path.toward = [1, 0]", "path.toward = []",
+        "contact.texture = \"velvet\"", "hand.kind = true", "path.toward = [0, 0, 0]", "path.toward = [1, 0]", "path.toward = []",
         "path.start_mm = [1, 2, nan]", "haptization.density = []", "haptization.density = [[]]",
         "haptization.density = [[1, 2]]", "haptization.gradient = [[1, 2], [3, inf]]", "servo.seconds = -1"}) {
     EXPECT_THAT(refusalOf(std::string(text) + "\n"), HasSubstr("is not what it takes; give ")) << text;
