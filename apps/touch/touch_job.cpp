@@ -14,6 +14,7 @@
 #include "apps/report/html_report.hpp"
 #include "apps/report/summary.hpp"
 #include "apps/report/trace_csv.hpp"
+#include "apps/touch/algorithm_setup.hpp"
 #include "apps/touch/exact_errors.hpp"
 #include "apps/touch/output_folder.hpp"
 #include "apps/touch/picture.hpp"
@@ -78,10 +79,7 @@ void checkEarly(const Scene& scene) {
     throw Error(Error::Code::kBadInput, "palpate touch", "no volume is given",
                 "name a file, a DICOM folder or a phantom, for example phantom:sphere?size=64");
   }
-  (void)makeAlgorithm(scene.algorithm, {.isovalue = scene.isovalue.value_or(0.0),
-                                        .stiffness_N_per_m = scene.stiffness_N_per_m,
-                                        .damping_Ns_per_m = scene.damping_Ns_per_m,
-                                        .plane_renewal_ticks = scene.plane_renewal_ticks});
+  (void)makeAlgorithm(scene.algorithm, algorithmSetup(scene, scene.isovalue.value_or(0.0)));
   VelocityParameters velocity;
   velocity.name = scene.velocity;
   (void)VelocityEstimate(velocity, scene.rate_hz);
@@ -106,6 +104,10 @@ std::string shownName(const VolumeFacts& facts) {
 RunVolume volumeOf(const Volume& volume, double isovalue) {
   return {shownName(volume.facts()), volume.facts().format, volume.size(), volume.lattice().spacing_m,
           volume.minimum(),          volume.maximum(),      isovalue};
+}
+
+DensityScale densityScale(const Volume& volume, double isovalue) {
+  return {.contrast = volume.maximum() - isovalue, .voxel_m = volume.lattice().smallestSpacing()};
 }
 
 std::vector<std::string> planWords(const Plan& plan, const PlanFacts& facts) {
@@ -199,7 +201,7 @@ TouchRun runTouchJob(const Scene& scene, const std::string& command, const std::
   run.phases = path.phases;
   run.notes = path.notes;
 
-  const Plan plan = makePlan(scene);
+  const Plan plan = planFor(scene);
   const auto engine = stages.run("open Vulkan device", "computing on Vulkan",
                                  [&] { return std::make_unique<Engine>(volume, plan, isovalue, scene.gpu); });
   run.vulkan = {engine->gpu().name, engine->gpu().driver, engine->gpu().api_version};
@@ -208,8 +210,11 @@ TouchRun runTouchJob(const Scene& scene, const std::string& command, const std::
   run.stages.insert(run.stages.end(), engine->stages().begin(), engine->stages().end());
   run.plan = planWords(plan, engine->planFacts());
 
-  LoopResult result = stages.run("servo", fmt::format("palpating with {} on {}", scene.algorithm, engine->gpu().name),
-                                 [&] { return runServo(run.scene, isovalue, path.path, *engine, progress); });
+  LoopResult result =
+      stages.run("servo", fmt::format("palpating with {} on {}", scene.algorithm, engine->gpu().name), [&] {
+        return runServo(run.scene, algorithmSetup(scene, isovalue, densityScale(volume, isovalue)), path.path, *engine,
+                        progress);
+      });
   run.records = std::move(result.records);
   run.realtime = realTimeWords(scene, result);
   run.faults = faultsOf(run);

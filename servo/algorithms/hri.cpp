@@ -7,49 +7,40 @@
 
 namespace palpate {
 
-Hri::Hri(const AlgorithmParameters& parameters, ContactEffects effects) noexcept
-    : parameters_(parameters), effects_(std::move(effects)) {}
-
-void Hri::reset(const Vec3& hip_W) noexcept {
+void HriSurface::reset(const Vec3& hip_W) noexcept {
   surface_ = {};
-  vhip_W_ = hip_W;
   age_ticks_ = 0;
-  in_contact_ = new_contact_ = held_ = armed_ = false;
+  vhip_W_ = hip_W;
+  in_contact_ = held_ = armed_ = false;
   edit_version_ = field_version_ = 0;
   field_samples_ = nullptr;
-  for (auto& effect : effects_) effect->release();
 }
 
-void Hri::tick(const TickInput& in, TickOutput& out) noexcept {
-  out = TickOutput{};
-  const SampleWindow& window = *in.window;
-  new_contact_ = false;
+bool HriSurface::find(const SampleWindow& window, const Vec3& hip_W, std::uint32_t& faults) noexcept {
   if (!window.usable()) {
     held_ = true;
-    out.faults |= bit(ServoFault::kNoWindow);
+    faults |= bit(ServoFault::kNoWindow);
   } else if (!in_contact_) {
     refreshField(window);
-    moveFreely(in.hip_W, out.faults);
+    moveFreely(hip_W, faults);
   } else {
     ++age_ticks_;
-    const bool in_front = surface_.normal_W.dot(surface_.p_W - in.hip_W) <= 0;
-    const bool due = age_ticks_ >= parameters_.plane_renewal_ticks;
+    const bool in_front = plane().depth(hip_W) <= 0;
+    const bool due = age_ticks_ >= renewal_ticks_;
     if (due || in_front || held_ || window.edit_version != edit_version_) {
       refreshField(window);
-      renew(in.hip_W, out.faults);
+      renew(hip_W, faults);
     }
   }
-  if (in_contact_ && !held_) {
-    push(in, out);
-  } else {
-    vhip_W_ = in_contact_ ? vhip_W_ : in.hip_W;
-    out.vhip_W = in.hip_W;
-  }
+  const bool touching = in_contact_ && !held_;
+  if (touching) vhip_W_ = plane().nearest(hip_W);
+  if (!in_contact_) vhip_W_ = hip_W;
+  return touching;
 }
 
-void Hri::refreshField(const SampleWindow& window) noexcept {
+void HriSurface::refreshField(const SampleWindow& window) noexcept {
   if (window.version != field_version_ || window.samples != field_samples_) {
-    field_ = IsoField(window, parameters_.isovalue);
+    field_ = IsoField(window, isovalue_);
     field_version_ = window.version;
     field_samples_ = window.samples;
   }
@@ -64,16 +55,19 @@ void Hri::refreshField(const SampleWindow& window) noexcept {
 
 // ---- in contact ----
 
-void Hri::renew(const Vec3& hip_W, std::uint32_t& faults) noexcept {
-  held_ = field_.sampler().place(hip_W) == Place::kBeyondWindow;
-  if (!held_ && field_.sampler().place(surface_.p_W) == Place::kBeyondWindow) {
-    // The window has left the old surface point behind; the plane under the HIP is the best that is known.
-    surface_.p_W = hip_W + surface_.normal_W * surface_.normal_W.dot(surface_.p_W - hip_W);
-  }
+void HriSurface::renew(const Vec3& hip_W, std::uint32_t& faults) noexcept {
+  // The HIP may be anywhere; the surface point must be in the window. Where the window has left that behind, the plane
+  // under the HIP is the best that is known.
+  const auto seen = [&] { return field_.sampler().place(surface_.p_W) != Place::kBeyondWindow; };
+  if (!seen()) surface_.p_W = plane().nearest(hip_W);
+  held_ = !seen();
   const Track result = held_ ? Track::kBeyondWindow : SurfaceTracker::follow(field_, hip_W, surface_);
   switch (result) {
+    case Track::kFoundFlat:
+      faults |= bit(ServoFault::kZeroGradient);
+      [[fallthrough]];
     case Track::kFound:
-      if (surface_.normal_W.dot(surface_.p_W - hip_W) > 0) {
+      if (plane().depth(hip_W) > 0) {
         age_ticks_ = 0;
       } else {
         relocate(field_.probe(hip_W), faults);
@@ -97,7 +91,7 @@ void Hri::renew(const Vec3& hip_W, std::uint32_t& faults) noexcept {
 }
 
 // The HIP has left the sheet, or the sheet is gone: is there object between the VHIP and the HIP, or around the HIP?
-void Hri::relocate(const Probe& hip, std::uint32_t& faults) noexcept {
+void HriSurface::relocate(const Probe& hip, std::uint32_t& faults) noexcept {
   // The VHIP may be in the object by a rounding, so the search begins a little in front of it.
   const Probe start = field_.probe(vhip_W_ + surface_.normal_W * (kStandOff * field_.voxel()));
   const auto entry = field_.firstEntry(start, hip);
@@ -110,17 +104,16 @@ void Hri::relocate(const Probe& hip, std::uint32_t& faults) noexcept {
   release(hip);
 }
 
-void Hri::release(const Probe& hip) noexcept {
+void HriSurface::release(const Probe& hip) noexcept {
   in_contact_ = false;
   age_ticks_ = 0;
   armed_ = hip.side == Side::kOutside;
   free_ = hip;
-  for (auto& effect : effects_) effect->release();
 }
 
 // ---- free ----
 
-void Hri::moveFreely(const Vec3& hip_W, std::uint32_t& faults) noexcept {
+void HriSurface::moveFreely(const Vec3& hip_W, std::uint32_t& faults) noexcept {
   const Probe hip = field_.probe(hip_W);
   if (hip.side == Side::kUnknown) {
     held_ = true;
@@ -147,7 +140,7 @@ void Hri::moveFreely(const Vec3& hip_W, std::uint32_t& faults) noexcept {
 }
 
 // Contact at an entry, if the surface point nearest to the HIP has the HIP behind it.
-bool Hri::touch(const Entry& entry, const Probe& hip, std::uint32_t& faults) noexcept {
+bool HriSurface::touch(const Entry& entry, const Probe& hip, std::uint32_t& faults) noexcept {
   SurfacePoint surface{entry.p_W, -entry.direction_W, entry.face};
   bool flat = false;
   if (entry.face.any()) {
@@ -160,8 +153,8 @@ bool Hri::touch(const Entry& entry, const Probe& hip, std::uint32_t& faults) noe
   const auto behind = [&](const SurfacePoint& s) { return s.normal_W.dot(s.p_W - hip.p_W) > 0; };
   SurfacePoint nearest = surface;
   const Track result = flat ? Track::kFlat : SurfaceTracker::follow(field_, hip.p_W, nearest);
-  if (flat || result == Track::kFlat) faults |= bit(ServoFault::kZeroGradient);
-  if (result == Track::kFound && behind(nearest)) {
+  if (flat || result == Track::kFlat || result == Track::kFoundFlat) faults |= bit(ServoFault::kZeroGradient);
+  if ((result == Track::kFound || result == Track::kFoundFlat) && behind(nearest)) {
     settle(nearest);
     return true;
   }
@@ -171,40 +164,10 @@ bool Hri::touch(const Entry& entry, const Probe& hip, std::uint32_t& faults) noe
   return true;
 }
 
-void Hri::settle(const SurfacePoint& surface) noexcept {
-  new_contact_ = !in_contact_;
+void HriSurface::settle(const SurfacePoint& surface) noexcept {
   in_contact_ = true;
   surface_ = surface;
   age_ticks_ = 0;
-}
-
-// ---- force ----
-
-Vec3 Hri::moveByEffects(const TickInput& in, Vec3 vhip_W) noexcept {
-  const ContactState contact{in.hip_W,          in.hip_velocity_W, surface_.p_W,
-                             surface_.normal_W, new_contact_,      age_ticks_ == 0};
-  for (auto& effect : effects_) vhip_W = effect->move(contact, vhip_W);
-  return vhip_W;
-}
-
-// Equations 2 and 3 of the paper. Without effects d lies along N; what effects add to it aside is a force of K alone.
-void Hri::push(const TickInput& in, TickOutput& out) noexcept {
-  const Vec3& normal_W = surface_.normal_W;
-  const double depth_m = normal_W.dot(surface_.p_W - in.hip_W);
-  const double damping_N = parameters_.damping_Ns_per_m * normal_W.dot(in.hip_velocity_W);
-  vhip_W_ = in.hip_W + depth_m * normal_W;
-  if (effects_.empty()) {
-    out.force_W = std::max(0.0, parameters_.stiffness_N_per_m * depth_m - damping_N) * normal_W;
-  } else {
-    vhip_W_ = moveByEffects(in, vhip_W_);
-    const Vec3 spring_W = parameters_.stiffness_N_per_m * (vhip_W_ - in.hip_W);
-    const double along_N = normal_W.dot(spring_W);
-    out.force_W = spring_W + normal_W * (std::max(0.0, along_N - damping_N) - along_N);
-  }
-  out.vhip_W = vhip_W_;
-  out.normal_W = normal_W;
-  out.in_contact = true;
-  out.plane_age_ticks = age_ticks_;
 }
 
 }  // namespace palpate

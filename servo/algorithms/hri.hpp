@@ -11,8 +11,8 @@
 //   one.
 // - VHIP and HIP both inside (the surface moved): search outward along N, then follow the surface as always.
 // - Inside at the start, or buried by an edit: no force until the HIP has been outside once (kInsideObject).
-// - HIP beyond the window: no force (kBeyondWindow). What was touched is remembered; short gaps in free motion are
-//   searched along the straight line, once the window has caught up.
+// - Surface under the HIP, or in free motion the HIP, beyond the window: no force (kBeyondWindow). What was touched is
+//   remembered; short gaps in free motion are searched along the straight line, once the window has caught up.
 // - Flat field at the surface (kZeroGradient): the plane keeps its normal, a new one faces the way the HIP came.
 // - Where the volume ends in the object, its face is the surface. The force never pulls: K d - B v_d is clamped at 0.
 // Frame W: world. Thread: the servo's. Cost: in contact without renewal no transform and no fetch; with renewal one
@@ -22,19 +22,22 @@
 
 #include "servo/algorithms/algorithm.hpp"
 #include "servo/algorithms/surface_tracker.hpp"
-#include "servo/contact/contact_effect.hpp"
+#include "servo/algorithms/vhip_algorithm.hpp"
 
 namespace palpate {
 
-class Hri final : public Algorithm {
+class HriSurface {
  public:
+  static constexpr bool kMayPull = false;
   static constexpr double kLongestGap = 16;     // free motion beyond the window that is searched afterwards [voxel]
   static constexpr double kOutwardSearch = 32;  // from a buried HIP along N [voxel]
   static constexpr double kStandOff = 0.25;     // in front of the VHIP, where a search from it begins [voxel]
 
-  explicit Hri(const AlgorithmParameters& parameters, ContactEffects effects = {}) noexcept;
-  void reset(const Vec3& hip_W) noexcept override;
-  void tick(const TickInput& in, TickOutput& out) noexcept override;
+  explicit HriSurface(const AlgorithmParameters& parameters) noexcept
+      : isovalue_(parameters.isovalue), renewal_ticks_(parameters.plane_renewal_ticks) {}
+  void reset(const Vec3& hip_W) noexcept;
+  bool find(const SampleWindow& window, const Vec3& hip_W, std::uint32_t& faults) noexcept;
+  [[nodiscard]] ContactPlane plane() const noexcept { return {surface_.p_W, surface_.normal_W, age_ticks_}; }
 
  private:
   void refreshField(const SampleWindow& window) noexcept;
@@ -44,17 +47,14 @@ class Hri final : public Algorithm {
   [[nodiscard]] bool touch(const Entry& entry, const Probe& hip, std::uint32_t& faults) noexcept;
   void settle(const SurfacePoint& surface) noexcept;
   void release(const Probe& hip) noexcept;
-  void push(const TickInput& in, TickOutput& out) noexcept;
-  [[nodiscard]] Vec3 moveByEffects(const TickInput& in, Vec3 vhip_W) noexcept;
 
-  AlgorithmParameters parameters_;
-  ContactEffects effects_;
+  double isovalue_;
+  std::int32_t renewal_ticks_;
   SurfacePoint surface_;  // the plane: its point and normal
-  Vec3 vhip_W_ = Vec3::Zero();
   std::int32_t age_ticks_ = 0;
+  Vec3 vhip_W_ = Vec3::Zero();
   bool in_contact_ = false;  // there is a plane, with the HIP behind it when it was found
-  bool new_contact_ = false;
-  bool held_ = false;  // the last tick could not see the HIP; no force until one can
+  bool held_ = false;        // the last tick could not see the HIP; no force until one can
   std::uint64_t edit_version_ = 0;
 
   bool armed_ = false;  // free_ was outside, so the way from it to the HIP can be searched for an entry
@@ -63,5 +63,7 @@ class Hri final : public Algorithm {
   std::uint64_t field_version_ = 0;
   const Sample* field_samples_ = nullptr;
 };
+
+using Hri = VhipAlgorithm<HriSurface>;
 
 }  // namespace palpate

@@ -7,7 +7,7 @@
 
 namespace palpate {
 
-void HriPaper::reset(const Vec3& hip_W) noexcept {
+void HriPaperSurface::reset(const Vec3& hip_W) noexcept {
   vhip_W_ = hip_W;
   has_plane_ = false;
   c_ = 0;
@@ -15,11 +15,11 @@ void HriPaper::reset(const Vec3& hip_W) noexcept {
 }
 
 // p = LinearInterpolation(VHIP, HIP, tau); N = SurfaceNormal(p).
-void HriPaper::makePlane(const WindowSampler& sampler, const Fetch& at_vhip, const Fetch& at_hip, const Vec3& hip_W,
-                         std::uint32_t& faults) noexcept {
+void HriPaperSurface::makePlane(const WindowSampler& sampler, const Fetch& at_vhip, const Fetch& at_hip,
+                                const Vec3& hip_W, std::uint32_t& faults) noexcept {
   has_plane_ = false;
   const double t =
-      std::isinf(at_vhip.density) ? 1.0 : (parameters_.isovalue - at_vhip.density) / (at_hip.density - at_vhip.density);
+      std::isinf(at_vhip.density) ? 1.0 : (isovalue_ - at_vhip.density) / (at_hip.density - at_vhip.density);
   const Vec3 p_W = vhip_W_ + t * (hip_W - vhip_W_);
   const Fetch at_p = sampler.at(p_W);
   const double steepness = at_p.gradient_W.norm();  // [density/m]
@@ -34,11 +34,11 @@ void HriPaper::makePlane(const WindowSampler& sampler, const Fetch& at_vhip, con
 }
 
 // The first half of Figure 2.
-void HriPaper::updatePlane(const SampleWindow& window, const Vec3& hip_W, std::uint32_t& faults) noexcept {
-  const double tau = parameters_.isovalue;
+void HriPaperSurface::updatePlane(const SampleWindow& window, const Vec3& hip_W, std::uint32_t& faults) noexcept {
+  const double tau = isovalue_;
   if (has_plane_) {
     ++age_ticks_;
-    if (c_ < parameters_.plane_renewal_ticks) {
+    if (c_ < n_) {
       ++c_;
       return;
     }
@@ -64,27 +64,17 @@ void HriPaper::updatePlane(const SampleWindow& window, const Vec3& hip_W, std::u
   if (has_plane_ || at_vhip.density <= tau) makePlane(sampler, at_vhip, at_hip, hip_W, faults);
 }
 
-// The second half of Figure 2.
-void HriPaper::tick(const TickInput& in, TickOutput& out) noexcept {
-  out = TickOutput{};
-  if (in.window->usable()) {
-    updatePlane(*in.window, in.hip_W, out.faults);
+// The second half of Figure 2, but for the force.
+bool HriPaperSurface::find(const SampleWindow& window, const Vec3& hip_W, std::uint32_t& faults) noexcept {
+  if (window.usable()) {
+    updatePlane(window, hip_W, faults);
   } else {
     has_plane_ = false;
-    out.faults |= bit(ServoFault::kNoWindow);
+    faults |= bit(ServoFault::kNoWindow);
   }
-  vhip_W_ = in.hip_W;
-  const double depth_m = has_plane_ ? normal_W_.dot(p_W_ - in.hip_W) : 0.0;
-  if (depth_m > 0) {
-    vhip_W_ = in.hip_W + depth_m * normal_W_;
-    out.force_W =
-        (parameters_.stiffness_N_per_m * depth_m - parameters_.damping_Ns_per_m * normal_W_.dot(in.hip_velocity_W)) *
-        normal_W_;
-    out.normal_W = normal_W_;
-    out.in_contact = true;
-  }
-  out.vhip_W = vhip_W_;
-  out.plane_age_ticks = has_plane_ ? age_ticks_ : 0;
+  const bool touching = has_plane_ && plane().depth(hip_W) > 0;
+  vhip_W_ = touching ? plane().nearest(hip_W) : hip_W;
+  return touching;
 }
 
 }  // namespace palpate

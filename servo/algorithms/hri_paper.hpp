@@ -8,27 +8,34 @@
 // Where Figure 2 says nothing: a HIP beyond the window gets no force and a fault; a plane that cannot be computed
 // (equal densities, zero gradient, p beyond the window) is no plane, with kZeroGradient; a VHIP beyond the volume has
 // density -infinity, and the interpolation takes its limit, p = HIP. Source: the paper, Figure 2, equations 1 to 3.
+// The VHIP of the line is the one on the plane, not what contact effects make of it.
 // Sign of d as in algorithm.hpp. Thread: the servo's. Cost: one fetch in free space and without renewal none, two or
 // three with. Errors: faults only.
 #pragma once
 
 #include "servo/algorithms/algorithm.hpp"
+#include "servo/algorithms/vhip_algorithm.hpp"
 #include "servo/window/window_sampler.hpp"
 
 namespace palpate {
 
-class HriPaper final : public Algorithm {
+class HriPaperSurface {
  public:
-  explicit HriPaper(const AlgorithmParameters& parameters) noexcept : parameters_(parameters) {}
-  void reset(const Vec3& hip_W) noexcept override;
-  void tick(const TickInput& in, TickOutput& out) noexcept override;
+  static constexpr bool kMayPull = true;
+
+  explicit HriPaperSurface(const AlgorithmParameters& parameters) noexcept
+      : isovalue_(parameters.isovalue), n_(parameters.plane_renewal_ticks) {}
+  void reset(const Vec3& hip_W) noexcept;
+  bool find(const SampleWindow& window, const Vec3& hip_W, std::uint32_t& faults) noexcept;
+  [[nodiscard]] ContactPlane plane() const noexcept { return {p_W_, normal_W_, has_plane_ ? age_ticks_ : 0}; }
 
  private:
   void updatePlane(const SampleWindow& window, const Vec3& hip_W, std::uint32_t& faults) noexcept;
   void makePlane(const WindowSampler& sampler, const Fetch& at_vhip, const Fetch& at_hip, const Vec3& hip_W,
                  std::uint32_t& faults) noexcept;
 
-  AlgorithmParameters parameters_;
+  double isovalue_;
+  int n_;
   Vec3 vhip_W_ = Vec3::Zero();
   Vec3 p_W_ = Vec3::Zero();
   Vec3 normal_W_ = Vec3::Zero();
@@ -36,5 +43,7 @@ class HriPaper final : public Algorithm {
   int c_ = 0;               // the paper's counter [tick]
   std::int32_t age_ticks_ = 0;
 };
+
+using HriPaper = VhipAlgorithm<HriPaperSurface>;
 
 }  // namespace palpate

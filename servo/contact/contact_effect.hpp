@@ -4,23 +4,25 @@
 //
 // An algorithm that is in contact first puts the VHIP on its plane, then lets each effect move it in turn, then
 // computes the force from it. Without effects this costs one comparison per tick. Source: the paper, sections 3.1 (last
-// paragraph) and 3.3. Frame W: world [m, m/s]. Thread: the servo's; no heap, lock, system call or throw.
+// paragraph) and 3.3. Frame W: world [m, m/s]. Thread: the servo's; no heap, lock, system call or throw; a period of
+// the servo, a stiffness or a number of ticks that an effect needs it gets when it is made.
 #pragma once
 
 #include <memory>
 #include <vector>
 
 #include "base/vec.hpp"
+#include "servo/contact/contact_plane.hpp"
+#include "servo/window/sample_window.hpp"
 
 namespace palpate {
 
 struct ContactState {
-  Vec3 hip_W = Vec3::Zero();           // [m]
-  Vec3 hip_velocity_W = Vec3::Zero();  // [m/s]
-  Vec3 plane_point_W = Vec3::Zero();   // [m]
-  Vec3 normal_W = Vec3::Zero();        // unit, out of the object [-]
-  bool new_contact = false;            // first tick of a contact
-  bool new_plane = false;              // the plane was found in this tick
+  Vec3 hip_W = Vec3::Zero();             // [m]
+  Vec3 hip_velocity_W = Vec3::Zero();    // [m/s]
+  ContactPlane plane;                    // of several at once: through their VHIP, normal from the HIP to it
+  bool new_contact = false;              // first tick of a contact
+  const SampleWindow* window = nullptr;  // of this tick; never null, may be unusable
 };
 
 class ContactEffect {

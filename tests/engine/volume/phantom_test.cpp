@@ -170,6 +170,15 @@ TEST(Knot, DistanceAgreesWithAFineSampling) {
   }
 }
 
+// In a flat lattice it is as wide as the lattice, not as a cube of its height; in one flatter still its height decides.
+TEST(Knot, FillsAFlatLattice) {
+  const auto gap_m = [](const char* name) { return makePhantom(name)->signedDistance_m(Vec3::Zero()); };
+  // At the centre the distance is that of the nearest point of the centre curve (A - B) less the tube: 0.17 scales.
+  EXPECT_NEAR(gap_m("phantom:knot?size=128x128x64"), 0.17 * 0.0635, 1e-12);
+  EXPECT_NEAR(gap_m("phantom:knot?size=128x128x128"), 0.17 * 0.0635, 1e-12);
+  EXPECT_NEAR(gap_m("phantom:knot?size=128x128x33"), 0.17 * 0.016 * (0.93 / 0.38), 1e-12);
+}
+
 // Trilinear interpolation errs by at most sum h^2 / 8 times the second derivative, here the slope times the curvature
 // 1 / r of the distance's level sets within a voxel's diagonal of the surface.
 TEST(Sphere, VoxelsInterpolateToTheIsovalueOnTheSurface) {
