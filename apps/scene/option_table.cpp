@@ -32,6 +32,7 @@ IntegerOption integer(int Scene::*member, long long lowest, long long highest) {
   return {member, lowest, highest};
 }
 
+constexpr const char* kVelocities[] = {"filter", "foaw"};
 constexpr const char* kTextures[] = {"none", "procedural", "density"};
 
 // clang-format off
@@ -60,7 +61,7 @@ const SceneOption kOptions[] = {
     {"--slew-limit", "safety.slew_limit_N_per_s", "N/s", "no faster change of force leaves the safety gate", number(&Scene::slew_limit_N_per_s, 1, 1, 1e7)},
     {"--fade", "safety.fade_s", "s", "time in which the force fades to zero after a fault", number(&Scene::fade_s, 1, 0, 10)},
     {"--stale", "safety.stale_window_s", "s", "a window not confirmed for so long is a fault", number(&Scene::stale_window_s, 1, 0.001, 60)},
-    {"--velocity", "servo.velocity", "", "velocity estimate: filter (low-pass) or foaw (first-order adaptive windowing)", TextOption{&Scene::velocity}},
+    {"--velocity", "servo.velocity", "", "velocity estimate: filter (low-pass) or foaw (first-order adaptive windowing)", WordOption{&Scene::velocity, kVelocities}},
     {"--velocity-cutoff", "servo.velocity_cutoff_hz", "Hz", "cutoff of the velocity filter, 0: none", number(&Scene::velocity_cutoff_hz, 1, 0, 1e5)},
     {"--velocity-noise", "servo.velocity_noise_mm", "mm", "noise of the position that foaw overlooks; the encoders' resolution if not given",
      NumberOption{&Scene::velocity_noise_m, kMm, 0, 10}},

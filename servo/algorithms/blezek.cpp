@@ -35,39 +35,31 @@ bool BlezekSurface::find(const SampleWindow& window, const Vec3& hip_W, std::uin
     vhip_W_ = entry->p_W;
     in_contact_ = true;
   }
-  switch (inchAlong(field, hip_W, faults)) {
-    case Inching::kDone:
-      break;
-    case Inching::kBeyondWindow:
-      faults |= bit(ServoFault::kBeyondWindow);
-      return false;
-    case Inching::kLost:
-      faults |= bit(ServoFault::kSurfaceLost);
-      release(field.probe(hip_W), window.edit_version);
-      return false;
+  if (!inchAlong(field, hip_W, faults)) {
+    faults |= bit(ServoFault::kSurfaceLost);
+    release(field.probe(hip_W), window.edit_version);
+    return false;
   }
   if (plane().depth(hip_W) > 0) return true;
   release(field.probe(hip_W), window.edit_version);
   return false;
 }
 
-BlezekSurface::Inching BlezekSurface::inchAlong(const IsoField& field, const Vec3& hip_W,
-                                                std::uint32_t& faults) noexcept {
+bool BlezekSurface::inchAlong(const IsoField& field, const Vec3& hip_W, std::uint32_t& faults) noexcept {
   const double h_m = field.voxel();
   Vec3 x_W = vhip_W_;
   for (int inch = 0;; ++inch) {
     const Fetch f = field.sampler().at(x_W);
-    if (f.place == Place::kBeyondWindow) return Inching::kBeyondWindow;
-    if (f.place == Place::kBeyondVolume) return Inching::kLost;
+    if (f.place != Place::kInside) return false;
     const double steepness_squared = f.gradient_W.squaredNorm();
     if (!(steepness_squared > 0) || !std::isfinite(steepness_squared)) {
       faults |= bit(ServoFault::kZeroGradient);
-      return Inching::kLost;
+      return false;
     }
     // No roots but the normal's at the end: lengths are compared by their squares, in units of density.
     const double excess = f.density - field.isovalue();
     const double voxel_squared = h_m * h_m * steepness_squared;  // a voxel's worth of density, squared
-    if (!(excess * excess <= voxel_squared)) return Inching::kLost;
+    if (!(excess * excess <= voxel_squared)) return false;
     const double per_squared = 1 / steepness_squared;
     x_W -= f.gradient_W * (excess * per_squared);
 
@@ -88,7 +80,7 @@ BlezekSurface::Inching BlezekSurface::inchAlong(const IsoField& field, const Vec
     x_W -= near ? aside_W : Vec3(aside_W * (longest_m / std::sqrt(aside_squared_m2)));
   }
   vhip_W_ = x_W;
-  return Inching::kDone;
+  return true;
 }
 
 }  // namespace palpate

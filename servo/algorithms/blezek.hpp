@@ -14,7 +14,8 @@
 //   0.015 and 0.321. Inches of 1, 0.5, 0.25 and 0.1 voxel give the same to the third digit, and none of them loses the
 //   surface of a noisy tube of 1.5 voxels at 1 m/s; they differ in cost from 0.25 m/s on.
 // - Out of inches the VHIP stays where it has come to, on the surface, and goes on in the next tick.
-// - Lost: no gradient, or farther from the isosurface than one voxel by the linear estimate. Then there is no force,
+// - Lost: no gradient, or farther from the isosurface than one voxel by the linear estimate, or led out of the window
+//   that holds the HIP. Then there is no force,
 //   "effectively rendering the object haptically transparent", and kSurfaceLost, until the HIP has been outside once.
 // The isosurface is all that is felt: not the face where an object is cut by the volume's end.
 // Frame W: world. Thread: the servo's. Cost: one fetch per inch, at most kMaxInches + 1. Errors: faults.
@@ -40,8 +41,8 @@ class BlezekSurface {
   [[nodiscard]] ContactPlane plane() const noexcept { return {vhip_W_, normal_W_, 0}; }
 
  private:
-  enum class Inching : std::uint8_t { kDone, kLost, kBeyondWindow };
-  [[nodiscard]] Inching inchAlong(const IsoField& field, const Vec3& hip_W, std::uint32_t& faults) noexcept;
+  // False: the surface is lost.
+  [[nodiscard]] bool inchAlong(const IsoField& field, const Vec3& hip_W, std::uint32_t& faults) noexcept;
   void release(const Probe& hip, std::uint64_t edit_version) noexcept;
 
   FieldCache field_;

@@ -41,7 +41,6 @@ bool ImplicitSurface::find(const SampleWindow& window, const Vec3& hip_W, std::u
   }
   if (trouble == 0) trouble = track(field, hip_W);
   faults |= trouble;
-  if (has(trouble, ServoFault::kBeyondWindow)) return false;
   if (trouble != 0) {
     in_contact_ = false;
     free_.release(field.probe(hip_W), window.edit_version);
@@ -53,8 +52,7 @@ bool ImplicitSurface::find(const SampleWindow& window, const Vec3& hip_W, std::u
 // One Newton step from x; gives a fault or none.
 std::uint32_t ImplicitSurface::ontoSurface(const IsoField& field, const Vec3& x_W, double& residual_m) noexcept {
   const Fetch f = field.sampler().at(x_W);
-  if (f.place == Place::kBeyondWindow) return bit(ServoFault::kBeyondWindow);
-  if (f.place == Place::kBeyondVolume) return bit(ServoFault::kSurfaceLost);
+  if (f.place != Place::kInside) return bit(ServoFault::kSurfaceLost);
   const double steepness_squared = f.gradient_W.squaredNorm();
   if (!(steepness_squared > 0) || !std::isfinite(steepness_squared)) {
     return bit(ServoFault::kZeroGradient) | bit(ServoFault::kSurfaceLost);

@@ -104,12 +104,6 @@ struct Seen {
   std::string_view algorithm;  // of the sequence that is played; empty: the steady push
 };
 
-// Known: after windows with spoiled samples these may stay with a VHIP beyond any window, and say so for good. The
-// force is then none, so it is within the limits all the same. To be taken out when they find back.
-bool mayStayBeyondTheWindow(std::string_view algorithm) {
-  return algorithm == "blezek" || algorithm == "implicit";
-}
-
 void checkEveryForce(const std::vector<Vec3>& written_W, const SafetyParameters& safety, double slew_per_tick_N) {
   // Cutting to the limit and moving by the slew are a division and a product each: some roundings of the force's size.
   const double rounding_N = 8 * kEpsilon * (safety.force_limit_N + slew_per_tick_N);
@@ -150,7 +144,6 @@ void checkFades(const std::vector<TickRecord>& records, const ScriptedDevice& de
 
 // The faults are over for longer than the longest fade: the force is the algorithm's, cut to the limit.
 void checkEnd(const TickRecord& last, const Vec3& wanted_W, double limit_N, Seen& seen) {
-  if (mayStayBeyondTheWindow(seen.algorithm) && has(last.faults, ServoFault::kBeyondWindow)) return;
   ASSERT_EQ(last.faults & kFadingFaults, 0u) << seen.algorithm << ' ' << faultNames(last.faults);
   const double wanted_N = wanted_W.stableNorm();  // after a wild position the velocity may still be huge
   const Vec3 expected_W = wanted_N > limit_N ? Vec3(wanted_W / wanted_N * limit_N) : wanted_W;
