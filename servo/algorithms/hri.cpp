@@ -55,13 +55,33 @@ void HriSurface::refreshField(const SampleWindow& window) noexcept {
 
 // ---- in contact ----
 
+// Where the HIP will be halfway through the plane's life if it goes on along the surface as it did: a plane found there
+// is too old by half as much at the end as one found under the HIP, and too young by as much at the beginning.
+Vec3 HriSurface::aim(const Vec3& hip_W) const noexcept {
+  const Vec3 way_W = hip_W - renewed_at_W_;
+  const Vec3 aside_W = way_W - surface_.normal_W * surface_.normal_W.dot(way_W);
+  return hip_W + aside_W * (0.5 * (renewal_ticks_ - 1) / age_ticks_);
+}
+
+Track HriSurface::follow(const Vec3& hip_W) noexcept {
+  if (renewal_ticks_ > 1) {
+    SurfacePoint ahead = surface_;
+    const Track result = SurfaceTracker::follow(field_, aim(hip_W), ahead);
+    if (result == Track::kFound && ahead.normal_W.dot(ahead.p_W - hip_W) > 0) {
+      surface_ = ahead;
+      return result;
+    }
+  }
+  return SurfaceTracker::follow(field_, hip_W, surface_);
+}
+
 void HriSurface::renew(const Vec3& hip_W, std::uint32_t& faults) noexcept {
   // The HIP may be anywhere; the surface point must be in the window. Where the window has left that behind, the plane
   // under the HIP is the best that is known.
   const auto seen = [&] { return field_.sampler().place(surface_.p_W) != Place::kBeyondWindow; };
   if (!seen()) surface_.p_W = plane().nearest(hip_W);
   held_ = !seen();
-  const Track result = held_ ? Track::kBeyondWindow : SurfaceTracker::follow(field_, hip_W, surface_);
+  const Track result = held_ ? Track::kBeyondWindow : follow(hip_W);
   switch (result) {
     case Track::kFoundFlat:
       faults |= bit(ServoFault::kZeroGradient);
@@ -69,6 +89,7 @@ void HriSurface::renew(const Vec3& hip_W, std::uint32_t& faults) noexcept {
     case Track::kFound:
       if (plane().depth(hip_W) > 0) {
         age_ticks_ = 0;
+        renewed_at_W_ = hip_W;
       } else {
         relocate(field_.probe(hip_W), faults);
       }
@@ -155,18 +176,19 @@ bool HriSurface::touch(const Entry& entry, const Probe& hip, std::uint32_t& faul
   const Track result = flat ? Track::kFlat : SurfaceTracker::follow(field_, hip.p_W, nearest);
   if (flat || result == Track::kFlat || result == Track::kFoundFlat) faults |= bit(ServoFault::kZeroGradient);
   if ((result == Track::kFound || result == Track::kFoundFlat) && behind(nearest)) {
-    settle(nearest);
+    settle(nearest, hip.p_W);
     return true;
   }
   // Where the search strays, the plane at the entry itself still holds a HIP that is in the object.
   if (hip.side != Side::kInside || !behind(surface)) return false;
-  settle(surface);
+  settle(surface, hip.p_W);
   return true;
 }
 
-void HriSurface::settle(const SurfacePoint& surface) noexcept {
+void HriSurface::settle(const SurfacePoint& surface, const Vec3& hip_W) noexcept {
   in_contact_ = true;
   surface_ = surface;
+  renewed_at_W_ = hip_W;
   age_ticks_ = 0;
 }
 
