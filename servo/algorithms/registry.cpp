@@ -6,15 +6,27 @@
 #include <fmt/format.h>
 
 #include "base/error.hpp"
+#include "servo/algorithms/god_object.hpp"
 #include "servo/algorithms/hri.hpp"
 #include "servo/algorithms/hri_paper.hpp"
+#include "servo/objects/mesh_object.hpp"
 
 namespace palpate {
 namespace {
 
 template <class VhipKind>
 std::unique_ptr<Algorithm> makeVhip(AlgorithmSetup&& setup) {
-  return std::make_unique<VhipKind>(setup.parameters, std::move(setup.effects));
+  return std::make_unique<VhipKind>(setup.parameters, std::move(setup.effects), std::move(setup.objects));
+}
+
+// The isosurface's mesh is one more object.
+std::unique_ptr<Algorithm> makeGodObject(AlgorithmSetup&& setup) {
+  if (setup.isosurface == nullptr) {
+    throw Error(Error::Code::kBadInput, "algorithm god-object", "the isosurface's mesh is missing",
+                "extract it from the volume first");
+  }
+  setup.objects.insert(setup.objects.begin(), std::make_shared<MeshObject>(*setup.isosurface, "isosurface"));
+  return makeVhip<GodObject>(std::move(setup));
 }
 
 constexpr AlgorithmEntry kEntries[] = {
@@ -22,6 +34,8 @@ constexpr AlgorithmEntry kEntries[] = {
      makeVhip<Hri>},
     {"hri-paper", "the paper's Figure 2 to the letter, plane on the ray from VHIP to HIP, renewed every n + 1 ticks",
      makeVhip<HriPaper>},
+    {"god-object", "constraint-based contact with a triangle mesh of the isosurface (Zilles and Salisbury 1995)",
+     makeGodObject, true},
 };
 
 void check(bool good, const char* key, double value, const char* remedy) {
@@ -43,14 +57,18 @@ std::span<const AlgorithmEntry> algorithms() noexcept {
   return kEntries;
 }
 
-std::unique_ptr<Algorithm> makeAlgorithm(std::string_view name, AlgorithmSetup setup) {
-  checkParameters(setup.parameters);
+const AlgorithmEntry& algorithmEntry(std::string_view name) {
   std::string known;
   for (const AlgorithmEntry& entry : kEntries) {
-    if (entry.name == name) return entry.make(std::move(setup));
+    if (entry.name == name) return entry;
     known += (known.empty() ? "" : ", ") + std::string(entry.name);
   }
   throw Error(Error::Code::kBadInput, "algorithm", fmt::format("'{}' is not known", name), "use one of: " + known);
+}
+
+std::unique_ptr<Algorithm> makeAlgorithm(std::string_view name, AlgorithmSetup setup) {
+  checkParameters(setup.parameters);
+  return algorithmEntry(name).make(std::move(setup));
 }
 
 }  // namespace palpate

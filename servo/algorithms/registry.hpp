@@ -8,8 +8,10 @@
 #include <span>
 #include <string_view>
 
+#include "base/triangle_mesh.hpp"
 #include "servo/algorithms/algorithm.hpp"
 #include "servo/contact/contact_effect.hpp"
+#include "servo/objects/object_contacts.hpp"
 
 namespace palpate {
 
@@ -17,20 +19,26 @@ namespace palpate {
 struct AlgorithmSetup {
   AlgorithmParameters parameters;
   ContactEffects effects;
+  ContactObjects objects;                          // beside the volume
+  std::shared_ptr<const TriangleMesh> isosurface;  // for an algorithm that needs it
 };
 
 struct AlgorithmEntry {
   std::string_view name;
   std::string_view description;  // one line
   std::unique_ptr<Algorithm> (*make)(AlgorithmSetup&& setup);
+  bool needs_isosurface = false;  // AlgorithmSetup::isosurface, the mesh of the isosurface
 };
 
 // The first is the default.
 [[nodiscard]] std::span<const AlgorithmEntry> algorithms() noexcept;
 
-// Throws Error(kBadInput) on an unknown name (the message names the known ones), on a renewal below 1 tick, on a
-// negative or non-finite stiffness or damping or a non-finite isovalue, and on effects for an algorithm that takes
-// none.
+// Throws Error(kBadInput) on an unknown name (the message names the known ones).
+[[nodiscard]] const AlgorithmEntry& algorithmEntry(std::string_view name);
+
+// Throws Error(kBadInput) on an unknown name, on a renewal below 1 tick, on a negative or non-finite stiffness or
+// damping or a non-finite isovalue, on effects or objects for an algorithm that takes none, and without the
+// isosurface's mesh for an algorithm that needs it.
 [[nodiscard]] std::unique_ptr<Algorithm> makeAlgorithm(std::string_view name, AlgorithmSetup setup);
 
 }  // namespace palpate
