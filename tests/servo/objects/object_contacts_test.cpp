@@ -159,10 +159,14 @@ TEST(ObjectContacts, AMeshSphereIsABallWithinTheSagitta) {
 
 // ---- nothing jitters ----
 
-// At 1 kHz and K = 500 N/m a force may change by K times what the HIP moves: the map from the HIP to VHIP - HIP is
-// non-expanding for planes at rest, and onto each new plane it goes on continuously in a concave corner. 1 % and, for
-// the stand-off of a plane that begins to act, 2 um a step.
-constexpr double kSmooth = 1.01;
+// How much VHIP - HIP, and so the force over K, may change in a tick, per metre that the HIP moves: the map from the
+// one to the other is non-expanding for planes at rest (closest_in_planes.hpp), and in a concave corner a plane begins
+// to act where it has no effect yet. It begins a stand-off late, when the VHIP on the other plane meets the surface
+// itself, and then moves the VHIP back along that plane: by at most kOff / sin(angle between them), 2 um / sin(2 a)
+// here for two.
+double smooth(double a, double step_m) {
+  return 1.001 + 2 * kOff_m / std::sin(2 * a) / step_m;
+}
 
 // The V between two planes that open upwards by 2 a, its bottom along y.
 std::vector<ContactObjects> wedges(double a) {
@@ -177,43 +181,46 @@ std::vector<ContactObjects> wedges(double a) {
   };
   const double top_m = 20e-3, wide_m = 20e-3 * std::tan(a);
   const TriangleMesh block = prismMesh({{0, 0},
-                                        {wide_m, top_m},
-                                        {wide_m + 10e-3, top_m},
-                                        {wide_m + 10e-3, -10e-3},
-                                        {-wide_m - 10e-3, -10e-3},
+                                        {-wide_m, top_m},
                                         {-wide_m - 10e-3, top_m},
-                                        {-wide_m, top_m}},
-                                       30e-3, {{{0, 2, 1}, {0, 3, 2}, {0, 4, 3}, {0, 5, 4}, {0, 6, 5}}});
+                                        {-wide_m - 10e-3, -10e-3},
+                                        {wide_m + 10e-3, -10e-3},
+                                        {wide_m + 10e-3, top_m},
+                                        {wide_m, top_m}},
+                                       30e-3, {{{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 5}, {0, 5, 6}}});
   return {listOf(PlaneObject(Vec3::Zero(), left), PlaneObject(Vec3::Zero(), right)),
           listOf(boxBehind(left), boxBehind(right)),
           {std::make_shared<const MeshObject>(block)}};
 }
 
-TEST(ObjectContacts, ATrialBlockIsClosed) {
-  for (const ContactObjects& objects : wedges(0.5)) {
-    for (const auto& object : objects) EXPECT_TRUE(object->solid());
-  }
+TEST(ObjectContacts, TheTrialBlockIsAsItShouldBe) {
+  const ContactObjects block = wedges(0.5).back();
+  EXPECT_TRUE(block.front()->solid());
+  EXPECT_TRUE(static_cast<const MeshObject&>(*block.front()).notes().empty());
 }
 
 TEST(ObjectContacts, AConcaveCornerDoesNotJitter) {
   for (const double a : {0.2, 0.5, 0.785, 1.2}) {
     int kind = 0;
     for (const ContactObjects& objects : wedges(a)) {
-      SCOPED_TRACE(testing::Message() << "half angle " << a << ", kind " << kind++);
-      Tool tool(objects, {0, 0, 8e-3});
-      tool.stroke({0, 0, -0.5e-3}, 300);
-      constexpr double kStep_m = 2e-6;
-      // A press, then across from one wall to the other and back, then along the bottom.
-      EXPECT_LE(tool.roughestStroke({0, 0, -2e-3}, 750), kSmooth);
-      expectNear(tool.at({0, 0, -2e-3}), Vec3::Zero(), kOff_m / std::sin(a) * 1.01);
-      EXPECT_LE(tool.roughestStroke({-4e-3, 1e-3, -1e-3}, 2100), kSmooth + 2 * kOff_m / kStep_m * 0.01);
-      EXPECT_LE(tool.roughestStroke({4e-3, -1e-3, -1e-3}, 4100), kSmooth + 2 * kOff_m / kStep_m * 0.01);
-      EXPECT_LE(tool.roughestStroke({0, 9e-3, -1e-3}, 5000), kSmooth + 2 * kOff_m / kStep_m * 0.01);
-      // Steady: not one bit moves.
-      const Vec3 rest_W = tool.at({0.1e-3, 9e-3, -1e-3});
-      const Vec3 again_W = tool.at({0.1e-3, 9e-3, -1e-3});
-      for (int i = 0; i < 100; ++i) ASSERT_LE((tool.at({0.1e-3, 9e-3, -1e-3}) - again_W).norm(), 1e-12) << i;
-      EXPECT_LE((again_W - rest_W).norm(), 1e-9);
+      for (const double step_m : {2e-6, 20e-6, 200e-6}) {
+        SCOPED_TRACE(testing::Message() << "half angle " << a << ", kind " << kind << ", step " << step_m);
+        Tool tool(objects, {0, 0, 8e-3});
+        tool.stroke({0, 0, -0.5e-3}, 300);
+        // A press, then across from one wall to the other and back, then along the bottom.
+        Vec3 from_W(0, 0, -0.5e-3);
+        for (const Vec3& to_W :
+             {Vec3(0, 0, -2e-3), Vec3(-4e-3, 1e-3, -1e-3), Vec3(4e-3, -1e-3, -1e-3), Vec3(0, 9e-3, -1e-3)}) {
+          const int ticks = static_cast<int>(std::ceil((to_W - from_W).norm() / step_m));
+          EXPECT_LE(tool.roughestStroke(to_W, ticks), smooth(a, (to_W - from_W).norm() / ticks)) << to_W.transpose();
+          from_W = to_W;
+        }
+        expectNear(tool.at({0, 9e-3, -1e-3}), {0, 9e-3, 0}, kOff_m / std::sin(a) * 1.01);
+        // At rest nothing moves at all.
+        const Vec3 rest_W = tool.at({0.1e-3, 9e-3, -1e-3});
+        for (int i = 0; i < 100; ++i) ASSERT_LE((tool.at({0.1e-3, 9e-3, -1e-3}) - rest_W).norm(), 1e-12) << i;
+      }
+      ++kind;
     }
   }
 }
@@ -303,8 +310,8 @@ TEST(ObjectContacts, WithoutRoomTheObjectWins) {
     (void)contacts.volumeTool(hip_W, &bone);
     ASSERT_TRUE(contacts.settle(hip_W, &bone));
     ASSERT_LE(contacts.vhip_W().z(), 1e-3) << i;
-    if (i > 3) ASSERT_NEAR(contacts.vhip_W().z(), 1e-3, 4 * kOff_m) << i;
   }
+  EXPECT_NEAR(contacts.vhip_W().z(), 1e-3, 4 * kOff_m);
 }
 
 TEST(ObjectContacts, TurningAndMovingTheWorldTurnsAndMovesTheTrace) {
