@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "apps/scene/object_table.hpp"
 #include "base/error.hpp"
 #include "base/units.hpp"
 
@@ -28,7 +29,7 @@ const SceneOption kOptions[] = {
     {"--gpu", "gpu", "", "part of the Vulkan device's name; the best one if not given", TextOption{&Scene::gpu}},
     {"--gradient", "gradient", "", "gradients of the bricks that the isosurface needs, or of all",
      SwitchOption{&Scene::gradient_all, "active", "all"}},
-    {"--algorithm", "servo.algorithm", "", "haptic algorithm: hri or hri-paper", TextOption{&Scene::algorithm}},
+    {"--algorithm", "servo.algorithm", "", "haptic algorithm: hri, hri-paper or god-object", TextOption{&Scene::algorithm}},
     {"--n", "servo.n", "ticks", "the virtual plane is found again every n ticks", integer(&Scene::plane_renewal_ticks, 1, 100000)},
     {"--stiffness", "servo.stiffness_N_per_m", "N/m", "stiffness of the contact, K", number(&Scene::stiffness_N_per_m, 1, 0, 1e5)},
     {"--damping", "servo.damping_Ns_per_m", "N s/m", "damping of the contact along the normal, B", number(&Scene::damping_Ns_per_m, 1, 0, 1000)},
@@ -100,7 +101,7 @@ std::string sceneDocument() {
     text += fmt::format("| `{}` | `{}` | {} | {} | {} | {} |\n", option.key, option.flag, option.unit,
                         optionForm(option.value), optionText(option.value, Scene{}), option.help);
   }
-  return text;
+  return text + objectDocument();
 }
 
 }  // namespace palpate

@@ -5,6 +5,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <variant>
 
 #include "engine/plan/scene.hpp"
@@ -51,6 +52,10 @@ void setOption(const OptionValue& value, const std::string& text, const std::str
 
 // The member's value in the form that setOption() takes; empty for a value that the program chooses.
 [[nodiscard]] std::string optionText(const OptionValue& value, const Scene& scene);
+
+// A whole text as a number, or as three finite ones with commas between; nothing for any other text.
+[[nodiscard]] std::optional<double> numberOf(std::string_view text);
+[[nodiscard]] std::optional<Vec3> vectorOf(std::string_view text);
 
 // What may be given: "0 ... 20000", "rigid or spring", "x,y,z".
 [[nodiscard]] std::string optionForm(const OptionValue& value);

@@ -7,7 +7,8 @@
 
 namespace palpate {
 
-// `isovalue` as the volume has it [density].
-[[nodiscard]] AlgorithmSetup algorithmSetup(const Scene& scene, double isovalue);
+// `isovalue` as the volume has it [density]; `objects` those of the scene (scene_objects.hpp). The isosurface's mesh is
+// left out.
+[[nodiscard]] AlgorithmSetup algorithmSetup(const Scene& scene, double isovalue, const ContactObjects& objects = {});
 
 }  // namespace palpate

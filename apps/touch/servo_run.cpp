@@ -6,9 +6,7 @@
 #include <thread>
 
 #include "apps/console/interrupt.hpp"
-#include "apps/touch/algorithm_setup.hpp"
 #include "engine/service/engine_thread.hpp"
-#include "servo/algorithms/registry.hpp"
 #include "servo/devices/simulated_device.hpp"
 
 namespace palpate {
@@ -68,9 +66,9 @@ LoopResult runReal(ServoLoop& loop, ToolPoseMailbox& tool, Engine& engine, doubl
 
 }  // namespace
 
-LoopResult runServo(const Scene& scene, double isovalue, const Path& path, Engine& engine, Progress& progress) {
+LoopResult runServo(const Scene& scene, AlgorithmSetup setup, const Path& path, Engine& engine, Progress& progress) {
   const LoopParameters parameters = loopParameters(scene);
-  const std::unique_ptr<Algorithm> algorithm = makeAlgorithm(scene.algorithm, algorithmSetup(scene, isovalue));
+  const std::unique_ptr<Algorithm> algorithm = makeAlgorithm(scene.algorithm, std::move(setup));
   SimulatedDevice device(deviceParameters(scene), path, scene.rate_hz);
   ToolPoseMailbox tool;
   ServoLoop loop(parameters, *algorithm, device, engine.exchange(), tool);

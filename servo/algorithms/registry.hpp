@@ -18,9 +18,9 @@ namespace palpate {
 // All that an algorithm is made from; each takes what it needs and refuses what it cannot use.
 struct AlgorithmSetup {
   AlgorithmParameters parameters;
-  ContactEffects effects;
-  ContactObjects objects;                          // beside the volume
-  std::shared_ptr<const TriangleMesh> isosurface;  // for an algorithm that needs it
+  ContactEffects effects = {};
+  ContactObjects objects = {};                               // beside the volume
+  std::shared_ptr<const TriangleMesh> isosurface = nullptr;  // for an algorithm that needs it
 };
 
 struct AlgorithmEntry {
