@@ -5,10 +5,10 @@
 #include <filesystem>
 #include <fstream>
 #include <new>
+#include <stdexcept>
+#include <string_view>
 
 #include <assimp/Importer.hpp>
-#include <assimp/config.h>
-#include <assimp/postprocess.h>
 #include <assimp/scene.h>
 #include <fmt/format.h>
 
@@ -21,6 +21,22 @@ namespace fs = std::filesystem;
 
 [[noreturn]] void refuse(const std::string& file, const std::string& reason, const std::string& remedy) {
   throw Error(Error::Code::kBadInput, file, reason, remedy);
+}
+
+// Assimp 5.2 reads a PLY header without an end for ever.
+void checkPlyHeader(const std::string& file) {
+  constexpr std::size_t kMost = 65536;
+  std::string head(kMost, '\0');
+  std::ifstream in(file, std::ios::binary);
+  in.read(head.data(), static_cast<std::streamsize>(kMost));
+  head.resize(static_cast<std::size_t>(in.gcount()));
+  const std::size_t end = head.find("\nend_header");
+  const std::size_t after = end + std::string_view("\nend_header").size();
+  if (head.starts_with("ply") && end != std::string::npos && after < head.size() &&
+      (head[after] == '\n' || head[after] == '\r')) {
+    return;
+  }
+  refuse(file, "the mesh cannot be read (its PLY header has no beginning or no end)", "check that the file is whole");
 }
 
 // What can be said before Assimp sees the file.
@@ -41,6 +57,7 @@ void checkFile(const std::string& file) {
            "give a mesh with fewer triangles");
   }
   if (!std::ifstream(file)) throw Error(Error::Code::kIo, file, "the file cannot be read", "check its permissions");
+  if (ending == ".ply") checkPlyHeader(file);
 }
 
 // Assimp's words may span lines.
@@ -59,24 +76,22 @@ void add(const aiMesh& part, const std::string& file, TriangleMesh& mesh) {
   }
   for (unsigned i = 0; i < part.mNumFaces; ++i) {
     const aiFace& face = part.mFaces[i];
-    if (face.mNumIndices != 3) continue;  // a point or a line
-    std::array<std::uint32_t, 3> triangle{};
-    for (unsigned corner = 0; corner < 3; ++corner) {
-      if (face.mIndices[corner] >= part.mNumVertices) {
-        refuse(file, fmt::format("a triangle names vertex {} of {}", face.mIndices[corner], part.mNumVertices),
-               "mend the mesh");
-      }
-      triangle[corner] = first + face.mIndices[corner];
+    for (unsigned corner = 0; corner < face.mNumIndices; ++corner) {
+      if (face.mIndices[corner] < part.mNumVertices) continue;
+      refuse(file, fmt::format("a face names vertex {} of {}", face.mIndices[corner], part.mNumVertices),
+             "mend the mesh");
     }
-    mesh.triangles.push_back(triangle);
+    for (unsigned corner = 2; corner < face.mNumIndices; ++corner) {  // none of points and lines
+      mesh.triangles.push_back(
+          {first + face.mIndices[0], first + face.mIndices[corner - 1], first + face.mIndices[corner]});
+    }
   }
 }
 
 TriangleMesh read(const std::string& file) {
+  // No steps after reading: some of them stop the program at faces that damaged files have.
   Assimp::Importer importer;
-  importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
-  const aiScene* scene = importer.ReadFile(file, aiProcess_Triangulate | aiProcess_SortByPType |
-                                                     aiProcess_PreTransformVertices | aiProcess_ValidateDataStructure);
+  const aiScene* scene = importer.ReadFile(file, 0);
   if (scene == nullptr) {
     refuse(file, fmt::format("the mesh cannot be read ({})", oneLine(importer.GetErrorString())),
            "check that the file is whole and holds triangles");

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // apps/mesh/mesh_file.hpp: reads a triangle mesh from an OBJ, STL or PLY file, through Assimp. Set-up only, any thread.
 //
-// Coordinates are the file's own, polygons are cut into triangles, points and lines are left out, the parts of a file
-// become one mesh. Assimp stays inside the .cpp.
+// Coordinates are the file's own, polygons (convex ones) are cut into triangles, points and lines are left out, the
+// parts of a file become one mesh. Assimp stays inside the .cpp.
 #pragma once
 
 #include <string>
