@@ -79,6 +79,15 @@ std::string valueText(const toml::node& node, const OptionValue& value, const st
               "give " + (vector ? std::string("[x, y, z]") : optionForm(value)));
 }
 
+// Whether a key of an object takes text; of a key that is not known, whether it was given text.
+bool takesText(const std::string& key, const toml::node& node) {
+  if (key == "kind") return true;
+  for (const ObjectOption& option : objectOptions()) {
+    if (key == option.key || key == option.word) return std::holds_alternative<ObjectText>(option.value);
+  }
+  return node.is_string();
+}
+
 // One [[object]].
 ObjectSpec objectOf(const toml::table& table, const std::string& file) {
   const std::string where = fmt::format("{}:{}: object", file, table.source().begin.line);
@@ -90,7 +99,7 @@ ObjectSpec objectOf(const toml::table& table, const std::string& file) {
     std::optional<std::string> text = reader(TextOption{});
     if (!text) text = reader(NumberOption{});
     if (!text) text = reader(VectorOption{});
-    if (!text) {
+    if (!text || takesText(key, node) != node.is_string()) {
       throw Error(Error::Code::kBadInput, where, fmt::format("'{}' is of another kind than it takes", key),
                   "give a number, [x, y, z] or text");
     }

@@ -104,9 +104,11 @@ TEST_F(SceneFile, ObjectsThatAreNoneAreRefused) {
               HasSubstr("scene.toml:1: object: a sphere needs 'radius_mm'"));
   EXPECT_THAT(refusalOf("\n[[object]]\nradius_mm = 5\n"),
               HasSubstr("scene.toml:2: object: there is no object of kind ''"));
-  EXPECT_THAT(refusalOf("[[object]]\nkind = 'sphere'\nradius_mm = '5'\n"), HasSubstr("radius_mm"));
+  EXPECT_THAT(refusalOf("[[object]]\nkind = 'sphere'\nradius_mm = '5'\n"), HasSubstr("'radius_mm' is of another kind"));
   EXPECT_THAT(refusalOf("[[object]]\nkind = 'box'\nsize_mm = [1, 'a', 2]\n"),
               HasSubstr("'size_mm' is of another kind"));
+  EXPECT_THAT(refusalOf("[[object]]\nkind = 5\n"), HasSubstr("'kind' is of another kind"));
+  EXPECT_THAT(refusalOf("[[object]]\nkind = 'mesh'\nfile = 5\n"), HasSubstr("'file' is of another kind"));
   EXPECT_THAT(refusalOf("[[object]]\nkind = 'box'\nsize_mm = true\n"), HasSubstr("'size_mm' is of another kind"));
 }
 
