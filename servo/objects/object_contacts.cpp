@@ -87,25 +87,23 @@ Vec3 ObjectContacts::slide(const Vec3& from_W, const Vec3& hip_W, Planes& planes
   }
 }
 
-ObjectContacts::Trial ObjectContacts::tryFrom(const Vec3& hip_W, const ContactPlane* volume) const noexcept {
-  Trial trial;
-  trial.vhip_W = vhip_W_;
-  trial.has_volume = volume != nullptr;
-  if (volume != nullptr) trial.volume = *volume;
+void ObjectContacts::tryAgain(const Vec3& hip_W, const ContactPlane* volume) noexcept {
+  trial_.vhip_W = vhip_W_;
+  trial_.has_volume = volume != nullptr;
+  if (volume != nullptr) trial_.volume = *volume;
   const int given = volume != nullptr ? 1 : 0;
   for (int i = 0; i < kMaxSlides; ++i) {
-    const Vec3 from_W = trial.vhip_W;
-    trial.planes.count = 0;
-    if (volume != nullptr) trial.planes.add(*volume, nullptr);
-    trial.vhip_W = slide(from_W, hip_W, trial.planes);
-    trial.objects = trial.planes.count - given;
-    if (trial.objects == 0 || (trial.vhip_W - from_W).squaredNorm() < kAtRest_m * kAtRest_m) break;
+    const Vec3 from_W = trial_.vhip_W;
+    trial_.planes.count = 0;
+    if (volume != nullptr) trial_.planes.add(*volume, nullptr);
+    trial_.vhip_W = slide(from_W, hip_W, trial_.planes);
+    trial_.objects = trial_.planes.count - given;
+    if (trial_.objects == 0 || (trial_.vhip_W - from_W).squaredNorm() < kAtRest_m * kAtRest_m) break;
   }
-  return trial;
 }
 
 Vec3 ObjectContacts::volumeTool(const Vec3& hip_W, const ContactPlane* volume) noexcept {
-  trial_ = tryFrom(hip_W, volume);
+  tryAgain(hip_W, volume);
   if (trial_.objects == 0) return hip_W;
   if (volume == nullptr) return trial_.vhip_W;
   const double depth_m = volume->depth(closestInPlanes(trial_.planes.ofObjects(), hip_W));
@@ -117,7 +115,7 @@ std::optional<ContactPlane> ObjectContacts::settle(const Vec3& hip_W, const Cont
   const bool same =
       (volume != nullptr) == trial_.has_volume &&
       (volume == nullptr || (volume->p_W == trial_.volume.p_W && volume->normal_W == trial_.volume.normal_W));
-  if (!same) trial_ = tryFrom(hip_W, volume);
+  if (!same) tryAgain(hip_W, volume);
   vhip_W_ = trial_.vhip_W;
   if (trial_.objects == 0) return volume != nullptr ? std::optional(*volume) : std::nullopt;
   const Vec3 push_W = vhip_W_ - hip_W;

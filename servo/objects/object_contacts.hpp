@@ -83,7 +83,8 @@ class ObjectContacts {
     ObjectPoint at;
   };
 
-  [[nodiscard]] Trial tryFrom(const Vec3& hip_W, const ContactPlane* volume) const noexcept;
+  // Fills trial_ in place: copying its planes would cost more than a query.
+  void tryAgain(const Vec3& hip_W, const ContactPlane* volume) noexcept;
   [[nodiscard]] Vec3 slide(const Vec3& from_W, const Vec3& hip_W, Planes& planes) const noexcept;
   [[nodiscard]] Vec3 goalOf(Planes& planes, const Vec3& hip_W) const noexcept;
   [[nodiscard]] Sweep firstEntry(const Vec3& from_W, const Vec3& to_W) const noexcept;
