@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include "apps/scene/object_table.hpp"
 #include "apps/scene/option_table.hpp"
 #include "apps/scene/scene_file.hpp"
 #include "base/error.hpp"
@@ -28,6 +29,7 @@ SceneArguments::SceneArguments(CLI::App& verb) : values_(sceneOptions().size()) 
     const SceneOption& option = sceneOptions()[i];
     options_.push_back(verb.add_option(option.flag, values_[i], optionHelp(option))->type_name(" "));
   }
+  verb.add_option("--object", objects_, objectHelp())->type_name(" ")->allow_extra_args(false);
 }
 
 Scene SceneArguments::scene() const {
@@ -41,6 +43,7 @@ Scene SceneArguments::scene() const {
     const SceneOption& option = sceneOptions()[i];
     if (options_[i]->count() > 0) setOption(option.value, values_[i], option.flag, scene);
   }
+  for (const std::string& object : objects_) scene.objects.push_back(parseObject(object));
   if (scene.volume.empty()) {
     throw Error(Error::Code::kBadInput, source_.empty() ? "VOLUME" : source_, "no volume is given",
                 "name a file, a DICOM folder or a phantom, for example phantom:sphere?size=64");
@@ -54,6 +57,7 @@ std::string SceneArguments::commandLine(const std::string& verb) const {
   for (std::size_t i = 0; i < values_.size(); ++i) {
     if (options_[i]->count() > 0) line += std::string(" ") + sceneOptions()[i].flag + " " + shellWord(values_[i]);
   }
+  for (const std::string& object : objects_) line += " --object " + shellWord(object);
   return line;
 }
 

@@ -26,6 +26,7 @@ class SceneArguments {
   std::string source_;               // volume, or scene file if it ends in .toml
   std::vector<std::string> values_;  // by row of the option table; what was given
   std::vector<CLI::Option*> options_;
+  std::vector<std::string> objects_;  // --object, as given
 };
 
 }  // namespace palpate

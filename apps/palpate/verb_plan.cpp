@@ -7,6 +7,7 @@
 #include "engine/service/engine.hpp"
 #include "engine/volume/statistics.hpp"
 #include "scene_arguments.hpp"
+#include "servo/algorithms/registry.hpp"
 #include "verbs.hpp"
 
 namespace palpate {

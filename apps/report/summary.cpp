@@ -3,6 +3,7 @@
 
 #include "apps/report/atomic_file.hpp"
 #include "apps/report/words.hpp"
+#include "apps/scene/object_table.hpp"
 #include "servo/loop/run_figures.hpp"
 
 namespace palpate {
@@ -45,6 +46,7 @@ Json machineJson(const MachineFacts& m) {
 Json sceneJson(const Scene& s) {
   return {{"volume", s.volume},
           {"isovalue_density", s.isovalue ? Json(*s.isovalue) : Json(nullptr)},
+          {"objects", listOf(s.objects, objectText)},
           {"gpu", s.gpu},
           {"gradient_all", s.gradient_all},
           {"algorithm", s.algorithm},

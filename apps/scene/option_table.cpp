@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "apps/scene/object_table.hpp"
 #include "base/error.hpp"
 #include "base/units.hpp"
 #include "servo/algorithms/registry.hpp"
@@ -144,7 +145,7 @@ std::string sceneDocument() {
       "\n## Algorithms\n\nMore on each: [algorithms.md](algorithms.md).\n\n| `--algorithm` | what it is |\n|---|---|\n";
   for (const AlgorithmEntry& entry : algorithms())
     text += fmt::format("| `{}` | {} |\n", entry.name, entry.description);
-  return text;
+  return text + objectDocument();
 }
 
 }  // namespace palpate

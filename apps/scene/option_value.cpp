@@ -185,4 +185,12 @@ std::string optionForm(const OptionValue& value) {
   return std::visit(Form{}, value);
 }
 
+std::optional<double> numberOf(std::string_view text) {
+  return parseNumber<double>(text);
+}
+
+std::optional<Vec3> vectorOf(std::string_view text) {
+  return parseVector(text);
+}
+
 }  // namespace palpate

@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <variant>
 
 #include "engine/plan/scene.hpp"
@@ -66,6 +67,10 @@ void setOption(const OptionValue& value, const std::string& text, const std::str
 
 // The member's value in the form that setOption() takes; empty for a value that the program chooses.
 [[nodiscard]] std::string optionText(const OptionValue& value, const Scene& scene);
+
+// A whole text as a number, or as three finite ones with commas between; nothing for any other text.
+[[nodiscard]] std::optional<double> numberOf(std::string_view text);
+[[nodiscard]] std::optional<Vec3> vectorOf(std::string_view text);
 
 // What may be given: "0 ... 20000", "rigid or spring", "none, procedural or density", "x,y,z", "rows
 // density:force:viscosity with commas between".

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <toml++/toml.h>
 
+#include "apps/scene/object_table.hpp"
 #include "apps/scene/option_table.hpp"
 #include "base/error.hpp"
 
@@ -103,9 +104,57 @@ std::string valueText(const toml::node& node, const OptionValue& value, const st
   throw Error(Error::Code::kBadInput, where, "the value is of another kind than it takes", "give " + arrayForm(value));
 }
 
+// Whether a key of an object takes text; of a key that is not known, whether it was given text.
+bool takesText(const std::string& key, const toml::node& node) {
+  if (key == "kind") return true;
+  for (const ObjectOption& option : objectOptions()) {
+    if (key == option.key || key == option.word) return std::holds_alternative<ObjectText>(option.value);
+  }
+  return node.is_string();
+}
+
+// One [[object]].
+ObjectSpec objectOf(const toml::table& table, const std::string& file) {
+  const std::string where = fmt::format("{}:{}: object", file, table.source().begin.line);
+  std::string kind;
+  std::vector<std::pair<std::string, std::string>> keys;
+  for (const auto& [name, node] : table) {
+    const std::string key(name.str());
+    const ValueText reader{node};
+    std::optional<std::string> text = reader(TextOption{});
+    if (!text) text = reader(NumberOption{});
+    if (!text) text = reader(VectorOption{});
+    if (!text || takesText(key, node) != node.is_string()) {
+      throw Error(Error::Code::kBadInput, where, fmt::format("'{}' is of another kind than it takes", key),
+                  "give a number, [x, y, z] or text");
+    }
+    if (key == "kind") {
+      kind = *text;
+    } else {
+      keys.emplace_back(key, *text);
+    }
+  }
+  return makeObjectSpec(kind, keys, where);
+}
+
+void addObjects(const toml::node& node, const std::string& file, Scene& scene) {
+  const auto* array = node.as_array();
+  const bool tables =
+      array != nullptr && std::all_of(array->begin(), array->end(), [](const toml::node& e) { return e.is_table(); });
+  if (!tables) {
+    throw Error(Error::Code::kBadInput, fmt::format("{}:{}: object", file, node.source().begin.line),
+                "objects are a list of tables", "begin each with [[object]]");
+  }
+  for (const toml::node& element : *array) scene.objects.push_back(objectOf(*element.as_table(), file));
+}
+
 void setKeys(const toml::table& table, const std::string& prefix, const std::string& file, Scene& scene) {
   for (const auto& [name, node] : table) {
     const std::string key = prefix + std::string(name.str());
+    if (key == "object") {
+      addObjects(node, file, scene);
+      continue;
+    }
     if (const auto* inner = node.as_table()) {
       setKeys(*inner, key + ".", file, scene);
       continue;
@@ -141,6 +190,7 @@ void readSceneFile(const std::filesystem::path& file, Scene& scene) {
   Scene read = scene;
   read.volume.clear();
   read.path_file.clear();
+  const std::size_t given_before = read.objects.size();
   try {
     setKeys(toml::parse(stream, file.string()), "", file.string(), read);
   } catch (const toml::parse_error& error) {
@@ -150,6 +200,7 @@ void readSceneFile(const std::filesystem::path& file, Scene& scene) {
   }
   resolve(file.parent_path(), read.volume);
   resolve(file.parent_path(), read.path_file);
+  for (std::size_t i = given_before; i < read.objects.size(); ++i) resolve(file.parent_path(), read.objects[i].file);
   scene = read;
 }
 

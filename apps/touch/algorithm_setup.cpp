@@ -23,7 +23,8 @@ EffectParameters effectParameters(const Scene& scene) {
 
 }  // namespace
 
-AlgorithmSetup algorithmSetup(const Scene& scene, double isovalue, const DensityScale& scale) {
+AlgorithmSetup algorithmSetup(const Scene& scene, double isovalue, const DensityScale& scale,
+                              const ContactObjects& objects) {
   AlgorithmSetup setup;
   setup.parameters = {.isovalue = isovalue,
                       .stiffness_N_per_m = scene.stiffness_N_per_m,
@@ -37,14 +38,15 @@ AlgorithmSetup algorithmSetup(const Scene& scene, double isovalue, const Density
   }
   setup.scale = scale;
   setup.effects = makeContactEffects(effectParameters(scene), scene.stiffness_N_per_m, scene.rate_hz);
+  setup.objects = objects;
   return setup;
 }
 
 Plan planFor(const Scene& scene) {
-  const AlgorithmEntry* algorithm = findAlgorithm(scene.algorithm);
+  const AlgorithmNeeds& needs = algorithmEntry(scene.algorithm).needs;
   Scene planned = scene;
-  planned.gradient_all = scene.gradient_all || (algorithm != nullptr && algorithm->gradient_everywhere);
-  return makePlan(planned);
+  planned.gradient_all = scene.gradient_all || needs.gradient_everywhere;
+  return makePlan(planned, needs.isosurface_mesh);
 }
 
 }  // namespace palpate

@@ -7,11 +7,14 @@
 
 namespace palpate {
 
-// `isovalue` as the volume has it [density]; `scale`: how its densities lie about it. Throws
-// Error(kBadInput) on contact effects that cannot be made.
-[[nodiscard]] AlgorithmSetup algorithmSetup(const Scene& scene, double isovalue, const DensityScale& scale = {});
+// `isovalue` as the volume has it [density]; `scale`: how its densities lie about it; `objects` those of the scene
+// (scene_objects.hpp). The isosurface's mesh is left out. Throws Error(kBadInput) on contact effects that cannot be
+// made.
+[[nodiscard]] AlgorithmSetup algorithmSetup(const Scene& scene, double isovalue, const DensityScale& scale = {},
+                                            const ContactObjects& objects = {});
 
-// The scene's plan; an algorithm that feels away from the isosurface gets gradients there.
+// The scene's plan: an algorithm that feels away from the isosurface gets gradients there, one that touches a mesh of
+// the isosurface gets that. Throws Error(kBadInput) on an algorithm that is not known.
 [[nodiscard]] Plan planFor(const Scene& scene);
 
 }  // namespace palpate

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/vec.hpp"
+#include "engine/plan/object_spec.hpp"
 
 namespace palpate {
 
@@ -18,8 +19,9 @@ using NumberTable = std::vector<std::vector<double>>;  // rows of equal length
 
 struct Scene {
   // volume
-  std::string volume;              // file, folder or phantom:NAME?...
-  std::optional<double> isovalue;  // tau; empty: suggested from the histogram [density]
+  std::string volume;               // file, folder or phantom:NAME?...
+  std::optional<double> isovalue;   // tau; empty: suggested from the histogram [density]
+  std::vector<ObjectSpec> objects;  // beside the volume
   // compute
   std::string gpu;            // part of the Vulkan device's name; empty: the best one
   bool gradient_all = false;  // every brick instead of those that the isosurface needs

@@ -9,32 +9,45 @@
 #include "base/error.hpp"
 #include "servo/algorithms/avila.hpp"
 #include "servo/algorithms/blezek.hpp"
+#include "servo/algorithms/god_object.hpp"
 #include "servo/algorithms/haptization.hpp"
 #include "servo/algorithms/hri.hpp"
 #include "servo/algorithms/hri_paper.hpp"
 #include "servo/algorithms/implicit.hpp"
+#include "servo/objects/mesh_object.hpp"
 
 namespace palpate {
 namespace {
 
 template <class VhipKind>
 std::unique_ptr<Algorithm> makeVhip(AlgorithmSetup&& setup) {
-  return std::make_unique<VhipKind>(setup.parameters, std::move(setup.effects));
+  return std::make_unique<VhipKind>(setup.parameters, std::move(setup.effects), std::move(setup.objects));
 }
 
-void refuseEffects(const ContactEffects& effects, const char* algorithm) {
-  if (effects.empty()) return;
-  throw Error(Error::Code::kBadInput, algorithm, "contact effects move a VHIP, and it has none",
+// The isosurface's mesh is one more object.
+std::unique_ptr<Algorithm> makeGodObject(AlgorithmSetup&& setup) {
+  if (setup.isosurface == nullptr) {
+    throw Error(Error::Code::kBadInput, "algorithm god-object", "the isosurface's mesh is missing",
+                "extract it from the volume first");
+  }
+  setup.objects.insert(setup.objects.begin(), std::make_shared<MeshObject>(*setup.isosurface, "isosurface"));
+  return makeVhip<GodObject>(std::move(setup));
+}
+
+// For an algorithm without a VHIP.
+void refuseWhatMovesAVhip(const AlgorithmSetup& setup, const char* algorithm) {
+  if (setup.effects.empty() && setup.objects.empty()) return;
+  throw Error(Error::Code::kBadInput, algorithm, "contact effects and objects move a VHIP, and it has none",
               "leave them out, or take an algorithm with a VHIP, such as hri");
 }
 
 std::unique_ptr<Algorithm> makeAvila(AlgorithmSetup&& setup) {
-  refuseEffects(setup.effects, "avila");
+  refuseWhatMovesAVhip(setup, "avila");
   return std::make_unique<Avila>(setup.parameters);
 }
 
 std::unique_ptr<Algorithm> makeHaptization(AlgorithmSetup&& setup) {
-  refuseEffects(setup.effects, "haptization");
+  refuseWhatMovesAVhip(setup, "haptization");
   TransferTables tables = std::move(setup.haptization);
   TransferTables standard = TransferFunction::standard(setup.parameters.isovalue, setup.scale);
   if (tables.density.empty()) tables.density = std::move(standard.density);
@@ -47,14 +60,22 @@ constexpr AlgorithmEntry kEntries[] = {
      makeVhip<Hri>},
     {"hri-paper", "the paper's Figure 2 to the letter, plane on the ray from VHIP to HIP, renewed every n + 1 ticks",
      makeVhip<HriPaper>},
-    {"avila", "depth and force from the density at the tool alone (Avila and Sobierajski 1996); penetrable", makeAvila,
-     true},
+    {"avila",
+     "depth and force from the density at the tool alone (Avila and Sobierajski 1996); penetrable",
+     makeAvila,
+     {.gradient_everywhere = true}},
     {"blezek", "VHIP inched along the isosurface until normal and VHIP-HIP line agree (Blezek and Robb)",
      makeVhip<Blezek>},
+    {"god-object",
+     "constraint-based contact with a triangle mesh of the isosurface (Zilles and Salisbury 1995)",
+     makeGodObject,
+     {.isosurface_mesh = true}},
     {"implicit", "contact point tracked by its tangent plane, every tick (Salisbury and Tarr 1997)",
      makeVhip<Implicit>},
-    {"haptization", "force and viscosity from density and gradient by a transfer function (after Iwata and Noma 1993)",
-     makeHaptization, true},
+    {"haptization",
+     "force and viscosity from density and gradient by a transfer function (after Iwata and Noma 1993)",
+     makeHaptization,
+     {.gradient_everywhere = true}},
 };
 
 void check(bool good, const char* key, double value, const char* remedy) {
@@ -76,18 +97,18 @@ std::span<const AlgorithmEntry> algorithms() noexcept {
   return kEntries;
 }
 
-const AlgorithmEntry* findAlgorithm(std::string_view name) noexcept {
-  const auto found =
-      std::find_if(std::begin(kEntries), std::end(kEntries), [&](const auto& e) { return e.name == name; });
-  return found == std::end(kEntries) ? nullptr : found;
+const AlgorithmEntry& algorithmEntry(std::string_view name) {
+  std::string known;
+  for (const AlgorithmEntry& entry : kEntries) {
+    if (entry.name == name) return entry;
+    known += (known.empty() ? "" : ", ") + std::string(entry.name);
+  }
+  throw Error(Error::Code::kBadInput, "algorithm", fmt::format("'{}' is not known", name), "use one of: " + known);
 }
 
 std::unique_ptr<Algorithm> makeAlgorithm(std::string_view name, AlgorithmSetup setup) {
   checkParameters(setup.parameters);
-  if (const AlgorithmEntry* entry = findAlgorithm(name)) return entry->make(std::move(setup));
-  std::string known;
-  for (const AlgorithmEntry& entry : kEntries) known += (known.empty() ? "" : ", ") + std::string(entry.name);
-  throw Error(Error::Code::kBadInput, "algorithm", fmt::format("'{}' is not known", name), "use one of: " + known);
+  return algorithmEntry(name).make(std::move(setup));
 }
 
 }  // namespace palpate

@@ -47,6 +47,7 @@ inline TouchRun sampleRun() {
   TouchRun run;
   run.scene.volume = "phantom:sphere?size=64";
   run.scene.path_toward = Vec3(0, 0, -1);
+  run.scene.objects.resize(2);
   run.volume = {"phantom:sphere?size=64", "phantom", Vec3i(64, 64, 64), Vec3::Constant(0.5e-3), -1, 1, 0};
   run.machine = {"Example CPU", 4, 8ULL << 30, "Linux 6.1", "Debian GNU/Linux 12"};
   run.vulkan = {"llvmpipe", "Mesa 22.3", "1.3.230"};

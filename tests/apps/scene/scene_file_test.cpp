@@ -102,6 +102,42 @@ stiffness_density = [[200, 0.3], [700, 1]]
   EXPECT_EQ(scene.stiffness_density, (NumberTable{{200, 0.3}, {700, 1}}));
 }
 
+TEST_F(SceneFile, ObjectsAreTables) {
+  const Scene scene = read(R"(
+volume = "phantom:sphere"
+[[object]]
+kind = "sphere"
+centre_mm = [0, 0, 30]
+radius_mm = 5
+[[object]]
+kind = "mesh"
+file = "plate.stl"
+[[object]]
+kind = "mesh"
+file = "/far/plate.stl"
+)");
+  ASSERT_EQ(scene.objects.size(), 3U);
+  EXPECT_EQ(scene.objects[0].kind, ObjectKind::kSphere);
+  EXPECT_DOUBLE_EQ(scene.objects[0].radius_m, 5e-3);
+  EXPECT_EQ(scene.objects[1].file, (folder_.path() / "plate.stl").string()) << "relative to the scene";
+  EXPECT_EQ(scene.objects[2].file, "/far/plate.stl");
+}
+
+TEST_F(SceneFile, ObjectsThatAreNoneAreRefused) {
+  EXPECT_THAT(refusalOf("[object]\nkind = 'sphere'\n"), HasSubstr("begin each with [[object]]"));
+  EXPECT_THAT(refusalOf("object = 5\n"), HasSubstr("begin each with [[object]]"));
+  EXPECT_THAT(refusalOf("[[object]]\nkind = 'sphere'\n"),
+              HasSubstr("scene.toml:1: object: a sphere needs 'radius_mm'"));
+  EXPECT_THAT(refusalOf("\n[[object]]\nradius_mm = 5\n"),
+              HasSubstr("scene.toml:2: object: there is no object of kind ''"));
+  EXPECT_THAT(refusalOf("[[object]]\nkind = 'sphere'\nradius_mm = '5'\n"), HasSubstr("'radius_mm' is of another kind"));
+  EXPECT_THAT(refusalOf("[[object]]\nkind = 'box'\nsize_mm = [1, 'a', 2]\n"),
+              HasSubstr("'size_mm' is of another kind"));
+  EXPECT_THAT(refusalOf("[[object]]\nkind = 5\n"), HasSubstr("'kind' is of another kind"));
+  EXPECT_THAT(refusalOf("[[object]]\nkind = 'mesh'\nfile = 5\n"), HasSubstr("'file' is of another kind"));
+  EXPECT_THAT(refusalOf("[[object]]\nkind = 'box'\nsize_mm = true\n"), HasSubstr("'size_mm' is of another kind"));
+}
+
 TEST_F(SceneFile, DottedKeysAndInlineTablesAreTables) {
   EXPECT_EQ(read("servo.n = 3\n").plane_renewal_ticks, 3);
   EXPECT_EQ(read("servo = { n = 4 }\n").plane_renewal_ticks, 4);
@@ -179,8 +215,8 @@ TEST_F(SceneFile, AWordIsNoNumberAndNoSwitch) {
 TEST_F(SceneFile, ValuesOfTheRightKindThatDoNotFitAreRefused) {
   for (const char* text :
        {"servo.n = 0", "servo.n = 2.5", "isovalue = nan", "isovalue = inf", "servo.clock = \"fast\"",
-        "contact.texture = \"velvet\"", "hand.kind = true", "path.toward = [0, 0, 0]", "path.toward = [1, 0]", "path.toward = []",
-        "path.start_mm = [1, 2, nan]", "haptization.density = []", "haptization.density = [[]]",
+        "contact.texture = \"velvet\"", "hand.kind = true", "path.toward = [0, 0, 0]", "path.toward = [1, 0]",
+        "path.toward = []", "path.start_mm = [1, 2, nan]", "haptization.density = []", "haptization.density = [[]]",
         "haptization.density = [[1, 2]]", "haptization.gradient = [[1, 2], [3, inf]]", "servo.seconds = -1"}) {
     EXPECT_THAT(refusalOf(std::string(text) + "\n"), HasSubstr("is not what it takes; give ")) << text;
   }

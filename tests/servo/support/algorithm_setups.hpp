@@ -7,15 +7,19 @@
 
 #include "servo/algorithms/registry.hpp"
 #include "support/analytic_volume.hpp"
+#include "support/isosurface_mesh.hpp"
 
 namespace palpate {
 
 // `contrast`: how far the volume's densities rise above the isovalue.
-inline AlgorithmSetup setupFor(std::string_view /*name*/, const AlgorithmParameters& parameters,
+inline AlgorithmSetup setupFor(std::string_view name, const AlgorithmParameters& parameters,
                                const AnalyticVolume& volume, double contrast) {
   AlgorithmSetup setup;
   setup.parameters = parameters;
   setup.scale = {contrast, volume.lattice.smallestSpacing()};
+  if (algorithmEntry(name).needs.isosurface_mesh) {
+    setup.isosurface = std::make_shared<const TriangleMesh>(IsosurfaceMesher(volume, parameters.isovalue).mesh());
+  }
   return setup;
 }
 
