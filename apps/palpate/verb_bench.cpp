@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+// palpate bench servo|loop: measures, and holds the figures against what the program promises.
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "apps/bench/loop_bench.hpp"
+#include "apps/bench/servo_bench.hpp"
+#include "apps/bench/table_one.hpp"
+#include "apps/report/atomic_file.hpp"
+#include "scene_arguments.hpp"
+#include "verbs.hpp"
+#include "version.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr int kTargetBroken = 1;
+
+struct BenchArguments {
+  bool quick = false, strict = false;
+  std::string json, csv, chart;
+  std::uint64_t seed = 1;
+  std::optional<double> seconds;  // loop only
+  std::string gpu;                // loop only
+};
+
+void addCommon(CLI::App& verb, BenchArguments& arguments) {
+  verb.add_flag("--quick", arguments.quick, "fewer repetitions, for a first look");
+  verb.add_flag("--strict", arguments.strict, "exit status 1 when a target does not hold");
+  verb.add_option("--json", arguments.json, "write rows and targets into this file too")->type_name("FILE");
+  verb.add_option("--csv", arguments.csv, "write the rows into this file too")->type_name("FILE");
+  verb.add_option("--chart", arguments.chart, "draw the figures into this SVG file")->type_name("FILE.svg");
+  verb.add_option("--seed", arguments.seed, "of everything that is left to chance (default 1)")
+      ->check(CLI::Range(std::int64_t{0}, std::int64_t{9007199254740992}));
+}
+
+std::string commandLine(const std::string& bench, const BenchArguments& arguments) {
+  std::string line = "palpate bench " + bench;
+  if (arguments.quick) line += " --quick";
+  if (arguments.seconds) line += fmt::format(" --seconds {:g}", *arguments.seconds);
+  if (!arguments.gpu.empty()) line += " --gpu " + shellWord(arguments.gpu);
+  return line + fmt::format(" --seed {}", arguments.seed);
+}
+
+// Opened before the bench runs, so that a name that cannot be written is refused in the first second.
+class Outputs {
+ public:
+  explicit Outputs(const BenchArguments& arguments) {
+    open(json_, arguments.json);
+    open(csv_, arguments.csv);
+    open(chart_, arguments.chart);
+  }
+
+  void write(const BenchResult& result, const std::string& chart) {
+    write(json_, jsonText(result));
+    write(csv_, csvText(result));
+    write(chart_, chart);
+  }
+
+ private:
+  static void open(std::optional<AtomicFile>& file, const std::string& name) {
+    if (!name.empty()) file.emplace(name);
+  }
+  static void write(std::optional<AtomicFile>& file, const std::string& text) {
+    if (!file) return;
+    file->write(text);
+    file->commit();
+  }
+  std::optional<AtomicFile> json_, csv_, chart_;
+};
+
+void conclude(BenchResult& result, const BenchArguments& arguments, const std::string& words, const std::string& chart,
+              Outputs& outputs) {
+  result.commit = programCommit();
+  result.command = commandLine(result.bench, arguments);
+  outputs.write(result, chart);
+  fmt::print("{}\n{}\n{}, commit {}\n{}", words, result.command, result.machine, result.commit, targetTable(result));
+  if (arguments.strict && !result.allHold()) throw CLI::RuntimeError(kTargetBroken);
+}
+
+void servoVerb(const BenchArguments& arguments) {
+  Outputs outputs(arguments);
+  Progress progress;
+  ServoBenchRequest request = arguments.quick ? ServoBenchRequest::quick() : ServoBenchRequest{};
+  request.seed = arguments.seed;
+  BenchResult result = runServoBench(request, progress);
+  progress.done();
+  conclude(result, arguments, servoTable(result) + "\n" + tableOne(result), servoChart(result), outputs);
+}
+
+void loopVerb(const BenchArguments& arguments) {
+  Outputs outputs(arguments);
+  Progress progress;
+  LoopBenchRequest request = arguments.quick ? LoopBenchRequest::quick() : LoopBenchRequest{};
+  request.seed = arguments.seed;
+  request.gpu = arguments.gpu;
+  if (arguments.seconds) request.seconds = *arguments.seconds;
+  BenchResult result = runLoopBench(request, progress);
+  progress.done();
+  conclude(result, arguments, loopTable(result), loopChart(result), outputs);
+}
+
+}  // namespace
+
+void addBenchVerb(CLI::App& app) {
+  CLI::App* verb = app.add_subcommand("bench", "measure, and hold the figures against what the program promises");
+  verb->require_subcommand(1);
+  auto arguments = std::make_shared<BenchArguments>();
+  CLI::App* servo = verb->add_subcommand("servo", "cost and error of every haptic algorithm (4 minutes, alone)");
+  addCommon(*servo, *arguments);
+  servo->callback([arguments] { servoVerb(*arguments); });
+  CLI::App* loop = verb->add_subcommand("loop", "lateness of the real-time loop beside cyclictest's");
+  addCommon(*loop, *arguments);
+  loop->add_option("--seconds", arguments->seconds, "how long each side runs at each rate [s] (default 20; quick 2)")
+      ->check(CLI::Range(0.1, 3600.0));
+  loop->add_option("--gpu", arguments->gpu, "part of the Vulkan device's name; the best one if not given");
+  loop->callback([arguments] { loopVerb(*arguments); });
+}
+
+}  // namespace palpate
