@@ -203,7 +203,7 @@ class ServoBench {
         add(row, {{"wall", wall},
                   {"speed_m_per_s", f.speed_m_per_s},
                   {"strokes", f.strokes},
-                  {"strokes_without_wall_in_samples", f.no_wall},
+                  {"strokes_over_holes_in_samples", f.over_hole},
                   {"missed", f.missed},
                   {"lost", f.lost}});
         result_.rows.push_back(std::move(row));

@@ -13,7 +13,8 @@ namespace palpate {
 namespace {
 
 constexpr double kRunUp_voxel = 5;
-constexpr double kLook_voxel = 0.01;
+constexpr double kLookAlong_voxel = 0.1;
+constexpr double kLookAcross_voxel = 0.02;
 
 // p(s) = meets + s * direction: s < 0 in free space [m].
 struct Stroke {
@@ -50,13 +51,15 @@ class Strokes {
     }
   }
 
+  // Whether the samples have a wall all along the ideal contact point's way.
   [[nodiscard]] bool hasWall(const Stroke& stroke) const {
-    const double step_m = kLook_voxel * volume_.voxel_m();
-    for (double s = -2 * volume_.voxel_m(); s < 3 * volume_.voxel_m(); s += step_m) {
-      const Fetch f = sampler_.at(stroke.meets_W + s * stroke.direction_W);
-      if (f.place == Place::kInside && f.density > volume_.isovalue()) return true;
+    if (!request_.thin_wall) return true;
+    const double radius_m = stroke.meets_W.norm();
+    for (double s = 0; s <= way_m(); s += kLookAlong_voxel * volume_.voxel_m()) {
+      const Vec3 hip_W = stroke.meets_W + s * stroke.direction_W;
+      if (!wallAcross(hip_W.normalized(), radius_m)) return false;
     }
-    return false;
+    return true;
   }
 
  private:
@@ -88,6 +91,14 @@ class Strokes {
     return -std::cos(angle) * normal_W + std::sin(angle) * aside_W.normalized();
   }
 
+  [[nodiscard]] bool wallAcross(const Vec3& outward_W, double radius_m) const {
+    const double voxel_m = volume_.voxel_m();
+    for (double r = radius_m + voxel_m; r > radius_m - 3 * voxel_m; r -= kLookAcross_voxel * voxel_m) {
+      if (sampler_.at(r * outward_W).density > volume_.isovalue()) return true;
+    }
+    return false;
+  }
+
   const BenchVolume& volume_;
   StrokeRequest request_;
   Random random_;
@@ -97,8 +108,7 @@ class Strokes {
 
 struct Seen {
   bool had = false;
-  bool lost = false;  // not there where it must be, after it was
-  bool missed_tick = false;
+  bool lost = false;  // not there, after it was
 };
 
 // The depth below the surface that was entered; in a thin wall below its outer face continued: along the stroke.
@@ -129,9 +139,7 @@ void runStroke(const BenchVolume& volume, const Stroke& stroke, double speed_m_p
       TickOutput out;
       entrants[e].haptic->tick(in, out);
       const bool contact = hasContact(out);
-      if (s_m > 0 && depth_m > kMissDepth_voxel * volume.voxel_m() && !contact) {
-        (seen[e].had ? seen[e].lost : seen[e].missed_tick) = true;
-      }
+      seen[e].lost = seen[e].lost || (seen[e].had && !contact);
       seen[e].had = seen[e].had || contact;
     }
   }
@@ -155,11 +163,11 @@ std::vector<std::vector<StrokeFigures>> strokeFigures(const BenchVolume& volume,
       if (wall) runStroke(volume, stroke, speed, strokes.way_m(), request.thin_wall, entrants, seen);
       for (std::size_t e = 0; e < entrants.size(); ++e) {
         StrokeFigures& f = figures[e].back();
-        f.no_wall += wall ? 0 : 1;
+        f.over_hole += wall ? 0 : 1;
         if (!wall) continue;
         ++f.strokes;
-        f.missed += seen[e].missed_tick && !seen[e].had ? 1 : 0;
-        f.lost += seen[e].lost || (seen[e].missed_tick && seen[e].had) ? 1 : 0;
+        f.missed += seen[e].had ? 0 : 1;
+        f.lost += seen[e].lost ? 1 : 0;
       }
     }
   }

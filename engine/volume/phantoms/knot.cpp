@@ -15,11 +15,13 @@ namespace {
 constexpr int kSamples = 512;
 constexpr double kStep = 2 * std::numbers::pi / kSamples;  // of the curve's parameter
 
-// c(t) = ((A + B cos 3t) cos 2t, (A + B cos 3t) sin 2t, B sin 3t), lengths as parts of the lattice's half extent.
+// c(t) = ((A + B cos 3t) cos 2t, (A + B cos 3t) sin 2t, B sin 3t), lengths as parts of the scale: half the extent of a
+// cube; in a flat lattice the largest knot that keeps as much of every side free as in a cube.
 constexpr double kMajor = 0.55;
 constexpr double kMinor = 0.25;
 constexpr double kTube = 0.13;
-constexpr double kMaxSpeed = 2 * (kMajor + kMinor) + 3 * kMinor;  // |c'(t)| stays below
+constexpr double kFlatness = (kMajor + kMinor + kTube) / (kMinor + kTube);  // the knot is so much wider than high
+constexpr double kMaxSpeed = 2 * (kMajor + kMinor) + 3 * kMinor;            // |c'(t)| stays below
 
 struct CurvePoint {
   Vec3 position;
@@ -55,9 +57,14 @@ double refine(const Vec3& p, double t) {
   return t;
 }
 
+double scaleOf(const PhantomSpec& spec) {
+  const Vec3 half_m = (spec.size - Vec3i::Ones()).cast<double>().cwiseProduct(spec.spacing_m) / 2;
+  return std::min({half_m.x(), half_m.y(), kFlatness * half_m.z()});
+}
+
 class Knot : public Phantom {
  public:
-  explicit Knot(const PhantomSpec& spec) : Phantom(spec, simpleProfile(spec)), scale_m_(halfExtent_m(spec)) {
+  explicit Knot(const PhantomSpec& spec) : Phantom(spec, simpleProfile(spec)), scale_m_(scaleOf(spec)) {
     for (int n = 0; n < kSamples; ++n) samples_[n] = curveAt(n * kStep).position;
   }
 
