@@ -270,7 +270,9 @@ LoopBenchRequest LoopBenchRequest::quick() {
 }
 
 BenchResult runLoopBench(const LoopBenchRequest& request, Progress& progress) {
-  return LoopBench(request, progress).run();
+  LoopBenchRequest fitted = request;
+  fitted.turn_s = std::min(request.turn_s, request.seconds);
+  return LoopBench(fitted, progress).run();
 }
 
 std::string loopTable(const BenchResult& result) {

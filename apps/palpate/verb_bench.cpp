@@ -35,6 +35,15 @@ void addCommon(CLI::App& verb, BenchArguments& arguments) {
       ->check(CLI::Range(std::int64_t{0}, std::int64_t{9007199254740992}));
 }
 
+// CLI::Range lets NaN through.
+std::string checkSeconds(const std::string& text) {
+  constexpr double kLeast_s = 0.1, kMost_s = 3600;
+  double value = 0;
+  const bool number = CLI::detail::lexical_cast(text, value);
+  if (number && value >= kLeast_s && value <= kMost_s) return {};
+  return fmt::format("'{}' is no number from {:g} to {:g}", text, kLeast_s, kMost_s);
+}
+
 std::string commandLine(const std::string& bench, const BenchArguments& arguments) {
   std::string line = "palpate bench " + bench;
   if (arguments.quick) line += " --quick";
@@ -113,7 +122,7 @@ void addBenchVerb(CLI::App& app) {
   CLI::App* loop = verb->add_subcommand("loop", "lateness of the real-time loop beside cyclictest's");
   addCommon(*loop, *arguments);
   loop->add_option("--seconds", arguments->seconds, "how long each side runs at each rate [s] (default 20; quick 2)")
-      ->check(CLI::Range(0.1, 3600.0));
+      ->check(checkSeconds);
   loop->add_option("--gpu", arguments->gpu, "part of the Vulkan device's name; the best one if not given");
   loop->callback([arguments] { loopVerb(*arguments); });
 }
