@@ -14,7 +14,7 @@ namespace palpate {
 namespace {
 
 constexpr double kPanelWidth = 460, kPanelHeight = 380;
-constexpr double kLeft = 66, kRight = 16, kTop = 30, kBottom = 46;
+constexpr double kLeft = 78, kRight = 16, kTop = 30, kBottom = 46;
 constexpr double kTitle = 30, kLegendLine = 22;
 constexpr double kInnerWidth = kPanelWidth - kLeft - kRight, kInnerHeight = kPanelHeight - kTop - kBottom;
 
@@ -121,7 +121,8 @@ std::string seriesSvg(const ChartSeries& series, std::size_t kind, const Axis& x
     if (marks == ChartMarks::kLine) continue;
     points += mark(at_x, at_y, kind);
     if (!point.label.empty())
-      points += text(at_x + 7, at_y - 5, "start", point.label, " font-size=\"10\" fill=\"#555\"");
+      points += text(at_x + 7, at_y - 5, "start", point.label,
+                     fmt::format(" font-size=\"10\" fill=\"{}\"", kColors[kind % kColors.size()]));
   }
   return fmt::format("<polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\"/>\n", polyline,
                      kColors[kind % kColors.size()], marks == ChartMarks::kLine ? "1.8" : "0.8") +
