@@ -116,10 +116,10 @@ void addBenchVerb(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("bench", "measure, and hold the figures against what the program promises");
   verb->require_subcommand(1);
   auto arguments = std::make_shared<BenchArguments>();
-  CLI::App* servo = verb->add_subcommand("servo", "cost and error of every haptic algorithm (4 minutes, alone)");
+  CLI::App* servo = verb->add_subcommand("servo", "cost and error of every haptic algorithm (a minute or two; --quick: seconds)");
   addCommon(*servo, *arguments);
   servo->callback([arguments] { servoVerb(*arguments); });
-  CLI::App* loop = verb->add_subcommand("loop", "lateness of the real-time loop beside cyclictest's");
+  CLI::App* loop = verb->add_subcommand("loop", "lateness of the real-time loop beside cyclictest's (two minutes)");
   addCommon(*loop, *arguments);
   loop->add_option("--seconds", arguments->seconds, "how long each side runs at each rate [s] (default 20; quick 2)")
       ->check(checkSeconds);
