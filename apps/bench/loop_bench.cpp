@@ -56,7 +56,9 @@ SampledPath asPath(const ContactPath& way) {
   return {std::move(times_s), way.hip_W, SampledPath::Interpolation::kLinear};
 }
 
-// Moves the engine's tool along the path while no servo does.
+// Moves the engine's tool along the path while no servo does. It runs, for nobody, in the loop's turns too: its waking
+// every millisecond keeps a processor from falling asleep deeply, which alone made cyclictest look better (medians at
+// 1 kHz of 37 and 27 us before, of 28 and 30 us since).
 class Feeder {
  public:
   Feeder(const Path& path, ToolPoseMailbox& tool) : thread_([this, &path, &tool] { feed(path, tool); }) {}
@@ -102,6 +104,12 @@ void addPercentiles(BenchRow& row, const std::string& name, const std::string& u
   row.push_back({name + "_p99_" + unit, p.p99});
   row.push_back({name + "_p999_" + unit, p.p999});
   row.push_back({name + "_max_" + unit, p.max});
+}
+
+// Two sides that are equally good would break a bare comparison of their counts in every other run. Rare misses are
+// Poisson counts, so the difference of two equal ones has the variance 2 c, c at least 1: two deviations are allowed.
+double missBound(double theirs) {
+  return theirs + 2 * std::sqrt(2 * std::max(theirs, 1.0));
 }
 
 void addHistogram(BenchResult& result, const char* side, double rate_hz, const LatenessCounts& lateness) {
@@ -177,8 +185,13 @@ class LoopBench {
     ServoLoop loop(parameters, *algorithm, device, engine_->exchange(), tool);
     engine_->publishAround(tool.latest().position_W, monotonicNow_ns());
     EngineThread publisher(*engine_, tool);
-    loop.start();
-    const LoopResult result = loop.wait();
+    ToolPoseMailbox nobody;
+    LoopResult result;
+    {
+      const Feeder as_in_the_other_turn(path_, nobody);
+      loop.start();
+      result = loop.wait();
+    }
     publisher.stop();
     side.windows += static_cast<std::int64_t>(publisher.publications());
     fifo_ = result.real_time.fifo;
@@ -244,9 +257,9 @@ class LoopBench {
     result_.rows.push_back({{"part", "ratio"}, {"rate_hz", rate_hz}, {"loop_over_cyclictest_p99", ratio}});
     if (rate_hz != 1000) return;  // promised at 1 kHz only
     result_.targets.push_back({"lateness p99 at 1 kHz, loop / cyclictest [-]", ratio, 1.2});
-    result_.targets.push_back({"deadline misses at 1 kHz, loop (bound: cyclictest's) [-]",
-                               static_cast<double>(loop.side.lateness.misses(rate_hz)),
-                               static_cast<double>(cyclic.lateness.misses(rate_hz))});
+    const auto theirs = static_cast<double>(cyclic.lateness.misses(rate_hz));
+    result_.targets.push_back({"deadline misses at 1 kHz, loop (bound: cyclictest's and chance) [-]",
+                               static_cast<double>(loop.side.lateness.misses(rate_hz)), missBound(theirs)});
   }
 
   LoopBenchRequest request_;

@@ -4,8 +4,9 @@
 // The real ServoLoop (hri, n = 5, simulated device with a rigid hand) palpates a knot at 0.5 m/s while the engine, on
 // its own thread and its own Vulkan device, gathers a window every 12 ms. It takes turns of a second with cyclictest at
 // the same rate and priority: loop, cyclictest, cyclictest, loop, ... so that what else the machine does meets both
-// alike; while cyclictest runs the engine follows the same path, fed by an ordinary thread. A miss is, for both, a
-// wake-up later than a period. Lateness counts from the due time to the first reading of the clock.
+// alike; while cyclictest runs the engine follows the same path, fed by an ordinary thread, which runs in the loop's
+// turns too. A miss is, for both, a wake-up later than a period. Lateness counts from the due time to the first reading
+// of the clock.
 //
 // Rows by "part": loop and cyclictest (a rate each), ratio, histogram (classes of lateness), note. Threads: the loop's,
 // the engine's, the feeder's; the caller waits. Where cyclictest is absent or SCHED_FIFO refused, it is said in a note.

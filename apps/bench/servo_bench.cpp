@@ -94,7 +94,7 @@ class ServoBench {
 
   BenchResult run() {
     for (const std::string& name : request_.volumes) touch(name);
-    accuracy();
+    for (const std::string& name : request_.accuracy_volumes) accuracy(name);
     strokes("shell of 1 voxel", "phantom:shell?size=64&thickness=1", true);
     strokes("shell of 1.2 voxels", "phantom:shell?size=64&thickness=1.2", true);
     strokes("shell of 2 voxels", "phantom:shell?size=64&thickness=2", true);
@@ -174,9 +174,9 @@ class ServoBench {
                             {"hri_without_renewal_quartile_3_ns", spread.high}});
   }
 
-  void accuracy() {
-    progress_.stage("accuracy on " + request_.accuracy_volume);
-    const BenchVolume volume(request_.accuracy_volume);
+  void accuracy(const std::string& name) {
+    progress_.stage("accuracy on " + name);
+    const BenchVolume volume(name);
     const ContactPath way = path(volume, request_.accuracy_ticks);
     Entrants entrants = makeEntrants(volume, request_.renewals);
     const auto errors = touchErrors(volume, way, entrants.list, step());
@@ -185,7 +185,7 @@ class ServoBench {
       add(row, errorRow(errors[e]));
       result_.rows.push_back(std::move(row));
     }
-    addRecoveryRows(volume, way, result_, step());
+    if (name == request_.accuracy_volumes.front()) addRecoveryRows(volume, way, result_, step());
   }
 
   void strokes(const std::string& wall, const std::string& name, bool thin) {
