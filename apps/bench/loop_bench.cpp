@@ -15,7 +15,6 @@
 #include "apps/bench/cyclictest.hpp"
 #include "apps/bench/entrants.hpp"
 #include "apps/bench/lateness.hpp"
-#include "apps/bench/log_chart.hpp"
 #include "apps/console/interrupt.hpp"
 #include "engine/service/engine_thread.hpp"
 #include "servo/devices/sampled_path.hpp"
@@ -114,13 +113,15 @@ double missBound(double theirs) {
 
 void addHistogram(BenchResult& result, const char* side, double rate_hz, const LatenessCounts& lateness) {
   for (std::size_t i = 0; i < kEdges_us.size(); ++i) {
-    const std::int64_t later = i + 1 < kEdges_us.size() ? lateness.atLeast(kEdges_us[i + 1]) : 0;
+    const std::int64_t end_us = i + 1 < kEdges_us.size() ? kEdges_us[i + 1] : LatenessCounts::kOverflow_us;
+    const std::int64_t later = i + 1 < kEdges_us.size() ? lateness.atLeast(end_us) : 0;
     const std::int64_t count = lateness.atLeast(kEdges_us[i]) - later;
     if (count == 0) continue;
     result.rows.push_back({{"part", "histogram"},
                            {"side", side},
                            {"rate_hz", rate_hz},
                            {"lateness_from_us", kEdges_us[i]},
+                           {"lateness_to_us", end_us},
                            {"wakeups", count},
                            {"share_later", static_cast<double>(later) / static_cast<double>(lateness.total())}});
   }
@@ -286,64 +287,6 @@ BenchResult runLoopBench(const LoopBenchRequest& request, Progress& progress) {
   LoopBenchRequest fitted = request;
   fitted.turn_s = std::min(request.turn_s, request.seconds);
   return LoopBench(fitted, progress).run();
-}
-
-std::string loopTable(const BenchResult& result) {
-  std::string text = fmt::format("{:<11} {:>7} {:>9}  {:>7} {:>7} {:>7} {:>8} {:>8}  {:>7}  {:>9} {:>9}\n", "", "rate",
-                                 "wake-ups", "median", "p90", "p99", "p99.9", "max", "misses", "cost p50", "cost p99");
-  text += fmt::format("{:<11} {:>7} {:>9}  {:>7} {:>7} {:>7} {:>8} {:>8}  {:>7}  {:>9} {:>9}\n", "", "Hz", "", "us",
-                      "us", "us", "us", "us", "", "us", "us");
-  for (const BenchRow& row : result.rows) {
-    const std::string part = textOf(row, "part");
-    if (part != "loop" && part != "cyclictest") continue;
-    text +=
-        fmt::format("{:<11} {:>7g} {:>9g}  {:>7g} {:>7g} {:>7g} {:>8g} {:>8g}  {:>7g}", part, figureOf(row, "rate_hz"),
-                    figureOf(row, "wakeups"), figureOf(row, "lateness_median_us"), figureOf(row, "lateness_p90_us"),
-                    figureOf(row, "lateness_p99_us"), figureOf(row, "lateness_p999_us"),
-                    figureOf(row, "lateness_max_us"), figureOf(row, "deadline_misses"));
-    if (part == "loop") {
-      text +=
-          fmt::format("  {:>9.2f} {:>9.2f}", figureOf(row, "tick_cost_median_us"), figureOf(row, "tick_cost_p99_us"));
-    }
-    text += "\n";
-  }
-  for (const BenchRow& row : result.rows) {
-    if (textOf(row, "part") != "loop") continue;
-    text += fmt::format(
-        "{:g} Hz: windows {:g}, window age p50 {:.1f} ms p99 {:.1f} ms, plane age max {:g} ticks, overrun in {:g} "
-        "ticks, "
-        "{:g} left out\n",
-        figureOf(row, "rate_hz"), figureOf(row, "windows_published"), figureOf(row, "window_age_median_ms"),
-        figureOf(row, "window_age_p99_ms"), figureOf(row, "plane_age_max_ticks"), figureOf(row, "overrun_ticks"),
-        figureOf(row, "skipped_ticks"));
-  }
-  for (const BenchRow& row : result.rows) {
-    if (textOf(row, "part") != "ratio") continue;
-    text += fmt::format("{:g} Hz: lateness p99, loop / cyclictest {:.2f}\n", figureOf(row, "rate_hz"),
-                        figureOf(row, "loop_over_cyclictest_p99"));
-  }
-  return text;
-}
-
-std::string loopChart(const BenchResult& result) {
-  std::vector<ChartPanel> panels;
-  for (const BenchRow& row : result.rows) {
-    if (textOf(row, "part") != "histogram") continue;
-    const double rate_hz = figureOf(row, "rate_hz");
-    const std::string title = fmt::format("{:g} Hz", rate_hz);
-    if (panels.empty() || panels.back().title != title) {
-      panels.push_back({title, "lateness of a wake-up [us]", "share of wake-ups that are later", {}});
-    }
-    std::vector<ChartSeries>& series = panels.back().series;
-    const std::string side = textOf(row, "side");
-    if (series.empty() || series.back().name != side) series.push_back({side, {}});
-    // All of a class are later than its lower edge; the next class is later than its upper one.
-    const auto edge = std::upper_bound(kEdges_us.begin(), kEdges_us.end(),
-                                       static_cast<std::int64_t>(figureOf(row, "lateness_from_us")));
-    if (edge != kEdges_us.end())
-      series.back().points.push_back({static_cast<double>(*edge), figureOf(row, "share_later")});
-  }
-  return logChartSvg("Lateness of wake-ups, engine busy", panels, ChartMarks::kLine);
 }
 
 }  // namespace palpate

@@ -37,6 +37,7 @@ struct LoopBenchRequest {
 // Fills rows, targets and the Vulkan device. Throws Error as Engine does, and Error(kCancelled) on Ctrl-C.
 [[nodiscard]] BenchResult runLoopBench(const LoopBenchRequest& request, Progress& progress);
 
+[[nodiscard]] std::string loopIntroduction();                    // for the page
 [[nodiscard]] std::string loopTable(const BenchResult& result);  // for the terminal
 // Share of wake-ups that are later than a time, a panel a rate.
 [[nodiscard]] std::string loopChart(const BenchResult& result);

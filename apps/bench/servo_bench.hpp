@@ -44,6 +44,9 @@ struct ServoBenchRequest {
 // Fills rows and targets; who and where (commit, command) is the caller's. Stops with Error(kCancelled) on Ctrl-C.
 [[nodiscard]] BenchResult runServoBench(const ServoBenchRequest& request, Progress& progress);
 
+// For the page: what was measured and how.
+[[nodiscard]] std::string servoIntroduction();
+
 [[nodiscard]] std::string servoTable(const BenchResult& result);  // for the terminal
 
 // Cost against error, a series an algorithm, a point an n.

@@ -51,6 +51,34 @@ std::string strokeTable(const BenchResult& result) {
 
 }  // namespace
 
+std::string servoIntroduction() {
+  return "Every algorithm of the registry along the same paths, in one process, interleaved: each repetition goes "
+         "round all of "
+         "them and\nbegins with another one. The tool follows the phantom's exact surface at 0.1 m/s, 1 voxel below "
+         "it, in a "
+         "direction that turns slowly\nby chance, 1000 ticks a second, K = 500 N/m, B = 0, windows of 32 x 32 x 32 "
+         "samples as in "
+         "the program.\n\n"
+         "- *Cost, mean*: median over repetitions of a replay's time divided by its ticks, so that the clock's own "
+         "cost stays "
+         "out. Each\n  tick's position depends on the last tick's force, as in a loop, where ticks do not overlap. "
+         "What this "
+         "harness costs by itself\n  stands below the tables and is not taken off. p99, p99.9 and maximum: over ticks, "
+         "the "
+         "fastest of several replays of each, the\n  clock's median cost taken off; the raw figures are in the JSON.\n"
+         "- *VHIP*: its distance from the exact surface. *Force*: | |F| - K depth | / (K depth), depth of the tool "
+         "below the "
+         "exact surface.\n  *Angle*: between the force and the exact normal. *Jump*: largest change of the force from "
+         "one tick "
+         "to the next. *Falls*: how\n  often contact was lost while the tool was more than 0.25 voxel inside.\n"
+         "- *Strokes*: a rigid hand right through a wall, from a random side, at up to 45 degrees, counted until K "
+         "times the way "
+         "past the wall\n  reaches 8 N. Missed: never felt. Lost: felt and let go. Windows follow without delay.\n\n"
+         "Exact places: `apps/bench/*.hpp`. Costs are compared within a run only; figures of correctness are the same "
+         "on every "
+         "machine.";
+}
+
 std::string servoTable(const BenchResult& result) {
   std::string text, last;
   for (const BenchRow& row : result.rows) {

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // palpate bench servo|loop: measures, and holds the figures against what the program promises.
+#include <filesystem>
 #include <optional>
 
 #include <fmt/format.h>
 
+#include "apps/bench/bench_page.hpp"
 #include "apps/bench/loop_bench.hpp"
 #include "apps/bench/servo_bench.hpp"
 #include "apps/bench/table_one.hpp"
@@ -19,7 +21,7 @@ constexpr int kTargetBroken = 1;
 
 struct BenchArguments {
   bool quick = false, strict = false;
-  std::string json, csv, chart;
+  std::string json, csv, chart, page;
   std::uint64_t seed = 1;
   std::optional<double> seconds;  // loop only
   std::string gpu;                // loop only
@@ -31,6 +33,7 @@ void addCommon(CLI::App& verb, BenchArguments& arguments) {
   verb.add_option("--json", arguments.json, "write rows and targets into this file too")->type_name("FILE");
   verb.add_option("--csv", arguments.csv, "write the rows into this file too")->type_name("FILE");
   verb.add_option("--chart", arguments.chart, "draw the figures into this SVG file")->type_name("FILE.svg");
+  verb.add_option("--page", arguments.page, "write a page to read into this Markdown file")->type_name("FILE.md");
   verb.add_option("--seed", arguments.seed, "of everything that is left to chance (default 1)")
       ->check(CLI::Range(std::int64_t{0}, std::int64_t{9007199254740992}));
 }
@@ -59,12 +62,14 @@ class Outputs {
     open(json_, arguments.json);
     open(csv_, arguments.csv);
     open(chart_, arguments.chart);
+    open(page_, arguments.page);
   }
 
-  void write(const BenchResult& result, const std::string& chart) {
+  void write(const BenchResult& result, const std::string& chart, const PageWords& words) {
     write(json_, jsonText(result));
     write(csv_, csvText(result));
     write(chart_, chart);
+    write(page_, benchPage(result, words));
   }
 
  private:
@@ -76,15 +81,24 @@ class Outputs {
     file->write(text);
     file->commit();
   }
-  std::optional<AtomicFile> json_, csv_, chart_;
+  std::optional<AtomicFile> json_, csv_, chart_, page_;
 };
 
-void conclude(BenchResult& result, const BenchArguments& arguments, const std::string& words, const std::string& chart,
+// The chart as seen from the page: by its way from the page's folder.
+std::string chartFromPage(const BenchArguments& arguments) {
+  if (arguments.chart.empty() || arguments.page.empty()) return {};
+  const auto folder = std::filesystem::absolute(arguments.page).parent_path();
+  return std::filesystem::absolute(arguments.chart).lexically_relative(folder).generic_string();
+}
+
+void conclude(BenchResult& result, const BenchArguments& arguments, PageWords words, const std::string& chart,
               Outputs& outputs) {
   result.commit = programCommit();
   result.command = commandLine(result.bench, arguments);
-  outputs.write(result, chart);
-  fmt::print("{}\n{}\n{}, commit {}\n{}", words, result.command, result.machine, result.commit, targetTable(result));
+  words.chart = chartFromPage(arguments);
+  outputs.write(result, chart, words);
+  fmt::print("{}\n{}\n{}, commit {}\n{}", words.tables, result.command, result.machine, result.commit,
+             targetTable(result));
   if (arguments.strict && !result.allHold()) throw CLI::RuntimeError(kTargetBroken);
 }
 
@@ -95,7 +109,12 @@ void servoVerb(const BenchArguments& arguments) {
   request.seed = arguments.seed;
   BenchResult result = runServoBench(request, progress);
   progress.done();
-  conclude(result, arguments, servoTable(result) + "\n" + tableOne(result), servoChart(result), outputs);
+  conclude(result, arguments,
+           {.title = "What a tick costs and how true it is",
+            .introduction = servoIntroduction(),
+            .tables = servoTable(result) + "\n" + tableOne(result),
+            .chart = {}},
+           servoChart(result), outputs);
 }
 
 void loopVerb(const BenchArguments& arguments) {
@@ -107,7 +126,12 @@ void loopVerb(const BenchArguments& arguments) {
   if (arguments.seconds) request.seconds = *arguments.seconds;
   BenchResult result = runLoopBench(request, progress);
   progress.done();
-  conclude(result, arguments, loopTable(result), loopChart(result), outputs);
+  conclude(result, arguments,
+           {.title = "How well the loop keeps its times",
+            .introduction = loopIntroduction(),
+            .tables = loopTable(result),
+            .chart = {}},
+           loopChart(result), outputs);
 }
 
 }  // namespace
@@ -116,7 +140,8 @@ void addBenchVerb(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("bench", "measure, and hold the figures against what the program promises");
   verb->require_subcommand(1);
   auto arguments = std::make_shared<BenchArguments>();
-  CLI::App* servo = verb->add_subcommand("servo", "cost and error of every haptic algorithm (a minute or two; --quick: seconds)");
+  CLI::App* servo =
+      verb->add_subcommand("servo", "cost and error of every haptic algorithm (a minute or two; --quick: seconds)");
   addCommon(*servo, *arguments);
   servo->callback([arguments] { servoVerb(*arguments); });
   CLI::App* loop = verb->add_subcommand("loop", "lateness of the real-time loop beside cyclictest's (two minutes)");

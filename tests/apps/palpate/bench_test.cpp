@@ -14,8 +14,8 @@ using testing::HasSubstr;
 class Bench : public ProgramTest {};
 
 TEST_F(Bench, LoopWritesItsFilesAndEndsWithTheTargets) {
-  const Outcome outcome = run(
-      {"bench", "loop", "--seconds", "0.1", "--seed", "5", "--json", "l.json", "--csv", "l.csv", "--chart", "l.svg"});
+  const Outcome outcome = run({"bench", "loop", "--seconds", "0.1", "--seed", "5", "--json", "l.json", "--csv", "l.csv",
+                               "--chart", "l.svg", "--page", "l.md"});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_THAT(outcome.out, testing::ContainsRegex("[0-9]+ of [0-9]+ targets hold\n$"));
   const auto json = nlohmann::json::parse(contentsOf(file("l.json")));
@@ -25,6 +25,7 @@ TEST_F(Bench, LoopWritesItsFilesAndEndsWithTheTargets) {
   EXPECT_FALSE(json["rows"].empty());
   EXPECT_THAT(contentsOf(file("l.csv")), testing::StartsWith("part,"));
   EXPECT_THAT(contentsOf(file("l.svg")), testing::StartsWith("<svg"));
+  EXPECT_THAT(contentsOf(file("l.md")), HasSubstr("](l.svg)\n"));
 }
 
 TEST_F(Bench, LoopGoesOnWithoutCyclictest) {
