@@ -11,7 +11,7 @@ std::string loopIntroduction() {
          "voxels) while the "
          "engine gathers a\nwindow every 12 ms on its own thread, and `cyclictest` (SCHED_FIFO, same priority, memory "
          "locked, same "
-         "clock, no affinity, no power\nmanagement request) in its place, in turns of a second: loop, cyclictest, "
+         "clock, no affinity, no power\nmanagement request) in its place, in turns of half a second: loop, cyclictest, "
          "cyclictest, "
          "loop, and so on. Lateness: from the due time to the\nfirst reading of the clock, in whole microseconds, cut "
          "down, on "

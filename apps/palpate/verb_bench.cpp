@@ -144,9 +144,10 @@ void addBenchVerb(CLI::App& app) {
       verb->add_subcommand("servo", "cost and error of every haptic algorithm (a minute or two; --quick: seconds)");
   addCommon(*servo, *arguments);
   servo->callback([arguments] { servoVerb(*arguments); });
-  CLI::App* loop = verb->add_subcommand("loop", "lateness of the real-time loop beside cyclictest's (two minutes)");
+  CLI::App* loop = verb->add_subcommand(
+      "loop", "lateness of the real-time loop beside cyclictest's (four minutes; --quick: seconds)");
   addCommon(*loop, *arguments);
-  loop->add_option("--seconds", arguments->seconds, "how long each side runs at each rate [s] (default 20; quick 2)")
+  loop->add_option("--seconds", arguments->seconds, "how long each side runs at each rate [s] (default 30; quick 2)")
       ->check(checkSeconds);
   loop->add_option("--gpu", arguments->gpu, "part of the Vulkan device's name; the best one if not given");
   loop->callback([arguments] { loopVerb(*arguments); });
