@@ -55,6 +55,7 @@ struct ValueText {
   Text operator()(const NumberOption&) const { return node.is_number() ? Text(numberText(node)) : Text(); }
   Text operator()(const IntegerOption&) const { return node.is_number() ? Text(numberText(node)) : Text(); }
   Text operator()(const TextOption&) const { return node.is_string() ? Text(node.as_string()->get()) : Text(); }
+  Text operator()(const WordOption&) const { return node.is_string() ? Text(node.as_string()->get()) : Text(); }
   Text operator()(const SwitchOption&) const {
     if (const auto* flag = node.as_boolean()) return flag->get() ? "on" : "off";
     return node.is_string() ? Text(node.as_string()->get()) : Text();
@@ -69,13 +70,37 @@ struct ValueText {
     }
     return text;
   }
+  Text operator()(const TableOption&) const {
+    const auto* rows = node.as_array();
+    if (rows == nullptr) return std::nullopt;
+    std::string text;
+    for (const toml::node& row : *rows) {
+      const auto* numbers = row.as_array();
+      if (numbers == nullptr) return std::nullopt;
+      text += text.empty() ? "" : ",";
+      for (std::size_t i = 0; i < numbers->size(); ++i) {
+        const toml::node& number = (*numbers)[i];
+        if (!number.is_number()) return std::nullopt;
+        text += (i == 0 ? "" : ":") + numberText(number);
+      }
+    }
+    return text;
+  }
 };
+
+// How a value that is an array is written in a scene file, where it differs from a flag's text.
+std::string arrayForm(const OptionValue& value) {
+  if (std::holds_alternative<VectorOption>(value)) return "[x, y, z]";
+  const auto* table = std::get_if<TableOption>(&value);
+  if (table == nullptr) return optionForm(value);
+  std::string row;
+  for (const char c : std::string_view(table->row)) row += c == ':' ? std::string(", ") : std::string(1, c);
+  return fmt::format("[[{}], ...]", row);
+}
 
 std::string valueText(const toml::node& node, const OptionValue& value, const std::string& where) {
   if (const auto text = std::visit(ValueText{node}, value)) return *text;
-  const bool vector = std::holds_alternative<VectorOption>(value);
-  throw Error(Error::Code::kBadInput, where, "the value is of another kind than it takes",
-              "give " + (vector ? std::string("[x, y, z]") : optionForm(value)));
+  throw Error(Error::Code::kBadInput, where, "the value is of another kind than it takes", "give " + arrayForm(value));
 }
 
 void setKeys(const toml::table& table, const std::string& prefix, const std::string& file, Scene& scene) {

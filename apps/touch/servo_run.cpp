@@ -6,9 +6,7 @@
 #include <thread>
 
 #include "apps/console/interrupt.hpp"
-#include "apps/touch/algorithm_setup.hpp"
 #include "engine/service/engine_thread.hpp"
-#include "servo/algorithms/registry.hpp"
 #include "servo/devices/simulated_device.hpp"
 
 namespace palpate {
@@ -42,7 +40,7 @@ SimulatedDeviceParameters deviceParameters(const Scene& scene) {
 // The engine publishes in step with the servo, so that the same scene gives the same trace, bit for bit.
 LoopResult runSimulated(ServoLoop& loop, ToolPoseMailbox& tool, Engine& engine, double ticks, Progress& progress) {
   return loop.runSimulated([&](std::int64_t tick, std::int64_t time_ns) {
-    engine.publishAround(tool.latest().position_W, time_ns);
+    engine.publishFor(tool.latest(), time_ns);
     if (tick % 256 == 0) {
       progress.fraction(static_cast<double>(tick) / ticks);
       if (interrupted()) loop.requestStop();
@@ -52,7 +50,7 @@ LoopResult runSimulated(ServoLoop& loop, ToolPoseMailbox& tool, Engine& engine, 
 
 LoopResult runReal(ServoLoop& loop, ToolPoseMailbox& tool, Engine& engine, double duration_s, Progress& progress) {
   using Clock = std::chrono::steady_clock;
-  engine.publishAround(tool.latest().position_W, monotonicNow_ns());
+  engine.publishFor(tool.latest(), monotonicNow_ns());
   EngineThread publisher(engine, tool);
   const auto start = Clock::now();
   loop.start();
@@ -68,9 +66,9 @@ LoopResult runReal(ServoLoop& loop, ToolPoseMailbox& tool, Engine& engine, doubl
 
 }  // namespace
 
-LoopResult runServo(const Scene& scene, double isovalue, const Path& path, Engine& engine, Progress& progress) {
+LoopResult runServo(const Scene& scene, AlgorithmSetup setup, const Path& path, Engine& engine, Progress& progress) {
   const LoopParameters parameters = loopParameters(scene);
-  const std::unique_ptr<Algorithm> algorithm = makeAlgorithm(scene.algorithm, algorithmSetup(scene, isovalue));
+  const std::unique_ptr<Algorithm> algorithm = makeAlgorithm(scene.algorithm, std::move(setup));
   SimulatedDevice device(deviceParameters(scene), path, scene.rate_hz);
   ToolPoseMailbox tool;
   ServoLoop loop(parameters, *algorithm, device, engine.exchange(), tool);

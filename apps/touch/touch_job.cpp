@@ -102,6 +102,10 @@ RunVolume volumeOf(const Volume& volume, double isovalue) {
           volume.minimum(),          volume.maximum(),      isovalue};
 }
 
+DensityScale densityScale(const Volume& volume, double isovalue) {
+  return {.contrast = volume.maximum() - isovalue, .voxel_m = volume.lattice().smallestSpacing()};
+}
+
 std::vector<std::string> planWords(const Plan& plan, const PlanFacts& facts) {
   std::vector<std::string> words;
   for (const PlanLine& line : planLines(plan, facts)) {
@@ -193,7 +197,7 @@ TouchRun runTouchJob(const Scene& scene, const std::string& command, const std::
   run.phases = path.phases;
   run.notes = path.notes;
 
-  const Plan plan = makePlan(scene);
+  const Plan plan = planFor(scene);
   const auto engine = stages.run("open Vulkan device", "computing on Vulkan",
                                  [&] { return std::make_unique<Engine>(volume, plan, isovalue, scene.gpu); });
   run.vulkan = {engine->gpu().name, engine->gpu().driver, engine->gpu().api_version};
@@ -202,8 +206,11 @@ TouchRun runTouchJob(const Scene& scene, const std::string& command, const std::
   run.stages.insert(run.stages.end(), engine->stages().begin(), engine->stages().end());
   run.plan = planWords(plan, engine->planFacts());
 
-  LoopResult result = stages.run("servo", fmt::format("palpating with {} on {}", scene.algorithm, engine->gpu().name),
-                                 [&] { return runServo(run.scene, isovalue, path.path, *engine, progress); });
+  LoopResult result =
+      stages.run("servo", fmt::format("palpating with {} on {}", scene.algorithm, engine->gpu().name), [&] {
+        return runServo(run.scene, algorithmSetup(scene, isovalue, densityScale(volume, isovalue)), path.path, *engine,
+                        progress);
+      });
   run.records = std::move(result.records);
   run.realtime = realTimeWords(scene, result);
   run.faults = faultsOf(run);

@@ -10,8 +10,6 @@
 namespace palpate::gpu {
 namespace {
 
-constexpr std::uint32_t kMaxBindings = 16;  // of one kernel
-
 vk::raii::DescriptorPool makePool(const vk::raii::Device& device, std::uint32_t sets) {
   const vk::DescriptorPoolSize size{.type = vk::DescriptorType::eStorageBuffer, .descriptorCount = sets * kMaxBindings};
   return {device, vk::DescriptorPoolCreateInfo{.maxSets = sets, .poolSizeCount = 1, .pPoolSizes = &size}};

@@ -75,10 +75,9 @@ std::string whyUnusable(const vk::raii::PhysicalDevice& physical, const vk::Phys
   if (!features.get<vk::PhysicalDeviceTimelineSemaphoreFeatures>().timelineSemaphore)
     return "it lacks timeline semaphores";
   if (!computeQueueFamily(physical)) return "it has no compute queue";
-  constexpr std::uint32_t kNeededBindings = 16;
-  if (properties.limits.maxPerStageDescriptorStorageBuffers < kNeededBindings) {
+  if (properties.limits.maxPerStageDescriptorStorageBuffers < kMaxBindings) {
     return fmt::format("a shader may bind only {} storage buffers, Palpate needs {}",
-                       properties.limits.maxPerStageDescriptorStorageBuffers, kNeededBindings);
+                       properties.limits.maxPerStageDescriptorStorageBuffers, kMaxBindings);
   }
   return {};
 }

@@ -12,6 +12,8 @@
 
 namespace palpate::gpu {
 
+inline constexpr std::uint32_t kMaxBindings = 16;  // storage buffers of one kernel; every device must allow as many
+
 struct Gpu::State {
   // Parent before child: members are destroyed in the opposite order.
   GpuInfo info;

@@ -21,7 +21,7 @@ PlanLine uploadLine(const PlanFacts& facts) {
 PlanLine gradientLine(const Plan& plan, const PlanFacts& facts) {
   PlanLine line{true, fmt::format("gradient of {} of {} bricks", facts.gradient_bricks, facts.bricks), "", 0};
   if (plan.gradient_all) {
-    line.why = "every brick, as asked by --gradient all";
+    line.why = "every brick: --gradient all, or an algorithm that feels away from the isosurface";
   } else {
     line.why = "those that the isosurface crosses, and their halo";
     line.saved_bytes = (facts.bricks - facts.gradient_bricks) * kSampleBytes;

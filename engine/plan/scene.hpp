@@ -8,10 +8,13 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "base/vec.hpp"
 
 namespace palpate {
+
+using NumberTable = std::vector<std::vector<double>>;  // rows of equal length
 
 struct Scene {
   // volume
@@ -28,11 +31,25 @@ struct Scene {
   double rate_hz = 1000;
   double duration_s = 5;
   bool simulated_clock = false;
+  // haptization's transfer function; a table without rows: chosen from the isovalue and the volume
+  NumberTable haptization_density;   // rows: density, force [N], viscosity [N s/m]
+  NumberTable haptization_gradient;  // rows: gradient [density/m], weight [-]
   // safety
   double force_limit_N = 8;  // of the simulated device
   double slew_limit_N_per_s = 20000;
   double fade_s = 0.1;           // time in which a faulty force fades to zero
   double stale_window_s = 0.25;  // a window that the engine has not confirmed for so long is a fault
+  // contact effects; all off
+  bool force_shading = false;
+  double recovery_s = 0;                 // 0: none
+  std::string texture = "none";          // none, procedural or density
+  double texture_amplitude_m = 0.1e-3;   // no texture moves the VHIP farther
+  double texture_wavelength_m = 1.0e-3;  // of the procedural texture
+  double texture_gain = 1;               // of the density texture [-]
+  double friction_static = 0;            // mu_s [-]
+  double friction_dynamic = 0;           // mu_d, at most mu_s [-]
+  double friction_viscous_Ns_per_m = 0;
+  NumberTable stiffness_density;  // rows of density, factor [-]; empty: none
   // hand and simulated device
   bool spring_hand = false;  // false: the HIP is exactly the path
   double hand_mass_kg = 0.1;

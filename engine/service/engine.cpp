@@ -5,6 +5,7 @@
 
 #include "base/error.hpp"
 #include "engine/passes/active_bricks.hpp"
+#include "engine/service/window_focus.hpp"
 
 namespace palpate {
 namespace {
@@ -58,8 +59,12 @@ void Engine::makeWindows() {
   exchange_ = std::make_unique<WindowExchange>(storages, capacity);
 }
 
-bool Engine::publishAround(const Vec3& tool_W, std::int64_t now_ns) {
-  const WindowBox box = windowAround(pool_->lattice().toIndex(tool_W), pool_->size());
+bool Engine::publishFor(const ToolPose& tool, std::int64_t now_ns) {
+  return publishAround(windowFocus(tool, pool_->lattice().smallestSpacing()), now_ns);
+}
+
+bool Engine::publishAround(const Vec3& focus_W, std::int64_t now_ns) {
+  const WindowBox box = windowAround(pool_->lattice().toIndex(focus_W), pool_->size());
   // A box that the volume's border stops does not follow the tool any further, so it is taken all the way there.
   const Vec3i last = pool_->size() - box.size;
   const auto stopped = [&](int axis) {

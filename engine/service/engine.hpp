@@ -23,6 +23,7 @@
 #include "engine/passes/window_pass.hpp"
 #include "engine/plan/plan.hpp"
 #include "engine/volume/volume.hpp"
+#include "servo/window/tool_pose.hpp"
 #include "servo/window/window_exchange.hpp"
 
 namespace palpate {
@@ -36,7 +37,9 @@ class Engine {
   // Gathers a window around the tool if there is none yet or the tool has left the middle of the last one, and
   // publishes it; otherwise confirms the last one. Returns whether a window was published. `now_ns`: on the servo's
   // clock.
-  bool publishAround(const Vec3& tool_W, std::int64_t now_ns);
+  bool publishAround(const Vec3& focus_W, std::int64_t now_ns);
+  // The same, around the place where this tool needs it (window_focus.hpp).
+  bool publishFor(const ToolPose& tool, std::int64_t now_ns);
 
   [[nodiscard]] RenderedImage draw(const Camera& camera);  // the plan must draw
 

@@ -36,7 +36,7 @@ void EngineThread::follow() {
   try {
     while (!stopping_.load(std::memory_order_relaxed)) {
       const ToolPose& pose = poses_.latest();
-      if (pose.tick >= 0 && engine_.publishAround(pose.position_W, now_ns())) {
+      if (pose.tick >= 0 && engine_.publishFor(pose, now_ns())) {
         publications_.fetch_add(1, std::memory_order_relaxed);
       }
       std::this_thread::sleep_for(kPause);

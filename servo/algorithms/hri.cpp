@@ -56,15 +56,18 @@ void HriSurface::refreshField(const SampleWindow& window) noexcept {
 // ---- in contact ----
 
 void HriSurface::renew(const Vec3& hip_W, std::uint32_t& faults) noexcept {
-  held_ = field_.sampler().place(hip_W) == Place::kBeyondWindow;
-  if (!held_ && field_.sampler().place(surface_.p_W) == Place::kBeyondWindow) {
-    // The window has left the old surface point behind; the plane under the HIP is the best that is known.
-    surface_.p_W = hip_W + surface_.normal_W * surface_.normal_W.dot(surface_.p_W - hip_W);
-  }
+  // The HIP may be anywhere; the surface point must be in the window. Where the window has left that behind, the plane
+  // under the HIP is the best that is known.
+  const auto seen = [&] { return field_.sampler().place(surface_.p_W) != Place::kBeyondWindow; };
+  if (!seen()) surface_.p_W = plane().nearest(hip_W);
+  held_ = !seen();
   const Track result = held_ ? Track::kBeyondWindow : SurfaceTracker::follow(field_, hip_W, surface_);
   switch (result) {
+    case Track::kFoundFlat:
+      faults |= bit(ServoFault::kZeroGradient);
+      [[fallthrough]];
     case Track::kFound:
-      if (surface_.normal_W.dot(surface_.p_W - hip_W) > 0) {
+      if (plane().depth(hip_W) > 0) {
         age_ticks_ = 0;
       } else {
         relocate(field_.probe(hip_W), faults);
@@ -150,8 +153,8 @@ bool HriSurface::touch(const Entry& entry, const Probe& hip, std::uint32_t& faul
   const auto behind = [&](const SurfacePoint& s) { return s.normal_W.dot(s.p_W - hip.p_W) > 0; };
   SurfacePoint nearest = surface;
   const Track result = flat ? Track::kFlat : SurfaceTracker::follow(field_, hip.p_W, nearest);
-  if (flat || result == Track::kFlat) faults |= bit(ServoFault::kZeroGradient);
-  if (result == Track::kFound && behind(nearest)) {
+  if (flat || result == Track::kFlat || result == Track::kFoundFlat) faults |= bit(ServoFault::kZeroGradient);
+  if ((result == Track::kFound || result == Track::kFoundFlat) && behind(nearest)) {
     settle(nearest);
     return true;
   }

@@ -11,8 +11,8 @@
 //   one.
 // - VHIP and HIP both inside (the surface moved): search outward along N, then follow the surface as always.
 // - Inside at the start, or buried by an edit: no force until the HIP has been outside once (kInsideObject).
-// - HIP beyond the window: no force (kBeyondWindow). What was touched is remembered; short gaps in free motion are
-//   searched along the straight line, once the window has caught up.
+// - Surface under the HIP, or in free motion the HIP, beyond the window: no force (kBeyondWindow). What was touched is
+//   remembered; short gaps in free motion are searched along the straight line, once the window has caught up.
 // - Flat field at the surface (kZeroGradient): the plane keeps its normal, a new one faces the way the HIP came.
 // - Where the volume ends in the object, its face is the surface. The force never pulls: K d - B v_d is clamped at 0.
 // Frame W: world. Thread: the servo's. Cost: in contact without renewal no transform and no fetch; with renewal one

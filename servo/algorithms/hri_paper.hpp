@@ -27,7 +27,7 @@ class HriPaperSurface {
       : isovalue_(parameters.isovalue), n_(parameters.plane_renewal_ticks) {}
   void reset(const Vec3& hip_W) noexcept;
   bool find(const SampleWindow& window, const Vec3& hip_W, std::uint32_t& faults) noexcept;
-  [[nodiscard]] ContactPlane plane() const noexcept { return {p_W_, normal_W_, age_ticks_}; }
+  [[nodiscard]] ContactPlane plane() const noexcept { return {p_W_, normal_W_, has_plane_ ? age_ticks_ : 0}; }
 
  private:
   void updatePlane(const SampleWindow& window, const Vec3& hip_W, std::uint32_t& faults) noexcept;

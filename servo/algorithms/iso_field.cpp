@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "servo/algorithms/cell_walk.hpp"
+
 namespace palpate {
 
 int IsoField::searchSteps(const Vec3& way_W) const noexcept {
@@ -13,14 +15,56 @@ int IsoField::searchSteps(const Vec3& way_W) const noexcept {
 
 std::optional<Entry> IsoField::firstEntry(const Probe& from, const Probe& to) const noexcept {
   const Vec3 way_W = to.p_W - from.p_W;
-  const int steps = searchSteps(way_W);
+  const double short_m = kShortWay * voxel();
+  if (way_W.squaredNorm() <= short_m * short_m) {
+    if (from.side == Side::kOutside && to.side == Side::kInside) return refined(from, to);
+    return std::nullopt;
+  }
+  CellWalk walk(sampler_.toIndex(from.p_W), sampler_.toIndex(to.p_W), sampler_.lastIndex());
   Probe before = from;
-  for (int i = 1; i <= steps; ++i) {
-    const Probe here = i == steps ? to : probe(from.p_W + way_W * (static_cast<double>(i) / steps));
-    if (before.side == Side::kOutside && here.side == Side::kInside) return refined(before, here);
+  for (double t = walk.next();; t = walk.next()) {
+    const Probe here = t < 1 ? probe(from.p_W + way_W * t) : to;
+    if (const auto entry = entryInCell(before, here)) return entry;
+    if (t >= 1) return std::nullopt;
     before = here;
   }
-  return std::nullopt;
+}
+
+// Between two points of one cell. Four values make the cubic; where its Bernstein coefficients are all below the
+// isovalue it is too, otherwise its maximum decides.
+std::optional<Entry> IsoField::entryInCell(const Probe& before, const Probe& after) const noexcept {
+  const bool cubic = std::isfinite(before.density) && std::isfinite(after.density) && before.side != Side::kUnknown &&
+                     after.side != Side::kUnknown;
+  if (!cubic) {
+    if (before.side == Side::kOutside && after.side == Side::kInside) return refined(before, after);
+    return std::nullopt;
+  }
+  const Vec3 way_W = after.p_W - before.p_W;
+  const Probe points[] = {before, probe(before.p_W + way_W / 3), probe(before.p_W + way_W * (2.0 / 3)), after};
+  for (int i = 0; i < 3; ++i) {
+    if (points[i].side == Side::kOutside && points[i + 1].side == Side::kInside) {
+      return refined(points[i], points[i + 1]);
+    }
+  }
+  if (before.side != Side::kOutside) return std::nullopt;  // inside, or out of the object and not in again
+  const double f0 = points[0].density - isovalue_;
+  const double f1 = points[1].density - isovalue_;
+  const double f2 = points[2].density - isovalue_;
+  const double f3 = points[3].density - isovalue_;
+  const double b1 = (-5 * f0 + 18 * f1 - 9 * f2 + 2 * f3) / 6;
+  const double b2 = (2 * f0 - 9 * f1 + 18 * f2 - 5 * f3) / 6;
+  if (b1 <= 0 && b2 <= 0) return std::nullopt;
+  // The derivative is the quadratic with the Bernstein coefficients p, q, r; its root at a maximum.
+  const double p = b1 - f0;
+  const double q = b2 - b1;
+  const double r = f3 - b2;
+  const double discriminant = q * q - p * r;
+  if (!(discriminant > 0)) return std::nullopt;
+  const double s = p / (p - q + std::sqrt(discriminant));
+  if (!(s > 0 && s < 1)) return std::nullopt;
+  const Probe peak = probe(before.p_W + way_W * s);
+  if (peak.side != Side::kInside) return std::nullopt;
+  return refined(points[std::min(2, static_cast<int>(3 * s))], peak);
 }
 
 std::optional<Entry> IsoField::firstExit(const Probe& inside, const Vec3& to_W) const noexcept {

@@ -1,13 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/algorithms/registry.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
 #include "base/error.hpp"
+#include "servo/algorithms/avila.hpp"
+#include "servo/algorithms/blezek.hpp"
+#include "servo/algorithms/haptization.hpp"
 #include "servo/algorithms/hri.hpp"
 #include "servo/algorithms/hri_paper.hpp"
+#include "servo/algorithms/implicit.hpp"
 
 namespace palpate {
 namespace {
@@ -17,11 +22,39 @@ std::unique_ptr<Algorithm> makeVhip(AlgorithmSetup&& setup) {
   return std::make_unique<VhipKind>(setup.parameters, std::move(setup.effects));
 }
 
+void refuseEffects(const ContactEffects& effects, const char* algorithm) {
+  if (effects.empty()) return;
+  throw Error(Error::Code::kBadInput, algorithm, "contact effects move a VHIP, and it has none",
+              "leave them out, or take an algorithm with a VHIP, such as hri");
+}
+
+std::unique_ptr<Algorithm> makeAvila(AlgorithmSetup&& setup) {
+  refuseEffects(setup.effects, "avila");
+  return std::make_unique<Avila>(setup.parameters);
+}
+
+std::unique_ptr<Algorithm> makeHaptization(AlgorithmSetup&& setup) {
+  refuseEffects(setup.effects, "haptization");
+  TransferTables tables = std::move(setup.haptization);
+  TransferTables standard = TransferFunction::standard(setup.parameters.isovalue, setup.scale);
+  if (tables.density.empty()) tables.density = std::move(standard.density);
+  if (tables.gradient.empty()) tables.gradient = std::move(standard.gradient);
+  return std::make_unique<Haptization>(setup.parameters, std::move(tables));
+}
+
 constexpr AlgorithmEntry kEntries[] = {
     {"hri", "virtual plane at the surface point nearest to the tool, renewed every n ticks (the paper, mended)",
      makeVhip<Hri>},
     {"hri-paper", "the paper's Figure 2 to the letter, plane on the ray from VHIP to HIP, renewed every n + 1 ticks",
      makeVhip<HriPaper>},
+    {"avila", "depth and force from the density at the tool alone (Avila and Sobierajski 1996); penetrable", makeAvila,
+     true},
+    {"blezek", "VHIP inched along the isosurface until normal and VHIP-HIP line agree (Blezek and Robb)",
+     makeVhip<Blezek>},
+    {"implicit", "contact point tracked by its tangent plane, every tick (Salisbury and Tarr 1997)",
+     makeVhip<Implicit>},
+    {"haptization", "force and viscosity from density and gradient by a transfer function (after Iwata and Noma 1993)",
+     makeHaptization, true},
 };
 
 void check(bool good, const char* key, double value, const char* remedy) {
@@ -43,13 +76,17 @@ std::span<const AlgorithmEntry> algorithms() noexcept {
   return kEntries;
 }
 
+const AlgorithmEntry* findAlgorithm(std::string_view name) noexcept {
+  const auto found =
+      std::find_if(std::begin(kEntries), std::end(kEntries), [&](const auto& e) { return e.name == name; });
+  return found == std::end(kEntries) ? nullptr : found;
+}
+
 std::unique_ptr<Algorithm> makeAlgorithm(std::string_view name, AlgorithmSetup setup) {
   checkParameters(setup.parameters);
+  if (const AlgorithmEntry* entry = findAlgorithm(name)) return entry->make(std::move(setup));
   std::string known;
-  for (const AlgorithmEntry& entry : kEntries) {
-    if (entry.name == name) return entry.make(std::move(setup));
-    known += (known.empty() ? "" : ", ") + std::string(entry.name);
-  }
+  for (const AlgorithmEntry& entry : kEntries) known += (known.empty() ? "" : ", ") + std::string(entry.name);
   throw Error(Error::Code::kBadInput, "algorithm", fmt::format("'{}' is not known", name), "use one of: " + known);
 }
 

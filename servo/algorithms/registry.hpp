@@ -9,28 +9,34 @@
 #include <string_view>
 
 #include "servo/algorithms/algorithm.hpp"
+#include "servo/algorithms/transfer_function.hpp"
 #include "servo/contact/contact_effect.hpp"
 
 namespace palpate {
 
 // All that an algorithm is made from; each takes what it needs and refuses what it cannot use.
 struct AlgorithmSetup {
-  AlgorithmParameters parameters;
-  ContactEffects effects;
+  AlgorithmParameters parameters = {};
+  ContactEffects effects = {};
+  TransferTables haptization = {};  // no density rows: the standard ones for the isovalue and `scale`
+  DensityScale scale = {};
 };
 
 struct AlgorithmEntry {
   std::string_view name;
   std::string_view description;  // one line
   std::unique_ptr<Algorithm> (*make)(AlgorithmSetup&& setup);
+  bool gradient_everywhere = false;  // it reads gradients away from the isosurface too
 };
 
 // The first is the default.
 [[nodiscard]] std::span<const AlgorithmEntry> algorithms() noexcept;
+// The row of a name, or null.
+[[nodiscard]] const AlgorithmEntry* findAlgorithm(std::string_view name) noexcept;
 
 // Throws Error(kBadInput) on an unknown name (the message names the known ones), on a renewal below 1 tick, on a
-// negative or non-finite stiffness or damping or a non-finite isovalue, and on effects for an algorithm that takes
-// none.
+// negative or non-finite stiffness or damping or a non-finite isovalue, on effects for an algorithm that takes none,
+// and on tables that TransferFunction refuses for one that uses them.
 [[nodiscard]] std::unique_ptr<Algorithm> makeAlgorithm(std::string_view name, AlgorithmSetup setup);
 
 }  // namespace palpate

@@ -4,9 +4,11 @@
 // A step goes along the sampled gradient to the isovalue (Newton) and along the tangent plane towards the HIP, both at
 // most a voxel long, until the HIP lies on the normal line. It follows the sheet on which it began, so a HIP that has
 // gone through a thin wall is still held by the side where it came in (as the god-object of Zilles and Salisbury, 1995;
-// the point is that of Salisbury and Tarr's implicit-surface proxy, 1997). A cut face of the volume is a sheet too.
-// Frame W: world [m]. Thread: the servo's. Cost: one fetch when the surface turned little since, at most kMaxSteps + 1
-// on the isosurface, and kMaxEdgeSteps more when a cut face ends. Errors: the result says.
+// the point is that of Salisbury and Tarr's implicit-surface proxy, 1997). Where the sheet is the front of a wall so
+// thin that Newton's steps cross it, its normal turns over; then the sheet is found again by a line cast from in front
+// of the old plane straight in, which meets the front first. A cut face of the volume is a sheet too. Frame W: world
+// [m]. Thread: the servo's. Cost: one fetch when the surface turned little since, at most kMaxSteps + 1 on the
+// isosurface, and kMaxEdgeSteps more when a cut face ends. Errors: the result says.
 #pragma once
 
 #include "servo/algorithms/iso_field.hpp"
@@ -21,6 +23,7 @@ struct SurfacePoint {
 
 enum class Track : std::uint8_t {
   kFound,         // the point and its normal are new
+  kFoundFlat,     // the point is new; the field gives no normal there, or one that faces inward: it is the old one
   kLost,          // the isosurface is not near any more
   kFlat,          // zero or non-finite gradient: no normal
   kBeyondWindow,  // the way leads to where the window holds nothing
@@ -37,12 +40,16 @@ class SurfaceTracker {
   static constexpr double kDensityTolerance = 0.02;
   // Out of steps, a point this near to the surface is still used [voxel].
   static constexpr double kUsable = 0.25;
+  // How far in front of and behind the old plane the sheet is looked for where Newton has lost it [voxel].
+  static constexpr double kCastReach = 1.5;
 
-  // Moves `surface` only when the result is kFound.
+  // Moves `surface` only when it is found.
   [[nodiscard]] static Track follow(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface) noexcept;
 
  private:
   [[nodiscard]] static Track followIsosurface(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface) noexcept;
+  [[nodiscard]] static Track newton(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface) noexcept;
+  [[nodiscard]] static Track cast(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface) noexcept;
   [[nodiscard]] static Track followFace(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface) noexcept;
 };
 

@@ -8,7 +8,7 @@
 //   void reset(const Vec3& hip_W) noexcept;
 //   // True in contact: then plane() holds, with `tool_W` behind it. `tool_W`: the HIP.
 //   bool find(const SampleWindow& window, const Vec3& tool_W, std::uint32_t& faults) noexcept;
-//   const ContactPlane& plane() const noexcept;
+//   ContactPlane plane() const noexcept;  // out of contact only its age says something: 0 without a plane
 // Frames, force convention and thread: algorithm.hpp. Source: the paper, equations 2 and 3; effects move the VHIP only
 // (section 3.1, last paragraph). Cost: some 5 ns and what Surface and effects cost.
 #pragma once
@@ -42,6 +42,7 @@ class VhipAlgorithm final : public Algorithm {
     } else {
       if (touching_) release();
       out.vhip_W = in.hip_W;
+      out.plane_age_ticks = surface_.plane().age_ticks;
     }
   }
 

@@ -160,7 +160,7 @@ const SampleWindow& ServoLoop::runTick(const Due& due, std::int64_t now_ns, Tick
   const GateOutput gated = gate_.pass({out.force_W, age_ns, faults | out.faults});
   const bool written = device_.write(gated.force_W);
   carried_faults_ = written ? 0 : bit(ServoFault::kDeviceError);
-  tool_.back() = ToolPose{hip_W_, in.hip_velocity_W, due.tick, now_ns};
+  tool_.back() = ToolPose{hip_W_, in.hip_velocity_W, due.tick, now_ns, out.in_contact, out.vhip_W};
   tool_.publish();
   ++ticks_run_;
 

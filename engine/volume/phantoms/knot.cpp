@@ -2,6 +2,7 @@
 // The tube around a (2,3) torus knot. The distance is exact wherever the nearest point of the centre curve is unique
 // and the tube does not fold (its radius is a quarter of the curve's smallest radius of curvature): so near all its
 // surface.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -15,13 +16,20 @@ namespace {
 constexpr int kSamples = 512;
 constexpr double kStep = 2 * std::numbers::pi / kSamples;  // of the curve's parameter
 
-// c(t) = ((A + B cos 3t) cos 2t, (A + B cos 3t) sin 2t, B sin 3t), lengths as parts of the scale: half the extent of a
-// cube; in a flat lattice the largest knot that keeps as much of every side free as in a cube.
+// c(t) = ((A + B cos 3t) cos 2t, (A + B cos 3t) sin 2t, B sin 3t), lengths as parts of the scale: the half extent of a
+// cube that the knot fills with some room. Its height is two fifths of its width, so a flat lattice (128x128x64) holds
+// it at the scale of its width.
 constexpr double kMajor = 0.55;
 constexpr double kMinor = 0.25;
 constexpr double kTube = 0.13;
-constexpr double kFlatness = (kMajor + kMinor + kTube) / (kMinor + kTube);  // the knot is so much wider than high
-constexpr double kMaxSpeed = 2 * (kMajor + kMinor) + 3 * kMinor;            // |c'(t)| stays below
+constexpr double kMaxSpeed = 2 * (kMajor + kMinor) + 3 * kMinor;  // |c'(t)| stays below
+
+double scaleThatFits_m(const PhantomSpec& spec) {
+  constexpr double kReachAside = kMajor + kMinor + kTube;
+  constexpr double kReachUp = kMinor + kTube;
+  const Vec3 half_m = 0.5 * (spec.size - Vec3i::Ones()).cast<double>().cwiseProduct(spec.spacing_m);
+  return std::min({half_m.x(), half_m.y(), half_m.z() * (kReachAside / kReachUp)});
+}
 
 struct CurvePoint {
   Vec3 position;
@@ -57,14 +65,9 @@ double refine(const Vec3& p, double t) {
   return t;
 }
 
-double scaleOf(const PhantomSpec& spec) {
-  const Vec3 half_m = (spec.size - Vec3i::Ones()).cast<double>().cwiseProduct(spec.spacing_m) / 2;
-  return std::min({half_m.x(), half_m.y(), kFlatness * half_m.z()});
-}
-
 class Knot : public Phantom {
  public:
-  explicit Knot(const PhantomSpec& spec) : Phantom(spec, simpleProfile(spec)), scale_m_(scaleOf(spec)) {
+  explicit Knot(const PhantomSpec& spec) : Phantom(spec, simpleProfile(spec)), scale_m_(scaleThatFits_m(spec)) {
     for (int n = 0; n < kSamples; ++n) samples_[n] = curveAt(n * kStep).position;
   }
 

@@ -93,10 +93,10 @@ class SystemCallGuard : public testing::Test {
 };
 
 TEST_F(SystemCallGuard, TheServoThreadOnlySleeps) {
-  for (const char* algorithm : {"hri", "hri-paper"}) {
-    const int status = runChild(algorithm, false);
-    ASSERT_TRUE(WIFEXITED(status)) << "killed by signal " << WTERMSIG(status);
-    EXPECT_EQ(WEXITSTATUS(status), kClean);
+  for (const AlgorithmEntry& entry : algorithms()) {
+    const int status = runChild(entry.name, false);
+    ASSERT_TRUE(WIFEXITED(status)) << entry.name << " killed by signal " << WTERMSIG(status);
+    EXPECT_EQ(WEXITSTATUS(status), kClean) << entry.name;
   }
 }
 

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+// engine/service/window_focus.hpp: around which point the next window belongs.
+//
+// In contact the servo works at the surface, so the window is put around the VHIP, however deep the tool presses. In
+// free motion it is put where the tool will be when the window arrives. Frame W [m]. Thread: any. Cost: a few
+// multiplications.
+#pragma once
+
+#include "servo/window/tool_pose.hpp"
+
+namespace palpate {
+
+inline constexpr double kWindowLead_s = 5e-3;      // about what a slow device needs to gather a window
+inline constexpr double kMaxWindowLead_voxel = 6;  // with a window's hysteresis the tool still stays in it
+
+// `voxel_m`: the smallest spacing.
+[[nodiscard]] inline Vec3 windowFocus(const ToolPose& tool, double voxel_m) noexcept {
+  if (tool.in_contact) return tool.vhip_W;
+  const Vec3 lead_W = tool.velocity_W * kWindowLead_s;
+  const double longest_m = kMaxWindowLead_voxel * voxel_m;
+  const double length_m = lead_W.norm();
+  return tool.position_W + (length_m > longest_m ? Vec3(lead_W * (longest_m / length_m)) : lead_W);
+}
+
+}  // namespace palpate

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+// Walls of one voxel under fast strokes.
+//
+// A wall of thickness 1 voxel, sampled as a tent of its distance, keeps a peak above the isovalue wherever a sample
+// lies nearer than half a voxel to its middle, and then is at least half a voxel thick. A thinner one has holes: where
+// its middle passes halfway between samples none is above the isovalue, and nothing can be felt because nothing is
+// there.
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "servo/algorithms/hri.hpp"
+#include "support/algorithm_driver.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr double kVoxel = 1e-3;    // [m]
+constexpr double kRadius = 20e-3;  // [m]
+constexpr double kWall = kVoxel;   // [m]
+
+Vec3 randomDirection(std::mt19937& random) {
+  std::normal_distribution<double> normal;
+  return Vec3(normal(random), normal(random), normal(random)).normalized();
+}
+
+struct Wall {
+  Vec3 centre_W;
+  AnalyticVolume volume;
+};
+
+// The lattice's phase is another in every trial.
+Wall randomWall(std::mt19937& random) {
+  std::uniform_real_distribution<double> half(-0.5, 0.5);
+  const Vec3 centre_W = Vec3::Constant(31.5e-3) + Vec3(half(random), half(random), half(random)) * kVoxel;
+  return {centre_W, millimetreVolume(shell(centre_W, kRadius, kWall))};
+}
+
+// Every third direction is nearly along an axis: there the wall lies along the lattice, the worst that can be.
+Vec3 strokeDirection(std::mt19937& random, int trial) {
+  Vec3 out_W = randomDirection(random);
+  if (trial % 3 == 0) {
+    Vec3 axis = Vec3::Zero();
+    axis[(trial / 3) % 3] = trial % 2 == 0 ? 1 : -1;
+    out_W = (axis + 0.03 * out_W).normalized();
+  }
+  return out_W;
+}
+
+class ThinWall : public testing::TestWithParam<double> {};
+
+// In from outside to 15 mm behind the wall: 500 N/m are 7.5 N of a device's 8. Then aside, along the wall, behind it.
+TEST_P(ThinWall, HoldsWhileTheForceIsWithinTheDevicesLimit) {
+  const double step_m = GetParam() * 1e-3;  // at 1 kHz
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> phase(0, 1);
+  for (int trial = 0; trial < 60; ++trial) {
+    const Wall wall = randomWall(random);
+    const Vec3 out_W = strokeDirection(random, trial);
+    AlgorithmParameters parameters;
+    parameters.plane_renewal_ticks = trial % 2 == 0 ? 1 : 5;
+    Hri hri(parameters);
+    const auto at = [&](double radius_m) { return Vec3(wall.centre_W + out_W * radius_m); };
+    double radius_m = kRadius + 2e-3 + phase(random) * step_m;
+    AlgorithmDriver driver(hri, wall.volume, at(radius_m));
+    driver.around_vhip = true;
+    driver.at(at(radius_m));
+    while (radius_m > kRadius - 15e-3) {
+      radius_m -= step_m;
+      const TickOutput out = driver.at(at(radius_m));
+      if (radius_m > kRadius - kVoxel) continue;  // in or before the wall
+      ASSERT_TRUE(out.in_contact) << "trial " << trial << ", " << (kRadius - radius_m) / kVoxel << " voxels deep";
+      ASSERT_GT(out.force_W.dot(out_W), 0) << "trial " << trial;
+    }
+    // The VHIP goes along the wall at the stroke's speed; the tool follows 3 mm behind.
+    const Vec3 aside_W = out_W.cross(randomDirection(random)).normalized();
+    driver.stroke(at(kRadius - 3e-3), 12);
+    for (double way_m = 0; way_m < 15e-3; way_m += step_m) {
+      const double angle = way_m / kRadius;
+      const Vec3 here_W = out_W * std::cos(angle) + aside_W * std::sin(angle);
+      const TickOutput out = driver.at(wall.centre_W + here_W * (kRadius - 3e-3));
+      ASSERT_TRUE(out.in_contact) << "trial " << trial << ", " << way_m / kVoxel << " voxels aside";
+      ASSERT_GT(out.force_W.dot(here_W), 0) << "trial " << trial;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(MetresPerSecond, ThinWall, testing::Values(0.05, 0.1, 0.2, 0.5, 1.0, 2.0));
+
+// The tool far behind the surface, farther than a window reaches: the surface point is what must be in the window.
+TEST(DeepPress, IsHeldWhereTheWindowHoldsTheSurface) {
+  const AnalyticVolume volume = millimetreVolume([](const Vec3& p_W) { return 40.4e-3 - p_W.z(); });
+  Hri hri(AlgorithmParameters{});
+  AlgorithmDriver driver(hri, volume, Vec3(30e-3, 30e-3, 42e-3), 16);
+  driver.around_vhip = true;
+  driver.at(Vec3(30e-3, 30e-3, 42e-3));
+  for (const TickOutput& out : driver.stroke(Vec3(34e-3, 30e-3, 10e-3), 64)) {
+    if (!out.in_contact) continue;
+    EXPECT_EQ(out.faults, 0U);
+    EXPECT_NEAR(out.vhip_W.z(), 40.4e-3, 1e-6 * kVoxel + 1e-8);
+  }
+  const TickOutput out = driver.at(Vec3(34e-3, 30e-3, 10e-3));
+  ASSERT_TRUE(out.in_contact);
+  EXPECT_NEAR(out.force_W.z(), 500 * 30.4e-3, 500 * 1e-7);
+}
+
+}  // namespace
+}  // namespace palpate
