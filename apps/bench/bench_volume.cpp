@@ -15,6 +15,7 @@ constexpr int kRecentreVoxels = 6;  // as in engine/service/engine.cpp
 BenchVolume::BenchVolume(const std::string& name)
     : name_(name), phantom_(makePhantom(name)), isovalue_(static_cast<float>(phantom_->isovalue())) {
   const Volume volume = makeVolume(*phantom_);
+  maximum_ = volume.maximum();
   samples_ = reference::windowSamples(reference::denseField(volume), Vec3i::Zero(), volume.size());
 }
 

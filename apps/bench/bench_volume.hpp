@@ -28,6 +28,7 @@ class BenchVolume {
   [[nodiscard]] const Phantom& phantom() const noexcept { return *phantom_; }
   // Rounded to float once, as the program has it.
   [[nodiscard]] double isovalue() const noexcept { return isovalue_; }
+  [[nodiscard]] double maximum() const noexcept { return maximum_; }  // [density]
   [[nodiscard]] double voxel_m() const noexcept { return phantom_->lattice().smallestSpacing(); }
   [[nodiscard]] const Vec3i& size() const noexcept { return phantom_->size(); }
 
@@ -44,6 +45,7 @@ class BenchVolume {
   std::string name_;
   std::unique_ptr<Phantom> phantom_;
   double isovalue_;
+  double maximum_ = 0;
   std::vector<Sample> samples_;  // of every voxel, i fastest
 };
 

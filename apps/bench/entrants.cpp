@@ -3,14 +3,22 @@
 
 #include <algorithm>
 
+#include "apps/bench/recovery_rows.hpp"
 #include "base/error.hpp"
+#include "servo/contact/effects.hpp"
 
 namespace palpate {
 namespace {
 
-// Recovery time goes here as {"recovery", [] { ... }}: rows and targets of recovery_rows.hpp then appear on their own.
+ContactEffects makeRecovery() {
+  EffectParameters parameters;
+  parameters.recovery_s = kRecoveryTime_s;
+  return makeContactEffects(parameters, kBenchStiffness_N_per_m, kBenchRate_hz);
+}
+
 const EffectChoice kChoices[] = {
     {"none", [] { return ContactEffects{}; }},
+    {kRecoveryChoice, makeRecovery},
 };
 
 AlgorithmSetup setupFor(const BenchVolume& volume, int n, ContactEffects effects) {
@@ -18,7 +26,9 @@ AlgorithmSetup setupFor(const BenchVolume& volume, int n, ContactEffects effects
                          .stiffness_N_per_m = kBenchStiffness_N_per_m,
                          .damping_Ns_per_m = 0,
                          .plane_renewal_ticks = n},
-          .effects = std::move(effects)};
+          .effects = std::move(effects),
+          .haptization = {},
+          .scale = {.contrast = volume.maximum() - volume.isovalue(), .voxel_m = volume.voxel_m()}};
 }
 
 }  // namespace

@@ -16,10 +16,12 @@ const BenchRow* rowOf(const BenchResult& result, const std::string& effects) {
 
 }  // namespace
 
-void addRecoveryRows(const BenchVolume& volume, const ContactPath& path, BenchResult& result,
+void addRecoveryRows(const BenchVolume& volume, std::size_t ticks, std::uint64_t seed, BenchResult& result,
                      const BenchProgress& progress) {
   std::vector<Entrant> entrants = makeEntrantsWithEffects(volume, kRecoveryRenewal);
   if (entrants.empty()) return;
+  const ContactPath path = contactPath(
+      volume, {.speed_m_per_s = kRecoverySpeed_m_per_s, .rate_hz = kBenchRate_hz, .ticks = ticks, .seed = seed});
   const std::vector<TouchErrors> errors = touchErrors(volume, path, entrants, progress);
   for (std::size_t e = 0; e < entrants.size(); ++e) {
     result.rows.push_back({{"part", "effects"},
@@ -27,6 +29,8 @@ void addRecoveryRows(const BenchVolume& volume, const ContactPath& path, BenchRe
                            {"algorithm", entrants[e].algorithm},
                            {"n_ticks", std::int64_t{entrants[e].n}},
                            {"effects", entrants[e].effects},
+                           {"speed_m_per_s", kRecoverySpeed_m_per_s},
+                           {"seed", static_cast<std::int64_t>(seed)},
                            {"ticks", errors[e].ticks},
                            {"force_jump_max_N", errors[e].force_jump_max_N},
                            {"force_mean_N", errors[e].force_mean_N}});

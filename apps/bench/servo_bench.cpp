@@ -185,7 +185,8 @@ class ServoBench {
       add(row, errorRow(errors[e]));
       result_.rows.push_back(std::move(row));
     }
-    if (name == request_.accuracy_volumes.front()) addRecoveryRows(volume, way, result_, step());
+    if (name == request_.accuracy_volumes.front())
+      addRecoveryRows(volume, request_.accuracy_ticks, request_.seed, result_, step());
   }
 
   void strokes(const std::string& wall, const std::string& name, bool thin) {
