@@ -246,6 +246,12 @@ ChartPanel panel(const BenchResult& result, const std::string& title, const char
       if (which.first != algorithm) continue;
       series.points.push_back({middle(v.cost_ns), middle(v.error), fmt::format("n={:g}", which.second)});
     }
+    // An algorithm that keeps no plane has the same errors, bit for bit, whatever n is: one point, at its middle cost.
+    const auto differs = [&](const ChartPoint& point) { return point.y != series.points.front().y; };
+    if (series.points.size() < 2 || std::any_of(series.points.begin(), series.points.end(), differs)) continue;
+    std::vector<double> costs_ns;
+    for (const ChartPoint& point : series.points) costs_ns.push_back(point.x);
+    series.points = {{middle(std::move(costs_ns)), series.points.front().y, "any n"}};
   }
   return panel;
 }
