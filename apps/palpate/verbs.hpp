@@ -16,5 +16,6 @@ void addBenchVerb(CLI::App& app);
 void addDevicesVerb(CLI::App& app);
 void addPlanVerb(CLI::App& app);
 void addSceneVerb(CLI::App& app);
+void addFaultsVerb(CLI::App& app);
 
 }  // namespace palpate

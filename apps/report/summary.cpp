@@ -54,12 +54,18 @@ Json sceneJson(const Scene& s) {
           {"rate_hz", s.rate_hz},
           {"duration_s", s.duration_s},
           {"simulated_clock", s.simulated_clock},
+          {"velocity", s.velocity},
+          {"velocity_cutoff_hz", s.velocity_cutoff_hz},
+          {"velocity_noise_m", s.velocity_noise_m ? Json(*s.velocity_noise_m) : Json(nullptr)},
           {"haptization_density", s.haptization_density},
           {"haptization_gradient", s.haptization_gradient},
           {"force_limit_N", s.force_limit_N},
           {"slew_limit_N_per_s", s.slew_limit_N_per_s},
           {"fade_s", s.fade_s},
           {"stale_window_s", s.stale_window_s},
+          {"stall_s", s.stall_s},
+          {"report_timeout_s", s.report_timeout_s},
+          {"passivity_control", s.passivity_control},
           {"force_shading", s.force_shading},
           {"recovery_s", s.recovery_s},
           {"texture", s.texture},
@@ -115,6 +121,13 @@ Json servoJson(const TouchRun& run, const RunFigures& f) {
           {"realtime", run.realtime}};
 }
 
+Json energyJson(const RunFigures& f) {
+  return {{"min_J", f.energy_min_J},
+          {"end_J", f.energy_end_J},
+          {"active_ticks", f.active_ticks},
+          {"damped_ticks", f.damped_ticks}};
+}
+
 Json exactJson(const std::optional<ExactErrors>& e) {
   if (!e) return nullptr;
   return {{"vhip_median_voxel", e->vhip_median_voxel},
@@ -124,7 +137,8 @@ Json exactJson(const std::optional<ExactErrors>& e) {
 }
 
 Json faultJson(const RunFault& f) {
-  return {{"name", f.name}, {"ticks", f.ticks}, {"first_tick", f.first_tick}, {"text", f.text}, {"remedy", f.remedy}};
+  return {{"name", f.name}, {"ticks", f.ticks},   {"first_tick", f.first_tick},
+          {"text", f.text}, {"effect", f.effect}, {"remedy", f.remedy}};
 }
 
 }  // namespace
@@ -143,6 +157,7 @@ Json makeSummary(const TouchRun& run) {
           {"volume", volumeJson(run.volume)},
           {"contact", contactJson(figures)},
           {"servo", servoJson(run, figures)},
+          {"energy", energyJson(figures)},
           {"exact", exactJson(run.exact)},
           {"faults", listOf(run.faults, faultJson)},
           {"notes", run.notes},

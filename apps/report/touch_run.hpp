@@ -36,6 +36,7 @@ struct RunFault {
   std::int64_t ticks = 0;       // in how many ticks it was raised
   std::int64_t first_tick = 0;  // where first
   std::string text;             // what happened, in words
+  std::string effect;           // what it does to the force: "falls to zero ..."
   std::string remedy;           // what to do
 };
 

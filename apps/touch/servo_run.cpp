@@ -12,6 +12,14 @@
 namespace palpate {
 namespace {
 
+VelocityParameters velocityParameters(const Scene& scene) {
+  VelocityParameters velocity;
+  velocity.name = scene.velocity;
+  velocity.cutoff_hz = scene.velocity_cutoff_hz;
+  velocity.noise_m = scene.velocity_noise_m;
+  return velocity;
+}
+
 LoopParameters loopParameters(const Scene& scene) {
   LoopParameters loop;
   loop.rate_hz = scene.rate_hz;
@@ -19,7 +27,11 @@ LoopParameters loopParameters(const Scene& scene) {
   loop.safety = {.force_limit_N = scene.force_limit_N,
                  .slew_limit_N_per_s = scene.slew_limit_N_per_s,
                  .fade_s = scene.fade_s,
-                 .stale_window_s = scene.stale_window_s};
+                 .stale_window_s = scene.stale_window_s,
+                 .stall_s = scene.stall_s,
+                 .report_timeout_s = scene.report_timeout_s};
+  loop.velocity = velocityParameters(scene);
+  loop.passivity.control = scene.passivity_control;
   return loop;
 }
 

@@ -28,6 +28,7 @@
 #include "engine/volume/statistics.hpp"
 #include "servo/algorithms/registry.hpp"
 #include "servo/loop/run_figures.hpp"
+#include "servo/loop/velocity.hpp"
 #include "servo/safety/faults.hpp"
 
 namespace palpate {
@@ -79,6 +80,9 @@ void checkEarly(const Scene& scene) {
                 "name a file, a DICOM folder or a phantom, for example phantom:sphere?size=64");
   }
   (void)makeAlgorithm(scene.algorithm, algorithmSetup(scene, scene.isovalue.value_or(0.0)));
+  VelocityParameters velocity;
+  velocity.name = scene.velocity;
+  (void)VelocityEstimate(velocity, scene.rate_hz);
   if (scene.path_file.empty()) checkTicks(scene);
 }
 
@@ -123,7 +127,7 @@ std::vector<RunFault> faultsOf(const TouchRun& run) {
     const auto table = faultTable();
     const auto row =
         std::find_if(table.begin(), table.end(), [&](const FaultText& r) { return r.fault == count.fault; });
-    faults.push_back({row->name, count.ticks, count.first_tick, row->text, row->remedy});
+    faults.push_back({row->name, count.ticks, count.first_tick, row->text, row->effect, row->remedy});
   }
   return faults;
 }

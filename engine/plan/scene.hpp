@@ -31,14 +31,20 @@ struct Scene {
   double rate_hz = 1000;
   double duration_s = 5;
   bool simulated_clock = false;
+  std::string velocity = "filter";         // estimate of the HIP's velocity
+  double velocity_cutoff_hz = 200;         // of filter; 0: none
+  std::optional<double> velocity_noise_m;  // of foaw; empty: the encoders' resolution
   // haptization's transfer function; a table without rows: chosen from the isovalue and the volume
   NumberTable haptization_density;   // rows: density, force [N], viscosity [N s/m]
   NumberTable haptization_gradient;  // rows: gradient [density/m], weight [-]
   // safety
   double force_limit_N = 8;  // of the simulated device
   double slew_limit_N_per_s = 20000;
-  double fade_s = 0.1;           // time in which a faulty force fades to zero
-  double stale_window_s = 0.25;  // a window that the engine has not confirmed for so long is a fault
+  double fade_s = 0.1;             // time in which a faulty force fades to zero
+  double stale_window_s = 0.25;    // a window that the engine has not confirmed for so long is a fault
+  double stall_s = 0.01;           // a tick later than this ends a stall
+  double report_timeout_s = 0.02;  // a device position older than this is a fault
+  bool passivity_control = false;  // false: observe only
   // contact effects; all off
   bool force_shading = false;
   double recovery_s = 0;                 // 0: none

@@ -27,6 +27,7 @@ inline TickRecord pressedTick(std::int64_t tick, double rate_hz, double x_m, dou
   r.tick_cost_ns = 2000 + static_cast<std::int32_t>(tick * 7919 % 900);
   r.lateness_ns = 30'000 + tick * 104729 % 40'000;
   r.window_age_ns = tick % 20 * 1'000'000;
+  r.energy_J = 250 * depth_m * depth_m;
   return r;
 }
 
@@ -58,7 +59,8 @@ inline TouchRun sampleRun() {
   run.notes = {"the slide is 12 mm instead of 20 mm"};
   run.phases = {{"approach", 0, 1}, {"press", 1, 2}, {"slide", 2, 4}, {"retreat", 4, 5}};
   run.records = sampleRecords(5000, run.scene.rate_hz);
-  run.faults = {{"stale_window", 12, 300, "the engine published too rarely", "make the window larger"}};
+  run.faults = {
+      {"stale_window", 12, 300, "the engine published too rarely", "falls to zero", "make the window larger"}};
   run.files = {"out/trace.csv", "out/summary.json"};
   run.exact = ExactErrors{0.01, 0.05, 0.3, 1.2};
   return run;
