@@ -9,9 +9,6 @@
 #include "base/error.hpp"
 
 namespace palpate {
-namespace {
-
-// Quotes what a shell would take apart.
 std::string shellWord(const std::string& word) {
   static constexpr const char* kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=./:,@%";
   if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) return word;
@@ -19,8 +16,6 @@ std::string shellWord(const std::string& word) {
   for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
   return quoted + "'";
 }
-
-}  // namespace
 
 SceneArguments::SceneArguments(CLI::App& verb) : values_(sceneOptions().size()) {
   verb.add_option("source", source_, "volume (file, DICOM folder, phantom:NAME?size=64) or scene file (.toml)")

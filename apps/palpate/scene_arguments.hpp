@@ -11,6 +11,9 @@
 
 namespace palpate {
 
+// Quotes what a shell would take apart.
+[[nodiscard]] std::string shellWord(const std::string& word);
+
 class SceneArguments {
  public:
   // Adds the positional argument and all scene flags to the verb. This object must outlive the parsing.

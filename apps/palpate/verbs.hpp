@@ -12,6 +12,7 @@ namespace palpate {
 void addTouchVerb(CLI::App& app);
 void addInfoVerb(CLI::App& app);
 void addCheckVerb(CLI::App& app);
+void addBenchVerb(CLI::App& app);
 void addDevicesVerb(CLI::App& app);
 void addPlanVerb(CLI::App& app);
 void addSceneVerb(CLI::App& app);

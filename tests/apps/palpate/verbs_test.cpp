@@ -14,7 +14,8 @@ class Verbs : public ProgramTest {};
 
 TEST_F(Verbs, HelpOfEachSaysWhatItDoes) {
   for (const Words& verb : {Words{}, Words{"touch"}, Words{"info"}, Words{"check"}, Words{"check", "gradient"},
-                            Words{"devices"}, Words{"plan"}, Words{"scene"}, Words{"faults"}}) {
+                            Words{"bench"}, Words{"bench", "servo"}, Words{"bench", "loop"}, Words{"devices"},
+                            Words{"plan"}, Words{"scene"}, Words{"faults"}}) {
     const Outcome outcome = run(verb + Words{"--help"});
     expectSuccess(outcome);
     EXPECT_THAT(outcome.out, HasSubstr("Usage: palpate"));
@@ -23,7 +24,7 @@ TEST_F(Verbs, HelpOfEachSaysWhatItDoes) {
 
 TEST_F(Verbs, HelpOfTheProgramNamesEveryVerb) {
   const std::string help = run({"--help"}).out;
-  for (const char* verb : {"touch", "info", "check", "devices", "plan", "scene", "faults"}) {
+  for (const char* verb : {"touch", "info", "check", "bench", "devices", "plan", "scene", "faults"}) {
     EXPECT_THAT(help, testing::ContainsRegex(std::string("\n  ") + verb + " +[a-z]"));
   }
 }
