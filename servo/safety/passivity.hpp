@@ -53,10 +53,10 @@ class Passivity {
   // A new position: what the held force did on the way there.
   void moved(const Vec3& position_W) noexcept {
     const Vec3 mean_W = held_count_ > 1 ? Vec3(held_W_ / held_count_) : held_W_;
-    const double taken_J = -mean_W.dot(position_W - last_W_);
+    const Vec3 way_W = position_W - last_W_;
     last_W_ = position_W;
     held_count_ = 0;
-    if (std::isfinite(taken_J)) account(taken_J, mean_W);
+    if (way_W.cwiseAbs().maxCoeff() <= kLongestWay_m) account(-mean_W.dot(way_W), mean_W);
   }
 
   // The force that the device was given in this tick, and holds from now on or from `delay_ticks` later.
@@ -70,7 +70,7 @@ class Passivity {
   // The controller's force, to be added before the gate; zero where it observes only or nothing is owed [N].
   [[nodiscard]] Vec3 damping(const Vec3& velocity_W) const noexcept {
     if (!control_ || account_J_ >= -kRounding_J) return Vec3::Zero();
-    const double speed = velocity_W.norm();
+    const double speed = velocity_W.stableNorm();
     if (!(speed > 0)) return Vec3::Zero();
     const double wanted = -account_J_ * rate_hz_ / (speed * speed);
     return velocity_W * -std::min({wanted, damping_limit_, force_limit_N_ / speed});
@@ -79,6 +79,8 @@ class Passivity {
   [[nodiscard]] double energy_J() const noexcept { return energy_J_; }
   [[nodiscard]] double forceBound() const noexcept { return force_limit_N_; }  // of the controller [N]
 
+  // A way from one position to the next that is longer is a wrong reading, not a motion that did work [m].
+  static constexpr double kLongestWay_m = 1;
   // Sums of a long run are rounded by less than this: 1e6 ticks of 8 N over 1 mm, each to 1e-16 of itself.
   static constexpr double kRounding_J = 1e-12;
 

@@ -79,9 +79,9 @@ TEST(Hri, FollowsTheBallEveryTick) {
   RecordProperty("median_degree", std::to_string(median(s.degrees)));
 }
 
-// A plane lives for 5 ticks and is found for the middle of them: it is 2 ticks too young at first and 2 too old at last.
-// A tick's way of 0.21 mm on 24 mm of radius is 0.5 degrees, so it errs by 1, 0.5, 0, 0.5 and 1, and by the 0.1 or so
-// of samples. Found under the HIP it would err by up to 2 degrees, 1 in the median.
+// A plane lives for 5 ticks and is found for the middle of them: it is 2 ticks too young at first and 2 too old at
+// last. A tick's way of 0.21 mm on 24 mm of radius is 0.5 degrees, so it errs by 1, 0.5, 0, 0.5 and 1, and by the 0.1
+// or so of samples. Found under the HIP it would err by up to 2 degrees, 1 in the median.
 TEST(Hri, OldPlanesErrAsTheirAgeSays) {
   AlgorithmParameters p;
   p.plane_renewal_ticks = 5;

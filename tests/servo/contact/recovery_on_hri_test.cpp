@@ -107,11 +107,13 @@ TEST(RecoveryOnHri, ForceStepsInAValleyAreATenthOrLess) {
   }
 }
 
-// Smooth and concave, the HIP on a circle of radius r = R + D: at every switch, n ticks apart, the old plane's depth is
-// too small by j = (v n T)^2 / (2 r). Recovery keeps each j for (N + 1) / 2 ticks in the mean, so the depth is too
-// small by j (N + 1) / (2 n) in the mean. (Directions lag too, which matters in second order: (N v T / r)^2 / 24 and a
-// tenth.) With planes so regular the steps cannot become smaller than j / n: what is taken up every n ticks has to come
-// back.
+// Smooth and concave, the HIP on a circle of radius r = R + D: a plane a ticks of way aside is too shallow by
+// (a v T)^2 / (2 r). At a switch, n ticks after the last, the old one is (n + 1) / 2 ticks behind and the new one
+// (n - 1) / 2 ahead, so the old one is shallower by j = n (v T)^2 / (2 r). Recovery keeps each j for (N + 1) / 2 ticks
+// in the mean, so the depth is too small by j (N + 1) / (2 n) in the mean. The directions of the last N ticks are
+// averaged too, which takes (N v T / r)^2 / 24 of the length; as much and a tenth of the first is allowed for what else
+// is of second order. With planes so regular the steps cannot become smaller than j / n: what is taken up every n ticks
+// has to come back.
 TEST(RecoveryOnHri, CostsTheDepthThatItsLagSays) {
   struct Case {
     int n;
@@ -123,8 +125,10 @@ TEST(RecoveryOnHri, CostsTheDepthThatItsLagSays) {
     const Slide on = slide(torus(), insideTorus, Vec3(-2e-3, 0, 0), 60e-3, c.n, c.recovery_s, c.speed_m_per_s);
     EXPECT_EQ(off.lost + on.lost, 0);
     const double N = c.recovery_s * 1000, tick_m = c.speed_m_per_s / 1000;
-    const double less = std::pow(c.n * tick_m, 2) / (2 * r) * (N + 1) / (2 * c.n) / kTorusDepth;
-    EXPECT_NEAR(on.mean_N / off.mean_N, 1 - less, std::pow(N * tick_m / r, 2) / 24 + 0.1 * less);
+    const double shallower = c.n * tick_m * tick_m / (2 * r) * (N + 1) / (2 * c.n) / kTorusDepth;
+    const double shorter = std::pow(N * tick_m / r, 2) / 24;
+    const double less = shallower + shorter;
+    EXPECT_NEAR(on.mean_N / off.mean_N, 1 - less, shorter + 0.1 * shallower);
     EXPECT_LT(on.largest_step_N, 1.25 / c.n * off.largest_step_N);
     RecordProperty(fmt::format("torus_n{}_{:g}ms_{:g}m_per_s", c.n, N, c.speed_m_per_s),
                    fmt::format("off {:.4f} N, on {:.4f} N, mean {:.5f}, predicted {:.5f}", off.largest_step_N,
