@@ -55,12 +55,13 @@ void HriSurface::refreshField(const SampleWindow& window) noexcept {
 
 // ---- in contact ----
 
-// Where the HIP will be halfway through the plane's life if it goes on along the surface as it did: a plane found there
-// is too old by half as much at the end as one found under the HIP, and too young by as much at the beginning.
+// Where the HIP will be a third of the way through the plane's life if it goes on along the surface as it did. Half
+// would centre the normal's error in time; but a plane that is left behind puts the VHIP outward of a convex surface,
+// which makes up for the sag of trilinear interpolation. A third keeps most of both (docs/hri-mends.md).
 Vec3 HriSurface::aim(const Vec3& hip_W) const noexcept {
   const Vec3 way_W = hip_W - renewed_at_W_;
   const Vec3 aside_W = way_W - surface_.normal_W * surface_.normal_W.dot(way_W);
-  return hip_W + aside_W * (0.5 * (renewal_ticks_ - 1) / age_ticks_);
+  return hip_W + aside_W * (kAim * (renewal_ticks_ - 1) / age_ticks_);
 }
 
 Track HriSurface::follow(const Vec3& hip_W) noexcept {

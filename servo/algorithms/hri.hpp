@@ -5,7 +5,7 @@
 // Mended:
 // - n = 1 means every tick; a plane is also renewed as soon as an edit changes the window or the HIP comes out of it.
 // - The plane is at the surface point nearest to the HIP (surface_tracker.hpp), not on the line from VHIP to HIP, and,
-//   for n > 1, nearest to where the HIP will be halfway through the plane's life.
+//   for n > 1, nearest to where the HIP will be a third of the way through the plane's life.
 // - Contact ends when the HIP is in front of the sheet that it touched, not when the density at the HIP says so:
 // pressing
 //   through a thin wall does not lose it. Free motion is searched along its whole way, so a fast stroke does not jump
@@ -32,6 +32,7 @@ class HriSurface {
   static constexpr bool kMayPull = false;
   static constexpr double kLongestGap = 16;     // free motion beyond the window that is searched afterwards [voxel]
   static constexpr double kOutwardSearch = 32;  // from a buried HIP along N [voxel]
+  static constexpr double kAim = 1.0 / 3;       // of a plane's life, that it is found ahead of the HIP [-]
   static constexpr double kStandOff = 0.25;     // in front of the VHIP, where a search from it begins [voxel]
 
   explicit HriSurface(const AlgorithmParameters& parameters) noexcept

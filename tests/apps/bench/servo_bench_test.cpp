@@ -74,12 +74,12 @@ TEST_F(ServoBench, FindsTheDefaultAlgorithmOnTheSphereAsTrueAsItIs) {
   EXPECT_EQ(figureOf(row, "contact_ticks"), figureOf(row, "ticks"));
 }
 
-// A plane that lives five ticks and is found for their middle is up to 0.2 mm aside, half of them 0.1 mm or less: on a
-// sphere of 22.05 mm, 1 mm below, up to 0.54 degrees, and what a turning path aims wrong.
+// A plane that lives five ticks and is found for a third of the way through them is up to 0.27 mm aside: on a sphere of
+// 22.05 mm, 1 mm below, up to 0.73 degrees, and what a turning path aims wrong.
 TEST_F(ServoBench, AnOlderPlaneIsWrongByTheWayOverTheRadius) {
   EXPECT_LT(figureOf(tick("hri", 1), "force_angle_p99_deg"), 0.1);
   EXPECT_GT(figureOf(tick("hri", 5), "force_angle_median_deg"), 0.15);
-  EXPECT_LT(figureOf(tick("hri", 5), "force_angle_p99_deg"), 0.7);
+  EXPECT_LT(figureOf(tick("hri", 5), "force_angle_p99_deg"), 0.9);
 }
 
 TEST_F(ServoBench, CostsAreThereAndOrdered) {

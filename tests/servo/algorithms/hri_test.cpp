@@ -79,17 +79,17 @@ TEST(Hri, FollowsTheBallEveryTick) {
   RecordProperty("median_degree", std::to_string(median(s.degrees)));
 }
 
-// A plane lives for 5 ticks and is found for the middle of them: it is 2 ticks too young at first and 2 too old at
-// last. A tick's way of 0.21 mm on 24 mm of radius is 0.5 degrees, so it errs by 1, 0.5, 0, 0.5 and 1, and by the 0.1
-// or so of samples. Found under the HIP it would err by up to 2 degrees, 1 in the median.
+// A plane lives for 5 ticks and is found for a third of the way through them: it is 1.33 ticks ahead at first and 2.67
+// behind at last. A tick's way of 0.21 mm on 24 mm of radius is 0.5 degrees, so it errs by 0.67, 0.17, 0.33, 0.83 and
+// 1.33, and by the 0.1 or so of samples. Found under the HIP it would err by up to 2 degrees, 1 in the median.
 TEST(Hri, OldPlanesErrAsTheirAgeSays) {
   AlgorithmParameters p;
   p.plane_renewal_ticks = 5;
   const Slide s = slide(p);
   EXPECT_EQ(s.lost, 0);
-  EXPECT_LT(median(s.degrees), 0.7);
+  EXPECT_LT(median(s.degrees), 0.8);
   EXPECT_GT(median(s.degrees), 0.3);
-  EXPECT_LT(*std::max_element(s.degrees.begin(), s.degrees.end()), 1.3);
+  EXPECT_LT(*std::max_element(s.degrees.begin(), s.degrees.end()), 1.6);
 }
 
 TEST(Hri, RenewsEveryNTicks) {

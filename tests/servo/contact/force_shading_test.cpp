@@ -160,13 +160,13 @@ Errors slideOnBall(int n, double speed_m_per_s, bool shaded) {
   return errors;
 }
 
-// Unshaded, the force errs by up to (n - 1) / 2 ticks of way: 0.45 mm on 23 mm, 1.12 degrees. Shaded, by the lag of one
+// Unshaded, the force errs by up to 2 (n - 1) / 3 ticks of way: 0.6 mm on 23 mm, 1.49 degrees. Shaded, by the lag of one
 // tick, v T / (R - D) = 0.25 degrees, and by its convergence, D / R of that; the interpolated gradient adds up to 0.5
 // degrees (hri_test.cpp, which finds that on the same ball at n = 1).
 TEST(ForceShadingOnABall, AtTenTicksTheForceIsCloseToTheSmoothNormal) {
   const Errors plain = slideOnBall(10, 0.1, false);
   const Errors shaded = slideOnBall(10, 0.1, true);
-  EXPECT_GT(plain.largest_deg, 1.0);
+  EXPECT_GT(plain.largest_deg, 1.3);
   const double lag_deg = 0.1e-3 / (kRadius - kDepth) * kDegreesPerRadian;
   EXPECT_LT(shaded.largest_deg, lag_deg * (1 + kDepth / kRadius) + 0.5);
   RecordProperty("plain_deg", std::to_string(plain.largest_deg));

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "servo/algorithms/hri.hpp"
 #include "servo/algorithms/registry.hpp"
 #include "servo/contact/effects.hpp"
 #include "support/algorithm_driver.hpp"
@@ -108,9 +109,9 @@ TEST(RecoveryOnHri, ForceStepsInAValleyAreATenthOrLess) {
 }
 
 // Smooth and concave, the HIP on a circle of radius r = R + D: a plane a ticks of way aside is too shallow by
-// (a v T)^2 / (2 r). At a switch, n ticks after the last, the old one is (n + 1) / 2 ticks behind and the new one
-// (n - 1) / 2 ahead, so the old one is shallower by j = n (v T)^2 / (2 r). Recovery keeps each j for (N + 1) / 2 ticks
-// in the mean, so the depth is too small by j (N + 1) / (2 n) in the mean. The directions of the last N ticks are
+// (a v T)^2 / (2 r). At a switch, n ticks after the last, the new one is f = kAim (n - 1) ticks ahead and the old one
+// n - f behind, so the old one is shallower by j = n (n - 2 f) (v T)^2 / (2 r). Recovery keeps each j for (N + 1) / 2
+// ticks in the mean, so the depth is too small by j (N + 1) / (2 n) in the mean. The directions of the last N ticks are
 // averaged too, which takes (N v T / r)^2 / 24 of the length; as much and a tenth of the first is allowed for what else
 // is of second order. With planes so regular the steps cannot become smaller than j / n: what is taken up every n ticks
 // has to come back.
@@ -125,7 +126,8 @@ TEST(RecoveryOnHri, CostsTheDepthThatItsLagSays) {
     const Slide on = slide(torus(), insideTorus, Vec3(-2e-3, 0, 0), 60e-3, c.n, c.recovery_s, c.speed_m_per_s);
     EXPECT_EQ(off.lost + on.lost, 0);
     const double N = c.recovery_s * 1000, tick_m = c.speed_m_per_s / 1000;
-    const double shallower = c.n * tick_m * tick_m / (2 * r) * (N + 1) / (2 * c.n) / kTorusDepth;
+    const double ahead = HriSurface::kAim * (c.n - 1);
+    const double shallower = (c.n - 2 * ahead) * tick_m * tick_m / (2 * r) * (N + 1) / 2 / kTorusDepth;
     const double shorter = std::pow(N * tick_m / r, 2) / 24;
     const double less = shallower + shorter;
     EXPECT_NEAR(on.mean_N / off.mean_N, 1 - less, shorter + 0.1 * shallower);
