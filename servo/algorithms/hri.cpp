@@ -12,8 +12,8 @@ void HriSurface::reset(const Vec3& hip_W) noexcept {
   age_ticks_ = 0;
   vhip_W_ = hip_W;
   in_contact_ = held_ = armed_ = false;
-  edit_version_ = field_version_ = 0;
-  field_samples_ = nullptr;
+  edit_version_ = 0;
+  cache_.forget();
 }
 
 bool HriSurface::find(const SampleWindow& window, const Vec3& hip_W, std::uint32_t& faults) noexcept {
@@ -39,16 +39,12 @@ bool HriSurface::find(const SampleWindow& window, const Vec3& hip_W, std::uint32
 }
 
 void HriSurface::refreshField(const SampleWindow& window) noexcept {
-  if (window.version != field_version_ || window.samples != field_samples_) {
-    field_ = IsoField(window, isovalue_);
-    field_version_ = window.version;
-    field_samples_ = window.samples;
-  }
+  field_ = &cache_.of(window);
   if (window.edit_version == edit_version_) return;
   edit_version_ = window.edit_version;
   if (in_contact_ || !armed_) return;
   // Material that an edit put over the last free point is no entry.
-  const Probe again = field_.probe(free_.p_W);
+  const Probe again = field_->probe(free_.p_W);
   if (again.side == Side::kInside) armed_ = false;
   if (again.side == Side::kOutside) free_ = again;
 }
@@ -67,19 +63,19 @@ Vec3 HriSurface::aim(const Vec3& hip_W) const noexcept {
 Track HriSurface::follow(const Vec3& hip_W) noexcept {
   if (renewal_ticks_ > 1) {
     SurfacePoint ahead = surface_;
-    const Track result = SurfaceTracker::follow(field_, aim(hip_W), ahead);
+    const Track result = SurfaceTracker::follow(*field_, aim(hip_W), ahead);
     if (result == Track::kFound && ahead.normal_W.dot(ahead.p_W - hip_W) > 0) {
       surface_ = ahead;
       return result;
     }
   }
-  return SurfaceTracker::follow(field_, hip_W, surface_);
+  return SurfaceTracker::follow(*field_, hip_W, surface_);
 }
 
 void HriSurface::renew(const Vec3& hip_W, std::uint32_t& faults) noexcept {
   // The HIP may be anywhere; the surface point must be in the window. Where the window has left that behind, the plane
   // under the HIP is the best that is known.
-  const auto seen = [&] { return field_.sampler().place(surface_.p_W) != Place::kBeyondWindow; };
+  const auto seen = [&] { return field_->sampler().place(surface_.p_W) != Place::kBeyondWindow; };
   if (!seen()) surface_.p_W = plane().nearest(hip_W);
   held_ = !seen();
   const Track result = held_ ? Track::kBeyondWindow : follow(hip_W);
@@ -92,7 +88,7 @@ void HriSurface::renew(const Vec3& hip_W, std::uint32_t& faults) noexcept {
         age_ticks_ = 0;
         renewed_at_W_ = hip_W;
       } else {
-        relocate(field_.probe(hip_W), faults);
+        relocate(field_->probe(hip_W), faults);
       }
       return;
     case Track::kBeyondWindow:
@@ -100,14 +96,14 @@ void HriSurface::renew(const Vec3& hip_W, std::uint32_t& faults) noexcept {
       faults |= bit(ServoFault::kBeyondWindow);
       return;
     case Track::kLeftVolume:
-      release(field_.probe(hip_W));
+      release(field_->probe(hip_W));
       return;
     case Track::kFlat:
-      relocate(field_.probe(hip_W), faults);
+      relocate(field_->probe(hip_W), faults);
       return;
     case Track::kLost:
       faults |= bit(ServoFault::kSurfaceLost);
-      relocate(field_.probe(hip_W), faults);
+      relocate(field_->probe(hip_W), faults);
       return;
   }
 }
@@ -115,11 +111,11 @@ void HriSurface::renew(const Vec3& hip_W, std::uint32_t& faults) noexcept {
 // The HIP has left the sheet, or the sheet is gone: is there object between the VHIP and the HIP, or around the HIP?
 void HriSurface::relocate(const Probe& hip, std::uint32_t& faults) noexcept {
   // The VHIP may be in the object by a rounding, so the search begins a little in front of it.
-  const Probe start = field_.probe(vhip_W_ + surface_.normal_W * (kStandOff * field_.voxel()));
-  const auto entry = field_.firstEntry(start, hip);
+  const Probe start = field_->probe(vhip_W_ + surface_.normal_W * (kStandOff * field_->voxel()));
+  const auto entry = field_->firstEntry(start, hip);
   if (entry && touch(*entry, hip, faults)) return;
   if (hip.side == Side::kInside) {  // both inside
-    const auto way_out = field_.firstExit(hip, hip.p_W + surface_.normal_W * (kOutwardSearch * field_.voxel()));
+    const auto way_out = field_->firstExit(hip, hip.p_W + surface_.normal_W * (kOutwardSearch * field_->voxel()));
     if (way_out && touch(*way_out, hip, faults)) return;
     faults |= bit(ServoFault::kInsideObject);
   }
@@ -136,7 +132,7 @@ void HriSurface::release(const Probe& hip) noexcept {
 // ---- free ----
 
 void HriSurface::moveFreely(const Vec3& hip_W, std::uint32_t& faults) noexcept {
-  const Probe hip = field_.probe(hip_W);
+  const Probe hip = field_->probe(hip_W);
   if (hip.side == Side::kUnknown) {
     held_ = true;
     faults |= bit(ServoFault::kBeyondWindow);
@@ -145,12 +141,13 @@ void HriSurface::moveFreely(const Vec3& hip_W, std::uint32_t& faults) noexcept {
   const bool after_gap = held_;
   held_ = false;
   if (after_gap && armed_) {
-    const bool near = (hip_W - free_.p_W).squaredNorm() <= kLongestGap * kLongestGap * field_.voxel() * field_.voxel();
+    const bool near =
+        (hip_W - free_.p_W).squaredNorm() <= kLongestGap * kLongestGap * field_->voxel() * field_->voxel();
     if (!near) armed_ = false;
-    if (near) free_ = field_.probe(free_.p_W);
+    if (near) free_ = field_->probe(free_.p_W);
   }
   if (armed_) {
-    const auto entry = field_.firstEntry(free_, hip);
+    const auto entry = field_->firstEntry(free_, hip);
     if (entry && touch(*entry, hip, faults)) return;
   }
   if (hip.side == Side::kOutside) {
@@ -166,15 +163,15 @@ bool HriSurface::touch(const Entry& entry, const Probe& hip, std::uint32_t& faul
   SurfacePoint surface{entry.p_W, -entry.direction_W, entry.face};
   bool flat = false;
   if (entry.face.any()) {
-    surface.normal_W = field_.sampler().faceNormal(entry.face.axis, entry.face.high);
+    surface.normal_W = field_->sampler().faceNormal(entry.face.axis, entry.face.high);
   } else {
-    const Vec3 gradient_W = field_.sampler().at(entry.p_W).gradient_W;
+    const Vec3 gradient_W = field_->sampler().at(entry.p_W).gradient_W;
     flat = !(gradient_W.squaredNorm() > 0) || !gradient_W.allFinite();
     if (!flat) surface.normal_W = -gradient_W.normalized();
   }
   const auto behind = [&](const SurfacePoint& s) { return s.normal_W.dot(s.p_W - hip.p_W) > 0; };
   SurfacePoint nearest = surface;
-  const Track result = flat ? Track::kFlat : SurfaceTracker::follow(field_, hip.p_W, nearest);
+  const Track result = flat ? Track::kFlat : SurfaceTracker::follow(*field_, hip.p_W, nearest);
   if (flat || result == Track::kFlat || result == Track::kFoundFlat) faults |= bit(ServoFault::kZeroGradient);
   if ((result == Track::kFound || result == Track::kFoundFlat) && behind(nearest)) {
     settle(nearest, hip.p_W);

@@ -22,6 +22,7 @@
 #pragma once
 
 #include "servo/algorithms/algorithm.hpp"
+#include "servo/algorithms/field_cache.hpp"
 #include "servo/algorithms/surface_tracker.hpp"
 #include "servo/algorithms/vhip_algorithm.hpp"
 
@@ -36,7 +37,7 @@ class HriSurface {
   static constexpr double kStandOff = 0.25;     // in front of the VHIP, where a search from it begins [voxel]
 
   explicit HriSurface(const AlgorithmParameters& parameters) noexcept
-      : isovalue_(parameters.isovalue), renewal_ticks_(parameters.plane_renewal_ticks) {}
+      : renewal_ticks_(parameters.plane_renewal_ticks), cache_(parameters.isovalue) {}
   void reset(const Vec3& hip_W) noexcept;
   bool find(const SampleWindow& window, const Vec3& hip_W, std::uint32_t& faults) noexcept;
   [[nodiscard]] ContactPlane plane() const noexcept { return {surface_.p_W, surface_.normal_W, age_ticks_}; }
@@ -52,7 +53,6 @@ class HriSurface {
   void settle(const SurfacePoint& surface, const Vec3& hip_W) noexcept;
   void release(const Probe& hip) noexcept;
 
-  double isovalue_;
   std::int32_t renewal_ticks_;
   SurfacePoint surface_;  // the plane: its point and normal
   std::int32_t age_ticks_ = 0;
@@ -64,9 +64,8 @@ class HriSurface {
 
   bool armed_ = false;  // free_ was outside, so the way from it to the HIP can be searched for an entry
   Probe free_;          // last HIP known to be outside
-  IsoField field_;      // made again for every new window, when it is needed
-  std::uint64_t field_version_ = 0;
-  const Sample* field_samples_ = nullptr;
+  FieldCache cache_;
+  const IsoField* field_ = nullptr;  // the cache's, of the window in hand
 };
 
 using Hri = VhipAlgorithm<HriSurface>;
