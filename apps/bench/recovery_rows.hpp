@@ -16,8 +16,9 @@ inline constexpr int kRecoveryRenewal = 20;  // n [tick]
 inline constexpr double kRecoveryTime_s = 0.02;
 inline constexpr double kRecoverySpeed_m_per_s = 0.02;
 
-// Rows of part "effects", one for each algorithm that takes effects and each choice; targets for hri. Nothing while
-// there is no choice but "none".
+// The targets look where the exact surface is concave along the tool's way, where the paper met its discontinuities
+// (section 4). Rows of part "effects", one for each algorithm that takes effects and each choice; targets for hri.
+// Nothing while there is no choice but "none".
 void addRecoveryRows(const BenchVolume& volume, std::size_t ticks, std::uint64_t seed, BenchResult& result,
                      const BenchProgress& progress);
 

@@ -42,10 +42,16 @@ class Tally {
   }
 
  private:
+  // Along the way the normals of a concave surface turn against it.
+  [[nodiscard]] bool concave(std::size_t k) const {
+    return (path_.normal_W[k] - path_.normal_W[k - 1]).dot(path_.hip_W[k] - path_.hip_W[k - 1]) < 0;
+  }
   void addSlide(std::size_t k, const TickOutput& out, bool contact) {
     ++errors_.ticks;
     if (k > path_.slide_begin) {
-      errors_.force_jump_max_N = std::max(errors_.force_jump_max_N, (out.force_W - last_force_W_).norm());
+      const double jump_N = (out.force_W - last_force_W_).norm();
+      errors_.force_jump_max_N = std::max(errors_.force_jump_max_N, jump_N);
+      if (concave(k)) errors_.force_jump_concave_max_N = std::max(errors_.force_jump_concave_max_N, jump_N);
       errors_.exact_force_jump_max_N =
           std::max(errors_.exact_force_jump_max_N, (exactForce(path_, k) - exactForce(path_, k - 1)).norm());
     }

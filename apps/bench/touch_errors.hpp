@@ -32,8 +32,9 @@ struct TouchErrors {
   Percentiles force_percent;
   Percentiles angle_deg;
   double force_jump_max_N = 0;
-  double exact_force_jump_max_N = 0;  // of K * depth along the exact normal, for comparison
-  double force_mean_N = 0;            // over ticks in contact
+  double force_jump_concave_max_N = 0;  // of it, where the exact surface is concave along the tool's way
+  double exact_force_jump_max_N = 0;    // of K * depth along the exact normal, for comparison
+  double force_mean_N = 0;              // over ticks in contact
   std::int64_t missed_ticks = 0;
   std::int64_t falls = 0;
 };

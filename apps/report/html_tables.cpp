@@ -87,7 +87,7 @@ std::string faultSection(const TouchRun& run) {
         escapeHtml(fault.name), fault.ticks, run.records.size(), fault.first_tick, escapeHtml(fault.text),
         escapeHtml(fault.effect), escapeHtml(fault.remedy));
   }
-  if (!run.notes.empty()) body += "<p>Not as asked for:</p>\n" + list(run.notes);
+  if (!run.notes.empty()) body += "<p>Worth knowing of this run:</p>\n" + list(run.notes);
   return section("faults", "Faults and notes", body);
 }
 

@@ -103,12 +103,13 @@ std::string faultWord(std::size_t count) {
 }
 
 std::string energyWords(const RunFigures& f) {
-  std::string text =
-      f.active_ticks == 0
-          ? fmt::format("passive: the surface took {} from the hand and never gave more than it took",
-                        mJ(f.energy_end_J))
-          : fmt::format("active: in {} of {} ticks the surface had given the hand more than it took, at most {}",
-                        f.active_ticks, f.ticks, mJ(-f.energy_min_J));
+  std::string text = f.active_ticks == 0
+                         ? fmt::format("passive: the surface took {} from the hand and never gave more than it took",
+                                       mJ(f.energy_end_J))
+                         : fmt::format(
+                               "active: in {} of {} ticks in contact the surface had given the hand more than it took, "
+                               "at most {} (--passivity control takes it back)",
+                               f.active_ticks, f.contact_ticks, mJ(-f.energy_min_J));
   if (f.damped_ticks > 0) text += fmt::format("; the controller acted in {} ticks", f.damped_ticks);
   return text;
 }

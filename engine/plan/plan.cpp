@@ -57,12 +57,27 @@ bool Plan::has(Pass pass) const noexcept {
   return std::find(passes.begin(), passes.end(), pass) != passes.end();
 }
 
+// In the order in which they act (servo/contact/effects.hpp).
+static std::string effectNames(const Scene& scene) {
+  std::string names;
+  const auto add = [&](bool asked, const char* name) {
+    if (asked) names += (names.empty() ? "" : ", ") + std::string(name);
+  };
+  add(scene.force_shading, "force shading");
+  add(scene.recovery_s > 0, "recovery time");
+  add(scene.texture != "none", "texture");
+  add(scene.friction_static > 0 || scene.friction_viscous_Ns_per_m > 0, "friction");
+  add(!scene.stiffness_density.empty(), "stiffness by density");
+  return names;
+}
+
 Plan makePlan(const Scene& scene, bool needs_mesh) {
   Plan plan;
   plan.gradient_all = scene.gradient_all;
   plan.draws = scene.picture;
   plan.meshes = needs_mesh;
   plan.objects = scene.objects.size();
+  plan.effects = effectNames(scene);
   plan.passes = {Pass::kUpload};
   // Bounds choose the bricks with gradients and let the renderer skip; without either nobody reads them.
   if (!plan.gradient_all || plan.draws) plan.passes.push_back(Pass::kBrickBounds);
@@ -88,8 +103,8 @@ std::vector<PlanLine> planLines(const Plan& plan, const PlanFacts& facts) {
   } else {
     lines.push_back({false, "objects beside the volume", "the scene names none", 0});
   }
-  lines.push_back({false, "filters", "the scene names none", 0});
-  lines.push_back({false, "friction, texture, recovery", "the scene names none", 0});
+  lines.push_back(plan.effects.empty() ? PlanLine{false, "contact effects", "the scene names none", 0}
+                                       : PlanLine{true, "contact effects: " + plan.effects, "as the scene says", 0});
   return lines;
 }
 

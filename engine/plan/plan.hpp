@@ -23,6 +23,7 @@ struct Plan {
   bool draws = false;
   bool meshes = false;      // the isosurface becomes a triangle mesh, for an algorithm that touches one
   std::size_t objects = 0;  // beside the volume
+  std::string effects;      // names of the contact effects; empty: none
 
   [[nodiscard]] bool has(Pass pass) const noexcept;
 };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // engine/service/window_focus.hpp: around which point the next window belongs.
 //
-// In contact the servo works at the surface, so the window is put around the VHIP, however deep the tool presses. In
+// In contact the servo works at the surface, so the window is put at the surface, however deep the tool presses. In
 // free motion it is put where the tool will be when the window arrives. Frame W [m]. Thread: any. Cost: a few
 // multiplications.
 #pragma once
@@ -15,7 +15,7 @@ inline constexpr double kMaxWindowLead_voxel = 6;  // with a window's hysteresis
 
 // `voxel_m`: the smallest spacing.
 [[nodiscard]] inline Vec3 windowFocus(const ToolPose& tool, double voxel_m) noexcept {
-  if (tool.in_contact) return tool.vhip_W;
+  if (tool.at_surface) return tool.surface_W;
   const Vec3 lead_W = tool.velocity_W * kWindowLead_s;
   const double longest_m = kMaxWindowLead_voxel * voxel_m;
   const double length_m = lead_W.norm();

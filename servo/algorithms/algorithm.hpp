@@ -38,6 +38,10 @@ struct TickOutput {
   bool in_contact = false;
   std::int32_t plane_age_ticks = 0;  // ticks since the plane was found; 0 without a plane
   std::uint32_t faults = 0;          // bits of ServoFault (servo/safety/faults.hpp)
+  // Samples are needed around `surface_W` and not around the HIP: in contact, and where a contact is only remembered
+  // because the window does not hold it.
+  bool at_surface = false;
+  Vec3 surface_W = Vec3::Zero();  // [m]
 };
 
 class Algorithm {

@@ -2,6 +2,7 @@
 #include "servo/algorithms/hri.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "servo/safety/faults.hpp"
 
@@ -29,7 +30,7 @@ bool HriSurface::find(const SampleWindow& window, const Vec3& hip_W, std::uint32
     const bool due = age_ticks_ >= renewal_ticks_;
     if (due || in_front || held_ || window.edit_version != edit_version_) {
       refreshField(window);
-      renew(hip_W, faults);
+      renew(hip_W, age_ticks_ == renewal_ticks_ && !in_front && !held_, faults);
     }
   }
   const bool touching = in_contact_ && !held_;
@@ -57,28 +58,31 @@ void HriSurface::refreshField(const SampleWindow& window) noexcept {
 Vec3 HriSurface::aim(const Vec3& hip_W) const noexcept {
   const Vec3 way_W = hip_W - renewed_at_W_;
   const Vec3 aside_W = way_W - surface_.normal_W * surface_.normal_W.dot(way_W);
-  return hip_W + aside_W * (kAim * (renewal_ticks_ - 1) / age_ticks_);
+  const Vec3 lead_W = aside_W * (kAim * (renewal_ticks_ - 1) / age_ticks_);
+  const double longest_m = kLongestAim * field_->voxel();
+  const double squared_m2 = lead_W.squaredNorm();
+  return hip_W + (squared_m2 <= longest_m * longest_m ? lead_W : Vec3(lead_W * (longest_m / std::sqrt(squared_m2))));
 }
 
-Track HriSurface::follow(const Vec3& hip_W) noexcept {
-  if (renewal_ticks_ > 1) {
-    SurfacePoint ahead = surface_;
-    const Track result = SurfaceTracker::follow(*field_, aim(hip_W), ahead);
-    if (result == Track::kFound && ahead.normal_W.dot(ahead.p_W - hip_W) > 0) {
-      surface_ = ahead;
+Track HriSurface::follow(const Vec3& hip_W, bool ahead) noexcept {
+  if (ahead && renewal_ticks_ > 1) {
+    SurfacePoint found = surface_;
+    const Track result = SurfaceTracker::follow(*field_, aim(hip_W), found, kAimTolerance);
+    if (result == Track::kFound && found.normal_W.dot(found.p_W - hip_W) > 0) {
+      surface_ = found;
       return result;
     }
   }
   return SurfaceTracker::follow(*field_, hip_W, surface_);
 }
 
-void HriSurface::renew(const Vec3& hip_W, std::uint32_t& faults) noexcept {
+void HriSurface::renew(const Vec3& hip_W, bool ahead, std::uint32_t& faults) noexcept {
   // The HIP may be anywhere; the surface point must be in the window. Where the window has left that behind, the plane
   // under the HIP is the best that is known.
   const auto seen = [&] { return field_->sampler().place(surface_.p_W) != Place::kBeyondWindow; };
   if (!seen()) surface_.p_W = plane().nearest(hip_W);
   held_ = !seen();
-  const Track result = held_ ? Track::kBeyondWindow : follow(hip_W);
+  const Track result = held_ ? Track::kBeyondWindow : follow(hip_W, ahead);
   switch (result) {
     case Track::kFoundFlat:
       faults |= bit(ServoFault::kZeroGradient);

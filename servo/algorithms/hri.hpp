@@ -31,22 +31,28 @@ namespace palpate {
 class HriSurface {
  public:
   static constexpr bool kMayPull = false;
-  static constexpr double kLongestGap = 16;     // free motion beyond the window that is searched afterwards [voxel]
-  static constexpr double kOutwardSearch = 32;  // from a buried HIP along N [voxel]
-  static constexpr double kAim = 1.0 / 3;       // of a plane's life, that it is found ahead of the HIP [-]
-  static constexpr double kStandOff = 0.25;     // in front of the VHIP, where a search from it begins [voxel]
+  static constexpr double kLongestGap = 16;      // free motion beyond the window that is searched afterwards [voxel]
+  static constexpr double kOutwardSearch = 32;   // from a buried HIP along N [voxel]
+  static constexpr double kAim = 1.0 / 3;        // of a plane's life, that it is found ahead of the HIP [-]
+  static constexpr double kLongestAim = 1;       // ahead of the HIP: jumps of the tool are no motion to go by [voxel]
+  static constexpr double kAimTolerance = 0.05;  // the nearest point to where the HIP may be: as surface_tracker.hpp's
+  static constexpr double kStandOff = 0.25;      // in front of the VHIP, where a search from it begins [voxel]
 
   explicit HriSurface(const AlgorithmParameters& parameters) noexcept
       : renewal_ticks_(parameters.plane_renewal_ticks), cache_(parameters.isovalue) {}
   void reset(const Vec3& hip_W) noexcept;
   bool find(const SampleWindow& window, const Vec3& hip_W, std::uint32_t& faults) noexcept;
+  // Where the window has to be for the contact to go on.
+  [[nodiscard]] std::optional<Vec3> remembered(const Vec3& hip_W) const noexcept {
+    return in_contact_ ? std::optional<Vec3>(plane().nearest(hip_W)) : std::nullopt;
+  }
   [[nodiscard]] ContactPlane plane() const noexcept { return {surface_.p_W, surface_.normal_W, age_ticks_}; }
 
  private:
   void refreshField(const SampleWindow& window) noexcept;
   [[nodiscard]] Vec3 aim(const Vec3& hip_W) const noexcept;
-  [[nodiscard]] Track follow(const Vec3& hip_W) noexcept;
-  void renew(const Vec3& hip_W, std::uint32_t& faults) noexcept;
+  [[nodiscard]] Track follow(const Vec3& hip_W, bool ahead) noexcept;
+  void renew(const Vec3& hip_W, bool ahead, std::uint32_t& faults) noexcept;
   void relocate(const Probe& hip, std::uint32_t& faults) noexcept;
   void moveFreely(const Vec3& hip_W, std::uint32_t& faults) noexcept;
   [[nodiscard]] bool touch(const Entry& entry, const Probe& hip, std::uint32_t& faults) noexcept;

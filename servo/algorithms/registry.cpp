@@ -30,8 +30,10 @@ std::unique_ptr<Algorithm> makeGodObject(AlgorithmSetup&& setup) {
     throw Error(Error::Code::kBadInput, "algorithm god-object", "the isosurface's mesh is missing",
                 "extract it from the volume first");
   }
-  setup.objects.insert(setup.objects.begin(), std::make_shared<MeshObject>(*setup.isosurface, "isosurface"));
-  return makeVhip<GodObject>(std::move(setup));
+  const auto isosurface = std::make_shared<MeshObject>(*setup.isosurface, "isosurface");
+  setup.objects.insert(setup.objects.begin(), isosurface);
+  return std::make_unique<GodObject>(setup.parameters, std::move(setup.effects), std::move(setup.objects),
+                                     isosurface.get());
 }
 
 // For an algorithm without a VHIP.

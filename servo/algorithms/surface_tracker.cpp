@@ -41,13 +41,16 @@ class NewtonGain {
 
 }  // namespace
 
-Track SurfaceTracker::follow(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface) noexcept {
-  return surface.face.any() ? followFace(field, hip_W, surface) : followIsosurface(field, hip_W, surface);
+Track SurfaceTracker::follow(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface,
+                             double line_tolerance) noexcept {
+  return surface.face.any() ? followFace(field, hip_W, surface, line_tolerance)
+                            : followIsosurface(field, hip_W, surface, line_tolerance);
 }
 
-Track SurfaceTracker::followIsosurface(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface) noexcept {
+Track SurfaceTracker::followIsosurface(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface,
+                                       double line_tolerance) noexcept {
   SurfacePoint found = surface;
-  const Track result = newton(field, hip_W, found);
+  const Track result = newton(field, hip_W, found, line_tolerance);
   const bool turned_over = result == Track::kFound && found.normal_W.dot(surface.normal_W) <= 0;
   if (!turned_over && result != Track::kLost && result != Track::kFlat) {
     surface = found;
@@ -72,9 +75,10 @@ Track SurfaceTracker::cast(const IsoField& field, const Vec3& hip_W, SurfacePoin
   return Track::kFound;
 }
 
-Track SurfaceTracker::newton(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface) noexcept {
+Track SurfaceTracker::newton(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface,
+                             double line_tolerance) noexcept {
   const double h_m = field.voxel();
-  const double line_squared_m2 = kLineTolerance * kLineTolerance * h_m * h_m;
+  const double line_squared_m2 = line_tolerance * line_tolerance * h_m * h_m;
   Vec3 x_W = surface.p_W + shortened(tangential(hip_W - surface.p_W, surface.normal_W), h_m);
   NewtonGain gain;
   SurfacePoint best;
@@ -119,7 +123,8 @@ Track SurfaceTracker::newton(const IsoField& field, const Vec3& hip_W, SurfacePo
 }
 
 // The nearest point of the face; where the object has ended on the way there, the isosurface takes over from its edge.
-Track SurfaceTracker::followFace(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface) noexcept {
+Track SurfaceTracker::followFace(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface,
+                                 double line_tolerance) noexcept {
   const WindowSampler& sampler = field.sampler();
   const int axis = surface.face.axis;
   const double last = sampler.lastIndex()[axis];
@@ -146,7 +151,7 @@ Track SurfaceTracker::followFace(const IsoField& field, const Vec3& hip_W, Surfa
   SurfacePoint edge{object_W, -field.sampler().at(object_W).gradient_W, {}};
   if (!(edge.normal_W.squaredNorm() > 0)) return Track::kFlat;
   edge.normal_W.normalize();
-  const Track result = followIsosurface(field, hip_W, edge);
+  const Track result = followIsosurface(field, hip_W, edge, line_tolerance);
   if (result == Track::kFound || result == Track::kFoundFlat) surface = edge;
   return result;
 }

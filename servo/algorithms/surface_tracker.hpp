@@ -44,13 +44,18 @@ class SurfaceTracker {
   static constexpr double kCastReach = 1.5;
 
   // Moves `surface` only when it is found.
-  [[nodiscard]] static Track follow(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface) noexcept;
+  // `line_tolerance` [voxel]: how near the HIP has to come to the normal line.
+  [[nodiscard]] static Track follow(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface,
+                                    double line_tolerance = kLineTolerance) noexcept;
 
  private:
-  [[nodiscard]] static Track followIsosurface(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface) noexcept;
-  [[nodiscard]] static Track newton(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface) noexcept;
+  [[nodiscard]] static Track followIsosurface(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface,
+                                              double line_tolerance) noexcept;
+  [[nodiscard]] static Track newton(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface,
+                                    double line_tolerance) noexcept;
   [[nodiscard]] static Track cast(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface) noexcept;
-  [[nodiscard]] static Track followFace(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface) noexcept;
+  [[nodiscard]] static Track followFace(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface,
+                                        double line_tolerance) noexcept;
 };
 
 }  // namespace palpate

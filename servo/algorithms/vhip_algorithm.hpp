@@ -9,6 +9,8 @@
 //   // True in contact: then plane() holds, with `tool_W` behind it. `tool_W`: the HIP, or, where there are objects,
 //   // where they let the tool be (servo/objects/object_contacts.hpp).
 //   bool find(const SampleWindow& window, const Vec3& tool_W, std::uint32_t& faults) noexcept;
+//   std::optional<Vec3> remembered(const Vec3& hip_W) const noexcept;  // may be left out: where the surface of a
+//                                                                     // contact is that is held without a window
 //   ContactPlane plane() const noexcept;  // out of contact only its age says something: 0 without a plane
 // Frames, force convention and thread: algorithm.hpp. Source: the paper, equations 2 and 3; effects move the VHIP only
 // (section 3.1, last paragraph). Cost: some 5 ns and what Surface, effects and objects cost.
@@ -28,12 +30,12 @@ template <class Surface>
 class VhipAlgorithm final : public Algorithm {
  public:
   explicit VhipAlgorithm(const AlgorithmParameters& parameters, ContactEffects effects = {},
-                         ContactObjects objects = {})
+                         ContactObjects objects = {}, const ContactObject* isosurface = nullptr)
       : surface_(parameters),
         stiffness_N_per_m_(parameters.stiffness_N_per_m),
         damping_Ns_per_m_(parameters.damping_Ns_per_m),
         effects_(std::move(effects)),
-        objects_(std::move(objects)) {}
+        objects_(std::move(objects), isosurface) {}
 
   void reset(const Vec3& hip_W) noexcept override {
     surface_.reset(hip_W);
@@ -70,6 +72,11 @@ class VhipAlgorithm final : public Algorithm {
   void leave(const TickInput& in, TickOutput& out) noexcept {
     if (touching_) release();
     out.vhip_W = in.hip_W;
+    if constexpr (requires { surface_.remembered(in.hip_W); }) {
+      const std::optional<Vec3> surface_W = surface_.remembered(in.hip_W);
+      out.at_surface = surface_W.has_value();
+      out.surface_W = surface_W.value_or(in.hip_W);
+    }
     out.plane_age_ticks = surface_.plane().age_ticks;
   }
 
@@ -83,10 +90,18 @@ class VhipAlgorithm final : public Algorithm {
     const double depth_m = plane.depth(in.hip_W);
     const double damping_N = damping_Ns_per_m_ * plane.normal_W.dot(in.hip_velocity_W);
     out.vhip_W = in.hip_W + depth_m * plane.normal_W;
+    out.at_surface = true;
+    out.surface_W = out.vhip_W;
     if (effects_.empty()) {
       out.force_W = pushing(stiffness_N_per_m_ * depth_m - damping_N) * plane.normal_W;
     } else {
-      const ContactState contact{in.hip_W, in.hip_velocity_W, plane, !touching_, in.window};
+      const ContactState contact{.hip_W = in.hip_W,
+                                 .hip_velocity_W = in.hip_velocity_W,
+                                 .plane = plane,
+                                 .new_contact = !touching_,
+                                 .single_plane = objects_.empty() || objects_.singlePlane(),
+                                 .on_volume = objects_.empty() || objects_.onVolume(),
+                                 .window = in.window};
       for (auto& effect : effects_) out.vhip_W = effect->move(contact, out.vhip_W);
       const Vec3 spring_W = stiffness_N_per_m_ * (out.vhip_W - in.hip_W);
       const double along_N = plane.normal_W.dot(spring_W);

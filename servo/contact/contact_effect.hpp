@@ -22,6 +22,8 @@ struct ContactState {
   Vec3 hip_velocity_W = Vec3::Zero();    // [m/s]
   ContactPlane plane;                    // of several at once: through their VHIP, normal from the HIP to it
   bool new_contact = false;              // first tick of a contact
+  bool single_plane = true;              // one plane alone holds the tool
+  bool on_volume = true;                 // all that holds it is the volume's isosurface, no other object
   const SampleWindow* window = nullptr;  // of this tick; never null, may be unusable
 };
 

@@ -32,10 +32,10 @@ struct EffectParameters {
   double recovery_s = 0;  // 0: none
   TextureKind texture = TextureKind::kNone;
   double texture_amplitude_m = 0.1e-3;
-  double texture_wavelength_m = 1e-3;              // of the procedural texture
-  double texture_gain = 1;                         // of the density texture [-]
-  FrictionParameters friction;                     // all 0: none
-  std::vector<StiffnessRow> stiffness_by_density;  // empty: none
+  double texture_wavelength_m = 1e-3;                   // of the procedural texture
+  double texture_gain = 1;                              // of the density texture [-]
+  FrictionParameters friction = {};                     // all 0: none
+  std::vector<StiffnessRow> stiffness_by_density = {};  // empty: none
 };
 
 // `stiffness_N_per_m`: K of the contact; `rate_hz`: ticks a second. Throws Error(kBadInput) on a negative or non-finite

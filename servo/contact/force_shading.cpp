@@ -6,7 +6,7 @@
 namespace palpate {
 
 Vec3 ForceShading::shaded(const ContactState& contact, const Vec3& vhip_W) noexcept {
-  if (contact.new_contact) return vhip_W;
+  if (contact.new_contact || !contact.on_volume) return vhip_W;
   const Fetch at_vhip = window_.of(*contact.window).at(last_vhip_W_);
   const double steepness = at_vhip.gradient_W.norm();
   if (at_vhip.place != Place::kInside || !(steepness > 0) || !std::isfinite(steepness)) return vhip_W;

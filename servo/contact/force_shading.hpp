@@ -24,7 +24,7 @@ class ForceShading final : public ContactEffect {
  public:
   static constexpr double kSteepest = 1;  // way aside / depth [-]
 
-  void release() noexcept override {}  // the next contact begins with new_contact
+  void release() noexcept override { window_.forget(); }
   [[nodiscard]] Vec3 move(const ContactState& contact, const Vec3& vhip_W) noexcept override;
 
  private:

@@ -58,7 +58,7 @@ Vec3 Recovery::move(const ContactState& contact, const Vec3& vhip_W) noexcept {
     forget();
   } else {
     decay();
-    if (contact.plane.age_ticks == 0) {
+    if (contact.plane.age_ticks == 0 && contact.single_plane && last_single_) {
       const Vec3 motion_W = contact.hip_W - last_hip_W_;
       takeUp(last_d_W_ - last_normal_W_ * last_normal_W_.dot(motion_W) - d_W);
     }
@@ -66,6 +66,7 @@ Vec3 Recovery::move(const ContactState& contact, const Vec3& vhip_W) noexcept {
   last_d_W_ = d_W;
   last_hip_W_ = contact.hip_W;
   last_normal_W_ = contact.plane.normal_W;
+  last_single_ = contact.single_plane;
   if (pending_ticks_ == 0) return vhip_W;
   const Vec3& normal_W = contact.plane.normal_W;
   const Vec3 kept_W = d_W + offset();

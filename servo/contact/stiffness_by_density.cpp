@@ -5,6 +5,7 @@ namespace palpate {
 
 Vec3 StiffnessByDensity::move(const ContactState& contact, const Vec3& vhip_W) noexcept {
   if (contact.new_contact) factor_ = 1;
+  if (!contact.on_volume) return vhip_W;
   const WindowSampler& sampler = window_.of(*contact.window);
   const Vec3 below_W =
       contact.plane.nearest(contact.hip_W) - contact.plane.normal_W * (kBelow * sampler.smallestSpacing());

@@ -22,7 +22,10 @@ class StiffnessByDensity final : public ContactEffect {
 
   explicit StiffnessByDensity(StiffnessTable table) : table_(std::move(table)) {}
 
-  void release() noexcept override { factor_ = 1; }
+  void release() noexcept override {
+    factor_ = 1;
+    window_.forget();
+  }
   [[nodiscard]] Vec3 move(const ContactState& contact, const Vec3& vhip_W) noexcept override;
 
  private:

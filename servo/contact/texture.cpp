@@ -60,6 +60,7 @@ double DensityTexture::departure(const WindowSampler& sampler, const Vec3& p_W, 
 }
 
 Vec3 DensityTexture::move(const ContactState& contact, const Vec3& vhip_W) noexcept {
+  if (!contact.on_volume) return vhip_W;
   const WindowSampler& sampler = window_.of(*contact.window);
   const double height_m = gain_ * departure(sampler, vhip_W, contact.plane.normal_W);
   return raised(contact, vhip_W, std::clamp(height_m, -amplitude_m_, amplitude_m_), amplitude_m_);

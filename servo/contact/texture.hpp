@@ -46,7 +46,7 @@ class DensityTexture final : public ContactEffect {
   // `gain`: of the departure [-]; the product is cut off at +-`amplitude_m`.
   DensityTexture(double amplitude_m, double gain) noexcept : amplitude_m_(amplitude_m), gain_(gain) {}
 
-  void release() noexcept override {}
+  void release() noexcept override { window_.forget(); }
   [[nodiscard]] Vec3 move(const ContactState& contact, const Vec3& vhip_W) noexcept override;
 
  private:

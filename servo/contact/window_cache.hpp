@@ -23,6 +23,9 @@ class WindowCache {
     return sampler_;
   }
 
+  // Of another run: its windows may have the same versions and storage.
+  void forget() noexcept { *this = WindowCache(); }
+
  private:
   WindowSampler sampler_;
   std::uint64_t version_ = 0;

@@ -63,7 +63,7 @@ void addLoop(std::span<const TickRecord> records, RunFigures& figures) {
 void addEnergy(std::span<const TickRecord> records, RunFigures& figures) {
   for (const TickRecord& record : records) {
     figures.energy_min_J = std::min(figures.energy_min_J, record.energy_J);
-    if (record.energy_J < -Passivity::kRounding_J) ++figures.active_ticks;
+    if (record.in_contact && record.energy_J < -Passivity::kRounding_J) ++figures.active_ticks;
     if (record.damped) ++figures.damped_ticks;
   }
   if (!records.empty()) figures.energy_end_J = records.back().energy_J;

@@ -42,7 +42,7 @@ struct RunFigures {
   std::uint64_t windows_used = 0;  // different window versions
   double energy_min_J = 0;         // least energy that the environment had taken from the hand, 0 before the run [J]
   double energy_end_J = 0;         // at the end: what it has taken in all [J]
-  std::int64_t active_ticks = 0;   // in which it had given more than it took
+  std::int64_t active_ticks = 0;   // in contact, in which it had given more than it took
   std::int64_t damped_ticks = 0;   // in which the passivity controller added a force
   std::vector<FaultCount> faults;  // those that occurred, lowest bit first
 };

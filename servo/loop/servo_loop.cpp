@@ -15,6 +15,7 @@ namespace palpate {
 namespace {
 
 constexpr double kMaxRate_hz = 20000;
+constexpr std::int64_t kMostElapsed = 1'000'000;  // grid periods that a device is told of at once [tick]
 
 const LoopParameters& checked(const LoopParameters& p) {
   const auto refuse = [](const char* key, double value, const char* remedy) {
@@ -27,6 +28,13 @@ const LoopParameters& checked(const LoopParameters& p) {
   }
   if (p.priority < 1 || p.priority > 99) refuse("priority", p.priority, "give 1 to 99");
   return p;
+}
+
+// No force above the device's maximum leaves the gate, whatever the scene allows.
+SafetyParameters withinDevice(SafetyParameters safety, const Device& device) {
+  const double most_N = device.limits().force_limit_N;
+  if (most_N > 0) safety.force_limit_N = std::min(safety.force_limit_N, most_N);
+  return safety;
 }
 
 std::size_t recordCapacity(const LoopParameters& p) {
@@ -67,9 +75,9 @@ ServoLoop::ServoLoop(const LoopParameters& parameters, Algorithm& algorithm, Dev
       device_(device),
       windows_(windows),
       tool_(tool),
-      gate_(parameters.safety, parameters.rate_hz),
+      gate_(withinDevice(parameters.safety, device), parameters.rate_hz),
       window_clock_(nanoseconds(parameters.safety.stall_s)),
-      passivity_(parameters.passivity, parameters.safety.force_limit_N, parameters.rate_hz,
+      passivity_(parameters.passivity, withinDevice(parameters.safety, device).force_limit_N, parameters.rate_hz,
                  device.limits().force_delay_ticks),
       velocity_(velocityFor(device, parameters.velocity), parameters.rate_hz),
       recorder_(recordCapacity(parameters)) {
@@ -91,6 +99,14 @@ ServoLoop::~ServoLoop() {
 std::int64_t ServoLoop::offset_ns(std::int64_t tick) const noexcept {
   return static_cast<std::int64_t>(
       std::llround(static_cast<double>(tick) * (kNanosecondsPerSecond / parameters_.rate_hz)));
+}
+
+// The first grid point at or after a time, not before `tick` nor after the run's end.
+std::int64_t ServoLoop::firstTickFrom(std::int64_t tick, std::int64_t time_ns) const noexcept {
+  const double periods = static_cast<double>(time_ns) * (parameters_.rate_hz / kNanosecondsPerSecond);
+  std::int64_t next = std::max(tick, static_cast<std::int64_t>(std::floor(periods)));
+  while (offset_ns(next) < time_ns) ++next;  // once or twice: the quotient is rounded
+  return parameters_.ticks == 0 ? next : std::min(next, parameters_.ticks);
 }
 
 bool ServoLoop::wanted(std::int64_t tick) const noexcept {
@@ -142,8 +158,8 @@ void ServoLoop::runOnGrid(Clock& clock) {
     const std::int64_t woken_ns = clock.now_ns();
     TickRecord* kept = recorder_.next();
     TickRecord& record = kept != nullptr ? *kept : unkept;
-    const SampleWindow& window =
-        runTick({tick, woken_ns - due_ns, static_cast<int>(tick - last_tick)}, woken_ns, record);
+    const SampleWindow& window = runTick(
+        {tick, woken_ns - due_ns, static_cast<int>(std::min(tick - last_tick, kMostElapsed))}, woken_ns, record);
     const std::int64_t done_ns = clock.now_ns();
     record.tick_cost_ns =
         static_cast<std::int32_t>(std::min<std::int64_t>(done_ns - woken_ns, std::numeric_limits<std::int32_t>::max()));
@@ -152,10 +168,9 @@ void ServoLoop::runOnGrid(Clock& clock) {
     last_tick = tick++;
     if (done_ns <= start_ns + offset_ns(tick)) continue;
     record.faults |= bit(ServoFault::kOverrun);
-    while (wanted(tick) && start_ns + offset_ns(tick) < done_ns) {
-      ++tick;
-      ++ticks_skipped_;
-    }
+    const std::int64_t next = firstTickFrom(tick, done_ns - start_ns);
+    ticks_skipped_ += next - tick;
+    tick = next;
   }
   endForce([&] { clock.sleepUntil(clock.now_ns() + offset_ns(1)); });
 }
@@ -175,6 +190,8 @@ const SampleWindow& ServoLoop::runTick(const Due& due, std::int64_t now_ns, Tick
   std::int64_t report_age_ns = 0;
   if (readDevice(due.elapsed_ticks, gap_ns, report_age_ns)) {
     algorithm_.tick({hip_W_, velocity_.value(), &window}, out);
+    at_surface_ = out.at_surface;
+    surface_W_ = out.surface_W;
   } else {
     faults |= bit(ServoFault::kDeviceError);
     out.vhip_W = hip_W_;
@@ -186,7 +203,7 @@ const SampleWindow& ServoLoop::runTick(const Due& due, std::int64_t now_ns, Tick
   carried_faults_ = written ? 0 : bit(ServoFault::kDeviceError);
   if (written) held_W_ = gated.force_W;
   passivity_.hold(held_W_);
-  tool_.back() = ToolPose{hip_W_, velocity_.value(), due.tick, now_ns, out.in_contact, out.vhip_W};
+  tool_.back() = ToolPose{hip_W_, velocity_.value(), due.tick, now_ns, at_surface_, surface_W_};
   tool_.publish();
   ++ticks_run_;
 

@@ -93,6 +93,7 @@ class ServoLoop {
     int elapsed_ticks = 0;  // since the last tick that ran; 0 before the first
   };
   [[nodiscard]] std::int64_t offset_ns(std::int64_t tick) const noexcept;  // of a grid point from the start [ns]
+  [[nodiscard]] std::int64_t firstTickFrom(std::int64_t tick, std::int64_t time_ns) const noexcept;
   [[nodiscard]] bool wanted(std::int64_t tick) const noexcept;
   template <typename Clock>
   void runOnGrid(Clock& clock);
@@ -117,6 +118,8 @@ class ServoLoop {
   std::int64_t last_now_ns_ = 0;      // when the last tick began
   Vec3 held_W_ = Vec3::Zero();        // last force that the device took [N]
   std::uint32_t carried_faults_ = 0;  // of the last tick, after its gate
+  bool at_surface_ = false;           // where samples are needed, as the algorithm said last
+  Vec3 surface_W_ = Vec3::Zero();
   std::int64_t ticks_run_ = 0;
   std::int64_t ticks_skipped_ = 0;
   RealTimeStatus real_time_;

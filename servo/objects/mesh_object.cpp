@@ -12,6 +12,8 @@
 namespace palpate {
 namespace {
 
+constexpr double kMargin_m = 1e-3;  // that a way reaches beyond the box of the mesh
+
 struct Release {
   void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
   void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
@@ -51,6 +53,8 @@ Vec3 nearestInTriangle(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& 
 struct MeshObject::State {
   PreparedMesh prepared;
   Vec3 middle_W = Vec3::Zero();  // origin of Embree's coordinates
+  Vec3 half_m = Vec3::Zero();    // of the box around the mesh, with a margin [m]
+  [[nodiscard]] std::optional<std::array<double, 2>> near(const Vec3& from_W, const Vec3& way_W) const noexcept;
   Owned<RTCDevice> device;
   Owned<RTCScene> scene;
 
@@ -112,13 +116,39 @@ MeshObject::MeshObject(TriangleMesh mesh, const std::string& name) : state_(std:
     high_W = high_W.cwiseMax(vertex_W);
   }
   state_->middle_W = 0.5 * (low_W + high_W);
+  state_->half_m = 0.5 * (high_W - low_W) + Vec3::Constant(kMargin_m);
   state_->build(name);
 }
 
 MeshObject::~MeshObject() = default;
 
-std::optional<ObjectEntry> MeshObject::firstEntry(const Vec3& from_W, const Vec3& to_W) const noexcept {
-  RayQuery query{{}, &state_->prepared.normals_W, to_W - from_W};
+// The shares of a way between which it is near the mesh. Rays are in float and must be finite, and a HIP that a broken
+// device reports may be anywhere.
+std::optional<std::array<double, 2>> MeshObject::State::near(const Vec3& from_W, const Vec3& way_W) const noexcept {
+  double enters = 0;
+  double leaves = 1;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (!std::isfinite(from_W[axis]) || !std::isfinite(way_W[axis])) return std::nullopt;
+    const double low = middle_W[axis] - half_m[axis] - from_W[axis];
+    const double high = middle_W[axis] + half_m[axis] - from_W[axis];
+    if (way_W[axis] == 0) {
+      if (low > 0 || high < 0) return std::nullopt;
+      continue;
+    }
+    enters = std::max(enters, std::min(low / way_W[axis], high / way_W[axis]));
+    leaves = std::min(leaves, std::max(low / way_W[axis], high / way_W[axis]));
+  }
+  if (!(enters <= leaves)) return std::nullopt;
+  return std::array{enters, leaves};
+}
+
+std::optional<ObjectEntry> MeshObject::firstEntry(const Vec3& all_from_W, const Vec3& all_to_W) const noexcept {
+  const Vec3 all_way_W = all_to_W - all_from_W;
+  const auto near = state_->near(all_from_W, all_way_W);
+  if (!near) return std::nullopt;
+  const double length = (*near)[1] - (*near)[0];
+  const Vec3 from_W = all_from_W + (*near)[0] * all_way_W;
+  RayQuery query{{}, &state_->prepared.normals_W, length * all_way_W};
   rtcInitIntersectContext(&query.context);
   if (solid()) query.context.filter = passBackFaces;
   const Eigen::Vector3f from = (from_W - state_->middle_W).cast<float>();
@@ -145,7 +175,7 @@ std::optional<ObjectEntry> MeshObject::firstEntry(const Vec3& from_W, const Vec3
   }
   if (!(approach_m < 0)) return std::nullopt;
   const double share = std::clamp(normal_W.dot(state_->corner(ray.hit.primID, 0) - from_W) / approach_m, 0.0, 1.0);
-  return ObjectEntry{share, {from_W + share * query.way_W, normal_W}};
+  return ObjectEntry{(*near)[0] + share * length, {from_W + share * query.way_W, normal_W}};
 }
 
 ObjectPoint MeshObject::nearest(const Vec3& x_W) const noexcept {

@@ -29,6 +29,12 @@ std::span<const ContactPlane> ObjectContacts::Planes::ofObjects() const noexcept
   return all().subspan(first);
 }
 
+bool ObjectContacts::onVolume() const noexcept {
+  const auto* owners = trial_.planes.owners.data();
+  return std::all_of(owners, owners + trial_.planes.count,
+                     [&](const ContactObject* owner) { return owner == nullptr || owner == isosurface_; });
+}
+
 void ObjectContacts::reset(const Vec3& hip_W) noexcept {
   vhip_W_ = hip_W;
   trial_ = {};

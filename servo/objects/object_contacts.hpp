@@ -41,7 +41,9 @@ class ObjectContacts {
   static constexpr int kMaxPlanes = 6;  // candidates; at most three are active (closest_in_planes.hpp)
   static constexpr int kMaxTurns = 4;   // of the planes of curved objects after the VHIP, per goal
 
-  explicit ObjectContacts(ContactObjects objects) : objects_(std::move(objects)) {}
+  // `isosurface`: which of the objects is the volume's own surface, if any.
+  explicit ObjectContacts(ContactObjects objects, const ContactObject* isosurface = nullptr)
+      : objects_(std::move(objects)), isosurface_(isosurface) {}
   [[nodiscard]] bool empty() const noexcept { return objects_.empty(); }
 
   // Puts the VHIP at the HIP. Inside an object it feels nothing of it until it has been outside once.
@@ -55,6 +57,9 @@ class ObjectContacts {
   [[nodiscard]] std::optional<ContactPlane> settle(const Vec3& hip_W, const ContactPlane* volume) noexcept;
 
   [[nodiscard]] const Vec3& vhip_W() const noexcept { return vhip_W_; }
+  // Of the last settle(): one plane was met alone; none of an object that is not the volume's own surface.
+  [[nodiscard]] bool singlePlane() const noexcept { return trial_.planes.count == 1; }
+  [[nodiscard]] bool onVolume() const noexcept;
   // Planes of objects that were met in the last tick.
   [[nodiscard]] int objectPlanes() const noexcept { return trial_.objects; }
 
@@ -90,6 +95,7 @@ class ObjectContacts {
   [[nodiscard]] Sweep firstEntry(const Vec3& from_W, const Vec3& to_W) const noexcept;
 
   ContactObjects objects_;
+  const ContactObject* isosurface_;
   Vec3 vhip_W_ = Vec3::Zero();
   Trial trial_;  // of this tick, with the volume's plane of the last
 };

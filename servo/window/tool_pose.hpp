@@ -16,8 +16,8 @@ struct ToolPose {
   Vec3 velocity_W = Vec3::Zero();  // the servo's filtered estimate [m/s]
   std::int64_t tick = -1;          // of the servo; -1: before the first tick
   std::int64_t time_ns = 0;        // on the servo's clock [ns]
-  bool in_contact = false;
-  Vec3 vhip_W = Vec3::Zero();  // in contact: the point on the surface [m]
+  bool at_surface = false;         // samples are needed around `surface_W`, not around the HIP
+  Vec3 surface_W = Vec3::Zero();   // [m]
 };
 
 using ToolPoseMailbox = TripleBuffer<ToolPose>;

@@ -45,11 +45,13 @@ TEST(Words, EnergySaysWhetherItWasPassive) {
   figures.ticks = 5000;
   figures.energy_end_J = 1.5e-3;
   EXPECT_EQ(energyWords(figures), "passive: the surface took 1.5 mJ from the hand and never gave more than it took");
+  figures.contact_ticks = 4000;
   figures.active_ticks = 12;
   figures.energy_min_J = -0.2e-3;
   figures.damped_ticks = 34;
   EXPECT_EQ(energyWords(figures),
-            "active: in 12 of 5000 ticks the surface had given the hand more than it took, at most 0.2 mJ; the "
+            "active: in 12 of 4000 ticks in contact the surface had given the hand more than it took, at most 0.2 mJ "
+            "(--passivity control takes it back); the "
             "controller acted in 34 ticks");
 }
 

@@ -56,7 +56,7 @@ TEST(PlanLines, SayWhatWasSaved) {
 TEST(PlanLines, NameWhatWasLeftOut) {
   Scene scene;
   scene.picture = false;
-  for (const char* word : {"picture", "filters", "friction"}) {
+  for (const char* word : {"picture", "contact effects"}) {
     const auto lines = linesNaming(planLines(makePlan(scene), {}), word);
     ASSERT_EQ(lines.size(), 1U) << word;
     EXPECT_FALSE(lines[0].done) << word;

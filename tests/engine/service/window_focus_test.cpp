@@ -20,7 +20,7 @@ TEST(WindowFocus, AMovingToolIsAwaitedWhereItWillBeButNoFartherThanTheWindowReac
 
 TEST(WindowFocus, InContactItIsTheSurfacePoint) {
   const ToolPose deep{Vec3::Zero(), Vec3(0, 0, -30), 7, 7, true, Vec3(0, 0, 0.04)};
-  EXPECT_EQ(windowFocus(deep, 1e-3), deep.vhip_W);
+  EXPECT_EQ(windowFocus(deep, 1e-3), deep.surface_W);
 }
 
 }  // namespace

@@ -99,8 +99,21 @@ TEST(DeepPress, IsHeldWhereTheWindowHoldsTheSurface) {
     EXPECT_EQ(out.faults, 0U);
     EXPECT_NEAR(out.vhip_W.z(), 40.4e-3, 1e-6 * kVoxel + 1e-8);
   }
-  const TickOutput out = driver.at(Vec3(34e-3, 30e-3, 10e-3));
+  const Vec3 deep_W(34e-3, 30e-3, 10e-3);
+  TickOutput out = driver.at(deep_W);
   ASSERT_TRUE(out.in_contact);
+  EXPECT_NEAR(out.force_W.z(), 500 * 30.4e-3, 500 * 1e-7);
+
+  // A window that comes around the tool does not hold the surface; the contact asks for one that does.
+  driver.follow = false;
+  driver.publish(deep_W);
+  for (int i = 0; i < 5; ++i) out = driver.at(deep_W);
+  EXPECT_FALSE(out.in_contact);
+  EXPECT_TRUE(out.at_surface);
+  EXPECT_NEAR(out.surface_W.z(), 40.4e-3, 1e-6);
+  driver.follow = true;
+  out = driver.at(deep_W);
+  EXPECT_TRUE(out.in_contact);
   EXPECT_NEAR(out.force_W.z(), 500 * 30.4e-3, 500 * 1e-7);
 }
 

@@ -8,6 +8,7 @@
 #include "base/error.hpp"
 #include "servo/algorithms/hri.hpp"
 #include "servo/algorithms/registry.hpp"
+#include "servo/contact/effects.hpp"
 #include "servo/objects/mesh_object.hpp"
 #include "servo/objects/shapes.hpp"
 #include "support/algorithm_driver.hpp"
@@ -211,6 +212,51 @@ TEST(Hybrid, EffectsGetThePlaneThroughTheCombinedVhip) {
   const int before = releases;
   (void)driver.at(Vec3::Constant(2e-3));
   EXPECT_EQ(releases, before + 1);
+}
+
+// In a corner of two objects the VHIP stays where it is while the HIP moves along: no switch of planes, so nothing for
+// recovery to take up. What it took up before, it gives back without pushing the hand along its own way.
+TEST(Hybrid, RecoveryInACornerOfObjectsTakesUpNothing) {
+  for (const bool with_recovery : {false, true}) {
+    AlgorithmSetup setup;
+    setup.parameters.damping_Ns_per_m = 0;
+    setup.effects = makeContactEffects({.recovery_s = with_recovery ? 0.02 : 0.0}, 500, 1000);
+    setup.objects = {std::make_shared<const PlaneObject>(Vec3::Zero(), Vec3::UnitZ()),
+                     std::make_shared<const PlaneObject>(Vec3::Zero(), Vec3::UnitX())};
+    const auto algorithm = makeAlgorithm("hri", std::move(setup));
+    const AnalyticVolume nothing = millimetreVolume([](const Vec3&) { return -1.0; });
+    AlgorithmDriver driver(*algorithm, nothing, Vec3::Constant(2e-3));
+    for (const TickOutput& out : driver.stroke(Vec3(-8e-3, 2e-3, -4e-3), 40)) static_cast<void>(out);
+    for (const TickOutput& out : driver.stroke(Vec3(-1e-3, 2e-3, -4e-3), 70)) {  // 0.1 m/s
+      ASSERT_TRUE(out.in_contact);
+      EXPECT_GE(out.vhip_W.x(), 0);
+      EXPECT_GE(out.vhip_W.z(), 0);
+      EXPECT_LE((out.vhip_W - Vec3(0, 2e-3, 0)).norm(), 3 * kOff_m);
+    }
+  }
+}
+
+// What of an effect reads the volume says nothing of a plate beside it.
+TEST(Hybrid, EffectsThatReadTheVolumeLeaveObjectsAlone) {
+  EffectParameters effects;
+  effects.force_shading = true;
+  effects.texture = TextureKind::kDensity;
+  effects.stiffness_by_density = {{-1e-3, 0.5}, {1e-3, 3}};
+  const AnalyticVolume volume = bone();
+  for (const bool with_effects : {false, true}) {
+    AlgorithmSetup setup;
+    setup.parameters.damping_Ns_per_m = 0;
+    if (with_effects) setup.effects = makeContactEffects(effects, 500, 1000);
+    setup.objects = floorObject();
+    const auto algorithm = makeAlgorithm("hri", std::move(setup));
+    AlgorithmDriver driver(*algorithm, volume, inGroove(0.3, kGroove_m + 1e-3, 2e-3));
+    driver.at(inGroove(0.3, kGroove_m + 1e-3, 2e-3));
+    for (const TickOutput& out : driver.stroke(inGroove(0.5, kGroove_m + 2e-3, -1e-3), 30)) {
+      if (!out.in_contact) continue;
+      EXPECT_LE(out.force_W.cross(Vec3::UnitZ()).norm(), 1e-12);
+      EXPECT_NEAR(out.vhip_W.z(), kCentre_W.z() + kFloor_m, 2 * kOff_m);
+    }
+  }
 }
 
 // ---- the god-object ----

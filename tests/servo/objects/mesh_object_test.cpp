@@ -113,5 +113,25 @@ TEST(MeshObject, ASheetIsEnteredFromBothSides) {
   EXPECT_EQ(mesh.nearest(below_W).normal_W, Vec3(-Vec3::UnitZ()));
 }
 
+// A device that is out of its mind may report any place: no ray that Embree refuses comes of it.
+TEST(MeshObject, WaysOfAnyLengthAreSearched) {
+  const MeshObject mesh(boxMesh(Vec3::Zero(), Vec3::Constant(20e-3)));
+  for (const double far_m : {1.0, 1e3, 1e9, 1e30, 1e150, 1e300}) {
+    const auto entry = mesh.firstEntry(Vec3(1e-3, 2e-3, far_m), Vec3(1e-3, 2e-3, -far_m));
+    if (far_m <= 1e9) {
+      ASSERT_TRUE(entry) << far_m;  // beyond, a double does not tell the box's top from its bottom
+    }
+    if (entry) {
+      EXPECT_TRUE(entry->at.p_W.allFinite()) << far_m;
+      EXPECT_GE(entry->share, 0) << far_m;
+      EXPECT_LE(entry->share, 1) << far_m;
+    }
+    EXPECT_FALSE(mesh.firstEntry(Vec3(1, 2e-3, far_m), Vec3(1, 2e-3, -far_m))) << far_m;
+  }
+  const double inf = std::numeric_limits<double>::infinity();
+  EXPECT_FALSE(mesh.firstEntry(Vec3(0, 0, 1), Vec3(0, 0, -inf)));
+  EXPECT_FALSE(mesh.firstEntry(Vec3(0, 0, std::nan("")), Vec3(0, 0, -1)));
+}
+
 }  // namespace
 }  // namespace palpate

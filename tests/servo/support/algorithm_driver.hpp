@@ -20,14 +20,14 @@ class AlgorithmDriver {
 
   // One tick at `hip_W`; velocity is the backward difference.
   TickOutput at(const Vec3& hip_W) {
-    const Vec3 focus_W = around_vhip && touching_ ? vhip_W_ : hip_W;
+    const Vec3 focus_W = around_vhip && at_surface_ ? surface_W_ : hip_W;
     if (follow && (focus_W - centre_W_).cwiseAbs().maxCoeff() > 6 * volume_->lattice.smallestSpacing())
       publish(focus_W);
     TickOutput out;
     algorithm_.tick({hip_W, (hip_W - last_W_) * rate_hz_, &held_.window}, out);
     last_W_ = hip_W;
-    touching_ = out.in_contact;
-    vhip_W_ = out.vhip_W;
+    at_surface_ = out.at_surface;
+    surface_W_ = out.surface_W;
     return out;
   }
 
@@ -53,7 +53,7 @@ class AlgorithmDriver {
 
   SampleWindow& window() { return held_.window; }
   bool follow = true;
-  bool around_vhip = false;  // in contact the window is around the VHIP, as the engine puts it
+  bool around_vhip = false;  // in contact the window is at the surface, as the engine puts it
 
  private:
   Algorithm& algorithm_;
@@ -62,8 +62,8 @@ class AlgorithmDriver {
   double rate_hz_;
   Vec3 last_W_;
   Vec3 centre_W_ = Vec3::Zero();
-  bool touching_ = false;
-  Vec3 vhip_W_ = Vec3::Zero();
+  bool at_surface_ = false;
+  Vec3 surface_W_ = Vec3::Zero();
   HeldWindow held_;
 };
 

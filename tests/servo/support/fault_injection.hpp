@@ -105,6 +105,7 @@ class ScriptedEngine {
     SampleWindow& window = windows.back();
     window = held_.window;
     window.stamp_ns = now_ns;
+    window.edit_version = static_cast<std::uint64_t>(script_.tick / 48);
     std::memcpy(static_cast<void*>(windows.backSamples()), held_.samples.data(), held_.samples.size() * sizeof(Sample));
     if (poisoned) poison(windows.backSamples());
     windows.publish();
