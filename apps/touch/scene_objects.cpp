@@ -140,9 +140,23 @@ SceneObjects makeSceneObjects(const std::vector<ObjectSpec>& specs) {
   SceneObjects scene;
   for (std::size_t i = 0; i < specs.size(); ++i) {
     const bool is_mesh = specs[i].kind == ObjectKind::kMesh;
-    add(specs[i], is_mesh ? specs[i].file : fmt::format("object {} ({})", i + 1, objectKindName(specs[i].kind)), scene);
+    scene.names.push_back(is_mesh ? specs[i].file
+                                  : fmt::format("object {} ({})", i + 1, objectKindName(specs[i].kind)));
+    add(specs[i], scene.names.back(), scene);
   }
   return scene;
+}
+
+std::vector<std::string> notesOnStart(const SceneObjects& objects, const Vec3& start_W) {
+  std::vector<std::string> notes;
+  for (std::size_t i = 0; i < objects.objects.size(); ++i) {
+    const ContactObject& object = *objects.objects[i];
+    const ObjectPoint nearest = object.nearest(start_W);
+    if (!object.solid() || !(nearest.normal_W.dot(nearest.p_W - start_W) > 0)) continue;
+    notes.push_back(objects.names[i] +
+                    ": the tool starts inside it and does not feel it until it has been outside; move it, or the path");
+  }
+  return notes;
 }
 
 }  // namespace palpate

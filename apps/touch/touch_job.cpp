@@ -208,6 +208,8 @@ TouchRun runTouchJob(const Scene& scene, const std::string& command, const std::
   run.phases = path.phases;
   run.notes = path.notes;
   run.notes.insert(run.notes.end(), objects.notes.begin(), objects.notes.end());
+  const std::vector<std::string> start_notes = notesOnStart(objects, path.path.position(0));
+  run.notes.insert(run.notes.end(), start_notes.begin(), start_notes.end());
   run.object_outlines = objects.outlines;
 
   const Plan plan = planFor(scene);
@@ -232,6 +234,10 @@ TouchRun runTouchJob(const Scene& scene, const std::string& command, const std::
   run.records = std::move(result.records);
   run.realtime = realTimeWords(scene, result);
   run.faults = faultsOf(run);
+  if (std::none_of(run.records.begin(), run.records.end(), [](const TickRecord& r) { return r.in_contact; })) {
+    run.notes.emplace_back(
+        "nothing was touched: the path meets no surface; look at --start, --toward, --depth or --path");
+  }
   run.exact = exactErrorsOf(run);
 
   run.files = outputFiles(scene, folder);

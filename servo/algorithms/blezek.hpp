@@ -7,16 +7,15 @@
 // - On entry the VHIP is the first crossing of the HIP's way. Contact ends when the HIP is in front of the VHIP.
 // - An inch: density and gradient at the VHIP (one fetch), a Newton step along the gradient onto the isosurface, and,
 //   unless aligned, a step of at most kInch along the tangent plane towards the HIP, shorter near the goal.
-// - The inch and the alignment are the loosest, and so the cheapest, that cost no accuracy: on a ball of 20 voxels and
-// a
-//   knot whose tube has 4, 1 voxel deep at 0.1 m/s, an alignment of 5e-3 takes 3 fetches a tick and gives the normal
+// - The inch and the alignment are the loosest, and so the cheapest, that cost no accuracy. On a ball of 20 voxels and
+//   a knot whose tube has 4, 1 voxel deep at 0.1 m/s, an alignment of 5e-3 takes 3 fetches a tick and gives the normal
 //   within 0.015 and 0.325 degrees in the median; 2e-2 takes 2 and gives 0.019 and 0.359, 2e-4 takes 4 to 5 and gives
 //   0.015 and 0.321. Inches of 1, 0.5, 0.25 and 0.1 voxel give the same to the third digit, and none of them loses the
 //   surface of a noisy tube of 1.5 voxels at 1 m/s; they differ in cost from 0.25 m/s on.
 // - Out of inches the VHIP stays where it has come to, on the surface, and goes on in the next tick.
 // - Lost: no gradient, or farther from the isosurface than one voxel by the linear estimate, or led out of the window
-//   that holds the HIP. Then there is no force,
-//   "effectively rendering the object haptically transparent", and kSurfaceLost, until the HIP has been outside once.
+//   that holds the HIP. Then there is no force, "effectively
+//   rendering the object haptically transparent", and kSurfaceLost, until the HIP has been outside once.
 // The isosurface is all that is felt: not the face where an object is cut by the volume's end.
 // Frame W: world. Thread: the servo's. Cost: one fetch per inch, at most kMaxInches + 1. Errors: faults.
 #pragma once

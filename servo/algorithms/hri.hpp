@@ -6,19 +6,17 @@
 // - n = 1 means every tick; a plane is also renewed as soon as an edit changes the window or the HIP comes out of it.
 // - The plane is at the surface point nearest to the HIP (surface_tracker.hpp), not on the line from VHIP to HIP, and,
 //   for n > 1, nearest to where the HIP will be a third of the way through the plane's life.
-// - Contact ends when the HIP is in front of the sheet that it touched, not when the density at the HIP says so:
-// pressing
-//   through a thin wall does not lose it. Free motion is searched along its whole way, so a fast stroke does not jump
-//   one.
+// - Contact ends when the HIP is in front of the sheet that it touched, not when the density at the HIP says so; so a
+//   press through a thin wall does not lose it. Free motion is searched along its whole way: no stroke jumps a wall.
 // - VHIP and HIP both inside (the surface moved): search outward along N, then follow the surface as always.
 // - Inside at the start, or buried by an edit: no force until the HIP has been outside once (kInsideObject).
 // - Surface under the HIP, or in free motion the HIP, beyond the window: no force (kBeyondWindow). What was touched is
 //   remembered; short gaps in free motion are searched along the straight line, once the window has caught up.
 // - Flat field at the surface (kZeroGradient): the plane keeps its normal, a new one faces the way the HIP came.
 // - Where the volume ends in the object, its face is the surface. The force never pulls: K d - B v_d is clamped at 0.
-// Frame W: world. Thread: the servo's. Cost: in contact without renewal no transform and no fetch; with renewal one
-// fetch at least, 9 on an isosurface; in free motion a fetch per half voxel of way. Searches have stated maxima.
-// Errors: faults.
+// Frame W: world. Thread: the servo's. Cost: in contact without renewal no transform and no fetch; with renewal mostly
+// one to three fetches, at most what two SurfaceTracker::follow() take; in free motion one fetch, and for ways of more
+// than a quarter voxel what IsoField::firstEntry says. Searches have stated maxima. Errors: faults.
 #pragma once
 
 #include "servo/algorithms/algorithm.hpp"

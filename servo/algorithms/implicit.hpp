@@ -5,9 +5,9 @@
 // instant the tangent plane at the contact point tracks the point's motion. S(p) = tau - density stands for their
 // implicit function, positive outside. Each tick: the HIP is projected onto the tangent plane at the last contact
 // point, and the projection is brought back to the surface along the gradient (Newton); kPasses times.
-// - Contact begins when S says that the HIP is inside, at the first crossing of its way, and ends when S says that it
-// is
-//   outside. So a HIP that gets through a wall to the other side is let go, and a stroke that jumps one meets nothing:
+// - Contact begins when S says that the HIP is inside, at the first crossing of its way, and ends when S has it
+// outside.
+//   So a HIP that gets through a wall to the other side is let go, and a stroke that jumps one meets nothing:
 //   their S is an equation that is true everywhere, a thin wall in samples is not.
 // - S is sampled, so both steps are at most a voxel long; what is farther off the surface than kUsable after the last
 //   pass is lost: no force and kSurfaceLost, until the HIP has been outside once.

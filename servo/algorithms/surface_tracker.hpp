@@ -8,7 +8,7 @@
 // thin that Newton's steps cross it, its normal turns over; then the sheet is found again by a line cast from in front
 // of the old plane straight in, which meets the front first. A cut face of the volume is a sheet too. Frame W: world
 // [m]. Thread: the servo's. Cost: one fetch when the surface turned little since, at most kMaxSteps + 1 on the
-// isosurface, and kMaxEdgeSteps more when a cut face ends. Errors: the result says.
+// isosurface and some 40 more for a line cast, and kMaxEdgeSteps more when a cut face ends. Errors: the result says.
 #pragma once
 
 #include "servo/algorithms/iso_field.hpp"

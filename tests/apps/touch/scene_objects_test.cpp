@@ -53,5 +53,17 @@ TEST(SceneObjects, ARefusalNamesTheObject) {
   }
 }
 
+TEST(SceneObjects, AToolThatStartsInsideOneIsToldSo) {
+  ObjectSpec ball;
+  ball.kind = ObjectKind::kSphere;
+  ball.position_W = Vec3(0, 0, 30e-3);
+  ball.radius_m = 5e-3;
+  const SceneObjects objects = makeSceneObjects({ball});
+  ASSERT_EQ(notesOnStart(objects, Vec3(0, 0, 32e-3)).size(), 1U);
+  EXPECT_THAT(notesOnStart(objects, Vec3(0, 0, 32e-3)).front(),
+              testing::StartsWith("object 1 (sphere): the tool starts inside"));
+  EXPECT_TRUE(notesOnStart(objects, Vec3(0, 0, 36e-3)).empty());
+}
+
 }  // namespace
 }  // namespace palpate
