@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+// Contact effects work with every algorithm that has a VHIP, and are refused by every one that has none.
+#include <gtest/gtest.h>
+
+#include "base/error.hpp"
+#include "servo/contact/effects.hpp"
+#include "support/algorithm_driver.hpp"
+#include "support/algorithm_setups.hpp"
+
+namespace palpate {
+namespace {
+
+const std::string_view kWithoutVhip[] = {"avila", "haptization"};
+
+bool hasVhip(std::string_view name) {
+  return std::find(std::begin(kWithoutVhip), std::end(kWithoutVhip), name) == std::end(kWithoutVhip);
+}
+
+AnalyticVolume flat() {
+  return millimetreVolume([](const Vec3& p_W) { return 20.3e-3 - p_W.z(); }, 40);
+}
+
+AlgorithmSetup withEffects(std::string_view name, const AnalyticVolume& volume, const EffectParameters& effects) {
+  AlgorithmSetup setup = setupFor(name, {.damping_Ns_per_m = 0, .plane_renewal_ticks = 3}, volume, 4e-3);
+  setup.effects = makeContactEffects(effects, setup.parameters.stiffness_N_per_m, 1000);
+  return setup;
+}
+
+// A slide 1 mm deep on a plane: in steady slip the force along the plane is mu_d times the force across it, against the
+// motion. The plane is exact but for float samples of up to 4e-2 m, 1e-6 of the depth; a god-object stands 1e-3 of the
+// depth in front of its mesh, which adds as much to both.
+TEST(EffectsOnEveryAlgorithm, FrictionIsTheSameCone) {
+  const AnalyticVolume volume = flat();
+  int algorithms_seen = 0;
+  for (const AlgorithmEntry& entry : algorithms()) {
+    if (!hasVhip(entry.name)) continue;
+    SCOPED_TRACE(std::string(entry.name));
+    const auto algorithm = makeAlgorithm(
+        entry.name, withEffects(entry.name, volume, {.friction = {.static_ratio = 0.5, .dynamic_ratio = 0.3}}));
+    AlgorithmDriver driver(*algorithm, volume, Vec3(15e-3, 20e-3, 21e-3), 40);
+    driver.follow = false;
+    driver.at(Vec3(15e-3, 20e-3, 21e-3));
+    driver.stroke(Vec3(15e-3, 20e-3, 19.3e-3), 17);
+    const TickOutput out = driver.stroke(Vec3(23e-3, 20e-3, 19.3e-3), 80).back();
+    ASSERT_TRUE(out.in_contact);
+    EXPECT_NEAR(out.force_W.z(), 0.5, 0.5 * 2e-3);
+    EXPECT_NEAR(out.force_W.x(), -0.3 * out.force_W.z(), 1e-3 * out.force_W.z());
+    EXPECT_NEAR(out.force_W.y(), 0, 1e-6);
+    ++algorithms_seen;
+  }
+  EXPECT_EQ(algorithms_seen, 5);
+}
+
+// Below the surface the density says how stiff: twice K at 2 voxels below, where it is 2e-3.
+TEST(EffectsOnEveryAlgorithm, StiffnessByDensityIsTheSameFactor) {
+  const AnalyticVolume volume = flat();
+  for (const AlgorithmEntry& entry : algorithms()) {
+    if (!hasVhip(entry.name)) continue;
+    SCOPED_TRACE(std::string(entry.name));
+    const auto algorithm = makeAlgorithm(
+        entry.name, withEffects(entry.name, volume, {.stiffness_by_density = {{0, 1}, {2e-3, 2}, {4e-3, 3}}}));
+    AlgorithmDriver driver(*algorithm, volume, Vec3(15e-3, 20e-3, 21e-3), 40);
+    driver.follow = false;
+    driver.at(Vec3(15e-3, 20e-3, 21e-3));
+    const TickOutput out = driver.stroke(Vec3(15e-3, 20e-3, 19.3e-3), 17).back();
+    ASSERT_TRUE(out.in_contact);
+    EXPECT_NEAR(out.force_W.z(), 1.0, 1.0 * 2e-3);
+  }
+}
+
+TEST(EffectsOnEveryAlgorithm, WhatHasNoVhipRefusesThem) {
+  const AnalyticVolume volume = flat();
+  for (const std::string_view name : kWithoutVhip) {
+    EXPECT_THROW(static_cast<void>(makeAlgorithm(name, withEffects(name, volume, {.force_shading = true}))), Error);
+  }
+}
+
+}  // namespace
+}  // namespace palpate
