@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/passes/edit_pass.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "base/error.hpp"
+#include "shaders/kernels.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr std::size_t kBrickBytes = kBrickVoxels * sizeof(float);
+
+gpu::Kernel plainKernel(gpu::Gpu& gpu, const std::string& name, std::uint32_t bindings, std::size_t push_bytes) {
+  return {gpu, gpu::KernelSpec{.name = name,
+                               .spirv = kernelSpirv(name),
+                               .bindings = bindings,
+                               .push_bytes = static_cast<std::uint32_t>(push_bytes),
+                               .specialisation = {}}};
+}
+
+std::size_t taskCount(std::span<const EditPhase> phases) {
+  std::size_t count = 0;
+  for (const EditPhase& phase : phases) count += phase.tasks.size();
+  return count;
+}
+
+// Tasks that only write a page go with any slab.
+std::size_t slabOf(const layout::EditTask& task) {
+  return task.slot == NO_SLOT ? 0 : BrickPool::place(task.slot).slab;
+}
+
+}  // namespace
+
+EditPass::EditPass(gpu::Gpu& gpu, const BrickPool& pool)
+    : gpu_(gpu),
+      pool_(pool),
+      scale_(editScale(pool.lattice().spacing_m)),
+      pointwise_(plainKernel(gpu, "edit", EDIT_BINDINGS, sizeof(layout::EditPush))),
+      stencil_(gpu, "edit_stencil", pool, STENCIL_BINDINGS, sizeof(layout::EditPush)),
+      commit_(plainKernel(gpu, "brick_commit", COMMIT_BINDINGS, sizeof(layout::CommitPush))),
+      tasks_(gpu, "edit tasks", 1024),
+      commands_(gpu, "edit commands", 16),
+      stamps_(gpu, "stamps", 16) {}
+
+void EditPass::fit(std::span<const EditPhase> phases, const LoweredEdits& edits, std::size_t more_tasks) {
+  std::size_t aside = 0;
+  for (const EditPhase& phase : phases) {
+    if (phase.stencil) aside = std::max(aside, phase.tasks.size());
+  }
+  if (aside > BRICKS_PER_DENSITY_SLAB) {
+    throw Error(Error::Code::kOutOfMemory, "edit",
+                fmt::format("it changes {} bricks at once and {} are the most", aside, BRICKS_PER_DENSITY_SLAB),
+                "use a smaller brush");
+  }
+  tasks_.fit(taskCount(phases) + more_tasks);
+  commands_.fit(edits.commands.size());
+  stamps_.fit(edits.stamps.size());
+  if (aside > 0 && (!aside_ || aside_->bytes() < aside * kBrickBytes)) {
+    const std::size_t bricks = std::min<std::size_t>(std::max<std::size_t>(2 * aside, 64), BRICKS_PER_DENSITY_SLAB);
+    aside_ = gpu::Buffer(gpu_, "edited bricks", bricks * kBrickBytes, gpu::MemoryKind::kDevice);
+  }
+}
+
+void EditPass::write(std::vector<EditPhase>& phases, const LoweredEdits& edits) {
+  std::vector<layout::EditTask> all;
+  for (EditPhase& phase : phases) {
+    std::stable_sort(phase.tasks.begin(), phase.tasks.end(),
+                     [](const auto& a, const auto& b) { return slabOf(a) < slabOf(b); });
+    all.insert(all.end(), phase.tasks.begin(), phase.tasks.end());
+  }
+  tasks_.write(all);
+  commands_.write(edits.commands);
+  stamps_.write(edits.stamps);
+}
+
+std::vector<EditPass::SlabRange> EditPass::slabRanges(const EditPhase& phase, std::uint32_t first_task) {
+  std::vector<SlabRange> ranges;
+  for (std::size_t i = 0; i < phase.tasks.size(); ++i) {
+    const std::size_t slab = slabOf(phase.tasks[i]);
+    if (ranges.empty() || ranges.back().slab != slab)
+      ranges.push_back({slab, first_task + static_cast<std::uint32_t>(i), 0});
+    ++ranges.back().count;
+  }
+  return ranges;
+}
+
+std::uint32_t EditPass::dispatches(std::span<const EditPhase> phases) noexcept {
+  std::uint32_t count = 0;
+  for (const EditPhase& phase : phases) count += phase.stencil ? DENSITY_SLABS + 1 : DENSITY_SLABS;
+  return count;
+}
+
+layout::EditPush EditPass::pushFor(const EditPhase& phase, std::uint32_t first, std::uint32_t count) const {
+  return {pool_.domain(), first,           count,           phase.first_command, phase.command_count,
+          scale_.h[0],    scale_.h[1],     scale_.h[2],     scale_.blur[0],      scale_.blur[1],
+          scale_.blur[2], scale_.inv_h[0], scale_.inv_h[1], scale_.inv_h[2]};
+}
+
+void EditPass::recordPointwise(gpu::Commands& commands, const EditPhase& phase, std::uint32_t first_task) {
+  for (const SlabRange& range : slabRanges(phase, first_task)) {
+    const layout::EditPush push = pushFor(phase, range.first, range.count);
+    const gpu::Buffer* buffers[EDIT_BINDINGS] = {&pool_.pages(), &pool_.slab(range.slab), &tasks_.buffer(),
+                                                 &commands_.buffer(), &stamps_.buffer()};
+    commands.dispatch(pointwise_, buffers, gpu::pushBytes(push), gpu::Groups::folded(range.count, GROUPS_PER_ROW));
+  }
+}
+
+void EditPass::recordStencil(gpu::Commands& commands, const EditPhase& phase, std::uint32_t first_task) {
+  const auto count = static_cast<std::uint32_t>(phase.tasks.size());
+  commands.dispatch(stencil_.get(), poolBindings(pool_, {&tasks_.buffer(), &commands_.buffer(), &*aside_}),
+                    gpu::pushBytes(pushFor(phase, first_task, count)), gpu::Groups::folded(count, GROUPS_PER_ROW));
+  commands.barrier();
+  for (const SlabRange& range : slabRanges(phase, first_task)) {
+    const layout::CommitPush push{range.first, range.count, range.first - first_task};
+    const gpu::Buffer* buffers[COMMIT_BINDINGS] = {&pool_.pages(), &pool_.slab(range.slab), &tasks_.buffer(), &*aside_};
+    commands.dispatch(commit_, buffers, gpu::pushBytes(push), gpu::Groups::folded(range.count, GROUPS_PER_ROW));
+  }
+}
+
+void EditPass::record(gpu::Commands& commands, std::span<const EditPhase> phases) {
+  std::uint32_t first_task = 0;
+  for (const EditPhase& phase : phases) {
+    if (phase.tasks.empty()) continue;
+    phase.stencil ? recordStencil(commands, phase, first_task) : recordPointwise(commands, phase, first_task);
+    commands.barrier();
+    first_task += static_cast<std::uint32_t>(phase.tasks.size());
+  }
+}
+
+}  // namespace palpate

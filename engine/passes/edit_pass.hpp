@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// engine/passes/edit_pass.hpp: runs edit commands on bricks of the pool (shaders/edit.comp, edit_stencil.comp). Twin:
+// engine/reference/edit.hpp. Thread: the Gpu's.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "engine/edit/lower_edit.hpp"
+#include "engine/gpu/commands.hpp"
+#include "engine/gpu/kernel.hpp"
+#include "engine/passes/brick_pool.hpp"
+#include "engine/passes/host_list.hpp"
+#include "engine/passes/pool_kernel.hpp"
+
+namespace palpate {
+
+// Commands that can run in one go: any number of those that read no neighbours, or one that does.
+struct EditPhase {
+  bool stencil = false;
+  std::uint32_t first_command = 0;
+  std::uint32_t command_count = 0;
+  std::vector<layout::EditTask> tasks;  // each brick once
+};
+
+class EditPass {
+ public:
+  EditPass(gpu::Gpu& gpu, const BrickPool& pool);
+
+  // Makes sure that write() finds room for so much, and for `more_tasks`. Throws Error(kOutOfMemory) and changes
+  // nothing then.
+  void fit(std::span<const EditPhase> phases, const LoweredEdits& edits, std::size_t more_tasks);
+  // Hands phases and commands to the kernels; tasks are put in the order of their slabs. Not while work is submitted.
+  void write(std::vector<EditPhase>& phases, const LoweredEdits& edits);
+  // What write() got last; every phase is followed by a barrier.
+  void record(gpu::Commands& commands, std::span<const EditPhase> phases);
+  [[nodiscard]] static std::uint32_t dispatches(std::span<const EditPhase> phases) noexcept;  // at most
+
+ private:
+  struct SlabRange {
+    std::size_t slab = 0;
+    std::uint32_t first = 0;  // of all tasks
+    std::uint32_t count = 0;
+  };
+  void recordPointwise(gpu::Commands& commands, const EditPhase& phase, std::uint32_t first_task);
+  void recordStencil(gpu::Commands& commands, const EditPhase& phase, std::uint32_t first_task);
+  [[nodiscard]] layout::EditPush pushFor(const EditPhase& phase, std::uint32_t first, std::uint32_t count) const;
+  [[nodiscard]] static std::vector<SlabRange> slabRanges(const EditPhase& phase, std::uint32_t first_task);
+
+  gpu::Gpu& gpu_;
+  const BrickPool& pool_;
+  EditScale scale_;
+  gpu::Kernel pointwise_;
+  PoolKernel stencil_;
+  gpu::Kernel commit_;
+  HostList<layout::EditTask> tasks_;
+  HostList<layout::EditCommand> commands_;
+  HostList<float> stamps_;
+  std::optional<gpu::Buffer> aside_;  // bricks that a stencil wrote
+};
+
+}  // namespace palpate
