@@ -6,6 +6,7 @@
 #include "edit.layout.h"
 
 layout(local_size_x = BRICK_ROWS) in;
+layout(constant_id = 0) const uint kKind = EDIT_REMOVE;  // of all commands of a run
 layout(push_constant) uniform Push { EditPush push; };
 layout(std430, binding = EDIT_BINDING_PAGES) writeonly buffer Pages { BrickPage pages[]; };
 layout(std430, binding = EDIT_BINDING_SLAB) buffer Slab { vec4 slab[]; };
@@ -15,44 +16,42 @@ layout(std430, binding = EDIT_BINDING_STAMPS) readonly buffer Stamps { float sta
 #include "edit.math.glsl"
 #include "edit_stamp.glsl"
 
-vec4 stampedDepth(uint c, vec4 px, float py, float pz, out bvec4 reached) {
+vec4 stampedDepth(EditCommand c, vec4 px, float py, float pz, out bvec4 reached) {
   vec4 depth;
   bool inside;
   for (uint i = 0; i < 4; ++i) {
     depth[i] = -stampDistance(c, px[i], py, pz, inside);
-    reached[i] = inside && depth[i] >= -commands[c].reach;
+    reached[i] = inside && depth[i] >= -c.reach;
   }
   return depth;
 }
 
-vec4 edited(uint c, vec4 px, float py, float pz, vec4 f) {
-  const uint kind = commands[c].kind;
-  if (kind == EDIT_CUT) {
+vec4 edited(EditCommand c, vec4 px, float py, float pz, vec4 f) {
+  if (kKind == EDIT_CUT) {
     const vec4 height = planeHeight(c, px, py, pz);
-    return blend(f, clearedTarget(c, f, height), vec4(commands[c].strength),
-                 greaterThanEqual(height, vec4(-commands[c].reach)));
+    return blend(f, clearedTarget(c, f, height), vec4(c.strength),
+                 greaterThanEqual(height, vec4(-c.reach)));
   }
-  if (kind == EDIT_STAMP_ADD || kind == EDIT_STAMP_REMOVE) {
+  if (kKind == EDIT_STAMP_ADD || kKind == EDIT_STAMP_REMOVE) {
     bvec4 reached;
     const vec4 depth = stampedDepth(c, px, py, pz, reached);
-    const vec4 target = kind == EDIT_STAMP_ADD ? filledTarget(c, f, depth) : clearedTarget(c, f, depth);
-    return blend(f, target, vec4(commands[c].strength), reached);
+    const vec4 target = kKind == EDIT_STAMP_ADD ? filledTarget(c, f, depth) : clearedTarget(c, f, depth);
+    return blend(f, target, vec4(c.strength), reached);
   }
   const vec4 distance = strokeDistance(c, px, py, pz);
-  const bvec4 reached = lessThanEqual(distance, vec4(commands[c].reach));
-  if (!any(reached)) return f;
-  precise vec4 depth = commands[c].radius - distance;
+  const bvec4 reached = lessThanEqual(distance, vec4(c.reach));
+  precise vec4 depth = c.radius - distance;
   precise vec4 amount = amountAt(c, distance);
-  vec4 target = vec4(commands[c].value);
-  if (kind == EDIT_ADD) target = filledTarget(c, f, depth);
-  if (kind == EDIT_REMOVE) {
+  vec4 target = vec4(c.value);
+  if (kKind == EDIT_ADD) target = filledTarget(c, f, depth);
+  if (kKind == EDIT_REMOVE) {
     target = clearedTarget(c, f, depth);
-    if (commands[c].material_drop > 0.0) amount = amount * materialRate(c, f);
+    if (c.material_drop > 0.0) amount = amount * materialRate(c, f);
   }
-  if (kind == EDIT_FLATTEN) {
+  if (kKind == EDIT_FLATTEN) {
     const vec4 height = planeHeight(c, px, py, pz);
-    precise vec4 ramp = commands[c].isovalue - commands[c].slope * height;
-    target = lesser(greater(ramp, vec4(commands[c].background)), vec4(commands[c].object));
+    precise vec4 ramp = c.isovalue - c.slope * height;
+    target = lesser(greater(ramp, vec4(c.background)), vec4(c.object));
   }
   return blend(f, target, amount, reached);
 }
@@ -83,11 +82,11 @@ void main() {
     high = slab[at + 1];
   }
   for (uint i = 0; i < push.command_count; ++i) {
-    const uint c = push.first_command + i;
-    precise vec4 px_low = vec4(x_low - commands[c].origin_x) * push.h_x;
-    precise vec4 px_high = vec4(x_high - commands[c].origin_x) * push.h_x;
-    precise float py = float(y - commands[c].origin_y) * push.h_y;
-    precise float pz = float(z - commands[c].origin_z) * push.h_z;
+    const EditCommand c = commands[push.first_command + i];
+    precise vec4 px_low = vec4(x_low - c.origin_x) * push.h_x;
+    precise vec4 px_high = vec4(x_high - c.origin_x) * push.h_x;
+    precise float py = float(y - c.origin_y) * push.h_y;
+    precise float pz = float(z - c.origin_z) * push.h_z;
     low = edited(c, px_low, py, pz, low);
     high = edited(c, px_high, py, pz, high);
   }

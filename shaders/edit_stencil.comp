@@ -6,6 +6,7 @@
 #include "edit.layout.h"
 
 layout(local_size_x = BRICK_ROWS) in;
+layout(constant_id = 1) const uint kKind = EDIT_SMOOTH;
 layout(push_constant) uniform Push { EditPush push; };
 #define POOL_DOMAIN push.domain
 #include "brick_pool.glsl"
@@ -35,20 +36,19 @@ vec4 upwindSquare(vec4 f, vec4 before, vec4 after, float sign, float inv_h) {
   return square;
 }
 
-vec4 edited(uint c, vec4 px, float py, float pz, vec4 f, vec4 x0, vec4 x1, vec4 y0, vec4 y1, vec4 z0, vec4 z1) {
+vec4 edited(EditCommand c, vec4 px, float py, float pz, vec4 f, vec4 x0, vec4 x1, vec4 y0, vec4 y1, vec4 z0, vec4 z1) {
   const vec4 distance = strokeDistance(c, px, py, pz);
-  const bvec4 reached = lessThanEqual(distance, vec4(commands[c].reach));
-  if (!any(reached)) return f;
+  const bvec4 reached = lessThanEqual(distance, vec4(c.reach));
   const vec4 amount = amountAt(c, distance);
   precise vec4 step;
-  if (commands[c].kind == EDIT_SMOOTH) {
+  if (kKind == EDIT_SMOOTH) {
     precise vec4 sum = (blur(f, x0, x1, push.blur_x) + blur(f, y0, y1, push.blur_y)) + blur(f, z0, z1, push.blur_z);
     step = amount * sum;
   } else {
-    const float sign = commands[c].kind == EDIT_INFLATE ? 1.0 : -1.0;
+    const float sign = kKind == EDIT_INFLATE ? 1.0 : -1.0;
     precise vec4 square = (upwindSquare(f, x0, x1, sign, push.inv_h_x) + upwindSquare(f, y0, y1, sign, push.inv_h_y)) +
                           upwindSquare(f, z0, z1, sign, push.inv_h_z);
-    precise vec4 distance_moved = (amount * commands[c].value) * sign;
+    precise vec4 distance_moved = (amount * c.value) * sign;
     step = distance_moved * sqrt(square);
   }
   precise vec4 moved = finite(f + step);
@@ -75,12 +75,12 @@ void main() {
   const vec4 low_x0 = vec4(before, centre.low.xyz), low_x1 = vec4(centre.low.yzw, centre.high.x);
   const vec4 high_x0 = vec4(centre.low.w, centre.high.xyz), high_x1 = vec4(centre.high.yzw, after);
 
-  const uint c = push.first_command;
-  const ivec4 x = ivec4(int(first.x)) - commands[c].origin_x + ivec4(0, 1, 2, 3);
+  const EditCommand c = commands[push.first_command];
+  const ivec4 x = ivec4(int(first.x)) - c.origin_x + ivec4(0, 1, 2, 3);
   precise vec4 px_low = vec4(x) * push.h_x;
   precise vec4 px_high = vec4(x + 4) * push.h_x;
-  precise float py = float(int(y) - commands[c].origin_y) * push.h_y;
-  precise float pz = float(int(z) - commands[c].origin_z) * push.h_z;
+  precise float py = float(int(y) - c.origin_y) * push.h_y;
+  precise float pz = float(int(z) - c.origin_z) * push.h_z;
   Row result;
   result.low = edited(c, px_low, py, pz, centre.low, low_x0, low_x1, y0.low, y1.low, z0.low, z1.low);
   result.high = edited(c, px_high, py, pz, centre.high, high_x0, high_x1, y0.high, y1.high, z0.high, z1.high);

@@ -13,12 +13,13 @@ namespace {
 
 constexpr std::size_t kBrickBytes = kBrickVoxels * sizeof(float);
 
-gpu::Kernel plainKernel(gpu::Gpu& gpu, const std::string& name, std::uint32_t bindings, std::size_t push_bytes) {
+gpu::Kernel plainKernel(gpu::Gpu& gpu, const std::string& name, std::uint32_t bindings, std::size_t push_bytes,
+                        std::vector<std::uint32_t> constants) {
   return {gpu, gpu::KernelSpec{.name = name,
                                .spirv = kernelSpirv(name),
                                .bindings = bindings,
                                .push_bytes = static_cast<std::uint32_t>(push_bytes),
-                               .specialisation = {}}};
+                               .specialisation = std::move(constants)}};
 }
 
 std::size_t taskCount(std::span<const EditPhase> phases) {
@@ -38,9 +39,7 @@ EditPass::EditPass(gpu::Gpu& gpu, const BrickPool& pool)
     : gpu_(gpu),
       pool_(pool),
       scale_(editScale(pool.lattice().spacing_m)),
-      pointwise_(plainKernel(gpu, "edit", EDIT_BINDINGS, sizeof(layout::EditPush))),
-      stencil_(gpu, "edit_stencil", pool, STENCIL_BINDINGS, sizeof(layout::EditPush)),
-      commit_(plainKernel(gpu, "brick_commit", COMMIT_BINDINGS, sizeof(layout::CommitPush))),
+      commit_(plainKernel(gpu, "brick_commit", COMMIT_BINDINGS, sizeof(layout::CommitPush), {})),
       tasks_(gpu, "edit tasks", 1024),
       commands_(gpu, "edit commands", 16),
       stamps_(gpu, "stamps", 16) {}
@@ -48,7 +47,7 @@ EditPass::EditPass(gpu::Gpu& gpu, const BrickPool& pool)
 void EditPass::fit(std::span<const EditPhase> phases, const LoweredEdits& edits, std::size_t more_tasks) {
   std::size_t aside = 0;
   for (const EditPhase& phase : phases) {
-    if (phase.stencil) aside = std::max(aside, phase.tasks.size());
+    if (phase.stencil()) aside = std::max(aside, phase.tasks.size());
   }
   if (aside > BRICKS_PER_DENSITY_SLAB) {
     throw Error(Error::Code::kOutOfMemory, "edit",
@@ -76,6 +75,22 @@ void EditPass::write(std::vector<EditPhase>& phases, const LoweredEdits& edits) 
   stamps_.write(edits.stamps);
 }
 
+const gpu::Kernel& EditPass::pointwiseKernel(layout::uint kind) {
+  if (kind == EDIT_KINDS) kind = EDIT_REMOVE;  // no commands: any kernel writes pages
+  std::optional<gpu::Kernel>& kernel = pointwise_[kind];
+  if (!kernel) kernel = plainKernel(gpu_, "edit", EDIT_BINDINGS, sizeof(layout::EditPush), {kind});
+  return *kernel;
+}
+
+const gpu::Kernel& EditPass::stencilKernel(layout::uint kind) {
+  std::optional<PoolKernel>& kernel = stencil_[kind - EDIT_SMOOTH];
+  if (!kernel) {
+    kernel.emplace(gpu_, "edit_stencil", pool_, STENCIL_BINDINGS, sizeof(layout::EditPush),
+                   std::vector<std::uint32_t>{kind});
+  }
+  return kernel->get();
+}
+
 std::vector<EditPass::SlabRange> EditPass::slabRanges(const EditPhase& phase, std::uint32_t first_task) {
   std::vector<SlabRange> ranges;
   for (std::size_t i = 0; i < phase.tasks.size(); ++i) {
@@ -89,7 +104,7 @@ std::vector<EditPass::SlabRange> EditPass::slabRanges(const EditPhase& phase, st
 
 std::uint32_t EditPass::dispatches(std::span<const EditPhase> phases) noexcept {
   std::uint32_t count = 0;
-  for (const EditPhase& phase : phases) count += phase.stencil ? DENSITY_SLABS + 1 : DENSITY_SLABS;
+  for (const EditPhase& phase : phases) count += phase.stencil() ? DENSITY_SLABS + 1 : DENSITY_SLABS;
   return count;
 }
 
@@ -104,13 +119,14 @@ void EditPass::recordPointwise(gpu::Commands& commands, const EditPhase& phase, 
     const layout::EditPush push = pushFor(phase, range.first, range.count);
     const gpu::Buffer* buffers[EDIT_BINDINGS] = {&pool_.pages(), &pool_.slab(range.slab), &tasks_.buffer(),
                                                  &commands_.buffer(), &stamps_.buffer()};
-    commands.dispatch(pointwise_, buffers, gpu::pushBytes(push), gpu::Groups::folded(range.count, GROUPS_PER_ROW));
+    commands.dispatch(pointwiseKernel(phase.kind), buffers, gpu::pushBytes(push),
+                      gpu::Groups::folded(range.count, GROUPS_PER_ROW));
   }
 }
 
 void EditPass::recordStencil(gpu::Commands& commands, const EditPhase& phase, std::uint32_t first_task) {
   const auto count = static_cast<std::uint32_t>(phase.tasks.size());
-  commands.dispatch(stencil_.get(), poolBindings(pool_, {&tasks_.buffer(), &commands_.buffer(), &*aside_}),
+  commands.dispatch(stencilKernel(phase.kind), poolBindings(pool_, {&tasks_.buffer(), &commands_.buffer(), &*aside_}),
                     gpu::pushBytes(pushFor(phase, first_task, count)), gpu::Groups::folded(count, GROUPS_PER_ROW));
   commands.barrier();
   for (const SlabRange& range : slabRanges(phase, first_task)) {
@@ -124,7 +140,7 @@ void EditPass::record(gpu::Commands& commands, std::span<const EditPhase> phases
   std::uint32_t first_task = 0;
   for (const EditPhase& phase : phases) {
     if (phase.tasks.empty()) continue;
-    phase.stencil ? recordStencil(commands, phase, first_task) : recordPointwise(commands, phase, first_task);
+    phase.stencil() ? recordStencil(commands, phase, first_task) : recordPointwise(commands, phase, first_task);
     commands.barrier();
     first_task += static_cast<std::uint32_t>(phase.tasks.size());
   }

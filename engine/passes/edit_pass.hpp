@@ -3,6 +3,7 @@
 // engine/reference/edit.hpp. Thread: the Gpu's.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <span>
 #include <vector>
@@ -16,12 +17,14 @@
 
 namespace palpate {
 
-// Commands that can run in one go: any number of those that read no neighbours, or one that does.
+// Commands that can run in one go: any number of one kind that reads no neighbours, or one command that does.
 struct EditPhase {
-  bool stencil = false;
+  layout::uint kind = EDIT_KINDS;  // EDIT_KINDS: no commands, only pages to write
   std::uint32_t first_command = 0;
   std::uint32_t command_count = 0;
   std::vector<layout::EditTask> tasks;  // each brick once
+
+  [[nodiscard]] bool stencil() const noexcept { return kind >= EDIT_SMOOTH && kind < EDIT_KINDS; }
 };
 
 class EditPass {
@@ -46,13 +49,16 @@ class EditPass {
   void recordPointwise(gpu::Commands& commands, const EditPhase& phase, std::uint32_t first_task);
   void recordStencil(gpu::Commands& commands, const EditPhase& phase, std::uint32_t first_task);
   [[nodiscard]] layout::EditPush pushFor(const EditPhase& phase, std::uint32_t first, std::uint32_t count) const;
+  [[nodiscard]] const gpu::Kernel& pointwiseKernel(layout::uint kind);
+  [[nodiscard]] const gpu::Kernel& stencilKernel(layout::uint kind);
   [[nodiscard]] static std::vector<SlabRange> slabRanges(const EditPhase& phase, std::uint32_t first_task);
 
   gpu::Gpu& gpu_;
   const BrickPool& pool_;
   EditScale scale_;
-  gpu::Kernel pointwise_;
-  PoolKernel stencil_;
+  // By kind, made when first used: the driver's compiler takes some 50 ms for each that it has not seen before.
+  std::array<std::optional<gpu::Kernel>, EDIT_SMOOTH> pointwise_;
+  std::array<std::optional<PoolKernel>, EDIT_KINDS - EDIT_SMOOTH> stencil_;
   gpu::Kernel commit_;
   HostList<layout::EditTask> tasks_;
   HostList<layout::EditCommand> commands_;

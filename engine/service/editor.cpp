@@ -52,11 +52,10 @@ void forEachCorner(const BrickGrid& grid, const Vec3i& brick, int step, const Vi
 }
 
 std::vector<EditPhase> phasesOf(const LoweredEdits& edits) {
-  constexpr auto kStencils = EDIT_SMOOTH;
   std::vector<EditPhase> phases;
   for (std::uint32_t i = 0; i < edits.commands.size(); ++i) {
-    const bool stencil = edits.commands[i].kind >= kStencils;
-    if (stencil || phases.empty() || phases.back().stencil) phases.push_back({stencil, i, 0, {}});
+    const layout::uint kind = edits.commands[i].kind;
+    if (phases.empty() || phases.back().kind != kind || phases.back().stencil()) phases.push_back({kind, i, 0, {}});
     ++phases.back().command_count;
   }
   return phases;
@@ -98,7 +97,7 @@ std::optional<float> Editor::constantOf(const Plan& plan, std::uint32_t brick) c
 // What a constant brick holds after a phase, if it surely stays constant.
 std::optional<float> Editor::stillConstant(const Plan& plan, const EditPhase& phase, std::uint32_t brick,
                                            float density) const {
-  if (phase.stencil) {  // among bricks that hold the same there is nothing to even out or to move
+  if (phase.stencil()) {  // among bricks that hold the same there is nothing to even out or to move
     const Vec3i at = grid_.brick(brick);
     for (int side = 0; side < 6; ++side) {
       const Vec3i other = at + Vec3i::Unit(side / 2) * (side % 2 == 0 ? -1 : 1);
@@ -195,7 +194,7 @@ void Editor::makeRoom(Plan& plan) {
   tasks_.fit(plan.regraded.size() + plan.newly.size() + WindowPass::kMaxTasks);
   bound_tasks_.fit(plan.rebounded.size());
   bound_results_.fit(plan.rebounded.size());
-  if (parts_.pool.slab(0).mapped() == nullptr) touched_values_.fit(plan.touched.size() * kBrickVoxels);
+  if (!parts_.transfer.reaches(parts_.pool.slab(0))) touched_values_.fit(plan.touched.size() * kBrickVoxels);
   const auto slabs = static_cast<std::uint32_t>(parts_.store.slabCount());
   const std::uint32_t dispatches =
       EditPass::dispatches(plan.phases) + DENSITY_SLABS + 1 + slabs + static_cast<std::uint32_t>(WindowPass::kMaxTasks);
@@ -222,7 +221,7 @@ void Editor::makeRoom(Plan& plan) {
 void Editor::writeStalePages(Plan& plan) {
   const std::vector<std::uint32_t> stale = parts_.pool.takeStalePages();
   if (stale.empty()) return;
-  if (plan.phases.front().stencil) plan.phases.insert(plan.phases.begin(), EditPhase{});
+  if (plan.phases.front().stencil()) plan.phases.insert(plan.phases.begin(), EditPhase{});
   EditPhase& first = plan.phases.front();
   std::unordered_set<std::uint32_t> written;  // bricks that this phase works on get their pages from that
   for (const layout::EditTask& task : first.tasks) written.insert(task.brick);
@@ -260,27 +259,32 @@ void Editor::record(Plan& plan, const WindowTarget* target, Outcome& outcome) {
   std::vector<layout::BrickTask> bounds_list;
   for (const std::uint32_t brick : plan.rebounded) bounds_list.push_back({brick, NO_SLOT});
 
+  commands.timed(times_kernels_);
   commands.begin();
   edit_.write(plan.phases, plan.edits);
   tasks_.write(list);
   bound_tasks_.write(bounds_list);
   edit_.record(commands, plan.phases);
+  commands.mark("edit");
   ActiveTest test{nullptr, static_cast<float>(profile_.isovalue)};
   if (parts_.bounds != nullptr) {
     test.bounds = &parts_.bounds->bounds();
     parts_.bounds->record(commands, bound_tasks_.buffer(), static_cast<std::uint32_t>(bounds_list.size()),
                           bound_results_.buffer());
     commands.barrier();
+    commands.mark("bounds");
   }
   parts_.gradient.record(commands, tasks_.buffer(), gradient_ranges, test);
-  if (!outcome.window_gathered) return;
   commands.barrier();
+  commands.mark("gradient");
+  if (!outcome.window_gathered) return;
   parts_.window.record(commands, target->box, tasks_.buffer(), window_ranges, test, *target->buffer);
+  commands.mark("window");
 }
 
 // Where the host cannot reach the slabs, touched bricks are copied to where it can.
 void Editor::downloadTouched() {
-  if (parts_.pool.slab(0).mapped() != nullptr) return;
+  if (parts_.transfer.reaches(parts_.pool.slab(0))) return;
   commands_->barrier();
   for (std::size_t i = 0; i < stored_.size(); ++i) {
     const BrickPool::Place at = BrickPool::place(parts_.pool.page(stored_[i]).slot);
@@ -315,6 +319,7 @@ Editor::Outcome Editor::apply(std::span<const EditCommand> commands, const Windo
   const auto computing = Clock::now();
   commands_->run();
   outcome.stages.push_back({"gpu", secondsSince(computing)});
+  for (StageTime& stage : commands_->marks()) outcome.stages.push_back(std::move(stage));
   rebounded_ = std::move(plan.rebounded);
   unsettled_ = std::move(plan.unsettled);
   settled_ = false;
@@ -335,7 +340,7 @@ void Editor::settle() {
     const BrickPool::Place at = BrickPool::place(parts_.pool.page(stored_[i]).slot);
     const gpu::Buffer& slab = parts_.pool.slab(at.slab);
     const float* values =
-        slab.mapped() != nullptr
+        parts_.transfer.reaches(slab)
             ? reinterpret_cast<const float*>(static_cast<const std::byte*>(slab.mapped()) + at.offset_bytes)
             : touched_values_.read((i + 1) * kBrickVoxels).data() + i * kBrickVoxels;
     if (isConstant(values)) parts_.pool.makeConstant(stored_[i], values[0]);

@@ -68,6 +68,9 @@ class Editor {
   std::size_t readBack(Volume& volume);
   [[nodiscard]] std::size_t changedBricks() const noexcept { return changed_.size(); }  // not read back yet
 
+  // Adds the device's own times to the stages: "edit", "bounds", "gradient", "window" of what "gpu" holds.
+  void timeKernels(bool on) noexcept { times_kernels_ = on; }
+
   [[nodiscard]] std::uint64_t version() const noexcept { return version_; }
   [[nodiscard]] const BrushProfile& profile() const noexcept { return profile_; }
 
@@ -115,6 +118,7 @@ class Editor {
   HostList<float> touched_values_;  // bricks that were touched, where slabs are not mapped
   std::uint32_t max_dispatches_;
   std::optional<gpu::Commands> commands_;
+  bool times_kernels_ = false;
   std::vector<bool> crossed_;     // by brick: the isosurface crosses its cells
   std::vector<bool> is_changed_;  // by brick: not read back yet
   std::vector<std::uint32_t> changed_;

@@ -117,7 +117,8 @@ Engine::EditResult Engine::edit(std::span<const EditCommand> commands, std::int6
   };
   if (outcome.window_gathered) time("publish", [&] { publishBox(*published_, now_ns); });
   time("settle", [&] { editor_->settle(); });
-  return {outcome.version, outcome.window_gathered, outcome.changed_bricks, std::move(outcome.stages)};
+  return {outcome.version, outcome.window_gathered, outcome.changed_bricks, outcome.gradient_bricks,
+          std::move(outcome.stages)};
 }
 
 std::size_t Engine::readBack(Volume& volume) {

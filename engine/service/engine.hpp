@@ -51,11 +51,13 @@ class Engine {
     std::uint64_t version = 0;  // of the volume: counts edits
     bool published = false;     // a window that holds it is out; otherwise it does not reach the last window
     std::size_t changed_bricks = 0;
-    std::vector<StageTime> stages;  // plan, record, gpu, publish, settle
+    std::size_t gradient_bricks = 0;
+    std::vector<StageTime> stages;  // plan, record, gpu (and of that, if timed, its kernels), publish, settle
   };
   // Applies edit commands in their order (engine/service/editor.hpp) and publishes the last window's box anew if they
   // reach it. Throws as Editor::apply does; then nothing has changed.
   EditResult edit(std::span<const EditCommand> commands, std::int64_t now_ns);
+  void timeKernels(bool on) { editor_->timeKernels(on); }
   // Brings the bricks that edits changed back into the volume; returns how many. For idle moments.
   std::size_t readBack(Volume& volume);
   [[nodiscard]] std::uint64_t editVersion() const noexcept { return editor_ ? editor_->version() : 0; }

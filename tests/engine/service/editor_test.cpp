@@ -11,6 +11,7 @@
 #include "engine/passes/active_bricks.hpp"
 #include "engine/reference/edit.hpp"
 #include "random_edits.hpp"
+#include "servo/window/sample_window.hpp"
 
 namespace palpate {
 namespace {
