@@ -14,6 +14,7 @@
 
 #include "base/lattice.hpp"
 #include "base/vec.hpp"
+#include "engine/volume/mesh_distance.hpp"
 
 namespace palpate {
 
@@ -39,12 +40,7 @@ struct MaterialRate {
   double drop = 1;          // [0, 1]
 };
 
-// Signed distances [m], negative inside, on a lattice of their own; made of a mesh by engine/volume/mesh_stamp.hpp.
-struct Stamp {
-  Vec3i size = Vec3i::Zero();     // [voxel], i fastest
-  Lattice lattice;                // in the stamp's own frame
-  std::vector<float> distance_m;  // size.prod() of them
-};
+using Stamp = MeshDistance;  // in a frame of its own
 
 struct EditCommand {
   EditKind kind = EditKind::kRemove;

@@ -123,6 +123,8 @@ TEST_P(ManyEdits, EqualTheTwinAndANewStart) {
   Editor editor(state.parts(gpu), profile, c.all);
   reference::DenseField twin = reference::denseField(volume);
   RandomEdits random(c.size, volume.lattice(), -120, 220, c.seed);
+  std::size_t most_stored = 0;
+  std::size_t most_constant = 0;
   for (int done = 0, round = 1; done < c.edits; ++round) {
     std::vector<EditCommand> commands;
     do commands.push_back(random.next());
@@ -145,16 +147,186 @@ TEST_P(ManyEdits, EqualTheTwinAndANewStart) {
     if (round % 40 != 0 && done < c.edits) continue;
     editor.readBack(volume);
     ASSERT_TRUE(sameBytes(volume.toDense(), twin.values)) << "after " << done << " edits";
+    most_stored = std::max(most_stored, volume.storedBricks());
+    most_constant = std::max(most_constant, state.pool.brickCount() - volume.storedBricks());
     State fresh(gpu, volume, c.all);
     expectSame(state, fresh);
     ASSERT_FALSE(testing::Test::HasFailure()) << "after " << done << " edits";
   }
   EXPECT_EQ(editor.readBack(volume), 0U);
+  EXPECT_GE(most_stored, 2U);  // there was something to compare, and bricks came and went
+  EXPECT_GE(most_constant, c.size.minCoeff() > 30 ? 2U : 0U);
 }
 
 INSTANTIATE_TEST_SUITE_P(Cases, ManyEdits,
                          testing::Values(Case{{53, 41, 37}, false, 1, 1000}, Case{{33, 24, 50}, true, 2, 200},
-                                         Case{{17, 9, 2}, false, 3, 200}, Case{{64, 64, 64}, false, 4, 200}));
+                                         Case{{17, 9, 2}, false, 3, 200}, Case{{64, 64, 64}, false, 4, 200},
+                                         Case{{40, 40, 40}, false, 5, 200, false}));
+
+EditCommand brush(EditKind kind, const Volume& volume, const Vec3& p_L, double radius_m) {
+  EditCommand command;
+  command.kind = kind;
+  command.from_W = command.to_W = volume.lattice().toWorld(p_L);
+  command.radius_m = radius_m;
+  return command;
+}
+
+// A volume of one density has no storage; a hole makes some, and filling it up again frees all of it.
+TEST(Editor, StoresWhatIsNotConstantAndFreesWhatBecomesSo) {
+  const Vec3i size(64, 64, 64);
+  Volume volume = Volume::fromBricks(size, lattice(), {}, [](const Vec3i& brick, float* values) {
+    values[0] = brick.x() < 4 ? 200.0F : -100.0F;
+    return true;
+  });
+  gpu::Gpu gpu({});
+  State state(gpu, volume, false);
+  Editor editor(state.parts(gpu), profileOf(volume), false);
+  const std::size_t active = state.store.brickCount();
+  EXPECT_EQ(state.pool.storedBricks(), 0U);
+
+  EditCommand hole = brush(EditKind::kRemove, volume, {14, 30, 30}, 5e-3);
+  editor.apply(std::span(&hole, 1), nullptr);
+  editor.settle();
+  EXPECT_GT(state.pool.storedBricks(), 8U);
+  EXPECT_GT(state.store.brickCount(), active);
+  EXPECT_GT(editor.readBack(volume), 8U);
+  EXPECT_EQ(volume.storedBricks(), state.pool.storedBricks());
+
+  EditCommand fill = brush(EditKind::kPaint, volume, {14, 30, 30}, 20e-3);
+  fill.value = 200;
+  editor.apply(std::span(&fill, 1), nullptr);
+  editor.settle();
+  editor.readBack(volume);
+  State fresh(gpu, volume, false);
+  expectSame(state, fresh);
+  // All around the old hole is 200 again.
+  EXPECT_EQ(volume.value({14, 30, 30}), 200);
+}
+
+// The middle of a large brush in one density never needs storage, and brushes in the air touch nothing.
+TEST(Editor, WorksOnlyWhereSomethingChanges) {
+  const Vec3i size(96, 96, 96);
+  Volume volume = Volume::fromBricks(size, lattice(), {}, [](const Vec3i& brick, float* values) {
+    values[0] = brick.z() < 6 ? 200.0F : -100.0F;
+    return true;
+  });
+  gpu::Gpu gpu({});
+  State state(gpu, volume, false);
+  Editor editor(state.parts(gpu), profileOf(volume), false);
+  EditCommand air = brush(EditKind::kRemove, volume, {40, 40, 80}, 10e-3);
+  const Editor::Outcome nothing = editor.apply(std::span(&air, 1), nullptr);
+  EXPECT_EQ(nothing.changed_bricks, 0U);
+  EXPECT_EQ(nothing.version, 1U);
+  EXPECT_EQ(editor.changedBricks(), 0U);
+
+  EditCommand cut;
+  cut.kind = EditKind::kCut;
+  cut.plane_W = volume.lattice().toWorld({20.5, 0, 0});
+  cut.normal_W = volume.lattice().R_WL.col(0);
+  editor.apply(std::span(&cut, 1), nullptr);
+  editor.settle();
+  // One layer of bricks carries the ramp, or two; all beyond became constant without storage.
+  EXPECT_LE(state.pool.storedBricks(), 2U * 12U * 12U);
+  editor.readBack(volume);
+  EXPECT_EQ(volume.value({90, 5, 5}), -100);
+  State fresh(gpu, volume, false);
+  expectSame(state, fresh);
+}
+
+// A budget that holds the start but not a large brush: an error that says so, and everything is as it was; a small
+// brush still works.
+TEST(Editor, RefusesWhatExceedsTheBudgetAndGoesOn) {
+  const Vec3i size(96, 96, 96);
+  Volume volume = ball(size, 30);
+  gpu::Gpu gpu({});
+  State probe(gpu, volume, false);
+  // What an editor needs at its start, and one MiB.
+  Editor probing(probe.parts(gpu), profileOf(volume), false);
+  const std::uint64_t budget = probe.pool.budget()->used_bytes + (std::uint64_t{1} << 20U);
+
+  State state(gpu, volume, false, budget);
+  Editor editor(state.parts(gpu), profileOf(volume), false);
+  EditCommand large = brush(EditKind::kSmooth, volume, {48, 48, 48}, 35e-3);
+  EditCommand larger = brush(EditKind::kInflate, volume, {48, 48, 48}, 40e-3);
+  EditCommand paint = brush(EditKind::kAdd, volume, {48, 48, 48}, 38e-3);
+  paint.falloff = 1;
+  paint.strength = 0.5;
+  const std::vector<EditCommand> commands = {large, paint, larger};
+  try {
+    editor.apply(commands, nullptr);
+    FAIL() << "it fitted";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), Error::Code::kOutOfMemory);
+    EXPECT_NE(std::string(error.what()).find("nothing was changed"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("--gpu-memory"), std::string::npos) << error.what();
+  }
+  EXPECT_EQ(editor.version(), 0U);
+  EXPECT_EQ(editor.changedBricks(), 0U);
+  State fresh(gpu, volume, false);
+  expectSame(state, fresh);
+  EditCommand small = brush(EditKind::kRemove, volume, {48, 48, 20}, 3e-3);
+  editor.apply(std::span(&small, 1), nullptr);
+  editor.settle();
+  editor.readBack(volume);
+  State after(gpu, volume, false);
+  expectSame(state, after);
+}
+
+TEST(Editor, RefusesAStartThatExceedsTheBudget) {
+  const Volume volume = ball({64, 64, 64}, 20);
+  gpu::Gpu gpu({});
+  try {
+    State state(gpu, volume, false, 1U << 16U);
+    FAIL() << "it fitted";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), Error::Code::kOutOfMemory);
+  }
+}
+
+// A refused command among good ones: none of them is applied.
+TEST(Editor, AppliesAllOrNothing) {
+  Volume volume = ball({40, 40, 40}, 12);
+  gpu::Gpu gpu({});
+  State state(gpu, volume, false);
+  Editor editor(state.parts(gpu), profileOf(volume), false);
+  std::vector<EditCommand> commands = {brush(EditKind::kRemove, volume, {20, 20, 20}, 5e-3),
+                                       brush(EditKind::kRemove, volume, {20, 20, 20}, -1)};
+  EXPECT_THROW(editor.apply(commands, nullptr), Error);
+  EXPECT_EQ(editor.version(), 0U);
+  State fresh(gpu, volume, false);
+  expectSame(state, fresh);
+}
+
+// The window that an edit gathers equals one that is gathered anew afterwards, zero gradients of inactive bricks
+// included; an edit elsewhere leaves it alone.
+TEST(Editor, GathersTheWindowThatANewGatherGives) {
+  Volume volume = ball({96, 64, 64}, 20);
+  gpu::Gpu gpu({});
+  State state(gpu, volume, false);
+  Editor editor(state.parts(gpu), profileOf(volume), false);
+  const WindowBox box{{25, 13, 17}, {32, 32, 32}};
+  const std::size_t bytes = 32768 * sizeof(Sample);
+  const gpu::Buffer edited(gpu, "window", bytes, gpu::MemoryKind::kHost);
+  const gpu::Buffer anew(gpu, "window", bytes, gpu::MemoryKind::kHost);
+  const Editor::WindowTarget target{box, &edited};
+  RandomEdits random(volume.size(), volume.lattice(), -120, 220, 9);
+  int gathered = 0;
+  for (int n = 0; n < 60; ++n) {
+    EditCommand command = random.next();
+    if (command.kind == EditKind::kCut) continue;
+    command.radius_m = std::min(command.radius_m, 6e-3);
+    const Editor::Outcome outcome = editor.apply(std::span(&command, 1), &target);
+    editor.settle();
+    if (!outcome.window_gathered) continue;
+    ++gathered;
+    state.window.run(box, anew);
+    ASSERT_EQ(std::memcmp(edited.mapped(), anew.mapped(), bytes), 0) << editName(command.kind) << " at " << n;
+  }
+  EXPECT_GT(gathered, 15);
+  EditCommand far = brush(EditKind::kPaint, volume, {88, 60, 60}, 3e-3);
+  far.value = 100;
+  EXPECT_FALSE(editor.apply(std::span(&far, 1), &target).window_gathered);
+}
 
 }  // namespace
 }  // namespace palpate
