@@ -206,6 +206,16 @@ VoxelBox reachedBox(const layout::EditCommand& c, const BrickGrid& grid) {
   return strokeBox(c, grid, pointA(c), pointA(c) + pointAB(c), static_cast<double>(c.reach) + margin_m(c, grid));
 }
 
+bool mayCross(const layout::EditCommand& c, const BrickGrid& grid, std::uint32_t index) {
+  if (c.kind != EDIT_ADD && c.kind != EDIT_REMOVE && c.kind != EDIT_CUT) return true;
+  const double margin = margin_m(c, grid);
+  // Where a margin's worth of ramp is lost in the isovalue's rounding, nothing is sure.
+  if (static_cast<double>(c.slope) * margin < 1e-5 * std::abs(static_cast<double>(c.isovalue))) return true;
+  const LocalBox box = boxOfBrick(c, grid, grid.brick(index));
+  if (c.kind == EDIT_CUT) return heights(c, box).second >= -margin;
+  return distanceFrom(c, box.middle) <= static_cast<double>(c.radius) + box.half_diagonal + margin;
+}
+
 std::optional<float> uniformResult(const layout::EditCommand& c, const BrickGrid& grid, std::uint32_t index,
                                    float density) {
   if (leavesAlone(c, density)) return density;

@@ -35,6 +35,10 @@ struct VoxelBox {
 // Box around all that the command can change, cut to the domain.
 [[nodiscard]] VoxelBox reachedBox(const layout::EditCommand& command, const BrickGrid& grid);
 
+// Whether the command may move a voxel of a reached brick across the isovalue: what a ramp does outside its surface, it
+// does on one side of the isovalue.
+[[nodiscard]] bool mayCross(const layout::EditCommand& command, const BrickGrid& grid, std::uint32_t brick);
+
 // The one density that a brick which holds `density` everywhere holds after the command, if that is certain.
 [[nodiscard]] std::optional<float> uniformResult(const layout::EditCommand& command, const BrickGrid& grid,
                                                  std::uint32_t brick, float density);

@@ -79,6 +79,11 @@ std::uint32_t BrickPool::store(std::size_t brick) {
   return pages_[brick].slot;
 }
 
+void BrickPool::empty(std::size_t brick) {
+  slabs_->release(pages_[brick].slot);
+  pages_[brick] = {NO_SLOT, 0.0F};
+}
+
 void BrickPool::makeConstant(std::size_t brick, float value) {
   if (pages_[brick].slot != NO_SLOT) slabs_->release(pages_[brick].slot);
   pages_[brick] = {NO_SLOT, value};

@@ -52,6 +52,9 @@ class BrickPool {
   std::uint32_t store(std::size_t brick);
   // Frees the slot of a brick, if it has one, and makes it constant; its page on the GPU is stale from then on.
   void makeConstant(std::size_t brick, float value);
+  // Frees the slot of a stored brick, which is constant from then on; its page on the GPU is the caller's to write. The
+  // slot may be taken again at once, so nothing recorded before that page may read the brick.
+  void empty(std::size_t brick);
   // Changes the value of a constant brick; its page on the GPU is the caller's to write.
   void setConstant(std::size_t brick, float value) noexcept { pages_[brick].constant = value; }
   // The bricks whose pages on the GPU lag behind, since the last call. The caller records their writing before the next

@@ -42,7 +42,8 @@ EditPass::EditPass(gpu::Gpu& gpu, const BrickPool& pool)
       commit_(plainKernel(gpu, "brick_commit", COMMIT_BINDINGS, sizeof(layout::CommitPush), {})),
       tasks_(gpu, "edit tasks", 1024),
       commands_(gpu, "edit commands", 16),
-      stamps_(gpu, "stamps", 16) {}
+      stamps_(gpu, "stamps", 16),
+      given_(gpu, "given bricks", kBrickVoxels) {}
 
 void EditPass::fit(std::span<const EditPhase> phases, const LoweredEdits& edits, std::size_t more_tasks) {
   std::size_t aside = 0;
@@ -129,9 +130,14 @@ void EditPass::recordStencil(gpu::Commands& commands, const EditPhase& phase, st
   commands.dispatch(stencilKernel(phase.kind), poolBindings(pool_, {&tasks_.buffer(), &commands_.buffer(), &*aside_}),
                     gpu::pushBytes(pushFor(phase, first_task, count)), gpu::Groups::folded(count, GROUPS_PER_ROW));
   commands.barrier();
+  recordCommit(commands, phase, first_task, *aside_);
+}
+
+void EditPass::recordCommit(gpu::Commands& commands, const EditPhase& phase, std::uint32_t first_task,
+                            const gpu::Buffer& aside) {
   for (const SlabRange& range : slabRanges(phase, first_task)) {
     const layout::CommitPush push{range.first, range.count, range.first - first_task};
-    const gpu::Buffer* buffers[COMMIT_BINDINGS] = {&pool_.pages(), &pool_.slab(range.slab), &tasks_.buffer(), &*aside_};
+    const gpu::Buffer* buffers[COMMIT_BINDINGS] = {&pool_.pages(), &pool_.slab(range.slab), &tasks_.buffer(), &aside};
     commands.dispatch(commit_, buffers, gpu::pushBytes(push), gpu::Groups::folded(range.count, GROUPS_PER_ROW));
   }
 }
@@ -140,7 +146,13 @@ void EditPass::record(gpu::Commands& commands, std::span<const EditPhase> phases
   std::uint32_t first_task = 0;
   for (const EditPhase& phase : phases) {
     if (phase.tasks.empty()) continue;
-    phase.stencil() ? recordStencil(commands, phase, first_task) : recordPointwise(commands, phase, first_task);
+    if (phase.given) {
+      recordCommit(commands, phase, first_task, given_.buffer());
+    } else if (phase.stencil()) {
+      recordStencil(commands, phase, first_task);
+    } else {
+      recordPointwise(commands, phase, first_task);
+    }
     commands.barrier();
     first_task += static_cast<std::uint32_t>(phase.tasks.size());
   }

@@ -20,6 +20,7 @@ namespace palpate {
 // Commands that can run in one go: any number of one kind that reads no neighbours, or one command that does.
 struct EditPhase {
   layout::uint kind = EDIT_KINDS;  // EDIT_KINDS: no commands, only pages to write
+  bool given = false;              // no commands: the densities of the tasks' bricks are handed over
   std::uint32_t first_command = 0;
   std::uint32_t command_count = 0;
   std::vector<layout::EditTask> tasks;  // each brick once
@@ -36,6 +37,9 @@ class EditPass {
   void fit(std::span<const EditPhase> phases, const LoweredEdits& edits, std::size_t more_tasks);
   // Hands phases and commands to the kernels; tasks are put in the order of their slabs. Not while work is submitted.
   void write(std::vector<EditPhase>& phases, const LoweredEdits& edits);
+  // Room for the densities of a given phase's bricks, which the caller fills after write(), in the order of its tasks.
+  void fitGiven(std::size_t bricks) { given_.fit(bricks * kBrickVoxels); }
+  [[nodiscard]] HostList<float>& given() noexcept { return given_; }
   // What write() got last; every phase is followed by a barrier.
   void record(gpu::Commands& commands, std::span<const EditPhase> phases);
   [[nodiscard]] static std::uint32_t dispatches(std::span<const EditPhase> phases) noexcept;  // at most
@@ -47,6 +51,8 @@ class EditPass {
     std::uint32_t count = 0;
   };
   void recordPointwise(gpu::Commands& commands, const EditPhase& phase, std::uint32_t first_task);
+  void recordCommit(gpu::Commands& commands, const EditPhase& phase, std::uint32_t first_task,
+                    const gpu::Buffer& aside);
   void recordStencil(gpu::Commands& commands, const EditPhase& phase, std::uint32_t first_task);
   [[nodiscard]] layout::EditPush pushFor(const EditPhase& phase, std::uint32_t first, std::uint32_t count) const;
   [[nodiscard]] const gpu::Kernel& pointwiseKernel(layout::uint kind);
@@ -63,6 +69,7 @@ class EditPass {
   HostList<layout::EditTask> tasks_;
   HostList<layout::EditCommand> commands_;
   HostList<float> stamps_;
+  HostList<float> given_;
   std::optional<gpu::Buffer> aside_;  // bricks that a stencil wrote
 };
 

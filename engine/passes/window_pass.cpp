@@ -35,7 +35,9 @@ WindowPass::WindowPass(gpu::Gpu& gpu, const BrickPool& pool, const SampleStore& 
 
 void WindowPass::run(const WindowBox& box, const gpu::Buffer& window) {
   std::vector<layout::BrickTask> list;
-  const std::vector<TaskRange> ranges = tasksOf(box, [](std::size_t) { return false; }).moveTo(list);
+  const std::vector<TaskRange> ranges = tasksOf(
+                                            box, [](std::size_t) { return true; }, [](std::size_t) { return false; })
+                                            .moveTo(list);
   commands_.begin();
   tasks_.write(list);
   record(commands_, box, tasks_.buffer(), ranges, {}, window);

@@ -33,10 +33,10 @@ class WindowPass {
   // Fills `window` (kHost memory of at least the box's samples); blocks. Lavapipe: about half a millisecond.
   void run(const WindowBox& box, const gpu::Buffer& window);
 
-  // The same as part of other work: the bricks of a box, for a list of tasks; and what gathers them. `if_active` says
-  // of which bricks the kernel must ask whether they have samples.
-  template <typename IfActive>
-  [[nodiscard]] BrickTasks tasksOf(const WindowBox& box, const IfActive& if_active) const;
+  // The same as part of other work: the `wanted` bricks of a box, for a list of tasks; and what gathers them.
+  // `if_active` says of which bricks the kernel must ask whether they have samples.
+  template <typename Wanted, typename IfActive>
+  [[nodiscard]] BrickTasks tasksOf(const WindowBox& box, const Wanted& wanted, const IfActive& if_active) const;
   void record(gpu::Commands& commands, const WindowBox& box, const gpu::Buffer& tasks,
               std::span<const TaskRange> ranges, const ActiveTest& test, const gpu::Buffer& window);
 
@@ -52,8 +52,8 @@ class WindowPass {
   gpu::Commands commands_;
 };
 
-template <typename IfActive>
-BrickTasks WindowPass::tasksOf(const WindowBox& box, const IfActive& if_active) const {
+template <typename Wanted, typename IfActive>
+BrickTasks WindowPass::tasksOf(const WindowBox& box, const Wanted& wanted, const IfActive& if_active) const {
   BrickTasks tasks;
   const Vec3i counts = pool_.brickCounts();
   const Vec3i low = box.first / kBrickSize;
@@ -62,6 +62,7 @@ BrickTasks WindowPass::tasksOf(const WindowBox& box, const IfActive& if_active) 
     for (int y = low.y(); y <= high.y(); ++y) {
       for (int x = low.x(); x <= high.x(); ++x) {
         const std::size_t brick = (static_cast<std::size_t>(z) * counts.y() + y) * counts.x() + x;
+        if (!wanted(brick)) continue;
         tasks.add(static_cast<std::uint32_t>(brick), store_.place(brick), store_.has(brick) && if_active(brick));
       }
     }

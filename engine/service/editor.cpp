@@ -4,8 +4,14 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <cstring>
 #include <unordered_set>
+
+#include <fmt/format.h>
+
+#include "base/error.hpp"
+#include "servo/window/sample_window.hpp"
 
 namespace palpate {
 namespace {
@@ -55,7 +61,8 @@ std::vector<EditPhase> phasesOf(const LoweredEdits& edits) {
   std::vector<EditPhase> phases;
   for (std::uint32_t i = 0; i < edits.commands.size(); ++i) {
     const layout::uint kind = edits.commands[i].kind;
-    if (phases.empty() || phases.back().kind != kind || phases.back().stencil()) phases.push_back({kind, i, 0, {}});
+    if (phases.empty() || phases.back().kind != kind || phases.back().stencil())
+      phases.push_back({kind, false, i, 0, {}});
     ++phases.back().command_count;
   }
   return phases;
@@ -151,6 +158,9 @@ void Editor::planPhase(Plan& plan, EditPhase& phase) const {
       if (!part.empty()) state.changed = hull(state.changed, part);
     }
     if (state.changed.empty()) state.changed = whole;
+    for (std::uint32_t i = 0; i < phase.command_count; ++i) {
+      if (mayCross(plan.edits.commands[phase.first_command + i], grid_, brick)) state.may_cross = true;
+    }
     phase.tasks.push_back(task);
     states.emplace_back(brick, state);
   }
@@ -158,15 +168,18 @@ void Editor::planPhase(Plan& plan, EditPhase& phase) const {
 }
 
 void Editor::planReach(Plan& plan) const {
+  std::vector<std::uint32_t> crossable;  // bricks whose cells the isosurface may cross from now on, or no longer
   for (const auto& [brick, state] : plan.touched) {
     appendReached(grid_, state.changed, kBoundsReach, plan.rebounded);
     appendReached(grid_, state.changed, kGradientReach, plan.regraded);
+    if (state.may_cross) appendReached(grid_, state.changed, kBoundsReach, crossable);
     plan.new_bricks += state.is_new ? 1 : 0;
   }
+  sortUnique(crossable);
   sortUnique(plan.rebounded);
   sortUnique(plan.regraded);
   if (all_samples_) return;
-  for (const std::uint32_t brick : plan.rebounded) {
+  for (const std::uint32_t brick : crossable) {
     forEachCorner(grid_, grid_.brick(brick), 1, [&](std::uint32_t other) { plan.unsettled.push_back(other); });
   }
   sortUnique(plan.unsettled);
@@ -186,11 +199,46 @@ Editor::Plan Editor::makePlan(std::span<const EditCommand> commands) const {
   return plan;
 }
 
+// A phase that writes pages of bricks that are given one value, and one that puts densities in place.
+Editor::Plan Editor::makePlan(std::span<const BrickContent> bricks) const {
+  Plan plan;
+  EditPhase pages;
+  EditPhase given;
+  given.given = true;
+  for (const BrickContent& content : bricks) {
+    const bool is_constant = content.values.size() == 1;
+    const bool known = content.brick < parts_.pool.brickCount() && !plan.touched.contains(content.brick);
+    const bool finite =
+        std::all_of(content.values.begin(), content.values.end(), [](float v) { return std::isfinite(v); });
+    if (!known || !finite || (!is_constant && content.values.size() != kBrickVoxels)) {
+      throw Error(Error::Code::kBadInput, fmt::format("brick {}", content.brick),
+                  "it is not in the volume, comes twice, or has other than 1 or 512 finite densities",
+                  "give each brick of the volume at most once");
+    }
+    const layout::BrickPage& page = parts_.pool.page(content.brick);
+    const bool was_constant = page.slot == NO_SLOT;
+    if (is_constant && was_constant && sameBits(page.constant, content.values[0])) continue;
+    Touched state{!is_constant, !is_constant && was_constant, is_constant ? content.values[0] : 0.0F,
+                  boxOf(grid_, content.brick), true};
+    if (is_constant) {
+      pages.tasks.push_back({content.brick, NO_SLOT, 0, content.values[0]});
+      if (!was_constant) plan.emptied.push_back(content.brick);
+    } else {
+      given.tasks.push_back({content.brick, 0, was_constant ? 1U : 0U, page.constant});
+    }
+    plan.touched[content.brick] = state;
+  }
+  plan.phases = {std::move(pages), std::move(given)};
+  planReach(plan);
+  return plan;
+}
+
 // Everything that may fail comes first; then slots are handed out.
 void Editor::makeRoom(Plan& plan) {
   parts_.pool.reserve(plan.new_bricks);
   parts_.store.reserve(plan.newly.size());
   edit_.fit(plan.phases, plan.edits, parts_.pool.stalePages());
+  if (plan.phases.back().given) edit_.fitGiven(plan.phases.back().tasks.size());
   tasks_.fit(plan.regraded.size() + plan.newly.size() + WindowPass::kMaxTasks);
   bound_tasks_.fit(plan.rebounded.size());
   bound_results_.fit(plan.rebounded.size());
@@ -204,6 +252,7 @@ void Editor::makeRoom(Plan& plan) {
   }
 
   writeStalePages(plan);
+  for (const std::uint32_t brick : plan.emptied) parts_.pool.empty(brick);
   for (const auto& [brick, state] : plan.touched) {
     if (state.is_new) parts_.pool.store(brick);
     if (!state.stored) parts_.pool.setConstant(brick, state.constant);
@@ -251,10 +300,19 @@ void Editor::record(Plan& plan, const WindowTarget* target, Outcome& outcome) {
   std::vector<TaskRange> window_ranges;
   outcome.window_gathered = target != nullptr && reachesWindow(plan, target->box);
   if (outcome.window_gathered) {
-    const auto unsure = [&](std::size_t brick) {
-      return std::binary_search(plan.unsettled.begin(), plan.unsettled.end(), static_cast<std::uint32_t>(brick));
+    const auto among = [](const std::vector<std::uint32_t>& bricks, std::size_t brick) {
+      return std::binary_search(bricks.begin(), bricks.end(), static_cast<std::uint32_t>(brick));
     };
-    window_ranges = parts_.window.tasksOf(target->box, unsure).moveTo(list);
+    const auto unsure = [&](std::size_t brick) { return among(plan.unsettled, brick); };
+    const auto stale = [&](std::size_t brick) {
+      return target->previous == nullptr || unsure(brick) || among(plan.regraded, brick) ||
+             plan.touched.contains(static_cast<std::uint32_t>(brick));
+    };
+    window_ranges = parts_.window.tasksOf(target->box, stale, unsure).moveTo(list);
+    if (target->previous != nullptr) {
+      const auto samples = static_cast<std::size_t>(target->box.size.prod());
+      std::memcpy(target->buffer->mapped(), target->previous->mapped(), samples * sizeof(Sample));
+    }
   }
   std::vector<layout::BrickTask> bounds_list;
   for (const std::uint32_t brick : plan.rebounded) bounds_list.push_back({brick, NO_SLOT});
@@ -296,15 +354,28 @@ void Editor::downloadTouched() {
 Editor::Outcome Editor::apply(std::span<const EditCommand> commands, const WindowTarget* target) {
   settle();
   const auto start = Clock::now();
-  Outcome outcome;
   Plan plan = makePlan(commands);
+  return run(plan, target, {}, secondsSince(start));
+}
+
+Editor::Outcome Editor::replace(std::span<const BrickContent> bricks, const WindowTarget* target) {
+  settle();
+  const auto start = Clock::now();
+  Plan plan = makePlan(bricks);
+  return run(plan, target, bricks, secondsSince(start));
+}
+
+Editor::Outcome Editor::run(Plan& plan, const WindowTarget* target, std::span<const BrickContent> given,
+                            double planned_s) {
+  Outcome outcome;
   outcome.changed_bricks = plan.touched.size();
   if (plan.touched.empty()) {  // nothing within reach that the commands would change
     outcome.version = ++version_;
     return outcome;
   }
+  const auto making_room = Clock::now();
   makeRoom(plan);
-  outcome.stages.push_back({"plan", secondsSince(start)});
+  outcome.stages.push_back({"plan", planned_s + secondsSince(making_room)});
 
   const auto recording = Clock::now();
   stored_.clear();
@@ -313,6 +384,7 @@ Editor::Outcome Editor::apply(std::span<const EditCommand> commands, const Windo
     noteChanged(brick);
   }
   record(plan, target, outcome);
+  handOver(plan, given);
   downloadTouched();
   outcome.stages.push_back({"record", secondsSince(recording)});
 
@@ -325,6 +397,32 @@ Editor::Outcome Editor::apply(std::span<const EditCommand> commands, const Windo
   settled_ = false;
   outcome.version = ++version_;
   return outcome;
+}
+
+// Tasks were sorted by their slabs, so the densities follow them.
+void Editor::handOver(const Plan& plan, std::span<const BrickContent> given) {
+  if (given.empty()) return;
+  std::unordered_map<std::uint32_t, const BrickContent*> by_brick;
+  for (const BrickContent& content : given) by_brick[content.brick] = &content;
+  std::vector<float> values;
+  for (const layout::EditTask& task : plan.phases.back().tasks) {
+    const std::vector<float>& from = by_brick.at(task.brick)->values;
+    values.insert(values.end(), from.begin(), from.end());
+  }
+  edit_.given().write(values);
+}
+
+Editor::BrickContent Editor::content(std::uint32_t brick) const {
+  BrickContent content{brick, std::vector<float>(kBrickVoxels)};
+  if (parts_.pool.readBrick(parts_.transfer, brick, content.values.data())) content.values.resize(1);
+  return content;
+}
+
+std::vector<std::uint32_t> Editor::bricksToChange(std::span<const EditCommand> commands) const {
+  std::vector<std::uint32_t> bricks;
+  for (const auto& [brick, state] : makePlan(commands).touched) bricks.push_back(brick);
+  sortUnique(bricks);
+  return bricks;
 }
 
 bool Editor::isActive(std::uint32_t brick) const {

@@ -48,7 +48,8 @@ class Editor {
 
   struct WindowTarget {
     WindowBox box;
-    const gpu::Buffer* buffer = nullptr;
+    const gpu::Buffer* buffer = nullptr;    // kHost memory, filled where the edit reaches the box
+    const gpu::Buffer* previous = nullptr;  // the same box before this edit, to copy what stays; null: all is gathered
   };
   struct Outcome {
     std::uint64_t version = 0;        // counts edits from 1
@@ -61,7 +62,21 @@ class Editor {
   // GPU is done. Throws Error(kBadInput) as lowerEdits does and Error(kOutOfMemory) where there is no room; then
   // nothing has changed and the editor goes on working.
   Outcome apply(std::span<const EditCommand> commands, const WindowTarget* target);
-  // Once after every apply(), when the window is out.
+  // Puts whole bricks back, as undo and replay do; each brick once, linear page indices (grid()). Counts as an edit;
+  // for all else as apply(). Refuses (Error kBadInput) a brick that is not there or comes twice, and densities that are
+  // no finite numbers.
+  struct BrickContent {
+    std::uint32_t brick = 0;
+    std::vector<float> values;  // 512, i fastest, voxels outside the domain as Volume::readBrick gives them; or one
+  };
+  Outcome replace(std::span<const BrickContent> bricks, const WindowTarget* target);
+  [[nodiscard]] const BrickGrid& grid() const noexcept { return grid_; }
+  // What a brick holds now, in that form. After settle().
+  [[nodiscard]] BrickContent content(std::uint32_t brick) const;
+  // The bricks that apply() would change, ascending: what a history must keep. Throws as lowerEdits does.
+  [[nodiscard]] std::vector<std::uint32_t> bricksToChange(std::span<const EditCommand> commands) const;
+
+  // Once after every apply() or replace(), when the window is out.
   void settle();
 
   // Writes every brick that has changed since the last call into `volume`; returns how many. After settle().
@@ -77,10 +92,11 @@ class Editor {
  private:
   // A brick that the commands of one apply() may change.
   struct Touched {
-    bool stored = false;  // has, or will have, a slot
-    bool is_new = false;  // will get one
-    float constant = 0;   // if it is not stored
-    VoxelBox changed;     // voxels that may change
+    bool stored = false;     // has, or will have, a slot
+    bool is_new = false;     // will get one
+    float constant = 0;      // if it is not stored
+    VoxelBox changed;        // voxels that may change
+    bool may_cross = false;  // some may change sides of the isovalue
   };
   struct Plan {
     LoweredEdits edits;
@@ -90,15 +106,19 @@ class Editor {
     std::vector<std::uint32_t> unsettled;  // bricks that may become active or cease to be
     std::vector<std::uint32_t> newly;      // of those, without samples until now
     std::vector<std::uint32_t> regraded;   // bricks with samples whose gradients may change
+    std::vector<std::uint32_t> emptied;    // stored bricks that are given one value
     std::size_t new_bricks = 0;
   };
 
   [[nodiscard]] Plan makePlan(std::span<const EditCommand> commands) const;
+  [[nodiscard]] Plan makePlan(std::span<const BrickContent> bricks) const;
   void planPhase(Plan& plan, EditPhase& phase) const;
   [[nodiscard]] std::optional<float> stillConstant(const Plan& plan, const EditPhase& phase, std::uint32_t brick,
                                                    float density) const;
   [[nodiscard]] std::optional<float> constantOf(const Plan& plan, std::uint32_t brick) const;
   void planReach(Plan& plan) const;
+  Outcome run(Plan& plan, const WindowTarget* target, std::span<const BrickContent> given, double planned_s);
+  void handOver(const Plan& plan, std::span<const BrickContent> given);
   void makeRoom(Plan& plan);
   void writeStalePages(Plan& plan);
   void record(Plan& plan, const WindowTarget* target, Outcome& outcome);

@@ -93,6 +93,7 @@ void Engine::publishBox(const WindowBox& box, std::int64_t now_ns) {
   }
   window.edit_version = editVersion();
   window.stamp_ns = now_ns;
+  published_slot_ = exchange_->backIndex();
   exchange_->publish();
   published_ = box;
 }
@@ -102,14 +103,16 @@ void Engine::allowEdits(const BrushProfile& profile) {
   stage("edit set-up", [&] { editor_ = std::make_unique<Editor>(parts, profile, gradient_all_); });
 }
 
-Engine::EditResult Engine::edit(std::span<const EditCommand> commands, std::int64_t now_ns) {
+// `change` gets the window to gather, or null, and returns the editor's outcome.
+template <typename Change>
+Engine::EditResult Engine::change(std::int64_t now_ns, const Change& change) {
   if (!editor_) {
     throw Error(Error::Code::kBadInput, "edit", "edits were not allowed when the engine was made",
                 "this is a fault of Palpate: please report it");
   }
   std::optional<Editor::WindowTarget> target;
-  if (published_) target = {*published_, &window_buffers_[exchange_->backIndex()]};
-  Editor::Outcome outcome = editor_->apply(commands, target ? &*target : nullptr);
+  if (published_) target = {*published_, &window_buffers_[exchange_->backIndex()], &window_buffers_[published_slot_]};
+  Editor::Outcome outcome = change(target ? &*target : nullptr);
   const auto time = [&](const char* name, auto work) {
     const auto start = std::chrono::steady_clock::now();
     work();
@@ -119,6 +122,14 @@ Engine::EditResult Engine::edit(std::span<const EditCommand> commands, std::int6
   time("settle", [&] { editor_->settle(); });
   return {outcome.version, outcome.window_gathered, outcome.changed_bricks, outcome.gradient_bricks,
           std::move(outcome.stages)};
+}
+
+Engine::EditResult Engine::edit(std::span<const EditCommand> commands, std::int64_t now_ns) {
+  return change(now_ns, [&](const Editor::WindowTarget* target) { return editor_->apply(commands, target); });
+}
+
+Engine::EditResult Engine::replace(std::span<const Editor::BrickContent> bricks, std::int64_t now_ns) {
+  return change(now_ns, [&](const Editor::WindowTarget* target) { return editor_->replace(bricks, target); });
 }
 
 std::size_t Engine::readBack(Volume& volume) {

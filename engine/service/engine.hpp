@@ -57,6 +57,9 @@ class Engine {
   // Applies edit commands in their order (engine/service/editor.hpp) and publishes the last window's box anew if they
   // reach it. Throws as Editor::apply does; then nothing has changed.
   EditResult edit(std::span<const EditCommand> commands, std::int64_t now_ns);
+  // The same with whole bricks, for undo and replay (Editor::replace).
+  EditResult replace(std::span<const Editor::BrickContent> bricks, std::int64_t now_ns);
+  [[nodiscard]] const Editor& editor() const noexcept { return *editor_; }  // once edits are allowed
   void timeKernels(bool on) { editor_->timeKernels(on); }
   // Brings the bricks that edits changed back into the volume; returns how many. For idle moments.
   std::size_t readBack(Volume& volume);
@@ -75,6 +78,8 @@ class Engine {
   void stage(const char* name, Work work);
   void computeGradients(const Plan& plan);
   void makeWindows();
+  template <typename Change>
+  EditResult change(std::int64_t now_ns, const Change& change);
   void publishBox(const WindowBox& box, std::int64_t now_ns);  // whose samples are gathered
 
   double isovalue_;
@@ -91,6 +96,7 @@ class Engine {
   std::vector<gpu::Buffer> window_buffers_;  // three, mapped: the exchange's storages
   std::unique_ptr<WindowExchange> exchange_;
   std::optional<WindowBox> published_;  // where the newest window lies
+  unsigned published_slot_ = 0;         // and in which buffer
   std::unique_ptr<Editor> editor_;      // once edits are allowed
 };
 

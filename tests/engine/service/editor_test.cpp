@@ -306,26 +306,106 @@ TEST(Editor, GathersTheWindowThatANewGatherGives) {
   Editor editor(state.parts(gpu), profileOf(volume), false);
   const WindowBox box{{25, 13, 17}, {32, 32, 32}};
   const std::size_t bytes = 32768 * sizeof(Sample);
-  const gpu::Buffer edited(gpu, "window", bytes, gpu::MemoryKind::kHost);
+  const gpu::Buffer first(gpu, "window", bytes, gpu::MemoryKind::kHost);
+  const gpu::Buffer second(gpu, "window", bytes, gpu::MemoryKind::kHost);
   const gpu::Buffer anew(gpu, "window", bytes, gpu::MemoryKind::kHost);
-  const Editor::WindowTarget target{box, &edited};
+  // Every other edit knows the window before it, and copies from that what stays.
+  const gpu::Buffer* newest = &first;
+  state.window.run(box, first);
   RandomEdits random(volume.size(), volume.lattice(), -120, 220, 9);
   int gathered = 0;
   for (int n = 0; n < 60; ++n) {
     EditCommand command = random.next();
     if (command.kind == EditKind::kCut) continue;
     command.radius_m = std::min(command.radius_m, 6e-3);
+    const gpu::Buffer* next = newest == &first ? &second : &first;
+    const Editor::WindowTarget target{box, next, gathered % 2 == 0 ? newest : nullptr};
     const Editor::Outcome outcome = editor.apply(std::span(&command, 1), &target);
     editor.settle();
     if (!outcome.window_gathered) continue;
     ++gathered;
+    newest = next;
     state.window.run(box, anew);
-    ASSERT_EQ(std::memcmp(edited.mapped(), anew.mapped(), bytes), 0) << editName(command.kind) << " at " << n;
+    ASSERT_EQ(std::memcmp(newest->mapped(), anew.mapped(), bytes), 0) << editName(command.kind) << " at " << n;
   }
   EXPECT_GT(gathered, 15);
   EditCommand far = brush(EditKind::kPaint, volume, {88, 60, 60}, 3e-3);
   far.value = 100;
+  const Editor::WindowTarget target{box, newest};
   EXPECT_FALSE(editor.apply(std::span(&far, 1), &target).window_gathered);
+}
+
+// Undo: the bricks that an edit will change are kept, and put back afterwards. All is as it was, storage included.
+TEST(Editor, PutsBricksBack) {
+  Volume volume = ball({53, 41, 37}, 12);
+  gpu::Gpu gpu({});
+  State state(gpu, volume, false);
+  State before(gpu, volume, false);
+  Editor editor(state.parts(gpu), profileOf(volume), false);
+  RandomEdits random(volume.size(), volume.lattice(), -120, 220, 21);
+  std::vector<std::vector<Editor::BrickContent>> kept;
+  for (int n = 0; n < 40; ++n) {
+    const std::vector<EditCommand> commands = {random.next(), random.next()};
+    kept.emplace_back();
+    for (const std::uint32_t brick : editor.bricksToChange(commands)) kept.back().push_back(editor.content(brick));
+    EXPECT_EQ(editor.apply(commands, nullptr).changed_bricks, kept.back().size());
+    editor.settle();
+  }
+  for (; !kept.empty(); kept.pop_back()) {
+    editor.replace(kept.back(), nullptr);
+    editor.settle();
+  }
+  EXPECT_EQ(editor.version(), 80U);
+  expectSame(state, before);
+  EXPECT_GT(editor.readBack(volume), 10U);
+  State after(gpu, volume, false);
+  expectSame(after, before);
+}
+
+TEST(Editor, RefusesBricksThatAreNone) {
+  Volume volume = ball({40, 40, 40}, 12);
+  gpu::Gpu gpu({});
+  State state(gpu, volume, false);
+  Editor editor(state.parts(gpu), profileOf(volume), false);
+  const std::vector<float> one = {5};
+  const std::vector<float> few(17, 5.0F);
+  const std::vector<float> nan = {std::numeric_limits<float>::quiet_NaN()};
+  using Bricks = std::vector<Editor::BrickContent>;
+  for (const Bricks& bricks : {Bricks{{125, one}}, Bricks{{3, one}, {3, one}}, Bricks{{3, few}}, Bricks{{3, nan}}})
+    EXPECT_THROW(editor.replace(bricks, nullptr), Error);
+  EXPECT_EQ(editor.version(), 0U);
+}
+
+// The volume fills its first slab of 65536 bricks but for a few: edits begin a second one, and every kernel that reads
+// the pool is built anew for several.
+TEST(Editor, CrossesIntoASecondSlab) {
+  const Vec3i size(512, 512, 136);
+  int stored = 0;
+  Volume volume = Volume::fromBricks(size, lattice(), {}, [&](const Vec3i& brick, float* values) {
+    std::fill_n(values, kBrickVoxels, -100.0F);
+    if (brick.z() > 0 && stored < 65530) {
+      values[stored % kBrickVoxels] = -99.0F;  // one voxel: stored, and far below the isovalue
+      ++stored;
+    }
+    return false;
+  });
+  ASSERT_EQ(volume.storedBricks(), 65530U);
+  gpu::Gpu gpu({});
+  State state(gpu, volume, false);
+  EXPECT_EQ(state.pool.slabCount(), 1U);
+  Editor editor(state.parts(gpu), profileOf(volume), false);
+  std::vector<EditCommand> commands;
+  for (const double i : {40.0, 200.0, 500.0}) commands.push_back(brush(EditKind::kAdd, volume, {i, 300, 6}, 9e-3));
+  commands.push_back(brush(EditKind::kSmooth, volume, {200, 300, 9}, 9e-3));
+  commands.push_back(brush(EditKind::kRemove, volume, {42, 302, 7}, 5e-3));
+  for (const EditCommand& command : commands) {
+    editor.apply(std::span(&command, 1), nullptr);
+    editor.settle();
+  }
+  EXPECT_EQ(state.pool.slabCount(), 2U);
+  editor.readBack(volume);
+  State fresh(gpu, volume, false);
+  expectSame(state, fresh);
 }
 
 }  // namespace
