@@ -103,10 +103,9 @@ std::vector<EditPass::SlabRange> EditPass::slabRanges(const EditPhase& phase, st
   return ranges;
 }
 
-std::uint32_t EditPass::dispatches(std::span<const EditPhase> phases) noexcept {
-  std::uint32_t count = 0;
-  for (const EditPhase& phase : phases) count += phase.stencil() ? DENSITY_SLABS + 1 : DENSITY_SLABS;
-  return count;
+std::uint32_t EditPass::dispatches(std::span<const EditPhase> phases) const noexcept {
+  const auto slabs = static_cast<std::uint32_t>(pool_.slabCount());
+  return static_cast<std::uint32_t>(phases.size()) * (slabs + 1);
 }
 
 layout::EditPush EditPass::pushFor(const EditPhase& phase, std::uint32_t first, std::uint32_t count) const {

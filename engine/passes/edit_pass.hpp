@@ -42,7 +42,7 @@ class EditPass {
   [[nodiscard]] HostList<float>& given() noexcept { return given_; }
   // What write() got last; every phase is followed by a barrier.
   void record(gpu::Commands& commands, std::span<const EditPhase> phases);
-  [[nodiscard]] static std::uint32_t dispatches(std::span<const EditPhase> phases) noexcept;  // at most
+  [[nodiscard]] std::uint32_t dispatches(std::span<const EditPhase> phases) const noexcept;  // at most
 
  private:
   struct SlabRange {

@@ -49,7 +49,7 @@ void SlotSlabs::grow(std::size_t wanted_slots) {
                             static_cast<double>(budget_->used_bytes) / kBytesPerMiB,
                             static_cast<double>(wanted_slots * shape_.slot_bytes) / kBytesPerMiB,
                             static_cast<double>(budget_->limit_bytes) / kBytesPerMiB),
-                "nothing was changed; use a smaller brush or raise --gpu-memory");
+                "nothing was changed; raise --gpu-memory, or use a smaller brush or volume");
   }
   const std::size_t step = std::min<std::uint64_t>(std::max(wanted_slots, next_ == 0 ? 0 : capacity_), affordable);
   const std::size_t last = lastSlabSlots();

@@ -244,8 +244,9 @@ void Editor::makeRoom(Plan& plan) {
   bound_results_.fit(plan.rebounded.size());
   if (!parts_.transfer.reaches(parts_.pool.slab(0))) touched_values_.fit(plan.touched.size() * kBrickVoxels);
   const auto slabs = static_cast<std::uint32_t>(parts_.store.slabCount());
-  const std::uint32_t dispatches =
-      EditPass::dispatches(plan.phases) + DENSITY_SLABS + 1 + slabs + static_cast<std::uint32_t>(WindowPass::kMaxTasks);
+  // One phase more for pages; bounds; a range for each slab of gradients, and for the window.
+  const auto window = static_cast<std::uint32_t>(WindowPass::kMaxTasks);
+  const std::uint32_t dispatches = edit_.dispatches(plan.phases) + DENSITY_SLABS + 2 + slabs + std::min(slabs, window);
   if (dispatches > max_dispatches_) {
     commands_.emplace(parts_.gpu, "edit", 2 * dispatches);
     max_dispatches_ = 2 * dispatches;

@@ -408,5 +408,31 @@ TEST(Editor, CrossesIntoASecondSlab) {
   expectSame(state, fresh);
 }
 
+// 1024^3 voxels that are constant but for what edits store: 2^21 bricks cost a page and bounds of 8 bytes each on the
+// GPU, and no edit makes that more than by what it stores. (2048^3 is the same with eight times the pages.)
+TEST(Editor, KeepsASparseVolumeSparse) {
+  const Vec3i size = Vec3i::Constant(1024);
+  Volume volume = Volume::fromBricks(size, lattice(), {}, [](const Vec3i& brick, float* values) {
+    values[0] = brick.z() < 64 && brick.x() > 60 ? 200.0F : -100.0F;
+    return true;
+  });
+  gpu::Gpu gpu({});
+  State state(gpu, volume, false);
+  Editor editor(state.parts(gpu), profileOf(volume), false);
+  const std::uint64_t before = gpu.bytesInUse();
+  const std::uint64_t samples = state.store.bytes();
+  constexpr std::uint64_t kMiB = std::uint64_t{1} << 20U;
+  EXPECT_LE(before - samples, 2 * (std::uint64_t{1} << 24U) + 8 * kMiB);
+  for (const double i : {480.0, 500.0, 900.0}) {
+    EditCommand command = brush(EditKind::kRemove, volume, {i, 500, 505}, 12e-3);
+    command.to_W = volume.lattice().toWorld({i + 30, 520, 490});
+    EXPECT_LT(editor.apply(std::span(&command, 1), nullptr).changed_bricks, 1000U);
+    editor.settle();
+  }
+  EXPECT_LE(gpu.bytesInUse(), before + state.store.bytes() - samples + 8 * kMiB);
+  EXPECT_GT(editor.readBack(volume), 100U);
+  EXPECT_EQ(volume.storedBricks(), state.pool.storedBricks());
+}
+
 }  // namespace
 }  // namespace palpate
