@@ -19,32 +19,6 @@ float f(double value) {
   return static_cast<float>(value);
 }
 
-layout::uint layoutKind(EditKind kind) {
-  switch (kind) {
-    case EditKind::kAdd:
-      return EDIT_ADD;
-    case EditKind::kRemove:
-      return EDIT_REMOVE;
-    case EditKind::kPaint:
-      return EDIT_PAINT;
-    case EditKind::kFlatten:
-      return EDIT_FLATTEN;
-    case EditKind::kCut:
-      return EDIT_CUT;
-    case EditKind::kStampAdd:
-      return EDIT_STAMP_ADD;
-    case EditKind::kStampRemove:
-      return EDIT_STAMP_REMOVE;
-    case EditKind::kSmooth:
-      return EDIT_SMOOTH;
-    case EditKind::kInflate:
-      return EDIT_INFLATE;
-    case EditKind::kDeflate:
-      return EDIT_DEFLATE;
-  }
-  return EDIT_KINDS;
-}
-
 class Lowering {
  public:
   Lowering(const EditCommand& command, const Lattice& lattice, const BrushProfile& profile)
@@ -147,6 +121,32 @@ class Lowering {
 };
 
 }  // namespace
+
+layout::uint layoutKind(EditKind kind) noexcept {
+  switch (kind) {
+    case EditKind::kAdd:
+      return EDIT_ADD;
+    case EditKind::kRemove:
+      return EDIT_REMOVE;
+    case EditKind::kPaint:
+      return EDIT_PAINT;
+    case EditKind::kFlatten:
+      return EDIT_FLATTEN;
+    case EditKind::kCut:
+      return EDIT_CUT;
+    case EditKind::kStampAdd:
+      return EDIT_STAMP_ADD;
+    case EditKind::kStampRemove:
+      return EDIT_STAMP_REMOVE;
+    case EditKind::kSmooth:
+      return EDIT_SMOOTH;
+    case EditKind::kInflate:
+      return EDIT_INFLATE;
+    case EditKind::kDeflate:
+      return EDIT_DEFLATE;
+  }
+  return EDIT_KINDS;
+}
 
 LoweredEdits lowerEdits(std::span<const EditCommand> commands, const Vec3i& size, const Lattice& lattice,
                         const BrushProfile& profile) {

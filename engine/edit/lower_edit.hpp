@@ -23,6 +23,8 @@ inline constexpr std::size_t kMaxCommands = 4096;  // in one apply()
 [[nodiscard]] LoweredEdits lowerEdits(std::span<const EditCommand> commands, const Vec3i& size, const Lattice& lattice,
                                       const BrushProfile& profile);
 
+[[nodiscard]] layout::uint layoutKind(EditKind kind) noexcept;  // EDIT_...
+
 // What kernels and twin are handed beside the commands, rounded to float once.
 struct EditScale {
   std::array<float, 3> h;      // spacing [m]

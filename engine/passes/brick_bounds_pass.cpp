@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/passes/brick_bounds_pass.hpp"
 
+#include <algorithm>
 #include <span>
 
 namespace palpate {
@@ -32,7 +33,7 @@ void BrickBoundsPass::record(gpu::Commands& commands, const gpu::Buffer& tasks, 
                              const gpu::Buffer& results) {
   const layout::BoundsPush push{pool_.domain(), count, 1};
   commands.dispatch(listed_.get(), poolBindings(pool_, {&bounds_, &tasks, &results}), gpu::pushBytes(push),
-                    gpu::Groups::folded(groupsFor(count, BOUNDS_GROUP_LISTED), GROUPS_PER_ROW));
+                    gpu::Groups::folded(groupsFor(std::max(count, 1U), BOUNDS_GROUP_LISTED), GROUPS_PER_ROW));
 }
 
 std::vector<layout::BrickBounds> BrickBoundsPass::read(gpu::Transfer& transfer) const {

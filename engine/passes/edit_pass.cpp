@@ -141,6 +141,25 @@ void EditPass::recordCommit(gpu::Commands& commands, const EditPhase& phase, std
   }
 }
 
+void EditPass::recordIdle(gpu::Commands& commands, layout::uint kind) {
+  EditPhase phase;
+  phase.kind = kind;
+  if (!aside_) aside_ = gpu::Buffer(gpu_, "edited bricks", 64 * kBrickBytes, gpu::MemoryKind::kDevice);
+  const layout::EditPush push = pushFor(phase, 0, 0);
+  if (phase.stencil()) {
+    commands.dispatch(stencilKernel(kind), poolBindings(pool_, {&tasks_.buffer(), &commands_.buffer(), &*aside_}),
+                      gpu::pushBytes(push), {});
+  } else {
+    const gpu::Buffer* buffers[EDIT_BINDINGS] = {&pool_.pages(), &pool_.slab(0), &tasks_.buffer(), &commands_.buffer(),
+                                                 &stamps_.buffer()};
+    commands.dispatch(pointwiseKernel(kind), buffers, gpu::pushBytes(push), {});
+  }
+  commands.barrier();
+  const gpu::Buffer* buffers[COMMIT_BINDINGS] = {&pool_.pages(), &pool_.slab(0), &tasks_.buffer(), &*aside_};
+  commands.dispatch(commit_, buffers, gpu::pushBytes(layout::CommitPush{}), {});
+  commands.barrier();
+}
+
 void EditPass::record(gpu::Commands& commands, std::span<const EditPhase> phases) {
   std::uint32_t first_task = 0;
   for (const EditPhase& phase : phases) {

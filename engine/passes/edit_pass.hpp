@@ -40,6 +40,9 @@ class EditPass {
   // Room for the densities of a given phase's bricks, which the caller fills after write(), in the order of its tasks.
   void fitGiven(std::size_t bricks) { given_.fit(bricks * kBrickVoxels); }
   [[nodiscard]] HostList<float>& given() noexcept { return given_; }
+  // Runs the kernel of a kind, and the one that puts bricks in place, on no brick at all: drivers compile a kernel when
+  // it first runs, which takes some 50 ms that an edit should not wait for.
+  void recordIdle(gpu::Commands& commands, layout::uint kind);
   // What write() got last; every phase is followed by a barrier.
   void record(gpu::Commands& commands, std::span<const EditPhase> phases);
   [[nodiscard]] std::uint32_t dispatches(std::span<const EditPhase> phases) const noexcept;  // at most

@@ -94,6 +94,16 @@ Editor::Editor(const Parts& parts, const BrushProfile& profile, bool all_samples
 
 Editor::~Editor() = default;
 
+void Editor::prepare(std::span<const EditKind> kinds) {
+  for (const EditKind kind : kinds) {
+    commands_->timed(false);
+    commands_->begin();
+    edit_.recordIdle(*commands_, layoutKind(kind));
+    if (parts_.bounds != nullptr) parts_.bounds->record(*commands_, bound_tasks_.buffer(), 0, bound_results_.buffer());
+    commands_->run();
+  }
+}
+
 std::optional<float> Editor::constantOf(const Plan& plan, std::uint32_t brick) const {
   const auto found = plan.touched.find(brick);
   if (found != plan.touched.end()) return found->second.stored ? std::nullopt : std::optional(found->second.constant);

@@ -46,6 +46,10 @@ class Editor {
   Editor(const Parts& parts, const BrushProfile& profile, bool all_samples);
   ~Editor();
 
+  // Makes the kernels of these kinds ready, so that the first edit of a kind takes no longer than the next: up to 50 ms
+  // each where the driver has not seen them before.
+  void prepare(std::span<const EditKind> kinds);
+
   struct WindowTarget {
     WindowBox box;
     const gpu::Buffer* buffer = nullptr;    // kHost memory, filled where the edit reaches the box

@@ -98,9 +98,12 @@ void Engine::publishBox(const WindowBox& box, std::int64_t now_ns) {
   published_ = box;
 }
 
-void Engine::allowEdits(const BrushProfile& profile) {
+void Engine::allowEdits(const BrushProfile& profile, std::span<const EditKind> kinds) {
   const Editor::Parts parts{gpu_, transfer_, *pool_, *store_, bounds_.get(), *gradient_, *window_};
-  stage("edit set-up", [&] { editor_ = std::make_unique<Editor>(parts, profile, gradient_all_); });
+  stage("edit set-up", [&] {
+    editor_ = std::make_unique<Editor>(parts, profile, gradient_all_);
+    editor_->prepare(kinds);
+  });
 }
 
 // `change` gets the window to gather, or null, and returns the editor's outcome.

@@ -45,8 +45,9 @@ class Engine {
   // The same, around the place where this tool needs it (window_focus.hpp).
   bool publishFor(const ToolPose& tool, std::int64_t now_ns);
 
-  // Makes edits possible; once, before the first. Cost: kernels, and the bounds of every brick read back.
-  void allowEdits(const BrushProfile& profile);
+  // Makes edits possible; once, before the first. Cost: kernels, and the bounds of every brick read back. `kinds`:
+  // those whose kernels are to be ready, so that not even the first edit waits for the driver's compiler.
+  void allowEdits(const BrushProfile& profile, std::span<const EditKind> kinds = {});
   struct EditResult {
     std::uint64_t version = 0;  // of the volume: counts edits
     bool published = false;     // a window that holds it is out; otherwise it does not reach the last window

@@ -171,6 +171,22 @@ EditCommand brush(EditKind kind, const Volume& volume, const Vec3& p_L, double r
   return command;
 }
 
+// Every kind's kernel runs once before the first edit and changes nothing.
+TEST(Editor, MakesKernelsReadyWithoutChangingAnything) {
+  Volume volume = ball({40, 40, 40}, 12);
+  gpu::Gpu gpu({});
+  State state(gpu, volume, false);
+  Editor editor(state.parts(gpu), profileOf(volume), false);
+  std::vector<EditKind> kinds;
+  for (int kind = 0; kind < 10; ++kind) kinds.push_back(static_cast<EditKind>(kind));
+  editor.prepare(kinds);
+  EXPECT_EQ(editor.version(), 0U);
+  State fresh(gpu, volume, false);
+  expectSame(state, fresh);
+  EditCommand hole = brush(EditKind::kRemove, volume, {20, 20, 20}, 3e-3);
+  EXPECT_GT(editor.apply(std::span(&hole, 1), nullptr).changed_bricks, 0U);
+}
+
 // A volume of one density has no storage; a hole makes some, and filling it up again frees all of it.
 TEST(Editor, StoresWhatIsNotConstantAndFreesWhatBecomesSo) {
   const Vec3i size(64, 64, 64);
