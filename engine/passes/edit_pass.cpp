@@ -28,6 +28,15 @@ std::size_t taskCount(std::span<const EditPhase> phases) {
   return count;
 }
 
+// What a storage buffer binding is guaranteed to hold.
+constexpr std::size_t kMaxTasks = (std::size_t{128} << 20U) / sizeof(layout::EditTask);
+
+Error tooMany(std::size_t bricks, std::size_t most) {
+  return {Error::Code::kOutOfMemory, "edit",
+          fmt::format("it changes {} bricks at once and {} are the most; nothing was changed", bricks, most),
+          "use a smaller brush, or several edits"};
+}
+
 // Tasks that only write a page go with any slab.
 std::size_t slabOf(const layout::EditTask& task) {
   return task.slot == NO_SLOT ? 0 : BrickPool::place(task.slot).slab;
@@ -50,18 +59,21 @@ void EditPass::fit(std::span<const EditPhase> phases, const LoweredEdits& edits,
   for (const EditPhase& phase : phases) {
     if (phase.stencil()) aside = std::max(aside, phase.tasks.size());
   }
-  if (aside > BRICKS_PER_DENSITY_SLAB) {
-    throw Error(Error::Code::kOutOfMemory, "edit",
-                fmt::format("it changes {} bricks at once and {} are the most", aside, BRICKS_PER_DENSITY_SLAB),
-                "use a smaller brush");
-  }
-  tasks_.fit(taskCount(phases) + more_tasks);
+  const std::size_t tasks = taskCount(phases) + more_tasks;
+  if (aside > BRICKS_PER_DENSITY_SLAB) throw tooMany(aside, BRICKS_PER_DENSITY_SLAB);
+  if (tasks > kMaxTasks) throw tooMany(tasks, kMaxTasks);
+  tasks_.fit(tasks);
   commands_.fit(edits.commands.size());
   stamps_.fit(edits.stamps.size());
   if (aside > 0 && (!aside_ || aside_->bytes() < aside * kBrickBytes)) {
     const std::size_t bricks = std::min<std::size_t>(std::max<std::size_t>(2 * aside, 64), BRICKS_PER_DENSITY_SLAB);
     aside_ = gpu::Buffer(gpu_, "edited bricks", bricks * kBrickBytes, gpu::MemoryKind::kDevice);
   }
+}
+
+void EditPass::fitGiven(std::size_t bricks) {
+  if (bricks > BRICKS_PER_DENSITY_SLAB) throw tooMany(bricks, BRICKS_PER_DENSITY_SLAB);
+  given_.fit(bricks * kBrickVoxels);
 }
 
 void EditPass::write(std::vector<EditPhase>& phases, const LoweredEdits& edits) {

@@ -38,7 +38,8 @@ class EditPass {
   // Hands phases and commands to the kernels; tasks are put in the order of their slabs. Not while work is submitted.
   void write(std::vector<EditPhase>& phases, const LoweredEdits& edits);
   // Room for the densities of a given phase's bricks, which the caller fills after write(), in the order of its tasks.
-  void fitGiven(std::size_t bricks) { given_.fit(bricks * kBrickVoxels); }
+  // Throws Error(kOutOfMemory) for more than fit into one binding, 65536.
+  void fitGiven(std::size_t bricks);
   [[nodiscard]] HostList<float>& given() noexcept { return given_; }
   // Runs the kernel of a kind, and the one that puts bricks in place, on no brick at all: drivers compile a kernel when
   // it first runs, which takes some 50 ms that an edit should not wait for.

@@ -245,10 +245,10 @@ Editor::Plan Editor::makePlan(std::span<const BrickContent> bricks) const {
 
 // Everything that may fail comes first; then slots are handed out.
 void Editor::makeRoom(Plan& plan) {
-  parts_.pool.reserve(plan.new_bricks);
-  parts_.store.reserve(plan.newly.size());
   edit_.fit(plan.phases, plan.edits, parts_.pool.stalePages());
   if (plan.phases.back().given) edit_.fitGiven(plan.phases.back().tasks.size());
+  parts_.pool.reserve(plan.new_bricks);
+  parts_.store.reserve(plan.newly.size());
   tasks_.fit(plan.regraded.size() + plan.newly.size() + WindowPass::kMaxTasks);
   bound_tasks_.fit(plan.rebounded.size());
   bound_results_.fit(plan.rebounded.size());

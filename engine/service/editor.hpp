@@ -67,8 +67,8 @@ class Editor {
   // nothing has changed and the editor goes on working.
   Outcome apply(std::span<const EditCommand> commands, const WindowTarget* target);
   // Puts whole bricks back, as undo and replay do; each brick once, linear page indices (grid()). Counts as an edit;
-  // for all else as apply(). Refuses (Error kBadInput) a brick that is not there or comes twice, and densities that are
-  // no finite numbers.
+  // for all else as apply(). At most 65536 bricks that are not constant at once. Refuses (Error kBadInput) a brick that
+  // is not there or comes twice, and densities that are no finite numbers.
   struct BrickContent {
     std::uint32_t brick = 0;
     std::vector<float> values;  // 512, i fastest, voxels outside the domain as Volume::readBrick gives them; or one

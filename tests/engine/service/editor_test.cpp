@@ -419,6 +419,11 @@ TEST(Editor, CrossesIntoASecondSlab) {
     editor.settle();
   }
   EXPECT_EQ(state.pool.slabCount(), 2U);
+  // More bricks than one binding holds are refused, before anything changes.
+  std::vector<Editor::BrickContent> many;
+  for (std::uint32_t b = 0; b <= 65536; ++b) many.push_back({b, std::vector<float>(kBrickVoxels, 1.0F)});
+  EXPECT_THROW(editor.replace(many, nullptr), Error);
+  many.clear();
   editor.readBack(volume);
   State fresh(gpu, volume, false);
   expectSame(state, fresh);
