@@ -22,7 +22,7 @@ double mm(double length_m) {
   return length_m * kMillimetresPerMetre;
 }
 
-double diagonal_m(const Vec3i& size, const Lattice& lattice) {
+double diagonalLength(const Vec3i& size, const Lattice& lattice) {
   return (size - Vec3i::Ones()).cast<double>().cwiseProduct(lattice.spacing_m).norm();
 }
 
@@ -31,7 +31,7 @@ void checkPlace(const EditCommand& command, const Vec3& p_W, const Vec3i& size, 
   const Vec3 p_L = lattice.toIndex(p_W);
   const Vec3 nearest_L = p_L.cwiseMax(0).cwiseMin((size - Vec3i::Ones()).cast<double>());
   const double away_m = (p_L - nearest_L).cwiseProduct(lattice.spacing_m).norm();
-  if (away_m <= diagonal_m(size, lattice)) return;
+  if (away_m <= diagonalLength(size, lattice)) return;
   refuse(command,
          fmt::format("its place ({:g}, {:g}, {:g}) mm is {:g} mm away from the volume", mm(p_W.x()), mm(p_W.y()),
                      mm(p_W.z()), mm(away_m)),
@@ -42,7 +42,7 @@ void checkBrush(const EditCommand& command, const Vec3i& size, const Lattice& la
   const double r_m = command.radius_m;
   if (!std::isfinite(r_m) || r_m <= 0)
     refuse(command, fmt::format("its radius of {:g} mm is not positive", mm(r_m)), "give a radius above 0");
-  const double most_m = diagonal_m(size, lattice);
+  const double most_m = diagonalLength(size, lattice);
   if (r_m > most_m) {
     refuse(command, fmt::format("its radius of {:g} mm is larger than the volume", mm(r_m)),
            fmt::format("give at most {:g} mm", mm(most_m)));
@@ -83,8 +83,8 @@ void checkStamp(const EditCommand& command) {
   }
   if (!std::all_of(stamp.distance_m.begin(), stamp.distance_m.end(), [](float d) { return std::isfinite(d); }))
     refuse(command, "its stamp has distances that are no numbers", "make it again");
-  const Mat3& R = command.R_stamp;
-  if (!R.allFinite() || !(R.transpose() * R).isIdentity(1e-6))
+  const Mat3& rotation = command.R_stamp;
+  if (!rotation.allFinite() || !(rotation.transpose() * rotation).isIdentity(1e-6))
     refuse(command, "its stamp is turned by a matrix that is no rotation", "give an orthonormal matrix");
 }
 

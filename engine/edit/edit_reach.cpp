@@ -46,7 +46,7 @@ double distanceFrom(const layout::EditCommand& c, const Vec3& p) {
   return (q - t * ab).norm();
 }
 
-double margin_m(const layout::EditCommand& c, const BrickGrid& grid) {
+double marginLength(const layout::EditCommand& c, const BrickGrid& grid) {
   const double length = static_cast<double>(c.radius) + pointA(c).norm() + pointAB(c).norm();
   return kMarginVoxels * grid.spacing_m.minCoeff() + kMarginRelative * length;
 }
@@ -76,10 +76,10 @@ VoxelBox strokeBox(const layout::EditCommand& c, const BrickGrid& grid, const Ve
 }
 
 VoxelBox stampBox(const layout::EditCommand& c, const BrickGrid& grid) {
-  Eigen::Matrix3d A;
-  A << c.m_xx, c.m_xy, c.m_xz, c.m_yx, c.m_yy, c.m_yz, c.m_zx, c.m_zy, c.m_zz;
+  Mat3 to_stamp;
+  to_stamp << c.m_xx, c.m_xy, c.m_xz, c.m_yx, c.m_yy, c.m_yz, c.m_zx, c.m_zy, c.m_zz;
   const Vec3 t(c.m_xt, c.m_yt, c.m_zt);
-  const Eigen::Matrix3d back = A.inverse();
+  const Mat3 back = to_stamp.inverse();
   Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
   Vec3 high = -low;
   const Vec3 last = Eigen::Vector<layout::uint, 3>(c.stamp_x - 1, c.stamp_y - 1, c.stamp_z - 1).cast<double>();
@@ -115,7 +115,7 @@ LocalBox boxOfBrick(const layout::EditCommand& c, const BrickGrid& grid, const V
 
 // A long stroke is walked in pieces, so that the boxes around them stay close to it.
 void appendStroke(const layout::EditCommand& c, const BrickGrid& grid, std::vector<std::uint32_t>& bricks) {
-  const double reach = static_cast<double>(c.reach) + margin_m(c, grid);
+  const double reach = static_cast<double>(c.reach) + marginLength(c, grid);
   const Vec3 ab = pointAB(c);
   const double piece_m = std::max(4 * reach, 4.0 * kBrickSize * grid.spacing_m.maxCoeff());
   const int pieces = std::max(1, static_cast<int>(std::ceil(ab.norm() / piece_m)));
@@ -130,28 +130,28 @@ void appendStroke(const layout::EditCommand& c, const BrickGrid& grid, std::vect
 }
 
 // Below the plane (negative height) by this much nothing changes; above it by `saturated` the ramp has ended.
-double saturation_m(const layout::EditCommand& c, float density) {
+double saturationDepth(const layout::EditCommand& c, float density) {
   return std::abs(static_cast<double>(density) - static_cast<double>(c.isovalue)) / static_cast<double>(c.slope);
 }
 
 // Whether a command has its full and same effect in the whole brick.
 bool isCore(const layout::EditCommand& c, const BrickGrid& grid, const LocalBox& box) {
-  const double margin = margin_m(c, grid);
-  if (c.kind == EDIT_CUT) return heights(c, box).first >= saturation_m(c, c.background) + margin;
+  const double margin = marginLength(c, grid);
+  if (c.kind == EDIT_CUT) return heights(c, box).first >= saturationDepth(c, c.background) + margin;
   const double deepest = distanceFrom(c, box.middle) + box.half_diagonal;
   const double depth = static_cast<double>(c.radius) - deepest - margin;  // under the capsule's surface, at least
   const double fade_m = c.inv_fade > 0 ? 1 / static_cast<double>(c.inv_fade) : 0;
   if (depth < fade_m || depth < 0) return false;
   switch (c.kind) {
     case EDIT_ADD:
-      return depth >= saturation_m(c, c.object);
+      return depth >= saturationDepth(c, c.object);
     case EDIT_REMOVE:
-      return depth >= saturation_m(c, c.background);
+      return depth >= saturationDepth(c, c.background);
     case EDIT_PAINT:
       return true;
     case EDIT_FLATTEN: {
       const auto [low, high] = heights(c, box);
-      return low >= saturation_m(c, c.background) + margin || high <= -saturation_m(c, c.object) - margin;
+      return low >= saturationDepth(c, c.background) + margin || high <= -saturationDepth(c, c.object) - margin;
     }
     default:
       return false;
@@ -188,7 +188,7 @@ Vec3i BrickGrid::brick(std::uint32_t index) const noexcept {
 std::vector<std::uint32_t> reachedBricks(const layout::EditCommand& c, const BrickGrid& grid) {
   std::vector<std::uint32_t> bricks;
   if (c.kind == EDIT_CUT) {
-    const double reach = static_cast<double>(c.reach) + margin_m(c, grid);
+    const double reach = static_cast<double>(c.reach) + marginLength(c, grid);
     appendBricks(grid, {Vec3i::Zero(), grid.size - Vec3i::Ones()}, bricks,
                  [&](const Vec3i& brick) { return heights(c, boxOfBrick(c, grid, brick)).second >= -reach; });
   } else if (c.kind == EDIT_STAMP_ADD || c.kind == EDIT_STAMP_REMOVE) {
@@ -203,12 +203,12 @@ std::vector<std::uint32_t> reachedBricks(const layout::EditCommand& c, const Bri
 VoxelBox reachedBox(const layout::EditCommand& c, const BrickGrid& grid) {
   if (c.kind == EDIT_CUT) return {Vec3i::Zero(), grid.size - Vec3i::Ones()};
   if (c.kind == EDIT_STAMP_ADD || c.kind == EDIT_STAMP_REMOVE) return stampBox(c, grid);
-  return strokeBox(c, grid, pointA(c), pointA(c) + pointAB(c), static_cast<double>(c.reach) + margin_m(c, grid));
+  return strokeBox(c, grid, pointA(c), pointA(c) + pointAB(c), static_cast<double>(c.reach) + marginLength(c, grid));
 }
 
 bool mayCross(const layout::EditCommand& c, const BrickGrid& grid, std::uint32_t index) {
   if (c.kind != EDIT_ADD && c.kind != EDIT_REMOVE && c.kind != EDIT_CUT) return true;
-  const double margin = margin_m(c, grid);
+  const double margin = marginLength(c, grid);
   // Where a margin's worth of ramp is lost in the isovalue's rounding, nothing is sure.
   if (static_cast<double>(c.slope) * margin < 1e-5 * std::abs(static_cast<double>(c.isovalue))) return true;
   const LocalBox box = boxOfBrick(c, grid, grid.brick(index));

@@ -24,10 +24,10 @@ class Lowering {
   Lowering(const EditCommand& command, const Lattice& lattice, const BrushProfile& profile)
       : command_(command), lattice_(lattice), profile_(profile) {
     out_.kind = layoutKind(command.kind);
-    origin_L_ = lattice.toIndex(command.kind == EditKind::kCut ? command.plane_W : command.from_W).array().round();
-    out_.origin_x = static_cast<int>(origin_L_.x());
-    out_.origin_y = static_cast<int>(origin_L_.y());
-    out_.origin_z = static_cast<int>(origin_L_.z());
+    origin_voxel_ = lattice.toIndex(command.kind == EditKind::kCut ? command.plane_W : command.from_W).array().round();
+    out_.origin_x = static_cast<int>(origin_voxel_.x());
+    out_.origin_y = static_cast<int>(origin_voxel_.y());
+    out_.origin_z = static_cast<int>(origin_voxel_.z());
     out_.strength = f(command.strength);
     out_.reach = f(profile.band_m);
     surface();
@@ -47,7 +47,7 @@ class Lowering {
  private:
   // Position along the lattice's axes from the origin voxel [m].
   [[nodiscard]] Vec3 local(const Vec3& p_W) const {
-    return (lattice_.toIndex(p_W) - origin_L_).cwiseProduct(lattice_.spacing_m);
+    return (lattice_.toIndex(p_W) - origin_voxel_).cwiseProduct(lattice_.spacing_m);
   }
 
   // The ramp for what this command adds or leaves.
@@ -92,14 +92,14 @@ class Lowering {
 
   void stamp(std::vector<float>& stamps) {
     const Stamp& stamp = *command_.stamp;
-    // Stamp voxel = A p + t, with p along the lattice's axes from the origin voxel.
+    // Stamp voxel = scaled p + t, with p along the lattice's axes from the origin voxel.
     const Mat3 to_stamp = stamp.lattice.R_WL.transpose() * command_.R_stamp.transpose() * lattice_.R_WL;
-    const Mat3 A = stamp.lattice.spacing_m.cwiseInverse().asDiagonal() * to_stamp;
-    const Vec3 own = command_.R_stamp.transpose() * (lattice_.toWorld(origin_L_) - command_.from_W);
+    const Mat3 scaled = stamp.lattice.spacing_m.cwiseInverse().asDiagonal() * to_stamp;
+    const Vec3 own = command_.R_stamp.transpose() * (lattice_.toWorld(origin_voxel_) - command_.from_W);
     const Vec3 t = stamp.lattice.toIndex(own);
-    out_.m_xx = f(A(0, 0)), out_.m_xy = f(A(0, 1)), out_.m_xz = f(A(0, 2)), out_.m_xt = f(t.x());
-    out_.m_yx = f(A(1, 0)), out_.m_yy = f(A(1, 1)), out_.m_yz = f(A(1, 2)), out_.m_yt = f(t.y());
-    out_.m_zx = f(A(2, 0)), out_.m_zy = f(A(2, 1)), out_.m_zz = f(A(2, 2)), out_.m_zt = f(t.z());
+    out_.m_xx = f(scaled(0, 0)), out_.m_xy = f(scaled(0, 1)), out_.m_xz = f(scaled(0, 2)), out_.m_xt = f(t.x());
+    out_.m_yx = f(scaled(1, 0)), out_.m_yy = f(scaled(1, 1)), out_.m_yz = f(scaled(1, 2)), out_.m_yt = f(t.y());
+    out_.m_zx = f(scaled(2, 0)), out_.m_zy = f(scaled(2, 1)), out_.m_zz = f(scaled(2, 2)), out_.m_zt = f(t.z());
     out_.stamp_first = static_cast<layout::uint>(stamps.size());
     out_.stamp_x = static_cast<layout::uint>(stamp.size.x());
     out_.stamp_y = static_cast<layout::uint>(stamp.size.y());
@@ -116,7 +116,7 @@ class Lowering {
   const EditCommand& command_;
   const Lattice& lattice_;
   const BrushProfile& profile_;
-  Vec3 origin_L_;
+  Vec3 origin_voxel_;
   layout::EditCommand out_{};
 };
 

@@ -13,7 +13,7 @@ struct GpuBudget {
   std::uint64_t limit_bytes = std::numeric_limits<std::uint64_t>::max();
   std::uint64_t used_bytes = 0;
 
-  [[nodiscard]] std::uint64_t left_bytes() const noexcept {
+  [[nodiscard]] std::uint64_t leftBytes() const noexcept {
     return used_bytes < limit_bytes ? limit_bytes - used_bytes : 0;
   }
 };

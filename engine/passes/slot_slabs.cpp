@@ -42,7 +42,7 @@ void SlotSlabs::reserve(std::size_t slots) {
 
 // One step: the newest slab is made wider, or a new one begins. At least doubles what is there, if that is allowed.
 void SlotSlabs::grow(std::size_t wanted_slots) {
-  const std::uint64_t affordable = budget_->left_bytes() / shape_.slot_bytes;
+  const std::uint64_t affordable = budget_->leftBytes() / shape_.slot_bytes;
   if (affordable < wanted_slots) {
     throw Error(Error::Code::kOutOfMemory, fmt::format("GPU memory for {}", shape_.name),
                 fmt::format("{:.1f} MiB are in use, {:.1f} MiB more are needed, and the budget is {:.1f} MiB",

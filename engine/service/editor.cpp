@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <chrono>
 #include <cmath>
 #include <cstring>
@@ -25,12 +26,11 @@ double secondsSince(Clock::time_point start) {
 }
 
 bool sameBits(float a, float b) {
-  return std::memcmp(&a, &b, sizeof a) == 0;
+  return std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b);
 }
 
-// All 512 values hold the same bits. Values after the first against those before: one comparison of memory.
 bool isConstant(const float* values) {
-  return std::memcmp(values, values + 1, (kBrickVoxels - 1) * sizeof(float)) == 0;
+  return std::all_of(values + 1, values + kBrickVoxels, [&](float value) { return sameBits(value, values[0]); });
 }
 
 VoxelBox boxOf(const BrickGrid& grid, std::uint32_t brick) {

@@ -71,7 +71,7 @@ TEST(SlotSlabs, RefusesMoreThanTheBudgetAndStaysUsable) {
     }
     EXPECT_EQ(slabs.bytes(), 8 * kSlotBytes);
     slabs.reserve(20);  // all of it, although doubling would take more
-    EXPECT_EQ(budget->left_bytes(), 0U);
+    EXPECT_EQ(budget->leftBytes(), 0U);
     EXPECT_THROW(SlotSlabs(gpu, shape(), 1, budget), Error);
     EXPECT_EQ(budget->used_bytes, 20 * kSlotBytes);
   }
