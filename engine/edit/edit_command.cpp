@@ -83,7 +83,7 @@ void checkStamp(const EditCommand& command) {
   }
   if (!std::all_of(stamp.distance_m.begin(), stamp.distance_m.end(), [](float d) { return std::isfinite(d); }))
     refuse(command, "its stamp has distances that are no numbers", "make it again");
-  const Mat3& rotation = command.R_stamp;
+  const Mat3& rotation = command.R_WS;
   if (!rotation.allFinite() || !(rotation.transpose() * rotation).isIdentity(1e-6))
     refuse(command, "its stamp is turned by a matrix that is no rotation", "give an orthonormal matrix");
 }
@@ -120,7 +120,7 @@ EditCommand mirrored(const EditCommand& command, const Vec3& plane_W, const Vec3
   twin.to_W = reflected(command.to_W, plane_W, unit_W);
   twin.plane_W = reflected(command.plane_W, plane_W, unit_W);
   twin.normal_W = reflection * command.normal_W;
-  twin.R_stamp = reflection * command.R_stamp;
+  twin.R_WS = reflection * command.R_WS;
   return twin;
 }
 

@@ -55,7 +55,7 @@ struct EditCommand {
   std::optional<double> object;   // add, flatten: density of what is added; empty: the profile's
   std::optional<MaterialRate> material;  // remove
   std::shared_ptr<const Stamp> stamp;    // stamps
-  Mat3 R_stamp = Mat3::Identity();       // stamp frame to world, a rotation or reflection
+  Mat3 R_WS = Mat3::Identity();          // stamp frame S to world, a rotation or reflection
 };
 
 // The same edit on the other side of a plane. Two edits that mirror each other belong into one apply().

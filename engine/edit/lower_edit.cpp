@@ -93,9 +93,9 @@ class Lowering {
   void stamp(std::vector<float>& stamps) {
     const Stamp& stamp = *command_.stamp;
     // Stamp voxel = scaled p + t, with p along the lattice's axes from the origin voxel.
-    const Mat3 to_stamp = stamp.lattice.R_WL.transpose() * command_.R_stamp.transpose() * lattice_.R_WL;
+    const Mat3 to_stamp = stamp.lattice.R_WL.transpose() * command_.R_WS.transpose() * lattice_.R_WL;
     const Mat3 scaled = stamp.lattice.spacing_m.cwiseInverse().asDiagonal() * to_stamp;
-    const Vec3 own = command_.R_stamp.transpose() * (lattice_.toWorld(origin_voxel_) - command_.from_W);
+    const Vec3 own = command_.R_WS.transpose() * (lattice_.toWorld(origin_voxel_) - command_.from_W);
     const Vec3 t = stamp.lattice.toIndex(own);
     out_.m_xx = f(scaled(0, 0)), out_.m_xy = f(scaled(0, 1)), out_.m_xz = f(scaled(0, 2)), out_.m_xt = f(t.x());
     out_.m_yx = f(scaled(1, 0)), out_.m_yy = f(scaled(1, 1)), out_.m_yz = f(scaled(1, 2)), out_.m_yt = f(t.y());

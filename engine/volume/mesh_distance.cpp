@@ -59,11 +59,13 @@ MeshDistance meshDistance(const std::vector<Vec3>& points, const std::vector<Vec
   // In voxels of the lattice, since VDB refuses transforms with voxels of a few micrometres.
   openvdb::initialize();
   std::vector<openvdb::Vec3s> vdb_points;
+  vdb_points.reserve(points.size());
   for (const Vec3& point : points) {
     const Vec3 p_L = mesh.lattice.toIndex(point);
     vdb_points.emplace_back(static_cast<float>(p_L.x()), static_cast<float>(p_L.y()), static_cast<float>(p_L.z()));
   }
   std::vector<openvdb::Vec3I> vdb_triangles;
+  vdb_triangles.reserve(triangles.size());
   for (const Vec3i& t : triangles) {
     vdb_triangles.emplace_back(static_cast<openvdb::Index32>(t.x()), static_cast<openvdb::Index32>(t.y()),
                                static_cast<openvdb::Index32>(t.z()));

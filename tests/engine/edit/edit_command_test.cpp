@@ -110,7 +110,7 @@ INSTANTIATE_TEST_SUITE_P(
                   c.stamp = stamp;
                 },
                 "no numbers"},
-        Refusal{"stamp_sheared", EditKind::kStampAdd, [](auto& c) { c.R_stamp(0, 1) = 0.5; }, "no rotation"}),
+        Refusal{"stamp_sheared", EditKind::kStampAdd, [](auto& c) { c.R_WS(0, 1) = 0.5; }, "no rotation"}),
     [](const auto& refusal) { return std::string(refusal.param.name); });
 
 TEST(LowerEdits, RefusesNoneTooManyAndAnObjectThatIsNone) {

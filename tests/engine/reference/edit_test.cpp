@@ -285,13 +285,13 @@ TEST(Stamp, PutsTheMeshsFaces) {
   for (const bool adds : {true, false}) {
     EditCommand command = brush(adds ? EditKind::kStampAdd : EditKind::kStampRemove, 0);
     command.stamp = std::make_shared<Stamp>(meshDistance(points, triangles, 0.25e-3, profile().band_m));
-    command.R_stamp = Eigen::AngleAxisd(0.5, Vec3(1, 1, 0).normalized()).matrix() * lattice().R_WL;
+    command.R_WS = Eigen::AngleAxisd(0.5, Vec3(1, 1, 0).normalized()).matrix() * lattice().R_WL;
     DenseField f = constant(adds ? -100 : 200);
     apply(f, command);
     const double half[3] = {3e-3, 3.5e-3, 4e-3};
     for (int axis = 0; axis < 3; ++axis) {
       for (const double sign : {-1.0, 1.0}) {
-        const Vec3 direction = sign * command.R_stamp.col(axis);
+        const Vec3 direction = sign * command.R_WS.col(axis);
         EXPECT_NEAR(crossing(f, command.from_W, direction, half[axis] + 2e-3), half[axis], 1e-6) << axis;
       }
     }

@@ -34,7 +34,7 @@ class RandomEdits {
     }
     if (isStamp(command.kind)) {
       command.stamp = ball(h * between(1, 5));
-      command.R_stamp = Eigen::Quaterniond(between(-1, 1), between(-1, 1), between(-1, 1), 0.3).normalized().matrix();
+      command.R_WS = Eigen::Quaterniond(between(-1, 1), between(-1, 1), between(-1, 1), 0.3).normalized().matrix();
     }
     return command;
   }
