@@ -5,13 +5,15 @@
 # Two fences make the folder rule real:
 #  - A room sees only its own headers and those of the rooms it DEPENDS on: each room's include root holds one link,
 #    to that room's folder.
-#  - Vulkan's, OpenVDB's and ITK's headers lie in /usr/include, where every compiler run finds them. A room that does not
+#  - Headers of Vulkan, OpenVDB, ITK, Embree and Assimp lie in /usr/include, where every compiler run finds them. A room that does not
 #    say USES gets, in front of them, headers of the same name that only stop the build.
 
-set(PALPATE_FENCED Vulkan OpenVDB ITK)
+set(PALPATE_FENCED Vulkan OpenVDB ITK Embree Assimp)
 set(PALPATE_FENCED_Vulkan /usr/include/vulkan)
 set(PALPATE_FENCED_OpenVDB /usr/include/openvdb)
 set(PALPATE_FENCED_ITK /usr/include/ITK-5.2)
+set(PALPATE_FENCED_Embree /usr/include/embree3)
+set(PALPATE_FENCED_Assimp /usr/include/assimp)
 
 foreach(library IN LISTS PALPATE_FENCED)
   set(fence ${CMAKE_BINARY_DIR}/fences/${library})

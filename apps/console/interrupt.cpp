@@ -37,7 +37,7 @@ void note(int signal) {
 void catchInterrupts() {
   std::signal(SIGINT, note);
   std::signal(SIGTERM, note);
-  std::signal(SIGHUP, note);  // the terminal was closed
+  std::signal(SIGHUP, note);      // the terminal was closed
   std::signal(SIGXFSZ, SIG_IGN);  // a file size limit is then an error that names the file
 }
 

@@ -3,14 +3,12 @@
 
 #include <filesystem>
 
+#include "apps/scene/object_table.hpp"
 #include "apps/scene/option_table.hpp"
 #include "apps/scene/scene_file.hpp"
 #include "base/error.hpp"
 
 namespace palpate {
-namespace {
-
-// Quotes what a shell would take apart.
 std::string shellWord(const std::string& word) {
   static constexpr const char* kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=./:,@%";
   if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) return word;
@@ -19,8 +17,6 @@ std::string shellWord(const std::string& word) {
   return quoted + "'";
 }
 
-}  // namespace
-
 SceneArguments::SceneArguments(CLI::App& verb) : values_(sceneOptions().size()) {
   verb.add_option("source", source_, "volume (file, DICOM folder, phantom:NAME?size=64) or scene file (.toml)")
       ->type_name("VOLUME|SCENE.toml");
@@ -28,6 +24,7 @@ SceneArguments::SceneArguments(CLI::App& verb) : values_(sceneOptions().size()) 
     const SceneOption& option = sceneOptions()[i];
     options_.push_back(verb.add_option(option.flag, values_[i], optionHelp(option))->type_name(" "));
   }
+  verb.add_option("--object", objects_, objectHelp())->type_name(" ")->allow_extra_args(false);
 }
 
 Scene SceneArguments::scene() const {
@@ -41,6 +38,7 @@ Scene SceneArguments::scene() const {
     const SceneOption& option = sceneOptions()[i];
     if (options_[i]->count() > 0) setOption(option.value, values_[i], option.flag, scene);
   }
+  for (const std::string& object : objects_) scene.objects.push_back(parseObject(object));
   if (scene.volume.empty()) {
     throw Error(Error::Code::kBadInput, source_.empty() ? "VOLUME" : source_, "no volume is given",
                 "name a file, a DICOM folder or a phantom, for example phantom:sphere?size=64");
@@ -54,6 +52,7 @@ std::string SceneArguments::commandLine(const std::string& verb) const {
   for (std::size_t i = 0; i < values_.size(); ++i) {
     if (options_[i]->count() > 0) line += std::string(" ") + sceneOptions()[i].flag + " " + shellWord(values_[i]);
   }
+  for (const std::string& object : objects_) line += " --object " + shellWord(object);
   return line;
 }
 

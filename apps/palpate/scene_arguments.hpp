@@ -11,6 +11,9 @@
 
 namespace palpate {
 
+// Quotes what a shell would take apart.
+[[nodiscard]] std::string shellWord(const std::string& word);
+
 class SceneArguments {
  public:
   // Adds the positional argument and all scene flags to the verb. This object must outlive the parsing.
@@ -26,6 +29,7 @@ class SceneArguments {
   std::string source_;               // volume, or scene file if it ends in .toml
   std::vector<std::string> values_;  // by row of the option table; what was given
   std::vector<CLI::Option*> options_;
+  std::vector<std::string> objects_;  // --object, as given
 };
 
 }  // namespace palpate

@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include "apps/console/progress.hpp"
+#include "apps/touch/algorithm_setup.hpp"
 #include "engine/service/engine.hpp"
 #include "engine/volume/statistics.hpp"
 #include "scene_arguments.hpp"
+#include "servo/algorithms/registry.hpp"
 #include "verbs.hpp"
 
 namespace palpate {
@@ -20,7 +22,7 @@ void addPlanVerb(CLI::App& app) {
     const Volume volume = loadVolume(scene.volume);
     const double isovalue = static_cast<float>(scene.isovalue ? *scene.isovalue : defaultIsovalue(volume));
     checkIsovalue(volume, isovalue);
-    const Plan plan = makePlan(scene);
+    const Plan plan = planFor(scene);
     progress.stage("computing on Vulkan");
     const Engine engine(volume, plan, isovalue, scene.gpu);
     progress.done();

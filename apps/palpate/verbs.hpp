@@ -12,8 +12,10 @@ namespace palpate {
 void addTouchVerb(CLI::App& app);
 void addInfoVerb(CLI::App& app);
 void addCheckVerb(CLI::App& app);
+void addBenchVerb(CLI::App& app);
 void addDevicesVerb(CLI::App& app);
 void addPlanVerb(CLI::App& app);
 void addSceneVerb(CLI::App& app);
+void addFaultsVerb(CLI::App& app);
 
 }  // namespace palpate

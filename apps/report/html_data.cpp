@@ -58,6 +58,10 @@ std::vector<ReportPlot> makePlots(const TouchRun& run) {
                                                                                 return depthOf(r) *
                                                                                        kMillimetresPerMetre;
                                                                               }})});
+  plots.push_back({"plot-energy",
+                   "Energy taken from the hand [mJ]",
+                   {"energy"},
+                   tableOf(run.records, {[](const TickRecord& r) { return r.energy_J * 1e3; }})});
   if (run.scene.simulated_clock) return plots;
   plots.push_back({"plot-cost", "Tick cost [us]", {"cost"}, tableOf(run.records, {[](const TickRecord& r) {
                                                                       return r.tick_cost_ns * 1e-3;

@@ -19,7 +19,8 @@ struct ReportPlot {
   PlotTable table;                  // decimated
 };
 
-// Force and depth; tick cost and lateness too unless the clock was simulated. Any thread; some passes over the records.
+// Force, depth and energy; tick cost and lateness too unless the clock was simulated. Any thread; some passes over the
+// records.
 [[nodiscard]] std::vector<ReportPlot> makePlots(const TouchRun& run);
 
 // {"plots": [{id, title, labels, rows: [[time, ...], ...]}], "phases": [...]}: numbers to five digits, NaN as null.

@@ -72,6 +72,7 @@ std::string keyFigures(const TouchRun& run, const RunFigures& f) {
   out += figure(shortNumber(f.force_N.max), "N", fmt::format("largest force; median {} N", shortNumber(f.force_N.p50)));
   out += figure(mm(f.depth_m.max), "mm", fmt::format("deepest press; median {} mm", mm(f.depth_m.p50)));
   out += figure(mm(f.vhip_way_m), "mm", "of surface followed");
+  if (f.contact_ticks > 0) out += figure(shortNumber(f.energy_end_J * 1e3), "mJ", energyWords(f));
   out += exactFigures(run.exact) + servoFigures(run, f);
   return section("figures", "Key figures", out + "</div>\n");
 }
@@ -81,9 +82,10 @@ std::string faultSection(const TouchRun& run) {
   if (run.faults.empty()) body = "<p>No fault was raised.</p>\n";
   for (const RunFault& fault : run.faults) {
     body += fmt::format(
-        "<div class=\"fault\"><b>{}</b> in {} of {} ticks, first at tick {}.<br>{}<br><i>What to do:</i> {}</div>\n",
+        "<div class=\"fault\"><b>{}</b> in {} of {} ticks, first at tick {}.<br>{}; the force {}.<br><i>What to "
+        "do:</i> {}</div>\n",
         escapeHtml(fault.name), fault.ticks, run.records.size(), fault.first_tick, escapeHtml(fault.text),
-        escapeHtml(fault.remedy));
+        escapeHtml(fault.effect), escapeHtml(fault.remedy));
   }
   if (!run.notes.empty()) body += "<p>Not as asked for:</p>\n" + list(run.notes);
   return section("faults", "Faults and notes", body);

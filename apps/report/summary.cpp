@@ -3,6 +3,7 @@
 
 #include "apps/report/atomic_file.hpp"
 #include "apps/report/words.hpp"
+#include "apps/scene/object_table.hpp"
 #include "servo/loop/run_figures.hpp"
 
 namespace palpate {
@@ -45,6 +46,7 @@ Json machineJson(const MachineFacts& m) {
 Json sceneJson(const Scene& s) {
   return {{"volume", s.volume},
           {"isovalue_density", s.isovalue ? Json(*s.isovalue) : Json(nullptr)},
+          {"objects", listOf(s.objects, objectText)},
           {"gpu", s.gpu},
           {"gradient_all", s.gradient_all},
           {"algorithm", s.algorithm},
@@ -54,10 +56,28 @@ Json sceneJson(const Scene& s) {
           {"rate_hz", s.rate_hz},
           {"duration_s", s.duration_s},
           {"simulated_clock", s.simulated_clock},
+          {"velocity", s.velocity},
+          {"velocity_cutoff_hz", s.velocity_cutoff_hz},
+          {"velocity_noise_m", s.velocity_noise_m ? Json(*s.velocity_noise_m) : Json(nullptr)},
+          {"haptization_density", s.haptization_density},
+          {"haptization_gradient", s.haptization_gradient},
           {"force_limit_N", s.force_limit_N},
           {"slew_limit_N_per_s", s.slew_limit_N_per_s},
           {"fade_s", s.fade_s},
           {"stale_window_s", s.stale_window_s},
+          {"stall_s", s.stall_s},
+          {"report_timeout_s", s.report_timeout_s},
+          {"passivity_control", s.passivity_control},
+          {"force_shading", s.force_shading},
+          {"recovery_s", s.recovery_s},
+          {"texture", s.texture},
+          {"texture_amplitude_m", s.texture_amplitude_m},
+          {"texture_wavelength_m", s.texture_wavelength_m},
+          {"texture_gain", s.texture_gain},
+          {"friction_static", s.friction_static},
+          {"friction_dynamic", s.friction_dynamic},
+          {"friction_viscous_Ns_per_m", s.friction_viscous_Ns_per_m},
+          {"stiffness_density", s.stiffness_density},
           {"spring_hand", s.spring_hand},
           {"hand_mass_kg", s.hand_mass_kg},
           {"hand_damping_Ns_per_m", s.hand_damping_Ns_per_m},
@@ -103,6 +123,13 @@ Json servoJson(const TouchRun& run, const RunFigures& f) {
           {"realtime", run.realtime}};
 }
 
+Json energyJson(const RunFigures& f) {
+  return {{"min_J", f.energy_min_J},
+          {"end_J", f.energy_end_J},
+          {"active_ticks", f.active_ticks},
+          {"damped_ticks", f.damped_ticks}};
+}
+
 Json exactJson(const std::optional<ExactErrors>& e) {
   if (!e) return nullptr;
   return {{"vhip_median_voxel", e->vhip_median_voxel},
@@ -112,7 +139,8 @@ Json exactJson(const std::optional<ExactErrors>& e) {
 }
 
 Json faultJson(const RunFault& f) {
-  return {{"name", f.name}, {"ticks", f.ticks}, {"first_tick", f.first_tick}, {"text", f.text}, {"remedy", f.remedy}};
+  return {{"name", f.name}, {"ticks", f.ticks},   {"first_tick", f.first_tick},
+          {"text", f.text}, {"effect", f.effect}, {"remedy", f.remedy}};
 }
 
 }  // namespace
@@ -131,6 +159,7 @@ Json makeSummary(const TouchRun& run) {
           {"volume", volumeJson(run.volume)},
           {"contact", contactJson(figures)},
           {"servo", servoJson(run, figures)},
+          {"energy", energyJson(figures)},
           {"exact", exactJson(run.exact)},
           {"faults", listOf(run.faults, faultJson)},
           {"notes", run.notes},

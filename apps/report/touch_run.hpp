@@ -36,6 +36,7 @@ struct RunFault {
   std::int64_t ticks = 0;       // in how many ticks it was raised
   std::int64_t first_tick = 0;  // where first
   std::string text;             // what happened, in words
+  std::string effect;           // what it does to the force: "falls to zero ..."
   std::string remedy;           // what to do
 };
 
@@ -54,11 +55,12 @@ struct TouchRun {
   std::string command;            // line that repeats the run
   std::vector<StageTime> stages;  // in order
   std::vector<MemoryFigure> memory;
-  std::vector<std::string> plan;      // what was done, what was left out and what that saved
-  std::vector<std::string> realtime;  // what of real time was allowed and what not
-  std::vector<std::string> notes;     // of the path: what is not as asked
-  std::vector<PathPhase> phases;      // of the path; empty for a path from a file
-  std::vector<TickRecord> records;    // one a tick, in order
+  std::vector<std::string> plan;                   // what was done, what was left out and what that saved
+  std::vector<std::string> realtime;               // what of real time was allowed and what not
+  std::vector<std::string> notes;                  // of path and objects: what is not as asked
+  std::vector<std::vector<Vec3>> object_outlines;  // lines that show the objects on the picture [m]
+  std::vector<PathPhase> phases;                   // of the path; empty for a path from a file
+  std::vector<TickRecord> records;                 // one a tick, in order
   std::vector<RunFault> faults;
   std::vector<std::string> files;  // written or to be written, as shown to the user
   std::optional<ExactErrors> exact;

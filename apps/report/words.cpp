@@ -34,6 +34,15 @@ std::string feelLine(const RunFigures& f) {
                      shortNumber(f.force_N.p50), shortNumber(f.force_N.max), mm(f.depth_m.p50), mm(f.depth_m.max));
 }
 
+std::string mJ(double joules) {
+  return shortNumber(joules * 1e3) + " mJ";
+}
+
+std::string energyLine(const RunFigures& f) {
+  if (f.contact_ticks == 0) return "";
+  return "Energy    " + energyWords(f) + "\n";
+}
+
 std::string servoLine(const TouchRun& run, const RunFigures& f) {
   if (run.scene.simulated_clock) {
     return fmt::format("Servo     {} at {} Hz, {} ticks, simulated clock (no times measured)\n", run.scene.algorithm,
@@ -55,8 +64,8 @@ std::string faultLines(const TouchRun& run) {
   if (run.faults.empty()) return "Faults    none\n";
   std::string out;
   for (const RunFault& fault : run.faults) {
-    out += fmt::format("Fault     {} in {} of {} ticks, first at tick {}: {}; {}\n", fault.name, fault.ticks,
-                       run.records.size(), fault.first_tick, fault.text, fault.remedy);
+    out += fmt::format("Fault     {} in {} of {} ticks, first at tick {}: {}; the force {}; {}\n", fault.name,
+                       fault.ticks, run.records.size(), fault.first_tick, fault.text, fault.effect, fault.remedy);
   }
   return out;
 }
@@ -93,6 +102,17 @@ std::string faultWord(std::size_t count) {
   return count == 1 ? "1 kind of fault" : fmt::format("{} kinds of fault", count);
 }
 
+std::string energyWords(const RunFigures& f) {
+  std::string text =
+      f.active_ticks == 0
+          ? fmt::format("passive: the surface took {} from the hand and never gave more than it took",
+                        mJ(f.energy_end_J))
+          : fmt::format("active: in {} of {} ticks the surface had given the hand more than it took, at most {}",
+                        f.active_ticks, f.ticks, mJ(-f.energy_min_J));
+  if (f.damped_ticks > 0) text += fmt::format("; the controller acted in {} ticks", f.damped_ticks);
+  return text;
+}
+
 std::string verdict(const TouchRun& run, const RunFigures& f) {
   const std::string end = "; " + faultWord(run.faults.size()) + ".";
   if (f.contact_ticks == 0)
@@ -104,8 +124,8 @@ std::string verdict(const TouchRun& run, const RunFigures& f) {
 
 std::string closingSummary(const TouchRun& run) {
   const RunFigures figures = computeFigures(run.records, run.scene.rate_hz);
-  return touchedLine(run) + contactLine(figures) + feelLine(figures) + servoLine(run, figures) + exactLine(run) +
-         faultLines(run) + listLines("Note", run.notes) + filesLine(run);
+  return touchedLine(run) + contactLine(figures) + feelLine(figures) + energyLine(figures) + servoLine(run, figures) +
+         exactLine(run) + faultLines(run) + listLines("Note", run.notes) + filesLine(run);
 }
 
 }  // namespace palpate

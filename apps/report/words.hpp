@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/report/words.hpp: a run in words: one sentence for a heading, eight lines for a terminal, numbers with units.
+// apps/report/words.hpp: a run in words: one sentence for a heading, some lines for a terminal, numbers with units.
 //
 // Screen units (mm, N, us, MiB). Any thread; a few microseconds once the figures are there.
 #pragma once
@@ -15,8 +15,11 @@ namespace palpate {
 // "The tool touched the surface for 3.1 s of 5 s, pressed at most 1.2 mm deep with 0.6 N; no fault."
 [[nodiscard]] std::string verdict(const TouchRun& run, const RunFigures& figures);
 
-// About eight lines, each ending in a newline: what was touched, how it felt, how the servo did, faults, files.
+// About nine lines, each ending in a newline: what was touched, how it felt, energy, how the servo did, faults, files.
 [[nodiscard]] std::string closingSummary(const TouchRun& run);
+
+// "passive: the surface took 0.3 mJ from the hand and never gave more than it took": the passivity observer's verdict.
+[[nodiscard]] std::string energyWords(const RunFigures& figures);
 
 // Three significant digits: 0.123, 12.3, 123, 1234 (never fewer than the integer has).
 [[nodiscard]] std::string shortNumber(double value);

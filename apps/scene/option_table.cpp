@@ -5,8 +5,10 @@
 
 #include <fmt/format.h>
 
+#include "apps/scene/object_table.hpp"
 #include "base/error.hpp"
 #include "base/units.hpp"
+#include "servo/algorithms/registry.hpp"
 
 namespace palpate {
 namespace {
@@ -16,9 +18,23 @@ constexpr double kMm = kMetresPerMillimetre;
 NumberOption number(double Scene::*member, double scale, double lowest, double highest) {
   return {member, scale, lowest, highest};
 }
+// The names, from the one place that has them.
+const char* algorithmHelp() {
+  static const std::string kText = [] {
+    std::string text = "haptic algorithm: ";
+    for (const AlgorithmEntry& entry : algorithms()) {
+      text += std::string(entry.name == algorithms().front().name ? "" : ", ") + std::string(entry.name);
+    }
+    return text;
+  }();
+  return kText.c_str();
+}
 IntegerOption integer(int Scene::*member, long long lowest, long long highest) {
   return {member, lowest, highest};
 }
+
+constexpr const char* kVelocities[] = {"filter", "foaw"};
+constexpr const char* kTextures[] = {"none", "procedural", "density"};
 
 // clang-format off
 const SceneOption kOptions[] = {
@@ -28,7 +44,7 @@ const SceneOption kOptions[] = {
     {"--gpu", "gpu", "", "part of the Vulkan device's name; the best one if not given", TextOption{&Scene::gpu}},
     {"--gradient", "gradient", "", "gradients of the bricks that the isosurface needs, or of all",
      SwitchOption{&Scene::gradient_all, "active", "all"}},
-    {"--algorithm", "servo.algorithm", "", "haptic algorithm: hri or hri-paper", TextOption{&Scene::algorithm}},
+    {"--algorithm", "servo.algorithm", "", algorithmHelp(), TextOption{&Scene::algorithm}},
     {"--n", "servo.n", "ticks", "the virtual plane is found again every n ticks", integer(&Scene::plane_renewal_ticks, 1, 100000)},
     {"--stiffness", "servo.stiffness_N_per_m", "N/m", "stiffness of the contact, K", number(&Scene::stiffness_N_per_m, 1, 0, 1e5)},
     {"--damping", "servo.damping_Ns_per_m", "N s/m", "damping of the contact along the normal, B", number(&Scene::damping_Ns_per_m, 1, 0, 1000)},
@@ -36,10 +52,34 @@ const SceneOption kOptions[] = {
     {"--seconds", "servo.seconds", "s", "how long the servo runs; with --path as long as the path", number(&Scene::duration_s, 1, 0.01, 3600)},
     {"--clock", "servo.clock", "", "real: keeps time; simulated: as fast as it can, the same trace on every run",
      SwitchOption{&Scene::simulated_clock, "real", "simulated"}},
+    {"--haptization-density", "haptization.density", "density, N, N s/m",
+     "force out of the dense and viscosity by density, linear between rows; from the isovalue and the volume if not given",
+     TableOption{&Scene::haptization_density, 1, "density:force:viscosity"}},
+    {"--haptization-gradient", "haptization.gradient", "density/mm, -",
+     "weight of that force by the gradient's magnitude; from the volume if not given",
+     TableOption{&Scene::haptization_gradient, kMillimetresPerMetre, "gradient:weight"}},
     {"--force-limit", "safety.force_limit_N", "N", "no larger force leaves the safety gate", number(&Scene::force_limit_N, 1, 0, 1000)},
     {"--slew-limit", "safety.slew_limit_N_per_s", "N/s", "no faster change of force leaves the safety gate", number(&Scene::slew_limit_N_per_s, 1, 1, 1e7)},
     {"--fade", "safety.fade_s", "s", "time in which the force fades to zero after a fault", number(&Scene::fade_s, 1, 0, 10)},
     {"--stale", "safety.stale_window_s", "s", "a window not confirmed for so long is a fault", number(&Scene::stale_window_s, 1, 0.001, 60)},
+    {"--velocity", "servo.velocity", "", "velocity estimate: filter (low-pass) or foaw (first-order adaptive windowing)", WordOption{&Scene::velocity, kVelocities}},
+    {"--velocity-cutoff", "servo.velocity_cutoff_hz", "Hz", "cutoff of the velocity filter, 0: none", number(&Scene::velocity_cutoff_hz, 1, 0, 1e5)},
+    {"--velocity-noise", "servo.velocity_noise_mm", "mm", "noise of the position that foaw overlooks; the encoders' resolution if not given",
+     NumberOption{&Scene::velocity_noise_m, kMm, 0, 10}},
+    {"--stall", "safety.stall_s", "s", "a tick later than this is a stall: the force starts again from nothing", number(&Scene::stall_s, 1, 0.0001, 60)},
+    {"--report-timeout", "safety.report_timeout_s", "s", "a device position older than this is a fault", number(&Scene::report_timeout_s, 1, 0.0001, 60)},
+    {"--passivity", "safety.passivity", "", "observe: the energy given to the hand is only counted; control: a damper takes back what was given too much",
+     SwitchOption{&Scene::passivity_control, "observe", "control"}},
+    {"--force-shading", "contact.force_shading", "", "between plane renewals the force turns with the surface", SwitchOption{&Scene::force_shading, "off", "on"}},
+    {"--recovery", "contact.recovery_ms", "ms", "time over which a new plane takes effect, 0: at once", number(&Scene::recovery_s, 1e-3, 0, 1000)},
+    {"--texture", "contact.texture", "", "fine relief: procedural, or from the density's fine structure", WordOption{&Scene::texture, kTextures}},
+    {"--texture-amplitude", "contact.texture_amplitude_mm", "mm", "the texture moves the surface by no more", number(&Scene::texture_amplitude_m, kMm, 0, 10)},
+    {"--texture-wavelength", "contact.texture_wavelength_mm", "mm", "shortest wavelength of the procedural texture", number(&Scene::texture_wavelength_m, kMm, 0.01, 1000)},
+    {"--texture-gain", "contact.texture_gain", "", "times the density's departure from its trend, for the density texture", number(&Scene::texture_gain, 1, 0, 1000)},
+    {"--friction-static", "contact.friction_static", "", "tangential to normal force at which the contact begins to slip", number(&Scene::friction_static, 1, 0, 10)},
+    {"--friction-dynamic", "contact.friction_dynamic", "", "the same while it slips, at most the static friction", number(&Scene::friction_dynamic, 1, 0, 10)},
+    {"--friction-viscous", "contact.friction_viscous_Ns_per_m", "N s/m", "force per speed while it slips", number(&Scene::friction_viscous_Ns_per_m, 1, 0, 1000)},
+    {"--stiffness-density", "contact.stiffness_density", "", "stiffness by the density under the surface: factors of K, densities rising, linear between", TableOption{&Scene::stiffness_density, 1, "density:factor"}},
     {"--hand", "hand.kind", "", "rigid: the device is exactly on the path; spring: a hand pulls it and feels the force",
      SwitchOption{&Scene::spring_hand, "rigid", "spring"}},
     {"--hand-mass", "hand.mass_kg", "kg", "mass of the spring hand", number(&Scene::hand_mass_kg, 1, 0, 100)},
@@ -92,7 +132,8 @@ std::string sceneDocument() {
   std::string text =
       "# Scene files\n\nA scene is a TOML file: `palpate touch scene.toml`. Every flag overrides its key. A dot in a "
       "key is a "
-      "TOML table:\n`servo.n` stands for `n` under `[servo]`. `x,y,z` is written `[x, y, z]`. Relative paths of "
+      "TOML table:\n`servo.n` stands for `n` under `[servo]`. `x,y,z` is written `[x, y, z]`, rows `a:b,c:d` "
+      "`[[a, b], [c, d]]`. Relative paths of "
       "`volume`\nand `path.file` start at the scene's folder, that of `output.folder` where the program is started. "
       "This page is "
       "printed by\n`palpate scene`.\n\n| key | flag | unit | takes | default | meaning |\n|---|---|---|---|---|---|\n";
@@ -100,7 +141,11 @@ std::string sceneDocument() {
     text += fmt::format("| `{}` | `{}` | {} | {} | {} | {} |\n", option.key, option.flag, option.unit,
                         optionForm(option.value), optionText(option.value, Scene{}), option.help);
   }
-  return text;
+  text +=
+      "\n## Algorithms\n\nMore on each: [algorithms.md](algorithms.md).\n\n| `--algorithm` | what it is |\n|---|---|\n";
+  for (const AlgorithmEntry& entry : algorithms())
+    text += fmt::format("| `{}` | {} |\n", entry.name, entry.description);
+  return text + objectDocument();
 }
 
 }  // namespace palpate

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/scene/option_value.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <string_view>
@@ -44,6 +45,30 @@ std::optional<Vec3> parseVector(std::string_view text) {
   return vector;
 }
 
+std::vector<std::string_view> split(std::string_view text, char separator) {
+  std::vector<std::string_view> parts;
+  for (;;) {
+    const auto at = text.find(separator);
+    parts.push_back(text.substr(0, at));
+    if (at == std::string_view::npos) return parts;
+    text.remove_prefix(at + 1);
+  }
+}
+
+std::optional<NumberTable> parseTable(std::string_view text, std::size_t columns) {
+  NumberTable table;
+  for (const std::string_view row_text : split(text, ',')) {
+    std::vector<double>& row = table.emplace_back();
+    for (const std::string_view cell : split(row_text, ':')) {
+      const auto number = parseNumber<double>(trimmed(cell));
+      if (!number || !std::isfinite(*number)) return std::nullopt;
+      row.push_back(*number);
+    }
+    if (row.size() != columns) return std::nullopt;
+  }
+  return table;
+}
+
 struct Setter {
   const OptionValue& value;
   const std::string& text;
@@ -68,11 +93,21 @@ struct Setter {
     if (text != option.word_if_false && text != option.word_if_true) refuse(where, text, value);
     scene.*option.member = text == option.word_if_true;
   }
+  void operator()(const WordOption& option) const {
+    if (std::find(option.words.begin(), option.words.end(), text) == option.words.end()) refuse(where, text, value);
+    scene.*option.member = text;
+  }
   void operator()(const VectorOption& option) const {
     const auto vector = parseVector(text);
     if (!vector || (option.direction && vector->isZero(0))) refuse(where, text, value);
     // Stable: the square of a component may be too small or too large for a double.
     scene.*option.member = option.direction ? vector->stableNormalized() : Vec3(*vector * option.scale);
+  }
+  void operator()(const TableOption& option) const {
+    auto table = parseTable(text, split(option.row, ':').size());
+    if (!table) refuse(where, text, value);
+    for (std::vector<double>& row : *table) row.front() *= option.first_scale;
+    scene.*option.member = std::move(*table);
   }
 };
 
@@ -92,11 +127,20 @@ struct Writer {
   std::string operator()(const SwitchOption& option) const {
     return scene.*option.member ? option.word_if_true : option.word_if_false;
   }
+  std::string operator()(const WordOption& option) const { return scene.*option.member; }
   std::string operator()(const VectorOption& option) const {
     const std::optional<Vec3>& vector = scene.*option.member;
     if (!vector) return {};
     const Vec3 shown = option.direction ? *vector : Vec3(*vector / option.scale);
     return fmt::format("{:.10g},{:.10g},{:.10g}", shown.x(), shown.y(), shown.z());
+  }
+  std::string operator()(const TableOption& option) const {
+    std::string text;
+    for (const std::vector<double>& row : scene.*option.member) {
+      text += fmt::format("{}{:.10g}", text.empty() ? "" : ",", row.front() / option.first_scale);
+      for (std::size_t i = 1; i < row.size(); ++i) text += fmt::format(":{:.10g}", row[i]);
+    }
+    return text;
   }
 };
 
@@ -111,8 +155,19 @@ struct Form {
   std::string operator()(const SwitchOption& option) const {
     return fmt::format("{} or {}", option.word_if_false, option.word_if_true);
   }
+  std::string operator()(const WordOption& option) const {
+    std::string text;
+    for (std::size_t i = 0; i < option.words.size(); ++i) {
+      const char* between = i + 1 < option.words.size() ? ", " : " or ";
+      text += (i == 0 ? "" : between) + std::string(option.words[i]);
+    }
+    return text;
+  }
   std::string operator()(const VectorOption& option) const {
     return option.direction ? "x,y,z, not all zero" : "x,y,z";
+  }
+  std::string operator()(const TableOption& option) const {
+    return fmt::format("rows {} with commas between", option.row);
   }
 };
 
@@ -128,6 +183,14 @@ std::string optionText(const OptionValue& value, const Scene& scene) {
 
 std::string optionForm(const OptionValue& value) {
   return std::visit(Form{}, value);
+}
+
+std::optional<double> numberOf(std::string_view text) {
+  return parseNumber<double>(text);
+}
+
+std::optional<Vec3> vectorOf(std::string_view text) {
+  return parseVector(text);
 }
 
 }  // namespace palpate

@@ -4,7 +4,9 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <variant>
 
 #include "engine/plan/scene.hpp"
@@ -36,6 +38,12 @@ struct SwitchOption {
   const char* word_if_true;
 };
 
+// One of several words, the first of which is the default.
+struct WordOption {
+  std::string Scene::*member;
+  std::span<const char* const> words;
+};
+
 // Three numbers with commas between them: "x,y,z".
 struct VectorOption {
   std::optional<Vec3> Scene::*member;
@@ -43,7 +51,15 @@ struct VectorOption {
   bool direction = false;  // made a unit vector; zero is refused
 };
 
-using OptionValue = std::variant<NumberOption, IntegerOption, TextOption, SwitchOption, VectorOption>;
+// Rows of numbers: "a:b:c,d:e:f". At least one row, each with the numbers that `row` names.
+struct TableOption {
+  NumberTable Scene::*member;
+  double first_scale;  // screen unit * first_scale = the scene's SI value, of the first number of each row
+  const char* row;     // "density:force:viscosity"
+};
+
+using OptionValue =
+    std::variant<NumberOption, IntegerOption, TextOption, SwitchOption, WordOption, VectorOption, TableOption>;
 
 // Sets the member of `scene` from `text`. `where`: the flag or key, for the message. Throws Error(kBadInput) for text
 // of the wrong form, NaN, or a number out of range; the scene is then unchanged.
@@ -52,7 +68,12 @@ void setOption(const OptionValue& value, const std::string& text, const std::str
 // The member's value in the form that setOption() takes; empty for a value that the program chooses.
 [[nodiscard]] std::string optionText(const OptionValue& value, const Scene& scene);
 
-// What may be given: "0 ... 20000", "rigid or spring", "x,y,z".
+// A whole text as a number, or as three finite ones with commas between; nothing for any other text.
+[[nodiscard]] std::optional<double> numberOf(std::string_view text);
+[[nodiscard]] std::optional<Vec3> vectorOf(std::string_view text);
+
+// What may be given: "0 ... 20000", "rigid or spring", "none, procedural or density", "x,y,z", "rows
+// density:force:viscosity with commas between".
 [[nodiscard]] std::string optionForm(const OptionValue& value);
 
 }  // namespace palpate

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <toml++/toml.h>
 
+#include "apps/scene/object_table.hpp"
 #include "apps/scene/option_table.hpp"
 #include "base/error.hpp"
 
@@ -55,6 +56,7 @@ struct ValueText {
   Text operator()(const NumberOption&) const { return node.is_number() ? Text(numberText(node)) : Text(); }
   Text operator()(const IntegerOption&) const { return node.is_number() ? Text(numberText(node)) : Text(); }
   Text operator()(const TextOption&) const { return node.is_string() ? Text(node.as_string()->get()) : Text(); }
+  Text operator()(const WordOption&) const { return node.is_string() ? Text(node.as_string()->get()) : Text(); }
   Text operator()(const SwitchOption&) const {
     if (const auto* flag = node.as_boolean()) return flag->get() ? "on" : "off";
     return node.is_string() ? Text(node.as_string()->get()) : Text();
@@ -69,18 +71,90 @@ struct ValueText {
     }
     return text;
   }
+  Text operator()(const TableOption&) const {
+    const auto* rows = node.as_array();
+    if (rows == nullptr) return std::nullopt;
+    std::string text;
+    for (const toml::node& row : *rows) {
+      const auto* numbers = row.as_array();
+      if (numbers == nullptr) return std::nullopt;
+      text += text.empty() ? "" : ",";
+      for (std::size_t i = 0; i < numbers->size(); ++i) {
+        const toml::node& number = (*numbers)[i];
+        if (!number.is_number()) return std::nullopt;
+        text += (i == 0 ? "" : ":") + numberText(number);
+      }
+    }
+    return text;
+  }
 };
+
+// How a value that is an array is written in a scene file, where it differs from a flag's text.
+std::string arrayForm(const OptionValue& value) {
+  if (std::holds_alternative<VectorOption>(value)) return "[x, y, z]";
+  const auto* table = std::get_if<TableOption>(&value);
+  if (table == nullptr) return optionForm(value);
+  std::string row;
+  for (const char c : std::string_view(table->row)) row += c == ':' ? std::string(", ") : std::string(1, c);
+  return fmt::format("[[{}], ...]", row);
+}
 
 std::string valueText(const toml::node& node, const OptionValue& value, const std::string& where) {
   if (const auto text = std::visit(ValueText{node}, value)) return *text;
-  const bool vector = std::holds_alternative<VectorOption>(value);
-  throw Error(Error::Code::kBadInput, where, "the value is of another kind than it takes",
-              "give " + (vector ? std::string("[x, y, z]") : optionForm(value)));
+  throw Error(Error::Code::kBadInput, where, "the value is of another kind than it takes", "give " + arrayForm(value));
+}
+
+// Whether a key of an object takes text; of a key that is not known, whether it was given text.
+bool takesText(const std::string& key, const toml::node& node) {
+  if (key == "kind") return true;
+  for (const ObjectOption& option : objectOptions()) {
+    if (key == option.key || key == option.word) return std::holds_alternative<ObjectText>(option.value);
+  }
+  return node.is_string();
+}
+
+// One [[object]].
+ObjectSpec objectOf(const toml::table& table, const std::string& file) {
+  const std::string where = fmt::format("{}:{}: object", file, table.source().begin.line);
+  std::string kind;
+  std::vector<std::pair<std::string, std::string>> keys;
+  for (const auto& [name, node] : table) {
+    const std::string key(name.str());
+    const ValueText reader{node};
+    std::optional<std::string> text = reader(TextOption{});
+    if (!text) text = reader(NumberOption{});
+    if (!text) text = reader(VectorOption{});
+    if (!text || takesText(key, node) != node.is_string()) {
+      throw Error(Error::Code::kBadInput, where, fmt::format("'{}' is of another kind than it takes", key),
+                  "give a number, [x, y, z] or text");
+    }
+    if (key == "kind") {
+      kind = *text;
+    } else {
+      keys.emplace_back(key, *text);
+    }
+  }
+  return makeObjectSpec(kind, keys, where);
+}
+
+void addObjects(const toml::node& node, const std::string& file, Scene& scene) {
+  const auto* array = node.as_array();
+  const bool tables =
+      array != nullptr && std::all_of(array->begin(), array->end(), [](const toml::node& e) { return e.is_table(); });
+  if (!tables) {
+    throw Error(Error::Code::kBadInput, fmt::format("{}:{}: object", file, node.source().begin.line),
+                "objects are a list of tables", "begin each with [[object]]");
+  }
+  for (const toml::node& element : *array) scene.objects.push_back(objectOf(*element.as_table(), file));
 }
 
 void setKeys(const toml::table& table, const std::string& prefix, const std::string& file, Scene& scene) {
   for (const auto& [name, node] : table) {
     const std::string key = prefix + std::string(name.str());
+    if (key == "object") {
+      addObjects(node, file, scene);
+      continue;
+    }
     if (const auto* inner = node.as_table()) {
       setKeys(*inner, key + ".", file, scene);
       continue;
@@ -116,6 +190,7 @@ void readSceneFile(const std::filesystem::path& file, Scene& scene) {
   Scene read = scene;
   read.volume.clear();
   read.path_file.clear();
+  const std::size_t given_before = read.objects.size();
   try {
     setKeys(toml::parse(stream, file.string()), "", file.string(), read);
   } catch (const toml::parse_error& error) {
@@ -125,6 +200,7 @@ void readSceneFile(const std::filesystem::path& file, Scene& scene) {
   }
   resolve(file.parent_path(), read.volume);
   resolve(file.parent_path(), read.path_file);
+  for (std::size_t i = given_before; i < read.objects.size(); ++i) resolve(file.parent_path(), read.objects[i].file);
   scene = read;
 }
 

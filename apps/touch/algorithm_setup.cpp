@@ -1,15 +1,52 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/touch/algorithm_setup.hpp"
 
-namespace palpate {
+#include "servo/contact/effects.hpp"
 
-AlgorithmSetup algorithmSetup(const Scene& scene, double isovalue) {
+namespace palpate {
+namespace {
+
+EffectParameters effectParameters(const Scene& scene) {
+  std::vector<StiffnessRow> stiffness_rows;
+  for (const std::vector<double>& row : scene.stiffness_density) stiffness_rows.push_back({row.at(0), row.at(1)});
+  return {.force_shading = scene.force_shading,
+          .recovery_s = scene.recovery_s,
+          .texture = textureOfName(scene.texture),
+          .texture_amplitude_m = scene.texture_amplitude_m,
+          .texture_wavelength_m = scene.texture_wavelength_m,
+          .texture_gain = scene.texture_gain,
+          .friction = {.static_ratio = scene.friction_static,
+                       .dynamic_ratio = scene.friction_dynamic,
+                       .viscous_Ns_per_m = scene.friction_viscous_Ns_per_m},
+          .stiffness_by_density = std::move(stiffness_rows)};
+}
+
+}  // namespace
+
+AlgorithmSetup algorithmSetup(const Scene& scene, double isovalue, const DensityScale& scale,
+                              const ContactObjects& objects) {
   AlgorithmSetup setup;
   setup.parameters = {.isovalue = isovalue,
                       .stiffness_N_per_m = scene.stiffness_N_per_m,
                       .damping_Ns_per_m = scene.damping_Ns_per_m,
                       .plane_renewal_ticks = scene.plane_renewal_ticks};
+  for (const std::vector<double>& row : scene.haptization_density) {
+    setup.haptization.density.push_back({row.at(0), row.at(1), row.at(2)});
+  }
+  for (const std::vector<double>& row : scene.haptization_gradient) {
+    setup.haptization.gradient.push_back({row.at(0), row.at(1)});
+  }
+  setup.scale = scale;
+  setup.effects = makeContactEffects(effectParameters(scene), scene.stiffness_N_per_m, scene.rate_hz);
+  setup.objects = objects;
   return setup;
+}
+
+Plan planFor(const Scene& scene) {
+  const AlgorithmNeeds& needs = algorithmEntry(scene.algorithm).needs;
+  Scene planned = scene;
+  planned.gradient_all = scene.gradient_all || needs.gradient_everywhere;
+  return makePlan(planned, needs.isosurface_mesh);
 }
 
 }  // namespace palpate

@@ -2,12 +2,19 @@
 // apps/touch/algorithm_setup.hpp: from what a scene asks of the servo to what its algorithm is made from. Set-up code.
 #pragma once
 
-#include "engine/plan/scene.hpp"
+#include "engine/plan/plan.hpp"
 #include "servo/algorithms/registry.hpp"
 
 namespace palpate {
 
-// `isovalue` as the volume has it [density].
-[[nodiscard]] AlgorithmSetup algorithmSetup(const Scene& scene, double isovalue);
+// `isovalue` as the volume has it [density]; `scale`: how its densities lie about it; `objects` those of the scene
+// (scene_objects.hpp). The isosurface's mesh is left out. Throws Error(kBadInput) on contact effects that cannot be
+// made.
+[[nodiscard]] AlgorithmSetup algorithmSetup(const Scene& scene, double isovalue, const DensityScale& scale = {},
+                                            const ContactObjects& objects = {});
+
+// The scene's plan: an algorithm that feels away from the isosurface gets gradients there, one that touches a mesh of
+// the isosurface gets that. Throws Error(kBadInput) on an algorithm that is not known.
+[[nodiscard]] Plan planFor(const Scene& scene);
 
 }  // namespace palpate

@@ -6,13 +6,19 @@
 #include <thread>
 
 #include "apps/console/interrupt.hpp"
-#include "apps/touch/algorithm_setup.hpp"
 #include "engine/service/engine_thread.hpp"
-#include "servo/algorithms/registry.hpp"
 #include "servo/devices/simulated_device.hpp"
 
 namespace palpate {
 namespace {
+
+VelocityParameters velocityParameters(const Scene& scene) {
+  VelocityParameters velocity;
+  velocity.name = scene.velocity;
+  velocity.cutoff_hz = scene.velocity_cutoff_hz;
+  velocity.noise_m = scene.velocity_noise_m;
+  return velocity;
+}
 
 LoopParameters loopParameters(const Scene& scene) {
   LoopParameters loop;
@@ -21,7 +27,11 @@ LoopParameters loopParameters(const Scene& scene) {
   loop.safety = {.force_limit_N = scene.force_limit_N,
                  .slew_limit_N_per_s = scene.slew_limit_N_per_s,
                  .fade_s = scene.fade_s,
-                 .stale_window_s = scene.stale_window_s};
+                 .stale_window_s = scene.stale_window_s,
+                 .stall_s = scene.stall_s,
+                 .report_timeout_s = scene.report_timeout_s};
+  loop.velocity = velocityParameters(scene);
+  loop.passivity.control = scene.passivity_control;
   return loop;
 }
 
@@ -68,9 +78,9 @@ LoopResult runReal(ServoLoop& loop, ToolPoseMailbox& tool, Engine& engine, doubl
 
 }  // namespace
 
-LoopResult runServo(const Scene& scene, double isovalue, const Path& path, Engine& engine, Progress& progress) {
+LoopResult runServo(const Scene& scene, AlgorithmSetup setup, const Path& path, Engine& engine, Progress& progress) {
   const LoopParameters parameters = loopParameters(scene);
-  const std::unique_ptr<Algorithm> algorithm = makeAlgorithm(scene.algorithm, algorithmSetup(scene, isovalue));
+  const std::unique_ptr<Algorithm> algorithm = makeAlgorithm(scene.algorithm, std::move(setup));
   SimulatedDevice device(deviceParameters(scene), path, scene.rate_hz);
   ToolPoseMailbox tool;
   ServoLoop loop(parameters, *algorithm, device, engine.exchange(), tool);

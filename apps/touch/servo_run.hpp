@@ -5,13 +5,14 @@
 #include "apps/console/progress.hpp"
 #include "engine/plan/scene.hpp"
 #include "engine/service/engine.hpp"
+#include "servo/algorithms/registry.hpp"
 #include "servo/devices/path.hpp"
 #include "servo/loop/servo_loop.hpp"
 
 namespace palpate {
 
 // Blocks for the run's time. Ctrl-C ends it early, in order.
-[[nodiscard]] LoopResult runServo(const Scene& scene, double isovalue, const Path& path, Engine& engine,
+[[nodiscard]] LoopResult runServo(const Scene& scene, AlgorithmSetup setup, const Path& path, Engine& engine,
                                   Progress& progress);
 
 }  // namespace palpate

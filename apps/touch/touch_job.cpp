@@ -18,16 +18,19 @@
 #include "apps/touch/exact_errors.hpp"
 #include "apps/touch/output_folder.hpp"
 #include "apps/touch/picture.hpp"
+#include "apps/touch/scene_objects.hpp"
 #include "apps/touch/scripted_path.hpp"
 #include "apps/touch/servo_run.hpp"
 #include "apps/touch/volume_surface.hpp"
 #include "base/error.hpp"
 #include "engine/service/engine.hpp"
+#include "engine/volume/isosurface_mesh.hpp"
 #include "engine/volume/memory_budget.hpp"
 #include "engine/volume/phantom.hpp"
 #include "engine/volume/statistics.hpp"
 #include "servo/algorithms/registry.hpp"
 #include "servo/loop/run_figures.hpp"
+#include "servo/loop/velocity.hpp"
 #include "servo/safety/faults.hpp"
 
 namespace palpate {
@@ -73,18 +76,25 @@ void checkTicks(const Scene& scene) {
 }
 
 // Faults of the command line are found before a volume is loaded for them.
-void checkEarly(const Scene& scene) {
+void checkEarly(const Scene& scene, const ContactObjects& objects) {
   if (scene.volume.empty()) {
     throw Error(Error::Code::kBadInput, "palpate touch", "no volume is given",
                 "name a file, a DICOM folder or a phantom, for example phantom:sphere?size=64");
   }
-  (void)makeAlgorithm(scene.algorithm, algorithmSetup(scene, scene.isovalue.value_or(0.0)));
+  // An algorithm that touches a mesh can be made only from the volume's.
+  if (!algorithmEntry(scene.algorithm).needs.isosurface_mesh) {
+    (void)makeAlgorithm(scene.algorithm, algorithmSetup(scene, scene.isovalue.value_or(0.0), {}, objects));
+  }
+  VelocityParameters velocity;
+  velocity.name = scene.velocity;
+  (void)VelocityEstimate(velocity, scene.rate_hz);
   if (scene.path_file.empty()) checkTicks(scene);
 }
 
-// The phantom's exact surface lies at its own isovalue; at another one nothing exact is known.
+// The phantom's exact surface lies at its own isovalue; at another one, and where the tool may be on an object, nothing
+// exact is known.
 std::optional<ExactErrors> exactErrorsOf(const TouchRun& run) {
-  if (!run.scene.volume.starts_with("phantom:")) return std::nullopt;
+  if (!run.scene.volume.starts_with("phantom:") || !run.scene.objects.empty()) return std::nullopt;
   const std::unique_ptr<Phantom> phantom = makePhantom(run.scene.volume);
   if (phantom->isovalue() != run.volume.isovalue) return std::nullopt;
   return exactErrors(*phantom, run.records, run.phases);
@@ -100,6 +110,10 @@ std::string shownName(const VolumeFacts& facts) {
 RunVolume volumeOf(const Volume& volume, double isovalue) {
   return {shownName(volume.facts()), volume.facts().format, volume.size(), volume.lattice().spacing_m,
           volume.minimum(),          volume.maximum(),      isovalue};
+}
+
+DensityScale densityScale(const Volume& volume, double isovalue) {
+  return {.contrast = volume.maximum() - isovalue, .voxel_m = volume.lattice().smallestSpacing()};
 }
 
 std::vector<std::string> planWords(const Plan& plan, const PlanFacts& facts) {
@@ -119,7 +133,7 @@ std::vector<RunFault> faultsOf(const TouchRun& run) {
     const auto table = faultTable();
     const auto row =
         std::find_if(table.begin(), table.end(), [&](const FaultText& r) { return r.fault == count.fault; });
-    faults.push_back({row->name, count.ticks, count.first_tick, row->text, row->remedy});
+    faults.push_back({row->name, count.ticks, count.first_tick, row->text, row->effect, row->remedy});
   }
   return faults;
 }
@@ -170,7 +184,8 @@ std::vector<std::string> outputFiles(const Scene& scene, const OutputFolder& fol
 }  // namespace
 
 TouchRun runTouchJob(const Scene& scene, const std::string& command, const std::string& commit, Progress& progress) {
-  checkEarly(scene);
+  const SceneObjects objects = makeSceneObjects(scene.objects);
+  checkEarly(scene, objects.objects);
   OutputFolder folder(scene.out);
   TouchRun run;
   run.scene = scene;
@@ -192,18 +207,28 @@ TouchRun runTouchJob(const Scene& scene, const std::string& command, const std::
   checkTicks(run.scene);
   run.phases = path.phases;
   run.notes = path.notes;
+  run.notes.insert(run.notes.end(), objects.notes.begin(), objects.notes.end());
+  run.object_outlines = objects.outlines;
 
-  const Plan plan = makePlan(scene);
+  const Plan plan = planFor(scene);
+  AlgorithmSetup setup = algorithmSetup(scene, isovalue, densityScale(volume, isovalue), objects.objects);
+  if (plan.meshes) {
+    setup.isosurface = stages.run("isosurface mesh", "extracting the isosurface's mesh", [&] {
+      return std::make_shared<const TriangleMesh>(isosurfaceMesh(volume, isovalue));
+    });
+  }
   const auto engine = stages.run("open Vulkan device", "computing on Vulkan",
                                  [&] { return std::make_unique<Engine>(volume, plan, isovalue, scene.gpu); });
   run.vulkan = {engine->gpu().name, engine->gpu().driver, engine->gpu().api_version};
   // The engine's own stages come out of the time that making it took; what is left opened the device.
   for (const StageTime& inner : engine->stages()) run.stages.back().seconds -= inner.seconds;
   run.stages.insert(run.stages.end(), engine->stages().begin(), engine->stages().end());
-  run.plan = planWords(plan, engine->planFacts());
+  PlanFacts facts = engine->planFacts();
+  if (setup.isosurface != nullptr) facts.mesh_triangles = setup.isosurface->triangles.size();
+  run.plan = planWords(plan, facts);
 
   LoopResult result = stages.run("servo", fmt::format("palpating with {} on {}", scene.algorithm, engine->gpu().name),
-                                 [&] { return runServo(run.scene, isovalue, path.path, *engine, progress); });
+                                 [&] { return runServo(run.scene, std::move(setup), path.path, *engine, progress); });
   run.records = std::move(result.records);
   run.realtime = realTimeWords(scene, result);
   run.faults = faultsOf(run);

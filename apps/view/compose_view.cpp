@@ -56,6 +56,7 @@ void drawOverview(Canvas& canvas, const ViewLayout& layout, const ViewPictures& 
   const Camera& camera = pictures.overview_camera;
   canvas.image(pictures.overview, 0, 0);
   Panel panel(canvas, camera, pictures.overview, tolerance(run, camera, region), layout.scale);
+  panel.drawObjects(run.object_outlines);
   panel.drawHipPath(run.records);
   panel.drawVhipPath(run.records);
   drawRegionBox(canvas, camera, region, layout.scale);
@@ -69,6 +70,7 @@ void drawCloseUp(Canvas& canvas, const ViewLayout& layout, const ViewPictures& p
   const Camera& camera = pictures.close_up_camera;
   canvas.image(pictures.close_up, 0, 0);
   Panel panel(canvas, camera, pictures.close_up, tolerance(run, camera, region), layout.scale);
+  panel.drawObjects(run.object_outlines);
   panel.drawHipPath(run.records);
   panel.drawVhipPath(run.records);
   panel.drawForces(forces, kLongestArrow * region.radius_m);

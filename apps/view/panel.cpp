@@ -80,6 +80,11 @@ void Panel::drawVhipPath(const std::vector<TickRecord>& records) {
   }
 }
 
+// Closely spaced points: what the surface hides of a line is found point by point.
+void Panel::drawObjects(const std::vector<std::vector<Vec3>>& outlines_W) {
+  for (const std::vector<Vec3>& line_W : outlines_W) drawPlaces(places(line_W), kObjectColor, 1.6 * scale_);
+}
+
 void Panel::drawForces(const ForceArrows& forces, double longest_m) {
   if (forces.most_N <= 0) return;
   for (const ForceArrow& arrow : forces.arrows) {

@@ -19,6 +19,7 @@ inline constexpr Color kSoftInk = {0.36, 0.40, 0.45};
 inline constexpr Color kHipColor = {0.07, 0.36, 0.78};
 inline constexpr Color kVhipColor = {0.05, 0.05, 0.07};
 inline constexpr Color kStartColor = {0.10, 0.60, 0.25};
+inline constexpr Color kObjectColor = {0.45, 0.30, 0.62};
 inline constexpr Color kEndColor = {0.85, 0.15, 0.15};
 
 class Panel {
@@ -29,6 +30,7 @@ class Panel {
 
   void drawHipPath(const std::vector<TickRecord>& records);
   void drawVhipPath(const std::vector<TickRecord>& records);
+  void drawObjects(const std::vector<std::vector<Vec3>>& outlines_W);
   void drawForces(const ForceArrows& forces, double longest_m);
   // Start and end of the path, or where it comes into the picture and leaves it for good.
   void drawEnds(const std::vector<TickRecord>& records);

@@ -21,12 +21,18 @@ PlanLine uploadLine(const PlanFacts& facts) {
 PlanLine gradientLine(const Plan& plan, const PlanFacts& facts) {
   PlanLine line{true, fmt::format("gradient of {} of {} bricks", facts.gradient_bricks, facts.bricks), "", 0};
   if (plan.gradient_all) {
-    line.why = "every brick, as asked by --gradient all";
+    line.why = "every brick: --gradient all, or an algorithm that feels away from the isosurface";
   } else {
     line.why = "those that the isosurface crosses, and their halo";
     line.saved_bytes = (facts.bricks - facts.gradient_bricks) * kSampleBytes;
   }
   return line;
+}
+
+PlanLine meshLine(const Plan& plan, const PlanFacts& facts) {
+  if (!plan.meshes) return {false, "mesh of the isosurface", "the algorithm touches the volume itself", 0};
+  const std::string size = facts.mesh_triangles > 0 ? fmt::format(", {} triangles", facts.mesh_triangles) : "";
+  return {true, "mesh of the isosurface" + size, "the algorithm touches a mesh", 0};
 }
 
 }  // namespace
@@ -51,10 +57,12 @@ bool Plan::has(Pass pass) const noexcept {
   return std::find(passes.begin(), passes.end(), pass) != passes.end();
 }
 
-Plan makePlan(const Scene& scene) {
+Plan makePlan(const Scene& scene, bool needs_mesh) {
   Plan plan;
   plan.gradient_all = scene.gradient_all;
   plan.draws = scene.picture;
+  plan.meshes = needs_mesh;
+  plan.objects = scene.objects.size();
   plan.passes = {Pass::kUpload};
   // Bounds choose the bricks with gradients and let the renderer skip; without either nobody reads them.
   if (!plan.gradient_all || plan.draws) plan.passes.push_back(Pass::kBrickBounds);
@@ -73,6 +81,13 @@ std::vector<PlanLine> planLines(const Plan& plan, const PlanFacts& facts) {
   }
   if (!plan.has(Pass::kBrickBounds))
     lines.push_back({false, "brick bounds", "every brick has gradients and nothing is drawn", 0});
+  lines.push_back(meshLine(plan, facts));
+  if (plan.objects > 0) {
+    lines.push_back({true, fmt::format("{} object{} beside the volume", plan.objects, plan.objects == 1 ? "" : "s"),
+                     "as the scene says", 0});
+  } else {
+    lines.push_back({false, "objects beside the volume", "the scene names none", 0});
+  }
   lines.push_back({false, "filters", "the scene names none", 0});
   lines.push_back({false, "friction, texture, recovery", "the scene names none", 0});
   return lines;

@@ -21,17 +21,21 @@ struct Plan {
   std::vector<Pass> passes;   // in order of execution
   bool gradient_all = false;  // gradients of every brick, not of those alone that the isosurface needs
   bool draws = false;
+  bool meshes = false;      // the isosurface becomes a triangle mesh, for an algorithm that touches one
+  std::size_t objects = 0;  // beside the volume
 
   [[nodiscard]] bool has(Pass pass) const noexcept;
 };
 
-[[nodiscard]] Plan makePlan(const Scene& scene);
+// `needs_mesh`: the scene's algorithm touches a mesh of the isosurface (AlgorithmNeeds::isosurface_mesh).
+[[nodiscard]] Plan makePlan(const Scene& scene, bool needs_mesh = false);
 
 // What is known of the volume once its bounds are: for the words below.
 struct PlanFacts {
   std::size_t bricks = 0;           // of the whole domain
   std::size_t stored_bricks = 0;    // that are not constant
   std::size_t gradient_bricks = 0;  // that got gradients
+  std::size_t mesh_triangles = 0;   // of the isosurface; 0: not extracted (yet)
 };
 
 struct PlanLine {

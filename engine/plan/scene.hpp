@@ -8,15 +8,20 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "base/vec.hpp"
+#include "engine/plan/object_spec.hpp"
 
 namespace palpate {
 
+using NumberTable = std::vector<std::vector<double>>;  // rows of equal length
+
 struct Scene {
   // volume
-  std::string volume;              // file, folder or phantom:NAME?...
-  std::optional<double> isovalue;  // tau; empty: suggested from the histogram [density]
+  std::string volume;               // file, folder or phantom:NAME?...
+  std::optional<double> isovalue;   // tau; empty: suggested from the histogram [density]
+  std::vector<ObjectSpec> objects;  // beside the volume
   // compute
   std::string gpu;            // part of the Vulkan device's name; empty: the best one
   bool gradient_all = false;  // every brick instead of those that the isosurface needs
@@ -28,11 +33,31 @@ struct Scene {
   double rate_hz = 1000;
   double duration_s = 5;
   bool simulated_clock = false;
+  std::string velocity = "filter";         // estimate of the HIP's velocity
+  double velocity_cutoff_hz = 200;         // of filter; 0: none
+  std::optional<double> velocity_noise_m;  // of foaw; empty: the encoders' resolution
+  // haptization's transfer function; a table without rows: chosen from the isovalue and the volume
+  NumberTable haptization_density;   // rows: density, force [N], viscosity [N s/m]
+  NumberTable haptization_gradient;  // rows: gradient [density/m], weight [-]
   // safety
   double force_limit_N = 8;  // of the simulated device
   double slew_limit_N_per_s = 20000;
-  double fade_s = 0.1;           // time in which a faulty force fades to zero
-  double stale_window_s = 0.25;  // a window that the engine has not confirmed for so long is a fault
+  double fade_s = 0.1;             // time in which a faulty force fades to zero
+  double stale_window_s = 0.25;    // a window that the engine has not confirmed for so long is a fault
+  double stall_s = 0.01;           // a tick later than this ends a stall
+  double report_timeout_s = 0.02;  // a device position older than this is a fault
+  bool passivity_control = false;  // false: observe only
+  // contact effects; all off
+  bool force_shading = false;
+  double recovery_s = 0;                 // 0: none
+  std::string texture = "none";          // none, procedural or density
+  double texture_amplitude_m = 0.1e-3;   // no texture moves the VHIP farther
+  double texture_wavelength_m = 1.0e-3;  // of the procedural texture
+  double texture_gain = 1;               // of the density texture [-]
+  double friction_static = 0;            // mu_s [-]
+  double friction_dynamic = 0;           // mu_d, at most mu_s [-]
+  double friction_viscous_Ns_per_m = 0;
+  NumberTable stiffness_density;  // rows of density, factor [-]; empty: none
   // hand and simulated device
   bool spring_hand = false;  // false: the HIP is exactly the path
   double hand_mass_kg = 0.1;

@@ -12,8 +12,8 @@ void HriSurface::reset(const Vec3& hip_W) noexcept {
   age_ticks_ = 0;
   vhip_W_ = hip_W;
   in_contact_ = held_ = armed_ = false;
-  edit_version_ = field_version_ = 0;
-  field_samples_ = nullptr;
+  edit_version_ = 0;
+  cache_.forget();
 }
 
 bool HriSurface::find(const SampleWindow& window, const Vec3& hip_W, std::uint32_t& faults) noexcept {
@@ -39,29 +39,46 @@ bool HriSurface::find(const SampleWindow& window, const Vec3& hip_W, std::uint32
 }
 
 void HriSurface::refreshField(const SampleWindow& window) noexcept {
-  if (window.version != field_version_ || window.samples != field_samples_) {
-    field_ = IsoField(window, isovalue_);
-    field_version_ = window.version;
-    field_samples_ = window.samples;
-  }
+  field_ = &cache_.of(window);
   if (window.edit_version == edit_version_) return;
   edit_version_ = window.edit_version;
   if (in_contact_ || !armed_) return;
   // Material that an edit put over the last free point is no entry.
-  const Probe again = field_.probe(free_.p_W);
+  const Probe again = field_->probe(free_.p_W);
   if (again.side == Side::kInside) armed_ = false;
   if (again.side == Side::kOutside) free_ = again;
 }
 
 // ---- in contact ----
 
+// Where the HIP will be a third of the way through the plane's life if it goes on along the surface as it did. Half
+// would centre the normal's error in time; but a plane that is left behind puts the VHIP outward of a convex surface,
+// which makes up for the sag of trilinear interpolation. A third keeps most of both (docs/hri-mends.md).
+Vec3 HriSurface::aim(const Vec3& hip_W) const noexcept {
+  const Vec3 way_W = hip_W - renewed_at_W_;
+  const Vec3 aside_W = way_W - surface_.normal_W * surface_.normal_W.dot(way_W);
+  return hip_W + aside_W * (kAim * (renewal_ticks_ - 1) / age_ticks_);
+}
+
+Track HriSurface::follow(const Vec3& hip_W) noexcept {
+  if (renewal_ticks_ > 1) {
+    SurfacePoint ahead = surface_;
+    const Track result = SurfaceTracker::follow(*field_, aim(hip_W), ahead);
+    if (result == Track::kFound && ahead.normal_W.dot(ahead.p_W - hip_W) > 0) {
+      surface_ = ahead;
+      return result;
+    }
+  }
+  return SurfaceTracker::follow(*field_, hip_W, surface_);
+}
+
 void HriSurface::renew(const Vec3& hip_W, std::uint32_t& faults) noexcept {
   // The HIP may be anywhere; the surface point must be in the window. Where the window has left that behind, the plane
   // under the HIP is the best that is known.
-  const auto seen = [&] { return field_.sampler().place(surface_.p_W) != Place::kBeyondWindow; };
+  const auto seen = [&] { return field_->sampler().place(surface_.p_W) != Place::kBeyondWindow; };
   if (!seen()) surface_.p_W = plane().nearest(hip_W);
   held_ = !seen();
-  const Track result = held_ ? Track::kBeyondWindow : SurfaceTracker::follow(field_, hip_W, surface_);
+  const Track result = held_ ? Track::kBeyondWindow : follow(hip_W);
   switch (result) {
     case Track::kFoundFlat:
       faults |= bit(ServoFault::kZeroGradient);
@@ -69,8 +86,9 @@ void HriSurface::renew(const Vec3& hip_W, std::uint32_t& faults) noexcept {
     case Track::kFound:
       if (plane().depth(hip_W) > 0) {
         age_ticks_ = 0;
+        renewed_at_W_ = hip_W;
       } else {
-        relocate(field_.probe(hip_W), faults);
+        relocate(field_->probe(hip_W), faults);
       }
       return;
     case Track::kBeyondWindow:
@@ -78,14 +96,14 @@ void HriSurface::renew(const Vec3& hip_W, std::uint32_t& faults) noexcept {
       faults |= bit(ServoFault::kBeyondWindow);
       return;
     case Track::kLeftVolume:
-      release(field_.probe(hip_W));
+      release(field_->probe(hip_W));
       return;
     case Track::kFlat:
-      relocate(field_.probe(hip_W), faults);
+      relocate(field_->probe(hip_W), faults);
       return;
     case Track::kLost:
       faults |= bit(ServoFault::kSurfaceLost);
-      relocate(field_.probe(hip_W), faults);
+      relocate(field_->probe(hip_W), faults);
       return;
   }
 }
@@ -93,11 +111,11 @@ void HriSurface::renew(const Vec3& hip_W, std::uint32_t& faults) noexcept {
 // The HIP has left the sheet, or the sheet is gone: is there object between the VHIP and the HIP, or around the HIP?
 void HriSurface::relocate(const Probe& hip, std::uint32_t& faults) noexcept {
   // The VHIP may be in the object by a rounding, so the search begins a little in front of it.
-  const Probe start = field_.probe(vhip_W_ + surface_.normal_W * (kStandOff * field_.voxel()));
-  const auto entry = field_.firstEntry(start, hip);
+  const Probe start = field_->probe(vhip_W_ + surface_.normal_W * (kStandOff * field_->voxel()));
+  const auto entry = field_->firstEntry(start, hip);
   if (entry && touch(*entry, hip, faults)) return;
   if (hip.side == Side::kInside) {  // both inside
-    const auto way_out = field_.firstExit(hip, hip.p_W + surface_.normal_W * (kOutwardSearch * field_.voxel()));
+    const auto way_out = field_->firstExit(hip, hip.p_W + surface_.normal_W * (kOutwardSearch * field_->voxel()));
     if (way_out && touch(*way_out, hip, faults)) return;
     faults |= bit(ServoFault::kInsideObject);
   }
@@ -114,7 +132,7 @@ void HriSurface::release(const Probe& hip) noexcept {
 // ---- free ----
 
 void HriSurface::moveFreely(const Vec3& hip_W, std::uint32_t& faults) noexcept {
-  const Probe hip = field_.probe(hip_W);
+  const Probe hip = field_->probe(hip_W);
   if (hip.side == Side::kUnknown) {
     held_ = true;
     faults |= bit(ServoFault::kBeyondWindow);
@@ -123,12 +141,13 @@ void HriSurface::moveFreely(const Vec3& hip_W, std::uint32_t& faults) noexcept {
   const bool after_gap = held_;
   held_ = false;
   if (after_gap && armed_) {
-    const bool near = (hip_W - free_.p_W).squaredNorm() <= kLongestGap * kLongestGap * field_.voxel() * field_.voxel();
+    const bool near =
+        (hip_W - free_.p_W).squaredNorm() <= kLongestGap * kLongestGap * field_->voxel() * field_->voxel();
     if (!near) armed_ = false;
-    if (near) free_ = field_.probe(free_.p_W);
+    if (near) free_ = field_->probe(free_.p_W);
   }
   if (armed_) {
-    const auto entry = field_.firstEntry(free_, hip);
+    const auto entry = field_->firstEntry(free_, hip);
     if (entry && touch(*entry, hip, faults)) return;
   }
   if (hip.side == Side::kOutside) {
@@ -144,29 +163,30 @@ bool HriSurface::touch(const Entry& entry, const Probe& hip, std::uint32_t& faul
   SurfacePoint surface{entry.p_W, -entry.direction_W, entry.face};
   bool flat = false;
   if (entry.face.any()) {
-    surface.normal_W = field_.sampler().faceNormal(entry.face.axis, entry.face.high);
+    surface.normal_W = field_->sampler().faceNormal(entry.face.axis, entry.face.high);
   } else {
-    const Vec3 gradient_W = field_.sampler().at(entry.p_W).gradient_W;
+    const Vec3 gradient_W = field_->sampler().at(entry.p_W).gradient_W;
     flat = !(gradient_W.squaredNorm() > 0) || !gradient_W.allFinite();
     if (!flat) surface.normal_W = -gradient_W.normalized();
   }
   const auto behind = [&](const SurfacePoint& s) { return s.normal_W.dot(s.p_W - hip.p_W) > 0; };
   SurfacePoint nearest = surface;
-  const Track result = flat ? Track::kFlat : SurfaceTracker::follow(field_, hip.p_W, nearest);
+  const Track result = flat ? Track::kFlat : SurfaceTracker::follow(*field_, hip.p_W, nearest);
   if (flat || result == Track::kFlat || result == Track::kFoundFlat) faults |= bit(ServoFault::kZeroGradient);
   if ((result == Track::kFound || result == Track::kFoundFlat) && behind(nearest)) {
-    settle(nearest);
+    settle(nearest, hip.p_W);
     return true;
   }
   // Where the search strays, the plane at the entry itself still holds a HIP that is in the object.
   if (hip.side != Side::kInside || !behind(surface)) return false;
-  settle(surface);
+  settle(surface, hip.p_W);
   return true;
 }
 
-void HriSurface::settle(const SurfacePoint& surface) noexcept {
+void HriSurface::settle(const SurfacePoint& surface, const Vec3& hip_W) noexcept {
   in_contact_ = true;
   surface_ = surface;
+  renewed_at_W_ = hip_W;
   age_ticks_ = 0;
 }
 

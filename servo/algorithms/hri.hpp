@@ -4,7 +4,8 @@
 // As in the paper, a virtual plane stands for the surface, F = K d - B v_d, and the plane is renewed now and then.
 // Mended:
 // - n = 1 means every tick; a plane is also renewed as soon as an edit changes the window or the HIP comes out of it.
-// - The plane is at the surface point nearest to the HIP (surface_tracker.hpp), not on the line from VHIP to HIP.
+// - The plane is at the surface point nearest to the HIP (surface_tracker.hpp), not on the line from VHIP to HIP, and,
+//   for n > 1, nearest to where the HIP will be a third of the way through the plane's life.
 // - Contact ends when the HIP is in front of the sheet that it touched, not when the density at the HIP says so:
 // pressing
 //   through a thin wall does not lose it. Free motion is searched along its whole way, so a fast stroke does not jump
@@ -21,6 +22,7 @@
 #pragma once
 
 #include "servo/algorithms/algorithm.hpp"
+#include "servo/algorithms/field_cache.hpp"
 #include "servo/algorithms/surface_tracker.hpp"
 #include "servo/algorithms/vhip_algorithm.hpp"
 
@@ -31,27 +33,30 @@ class HriSurface {
   static constexpr bool kMayPull = false;
   static constexpr double kLongestGap = 16;     // free motion beyond the window that is searched afterwards [voxel]
   static constexpr double kOutwardSearch = 32;  // from a buried HIP along N [voxel]
+  static constexpr double kAim = 1.0 / 3;       // of a plane's life, that it is found ahead of the HIP [-]
   static constexpr double kStandOff = 0.25;     // in front of the VHIP, where a search from it begins [voxel]
 
   explicit HriSurface(const AlgorithmParameters& parameters) noexcept
-      : isovalue_(parameters.isovalue), renewal_ticks_(parameters.plane_renewal_ticks) {}
+      : renewal_ticks_(parameters.plane_renewal_ticks), cache_(parameters.isovalue) {}
   void reset(const Vec3& hip_W) noexcept;
   bool find(const SampleWindow& window, const Vec3& hip_W, std::uint32_t& faults) noexcept;
   [[nodiscard]] ContactPlane plane() const noexcept { return {surface_.p_W, surface_.normal_W, age_ticks_}; }
 
  private:
   void refreshField(const SampleWindow& window) noexcept;
+  [[nodiscard]] Vec3 aim(const Vec3& hip_W) const noexcept;
+  [[nodiscard]] Track follow(const Vec3& hip_W) noexcept;
   void renew(const Vec3& hip_W, std::uint32_t& faults) noexcept;
   void relocate(const Probe& hip, std::uint32_t& faults) noexcept;
   void moveFreely(const Vec3& hip_W, std::uint32_t& faults) noexcept;
   [[nodiscard]] bool touch(const Entry& entry, const Probe& hip, std::uint32_t& faults) noexcept;
-  void settle(const SurfacePoint& surface) noexcept;
+  void settle(const SurfacePoint& surface, const Vec3& hip_W) noexcept;
   void release(const Probe& hip) noexcept;
 
-  double isovalue_;
   std::int32_t renewal_ticks_;
   SurfacePoint surface_;  // the plane: its point and normal
   std::int32_t age_ticks_ = 0;
+  Vec3 renewed_at_W_ = Vec3::Zero();  // the HIP when the plane was found
   Vec3 vhip_W_ = Vec3::Zero();
   bool in_contact_ = false;  // there is a plane, with the HIP behind it when it was found
   bool held_ = false;        // the last tick could not see the HIP; no force until one can
@@ -59,9 +64,8 @@ class HriSurface {
 
   bool armed_ = false;  // free_ was outside, so the way from it to the HIP can be searched for an entry
   Probe free_;          // last HIP known to be outside
-  IsoField field_;      // made again for every new window, when it is needed
-  std::uint64_t field_version_ = 0;
-  const Sample* field_samples_ = nullptr;
+  FieldCache cache_;
+  const IsoField* field_ = nullptr;  // the cache's, of the window in hand
 };
 
 using Hri = VhipAlgorithm<HriSurface>;

@@ -118,7 +118,8 @@ Entry IsoField::refined(Probe outside, Probe inside) const noexcept {
   entry.p_W = outside.p_W;
   int last_moved = 0;
   for (int i = 0; i < kMaxRefineSteps; ++i) {
-    entry.p_W = outside.p_W + (inside.p_W - outside.p_W) * (f_out / (f_out - f_in));
+    const double share = f_out / (f_out - f_in);
+    entry.p_W = outside.p_W + (inside.p_W - outside.p_W) * (std::isfinite(share) ? share : 0.5);  // broken samples
     const Probe middle = probe(entry.p_W);
     const double f = middle.density - isovalue_;
     if (std::abs(f) <= close || middle.side == Side::kUnknown) break;

@@ -1,20 +1,58 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/algorithms/registry.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
 #include "base/error.hpp"
+#include "servo/algorithms/avila.hpp"
+#include "servo/algorithms/blezek.hpp"
+#include "servo/algorithms/god_object.hpp"
+#include "servo/algorithms/haptization.hpp"
 #include "servo/algorithms/hri.hpp"
 #include "servo/algorithms/hri_paper.hpp"
+#include "servo/algorithms/implicit.hpp"
+#include "servo/objects/mesh_object.hpp"
 
 namespace palpate {
 namespace {
 
 template <class VhipKind>
 std::unique_ptr<Algorithm> makeVhip(AlgorithmSetup&& setup) {
-  return std::make_unique<VhipKind>(setup.parameters, std::move(setup.effects));
+  return std::make_unique<VhipKind>(setup.parameters, std::move(setup.effects), std::move(setup.objects));
+}
+
+// The isosurface's mesh is one more object.
+std::unique_ptr<Algorithm> makeGodObject(AlgorithmSetup&& setup) {
+  if (setup.isosurface == nullptr) {
+    throw Error(Error::Code::kBadInput, "algorithm god-object", "the isosurface's mesh is missing",
+                "extract it from the volume first");
+  }
+  setup.objects.insert(setup.objects.begin(), std::make_shared<MeshObject>(*setup.isosurface, "isosurface"));
+  return makeVhip<GodObject>(std::move(setup));
+}
+
+// For an algorithm without a VHIP.
+void refuseWhatMovesAVhip(const AlgorithmSetup& setup, const char* algorithm) {
+  if (setup.effects.empty() && setup.objects.empty()) return;
+  throw Error(Error::Code::kBadInput, algorithm, "contact effects and objects move a VHIP, and it has none",
+              "leave them out, or take an algorithm with a VHIP, such as hri");
+}
+
+std::unique_ptr<Algorithm> makeAvila(AlgorithmSetup&& setup) {
+  refuseWhatMovesAVhip(setup, "avila");
+  return std::make_unique<Avila>(setup.parameters);
+}
+
+std::unique_ptr<Algorithm> makeHaptization(AlgorithmSetup&& setup) {
+  refuseWhatMovesAVhip(setup, "haptization");
+  TransferTables tables = std::move(setup.haptization);
+  TransferTables standard = TransferFunction::standard(setup.parameters.isovalue, setup.scale);
+  if (tables.density.empty()) tables.density = std::move(standard.density);
+  if (tables.gradient.empty()) tables.gradient = std::move(standard.gradient);
+  return std::make_unique<Haptization>(setup.parameters, std::move(tables));
 }
 
 constexpr AlgorithmEntry kEntries[] = {
@@ -22,6 +60,22 @@ constexpr AlgorithmEntry kEntries[] = {
      makeVhip<Hri>},
     {"hri-paper", "the paper's Figure 2 to the letter, plane on the ray from VHIP to HIP, renewed every n + 1 ticks",
      makeVhip<HriPaper>},
+    {"avila",
+     "depth and force from the density at the tool alone (Avila and Sobierajski 1996); penetrable",
+     makeAvila,
+     {.gradient_everywhere = true}},
+    {"blezek", "VHIP inched along the isosurface until normal and VHIP-HIP line agree (Blezek and Robb)",
+     makeVhip<Blezek>},
+    {"god-object",
+     "constraint-based contact with a triangle mesh of the isosurface (Zilles and Salisbury 1995)",
+     makeGodObject,
+     {.isosurface_mesh = true}},
+    {"implicit", "contact point tracked by its tangent plane, every tick (Salisbury and Tarr 1997)",
+     makeVhip<Implicit>},
+    {"haptization",
+     "force and viscosity from density and gradient by a transfer function (after Iwata and Noma 1993)",
+     makeHaptization,
+     {.gradient_everywhere = true}},
 };
 
 void check(bool good, const char* key, double value, const char* remedy) {
@@ -43,14 +97,18 @@ std::span<const AlgorithmEntry> algorithms() noexcept {
   return kEntries;
 }
 
-std::unique_ptr<Algorithm> makeAlgorithm(std::string_view name, AlgorithmSetup setup) {
-  checkParameters(setup.parameters);
+const AlgorithmEntry& algorithmEntry(std::string_view name) {
   std::string known;
   for (const AlgorithmEntry& entry : kEntries) {
-    if (entry.name == name) return entry.make(std::move(setup));
+    if (entry.name == name) return entry;
     known += (known.empty() ? "" : ", ") + std::string(entry.name);
   }
   throw Error(Error::Code::kBadInput, "algorithm", fmt::format("'{}' is not known", name), "use one of: " + known);
+}
+
+std::unique_ptr<Algorithm> makeAlgorithm(std::string_view name, AlgorithmSetup setup) {
+  checkParameters(setup.parameters);
+  return algorithmEntry(name).make(std::move(setup));
 }
 
 }  // namespace palpate

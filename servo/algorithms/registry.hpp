@@ -8,8 +8,11 @@
 #include <span>
 #include <string_view>
 
+#include "base/triangle_mesh.hpp"
 #include "servo/algorithms/algorithm.hpp"
+#include "servo/algorithms/transfer_function.hpp"
 #include "servo/contact/contact_effect.hpp"
+#include "servo/objects/object_contacts.hpp"
 
 namespace palpate {
 
@@ -17,20 +20,34 @@ namespace palpate {
 struct AlgorithmSetup {
   AlgorithmParameters parameters = {};
   ContactEffects effects = {};
+  TransferTables haptization = {};  // no density rows: the standard ones for the isovalue and `scale`
+  DensityScale scale = {};
+  ContactObjects objects = {};                               // beside the volume
+  std::shared_ptr<const TriangleMesh> isosurface = nullptr;  // for an algorithm that needs it
+};
+
+// What has to be there before the algorithm is.
+struct AlgorithmNeeds {
+  bool gradient_everywhere = false;  // it reads gradients away from the isosurface too
+  bool isosurface_mesh = false;      // AlgorithmSetup::isosurface
 };
 
 struct AlgorithmEntry {
   std::string_view name;
   std::string_view description;  // one line
   std::unique_ptr<Algorithm> (*make)(AlgorithmSetup&& setup);
+  AlgorithmNeeds needs = {};
 };
 
 // The first is the default.
 [[nodiscard]] std::span<const AlgorithmEntry> algorithms() noexcept;
 
-// Throws Error(kBadInput) on an unknown name (the message names the known ones), on a renewal below 1 tick, on a
-// negative or non-finite stiffness or damping or a non-finite isovalue, and on effects for an algorithm that takes
-// none.
+// Throws Error(kBadInput) on an unknown name (the message names the known ones).
+[[nodiscard]] const AlgorithmEntry& algorithmEntry(std::string_view name);
+
+// Throws Error(kBadInput) on an unknown name, on a renewal below 1 tick, on a negative or non-finite stiffness or
+// damping or a non-finite isovalue, on effects or objects for an algorithm that takes none, on tables that
+// TransferFunction refuses for one that uses them, and without the isosurface's mesh for an algorithm that needs it.
 [[nodiscard]] std::unique_ptr<Algorithm> makeAlgorithm(std::string_view name, AlgorithmSetup setup);
 
 }  // namespace palpate

@@ -90,21 +90,27 @@ Track SurfaceTracker::newton(const IsoField& field, const Vec3& hip_W, SurfacePo
     }
     const double steepness_squared = f.gradient_W.squaredNorm();
     if (!(steepness_squared > 0) || !std::isfinite(steepness_squared)) return Track::kFlat;
-    const double per_steepness = 1 / std::sqrt(steepness_squared);
-    const Vec3 normal_W = f.gradient_W * -per_steepness;
-    const double residual_m = (f.density - field.isovalue()) * per_steepness;  // depth of x below the surface
+    // Where the next step goes needs 1 / |g|^2 only; the roots, for what is measured in metres, run beside it.
+    const double per_squared = 1 / steepness_squared;
+    const double steepness = std::sqrt(steepness_squared);
+    const double excess = f.density - field.isovalue();
+    const double residual_m = excess / steepness;  // depth of x below the surface
     if (!std::isfinite(residual_m)) return Track::kLost;
-    const double climb_m = std::clamp(gain.update(residual_m) * residual_m, -h_m, h_m);
-    const Vec3 aside_W = tangential(hip_W - x_W, normal_W);
+    const double gained = gain.update(residual_m);
+    const double climb_m = std::clamp(gained * residual_m, -h_m, h_m);
+    const bool whole_climb = std::abs(gained * residual_m) <= h_m;
+    const Vec3 climb_W = f.gradient_W * (whole_climb ? -gained * excess * per_squared : -climb_m / steepness);
+    const Vec3 line_W = hip_W - x_W;
+    const Vec3 aside_W = line_W - f.gradient_W * (f.gradient_W.dot(line_W) * per_squared);
     const double aside_squared_m2 = aside_W.squaredNorm();
     if (std::abs(climb_m) <= best_m) {
-      best = {x_W + normal_W * climb_m, normal_W, {}};
+      best = {x_W + climb_W, f.gradient_W / -steepness, {}};
       best_m = std::max(std::abs(climb_m), kDensityTolerance * h_m);
       if (best_m <= kDensityTolerance * h_m && aside_squared_m2 <= line_squared_m2) break;
     }
     const Vec3 move_W = shortened(aside_W, h_m);
     gain.stepped(climb_m, move_W.squaredNorm());
-    x_W += normal_W * climb_m + move_W;
+    x_W += climb_W + move_W;
   }
   if (clamped && field.sampler().place(hip_W) == Place::kBeyondVolume) return Track::kLeftVolume;
   if (best.normal_W.isZero(0)) return Track::kLost;

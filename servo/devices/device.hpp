@@ -7,6 +7,7 @@
 // Errors: false from read() or write() means that the device did not answer; the servo then fades the force to zero.
 #pragma once
 
+#include <cstdint>
 #include <string_view>
 
 #include "base/vec.hpp"
@@ -16,6 +17,7 @@ namespace palpate {
 struct DeviceLimits {
   double force_limit_N = 0;          // largest force in any direction [N]
   double position_resolution_m = 0;  // of its encoders; 0: none to speak of [m]
+  int force_delay_ticks = 0;         // from write() to the force that acts, in servo ticks
 };
 
 class Device {
@@ -29,6 +31,10 @@ class Device {
   virtual void elapse(int ticks) noexcept { static_cast<void>(ticks); }
   // Where the HIP is now; `position_W` is left alone on failure.
   [[nodiscard]] virtual bool read(Vec3& position_W) noexcept = 0;
+  // How old the position is that the last read() gave [ns]: a device that sends reports of its own accord says how long
+  // ago the newest one came. One that is asked and answers at once leaves this 0. The servo takes a position whose age
+  // is not less than the time since its last tick for one that it has had already.
+  [[nodiscard]] virtual std::int64_t reportAge_ns() const noexcept { return 0; }
   // The force to hold until the next write.
   [[nodiscard]] virtual bool write(const Vec3& force_W) noexcept = 0;
 };

@@ -40,7 +40,7 @@ std::string_view SimulatedDevice::name() const noexcept {
 }
 
 DeviceLimits SimulatedDevice::limits() const noexcept {
-  return {parameters_.force_limit_N, parameters_.encoder_resolution_m};
+  return {parameters_.force_limit_N, parameters_.encoder_resolution_m, parameters_.delay_ticks};
 }
 
 // The servo writes in every tick that it runs; where it missed some, the device holds the last force, as hardware does.

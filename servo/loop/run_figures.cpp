@@ -6,6 +6,7 @@
 
 #include "base/units.hpp"
 #include "base/vec.hpp"
+#include "servo/safety/passivity.hpp"
 
 namespace palpate {
 namespace {
@@ -59,6 +60,15 @@ void addLoop(std::span<const TickRecord> records, RunFigures& figures) {
   for (std::size_t i = 1; i < records.size(); ++i) figures.skipped_ticks += records[i].tick - records[i - 1].tick - 1;
 }
 
+void addEnergy(std::span<const TickRecord> records, RunFigures& figures) {
+  for (const TickRecord& record : records) {
+    figures.energy_min_J = std::min(figures.energy_min_J, record.energy_J);
+    if (record.energy_J < -Passivity::kRounding_J) ++figures.active_ticks;
+    if (record.damped) ++figures.damped_ticks;
+  }
+  if (!records.empty()) figures.energy_end_J = records.back().energy_J;
+}
+
 void addFaults(std::span<const TickRecord> records, RunFigures& figures) {
   for (const FaultText& row : faultTable()) {
     FaultCount count{row.fault, 0, 0};
@@ -86,6 +96,7 @@ RunFigures computeFigures(std::span<const TickRecord> records, double rate_hz) {
   figures.ticks = static_cast<std::int64_t>(records.size());
   addContact(records, figures);
   addLoop(records, figures);
+  addEnergy(records, figures);
   addFaults(records, figures);
   figures.time_s = static_cast<double>(figures.ticks) / rate_hz;
   figures.contact_s = static_cast<double>(figures.contact_ticks) / rate_hz;

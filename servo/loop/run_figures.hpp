@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// servo/loop/run_figures.hpp: what the records of a run say in a few figures: contact, force, depth, quality of the
-// servo.
+// servo/loop/run_figures.hpp: what the records of a run say in a few figures: contact, force, depth, energy, quality of
+// the servo.
 //
 // Any thread. Cost: some passes and sorts over the records.
 #pragma once
@@ -40,6 +40,10 @@ struct RunFigures {
   std::int64_t skipped_ticks = 0;  // gaps in the tick numbers: grid points left out after late ticks
   std::int64_t faulty_ticks = 0;   // with any fault flag
   std::uint64_t windows_used = 0;  // different window versions
+  double energy_min_J = 0;         // least energy that the environment had taken from the hand, 0 before the run [J]
+  double energy_end_J = 0;         // at the end: what it has taken in all [J]
+  std::int64_t active_ticks = 0;   // in which it had given more than it took
+  std::int64_t damped_ticks = 0;   // in which the passivity controller added a force
   std::vector<FaultCount> faults;  // those that occurred, lowest bit first
 };
 

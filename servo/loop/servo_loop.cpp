@@ -25,7 +25,6 @@ const LoopParameters& checked(const LoopParameters& p) {
   if (p.record_ticks < -1 || (p.record_ticks == -1 && p.ticks == 0)) {
     refuse("record ticks", static_cast<double>(p.record_ticks), "say how many ticks to keep of a run without end");
   }
-  if (!std::isfinite(p.velocity_cutoff_hz)) refuse("velocity cutoff", p.velocity_cutoff_hz, "give Hz, or 0 for none");
   if (p.priority < 1 || p.priority > 99) refuse("priority", p.priority, "give 1 to 99");
   return p;
 }
@@ -38,6 +37,21 @@ std::size_t recordCapacity(const LoopParameters& p) {
 void copy(const Vec3& from, double (&to)[3]) noexcept {
   std::copy(from.begin(), from.end(), to);
 }
+
+// An estimate that is to know the device's noise and was not told takes its resolution.
+VelocityParameters velocityFor(const Device& device, VelocityParameters velocity) {
+  if (!velocity.noise_m) velocity.noise_m = device.limits().position_resolution_m;
+  return velocity;
+}
+
+std::int64_t nanoseconds(double time_s) {
+  return std::llround(time_s * kNanosecondsPerSecond);
+}
+
+struct RealClock {
+  static std::int64_t now_ns() noexcept { return monotonicNow_ns(); }
+  static void sleepUntil(std::int64_t due_ns) noexcept { palpate::sleepUntil(due_ns); }
+};
 
 float densityAt(const SampleWindow& window, const Vec3& p_W) noexcept {
   const Fetch f = fetch(window, p_W);
@@ -54,13 +68,17 @@ ServoLoop::ServoLoop(const LoopParameters& parameters, Algorithm& algorithm, Dev
       windows_(windows),
       tool_(tool),
       gate_(parameters.safety, parameters.rate_hz),
-      velocity_(parameters.velocity_cutoff_hz, parameters.rate_hz),
+      window_clock_(nanoseconds(parameters.safety.stall_s)),
+      passivity_(parameters.passivity, parameters.safety.force_limit_N, parameters.rate_hz,
+                 device.limits().force_delay_ticks),
+      velocity_(velocityFor(device, parameters.velocity), parameters.rate_hz),
       recorder_(recordCapacity(parameters)) {
   if (!device_.read(hip_W_) || !hip_W_.allFinite()) {
     throw Error(Error::Code::kDevice, std::string(device_.name()), "gives no position", "check its cable and power");
   }
   algorithm_.reset(hip_W_);
   velocity_.reset(hip_W_);
+  passivity_.reset(hip_W_);
   tool_.back() = ToolPose{hip_W_, Vec3::Zero(), -1, 0};
   tool_.publish();
 }
@@ -89,7 +107,12 @@ LoopResult ServoLoop::runSimulated(const Hook& before_tick) {
     const SampleWindow& window = runTick({tick, 0, tick == 0 ? 0 : 1}, now_ns, record);
     record.density = densityAt(window, hip_W_);
   }
-  endForce();
+  endForce([] {});
+  return result();
+}
+
+LoopResult ServoLoop::runOn(ServoClock& clock) {
+  runOnGrid(clock);
   return result();
 }
 
@@ -97,7 +120,8 @@ void ServoLoop::start() {
   running_.store(true, std::memory_order_release);
   thread_ = std::jthread([this] {
     if (parameters_.real_time) real_time_ = becomeRealTime(parameters_.priority);
-    runReal();
+    RealClock clock;
+    runOnGrid(clock);
     running_.store(false, std::memory_order_release);
   });
 }
@@ -107,19 +131,20 @@ LoopResult ServoLoop::wait() {
   return result();
 }
 
-void ServoLoop::runReal() {
-  const std::int64_t start_ns = monotonicNow_ns() + offset_ns(1);
+template <typename Clock>
+void ServoLoop::runOnGrid(Clock& clock) {
+  const std::int64_t start_ns = clock.now_ns() + offset_ns(1);
   TickRecord unkept;
   std::int64_t last_tick = 0;
   for (std::int64_t tick = 0; wanted(tick);) {
     const std::int64_t due_ns = start_ns + offset_ns(tick);
-    sleepUntil(due_ns);
-    const std::int64_t woken_ns = monotonicNow_ns();
+    clock.sleepUntil(due_ns);
+    const std::int64_t woken_ns = clock.now_ns();
     TickRecord* kept = recorder_.next();
     TickRecord& record = kept != nullptr ? *kept : unkept;
     const SampleWindow& window =
         runTick({tick, woken_ns - due_ns, static_cast<int>(tick - last_tick)}, woken_ns, record);
-    const std::int64_t done_ns = monotonicNow_ns();
+    const std::int64_t done_ns = clock.now_ns();
     record.tick_cost_ns =
         static_cast<std::int32_t>(std::min<std::int64_t>(done_ns - woken_ns, std::numeric_limits<std::int32_t>::max()));
     record.density = densityAt(window, hip_W_);
@@ -132,35 +157,36 @@ void ServoLoop::runReal() {
       ++ticks_skipped_;
     }
   }
-  endForce();
+  endForce([&] { clock.sleepUntil(clock.now_ns() + offset_ns(1)); });
 }
 
 // One tick, device to device; gives the window that it used, which is valid until the next.
 const SampleWindow& ServoLoop::runTick(const Due& due, std::int64_t now_ns, TickRecord& record) noexcept {
   std::uint32_t faults = carried_faults_;
   if (due.elapsed_ticks > 0) device_.elapse(due.elapsed_ticks);
-  ticks_since_read_ += due.elapsed_ticks;
-  Vec3 read_W = hip_W_;
-  const bool answered = device_.read(read_W) && read_W.allFinite();
+  const std::int64_t gap_ns = due.elapsed_ticks > 0 ? now_ns - last_now_ns_ : 0;
+  last_now_ns_ = now_ns;
   const std::int64_t confirmed_ns = windows_.confirmedAt_ns();  // before latest(): see window_exchange.hpp
   const SampleWindow& window = windows_.latest();
-  TickInput in{hip_W_, Vec3::Zero(), &window};
+  const WindowClock::Reading age = window_clock_.read(now_ns, confirmed_ns, window.version, window.stamp_ns);
+  faults |= age.faults;
+
   TickOutput out;
-  out.vhip_W = hip_W_;
-  if (answered) {
-    hip_W_ = in.hip_W = read_W;
-    in.hip_velocity_W = velocity_.update(read_W, std::max(1, ticks_since_read_));
-    ticks_since_read_ = 0;
-    algorithm_.tick(in, out);
+  std::int64_t report_age_ns = 0;
+  if (readDevice(due.elapsed_ticks, gap_ns, report_age_ns)) {
+    algorithm_.tick({hip_W_, velocity_.value(), &window}, out);
   } else {
     faults |= bit(ServoFault::kDeviceError);
+    out.vhip_W = hip_W_;
   }
-  // No window is a fault of its own; it has no age.
-  const std::int64_t age_ns = window.version == 0 ? 0 : now_ns - confirmed_ns;
-  const GateOutput gated = gate_.pass({out.force_W, age_ns, faults | out.faults});
+  const Vec3 damping_W = passivity_.damping(velocity_.value());
+  const GateOutput gated =
+      gate_.pass({out.force_W + damping_W, age.age_ns, faults | out.faults, gap_ns, report_age_ns});
   const bool written = device_.write(gated.force_W);
   carried_faults_ = written ? 0 : bit(ServoFault::kDeviceError);
-  tool_.back() = ToolPose{hip_W_, in.hip_velocity_W, due.tick, now_ns, out.in_contact, out.vhip_W};
+  if (written) held_W_ = gated.force_W;
+  passivity_.hold(held_W_);
+  tool_.back() = ToolPose{hip_W_, velocity_.value(), due.tick, now_ns, out.in_contact, out.vhip_W};
   tool_.publish();
   ++ticks_run_;
 
@@ -175,11 +201,34 @@ const SampleWindow& ServoLoop::runTick(const Due& due, std::int64_t now_ns, Tick
   record.faults = gated.faults | carried_faults_;
   record.lateness_ns = due.lateness_ns;
   record.window_age_ns = window.version == 0 ? 0 : now_ns - window.stamp_ns;
+  record.energy_J = passivity_.energy_J();
   record.in_contact = out.in_contact;
+  record.damped = !damping_W.isZero(0) && (gated.faults & kFadingFaults) == 0;
   return window;
 }
 
-void ServoLoop::endForce() noexcept {
+// Where the tool is. Velocity and energy go on only with a report that has not been read before. False: no answer.
+bool ServoLoop::readDevice(int elapsed_ticks, std::int64_t gap_ns, std::int64_t& report_age_ns) noexcept {
+  ticks_since_report_ += elapsed_ticks;
+  Vec3 read_W = hip_W_;
+  if (!device_.read(read_W) || !read_W.allFinite()) return false;
+  hip_W_ = read_W;
+  report_age_ns = device_.reportAge_ns();
+  if (report_age_ns >= std::max<std::int64_t>(gap_ns, 1)) return true;
+  passivity_.moved(hip_W_);
+  velocity_.update(hip_W_, std::max(1, ticks_since_report_));
+  ticks_since_report_ = 0;
+  return true;
+}
+
+// Falling takes no more ticks than rising did; a slew so small that it is lost in rounding must not keep it for ever.
+template <typename Pause>
+void ServoLoop::endForce(Pause pause) noexcept {
+  for (std::int64_t i = 0; i <= ticks_run_ && !gate_.release().isZero(0); ++i) {
+    static_cast<void>(device_.write(gate_.lastForce()));
+    pause();
+    device_.elapse(1);
+  }
   static_cast<void>(device_.write(Vec3::Zero()));
 }
 

@@ -5,7 +5,8 @@
 // One object is one run. Time is a grid: tick k is due k / rate after the start. With the real clock a thread of its
 // own sleeps until each grid point; a tick that is not done when the next is due is flagged kOverrun, and the grid
 // points that have passed are left out, not made up for: tick numbers keep to the grid, so they have a gap there and
-// time_s stays tick / rate. With the simulated clock the caller's thread runs the ticks as fast as it can, every grid
+// time_s stays tick / rate. A position that the device has reported before (device.hpp) is used, but tells nothing new
+// of the velocity. With the simulated clock the caller's thread runs the ticks as fast as it can, every grid
 // point, and cost and lateness are 0: the same inputs give the same records, bit for bit. Real-time rule: between its
 // first and last tick the servo thread allocates nothing, takes no lock, throws and prints nothing, and makes no system
 // call but its sleep and the device's I/O (tests/servo/loop proves it). Frame W: world. Times: nanoseconds of
@@ -22,21 +23,32 @@
 #include "servo/devices/device.hpp"
 #include "servo/loop/real_time.hpp"
 #include "servo/loop/tick_recorder.hpp"
-#include "servo/loop/velocity_filter.hpp"
+#include "servo/loop/velocity.hpp"
+#include "servo/safety/passivity.hpp"
 #include "servo/safety/safety_gate.hpp"
+#include "servo/safety/window_clock.hpp"
 #include "servo/window/tool_pose.hpp"
 #include "servo/window/window_exchange.hpp"
 
 namespace palpate {
 
 struct LoopParameters {
-  double rate_hz = 1000;            // 1 to 20000 [Hz]
-  std::int64_t ticks = 5000;        // grid points of the run; 0: until requestStop() [tick]
-  std::int64_t record_ticks = -1;   // newest ticks to keep; -1: all, which needs `ticks` [tick]
-  double velocity_cutoff_hz = 200;  // of the velocity estimate; 0: none [Hz]
-  bool real_time = true;            // ask for priority and locked memory (real clock)
-  int priority = 80;                // of SCHED_FIFO
+  double rate_hz = 1000;           // 1 to 20000 [Hz]
+  std::int64_t ticks = 5000;       // grid points of the run; 0: until requestStop() [tick]
+  std::int64_t record_ticks = -1;  // newest ticks to keep; -1: all, which needs `ticks` [tick]
+  bool real_time = true;           // ask for priority and locked memory (real clock)
+  int priority = 80;               // of SCHED_FIFO
+  VelocityParameters velocity;
   SafetyParameters safety;
+  PassivityParameters passivity;
+};
+
+// A clock for runOn(): what the loop asks of time. Called in the loop's own thread.
+class ServoClock {
+ public:
+  virtual ~ServoClock() = default;
+  [[nodiscard]] virtual std::int64_t now_ns() noexcept = 0;
+  virtual void sleepUntil(std::int64_t due_ns) noexcept = 0;
 };
 
 struct LoopResult {
@@ -60,13 +72,18 @@ class ServoLoop {
   using Hook = std::function<void(std::int64_t tick, std::int64_t time_ns)>;
   [[nodiscard]] LoopResult runSimulated(const Hook& before_tick = {});
 
+  // The real clock's loop, but in the caller's thread and on a clock that is given: stalls, missed deadlines and clock
+  // steps can be played to it.
+  [[nodiscard]] LoopResult runOn(ServoClock& clock);
+
   // Real clock: starts the thread; the result comes from wait(), which joins. Throws std::system_error without a
   // thread.
   void start();
   [[nodiscard]] LoopResult wait();
   [[nodiscard]] bool running() const noexcept { return running_.load(std::memory_order_acquire); }
 
-  // Any thread, any time: no tick begins after the servo has seen it. The force is set to zero at the end of every run.
+  // Any thread, any time: no tick begins after the servo has seen it. At the end of every run the force is brought to
+  // zero, which takes one write and more only where the slew limit asks for it.
   void requestStop() noexcept { stop_.store(true, std::memory_order_relaxed); }
 
  private:
@@ -77,9 +94,12 @@ class ServoLoop {
   };
   [[nodiscard]] std::int64_t offset_ns(std::int64_t tick) const noexcept;  // of a grid point from the start [ns]
   [[nodiscard]] bool wanted(std::int64_t tick) const noexcept;
-  void runReal();
+  template <typename Clock>
+  void runOnGrid(Clock& clock);
   const SampleWindow& runTick(const Due& due, std::int64_t now_ns, TickRecord& record) noexcept;
-  void endForce() noexcept;
+  [[nodiscard]] bool readDevice(int elapsed_ticks, std::int64_t gap_ns, std::int64_t& report_age_ns) noexcept;
+  template <typename Pause>
+  void endForce(Pause pause) noexcept;
   [[nodiscard]] LoopResult result();
 
   LoopParameters parameters_;
@@ -88,10 +108,14 @@ class ServoLoop {
   WindowExchange& windows_;
   ToolPoseMailbox& tool_;
   SafetyGate gate_;
-  VelocityFilter velocity_;
+  WindowClock window_clock_;
+  Passivity passivity_;
+  VelocityEstimate velocity_;
   TickRecorder recorder_;
   Vec3 hip_W_ = Vec3::Zero();  // last position that could be read [m]
-  int ticks_since_read_ = 0;
+  int ticks_since_report_ = 0;
+  std::int64_t last_now_ns_ = 0;      // when the last tick began
+  Vec3 held_W_ = Vec3::Zero();        // last force that the device took [N]
   std::uint32_t carried_faults_ = 0;  // of the last tick, after its gate
   std::int64_t ticks_run_ = 0;
   std::int64_t ticks_skipped_ = 0;

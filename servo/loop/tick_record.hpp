@@ -21,7 +21,9 @@ struct TickRecord {
   std::int32_t tick_cost_ns = 0;   // compute time of the tick, without sleep; 0 with the simulated clock [ns]
   std::int64_t lateness_ns = 0;    // wake-up after the due time; 0 with the simulated clock [ns]
   std::int64_t window_age_ns = 0;  // since the window in use was published [ns]
+  double energy_J = 0;  // that the environment has taken from the hand so far (servo/safety/passivity.hpp) [J]
   bool in_contact = false;
+  bool damped = false;  // the passivity controller added a force
 };
 static_assert(std::is_trivially_copyable_v<TickRecord>);
 

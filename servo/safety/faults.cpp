@@ -8,29 +8,44 @@
 namespace palpate {
 namespace {
 
+// What most faults do; said once.
+constexpr const char* kFades =
+    "falls to zero within the fade time while it lasts, then grows back within the fade time";
+
 constexpr std::array kTable = {
-    FaultText{ServoFault::kNoWindow, "no-window", "no samples have been published yet",
+    FaultText{ServoFault::kNoWindow, "no-window", "no samples have been published yet", kFades,
               "let the engine publish the first window before the tool moves"},
-    FaultText{ServoFault::kStaleWindow, "stale-window", "the engine has not confirmed the samples in time",
+    FaultText{ServoFault::kStaleWindow, "stale-window", "the engine has not confirmed the samples in time", kFades,
               "look for an engine that hangs or is overloaded, or allow an older window"},
-    FaultText{ServoFault::kBeyondWindow, "beyond-window", "the tool was where the window holds no samples",
+    FaultText{ServoFault::kBeyondWindow, "beyond-window", "the tool was where the window holds no samples", kFades,
               "make the window larger, publish more often, or move more slowly"},
     FaultText{ServoFault::kNonFiniteForce, "non-finite-force", "the algorithm gave a force that is not a number",
-              "report it with the scene and the trace: it is an error in the program"},
-    FaultText{ServoFault::kDeviceError, "device-error", "the device could not be read or written",
+              kFades, "report it with the scene and the trace: it is an error in the program"},
+    FaultText{ServoFault::kDeviceError, "device-error", "the device could not be read or written", kFades,
               "check its cable and power, then start again"},
-    FaultText{ServoFault::kForceLimited, "force-limited", "the force was cut to the device's maximum",
+    FaultText{ServoFault::kForceLimited, "force-limited", "the force was larger than the device's maximum",
+              "is cut to the maximum in the same direction, for as long as it would be larger",
               "lower the stiffness, or press less deep"},
-    FaultText{ServoFault::kSlewLimited, "slew-limited", "the force changed faster than allowed and was held back",
-              "lower the stiffness or n, or use a recovery time"},
+    FaultText{ServoFault::kSlewLimited, "slew-limited", "the force changed faster than allowed",
+              "follows at the slew limit until it has caught up", "lower the stiffness or n, or use a recovery time"},
     FaultText{ServoFault::kOverrun, "overrun", "a tick was not done when the next one was due",
+              "is held by the device over the ticks left out, and goes on with the next one",
               "lower the rate, or give the servo a core and real-time priority"},
     FaultText{ServoFault::kZeroGradient, "zero-gradient", "the field is flat at the surface, so it gives no normal",
+              "comes from the algorithm's best guess of the surface, or is none until it finds one",
               "smooth the volume, or choose an isovalue between two densities"},
     FaultText{ServoFault::kInsideObject, "inside-object", "the tool was inside the object without having entered it",
-              "move the tool out once; contact begins from outside"},
+              "is none until the tool has been outside once", "move the tool out once; contact begins from outside"},
     FaultText{ServoFault::kSurfaceLost, "surface-lost", "the surface that was touched could not be found again",
+              "ends with the contact, and begins again with the next one",
               "expected where an edit removes it; otherwise lower n"},
+    FaultText{ServoFault::kStall, "stall", "the servo stood still, and the device held an old force meanwhile",
+              "falls to zero at the slew limit, then grows back from nothing within the fade time",
+              "give the servo a core and real-time priority"},
+    FaultText{ServoFault::kDroppedReports, "dropped-reports", "the device gave no new position for too long", kFades,
+              "check its cable and what else uses its bus, or allow an older position"},
+    FaultText{ServoFault::kClockStep, "clock-step", "a clock went backwards or ahead, so the window's age is not known",
+              kFades, "run the engine and the servo on the same monotonic clock"},
 };
 
 void append(std::string& names, const char* name) {
@@ -57,9 +72,28 @@ std::string faultNames(std::uint32_t faults) {
 std::string describeFaults(std::uint32_t faults) {
   std::string lines;
   for (const FaultText& row : kTable) {
-    if (has(faults, row.fault)) lines += fmt::format("{}: {}; {}\n", row.name, row.text, row.remedy);
+    if (has(faults, row.fault))
+      lines += fmt::format("{}: {}; the force {}; {}\n", row.name, row.text, row.effect, row.remedy);
   }
   return lines;
+}
+
+std::string faultDocument() {
+  std::string text =
+      "# Faults\n\nEvery force leaves for the device through one gate, which keeps it finite, within the force limit "
+      "and "
+      "within the slew\nlimit, tick for tick, also during a fault. The last force is never repeated while a fault "
+      "lasts: "
+      "it gets smaller in every\ntick until it is zero. Where the slew limit does not allow the fade time, the fade "
+      "takes "
+      "as long as it must (force limit /\nslew limit). `faults` in trace.csv is the sum of the values below. This page "
+      "is "
+      "printed by `palpate faults`.\n\n| name | value | what happened | the force ... | what to do "
+      "|\n|---|---|---|---|---|\n";
+  for (const FaultText& row : kTable) {
+    text += fmt::format("| `{}` | {} | {} | {} | {} |\n", row.name, bit(row.fault), row.text, row.effect, row.remedy);
+  }
+  return text;
 }
 
 }  // namespace palpate

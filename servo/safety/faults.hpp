@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// servo/safety/faults.hpp: everything that can go wrong in a tick, as bits, with what it means and what to do.
+// servo/safety/faults.hpp: everything that can go wrong in a tick, as bits, with what it means, what it does to the
+// force and what to do about it.
 //
 // The servo raises bits and nothing else; texts are made from them after the run or by another thread.
 // Thread: bits anywhere; the text functions allocate, so not in the servo. Cost: none worth a word. Errors: none.
@@ -13,19 +14,22 @@ namespace palpate {
 
 enum class ServoFault : std::uint32_t {
   kNone = 0,
-  // These take the force away: it fades to zero (safety_gate.hpp).
+  // Bits keep their places, since traces hold them. Those in kFadingFaults take the force away (safety_gate.hpp); the
+  // others are notes: the force goes on, limited where the name says so.
   kNoWindow = 1U << 0,
   kStaleWindow = 1U << 1,
   kBeyondWindow = 1U << 2,
   kNonFiniteForce = 1U << 3,
   kDeviceError = 1U << 4,
-  // These are notes: the force goes on, limited where the name says so.
   kForceLimited = 1U << 5,
   kSlewLimited = 1U << 6,
   kOverrun = 1U << 7,
   kZeroGradient = 1U << 8,
   kInsideObject = 1U << 9,
   kSurfaceLost = 1U << 10,
+  kStall = 1U << 11,
+  kDroppedReports = 1U << 12,
+  kClockStep = 1U << 13,
 };
 
 [[nodiscard]] constexpr std::uint32_t bit(ServoFault fault) noexcept {
@@ -38,12 +42,14 @@ enum class ServoFault : std::uint32_t {
 // The bits that take the force away.
 inline constexpr std::uint32_t kFadingFaults = bit(ServoFault::kNoWindow) | bit(ServoFault::kStaleWindow) |
                                                bit(ServoFault::kBeyondWindow) | bit(ServoFault::kNonFiniteForce) |
-                                               bit(ServoFault::kDeviceError);
+                                               bit(ServoFault::kDeviceError) | bit(ServoFault::kStall) |
+                                               bit(ServoFault::kDroppedReports) | bit(ServoFault::kClockStep);
 
 struct FaultText {
   ServoFault fault;
   const char* name;    // as in trace.csv and reports
   const char* text;    // what happened
+  const char* effect;  // what it does to the force, and how the force comes back
   const char* remedy;  // what to do
 };
 
@@ -53,7 +59,10 @@ struct FaultText {
 // The set bits by name, "beyond-window force-limited"; "none" for none. A bit that no row has shows as "unknown-fault".
 [[nodiscard]] std::string faultNames(std::uint32_t faults);
 
-// One line for each set bit: "name: text; remedy". Empty for none.
+// One line for each set bit: "name: text; effect; remedy". Empty for none.
 [[nodiscard]] std::string describeFaults(std::uint32_t faults);
+
+// The table as docs/faults.md has it and `palpate faults` prints it.
+[[nodiscard]] std::string faultDocument();
 
 }  // namespace palpate

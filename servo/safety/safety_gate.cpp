@@ -16,6 +16,19 @@ void check(bool good, const char* key, double value, const char* remedy) {
   if (!good) throw Error(Error::Code::kBadInput, key, fmt::format("{:g} cannot be used", value), remedy);
 }
 
+std::int64_t nanoseconds(double time_s) {
+  return std::llround(time_s * kNanosecondsPerSecond);
+}
+
+// Rounded down, so that the force is zero within the time, not after it; the tolerance is for 0.1 s * 1 kHz. Where the
+// slew limit asks for more ticks, more than it needs, so that rounding never makes a step of the fade meet it.
+std::int64_t fadeTicksOf(const SafetyParameters& p, double rate_hz) {
+  constexpr double kMostTicks = 1e15;
+  const double by_time = std::floor(p.fade_s * rate_hz + 1e-6);
+  const double by_slew = std::floor(std::min(p.force_limit_N / p.slew_limit_N_per_s * rate_hz, kMostTicks)) + 1;
+  return std::max<std::int64_t>(1, static_cast<std::int64_t>(std::max(by_time, by_slew)));
+}
+
 }  // namespace
 
 SafetyGate::SafetyGate(const SafetyParameters& p, double rate_hz)
@@ -27,25 +40,47 @@ SafetyGate::SafetyGate(const SafetyParameters& p, double rate_hz)
   check(p.fade_s >= 0 && p.fade_s <= 60, "fade time", p.fade_s, "give 0 to 60 seconds");
   check(p.stale_window_s >= 0 && p.stale_window_s <= 1e6, "stale window time", p.stale_window_s,
         "give 0 to 1e6 seconds");
-  // Rounded down, so that the force is zero within the time, not after it; the tolerance is for 0.1 s * 1 kHz.
-  fade_ticks_ = std::max<std::int64_t>(1, static_cast<std::int64_t>(std::floor(p.fade_s * rate_hz + 1e-6)));
-  stale_ns_ = std::llround(p.stale_window_s * kNanosecondsPerSecond);
+  check(p.stall_s >= 0 && p.stall_s <= 1e6, "stall time", p.stall_s, "give 0 to 1e6 seconds");
+  check(p.report_timeout_s >= 0 && p.report_timeout_s <= 1e6, "report timeout", p.report_timeout_s,
+        "give 0 to 1e6 seconds");
+  fade_ticks_ = fadeTicksOf(p, rate_hz);
+  stale_ns_ = nanoseconds(p.stale_window_s);
+  stall_ns_ = nanoseconds(p.stall_s + 1 / rate_hz);
+  report_timeout_ns_ = nanoseconds(p.report_timeout_s);
   authority_ticks_ = fade_ticks_;
 }
 
+std::uint32_t SafetyGate::faultsOf(const GateInput& in) const noexcept {
+  std::uint32_t faults = in.faults;
+  if (!in.wanted_W.allFinite()) faults |= bit(ServoFault::kNonFiniteForce);
+  if (in.window_age_ns > stale_ns_) faults |= bit(ServoFault::kStaleWindow);
+  if (in.gap_ns > stall_ns_) faults |= bit(ServoFault::kStall);
+  if (in.report_age_ns > report_timeout_ns_) faults |= bit(ServoFault::kDroppedReports);
+  return faults;
+}
+
 GateOutput SafetyGate::pass(const GateInput& in) noexcept {
-  GateOutput out{Vec3::Zero(), in.faults};
-  if (!in.wanted_W.allFinite()) out.faults |= bit(ServoFault::kNonFiniteForce);
-  if (in.window_age_ns > stale_ns_) out.faults |= bit(ServoFault::kStaleWindow);
-  const bool faulty = (out.faults & kFadingFaults) != 0;
+  std::uint32_t faults = faultsOf(in);
+  const bool faulty = (faults & kFadingFaults) != 0;
+  if (has(faults, ServoFault::kStall)) authority_ticks_ = 0;
   if (faulty && !fading_) {
     hold_W_ = last_W_;
     hold_ticks_ = authority_ticks_;
   }
   fading_ = faulty;
-  last_W_ = faulty ? faded() : limited(in.wanted_W, out.faults);
-  out.force_W = last_W_;
-  return out;
+  if (faulty) {
+    // No note of the slew limit: it is part of the fade here (only after a stall does it hold anything back).
+    static_cast<void>(moveTowards(faded()));
+  } else if (!moveTowards(limited(in.wanted_W, faults))) {
+    faults |= bit(ServoFault::kSlewLimited);
+  }
+  return {last_W_, faults};
+}
+
+const Vec3& SafetyGate::release() noexcept {
+  authority_ticks_ = 0;
+  static_cast<void>(moveTowards(Vec3::Zero()));
+  return last_W_;
 }
 
 Vec3 SafetyGate::faded() noexcept {
@@ -54,7 +89,6 @@ Vec3 SafetyGate::faded() noexcept {
   return hold_W_ * (static_cast<double>(authority_ticks_) / static_cast<double>(hold_ticks_));
 }
 
-// The last force and the target both lie in the ball of the force limit, so every point between them does.
 Vec3 SafetyGate::limited(const Vec3& wanted_W, std::uint32_t& faults) noexcept {
   if (authority_ticks_ < fade_ticks_) ++authority_ticks_;
   Vec3 target_W = wanted_W;
@@ -66,11 +100,19 @@ Vec3 SafetyGate::limited(const Vec3& wanted_W, std::uint32_t& faults) noexcept {
   }
   if (authority_ticks_ < fade_ticks_)
     target_W *= static_cast<double>(authority_ticks_) / static_cast<double>(fade_ticks_);
+  return target_W;
+}
+
+// The last force and the target both lie in the ball of the force limit, so every point between them does.
+bool SafetyGate::moveTowards(const Vec3& target_W) noexcept {
   const Vec3 change_W = target_W - last_W_;
   const double change_N = change_W.norm();
-  if (change_N <= slew_per_tick_N_) return target_W;
-  faults |= bit(ServoFault::kSlewLimited);
-  return last_W_ + change_W * (slew_per_tick_N_ / change_N);
+  if (change_N <= slew_per_tick_N_) {
+    last_W_ = target_W;
+    return true;
+  }
+  last_W_ += change_W * (slew_per_tick_N_ / change_N);
+  return false;
 }
 
 }  // namespace palpate

@@ -20,7 +20,9 @@ TEST_P(Determinism, TwoRunsGiveTheSameTrace) {
 INSTANTIATE_TEST_SUITE_P(Modes, Determinism,
                          testing::Values(Words{}, Words{"--hand", "spring"},
                                          Words{"--algorithm", "hri-paper", "--n", "1"},
-                                         Words{"--gradient", "all", "--rate", "4000"}));
+                                         Words{"--gradient", "all", "--rate", "4000"},
+                                         Words{"--hand", "spring", "--stiffness", "2000", "--delay", "2", "--encoder",
+                                               "0.001", "--velocity", "foaw", "--passivity", "control"}));
 
 class DeterminismOfWork : public ProgramTest {};
 

@@ -14,7 +14,8 @@ class Verbs : public ProgramTest {};
 
 TEST_F(Verbs, HelpOfEachSaysWhatItDoes) {
   for (const Words& verb : {Words{}, Words{"touch"}, Words{"info"}, Words{"check"}, Words{"check", "gradient"},
-                            Words{"devices"}, Words{"plan"}, Words{"scene"}}) {
+                            Words{"bench"}, Words{"bench", "servo"}, Words{"bench", "loop"}, Words{"devices"},
+                            Words{"plan"}, Words{"scene"}, Words{"faults"}}) {
     const Outcome outcome = run(verb + Words{"--help"});
     expectSuccess(outcome);
     EXPECT_THAT(outcome.out, HasSubstr("Usage: palpate"));
@@ -23,7 +24,7 @@ TEST_F(Verbs, HelpOfEachSaysWhatItDoes) {
 
 TEST_F(Verbs, HelpOfTheProgramNamesEveryVerb) {
   const std::string help = run({"--help"}).out;
-  for (const char* verb : {"touch", "info", "check", "devices", "plan", "scene"}) {
+  for (const char* verb : {"touch", "info", "check", "bench", "devices", "plan", "scene", "faults"}) {
     EXPECT_THAT(help, testing::ContainsRegex(std::string("\n  ") + verb + " +[a-z]"));
   }
 }
@@ -56,6 +57,12 @@ TEST_F(Verbs, SceneIsTheDocumentedTable) {
   const Outcome outcome = run({"scene"});
   expectSuccess(outcome);
   EXPECT_EQ(outcome.out, contentsOf(PALPATE_DOCS "/scene.md"));
+}
+
+TEST_F(Verbs, FaultsIsTheDocumentedTable) {
+  const Outcome outcome = run({"faults"});
+  expectSuccess(outcome);
+  EXPECT_EQ(outcome.out, contentsOf(PALPATE_DOCS "/faults.md"));
 }
 
 TEST_F(Verbs, InfoSaysWhatAVolumeIs) {

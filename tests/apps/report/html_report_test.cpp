@@ -64,10 +64,27 @@ TEST(Report, ContainsEverySection) {
        {"picture", "figures", "faults", "plots", "histograms", "work", "plan", "parameters", "machine", "repeat"}) {
     EXPECT_EQ(countOf(page, std::string("<section id=\"") + id + "\">"), 1U) << id;
   }
-  for (const char* words : {"The tool touched the surface for 3 s of 5 s", "stale_window", "make the window larger",
-                            "Example CPU", "data:image/png;base64,UE5H", "bricks on the GPU", "saves 3.1 MiB",
-                            "SCHED_FIFO", "the slide is 12 mm", "plot-force", "plot-depth", "plot-cost",
-                            "plot-lateness", "approach", "retreat", "0123abc", "stiffness [N/m]", "<noscript>"}) {
+  for (const char* words : {"The tool touched the surface for 3 s of 5 s",
+                            "stale_window",
+                            "make the window larger",
+                            "Example CPU",
+                            "data:image/png;base64,UE5H",
+                            "bricks on the GPU",
+                            "saves 3.1 MiB",
+                            "SCHED_FIFO",
+                            "the slide is 12 mm",
+                            "plot-force",
+                            "plot-depth",
+                            "plot-energy",
+                            "plot-cost",
+                            "passive: the surface took",
+                            "the force falls to zero.",
+                            "plot-lateness",
+                            "approach",
+                            "retreat",
+                            "0123abc",
+                            "stiffness [N/m]",
+                            "<noscript>"}) {
     EXPECT_THAT(page, HasSubstr(words));
   }
 }

@@ -27,6 +27,7 @@ inline TickRecord pressedTick(std::int64_t tick, double rate_hz, double x_m, dou
   r.tick_cost_ns = 2000 + static_cast<std::int32_t>(tick * 7919 % 900);
   r.lateness_ns = 30'000 + tick * 104729 % 40'000;
   r.window_age_ns = tick % 20 * 1'000'000;
+  r.energy_J = 250 * depth_m * depth_m;
   return r;
 }
 
@@ -46,6 +47,7 @@ inline TouchRun sampleRun() {
   TouchRun run;
   run.scene.volume = "phantom:sphere?size=64";
   run.scene.path_toward = Vec3(0, 0, -1);
+  run.scene.objects.resize(2);
   run.volume = {"phantom:sphere?size=64", "phantom", Vec3i(64, 64, 64), Vec3::Constant(0.5e-3), -1, 1, 0};
   run.machine = {"Example CPU", 4, 8ULL << 30, "Linux 6.1", "Debian GNU/Linux 12"};
   run.vulkan = {"llvmpipe", "Mesa 22.3", "1.3.230"};
@@ -58,7 +60,8 @@ inline TouchRun sampleRun() {
   run.notes = {"the slide is 12 mm instead of 20 mm"};
   run.phases = {{"approach", 0, 1}, {"press", 1, 2}, {"slide", 2, 4}, {"retreat", 4, 5}};
   run.records = sampleRecords(5000, run.scene.rate_hz);
-  run.faults = {{"stale_window", 12, 300, "the engine published too rarely", "make the window larger"}};
+  run.faults = {
+      {"stale_window", 12, 300, "the engine published too rarely", "falls to zero", "make the window larger"}};
   run.files = {"out/trace.csv", "out/summary.json"};
   run.exact = ExactErrors{0.01, 0.05, 0.3, 1.2};
   return run;

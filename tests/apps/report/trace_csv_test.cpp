@@ -36,6 +36,7 @@ TickRecord awkwardRecord() {
   r.window_version = std::numeric_limits<std::uint64_t>::max();
   r.faults = 0xFFFFFFFF;
   r.tick_cost_ns = 2112;
+  r.energy_J = -1.0 / 7;
   return r;
 }
 
@@ -45,7 +46,7 @@ TEST(TraceCsv, HasTheHeaderToTheLetter) {
   EXPECT_EQ(
       contentsOf(folder.path() / "t.csv"),
       "tick,time_s,hip_x_m,hip_y_m,hip_z_m,vhip_x_m,vhip_y_m,vhip_z_m,normal_x,normal_y,normal_z,force_x_n,force_y_n,"
-      "force_z_n,density,in_contact,plane_age_ticks,window_version,faults,tick_cost_ns\n");
+      "force_z_n,density,in_contact,plane_age_ticks,window_version,faults,tick_cost_ns,energy_J\n");
 }
 
 TEST(TraceCsv, NumbersReadBackToTheSameBits) {
@@ -57,7 +58,7 @@ TEST(TraceCsv, NumbersReadBackToTheSameBits) {
   std::getline(in, line);
   std::getline(in, line);
   const auto cell = split(line);
-  ASSERT_EQ(cell.size(), 20U);
+  ASSERT_EQ(cell.size(), 21U);
   EXPECT_EQ(cell[0], "123456789012");
   EXPECT_EQ(std::strtod(cell[1].c_str(), nullptr), r.time_s);
   for (std::size_t i = 0; i < 3; ++i) {
@@ -73,6 +74,7 @@ TEST(TraceCsv, NumbersReadBackToTheSameBits) {
   EXPECT_EQ(cell[17], "18446744073709551615");
   EXPECT_EQ(cell[18], "4294967295");
   EXPECT_EQ(cell[19], "2112");
+  EXPECT_EQ(std::strtod(cell[20].c_str(), nullptr), r.energy_J);
 }
 
 TEST(TraceCsv, UnknownDensityIsNanWhateverItsSign) {

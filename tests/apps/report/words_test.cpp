@@ -31,12 +31,26 @@ TEST(Words, VerdictOfARunWithoutContact) {
 
 TEST(Words, ClosingSummaryNamesWhatMatters) {
   const std::string text = closingSummary(sampleRun());
-  for (const char* words : {"phantom:sphere?size=64", "3 s of 5 s, one touch", "at most 0.5 N",
-                            "hri at 1000 Hz, 5000 ticks, 0 late", "stale_window in 12 of 5000 ticks, first at tick 300",
-                            "make the window larger", "the slide is 12 mm", "out/trace.csv", "0.01 voxel"}) {
+  for (const char* words :
+       {"phantom:sphere?size=64", "3 s of 5 s, one touch", "at most 0.5 N", "hri at 1000 Hz, 5000 ticks, 0 late",
+        "stale_window in 12 of 5000 ticks, first at tick 300", "the force falls to zero; make the window larger",
+        "passive: the surface took", "the slide is 12 mm", "out/trace.csv", "0.01 voxel"}) {
     EXPECT_THAT(text, HasSubstr(words));
   }
-  EXPECT_LE(std::count(text.begin(), text.end(), '\n'), 8);
+  EXPECT_LE(std::count(text.begin(), text.end(), '\n'), 9);
+}
+
+TEST(Words, EnergySaysWhetherItWasPassive) {
+  RunFigures figures;
+  figures.ticks = 5000;
+  figures.energy_end_J = 1.5e-3;
+  EXPECT_EQ(energyWords(figures), "passive: the surface took 1.5 mJ from the hand and never gave more than it took");
+  figures.active_ticks = 12;
+  figures.energy_min_J = -0.2e-3;
+  figures.damped_ticks = 34;
+  EXPECT_EQ(energyWords(figures),
+            "active: in 12 of 5000 ticks the surface had given the hand more than it took, at most 0.2 mJ; the "
+            "controller acted in 34 ticks");
 }
 
 TEST(Words, ClosingSummarySaysThatTheClockWasSimulated) {

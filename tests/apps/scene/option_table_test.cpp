@@ -8,6 +8,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "servo/algorithms/registry.hpp"
+
 namespace palpate {
 namespace {
 
@@ -26,7 +28,8 @@ TEST(OptionTable, HasTheFlagsThatArePromised) {
   std::set<std::string> flags;
   for (const SceneOption& option : sceneOptions()) flags.insert(option.flag);
   for (const char* flag : {"--iso", "--n", "--stiffness", "--damping", "--rate", "--seconds", "--hand", "--path",
-                           "--clock", "--gpu", "--gradient", "--algorithm", "--out", "--trace"}) {
+                           "--clock", "--gpu", "--friction-static", "--texture", "--recovery", "--force-shading",
+                           "--gradient", "--algorithm", "--out", "--trace"}) {
     EXPECT_TRUE(flags.contains(flag)) << flag;
   }
 }
@@ -34,8 +37,8 @@ TEST(OptionTable, HasTheFlagsThatArePromised) {
 // A key whose name ends in a unit and the unit on the screen are the same unit.
 TEST(OptionTable, UnitsOfKeysAreThoseOnTheScreen) {
   const std::pair<const char*, const char*> kUnits[] = {
-      {"_N_per_m", "N/m"}, {"_Ns_per_m", "N s/m"}, {"_hz", "Hz"}, {"_mm", "mm"}, {"_kg", "kg"}, {"_N_per_s", "N/s"},
-      {"_N", "N"},         {"_ticks", "ticks"},    {"_s", "s"}};
+      {"_N_per_m", "N/m"}, {"_Ns_per_m", "N s/m"}, {"_hz", "Hz"}, {"_mm", "mm"},       {"_ms", "ms"},
+      {"_kg", "kg"},       {"_N_per_s", "N/s"},    {"_N", "N"},   {"_ticks", "ticks"}, {"_s", "s"}};
   for (const SceneOption& option : sceneOptions()) {
     for (const auto& [ending, unit] : kUnits) {
       if (!std::string_view(option.key).ends_with(ending)) continue;
@@ -81,6 +84,15 @@ TEST(OptionTable, HelpSaysUnitDefaultAndKey) {
             "stiffness of the contact, K [N/m] (a number from 0 to 100000; default 500; key servo.stiffness_N_per_m)");
   EXPECT_THAT(optionHelp(*optionOfKey("hand.kind")),
               testing::HasSubstr("(rigid or spring; default rigid; key hand.kind)"));
+}
+
+// Words of the registry, so that no algorithm is missing where people look for its name.
+TEST(OptionTable, HelpAndDocumentNameEveryAlgorithm) {
+  for (const AlgorithmEntry& entry : algorithms()) {
+    EXPECT_THAT(optionHelp(*optionOfKey("servo.algorithm")), testing::HasSubstr(std::string(entry.name)));
+    EXPECT_THAT(sceneDocument(), testing::HasSubstr(fmt::format("\n| `{}` | {} |\n", entry.name, entry.description)));
+  }
+  EXPECT_EQ(Scene{}.algorithm, algorithms().front().name);
 }
 
 TEST(SceneDocument, IsTheCommittedPage) {

@@ -99,6 +99,24 @@ TEST(OptionValue, SwitchesTakeTheirTwoWordsOnly) {
   }
 }
 
+TEST(OptionValue, WordsAreTakenFromTheirListOnly) {
+  ASSERT_FALSE(optionsOfKind<WordOption>().empty());
+  for (const SceneOption* option : optionsOfKind<WordOption>()) {
+    const auto& words = std::get<WordOption>(option->value);
+    ASSERT_GT(words.words.size(), 1u);
+    EXPECT_EQ(optionText(option->value, Scene{}), words.words.front());
+    for (const char* word : words.words) {
+      Scene scene;
+      setOption(option->value, word, option->flag, scene);
+      EXPECT_EQ(scene.*words.member, word);
+      EXPECT_EQ(optionText(option->value, scene), word);
+      expectRefused(*option, std::string(word) + " ");
+    }
+    for (const char* text : {"", "1", "maybe"}) expectRefused(*option, text);
+  }
+  EXPECT_EQ(optionForm(optionOfKey("contact.texture")->value), "none, procedural or density");
+}
+
 TEST(OptionValue, VectorsTakeThreeNumbers) {
   for (const SceneOption* option : optionsOfKind<VectorOption>()) {
     for (const char* text : {"", "1", "1,2", "1,2,3,4", "1,2,", ",,", "1,2,x", "1,2,nan", "1,inf,3", "1;2;3"}) {
@@ -130,6 +148,25 @@ TEST(OptionValue, ScreenUnitsBecomeTheCodesUnits) {
   EXPECT_NEAR((*scene.path_start_W - Vec3(1e-3, -2e-3, 3e-3)).norm(), 0, 1e-18);
   EXPECT_EQ(optionText(optionOfKey("path.depth_mm")->value, scene), "2.5");
   EXPECT_EQ(optionText(optionOfKey("path.start_mm")->value, scene), "1,-2,3");
+}
+
+TEST(OptionValue, TablesTakeRowsOfNumbers) {
+  Scene scene;
+  EXPECT_EQ(optionText(optionOfKey("haptization.density")->value, scene), "");
+  set("haptization.density", "-1000:0:0, 200 : 0.5:1 ,1e3:2:0", scene);
+  EXPECT_EQ(scene.haptization_density, (NumberTable{{-1000, 0, 0}, {200, 0.5, 1}, {1000, 2, 0}}));
+  EXPECT_EQ(optionText(optionOfKey("haptization.density")->value, scene), "-1000:0:0,200:0.5:1,1000:2:0");
+  set("haptization.gradient", "0:0,50:1", scene);  // density per millimetre
+  EXPECT_EQ(scene.haptization_gradient, (NumberTable{{0, 0}, {50000, 1}}));
+  EXPECT_EQ(optionText(optionOfKey("haptization.gradient")->value, scene), "0:0,50:1");
+}
+
+TEST(OptionValue, TablesRefuseWhatIsNone) {
+  for (const char* text : {"", " ", "1", "1:2", "1:2:3:4", "1:2:3,", ",1:2:3", "1:2:3,4:5", "1:2:x", "1:2:nan",
+                           "1:inf:3", "1::3", "1:2:3;4:5:6"}) {
+    expectRefused(*optionOfKey("haptization.density"), text);
+  }
+  expectRefused(*optionOfKey("haptization.gradient"), "1:2:3");
 }
 
 TEST(OptionValue, ChosenValuesAreEmptyUntilGiven) {

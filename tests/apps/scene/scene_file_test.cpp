@@ -60,10 +60,18 @@ clock = "simulated"
 [path]
 toward = [0, 0, -2]
 start_mm = [1.5, -2, 3]
+[haptization]
+density = [[-1000, 0, 0], [200, 0.5, 1]]
+gradient = [
+  [0, 0],
+  [50, 1],
+]
 [output]
 trace = false
 picture = "on"
 )");
+  EXPECT_EQ(scene.haptization_density, (NumberTable{{-1000, 0, 0}, {200, 0.5, 1}}));
+  EXPECT_EQ(scene.haptization_gradient, (NumberTable{{0, 0}, {50000, 1}}));
   EXPECT_EQ(scene.volume, "phantom:knot?size=32");
   EXPECT_EQ(scene.isovalue, -20.5);
   EXPECT_TRUE(scene.gradient_all);
@@ -74,6 +82,60 @@ picture = "on"
   EXPECT_NEAR((*scene.path_start_W - Vec3(1.5e-3, -2e-3, 3e-3)).norm(), 0, 1e-18);
   EXPECT_FALSE(scene.trace);
   EXPECT_TRUE(scene.picture);
+}
+
+TEST_F(SceneFile, SetsContactEffects) {
+  const Scene scene = read(R"(
+[contact]
+force_shading = true
+recovery_ms = 20
+texture = "density"
+texture_amplitude_mm = 0.05
+friction_static = 0.5
+stiffness_density = [[200, 0.3], [700, 1]]
+)");
+  EXPECT_TRUE(scene.force_shading);
+  EXPECT_DOUBLE_EQ(scene.recovery_s, 0.02);
+  EXPECT_EQ(scene.texture, "density");
+  EXPECT_DOUBLE_EQ(scene.texture_amplitude_m, 0.05e-3);
+  EXPECT_EQ(scene.friction_static, 0.5);
+  EXPECT_EQ(scene.stiffness_density, (NumberTable{{200, 0.3}, {700, 1}}));
+}
+
+TEST_F(SceneFile, ObjectsAreTables) {
+  const Scene scene = read(R"(
+volume = "phantom:sphere"
+[[object]]
+kind = "sphere"
+centre_mm = [0, 0, 30]
+radius_mm = 5
+[[object]]
+kind = "mesh"
+file = "plate.stl"
+[[object]]
+kind = "mesh"
+file = "/far/plate.stl"
+)");
+  ASSERT_EQ(scene.objects.size(), 3U);
+  EXPECT_EQ(scene.objects[0].kind, ObjectKind::kSphere);
+  EXPECT_DOUBLE_EQ(scene.objects[0].radius_m, 5e-3);
+  EXPECT_EQ(scene.objects[1].file, (folder_.path() / "plate.stl").string()) << "relative to the scene";
+  EXPECT_EQ(scene.objects[2].file, "/far/plate.stl");
+}
+
+TEST_F(SceneFile, ObjectsThatAreNoneAreRefused) {
+  EXPECT_THAT(refusalOf("[object]\nkind = 'sphere'\n"), HasSubstr("begin each with [[object]]"));
+  EXPECT_THAT(refusalOf("object = 5\n"), HasSubstr("begin each with [[object]]"));
+  EXPECT_THAT(refusalOf("[[object]]\nkind = 'sphere'\n"),
+              HasSubstr("scene.toml:1: object: a sphere needs 'radius_mm'"));
+  EXPECT_THAT(refusalOf("\n[[object]]\nradius_mm = 5\n"),
+              HasSubstr("scene.toml:2: object: there is no object of kind ''"));
+  EXPECT_THAT(refusalOf("[[object]]\nkind = 'sphere'\nradius_mm = '5'\n"), HasSubstr("'radius_mm' is of another kind"));
+  EXPECT_THAT(refusalOf("[[object]]\nkind = 'box'\nsize_mm = [1, 'a', 2]\n"),
+              HasSubstr("'size_mm' is of another kind"));
+  EXPECT_THAT(refusalOf("[[object]]\nkind = 5\n"), HasSubstr("'kind' is of another kind"));
+  EXPECT_THAT(refusalOf("[[object]]\nkind = 'mesh'\nfile = 5\n"), HasSubstr("'file' is of another kind"));
+  EXPECT_THAT(refusalOf("[[object]]\nkind = 'box'\nsize_mm = true\n"), HasSubstr("'size_mm' is of another kind"));
 }
 
 TEST_F(SceneFile, DottedKeysAndInlineTablesAreTables) {
@@ -114,11 +176,30 @@ TEST_F(SceneFile, UnknownKeysAreRefusedWithTheNearest) {
 }
 
 TEST_F(SceneFile, ValuesOfAnotherKindAreRefused) {
-  for (const char* text :
-       {"volume = 5", "volume = true", "volume = [1, 2]", "volume = 2020-01-01", "gpu = 1.5", "isovalue = \"5\"",
-        "isovalue = true", "isovalue = [5]", "servo.n = \"5\"", "servo.n = false", "servo.clock = 1",
-        "servo.clock = [\"real\"]", "path.toward = \"0,0,1\"", "path.toward = 1", "path.toward = [[0, 0], 1]",
-        "path.toward = [\"0\", \"0\", \"1\"]", "output.trace = 1", "output.folder = 7", "isovalue = 12:00:00"}) {
+  for (const char* text : {"volume = 5",
+                           "volume = true",
+                           "volume = [1, 2]",
+                           "volume = 2020-01-01",
+                           "gpu = 1.5",
+                           "isovalue = \"5\"",
+                           "isovalue = true",
+                           "isovalue = [5]",
+                           "servo.n = \"5\"",
+                           "servo.n = false",
+                           "servo.clock = 1",
+                           "servo.clock = [\"real\"]",
+                           "path.toward = \"0,0,1\"",
+                           "path.toward = 1",
+                           "path.toward = [[0, 0], 1]",
+                           "path.toward = [\"0\", \"0\", \"1\"]",
+                           "haptization.density = 1",
+                           "haptization.density = [1, 2, 3]",
+                           "haptization.density = [[1, 2, 3], 4]",
+                           "haptization.density = [[1, 2, \"3\"]]",
+                           "haptization.density = \"1:2:3\"",
+                           "output.trace = 1",
+                           "output.folder = 7",
+                           "isovalue = 12:00:00"}) {
     const std::string message = refusalOf(std::string(text) + "\n");
     EXPECT_THAT(message, HasSubstr("scene.toml:1: ")) << text;
     EXPECT_THAT(message, HasSubstr("another kind")) << text;
@@ -126,10 +207,17 @@ TEST_F(SceneFile, ValuesOfAnotherKindAreRefused) {
   }
 }
 
+TEST_F(SceneFile, AWordIsNoNumberAndNoSwitch) {
+  EXPECT_THAT(refusalOf("contact.texture = 1\n"), HasSubstr("another kind"));
+  EXPECT_THAT(refusalOf("contact.texture = false\n"), HasSubstr("another kind"));
+}
+
 TEST_F(SceneFile, ValuesOfTheRightKindThatDoNotFitAreRefused) {
-  for (const char* text : {"servo.n = 0", "servo.n = 2.5", "isovalue = nan", "isovalue = inf", "servo.clock = \"fast\"",
-                           "hand.kind = true", "path.toward = [0, 0, 0]", "path.toward = [1, 0]", "path.toward = []",
-                           "path.start_mm = [1, 2, nan]", "servo.seconds = -1"}) {
+  for (const char* text :
+       {"servo.n = 0", "servo.n = 2.5", "isovalue = nan", "isovalue = inf", "servo.clock = \"fast\"",
+        "contact.texture = \"velvet\"", "hand.kind = true", "path.toward = [0, 0, 0]", "path.toward = [1, 0]",
+        "path.toward = []", "path.start_mm = [1, 2, nan]", "haptization.density = []", "haptization.density = [[]]",
+        "haptization.density = [[1, 2]]", "haptization.gradient = [[1, 2], [3, inf]]", "servo.seconds = -1"}) {
     EXPECT_THAT(refusalOf(std::string(text) + "\n"), HasSubstr("is not what it takes; give ")) << text;
   }
 }

@@ -64,5 +64,20 @@ TEST(PlanLines, NameWhatWasLeftOut) {
   }
 }
 
+TEST(Plan, SaysWhetherAMeshIsExtractedAndObjectsAreThere) {
+  const auto without = planLines(makePlan(Scene{}), {});
+  ASSERT_EQ(linesNaming(without, "mesh").size(), 1U);
+  EXPECT_FALSE(linesNaming(without, "mesh")[0].done);
+  EXPECT_FALSE(linesNaming(without, "objects")[0].done);
+  Scene scene;
+  scene.objects.resize(2);
+  const Plan plan = makePlan(scene, true);
+  EXPECT_TRUE(plan.meshes);
+  const auto with = planLines(plan, {.mesh_triangles = 1234});
+  EXPECT_TRUE(linesNaming(with, "mesh")[0].done);
+  EXPECT_EQ(linesNaming(with, "mesh")[0].what, "mesh of the isosurface, 1234 triangles");
+  EXPECT_EQ(linesNaming(with, "objects")[0].what, "2 objects beside the volume");
+}
+
 }  // namespace
 }  // namespace palpate

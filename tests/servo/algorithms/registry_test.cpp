@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "base/error.hpp"
+#include "support/test_meshes.hpp"
 
 namespace palpate {
 namespace {
@@ -15,7 +16,10 @@ TEST(AlgorithmRegistry, MakesEveryAlgorithmItLists) {
   ASSERT_FALSE(algorithms().empty());
   EXPECT_EQ(algorithms().front().name, "hri");
   for (const AlgorithmEntry& entry : algorithms()) {
-    EXPECT_NE(makeAlgorithm(entry.name, {}), nullptr) << entry.name;
+    AlgorithmSetup setup;
+    if (entry.needs.isosurface_mesh)
+      setup.isosurface = std::make_shared<const TriangleMesh>(boxMesh({0, 0, 0}, {1, 1, 1}));
+    EXPECT_NE(makeAlgorithm(entry.name, std::move(setup)), nullptr) << entry.name;
     EXPECT_FALSE(entry.description.empty());
   }
 }

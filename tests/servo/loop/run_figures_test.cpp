@@ -66,6 +66,18 @@ TEST(RunFigures, CountLateSkippedAndFaultyTicks) {
   EXPECT_EQ(f.faults[1].fault, ServoFault::kOverrun);
 }
 
+TEST(RunFigures, SumUpTheEnergy) {
+  std::vector<TickRecord> records = twoTouches();
+  const double energies_J[] = {0, 2e-3, -1e-3, -0.9e-12, 0.5e-3};  // the fourth is rounding
+  for (std::size_t i = 0; i < records.size(); ++i) records[i].energy_J = energies_J[i];
+  records[3].damped = true;
+  const RunFigures f = computeFigures(records, 1000);
+  EXPECT_EQ(f.energy_min_J, -1e-3);
+  EXPECT_EQ(f.energy_end_J, 0.5e-3);
+  EXPECT_EQ(f.active_ticks, 1);
+  EXPECT_EQ(f.damped_ticks, 1);
+}
+
 TEST(RunFigures, DepthIsMeasuredAlongTheNormal) {
   TickRecord r = record(0, true, 1, 2e-3);
   r.vhip_W[0] = 5e-3;  // friction has left the VHIP behind
@@ -77,6 +89,7 @@ TEST(RunFigures, OfNothingAreZero) {
   EXPECT_EQ(f.ticks, 0);
   EXPECT_EQ(f.force_N.max, 0);
   EXPECT_EQ(f.first_contact_s, -1);
+  EXPECT_EQ(f.energy_end_J, 0);
   EXPECT_TRUE(f.faults.empty());
 }
 

@@ -35,12 +35,12 @@ LoopResult runInStep(std::string_view algorithm, Hand hand) {
 }
 
 TEST(ServoLoopSimulated, TwoRunsAreEqualByteForByte) {
-  for (const char* algorithm : {"hri", "hri-paper"}) {
-    const LoopResult a = runInStep(algorithm, Hand::kSpring);
-    const LoopResult b = runInStep(algorithm, Hand::kSpring);
+  for (const AlgorithmEntry& entry : algorithms()) {
+    const LoopResult a = runInStep(entry.name, Hand::kSpring);
+    const LoopResult b = runInStep(entry.name, Hand::kSpring);
     ASSERT_EQ(a.records.size(), 400u);
     ASSERT_EQ(b.records.size(), 400u);
-    EXPECT_GT(computeFigures(a.records, 1000).contact_ticks, 200);
+    EXPECT_GT(computeFigures(a.records, 1000).contact_ticks, 200) << entry.name;
     EXPECT_EQ(std::memcmp(a.records.data(), b.records.data(), 400 * sizeof(TickRecord)), 0);
   }
 }

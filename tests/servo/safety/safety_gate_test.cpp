@@ -84,7 +84,9 @@ INSTANTIATE_TEST_SUITE_P(
                     Cause{"Beyond", {{0, 0, 4}, 0, bit(ServoFault::kBeyondWindow)}, ServoFault::kBeyondWindow},
                     Cause{"NaN", {{0, kNaN, 4}, 0, 0}, ServoFault::kNonFiniteForce},
                     Cause{"Infinite", {{0, 0, INFINITY}, 0, 0}, ServoFault::kNonFiniteForce},
-                    Cause{"Device", {{0, 0, 4}, 0, bit(ServoFault::kDeviceError)}, ServoFault::kDeviceError}),
+                    Cause{"Device", {{0, 0, 4}, 0, bit(ServoFault::kDeviceError)}, ServoFault::kDeviceError},
+                    Cause{"Reports", {{0, 0, 4}, 0, 0, 1'000'000, 20'000'001}, ServoFault::kDroppedReports},
+                    Cause{"Clock", {{0, 0, 4}, 0, bit(ServoFault::kClockStep)}, ServoFault::kClockStep}),
     [](const auto& cause) { return std::string(cause.param.name); });
 
 TEST(SafetyGate, NotesDoNotTakeTheForceAway) {
@@ -94,9 +96,68 @@ TEST(SafetyGate, NotesDoNotTakeTheForceAway) {
   EXPECT_EQ(gate.pass({{0, 0, 4}, 0, notes}).force_W.z(), 4);
 }
 
+// A position of 20 ms, a window of 0.5 s, and a tick 10 ms after it was due, which is 11 ms after the last.
 TEST(SafetyGate, AgeAtTheLimitIsFresh) {
   SafetyGate gate(parameters(), 1000);
-  EXPECT_EQ(gate.pass({{0, 0, 4}, 500'000'000, 0}).faults, 0u);
+  EXPECT_EQ(gate.pass({{0, 0, 4}, 500'000'000, 0, 11'000'000, 20'000'000}).faults, 0u);
+}
+
+// The device has held 4 N through the stall. It is let go at once (no slew to speak of), and what comes back starts
+// from nothing in the next tick, however long the fault lasted.
+TEST(SafetyGate, AfterAStallTheForceStartsFromNothing) {
+  SafetyGate gate(parameters(), 1000);
+  EXPECT_EQ(gate.pass(healthy({0, 0, 4})).force_W.z(), 4);
+  const GateOutput out = gate.pass({{0, 0, 6}, 0, 0, 11'000'001});
+  EXPECT_EQ(out.faults, bit(ServoFault::kStall));
+  EXPECT_TRUE(out.force_W.isZero(0));
+  for (int tick = 1; tick <= 12; ++tick) {
+    EXPECT_NEAR(gate.pass(healthy({0, 0, 6})).force_W.z(), 6 * std::min(1.0, tick / 10.0), 1e-12);
+  }
+}
+
+TEST(SafetyGate, AfterAStallTheForceFallsAtTheSlewLimit) {
+  SafetyParameters p = parameters();
+  p.slew_limit_N_per_s = 1000;  // 1 N a tick
+  SafetyGate gate(p, 1000);
+  for (int i = 0; i < 4; ++i) static_cast<void>(gate.pass(healthy({0, 0, 4})));
+  EXPECT_EQ(gate.lastForce().z(), 4);
+  EXPECT_NEAR(gate.pass({{0, 0, 4}, 0, 0, 50'000'000}).force_W.z(), 3, 1e-12);
+  // The fault goes on as another one: down all the way.
+  for (int tick = 1; tick <= 3; ++tick) {
+    EXPECT_NEAR(gate.pass({{0, 0, 4}, 0, bit(ServoFault::kDeviceError)}).force_W.z(), 3 - tick, 1e-12);
+  }
+}
+
+// In the middle of a fade, a stall takes the rest.
+TEST(SafetyGate, AStallEndsAFade) {
+  SafetyGate gate(parameters(), 1000);
+  EXPECT_EQ(gate.pass(healthy({0, 0, 4})).force_W.z(), 4);
+  EXPECT_NEAR(gate.pass({{0, 0, 4}, 0, bit(ServoFault::kNoWindow)}).force_W.z(), 3.6, 1e-12);
+  EXPECT_TRUE(gate.pass({{0, 0, 4}, 0, bit(ServoFault::kNoWindow), 50'000'000}).force_W.isZero(0));
+}
+
+// 8 N at 0.5 N a tick need 16 ticks at least; the fade of 10 ticks becomes longer, and keeps within the slew.
+TEST(SafetyGate, AFadeIsNoFasterThanTheSlewLimit) {
+  SafetyParameters p = parameters();
+  p.slew_limit_N_per_s = 500;
+  SafetyGate gate(p, 1000);
+  EXPECT_EQ(gate.fadeTicks(), 17);
+  for (int i = 0; i < 20; ++i) static_cast<void>(gate.pass(healthy({0, 0, 9})));
+  EXPECT_EQ(gate.lastForce().z(), 8);
+  for (int tick = 1; tick <= 17; ++tick) {
+    EXPECT_NEAR(gate.pass({{0, 0, 9}, 0, bit(ServoFault::kNoWindow)}).force_W.z(), 8 * (1 - tick / 17.0), 1e-12);
+  }
+  EXPECT_TRUE(gate.lastForce().isZero(0));
+}
+
+TEST(SafetyGate, ReleaseGoesToZeroAtTheSlewLimit) {
+  SafetyParameters p = parameters();
+  p.slew_limit_N_per_s = 1000;
+  SafetyGate gate(p, 1000);
+  for (int i = 0; i < 4; ++i) static_cast<void>(gate.pass(healthy({0, 0, 2.5})));
+  EXPECT_NEAR(gate.release().z(), 1.5, 1e-12);
+  EXPECT_NEAR(gate.release().z(), 0.5, 1e-12);
+  EXPECT_TRUE(gate.release().isZero(0));
 }
 
 // Healthy again in the middle of a fade: it goes on from the authority reached, not from full force.
@@ -135,6 +196,10 @@ TEST(SafetyGate, RefusesLimitsThatAreNone) {
   refused({8, 1, -0.1, 0.5});
   refused({8, 1, kNaN, 0.5});
   refused({8, 1, 0.1, -1});
+  refused({8, 1, 0.1, 0.5, -1});
+  refused({8, 1, 0.1, 0.5, kNaN});
+  refused({8, 1, 0.1, 0.5, 0.01, -1});
+  refused({8, 1, 0.1, 0.5, 0.01, kNaN});
   refused(parameters(), 0);
 }
 

@@ -3,11 +3,10 @@
 // algorithm.
 #pragma once
 
-#include "servo/algorithms/registry.hpp"
 #include "servo/devices/sampled_path.hpp"
 #include "servo/devices/simulated_device.hpp"
 #include "servo/loop/servo_loop.hpp"
-#include "support/analytic_volume.hpp"
+#include "support/algorithm_setups.hpp"
 
 namespace palpate {
 
@@ -19,7 +18,7 @@ class TouchScene {
              SampledPath::Interpolation::kCubic),
         storage(32 * 32 * 32),
         windows(storage),
-        algorithm(makeAlgorithm(algorithm_name, {})) {}
+        algorithm(makeFor(algorithm_name, {}, volume, 4e-3)) {}
 
   // Over the ball's pole, aside by as much as deep, so that the tool slides too.
   static Vec3 above(double height_m) { return Vec3::Constant(31.3e-3) + Vec3(-height_m, 0, 20e-3 + height_m); }

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/bench/entrants.hpp"
+
+#include <algorithm>
+
+#include "apps/bench/recovery_rows.hpp"
+#include "base/error.hpp"
+#include "servo/contact/effects.hpp"
+
+namespace palpate {
+namespace {
+
+ContactEffects makeRecovery() {
+  EffectParameters parameters;
+  parameters.recovery_s = kRecoveryTime_s;
+  return makeContactEffects(parameters, kBenchStiffness_N_per_m, kBenchRate_hz);
+}
+
+const EffectChoice kChoices[] = {
+    {"none", [] { return ContactEffects{}; }},
+    {kRecoveryChoice, makeRecovery},
+};
+
+AlgorithmSetup setupFor(const BenchVolume& volume, int n, ContactEffects effects) {
+  return {.parameters = {.isovalue = volume.isovalue(),
+                         .stiffness_N_per_m = kBenchStiffness_N_per_m,
+                         .damping_Ns_per_m = 0,
+                         .plane_renewal_ticks = n},
+          .effects = std::move(effects),
+          .haptization = {},
+          .scale = {.contrast = volume.maximum() - volume.isovalue(), .voxel_m = volume.voxel_m()},
+          .isosurface = volume.isosurface()};
+}
+
+}  // namespace
+
+std::span<const EffectChoice> effectChoices() {
+  return kChoices;
+}
+
+Entrants makeEntrants(const BenchVolume& volume, const std::vector<int>& renewals) {
+  Entrants entrants;
+  for (const AlgorithmEntry& entry : algorithms()) {
+    const std::string name(entry.name);
+    try {
+      for (const int n : renewals) {
+        entrants.list.push_back({name, n, "none", makeAlgorithm(name, setupFor(volume, n, {}))});
+      }
+    } catch (const Error& error) {
+      std::erase_if(entrants.list, [&](const Entrant& entrant) { return entrant.algorithm == name; });
+      entrants.left_out.push_back(name + ": " + error.what());
+    }
+  }
+  return entrants;
+}
+
+std::vector<Entrant> makeEntrantsWithEffects(const BenchVolume& volume, int n) {
+  std::vector<Entrant> list;
+  if (effectChoices().size() < 2) return list;
+  for (const AlgorithmEntry& entry : algorithms()) {
+    const std::string name(entry.name);
+    try {
+      for (const EffectChoice& choice : effectChoices()) {
+        list.push_back({name, n, choice.name, makeAlgorithm(name, setupFor(volume, n, choice.make()))});
+      }
+    } catch (const Error&) {  // takes no effects
+      std::erase_if(list, [&](const Entrant& entrant) { return entrant.algorithm == name; });
+    }
+  }
+  return list;
+}
+
+}  // namespace palpate

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/bench/servo_targets.hpp"
+
+#include <algorithm>
+#include <functional>
+
+#include <fmt/format.h>
+
+namespace palpate {
+namespace {
+
+constexpr double kFastestThinWallStroke_m_per_s = 1;
+
+using Rows = std::vector<const BenchRow*>;
+
+Rows select(const BenchResult& result, const char* part, const std::function<bool(const BenchRow&)>& wanted) {
+  Rows rows;
+  for (const BenchRow& row : result.rows) {
+    if (textOf(row, "part") == part && wanted(row)) rows.push_back(&row);
+  }
+  return rows;
+}
+
+Rows selectAlgorithm(const BenchResult& result, const char* part, const std::string& algorithm, int n) {
+  return select(result, part, [&](const BenchRow& row) {
+    return textOf(row, "algorithm") == algorithm && figureOf(row, "n_ticks") == n;
+  });
+}
+
+double middle(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const std::size_t half = values.size() / 2;
+  return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
+}
+
+std::vector<double> figures(const Rows& rows, const char* key) {
+  std::vector<double> values;
+  for (const BenchRow* row : rows) values.push_back(figureOf(*row, key));
+  return values;
+}
+
+// With a note instead where there are no rows.
+void addOver(BenchResult& result, const std::string& name, const Rows& rows, double bound,
+             const std::function<double(const Rows&)>& value) {
+  if (rows.empty()) {
+    result.note(fmt::format("target '{}' is left out: what it needs took no part", name));
+  } else {
+    result.targets.push_back({name, value(rows), bound});
+  }
+}
+
+void addRatio(BenchResult& result, const std::string& rival, double bound) {
+  const Rows rows = select(result, "ratio", [&](const BenchRow& row) { return textOf(row, "algorithm") == rival; });
+  addOver(result, fmt::format("hri / {}, cost of a tick at n=5 [-]", rival), rows, bound,
+          [](const Rows& r) { return middle(figures(r, "hri_over_it")); });
+}
+
+void addCosts(BenchResult& result) {
+  const auto harness = [](const BenchRow&) { return true; };
+  addOver(result, "hri, tick without renewal [ns]", select(result, "harness", harness), 15,
+          [](const Rows& r) { return figureOf(*r.front(), "hri_without_renewal_ns"); });
+  addOver(result, "hri, renewal every tick (n=1) [ns]", selectAlgorithm(result, "tick", "hri", 1), 100,
+          [](const Rows& r) { return middle(figures(r, "cost_ns")); });
+  addOver(result, "hri, mean at n=5 [ns]", selectAlgorithm(result, "tick", "hri", 5), 35,
+          [](const Rows& r) { return middle(figures(r, "cost_ns")); });
+}
+
+// The largest ratio over the volumes: on none may it be above 1.
+void addErrorAgainstBlezek(BenchResult& result) {
+  const Rows ours = selectAlgorithm(result, "tick", "hri", 5);
+  const Rows theirs = selectAlgorithm(result, "tick", "blezek", 5);
+  addOver(result, "hri / blezek, median VHIP error at n=5, worst volume [-]", theirs, 1, [&](const Rows& r) {
+    double worst = 0;
+    for (std::size_t i = 0; i < std::min(r.size(), ours.size()); ++i) {
+      worst =
+          std::max(worst, figureOf(*ours[i], "vhip_error_median_voxel") / figureOf(*r[i], "vhip_error_median_voxel"));
+    }
+    return worst;
+  });
+}
+
+void addAccuracy(BenchResult& result) {
+  for (const auto& [n, angle_bound] : {std::pair{1, 0.35}, std::pair{5, 0.7}}) {
+    const Rows rows = selectAlgorithm(result, "accuracy", "hri", n);
+    const auto first = [](const char* key) { return [key](const Rows& r) { return figureOf(*r.front(), key); }; };
+    addOver(result, fmt::format("hri, knot 128x128x64, n={}, median VHIP error [voxel]", n), rows, 0.015,
+            first("vhip_error_median_voxel"));
+    addOver(result, fmt::format("hri, knot 128x128x64, n={}, median force angle [degree]", n), rows, angle_bound,
+            first("force_angle_median_deg"));
+    addOver(result, fmt::format("hri, knot 128x128x64, n={}, fall-throughs [-]", n), rows, 0, first("fall_throughs"));
+  }
+}
+
+void addStrokes(BenchResult& result) {
+  const Rows rows = select(result, "strokes", [](const BenchRow& row) {
+    return textOf(row, "algorithm") == "hri" && textOf(row, "wall") == "shell of 1 voxel" &&
+           figureOf(row, "speed_m_per_s") <= kFastestThinWallStroke_m_per_s;
+  });
+  addOver(result, "hri, one-voxel shell up to 1 m/s, missed or lost contacts [-]", rows, 0, [](const Rows& r) {
+    double sum = 0;
+    for (const BenchRow* row : r) sum += figureOf(*row, "missed") + figureOf(*row, "lost");
+    return sum;
+  });
+}
+
+}  // namespace
+
+void addServoTargets(BenchResult& result) {
+  addRatio(result, "avila", 0.8);
+  addRatio(result, "blezek", 0.33);
+  addErrorAgainstBlezek(result);
+  addCosts(result);
+  addAccuracy(result);
+  addStrokes(result);
+}
+
+}  // namespace palpate

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/bench/touch_errors.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/units.hpp"
+
+namespace palpate {
+namespace {
+
+// By the cross product too: acos alone loses small angles.
+double angle_deg(const Vec3& a_W, const Vec3& b_W) {
+  return std::atan2(a_W.cross(b_W).norm(), a_W.dot(b_W)) * kDegreesPerRadian;
+}
+
+Vec3 exactForce(const ContactPath& path, std::size_t k) {
+  return kBenchStiffness_N_per_m * std::max(0.0, path.depth_m[k]) * path.normal_W[k];
+}
+
+// What one algorithm's ticks add up to.
+class Tally {
+ public:
+  Tally(const BenchVolume& volume, const ContactPath& path) : volume_(volume), path_(path) {}
+
+  void add(std::size_t k, const TickOutput& out) {
+    const bool contact = hasContact(out);
+    if (k >= path_.slide_begin) addSlide(k, out, contact);
+    const bool missed = !contact && path_.depth_m[k] > kMissDepth_voxel * volume_.voxel_m();
+    if (missed && !missing_) ++errors_.falls;
+    errors_.missed_ticks += missed ? 1 : 0;
+    missing_ = missed;
+    last_force_W_ = out.force_W;
+  }
+
+  TouchErrors taken() {
+    errors_.vhip_voxel = percentiles(std::move(vhip_voxel_));
+    errors_.force_percent = percentiles(std::move(force_percent_));
+    errors_.angle_deg = percentiles(std::move(angle_deg_));
+    errors_.force_mean_N = errors_.contact_ticks > 0 ? force_sum_N_ / static_cast<double>(errors_.contact_ticks) : 0;
+    return errors_;
+  }
+
+ private:
+  void addSlide(std::size_t k, const TickOutput& out, bool contact) {
+    ++errors_.ticks;
+    if (k > path_.slide_begin) {
+      errors_.force_jump_max_N = std::max(errors_.force_jump_max_N, (out.force_W - last_force_W_).norm());
+      errors_.exact_force_jump_max_N =
+          std::max(errors_.exact_force_jump_max_N, (exactForce(path_, k) - exactForce(path_, k - 1)).norm());
+    }
+    if (!contact) return;
+    ++errors_.contact_ticks;
+    const double force_N = out.force_W.norm();
+    force_sum_N_ += force_N;
+    vhip_voxel_.push_back(std::abs(volume_.phantom().signedDistance_m(out.vhip_W)) / volume_.voxel_m());
+    if (path_.exact[k] == 0 || force_N == 0) return;
+    const double exact_N = kBenchStiffness_N_per_m * path_.depth_m[k];
+    force_percent_.push_back(100 * std::abs(force_N - exact_N) / exact_N);
+    angle_deg_.push_back(angle_deg(out.force_W, path_.normal_W[k]));
+  }
+
+  const BenchVolume& volume_;
+  const ContactPath& path_;
+  TouchErrors errors_;
+  std::vector<double> vhip_voxel_, force_percent_, angle_deg_;
+  double force_sum_N_ = 0;
+  Vec3 last_force_W_ = Vec3::Zero();
+  bool missing_ = false;
+};
+
+}  // namespace
+
+std::vector<TouchErrors> touchErrors(const BenchVolume& volume, const ContactPath& path, std::span<Entrant> entrants,
+                                     const BenchProgress& progress) {
+  constexpr std::size_t kProgressTicks = 500;
+  WindowFollower follower(volume);
+  std::vector<Tally> tallies;
+  tallies.reserve(entrants.size());
+  for (Entrant& entrant : entrants) {
+    entrant.haptic->reset(path.hip_W.front());
+    tallies.emplace_back(volume, path);
+  }
+  for (std::size_t k = 0; k < path.ticks(); ++k) {
+    if (k % kProgressTicks == 0) progress(static_cast<double>(k) / static_cast<double>(path.ticks()));
+    const TickInput in{path.hip_W[k], path.velocity_W[k], &follower.around(path.hip_W[k])};
+    for (std::size_t e = 0; e < entrants.size(); ++e) {
+      TickOutput out;
+      entrants[e].haptic->tick(in, out);
+      tallies[e].add(k, out);
+    }
+  }
+  std::vector<TouchErrors> errors;
+  for (Tally& tally : tallies) errors.push_back(tally.taken());
+  return errors;
+}
+
+}  // namespace palpate

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+// apps/bench/touch_errors.hpp: how far algorithms are from the exact touch along a path.
+//
+// All of them go along the path in step, so that each sees the same windows. Over the ticks of the slide in which an
+// algorithm has contact (its flag, or a force):
+//   VHIP [voxel]      distance of the VHIP from the exact surface, in smallest voxels;
+//   force [%]         | |F| - K depth | / (K depth), depth of the HIP below the exact surface;
+//   angle [degree]    between the force and the exact normal at the surface point nearest to the HIP;
+//   force jump [N]    largest change of the force vector from one tick to the next;
+//   missed            ticks in which the HIP is deeper than kMissDepth below the exact surface, having come from
+//                     outside, and there is no contact; falls: how often such a stretch began.
+// Force and angle leave out ticks where the phantom's distance is a bound only (ContactPath::exact). Cost: one exact
+// distance for each algorithm and tick.
+#pragma once
+
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "apps/bench/contact_path.hpp"
+#include "apps/bench/entrants.hpp"
+#include "servo/loop/quantile.hpp"
+
+namespace palpate {
+
+inline constexpr double kMissDepth_voxel = 0.25;
+
+struct TouchErrors {
+  std::int64_t ticks = 0;  // of the slide
+  std::int64_t contact_ticks = 0;
+  Percentiles vhip_voxel;
+  Percentiles force_percent;
+  Percentiles angle_deg;
+  double force_jump_max_N = 0;
+  double exact_force_jump_max_N = 0;  // of K * depth along the exact normal, for comparison
+  double force_mean_N = 0;            // over ticks in contact
+  std::int64_t missed_ticks = 0;
+  std::int64_t falls = 0;
+};
+
+using BenchProgress = std::function<void(double share_done)>;  // may throw to stop
+
+[[nodiscard]] inline bool hasContact(const TickOutput& out) noexcept {
+  return out.in_contact || out.force_W.squaredNorm() > 0;
+}
+
+// One result for each entrant.
+[[nodiscard]] std::vector<TouchErrors> touchErrors(const BenchVolume& volume, const ContactPath& path,
+                                                   std::span<Entrant> entrants, const BenchProgress& progress);
+
+}  // namespace palpate

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+// palpate bench servo|loop: measures, and holds the figures against what the program promises.
+#include <filesystem>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "apps/bench/bench_page.hpp"
+#include "apps/bench/loop_bench.hpp"
+#include "apps/bench/servo_bench.hpp"
+#include "apps/bench/table_one.hpp"
+#include "apps/report/atomic_file.hpp"
+#include "scene_arguments.hpp"
+#include "verbs.hpp"
+#include "version.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr int kTargetBroken = 1;
+
+struct BenchArguments {
+  bool quick = false, strict = false;
+  std::string json, csv, chart, page;
+  std::uint64_t seed = 1;
+  std::optional<double> seconds;  // loop only
+  std::string gpu;                // loop only
+};
+
+void addCommon(CLI::App& verb, BenchArguments& arguments) {
+  verb.add_flag("--quick", arguments.quick, "fewer repetitions, for a first look");
+  verb.add_flag("--strict", arguments.strict, "exit status 1 when a target does not hold");
+  verb.add_option("--json", arguments.json, "write rows and targets into this file too")->type_name("FILE");
+  verb.add_option("--csv", arguments.csv, "write the rows into this file too")->type_name("FILE");
+  verb.add_option("--chart", arguments.chart, "draw the figures into this SVG file")->type_name("FILE.svg");
+  verb.add_option("--page", arguments.page, "write a page to read into this Markdown file")->type_name("FILE.md");
+  verb.add_option("--seed", arguments.seed, "of everything that is left to chance (default 1)")
+      ->check(CLI::Range(std::int64_t{0}, std::int64_t{9007199254740992}));
+}
+
+// CLI::Range lets NaN through.
+std::string checkSeconds(const std::string& text) {
+  constexpr double kLeast_s = 0.1, kMost_s = 3600;
+  double value = 0;
+  const bool number = CLI::detail::lexical_cast(text, value);
+  if (number && value >= kLeast_s && value <= kMost_s) return {};
+  return fmt::format("'{}' is no number from {:g} to {:g}", text, kLeast_s, kMost_s);
+}
+
+std::string commandLine(const std::string& bench, const BenchArguments& arguments) {
+  std::string line = "palpate bench " + bench;
+  if (arguments.quick) line += " --quick";
+  if (arguments.seconds) line += fmt::format(" --seconds {:g}", *arguments.seconds);
+  if (!arguments.gpu.empty()) line += " --gpu " + shellWord(arguments.gpu);
+  return line + fmt::format(" --seed {}", arguments.seed);
+}
+
+// Opened before the bench runs, so that a name that cannot be written is refused in the first second.
+class Outputs {
+ public:
+  explicit Outputs(const BenchArguments& arguments) {
+    open(json_, arguments.json);
+    open(csv_, arguments.csv);
+    open(chart_, arguments.chart);
+    open(page_, arguments.page);
+  }
+
+  void write(const BenchResult& result, const std::string& chart, const PageWords& words) {
+    write(json_, jsonText(result));
+    write(csv_, csvText(result));
+    write(chart_, chart);
+    write(page_, benchPage(result, words));
+  }
+
+ private:
+  static void open(std::optional<AtomicFile>& file, const std::string& name) {
+    if (!name.empty()) file.emplace(name);
+  }
+  static void write(std::optional<AtomicFile>& file, const std::string& text) {
+    if (!file) return;
+    file->write(text);
+    file->commit();
+  }
+  std::optional<AtomicFile> json_, csv_, chart_, page_;
+};
+
+// The chart as seen from the page: by its way from the page's folder.
+std::string chartFromPage(const BenchArguments& arguments) {
+  if (arguments.chart.empty() || arguments.page.empty()) return {};
+  const auto folder = std::filesystem::absolute(arguments.page).parent_path();
+  return std::filesystem::absolute(arguments.chart).lexically_relative(folder).generic_string();
+}
+
+void conclude(BenchResult& result, const BenchArguments& arguments, PageWords words, const std::string& chart,
+              Outputs& outputs) {
+  result.commit = programCommit();
+  result.command = commandLine(result.bench, arguments);
+  words.chart = chartFromPage(arguments);
+  outputs.write(result, chart, words);
+  fmt::print("{}\n{}\n{}, commit {}\n{}", words.tables, result.command, result.machine, result.commit,
+             targetTable(result));
+  if (arguments.strict && !result.allHold()) throw CLI::RuntimeError(kTargetBroken);
+}
+
+void servoVerb(const BenchArguments& arguments) {
+  Outputs outputs(arguments);
+  Progress progress;
+  ServoBenchRequest request = arguments.quick ? ServoBenchRequest::quick() : ServoBenchRequest{};
+  request.seed = arguments.seed;
+  BenchResult result = runServoBench(request, progress);
+  progress.done();
+  conclude(result, arguments,
+           {.title = "What a tick costs and how true it is",
+            .introduction = servoIntroduction(),
+            .tables = servoTable(result) + "\n" + tableOne(result),
+            .chart = {}},
+           servoChart(result), outputs);
+}
+
+void loopVerb(const BenchArguments& arguments) {
+  Outputs outputs(arguments);
+  Progress progress;
+  LoopBenchRequest request = arguments.quick ? LoopBenchRequest::quick() : LoopBenchRequest{};
+  request.seed = arguments.seed;
+  request.gpu = arguments.gpu;
+  if (arguments.seconds) request.seconds = *arguments.seconds;
+  BenchResult result = runLoopBench(request, progress);
+  progress.done();
+  conclude(result, arguments,
+           {.title = "How well the loop keeps its times",
+            .introduction = loopIntroduction(),
+            .tables = loopTable(result),
+            .chart = {}},
+           loopChart(result), outputs);
+}
+
+}  // namespace
+
+void addBenchVerb(CLI::App& app) {
+  CLI::App* verb = app.add_subcommand("bench", "measure, and hold the figures against what the program promises");
+  verb->require_subcommand(1);
+  auto arguments = std::make_shared<BenchArguments>();
+  CLI::App* servo =
+      verb->add_subcommand("servo", "cost and error of every haptic algorithm (a minute or two; --quick: seconds)");
+  addCommon(*servo, *arguments);
+  servo->callback([arguments] { servoVerb(*arguments); });
+  CLI::App* loop = verb->add_subcommand(
+      "loop", "lateness of the real-time loop beside cyclictest's (four minutes; --quick: seconds)");
+  addCommon(*loop, *arguments);
+  loop->add_option("--seconds", arguments->seconds, "how long each side runs at each rate [s] (default 30; quick 2)")
+      ->check(checkSeconds);
+  loop->add_option("--gpu", arguments->gpu, "part of the Vulkan device's name; the best one if not given");
+  loop->callback([arguments] { loopVerb(*arguments); });
+}
+
+}  // namespace palpate

@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/scene/object_table.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "apps/scene/option_value.hpp"
+#include "base/error.hpp"
+#include "base/units.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr double kMm = kMetresPerMillimetre;
+constexpr std::pair<ObjectKind, const char*> kKinds[] = {{ObjectKind::kPlane, "plane"},
+                                                         {ObjectKind::kSphere, "sphere"},
+                                                         {ObjectKind::kBox, "box"},
+                                                         {ObjectKind::kMesh, "mesh"}};
+
+// clang-format off
+const std::vector<ObjectOption> kOptions = {
+    {"point_mm", "point", "mm", {ObjectKind::kPlane}, false, "a point of the plane", ObjectVector{&ObjectSpec::position_W, kMm}},
+    {"normal", "normal", "", {ObjectKind::kPlane}, true, "out of the half-space that is object; any length", ObjectVector{&ObjectSpec::normal_W, 1}},
+    {"centre_mm", "centre", "mm", {ObjectKind::kSphere, ObjectKind::kBox}, false, "the centre", ObjectVector{&ObjectSpec::position_W, kMm}},
+    {"radius_mm", "radius", "mm", {ObjectKind::kSphere}, true, "the radius", ObjectNumber{&ObjectSpec::radius_m, kMm}},
+    {"size_mm", "size", "mm", {ObjectKind::kBox}, true, "lengths of the edges", ObjectVector{&ObjectSpec::size_m, kMm}},
+    {"position_mm", "position", "mm", {ObjectKind::kMesh}, false, "where the file's origin comes to lie", ObjectVector{&ObjectSpec::position_W, kMm}},
+    {"rotation_deg", "rotation", "degree", {ObjectKind::kBox, ObjectKind::kMesh}, false, "turns about the world's x axis, then its y axis, then its z axis, around centre or origin", ObjectVector{&ObjectSpec::rotation_deg, 1}},
+    {"scale", "scale", "", {ObjectKind::kMesh}, false, "factor besides the unit", ObjectNumber{&ObjectSpec::scale, 1}},
+    {"unit", "unit", "", {ObjectKind::kMesh}, false, "of the file's coordinates: mm, cm, m or in", ObjectText{&ObjectSpec::unit}},
+    {"file", "file", "", {ObjectKind::kMesh}, true, "OBJ, STL or PLY; in --object the last key", ObjectText{&ObjectSpec::file}},
+};
+// clang-format on
+
+[[noreturn]] void refuse(const std::string& where, const std::string& reason, const std::string& remedy) {
+  throw Error(Error::Code::kBadInput, where, reason, remedy);
+}
+
+bool has(const ObjectOption& option, ObjectKind kind) {
+  return std::find(option.kinds.begin(), option.kinds.end(), kind) != option.kinds.end();
+}
+
+template <typename Name>
+std::string namesOf(ObjectKind kind, Name name) {
+  std::string names;
+  for (const ObjectOption& option : kOptions) {
+    if (has(option, kind)) names += (names.empty() ? "" : ", ") + std::string(name(option));
+  }
+  return names;
+}
+
+ObjectKind kindOf(const std::string& name, const std::string& where) {
+  for (const auto& [kind, known] : kKinds) {
+    if (name == known) return kind;
+  }
+  refuse(where, fmt::format("there is no object of kind '{}'", name), "use plane, sphere, box or mesh");
+}
+
+struct Form {
+  const char* operator()(const ObjectVector&) const { return "x,y,z"; }
+  const char* operator()(const ObjectNumber&) const { return "a number"; }
+  const char* operator()(const ObjectText&) const { return "text"; }
+};
+
+struct Setter {
+  const std::string& text;
+  ObjectSpec& spec;
+
+  bool operator()(const ObjectVector& value) const {
+    const auto vector = vectorOf(text);
+    if (vector) spec.*value.member = *vector * value.scale;
+    return vector.has_value();
+  }
+  bool operator()(const ObjectNumber& value) const {
+    const auto number = numberOf(text);
+    if (number) spec.*value.member = *number * value.scale;
+    return number && std::isfinite(*number);
+  }
+  bool operator()(const ObjectText& value) const {
+    spec.*value.member = text;
+    return !text.empty();
+  }
+};
+
+struct Writer {
+  const ObjectSpec& spec;
+
+  std::string operator()(const ObjectVector& value) const {
+    const Vec3 v = spec.*value.member / value.scale;
+    return fmt::format("{:.10g},{:.10g},{:.10g}", v.x(), v.y(), v.z());
+  }
+  std::string operator()(const ObjectNumber& value) const {
+    return fmt::format("{:.10g}", spec.*value.member / value.scale);
+  }
+  std::string operator()(const ObjectText& value) const { return spec.*value.member; }
+};
+
+void checkSpec(const ObjectSpec& spec, const std::string& where) {
+  const bool is_mesh = spec.kind == ObjectKind::kMesh;
+  if (spec.kind == ObjectKind::kPlane && spec.normal_W.isZero(0))
+    refuse(where, "the normal is zero", "give a direction");
+  if (!(spec.radius_m > 0)) refuse(where, "the radius is not positive", "give a radius above 0 mm");
+  if (!(spec.size_m.minCoeff() > 0)) refuse(where, "an edge is not positive", "give three sizes above 0 mm");
+  if (is_mesh && !(spec.scale > 0)) refuse(where, "the scale is not positive", "give a scale above 0");
+  if (is_mesh && spec.unit != "mm" && spec.unit != "cm" && spec.unit != "m" && spec.unit != "in") {
+    refuse(where, fmt::format("the unit '{}' is not known", spec.unit), "use mm, cm, m or in");
+  }
+}
+
+}  // namespace
+
+std::span<const ObjectOption> objectOptions() {
+  return kOptions;
+}
+
+const char* objectKindName(ObjectKind kind) noexcept {
+  const auto* found =
+      std::find_if(std::begin(kKinds), std::end(kKinds), [&](const auto& k) { return k.first == kind; });
+  return found->second;
+}
+
+ObjectSpec makeObjectSpec(const std::string& kind, const std::vector<std::pair<std::string, std::string>>& keys,
+                          const std::string& where) {
+  ObjectSpec spec;
+  spec.kind = kindOf(kind, where);
+  std::vector<const ObjectOption*> given;
+  for (const auto& [name, text] : keys) {
+    const auto known = [&, key = name](const ObjectOption& option) {
+      return has(option, spec.kind) && (key == option.key || key == option.word);
+    };
+    const auto option = std::find_if(kOptions.begin(), kOptions.end(), known);
+    if (option == kOptions.end()) {
+      refuse(where, fmt::format("a {} has no '{}'", kind, name),
+             "it takes " + namesOf(spec.kind, [](const ObjectOption& o) { return o.key; }));
+    }
+    if (std::find(given.begin(), given.end(), &*option) != given.end()) {
+      refuse(where, fmt::format("'{}' is given twice", name), "give it once");
+    }
+    given.push_back(&*option);
+    if (!std::visit(Setter{text, spec}, option->value)) {
+      refuse(where, fmt::format("{} '{}' is not what it takes", name, text),
+             fmt::format("give {}", std::visit(Form{}, option->value)));
+    }
+  }
+  for (const ObjectOption& option : kOptions) {
+    if (!option.required || !has(option, spec.kind)) continue;
+    if (std::find(given.begin(), given.end(), &option) == given.end()) {
+      refuse(where, fmt::format("a {} needs '{}'", kind, option.key),
+             fmt::format("give {}", std::visit(Form{}, option.value)));
+    }
+  }
+  checkSpec(spec, where);
+  return spec;
+}
+
+ObjectSpec parseObject(const std::string& text) {
+  const std::string where = fmt::format("--object '{}'", text);
+  std::vector<std::pair<std::string, std::string>> keys;
+  std::size_t colon = text.find(':');
+  const std::string kind = text.substr(0, colon);
+  while (colon != std::string::npos) {
+    const std::size_t begin = colon + 1;
+    const std::size_t equals = text.find('=', begin);
+    const std::string name = text.substr(begin, equals == std::string::npos ? equals : equals - begin);
+    colon = name == "file" ? std::string::npos : text.find(':', begin);
+    if (equals == std::string::npos || equals > colon) {
+      refuse(where,
+             fmt::format("'{}' has no value", text.substr(begin, colon == std::string::npos ? colon : colon - begin)),
+             "write KIND:key=value:key=value, for example sphere:centre=0,0,30:radius=5");
+    }
+    keys.emplace_back(name, text.substr(equals + 1, colon == std::string::npos ? colon : colon - equals - 1));
+  }
+  return makeObjectSpec(kind, keys, where);
+}
+
+std::string objectText(const ObjectSpec& spec) {
+  std::string text = objectKindName(spec.kind);
+  for (const ObjectOption& option : kOptions) {
+    if (has(option, spec.kind)) text += fmt::format(":{}={}", option.word, std::visit(Writer{spec}, option.value));
+  }
+  return text;
+}
+
+std::string objectHelp() {
+  return "an object beside the volume, as often as wanted: plane:point=x,y,z:normal=x,y,z, "
+         "sphere:centre=x,y,z:radius=r, box:centre=x,y,z:size=x,y,z:rotation=x,y,z or "
+         "mesh:position=x,y,z:rotation=x,y,z:scale=s:unit=mm:file=NAME [mm, degree] (added to those of the scene file; "
+         "table [[object]])";
+}
+
+std::string objectDocument() {
+  std::string text =
+      "\n## Objects\n\nEach `[[object]]` is a solid beside the volume that the tool touches as well; the VHIP stays "
+      "outside of all "
+      "of them. `kind` is\nplane, sphere, box or mesh. The flag `--object` takes the same as one word, with the keys "
+      "without their "
+      "units:\n`--object sphere:centre=0,0,30:radius=5`; it may be repeated and adds to the file's objects. A relative "
+      "`file` "
+      "starts at the\nscene's folder. A mesh is scaled, turned, then moved. A mesh that is not closed is touched from "
+      "both "
+      "sides.\n\n| key | `--object` | kind | unit | takes | default | meaning |\n|---|---|---|---|---|---|---|\n";
+  for (const ObjectOption& option : kOptions) {
+    std::string kinds;
+    for (const ObjectKind kind : option.kinds) kinds += (kinds.empty() ? "" : ", ") + std::string(objectKindName(kind));
+    const std::string standard = option.required ? "must be given" : std::visit(Writer{ObjectSpec{}}, option.value);
+    text += fmt::format("| `{}` | `{}` | {} | {} | {} | {} | {} |\n", option.key, option.word, kinds, option.unit,
+                        std::visit(Form{}, option.value), standard, option.help);
+  }
+  return text;
+}
+
+}  // namespace palpate

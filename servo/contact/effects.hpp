@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// servo/contact/effects.hpp: the contact effects that a scene asks for, in the one order in which they act.
+//
+// The order, and why:
+// 1. force shading   decides where on the surface the VHIP is; everything else starts from there;
+// 2. recovery time   takes the steps of plane switches out of that, and of nothing else: after friction it would smear
+//                    stick-slip, after texture the grain;
+// 3. texture         is felt in full, and changes the depth that friction has for its load;
+// 4. friction        holds the VHIP against all of the above, so plane switches do not drag it, and its cone is about
+//                    the direction that they gave the force;
+// 5. stiffness       scales the finished d = VHIP - HIP: what is softer is softer along the surface too, and the
+//                    friction cone keeps its angle (viscous friction scales with the rest).
+// An effect that is not asked for is not made; with none the servo's tick has one comparison more. Set-up code:
+// allocates and throws.
+#pragma once
+
+#include <string_view>
+
+#include "servo/contact/contact_effect.hpp"
+#include "servo/contact/friction.hpp"
+#include "servo/contact/stiffness_table.hpp"
+
+namespace palpate {
+
+enum class TextureKind : std::uint8_t { kNone, kProcedural, kDensity };
+
+// "none", "procedural" or "density". Throws Error(kBadInput) on another word.
+[[nodiscard]] TextureKind textureOfName(std::string_view name);
+
+struct EffectParameters {
+  bool force_shading = false;
+  double recovery_s = 0;  // 0: none
+  TextureKind texture = TextureKind::kNone;
+  double texture_amplitude_m = 0.1e-3;
+  double texture_wavelength_m = 1e-3;              // of the procedural texture
+  double texture_gain = 1;                         // of the density texture [-]
+  FrictionParameters friction;                     // all 0: none
+  std::vector<StiffnessRow> stiffness_by_density;  // empty: none
+};
+
+// `stiffness_N_per_m`: K of the contact; `rate_hz`: ticks a second. Throws Error(kBadInput) on a negative or non-finite
+// value, a rate or wavelength of 0, a recovery of more than kLongestRecovery ticks, a dynamic friction above the static
+// one, and a stiffness table that StiffnessTable refuses.
+inline constexpr double kLongestRecovery = 1e6;  // [tick]
+[[nodiscard]] ContactEffects makeContactEffects(const EffectParameters& parameters, double stiffness_N_per_m,
+                                                double rate_hz);
+
+}  // namespace palpate

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/contact/recovery.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace palpate {
+namespace {
+
+constexpr auto kLongestUnits = static_cast<std::int64_t>(Recovery::kLongest / Recovery::kUnit);
+
+}  // namespace
+
+Recovery::Recovery(int ticks) : ticks_(ticks), ending_(static_cast<std::size_t>(ticks), Units::Zero()) {}
+
+void Recovery::release() noexcept {
+  forget();
+}
+
+// Slots that are still filled belong to the pending jumps; without any there is nothing to clear.
+void Recovery::forget() noexcept {
+  if (pending_ticks_ > 0) std::fill(ending_.begin(), ending_.end(), Units::Zero());
+  pending_ticks_ = 0;
+  offset_.setZero();
+  slope_.setZero();
+}
+
+void Recovery::decay() noexcept {
+  if (pending_ticks_ == 0) return;
+  --pending_ticks_;
+  offset_ -= slope_;
+  slot_ = slot_ + 1 == ending_.size() ? 0 : slot_ + 1;
+  slope_ -= ending_[slot_];
+  ending_[slot_].setZero();
+  // Jumps of opposite sign may leave more than they began with; see kLongest.
+  if (offset_.cwiseAbs().maxCoeff() > kLongestUnits) forget();
+}
+
+// Called after decay(), so a jump begins whole and has lost its N shares N ticks from now.
+void Recovery::takeUp(const Vec3& jump_W) noexcept {
+  if (!jump_W.allFinite() || !((jump_W + offset()).cwiseAbs().maxCoeff() < kLongest)) {
+    forget();
+    return;
+  }
+  const double units_per_m = 1 / (kUnit * static_cast<double>(ticks_));
+  const Units share(std::llround(jump_W.x() * units_per_m), std::llround(jump_W.y() * units_per_m),
+                    std::llround(jump_W.z() * units_per_m));
+  if (share.isZero()) return;
+  offset_ += share * ticks_;
+  slope_ += share;
+  ending_[slot_] += share;  // the slot comes round in N ticks
+  pending_ticks_ = ticks_;
+}
+
+Vec3 Recovery::move(const ContactState& contact, const Vec3& vhip_W) noexcept {
+  const Vec3 d_W = vhip_W - contact.hip_W;
+  if (contact.new_contact) {
+    forget();
+  } else {
+    decay();
+    if (contact.plane.age_ticks == 0) {
+      const Vec3 motion_W = contact.hip_W - last_hip_W_;
+      takeUp(last_d_W_ - last_normal_W_ * last_normal_W_.dot(motion_W) - d_W);
+    }
+  }
+  last_d_W_ = d_W;
+  last_hip_W_ = contact.hip_W;
+  last_normal_W_ = contact.plane.normal_W;
+  if (pending_ticks_ == 0) return vhip_W;
+  const Vec3& normal_W = contact.plane.normal_W;
+  const Vec3 kept_W = d_W + offset();
+  return contact.hip_W + kept_W - normal_W * std::min(0.0, normal_W.dot(kept_W));
+}
+
+}  // namespace palpate

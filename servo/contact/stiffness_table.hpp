@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// servo/contact/stiffness_table.hpp: how stiff what lies under the surface is, by its density: rows, linear between
+// them.
+//
+// Thread: factor() any; the rest set-up code, which throws.
+#pragma once
+
+#include <vector>
+
+namespace palpate {
+
+struct StiffnessRow {
+  double density = 0;
+  double factor = 1;  // times the contact's K [-]
+  [[nodiscard]] bool operator==(const StiffnessRow&) const = default;
+};
+
+class StiffnessTable {
+ public:
+  static constexpr double kLargestFactor = 100;
+
+  // Throws Error(kBadInput) on no row, densities that do not rise from row to row, and values that are not finite or a
+  // factor that is negative or above kLargestFactor.
+  explicit StiffnessTable(std::vector<StiffnessRow> rows);
+
+  // Linear between rows; before the first and after the last its factor. Cost: linear in the number of rows.
+  [[nodiscard]] double factor(double density) const noexcept;
+
+ private:
+  std::vector<StiffnessRow> rows_;
+};
+
+}  // namespace palpate

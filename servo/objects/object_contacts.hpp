@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+// servo/objects/object_contacts.hpp: where the tool is held by objects and the volume's virtual plane together.
+//
+// The god-object of Zilles and Salisbury (1995), with the volume's plane as one more constraint. The VHIP stays outside
+// all objects. Towards the HIP it goes straight until it enters one; that object's plane is added, the point nearest to
+// the HIP in front of all planes is the new goal (closest_in_planes.hpp), and the way there is tried again. When a way
+// is free the VHIP goes it, and tries anew from there without the planes that it met: so it goes over an edge in the
+// tick in which it comes there. Each such slide brings it nearer to the HIP, so they end; kMaxSlides ends them sooner.
+//
+// The volume and the objects see each other through two questions, in this order, each tick:
+// 1. volumeTool(): where the tool of the volume is. Without objects in the way that is the HIP. Against objects it is
+//    below the place where all planes together hold the tool, as deep behind the volume's plane as the tool would be if
+//    there were only the objects: so the volume's plane follows the VHIP and not a HIP that is elsewhere. An object
+//    inside the bone is not touched while the bone's plane is in front of it.
+// 2. settle(): the VHIP with the plane that the volume found there.
+// A plane of an object lies kStandOff_m in front of its surface, so that roundings never put the VHIP inside. Ways are
+// searched from 2 kStandOff_m before their beginning, so that a VHIP that still got a little inside is not lost.
+// Where planes leave no room the objects win: the VHIP never enters one, and the volume's plane is violated.
+//
+// Frame W: world [m]. Thread: the servo's; no heap, lock, system call or throw after the constructor. Cost: one way
+// through every object without contact, three in steady contact with one, at most kMaxSlides (kMaxPlanes + 1).
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "servo/contact/contact_plane.hpp"
+#include "servo/objects/contact_object.hpp"
+
+namespace palpate {
+
+using ContactObjects = std::vector<std::shared_ptr<const ContactObject>>;
+
+class ObjectContacts {
+ public:
+  static constexpr double kStandOff_m = 1e-6;
+  static constexpr int kMaxSlides = 4;
+  static constexpr int kMaxPlanes = 6;  // candidates; at most three are active (closest_in_planes.hpp)
+  static constexpr int kMaxTurns = 4;   // of the planes of curved objects after the VHIP, per goal
+
+  explicit ObjectContacts(ContactObjects objects) : objects_(std::move(objects)) {}
+  [[nodiscard]] bool empty() const noexcept { return objects_.empty(); }
+
+  // Puts the VHIP at the HIP. Inside an object it feels nothing of it until it has been outside once.
+  void reset(const Vec3& hip_W) noexcept;
+
+  // The tool that the volume shall find its plane for; `volume`: its plane of the last tick, if it was in contact.
+  [[nodiscard]] Vec3 volumeTool(const Vec3& hip_W, const ContactPlane* volume) noexcept;
+
+  // Moves the VHIP. The plane of all contacts together: through the VHIP, its normal from the HIP to it, its age that
+  // of the volume's plane; nothing without contact. Once after each volumeTool(), with the same HIP.
+  [[nodiscard]] std::optional<ContactPlane> settle(const Vec3& hip_W, const ContactPlane* volume) noexcept;
+
+  [[nodiscard]] const Vec3& vhip_W() const noexcept { return vhip_W_; }
+  // Planes of objects that were met in the last tick.
+  [[nodiscard]] int objectPlanes() const noexcept { return trial_.objects; }
+
+ private:
+  // Planes met: the volume's first, if it is in contact, then the objects'.
+  struct Planes {
+    std::array<ContactPlane, kMaxPlanes> planes;
+    std::array<const ContactObject*, kMaxPlanes> owners = {};
+    int count = 0;
+    [[nodiscard]] bool full() const noexcept { return count == kMaxPlanes; }
+    void add(const ContactPlane& plane, const ContactObject* owner) noexcept;
+    [[nodiscard]] std::span<const ContactPlane> all() const noexcept { return {planes.data(), size()}; }
+    [[nodiscard]] std::span<const ContactPlane> ofObjects() const noexcept;
+    [[nodiscard]] std::size_t size() const noexcept { return static_cast<std::size_t>(count); }
+  };
+  struct Trial {
+    Vec3 vhip_W = Vec3::Zero();
+    Planes planes;    // of the last slide
+    int objects = 0;  // of them, objects'
+    bool has_volume = false;
+    ContactPlane volume;
+  };
+  struct Sweep {
+    double way_m = 0;  // from the beginning to the entry
+    const ContactObject* object = nullptr;
+    ObjectPoint at;
+  };
+
+  // Fills trial_ in place: copying its planes would cost more than a query.
+  void tryAgain(const Vec3& hip_W, const ContactPlane* volume) noexcept;
+  [[nodiscard]] Vec3 slide(const Vec3& from_W, const Vec3& hip_W, Planes& planes) const noexcept;
+  [[nodiscard]] Vec3 goalOf(Planes& planes, const Vec3& hip_W) const noexcept;
+  [[nodiscard]] Sweep firstEntry(const Vec3& from_W, const Vec3& to_W) const noexcept;
+
+  ContactObjects objects_;
+  Vec3 vhip_W_ = Vec3::Zero();
+  Trial trial_;  // of this tick, with the volume's plane of the last
+};
+
+}  // namespace palpate

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/safety/passivity.hpp"
+
+#include <fmt/format.h>
+
+#include "base/error.hpp"
+
+namespace palpate {
+namespace {
+
+void check(bool good, const char* key, double value, const char* remedy) {
+  if (!good) throw Error(Error::Code::kBadInput, key, fmt::format("{:g} cannot be used", value), remedy);
+}
+
+}  // namespace
+
+Passivity::Passivity(const PassivityParameters& p, double force_limit_N, double rate_hz, int delay_ticks)
+    : control_(p.control),
+      forget_credit_(p.forget_credit),
+      force_limit_N_(p.force_share * force_limit_N),
+      damping_limit_(p.damping_limit_Ns_per_m),
+      rate_hz_(rate_hz) {
+  check(p.force_share >= 0 && p.force_share <= 1, "passivity force share", p.force_share, "give 0 to 1");
+  check(std::isfinite(p.damping_limit_Ns_per_m) && p.damping_limit_Ns_per_m >= 0, "passivity damping limit",
+        p.damping_limit_Ns_per_m, "give 0 N s/m or more");
+  check(delay_ticks >= 0, "device delay", delay_ticks, "give 0 ticks or more");
+  under_way_W_.assign(static_cast<std::size_t>(delay_ticks), Vec3::Zero());
+}
+
+}  // namespace palpate

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// servo/safety/window_clock.hpp: how long ago the window was last known to be true, and whether that can be known.
+//
+// The age of a window is the servo's time less the time of the engine's last confirmation. It means nothing when one of
+// the two clocks steps: when the servo's time or the confirmation goes backwards (seen in that tick), or while the
+// confirmation lies in the servo's future (seen until time or the engine has caught up). These raise kClockStep. A
+// servo clock that steps forward cannot be told from a servo that stood still: it is a stall (safety_gate.hpp), and the
+// window is stale until the engine has confirmed it again.
+// A confirmation may be a little in the future without any step: a servo that is preempted between its look at the
+// clock and its look at the confirmation sees one from later. Up to the stall time this is taken as fresh.
+// Thread: the servo's. Cost: a few comparisons. Errors, heap: none. Times [ns].
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+
+#include "servo/safety/faults.hpp"
+
+namespace palpate {
+
+class WindowClock {
+ public:
+  struct Reading {
+    std::int64_t age_ns = 0;   // never negative; 0 without a window
+    std::uint32_t faults = 0;  // kClockStep or none
+  };
+
+  explicit WindowClock(std::int64_t future_tolerance_ns) noexcept : tolerance_ns_(future_tolerance_ns) {}
+
+  // Once per tick. `confirmed_ns` was read before the window (window_exchange.hpp); `version` and `stamp_ns` are the
+  // window's, version 0 that of none.
+  [[nodiscard]] Reading read(std::int64_t now_ns, std::int64_t confirmed_ns, std::uint64_t version,
+                             std::int64_t stamp_ns) noexcept {
+    bool step = now_ns < last_now_ns_;
+    last_now_ns_ = now_ns;
+    if (confirmed_ns != last_confirmed_ns_) {
+      step = step || confirmed_ns < last_confirmed_ns_;
+      last_confirmed_ns_ = known_ns_ = confirmed_ns;
+    }
+    if (version != last_version_) {
+      // Publishing confirms a window at its stamp, but that may have happened after `confirmed_ns` was read.
+      last_version_ = version;
+      known_ns_ = std::max(known_ns_, stamp_ns);
+    }
+    if (version == 0) return {0, stepBit(step)};
+    std::int64_t age_ns = 0;
+    const bool known = !__builtin_sub_overflow(now_ns, known_ns_, &age_ns) && age_ns >= -tolerance_ns_;
+    return {known && age_ns > 0 ? age_ns : 0, stepBit(step || !known)};
+  }
+
+ private:
+  static constexpr std::int64_t kLongAgo_ns = std::numeric_limits<std::int64_t>::min();
+  static constexpr std::uint32_t stepBit(bool step) noexcept { return step ? bit(ServoFault::kClockStep) : 0; }
+
+  std::int64_t tolerance_ns_;
+  std::int64_t last_now_ns_ = kLongAgo_ns;
+  std::int64_t last_confirmed_ns_ = kLongAgo_ns;
+  std::int64_t known_ns_ = kLongAgo_ns;  // the window was true then
+  std::uint64_t last_version_ = 0;
+};
+
+}  // namespace palpate

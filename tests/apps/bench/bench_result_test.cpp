@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+// The form is a contract (the same for every bench), so its keys and their order are spelled out here.
+#include "apps/bench/bench_result.hpp"
+
+#include <cmath>
+#include <stdexcept>
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+namespace palpate {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+BenchResult sample() {
+  BenchResult result;
+  result.bench = "servo";
+  result.commit = "0123456789";
+  result.machine = "a machine, 2 cores";
+  result.command = "palpate bench servo --seed 1";
+  result.rows.push_back({{"part", "tick"}, {"n_ticks", std::int64_t{5}}, {"cost_ns", 31.5}});
+  result.rows.push_back({{"part", "strokes"}, {"speed_m_per_s", 0.05}, {"wall", "shell, \"thin\""}});
+  result.note("something is missing");
+  result.targets = {{"cost [ns]", 31.5, 35}, {"error [voxel]", 0.02, 0.015}};
+  return result;
+}
+
+std::vector<std::string> keysOf(const nlohmann::ordered_json& object) {
+  std::vector<std::string> keys;
+  for (const auto& [key, value] : object.items()) keys.push_back(key);
+  return keys;
+}
+
+TEST(BenchResult, JsonHasTheOneForm) {
+  const auto json = nlohmann::ordered_json::parse(jsonText(sample()));
+  EXPECT_THAT(keysOf(json), ElementsAre("bench", "commit", "machine", "vulkan_device", "command", "rows", "targets"));
+  EXPECT_EQ(json["bench"], "servo");
+  EXPECT_EQ(json["vulkan_device"], "none");
+  ASSERT_EQ(json["rows"].size(), 3U);
+  EXPECT_THAT(keysOf(json["rows"][0]), ElementsAre("part", "n_ticks", "cost_ns"));
+  EXPECT_TRUE(json["rows"][0]["n_ticks"].is_number_integer());
+  EXPECT_EQ(json["rows"][0]["cost_ns"], 31.5);
+  ASSERT_EQ(json["targets"].size(), 2U);
+  EXPECT_THAT(keysOf(json["targets"][0]), ElementsAre("name", "value", "bound", "holds"));
+  EXPECT_EQ(json["targets"][0]["holds"], true);
+  EXPECT_EQ(json["targets"][1]["holds"], false);
+}
+
+TEST(BenchResult, WithoutRowsAndTargetsTheyAreEmptyLists) {
+  const auto json = nlohmann::json::parse(jsonText(BenchResult{}));
+  EXPECT_EQ(json["rows"], nlohmann::json::array());
+  EXPECT_EQ(json["targets"], nlohmann::json::array());
+}
+
+TEST(BenchResult, AFigureThatIsNoNumberIsNullAndHoldsNothing) {
+  BenchResult result;
+  result.rows.push_back({{"cost_ns", std::nan("")}});
+  result.targets.push_back({"cost [ns]", std::nan(""), 35});
+  const auto json = nlohmann::json::parse(jsonText(result));
+  EXPECT_TRUE(json["rows"][0]["cost_ns"].is_null());
+  EXPECT_EQ(json["targets"][0]["holds"], false);
+  EXPECT_FALSE(result.allHold());
+}
+
+TEST(BenchResult, ATargetHoldsAtItsBound) {
+  EXPECT_TRUE((BenchTarget{"falls [-]", 0, 0}.holds()));
+  EXPECT_FALSE((BenchTarget{"falls [-]", 1, 0}.holds()));
+  EXPECT_TRUE(BenchResult{}.allHold());
+  EXPECT_FALSE(sample().allHold());
+}
+
+TEST(BenchResult, CsvHasTheUnionOfKeysAndQuotesWhatNeedsIt) {
+  EXPECT_EQ(csvText(sample()),
+            "part,n_ticks,cost_ns,speed_m_per_s,wall,note\n"
+            "tick,5,31.5,,,\n"
+            "strokes,,,0.05,\"shell, \"\"thin\"\"\",\n"
+            "note,,,,,something is missing\n");
+}
+
+TEST(BenchResult, TheTableNamesEveryTargetAndEveryNote) {
+  const std::string table = targetTable(sample());
+  EXPECT_THAT(table, HasSubstr("note: something is missing\n"));
+  EXPECT_THAT(table, testing::ContainsRegex("cost \\[ns\\] +31.5  <= 35 +holds\n"));
+  EXPECT_THAT(table, testing::ContainsRegex("error \\[voxel\\] +0.02  <= 0.015 +DOES NOT HOLD\n"));
+  EXPECT_THAT(table, testing::EndsWith("1 of 2 targets hold\n"));
+}
+
+TEST(BenchResult, FiguresAreFoundByTheirKey) {
+  const BenchRow row = sample().rows[0];
+  EXPECT_EQ(figureOf(row, "n_ticks"), 5);
+  EXPECT_EQ(textOf(row, "part"), "tick");
+  EXPECT_EQ(textOf(row, "wall"), "");
+  EXPECT_THROW(static_cast<void>(figureOf(row, "wall")), std::out_of_range);
+  EXPECT_THROW(static_cast<void>(figureOf(row, "part")), std::bad_variant_access);
+}
+
+TEST(BenchResult, TheMachineIsNamedInALine) {
+  EXPECT_THAT(machineInWords(), testing::ContainsRegex("[0-9]+ cores, [0-9.]+ GiB, Linux "));
+}
+
+}  // namespace
+}  // namespace palpate

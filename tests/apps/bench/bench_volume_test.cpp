@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/bench/bench_volume.hpp"
+
+#include <cstring>
+
+#include <gtest/gtest.h>
+
+#include "base/error.hpp"
+#include "engine/reference/window.hpp"
+
+namespace palpate {
+namespace {
+
+// The window must be the one that the twin of the engine's kernel gathers, sample by sample.
+TEST(BenchVolume, GathersWhatTheEngineWould) {
+  const std::string name = "phantom:knot?size=40x36x34&spacing=0.8x1x1.2mm";
+  const BenchVolume volume(name);
+  const WindowBox box{{5, 4, 0}, {32, 32, 32}};
+  std::vector<Sample> samples;
+  SampleWindow window;
+  volume.gather(box, samples, window);
+  const auto expected =
+      reference::windowSamples(reference::denseField(makeVolume(*makePhantom(name))), box.first, box.size);
+  ASSERT_EQ(samples.size(), expected.size());
+  EXPECT_EQ(std::memcmp(samples.data(), expected.data(), samples.size() * sizeof(Sample)), 0);
+  EXPECT_TRUE(window.usable());
+  EXPECT_EQ(window.version, 1U);
+  EXPECT_EQ(window.low_is_border, (std::array<bool, 3>{false, false, true}));
+  EXPECT_EQ(window.high_is_border, (std::array<bool, 3>{false, true, false}));
+  const Vec3 first_W = volume.phantom().lattice().toWorld(Vec3(5, 4, 0));
+  EXPECT_LT((window.lattice.origin_W - first_W).norm(), 1e-15);
+}
+
+// A box of 32 voxels begins at a whole voxel, so the tool is up to half a voxel off its middle: the first change comes
+// after six voxels of way less that, every further one after exactly six.
+TEST(WindowRule, FollowsTheToolInStepsOfSixVoxels) {
+  const BenchVolume volume("phantom:sphere?size=128x128x64");
+  const auto at = [&](double i) { return volume.phantom().lattice().toWorld(Vec3(i, 64, 32)); };
+  WindowRule rule;
+  ASSERT_TRUE(rule.follow(volume, at(64)));
+  std::vector<double> changes;
+  for (double i = 64; i < 100; i += 0.25) {
+    if (rule.follow(volume, at(i))) changes.push_back(i);
+  }
+  ASSERT_GE(changes.size(), 5U);
+  EXPECT_NEAR(changes[0], 70, 0.5);
+  for (std::size_t n = 1; n < changes.size(); ++n) EXPECT_DOUBLE_EQ(changes[n] - changes[n - 1], 6);
+}
+
+TEST(WindowFollower, HoldsTheToolWithRoomAround) {
+  const BenchVolume volume("phantom:sphere?size=128x128x64");
+  WindowFollower follower(volume);
+  for (double i = 20; i < 108; i += 0.5) {
+    const Vec3 tool_W = volume.phantom().lattice().toWorld(Vec3(i, 128 - i, 32));
+    const SampleWindow& window = follower.around(tool_W);
+    const Vec3 p_L = window.lattice.toIndex(tool_W);
+    EXPECT_GE(p_L.minCoeff(), 9);  // 16 in the middle, less than six of way, rounding of the box by one
+    EXPECT_LE(p_L.maxCoeff(), 32 - 9);
+  }
+}
+
+TEST(BenchVolume, BorderDistanceIsTheNearestFacesAndNegativeBeyond) {
+  const BenchVolume volume("phantom:sphere?size=64");
+  const Lattice& lattice = volume.phantom().lattice();
+  EXPECT_NEAR(volume.borderDistance(lattice.toWorld(Vec3(3, 20, 30))), 3, 1e-9);
+  EXPECT_NEAR(volume.borderDistance(lattice.toWorld(Vec3(20, 20, 61))), 2, 1e-9);
+  EXPECT_NEAR(volume.borderDistance(lattice.toWorld(Vec3(-1, 20, 30))), -1, 1e-9);
+}
+
+TEST(BenchVolume, RefusesWhatIsNoPhantom) {
+  EXPECT_THROW(BenchVolume("phantom:cube"), Error);
+}
+
+}  // namespace
+}  // namespace palpate

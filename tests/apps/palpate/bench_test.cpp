@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+// palpate bench, as a user gives it: its files, its refusals, Ctrl-C. What it measures is tested in tests/apps/bench.
+#include <csignal>
+
+#include <nlohmann/json.hpp>
+
+#include "program_test.hpp"
+
+namespace palpate {
+namespace {
+
+using testing::HasSubstr;
+
+class Bench : public ProgramTest {};
+
+TEST_F(Bench, LoopWritesItsFilesAndEndsWithTheTargets) {
+  const Outcome outcome = run({"bench", "loop", "--seconds", "0.1", "--seed", "5", "--json", "l.json", "--csv", "l.csv",
+                               "--chart", "l.svg", "--page", "l.md"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, testing::ContainsRegex("[0-9]+ of [0-9]+ targets hold\n$"));
+  const auto json = nlohmann::json::parse(contentsOf(file("l.json")));
+  EXPECT_EQ(json["bench"], "loop");
+  EXPECT_EQ(json["command"], "palpate bench loop --seconds 0.1 --seed 5");
+  EXPECT_FALSE(json["commit"].get<std::string>().empty());
+  EXPECT_FALSE(json["rows"].empty());
+  EXPECT_THAT(contentsOf(file("l.csv")), testing::StartsWith("part,"));
+  EXPECT_THAT(contentsOf(file("l.svg")), testing::StartsWith("<svg"));
+  EXPECT_THAT(contentsOf(file("l.md")), HasSubstr("](l.svg)\n"));
+}
+
+TEST_F(Bench, LoopGoesOnWithoutCyclictest) {
+  const Outcome outcome = runPalpate({.arguments = {"bench", "loop", "--seconds", "0.1", "--strict"},
+                                      .folder = folder(),
+                                      .environment = {{"PATH", "/nowhere"}}});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;  // no target, so none that does not hold
+  EXPECT_THAT(outcome.out, HasSubstr("note: no comparison: cyclictest is not installed; apt-get install rt-tests"));
+  EXPECT_THAT(outcome.out, HasSubstr("0 of 0 targets hold"));
+}
+
+struct Refusal {
+  const char* name;
+  Words arguments;
+  const char* input;
+  const char* reason;
+  int status = 2;
+};
+
+const Refusal kRefusals[] = {
+    {"UnknownBench", {"bench", "colour"}, "colour", "no such verb"},
+    {"NoBench", {"bench"}, "subcommand", "required"},
+    {"Volume", {"bench", "servo", "phantom:box"}, "phantom:box", "not expected"},
+    {"UnknownFlag", {"bench", "servo", "--fast"}, "--fast", "not expected"},
+    {"SecondsOfServo", {"bench", "servo", "--seconds", "1"}, "--seconds", "not expected"},
+    {"NoTime", {"bench", "loop", "--seconds", "0"}, "--seconds", "0"},
+    {"NegativeTime", {"bench", "loop", "--seconds", "-3"}, "--seconds", "-3"},
+    {"Word", {"bench", "loop", "--seconds", "long"}, "--seconds", "long"},
+    {"NotANumber", {"bench", "loop", "--seconds", "nan"}, "--seconds", "nan"},
+    {"NegativeSeed", {"bench", "servo", "--seed", "-1"}, "--seed", "-1"},
+    {"SeedThatIsNoNumber", {"bench", "servo", "--seed", "one"}, "--seed", "one"},
+    {"FileWithoutName", {"bench", "servo", "--json"}, "--json", "required"},
+    {"NoSuchFolder", {"bench", "servo", "--json", "nowhere/s.json"}, "nowhere/s.json", "cannot be created", 4},
+    {"NoSuchFolderForTheChart", {"bench", "loop", "--chart", "nowhere/l.svg"}, "nowhere/l.svg", "cannot be created", 4},
+    {"UnknownGpu", {"bench", "loop", "--gpu", "Voodoo"}, "--gpu Voodoo", "no usable device", 3},
+};
+
+class RefusedBench : public ProgramTest, public testing::WithParamInterface<Refusal> {};
+
+TEST_P(RefusedBench, InOneLineAtOnce) {
+  const Outcome outcome = run(GetParam().arguments);
+  expectRefusal(outcome, GetParam().input, GetParam().reason, GetParam().status);
+  EXPECT_EQ(outcome.out, "");
+}
+
+INSTANTIATE_TEST_SUITE_P(Each, RefusedBench, testing::ValuesIn(kRefusals),
+                         [](const auto& refusal) { return std::string(refusal.param.name); });
+
+TEST_F(Bench, StopsInGoodOrderAndLeavesNoFile) {
+  for (const auto& [bench, at] : {std::pair{"servo", "errors on phantom:knot"}, {"loop", "cyclictest at 1000"}}) {
+    const Outcome outcome = runPalpate(
+        {.arguments = {"bench", bench, "--json", "b.json"}, .folder = folder(), .signal_at = at, .signals = {SIGINT}});
+    expectRefusal(outcome, std::string("palpate bench ") + bench, "stopped by the user", 130);
+    EXPECT_TRUE(std::filesystem::is_empty(folder()));
+  }
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// The energy of a run as a user gets it: in the trace, in the summary, in words; and the controller that takes it back.
+#include <cmath>
+
+#include <nlohmann/json.hpp>
+
+#include "program_test.hpp"
+#include "trace.hpp"
+
+namespace palpate {
+namespace {
+
+using Json = nlohmann::json;
+
+class Energy : public ProgramTest {
+ protected:
+  Json touch(const Words& more) {
+    const Outcome outcome = run(quickTouch("phantom:sphere?size=24", more));
+    expectSuccess(outcome);
+    words = outcome.out;
+    return Json::parse(contentsOf(file("out/summary.json")));
+  }
+  std::string words;
+};
+
+// The force of a row, held until the next, times the way from there to here.
+TEST_F(Energy, OfTheTraceIsTheWorkOfItsForces) {
+  const Json summary = touch({});
+  const Trace trace = readTrace(file("out/trace.csv"));
+  double taken_J = 0, least_J = 0, sum_J = 0;
+  for (std::size_t i = 1; i < trace.rows.size(); ++i) {
+    const double work_J = trace.rows[i - 1].force_N().dot(trace.rows[i].hip_W() - trace.rows[i - 1].hip_W());
+    taken_J -= work_J;
+    least_J = std::min(least_J, taken_J);
+    sum_J += std::abs(work_J);
+    ASSERT_NEAR(trace.rows[i].energy_J(), taken_J, 1e-13 * sum_J) << i;  // 300 sums, each to 2e-16 of the largest
+  }
+  EXPECT_GT(sum_J, 0);
+  EXPECT_NEAR(summary["energy"]["end_J"].get<double>(), taken_J, 1e-13 * sum_J);
+  EXPECT_NEAR(summary["energy"]["min_J"].get<double>(), least_J, 1e-13 * sum_J);
+  EXPECT_THAT(words, testing::HasSubstr("\nEnergy    "));
+}
+
+// A contact without damping, felt three ticks late: K T (1/2 + 3) = 5.25 N s/m of damping too little against 3 of the
+// hand's and the device's: it gives energy away.
+TEST_F(Energy, TheControllerTakesItBack) {
+  const Words active = {"--hand", "spring", "--stiffness", "1500", "--damping", "0", "--delay", "3"};
+  const Json observed = touch(active);
+  EXPECT_GT(observed["energy"]["active_ticks"], 0);
+  EXPECT_EQ(observed["energy"]["damped_ticks"], 0);
+  EXPECT_THAT(words, testing::HasSubstr("Energy    active: in "));
+  const Json controlled = touch(active + Words{"--passivity", "control"});
+  EXPECT_GT(controlled["energy"]["damped_ticks"], 0);
+  EXPECT_GT(controlled["energy"]["min_J"], observed["energy"]["min_J"]);
+  EXPECT_THAT(words, testing::HasSubstr("the controller acted in"));
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/touch/algorithm_setup.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "apps/scene/option_table.hpp"
+#include "base/error.hpp"
+
+namespace palpate {
+namespace {
+
+Scene with(const std::vector<std::pair<const char*, std::string>>& values) {
+  Scene scene;
+  for (const auto& [key, text] : values) setOption(optionOfKey(key)->value, text, key, scene);
+  return scene;
+}
+
+std::string refusal(const Scene& scene) {
+  try {
+    static_cast<void>(algorithmSetup(scene, 0));
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), Error::Code::kBadInput);
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(AlgorithmSetup, CarriesWhatTheSceneAsks) {
+  Scene scene;
+  scene.stiffness_N_per_m = 7;
+  scene.damping_Ns_per_m = 3;
+  scene.plane_renewal_ticks = 9;
+  scene.haptization_density = {{-1000, 0.5, 1}, {200, 2, 3}};
+  scene.haptization_gradient = {{0, 0}, {5e4, 1}};
+  const AlgorithmSetup setup = algorithmSetup(scene, 42, {.contrast = 11, .voxel_m = 2e-3});
+  EXPECT_EQ(setup.parameters.isovalue, 42);
+  EXPECT_EQ(setup.parameters.stiffness_N_per_m, 7);
+  EXPECT_EQ(setup.parameters.damping_Ns_per_m, 3);
+  EXPECT_EQ(setup.parameters.plane_renewal_ticks, 9);
+  ASSERT_EQ(setup.haptization.density.size(), 2u);
+  EXPECT_EQ(setup.haptization.density[1].density, 200);
+  EXPECT_EQ(setup.haptization.density[1].force_N, 2);
+  EXPECT_EQ(setup.haptization.density[1].viscosity_Ns_per_m, 3);
+  ASSERT_EQ(setup.haptization.gradient.size(), 2u);
+  EXPECT_EQ(setup.haptization.gradient[1].gradient_per_m, 5e4);
+  EXPECT_EQ(setup.haptization.gradient[1].weight, 1);
+  EXPECT_EQ(setup.scale.contrast, 11);
+  EXPECT_EQ(setup.scale.voxel_m, 2e-3);
+}
+
+// Gradients are computed where the isosurface is; what feels elsewhere needs them there, or it would feel nothing.
+TEST(AlgorithmSetup, AlgorithmsThatFeelAwayFromTheSurfaceGetGradientsThere) {
+  Scene scene;
+  for (const AlgorithmEntry& entry : algorithms()) {
+    scene.algorithm = entry.name;
+    EXPECT_EQ(planFor(scene).gradient_all, entry.name == "avila" || entry.name == "haptization") << entry.name;
+  }
+  scene.algorithm = "hri";
+  scene.gradient_all = true;
+  EXPECT_TRUE(planFor(scene).gradient_all);
+}
+
+TEST(AlgorithmSetup, ASceneThatAsksForNoEffectGetsNone) {
+  EXPECT_TRUE(algorithmSetup(Scene{}, 0).effects.empty());
+}
+
+TEST(AlgorithmSetup, EachEffectComesFromItsOption) {
+  for (const auto& [key, text] :
+       std::initializer_list<std::pair<const char*, const char*>>{{"contact.force_shading", "on"},
+                                                                  {"contact.recovery_ms", "20"},
+                                                                  {"contact.texture", "procedural"},
+                                                                  {"contact.texture", "density"},
+                                                                  {"contact.friction_static", "0.5"},
+                                                                  {"contact.friction_viscous_Ns_per_m", "1"},
+                                                                  {"contact.stiffness_density", "200:0.3,700:1"}}) {
+    EXPECT_EQ(algorithmSetup(with({{key, text}}), 0).effects.size(), 1u) << key;
+  }
+}
+
+TEST(AlgorithmSetup, EveryTextureOfTheTableIsKnown) {
+  for (const char* word : std::get<WordOption>(optionOfKey("contact.texture")->value).words) {
+    EXPECT_EQ(refusal(with({{"contact.texture", word}})), "accepted") << word;
+  }
+}
+
+TEST(AlgorithmSetup, EffectsThatCannotBeMadeAreRefused) {
+  EXPECT_THAT(refusal(with({{"contact.friction_dynamic", "0.3"}})), testing::HasSubstr("dynamic friction: 0.3"));
+  EXPECT_THAT(refusal(with({{"contact.stiffness_density", "5:1,4:1"}})), testing::HasSubstr("rising order"));
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/volume/isosurface_mesh.hpp"
+
+#include <map>
+
+#include <gtest/gtest.h>
+
+#include "engine/volume/phantom.hpp"
+#include "tests/engine/volume/files.hpp"
+
+namespace palpate {
+namespace {
+
+// How often an edge is gone along in one direction more than in the other; 0 for every edge of a closed mesh.
+int unbalancedEdges(const TriangleMesh& mesh) {
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
+  for (const auto& t : mesh.triangles) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::uint32_t a = t[i], b = t[(i + 1) % 3];
+      edges[std::minmax(a, b)] += a < b ? 1 : -1;
+    }
+  }
+  int unbalanced = 0;
+  for (const auto& [edge, sum] : edges) unbalanced += sum != 0 ? 1 : 0;
+  return unbalanced;
+}
+
+double volumeOf(const TriangleMesh& mesh) {
+  double sum = 0;
+  for (const auto& t : mesh.triangles) {
+    sum += mesh.vertices_W[t[0]].dot(mesh.vertices_W[t[1]].cross(mesh.vertices_W[t[2]])) / 6;
+  }
+  return sum;
+}
+
+// Where noise, tiles and thin walls make every kind of cell: still closed.
+TEST(IsosurfaceMesh, IsClosedForEveryPhantom) {
+  for (const char* name :
+       {"phantom:sphere?size=24", "phantom:knot?size=40", "phantom:spheres?size=33", "phantom:shell?size=41",
+        "phantom:gyroid?size=40", "phantom:box?size=20", "phantom:head?size=48&noise=0.1", "phantom:random?size=17"}) {
+    const Volume volume = loadVolume(name);
+    const double isovalue = volume.facts().declared_isovalue.value_or(0.5 * (volume.minimum() + volume.maximum()));
+    const TriangleMesh mesh = isosurfaceMesh(volume, isovalue);
+    EXPECT_GT(mesh.triangles.size(), 100U) << name;
+    EXPECT_EQ(unbalancedEdges(mesh), 0) << name;
+    EXPECT_GT(volumeOf(mesh), 0) << name << ": normals point inwards";
+  }
+}
+
+// The mean of a cell's edge crossings lies inside a ball of radius R by no more than the cell's half diagonal's
+// sagitta, (0.87 h)^2 / 2R, and every crossing is off by the interpolation's h^2 / 8R.
+TEST(IsosurfaceMesh, VerticesLieOnTheBall) {
+  const std::unique_ptr<Phantom> phantom = makePhantom("phantom:sphere?size=64");
+  const Volume volume = loadVolume("phantom:sphere?size=64");
+  const TriangleMesh mesh = isosurfaceMesh(volume, *volume.facts().declared_isovalue);
+  const double h_m = volume.lattice().smallestSpacing();
+  double radius_m = 0;  // of the ball: from the centre of its vertices
+  Vec3 centre_W = Vec3::Zero();
+  for (const Vec3& v : mesh.vertices_W) centre_W += v / static_cast<double>(mesh.vertices_W.size());
+  for (const Vec3& v : mesh.vertices_W) radius_m = std::max(radius_m, (v - centre_W).norm());
+  const double bound_m = (0.75 / 2 + 1.0 / 8) * h_m * h_m / radius_m;
+  for (const Vec3& v : mesh.vertices_W)
+    ASSERT_LE(std::abs(phantom->signedDistance_m(v)), 1.05 * bound_m) << v.transpose();
+  for (const auto& t : mesh.triangles) {
+    const Vec3 a = mesh.vertices_W[t[0]], b = mesh.vertices_W[t[1]], c = mesh.vertices_W[t[2]];
+    ASSERT_GT((b - a).cross(c - a).dot((a + b + c) / 3 - centre_W), 0) << "a normal points inwards";
+  }
+}
+
+// All object: the mesh is the box of voxel centres, whatever the voxels' shape and the axes' handedness. One vertex
+// lies in each border cell, which is half cut off at edges and corners: the box's edges are chamfered by half a cell at
+// most.
+TEST(IsosurfaceMesh, AFullVolumeIsItsBoxAndTurnedAxesStayOutward) {
+  VolumeFacts facts;
+  facts.source = "test";
+  for (const double sign : {1.0, -1.0}) {
+    Lattice lattice;
+    lattice.origin_W = {1e-3, 2e-3, 3e-3};
+    lattice.spacing_m = {1e-3, 0.5e-3, 2e-3};
+    lattice.R_WL.col(2) *= sign;
+    const Vec3i size(9, 16, 5);
+    const Volume volume =
+        Volume::fromDense(size, lattice, std::vector<float>(static_cast<std::size_t>(size.prod()), 7), facts);
+    const TriangleMesh mesh = isosurfaceMesh(volume, 1);
+    ASSERT_EQ(unbalancedEdges(mesh), 0);
+    Vec3 low_I = Vec3::Constant(1e9), high_I = -low_I;
+    for (const Vec3& v : mesh.vertices_W) {
+      low_I = low_I.cwiseMin(lattice.toIndex(v));
+      high_I = high_I.cwiseMax(lattice.toIndex(v));
+    }
+    EXPECT_LE(low_I.norm(), 1e-5);
+    EXPECT_LE((high_I - Vec3(8, 15, 4)).norm(), 1e-5);
+    const double whole_m3 = 8e-3 * 7.5e-3 * 8e-3;
+    EXPECT_NEAR(volumeOf(mesh), whole_m3, 1e-5 * whole_m3) << sign;
+  }
+}
+
+TEST(IsosurfaceMesh, AnIsovalueThatIsNotReachedGivesNoTriangles) {
+  const Volume volume = loadVolume("phantom:sphere?size=16");
+  EXPECT_TRUE(isosurfaceMesh(volume, 1e6).triangles.empty());
+}
+
+}  // namespace
+}  // namespace palpate

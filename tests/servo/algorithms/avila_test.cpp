@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/algorithms/avila.hpp"
+
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "base/error.hpp"
+#include "servo/algorithms/registry.hpp"
+#include "servo/safety/faults.hpp"
+#include "support/algorithm_driver.hpp"
+
+namespace palpate {
+namespace {
+
+// Density 200 per mm below z = 20 mm, flat from 6 mm below on: the linear estimate is the depth itself.
+constexpr double kSurface = 20e-3;
+AnalyticVolume ramp() {
+  return millimetreVolume([](const Vec3& p_W) { return 2e5 * std::clamp(kSurface - p_W.z(), -6e-3, 6e-3); }, 40);
+}
+Vec3 at(double depth_m) {
+  return {20e-3, 20e-3, kSurface - depth_m};
+}
+
+class AvilaRamp : public testing::Test {
+ protected:
+  AvilaRamp() { driver.follow = false; }
+  AnalyticVolume volume = ramp();
+  Avila avila{{0, 500, 2.0, 1}};
+  AlgorithmDriver driver{avila, volume, at(1e-3), 40};
+};
+
+// Densities of up to 1200 as floats: 1e-4 of 2e5 per metre, so 4e-10 m and K times that.
+TEST_F(AvilaRamp, PushesByTheDepthThatTheDensitySays) {
+  for (double depth_m : {0.01e-3, 0.5e-3, 1e-3, 2.9e-3}) {
+    driver.at(at(depth_m));
+    const TickOutput out = driver.at(at(depth_m));  // at rest
+    EXPECT_TRUE(out.in_contact);
+    EXPECT_LT((out.force_W - Vec3(0, 0, 500 * depth_m)).norm(), 1e-6);
+    EXPECT_NEAR(out.vhip_W.z(), kSurface, 1e-9);
+    EXPECT_LT((out.normal_W - Vec3::UnitZ()).norm(), 1e-6);
+    EXPECT_EQ(out.faults, 0u);
+    EXPECT_EQ(out.plane_age_ticks, 0);
+  }
+}
+
+TEST_F(AvilaRamp, DepthCountsUpToItsCap) {
+  driver.at(at(4.5e-3));
+  EXPECT_LT((driver.at(at(4.5e-3)).force_W - Vec3(0, 0, 500 * 3e-3)).norm(), 1e-6);
+}
+
+// -B v with v = 1 mm a tick, that is 1 m/s; the force of the depth is known from above.
+TEST_F(AvilaRamp, RetardsMotionInEveryDirectionAlsoOut) {
+  driver.at(at(1e-3));
+  EXPECT_LT((driver.at(at(1e-3) + Vec3(1e-3, 0, 0)).force_W - Vec3(-2.0, 0, 0.5)).norm(), 1e-6);
+  driver.at(at(2e-3));
+  EXPECT_LT((driver.at(at(1e-3)).force_W - Vec3(0, 0, 0.5 - 2.0)).norm(), 1e-6);
+}
+
+TEST_F(AvilaRamp, OutsideThereIsNothing) {
+  driver.at(at(-3e-3));
+  for (double depth_m : {-2e-3, -1e-4, 0.0}) {
+    const TickOutput out = driver.at(at(depth_m));
+    EXPECT_FALSE(out.in_contact);
+    EXPECT_TRUE(out.force_W.isZero(0));
+    EXPECT_TRUE(out.normal_W.isZero(0));
+    EXPECT_EQ(out.vhip_W, at(depth_m));
+    EXPECT_EQ(out.faults, 0u);
+  }
+  EXPECT_EQ(driver.at(Vec3(-1e-3, 20e-3, 10e-3)).faults, 0u);  // beyond the volume
+}
+
+// The shell can be gone through: where the density is flat there is no force, however deep.
+TEST_F(AvilaRamp, AFlatInsideIsAFaultAndNoForce) {
+  const TickOutput out = driver.at(at(12e-3));
+  EXPECT_EQ(out.faults, bit(ServoFault::kZeroGradient));
+  EXPECT_TRUE(out.force_W.isZero(0));
+  EXPECT_FALSE(out.in_contact);
+}
+
+TEST_F(AvilaRamp, SamplesThatAreNotFiniteGiveNoForce) {
+  HeldWindow held;
+  volume.hold(held, Vec3i::Zero(), Vec3i::Constant(40), 9);
+  for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+    for (Sample& s : held.samples) s = {bad, bad, bad, bad};
+    ++held.window.version;
+    TickOutput out;
+    avila.tick({at(1e-3), Vec3::Zero(), &held.window}, out);
+    EXPECT_TRUE(out.force_W.isZero(0));
+    EXPECT_FALSE(out.in_contact);
+  }
+}
+
+TEST(Avila, BehindTheMiddleOfAThinWallItPushesOn) {
+  const AnalyticVolume wall = millimetreVolume([](const Vec3& p_W) { return 4e-3 - std::abs(p_W.z() - kSurface); }, 40);
+  Avila avila({0, 500, 0, 1});
+  AlgorithmDriver driver(avila, wall, at(-6e-3), 40);
+  driver.follow = false;
+  EXPECT_GT(driver.at(at(-2e-3)).force_W.z(), 0);
+  EXPECT_LT(driver.at(at(2e-3)).force_W.z(), 0);
+}
+
+TEST(Avila, NoForceWhereTheWindowDoesNotReach) {
+  const AnalyticVolume volume = ramp();
+  Avila avila(AlgorithmParameters{});
+  HeldWindow held;
+  volume.hold(held, Vec3i::Constant(4), Vec3i::Constant(20));
+  TickOutput out;
+  avila.tick({Vec3(30e-3, 20e-3, 10e-3), Vec3::Zero(), &held.window}, out);
+  EXPECT_EQ(out.faults, bit(ServoFault::kBeyondWindow));
+  EXPECT_TRUE(out.force_W.isZero(0));
+  held.window.version = 0;
+  avila.tick({at(1e-3), Vec3::Zero(), &held.window}, out);
+  EXPECT_EQ(out.faults, bit(ServoFault::kNoWindow));
+}
+
+// A new window is used at once, and reset() forgets the old one though its number comes again.
+TEST(Avila, ReadsTheNewestWindow) {
+  const AnalyticVolume low = ramp();
+  const AnalyticVolume high = millimetreVolume([](const Vec3& p_W) { return 2e5 * (22e-3 - p_W.z()); }, 40);
+  Avila avila({0, 500, 0, 1});
+  AlgorithmDriver driver(avila, low, at(1e-3), 40);
+  driver.follow = false;
+  EXPECT_NEAR(driver.at(at(0.5e-3)).force_W.z(), 0.25, 1e-6);
+  driver.edit(high);
+  EXPECT_NEAR(driver.at(at(0.5e-3)).force_W.z(), 1.25, 1e-6);
+}
+
+class NoEffect final : public ContactEffect {
+ public:
+  void release() noexcept override {}
+  Vec3 move(const ContactState&, const Vec3& vhip_W) noexcept override { return vhip_W; }
+};
+
+TEST(Avila, RefusesContactEffects) {
+  AlgorithmSetup setup;
+  setup.effects.push_back(std::make_unique<NoEffect>());
+  EXPECT_THROW(static_cast<void>(makeAlgorithm("avila", std::move(setup))), Error);
+}
+
+}  // namespace
+}  // namespace palpate

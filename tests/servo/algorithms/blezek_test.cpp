@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/algorithms/blezek.hpp"
+
+#include <gtest/gtest.h>
+
+#include "servo/safety/faults.hpp"
+#include "servo/window/fetch.hpp"
+#include "support/algorithm_driver.hpp"
+#include "support/analytic_surface.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr double kVoxel = 1e-3;
+const Vec3 kCentre = Vec3::Constant(31.3e-3);
+const AlgorithmParameters kNoDamping{0, 500, 0, 1};
+
+Vec3 onBall(double angle, double radius_m) {
+  return kCentre + Vec3(std::cos(angle), 0.2, std::sin(angle)).normalized() * radius_m;
+}
+
+// What the method promises: the normal at the VHIP is the direction from the HIP to it. The normal that it went by is
+// from before the last Newton step, at most kOnSurface long, which on a knot of 5 voxels of radius turns it by less
+// than 1e-2 / 5 radians.
+TEST(Blezek, InchesUntilNormalAndLineAgree) {
+  const TorusKnot knot(kCentre, 31e-3, 6e-3);
+  const AnalyticVolume volume = sampledVolume(knot.surface());
+  Blezek blezek(kNoDamping);
+  AlgorithmDriver driver(blezek, volume, knot.below(0.2, 0, -1e-3), 64);
+  driver.follow = false;
+  driver.at(knot.below(0.2, 0, -1e-3));
+  for (int i = 0; i < 400; ++i) {
+    const Vec3 hip_W = knot.below(0.2 + 2e-3 * i, 0.02 * i, 1.5e-3);
+    const TickOutput out = driver.at(hip_W);
+    ASSERT_TRUE(out.in_contact) << i;
+    const Vec3 normal_W = -fetch(driver.window(), out.vhip_W).gradient_W.normalized();
+    ASSERT_LT(normal_W.cross((out.vhip_W - hip_W).normalized()).norm(), BlezekSurface::kAlignment + 2e-3) << i;
+  }
+}
+
+// A HIP that jumps 12 voxels around the ball drags the VHIP along, 4 voxels a tick. Its normal tells where it is: 4 of
+// 20 voxels are 0.2 rad; steps along the tangent plane reach a little less far around, and sampling errs a little.
+TEST(Blezek, MovesAtMostItsInchesInATick) {
+  const AnalyticVolume volume = millimetreVolume(ball(kCentre, 20e-3));
+  Blezek blezek(kNoDamping);
+  AlgorithmDriver driver(blezek, volume, onBall(0, 21e-3), 64);
+  driver.follow = false;
+  driver.at(onBall(0, 21e-3));
+  auto turned = [last = driver.at(onBall(0, 18e-3)).normal_W](const TickOutput& out) mutable {
+    const double angle = std::atan2(last.cross(out.normal_W).norm(), last.dot(out.normal_W));
+    last = out.normal_W;
+    return angle;
+  };
+  for (int tick = 0; tick < 2; ++tick) {
+    const TickOutput out = driver.at(onBall(0.6, 18e-3));
+    ASSERT_TRUE(out.in_contact);
+    EXPECT_NEAR(turned(out), 0.2, 0.01);
+  }
+  TickOutput out;
+  for (int tick = 0; tick < 3; ++tick) out = driver.at(onBall(0.6, 18e-3));
+  EXPECT_LT((out.vhip_W - onBall(0.6, 20e-3)).norm(), 0.02 * kVoxel);
+}
+
+TEST(Blezek, HoldsAHipThatHasGoneThroughAPlate) {
+  const AnalyticVolume plate = millimetreVolume([](const Vec3& p_W) { return 2e-3 - std::abs(p_W.z() - 30.3e-3); });
+  Blezek blezek(kNoDamping);
+  AlgorithmDriver driver(blezek, plate, Vec3(30e-3, 30e-3, 34e-3), 64);
+  driver.follow = false;
+  driver.at(Vec3(30e-3, 30e-3, 34e-3));
+  const TickOutput out = driver.at(Vec3(30e-3, 30e-3, 25e-3));  // both ends of the tick outside
+  ASSERT_TRUE(out.in_contact);
+  EXPECT_NEAR(out.vhip_W.z(), 32.3e-3, 0.01 * kVoxel);
+  EXPECT_FALSE(driver.at(Vec3(30e-3, 30e-3, 33e-3)).in_contact);
+}
+
+// The surface goes away under the VHIP: transparent, with a fault, until the tool has been outside once.
+TEST(Blezek, GivesNoForceWhenItHasLostTheSurface) {
+  const AnalyticVolume before = millimetreVolume(ball(kCentre, 20e-3));
+  const AnalyticVolume after = millimetreVolume(ball(kCentre, 26e-3));
+  Blezek blezek(kNoDamping);
+  AlgorithmDriver driver(blezek, before, onBall(0, 21e-3), 64);
+  driver.follow = false;
+  driver.at(onBall(0, 21e-3));
+  ASSERT_TRUE(driver.at(onBall(0, 19e-3)).in_contact);
+  driver.edit(after);
+  const TickOutput out = driver.at(onBall(0, 19e-3));
+  EXPECT_EQ(out.faults, bit(ServoFault::kSurfaceLost));
+  EXPECT_TRUE(out.force_W.isZero(0));
+  EXPECT_EQ(driver.at(onBall(0, 19e-3)).faults, bit(ServoFault::kInsideObject));
+  EXPECT_EQ(driver.at(onBall(0, 27e-3)).faults, 0u);
+  EXPECT_TRUE(driver.at(onBall(0, 25e-3)).in_contact);
+}
+
+TEST(Blezek, AFlatFieldIsLostWithItsReason) {
+  const AnalyticVolume volume = millimetreVolume(ball(kCentre, 20e-3));
+  Blezek blezek(kNoDamping);
+  AlgorithmDriver driver(blezek, volume, onBall(0, 21e-3), 64);
+  driver.follow = false;
+  driver.at(onBall(0, 21e-3));
+  HeldWindow flat;
+  volume.hold(flat, Vec3i::Zero(), Vec3i::Constant(64), 7);
+  for (Sample& s : flat.samples) s.gradient_i = s.gradient_j = s.gradient_k = 0;
+  TickOutput out;
+  blezek.tick({onBall(0, 19e-3), Vec3::Zero(), &flat.window}, out);
+  EXPECT_EQ(out.faults, bit(ServoFault::kSurfaceLost) | bit(ServoFault::kZeroGradient));
+  EXPECT_TRUE(out.force_W.isZero(0));
+}
+
+TEST(Blezek, StartingInsideGivesNoForceUntilOutsideOnce) {
+  const AnalyticVolume volume = millimetreVolume(ball(kCentre, 20e-3));
+  Blezek blezek(kNoDamping);
+  AlgorithmDriver driver(blezek, volume, onBall(0, 18e-3), 64);
+  driver.follow = false;
+  EXPECT_EQ(driver.at(onBall(0, 18e-3)).faults, bit(ServoFault::kInsideObject));
+  EXPECT_FALSE(driver.at(onBall(0, 19e-3)).in_contact);
+  EXPECT_EQ(driver.at(onBall(0, 21e-3)).faults, 0u);
+  EXPECT_TRUE(driver.at(onBall(0, 19e-3)).in_contact);
+}
+
+// What was touched is remembered while the window does not reach, and a gap in free motion is searched afterwards.
+TEST(Blezek, NoForceWhereTheWindowDoesNotReach) {
+  const AnalyticVolume volume = millimetreVolume([](const Vec3& p_W) { return 30.4e-3 - p_W.z(); });
+  Blezek blezek(kNoDamping);
+  AlgorithmDriver driver(blezek, volume, Vec3(30e-3, 30e-3, 31e-3), 16);
+  driver.follow = false;
+  driver.at(Vec3(30e-3, 30e-3, 31e-3));
+  ASSERT_TRUE(driver.at(Vec3(30e-3, 30e-3, 29e-3)).in_contact);
+  const TickOutput out = driver.at(Vec3(45e-3, 30e-3, 29e-3));
+  EXPECT_EQ(out.faults, bit(ServoFault::kBeyondWindow));
+  EXPECT_TRUE(out.force_W.isZero(0));
+  EXPECT_TRUE(driver.at(Vec3(31e-3, 30e-3, 29e-3)).in_contact);
+  driver.at(Vec3(31e-3, 30e-3, 31e-3));
+  EXPECT_TRUE(has(driver.at(Vec3(45e-3, 30e-3, 29e-3)).faults, ServoFault::kBeyondWindow));
+  driver.publish(Vec3(40e-3, 30e-3, 29e-3));
+  EXPECT_TRUE(driver.at(Vec3(45e-3, 30e-3, 29e-3)).in_contact);
+}
+
+TEST(Blezek, MaterialPutOverAFreeToolIsNoEntry) {
+  const AnalyticVolume before = millimetreVolume([](const Vec3&) { return -1.0; });
+  const AnalyticVolume after = millimetreVolume(ball(kCentre, 20e-3));
+  Blezek blezek(kNoDamping);
+  AlgorithmDriver driver(blezek, before, onBall(0, 15e-3), 64);
+  driver.follow = false;
+  driver.at(onBall(0, 15e-3));
+  driver.edit(after);
+  const TickOutput out = driver.at(onBall(0, 15.1e-3));
+  EXPECT_EQ(out.faults, bit(ServoFault::kInsideObject));
+  EXPECT_TRUE(out.force_W.isZero(0));
+}
+
+TEST(Blezek, ACutFaceOfTheVolumeIsNotFelt) {
+  const AnalyticVolume volume = millimetreVolume([](const Vec3& p_W) { return 40e-3 - p_W.z(); });
+  Blezek blezek(kNoDamping);
+  AlgorithmDriver driver(blezek, volume, Vec3(65e-3, 30e-3, 20e-3), 64);
+  driver.follow = false;
+  driver.at(Vec3(65e-3, 30e-3, 20e-3));
+  EXPECT_FALSE(driver.at(Vec3(61e-3, 30e-3, 20e-3)).in_contact);
+  EXPECT_FALSE(driver.at(Vec3(60e-3, 30e-3, 20e-3)).in_contact);
+}
+
+TEST(Blezek, NoWindow) {
+  Blezek blezek(kNoDamping);
+  blezek.reset(Vec3::Zero());
+  const SampleWindow nothing;
+  TickOutput out;
+  blezek.tick({Vec3::Zero(), Vec3::Zero(), &nothing}, out);
+  EXPECT_EQ(out.faults, bit(ServoFault::kNoWindow));
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/contact/texture.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "contact/plane_contact.hpp"
+#include "support/analytic_volume.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr double kAmplitude = 0.1e-3;
+constexpr double kWavelength = 1.3e-3;
+constexpr double kDepth = 1e-3;
+
+// ---- procedural ----
+
+// Points of a line that no wave runs square to.
+Vec3 onLine(double s_m) {
+  return Vec3(0.01, -0.02, 0.03) + s_m * Vec3(0.48, 0.6, 0.64);
+}
+const Vec3 kLine(0.48, 0.6, 0.64);
+
+TEST(ProceduralTexture, EveryWaveHasTheWavelengthAndNoneLiesAlongAnAxis) {
+  const ProceduralTexture texture(kAmplitude, kWavelength);
+  Vec3 sum = Vec3::Zero();
+  for (int i = 0; i < ProceduralTexture::kWaves; ++i) {
+    const Vec3& k = texture.waveVector(i);
+    EXPECT_NEAR(k.norm() * kWavelength, 2 * std::numbers::pi, 1e-12);
+    for (int axis = 0; axis < 3; ++axis) EXPECT_LT(std::abs(k[axis]), 0.9 * k.norm());
+    sum += k;
+  }
+  EXPECT_NEAR(sum.norm() * kWavelength, 0, 1e-12);  // a regular tetrahedron
+}
+
+// The bound is exact: four sines of A / 4. That it is nearly reached says that the amplitude is what it is called.
+TEST(ProceduralTexture, StaysWithinItsAmplitudeAndNearlyReachesIt) {
+  const ProceduralTexture texture(kAmplitude, kWavelength);
+  double highest = 0, lowest = 0;
+  for (int i = 0; i < 200'000; ++i) {
+    const double h = texture.height(onLine(i * 0.11e-3));
+    highest = std::max(highest, h);
+    lowest = std::min(lowest, h);
+  }
+  EXPECT_LE(highest, kAmplitude);
+  EXPECT_GE(lowest, -kAmplitude);
+  EXPECT_GT(highest, 0.95 * kAmplitude);
+  EXPECT_LT(lowest, -0.95 * kAmplitude);
+}
+
+// Fourier coefficient over a line of length L: 2 / L * sum h exp(-i q s). A wave of another wave number differs by dq
+// and leaks at most A / 4 * 2 * 2 / (dq L), and as much again for its mirror image; sampling 12 times a wavelength
+// makes that pi / 3 larger at most.
+struct Line {
+  ProceduralTexture texture{kAmplitude, kWavelength};
+  int count = 200'000;
+  double step_m = kWavelength / 12;
+  [[nodiscard]] double length() const { return count * step_m; }
+  [[nodiscard]] double coefficient(double q_per_m) const {
+    std::complex<double> sum = 0;
+    for (int i = 0; i < count; ++i) sum += texture.height(onLine(i * step_m)) * std::polar(1.0, -q_per_m * i * step_m);
+    return 2 * std::abs(sum) / count;
+  }
+  [[nodiscard]] double leakage(double q_per_m, int self) const {
+    double leak_m = 0;
+    for (int i = 0; i < ProceduralTexture::kWaves; ++i) {
+      const double q = texture.waveVector(i).dot(kLine);
+      for (const double of : {q, -q}) {
+        if (i == self && of * q_per_m > 0) continue;
+        leak_m += kAmplitude / ProceduralTexture::kWaves * 2 / (std::abs(of - q_per_m) * length());
+      }
+    }
+    return leak_m * std::numbers::pi / 3;
+  }
+};
+
+TEST(ProceduralTexture, SpectrumIsFourEqualLinesAndNothingElse) {
+  const Line line;
+  for (int i = 0; i < ProceduralTexture::kWaves; ++i) {
+    const double q = std::abs(line.texture.waveVector(i).dot(kLine));
+    const double leak = line.leakage(q, i);
+    ASSERT_LT(leak, 0.01 * kAmplitude);
+    EXPECT_NEAR(line.coefficient(q), kAmplitude / ProceduralTexture::kWaves, leak) << i;
+    const double other = 1.013 * q + 11;
+    EXPECT_LE(line.coefficient(other), line.leakage(other, -1)) << i;
+  }
+}
+
+TEST(ProceduralTexture, MeanIsZero) {
+  const Line line;
+  const double leak = line.leakage(0, -1);
+  ASSERT_LT(leak, 0.001 * kAmplitude);
+  EXPECT_LE(line.coefficient(0), 2 * leak);
+}
+
+TEST(ProceduralTexture, MovesAlongTheNormalByTheHeightAtTheVhip) {
+  ProceduralTexture texture(kAmplitude, kWavelength);
+  PlaneContact contact(texture);
+  for (const Vec3& hip : wander(1000)) {
+    const Vec3 flat(hip.x(), hip.y(), 0);
+    const double share = std::min(1.0, -hip.z() / kAmplitude);
+    EXPECT_NEAR((contact.at(hip) - (flat + Vec3::UnitZ() * share * texture.height(flat))).norm(), 0, 1e-18);
+  }
+}
+
+// The depth of the textured VHIP is 0 where the depth is, and never negative, so contact begins and ends without a
+// step.
+TEST(ProceduralTexture, BeginsWithoutAStep) {
+  ProceduralTexture texture(kAmplitude, kWavelength);
+  PlaneContact contact(texture);
+  for (int i = 0; i < 1000; ++i) {
+    const double depth_m = 0.2e-3 * i / 1000;
+    const Vec3 hip(i * 0.037e-3, 0, -depth_m);
+    const double textured_m = contact.at(hip).z() - hip.z();
+    EXPECT_GE(textured_m, 0);
+    EXPECT_LE(textured_m, 2 * depth_m + 1e-18);
+  }
+}
+
+TEST(ProceduralTexture, WithoutAmplitudeThereIsNone) {
+  ProceduralTexture texture(0, kWavelength);
+  PlaneContact contact(texture);
+  EXPECT_EQ(contact.at({1e-3, 2e-3, -kDepth}), Vec3(1e-3, 2e-3, 0));
+  EXPECT_EQ(contact.at({1e-3, 2e-3, 0}), Vec3(1e-3, 2e-3, 0));
+}
+
+// ---- density ----
+
+constexpr double kVoxel = 1e-3;
+const Vec3 kSurface(16e-3, 16e-3, 16e-3);  // a sample
+
+class DensityTextureTest : public testing::Test {
+ protected:
+  // Height of the texture above a point of a level surface, 1 mm deep.
+  double height(std::function<double(const Vec3&)> density, const Vec3& surface_W, double amplitude_m = 0.5e-3,
+                double gain = 1) {
+    volume_ = millimetreVolume(std::move(density), 32);
+    volume_.hold(held_, Vec3i::Zero(), volume_.size);
+    DensityTexture texture(amplitude_m, gain);
+    return heightOf(texture, surface_W);
+  }
+  double heightOf(DensityTexture& texture, const Vec3& surface_W) {
+    PlaneContact contact(texture);
+    contact.plane_T.p_W = surface_W;
+    contact.window = &held_.window;
+    const Vec3 vhip = contact.at(surface_W - kDepth * Vec3::UnitZ());
+    EXPECT_NEAR(std::hypot(vhip.x() - surface_W.x(), vhip.y() - surface_W.y()), 0, 1e-17);
+    return vhip.z() - surface_W.z();
+  }
+
+  AnalyticVolume volume_;
+  HeldWindow held_;
+};
+
+// Samples are floats of some 1e-3 at most beside the surface: rounding 1e-10.
+constexpr double kFloat_m = 1e-9;
+
+// A level surface whose density alternates by +-e from sample to sample along x. At a sample the neighbours along x are
+// e the other way, those along y and the two that the normal's axis leaves in place are as here: the mean is e / 3, the
+// departure 2 e / 3. Central differences do not see the alternation: the steepness is 1.
+TEST_F(DensityTextureTest, ReadsTheDepartureFromTheTrend) {
+  const double e = 0.05e-3;
+  const auto striped = [&](const Vec3& p) {
+    return kSurface.z() - p.z() + (std::lround(p.x() / kVoxel) % 2 == 0 ? e : -e);
+  };
+  EXPECT_NEAR(height(striped, kSurface), 2 * e / 3, kFloat_m);
+  EXPECT_NEAR(height(striped, kSurface + Vec3(kVoxel, 0, 0)), -2 * e / 3, kFloat_m);
+  EXPECT_NEAR(height(striped, kSurface + Vec3(0.5 * kVoxel, 0, 0)), 0, kFloat_m);
+  EXPECT_NEAR(height(striped, kSurface, 0.5e-3, 3.0), 2 * e, kFloat_m);
+}
+
+// The same density in other units gives the same texture: a departure is a length.
+TEST_F(DensityTextureTest, DoesNotDependOnTheUnitOfDensity) {
+  const double e = 0.05e-3;
+  const auto striped = [&](const Vec3& p) {
+    return 3e5 * (kSurface.z() - p.z() + (std::lround(p.x() / kVoxel) % 2 == 0 ? e : -e));
+  };
+  EXPECT_NEAR(height(striped, kSurface), 2 * e / 3, kFloat_m);
+}
+
+TEST_F(DensityTextureTest, ALevelFieldHasNone) {
+  for (const Vec3& way : wander(10)) {
+    EXPECT_NEAR(height([](const Vec3& p) { return kSurface.z() - p.z(); }, kSurface + 3 * way), 0, kFloat_m);
+  }
+}
+
+// On the top of a ball the four neighbours in the tangent plane are sqrt(R^2 + h^2) - R = h^2 / (2 R) - h^4 / (8 R^3)
+// below, the two others are here: h^2 / (3 R). Central differences there are R' = 1 to h^2 / (2 R^2) at most.
+TEST_F(DensityTextureTest, ASmoothBallReadsAsStated) {
+  const double R = 10e-3;
+  const double expected_m = kVoxel * kVoxel / (3 * R);
+  const double h = height(ball(kSurface - Vec3(0, 0, R), R), kSurface);
+  EXPECT_NEAR(h, expected_m, expected_m * kVoxel * kVoxel / (R * R) + kFloat_m);
+}
+
+TEST_F(DensityTextureTest, IsCutOffAtTheAmplitude) {
+  const double e = 0.05e-3;
+  const auto striped = [&](const Vec3& p) {
+    return kSurface.z() - p.z() + (std::lround(p.x() / kVoxel) % 2 == 0 ? e : -e);
+  };
+  EXPECT_NEAR(height(striped, kSurface, kAmplitude, 1e6), kAmplitude, 1e-17);
+  EXPECT_NEAR(height(striped, kSurface + Vec3(kVoxel, 0, 0), kAmplitude, 1e6), -kAmplitude, 1e-17);
+}
+
+TEST_F(DensityTextureTest, ThereIsNoneWhereNothingIsKnown) {
+  const auto steep = [](const Vec3& p) { return kSurface.z() - p.z() + 1e-3 * std::sin(4e3 * p.x()); };
+  ASSERT_NE(height(steep, kSurface + Vec3(0.3e-3, 0, 0)), 0);
+  EXPECT_EQ(height(steep, Vec3(-5e-3, 16e-3, 16e-3)), 0);   // beyond the volume
+  EXPECT_EQ(height(steep, Vec3(0.5e-3, 16e-3, 16e-3)), 0);  // a neighbour is
+  DensityTexture texture(0.5e-3, 1);
+  held_.window.low_is_border.fill(false);
+  EXPECT_EQ(heightOf(texture, Vec3(-5e-3, 16e-3, 16e-3)), 0);  // beyond the window
+  held_.window.version = 0;                                    // not usable
+  EXPECT_EQ(heightOf(texture, kSurface), 0);
+  EXPECT_EQ(height([](const Vec3&) { return 1.0; }, kSurface), 0);  // no gradient
+  EXPECT_EQ(height([](const Vec3& p) { return std::nan("") * p.x(); }, kSurface), 0);
+}
+
+// A newer window takes the old one's place at once.
+TEST_F(DensityTextureTest, ReadsTheWindowOfTheTick) {
+  DensityTexture texture(0.5e-3, 1);
+  const auto flat = [](const Vec3& p) { return kSurface.z() - p.z(); };
+  ASSERT_NEAR(height(flat, kSurface), 0, kFloat_m);
+  EXPECT_NEAR(heightOf(texture, kSurface), 0, kFloat_m);
+  volume_.density = ball(kSurface - Vec3(0, 0, 5e-3), 5e-3);
+  volume_.hold(held_, Vec3i::Zero(), volume_.size, 2);
+  EXPECT_GT(heightOf(texture, kSurface), 0.05e-3);
+}
+
+}  // namespace
+}  // namespace palpate

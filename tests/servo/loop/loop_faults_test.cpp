@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: Apache-2.0
+// What each fault of clock, engine and device does to the force, in the loop's own code: a steady push of 4 N.
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "support/fault_injection.hpp"
+#include "support/touch_scene.hpp"
+
+namespace palpate {
+namespace {
+
+class LoopFaults : public testing::Test {
+ protected:
+  // `ticks` run ticks at 1 kHz; the window is there from tick `first_window` on.
+  LoopResult run(int ticks, std::vector<InjectedFault> faults, int first_window = 0) {
+    script.faults = std::move(faults);
+    WindowStorage storage(ScriptedEngine::kSide * ScriptedEngine::kSide * ScriptedEngine::kSide);
+    WindowExchange windows(storage);
+    ToolPoseMailbox tool;
+    const AnalyticVolume volume = millimetreVolume(ball(Vec3::Constant(8e-3), 5e-3), 16);
+    ScriptedEngine engine(script, volume, Vec3::Constant(8e-3));
+    SteadyPush push(Vec3(0, 0, 4));
+    ScriptedAlgorithm algorithm(script, push);
+    parameters.ticks = 0;
+    parameters.record_ticks = ticks;
+    ServoLoop loop(parameters, algorithm, device, windows, tool);
+    clock.before_tick = [&] {
+      if (script.tick >= first_window && script.tick < ticks) engine.beforeTick(windows, clock.time_ns);
+      if (script.tick == ticks - 1) loop.requestStop();
+    };
+    return loop.runOn(clock);
+  }
+  static double force(const LoopResult& result, std::size_t tick) { return result.records[tick].force_W[2]; }
+  static void expectFault(const LoopResult& result, ServoFault fault, std::size_t first, std::size_t end) {
+    for (std::size_t i = 0; i < result.records.size(); ++i) {
+      ASSERT_EQ(has(result.records[i].faults, fault), i >= first && i < end) << i;
+    }
+  }
+
+  LoopParameters parameters = [] {
+    LoopParameters p;
+    p.safety.fade_s = 0.01;  // 10 ticks
+    return p;
+  }();
+  FaultScript script;
+  ScriptedClock clock{script};
+  ScriptedDevice device{script, clock, [](int) { return Vec3::Constant(8e-3).eval(); }, 1000};
+};
+
+TEST_F(LoopFaults, NoneGivesThePush) {
+  const LoopResult result = run(50, {});
+  ASSERT_EQ(result.records.size(), 50u);
+  for (const TickRecord& r : result.records) {
+    EXPECT_EQ(r.faults, 0u);
+    EXPECT_EQ(r.force_W[2], 4);
+  }
+}
+
+// The engine publishes while the servo runs: no window, then at once a fresh one, never a stale one. The clock has run
+// for an hour, so an age counted from its zero would be stale.
+TEST_F(LoopFaults, TheFirstWindowIsNotStale) {
+  const LoopResult result = run(50, {}, 5);
+  expectFault(result, ServoFault::kNoWindow, 0, 5);
+  expectFault(result, ServoFault::kStaleWindow, 0, 0);
+}
+
+// 50 ms late: the device has held 4 N all the while. It lets go, and starts again from nothing.
+TEST_F(LoopFaults, AStallAsleepStartsTheForceFromNothing) {
+  const LoopResult result = run(50, {{Injected::kStallAsleep, 20, 1, 0.05}});
+  expectFault(result, ServoFault::kStall, 20, 21);
+  EXPECT_EQ(force(result, 19), 4);
+  EXPECT_EQ(force(result, 20), 0);
+  for (std::size_t i = 1; i <= 10; ++i) EXPECT_NEAR(force(result, 20 + i), 0.4 * static_cast<double>(i), 1e-12);
+  EXPECT_GT(result.ticks_skipped, 45);
+}
+
+// In the tick itself: that tick's force is for the position that came late; the next tick sees the gap.
+TEST_F(LoopFaults, AStallInATickIsSeenInTheNext) {
+  const LoopResult result = run(50, {{Injected::kStallInTick, 20, 1, 0.05}});
+  EXPECT_TRUE(has(result.records[20].faults, ServoFault::kOverrun));
+  expectFault(result, ServoFault::kStall, 21, 22);
+  EXPECT_EQ(force(result, 21), 0);
+  EXPECT_NEAR(force(result, 26), 2, 1e-12);
+}
+
+TEST_F(LoopFaults, AShortDelayIsNoStall) {
+  const LoopResult result = run(50, {{Injected::kStallAsleep, 20, 1, 0.0099}});
+  expectFault(result, ServoFault::kStall, 0, 0);
+  EXPECT_EQ(force(result, 20), 4);
+}
+
+// Positions up to 20 ms old are used; report 20 is the first to be missing, 21 ms of age are reached in tick 40.
+TEST_F(LoopFaults, DroppedReportsFadeTheForceUntilOneComes) {
+  const LoopResult result = run(100, {{Injected::kDroppedReports, 20, 40}});
+  expectFault(result, ServoFault::kDroppedReports, 40, 60);
+  EXPECT_EQ(force(result, 39), 4);
+  EXPECT_NEAR(force(result, 44), 2, 1e-12);
+  EXPECT_EQ(force(result, 49), 0);
+  EXPECT_NEAR(force(result, 64), 2, 1e-12);
+  EXPECT_EQ(force(result, 69), 4);
+}
+
+TEST_F(LoopFaults, AnEngineClockThatStepsAheadFadesTheForceWhileItIsAhead) {
+  const LoopResult result = run(100, {{Injected::kEngineClock, 20, 30, 3600}});
+  // The last tick: the confirmation goes back to the servo's time.
+  expectFault(result, ServoFault::kClockStep, 20, 51);
+  EXPECT_EQ(force(result, 30), 0);
+  EXPECT_EQ(force(result, 65), 4);
+}
+
+TEST_F(LoopFaults, AnEngineClockThatStepsBackLooksStale) {
+  const LoopResult result = run(100, {{Injected::kEngineClock, 20, 30, -3600}});
+  expectFault(result, ServoFault::kClockStep, 20, 21);
+  expectFault(result, ServoFault::kStaleWindow, 20, 50);
+  EXPECT_EQ(force(result, 30), 0);
+  EXPECT_EQ(force(result, 65), 4);
+}
+
+// Back by a second: a step in its tick; the loop then sleeps until its grid is due again, which is a stall.
+TEST_F(LoopFaults, AServoClockThatStepsBack) {
+  const LoopResult result = run(100, {{Injected::kServoClock, 20, 1, -1}});
+  expectFault(result, ServoFault::kClockStep, 20, 21);
+  expectFault(result, ServoFault::kStall, 21, 22);
+  EXPECT_NEAR(force(result, 20), 3.6, 1e-12);
+  EXPECT_EQ(force(result, 21), 0);
+  EXPECT_EQ(force(result, 40), 4);
+}
+
+// Ahead by a second: it cannot be told from a stall, and the grid points of that second are left out.
+TEST_F(LoopFaults, AServoClockThatStepsAheadIsAStall) {
+  const LoopResult result = run(100, {{Injected::kServoClock, 20, 1, 1}});
+  expectFault(result, ServoFault::kStall, 20, 21);
+  expectFault(result, ServoFault::kClockStep, 0, 0);
+  EXPECT_GE(result.ticks_skipped, 999);
+  EXPECT_EQ(force(result, 20), 0);
+  EXPECT_EQ(force(result, 40), 4);
+}
+
+TEST_F(LoopFaults, AFailedWriteFadesTheNextForce) {
+  const LoopResult result = run(50, {{Injected::kWriteError, 20, 3}});
+  expectFault(result, ServoFault::kDeviceError, 20, 24);
+  EXPECT_EQ(force(result, 20), 4);
+  EXPECT_NEAR(force(result, 21), 3.6, 1e-12);
+  EXPECT_NEAR(force(result, 23), 2.8, 1e-12);
+  EXPECT_NEAR(force(result, 24), 3.2, 1e-12);
+}
+
+// 4 N at 1 N a tick: the run's end takes three more writes above zero, then zero, however it ends.
+TEST_F(LoopFaults, TheEndOfARunKeepsWithinTheSlew) {
+  parameters.safety.slew_limit_N_per_s = 1000;
+  const LoopResult result = run(50, {});
+  ASSERT_EQ(result.records.size(), 50u);
+  const std::vector<Vec3>& written_W = device.written_W;
+  ASSERT_EQ(written_W.size(), 54u);
+  for (std::size_t i = 50; i < 54; ++i) EXPECT_NEAR(written_W[i].z(), 53.0 - static_cast<double>(i), 1e-12);
+}
+
+// A device that reports every fourth tick, as a 1 kHz device under a 4 kHz servo: the velocity is that of the reports.
+TEST(LoopReports, ARepeatedPositionTellsNothingOfTheVelocity) {
+  FaultScript script;
+  ScriptedClock clock(script);
+  for (int tick = 1; tick < 100; tick += 4) script.faults.push_back({Injected::kDroppedReports, tick, 3});
+  ScriptedDevice device(
+      script, clock, [](int tick) { return Vec3(1e-4 * tick, 0, 0); }, 1000);
+  WindowStorage storage(8);
+  WindowExchange windows(storage);
+  ToolPoseMailbox tool;
+  SteadyPush push(Vec3::Zero());
+  LoopParameters p;
+  p.ticks = 0;
+  p.record_ticks = 100;
+  p.velocity.cutoff_hz = 0;
+  ServoLoop loop(p, push, device, windows, tool);
+  clock.before_tick = [&] {
+    if (script.tick == 99) loop.requestStop();
+    const ToolPose& pose = tool.latest();
+    if (pose.tick >= 4) {
+      EXPECT_NEAR(pose.velocity_W.x(), 0.1, 1e-12) << pose.tick;
+    }
+  };
+  static_cast<void>(loop.runOn(clock));
+}
+
+}  // namespace
+}  // namespace palpate
