@@ -26,6 +26,10 @@ EditHistory::Step EditHistory::contentOf(const std::vector<std::uint32_t>& brick
 }
 
 Engine::EditResult EditHistory::edit(std::span<const EditCommand> commands, std::int64_t now_ns) {
+  if (budget_bytes_ == 0) {  // nothing would be kept
+    ++forgotten_;
+    return engine_.edit(commands, now_ns);
+  }
   Step before = contentOf(engine_.editor().bricksToChange(commands));
   Engine::EditResult result = engine_.edit(commands, now_ns);  // throws with nothing changed, here neither
   while (steps_.size() > done_) {

@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/journal/journal_writer.hpp"
 
-#include <csignal>
-#include <mutex>
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 
 #include "base/error.hpp"
 #include "engine/journal/journal_reader.hpp"
@@ -21,27 +17,6 @@ const JournalHeader& header() {
   static const JournalHeader kHeader = sampleHeader(sampleVolume());
   return kHeader;
 }
-
-// A limit on the size of files stands for the full disk: the write fails in the same place, in the middle of a group.
-class FileSizeLimit {
- public:
-  explicit FileSizeLimit(rlim_t bytes) {
-    handler_ = std::signal(SIGXFSZ, SIG_IGN);
-    getrlimit(RLIMIT_FSIZE, &before_);
-    const rlimit now{bytes, before_.rlim_max};
-    setrlimit(RLIMIT_FSIZE, &now);
-  }
-  ~FileSizeLimit() {
-    setrlimit(RLIMIT_FSIZE, &before_);
-    std::signal(SIGXFSZ, handler_);
-  }
-  FileSizeLimit(const FileSizeLimit&) = delete;
-  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
-
- private:
-  rlimit before_{};
-  void (*handler_)(int) = nullptr;
-};
 
 TEST(JournalWriter, WhatIsAppendedIsReadInOrder) {
   TemporaryFolder folder;

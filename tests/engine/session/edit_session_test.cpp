@@ -136,5 +136,31 @@ TEST(EditSession, ARefusedEditLeavesNoTrace) {
   EXPECT_EQ(s.hash(), s.header.volume.content);
 }
 
+// The disk is full in the middle of the session: edits go on, undo too; what counts as saved is, and no more.
+TEST(EditSession, GoesOnWhenTheDiskIsFull) {
+  TemporaryFolder folder;
+  Session s;
+  s.session.keepJournal(folder.path(), s.header.volume);
+  RandomEdits random(s.volume.size(), s.volume.lattice(), kLow, kHigh, 9);
+  const auto edit = [&] {
+    const std::vector<EditCommand> commands = {random.next()};
+    s.session.edit(commands, 0);
+  };
+  {
+    const FileSizeLimit limit(3000);
+    for (int i = 0; i < 100; ++i) edit();
+    s.session.undo(0);
+    s.session.close();
+  }
+  const EditFigures figures = s.session.figures();
+  EXPECT_EQ(figures.edits, 101U);
+  EXPECT_EQ(s.engine.editVersion(), 101U);
+  EXPECT_THAT(figures.journal_failure, HasSubstr("are not saved: make room"));
+  EXPECT_LT(figures.acknowledged, figures.journalled);
+  const Journal journal = readJournal(folder.path());
+  EXPECT_FALSE(journal.damage);
+  EXPECT_EQ(journal.last_sequence, figures.acknowledged);
+}
+
 }  // namespace
 }  // namespace palpate
