@@ -20,10 +20,15 @@ class LiveEdits : public ProgramTest {
   }
 };
 
-const Words kDrill = {"--edit", "remove:radius=1mm", "--seconds", "1"};
+const Words kDrill = {"--edit", "remove:radius=1mm"};
+
+// A second with the simulated clock, without a picture.
+Words touch(const Words& more = {}) {
+  return Words{"touch", kVolume, "--seconds", "1", "--clock", "simulated", "--picture", "off", "--out", "out"} + more;
+}
 
 TEST_F(LiveEdits, TheTraceShowsEveryVersionInStepAndTheSameOnEveryRun) {
-  expectSuccess(run(quickTouch(kVolume, kDrill)));
+  expectSuccess(run(touch(kDrill)));
   const std::string first = contentsOf(file("out") / "trace.csv");
   const Trace trace = readTrace(file("out") / "trace.csv");
   double version = 0;
@@ -35,13 +40,13 @@ TEST_F(LiveEdits, TheTraceShowsEveryVersionInStepAndTheSameOnEveryRun) {
   EXPECT_GE(version, 5);
   EXPECT_EQ(summary()["edits"]["count"], version);
   EXPECT_GT(summary()["edits"]["edit_to_window_ms"]["p50"], 0);
-  expectSuccess(run(quickTouch(kVolume, kDrill)));
+  expectSuccess(run(touch(kDrill)));
   EXPECT_EQ(contentsOf(file("out") / "trace.csv"), first);
 }
 
 // The brush takes away all within a millimetre of the HIP: what was touched is gone with the window that comes next.
 TEST_F(LiveEdits, ASurfaceThatIsRemovedLetsGoWithinOneWindow) {
-  expectSuccess(run(quickTouch(kVolume, kDrill)));
+  expectSuccess(run(touch(kDrill)));
   const Trace trace = readTrace(file("out") / "trace.csv");
   int renewed = 0;
   for (std::size_t i = 1; i < trace.rows.size(); ++i) {
@@ -54,13 +59,13 @@ TEST_F(LiveEdits, ASurfaceThatIsRemovedLetsGoWithinOneWindow) {
 }
 
 TEST_F(LiveEdits, WithoutABrushNothingChanges) {
-  expectSuccess(run(quickTouch(kVolume)));
+  expectSuccess(run(touch()));
   EXPECT_TRUE(summary()["edits"].is_null());
   for (const TraceRow& row : readTrace(file("out") / "trace.csv").rows) EXPECT_EQ(row.editVersion(), 0);
 }
 
 TEST_F(LiveEdits, AJournalGivesTheVolumeBack) {
-  const Outcome touched = run(quickTouch(kVolume, kDrill + Words{"--journal", "journal"}));
+  const Outcome touched = run(touch(kDrill + Words{"--journal", "journal"}));
   expectSuccess(touched);
   EXPECT_THAT(touched.out, HasSubstr("journal records saved in journal"));
   const auto edits = summary()["edits"];
@@ -71,11 +76,11 @@ TEST_F(LiveEdits, AJournalGivesTheVolumeBack) {
   expectSuccess(run({"info", "back.vdb"}));
   // Nothing is left over, and a second session does not write over the first.
   EXPECT_FALSE(exists("back.vdb.part"));
-  expectRefusal(run(quickTouch(kVolume, kDrill + Words{"--journal", "journal"})), "journal", "another session", 2);
+  expectRefusal(run(touch(kDrill + Words{"--journal", "journal"})), "journal", "another session", 2);
 }
 
 TEST_F(LiveEdits, RecoverSaysWhatADamagedTailLost) {
-  expectSuccess(run(quickTouch(kVolume, kDrill + Words{"--journal", "journal"})));
+  expectSuccess(run(touch(kDrill + Words{"--journal", "journal"})));
   std::string bytes = contentsOf(journalFile(file("journal")));
   write("journal/journal.palpate", bytes.substr(0, bytes.size() - 5));
   const Outcome recovered = run({"recover", "journal", "--out", "back.vdb"});
@@ -85,7 +90,7 @@ TEST_F(LiveEdits, RecoverSaysWhatADamagedTailLost) {
 }
 
 TEST_F(LiveEdits, RecoverRefusesWhatItCannotRecover) {
-  expectSuccess(run(quickTouch(kVolume, kDrill + Words{"--journal", "journal"})));
+  expectSuccess(run(touch(kDrill + Words{"--journal", "journal"})));
   expectRefusal(run({"recover", "journal", "--out", "back.vdb", "--volume", "phantom:sphere?size=40"}), "size=40",
                 "not the volume that the journal began with", 2);
   expectRefusal(run({"recover", "journal", "--out", "back.nii"}), "back.nii", "does not end in .vdb", 2);
@@ -103,10 +108,10 @@ TEST_F(LiveEdits, RefusesBrushesThatCannotBeMeant) {
                                                        {"remove:radius=9m", "larger than the volume"},
                                                        {"carve:radius=2mm", "no brush 'carve'"}};
   for (const auto& [brush, reason] : cases) {
-    expectRefusal(run(quickTouch(kVolume, {"--edit", brush})), "edit", reason, 2);
+    expectRefusal(run(touch({"--edit", brush})), "edit", reason, 2);
     EXPECT_FALSE(exists("out"));
   }
-  expectRefusal(run(quickTouch(kVolume, {"--journal", "journal"})), "--journal", "nothing is edited", 2);
+  expectRefusal(run(touch({"--journal", "journal"})), "--journal", "nothing is edited", 2);
 }
 
 }  // namespace
