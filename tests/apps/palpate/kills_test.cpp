@@ -27,14 +27,15 @@ constexpr const char* kVolume = "phantom:sphere?size=32";
 // ones.
 constexpr double kRealSeconds = 2;
 Words session(bool real_clock) {
-  return {"touch",     kVolume,
-          "--seconds", real_clock ? fmt::format("{}", kRealSeconds) : "12",
-          "--clock",   real_clock ? "real" : "simulated",
-          "--picture", "off",
-          "--trace",   "off",
-          "--edit",    "remove:radius=1mm:strength=0.02:period=1",
-          "--journal", "journal",
-          "--out",     "out"};
+  return {"touch",      kVolume,
+          "--seconds",  real_clock ? fmt::format("{}", kRealSeconds) : "12",
+          "--clock",    real_clock ? "real" : "simulated",
+          "--picture",  "off",
+          "--trace",    "off",
+          "--edit",     "remove:radius=1mm:strength=0.02:period=1",
+          "--journal",  "journal",
+          "--approach", "1",
+          "--out",      "out"};
 }
 
 int numberFrom(const char* name, int standard) {
