@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "base/units.hpp"
+#include "servo/algorithms/hri.hpp"
 #include "servo/algorithms/registry.hpp"
 #include "servo/safety/faults.hpp"
 #include "servo/window/fetch.hpp"
