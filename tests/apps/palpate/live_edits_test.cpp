@@ -23,8 +23,8 @@ class LiveEdits : public ProgramTest {
 const Words kDrill = {"--edit", "remove:radius=1mm"};
 
 // A second with the simulated clock, without a picture.
-Words touch(const Words& more = {}) {
-  return Words{"touch", kVolume, "--seconds", "1", "--clock", "simulated", "--picture", "off", "--out", "out"} + more;
+Words touch(const Words& more = {}, const char* clock = "simulated") {
+  return Words{"touch", kVolume, "--seconds", "1", "--clock", clock, "--picture", "off", "--out", "out"} + more;
 }
 
 TEST_F(LiveEdits, TheTraceShowsEveryVersionInStepAndTheSameOnEveryRun) {
@@ -56,6 +56,37 @@ TEST_F(LiveEdits, ASurfaceThatIsRemovedLetsGoWithinOneWindow) {
     EXPECT_EQ(trace.rows[i].force_N().norm(), 0) << "tick " << trace.rows[i].tick();
   }
   EXPECT_GE(renewed, 5);
+}
+
+// The tool adds a ball around itself each time that it touches. Without an edit a tick changes the force by K times the
+// tool's way, 500 N/m of some 20 um; what an edit puts there comes in over 500 ticks, at most K times the ball's radius
+// / 500 = 1 mN a tick. So no step may stand out from those of the same path without edits by more than that and what
+// the plane's renewal turns: a tenth of the largest force is far above it and far below the 0.5 N that a ball of 1 mm
+// would throw with.
+TEST_F(LiveEdits, MaterialAroundTheToolPushesGently) {
+  expectSuccess(run(touch({"--edit", "add:radius=1mm"})));
+  const Trace trace = readTrace(file("out") / "trace.csv");
+  double largest_step_N = 0;
+  for (std::size_t i = 1; i < trace.rows.size(); ++i) {
+    if (trace.rows[i].editVersion() == trace.rows[i - 1].editVersion()) continue;
+    const double step_N = trace.rows[i].force_N().norm() - trace.rows[i - 1].force_N().norm();
+    largest_step_N = std::max(largest_step_N, step_N);
+  }
+  EXPECT_GE(trace.rows.back().editVersion(), 1);
+  EXPECT_LT(largest_step_N, 0.05);
+}
+
+// The engine's own thread edits; the versions still only rise, and what is saved gives the volume back.
+TEST_F(LiveEdits, TheRealClockEditsToo) {
+  expectSuccess(run(touch({"--edit", "remove:radius=1mm:strength=0.05", "--journal", "journal"}, "real")));
+  double version = 0;
+  for (const TraceRow& row : readTrace(file("out") / "trace.csv").rows) {
+    EXPECT_GE(row.editVersion(), version);
+    version = row.editVersion();
+  }
+  EXPECT_GE(summary()["edits"]["count"], 1);
+  EXPECT_EQ(summary()["edits"]["journal_saved"], summary()["edits"]["count"]);
+  expectSuccess(run({"recover", "journal", "--out", "back.vdb"}));
 }
 
 TEST_F(LiveEdits, WithoutABrushNothingChanges) {

@@ -19,7 +19,9 @@ TEST(VolumeIdentity, IsTheSameForEqualVolumes) {
 TEST(VolumeIdentity, ChangesWithTheLastBitOfAnyVoxel) {
   const Volume before = sampleVolume();
   const std::vector<float> dense = before.toDense();
-  for (const std::size_t at : {std::size_t{0}, dense.size() / 2, dense.size() - 1}) {
+  // The last two are the domain's last voxel, and the last of a brick that holds many values.
+  const std::size_t last_of_brick = 15 + 27 * (15 + 22 * 15);
+  for (const std::size_t at : {std::size_t{0}, dense.size() / 2, dense.size() - 1, last_of_brick}) {
     std::vector<float> values = dense;
     values[at] = std::nextafter(values[at], 1000.0F);
     const Volume after = Volume::fromDense(before.size(), before.lattice(), values, {});
