@@ -27,9 +27,8 @@ inline Lattice sampleLattice() {
   return lattice;
 }
 
-// A ball with a ramp, isovalue 30; no side is a multiple of 8.
-inline Volume sampleVolume(double radius_voxels = 8) {
-  const Vec3i size(27, 22, 19);
+// A ball with a ramp, isovalue 30; as it is given, no side is a multiple of 8.
+inline Volume sampleVolume(double radius_voxels = 8, const Vec3i& size = {27, 22, 19}) {
   std::vector<float> values;
   for (int k = 0; k < size.z(); ++k) {
     for (int j = 0; j < size.y(); ++j) {

@@ -20,9 +20,12 @@ bool sameBits(const std::vector<float>& a, const std::vector<float>& b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
 }
 
-// The brick-wise twin against the slow and obvious one, which visits every voxel.
-TEST(EditBricks, EqualTheDenseTwinBitForBit) {
-  Volume volume = sampleVolume();
+// The brick-wise twin against the slow and obvious one, which visits every voxel: where the domain ends in the middle
+// of bricks and where it ends with them.
+class EditBricks : public testing::TestWithParam<Vec3i> {};
+
+TEST_P(EditBricks, EqualTheDenseTwinBitForBit) {
+  Volume volume = sampleVolume(8, GetParam());
   const JournalHeader header = sampleHeader(volume);
   reference::DenseField field = reference::denseField(volume);
   RandomEdits random(volume.size(), volume.lattice(), kLow, kHigh, 3);
@@ -36,6 +39,8 @@ TEST(EditBricks, EqualTheDenseTwinBitForBit) {
   }
   EXPECT_EQ(contentHash(volume), contentHash(Volume::fromDense(field.size, field.lattice, field.values, {})));
 }
+
+INSTANTIATE_TEST_SUITE_P(Sizes, EditBricks, testing::Values(Vec3i(27, 22, 19), Vec3i(24, 16, 32)));
 
 JournalRecord record(RecordKind kind, double x_m = 0) {
   return {kind, 0, kind == RecordKind::kEdit ? std::vector<EditCommand>{dab(x_m)} : std::vector<EditCommand>{}};
