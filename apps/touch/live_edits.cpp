@@ -10,6 +10,7 @@
 
 #include "base/error.hpp"
 #include "engine/journal/volume_identity.hpp"
+#include "servo/algorithms/registry.hpp"
 
 namespace palpate {
 namespace {
@@ -57,6 +58,11 @@ JournalOptions journalOptions() {
 
 void checkEditOptions(const Scene& scene) {
   if (!scene.edit.empty()) static_cast<void>(toolBrushSpec(scene.edit));
+  if (!scene.edit.empty() && algorithmEntry(scene.algorithm).needs.isosurface_mesh) {
+    throw Error(Error::Code::kBadInput, "--edit " + scene.edit,
+                fmt::format("{} feels a mesh that is made once, before the run", scene.algorithm),
+                "choose another --algorithm, for example hri");
+  }
   if (scene.edit.empty() && !scene.journal.empty()) {
     throw Error(Error::Code::kBadInput, "--journal " + scene.journal, "nothing is edited",
                 "give a brush, for example --edit remove:radius=2mm, or leave --journal out");

@@ -143,6 +143,7 @@ TEST_F(LiveEdits, RefusesBrushesThatCannotBeMeant) {
     EXPECT_FALSE(exists("out"));
   }
   expectRefusal(run(touch({"--journal", "journal"})), "--journal", "nothing is edited", 2);
+  expectRefusal(run(touch(kDrill + Words{"--algorithm", "god-object"})), "--edit", "a mesh that is made once", 2);
 }
 
 }  // namespace
