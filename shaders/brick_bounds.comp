@@ -5,26 +5,45 @@
 #extension GL_GOOGLE_include_directive : require
 #include "brick_bounds.layout.h"
 
-layout(local_size_x = BOUNDS_GROUP) in;
+layout(local_size_x_id = 1) in;
 layout(push_constant) uniform Push { BoundsPush push; };
 #define POOL_DOMAIN push.domain
 #include "brick_pool.glsl"
 
 layout(std430, binding = BOUNDS_BINDING_BOUNDS) writeonly buffer Bounds { BrickBounds bounds[]; };
+layout(std430, binding = BOUNDS_BINDING_TASKS) readonly buffer Tasks { BrickTask tasks[]; };
+layout(std430, binding = BOUNDS_BINDING_RESULTS) writeonly buffer Results { BrickBounds results[]; };
 
 void widen(inout float lowest, inout float highest, vec4 quad) {
   lowest = min(lowest, min(min(quad.x, quad.y), min(quad.z, quad.w)));
   highest = max(highest, max(max(quad.x, quad.y), max(quad.z, quad.w)));
 }
 
-void main() {
-  const uint index = (gl_WorkGroupID.y * GROUPS_PER_ROW + gl_WorkGroupID.x) * BOUNDS_GROUP + gl_LocalInvocationID.x;
-  if (index >= push.brick_count) return;
-  const uvec3 brick = brickOfIndex(index);
+// A brick that holds one value and whose neighbours hold one each: eight values are all that its cells have.
+bool constantBounds(uvec3 brick, uvec3 end, out BrickBounds found) {
+  const uvec3 last = end / BRICK_EDGE;
+  found = BrickBounds(0, 0);
+  for (uint z = brick.z; z <= last.z; ++z) {
+    for (uint y = brick.y; y <= last.y; ++y) {
+      for (uint x = brick.x; x <= last.x; ++x) {
+        const BrickPage page = pages[brickIndex(uvec3(x, y, z))];
+        if (page.slot != NO_SLOT) return false;
+        const bool first = all(equal(uvec3(x, y, z), brick));
+        found.lowest = first ? page.constant : min(found.lowest, page.constant);
+        found.highest = first ? page.constant : max(found.highest, page.constant);
+      }
+    }
+  }
+  return true;
+}
+
+BrickBounds boundsOf(uvec3 brick) {
   const uvec3 first = brick * BRICK_EDGE;
   const uvec3 end = min(first + BRICK_EDGE, domainSize() - 1);  // the last voxel of the last cell, inclusive
-  const bool has_next = first.x + BRICK_EDGE <= domainSize().x - 1;
+  BrickBounds found;
+  if (constantBounds(brick, end, found)) return found;
 
+  const bool has_next = first.x + BRICK_EDGE <= domainSize().x - 1;
   float lowest = densityAt(first);
   float highest = lowest;
   for (uint z = first.z; z <= end.z; ++z) {
@@ -37,5 +56,17 @@ void main() {
       if (has_next) widen(lowest, highest, vec4(densityAt(uvec3(first.x + BRICK_EDGE, y, z))));
     }
   }
-  bounds[index] = BrickBounds(lowest, highest);
+  return BrickBounds(lowest, highest);
+}
+
+void main() {
+  const uint index = (gl_WorkGroupID.y * GROUPS_PER_ROW + gl_WorkGroupID.x) * gl_WorkGroupSize.x + gl_LocalInvocationID.x;
+  if (index >= push.brick_count) return;
+  const uint brick = push.listed == 1 ? tasks[index].brick : index;
+  BrickBounds found = boundsOf(brickOfIndex(brick));
+  // Whichever zero the order of the voxels gave: bounds that were brought up to date must equal those of a new run.
+  if (found.lowest == 0.0) found.lowest = 0.0;
+  if (found.highest == 0.0) found.highest = 0.0;
+  bounds[brick] = found;
+  if (push.listed == 1) results[index] = found;
 }

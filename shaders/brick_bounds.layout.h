@@ -5,17 +5,21 @@
 #include "brick_pool.layout.h"
 
 #define BOUNDS_BINDING_BOUNDS BINDING_OWN
-#define BOUNDS_BINDINGS (BINDING_OWN + 1)
-#define BOUNDS_GROUP 64  // bricks a work group
+#define BOUNDS_BINDING_TASKS (BINDING_OWN + 1)    // the bricks to look at, where they are listed
+#define BOUNDS_BINDING_RESULTS (BINDING_OWN + 2)  // the bounds of listed bricks once more, in the list's order
+#define BOUNDS_BINDINGS (BINDING_OWN + 3)
+#define BOUNDS_GROUP 64        // bricks a work group
+#define BOUNDS_GROUP_LISTED 8  // the same for a list, which is short: more groups share the work
 
 PALPATE_LAYOUT_BEGIN
 
 struct BoundsPush {
   PoolDomain domain;
   uint brick_count;
+  uint listed;  // 1: the bricks of the list, else all
 };
 
-PALPATE_LAYOUT_CHECK(BoundsPush, 28)
+PALPATE_LAYOUT_CHECK(BoundsPush, 32)
 PALPATE_PUSH_CHECK(BoundsPush)
 
 PALPATE_LAYOUT_END

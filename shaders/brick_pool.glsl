@@ -3,7 +3,7 @@
 // POOL_DOMAIN defined to that member.
 #include "brick_pool.layout.h"
 
-// How many slabs this volume uses: with one, the choice of slab folds away.
+// 1 where the volume uses one slab, else 2: with one, the choice of slab folds away.
 layout(constant_id = 0) const uint kSlabCount = 1;
 
 layout(std430, binding = BINDING_PAGES) readonly buffer Pages { BrickPage pages[]; };

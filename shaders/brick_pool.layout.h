@@ -14,6 +14,8 @@
 #define DENSITY_SLABS 8                 // bound at once: 8 x 128 MiB = 1 GiB of density
 #define BRICKS_PER_DENSITY_SLAB 65536u  // x 2 KiB = 128 MiB
 #define BRICKS_PER_SAMPLE_SLAB 16384u   // x 8 KiB = 128 MiB: bricks of vec4 (gradient, density)
+// In BrickTask.sample_slot: the brick has samples if the isosurface needs them, which its bounds say; kernels decide.
+#define IF_ACTIVE 0x80000000u
 #define GROUPS_PER_ROW 32768u           // a list of work groups is folded into rows of this many: x is limited to 65535
 
 // Bindings of every kernel that reads the pool; a kernel's own buffers follow from BINDING_OWN on.
@@ -37,7 +39,7 @@ struct PoolDomain {
 // A brick to work on and where its samples go or come from.
 struct BrickTask {
   uint brick;        // linear page index
-  uint sample_slot;  // slot within the bound sample slab, or NO_SLOT
+  uint sample_slot;  // slot within the bound sample slab, perhaps with IF_ACTIVE, or NO_SLOT
 };
 
 struct BrickBounds {

@@ -13,6 +13,9 @@ layout(push_constant) uniform Push { GradientPush push; };
 
 layout(std430, binding = GRADIENT_BINDING_TASKS) readonly buffer Tasks { BrickTask tasks[]; };
 layout(std430, binding = GRADIENT_BINDING_SAMPLES) writeonly buffer Samples { vec4 samples[]; };
+layout(std430, binding = GRADIENT_BINDING_BOUNDS) readonly buffer Bounds { BrickBounds bounds[]; };
+#define ACTIVE_ISOVALUE push.isovalue
+#include "active_brick.glsl"
 
 // The row at voxel coordinates (y, z) of brick column `brick_x`.
 Row rowAt(uint brick_x, uint y, uint z) {
@@ -25,12 +28,14 @@ float element(Row row, uint i) { return i < 4 ? row.low[i] : row.high[i - 4]; }
 void main() {
   const uint task_index = gl_WorkGroupID.y * GROUPS_PER_ROW + gl_WorkGroupID.x;
   if (task_index >= push.task_count) return;
-  const BrickTask task = tasks[task_index];
+  const BrickTask task = tasks[push.first_task + task_index];
   const uvec3 brick = brickOfIndex(task.brick);
+  if ((task.sample_slot & IF_ACTIVE) != 0 && !brickIsActive(brick)) return;
+  const uint sample_slot = task.sample_slot & ~IF_ACTIVE;
   const uint row_index = gl_LocalInvocationID.x;
   const uvec3 first = brick * BRICK_EDGE + uvec3(0, row_index % BRICK_EDGE, row_index / BRICK_EDGE);
   const uvec3 last = domainSize() - 1;
-  const uint out_first = task.sample_slot * (BRICK_ROWS * BRICK_EDGE) + row_index * BRICK_EDGE;
+  const uint out_first = sample_slot * (BRICK_ROWS * BRICK_EDGE) + row_index * BRICK_EDGE;
 
   const uvec3 row = min(first, last);  // rows past the domain's end repeat the last one
   const Row centre = rowAt(brick.x, row.y, row.z);

@@ -13,6 +13,9 @@ layout(push_constant) uniform Push { WindowPush push; };
 layout(std430, binding = WINDOW_BINDING_TASKS) readonly buffer Tasks { BrickTask tasks[]; };
 layout(std430, binding = WINDOW_BINDING_SAMPLES) readonly buffer Samples { vec4 samples[]; };
 layout(std430, binding = WINDOW_BINDING_WINDOW) writeonly buffer Window { vec4 window[]; };
+layout(std430, binding = WINDOW_BINDING_BOUNDS) readonly buffer Bounds { BrickBounds bounds[]; };
+#define ACTIVE_ISOVALUE push.isovalue
+#include "active_brick.glsl"
 
 void main() {
   if (gl_WorkGroupID.x >= push.task_count) return;
@@ -26,14 +29,15 @@ void main() {
   const uvec2 at = first.yz - origin.yz;
   if (any(greaterThanEqual(at, size.yz))) return;
 
-  const Row row = pageRow(pages[task.brick], row_index % BRICK_EDGE, row_index / BRICK_EDGE);
+  const bool sampled = task.sample_slot != NO_SLOT &&
+                       ((task.sample_slot & IF_ACTIVE) == 0 || brickIsActive(brickOfIndex(task.brick)));
+  const uint from = (task.sample_slot & ~IF_ACTIVE) * (BRICK_ROWS * BRICK_EDGE) + row_index * BRICK_EDGE;
+  Row row;
+  if (!sampled) row = pageRow(pages[task.brick], row_index % BRICK_EDGE, row_index / BRICK_EDGE);
   for (uint i = 0; i < BRICK_EDGE; ++i) {
     const uint x = first.x + i - origin.x;
     if (x >= size.x) continue;
-    vec4 value = vec4(0, 0, 0, i < 4 ? row.low[i] : row.high[i - 4]);
-    if (task.sample_slot != NO_SLOT) {
-      value = samples[task.sample_slot * (BRICK_ROWS * BRICK_EDGE) + row_index * BRICK_EDGE + i];
-    }
-    window[(at.y * size.y + at.x) * size.x + x] = value;
+    window[(at.y * size.y + at.x) * size.x + x] =
+        sampled ? samples[from + i] : vec4(0, 0, 0, i < 4 ? row.low[i] : row.high[i - 4]);
   }
 }

@@ -7,7 +7,8 @@
 #define WINDOW_BINDING_TASKS BINDING_OWN
 #define WINDOW_BINDING_SAMPLES (BINDING_OWN + 1)  // one sample slab, read
 #define WINDOW_BINDING_WINDOW (BINDING_OWN + 2)   // the window, written
-#define WINDOW_BINDINGS (BINDING_OWN + 3)
+#define WINDOW_BINDING_BOUNDS (BINDING_OWN + 3)   // of all bricks, for tasks with IF_ACTIVE
+#define WINDOW_BINDINGS (BINDING_OWN + 4)
 
 PALPATE_LAYOUT_BEGIN
 
@@ -16,9 +17,10 @@ struct WindowPush {
   uint first_task, task_count;
   uint first_x, first_y, first_z;     // the window's first voxel in the volume
   uint window_x, window_y, window_z;  // its size [voxel]
+  float isovalue;                     // [density]
 };
 
-PALPATE_LAYOUT_CHECK(WindowPush, 56)
+PALPATE_LAYOUT_CHECK(WindowPush, 60)
 PALPATE_PUSH_CHECK(WindowPush)
 
 PALPATE_LAYOUT_END

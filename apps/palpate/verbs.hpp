@@ -10,6 +10,7 @@
 namespace palpate {
 
 void addTouchVerb(CLI::App& app);
+void addRecoverVerb(CLI::App& app);
 void addInfoVerb(CLI::App& app);
 void addCheckVerb(CLI::App& app);
 void addBenchVerb(CLI::App& app);

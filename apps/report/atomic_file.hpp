@@ -2,9 +2,10 @@
 // apps/report/atomic_file.hpp: writes a file so that it is there whole or not at all.
 //
 // The text goes to a temporary file beside the target; commit() flushes it to the disk, checks every step and renames
-// it. Without commit (an exception on the way) the temporary file is removed and an older target stays as it was.
-// Set-up code, one thread per object. Cost: a system call for each 64 KiB, and waiting for the disk at commit.
-// A process that wants an error instead of its death at a file size limit must ignore SIGXFSZ.
+// it; where the folder can be synced, the new name is on the disk too. Without commit (an exception on the way) the
+// temporary file is removed and an older target stays as it was. Set-up code, one thread per object. Cost: a system
+// call for each 64 KiB, and waiting for the disk at commit. A process that wants an error instead of its death at a
+// file size limit must ignore SIGXFSZ.
 #pragma once
 
 #include <filesystem>

@@ -94,6 +94,8 @@ Json sceneJson(const Scene& s) {
           {"press_depth_m", s.press_depth_m},
           {"slide_length_m", s.slide_length_m},
           {"approach_m", s.approach_m},
+          {"edit", s.edit},
+          {"journal", s.journal},
           {"out", s.out},
           {"trace", s.trace},
           {"picture", s.picture},
@@ -138,6 +140,17 @@ Json exactJson(const std::optional<ExactErrors>& e) {
           {"force_angle_p99_deg", e->force_angle_p99_deg}};
 }
 
+Json editsJson(const std::optional<RunEdits>& e) {
+  if (!e) return nullptr;
+  return {{"count", e->count},
+          {"published", e->published},
+          {"edit_to_window_ms", toJson(percentiles(e->edit_to_window_ms))},
+          {"journal_records", e->journal_records},
+          {"journal_saved", e->journal_saved},
+          {"journal_bytes", e->journal_bytes},
+          {"journal_failure", e->journal_failure}};
+}
+
 Json faultJson(const RunFault& f) {
   return {{"name", f.name}, {"ticks", f.ticks},   {"first_tick", f.first_tick},
           {"text", f.text}, {"effect", f.effect}, {"remedy", f.remedy}};
@@ -161,6 +174,7 @@ Json makeSummary(const TouchRun& run) {
           {"servo", servoJson(run, figures)},
           {"energy", energyJson(figures)},
           {"exact", exactJson(run.exact)},
+          {"edits", editsJson(run.edits)},
           {"faults", listOf(run.faults, faultJson)},
           {"notes", run.notes},
           {"phases", listOf(run.phases, phase)},

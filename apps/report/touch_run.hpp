@@ -46,6 +46,17 @@ struct ExactErrors {
   double force_angle_median_deg = 0, force_angle_p99_deg = 0;  // force against the exact normal [deg]
 };
 
+// What the tool changed, in a run with a brush.
+struct RunEdits {
+  std::uint64_t count = 0;                // edits
+  std::uint64_t published = 0;            // of those, that reached the window
+  std::vector<double> edit_to_window_ms;  // of each of them: from the edit to the published window [ms]
+  std::uint64_t journal_records = 0;      // given to the journal
+  std::uint64_t journal_saved = 0;        // of those, on disk
+  std::uint64_t journal_bytes = 0;        // [byte]
+  std::string journal_failure;            // why not all are; empty: they are
+};
+
 struct TouchRun {
   Scene scene;  // what was asked for
   RunVolume volume;
@@ -64,6 +75,7 @@ struct TouchRun {
   std::vector<RunFault> faults;
   std::vector<std::string> files;  // written or to be written, as shown to the user
   std::optional<ExactErrors> exact;
+  std::optional<RunEdits> edits;
 };
 
 }  // namespace palpate

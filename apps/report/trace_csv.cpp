@@ -11,7 +11,7 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t kMostBytesOfNumber = 32;  // of any double, float or 64-bit integer in shortest form
-constexpr std::size_t kColumns = 21;
+constexpr std::size_t kColumns = 22;
 
 // One row of text in a buffer that is large enough for any record.
 class Row {
@@ -55,6 +55,7 @@ void writeRow(const TickRecord& record, AtomicFile& out) {
   row.add(record.faults);
   row.add(record.tick_cost_ns);
   row.add(record.energy_J);
+  row.add(record.edit_version);
   out.write(row.finish());
 }
 

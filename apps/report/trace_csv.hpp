@@ -13,7 +13,7 @@ namespace palpate {
 inline constexpr std::string_view kTraceHeader =
     "tick,time_s,hip_x_m,hip_y_m,hip_z_m,vhip_x_m,vhip_y_m,vhip_z_m,normal_x,normal_y,normal_z,force_x_n,force_y_n,"
     "force_z_n,"
-    "density,in_contact,plane_age_ticks,window_version,faults,tick_cost_ns,energy_J";
+    "density,in_contact,plane_age_ticks,window_version,faults,tick_cost_ns,energy_J,edit_version";
 
 // Numbers are the shortest that read back to the same bits, so equal records give equal bytes; density is "nan" where
 // the window did not reach. Throws Error kIo (atomic_file.hpp). Any thread. Cost: about 2 microseconds and 200 bytes a

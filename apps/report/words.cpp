@@ -60,6 +60,21 @@ std::string exactLine(const TouchRun& run) {
                      shortNumber(run.exact->force_angle_median_deg), shortNumber(run.exact->force_angle_p99_deg));
 }
 
+std::string editLine(const TouchRun& run) {
+  if (!run.edits) return "";
+  const RunEdits& e = *run.edits;
+  std::string text = fmt::format("Edited    {} time{}", e.count, e.count == 1 ? "" : "s");
+  if (e.published > 0) {
+    const Percentiles p = percentiles(e.edit_to_window_ms);
+    text += fmt::format("; from edit to window {} ms median, {} ms p99", shortNumber(p.p50), shortNumber(p.p99));
+  }
+  if (!run.scene.journal.empty()) {
+    text += fmt::format("; {} of {} journal records saved in {}, {}", e.journal_saved, e.journal_records,
+                        run.scene.journal, bytesInWords(e.journal_bytes));
+  }
+  return text + "\n";
+}
+
 std::string faultLines(const TouchRun& run) {
   if (run.faults.empty()) return "Faults    none\n";
   std::string out;
@@ -126,7 +141,7 @@ std::string verdict(const TouchRun& run, const RunFigures& f) {
 std::string closingSummary(const TouchRun& run) {
   const RunFigures figures = computeFigures(run.records, run.scene.rate_hz);
   return touchedLine(run) + contactLine(figures) + feelLine(figures) + energyLine(figures) + servoLine(run, figures) +
-         exactLine(run) + faultLines(run) + listLines("Note", run.notes) + filesLine(run);
+         editLine(run) + exactLine(run) + faultLines(run) + listLines("Note", run.notes) + filesLine(run);
 }
 
 }  // namespace palpate

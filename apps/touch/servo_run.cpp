@@ -50,9 +50,12 @@ SimulatedDeviceParameters deviceParameters(const Scene& scene) {
 }
 
 // The engine publishes in step with the servo, so that the same scene gives the same trace, bit for bit.
-LoopResult runSimulated(ServoLoop& loop, ToolPoseMailbox& tool, Engine& engine, double ticks, Progress& progress) {
+LoopResult runSimulated(ServoLoop& loop, ToolPoseMailbox& tool, Engine& engine, LiveEdits* edits, double ticks,
+                        Progress& progress) {
   return loop.runSimulated([&](std::int64_t tick, std::int64_t time_ns) {
-    engine.publishFor(tool.latest(), time_ns);
+    const ToolPose& pose = tool.latest();
+    engine.publishFor(pose, time_ns);
+    if (edits != nullptr) edits->follow(pose, time_ns);
     if (tick % 256 == 0) {
       progress.fraction(static_cast<double>(tick) / ticks);
       if (interrupted()) loop.requestStop();
@@ -60,10 +63,13 @@ LoopResult runSimulated(ServoLoop& loop, ToolPoseMailbox& tool, Engine& engine, 
   });
 }
 
-LoopResult runReal(ServoLoop& loop, ToolPoseMailbox& tool, Engine& engine, double duration_s, Progress& progress) {
+LoopResult runReal(ServoLoop& loop, ToolPoseMailbox& tool, Engine& engine, LiveEdits* edits, double duration_s,
+                   Progress& progress) {
   using Clock = std::chrono::steady_clock;
   engine.publishFor(tool.latest(), monotonicNow_ns());
-  EngineThread publisher(engine, tool);
+  EngineThread::Follow follow;
+  if (edits != nullptr) follow = [edits](const ToolPose& pose, std::int64_t now_ns) { edits->follow(pose, now_ns); };
+  EngineThread publisher(engine, tool, std::move(follow));
   const auto start = Clock::now();
   loop.start();
   while (loop.running()) {
@@ -78,14 +84,16 @@ LoopResult runReal(ServoLoop& loop, ToolPoseMailbox& tool, Engine& engine, doubl
 
 }  // namespace
 
-LoopResult runServo(const Scene& scene, AlgorithmSetup setup, const Path& path, Engine& engine, Progress& progress) {
+LoopResult runServo(const Scene& scene, AlgorithmSetup setup, const Path& path, Engine& engine, LiveEdits* edits,
+                    Progress& progress) {
   const LoopParameters parameters = loopParameters(scene);
   const std::unique_ptr<Algorithm> algorithm = makeAlgorithm(scene.algorithm, std::move(setup));
   SimulatedDevice device(deviceParameters(scene), path, scene.rate_hz);
   ToolPoseMailbox tool;
   ServoLoop loop(parameters, *algorithm, device, engine.exchange(), tool);
-  if (scene.simulated_clock) return runSimulated(loop, tool, engine, static_cast<double>(parameters.ticks), progress);
-  return runReal(loop, tool, engine, scene.duration_s, progress);
+  if (scene.simulated_clock)
+    return runSimulated(loop, tool, engine, edits, static_cast<double>(parameters.ticks), progress);
+  return runReal(loop, tool, engine, edits, scene.duration_s, progress);
 }
 
 }  // namespace palpate

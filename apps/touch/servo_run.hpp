@@ -3,6 +3,7 @@
 #pragma once
 
 #include "apps/console/progress.hpp"
+#include "apps/touch/live_edits.hpp"
 #include "engine/plan/scene.hpp"
 #include "engine/service/engine.hpp"
 #include "servo/algorithms/registry.hpp"
@@ -11,8 +12,8 @@
 
 namespace palpate {
 
-// Blocks for the run's time. Ctrl-C ends it early, in order.
+// Blocks for the run's time. Ctrl-C ends it early, in order. `edits`: may be null.
 [[nodiscard]] LoopResult runServo(const Scene& scene, AlgorithmSetup setup, const Path& path, Engine& engine,
-                                  Progress& progress);
+                                  LiveEdits* edits, Progress& progress);
 
 }  // namespace palpate

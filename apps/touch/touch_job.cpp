@@ -16,6 +16,7 @@
 #include "apps/report/trace_csv.hpp"
 #include "apps/touch/algorithm_setup.hpp"
 #include "apps/touch/exact_errors.hpp"
+#include "apps/touch/live_edits.hpp"
 #include "apps/touch/output_folder.hpp"
 #include "apps/touch/picture.hpp"
 #include "apps/touch/scene_objects.hpp"
@@ -88,13 +89,15 @@ void checkEarly(const Scene& scene, const ContactObjects& objects) {
   VelocityParameters velocity;
   velocity.name = scene.velocity;
   (void)VelocityEstimate(velocity, scene.rate_hz);
+  checkEditOptions(scene);
   if (scene.path_file.empty()) checkTicks(scene);
 }
 
-// The phantom's exact surface lies at its own isovalue; at another one, and where the tool may be on an object, nothing
-// exact is known.
+// The phantom's exact surface lies at its own isovalue; at another one, where the tool may be on an object, and where
+// it edits, nothing exact is known.
 std::optional<ExactErrors> exactErrorsOf(const TouchRun& run) {
-  if (!run.scene.volume.starts_with("phantom:") || !run.scene.objects.empty()) return std::nullopt;
+  if (!run.scene.volume.starts_with("phantom:") || !run.scene.objects.empty() || !run.scene.edit.empty())
+    return std::nullopt;
   const std::unique_ptr<Phantom> phantom = makePhantom(run.scene.volume);
   if (phantom->isovalue() != run.volume.isovalue) return std::nullopt;
   return exactErrors(*phantom, run.records, run.phases);
@@ -194,7 +197,7 @@ TouchRun runTouchJob(const Scene& scene, const std::string& command, const std::
   run.command = command;
   Stages stages(progress, run.stages);
 
-  const Volume volume = stages.run("load", "loading " + scene.volume, [&] { return loadVolume(scene.volume); });
+  Volume volume = stages.run("load", "loading " + scene.volume, [&] { return loadVolume(scene.volume); });
   // Rounded to float once, as the GPU has it: servo and kernels must agree on what is object.
   const double isovalue = static_cast<float>(scene.isovalue ? *scene.isovalue : defaultIsovalue(volume));
   checkIsovalue(volume, isovalue);
@@ -229,8 +232,15 @@ TouchRun runTouchJob(const Scene& scene, const std::string& command, const std::
   if (setup.isosurface != nullptr) facts.mesh_triangles = setup.isosurface->triangles.size();
   run.plan = planWords(plan, facts);
 
-  LoopResult result = stages.run("servo", fmt::format("palpating with {} on {}", scene.algorithm, engine->gpu().name),
-                                 [&] { return runServo(run.scene, std::move(setup), path.path, *engine, progress); });
+  std::unique_ptr<LiveEdits> edits;
+  if (!scene.edit.empty()) {
+    edits = stages.run("edit set-up", "making edits ready",
+                       [&] { return std::make_unique<LiveEdits>(run.scene, volume, *engine); });
+  }
+
+  LoopResult result =
+      stages.run("servo", fmt::format("palpating with {} on {}", scene.algorithm, engine->gpu().name),
+                 [&] { return runServo(run.scene, std::move(setup), path.path, *engine, edits.get(), progress); });
   run.records = std::move(result.records);
   run.realtime = realTimeWords(scene, result);
   run.faults = faultsOf(run);
@@ -239,6 +249,10 @@ TouchRun runTouchJob(const Scene& scene, const std::string& command, const std::
         "nothing was touched: the path meets no surface; look at --start, --toward, --depth or --path");
   }
   run.exact = exactErrorsOf(run);
+  if (edits) {
+    run.edits = edits->finish(run.notes);
+    engine->readBack(volume);  // for the picture
+  }
 
   run.files = outputFiles(scene, folder);
   const std::string picture =

@@ -10,6 +10,8 @@
 namespace palpate::gpu {
 namespace {
 
+constexpr std::uint32_t kMaxMarks = 32;
+
 vk::raii::DescriptorPool makePool(const vk::raii::Device& device, std::uint32_t sets) {
   const vk::DescriptorPoolSize size{.type = vk::DescriptorType::eStorageBuffer, .descriptorCount = sets * kMaxBindings};
   return {device, vk::DescriptorPoolCreateInfo{.maxSets = sets, .poolSizeCount = 1, .pPoolSizes = &size}};
@@ -38,6 +40,10 @@ struct Commands::State {
   vk::raii::DescriptorPool pool = nullptr;
   vk::raii::CommandBuffer buffer = nullptr;
   std::uint64_t ticket = 0;  // timeline value of the newest submission
+  vk::raii::QueryPool clock = nullptr;
+  double tick_s = 0;  // of the device's clock [s]
+  bool is_timed = false;
+  std::vector<std::string> marks;  // names by query; the first one is where the clock starts
 
   vk::DescriptorSet bind(const Kernel::State& kernel, std::span<const Buffer* const> buffers) const;
 };
@@ -70,7 +76,10 @@ void Commands::begin() {
   guarded(*state_->gpu, state_->name, [&] {
     state_->pool.reset();
     state_->buffer.begin({.flags = vk::CommandBufferUsageFlagBits::eOneTimeSubmit});
+    state_->marks.clear();
+    if (state_->is_timed) state_->buffer.resetQueryPool(*state_->clock, 0, kMaxMarks);
     barrier();  // what earlier submissions wrote is seen by this one
+    mark("start");
   });
 }
 
@@ -135,6 +144,38 @@ void Commands::hostBarrier() {
   const vk::MemoryBarrier memory{.srcAccessMask = Access::eShaderWrite | Access::eTransferWrite,
                                  .dstAccessMask = Access::eHostRead};
   state_->buffer.pipelineBarrier(Stage::eComputeShader | Stage::eTransfer, Stage::eHost, {}, memory, {}, {});
+}
+
+void Commands::timed(bool on) {
+  Gpu::State& vulkan = *state_->gpu;
+  const auto families = vulkan.physical.getQueueFamilyProperties();
+  state_->is_timed = on && families[vulkan.queue_family].timestampValidBits != 0;
+  if (!state_->is_timed || *state_->clock) return;
+  state_->tick_s = 1e-9 * static_cast<double>(vulkan.physical.getProperties().limits.timestampPeriod);
+  guarded(vulkan, state_->name, [&] {
+    state_->clock = {vulkan.device,
+                     vk::QueryPoolCreateInfo{.queryType = vk::QueryType::eTimestamp, .queryCount = kMaxMarks}};
+  });
+}
+
+void Commands::mark(std::string name) {
+  if (!state_->is_timed || state_->marks.size() == kMaxMarks) return;
+  state_->buffer.writeTimestamp(vk::PipelineStageFlagBits::eBottomOfPipe, *state_->clock,
+                                static_cast<std::uint32_t>(state_->marks.size()));
+  state_->marks.push_back(std::move(name));
+}
+
+std::vector<StageTime> Commands::marks() const {
+  std::vector<StageTime> stages;
+  if (state_->marks.size() < 2) return stages;
+  const auto count = static_cast<std::uint32_t>(state_->marks.size());
+  const auto [result, ticks] =
+      state_->clock.getResults<std::uint64_t>(0, count, count * sizeof(std::uint64_t), sizeof(std::uint64_t),
+                                              vk::QueryResultFlagBits::e64 | vk::QueryResultFlagBits::eWait);
+  if (result != vk::Result::eSuccess) return stages;
+  for (std::uint32_t i = 1; i < count; ++i)
+    stages.push_back({state_->marks[i], static_cast<double>(ticks[i] - ticks[i - 1]) * state_->tick_s});
+  return stages;
 }
 
 void Commands::submit() {

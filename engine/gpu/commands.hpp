@@ -9,7 +9,9 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
+#include "base/measured.hpp"
 #include "engine/gpu/buffer.hpp"
 #include "engine/gpu/gpu.hpp"
 #include "engine/gpu/kernel.hpp"
@@ -39,6 +41,11 @@ class Commands {
   void copy(const Buffer& from, std::size_t from_offset, const Buffer& to, std::size_t to_offset, std::size_t bytes);
   void barrier();      // what was written before is seen by kernels and copies after
   void hostBarrier();  // what was written before is seen by the host after wait()
+  // Times the recorded work on the device's own clock: mark() ends a stretch that began at the last mark, or at the
+  // first call. Only where timed() was called before begin(), and where the device has such a clock.
+  void timed(bool on);
+  void mark(std::string name);
+  [[nodiscard]] std::vector<StageTime> marks() const;  // of the last run, after wait()
   void submit();
   void wait();  // until the newest submission is done; throws Error(kDevice) after 60 s
   void run();   // hostBarrier, submit, wait

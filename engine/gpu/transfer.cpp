@@ -20,7 +20,7 @@ Buffer& Transfer::staging() {
 
 void Transfer::upload(std::span<const std::byte> bytes, const Buffer& to, std::size_t offset) {
   if (bytes.empty()) return;
-  if (in_place_ && to.mapped() != nullptr) {
+  if (reaches(to)) {
     std::memcpy(static_cast<std::byte*>(to.mapped()) + offset, bytes.data(), bytes.size());
     return;
   }
@@ -36,7 +36,7 @@ void Transfer::upload(std::span<const std::byte> bytes, const Buffer& to, std::s
 
 void Transfer::download(const Buffer& from, std::span<std::byte> bytes, std::size_t offset) {
   if (bytes.empty()) return;
-  if (in_place_ && from.mapped() != nullptr) {
+  if (reaches(from)) {
     std::memcpy(bytes.data(), static_cast<const std::byte*>(from.mapped()) + offset, bytes.size());
     return;
   }

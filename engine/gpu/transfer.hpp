@@ -17,6 +17,9 @@ class Transfer {
   // `in_place` false: always through the staging buffer, which tests use to cover that way on any device.
   explicit Transfer(Gpu& gpu, bool in_place = true);
 
+  // Whether the host reads and writes this buffer in place.
+  [[nodiscard]] bool reaches(const Buffer& buffer) const noexcept { return in_place_ && buffer.mapped() != nullptr; }
+
   void upload(std::span<const std::byte> bytes, const Buffer& to, std::size_t offset = 0);
   void download(const Buffer& from, std::span<std::byte> bytes, std::size_t offset = 0);
 

@@ -1,25 +1,39 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/passes/brick_bounds_pass.hpp"
 
+#include <algorithm>
 #include <span>
 
-#include "engine/passes/pool_kernel.hpp"
-
 namespace palpate {
+namespace {
+
+std::uint32_t groupsFor(std::size_t bricks, std::size_t group) {
+  return static_cast<std::uint32_t>((bricks + group - 1) / group);
+}
+
+}  // namespace
 
 BrickBoundsPass::BrickBoundsPass(gpu::Gpu& gpu, const BrickPool& pool)
     : pool_(pool),
-      kernel_(makePoolKernel(gpu, "brick_bounds", pool, BOUNDS_BINDINGS, sizeof(layout::BoundsPush))),
+      all_(gpu, "brick_bounds", pool, BOUNDS_BINDINGS, sizeof(layout::BoundsPush), {BOUNDS_GROUP}),
+      listed_(gpu, "brick_bounds", pool, BOUNDS_BINDINGS, sizeof(layout::BoundsPush), {BOUNDS_GROUP_LISTED}),
       bounds_(gpu, "brick bounds", pool.brickCount() * sizeof(layout::BrickBounds), gpu::MemoryKind::kDevice),
       commands_(gpu, "brick bounds", 1) {}
 
 void BrickBoundsPass::run() {
-  const layout::BoundsPush push{pool_.domain(), static_cast<layout::uint>(pool_.brickCount())};
-  const auto groups = static_cast<std::uint32_t>((pool_.brickCount() + BOUNDS_GROUP - 1) / BOUNDS_GROUP);
+  const layout::BoundsPush push{pool_.domain(), static_cast<layout::uint>(pool_.brickCount()), 0};
   commands_.begin();
-  commands_.dispatch(kernel_, poolBindings(pool_, {&bounds_}), gpu::pushBytes(push),
-                     gpu::Groups::folded(groups, GROUPS_PER_ROW));
+  // Neither the list nor its results are used, but every binding must have a buffer.
+  commands_.dispatch(all_.get(), poolBindings(pool_, {&bounds_, &bounds_, &bounds_}), gpu::pushBytes(push),
+                     gpu::Groups::folded(groupsFor(pool_.brickCount(), BOUNDS_GROUP), GROUPS_PER_ROW));
   commands_.run();
+}
+
+void BrickBoundsPass::record(gpu::Commands& commands, const gpu::Buffer& tasks, std::uint32_t count,
+                             const gpu::Buffer& results) {
+  const layout::BoundsPush push{pool_.domain(), count, 1};
+  commands.dispatch(listed_.get(), poolBindings(pool_, {&bounds_, &tasks, &results}), gpu::pushBytes(push),
+                    gpu::Groups::folded(groupsFor(std::max(count, 1U), BOUNDS_GROUP_LISTED), GROUPS_PER_ROW));
 }
 
 std::vector<layout::BrickBounds> BrickBoundsPass::read(gpu::Transfer& transfer) const {

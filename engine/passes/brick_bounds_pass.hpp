@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/passes/brick_bounds_pass.hpp: lowest and highest density of every brick's cells (shaders/brick_bounds.comp).
-// Twin: engine/reference/brick_bounds.hpp. Thread: the Gpu's.
+// engine/passes/brick_bounds_pass.hpp: lowest and highest density of every brick's cells (shaders/brick_bounds.comp),
+// of all bricks or of listed ones. Twin: engine/reference/brick_bounds.hpp. Thread: the Gpu's.
 #pragma once
 
 #include <vector>
 
 #include "engine/gpu/buffer.hpp"
 #include "engine/gpu/commands.hpp"
-#include "engine/gpu/kernel.hpp"
 #include "engine/gpu/transfer.hpp"
 #include "engine/passes/brick_pool.hpp"
+#include "engine/passes/pool_kernel.hpp"
 #include "shaders/brick_bounds.layout.h"
 
 namespace palpate {
@@ -19,12 +19,15 @@ class BrickBoundsPass {
   BrickBoundsPass(gpu::Gpu& gpu, const BrickPool& pool);
 
   void run();  // all bricks; blocks
+  // The first `count` bricks of `tasks` (layout::BrickTask); `results` (layout::BrickBounds) gets their bounds too.
+  void record(gpu::Commands& commands, const gpu::Buffer& tasks, std::uint32_t count, const gpu::Buffer& results);
   [[nodiscard]] std::vector<layout::BrickBounds> read(gpu::Transfer& transfer) const;
   [[nodiscard]] const gpu::Buffer& bounds() const noexcept { return bounds_; }
 
  private:
   const BrickPool& pool_;
-  gpu::Kernel kernel_;
+  PoolKernel all_;
+  PoolKernel listed_;
   gpu::Buffer bounds_;
   gpu::Commands commands_;
 };

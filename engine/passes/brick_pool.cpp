@@ -3,8 +3,7 @@
 
 #include <array>
 #include <span>
-
-#include <fmt/format.h>
+#include <utility>
 
 #include "base/error.hpp"
 
@@ -14,58 +13,53 @@ namespace {
 static_assert(BRICK_EDGE == kBrickSize);
 static_assert(BINDING_OWN == BINDING_SLABS + DENSITY_SLABS);
 
+constexpr std::size_t kBrickBytes = kBrickVoxels * sizeof(float);
+constexpr std::size_t kUploadBricks = 4096;  // at once: 8 MiB
+
 layout::PoolDomain domainOf(const Volume& volume) {
   const auto size = volume.size().cast<layout::uint>().eval();
   const auto bricks = volume.brickCount().cast<layout::uint>().eval();
   return {size.x(), size.y(), size.z(), bricks.x(), bricks.y(), bricks.z()};
 }
 
-Error tooLarge(const Volume& volume, std::size_t slabs) {
-  return {Error::Code::kOutOfMemory, volume.facts().source,
-          fmt::format("its {} bricks with content need more than {} slabs of 128 MiB on the GPU", volume.storedBricks(),
-                      slabs),
-          "crop or resample the volume"};
-}
-
 }  // namespace
 
-BrickPool::BrickPool(gpu::Gpu& gpu, gpu::Transfer& transfer, const Volume& volume)
-    : domain_(domainOf(volume)), lattice_(volume.lattice()) {
-  std::vector<layout::BrickPage> pages;
-  pages.reserve(brickCount());
-  std::vector<float> slab;
-  std::array<float, kBrickVoxels> brick{};
+BrickPool::BrickPool(gpu::Gpu& gpu, gpu::Transfer& transfer, const Volume& volume, std::shared_ptr<GpuBudget> budget)
+    : domain_(domainOf(volume)), lattice_(volume.lattice()), budget_(std::move(budget)) {
+  const SlotSlabs::Shape shape{"density", kBrickBytes, BRICKS_PER_DENSITY_SLAB, DENSITY_SLABS};
+  slabs_ = std::make_unique<SlotSlabs>(gpu, shape, volume.storedBricks(), budget_);
   const Vec3i counts = brickCounts();
+  pages_.reserve(std::size_t{domain_.bricks_x} * domain_.bricks_y * domain_.bricks_z);
+  std::vector<float> pending;  // densities of the slots from `first_slot` on
+  std::uint32_t first_slot = 0;
+  std::array<float, kBrickVoxels> brick{};
   for (int z = 0; z < counts.z(); ++z) {
     for (int y = 0; y < counts.y(); ++y) {
       for (int x = 0; x < counts.x(); ++x) {
         if (volume.readBrick({x, y, z}, brick.data())) {
-          pages.push_back({NO_SLOT, brick[0]});
+          pages_.push_back({NO_SLOT, brick[0]});
           continue;
         }
-        pages.push_back({static_cast<layout::uint>(stored_bricks_++), 0.0F});
-        slab.insert(slab.end(), brick.begin(), brick.end());
-        if (slab.size() == std::size_t{BRICKS_PER_DENSITY_SLAB} * kBrickVoxels) {
-          if (slabs_.size() == DENSITY_SLABS) throw tooLarge(volume, DENSITY_SLABS);
-          addSlab(gpu, transfer, slab);
-          slab.clear();
+        pages_.push_back({slabs_->take(), 0.0F});
+        pending.insert(pending.end(), brick.begin(), brick.end());
+        if (pending.size() == kUploadBricks * kBrickVoxels) {
+          upload(transfer, pending, first_slot);
+          first_slot += kUploadBricks;
+          pending.clear();
         }
       }
     }
   }
-  if (slab.empty() && slabs_.empty()) slab.resize(kBrickVoxels);  // all constant: one brick that no page names
-  if (!slab.empty()) {
-    if (slabs_.size() == DENSITY_SLABS) throw tooLarge(volume, DENSITY_SLABS);
-    addSlab(gpu, transfer, slab);
-  }
-  pages_.emplace_back(gpu, "page table", pages.size() * sizeof(layout::BrickPage), gpu::MemoryKind::kDevice);
-  transfer.upload(std::as_bytes(std::span(pages)), pages_.front());
+  if (!pending.empty()) upload(transfer, pending, first_slot);
+  page_table_.emplace(gpu, "page table", pages_.size() * sizeof(layout::BrickPage), gpu::MemoryKind::kDevice);
+  transfer.upload(std::as_bytes(std::span(pages_)), *page_table_);
 }
 
-void BrickPool::addSlab(gpu::Gpu& gpu, gpu::Transfer& transfer, const std::vector<float>& values) {
-  slabs_.emplace_back(gpu, fmt::format("density slab {}", slabs_.size()), values.size() * sizeof(float),
-                      gpu::MemoryKind::kDevice);
-  transfer.upload(std::as_bytes(std::span(values)), slabs_.back());
+// A slab holds a whole number of uploads, so none of them crosses its end.
+void BrickPool::upload(gpu::Transfer& transfer, const std::vector<float>& values, std::uint32_t first_slot) {
+  static_assert(BRICKS_PER_DENSITY_SLAB % kUploadBricks == 0);
+  const Place at = place(first_slot);
+  transfer.upload(std::as_bytes(std::span(values)), slabs_->slab(at.slab), at.offset_bytes);
 }
 
 Vec3i BrickPool::size() const noexcept {
@@ -76,14 +70,39 @@ Vec3i BrickPool::brickCounts() const noexcept {
   return Eigen::Vector<layout::uint, 3>(domain_.bricks_x, domain_.bricks_y, domain_.bricks_z).cast<int>();
 }
 
-std::size_t BrickPool::brickCount() const noexcept {
-  return std::size_t{domain_.bricks_x} * domain_.bricks_y * domain_.bricks_z;
+BrickPool::Place BrickPool::place(std::uint32_t slot) noexcept {
+  return {slot / BRICKS_PER_DENSITY_SLAB, slot % BRICKS_PER_DENSITY_SLAB * kBrickBytes};
 }
 
-std::size_t BrickPool::bytes() const noexcept {
-  std::size_t total = pages_.front().bytes();
-  for (const gpu::Buffer& slab : slabs_) total += slab.bytes();
-  return total;
+std::uint32_t BrickPool::store(std::size_t brick) {
+  pages_[brick] = {slabs_->take(), 0.0F};
+  return pages_[brick].slot;
+}
+
+void BrickPool::empty(std::size_t brick) {
+  slabs_->release(pages_[brick].slot);
+  pages_[brick] = {NO_SLOT, 0.0F};
+}
+
+void BrickPool::makeConstant(std::size_t brick, float value) {
+  if (pages_[brick].slot != NO_SLOT) slabs_->release(pages_[brick].slot);
+  pages_[brick] = {NO_SLOT, value};
+  stale_.push_back(static_cast<std::uint32_t>(brick));
+}
+
+std::vector<std::uint32_t> BrickPool::takeStalePages() {
+  return std::exchange(stale_, {});
+}
+
+bool BrickPool::readBrick(gpu::Transfer& transfer, std::size_t brick, float* values) const {
+  const layout::BrickPage& page = pages_[brick];
+  if (page.slot == NO_SLOT) {
+    values[0] = page.constant;
+    return true;
+  }
+  const Place at = place(page.slot);
+  transfer.download(slabs_->slab(at.slab), std::as_writable_bytes(std::span(values, kBrickVoxels)), at.offset_bytes);
+  return false;
 }
 
 }  // namespace palpate

@@ -1,51 +1,47 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/passes/gradient_pass.hpp"
 
-#include <algorithm>
-#include <span>
-
-#include "engine/passes/pool_kernel.hpp"
-
 namespace palpate {
 namespace {
 
-layout::GradientPush pushFor(const BrickPool& pool, std::size_t task_count) {
+layout::GradientPush pushFor(const BrickPool& pool, const TaskRange& range, float isovalue) {
   const Vec3& h = pool.lattice().spacing_m;
   const auto inverse = [](double length_m) { return static_cast<float>(1.0 / length_m); };
-  return {pool.domain(),        static_cast<layout::uint>(task_count),
-          inverse(2.0 * h.x()), inverse(2.0 * h.y()),
-          inverse(2.0 * h.z()), inverse(h.x()),
-          inverse(h.y()),       inverse(h.z())};
+  return {pool.domain(),        range.first,    range.count,    inverse(2.0 * h.x()), inverse(2.0 * h.y()),
+          inverse(2.0 * h.z()), inverse(h.x()), inverse(h.y()), inverse(h.z()),       isovalue};
 }
 
 }  // namespace
 
 GradientPass::GradientPass(gpu::Gpu& gpu, gpu::Transfer& transfer, const BrickPool& pool, const SampleStore& store)
-    : pool_(pool),
+    : gpu_(gpu),
+      transfer_(transfer),
+      pool_(pool),
       store_(store),
-      kernel_(makePoolKernel(gpu, "gradient", pool, GRADIENT_BINDINGS, sizeof(layout::GradientPush))),
-      commands_(gpu, "gradient", static_cast<std::uint32_t>(store.slabCount())) {
-  const std::vector<std::uint32_t>& bricks = store.bricks();
-  for (std::size_t first = 0; first < bricks.size(); first += BRICKS_PER_SAMPLE_SLAB) {
-    const std::size_t count = std::min<std::size_t>(bricks.size() - first, BRICKS_PER_SAMPLE_SLAB);
-    std::vector<layout::BrickTask> tasks;
-    tasks.reserve(count);
-    for (std::size_t i = 0; i < count; ++i) tasks.push_back({bricks[first + i], static_cast<layout::uint>(i)});
-    tasks_.emplace_back(gpu, "gradient tasks", count * sizeof(layout::BrickTask), gpu::MemoryKind::kDevice);
-    transfer.upload(std::as_bytes(std::span(tasks)), tasks_.back());
-  }
-}
+      kernel_(gpu, "gradient", pool, GRADIENT_BINDINGS, sizeof(layout::GradientPush)) {}
 
 void GradientPass::run() {
-  if (tasks_.empty()) return;
-  commands_.begin();
-  for (std::size_t slab = 0; slab < tasks_.size(); ++slab) {
-    const std::size_t count = tasks_[slab].bytes() / sizeof(layout::BrickTask);
-    commands_.dispatch(kernel_, poolBindings(pool_, {&tasks_[slab], &store_.slab(slab)}),
-                       gpu::pushBytes(pushFor(pool_, count)),
-                       gpu::Groups::folded(static_cast<std::uint32_t>(count), GROUPS_PER_ROW));
+  BrickTasks by_slab;
+  for (const std::uint32_t brick : store_.bricks()) by_slab.add(brick, store_.place(brick));
+  std::vector<layout::BrickTask> list;
+  const std::vector<TaskRange> ranges = by_slab.moveTo(list);
+  if (ranges.empty()) return;
+  const gpu::Buffer tasks(gpu_, "gradient tasks", list.size() * sizeof(layout::BrickTask), gpu::MemoryKind::kDevice);
+  transfer_.upload(std::as_bytes(std::span(list)), tasks);
+  gpu::Commands commands(gpu_, "gradient", static_cast<std::uint32_t>(ranges.size()));
+  commands.begin();
+  record(commands, tasks, ranges, {});
+  commands.run();
+}
+
+void GradientPass::record(gpu::Commands& commands, const gpu::Buffer& tasks, std::span<const TaskRange> ranges,
+                          const ActiveTest& test) {
+  const gpu::Buffer* bounds = test.bounds != nullptr ? test.bounds : &tasks;  // unused then, but bound
+  for (const TaskRange& range : ranges) {
+    commands.dispatch(kernel_.get(), poolBindings(pool_, {&tasks, &store_.slab(range.slab), bounds}),
+                      gpu::pushBytes(pushFor(pool_, range, test.isovalue)),
+                      gpu::Groups::folded(range.count, GROUPS_PER_ROW));
   }
-  commands_.run();
 }
 
 }  // namespace palpate

@@ -5,8 +5,6 @@
 #include <cstring>
 #include <span>
 
-#include "engine/passes/pool_kernel.hpp"
-
 namespace palpate {
 namespace {
 
@@ -49,7 +47,7 @@ IsosurfacePass::IsosurfacePass(gpu::Gpu& gpu, gpu::Transfer& transfer, const Bri
       transfer_(transfer),
       pool_(pool),
       bounds_(bounds),
-      kernel_(makePoolKernel(gpu, "isosurface", pool, ISOSURFACE_BINDINGS, sizeof(layout::IsosurfacePush))),
+      kernel_(gpu, "isosurface", pool, ISOSURFACE_BINDINGS, sizeof(layout::IsosurfacePush)),
       commands_(gpu, "isosurface", 1) {}
 
 RenderedImage IsosurfacePass::draw(const Camera& camera, double isovalue) {
@@ -60,7 +58,7 @@ RenderedImage IsosurfacePass::draw(const Camera& camera, double isovalue) {
   };
   const layout::IsosurfacePush push = pushFor(pool_, camera, isovalue);
   commands_.begin();
-  commands_.dispatch(kernel_, poolBindings(pool_, {&bounds_.bounds(), &pixels}), gpu::pushBytes(push),
+  commands_.dispatch(kernel_.get(), poolBindings(pool_, {&bounds_.bounds(), &pixels}), gpu::pushBytes(push),
                      {groups(camera.width), groups(camera.height)});
   commands_.run();
 

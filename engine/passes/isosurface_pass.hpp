@@ -7,10 +7,10 @@
 #include "base/camera.hpp"
 #include "base/rendered_image.hpp"
 #include "engine/gpu/commands.hpp"
-#include "engine/gpu/kernel.hpp"
 #include "engine/gpu/transfer.hpp"
 #include "engine/passes/brick_bounds_pass.hpp"
 #include "engine/passes/brick_pool.hpp"
+#include "engine/passes/pool_kernel.hpp"
 #include "shaders/isosurface.layout.h"
 
 namespace palpate {
@@ -26,7 +26,7 @@ class IsosurfacePass {
   gpu::Transfer& transfer_;
   const BrickPool& pool_;
   const BrickBoundsPass& bounds_;
-  gpu::Kernel kernel_;
+  PoolKernel kernel_;
   gpu::Commands commands_;
 };
 

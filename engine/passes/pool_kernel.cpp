@@ -1,17 +1,35 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/passes/pool_kernel.hpp"
 
+#include <algorithm>
+
 #include "shaders/kernels.hpp"
 
 namespace palpate {
 
-gpu::Kernel makePoolKernel(gpu::Gpu& gpu, const std::string& name, const BrickPool& pool, std::uint32_t bindings,
-                           std::size_t push_bytes) {
-  return {gpu, gpu::KernelSpec{.name = name,
-                               .spirv = kernelSpirv(name),
-                               .bindings = bindings,
-                               .push_bytes = static_cast<std::uint32_t>(push_bytes),
-                               .specialisation = {static_cast<std::uint32_t>(pool.slabCount())}}};
+PoolKernel::PoolKernel(gpu::Gpu& gpu, std::string name, const BrickPool& pool, std::uint32_t bindings,
+                       std::size_t push_bytes, std::vector<std::uint32_t> more)
+    : gpu_(gpu),
+      name_(std::move(name)),
+      pool_(pool),
+      bindings_(bindings),
+      push_bytes_(static_cast<std::uint32_t>(push_bytes)),
+      constants_(std::move(more)) {
+  constants_.insert(constants_.begin(), 0);
+  (void)get();  // a driver that refuses it says so now
+}
+
+const gpu::Kernel& PoolKernel::get() {
+  const auto slabs = static_cast<std::uint32_t>(std::min<std::size_t>(pool_.slabCount(), 2));
+  if (constants_[0] != slabs) {
+    constants_[0] = slabs;
+    kernel_.emplace(gpu_, gpu::KernelSpec{.name = name_,
+                                          .spirv = kernelSpirv(name_),
+                                          .bindings = bindings_,
+                                          .push_bytes = push_bytes_,
+                                          .specialisation = constants_});
+  }
+  return *kernel_;
 }
 
 std::vector<const gpu::Buffer*> poolBindings(const BrickPool& pool, std::initializer_list<const gpu::Buffer*> own) {

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // engine/passes/pool_kernel.hpp: a kernel that reads the brick pool: the pool's bindings first, its own after.
+//
+// It is specialised for a pool of one slab or of several; when a pool gets its second slab the kernel is built once
+// more, which costs the driver's compiler some 50 ms. Thread: the Gpu's.
 #pragma once
 
 #include <cstdint>
 #include <initializer_list>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,9 +16,24 @@
 
 namespace palpate {
 
-// `name`: of the shader, as in shaders/NAME.comp. Specialised for the number of slabs that this pool uses.
-[[nodiscard]] gpu::Kernel makePoolKernel(gpu::Gpu& gpu, const std::string& name, const BrickPool& pool,
-                                         std::uint32_t bindings, std::size_t push_bytes);
+class PoolKernel {
+ public:
+  // `name`: of the shader, as in shaders/NAME.comp. `more`: specialisation constants 1, 2, ...
+  PoolKernel(gpu::Gpu& gpu, std::string name, const BrickPool& pool, std::uint32_t bindings, std::size_t push_bytes,
+             std::vector<std::uint32_t> more = {});
+
+  // The kernel for the pool as it is now. Not while submitted work still uses the last one.
+  [[nodiscard]] const gpu::Kernel& get();
+
+ private:
+  gpu::Gpu& gpu_;
+  std::string name_;
+  const BrickPool& pool_;
+  std::uint32_t bindings_;
+  std::uint32_t push_bytes_;
+  std::vector<std::uint32_t> constants_;  // the first one: slabs, 2 for more than one
+  std::optional<gpu::Kernel> kernel_;
+};
 
 // Buffers in binding order: pages, slabs, then `own`.
 [[nodiscard]] std::vector<const gpu::Buffer*> poolBindings(const BrickPool& pool,

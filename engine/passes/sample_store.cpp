@@ -1,25 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/passes/sample_store.hpp"
 
-#include <algorithm>
-
-#include <fmt/format.h>
-
 #include "engine/volume/volume.hpp"
 #include "servo/window/sample_window.hpp"
 
 namespace palpate {
 
-SampleStore::SampleStore(gpu::Gpu& gpu, std::size_t brick_count, const std::vector<std::uint32_t>& bricks)
-    : bricks_(bricks), slot_of_brick_(brick_count, NO_SLOT) {
-  for (std::size_t slot = 0; slot < bricks.size(); ++slot)
-    slot_of_brick_[bricks[slot]] = static_cast<std::uint32_t>(slot);
-  // At least one slab, so that a kernel has something to bind.
-  for (std::size_t first = 0; first == 0 || first < bricks.size(); first += BRICKS_PER_SAMPLE_SLAB) {
-    const std::size_t count = std::clamp<std::size_t>(bricks.size() - first, 1, BRICKS_PER_SAMPLE_SLAB);
-    slabs_.emplace_back(gpu, fmt::format("sample slab {}", slabs_.size()), count * kBrickVoxels * sizeof(Sample),
-                        gpu::MemoryKind::kDevice);
-  }
+SampleStore::SampleStore(gpu::Gpu& gpu, std::size_t brick_count, const std::vector<std::uint32_t>& bricks,
+                         std::shared_ptr<GpuBudget> budget)
+    : slabs_(gpu, {"samples", kBrickVoxels * sizeof(Sample), BRICKS_PER_SAMPLE_SLAB, 0}, bricks.size(),
+             std::move(budget)),
+      slot_of_brick_(brick_count, NO_SLOT) {
+  for (const std::uint32_t brick : bricks) add(brick);
 }
 
 SampleStore::Place SampleStore::place(std::size_t brick) const noexcept {
@@ -28,10 +20,22 @@ SampleStore::Place SampleStore::place(std::size_t brick) const noexcept {
   return {slot / BRICKS_PER_SAMPLE_SLAB, slot % BRICKS_PER_SAMPLE_SLAB};
 }
 
-std::size_t SampleStore::bytes() const noexcept {
-  std::size_t total = 0;
-  for (const gpu::Buffer& slab : slabs_) total += slab.bytes();
-  return total;
+std::vector<std::uint32_t> SampleStore::bricks() const {
+  std::vector<std::uint32_t> list;
+  list.reserve(brickCount());
+  for (std::size_t brick = 0; brick < slot_of_brick_.size(); ++brick) {
+    if (has(brick)) list.push_back(static_cast<std::uint32_t>(brick));
+  }
+  return list;
+}
+
+void SampleStore::add(std::size_t brick) {
+  slot_of_brick_[brick] = slabs_.take();
+}
+
+void SampleStore::remove(std::size_t brick) {
+  slabs_.release(slot_of_brick_[brick]);
+  slot_of_brick_[brick] = NO_SLOT;
 }
 
 }  // namespace palpate

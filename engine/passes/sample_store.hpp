@@ -1,36 +1,47 @@
 // SPDX-License-Identifier: Apache-2.0
 // engine/passes/sample_store.hpp: where the plane-ready samples (gradient, density) of bricks live on the GPU: slabs of
-// 128 MiB, 8 KiB a brick, and a slot for each brick that has them. Thread: the Gpu's.
+// up to 128 MiB, 8 KiB a brick, and a slot for each brick that has them, given and taken as the active set changes.
+// Memory on the host: 4 bytes a brick of the domain. Thread: the Gpu's.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "engine/gpu/buffer.hpp"
+#include "engine/passes/slot_slabs.hpp"
 #include "shaders/brick_pool.layout.h"
 
 namespace palpate {
 
 class SampleStore {
  public:
-  // Room for the samples of `bricks` (linear page indices). Throws Error(kOutOfMemory) if the device has not enough.
-  SampleStore(gpu::Gpu& gpu, std::size_t brick_count, const std::vector<std::uint32_t>& bricks);
+  // Room for the samples of `bricks` (linear page indices), in slots 0, 1, ... in that order. Throws
+  // Error(kOutOfMemory) if the budget or the device has not enough.
+  SampleStore(gpu::Gpu& gpu, std::size_t brick_count, const std::vector<std::uint32_t>& bricks,
+              std::shared_ptr<GpuBudget> budget = makeGpuBudget());
 
   struct Place {
     std::uint32_t slab = 0;
     std::uint32_t slot = NO_SLOT;  // within the slab, or NO_SLOT where the brick has no samples
   };
   [[nodiscard]] Place place(std::size_t brick) const noexcept;
-  [[nodiscard]] std::size_t slabCount() const noexcept { return slabs_.size(); }
-  [[nodiscard]] const gpu::Buffer& slab(std::size_t i) const noexcept { return slabs_[i]; }
-  [[nodiscard]] const std::vector<std::uint32_t>& bricks() const noexcept { return bricks_; }
-  [[nodiscard]] std::size_t bytes() const noexcept;
+  [[nodiscard]] bool has(std::size_t brick) const noexcept { return slot_of_brick_[brick] != NO_SLOT; }
+  [[nodiscard]] std::size_t brickCount() const noexcept { return slabs_.inUse(); }  // that have samples
+  [[nodiscard]] std::vector<std::uint32_t> bricks() const;  // of them, ascending; cost: a look at every brick
+
+  void reserve(std::size_t bricks) { slabs_.reserve(bricks); }  // throws as SlotSlabs::reserve does
+  void add(std::size_t brick);                                  // after reserve(); not for one that has samples
+  void remove(std::size_t brick);                               // of one that has samples
+
+  [[nodiscard]] std::size_t slabCount() const noexcept { return slabs_.slabCount(); }
+  [[nodiscard]] const gpu::Buffer& slab(std::size_t i) const noexcept { return slabs_.slab(i); }
+  [[nodiscard]] std::size_t bytes() const noexcept { return slabs_.bytes(); }
 
  private:
-  std::vector<std::uint32_t> bricks_;         // by slot
+  SlotSlabs slabs_;
   std::vector<std::uint32_t> slot_of_brick_;  // NO_SLOT where there is none
-  std::vector<gpu::Buffer> slabs_;
 };
 
 }  // namespace palpate

@@ -3,9 +3,15 @@
 // written straight into memory that the servo reads. Twin: engine/reference/window.hpp. Thread: the Gpu's.
 #pragma once
 
+#include <span>
+#include <vector>
+
 #include "engine/gpu/commands.hpp"
-#include "engine/gpu/kernel.hpp"
 #include "engine/passes/brick_pool.hpp"
+#include "engine/passes/brick_tasks.hpp"
+#include "engine/passes/gradient_pass.hpp"
+#include "engine/passes/host_list.hpp"
+#include "engine/passes/pool_kernel.hpp"
 #include "engine/passes/sample_store.hpp"
 #include "shaders/window.layout.h"
 
@@ -27,12 +33,41 @@ class WindowPass {
   // Fills `window` (kHost memory of at least the box's samples); blocks. Lavapipe: about half a millisecond.
   void run(const WindowBox& box, const gpu::Buffer& window);
 
+  // The same as part of other work: the `wanted` bricks of a box, for a list of tasks; and what gathers them.
+  // `if_active` says of which bricks the kernel must ask whether they have samples.
+  template <typename Wanted, typename IfActive>
+  [[nodiscard]] BrickTasks tasksOf(const WindowBox& box, const Wanted& wanted, const IfActive& if_active) const;
+  void record(gpu::Commands& commands, const WindowBox& box, const gpu::Buffer& tasks,
+              std::span<const TaskRange> ranges, const ActiveTest& test, const gpu::Buffer& window);
+
+  // A window that starts anywhere touches at most 32 / 8 + 1 bricks along each axis.
+  static constexpr std::size_t kBricksAlong = kWindowEdge / kBrickSize + 1;
+  static constexpr std::size_t kMaxTasks = kBricksAlong * kBricksAlong * kBricksAlong;
+
  private:
   const BrickPool& pool_;
   const SampleStore& store_;
-  gpu::Kernel kernel_;
-  gpu::Buffer tasks_;
+  PoolKernel kernel_;
+  HostList<layout::BrickTask> tasks_;
   gpu::Commands commands_;
 };
+
+template <typename Wanted, typename IfActive>
+BrickTasks WindowPass::tasksOf(const WindowBox& box, const Wanted& wanted, const IfActive& if_active) const {
+  BrickTasks tasks;
+  const Vec3i counts = pool_.brickCounts();
+  const Vec3i low = box.first / kBrickSize;
+  const Vec3i high = (box.first + box.size - Vec3i::Ones()) / kBrickSize;
+  for (int z = low.z(); z <= high.z(); ++z) {
+    for (int y = low.y(); y <= high.y(); ++y) {
+      for (int x = low.x(); x <= high.x(); ++x) {
+        const std::size_t brick = (static_cast<std::size_t>(z) * counts.y() + y) * counts.x() + x;
+        if (!wanted(brick)) continue;
+        tasks.add(static_cast<std::uint32_t>(brick), store_.place(brick), store_.has(brick) && if_active(brick));
+      }
+    }
+  }
+  return tasks;
+}
 
 }  // namespace palpate

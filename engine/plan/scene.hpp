@@ -76,6 +76,9 @@ struct Scene {
   double press_depth_m = 1.0e-3;
   double slide_length_m = 20.0e-3;
   double approach_m = 10.0e-3;
+  // edits
+  std::string edit;     // brush that the tool drives: "remove:radius=2mm"; empty: none
+  std::string journal;  // folder in which edits are kept as they go; empty: nowhere
   // output
   std::string out = "out";
   bool trace = true;    // write trace.csv

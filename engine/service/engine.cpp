@@ -23,9 +23,11 @@ void Engine::stage(const char* name, Work work) {
   stages_.push_back({name, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()});
 }
 
-Engine::Engine(const Volume& volume, const Plan& plan, double isovalue, const std::string& gpu_name)
-    : isovalue_(isovalue), gpu_(gpu::GpuRequest{.name = gpu_name}), transfer_(gpu_) {
-  stage(passName(Pass::kUpload), [&] { pool_ = std::make_unique<BrickPool>(gpu_, transfer_, volume); });
+Engine::Engine(const Volume& volume, const Plan& plan, double isovalue, const std::string& gpu_name,
+               std::uint64_t gpu_memory_bytes)
+    : isovalue_(isovalue), gpu_(gpu::GpuRequest{.name = gpu_name}), transfer_(gpu_), gradient_all_(plan.gradient_all) {
+  stage(passName(Pass::kUpload),
+        [&] { pool_ = std::make_unique<BrickPool>(gpu_, transfer_, volume, makeGpuBudget(gpu_memory_bytes)); });
   if (plan.has(Pass::kBrickBounds)) {
     stage(passName(Pass::kBrickBounds), [&] {
       bounds_ = std::make_unique<BrickBoundsPass>(gpu_, *pool_);
@@ -43,7 +45,7 @@ void Engine::computeGradients(const Plan& plan) {
   const std::vector<std::uint32_t> bricks =
       plan.gradient_all ? allBricks(pool_->brickCounts())
                         : activeBricks(bounds_->read(transfer_), pool_->brickCounts(), static_cast<float>(isovalue_));
-  store_ = std::make_unique<SampleStore>(gpu_, pool_->brickCount(), bricks);
+  store_ = std::make_unique<SampleStore>(gpu_, pool_->brickCount(), bricks, pool_->budget());
   gradient_ = std::make_unique<GradientPass>(gpu_, transfer_, *pool_, *store_);
   gradient_->run();
 }
@@ -76,8 +78,12 @@ bool Engine::publishAround(const Vec3& focus_W, std::int64_t now_ns) {
     exchange_->confirm(now_ns);
     return false;
   }
-  const unsigned slot = exchange_->backIndex();
-  window_->run(box, window_buffers_[slot]);
+  window_->run(box, window_buffers_[exchange_->backIndex()]);
+  publishBox(box, now_ns);
+  return true;
+}
+
+void Engine::publishBox(const WindowBox& box, std::int64_t now_ns) {
   SampleWindow& window = exchange_->back();
   window.lattice = pool_->lattice().shifted(box.first);
   window.size = box.size;
@@ -85,11 +91,52 @@ bool Engine::publishAround(const Vec3& focus_W, std::int64_t now_ns) {
     window.low_is_border[axis] = box.first[axis] == 0;
     window.high_is_border[axis] = box.first[axis] + box.size[axis] == pool_->size()[axis];
   }
-  window.edit_version = 0;
+  window.edit_version = editVersion();
   window.stamp_ns = now_ns;
+  published_slot_ = exchange_->backIndex();
   exchange_->publish();
   published_ = box;
-  return true;
+}
+
+void Engine::allowEdits(const BrushProfile& profile, std::span<const EditKind> kinds) {
+  const Editor::Parts parts{gpu_, transfer_, *pool_, *store_, bounds_.get(), *gradient_, *window_};
+  stage("edit set-up", [&] {
+    editor_ = std::make_unique<Editor>(parts, profile, gradient_all_);
+    editor_->prepare(kinds);
+  });
+}
+
+// `change` gets the window to gather, or null, and returns the editor's outcome.
+template <typename Change>
+Engine::EditResult Engine::change(std::int64_t now_ns, const Change& change) {
+  if (!editor_) {
+    throw Error(Error::Code::kBadInput, "edit", "edits were not allowed when the engine was made",
+                "this is a fault of Palpate: please report it");
+  }
+  std::optional<Editor::WindowTarget> target;
+  if (published_) target = {*published_, &window_buffers_[exchange_->backIndex()], &window_buffers_[published_slot_]};
+  Editor::Outcome outcome = change(target ? &*target : nullptr);
+  const auto time = [&](const char* name, auto work) {
+    const auto start = std::chrono::steady_clock::now();
+    work();
+    outcome.stages.push_back({name, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()});
+  };
+  if (outcome.window_gathered) time("publish", [&] { publishBox(*published_, now_ns); });
+  time("settle", [&] { editor_->settle(); });
+  return {outcome.version, outcome.window_gathered, outcome.changed_bricks, outcome.gradient_bricks,
+          std::move(outcome.stages)};
+}
+
+Engine::EditResult Engine::edit(std::span<const EditCommand> commands, std::int64_t now_ns) {
+  return change(now_ns, [&](const Editor::WindowTarget* target) { return editor_->apply(commands, target); });
+}
+
+Engine::EditResult Engine::replace(std::span<const Editor::BrickContent> bricks, std::int64_t now_ns) {
+  return change(now_ns, [&](const Editor::WindowTarget* target) { return editor_->replace(bricks, target); });
+}
+
+std::size_t Engine::readBack(Volume& volume) {
+  return editor_ ? editor_->readBack(volume) : 0;
 }
 
 RenderedImage Engine::draw(const Camera& camera) {
@@ -109,7 +156,7 @@ std::vector<MemoryFigure> Engine::memory() const {
 }
 
 PlanFacts Engine::planFacts() const noexcept {
-  return {pool_->brickCount(), pool_->storedBricks(), store_->bricks().size()};
+  return {pool_->brickCount(), pool_->storedBricks(), store_->brickCount()};
 }
 
 }  // namespace palpate

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,7 @@
 #include "engine/passes/sample_store.hpp"
 #include "engine/passes/window_pass.hpp"
 #include "engine/plan/plan.hpp"
+#include "engine/service/editor.hpp"
 #include "engine/volume/volume.hpp"
 #include "servo/window/tool_pose.hpp"
 #include "servo/window/window_exchange.hpp"
@@ -30,8 +32,10 @@ namespace palpate {
 
 class Engine {
  public:
-  // Opens the device, uploads the volume and computes what the plan asks for. Throws Error.
-  Engine(const Volume& volume, const Plan& plan, double isovalue, const std::string& gpu_name);
+  // Opens the device, uploads the volume and computes what the plan asks for. Throws Error. `gpu_memory_bytes`: the
+  // most that densities and samples may take (0: what the device has); reaching it is Error(kOutOfMemory).
+  Engine(const Volume& volume, const Plan& plan, double isovalue, const std::string& gpu_name,
+         std::uint64_t gpu_memory_bytes = 0);
   ~Engine();
 
   // Gathers a window around the tool if there is none yet or the tool has left the middle of the last one, and
@@ -40,6 +44,27 @@ class Engine {
   bool publishAround(const Vec3& focus_W, std::int64_t now_ns);
   // The same, around the place where this tool needs it (window_focus.hpp).
   bool publishFor(const ToolPose& tool, std::int64_t now_ns);
+
+  // Makes edits possible; once, before the first. Cost: kernels, and the bounds of every brick read back. `kinds`:
+  // those whose kernels are to be ready, so that not even the first edit waits for the driver's compiler.
+  void allowEdits(const BrushProfile& profile, std::span<const EditKind> kinds = {});
+  struct EditResult {
+    std::uint64_t version = 0;  // of the volume: counts edits
+    bool published = false;     // a window that holds it is out; otherwise it does not reach the last window
+    std::size_t changed_bricks = 0;
+    std::size_t gradient_bricks = 0;
+    std::vector<StageTime> stages;  // plan, record, gpu (and of that, if timed, its kernels), publish, settle
+  };
+  // Applies edit commands in their order (engine/service/editor.hpp) and publishes the last window's box anew if they
+  // reach it. Throws as Editor::apply does; then nothing has changed.
+  EditResult edit(std::span<const EditCommand> commands, std::int64_t now_ns);
+  // The same with whole bricks, for undo and replay (Editor::replace).
+  EditResult replace(std::span<const Editor::BrickContent> bricks, std::int64_t now_ns);
+  [[nodiscard]] const Editor& editor() const noexcept { return *editor_; }  // once edits are allowed
+  void timeKernels(bool on) { editor_->timeKernels(on); }
+  // Brings the bricks that edits changed back into the volume; returns how many. For idle moments.
+  std::size_t readBack(Volume& volume);
+  [[nodiscard]] std::uint64_t editVersion() const noexcept { return editor_ ? editor_->version() : 0; }
 
   [[nodiscard]] RenderedImage draw(const Camera& camera);  // the plan must draw
 
@@ -54,6 +79,9 @@ class Engine {
   void stage(const char* name, Work work);
   void computeGradients(const Plan& plan);
   void makeWindows();
+  template <typename Change>
+  EditResult change(std::int64_t now_ns, const Change& change);
+  void publishBox(const WindowBox& box, std::int64_t now_ns);  // whose samples are gathered
 
   double isovalue_;
   std::vector<StageTime> stages_;
@@ -65,9 +93,12 @@ class Engine {
   std::unique_ptr<GradientPass> gradient_;
   std::unique_ptr<WindowPass> window_;
   std::unique_ptr<IsosurfacePass> isosurface_;
+  bool gradient_all_ = false;
   std::vector<gpu::Buffer> window_buffers_;  // three, mapped: the exchange's storages
   std::unique_ptr<WindowExchange> exchange_;
   std::optional<WindowBox> published_;  // where the newest window lies
+  unsigned published_slot_ = 0;         // and in which buffer
+  std::unique_ptr<Editor> editor_;      // once edits are allowed
 };
 
 }  // namespace palpate

@@ -18,8 +18,8 @@ std::int64_t now_ns() {
 
 }  // namespace
 
-EngineThread::EngineThread(Engine& engine, ToolPoseMailbox& poses)
-    : engine_(engine), poses_(poses), thread_([this] { follow(); }) {}
+EngineThread::EngineThread(Engine& engine, ToolPoseMailbox& poses, Follow follow)
+    : engine_(engine), poses_(poses), follow_(std::move(follow)), thread_([this] { run(); }) {}
 
 EngineThread::~EngineThread() {
   stopping_ = true;
@@ -32,13 +32,14 @@ void EngineThread::stop() {
   if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
 }
 
-void EngineThread::follow() {
+void EngineThread::run() {
   try {
     while (!stopping_.load(std::memory_order_relaxed)) {
       const ToolPose& pose = poses_.latest();
       if (pose.tick >= 0 && engine_.publishFor(pose, now_ns())) {
         publications_.fetch_add(1, std::memory_order_relaxed);
       }
+      if (pose.tick >= 0 && follow_) follow_(pose, now_ns());
       std::this_thread::sleep_for(kPause);
     }
   } catch (...) {

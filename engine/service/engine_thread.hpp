@@ -8,6 +8,7 @@
 
 #include <atomic>
 #include <exception>
+#include <functional>
 #include <thread>
 
 #include "engine/service/engine.hpp"
@@ -17,8 +18,10 @@ namespace palpate {
 
 class EngineThread {
  public:
-  EngineThread(Engine& engine, ToolPoseMailbox& poses);  // starts
-  ~EngineThread();                                       // stops; whatever went wrong is lost unless stop() was called
+  // Starts. `follow`, if there is one, is called in the thread with every look at the tool: it may edit.
+  using Follow = std::function<void(const ToolPose& pose, std::int64_t now_ns)>;
+  EngineThread(Engine& engine, ToolPoseMailbox& poses, Follow follow = {});
+  ~EngineThread();  // stops; whatever went wrong is lost unless stop() was called
   EngineThread(const EngineThread&) = delete;
   EngineThread& operator=(const EngineThread&) = delete;
 
@@ -26,10 +29,11 @@ class EngineThread {
   [[nodiscard]] std::uint64_t publications() const noexcept { return publications_.load(); }
 
  private:
-  void follow();
+  void run();
 
   Engine& engine_;
   ToolPoseMailbox& poses_;
+  Follow follow_;
   std::atomic<bool> stopping_ = false;
   std::atomic<std::uint64_t> publications_ = 0;
   std::exception_ptr failure_;

@@ -87,10 +87,12 @@ bool surveyBrick(const float* values, const Vec3i& first, const Vec3i& inside, V
   return constant;
 }
 
-// VDB's leaves run k fastest, ours i fastest.
-std::unique_ptr<ScalarTree::LeafNodeType> makeLeaf(const openvdb::Coord& first, const Vec3i& inside,
-                                                   const float* values) {
-  auto leaf = std::make_unique<ScalarTree::LeafNodeType>(first, 0.0F, false);
+}  // namespace
+
+std::unique_ptr<ScalarTree::LeafNodeType> makeLeaf(const Vec3i& size, const Vec3i& brick, const float* values) {
+  const Vec3i first = brick * kBrickSize;
+  const Vec3i inside = voxelsInside(size, brick);
+  auto leaf = std::make_unique<ScalarTree::LeafNodeType>(openvdb::Coord(first.x(), first.y(), first.z()), 0.0F, false);
   for (int k = 0; k < kBrickSize; ++k) {
     for (int j = 0; j < kBrickSize; ++j) {
       for (int i = 0; i < kBrickSize; ++i) {
@@ -104,8 +106,6 @@ std::unique_ptr<ScalarTree::LeafNodeType> makeLeaf(const openvdb::Coord& first, 
   }
   return leaf;
 }
-
-}  // namespace
 
 std::unique_ptr<Volume::Grid> buildGrid(const Vec3i& size, const Lattice& lattice, VolumeFacts facts,
                                         const BrickSource& source) {
@@ -130,7 +130,7 @@ std::unique_ptr<Volume::Grid> buildGrid(const Vec3i& size, const Lattice& lattic
         if (constant) {
           tree.addTile(1, corner, values[0], true);
         } else {
-          tree.addLeaf(makeLeaf(corner, inside, values.data()).release());
+          tree.addLeaf(makeLeaf(size, brick, values.data()).release());
         }
       }
     }

@@ -28,12 +28,15 @@ struct Volume::Grid {
   ScalarGrid::Ptr field;
 };
 
-// Reads one brick of a domain as Volume::readBrick does: 512 values, or one value and true where it is constant.
-using BrickSource = std::function<bool(const Vec3i& brick, float* values)>;
+using BrickSource = Volume::BrickSource;
 
 // Builds the grid brick by brick. Throws Error(kBadInput): a dimension below 2, a bad lattice, NaN or infinite values
 // (with their count and the first one's index).
 [[nodiscard]] std::unique_ptr<Volume::Grid> buildGrid(const Vec3i& size, const Lattice& lattice, VolumeFacts facts,
                                                       const BrickSource& source);
+
+// A leaf of a brick's 512 densities (i fastest; VDB's own run k fastest) with the voxels inside the domain active.
+[[nodiscard]] std::unique_ptr<ScalarTree::LeafNodeType> makeLeaf(const Vec3i& size, const Vec3i& brick,
+                                                                 const float* values);
 
 }  // namespace palpate

@@ -70,6 +70,10 @@ Volume Volume::fromDense(const Vec3i& size, const Lattice& lattice, const std::v
   }));
 }
 
+Volume Volume::fromBricks(const Vec3i& size, const Lattice& lattice, VolumeFacts facts, const BrickSource& source) {
+  return Volume(buildGrid(size, lattice, std::move(facts), source));
+}
+
 const Vec3i& Volume::size() const noexcept {
   return grid_->size;
 }
@@ -113,6 +117,19 @@ bool Volume::readBrick(const Vec3i& brick, float* values) const {
     }
   }
   return false;
+}
+
+void Volume::setBrick(const Vec3i& brick, const float* values) {
+  const auto [lowest, highest] = std::minmax_element(values, values + kBrickVoxels);
+  grid_->minimum = std::min(grid_->minimum, *lowest);
+  grid_->maximum = std::max(grid_->maximum, *highest);
+  grid_->field->tree().addLeaf(makeLeaf(size(), brick, values).release());  // in place of what was there
+}
+
+void Volume::setConstantBrick(const Vec3i& brick, float value) {
+  grid_->minimum = std::min(grid_->minimum, value);
+  grid_->maximum = std::max(grid_->maximum, value);
+  grid_->field->tree().addTile(1, coord(brick * kBrickSize), value, true);
 }
 
 std::vector<float> Volume::toDense() const {

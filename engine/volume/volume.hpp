@@ -41,6 +41,12 @@ class Volume {
   static Volume fromDense(const Vec3i& size, const Lattice& lattice, const std::vector<float>& values,
                           VolumeFacts facts);
 
+  // The same brick by brick, for volumes too large to be dense: `source` fills a brick's 512 densities (i fastest) and
+  // returns false, or sets values[0] only and returns true where the brick is constant. It is called once for every
+  // brick of the domain, i fastest. Memory: the bricks that are not constant, and 8 bytes for each that is.
+  using BrickSource = std::function<bool(const Vec3i& brick, float* values)>;
+  static Volume fromBricks(const Vec3i& size, const Lattice& lattice, VolumeFacts facts, const BrickSource& source);
+
   Volume(Volume&&) noexcept;
   Volume& operator=(Volume&&) noexcept;
   ~Volume();
@@ -59,6 +65,12 @@ class Volume {
   // Fills `values` with a brick's 512 densities (i fastest) and returns false, or, when the brick is constant, sets
   // values[0] only and returns true. Voxels of the brick outside the domain repeat the nearest voxel inside.
   bool readBrick(const Vec3i& brick, float* values) const;
+
+  // Changes one brick: 512 densities (i fastest, voxels outside the domain as readBrick gives them), or one that holds
+  // everywhere. minimum() and maximum() are widened where they must be, never narrowed. Values must be finite. Cost: a
+  // tree walk and 2 KiB. Thread: while nobody reads the volume.
+  void setBrick(const Vec3i& brick, const float* values);
+  void setConstantBrick(const Vec3i& brick, float value);
 
   // The whole domain, i fastest. Memory: 4 bytes a voxel.
   [[nodiscard]] std::vector<float> toDense() const;

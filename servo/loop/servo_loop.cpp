@@ -215,6 +215,7 @@ const SampleWindow& ServoLoop::runTick(const Due& due, std::int64_t now_ns, Tick
   copy(gated.force_W, record.force_W);
   record.plane_age_ticks = out.plane_age_ticks;
   record.window_version = window.version;
+  record.edit_version = window.edit_version;
   record.faults = gated.faults | carried_faults_;
   record.lateness_ns = due.lateness_ns;
   record.window_age_ns = window.version == 0 ? 0 : now_ns - window.stamp_ns;

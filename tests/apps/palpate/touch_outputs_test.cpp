@@ -65,7 +65,7 @@ TEST_F(TouchOutputs, TraceHasARowForEachTick) {
   ASSERT_EQ(trace.rows.size(), 600U);  // 0.3 s at 2000 Hz
   for (std::size_t tick = 0; tick < trace.rows.size(); ++tick) {
     const TraceRow& row = trace.rows[tick];
-    ASSERT_EQ(row.cells.size(), 21U);
+    ASSERT_EQ(row.cells.size(), 22U);
     EXPECT_EQ(row.tick(), static_cast<double>(tick));
     EXPECT_NEAR(row.time_s(), static_cast<double>(tick) / 2000, 1e-9);
     EXPECT_EQ(row.cost_ns(), 0);

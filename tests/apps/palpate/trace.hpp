@@ -16,7 +16,7 @@ namespace palpate {
 
 inline constexpr const char* kTraceHeader =
     "tick,time_s,hip_x_m,hip_y_m,hip_z_m,vhip_x_m,vhip_y_m,vhip_z_m,normal_x,normal_y,normal_z,force_x_n,force_y_n,"
-    "force_z_n,density,in_contact,plane_age_ticks,window_version,faults,tick_cost_ns,energy_J";
+    "force_z_n,density,in_contact,plane_age_ticks,window_version,faults,tick_cost_ns,energy_J,edit_version";
 
 struct TraceRow {
   std::vector<double> cells;
@@ -28,6 +28,7 @@ struct TraceRow {
   [[nodiscard]] Vec3 force_N() const { return vector(11); }
   [[nodiscard]] bool inContact() const { return cells[15] == 1; }
   [[nodiscard]] double faults() const { return cells[18]; }
+  [[nodiscard]] double editVersion() const { return cells[21]; }
   [[nodiscard]] double cost_ns() const { return cells[19]; }
   [[nodiscard]] double energy_J() const { return cells[20]; }
 
@@ -48,7 +49,7 @@ inline Trace readTrace(const std::filesystem::path& file) {
     TraceRow row;
     std::istringstream cells(line);
     for (std::string cell; std::getline(cells, cell, ',');) row.cells.push_back(std::strtod(cell.c_str(), nullptr));
-    row.cells.resize(std::max<std::size_t>(row.cells.size(), 21), -1);
+    row.cells.resize(std::max<std::size_t>(row.cells.size(), 22), -1);
     trace.rows.push_back(row);
   }
   return trace;

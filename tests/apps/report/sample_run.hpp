@@ -63,6 +63,7 @@ inline TouchRun sampleRun() {
   run.faults = {
       {"stale_window", 12, 300, "the engine published too rarely", "falls to zero", "make the window larger"}};
   run.files = {"out/trace.csv", "out/summary.json"};
+  run.edits = RunEdits{3, 2, {1.5, 2.5}, 3, 3, 500, ""};
   run.exact = ExactErrors{0.01, 0.05, 0.3, 1.2};
   return run;
 }

@@ -37,6 +37,7 @@ TickRecord awkwardRecord() {
   r.faults = 0xFFFFFFFF;
   r.tick_cost_ns = 2112;
   r.energy_J = -1.0 / 7;
+  r.edit_version = std::numeric_limits<std::uint64_t>::max() - 1;
   return r;
 }
 
@@ -46,7 +47,7 @@ TEST(TraceCsv, HasTheHeaderToTheLetter) {
   EXPECT_EQ(
       contentsOf(folder.path() / "t.csv"),
       "tick,time_s,hip_x_m,hip_y_m,hip_z_m,vhip_x_m,vhip_y_m,vhip_z_m,normal_x,normal_y,normal_z,force_x_n,force_y_n,"
-      "force_z_n,density,in_contact,plane_age_ticks,window_version,faults,tick_cost_ns,energy_J\n");
+      "force_z_n,density,in_contact,plane_age_ticks,window_version,faults,tick_cost_ns,energy_J,edit_version\n");
 }
 
 TEST(TraceCsv, NumbersReadBackToTheSameBits) {
@@ -58,7 +59,7 @@ TEST(TraceCsv, NumbersReadBackToTheSameBits) {
   std::getline(in, line);
   std::getline(in, line);
   const auto cell = split(line);
-  ASSERT_EQ(cell.size(), 21U);
+  ASSERT_EQ(cell.size(), 22U);
   EXPECT_EQ(cell[0], "123456789012");
   EXPECT_EQ(std::strtod(cell[1].c_str(), nullptr), r.time_s);
   for (std::size_t i = 0; i < 3; ++i) {
@@ -75,6 +76,7 @@ TEST(TraceCsv, NumbersReadBackToTheSameBits) {
   EXPECT_EQ(cell[18], "4294967295");
   EXPECT_EQ(cell[19], "2112");
   EXPECT_EQ(std::strtod(cell[20].c_str(), nullptr), r.energy_J);
+  EXPECT_EQ(cell[21], "18446744073709551614");
 }
 
 TEST(TraceCsv, UnknownDensityIsNanWhateverItsSign) {

@@ -119,5 +119,33 @@ TEST(Engine, RefusesToDrawWhatWasNotPlanned) {
   EXPECT_THROW((void)p.engine.draw({}), Error);
 }
 
+// The window after an edit carries its version and holds the edited volume, in the box of the last one.
+TEST(Engine, PublishesTheEditedVolumeWithItsVersion) {
+  Prepared p(true);
+  EditCommand hole;
+  hole.from_W = hole.to_W = p.at(30, 26, 23);
+  hole.radius_m = 4e-3;
+  EXPECT_THROW((void)p.engine.edit(std::span(&hole, 1), 1), Error);  // not allowed yet
+  p.engine.allowEdits(brushProfile(p.volume, 0));
+  p.engine.publishAround(p.at(30, 26, 23), 1000);
+  EXPECT_EQ(p.engine.exchange().latest().edit_version, 0U);
+  const Vec3 origin = p.engine.exchange().latest().lattice.origin_W;
+  const Engine::EditResult result = p.engine.edit(std::span(&hole, 1), 2000);
+  EXPECT_EQ(result.version, 1U);
+  ASSERT_TRUE(result.published);
+  const SampleWindow& window = p.engine.exchange().latest();
+  EXPECT_EQ(window.version, 2U);
+  EXPECT_EQ(window.edit_version, 1U);
+  EXPECT_EQ(window.stamp_ns, 2000);
+  EXPECT_EQ(window.lattice.origin_W, origin);
+  EXPECT_GT(p.engine.readBack(p.volume), 0U);
+  const Vec3i first = p.volume.lattice().toIndex(window.lattice.origin_W).array().round().cast<int>();
+  const auto expected = reference::windowSamples(reference::denseField(p.volume), first, window.size);
+  EXPECT_EQ(std::memcmp(window.samples, expected.data(), expected.size() * sizeof(Sample)), 0);
+  // Later windows carry it too.
+  EXPECT_TRUE(p.engine.publishAround(p.at(45, 26, 23), 3000));
+  EXPECT_EQ(p.engine.exchange().latest().edit_version, 1U);
+}
+
 }  // namespace
 }  // namespace palpate

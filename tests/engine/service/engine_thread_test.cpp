@@ -2,7 +2,9 @@
 // The engine's thread follows the tool and keeps confirming. No times are asserted: the test waits for what must come.
 #include "engine/service/engine_thread.hpp"
 
+#include <atomic>
 #include <chrono>
+#include <stdexcept>
 
 #include <gtest/gtest.h>
 
@@ -45,6 +47,28 @@ TEST(EngineThread, FollowsTheTool) {
   const std::int64_t last_ns = windows.confirmedAt_ns();
   std::this_thread::sleep_for(std::chrono::milliseconds(20));
   EXPECT_EQ(windows.confirmedAt_ns(), last_ns);  // a stopped engine vouches for nothing
+}
+
+// What follows the tool sees every pose that the engine acts on, none before the first tick, and its failure is the
+// thread's.
+TEST(EngineThread, CallsWhoFollows) {
+  const Volume volume = makeVolume(*makePhantom("phantom:sphere?size=32"));
+  Scene scene;
+  scene.picture = false;
+  Engine engine(volume, makePlan(scene), 0, "");
+  ToolPoseMailbox poses;
+  std::atomic<std::int64_t> seen = -2;
+  EngineThread thread(engine, poses, [&](const ToolPose& pose, std::int64_t) {
+    seen = pose.tick;
+    if (pose.tick == 7) throw std::runtime_error("enough");
+  });
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  EXPECT_EQ(seen, -2);
+  putTool(poses, volume.lattice().toWorld({16, 16, 16}), 3);
+  ASSERT_TRUE(comes([&] { return seen == 3; }));
+  putTool(poses, volume.lattice().toWorld({16, 16, 16}), 7);
+  ASSERT_TRUE(comes([&] { return seen == 7; }));
+  EXPECT_THROW(thread.stop(), std::runtime_error);
 }
 
 TEST(EngineThread, WaitsForTheFirstTick) {

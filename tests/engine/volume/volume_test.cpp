@@ -153,5 +153,48 @@ TEST(Volume, RefusesBadLattices) {
       "test", "sheared");
 }
 
+// 2048^3 voxels with a few stored bricks: neither made nor kept dense. 16.7 million tiles of 8 bytes, and their masks.
+TEST(Volume, IsMadeBrickByBrickWithoutBeingDense) {
+  const Volume volume = Volume::fromBricks(Vec3i::Constant(2048), {}, {}, [](const Vec3i& brick, float* values) {
+    if (brick != Vec3i(100, 7, 255)) {
+      values[0] = -1;
+      return true;
+    }
+    for (int i = 0; i < kBrickVoxels; ++i) values[i] = static_cast<float>(i);
+    return false;
+  });
+  EXPECT_EQ(volume.storedBricks(), 1U);
+  EXPECT_LE(volume.storedBytes(), std::size_t{200} << 20U);
+  EXPECT_EQ(volume.value({803, 58, 2047}), (7 * 8 + 2) * 8 + 3);
+  EXPECT_EQ(volume.value({0, 0, 0}), -1);
+  EXPECT_EQ(volume.maximum(), 511);
+}
+
+TEST(Volume, ChangesBrickByBrick) {
+  const Vec3i size(19, 10, 8);
+  Volume volume = Volume::fromDense(size, {}, std::vector<float>(19 * 10 * 8, 2.0F), {});
+  std::vector<float> values(kBrickVoxels);
+  for (int i = 0; i < kBrickVoxels; ++i)
+    values[static_cast<std::size_t>(i)] = static_cast<float>(i % 8 + i / 8 % 8 * 100);
+  volume.setBrick({1, 0, 0}, values.data());
+  EXPECT_EQ(volume.storedBricks(), 1U);
+  EXPECT_EQ(volume.value({11, 5, 0}), 503);
+  EXPECT_EQ(volume.value({7, 5, 0}), 2);
+  EXPECT_EQ(volume.maximum(), 707);
+  std::vector<float> read(kBrickVoxels);
+  EXPECT_FALSE(volume.readBrick({1, 0, 0}, read.data()));
+  EXPECT_EQ(read, values);
+  values[9] = -5;
+  volume.setBrick({1, 0, 0}, values.data());  // once more, in place of the last
+  EXPECT_EQ(volume.storedBricks(), 1U);
+  EXPECT_EQ(volume.value({9, 1, 0}), -5);
+  EXPECT_EQ(volume.minimum(), -5);
+  volume.setConstantBrick({1, 0, 0}, 7);
+  EXPECT_EQ(volume.storedBricks(), 0U);
+  EXPECT_EQ(volume.value({9, 1, 0}), 7);
+  EXPECT_TRUE(volume.readBrick({1, 0, 0}, read.data()));
+  EXPECT_EQ(read[0], 7);
+}
+
 }  // namespace
 }  // namespace palpate

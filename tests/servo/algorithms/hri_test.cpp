@@ -155,7 +155,25 @@ TEST(Hri, SlidesAlongAThinShell) {
   }
 }
 
-// The surface moves out over VHIP and HIP: the force stays outward and has the new depth.
+// Holds the tool where it is until what an edit has added is taken in; the force must rise evenly, from what it was.
+TickOutput holdUntilEased(AlgorithmDriver& driver, const Vec3& hip_W, const TickOutput& first, double depth_m) {
+  const double stiffness = AlgorithmParameters{}.stiffness_N_per_m;
+  const double step_N = stiffness * depth_m / HriSurface::kEaseTicks;
+  // Planes of one surface, found anew for one HIP, agree to a hundredth of a voxel.
+  const double rounding_N = stiffness * 0.01 * kVoxel;
+  TickOutput before = first;
+  TickOutput out = first;
+  for (int i = 0; i < HriSurface::kEaseTicks; ++i) {
+    out = driver.at(hip_W);
+    EXPECT_LE((out.force_W - before.force_W).norm(), step_N + rounding_N);
+    EXPECT_GE(out.force_W.norm(), before.force_W.norm() - rounding_N);
+    before = out;
+  }
+  return out;
+}
+
+// The surface moves out over VHIP and HIP: the force stays outward, is at first what it was, and has the new depth when
+// that is taken in.
 TEST(Hri, FindsTheSurfaceWhenVhipAndHipAreBothInside) {
   const AnalyticVolume before = millimetreVolume(ball(kCentre, 18e-3));
   const AnalyticVolume after = millimetreVolume(ball(kCentre, 25e-3));
@@ -165,9 +183,12 @@ TEST(Hri, FindsTheSurfaceWhenVhipAndHipAreBothInside) {
   const Vec3 hip_W = slidePoint(0, 17e-3);
   ASSERT_NEAR(driver.at(hip_W).force_W.norm(), 500 * 1e-3, 1.1);  // with the damping of the approach
   driver.edit(after);
-  const TickOutput out = driver.at(hip_W);
-  ASSERT_TRUE(out.in_contact);
-  EXPECT_EQ(out.plane_age_ticks, 0);
+  const TickOutput first = driver.at(hip_W);
+  ASSERT_TRUE(first.in_contact);
+  EXPECT_EQ(first.plane_age_ticks, 0);
+  // A tick's share of what the edit added is there already: 500 N/m of 7 mm / 500.
+  EXPECT_NEAR((first.vhip_W - hip_W).norm(), 1e-3 + 7e-3 / HriSurface::kEaseTicks, 0.02 * kVoxel);
+  const TickOutput out = holdUntilEased(driver, hip_W, first, 7e-3);
   EXPECT_NEAR((out.vhip_W - hip_W).norm(), 8e-3, 0.02 * kVoxel);
   EXPECT_LT(degreesBetween(out.force_W, hip_W - kCentre), 0.5);
 }
@@ -186,8 +207,10 @@ TEST(Hri, SearchesAlongTheNormalWhereTheFieldIsFlat) {
   const Vec3 hip_W(30e-3, 30e-3, 24.5e-3);
   ASSERT_TRUE(driver.at(hip_W).in_contact);
   driver.edit(after);
-  const TickOutput out = driver.at(hip_W);
-  ASSERT_TRUE(out.in_contact);
+  const TickOutput first = driver.at(hip_W);
+  ASSERT_TRUE(first.in_contact);
+  EXPECT_NEAR(first.vhip_W.z(), 25e-3, 12e-3 / HriSurface::kEaseTicks + 0.01 * kVoxel);
+  const TickOutput out = holdUntilEased(driver, hip_W, first, 12e-3);
   EXPECT_NEAR(out.vhip_W.z(), 37e-3, 0.01 * kVoxel);
   EXPECT_LT(degreesBetween(out.force_W, Vec3::UnitZ()), 0.1);
 }
@@ -334,15 +357,54 @@ TEST(Hri, AnEditThatLowersTheSurfaceRenewsThePlaneNow) {
   EXPECT_NEAR((out.vhip_W - kCentre).norm(), kRadius - 0.5e-3, 0.02 * kVoxel);
 }
 
-// Material put over a free tool is not an entry.
-TEST(Hri, BuriedByAnEditIsNotThrownOut) {
+// Material put over a free tool pushes it out by the nearest way, from no force on.
+TEST(Hri, BuriedByAnEditIsPushedOutGently) {
   const AnalyticVolume before = millimetreVolume([](const Vec3&) { return -1.0; });
   const AnalyticVolume after = millimetreVolume(ball(kCentre, kRadius));
   Hri hri(AlgorithmParameters{});
-  AlgorithmDriver driver(hri, before, slidePoint(0, 15e-3));
-  driver.at(slidePoint(0, 15e-3));
+  const Vec3 hip_W = slidePoint(0, 15e-3);
+  AlgorithmDriver driver(hri, before, hip_W);
+  driver.at(hip_W);
   driver.edit(after);
-  const TickOutput out = driver.at(slidePoint(0, 15.1e-3));
+  const TickOutput first = driver.at(hip_W);
+  ASSERT_TRUE(first.in_contact);
+  EXPECT_FALSE(has(first.faults, ServoFault::kInsideObject));
+  EXPECT_LE(first.force_W.norm(), 500 * 9e-3 / HriSurface::kEaseTicks + 1e-9);
+  const TickOutput out = holdUntilEased(driver, hip_W, first, 9e-3);
+  EXPECT_NEAR(out.force_W.norm(), 500 * 9e-3, 500 * 0.02 * kVoxel);
+  EXPECT_LT(degreesBetween(out.force_W, hip_W - kCentre), 0.5);
+  // Once out, the tool is free, and touches the new surface as any.
+  driver.stroke(slidePoint(0, 25e-3), 50);
+  EXPECT_FALSE(driver.at(slidePoint(0, 25e-3)).in_contact);
+  driver.stroke(slidePoint(0, 23e-3), 50);
+  EXPECT_NEAR(driver.at(slidePoint(0, 23e-3)).force_W.norm(), 500 * 1e-3, 500 * 0.02 * kVoxel);
+}
+
+// A tool that pulls out before the depth is taken in feels no pull, and nothing once it is out.
+TEST(Hri, LeavingWhileItIsPushedOutNeverPulls) {
+  const AnalyticVolume before = millimetreVolume([](const Vec3&) { return -1.0; });
+  const AnalyticVolume after = millimetreVolume(ball(kCentre, kRadius));
+  Hri hri(AlgorithmParameters{});
+  AlgorithmDriver driver(hri, before, slidePoint(0, 20e-3));
+  driver.at(slidePoint(0, 20e-3));
+  driver.edit(after);
+  for (const TickOutput& out : driver.stroke(slidePoint(0, 25e-3), 100)) {
+    EXPECT_GE(out.force_W.dot(slidePoint(0, 1) - kCentre), 0);
+    EXPECT_LE(out.force_W.norm(), 500 * 4e-3);
+  }
+  EXPECT_FALSE(driver.at(slidePoint(0, 25e-3)).in_contact);
+}
+
+// Everything within reach is object: no way out, no force, and nothing is thrown.
+TEST(Hri, BuriedWithoutAWayOutFeelsNothing) {
+  const AnalyticVolume before = millimetreVolume([](const Vec3&) { return -1.0; });
+  const AnalyticVolume after = millimetreVolume([](const Vec3&) { return 1.0; });
+  Hri hri(AlgorithmParameters{});
+  AlgorithmDriver driver(hri, before, kCentre);
+  driver.at(kCentre);
+  driver.edit(after);
+  const TickOutput out = driver.at(kCentre);
+  EXPECT_FALSE(out.in_contact);
   EXPECT_TRUE(out.force_W.isZero(0));
   EXPECT_TRUE(has(out.faults, ServoFault::kInsideObject));
 }

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+// engine/edit/edit_command.hpp: one change of a volume as a tool asks for it: a brush along a straight piece of its
+// path, a plane, or a stamp. What each kind does to the densities: docs/edits.md.
+//
+// Frame W: world [m]. A brush is a capsule: all points within radius_m of the segment from from_W to to_W, so pieces
+// that follow one another leave no gap however fast the tool was. Thread: any.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/lattice.hpp"
+#include "base/vec.hpp"
+#include "engine/volume/mesh_distance.hpp"
+
+namespace palpate {
+
+enum class EditKind {
+  kAdd,          // fills the capsule
+  kRemove,       // clears it
+  kPaint,        // moves densities towards `value`
+  kFlatten,      // makes the surface inside the capsule a plane
+  kCut,          // clears the half space that the plane's normal points into
+  kStampAdd,     // fills a mesh
+  kStampRemove,  // clears it
+  kSmooth,       // evens densities out
+  kInflate,      // moves the surface out
+  kDeflate       // and in
+};
+[[nodiscard]] const char* editName(EditKind kind) noexcept;
+
+// Removal that the material resists: at or below low_density the full strength holds, at or above high_density only
+// (1 - drop) of it, in between linearly.
+struct MaterialRate {
+  double low_density = 0;   // [density]
+  double high_density = 1;  // [density]
+  double drop = 1;          // [0, 1]
+};
+
+using Stamp = MeshDistance;  // in a frame of its own
+
+struct EditCommand {
+  EditKind kind = EditKind::kRemove;
+  Vec3 from_W = Vec3::Zero();     // [m]; where a stamp's own origin goes
+  Vec3 to_W = Vec3::Zero();       // [m]; from_W for a single dab
+  double radius_m = 0;            // of brushes
+  double strength = 1;            // share of the way to the full effect, (0, 1]; force and duration belong in here
+  double falloff = 0;             // share of the radius over which the strength fades to nothing, [0, 1]
+  double value = 0;               // paint: target [density]
+  Vec3 plane_W = Vec3::Zero();    // flatten, cut: a point of the plane [m]
+  Vec3 normal_W = Vec3::UnitZ();  // flatten, cut: out of what stays; any length but zero
+  std::optional<double> object;   // add, flatten: density of what is added; empty: the profile's
+  std::optional<MaterialRate> material;  // remove
+  std::shared_ptr<const Stamp> stamp;    // stamps
+  Mat3 R_WS = Mat3::Identity();          // stamp frame S to world, a rotation or reflection
+};
+
+// The same edit on the other side of a plane. Two edits that mirror each other belong into one apply().
+[[nodiscard]] EditCommand mirrored(const EditCommand& command, const Vec3& plane_W, const Vec3& normal_W);
+
+// Whether it uses its radius, its plane, its stamp.
+[[nodiscard]] bool isBrush(EditKind kind) noexcept;
+[[nodiscard]] bool hasPlane(EditKind kind) noexcept;
+[[nodiscard]] bool isStamp(EditKind kind) noexcept;
+
+// Throws Error(kBadInput) with what is wrong and what is allowed, for a volume of `size` voxels on `lattice`: a radius
+// that is not positive or exceeds the volume's diagonal; a strength outside (0, 1] or falloff outside [0, 1]; a place
+// farther than a diagonal from the volume; a plane without direction; a value beyond 1e30; a stamp whose size, lattice
+// or distances are no good; numbers that are none.
+void checkEdit(const EditCommand& command, const Vec3i& size, const Lattice& lattice);
+
+}  // namespace palpate

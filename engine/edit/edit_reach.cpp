@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/edit/edit_reach.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+#include "engine/edit/edit_math.hpp"
+
+namespace palpate {
+namespace {
+
+// Kernels measure in float: this share of a voxel and of the lengths involved is more than they can be off.
+constexpr double kMarginVoxels = 0.01;
+constexpr double kMarginRelative = 1e-5;
+
+Vec3 pointA(const layout::EditCommand& c) {
+  return {c.a_x, c.a_y, c.a_z};
+}
+Vec3 pointAB(const layout::EditCommand& c) {
+  return {c.ab_x, c.ab_y, c.ab_z};
+}
+Vec3 normal(const layout::EditCommand& c) {
+  return {c.n_x, c.n_y, c.n_z};
+}
+Vec3 origin(const layout::EditCommand& c) {
+  return Vec3i(c.origin_x, c.origin_y, c.origin_z).cast<double>();
+}
+
+// A box of voxel centres in a command's local frame [m].
+struct LocalBox {
+  Vec3 middle, half;
+  double half_diagonal;
+
+  LocalBox(const layout::EditCommand& c, const BrickGrid& grid, const Vec3i& first, const Vec3i& last)
+      : middle(((first + last).cast<double>() / 2 - origin(c)).cwiseProduct(grid.spacing_m)),
+        half((last - first).cast<double>().cwiseProduct(grid.spacing_m) / 2),
+        half_diagonal(half.norm()) {}
+};
+
+double distanceFrom(const layout::EditCommand& c, const Vec3& p) {
+  const Vec3 q = p - pointA(c);
+  const Vec3 ab = pointAB(c);
+  const double t = c.inv_ab2 > 0 ? std::clamp(q.dot(ab) * static_cast<double>(c.inv_ab2), 0.0, 1.0) : 0.0;
+  return (q - t * ab).norm();
+}
+
+double marginLength(const layout::EditCommand& c, const BrickGrid& grid) {
+  const double length = static_cast<double>(c.radius) + pointA(c).norm() + pointAB(c).norm();
+  return kMarginVoxels * grid.spacing_m.minCoeff() + kMarginRelative * length;
+}
+
+// Heights of a box above the command's plane.
+std::pair<double, double> heights(const layout::EditCommand& c, const LocalBox& box) {
+  const double middle = normal(c).dot(box.middle) - static_cast<double>(c.n_d);
+  const double spread = normal(c).cwiseAbs().dot(box.half);
+  return {middle - spread, middle + spread};
+}
+
+VoxelBox cutToDomain(const BrickGrid& grid, const Vec3& low_L, const Vec3& high_L) {
+  const Vec3 last = (grid.size - Vec3i::Ones()).cast<double>();
+  // In double first: a place may lie where no int does.
+  const Vec3 first_L = low_L.array().floor().matrix().cwiseMax(-1).cwiseMin(last + Vec3::Ones());
+  const Vec3 last_L = high_L.array().ceil().matrix().cwiseMax(-1).cwiseMin(last + Vec3::Ones());
+  VoxelBox box{first_L.cast<int>().cwiseMax(0), last_L.cast<int>().cwiseMin(grid.size - Vec3i::Ones())};
+  return box;
+}
+
+// Box of a stroke from `a` to `b` (local, [m]) and all within `reach` of it.
+VoxelBox strokeBox(const layout::EditCommand& c, const BrickGrid& grid, const Vec3& a, const Vec3& b, double reach) {
+  const Vec3 low = a.cwiseMin(b) - Vec3::Constant(reach);
+  const Vec3 high = a.cwiseMax(b) + Vec3::Constant(reach);
+  return cutToDomain(grid, low.cwiseQuotient(grid.spacing_m) + origin(c),
+                     high.cwiseQuotient(grid.spacing_m) + origin(c));
+}
+
+VoxelBox stampBox(const layout::EditCommand& c, const BrickGrid& grid) {
+  Mat3 to_stamp;
+  to_stamp << c.m_xx, c.m_xy, c.m_xz, c.m_yx, c.m_yy, c.m_yz, c.m_zx, c.m_zy, c.m_zz;
+  const Vec3 t(c.m_xt, c.m_yt, c.m_zt);
+  const Mat3 back = to_stamp.inverse();
+  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
+  Vec3 high = -low;
+  const Vec3 last = Eigen::Vector<layout::uint, 3>(c.stamp_x - 1, c.stamp_y - 1, c.stamp_z - 1).cast<double>();
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3 at = Vec3(corner & 1, corner >> 1 & 1, corner >> 2).cwiseProduct(last);
+    const Vec3 p_L = (back * (at - t)).cwiseQuotient(grid.spacing_m) + origin(c);
+    low = low.cwiseMin(p_L);
+    high = high.cwiseMax(p_L);
+  }
+  return cutToDomain(grid, low, high);
+}
+
+template <typename Test>
+void appendBricks(const BrickGrid& grid, const VoxelBox& box, std::vector<std::uint32_t>& bricks, const Test& test) {
+  if (box.empty()) return;
+  const Vec3i low = box.first / kBrickSize;
+  const Vec3i high = box.last / kBrickSize;
+  for (int z = low.z(); z <= high.z(); ++z) {
+    for (int y = low.y(); y <= high.y(); ++y) {
+      for (int x = low.x(); x <= high.x(); ++x) {
+        const Vec3i brick(x, y, z);
+        if (test(brick)) bricks.push_back(grid.index(brick));
+      }
+    }
+  }
+}
+
+LocalBox boxOfBrick(const layout::EditCommand& c, const BrickGrid& grid, const Vec3i& brick) {
+  const Vec3i first = brick * kBrickSize;
+  const Vec3i last = (first + Vec3i::Constant(kBrickSize - 1)).cwiseMin(grid.size - Vec3i::Ones());
+  return {c, grid, first, last};
+}
+
+// A long stroke is walked in pieces, so that the boxes around them stay close to it.
+void appendStroke(const layout::EditCommand& c, const BrickGrid& grid, std::vector<std::uint32_t>& bricks) {
+  const double reach = static_cast<double>(c.reach) + marginLength(c, grid);
+  const Vec3 ab = pointAB(c);
+  const double piece_m = std::max(4 * reach, 4.0 * kBrickSize * grid.spacing_m.maxCoeff());
+  const int pieces = std::max(1, static_cast<int>(std::ceil(ab.norm() / piece_m)));
+  for (int i = 0; i < pieces; ++i) {
+    const Vec3 from = pointA(c) + ab * (static_cast<double>(i) / pieces);
+    const Vec3 to = pointA(c) + ab * (static_cast<double>(i + 1) / pieces);
+    appendBricks(grid, strokeBox(c, grid, from, to, reach), bricks, [&](const Vec3i& brick) {
+      const LocalBox box = boxOfBrick(c, grid, brick);
+      return distanceFrom(c, box.middle) <= reach + box.half_diagonal;
+    });
+  }
+}
+
+// Below the plane (negative height) by this much nothing changes; above it by `saturated` the ramp has ended.
+double saturationDepth(const layout::EditCommand& c, float density) {
+  return std::abs(static_cast<double>(density) - static_cast<double>(c.isovalue)) / static_cast<double>(c.slope);
+}
+
+// Whether a command has its full and same effect in the whole brick.
+bool isCore(const layout::EditCommand& c, const BrickGrid& grid, const LocalBox& box) {
+  const double margin = marginLength(c, grid);
+  if (c.kind == EDIT_CUT) return heights(c, box).first >= saturationDepth(c, c.background) + margin;
+  const double deepest = distanceFrom(c, box.middle) + box.half_diagonal;
+  const double depth = static_cast<double>(c.radius) - deepest - margin;  // under the capsule's surface, at least
+  const double fade_m = c.inv_fade > 0 ? 1 / static_cast<double>(c.inv_fade) : 0;
+  if (depth < fade_m || depth < 0) return false;
+  switch (c.kind) {
+    case EDIT_ADD:
+      return depth >= saturationDepth(c, c.object);
+    case EDIT_REMOVE:
+      return depth >= saturationDepth(c, c.background);
+    case EDIT_PAINT:
+      return true;
+    case EDIT_FLATTEN: {
+      const auto [low, high] = heights(c, box);
+      return low >= saturationDepth(c, c.background) + margin || high <= -saturationDepth(c, c.object) - margin;
+    }
+    default:
+      return false;
+  }
+}
+
+// A command that only lowers densities down to the background, or only raises them up to the object's.
+bool leavesAlone(const layout::EditCommand& c, float density) {
+  const bool same_zero = std::bit_cast<std::uint32_t>(density + 0.0F) == std::bit_cast<std::uint32_t>(density);
+  if (c.kind == EDIT_REMOVE || c.kind == EDIT_CUT || c.kind == EDIT_STAMP_REMOVE)
+    return same_zero && density <= c.background;
+  if (c.kind == EDIT_ADD || c.kind == EDIT_STAMP_ADD) return same_zero && density >= c.object;
+  return false;
+}
+
+}  // namespace
+
+Vec3i BrickGrid::counts() const noexcept {
+  return (size + Vec3i::Constant(kBrickSize - 1)) / kBrickSize;
+}
+std::uint32_t BrickGrid::index(const Vec3i& brick) const noexcept {
+  const Vec3i n = counts();
+  return (static_cast<std::uint32_t>(brick.z()) * static_cast<std::uint32_t>(n.y()) +
+          static_cast<std::uint32_t>(brick.y())) *
+             static_cast<std::uint32_t>(n.x()) +
+         static_cast<std::uint32_t>(brick.x());
+}
+Vec3i BrickGrid::brick(std::uint32_t index) const noexcept {
+  const Vec3i n = counts();
+  const auto i = static_cast<std::int64_t>(index);
+  return {static_cast<int>(i % n.x()), static_cast<int>(i / n.x() % n.y()), static_cast<int>(i / n.x() / n.y())};
+}
+
+std::vector<std::uint32_t> reachedBricks(const layout::EditCommand& c, const BrickGrid& grid) {
+  std::vector<std::uint32_t> bricks;
+  if (c.kind == EDIT_CUT) {
+    const double reach = static_cast<double>(c.reach) + marginLength(c, grid);
+    appendBricks(grid, {Vec3i::Zero(), grid.size - Vec3i::Ones()}, bricks,
+                 [&](const Vec3i& brick) { return heights(c, boxOfBrick(c, grid, brick)).second >= -reach; });
+  } else if (c.kind == EDIT_STAMP_ADD || c.kind == EDIT_STAMP_REMOVE) {
+    appendBricks(grid, stampBox(c, grid), bricks, [](const Vec3i&) { return true; });
+  } else {
+    appendStroke(c, grid, bricks);
+  }
+  sortUnique(bricks);
+  return bricks;
+}
+
+VoxelBox reachedBox(const layout::EditCommand& c, const BrickGrid& grid) {
+  if (c.kind == EDIT_CUT) return {Vec3i::Zero(), grid.size - Vec3i::Ones()};
+  if (c.kind == EDIT_STAMP_ADD || c.kind == EDIT_STAMP_REMOVE) return stampBox(c, grid);
+  return strokeBox(c, grid, pointA(c), pointA(c) + pointAB(c), static_cast<double>(c.reach) + marginLength(c, grid));
+}
+
+bool mayCross(const layout::EditCommand& c, const BrickGrid& grid, std::uint32_t index) {
+  if (c.kind != EDIT_ADD && c.kind != EDIT_REMOVE && c.kind != EDIT_CUT) return true;
+  const double margin = marginLength(c, grid);
+  // Where a margin's worth of ramp is lost in the isovalue's rounding, nothing is sure.
+  if (static_cast<double>(c.slope) * margin < 1e-5 * std::abs(static_cast<double>(c.isovalue))) return true;
+  const LocalBox box = boxOfBrick(c, grid, grid.brick(index));
+  if (c.kind == EDIT_CUT) return heights(c, box).second >= -margin;
+  return distanceFrom(c, box.middle) <= static_cast<double>(c.radius) + box.half_diagonal + margin;
+}
+
+std::optional<float> uniformResult(const layout::EditCommand& c, const BrickGrid& grid, std::uint32_t index,
+                                   float density) {
+  if (leavesAlone(c, density)) return density;
+  if (c.kind >= EDIT_STAMP_ADD) return std::nullopt;
+  const Vec3i brick = grid.brick(index);
+  if (!isCore(c, grid, boxOfBrick(c, grid, brick))) return std::nullopt;
+  const Vec3i voxel = brick * kBrickSize;
+  const edit_math::Local p = edit_math::local(c, editScale(grid.spacing_m), voxel.x(), voxel.y(), voxel.z());
+  return edit_math::edited(c, {}, p, density);
+}
+
+void appendReached(const BrickGrid& grid, const VoxelBox& changed, const Reach& reach,
+                   std::vector<std::uint32_t>& bricks) {
+  const VoxelBox wide{(changed.first - Vec3i::Constant(reach.low)).cwiseMax(0),
+                      (changed.last + Vec3i::Constant(reach.high)).cwiseMin(grid.size - Vec3i::Ones())};
+  appendBricks(grid, wide, bricks, [](const Vec3i&) { return true; });
+}
+
+void sortUnique(std::vector<std::uint32_t>& bricks) {
+  std::sort(bricks.begin(), bricks.end());
+  bricks.erase(std::unique(bricks.begin(), bricks.end()), bricks.end());
+}
+
+}  // namespace palpate

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/journal/journal_reader.hpp"
+
+#include <fstream>
+#include <iterator>
+
+#include <fmt/format.h>
+
+#include "base/error.hpp"
+#include "engine/journal/byte_stream.hpp"
+#include "engine/journal/crc32c.hpp"
+
+namespace palpate {
+namespace {
+
+struct Frame {
+  std::uint32_t length = 0;
+  std::uint32_t kind = 0;
+  std::uint64_t sequence = 0;
+  std::string_view content;
+  std::size_t bytes = 0;  // of the whole record; 0: it is cut short
+  bool sound = false;
+};
+
+Frame frameAt(std::string_view bytes) {
+  Frame frame;
+  ByteReader in(bytes);
+  in.get(frame.length);
+  in.get(frame.kind);
+  in.get(frame.sequence);
+  frame.content = in.getRaw(frame.length);
+  std::uint32_t checksum = 0;
+  in.get(checksum);
+  if (!in.good() || frame.length > kLongestRecord) return frame;
+  frame.bytes = kRecordFrame + frame.length;
+  frame.sound = crc32c(bytes.substr(0, frame.bytes - sizeof checksum)) == checksum;
+  return frame;
+}
+
+class Reading {
+ public:
+  explicit Reading(std::string_view bytes) : bytes_(bytes) {}
+
+  void readRecords(std::size_t at, Journal& journal) {
+    while (at < bytes_.size()) {
+      const Frame frame = frameAt(bytes_.substr(at));
+      const std::string fault = take(frame, journal);
+      if (!fault.empty()) {
+        journal.damage = damageAt(at, fmt::format("record {} {}", journal.last_sequence + 1, fault));
+        return;
+      }
+      journal.last_sequence = frame.sequence;
+      at += frame.bytes;
+    }
+  }
+
+ private:
+  // Returns what is wrong with the record, or nothing.
+  std::string take(const Frame& frame, Journal& journal) {
+    if (frame.bytes == 0) return "is cut short";
+    if (!frame.sound) return "has a wrong checksum";
+    if (frame.sequence != journal.last_sequence + 1) return fmt::format("is missing: {} follows", frame.sequence);
+    JournalRecord record{static_cast<RecordKind>(frame.kind), frame.sequence, {}};
+    switch (record.kind) {
+      case RecordKind::kStamp: {
+        auto stamp = stampOf(frame.content);
+        if (!stamp) return "holds no stamp";
+        stamps_.push_back(std::move(stamp));
+        return "";
+      }
+      case RecordKind::kEdit: {
+        auto commands = editOf(frame.content, stamps_);
+        if (!commands) return "holds no commands";
+        record.commands = std::move(*commands);
+        ++done_;
+        undone_ = 0;
+        break;
+      }
+      case RecordKind::kUndo:
+        if (done_ == 0) return "undoes what was not done";
+        --done_;
+        ++undone_;
+        break;
+      case RecordKind::kRedo:
+        if (undone_ == 0) return "does again what was not undone";
+        ++done_;
+        --undone_;
+        break;
+      default:
+        return fmt::format("is of a kind {} that is not known", frame.kind);
+    }
+    journal.records.push_back(std::move(record));
+    return "";
+  }
+
+  [[nodiscard]] JournalDamage damageAt(std::size_t at, std::string reason) const {
+    JournalDamage damage{at, bytes_.size() - at, 0, std::move(reason)};
+    while (at < bytes_.size()) {
+      ++damage.records;
+      const Frame frame = frameAt(bytes_.substr(at));
+      if (frame.bytes == 0) break;
+      at += frame.bytes;
+    }
+    return damage;
+  }
+
+  std::string_view bytes_;
+  std::vector<std::shared_ptr<const Stamp>> stamps_;
+  std::size_t done_ = 0;
+  std::size_t undone_ = 0;
+};
+
+}  // namespace
+
+Journal readJournal(const std::filesystem::path& folder) {
+  const std::filesystem::path file = journalFile(folder);
+  std::error_code ignored;
+  if (!std::filesystem::exists(file, ignored)) {
+    throw Error(Error::Code::kNotFound, folder.string(), fmt::format("there is no {} in it", kJournalName),
+                "name the folder that --journal was given");
+  }
+  std::ifstream in(file, std::ios::binary);
+  if (!in) throw Error(Error::Code::kIo, file.string(), "it cannot be opened", "check its permissions");
+  const std::string bytes{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  if (in.bad()) throw Error(Error::Code::kIo, file.string(), "it cannot be read", "check the disk");
+  Journal journal;
+  const std::size_t first = readHeader(bytes, file.string(), journal.header);
+  Reading(bytes).readRecords(first, journal);
+  return journal;
+}
+
+std::string damageWords(const JournalDamage& damage) {
+  return fmt::format("{} record{} in {} bytes from byte {} on {} lost: {}", damage.records,
+                     damage.records == 1 ? "" : "s", damage.bytes, damage.first_byte,
+                     damage.records == 1 ? "is" : "are", damage.reason);
+}
+
+}  // namespace palpate

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/journal/replay.hpp"
+
+#include "base/error.hpp"
+#include "engine/edit/lower_edit.hpp"
+#include "engine/reference/edit_bricks.hpp"
+
+namespace palpate {
+
+std::vector<std::vector<EditCommand>> lastingEdits(const Journal& journal) {
+  std::vector<const JournalRecord*> edits;  // done, then undone
+  std::size_t done = 0;
+  for (const JournalRecord& record : journal.records) {
+    if (record.kind == RecordKind::kUndo) --done;
+    if (record.kind == RecordKind::kRedo) ++done;
+    if (record.kind != RecordKind::kEdit) continue;
+    edits.resize(done);
+    edits.push_back(&record);
+    ++done;
+  }
+  std::vector<std::vector<EditCommand>> lasting;
+  for (std::size_t i = 0; i < done; ++i) lasting.push_back(edits[i]->commands);
+  return lasting;
+}
+
+void checkStart(const Journal& journal, const Volume& volume, const std::string& input) {
+  const std::string difference = differenceFrom(journal.header.volume, volume);
+  if (difference.empty()) return;
+  throw Error(Error::Code::kBadInput, input, "it is not the volume that the journal began with: " + difference,
+              "give that volume (the journal names " + journal.header.volume.source + ")");
+}
+
+void replay(const Journal& journal, Volume& volume) {
+  checkStart(journal, volume, volume.facts().source);
+  for (const std::vector<EditCommand>& commands : lastingEdits(journal)) {
+    reference::applyEdits(volume, lowerEdits(commands, volume.size(), volume.lattice(), journal.header.profile));
+  }
+}
+
+}  // namespace palpate

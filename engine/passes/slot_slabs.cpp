@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/passes/slot_slabs.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "base/error.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr double kBytesPerMiB = 1048576.0;
+
+}  // namespace
+
+SlotSlabs::SlotSlabs(gpu::Gpu& gpu, Shape shape, std::size_t slots, std::shared_ptr<GpuBudget> budget)
+    : gpu_(gpu), shape_(std::move(shape)), budget_(std::move(budget)), commands_(gpu, shape_.name + " growth", 1) {
+  try {
+    reserve(std::max<std::size_t>(slots, 1));
+  } catch (...) {  // the destructor will not run
+    budget_->used_bytes -= bytes();
+    throw;
+  }
+}
+
+SlotSlabs::~SlotSlabs() {
+  budget_->used_bytes -= bytes();
+}
+
+std::size_t SlotSlabs::free() const noexcept {
+  return capacity_ - next_ + free_.size();
+}
+
+std::size_t SlotSlabs::lastSlabSlots() const noexcept {
+  return slabs_.empty() ? 0 : slabs_.back().bytes() / shape_.slot_bytes;
+}
+
+void SlotSlabs::reserve(std::size_t slots) {
+  while (free() < slots) grow(slots - free());
+}
+
+// One step: the newest slab is made wider, or a new one begins. At least doubles what is there, if that is allowed.
+void SlotSlabs::grow(std::size_t wanted_slots) {
+  const std::uint64_t affordable = budget_->leftBytes() / shape_.slot_bytes;
+  if (affordable < wanted_slots) {
+    throw Error(Error::Code::kOutOfMemory, fmt::format("GPU memory for {}", shape_.name),
+                fmt::format("{:.1f} MiB are in use, {:.1f} MiB more are needed, and the budget is {:.1f} MiB",
+                            static_cast<double>(budget_->used_bytes) / kBytesPerMiB,
+                            static_cast<double>(wanted_slots * shape_.slot_bytes) / kBytesPerMiB,
+                            static_cast<double>(budget_->limit_bytes) / kBytesPerMiB),
+                "nothing was changed; raise --gpu-memory, or use a smaller brush or volume");
+  }
+  const std::size_t step = std::min<std::uint64_t>(std::max(wanted_slots, next_ == 0 ? 0 : capacity_), affordable);
+  const std::size_t last = lastSlabSlots();
+  if (!slabs_.empty() && last < shape_.slots_a_slab) {
+    widenLastSlab(std::min<std::size_t>(last + step, shape_.slots_a_slab));
+    return;
+  }
+  if (shape_.max_slabs != 0 && slabs_.size() == shape_.max_slabs) {
+    throw Error(Error::Code::kOutOfMemory, fmt::format("GPU memory for {}", shape_.name),
+                fmt::format("more than {} bricks are needed, which is all that {} slabs of 128 MiB hold",
+                            shape_.max_slabs * shape_.slots_a_slab, shape_.max_slabs),
+                "crop or resample the volume");
+  }
+  addSlab(std::min<std::size_t>(step, shape_.slots_a_slab));
+}
+
+void SlotSlabs::addSlab(std::size_t slots) {
+  slabs_.emplace_back(gpu_, fmt::format("{} slab {}", shape_.name, slabs_.size()), slots * shape_.slot_bytes,
+                      gpu::MemoryKind::kDevice);
+  capacity_ += slots;
+  budget_->used_bytes += slots * shape_.slot_bytes;
+}
+
+void SlotSlabs::widenLastSlab(std::size_t slots) {
+  const std::size_t old_slots = lastSlabSlots();
+  gpu::Buffer wider(gpu_, fmt::format("{} slab {}", shape_.name, slabs_.size() - 1), slots * shape_.slot_bytes,
+                    gpu::MemoryKind::kDevice);
+  commands_.begin();
+  commands_.copy(slabs_.back(), 0, wider, 0, slabs_.back().bytes());
+  commands_.run();
+  slabs_.back() = std::move(wider);
+  capacity_ += slots - old_slots;
+  budget_->used_bytes += (slots - old_slots) * shape_.slot_bytes;
+}
+
+std::uint32_t SlotSlabs::take() noexcept {
+  if (free_.empty()) return static_cast<std::uint32_t>(next_++);
+  const std::uint32_t slot = free_.back();
+  free_.pop_back();
+  return slot;
+}
+
+void SlotSlabs::release(std::uint32_t slot) {
+  free_.push_back(slot);
+}
+
+}  // namespace palpate

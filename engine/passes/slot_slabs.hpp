@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// engine/passes/slot_slabs.hpp: slots of one size on the GPU, taken and given back as bricks come and go.
+//
+// Slots lie in slabs, since a storage buffer binding is guaranteed 128 MiB only. The newest slab grows by doubling, up
+// to a whole one; then the next begins. Growing copies what the newest slab holds (at most one slab) and happens in
+// reserve() alone. Thread: the Gpu's; not while submitted work uses the slabs.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "engine/gpu/buffer.hpp"
+#include "engine/gpu/commands.hpp"
+#include "engine/passes/gpu_budget.hpp"
+
+namespace palpate {
+
+class SlotSlabs {
+ public:
+  struct Shape {
+    std::string name;                // "density", for messages
+    std::size_t slot_bytes = 0;      // [byte]
+    std::uint32_t slots_a_slab = 0;  // of a whole slab
+    std::size_t max_slabs = 0;       // that may be; 0: no limit
+  };
+
+  // Starts with room for `slots` (at least one, so that a kernel has something to bind). Throws as reserve() does.
+  SlotSlabs(gpu::Gpu& gpu, Shape shape, std::size_t slots, std::shared_ptr<GpuBudget> budget);
+  ~SlotSlabs();
+  SlotSlabs(const SlotSlabs&) = delete;
+  SlotSlabs& operator=(const SlotSlabs&) = delete;
+
+  // Makes sure that take() can be called `slots` times. Throws Error(kOutOfMemory) where the budget, the slabs or the
+  // device do not allow it; every slot in use then is as it was, and what could be had stays for later.
+  void reserve(std::size_t slots);
+
+  [[nodiscard]] std::uint32_t take() noexcept;      // a free slot; only after reserve()
+  void release(std::uint32_t slot);                 // may be taken again at once
+  [[nodiscard]] std::size_t free() const noexcept;  // slots that can be taken now
+  [[nodiscard]] std::size_t inUse() const noexcept { return next_ - free_.size(); }
+
+  [[nodiscard]] std::size_t slabCount() const noexcept { return slabs_.size(); }
+  [[nodiscard]] const gpu::Buffer& slab(std::size_t i) const noexcept { return slabs_[i]; }
+  [[nodiscard]] std::size_t bytes() const noexcept { return capacity_ * shape_.slot_bytes; }
+
+ private:
+  void grow(std::size_t wanted_slots);
+  void addSlab(std::size_t slots);
+  void widenLastSlab(std::size_t slots);
+  [[nodiscard]] std::size_t lastSlabSlots() const noexcept;
+
+  gpu::Gpu& gpu_;
+  Shape shape_;
+  std::shared_ptr<GpuBudget> budget_;
+  std::vector<gpu::Buffer> slabs_;
+  std::size_t capacity_ = 0;         // slots of all slabs
+  std::size_t next_ = 0;             // slots below this one have been taken at some time
+  std::vector<std::uint32_t> free_;  // of those, given back
+  gpu::Commands commands_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/reference/edit_bricks.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <unordered_map>
+#include <vector>
+
+#include "engine/edit/edit_math.hpp"
+#include "engine/edit/edit_reach.hpp"
+
+namespace palpate::reference {
+namespace {
+
+using Brick = std::array<float, kBrickVoxels>;
+
+std::size_t offsetIn(const Vec3i& at) {
+  const Vec3i in = at.unaryExpr([](int i) { return i % kBrickSize; });
+  return (static_cast<std::size_t>(in.z()) * kBrickSize + in.y()) * kBrickSize + in.x();
+}
+
+// Bricks as they were before a command, read once each.
+class Before {
+ public:
+  explicit Before(const Volume& volume, const BrickGrid& grid) : volume_(volume), grid_(grid) {}
+
+  const Brick& brick(const Vec3i& at) {
+    const auto [entry, is_new] = bricks_.try_emplace(grid_.index(at));
+    if (is_new && volume_.readBrick(at, entry->second.data())) entry->second.fill(entry->second[0]);
+    return entry->second;
+  }
+  float at(const Vec3i& voxel) { return brick(voxel / kBrickSize)[offsetIn(voxel)]; }
+
+ private:
+  const Volume& volume_;
+  const BrickGrid& grid_;
+  std::unordered_map<std::uint32_t, Brick> bricks_;  // references into it stay valid
+};
+
+edit_math::Neighbours neighboursOf(Before& before, const Vec3i& size, const Vec3i& voxel) {
+  edit_math::Neighbours neighbours{};
+  for (int axis = 0; axis < 3; ++axis) {
+    Vec3i low = voxel;
+    Vec3i high = voxel;
+    low[axis] = std::max(voxel[axis] - 1, 0);
+    high[axis] = std::min(voxel[axis] + 1, size[axis] - 1);
+    neighbours.before[axis] = before.at(low);
+    neighbours.after[axis] = before.at(high);
+  }
+  return neighbours;
+}
+
+// Voxels of a brick outside the domain repeat the nearest one inside.
+Brick editedBrick(Before& before, const Vec3i& brick, const Vec3i& size, const layout::EditCommand& command,
+                  const EditScale& scale, std::span<const float> stamps) {
+  const Brick& old = before.brick(brick);
+  const Vec3i first = brick * kBrickSize;
+  Brick values;
+  for (int k = 0; k < kBrickSize; ++k) {
+    for (int j = 0; j < kBrickSize; ++j) {
+      for (int i = 0; i < kBrickSize; ++i) {
+        const Vec3i voxel = (first + Vec3i(i, j, k)).cwiseMin(size - Vec3i::Ones());
+        const float f = old[offsetIn(voxel)];
+        const edit_math::Local p = edit_math::local(command, scale, voxel.x(), voxel.y(), voxel.z());
+        values[offsetIn(Vec3i(i, j, k))] =
+            edit_math::readsNeighbours(command)
+                ? edit_math::editedWithNeighbours(command, scale, p, f, neighboursOf(before, size, voxel))
+                : edit_math::edited(command, stamps, p, f);
+      }
+    }
+  }
+  return values;
+}
+
+void applyOne(Volume& volume, const BrickGrid& grid, const layout::EditCommand& command,
+              std::span<const float> stamps) {
+  const EditScale scale = editScale(grid.spacing_m);
+  Before before(volume, grid);
+  std::vector<std::pair<Vec3i, Brick>> changed;  // put in place when no neighbour is read any more
+  for (const std::uint32_t index : reachedBricks(command, grid)) {
+    const Vec3i brick = grid.brick(index);
+    const Brick values = editedBrick(before, brick, grid.size, command, scale, stamps);
+    if (std::memcmp(values.data(), before.brick(brick).data(), sizeof values) != 0) changed.emplace_back(brick, values);
+  }
+  for (const auto& [brick, values] : changed) {
+    const bool constant = std::all_of(values.begin(), values.end(),
+                                      [&](const float& v) { return std::memcmp(&v, values.data(), sizeof v) == 0; });
+    if (constant) {
+      volume.setConstantBrick(brick, values[0]);
+    } else {
+      volume.setBrick(brick, values.data());
+    }
+  }
+}
+
+}  // namespace
+
+void applyEdits(Volume& volume, const LoweredEdits& edits) {
+  const BrickGrid grid{volume.size(), volume.lattice().spacing_m};
+  for (const layout::EditCommand& command : edits.commands) applyOne(volume, grid, command, edits.stamps);
+}
+
+}  // namespace palpate::reference

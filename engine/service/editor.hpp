@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+// engine/service/editor.hpp: changes the volume on the GPU and brings up to date what a change can reach, and no more.
+//
+// apply() plans on the CPU which bricks the commands can change, makes room for them, and records one list of work:
+// edit, bounds, gradients, window. Which bricks the isosurface needs after the edit is known on the GPU only; so every
+// brick that may become active gets a sample slot beforehand and the kernels ask its bounds. settle(), after the window
+// is out, gives back what was not needed: sample slots of bricks that are not active, storage of bricks that became
+// constant. After settle() bricks, bounds and samples equal, bit for bit, what a new start from the edited volume
+// gives.
+//
+// Thread: the Gpu's. Cost: follows the edit; a cut also looks at every page of its half space.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+#include "base/measured.hpp"
+#include "engine/edit/brush_profile.hpp"
+#include "engine/edit/edit_command.hpp"
+#include "engine/edit/edit_reach.hpp"
+#include "engine/passes/brick_bounds_pass.hpp"
+#include "engine/passes/brick_pool.hpp"
+#include "engine/passes/edit_pass.hpp"
+#include "engine/passes/gradient_pass.hpp"
+#include "engine/passes/sample_store.hpp"
+#include "engine/passes/window_pass.hpp"
+
+namespace palpate {
+
+class Editor {
+ public:
+  // What an edit works on; all of it outlives the editor. `bounds` may be null where every brick has samples.
+  struct Parts {
+    gpu::Gpu& gpu;
+    gpu::Transfer& transfer;
+    BrickPool& pool;
+    SampleStore& store;
+    BrickBoundsPass* bounds;
+    GradientPass& gradient;
+    WindowPass& window;
+  };
+  // `all_samples`: every brick has samples, whatever its bounds. Makes some room for bricks to come.
+  Editor(const Parts& parts, const BrushProfile& profile, bool all_samples);
+  ~Editor();
+
+  // Makes the kernels of these kinds ready, so that the first edit of a kind takes no longer than the next: up to 50 ms
+  // each where the driver has not seen them before.
+  void prepare(std::span<const EditKind> kinds);
+
+  struct WindowTarget {
+    WindowBox box;
+    const gpu::Buffer* buffer = nullptr;    // kHost memory, filled where the edit reaches the box
+    const gpu::Buffer* previous = nullptr;  // the same box before this edit, to copy what stays; null: all is gathered
+  };
+  struct Outcome {
+    std::uint64_t version = 0;        // counts edits from 1
+    bool window_gathered = false;     // the target now holds the edited volume
+    std::size_t changed_bricks = 0;   // that the commands may have changed
+    std::size_t gradient_bricks = 0;  // whose samples were, or may have been, computed
+    std::vector<StageTime> stages;    // plan, record, gpu
+  };
+  // Applies commands one after another. If `target` is given and the edit reaches its box, gathers it. Blocks until the
+  // GPU is done. Throws Error(kBadInput) as lowerEdits does and Error(kOutOfMemory) where there is no room; then
+  // nothing has changed and the editor goes on working.
+  Outcome apply(std::span<const EditCommand> commands, const WindowTarget* target);
+  // Puts whole bricks back, as undo and replay do; each brick once, linear page indices (grid()). Counts as an edit;
+  // for all else as apply(). At most 65536 bricks that are not constant at once. Refuses (Error kBadInput) a brick that
+  // is not there or comes twice, and densities that are no finite numbers.
+  struct BrickContent {
+    std::uint32_t brick = 0;
+    std::vector<float> values;  // 512, i fastest, voxels outside the domain as Volume::readBrick gives them; or one
+  };
+  Outcome replace(std::span<const BrickContent> bricks, const WindowTarget* target);
+  [[nodiscard]] const BrickGrid& grid() const noexcept { return grid_; }
+  // What a brick holds now, in that form. After settle().
+  [[nodiscard]] BrickContent content(std::uint32_t brick) const;
+  // The bricks that apply() would change, ascending: what a history must keep. Throws as lowerEdits does.
+  [[nodiscard]] std::vector<std::uint32_t> bricksToChange(std::span<const EditCommand> commands) const;
+
+  // Once after every apply() or replace(), when the window is out.
+  void settle();
+
+  // Writes every brick that has changed since the last call into `volume`; returns how many. After settle().
+  std::size_t readBack(Volume& volume);
+  [[nodiscard]] std::size_t changedBricks() const noexcept { return changed_.size(); }  // not read back yet
+
+  // Adds the device's own times to the stages: "edit", "bounds", "gradient", "window" of what "gpu" holds.
+  void timeKernels(bool on) noexcept { times_kernels_ = on; }
+
+  [[nodiscard]] std::uint64_t version() const noexcept { return version_; }
+  [[nodiscard]] const BrushProfile& profile() const noexcept { return profile_; }
+
+ private:
+  // A brick that the commands of one apply() may change.
+  struct Touched {
+    bool stored = false;     // has, or will have, a slot
+    bool is_new = false;     // will get one
+    float constant = 0;      // if it is not stored
+    VoxelBox changed;        // voxels that may change
+    bool may_cross = false;  // some may change sides of the isovalue
+  };
+  struct Plan {
+    LoweredEdits edits;
+    std::vector<EditPhase> phases;
+    std::unordered_map<std::uint32_t, Touched> touched;
+    std::vector<std::uint32_t> rebounded;  // bricks whose bounds may change
+    std::vector<std::uint32_t> unsettled;  // bricks that may become active or cease to be
+    std::vector<std::uint32_t> newly;      // of those, without samples until now
+    std::vector<std::uint32_t> regraded;   // bricks with samples whose gradients may change
+    std::vector<std::uint32_t> emptied;    // stored bricks that are given one value
+    std::size_t new_bricks = 0;
+  };
+
+  [[nodiscard]] Plan makePlan(std::span<const EditCommand> commands) const;
+  [[nodiscard]] Plan makePlan(std::span<const BrickContent> bricks) const;
+  void planPhase(Plan& plan, EditPhase& phase) const;
+  [[nodiscard]] std::optional<float> stillConstant(const Plan& plan, const EditPhase& phase, std::uint32_t brick,
+                                                   float density) const;
+  [[nodiscard]] std::optional<float> constantOf(const Plan& plan, std::uint32_t brick) const;
+  void planReach(Plan& plan) const;
+  Outcome run(Plan& plan, const WindowTarget* target, std::span<const BrickContent> given, double planned_s);
+  void handOver(const Plan& plan, std::span<const BrickContent> given);
+  void makeRoom(Plan& plan);
+  void writeStalePages(Plan& plan);
+  void record(Plan& plan, const WindowTarget* target, Outcome& outcome);
+  void downloadTouched();
+  [[nodiscard]] bool reachesWindow(const Plan& plan, const WindowBox& box) const;
+  [[nodiscard]] bool isActive(std::uint32_t brick) const;
+  void noteChanged(std::uint32_t brick);
+
+  Parts parts_;
+  BrushProfile profile_;
+  BrickGrid grid_;
+  bool all_samples_;
+  EditPass edit_;
+  HostList<layout::BrickTask> tasks_;  // of gradients, then of the window
+  HostList<layout::BrickTask> bound_tasks_;
+  HostList<layout::BrickBounds> bound_results_;
+  HostList<float> touched_values_;  // bricks that were touched, where slabs are not mapped
+  std::uint32_t max_dispatches_;
+  std::optional<gpu::Commands> commands_;
+  bool times_kernels_ = false;
+  std::vector<bool> crossed_;     // by brick: the isosurface crosses its cells
+  std::vector<bool> is_changed_;  // by brick: not read back yet
+  std::vector<std::uint32_t> changed_;
+  std::uint64_t version_ = 0;
+  // between apply() and settle()
+  std::vector<std::uint32_t> rebounded_, unsettled_, stored_;
+  bool settled_ = true;
+};
+
+}  // namespace palpate

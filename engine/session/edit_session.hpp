@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// engine/session/edit_session.hpp: an editing session: every edit, undo and redo goes to the engine, into the history
+// and into the journal, in one order. An edit that the engine refuses is in none of them. Thread: the engine's.
+// Cost: the engine's edit, a copy of the bricks that it changes, and an append to the journal's queue, which waits
+// only where the queue is full.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "engine/journal/journal_writer.hpp"
+#include "engine/session/edit_history.hpp"
+
+namespace palpate {
+
+// What a session can say of itself afterwards.
+struct EditFigures {
+  std::uint64_t edits = 0;               // undo and redo included
+  std::uint64_t windows = 0;             // edits that reached the window and published it anew
+  std::vector<double> edit_to_window_s;  // of those: from the call to the published window [s]
+  std::uint64_t journalled = 0;          // records given to the journal
+  std::uint64_t acknowledged = 0;        // of those, on disk
+  std::uint64_t journal_bytes = 0;
+  std::string journal_failure;  // why not all are; empty: they are, or there is no journal
+};
+
+class EditSession {
+ public:
+  // Allows edits of these kinds on `engine`, which outlives this. `history_bytes`: 0: no undo.
+  EditSession(Engine& engine, const BrushProfile& profile, std::span<const EditKind> kinds, std::size_t history_bytes);
+
+  // From here on edits are kept in a journal in `folder`; before the first. Throws as JournalWriter does.
+  void keepJournal(const std::filesystem::path& folder, const VolumeIdentity& volume, JournalOptions options = {});
+
+  // Throw as EditHistory does.
+  Engine::EditResult edit(std::span<const EditCommand> commands, std::int64_t now_ns);
+  Engine::EditResult undo(std::int64_t now_ns);
+  Engine::EditResult redo(std::int64_t now_ns);
+
+  // Waits until the journal is on disk or has failed, and ends it.
+  void close();
+  [[nodiscard]] EditFigures figures() const;
+  [[nodiscard]] const EditHistory& history() const noexcept { return history_; }
+  [[nodiscard]] const JournalWriter* journal() const noexcept { return journal_ ? &*journal_ : nullptr; }
+
+ private:
+  template <typename Change>
+  Engine::EditResult timed(const Change& change);
+
+  Engine& engine_;
+  EditHistory history_;
+  std::optional<JournalWriter> journal_;
+  EditFigures figures_;
+};
+
+}  // namespace palpate

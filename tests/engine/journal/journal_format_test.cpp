@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is written is read again, to the bit; what is no such thing is refused.
+#include "engine/journal/journal_format.hpp"
+
+#include <cstring>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "base/error.hpp"
+#include "journal_samples.hpp"
+
+namespace palpate {
+namespace {
+
+using ::testing::HasSubstr;
+
+JournalHeader header() {
+  return sampleHeader(sampleVolume());
+}
+
+std::string refusalOf(const std::string& bytes) {
+  JournalHeader read;
+  try {
+    static_cast<void>(readHeader(bytes, "FILE", read));
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), Error::Code::kBadInput);
+    return error.what();
+  }
+  return "";
+}
+
+TEST(JournalFormat, HeaderComesBack) {
+  JournalHeader written = header();
+  written.volume.source = "phantom:knot?size=64";
+  const std::string bytes = headerBytes(written);
+  JournalHeader read;
+  EXPECT_EQ(readHeader(bytes + "more", "FILE", read), bytes.size());
+  EXPECT_EQ(headerBytes(read), bytes);
+  EXPECT_EQ(read.volume.source, written.volume.source);
+  EXPECT_EQ(read.volume.content, written.volume.content);
+  EXPECT_EQ(read.profile.slope_per_m, written.profile.slope_per_m);
+}
+
+TEST(JournalFormat, RefusesWhatIsNoJournal) {
+  EXPECT_THAT(refusalOf(""), HasSubstr("no journal"));
+  EXPECT_THAT(refusalOf("not at all a journal, but long enough"), HasSubstr("--journal"));
+}
+
+TEST(JournalFormat, RefusesAnotherVersionAndSaysWhatToDo) {
+  std::string bytes = headerBytes(header());
+  bytes[kJournalMagic.size()] = 2;
+  EXPECT_THAT(refusalOf(bytes), HasSubstr("format version 2, and this program knows version 1; recover it with"));
+}
+
+TEST(JournalFormat, RefusesADamagedHeaderWhereverItIsDamaged) {
+  const std::string sound = headerBytes(header());
+  for (std::size_t at = kJournalMagic.size() + 4; at < sound.size(); ++at) {
+    std::string bytes = sound;
+    bytes[at] = static_cast<char>(bytes[at] ^ 0x10);
+    EXPECT_THAT(refusalOf(bytes), HasSubstr("header is damaged")) << at;
+    EXPECT_THAT(refusalOf(sound.substr(0, at)), HasSubstr("header is damaged")) << at;
+  }
+}
+
+// Equal bytes say that nothing was lost, as every member goes into them; a few are compared by value.
+TEST(JournalFormat, EveryKindOfCommandComesBack) {
+  RandomEdits random({27, 22, 19}, sampleLattice(), kLow, kHigh, 5);
+  for (int i = 0; i < 300; ++i) {
+    EditCommand command = random.next();
+    if (i % 4 == 0) command.object = random.between(50, 100);
+    const std::vector<std::shared_ptr<const Stamp>> stamps = {nullptr, command.stamp};
+    const std::vector<std::uint32_t> numbers = {2};
+    const std::string content = editContent({&command, 1}, numbers);
+    const auto read = editOf(content, stamps);
+    ASSERT_TRUE(read && read->size() == 1);
+    EXPECT_EQ(editContent(*read, numbers), content);
+    const EditCommand& back = read->front();
+    EXPECT_EQ(back.kind, command.kind);
+    EXPECT_EQ(back.strength, command.strength);
+    EXPECT_EQ(back.object, command.object);
+    EXPECT_EQ(back.material.has_value(), command.material.has_value());
+    EXPECT_EQ(back.stamp, isStamp(command.kind) ? command.stamp : nullptr);
+    if (isBrush(command.kind)) {
+      EXPECT_EQ(back.from_W, command.from_W);
+      EXPECT_EQ(back.to_W, command.to_W);
+      EXPECT_EQ(back.radius_m, command.radius_m);
+      EXPECT_EQ(back.falloff, command.falloff);
+    }
+    if (command.kind == EditKind::kPaint) {
+      EXPECT_EQ(back.value, command.value);
+    }
+    if (hasPlane(command.kind)) {
+      EXPECT_EQ(back.plane_W, command.plane_W);
+      EXPECT_EQ(back.normal_W, command.normal_W);
+    }
+    if (isStamp(command.kind)) {
+      EXPECT_EQ(back.R_WS, command.R_WS);
+    }
+  }
+}
+
+TEST(JournalFormat, StampsComeBack) {
+  const auto stamp = RandomEdits::ball(2e-3);
+  const auto read = stampOf(stampContent(*stamp));
+  ASSERT_NE(read, nullptr);
+  EXPECT_EQ(read->size, stamp->size);
+  EXPECT_EQ(read->lattice.origin_W, stamp->lattice.origin_W);
+  EXPECT_EQ(read->distance_m, stamp->distance_m);
+}
+
+TEST(JournalFormat, ContentThatIsCutOrLongerIsNone) {
+  const std::string stamp = stampContent(*RandomEdits::ball(2e-3));
+  EXPECT_EQ(stampOf(stamp.substr(0, stamp.size() - 1)), nullptr);
+  const EditCommand command = dab(0);
+  const std::vector<std::uint32_t> numbers = {0};
+  const std::string edit = editContent({&command, 1}, numbers);
+  for (std::size_t size = 0; size < edit.size(); ++size) EXPECT_FALSE(editOf(edit.substr(0, size), {})) << size;
+  EXPECT_FALSE(editOf(edit + "x", {}));
+}
+
+TEST(JournalFormat, AStampThatWasNeverWrittenIsRefused) {
+  EditCommand command;
+  command.kind = EditKind::kStampAdd;
+  const std::vector<std::uint32_t> numbers = {3};
+  EXPECT_FALSE(editOf(editContent({&command, 1}, numbers), {}));
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+// Damage at every byte: what lies before it is read, what is lost is named.
+#include "engine/journal/journal_reader.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "base/error.hpp"
+#include "journal_samples.hpp"
+
+namespace palpate {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr std::uint64_t kRecords = 6;
+
+// A journal of six edits; where its records begin, and its end.
+struct Sample {
+  TemporaryFolder folder;
+  std::string bytes;
+  std::vector<std::size_t> begins;
+
+  Sample() {
+    const JournalHeader header = sampleHeader(sampleVolume());
+    JournalWriter writer(folder.path(), header);
+    begins.push_back(headerBytes(header).size());
+    for (std::uint64_t i = 0; i < kRecords; ++i) {
+      const std::vector<EditCommand> commands(1 + i % 3, dab(static_cast<double>(i)));
+      writer.edit(commands);
+      writer.flush();
+      begins.push_back(writer.bytes());
+    }
+    writer.close();
+    bytes = bytesOf(folder.path());
+  }
+  [[nodiscard]] std::uint64_t recordAt(std::size_t byte) const {
+    return static_cast<std::uint64_t>(std::upper_bound(begins.begin(), begins.end(), byte) - begins.begin() - 1);
+  }
+};
+
+TEST(JournalReader, ATailThatIsCutAnywhereLosesOnlyTheCutRecord) {
+  const Sample sample;
+  for (std::size_t size = sample.begins[0]; size < sample.bytes.size(); ++size) {
+    setBytes(sample.folder.path(), sample.bytes.substr(0, size));
+    const Journal journal = readJournal(sample.folder.path());
+    const std::uint64_t whole = sample.recordAt(size);
+    ASSERT_EQ(journal.records.size(), whole) << size;
+    const bool at_border = size == sample.begins[whole];
+    ASSERT_EQ(journal.damage.has_value(), !at_border) << size;
+    if (at_border) continue;
+    EXPECT_EQ(journal.damage->first_byte, sample.begins[whole]);
+    EXPECT_EQ(journal.damage->bytes, size - sample.begins[whole]);
+    EXPECT_EQ(journal.damage->records, 1U);
+    EXPECT_EQ(journal.damage->reason, fmt::format("record {} is cut short", whole + 1));
+  }
+}
+
+TEST(JournalReader, AFlippedBitAnywhereLosesThatRecordAndThoseBehindIt) {
+  const Sample sample;
+  for (std::size_t at = sample.begins[0]; at < sample.bytes.size(); ++at) {
+    std::string bytes = sample.bytes;
+    bytes[at] = static_cast<char>(bytes[at] ^ 4);
+    setBytes(sample.folder.path(), bytes);
+    const Journal journal = readJournal(sample.folder.path());
+    const std::uint64_t hit = sample.recordAt(at);
+    ASSERT_EQ(journal.records.size(), hit) << at;
+    ASSERT_TRUE(journal.damage) << at;
+    EXPECT_EQ(journal.damage->first_byte, sample.begins[hit]);
+    EXPECT_EQ(journal.damage->bytes, bytes.size() - sample.begins[hit]);
+    // Unless the length itself was hit, those behind can be counted.
+    if (at >= sample.begins[hit] + 4) {
+      EXPECT_EQ(journal.damage->records, kRecords - hit) << at;
+    }
+  }
+}
+
+TEST(JournalReader, ARecordThatIsMissingIsNoticed) {
+  const Sample sample;
+  setBytes(sample.folder.path(), sample.bytes.substr(0, sample.begins[2]) + sample.bytes.substr(sample.begins[3]));
+  const Journal journal = readJournal(sample.folder.path());
+  EXPECT_EQ(journal.records.size(), 2U);
+  ASSERT_TRUE(journal.damage);
+  EXPECT_EQ(journal.damage->reason, "record 3 is missing: 4 follows");
+  EXPECT_THAT(damageWords(*journal.damage), HasSubstr("3 records in"));
+}
+
+// Sound bytes that make no sense: written by a program with a fault, or by a later one.
+TEST(JournalReader, RecordsThatMakeNoSenseEndTheJournal) {
+  const Sample sample;
+  const auto reasonWith = [&](const std::string& record) {
+    setBytes(sample.folder.path(), sample.bytes.substr(0, sample.begins[0]) + record);
+    const Journal journal = readJournal(sample.folder.path());
+    EXPECT_TRUE(journal.records.empty());
+    return journal.damage ? journal.damage->reason : "";
+  };
+  EXPECT_THAT(reasonWith(recordBytes(RecordKind::kUndo, 1, "")), HasSubstr("undoes what was not done"));
+  EXPECT_THAT(reasonWith(recordBytes(RecordKind::kRedo, 1, "")), HasSubstr("was not undone"));
+  EXPECT_THAT(reasonWith(recordBytes(RecordKind::kEdit, 1, "")), HasSubstr("no commands"));
+  EXPECT_THAT(reasonWith(recordBytes(RecordKind::kStamp, 1, "xyz")), HasSubstr("no stamp"));
+  EXPECT_THAT(reasonWith(recordBytes(static_cast<RecordKind>(99), 1, "")), HasSubstr("kind 99"));
+}
+
+TEST(JournalReader, RefusesAFolderWithoutAJournal) {
+  TemporaryFolder folder;
+  try {
+    static_cast<void>(readJournal(folder.path()));
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), Error::Code::kNotFound);
+    EXPECT_THAT(error.what(), HasSubstr("--journal"));
+  }
+}
+
+}  // namespace
+}  // namespace palpate

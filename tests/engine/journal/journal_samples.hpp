@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+// A small volume, its journal's header and random edits for tests of journals.
+#pragma once
+
+#include <algorithm>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include <sys/resource.h>
+
+#include "engine/journal/journal_writer.hpp"
+#include "random_edits.hpp"
+#include "temporary_folder.hpp"
+
+namespace palpate {
+
+inline constexpr double kLow = -100;
+inline constexpr double kHigh = 200;
+
+inline Lattice sampleLattice() {
+  Lattice lattice;
+  lattice.origin_W = {0.01, -0.02, 0.03};
+  lattice.spacing_m = {0.7e-3, 0.9e-3, 1.3e-3};
+  lattice.R_WL = Eigen::AngleAxisd(0.4, Vec3(1, 2, 3).normalized()).matrix();
+  return lattice;
+}
+
+// A ball with a ramp, isovalue 30; as it is given, no side is a multiple of 8.
+inline Volume sampleVolume(double radius_voxels = 8, const Vec3i& size = {27, 22, 19}) {
+  std::vector<float> values;
+  for (int k = 0; k < size.z(); ++k) {
+    for (int j = 0; j < size.y(); ++j) {
+      for (int i = 0; i < size.x(); ++i) {
+        const double inside = radius_voxels - (Vec3(i, j, k) - Vec3(13, 10.5, 9)).norm();
+        values.push_back(static_cast<float>(std::clamp(30 + 40 * inside, kLow, kHigh)));
+      }
+    }
+  }
+  return Volume::fromDense(size, sampleLattice(), values, {});
+}
+
+inline JournalHeader sampleHeader(const Volume& volume) {
+  return {identityOf(volume), brushProfile(30, kLow, kHigh, volume.lattice().spacing_m)};
+}
+
+inline std::string bytesOf(const std::filesystem::path& folder) {
+  return contentsOf(journalFile(folder));
+}
+inline void setBytes(const std::filesystem::path& folder, const std::string& bytes) {
+  std::ofstream(journalFile(folder), std::ios::binary | std::ios::trunc) << bytes;
+}
+
+inline EditCommand dab(double x_m) {
+  EditCommand command;
+  command.from_W = command.to_W = {x_m, 0, 0};
+  command.radius_m = 2e-3;
+  return command;
+}
+
+// A limit on the size of files stands for the full disk: the write fails in the same place, in the middle of a group.
+class FileSizeLimit {
+ public:
+  explicit FileSizeLimit(rlim_t bytes) {
+    handler_ = std::signal(SIGXFSZ, SIG_IGN);
+    getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit now{bytes, before_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &now);
+  }
+  ~FileSizeLimit() {
+    setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, handler_);
+  }
+  FileSizeLimit(const FileSizeLimit&) = delete;
+  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
+
+ private:
+  rlimit before_{};
+  void (*handler_)(int) = nullptr;
+};
+
+}  // namespace palpate

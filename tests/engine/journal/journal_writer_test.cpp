@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/journal/journal_writer.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "base/error.hpp"
+#include "engine/journal/journal_reader.hpp"
+#include "journal_samples.hpp"
+
+namespace palpate {
+namespace {
+
+using ::testing::HasSubstr;
+
+const JournalHeader& header() {
+  static const JournalHeader kHeader = sampleHeader(sampleVolume());
+  return kHeader;
+}
+
+TEST(JournalWriter, WhatIsAppendedIsReadInOrder) {
+  TemporaryFolder folder;
+  JournalWriter writer(folder.path() / "a" / "b", header());
+  const std::vector<EditCommand> two = {dab(1e-3), dab(2e-3)};
+  EXPECT_EQ(writer.edit(two), 1U);
+  EXPECT_EQ(writer.undo(), 2U);
+  EXPECT_EQ(writer.redo(), 3U);
+  writer.flush();
+  EXPECT_EQ(writer.acknowledged(), 3U);
+  const Journal journal = readJournal(folder.path() / "a" / "b");
+  EXPECT_FALSE(journal.damage);
+  ASSERT_EQ(journal.records.size(), 3U);
+  ASSERT_EQ(journal.records[0].commands.size(), 2U);
+  EXPECT_EQ(journal.records[0].commands[1].from_W.x(), 2e-3);
+  EXPECT_EQ(journal.records[1].kind, RecordKind::kUndo);
+  EXPECT_EQ(journal.records[2].kind, RecordKind::kRedo);
+  EXPECT_EQ(writer.bytes(), bytesOf(folder.path() / "a" / "b").size());
+}
+
+TEST(JournalWriter, AStampIsWrittenOnce) {
+  TemporaryFolder folder;
+  EditCommand command;
+  command.kind = EditKind::kStampAdd;
+  command.stamp = RandomEdits::ball(2e-3);
+  JournalWriter writer(folder.path(), header());
+  EXPECT_EQ(writer.edit({&command, 1}), 2U);
+  EXPECT_EQ(writer.edit({&command, 1}), 3U);
+  writer.close();
+  const Journal journal = readJournal(folder.path());
+  ASSERT_EQ(journal.records.size(), 2U);
+  EXPECT_EQ(journal.records[0].commands[0].stamp, journal.records[1].commands[0].stamp);
+  EXPECT_EQ(journal.records[0].commands[0].stamp->distance_m, command.stamp->distance_m);
+}
+
+// When a number is acknowledged, the file holds the record: looked at in that very moment, by the journal's thread.
+TEST(JournalWriter, AcknowledgesOnlyWhatIsInTheFile) {
+  TemporaryFolder folder;
+  std::vector<std::uint64_t> acknowledged;
+  std::uint64_t missing = 0;
+  JournalOptions options;
+  options.gather = std::chrono::microseconds(100);
+  options.on_acknowledged = [&](std::uint64_t newest) {
+    acknowledged.push_back(newest);
+    if (readJournal(folder.path()).last_sequence < newest) ++missing;
+  };
+  JournalWriter writer(folder.path(), header(), options);
+  for (int i = 0; i < 200; ++i) {
+    const EditCommand command = dab(i * 1e-3);
+    writer.edit({&command, 1});
+    if (i % 20 == 0) writer.flush();
+  }
+  writer.close();
+  EXPECT_EQ(missing, 0U);
+  EXPECT_GE(acknowledged.size(), 10U);
+  EXPECT_TRUE(std::is_sorted(acknowledged.begin(), acknowledged.end()));
+  EXPECT_EQ(acknowledged.back(), 200U);
+}
+
+// A million at once through a queue of 64 KiB: whoever queues waits, and everything arrives.
+TEST(JournalWriter, AMillionCommandsWaitTheirTurn) {
+  TemporaryFolder folder;
+  JournalOptions options;
+  options.queue_bytes = 65536;
+  JournalWriter writer(folder.path(), header(), options);
+  constexpr std::uint64_t kMany = 1'000'000;
+  constexpr std::uint64_t kDabBytes = kRecordFrame + 4 + 2 + 9 * 8;  // count; kind, flags; 9 numbers
+  std::vector<EditCommand> commands(1, dab(0));
+  for (std::uint64_t i = 1; i <= kMany; ++i) {
+    commands[0].radius_m = static_cast<double>(i);
+    ASSERT_EQ(writer.edit(commands), i);
+    // Never is more on its way than the queue and the group that is being written hold.
+    ASSERT_LE((i - writer.acknowledged()) * kDabBytes, 2 * options.queue_bytes);
+  }
+  writer.close();
+  EXPECT_EQ(writer.acknowledged(), kMany);
+  EXPECT_EQ(writer.failure(), "");
+  const Journal journal = readJournal(folder.path());
+  ASSERT_EQ(journal.records.size(), kMany);
+  for (std::uint64_t i = 0; i < kMany; ++i) {
+    ASSERT_EQ(journal.records[i].commands[0].radius_m, static_cast<double>(i + 1));
+  }
+}
+
+TEST(JournalWriter, ARecordLargerThanTheQueueGoesThrough) {
+  TemporaryFolder folder;
+  JournalOptions options;
+  options.queue_bytes = 10;
+  JournalWriter writer(folder.path(), header(), options);
+  const EditCommand command = dab(0);
+  for (int i = 0; i < 5; ++i) writer.edit({&command, 1});
+  writer.flush();
+  EXPECT_EQ(writer.acknowledged(), 5U);
+}
+
+// The journal ends, the session does not; the file holds whole records only, no fewer than were acknowledged and no
+// more than that either, so that nothing half-written looks saved.
+TEST(JournalWriter, AFullDiskEndsTheJournalAndNothingElse) {
+  TemporaryFolder folder;
+  JournalWriter writer(folder.path(), header());
+  const EditCommand command = dab(0);
+  for (int i = 0; i < 10; ++i) writer.edit({&command, 1});
+  writer.flush();
+  EXPECT_EQ(writer.acknowledged(), 10U);
+  {
+    const FileSizeLimit limit(writer.bytes() + 150);  // one record and a piece
+    for (int i = 0; i < 5000; ++i) writer.edit({&command, 1});
+    writer.flush();
+    EXPECT_THAT(writer.failure(), HasSubstr("edits after number 10 are not saved"));
+    EXPECT_THAT(writer.failure(), HasSubstr("make room"));
+  }
+  EXPECT_EQ(writer.edit({&command, 1}), 5011U);  // goes on, unsaved
+  writer.flush();
+  EXPECT_EQ(writer.acknowledged(), 10U);
+  writer.close();
+  const Journal journal = readJournal(folder.path());
+  EXPECT_FALSE(journal.damage);
+  EXPECT_EQ(journal.last_sequence, 10U);
+}
+
+TEST(JournalWriter, AFullDiskAtTheStartIsAnError) {
+  TemporaryFolder folder;
+  const FileSizeLimit limit(20);
+  try {
+    JournalWriter writer(folder.path(), header());
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), Error::Code::kIo);
+    EXPECT_THAT(error.what(), HasSubstr("make room"));
+  }
+  EXPECT_EQ(folder.files(), 0);
+}
+
+TEST(JournalWriter, RefusesAFolderThatHoldsAJournal) {
+  TemporaryFolder folder;
+  { const JournalWriter first(folder.path(), header()); }
+  const std::string before = bytesOf(folder.path());
+  try {
+    JournalWriter second(folder.path(), header());
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), Error::Code::kBadInput);
+    EXPECT_THAT(error.what(), HasSubstr("palpate recover"));
+  }
+  EXPECT_EQ(bytesOf(folder.path()), before);
+  EXPECT_EQ(folder.files(), 1);
+}
+
+TEST(JournalWriter, RefusesAPlaceThatIsNoFolder) {
+  TemporaryFolder folder;
+  std::ofstream(folder.path() / "file") << "x";
+  EXPECT_THROW(JournalWriter(folder.path() / "file", header()), Error);
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+// Slots that come and go, slabs that grow, a budget that ends it.
+#include "engine/passes/slot_slabs.hpp"
+
+#include <set>
+#include <span>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "base/error.hpp"
+#include "engine/gpu/transfer.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr std::size_t kSlotBytes = 64;
+
+SlotSlabs::Shape shape(std::size_t max_slabs = 0) {
+  return {"test", kSlotBytes, 16, max_slabs};
+}
+
+TEST(SlotSlabs, GrowsByDoublingAndKeepsWhatItHolds) {
+  gpu::Gpu gpu({});
+  gpu::Transfer transfer(gpu);
+  SlotSlabs slabs(gpu, shape(), 3, makeGpuBudget());
+  EXPECT_EQ(slabs.bytes(), 3 * kSlotBytes);
+  std::set<std::uint32_t> taken;
+  std::vector<float> content(3 * kSlotBytes / 4);
+  for (std::size_t i = 0; i < content.size(); ++i) content[i] = static_cast<float>(i);
+  for (int i = 0; i < 3; ++i) taken.insert(slabs.take());
+  transfer.upload(std::as_bytes(std::span(content)), slabs.slab(0));
+  EXPECT_EQ(slabs.free(), 0U);
+  slabs.reserve(1);
+  EXPECT_EQ(slabs.bytes(), 6 * kSlotBytes);
+  std::vector<float> kept(content.size());
+  transfer.download(slabs.slab(0), std::as_writable_bytes(std::span(kept)));
+  EXPECT_EQ(kept, content);
+  slabs.reserve(40);  // the first slab becomes whole, others follow
+  EXPECT_GE(slabs.slabCount(), 3U);
+  for (int i = 0; i < 40; ++i) taken.insert(slabs.take());
+  EXPECT_EQ(taken.size(), 43U);  // no slot twice
+  EXPECT_EQ(slabs.inUse(), 43U);
+  transfer.download(slabs.slab(0), std::as_writable_bytes(std::span(kept)));
+  EXPECT_EQ(kept, content);
+}
+
+TEST(SlotSlabs, GivesReleasedSlotsAgain) {
+  gpu::Gpu gpu({});
+  SlotSlabs slabs(gpu, shape(), 4, makeGpuBudget());
+  for (int i = 0; i < 4; ++i) (void)slabs.take();
+  slabs.release(2);
+  EXPECT_EQ(slabs.inUse(), 3U);
+  slabs.reserve(1);
+  EXPECT_EQ(slabs.bytes(), 4 * kSlotBytes);
+  EXPECT_EQ(slabs.take(), 2U);
+}
+
+TEST(SlotSlabs, RefusesMoreThanTheBudgetAndStaysUsable) {
+  gpu::Gpu gpu({});
+  const auto budget = makeGpuBudget(20 * kSlotBytes);
+  {
+    SlotSlabs slabs(gpu, shape(), 8, budget);
+    EXPECT_EQ(budget->used_bytes, 8 * kSlotBytes);
+    try {
+      slabs.reserve(21);
+      FAIL() << "it fitted";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), Error::Code::kOutOfMemory);
+      EXPECT_NE(std::string(error.what()).find("budget"), std::string::npos);
+    }
+    EXPECT_EQ(slabs.bytes(), 8 * kSlotBytes);
+    slabs.reserve(20);  // all of it, although doubling would take more
+    EXPECT_EQ(budget->leftBytes(), 0U);
+    EXPECT_THROW(SlotSlabs(gpu, shape(), 1, budget), Error);
+    EXPECT_EQ(budget->used_bytes, 20 * kSlotBytes);
+  }
+  EXPECT_EQ(budget->used_bytes, 0U);
+}
+
+TEST(SlotSlabs, RefusesMoreThanItsSlabs) {
+  gpu::Gpu gpu({});
+  SlotSlabs slabs(gpu, shape(2), 1, makeGpuBudget());
+  slabs.reserve(32);
+  EXPECT_THROW(slabs.reserve(33), Error);
+  EXPECT_EQ(slabs.free(), 32U);
+}
+
+}  // namespace
+}  // namespace palpate
