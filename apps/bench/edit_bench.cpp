@@ -25,6 +25,7 @@ constexpr double kSpacing_m = 1e-3;
 constexpr double kPlane_voxel = 3.5;  // above the middle: in the middle of a layer of bricks
 constexpr double kRamp_voxel = 4;
 constexpr double kTargetRadius_voxel = 8;
+constexpr std::size_t kTurn = 8;  // edits of one volume before the next has its turn, as a stroke's follow one another
 
 using Clock = std::chrono::steady_clock;
 double millisecondsSince(Clock::time_point start) {
@@ -258,21 +259,29 @@ class EditBench {
   void atRadius(double radius) {
     progress_.stage(fmt::format("edits of radius {:g} voxels", radius));
     Random random(request_.seed);
-    const int warm_up = 4;
-    for (int n = -warm_up; n < request_.repetitions; ++n) {
-      progress_.fraction(static_cast<double>(std::max(n, 0)) / request_.repetitions);
+    std::vector<std::pair<EditKind, Vec3>> edits;
+    for (int n = 0; n < request_.repetitions; ++n) {
       // Anywhere in a brick's cell, up to a quarter radius deep or high: the same for every volume.
       const Vec3 offset(random.uniform(-4, 4), random.uniform(-4, 4), random.uniform(-0.25, 0.25) * radius);
-      const EditKind kind = n % 4 < 2 ? EditKind::kRemove : EditKind::kAdd;
+      edits.emplace_back(n % 4 < 2 ? EditKind::kRemove : EditKind::kAdd, offset);
+    }
+    const auto one = [&](Session& session, std::size_t n) {
+      throwIfInterrupted(kWork);
+      session.edit(edits[n].first, edits[n].second, radius, n % 2 != 0);
+    };
+    for (const auto& session : sessions_) {  // warms up
+      for (std::size_t n = 0; n < std::min<std::size_t>(4, edits.size()); ++n) one(*session, n);
+      session->forget();
+    }
+    std::size_t first_session = 0, turns = 0;
+    for (std::size_t first = 0; first < edits.size(); first += kTurn) {
+      progress_.fraction(static_cast<double>(first) / static_cast<double>(edits.size()));
       for (std::size_t s = 0; s < sessions_.size(); ++s) {
-        throwIfInterrupted(kWork);
-        Session& session = *sessions_[(s + static_cast<std::size_t>(n + warm_up)) % sessions_.size()];
-        session.edit(kind, offset, radius, n % 2 != 0);
-        if (n == -1) session.forget();
+        Session& session = *sessions_[(s + first_session) % sessions_.size()];
+        for (std::size_t n = first; n < std::min(first + kTurn, edits.size()); ++n) one(session, n);
       }
-      if (radius == kTargetRadius_voxel && n >= 0 && n % std::max(1, request_.repetitions / kRecomputes) == 0) {
-        recompute_->run();
-      }
+      ++first_session;
+      if (radius == kTargetRadius_voxel && turns++ % 2 == 0) recompute_->run();
     }
     for (const auto& session : sessions_) session->addRow(result_, radius, request_.seed);
   }
@@ -290,7 +299,6 @@ class EditBench {
 
   void addTargets();
 
-  static constexpr int kRecomputes = 8;
   EditBenchRequest request_;
   Progress& progress_;
   std::vector<std::unique_ptr<Session>> sessions_;

@@ -39,7 +39,7 @@ std::string editIntroduction() {
          "given "
          "back) and `VDB read-back` come after it; `sum` holds all. Medians over edits at random places on the same "
          "plane, "
-         "the volumes taking turns edit by edit; `all` has gradients in every brick. A full recompute is bounds, "
+         "the volumes taking turns of eight; `all` has gradients in every brick. A full recompute is bounds, "
          "gradients "
          "of all bricks and a window, of a volume that is on the device already.";
 }

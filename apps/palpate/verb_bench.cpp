@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// palpate bench servo|loop|edit: measures, and holds the figures against what the program promises.
+// palpate bench servo|loop|edit|load: measures, and holds the figures against what the program promises.
 #include <filesystem>
 #include <optional>
 
@@ -7,6 +7,7 @@
 
 #include "apps/bench/bench_page.hpp"
 #include "apps/bench/edit_bench.hpp"
+#include "apps/bench/load_bench.hpp"
 #include "apps/bench/loop_bench.hpp"
 #include "apps/bench/servo_bench.hpp"
 #include "apps/bench/table_one.hpp"
@@ -149,6 +150,19 @@ void editVerb(const BenchArguments& arguments) {
       editChart(result), outputs);
 }
 
+void loadVerb(const BenchArguments& arguments) {
+  Outputs outputs(arguments);
+  Progress progress;
+  LoadBenchRequest request = arguments.quick ? LoadBenchRequest::quick() : LoadBenchRequest{};
+  request.seed = arguments.seed;
+  BenchResult result = runLoadBench(request, progress);
+  progress.done();
+  conclude(
+      result, arguments,
+      {.title = "What loading costs", .introduction = loadIntroduction(), .tables = loadTable(result), .chart = {}}, {},
+      outputs);
+}
+
 }  // namespace
 
 void addBenchVerb(CLI::App& app) {
@@ -171,6 +185,11 @@ void addBenchVerb(CLI::App& app) {
   addCommon(*edit, *arguments);
   edit->add_option("--gpu", arguments->gpu, "part of the Vulkan device's name; the best one if not given");
   edit->callback([arguments] { editVerb(*arguments); });
+  CLI::App* load = verb->add_subcommand(
+      "load",
+      "loading beside the format's library alone (a minute, 3 GiB of memory and 0.5 of disk; --quick: seconds)");
+  addCommon(*load, *arguments);
+  load->callback([arguments] { loadVerb(*arguments); });
 }
 
 }  // namespace palpate
