@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/volume/large_buffer.hpp: plain memory for a file's values, on large pages where the system gives them: touching
-// half a gigabyte for the first time in pages of 4 KiB takes as long as reading it. Not filled. Private to
+// engine/volume/large_buffer.hpp: plain memory for a file's values, on large pages where the system gives them:
+// touching half a gigabyte for the first time in pages of 4 KiB takes as long as reading it. Not filled. Private to
 // engine/volume. Throws std::bad_alloc. Any thread.
 #pragma once
 
