@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// palpate bench servo|loop: measures, and holds the figures against what the program promises.
+// palpate bench servo|loop|edit|load: measures, and holds the figures against what the program promises.
 #include <filesystem>
 #include <optional>
 
 #include <fmt/format.h>
 
 #include "apps/bench/bench_page.hpp"
+#include "apps/bench/edit_bench.hpp"
+#include "apps/bench/load_bench.hpp"
 #include "apps/bench/loop_bench.hpp"
 #include "apps/bench/servo_bench.hpp"
 #include "apps/bench/table_one.hpp"
@@ -24,7 +26,7 @@ struct BenchArguments {
   std::string json, csv, chart, page;
   std::uint64_t seed = 1;
   std::optional<double> seconds;  // loop only
-  std::string gpu;                // loop only
+  std::string gpu;                // loop, edit
 };
 
 void addCommon(CLI::App& verb, BenchArguments& arguments) {
@@ -134,6 +136,33 @@ void loopVerb(const BenchArguments& arguments) {
            loopChart(result), outputs);
 }
 
+void editVerb(const BenchArguments& arguments) {
+  Outputs outputs(arguments);
+  Progress progress;
+  EditBenchRequest request = arguments.quick ? EditBenchRequest::quick() : EditBenchRequest{};
+  request.seed = arguments.seed;
+  request.gpu = arguments.gpu;
+  BenchResult result = runEditBench(request, progress);
+  progress.done();
+  conclude(
+      result, arguments,
+      {.title = "What an edit costs", .introduction = editIntroduction(), .tables = editTable(result), .chart = {}},
+      editChart(result), outputs);
+}
+
+void loadVerb(const BenchArguments& arguments) {
+  Outputs outputs(arguments);
+  Progress progress;
+  LoadBenchRequest request = arguments.quick ? LoadBenchRequest::quick() : LoadBenchRequest{};
+  request.seed = arguments.seed;
+  BenchResult result = runLoadBench(request, progress);
+  progress.done();
+  conclude(
+      result, arguments,
+      {.title = "What loading costs", .introduction = loadIntroduction(), .tables = loadTable(result), .chart = {}}, {},
+      outputs);
+}
+
 }  // namespace
 
 void addBenchVerb(CLI::App& app) {
@@ -151,6 +180,16 @@ void addBenchVerb(CLI::App& app) {
       ->check(checkSeconds);
   loop->add_option("--gpu", arguments->gpu, "part of the Vulkan device's name; the best one if not given");
   loop->callback([arguments] { loopVerb(*arguments); });
+  CLI::App* edit = verb->add_subcommand(
+      "edit", "what an edit costs, by stage, brush and volume (a few minutes and 4 GiB; --quick: seconds)");
+  addCommon(*edit, *arguments);
+  edit->add_option("--gpu", arguments->gpu, "part of the Vulkan device's name; the best one if not given");
+  edit->callback([arguments] { editVerb(*arguments); });
+  CLI::App* load = verb->add_subcommand(
+      "load",
+      "loading beside the format's library alone (a minute, 3 GiB of memory and 0.5 of disk; --quick: seconds)");
+  addCommon(*load, *arguments);
+  load->callback([arguments] { loadVerb(*arguments); });
 }
 
 }  // namespace palpate

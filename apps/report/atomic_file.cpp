@@ -76,13 +76,17 @@ void AtomicFile::commit() {
   if (close(std::exchange(descriptor_, -1)) != 0) fail("cannot be written", errno);
   if (std::rename(temporary_.c_str(), target_.c_str()) != 0) fail("cannot be renamed into place", errno);
   temporary_.clear();
-  // The file is whole under either name; only the name itself may still be lost, so a folder that cannot be synced is
-  // no error.
-  const std::filesystem::path folder = target_.parent_path();
-  const int folder_descriptor = open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (folder_descriptor < 0) return;
-  static_cast<void>(fsync(folder_descriptor));
-  close(folder_descriptor);
+  flushFolder();
+}
+
+// A rename is on the disk once its folder is. Some file systems do not flush folders: they keep their own promises.
+void AtomicFile::flushFolder() const {
+  const std::filesystem::path folder = target_.has_parent_path() ? target_.parent_path() : ".";
+  const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return;  // a folder that may be written but not read
+  const int error = fsync(descriptor) == 0 ? 0 : errno;
+  close(descriptor);
+  if (error != 0 && error != EINVAL && error != ENOTSUP && error != EROFS) fail("its folder cannot be flushed", error);
 }
 
 void writeFileAtomically(const std::filesystem::path& target, std::string_view text) {

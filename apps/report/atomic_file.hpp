@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // apps/report/atomic_file.hpp: writes a file so that it is there whole or not at all.
 //
-// The text goes to a temporary file beside the target; commit() flushes it to the disk, checks every step and renames
-// it; where the folder can be synced, the new name is on the disk too. Without commit (an exception on the way) the
-// temporary file is removed and an older target stays as it was. Set-up code, one thread per object. Cost: a system
-// call for each 64 KiB, and waiting for the disk at commit. A process that wants an error instead of its death at a
-// file size limit must ignore SIGXFSZ.
+// The text goes to a temporary file beside the target; commit() flushes it to the disk, checks every step, renames
+// it and flushes the folder. Without commit (an exception on the way) the temporary file is removed and an older target
+// stays as it was. Set-up code, one thread per object. Cost: a system call for each 64 KiB, and waiting for the disk at
+// commit. A process that wants an error instead of its death at a file size limit must ignore SIGXFSZ.
 #pragma once
 
 #include <filesystem>
@@ -27,6 +26,7 @@ class AtomicFile {
 
  private:
   void drain();
+  void flushFolder() const;
   [[noreturn]] void fail(const std::string& what, int error) const;
   std::filesystem::path target_, temporary_;
   std::string buffer_;

@@ -30,10 +30,16 @@ struct Volume::Grid {
 
 using BrickSource = Volume::BrickSource;
 
+// Metadata of OpenVDB files that Palpate wrote: the domain's size [voxel], whose first voxel is the grid's (0,0,0).
+inline constexpr const char* kVdbDomainKey = "palpate_domain";
+
 // Builds the grid brick by brick. Throws Error(kBadInput): a dimension below 2, a bad lattice, NaN or infinite values
-// (with their count and the first one's index).
+// (with their count and the first one's index). Layers of bricks may be asked for from several threads at once, which a
+// source of values that are all there already can bear.
+enum class SourceCalls { kInOrder, kFromSeveralThreads };
 [[nodiscard]] std::unique_ptr<Volume::Grid> buildGrid(const Vec3i& size, const Lattice& lattice, VolumeFacts facts,
-                                                      const BrickSource& source);
+                                                      const BrickSource& source,
+                                                      SourceCalls calls = SourceCalls::kInOrder);
 
 // A leaf of a brick's 512 densities (i fastest; VDB's own run k fastest) with the voxels inside the domain active.
 [[nodiscard]] std::unique_ptr<ScalarTree::LeafNodeType> makeLeaf(const Vec3i& size, const Vec3i& brick,

@@ -48,14 +48,14 @@ class Triangles {
 
 }  // namespace
 
-TriangleMesh isosurfaceMesh(const Volume& volume, double isovalue) {
+TriangleMesh isosurfaceMesh(const Volume& volume, double isovalue, double adaptivity) {
   TriangleMesh mesh;
   const auto level = static_cast<float>(isovalue);
   if (!(volume.maximum() > level)) return mesh;
   std::vector<openvdb::Vec3s> points_I;  // the grid's transform is the identity: index space
   std::vector<openvdb::Vec3I> triangles;
   std::vector<openvdb::Vec4I> quads;
-  openvdb::tools::volumeToMesh(*padded(volume, level), points_I, triangles, quads, isovalue, 0.0);
+  openvdb::tools::volumeToMesh(*padded(volume, level), points_I, triangles, quads, isovalue, adaptivity);
   const Vec3 last_I = volume.size().cast<double>().array() - 1;
   mesh.vertices_W.reserve(points_I.size());
   for (const openvdb::Vec3s& p : points_I) {

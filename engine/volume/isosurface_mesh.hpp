@@ -7,6 +7,8 @@
 // voxel centres, as everywhere in Palpate; so the mesh is always closed, and its normals point out of the object.
 // Frame: world [m]. Any thread, while nobody changes the volume. Cost: some 0.1 us a voxel near the surface, and a copy
 // of the grid's stored bricks. An isovalue that the volume does not reach gives a mesh without triangles.
+// `adaptivity` in [0, 1] lets the mesher join cells where the surface is nearly flat: 0 keeps every cell, 1 joins most;
+// the mesh stays closed, its vertices leave the surface by less than the joined cells' size.
 #pragma once
 
 #include "base/triangle_mesh.hpp"
@@ -14,6 +16,6 @@
 
 namespace palpate {
 
-[[nodiscard]] TriangleMesh isosurfaceMesh(const Volume& volume, double isovalue);
+[[nodiscard]] TriangleMesh isosurfaceMesh(const Volume& volume, double isovalue, double adaptivity = 0);
 
 }  // namespace palpate

@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 
 #include "base/error.hpp"
+#include "engine/volume/grid.hpp"
+#include "engine/volume/large_buffer.hpp"
 #include "engine/volume/memory_budget.hpp"
 #include "engine/volume/raw_values.hpp"
 
@@ -52,12 +54,12 @@ Volume read(ItkRequest& request) {
   Lattice claimed = request.lattice ? *request.lattice : latticeOf(header, request.metres_per_unit);
   claimed.origin_W *= request.origin_scale;
   const Lattice lattice = orthonormalised(claimed, source);
-  std::vector<char> raw(static_cast<std::size_t>(size.cast<long long>().prod()) * byteSize(type));
-  file.read(raw.data());
   if (request.facts.value_type.empty()) request.facts.value_type = nameOf(type);
-  const std::vector<float> values = toFloats(raw, type, request.slope, request.intercept);
-  std::vector<char>().swap(raw);  // the grid takes its place
-  return Volume::fromDense(size, lattice, values, std::move(request.facts));
+  const auto count = static_cast<std::size_t>(size.cast<long long>().prod());
+  LargeBuffer raw(count * byteSize(type));
+  file.read(raw.data());
+  const BrickSource bricks = rawBricks({raw.data(), raw.size()}, type, size, request.slope, request.intercept);
+  return Volume(buildGrid(size, lattice, std::move(request.facts), bricks, SourceCalls::kFromSeveralThreads));
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/volume/raw_values.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <cstring>
@@ -24,17 +25,86 @@ constexpr std::array<TypeFacts, 10> kTypes = {{{"uint8", 1},
                                                {"float32", 4},
                                                {"float64", 8}}};
 
+// Value `n` as a float.
+template <class T>
+class Conversion {
+ public:
+  Conversion(const char* raw, double slope, double intercept)
+      : raw_(raw), slope_(slope), intercept_(intercept), scaled_(slope != 1 || intercept != 0) {}
+
+  [[nodiscard]] float at(std::size_t n) const {
+    T value = 0;
+    std::memcpy(&value, raw_ + n * sizeof(T), sizeof(T));
+    // Unscaled values keep their bits: -0 times 1 plus 0 would be +0.
+    return scaled_ ? static_cast<float>(static_cast<double>(value) * slope_ + intercept_) : static_cast<float>(value);
+  }
+
+ private:
+  const char* raw_;
+  double slope_, intercept_;
+  bool scaled_;
+};
+
 template <class T>
 std::vector<float> convert(const std::vector<char>& raw, double slope, double intercept) {
-  const bool scaled = slope != 1 || intercept != 0;
+  const Conversion<T> conversion(raw.data(), slope, intercept);
   std::vector<float> values(raw.size() / sizeof(T));
-  for (std::size_t n = 0; n < values.size(); ++n) {
-    T value = 0;
-    std::memcpy(&value, raw.data() + n * sizeof(T), sizeof(T));
-    // Unscaled values keep their bits: -0 times 1 plus 0 would be +0.
-    values[n] = scaled ? static_cast<float>(static_cast<double>(value) * slope + intercept) : static_cast<float>(value);
-  }
+  for (std::size_t n = 0; n < values.size(); ++n) values[n] = conversion.at(n);
   return values;
+}
+
+template <class T>
+Volume::BrickSource bricks(const Conversion<T>& conversion, const Vec3i& size) {
+  return [conversion, size](const Vec3i& brick, float* values) {
+    const Vec3i first = brick * kBrickSize;
+    const Vec3i last = size - Vec3i::Ones();
+    const bool whole_rows = first.x() + kBrickSize <= size.x();
+    for (int k = 0; k < kBrickSize; ++k) {
+      const auto z = static_cast<std::size_t>(std::min(first.z() + k, last.z()));
+      for (int j = 0; j < kBrickSize; ++j) {
+        const auto y = static_cast<std::size_t>(std::min(first.y() + j, last.y()));
+        const std::size_t row = (z * static_cast<std::size_t>(size.y()) + y) * static_cast<std::size_t>(size.x());
+        if (whole_rows) {
+          const std::size_t from = row + static_cast<std::size_t>(first.x());
+          for (std::size_t i = 0; i < kBrickSize; ++i) values[i] = conversion.at(from + i);
+        } else {
+          for (int i = 0; i < kBrickSize; ++i) {
+            values[i] = conversion.at(row + static_cast<std::size_t>(std::min(first.x() + i, last.x())));
+          }
+        }
+        values += kBrickSize;
+      }
+    }
+    return false;
+  };
+}
+
+// Calls `work` with a number of the type.
+template <class Work>
+auto withType(ValueType type, const Work& work) {
+  switch (type) {
+    case ValueType::kUint8:
+      return work(std::uint8_t{});
+    case ValueType::kInt8:
+      return work(std::int8_t{});
+    case ValueType::kUint16:
+      return work(std::uint16_t{});
+    case ValueType::kInt16:
+      return work(std::int16_t{});
+    case ValueType::kUint32:
+      return work(std::uint32_t{});
+    case ValueType::kInt32:
+      return work(std::int32_t{});
+    case ValueType::kUint64:
+      return work(std::uint64_t{});
+    case ValueType::kInt64:
+      return work(std::int64_t{});
+    case ValueType::kFloat64:
+      return work(double{});
+    case ValueType::kFloat32:
+      break;
+  }
+  return work(float{});
 }
 
 }  // namespace
@@ -47,29 +117,13 @@ std::string nameOf(ValueType type) {
 }
 
 std::vector<float> toFloats(const std::vector<char>& raw, ValueType type, double slope, double intercept) {
-  switch (type) {
-    case ValueType::kUint8:
-      return convert<std::uint8_t>(raw, slope, intercept);
-    case ValueType::kInt8:
-      return convert<std::int8_t>(raw, slope, intercept);
-    case ValueType::kUint16:
-      return convert<std::uint16_t>(raw, slope, intercept);
-    case ValueType::kInt16:
-      return convert<std::int16_t>(raw, slope, intercept);
-    case ValueType::kUint32:
-      return convert<std::uint32_t>(raw, slope, intercept);
-    case ValueType::kInt32:
-      return convert<std::int32_t>(raw, slope, intercept);
-    case ValueType::kUint64:
-      return convert<std::uint64_t>(raw, slope, intercept);
-    case ValueType::kInt64:
-      return convert<std::int64_t>(raw, slope, intercept);
-    case ValueType::kFloat32:
-      return convert<float>(raw, slope, intercept);
-    case ValueType::kFloat64:
-      return convert<double>(raw, slope, intercept);
-  }
-  return {};
+  return withType(type, [&](auto number) { return convert<decltype(number)>(raw, slope, intercept); });
+}
+
+Volume::BrickSource rawBricks(std::span<const char> raw, ValueType type, const Vec3i& size, double slope,
+                              double intercept) {
+  return withType(
+      type, [&](auto number) { return bricks(Conversion<decltype(number)>(raw.data(), slope, intercept), size); });
 }
 
 Lattice orthonormalised(Lattice lattice, const std::string& input) {

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // OpenVDB files: the first float, half, double or integer grid, or the one that "file.vdb#name" names.
 //
-// The domain is the box of active voxels, padded by two voxels on every side, which are background wherever the grid
-// has nothing else. Lengths are metres unless the grid's or the file's metadata "unit" says mm, um or cm; a level set
-// becomes density = -distance [m], so that density above 0 is inside. World axes are taken as LPS.
+// The domain is the one that the metadata "palpate_domain" names, or else the box of active voxels, padded by two
+// voxels on every side, which are background wherever the grid has nothing else. Lengths are metres unless the grid's
+// or the file's metadata "unit" says mm, um or cm; a level set becomes density = -distance [m], so that density above 0
+// is inside. World axes are taken as LPS.
 #include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 
 #include <fmt/format.h>
 #include <openvdb/io/Stream.h>
@@ -92,7 +94,22 @@ Lattice latticeOf(const openvdb::GridBase& grid, const openvdb::Coord& first, co
   return orthonormalised(lattice, source);
 }
 
+// The domain that a file of Palpate's names; nothing if it does not, or its active voxels say otherwise.
+std::optional<openvdb::CoordBBox> namedDomain(const openvdb::GridBase& grid) {
+  const auto size = grid.getMetadata<openvdb::Vec3IMetadata>(kVdbDomainKey);
+  if (!size) return {};
+  const openvdb::Vec3i n = size->value();
+  for (int axis = 0; axis < 3; ++axis) {
+    if (n[axis] < 2 || n[axis] > kMaxDimension) return {};
+  }
+  const openvdb::CoordBBox domain(openvdb::Coord(0, 0, 0), openvdb::Coord(n[0] - 1, n[1] - 1, n[2] - 1));
+  const openvdb::CoordBBox active = grid.evalActiveVoxelBoundingBox();
+  if (!active.empty() && !domain.isInside(active)) return {};
+  return domain;
+}
+
 openvdb::CoordBBox domainOf(const openvdb::GridBase& grid, const std::string& source) {
+  if (const auto named = namedDomain(grid)) return *named;
   openvdb::CoordBBox box = grid.evalActiveVoxelBoundingBox();
   if (box.empty())
     refuse(source, fmt::format("its grid \"{}\" has no active voxels", grid.getName()), "give another grid");

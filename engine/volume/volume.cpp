@@ -8,27 +8,13 @@
 
 #include "base/error.hpp"
 #include "engine/volume/grid.hpp"
+#include "engine/volume/raw_values.hpp"
 
 namespace palpate {
 namespace {
 
 openvdb::Coord coord(const Vec3i& index) {
   return {index.x(), index.y(), index.z()};
-}
-
-// Copies one brick out of dense values; voxels outside the domain repeat the nearest one inside.
-void copyBrick(const std::vector<float>& dense, const Vec3i& size, const Vec3i& brick, float* values) {
-  const Vec3i last = size - Vec3i::Ones();
-  const std::size_t row = static_cast<std::size_t>(size.x());
-  const std::size_t slice = row * static_cast<std::size_t>(size.y());
-  for (int k = 0; k < kBrickSize; ++k) {
-    const auto z = static_cast<std::size_t>(std::min(brick.z() * kBrickSize + k, last.z()));
-    for (int j = 0; j < kBrickSize; ++j) {
-      const auto y = static_cast<std::size_t>(std::min(brick.y() * kBrickSize + j, last.y()));
-      const float* from = dense.data() + z * slice + y * row;
-      for (int i = 0; i < kBrickSize; ++i) *values++ = from[std::min(brick.x() * kBrickSize + i, last.x())];
-    }
-  }
 }
 
 // A cell of eight voxels and the place in it.
@@ -64,10 +50,9 @@ Volume Volume::fromDense(const Vec3i& size, const Lattice& lattice, const std::v
         fmt::format("{} values were given for {} x {} x {} voxels", values.size(), size.x(), size.y(), size.z()),
         "give one value a voxel");
   }
-  return Volume(buildGrid(size, lattice, std::move(facts), [&](const Vec3i& brick, float* brick_values) {
-    copyBrick(values, size, brick, brick_values);
-    return false;
-  }));
+  const std::span<const char> raw(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(float));
+  const BrickSource source = rawBricks(raw, ValueType::kFloat32, size);
+  return Volume(buildGrid(size, lattice, std::move(facts), source, SourceCalls::kFromSeveralThreads));
 }
 
 Volume Volume::fromBricks(const Vec3i& size, const Lattice& lattice, VolumeFacts facts, const BrickSource& source) {

@@ -37,7 +37,8 @@ struct VolumeFacts {
 class Volume {
  public:
   // Makes a volume from dense values, i fastest, size.x*size.y*size.z of them. Refuses (Error kBadInput): a dimension
-  // below 2, NaN or infinite values, a bad lattice. Bricks that hold one value become constant. Cost: one pass.
+  // below 2, NaN or infinite values, a bad lattice. Bricks that hold one value become constant. Cost: one pass
+  // by all processors.
   static Volume fromDense(const Vec3i& size, const Lattice& lattice, const std::vector<float>& values,
                           VolumeFacts facts);
 

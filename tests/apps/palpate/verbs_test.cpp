@@ -13,9 +13,10 @@ using testing::HasSubstr;
 class Verbs : public ProgramTest {};
 
 TEST_F(Verbs, HelpOfEachSaysWhatItDoes) {
-  for (const Words& verb : {Words{}, Words{"touch"}, Words{"info"}, Words{"check"}, Words{"check", "gradient"},
-                            Words{"bench"}, Words{"bench", "servo"}, Words{"bench", "loop"}, Words{"devices"},
-                            Words{"plan"}, Words{"scene"}, Words{"faults"}}) {
+  for (const Words& verb :
+       {Words{}, Words{"touch"}, Words{"info"}, Words{"check"}, Words{"check", "gradient"}, Words{"bench"},
+        Words{"bench", "servo"}, Words{"bench", "loop"}, Words{"bench", "edit"}, Words{"bench", "load"},
+        Words{"convert"}, Words{"devices"}, Words{"plan"}, Words{"scene"}, Words{"faults"}}) {
     const Outcome outcome = run(verb + Words{"--help"});
     expectSuccess(outcome);
     EXPECT_THAT(outcome.out, HasSubstr("Usage: palpate"));

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/volume/isosurface_mesh.hpp"
 
+#include <algorithm>
+#include <limits>
 #include <map>
 
 #include <gtest/gtest.h>
@@ -92,6 +94,57 @@ TEST(IsosurfaceMesh, AFullVolumeIsItsBoxAndTurnedAxesStayOutward) {
     EXPECT_LE((high_I - Vec3(8, 15, 4)).norm(), 1e-5);
     const double whole_m3 = 8e-3 * 7.5e-3 * 8e-3;
     EXPECT_NEAR(volumeOf(mesh), whole_m3, 1e-5 * whole_m3) << sign;
+  }
+}
+
+// Edges that do not belong to exactly two triangles.
+int edgesNotShared(const TriangleMesh& mesh) {
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
+  for (const auto& t : mesh.triangles) {
+    for (std::size_t i = 0; i < 3; ++i) ++edges[std::minmax(t[i], t[(i + 1) % 3])];
+  }
+  return static_cast<int>(std::count_if(edges.begin(), edges.end(), [](const auto& e) { return e.second != 2; }));
+}
+
+// Every point of the mesh is within d of the ball's surface, so its volume is within 4 pi R^2 d (1 + d/R + ..) of the
+// ball's. Without adaptivity d is a vertex' error, bounded as above, and a triangle's sagitta: edges are up to
+// 2 sqrt(3) h long (vertices of two neighbouring cells), so (sqrt(3) h)^2 / 2R, 1.5 h^2 / R: 2 h^2 / R in all. Joined
+// cells stay within a leaf of 8 voxels: edges are up to 2 sqrt(3) 8 h long, which gives no useful bound; the mesher
+// joins cells whose normals n fulfil n.n' > 1 - adaptivity, so a joined face turns by less than acos(1 - a) to either
+// side of its mean and its sagitta is below R (1 - cos(2 acos(1 - a))) at most; for a = 0.01 that is 0.04 R.
+TEST(IsosurfaceMesh, VolumeOfTheBallAndEdgesSharedByTwo) {
+  const std::unique_ptr<Phantom> phantom = makePhantom("phantom:sphere?size=64");
+  const Volume volume = loadVolume("phantom:sphere?size=64");
+  const double h_m = volume.lattice().smallestSpacing();
+  std::size_t before = std::numeric_limits<std::size_t>::max();
+  for (const double adaptivity : {0.0, 0.01, 0.2}) {
+    const TriangleMesh mesh = isosurfaceMesh(volume, *volume.facts().declared_isovalue, adaptivity);
+    EXPECT_EQ(edgesNotShared(mesh), 0) << adaptivity;
+    EXPECT_EQ(unbalancedEdges(mesh), 0) << adaptivity;
+    EXPECT_GT(volumeOf(mesh), 0) << adaptivity;
+    EXPECT_LT(mesh.triangles.size(), before) << adaptivity;
+    before = mesh.triangles.size();
+    if (adaptivity > 0.01) continue;
+    const Vec3 centre_W = phantom->lattice().toWorld((volume.size().cast<double>().array() - 1).matrix() / 2);
+    const double R_m = -phantom->signedDistance_m(centre_W);
+    const double d_m = adaptivity > 0 ? 0.04 * R_m : 2 * h_m * h_m / R_m;
+    constexpr double kPi = 3.14159265358979;
+    EXPECT_NEAR(volumeOf(mesh), 4.0 / 3 * kPi * R_m * R_m * R_m, 4 * kPi * R_m * R_m * d_m * (1 + 2 * d_m / R_m));
+  }
+}
+
+// As without adaptivity, for every kind of cell.
+TEST(IsosurfaceMesh, IsClosedForEveryPhantomWhenAdaptive) {
+  for (const char* name : {"phantom:knot?size=40", "phantom:spheres?size=33", "phantom:shell?size=41",
+                           "phantom:gyroid?size=40", "phantom:box?size=20", "phantom:head?size=48&noise=0.1"}) {
+    const Volume volume = loadVolume(name);
+    const double isovalue = volume.facts().declared_isovalue.value_or(0.5 * (volume.minimum() + volume.maximum()));
+    for (const double adaptivity : {0.05, 1.0}) {
+      const TriangleMesh mesh = isosurfaceMesh(volume, isovalue, adaptivity);
+      EXPECT_GT(mesh.triangles.size(), 10U) << name;
+      EXPECT_EQ(unbalancedEdges(mesh), 0) << name << ' ' << adaptivity;
+      EXPECT_GT(volumeOf(mesh), 0) << name << ": normals point inwards";
+    }
   }
 }
 

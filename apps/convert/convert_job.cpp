@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/convert/convert_job.hpp"
+
+#include <chrono>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "apps/console/interrupt.hpp"
+#include "apps/mesh/mesh_writer.hpp"
+#include "apps/report/atomic_file.hpp"
+#include "base/error.hpp"
+#include "base/units.hpp"
+#include "engine/volume/isosurface_mesh.hpp"
+#include "engine/volume/statistics.hpp"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void refuse(const std::string& input, const std::string& reason, const std::string& remedy) {
+  throw Error(Error::Code::kBadInput, input, reason, remedy);
+}
+
+void checkOptions(const ConvertRequest& request) {
+  const bool mesh = isMeshFileName(request.out);
+  if (!mesh && !isVolumeFileName(request.out)) {
+    refuse(request.out, "its suffix names no format that can be written",
+           fmt::format("use {} for the volume, {} for the isosurface", kVolumeFileSuffixes, kMeshFileSuffixes));
+  }
+  if (!mesh && request.isovalue) refuse("--iso", "a volume has no isovalue", "leave it out, or write a mesh");
+  if (!mesh && request.adaptivity) refuse("--adaptivity", "a volume has none", "leave it out, or write a mesh");
+  if (request.adaptivity && !(*request.adaptivity >= 0 && *request.adaptivity <= 1)) {
+    refuse("--adaptivity", fmt::format("{:g} is not in [0, 1]", *request.adaptivity),
+           "0 keeps every cell, 1 joins most");
+  }
+}
+
+// Links and other ways to the same file count. A folder of slices must not lose one either.
+void checkOther(const std::string& in, const std::string& out) {
+  std::error_code ignored;
+  if (!fs::exists(out, ignored)) return;
+  const std::string path = fs::exists(in, ignored) ? in : in.substr(0, in.rfind('#'));
+  const bool same = fs::equivalent(path, out, ignored);
+  const fs::path folder = fs::absolute(out, ignored).parent_path();
+  if (same || (fs::is_directory(path, ignored) && fs::equivalent(path, folder, ignored))) {
+    refuse(out, same ? "it is the input" : "it is a file of the input's folder", "write to another name");
+  }
+}
+
+void toMesh(const ConvertRequest& request, const Volume& volume, AtomicFile& file, ConvertResult& result,
+            Progress& progress) {
+  result.isovalue = request.isovalue.value_or(0);
+  if (!request.isovalue) result.isovalue = defaultIsovalue(volume);
+  checkIsovalue(volume, result.isovalue);
+  progress.stage("meshing");
+  const TriangleMesh mesh = isosurfaceMesh(volume, result.isovalue, request.adaptivity.value_or(0));
+  if (mesh.triangles.empty()) {
+    refuse(request.in, fmt::format("isovalue {:g} gives no surface", result.isovalue), "choose another with --iso");
+  }
+  throwIfInterrupted("palpate convert");
+  result.triangles = mesh.triangles.size();
+  result.vertices = mesh.vertices_W.size();
+  progress.stage("writing " + request.out);
+  const double units_per_metre = request.unit == LengthUnit::kMetre ? 1 : kMillimetresPerMetre;
+  writeMesh(mesh, request.out, units_per_metre, [&](std::string_view bytes) {
+    throwIfInterrupted("palpate convert");
+    result.bytes += bytes.size();
+    file.write(bytes);
+  });
+}
+
+std::string bytesInWords(std::uint64_t bytes) {
+  const auto number = static_cast<double>(bytes);
+  if (number >= 1e9) return fmt::format("{:.2f} GB", number * 1e-9);
+  return number >= 1e6 ? fmt::format("{:.1f} MB", number * 1e-6) : fmt::format("{:.1f} kB", number * 1e-3);
+}
+
+}  // namespace
+
+ConvertResult convert(const ConvertRequest& request, Progress& progress) {
+  const auto start = std::chrono::steady_clock::now();
+  checkOptions(request);
+  checkOther(request.in, request.out);
+  AtomicFile file(request.out);  // before the long part, so that a folder that may not be written is refused at once
+  progress.stage("loading " + request.in);
+  const Volume volume = loadVolume(request.in);
+  throwIfInterrupted("palpate convert");
+  ConvertResult result;
+  result.size = volume.size();
+  result.is_mesh = isMeshFileName(request.out);
+  if (result.is_mesh) {
+    toMesh(request, volume, file, result, progress);
+  } else {
+    progress.stage("writing " + request.out);
+    writeVolume(volume, request.out, request.unit, [&](std::string_view bytes) {
+      throwIfInterrupted("palpate convert");
+      result.bytes += bytes.size();
+      file.write(bytes);
+    });
+  }
+  file.commit();
+  progress.done();
+  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return result;
+}
+
+std::string convertWords(const ConvertRequest& request, const ConvertResult& result) {
+  const std::string size = fmt::format("{} x {} x {} voxels", result.size.x(), result.size.y(), result.size.z());
+  const std::string what = result.is_mesh ? fmt::format("{} triangles, {} vertices, isosurface {:g} of {}",
+                                                        result.triangles, result.vertices, result.isovalue, size)
+                                          : size;
+  return fmt::format("{}: {}, {}, {:.2f} s", request.out, what, bytesInWords(result.bytes), result.seconds);
+}
+
+}  // namespace palpate

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// palpate convert IN OUT: a volume in another format, or its isosurface as a mesh.
+#include <fmt/format.h>
+
+#include "apps/convert/convert_job.hpp"
+#include "verbs.hpp"
+
+namespace palpate {
+
+void addConvertVerb(CLI::App& app) {
+  CLI::App* verb = app.add_subcommand("convert", "write a volume in another format, or its isosurface as a mesh");
+  auto request = std::make_shared<ConvertRequest>();
+  auto unit = std::make_shared<std::string>();
+  verb->add_option("in", request->in, "file, DICOM folder or phantom:NAME?size=64")->required();
+  verb->add_option("out", request->out,
+                   "the volume: .vdb .nii .nii.gz .nrrd .mha; a closed mesh of its isosurface: .stl .obj .ply")
+      ->required();
+  verb->add_option("--iso", request->isovalue,
+                   "isovalue of the mesh [density]; as `palpate touch` chooses it if not given");
+  verb->add_option("--adaptivity", request->adaptivity,
+                   "0 to 1: larger triangles where the mesh is nearly flat (default 0: none)");
+  verb->add_option("--unit", *unit, "of lengths in meshes and .vdb: mm or m (default mm; m for a level set's .vdb)")
+      ->check(CLI::IsMember({"mm", "m"}));
+  verb->callback([request, unit] {
+    if (!unit->empty()) request->unit = *unit == "m" ? LengthUnit::kMetre : LengthUnit::kMillimetre;
+    Progress progress;
+    const ConvertResult result = convert(*request, progress);
+    fmt::print("{}\n", convertWords(*request, result));
+  });
+}
+
+}  // namespace palpate

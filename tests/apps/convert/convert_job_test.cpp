@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/convert/convert_job.hpp"
+
+#include <csignal>
+#include <map>
+
+#include <gmock/gmock.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include "apps/mesh/mesh_file.hpp"
+#include "base/error.hpp"
+#include "engine/volume/volume.hpp"
+#include "temporary_folder.hpp"
+
+namespace palpate {
+namespace {
+
+using ::testing::HasSubstr;
+constexpr const char* kBall = "phantom:sphere?size=24&spacing=0.5mm";
+
+ConvertResult run(const ConvertRequest& request) {
+  Progress progress;
+  return convert(request, progress);
+}
+
+void expectRefused(const ConvertRequest& request, Error::Code code, const std::string& words) {
+  try {
+    static_cast<void>(run(request));
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), code);
+    EXPECT_THAT(error.what(), HasSubstr(words));
+  }
+}
+
+class Convert : public ::testing::Test {
+ protected:
+  [[nodiscard]] std::string file(const std::string& name) const { return (folder_.path() / name).string(); }
+  TemporaryFolder folder_;
+};
+
+TEST_F(Convert, AVolumeGoesThroughEveryFormatUnchanged) {
+  const std::vector<float> values = loadVolume(kBall).toDense();
+  std::string from = kBall;
+  for (const char* name : {"a.vdb", "b.nrrd", "c.nii.gz", "d.mha", "e.nii", "f.vdb"}) {
+    const ConvertResult result = run({.in = from, .out = file(name)});
+    EXPECT_FALSE(result.is_mesh);
+    EXPECT_EQ(result.bytes, std::filesystem::file_size(file(name)));
+    from = file(name);
+    const Volume volume = loadVolume(from);
+    EXPECT_EQ(volume.toDense(), values) << name;
+    // Two of the files hold 32-bit floats: 2^-24 of 0.5 mm each.
+    EXPECT_LE((volume.lattice().spacing_m - Vec3::Constant(0.5e-3)).cwiseAbs().maxCoeff(), 1e-10) << name;
+  }
+  EXPECT_EQ(folder_.files(), 6);
+}
+
+// Its extent tells the unit. Equal places are one vertex in an STL, so the mesh is closed by places.
+TEST_F(Convert, AMeshIsClosedAndInItsUnit) {
+  for (const char* name : {"a.stl", "a.ply", "a.obj"}) {
+    double extent[2] = {};
+    for (const LengthUnit unit : {LengthUnit::kMillimetre, LengthUnit::kMetre}) {
+      const ConvertResult result = run({.in = kBall, .out = file(name), .adaptivity = 0.02, .unit = unit});
+      const TriangleMesh mesh = readMeshFile(file(name));
+      EXPECT_EQ(result.triangles, mesh.triangles.size());
+      EXPECT_EQ(result.bytes, std::filesystem::file_size(file(name)));
+      std::map<std::array<double, 3>, std::uint32_t> places;
+      std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
+      const auto place = [&](std::uint32_t vertex) {
+        const Vec3& v = mesh.vertices_W[vertex];
+        return places.emplace(std::array{v.x(), v.y(), v.z()}, places.size()).first->second;
+      };
+      for (const auto& t : mesh.triangles) {
+        for (std::size_t n = 0; n < 3; ++n) ++edges[std::minmax({place(t[n]), place(t[(n + 1) % 3])})];
+      }
+      for (const auto& [edge, count] : edges) ASSERT_EQ(count, 2) << name;
+      Vec3 low = mesh.vertices_W[0], high = low;
+      for (const Vec3& v : mesh.vertices_W) {
+        low = low.cwiseMin(v);
+        high = high.cwiseMax(v);
+      }
+      extent[unit == LengthUnit::kMetre ? 1 : 0] = (high - low).norm();
+    }
+    EXPECT_NEAR(extent[0] / extent[1], 1000, 0.01) << name;
+    EXPECT_GT(extent[0], 1);
+  }
+}
+
+TEST_F(Convert, SaysWhatItDid) {
+  const ConvertRequest request{.in = kBall, .out = file("a.stl")};
+  ConvertResult result = run(request);
+  EXPECT_THAT(convertWords(request, result), HasSubstr("24 x 24 x 24 voxels"));
+  EXPECT_THAT(convertWords(request, result), HasSubstr(std::to_string(result.triangles) + " triangles"));
+}
+
+TEST_F(Convert, RefusesWhatItCannotDo) {
+  const auto bad = Error::Code::kBadInput;
+  expectRefused({.in = kBall, .out = file("a.tiff")}, bad, ".stl, .obj, .ply");
+  expectRefused({.in = kBall, .out = file("a.nrrd"), .isovalue = 1}, bad, "--iso");
+  expectRefused({.in = kBall, .out = file("a.nrrd"), .adaptivity = 0.1}, bad, "--adaptivity");
+  expectRefused({.in = kBall, .out = file("a.nrrd"), .unit = LengthUnit::kMetre}, bad, "--unit");
+  for (const double adaptivity : {-0.1, 1.5, std::nan("")}) {
+    expectRefused({.in = kBall, .out = file("a.stl"), .adaptivity = adaptivity}, bad, "[0, 1]");
+  }
+  for (const double isovalue : {1e9, -1e9, std::nan("")}) {
+    expectRefused({.in = kBall, .out = file("a.stl"), .isovalue = isovalue}, bad, "isovalue");
+  }
+  expectRefused({.in = file("none.nrrd"), .out = file("a.stl")}, Error::Code::kNotFound, "no such file");
+  EXPECT_EQ(folder_.files(), 0);
+}
+
+TEST_F(Convert, NeverReplacesItsInput) {
+  static_cast<void>(run({.in = kBall, .out = file("a.vdb")}));
+  const std::string before = contentsOf(file("a.vdb"));
+  std::filesystem::create_hard_link(file("a.vdb"), file("b.vdb"));
+  expectRefused({.in = file("a.vdb"), .out = file("a.vdb")}, Error::Code::kBadInput, "it is the input");
+  expectRefused({.in = file("a.vdb#density"), .out = file("a.vdb")}, Error::Code::kBadInput, "it is the input");
+  expectRefused({.in = file("a.vdb"), .out = file("b.vdb")}, Error::Code::kBadInput, "it is the input");
+  expectRefused({.in = folder_.path().string(), .out = file("b.vdb")}, Error::Code::kBadInput, "the input's folder");
+  EXPECT_EQ(contentsOf(file("a.vdb")), before);
+}
+
+// A limit on the size of files stands for the full disk: the older file stays, and nothing beside it.
+TEST_F(Convert, AFullDiskLeavesTheOlderFile) {
+  for (const char* name : {"a.vdb", "a.nii.gz", "a.nrrd", "a.stl"}) {
+    std::ofstream(file(name)) << "old";
+    void (*handler)(int) = std::signal(SIGXFSZ, SIG_IGN);
+    rlimit before{};
+    getrlimit(RLIMIT_FSIZE, &before);
+    const rlimit now{2000, before.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &now);
+    expectRefused({.in = "phantom:gyroid?size=64", .out = file(name)}, Error::Code::kIo, "make room");
+    setrlimit(RLIMIT_FSIZE, &before);
+    std::signal(SIGXFSZ, handler);
+    EXPECT_EQ(contentsOf(file(name)), "old");
+  }
+  EXPECT_EQ(folder_.files(), 4);
+}
+
+TEST_F(Convert, RefusesFoldersThatMayNotBeWritten) {
+  expectRefused({.in = kBall, .out = file("no/a.vdb")}, Error::Code::kIo, "make the folder first");
+  expectRefused({.in = kBall, .out = "/proc/a.vdb"}, Error::Code::kIo, "cannot be created");
+}
+
+}  // namespace
+}  // namespace palpate
