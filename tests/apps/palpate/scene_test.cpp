@@ -64,9 +64,13 @@ TEST_F(SceneOnCommandLine, BadFilesAreRefused) {
 }
 
 TEST_F(SceneOnCommandLine, SkullSceneIsUnderstood) {
-  // Its volume is not part of the sources; that is then all that is wrong.
+  // Its volume is not part of the sources; before the demo has linked it there, that is all that is wrong.
   const Outcome outcome = run({"plan", PALPATE_SCENES "/skull.toml"});
-  expectRefusal(outcome, PALPATE_SCENES "/Cranium.inv3", "no such file", 3);
+  if (std::filesystem::exists(PALPATE_SCENES "/Cranium.inv3")) {
+    expectSuccess(outcome);
+  } else {
+    expectRefusal(outcome, PALPATE_SCENES "/Cranium.inv3", "no such file", 3);
+  }
 }
 
 }  // namespace
