@@ -130,9 +130,9 @@ std::optional<EditCommand> ToolBrush::look(const ToolPose& pose, std::int64_t ti
     from_W_ = pose.position_W;
     begin_ns_ = last_look_ns_ = time_ns;
   }
-  if (pose.in_contact) {
+  if (pose.at_surface) {
     touched_ = true;
-    const double force_N = std::min(force_limit_N_, stiffness_N_per_m_ * (pose.vhip_W - pose.position_W).norm());
+    const double force_N = std::min(force_limit_N_, stiffness_N_per_m_ * (pose.surface_W - pose.position_W).norm());
     impulse_Ns_ += force_N * static_cast<double>(time_ns - last_look_ns_) / kNanosecondsPerSecond;
   }
   last_look_ns_ = time_ns;

@@ -19,8 +19,8 @@ constexpr double kStiffness = 500;
 ToolPose poseAt(double x_m, bool in_contact, double depth_m = 1e-3) {
   ToolPose pose;
   pose.position_W = {x_m, 0, 0};
-  pose.in_contact = in_contact;
-  pose.vhip_W = pose.position_W + Vec3(0, 0, in_contact ? depth_m : 0);
+  pose.at_surface = in_contact;
+  pose.surface_W = pose.position_W + Vec3(0, 0, in_contact ? depth_m : 0);
   return pose;
 }
 
