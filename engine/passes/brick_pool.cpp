@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/passes/brick_pool.hpp"
 
+#include <algorithm>
 #include <array>
 #include <span>
 #include <utility>
@@ -52,6 +53,28 @@ BrickPool::BrickPool(gpu::Gpu& gpu, gpu::Transfer& transfer, const Volume& volum
   }
   if (!pending.empty()) upload(transfer, pending, first_slot);
   page_table_.emplace(gpu, "page table", pages_.size() * sizeof(layout::BrickPage), gpu::MemoryKind::kDevice);
+  transfer.upload(std::as_bytes(std::span(pages_)), *page_table_);
+}
+
+BrickPool::BrickPool(gpu::Gpu& gpu, gpu::Transfer& transfer, const BrickPool& like, const std::string& name)
+    : domain_(like.domain_),
+      lattice_(like.lattice_),
+      budget_(like.budget_),
+      pages_(like.brickCount(), {NO_SLOT, 0.0F}) {
+  const SlotSlabs::Shape shape{name, kBrickBytes, BRICKS_PER_DENSITY_SLAB, DENSITY_SLABS};
+  slabs_ = std::make_unique<SlotSlabs>(gpu, shape, 0, budget_);
+  page_table_.emplace(gpu, name + " page table", pages_.size() * sizeof(layout::BrickPage), gpu::MemoryKind::kDevice);
+  transfer.upload(std::as_bytes(std::span(pages_)), *page_table_);
+}
+
+void BrickPool::assign(gpu::Transfer& transfer, std::vector<layout::BrickPage> pages) {
+  const auto stored = [](const layout::BrickPage& page) { return page.slot != NO_SLOT; };
+  slabs_->releaseAll();
+  stale_.clear();
+  std::fill(pages_.begin(), pages_.end(), layout::BrickPage{NO_SLOT, 0.0F});
+  slabs_->reserve(static_cast<std::size_t>(std::count_if(pages.begin(), pages.end(), stored)));
+  pages_ = std::move(pages);
+  for (layout::BrickPage& page : pages_) page = stored(page) ? layout::BrickPage{slabs_->take(), 0.0F} : page;
   transfer.upload(std::as_bytes(std::span(pages_)), *page_table_);
 }
 

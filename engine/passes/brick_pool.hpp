@@ -28,6 +28,8 @@ class BrickPool {
   // budget or more than the device has. Cost: one pass over the volume.
   BrickPool(gpu::Gpu& gpu, gpu::Transfer& transfer, const Volume& volume,
             std::shared_ptr<GpuBudget> budget = makeGpuBudget());
+  // A pool for another field on the same domain and of the same budget; every brick is 0. `name`: for messages.
+  BrickPool(gpu::Gpu& gpu, gpu::Transfer& transfer, const BrickPool& like, const std::string& name);
 
   [[nodiscard]] const layout::PoolDomain& domain() const noexcept { return domain_; }
   [[nodiscard]] const Lattice& lattice() const noexcept { return lattice_; }
@@ -61,6 +63,11 @@ class BrickPool {
   // kernel takes a slot.
   [[nodiscard]] std::vector<std::uint32_t> takeStalePages();
   [[nodiscard]] std::size_t stalePages() const noexcept { return stale_.size(); }
+
+  // Gives slots to the bricks of `pages` whose slot is not NO_SLOT, in that order, after freeing all; the values of the
+  // others hold. The page table is on the GPU when this returns; what the slots hold is the caller's to write. Throws
+  // as reserve() does; then every brick is 0.
+  void assign(gpu::Transfer& transfer, std::vector<layout::BrickPage> pages);
 
   // Reads a brick as Volume::readBrick does. Fast where slabs are mapped, else a submission each. Not while submitted
   // work changes the pool.

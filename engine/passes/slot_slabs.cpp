@@ -96,4 +96,9 @@ void SlotSlabs::release(std::uint32_t slot) {
   free_.push_back(slot);
 }
 
+void SlotSlabs::releaseAll() noexcept {
+  next_ = 0;
+  free_.clear();
+}
+
 }  // namespace palpate

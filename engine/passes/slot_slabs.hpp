@@ -39,6 +39,7 @@ class SlotSlabs {
 
   [[nodiscard]] std::uint32_t take() noexcept;      // a free slot; only after reserve()
   void release(std::uint32_t slot);                 // may be taken again at once
+  void releaseAll() noexcept;                       // take() begins with slot 0 again
   [[nodiscard]] std::size_t free() const noexcept;  // slots that can be taken now
   [[nodiscard]] std::size_t inUse() const noexcept { return next_ - free_.size(); }
 

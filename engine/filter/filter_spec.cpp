@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/filter/filter_spec.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <sstream>
+
+#include <fmt/format.h>
+
+#include "base/error.hpp"
+#include "base/units.hpp"
+
+namespace palpate {
+namespace {
+
+struct FilterRow {
+  FilterKind kind;
+  FilterWords words;
+};
+
+constexpr FilterRow kFilters[] = {
+    {FilterKind::kGaussian,
+     {"gaussian", "sigma", "truncate=3 (in sigmas), border=nearest|mirror",
+      "low-pass; separable, sampled, its taps sum to one"}},
+};
+
+[[noreturn]] void refuse(std::string_view filter, const std::string& reason, const std::string& remedy) {
+  throw Error(Error::Code::kBadInput, fmt::format("filter {}", filter), reason, remedy);
+}
+
+std::string names() {
+  std::string text;
+  for (const FilterRow& row : kFilters) text += fmt::format("{}{}", text.empty() ? "" : ", ", row.words.name);
+  return text;
+}
+
+// A number and what is behind it.
+std::pair<double, std::string_view> numberOf(std::string_view filter, std::string_view what, std::string_view text) {
+  double number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc{} || !std::isfinite(number)) {
+    refuse(filter, fmt::format("its {} '{}' is no number", what, text), "give for example gaussian:0.8mm or median:1");
+  }
+  return {number, text.substr(static_cast<std::size_t>(end - text.data()))};
+}
+
+Extent extentOf(std::string_view filter, std::string_view what, std::string_view text) {
+  const auto [number, unit] = numberOf(filter, what, text);
+  if (!(number > 0)) {
+    refuse(filter, fmt::format("its {} is {:g}", what, number), "give a number above 0");
+  }
+  if (unit.empty()) return {number, false};
+  if (unit == "mm") return {number * kMetresPerMillimetre, true};
+  if (unit == "um") return {number * 1e-6, true};
+  if (unit == "cm") return {number * 1e-2, true};
+  if (unit == "m") return {number, true};
+  refuse(filter, fmt::format("there is no unit '{}'", unit), "give voxels without a unit, or mm, um, cm, m");
+}
+
+double plain(std::string_view filter, std::string_view key, std::string_view text, double lowest, double highest) {
+  const auto [number, rest] = numberOf(filter, key, text);
+  if (!rest.empty() || number < lowest || number > highest) {
+    refuse(filter, fmt::format("its {} is '{}'", key, text), fmt::format("give {:g} to {:g}", lowest, highest));
+  }
+  return number;
+}
+
+void setKey(std::string_view filter, std::string_view key, std::string_view value, FilterSpec& spec) {
+  if (key == "border") {
+    if (value != "nearest" && value != "mirror") {
+      refuse(filter, fmt::format("there is no border '{}'", value), "use border=nearest or border=mirror");
+    }
+    spec.border = value == "mirror" ? Border::kMirror : Border::kNearest;
+  } else if (key == "truncate" && spec.kind == FilterKind::kGaussian) {
+    spec.truncate = plain(filter, key, value, 1, 8);
+  } else {
+    std::string_view keys;
+    for (const FilterRow& row : kFilters) keys = row.kind == spec.kind ? row.words.keys : keys;
+    refuse(filter, fmt::format("it has no '{}'", key), fmt::format("its keys: {}", keys));
+  }
+}
+
+FilterSpec filterOf(std::string_view text) {
+  std::string_view rest = text;
+  const auto next = [&] {
+    const std::size_t end = std::min(rest.find(':'), rest.size());
+    const std::string_view word = rest.substr(0, end);
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+    return word;
+  };
+  FilterSpec spec;
+  const std::string_view name = next();
+  const FilterRow* found = nullptr;
+  for (const FilterRow& row : kFilters) found = row.words.name == name ? &row : found;
+  if (found == nullptr) refuse(text, fmt::format("there is no filter '{}'", name), "use " + names());
+  spec.kind = found->kind;
+  if (rest.empty())
+    refuse(text, fmt::format("it has no {}", found->words.size), fmt::format("give for example {}:1", name));
+  spec.size = extentOf(text, found->words.size, next());
+  while (!rest.empty()) {
+    const std::string_view word = next();
+    const std::size_t equals = word.find('=');
+    if (equals == std::string_view::npos) {
+      refuse(text, fmt::format("'{}' has no value", word), fmt::format("its keys: {}", found->words.keys));
+    }
+    setKey(text, word.substr(0, equals), word.substr(equals + 1), spec);
+  }
+  return spec;
+}
+
+}  // namespace
+
+std::span<const FilterWords> filterTable() noexcept {
+  static const std::vector<FilterWords> kWords = [] {
+    std::vector<FilterWords> words;
+    for (const FilterRow& row : kFilters) words.push_back(row.words);
+    return words;
+  }();
+  return kWords;
+}
+
+std::vector<FilterSpec> filterChain(const std::string& text) {
+  std::vector<FilterSpec> chain;
+  std::istringstream words(text);
+  for (std::string word; words >> word;) chain.push_back(filterOf(word));
+  if (chain.empty()) refuse(text, "it names no filter", "use " + names() + ", for example \"gaussian:0.8mm\"");
+  return chain;
+}
+
+}  // namespace palpate

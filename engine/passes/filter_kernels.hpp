@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+// engine/passes/filter_kernels.hpp: which kernel runs a filter step, and how it is specialised: one table. Any thread.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "engine/filter/filter_step.hpp"
+
+namespace palpate {
+
+struct FilterKernel {
+  std::string name;                      // shaders/NAME.comp
+  std::uint32_t bricks_a_group = 1;      // that a work group works on
+  std::vector<std::uint32_t> constants;  // its own specialisation constants, from FILTER_CONSTANT_OWN on
+};
+
+[[nodiscard]] FilterKernel filterKernel(const FilterStep& step);
+
+}  // namespace palpate

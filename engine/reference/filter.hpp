@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+// engine/reference/filter.hpp: the CPU twin of the filter kernels: every step over the whole field, voxel by voxel,
+// with no bricks. Slow and obvious; any thread. Kernels must agree bit for bit where a step says so.
+#pragma once
+
+#include <span>
+
+#include "engine/filter/filter_step.hpp"
+#include "engine/reference/dense_field.hpp"
+
+namespace palpate::reference {
+
+[[nodiscard]] DenseField applyStep(const DenseField& field, const FilterStep& step);
+[[nodiscard]] DenseField applyFilters(DenseField field, std::span<const FilterStep> steps);
+
+// The density at a place that may lie beyond the border.
+[[nodiscard]] float bordered(const DenseField& field, const Vec3i& voxel, Border border);
+
+}  // namespace palpate::reference

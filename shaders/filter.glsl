@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// shaders/filter.glsl: the frame of a filter kernel: its tasks, what it writes, and reading beyond a brick. Include after
+// the push constant `push`, which begins as FilterPush does.
+//
+// A kernel is built twice. Bricks within reach of the border (kEdge == 1) find each voxel by its mapped coordinates;
+// all others take whole quads from neighbouring bricks and know nothing of borders. Voxels of a brick outside the domain
+// repeat the nearest one inside, in every pool, so only coordinates along the filter's own axes are mapped.
+#define POOL_DOMAIN push.domain
+#include "brick_pool.glsl"
+
+layout(constant_id = FILTER_CONSTANT_EDGE) const uint kEdge = 0;
+layout(constant_id = FILTER_CONSTANT_BORDER) const uint kBorder = BORDER_NEAREST;
+
+layout(std430, binding = FILTER_BINDING_TASKS) readonly buffer Tasks { FilterTask tasks[]; };
+layout(std430, binding = FILTER_BINDING_RESULT) writeonly buffer Result { vec4 result[]; };
+layout(std430, binding = FILTER_BINDING_TAPS) readonly buffer Taps { float taps[]; };
+
+// Where a coordinate beyond the border is read.
+int mapped(int c, int size) {
+  if (kBorder == BORDER_NEAREST) return clamp(c, 0, size - 1);
+  const int period = 2 * size;
+  const int m = c - period * int(floor(float(c) / float(period)));
+  return m < size ? m : period - 1 - m;
+}
+
+// Quad of a brick: four densities along i.
+vec4 pageQuad(BrickPage page, uint quad) {
+  if (page.slot == NO_SLOT) return vec4(page.constant);
+  return slabQuad(page.slot, quad);
+}
+
+// The quad that holds a voxel of the domain's bricks.
+vec4 quadAt(uvec3 voxel) {
+  const uvec3 in_brick = voxel % BRICK_EDGE;
+  return pageQuad(pages[brickIndex(voxel / BRICK_EDGE)], (in_brick.z * BRICK_EDGE + in_brick.y) * 2 + in_brick.x / 4);
+}

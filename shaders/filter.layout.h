@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// shaders/filter.layout.h: what the filter kernels share: each reads one brick pool and writes bricks of another.
+#ifndef PALPATE_FILTER_LAYOUT_H
+#define PALPATE_FILTER_LAYOUT_H
+#include "brick_pool.layout.h"
+
+#define FILTER_BINDING_TASKS BINDING_OWN
+#define FILTER_BINDING_RESULT (BINDING_OWN + 1)  // one density slab of the other pool, written
+#define FILTER_BINDING_TAPS (BINDING_OWN + 2)    // floats of the step
+#define FILTER_BINDINGS (BINDING_OWN + 3)
+
+// Specialisation constants of every filter kernel, after the pool's 0; a kernel's own follow.
+#define FILTER_CONSTANT_EDGE 1    // 1: bricks whose reach crosses the border, 0: the others
+#define FILTER_CONSTANT_BORDER 2  // BORDER_...
+#define FILTER_CONSTANT_OWN 3
+
+#define BORDER_NEAREST 0u
+#define BORDER_MIRROR 1u
+
+#define FILTER_GROUP 64u  // invocations
+
+PALPATE_LAYOUT_BEGIN
+
+struct FilterTask {
+  uint brick;  // linear page index
+  uint slot;   // within the bound slab of the result
+};
+
+struct FilterPush {
+  PoolDomain domain;
+  uint first_task, task_count;
+};
+
+PALPATE_LAYOUT_CHECK(FilterTask, 8)
+PALPATE_LAYOUT_CHECK(FilterPush, 32)
+PALPATE_PUSH_CHECK(FilterPush)
+
+PALPATE_LAYOUT_END
+#endif

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/filter/filter_spec.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "base/error.hpp"
+
+namespace palpate {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST(FilterSpec, ReadsAChain) {
+  const auto chain = filterChain("gaussian:0.8mm  gaussian:1.5:border=mirror:truncate=4");
+  ASSERT_EQ(chain.size(), 2U);
+  EXPECT_TRUE(chain[0].size.in_metres);
+  EXPECT_DOUBLE_EQ(chain[0].size.value, 0.8e-3);
+  EXPECT_DOUBLE_EQ(chain[0].size.voxels(0.4e-3), 2);
+  EXPECT_EQ(chain[0].border, Border::kNearest);
+  EXPECT_FALSE(chain[1].size.in_metres);
+  EXPECT_DOUBLE_EQ(chain[1].size.voxels(0.4e-3), 1.5);
+  EXPECT_EQ(chain[1].border, Border::kMirror);
+  EXPECT_EQ(chain[1].truncate, 4);
+}
+
+struct Refused {
+  const char* text;
+  const char* says;
+};
+class RefusedFilter : public testing::TestWithParam<Refused> {};
+
+TEST_P(RefusedFilter, SaysWhatIsWrong) {
+  try {
+    (void)filterChain(GetParam().text);
+    FAIL() << GetParam().text;
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr(GetParam().says)) << GetParam().text;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Texts, RefusedFilter,
+                         testing::Values(Refused{"", "names no filter"}, Refused{"blur:1", "there is no filter 'blur'"},
+                                         Refused{"gaussian", "it has no sigma"}, Refused{"gaussian:0", "is 0"},
+                                         Refused{"gaussian:-1mm", "is -1"}, Refused{"gaussian:nan", "is no number"},
+                                         Refused{"gaussian:inf", "is no number"}, Refused{"gaussian:x", "is no number"},
+                                         Refused{"gaussian:1in", "there is no unit 'in'"},
+                                         Refused{"gaussian:1:border=wrap", "there is no border 'wrap'"},
+                                         Refused{"gaussian:1:truncate=99", "give 1 to 8"},
+                                         Refused{"gaussian:1:mirror", "has no value"},
+                                         Refused{"gaussian:1:depth=2", "it has no 'depth'"}));
+
+}  // namespace
+}  // namespace palpate

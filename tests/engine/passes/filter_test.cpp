@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+// The filter kernels against their twins, bit for bit.
+#include "engine/reference/filter.hpp"
+
+#include <bit>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "engine/passes/filter_chain.hpp"
+#include "test_fields.hpp"
+
+namespace palpate {
+namespace {
+
+// The filtered field as the GPU has it, the voxels that lie in bricks outside the domain left away.
+reference::DenseField filteredOnGpu(const Volume& volume, const std::vector<FilterStep>& steps) {
+  gpu::Gpu gpu{{}};
+  gpu::Transfer transfer{gpu};
+  const BrickPool pool(gpu, transfer, volume);
+  FilterChain chain(gpu, transfer, pool, steps);
+  chain.run();
+  chain.run();  // a second run finds what the first left behind
+  reference::DenseField field = reference::denseField(volume);
+  const BrickGrid grid{pool.size(), pool.lattice().spacing_m};
+  std::array<float, kBrickVoxels> brick{};
+  for (std::uint32_t b = 0; b < pool.brickCount(); ++b) {
+    if (chain.result().readBrick(transfer, b, brick.data())) std::fill(brick.begin() + 1, brick.end(), brick[0]);
+    const Vec3i first = grid.brick(b) * kBrickSize;
+    for (int n = 0; n < kBrickVoxels; ++n) {
+      const Vec3i in_brick(n % 8, n / 8 % 8, n / 64);
+      // Outside the domain: as the nearest voxel inside.
+      const Vec3i inside = (first + in_brick).cwiseMin(pool.size() - Vec3i::Ones()) - first;
+      const float value = brick[static_cast<std::size_t>(n)];
+      const float nearest = brick[static_cast<std::size_t>((inside.z() * 8 + inside.y()) * 8 + inside.x())];
+      EXPECT_EQ(std::bit_cast<std::uint32_t>(value), std::bit_cast<std::uint32_t>(nearest))
+          << b << ": " << in_brick.transpose();
+      if (inside == in_brick)
+        field.values[field.offset(first.x() + in_brick.x(), first.y() + in_brick.y(), first.z() + in_brick.z())] =
+            value;
+    }
+  }
+  return field;
+}
+
+std::size_t differing(const reference::DenseField& a, const reference::DenseField& b) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < a.values.size(); ++i) {
+    count += std::bit_cast<std::uint32_t>(a.values[i]) != std::bit_cast<std::uint32_t>(b.values[i]) ? 1U : 0U;
+  }
+  return count;
+}
+
+// Denormals, 1e-30, 1e30 and ordinary values side by side.
+Volume extremes(const Vec3i& size) {
+  std::mt19937 random(11);
+  const float scales[] = {1.0F, 1e30F, 1e-30F, 1e-40F, 1e-45F, 0.0F};
+  return makeField(size, [&](int, int, int) {
+    const float unit = static_cast<float>(random()) / 4294967296.0F * 2.0F - 1.0F;
+    return unit * scales[random() % std::size(scales)];
+  });
+}
+
+struct Case {
+  const char* chain;
+  Vec3i size;
+};
+class FilterBits : public testing::TestWithParam<Case> {};
+
+TEST_P(FilterBits, EqualTheTwin) {
+  const auto steps = lowerFilters(filterChain(GetParam().chain), testLattice().spacing_m);
+  const Volume fields[] = {ballField(GetParam().size, 9.0), extremes(GetParam().size)};
+  for (const Volume& volume : fields) {
+    EXPECT_EQ(differing(filteredOnGpu(volume, steps), reference::applyFilters(reference::denseField(volume), steps)),
+              0U);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Gaussian, FilterBits,
+                         testing::Values(Case{"gaussian:1.5", {41, 33, 37}},
+                                         Case{"gaussian:1.5:border=mirror", {41, 33, 37}},
+                                         Case{"gaussian:1mm", {40, 48, 24}}, Case{"gaussian:5", {60, 70, 50}},
+                                         Case{"gaussian:10", {70, 9, 8}}, Case{"gaussian:2:border=mirror", {3, 2, 17}},
+                                         Case{"gaussian:3:truncate=5", {2, 2, 2}},
+                                         Case{"gaussian:0.6 gaussian:0.9", {30, 29, 28}}));
+
+// Far from the ball nothing is stored, and nothing near it is lost.
+TEST(FilterChain, KeepsASparseVolumeSparse) {
+  gpu::Gpu gpu{{}};
+  gpu::Transfer transfer{gpu};
+  const Volume volume = ballField({128, 128, 128}, 9.0);
+  const BrickPool pool(gpu, transfer, volume);
+  FilterChain chain(gpu, transfer, pool, lowerFilters(filterChain("gaussian:1.5"), Vec3::Ones()));
+  chain.run();
+  const Vec3i grown = Vec3i::Constant(2 * 9 + 2 * 3 + 2 * 5 + 16) / 8;  // ball, ramp, reach, and a brick's rounding
+  EXPECT_LE(chain.result().storedBricks(), static_cast<std::size_t>(grown.prod()));
+  EXPECT_GT(chain.result().storedBricks(), pool.storedBricks());
+}
+
+}  // namespace
+}  // namespace palpate
