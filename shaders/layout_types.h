@@ -13,7 +13,9 @@
 #define PALPATE_LAYOUT_CHECK(Type, bytes) static_assert(sizeof(Type) == (bytes), #Type " must match its GLSL layout");
 #define PALPATE_PUSH_CHECK(Type) \
   static_assert(sizeof(Type) <= 128, #Type " exceeds what Vulkan guarantees for push constants");
+#define PALPATE_TEXT inline  // before each function of a text that both compile (kernel_text.hpp)
 #else
+#define PALPATE_TEXT
 #define PALPATE_LAYOUT_BEGIN
 #define PALPATE_LAYOUT_END
 #define PALPATE_LAYOUT_CHECK(Type, bytes)

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "engine/passes/filter_chain.hpp"
+#include "shaders/kernel_text.hpp"
 #include "test_fields.hpp"
 
 namespace palpate {
@@ -83,6 +84,20 @@ INSTANTIATE_TEST_SUITE_P(Gaussian, FilterBits,
                                          Case{"gaussian:10", {70, 9, 8}}, Case{"gaussian:2:border=mirror", {3, 2, 17}},
                                          Case{"gaussian:3:truncate=5", {2, 2, 2}},
                                          Case{"gaussian:0.6 gaussian:0.9", {30, 29, 28}}));
+
+// The text of the kernel, compiled for the CPU, adds taps up as the twin does.
+TEST(FilterText, ConvolvesAsTheTwin) {
+  const Volume volume = extremes({40, 3, 2});
+  const reference::DenseField field = reference::denseField(volume);
+  const FilterStep step = lowerFilters(filterChain("gaussian:1.5"), Vec3::Ones())[0];
+  const reference::DenseField after = reference::applyStep(field, step);
+  for (int i = 5; i + 5 < 40; ++i) {
+    float sum = step.taps[5] * field.at(i - 5, 1, 1);
+    for (int tap = -4; tap <= 5; ++tap)
+      sum = kernel_text::addTap(sum, step.taps[static_cast<std::size_t>(std::abs(tap))], field.at(i + tap, 1, 1));
+    EXPECT_EQ(std::bit_cast<std::uint32_t>(sum), std::bit_cast<std::uint32_t>(after.at(i, 1, 1))) << i;
+  }
+}
 
 // Far from the ball nothing is stored, and nothing near it is lost.
 TEST(FilterChain, KeepsASparseVolumeSparse) {

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+// shaders/glsl.hpp: as much of GLSL as the *.math.glsl files use, for C++: their text is compiled by both (see
+// kernel_text.hpp). Vectors of four, element by element; every operation rounds as GLSL's does with `precise`.
+// Any thread.
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+
+namespace palpate::glsl {
+
+using uint = std::uint32_t;
+
+template <typename T>
+struct Vec4 {
+  std::array<T, 4> e{};
+  constexpr Vec4() = default;
+  explicit constexpr Vec4(T all) : e{all, all, all, all} {}
+  constexpr Vec4(T x, T y, T z, T w) : e{x, y, z, w} {}
+  constexpr T& operator[](int i) noexcept { return e[static_cast<std::size_t>(i)]; }
+  constexpr const T& operator[](int i) const noexcept { return e[static_cast<std::size_t>(i)]; }
+};
+using vec4 = Vec4<float>;
+using ivec4 = Vec4<int>;
+using uvec4 = Vec4<uint>;
+using bvec4 = Vec4<bool>;
+
+// One result from the elements of each vector.
+template <typename Function, typename... Vectors>
+constexpr auto each(const Function& function, const Vectors&... vectors) {
+  using Result = decltype(function(vectors[0]...));
+  return Vec4<Result>(function(vectors[0]...), function(vectors[1]...), function(vectors[2]...),
+                      function(vectors[3]...));
+}
+
+inline vec4 operator+(const vec4& a, const vec4& b) {
+  return each([](float x, float y) { return x + y; }, a, b);
+}
+inline vec4 operator-(const vec4& a, const vec4& b) {
+  return each([](float x, float y) { return x - y; }, a, b);
+}
+inline vec4 operator*(const vec4& a, const vec4& b) {
+  return each([](float x, float y) { return x * y; }, a, b);
+}
+inline vec4 operator/(const vec4& a, const vec4& b) {
+  return each([](float x, float y) { return x / y; }, a, b);
+}
+inline vec4 operator+(const vec4& a, float b) {
+  return a + vec4(b);
+}
+inline vec4 operator-(const vec4& a, float b) {
+  return a - vec4(b);
+}
+inline vec4 operator*(const vec4& a, float b) {
+  return a * vec4(b);
+}
+inline vec4 operator/(const vec4& a, float b) {
+  return a / vec4(b);
+}
+inline vec4 operator+(float a, const vec4& b) {
+  return vec4(a) + b;
+}
+inline vec4 operator-(float a, const vec4& b) {
+  return vec4(a) - b;
+}
+inline vec4 operator*(float a, const vec4& b) {
+  return vec4(a) * b;
+}
+inline vec4 operator/(float a, const vec4& b) {
+  return vec4(a) / b;
+}
+inline vec4 operator-(const vec4& a) {
+  return each([](float x) { return -x; }, a);
+}
+
+inline bvec4 lessThan(const vec4& a, const vec4& b) {
+  return each([](float x, float y) { return x < y; }, a, b);
+}
+inline bvec4 greaterThan(const vec4& a, const vec4& b) {
+  return each([](float x, float y) { return x > y; }, a, b);
+}
+inline bvec4 lessThanEqual(const vec4& a, const vec4& b) {
+  return each([](float x, float y) { return x <= y; }, a, b);
+}
+inline bvec4 greaterThanEqual(const vec4& a, const vec4& b) {
+  return each([](float x, float y) { return x >= y; }, a, b);
+}
+
+// `b` where the condition holds, else `a`.
+inline vec4 mix(const vec4& a, const vec4& b, const bvec4& choose_b) {
+  return each([](float x, float y, bool c) { return c ? y : x; }, a, b, choose_b);
+}
+inline float mix(float a, float b, bool choose_b) {
+  return choose_b ? b : a;
+}
+
+inline vec4 sqrt(const vec4& a) {
+  return each([](float x) { return std::sqrt(x); }, a);
+}
+inline float sqrt(float a) {
+  return std::sqrt(a);
+}
+inline vec4 abs(const vec4& a) {
+  return each([](float x) { return std::fabs(x); }, a);
+}
+inline float abs(float a) {
+  return std::fabs(a);
+}
+inline vec4 floor(const vec4& a) {
+  return each([](float x) { return std::floor(x); }, a);
+}
+inline float floor(float a) {
+  return std::floor(a);
+}
+inline uint floatBitsToUint(float a) {
+  return std::bit_cast<uint>(a);
+}
+inline float uintBitsToFloat(uint a) {
+  return std::bit_cast<float>(a);
+}
+
+}  // namespace palpate::glsl

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+// shaders/kernel_text.hpp: the arithmetic of the kernels, compiled for the CPU from the very text that GLSL compiles:
+// what a fast host version is to be built from, and a second witness of what the text means. The reference twins
+// (engine/reference) are written apart from it. Compile with -ffp-contract=off, as the whole program is.
+#pragma once
+
+#include "shaders/glsl.hpp"
+#include "shaders/layout_types.h"
+
+namespace palpate::kernel_text {
+using namespace glsl;  // NOLINT(google-build-using-namespace): the text is GLSL
+
+#define precise
+#include "shaders/filter_convolve.math.glsl"
+#undef precise
+
+}  // namespace palpate::kernel_text
