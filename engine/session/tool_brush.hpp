@@ -23,10 +23,9 @@ struct ToolBrushSpec {
   double period_s = 4e-3;  // between two edits [s]
 };
 
-// "remove:radius=2mm:strength=0.5:falloff=0.3". Kinds: add, remove, paint, smooth, inflate, deflate. Keys: radius (mm,
-// um, cm, m; needed), strength, falloff, value (paint), rate [1/(N s)], soft, hard, drop (material), period (ms).
-// Throws Error(kBadInput) with what is wrong and what may be given; ranges that depend on the volume are checked with
-// the first edit.
+// "remove:radius=2mm:strength=0.5:falloff=0.3": engine/edit/edit_text.hpp, the kinds and keys that a tool has. Throws
+// Error(kBadInput) with what is wrong and what may be given; ranges that depend on the volume are checked with the
+// first edit.
 [[nodiscard]] ToolBrushSpec toolBrushSpec(const std::string& text);
 
 class ToolBrush {

@@ -114,7 +114,11 @@ TEST(ToolBrush, RefusesTextsThatMakeNoBrush) {
       {"remove:radius=2mm:falloff=-1", "give 0 to 1"},
       {"remove:radius=2mm:size=3", "there is no 'size'"},
       {"remove:radius=2mm:soft=5:hard=4", "give soft below hard"},
-      {"add:radius=2mm:drop=0.5", "only removing"},
+      {"add:radius=2mm:drop=0.5", "add has no 'drop'"},
+      {"remove:radius=2mm:radius=3mm", "given twice"},
+      {"remove:radius=2mm:at=1,2,3", "remove has no 'at'"},
+      {"cut:radius=2mm", "there is no brush 'cut'"},
+      {"undo", "there is no brush 'undo'"},
       {"remove:radius=2mm:rate=x", "is no number"},
   };
   for (const auto& [text, words] : cases) {
