@@ -151,6 +151,7 @@ class Job {
       file.commit();
     } catch (const Error& error) {
       session_.close();
+      dropEmptyJournal();
       throw withMore(error, "", stateInWords());
     }
     addFigures();
@@ -219,6 +220,13 @@ class Job {
     if (request_.journal.empty() || figures.acknowledged == 0) return words;
     return words + fmt::format(" and the journal {} holds {}: see 'palpate recover'", request_.journal,
                                figures.acknowledged == figures.journalled ? "them" : "those up to where it failed");
+  }
+
+  // So that the same command can be given again, mended, with the same folder.
+  void dropEmptyJournal() const {
+    std::error_code ignored;
+    if (session_.journal() != nullptr && session_.figures().journalled == 0)
+      std::filesystem::remove(journalFile(request_.journal), ignored);
   }
 
   void addFigures() {

@@ -124,7 +124,7 @@ TEST_F(LiveEdits, RecoverRefusesWhatItCannotRecover) {
   expectSuccess(run(touch(kDrill + Words{"--journal", "journal"})));
   expectRefusal(run({"recover", "journal", "--out", "back.vdb", "--volume", "phantom:sphere?size=40"}), "size=40",
                 "not the volume that the journal began with", 2);
-  expectRefusal(run({"recover", "journal", "--out", "back.nii"}), "back.nii", "does not end in .vdb", 2);
+  expectRefusal(run({"recover", "journal", "--out", "back.tiff"}), "back.tiff", "names no format", 2);
   expectRefusal(run({"recover", "nothing", "--out", "back.vdb"}), "nothing", "no journal.palpate", 3);
   std::string bytes = contentsOf(journalFile(file("journal")));
   bytes[8] = 9;
