@@ -56,8 +56,7 @@ void addEditVerb(CLI::App& app) {
       ->required();
   verb->add_option("--do", request.commands, "a command; as often as wanted, in this order")
       ->type_name("COMMAND")
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+      ->allow_extra_args(false);  // what follows may be a volume
   verb->add_option("--script", request.script,
                    "commands from a file, one a line, # begins a comment; -: standard input")
       ->type_name("FILE");

@@ -4,8 +4,8 @@
 //
 // Orders come out in the order in which they went in, and none is dropped: where the queue is full, who gives one
 // waits. Nobody waits for ever: a taker that goes (abandon()) wakes the givers, and a giver's end or failure reaches
-// the taker behind the last order. Threads: givers any number, one taker. Memory: `capacity` orders, some 500 bytes
-// each. Cost: a lock and a move. No part of the servo.
+// the taker behind the last order. Threads: givers any number, one taker. Memory: `capacity` orders, some 400 bytes
+// and a short text each. Cost: a lock and a move. No part of the servo.
 #pragma once
 
 #include <condition_variable>

@@ -176,6 +176,12 @@ TEST_F(EditVerb, RecoverMakesTheSameFileFromTheJournal) {
   EXPECT_EQ(contentsOf(file("back.stl")).substr(80), contentsOf(file("direct.stl")).substr(80));
 }
 
+// A flag takes one command, so volumes may come behind it.
+TEST_F(EditVerb, FlagsMayComeFirst) {
+  expectSuccess(run(Words{"edit"} + dos({"remove:radius=5:at=6,0,0", "undo"}) + Words{kVolume, "out.nrrd"}));
+  expectRefusal(edit(dos({"remove:radius=5:at=6,0,0"}) + Words{"undo"}), "undo", "not expected", 2);
+}
+
 TEST_F(EditVerb, WritesAMeshOfWhatItEdited) {
   expectSuccess(run(Words{"edit", kVolume, "out.stl"} + dos({"remove:radius=5:at=6,0,0"})));
   expectSuccess(edit(dos({"remove:radius=5:at=6,0,0"})));
