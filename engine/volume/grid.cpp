@@ -179,6 +179,40 @@ Layer buildLayer(const Vec3i& size, int bk, const BrickSource& source) {
   return layer;
 }
 
+// Puts layers together, from several threads at once.
+class GridMaker {
+ public:
+  GridMaker(const Vec3i& size, const Lattice& lattice, const std::string& input)
+      : grid_(std::make_unique<Volume::Grid>()), survey_(size) {
+    checkSize(size, input);
+    checkLattice(lattice, input);
+    grid_->size = size;
+    grid_->field = ScalarGrid::create(0.0F);
+  }
+
+  [[nodiscard]] int layers() const { return (grid_->size.z() + kBrickSize - 1) / kBrickSize; }
+
+  void add(Layer layer) {
+    const std::lock_guard lock(one_at_a_time_);
+    survey_.merge(layer.survey);
+    layer.moveTo(grid_->field->tree());
+  }
+
+  [[nodiscard]] std::unique_ptr<Volume::Grid> finish(const Lattice& lattice, VolumeFacts facts) {
+    survey_.check(facts.source);
+    grid_->lattice = lattice;
+    grid_->facts = std::move(facts);
+    grid_->minimum = survey_.minimum();
+    grid_->maximum = survey_.maximum();
+    return std::move(grid_);
+  }
+
+ private:
+  std::unique_ptr<Volume::Grid> grid_;
+  std::mutex one_at_a_time_;
+  ValueSurvey survey_;
+};
+
 }  // namespace
 
 std::unique_ptr<ScalarTree::LeafNodeType> makeLeaf(const Vec3i& size, const Vec3i& brick, const float* values) {
@@ -212,33 +246,17 @@ std::unique_ptr<ScalarTree::LeafNodeType> makeLeaf(const Vec3i& size, const Vec3
 }
 
 std::unique_ptr<Volume::Grid> buildGrid(const Vec3i& size, const Lattice& lattice, VolumeFacts facts,
-                                        const BrickSource& source, SourceCalls calls) {
-  checkSize(size, facts.source);
-  checkLattice(lattice, facts.source);
-  auto grid = std::make_unique<Volume::Grid>();
-  grid->field = ScalarGrid::create(0.0F);
-  ScalarTree& tree = grid->field->tree();
-  ValueSurvey survey(size);
-  std::mutex one_at_a_time;
-  const auto build = [&](int bk) {
-    Layer layer = buildLayer(size, bk, source);
-    const std::lock_guard lock(one_at_a_time);
-    survey.merge(layer.survey);
-    layer.moveTo(tree);
-  };
-  const int layers = (size.z() + kBrickSize - 1) / kBrickSize;
-  if (calls == SourceCalls::kFromSeveralThreads) {
-    tbb::parallel_for(0, layers, build);
-  } else {
-    for (int bk = 0; bk < layers; ++bk) build(bk);
-  }
-  survey.check(facts.source);
-  grid->size = size;
-  grid->lattice = lattice;
-  grid->facts = std::move(facts);
-  grid->minimum = survey.minimum();
-  grid->maximum = survey.maximum();
-  return grid;
+                                        const BrickSource& source) {
+  GridMaker maker(size, lattice, facts.source);
+  for (int bk = 0; bk < maker.layers(); ++bk) maker.add(buildLayer(size, bk, source));
+  return maker.finish(lattice, std::move(facts));
+}
+
+std::unique_ptr<Volume::Grid> buildGridByLayers(const Vec3i& size, const Lattice& lattice, VolumeFacts facts,
+                                                const LayerSource& layers) {
+  GridMaker maker(size, lattice, facts.source);
+  tbb::parallel_for(0, maker.layers(), [&](int bk) { maker.add(buildLayer(size, bk, layers(bk))); });
+  return maker.finish(lattice, std::move(facts));
 }
 
 }  // namespace palpate

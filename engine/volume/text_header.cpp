@@ -72,12 +72,14 @@ TextHeader readTextHeader(const std::string& path, const std::string& source, ch
     const std::string line = trimmed(head.substr(begin, end - begin));
     begin = std::min(end + 1, head.size());
     header.data_offset = begin;
-    if (line.empty() && last_key.empty()) break;
+    header.ended = line.empty() && last_key.empty();
+    if (header.ended) break;
     const std::size_t colon = line.find(separator);
     if (line.starts_with('#') || colon == std::string::npos) continue;
     const std::string key = lowerCase(trimmed(line.substr(0, colon)));
     header.fields.emplace(key, trimmed(line.substr(colon + 1)));
-    if (!last_key.empty() && key == last_key) break;
+    header.ended = !last_key.empty() && key == last_key;
+    if (header.ended) break;
   }
   return header;
 }
