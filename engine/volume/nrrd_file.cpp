@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // NRRD, attached (.nrrd) and detached (.nhdr). Source of the format: https://teem.sourceforge.net/nrrd/format.html
 //
-// ITK reads the values. The lattice is made here from "space directions", because ITK 5.2 turns LAS files to LPS but
-// not RAS ones. Looked at before: spacings (ITK takes the size of a negative one), units of length (ITK ignores them),
-// the stored size of raw and gzip data.
-#include <bit>
+// ITK reads the values, unless they lie there as they are. The lattice is made here from "space directions", because
+// ITK 5.2 turns LAS files to LPS but not RAS ones. Looked at before: spacings (ITK takes the size of a negative one),
+// units of length (ITK ignores them), the stored size of raw and gzip data.
 #include <cmath>
 #include <filesystem>
 #include <optional>
@@ -16,6 +15,7 @@
 #include "engine/volume/memory_budget.hpp"
 #include "engine/volume/readers.hpp"
 #include "engine/volume/text_header.hpp"
+#include "engine/volume/text_raw_block.hpp"
 
 namespace palpate {
 namespace {
@@ -97,19 +97,6 @@ void checkData(const TextHeader& header, const std::string& path, const std::str
   checkStoredBytes(source, stored, voxels * bytesOfType(lowerCase(header.text("type"))), compressed);
 }
 
-// The values, if nothing in the header moves, turns or packs them.
-std::optional<RawBlock> rawBlockOf(const TextHeader& header, const std::string& path) {
-  const bool plain = header.ended && lowerCase(header.text("encoding")) == "raw" &&
-                     lowerCase(header.text("endian")) == "little" && header.numbers("sizes").size() == 3;
-  if (!plain || std::endian::native != std::endian::little) return {};
-  const std::string kinds = header.text("kinds");
-  if (!kinds.empty() && kinds != "domain domain domain" && kinds != "space space space") return {};
-  for (const char* key : {"byte skip", "byteskip", "line skip", "lineskip", "data file", "datafile"}) {
-    if (!header.text(key).empty()) return {};
-  }
-  return RawBlock{path, header.data_offset};
-}
-
 // "(1,2,3) none (4,5,6)": the vectors, without what is not one.
 std::vector<Vec3> vectorsOf(const TextHeader& header, const std::string& key) {
   const std::string text = header.text(key);
@@ -169,7 +156,7 @@ Volume readNrrd(const std::string& name, std::size_t memory_budget_bytes) {
   request.metres_per_unit = metresPerUnit(header, name);
   request.lattice = latticeOf(header, request.metres_per_unit);
   request.memory_budget_bytes = memory_budget_bytes;
-  request.raw = rawBlockOf(header, name);
+  request.raw = nrrdRawBlock(header, name);
   request.facts.source = name;
   request.facts.format = "NRRD";
   request.facts.orientation = orientationOf(header);
