@@ -148,26 +148,6 @@ BrickSurvey surveyWhole(const float* values) {
   return survey;
 }
 
-// A brick's values from i fastest to k fastest, as VDB has them, in squares of four by four.
-void turnBrick(const float* from, float* to) {
-  constexpr int kRow = kBrickSize, kSlice = kBrickSize * kBrickSize;
-  for (int j = 0; j < kBrickSize; ++j) {
-    for (int i = 0; i < kBrickSize; i += kLanes) {
-      for (int k = 0; k < kBrickSize; k += kLanes) {
-        const float* in = from + k * kSlice + j * kRow + i;
-        float* out = to + i * kSlice + j * kRow + k;
-        const Floats a = load(in), b = load(in + kSlice), c = load(in + 2 * kSlice), d = load(in + 3 * kSlice);
-        const Floats ac01 = __builtin_shufflevector(a, c, 0, 4, 1, 5), ac23 = __builtin_shufflevector(a, c, 2, 6, 3, 7);
-        const Floats bd01 = __builtin_shufflevector(b, d, 0, 4, 1, 5), bd23 = __builtin_shufflevector(b, d, 2, 6, 3, 7);
-        store(out, __builtin_shufflevector(ac01, bd01, 0, 4, 1, 5));
-        store(out + kSlice, __builtin_shufflevector(ac01, bd01, 2, 6, 3, 7));
-        store(out + 2 * kSlice, __builtin_shufflevector(ac23, bd23, 0, 4, 1, 5));
-        store(out + 3 * kSlice, __builtin_shufflevector(ac23, bd23, 2, 6, 3, 7));
-      }
-    }
-  }
-}
-
 // Adds the brick's voxels inside the domain to the survey and returns whether they all hold the same bits.
 bool surveyBrick(const float* values, const Vec3i& first, const Vec3i& inside, ValueSurvey& survey) {
   if (inside.prod() == kBrickVoxels) {
@@ -261,6 +241,26 @@ class GridMaker {
 };
 
 }  // namespace
+
+// In squares of four by four.
+void turnBrick(const float* from, float* to) {
+  constexpr int kRow = kBrickSize, kSlice = kBrickSize * kBrickSize;
+  for (int j = 0; j < kBrickSize; ++j) {
+    for (int i = 0; i < kBrickSize; i += kLanes) {
+      for (int k = 0; k < kBrickSize; k += kLanes) {
+        const float* in = from + k * kSlice + j * kRow + i;
+        float* out = to + i * kSlice + j * kRow + k;
+        const Floats a = load(in), b = load(in + kSlice), c = load(in + 2 * kSlice), d = load(in + 3 * kSlice);
+        const Floats ac01 = __builtin_shufflevector(a, c, 0, 4, 1, 5), ac23 = __builtin_shufflevector(a, c, 2, 6, 3, 7);
+        const Floats bd01 = __builtin_shufflevector(b, d, 0, 4, 1, 5), bd23 = __builtin_shufflevector(b, d, 2, 6, 3, 7);
+        store(out, __builtin_shufflevector(ac01, bd01, 0, 4, 1, 5));
+        store(out + kSlice, __builtin_shufflevector(ac01, bd01, 2, 6, 3, 7));
+        store(out + 2 * kSlice, __builtin_shufflevector(ac23, bd23, 0, 4, 1, 5));
+        store(out + 3 * kSlice, __builtin_shufflevector(ac23, bd23, 2, 6, 3, 7));
+      }
+    }
+  }
+}
 
 std::unique_ptr<ScalarTree::LeafNodeType> makeLeaf(const Vec3i& size, const Vec3i& brick, const float* values) {
   const Vec3i first = brick * kBrickSize;

@@ -44,6 +44,9 @@ using LayerSource = std::function<BrickSource(int bk)>;
 [[nodiscard]] std::unique_ptr<Volume::Grid> buildGridByLayers(const Vec3i& size, const Lattice& lattice,
                                                               VolumeFacts facts, const LayerSource& layers);
 
+// A brick's 512 values from i fastest, as Palpate has them, to k fastest, as VDB has them, or back.
+void turnBrick(const float* from, float* to);
+
 // A leaf of a brick's 512 densities (i fastest; VDB's own run k fastest) with the voxels inside the domain active.
 [[nodiscard]] std::unique_ptr<ScalarTree::LeafNodeType> makeLeaf(const Vec3i& size, const Vec3i& brick,
                                                                  const float* values);

@@ -81,14 +81,15 @@ class Layer {
   int bk_;
   int row_ = -1;
   std::vector<char> raw_;
-  BrickSource bricks_;
+  Volume::BrickSource bricks_;
 };
 
 }  // namespace
 
-LayerSource layersOf(const RawBlock& block, ValueType type, const Vec3i& size, double slope, double intercept) {
+std::function<Volume::BrickSource(int bk)> layersOf(const RawBlock& block, ValueType type, const Vec3i& size,
+                                                    double slope, double intercept) {
   const auto shared = std::make_shared<const Block>(block, type, size, slope, intercept);
-  return [shared](int bk) -> BrickSource {
+  return [shared](int bk) -> Volume::BrickSource {
     // A std::function is copied, and the row that a layer holds must not be copied with its bricks' source.
     const auto layer = std::make_shared<Layer>(shared, bk);
     return [layer](const Vec3i& brick, float* values) { return (*layer)(brick, values); };

@@ -4,10 +4,11 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 
-#include "engine/volume/grid.hpp"
 #include "engine/volume/value_type.hpp"
+#include "engine/volume/volume.hpp"
 
 namespace palpate {
 
@@ -17,10 +18,10 @@ struct RawBlock {
   std::uint64_t offset = 0;  // [byte]
 };
 
-// The layers of a volume of `size` such values, each made float(value * slope + intercept) as rawBricks does. Memory:
-// 64 rows of voxels a thread. Throws std::system_error: the file cannot be opened, or (from the layers) read or ends
-// early.
-[[nodiscard]] LayerSource layersOf(const RawBlock& block, ValueType type, const Vec3i& size, double slope,
-                                   double intercept);
+// The layers of a volume of `size` such values, for buildGridByLayers, each value made float(value * slope + intercept)
+// as rawBricks does. Memory: 64 rows of voxels a thread. Throws std::system_error: the file cannot be opened, or (from
+// the layers) read or ends early.
+[[nodiscard]] std::function<Volume::BrickSource(int bk)> layersOf(const RawBlock& block, ValueType type,
+                                                                  const Vec3i& size, double slope, double intercept);
 
 }  // namespace palpate

@@ -95,12 +95,7 @@ bool Volume::readBrick(const Vec3i& brick, float* values) const {
     values[0] = tree.getValue(first);
     return true;
   }
-  const float* stored = leaf->buffer().data();
-  for (int k = 0; k < kBrickSize; ++k) {
-    for (int j = 0; j < kBrickSize; ++j) {
-      for (int i = 0; i < kBrickSize; ++i) *values++ = stored[(i * kBrickSize + j) * kBrickSize + k];
-    }
-  }
+  turnBrick(leaf->buffer().data(), values);
   return false;
 }
 

@@ -5,6 +5,7 @@
 #include <random>
 #include <system_error>
 
+#include "engine/volume/grid.hpp"
 #include "engine/volume/text_raw_block.hpp"
 #include "tests/engine/volume/samples.hpp"
 
