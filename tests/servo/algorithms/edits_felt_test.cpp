@@ -11,6 +11,7 @@
 
 #include "servo/algorithms/edit_ease.hpp"
 #include "servo/devices/hand_dynamics.hpp"
+#include "servo/objects/shapes.hpp"
 #include "support/algorithm_driver.hpp"
 #include "support/algorithm_setups.hpp"
 
@@ -321,6 +322,37 @@ TEST_P(EditsFelt, AHundredRandomEditsStayFiniteGentleAndInLimit) {
     ASSERT_LE(gain_N, share_N(deepest_m) + unfelt_N) << edit;
   }
   EXPECT_GT(felt, 10);
+}
+
+// A floor beside the volume holds the tool; an edit that puts material below the floor, and one elsewhere, changes no
+// bit of its force; and one that comes through the floor adds gently to it.
+TEST_P(EditsFelt, ObjectsBesideTheVolumeAreNotEased) {
+  if (!hasVhip()) return;
+  const AnalyticVolume low = layer(12e-3);
+  const AnalyticVolume below = layer(16e-3);
+  const AnalyticVolume through = layer(20e-3);
+  AlgorithmSetup setup = setupFor(
+      GetParam(), {.stiffness_N_per_m = kStiffness, .damping_Ns_per_m = 0, .plane_renewal_ticks = 1}, low, kContrast);
+  setup.objects.push_back(std::make_shared<const PlaneObject>(height(18e-3), Vec3::UnitZ()));
+  const auto algorithm = makeAlgorithm(GetParam(), std::move(setup));
+  AlgorithmDriver driver(*algorithm, low, height(22e-3), kSide);
+  driver.follow = false;
+  driver.at(height(22e-3));
+  const Vec3 hip_W = height(17e-3);
+  driver.stroke(hip_W, 50);
+  const Vec3 held_W = driver.stroke(hip_W, 3).back().force_W;
+  ASSERT_NEAR(held_W.z(), kStiffness * 1e-3, kStiffness * 3e-6);
+  driver.edit(below);
+  for (const TickOutput& out : driver.stroke(hip_W, 20)) ASSERT_EQ(out.force_W, held_W);
+  driver.edit(through);
+  // Away from the floor, along the same normal.
+  double last_N = held_W.z();
+  for (int i = 0; i < 520; ++i) {
+    const double force_N = driver.at(hip_W).force_W.z();
+    ASSERT_LE(force_N - last_N, share_N(3e-3) + kSamePlane_N) << i;
+    ASSERT_GE(force_N, held_W.z() - kSamePlane_N) << i;
+    last_N = force_N;
+  }
 }
 
 std::vector<std::string> thoseThatFeelEdits() {
