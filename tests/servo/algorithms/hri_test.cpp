@@ -381,6 +381,31 @@ TEST(Hri, BuriedByAnEditIsPushedOutGently) {
   EXPECT_NEAR(driver.at(slidePoint(0, 23e-3)).force_W.norm(), 500 * 1e-3, 500 * 0.02 * kVoxel);
 }
 
+// The edit comes while the window does not reach the tool: what it added is not there at once when the window has
+// caught up, though that window's version is no news any more.
+TEST(Hri, AnEditDuringALateWindowIsTakenInAfterwards) {
+  const AnalyticVolume before = millimetreVolume([](const Vec3& p_W) { return 30.4e-3 - p_W.z(); });
+  const AnalyticVolume after = millimetreVolume([](const Vec3& p_W) { return 34.4e-3 - p_W.z(); });
+  Hri hri({.damping_Ns_per_m = 0, .plane_renewal_ticks = 1});
+  AlgorithmDriver driver(hri, before, Vec3(30e-3, 30e-3, 31e-3), 16);
+  driver.follow = false;
+  driver.at(Vec3(30e-3, 30e-3, 31e-3));
+  ASSERT_TRUE(driver.at(Vec3(30e-3, 30e-3, 29e-3)).in_contact);
+  const Vec3 hip_W(45e-3, 30e-3, 29e-3);
+  driver.at(hip_W);
+  driver.edit(after);
+  EXPECT_TRUE(has(driver.at(hip_W).faults, ServoFault::kBeyondWindow));
+  driver.publish(hip_W);
+  double last_N = 0;
+  for (int i = 0; i < kEaseTicks + 1; ++i) {
+    const TickOutput out = driver.at(hip_W);
+    ASSERT_TRUE(out.in_contact) << i;
+    ASSERT_LE(out.force_W.norm() - last_N, 500 * 5.4e-3 / kEaseTicks + 1e-6) << i;
+    last_N = out.force_W.norm();
+  }
+  EXPECT_NEAR(last_N, 500 * 5.4e-3, 500 * 0.01 * kVoxel);
+}
+
 // A tool that pulls out before the depth is taken in feels no pull, and nothing once it is out.
 TEST(Hri, LeavingWhileItIsPushedOutNeverPulls) {
   const AnalyticVolume before = millimetreVolume([](const Vec3&) { return -1.0; });
