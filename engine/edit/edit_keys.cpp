@@ -31,23 +31,23 @@ MaterialRate& material(EditText& text) {
 }
 
 template <typename Choices>
-auto choiceOf(const EditValue& value, const Choices& choices, const char* remedy) {
+auto choiceOf(const EditValue& value, const Choices& choices, const char* what, const char* remedy) {
   for (const auto& [word, meaning] : choices) {
     if (value.text == word) return meaning;
   }
-  throw Error(Error::Code::kBadInput, value.where, fmt::format("'{}' of {} is not known", value.text, value.key),
+  throw Error(Error::Code::kBadInput, value.where, fmt::format("'{}' of {} is no {}", value.text, value.key, what),
               remedy);
 }
 
 double metresPerUnit(const EditValue& value) {
   constexpr std::array<std::pair<std::string_view, double>, 4> kUnits = {
       {{"mm", 1e-3}, {"cm", 1e-2}, {"m", 1}, {"in", 25.4e-3}}};
-  return choiceOf(value, kUnits, "use mm, cm, m or in");
+  return choiceOf(value, kUnits, "unit", "use mm, cm, m or in");
 }
 
 int axisOf(const EditValue& value) {
   constexpr std::array<std::pair<std::string_view, int>, 3> kAxes = {{{"x", 0}, {"y", 1}, {"z", 2}}};
-  return choiceOf(value, kAxes, "use x, y or z");
+  return choiceOf(value, kAxes, "axis", "give mirror=x, y or z, an axis of the volume");
 }
 
 // clang-format off
@@ -55,10 +55,10 @@ constexpr std::array<EditWord, 10> kWords = {{
     {"remove", EditKind::kRemove, true, "clears the brush's ball or capsule: drills"},
     {"add", EditKind::kAdd, true, "fills it"},
     {"paint", EditKind::kPaint, true, "moves the densities in it towards `value`"},
+    {"flatten", EditKind::kFlatten, true, "makes the surface in it a plane; a tool: the one that it touched when its contact began"},
     {"smooth", EditKind::kSmooth, true, "evens them out"},
     {"inflate", EditKind::kInflate, true, "moves the surface in it out"},
     {"deflate", EditKind::kDeflate, true, "and in"},
-    {"flatten", EditKind::kFlatten, false, "makes the surface in it a plane"},
     {"cut", EditKind::kCut, false, "clears all that a plane's normal points to"},
     {"stamp-add", EditKind::kStampAdd, false, "fills a closed mesh"},
     {"stamp-remove", EditKind::kStampRemove, false, "clears it"},
@@ -81,9 +81,9 @@ const std::array<EditKey, 19> kKeys = {{
     {"mesh", "a file", kStamps, true, false, "must be given", "OBJ, STL or PLY", [](const EditValue& v, EditText& t) { t.mesh_file = v.text; }},
     {"unit", "mm, cm, m or in", kStamps, true, false, "mm", "of the mesh file's coordinates", [](const EditValue& v, EditText& t) { t.metres_per_unit = metresPerUnit(v); }},
     {"turn", "x,y,z [degree]", kStamps, true, false, "0,0,0", "turns the mesh about the world's x axis, then its y axis, then its z axis, around its origin", [](const EditValue& v, EditText& t) { t.command.R_WS = rotationOf(v.numbers()); }},
-    {"mirror", "x, y or z", kAll, true, false, "none", "does the same again on the other side of the volume's middle, across this axis of its lattice; one edit, one undo", [](const EditValue& v, EditText& t) { t.mirror_axis = axisOf(v); }},
-    {"rate", "1/(N s)", kBrushes & ~kPlanes, false, true, "none", "the strength of a stroke is 1 - exp(-rate * force * time) of it", [](const EditValue& v, EditText& t) { t.rate_per_Ns = v.number(kLeast, 1e6); }},
-    {"period", "0.1 to 1000 [ms]", kBrushes & ~kPlanes, false, true, "4", "between two edits of a tool", [](const EditValue& v, EditText& t) { t.period_s = v.number(0.1, 1000) * 1e-3; }},
+    {"mirror", "x, y or z", kAll, true, true, "none", "does the same again on the other side of the volume's middle, across this axis of its lattice; one edit, one undo", [](const EditValue& v, EditText& t) { t.mirror_axis = axisOf(v); }},
+    {"rate", "1/(N s)", kBrushes, false, true, "none", "the strength of a stroke is 1 - exp(-rate * force * time) of it", [](const EditValue& v, EditText& t) { t.rate_per_Ns = v.number(kLeast, 1e6); }},
+    {"period", "0.1 to 1000 [ms]", kBrushes, false, true, "4", "between two edits of a tool", [](const EditValue& v, EditText& t) { t.period_s = v.number(0.1, 1000) * 1e-3; }},
 }};
 // clang-format on
 
@@ -91,7 +91,7 @@ std::string kindsInWords(std::uint32_t kinds) {
   if (kinds == kAll) return "all";
   if (kinds == kBrushes) return "all but cut and stamps";
   if (kinds == (kBrushes | kStamps)) return "all but cut";
-  if (kinds == (kBrushes & ~kPlanes)) return "those of a tool";
+
   std::string words;
   for (const EditWord& word : kWords) {
     if ((kinds & bits(word.kind)) != 0) words += (words.empty() ? "" : ", ") + std::string(word.name);

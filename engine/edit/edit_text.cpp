@@ -66,6 +66,8 @@ class Parser {
       return;
     }
     const bool tool = use_ == EditUse::kTool;
+    if (tool && name == "cut") refuse("a plane is no brush of a tool", "use flatten, or remove to drill");
+    if (tool && name.starts_with("stamp")) refuse("a stamp is no brush of a tool", "use add or remove");
     refuse(fmt::format("there is no {} '{}'", tool ? "brush" : "edit", name),
            fmt::format("use {}{}", known, tool ? "" : ", undo or redo"));
   }

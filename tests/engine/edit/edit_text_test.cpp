@@ -147,6 +147,7 @@ TEST(EditText, AToolsBrushHasNoPlaceAndAPlacedEditNoRate) {
   EXPECT_EQ(text.rate_per_Ns, 3);
   EXPECT_EQ(text.period_s, 8 * 1e-3);
   EXPECT_EQ(text.command.radius_m, 2e-3);
+  EXPECT_EQ(parse("flatten:radius=2mm:mirror=z", EditUse::kTool).mirror_axis, 2);
   for (const EditWord& word : editWords()) {
     if (word.tool) continue;
     EXPECT_THROW(static_cast<void>(parse(word.name, EditUse::kTool)), Error) << word.name;
@@ -205,12 +206,14 @@ TEST(EditText, RefusesWithTextReasonAndRemedy) {
       {"cut:at=0,0,0", "cut has no 'at'"},
       {"stamp-add:at=0,0,0", "it has no mesh; give mesh=FILE"},
       {"stamp-add:mesh=a.stl", "it has no at"},
-      {"stamp-add:mesh=a.stl:at=0,0,0:unit=ft", "'ft' of unit is not known; use mm"},
+      {"stamp-add:mesh=a.stl:at=0,0,0:unit=ft", "'ft' of unit is no unit; use mm"},
       {"stamp-add:mesh=a.stl:at=0,0,0:turn=90", "not three numbers"},
       {"stamp-remove:mesh=a.stl:at=0,0,0:density=3", "stamp-remove has no 'density'"},
-      {"remove:radius=2mm:at=0,0,0:mirror=w", "'w' of mirror is not known; use x, y or z"},
+      {"remove:radius=2mm:at=0,0,0:mirror=w", "'w' of mirror is no axis; give mirror=x, y or z"},
       {"undo", "there is no brush 'undo'", EditUse::kTool},
-      {"cut:point=0,0,0", "there is no brush 'cut'; use remove, add, paint", EditUse::kTool},
+      {"cut:point=0,0,0", "a plane is no brush of a tool", EditUse::kTool},
+      {"stamp-add:mesh=a.stl", "a stamp is no brush of a tool", EditUse::kTool},
+      {"carve:radius=2", "there is no brush 'carve'; use remove, add, paint, flatten", EditUse::kTool},
       {"remove:radius=2mm:at=0,0,0", "remove has no 'at'", EditUse::kTool},
       {"remove:strength=1", "it has no radius", EditUse::kTool},
   };
