@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // apps/convert/convert_job.hpp: `palpate convert`: a volume written in another format, or its isosurface as a mesh.
 //
-// The file is there whole or not at all (apps/report/atomic_file.hpp). Formats: engine/volume/volume_file.hpp,
+// The file is there whole or not at all (base/atomic_file.hpp). Formats: engine/volume/volume_file.hpp,
 // apps/mesh/mesh_writer.hpp. One thread. Cost: loading, and one pass over the volume; a mesh some 0.1 us a voxel near
 // the surface.
 #pragma once

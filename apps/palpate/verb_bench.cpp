@@ -11,7 +11,7 @@
 #include "apps/bench/loop_bench.hpp"
 #include "apps/bench/servo_bench.hpp"
 #include "apps/bench/table_one.hpp"
-#include "apps/report/atomic_file.hpp"
+#include "base/atomic_file.hpp"
 #include "scene_arguments.hpp"
 #include "verbs.hpp"
 #include "version.hpp"

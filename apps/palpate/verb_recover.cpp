@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// palpate recover DIR --out FILE.vdb: the volume that an editing session had, from its journal.
+// palpate recover DIR --out FILE: the volume that an editing session had, from its journal.
 #include <algorithm>
 
 #include <fmt/format.h>
 
 #include "apps/console/progress.hpp"
-#include "apps/report/atomic_file.hpp"
+#include "base/atomic_file.hpp"
 #include "base/error.hpp"
 #include "engine/journal/replay.hpp"
-#include "engine/volume/recovered_vdb.hpp"
+#include "engine/volume/volume_file.hpp"
 #include "verbs.hpp"
 
 namespace palpate {
@@ -19,8 +19,9 @@ struct RecoverArguments {
 };
 
 void checkOut(const std::string& out) {
-  if (out.ends_with(".vdb")) return;
-  throw Error(Error::Code::kBadInput, "--out " + out, "its name does not end in .vdb", "give a name like sculpted.vdb");
+  if (isVolumeFileName(out)) return;
+  throw Error(Error::Code::kBadInput, "--out " + out, "its suffix names no format that volumes are written in",
+              fmt::format("use one of {}", kVolumeFileSuffixes));
 }
 
 void recover(const RecoverArguments& arguments) {
@@ -29,12 +30,14 @@ void recover(const RecoverArguments& arguments) {
   progress.stage("reading " + arguments.folder);
   const Journal journal = readJournal(arguments.folder);
   const std::string source = arguments.volume.empty() ? journal.header.volume.source : arguments.volume;
+  checkNotInput(source, arguments.out);
+  static_cast<void>(AtomicFile(arguments.out));  // a folder that may not be written is refused before the long part
   progress.stage("loading " + source);
   Volume volume = loadVolume(source);
   progress.stage("applying the edits");
   replay(journal, volume);
   progress.stage("writing " + arguments.out);
-  writeFileAtomically(arguments.out, vdbBytes(volume));
+  saveVolume(volume, arguments.out);
   progress.done();
   fmt::print("Journal   {} edits, of which {} last; newest record {}\n",
              std::count_if(journal.records.begin(), journal.records.end(),
@@ -54,7 +57,9 @@ void addRecoverVerb(CLI::App& app) {
       "the\nlast edit that reached the disk. Example: palpate recover DIR --out sculpted.vdb");
   auto arguments = std::make_shared<RecoverArguments>();
   verb->add_option("journal", arguments->folder, "folder that --journal was given")->required()->type_name("DIR");
-  verb->add_option("--out", arguments->out, "OpenVDB file to write")->required()->type_name("FILE.vdb");
+  verb->add_option("--out", arguments->out, "file to write: .vdb .nii .nii.gz .nrrd .mha")
+      ->required()
+      ->type_name("FILE");
   verb->add_option("--volume", arguments->volume, "where the session's volume lies now, if it has moved")
       ->type_name("VOLUME");
   verb->callback([arguments] { recover(*arguments); });

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include "apps/report/atomic_file.hpp"
 #include "apps/report/histogram.hpp"
 #include "apps/report/html_data.hpp"
 #include "apps/report/html_tables.hpp"
@@ -12,6 +11,7 @@
 #include "apps/report/summary.hpp"
 #include "apps/report/svg_plot.hpp"
 #include "apps/report/words.hpp"
+#include "base/atomic_file.hpp"
 
 namespace palpate {
 namespace {

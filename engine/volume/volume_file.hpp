@@ -10,6 +10,7 @@
 // pass, two where the values may be int16.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -28,5 +29,13 @@ inline constexpr const char* kVolumeFileSuffixes = ".vdb, .nii, .nii.gz, .nrrd, 
 // whose values are lengths too and keep their bits only so. Throws Error(kBadInput): another suffix; a unit that the
 // format does not have; more voxels along an axis than NIfTI can count; voxels too small for OpenVDB in that unit.
 void writeVolume(const Volume& volume, const std::string& name, std::optional<LengthUnit> unit, const ByteSink& sink);
+
+// writeVolume into a file that is there whole or not at all (base/atomic_file.hpp); returns its size [byte]. Throws as
+// the two do; what was there then stays.
+std::uint64_t saveVolume(const Volume& volume, const std::string& name);
+
+// Throws Error(kBadInput) where a file `out` would replace the volume `in` (as loadVolume takes it) or a file of its
+// folder, by whatever name, link or way. Call it before anything is written.
+void checkNotInput(const std::string& in, const std::string& out);
 
 }  // namespace palpate

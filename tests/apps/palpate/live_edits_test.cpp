@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/journal/journal_reader.hpp"
+#include "engine/journal/volume_identity.hpp"
 #include "program_test.hpp"
 #include "trace.hpp"
 
@@ -110,6 +111,36 @@ TEST_F(LiveEdits, AJournalGivesTheVolumeBack) {
   expectRefusal(run(touch(kDrill + Words{"--journal", "journal"})), "journal", "another session", 2);
 }
 
+// "content 0123456789abcdef" of what `recover` printed.
+std::string contentIn(const std::string& out) {
+  const std::size_t at = out.find("content ");
+  return at == std::string::npos ? "" : out.substr(at + 8, 16);
+}
+
+std::string contentOf(const std::filesystem::path& volume) {
+  return fmt::format("{:016x}", contentHash(loadVolume(volume.string())));
+}
+
+TEST_F(LiveEdits, RecoverWritesEveryFormat) {
+  expectSuccess(run(touch(kDrill + Words{"--journal", "journal"})));
+  for (const char* name : {"back.vdb", "back.nii", "back.nii.gz", "back.nrrd", "back.mha"}) {
+    const Outcome recovered = run({"recover", "journal", "--out", name});
+    expectSuccess(recovered);
+    EXPECT_EQ(contentIn(recovered.out), contentOf(file(name))) << name;
+  }
+}
+
+// The journal is nothing without the volume that it began with.
+TEST_F(LiveEdits, RecoverNeverReplacesTheVolumeThatTheJournalBeganWith) {
+  expectSuccess(run({"convert", kVolume, "start.vdb"}));
+  Words words = touch(kDrill + Words{"--journal", "journal"});
+  words[1] = "start.vdb";
+  expectSuccess(run(words));
+  const std::string before = contentsOf(file("start.vdb"));
+  expectRefusal(run({"recover", "journal", "--out", "start.vdb"}), "start.vdb", "it is the input", 2);
+  EXPECT_EQ(contentsOf(file("start.vdb")), before);
+}
+
 TEST_F(LiveEdits, RecoverSaysWhatADamagedTailLost) {
   expectSuccess(run(touch(kDrill + Words{"--journal", "journal"})));
   std::string bytes = contentsOf(journalFile(file("journal")));
@@ -124,7 +155,7 @@ TEST_F(LiveEdits, RecoverRefusesWhatItCannotRecover) {
   expectSuccess(run(touch(kDrill + Words{"--journal", "journal"})));
   expectRefusal(run({"recover", "journal", "--out", "back.vdb", "--volume", "phantom:sphere?size=40"}), "size=40",
                 "not the volume that the journal began with", 2);
-  expectRefusal(run({"recover", "journal", "--out", "back.nii"}), "back.nii", "does not end in .vdb", 2);
+  expectRefusal(run({"recover", "journal", "--out", "back.tiff"}), "back.tiff", "names no format", 2);
   expectRefusal(run({"recover", "nothing", "--out", "back.vdb"}), "nothing", "no journal.palpate", 3);
   std::string bytes = contentsOf(journalFile(file("journal")));
   bytes[8] = 9;

@@ -259,5 +259,18 @@ TEST(VolumeFileRefusals, NameWhatToDo) {
   expectRefused("a.nii", {}, stick, "write .nrrd or .vdb");
 }
 
+TEST(SaveVolume, ReplacesWholeFilesOnly) {
+  const TempFolder folder;
+  const Volume volume = awkward({9, 10, 11}, crooked(false));
+  for (const char* name : {"a.vdb", "a.nrrd", "a.nii", "a.nii.gz", "a.mha"}) {
+    const std::string path = folder.file(name);
+    std::ofstream(path) << "old";
+    EXPECT_EQ(saveVolume(volume, path), std::filesystem::file_size(path));
+    expectSameValues(loadVolume(path), volume);
+  }
+  EXPECT_THROW(saveVolume(volume, folder.file("a.tiff")), Error);
+  EXPECT_THROW(saveVolume(volume, folder.file("no/a.vdb")), Error);
+}
+
 }  // namespace
 }  // namespace palpate
