@@ -179,6 +179,18 @@ Layer buildLayer(const Vec3i& size, int bk, const BrickSource& source) {
   return layer;
 }
 
+// The domain's bricks are leaves and active tiles; every other tile is background.
+void setBackground(ScalarTree& tree, float value) {
+  const auto fill = [&](auto& node) {
+    for (auto tile = node.beginValueOff(); tile; ++tile) tile.setValue(value);
+  };
+  tree.root().setBackground(value, false);
+  for (auto child = tree.root().beginChildOn(); child; ++child) {
+    fill(*child);
+    for (auto inner = child->beginChildOn(); inner; ++inner) fill(*inner);
+  }
+}
+
 }  // namespace
 
 std::unique_ptr<ScalarTree::LeafNodeType> makeLeaf(const Vec3i& size, const Vec3i& brick, const float* values) {
@@ -233,6 +245,7 @@ std::unique_ptr<Volume::Grid> buildGrid(const Vec3i& size, const Lattice& lattic
     for (int bk = 0; bk < layers; ++bk) build(bk);
   }
   survey.check(facts.source);
+  setBackground(tree, survey.minimum());
   grid->size = size;
   grid->lattice = lattice;
   grid->facts = std::move(facts);

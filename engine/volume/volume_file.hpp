@@ -6,8 +6,8 @@
 // Values: float32, or int16 where the volume came from a file of integers and every density is a whole number that an
 // int16 holds; OpenVDB always float32. NIfTI is turned from LPS to RAS. A level set stays one in OpenVDB: a signed
 // distance, narrow band active. An OpenVDB file names its domain ("palpate_domain"), which its active voxels do not.
-// Thread: any, while nobody changes the volume. Memory: eight slices; OpenVDB: a copy of the stored bricks. Cost: one
-// pass, two where the values may be int16.
+// Thread: any, while nobody changes the volume. Memory: eight slices; OpenVDB: a copy of the stored bricks where it is
+// a level set or a side is no multiple of 8. Cost: one pass, two where the values may be int16.
 #pragma once
 
 #include <cstdint>

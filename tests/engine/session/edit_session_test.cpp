@@ -196,6 +196,48 @@ TEST(EditSession, EverySaveIsTheVolumeAtOneVersion) {
   EXPECT_EQ(s.engine.readBack(s.volume), 0U);
 }
 
+// Edits that change more bricks than are handed over at once: the parts are taken while further edits come in between,
+// and still no save begins before all of them are there.
+TEST(EditSession, ASaveInPartsIsTheVolumeAtOneVersion) {
+  const Vec3i size(96, 96, 96);
+  Volume volume = sampleVolume(8, size), twin = sampleVolume(8, size);
+  const JournalHeader header = sampleHeader(volume);
+  Engine engine(volume, makePlan(Scene{}, false), 30, "");
+  EditSession session(engine, header.profile, {}, 0);
+  std::vector<std::pair<std::uint64_t, std::uint64_t>> saved;
+  const auto write = [&](const Volume& now, std::uint64_t version) {
+    saved.emplace_back(version, contentHash(now));
+    return std::uint64_t{0};
+  };
+  session.keepSaved(volume, write, 1);
+  std::vector<std::uint64_t> contents = {contentHash(twin)};
+  std::int64_t now_ns = 0;
+  std::size_t most_left = 0;
+  for (int i = 0; i < 24; ++i) {
+    EditCommand command;
+    command.kind = i % 3 == 2 ? EditKind::kRemove : EditKind::kAdd;
+    command.from_W = command.to_W = volume.lattice().toWorld(Vec3(20 + 5 * (i % 12), 48, 70 - 4 * (i % 9)));
+    command.radius_m = i % 4 == 0 ? 30e-3 : 3e-3;
+    session.edit({&command, 1}, now_ns);
+    reference::applyEdits(twin, lowerEdits({&command, 1}, size, twin.lattice(), header.profile));
+    contents.push_back(contentHash(twin));
+    session.look(now_ns += 700'000'000);
+    most_left = std::max(most_left, engine.editor().changedBricks());
+    session.saver()->wait();
+  }
+  for (int i = 0; i < 20; ++i) {
+    session.look(now_ns += 700'000'000);
+    session.saver()->wait();
+  }
+  const std::size_t beside = saved.size();
+  session.close();
+  EXPECT_GT(most_left, 0U) << "every edit was handed over whole";
+  EXPECT_GE(beside, 2U);
+  for (const auto& [version, content] : saved) EXPECT_EQ(content, contents[version]) << "edit " << version;
+  EXPECT_EQ(saved.back().first, 24U);
+  EXPECT_EQ(contentHash(volume), contents.back());
+}
+
 // A save stands still for as long as the test likes: edits are applied, windows published and looks taken all the
 // same, no second save is begun, and what changed meanwhile is in the next one.
 TEST(EditSession, EditsGoOnDuringASlowSave) {
