@@ -182,7 +182,9 @@ Layer buildLayer(const Vec3i& size, int bk, const BrickSource& source) {
 // The domain's bricks are leaves and active tiles; every other tile is background.
 void setBackground(ScalarTree& tree, float value) {
   const auto fill = [&](auto& node) {
-    for (auto tile = node.beginValueOff(); tile; ++tile) tile.setValue(value);
+    for (auto tile = node.beginValueAll(); tile; ++tile) {  // no children, unlike beginValueOff
+      if (!tile.isValueOn()) tile.setValue(value);
+    }
   };
   tree.root().setBackground(value, false);
   for (auto child = tree.root().beginChildOn(); child; ++child) {

@@ -281,7 +281,8 @@ TEST(SaveVolume, ReplacesWholeFilesOnly) {
   for (const char* name : {"a.vdb", "a.nrrd", "a.nii", "a.nii.gz", "a.mha"}) {
     const std::string path = folder.file(name);
     std::ofstream(path) << "old";
-    EXPECT_EQ(saveVolume(volume, path), std::filesystem::file_size(path));
+    const std::uint64_t bytes = saveVolume(volume, path);
+    EXPECT_EQ(bytes, std::filesystem::file_size(path));
     expectSameValues(loadVolume(path), volume);
   }
   EXPECT_THROW(saveVolume(volume, folder.file("a.tiff")), Error);
