@@ -158,7 +158,8 @@ Volume makeVolume(const Phantom& phantom) {
   facts.declared_isovalue = phantom.isovalue();
   if (isByBricks(phantom)) {
     const BrickSource source = [&](const Vec3i& brick, float* values) { return phantom.brick(brick, values); };
-    return Volume(buildGrid(spec.size, phantom.lattice(), std::move(facts), source, SourceCalls::kFromSeveralThreads));
+    const LayerSource layers = [&](int) { return source; };
+    return Volume(buildGridByLayers(spec.size, phantom.lattice(), std::move(facts), layers));
   }
   std::vector<float> values = phantom.densities();
   if (spec.noise > 0) addNoise(values, spec.noise * (phantom.profile().high - phantom.profile().low), spec.seed);
