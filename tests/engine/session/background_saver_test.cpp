@@ -151,7 +151,10 @@ TEST(BackgroundSaver, NoSaveMixesVersions) {
   });
   std::uint64_t given = 0;
   for (std::uint64_t version = 1; given < 200; ++version) {
-    if (!saver.ready()) continue;  // edits go on: the next batch is newer
+    if (!saver.ready()) {  // edits go on: the next batch is newer
+      std::this_thread::yield();
+      continue;
+    }
     ++given;
     saver.give(bricksOf(volume, static_cast<float>(version)), given % 3 == 0 ? std::optional(version) : std::nullopt);
   }
