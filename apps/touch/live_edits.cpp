@@ -91,7 +91,7 @@ void checkEditOptions(const Scene& scene) {
 }
 
 LiveEdits::LiveEdits(const Scene& scene, Volume& volume, Engine& engine)
-    : brush_(toolBrushSpec(scene.edit), scene.stiffness_N_per_m, scene.force_limit_N),
+    : brush_(toolBrushSpec(scene.edit), volume.size(), volume.lattice()),
       session_(
           engine,
           [&] {
@@ -121,10 +121,10 @@ void LiveEdits::tell(const std::string& text, Again again) {
 
 // What the engine has no room for, or cannot be meant at that place, is refused and nothing else: a removal may follow
 // for which there is room. Any other error is the device's, and there is no more to edit on.
-void LiveEdits::edit(const EditCommand& command, std::int64_t now_ns) {
+void LiveEdits::edit(std::span<const EditCommand> commands, std::int64_t now_ns) {
   if (!editing_) return;
   try {
-    session_.edit({&command, 1}, now_ns);
+    session_.edit(commands, now_ns);
   } catch (const Error& error) {
     if (error.code() == Error::Code::kOutOfMemory || error.code() == Error::Code::kBadInput) {
       ++refused_;
@@ -147,7 +147,7 @@ void LiveEdits::listen() {
 }
 
 void LiveEdits::follow(const ToolPose& pose, std::int64_t now_ns) {
-  if (const std::optional<EditCommand> command = brush_.look(pose, now_ns)) edit(*command, now_ns);
+  if (const std::vector<EditCommand> commands = brush_.look(pose, now_ns); !commands.empty()) edit(commands, now_ns);
   session_.look(now_ns);
   listen();
 }

@@ -6,6 +6,7 @@
 // stderr, and in the run's notes: refusals and failures for the same reason once, with their count.
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -42,7 +43,7 @@ class LiveEdits {
   };
   enum class Again { kTell, kCountOnly };
   void tell(const std::string& text, Again again);
-  void edit(const EditCommand& command, std::int64_t now_ns);
+  void edit(std::span<const EditCommand> commands, std::int64_t now_ns);
   void listen();
 
   ToolBrush brush_;
