@@ -2,6 +2,7 @@
 #include "base/byte_size.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <charconv>
 #include <string_view>
@@ -36,6 +37,13 @@ std::uint64_t byteSize(const std::string& text, const std::string& input) {
                 "give for example 512MiB, 2GiB or a number of bytes");
   }
   return static_cast<std::uint64_t>(bytes);
+}
+
+std::string byteSizeText(std::uint64_t bytes) {
+  constexpr std::array kBinaryUnits = {"B", "KiB", "MiB", "GiB", "TiB"};
+  std::size_t unit = 0;
+  for (; bytes != 0 && bytes % 1024 == 0 && unit + 1 < kBinaryUnits.size(); ++unit) bytes /= 1024;
+  return fmt::format("{}{}", bytes, kBinaryUnits[unit]);
 }
 
 }  // namespace palpate

@@ -12,4 +12,7 @@ namespace palpate {
 // a negative one, another unit, 2^63 bytes or more.
 [[nodiscard]] std::uint64_t byteSize(const std::string& text, const std::string& input);
 
+// The same back, in the largest power of 1024 that gives a whole number: "2GiB", "1536MiB".
+[[nodiscard]] std::string byteSizeText(std::uint64_t bytes);
+
 }  // namespace palpate

@@ -11,7 +11,7 @@
 #include "apps/bench/log_chart.hpp"
 #include "apps/bench/random.hpp"
 #include "apps/console/interrupt.hpp"
-#include "apps/report/atomic_file.hpp"
+#include "base/atomic_file.hpp"
 #include "base/error.hpp"
 #include "engine/volume/library_read.hpp"
 #include "engine/volume/volume_file.hpp"

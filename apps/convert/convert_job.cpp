@@ -2,7 +2,6 @@
 #include "apps/convert/convert_job.hpp"
 
 #include <chrono>
-#include <filesystem>
 
 #include <fmt/format.h>
 
@@ -15,8 +14,6 @@
 
 namespace palpate {
 namespace {
-
-namespace fs = std::filesystem;
 
 [[noreturn]] void refuse(const std::string& input, const std::string& reason, const std::string& remedy) {
   throw Error(Error::Code::kBadInput, input, reason, remedy);
@@ -80,20 +77,9 @@ std::string bytesInWords(std::uint64_t bytes) {
 
 }  // namespace
 
-void checkOther(const std::string& in, const std::string& out) {
-  std::error_code ignored;
-  if (!fs::exists(out, ignored)) return;
-  const std::string path = fs::exists(in, ignored) ? in : in.substr(0, in.rfind('#'));
-  const bool same = fs::equivalent(path, out, ignored);
-  const fs::path folder = fs::absolute(out, ignored).parent_path();
-  if (same || (fs::is_directory(path, ignored) && fs::equivalent(path, folder, ignored))) {
-    refuse(out, same ? "it is the input" : "it is a file of the input's folder", "write to another name");
-  }
-}
-
 void checkOutput(const ConvertRequest& request) {
   checkOptions(request);
-  checkOther(request.in, request.out);
+  checkNotInput(request.in, request.out);
 }
 
 ConvertResult writeOutput(const Volume& volume, const ConvertRequest& request, const std::string& work,

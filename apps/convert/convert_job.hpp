@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // apps/convert/convert_job.hpp: `palpate convert`: a volume written in another format, or its isosurface as a mesh.
 //
-// The file is there whole or not at all (apps/report/atomic_file.hpp). Formats: engine/volume/volume_file.hpp,
+// The file is there whole or not at all (base/atomic_file.hpp). Formats: engine/volume/volume_file.hpp,
 // apps/mesh/mesh_writer.hpp. One thread. Cost: loading, and one pass over the volume; a mesh some 0.1 us a voxel near
 // the surface.
 #pragma once
@@ -11,7 +11,7 @@
 #include <string>
 
 #include "apps/console/progress.hpp"
-#include "apps/report/atomic_file.hpp"
+#include "base/atomic_file.hpp"
 #include "base/vec.hpp"
 #include "engine/volume/volume_file.hpp"
 
@@ -41,11 +41,9 @@ struct ConvertResult {
 // then.
 [[nodiscard]] ConvertResult convert(const ConvertRequest& request, Progress& progress);
 
-// Its parts, for verbs that write a volume which they have made. checkOther() refuses (Error kBadInput) an output that
-// is the input, by whatever name, or lies in the input's folder already; checkOutput() also what convert() refuses
-// of a request's suffix and options. writeOutput() leaves commit() to the caller; `work` names the verb that Ctrl-C
-// stops.
-void checkOther(const std::string& in, const std::string& out);
+// Its parts, for verbs that write a volume which they have made. checkOutput() refuses (Error kBadInput) an output that
+// is the input (checkNotInput), and what convert() refuses of a request's suffix and options. writeOutput() leaves
+// commit() to the caller; `work` names the verb that Ctrl-C stops.
 void checkOutput(const ConvertRequest& request);
 [[nodiscard]] ConvertResult writeOutput(const Volume& volume, const ConvertRequest& request, const std::string& work,
                                         AtomicFile& file, Progress& progress);

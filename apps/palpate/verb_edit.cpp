@@ -7,6 +7,7 @@
 #include "base/byte_size.hpp"
 #include "base/error.hpp"
 #include "engine/edit/edit_keys.hpp"
+#include "engine/volume/volume_file.hpp"
 #include "verbs.hpp"
 
 namespace palpate {
@@ -20,7 +21,7 @@ struct EditArguments {
 // The result's file may be neither the volume that was edited nor the one that was written.
 void checkJson(const EditArguments& arguments) {
   if (arguments.json.empty()) return;
-  checkOther(arguments.request.in, arguments.json);
+  checkNotInput(arguments.request.in, arguments.json);
   if (std::filesystem::weakly_canonical(arguments.json) != std::filesystem::weakly_canonical(arguments.request.out))
     return;
   throw Error(Error::Code::kBadInput, "--json " + arguments.json, "it is the output", "give another name");

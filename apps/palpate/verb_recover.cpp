@@ -7,6 +7,7 @@
 #include "apps/convert/convert_job.hpp"
 #include "apps/mesh/mesh_writer.hpp"
 #include "engine/journal/replay.hpp"
+#include "engine/volume/volume_file.hpp"
 #include "verbs.hpp"
 
 namespace palpate {
@@ -23,7 +24,7 @@ void recover(const RecoverArguments& arguments) {
   progress.stage("reading " + arguments.folder);
   const Journal journal = readJournal(arguments.folder);
   const std::string source = arguments.volume.empty() ? journal.header.volume.source : arguments.volume;
-  checkOther(source, arguments.out);
+  checkNotInput(source, arguments.out);
   AtomicFile file(arguments.out);
   progress.stage("loading " + source);
   Volume volume = loadVolume(source);

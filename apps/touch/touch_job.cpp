@@ -10,7 +10,6 @@
 #include <sys/resource.h>
 
 #include "apps/console/interrupt.hpp"
-#include "apps/report/atomic_file.hpp"
 #include "apps/report/html_report.hpp"
 #include "apps/report/summary.hpp"
 #include "apps/report/trace_csv.hpp"
@@ -23,6 +22,7 @@
 #include "apps/touch/scripted_path.hpp"
 #include "apps/touch/servo_run.hpp"
 #include "apps/touch/volume_surface.hpp"
+#include "base/atomic_file.hpp"
 #include "base/error.hpp"
 #include "engine/service/engine.hpp"
 #include "engine/volume/isosurface_mesh.hpp"
@@ -222,8 +222,9 @@ TouchRun runTouchJob(const Scene& scene, const std::string& command, const std::
       return std::make_shared<const TriangleMesh>(isosurfaceMesh(volume, isovalue));
     });
   }
-  const auto engine = stages.run("open Vulkan device", "computing on Vulkan",
-                                 [&] { return std::make_unique<Engine>(volume, plan, isovalue, scene.gpu); });
+  const auto engine = stages.run("open Vulkan device", "computing on Vulkan", [&] {
+    return std::make_unique<Engine>(volume, plan, isovalue, scene.gpu, scene.gpu_memory_bytes);
+  });
   run.vulkan = {engine->gpu().name, engine->gpu().driver, engine->gpu().api_version};
   // The engine's own stages come out of the time that making it took; what is left opened the device.
   for (const StageTime& inner : engine->stages()) run.stages.back().seconds -= inner.seconds;
@@ -232,6 +233,7 @@ TouchRun runTouchJob(const Scene& scene, const std::string& command, const std::
   if (setup.isosurface != nullptr) facts.mesh_triangles = setup.isosurface->triangles.size();
   run.plan = planWords(plan, facts);
 
+  // With --save the edits own the volume while the servo runs: nothing below reads it before finish().
   std::unique_ptr<LiveEdits> edits;
   if (!scene.edit.empty()) {
     edits = stages.run("edit set-up", "making edits ready",
@@ -250,11 +252,13 @@ TouchRun runTouchJob(const Scene& scene, const std::string& command, const std::
   }
   run.exact = exactErrorsOf(run);
   if (edits) {
-    run.edits = edits->finish(run.notes);
-    engine->readBack(volume);  // for the picture
+    if (!scene.save.empty()) progress.stage("saving " + scene.save);  // after Ctrl-C too
+    run.edits = edits->finish(run.notes);                             // from here on the volume is this thread's again
+    engine->readBack(volume);                                         // for the picture
   }
 
   run.files = outputFiles(scene, folder);
+  if (run.edits && run.edits->saves > 0) run.files.push_back(scene.save);
   const std::string picture =
       plan.draws ? stages.run("picture", "drawing", [&] { return drawPicture(run, surface, *engine); }) : std::string();
   run.memory = engine->memory();

@@ -206,6 +206,20 @@ Layer buildLayer(const Vec3i& size, int bk, const BrickSource& source) {
   return layer;
 }
 
+// The domain's bricks are leaves and active tiles; every other tile is background.
+void setBackground(ScalarTree& tree, float value) {
+  const auto fill = [&](auto& node) {
+    for (auto tile = node.beginValueAll(); tile; ++tile) {  // no children, unlike beginValueOff
+      if (!tile.isValueOn()) tile.setValue(value);
+    }
+  };
+  tree.root().setBackground(value, false);
+  for (auto child = tree.root().beginChildOn(); child; ++child) {
+    fill(*child);
+    for (auto inner = child->beginChildOn(); inner; ++inner) fill(*inner);
+  }
+}
+
 // Puts layers together, from several threads at once.
 class GridMaker {
  public:
@@ -227,6 +241,7 @@ class GridMaker {
 
   [[nodiscard]] std::unique_ptr<Volume::Grid> finish(const Lattice& lattice, VolumeFacts facts) {
     survey_.check(facts.source);
+    setBackground(grid_->field->tree(), survey_.minimum());
     grid_->lattice = lattice;
     grid_->facts = std::move(facts);
     grid_->minimum = survey_.minimum();

@@ -2,7 +2,8 @@
 // engine/volume/grid.hpp: what a Volume holds. Private to engine/volume: it is the one header that includes OpenVDB.
 //
 // Leaves lie at multiples of 8 from (0,0,0), so a leaf is a brick; a constant brick is a tile of the level above.
-// Voxels of a leaf outside the domain repeat the nearest voxel inside and are inactive. The grid's transform is the
+// Voxels of a leaf outside the domain repeat the nearest voxel inside and are inactive; all else outside is background,
+// the lowest density that the volume was made with. The grid's transform is the
 // identity (VDB refuses voxels below 15 micrometres, its unit being the metre); `lattice` is the truth.
 #pragma once
 

@@ -39,5 +39,13 @@ TEST(ByteSize, RefusesWhatIsNoSize) {
   }
 }
 
+TEST(ByteSize, ComesBackFromItsText) {
+  for (const std::uint64_t bytes : {1ULL, 1023ULL, 1024ULL, 1536ULL << 20U, 2ULL << 30U, 9007199254740992ULL}) {
+    EXPECT_EQ(byteSize(byteSizeText(bytes), ""), bytes);
+  }
+  EXPECT_EQ(byteSizeText(2ULL << 30U), "2GiB");
+  EXPECT_EQ(byteSizeText(1536ULL << 20U), "1536MiB");
+}
+
 }  // namespace
 }  // namespace palpate
