@@ -75,7 +75,7 @@ vec3 faceNormal(vec3 p) {
 }
 
 void main() {
-  const uvec2 pixel = gl_GlobalInvocationID.xy;
+  const uvec2 pixel = gl_GlobalInvocationID.xy + uvec2(0, push.first_row);
   if (pixel.x >= push.width || pixel.y >= push.height) return;
   const vec3 spacing = vec3(push.spacing_x, push.spacing_y, push.spacing_z);
   const vec3 right = vec3(push.right_x, push.right_y, push.right_z);

@@ -23,6 +23,7 @@ struct IsosurfacePush {
   float corner_x, corner_y, corner_z;     // [m]
   float right_x, right_y, right_z;        // one pixel to the right [m]
   float down_x, down_y, down_z;           // one pixel down [m]
+  uint first_row;                         // of the band that is drawn [pixel]
 };
 
 struct IsosurfacePixel {
@@ -30,7 +31,7 @@ struct IsosurfacePixel {
   float distance_m;  // along the ray; infinity where nothing is hit [m]
 };
 
-PALPATE_LAYOUT_CHECK(IsosurfacePush, 96)
+PALPATE_LAYOUT_CHECK(IsosurfacePush, 100)
 PALPATE_LAYOUT_CHECK(IsosurfacePixel, 8)
 PALPATE_PUSH_CHECK(IsosurfacePush)
 

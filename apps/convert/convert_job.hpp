@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // apps/convert/convert_job.hpp: `palpate convert`: a volume written in another format, or its isosurface as a mesh.
 //
-// The file is there whole or not at all (apps/report/atomic_file.hpp). Formats: engine/volume/volume_file.hpp,
+// The file is there whole or not at all (base/atomic_file.hpp). Formats: engine/volume/volume_file.hpp,
 // apps/mesh/mesh_writer.hpp. One thread. Cost: loading, and one pass over the volume; a mesh some 0.1 us a voxel near
 // the surface.
 #pragma once
@@ -11,6 +11,7 @@
 #include <string>
 
 #include "apps/console/progress.hpp"
+#include "base/atomic_file.hpp"
 #include "base/vec.hpp"
 #include "engine/volume/volume_file.hpp"
 
@@ -39,6 +40,13 @@ struct ConvertResult {
 // folder that may not be written and a full disk; and what loadVolume and writeVolume throw. What was at `out` stays
 // then.
 [[nodiscard]] ConvertResult convert(const ConvertRequest& request, Progress& progress);
+
+// Its parts, for verbs that write a volume which they have made. checkOutput() refuses (Error kBadInput) an output that
+// is the input (checkNotInput), and what convert() refuses of a request's suffix and options. writeOutput() leaves
+// commit() to the caller; `work` names the verb that Ctrl-C stops.
+void checkOutput(const ConvertRequest& request);
+[[nodiscard]] ConvertResult writeOutput(const Volume& volume, const ConvertRequest& request, const std::string& work,
+                                        AtomicFile& file, Progress& progress);
 
 // "knot.stl: 3120 triangles, 1562 vertices, isosurface 0 of 64 x 64 x 64 voxels, 156 kB, 0.21 s"
 [[nodiscard]] std::string convertWords(const ConvertRequest& request, const ConvertResult& result);

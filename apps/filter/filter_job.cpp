@@ -6,8 +6,7 @@
 #include <fmt/format.h>
 
 #include "apps/console/interrupt.hpp"
-#include "apps/console/other_file.hpp"
-#include "apps/report/atomic_file.hpp"
+#include "base/atomic_file.hpp"
 #include "base/error.hpp"
 #include "engine/passes/filter_chain.hpp"
 #include "engine/passes/pool_volume.hpp"
@@ -31,7 +30,7 @@ FilterResult filterFile(const FilterRequest& request, Progress& progress) {
     throw Error(Error::Code::kBadInput, request.out, "its suffix names no format that can be written",
                 fmt::format("use {}", kVolumeFileSuffixes));
   }
-  checkOther(request.in, request.out);
+  checkNotInput(request.in, request.out);
   AtomicFile file(request.out);  // before the long part, so that a folder that may not be written is refused at once
   progress.stage("loading " + request.in);
   const Volume volume = loadVolume(request.in);

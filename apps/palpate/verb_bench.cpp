@@ -11,7 +11,7 @@
 #include "apps/bench/loop_bench.hpp"
 #include "apps/bench/servo_bench.hpp"
 #include "apps/bench/table_one.hpp"
-#include "apps/report/atomic_file.hpp"
+#include "base/atomic_file.hpp"
 #include "scene_arguments.hpp"
 #include "verbs.hpp"
 #include "version.hpp"
@@ -186,8 +186,7 @@ void addBenchVerb(CLI::App& app) {
   edit->add_option("--gpu", arguments->gpu, "part of the Vulkan device's name; the best one if not given");
   edit->callback([arguments] { editVerb(*arguments); });
   CLI::App* load = verb->add_subcommand(
-      "load",
-      "loading beside the format's library alone (a minute, 3 GiB of memory and 0.5 of disk; --quick: seconds)");
+      "load", "loading beside the format's library alone (minutes, 3 GiB of memory and 0.5 of disk; --quick: seconds)");
   addCommon(*load, *arguments);
   load->callback([arguments] { loadVerb(*arguments); });
 }

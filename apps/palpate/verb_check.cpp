@@ -7,7 +7,7 @@
 #include "apps/check/gradient_check.hpp"
 #include "apps/console/interrupt.hpp"
 #include "apps/console/progress.hpp"
-#include "apps/report/atomic_file.hpp"
+#include "base/atomic_file.hpp"
 #include "base/error.hpp"
 #include "verbs.hpp"
 #include "version.hpp"

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include "apps/report/atomic_file.hpp"
 #include "apps/report/histogram.hpp"
 #include "apps/report/html_data.hpp"
 #include "apps/report/html_tables.hpp"
@@ -12,6 +11,7 @@
 #include "apps/report/summary.hpp"
 #include "apps/report/svg_plot.hpp"
 #include "apps/report/words.hpp"
+#include "base/atomic_file.hpp"
 
 namespace palpate {
 namespace {
@@ -89,9 +89,9 @@ std::string makeReport(const TouchRun& run, std::string_view view_png) {
   const RunFigures figures = computeFigures(run.records, run.scene.rate_hz);
   const std::vector<ReportPlot> plots = makePlots(run);
   return head(run) + header(run, figures) + picture(view_png) + keyFigures(run, figures) + faultSection(run) +
-         plotSection(plots, run.scene.simulated_clock) + histograms(run) + workSection(run) + planSection(run) +
-         parameterSection(makeSummary(run)) + machineSection(run) + repeatSection(run) + "</main>\n" +
-         scripts(plots, run) + "</body>\n</html>\n";
+         plotSection(plots, run.scene.simulated_clock) + histograms(run) + editSection(run) + workSection(run) +
+         planSection(run) + parameterSection(makeSummary(run)) + machineSection(run) + repeatSection(run) +
+         "</main>\n" + scripts(plots, run) + "</body>\n</html>\n";
 }
 
 void writeReport(const std::filesystem::path& file, const TouchRun& run, std::string_view view_png) {

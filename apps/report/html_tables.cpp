@@ -3,7 +3,9 @@
 
 #include <fmt/format.h>
 
+#include "apps/report/histogram.hpp"
 #include "apps/report/html_text.hpp"
+#include "apps/report/svg_plot.hpp"
 #include "apps/report/words.hpp"
 #include "base/units.hpp"
 
@@ -89,6 +91,39 @@ std::string faultSection(const TouchRun& run) {
   }
   if (!run.notes.empty()) body += "<p>Worth knowing of this run:</p>\n" + list(run.notes);
   return section("faults", "Faults and notes", body);
+}
+
+std::string editSection(const TouchRun& run) {
+  if (!run.edits) return "";
+  constexpr int kClassesPerDecade = 10;
+  const RunEdits& e = *run.edits;
+  std::string figures =
+      figure(std::to_string(e.count), "edits", fmt::format("of which {} reached the window", e.published));
+  if (e.published > 0) {
+    const Percentiles p = percentiles(e.edit_to_window_ms);
+    figures += figure(shortNumber(p.p50), "ms",
+                      fmt::format("from an edit to its window, median; 99 % within {} ms", shortNumber(p.p99)));
+  }
+  if (e.refused > 0)
+    figures += figure(std::to_string(e.refused), "refused", "edits that were not applied; the notes tell why");
+  std::string rows = row("brush", run.scene.edit);
+  if (run.scene.journal.empty()) {
+    rows += row("journal", "none (--journal keeps every edit on disk)");
+  } else {
+    rows += row("journal", run.scene.journal) +
+            row("records acknowledged",
+                fmt::format("{} of {}, {}", e.journal_saved, e.journal_records, bytesInWords(e.journal_bytes)));
+    if (!e.journal_failure.empty()) rows += row("why not all are", e.journal_failure);
+  }
+  rows += row("volume", run.scene.save.empty() ? "not saved (--save keeps it)" : saveWords(run));
+  if (!e.save_failure.empty()) rows += row("why the last save failed", e.save_failure);
+  std::string drawn;
+  if (const LogHistogram h = logHistogram(e.edit_to_window_ms, kClassesPerDecade); !h.counts.empty()) {
+    drawn = "<div>" + histogramSvg(h, "edits by time from edit to window [ms]") + "</div>\n";
+  }
+  return section("edits", "Edits",
+                 "<div class=\"figures\">\n" + figures + "</div>\n<div class=\"columns\"><table>\n" + rows +
+                     "</table>\n" + drawn + "</div>\n");
 }
 
 std::string workSection(const TouchRun& run) {

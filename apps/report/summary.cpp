@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/report/summary.hpp"
 
-#include "apps/report/atomic_file.hpp"
 #include "apps/report/words.hpp"
 #include "apps/scene/object_table.hpp"
+#include "base/atomic_file.hpp"
 #include "servo/loop/run_figures.hpp"
 
 namespace palpate {
@@ -48,6 +48,7 @@ Json sceneJson(const Scene& s) {
           {"isovalue_density", s.isovalue ? Json(*s.isovalue) : Json(nullptr)},
           {"objects", listOf(s.objects, objectText)},
           {"gpu", s.gpu},
+          {"gpu_memory_bytes", s.gpu_memory_bytes},
           {"filter", s.filter},
           {"gradient_all", s.gradient_all},
           {"algorithm", s.algorithm},
@@ -97,6 +98,8 @@ Json sceneJson(const Scene& s) {
           {"approach_m", s.approach_m},
           {"edit", s.edit},
           {"journal", s.journal},
+          {"save", s.save},
+          {"save_every_s", s.save_every_s},
           {"out", s.out},
           {"trace", s.trace},
           {"picture", s.picture},
@@ -149,7 +152,14 @@ Json editsJson(const std::optional<RunEdits>& e) {
           {"journal_records", e->journal_records},
           {"journal_saved", e->journal_saved},
           {"journal_bytes", e->journal_bytes},
-          {"journal_failure", e->journal_failure}};
+          {"journal_failure", e->journal_failure},
+          {"refused", e->refused},
+          {"saves", e->saves},
+          {"save_failures", e->save_failures},
+          {"save_bytes", e->save_bytes},
+          {"save_version", e->save_version ? Json(*e->save_version) : Json(nullptr)},
+          {"save_s", toJson(percentiles(e->save_s))},
+          {"save_failure", e->save_failure}};
 }
 
 Json faultJson(const RunFault& f) {

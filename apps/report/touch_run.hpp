@@ -48,13 +48,20 @@ struct ExactErrors {
 
 // What the tool changed, in a run with a brush.
 struct RunEdits {
-  std::uint64_t count = 0;                // edits
-  std::uint64_t published = 0;            // of those, that reached the window
-  std::vector<double> edit_to_window_ms;  // of each of them: from the edit to the published window [ms]
-  std::uint64_t journal_records = 0;      // given to the journal
-  std::uint64_t journal_saved = 0;        // of those, on disk
-  std::uint64_t journal_bytes = 0;        // [byte]
-  std::string journal_failure;            // why not all are; empty: they are
+  std::uint64_t count = 0;                         // edits
+  std::uint64_t published = 0;                     // of those, that reached the window
+  std::vector<double> edit_to_window_ms;           // of each of them: from the edit to the published window [ms]
+  std::uint64_t journal_records = 0;               // given to the journal
+  std::uint64_t journal_saved = 0;                 // of those, on disk
+  std::uint64_t journal_bytes = 0;                 // [byte]
+  std::string journal_failure;                     // why not all are; empty: they are
+  std::uint64_t refused = 0;                       // edits that the engine did not apply
+  std::uint64_t saves = 0;                         // of the volume, that are on disk
+  std::uint64_t save_failures = 0;                 // that are not
+  std::uint64_t save_bytes = 0;                    // of the newest file [byte]
+  std::optional<std::uint64_t> save_version = {};  // edit version that it holds
+  std::vector<double> save_s = {};                 // of each of them [s]
+  std::string save_failure = {};                   // why the newest save is not on disk; empty: it is
 };
 
 struct TouchRun {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "apps/report/atomic_file.hpp"
+#include "base/atomic_file.hpp"
 
 namespace palpate {
 namespace {

@@ -72,6 +72,8 @@ std::string editLine(const TouchRun& run) {
     text += fmt::format("; {} of {} journal records saved in {}, {}", e.journal_saved, e.journal_records,
                         run.scene.journal, bytesInWords(e.journal_bytes));
   }
+  if (e.refused > 0) text += fmt::format("; {} refused", e.refused);
+  if (!run.scene.save.empty()) text += "; " + saveWords(run);
   return text + "\n";
 }
 
@@ -110,6 +112,15 @@ std::string bytesInWords(std::uint64_t bytes) {
   std::size_t unit = 0;
   for (; value >= 1024 && unit + 1 < kUnits.size(); ++unit) value /= 1024;
   return shortNumber(value) + " " + kUnits[unit];
+}
+
+std::string saveWords(const TouchRun& run) {
+  const RunEdits& e = *run.edits;
+  const std::string failed = e.save_failures == 0 ? "" : fmt::format(", {} failed", e.save_failures);
+  if (e.saves == 0) return fmt::format("never saved in {}{}", run.scene.save, failed);
+  return fmt::format("saved {} time{} in {} up to edit {}, {}, at most {} s{}", e.saves, e.saves == 1 ? "" : "s",
+                     run.scene.save, e.save_version.value_or(0), bytesInWords(e.save_bytes),
+                     shortNumber(percentiles(e.save_s).max), failed);
 }
 
 std::string faultWord(std::size_t count) {

@@ -18,6 +18,9 @@ namespace palpate {
 // About nine lines, each ending in a newline: what was touched, how it felt, energy, how the servo did, faults, files.
 [[nodiscard]] std::string closingSummary(const TouchRun& run);
 
+// Of a run with --save: how often, up to which edit, how large, how long, what failed.
+[[nodiscard]] std::string saveWords(const TouchRun& run);
+
 // "passive: the surface took 0.3 mJ from the hand and never gave more than it took": the passivity observer's verdict.
 [[nodiscard]] std::string energyWords(const RunFigures& figures);
 

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "base/byte_size.hpp"
 #include "base/error.hpp"
 
 namespace palpate {
@@ -88,6 +89,7 @@ struct Setter {
         [&](auto member) { scene.*member = static_cast<std::remove_reference_t<decltype(scene.*member)>>(*number); },
         option.member);
   }
+  void operator()(const BytesOption& option) const { scene.*option.member = byteSize(text, where); }
   void operator()(const TextOption& option) const { scene.*option.member = text; }
   void operator()(const ListOption& option) const { scene.*option.member = text; }
   void operator()(const SwitchOption& option) const {
@@ -124,6 +126,9 @@ struct Writer {
   std::string operator()(const IntegerOption& option) const {
     return std::visit([&](auto member) { return std::to_string(scene.*member); }, option.member);
   }
+  std::string operator()(const BytesOption& option) const {
+    return scene.*option.member == 0 ? std::string() : byteSizeText(scene.*option.member);
+  }
   std::string operator()(const TextOption& option) const { return scene.*option.member; }
   std::string operator()(const ListOption& option) const { return scene.*option.member; }
   std::string operator()(const SwitchOption& option) const {
@@ -153,6 +158,7 @@ struct Form {
   std::string operator()(const IntegerOption& option) const {
     return fmt::format("a whole number from {} to {}", option.lowest, option.highest);
   }
+  std::string operator()(const BytesOption&) const { return "a size like 512MiB or 2GiB"; }
   std::string operator()(const TextOption&) const { return "text"; }
   std::string operator()(const ListOption&) const { return "words with blanks between"; }
   std::string operator()(const SwitchOption& option) const {

@@ -27,6 +27,11 @@ struct IntegerOption {
   long long highest = 0;
 };
 
+// A size of memory: "512MiB". 0 in the scene, which cannot be given: not given.
+struct BytesOption {
+  std::uint64_t Scene::*member;
+};
+
 struct TextOption {
   std::string Scene::*member;
 };
@@ -63,8 +68,8 @@ struct TableOption {
   const char* row;     // "density:force:viscosity"
 };
 
-using OptionValue = std::variant<NumberOption, IntegerOption, TextOption, ListOption, SwitchOption, WordOption,
-                                 VectorOption, TableOption>;
+using OptionValue = std::variant<NumberOption, IntegerOption, BytesOption, TextOption, ListOption, SwitchOption,
+                                 WordOption, VectorOption, TableOption>;
 
 // Sets the member of `scene` from `text`. `where`: the flag or key, for the message. Throws Error(kBadInput) for text
 // of the wrong form, NaN, or a number out of range; the scene is then unchanged.

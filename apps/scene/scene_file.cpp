@@ -55,6 +55,7 @@ struct ValueText {
 
   Text operator()(const NumberOption&) const { return node.is_number() ? Text(numberText(node)) : Text(); }
   Text operator()(const IntegerOption&) const { return node.is_number() ? Text(numberText(node)) : Text(); }
+  Text operator()(const BytesOption&) const { return (*this)(TextOption{}); }
   Text operator()(const TextOption&) const { return node.is_string() ? Text(node.as_string()->get()) : Text(); }
   Text operator()(const ListOption&) const {
     if (node.is_string()) return node.as_string()->get();

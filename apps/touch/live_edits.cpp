@@ -1,15 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/touch/live_edits.hpp"
 
+#include <algorithm>
 #include <cstdlib>
+#include <iterator>
 #include <memory>
 
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "base/atomic_file.hpp"
 #include "base/error.hpp"
 #include "engine/journal/volume_identity.hpp"
+#include "engine/volume/volume_file.hpp"
 #include "servo/algorithms/registry.hpp"
 
 namespace palpate {
@@ -22,6 +26,21 @@ void checkBrush(const EditCommand& brush, const Volume& volume) {
   EditCommand command = brush;
   command.from_W = command.to_W = volume.lattice().toWorld((volume.size() / 2).cast<double>());
   checkEdit(command, volume.size(), volume.lattice());
+}
+
+void checkSave(const Scene& scene) {
+  const std::string input = "--save " + scene.save;
+  if (scene.save.empty()) {
+    if (scene.save_every_s == 0) return;
+    throw Error(Error::Code::kBadInput, fmt::format("--save-every {:g}", scene.save_every_s),
+                "there is no file to save", "name one, for example --save sculpted.vdb, or leave --save-every out");
+  }
+  if (!isVolumeFileName(scene.save)) {
+    throw Error(Error::Code::kBadInput, input, "its suffix names no format that volumes are written in",
+                fmt::format("use one of {}", kVolumeFileSuffixes));
+  }
+  checkNotInput(scene.volume, scene.save);
+  static_cast<void>(AtomicFile(scene.save));  // a folder that may not be written
 }
 
 // For who watches from outside (docs/journal.md): the newest acknowledged number, as text of one length, so that a
@@ -63,14 +82,16 @@ void checkEditOptions(const Scene& scene) {
                 fmt::format("{} feels a mesh that is made once, before the run", scene.algorithm),
                 "choose another --algorithm, for example hri");
   }
-  if (scene.edit.empty() && !scene.journal.empty()) {
-    throw Error(Error::Code::kBadInput, "--journal " + scene.journal, "nothing is edited",
-                "give a brush, for example --edit remove:radius=2mm, or leave --journal out");
+  for (const auto& [flag, value] : {std::pair("--journal", &scene.journal), std::pair("--save", &scene.save)}) {
+    if (!scene.edit.empty() || value->empty()) continue;
+    throw Error(Error::Code::kBadInput, fmt::format("{} {}", flag, *value), "nothing is edited",
+                fmt::format("give a brush, for example --edit remove:radius=2mm, or leave {} out", flag));
   }
+  checkSave(scene);
 }
 
-LiveEdits::LiveEdits(const Scene& scene, const Volume& volume, Engine& engine)
-    : brush_(toolBrushSpec(scene.edit), scene.stiffness_N_per_m, scene.force_limit_N),
+LiveEdits::LiveEdits(const Scene& scene, Volume& volume, Engine& engine)
+    : brush_(toolBrushSpec(scene.edit), volume.size(), volume.lattice()),
       session_(
           engine,
           [&] {
@@ -79,37 +100,75 @@ LiveEdits::LiveEdits(const Scene& scene, const Volume& volume, Engine& engine)
           }(),
           std::vector{toolBrushSpec(scene.edit).brush.kind}, kHistoryBytes) {
   if (!scene.journal.empty()) session_.keepJournal(scene.journal, identityOf(volume), journalOptions());
+  if (scene.save.empty()) return;
+  const auto write = [file = scene.save](const Volume& edited, std::uint64_t) { return saveVolume(edited, file); };
+  session_.keepSaved(volume, write, scene.save_every_s);
 }
 
-void LiveEdits::tell(const std::string& trouble) {
-  troubles_.push_back(trouble);
-  fmt::print(stderr, "palpate: {}\n", trouble);
+void LiveEdits::tell(const std::string& text, Again again) {
+  std::string reason;
+  std::copy_if(text.begin(), text.end(), std::back_inserter(reason), [](char c) { return c < '0' || c > '9'; });
+  const auto known =
+      std::find_if(troubles_.begin(), troubles_.end(), [&](const Trouble& t) { return t.reason == reason; });
+  if (known == troubles_.end()) {
+    troubles_.push_back({std::move(reason), text});
+  } else {
+    ++known->count;
+    if (again == Again::kCountOnly) return;
+  }
+  fmt::print(stderr, "palpate: {}\n", text);
 }
 
-void LiveEdits::follow(const ToolPose& pose, std::int64_t now_ns) {
+// What the engine has no room for, or cannot be meant at that place, is refused and nothing else: a removal may follow
+// for which there is room. Any other error is the device's, and there is no more to edit on.
+void LiveEdits::edit(std::span<const EditCommand> commands, std::int64_t now_ns) {
   if (!editing_) return;
-  const std::optional<EditCommand> command = brush_.look(pose, now_ns);
-  if (!command) return;
   try {
-    session_.edit({&*command, 1}, now_ns);
+    session_.edit(commands, now_ns);
   } catch (const Error& error) {
+    if (error.code() == Error::Code::kOutOfMemory || error.code() == Error::Code::kBadInput) {
+      ++refused_;
+      tell(fmt::format("an edit was refused: {}", error.what()), Again::kCountOnly);
+      return;
+    }
     editing_ = false;
-    tell(fmt::format("editing has ended: {}", error.what()));
+    tell(fmt::format("editing has ended: {}", error.what()), Again::kTell);
+  }
+}
+
+void LiveEdits::listen() {
+  if (BackgroundSaver* saver = session_.saver(); saver != nullptr) {
+    for (const std::string& failure : saver->takeFailures()) tell(failure, Again::kTell);
   }
   const JournalWriter* journal = session_.journal();
   if (journal == nullptr || journal_failed_ || journal->failure().empty()) return;
   journal_failed_ = true;
-  tell(journal->failure());
+  tell(journal->failure(), Again::kTell);
+}
+
+void LiveEdits::follow(const ToolPose& pose, std::int64_t now_ns) {
+  if (const std::vector<EditCommand> commands = brush_.look(pose, now_ns); !commands.empty()) edit(commands, now_ns);
+  session_.look(now_ns);
+  listen();
 }
 
 RunEdits LiveEdits::finish(std::vector<std::string>& notes) {
   session_.close();
+  listen();
+  for (const Trouble& trouble : troubles_) {
+    notes.push_back(trouble.count > 1 ? fmt::format("{} times, first: {}", trouble.count, trouble.text) : trouble.text);
+  }
   EditFigures figures = session_.figures();
-  if (!figures.journal_failure.empty() && !journal_failed_) tell(figures.journal_failure);
-  notes.insert(notes.end(), troubles_.begin(), troubles_.end());
   RunEdits edits{figures.edits,         figures.windows,        {}, figures.journalled, figures.acknowledged,
                  figures.journal_bytes, figures.journal_failure};
   for (const double seconds : figures.edit_to_window_s) edits.edit_to_window_ms.push_back(seconds * 1e3);
+  edits.refused = refused_;
+  edits.saves = figures.saves.seconds.size();
+  edits.save_failures = figures.saves.failures;
+  edits.save_bytes = figures.saves.bytes;
+  edits.save_version = figures.saves.version;
+  edits.save_s = std::move(figures.saves.seconds);
+  edits.save_failure = std::move(figures.saves.failure);
   return edits;
 }
 

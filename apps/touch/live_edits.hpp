@@ -2,10 +2,11 @@
 // apps/touch/live_edits.hpp: the edits of a run: the servo's tool drives a brush through an editing session.
 //
 // Thread: made and finished by the job's thread, in between the engine's. An edit that the engine refuses (no memory
-// left, say) ends the editing and not the run; a journal that fails ends the journal and not the editing. Both are told
-// at once, on stderr, and in the run's notes.
+// left, say), a journal that fails and a save that fails end neither the run nor the editing. All are told at once, on
+// stderr, and in the run's notes: refusals and failures for the same reason once, with their count.
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -16,27 +17,39 @@
 
 namespace palpate {
 
-// Throws Error(kBadInput) on an --edit or --journal that cannot be meant, before any volume is loaded.
+// Throws Error on an --edit, --journal or --save that cannot be meant (kBadInput) or a file that cannot be made there
+// (kIo), before any volume is loaded.
 void checkEditOptions(const Scene& scene);
 
 class LiveEdits {
  public:
-  // `scene.isovalue` is the one in use. Throws Error: a brush that does not fit the volume, a journal that cannot be
-  // kept there.
-  LiveEdits(const Scene& scene, const Volume& volume, Engine& engine);
+  // `scene.isovalue` is the one in use. With --save `volume` belongs to this until finish(): nobody else may look at
+  // it. Throws Error: a brush that does not fit the volume, a journal that cannot be kept there.
+  LiveEdits(const Scene& scene, Volume& volume, Engine& engine);
 
-  // With every look at the tool; edits when one is due.
+  // With every look at the tool; edits when one is due, saves when that is.
   void follow(const ToolPose& pose, std::int64_t now_ns);
 
-  // After the run: waits for the journal. Adds what went wrong to `notes`.
+  // After the run: waits for the journal, and saves what no file holds yet; where there is a --save, `volume` is then
+  // the edited one. Adds what went wrong to `notes`.
   [[nodiscard]] RunEdits finish(std::vector<std::string>& notes);
 
  private:
-  void tell(const std::string& trouble);
+  // Something that went wrong, as it was told first, and how often.
+  struct Trouble {
+    std::string reason;  // the text without its numbers
+    std::string text;
+    std::uint64_t count = 1;
+  };
+  enum class Again { kTell, kCountOnly };
+  void tell(const std::string& text, Again again);
+  void edit(std::span<const EditCommand> commands, std::int64_t now_ns);
+  void listen();
 
   ToolBrush brush_;
   EditSession session_;
-  std::vector<std::string> troubles_;
+  std::vector<Trouble> troubles_;
+  std::uint64_t refused_ = 0;
   bool editing_ = true;
   bool journal_failed_ = false;
 };

@@ -10,7 +10,6 @@
 #include <sys/resource.h>
 
 #include "apps/console/interrupt.hpp"
-#include "apps/report/atomic_file.hpp"
 #include "apps/report/html_report.hpp"
 #include "apps/report/summary.hpp"
 #include "apps/report/trace_csv.hpp"
@@ -23,6 +22,7 @@
 #include "apps/touch/scripted_path.hpp"
 #include "apps/touch/servo_run.hpp"
 #include "apps/touch/volume_surface.hpp"
+#include "base/atomic_file.hpp"
 #include "base/error.hpp"
 #include "engine/service/engine.hpp"
 #include "engine/volume/isosurface_mesh.hpp"
@@ -203,7 +203,19 @@ TouchRun runTouchJob(const Scene& scene, const std::string& command, const std::
   checkIsovalue(volume, isovalue);
   run.scene.isovalue = isovalue;
   run.volume = volumeOf(volume, isovalue);
-  const VolumeSurface surface(volume, isovalue);
+  const Plan plan = planFor(scene);
+  const auto engine = stages.run("open Vulkan device", "computing on Vulkan", [&] {
+    return std::make_unique<Engine>(volume, plan, isovalue, scene.gpu, scene.gpu_memory_bytes);
+  });
+  run.vulkan = {engine->gpu().name, engine->gpu().driver, engine->gpu().api_version};
+  // The engine's own stages come out of the time that making it took; what is left opened the device.
+  for (const StageTime& inner : engine->stages()) run.stages.back().seconds -= inner.seconds;
+  run.stages.insert(run.stages.end(), engine->stages().begin(), engine->stages().end());
+  // What is felt is what the engine made of the volume.
+  std::optional<Volume> filtered;
+  if (engine->filters()) filtered = engine->filtered(volume.facts());
+  const Volume& felt = filtered ? *filtered : volume;
+  const VolumeSurface surface(felt, isovalue);
 
   const ScriptedPath path = stages.run("path", "building the path", [&] { return scriptedPath(scene, surface); });
   run.scene.duration_s = scene.path_file.empty() ? scene.duration_s : path.path.duration_s();
@@ -215,23 +227,16 @@ TouchRun runTouchJob(const Scene& scene, const std::string& command, const std::
   run.notes.insert(run.notes.end(), start_notes.begin(), start_notes.end());
   run.object_outlines = objects.outlines;
 
-  const Plan plan = planFor(scene);
-  AlgorithmSetup setup = algorithmSetup(scene, isovalue, densityScale(volume, isovalue), objects.objects);
+  AlgorithmSetup setup = algorithmSetup(scene, isovalue, densityScale(felt, isovalue), objects.objects);
   if (plan.meshes) {
-    setup.isosurface = stages.run("isosurface mesh", "extracting the isosurface's mesh", [&] {
-      return std::make_shared<const TriangleMesh>(isosurfaceMesh(volume, isovalue));
-    });
+    setup.isosurface = stages.run("isosurface mesh", "extracting the isosurface's mesh",
+                                  [&] { return std::make_shared<const TriangleMesh>(isosurfaceMesh(felt, isovalue)); });
   }
-  const auto engine = stages.run("open Vulkan device", "computing on Vulkan",
-                                 [&] { return std::make_unique<Engine>(volume, plan, isovalue, scene.gpu); });
-  run.vulkan = {engine->gpu().name, engine->gpu().driver, engine->gpu().api_version};
-  // The engine's own stages come out of the time that making it took; what is left opened the device.
-  for (const StageTime& inner : engine->stages()) run.stages.back().seconds -= inner.seconds;
-  run.stages.insert(run.stages.end(), engine->stages().begin(), engine->stages().end());
   PlanFacts facts = engine->planFacts();
   if (setup.isosurface != nullptr) facts.mesh_triangles = setup.isosurface->triangles.size();
   run.plan = planWords(plan, facts);
 
+  // With --save the edits own the volume while the servo runs: nothing below reads it before finish().
   std::unique_ptr<LiveEdits> edits;
   if (!scene.edit.empty()) {
     edits = stages.run("edit set-up", "making edits ready",
@@ -250,11 +255,14 @@ TouchRun runTouchJob(const Scene& scene, const std::string& command, const std::
   }
   run.exact = exactErrorsOf(run);
   if (edits) {
-    run.edits = edits->finish(run.notes);
-    engine->readBack(volume);  // for the picture
+    if (!scene.save.empty()) progress.stage("saving " + scene.save);  // after Ctrl-C too
+    run.edits = edits->finish(run.notes);                             // from here on the volume is this thread's again
+    engine->readBack(volume);                                         // for the picture
+    if (filtered) filtered = engine->filtered(volume.facts());
   }
 
   run.files = outputFiles(scene, folder);
+  if (run.edits && run.edits->saves > 0) run.files.push_back(scene.save);
   const std::string picture =
       plan.draws ? stages.run("picture", "drawing", [&] { return drawPicture(run, surface, *engine); }) : std::string();
   run.memory = engine->memory();

@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/passes/isosurface_pass.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <span>
 
 namespace palpate {
 namespace {
+
+// Drawn at once. A picture of a large volume takes a processor many seconds; no single submission may take a minute.
+constexpr int kBandRows = 8 * ISOSURFACE_GROUP;
 
 layout::IsosurfacePush pushFor(const BrickPool& pool, const Camera& camera, double isovalue) {
   const Lattice& lattice = pool.lattice();
@@ -36,7 +40,8 @@ layout::IsosurfacePush pushFor(const BrickPool& pool, const Camera& camera, doub
           f(right.z()),
           f(down.x()),
           f(down.y()),
-          f(down.z())};
+          f(down.z()),
+          0};
 }
 
 }  // namespace
@@ -56,11 +61,14 @@ RenderedImage IsosurfacePass::draw(const Camera& camera, double isovalue) {
   const auto groups = [](int length) {
     return static_cast<std::uint32_t>((length + ISOSURFACE_GROUP - 1) / ISOSURFACE_GROUP);
   };
-  const layout::IsosurfacePush push = pushFor(pool_, camera, isovalue);
-  commands_.begin();
-  commands_.dispatch(kernel_.get(), poolBindings(pool_, {&bounds_.bounds(), &pixels}), gpu::pushBytes(push),
-                     {groups(camera.width), groups(camera.height)});
-  commands_.run();
+  layout::IsosurfacePush push = pushFor(pool_, camera, isovalue);
+  for (int row = 0; row < camera.height; row += kBandRows) {
+    push.first_row = static_cast<layout::uint>(row);
+    commands_.begin();
+    commands_.dispatch(kernel_.get(), poolBindings(pool_, {&bounds_.bounds(), &pixels}), gpu::pushBytes(push),
+                       {groups(camera.width), groups(std::min(kBandRows, camera.height - row))});
+    commands_.run();
+  }
 
   std::vector<layout::IsosurfacePixel> raw(count);
   transfer_.download(pixels, std::as_writable_bytes(std::span(raw)));

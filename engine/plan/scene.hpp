@@ -23,9 +23,10 @@ struct Scene {
   std::optional<double> isovalue;   // tau; empty: suggested from the histogram [density]
   std::vector<ObjectSpec> objects;  // beside the volume
   // compute
-  std::string gpu;            // part of the Vulkan device's name; empty: the best one
-  std::string filter;         // chain that makes the field that is felt: "gaussian:0.8mm"; empty: none
-  bool gradient_all = false;  // every brick instead of those that the isosurface needs
+  std::string gpu;                     // part of the Vulkan device's name; empty: the best one
+  std::uint64_t gpu_memory_bytes = 0;  // the most that densities and gradients may take there; 0: what it has [byte]
+  std::string filter;                  // chain that makes the field that is felt: "gaussian:0.8mm"; empty: none
+  bool gradient_all = false;           // every brick instead of those that the isosurface needs
   // servo
   std::string algorithm = "hri";
   int plane_renewal_ticks = 5;  // n
@@ -78,8 +79,10 @@ struct Scene {
   double slide_length_m = 20.0e-3;
   double approach_m = 10.0e-3;
   // edits
-  std::string edit;     // brush that the tool drives: "remove:radius=2mm"; empty: none
-  std::string journal;  // folder in which edits are kept as they go; empty: nowhere
+  std::string edit;         // brush that the tool drives: "remove:radius=2mm"; empty: none
+  std::string journal;      // folder in which edits are kept as they go; empty: nowhere
+  std::string save;         // file in which the edited volume is kept; empty: none
+  double save_every_s = 0;  // 0: at the end of the run only [s]
   // output
   std::string out = "out";
   bool trace = true;    // write trace.csv

@@ -505,4 +505,15 @@ std::size_t Editor::readBack(Volume& volume) {
   return count;
 }
 
+std::vector<Editor::BrickContent> Editor::takeChanged(std::size_t most) {
+  settle();
+  std::vector<BrickContent> taken;
+  while (!changed_.empty() && taken.size() < most) {
+    taken.push_back(content(changed_.back()));
+    is_changed_[changed_.back()] = false;
+    changed_.pop_back();
+  }
+  return taken;
+}
+
 }  // namespace palpate

@@ -89,6 +89,9 @@ class Editor {
 
   // Writes every brick that has changed since the last call into `volume`; returns how many. After settle().
   std::size_t readBack(Volume& volume);
+  // The same as copies, for who keeps the volume elsewhere: at most `most` of those bricks, each as it is now. When
+  // none is left, what was taken since the start makes up the volume of version(). After settle().
+  [[nodiscard]] std::vector<BrickContent> takeChanged(std::size_t most);
   [[nodiscard]] std::size_t changedBricks() const noexcept { return changed_.size(); }  // not read back yet
 
   // Adds the device's own times to the stages: "edit", "filter", "bounds", "gradient", "window" of what "gpu" holds.

@@ -65,6 +65,8 @@ class Engine {
   void timeKernels(bool on) { editor_->timeKernels(on); }
   // Brings the bricks that edits changed back into the volume; returns how many. For idle moments.
   std::size_t readBack(Volume& volume);
+  // The same as copies, a part at a time (Editor::takeChanged); once edits are allowed.
+  [[nodiscard]] std::vector<Editor::BrickContent> takeChanged(std::size_t most) { return editor_->takeChanged(most); }
   [[nodiscard]] std::uint64_t editVersion() const noexcept { return editor_ ? editor_->version() : 0; }
 
   // The field that is felt: the filtered one, as a volume; only where the plan filters. Cost: a copy of its bricks.

@@ -2,8 +2,17 @@
 #include "engine/session/edit_session.hpp"
 
 #include <chrono>
+#include <cmath>
+
+#include "base/units.hpp"
 
 namespace palpate {
+namespace {
+
+// Copied in one go, in well under a millisecond: the engine's thread has the window to see to.
+constexpr std::size_t kBricksAtOnce = 256;
+
+}  // namespace
 
 EditSession::EditSession(Engine& engine, const BrushProfile& profile, std::span<const EditKind> kinds,
                          std::size_t history_bytes)
@@ -48,12 +57,49 @@ Engine::EditResult EditSession::redo(std::int64_t now_ns) {
   return result;
 }
 
+void EditSession::keepSaved(Volume& volume, BackgroundSaver::Write write, double every_s) {
+  save_period_ns_ = std::llround(every_s * kNanosecondsPerSecond);
+  saver_.emplace(volume, std::move(write));
+}
+
+// Not before something changed; again where it failed to be saved.
+bool EditSession::isSaveDue(std::int64_t now_ns) const {
+  return now_ns >= next_ns_ && engine_.editVersion() > 0 && !isSaved();
+}
+
+bool EditSession::isSaved() const {
+  return saver_->figures().version == engine_.editVersion();
+}
+
+void EditSession::look(std::int64_t now_ns) {
+  if (!saver_ || save_period_ns_ == 0 || !saver_->ready()) return;
+  if (next_ns_ == kNotSet) next_ns_ = now_ns + save_period_ns_;
+  // Bricks that change again and again are copied once for each save, unless there are many.
+  const bool due = isSaveDue(now_ns);
+  if (!due && engine_.editor().changedBricks() < kBricksAtOnce) return;
+  std::vector<Editor::BrickContent> bricks = engine_.takeChanged(kBricksAtOnce);
+  const bool complete = engine_.editor().changedBricks() == 0;
+  if (due && complete) next_ns_ = now_ns + save_period_ns_;
+  saver_->give(std::move(bricks), due && complete ? std::optional(engine_.editVersion()) : std::nullopt);
+}
+
 void EditSession::close() {
   if (journal_) journal_->close();
+  if (!saver_ || closed_) return;
+  closed_ = true;
+  saver_->wait();
+  const bool save = !isSaved();
+  while (engine_.editor().changedBricks() > 0) {
+    saver_->give(engine_.takeChanged(kBricksAtOnce), std::nullopt);
+    saver_->wait();
+  }
+  if (save) saver_->give({}, engine_.editVersion());
+  saver_->close();
 }
 
 EditFigures EditSession::figures() const {
   EditFigures figures = figures_;
+  if (saver_) figures.saves = saver_->figures();
   if (!journal_) return figures;
   figures.journalled = journal_->appended();
   figures.acknowledged = journal_->acknowledged();

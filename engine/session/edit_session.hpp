@@ -1,17 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 // engine/session/edit_session.hpp: an editing session: every edit, undo and redo goes to the engine, into the history
-// and into the journal, in one order. An edit that the engine refuses is in none of them. Thread: the engine's.
+// and into the journal, in one order. An edit that the engine refuses is in none of them. The volume itself is saved
+// beside it (background_saver.hpp). Thread: the engine's.
 // Cost: the engine's edit, a copy of the bricks that it changes, and an append to the journal's queue, which waits
 // only where the queue is full.
 #pragma once
 
 #include <filesystem>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "engine/journal/journal_writer.hpp"
+#include "engine/session/background_saver.hpp"
 #include "engine/session/edit_history.hpp"
 
 namespace palpate {
@@ -25,6 +28,7 @@ struct EditFigures {
   std::uint64_t acknowledged = 0;        // of those, on disk
   std::uint64_t journal_bytes = 0;
   std::string journal_failure;  // why not all are; empty: they are, or there is no journal
+  SaveFigures saves;
 };
 
 class EditSession {
@@ -35,24 +39,40 @@ class EditSession {
   // From here on edits are kept in a journal in `folder`; before the first. Throws as JournalWriter does.
   void keepJournal(const std::filesystem::path& folder, const VolumeIdentity& volume, JournalOptions options = {});
 
+  // From here on `volume`, the engine's own as it was read back last, belongs to the session until close(): nobody else
+  // may look at it. It is saved every `every_s` seconds in which something changed (0: never), and by close().
+  void keepSaved(Volume& volume, BackgroundSaver::Write write, double every_s);
+  // Often: hands over what changed, and begins a save when one is due and the last is done. Never waits. Cost: a copy
+  // of 256 bricks at most.
+  void look(std::int64_t now_ns);
+  [[nodiscard]] BackgroundSaver* saver() noexcept { return saver_ ? &*saver_ : nullptr; }
+
   // Throw as EditHistory does.
   Engine::EditResult edit(std::span<const EditCommand> commands, std::int64_t now_ns);
   Engine::EditResult undo(std::int64_t now_ns);
   Engine::EditResult redo(std::int64_t now_ns);
 
-  // Waits until the journal is on disk or has failed, and ends it.
+  // Waits until the journal is on disk or has failed, and ends it. Saves what no file holds yet, and gives the volume
+  // back, with every edit in it.
   void close();
   [[nodiscard]] EditFigures figures() const;
   [[nodiscard]] const EditHistory& history() const noexcept { return history_; }
   [[nodiscard]] const JournalWriter* journal() const noexcept { return journal_ ? &*journal_ : nullptr; }
 
  private:
+  [[nodiscard]] bool isSaveDue(std::int64_t now_ns) const;
+  [[nodiscard]] bool isSaved() const;
   template <typename Change>
   Engine::EditResult timed(const Change& change);
 
   Engine& engine_;
   EditHistory history_;
   std::optional<JournalWriter> journal_;
+  std::optional<BackgroundSaver> saver_;
+  static constexpr std::int64_t kNotSet = std::numeric_limits<std::int64_t>::min();
+  std::int64_t save_period_ns_ = 0;  // 0: no save before the end
+  std::int64_t next_ns_ = kNotSet;   // when the next save is due
+  bool closed_ = false;
   EditFigures figures_;
 };
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <random>
 
+#include "engine/volume/grid.hpp"
 #include "engine/volume/memory_budget.hpp"
 #include "engine/volume/readers.hpp"
 
@@ -39,6 +40,29 @@ class Gauss {
 void addNoise(std::vector<float>& values, double deviation, std::uint64_t seed) {
   Gauss gauss(seed);
   for (float& value : values) value = static_cast<float>(static_cast<double>(value) + deviation * gauss());
+}
+
+bool isByBricks(const Phantom& phantom) {
+  return phantom.isByPlace() && phantom.spec().noise == 0;
+}
+
+// Counts what will be stored only where not every brick could be.
+void checkSparseMemory(const Phantom& phantom, const std::string& name, std::size_t memory_budget_bytes) {
+  constexpr double kBrickBytes = kBrickVoxels * (kGridBytesPerVoxel + kGpuBytesPerVoxel);
+  constexpr double kTileBytes = 8;
+  checkBricks(name, phantom.size().x(), phantom.size().y(), phantom.size().z());
+  const Vec3i bricks = (phantom.size() + Vec3i::Constant(kBrickSize - 1)) / kBrickSize;
+  const double all = bricks.cast<double>().prod();
+  const std::size_t budget = memory_budget_bytes != 0 ? memory_budget_bytes : availableMemoryBytes();
+  if (all * kBrickBytes <= static_cast<double>(budget)) return;
+  double stored = 0;
+  Vec3i brick;
+  for (brick.z() = 0; brick.z() < bricks.z(); ++brick.z()) {
+    for (brick.y() = 0; brick.y() < bricks.y(); ++brick.y()) {
+      for (brick.x() = 0; brick.x() < bricks.x(); ++brick.x()) stored += phantom.isConstantBrick(brick) ? 0 : 1;
+    }
+  }
+  checkMemory(name, stored * kBrickBytes + all * kTileBytes, budget);
 }
 
 }  // namespace
@@ -85,6 +109,38 @@ std::vector<float> Phantom::densities() const {
   return values;
 }
 
+bool Phantom::isConstantAround(const Vec3& middle_W, int edge_voxels) const {
+  return constantRadius_m(middle_W) > lattice_.spacing_m.norm() * (edge_voxels - 1) / 2;
+}
+
+Vec3 Phantom::middleOf(const Vec3i& first, int edge_voxels) const {
+  return lattice_.toWorld(first.cast<double>() + Vec3::Constant((edge_voxels - 1) / 2.0));
+}
+
+bool Phantom::isConstantBrick(const Vec3i& brick) const {
+  return isConstantAround(middleOf(brick * kBrickSize, kBrickSize), kBrickSize);
+}
+
+bool Phantom::brick(const Vec3i& brick, float* values) const {
+  const Vec3i first = brick * kBrickSize;
+  if (isConstantBrick(brick)) {
+    values[0] = static_cast<float>(density(middleOf(first, kBrickSize)));
+    return true;
+  }
+  for (int block = 0; block < 8; ++block) {
+    const Vec3i corner = Vec3i(block & 1, block >> 1 & 1, block >> 2) * kBlock;
+    const Vec3 middle_W = middleOf(first + corner, kBlock);
+    const bool constant = isConstantAround(middle_W, kBlock);
+    const auto middle = constant ? static_cast<float>(density(middle_W)) : 0.0F;
+    for (int n = 0; n < kBlock * kBlock * kBlock; ++n) {
+      const Vec3i at = corner + Vec3i(n % kBlock, n / kBlock % kBlock, n / (kBlock * kBlock));
+      float& value = values[(at.z() * kBrickSize + at.y()) * kBrickSize + at.x()];
+      value = constant ? middle : static_cast<float>(density(lattice_.toWorld((first + at).cast<double>())));
+    }
+  }
+  return false;
+}
+
 std::unique_ptr<Phantom> makePhantom(const std::string& text) {
   const PhantomSpec spec = parsePhantomSpec(text);
   const auto& kinds = phantomKinds();
@@ -94,21 +150,31 @@ std::unique_ptr<Phantom> makePhantom(const std::string& text) {
 
 Volume makeVolume(const Phantom& phantom) {
   const PhantomSpec& spec = phantom.spec();
-  std::vector<float> values = phantom.densities();
-  if (spec.noise > 0) addNoise(values, spec.noise * (phantom.profile().high - phantom.profile().low), spec.seed);
   VolumeFacts facts;
   facts.source = spec.text;
   facts.format = "phantom";
   facts.value_type = "float32";
   facts.orientation = "LPS axes, centred on the world's origin";
   facts.declared_isovalue = phantom.isovalue();
+  if (isByBricks(phantom)) {
+    const BrickSource source = [&](const Vec3i& brick, float* values) { return phantom.brick(brick, values); };
+    const LayerSource layers = [&](int) { return source; };
+    return Volume(buildGridByLayers(spec.size, phantom.lattice(), std::move(facts), layers));
+  }
+  std::vector<float> values = phantom.densities();
+  if (spec.noise > 0) addNoise(values, spec.noise * (phantom.profile().high - phantom.profile().low), spec.seed);
   return Volume::fromDense(spec.size, phantom.lattice(), values, std::move(facts));
 }
 
 Volume readPhantom(const std::string& name, std::size_t memory_budget_bytes) {
-  const PhantomSpec spec = parsePhantomSpec(name);
-  checkMemory(name, spec.size.x(), spec.size.y(), spec.size.z(), 0, memory_budget_bytes);
-  return makeVolume(*makePhantom(name));
+  const std::unique_ptr<Phantom> phantom = makePhantom(name);
+  const Vec3i& size = phantom->size();
+  if (isByBricks(*phantom)) {
+    checkSparseMemory(*phantom, name, memory_budget_bytes);
+  } else {
+    checkMemory(name, size.x(), size.y(), size.z(), 0, memory_budget_bytes);
+  }
+  return makeVolume(*phantom);
 }
 
 }  // namespace palpate

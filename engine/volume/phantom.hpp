@@ -51,6 +51,12 @@ class Phantom {
   // Every voxel before noise, i fastest. Cost: follows the surface, not the volume.
   [[nodiscard]] virtual std::vector<float> densities() const;
 
+  // Whether every voxel before noise is density() of its place, so that the volume can be made brick by brick.
+  [[nodiscard]] virtual bool isByPlace() const { return true; }
+  // Of such a phantom: as Volume::readBrick; and whether that is certainly constant, which costs one distance.
+  bool brick(const Vec3i& brick, float* values) const;
+  [[nodiscard]] bool isConstantBrick(const Vec3i& brick) const;
+
   [[nodiscard]] double isovalue() const noexcept { return profile_.isovalue; }  // density of the exact surface
   [[nodiscard]] const Profile& profile() const noexcept { return profile_; }
   [[nodiscard]] const Lattice& lattice() const noexcept { return lattice_; }
@@ -68,6 +74,9 @@ class Phantom {
   [[nodiscard]] static double beyondRamp_m(double distance_m, double below_m, double above_m);
 
  private:
+  [[nodiscard]] Vec3 middleOf(const Vec3i& first, int edge_voxels) const;  // of a block of voxels [m]
+  [[nodiscard]] bool isConstantAround(const Vec3& middle_W, int edge_voxels) const;
+
   PhantomSpec spec_;
   Profile profile_;
   Lattice lattice_;
@@ -77,7 +86,8 @@ class Phantom {
 [[nodiscard]] std::unique_ptr<Phantom> makePhantom(const std::string& text);
 
 // Its volume: densities plus noise, Gaussian (sum of twelve uniforms, so tails end at 6 sigma) with the standard
-// deviation spec.noise * (high - low). The same seed gives the same bits on every machine.
+// deviation spec.noise * (high - low). The same seed gives the same bits on every machine. Memory: without noise what
+// is not constant, so a phantom may be as large as a volume may; with noise, and `random`, 4 bytes a voxel besides.
 [[nodiscard]] Volume makeVolume(const Phantom& phantom);
 
 }  // namespace palpate

@@ -2,7 +2,8 @@
 // Writes one OpenVDB grid of floats: a density, or a level set where the volume came from one.
 //
 // Leaves stay where they are; constant bricks are tiles. Outside the domain there is background: the lowest density, or
-// the level set's largest distance.
+// the level set's largest distance. A density whose domain ends with its bricks is written as it lies in memory,
+// without a copy; edits that went lower than any density before do not change its background.
 #include <cmath>
 #include <ostream>
 #include <streambuf>
@@ -69,23 +70,33 @@ void writeVdb(const Volume& volume, const std::string& name, LengthUnit unit, co
   openvdb::initialize();
   const double units_per_metre = unit == LengthUnit::kMetre ? 1 : kMillimetresPerMetre;
   const auto transform = transformOf(volume.lattice(), units_per_metre, name);
-  const ScalarGrid::Ptr grid = volume.grid().field->deepCopy();
   const Vec3i last = volume.size() - Vec3i::Ones();
-  grid->tree().root().setBackground(volume.minimum(), false);
-  grid->setName("density");
-  if (volume.facts().is_level_set) {
-    makeLevelSet(*grid, std::max(-volume.minimum(), volume.maximum()), units_per_metre);
+  openvdb::MetaMap about;
+  about.insertMeta("unit", openvdb::StringMetadata(unit == LengthUnit::kMetre ? "m" : "mm"));
+  about.insertMeta(kVdbDomainKey, openvdb::Vec3IMetadata(openvdb::Vec3i(last.x() + 1, last.y() + 1, last.z() + 1)));
+  about.insertMeta(openvdb::GridBase::META_GRID_CREATOR, openvdb::StringMetadata("Palpate"));
+  about.insertMeta(openvdb::GridBase::META_GRID_NAME, openvdb::StringMetadata("density"));
+  openvdb::GridBase::ConstPtr written;
+  if (volume.size().unaryExpr([](int n) { return n % kBrickSize; }).isZero() && !volume.facts().is_level_set) {
+    written = volume.grid().field->copyGridReplacingMetadataAndTransform(about, transform);  // the same tree
+  } else {
+    const ScalarGrid::Ptr grid = volume.grid().field->deepCopy();
+    for (auto entry = about.beginMeta(); entry != about.endMeta(); ++entry) {
+      grid->removeMeta(entry->first);
+      grid->insertMeta(entry->first, *entry->second);
+    }
+    grid->setTransform(transform);
+    grid->tree().root().setBackground(volume.minimum(), false);
+    if (volume.facts().is_level_set)
+      makeLevelSet(*grid, std::max(-volume.minimum(), volume.maximum()), units_per_metre);
+    grid->clip(openvdb::CoordBBox(openvdb::Coord(0, 0, 0), openvdb::Coord(last.x(), last.y(), last.z())));
+    written = grid;
   }
-  grid->clip(openvdb::CoordBBox(openvdb::Coord(0, 0, 0), openvdb::Coord(last.x(), last.y(), last.z())));
-  grid->setTransform(transform);
-  grid->insertMeta("unit", openvdb::StringMetadata(unit == LengthUnit::kMetre ? "m" : "mm"));
-  grid->insertMeta(kVdbDomainKey, openvdb::Vec3IMetadata(openvdb::Vec3i(last.x() + 1, last.y() + 1, last.z() + 1)));
-  grid->setCreator("Palpate");
   SinkBuffer buffer(sink);
   std::ostream out(&buffer);
   out.exceptions(std::ios::badbit);  // so that what the sink throws comes through
   const Quiet quiet;
-  openvdb::io::Stream(out).write({grid});
+  openvdb::io::Stream(out).write(openvdb::GridCPtrVec{written});
 }
 
 }  // namespace palpate

@@ -4,11 +4,13 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <filesystem>
 #include <span>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "base/atomic_file.hpp"
 #include "base/error.hpp"
 #include "engine/volume/text_header.hpp"
 #include "engine/volume/writers.hpp"
@@ -117,6 +119,30 @@ void writeVolume(const Volume& volume, const std::string& name, std::optional<Le
   GzipSink packed(sink);
   writeNifti(volume, name, [&](std::string_view bytes) { packed.write(bytes); });
   packed.finish();
+}
+
+std::uint64_t saveVolume(const Volume& volume, const std::string& name) {
+  AtomicFile file(name);
+  std::uint64_t bytes = 0;
+  writeVolume(volume, name, {}, [&](std::string_view piece) {
+    bytes += piece.size();
+    file.write(piece);
+  });
+  file.commit();
+  return bytes;
+}
+
+void checkNotInput(const std::string& in, const std::string& out) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  if (!fs::exists(out, ignored)) return;
+  const std::string path = fs::exists(in, ignored) ? in : in.substr(0, in.rfind('#'));
+  const bool same = fs::equivalent(path, out, ignored);
+  const fs::path folder = fs::absolute(out, ignored).parent_path();
+  if (same || (fs::is_directory(path, ignored) && fs::equivalent(path, folder, ignored))) {
+    throw Error(Error::Code::kBadInput, out, same ? "it is the input" : "it is a file of the input's folder",
+                "write to another name");
+  }
 }
 
 }  // namespace palpate

@@ -6,10 +6,11 @@
 // Values: float32, or int16 where the volume came from a file of integers and every density is a whole number that an
 // int16 holds; OpenVDB always float32. NIfTI is turned from LPS to RAS. A level set stays one in OpenVDB: a signed
 // distance, narrow band active. An OpenVDB file names its domain ("palpate_domain"), which its active voxels do not.
-// Thread: any, while nobody changes the volume. Memory: eight slices; OpenVDB: a copy of the stored bricks. Cost: one
-// pass, two where the values may be int16.
+// Thread: any, while nobody changes the volume. Memory: eight slices; OpenVDB: a copy of the stored bricks where it is
+// a level set or a side is no multiple of 8. Cost: one pass, two where the values may be int16.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -28,5 +29,13 @@ inline constexpr const char* kVolumeFileSuffixes = ".vdb, .nii, .nii.gz, .nrrd, 
 // whose values are lengths too and keep their bits only so. Throws Error(kBadInput): another suffix; a unit that the
 // format does not have; more voxels along an axis than NIfTI can count; voxels too small for OpenVDB in that unit.
 void writeVolume(const Volume& volume, const std::string& name, std::optional<LengthUnit> unit, const ByteSink& sink);
+
+// writeVolume into a file that is there whole or not at all (base/atomic_file.hpp); returns its size [byte]. Throws as
+// the two do; what was there then stays.
+std::uint64_t saveVolume(const Volume& volume, const std::string& name);
+
+// Throws Error(kBadInput) where a file `out` would replace the volume `in` (as loadVolume takes it) or a file of its
+// folder, by whatever name, link or way. Call it before anything is written.
+void checkNotInput(const std::string& in, const std::string& out);
 
 }  // namespace palpate

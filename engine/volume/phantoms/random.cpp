@@ -37,6 +37,7 @@ class Random : public Phantom {
   }
   [[nodiscard]] bool hasSurface() const override { return false; }
 
+  [[nodiscard]] bool isByPlace() const override { return false; }
   [[nodiscard]] std::vector<float> densities() const override {
     std::mt19937_64 bits(spec().seed);
     std::vector<float> values(static_cast<std::size_t>(size().cast<long long>().prod()));

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/journal/journal_reader.hpp"
+#include "engine/journal/volume_identity.hpp"
 #include "program_test.hpp"
 #include "trace.hpp"
 
@@ -64,16 +65,33 @@ TEST_F(LiveEdits, ASurfaceThatIsRemovedLetsGoWithinOneWindow) {
 // the plane's renewal turns: a tenth of the largest force is far above it and far below the 0.5 N that a ball of 1 mm
 // would throw with.
 TEST_F(LiveEdits, MaterialAroundTheToolPushesGently) {
-  expectSuccess(run(touch({"--edit", "add:radius=1mm"})));
-  const Trace trace = readTrace(file("out") / "trace.csv");
-  double largest_step_N = 0;
-  for (std::size_t i = 1; i < trace.rows.size(); ++i) {
-    if (trace.rows[i].editVersion() == trace.rows[i - 1].editVersion()) continue;
-    const double step_N = trace.rows[i].force_N().norm() - trace.rows[i - 1].force_N().norm();
-    largest_step_N = std::max(largest_step_N, step_N);
+  for (const char* algorithm : {"hri", "blezek", "implicit", "avila"}) {
+    SCOPED_TRACE(algorithm);
+    expectSuccess(run(touch({"--edit", "add:radius=1mm", "--algorithm", algorithm})));
+    const Trace trace = readTrace(file("out") / "trace.csv");
+    double largest_step_N = 0;
+    for (std::size_t i = 1; i < trace.rows.size(); ++i) {
+      if (trace.rows[i].editVersion() == trace.rows[i - 1].editVersion()) continue;
+      const double step_N = trace.rows[i].force_N().norm() - trace.rows[i - 1].force_N().norm();
+      largest_step_N = std::max(largest_step_N, step_N);
+    }
+    EXPECT_GE(trace.rows.back().editVersion(), 1);
+    EXPECT_LT(largest_step_N, 0.05);
   }
-  EXPECT_GE(trace.rows.back().editVersion(), 1);
-  EXPECT_LT(largest_step_N, 0.05);
+}
+
+// Both strokes of a mirror are one edit; the force that drills is in the trace, so the same run edits the same.
+TEST_F(LiveEdits, FlattensAndMirrorsAndDrillsByForce) {
+  for (const char* brush : {"flatten:radius=1mm:mirror=x", "remove:radius=1mm:rate=50:mirror=z"}) {
+    SCOPED_TRACE(brush);
+    expectSuccess(run(touch({"--edit", brush})));
+    const std::string first = contentsOf(file("out") / "trace.csv");
+    const double version = readTrace(file("out") / "trace.csv").rows.back().editVersion();
+    EXPECT_GE(version, 1);
+    EXPECT_EQ(summary()["edits"]["count"], version);
+    expectSuccess(run(touch({"--edit", brush})));
+    EXPECT_EQ(contentsOf(file("out") / "trace.csv"), first);
+  }
 }
 
 // The engine's own thread edits; the versions still only rise, and what is saved gives the volume back.
@@ -110,6 +128,36 @@ TEST_F(LiveEdits, AJournalGivesTheVolumeBack) {
   expectRefusal(run(touch(kDrill + Words{"--journal", "journal"})), "journal", "another session", 2);
 }
 
+// "content 0123456789abcdef" of what `recover` printed.
+std::string contentIn(const std::string& out) {
+  const std::size_t at = out.find("content ");
+  return at == std::string::npos ? "" : out.substr(at + 8, 16);
+}
+
+std::string contentOf(const std::filesystem::path& volume) {
+  return fmt::format("{:016x}", contentHash(loadVolume(volume.string())));
+}
+
+TEST_F(LiveEdits, RecoverWritesEveryFormat) {
+  expectSuccess(run(touch(kDrill + Words{"--journal", "journal"})));
+  for (const char* name : {"back.vdb", "back.nii", "back.nii.gz", "back.nrrd", "back.mha"}) {
+    const Outcome recovered = run({"recover", "journal", "--out", name});
+    expectSuccess(recovered);
+    EXPECT_EQ(contentIn(recovered.out), contentOf(file(name))) << name;
+  }
+}
+
+// The journal is nothing without the volume that it began with.
+TEST_F(LiveEdits, RecoverNeverReplacesTheVolumeThatTheJournalBeganWith) {
+  expectSuccess(run({"convert", kVolume, "start.vdb"}));
+  Words words = touch(kDrill + Words{"--journal", "journal"});
+  words[1] = "start.vdb";
+  expectSuccess(run(words));
+  const std::string before = contentsOf(file("start.vdb"));
+  expectRefusal(run({"recover", "journal", "--out", "start.vdb"}), "start.vdb", "it is the input", 2);
+  EXPECT_EQ(contentsOf(file("start.vdb")), before);
+}
+
 TEST_F(LiveEdits, RecoverSaysWhatADamagedTailLost) {
   expectSuccess(run(touch(kDrill + Words{"--journal", "journal"})));
   std::string bytes = contentsOf(journalFile(file("journal")));
@@ -124,7 +172,7 @@ TEST_F(LiveEdits, RecoverRefusesWhatItCannotRecover) {
   expectSuccess(run(touch(kDrill + Words{"--journal", "journal"})));
   expectRefusal(run({"recover", "journal", "--out", "back.vdb", "--volume", "phantom:sphere?size=40"}), "size=40",
                 "not the volume that the journal began with", 2);
-  expectRefusal(run({"recover", "journal", "--out", "back.nii"}), "back.nii", "does not end in .vdb", 2);
+  expectRefusal(run({"recover", "journal", "--out", "back.tiff"}), "back.tiff", "names no format", 2);
   expectRefusal(run({"recover", "nothing", "--out", "back.vdb"}), "nothing", "no journal.palpate", 3);
   std::string bytes = contentsOf(journalFile(file("journal")));
   bytes[8] = 9;
@@ -134,16 +182,99 @@ TEST_F(LiveEdits, RecoverRefusesWhatItCannotRecover) {
 }
 
 TEST_F(LiveEdits, RefusesBrushesThatCannotBeMeant) {
-  const std::pair<const char*, const char*> cases[] = {{"remove:radius=0mm", "no length above 0"},
-                                                       {"remove:radius=nan", "is no number"},
-                                                       {"remove:radius=9m", "larger than the volume"},
-                                                       {"carve:radius=2mm", "no brush 'carve'"}};
+  const std::pair<const char*, const char*> cases[] = {
+      {"remove:radius=0mm", "no length above 0"},     {"remove:radius=nan", "is no number"},
+      {"remove:radius=9m", "larger than the volume"}, {"cut:radius=2mm", "use flatten"},
+      {"remove:radius=2mm:mirror=q", "is no axis"},   {"carve:radius=2mm", "no brush 'carve'"}};
   for (const auto& [brush, reason] : cases) {
     expectRefusal(run(touch({"--edit", brush})), "edit", reason, 2);
     EXPECT_FALSE(exists("out"));
   }
   expectRefusal(run(touch({"--journal", "journal"})), "--journal", "nothing is edited", 2);
   expectRefusal(run(touch(kDrill + Words{"--algorithm", "god-object"})), "--edit", "a mesh that is made once", 2);
+}
+
+// The file of the last save holds the volume that the journal gives back.
+TEST_F(LiveEdits, ASaveHoldsEveryEdit) {
+  for (const char* clock : {"simulated", "real"}) {
+    for (const char* name : {"sculpted.vdb", "sculpted.nii.gz"}) {
+      const Words save = {"--journal", fmt::format("journal-{}-{}", clock, name), "--save", name, "--save-every",
+                          "0.2"};
+      const Outcome touched = run(touch(kDrill + save, clock));
+      expectSuccess(touched);
+      EXPECT_THAT(touched.out, HasSubstr(std::string("in ") + name + " up to edit"));
+      const auto edits = summary()["edits"];
+      EXPECT_GE(edits["saves"], 1);
+      EXPECT_EQ(edits["save_version"], edits["count"]);
+      EXPECT_EQ(edits["save_bytes"], std::filesystem::file_size(file(name)));
+      EXPECT_EQ(edits["save_s"]["count"], edits["saves"]);
+      EXPECT_EQ(edits["save_failures"], 0);
+      const Outcome recovered = run({"recover", save[1], "--out", "back.vdb"});
+      expectSuccess(recovered);
+      EXPECT_EQ(contentIn(recovered.out), contentOf(file(name))) << clock << " " << name;
+    }
+  }
+}
+
+// The picture and the report are those of a run without saves, to the byte where no time is in them.
+TEST_F(LiveEdits, SavingChangesNothingElse) {
+  Words words = touch(kDrill);
+  words[7] = "on";
+  expectSuccess(run(words));
+  const std::string picture = contentsOf(file("out") / "view.png"), trace = contentsOf(file("out") / "trace.csv");
+  expectSuccess(run(words + Words{"--save", "sculpted.vdb", "--save-every", "0.1"}));
+  EXPECT_EQ(contentsOf(file("out") / "view.png"), picture);
+  EXPECT_EQ(contentsOf(file("out") / "trace.csv"), trace);
+}
+
+TEST_F(LiveEdits, RefusesSavesThatCannotBeMeant) {
+  expectRefusal(run(touch({"--save", "a.vdb"})), "--save a.vdb", "nothing is edited", 2);
+  expectRefusal(run(touch(kDrill + Words{"--save-every", "2"})), "--save-every 2", "no file to save", 2);
+  expectRefusal(run(touch(kDrill + Words{"--save", "a.tiff"})), "--save a.tiff", "names no format", 2);
+  expectRefusal(run(touch(kDrill + Words{"--save", "no/a.vdb"})), "no/a.vdb", "No such file or directory", 4);
+  expectSuccess(run({"convert", kVolume, "start.vdb"}));
+  Words words = touch(kDrill + Words{"--save", "start.vdb"});
+  words[1] = "start.vdb";
+  expectRefusal(run(words), "start.vdb", "it is the input", 2);
+  EXPECT_FALSE(exists("a.vdb"));
+  EXPECT_FALSE(exists("out"));
+}
+
+TEST_F(LiveEdits, AGpuBudgetThatIsTooSmallIsRefusedBeforeTheRun) {
+  expectRefusal(run(touch(kDrill + Words{"--gpu-memory", "100KiB"})), "GPU memory for", "the budget is 0.1 MiB", 5);
+  expectRefusal(run(touch({"--gpu-memory", "much"})), "--gpu-memory", "'much' is no size", 2);
+  EXPECT_FALSE(exists("out"));
+}
+
+// A tool that adds, in a budget that does not hold what it adds: what does not fit is refused and told once, all else
+// goes on, and journal and file agree. The 96^3 sphere and the room for 256 more bricks that is made beforehand take
+// 8.9 MiB (a brick: 2 KiB of density, 8 KiB of gradients); balls of 20 mm all around it need more than 9 MiB.
+TEST_F(LiveEdits, AnEditBeyondTheGpuBudgetIsRefusedAndTheSessionGoesOn) {
+  const Words words = {"touch",        "phantom:sphere?size=96",
+                       "--seconds",    "3",
+                       "--clock",      "simulated",
+                       "--picture",    "off",
+                       "--out",        "out",
+                       "--edit",       "add:radius=20mm:period=40",
+                       "--slide",      "250",
+                       "--gpu-memory", "9MiB",
+                       "--journal",    "journal",
+                       "--save",       "sculpted.vdb"};
+  const Outcome outcome = run(words);
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  const Words lines = errorLines(outcome.err);
+  ASSERT_GE(lines.size(), 1U) << outcome.out;
+  EXPECT_LE(lines.size(), 2U) << outcome.err;  // of densities, and of gradients
+  EXPECT_THAT(lines[0], HasSubstr("an edit was refused: GPU memory for"));
+  EXPECT_THAT(lines[0], HasSubstr("raise --gpu-memory"));
+  const auto edits = summary()["edits"];
+  EXPECT_GT(edits["refused"], 0);
+  EXPECT_GT(edits["count"], 0);
+  EXPECT_EQ(edits["journal_saved"], edits["count"]);
+  EXPECT_EQ(edits["save_version"], edits["count"]);
+  const Outcome recovered = run({"recover", "journal", "--out", "back.vdb"});
+  expectSuccess(recovered);
+  EXPECT_EQ(contentIn(recovered.out), contentOf(file("sculpted.vdb")));
 }
 
 }  // namespace

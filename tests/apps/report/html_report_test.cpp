@@ -58,10 +58,37 @@ TEST(Report, FetchesNothing) {
   EXPECT_THAT(page, HasSubstr("/*! @license https:"));
 }
 
+TEST(Report, SaysWhatTheEditsDid) {
+  TouchRun run = sampleRun();
+  run.scene.edit = "remove:radius=2mm";
+  run.scene.journal = "kept<here";
+  run.scene.save = "sculpted.vdb";
+  run.edits->refused = 4;
+  std::string page = makeReport(run, "PNG");
+  for (const char* words :
+       {"<b>3<small> edits</small></b><span>of which 2 reached the window",
+        "<b>1.5<small> ms</small></b><span>from an edit to its window, median; 99 % within 2.5 ms",
+        "<b>4<small> refused</small></b>", "remove:radius=2mm", "kept&lt;here", "3 of 3, 500 B",
+        "saved 2 times in sculpted.vdb up to edit 3, 2 KiB, at most 0.5 s", "edits by time from edit to window [ms]"}) {
+    EXPECT_THAT(page, HasSubstr(words));
+  }
+  EXPECT_THAT(page, Not(HasSubstr("why the last save failed")));
+  run.edits->save_failures = 1;
+  run.edits->save_failure = "the disk is full";
+  run.edits->journal_failure = "it is full too";
+  page = makeReport(run, "PNG");
+  for (const char* words : {", 1 failed", "the disk is full", "it is full too"}) EXPECT_THAT(page, HasSubstr(words));
+  run.scene.journal = run.scene.save = "";
+  page = makeReport(run, "PNG");
+  for (const char* words : {"none (--journal", "not saved (--save"}) EXPECT_THAT(page, HasSubstr(words));
+  run.edits.reset();
+  EXPECT_THAT(makeReport(run, "PNG"), Not(HasSubstr("<section id=\"edits\">")));
+}
+
 TEST(Report, ContainsEverySection) {
   const std::string page = makeReport(sampleRun(), "PNG");
-  for (const char* id :
-       {"picture", "figures", "faults", "plots", "histograms", "work", "plan", "parameters", "machine", "repeat"}) {
+  for (const char* id : {"picture", "figures", "faults", "plots", "histograms", "edits", "work", "plan", "parameters",
+                         "machine", "repeat"}) {
     EXPECT_EQ(countOf(page, std::string("<section id=\"") + id + "\">"), 1U) << id;
   }
   for (const char* words : {"The tool touched the surface for 3 s of 5 s",

@@ -64,6 +64,10 @@ inline TouchRun sampleRun() {
       {"stale_window", 12, 300, "the engine published too rarely", "falls to zero", "make the window larger"}};
   run.files = {"out/trace.csv", "out/summary.json"};
   run.edits = RunEdits{3, 2, {1.5, 2.5}, 3, 3, 500, ""};
+  run.edits->saves = 2;
+  run.edits->save_bytes = 2048;
+  run.edits->save_version = 3;
+  run.edits->save_s = {0.25, 0.5};
   run.exact = ExactErrors{0.01, 0.05, 0.3, 1.2};
   return run;
 }

@@ -41,6 +41,18 @@ TEST(Words, ClosingSummaryNamesWhatMatters) {
   EXPECT_LE(std::count(text.begin(), text.end(), '\n'), 10);
 }
 
+TEST(Words, SavesSayHowOftenAndWhatFailed) {
+  TouchRun run = sampleRun();
+  run.scene.save = "a.vdb";
+  EXPECT_EQ(saveWords(run), "saved 2 times in a.vdb up to edit 3, 2 KiB, at most 0.5 s");
+  EXPECT_THAT(closingSummary(run), HasSubstr("; saved 2 times in a.vdb"));
+  run.edits->saves = 0;
+  run.edits->save_failures = 3;
+  EXPECT_EQ(saveWords(run), "never saved in a.vdb, 3 failed");
+  run.edits->refused = 7;
+  EXPECT_THAT(closingSummary(run), HasSubstr("; 7 refused"));
+}
+
 TEST(Words, EnergySaysWhetherItWasPassive) {
   RunFigures figures;
   figures.ticks = 5000;

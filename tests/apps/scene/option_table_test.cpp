@@ -27,9 +27,28 @@ TEST(OptionTable, FlagsAndKeysAreUnique) {
 TEST(OptionTable, HasTheFlagsThatArePromised) {
   std::set<std::string> flags;
   for (const SceneOption& option : sceneOptions()) flags.insert(option.flag);
-  for (const char* flag : {"--iso", "--n", "--stiffness", "--damping", "--rate", "--seconds", "--hand", "--path",
-                           "--clock", "--gpu", "--friction-static", "--texture", "--recovery", "--force-shading",
-                           "--gradient", "--algorithm", "--out", "--trace"}) {
+  for (const char* flag : {"--iso",
+                           "--n",
+                           "--stiffness",
+                           "--damping",
+                           "--rate",
+                           "--seconds",
+                           "--hand",
+                           "--path",
+                           "--clock",
+                           "--gpu",
+                           "--friction-static",
+                           "--texture",
+                           "--recovery",
+                           "--force-shading",
+                           "--gradient",
+                           "--algorithm",
+                           "--out",
+                           "--trace",
+                           "--gpu-memory",
+                           "--journal",
+                           "--save",
+                           "--save-every"}) {
     EXPECT_TRUE(flags.contains(flag)) << flag;
   }
 }

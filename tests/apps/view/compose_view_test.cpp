@@ -9,9 +9,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "apps/report/atomic_file.hpp"
 #include "apps/report/html_report.hpp"
 #include "apps/report/words.hpp"
+#include "base/atomic_file.hpp"
 #include "base/error.hpp"
 #include "synthetic_run.hpp"
 

@@ -2,13 +2,16 @@
 // Undo, redo and the journal against the volume that the GPU holds, read back, and the CPU twin's replay.
 #include "engine/session/edit_session.hpp"
 
-#include <cstring>
+#include <atomic>
+#include <mutex>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "base/error.hpp"
+#include "engine/edit/lower_edit.hpp"
 #include "engine/journal/replay.hpp"
+#include "engine/reference/edit_bricks.hpp"
 #include "journal_samples.hpp"
 
 namespace palpate {
@@ -93,6 +96,20 @@ TEST(EditSession, TheMemoryBudgetLimitsUndo) {
   }
 }
 
+// Edits that change nothing take memory as well: a script without end must not fill it.
+TEST(EditSession, EditsThatChangeNothingAreForgottenToo) {
+  Session s(2000);
+  EditCommand away = dab(0);
+  away.from_W = away.to_W = s.volume.lattice().toWorld({-15, 10, 9});  // 10 mm from the volume
+  for (int i = 0; i < 500; ++i) s.session.edit({&away, 1}, 0);
+  EXPECT_EQ(s.engine.editVersion(), 500U);
+  EXPECT_LT(s.session.history().steps(), 100U);  // of 24 bytes each, at least
+  EXPECT_EQ(s.session.history().steps() + s.session.history().forgotten(), 500U);
+  s.session.undo(0);
+  s.session.redo(0);
+  EXPECT_EQ(s.hash(), s.header.volume.content);
+}
+
 // The journal's replay through the CPU twin is what the device holds, undo and redo in between included.
 TEST(EditSession, ReplayEqualsTheDeviceBitForBit) {
   TemporaryFolder folder;
@@ -160,6 +177,192 @@ TEST(EditSession, GoesOnWhenTheDiskIsFull) {
   const Journal journal = readJournal(folder.path());
   EXPECT_FALSE(journal.damage);
   EXPECT_EQ(journal.last_sequence, figures.acknowledged);
+}
+
+// Two hundred edits with a save due after each of them: every file is the volume at one edit version, the one that it
+// names, bit for bit what the twin's replay of so many edits gives.
+TEST(EditSession, EverySaveIsTheVolumeAtOneVersion) {
+  Session s;
+  std::vector<std::pair<std::uint64_t, std::uint64_t>> saved;  // version, content
+  const auto write = [&](const Volume& volume, std::uint64_t version) {
+    saved.emplace_back(version, contentHash(volume));
+    return std::uint64_t{0};
+  };
+  s.session.keepSaved(s.volume, write, 1);
+  RandomEdits random(s.volume.size(), s.volume.lattice(), kLow, kHigh, 10);
+  Volume twin = sampleVolume();
+  std::vector<std::uint64_t> contents = {contentHash(twin)};
+  std::int64_t now_ns = 0;
+  for (int i = 0; i < 200; ++i) {
+    const std::vector<EditCommand> commands = {random.next()};
+    s.session.edit(commands, now_ns);
+    now_ns += 1'500'000'000;
+    s.session.look(now_ns);
+    reference::applyEdits(twin, lowerEdits(commands, twin.size(), twin.lattice(), s.header.profile));
+    contents.push_back(contentHash(twin));
+  }
+  s.session.close();
+  EXPECT_GE(saved.size(), 2U);
+  for (const auto& [version, content] : saved) EXPECT_EQ(content, contents[version]) << "edit " << version;
+  EXPECT_EQ(saved.back().first, 200U);
+  EXPECT_EQ(s.session.figures().saves.version, 200U);
+  EXPECT_EQ(contentHash(s.volume), contents.back());  // given back, with every edit in it
+  EXPECT_EQ(s.engine.readBack(s.volume), 0U);
+}
+
+// Edits that change more bricks than are handed over at once: the parts are taken while further edits come in between,
+// and still no save begins before all of them are there.
+TEST(EditSession, ASaveInPartsIsTheVolumeAtOneVersion) {
+  const Vec3i size(96, 96, 96);
+  Volume volume = sampleVolume(8, size), twin = sampleVolume(8, size);
+  const JournalHeader header = sampleHeader(volume);
+  Engine engine(volume, makePlan(Scene{}, false), 30, "");
+  EditSession session(engine, header.profile, {}, 0);
+  std::vector<std::pair<std::uint64_t, std::uint64_t>> saved;
+  const auto write = [&](const Volume& now, std::uint64_t version) {
+    saved.emplace_back(version, contentHash(now));
+    return std::uint64_t{0};
+  };
+  session.keepSaved(volume, write, 1);
+  std::vector<std::uint64_t> contents = {contentHash(twin)};
+  std::int64_t now_ns = 0;
+  std::size_t most_left = 0;
+  for (int i = 0; i < 24; ++i) {
+    EditCommand command;
+    command.kind = i % 3 == 2 ? EditKind::kRemove : EditKind::kAdd;
+    command.from_W = command.to_W = volume.lattice().toWorld(Vec3(20 + 5 * (i % 12), 48, 70 - 4 * (i % 9)));
+    command.radius_m = i % 4 == 0 ? 30e-3 : 3e-3;
+    session.edit({&command, 1}, now_ns);
+    reference::applyEdits(twin, lowerEdits({&command, 1}, size, twin.lattice(), header.profile));
+    contents.push_back(contentHash(twin));
+    session.look(now_ns += 700'000'000);
+    most_left = std::max(most_left, engine.editor().changedBricks());
+    session.saver()->wait();
+  }
+  for (int i = 0; i < 20; ++i) {
+    session.look(now_ns += 700'000'000);
+    session.saver()->wait();
+  }
+  const std::size_t beside = saved.size();
+  session.close();
+  EXPECT_GT(most_left, 0U) << "every edit was handed over whole";
+  EXPECT_GE(beside, 2U);
+  for (const auto& [version, content] : saved) EXPECT_EQ(content, contents[version]) << "edit " << version;
+  EXPECT_EQ(saved.back().first, 24U);
+  EXPECT_EQ(contentHash(volume), contents.back());
+}
+
+// A save stands still for as long as the test likes: edits are applied, windows published and looks taken all the
+// same, no second save is begun, and what changed meanwhile is in the next one.
+TEST(EditSession, EditsGoOnDuringASlowSave) {
+  Session s;
+  std::mutex door;
+  std::atomic<int> begun = 0;
+  std::unique_lock closed(door);
+  const auto write = [&](const Volume& volume, std::uint64_t) {
+    ++begun;
+    const std::lock_guard open(door);
+    return contentHash(volume);
+  };
+  s.session.keepSaved(s.volume, write, 1);
+  RandomEdits random(s.volume.size(), s.volume.lattice(), kLow, kHigh, 12);
+  std::int64_t now_ns = 0;
+  const auto edit = [&] {
+    const std::vector<EditCommand> commands = {random.next()};
+    s.session.edit(commands, now_ns);
+    now_ns += 1'500'000'000;
+    s.session.look(now_ns);
+  };
+  while (begun == 0) edit();
+  const std::uint64_t before = s.engine.editVersion();
+  for (int i = 0; i < 100; ++i) edit();
+  EXPECT_EQ(s.engine.editVersion(), before + 100);  // the save has not ended: it needs the door
+  EXPECT_EQ(begun, 1);
+  EXPECT_TRUE(s.session.figures().saves.seconds.empty());
+  closed.unlock();
+  s.session.close();
+  EXPECT_EQ(begun, 2);  // the one of the end; nothing was queued
+  const SaveFigures saves = s.session.figures().saves;
+  EXPECT_EQ(saves.version, s.engine.editVersion());
+  EXPECT_EQ(saves.bytes, contentHash(s.volume));
+}
+
+TEST(EditSession, WithoutAPeriodItIsSavedOnceAtTheEnd) {
+  Session s;
+  int saves = 0;
+  s.session.keepSaved(
+      s.volume, [&](const Volume&, std::uint64_t) { return static_cast<std::uint64_t>(++saves); }, 0);
+  RandomEdits random(s.volume.size(), s.volume.lattice(), kLow, kHigh, 14);
+  for (int i = 0; i < 20; ++i) {
+    const std::vector<EditCommand> commands = {random.next()};
+    s.session.edit(commands, 0);
+    s.session.look(i * std::int64_t{1'000'000'000'000});
+  }
+  s.session.close();
+  s.session.close();
+  EXPECT_EQ(saves, 1);
+}
+
+TEST(EditSession, WhatDidNotChangeIsNotSavedAgain) {
+  Session s;
+  int saves = 0;
+  s.session.keepSaved(
+      s.volume, [&](const Volume&, std::uint64_t) { return static_cast<std::uint64_t>(++saves); }, 1);
+  std::int64_t now_ns = 0;
+  const auto look = [&] {
+    for (int i = 0; i < 20; ++i) {
+      s.session.look(now_ns += 1'500'000'000);
+      s.session.saver()->wait();
+    }
+  };
+  look();
+  EXPECT_EQ(saves, 0);
+  const EditCommand command = dab(0.01);
+  s.session.edit({&command, 1}, 0);
+  look();
+  EXPECT_EQ(saves, 1);
+  s.session.close();
+  EXPECT_EQ(saves, 1);
+}
+
+// 3 MiB hold the volume and the room for 256 bricks that is made beforehand (2.5 MiB), and not much more; 32 balls of
+// some 40 bricks each overflow it, a removal of what is there does not. What was refused is in no record, so the replay
+// is the volume all the same.
+TEST(EditSession, AfterAnEditThatMemoryRefusesOthersGoOn) {
+  TemporaryFolder folder;
+  const Vec3i size(96, 96, 96);
+  Volume volume = sampleVolume(8, size);
+  const JournalHeader header = sampleHeader(volume);
+  Engine engine(volume, makePlan(Scene{}, false), 30, "", std::uint64_t{3} << 20U);
+  EditSession session(engine, header.profile, {}, 0);
+  session.keepJournal(folder.path(), header.volume);
+  EditCommand add;
+  add.kind = EditKind::kAdd;
+  add.radius_m = 6e-3;
+  int refused = 0;
+  for (int i = 0; i < 32; ++i) {
+    add.from_W = add.to_W = volume.lattice().toWorld(Vec3(16 + i % 4 * 20, 16 + i / 4 % 4 * 20, 40 + i / 16 * 20));
+    try {
+      session.edit({&add, 1}, 0);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), Error::Code::kOutOfMemory);
+      EXPECT_THAT(error.what(), HasSubstr("--gpu-memory"));
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, 0);
+  EXPECT_LT(refused, 32);
+  EditCommand remove = add;
+  remove.kind = EditKind::kRemove;
+  remove.radius_m = 3e-3;
+  remove.from_W = remove.to_W = volume.lattice().toWorld(Vec3(13, 10.5, 9));
+  EXPECT_NO_THROW(session.edit({&remove, 1}, 0));
+  session.close();
+  EXPECT_EQ(session.figures().edits, 33U - static_cast<unsigned>(refused));
+  engine.readBack(volume);
+  Volume replayed = sampleVolume(8, size);
+  replay(readJournal(folder.path()), replayed);
+  EXPECT_EQ(contentHash(replayed), contentHash(volume));
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <random>
 #include <set>
 
@@ -272,7 +273,42 @@ TEST(PhantomSpec, RefusesWhatItDoesNotKnow) {
 }
 
 TEST(PhantomSpec, RefusesMoreThanMemory) {
-  expectLoadRefusal("phantom:sphere?size=16384", "GiB", Error::Code::kOutOfMemory);
+  expectLoadRefusal("phantom:random?size=16384", "GiB", Error::Code::kOutOfMemory);
+  expectLoadRefusal("phantom:sphere?size=16384", "bricks of 8 x 8 x 8", Error::Code::kOutOfMemory);
+}
+
+// What is made brick by brick is what the dense field says, to the bit; 27 is no multiple of a brick's edge.
+TEST(PhantomVolume, ByBricksEqualsDense) {
+  for (const PhantomKind& kind : phantomKinds()) {
+    const auto phantom = makePhantom("phantom:" + kind.name + "?size=27x34x40&spacing=0.4x0.5x0.3mm");
+    if (!phantom->isByPlace()) continue;
+    const Volume dense =
+        Volume::fromDense(phantom->size(), phantom->lattice(), phantom->densities(), makeVolume(*phantom).facts());
+    const Volume bricks = makeVolume(*phantom);
+    const std::vector<float> a = dense.toDense(), b = bricks.toDense();
+    ASSERT_EQ(a.size(), b.size());
+    EXPECT_EQ(std::memcmp(a.data(), b.data(), a.size() * sizeof(float)), 0) << kind.name;
+    EXPECT_EQ(bricks.minimum(), dense.minimum()) << kind.name;
+    EXPECT_EQ(bricks.maximum(), dense.maximum()) << kind.name;
+    EXPECT_EQ(bricks.storedBricks(), dense.storedBricks()) << kind.name;
+  }
+}
+
+// 1024^3 voxels are 4 GiB when dense; the ball's surface crosses about 4 pi (0.7 * 64)^2 * 1.5 bricks, times their
+// thickness of a brick and a ramp: some 52,000 of 6.2 KiB, so 1 GiB holds it, and 200 MiB do not.
+TEST(PhantomVolume, ALargeOneNeedsMemoryForItsSurfaceOnly) {
+  constexpr const char* kLarge = "phantom:sphere?size=1024";
+  const Volume volume = loadVolume(kLarge, std::size_t{1} << 30U);
+  EXPECT_LT(volume.storedBricks(), 70'000U);
+  for (const auto& [name, budget] :
+       {std::pair(kLarge, std::size_t{200} << 20U), std::pair("phantom:random?size=1024", std::size_t{1} << 30U)}) {
+    try {
+      static_cast<void>(loadVolume(name, budget));
+      ADD_FAILURE() << "no error: " << name;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), Error::Code::kOutOfMemory);
+    }
+  }
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/LevelSetSphere.h>
 
+#include "engine/volume/volume_file.hpp"
 #include "tests/engine/volume/files.hpp"
 #include "tests/engine/volume/known_leaks.hpp"
 
@@ -176,6 +177,30 @@ TEST_F(Vdb, SurvivesDamage) {
     const std::size_t reach = n % 2 == 0 ? 600 : whole.size();  // half of them in the header
     damaged[(random >> 33) % reach] = static_cast<char>(random >> 20);
     tryLoad(damaged);
+  }
+}
+
+// Other programs see air around the volume: near it, where its nodes reach beyond it, and far away; nothing there is
+// active. 24 voxels are whole bricks, 21 are not.
+TEST_F(Vdb, OutsideTheDomainIsBackground) {
+  for (const int edge : {24, 21}) {
+    const TempFolder folder;
+    std::vector<float> values(static_cast<std::size_t>(edge * edge * edge), -1000.0F);
+    for (std::size_t n = 0; n < values.size(); n += 3) values[n] = 200.0F;
+    const Volume volume = Volume::fromDense(Vec3i::Constant(edge), Lattice{}, values, {});
+    saveVolume(volume, folder.file("a.vdb"));
+    openvdb::io::File file(folder.file("a.vdb"));
+    file.open();
+    const auto grid = openvdb::gridPtrCast<openvdb::FloatGrid>(file.readGrid("density"));
+    EXPECT_EQ(grid->background(), -1000.0F);
+    EXPECT_EQ(grid->getCreator(), "Palpate");
+    for (const openvdb::Coord& outside :
+         {openvdb::Coord(-1, 0, 0), openvdb::Coord(edge, 0, 0), openvdb::Coord(0, 40, 0), openvdb::Coord(0, 0, 500),
+          openvdb::Coord(5000, 0, 0)}) {
+      EXPECT_EQ(grid->tree().getValue(outside), -1000.0F) << edge << " " << outside;
+      EXPECT_FALSE(grid->tree().isValueOn(outside));
+    }
+    EXPECT_EQ(grid->evalActiveVoxelBoundingBox().dim(), openvdb::Coord(edge, edge, edge));
   }
 }
 

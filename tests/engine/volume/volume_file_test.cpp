@@ -259,5 +259,35 @@ TEST(VolumeFileRefusals, NameWhatToDo) {
   expectRefused("a.nii", {}, stick, "write .nrrd or .vdb");
 }
 
+// A domain that ends with its bricks is written without a copy; what was edited is in it.
+TEST(VolumeFileVdb, WholeBricksComeBackToo) {
+  const TempFolder folder;
+  Volume volume = awkward({16, 24, 32}, crooked(true));
+  std::vector<float> values(kBrickVoxels, 5.0F);
+  values[77] = -7.0F;
+  volume.setBrick({1, 2, 3}, values.data());
+  volume.setConstantBrick({1, 0, 0}, 3.25F);
+  for (const LengthUnit unit : {LengthUnit::kMillimetre, LengthUnit::kMetre}) {
+    save(volume, folder.file("a.vdb"), unit);
+    const Volume back = loadVolume(folder.file("a.vdb"));
+    expectSameValues(volume, back);
+    EXPECT_LE(moved_m(volume, back), bound_m(volume, false));
+  }
+}
+
+TEST(SaveVolume, ReplacesWholeFilesOnly) {
+  const TempFolder folder;
+  const Volume volume = awkward({9, 10, 11}, crooked(false));
+  for (const char* name : {"a.vdb", "a.nrrd", "a.nii", "a.nii.gz", "a.mha"}) {
+    const std::string path = folder.file(name);
+    std::ofstream(path) << "old";
+    const std::uint64_t bytes = saveVolume(volume, path);
+    EXPECT_EQ(bytes, std::filesystem::file_size(path));
+    expectSameValues(loadVolume(path), volume);
+  }
+  EXPECT_THROW(saveVolume(volume, folder.file("a.tiff")), Error);
+  EXPECT_THROW(saveVolume(volume, folder.file("no/a.vdb")), Error);
+}
+
 }  // namespace
 }  // namespace palpate

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/report/atomic_file.hpp: writes a file so that it is there whole or not at all.
+// base/atomic_file.hpp: writes a file so that it is there whole or not at all.
 //
 // The text goes to a temporary file beside the target; commit() flushes it to the disk, checks every step, renames
 // it and flushes the folder. Without commit (an exception on the way) the temporary file is removed and an older target

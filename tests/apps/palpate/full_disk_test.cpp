@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+// A disk that gets full while a session is journalled and saved: the session goes on, the user is told up to which
+// record edits are saved, nothing is half-written, and what was told is what `recover` gives back.
+#include <cstdlib>
+
+#include <nlohmann/json.hpp>
+#include <sys/mount.h>
+
+#include "engine/journal/journal_reader.hpp"
+#include "program_test.hpp"
+
+namespace palpate {
+namespace {
+
+using ::testing::HasSubstr;
+
+// Some 7000 edits of 98 bytes each; the 64^3 volume takes 1 MiB as .nrrd.
+Words session(const std::string& place, const Words& more = {}) {
+  return Words{"touch",      "phantom:sphere?size=64",
+               "--seconds",  "6",
+               "--rate",     "1500",
+               "--clock",    "simulated",
+               "--picture",  "off",
+               "--trace",    "off",
+               "--edit",     "remove:radius=0.5mm:strength=0.01:period=0.1",
+               "--approach", "1",
+               "--journal",  place + "journal",
+               "--save",     place + "sculpted.nrrd",
+               "--out",      "out"} +
+         more;
+}
+
+std::string lineWith(const Words& lines, const std::string& words) {
+  for (const std::string& line : lines) {
+    if (line.find(words) != std::string::npos) return line;
+  }
+  return "";
+}
+
+class FullDisk : public ProgramTest {
+ protected:
+  // `place`: the folder that got full, where "sculpted.nrrd" holds "old".
+  void expectAllIsTold(const Outcome& outcome, const std::string& place) const {
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    const Words lines = errorLines(outcome.err);
+    EXPECT_EQ(lines.size(), 2U) << outcome.err;
+    const std::string journal_line = lineWith(lines, "edits after number ");
+    const std::string save_line = lineWith(lines, "was not saved");
+    ASSERT_NE(journal_line, "") << outcome.err;
+    ASSERT_NE(save_line, "") << outcome.err;
+    for (const std::string& line : {journal_line, save_line}) EXPECT_THAT(line, HasSubstr("make room"));
+    const std::uint64_t saved = std::strtoull(journal_line.c_str() + journal_line.find("number ") + 7, nullptr, 10);
+
+    const auto summary = nlohmann::json::parse(contentsOf(file("out") / "summary.json"));
+    const auto& edits = summary["edits"];
+    EXPECT_GT(edits["count"], saved);  // it went on
+    EXPECT_GT(saved, 0U);
+    EXPECT_EQ(edits["journal_saved"], saved);
+    EXPECT_THAT(edits["journal_failure"].get<std::string>(), HasSubstr("make room"));
+    EXPECT_EQ(edits["saves"], 0);
+    EXPECT_EQ(edits["save_failures"], 1);
+    EXPECT_EQ(summary["notes"].size(), 2U);
+
+    EXPECT_EQ(contentsOf(file(place + "sculpted.nrrd")), "old");
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(file(place)))
+      EXPECT_THAT(entry.path().string(), testing::Not(HasSubstr(".part")));
+    const Journal journal = readJournal(file(place + "journal"));
+    EXPECT_FALSE(journal.damage);
+    EXPECT_EQ(journal.last_sequence, saved);
+    const Outcome recovered = run({"recover", place + "journal", "--out", "back.vdb"});
+    expectSuccess(recovered);
+    EXPECT_THAT(recovered.out, HasSubstr(fmt::format("Journal   {} edits", saved)));
+    EXPECT_THAT(recovered.out, testing::Not(HasSubstr("Lost")));
+  }
+};
+
+// A limit on the size of files stands for the full disk. It is above the report (some 480 KB) and below the journal.
+TEST_F(FullDisk, AtALimitOfFilesSizeTheSessionGoesOn) {
+  write("sculpted.nrrd", "old");
+  const Outcome outcome = runPalpate({.arguments = session(""), .folder = folder(), .file_size_limit = 560'000});
+  expectAllIsTold(outcome, "");
+}
+
+// A file system of 256 KiB that is full.
+TEST_F(FullDisk, OnAFullFileSystemTheSessionGoesOn) {
+  const std::filesystem::path disk = file("disk");
+  std::filesystem::create_directory(disk);
+  if (mount("tmpfs", disk.c_str(), "tmpfs", 0, "size=256k") != 0)
+    GTEST_SKIP() << "a file system of its own cannot be mounted here: run the test as root";
+  write("disk/sculpted.nrrd", "old");
+  const Outcome outcome = run(session("disk/"));
+  expectAllIsTold(outcome, "disk/");
+  EXPECT_EQ(umount(disk.c_str()), 0);
+}
+
+TEST_F(FullDisk, NotEvenAJournalsBeginningIsARefusal) {
+  const Outcome outcome = runPalpate({.arguments = session(""), .folder = folder(), .file_size_limit = 100});
+  expectRefusal(outcome, "journal", "no journal can be kept there", 4);
+  EXPECT_FALSE(exists("out"));
+  EXPECT_FALSE(exists("journal/journal.palpate"));
+}
+
+}  // namespace
+}  // namespace palpate
