@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/passes/brick_bounds_pass.hpp"
 #include "engine/passes/filter_kernels.hpp"
 #include "engine/passes/pool_kernel.hpp"
 #include "shaders/filter.layout.h"
@@ -76,21 +77,48 @@ FilterChain::FilterChain(gpu::Gpu& gpu, gpu::Transfer& transfer, const BrickPool
       result_(std::make_unique<BrickPool>(gpu, transfer, source, "filtered density")) {}
 
 void FilterChain::run(const std::function<void(double)>& progress) {
-  std::array<std::unique_ptr<BrickPool>, 2> scratch;
+  // A step writes a pool that no one reads any more; the densities that a distance began with are kept for its end.
+  std::array<std::unique_ptr<BrickPool>, 3> scratch;
   const BrickPool* from = &source_;
+  const BrickPool* densities = nullptr;
+  const auto free = [&]() -> BrickPool& {
+    for (std::unique_ptr<BrickPool>& pool : scratch) {
+      if (!pool) pool = std::make_unique<BrickPool>(gpu_, transfer_, source_, "filter scratch");
+      if (pool.get() != from && pool.get() != densities) return *pool;
+    }
+    return *result_;  // not reached: there are three, and two at most are in use
+  };
+  BrickPool* to = nullptr;
   for (std::size_t i = 0; i < steps_.size(); ++i) {
     if (progress) progress(static_cast<double>(i) / static_cast<double>(steps_.size()));
-    const bool last = i + 1 == steps_.size();
-    if (!last && !scratch[i % 2]) {
-      scratch[i % 2] = std::make_unique<BrickPool>(gpu_, transfer_, source_, "filter scratch");
+    if (steps_[i].kind == StepKind::kDistanceFinish) {  // in place
+      runStep(steps_[i], *std::exchange(densities, nullptr), *to);
+      continue;
     }
-    BrickPool& to = last ? *result_ : *scratch[i % 2];
-    runStep(steps_[i], *from, to);
-    from = &to;
+    const bool finish_follows = i + 2 == steps_.size() && steps_[i + 1].kind == StepKind::kDistanceFinish;
+    to = finish_follows || i + 1 == steps_.size() ? result_.get() : &free();
+    if (steps_[i].kind == StepKind::kDistanceSeed) {
+      densities = from;
+      findBand(steps_[i], *from);
+    }
+    runStep(steps_[i], *from, *to);
+    from = to;
   }
 }
 
+void FilterChain::findBand(const FilterStep& seed, const BrickPool& densities) {
+  BrickBoundsPass bounds(gpu_, densities);
+  bounds.run();
+  band_ = distanceBricks(seed, bounds.read(transfer_), densities.brickCounts());
+}
+
 std::vector<layout::BrickPage> FilterChain::pagesAfter(const FilterStep& step, const BrickPool& from) const {
+  if (step.kind == StepKind::kDistanceFinish) return band_;
+  if (step.kind == StepKind::kDistanceSeed || step.kind == StepKind::kDistanceSpread) {
+    std::vector<layout::BrickPage> pages = band_;
+    for (layout::BrickPage& page : pages) page.constant = uniformResult(step, page.constant);
+    return pages;
+  }
   std::vector<layout::BrickPage> pages(from.brickCount(), {0, 0.0F});
   const Vec3i ring = ringOf(step);
   std::optional<std::pair<float, float>> last;  // densities repeat from brick to brick

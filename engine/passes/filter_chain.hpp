@@ -3,7 +3,8 @@
 // (shaders/filter_*.comp). Twin: engine/reference/filter.hpp.
 //
 // A brick whose every neighbour within reach holds one and the same density gets one too, and no storage, so sparse
-// volumes stay sparse. Steps go back and forth between two scratch pools, which are freed when a run ends; the last one
+// volumes stay sparse. A distance is worked out in bricks around the isosurface alone. Steps go back and forth between
+// two scratch pools (a third where a distance follows other filters), which are freed when a run ends; the last one
 // writes the result. Memory: result and scratch, each at most 2 KiB a brick that is not constant, out of the source's
 // budget. Thread: the Gpu's.
 #pragma once
@@ -22,6 +23,7 @@
 #include "engine/gpu/kernel.hpp"
 #include "engine/gpu/transfer.hpp"
 #include "engine/passes/brick_pool.hpp"
+#include "engine/passes/distance_bricks.hpp"
 
 namespace palpate {
 
@@ -42,6 +44,7 @@ class FilterChain {
   struct Work;  // of one step
 
   [[nodiscard]] std::vector<layout::BrickPage> pagesAfter(const FilterStep& step, const BrickPool& from) const;
+  void findBand(const FilterStep& seed, const BrickPool& densities);
   void runStep(const FilterStep& step, const BrickPool& from, BrickPool& to);
   void dispatch(gpu::Commands& commands, const FilterStep& step, const BrickPool& from, const BrickPool& to,
                 const Work& work);
@@ -53,6 +56,7 @@ class FilterChain {
   BrickGrid grid_;
   std::vector<FilterStep> steps_;
   std::unique_ptr<BrickPool> result_;
+  std::vector<layout::BrickPage> band_;         // pages of the distance that is under way: distanceBricks
   std::map<std::string, gpu::Kernel> kernels_;  // by name and constants
 };
 
