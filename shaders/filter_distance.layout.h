@@ -24,7 +24,7 @@
 #define DISTANCE_MIDDLE 256         // added to a component, which then has nine bits
 #define DISTANCE_FIELD 9
 #define DISTANCE_MASK 511u
-#define DISTANCE_LEFT 0.5f          // a surface point is believed to lie so far from the surface at most [unit]
+#define DISTANCE_LEFT 0.5f         // a surface point is believed to lie so far from the surface at most [unit]
 #define DISTANCE_FARTHEST 65536.0f  // squared, in steps: beyond it a word cannot point, and no band reaches
 
 #endif

@@ -74,7 +74,8 @@ float distanceOf(ivec3 voxel, float density, uint word) {
     const float new_height = inside ? new_rise : -new_rise;
     const float new_square = awaySquare(to_x, to_y, to_z);
     const float new_side = sideOf(new_square, new_height);
-    if (possible && abs(left) <= DISTANCE_LEFT && new_height >= 0.0f && new_side < side) {
+    if (possible && abs(left) <= DISTANCE_LEFT && new_height >= 0.0f &&
+        (new_side < side || new_side <= taps[DISTANCE_SLACK])) {
       normal = new_normal;
       rise = new_rise;
       height = new_height;

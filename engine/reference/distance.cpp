@@ -160,8 +160,8 @@ Tangent tangentAt(const DenseField& field, const Vec3i& voxel, const std::array<
   Tangent tangent;
   for (std::size_t axis = 0; axis < 3; ++axis) tangent.normal[axis] = there.gradient[axis] / steepness;
   tangent.left = (there.value - given.isovalue) / steepness;
-  if (clamp_left && tangent.left > 0.5F) tangent.left = 0.5F;
-  if (clamp_left && tangent.left < -0.5F) tangent.left = -0.5F;
+  if (clamp_left && tangent.left > DISTANCE_LEFT) tangent.left = DISTANCE_LEFT;
+  if (clamp_left && tangent.left < -DISTANCE_LEFT) tangent.left = -DISTANCE_LEFT;
   tangent.rise = sum(tangent.normal, away) + tangent.left;
   tangent.height = at(field, voxel) > given.isovalue ? tangent.rise : -tangent.rise;
   tangent.away_square = sum(away, away);
@@ -191,7 +191,9 @@ float distanceFrom(const DenseField& field, const Vec3i& voxel, const Vec3i& foo
     }
     if (!within_domain) break;
     const Tangent next = tangentAt(field, voxel, shift, away, given, false);
-    if (!(std::fabs(next.left) <= 0.5F && next.height >= 0 && next.side < tangent.side)) break;
+    if (!(std::fabs(next.left) <= DISTANCE_LEFT && next.height >= 0 &&
+          (next.side < tangent.side || next.side <= given.slack)))
+      break;
     tangent = next;
   }
   const auto [normal, left, rise, height, side, away_square] = tangent;
@@ -208,7 +210,9 @@ DenseField signedDistance(const DenseField& field, std::span<const FilterStep> s
   const Given given(steps[0]);
   std::vector<Foot> feet(field.values.size());
   forEachVoxel(field, [&](const Vec3i& voxel, std::size_t offset) { feet[offset] = seedOf(field, voxel, given); });
-  for (std::size_t axis = 0; axis < 3; ++axis) feet = spread(field, feet, steps[1 + axis]);
+  for (const FilterStep& step : steps) {
+    if (step.kind == StepKind::kDistanceSpread) feet = spread(field, feet, step);
+  }
   DenseField after = field;
   forEachVoxel(field, [&](const Vec3i& voxel, std::size_t offset) {
     float distance = given.band;
