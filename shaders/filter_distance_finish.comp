@@ -16,7 +16,18 @@ layout(push_constant) uniform Push { FilterPush push; };
 
 const int kProjections = 2;  // of the voxel, each onto the tangent plane at the last one's place
 
-float densityClamped(ivec3 voxel) { return densityAt(uvec3(clamp(voxel, ivec3(0), ivec3(domainSize()) - 1))); }
+// One density: of a quad that is chosen from lavapipe would load all four.
+float densityIn(BrickPage page, uvec3 in_brick) {
+  if (page.slot == NO_SLOT) return page.constant;
+  const uint at = (in_brick.z * BRICK_EDGE + in_brick.y) * BRICK_EDGE + in_brick.x;
+  if (kSlabCount == 1) return slab0[page.slot * BRICK_QUADS + at / 4][at % 4];
+  return slabQuad(page.slot, at / 4)[at % 4];
+}
+
+float densityClamped(ivec3 voxel) {
+  const uvec3 at = uvec3(clamp(voxel, ivec3(0), ivec3(domainSize()) - 1));
+  return densityIn(pages[brickIndex(at / BRICK_EDGE)], at % BRICK_EDGE);
+}
 
 // Gradient and value `shift` voxels from a voxel. A point on the domain's last voxel belongs to the cell before it.
 vec4 fieldAt(ivec3 voxel, vec3 shift) {
@@ -42,49 +53,54 @@ float distanceOf(ivec3 voxel, float density, uint word) {
   const float isovalue = taps[DISTANCE_ISOVALUE], band = taps[DISTANCE_BAND], unit = taps[DISTANCE_UNIT];
   const vec4 edge = vec4(taps[DISTANCE_EDGE], taps[DISTANCE_EDGE + 1], taps[DISTANCE_EDGE + 2], 0);
   const bool inside = density > isovalue;
-  const bool known = word != DISTANCE_NONE;
-  const float per_step = 1.0f / float(DISTANCE_PARTS);
-  vec3 shift = vec3(0);
-  if (known) shift = vec3(offsetOf(word, 0), offsetOf(word, 1), offsetOf(word, 2)) * per_step;
-  precise float away_x = -shift.x * edge[0];
-  precise float away_y = -shift.y * edge[1];
-  precise float away_z = -shift.z * edge[2];
-  float away_square = awaySquare(away_x, away_y, away_z);
-  vec4 field = fieldAt(voxel, shift);
-  vec4 normal = normalOf(field, edge);
-  float left = leftOf(field[3], isovalue, normal[3]);
-  left = left > DISTANCE_LEFT ? DISTANCE_LEFT : left;
-  left = left < -DISTANCE_LEFT ? -DISTANCE_LEFT : left;
-  float rise = riseOf(normal, away_x, away_y, away_z, left);
-  float height = inside ? rise : -rise;
-  float side = sideOf(away_square, height);
-  for (int projection = 0; projection < kProjections; ++projection) {
-    precise float to_x = rise * normal[0], to_y = rise * normal[1], to_z = rise * normal[2];
-    precise float shift_x = -to_x / edge[0];
-    precise float shift_y = -to_y / edge[1];
-    precise float shift_z = -to_z / edge[2];
-    const vec3 place = vec3(voxel), last = vec3(domainSize()) - 1;
-    shift = vec3(shift_x, shift_y, shift_z);
-    const bool possible = height >= 0.0f && height < band + 1.0f && all(greaterThanEqual(shift, -place)) &&
-                          all(lessThanEqual(shift, last - place));
-    field = fieldAt(voxel, possible ? shift : vec3(0));
-    const vec4 new_normal = normalOf(field, edge);
-    left = leftOf(field[3], isovalue, new_normal[3]);
-    const float new_rise = riseOf(new_normal, to_x, to_y, to_z, left);
-    const float new_height = inside ? new_rise : -new_rise;
-    const float new_square = awaySquare(to_x, to_y, to_z);
-    const float new_side = sideOf(new_square, new_height);
-    if (possible && abs(left) <= DISTANCE_LEFT && new_height >= 0.0f &&
-        (new_side < side || new_side <= taps[DISTANCE_SLACK])) {
-      normal = new_normal;
-      rise = new_rise;
-      height = new_height;
-      side = new_side;
-      away_square = new_square;
+  float distance = band;
+  // A loop of one round, since lavapipe goes through a branch that no invocation takes, but not through such a loop.
+  for (uint known = min(word, 1u); known > 0; --known) {
+    const vec3 foot = vec3(offsetOf(word, 0), offsetOf(word, 1), offsetOf(word, 2)) * (1.0f / float(DISTANCE_PARTS));
+    precise float away_x = -foot.x * edge[0];
+    precise float away_y = -foot.y * edge[1];
+    precise float away_z = -foot.z * edge[2];
+    float away_square = awaySquare(away_x, away_y, away_z);
+    vec4 field = fieldAt(voxel, foot);
+    vec4 normal = normalOf(field, edge);
+    float left = leftOf(field[3], isovalue, normal[3]);
+    left = left > DISTANCE_LEFT ? DISTANCE_LEFT : left;
+    left = left < -DISTANCE_LEFT ? -DISTANCE_LEFT : left;
+    float rise = riseOf(normal, away_x, away_y, away_z, left);
+    float height = inside ? rise : -rise;
+    float side = sideOf(away_square, height);
+    bool nearer = true;
+    for (int projection = 0; projection < kProjections && nearer; ++projection) {
+      precise float to_x = rise * normal[0];
+      precise float to_y = rise * normal[1];
+      precise float to_z = rise * normal[2];
+      precise float shift_x = -to_x / edge[0];
+      precise float shift_y = -to_y / edge[1];
+      precise float shift_z = -to_z / edge[2];
+      const vec3 shift = vec3(shift_x, shift_y, shift_z), place = vec3(voxel), last = vec3(domainSize()) - 1;
+      const bool possible = height >= 0.0f && height < band + 1.0f && all(greaterThanEqual(shift, -place)) &&
+                            all(lessThanEqual(shift, last - place));
+      field = fieldAt(voxel, possible ? shift : vec3(0));
+      const vec4 new_normal = normalOf(field, edge);
+      left = leftOf(field[3], isovalue, new_normal[3]);
+      const float new_rise = riseOf(new_normal, to_x, to_y, to_z, left);
+      const float new_height = inside ? new_rise : -new_rise;
+      const float new_square = awaySquare(to_x, to_y, to_z);
+      const float new_side = sideOf(new_square, new_height);
+      nearer = possible && abs(left) <= DISTANCE_LEFT && new_height >= 0.0f &&
+               (new_side < side || new_side <= taps[DISTANCE_SLACK]);
+      if (nearer) {
+        normal = new_normal;
+        rise = new_rise;
+        height = new_height;
+        side = new_side;
+        away_square = new_square;
+      }
     }
+    const float found = distanceOver(height, side, taps[DISTANCE_SLACK], away_square);
+    distance = found < band ? found : band;
   }
-  const float distance = distanceOver(height, side, taps[DISTANCE_SLACK], away_square);
-  return signedDistance(known && distance < band ? distance : band, unit, inside);
+  return signedDistance(distance, unit, inside);
 }
 
 void main() {
@@ -101,7 +117,7 @@ void main() {
     vec4 distances;
     for (int t = 0; t < 4; ++t) {
       const ivec3 voxel = ivec3(min(first.x + 4 * q + t, last.x), first.yz);
-      distances[t] = distanceOf(voxel, densityAt(uvec3(voxel)), floatBitsToUint(words[t]));
+      distances[t] = distanceOf(voxel, densityClamped(voxel), floatBitsToUint(words[t]));
     }
     result[out_quad + q] = distances;
   }
