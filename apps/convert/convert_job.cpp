@@ -8,7 +8,6 @@
 
 #include "apps/console/interrupt.hpp"
 #include "apps/mesh/mesh_writer.hpp"
-#include "apps/report/atomic_file.hpp"
 #include "base/error.hpp"
 #include "base/units.hpp"
 #include "engine/volume/isosurface_mesh.hpp"
@@ -37,7 +36,50 @@ void checkOptions(const ConvertRequest& request) {
   }
 }
 
-// Links and other ways to the same file count. A folder of slices must not lose one either.
+struct Output {
+  const Volume& volume;
+  const ConvertRequest& request;
+  const std::string& work;
+  AtomicFile& file;
+  Progress& progress;
+  ConvertResult result{};
+
+  // Where the bytes go.
+  void take(std::string_view bytes) {
+    throwIfInterrupted(work);
+    result.bytes += bytes.size();
+    file.write(bytes);
+  }
+  void writeMeshOf() {
+    result.isovalue = request.isovalue.value_or(0);
+    if (!request.isovalue) result.isovalue = defaultIsovalue(volume);
+    checkIsovalue(volume, result.isovalue);
+    progress.stage("meshing");
+    const TriangleMesh mesh = isosurfaceMesh(volume, result.isovalue, request.adaptivity.value_or(0));
+    if (mesh.triangles.empty()) {
+      refuse(request.in, fmt::format("isovalue {:g} gives no surface", result.isovalue), "choose another with --iso");
+    }
+    throwIfInterrupted(work);
+    result.triangles = mesh.triangles.size();
+    result.vertices = mesh.vertices_W.size();
+    progress.stage("writing " + request.out);
+    const double units_per_metre = request.unit == LengthUnit::kMetre ? 1 : kMillimetresPerMetre;
+    writeMesh(mesh, request.out, units_per_metre, [&](std::string_view bytes) { take(bytes); });
+  }
+  void writeVolumeItself() {
+    progress.stage("writing " + request.out);
+    writeVolume(volume, request.out, request.unit, [&](std::string_view bytes) { take(bytes); });
+  }
+};
+
+std::string bytesInWords(std::uint64_t bytes) {
+  const auto number = static_cast<double>(bytes);
+  if (number >= 1e9) return fmt::format("{:.2f} GB", number * 1e-9);
+  return number >= 1e6 ? fmt::format("{:.1f} MB", number * 1e-6) : fmt::format("{:.1f} kB", number * 1e-3);
+}
+
+}  // namespace
+
 void checkOther(const std::string& in, const std::string& out) {
   std::error_code ignored;
   if (!fs::exists(out, ignored)) return;
@@ -49,57 +91,28 @@ void checkOther(const std::string& in, const std::string& out) {
   }
 }
 
-void toMesh(const ConvertRequest& request, const Volume& volume, AtomicFile& file, ConvertResult& result,
-            Progress& progress) {
-  result.isovalue = request.isovalue.value_or(0);
-  if (!request.isovalue) result.isovalue = defaultIsovalue(volume);
-  checkIsovalue(volume, result.isovalue);
-  progress.stage("meshing");
-  const TriangleMesh mesh = isosurfaceMesh(volume, result.isovalue, request.adaptivity.value_or(0));
-  if (mesh.triangles.empty()) {
-    refuse(request.in, fmt::format("isovalue {:g} gives no surface", result.isovalue), "choose another with --iso");
-  }
-  throwIfInterrupted("palpate convert");
-  result.triangles = mesh.triangles.size();
-  result.vertices = mesh.vertices_W.size();
-  progress.stage("writing " + request.out);
-  const double units_per_metre = request.unit == LengthUnit::kMetre ? 1 : kMillimetresPerMetre;
-  writeMesh(mesh, request.out, units_per_metre, [&](std::string_view bytes) {
-    throwIfInterrupted("palpate convert");
-    result.bytes += bytes.size();
-    file.write(bytes);
-  });
+void checkOutput(const ConvertRequest& request) {
+  checkOptions(request);
+  checkOther(request.in, request.out);
 }
 
-std::string bytesInWords(std::uint64_t bytes) {
-  const auto number = static_cast<double>(bytes);
-  if (number >= 1e9) return fmt::format("{:.2f} GB", number * 1e-9);
-  return number >= 1e6 ? fmt::format("{:.1f} MB", number * 1e-6) : fmt::format("{:.1f} kB", number * 1e-3);
+ConvertResult writeOutput(const Volume& volume, const ConvertRequest& request, const std::string& work,
+                          AtomicFile& file, Progress& progress) {
+  Output output{volume, request, work, file, progress};
+  output.result.size = volume.size();
+  output.result.is_mesh = isMeshFileName(request.out);
+  output.result.is_mesh ? output.writeMeshOf() : output.writeVolumeItself();
+  return output.result;
 }
-
-}  // namespace
 
 ConvertResult convert(const ConvertRequest& request, Progress& progress) {
   const auto start = std::chrono::steady_clock::now();
-  checkOptions(request);
-  checkOther(request.in, request.out);
+  checkOutput(request);
   AtomicFile file(request.out);  // before the long part, so that a folder that may not be written is refused at once
   progress.stage("loading " + request.in);
   const Volume volume = loadVolume(request.in);
   throwIfInterrupted("palpate convert");
-  ConvertResult result;
-  result.size = volume.size();
-  result.is_mesh = isMeshFileName(request.out);
-  if (result.is_mesh) {
-    toMesh(request, volume, file, result, progress);
-  } else {
-    progress.stage("writing " + request.out);
-    writeVolume(volume, request.out, request.unit, [&](std::string_view bytes) {
-      throwIfInterrupted("palpate convert");
-      result.bytes += bytes.size();
-      file.write(bytes);
-    });
-  }
+  ConvertResult result = writeOutput(volume, request, "palpate convert", file, progress);
   file.commit();
   progress.done();
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -11,6 +11,7 @@
 #include <string>
 
 #include "apps/console/progress.hpp"
+#include "apps/report/atomic_file.hpp"
 #include "base/vec.hpp"
 #include "engine/volume/volume_file.hpp"
 
@@ -39,6 +40,15 @@ struct ConvertResult {
 // folder that may not be written and a full disk; and what loadVolume and writeVolume throw. What was at `out` stays
 // then.
 [[nodiscard]] ConvertResult convert(const ConvertRequest& request, Progress& progress);
+
+// Its parts, for verbs that write a volume which they have made. checkOther() refuses (Error kBadInput) an output that
+// is the input, by whatever name, or lies in the input's folder already; checkOutput() also what convert() refuses
+// of a request's suffix and options. writeOutput() leaves commit() to the caller; `work` names the verb that Ctrl-C
+// stops.
+void checkOther(const std::string& in, const std::string& out);
+void checkOutput(const ConvertRequest& request);
+[[nodiscard]] ConvertResult writeOutput(const Volume& volume, const ConvertRequest& request, const std::string& work,
+                                        AtomicFile& file, Progress& progress);
 
 // "knot.stl: 3120 triangles, 1562 vertices, isosurface 0 of 64 x 64 x 64 voxels, 156 kB, 0.21 s"
 [[nodiscard]] std::string convertWords(const ConvertRequest& request, const ConvertResult& result);

@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// palpate recover DIR --out FILE.vdb: the volume that an editing session had, from its journal.
+// palpate recover DIR --out FILE: the volume that an editing session had, from its journal.
 #include <algorithm>
 
 #include <fmt/format.h>
 
-#include "apps/console/progress.hpp"
-#include "apps/report/atomic_file.hpp"
-#include "base/error.hpp"
+#include "apps/convert/convert_job.hpp"
+#include "apps/mesh/mesh_writer.hpp"
 #include "engine/journal/replay.hpp"
-#include "engine/volume/recovered_vdb.hpp"
 #include "verbs.hpp"
 
 namespace palpate {
@@ -18,23 +16,22 @@ struct RecoverArguments {
   std::string folder, out, volume;
 };
 
-void checkOut(const std::string& out) {
-  if (out.ends_with(".vdb")) return;
-  throw Error(Error::Code::kBadInput, "--out " + out, "its name does not end in .vdb", "give a name like sculpted.vdb");
-}
-
 void recover(const RecoverArguments& arguments) {
-  checkOut(arguments.out);
+  ConvertRequest output{.in = arguments.folder, .out = arguments.out};
+  checkOutput(output);
   Progress progress;
   progress.stage("reading " + arguments.folder);
   const Journal journal = readJournal(arguments.folder);
   const std::string source = arguments.volume.empty() ? journal.header.volume.source : arguments.volume;
+  checkOther(source, arguments.out);
+  AtomicFile file(arguments.out);
   progress.stage("loading " + source);
   Volume volume = loadVolume(source);
   progress.stage("applying the edits");
   replay(journal, volume);
-  progress.stage("writing " + arguments.out);
-  writeFileAtomically(arguments.out, vdbBytes(volume));
+  if (isMeshFileName(arguments.out)) output.isovalue = journal.header.profile.isovalue;
+  static_cast<void>(writeOutput(volume, output, "palpate recover", file, progress));
+  file.commit();
   progress.done();
   fmt::print("Journal   {} edits, of which {} last; newest record {}\n",
              std::count_if(journal.records.begin(), journal.records.end(),
@@ -49,12 +46,15 @@ void recover(const RecoverArguments& arguments) {
 void addRecoverVerb(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("recover", "make the volume of an editing session from its journal");
   verb->footer(
-      "A journal is what 'palpate touch --edit ... --journal DIR' keeps. The volume is the session's, bit for bit, up "
-      "to "
-      "the\nlast edit that reached the disk. Example: palpate recover DIR --out sculpted.vdb");
+      "A journal is what --journal DIR of 'palpate touch --edit' and 'palpate edit' keeps. The volume is the "
+      "session's, "
+      "bit\nfor bit, up to the last edit that reached the disk. Example: palpate recover DIR --out sculpted.vdb");
   auto arguments = std::make_shared<RecoverArguments>();
   verb->add_option("journal", arguments->folder, "folder that --journal was given")->required()->type_name("DIR");
-  verb->add_option("--out", arguments->out, "OpenVDB file to write")->required()->type_name("FILE.vdb");
+  verb->add_option("--out", arguments->out,
+                   "the volume: .vdb .nii .nii.gz .nrrd .mha; or its isosurface: .stl .obj .ply")
+      ->required()
+      ->type_name("FILE");
   verb->add_option("--volume", arguments->volume, "where the session's volume lies now, if it has moved")
       ->type_name("VOLUME");
   verb->callback([arguments] { recover(*arguments); });

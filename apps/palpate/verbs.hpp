@@ -10,6 +10,7 @@
 namespace palpate {
 
 void addTouchVerb(CLI::App& app);
+void addEditVerb(CLI::App& app);
 void addRecoverVerb(CLI::App& app);
 void addInfoVerb(CLI::App& app);
 void addConvertVerb(CLI::App& app);

@@ -11,6 +11,7 @@
 
 #include "apps/mesh/mesh_file.hpp"
 #include "apps/scene/object_table.hpp"
+#include "base/rotation.hpp"
 #include "base/units.hpp"
 #include "servo/objects/mesh_object.hpp"
 #include "servo/objects/shapes.hpp"
@@ -128,13 +129,6 @@ void add(const ObjectSpec& spec, const std::string& name, SceneObjects& scene) {
 }
 
 }  // namespace
-
-Mat3 rotationOf(const Vec3& rotation_deg) {
-  const Vec3 angle = rotation_deg / kDegreesPerRadian;
-  return (Eigen::AngleAxisd(angle.z(), Vec3::UnitZ()) * Eigen::AngleAxisd(angle.y(), Vec3::UnitY()) *
-          Eigen::AngleAxisd(angle.x(), Vec3::UnitX()))
-      .toRotationMatrix();
-}
 
 SceneObjects makeSceneObjects(const std::vector<ObjectSpec>& specs) {
   SceneObjects scene;

@@ -24,7 +24,4 @@ struct SceneObjects {
 // In words: which objects hold the tool's first place inside them, and so are not felt until it has been outside.
 [[nodiscard]] std::vector<std::string> notesOnStart(const SceneObjects& objects, const Vec3& start_W);
 
-// Rz Ry Rx.
-[[nodiscard]] Mat3 rotationOf(const Vec3& rotation_deg);
-
 }  // namespace palpate

@@ -11,7 +11,7 @@ namespace {
 constexpr std::size_t kMostAtOnce = 65536;  // bricks in one Editor::replace
 
 std::size_t bytesOf(const std::vector<Editor::BrickContent>& step) {
-  std::size_t bytes = step.size() * sizeof(Editor::BrickContent);
+  std::size_t bytes = sizeof step + step.size() * sizeof(Editor::BrickContent);  // of an edit that changes nothing, too
   for (const Editor::BrickContent& content : step) bytes += content.values.size() * sizeof(float);
   return bytes;
 }

@@ -28,6 +28,7 @@ struct Pipe {
 // In the child, between fork and exec.
 [[noreturn]] void become(const Command& command, int out, int err) {
   if (!command.output_file.empty()) out = open(command.output_file.c_str(), O_WRONLY | O_CREAT, 0666);
+  if (!command.input_file.empty()) dup2(open(command.input_file.c_str(), O_RDONLY), STDIN_FILENO);
   dup2(out, STDOUT_FILENO);
   dup2(err, STDERR_FILENO);
   if (!command.folder.empty() && chdir(command.folder.c_str()) != 0) _exit(126);

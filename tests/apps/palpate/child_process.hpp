@@ -17,6 +17,7 @@ struct Command {
   std::vector<std::pair<std::string, std::string>> environment{};  // in place of what this process has
   std::optional<std::uint64_t> file_size_limit{};                  // of every file that it writes [byte]
   std::string output_file{};                                       // takes stdout, "" for Outcome::out
+  std::string input_file{};                                        // is stdin; "": this process's
   std::string signal_at{};                                         // words on stderr at which `signals` are sent
   std::vector<int> signals{};
   double timeout_s = 120;  // sanitizer builds included; then it is killed

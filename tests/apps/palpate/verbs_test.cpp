@@ -13,10 +13,10 @@ using testing::HasSubstr;
 class Verbs : public ProgramTest {};
 
 TEST_F(Verbs, HelpOfEachSaysWhatItDoes) {
-  for (const Words& verb :
-       {Words{}, Words{"touch"}, Words{"info"}, Words{"check"}, Words{"check", "gradient"}, Words{"bench"},
-        Words{"bench", "servo"}, Words{"bench", "loop"}, Words{"bench", "edit"}, Words{"bench", "load"},
-        Words{"convert"}, Words{"devices"}, Words{"plan"}, Words{"scene"}, Words{"faults"}}) {
+  for (const Words& verb : {Words{}, Words{"touch"}, Words{"edit"}, Words{"recover"}, Words{"info"}, Words{"check"},
+                            Words{"check", "gradient"}, Words{"bench"}, Words{"bench", "servo"}, Words{"bench", "loop"},
+                            Words{"bench", "edit"}, Words{"bench", "load"}, Words{"convert"}, Words{"devices"},
+                            Words{"plan"}, Words{"scene"}, Words{"faults"}}) {
     const Outcome outcome = run(verb + Words{"--help"});
     expectSuccess(outcome);
     EXPECT_THAT(outcome.out, HasSubstr("Usage: palpate"));
@@ -25,7 +25,8 @@ TEST_F(Verbs, HelpOfEachSaysWhatItDoes) {
 
 TEST_F(Verbs, HelpOfTheProgramNamesEveryVerb) {
   const std::string help = run({"--help"}).out;
-  for (const char* verb : {"touch", "info", "check", "bench", "devices", "plan", "scene", "faults"}) {
+  for (const char* verb :
+       {"touch", "edit", "recover", "info", "convert", "check", "bench", "devices", "plan", "scene", "faults"}) {
     EXPECT_THAT(help, testing::ContainsRegex(std::string("\n  ") + verb + " +[a-z]"));
   }
 }

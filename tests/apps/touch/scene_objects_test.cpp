@@ -8,6 +8,7 @@
 
 #include "apps/scene/object_table.hpp"
 #include "base/error.hpp"
+#include "base/rotation.hpp"
 #include "temporary_folder.hpp"
 
 namespace palpate {

@@ -93,6 +93,20 @@ TEST(EditSession, TheMemoryBudgetLimitsUndo) {
   }
 }
 
+// Edits that change nothing take memory as well: a script without end must not fill it.
+TEST(EditSession, EditsThatChangeNothingAreForgottenToo) {
+  Session s(2000);
+  EditCommand away = dab(0);
+  away.from_W = away.to_W = s.volume.lattice().toWorld({-15, 10, 9});  // 10 mm from the volume
+  for (int i = 0; i < 500; ++i) s.session.edit({&away, 1}, 0);
+  EXPECT_EQ(s.engine.editVersion(), 500U);
+  EXPECT_LT(s.session.history().steps(), 100U);  // of 24 bytes each, at least
+  EXPECT_EQ(s.session.history().steps() + s.session.history().forgotten(), 500U);
+  s.session.undo(0);
+  s.session.redo(0);
+  EXPECT_EQ(s.hash(), s.header.volume.content);
+}
+
 // The journal's replay through the CPU twin is what the device holds, undo and redo in between included.
 TEST(EditSession, ReplayEqualsTheDeviceBitForBit) {
   TemporaryFolder folder;

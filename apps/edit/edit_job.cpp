@@ -1,0 +1,282 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/edit/edit_job.hpp"
+
+#include <chrono>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "apps/console/interrupt.hpp"
+#include "apps/edit/script_reader.hpp"
+#include "apps/edit/stamp_files.hpp"
+#include "apps/mesh/mesh_writer.hpp"
+#include "base/error.hpp"
+#include "engine/journal/volume_identity.hpp"
+#include "engine/session/edit_session.hpp"
+#include "engine/volume/statistics.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr std::size_t kQueuedOrders = 1024;
+constexpr std::size_t kMostTimes = std::size_t{1} << 18U;
+
+using Clock = std::chrono::steady_clock;
+
+double secondsSince(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+// The same message with more behind it, or in front of it.
+Error withMore(const Error& error, const std::string& front, const std::string& behind) {
+  const std::string text = error.what();
+  const std::string input = text.substr(0, text.find(": "));
+  const std::string rest = text.substr(std::min(text.size(), input.size() + 2));
+  const std::string before = front.empty() || text.starts_with(front + ": ") ? "" : front + ": ";
+  const std::size_t last = rest.rfind("; ");
+  if (behind.empty() && last != std::string::npos)
+    return {error.code(), before + input, rest.substr(0, last), rest.substr(last + 2)};
+  return {error.code(), before + input, rest, behind};
+}
+
+Error cancelled() {
+  return {Error::Code::kCancelled, "palpate edit", "stopped by the user", "start it again"};
+}
+
+// Whether the session lives on with it.
+bool isSurvivable(const Error& error) {
+  return error.code() != Error::Code::kDevice && error.code() != Error::Code::kCancelled;
+}
+
+// Times of any number of commands in bounded memory: every one, then every second one, and so on.
+class Times {
+ public:
+  void add(double milliseconds) {
+    if (count_++ % stride_ != 0) return;
+    kept_.push_back(milliseconds);
+    if (kept_.size() < kMostTimes) return;
+    for (std::size_t i = 0; 2 * i < kept_.size(); ++i) kept_[i] = kept_[2 * i];
+    kept_.resize(kMostTimes / 2);
+    stride_ *= 2;
+  }
+  [[nodiscard]] Percentiles percentiles() const { return kept_.empty() ? Percentiles{} : palpate::percentiles(kept_); }
+
+ private:
+  std::vector<double> kept_;
+  std::uint64_t count_ = 0;
+  std::uint64_t stride_ = 1;
+};
+
+// What the user said on the command line, then what the script says. Made before the volume is loaded, so that a typo
+// or a script that is not there is told at once.
+class Orders {
+ public:
+  explicit Orders(const EditRequest& request) {
+    if (request.commands.empty() && request.script.empty()) {
+      throw Error(Error::Code::kBadInput, "palpate edit", "there is nothing to do",
+                  "give --do COMMAND, for example --do remove:radius=2mm:at=0,0,0, or --script FILE");
+    }
+    for (const std::string& command : request.commands) {
+      given_.push_back(editOrder(command, "--do"));
+      if (given_.back().refusal && !request.keep_going) throw Error(*given_.back().refusal);
+    }
+    if (!request.script.empty()) script_.emplace(request.script);
+  }
+
+  // In a thread of its own.
+  void giveTo(EditQueue& queue) {
+    try {
+      for (EditOrder& order : given_) {
+        if (!queue.push(std::move(order))) return;
+      }
+      if (script_) script_->giveTo(queue, interrupted);
+      if (interrupted()) throw cancelled();
+      queue.close();
+    } catch (...) {
+      queue.fail(std::current_exception());
+    }
+  }
+  [[nodiscard]] double fraction() const { return script_ ? script_->fraction() : 0; }
+
+ private:
+  std::vector<EditOrder> given_;
+  std::optional<ScriptReader> script_;
+};
+
+class Giver {
+ public:
+  Giver(Orders& orders, EditQueue& queue) : queue_(queue), thread_([&orders, &queue] { orders.giveTo(queue); }) {}
+  ~Giver() { queue_.abandon(); }  // then the thread ends and is joined
+  Giver(const Giver&) = delete;
+  Giver& operator=(const Giver&) = delete;
+
+ private:
+  EditQueue& queue_;
+  std::jthread thread_;
+};
+
+Plan planOf() {
+  Scene scene;
+  scene.picture = false;
+  return makePlan(scene);
+}
+
+class Job {
+ public:
+  Job(const EditRequest& request, double isovalue, Volume& volume, Progress& progress,
+      const std::function<void(const std::string&)>& tell)
+      : request_(request),
+        volume_(volume),
+        progress_(progress),
+        tell_(tell),
+        profile_(brushProfile(volume, isovalue)),
+        engine_(volume, planOf(), isovalue, request.gpu, request.gpu_memory_bytes),
+        session_(engine_, profile_, {}, request.history_bytes),
+        stamps_(volume.lattice(), profile_) {
+    result_.isovalue = isovalue;
+    result_.gpu = engine_.gpu().name;
+    if (!request.journal.empty()) session_.keepJournal(request.journal, identityOf(volume));
+  }
+
+  EditResult run(Orders& orders, const ConvertRequest& output, AtomicFile& file) {
+    try {
+      progress_.stage("applying the edits");
+      applyAll(orders);
+      session_.close();
+      tellOfJournal();
+      progress_.stage("reading back");
+      result_.changed_bricks = engine_.readBack(volume_);
+      result_.content = contentHash(volume_);
+      result_.file = writeOutput(volume_, output, "palpate edit", file, progress_);
+      file.commit();
+    } catch (const Error& error) {
+      session_.close();
+      dropEmptyJournal();
+      throw withMore(error, "", stateInWords());
+    }
+    addFigures();
+    return result_;
+  }
+
+ private:
+  void applyAll(Orders& orders) {
+    EditQueue queue(kQueuedOrders);
+    const Giver giver(orders, queue);
+    while (std::optional<EditOrder> order = queue.pop()) {
+      if (interrupted()) throw cancelled();
+      progress_.fraction(orders.fraction());
+      try {
+        if (order->refusal) throw Error(*order->refusal);
+        apply(order->text);
+      } catch (const Error& error) {
+        if (!request_.keep_going || !isSurvivable(error)) throw withMore(error, order->where, "");
+        ++result_.refused;
+        tell_(std::string(withMore(error, order->where, "").what()) + " (left out)");
+      }
+      tellOfJournal();
+    }
+  }
+
+  void apply(EditText& text) {
+    std::vector<EditCommand> commands;
+    if (text.verb == EditText::Verb::kEdit) commands = commandsOf(text);
+    const auto start = Clock::now();
+    if (text.verb == EditText::Verb::kUndo) {
+      session_.undo(0);
+      ++result_.undone;
+    } else if (text.verb == EditText::Verb::kRedo) {
+      session_.redo(0);
+      ++result_.redone;
+    } else {
+      session_.edit(commands, 0);
+      ++result_.edits;
+    }
+    times_.add(1e3 * secondsSince(start));
+  }
+
+  std::vector<EditCommand> commandsOf(EditText& text) {
+    if (isStamp(text.command.kind)) text.command.stamp = stamps_.stampOf(text.mesh_file, text.metres_per_unit);
+    std::vector<EditCommand> commands = {text.command};
+    if (text.mirror_axis) {
+      const Vec3 middle_W = volume_.lattice().toWorld((volume_.size() - Vec3i::Ones()).cast<double>() / 2);
+      commands.push_back(mirrored(text.command, middle_W, volume_.lattice().R_WL.col(*text.mirror_axis)));
+    }
+    return commands;
+  }
+
+  // Once, when it fails.
+  void tellOfJournal() {
+    const JournalWriter* journal = session_.journal();
+    if (journal == nullptr || journal_failed_ || journal->failure().empty()) return;
+    journal_failed_ = true;
+    tell_(journal->failure());
+  }
+
+  // What becomes of the commands before the one that ended the job. After the session's end.
+  [[nodiscard]] std::string stateInWords() const {
+    std::string words = fmt::format("{} was not written, {} command{} had been applied", request_.out,
+                                    result_.applied(), result_.applied() == 1 ? "" : "s");
+    const EditFigures figures = session_.figures();
+    if (request_.journal.empty() || figures.acknowledged == 0) return words;
+    return words + fmt::format(" and the journal {} holds {}: see 'palpate recover'", request_.journal,
+                               figures.acknowledged == figures.journalled ? "them" : "those up to where it failed");
+  }
+
+  // So that the same command can be given again, mended, with the same folder.
+  void dropEmptyJournal() const {
+    std::error_code ignored;
+    if (session_.journal() != nullptr && session_.figures().journalled == 0)
+      std::filesystem::remove(journalFile(request_.journal), ignored);
+  }
+
+  void addFigures() {
+    result_.edit_ms = times_.percentiles();
+    for (const MemoryFigure& figure : engine_.memory()) {
+      if (figure.name == "gpu total") result_.gpu_bytes = figure.bytes;
+    }
+    result_.history_steps = session_.history().steps();
+    result_.history_bytes = session_.history().bytes();
+    result_.history_forgotten = session_.history().forgotten();
+    const EditFigures figures = session_.figures();
+    result_.journal_records = figures.journalled;
+    result_.journal_saved = figures.acknowledged;
+    result_.journal_bytes = figures.journal_bytes;
+  }
+
+  const EditRequest& request_;
+  Volume& volume_;
+  Progress& progress_;
+  const std::function<void(const std::string&)>& tell_;
+  BrushProfile profile_;
+  Engine engine_;
+  EditSession session_;
+  StampFiles stamps_;
+  EditResult result_;
+  Times times_;
+  bool journal_failed_ = false;
+};
+
+}  // namespace
+
+EditResult editVolume(const EditRequest& request, Progress& progress,
+                      const std::function<void(const std::string&)>& tell) {
+  const auto start = Clock::now();
+  ConvertRequest output{.in = request.in, .out = request.out};
+  checkOutput(output);
+  Orders orders(request);
+  AtomicFile file(request.out);  // before the long part, so that a folder that may not be written is refused at once
+  progress.stage("loading " + request.in);
+  Volume volume = loadVolume(request.in);
+  if (interrupted()) throw cancelled();
+  const double isovalue = static_cast<float>(request.isovalue ? *request.isovalue : defaultIsovalue(volume));
+  checkIsovalue(volume, isovalue);
+  if (isMeshFileName(request.out)) output.isovalue = isovalue;
+  progress.stage("computing on Vulkan");
+  Job job(request, isovalue, volume, progress, tell);
+  EditResult result = job.run(orders, output, file);
+  progress.done();
+  result.seconds = secondsSince(start);
+  return result;
+}
+
+}  // namespace palpate

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/edit/edit_words.hpp"
+
+#include <fmt/format.h>
+
+#include "apps/report/words.hpp"
+
+namespace palpate {
+namespace {
+
+std::string times(std::uint64_t count, const char* word) {
+  return fmt::format("{} {}{}", count, word, count == 1 ? "" : "s");
+}
+
+std::string historyWords(const EditRequest& request, const EditResult& result) {
+  if (request.history_bytes == 0) return "no undo";
+  std::string words = fmt::format("{} of {} for undo of {}", bytesInWords(result.history_bytes),
+                                  bytesInWords(request.history_bytes), times(result.history_steps, "edit"));
+  if (result.history_forgotten > 0) words += fmt::format(", {} forgotten", result.history_forgotten);
+  return words;
+}
+
+}  // namespace
+
+std::string editWords(const EditRequest& request, const EditResult& result) {
+  const Vec3i& size = result.file.size;
+  std::string text = fmt::format("Edited    {} ({} x {} x {} voxels) at isovalue {} on {}\n", request.in, size.x(),
+                                 size.y(), size.z(), shortNumber(result.isovalue), result.gpu);
+  text += fmt::format("Commands  {} applied: {}, {}, {}; {} refused\n", result.applied(), times(result.edits, "edit"),
+                      times(result.undone, "undo"), times(result.redone, "redo"), result.refused);
+  if (result.applied() > 0) {
+    text += fmt::format("Time      a command {} ms median, {} ms p99; {} s in all\n", shortNumber(result.edit_ms.p50),
+                        shortNumber(result.edit_ms.p99), shortNumber(result.seconds));
+  }
+  text += fmt::format("Changed   {}\n", times(result.changed_bricks, "brick"));
+  text += fmt::format("Memory    {} on the GPU; {}\n", bytesInWords(result.gpu_bytes), historyWords(request, result));
+  if (!request.journal.empty()) {
+    text += fmt::format("Journal   {} of {} saved in {}, {}\n", result.journal_saved,
+                        times(result.journal_records, "record"), request.journal, bytesInWords(result.journal_bytes));
+  }
+  text += fmt::format("Volume    {}, content {:016x}\nFile      {}, {}", request.in, result.content, request.out,
+                      bytesInWords(result.file.bytes));
+  if (result.file.is_mesh) text += fmt::format(", {} triangles", result.file.triangles);
+  return text + "\n";
+}
+
+nlohmann::ordered_json editJson(const EditRequest& request, const EditResult& result) {
+  const Vec3i& size = result.file.size;
+  nlohmann::ordered_json json = {
+      {"schema", "palpate.edit/1"},
+      {"in", request.in},
+      {"out", request.out},
+      {"size_voxel", {size.x(), size.y(), size.z()}},
+      {"isovalue", result.isovalue},
+      {"vulkan_device", result.gpu},
+      {"commands",
+       {{"applied", result.applied()},
+        {"edits", result.edits},
+        {"undone", result.undone},
+        {"redone", result.redone},
+        {"refused", result.refused}}},
+      {"command_ms", {{"p50", result.edit_ms.p50}, {"p99", result.edit_ms.p99}, {"max", result.edit_ms.max}}},
+      {"changed_bricks", result.changed_bricks},
+      {"gpu_bytes", result.gpu_bytes},
+      {"history", nullptr},
+      {"journal", nullptr},
+      {"content", fmt::format("{:016x}", result.content)},
+      {"file_bytes", result.file.bytes},
+      {"time_s", result.seconds}};
+  if (request.history_bytes > 0) {
+    json["history"] = {
+        {"steps", result.history_steps}, {"bytes", result.history_bytes}, {"forgotten", result.history_forgotten}};
+  }
+  if (!request.journal.empty()) {
+    json["journal"] = {{"folder", request.journal},
+                       {"records", result.journal_records},
+                       {"saved", result.journal_saved},
+                       {"bytes", result.journal_bytes}};
+  }
+  return json;
+}
+
+}  // namespace palpate

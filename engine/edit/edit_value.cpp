@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/edit/edit_value.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/error.hpp"
+#include "base/units.hpp"
+
+namespace palpate {
+namespace {
+
+[[noreturn]] void refuse(const EditValue& value, const std::string& what, const std::string& remedy) {
+  throw Error(Error::Code::kBadInput, value.where, fmt::format("'{}' of {} is {}", value.text, value.key, what),
+              remedy);
+}
+
+// Takes a number off the front.
+double numberFrom(const EditValue& value, std::string_view& rest, const char* remedy) {
+  double number = 0;
+  const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), number);
+  if (error != std::errc{} || !std::isfinite(number)) refuse(value, "no number", remedy);
+  rest.remove_prefix(static_cast<std::size_t>(end - rest.data()));
+  return number;
+}
+
+std::optional<double> metresPer(std::string_view unit) {
+  constexpr std::pair<std::string_view, double> kUnits[] = {
+      {"", kMetresPerMillimetre}, {"mm", kMetresPerMillimetre}, {"um", 1e-6}, {"cm", 1e-2}, {"m", 1}};
+  for (const auto& [name, metres] : kUnits) {
+    if (name == unit) return metres;
+  }
+  return std::nullopt;
+}
+
+// Takes x,y,z off the front.
+Vec3 threeFrom(const EditValue& value, std::string_view& rest, const char* remedy) {
+  Vec3 numbers;
+  for (int axis = 0; axis < 3; ++axis) {
+    numbers[axis] = numberFrom(value, rest, remedy);
+    if (axis == 2) break;
+    if (!rest.starts_with(',')) refuse(value, "not three numbers", remedy);
+    rest.remove_prefix(1);
+  }
+  return numbers;
+}
+
+}  // namespace
+
+double EditValue::number(double lowest, double highest) const {
+  std::string_view rest = text;
+  const std::string range = fmt::format("give {:g} to {:g}", lowest, highest);
+  const double number = numberFrom(*this, rest, range.c_str());
+  if (!rest.empty()) refuse(*this, "no number", range);
+  if (number < lowest || number > highest)
+    throw Error(Error::Code::kBadInput, where, fmt::format("{} is {:g}", key, number), range);
+  return number;
+}
+
+double EditValue::length() const {
+  constexpr const char* kRemedy = "give a number and mm, um, cm or m: 2mm";
+  std::string_view rest = text;
+  const double number = numberFrom(*this, rest, kRemedy);
+  const std::optional<double> metres = metresPer(rest);
+  if (!metres || !(number * *metres > 0)) refuse(*this, "no length above 0", kRemedy);
+  return number * *metres;
+}
+
+Vec3 EditValue::place() const {
+  constexpr const char* kRemedy = "give three numbers and, behind the last, mm, um, cm or m: 10,20,30mm";
+  std::string_view rest = text;
+  const Vec3 numbers = threeFrom(*this, rest, kRemedy);
+  const std::optional<double> metres = metresPer(rest);
+  if (!metres) refuse(*this, "no place", kRemedy);
+  return numbers * *metres;
+}
+
+Vec3 EditValue::numbers() const {
+  constexpr const char* kRemedy = "give three numbers: 0,0,1";
+  std::string_view rest = text;
+  const Vec3 numbers = threeFrom(*this, rest, kRemedy);
+  if (!rest.empty()) refuse(*this, "not three numbers", kRemedy);
+  return numbers;
+}
+
+}  // namespace palpate
