@@ -16,42 +16,54 @@ layout(push_constant) uniform Push { FilterPush push; };
 
 const int kProjections = 2;  // of the voxel, each onto the tangent plane at the last one's place
 
-// One density: of a quad that is chosen from lavapipe would load all four.
-float densityIn(BrickPage page, uvec3 in_brick) {
-  if (page.slot == NO_SLOT) return page.constant;
-  const uint at = (in_brick.z * BRICK_EDGE + in_brick.y) * BRICK_EDGE + in_brick.x;
-  if (kSlabCount == 1) return slab0[page.slot * BRICK_QUADS + at / 4][at % 4];
-  return slabQuad(page.slot, at / 4)[at % 4];
+// One density of a brick. Loads are what this kernel costs, so pages are read no more than needed (a branch saves the
+// loads of those that do not take it), and of a quad its one element.
+float densityIn(uint page, uint slot, uint at) {
+  if (slot == NO_SLOT) return pages[page].constant;
+  if (kSlabCount == 1) return slab0[slot * BRICK_QUADS + at / 4][at % 4];
+  return slabQuad(slot, at / 4)[at % 4];
 }
 
-float densityClamped(ivec3 voxel) {
-  const uvec3 at = uvec3(clamp(voxel, ivec3(0), ivec3(domainSize()) - 1));
-  return densityIn(pages[brickIndex(at / BRICK_EDGE)], at % BRICK_EDGE);
+uint placeInBrick(uint x, uint y, uint z) {
+  return ((z % BRICK_EDGE) * BRICK_EDGE + y % BRICK_EDGE) * BRICK_EDGE + x % BRICK_EDGE;
 }
 
-// Gradient and value `shift` voxels from a voxel. A point on the domain's last voxel belongs to the cell before it.
+// A cell's corner, 0 or 1 from its first along each axis; slot: of the page that holds the first.
+float corner(uvec3 cell, uint first_page, uint slot, uint dx, uint dy, uint dz) {
+  const uvec3 at = cell + uvec3(dx, dy, dz);
+  const uint page = brickIndex(at / BRICK_EDGE);
+  if (page != first_page) slot = pages[page].slot;
+  return densityIn(page, slot, placeInBrick(at.x, at.y, at.z));
+}
+
+// Gradient and value `shift` voxels from a voxel, within the domain. A point on the domain's last voxel belongs to the
+// cell before it.
 vec4 fieldAt(ivec3 voxel, vec3 shift) {
   const ivec3 size = ivec3(domainSize());
-  ivec3 cell;
+  uvec3 cell;
   vec3 share;
   for (int axis = 0; axis < 3; ++axis) {
     const float whole = floor(shift[axis]);
     precise float rest = shift[axis] - whole;
     const int c = voxel[axis] + int(whole);
     const bool at_end = c >= size[axis] - 1;
-    cell[axis] = at_end ? size[axis] - 2 : c;
+    cell[axis] = uint(at_end ? size[axis] - 2 : c);
     share[axis] = at_end ? 1.0f : rest;
   }
-  const vec4 low = vec4(densityClamped(cell), densityClamped(cell + ivec3(1, 0, 0)),
-                        densityClamped(cell + ivec3(0, 1, 0)), densityClamped(cell + ivec3(1, 1, 0)));
-  const vec4 high = vec4(densityClamped(cell + ivec3(0, 0, 1)), densityClamped(cell + ivec3(1, 0, 1)),
-                         densityClamped(cell + ivec3(0, 1, 1)), densityClamped(cell + ivec3(1, 1, 1)));
+  const uint page = brickIndex(cell / BRICK_EDGE);
+  const uint slot = pages[page].slot;
+  const vec4 low = vec4(corner(cell, page, slot, 0, 0, 0), corner(cell, page, slot, 1, 0, 0),
+                        corner(cell, page, slot, 0, 1, 0), corner(cell, page, slot, 1, 1, 0));
+  const vec4 high = vec4(corner(cell, page, slot, 0, 0, 1), corner(cell, page, slot, 1, 0, 1),
+                         corner(cell, page, slot, 0, 1, 1), corner(cell, page, slot, 1, 1, 1));
   return fieldIn(low, high, share.x, share.y, share.z);
 }
 
+// The step's numbers, read once.
+float isovalue, band, unit, slack;
+vec4 edge;
+
 float distanceOf(ivec3 voxel, float density, uint word) {
-  const float isovalue = taps[DISTANCE_ISOVALUE], band = taps[DISTANCE_BAND], unit = taps[DISTANCE_UNIT];
-  const vec4 edge = vec4(taps[DISTANCE_EDGE], taps[DISTANCE_EDGE + 1], taps[DISTANCE_EDGE + 2], 0);
   const bool inside = density > isovalue;
   float distance = band;
   // A loop of one round, since lavapipe goes through a branch that no invocation takes, but not through such a loop.
@@ -88,7 +100,7 @@ float distanceOf(ivec3 voxel, float density, uint word) {
       const float new_square = awaySquare(to_x, to_y, to_z);
       const float new_side = sideOf(new_square, new_height);
       nearer = possible && abs(left) <= DISTANCE_LEFT && new_height >= 0.0f &&
-               (new_side < side || new_side <= taps[DISTANCE_SLACK]);
+               (new_side < side || new_side <= slack);
       if (nearer) {
         normal = new_normal;
         rise = new_rise;
@@ -97,7 +109,7 @@ float distanceOf(ivec3 voxel, float density, uint word) {
         away_square = new_square;
       }
     }
-    const float found = distanceOver(height, side, taps[DISTANCE_SLACK], away_square);
+    const float found = distanceOver(height, side, slack, away_square);
     distance = found < band ? found : band;
   }
   return signedDistance(distance, unit, inside);
@@ -112,12 +124,19 @@ void main() {
   const ivec3 last = ivec3(domainSize()) - 1;
   const ivec3 first = min(ivec3(brick * BRICK_EDGE + uvec3(0, row % BRICK_EDGE, row / BRICK_EDGE)), last);
   const uint out_quad = task.slot * BRICK_QUADS + row * 2;
+  const uint slot = pages[task.brick].slot;
+  isovalue = taps[DISTANCE_ISOVALUE];
+  band = taps[DISTANCE_BAND];
+  unit = taps[DISTANCE_UNIT];
+  slack = taps[DISTANCE_SLACK];
+  edge = vec4(taps[DISTANCE_EDGE], taps[DISTANCE_EDGE + 1], taps[DISTANCE_EDGE + 2], 0);
   for (int q = 0; q < 2; ++q) {
     const vec4 words = result[out_quad + q];
     vec4 distances;
     for (int t = 0; t < 4; ++t) {
       const ivec3 voxel = ivec3(min(first.x + 4 * q + t, last.x), first.yz);
-      distances[t] = distanceOf(voxel, densityClamped(voxel), floatBitsToUint(words[t]));
+      const float density = densityIn(task.brick, slot, placeInBrick(uint(voxel.x), uint(voxel.y), uint(voxel.z)));
+      distances[t] = distanceOf(voxel, density, floatBitsToUint(words[t]));
     }
     result[out_quad + q] = distances;
   }
