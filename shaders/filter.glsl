@@ -12,7 +12,14 @@ layout(constant_id = FILTER_CONSTANT_EDGE) const uint kEdge = 0;
 layout(constant_id = FILTER_CONSTANT_BORDER) const uint kBorder = BORDER_NEAREST;
 
 layout(std430, binding = FILTER_BINDING_TASKS) readonly buffer Tasks { FilterTask tasks[]; };
-layout(std430, binding = FILTER_BINDING_RESULT) writeonly buffer Result { vec4 result[]; };
+#ifndef FILTER_RESULT_ACCESS
+#define FILTER_RESULT_ACCESS writeonly  // a kernel that rewrites what is there defines it as nothing
+#endif
+#ifdef FILTER_RESULT_FLOATS
+layout(std430, binding = FILTER_BINDING_RESULT) FILTER_RESULT_ACCESS buffer Result { float result_float[]; };
+#else
+layout(std430, binding = FILTER_BINDING_RESULT) FILTER_RESULT_ACCESS buffer Result { vec4 result[]; };
+#endif
 layout(std430, binding = FILTER_BINDING_TAPS) readonly buffer Taps { float taps[]; };
 
 // Where a coordinate beyond the border is read.

@@ -4,6 +4,7 @@
 // (engine/reference) are written apart from it. Compile with -ffp-contract=off, as the whole program is.
 #pragma once
 
+#include "shaders/filter_distance.layout.h"
 #include "shaders/glsl.hpp"
 #include "shaders/layout_types.h"
 
@@ -12,6 +13,11 @@ using namespace glsl;  // NOLINT(google-build-using-namespace): the text is GLSL
 
 #define precise
 #include "shaders/filter_convolve.math.glsl"
+#include "shaders/filter_distance.math.glsl"
+#include "shaders/filter_exp.math.glsl"
+// after the exponential that they use
+#include "shaders/filter_bilateral.math.glsl"
+#include "shaders/filter_diffuse.math.glsl"
 #undef precise
 
 }  // namespace palpate::kernel_text

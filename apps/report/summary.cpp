@@ -50,6 +50,7 @@ Json sceneJson(const Scene& s) {
           {"gpu", s.gpu},
           {"gpu_memory_bytes", s.gpu_memory_bytes},
           {"filter", s.filter},
+          {"field", s.field},
           {"gradient_all", s.gradient_all},
           {"algorithm", s.algorithm},
           {"plane_renewal_ticks", s.plane_renewal_ticks},

@@ -34,6 +34,7 @@ IntegerOption integer(int Scene::*member, long long lowest, long long highest) {
 }
 
 constexpr const char* kVelocities[] = {"filter", "foaw"};
+constexpr const char* kFields[] = {"density", "distance"};
 constexpr const char* kTextures[] = {"none", "procedural", "density"};
 
 // clang-format off
@@ -48,6 +49,7 @@ const SceneOption kOptions[] = {
      SwitchOption{&Scene::gradient_all, "active", "all"}},
     {"--filter", "filter", "", "filters that the field goes through before it is felt, one after another: \"gaussian:0.8mm\"; docs/filters.md",
      ListOption{&Scene::filter}},
+    {"--field", "field", "", "what is felt: the density, or (after the filters) the signed distance from its isosurface, 4 voxels deep", WordOption{&Scene::field, kFields}},
     {"--algorithm", "servo.algorithm", "", algorithmHelp(), TextOption{&Scene::algorithm}},
     {"--n", "servo.n", "ticks", "the virtual plane is found again every n ticks", integer(&Scene::plane_renewal_ticks, 1, 100000)},
     {"--stiffness", "servo.stiffness_N_per_m", "N/m", "stiffness of the contact, K", number(&Scene::stiffness_N_per_m, 1, 0, 1e5)},

@@ -215,7 +215,8 @@ TouchRun runTouchJob(const Scene& scene, const std::string& command, const std::
   std::optional<Volume> filtered;
   if (engine->filters()) filtered = engine->filtered(volume.facts());
   const Volume& felt = filtered ? *filtered : volume;
-  const VolumeSurface surface(felt, isovalue);
+  const double felt_isovalue = engine->isovalue();
+  const VolumeSurface surface(felt, felt_isovalue);
 
   const ScriptedPath path = stages.run("path", "building the path", [&] { return scriptedPath(scene, surface); });
   run.scene.duration_s = scene.path_file.empty() ? scene.duration_s : path.path.duration_s();
@@ -227,10 +228,11 @@ TouchRun runTouchJob(const Scene& scene, const std::string& command, const std::
   run.notes.insert(run.notes.end(), start_notes.begin(), start_notes.end());
   run.object_outlines = objects.outlines;
 
-  AlgorithmSetup setup = algorithmSetup(scene, isovalue, densityScale(felt, isovalue), objects.objects);
+  AlgorithmSetup setup = algorithmSetup(scene, felt_isovalue, densityScale(felt, felt_isovalue), objects.objects);
   if (plan.meshes) {
-    setup.isosurface = stages.run("isosurface mesh", "extracting the isosurface's mesh",
-                                  [&] { return std::make_shared<const TriangleMesh>(isosurfaceMesh(felt, isovalue)); });
+    setup.isosurface = stages.run("isosurface mesh", "extracting the isosurface's mesh", [&] {
+      return std::make_shared<const TriangleMesh>(isosurfaceMesh(felt, felt_isovalue));
+    });
   }
   PlanFacts facts = engine->planFacts();
   if (setup.isosurface != nullptr) facts.mesh_triangles = setup.isosurface->triangles.size();

@@ -22,6 +22,15 @@ constexpr FilterRow kFilters[] = {
     {FilterKind::kGaussian,
      {"gaussian", "sigma", "truncate=3 (in sigmas), border=nearest|mirror",
       "low-pass; separable, sampled, its taps sum to one"}},
+    {FilterKind::kBilateral,
+     {"bilateral", "sigma", "range (sigma in density; needed), truncate=2 (in sigmas), border=nearest|mirror",
+      "low-pass that keeps steps much higher than the range"}},
+    {FilterKind::kDiffuse,
+     {"diffuse", "steps", "kappa (in density per mm; needed), dt (in mm^2; half of what is stable), g=rational|exp",
+      "anisotropic diffusion (Perona and Malik): smooths where the slope is below kappa, keeps the mean"}},
+    {FilterKind::kDistance,
+     {"distance", "band in voxels", "none",
+      "signed distance from the isosurface in metres, positive in the object, cut off at the band"}},
 };
 
 [[noreturn]] void refuse(std::string_view filter, const std::string& reason, const std::string& remedy) {
@@ -65,15 +74,73 @@ double plain(std::string_view filter, std::string_view key, std::string_view tex
   return number;
 }
 
+// Keys that are numbers above 0, as they are.
+double positive(std::string_view filter, std::string_view key, std::string_view text) {
+  return plain(filter, key, text, 1e-30, 1e30);
+}
+
+// Keys of one kind of filter; false: it has none of that name.
+bool setOwnKey(std::string_view filter, std::string_view key, std::string_view value, FilterSpec& spec) {
+  switch (spec.kind) {
+    case FilterKind::kGaussian:
+    case FilterKind::kBilateral:
+      if (key == "truncate") {
+        spec.truncate = plain(filter, key, value, 1, 8);
+        return true;
+      }
+      if (key != "range" || spec.kind != FilterKind::kBilateral) return false;
+      spec.range = positive(filter, key, value);
+      return true;
+    case FilterKind::kDiffuse:
+      if (key == "kappa") {
+        spec.kappa = positive(filter, key, value);
+      } else if (key == "dt") {
+        spec.dt_mm2 = positive(filter, key, value);
+      } else if (key == "g") {
+        if (value != "rational" && value != "exp") {
+          refuse(filter, fmt::format("there is no conductance '{}'", value), "use g=rational or g=exp");
+        }
+        spec.conductance = value == "exp" ? Conductance::kExp : Conductance::kRational;
+      } else {
+        return false;
+      }
+      return true;
+    case FilterKind::kDistance:
+      return false;
+  }
+  return false;
+}
+
+// Whether a filter reads beyond the border in more than one way.
+bool hasBorder(FilterKind kind) {
+  return kind == FilterKind::kGaussian || kind == FilterKind::kBilateral;
+}
+
+void checkWhole(std::string_view filter, const FilterSpec& spec, int most, std::string_view what) {
+  const double size = spec.size.value;
+  if (!spec.size.in_metres && size == std::floor(size) && size <= most) return;
+  refuse(filter, fmt::format("its {} must be a whole number", what), fmt::format("give 1 to {}", most));
+}
+
+// What a filter needs beyond its size.
+void checkComplete(std::string_view filter, const FilterSpec& spec) {
+  if (spec.kind == FilterKind::kBilateral && spec.range == 0) {
+    refuse(filter, "it has no range", "give the densities that it may mix, for example range=50");
+  }
+  if (spec.kind == FilterKind::kDiffuse) {
+    checkWhole(filter, spec, kMostDiffusionSteps, "number of steps");
+    if (spec.kappa == 0) refuse(filter, "it has no kappa", "give the slope to keep, for example kappa=100");
+  }
+  if (spec.kind == FilterKind::kDistance) checkWhole(filter, spec, kWidestBand, "band in voxels");
+}
+
 void setKey(std::string_view filter, std::string_view key, std::string_view value, FilterSpec& spec) {
-  if (key == "border") {
+  if (key == "border" && hasBorder(spec.kind)) {
     if (value != "nearest" && value != "mirror") {
       refuse(filter, fmt::format("there is no border '{}'", value), "use border=nearest or border=mirror");
     }
     spec.border = value == "mirror" ? Border::kMirror : Border::kNearest;
-  } else if (key == "truncate" && spec.kind == FilterKind::kGaussian) {
-    spec.truncate = plain(filter, key, value, 1, 8);
-  } else {
+  } else if (!setOwnKey(filter, key, value, spec)) {
     std::string_view keys;
     for (const FilterRow& row : kFilters) keys = row.kind == spec.kind ? row.words.keys : keys;
     refuse(filter, fmt::format("it has no '{}'", key), fmt::format("its keys: {}", keys));
@@ -94,6 +161,7 @@ FilterSpec filterOf(std::string_view text) {
   for (const FilterRow& row : kFilters) found = row.words.name == name ? &row : found;
   if (found == nullptr) refuse(text, fmt::format("there is no filter '{}'", name), "use " + names());
   spec.kind = found->kind;
+  if (spec.kind == FilterKind::kBilateral) spec.truncate = 2;
   if (rest.empty())
     refuse(text, fmt::format("it has no {}", found->words.size), fmt::format("give for example {}:1", name));
   spec.size = extentOf(text, found->words.size, next());
@@ -105,6 +173,7 @@ FilterSpec filterOf(std::string_view text) {
     }
     setKey(text, word.substr(0, equals), word.substr(equals + 1), spec);
   }
+  checkComplete(text, spec);
   return spec;
 }
 
@@ -125,6 +194,11 @@ std::vector<FilterSpec> filterChain(const std::string& text) {
   for (std::string word; words >> word;) chain.push_back(filterOf(word));
   if (chain.empty()) refuse(text, "it names no filter", "use " + names() + ", for example \"gaussian:0.8mm\"");
   return chain;
+}
+
+float isovalueAfter(std::span<const FilterSpec> chain, float isovalue) noexcept {
+  for (const FilterSpec& filter : chain) isovalue = filter.kind == FilterKind::kDistance ? 0.0F : isovalue;
+  return isovalue;
 }
 
 }  // namespace palpate

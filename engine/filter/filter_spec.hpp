@@ -2,9 +2,11 @@
 // engine/filter/filter_spec.hpp: filters as a person asks for them: "median:1 gaussian:0.8mm close:1". Any thread.
 //
 // A filter is a word and a size, then keys: NAME:SIZE[:KEY=VALUE]... A size is in voxels, or a length with its unit
-// (mm, um, cm, m); where voxels are not cubes a length gives each axis its own number of voxels.
+// (mm, um, cm, m); where voxels are not cubes a length gives each axis its own number of voxels. Steps of a diffusion
+// and the band of a distance are whole numbers.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -13,13 +15,22 @@
 namespace palpate {
 
 enum class FilterKind {
-  kGaussian,  // low-pass; size: sigma
+  kGaussian,   // low-pass; size: sigma
+  kBilateral,  // low-pass that leaves steps of density standing; size: sigma in space
+  kDiffuse,    // anisotropic diffusion (Perona and Malik 1990); size: steps
+  kDistance,   // signed distance from the isosurface, positive in the object [m]; size: half width of its band [voxel]
 };
 
 // What a filter reads beyond the volume's border.
 enum class Border {
   kNearest,  // the outermost voxel again: d d d | d c b
   kMirror    // the volume mirrored at its border: b c d | d c b
+};
+
+// How diffusion falls off with the slope s, in multiples of kappa.
+enum class Conductance {
+  kRational,  // 1 / (1 + s^2)
+  kExp        // exp(-s^2)
 };
 
 // So many voxels, or so long.
@@ -33,8 +44,15 @@ struct FilterSpec {
   FilterKind kind = FilterKind::kGaussian;
   Extent size;
   Border border = Border::kNearest;
-  double truncate = 3;  // gaussian: the kernel ends at so many sigmas [-]
+  double truncate = 3;           // gaussian (3), bilateral (2): the kernel ends at so many sigmas [-]
+  double range = 0;              // bilateral: sigma in density [density]
+  double kappa = 0;              // diffuse: the slope at which conductance is a half, or 1/e [density / mm]
+  std::optional<double> dt_mm2;  // diffuse: time step [mm^2]; none: half of what is stable
+  Conductance conductance = Conductance::kRational;
 };
+
+inline constexpr int kMostDiffusionSteps = 500;
+inline constexpr int kWidestBand = 6;  // [voxel]: with what is read around it, the band stays within a brick's length
 
 // One row for each word: for help texts and documentation.
 struct FilterWords {
@@ -44,5 +62,8 @@ struct FilterWords {
 
 // A chain, filters separated by blanks. Throws Error(kBadInput) with what is wrong and what may be given.
 [[nodiscard]] std::vector<FilterSpec> filterChain(const std::string& text);
+
+// The isovalue after a chain that began with `isovalue`: a distance moves the surface to 0.
+[[nodiscard]] float isovalueAfter(std::span<const FilterSpec> chain, float isovalue) noexcept;
 
 }  // namespace palpate

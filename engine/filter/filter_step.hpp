@@ -12,7 +12,14 @@
 namespace palpate {
 
 enum class StepKind {
-  kConvolve,  // along one axis, with symmetric taps
+  kConvolve,   // along one axis, with symmetric taps
+  kBilateral,  // every voxel of a box, weighted by place and by density
+  kDiffuse,    // one time step of anisotropic diffusion
+  // The three parts of a distance, in this order: seed, spread along each axis, finish. Between them a pool holds the
+  // words of shaders/filter_distance.layout.h instead of densities.
+  kDistanceSeed,    // the surface point next to each voxel, found along the lines to its 26 neighbours
+  kDistanceSpread,  // along one axis: of the surface points that voxels within reach know, the nearest
+  kDistanceFinish   // distance from that point's tangent plane; reads the densities that the seed step read
 };
 
 struct FilterStep {
@@ -20,20 +27,42 @@ struct FilterStep {
   int axis = 0;                 // of a step along one axis
   Vec3i reach = Vec3i::Zero();  // a result depends on voxels so far away along each axis, either way [voxel]
   Border border = Border::kNearest;
-  std::vector<float> taps;  // convolve: w(0) ... w(reach)
+  // convolve: w(0) ... w(reach). bilateral: 1 / (sqrt(2) range), then w(0) ... w(reach) of each axis. diffuse: time
+  // step over spacing squared of each axis, then 1 / (kappa times spacing). distance: DISTANCE_... of
+  // shaders/filter_distance.layout.h.
+  std::vector<float> taps;
+  Conductance conductance = Conductance::kRational;  // of a diffusion
 };
 
 // The largest reach of a step along an axis [voxel]: kernels are unrolled over it.
 inline constexpr int kLargestReach = 32;
 
+// The same of a bilateral filter, whose cost grows with its cube.
+inline constexpr int kLargestBilateralReach = 8;
+
+inline constexpr int kDistanceSteps = 5;  // of one distance filter
+
 // Steps of a chain on voxels of `spacing_m`. A filter that would change nothing (a Gaussian far below a voxel) gives no
-// step. Throws Error(kBadInput) where a filter would reach farther than kLargestReach voxels.
-[[nodiscard]] std::vector<FilterStep> lowerFilters(std::span<const FilterSpec> filters, const Vec3& spacing_m);
+// step. `isovalue`: where the object begins in what the chain is given; a distance needs it, and leaves it at 0
+// (isovalueAfter). Throws Error(kBadInput) where a filter would reach farther than its largest reach, where a time step
+// is beyond stableTimeStep, and where a distance has no isovalue.
+[[nodiscard]] std::vector<FilterStep> lowerFilters(std::span<const FilterSpec> filters, const Vec3& spacing_m,
+                                                   std::optional<float> isovalue = std::nullopt);
+
+// The longest stable time step of diffusion with a conductance of 1 at most [mm^2]: 1 / (2 (1/hx^2 + 1/hy^2 + 1/hz^2)).
+// Up to it every new density is a mean of the old ones around it with weights that are not negative: the voxel's own is
+// 1 - dt * (the sum of conductance / h^2 over its six faces) >= 1 - 2 dt (1/hx^2 + 1/hy^2 + 1/hz^2) >= 0. So no step
+// makes a density that lies outside of those around it, and none can grow.
+[[nodiscard]] double stableTimeStep(const Vec3& spacing_m) noexcept;
+
+// Half width of the band that a distance step knows [m]: its result is cut off there.
+[[nodiscard]] float distanceBand(const FilterStep& step) noexcept;
 
 // How far the whole chain carries a change, along each axis [voxel].
 [[nodiscard]] Vec3i totalReach(std::span<const FilterStep> steps);
 
-// What a step makes of a field that is `density` everywhere within its reach, bit for bit as the kernel does.
+// What a step makes of a field that is `density` everywhere within its reach, bit for bit as the kernel does. Of the
+// steps of a distance, the last one gives plus or minus the band by the side on which `density` lies.
 [[nodiscard]] float uniformResult(const FilterStep& step, float density);
 
 }  // namespace palpate

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/passes/brick_bounds_pass.hpp"
 #include "engine/passes/filter_kernels.hpp"
 #include "engine/passes/pool_kernel.hpp"
 #include "engine/passes/uniform_bricks.hpp"
@@ -30,6 +31,7 @@ FilterChain::FilterChain(gpu::Gpu& gpu, gpu::Transfer& transfer, const BrickPool
       source_(source),
       grid_{source.size(), source.lattice().spacing_m},
       steps_(std::move(steps)),
+      routes_(routesOf(steps_)),
       reach_(totalReach(steps_)),
       result_(std::make_unique<BrickPool>(gpu, transfer, source, "filtered density")),
       page_kernel_(gpu, {.name = "page_write",
@@ -51,21 +53,35 @@ std::size_t FilterChain::scratchBytes() const noexcept {
 // The whole field.
 
 void FilterChain::run(const std::function<void(double)>& progress) {
-  std::array<std::unique_ptr<BrickPool>, 2> scratch;
-  const BrickPool* from = &source_;
+  std::array<std::unique_ptr<BrickPool>, FilterRoute::kResult> scratch;
+  const auto poolOf = [&](std::size_t i) -> BrickPool& {
+    if (i == FilterRoute::kResult) return *result_;
+    if (!scratch[i]) scratch[i] = std::make_unique<BrickPool>(gpu_, transfer_, source_, "filter scratch");
+    return *scratch[i];
+  };
   for (std::size_t i = 0; i < steps_.size(); ++i) {
     if (progress) progress(static_cast<double>(i) / static_cast<double>(steps_.size()));
-    const bool last = i + 1 == steps_.size();
-    if (!last && !scratch[i % 2]) {
-      scratch[i % 2] = std::make_unique<BrickPool>(gpu_, transfer_, source_, "filter scratch");
-    }
-    BrickPool& to = last ? *result_ : *scratch[i % 2];
-    runStep(i, *from, to);
-    from = &to;
+    const int read = routes_[i].from;
+    const BrickPool& from =
+        read == FilterRoute::kSource ? source_ : poolOf(routes_[static_cast<std::size_t>(read)].pool);
+    if (steps_[i].kind == StepKind::kDistanceSeed) findBand(steps_[i], from);
+    runStep(i, from, poolOf(routes_[i].pool));
   }
 }
 
+void FilterChain::findBand(const FilterStep& seed, const BrickPool& densities) {
+  BrickBoundsPass bounds(gpu_, densities);
+  bounds.run();
+  band_ = distanceBricks(seed, bounds.read(transfer_), densities.brickCounts());
+}
+
 std::vector<layout::BrickPage> FilterChain::pagesAfter(const FilterStep& step, const BrickPool& from) const {
+  if (step.kind == StepKind::kDistanceFinish) return band_;  // the slots that the last spread wrote
+  if (step.kind == StepKind::kDistanceSeed || step.kind == StepKind::kDistanceSpread) {
+    std::vector<layout::BrickPage> pages = band_;
+    for (layout::BrickPage& page : pages) page.constant = uniformResult(step, page.constant);
+    return pages;
+  }
   std::vector<layout::BrickPage> pages(from.brickCount(), {0, 0.0F});
   const Vec3i ring = ringOf(step);
   const auto constantOf = [&](std::uint32_t brick) {
@@ -138,39 +154,63 @@ BrickPool& FilterChain::scratch(std::size_t i) {
   return *scratch_[i];
 }
 
+const BrickPool& FilterChain::readBy(std::size_t step) const {
+  const int from = routes_[step].from;
+  return from == FilterRoute::kSource ? source_ : writtenBy(static_cast<std::size_t>(from));
+}
+
+const BrickPool& FilterChain::writtenBy(std::size_t step) const {
+  const std::size_t pool = routes_[step].pool;
+  return pool == FilterRoute::kResult ? *result_ : *scratch_[pool];
+}
+
+bool FilterChain::inPlaceFollows(std::size_t step) const noexcept {
+  return step + 1 < routes_.size() && routes_[step + 1].in_place;
+}
+
 // Backwards for what each step must write, forwards for which of that is constant.
 std::vector<FilterChain::Level> FilterChain::levelsOf(std::span<const std::uint32_t> bricks,
                                                       const SourceConstant& source_constant) const {
+  std::vector<std::vector<std::uint32_t>> wanted(steps_.size());
+  wanted.back().assign(bricks.begin(), bricks.end());
   std::vector<Level> levels(steps_.size());
-  std::vector<std::uint32_t> wanted(bricks.begin(), bricks.end());
   for (std::size_t i = steps_.size(); i-- > 0;) {
-    for (const std::uint32_t brick : wanted) levels[i].bricks.push_back({brick, std::nullopt});
-    if (i == 0) break;
-    std::vector<std::uint32_t> read;
-    for (const std::uint32_t brick : wanted) {
+    sortUnique(wanted[i]);
+    for (const std::uint32_t brick : wanted[i]) levels[i].bricks.push_back({brick, std::nullopt});
+    if (routes_[i].in_place) wanted[i - 1] = wanted[i];
+    if (routes_[i].from == FilterRoute::kSource) continue;
+    std::vector<std::uint32_t>& read = wanted[static_cast<std::size_t>(routes_[i].from)];
+    for (const std::uint32_t brick : wanted[i]) {
       forEachAround(grid_, grid_.brick(brick), ringOf(steps_[i]), [&](std::uint32_t other) {
         read.push_back(other);
         return true;
       });
     }
-    sortUnique(read);
-    wanted = std::move(read);
   }
-  for (std::size_t i = 0; i < steps_.size(); ++i) {
-    const auto before = [&](std::uint32_t brick) -> std::optional<float> {
-      if (i == 0) return source_constant(brick);
-      const auto& known = levels[i - 1].bricks;
-      return std::lower_bound(known.begin(), known.end(), brick,
-                              [](const LevelBrick& a, std::uint32_t b) { return a.brick < b; })
-          ->constant;
-    };
-    for (LevelBrick& entry : levels[i].bricks) {
-      const std::optional<float> density = uniformAround(grid_, entry.brick, ringOf(steps_[i]), before);
-      if (density) entry.constant = uniformResult(steps_[i], *density);
-      levels[i].stored += density ? 0 : 1;
-    }
-  }
+  for (std::size_t i = 0; i < steps_.size(); ++i) findConstants(i, levels, source_constant);
   return levels;
+}
+
+void FilterChain::findConstants(std::size_t step, std::vector<Level>& levels,
+                                const SourceConstant& source_constant) const {
+  const auto before = [&](std::uint32_t brick) -> std::optional<float> {
+    if (routes_[step].from == FilterRoute::kSource) return source_constant(brick);
+    const auto& known = levels[static_cast<std::size_t>(routes_[step].from)].bricks;
+    return std::lower_bound(known.begin(), known.end(), brick,
+                            [](const LevelBrick& a, std::uint32_t b) { return a.brick < b; })
+        ->constant;
+  };
+  Level& level = levels[step];
+  for (std::size_t n = 0; n < level.bricks.size(); ++n) {
+    LevelBrick& entry = level.bricks[n];
+    // What is changed in place is constant where that was; there the densities around were too.
+    const std::optional<float> density = !routes_[step].in_place
+                                             ? uniformAround(grid_, entry.brick, ringOf(steps_[step]), before)
+                                         : levels[step - 1].bricks[n].constant ? before(entry.brick)
+                                                                               : std::nullopt;
+    if (density) entry.constant = uniformResult(steps_[step], *density);
+    level.stored += density ? 0 : 1;
+  }
 }
 
 std::size_t FilterChain::newBricks(const Level& last) const {
@@ -181,15 +221,17 @@ std::size_t FilterChain::newBricks(const Level& last) const {
 
 void FilterChain::plan(std::span<const std::uint32_t> bricks, const SourceConstant& source_constant) {
   std::vector<Level> levels = levelsOf(bricks, source_constant);
-  std::array<std::size_t, 2> most{};
+  std::array<std::size_t, FilterRoute::kResult> most{};
   std::size_t tasks = 0;
   std::size_t pages = result_->stalePages();
   for (std::size_t i = 0; i < levels.size(); ++i) {
     tasks += levels[i].stored;
     pages += levels[i].bricks.size();
-    if (i + 1 < levels.size()) most[i % 2] = std::max(most[i % 2], levels[i].stored);
+    const std::size_t pool = routes_[i].pool;
+    if (pool == FilterRoute::kResult) continue;
+    most[pool] = std::max(most[pool], levels[i].stored);
+    scratch(pool).reserve(most[pool]);
   }
-  for (std::size_t i = 0; i < 2 && i + 1 < levels.size(); ++i) scratch(i).reserve(most[i]);
   result_->reserve(newBricks(levels.back()));
   task_list_.fit(tasks);
   page_list_.fit(pages);
@@ -201,32 +243,29 @@ void FilterChain::commit() {
   pages_.clear();
   for (std::size_t i = 0; i < levels_.size(); ++i) {
     levels_[i].first_page = static_cast<std::uint32_t>(pages_.size());
-    if (i + 1 < levels_.size()) {
-      handOutScratch(levels_[i], i);
-    } else {
-      handOutResult(levels_[i]);
+    if (!routes_[i].in_place) {  // else slots and pages were handed out with the step before
+      const Level& level = inPlaceFollows(i) ? levels_[i + 1] : levels_[i];
+      routes_[i].pool == FilterRoute::kResult ? handOutResult(level) : handOutScratch(level);
     }
     levels_[i].page_count = static_cast<std::uint32_t>(pages_.size()) - levels_[i].first_page;
+    listTasks(i);
   }
 }
 
 // Slots from the first on: what lay there is of no use any more.
-void FilterChain::handOutScratch(Level& level, std::size_t step) {
-  FilterTasks by_range(grid_, steps_[step]);
+void FilterChain::handOutScratch(const Level& level) {
   std::uint32_t slot = 0;
   for (const LevelBrick& entry : level.bricks) {
     if (entry.constant) {
       pages_.push_back({entry.brick, NO_SLOT, *entry.constant});
     } else {
-      pages_.push_back({entry.brick, slot, 0.0F});
-      by_range.add(entry.brick, slot++);
+      pages_.push_back({entry.brick, slot++, 0.0F});
     }
   }
-  level.ranges = by_range.moveTo(tasks_);
 }
 
 // Pages are written before the step runs, and nothing before it reads the result, so freed slots may be taken at once.
-void FilterChain::handOutResult(Level& level) {
+void FilterChain::handOutResult(const Level& level) {
   const auto before = [](const LevelBrick& a, const LevelBrick& b) { return a.brick < b.brick; };
   for (const std::uint32_t brick : result_->takeStalePages()) {
     if (std::binary_search(level.bricks.begin(), level.bricks.end(), LevelBrick{brick, {}}, before)) continue;
@@ -238,15 +277,21 @@ void FilterChain::handOutResult(Level& level) {
     result_->setConstant(entry.brick, *entry.constant);
     pages_.push_back({entry.brick, NO_SLOT, *entry.constant});
   }
-  FilterTasks by_range(grid_, steps_.back());
   for (const LevelBrick& entry : level.bricks) {
-    if (entry.constant) continue;
-    const bool is_new = result_->page(entry.brick).slot == NO_SLOT;
-    const std::uint32_t slot = is_new ? result_->store(entry.brick) : result_->page(entry.brick).slot;
-    if (is_new) pages_.push_back({entry.brick, slot, 0.0F});
-    by_range.add(entry.brick, slot);
+    if (entry.constant || result_->page(entry.brick).slot != NO_SLOT) continue;
+    pages_.push_back({entry.brick, result_->store(entry.brick), 0.0F});
   }
-  level.ranges = by_range.moveTo(tasks_);
+}
+
+void FilterChain::listTasks(std::size_t step) {
+  FilterTasks by_range(grid_, steps_[step]);
+  std::uint32_t scratch_slot = 0;
+  for (const LevelBrick& entry : levels_[step].bricks) {
+    if (entry.constant) continue;
+    const bool result = routes_[step].pool == FilterRoute::kResult;
+    by_range.add(entry.brick, result ? result_->page(entry.brick).slot : scratch_slot++);
+  }
+  levels_[step].ranges = by_range.moveTo(tasks_);
 }
 
 std::uint32_t FilterChain::dispatches() const noexcept {
@@ -256,19 +301,16 @@ std::uint32_t FilterChain::dispatches() const noexcept {
 void FilterChain::record(gpu::Commands& commands) {
   task_list_.write(tasks_);
   page_list_.write(pages_);
-  const BrickPool* from = &source_;
   for (std::size_t i = 0; i < levels_.size(); ++i) {
     const Level& level = levels_[i];
-    const BrickPool& to = i + 1 == levels_.size() ? *result_ : *scratch_[i % 2];
     if (level.page_count > 0) {
       const layout::PageWritePush push{level.first_page, level.page_count};
-      commands.dispatch(
-          page_kernel_, std::array{&page_list_.buffer(), &to.pages()}, gpu::pushBytes(push),
-          gpu::Groups::folded((level.page_count + PAGE_WRITE_GROUP - 1) / PAGE_WRITE_GROUP, GROUPS_PER_ROW));
+      const std::uint32_t groups = (level.page_count + PAGE_WRITE_GROUP - 1) / PAGE_WRITE_GROUP;
+      commands.dispatch(page_kernel_, std::array{&page_list_.buffer(), &writtenBy(i).pages()}, gpu::pushBytes(push),
+                        gpu::Groups::folded(groups, GROUPS_PER_ROW));
     }
-    dispatch(commands, i, *from, to, task_list_.buffer(), level.ranges);
+    dispatch(commands, i, readBy(i), writtenBy(i), task_list_.buffer(), level.ranges);
     commands.barrier();
-    from = &to;
   }
 }
 
@@ -289,16 +331,17 @@ void FilterChain::settle() {
 }
 
 void FilterChain::prepare() {
+  for (const FilterRoute& route : routes_) {
+    if (route.pool != FilterRoute::kResult) static_cast<void>(scratch(route.pool));
+  }
   gpu::Commands commands(gpu_, "filter kernels", dispatches());
   commands.begin();
-  const BrickPool* from = &source_;
   for (std::size_t i = 0; i < steps_.size(); ++i) {
-    const BrickPool& to = i + 1 == steps_.size() ? *result_ : scratch(i % 2);
     for (const bool edge : {false, true}) {
       const FilterRange none{edge, 0, 0, 0};
-      dispatch(commands, i, *from, to, task_list_.buffer(), std::span(&none, 1));
+      dispatch(commands, i, readBy(i), writtenBy(i), task_list_.buffer(), std::span(&none, 1));
+      commands.barrier();
     }
-    from = &to;
   }
   const layout::PageWritePush push{0, 0};
   commands.dispatch(page_kernel_, std::array{&page_list_.buffer(), &result_->pages()}, gpu::pushBytes(push), {});

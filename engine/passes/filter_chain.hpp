@@ -4,10 +4,11 @@
 // engine/reference/filter.hpp.
 //
 // A brick whose every neighbour within reach holds one and the same density gets one too, and no storage, so sparse
-// volumes stay sparse. Steps go back and forth between two scratch pools; the last one writes the result. A result is
-// a function of the source alone, so recomputing a region gives the bits that computing all gives. Memory: result and
-// scratch, each at most 2 KiB a brick that is not constant, out of the source's budget; a whole run's scratch is freed
-// when it ends, a region's is kept for the next. Thread: the Gpu's.
+// volumes stay sparse; a distance has storage only next to the isosurface (distance_bricks.hpp), and in regions that
+// were recomputed where the source has any. Steps go back and forth between scratch pools (filter_route.hpp). A result
+// is a function of the source alone, so recomputing a region gives the bits that computing all gives. Memory: result
+// and scratch, each at most 2 KiB a brick that is not constant, out of the source's budget; a whole run's scratch is
+// freed when it ends, a region's is kept for the next. Thread: the Gpu's.
 #pragma once
 
 #include <array>
@@ -26,6 +27,8 @@
 #include "engine/gpu/kernel.hpp"
 #include "engine/gpu/transfer.hpp"
 #include "engine/passes/brick_pool.hpp"
+#include "engine/passes/distance_bricks.hpp"
+#include "engine/passes/filter_route.hpp"
 #include "engine/passes/filter_tasks.hpp"
 #include "engine/passes/host_list.hpp"
 #include "shaders/page_write.layout.h"
@@ -76,29 +79,37 @@ class FilterChain {
   };
 
   [[nodiscard]] std::vector<layout::BrickPage> pagesAfter(const FilterStep& step, const BrickPool& from) const;
+  void findBand(const FilterStep& seed, const BrickPool& densities);
   void runStep(std::size_t step, const BrickPool& from, BrickPool& to);
   [[nodiscard]] std::vector<Level> levelsOf(std::span<const std::uint32_t> bricks,
                                             const SourceConstant& source_constant) const;
+  void findConstants(std::size_t step, std::vector<Level>& levels, const SourceConstant& source_constant) const;
   [[nodiscard]] std::size_t newBricks(const Level& last) const;
-  void handOutScratch(Level& level, std::size_t step);
-  void handOutResult(Level& level);
+  void handOutScratch(const Level& level);
+  void handOutResult(const Level& level);
+  void listTasks(std::size_t step);
   void dispatch(gpu::Commands& commands, std::size_t step, const BrickPool& from, const BrickPool& to,
                 const gpu::Buffer& tasks, std::span<const FilterRange> ranges);
   const gpu::Kernel& kernelOf(const FilterStep& step, const BrickPool& from, bool edge);
   BrickPool& scratch(std::size_t i);
+  [[nodiscard]] const BrickPool& readBy(std::size_t step) const;
+  [[nodiscard]] const BrickPool& writtenBy(std::size_t step) const;
+  [[nodiscard]] bool inPlaceFollows(std::size_t step) const noexcept;
 
   gpu::Gpu& gpu_;
   gpu::Transfer& transfer_;
   const BrickPool& source_;
   BrickGrid grid_;
   std::vector<FilterStep> steps_;
+  std::vector<FilterRoute> routes_;
   Vec3i reach_;
-  std::vector<gpu::Buffer> taps_;  // of each step
+  std::vector<layout::BrickPage> band_;  // pages of the distance that is under way: distanceBricks
+  std::vector<gpu::Buffer> taps_;        // of each step
   std::unique_ptr<BrickPool> result_;
   std::map<std::string, gpu::Kernel> kernels_;  // by name and constants
   gpu::Kernel page_kernel_;
   // of regions
-  std::array<std::unique_ptr<BrickPool>, 2> scratch_;
+  std::array<std::unique_ptr<BrickPool>, FilterRoute::kResult> scratch_;
   std::vector<Level> levels_;
   std::vector<layout::FilterTask> tasks_;
   std::vector<layout::PageWrite> pages_;

@@ -10,6 +10,18 @@ FilterKernel filterKernel(const FilterStep& step) {
   switch (step.kind) {
     case StepKind::kConvolve:
       return {"filter_convolve", bricks_along_line, {axis, reach}};
+    case StepKind::kBilateral: {
+      const auto reaches = step.reach.cast<std::uint32_t>();
+      return {"filter_bilateral", 1, {reaches.x(), reaches.y(), reaches.z()}};
+    }
+    case StepKind::kDiffuse:
+      return {"filter_diffuse", 1, {step.conductance == Conductance::kExp ? 1U : 0U}};
+    case StepKind::kDistanceSeed:
+      return {"filter_distance_seed", 1, {}};
+    case StepKind::kDistanceSpread:
+      return {"filter_distance_spread", 1, {axis, reach}};
+    case StepKind::kDistanceFinish:
+      return {"filter_distance_finish", 1, {}};
   }
   return {};
 }

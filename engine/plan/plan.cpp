@@ -90,9 +90,10 @@ Plan makePlan(const Scene& scene, bool needs_mesh) {
   plan.objects = scene.objects.size();
   plan.effects = effectNames(scene);
   plan.passes = {Pass::kUpload};
-  if (!scene.filter.empty()) {
-    plan.filters = filterChain(scene.filter);
-    plan.filter_words = scene.filter;
+  const std::string distance = scene.field == "distance" ? "distance:4" : "";
+  if (!scene.filter.empty() || !distance.empty()) {
+    plan.filter_words = scene.filter + (scene.filter.empty() || distance.empty() ? "" : " ") + distance;
+    plan.filters = filterChain(plan.filter_words);
     plan.passes.push_back(Pass::kFilter);
   }
   // Bounds choose the bricks with gradients and let the renderer skip; without either nobody reads them.

@@ -26,6 +26,7 @@ struct Scene {
   std::string gpu;                     // part of the Vulkan device's name; empty: the best one
   std::uint64_t gpu_memory_bytes = 0;  // the most that densities and gradients may take there; 0: what it has [byte]
   std::string filter;                  // chain that makes the field that is felt: "gaussian:0.8mm"; empty: none
+  std::string field = "density";       // what is felt: the density, or the distance from its isosurface
   bool gradient_all = false;           // every brick instead of those that the isosurface needs
   // servo
   std::string algorithm = "hri";

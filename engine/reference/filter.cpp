@@ -2,7 +2,11 @@
 #include "engine/reference/filter.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstdlib>
+
+#include "engine/reference/distance.hpp"
 
 namespace palpate::reference {
 namespace {
@@ -24,10 +28,61 @@ float convolved(const DenseField& field, const Vec3i& voxel, const FilterStep& s
   return sum;
 }
 
+// The mean of the differences from the voxel, weighted by place and by difference, in double.
+float bilateral(const DenseField& field, const Vec3i& voxel, const FilterStep& step) {
+  const auto tap = [&step](int axis, int offset) {
+    int place = 1;
+    for (int before = 0; before < axis; ++before) place += step.reach[before] + 1;
+    return static_cast<double>(step.taps[static_cast<std::size_t>(place + std::abs(offset))]);
+  };
+  const double here = field.at(voxel.x(), voxel.y(), voxel.z());
+  double parts = 0;
+  double weights = 0;
+  for (int z = -step.reach.z(); z <= step.reach.z(); ++z) {
+    for (int y = -step.reach.y(); y <= step.reach.y(); ++y) {
+      for (int x = -step.reach.x(); x <= step.reach.x(); ++x) {
+        const double difference = bordered(field, voxel + Vec3i(x, y, z), step.border) - here;
+        const double s = difference * step.taps[0];
+        const double weight = tap(0, x) * tap(1, y) * tap(2, z) * std::exp(-(s * s));
+        parts += weight * difference;
+        weights += weight;
+      }
+    }
+  }
+  return static_cast<float>(here + parts / weights);
+}
+
+// Into the voxel from its neighbours on either side of each axis. With a rational conductance every operation is a
+// float's; an exponential one is taken in double.
+template <typename Real>
+float diffused(const DenseField& field, const Vec3i& voxel, const FilterStep& step) {
+  const Real here = field.at(voxel.x(), voxel.y(), voxel.z());
+  std::array<Real, 3> inflow{};
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto flow = [&](int way) {
+      const Real difference = bordered(field, voxel + way * Vec3i::Unit(axis), step.border) - here;
+      const Real s = difference * step.taps[static_cast<std::size_t>(3 + axis)];
+      const Real conductance = step.conductance == Conductance::kExp ? std::exp(-(s * s)) : 1 / (1 + s * s);
+      return conductance > 0 ? conductance * difference : 0;  // infinite differences count for nothing
+    };
+    inflow[static_cast<std::size_t>(axis)] = step.taps[static_cast<std::size_t>(axis)] * (flow(-1) + flow(1));
+  }
+  return static_cast<float>(here + ((inflow[0] + inflow[1]) + inflow[2]));
+}
+
 float result(const DenseField& field, const Vec3i& voxel, const FilterStep& step) {
   switch (step.kind) {
     case StepKind::kConvolve:
       return convolved(field, voxel, step);
+    case StepKind::kBilateral:
+      return bilateral(field, voxel, step);
+    case StepKind::kDiffuse:
+      return step.conductance == Conductance::kExp ? diffused<double>(field, voxel, step)
+                                                   : diffused<float>(field, voxel, step);
+    case StepKind::kDistanceSeed:
+    case StepKind::kDistanceSpread:
+    case StepKind::kDistanceFinish:
+      break;  // applyFilters takes a distance as a whole
   }
   return field.at(voxel.x(), voxel.y(), voxel.z());
 }
@@ -50,7 +105,11 @@ DenseField applyStep(const DenseField& field, const FilterStep& step) {
 }
 
 DenseField applyFilters(DenseField field, std::span<const FilterStep> steps) {
-  for (const FilterStep& step : steps) field = applyStep(field, step);
+  while (!steps.empty()) {
+    const bool distance = steps[0].kind == StepKind::kDistanceSeed;
+    field = distance ? signedDistance(field, steps.first(kDistanceSteps)) : applyStep(field, steps[0]);
+    steps = steps.subspan(distance ? kDistanceSteps : 1);
+  }
   return field;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // engine/reference/filter.hpp: the CPU twin of the filter kernels: every step over the whole field, voxel by voxel,
-// with no bricks. Slow and obvious; any thread. Kernels must agree bit for bit where a step says so.
+// with no bricks. Slow and obvious; any thread. Kernels must agree bit for bit, but for those with exponentials
+// (bilateral, diffuse with g=exp), which are taken in double here: tests derive how far a kernel may be off.
 #pragma once
 
 #include <span>
@@ -10,6 +11,7 @@
 
 namespace palpate::reference {
 
+// Not one of a distance's steps, which only applyFilters takes, all of one together.
 [[nodiscard]] DenseField applyStep(const DenseField& field, const FilterStep& step);
 [[nodiscard]] DenseField applyFilters(DenseField field, std::span<const FilterStep> steps);
 

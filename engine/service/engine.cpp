@@ -30,7 +30,9 @@ Engine::Engine(const Volume& volume, const Plan& plan, double isovalue, const st
   stage(passName(Pass::kUpload),
         [&] { pool_ = std::make_unique<BrickPool>(gpu_, transfer_, volume, makeGpuBudget(gpu_memory_bytes)); });
   if (plan.has(Pass::kFilter)) {
-    std::vector<FilterStep> steps = lowerFilters(plan.filters, volume.lattice().spacing_m);
+    const auto source_isovalue = static_cast<float>(isovalue);
+    std::vector<FilterStep> steps = lowerFilters(plan.filters, volume.lattice().spacing_m, source_isovalue);
+    isovalue_ = isovalueAfter(plan.filters, source_isovalue);
     if (!steps.empty()) filters_ = std::make_unique<FilterChain>(gpu_, transfer_, *pool_, std::move(steps));
     if (filters_) stage(passName(Pass::kFilter), [&] { filters_->run(); });
   }

@@ -72,6 +72,8 @@ class Engine {
   // The field that is felt: the filtered one, as a volume; only where the plan filters. Cost: a copy of its bricks.
   [[nodiscard]] Volume filtered(const VolumeFacts& facts);
   [[nodiscard]] bool filters() const noexcept { return filters_ != nullptr; }
+  // Of the field that is felt: the volume's, or 0 where that is a distance.
+  [[nodiscard]] double isovalue() const noexcept { return isovalue_; }
 
   [[nodiscard]] RenderedImage draw(const Camera& camera);  // the plan must draw
 
@@ -91,7 +93,7 @@ class Engine {
   EditResult change(std::int64_t now_ns, const Change& change);
   void publishBox(const WindowBox& box, std::int64_t now_ns);  // whose samples are gathered
 
-  double isovalue_;
+  double isovalue_;  // of the field that is felt
   std::vector<StageTime> stages_;
   gpu::Gpu gpu_;
   gpu::Transfer transfer_;

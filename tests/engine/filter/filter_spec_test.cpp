@@ -24,6 +24,31 @@ TEST(FilterSpec, ReadsAChain) {
   EXPECT_EQ(chain[1].truncate, 4);
 }
 
+TEST(FilterSpec, ReadsFiltersThatKeepEdges) {
+  const auto chain = filterChain(
+      "bilateral:0.8mm:range=50 bilateral:1:range=2:truncate=1.5:border=mirror diffuse:10:kappa=100:dt=0.02:g=exp "
+      "diffuse:3:kappa=5 distance:4");
+  ASSERT_EQ(chain.size(), 5U);
+  EXPECT_EQ(chain[0].kind, FilterKind::kBilateral);
+  EXPECT_EQ(chain[0].truncate, 2);
+  EXPECT_EQ(chain[0].range, 50);
+  EXPECT_EQ(chain[1].truncate, 1.5);
+  EXPECT_EQ(chain[1].border, Border::kMirror);
+  EXPECT_EQ(chain[2].kind, FilterKind::kDiffuse);
+  EXPECT_EQ(chain[2].kappa, 100);
+  EXPECT_EQ(chain[2].dt_mm2, 0.02);
+  EXPECT_EQ(chain[2].conductance, Conductance::kExp);
+  EXPECT_FALSE(chain[3].dt_mm2.has_value());
+  EXPECT_EQ(chain[3].conductance, Conductance::kRational);
+  EXPECT_EQ(chain[4].kind, FilterKind::kDistance);
+  EXPECT_EQ(chain[4].size.value, 4);
+}
+
+TEST(FilterSpec, ADistanceMovesTheIsovalueToZero) {
+  EXPECT_EQ(isovalueAfter(filterChain("gaussian:1 diffuse:1:kappa=3"), 226), 226);
+  EXPECT_EQ(isovalueAfter(filterChain("gaussian:1 distance:4 gaussian:1"), 226), 0);
+}
+
 struct Refused {
   const char* text;
   const char* says;
@@ -39,16 +64,27 @@ TEST_P(RefusedFilter, SaysWhatIsWrong) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Texts, RefusedFilter,
-                         testing::Values(Refused{"", "names no filter"}, Refused{"blur:1", "there is no filter 'blur'"},
-                                         Refused{"gaussian", "it has no sigma"}, Refused{"gaussian:0", "is 0"},
-                                         Refused{"gaussian:-1mm", "is -1"}, Refused{"gaussian:nan", "is no number"},
-                                         Refused{"gaussian:inf", "is no number"}, Refused{"gaussian:x", "is no number"},
-                                         Refused{"gaussian:1in", "there is no unit 'in'"},
-                                         Refused{"gaussian:1:border=wrap", "there is no border 'wrap'"},
-                                         Refused{"gaussian:1:truncate=99", "give 1 to 8"},
-                                         Refused{"gaussian:1:mirror", "has no value"},
-                                         Refused{"gaussian:1:depth=2", "it has no 'depth'"}));
+INSTANTIATE_TEST_SUITE_P(
+    Texts, RefusedFilter,
+    testing::Values(
+        Refused{"", "names no filter"}, Refused{"blur:1", "there is no filter 'blur'"},
+        Refused{"gaussian", "it has no sigma"}, Refused{"gaussian:0", "is 0"}, Refused{"gaussian:-1mm", "is -1"},
+        Refused{"gaussian:nan", "is no number"}, Refused{"gaussian:inf", "is no number"},
+        Refused{"gaussian:x", "is no number"}, Refused{"gaussian:1in", "there is no unit 'in'"},
+        Refused{"gaussian:1:border=wrap", "there is no border 'wrap'"},
+        Refused{"gaussian:1:truncate=99", "give 1 to 8"}, Refused{"gaussian:1:mirror", "has no value"},
+        Refused{"gaussian:1:depth=2", "it has no 'depth'"}, Refused{"gaussian:1:range=2", "it has no 'range'"},
+        Refused{"bilateral:1", "it has no range"}, Refused{"bilateral:1:range=0", "its range is '0'"},
+        Refused{"bilateral:1:range=-3", "its range is '-3'"}, Refused{"bilateral:1:range=nan", "is no number"},
+        Refused{"bilateral:1:kappa=1", "it has no 'kappa'"}, Refused{"diffuse:5", "it has no kappa"},
+        Refused{"diffuse:2.5:kappa=1", "must be a whole number"},
+        Refused{"diffuse:501:kappa=1", "must be a whole number"},
+        Refused{"diffuse:5mm:kappa=1", "must be a whole number"}, Refused{"diffuse:5:kappa=0", "its kappa is '0'"},
+        Refused{"diffuse:5:kappa=1:dt=-1", "its dt is '-1'"},
+        Refused{"diffuse:5:kappa=1:g=linear", "there is no conductance 'linear'"},
+        Refused{"diffuse:5:kappa=1:border=mirror", "it has no 'border'"}, Refused{"distance:7", "give 1 to 6"},
+        Refused{"distance:1.5", "whole number"}, Refused{"distance:4mm", "whole number"},
+        Refused{"distance:4:border=mirror", "it has no 'border'"}));
 
 }  // namespace
 }  // namespace palpate

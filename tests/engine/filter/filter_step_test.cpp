@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "base/error.hpp"
@@ -52,6 +53,66 @@ TEST(UniformResult, KeepsAConstantToItsRounding) {
   // Eleven taps: eleven products and ten sums, each off by half an ULP at most, and the taps' own rounding.
   for (const float density : {0.0F, 1.0F, -1000.0F, 3e38F, 1e-40F}) {
     EXPECT_NEAR(uniformResult(steps[0], density), density, std::abs(density) * 22 * std::ldexp(1, -24) + 1e-44);
+  }
+}
+
+TEST(LowerFilters, BilateralHasABoxOfTaps) {
+  const auto steps = lowerFilters(filterChain("bilateral:1mm:range=50"), {0.5e-3, 1e-3, 2e-3});
+  ASSERT_EQ(steps.size(), 1U);
+  EXPECT_EQ(steps[0].reach, Vec3i(4, 2, 1));
+  ASSERT_EQ(steps[0].taps.size(), 1U + 5 + 3 + 2);
+  EXPECT_FLOAT_EQ(steps[0].taps[0], static_cast<float>(1 / (std::sqrt(2.0) * 50)));
+  EXPECT_TRUE(lowerFilters(filterChain("bilateral:0.1:range=5"), Vec3::Ones()).empty());
+  EXPECT_NO_THROW((void)lowerFilters(filterChain("bilateral:4:range=5"), Vec3::Ones()));
+  EXPECT_THROW((void)lowerFilters(filterChain("bilateral:4.1:range=5"), Vec3::Ones()), Error);
+}
+
+// 1 / (2 (1 + 1/4 + 1/16)) mm^2 for voxels of 1, 2 and 4 mm.
+TEST(LowerFilters, DiffusionIsRefusedBeyondItsStableStep) {
+  const Vec3 spacing_m(1e-3, 2e-3, 4e-3);
+  const double bound = 1 / (2 * 1.3125);
+  EXPECT_NEAR(stableTimeStep(spacing_m), bound, 1e-15);
+  const auto steps = lowerFilters(filterChain("diffuse:7:kappa=10"), spacing_m);
+  ASSERT_EQ(steps.size(), 7U);
+  EXPECT_EQ(totalReach(steps), Vec3i::Constant(7));
+  const double rates[3] = {bound / 2, bound / 8, bound / 32};
+  const double slopes[3] = {0.1, 0.05, 0.025};  // 1 / (10 a mm times 1, 2, 4 mm)
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    EXPECT_FLOAT_EQ(steps[3].taps[axis], static_cast<float>(rates[axis]));
+    EXPECT_FLOAT_EQ(steps[3].taps[3 + axis], static_cast<float>(slopes[axis]));
+  }
+  EXPECT_NO_THROW((void)lowerFilters(filterChain("diffuse:1:kappa=1:dt=0.38"), spacing_m));
+  try {
+    (void)lowerFilters(filterChain("diffuse:1:kappa=1:dt=0.382"), spacing_m);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("stable up to 0.380952 mm^2"));
+  }
+}
+
+TEST(LowerFilters, DistanceNeedsAnIsovalue) {
+  const Vec3 spacing_m(1e-3, 2e-3, 0.5e-3);
+  EXPECT_THROW((void)lowerFilters(filterChain("distance:4"), spacing_m), Error);
+  const auto steps = lowerFilters(filterChain("distance:4 distance:2"), spacing_m, 226.0F);
+  ASSERT_EQ(steps.size(), 2U * kDistanceSteps);
+  EXPECT_EQ(distanceBand(steps[0]), 4 * 0.5e-3F);
+  // Above its isovalue is object; the second one begins at 0.
+  const auto first = static_cast<std::size_t>(kDistanceSteps - 1);
+  EXPECT_EQ(uniformResult(steps[first], 226.5F), 4 * 0.5e-3F);
+  EXPECT_EQ(uniformResult(steps[first], 226.0F), -4 * 0.5e-3F);
+  EXPECT_EQ(uniformResult(steps[2 * first + 1], 1.0F), 2 * 0.5e-3F);
+  // Seeds look at neighbours; a band of 2 mm is 2, 1 and 4 voxels, and a surface point may be known one further.
+  const std::span<const FilterStep> one = std::span(steps).first(kDistanceSteps);
+  EXPECT_EQ(totalReach(one), Vec3i(2, 1, 4) + 3 * Vec3i::Ones());
+}
+
+TEST(UniformResult, OfFiltersThatKeepEdgesIsTheDensity) {
+  for (const char* chain : {"bilateral:1:range=5", "diffuse:1:kappa=5", "diffuse:1:kappa=5:g=exp"}) {
+    const FilterStep step = lowerFilters(filterChain(chain), Vec3::Constant(1e-3)).at(0);
+    for (const float density : {0.0F, -0.0F, 1.0F, -1000.7F, 3e38F, 1e-40F}) {
+      EXPECT_EQ(uniformResult(step, density), density);
+      EXPECT_FALSE(density == 0 && std::signbit(uniformResult(step, density)));  // zero is added
+    }
   }
 }
 

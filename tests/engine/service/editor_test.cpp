@@ -65,15 +65,17 @@ struct State {
   }
   std::unique_ptr<FilterChain> filtersOf(gpu::Gpu& gpu, const char* chain) {
     if (*chain == '\0') return nullptr;
-    auto made =
-        std::make_unique<FilterChain>(gpu, transfer, pool, lowerFilters(filterChain(chain), lattice().spacing_m));
+    auto made = std::make_unique<FilterChain>(
+        gpu, transfer, pool, lowerFilters(filterChain(chain), lattice().spacing_m, static_cast<float>(kIsovalue)));
     made->run();
     return made;
   }
   std::vector<std::uint32_t> firstBricks(bool all) {
     bounds.run();
-    return all ? allBricks(pool.brickCounts())
-               : activeBricks(bounds.read(transfer), pool.brickCounts(), static_cast<float>(kIsovalue));
+    return all ? allBricks(pool.brickCounts()) : activeBricks(bounds.read(transfer), pool.brickCounts(), isovalue());
+  }
+  float isovalue() const {
+    return filters ? isovalueAfter(filterChain(chain), static_cast<float>(kIsovalue)) : static_cast<float>(kIsovalue);
   }
   Editor::Parts parts(gpu::Gpu& gpu) {
     return {gpu, transfer, pool, store, &bounds, gradient, window, filters.get(), static_cast<float>(kIsovalue)};

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// shaders/filter_diffuse.math.glsl: what flows through one face of a voxel in a time step (Perona and Malik 1990, their
+// two conductances). The face's other voxel gets the same with the other sign, bit for bit. Read by GLSL and by C++
+// (shaders/kernel_text.hpp); needs filter_exp.math.glsl.
+
+// `difference`: from the voxel to the one behind the face. A difference that overflows lets nothing flow.
+PALPATE_TEXT float faceFlow(float difference, float inv_slope, bool exponential) {
+  precise float s = difference * inv_slope;
+  precise float square = s * s;
+  precise float share = 1.0f + square;
+  precise float rational = 1.0f / share;
+  const float conductance = exponential ? gaussianOf(s) : rational;
+  precise float flow = conductance * difference;
+  return conductance > 0.0f ? flow : 0.0f;
+}
+
+// What flows in along an axis.
+PALPATE_TEXT float axisInflow(float before, float here, float after, float rate, float inv_slope, bool exponential) {
+  precise float to_after = after - here;
+  precise float to_before = before - here;
+  precise float sum = faceFlow(to_before, inv_slope, exponential) + faceFlow(to_after, inv_slope, exponential);
+  precise float inflow = rate * sum;
+  return inflow;
+}

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+// shaders/filter_distance_spread.comp: along one axis, the nearest of the surface points that the voxels within reach
+// know; of equally near ones the first. One pass along each axis takes every voxel's point to all in a box around it. An
+// invocation is a line of eight voxels along the axis.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "filter.layout.h"
+#include "filter_distance.layout.h"
+
+layout(local_size_x = FILTER_GROUP) in;
+layout(push_constant) uniform Push { FilterPush push; };
+#define FILTER_RESULT_FLOATS
+#include "filter.glsl"
+#include "filter_distance.math.glsl"
+
+layout(constant_id = FILTER_CONSTANT_OWN) const uint kAxis = 0;
+layout(constant_id = FILTER_CONSTANT_OWN + 1) const int kReach = 1;  // at most a brick's edge
+const int kEnd = int(BRICK_EDGE);
+
+// Voxel t of line `line` of a brick: floats from its first.
+uint inBrick(uint line, uint t) {
+  const uint a = line % BRICK_EDGE, b = line / BRICK_EDGE;
+  if (kAxis == 0) return line * BRICK_EDGE + t;
+  if (kAxis == 1) return (b * BRICK_EDGE + t) * BRICK_EDGE + a;
+  return (t * BRICK_EDGE + b) * BRICK_EDGE + a;
+}
+
+void main() {
+  const uint group = gl_WorkGroupID.y * GROUPS_PER_ROW + gl_WorkGroupID.x;
+  if (group >= push.task_count) return;
+  const FilterTask task = tasks[push.first_task + group];
+  const uvec3 brick = brickOfIndex(task.brick);
+  const uint line = gl_LocalInvocationID.x;
+  const int along = kAxis == 0 ? 0 : (kAxis == 1 ? 1 : 2);
+  const int first = int(brick[along]) * kEnd, last = int(domainSize()[along]) - 1;
+  const uint stride = kAxis == 0 ? 1 : (kAxis == 1 ? POOL_DOMAIN.bricks_x : POOL_DOMAIN.bricks_x * POOL_DOMAIN.bricks_y);
+  const int axis_1 = kAxis == 0 ? 1 : 0, axis_2 = kAxis == 2 ? 1 : 2;
+  const float edge = taps[DISTANCE_EDGE_SQUARE + along];
+  const float edge_1 = taps[DISTANCE_EDGE_SQUARE + axis_1], edge_2 = taps[DISTANCE_EDGE_SQUARE + axis_2];
+
+  float best[kEnd];
+  uint words[kEnd];
+  for (int o = 0; o < kEnd; ++o) {
+    best[o] = DISTANCE_FARTHEST;
+    words[o] = DISTANCE_NONE;
+  }
+  for (int b = -1; b <= 1; ++b) {
+    const int there = int(brick[along]) + b;
+    const bool exists = there >= 0 && there * kEnd <= last;
+    const BrickPage page = pages[exists ? uint(int(task.brick) + b * int(stride)) : task.brick];
+    for (int t = 0; t < kEnd; ++t) {
+      const int at = kEnd * b + t;
+      if (at < -kReach || at > kEnd - 1 + kReach) continue;
+      const uint in_brick = inBrick(line, uint(t));
+      const uint word = floatBitsToUint(pageQuad(page, in_brick / 4)[in_brick % 4]);
+      const bool known = exists && first + at <= last && word != DISTANCE_NONE;
+      precise float across = squareAlong(float(offsetOf(word, axis_1)), edge_1) +
+                             squareAlong(float(offsetOf(word, axis_2)), edge_2);
+      across = known ? across : DISTANCE_FARTHEST;
+      const float offset = float(offsetOf(word, along));
+      for (int o = 0; o < kEnd; ++o) {
+        const int shift = (at - o) * DISTANCE_PARTS;
+        if (at - o < -kReach || at - o > kReach) continue;
+        precise float square = squareAlong(offset + float(shift), edge) + across;
+        const bool nearer = square < best[o];
+        best[o] = nearer ? square : best[o];
+        words[o] = nearer ? word + uint(shift * (1 << (along * DISTANCE_FIELD))) : words[o];
+      }
+    }
+  }
+  for (int o = 1; o < kEnd; ++o) {
+    if (first + o > last) words[o] = words[o - 1];
+  }
+  const uint out_first = task.slot * (BRICK_QUADS * 4);
+  for (int o = 0; o < kEnd; ++o) result_float[out_first + inBrick(line, uint(o))] = uintBitsToFloat(words[o]);
+}
