@@ -12,6 +12,8 @@ using namespace glsl;  // NOLINT(google-build-using-namespace): the text is GLSL
 
 #define precise
 #include "shaders/filter_convolve.math.glsl"
+#include "shaders/filter_median.math.glsl"
+#include "shaders/filter_rank.math.glsl"
 #undef precise
 
 }  // namespace palpate::kernel_text

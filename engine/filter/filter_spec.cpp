@@ -22,7 +22,23 @@ constexpr FilterRow kFilters[] = {
     {FilterKind::kGaussian,
      {"gaussian", "sigma", "truncate=3 (in sigmas), border=nearest|mirror",
       "low-pass; separable, sampled, its taps sum to one"}},
+    {FilterKind::kMedian,
+     {"median", "radius", "border=nearest|mirror", "middle value of the box that reaches so far; exact"}},
+    {FilterKind::kDilate,
+     {"dilate", "radius", "shape=box|ball, border=nearest|mirror", "highest value of the box or ball"}},
+    {FilterKind::kErode,
+     {"erode", "radius", "shape=box|ball, border=nearest|mirror", "lowest value of the box or ball"}},
+    {FilterKind::kOpen,
+     {"open", "radius", "shape=box|ball, border=nearest|mirror", "erode, then dilate: what is thinner goes"}},
+    {FilterKind::kClose,
+     {"close", "radius", "shape=box|ball, border=nearest|mirror",
+      "dilate, then erode: gaps that are thinner are filled"}},
 };
+
+bool hasShape(FilterKind kind) {
+  return kind == FilterKind::kDilate || kind == FilterKind::kErode || kind == FilterKind::kOpen ||
+         kind == FilterKind::kClose;
+}
 
 [[noreturn]] void refuse(std::string_view filter, const std::string& reason, const std::string& remedy) {
   throw Error(Error::Code::kBadInput, fmt::format("filter {}", filter), reason, remedy);
@@ -73,6 +89,11 @@ void setKey(std::string_view filter, std::string_view key, std::string_view valu
     spec.border = value == "mirror" ? Border::kMirror : Border::kNearest;
   } else if (key == "truncate" && spec.kind == FilterKind::kGaussian) {
     spec.truncate = plain(filter, key, value, 1, 8);
+  } else if (key == "shape" && hasShape(spec.kind)) {
+    if (value != "box" && value != "ball") {
+      refuse(filter, fmt::format("there is no shape '{}'", value), "use shape=box or shape=ball");
+    }
+    spec.shape = value == "ball" ? WindowShape::kBall : WindowShape::kBox;
   } else {
     std::string_view keys;
     for (const FilterRow& row : kFilters) keys = row.kind == spec.kind ? row.words.keys : keys;

@@ -14,12 +14,23 @@ namespace palpate {
 
 enum class FilterKind {
   kGaussian,  // low-pass; size: sigma
+  kMedian,    // the middle value of a box; size: how far it reaches
+  kDilate,    // the highest value of a box or ball; size: how far it reaches
+  kErode,     // the lowest
+  kOpen,      // erode, then dilate: takes away what the shape does not fit into
+  kClose      // dilate, then erode: fills what the shape does not fit into
 };
 
 // What a filter reads beyond the volume's border.
 enum class Border {
   kNearest,  // the outermost voxel again: d d d | d c b
   kMirror    // the volume mirrored at its border: b c d | d c b
+};
+
+// What a window holds, of a given size r: voxels whose centre is at most r away
+enum class WindowShape {
+  kBox,  // along each axis
+  kBall  // straight; in metres if r is a length, else in voxels
 };
 
 // So many voxels, or so long.
@@ -33,7 +44,8 @@ struct FilterSpec {
   FilterKind kind = FilterKind::kGaussian;
   Extent size;
   Border border = Border::kNearest;
-  double truncate = 3;  // gaussian: the kernel ends at so many sigmas [-]
+  double truncate = 3;                    // gaussian: the kernel ends at so many sigmas [-]
+  WindowShape shape = WindowShape::kBox;  // dilate, erode, open, close
 };
 
 // One row for each word: for help texts and documentation.

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "base/error.hpp"
+#include "engine/filter/rank_steps.hpp"
 
 namespace palpate {
 namespace {
@@ -35,11 +36,8 @@ std::vector<float> gaussianTaps(double sigma_voxels, int reach) {
 void lowerGaussian(const FilterSpec& filter, const Vec3& spacing_m, std::vector<FilterStep>& steps) {
   for (int axis = 0; axis < 3; ++axis) {
     const double sigma = filter.size.voxels(spacing_m[axis]);
-    FilterStep step{StepKind::kConvolve,
-                    axis,
-                    reachOf(filter, filter.truncate * sigma, axis) * Vec3i::Unit(axis),
-                    filter.border,
-                    {}};
+    FilterStep step{StepKind::kConvolve, axis, reachOf(filter, filter.truncate * sigma, axis) * Vec3i::Unit(axis),
+                    filter.border,       {},   {}};
     step.taps = gaussianTaps(sigma, step.reach[axis]);
     if (1 - step.taps[0] > kNoEffect) steps.push_back(std::move(step));
   }
@@ -63,6 +61,15 @@ std::vector<FilterStep> lowerFilters(std::span<const FilterSpec> filters, const 
       case FilterKind::kGaussian:
         lowerGaussian(filter, spacing_m, steps);
         break;
+      case FilterKind::kMedian:
+        lowerMedian(filter, spacing_m, steps);
+        break;
+      case FilterKind::kDilate:
+      case FilterKind::kErode:
+      case FilterKind::kOpen:
+      case FilterKind::kClose:
+        lowerMorphology(filter, spacing_m, steps);
+        break;
     }
   }
   return steps;
@@ -78,6 +85,12 @@ float uniformResult(const FilterStep& step, float density) {
   switch (step.kind) {
     case StepKind::kConvolve:
       return convolved(step, density);
+    case StepKind::kMedian:
+    case StepKind::kHighestOnLine:
+    case StepKind::kLowestOnLine:
+    case StepKind::kHighestInRows:
+    case StepKind::kLowestInRows:
+      return density;  // one of those that are there
   }
   return density;
 }

@@ -12,7 +12,17 @@
 namespace palpate {
 
 enum class StepKind {
-  kConvolve,  // along one axis, with symmetric taps
+  kConvolve,       // along one axis, with symmetric taps
+  kMedian,         // middle value of the box of `reach`
+  kHighestOnLine,  // highest value within reach along one axis
+  kLowestOnLine,   //
+  kHighestInRows,  // highest value in the rows of the shape
+  kLowestInRows
+};
+
+// Voxels (-half, dj, dk) to (half, dj, dk) around the middle of a shape.
+struct ShapeRow {
+  int dj = 0, dk = 0, half = 0;
 };
 
 struct FilterStep {
@@ -20,14 +30,18 @@ struct FilterStep {
   int axis = 0;                 // of a step along one axis
   Vec3i reach = Vec3i::Zero();  // a result depends on voxels so far away along each axis, either way [voxel]
   Border border = Border::kNearest;
-  std::vector<float> taps;  // convolve: w(0) ... w(reach)
+  std::vector<float> taps;     // convolve: w(0) ... w(reach)
+  std::vector<ShapeRow> rows;  // of a shape, the shortest first
 };
 
 // The largest reach of a step along an axis [voxel]: kernels are unrolled over it.
 inline constexpr int kLargestReach = 32;
+inline constexpr int kLargestMedian = 3;  // of a median: its work grows with the cube
+inline constexpr int kLargestBall = 16;   // of a ball: its work grows with the square
 
 // Steps of a chain on voxels of `spacing_m`. A filter that would change nothing (a Gaussian far below a voxel) gives no
-// step. Throws Error(kBadInput) where a filter would reach farther than kLargestReach voxels.
+// step; nor does a window that holds one voxel only. Throws Error(kBadInput) where a filter would reach farther than
+// its kernel can.
 [[nodiscard]] std::vector<FilterStep> lowerFilters(std::span<const FilterSpec> filters, const Vec3& spacing_m);
 
 // How far the whole chain carries a change, along each axis [voxel].

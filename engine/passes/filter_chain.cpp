@@ -128,7 +128,7 @@ void FilterChain::runStep(const FilterStep& step, const BrickPool& from, BrickPo
   work.task_buffer.emplace(gpu_, "filter tasks", work.tasks.size() * sizeof(layout::FilterTask),
                            gpu::MemoryKind::kDevice);
   transfer_.upload(std::as_bytes(std::span(work.tasks)), *work.task_buffer);
-  const std::vector<float> taps = step.taps.empty() ? std::vector<float>(1) : step.taps;
+  const std::vector<float> taps = kernelTaps(step);
   work.taps.emplace(gpu_, "filter taps", taps.size() * sizeof(float), gpu::MemoryKind::kDevice);
   transfer_.upload(std::as_bytes(std::span(taps)), *work.taps);
   gpu::Commands commands(gpu_, "filter", static_cast<std::uint32_t>(work.ranges.size()));

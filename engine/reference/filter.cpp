@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "engine/reference/rank_filter.hpp"
+
 namespace palpate::reference {
 namespace {
 
@@ -28,6 +30,12 @@ float result(const DenseField& field, const Vec3i& voxel, const FilterStep& step
   switch (step.kind) {
     case StepKind::kConvolve:
       return convolved(field, voxel, step);
+    case StepKind::kMedian:
+    case StepKind::kHighestOnLine:
+    case StepKind::kLowestOnLine:
+    case StepKind::kHighestInRows:
+    case StepKind::kLowestInRows:
+      return picked(field, voxel, step);
   }
   return field.at(voxel.x(), voxel.y(), voxel.z());
 }
