@@ -15,3 +15,6 @@ PALPATE_TEXT ivec4 rankOf(vec4 density) {
 PALPATE_TEXT vec4 densityOf(ivec4 rank) {
   return vec4(densityOf(rank[0]), densityOf(rank[1]), densityOf(rank[2]), densityOf(rank[3]));
 }
+
+// The middle between two ranks, rounded down; their sum might not fit.
+PALPATE_TEXT int halfway(int low, int high) { return (low & high) + ((low ^ high) >> 1); }

@@ -23,7 +23,7 @@ FilterKernel filterKernel(const FilterStep& step) {
     case StepKind::kConvolve:
       return {"filter_convolve", bricks_along_line, {axis, reach}};
     case StepKind::kMedian:
-      return {"filter_median", 1, boxReach(step.reach)};
+      return {step.reach.maxCoeff() <= 1 ? "filter_median" : "filter_median_search", 1, boxReach(step.reach)};
     case StepKind::kHighestOnLine:
       return {"filter_extreme_line", bricks_along_line, {EXTREME_HIGHEST, axis, reach}};
     case StepKind::kLowestOnLine:

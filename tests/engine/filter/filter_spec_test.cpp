@@ -24,6 +24,21 @@ TEST(FilterSpec, ReadsAChain) {
   EXPECT_EQ(chain[1].truncate, 4);
 }
 
+TEST(FilterSpec, ReadsMedianAndMorphology) {
+  const auto chain = filterChain("median:1 dilate:2mm erode:1:shape=ball open:1:shape=box close:3:border=mirror");
+  ASSERT_EQ(chain.size(), 5U);
+  EXPECT_EQ(chain[0].kind, FilterKind::kMedian);
+  EXPECT_EQ(chain[1].kind, FilterKind::kDilate);
+  EXPECT_EQ(chain[1].shape, WindowShape::kBox);
+  EXPECT_DOUBLE_EQ(chain[1].size.value, 2e-3);
+  EXPECT_EQ(chain[2].kind, FilterKind::kErode);
+  EXPECT_EQ(chain[2].shape, WindowShape::kBall);
+  EXPECT_EQ(chain[3].kind, FilterKind::kOpen);
+  EXPECT_EQ(chain[3].shape, WindowShape::kBox);
+  EXPECT_EQ(chain[4].kind, FilterKind::kClose);
+  EXPECT_EQ(chain[4].border, Border::kMirror);
+}
+
 struct Refused {
   const char* text;
   const char* says;
@@ -39,16 +54,20 @@ TEST_P(RefusedFilter, SaysWhatIsWrong) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Texts, RefusedFilter,
-                         testing::Values(Refused{"", "names no filter"}, Refused{"blur:1", "there is no filter 'blur'"},
-                                         Refused{"gaussian", "it has no sigma"}, Refused{"gaussian:0", "is 0"},
-                                         Refused{"gaussian:-1mm", "is -1"}, Refused{"gaussian:nan", "is no number"},
-                                         Refused{"gaussian:inf", "is no number"}, Refused{"gaussian:x", "is no number"},
-                                         Refused{"gaussian:1in", "there is no unit 'in'"},
-                                         Refused{"gaussian:1:border=wrap", "there is no border 'wrap'"},
-                                         Refused{"gaussian:1:truncate=99", "give 1 to 8"},
-                                         Refused{"gaussian:1:mirror", "has no value"},
-                                         Refused{"gaussian:1:depth=2", "it has no 'depth'"}));
+INSTANTIATE_TEST_SUITE_P(
+    Texts, RefusedFilter,
+    testing::Values(Refused{"", "names no filter"}, Refused{"blur:1", "there is no filter 'blur'"},
+                    Refused{"gaussian", "it has no sigma"}, Refused{"gaussian:0", "is 0"},
+                    Refused{"gaussian:-1mm", "is -1"}, Refused{"gaussian:nan", "is no number"},
+                    Refused{"gaussian:inf", "is no number"}, Refused{"gaussian:x", "is no number"},
+                    Refused{"gaussian:1in", "there is no unit 'in'"},
+                    Refused{"gaussian:1:border=wrap", "there is no border 'wrap'"},
+                    Refused{"gaussian:1:truncate=99", "give 1 to 8"}, Refused{"gaussian:1:mirror", "has no value"},
+                    Refused{"gaussian:1:depth=2", "it has no 'depth'"}, Refused{"median", "it has no radius"},
+                    Refused{"median:0", "is 0"}, Refused{"median:1:shape=ball", "it has no 'shape'"},
+                    Refused{"median:1:truncate=3", "it has no 'truncate'"}, Refused{"dilate", "it has no radius"},
+                    Refused{"close:-1", "is -1"}, Refused{"erode:1:shape=star", "there is no shape 'star'"},
+                    Refused{"open:1:truncate=3", "it has no 'truncate'"}));
 
 }  // namespace
 }  // namespace palpate
