@@ -3,64 +3,16 @@
 #include "engine/reference/filter.hpp"
 
 #include <bit>
-#include <random>
 
 #include <gtest/gtest.h>
 
 #include "engine/passes/filter_chain.hpp"
+#include "filtered_fields.hpp"
 #include "shaders/kernel_text.hpp"
 #include "test_fields.hpp"
 
 namespace palpate {
 namespace {
-
-// The filtered field as the GPU has it, the voxels that lie in bricks outside the domain left away.
-reference::DenseField filteredOnGpu(const Volume& volume, const std::vector<FilterStep>& steps) {
-  gpu::Gpu gpu{{}};
-  gpu::Transfer transfer{gpu};
-  const BrickPool pool(gpu, transfer, volume);
-  FilterChain chain(gpu, transfer, pool, steps);
-  chain.run();
-  chain.run();  // a second run finds what the first left behind
-  reference::DenseField field = reference::denseField(volume);
-  const BrickGrid grid{pool.size(), pool.lattice().spacing_m};
-  std::array<float, kBrickVoxels> brick{};
-  for (std::uint32_t b = 0; b < pool.brickCount(); ++b) {
-    if (chain.result().readBrick(transfer, b, brick.data())) std::fill(brick.begin() + 1, brick.end(), brick[0]);
-    const Vec3i first = grid.brick(b) * kBrickSize;
-    for (int n = 0; n < kBrickVoxels; ++n) {
-      const Vec3i in_brick(n % 8, n / 8 % 8, n / 64);
-      // Outside the domain: as the nearest voxel inside.
-      const Vec3i inside = (first + in_brick).cwiseMin(pool.size() - Vec3i::Ones()) - first;
-      const float value = brick[static_cast<std::size_t>(n)];
-      const float nearest = brick[static_cast<std::size_t>((inside.z() * 8 + inside.y()) * 8 + inside.x())];
-      EXPECT_EQ(std::bit_cast<std::uint32_t>(value), std::bit_cast<std::uint32_t>(nearest))
-          << b << ": " << in_brick.transpose();
-      if (inside == in_brick)
-        field.values[field.offset(first.x() + in_brick.x(), first.y() + in_brick.y(), first.z() + in_brick.z())] =
-            value;
-    }
-  }
-  return field;
-}
-
-std::size_t differing(const reference::DenseField& a, const reference::DenseField& b) {
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < a.values.size(); ++i) {
-    count += std::bit_cast<std::uint32_t>(a.values[i]) != std::bit_cast<std::uint32_t>(b.values[i]) ? 1U : 0U;
-  }
-  return count;
-}
-
-// Denormals, 1e-30, 1e30 and ordinary values side by side.
-Volume extremes(const Vec3i& size) {
-  std::mt19937 random(11);
-  const float scales[] = {1.0F, 1e30F, 1e-30F, 1e-40F, 1e-45F, 0.0F};
-  return makeField(size, [&](int, int, int) {
-    const float unit = static_cast<float>(random()) / 4294967296.0F * 2.0F - 1.0F;
-    return unit * scales[random() % std::size(scales)];
-  });
-}
 
 struct Case {
   const char* chain;
