@@ -13,6 +13,7 @@ using namespace glsl;  // NOLINT(google-build-using-namespace): the text is GLSL
 #define precise
 #include "shaders/filter_convolve.math.glsl"
 #include "shaders/filter_median.math.glsl"
+#include "shaders/filter_median_wide.math.glsl"
 #include "shaders/filter_rank.math.glsl"
 #undef precise
 

@@ -48,7 +48,9 @@ INSTANTIATE_TEST_SUITE_P(Median, FilterBits,
 INSTANTIATE_TEST_SUITE_P(WideMedian, FilterBits,
                          testing::Values(Case{"median:2", {33, 26, 27}}, Case{"median:2:border=mirror", {19, 26, 17}},
                                          Case{"median:3", {26, 33, 25}}, Case{"median:3:border=mirror", {9, 10, 11}},
-                                         Case{"median:1.4mm", {33, 26, 18}}, Case{"median:2.1mm", {19, 18, 17}},
+                                         Case{"median:1.4mm", {33, 26, 18}},
+                                         Case{"median:1.5mm:border=mirror", {11, 26, 25}},
+                                         Case{"median:2.1mm", {19, 18, 17}},
                                          Case{"median:3:border=mirror", {2, 3, 2}}));
 
 INSTANTIATE_TEST_SUITE_P(Box, FilterBits,

@@ -55,6 +55,53 @@ TEST(MedianText, PicksTheTenthOfTenAndNine) {
   }
 }
 
+// Not all 2^25 patterns: a million of them, with every share of ones from none to all.
+TEST(MedianText, SortsColumnsOf25) {
+  std::mt19937 random(7);
+  for (int trial = 0; trial < 1000000; ++trial) {
+    const auto share = random() % 26;
+    int column[25];
+    int ones = 0;
+    for (int& value : column) ones += value = random() % 25 < share ? 1 : 0;
+    kernel_text::sortColumn(column);
+    int sorted[25];
+    fillSorted(sorted, static_cast<std::size_t>(ones));
+    ASSERT_TRUE(std::equal(std::begin(column), std::end(column), std::begin(sorted)));
+  }
+}
+
+TEST(MedianText, MergesColumnsAndFindsTheMiddleOfFour) {
+  for (std::size_t in_a = 0; in_a <= 50; ++in_a) {
+    for (std::size_t in_b = 0; in_b <= 50; ++in_b) {
+      int a[50], b[50], middle[26], all[100];
+      fillSorted(a, in_a);
+      fillSorted(b, in_b);
+      fillSorted(all, in_a + in_b);
+      kernel_text::middleOfFour(a, b, middle);
+      EXPECT_TRUE(std::equal(std::begin(middle), std::end(middle), all + 37)) << in_a << " " << in_b;
+      if (in_a > 25 || in_b > 25) continue;
+      int half_a[25], half_b[25], merged[50];
+      fillSorted(half_a, in_a);
+      fillSorted(half_b, in_b);
+      kernel_text::mergeColumns(half_a, half_b, merged);
+      fillSorted(a, in_a + in_b);
+      EXPECT_TRUE(std::equal(std::begin(merged), std::end(merged), a)) << in_a << " " << in_b;
+    }
+  }
+}
+
+TEST(MedianText, PicksTheMiddleOf26And25) {
+  for (std::size_t in_a = 0; in_a <= 26; ++in_a) {
+    for (std::size_t in_b = 0; in_b <= 25; ++in_b) {
+      int a[26], b[25], all[51];
+      fillSorted(a, in_a);
+      fillSorted(b, in_b);
+      fillSorted(all, in_a + in_b);
+      EXPECT_EQ(kernel_text::middleOf(a, b), all[25]);
+    }
+  }
+}
+
 TEST(RankText, RanksStandAsTheirDensitiesDo) {
   const float ordered[] = {-3.4e38F, -1e30F, -1.0F,  -1e-40F, -1e-45F, -0.0F,
                            0.0F,     1e-45F, 1e-40F, 1.0F,    1e30F,   3.4e38F};
