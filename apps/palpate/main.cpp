@@ -70,8 +70,8 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   app.failure_message(parseMessage);
   for (const auto& add : {palpate::addTouchVerb, palpate::addRecoverVerb, palpate::addInfoVerb, palpate::addConvertVerb,
-                          palpate::addCheckVerb, palpate::addBenchVerb, palpate::addDevicesVerb, palpate::addPlanVerb,
-                          palpate::addSceneVerb, palpate::addFaultsVerb}) {
+                          palpate::addFilterVerb, palpate::addCheckVerb, palpate::addBenchVerb, palpate::addDevicesVerb,
+                          palpate::addPlanVerb, palpate::addSceneVerb, palpate::addFaultsVerb}) {
     add(app);
   }
   palpate::catchInterrupts();

@@ -48,6 +48,7 @@ Json sceneJson(const Scene& s) {
           {"isovalue_density", s.isovalue ? Json(*s.isovalue) : Json(nullptr)},
           {"objects", listOf(s.objects, objectText)},
           {"gpu", s.gpu},
+          {"filter", s.filter},
           {"gradient_all", s.gradient_all},
           {"algorithm", s.algorithm},
           {"plane_renewal_ticks", s.plane_renewal_ticks},

@@ -44,6 +44,8 @@ const SceneOption kOptions[] = {
     {"--gpu", "gpu", "", "part of the Vulkan device's name; the best one if not given", TextOption{&Scene::gpu}},
     {"--gradient", "gradient", "", "gradients of the bricks that the isosurface needs, or of all",
      SwitchOption{&Scene::gradient_all, "active", "all"}},
+    {"--filter", "filter", "", "filters that the field goes through before it is felt, one after another: \"gaussian:0.8mm\"; docs/filters.md",
+     ListOption{&Scene::filter}},
     {"--algorithm", "servo.algorithm", "", algorithmHelp(), TextOption{&Scene::algorithm}},
     {"--n", "servo.n", "ticks", "the virtual plane is found again every n ticks", integer(&Scene::plane_renewal_ticks, 1, 100000)},
     {"--stiffness", "servo.stiffness_N_per_m", "N/m", "stiffness of the contact, K", number(&Scene::stiffness_N_per_m, 1, 0, 1e5)},

@@ -5,6 +5,7 @@
 
 #include "base/error.hpp"
 #include "engine/passes/active_bricks.hpp"
+#include "engine/passes/pool_volume.hpp"
 #include "engine/service/window_focus.hpp"
 
 namespace palpate {
@@ -28,15 +29,20 @@ Engine::Engine(const Volume& volume, const Plan& plan, double isovalue, const st
     : isovalue_(isovalue), gpu_(gpu::GpuRequest{.name = gpu_name}), transfer_(gpu_), gradient_all_(plan.gradient_all) {
   stage(passName(Pass::kUpload),
         [&] { pool_ = std::make_unique<BrickPool>(gpu_, transfer_, volume, makeGpuBudget(gpu_memory_bytes)); });
+  if (plan.has(Pass::kFilter)) {
+    std::vector<FilterStep> steps = lowerFilters(plan.filters, volume.lattice().spacing_m);
+    if (!steps.empty()) filters_ = std::make_unique<FilterChain>(gpu_, transfer_, *pool_, std::move(steps));
+    if (filters_) stage(passName(Pass::kFilter), [&] { filters_->run(); });
+  }
   if (plan.has(Pass::kBrickBounds)) {
     stage(passName(Pass::kBrickBounds), [&] {
-      bounds_ = std::make_unique<BrickBoundsPass>(gpu_, *pool_);
+      bounds_ = std::make_unique<BrickBoundsPass>(gpu_, field());
       bounds_->run();
     });
   }
   stage(passName(Pass::kGradient), [&] { computeGradients(plan); });
   stage(passName(Pass::kWindow), [&] { makeWindows(); });
-  if (plan.draws) isosurface_ = std::make_unique<IsosurfacePass>(gpu_, transfer_, *pool_, *bounds_);
+  if (plan.draws) isosurface_ = std::make_unique<IsosurfacePass>(gpu_, transfer_, field(), *bounds_);
 }
 
 Engine::~Engine() = default;
@@ -46,12 +52,12 @@ void Engine::computeGradients(const Plan& plan) {
       plan.gradient_all ? allBricks(pool_->brickCounts())
                         : activeBricks(bounds_->read(transfer_), pool_->brickCounts(), static_cast<float>(isovalue_));
   store_ = std::make_unique<SampleStore>(gpu_, pool_->brickCount(), bricks, pool_->budget());
-  gradient_ = std::make_unique<GradientPass>(gpu_, transfer_, *pool_, *store_);
+  gradient_ = std::make_unique<GradientPass>(gpu_, transfer_, field(), *store_);
   gradient_->run();
 }
 
 void Engine::makeWindows() {
-  window_ = std::make_unique<WindowPass>(gpu_, *pool_, *store_);
+  window_ = std::make_unique<WindowPass>(gpu_, field(), *store_);
   const auto capacity = static_cast<std::size_t>(pool_->size().cwiseMin(kWindowEdge).prod());
   std::array<Sample*, 3> storages{};
   for (Sample*& storage : storages) {
@@ -99,7 +105,9 @@ void Engine::publishBox(const WindowBox& box, std::int64_t now_ns) {
 }
 
 void Engine::allowEdits(const BrushProfile& profile, std::span<const EditKind> kinds) {
-  const Editor::Parts parts{gpu_, transfer_, *pool_, *store_, bounds_.get(), *gradient_, *window_};
+  const Editor::Parts parts{gpu_,     transfer_,      *pool_,
+                            *store_,  bounds_.get(),  *gradient_,
+                            *window_, filters_.get(), static_cast<float>(isovalue_)};
   stage("edit set-up", [&] {
     editor_ = std::make_unique<Editor>(parts, profile, gradient_all_);
     editor_->prepare(kinds);
@@ -139,6 +147,10 @@ std::size_t Engine::readBack(Volume& volume) {
   return editor_ ? editor_->readBack(volume) : 0;
 }
 
+Volume Engine::filtered(const VolumeFacts& facts) {
+  return volumeOf(field(), transfer_, facts);
+}
+
 RenderedImage Engine::draw(const Camera& camera) {
   if (!isosurface_) {
     throw Error(Error::Code::kBadInput, "picture", "the plan has no isosurface pass", "leave --picture on");
@@ -150,13 +162,19 @@ std::vector<MemoryFigure> Engine::memory() const {
   std::uint64_t windows = 0;
   for (const gpu::Buffer& buffer : window_buffers_) windows += buffer.bytes();
   return {{"gpu brick pool", pool_->bytes()},
+          {"gpu filtered", filters_ ? filters_->result().bytes() + filters_->scratchBytes() : 0},
           {"gpu samples", store_->bytes()},
           {"gpu windows", windows},
           {"gpu total", gpu_.bytesInUse()}};
 }
 
 PlanFacts Engine::planFacts() const noexcept {
-  return {pool_->brickCount(), pool_->storedBricks(), store_->brickCount()};
+  PlanFacts facts;
+  facts.bricks = pool_->brickCount();
+  facts.stored_bricks = pool_->storedBricks();
+  facts.filtered_bricks = field().storedBricks();
+  facts.gradient_bricks = store_->brickCount();
+  return facts;
 }
 
 }  // namespace palpate
