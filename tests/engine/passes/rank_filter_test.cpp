@@ -165,6 +165,19 @@ TEST_P(RankFilter, MedianStandsInTheMiddle) {
   }
 }
 
+// Windows that reach nothing along one axis or two, whichever they are.
+TEST(RankKernels, FlatWindowsEqualTheTwin) {
+  const Volume volume = extremes({27, 26, 29});
+  const DenseField field = reference::denseField(volume);
+  for (const Vec3& spacing_mm : {Vec3(2, 1, 0.6), Vec3(0.5, 0.5, 1.2), Vec3(0.5, 2, 0.6), Vec3(2, 2, 0.5)}) {
+    for (const char* chain : {"median:1mm", "median:1.2mm:border=mirror", "erode:1.1mm", "dilate:1.3mm:shape=ball"}) {
+      const auto steps = lowerFilters(filterChain(chain), spacing_mm * 1e-3);
+      EXPECT_EQ(differing(filteredOnGpu(volume, steps), reference::applyFilters(field, steps)), 0U)
+          << chain << " on " << spacing_mm.transpose();
+    }
+  }
+}
+
 // A window cut off at the border holds the same extremes as one continued by mirroring.
 TEST(RankTwin, BordersShowNoNewExtremes) {
   const DenseField field = reference::denseField(extremes({7, 6, 9}));
