@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/filter_extreme_rows.comp: highest or lowest density within a shape that is made of rows along i, each reaching
-// as far to either side of its middle, as a ball's. An invocation makes a row of eight.
+// shaders/filter_extreme_rows.comp: highest or lowest density within a shape that is made of rows along i, each as long
+// on either side of its middle, as a ball's. An invocation makes a row of eight.
 //
 // A row that reaches h to either side shows each result the extreme of 2 h + 1 voxels. Rows go from the longest to the
 // shortest, and what has been seen is widened by one voxel for each step down, so each row costs its loads and no more.

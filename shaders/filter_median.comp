@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/filter_median.comp: median of the box that reaches at most one voxel along each axis. An invocation makes a row
-// of eight along i from ten columns of nine ranks across it.
+// shaders/filter_median.comp: median of the box that reaches at most one voxel along each axis. An invocation makes a
+// row of eight along i from ten columns of nine ranks across it.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "filter.layout.h"

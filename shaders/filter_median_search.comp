@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/filter_median_search.comp: median of any box, by halving the ranks between its lowest and its highest: how many
-// stand at or below the middle tells which half holds the median. An invocation makes a row of eight along i. It reads
-// the window again for each halving, thirty times or so, and keeps nothing: slow, for windows too large to be sorted.
+// shaders/filter_median_search.comp: median of any box, by halving the ranks between its lowest and its highest: how
+// many stand at or below the middle tells which half holds the median. An invocation makes a row of eight along i. It
+// reads the window again for each halving, thirty times or so: slow, for windows too large to be sorted.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "filter.layout.h"

@@ -15,9 +15,9 @@ enum class StepKind {
   kConvolve,       // along one axis, with symmetric taps
   kMedian,         // middle value of the box of `reach`
   kHighestOnLine,  // highest value within reach along one axis
-  kLowestOnLine,   //
+  kLowestOnLine,   // lowest value within reach along one axis
   kHighestInRows,  // highest value in the rows of the shape
-  kLowestInRows
+  kLowestInRows    // lowest value in the rows of the shape
 };
 
 // Voxels (-half, dj, dk) to (half, dj, dk) around the middle of a shape.
