@@ -38,8 +38,8 @@ PALPATE_TEXT void middleTen(PALPATE_IN_ARRAY(int, a, 9), PALPATE_IN_ARRAY(int, b
 // clang-format on
 #undef SORT_PAIR
 
-// The tenth of a sorted ten and a sorted nine. The ten lowest of all are the first few of the one list and the first few
-// of the other; of all such choices of ten, theirs has the lowest end.
+// The tenth of a sorted ten and a sorted nine. The ten lowest of all are the first few of the one list and the first
+// few of the other; of all such choices of ten, theirs has the lowest end.
 PALPATE_TEXT int tenthOf(PALPATE_IN_ARRAY(int, m, 10), PALPATE_IN_ARRAY(int, c, 9)) {
   int tenth = m[9];
   for (int i = 0; i < 9; ++i) tenth = min(tenth, max(m[8 - i], c[i]));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/filter_median_wide.comp: median of the box that reaches two voxels along i and at most two along j and k. An
-// invocation makes a row of eight along i from twelve columns of 25 ranks across it, two columns and two results a round.
+// shaders/filter_median_wide.comp: median of the box that reaches two voxels along i, at most two along j and k. An
+// invocation makes a row of eight along i from twelve columns of 25 ranks across it, two columns and two results a
+// round.
 // Reading rows and making rounds stay loops: unrolled they run 1.3 times as fast, but lavapipe compiles for 10 s.
 #version 460
 #extension GL_GOOGLE_include_directive : require

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // shaders/filter_rank.math.glsl: densities as whole numbers in the same order, -0 before +0, so that picking one of
-// many needs no comparison of floats: lowest and highest are exact and do not depend on the order of picking. Read by GLSL
-// and by C++ (shaders/kernel_text.hpp).
+// many needs no comparison of floats: lowest and highest are exact and do not depend on the order of picking. Read by
+// GLSL and by C++ (shaders/kernel_text.hpp).
 
 // The bits of a float order as a signed number does but for negative ones, which run backwards. Its own inverse.
 PALPATE_TEXT int turnedBits(int bits) { return bits ^ ((bits >> 31) & 0x7fffffff); }
