@@ -42,6 +42,22 @@ vec4 slabQuad(uint slot, uint quad) {
   }
 }
 
+// One density of a quad: one load instead of four.
+float slabElement(uint slot, uint quad, uint element) {
+  const uint at = (slot % BRICKS_PER_DENSITY_SLAB) * BRICK_QUADS + quad;
+  if (kSlabCount == 1) return slab0[at][element];
+  switch (slot / BRICKS_PER_DENSITY_SLAB) {
+    case 0: return slab0[at][element];
+    case 1: return slab1[at][element];
+    case 2: return slab2[at][element];
+    case 3: return slab3[at][element];
+    case 4: return slab4[at][element];
+    case 5: return slab5[at][element];
+    case 6: return slab6[at][element];
+    default: return slab7[at][element];
+  }
+}
+
 struct Row {
   vec4 low, high;  // the eight densities along i
 };

@@ -41,3 +41,9 @@ vec4 quadAt(uvec3 voxel) {
   const uvec3 in_brick = voxel % BRICK_EDGE;
   return pageQuad(pages[brickIndex(voxel / BRICK_EDGE)], (in_brick.z * BRICK_EDGE + in_brick.y) * 2 + in_brick.x / 4);
 }
+
+// One density of a brick, read alone.
+float pageDensity(BrickPage page, uint quad, uint element) {
+  if (page.slot == NO_SLOT) return page.constant;
+  return slabElement(page.slot, quad, element);
+}

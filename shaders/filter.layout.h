@@ -17,6 +17,10 @@
 #define BORDER_NEAREST 0u
 #define BORDER_MIRROR 1u
 
+// What filter_extreme_*.comp look for.
+#define EXTREME_HIGHEST 0u
+#define EXTREME_LOWEST 1u
+
 #define FILTER_GROUP 64u  // invocations
 
 PALPATE_LAYOUT_BEGIN

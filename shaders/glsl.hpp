@@ -120,5 +120,17 @@ inline uint floatBitsToUint(float a) {
 inline float uintBitsToFloat(uint a) {
   return std::bit_cast<float>(a);
 }
+inline int floatBitsToInt(float a) {
+  return std::bit_cast<int>(a);
+}
+inline float intBitsToFloat(int a) {
+  return std::bit_cast<float>(a);
+}
+inline int min(int a, int b) {
+  return a < b ? a : b;
+}
+inline int max(int a, int b) {
+  return a > b ? a : b;
+}
 
 }  // namespace palpate::glsl

@@ -18,6 +18,9 @@ using namespace glsl;  // NOLINT(google-build-using-namespace): the text is GLSL
 // after the exponential that they use
 #include "shaders/filter_bilateral.math.glsl"
 #include "shaders/filter_diffuse.math.glsl"
+#include "shaders/filter_median.math.glsl"
+#include "shaders/filter_median_wide.math.glsl"
+#include "shaders/filter_rank.math.glsl"
 #undef precise
 
 }  // namespace palpate::kernel_text

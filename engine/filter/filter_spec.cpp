@@ -31,6 +31,17 @@ constexpr FilterRow kFilters[] = {
     {FilterKind::kDistance,
      {"distance", "band in voxels", "none",
       "signed distance from the isosurface in metres, positive in the object, cut off at the band"}},
+    {FilterKind::kMedian,
+     {"median", "radius", "border=nearest|mirror", "middle value of the box that reaches so far; exact"}},
+    {FilterKind::kDilate,
+     {"dilate", "radius", "shape=box|ball, border=nearest|mirror", "highest value of the box or ball"}},
+    {FilterKind::kErode,
+     {"erode", "radius", "shape=box|ball, border=nearest|mirror", "lowest value of the box or ball"}},
+    {FilterKind::kOpen,
+     {"open", "radius", "shape=box|ball, border=nearest|mirror", "erode, then dilate: what is thinner goes"}},
+    {FilterKind::kClose,
+     {"close", "radius", "shape=box|ball, border=nearest|mirror",
+      "dilate, then erode: gaps that are thinner are filled"}},
 };
 
 [[noreturn]] void refuse(std::string_view filter, const std::string& reason, const std::string& remedy) {
@@ -105,6 +116,17 @@ bool setOwnKey(std::string_view filter, std::string_view key, std::string_view v
         return false;
       }
       return true;
+    case FilterKind::kDilate:
+    case FilterKind::kErode:
+    case FilterKind::kOpen:
+    case FilterKind::kClose:
+      if (key != "shape") return false;
+      if (value != "box" && value != "ball") {
+        refuse(filter, fmt::format("there is no shape '{}'", value), "use shape=box or shape=ball");
+      }
+      spec.shape = value == "ball" ? WindowShape::kBall : WindowShape::kBox;
+      return true;
+    case FilterKind::kMedian:
     case FilterKind::kDistance:
       return false;
   }
@@ -113,7 +135,7 @@ bool setOwnKey(std::string_view filter, std::string_view key, std::string_view v
 
 // Whether a filter reads beyond the border in more than one way.
 bool hasBorder(FilterKind kind) {
-  return kind == FilterKind::kGaussian || kind == FilterKind::kBilateral;
+  return kind != FilterKind::kDiffuse && kind != FilterKind::kDistance;
 }
 
 void checkWhole(std::string_view filter, const FilterSpec& spec, int most, std::string_view what) {

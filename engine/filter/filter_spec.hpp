@@ -19,6 +19,11 @@ enum class FilterKind {
   kBilateral,  // low-pass that leaves steps of density standing; size: sigma in space
   kDiffuse,    // anisotropic diffusion (Perona and Malik 1990); size: steps
   kDistance,   // signed distance from the isosurface, positive in the object [m]; size: half width of its band [voxel]
+  kMedian,     // the middle value of a box; size: how far it reaches
+  kDilate,     // the highest value of a box or ball; size: how far it reaches
+  kErode,      // the lowest
+  kOpen,       // erode, then dilate: takes away what the shape does not fit into
+  kClose       // dilate, then erode: fills what the shape does not fit into
 };
 
 // What a filter reads beyond the volume's border.
@@ -31,6 +36,12 @@ enum class Border {
 enum class Conductance {
   kRational,  // 1 / (1 + s^2)
   kExp        // exp(-s^2)
+};
+
+// What a window holds, of a given size r: voxels whose centre is at most r away
+enum class WindowShape {
+  kBox,  // along each axis
+  kBall  // straight; in metres if r is a length, else in voxels
 };
 
 // So many voxels, or so long.
@@ -49,6 +60,7 @@ struct FilterSpec {
   double kappa = 0;              // diffuse: the slope at which conductance is a half, or 1/e [density / mm]
   std::optional<double> dt_mm2;  // diffuse: time step [mm^2]; none: half of what is stable
   Conductance conductance = Conductance::kRational;
+  WindowShape shape = WindowShape::kBox;  // dilate, erode, open, close
 };
 
 inline constexpr int kMostDiffusionSteps = 500;

@@ -9,6 +9,7 @@
 
 #include "base/error.hpp"
 #include "base/units.hpp"
+#include "engine/filter/rank_steps.hpp"
 #include "shaders/filter_distance.layout.h"
 
 namespace palpate {
@@ -38,11 +39,8 @@ std::vector<float> gaussianTaps(double sigma_voxels, int reach) {
 void lowerGaussian(const FilterSpec& filter, const Vec3& spacing_m, std::vector<FilterStep>& steps) {
   for (int axis = 0; axis < 3; ++axis) {
     const double sigma = filter.size.voxels(spacing_m[axis]);
-    FilterStep step{StepKind::kConvolve,
-                    axis,
-                    reachOf(filter, filter.truncate * sigma, axis) * Vec3i::Unit(axis),
-                    filter.border,
-                    {}};
+    FilterStep step{StepKind::kConvolve, axis, reachOf(filter, filter.truncate * sigma, axis) * Vec3i::Unit(axis),
+                    filter.border,       {},   {}};
     step.taps = gaussianTaps(sigma, step.reach[axis]);
     if (1 - step.taps[0] > kNoEffect) steps.push_back(std::move(step));
   }
@@ -140,6 +138,15 @@ std::vector<FilterStep> lowerFilters(std::span<const FilterSpec> filters, const 
         lowerDistance(filter, spacing_m, isovalue, steps);
         isovalue = 0.0F;
         break;
+      case FilterKind::kMedian:
+        lowerMedian(filter, spacing_m, steps);
+        break;
+      case FilterKind::kDilate:
+      case FilterKind::kErode:
+      case FilterKind::kOpen:
+      case FilterKind::kClose:
+        lowerMorphology(filter, spacing_m, steps);
+        break;
     }
   }
   return steps;
@@ -171,6 +178,12 @@ float uniformResult(const FilterStep& step, float density) {
       return 0;  // DISTANCE_NONE
     case StepKind::kDistanceFinish:
       return density > step.taps[DISTANCE_ISOVALUE] ? distanceBand(step) : -distanceBand(step);
+    case StepKind::kMedian:
+    case StepKind::kHighestOnLine:
+    case StepKind::kLowestOnLine:
+    case StepKind::kHighestInRows:
+    case StepKind::kLowestInRows:
+      return density;  // one of those that are there
   }
   return density;
 }

@@ -12,14 +12,24 @@
 namespace palpate {
 
 enum class StepKind {
-  kConvolve,   // along one axis, with symmetric taps
-  kBilateral,  // every voxel of a box, weighted by place and by density
-  kDiffuse,    // one time step of anisotropic diffusion
+  kConvolve,       // along one axis, with symmetric taps
+  kBilateral,      // every voxel of a box, weighted by place and by density
+  kDiffuse,        // one time step of anisotropic diffusion
+  kMedian,         // middle value of the box of `reach`
+  kHighestOnLine,  // highest value within reach along one axis
+  kLowestOnLine,   // lowest value within reach along one axis
+  kHighestInRows,  // highest value in the rows of the shape
+  kLowestInRows,   // lowest value in the rows of the shape
   // The three parts of a distance, in this order: seed, spread along each axis, finish. Between them a pool holds the
   // words of shaders/filter_distance.layout.h instead of densities.
   kDistanceSeed,    // the surface point next to each voxel, found along the lines to its 26 neighbours
   kDistanceSpread,  // along one axis: of the surface points that voxels within reach know, the nearest
   kDistanceFinish   // distance from that point's tangent plane; reads the densities that the seed step read
+};
+
+// Voxels (-half, dj, dk) to (half, dj, dk) around the middle of a shape.
+struct ShapeRow {
+  int dj = 0, dk = 0, half = 0;
 };
 
 struct FilterStep {
@@ -30,12 +40,15 @@ struct FilterStep {
   // convolve: w(0) ... w(reach). bilateral: 1 / (sqrt(2) range), then w(0) ... w(reach) of each axis. diffuse: time
   // step over spacing squared of each axis, then 1 / (kappa times spacing). distance: DISTANCE_... of
   // shaders/filter_distance.layout.h.
-  std::vector<float> taps;
+  std::vector<float> taps = {};
+  std::vector<ShapeRow> rows = {};                   // of a shape, the shortest first
   Conductance conductance = Conductance::kRational;  // of a diffusion
 };
 
 // The largest reach of a step along an axis [voxel]: kernels are unrolled over it.
 inline constexpr int kLargestReach = 32;
+inline constexpr int kLargestMedian = 3;  // of a median: its work grows with the cube
+inline constexpr int kLargestBall = 16;   // of a ball: its work grows with the square
 
 // The same of a bilateral filter, whose cost grows with its cube.
 inline constexpr int kLargestBilateralReach = 8;
@@ -43,9 +56,9 @@ inline constexpr int kLargestBilateralReach = 8;
 inline constexpr int kDistanceSteps = 5;  // of one distance filter
 
 // Steps of a chain on voxels of `spacing_m`. A filter that would change nothing (a Gaussian far below a voxel) gives no
-// step. `isovalue`: where the object begins in what the chain is given; a distance needs it, and leaves it at 0
-// (isovalueAfter). Throws Error(kBadInput) where a filter would reach farther than its largest reach, where a time step
-// is beyond stableTimeStep, and where a distance has no isovalue.
+// step; nor does a window that holds one voxel only. `isovalue`: where the object begins in what the chain is given; a
+// distance needs it, and leaves it at 0 (isovalueAfter). Throws Error(kBadInput) where a filter would reach farther
+// than its largest reach, where a time step is beyond stableTimeStep, and where a distance has no isovalue.
 [[nodiscard]] std::vector<FilterStep> lowerFilters(std::span<const FilterSpec> filters, const Vec3& spacing_m,
                                                    std::optional<float> isovalue = std::nullopt);
 

@@ -17,7 +17,7 @@ namespace palpate {
 namespace {
 
 gpu::Buffer tapBuffer(gpu::Gpu& gpu, gpu::Transfer& transfer, const FilterStep& step) {
-  const std::vector<float> taps = step.taps.empty() ? std::vector<float>(1) : step.taps;
+  const std::vector<float> taps = kernelTaps(step);
   gpu::Buffer buffer(gpu, "filter taps", taps.size() * sizeof(float), gpu::MemoryKind::kDevice);
   transfer.upload(std::as_bytes(std::span(taps)), buffer);
   return buffer;

@@ -1,7 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/passes/filter_kernels.hpp"
 
+#include <algorithm>
+
+#include "shaders/filter.layout.h"
+
 namespace palpate {
+namespace {
+
+std::vector<std::uint32_t> boxReach(const Vec3i& reach) {
+  return {static_cast<std::uint32_t>(reach.x()), static_cast<std::uint32_t>(reach.y()),
+          static_cast<std::uint32_t>(reach.z())};
+}
+
+// The fastest that can: ranks of small windows are sorted, of large ones searched.
+std::string medianKernel(const Vec3i& reach) {
+  if (reach.maxCoeff() <= 1) return "filter_median";
+  if (reach.x() == 2 && reach.maxCoeff() == 2) return "filter_median_wide";
+  return "filter_median_search";
+}
+
+}  // namespace
 
 FilterKernel filterKernel(const FilterStep& step) {
   const auto axis = static_cast<std::uint32_t>(step.axis);
@@ -22,8 +41,32 @@ FilterKernel filterKernel(const FilterStep& step) {
       return {"filter_distance_spread", 1, {axis, reach}};
     case StepKind::kDistanceFinish:
       return {"filter_distance_finish", 1, {}};
+    case StepKind::kMedian:
+      return {medianKernel(step.reach), 1, boxReach(step.reach)};
+    case StepKind::kHighestOnLine:
+      return {"filter_extreme_line", bricks_along_line, {EXTREME_HIGHEST, axis, reach}};
+    case StepKind::kLowestOnLine:
+      return {"filter_extreme_line", bricks_along_line, {EXTREME_LOWEST, axis, reach}};
+    case StepKind::kHighestInRows:
+      return {"filter_extreme_rows", 1, {EXTREME_HIGHEST, static_cast<std::uint32_t>(step.reach.x())}};
+    case StepKind::kLowestInRows:
+      return {"filter_extreme_rows", 1, {EXTREME_LOWEST, static_cast<std::uint32_t>(step.reach.x())}};
   }
   return {};
+}
+
+std::vector<float> kernelTaps(const FilterStep& step) {
+  if (step.rows.empty()) return step.taps.empty() ? std::vector<float>(1) : step.taps;
+  std::vector<float> taps;
+  for (int half = 0; half <= step.reach.x() + 1; ++half) {
+    taps.push_back(static_cast<float>(
+        std::count_if(step.rows.begin(), step.rows.end(), [&](const ShapeRow& row) { return row.half < half; })));
+  }
+  for (const ShapeRow& row : step.rows) {
+    taps.push_back(static_cast<float>(row.dj));
+    taps.push_back(static_cast<float>(row.dk));
+  }
+  return taps;
 }
 
 }  // namespace palpate

@@ -18,4 +18,7 @@ struct FilterKernel {
 
 [[nodiscard]] FilterKernel filterKernel(const FilterStep& step);
 
+// The floats that the kernel is handed, as its own comment says; never none.
+[[nodiscard]] std::vector<float> kernelTaps(const FilterStep& step);
+
 }  // namespace palpate

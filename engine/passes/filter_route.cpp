@@ -1,26 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/passes/filter_route.hpp"
 
-#include <optional>
-
 namespace palpate {
 
 std::vector<FilterRoute> routesOf(std::span<const FilterStep> steps) {
   std::vector<FilterRoute> routes;
   int from = FilterRoute::kSource;
-  std::optional<int> kept;  // the step whose output a distance reads again at its end
+  constexpr int kNone = -2;
+  int kept = kNone;  // the step whose output a distance reads again at its end
   const auto writes = [&](int step, std::size_t pool) {
-    return step != FilterRoute::kSource && routes[static_cast<std::size_t>(step)].pool == pool;
+    return step >= 0 && routes[static_cast<std::size_t>(step)].pool == pool;
   };
   for (std::size_t i = 0; i < steps.size(); ++i) {
     const auto step = static_cast<int>(i);
     if (steps[i].kind == StepKind::kDistanceFinish) {
-      routes.push_back({*kept, routes.back().pool, true});
-      kept.reset();
+      routes.push_back({kept, routes.back().pool, true});
+      kept = kNone;
     } else {
       const bool finish_follows = i + 2 == steps.size() && steps[i + 1].kind == StepKind::kDistanceFinish;
       std::size_t pool = i + 1 == steps.size() || finish_follows ? FilterRoute::kResult : 0;
-      while (pool != FilterRoute::kResult && (writes(from, pool) || (kept && writes(*kept, pool)))) ++pool;
+      while (pool != FilterRoute::kResult && (writes(from, pool) || writes(kept, pool))) ++pool;
       if (steps[i].kind == StepKind::kDistanceSeed) kept = from;
       routes.push_back({from, pool, false});
     }

@@ -7,6 +7,7 @@
 #include <cstdlib>
 
 #include "engine/reference/distance.hpp"
+#include "engine/reference/rank_filter.hpp"
 
 namespace palpate::reference {
 namespace {
@@ -83,6 +84,12 @@ float result(const DenseField& field, const Vec3i& voxel, const FilterStep& step
     case StepKind::kDistanceSpread:
     case StepKind::kDistanceFinish:
       break;  // applyFilters takes a distance as a whole
+    case StepKind::kMedian:
+    case StepKind::kHighestOnLine:
+    case StepKind::kLowestOnLine:
+    case StepKind::kHighestInRows:
+    case StepKind::kLowestInRows:
+      return picked(field, voxel, step);
   }
   return field.at(voxel.x(), voxel.y(), voxel.z());
 }

@@ -49,6 +49,21 @@ TEST(FilterSpec, ADistanceMovesTheIsovalueToZero) {
   EXPECT_EQ(isovalueAfter(filterChain("gaussian:1 distance:4 gaussian:1"), 226), 0);
 }
 
+TEST(FilterSpec, ReadsMedianAndMorphology) {
+  const auto chain = filterChain("median:1 dilate:2mm erode:1:shape=ball open:1:shape=box close:3:border=mirror");
+  ASSERT_EQ(chain.size(), 5U);
+  EXPECT_EQ(chain[0].kind, FilterKind::kMedian);
+  EXPECT_EQ(chain[1].kind, FilterKind::kDilate);
+  EXPECT_EQ(chain[1].shape, WindowShape::kBox);
+  EXPECT_DOUBLE_EQ(chain[1].size.value, 2e-3);
+  EXPECT_EQ(chain[2].kind, FilterKind::kErode);
+  EXPECT_EQ(chain[2].shape, WindowShape::kBall);
+  EXPECT_EQ(chain[3].kind, FilterKind::kOpen);
+  EXPECT_EQ(chain[3].shape, WindowShape::kBox);
+  EXPECT_EQ(chain[4].kind, FilterKind::kClose);
+  EXPECT_EQ(chain[4].border, Border::kMirror);
+}
+
 struct Refused {
   const char* text;
   const char* says;
@@ -84,7 +99,11 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"diffuse:5:kappa=1:g=linear", "there is no conductance 'linear'"},
         Refused{"diffuse:5:kappa=1:border=mirror", "it has no 'border'"}, Refused{"distance:7", "give 1 to 6"},
         Refused{"distance:1.5", "whole number"}, Refused{"distance:4mm", "whole number"},
-        Refused{"distance:4:border=mirror", "it has no 'border'"}));
+        Refused{"distance:4:border=mirror", "it has no 'border'"}, Refused{"median", "it has no radius"},
+        Refused{"median:0", "is 0"}, Refused{"median:1:shape=ball", "it has no 'shape'"},
+        Refused{"median:1:truncate=3", "it has no 'truncate'"}, Refused{"dilate", "it has no radius"},
+        Refused{"close:-1", "is -1"}, Refused{"erode:1:shape=star", "there is no shape 'star'"},
+        Refused{"open:1:truncate=3", "it has no 'truncate'"}));
 
 }  // namespace
 }  // namespace palpate

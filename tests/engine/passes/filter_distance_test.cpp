@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "engine/reference/distance.hpp"
-#include "filter_on_gpu.hpp"
+#include "filtered_fields.hpp"
 #include "shaders/kernel_text.hpp"
 
 namespace palpate {

@@ -5,7 +5,7 @@
 
 #include "base/error.hpp"
 #include "engine/reference/filter.hpp"
-#include "filter_on_gpu.hpp"
+#include "filtered_fields.hpp"
 #include "shaders/kernel_text.hpp"
 
 namespace palpate {

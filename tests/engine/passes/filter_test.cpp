@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "filter_on_gpu.hpp"
+#include "filtered_fields.hpp"
 #include "shaders/kernel_text.hpp"
 
 namespace palpate {
@@ -34,6 +34,38 @@ INSTANTIATE_TEST_SUITE_P(Gaussian, FilterBits,
                                          Case{"gaussian:10", {70, 9, 8}}, Case{"gaussian:2:border=mirror", {3, 2, 17}},
                                          Case{"gaussian:3:truncate=5", {2, 2, 2}},
                                          Case{"gaussian:0.6 gaussian:0.9", {30, 29, 28}}));
+
+// Flat windows, odd sizes, volumes thinner than the window (no volume is thinner than two voxels), cut bricks.
+INSTANTIATE_TEST_SUITE_P(Median, FilterBits,
+                         testing::Values(Case{"median:1", {41, 33, 37}}, Case{"median:1:border=mirror", {17, 30, 25}},
+                                         Case{"median:1", {40, 48, 24}}, Case{"median:0.8mm", {33, 26, 18}},
+                                         Case{"median:1mm", {33, 26, 18}}, Case{"median:1", {2, 2, 2}},
+                                         Case{"median:1", {2, 19, 30}}, Case{"median:1", {30, 2, 19}},
+                                         Case{"median:1", {19, 30, 2}}));
+
+INSTANTIATE_TEST_SUITE_P(WideMedian, FilterBits,
+                         testing::Values(Case{"median:2", {33, 26, 27}}, Case{"median:2:border=mirror", {19, 26, 17}},
+                                         Case{"median:3", {26, 33, 25}}, Case{"median:3:border=mirror", {9, 10, 11}},
+                                         Case{"median:1.4mm", {33, 26, 18}},
+                                         Case{"median:1.5mm:border=mirror", {11, 26, 25}},
+                                         Case{"median:2.1mm", {19, 18, 17}},
+                                         Case{"median:3:border=mirror", {2, 3, 2}}));
+
+INSTANTIATE_TEST_SUITE_P(Box, FilterBits,
+                         testing::Values(Case{"dilate:1", {41, 33, 37}}, Case{"erode:2", {41, 33, 37}},
+                                         Case{"close:1", {41, 33, 37}}, Case{"open:1mm", {41, 33, 37}},
+                                         Case{"dilate:3:border=mirror", {41, 33, 37}}, Case{"erode:4", {40, 41, 42}},
+                                         Case{"dilate:7", {60, 41, 42}}, Case{"close:9", {60, 61, 62}},
+                                         Case{"erode:32", {90, 89, 88}}, Case{"dilate:5", {2, 30, 2}},
+                                         Case{"open:2", {30, 2, 3}}));
+
+INSTANTIATE_TEST_SUITE_P(
+    Ball, FilterBits,
+    testing::Values(Case{"dilate:1:shape=ball", {41, 33, 37}}, Case{"erode:2:shape=ball", {41, 33, 37}},
+                    Case{"close:1.5:shape=ball", {41, 33, 37}}, Case{"open:2.2mm:shape=ball", {41, 33, 37}},
+                    Case{"dilate:1mm:shape=ball", {20, 21, 22}},
+                    Case{"dilate:5:shape=ball:border=mirror", {40, 41, 42}}, Case{"erode:9:shape=ball", {44, 41, 43}},
+                    Case{"dilate:3:shape=ball", {2, 30, 2}}, Case{"erode:3:shape=ball", {30, 2, 3}}));
 
 // The text of the kernel, compiled for the CPU, adds taps up as the twin does.
 TEST(FilterText, ConvolvesAsTheTwin) {

@@ -197,7 +197,9 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{{53, 41, 37}, false, 9, 200, true, "diffuse:2:kappa=100"},
                     Case{{41, 33, 37}, false, 10, 200, true, "distance:2"},
                     Case{{41, 33, 37}, false, 11, 200, true, "gaussian:0.7 distance:1 gaussian:0.7"},
-                    Case{{33, 24, 30}, true, 12, 100, false, "bilateral:0.7:range=80"}));
+                    Case{{33, 24, 30}, true, 12, 100, false, "bilateral:0.7:range=80"},
+                    Case{{41, 35, 38}, false, 9, 100, true, "median:1 close:2 gaussian:1"},
+                    Case{{40, 33, 42}, false, 10, 60, true, "open:1.5:shape=ball median:2"}));
 
 EditCommand brush(EditKind kind, const Volume& volume, const Vec3& p_L, double radius_m) {
   EditCommand command;

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the filter tests share: a chain run on the GPU, and what its result is compared with.
+// What the tests of filters share: a field filtered by the kernels, and how many bits of two fields differ.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <random>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -43,7 +46,6 @@ inline reference::DenseField filteredOnGpu(const Volume& volume, const std::vect
   return field;
 }
 
-// How many values differ in any bit.
 inline std::size_t differing(const reference::DenseField& a, const reference::DenseField& b) {
   std::size_t count = 0;
   for (std::size_t i = 0; i < a.values.size(); ++i) {

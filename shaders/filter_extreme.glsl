@@ -1,0 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
+// shaders/filter_extreme.glsl: the highest or the lowest of two ranks, as the step asks. Include after filter.glsl.
+#include "filter_rank.math.glsl"
+
+layout(constant_id = FILTER_CONSTANT_OWN) const uint kExtreme = EXTREME_HIGHEST;
+
+const int kNothing = kExtreme == EXTREME_HIGHEST ? int(0x80000000) : 0x7fffffff;  // gives way to every rank
+
+int extreme(int a, int b) { return kExtreme == EXTREME_HIGHEST ? max(a, b) : min(a, b); }
+ivec4 extreme(ivec4 a, ivec4 b) { return kExtreme == EXTREME_HIGHEST ? max(a, b) : min(a, b); }

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+// shaders/filter_median_search.comp: median of any box, by halving the ranks between its lowest and its highest: how
+// many stand at or below the middle tells which half holds the median. An invocation makes a row of eight along i. It
+// reads the window again for each halving, thirty times or so: slow, for windows too large to be sorted.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "filter.layout.h"
+
+layout(local_size_x = FILTER_GROUP) in;
+layout(push_constant) uniform Push { FilterPush push; };
+#include "filter.glsl"
+#include "filter_rank.math.glsl"
+#include "filter_rows.glsl"
+
+layout(constant_id = FILTER_CONSTANT_OWN) const int kReachX = 1;
+layout(constant_id = FILTER_CONSTANT_OWN + 1) const int kReachY = 1;
+layout(constant_id = FILTER_CONSTANT_OWN + 2) const int kReachZ = 1;
+const int kEnd = int(BRICK_EDGE);
+const int kRowsAlongJ = 2 * kReachY + 1;
+const int kRows = kRowsAlongJ * (2 * kReachZ + 1);
+const int kMiddle = (kRows * (2 * kReachX + 1) + 1) / 2;  // so many stand at or below the median
+const int kLargest = 3;                                   // reach along i
+
+int rank[kEnd + 2 * kLargest];  // of one row, from kReachX voxels before it to kReachX behind it
+
+void readRow(uvec3 brick, uint row, int n) {
+  const RowPlace place = rowPlace(brick, row, n % kRowsAlongJ - kReachY, n / kRowsAlongJ - kReachZ);
+  for (int c = 0; c < kEnd + 2 * kLargest; ++c) {
+    const int at = c - kLargest;
+    const bool own = at >= 0 && at < kEnd && ownQuadsHold(kReachX);
+    if (!own && at >= -kReachX && at < kEnd + kReachX) rank[c] = rankOf(besideRow(place, brick, at));
+  }
+  if (ownQuadsHold(kReachX)) {
+    const BrickPage page = pages[place.page];
+    const vec4 low = pageQuad(page, place.quad), high = pageQuad(page, place.quad + 1);
+    for (int i = 0; i < 4; ++i) {
+      rank[kLargest + i] = rankOf(low[i]);
+      rank[kLargest + 4 + i] = rankOf(high[i]);
+    }
+  }
+}
+
+// For each result o and each rank of the row in its window.
+#define EACH_IN_WINDOW(DO)                                              \
+  for (int c = 0; c < kEnd + 2 * kLargest; ++c) {                       \
+    for (int o = 0; o < kEnd; ++o) {                                    \
+      if (abs(c - kLargest - o) <= kReachX) { DO(o, rank[c]) }          \
+    }                                                                   \
+  }
+#define WIDEN(o, r)               \
+  lowest[o] = min(lowest[o], r);  \
+  highest[o] = max(highest[o], r);
+#define COUNT(o, r) count[o] += r <= middle[o] ? 1 : 0;
+
+void main() {
+  const uint task_index = gl_WorkGroupID.y * GROUPS_PER_ROW + gl_WorkGroupID.x;
+  if (task_index >= push.task_count) return;
+  const FilterTask task = tasks[push.first_task + task_index];
+  const uvec3 brick = brickOfIndex(task.brick);
+  const uint row = gl_LocalInvocationID.x;
+
+  int lowest[kEnd], highest[kEnd], middle[kEnd], count[kEnd];  // the median is never below lowest or above highest
+  for (int o = 0; o < kEnd; ++o) {
+    lowest[o] = 0x7fffffff;
+    highest[o] = int(0x80000000);
+  }
+  for (int n = 0; n < kRows; ++n) {
+    readRow(brick, row, n);
+    EACH_IN_WINDOW(WIDEN)
+  }
+  for (int halving = 0; halving < 32; ++halving) {
+    bool found = true;
+    for (int o = 0; o < kEnd; ++o) {
+      found = found && lowest[o] == highest[o];
+      middle[o] = halfway(lowest[o], highest[o]);
+      count[o] = 0;
+    }
+    if (found) break;
+    for (int n = 0; n < kRows; ++n) {
+      readRow(brick, row, n);
+      EACH_IN_WINDOW(COUNT)
+    }
+    for (int o = 0; o < kEnd; ++o) {
+      const bool enough = count[o] >= kMiddle;
+      highest[o] = enough ? middle[o] : highest[o];
+      lowest[o] = enough ? lowest[o] : middle[o] + 1;
+    }
+  }
+  if (kEdge != 0) {
+    const int last = int(domainSize().x) - 1 - int(brick.x * BRICK_EDGE);
+    for (int o = 1; o < kEnd; ++o) lowest[o] = o > last ? lowest[o - 1] : lowest[o];
+  }
+  const uint out_quad = task.slot * BRICK_QUADS + row * 2;
+  result[out_quad] = densityOf(ivec4(lowest[0], lowest[1], lowest[2], lowest[3]));
+  result[out_quad + 1] = densityOf(ivec4(lowest[4], lowest[5], lowest[6], lowest[7]));
+}
