@@ -41,6 +41,21 @@ std::vector<std::uint32_t> activeBricks(std::span<const layout::BrickBounds> bou
   return list;
 }
 
+std::vector<std::uint32_t> inBlocks(std::vector<std::uint32_t> bricks, const Vec3i& brick_counts) {
+  constexpr std::uint32_t kEdge = 16;
+  const Eigen::Vector<std::uint32_t, 3> counts = brick_counts.cast<std::uint32_t>();
+  const Eigen::Vector<std::uint32_t, 3> blocks = counts.array() / kEdge + 2;
+  const auto blockOf = [&](std::uint32_t brick) {
+    const auto block = [](std::uint32_t at) { return (at + kEdge / 2) / kEdge; };
+    return (block(brick / (counts.x() * counts.y())) * blocks.y() + block(brick / counts.x() % counts.y())) *
+               blocks.x() +
+           block(brick % counts.x());
+  };
+  std::stable_sort(bricks.begin(), bricks.end(),
+                   [&](std::uint32_t a, std::uint32_t b) { return blockOf(a) < blockOf(b); });
+  return bricks;
+}
+
 std::vector<std::uint32_t> allBricks(const Vec3i& brick_counts) {
   std::vector<std::uint32_t> list(static_cast<std::size_t>(brick_counts.prod()));
   std::iota(list.begin(), list.end(), 0U);

@@ -19,4 +19,9 @@ namespace palpate {
 
 [[nodiscard]] std::vector<std::uint32_t> allBricks(const Vec3i& brick_counts);
 
+// The same bricks in blocks of 16x16x16: what a tool works on lies together. Where slots are given in this order, an
+// edit or a window meets one slab of samples, seldom two, and each costs a dispatch. Blocks are shifted by half, so
+// that none begins in the middle of a volume of a power of two.
+[[nodiscard]] std::vector<std::uint32_t> inBlocks(std::vector<std::uint32_t> bricks, const Vec3i& brick_counts);
+
 }  // namespace palpate

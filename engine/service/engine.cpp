@@ -53,7 +53,8 @@ void Engine::computeGradients(const Plan& plan) {
   const std::vector<std::uint32_t> bricks =
       plan.gradient_all ? allBricks(pool_->brickCounts())
                         : activeBricks(bounds_->read(transfer_), pool_->brickCounts(), static_cast<float>(isovalue_));
-  store_ = std::make_unique<SampleStore>(gpu_, pool_->brickCount(), bricks, pool_->budget());
+  store_ = std::make_unique<SampleStore>(gpu_, pool_->brickCount(), inBlocks(bricks, pool_->brickCounts()),
+                                         pool_->budget());
   gradient_ = std::make_unique<GradientPass>(gpu_, transfer_, field(), *store_);
   gradient_->run();
 }

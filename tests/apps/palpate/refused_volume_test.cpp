@@ -96,7 +96,8 @@ std::vector<BadVolume> badVolumes() {
       {"UnknownPhantom", given("phantom:pear"), "no phantom \"pear\"", 2},
       {"UnknownPhantomKey", given("phantom:sphere?radius=3"), "no key \"radius\"", 2},
       {"PhantomWithoutSpacing", given("phantom:sphere?size=16&spacing=0mm"), "not positive", 2},
-      {"PhantomLargerThanMemory", given("phantom:sphere?size=16000"), "GiB", 5},
+      {"PhantomLargerThanMemory", given("phantom:sphere?size=2040&noise=0.1"), "GiB", 5},
+      {"PhantomWithTooManyBricks", given("phantom:sphere?size=16000"), "16777216 bricks", 5},
       {"PhantomOneByOne", given("phantom:sphere?size=1x1x64"), "size=1x1x64", 2},
   };
 }

@@ -77,5 +77,25 @@ TEST(ActiveBricks, AllBricksAreAll) {
   EXPECT_EQ(allBricks({3, 4, 5}).size(), 60U);
 }
 
+// Every brick once; those of a block lie together, and the middle of the volume is inside one.
+TEST(ActiveBricks, InBlocksAreTheSameBricksCloserTogether) {
+  const Vec3i counts(40, 33, 32);
+  const std::vector<std::uint32_t> all = allBricks(counts);
+  const std::vector<std::uint32_t> blocks = inBlocks(all, counts);
+  std::vector<std::uint32_t> sorted = blocks;
+  std::sort(sorted.begin(), sorted.end());
+  EXPECT_EQ(sorted, all);
+  const auto positionOf = [&](int x, int y, int z) {
+    const auto brick = static_cast<std::uint32_t>((z * counts.y() + y) * counts.x() + x);
+    return std::find(blocks.begin(), blocks.end(), brick) - blocks.begin();
+  };
+  // A block holds 4096 bricks; along i, j, k a neighbour in it is at most that far, where in one list it is 1320.
+  for (int z = 15; z <= 16; ++z) {
+    for (int y = 15; y <= 16; ++y) {
+      for (int x = 15; x <= 16; ++x) EXPECT_LT(std::abs(positionOf(x, y, z) - positionOf(15, 15, 15)), 300);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace palpate
