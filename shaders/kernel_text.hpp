@@ -12,6 +12,8 @@ using namespace glsl;  // NOLINT(google-build-using-namespace): the text is GLSL
 
 #define precise
 #include "shaders/filter_convolve.math.glsl"
+#include "shaders/gradient.math.glsl"
+#include "shaders/sample_code.math.glsl"
 #undef precise
 
 }  // namespace palpate::kernel_text

@@ -9,17 +9,20 @@
 #include <string>
 #include <vector>
 
+#include "engine/gradient/gradient_operator.hpp"
 #include "engine/plan/scene.hpp"
 
 namespace palpate {
 
-enum class Pass { kUpload, kBrickBounds, kGradient, kWindow, kIsosurface };
+enum class Pass { kUpload, kBrickBounds, kSmoothing, kGradient, kWindow, kIsosurface };
 
 [[nodiscard]] const char* passName(Pass pass) noexcept;
 
 struct Plan {
   std::vector<Pass> passes;   // in order of execution
   bool gradient_all = false;  // gradients of every brick, not of those alone that the isosurface needs
+  GradientOperator gradient;  // how they are taken
+  bool half_samples = false;  // stored as halves, not as floats
   bool draws = false;
   bool meshes = false;      // the isosurface becomes a triangle mesh, for an algorithm that touches one
   std::size_t objects = 0;  // beside the volume
@@ -28,6 +31,7 @@ struct Plan {
   [[nodiscard]] bool has(Pass pass) const noexcept;
 };
 
+// Throws Error(kBadInput): an operator that is none; edits with one that smooths.
 // `needs_mesh`: the scene's algorithm touches a mesh of the isosurface (AlgorithmNeeds::isosurface_mesh).
 [[nodiscard]] Plan makePlan(const Scene& scene, bool needs_mesh = false);
 

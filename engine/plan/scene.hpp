@@ -25,6 +25,8 @@ struct Scene {
   // compute
   std::string gpu;            // part of the Vulkan device's name; empty: the best one
   bool gradient_all = false;  // every brick instead of those that the isosurface needs
+  std::string gradient_operator = "central";  // engine/gradient/gradient_operator.hpp
+  std::string samples = "float";              // or half: how the engine stores gradients and densities
   // servo
   std::string algorithm = "hri";
   int plane_renewal_ticks = 5;  // n

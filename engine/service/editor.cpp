@@ -181,7 +181,7 @@ void Editor::planReach(Plan& plan) const {
   std::vector<std::uint32_t> crossable;  // bricks whose cells the isosurface may cross from now on, or no longer
   for (const auto& [brick, state] : plan.touched) {
     appendReached(grid_, state.changed, kBoundsReach, plan.rebounded);
-    appendReached(grid_, state.changed, kGradientReach, plan.regraded);
+    appendReached(grid_, state.changed, parts_.gradient.reach(), plan.regraded);
     if (state.may_cross) appendReached(grid_, state.changed, kBoundsReach, crossable);
     plan.new_bricks += state.is_new ? 1 : 0;
   }

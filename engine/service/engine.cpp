@@ -5,6 +5,7 @@
 
 #include "base/error.hpp"
 #include "engine/passes/active_bricks.hpp"
+#include "engine/passes/filter_chain.hpp"
 #include "engine/service/window_focus.hpp"
 
 namespace palpate {
@@ -34,20 +35,35 @@ Engine::Engine(const Volume& volume, const Plan& plan, double isovalue, const st
       bounds_->run();
     });
   }
-  stage(passName(Pass::kGradient), [&] { computeGradients(plan); });
+  computeGradients(volume, plan);
   stage(passName(Pass::kWindow), [&] { makeWindows(); });
   if (plan.draws) isosurface_ = std::make_unique<IsosurfacePass>(gpu_, transfer_, *pool_, *bounds_);
 }
 
 Engine::~Engine() = default;
 
-void Engine::computeGradients(const Plan& plan) {
-  const std::vector<std::uint32_t> bricks =
-      plan.gradient_all ? allBricks(pool_->brickCounts())
-                        : activeBricks(bounds_->read(transfer_), pool_->brickCounts(), static_cast<float>(isovalue_));
-  store_ = std::make_unique<SampleStore>(gpu_, pool_->brickCount(), bricks, pool_->budget());
-  gradient_ = std::make_unique<GradientPass>(gpu_, transfer_, *pool_, *store_);
-  gradient_->run();
+// The smoothed field is needed while gradients are computed, and no longer: nothing changes it (allowEdits).
+void Engine::computeGradients(const Volume& volume, const Plan& plan) {
+  std::optional<FilterChain> smoothing;
+  std::vector<FilterStep> steps = lowerFilters(plan.gradient.smoothing, pool_->lattice().spacing_m);
+  if (!steps.empty()) {
+    stage(passName(Pass::kSmoothing), [&] { smoothing.emplace(gpu_, transfer_, *pool_, std::move(steps)).run(); });
+  }
+  stage(passName(Pass::kGradient), [&] {
+    const auto isovalue = static_cast<float>(isovalue_);
+    const std::vector<std::uint32_t> bricks =
+        plan.gradient_all ? allBricks(pool_->brickCounts())
+                          : activeBricks(bounds_->read(transfer_), pool_->brickCounts(), isovalue);
+    const SampleFormat format =
+        plan.half_samples
+            ? halfSamples(isovalue, volume.minimum(), volume.maximum(), pool_->lattice().spacing_m)
+            : SampleFormat{};
+    store_ = std::make_unique<SampleStore>(gpu_, pool_->brickCount(), bricks, pool_->budget(), format);
+    gradient_ = std::make_unique<GradientPass>(gpu_, transfer_, *pool_, *store_, plan.gradient,
+                                               smoothing ? &smoothing->result() : nullptr);
+    gradient_->run();
+    if (plan.gradient.smooths()) gradient_.reset();
+  });
 }
 
 void Engine::makeWindows() {
@@ -99,6 +115,10 @@ void Engine::publishBox(const WindowBox& box, std::int64_t now_ns) {
 }
 
 void Engine::allowEdits(const BrushProfile& profile, std::span<const EditKind> kinds) {
+  if (!gradient_) {
+    throw Error(Error::Code::kBadInput, "edits", "gradients are those of a smoothed field, which does not follow edits yet",
+                "use a gradient operator that does not smooth");
+  }
   const Editor::Parts parts{gpu_, transfer_, *pool_, *store_, bounds_.get(), *gradient_, *window_};
   stage("edit set-up", [&] {
     editor_ = std::make_unique<Editor>(parts, profile, gradient_all_);

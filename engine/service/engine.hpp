@@ -45,7 +45,8 @@ class Engine {
   // The same, around the place where this tool needs it (window_focus.hpp).
   bool publishFor(const ToolPose& tool, std::int64_t now_ns);
 
-  // Makes edits possible; once, before the first. Cost: kernels, and the bounds of every brick read back. `kinds`:
+  // Makes edits possible; once, before the first. Throws Error(kBadInput) where the plan's gradients are those of a
+  // smoothed field. Cost: kernels, and the bounds of every brick read back. `kinds`:
   // those whose kernels are to be ready, so that not even the first edit waits for the driver's compiler.
   void allowEdits(const BrushProfile& profile, std::span<const EditKind> kinds = {});
   struct EditResult {
@@ -77,7 +78,7 @@ class Engine {
  private:
   template <typename Work>
   void stage(const char* name, Work work);
-  void computeGradients(const Plan& plan);
+  void computeGradients(const Volume& volume, const Plan& plan);
   void makeWindows();
   template <typename Change>
   EditResult change(std::int64_t now_ns, const Change& change);
@@ -90,7 +91,7 @@ class Engine {
   std::unique_ptr<BrickPool> pool_;
   std::unique_ptr<BrickBoundsPass> bounds_;
   std::unique_ptr<SampleStore> store_;
-  std::unique_ptr<GradientPass> gradient_;
+  std::unique_ptr<GradientPass> gradient_;  // none once a smoothed field's gradients are computed
   std::unique_ptr<WindowPass> window_;
   std::unique_ptr<IsosurfacePass> isosurface_;
   bool gradient_all_ = false;
