@@ -2,11 +2,11 @@
 #include "apps/convert/convert_job.hpp"
 
 #include <chrono>
-#include <filesystem>
 
 #include <fmt/format.h>
 
 #include "apps/console/interrupt.hpp"
+#include "apps/console/other_file.hpp"
 #include "apps/mesh/mesh_writer.hpp"
 #include "apps/report/atomic_file.hpp"
 #include "base/error.hpp"
@@ -16,8 +16,6 @@
 
 namespace palpate {
 namespace {
-
-namespace fs = std::filesystem;
 
 [[noreturn]] void refuse(const std::string& input, const std::string& reason, const std::string& remedy) {
   throw Error(Error::Code::kBadInput, input, reason, remedy);
@@ -34,18 +32,6 @@ void checkOptions(const ConvertRequest& request) {
   if (request.adaptivity && !(*request.adaptivity >= 0 && *request.adaptivity <= 1)) {
     refuse("--adaptivity", fmt::format("{:g} is not in [0, 1]", *request.adaptivity),
            "0 keeps every cell, 1 joins most");
-  }
-}
-
-// Links and other ways to the same file count. A folder of slices must not lose one either.
-void checkOther(const std::string& in, const std::string& out) {
-  std::error_code ignored;
-  if (!fs::exists(out, ignored)) return;
-  const std::string path = fs::exists(in, ignored) ? in : in.substr(0, in.rfind('#'));
-  const bool same = fs::equivalent(path, out, ignored);
-  const fs::path folder = fs::absolute(out, ignored).parent_path();
-  if (same || (fs::is_directory(path, ignored) && fs::equivalent(path, folder, ignored))) {
-    refuse(out, same ? "it is the input" : "it is a file of the input's folder", "write to another name");
   }
 }
 

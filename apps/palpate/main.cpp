@@ -70,6 +70,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   app.failure_message(parseMessage);
   for (const auto& add : {palpate::addTouchVerb, palpate::addRecoverVerb, palpate::addInfoVerb, palpate::addConvertVerb,
+                          palpate::addGradientVerb,
                           palpate::addCheckVerb, palpate::addBenchVerb, palpate::addDevicesVerb, palpate::addPlanVerb,
                           palpate::addSceneVerb, palpate::addFaultsVerb}) {
     add(app);

@@ -13,6 +13,7 @@ void addTouchVerb(CLI::App& app);
 void addRecoverVerb(CLI::App& app);
 void addInfoVerb(CLI::App& app);
 void addConvertVerb(CLI::App& app);
+void addGradientVerb(CLI::App& app);
 void addCheckVerb(CLI::App& app);
 void addBenchVerb(CLI::App& app);
 void addDevicesVerb(CLI::App& app);

@@ -49,12 +49,13 @@ struct State {
   GradientPass gradient;
   WindowPass window;
 
-  State(gpu::Gpu& gpu, const Volume& volume, bool all, std::uint64_t budget = 0, bool in_place = true)
+  State(gpu::Gpu& gpu, const Volume& volume, bool all, std::uint64_t budget = 0, bool in_place = true,
+        const GradientOperator& way = {}, const SampleFormat& format = {})
       : transfer(gpu, in_place),
         pool(gpu, transfer, volume, makeGpuBudget(budget)),
         bounds(gpu, pool),
-        store(gpu, pool.brickCount(), firstBricks(all), pool.budget()),
-        gradient(gpu, transfer, pool, store),
+        store(gpu, pool.brickCount(), firstBricks(all), pool.budget(), format),
+        gradient(gpu, transfer, pool, store, way),
         window(gpu, pool, store) {
     gradient.run();
   }
@@ -70,11 +71,10 @@ struct State {
     if (pool.readBrick(transfer, b, values.data())) values.assign(kBrickVoxels, values[0]);
     return values;
   }
-  std::vector<Sample> samples(std::size_t b) {
-    std::vector<Sample> samples(kBrickVoxels);
+  std::vector<std::byte> samples(std::size_t b) {  // as they are stored
+    std::vector<std::byte> samples(kBrickVoxels * store.format().bytesAVoxel());
     const SampleStore::Place at = store.place(b);
-    transfer.download(store.slab(at.slab), std::as_writable_bytes(std::span(samples)),
-                      std::size_t{at.slot} * kBrickVoxels * sizeof(Sample));
+    transfer.download(store.slab(at.slab), samples, at.slot * samples.size());
     return samples;
   }
 };
@@ -109,6 +109,8 @@ struct Case {
   unsigned seed = 1;
   int edits = 1000;
   bool in_place = true;
+  const char* way = "central";
+  bool half = false;
 };
 
 class ManyEdits : public testing::TestWithParam<Case> {};
@@ -118,7 +120,10 @@ TEST_P(ManyEdits, EqualTheTwinAndANewStart) {
   const Case c = GetParam();
   Volume volume = ball(c.size, 0.3 * c.size.minCoeff());
   gpu::Gpu gpu({});
-  State state(gpu, volume, c.all, 0, c.in_place);
+  const GradientOperator way = gradientOperator(c.way);
+  const SampleFormat format =
+      c.half ? halfSamples(kIsovalue, -100, 200, volume.lattice().spacing_m) : SampleFormat{};
+  State state(gpu, volume, c.all, 0, c.in_place, way, format);
   const BrushProfile profile = profileOf(volume);
   Editor editor(state.parts(gpu), profile, c.all);
   reference::DenseField twin = reference::denseField(volume);
@@ -149,7 +154,7 @@ TEST_P(ManyEdits, EqualTheTwinAndANewStart) {
     ASSERT_TRUE(sameBytes(volume.toDense(), twin.values)) << "after " << done << " edits";
     most_stored = std::max(most_stored, volume.storedBricks());
     most_constant = std::max(most_constant, state.pool.brickCount() - volume.storedBricks());
-    State fresh(gpu, volume, c.all);
+    State fresh(gpu, volume, c.all, 0, true, way, format);
     expectSame(state, fresh);
     ASSERT_FALSE(testing::Test::HasFailure()) << "after " << done << " edits";
   }
@@ -161,7 +166,11 @@ TEST_P(ManyEdits, EqualTheTwinAndANewStart) {
 INSTANTIATE_TEST_SUITE_P(Cases, ManyEdits,
                          testing::Values(Case{{53, 41, 37}, false, 1, 1000}, Case{{33, 24, 50}, true, 2, 200},
                                          Case{{17, 9, 2}, false, 3, 200}, Case{{64, 64, 64}, false, 4, 200},
-                                         Case{{40, 40, 40}, false, 5, 200, false}));
+                                         Case{{40, 40, 40}, false, 5, 200, false},
+                                         Case{{53, 41, 37}, false, 6, 300, true, "sobel"},
+                                         Case{{53, 41, 37}, false, 7, 300, true, "central4", true},
+                                         Case{{33, 24, 50}, true, 8, 120, true, "central4"},
+                                         Case{{33, 24, 50}, false, 9, 120, true, "sobel", true}));
 
 EditCommand brush(EditKind kind, const Volume& volume, const Vec3& p_L, double radius_m) {
   EditCommand command;
