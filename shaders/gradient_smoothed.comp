@@ -12,20 +12,27 @@ layout(push_constant) uniform Push { GradientPush push; };
 
 layout(constant_id = GRADIENT_CONSTANT_DENSITY) const uint kDensitySlabs = 1;
 layout(std430, binding = GRADIENT_BINDING_DENSITY_PAGES) readonly buffer DensityPages { BrickPage density_pages[]; };
-layout(std430, binding = GRADIENT_BINDING_DENSITY_SLABS) readonly buffer DensitySlabs { vec4 quads[]; } density_slabs[DENSITY_SLABS];
+layout(std430, binding = GRADIENT_BINDING_DENSITY_SLABS + 0) readonly buffer DensitySlab0 { vec4 density0[]; };
+layout(std430, binding = GRADIENT_BINDING_DENSITY_SLABS + 1) readonly buffer DensitySlab1 { vec4 density1[]; };
+layout(std430, binding = GRADIENT_BINDING_DENSITY_SLABS + 2) readonly buffer DensitySlab2 { vec4 density2[]; };
+layout(std430, binding = GRADIENT_BINDING_DENSITY_SLABS + 3) readonly buffer DensitySlab3 { vec4 density3[]; };
+layout(std430, binding = GRADIENT_BINDING_DENSITY_SLABS + 4) readonly buffer DensitySlab4 { vec4 density4[]; };
+layout(std430, binding = GRADIENT_BINDING_DENSITY_SLABS + 5) readonly buffer DensitySlab5 { vec4 density5[]; };
+layout(std430, binding = GRADIENT_BINDING_DENSITY_SLABS + 6) readonly buffer DensitySlab6 { vec4 density6[]; };
+layout(std430, binding = GRADIENT_BINDING_DENSITY_SLABS + 7) readonly buffer DensitySlab7 { vec4 density7[]; };
 
 vec4 densityQuad(uint slot, uint quad) {
   const uint at = (slot % BRICKS_PER_DENSITY_SLAB) * BRICK_QUADS + quad;
-  if (kDensitySlabs == 1) return density_slabs[0].quads[at];
+  if (kDensitySlabs == 1) return density0[at];
   switch (slot / BRICKS_PER_DENSITY_SLAB) {
-    case 0: return density_slabs[0].quads[at];
-    case 1: return density_slabs[1].quads[at];
-    case 2: return density_slabs[2].quads[at];
-    case 3: return density_slabs[3].quads[at];
-    case 4: return density_slabs[4].quads[at];
-    case 5: return density_slabs[5].quads[at];
-    case 6: return density_slabs[6].quads[at];
-    default: return density_slabs[7].quads[at];
+    case 0: return density0[at];
+    case 1: return density1[at];
+    case 2: return density2[at];
+    case 3: return density3[at];
+    case 4: return density4[at];
+    case 5: return density5[at];
+    case 6: return density6[at];
+    default: return density7[at];
   }
 }
 

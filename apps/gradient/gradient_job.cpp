@@ -22,6 +22,7 @@
 #include "engine/passes/gradient_pass.hpp"
 #include "engine/volume/statistics.hpp"
 #include "engine/volume/vector_file.hpp"
+#include "servo/window/sample_window.hpp"
 
 namespace palpate {
 namespace {
@@ -35,10 +36,12 @@ double secondsSince(Clock::time_point start) {
 
 void checkRequest(const GradientRequest& request) {
   if (!request.out.ends_with(".vdb")) {
-    throw Error(Error::Code::kBadInput, request.out, "vectors are written as OpenVDB only", "give a name like gradient.vdb");
+    throw Error(Error::Code::kBadInput, request.out, "vectors are written as OpenVDB only",
+                "give a name like gradient.vdb");
   }
   if (request.all && request.isovalue) {
-    throw Error(Error::Code::kBadInput, "--iso", "all bricks are written, whatever the isosurface", "leave one of --iso and --all out");
+    throw Error(Error::Code::kBadInput, "--iso", "all bricks are written, whatever the isosurface",
+                "leave one of --iso and --all out");
   }
   checkOther(request.in, request.out);
 }

@@ -16,27 +16,27 @@
 namespace palpate {
 
 struct GradientRequest {
-  std::string in;                           // as loadVolume takes it
-  std::string out;                          // ends in .vdb
-  std::string gradient = "central";         // engine/gradient/gradient_operator.hpp
-  bool all = false;                         // every brick, not those alone that the isosurface needs
-  std::optional<double> isovalue = {};      // empty: as `palpate touch` chooses it [density]
-  std::string gpu = {};                     // part of the device's name; empty: the best one
+  std::string in;                       // as loadVolume takes it
+  std::string out;                      // ends in .vdb
+  std::string gradient = "central";     // engine/gradient/gradient_operator.hpp
+  bool all = false;                     // every brick, not those alone that the isosurface needs
+  std::optional<double> isovalue = {};  // empty: as `palpate touch` chooses it [density]
+  std::string gpu = {};                 // part of the device's name; empty: the best one
 };
 
 struct GradientResult {
   std::string device;
-  std::size_t bricks = 0;         // of the volume
-  std::size_t written = 0;        // of them, with gradients
-  double isovalue = 0;            // unless `all` [density]
-  double gradient_s = 0;          // smoothing and gradients, the driver's compiler included
-  double seconds = 0;             // loading, writing and all
-  std::uint64_t bytes = 0;        // of the file
+  std::size_t bricks = 0;   // of the volume
+  std::size_t written = 0;  // of them, with gradients
+  double isovalue = 0;      // unless `all` [density]
+  double gradient_s = 0;    // smoothing and gradients, the driver's compiler included
+  double seconds = 0;       // loading, writing and all
+  std::uint64_t bytes = 0;  // of the file
 };
 
-// Throws Error: kBadInput for an operator that is none, another suffix, an isovalue beside `all` or outside the volume's
-// densities, an output that is the input; kCancelled on Ctrl-C; and what loadVolume, FilterChain and AtomicFile
-// throw. What was at `out` stays then.
+// Throws Error: kBadInput for an operator that is none, another suffix, an isovalue beside `all` or outside the
+// volume's densities, an output that is the input; kCancelled on Ctrl-C; and what loadVolume, FilterChain and
+// AtomicFile throw. What was at `out` stays then.
 [[nodiscard]] GradientResult gradientFile(const GradientRequest& request, Progress& progress);
 
 // A line for people.

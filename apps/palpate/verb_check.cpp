@@ -91,7 +91,9 @@ void addCheckVerb(CLI::App& app) {
   gradient->add_option("volume", arguments->volume, "file, DICOM folder or phantom:NAME?size=64")->required();
   gradient->add_option("--gpu", arguments->gpu, "part of the Vulkan device's name; the best one if not given");
   gradient->add_option("--operator", arguments->gradient_operator, gradientNames() + " (default central)");
-  gradient->add_option("--samples", arguments->samples, "stored as float or half, about the volume's own isovalue (default float)")
+  gradient
+      ->add_option("--samples", arguments->samples,
+                   "stored as float or half, about the volume's own isovalue (default float)")
       ->check(CLI::IsMember({"float", "half"}));
   gradient->add_option("--bound", arguments->bound_ulp, "largest difference that is accepted [ULP] (default 0)");
   gradient->add_option("--json", arguments->json, "write the result into this file too");

@@ -13,7 +13,8 @@ namespace {
 constexpr GradientWords kOperators[] = {
     {"central", "", GRADIENT_CENTRAL, 1, 1, "central difference"},
     {"sobel", "", GRADIENT_SOBEL, 1, 16, "central difference, averaged over the 3x3 rows beside it"},
-    {"central4", "", GRADIENT_CENTRAL4, 2, 1, "fourth-order central difference; within two voxels of the border central"},
+    {"central4", "", GRADIENT_CENTRAL4, 2, 1,
+     "fourth-order central difference; within two voxels of the border central"},
     {"gaussian", "sigma", GRADIENT_CENTRAL, 1, 1, "central difference of the Gaussian-smoothed field"},
 };
 

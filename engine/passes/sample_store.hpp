@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // engine/passes/sample_store.hpp: where the plane-ready samples (gradient, density) of bricks live on the GPU: slabs of
-// up to 128 MiB, 8 KiB a brick (4 KiB as halves), and a slot for each brick that has them, given and taken as the active
-// set changes.
-// Memory on the host: 4 bytes a brick of the domain. Thread: the Gpu's.
+// up to 128 MiB, 8 KiB a brick (4 KiB as halves), and a slot for each brick that has them, given and taken as the
+// active set changes. Memory on the host: 4 bytes a brick of the domain. Thread: the Gpu's.
 #pragma once
 
 #include <cstddef>

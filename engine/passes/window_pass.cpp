@@ -6,12 +6,12 @@
 namespace palpate {
 namespace {
 
-layout::WindowPush pushFor(const BrickPool& pool, const WindowBox& box, const TaskRange& range, const SampleFormat& format,
-                           float isovalue) {
+layout::WindowPush pushFor(const BrickPool& pool, const WindowBox& box, const TaskRange& range,
+                           const SampleFormat& format, float isovalue) {
   const auto first = box.first.cast<layout::uint>().eval();
   const auto size = box.size.cast<layout::uint>().eval();
-  return {pool.domain(), range.first, range.count, first.x(), first.y(),
-          first.z(),     size.x(),    size.y(),    size.z(),  isovalue,    format.readingCode()};
+  return {pool.domain(), range.first, range.count, first.x(), first.y(),           first.z(),
+          size.x(),      size.y(),    size.z(),    isovalue,  format.readingCode()};
 }
 
 }  // namespace
@@ -30,8 +30,7 @@ WindowBox windowAround(const Vec3& p_L, const Vec3i& domain) {
 WindowPass::WindowPass(gpu::Gpu& gpu, const BrickPool& pool, const SampleStore& store)
     : pool_(pool),
       store_(store),
-      kernel_(gpu, "window", pool, WINDOW_BINDINGS, sizeof(layout::WindowPush),
-              {store.format().half ? 1U : 0U}),
+      kernel_(gpu, "window", pool, WINDOW_BINDINGS, sizeof(layout::WindowPush), {store.format().half ? 1U : 0U}),
       tasks_(gpu, "window tasks", kMaxTasks),
       commands_(gpu, "window", static_cast<std::uint32_t>(kMaxTasks)) {}
 

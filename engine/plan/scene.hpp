@@ -23,8 +23,8 @@ struct Scene {
   std::optional<double> isovalue;   // tau; empty: suggested from the histogram [density]
   std::vector<ObjectSpec> objects;  // beside the volume
   // compute
-  std::string gpu;            // part of the Vulkan device's name; empty: the best one
-  bool gradient_all = false;  // every brick instead of those that the isosurface needs
+  std::string gpu;                            // part of the Vulkan device's name; empty: the best one
+  bool gradient_all = false;                  // every brick instead of those that the isosurface needs
   std::string gradient_operator = "central";  // engine/gradient/gradient_operator.hpp
   std::string samples = "float";              // or half: how the engine stores gradients and densities
   // servo

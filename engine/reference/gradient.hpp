@@ -16,7 +16,8 @@ namespace palpate::reference {
 //   sobel     the same of f smoothed across the axis by (f(-1) + f(1)) + (f(0) + f(0)), first along i, then j, then k;
 //             j: differences are taken before the smoothing along k. Scale: 1 / 32h, at the border 1 / 16h.
 //   central4  (8 (f(1) - f(-1)) - (f(2) - f(-2))) * (1 / 12h); closer than two voxels to the border as central
-[[nodiscard]] std::array<float, 3> gradientAt(const DenseField& field, const GradientOperator& way, int i, int j, int k);
+[[nodiscard]] std::array<float, 3> gradientAt(const DenseField& field, const GradientOperator& way, int i, int j,
+                                              int k);
 
 // The field whose gradient an operator takes.
 [[nodiscard]] DenseField smoothedFor(const GradientOperator& way, DenseField field);

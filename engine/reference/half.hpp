@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/reference/half.hpp: the CPU twin of shaders/sample_code.math.glsl: 16-bit floats by their definition, in double.
-// Any thread.
+// engine/reference/half.hpp: the CPU twin of shaders/sample_code.math.glsl: 16-bit floats by their definition, in
+// double. Any thread.
 #pragma once
 
 #include <cstdint>

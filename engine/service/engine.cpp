@@ -55,9 +55,8 @@ void Engine::computeGradients(const Volume& volume, const Plan& plan) {
         plan.gradient_all ? allBricks(pool_->brickCounts())
                           : activeBricks(bounds_->read(transfer_), pool_->brickCounts(), isovalue);
     const SampleFormat format =
-        plan.half_samples
-            ? halfSamples(isovalue, volume.minimum(), volume.maximum(), pool_->lattice().spacing_m)
-            : SampleFormat{};
+        plan.half_samples ? halfSamples(isovalue, volume.minimum(), volume.maximum(), pool_->lattice().spacing_m)
+                          : SampleFormat{};
     store_ = std::make_unique<SampleStore>(gpu_, pool_->brickCount(), bricks, pool_->budget(), format);
     gradient_ = std::make_unique<GradientPass>(gpu_, transfer_, *pool_, *store_, plan.gradient,
                                                smoothing ? &smoothing->result() : nullptr);
@@ -116,7 +115,8 @@ void Engine::publishBox(const WindowBox& box, std::int64_t now_ns) {
 
 void Engine::allowEdits(const BrushProfile& profile, std::span<const EditKind> kinds) {
   if (!gradient_) {
-    throw Error(Error::Code::kBadInput, "edits", "gradients are those of a smoothed field, which does not follow edits yet",
+    throw Error(Error::Code::kBadInput, "edits",
+                "gradients are those of a smoothed field, which does not follow edits yet",
                 "use a gradient operator that does not smooth");
   }
   const Editor::Parts parts{gpu_, transfer_, *pool_, *store_, bounds_.get(), *gradient_, *window_};

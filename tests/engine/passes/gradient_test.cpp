@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The gradient kernels against their twins, bit for bit, and against formulas, since a twin is blind to a wrong formula.
+// The gradient kernels against their twins, bit for bit, and against formulas, since a twin is blind to a wrong
+// formula.
 #include "engine/reference/gradient.hpp"
 
 #include <bit>
@@ -76,8 +77,7 @@ void expectEqualsTwin(const Volume& volume, const std::string& way, const Sample
     for (int j = 0; j < field.size.y(); ++j) {
       for (int i = 0; i < field.size.x(); ++i) {
         const auto expected = reference::gradientAt(smoothed, made, i, j, k);
-        const Sample want =
-            reference::stored({expected[0], expected[1], expected[2], field.at(i, j, k)}, format);
+        const Sample want = reference::stored({expected[0], expected[1], expected[2], field.at(i, j, k)}, format);
         const Sample got = run.at(i, j, k);
         using Words = std::array<std::uint32_t, 4>;
         const auto a = std::bit_cast<Words>(got);
@@ -118,8 +118,8 @@ TEST_P(GradientBits, EqualTheTwinOnExtremes) {
 std::vector<BitsCase> bitsCases() {
   std::vector<BitsCase> cases;
   for (const char* way : {"central", "sobel", "central4", "gaussian:1.2mm", "gaussian:2:border=mirror:truncate=4"}) {
-    for (const Vec3i& size : {Vec3i(41, 33, 37), Vec3i(8, 8, 8), Vec3i(9, 7, 2), Vec3i(2, 2, 2), Vec3i(3, 2, 17),
-                              Vec3i(16, 17, 15)})
+    for (const Vec3i& size :
+         {Vec3i(41, 33, 37), Vec3i(8, 8, 8), Vec3i(9, 7, 2), Vec3i(2, 2, 2), Vec3i(3, 2, 17), Vec3i(16, 17, 15)})
       cases.push_back({size, way});
   }
   return cases;
@@ -146,8 +146,7 @@ TEST(Gradient, OfSomeBricksIsAsOfAll) {
 // exact, so only the scale's rounding (half an ULP) and the product's remain: one ULP, 1.2e-7 relative.
 TEST(Gradient, IsExactOnALinearField) {
   const Vec3i size(19, 18, 11);
-  const Volume volume =
-      makeField(size, [](int i, int j, int k) { return static_cast<float>(3 * i - 5 * j + 7 * k); });
+  const Volume volume = makeField(size, [](int i, int j, int k) { return static_cast<float>(3 * i - 5 * j + 7 * k); });
   const Vec3 h = testLattice().spacing_m;
   for (const char* way : {"central", "sobel", "central4"}) {
     Computed run(volume, way);
@@ -195,13 +194,15 @@ TEST(Gradient, IsCentralInsideAndOneSidedAtTheBorder) {
   }
 }
 
-// On f = x^3 the central difference gives 3x^2 + 1, the fourth-order one 3x^2 from the third voxel on: beside the border
-// it is the central one.
+// On f = x^3 the central difference gives 3x^2 + 1, the fourth-order one 3x^2 from the third voxel on: beside the
+// border it is the central one.
 TEST(Gradient, IsOfFourthOrderFromTheThirdVoxelOn) {
   const auto cube = [](int c) { return static_cast<float>(c * c * c); };
   const Vec3 h = testLattice().spacing_m;
   for (int axis = 0; axis < 3; ++axis) {
-    Computed run(makeField({19, 19, 19}, [&](int i, int j, int k) { return cube(axis == 0 ? i : axis == 1 ? j : k); }),
+    Computed run(makeField({19, 19, 19}, [&](int i, int j, int k) { return cube(axis == 0   ? i
+                                                                                : axis == 1 ? j
+                                                                                            : k); }),
                  "central4");
     const auto inVoxels = [&](int c) {
       Vec3i p(9, 9, 9);
@@ -248,7 +249,8 @@ TEST(SampleStore, HasNoPlaceForBricksThatWereNotAsked) {
 }
 
 TEST(SampleStore, TakesHalfTheMemoryForHalves) {
-  Computed run(ballField({24, 24, 24}, 9.0), std::vector<std::uint32_t>{5, 7}, "central", halfSamples(0, -3, 3, testLattice().spacing_m));
+  Computed run(ballField({24, 24, 24}, 9.0), std::vector<std::uint32_t>{5, 7}, "central",
+               halfSamples(0, -3, 3, testLattice().spacing_m));
   EXPECT_EQ(run.store.bytes(), 2U * 512U * 8U);
 }
 

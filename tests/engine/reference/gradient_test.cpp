@@ -55,7 +55,8 @@ double response(std::string_view name, const Vec3& w, int axis, const std::vecto
 
 // A gradient at voxels inside is the response times the derivative. Densities are rounded by 2^-24 of at most 1; so is
 // every operation, of at most 2 (of Sobel's 16 weights, which are divided out): some 20 roundings for a stencil, and
-// over a Gaussian's reach of 12 another 25 products and 24 sums an axis, whose taps are rounded too. All over the spacing.
+// over a Gaussian's reach of 12 another 25 products and 24 sums an axis, whose taps are rounded too. All over the
+// spacing.
 double roundingError(const GradientOperator& way) {
   return (way.smooths() ? 20 + 3 * 3 * 25 : 20) * std::ldexp(1.0, -24);
 }
@@ -132,8 +133,7 @@ TEST(GradientText, DiffersInNoBitFromTheTwin) {
   reference::DenseField field;
   field.size = {5, 5, 5};
   field.lattice.spacing_m = kCoarse_m;
-  for (int n = 0; n < 125; ++n)
-    field.values.push_back(std::ldexp(std::sin(static_cast<float>(n)), n * 7 % 120 - 60));
+  for (int n = 0; n < 125; ++n) field.values.push_back(std::ldexp(std::sin(static_cast<float>(n)), n * 7 % 120 - 60));
   const auto f = [&](int i) { return field.at(2 + i, 2, 2); };
   const auto scale = [&](double times) { return static_cast<float>(1.0 / (times * kCoarse_m.x())); };
   EXPECT_EQ(reference::gradientAt(field, gradientOperator("central"), 2, 2, 2)[0],

@@ -121,8 +121,7 @@ TEST_P(ManyEdits, EqualTheTwinAndANewStart) {
   Volume volume = ball(c.size, 0.3 * c.size.minCoeff());
   gpu::Gpu gpu({});
   const GradientOperator way = gradientOperator(c.way);
-  const SampleFormat format =
-      c.half ? halfSamples(kIsovalue, -100, 200, volume.lattice().spacing_m) : SampleFormat{};
+  const SampleFormat format = c.half ? halfSamples(kIsovalue, -100, 200, volume.lattice().spacing_m) : SampleFormat{};
   State state(gpu, volume, c.all, 0, c.in_place, way, format);
   const BrushProfile profile = profileOf(volume);
   Editor editor(state.parts(gpu), profile, c.all);
