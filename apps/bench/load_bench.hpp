@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/bench/load_bench.hpp: `palpate bench load`: loading a volume beside what its format's library alone takes to
-// read the file into plain memory.
+// apps/bench/load_bench.hpp: `palpate bench load`: loading a volume beside what its format's library (ITK,
+// OpenVDB) alone takes to read the file.
 //
 // Files of random floats, so that no brick is constant, are written into a temporary folder (512 MiB at a time) and
 // read in turns from the system's cache: library, load, load, library. The ratio is that of the medians. Rows by
@@ -18,7 +18,7 @@ namespace palpate {
 
 struct LoadBenchRequest {
   int size = 512;  // along every edge [voxel]
-  std::vector<std::string> suffixes = {".nrrd", ".nii"};
+  std::vector<std::string> suffixes = {".nrrd", ".mha", ".nii", ".nii.gz", ".vdb"};
   int repetitions = 9;
   std::uint64_t seed = 1;
 

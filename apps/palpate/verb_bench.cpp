@@ -187,7 +187,7 @@ void addBenchVerb(CLI::App& app) {
   edit->callback([arguments] { editVerb(*arguments); });
   CLI::App* load = verb->add_subcommand(
       "load",
-      "loading beside the format's library alone (a minute, 3 GiB of memory and 0.5 of disk; --quick: seconds)");
+      "loading beside the format's library alone (minutes, 3 GiB of memory and 0.5 of disk; --quick: seconds)");
   addCommon(*load, *arguments);
   load->callback([arguments] { loadVerb(*arguments); });
 }

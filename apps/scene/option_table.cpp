@@ -103,7 +103,7 @@ const SceneOption kOptions[] = {
     {"--depth", "path.depth_mm", "mm", "how deep the path presses below the surface", number(&Scene::press_depth_m, kMm, 0, 100)},
     {"--slide", "path.slide_mm", "mm", "how far the path slides along the surface", number(&Scene::slide_length_m, kMm, 0, 1000)},
     {"--approach", "path.approach_mm", "mm", "how far outside the path begins and ends", number(&Scene::approach_m, kMm, 0.01, 1000)},
-    {"--edit", "edit.brush", "", "the tool edits what it touches: remove, add, paint, smooth, inflate or deflate, with radius, strength, falloff ...: remove:radius=2mm",
+    {"--edit", "edit.brush", "", "the tool edits what it touches: remove, add, paint, flatten, smooth, inflate or deflate, with radius, strength, falloff, mirror ...: remove:radius=2mm",
      TextOption{&Scene::edit}},
     {"--journal", "edit.journal", "", "folder in which every edit is kept on disk as it goes, for 'palpate recover'", TextOption{&Scene::journal}},
     {"--out", "output.folder", "", "folder for trace.csv, summary.json, report.html, view.png", TextOption{&Scene::out}},

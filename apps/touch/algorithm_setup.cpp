@@ -29,7 +29,8 @@ AlgorithmSetup algorithmSetup(const Scene& scene, double isovalue, const Density
   setup.parameters = {.isovalue = isovalue,
                       .stiffness_N_per_m = scene.stiffness_N_per_m,
                       .damping_Ns_per_m = scene.damping_Ns_per_m,
-                      .plane_renewal_ticks = scene.plane_renewal_ticks};
+                      .plane_renewal_ticks = scene.plane_renewal_ticks,
+                      .rate_hz = scene.rate_hz};
   for (const std::vector<double>& row : scene.haptization_density) {
     setup.haptization.density.push_back({row.at(0), row.at(1), row.at(2)});
   }

@@ -70,7 +70,7 @@ void checkEditOptions(const Scene& scene) {
 }
 
 LiveEdits::LiveEdits(const Scene& scene, const Volume& volume, Engine& engine)
-    : brush_(toolBrushSpec(scene.edit), scene.stiffness_N_per_m, scene.force_limit_N),
+    : brush_(toolBrushSpec(scene.edit), volume.size(), volume.lattice()),
       session_(
           engine,
           [&] {
@@ -88,10 +88,10 @@ void LiveEdits::tell(const std::string& trouble) {
 
 void LiveEdits::follow(const ToolPose& pose, std::int64_t now_ns) {
   if (!editing_) return;
-  const std::optional<EditCommand> command = brush_.look(pose, now_ns);
-  if (!command) return;
+  const std::vector<EditCommand> commands = brush_.look(pose, now_ns);
+  if (commands.empty()) return;
   try {
-    session_.edit({&*command, 1}, now_ns);
+    session_.edit(commands, now_ns);
   } catch (const Error& error) {
     editing_ = false;
     tell(fmt::format("editing has ended: {}", error.what()));

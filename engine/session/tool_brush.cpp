@@ -23,14 +23,18 @@ constexpr double kStandsStill = 0.05;  // of the radius: a nearer place is the s
 }
 
 constexpr std::pair<std::string_view, EditKind> kKinds[] = {
-    {"remove", EditKind::kRemove}, {"add", EditKind::kAdd},         {"paint", EditKind::kPaint},
-    {"smooth", EditKind::kSmooth}, {"inflate", EditKind::kInflate}, {"deflate", EditKind::kDeflate}};
+    {"remove", EditKind::kRemove},  {"add", EditKind::kAdd},         {"paint", EditKind::kPaint},
+    {"smooth", EditKind::kSmooth},  {"inflate", EditKind::kInflate}, {"deflate", EditKind::kDeflate},
+    {"flatten", EditKind::kFlatten}};
 
 EditKind kindOf(const std::string& text, std::string_view word) {
   for (const auto& [name, kind] : kKinds) {
     if (name == word) return kind;
   }
-  refuse(text, fmt::format("there is no brush '{}'", word), "use remove, add, paint, smooth, inflate or deflate");
+  if (word == "cut") refuse(text, "a plane is no brush of a tool", "use flatten, or remove to drill");
+  if (word.starts_with("stamp")) refuse(text, "a stamp is no brush of a tool", "use add or remove");
+  refuse(text, fmt::format("there is no brush '{}'", word),
+         "use remove, add, paint, flatten, smooth, inflate or deflate");
 }
 
 // A number and what is behind it.
@@ -86,11 +90,16 @@ void setKey(const std::string& text, std::string_view key, std::string_view valu
     material().high_density = plain(text, key, value, -kLargest, kLargest);
   } else if (key == "drop") {
     material().drop = plain(text, key, value, 0, 1);
+  } else if (key == "mirror") {
+    if (value != "x" && value != "y" && value != "z") {
+      refuse(text, fmt::format("'{}' of mirror is no axis", value), "give mirror=x, y or z, an axis of the volume");
+    }
+    spec.mirror_axis = value[0] - 'x';
   } else if (key == "period") {
     spec.period_s = plain(text, key, value, 0.1, 1000) * 1e-3;
   } else {
     refuse(text, fmt::format("there is no '{}'", key),
-           "use radius, strength, falloff, value, rate, soft, hard, drop and period");
+           "use radius, strength, falloff, value, rate, soft, hard, drop, period and mirror");
   }
 }
 
@@ -125,25 +134,40 @@ double ToolBrush::strengthFor(double seconds) const {
   return spec_.brush.strength * -std::expm1(-spec_.rate_per_Ns * impulse_Ns_);
 }
 
-std::optional<EditCommand> ToolBrush::look(const ToolPose& pose, std::int64_t time_ns) {
+ToolBrush::ToolBrush(const ToolBrushSpec& spec, const Vec3i& size, const Lattice& lattice)
+    : spec_(spec),
+      middle_W_(lattice.toWorld(0.5 * (size - Vec3i::Ones()).cast<double>())),
+      mirror_normal_W_(lattice.R_WL.col(spec.mirror_axis.value_or(0))) {}
+
+// The pressing force is what the device was really sent, along the normal: what rubs does not drill.
+void ToolBrush::touch(const ToolPose& pose, std::int64_t time_ns) {
+  const bool was_touching = std::exchange(touching_, !pose.normal_W.isZero(0));
+  if (!touching_) return;
+  touched_ = true;
+  const double force_N = std::max(0.0, pose.force_W.dot(pose.normal_W));
+  impulse_Ns_ += force_N * static_cast<double>(time_ns - last_look_ns_) / kNanosecondsPerSecond;
+  if (was_touching) return;
+  plane_W_ = pose.at_surface ? pose.surface_W : pose.position_W;
+  normal_W_ = pose.normal_W;
+}
+
+std::vector<EditCommand> ToolBrush::look(const ToolPose& pose, std::int64_t time_ns) {
   if (!from_W_) {
     from_W_ = pose.position_W;
     begin_ns_ = last_look_ns_ = time_ns;
   }
-  if (pose.at_surface) {
-    touched_ = true;
-    const double force_N = std::min(force_limit_N_, stiffness_N_per_m_ * (pose.surface_W - pose.position_W).norm());
-    impulse_Ns_ += force_N * static_cast<double>(time_ns - last_look_ns_) / kNanosecondsPerSecond;
-  }
+  touch(pose, time_ns);
   last_look_ns_ = time_ns;
   const double seconds = static_cast<double>(time_ns - begin_ns_) / kNanosecondsPerSecond;
   // Half a nanosecond, since ticks are rounded to whole ones.
-  if (seconds < spec_.period_s - 1e-9) return std::nullopt;
+  if (seconds < spec_.period_s - 1e-9) return {};
 
   EditCommand command = spec_.brush;
   command.from_W = *from_W_;
   command.to_W = pose.position_W;
   command.strength = strengthFor(seconds);
+  command.plane_W = plane_W_;
+  command.normal_W = normal_W_;
   const bool touched = std::exchange(touched_, false);
   from_W_ = pose.position_W;
   begin_ns_ = time_ns;
@@ -153,9 +177,10 @@ std::optional<EditCommand> ToolBrush::look(const ToolPose& pose, std::int64_t ti
                        command.falloff == 0 && !command.material;
   const bool stands = last_edit_W_ && (*last_edit_W_ - command.to_W).norm() < kStandsStill * command.radius_m &&
                       (*last_edit_W_ - command.from_W).norm() < kStandsStill * command.radius_m;
-  if (!touched || !(command.strength > 0) || (at_once && stands)) return std::nullopt;
+  if (!touched || !(command.strength > 0) || (at_once && stands)) return {};
   last_edit_W_ = command.to_W;
-  return command;
+  if (!spec_.mirror_axis) return {command};
+  return {command, mirrored(command, middle_W_, mirror_normal_W_)};
 }
 
 }  // namespace palpate

@@ -34,12 +34,18 @@ using BrickSource = Volume::BrickSource;
 inline constexpr const char* kVdbDomainKey = "palpate_domain";
 
 // Builds the grid brick by brick. Throws Error(kBadInput): a dimension below 2, a bad lattice, NaN or infinite values
-// (with their count and the first one's index). Layers of bricks may be asked for from several threads at once, which a
-// source of values that are all there already can bear.
-enum class SourceCalls { kInOrder, kFromSeveralThreads };
+// (with their count and the first one's index); and what the source throws.
 [[nodiscard]] std::unique_ptr<Volume::Grid> buildGrid(const Vec3i& size, const Lattice& lattice, VolumeFacts facts,
-                                                      const BrickSource& source,
-                                                      SourceCalls calls = SourceCalls::kInOrder);
+                                                      const BrickSource& source);
+
+// The same by all processors: gives the source of the bricks (i, j, bk), which are asked for i fastest, by one thread;
+// called for several layers at once.
+using LayerSource = std::function<BrickSource(int bk)>;
+[[nodiscard]] std::unique_ptr<Volume::Grid> buildGridByLayers(const Vec3i& size, const Lattice& lattice,
+                                                              VolumeFacts facts, const LayerSource& layers);
+
+// A brick's 512 values from i fastest, as Palpate has them, to k fastest, as VDB has them, or back.
+void turnBrick(const float* from, float* to);
 
 // A leaf of a brick's 512 densities (i fastest; VDB's own run k fastest) with the voxels inside the domain active.
 [[nodiscard]] std::unique_ptr<ScalarTree::LeafNodeType> makeLeaf(const Vec3i& size, const Vec3i& brick,

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/volume/itk_image.hpp"
 
+#include <system_error>
+
 #include <fmt/format.h>
 
 #include "base/error.hpp"
@@ -42,6 +44,20 @@ Lattice latticeOf(const ItkHeader& header, double metres_per_unit) {
   return lattice;
 }
 
+// Without ITK. Nothing if that fails or there are voxels that are no numbers: ITK then reads the file, to refuse it in
+// its own words or to replace such voxels, as it does in NIfTI.
+std::unique_ptr<Volume::Grid> readRaw(const ItkRequest& request, ValueType type, const Vec3i& size,
+                                      const Lattice& lattice) {
+  try {
+    const LayerSource layers = layersOf(*request.raw, type, size, request.slope, request.intercept);
+    return buildGridByLayers(size, lattice, request.facts, layers);
+  } catch (const Error&) {
+    return nullptr;
+  } catch (const std::system_error&) {
+    return nullptr;
+  }
+}
+
 Volume read(ItkRequest& request) {
   const std::string& source = request.facts.source;
   ItkFile file(request.reader, request.path);
@@ -55,11 +71,14 @@ Volume read(ItkRequest& request) {
   claimed.origin_W *= request.origin_scale;
   const Lattice lattice = orthonormalised(claimed, source);
   if (request.facts.value_type.empty()) request.facts.value_type = nameOf(type);
+  if (request.raw) {
+    if (auto grid = readRaw(request, type, size, lattice)) return Volume(std::move(grid));
+  }
   const auto count = static_cast<std::size_t>(size.cast<long long>().prod());
   LargeBuffer raw(count * byteSize(type));
   file.read(raw.data());
   const BrickSource bricks = rawBricks({raw.data(), raw.size()}, type, size, request.slope, request.intercept);
-  return Volume(buildGrid(size, lattice, std::move(request.facts), bricks, SourceCalls::kFromSeveralThreads));
+  return Volume(buildGridByLayers(size, lattice, std::move(request.facts), [&](int) { return bricks; }));
 }
 
 }  // namespace

@@ -5,9 +5,11 @@
 // size of a negative spacing, puts 1 for 0), so each format's own file looks at the raw header first.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "engine/volume/itk_file.hpp"
+#include "engine/volume/raw_block.hpp"
 #include "engine/volume/volume.hpp"
 
 namespace palpate {
@@ -22,6 +24,7 @@ struct ItkRequest {
   double slope = 1;                 // applied here, for formats in which ITK does not
   double intercept = 0;
   std::size_t memory_budget_bytes = 0;
+  std::optional<RawBlock> raw;  // where the values can be had without ITK, which then reads the header only
 };
 
 // Refuses several components, fewer than three dimensions, more than one time point, what exceeds the memory budget,

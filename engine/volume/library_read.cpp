@@ -4,8 +4,11 @@
 #include <memory>
 #include <stdexcept>
 
+#include <openvdb/openvdb.h>
+
 #include "base/error.hpp"
 #include "engine/volume/itk_file.hpp"
+#include "engine/volume/quiet.hpp"
 #include "engine/volume/text_header.hpp"
 
 namespace palpate {
@@ -16,12 +19,28 @@ ItkReader readerFor(const std::string& name) {
   if (lower.ends_with(".nrrd") || lower.ends_with(".nhdr")) return ItkReader::kNrrd;
   if (lower.ends_with(".nii") || lower.ends_with(".nii.gz")) return ItkReader::kNifti;
   if (lower.ends_with(".mha") || lower.ends_with(".mhd")) return ItkReader::kMeta;
-  throw Error(Error::Code::kBadInput, name, "ITK does not read its format", "give .nrrd, .nii, .nii.gz or .mha");
+  throw Error(Error::Code::kBadInput, name, "neither ITK nor OpenVDB reads its format",
+              "give .nrrd, .nii, .nii.gz, .mha or .vdb");
+}
+
+std::size_t readWithOpenVdb(const std::string& name) {
+  try {
+    openvdb::initialize();
+    openvdb::io::File file(name);
+    file.open(false);  // nothing is left for later
+    openvdb::Index64 bytes = 0;
+    const openvdb::GridPtrVecPtr grids = file.getGrids();
+    for (const openvdb::GridBase::Ptr& grid : *grids) bytes += grid->memUsage();
+    return bytes;
+  } catch (const openvdb::Exception& failure) {
+    throw Error(Error::Code::kBadInput, name, oneLine(failure.what()), "give another file");
+  }
 }
 
 }  // namespace
 
 std::size_t readWithLibraryAlone(const std::string& name) {
+  if (lowerCase(name).ends_with(".vdb")) return readWithOpenVdb(name);
   const ItkReader reader = readerFor(name);
   try {
     ItkFile file(reader, name);

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // MetaImage: .mha, and .mhd with its data in a second file. Source of the format: https://itk.org/Wiki/ITK/MetaIO
 //
-// ITK reads it; its frame is LPS. Looked at before: spacing (MetaIO takes the size of a negative one), channels, the
-// stored size. The slope from elements to intensities, which ITK leaves out, is applied here.
+// ITK reads it, but for values that lie there as they are; its frame is LPS. Looked at before: spacing (MetaIO takes
+// the size of a negative one), channels, the stored size. The slope from elements to intensities, which ITK leaves out,
+// is applied here.
 #include <cmath>
 #include <filesystem>
 
@@ -13,6 +14,7 @@
 #include "engine/volume/memory_budget.hpp"
 #include "engine/volume/readers.hpp"
 #include "engine/volume/text_header.hpp"
+#include "engine/volume/text_raw_block.hpp"
 
 namespace palpate {
 namespace {
@@ -110,6 +112,7 @@ Volume readMeta(const std::string& name, std::size_t memory_budget_bytes) {
   request.reader = ItkReader::kMeta;
   request.path = name;
   request.memory_budget_bytes = memory_budget_bytes;
+  request.raw = metaRawBlock(header, name);
   request.slope = numberOr(header, "elementtointensityfunctionslope", 1);
   request.intercept = numberOr(header, "elementtointensityfunctionoffset", 0);
   request.facts.source = name;

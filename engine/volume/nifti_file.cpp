@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // NIfTI-1: .nii, .nii.gz and .hdr/.img pairs. Source of the format: nifti1.h, https://nifti.nimh.nih.gov/nifti-1
 //
-// ITK reads it, turns RAS to LPS and applies scl_slope and scl_inter. Looked at before: dimensions, voxel sizes (ITK
-// takes the size of a negative one), value type, the stored size. Analyze 7.5 files are refused: they do not say left
-// from right.
+// ITK reads it, but for values that lie there as they are, turns RAS to LPS and applies scl_slope and scl_inter. Looked
+// at before: dimensions, voxel sizes (ITK takes the size of a negative one), value type, the stored size. Analyze 7.5
+// files are refused: they do not say left from right.
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -24,6 +25,7 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t kHeaderBytes = 348;
+constexpr double kOneFileHeaderBytes = 352;  // with the four that say whether extensions follow
 
 [[noreturn]] void refuse(const std::string& source, const std::string& reason, const std::string& remedy) {
   throw Error(Error::Code::kBadInput, source, reason, remedy);
@@ -55,6 +57,7 @@ class RawHeader {
     if (unit == 1) return 1e3;
     return unit == 3 ? 1e-3 : 1;
   }
+  [[nodiscard]] bool swapped() const { return swapped_; }  // against the machine's byte order
   [[nodiscard]] bool oneFile() const { return bytes_[345] == '+'; }
   [[nodiscard]] bool hasOrientation() const { return get<std::int16_t>(252) > 0 || get<std::int16_t>(254) > 0; }
 
@@ -151,6 +154,16 @@ void checkData(const RawHeader& header, const std::string& header_path, const st
   checkStoredBytes(source, static_cast<double>(fileBytes(path, source)) - offset, wanted, compressed);
 }
 
+// The values, if they are in the machine's byte order and neither packed nor scaled.
+std::optional<RawBlock> rawBlockOf(const RawHeader& header, const std::string& header_path) {
+  const std::string path = dataPath(header, header_path);
+  const double offset = header.dataOffset(), least = header.oneFile() ? kOneFileHeaderBytes : 0;
+  const bool moved = !(offset >= least) || offset != std::floor(offset);
+  const bool scaled = (header.slope() != 0 && header.slope() != 1) || header.intercept() != 0;
+  if (header.swapped() || moved || scaled || lowerCase(path).ends_with(".gz")) return {};
+  return RawBlock{path, static_cast<std::uint64_t>(offset)};
+}
+
 }  // namespace
 
 Volume readNifti(const std::string& name, std::size_t memory_budget_bytes) {
@@ -163,6 +176,7 @@ Volume readNifti(const std::string& name, std::size_t memory_budget_bytes) {
   request.reader = ItkReader::kNifti;
   request.path = path;
   request.memory_budget_bytes = memory_budget_bytes;
+  request.raw = rawBlockOf(header, path);
   request.origin_scale = header.millimetresPerUnit();
   request.facts.source = name;
   request.facts.format = "NIfTI";

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // NRRD, attached (.nrrd) and detached (.nhdr). Source of the format: https://teem.sourceforge.net/nrrd/format.html
 //
-// ITK reads the values. The lattice is made here from "space directions", because ITK 5.2 turns LAS files to LPS but
-// not RAS ones. Looked at before: spacings (ITK takes the size of a negative one), units of length (ITK ignores them),
-// the stored size of raw and gzip data.
+// ITK reads the values, unless they lie there as they are. The lattice is made here from "space directions", because
+// ITK 5.2 turns LAS files to LPS but not RAS ones. Looked at before: spacings (ITK takes the size of a negative one),
+// units of length (ITK ignores them), the stored size of raw and gzip data.
 #include <cmath>
 #include <filesystem>
 #include <optional>
@@ -15,6 +15,7 @@
 #include "engine/volume/memory_budget.hpp"
 #include "engine/volume/readers.hpp"
 #include "engine/volume/text_header.hpp"
+#include "engine/volume/text_raw_block.hpp"
 
 namespace palpate {
 namespace {
@@ -155,6 +156,7 @@ Volume readNrrd(const std::string& name, std::size_t memory_budget_bytes) {
   request.metres_per_unit = metresPerUnit(header, name);
   request.lattice = latticeOf(header, request.metres_per_unit);
   request.memory_budget_bytes = memory_budget_bytes;
+  request.raw = nrrdRawBlock(header, name);
   request.facts.source = name;
   request.facts.format = "NRRD";
   request.facts.orientation = orientationOf(header);

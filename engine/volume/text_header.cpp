@@ -66,18 +66,24 @@ TextHeader readTextHeader(const std::string& path, const std::string& source, ch
   file.read(head.data(), static_cast<std::streamsize>(head.size()));
   head.resize(static_cast<std::size_t>(file.gcount()));
   TextHeader header;
+  bool all_plain = true, is_first = true;
   std::size_t begin = 0;
   while (begin < head.size()) {
     const std::size_t end = std::min(head.find('\n', begin), head.size());
     const std::string line = trimmed(head.substr(begin, end - begin));
     begin = std::min(end + 1, head.size());
     header.data_offset = begin;
-    if (line.empty() && last_key.empty()) break;
-    const std::size_t colon = line.find(separator);
-    if (line.starts_with('#') || colon == std::string::npos) continue;
-    const std::string key = lowerCase(trimmed(line.substr(0, colon)));
-    header.fields.emplace(key, trimmed(line.substr(colon + 1)));
-    if (!last_key.empty() && key == last_key) break;
+    const std::size_t colon = line.starts_with('#') ? std::string::npos : line.find(separator);
+    const std::string key = colon == std::string::npos ? "" : lowerCase(trimmed(line.substr(0, colon)));
+    const bool is_last = last_key.empty() ? line.empty() : key == last_key;
+    if (colon != std::string::npos) {
+      all_plain = header.fields.emplace(key, trimmed(line.substr(colon + 1))).second && all_plain;
+    } else if (!is_last && !is_first && !line.starts_with('#')) {
+      all_plain = false;
+    }
+    header.plain = is_last && all_plain;
+    if (is_last) break;
+    is_first = false;
   }
   return header;
 }

@@ -14,6 +14,7 @@ namespace palpate {
 struct TextHeader {
   std::map<std::string, std::string> fields;  // lower-case keys, trimmed values; the first of a key counts
   std::uint64_t data_offset = 0;              // first byte after the header [byte]
+  bool plain = false;  // that end was seen, every line but the first is such a line or a comment, no key comes twice
 
   [[nodiscard]] std::string text(const std::string& key) const;  // "" where it is missing
   // Every number of a value, brackets and commas being blanks; words that are no number become NaN.

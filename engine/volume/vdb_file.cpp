@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <fstream>
 #include <optional>
+#include <type_traits>
 
 #include <fmt/format.h>
 #include <openvdb/io/Stream.h>
@@ -124,7 +125,8 @@ openvdb::CoordBBox domainOf(const openvdb::GridBase& grid, const std::string& so
   return box;
 }
 
-// Reads bricks out of a grid of any value type; where no leaf reaches into a brick only its corners are looked at.
+// Reads bricks out of a grid of any value type; where no leaf reaches into a brick only its corners are looked at. A
+// layer of bricks has one of its own.
 template <class Tree>
 class TreeBricks {
  public:
@@ -134,6 +136,7 @@ class TreeBricks {
   bool operator()(const Vec3i& brick, float* out) {
     const openvdb::Coord first =
         domain_.min().offsetBy(brick.x() * kBrickSize, brick.y() * kBrickSize, brick.z() * kBrickSize);
+    if (wholeLeafFrom(first, out)) return false;
     if (constantFrom(first, out)) return true;
     for (int k = 0; k < kBrickSize; ++k) {
       for (int j = 0; j < kBrickSize; ++j) {
@@ -149,6 +152,18 @@ class TreeBricks {
     return static_cast<float>(scale_ * static_cast<double>(values_.getValue(voxel)));
   }
 
+  // A brick that is a leaf, and wholly inside: the usual one in files that Palpate wrote.
+  bool wholeLeafFrom(const openvdb::Coord& first, float* out) const {
+    if constexpr (std::is_same_v<typename Tree::ValueType, float>) {
+      const auto* leaf = values_.probeConstLeaf(first);
+      const bool whole =
+          leaf != nullptr && leaf->origin() == first && scale_ == 1 && domain_.isInside(first.offsetBy(kBrickSize - 1));
+      if (whole) turnBrick(leaf->buffer().data(), out);
+      return whole;
+    }
+    return false;
+  }
+
   // A brick reaches into at most two leaf cells along an axis, and each of its eight corners lies in another of them.
   bool constantFrom(const openvdb::Coord& first, float* out) const {
     out[0] = at(first);
@@ -162,7 +177,7 @@ class TreeBricks {
     return true;
   }
 
-  openvdb::tree::ValueAccessor<const Tree> values_;
+  openvdb::tree::ValueAccessor<const Tree, false> values_;  // unknown to the tree, which does not change
   openvdb::CoordBBox domain_;
   double scale_;
 };
@@ -172,9 +187,9 @@ Volume convert(const openvdb::GridBase& base, const Lattice& lattice, const open
                VolumeFacts facts) {
   const auto& grid = static_cast<const GridType&>(base);
   const openvdb::Coord dim = domain.dim();
-  TreeBricks<typename GridType::TreeType> bricks(grid.constTree(), domain, scale);
-  return Volume(buildGrid(Vec3i(dim.x(), dim.y(), dim.z()), lattice, std::move(facts),
-                          [&](const Vec3i& brick, float* values) { return bricks(brick, values); }));
+  using Bricks = TreeBricks<typename GridType::TreeType>;
+  return Volume(buildGridByLayers(Vec3i(dim.x(), dim.y(), dim.z()), lattice, std::move(facts),
+                                  [&](int) { return Bricks(grid.constTree(), domain, scale); }));
 }
 
 // Leaves count double (source and copy) and with what the GPU needs; every brick of the domain costs a tile.

@@ -52,7 +52,7 @@ Volume Volume::fromDense(const Vec3i& size, const Lattice& lattice, const std::v
   }
   const std::span<const char> raw(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(float));
   const BrickSource source = rawBricks(raw, ValueType::kFloat32, size);
-  return Volume(buildGrid(size, lattice, std::move(facts), source, SourceCalls::kFromSeveralThreads));
+  return Volume(buildGridByLayers(size, lattice, std::move(facts), [&](int) { return source; }));
 }
 
 Volume Volume::fromBricks(const Vec3i& size, const Lattice& lattice, VolumeFacts facts, const BrickSource& source) {
@@ -95,12 +95,7 @@ bool Volume::readBrick(const Vec3i& brick, float* values) const {
     values[0] = tree.getValue(first);
     return true;
   }
-  const float* stored = leaf->buffer().data();
-  for (int k = 0; k < kBrickSize; ++k) {
-    for (int j = 0; j < kBrickSize; ++j) {
-      for (int i = 0; i < kBrickSize; ++i) *values++ = stored[(i * kBrickSize + j) * kBrickSize + k];
-    }
-  }
+  turnBrick(leaf->buffer().data(), values);
   return false;
 }
 

@@ -23,6 +23,7 @@ struct AlgorithmParameters {
   double stiffness_N_per_m = 500;  // K [N/m]
   double damping_Ns_per_m = 0.5;   // B [N s/m]
   int plane_renewal_ticks = 5;     // n: the plane is found again every n ticks, 1: every tick [tick]
+  double rate_hz = 1000;           // of the ticks: for what lasts a set time (edit_ease.hpp) [Hz]
 };
 
 struct TickInput {

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/algorithms/avila.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "servo/safety/faults.hpp"
 
@@ -9,11 +11,43 @@ namespace palpate {
 
 void Avila::reset(const Vec3&) noexcept {
   field_.forget();
+  ease_.end();
+  edit_version_.reset();
+}
+
+// The way to the force needs no root; the normal, which nothing waits for, does.
+Avila::Push Avila::pushAt(const IsoField& field, const Fetch& f) noexcept {
+  Push push;
+  const double excess = f.density - field.isovalue();
+  if (!(excess > 0)) return push;
+  const double steepness_squared = f.gradient_W.squaredNorm();
+  if (!(steepness_squared > 0) || !std::isfinite(steepness_squared)) {
+    push.faults = bit(ServoFault::kZeroGradient);
+    return push;
+  }
+  // depth N = -excess g / |g|^2
+  push.way_W = f.gradient_W * (-excess / steepness_squared);
+  const double deepest_m = kDeepest * field.voxel();
+  push.normal_W = f.gradient_W * (-1 / std::sqrt(steepness_squared));
+  if (excess * excess > deepest_m * deepest_m * steepness_squared) push.way_W = deepest_m * push.normal_W;
+  return push;
+}
+
+// Old and new are compared where the tool was in the last tick, so that its own motion is no edit's.
+void Avila::takeEdit(const IsoField& field, const SampleWindow& window, const Push& here,
+                     const Vec3& shown_W) noexcept {
+  const bool first = !edit_version_;
+  edit_version_ = window.edit_version;
+  if (first) return;
+  const Fetch f = field.sampler().at(last_hip_W_);
+  const Push there = f.place == Place::kBeyondWindow ? here : pushAt(field, f);
+  ease_.take(std::max(0.0, shown_W.dot(there.normal_W)), there.way_W.norm());
 }
 
 void Avila::tick(const TickInput& in, TickOutput& out) noexcept {
   out = TickOutput{};
   out.vhip_W = in.hip_W;
+  const Vec3 last_way_W = std::exchange(last_way_W_, Vec3::Zero());
   if (!in.window->usable()) {
     out.faults = bit(ServoFault::kNoWindow);
     return;
@@ -24,21 +58,19 @@ void Avila::tick(const TickInput& in, TickOutput& out) noexcept {
     out.faults = bit(ServoFault::kBeyondWindow);
     return;
   }
-  const double excess = f.density - field.isovalue();
-  if (!(excess > 0)) return;
-  const double steepness_squared = f.gradient_W.squaredNorm();
-  if (!(steepness_squared > 0) || !std::isfinite(steepness_squared)) {
-    out.faults = bit(ServoFault::kZeroGradient);
-    return;
+  Push push = pushAt(field, f);
+  out.faults = push.faults;
+  if (edit_version_ != in.window->edit_version) takeEdit(field, *in.window, push, last_way_W);
+  if (ease_.active()) {
+    ease_.elapse(push.way_W.norm());
+    push.way_W -= ease_.amount() * push.normal_W;
   }
-  // depth N = -excess g / |g|^2: the way to the force needs no root; the normal, which nothing waits for, does.
-  Vec3 out_of_object_W = f.gradient_W * (-excess / steepness_squared);
-  const double per_steepness = 1 / std::sqrt(steepness_squared);
-  const double deepest_m = kDeepest * field.voxel();
-  out.normal_W = f.gradient_W * -per_steepness;
-  if (excess * excess > deepest_m * deepest_m * steepness_squared) out_of_object_W = deepest_m * out.normal_W;
-  out.vhip_W = in.hip_W + out_of_object_W;
-  out.force_W = stiffness_N_per_m_ * out_of_object_W - damping_Ns_per_m_ * in.hip_velocity_W;
+  last_hip_W_ = in.hip_W;
+  last_way_W_ = push.way_W;
+  if (push.normal_W.isZero(0)) return;
+  out.normal_W = push.normal_W;
+  out.vhip_W = in.hip_W + push.way_W;
+  out.force_W = stiffness_N_per_m_ * push.way_W - damping_Ns_per_m_ * in.hip_velocity_W;
   out.in_contact = true;
 }
 

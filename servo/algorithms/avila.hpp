@@ -13,11 +13,19 @@
 // Weaknesses, which are the method's: the shell is penetrable (inside, where the field is flat, there is no force;
 // kZeroGradient); behind the middle of a thin wall the force pushes on through it; the depth is as good as the density
 // is linear; a start inside is pushed at once.
+// - What an edit adds to the depth, at the place where the tool was when it came, is taken in over time
+// (edit_ease.hpp);
+//   what it takes away is felt at once. So a tool that an edit buries where the density slopes is pushed out gently,
+//   and one in flat density is not pushed (kZeroGradient).
 // Output: VHIP = HIP + depth N, where the surface would be, so that its distance to the true one measures the estimate.
-// Frame W: world. Thread: the servo's. Cost: one fetch. Errors: faults.
+// Frame W: world. Thread: the servo's. Cost: one fetch, one more with an
+// edit. Errors: faults.
 #pragma once
 
+#include <optional>
+
 #include "servo/algorithms/algorithm.hpp"
+#include "servo/algorithms/edit_ease.hpp"
 #include "servo/algorithms/field_cache.hpp"
 
 namespace palpate {
@@ -29,13 +37,26 @@ class Avila final : public Algorithm {
   explicit Avila(const AlgorithmParameters& parameters) noexcept
       : stiffness_N_per_m_(parameters.stiffness_N_per_m),
         damping_Ns_per_m_(parameters.damping_Ns_per_m),
+        ease_(parameters.rate_hz),
         field_(parameters.isovalue) {}
   void reset(const Vec3& hip_W) noexcept override;
   void tick(const TickInput& in, TickOutput& out) noexcept override;
 
  private:
+  struct Push {
+    Vec3 way_W = Vec3::Zero();     // depth N: out of the object [m]
+    Vec3 normal_W = Vec3::Zero();  // zero: no push
+    std::uint32_t faults = 0;
+  };
+  [[nodiscard]] static Push pushAt(const IsoField& field, const Fetch& f) noexcept;
+  void takeEdit(const IsoField& field, const SampleWindow& window, const Push& here, const Vec3& shown_W) noexcept;
+
   double stiffness_N_per_m_;
   double damping_Ns_per_m_;
+  EditEase ease_;  // of the depth [m]
+  std::optional<std::uint64_t> edit_version_;
+  Vec3 last_hip_W_ = Vec3::Zero();
+  Vec3 last_way_W_ = Vec3::Zero();  // shown there in the last tick [m]
   FieldCache field_;
 };
 

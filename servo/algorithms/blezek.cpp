@@ -14,9 +14,17 @@ void BlezekSurface::reset(const Vec3&) noexcept {
   in_contact_ = false;
 }
 
-void BlezekSurface::release(const Probe& hip, std::uint64_t edit_version) noexcept {
+void BlezekSurface::release(const Probe& hip) noexcept {
   in_contact_ = false;
-  free_.release(hip, edit_version);
+  free_.release(hip);
+}
+
+bool BlezekSurface::comeOut(const IsoField& field, const Probe& hip, std::uint32_t& faults) noexcept {
+  const auto way_out = field.nearestExit(hip);
+  if (!way_out || way_out->face.any()) return false;
+  vhip_W_ = way_out->p_W;
+  faults = 0;
+  return inchAlong(field, hip.p_W, faults);
 }
 
 bool BlezekSurface::find(const SampleWindow& window, const Vec3& hip_W, std::uint32_t& faults) noexcept {
@@ -29,19 +37,24 @@ bool BlezekSurface::find(const SampleWindow& window, const Vec3& hip_W, std::uin
     faults |= bit(ServoFault::kBeyondWindow);
     return false;
   }
+  const bool edited = free_.see(window.edit_version);
   if (!in_contact_) {
-    const auto entry = free_.move(field, window.edit_version, hip_W, faults);
+    const auto entry = free_.move(field, hip_W, faults);
     if (!entry || entry->face.any()) return false;
     vhip_W_ = entry->p_W;
     in_contact_ = true;
   }
-  if (!inchAlong(field, hip_W, faults)) {
-    faults |= bit(ServoFault::kSurfaceLost);
-    release(field.probe(hip_W), window.edit_version);
-    return false;
+  std::uint32_t trouble = 0;
+  if (!inchAlong(field, hip_W, trouble)) {
+    const Probe hip = field.probe(hip_W);
+    if (!edited || !comeOut(field, hip, trouble)) {
+      faults |= trouble | bit(ServoFault::kSurfaceLost);
+      release(hip);
+      return false;
+    }
   }
   if (plane().depth(hip_W) > 0) return true;
-  release(field.probe(hip_W), window.edit_version);
+  release(field.probe(hip_W));
   return false;
 }
 

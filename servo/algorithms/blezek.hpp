@@ -14,8 +14,9 @@
 //   surface of a noisy tube of 1.5 voxels at 1 m/s; they differ in cost from 0.25 m/s on.
 // - Out of inches the VHIP stays where it has come to, on the surface, and goes on in the next tick.
 // - Lost: no gradient, or farther from the isosurface than one voxel by the linear estimate, or led out of the window
-//   that holds the HIP. Then there is no force, "effectively
-//   rendering the object haptically transparent", and kSurfaceLost, until the HIP has been outside once.
+//   that holds the HIP. Then there is no force, "effectively rendering the object haptically transparent", and
+//   kSurfaceLost, until the HIP has been outside once. But where an edit has buried the tool or moved the surface away
+//   from the VHIP, the VHIP goes to the nearest way out (IsoField::nearestExit), if there is one in reach.
 // The isosurface is all that is felt: not the face where an object is cut by the volume's end.
 // Frame W: world. Thread: the servo's. Cost: one fetch per inch, at most kMaxInches + 1. Errors: faults.
 #pragma once
@@ -42,7 +43,8 @@ class BlezekSurface {
  private:
   // False: the surface is lost.
   [[nodiscard]] bool inchAlong(const IsoField& field, const Vec3& hip_W, std::uint32_t& faults) noexcept;
-  void release(const Probe& hip, std::uint64_t edit_version) noexcept;
+  [[nodiscard]] bool comeOut(const IsoField& field, const Probe& hip, std::uint32_t& faults) noexcept;
+  void release(const Probe& hip) noexcept;
 
   FieldCache field_;
   FreeMotion free_;

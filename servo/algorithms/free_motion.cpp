@@ -5,20 +5,30 @@
 
 namespace palpate {
 
-std::optional<Entry> FreeMotion::move(const IsoField& field, std::uint64_t edit_version, const Vec3& hip_W,
-                                      std::uint32_t& faults) noexcept {
+bool FreeMotion::see(std::uint64_t edit_version) noexcept {
+  if (edit_version == edit_version_) return false;
+  edit_version_ = edit_version;
+  edited_ = true;
+  return true;
+}
+
+std::optional<Entry> FreeMotion::move(const IsoField& field, const Vec3& hip_W, std::uint32_t& faults) noexcept {
   const Probe hip = field.probe(hip_W);
   hip_side_ = hip.side;
   if (hip.side == Side::kUnknown) {
     faults |= bit(ServoFault::kBeyondWindow);
     return std::nullopt;
   }
-  if (edit_version != edit_version_) {
-    edit_version_ = edit_version;
+  bool buried = false;
+  if (edited_) {
+    edited_ = false;
     // Material that an edit put over the last free place is no entry.
-    armed_ = armed_ && field.probe(free_.p_W).side != Side::kInside;
+    buried = armed_ && field.probe(free_.p_W).side == Side::kInside;
+    armed_ = armed_ && !buried;
   }
-  const std::optional<Entry> entry = armed_ ? field.firstEntry(free_, hip) : std::nullopt;
+  std::optional<Entry> entry;
+  if (armed_) entry = field.firstEntry(free_, hip);
+  if (buried) entry = field.nearestExit(hip);
   if (hip.side == Side::kOutside) {
     armed_ = true;
     free_ = hip;
@@ -30,10 +40,10 @@ std::optional<Entry> FreeMotion::move(const IsoField& field, std::uint64_t edit_
   return entry;
 }
 
-void FreeMotion::release(const Probe& hip, std::uint64_t edit_version) noexcept {
+void FreeMotion::release(const Probe& hip) noexcept {
   armed_ = hip.side == Side::kOutside;
   free_ = hip;
-  edit_version_ = edit_version;
+  edited_ = false;
 }
 
 }  // namespace palpate

@@ -11,12 +11,18 @@
 // There is no surface: no VHIP (it is the HIP), no contact effects. in_contact: the force part, without viscosity, is
 // not zero; the normal then is -g / |g|. Where the gradient is zero or not finite there is no direction and so no
 // force part, and no fault: flat regions are ordinary here.
+// What an edit adds to force and viscosity, at the place where the tool was when it came, is taken in over time
+// (edit_ease.hpp); what it takes away is felt at once.
 // Weaknesses, which are the method's: no wall is stiffer than the table's force over the width of the boundary, and a
 // hand that pushes harder passes through; the force at a density does not know on which side of a wall the tool is.
-// Frame W: world. Thread: the servo's. Cost: one fetch. Errors: faults.
+// Frame W: world. Thread: the servo's. Cost: one fetch, one more with an
+// edit. Errors: faults.
 #pragma once
 
+#include <optional>
+
 #include "servo/algorithms/algorithm.hpp"
+#include "servo/algorithms/edit_ease.hpp"
 #include "servo/algorithms/field_cache.hpp"
 #include "servo/algorithms/transfer_function.hpp"
 
@@ -26,12 +32,29 @@ class Haptization final : public Algorithm {
  public:
   // Throws Error(kBadInput) on tables that TransferFunction refuses.
   Haptization(const AlgorithmParameters& parameters, TransferTables tables)
-      : transfer_(std::move(tables)), field_(parameters.isovalue) {}
+      : transfer_(std::move(tables)),
+        ease_force_(parameters.rate_hz),
+        ease_viscosity_(parameters.rate_hz),
+        field_(parameters.isovalue) {}
   void reset(const Vec3& hip_W) noexcept override;
   void tick(const TickInput& in, TickOutput& out) noexcept override;
 
  private:
+  struct Felt {
+    double force_N = 0;                                                        // along the normal
+    double viscosity_Ns_per_m = 0;                                             // [N s/m]
+    Vec3 normal_W = Vec3::Zero();                                              // zero where there is no force
+    [[nodiscard]] Vec3 push_W() const noexcept { return force_N * normal_W; }  // [N]
+  };
+  [[nodiscard]] Felt feltAt(const Fetch& f) const noexcept;
+  void takeEdit(const IsoField& field, const SampleWindow& window, const Felt& here, const Felt& shown) noexcept;
+
   TransferFunction transfer_;
+  EditEase ease_force_;      // of its magnitude [N]
+  EditEase ease_viscosity_;  // [N s/m]
+  std::optional<std::uint64_t> edit_version_;
+  Vec3 last_hip_W_ = Vec3::Zero();
+  Felt last_;  // shown there in the last tick
   FieldCache field_;
 };
 

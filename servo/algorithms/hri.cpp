@@ -14,7 +14,6 @@ void HriSurface::reset(const Vec3& hip_W) noexcept {
   vhip_W_ = hip_W;
   in_contact_ = held_ = armed_ = false;
   edit_version_ = 0;
-  ease_m_ = ease_step_m_ = 0;
   cache_.forget();
 }
 
@@ -24,7 +23,6 @@ bool HriSurface::find(const SampleWindow& window, const Vec3& hip_W, std::uint32
     faults |= bit(ServoFault::kNoWindow);
   } else if (window.edit_version != edit_version_) {
     if (in_contact_) ++age_ticks_;
-    const double shown_m = in_contact_ ? std::max(0.0, plane().depth(hip_W)) : 0;
     const bool was_outside = in_contact_ || armed_;
     refreshField(window);
     if (in_contact_) {
@@ -33,22 +31,20 @@ bool HriSurface::find(const SampleWindow& window, const Vec3& hip_W, std::uint32
       moveFreely(hip_W, faults);
     }
     if (was_outside && !in_contact_ && !armed_ && !held_) comeOut(field_->probe(hip_W), faults);
-    if (was_outside && in_contact_ && !held_) takeUp(truePlane().depth(hip_W) - shown_m);
   } else if (!in_contact_) {
     refreshField(window);
     moveFreely(hip_W, faults);
   } else {
     ++age_ticks_;
-    const bool in_front = truePlane().depth(hip_W) <= 0;
+    const bool in_front = plane().depth(hip_W) <= 0;
     const bool due = age_ticks_ >= renewal_ticks_;
     if (due || in_front || held_) {
       refreshField(window);
       renew(hip_W, age_ticks_ == renewal_ticks_ && !in_front && !held_, faults);
     }
   }
-  if (ease_m_ > 0) ease(hip_W);
   const bool touching = in_contact_ && !held_;
-  if (touching) vhip_W_ = truePlane().nearest(hip_W);
+  if (touching) vhip_W_ = plane().nearest(hip_W);
   if (!in_contact_) vhip_W_ = hip_W;
   return touching;
 }
@@ -94,7 +90,7 @@ void HriSurface::renew(const Vec3& hip_W, bool ahead, std::uint32_t& faults) noe
   // The HIP may be anywhere; the surface point must be in the window. Where the window has left that behind, the plane
   // under the HIP is the best that is known.
   const auto seen = [&] { return field_->sampler().place(surface_.p_W) != Place::kBeyondWindow; };
-  if (!seen()) surface_.p_W = truePlane().nearest(hip_W);
+  if (!seen()) surface_.p_W = plane().nearest(hip_W);
   held_ = !seen();
   const Track result = held_ ? Track::kBeyondWindow : follow(hip_W, ahead);
   switch (result) {
@@ -102,7 +98,7 @@ void HriSurface::renew(const Vec3& hip_W, bool ahead, std::uint32_t& faults) noe
       faults |= bit(ServoFault::kZeroGradient);
       [[fallthrough]];
     case Track::kFound:
-      if (truePlane().depth(hip_W) > 0) {
+      if (plane().depth(hip_W) > 0) {
         age_ticks_ = 0;
         renewed_at_W_ = hip_W;
       } else {
@@ -140,41 +136,14 @@ void HriSurface::relocate(const Probe& hip, std::uint32_t& faults) noexcept {
   release(hip);
 }
 
-// An edit has made the contact deeper by this much, or shallower.
-void HriSurface::takeUp(double deeper_m) noexcept {
-  ease_m_ = std::max(0.0, deeper_m);
-  ease_step_m_ = ease_m_ / kEaseTicks;
-}
-
-// A tool that comes out by itself needs no more easing: what is shown never falls below zero.
-void HriSurface::ease(const Vec3& hip_W) noexcept {
-  ease_m_ = std::max(0.0, ease_m_ - ease_step_m_);
-  if (in_contact_ && !held_) ease_m_ = std::min(ease_m_, std::max(0.0, truePlane().depth(hip_W)));
-}
-
-// Buried by an edit: contact at the nearest way out along the lattice's axes, either way, or along the gradient.
+// Buried by an edit.
 void HriSurface::comeOut(const Probe& hip, std::uint32_t& faults) noexcept {
-  if (hip.side != Side::kInside) return;
-  std::optional<Entry> nearest;
-  double nearest_m = kOutwardSearch * field_->voxel();
-  const auto look = [&](const Vec3& direction_W) {
-    const auto way_out = field_->firstExit(hip, hip.p_W + direction_W * nearest_m);
-    if (!way_out) return;
-    nearest = way_out;
-    nearest_m = (way_out->p_W - hip.p_W).norm();
-  };
-  const Vec3 gradient_W = field_->sampler().at(hip.p_W).gradient_W;
-  if (gradient_W.squaredNorm() > 0 && gradient_W.allFinite()) look(-gradient_W.normalized());
-  for (int axis = 0; axis < 3; ++axis) {
-    look(field_->sampler().faceNormal(axis, false));
-    look(field_->sampler().faceNormal(axis, true));
-  }
-  if (nearest && touch(*nearest, hip, faults)) faults &= ~bit(ServoFault::kInsideObject);
+  const auto way_out = field_->nearestExit(hip);
+  if (way_out && touch(*way_out, hip, faults)) faults &= ~bit(ServoFault::kInsideObject);
 }
 
 void HriSurface::release(const Probe& hip) noexcept {
   in_contact_ = false;
-  ease_m_ = 0;
   age_ticks_ = 0;
   armed_ = hip.side == Side::kOutside;
   free_ = hip;

@@ -10,10 +10,9 @@
 //   press through a thin wall does not lose it. Free motion is searched along its whole way: no stroke jumps a wall.
 // - VHIP and HIP both inside (the surface moved): search outward along N, then follow the surface as always.
 // - Inside at the start: no force until the HIP has been outside once (kInsideObject).
-// - An edit that puts material around the tool pushes it out gently: the depth that the edit added is not shown at once
-//   but taken in evenly over kEaseTicks, so the force begins as it was (zero for a free tool) and rises by K depth /
-//   kEaseTicks a tick. A free tool that was buried is pushed towards the nearest way out; without one in reach there is
-//   no force until it has been outside (kInsideObject). What an edit takes away is felt at once.
+// - A tool that an edit buried is pushed towards the nearest way out (IsoField::nearestExit), gently, as all that an
+//   edit adds (vhip_algorithm.hpp); without a way out in reach there is no force until it has been outside
+//   (kInsideObject).
 // - Surface under the HIP, or in free motion the HIP, beyond the window: no force (kBeyondWindow). What was touched is
 //   remembered; short gaps in free motion are searched along the straight line, once the window has caught up.
 // - Flat field at the surface (kZeroGradient): the plane keeps its normal, a new one faces the way the HIP came.
@@ -33,12 +32,11 @@ namespace palpate {
 class HriSurface {
  public:
   static constexpr bool kMayPull = false;
-  static constexpr double kLongestGap = 16;      // free motion beyond the window that is searched afterwards [voxel]
-  static constexpr double kOutwardSearch = 32;   // from a buried HIP along N [voxel]
+  static constexpr double kLongestGap = 16;  // free motion beyond the window that is searched afterwards [voxel]
+  static constexpr double kOutwardSearch = IsoField::kLongestWayOut;  // from a buried HIP along N [voxel]
   static constexpr double kAim = 1.0 / 3;        // of a plane's life, that it is found ahead of the HIP [-]
   static constexpr double kLongestAim = 1;       // ahead of the HIP: jumps of the tool are no motion to go by [voxel]
   static constexpr double kAimTolerance = 0.05;  // the nearest point to where the HIP may be: as surface_tracker.hpp's
-  static constexpr int kEaseTicks = 500;         // over which what an edit adds to the depth is taken in [tick]
   static constexpr double kStandOff = 0.25;      // in front of the VHIP, where a search from it begins [voxel]
 
   explicit HriSurface(const AlgorithmParameters& parameters) noexcept
@@ -47,20 +45,15 @@ class HriSurface {
   bool find(const SampleWindow& window, const Vec3& hip_W, std::uint32_t& faults) noexcept;
   // Where the window has to be for the contact to go on.
   [[nodiscard]] std::optional<Vec3> remembered(const Vec3& hip_W) const noexcept {
-    return in_contact_ ? std::optional<Vec3>(truePlane().nearest(hip_W)) : std::nullopt;
+    return in_contact_ ? std::optional<Vec3>(plane().nearest(hip_W)) : std::nullopt;
   }
-  [[nodiscard]] ContactPlane plane() const noexcept {
-    return {surface_.p_W - ease_m_ * surface_.normal_W, surface_.normal_W, age_ticks_};
-  }
+  [[nodiscard]] ContactPlane plane() const noexcept { return {surface_.p_W, surface_.normal_W, age_ticks_}; }
 
  private:
   void refreshField(const SampleWindow& window) noexcept;
   [[nodiscard]] Vec3 aim(const Vec3& hip_W) const noexcept;
   [[nodiscard]] Track follow(const Vec3& hip_W, bool ahead) noexcept;
-  [[nodiscard]] ContactPlane truePlane() const noexcept { return {surface_.p_W, surface_.normal_W, age_ticks_}; }
-  void takeUp(double deeper_m) noexcept;
   void comeOut(const Probe& hip, std::uint32_t& faults) noexcept;
-  void ease(const Vec3& hip_W) noexcept;
   void renew(const Vec3& hip_W, bool ahead, std::uint32_t& faults) noexcept;
   void relocate(const Probe& hip, std::uint32_t& faults) noexcept;
   void moveFreely(const Vec3& hip_W, std::uint32_t& faults) noexcept;
@@ -76,8 +69,6 @@ class HriSurface {
   bool in_contact_ = false;  // there is a plane, with the HIP behind it when it was found
   bool held_ = false;        // the last tick could not see the HIP; no force until one can
   std::uint64_t edit_version_ = 0;
-  double ease_m_ = 0;       // of the depth that is not shown yet [m]
-  double ease_step_m_ = 0;  // taken off it each tick [m]
 
   bool armed_ = false;  // free_ was outside, so the way from it to the HIP can be searched for an entry
   Probe free_;          // last HIP known to be outside

@@ -29,24 +29,35 @@ bool ImplicitSurface::find(const SampleWindow& window, const Vec3& hip_W, std::u
     }
     if (hip.side == Side::kOutside) {
       in_contact_ = false;
-      free_.release(hip, window.edit_version);
+      free_.release(hip);
       return false;
     }
+    const bool edited = free_.see(window.edit_version);
+    trouble = track(field, hip_W);
+    if (trouble != 0 && edited) {
+      const auto way_out = field.nearestExit(hip);
+      if (way_out && !way_out->face.any()) trouble = begin(field, *way_out, hip_W);
+    }
   } else {
-    const auto entry = free_.move(field, window.edit_version, hip_W, faults);
+    free_.see(window.edit_version);
+    const auto entry = free_.move(field, hip_W, faults);
     if (!entry || entry->face.any() || free_.hipSide() != Side::kInside) return false;
     in_contact_ = true;
-    double residual_m = 0;
-    trouble = ontoSurface(field, entry->p_W, residual_m);
+    trouble = begin(field, *entry, hip_W);
   }
-  if (trouble == 0) trouble = track(field, hip_W);
   faults |= trouble;
   if (trouble != 0) {
     in_contact_ = false;
-    free_.release(field.probe(hip_W), window.edit_version);
+    free_.release(field.probe(hip_W));
     return false;
   }
   return plane().depth(hip_W) > 0;
+}
+
+std::uint32_t ImplicitSurface::begin(const IsoField& field, const Entry& entry, const Vec3& hip_W) noexcept {
+  double residual_m = 0;
+  const std::uint32_t trouble = ontoSurface(field, entry.p_W, residual_m);
+  return trouble != 0 ? trouble : track(field, hip_W);
 }
 
 // One Newton step from x; gives a fault or none.

@@ -10,7 +10,9 @@
 //   So a HIP that gets through a wall to the other side is let go, and a stroke that jumps one meets nothing:
 //   their S is an equation that is true everywhere, a thin wall in samples is not.
 // - S is sampled, so both steps are at most a voxel long; what is farther off the surface than kUsable after the last
-//   pass is lost: no force and kSurfaceLost, until the HIP has been outside once.
+//   pass is lost: no force and kSurfaceLost, until the HIP has been outside once. But where an edit has buried the tool
+//   or moved the surface away from the contact point, that goes to the nearest way out (IsoField::nearestExit), if
+//   there is one in reach.
 // - A HIP inside, yet in front of the tangent plane: no force in that tick.
 // The isosurface is all that is felt: not the face where an object is cut by the volume's end.
 // Frame W: world. Thread: the servo's. Cost: 1 + kPasses fetches in contact. Errors: faults.
@@ -34,6 +36,7 @@ class ImplicitSurface {
   [[nodiscard]] ContactPlane plane() const noexcept { return {p_W_, normal_W_, 0}; }
 
  private:
+  [[nodiscard]] std::uint32_t begin(const IsoField& field, const Entry& entry, const Vec3& hip_W) noexcept;
   [[nodiscard]] std::uint32_t track(const IsoField& field, const Vec3& hip_W) noexcept;
   [[nodiscard]] std::uint32_t ontoSurface(const IsoField& field, const Vec3& x_W, double& residual_m) noexcept;
 

@@ -80,6 +80,25 @@ std::optional<Entry> IsoField::firstExit(const Probe& inside, const Vec3& to_W) 
   return std::nullopt;
 }
 
+std::optional<Entry> IsoField::nearestExit(const Probe& inside) const noexcept {
+  std::optional<Entry> nearest;
+  if (inside.side != Side::kInside) return nearest;
+  double nearest_m = kLongestWayOut * voxel();
+  const auto look = [&](const Vec3& direction_W) {
+    const auto way_out = firstExit(inside, inside.p_W + direction_W * nearest_m);
+    if (!way_out) return;
+    nearest = way_out;
+    nearest_m = (way_out->p_W - inside.p_W).norm();
+  };
+  const Vec3 gradient_W = sampler_.at(inside.p_W).gradient_W;
+  if (gradient_W.squaredNorm() > 0 && gradient_W.allFinite()) look(-gradient_W.normalized());
+  for (int axis = 0; axis < 3; ++axis) {
+    look(sampler_.faceNormal(axis, false));
+    look(sampler_.faceNormal(axis, true));
+  }
+  return nearest;
+}
+
 // Moves a probe beyond the volume along the line onto the face where the line comes in; the face that it passes last.
 CutFace IsoField::clipToBox(Probe& outside, const Probe& inside) const noexcept {
   const Vec3 a_L = sampler_.toIndex(outside.p_W);

@@ -42,6 +42,8 @@ class IsoField {
   static constexpr double kShortWay = 0.25;
   // Regula falsi steps that bring an entry from half a voxel to about 1e-4 of one.
   static constexpr int kMaxRefineSteps = 6;
+  // From a buried point to where it may come out [voxel].
+  static constexpr double kLongestWayOut = 32;
 
   IsoField() = default;
   IsoField(const SampleWindow& window, double isovalue) noexcept : sampler_(window), isovalue_(isovalue) {}
@@ -66,6 +68,10 @@ class IsoField {
   // From a point inside, the first place on the way to `to_W` where the line comes out; as an entry seen from outside.
   // At most kMaxSearchSteps + kMaxRefineSteps + 1 fetches.
   [[nodiscard]] std::optional<Entry> firstExit(const Probe& inside, const Vec3& to_W) const noexcept;
+
+  // From a point inside, the nearest way out along the lattice's axes, either way, or down the gradient; none from a
+  // point outside, nor where all is object for kLongestWayOut. At most seven firstExit() of that length and a fetch.
+  [[nodiscard]] std::optional<Entry> nearestExit(const Probe& inside) const noexcept;
 
   // The nearest point of a world position in the box of the window's samples [m].
   [[nodiscard]] Vec3 clampToBox(const Vec3& p_W) const noexcept;

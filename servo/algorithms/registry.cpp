@@ -91,6 +91,7 @@ void checkParameters(const AlgorithmParameters& p) {
   check(std::isfinite(p.damping_Ns_per_m) && p.damping_Ns_per_m >= 0, "damping", p.damping_Ns_per_m,
         "give 0 N s/m or more");
   check(p.plane_renewal_ticks >= 1, "plane renewal", p.plane_renewal_ticks, "give 1 tick or more");
+  check(std::isfinite(p.rate_hz) && p.rate_hz > 0, "rate", p.rate_hz, "give more than 0 Hz");
 }
 
 }  // namespace

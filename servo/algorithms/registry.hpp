@@ -46,8 +46,9 @@ struct AlgorithmEntry {
 [[nodiscard]] const AlgorithmEntry& algorithmEntry(std::string_view name);
 
 // Throws Error(kBadInput) on an unknown name, on a renewal below 1 tick, on a negative or non-finite stiffness or
-// damping or a non-finite isovalue, on effects or objects for an algorithm that takes none, on tables that
-// TransferFunction refuses for one that uses them, and without the isosurface's mesh for an algorithm that needs it.
+// damping, a non-finite isovalue or a rate that is not above 0, on effects or objects for an algorithm that takes none,
+// on tables that TransferFunction refuses for one that uses them, and without the isosurface's mesh for an algorithm
+// that needs it.
 [[nodiscard]] std::unique_ptr<Algorithm> makeAlgorithm(std::string_view name, AlgorithmSetup setup);
 
 }  // namespace palpate

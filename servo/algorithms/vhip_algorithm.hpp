@@ -12,8 +12,12 @@
 //   std::optional<Vec3> remembered(const Vec3& hip_W) const noexcept;  // may be left out: where the surface of a
 //                                                                     // contact is that is held without a window
 //   ContactPlane plane() const noexcept;  // out of contact only its age says something: 0 without a plane
-// Frames, force convention and thread: algorithm.hpp. Source: the paper, equations 2 and 3; effects move the VHIP only
-// (section 3.1, last paragraph). Cost: some 5 ns and what Surface, effects and objects cost.
+// An edit that makes a contact deeper is felt gently, whatever the Surface: the depth that it added, against what was
+// shown at the same HIP, is taken in over time (edit_ease.hpp). Shown then is the plane, moved inwards. Of a plane that
+// an edit turned only the part of the old displacement along the new normal is there at once. What an edit takes away
+// is felt at once. Objects beside the volume are not eased. Frames, force convention and thread: algorithm.hpp. Source:
+// the paper, equations 2 and 3; effects move the VHIP only (section 3.1, last paragraph). Cost: some 5 ns and what
+// Surface, effects and objects cost.
 #pragma once
 
 #include <algorithm>
@@ -21,34 +25,45 @@
 #include <utility>
 
 #include "servo/algorithms/algorithm.hpp"
+#include "servo/algorithms/edit_ease.hpp"
 #include "servo/contact/contact_effect.hpp"
 #include "servo/objects/object_contacts.hpp"
+#include "servo/safety/faults.hpp"
 
 namespace palpate {
 
 template <class Surface>
 class VhipAlgorithm final : public Algorithm {
  public:
+  // What two planes of one surface, found for one HIP, may differ by; and the tightest curve that a sheet is taken to
+  // have: a plane that was found a way w aside lies w^2 / (2 R) off it. So much is not taken for an edit's [voxel].
+  static constexpr double kSamePlane = 0.02;
+  static constexpr double kTightest = 4;
+  static constexpr double kLongestAside = 1;  // that is allowed for, however old the plane [voxel]
+
   explicit VhipAlgorithm(const AlgorithmParameters& parameters, ContactEffects effects = {},
                          ContactObjects objects = {}, const ContactObject* isosurface = nullptr)
       : surface_(parameters),
         stiffness_N_per_m_(parameters.stiffness_N_per_m),
         damping_Ns_per_m_(parameters.damping_Ns_per_m),
         effects_(std::move(effects)),
-        objects_(std::move(objects), isosurface) {}
+        objects_(std::move(objects), isosurface),
+        ease_(parameters.rate_hz) {}
 
   void reset(const Vec3& hip_W) noexcept override {
     surface_.reset(hip_W);
     objects_.reset(hip_W);
     volume_plane_.reset();
+    ease_.end();
+    on_surface_ = unsettled_ = false;
     release();
   }
 
   void tick(const TickInput& in, TickOutput& out) noexcept override {
     out = TickOutput{};
     if (objects_.empty()) {
-      if (surface_.find(*in.window, in.hip_W, out.faults)) {
-        push(in, surface_.plane(), out);
+      if (find(*in.window, in.hip_W, out.faults)) {
+        push(in, shown(), out);
       } else {
         leave(in, out);
       }
@@ -60,12 +75,61 @@ class VhipAlgorithm final : public Algorithm {
   }
 
  private:
+  // As Surface::find(), with the easing.
+  [[nodiscard]] bool find(const SampleWindow& window, const Vec3& tool_W, std::uint32_t& faults) noexcept {
+    if (window.edit_version != edit_version_ || unsettled_) return findEased(window, tool_W, faults);
+    return on_surface_ = surface_.find(window, tool_W, faults);
+  }
+
+  [[nodiscard]] bool findEased(const SampleWindow& window, const Vec3& tool_W, std::uint32_t& faults) noexcept {
+    const ContactPlane before = shown();
+    const bool was_on_surface = on_surface_;
+    if (window.usable() && window.edit_version != edit_version_) {
+      edit_version_ = window.edit_version;
+      edited_ = true;
+    }
+    on_surface_ = surface_.find(window, tool_W, faults);
+    const ContactPlane plane = surface_.plane();
+    const double depth_m = plane.depth(tool_W);
+    if (on_surface_) {
+      if (edited_ && plane.age_ticks == 0) takeEdit(was_on_surface ? &before : nullptr, window, tool_W);
+      ease_.elapse(depth_m);
+    } else if ((faults & (bit(ServoFault::kNoWindow) | bit(ServoFault::kBeyondWindow))) == 0) {
+      edited_ = false;
+      ease_.end();
+    }
+    unsettled_ = edited_ || ease_.active();
+    return on_surface_;
+  }
+
+  // The plane has been found anew since the edit; `before`: what was shown in the last tick, if there was contact.
+  void takeEdit(const ContactPlane* before, const SampleWindow& window, const Vec3& tool_W) noexcept {
+    edited_ = false;
+    const ContactPlane plane = surface_.plane();
+    if (before == nullptr) {
+      ease_.end();
+      ease_.take(0, plane.depth(tool_W));
+      return;
+    }
+    const double voxel_m = window.lattice.smallestSpacing();
+    const double shown_m = std::max(0.0, before->depth(tool_W)) * std::max(0.0, before->normal_W.dot(plane.normal_W));
+    const double aside_m = std::min(kLongestAside * voxel_m, (before->nearest(tool_W) - before->p_W).norm());
+    ease_.take(shown_m, plane.depth(tool_W), kSamePlane * voxel_m + aside_m * aside_m / (2 * kTightest * voxel_m));
+  }
+
+  // The volume's plane, less what is not taken in yet.
+  [[nodiscard]] ContactPlane shown() const noexcept {
+    ContactPlane plane = surface_.plane();
+    if (unsettled_) plane.p_W -= ease_.amount() * plane.normal_W;
+    return plane;
+  }
+
   // The plane of volume and objects together.
   [[nodiscard]] std::optional<ContactPlane> findWithObjects(const TickInput& in, std::uint32_t& faults) noexcept {
     const auto held = [this] { return volume_plane_ ? &*volume_plane_ : nullptr; };
     const Vec3 tool_W = objects_.volumeTool(in.hip_W, held());
     volume_plane_.reset();
-    if (surface_.find(*in.window, tool_W, faults)) volume_plane_ = surface_.plane();
+    if (find(*in.window, tool_W, faults)) volume_plane_ = shown();
     return objects_.settle(in.hip_W, held());
   }
 
@@ -92,6 +156,7 @@ class VhipAlgorithm final : public Algorithm {
     out.vhip_W = in.hip_W + depth_m * plane.normal_W;
     out.at_surface = true;
     out.surface_W = out.vhip_W;
+    if (unsettled_) out.surface_W += ease_.amount() * surface_.plane().normal_W;
     if (effects_.empty()) {
       out.force_W = pushing(stiffness_N_per_m_ * depth_m - damping_N) * plane.normal_W;
     } else {
@@ -122,6 +187,11 @@ class VhipAlgorithm final : public Algorithm {
   ObjectContacts objects_;
   std::optional<ContactPlane> volume_plane_;  // with objects: of the last tick, in contact
   bool touching_ = false;                     // in the last tick
+  bool on_surface_ = false;                   // of them, the volume
+  bool unsettled_ = false;                    // an edit waits for a plane, or some of it is not taken in yet
+  bool edited_ = false;                       // since the plane was found
+  std::uint64_t edit_version_ = 0;            // of the last usable window
+  EditEase ease_;                             // of the depth behind the volume's plane [m]
 };
 
 }  // namespace palpate

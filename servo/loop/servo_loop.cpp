@@ -203,7 +203,7 @@ const SampleWindow& ServoLoop::runTick(const Due& due, std::int64_t now_ns, Tick
   carried_faults_ = written ? 0 : bit(ServoFault::kDeviceError);
   if (written) held_W_ = gated.force_W;
   passivity_.hold(held_W_);
-  tool_.back() = ToolPose{hip_W_, velocity_.value(), due.tick, now_ns, at_surface_, surface_W_};
+  tool_.back() = ToolPose{hip_W_, velocity_.value(), due.tick, now_ns, at_surface_, surface_W_, out.normal_W, held_W_};
   tool_.publish();
   ++ticks_run_;
 

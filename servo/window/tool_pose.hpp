@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// servo/window/tool_pose.hpp: where the tool is, from the servo to the engine, which puts the next window around it.
+// servo/window/tool_pose.hpp: where the tool is and how it presses, from the servo to the engine, which puts the next
+// window around it and lets it edit.
 //
 // Frame W: world [m, m/s]. Threads: the servo publishes every tick, the engine reads; wait-free on both sides.
 #pragma once
@@ -18,6 +19,8 @@ struct ToolPose {
   std::int64_t time_ns = 0;        // on the servo's clock [ns]
   bool at_surface = false;         // samples are needed around `surface_W`, not around the HIP
   Vec3 surface_W = Vec3::Zero();   // [m]
+  Vec3 normal_W = Vec3::Zero();    // of the contact, out of the object; zero without contact [-]
+  Vec3 force_W = Vec3::Zero();     // what the device was sent last, after the safety gate [N]
 };
 
 using ToolPoseMailbox = TripleBuffer<ToolPose>;

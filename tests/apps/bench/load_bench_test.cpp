@@ -12,12 +12,12 @@ TEST(LoadBench, HasARowAndATargetForEveryFormat) {
   LoadBenchRequest request;
   request.size = 24;
   request.repetitions = 3;
-  request.suffixes = {".nrrd", ".nii.gz", ".mha"};
+  request.suffixes = {".nrrd", ".nii.gz", ".mha", ".vdb"};
   const BenchResult result = runLoadBench(request, progress);
   EXPECT_EQ(result.bench, "load");
-  ASSERT_EQ(result.rows.size(), 3U);
-  ASSERT_EQ(result.targets.size(), 3U);
-  for (std::size_t n = 0; n < 3; ++n) {
+  ASSERT_EQ(result.rows.size(), 4U);
+  ASSERT_EQ(result.targets.size(), 4U);
+  for (std::size_t n = 0; n < 4; ++n) {
     const BenchRow& row = result.rows[n];
     EXPECT_EQ(textOf(row, "format"), request.suffixes[n]);
     EXPECT_GT(figureOf(row, "library_median_s"), 0);

@@ -64,16 +64,33 @@ TEST_F(LiveEdits, ASurfaceThatIsRemovedLetsGoWithinOneWindow) {
 // the plane's renewal turns: a tenth of the largest force is far above it and far below the 0.5 N that a ball of 1 mm
 // would throw with.
 TEST_F(LiveEdits, MaterialAroundTheToolPushesGently) {
-  expectSuccess(run(touch({"--edit", "add:radius=1mm"})));
-  const Trace trace = readTrace(file("out") / "trace.csv");
-  double largest_step_N = 0;
-  for (std::size_t i = 1; i < trace.rows.size(); ++i) {
-    if (trace.rows[i].editVersion() == trace.rows[i - 1].editVersion()) continue;
-    const double step_N = trace.rows[i].force_N().norm() - trace.rows[i - 1].force_N().norm();
-    largest_step_N = std::max(largest_step_N, step_N);
+  for (const char* algorithm : {"hri", "blezek", "implicit", "avila"}) {
+    SCOPED_TRACE(algorithm);
+    expectSuccess(run(touch({"--edit", "add:radius=1mm", "--algorithm", algorithm})));
+    const Trace trace = readTrace(file("out") / "trace.csv");
+    double largest_step_N = 0;
+    for (std::size_t i = 1; i < trace.rows.size(); ++i) {
+      if (trace.rows[i].editVersion() == trace.rows[i - 1].editVersion()) continue;
+      const double step_N = trace.rows[i].force_N().norm() - trace.rows[i - 1].force_N().norm();
+      largest_step_N = std::max(largest_step_N, step_N);
+    }
+    EXPECT_GE(trace.rows.back().editVersion(), 1);
+    EXPECT_LT(largest_step_N, 0.05);
   }
-  EXPECT_GE(trace.rows.back().editVersion(), 1);
-  EXPECT_LT(largest_step_N, 0.05);
+}
+
+// Both strokes of a mirror are one edit; the force that drills is in the trace, so the same run edits the same.
+TEST_F(LiveEdits, FlattensAndMirrorsAndDrillsByForce) {
+  for (const char* brush : {"flatten:radius=1mm:mirror=x", "remove:radius=1mm:rate=50:mirror=z"}) {
+    SCOPED_TRACE(brush);
+    expectSuccess(run(touch({"--edit", brush})));
+    const std::string first = contentsOf(file("out") / "trace.csv");
+    const double version = readTrace(file("out") / "trace.csv").rows.back().editVersion();
+    EXPECT_GE(version, 1);
+    EXPECT_EQ(summary()["edits"]["count"], version);
+    expectSuccess(run(touch({"--edit", brush})));
+    EXPECT_EQ(contentsOf(file("out") / "trace.csv"), first);
+  }
 }
 
 // The engine's own thread edits; the versions still only rise, and what is saved gives the volume back.
@@ -134,10 +151,10 @@ TEST_F(LiveEdits, RecoverRefusesWhatItCannotRecover) {
 }
 
 TEST_F(LiveEdits, RefusesBrushesThatCannotBeMeant) {
-  const std::pair<const char*, const char*> cases[] = {{"remove:radius=0mm", "no length above 0"},
-                                                       {"remove:radius=nan", "is no number"},
-                                                       {"remove:radius=9m", "larger than the volume"},
-                                                       {"carve:radius=2mm", "no brush 'carve'"}};
+  const std::pair<const char*, const char*> cases[] = {
+      {"remove:radius=0mm", "no length above 0"},     {"remove:radius=nan", "is no number"},
+      {"remove:radius=9m", "larger than the volume"}, {"cut:radius=2mm", "use flatten"},
+      {"remove:radius=2mm:mirror=q", "is no axis"},   {"carve:radius=2mm", "no brush 'carve'"}};
   for (const auto& [brush, reason] : cases) {
     expectRefusal(run(touch({"--edit", brush})), "edit", reason, 2);
     EXPECT_FALSE(exists("out"));

@@ -31,6 +31,7 @@ TEST(AlgorithmSetup, CarriesWhatTheSceneAsks) {
   scene.stiffness_N_per_m = 7;
   scene.damping_Ns_per_m = 3;
   scene.plane_renewal_ticks = 9;
+  scene.rate_hz = 4000;
   scene.haptization_density = {{-1000, 0.5, 1}, {200, 2, 3}};
   scene.haptization_gradient = {{0, 0}, {5e4, 1}};
   const AlgorithmSetup setup = algorithmSetup(scene, 42, {.contrast = 11, .voxel_m = 2e-3});
@@ -38,6 +39,7 @@ TEST(AlgorithmSetup, CarriesWhatTheSceneAsks) {
   EXPECT_EQ(setup.parameters.stiffness_N_per_m, 7);
   EXPECT_EQ(setup.parameters.damping_Ns_per_m, 3);
   EXPECT_EQ(setup.parameters.plane_renewal_ticks, 9);
+  EXPECT_EQ(setup.parameters.rate_hz, 4000);
   ASSERT_EQ(setup.haptization.density.size(), 2u);
   EXPECT_EQ(setup.haptization.density[1].density, 200);
   EXPECT_EQ(setup.haptization.density[1].force_N, 2);

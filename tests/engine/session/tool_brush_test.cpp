@@ -14,18 +14,24 @@ namespace {
 using ::testing::HasSubstr;
 
 constexpr std::int64_t kTick_ns = 1'000'000;
-constexpr double kStiffness = 500;
 
-ToolPose poseAt(double x_m, bool in_contact, double depth_m = 1e-3) {
+ToolPose poseAt(double x_m, bool in_contact, double force_N = 0.5) {
   ToolPose pose;
   pose.position_W = {x_m, 0, 0};
   pose.at_surface = in_contact;
-  pose.surface_W = pose.position_W + Vec3(0, 0, in_contact ? depth_m : 0);
+  pose.surface_W = pose.position_W;
+  if (!in_contact) return pose;
+  pose.surface_W += Vec3(0, 0, 1e-3);
+  pose.normal_W = Vec3::UnitZ();
+  pose.force_W = force_N * pose.normal_W + Vec3(0.3, 0, 0);  // and it rubs
   return pose;
 }
 
+const Lattice kLattice{Vec3(1e-3, 2e-3, 3e-3), Mat3::Identity(), Vec3(1e-3, 2e-3, 3e-3)};
+const Vec3i kSize(11, 21, 31);
+
 ToolBrush brush(const char* text) {
-  return {toolBrushSpec(text), kStiffness, 8};
+  return {toolBrushSpec(text), kSize, kLattice};
 }
 
 TEST(ToolBrush, StrokesShareTheirEndsAtAnySpeed) {
@@ -33,7 +39,8 @@ TEST(ToolBrush, StrokesShareTheirEndsAtAnySpeed) {
     ToolBrush tool = brush("remove:radius=2mm");
     std::vector<EditCommand> strokes;
     for (int tick = 0; tick <= 100; ++tick) {
-      if (auto stroke = tool.look(poseAt(speed * tick * 1e-3, true), tick * kTick_ns)) strokes.push_back(*stroke);
+      const auto due = tool.look(poseAt(speed * tick * 1e-3, true), tick * kTick_ns);
+      strokes.insert(strokes.end(), due.begin(), due.end());
     }
     ASSERT_GE(strokes.size(), 8U);
     EXPECT_EQ(strokes[0].from_W.x(), 0);
@@ -47,17 +54,18 @@ TEST(ToolBrush, StrokesShareTheirEndsAtAnySpeed) {
 
 TEST(ToolBrush, OnlyATouchingToolEdits) {
   ToolBrush tool = brush("remove:radius=2mm");
-  for (int tick = 0; tick < 98; ++tick) EXPECT_FALSE(tool.look(poseAt(tick * 1e-3, false), tick * kTick_ns));
+  for (int tick = 0; tick < 98; ++tick) EXPECT_TRUE(tool.look(poseAt(tick * 1e-3, false), tick * kTick_ns).empty());
   // A touch between two edits is enough.
-  EXPECT_FALSE(tool.look(poseAt(0.1, true), 98 * kTick_ns));
-  EXPECT_TRUE(tool.look(poseAt(0.1, false), 100 * kTick_ns));
+  EXPECT_TRUE(tool.look(poseAt(0.1, true), 98 * kTick_ns).empty());
+  EXPECT_EQ(tool.look(poseAt(0.1, false), 100 * kTick_ns).size(), 1U);
 }
 
 TEST(ToolBrush, AToolThatStandsIsNotRepeatedUnlessItsBrushGoesOn) {
   const auto countOf = [](const char* text) {
     ToolBrush tool = brush(text);
     int count = 0;
-    for (int tick = 0; tick <= 100; ++tick) count += tool.look(poseAt(0, true), tick * kTick_ns) ? 1 : 0;
+    for (int tick = 0; tick <= 100; ++tick)
+      count += static_cast<int>(tool.look(poseAt(0, true), tick * kTick_ns).size());
     return count;
   };
   EXPECT_EQ(countOf("remove:radius=2mm"), 1);
@@ -66,21 +74,71 @@ TEST(ToolBrush, AToolThatStandsIsNotRepeatedUnlessItsBrushGoesOn) {
   EXPECT_EQ(countOf("remove:radius=2mm:strength=0.5:period=10"), 10);
 }
 
-// 1 - exp(-rate F t): F = K depth = 0.5 N for 4 ms; strengths of pieces compose to that of the whole time.
-TEST(ToolBrush, RateTakesForceAndTime) {
+// 1 - exp(-rate F t): the device was sent 0.5 N along the normal for 4 ms, whatever rubs; strengths of pieces compose
+// to that of the whole time. A force that pulls drills nothing.
+TEST(ToolBrush, RateTakesTheForceThatWasSentAndTime) {
   ToolBrush tool = brush("remove:radius=2mm:rate=100");
   double left = 1;
   for (int tick = 0; tick <= 40; ++tick) {
-    const auto stroke = tool.look(poseAt(0, true, 1e-3), tick * kTick_ns);
-    if (!stroke) continue;
-    EXPECT_NEAR(stroke->strength, 1 - std::exp(-100 * 0.5 * 4e-3), 1e-12);
-    left *= 1 - stroke->strength;
+    const auto stroke = tool.look(poseAt(0, true, 0.5), tick * kTick_ns);
+    if (stroke.empty()) continue;
+    EXPECT_NEAR(stroke[0].strength, 1 - std::exp(-100 * 0.5 * 4e-3), 1e-12);
+    left *= 1 - stroke[0].strength;
   }
   EXPECT_NEAR(left, std::exp(-100 * 0.5 * 40e-3), 1e-12);
-  // A deep tool presses with no more than the device's limit.
-  ToolBrush deep = brush("remove:radius=2mm:rate=1");
-  for (int tick = 0; tick < 4; ++tick) EXPECT_FALSE(deep.look(poseAt(0, true, 1), tick * kTick_ns));
-  EXPECT_NEAR(deep.look(poseAt(0, true, 1), 4 * kTick_ns)->strength, 1 - std::exp(-8 * 4e-3), 1e-12);
+  ToolBrush pulled = brush("remove:radius=2mm:rate=100");
+  for (int tick = 0; tick <= 40; ++tick) EXPECT_TRUE(pulled.look(poseAt(0, true, -0.5), tick * kTick_ns).empty());
+}
+
+// An algorithm without a VHIP says no surface, but it has contact: its tool edits too.
+TEST(ToolBrush, AToolWithoutAVhipEditsToo) {
+  ToolBrush tool = brush("remove:radius=2mm");
+  ToolPose pose = poseAt(0, true);
+  pose.at_surface = false;
+  EXPECT_TRUE(tool.look(pose, 0).empty());
+  EXPECT_EQ(tool.look(pose, 4 * kTick_ns).size(), 1U);
+}
+
+// The plane is that of the moment when the contact began, until another begins.
+TEST(ToolBrush, FlattensToThePlaneWhereTheContactBegan) {
+  ToolBrush tool = brush("flatten:radius=2mm");
+  std::vector<EditCommand> strokes;
+  for (int tick = 0; tick <= 40; ++tick) {
+    ToolPose pose = poseAt(tick * 1e-3, tick != 20);
+    if (tick > 0) pose.surface_W.z() += 1e-3;
+    if (tick > 20) pose.normal_W = Vec3::UnitX();
+    const auto due = tool.look(pose, tick * kTick_ns);
+    strokes.insert(strokes.end(), due.begin(), due.end());
+  }
+  ASSERT_EQ(strokes.size(), 10U);
+  for (std::size_t i = 0; i < strokes.size(); ++i) {
+    const bool first = i < 5;  // the stroke that ends in tick 20 touched before
+    EXPECT_EQ(strokes[i].kind, EditKind::kFlatten);
+    EXPECT_EQ(strokes[i].plane_W, first ? Vec3(0, 0, 1e-3) : Vec3(21e-3, 0, 2e-3)) << i;
+    EXPECT_EQ(strokes[i].normal_W, first ? Vec3(Vec3::UnitZ()) : Vec3(Vec3::UnitX())) << i;
+  }
+}
+
+// The volume's middle is at (6, 22, 48) mm.
+TEST(ToolBrush, AMirrorDoesTheStrokeOnTheOtherSideToo) {
+  const Vec3 middle_W(6e-3, 22e-3, 48e-3);
+  for (const auto& [text, axis] :
+       {std::pair("flatten:radius=2mm:mirror=x", 0), std::pair("flatten:mirror=y:radius=2mm", 1),
+        std::pair("flatten:radius=2mm:mirror=z", 2)}) {
+    ToolBrush tool = brush(text);
+    EXPECT_TRUE(tool.look(poseAt(1e-3, true), 0).empty());
+    const auto strokes = tool.look(poseAt(2e-3, true), 4 * kTick_ns);
+    ASSERT_EQ(strokes.size(), 2U);
+    const auto other = [&](Vec3 p_W) {
+      p_W[axis] = 2 * middle_W[axis] - p_W[axis];
+      return p_W;
+    };
+    EXPECT_LT((strokes[1].from_W - other(Vec3(1e-3, 0, 0))).norm(), 1e-15);
+    EXPECT_LT((strokes[1].to_W - other(Vec3(2e-3, 0, 0))).norm(), 1e-15);
+    EXPECT_LT((strokes[1].plane_W - other(Vec3(1e-3, 0, 1e-3))).norm(), 1e-15);
+    EXPECT_EQ(strokes[1].normal_W, axis == 2 ? Vec3(0, 0, -1) : Vec3(0, 0, 1));
+    EXPECT_EQ(strokes[1].radius_m, strokes[0].radius_m);
+  }
 }
 
 TEST(ToolBrush, ReadsItsText) {
@@ -95,6 +153,8 @@ TEST(ToolBrush, ReadsItsText) {
   EXPECT_EQ(spec.brush.material->high_density, 900);
   EXPECT_EQ(spec.brush.material->drop, 0.8);
   EXPECT_DOUBLE_EQ(spec.period_s, 8e-3);
+  EXPECT_FALSE(spec.mirror_axis);
+  EXPECT_EQ(toolBrushSpec("add:radius=2mm:mirror=z").mirror_axis, 2);
   EXPECT_EQ(toolBrushSpec("paint:value=12:radius=3").brush.value, 12);
   EXPECT_DOUBLE_EQ(toolBrushSpec("add:radius=0.2cm").brush.radius_m, 2e-3);
 }
@@ -103,6 +163,10 @@ TEST(ToolBrush, RefusesTextsThatMakeNoBrush) {
   const std::pair<const char*, const char*> cases[] = {
       {"", "there is no brush ''"},
       {"carve:radius=2mm", "use remove, add"},
+      {"cut:radius=2mm", "use flatten, or remove"},
+      {"stamp-add:radius=2mm", "use add or remove"},
+      {"remove:radius=2mm:mirror=w", "give mirror=x, y or z"},
+      {"remove:radius=2mm:mirror=xy", "is no axis"},
       {"remove", "no radius"},
       {"remove:radius", "has no value"},
       {"remove:radius=2furlongs", "no length"},

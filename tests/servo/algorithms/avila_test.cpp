@@ -119,11 +119,11 @@ TEST(Avila, ReadsTheNewestWindow) {
   const AnalyticVolume low = ramp();
   const AnalyticVolume high = millimetreVolume([](const Vec3& p_W) { return 2e5 * (22e-3 - p_W.z()); }, 40);
   Avila avila({0, 500, 0, 1});
-  AlgorithmDriver driver(avila, low, at(1e-3), 40);
+  AlgorithmDriver driver(avila, high, at(1e-3), 40);
   driver.follow = false;
-  EXPECT_NEAR(driver.at(at(0.5e-3)).force_W.z(), 0.25, 1e-6);
-  driver.edit(high);
   EXPECT_NEAR(driver.at(at(0.5e-3)).force_W.z(), 1.25, 1e-6);
+  driver.edit(low);
+  EXPECT_NEAR(driver.at(at(0.5e-3)).force_W.z(), 0.25, 1e-6);
 }
 
 class NoEffect final : public ContactEffect {

@@ -73,10 +73,10 @@ TEST(Blezek, HoldsAHipThatHasGoneThroughAPlate) {
   EXPECT_FALSE(driver.at(Vec3(30e-3, 30e-3, 33e-3)).in_contact);
 }
 
-// The surface goes away under the VHIP: transparent, with a fault, until the tool has been outside once.
+// The surface goes away with no way out in reach: transparent, with a fault, until the tool has been outside once.
 TEST(Blezek, GivesNoForceWhenItHasLostTheSurface) {
   const AnalyticVolume before = millimetreVolume(ball(kCentre, 20e-3));
-  const AnalyticVolume after = millimetreVolume(ball(kCentre, 26e-3));
+  const AnalyticVolume after = millimetreVolume([](const Vec3& p_W) { return 0.1 + p_W.z(); });
   Blezek blezek(kNoDamping);
   AlgorithmDriver driver(blezek, before, onBall(0, 21e-3), 64);
   driver.follow = false;
@@ -87,8 +87,27 @@ TEST(Blezek, GivesNoForceWhenItHasLostTheSurface) {
   EXPECT_EQ(out.faults, bit(ServoFault::kSurfaceLost));
   EXPECT_TRUE(out.force_W.isZero(0));
   EXPECT_EQ(driver.at(onBall(0, 19e-3)).faults, bit(ServoFault::kInsideObject));
-  EXPECT_EQ(driver.at(onBall(0, 27e-3)).faults, 0u);
-  EXPECT_TRUE(driver.at(onBall(0, 25e-3)).in_contact);
+  driver.edit(before);
+  EXPECT_EQ(driver.at(onBall(0, 19e-3)).faults, bit(ServoFault::kInsideObject));
+  EXPECT_EQ(driver.at(onBall(0, 21e-3)).faults, 0u);
+  EXPECT_TRUE(driver.at(onBall(0, 19e-3)).in_contact);
+}
+
+// An edit moves the surface by 6 voxels, too far to follow: the tool is pushed towards the new one, gently.
+TEST(Blezek, FindsASurfaceThatAnEditMovedByTheNearestWayOut) {
+  const AnalyticVolume before = millimetreVolume(ball(kCentre, 20e-3));
+  const AnalyticVolume after = millimetreVolume(ball(kCentre, 26e-3));
+  Blezek blezek(kNoDamping);
+  AlgorithmDriver driver(blezek, before, onBall(0, 21e-3), 64);
+  driver.follow = false;
+  driver.at(onBall(0, 21e-3));
+  const double before_N = driver.at(onBall(0, 19e-3)).force_W.norm();
+  driver.edit(after);
+  TickOutput out = driver.at(onBall(0, 19e-3));
+  EXPECT_EQ(out.faults, 0u);
+  EXPECT_NEAR(out.force_W.norm(), before_N + 500 * 6e-3 / 500, 500 * 0.02 * kVoxel);
+  for (int i = 0; i < 500; ++i) out = driver.at(onBall(0, 19e-3));
+  EXPECT_LT((out.vhip_W - onBall(0, 26e-3)).norm(), 0.02 * kVoxel);
 }
 
 TEST(Blezek, AFlatFieldIsLostWithItsReason) {
@@ -135,7 +154,7 @@ TEST(Blezek, NoForceWhereTheWindowDoesNotReach) {
   EXPECT_TRUE(driver.at(Vec3(45e-3, 30e-3, 29e-3)).in_contact);
 }
 
-TEST(Blezek, MaterialPutOverAFreeToolIsNoEntry) {
+TEST(Blezek, MaterialPutOverAFreeToolPushesItOutTheNearestWay) {
   const AnalyticVolume before = millimetreVolume([](const Vec3&) { return -1.0; });
   const AnalyticVolume after = millimetreVolume(ball(kCentre, 20e-3));
   Blezek blezek(kNoDamping);
@@ -143,9 +162,11 @@ TEST(Blezek, MaterialPutOverAFreeToolIsNoEntry) {
   driver.follow = false;
   driver.at(onBall(0, 15e-3));
   driver.edit(after);
-  const TickOutput out = driver.at(onBall(0, 15.1e-3));
-  EXPECT_EQ(out.faults, bit(ServoFault::kInsideObject));
-  EXPECT_TRUE(out.force_W.isZero(0));
+  TickOutput out = driver.at(onBall(0, 15e-3));
+  EXPECT_EQ(out.faults, 0u);
+  EXPECT_LE(out.force_W.norm(), 500 * 5e-3 / 500 + 500 * 0.02 * kVoxel);
+  for (int i = 0; i < 500; ++i) out = driver.at(onBall(0, 15e-3));
+  EXPECT_LT((out.vhip_W - onBall(0, 20e-3)).norm(), 0.02 * kVoxel);
 }
 
 TEST(Blezek, ACutFaceOfTheVolumeIsNotFelt) {

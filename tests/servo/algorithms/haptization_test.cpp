@@ -53,6 +53,25 @@ TEST_F(HaptizationRamp, AFlatRegionIsViscousOnly) {
   EXPECT_EQ(out.faults, 0u);
 }
 
+// Flat and dense where nothing was: 8 N s/m against 0.1 m/s, a 500th of it more each tick; thinned out it is gone at
+// once.
+TEST_F(HaptizationRamp, ViscosityThatAnEditAddsComesInEvenly) {
+  const AnalyticVolume nothing = millimetreVolume([](const Vec3&) { return -500.0; }, 40);
+  const AnalyticVolume dense = millimetreVolume([](const Vec3&) { return 500.0; }, 40);
+  AlgorithmDriver moving(haptization, nothing, at(10e-3), 40);
+  moving.follow = false;
+  const Vec3 way_W(0, 0.1e-3, 0);
+  EXPECT_TRUE(moving.at(at(10e-3)).force_W.isZero(0));
+  EXPECT_TRUE(moving.at(at(10e-3) + way_W).force_W.isZero(0));
+  moving.edit(dense);
+  for (int tick = 1; tick <= 500; ++tick) {
+    const TickOutput out = moving.at(at(10e-3) + (tick % 2 == 0 ? way_W : Vec3(Vec3::Zero())));
+    ASSERT_NEAR(out.force_W.norm(), 0.8 * tick / 500, 1e-5) << tick;
+  }
+  moving.edit(nothing);
+  EXPECT_TRUE(moving.at(at(10e-3)).force_W.isZero(0));
+}
+
 TEST_F(HaptizationRamp, BelowTheTableAndBeyondTheVolumeThereIsNothing) {
   driver.at(at(-4e-3));
   for (const Vec3& p_W : {at(-3e-3), at(-0.1e-3), Vec3(-2e-3, 20e-3, 10e-3)}) {

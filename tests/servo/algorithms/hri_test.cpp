@@ -14,6 +14,7 @@ namespace palpate {
 namespace {
 
 constexpr double kVoxel = 1e-3;  // [m]
+constexpr int kEaseTicks = 500;  // EditEase at 1 kHz
 const Vec3 kCentre = Vec3::Constant(31.3e-3);
 constexpr double kRadius = 24e-3;
 
@@ -158,12 +159,12 @@ TEST(Hri, SlidesAlongAThinShell) {
 // Holds the tool where it is until what an edit has added is taken in; the force must rise evenly, from what it was.
 TickOutput holdUntilEased(AlgorithmDriver& driver, const Vec3& hip_W, const TickOutput& first, double depth_m) {
   const double stiffness = AlgorithmParameters{}.stiffness_N_per_m;
-  const double step_N = stiffness * depth_m / HriSurface::kEaseTicks;
+  const double step_N = stiffness * depth_m / kEaseTicks;
   // Planes of one surface, found anew for one HIP, agree to a hundredth of a voxel.
   const double rounding_N = stiffness * 0.01 * kVoxel;
   TickOutput before = first;
   TickOutput out = first;
-  for (int i = 0; i < HriSurface::kEaseTicks; ++i) {
+  for (int i = 0; i < kEaseTicks; ++i) {
     out = driver.at(hip_W);
     EXPECT_LE((out.force_W - before.force_W).norm(), step_N + rounding_N);
     EXPECT_GE(out.force_W.norm(), before.force_W.norm() - rounding_N);
@@ -187,7 +188,7 @@ TEST(Hri, FindsTheSurfaceWhenVhipAndHipAreBothInside) {
   ASSERT_TRUE(first.in_contact);
   EXPECT_EQ(first.plane_age_ticks, 0);
   // A tick's share of what the edit added is there already: 500 N/m of 7 mm / 500.
-  EXPECT_NEAR((first.vhip_W - hip_W).norm(), 1e-3 + 7e-3 / HriSurface::kEaseTicks, 0.02 * kVoxel);
+  EXPECT_NEAR((first.vhip_W - hip_W).norm(), 1e-3 + 7e-3 / kEaseTicks, 0.02 * kVoxel);
   const TickOutput out = holdUntilEased(driver, hip_W, first, 7e-3);
   EXPECT_NEAR((out.vhip_W - hip_W).norm(), 8e-3, 0.02 * kVoxel);
   EXPECT_LT(degreesBetween(out.force_W, hip_W - kCentre), 0.5);
@@ -209,7 +210,7 @@ TEST(Hri, SearchesAlongTheNormalWhereTheFieldIsFlat) {
   driver.edit(after);
   const TickOutput first = driver.at(hip_W);
   ASSERT_TRUE(first.in_contact);
-  EXPECT_NEAR(first.vhip_W.z(), 25e-3, 12e-3 / HriSurface::kEaseTicks + 0.01 * kVoxel);
+  EXPECT_NEAR(first.vhip_W.z(), 25e-3, 12e-3 / kEaseTicks + 0.01 * kVoxel);
   const TickOutput out = holdUntilEased(driver, hip_W, first, 12e-3);
   EXPECT_NEAR(out.vhip_W.z(), 37e-3, 0.01 * kVoxel);
   EXPECT_LT(degreesBetween(out.force_W, Vec3::UnitZ()), 0.1);
@@ -369,7 +370,7 @@ TEST(Hri, BuriedByAnEditIsPushedOutGently) {
   const TickOutput first = driver.at(hip_W);
   ASSERT_TRUE(first.in_contact);
   EXPECT_FALSE(has(first.faults, ServoFault::kInsideObject));
-  EXPECT_LE(first.force_W.norm(), 500 * 9e-3 / HriSurface::kEaseTicks + 1e-9);
+  EXPECT_LE(first.force_W.norm(), 500 * 9e-3 / kEaseTicks + 1e-9);
   const TickOutput out = holdUntilEased(driver, hip_W, first, 9e-3);
   EXPECT_NEAR(out.force_W.norm(), 500 * 9e-3, 500 * 0.02 * kVoxel);
   EXPECT_LT(degreesBetween(out.force_W, hip_W - kCentre), 0.5);
@@ -378,6 +379,31 @@ TEST(Hri, BuriedByAnEditIsPushedOutGently) {
   EXPECT_FALSE(driver.at(slidePoint(0, 25e-3)).in_contact);
   driver.stroke(slidePoint(0, 23e-3), 50);
   EXPECT_NEAR(driver.at(slidePoint(0, 23e-3)).force_W.norm(), 500 * 1e-3, 500 * 0.02 * kVoxel);
+}
+
+// The edit comes while the window does not reach the tool: what it added is not there at once when the window has
+// caught up, though that window's version is no news any more.
+TEST(Hri, AnEditDuringALateWindowIsTakenInAfterwards) {
+  const AnalyticVolume before = millimetreVolume([](const Vec3& p_W) { return 30.4e-3 - p_W.z(); });
+  const AnalyticVolume after = millimetreVolume([](const Vec3& p_W) { return 34.4e-3 - p_W.z(); });
+  Hri hri({.damping_Ns_per_m = 0, .plane_renewal_ticks = 1});
+  AlgorithmDriver driver(hri, before, Vec3(30e-3, 30e-3, 31e-3), 16);
+  driver.follow = false;
+  driver.at(Vec3(30e-3, 30e-3, 31e-3));
+  ASSERT_TRUE(driver.at(Vec3(30e-3, 30e-3, 29e-3)).in_contact);
+  const Vec3 hip_W(45e-3, 30e-3, 29e-3);
+  driver.at(hip_W);
+  driver.edit(after);
+  EXPECT_TRUE(has(driver.at(hip_W).faults, ServoFault::kBeyondWindow));
+  driver.publish(hip_W);
+  double last_N = 0;
+  for (int i = 0; i < kEaseTicks + 1; ++i) {
+    const TickOutput out = driver.at(hip_W);
+    ASSERT_TRUE(out.in_contact) << i;
+    ASSERT_LE(out.force_W.norm() - last_N, 500 * 5.4e-3 / kEaseTicks + 1e-6) << i;
+    last_N = out.force_W.norm();
+  }
+  EXPECT_NEAR(last_N, 500 * 5.4e-3, 500 * 0.01 * kVoxel);
 }
 
 // A tool that pulls out before the depth is taken in feels no pull, and nothing once it is out.

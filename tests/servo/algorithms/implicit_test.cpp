@@ -65,9 +65,10 @@ TEST(Implicit, TheTangentPlaneKeepsToItsSide) {
   EXPECT_TRUE(driver.at(z(28.5e-3)).in_contact);
 }
 
+// The surface goes away with no way out in reach: transparent, with a fault, until the tool has been outside once.
 TEST(Implicit, GivesNoForceWhenItHasLostTheSurface) {
   const AnalyticVolume before = millimetreVolume(ball(kCentre, 20e-3));
-  const AnalyticVolume after = millimetreVolume(ball(kCentre, 26e-3));
+  const AnalyticVolume after = millimetreVolume([](const Vec3& p_W) { return 0.1 + p_W.z(); });
   Implicit implicit(kNoDamping);
   AlgorithmDriver driver(implicit, before, onBall(0, 21e-3), 64);
   driver.follow = false;
@@ -78,8 +79,27 @@ TEST(Implicit, GivesNoForceWhenItHasLostTheSurface) {
   EXPECT_EQ(out.faults, bit(ServoFault::kSurfaceLost));
   EXPECT_TRUE(out.force_W.isZero(0));
   EXPECT_EQ(driver.at(onBall(0, 19e-3)).faults, bit(ServoFault::kInsideObject));
-  EXPECT_EQ(driver.at(onBall(0, 27e-3)).faults, 0u);
-  EXPECT_TRUE(driver.at(onBall(0, 25e-3)).in_contact);
+  driver.edit(before);
+  EXPECT_EQ(driver.at(onBall(0, 19e-3)).faults, bit(ServoFault::kInsideObject));
+  EXPECT_EQ(driver.at(onBall(0, 21e-3)).faults, 0u);
+  EXPECT_TRUE(driver.at(onBall(0, 19e-3)).in_contact);
+}
+
+// An edit moves the surface by 6 voxels, too far to follow: the tool is pushed towards the new one, gently.
+TEST(Implicit, FindsASurfaceThatAnEditMovedByTheNearestWayOut) {
+  const AnalyticVolume before = millimetreVolume(ball(kCentre, 20e-3));
+  const AnalyticVolume after = millimetreVolume(ball(kCentre, 26e-3));
+  Implicit implicit(kNoDamping);
+  AlgorithmDriver driver(implicit, before, onBall(0, 21e-3), 64);
+  driver.follow = false;
+  driver.at(onBall(0, 21e-3));
+  const double before_N = driver.at(onBall(0, 19e-3)).force_W.norm();
+  driver.edit(after);
+  TickOutput out = driver.at(onBall(0, 19e-3));
+  EXPECT_EQ(out.faults, 0u);
+  EXPECT_NEAR(out.force_W.norm(), before_N + 500 * 6e-3 / 500, 500 * 0.02 * kVoxel);
+  for (int i = 0; i < 500; ++i) out = driver.at(onBall(0, 19e-3));
+  EXPECT_LT((out.vhip_W - onBall(0, 26e-3)).norm(), 0.02 * kVoxel);
 }
 
 TEST(Implicit, AFlatFieldIsLostWithItsReason) {

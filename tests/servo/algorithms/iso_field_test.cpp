@@ -98,5 +98,43 @@ TEST(IsoField, SeesATentBetweenTheEndsOfACell) {
   EXPECT_NEAR(entry->p_W.x(), (4 - t) * 1e-3, 1e-4 * 1e-3);
 }
 
+// In a ball the nearest way out is along the radius: the gradient's. Its sag in the samples is h^2 / 8R an axis.
+TEST(IsoField, TheNearestWayOutOfABallIsItsRadius) {
+  const Vec3 centre_W = Vec3::Constant(19.7e-3);
+  const AnalyticVolume volume = millimetreVolume(ball(centre_W, 14e-3), 40);
+  HeldWindow held;
+  volume.hold(held, Vec3i::Zero(), Vec3i::Constant(40));
+  const IsoField field(held.window, 0);
+  const Vec3 out_W = Vec3(1, 2, -0.5).normalized();
+  const auto way_out = field.nearestExit(field.probe(centre_W + 9e-3 * out_W));
+  ASSERT_TRUE(way_out);
+  EXPECT_LT((way_out->p_W - (centre_W + 14e-3 * out_W)).norm(), 0.05e-3);
+  EXPECT_LT((way_out->direction_W + out_W).norm(), 0.02);
+  EXPECT_FALSE(way_out->face.any());
+  EXPECT_FALSE(field.nearestExit(field.probe(centre_W + 15e-3 * out_W)));
+}
+
+// Flat inside, 3 voxels from one face and more from all others: there is no gradient, so an axis leads out.
+TEST(IsoField, WithoutAGradientAnAxisLeadsOut) {
+  const AnalyticVolume volume =
+      millimetreVolume([](const Vec3& p_W) { return p_W.x() > 10.5e-3 && p_W.x() < 30.5e-3 ? 1.0 : -1.0; }, 40);
+  HeldWindow held;
+  volume.hold(held, Vec3i::Zero(), Vec3i::Constant(40));
+  const IsoField field(held.window, 0);
+  const auto low = field.nearestExit(field.probe(Vec3(14e-3, 20e-3, 20e-3)));
+  ASSERT_TRUE(low);
+  EXPECT_NEAR(low->p_W.x(), 10.5e-3, 1e-6);
+  EXPECT_EQ(low->direction_W, Vec3::UnitX());
+}
+
+// All object as far as the window reaches, which is not known to end: no way out.
+TEST(IsoField, ThereIsNoWayOutOfAWindowThatIsAllObject) {
+  const AnalyticVolume volume = millimetreVolume([](const Vec3&) { return 1.0; }, 40);
+  HeldWindow held;
+  volume.hold(held, Vec3i::Constant(4), Vec3i::Constant(32));
+  const IsoField field(held.window, 0);
+  EXPECT_FALSE(field.nearestExit(field.probe(Vec3::Constant(20e-3))));
+}
+
 }  // namespace
 }  // namespace palpate

@@ -16,6 +16,7 @@ namespace palpate {
 namespace {
 
 constexpr double kVoxel = 1e-3;
+constexpr int kEaseTicks = 500;  // EditEase at 1 kHz
 const Vec3 kCentre = Vec3::Constant(31.3e-3);
 
 std::unique_ptr<Algorithm> make(const char* name, int n, double damping = 0) {
@@ -168,7 +169,7 @@ TEST_F(Mend, BothInsideIsSearchedOutward) {
     driver.at(onBall(17e-3));
     driver.edit(after);
     TickOutput out;
-    for (int i = 0; i < 6 + HriSurface::kEaseTicks; ++i) out = driver.at(onBall(17e-3));
+    for (int i = 0; i < 6 + kEaseTicks; ++i) out = driver.at(onBall(17e-3));
     return out.force_W.norm();
   });
   EXPECT_NEAR(force.hri, 500 * 8e-3, 500 * 0.02 * kVoxel);

@@ -47,6 +47,8 @@ TEST(AlgorithmRegistry, RefusesParametersThatCannotBeUsed) {
   refused([](AlgorithmParameters& p) { p.damping_Ns_per_m = -1; });
   refused([](AlgorithmParameters& p) { p.stiffness_N_per_m = NAN; });
   refused([](AlgorithmParameters& p) { p.isovalue = INFINITY; });
+  refused([](AlgorithmParameters& p) { p.rate_hz = 0; });
+  refused([](AlgorithmParameters& p) { p.rate_hz = NAN; });
 }
 
 }  // namespace

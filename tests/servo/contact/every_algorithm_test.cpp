@@ -51,6 +51,39 @@ TEST(EffectsOnEveryAlgorithm, FrictionIsTheSameCone) {
   EXPECT_EQ(algorithms_seen, 5);
 }
 
+// A layer is put over a sliding tool: friction goes by the force that is felt, so it stays in its cone all the time
+// that the layer is taken in, and recovery time only makes that longer. At the end all is there. The god-object's mesh
+// is made once.
+TEST(EffectsOnEveryAlgorithm, ALayerThatAnEditAddsIsTakenInWithThem) {
+  const AnalyticVolume volume = flat();
+  const AnalyticVolume after = millimetreVolume([](const Vec3& p_W) { return 22.3e-3 - p_W.z(); }, 40);
+  for (const AlgorithmEntry& entry : algorithms()) {
+    if (!hasVhip(entry.name) || entry.needs.isosurface_mesh) continue;
+    SCOPED_TRACE(std::string(entry.name));
+    const auto algorithm = makeAlgorithm(
+        entry.name,
+        withEffects(entry.name, volume, {.recovery_s = 0.02, .friction = {.static_ratio = 0.3, .dynamic_ratio = 0.3}}));
+    AlgorithmDriver driver(*algorithm, volume, Vec3(15e-3, 20e-3, 21e-3), 40);
+    driver.follow = false;
+    driver.at(Vec3(15e-3, 20e-3, 21e-3));
+    driver.stroke(Vec3(15e-3, 20e-3, 19.3e-3), 17);
+    double last_N = driver.stroke(Vec3(17e-3, 20e-3, 19.3e-3), 80).back().force_W.z();
+    EXPECT_NEAR(last_N, 0.5, 1e-3);
+    driver.edit(after);
+    TickOutput out;
+    for (int i = 0; i < 600; ++i) {
+      out = driver.at(Vec3(17e-3 + 10e-6 * i, 20e-3, 19.3e-3));
+      ASSERT_TRUE(out.in_contact) << i;
+      // K 2 mm / 500 a tick, and what two planes of one surface differ by.
+      ASSERT_LE(out.force_W.z() - last_N, 500 * 2e-3 / 500 + 500 * 0.02e-3) << i;
+      ASSERT_LE(out.force_W.head<2>().norm(), 0.3 * out.force_W.z() + 1e-6) << i;
+      last_N = out.force_W.z();
+    }
+    EXPECT_NEAR(out.force_W.z(), 1.5, 2e-3);
+    EXPECT_NEAR(out.force_W.x(), -0.3 * 1.5, 2e-3);
+  }
+}
+
 // Below the surface the density says how stiff: twice K at 2 voxels below, where it is 2e-3.
 TEST(EffectsOnEveryAlgorithm, StiffnessByDensityIsTheSameFactor) {
   const AnalyticVolume volume = flat();

@@ -87,6 +87,28 @@ TEST(ServoLoopSimulated, TheEngineSeesTheToolOfTheLastTick) {
   EXPECT_TRUE(std::isnan(run.records[0].density));
 }
 
+// What the engine hears of the contact is what the records say of the tick before: the force behind the gate's limit.
+TEST(ServoLoopSimulated, TheEngineSeesNormalAndForceOfTheLastTick) {
+  TouchScene scene(0.4);
+  SimulatedDevice device({}, scene.path, 1000);
+  LoopParameters p = simulated(400);
+  p.safety.force_limit_N = 0.3;
+  ServoLoop loop(p, *scene.algorithm, device, scene.windows, scene.tool);
+  std::vector<ToolPose> poses;
+  const LoopResult run = loop.runSimulated([&](std::int64_t tick, std::int64_t now_ns) {
+    poses.push_back(scene.tool.latest());
+    if (tick % 50 == 0) scene.publish(poses.back().position_W, now_ns);
+    scene.windows.confirm(now_ns);
+  });
+  int touching = 0;
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    EXPECT_EQ(poses[i].normal_W, Vec3(run.records[i - 1].normal_W)) << i;
+    EXPECT_EQ(poses[i].force_W, Vec3(run.records[i - 1].force_W)) << i;
+    touching += poses[i].force_W.dot(poses[i].normal_W) > 0.1 ? 1 : 0;
+  }
+  EXPECT_GT(touching, 50);
+}
+
 TEST(ServoLoopSimulated, AnEngineThatStopsConfirmingIsStaleAndTheForceFades) {
   TouchScene scene(0.2);
   SimulatedDevice device({}, scene.path, 1000);

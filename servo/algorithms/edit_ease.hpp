@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+// servo/algorithms/edit_ease.hpp: what an edit adds to a contact is not shown at once, but taken in evenly over
+// kTime_s.
+//
+// A quantity that pushes (the depth behind a plane [m], a force [N]) is shown less an amount. With an edit the amount
+// takes up what the edit added, so that what is shown goes on as it was: from nothing for a free tool. It drains in
+// equal steps, in kTime_s at the latest after the last addition: a later one never slows what drains already. The
+// amount never exceeds the whole, so nothing pulls, and a tool that comes out by itself needs no more easing. What an
+// edit takes away is not eased. What is shown so rises by E / ticks() a tick at most through edits, E the largest
+// amount that there was. Thread: the servo's; no heap, lock, system call or throw. Cost: a few additions, in ticks with
+// an amount only.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+namespace palpate {
+
+class EditEase {
+ public:
+  static constexpr double kTime_s = 0.5;
+
+  explicit EditEase(double rate_hz) noexcept : ticks_(std::max(1.0, std::round(kTime_s * rate_hz))) {}
+
+  // An edit has made `shown` into `whole`, for one and the same place of the tool; up to `negligible` more is no
+  // edit's.
+  void take(double shown, double whole, double negligible = 0) noexcept {
+    const double added = whole - shown - amount_;
+    if (added > 0 && added <= negligible) return;
+    amount_ = std::max(0.0, amount_ + added);
+    step_ = amount_ > 0 ? std::max(step_, amount_ / ticks_) : 0;
+  }
+  // Once a tick, after take(): the whole of this tick; 0 without contact ends the easing.
+  void elapse(double whole) noexcept {
+    amount_ = std::max(0.0, std::min(amount_ - step_, whole));
+    if (amount_ == 0) step_ = 0;
+  }
+  void end() noexcept { amount_ = step_ = 0; }
+
+  [[nodiscard]] bool active() const noexcept { return amount_ > 0; }
+  [[nodiscard]] double amount() const noexcept { return amount_; }  // of the whole, that is not shown yet
+  [[nodiscard]] double ticks() const noexcept { return ticks_; }    // in which it drains
+
+ private:
+  double ticks_;
+  double amount_ = 0;
+  double step_ = 0;  // taken off it each tick
+};
+
+}  // namespace palpate
