@@ -126,7 +126,7 @@ std::vector<BitsCase> bitsCases() {
 }
 INSTANTIATE_TEST_SUITE_P(Sizes, GradientBits, testing::ValuesIn(bitsCases()));
 
-// A kernel that finds no bricks to work on but those that the bounds call active does as one without bounds.
+// Only some bricks have samples, and those are as if all had: nothing of a kernel depends on the bricks in its list.
 TEST(Gradient, OfSomeBricksIsAsOfAll) {
   const Volume volume = ballField({41, 33, 37}, 9.0);
   for (const char* way : {"sobel", "central4", "gaussian:1"}) {
@@ -238,6 +238,32 @@ TEST(Gradient, SeesAcrossConstantBricks) {
   EXPECT_NEAR(run.at(8, 3, 3).gradient_i * h, 2, 1e-6);
   EXPECT_NEAR(run.at(15, 3, 3).gradient_i * h, 3, 1e-6);
   EXPECT_EQ(run.at(12, 3, 3).gradient_i, 0);
+}
+
+// One voxel that changes: samples change as far as reach() says, which edits rely on, and no further.
+TEST(Gradient, ReachesAsFarAsItSays) {
+  const Vec3i size(29, 28, 27);
+  const Vec3i at(14, 13, 12);
+  const auto field = [&](float there) {
+    return makeField(size, [=](int i, int j, int k) {
+      return Vec3i(i, j, k) == at ? there : static_cast<float>((i * 7 + j * 5 + k * 3) % 11);
+    });
+  };
+  for (const char* way : {"central", "sobel", "central4"}) {
+    Computed before(field(1), way);
+    Computed after(field(2), way);
+    int farthest = 0;
+    for (int n = 0; n < size.prod(); ++n) {
+      const Vec3i p(n % size.x(), n / size.x() % size.y(), n / size.x() / size.y());
+      const Sample a = before.at(p.x(), p.y(), p.z());
+      const Sample b = after.at(p.x(), p.y(), p.z());
+      if (std::memcmp(&a, &b, sizeof a) != 0) farthest = std::max(farthest, (p - at).cwiseAbs().maxCoeff());
+    }
+    const Reach reach =
+        GradientPass(before.gpu, before.transfer, before.pool, before.store, gradientOperator(way)).reach();
+    EXPECT_EQ(farthest, reach.low) << way;
+    EXPECT_EQ(farthest, reach.high) << way;
+  }
 }
 
 TEST(SampleStore, HasNoPlaceForBricksThatWereNotAsked) {
