@@ -16,9 +16,9 @@
 namespace palpate {
 
 struct GradientCheckRequest {
-  std::string gpu;            // part of the device's name
-  GradientOperator gradient;  // how it is taken
-  SampleFormat format;        // in which form it is stored and compared
+  std::string gpu = {};            // part of the device's name
+  GradientOperator gradient = {};  // how it is taken
+  SampleFormat format = {};        // in which form it is stored and compared
 };
 
 struct GradientCheck {

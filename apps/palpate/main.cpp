@@ -71,8 +71,8 @@ int main(int argc, char** argv) {
   app.failure_message(parseMessage);
   for (const auto& add :
        {palpate::addTouchVerb, palpate::addRecoverVerb, palpate::addInfoVerb, palpate::addConvertVerb,
-        palpate::addGradientVerb, palpate::addCheckVerb, palpate::addBenchVerb, palpate::addDevicesVerb,
-        palpate::addPlanVerb, palpate::addSceneVerb, palpate::addFaultsVerb}) {
+        palpate::addGradientVerb, palpate::addFilterVerb, palpate::addCheckVerb, palpate::addBenchVerb,
+        palpate::addDevicesVerb, palpate::addPlanVerb, palpate::addSceneVerb, palpate::addFaultsVerb}) {
     add(app);
   }
   palpate::catchInterrupts();

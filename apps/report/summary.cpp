@@ -48,6 +48,7 @@ Json sceneJson(const Scene& s) {
           {"isovalue_density", s.isovalue ? Json(*s.isovalue) : Json(nullptr)},
           {"objects", listOf(s.objects, objectText)},
           {"gpu", s.gpu},
+          {"filter", s.filter},
           {"gradient_all", s.gradient_all},
           {"gradient_operator", s.gradient_operator},
           {"samples", s.samples},

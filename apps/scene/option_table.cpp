@@ -45,6 +45,8 @@ const SceneOption kOptions[] = {
     {"--gpu", "gpu", "", "part of the Vulkan device's name; the best one if not given", TextOption{&Scene::gpu}},
     {"--gradient", "gradient", "", "gradients of the bricks that the isosurface needs, or of all",
      SwitchOption{&Scene::gradient_all, "active", "all"}},
+    {"--filter", "filter", "", "filters that the field goes through before it is felt, one after another: \"gaussian:0.8mm\"; docs/filters.md",
+     ListOption{&Scene::filter}},
     {"--gradient-operator", "gradient_operator", "", "how gradients are taken: central, sobel, central4, gaussian:SIGMA (gaussian:0.8mm; no edits then); docs/gradients.md",
      TextOption{&Scene::gradient_operator}},
     {"--samples", "samples", "", "gradients and densities for the tool are kept as floats, or as halves in half the memory; docs/gradients.md",

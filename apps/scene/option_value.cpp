@@ -89,6 +89,7 @@ struct Setter {
         option.member);
   }
   void operator()(const TextOption& option) const { scene.*option.member = text; }
+  void operator()(const ListOption& option) const { scene.*option.member = text; }
   void operator()(const SwitchOption& option) const {
     if (text != option.word_if_false && text != option.word_if_true) refuse(where, text, value);
     scene.*option.member = text == option.word_if_true;
@@ -124,6 +125,7 @@ struct Writer {
     return std::visit([&](auto member) { return std::to_string(scene.*member); }, option.member);
   }
   std::string operator()(const TextOption& option) const { return scene.*option.member; }
+  std::string operator()(const ListOption& option) const { return scene.*option.member; }
   std::string operator()(const SwitchOption& option) const {
     return scene.*option.member ? option.word_if_true : option.word_if_false;
   }
@@ -152,6 +154,7 @@ struct Form {
     return fmt::format("a whole number from {} to {}", option.lowest, option.highest);
   }
   std::string operator()(const TextOption&) const { return "text"; }
+  std::string operator()(const ListOption&) const { return "words with blanks between"; }
   std::string operator()(const SwitchOption& option) const {
     return fmt::format("{} or {}", option.word_if_false, option.word_if_true);
   }

@@ -31,6 +31,11 @@ struct TextOption {
   std::string Scene::*member;
 };
 
+// Words with blanks between them; in a scene file a list of texts.
+struct ListOption {
+  std::string Scene::*member;
+};
+
 // One of two words.
 struct SwitchOption {
   bool Scene::*member;
@@ -58,8 +63,8 @@ struct TableOption {
   const char* row;     // "density:force:viscosity"
 };
 
-using OptionValue =
-    std::variant<NumberOption, IntegerOption, TextOption, SwitchOption, WordOption, VectorOption, TableOption>;
+using OptionValue = std::variant<NumberOption, IntegerOption, TextOption, ListOption, SwitchOption, WordOption,
+                                 VectorOption, TableOption>;
 
 // Sets the member of `scene` from `text`. `where`: the flag or key, for the message. Throws Error(kBadInput) for text
 // of the wrong form, NaN, or a number out of range; the scene is then unchanged.

@@ -56,6 +56,17 @@ struct ValueText {
   Text operator()(const NumberOption&) const { return node.is_number() ? Text(numberText(node)) : Text(); }
   Text operator()(const IntegerOption&) const { return node.is_number() ? Text(numberText(node)) : Text(); }
   Text operator()(const TextOption&) const { return node.is_string() ? Text(node.as_string()->get()) : Text(); }
+  Text operator()(const ListOption&) const {
+    if (node.is_string()) return node.as_string()->get();
+    const auto* array = node.as_array();
+    if (array == nullptr) return std::nullopt;
+    std::string text;
+    for (const toml::node& element : *array) {
+      if (!element.is_string()) return std::nullopt;
+      text += (text.empty() ? "" : " ") + element.as_string()->get();
+    }
+    return text;
+  }
   Text operator()(const WordOption&) const { return node.is_string() ? Text(node.as_string()->get()) : Text(); }
   Text operator()(const SwitchOption&) const {
     if (const auto* flag = node.as_boolean()) return flag->get() ? "on" : "off";
@@ -92,6 +103,7 @@ struct ValueText {
 // How a value that is an array is written in a scene file, where it differs from a flag's text.
 std::string arrayForm(const OptionValue& value) {
   if (std::holds_alternative<VectorOption>(value)) return "[x, y, z]";
+  if (std::holds_alternative<ListOption>(value)) return "[\"word\", ...]";
   const auto* table = std::get_if<TableOption>(&value);
   if (table == nullptr) return optionForm(value);
   std::string row;

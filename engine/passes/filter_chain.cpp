@@ -2,7 +2,6 @@
 #include "engine/passes/filter_chain.hpp"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <utility>
 
@@ -10,62 +9,20 @@
 
 #include "engine/passes/filter_kernels.hpp"
 #include "engine/passes/pool_kernel.hpp"
-#include "shaders/filter.layout.h"
+#include "engine/passes/uniform_bricks.hpp"
 #include "shaders/kernels.hpp"
 
 namespace palpate {
 namespace {
 
-bool sameBits(float a, float b) {
-  return std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b);
-}
-
-Vec3i ringOf(const FilterStep& step) {
-  return (step.reach.array() + kBrickSize - 1) / kBrickSize;
-}
-
-// Whether a step at some voxel of the brick reads beyond the border.
-bool atEdge(const BrickGrid& grid, const Vec3i& brick, const FilterStep& step) {
-  const Vec3i first = brick * kBrickSize;
-  for (int axis = 0; axis < 3; ++axis) {
-    if (step.reach[axis] == 0) continue;
-    if (first[axis] < step.reach[axis] || first[axis] + kBrickSize - 1 + step.reach[axis] >= grid.size[axis])
-      return true;
-  }
-  return false;
-}
-
-// The density that all bricks in reach of a brick hold, if they hold one.
-std::optional<float> uniformAround(const BrickGrid& grid, const BrickPool& pool, const Vec3i& brick,
-                                   const Vec3i& ring) {
-  const Vec3i low = (brick - ring).cwiseMax(Vec3i::Zero());
-  const Vec3i high = (brick + ring).cwiseMin(grid.counts() - Vec3i::Ones());
-  const layout::BrickPage& own = pool.page(grid.index(brick));
-  if (own.slot != NO_SLOT) return std::nullopt;
-  for (int z = low.z(); z <= high.z(); ++z) {
-    for (int y = low.y(); y <= high.y(); ++y) {
-      for (int x = low.x(); x <= high.x(); ++x) {
-        const layout::BrickPage& page = pool.page(grid.index({x, y, z}));
-        if (page.slot != NO_SLOT || !sameBits(page.constant, own.constant)) return std::nullopt;
-      }
-    }
-  }
-  return own.constant;
+gpu::Buffer tapBuffer(gpu::Gpu& gpu, gpu::Transfer& transfer, const FilterStep& step) {
+  const std::vector<float> taps = step.taps.empty() ? std::vector<float>(1) : step.taps;
+  gpu::Buffer buffer(gpu, "filter taps", taps.size() * sizeof(float), gpu::MemoryKind::kDevice);
+  transfer.upload(std::as_bytes(std::span(taps)), buffer);
+  return buffer;
 }
 
 }  // namespace
-
-// Tasks of the bricks inside and of those at the border, each slab by slab.
-struct FilterChain::Work {
-  struct Range {
-    bool edge = false;
-    std::size_t slab = 0;
-    std::uint32_t first = 0, count = 0;
-  };
-  std::vector<layout::FilterTask> tasks;
-  std::vector<Range> ranges;
-  std::optional<gpu::Buffer> task_buffer, taps;
-};
 
 FilterChain::FilterChain(gpu::Gpu& gpu, gpu::Transfer& transfer, const BrickPool& source, std::vector<FilterStep> steps)
     : gpu_(gpu),
@@ -73,7 +30,25 @@ FilterChain::FilterChain(gpu::Gpu& gpu, gpu::Transfer& transfer, const BrickPool
       source_(source),
       grid_{source.size(), source.lattice().spacing_m},
       steps_(std::move(steps)),
-      result_(std::make_unique<BrickPool>(gpu, transfer, source, "filtered density")) {}
+      reach_(totalReach(steps_)),
+      result_(std::make_unique<BrickPool>(gpu, transfer, source, "filtered density")),
+      page_kernel_(gpu, {.name = "page_write",
+                         .spirv = kernelSpirv("page_write"),
+                         .bindings = PAGE_WRITE_BINDINGS,
+                         .push_bytes = sizeof(layout::PageWritePush),
+                         .specialisation = {}}),
+      task_list_(gpu, "filter tasks", 1),
+      page_list_(gpu, "pages to write", 1) {
+  for (const FilterStep& step : steps_) taps_.push_back(tapBuffer(gpu, transfer, step));
+}
+
+std::size_t FilterChain::scratchBytes() const noexcept {
+  std::size_t bytes = 0;
+  for (const auto& pool : scratch_) bytes += pool ? pool->bytes() : 0;
+  return bytes;
+}
+
+// The whole field.
 
 void FilterChain::run(const std::function<void(double)>& progress) {
   std::array<std::unique_ptr<BrickPool>, 2> scratch;
@@ -85,7 +60,7 @@ void FilterChain::run(const std::function<void(double)>& progress) {
       scratch[i % 2] = std::make_unique<BrickPool>(gpu_, transfer_, source_, "filter scratch");
     }
     BrickPool& to = last ? *result_ : *scratch[i % 2];
-    runStep(steps_[i], *from, to);
+    runStep(i, *from, to);
     from = &to;
   }
 }
@@ -93,58 +68,46 @@ void FilterChain::run(const std::function<void(double)>& progress) {
 std::vector<layout::BrickPage> FilterChain::pagesAfter(const FilterStep& step, const BrickPool& from) const {
   std::vector<layout::BrickPage> pages(from.brickCount(), {0, 0.0F});
   const Vec3i ring = ringOf(step);
-  std::optional<std::pair<float, float>> last;  // densities repeat from brick to brick
+  const auto constantOf = [&](std::uint32_t brick) {
+    const layout::BrickPage& page = from.page(brick);
+    return page.slot == NO_SLOT ? std::optional(page.constant) : std::nullopt;
+  };
+  std::optional<std::pair<std::uint32_t, float>> last;  // densities repeat from brick to brick
   for (std::uint32_t brick = 0; brick < pages.size(); ++brick) {
-    const std::optional<float> density = uniformAround(grid_, from, grid_.brick(brick), ring);
+    const std::optional<float> density = uniformAround(grid_, brick, ring, constantOf);
     if (!density) continue;
-    if (!last || !sameBits(last->first, *density)) last = {*density, uniformResult(step, *density)};
+    const auto bits = std::bit_cast<std::uint32_t>(*density);
+    if (!last || last->first != bits) last = {bits, uniformResult(step, *density)};
     pages[brick] = {NO_SLOT, last->second};
   }
   return pages;
 }
 
-void FilterChain::runStep(const FilterStep& step, const BrickPool& from, BrickPool& to) {
-  to.assign(transfer_, pagesAfter(step, from));
-  // In order of slots, so that what is written lies together.
-  std::array<std::vector<std::vector<layout::FilterTask>>, 2> by_edge_and_slab;
-  for (auto& by_slab : by_edge_and_slab) by_slab.resize(to.slabCount());
+void FilterChain::runStep(std::size_t step, const BrickPool& from, BrickPool& to) {
+  to.assign(transfer_, pagesAfter(steps_[step], from));
+  FilterTasks by_range(grid_, steps_[step]);
   for (std::uint32_t brick = 0; brick < to.brickCount(); ++brick) {
-    const layout::BrickPage& page = to.page(brick);
-    if (page.slot == NO_SLOT) continue;
-    const std::size_t edge = atEdge(grid_, grid_.brick(brick), step) ? 1 : 0;
-    by_edge_and_slab[edge][page.slot / BRICKS_PER_DENSITY_SLAB].push_back({brick, page.slot % BRICKS_PER_DENSITY_SLAB});
+    if (to.page(brick).slot != NO_SLOT) by_range.add(brick, to.page(brick).slot);
   }
-  Work work;
-  for (std::size_t edge = 0; edge < 2; ++edge) {
-    for (std::size_t slab = 0; slab < to.slabCount(); ++slab) {
-      const auto& tasks = by_edge_and_slab[edge][slab];
-      if (tasks.empty()) continue;
-      work.ranges.push_back(
-          {edge == 1, slab, static_cast<std::uint32_t>(work.tasks.size()), static_cast<std::uint32_t>(tasks.size())});
-      work.tasks.insert(work.tasks.end(), tasks.begin(), tasks.end());
-    }
-  }
-  if (work.tasks.empty()) return;
-  work.task_buffer.emplace(gpu_, "filter tasks", work.tasks.size() * sizeof(layout::FilterTask),
-                           gpu::MemoryKind::kDevice);
-  transfer_.upload(std::as_bytes(std::span(work.tasks)), *work.task_buffer);
-  const std::vector<float> taps = step.taps.empty() ? std::vector<float>(1) : step.taps;
-  work.taps.emplace(gpu_, "filter taps", taps.size() * sizeof(float), gpu::MemoryKind::kDevice);
-  transfer_.upload(std::as_bytes(std::span(taps)), *work.taps);
-  gpu::Commands commands(gpu_, "filter", static_cast<std::uint32_t>(work.ranges.size()));
+  std::vector<layout::FilterTask> list;
+  const std::vector<FilterRange> ranges = by_range.moveTo(list);
+  if (list.empty()) return;
+  const gpu::Buffer tasks(gpu_, "filter tasks", list.size() * sizeof(layout::FilterTask), gpu::MemoryKind::kDevice);
+  transfer_.upload(std::as_bytes(std::span(list)), tasks);
+  gpu::Commands commands(gpu_, "filter", static_cast<std::uint32_t>(ranges.size()));
   commands.begin();
-  dispatch(commands, step, from, to, work);
+  dispatch(commands, step, from, to, tasks, ranges);
   commands.run();
 }
 
-void FilterChain::dispatch(gpu::Commands& commands, const FilterStep& step, const BrickPool& from, const BrickPool& to,
-                           const Work& work) {
-  const FilterKernel kernel = filterKernel(step);
-  for (const Work::Range& range : work.ranges) {
+void FilterChain::dispatch(gpu::Commands& commands, std::size_t step, const BrickPool& from, const BrickPool& to,
+                           const gpu::Buffer& tasks, std::span<const FilterRange> ranges) {
+  const FilterKernel kernel = filterKernel(steps_[step]);
+  for (const FilterRange& range : ranges) {
     const layout::FilterPush push{from.domain(), range.first, range.count};
-    const std::uint32_t groups = (range.count + kernel.bricks_a_group - 1) / kernel.bricks_a_group;
-    commands.dispatch(kernelOf(step, from, range.edge),
-                      poolBindings(from, {&*work.task_buffer, &to.slab(range.slab), &*work.taps}), gpu::pushBytes(push),
+    const std::uint32_t groups = std::max(1U, (range.count + kernel.bricks_a_group - 1) / kernel.bricks_a_group);
+    commands.dispatch(kernelOf(steps_[step], from, range.edge),
+                      poolBindings(from, {&tasks, &to.slab(range.slab), &taps_[step]}), gpu::pushBytes(push),
                       gpu::Groups::folded(groups, GROUPS_PER_ROW));
   }
 }
@@ -166,6 +129,180 @@ const gpu::Kernel& FilterChain::kernelOf(const FilterStep& step, const BrickPool
     found = kernels_.emplace(key, std::move(made)).first;
   }
   return found->second;
+}
+
+// A region.
+
+BrickPool& FilterChain::scratch(std::size_t i) {
+  if (!scratch_[i]) scratch_[i] = std::make_unique<BrickPool>(gpu_, transfer_, source_, "filter scratch");
+  return *scratch_[i];
+}
+
+// Backwards for what each step must write, forwards for which of that is constant.
+std::vector<FilterChain::Level> FilterChain::levelsOf(std::span<const std::uint32_t> bricks,
+                                                      const SourceConstant& source_constant) const {
+  std::vector<Level> levels(steps_.size());
+  std::vector<std::uint32_t> wanted(bricks.begin(), bricks.end());
+  for (std::size_t i = steps_.size(); i-- > 0;) {
+    for (const std::uint32_t brick : wanted) levels[i].bricks.push_back({brick, std::nullopt});
+    if (i == 0) break;
+    std::vector<std::uint32_t> read;
+    for (const std::uint32_t brick : wanted) {
+      forEachAround(grid_, grid_.brick(brick), ringOf(steps_[i]), [&](std::uint32_t other) {
+        read.push_back(other);
+        return true;
+      });
+    }
+    sortUnique(read);
+    wanted = std::move(read);
+  }
+  for (std::size_t i = 0; i < steps_.size(); ++i) {
+    const auto before = [&](std::uint32_t brick) -> std::optional<float> {
+      if (i == 0) return source_constant(brick);
+      const auto& known = levels[i - 1].bricks;
+      return std::lower_bound(known.begin(), known.end(), brick,
+                              [](const LevelBrick& a, std::uint32_t b) { return a.brick < b; })
+          ->constant;
+    };
+    for (LevelBrick& entry : levels[i].bricks) {
+      const std::optional<float> density = uniformAround(grid_, entry.brick, ringOf(steps_[i]), before);
+      if (density) entry.constant = uniformResult(steps_[i], *density);
+      levels[i].stored += density ? 0 : 1;
+    }
+  }
+  return levels;
+}
+
+std::size_t FilterChain::newBricks(const Level& last) const {
+  return static_cast<std::size_t>(std::count_if(last.bricks.begin(), last.bricks.end(), [&](const LevelBrick& entry) {
+    return !entry.constant && result_->page(entry.brick).slot == NO_SLOT;
+  }));
+}
+
+void FilterChain::plan(std::span<const std::uint32_t> bricks, const SourceConstant& source_constant) {
+  std::vector<Level> levels = levelsOf(bricks, source_constant);
+  std::array<std::size_t, 2> most{};
+  std::size_t tasks = 0;
+  std::size_t pages = result_->stalePages();
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    tasks += levels[i].stored;
+    pages += levels[i].bricks.size();
+    if (i + 1 < levels.size()) most[i % 2] = std::max(most[i % 2], levels[i].stored);
+  }
+  for (std::size_t i = 0; i < 2 && i + 1 < levels.size(); ++i) scratch(i).reserve(most[i]);
+  result_->reserve(newBricks(levels.back()));
+  task_list_.fit(tasks);
+  page_list_.fit(pages);
+  levels_ = std::move(levels);
+}
+
+void FilterChain::commit() {
+  tasks_.clear();
+  pages_.clear();
+  for (std::size_t i = 0; i < levels_.size(); ++i) {
+    levels_[i].first_page = static_cast<std::uint32_t>(pages_.size());
+    if (i + 1 < levels_.size()) {
+      handOutScratch(levels_[i], i);
+    } else {
+      handOutResult(levels_[i]);
+    }
+    levels_[i].page_count = static_cast<std::uint32_t>(pages_.size()) - levels_[i].first_page;
+  }
+}
+
+// Slots from the first on: what lay there is of no use any more.
+void FilterChain::handOutScratch(Level& level, std::size_t step) {
+  FilterTasks by_range(grid_, steps_[step]);
+  std::uint32_t slot = 0;
+  for (const LevelBrick& entry : level.bricks) {
+    if (entry.constant) {
+      pages_.push_back({entry.brick, NO_SLOT, *entry.constant});
+    } else {
+      pages_.push_back({entry.brick, slot, 0.0F});
+      by_range.add(entry.brick, slot++);
+    }
+  }
+  level.ranges = by_range.moveTo(tasks_);
+}
+
+// Pages are written before the step runs, and nothing before it reads the result, so freed slots may be taken at once.
+void FilterChain::handOutResult(Level& level) {
+  const auto before = [](const LevelBrick& a, const LevelBrick& b) { return a.brick < b.brick; };
+  for (const std::uint32_t brick : result_->takeStalePages()) {
+    if (std::binary_search(level.bricks.begin(), level.bricks.end(), LevelBrick{brick, {}}, before)) continue;
+    pages_.push_back({brick, NO_SLOT, result_->page(brick).constant});
+  }
+  for (const LevelBrick& entry : level.bricks) {
+    if (!entry.constant) continue;
+    if (result_->page(entry.brick).slot != NO_SLOT) result_->empty(entry.brick);
+    result_->setConstant(entry.brick, *entry.constant);
+    pages_.push_back({entry.brick, NO_SLOT, *entry.constant});
+  }
+  FilterTasks by_range(grid_, steps_.back());
+  for (const LevelBrick& entry : level.bricks) {
+    if (entry.constant) continue;
+    const bool is_new = result_->page(entry.brick).slot == NO_SLOT;
+    const std::uint32_t slot = is_new ? result_->store(entry.brick) : result_->page(entry.brick).slot;
+    if (is_new) pages_.push_back({entry.brick, slot, 0.0F});
+    by_range.add(entry.brick, slot);
+  }
+  level.ranges = by_range.moveTo(tasks_);
+}
+
+std::uint32_t FilterChain::dispatches() const noexcept {
+  return static_cast<std::uint32_t>(steps_.size()) * (1 + 2 * DENSITY_SLABS);  // pages; inside and edge, by slab
+}
+
+void FilterChain::record(gpu::Commands& commands) {
+  task_list_.write(tasks_);
+  page_list_.write(pages_);
+  const BrickPool* from = &source_;
+  for (std::size_t i = 0; i < levels_.size(); ++i) {
+    const Level& level = levels_[i];
+    const BrickPool& to = i + 1 == levels_.size() ? *result_ : *scratch_[i % 2];
+    if (level.page_count > 0) {
+      const layout::PageWritePush push{level.first_page, level.page_count};
+      commands.dispatch(
+          page_kernel_, std::array{&page_list_.buffer(), &to.pages()}, gpu::pushBytes(push),
+          gpu::Groups::folded((level.page_count + PAGE_WRITE_GROUP - 1) / PAGE_WRITE_GROUP, GROUPS_PER_ROW));
+    }
+    dispatch(commands, i, *from, to, task_list_.buffer(), level.ranges);
+    commands.barrier();
+    from = &to;
+  }
+}
+
+void FilterChain::settle() {
+  if (levels_.empty()) return;
+  std::vector<std::uint32_t> bricks;
+  for (const LevelBrick& entry : levels_.back().bricks) {
+    if (!entry.constant) bricks.push_back(entry.brick);
+  }
+  const std::vector<Level> levels = levelsOf(bricks, [&](std::uint32_t brick) {
+    const layout::BrickPage& page = source_.page(brick);
+    return page.slot == NO_SLOT ? std::optional(page.constant) : std::nullopt;
+  });
+  for (const LevelBrick& entry : levels.back().bricks) {
+    if (entry.constant) result_->makeConstant(entry.brick, *entry.constant);
+  }
+  levels_.clear();
+}
+
+void FilterChain::prepare() {
+  gpu::Commands commands(gpu_, "filter kernels", dispatches());
+  commands.begin();
+  const BrickPool* from = &source_;
+  for (std::size_t i = 0; i < steps_.size(); ++i) {
+    const BrickPool& to = i + 1 == steps_.size() ? *result_ : scratch(i % 2);
+    for (const bool edge : {false, true}) {
+      const FilterRange none{edge, 0, 0, 0};
+      dispatch(commands, i, *from, to, task_list_.buffer(), std::span(&none, 1));
+    }
+    from = &to;
+  }
+  const layout::PageWritePush push{0, 0};
+  commands.dispatch(page_kernel_, std::array{&page_list_.buffer(), &result_->pages()}, gpu::pushBytes(push), {});
+  commands.run();
 }
 
 }  // namespace palpate

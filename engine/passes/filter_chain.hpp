@@ -1,18 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 // engine/passes/filter_chain.hpp: runs a chain of filter steps over a brick pool into another pool
-// (shaders/filter_*.comp). Twin: engine/reference/filter.hpp.
+// (shaders/filter_*.comp), as a whole, or after an edit only where the result can have changed. Twin:
+// engine/reference/filter.hpp.
 //
 // A brick whose every neighbour within reach holds one and the same density gets one too, and no storage, so sparse
-// volumes stay sparse. Steps go back and forth between two scratch pools, which are freed when a run ends; the last one
-// writes the result. Memory: result and scratch, each at most 2 KiB a brick that is not constant, out of the source's
-// budget. Thread: the Gpu's.
+// volumes stay sparse. Steps go back and forth between two scratch pools; the last one writes the result. A result is
+// a function of the source alone, so recomputing a region gives the bits that computing all gives. Memory: result and
+// scratch, each at most 2 KiB a brick that is not constant, out of the source's budget; a whole run's scratch is freed
+// when it ends, a region's is kept for the next. Thread: the Gpu's.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -22,6 +26,9 @@
 #include "engine/gpu/kernel.hpp"
 #include "engine/gpu/transfer.hpp"
 #include "engine/passes/brick_pool.hpp"
+#include "engine/passes/filter_tasks.hpp"
+#include "engine/passes/host_list.hpp"
+#include "shaders/page_write.layout.h"
 
 namespace palpate {
 
@@ -35,25 +42,68 @@ class FilterChain {
   void run(const std::function<void(double)>& progress = {});
 
   [[nodiscard]] const BrickPool& result() const noexcept { return *result_; }
-  [[nodiscard]] BrickPool& result() noexcept { return *result_; }
   [[nodiscard]] const std::vector<FilterStep>& steps() const noexcept { return steps_; }
+  [[nodiscard]] const Vec3i& reach() const noexcept { return reach_; }  // of the whole chain [voxel]
+  [[nodiscard]] std::size_t scratchBytes() const noexcept;              // that is kept on the GPU
+
+  // After a change of the source, the result's bricks that it can reach are computed anew:
+  //   plan()    finds out which bricks each step needs and makes room. `bricks`: the result's, ascending.
+  //             `source_constant(b)`: the one density that source brick b will hold, or nothing if it will be stored.
+  //             Throws Error(kOutOfMemory); nothing has changed then.
+  //   commit()  hands out slots, once the source's pages are right: result() then says where its bricks will be.
+  //   record()  the work, to follow the source's.
+  //   settle()  when it is done and the source has settled: frees storage of bricks that need none any more.
+  using SourceConstant = std::function<std::optional<float>(std::uint32_t brick)>;
+  void plan(std::span<const std::uint32_t> bricks, const SourceConstant& source_constant);
+  void commit();
+  void record(gpu::Commands& commands);
+  void settle();
+  [[nodiscard]] std::uint32_t dispatches() const noexcept;  // that record() makes at most
+  // Makes kernels and scratch of regions ready, so that the first edit does not wait for the driver's compiler.
+  void prepare();
 
  private:
-  struct Work;  // of one step
+  // What a step is to write in a region.
+  struct LevelBrick {
+    std::uint32_t brick = 0;
+    std::optional<float> constant;
+  };
+  struct Level {
+    std::vector<LevelBrick> bricks;  // ascending
+    std::vector<FilterRange> ranges;
+    std::uint32_t first_page = 0, page_count = 0;  // pages to write
+    std::size_t stored = 0;
+  };
 
   [[nodiscard]] std::vector<layout::BrickPage> pagesAfter(const FilterStep& step, const BrickPool& from) const;
-  void runStep(const FilterStep& step, const BrickPool& from, BrickPool& to);
-  void dispatch(gpu::Commands& commands, const FilterStep& step, const BrickPool& from, const BrickPool& to,
-                const Work& work);
+  void runStep(std::size_t step, const BrickPool& from, BrickPool& to);
+  [[nodiscard]] std::vector<Level> levelsOf(std::span<const std::uint32_t> bricks,
+                                            const SourceConstant& source_constant) const;
+  [[nodiscard]] std::size_t newBricks(const Level& last) const;
+  void handOutScratch(Level& level, std::size_t step);
+  void handOutResult(Level& level);
+  void dispatch(gpu::Commands& commands, std::size_t step, const BrickPool& from, const BrickPool& to,
+                const gpu::Buffer& tasks, std::span<const FilterRange> ranges);
   const gpu::Kernel& kernelOf(const FilterStep& step, const BrickPool& from, bool edge);
+  BrickPool& scratch(std::size_t i);
 
   gpu::Gpu& gpu_;
   gpu::Transfer& transfer_;
   const BrickPool& source_;
   BrickGrid grid_;
   std::vector<FilterStep> steps_;
+  Vec3i reach_;
+  std::vector<gpu::Buffer> taps_;  // of each step
   std::unique_ptr<BrickPool> result_;
   std::map<std::string, gpu::Kernel> kernels_;  // by name and constants
+  gpu::Kernel page_kernel_;
+  // of regions
+  std::array<std::unique_ptr<BrickPool>, 2> scratch_;
+  std::vector<Level> levels_;
+  std::vector<layout::FilterTask> tasks_;
+  std::vector<layout::PageWrite> pages_;
+  HostList<layout::FilterTask> task_list_;
+  HostList<layout::PageWrite> page_list_;
 };
 
 }  // namespace palpate

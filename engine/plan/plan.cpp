@@ -51,6 +51,15 @@ PlanLine samplesLine(const Plan& plan, const PlanFacts& facts) {
           facts.gradient_bricks * (kSampleBytes - kHalfSampleBytes)};
 }
 
+PlanLine filterLine(const Plan& plan, const PlanFacts& facts) {
+  if (plan.filters.empty()) {
+    return {false, "filters", "the scene names none: the volume itself is felt", (facts.stored_bricks) * kDensityBytes};
+  }
+  return {true, fmt::format("filters: {}; {} of {} bricks", plan.filter_words, facts.filtered_bricks, facts.bricks),
+          "as the scene says; a neighbourhood of one density stays one",
+          (facts.bricks - facts.filtered_bricks) * kDensityBytes};
+}
+
 PlanLine meshLine(const Plan& plan, const PlanFacts& facts) {
   if (!plan.meshes) return {false, "mesh of the isosurface", "the algorithm touches the volume itself", 0};
   const std::string size = facts.mesh_triangles > 0 ? fmt::format(", {} triangles", facts.mesh_triangles) : "";
@@ -63,6 +72,8 @@ const char* passName(Pass pass) noexcept {
   switch (pass) {
     case Pass::kUpload:
       return "upload";
+    case Pass::kFilter:
+      return "filter";
     case Pass::kBrickBounds:
       return "brick bounds";
     case Pass::kSmoothing:
@@ -106,6 +117,11 @@ Plan makePlan(const Scene& scene, bool needs_mesh) {
   plan.objects = scene.objects.size();
   plan.effects = effectNames(scene);
   plan.passes = {Pass::kUpload};
+  if (!scene.filter.empty()) {
+    plan.filters = filterChain(scene.filter);
+    plan.filter_words = scene.filter;
+    plan.passes.push_back(Pass::kFilter);
+  }
   // Bounds choose the bricks with gradients and let the renderer skip; without either nobody reads them.
   if (!plan.gradient_all || plan.draws) plan.passes.push_back(Pass::kBrickBounds);
   if (plan.gradient.smooths()) plan.passes.push_back(Pass::kSmoothing);
@@ -115,9 +131,10 @@ Plan makePlan(const Scene& scene, bool needs_mesh) {
 }
 
 std::vector<PlanLine> planLines(const Plan& plan, const PlanFacts& facts) {
-  std::vector<PlanLine> lines = {uploadLine(facts), gradientLine(plan, facts), samplesLine(plan, facts)};
+  std::vector<PlanLine> lines = {uploadLine(facts), filterLine(plan, facts), gradientLine(plan, facts),
+                                 samplesLine(plan, facts)};
   if (plan.has(Pass::kSmoothing)) {
-    lines.insert(lines.begin() + 1, {true, "smoothing of the whole field", "the operator takes its gradient", 0});
+    lines.insert(lines.begin() + 2, {true, "smoothing of the whole field", "the operator takes its gradient", 0});
   }
   lines.push_back({true, "window of up to 32x32x32 samples around the tool, three slots", "what the servo reads", 0});
   if (plan.draws) {

@@ -9,20 +9,23 @@
 #include <string>
 #include <vector>
 
+#include "engine/filter/filter_spec.hpp"
 #include "engine/gradient/gradient_operator.hpp"
 #include "engine/plan/scene.hpp"
 
 namespace palpate {
 
-enum class Pass { kUpload, kBrickBounds, kSmoothing, kGradient, kWindow, kIsosurface };
+enum class Pass { kUpload, kFilter, kBrickBounds, kSmoothing, kGradient, kWindow, kIsosurface };
 
 [[nodiscard]] const char* passName(Pass pass) noexcept;
 
 struct Plan {
-  std::vector<Pass> passes;   // in order of execution
-  bool gradient_all = false;  // gradients of every brick, not of those alone that the isosurface needs
-  GradientOperator gradient;  // how they are taken
-  bool half_samples = false;  // stored as halves, not as floats
+  std::vector<Pass> passes;         // in order of execution
+  std::vector<FilterSpec> filters;  // from the volume to the field that is felt; empty: the volume itself
+  std::string filter_words;         // the same in words
+  bool gradient_all = false;        // gradients of every brick, not of those alone that the isosurface needs
+  GradientOperator gradient;        // how they are taken
+  bool half_samples = false;        // stored as halves, not as floats
   bool draws = false;
   bool meshes = false;      // the isosurface becomes a triangle mesh, for an algorithm that touches one
   std::size_t objects = 0;  // beside the volume
@@ -31,7 +34,7 @@ struct Plan {
   [[nodiscard]] bool has(Pass pass) const noexcept;
 };
 
-// Throws Error(kBadInput): an operator that is none; edits with one that smooths.
+// Throws Error(kBadInput): filters that cannot be meant; an operator that is none; edits with one that smooths.
 // `needs_mesh`: the scene's algorithm touches a mesh of the isosurface (AlgorithmNeeds::isosurface_mesh).
 [[nodiscard]] Plan makePlan(const Scene& scene, bool needs_mesh = false);
 
@@ -39,6 +42,7 @@ struct Plan {
 struct PlanFacts {
   std::size_t bricks = 0;           // of the whole domain
   std::size_t stored_bricks = 0;    // that are not constant
+  std::size_t filtered_bricks = 0;  // of the filtered field, that are not constant
   std::size_t gradient_bricks = 0;  // that got gradients
   std::size_t mesh_triangles = 0;   // of the isosurface; 0: not extracted (yet)
 };

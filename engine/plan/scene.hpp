@@ -24,6 +24,7 @@ struct Scene {
   std::vector<ObjectSpec> objects;  // beside the volume
   // compute
   std::string gpu;                            // part of the Vulkan device's name; empty: the best one
+  std::string filter;                         // chain that makes the field that is felt: "gaussian:0.8mm"; empty: none
   bool gradient_all = false;                  // every brick instead of those that the isosurface needs
   std::string gradient_operator = "central";  // engine/gradient/gradient_operator.hpp
   std::string samples = "float";              // or half: how the engine stores gradients and densities

@@ -29,6 +29,10 @@ bool sameBits(float a, float b) {
   return std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b);
 }
 
+bool crosses(const layout::BrickBounds& bounds, float isovalue) {
+  return bounds.lowest <= isovalue && bounds.highest > isovalue;
+}
+
 bool isConstant(const float* values) {
   return std::all_of(values + 1, values + kBrickVoxels, [&](float value) { return sameBits(value, values[0]); });
 }
@@ -40,6 +44,10 @@ VoxelBox boxOf(const BrickGrid& grid, std::uint32_t brick) {
 
 VoxelBox intersection(const VoxelBox& a, const VoxelBox& b) {
   return {a.first.cwiseMax(b.first), a.last.cwiseMin(b.last)};
+}
+
+VoxelBox widened(const VoxelBox& box, const Vec3i& by, const BrickGrid& grid) {
+  return {(box.first - by).cwiseMax(Vec3i::Zero()), (box.last + by).cwiseMin(grid.size - Vec3i::Ones())};
 }
 
 VoxelBox hull(const VoxelBox& a, const VoxelBox& b) {
@@ -86,15 +94,15 @@ Editor::Editor(const Parts& parts, const BrushProfile& profile, bool all_samples
   parts.pool.reserve(std::min(parts.pool.brickCount() - parts.pool.storedBricks(), kSpareBricks));
   if (all_samples) return;
   parts.store.reserve(std::min(parts.pool.brickCount() - parts.store.brickCount(), kSpareBricks));
-  const auto isovalue = static_cast<float>(profile.isovalue);
   crossed_.reserve(parts.pool.brickCount());
   for (const layout::BrickBounds& bounds : parts.bounds->read(parts.transfer))
-    crossed_.push_back(bounds.lowest <= isovalue && bounds.highest > isovalue);
+    crossed_.push_back(crosses(bounds, parts.isovalue));
 }
 
 Editor::~Editor() = default;
 
 void Editor::prepare(std::span<const EditKind> kinds) {
+  if (parts_.filters != nullptr) parts_.filters->prepare();
   for (const EditKind kind : kinds) {
     commands_->timed(false);
     commands_->begin();
@@ -179,12 +187,16 @@ void Editor::planPhase(Plan& plan, EditPhase& phase) const {
 
 void Editor::planReach(Plan& plan) const {
   std::vector<std::uint32_t> crossable;  // bricks whose cells the isosurface may cross from now on, or no longer
+  const Vec3i carried = parts_.filters != nullptr ? parts_.filters->reach() : Vec3i::Zero();
   for (const auto& [brick, state] : plan.touched) {
-    appendReached(grid_, state.changed, kBoundsReach, plan.rebounded);
-    appendReached(grid_, state.changed, parts_.gradient.reach(), plan.regraded);
-    if (state.may_cross) appendReached(grid_, state.changed, kBoundsReach, crossable);
+    const VoxelBox altered = widened(state.changed, carried, grid_);
+    appendReached(grid_, altered, Reach{}, plan.altered);
+    appendReached(grid_, altered, kBoundsReach, plan.rebounded);
+    appendReached(grid_, altered, parts_.gradient.reach(), plan.regraded);
+    if (state.may_cross || parts_.filters != nullptr) appendReached(grid_, altered, kBoundsReach, crossable);
     plan.new_bricks += state.is_new ? 1 : 0;
   }
+  sortUnique(plan.altered);
   sortUnique(crossable);
   sortUnique(plan.rebounded);
   sortUnique(plan.regraded);
@@ -249,6 +261,8 @@ void Editor::makeRoom(Plan& plan) {
   if (plan.phases.back().given) edit_.fitGiven(plan.phases.back().tasks.size());
   parts_.pool.reserve(plan.new_bricks);
   parts_.store.reserve(plan.newly.size());
+  if (parts_.filters != nullptr)
+    parts_.filters->plan(plan.altered, [&](std::uint32_t brick) { return constantOf(plan, brick); });
   tasks_.fit(plan.regraded.size() + plan.newly.size() + WindowPass::kMaxTasks);
   bound_tasks_.fit(plan.rebounded.size());
   bound_results_.fit(plan.rebounded.size());
@@ -256,7 +270,8 @@ void Editor::makeRoom(Plan& plan) {
   const auto slabs = static_cast<std::uint32_t>(parts_.store.slabCount());
   // One phase more for pages; bounds; a range for each slab of gradients, and for the window.
   const auto window = static_cast<std::uint32_t>(WindowPass::kMaxTasks);
-  const std::uint32_t dispatches = edit_.dispatches(plan.phases) + DENSITY_SLABS + 2 + slabs + std::min(slabs, window);
+  const std::uint32_t dispatches = edit_.dispatches(plan.phases) + DENSITY_SLABS + 2 + slabs + std::min(slabs, window) +
+                                   (parts_.filters != nullptr ? parts_.filters->dispatches() : 0);
   if (dispatches > max_dispatches_) {
     commands_.emplace(parts_.gpu, "edit", 2 * dispatches);
     max_dispatches_ = 2 * dispatches;
@@ -274,6 +289,7 @@ void Editor::makeRoom(Plan& plan) {
     }
   }
   for (const std::uint32_t brick : plan.newly) parts_.store.add(brick);
+  if (parts_.filters != nullptr) parts_.filters->commit();
 }
 
 // Pages that became stale since the last edit are written before anything else: in the first phase, unless that reads
@@ -297,7 +313,7 @@ bool Editor::reachesWindow(const Plan& plan, const WindowBox& box) const {
   const auto holds = [&](std::uint32_t brick) { return overlaps(boxOf(grid_, brick)); };
   if (std::any_of(plan.unsettled.begin(), plan.unsettled.end(), holds)) return true;
   return std::any_of(plan.regraded.begin(), plan.regraded.end(), holds) ||
-         std::any_of(plan.touched.begin(), plan.touched.end(), [&](const auto& entry) { return holds(entry.first); });
+         std::any_of(plan.altered.begin(), plan.altered.end(), holds);
 }
 
 void Editor::record(Plan& plan, const WindowTarget* target, Outcome& outcome) {
@@ -316,8 +332,7 @@ void Editor::record(Plan& plan, const WindowTarget* target, Outcome& outcome) {
     };
     const auto unsure = [&](std::size_t brick) { return among(plan.unsettled, brick); };
     const auto stale = [&](std::size_t brick) {
-      return target->previous == nullptr || unsure(brick) || among(plan.regraded, brick) ||
-             plan.touched.contains(static_cast<std::uint32_t>(brick));
+      return target->previous == nullptr || unsure(brick) || among(plan.regraded, brick) || among(plan.altered, brick);
     };
     window_ranges = parts_.window.tasksOf(target->box, stale, unsure).moveTo(list);
     if (target->previous != nullptr) {
@@ -335,7 +350,11 @@ void Editor::record(Plan& plan, const WindowTarget* target, Outcome& outcome) {
   bound_tasks_.write(bounds_list);
   edit_.record(commands, plan.phases);
   commands.mark("edit");
-  ActiveTest test{nullptr, static_cast<float>(profile_.isovalue)};
+  if (parts_.filters != nullptr) {
+    parts_.filters->record(commands);
+    commands.mark("filter");
+  }
+  ActiveTest test{nullptr, parts_.isovalue};
   if (parts_.bounds != nullptr) {
     test.bounds = &parts_.bounds->bounds();
     parts_.bounds->record(commands, bound_tasks_.buffer(), static_cast<std::uint32_t>(bounds_list.size()),
@@ -454,11 +473,10 @@ void Editor::settle() {
             : touched_values_.read((i + 1) * kBrickVoxels).data() + i * kBrickVoxels;
     if (isConstant(values)) parts_.pool.makeConstant(stored_[i], values[0]);
   }
+  if (parts_.filters != nullptr) parts_.filters->settle();
   if (all_samples_) return;
-  const auto isovalue = static_cast<float>(profile_.isovalue);
   const auto bounds = bound_results_.read(rebounded_.size());
-  for (std::size_t i = 0; i < rebounded_.size(); ++i)
-    crossed_[rebounded_[i]] = bounds[i].lowest <= isovalue && bounds[i].highest > isovalue;
+  for (std::size_t i = 0; i < rebounded_.size(); ++i) crossed_[rebounded_[i]] = crosses(bounds[i], parts_.isovalue);
   for (const std::uint32_t brick : unsettled_) {
     if (parts_.store.has(brick) && !isActive(brick)) parts_.store.remove(brick);
   }

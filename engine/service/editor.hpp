@@ -2,11 +2,11 @@
 // engine/service/editor.hpp: changes the volume on the GPU and brings up to date what a change can reach, and no more.
 //
 // apply() plans on the CPU which bricks the commands can change, makes room for them, and records one list of work:
-// edit, bounds, gradients, window. Which bricks the isosurface needs after the edit is known on the GPU only; so every
-// brick that may become active gets a sample slot beforehand and the kernels ask its bounds. settle(), after the window
-// is out, gives back what was not needed: sample slots of bricks that are not active, storage of bricks that became
-// constant. After settle() bricks, bounds and samples equal, bit for bit, what a new start from the edited volume
-// gives.
+// edit, filters, bounds, gradients, window. Which bricks the isosurface needs after the edit is known on the GPU only;
+// so every brick that may become active gets a sample slot beforehand and the kernels ask its bounds. settle(), after
+// the window is out, gives back what was not needed: sample slots of bricks that are not active, storage of bricks that
+// became constant. After settle() bricks, bounds and samples equal, bit for bit, what a new start from the edited
+// volume gives.
 //
 // Thread: the Gpu's. Cost: follows the edit; a cut also looks at every page of its half space.
 #pragma once
@@ -24,6 +24,7 @@
 #include "engine/passes/brick_bounds_pass.hpp"
 #include "engine/passes/brick_pool.hpp"
 #include "engine/passes/edit_pass.hpp"
+#include "engine/passes/filter_chain.hpp"
 #include "engine/passes/gradient_pass.hpp"
 #include "engine/passes/sample_store.hpp"
 #include "engine/passes/window_pass.hpp"
@@ -41,6 +42,9 @@ class Editor {
     BrickBoundsPass* bounds;
     GradientPass& gradient;
     WindowPass& window;
+    FilterChain* filters =
+        nullptr;         // from `pool`, which is edited, to the field of all the others; null: the pool itself
+    float isovalue = 0;  // of that field [density]
   };
   // `all_samples`: every brick has samples, whatever its bounds. Makes some room for bricks to come.
   Editor(const Parts& parts, const BrushProfile& profile, bool all_samples);
@@ -87,7 +91,7 @@ class Editor {
   std::size_t readBack(Volume& volume);
   [[nodiscard]] std::size_t changedBricks() const noexcept { return changed_.size(); }  // not read back yet
 
-  // Adds the device's own times to the stages: "edit", "bounds", "gradient", "window" of what "gpu" holds.
+  // Adds the device's own times to the stages: "edit", "filter", "bounds", "gradient", "window" of what "gpu" holds.
   void timeKernels(bool on) noexcept { times_kernels_ = on; }
 
   [[nodiscard]] std::uint64_t version() const noexcept { return version_; }
@@ -106,6 +110,7 @@ class Editor {
     LoweredEdits edits;
     std::vector<EditPhase> phases;
     std::unordered_map<std::uint32_t, Touched> touched;
+    std::vector<std::uint32_t> altered;    // bricks whose densities may change in the field that is felt
     std::vector<std::uint32_t> rebounded;  // bricks whose bounds may change
     std::vector<std::uint32_t> unsettled;  // bricks that may become active or cease to be
     std::vector<std::uint32_t> newly;      // of those, without samples until now

@@ -6,6 +6,7 @@
 #include "base/error.hpp"
 #include "engine/passes/active_bricks.hpp"
 #include "engine/passes/filter_chain.hpp"
+#include "engine/passes/pool_volume.hpp"
 #include "engine/service/window_focus.hpp"
 
 namespace palpate {
@@ -29,15 +30,20 @@ Engine::Engine(const Volume& volume, const Plan& plan, double isovalue, const st
     : isovalue_(isovalue), gpu_(gpu::GpuRequest{.name = gpu_name}), transfer_(gpu_), gradient_all_(plan.gradient_all) {
   stage(passName(Pass::kUpload),
         [&] { pool_ = std::make_unique<BrickPool>(gpu_, transfer_, volume, makeGpuBudget(gpu_memory_bytes)); });
+  if (plan.has(Pass::kFilter)) {
+    std::vector<FilterStep> steps = lowerFilters(plan.filters, volume.lattice().spacing_m);
+    if (!steps.empty()) filters_ = std::make_unique<FilterChain>(gpu_, transfer_, *pool_, std::move(steps));
+    if (filters_) stage(passName(Pass::kFilter), [&] { filters_->run(); });
+  }
   if (plan.has(Pass::kBrickBounds)) {
     stage(passName(Pass::kBrickBounds), [&] {
-      bounds_ = std::make_unique<BrickBoundsPass>(gpu_, *pool_);
+      bounds_ = std::make_unique<BrickBoundsPass>(gpu_, field());
       bounds_->run();
     });
   }
   computeGradients(volume, plan);
   stage(passName(Pass::kWindow), [&] { makeWindows(); });
-  if (plan.draws) isosurface_ = std::make_unique<IsosurfacePass>(gpu_, transfer_, *pool_, *bounds_);
+  if (plan.draws) isosurface_ = std::make_unique<IsosurfacePass>(gpu_, transfer_, field(), *bounds_);
 }
 
 Engine::~Engine() = default;
@@ -47,7 +53,7 @@ void Engine::computeGradients(const Volume& volume, const Plan& plan) {
   std::optional<FilterChain> smoothing;
   std::vector<FilterStep> steps = lowerFilters(plan.gradient.smoothing, pool_->lattice().spacing_m);
   if (!steps.empty()) {
-    stage(passName(Pass::kSmoothing), [&] { smoothing.emplace(gpu_, transfer_, *pool_, std::move(steps)).run(); });
+    stage(passName(Pass::kSmoothing), [&] { smoothing.emplace(gpu_, transfer_, field(), std::move(steps)).run(); });
   }
   stage(passName(Pass::kGradient), [&] {
     const auto isovalue = static_cast<float>(isovalue_);
@@ -58,7 +64,7 @@ void Engine::computeGradients(const Volume& volume, const Plan& plan) {
         plan.half_samples ? halfSamples(isovalue, volume.minimum(), volume.maximum(), pool_->lattice().spacing_m)
                           : SampleFormat{};
     store_ = std::make_unique<SampleStore>(gpu_, pool_->brickCount(), bricks, pool_->budget(), format);
-    gradient_ = std::make_unique<GradientPass>(gpu_, transfer_, *pool_, *store_, plan.gradient,
+    gradient_ = std::make_unique<GradientPass>(gpu_, transfer_, field(), *store_, plan.gradient,
                                                smoothing ? &smoothing->result() : nullptr);
     gradient_->run();
     if (plan.gradient.smooths()) gradient_.reset();
@@ -66,7 +72,7 @@ void Engine::computeGradients(const Volume& volume, const Plan& plan) {
 }
 
 void Engine::makeWindows() {
-  window_ = std::make_unique<WindowPass>(gpu_, *pool_, *store_);
+  window_ = std::make_unique<WindowPass>(gpu_, field(), *store_);
   const auto capacity = static_cast<std::size_t>(pool_->size().cwiseMin(kWindowEdge).prod());
   std::array<Sample*, 3> storages{};
   for (Sample*& storage : storages) {
@@ -119,7 +125,9 @@ void Engine::allowEdits(const BrushProfile& profile, std::span<const EditKind> k
                 "gradients are those of a smoothed field, which does not follow edits yet",
                 "use a gradient operator that does not smooth");
   }
-  const Editor::Parts parts{gpu_, transfer_, *pool_, *store_, bounds_.get(), *gradient_, *window_};
+  const Editor::Parts parts{gpu_,     transfer_,      *pool_,
+                            *store_,  bounds_.get(),  *gradient_,
+                            *window_, filters_.get(), static_cast<float>(isovalue_)};
   stage("edit set-up", [&] {
     editor_ = std::make_unique<Editor>(parts, profile, gradient_all_);
     editor_->prepare(kinds);
@@ -159,6 +167,10 @@ std::size_t Engine::readBack(Volume& volume) {
   return editor_ ? editor_->readBack(volume) : 0;
 }
 
+Volume Engine::filtered(const VolumeFacts& facts) {
+  return volumeOf(field(), transfer_, facts);
+}
+
 RenderedImage Engine::draw(const Camera& camera) {
   if (!isosurface_) {
     throw Error(Error::Code::kBadInput, "picture", "the plan has no isosurface pass", "leave --picture on");
@@ -170,13 +182,19 @@ std::vector<MemoryFigure> Engine::memory() const {
   std::uint64_t windows = 0;
   for (const gpu::Buffer& buffer : window_buffers_) windows += buffer.bytes();
   return {{"gpu brick pool", pool_->bytes()},
+          {"gpu filtered", filters_ ? filters_->result().bytes() + filters_->scratchBytes() : 0},
           {"gpu samples", store_->bytes()},
           {"gpu windows", windows},
           {"gpu total", gpu_.bytesInUse()}};
 }
 
 PlanFacts Engine::planFacts() const noexcept {
-  return {pool_->brickCount(), pool_->storedBricks(), store_->brickCount()};
+  PlanFacts facts;
+  facts.bricks = pool_->brickCount();
+  facts.stored_bricks = pool_->storedBricks();
+  facts.filtered_bricks = field().storedBricks();
+  facts.gradient_bricks = store_->brickCount();
+  return facts;
 }
 
 }  // namespace palpate

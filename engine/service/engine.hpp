@@ -18,6 +18,7 @@
 #include "engine/gpu/transfer.hpp"
 #include "engine/passes/brick_bounds_pass.hpp"
 #include "engine/passes/brick_pool.hpp"
+#include "engine/passes/filter_chain.hpp"
 #include "engine/passes/gradient_pass.hpp"
 #include "engine/passes/isosurface_pass.hpp"
 #include "engine/passes/sample_store.hpp"
@@ -67,6 +68,10 @@ class Engine {
   std::size_t readBack(Volume& volume);
   [[nodiscard]] std::uint64_t editVersion() const noexcept { return editor_ ? editor_->version() : 0; }
 
+  // The field that is felt: the filtered one, as a volume; only where the plan filters. Cost: a copy of its bricks.
+  [[nodiscard]] Volume filtered(const VolumeFacts& facts);
+  [[nodiscard]] bool filters() const noexcept { return filters_ != nullptr; }
+
   [[nodiscard]] RenderedImage draw(const Camera& camera);  // the plan must draw
 
   [[nodiscard]] WindowExchange& exchange() noexcept { return *exchange_; }
@@ -78,6 +83,7 @@ class Engine {
  private:
   template <typename Work>
   void stage(const char* name, Work work);
+  [[nodiscard]] const BrickPool& field() const noexcept { return filters_ ? filters_->result() : *pool_; }
   void computeGradients(const Volume& volume, const Plan& plan);
   void makeWindows();
   template <typename Change>
@@ -88,7 +94,8 @@ class Engine {
   std::vector<StageTime> stages_;
   gpu::Gpu gpu_;
   gpu::Transfer transfer_;
-  std::unique_ptr<BrickPool> pool_;
+  std::unique_ptr<BrickPool> pool_;       // the volume, which edits change
+  std::unique_ptr<FilterChain> filters_;  // from it to the field that is felt; null: none
   std::unique_ptr<BrickBoundsPass> bounds_;
   std::unique_ptr<SampleStore> store_;
   std::unique_ptr<GradientPass> gradient_;  // none once a smoothed field's gradients are computed

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/filter/filter_job.hpp"
+
+#include <chrono>
+
+#include <fmt/format.h>
+
+#include "apps/console/interrupt.hpp"
+#include "apps/console/other_file.hpp"
+#include "apps/report/atomic_file.hpp"
+#include "base/error.hpp"
+#include "engine/passes/filter_chain.hpp"
+#include "engine/passes/pool_volume.hpp"
+#include "engine/volume/volume_file.hpp"
+
+namespace palpate {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double secondsSince(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+}  // namespace
+
+FilterResult filterFile(const FilterRequest& request, Progress& progress) {
+  const auto start = Clock::now();
+  const std::vector<FilterSpec> chain = filterChain(request.filter);
+  if (!isVolumeFileName(request.out)) {
+    throw Error(Error::Code::kBadInput, request.out, "its suffix names no format that can be written",
+                fmt::format("use {}", kVolumeFileSuffixes));
+  }
+  checkOther(request.in, request.out);
+  AtomicFile file(request.out);  // before the long part, so that a folder that may not be written is refused at once
+  progress.stage("loading " + request.in);
+  const Volume volume = loadVolume(request.in);
+  std::vector<FilterStep> steps = lowerFilters(chain, volume.lattice().spacing_m);
+  throwIfInterrupted("palpate filter");
+
+  FilterResult result;
+  result.size = volume.size();
+  result.steps = steps.size();
+  progress.stage("filtering on Vulkan");
+  gpu::Gpu gpu({.name = request.gpu});
+  result.device = gpu.info().name;
+  gpu::Transfer transfer(gpu);
+  const BrickPool pool(gpu, transfer, volume);
+  result.bricks = pool.brickCount();
+  result.stored_before = result.stored_after = pool.storedBricks();
+  const auto filtering = Clock::now();
+  std::unique_ptr<FilterChain> filters;
+  if (!steps.empty()) {
+    filters = std::make_unique<FilterChain>(gpu, transfer, pool, std::move(steps));
+    filters->run([&](double done) {
+      progress.fraction(done);
+      throwIfInterrupted("palpate filter");
+    });
+    result.stored_after = filters->result().storedBricks();
+  }
+  result.filter_s = secondsSince(filtering);
+  const Volume filtered = volumeOf(filters ? filters->result() : pool, transfer, volume.facts());
+  result.lowest = filtered.minimum();
+  result.highest = filtered.maximum();
+  progress.stage("writing " + request.out);
+  writeVolume(filtered, request.out, std::nullopt, [&](std::string_view bytes) {
+    throwIfInterrupted("palpate filter");
+    result.bytes += bytes.size();
+    file.write(bytes);
+  });
+  file.commit();
+  progress.done();
+  result.seconds = secondsSince(start);
+  return result;
+}
+
+std::string filterWords(const FilterRequest& request, const FilterResult& result) {
+  return fmt::format(
+      "{}: {} x {} x {} voxels, densities {:g} to {:g}, {:.1f} MB\n"
+      "{}: {} passes, {} of {} bricks stored before and {} after; {:.3f} s filtering, {:.2f} s in all\n",
+      request.out, result.size.x(), result.size.y(), result.size.z(), result.lowest, result.highest,
+      static_cast<double>(result.bytes) * 1e-6, result.device, result.steps, result.stored_before, result.bricks,
+      result.stored_after, result.filter_s, result.seconds);
+}
+
+}  // namespace palpate

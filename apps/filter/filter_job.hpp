@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// apps/filter/filter_job.hpp: `palpate filter`: a volume through a chain of filters into another file.
+//
+// The file is there whole or not at all. Formats: engine/volume/volume_file.hpp. One thread. Cost: loading, the filters
+// (docs/filters.md), and writing.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "apps/console/progress.hpp"
+#include "base/vec.hpp"
+
+namespace palpate {
+
+struct FilterRequest {
+  std::string in;      // as loadVolume takes it
+  std::string out;     // its suffix names the format
+  std::string filter;  // chain, as --filter takes it
+  std::string gpu;     // part of the device's name; empty: the best one
+};
+
+struct FilterResult {
+  std::string device;
+  Vec3i size = Vec3i::Zero();  // [voxel]
+  std::size_t steps = 0;       // passes over the field
+  std::size_t stored_before = 0, stored_after = 0, bricks = 0;
+  float lowest = 0, highest = 0;  // of the result [density]
+  double filter_s = 0;            // of the filters, the driver's compiler included
+  double seconds = 0;             // loading, writing and all
+  std::uint64_t bytes = 0;        // of the file
+};
+
+// Throws Error: kBadInput for a chain that cannot be meant, an unknown suffix, an output that is the input; and what
+// loadVolume, FilterChain and writeVolume throw. What was at `out` stays then.
+[[nodiscard]] FilterResult filterFile(const FilterRequest& request, Progress& progress);
+
+// A line or two for people.
+[[nodiscard]] std::string filterWords(const FilterRequest& request, const FilterResult& result);
+
+}  // namespace palpate

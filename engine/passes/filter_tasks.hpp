@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// engine/passes/filter_tasks.hpp: the bricks that a filter step writes, sorted into ranges that one dispatch can do: of
+// one slab of the result, and inside the volume or at its border. Any thread.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "engine/edit/edit_reach.hpp"
+#include "engine/filter/filter_step.hpp"
+#include "shaders/filter.layout.h"
+
+namespace palpate {
+
+struct FilterRange {
+  bool edge = false;  // the step reads beyond the volume's border
+  std::size_t slab = 0;
+  std::uint32_t first = 0, count = 0;  // of a list of tasks
+};
+
+class FilterTasks {
+ public:
+  FilterTasks(const BrickGrid& grid, const FilterStep& step) : grid_(grid), step_(step) {}
+
+  void add(std::uint32_t brick, std::uint32_t slot);
+  // Appends all to `list` and says where; nothing is left.
+  [[nodiscard]] std::vector<FilterRange> moveTo(std::vector<layout::FilterTask>& list);
+
+ private:
+  [[nodiscard]] bool atEdge(const Vec3i& brick) const noexcept;
+
+  const BrickGrid& grid_;
+  const FilterStep& step_;
+  std::array<std::vector<std::vector<layout::FilterTask>>, 2> by_edge_and_slab_;
+};
+
+}  // namespace palpate

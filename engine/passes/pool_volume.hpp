@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+// engine/passes/pool_volume.hpp: what a brick pool holds, as a volume on the CPU. Thread: the Gpu's. Cost: a copy of
+// the bricks that are stored, and, where the device's memory is not mapped, a transfer each.
+#pragma once
+
+#include "engine/gpu/transfer.hpp"
+#include "engine/passes/brick_pool.hpp"
+#include "engine/volume/volume.hpp"
+
+namespace palpate {
+
+[[nodiscard]] Volume volumeOf(const BrickPool& pool, gpu::Transfer& transfer, const VolumeFacts& facts);
+
+}  // namespace palpate

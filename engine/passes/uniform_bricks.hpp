@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// engine/passes/uniform_bricks.hpp: where a field holds one density all around a brick, a filter step gives that brick
+// one density too. Any thread.
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <optional>
+
+#include "engine/edit/edit_reach.hpp"
+#include "engine/filter/filter_step.hpp"
+#include "engine/volume/volume.hpp"
+
+namespace palpate {
+
+// The bricks that a step reads beside its own, along each axis, either way.
+[[nodiscard]] inline Vec3i ringOf(const FilterStep& step) {
+  return (step.reach.array() + kBrickSize - 1) / kBrickSize;
+}
+
+template <typename Visit>
+void forEachAround(const BrickGrid& grid, const Vec3i& brick, const Vec3i& ring, const Visit& visit) {
+  const Vec3i low = (brick - ring).cwiseMax(Vec3i::Zero());
+  const Vec3i high = (brick + ring).cwiseMin(grid.counts() - Vec3i::Ones());
+  for (int z = low.z(); z <= high.z(); ++z) {
+    for (int y = low.y(); y <= high.y(); ++y) {
+      for (int x = low.x(); x <= high.x(); ++x) {
+        if (!visit(grid.index({x, y, z}))) return;
+      }
+    }
+  }
+}
+
+// The density that all bricks around hold, if they hold one. `constantOf(brick)`: what a brick holds, or nothing.
+template <typename ConstantOf>
+std::optional<float> uniformAround(const BrickGrid& grid, std::uint32_t brick, const Vec3i& ring,
+                                   const ConstantOf& constantOf) {
+  std::optional<float> density = constantOf(brick);
+  if (!density) return density;
+  const auto bits = std::bit_cast<std::uint32_t>(*density);
+  forEachAround(grid, grid.brick(brick), ring, [&](std::uint32_t other) {
+    const std::optional<float> beside = constantOf(other);
+    if (!beside || std::bit_cast<std::uint32_t>(*beside) != bits) density.reset();
+    return density.has_value();
+  });
+  return density;
+}
+
+}  // namespace palpate
