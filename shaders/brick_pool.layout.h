@@ -13,7 +13,7 @@
 #define NO_SLOT 0xffffffffu             // a page without a brick: the constant holds everywhere
 #define DENSITY_SLABS 8                 // bound at once: 8 x 128 MiB = 1 GiB of density
 #define BRICKS_PER_DENSITY_SLAB 65536u  // x 2 KiB = 128 MiB
-#define BRICKS_PER_SAMPLE_SLAB 16384u   // x 8 KiB = 128 MiB: bricks of vec4 (gradient, density)
+#define BRICKS_PER_SAMPLE_SLAB 16384u   // x 8 KiB = 128 MiB: bricks of samples as floats; twice as many as halves
 // In BrickTask.sample_slot: the brick has samples if the isosurface needs them, which its bounds say; kernels decide.
 #define IF_ACTIVE 0x80000000u
 #define GROUPS_PER_ROW 32768u           // a list of work groups is folded into rows of this many: x is limited to 65535

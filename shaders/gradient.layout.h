@@ -1,25 +1,43 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/gradient.layout.h: push constants and bindings of the gradient kernel.
+// shaders/gradient.layout.h: push constants, bindings and operators of the gradient kernels.
 #ifndef PALPATE_GRADIENT_LAYOUT_H
 #define PALPATE_GRADIENT_LAYOUT_H
-#include "brick_pool.layout.h"
+#include "sample_code.layout.h"
 
 #define GRADIENT_BINDING_TASKS BINDING_OWN
 #define GRADIENT_BINDING_SAMPLES (BINDING_OWN + 1)  // one sample slab, written
 #define GRADIENT_BINDING_BOUNDS (BINDING_OWN + 2)   // of all bricks, for tasks with IF_ACTIVE
 #define GRADIENT_BINDINGS (BINDING_OWN + 3)
+// gradient_smoothed.comp: the pool that the kernel reads is a smoothed one, and the samples' densities come from this.
+#define GRADIENT_BINDING_DENSITY_PAGES (BINDING_OWN + 3)
+#define GRADIENT_BINDING_DENSITY_SLABS (BINDING_OWN + 4)
+#define GRADIENT_SMOOTHED_BINDINGS (BINDING_OWN + 12)  // DENSITY_SLABS of them
+
+// Specialisation constants, after the pool's 0.
+#define GRADIENT_CONSTANT_HALF 1     // 1: samples are stored as halves (sample_code.layout.h)
+#define GRADIENT_CONSTANT_STENCIL 2  // of gradient.comp: GRADIENT_CENTRAL or GRADIENT_CENTRAL4
+#define GRADIENT_CONSTANT_DENSITY 3  // of gradient_smoothed.comp: 1 where the densities lie in one slab, else 2
+
+#define GRADIENT_CENTRAL 0u   // (f(1) - f(-1)) / 2h
+#define GRADIENT_CENTRAL4 1u  // (8 (f(1) - f(-1)) - (f(2) - f(-2))) / 12h
+#define GRADIENT_SOBEL 2u     // gradient_sobel.comp
+
+#define SOBEL_BRICKS 8u  // of a work group of gradient_sobel.comp: eight columns of rows each
 
 PALPATE_LAYOUT_BEGIN
 
 struct GradientPush {
   PoolDomain domain;
   uint first_task, task_count;
-  float inv_2h_x, inv_2h_y, inv_2h_z;  // 1 / (2 * spacing), for the two-sided difference [1/m]
-  float inv_h_x, inv_h_y, inv_h_z;     // 1 / spacing, for the one-sided difference at the border [1/m]
-  float isovalue;                      // [density]
+  // Sobel: these two divided by the 16 that its weights sum to.
+  float inv_2h_x, inv_2h_y, inv_2h_z;     // 1 / (2 * spacing), for the two-sided difference [1/m]
+  float inv_h_x, inv_h_y, inv_h_z;        // 1 / spacing, for the one-sided difference at the border [1/m]
+  float inv_12h_x, inv_12h_y, inv_12h_z;  // 1 / (12 * spacing), for the fourth-order difference [1/m]
+  float isovalue;                         // [density]
+  SampleCode code;
 };
 
-PALPATE_LAYOUT_CHECK(GradientPush, 60)
+PALPATE_LAYOUT_CHECK(GradientPush, 84)
 PALPATE_PUSH_CHECK(GradientPush)
 
 PALPATE_LAYOUT_END

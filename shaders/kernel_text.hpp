@@ -21,6 +21,8 @@ using namespace glsl;  // NOLINT(google-build-using-namespace): the text is GLSL
 #include "shaders/filter_median.math.glsl"
 #include "shaders/filter_median_wide.math.glsl"
 #include "shaders/filter_rank.math.glsl"
+#include "shaders/gradient.math.glsl"
+#include "shaders/sample_code.math.glsl"
 #undef precise
 
 }  // namespace palpate::kernel_text

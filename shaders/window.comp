@@ -11,11 +11,21 @@ layout(push_constant) uniform Push { WindowPush push; };
 #include "brick_pool.glsl"
 
 layout(std430, binding = WINDOW_BINDING_TASKS) readonly buffer Tasks { BrickTask tasks[]; };
-layout(std430, binding = WINDOW_BINDING_SAMPLES) readonly buffer Samples { vec4 samples[]; };
+layout(std430, binding = WINDOW_BINDING_SAMPLES) readonly buffer Samples { uvec4 samples[]; };
 layout(std430, binding = WINDOW_BINDING_WINDOW) writeonly buffer Window { vec4 window[]; };
 layout(std430, binding = WINDOW_BINDING_BOUNDS) readonly buffer Bounds { BrickBounds bounds[]; };
 #define ACTIVE_ISOVALUE push.isovalue
 #include "active_brick.glsl"
+#define SAMPLE_CODE push.code  // with the inverse scales
+#include "sample_code.glsl"
+
+layout(constant_id = WINDOW_CONSTANT_HALF) const uint kHalf = 0;
+
+vec4 sampleAt(uint at) {
+  if (kHalf == 0) return uintBitsToFloat(samples[at]);
+  const uvec4 pair = samples[at / 2];
+  return unpackedSample((at & 1u) == 0 ? pair.xy : pair.zw);
+}
 
 void main() {
   if (gl_WorkGroupID.x >= push.task_count) return;
@@ -38,6 +48,6 @@ void main() {
     const uint x = first.x + i - origin.x;
     if (x >= size.x) continue;
     window[(at.y * size.y + at.x) * size.x + x] =
-        sampled ? samples[from + i] : vec4(0, 0, 0, i < 4 ? row.low[i] : row.high[i - 4]);
+        sampled ? sampleAt(from + i) : vec4(0, 0, 0, i < 4 ? row.low[i] : row.high[i - 4]);
   }
 }

@@ -1,16 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/check/gradient_check.hpp"
 
+#include <algorithm>
 #include <array>
 #include <chrono>
+#include <cstring>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "apps/check/ulp.hpp"
 #include "engine/gpu/transfer.hpp"
 #include "engine/passes/active_bricks.hpp"
+#include "engine/passes/filter_chain.hpp"
 #include "engine/passes/gradient_pass.hpp"
 #include "engine/reference/gradient.hpp"
+#include "engine/reference/half.hpp"
 #include "servo/window/sample_window.hpp"
 
 namespace palpate {
@@ -28,8 +33,13 @@ class Stopwatch {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-void compare(GradientCheck& check, const Vec3i& voxel, const Sample& gpu, const std::array<float, 4>& cpu) {
-  const std::array<float, 4> values = {gpu.gradient_i, gpu.gradient_j, gpu.gradient_k, gpu.density};
+using Values = std::array<float, 4>;
+
+Values valuesOf(const Sample& sample) {
+  return {sample.gradient_i, sample.gradient_j, sample.gradient_k, sample.density};
+}
+
+void compare(GradientCheck& check, const Vec3i& voxel, const Values& values, const Values& cpu) {
   for (std::size_t c = 0; c < values.size(); ++c) {
     ++check.compared;
     const std::uint32_t ulp = ulpDistance(values[c], cpu[c]);
@@ -45,17 +55,61 @@ void compare(GradientCheck& check, const Vec3i& voxel, const Sample& gpu, const 
   }
 }
 
+// The samples of a slab as they lie there, floats or halves.
+class StoredSamples {
+ public:
+  explicit StoredSamples(const SampleFormat& format) : format_(format) {}
+
+  void download(gpu::Transfer& transfer, const gpu::Buffer& slab) {
+    bytes_.resize(slab.bytes());
+    transfer.download(slab, bytes_);
+  }
+  // What is stored of a voxel, and what should be. Halves are compared as they are stored, without the scales.
+  [[nodiscard]] Values got(std::size_t voxel) const {
+    Values values{};
+    if (!format_.half) {
+      std::memcpy(values.data(), bytes_.data() + voxel * sizeof values, sizeof values);
+      return values;
+    }
+    std::array<std::uint16_t, 4> halves{};
+    std::memcpy(halves.data(), bytes_.data() + voxel * sizeof halves, sizeof halves);
+    std::transform(halves.begin(), halves.end(), values.begin(), reference::fromHalf);
+    return values;
+  }
+  [[nodiscard]] Values wanted(const Sample& sample) const {
+    Values values = valuesOf(sample);
+    if (!format_.half) return values;
+    for (std::size_t c = 0; c < 3; ++c) values[c] = values[c] * format_.code.gradient_scale;
+    values[3] = (values[3] - format_.code.zero) * format_.code.density_scale;
+    for (float& value : values) value = reference::fromHalf(reference::toHalf(value));
+    return values;
+  }
+
+ private:
+  SampleFormat format_;
+  std::vector<std::byte> bytes_;
+};
+
+// What the twin reads: the field, and the one whose gradient is taken.
+struct TwinFields {
+  const reference::DenseField& density;
+  const reference::DenseField& smoothed;
+};
+
 // All voxels of one brick that lie in the domain.
-void compareBrick(GradientCheck& check, const reference::DenseField& field, const Vec3i& brick, const Sample* samples) {
+void compareBrick(GradientCheck& check, const TwinFields& twin, const GradientOperator& way, const Vec3i& brick,
+                  const StoredSamples& samples, std::size_t first_voxel) {
   const Vec3i first = brick * kBrickSize;
-  const Vec3i end = (first.array() + kBrickSize).min(field.size.array());
+  const Vec3i end = (first.array() + kBrickSize).min(twin.density.size.array());
   for (int k = first.z(); k < end.z(); ++k) {
     for (int j = first.y(); j < end.y(); ++j) {
       for (int i = first.x(); i < end.x(); ++i) {
         const Vec3i in_brick = Vec3i(i, j, k) - first;
-        const Sample& gpu = samples[(in_brick.z() * kBrickSize + in_brick.y()) * kBrickSize + in_brick.x()];
-        const std::array<float, 3> gradient = reference::gradientAt(field, i, j, k);
-        compare(check, {i, j, k}, gpu, {gradient[0], gradient[1], gradient[2], field.at(i, j, k)});
+        const auto voxel =
+            static_cast<std::size_t>((in_brick.z() * kBrickSize + in_brick.y()) * kBrickSize + in_brick.x());
+        const std::array<float, 3> gradient = reference::gradientAt(twin.smoothed, way, i, j, k);
+        compare(check, {i, j, k}, samples.got(first_voxel + voxel),
+                samples.wanted({gradient[0], gradient[1], gradient[2], twin.density.at(i, j, k)}));
       }
     }
   }
@@ -63,37 +117,38 @@ void compareBrick(GradientCheck& check, const reference::DenseField& field, cons
 
 }  // namespace
 
-GradientCheck checkGradient(const Volume& volume, const std::string& gpu_name,
+GradientCheck checkGradient(const Volume& volume, const GradientCheckRequest& request,
                             const std::function<void(double)>& progress) {
-  return checkGradient(volume, reference::denseField(volume), gpu_name, progress);
+  return checkGradient(volume, reference::denseField(volume), request, progress);
 }
 
-GradientCheck checkGradient(const Volume& volume, const reference::DenseField& field, const std::string& gpu_name,
-                            const std::function<void(double)>& progress) {
+GradientCheck checkGradient(const Volume& volume, const reference::DenseField& field,
+                            const GradientCheckRequest& request, const std::function<void(double)>& progress) {
   GradientCheck check;
-  gpu::Gpu gpu({.name = gpu_name});
+  gpu::Gpu gpu({.name = request.gpu});
   check.device = gpu.info().name;
   gpu::Transfer transfer(gpu);
   const BrickPool pool(gpu, transfer, volume);
-  const SampleStore store(gpu, pool.brickCount(), allBricks(pool.brickCounts()));
-  GradientPass pass(gpu, transfer, pool, store);
+  std::optional<FilterChain> smoothing;
+  std::vector<FilterStep> steps = lowerFilters(request.gradient.smoothing, pool.lattice().spacing_m);
+  if (!steps.empty()) smoothing.emplace(gpu, transfer, pool, std::move(steps)).run();
+  const SampleStore store(gpu, pool.brickCount(), allBricks(pool.brickCounts()), makeGpuBudget(), request.format);
+  GradientPass pass(gpu, transfer, pool, store, request.gradient, smoothing ? &smoothing->result() : nullptr);
   pass.run();  // the first run pays for the driver's compiler
   const Stopwatch gpu_watch;
   pass.run();
   check.gpu_seconds = gpu_watch.seconds();
 
   const Stopwatch cpu_watch;
-  std::vector<Sample> samples;
+  const reference::DenseField smoothed = reference::smoothedFor(request.gradient, field);
+  StoredSamples samples(request.format);
   for (std::size_t brick = 0; brick < pool.brickCount(); ++brick) {
     const SampleStore::Place place = store.place(brick);
-    if (place.slot == 0) {
-      samples.resize(store.slab(place.slab).bytes() / sizeof(Sample));
-      transfer.download(store.slab(place.slab), std::as_writable_bytes(std::span(samples)));
-    }
+    if (place.slot == 0) samples.download(transfer, store.slab(place.slab));
     const Vec3i counts = pool.brickCounts();
     const auto b = static_cast<int>(brick);
     const Vec3i at(b % counts.x(), b / counts.x() % counts.y(), b / (counts.x() * counts.y()));
-    compareBrick(check, field, at, samples.data() + std::size_t{place.slot} * kBrickVoxels);
+    compareBrick(check, {field, smoothed}, request.gradient, at, samples, std::size_t{place.slot} * kBrickVoxels);
     if (brick % 256 == 0) progress(static_cast<double>(brick) / static_cast<double>(pool.brickCount()));
   }
   check.cpu_seconds = cpu_watch.seconds();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // apps/check/gradient_check.hpp: every gradient of the GPU against the CPU twin. Thread: one. Cost: a pass over the
-// volume on both sides, and 24 bytes a voxel of host memory.
+// volume on both sides, and 24 bytes a voxel of host memory; an operator that smooths: 16 more.
 #pragma once
 
 #include <cstdint>
@@ -8,10 +8,18 @@
 #include <string>
 
 #include "engine/gpu/gpu.hpp"
+#include "engine/gradient/gradient_operator.hpp"
+#include "engine/gradient/sample_format.hpp"
 #include "engine/reference/dense_field.hpp"
 #include "engine/volume/volume.hpp"
 
 namespace palpate {
+
+struct GradientCheckRequest {
+  std::string gpu = {};            // part of the device's name
+  GradientOperator gradient = {};  // how it is taken
+  SampleFormat format = {};        // in which form it is stored and compared
+};
 
 struct GradientCheck {
   std::uint64_t compared = 0;   // floats: three gradient components and the density of each voxel
@@ -22,16 +30,17 @@ struct GradientCheck {
   float gpu_value = 0;          // there
   float cpu_value = 0;
   std::string device;
-  double gpu_seconds = 0;  // of the kernel, first run excluded
+  double gpu_seconds = 0;  // of the kernel, first run and smoothing excluded
   double cpu_seconds = 0;  // of the twin
 };
 
 // `progress` gets the fraction done, and may throw to cancel.
-[[nodiscard]] GradientCheck checkGradient(const Volume& volume, const std::string& gpu_name,
+[[nodiscard]] GradientCheck checkGradient(const Volume& volume, const GradientCheckRequest& request,
                                           const std::function<void(double)>& progress);
 
 // The same with the field that the twin reads given apart, so that a test can make the two sides differ.
 [[nodiscard]] GradientCheck checkGradient(const Volume& volume, const reference::DenseField& field,
-                                          const std::string& gpu_name, const std::function<void(double)>& progress);
+                                          const GradientCheckRequest& request,
+                                          const std::function<void(double)>& progress);
 
 }  // namespace palpate

@@ -69,10 +69,10 @@ int main(int argc, char** argv) {
                        fmt::format("palpate {} ({})", palpate::programVersion(), palpate::programCommit()));
   app.require_subcommand(1);
   app.failure_message(parseMessage);
-  for (const auto& add :
-       {palpate::addTouchVerb, palpate::addEditVerb, palpate::addRecoverVerb, palpate::addInfoVerb,
-        palpate::addConvertVerb, palpate::addFilterVerb, palpate::addCheckVerb, palpate::addBenchVerb, palpate::addDevicesVerb,
-        palpate::addPlanVerb, palpate::addSceneVerb, palpate::addFaultsVerb}) {
+  for (const auto& add : {palpate::addTouchVerb, palpate::addEditVerb, palpate::addRecoverVerb, palpate::addInfoVerb,
+                          palpate::addConvertVerb, palpate::addGradientVerb, palpate::addFilterVerb,
+                          palpate::addCheckVerb, palpate::addBenchVerb, palpate::addDevicesVerb, palpate::addPlanVerb,
+                          palpate::addSceneVerb, palpate::addFaultsVerb}) {
     add(app);
   }
   palpate::catchInterrupts();

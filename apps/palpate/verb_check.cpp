@@ -9,6 +9,7 @@
 #include "apps/console/progress.hpp"
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
+#include "engine/volume/statistics.hpp"
 #include "verbs.hpp"
 #include "version.hpp"
 
@@ -20,12 +21,15 @@ constexpr int kBoundBroken = 1;
 struct CheckArguments {
   std::string volume;
   std::string gpu;
+  std::string gradient_operator = "central";
+  std::string samples = "float";
   std::uint32_t bound_ulp = 0;
   std::string json;
 };
 
 void printCheck(const CheckArguments& arguments, const GradientCheck& check) {
-  fmt::print("gradient of {} on {}\n", arguments.volume, check.device);
+  fmt::print("gradient of {} on {}: {}, stored as {}\n", arguments.volume, check.device, arguments.gradient_operator,
+             arguments.samples);
   fmt::print("  values compared   {:>14}\n", check.compared);
   fmt::print("  differing values  {:>14}\n", check.differing);
   fmt::print("  largest           {:>14} ULP", check.largest_ulp);
@@ -43,6 +47,8 @@ void writeJson(const CheckArguments& arguments, const GradientCheck& check) {
                                        {"commit", programCommit()},
                                        {"volume", arguments.volume},
                                        {"vulkan_device", check.device},
+                                       {"operator", arguments.gradient_operator},
+                                       {"samples", arguments.samples},
                                        {"compared", check.compared},
                                        {"differing", check.differing},
                                        {"largest_ulp", check.largest_ulp},
@@ -56,11 +62,16 @@ void writeJson(const CheckArguments& arguments, const GradientCheck& check) {
 }
 
 void checkGradientVerb(const CheckArguments& arguments) {
+  GradientCheckRequest request{arguments.gpu, gradientOperator(arguments.gradient_operator), {}};
   Progress progress;
   progress.stage("loading " + arguments.volume);
   const Volume volume = loadVolume(arguments.volume);
+  if (arguments.samples == "half") {
+    const auto isovalue = static_cast<float>(defaultIsovalue(volume));
+    request.format = halfSamples(isovalue, volume.minimum(), volume.maximum(), volume.lattice().spacing_m);
+  }
   progress.stage("comparing");
-  const GradientCheck check = checkGradient(volume, arguments.gpu, [&](double done) {
+  const GradientCheck check = checkGradient(volume, request, [&](double done) {
     progress.fraction(done);
     throwIfInterrupted("palpate check");
   });
@@ -79,6 +90,11 @@ void addCheckVerb(CLI::App& app) {
   auto arguments = std::make_shared<CheckArguments>();
   gradient->add_option("volume", arguments->volume, "file, DICOM folder or phantom:NAME?size=64")->required();
   gradient->add_option("--gpu", arguments->gpu, "part of the Vulkan device's name; the best one if not given");
+  gradient->add_option("--operator", arguments->gradient_operator, gradientNames() + " (default central)");
+  gradient
+      ->add_option("--samples", arguments->samples,
+                   "stored as float or half, about the volume's own isovalue (default float)")
+      ->check(CLI::IsMember({"float", "half"}));
   gradient->add_option("--bound", arguments->bound_ulp, "largest difference that is accepted [ULP] (default 0)");
   gradient->add_option("--json", arguments->json, "write the result into this file too");
   gradient->callback([arguments] { checkGradientVerb(*arguments); });

@@ -14,6 +14,7 @@ void addEditVerb(CLI::App& app);
 void addRecoverVerb(CLI::App& app);
 void addInfoVerb(CLI::App& app);
 void addConvertVerb(CLI::App& app);
+void addGradientVerb(CLI::App& app);
 void addFilterVerb(CLI::App& app);
 void addCheckVerb(CLI::App& app);
 void addBenchVerb(CLI::App& app);

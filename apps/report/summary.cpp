@@ -52,6 +52,8 @@ Json sceneJson(const Scene& s) {
           {"filter", s.filter},
           {"field", s.field},
           {"gradient_all", s.gradient_all},
+          {"gradient_operator", s.gradient_operator},
+          {"samples", s.samples},
           {"algorithm", s.algorithm},
           {"plane_renewal_ticks", s.plane_renewal_ticks},
           {"stiffness_N_per_m", s.stiffness_N_per_m},

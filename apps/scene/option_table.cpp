@@ -35,6 +35,7 @@ IntegerOption integer(int Scene::*member, long long lowest, long long highest) {
 
 constexpr const char* kVelocities[] = {"filter", "foaw"};
 constexpr const char* kFields[] = {"density", "distance"};
+constexpr const char* kSampleForms[] = {"float", "half"};
 constexpr const char* kTextures[] = {"none", "procedural", "density"};
 
 // clang-format off
@@ -50,6 +51,10 @@ const SceneOption kOptions[] = {
     {"--filter", "filter", "", "filters that the field goes through before it is felt, one after another: \"gaussian:0.8mm\"; docs/filters.md",
      ListOption{&Scene::filter}},
     {"--field", "field", "", "what is felt: the density, or (after the filters) the signed distance from its isosurface, 4 voxels deep", WordOption{&Scene::field, kFields}},
+    {"--gradient-operator", "gradient_operator", "", "how gradients are taken: central, sobel, central4, gaussian:SIGMA (gaussian:0.8mm; no edits then); docs/gradients.md",
+     TextOption{&Scene::gradient_operator}},
+    {"--samples", "samples", "", "gradients and densities for the tool are kept as floats, or as halves in half the memory; docs/gradients.md",
+     WordOption{&Scene::samples, kSampleForms}},
     {"--algorithm", "servo.algorithm", "", algorithmHelp(), TextOption{&Scene::algorithm}},
     {"--n", "servo.n", "ticks", "the virtual plane is found again every n ticks", integer(&Scene::plane_renewal_ticks, 1, 100000)},
     {"--stiffness", "servo.stiffness_N_per_m", "N/m", "stiffness of the contact, K", number(&Scene::stiffness_N_per_m, 1, 0, 1e5)},

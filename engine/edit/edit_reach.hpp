@@ -44,13 +44,12 @@ struct VoxelBox {
                                                  std::uint32_t brick, float density);
 
 // How far a pass carries a change: a result at voxel v depends on densities at v - high ... v + low along every axis,
-// so a changed voxel c changes results at c - low ... c + high. [voxel]
+// so a changed voxel c changes results at c - low ... c + high. [voxel] Gradients: GradientPass::reach().
 struct Reach {
   int low = 0;
   int high = 0;
 };
 inline constexpr Reach kBoundsReach{1, 0};  // a brick's cells end in the first voxels of the bricks behind it
-inline constexpr Reach kGradientReach{1, 1};
 
 // The bricks that hold a voxel within `reach` of a brick's changed voxels.
 void appendReached(const BrickGrid& grid, const VoxelBox& changed, const Reach& reach,

@@ -4,21 +4,56 @@
 namespace palpate {
 namespace {
 
-layout::GradientPush pushFor(const BrickPool& pool, const TaskRange& range, float isovalue) {
+layout::GradientPush pushFor(const BrickPool& pool, const TaskRange& range, const GradientOperator& way,
+                             const SampleFormat& format, float isovalue) {
   const Vec3& h = pool.lattice().spacing_m;
+  const double sum = static_cast<double>(way.words.weight_sum);
   const auto inverse = [](double length_m) { return static_cast<float>(1.0 / length_m); };
-  return {pool.domain(),        range.first,    range.count,    inverse(2.0 * h.x()), inverse(2.0 * h.y()),
-          inverse(2.0 * h.z()), inverse(h.x()), inverse(h.y()), inverse(h.z()),       isovalue};
+  return {pool.domain(),
+          range.first,
+          range.count,
+          inverse(2.0 * h.x() * sum),
+          inverse(2.0 * h.y() * sum),
+          inverse(2.0 * h.z() * sum),
+          inverse(h.x() * sum),
+          inverse(h.y() * sum),
+          inverse(h.z() * sum),
+          inverse(12.0 * h.x()),
+          inverse(12.0 * h.y()),
+          inverse(12.0 * h.z()),
+          isovalue,
+          format.code};
+}
+
+// Which kernel computes an operator: a new stencil is a line here.
+struct GradientKernel {
+  const char* name;
+  std::uint32_t bindings;
+  std::uint32_t bricks_a_group;
+};
+GradientKernel kernelOf(const GradientOperator& way, bool smoothed) {
+  if (smoothed) return {"gradient_smoothed", GRADIENT_SMOOTHED_BINDINGS, 1};
+  if (way.words.stencil == GRADIENT_SOBEL) return {"gradient_sobel", GRADIENT_BINDINGS, SOBEL_BRICKS};
+  return {"gradient", GRADIENT_BINDINGS, 1};
+}
+
+std::vector<std::uint32_t> constantsOf(const GradientOperator& way, const SampleFormat& format) {
+  return {format.half ? 1U : 0U, way.words.stencil};
 }
 
 }  // namespace
 
-GradientPass::GradientPass(gpu::Gpu& gpu, gpu::Transfer& transfer, const BrickPool& pool, const SampleStore& store)
+GradientPass::GradientPass(gpu::Gpu& gpu, gpu::Transfer& transfer, const BrickPool& pool, const SampleStore& store,
+                           const GradientOperator& way, const BrickPool* smoothed)
     : gpu_(gpu),
       transfer_(transfer),
       pool_(pool),
       store_(store),
-      kernel_(gpu, "gradient", pool, GRADIENT_BINDINGS, sizeof(layout::GradientPush)) {}
+      way_(way),
+      smoothed_(smoothed),
+      kernel_(gpu, kernelOf(way, smoothed != nullptr).name, smoothed != nullptr ? *smoothed : pool,
+              kernelOf(way, smoothed != nullptr).bindings, sizeof(layout::GradientPush),
+              constantsOf(way, store.format()), smoothed != nullptr ? &pool : nullptr) {}
 
 void GradientPass::run() {
   BrickTasks by_slab;
@@ -37,10 +72,18 @@ void GradientPass::run() {
 void GradientPass::record(gpu::Commands& commands, const gpu::Buffer& tasks, std::span<const TaskRange> ranges,
                           const ActiveTest& test) {
   const gpu::Buffer* bounds = test.bounds != nullptr ? test.bounds : &tasks;  // unused then, but bound
+  const std::uint32_t bricks_a_group = kernelOf(way_, smoothed_ != nullptr).bricks_a_group;
   for (const TaskRange& range : ranges) {
-    commands.dispatch(kernel_.get(), poolBindings(pool_, {&tasks, &store_.slab(range.slab), bounds}),
-                      gpu::pushBytes(pushFor(pool_, range, test.isovalue)),
-                      gpu::Groups::folded(range.count, GROUPS_PER_ROW));
+    std::vector<const gpu::Buffer*> buffers =
+        poolBindings(smoothed_ != nullptr ? *smoothed_ : pool_, {&tasks, &store_.slab(range.slab), bounds});
+    if (smoothed_ != nullptr) {
+      const std::vector<const gpu::Buffer*> own = poolBindings(pool_, {});
+      buffers.insert(buffers.end(), own.begin(), own.end());
+    }
+    const std::uint32_t groups = (range.count + bricks_a_group - 1) / bricks_a_group;
+    commands.dispatch(kernel_.get(), buffers,
+                      gpu::pushBytes(pushFor(pool_, range, way_, store_.format(), test.isovalue)),
+                      gpu::Groups::folded(groups, GROUPS_PER_ROW));
   }
 }
 

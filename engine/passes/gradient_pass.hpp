@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/passes/gradient_pass.hpp: central-difference gradients of the stored bricks (shaders/gradient.comp): spacing
-// aware, one-sided at the volume's border. Twin: engine/reference/gradient.hpp. Thread: the Gpu's.
+// engine/passes/gradient_pass.hpp: gradients of the stored bricks by one of the operators of engine/gradient
+// (shaders/gradient*.comp): spacing aware, one-sided at the volume's border. Twin: engine/reference/gradient.hpp.
+// Thread: the Gpu's.
 #pragma once
 
 #include <span>
 
+#include "engine/edit/edit_reach.hpp"
 #include "engine/gpu/commands.hpp"
 #include "engine/gpu/transfer.hpp"
+#include "engine/gradient/gradient_operator.hpp"
 #include "engine/passes/brick_pool.hpp"
 #include "engine/passes/brick_tasks.hpp"
 #include "engine/passes/pool_kernel.hpp"
@@ -23,7 +26,13 @@ struct ActiveTest {
 
 class GradientPass {
  public:
-  GradientPass(gpu::Gpu& gpu, gpu::Transfer& transfer, const BrickPool& pool, const SampleStore& store);
+  // `smoothed`: the field whose gradient is taken, for an operator that smooths (a FilterChain of its steps makes it);
+  // null: the pool's own.
+  GradientPass(gpu::Gpu& gpu, gpu::Transfer& transfer, const BrickPool& pool, const SampleStore& store,
+               const GradientOperator& way = {}, const BrickPool* smoothed = nullptr);
+
+  // How far a changed density changes gradients; of an operator that smooths, how far a smoothed density does.
+  [[nodiscard]] Reach reach() const noexcept { return {way_.words.reach, way_.words.reach}; }
 
   void run();  // every brick of the store; blocks
   // The bricks of `ranges` in `tasks` (layout::BrickTask).
@@ -35,6 +44,8 @@ class GradientPass {
   gpu::Transfer& transfer_;
   const BrickPool& pool_;
   const SampleStore& store_;
+  GradientOperator way_;
+  const BrickPool* smoothed_;
   PoolKernel kernel_;
 };
 

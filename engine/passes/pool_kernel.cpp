@@ -8,21 +8,28 @@
 namespace palpate {
 
 PoolKernel::PoolKernel(gpu::Gpu& gpu, std::string name, const BrickPool& pool, std::uint32_t bindings,
-                       std::size_t push_bytes, std::vector<std::uint32_t> more)
+                       std::size_t push_bytes, std::vector<std::uint32_t> more, const BrickPool* second)
     : gpu_(gpu),
       name_(std::move(name)),
       pool_(pool),
+      second_(second),
       bindings_(bindings),
       push_bytes_(static_cast<std::uint32_t>(push_bytes)),
       constants_(std::move(more)) {
   constants_.insert(constants_.begin(), 0);
+  if (second != nullptr) constants_.push_back(0);
   (void)get();  // a driver that refuses it says so now
 }
 
 const gpu::Kernel& PoolKernel::get() {
-  const auto slabs = static_cast<std::uint32_t>(std::min<std::size_t>(pool_.slabCount(), 2));
-  if (constants_[0] != slabs) {
-    constants_[0] = slabs;
+  const auto slabsOf = [](const BrickPool& pool) {
+    return static_cast<std::uint32_t>(std::min<std::size_t>(pool.slabCount(), 2));
+  };
+  std::vector<std::uint32_t> constants = constants_;
+  constants.front() = slabsOf(pool_);
+  if (second_ != nullptr) constants.back() = slabsOf(*second_);
+  if (constants_ != constants) {
+    constants_ = std::move(constants);
     kernel_.emplace(gpu_, gpu::KernelSpec{.name = name_,
                                           .spirv = kernelSpirv(name_),
                                           .bindings = bindings_,

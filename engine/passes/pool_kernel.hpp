@@ -18,9 +18,10 @@ namespace palpate {
 
 class PoolKernel {
  public:
-  // `name`: of the shader, as in shaders/NAME.comp. `more`: specialisation constants 1, 2, ...
+  // `name`: of the shader, as in shaders/NAME.comp. `more`: specialisation constants 1, 2, ... `second`: another pool
+  // that it reads; its slabs (1, or 2 for more than one) are the last constant.
   PoolKernel(gpu::Gpu& gpu, std::string name, const BrickPool& pool, std::uint32_t bindings, std::size_t push_bytes,
-             std::vector<std::uint32_t> more = {});
+             std::vector<std::uint32_t> more = {}, const BrickPool* second = nullptr);
 
   // The kernel for the pool as it is now. Not while submitted work still uses the last one.
   [[nodiscard]] const gpu::Kernel& get();
@@ -29,6 +30,7 @@ class PoolKernel {
   gpu::Gpu& gpu_;
   std::string name_;
   const BrickPool& pool_;
+  const BrickPool* second_;
   std::uint32_t bindings_;
   std::uint32_t push_bytes_;
   std::vector<std::uint32_t> constants_;  // the first one: slabs, 2 for more than one

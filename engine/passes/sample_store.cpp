@@ -2,13 +2,16 @@
 #include "engine/passes/sample_store.hpp"
 
 #include "engine/volume/volume.hpp"
-#include "servo/window/sample_window.hpp"
+#include "servo/window/sample_window.hpp"  // the size of a sample as floats
 
 namespace palpate {
 
+static_assert(sizeof(Sample) == 16, "a uvec4 of shaders/sample_code.layout.h");
+
 SampleStore::SampleStore(gpu::Gpu& gpu, std::size_t brick_count, const std::vector<std::uint32_t>& bricks,
-                         std::shared_ptr<GpuBudget> budget)
-    : slabs_(gpu, {"samples", kBrickVoxels * sizeof(Sample), BRICKS_PER_SAMPLE_SLAB, 0}, bricks.size(),
+                         std::shared_ptr<GpuBudget> budget, const SampleFormat& format)
+    : format_(format),
+      slabs_(gpu, {"samples", kBrickVoxels * format.bytesAVoxel(), format.bricksASlab(), 0}, bricks.size(),
              std::move(budget)),
       slot_of_brick_(brick_count, NO_SLOT) {
   for (const std::uint32_t brick : bricks) add(brick);
@@ -17,7 +20,7 @@ SampleStore::SampleStore(gpu::Gpu& gpu, std::size_t brick_count, const std::vect
 SampleStore::Place SampleStore::place(std::size_t brick) const noexcept {
   const std::uint32_t slot = slot_of_brick_[brick];
   if (slot == NO_SLOT) return {};
-  return {slot / BRICKS_PER_SAMPLE_SLAB, slot % BRICKS_PER_SAMPLE_SLAB};
+  return {slot / format_.bricksASlab(), slot % format_.bricksASlab()};
 }
 
 std::vector<std::uint32_t> SampleStore::bricks() const {

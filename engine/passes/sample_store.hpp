@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // engine/passes/sample_store.hpp: where the plane-ready samples (gradient, density) of bricks live on the GPU: slabs of
-// up to 128 MiB, 8 KiB a brick, and a slot for each brick that has them, given and taken as the active set changes.
-// Memory on the host: 4 bytes a brick of the domain. Thread: the Gpu's.
+// up to 128 MiB, 8 KiB a brick (4 KiB as halves), and a slot for each brick that has them, given and taken as the
+// active set changes. Memory on the host: 4 bytes a brick of the domain. Thread: the Gpu's.
 #pragma once
 
 #include <cstddef>
@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "engine/gpu/buffer.hpp"
+#include "engine/gradient/sample_format.hpp"
 #include "engine/passes/slot_slabs.hpp"
 #include "shaders/brick_pool.layout.h"
 
@@ -20,7 +21,9 @@ class SampleStore {
   // Room for the samples of `bricks` (linear page indices), in slots 0, 1, ... in that order. Throws
   // Error(kOutOfMemory) if the budget or the device has not enough.
   SampleStore(gpu::Gpu& gpu, std::size_t brick_count, const std::vector<std::uint32_t>& bricks,
-              std::shared_ptr<GpuBudget> budget = makeGpuBudget());
+              std::shared_ptr<GpuBudget> budget = makeGpuBudget(), const SampleFormat& format = {});
+
+  [[nodiscard]] const SampleFormat& format() const noexcept { return format_; }
 
   struct Place {
     std::uint32_t slab = 0;
@@ -40,6 +43,7 @@ class SampleStore {
   [[nodiscard]] std::size_t bytes() const noexcept { return slabs_.bytes(); }
 
  private:
+  SampleFormat format_;
   SlotSlabs slabs_;
   std::vector<std::uint32_t> slot_of_brick_;  // NO_SLOT where there is none
 };

@@ -6,11 +6,12 @@
 namespace palpate {
 namespace {
 
-layout::WindowPush pushFor(const BrickPool& pool, const WindowBox& box, const TaskRange& range, float isovalue) {
+layout::WindowPush pushFor(const BrickPool& pool, const WindowBox& box, const TaskRange& range,
+                           const SampleFormat& format, float isovalue) {
   const auto first = box.first.cast<layout::uint>().eval();
   const auto size = box.size.cast<layout::uint>().eval();
-  return {pool.domain(), range.first, range.count, first.x(), first.y(),
-          first.z(),     size.x(),    size.y(),    size.z(),  isovalue};
+  return {pool.domain(), range.first, range.count, first.x(), first.y(),           first.z(),
+          size.x(),      size.y(),    size.z(),    isovalue,  format.readingCode()};
 }
 
 }  // namespace
@@ -29,7 +30,7 @@ WindowBox windowAround(const Vec3& p_L, const Vec3i& domain) {
 WindowPass::WindowPass(gpu::Gpu& gpu, const BrickPool& pool, const SampleStore& store)
     : pool_(pool),
       store_(store),
-      kernel_(gpu, "window", pool, WINDOW_BINDINGS, sizeof(layout::WindowPush)),
+      kernel_(gpu, "window", pool, WINDOW_BINDINGS, sizeof(layout::WindowPush), {store.format().half ? 1U : 0U}),
       tasks_(gpu, "window tasks", kMaxTasks),
       commands_(gpu, "window", static_cast<std::uint32_t>(kMaxTasks)) {}
 
@@ -49,7 +50,7 @@ void WindowPass::record(gpu::Commands& commands, const WindowBox& box, const gpu
   const gpu::Buffer* bounds = test.bounds != nullptr ? test.bounds : &tasks;  // unused then, but bound
   for (const TaskRange& range : ranges) {
     commands.dispatch(kernel_.get(), poolBindings(pool_, {&tasks, &store_.slab(range.slab), &window, bounds}),
-                      gpu::pushBytes(pushFor(pool_, box, range, test.isovalue)), {range.count, 1});
+                      gpu::pushBytes(pushFor(pool_, box, range, store_.format(), test.isovalue)), {range.count, 1});
   }
 }
 

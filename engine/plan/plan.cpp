@@ -5,12 +5,25 @@
 
 #include <fmt/format.h>
 
+#include "base/error.hpp"
+
 namespace palpate {
 namespace {
 
-// A brick's 512 voxels: density 4 bytes, sample (gradient and density) 16 bytes.
+// A brick's 512 voxels: density 4 bytes, sample (gradient and density) 16 bytes, or 8 as halves.
 constexpr std::uint64_t kDensityBytes = 512 * 4;
 constexpr std::uint64_t kSampleBytes = 512 * 16;
+constexpr std::uint64_t kHalfSampleBytes = 512 * 8;
+
+std::uint64_t sampleBytes(const Plan& plan) {
+  return plan.half_samples ? kHalfSampleBytes : kSampleBytes;
+}
+
+void refuseEdits(const Scene& scene, const GradientOperator& way) {
+  if (scene.edit.empty() || !way.smooths()) return;
+  throw Error(Error::Code::kBadInput, fmt::format("--edit with --gradient-operator {}", scene.gradient_operator),
+              "a smoothed field does not follow edits yet", "use central, sobel or central4, or leave --edit out");
+}
 
 PlanLine uploadLine(const PlanFacts& facts) {
   return {true, fmt::format("{} of {} bricks of density", facts.stored_bricks, facts.bricks),
@@ -19,14 +32,23 @@ PlanLine uploadLine(const PlanFacts& facts) {
 }
 
 PlanLine gradientLine(const Plan& plan, const PlanFacts& facts) {
-  PlanLine line{true, fmt::format("gradient of {} of {} bricks", facts.gradient_bricks, facts.bricks), "", 0};
+  PlanLine line{
+      true,
+      fmt::format("gradient of {} of {} bricks: {}", facts.gradient_bricks, facts.bricks, plan.gradient.words.name), "",
+      0};
   if (plan.gradient_all) {
     line.why = "every brick: --gradient all, or an algorithm that feels away from the isosurface";
   } else {
     line.why = "those that the isosurface crosses, and their halo";
-    line.saved_bytes = (facts.bricks - facts.gradient_bricks) * kSampleBytes;
+    line.saved_bytes = (facts.bricks - facts.gradient_bricks) * sampleBytes(plan);
   }
   return line;
+}
+
+PlanLine samplesLine(const Plan& plan, const PlanFacts& facts) {
+  if (!plan.half_samples) return {true, "samples as floats, 16 bytes a voxel", "halves save half: --samples half", 0};
+  return {true, "samples as halves, 8 bytes a voxel", "--samples half: true to 2^-11 of the distance from the isovalue",
+          facts.gradient_bricks * (kSampleBytes - kHalfSampleBytes)};
 }
 
 PlanLine filterLine(const Plan& plan, const PlanFacts& facts) {
@@ -54,6 +76,8 @@ const char* passName(Pass pass) noexcept {
       return "filter";
     case Pass::kBrickBounds:
       return "brick bounds";
+    case Pass::kSmoothing:
+      return "smoothing";
     case Pass::kGradient:
       return "gradient";
     case Pass::kWindow:
@@ -85,6 +109,9 @@ static std::string effectNames(const Scene& scene) {
 Plan makePlan(const Scene& scene, bool needs_mesh) {
   Plan plan;
   plan.gradient_all = scene.gradient_all;
+  plan.gradient = gradientOperator(scene.gradient_operator);
+  plan.half_samples = scene.samples == "half";
+  refuseEdits(scene, plan.gradient);
   plan.draws = scene.picture;
   plan.meshes = needs_mesh;
   plan.objects = scene.objects.size();
@@ -98,13 +125,18 @@ Plan makePlan(const Scene& scene, bool needs_mesh) {
   }
   // Bounds choose the bricks with gradients and let the renderer skip; without either nobody reads them.
   if (!plan.gradient_all || plan.draws) plan.passes.push_back(Pass::kBrickBounds);
+  if (plan.gradient.smooths()) plan.passes.push_back(Pass::kSmoothing);
   plan.passes.insert(plan.passes.end(), {Pass::kGradient, Pass::kWindow});
   if (plan.draws) plan.passes.push_back(Pass::kIsosurface);
   return plan;
 }
 
 std::vector<PlanLine> planLines(const Plan& plan, const PlanFacts& facts) {
-  std::vector<PlanLine> lines = {uploadLine(facts), filterLine(plan, facts), gradientLine(plan, facts)};
+  std::vector<PlanLine> lines = {uploadLine(facts), filterLine(plan, facts), gradientLine(plan, facts),
+                                 samplesLine(plan, facts)};
+  if (plan.has(Pass::kSmoothing)) {
+    lines.insert(lines.begin() + 2, {true, "smoothing of the whole field", "the operator takes its gradient", 0});
+  }
   lines.push_back({true, "window of up to 32x32x32 samples around the tool, three slots", "what the servo reads", 0});
   if (plan.draws) {
     lines.push_back({true, "isosurface picture", "view.png and report.html show it", 0});

@@ -10,11 +10,12 @@
 #include <vector>
 
 #include "engine/filter/filter_spec.hpp"
+#include "engine/gradient/gradient_operator.hpp"
 #include "engine/plan/scene.hpp"
 
 namespace palpate {
 
-enum class Pass { kUpload, kFilter, kBrickBounds, kGradient, kWindow, kIsosurface };
+enum class Pass { kUpload, kFilter, kBrickBounds, kSmoothing, kGradient, kWindow, kIsosurface };
 
 [[nodiscard]] const char* passName(Pass pass) noexcept;
 
@@ -23,6 +24,8 @@ struct Plan {
   std::vector<FilterSpec> filters;  // from the volume to the field that is felt; empty: the volume itself
   std::string filter_words;         // the same in words
   bool gradient_all = false;        // gradients of every brick, not of those alone that the isosurface needs
+  GradientOperator gradient;        // how they are taken
+  bool half_samples = false;        // stored as halves, not as floats
   bool draws = false;
   bool meshes = false;      // the isosurface becomes a triangle mesh, for an algorithm that touches one
   std::size_t objects = 0;  // beside the volume
@@ -31,8 +34,8 @@ struct Plan {
   [[nodiscard]] bool has(Pass pass) const noexcept;
 };
 
-// Throws Error(kBadInput) on filters that cannot be meant. `needs_mesh`: the scene's algorithm touches a mesh of the
-// isosurface (AlgorithmNeeds::isosurface_mesh).
+// Throws Error(kBadInput): filters that cannot be meant; an operator that is none; edits with one that smooths.
+// `needs_mesh`: the scene's algorithm touches a mesh of the isosurface (AlgorithmNeeds::isosurface_mesh).
 [[nodiscard]] Plan makePlan(const Scene& scene, bool needs_mesh = false);
 
 // What is known of the volume once its bounds are: for the words below.

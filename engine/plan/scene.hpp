@@ -28,6 +28,8 @@ struct Scene {
   std::string filter;                  // chain that makes the field that is felt: "gaussian:0.8mm"; empty: none
   std::string field = "density";       // what is felt: the density, or the distance from its isosurface
   bool gradient_all = false;           // every brick instead of those that the isosurface needs
+  std::string gradient_operator = "central";  // engine/gradient/gradient_operator.hpp
+  std::string samples = "float";              // or half: how the engine stores gradients and densities
   // servo
   std::string algorithm = "hri";
   int plane_renewal_ticks = 5;  // n

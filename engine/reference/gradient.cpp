@@ -1,32 +1,111 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/reference/gradient.hpp"
 
-namespace palpate::reference {
+#include "engine/reference/filter.hpp"
 
-DifferenceScale differenceScale(const Vec3& spacing_m) {
-  DifferenceScale scale{};
-  for (int axis = 0; axis < 3; ++axis) {
-    scale.inv_2h_per_m[axis] = static_cast<float>(1.0 / (2.0 * spacing_m[axis]));
-    scale.inv_h_per_m[axis] = static_cast<float>(1.0 / spacing_m[axis]);
+namespace palpate::reference {
+namespace {
+
+// The densities that a difference along one axis may read, and where on that axis it stands.
+struct Line {
+  const DenseField& field;
+  Vec3i voxel;
+  int axis;
+
+  [[nodiscard]] float at(int steps) const {
+    return bordered(field, voxel + steps * Vec3i::Unit(axis), Border::kNearest);
   }
-  return scale;
+  [[nodiscard]] bool has(int steps) const {
+    const int c = voxel[axis];
+    return c >= steps && c + steps < field.size[axis];
+  }
+  // 1 / (times * spacing), rounded to float once.
+  [[nodiscard]] float inverse(double times) const {
+    return static_cast<float>(1.0 / (times * field.lattice.spacing_m[axis]));
+  }
+};
+
+float central(const Line& line) {
+  const float difference = line.at(1) - line.at(-1);
+  return difference * (line.has(1) ? line.inverse(2) : line.inverse(1));
 }
 
-std::array<float, 3> gradientAt(const DenseField& field, int i, int j, int k) {
-  const DifferenceScale scale = differenceScale(field.lattice.spacing_m);
-  const std::array<int, 3> voxel = {i, j, k};
+float central4(const Line& line) {
+  if (!line.has(2)) return central(line);
+  const float near = line.at(1) - line.at(-1);
+  const float far = line.at(2) - line.at(-2);
+  return (8.0F * near - far) * line.inverse(12);
+}
+
+float smooth(float before, float middle, float after) {
+  return (before + after) + (middle + middle);
+}
+
+// Density smoothed along `first`, then along `second`.
+float smooth2(const DenseField& field, const Vec3i& voxel, int first, int second) {
+  std::array<float, 3> rows{};
+  for (int s = -1; s <= 1; ++s) {
+    const auto at = [&](int f) {
+      return bordered(field, voxel + f * Vec3i::Unit(first) + s * Vec3i::Unit(second), Border::kNearest);
+    };
+    rows[static_cast<std::size_t>(s + 1)] = smooth(at(-1), at(0), at(1));
+  }
+  return smooth(rows[0], rows[1], rows[2]);
+}
+
+float smooth1(const DenseField& field, const Vec3i& voxel, int axis) {
+  const auto at = [&](int step) { return bordered(field, voxel + step * Vec3i::Unit(axis), Border::kNearest); };
+  return smooth(at(-1), at(0), at(1));
+}
+
+// The voxel so many steps away, or the outermost one.
+Vec3i inDomain(const DenseField& field, const Vec3i& voxel) {
+  return voxel.cwiseMax(0).cwiseMin(field.size - Vec3i::Ones());
+}
+
+float sobel(const Line& line) {
+  const auto beside = [&](int steps) { return inDomain(line.field, line.voxel + steps * Vec3i::Unit(line.axis)); };
+  float difference = 0;
+  if (line.axis == 0) {
+    difference = smooth2(line.field, beside(1), 1, 2) - smooth2(line.field, beside(-1), 1, 2);
+  } else if (line.axis == 1) {
+    std::array<float, 3> slices{};
+    for (int k = -1; k <= 1; ++k) {
+      const Vec3i after = inDomain(line.field, beside(1) + k * Vec3i::UnitZ());
+      const Vec3i before = inDomain(line.field, beside(-1) + k * Vec3i::UnitZ());
+      slices[static_cast<std::size_t>(k + 1)] = smooth1(line.field, after, 0) - smooth1(line.field, before, 0);
+    }
+    difference = smooth(slices[0], slices[1], slices[2]);
+  } else {
+    difference = smooth2(line.field, beside(1), 0, 1) - smooth2(line.field, beside(-1), 0, 1);
+  }
+  return difference * (line.has(1) ? line.inverse(32) : line.inverse(16));
+}
+
+}  // namespace
+
+std::array<float, 3> gradientAt(const DenseField& field, const GradientOperator& way, int i, int j, int k) {
   std::array<float, 3> gradient{};
   for (int axis = 0; axis < 3; ++axis) {
-    std::array<int, 3> before = voxel;
-    std::array<int, 3> after = voxel;
-    const bool at_low = voxel[axis] == 0;
-    const bool at_high = voxel[axis] == field.size[axis] - 1;
-    if (!at_low) --before[axis];
-    if (!at_high) ++after[axis];
-    const float difference = field.at(after[0], after[1], after[2]) - field.at(before[0], before[1], before[2]);
-    gradient[axis] = difference * (at_low || at_high ? scale.inv_h_per_m[axis] : scale.inv_2h_per_m[axis]);
+    const Line line{field, {i, j, k}, axis};
+    float& component = gradient[static_cast<std::size_t>(axis)];
+    switch (way.words.stencil) {
+      case GRADIENT_SOBEL:
+        component = sobel(line);
+        break;
+      case GRADIENT_CENTRAL4:
+        component = central4(line);
+        break;
+      default:
+        component = central(line);
+    }
   }
   return gradient;
+}
+
+DenseField smoothedFor(const GradientOperator& way, DenseField field) {
+  const std::vector<FilterStep> steps = lowerFilters(way.smoothing, field.lattice.spacing_m);
+  return applyFilters(std::move(field), steps);
 }
 
 }  // namespace palpate::reference

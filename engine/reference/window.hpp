@@ -4,12 +4,16 @@
 
 #include <vector>
 
+#include "engine/gradient/gradient_operator.hpp"
+#include "engine/gradient/sample_format.hpp"
 #include "engine/reference/dense_field.hpp"
 #include "servo/window/sample_window.hpp"
 
 namespace palpate::reference {
 
-// The samples of the box [first, first + size) of the field: density, and the gradient of every voxel.
-[[nodiscard]] std::vector<Sample> windowSamples(const DenseField& field, const Vec3i& first, const Vec3i& size);
+// The samples of the box [first, first + size) of the field: density, and the gradient of every voxel by an operator,
+// as they come back from the form that they were stored in.
+[[nodiscard]] std::vector<Sample> windowSamples(const DenseField& field, const Vec3i& first, const Vec3i& size,
+                                                const GradientOperator& way = {}, const SampleFormat& format = {});
 
 }  // namespace palpate::reference

@@ -192,7 +192,7 @@ void Editor::planReach(Plan& plan) const {
     const VoxelBox altered = widened(state.changed, carried, grid_);
     appendReached(grid_, altered, Reach{}, plan.altered);
     appendReached(grid_, altered, kBoundsReach, plan.rebounded);
-    appendReached(grid_, altered, kGradientReach, plan.regraded);
+    appendReached(grid_, altered, parts_.gradient.reach(), plan.regraded);
     if (state.may_cross || parts_.filters != nullptr) appendReached(grid_, altered, kBoundsReach, crossable);
     plan.new_bricks += state.is_new ? 1 : 0;
   }

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/service/engine.hpp"
 
+#include <algorithm>
 #include <chrono>
+#include <limits>
 
 #include "base/error.hpp"
 #include "engine/passes/active_bricks.hpp"
+#include "engine/passes/filter_chain.hpp"
 #include "engine/passes/pool_volume.hpp"
 #include "engine/service/window_focus.hpp"
 
@@ -42,21 +45,47 @@ Engine::Engine(const Volume& volume, const Plan& plan, double isovalue, const st
       bounds_->run();
     });
   }
-  stage(passName(Pass::kGradient), [&] { computeGradients(plan); });
+  computeGradients(volume, plan);
   stage(passName(Pass::kWindow), [&] { makeWindows(); });
   if (plan.draws) isosurface_ = std::make_unique<IsosurfacePass>(gpu_, transfer_, field(), *bounds_);
 }
 
 Engine::~Engine() = default;
 
-void Engine::computeGradients(const Plan& plan) {
-  const std::vector<std::uint32_t> bricks =
-      plan.gradient_all ? allBricks(pool_->brickCounts())
-                        : activeBricks(bounds_->read(transfer_), pool_->brickCounts(), static_cast<float>(isovalue_));
-  store_ = std::make_unique<SampleStore>(gpu_, pool_->brickCount(), inBlocks(bricks, pool_->brickCounts()),
-                                         pool_->budget());
-  gradient_ = std::make_unique<GradientPass>(gpu_, transfer_, field(), *store_);
-  gradient_->run();
+// Of the field that is felt.
+std::pair<float, float> Engine::densityRange(const Volume& volume) {
+  if (!filters_) return {volume.minimum(), volume.maximum()};
+  BrickBoundsPass bounds(gpu_, field());
+  bounds.run();
+  std::pair range(std::numeric_limits<float>::max(), std::numeric_limits<float>::lowest());
+  for (const layout::BrickBounds& brick : bounds.read(transfer_))
+    range = {std::min(range.first, brick.lowest), std::max(range.second, brick.highest)};
+  return range;
+}
+
+// The smoothed field is needed while gradients are computed, and no longer: nothing changes it (allowEdits).
+void Engine::computeGradients(const Volume& volume, const Plan& plan) {
+  std::optional<FilterChain> smoothing;
+  std::vector<FilterStep> steps = lowerFilters(plan.gradient.smoothing, pool_->lattice().spacing_m);
+  if (!steps.empty()) {
+    stage(passName(Pass::kSmoothing), [&] { smoothing.emplace(gpu_, transfer_, field(), std::move(steps)).run(); });
+  }
+  stage(passName(Pass::kGradient), [&] {
+    const auto isovalue = static_cast<float>(isovalue_);
+    const std::vector<std::uint32_t> bricks =
+        plan.gradient_all ? allBricks(pool_->brickCounts())
+                          : activeBricks(bounds_->read(transfer_), pool_->brickCounts(), isovalue);
+    const auto range = plan.half_samples ? densityRange(volume) : std::pair(0.0F, 0.0F);
+    const SampleFormat format = plan.half_samples
+                                    ? halfSamples(isovalue, range.first, range.second, pool_->lattice().spacing_m)
+                                    : SampleFormat{};
+    store_ = std::make_unique<SampleStore>(gpu_, pool_->brickCount(), inBlocks(bricks, pool_->brickCounts()),
+                                           pool_->budget(), format);
+    gradient_ = std::make_unique<GradientPass>(gpu_, transfer_, field(), *store_, plan.gradient,
+                                               smoothing ? &smoothing->result() : nullptr);
+    gradient_->run();
+    if (plan.gradient.smooths()) gradient_.reset();
+  });
 }
 
 void Engine::makeWindows() {
@@ -108,6 +137,11 @@ void Engine::publishBox(const WindowBox& box, std::int64_t now_ns) {
 }
 
 void Engine::allowEdits(const BrushProfile& profile, std::span<const EditKind> kinds) {
+  if (!gradient_) {
+    throw Error(Error::Code::kBadInput, "edits",
+                "gradients are those of a smoothed field, which does not follow edits yet",
+                "use a gradient operator that does not smooth");
+  }
   const Editor::Parts parts{gpu_,     transfer_,      *pool_,
                             *store_,  bounds_.get(),  *gradient_,
                             *window_, filters_.get(), static_cast<float>(isovalue_)};

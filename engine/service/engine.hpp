@@ -46,7 +46,8 @@ class Engine {
   // The same, around the place where this tool needs it (window_focus.hpp).
   bool publishFor(const ToolPose& tool, std::int64_t now_ns);
 
-  // Makes edits possible; once, before the first. Cost: kernels, and the bounds of every brick read back. `kinds`:
+  // Makes edits possible; once, before the first. Throws Error(kBadInput) where the plan's gradients are those of a
+  // smoothed field. Cost: kernels, and the bounds of every brick read back. `kinds`:
   // those whose kernels are to be ready, so that not even the first edit waits for the driver's compiler.
   void allowEdits(const BrushProfile& profile, std::span<const EditKind> kinds = {});
   struct EditResult {
@@ -87,7 +88,8 @@ class Engine {
   template <typename Work>
   void stage(const char* name, Work work);
   [[nodiscard]] const BrickPool& field() const noexcept { return filters_ ? filters_->result() : *pool_; }
-  void computeGradients(const Plan& plan);
+  void computeGradients(const Volume& volume, const Plan& plan);
+  [[nodiscard]] std::pair<float, float> densityRange(const Volume& volume);
   void makeWindows();
   template <typename Change>
   EditResult change(std::int64_t now_ns, const Change& change);
@@ -101,7 +103,7 @@ class Engine {
   std::unique_ptr<FilterChain> filters_;  // from it to the field that is felt; null: none
   std::unique_ptr<BrickBoundsPass> bounds_;
   std::unique_ptr<SampleStore> store_;
-  std::unique_ptr<GradientPass> gradient_;
+  std::unique_ptr<GradientPass> gradient_;  // none once a smoothed field's gradients are computed
   std::unique_ptr<WindowPass> window_;
   std::unique_ptr<IsosurfacePass> isosurface_;
   bool gradient_all_ = false;

@@ -16,7 +16,7 @@ namespace palpate {
 namespace {
 
 void expectEqualBits(const Volume& volume) {
-  const GradientCheck check = checkGradient(volume, "", [](double) {});
+  const GradientCheck check = checkGradient(volume, GradientCheckRequest{}, [](double) {});
   EXPECT_EQ(check.compared, 4ULL * static_cast<std::uint64_t>(volume.size().cast<long long>().prod()));
   EXPECT_EQ(check.differing, 0U) << check.component << " of voxel " << check.voxel.transpose() << ": GPU "
                                  << check.gpu_value << ", CPU " << check.cpu_value;
@@ -89,7 +89,7 @@ class GradientCheckSees : public testing::Test {
     reference::DenseField field = reference::denseField(volume);
     float& value = field.values[field.offset(voxel.x(), voxel.y(), voxel.z())];
     value = std::nextafter(value, std::numeric_limits<float>::max());
-    return checkGradient(volume, field, "", [](double) {});
+    return checkGradient(volume, field, GradientCheckRequest{}, [](double) {});
   }
 };
 
@@ -114,18 +114,19 @@ TEST_F(GradientCheckSees, ACornerVoxelInAPartlyFilledBrick) {
 TEST(GradientCheck, TellsHowFarItIsAndCanBeCancelled) {
   const Volume volume = loadVolume("phantom:random?size=24");
   double last = -1;
-  (void)checkGradient(volume, "", [&](double done) {
+  (void)checkGradient(volume, GradientCheckRequest{}, [&](double done) {
     EXPECT_GE(done, 0);
     EXPECT_LE(done, 1);
     last = done;
   });
   EXPECT_GE(last, 0);
-  EXPECT_THROW((void)checkGradient(volume, "", [](double) { throw Error(Error::Code::kCancelled, "x", "y", "z"); }),
+  EXPECT_THROW((void)checkGradient(volume, GradientCheckRequest{},
+                                   [](double) { throw Error(Error::Code::kCancelled, "x", "y", "z"); }),
                Error);
 }
 
 TEST(GradientCheck, RefusesADeviceThatIsNotThere) {
-  EXPECT_THROW((void)checkGradient(loadVolume("phantom:box?size=8"), "Voodoo", [](double) {}), Error);
+  EXPECT_THROW((void)checkGradient(loadVolume("phantom:box?size=8"), {.gpu = "Voodoo"}, [](double) {}), Error);
 }
 
 }  // namespace

@@ -113,6 +113,48 @@ TEST_F(Verbs, CheckCountsAndReports) {
   EXPECT_THAT(outcome.out, HasSubstr("holds"));
 }
 
+// Every operator, and both forms of samples, differ in no bit from the twin.
+TEST_F(Verbs, CheckTakesOperatorsAndSamples) {
+  for (const char* way : {"central", "sobel", "central4", "gaussian:1.2"}) {
+    for (const char* samples : {"float", "half"}) {
+      const Outcome outcome = run({"check", "gradient", "phantom:random?size=13x21x10", "--operator", way, "--samples",
+                                   samples, "--json", "check.json"});
+      expectSuccess(outcome);
+      const auto json = nlohmann::json::parse(contentsOf(file("check.json")));
+      EXPECT_EQ(json["compared"], 4 * 13 * 21 * 10);
+      EXPECT_EQ(json["differing"], 0) << way << " " << samples;
+      EXPECT_EQ(json["operator"], way);
+      EXPECT_EQ(json["samples"], samples);
+    }
+  }
+  expectRefusal(run({"check", "gradient", "phantom:box?size=8", "--operator", "prewitt"}), "prewitt", "central4", 2);
+}
+
+TEST_F(Verbs, GradientWritesVectorsAndRefusesItsInput) {
+  const Outcome outcome = run({"gradient", "phantom:sphere?size=24", "-o", "g.vdb", "--operator", "sobel"});
+  expectSuccess(outcome);
+  EXPECT_TRUE(exists("g.vdb"));
+  EXPECT_THAT(outcome.out, HasSubstr("sobel gradient of"));
+  expectSuccess(run({"convert", "phantom:sphere?size=24", "v.vdb"}));
+  expectRefusal(run({"gradient", "v.vdb", "-o", "v.vdb"}), "v.vdb", "it is the input", 2);
+}
+
+// The plan names the operator and says what halves save; edits are refused beside a smoothing operator.
+TEST_F(Verbs, PlanSaysOperatorAndSamples) {
+  const Outcome half = run({"plan", "phantom:sphere?size=24", "--gradient-operator", "central4", "--samples", "half"});
+  expectSuccess(half);
+  EXPECT_THAT(half.out, HasSubstr(": central4"));
+  EXPECT_THAT(half.out, HasSubstr("samples as halves"));
+  const Outcome smooth = run({"plan", "phantom:sphere?size=24", "--gradient-operator", "gaussian:1"});
+  expectSuccess(smooth);
+  EXPECT_THAT(smooth.out, HasSubstr("smoothing of the whole field"));
+  expectRefusal(
+      run({"touch", "phantom:sphere?size=24", "--gradient-operator", "gaussian:1", "--edit", "remove:radius=2mm"}),
+      "gaussian:1", "does not follow edits", 2);
+  expectRefusal(run({"touch", "phantom:sphere?size=24", "--gradient-operator", "prewitt"}), "prewitt", "central4", 2);
+  EXPECT_FALSE(exists("out"));
+}
+
 TEST_F(Verbs, CheckRefusesAResultFileThatCannotBeWritten) {
   expectRefusal(run({"check", "gradient", "phantom:box?size=8", "--json", "nowhere/check.json"}), "nowhere/check.json",
                 "cannot be created", 4);

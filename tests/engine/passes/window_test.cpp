@@ -13,12 +13,13 @@
 namespace palpate {
 namespace {
 
-std::vector<Sample> gather(const Volume& volume, const std::vector<std::uint32_t>& bricks, const WindowBox& box) {
+std::vector<Sample> gather(const Volume& volume, const std::vector<std::uint32_t>& bricks, const WindowBox& box,
+                           const GradientOperator& way = {}, const SampleFormat& format = {}) {
   gpu::Gpu gpu({});
   gpu::Transfer transfer(gpu);
   const BrickPool pool(gpu, transfer, volume);
-  const SampleStore store(gpu, pool.brickCount(), bricks);
-  GradientPass(gpu, transfer, pool, store).run();
+  const SampleStore store(gpu, pool.brickCount(), bricks, makeGpuBudget(), format);
+  GradientPass(gpu, transfer, pool, store, way).run();
   std::vector<Sample> samples(static_cast<std::size_t>(box.size.prod()));
   const gpu::Buffer window(gpu, "window", samples.size() * sizeof(Sample), gpu::MemoryKind::kHost);
   WindowPass(gpu, pool, store).run(box, window);
@@ -39,6 +40,22 @@ TEST_P(WindowGather, EqualsTheTwinBitForBit) {
 
 INSTANTIATE_TEST_SUITE_P(Places, WindowGather,
                          testing::Values(Vec3i(0, 0, 0), Vec3i(21, 9, 5), Vec3i(8, 8, 0), Vec3i(13, 1, 3)));
+
+// Halves come back as the floats that they stand for; where a brick has no samples its density is the float itself.
+TEST_P(WindowGather, OfHalvesEqualsTheTwinBitForBit) {
+  const Volume volume = ballField({53, 41, 37}, 14.0);
+  const WindowBox box{GetParam(), volume.size().cwiseMin(kWindowEdge)};
+  const SampleFormat format = halfSamples(0.3F, volume.minimum(), volume.maximum(), testLattice().spacing_m);
+  for (const char* name : {"central", "sobel", "central4"}) {
+    const GradientOperator way = gradientOperator(name);
+    const std::vector<Sample> samples = gather(volume, allBricks(volume.brickCount()), box, way, format);
+    const std::vector<Sample> expected =
+        reference::windowSamples(reference::denseField(volume), box.first, box.size, way, format);
+    ASSERT_EQ(samples.size(), expected.size());
+    EXPECT_EQ(std::memcmp(samples.data(), expected.data(), samples.size() * sizeof(Sample)), 0) << name;
+  }
+  EXPECT_EQ(gather(volume, {}, box, {}, format)[0].density, volume.value(box.first));
+}
 
 TEST(WindowGather, GivesDensityWithoutGradientWhereABrickHasNone) {
   const Volume volume = ballField({40, 40, 40}, 12.0);

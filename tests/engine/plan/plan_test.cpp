@@ -5,6 +5,8 @@
 
 #include <gmock/gmock.h>
 
+#include "base/error.hpp"
+
 namespace palpate {
 namespace {
 
@@ -51,6 +53,36 @@ TEST(PlanLines, SayWhatWasSaved) {
   ASSERT_EQ(gradient.size(), 1U);
   EXPECT_THAT(gradient[0].what, HasSubstr("25 of 100"));
   EXPECT_EQ(gradient[0].saved_bytes, 75U * 8192U);
+}
+
+// Halves: the bricks that are left out would have taken 4 KiB each, and those that are there take that much less.
+TEST(PlanLines, SayHowGradientsAreTakenAndStored) {
+  Scene scene;
+  scene.samples = "half";
+  scene.gradient_operator = "sobel";
+  const Plan plan = makePlan(scene);
+  EXPECT_TRUE(plan.half_samples);
+  EXPECT_EQ(plan.gradient.words.name, "sobel");
+  EXPECT_FALSE(plan.has(Pass::kSmoothing));
+  const auto lines = planLines(plan, {.bricks = 100, .stored_bricks = 60, .gradient_bricks = 25});
+  ASSERT_EQ(linesNaming(lines, "gradient").size(), 1U);
+  EXPECT_THAT(linesNaming(lines, "gradient")[0].what, HasSubstr("sobel"));
+  EXPECT_EQ(linesNaming(lines, "gradient")[0].saved_bytes, 75U * 4096U);
+  ASSERT_EQ(linesNaming(lines, "halves").size(), 1U);
+  EXPECT_EQ(linesNaming(lines, "halves")[0].saved_bytes, 25U * 4096U);
+}
+
+TEST(Plan, OfASmoothingOperatorSmoothsFirstAndTakesNoEdits) {
+  Scene scene;
+  scene.gradient_operator = "gaussian:0.8mm";
+  EXPECT_THAT(makePlan(scene).passes, ElementsAre(Pass::kUpload, Pass::kBrickBounds, Pass::kSmoothing, Pass::kGradient,
+                                                  Pass::kWindow, Pass::kIsosurface));
+  EXPECT_EQ(linesNaming(planLines(makePlan(scene), {}), "smoothing").size(), 1U);
+  scene.edit = "remove:radius=2mm";
+  EXPECT_THROW((void)makePlan(scene), Error);
+  scene.gradient_operator = "prewitt";
+  scene.edit.clear();
+  EXPECT_THROW((void)makePlan(scene), Error);
 }
 
 TEST(PlanLines, NameWhatWasLeftOut) {

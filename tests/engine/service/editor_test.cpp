@@ -53,14 +53,14 @@ struct State {
   WindowPass window;
 
   State(gpu::Gpu& gpu, const Volume& volume, bool all, std::uint64_t budget = 0, bool in_place = true,
-        const char* chain = "")
+        const char* chain = "", const GradientOperator& way = {}, const SampleFormat& format = {})
       : transfer(gpu, in_place),
         pool(gpu, transfer, volume, makeGpuBudget(budget)),
         filters(filtersOf(gpu, chain)),
         field(filters ? filters->result() : pool),
         bounds(gpu, field),
-        store(gpu, pool.brickCount(), firstBricks(all), pool.budget()),
-        gradient(gpu, transfer, field, store),
+        store(gpu, pool.brickCount(), firstBricks(all), pool.budget(), format),
+        gradient(gpu, transfer, field, store, way),
         window(gpu, field, store) {
     gradient.run();
   }
@@ -86,11 +86,10 @@ struct State {
     if (of.readBrick(transfer, b, values.data())) values.assign(kBrickVoxels, values[0]);
     return values;
   }
-  std::vector<Sample> samples(std::size_t b) {
-    std::vector<Sample> samples(kBrickVoxels);
+  std::vector<std::byte> samples(std::size_t b) {  // as they are stored
+    std::vector<std::byte> samples(kBrickVoxels * store.format().bytesAVoxel());
     const SampleStore::Place at = store.place(b);
-    transfer.download(store.slab(at.slab), std::as_writable_bytes(std::span(samples)),
-                      std::size_t{at.slot} * kBrickVoxels * sizeof(Sample));
+    transfer.download(store.slab(at.slab), samples, at.slot * samples.size());
     return samples;
   }
 };
@@ -134,6 +133,8 @@ struct Case {
   int edits = 1000;
   bool in_place = true;
   const char* chain = "";
+  const char* way = "central";
+  bool half = false;
 };
 
 class ManyEdits : public testing::TestWithParam<Case> {};
@@ -143,7 +144,9 @@ TEST_P(ManyEdits, EqualTheTwinAndANewStart) {
   const Case c = GetParam();
   Volume volume = ball(c.size, 0.3 * c.size.minCoeff());
   gpu::Gpu gpu({});
-  State state(gpu, volume, c.all, 0, c.in_place, c.chain);
+  const GradientOperator way = gradientOperator(c.way);
+  const SampleFormat format = c.half ? halfSamples(kIsovalue, -100, 200, volume.lattice().spacing_m) : SampleFormat{};
+  State state(gpu, volume, c.all, 0, c.in_place, c.chain, way, format);
   const BrushProfile profile = profileOf(volume);
   Editor editor(state.parts(gpu), profile, c.all);
   reference::DenseField twin = reference::denseField(volume);
@@ -174,7 +177,7 @@ TEST_P(ManyEdits, EqualTheTwinAndANewStart) {
     ASSERT_TRUE(sameBytes(volume.toDense(), twin.values)) << "after " << done << " edits";
     most_stored = std::max(most_stored, volume.storedBricks());
     most_constant = std::max(most_constant, state.pool.brickCount() - volume.storedBricks());
-    State fresh(gpu, volume, c.all, 0, true, c.chain);
+    State fresh(gpu, volume, c.all, 0, true, c.chain, way, format);
     expectSame(state, fresh);
     ASSERT_FALSE(testing::Test::HasFailure()) << "after " << done << " edits";
   }
@@ -186,7 +189,11 @@ TEST_P(ManyEdits, EqualTheTwinAndANewStart) {
 INSTANTIATE_TEST_SUITE_P(Cases, ManyEdits,
                          testing::Values(Case{{53, 41, 37}, false, 1, 1000}, Case{{33, 24, 50}, true, 2, 200},
                                          Case{{17, 9, 2}, false, 3, 200}, Case{{64, 64, 64}, false, 4, 200},
-                                         Case{{40, 40, 40}, false, 5, 200, false}));
+                                         Case{{40, 40, 40}, false, 5, 200, false},
+                                         Case{{53, 41, 37}, false, 6, 300, true, "", "sobel"},
+                                         Case{{53, 41, 37}, false, 7, 300, true, "", "central4", true},
+                                         Case{{33, 24, 50}, true, 8, 120, true, "", "central4"},
+                                         Case{{33, 24, 50}, false, 9, 120, true, "", "sobel", true}));
 
 // A filtered field follows edits of what it is made from.
 INSTANTIATE_TEST_SUITE_P(
@@ -199,7 +206,8 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{{41, 33, 37}, false, 11, 200, true, "gaussian:0.7 distance:1 gaussian:0.7"},
                     Case{{33, 24, 30}, true, 12, 100, false, "bilateral:0.7:range=80"},
                     Case{{41, 35, 38}, false, 9, 100, true, "median:1 close:2 gaussian:1"},
-                    Case{{40, 33, 42}, false, 10, 60, true, "open:1.5:shape=ball median:2"}));
+                    Case{{40, 33, 42}, false, 10, 60, true, "open:1.5:shape=ball median:2"},
+                    Case{{53, 41, 37}, false, 10, 200, true, "gaussian:1.2", "central4", true}));
 
 EditCommand brush(EditKind kind, const Volume& volume, const Vec3& p_L, double radius_m) {
   EditCommand command;

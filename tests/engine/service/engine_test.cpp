@@ -107,6 +107,35 @@ TEST(Engine, ActiveBricksServeEveryCellOnTheSurface) {
   }
 }
 
+// Whatever the operator and the form in which samples are stored, the servo gets floats: the twin's. A smoothed
+// gradient comes with the density as it is, and takes no edits.
+TEST(Engine, WindowsHoldTheTwinsSamplesOfEveryOperatorAndForm) {
+  const Volume volume = knot();
+  for (const char* name : {"central", "sobel", "central4", "gaussian:1.5mm"}) {
+    for (const char* samples : {"float", "half"}) {
+      Scene scene;
+      scene.picture = false;
+      scene.gradient_all = true;
+      scene.gradient_operator = name;
+      scene.samples = samples;
+      Engine engine(volume, makePlan(scene), 0, "");
+      engine.publishAround(volume.lattice().toWorld({20, 30, 25}), 1);
+      const SampleWindow& window = engine.exchange().latest();
+      const Vec3i first = volume.lattice().toIndex(window.lattice.origin_W).array().round().cast<int>();
+      const SampleFormat format = scene.samples == "half"
+                                      ? halfSamples(0, volume.minimum(), volume.maximum(), volume.lattice().spacing_m)
+                                      : SampleFormat{};
+      const std::vector<Sample> expected =
+          reference::windowSamples(reference::denseField(volume), first, window.size, gradientOperator(name), format);
+      EXPECT_EQ(std::memcmp(window.samples, expected.data(), expected.size() * sizeof(Sample)), 0)
+          << name << " " << samples;
+      if (std::string(name).starts_with("gaussian")) {
+        EXPECT_THROW(engine.allowEdits(brushProfile(volume, 0)), Error);
+      }
+    }
+  }
+}
+
 TEST(Engine, SaysWhatItLeftOut) {
   const Prepared some;
   const Prepared all(true);

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/gradient/gradient_job.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cstring>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "apps/console/interrupt.hpp"
+#include "base/atomic_file.hpp"
+#include "base/error.hpp"
+#include "engine/edit/edit_reach.hpp"
+#include "engine/gpu/gpu.hpp"
+#include "engine/gpu/transfer.hpp"
+#include "engine/gradient/gradient_operator.hpp"
+#include "engine/passes/active_bricks.hpp"
+#include "engine/passes/brick_bounds_pass.hpp"
+#include "engine/passes/filter_chain.hpp"
+#include "engine/passes/gradient_pass.hpp"
+#include "engine/volume/statistics.hpp"
+#include "engine/volume/vector_file.hpp"
+#include "servo/window/sample_window.hpp"
+
+namespace palpate {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr const char* kWork = "palpate gradient";
+
+double secondsSince(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+void checkRequest(const GradientRequest& request) {
+  if (!request.out.ends_with(".vdb")) {
+    throw Error(Error::Code::kBadInput, request.out, "vectors are written as OpenVDB only",
+                "give a name like gradient.vdb");
+  }
+  if (request.all && request.isovalue) {
+    throw Error(Error::Code::kBadInput, "--iso", "all bricks are written, whatever the isosurface",
+                "leave one of --iso and --all out");
+  }
+  checkNotInput(request.in, request.out);
+}
+
+// The volume on the device and the gradients of some of its bricks. One after another they are brought into the file.
+class Computed {
+ public:
+  Computed(const Volume& volume, const GradientRequest& request, GradientResult& result, Progress& progress)
+      : gpu_(gpu::GpuRequest{.name = request.gpu}), transfer_(gpu_), pool_(gpu_, transfer_, volume) {
+    result.device = gpu_.info().name;
+    result.bricks = pool_.brickCount();
+    const auto start = Clock::now();
+    const GradientOperator way = gradientOperator(request.gradient);
+    std::vector<FilterStep> steps = lowerFilters(way.smoothing, pool_.lattice().spacing_m);
+    std::optional<FilterChain> smoothing;
+    if (!steps.empty()) {
+      progress.stage("smoothing");
+      smoothing.emplace(gpu_, transfer_, pool_, std::move(steps)).run([&](double done) {
+        progress.fraction(done);
+        throwIfInterrupted(kWork);
+      });
+    }
+    progress.stage("gradients");
+    store_.emplace(gpu_, pool_.brickCount(), chosenBricks(volume, request, result), pool_.budget());
+    throwIfInterrupted(kWork);
+    GradientPass(gpu_, transfer_, pool_, *store_, way, smoothing ? &smoothing->result() : nullptr).run();
+    result.written = store_->brickCount();
+    result.gradient_s = secondsSince(start);
+  }
+
+  void copyTo(VectorFile& file, Progress& progress) {
+    progress.stage("copying");
+    const BrickGrid grid{pool_.size(), pool_.lattice().spacing_m};
+    std::vector<Sample> samples;
+    std::vector<Eigen::Vector3f> gradients(kBrickVoxels);
+    std::size_t done = 0;
+    std::size_t loaded_slab = store_->slabCount();
+    for (const std::uint32_t brick : store_->bricks()) {  // slots were given in this order, so slabs come one by one
+      const SampleStore::Place place = store_->place(brick);
+      if (place.slab != loaded_slab) {
+        loaded_slab = place.slab;
+        samples.resize(store_->slab(place.slab).bytes() / sizeof(Sample));
+        transfer_.download(store_->slab(place.slab), std::as_writable_bytes(std::span(samples)));
+      }
+      const Sample* from = samples.data() + std::size_t{place.slot} * kBrickVoxels;
+      std::transform(from, from + kBrickVoxels, gradients.begin(),
+                     [](const Sample& s) { return Eigen::Vector3f(s.gradient_i, s.gradient_j, s.gradient_k); });
+      file.setBrick(grid.brick(brick), gradients);
+      if (++done % 256 != 0) continue;
+      progress.fraction(static_cast<double>(done) / static_cast<double>(store_->brickCount()));
+      throwIfInterrupted(kWork);
+    }
+  }
+
+ private:
+  std::vector<std::uint32_t> chosenBricks(const Volume& volume, const GradientRequest& request,
+                                          GradientResult& result) {
+    if (request.all) return allBricks(pool_.brickCounts());
+    result.isovalue = request.isovalue ? *request.isovalue : defaultIsovalue(volume);
+    checkIsovalue(volume, result.isovalue);
+    BrickBoundsPass bounds(gpu_, pool_);
+    bounds.run();
+    return activeBricks(bounds.read(transfer_), pool_.brickCounts(), static_cast<float>(result.isovalue));
+  }
+
+  gpu::Gpu gpu_;
+  gpu::Transfer transfer_;
+  BrickPool pool_;
+  std::optional<SampleStore> store_;
+};
+
+}  // namespace
+
+GradientResult gradientFile(const GradientRequest& request, Progress& progress) {
+  const auto start = Clock::now();
+  checkRequest(request);
+  (void)gradientOperator(request.gradient);  // what is wrong with it is said before the long part
+  AtomicFile file(request.out);              // and so is a folder that may not be written
+  progress.stage("loading " + request.in);
+  const Volume volume = loadVolume(request.in);
+  throwIfInterrupted(kWork);
+  GradientResult result;
+  VectorFile vectors(volume.size(), volume.lattice(), request.out);
+  Computed(volume, request, result, progress).copyTo(vectors, progress);
+  progress.stage("writing " + request.out);
+  vectors.write([&](std::string_view bytes) {
+    throwIfInterrupted(kWork);
+    result.bytes += bytes.size();
+    file.write(bytes);
+  });
+  file.commit();
+  progress.done();
+  result.seconds = secondsSince(start);
+  return result;
+}
+
+std::string gradientWords(const GradientRequest& request, const GradientResult& result) {
+  const std::string which = request.all ? std::string() : fmt::format(", isovalue {:g}", result.isovalue);
+  return fmt::format("{}: {} gradient of {} of {} bricks{}, {:.1f} MB; {:.3f} s on {}, {:.2f} s in all", request.out,
+                     request.gradient, result.written, result.bricks, which, static_cast<double>(result.bytes) * 1e-6,
+                     result.gradient_s, result.device, result.seconds);
+}
+
+}  // namespace palpate

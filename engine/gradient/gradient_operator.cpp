@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/gradient/gradient_operator.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "base/error.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr GradientWords kOperators[] = {
+    {"central", "", GRADIENT_CENTRAL, 1, 1, "central difference"},
+    {"sobel", "", GRADIENT_SOBEL, 1, 16, "central difference, averaged over the 3x3 rows beside it"},
+    {"central4", "", GRADIENT_CENTRAL4, 2, 1,
+     "fourth-order central difference; within two voxels of the border central"},
+    {"gaussian", "sigma", GRADIENT_CENTRAL, 1, 1, "central difference of the Gaussian-smoothed field"},
+};
+
+[[noreturn]] void refuse(const std::string& text, const std::string& reason) {
+  throw Error(Error::Code::kBadInput, fmt::format("gradient operator '{}'", text), reason, "use " + gradientNames());
+}
+
+}  // namespace
+
+GradientOperator::GradientOperator() : GradientOperator(kOperators[0]) {}
+
+std::span<const GradientWords> gradientTable() noexcept {
+  return kOperators;
+}
+
+GradientOperator gradientOperator(const std::string& text) {
+  const std::size_t colon = std::min(text.find(':'), text.size());
+  const std::string_view name = std::string_view(text).substr(0, colon);
+  const auto* found = std::find_if(std::begin(kOperators), std::end(kOperators),
+                                   [&](const GradientWords& row) { return row.name == name; });
+  if (found == std::end(kOperators)) refuse(text, "there is none of this name");
+  GradientOperator made(*found);
+  if (found->takes.empty()) {
+    if (colon != text.size()) refuse(text, fmt::format("{} takes nothing behind its name", name));
+    return made;
+  }
+  if (text.find_first_of(" \t") != std::string::npos) refuse(text, "it is more than one word");
+  made.smoothing = filterChain(text);  // the smoothing filter has the operator's name and says what is wrong
+  return made;
+}
+
+std::string gradientNames() {
+  std::string text;
+  for (const GradientWords& row : kOperators) {
+    text += fmt::format("{}{}", text.empty() ? "" : ", ", row.name);
+    if (!row.takes.empty()) text += ":0.8mm";
+  }
+  return text;
+}
+
+}  // namespace palpate

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/gradient/sample_format.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace palpate {
+namespace {
+
+constexpr int kLargestPower = 12;  // of what is stored: 2^12, a sixteenth of where halves end, for edits
+constexpr int kScalePower = 120;   // beyond 2^120 or 2^-120 a scale or its inverse would be no normal float
+
+// A power of two that brings numbers up to `largest` to at most 2^kLargestPower.
+float scaleFor(double largest) {
+  if (!(largest > 0)) return 1;
+  int power = 0;
+  (void)std::frexp(largest, &power);  // largest <= 2^power
+  return std::ldexp(1.0F, std::clamp(kLargestPower - power, -kScalePower, kScalePower));
+}
+
+}  // namespace
+
+layout::SampleCode SampleFormat::readingCode() const noexcept {
+  return {code.zero, 1 / code.density_scale, 1 / code.gradient_scale};
+}
+
+SampleFormat halfSamples(float isovalue, float lowest, float highest, const Vec3& spacing_m) {
+  const double low = static_cast<double>(lowest) - static_cast<double>(isovalue);
+  const double high = static_cast<double>(highest) - static_cast<double>(isovalue);
+  SampleFormat format;
+  format.half = true;
+  format.code.zero = isovalue;
+  format.code.density_scale = scaleFor(std::max(std::abs(low), std::abs(high)));
+  format.code.gradient_scale = scaleFor((high - low) / spacing_m.minCoeff());
+  return format;
+}
+
+}  // namespace palpate

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/gradient/gradient_operator.hpp"
+
+#include <gmock/gmock.h>
+
+#include "base/error.hpp"
+
+namespace palpate {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(GradientOperator, IsFoundByItsName) {
+  EXPECT_EQ(GradientOperator().words.name, "central");
+  for (const GradientWords& row : gradientTable()) {
+    const GradientOperator way = gradientOperator(std::string(row.name) + (row.takes.empty() ? "" : ":1"));
+    EXPECT_EQ(way.words.name, row.name);
+    EXPECT_EQ(way.words.stencil, row.stencil);
+    EXPECT_EQ(way.smooths(), !row.takes.empty());
+    EXPECT_FALSE(row.what.empty());
+    EXPECT_THAT(gradientNames(), HasSubstr(std::string(row.name)));
+  }
+  EXPECT_EQ(gradientOperator("central4").words.reach, 2);
+  EXPECT_EQ(gradientOperator("sobel").words.reach, 1);
+}
+
+TEST(GradientOperator, OfAGaussianTakesItsKeys) {
+  const GradientOperator way = gradientOperator("gaussian:0.8mm:truncate=4");
+  ASSERT_EQ(way.smoothing.size(), 1U);
+  EXPECT_DOUBLE_EQ(way.smoothing[0].size.value, 0.8e-3);
+  EXPECT_TRUE(way.smoothing[0].size.in_metres);
+  EXPECT_EQ(way.smoothing[0].truncate, 4);
+}
+
+TEST(GradientOperator, RefusesWhatIsNone) {
+  for (const char* text : {"", "prewitt", "Sobel", "central:1", "sobel:1mm", "gaussian", "gaussian:", "gaussian:0",
+                           "gaussian:-1mm", "gaussian:1parsec", "gaussian:1 median:1", "gaussian:1 ", ":1"}) {
+    try {
+      (void)gradientOperator(text);
+      ADD_FAILURE() << "'" << text << "' was taken";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), Error::Code::kBadInput) << text;
+    }
+  }
+  try {
+    (void)gradientOperator("prewitt");
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("central4"));
+  }
+}
+
+}  // namespace
+}  // namespace palpate
