@@ -255,8 +255,8 @@ Editor::Plan Editor::makePlan(std::span<const BrickContent> bricks) const {
   return plan;
 }
 
-// Everything that may fail comes first; then slots are handed out.
-void Editor::makeRoom(Plan& plan) {
+// All that may fail for want of memory comes here, kernels included: then nothing has changed.
+void Editor::makeRoom(const Plan& plan) {
   edit_.fit(plan.phases, plan.edits, parts_.pool.stalePages());
   if (plan.phases.back().given) edit_.fitGiven(plan.phases.back().tasks.size());
   parts_.pool.reserve(plan.new_bricks);
@@ -273,10 +273,22 @@ void Editor::makeRoom(Plan& plan) {
   const std::uint32_t dispatches = edit_.dispatches(plan.phases) + DENSITY_SLABS + 2 + slabs + std::min(slabs, window) +
                                    (parts_.filters != nullptr ? parts_.filters->dispatches() : 0);
   if (dispatches > max_dispatches_) {
-    commands_.emplace(parts_.gpu, "edit", 2 * dispatches);
+    commands_ = gpu::Commands(parts_.gpu, "edit", 2 * dispatches);  // the old ones stay where this throws
     max_dispatches_ = 2 * dispatches;
   }
+  makeKernels(plan);
+}
 
+// Those that read a pool depend on its slabs, so this comes when all room is made.
+void Editor::makeKernels(const Plan& plan) {
+  edit_.makeKernels(plan.phases);
+  if (parts_.filters != nullptr) parts_.filters->makeKernels();
+  if (parts_.bounds != nullptr) parts_.bounds->makeKernels();
+  parts_.gradient.makeKernels();
+  parts_.window.makeKernels();
+}
+
+void Editor::handOutSlots(Plan& plan) {
   writeStalePages(plan);
   for (const std::uint32_t brick : plan.emptied) parts_.pool.empty(brick);
   for (const auto& [brick, state] : plan.touched) {
@@ -381,7 +393,15 @@ void Editor::downloadTouched() {
   }
 }
 
+void Editor::refuseIfBroken() const {
+  if (!broken_) return;
+  throw Error(Error::Code::kDevice, "edit",
+              "the device failed in the middle of an edit, so the volume there is not known any more",
+              "what was saved before is whole; start again from that and from the journal");
+}
+
 Editor::Outcome Editor::apply(std::span<const EditCommand> commands, const WindowTarget* target) {
+  refuseIfBroken();
   settle();
   const auto start = Clock::now();
   Plan plan = makePlan(commands);
@@ -389,6 +409,7 @@ Editor::Outcome Editor::apply(std::span<const EditCommand> commands, const Windo
 }
 
 Editor::Outcome Editor::replace(std::span<const BrickContent> bricks, const WindowTarget* target) {
+  refuseIfBroken();
   settle();
   const auto start = Clock::now();
   Plan plan = makePlan(bricks);
@@ -408,6 +429,8 @@ Editor::Outcome Editor::run(Plan& plan, const WindowTarget* target, std::span<co
   outcome.stages.push_back({"plan", planned_s + secondsSince(making_room)});
 
   const auto recording = Clock::now();
+  broken_ = true;  // from here on pages and slots say what holds only once the device has done its part
+  handOutSlots(plan);
   stored_.clear();
   for (const auto& [brick, state] : plan.touched) {
     if (state.stored) stored_.push_back(brick);
@@ -420,6 +443,7 @@ Editor::Outcome Editor::run(Plan& plan, const WindowTarget* target, std::span<co
 
   const auto computing = Clock::now();
   commands_->run();
+  broken_ = false;
   outcome.stages.push_back({"gpu", secondsSince(computing)});
   for (StageTime& stage : commands_->marks()) outcome.stages.push_back(std::move(stage));
   rebounded_ = std::move(plan.rebounded);
@@ -443,6 +467,11 @@ void Editor::handOver(const Plan& plan, std::span<const BrickContent> given) {
 }
 
 Editor::BrickContent Editor::content(std::uint32_t brick) const {
+  refuseIfBroken();
+  return read(brick);
+}
+
+Editor::BrickContent Editor::read(std::uint32_t brick) const {
   BrickContent content{brick, std::vector<float>(kBrickVoxels)};
   if (parts_.pool.readBrick(parts_.transfer, brick, content.values.data())) content.values.resize(1);
   return content;
@@ -489,6 +518,7 @@ void Editor::noteChanged(std::uint32_t brick) {
 }
 
 std::size_t Editor::readBack(Volume& volume) {
+  refuseIfBroken();
   settle();
   std::array<float, kBrickVoxels> values{};
   for (const std::uint32_t brick : changed_) {
@@ -506,13 +536,16 @@ std::size_t Editor::readBack(Volume& volume) {
 }
 
 std::vector<Editor::BrickContent> Editor::takeChanged(std::size_t most) {
+  refuseIfBroken();
   settle();
+  broken_ = true;  // bricks that were taken and not handed over would be missing in every later file
   std::vector<BrickContent> taken;
   while (!changed_.empty() && taken.size() < most) {
-    taken.push_back(content(changed_.back()));
+    taken.push_back(read(changed_.back()));
     is_changed_[changed_.back()] = false;
     changed_.pop_back();
   }
+  broken_ = false;
   return taken;
 }
 
