@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <unordered_set>
 
 #include <fmt/format.h>
@@ -87,7 +88,7 @@ Editor::Editor(const Parts& parts, const BrushProfile& profile, bool all_samples
       tasks_(parts.gpu, "brick tasks", 1024),
       bound_tasks_(parts.gpu, "bounds tasks", 1024),
       bound_results_(parts.gpu, "edited bounds", 1024),
-      touched_values_(parts.gpu, "touched bricks", 1),
+      touched_values_(parts.gpu, "touched bricks", 1, std::numeric_limits<std::uint64_t>::max()),  // copied, not bound
       max_dispatches_(64),
       is_changed_(parts.pool.brickCount()) {
   commands_.emplace(parts.gpu, "edit", max_dispatches_);
@@ -266,7 +267,11 @@ void Editor::makeRoom(const Plan& plan) {
   tasks_.fit(plan.regraded.size() + plan.newly.size() + WindowPass::kMaxTasks);
   bound_tasks_.fit(plan.rebounded.size());
   bound_results_.fit(plan.rebounded.size());
-  if (!parts_.transfer.reaches(parts_.pool.slab(0))) touched_values_.fit(plan.touched.size() * kBrickVoxels);
+  if (!parts_.transfer.reaches(parts_.pool.slab(0))) {
+    const auto is_stored = [](const auto& touched) { return touched.second.stored; };
+    const auto stored = std::count_if(plan.touched.begin(), plan.touched.end(), is_stored);
+    touched_values_.fit(static_cast<std::size_t>(stored) * kBrickVoxels);
+  }
   const auto slabs = static_cast<std::uint32_t>(parts_.store.slabCount());
   // One phase more for pages; bounds; a range for each slab of gradients, and for the window.
   const auto window = static_cast<std::uint32_t>(WindowPass::kMaxTasks);
