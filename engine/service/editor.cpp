@@ -477,9 +477,9 @@ Editor::BrickContent Editor::content(std::uint32_t brick) const {
 }
 
 Editor::BrickContent Editor::read(std::uint32_t brick) const {
-  BrickContent content{brick, std::vector<float>(kBrickVoxels)};
-  if (parts_.pool.readBrick(parts_.transfer, brick, content.values.data())) content.values.resize(1);
-  return content;
+  std::array<float, kBrickVoxels> values{};
+  const bool is_constant = parts_.pool.readBrick(parts_.transfer, brick, values.data());
+  return {brick, {values.begin(), is_constant ? values.begin() + 1 : values.end()}};
 }
 
 std::vector<std::uint32_t> Editor::bricksToChange(std::span<const EditCommand> commands) const {

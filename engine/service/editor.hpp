@@ -84,6 +84,8 @@ class Editor {
   [[nodiscard]] const BrickGrid& grid() const noexcept { return grid_; }
   // What a brick holds now, in that form. After settle().
   [[nodiscard]] BrickContent content(std::uint32_t brick) const;
+  // Whether that will be 512 densities.
+  [[nodiscard]] bool isStored(std::uint32_t brick) const noexcept { return parts_.pool.page(brick).slot != NO_SLOT; }
   // The bricks that apply() would change, ascending: what a history must keep. Throws as lowerEdits does.
   [[nodiscard]] std::vector<std::uint32_t> bricksToChange(std::span<const EditCommand> commands) const;
 

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+// The history's memory, and undo and redo of more bricks than the engine takes at once.
+#include "engine/session/edit_history.hpp"
+
+#include <atomic>
+#include <cstdlib>
+#include <limits>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <malloc.h>
+
+#include "base/error.hpp"
+#include "engine/journal/volume_identity.hpp"
+
+namespace {
+
+std::atomic<std::size_t> copies_made = 0;  // of bricks of one density, a single float on the heap
+
+}  // namespace
+
+[[gnu::noinline]] void* operator new(std::size_t bytes) {
+  if (bytes == sizeof(float)) ++copies_made;
+  if (void* memory = std::malloc(bytes == 0 ? 1 : bytes); memory != nullptr) return memory;
+  throw std::bad_alloc();
+}
+[[gnu::noinline]] void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
+
+namespace palpate {
+namespace {
+
+Lattice millimetres() {
+  Lattice lattice;
+  lattice.spacing_m = Vec3::Constant(1e-3);
+  return lattice;
+}
+
+// 69632 bricks of one density each, of which the engine takes 65536 at once: all object but the last layers.
+Volume large(float special = 100) {
+  return Volume::fromBricks({512, 512, 136}, millimetres(), {}, [special](const Vec3i& brick, float* values) {
+    values[0] = brick == Vec3i(63, 63, 16) ? special : 100.0F;
+    return true;
+  });
+}
+
+struct Edited {
+  Volume volume;
+  Engine engine;
+  EditHistory history;
+
+  Edited(Volume of, std::size_t budget_bytes, std::uint64_t gpu_memory_bytes = 0)
+      : volume(std::move(of)),
+        engine(volume, makePlan(Scene{}, false), 30, "", gpu_memory_bytes),
+        history(engine, budget_bytes) {
+    engine.allowEdits(brushProfile(30, -100, 100, Vec3::Constant(1e-3)));
+  }
+  std::uint64_t hash() {
+    engine.readBack(volume);
+    return contentHash(volume);
+  }
+};
+
+EditCommand cutAt(double x_m) {
+  EditCommand cut;
+  cut.kind = EditKind::kCut;
+  cut.plane_W = Vec3(x_m, 0, 0);
+  cut.normal_W = Vec3::UnitX();
+  return cut;
+}
+
+EditCommand dab(const Vec3& at_m, EditKind kind = EditKind::kRemove) {
+  EditCommand command;
+  command.kind = kind;
+  command.from_W = command.to_W = at_m;
+  command.radius_m = 6e-3;
+  return command;
+}
+
+// A copy of a constant brick takes what a constant brick needs, not what a stored one does.
+TEST(EditHistory, BricksOfOneDensityTakeLittle) {
+  Edited edited(large(), std::size_t{1} << 30U);
+  const Editor::BrickContent content = edited.engine.editor().content(3);
+  EXPECT_EQ(content.values.size(), 1U);
+  EXPECT_EQ(content.values.capacity(), 1U);
+  const EditCommand cut = cutAt(100.5e-3);
+  edited.history.edit({&cut, 1}, 0);
+  const std::size_t bricks = edited.engine.editor().changedBricks();
+  EXPECT_GT(bricks, 50'000U);
+  EXPECT_LE(edited.history.bytes(), bricks * 64 + 24);
+}
+
+// A cut of 50,000 bricks needs 3 MiB; a budget of 1 MiB is not asked for them, and nothing is copied.
+TEST(EditHistory, AnEditBeyondTheBudgetForgetsAllAndIsNotCopied) {
+  Edited edited(large(), std::size_t{1} << 20U);
+  const EditCommand small = dab({0.2, 0.2, 0.06});
+  for (int i = 0; i < 2; ++i) edited.history.edit({&small, 1}, 0);
+  EXPECT_EQ(edited.history.steps(), 2U);
+  const EditCommand cut = cutAt(100.5e-3);
+  const std::size_t copies_before = copies_made;
+  edited.history.edit({&cut, 1}, 0);
+  EXPECT_LT(copies_made - copies_before, 10'000U);  // of 50,000; planning makes some lists of one number, too
+  EXPECT_EQ(edited.history.steps(), 0U);
+  EXPECT_EQ(edited.history.bytes(), 0U);
+  EXPECT_EQ(edited.history.forgotten(), 3U);
+  EXPECT_EQ(edited.engine.editVersion(), 3U);
+  EXPECT_FALSE(edited.history.canUndo());
+  EXPECT_FALSE(edited.history.canRedo());
+}
+
+// An undone edit's copies are of what it made, which is stored where constant bricks were before.
+TEST(EditHistory, KeepsToTheBudgetWhenUndoTakesMoreThanTheEdit) {
+  Edited edited(large(), 40'000);
+  for (int i = 0; i < 4; ++i) {
+    const EditCommand hole = dab({0.05 + 0.05 * i, 0.2, 0.06});
+    edited.history.edit({&hole, 1}, 0);
+  }
+  EXPECT_EQ(edited.history.steps(), 4U);
+  const std::uint64_t last = edited.hash();
+  edited.history.undo(0);
+  EXPECT_LE(edited.history.bytes(), 40'000U);
+  if (edited.history.canRedo()) {
+    edited.history.redo(0);
+    EXPECT_EQ(edited.hash(), last);
+  }
+  while (edited.history.canUndo()) {
+    edited.history.undo(0);
+    EXPECT_LE(edited.history.bytes(), 40'000U);
+  }
+}
+
+// Neither budget counts an edit that the engine refuses.
+TEST(EditHistory, ARefusedEditIsNotForgotten) {
+  for (const std::size_t budget : {0, 10, 1'000'000}) {
+    Edited edited(Volume::fromDense({8, 8, 8}, millimetres(), std::vector<float>(512, 100.0F), {}), budget);
+    EditCommand bad = dab({4e-3, 4e-3, 4e-3});
+    bad.strength = 2;
+    EXPECT_THROW(edited.history.edit({&bad, 1}, 0), Error);
+    EXPECT_EQ(edited.history.forgotten(), 0U) << budget;
+  }
+}
+
+}  // namespace
+}  // namespace palpate
