@@ -241,8 +241,11 @@ Editor::Plan Editor::makePlan(std::span<const BrickContent> bricks) const {
     const layout::BrickPage& page = parts_.pool.page(content.brick);
     const bool was_constant = page.slot == NO_SLOT;
     if (is_constant && was_constant && sameBits(page.constant, content.values[0])) continue;
+    // Between two constants the isovalue may lie or not; of others nothing is known.
+    const bool may_cross =
+        !is_constant || !was_constant || (page.constant > parts_.isovalue) != (content.values[0] > parts_.isovalue);
     Touched state{!is_constant, !is_constant && was_constant, is_constant ? content.values[0] : 0.0F,
-                  boxOf(grid_, content.brick), true};
+                  boxOf(grid_, content.brick), may_cross};
     if (is_constant) {
       pages.tasks.push_back({content.brick, NO_SLOT, 0, content.values[0]});
       if (!was_constant) plan.emptied.push_back(content.brick);

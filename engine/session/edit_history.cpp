@@ -93,16 +93,24 @@ void EditHistory::forgetBeyondBudget() {
   }
 }
 
-// Puts the step's bricks in place and keeps in it what they replace.
+// Puts the step's bricks in place, all or none, and keeps in it what they replace.
 Engine::EditResult EditHistory::exchange(Step& step, std::int64_t now_ns) {
   std::vector<std::uint32_t> bricks;
   for (const Editor::BrickContent& content : step) bricks.push_back(content.brick);
   Step replaced = contentOf(bricks);
   Engine::EditResult result;
   result.version = engine_.editVersion();
-  for (std::size_t first = 0; first < step.size(); first += kMostAtOnce) {
-    const std::size_t count = std::min(kMostAtOnce, step.size() - first);
-    result = engine_.replace(std::span(step).subspan(first, count), now_ns);
+  const auto part = [](const Step& of, std::size_t first) {
+    return std::span(of).subspan(first, std::min(kMostAtOnce, of.size() - first));
+  };
+  std::size_t first = 0;
+  try {
+    for (; first < step.size(); first += kMostAtOnce) result = engine_.replace(part(step, first), now_ns);
+  } catch (...) {
+    if (engine_.editor().broken()) throw;
+    // Backwards through states that there were: none of them needs room that is not there.
+    while (first > 0) engine_.replace(part(replaced, first -= kMostAtOnce), now_ns);
+    throw;
   }
   bytes_ += bytesOf(replaced);
   bytes_ -= bytesOf(step);

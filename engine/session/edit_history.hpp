@@ -27,7 +27,8 @@ class EditHistory {
 
   [[nodiscard]] bool canUndo() const noexcept { return done_ > 0; }
   [[nodiscard]] bool canRedo() const noexcept { return done_ < steps_.size(); }
-  // Each refuses (Error kBadInput) where there is nothing to undo or to do again. Bit for bit what was there.
+  // Each refuses (Error kBadInput) where there is nothing to undo or to do again. Bit for bit what was there. Throws as
+  // Engine::replace does; then the volume is as before, although several versions on where parts had to be put back.
   Engine::EditResult undo(std::int64_t now_ns);
   Engine::EditResult redo(std::int64_t now_ns);
 
