@@ -92,15 +92,25 @@ Editor::Editor(const Parts& parts, const BrushProfile& profile, bool all_samples
       max_dispatches_(64),
       is_changed_(parts.pool.brickCount()) {
   commands_.emplace(parts.gpu, "edit", max_dispatches_);
-  parts.pool.reserve(std::min(parts.pool.brickCount() - parts.pool.storedBricks(), kSpareBricks));
+  makeSpareRoom();
   if (all_samples) return;
-  parts.store.reserve(std::min(parts.pool.brickCount() - parts.store.brickCount(), kSpareBricks));
   crossed_.reserve(parts.pool.brickCount());
   for (const layout::BrickBounds& bounds : parts.bounds->read(parts.transfer))
     crossed_.push_back(crosses(bounds, parts.isovalue));
 }
 
 Editor::~Editor() = default;
+
+// A wish: where there is no room for it, an edit that needs some says so.
+void Editor::makeSpareRoom() {
+  try {
+    parts_.pool.reserve(std::min(parts_.pool.brickCount() - parts_.pool.storedBricks(), kSpareBricks));
+    if (all_samples_) return;
+    parts_.store.reserve(std::min(parts_.pool.brickCount() - parts_.store.brickCount(), kSpareBricks));
+  } catch (const Error& error) {
+    if (error.code() != Error::Code::kOutOfMemory) throw;
+  }
+}
 
 void Editor::prepare(std::span<const EditKind> kinds) {
   if (parts_.filters != nullptr) parts_.filters->prepare();

@@ -46,7 +46,7 @@ class Editor {
         nullptr;         // from `pool`, which is edited, to the field of all the others; null: the pool itself
     float isovalue = 0;  // of that field [density]
   };
-  // `all_samples`: every brick has samples, whatever its bounds. Makes some room for bricks to come.
+  // `all_samples`: every brick has samples, whatever its bounds. Makes some room for bricks to come, if there is any.
   Editor(const Parts& parts, const BrushProfile& profile, bool all_samples);
   ~Editor();
 
@@ -136,6 +136,7 @@ class Editor {
   void planReach(Plan& plan) const;
   Outcome run(Plan& plan, const WindowTarget* target, std::span<const BrickContent> given, double planned_s);
   void handOver(const Plan& plan, std::span<const BrickContent> given);
+  void makeSpareRoom();
   void makeRoom(const Plan& plan);
   void makeKernels(const Plan& plan);
   void handOutSlots(Plan& plan);

@@ -368,6 +368,19 @@ TEST(Editor, RefusesAStampThatOneBindingDoesNotHold) {
   EXPECT_EQ(editor.version(), 1U);
 }
 
+// The volume fits and nothing beside it: it can be felt, and an edit that needs room says that there is none.
+TEST(Editor, StartsWithoutSpareRoomWhereTheBudgetHasNone) {
+  Volume volume = ball({64, 64, 64}, 20);
+  gpu::Gpu gpu({});
+  State probe(gpu, volume, false);
+  State state(gpu, volume, false, probe.pool.budget()->used_bytes);
+  ASSERT_EQ(state.pool.budget()->leftBytes(), 0U);
+  Editor editor(state.parts(gpu), profileOf(volume), false);
+  EditCommand far = brush(EditKind::kAdd, volume, {5, 5, 5}, 3e-3);
+  EXPECT_THROW(editor.apply(std::span(&far, 1), nullptr), Error);
+  EXPECT_EQ(editor.version(), 0U);
+}
+
 TEST(Editor, RefusesAStartThatExceedsTheBudget) {
   const Volume volume = ball({64, 64, 64}, 20);
   gpu::Gpu gpu({});
