@@ -156,5 +156,19 @@ TEST(BrushProfile, TakesTheObjectsMeanAndTheLowestDensity) {
   EXPECT_THROW((void)brushProfile(volume, 500), Error);
 }
 
+// A mirrored stamp is the same one, and large ones fill what a device can bind.
+TEST(LowerEdits, HandsAStampOverOnce) {
+  EditCommand first = good(EditKind::kStampAdd);
+  EditCommand other = good(EditKind::kStampRemove);
+  const std::vector<EditCommand> commands = {first, other, mirrored(first, first.from_W, Vec3::UnitX()), first};
+  const LoweredEdits lowered = lowerEdits(commands, kSize, lattice(), brushProfile(0, -1, 1, lattice().spacing_m));
+  EXPECT_EQ(lowered.stamps.size(), 16U);
+  ASSERT_EQ(lowered.commands.size(), 4U);
+  EXPECT_EQ(lowered.commands[0].stamp_first, 0U);
+  EXPECT_EQ(lowered.commands[1].stamp_first, 8U);
+  EXPECT_EQ(lowered.commands[2].stamp_first, 0U);
+  EXPECT_EQ(lowered.commands[3].stamp_first, 0U);
+}
+
 }  // namespace
 }  // namespace palpate
