@@ -6,7 +6,8 @@
 // version it completes and that this one is to be saved. One batch is on its way at a time: while the thread writes a
 // file it takes none (ready() is false), and what changes meanwhile waits in the editor's list. So nothing queues up,
 // and the engine's thread never waits: no lock, a store and a wake-up. A save that fails leaves the file as it was, is
-// told (takeFailures) and ends nothing. The thread runs at a lower priority than the session's.
+// told (takeFailures) and ends nothing. Where what changed could not be taken in (no memory), the volume is incomplete:
+// that is told once, and nothing is saved any more. The thread runs at a lower priority than the session's.
 #pragma once
 
 #include <atomic>
@@ -67,13 +68,16 @@ class BackgroundSaver {
   };
   void send(std::unique_ptr<Batch> batch);
   void work();
+  void takeAndSave(const Batch& batch) noexcept;
   void takeIn(const Batch& batch);
   void save(std::uint64_t version);
+  void tell(std::string text, std::string failure);
 
   Volume& volume_;
   Write write_;
   BrickGrid grid_;
   std::atomic<Batch*> batch_ = nullptr;  // owned; null: taken in
+  bool broken_ = false;                  // the thread's own: the volume misses something, and is saved no more
   mutable std::mutex mutex_;             // of the two below
   SaveFigures figures_;
   std::vector<std::string> untold_;
