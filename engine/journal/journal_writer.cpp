@@ -176,4 +176,9 @@ void JournalWriter::close() {
   ::close(std::exchange(descriptor_, -1));
 }
 
+void JournalWriter::closeAndDropEmpty() {
+  close();
+  if (sequence_ == 0) unlink(file_.c_str());
+}
+
 }  // namespace palpate

@@ -56,6 +56,8 @@ class JournalWriter {
 
   void flush();  // waits until all that was appended is acknowledged, or the journal has failed
   void close();  // flush() and end; nothing may be appended afterwards
+  // close(), and a journal to which nothing was appended is gone, so that the same command can be given again, mended.
+  void closeAndDropEmpty();
 
  private:
   std::uint64_t append(RecordKind kind, std::string_view content);

@@ -48,6 +48,12 @@ void BackgroundSaver::give(std::vector<Editor::BrickContent> bricks, std::option
   send(std::make_unique<Batch>(Batch{std::move(bricks), save_version}));
 }
 
+// The thread reads it when the next batch is there, so behind this.
+void BackgroundSaver::abandon(const std::string& why) {
+  broken_ = true;
+  tellBroken(why);
+}
+
 void BackgroundSaver::wait() const noexcept {
   for (Batch* batch = batch_.load(); batch != nullptr; batch = batch_.load()) batch_.wait(batch);
 }
@@ -80,7 +86,7 @@ void BackgroundSaver::takeAndSave(const Batch& batch) noexcept {
   try {
     const std::string failure = failureOf([&] { takeIn(batch); });
     if (!failure.empty()) {
-      tell(fmt::format("the volume is saved no more: the saver's copy of it is incomplete ({})", failure), failure);
+      tellBroken(failure);
       return;
     }
     if (batch.save_version) save(*batch.save_version);
@@ -118,6 +124,10 @@ void BackgroundSaver::save(std::uint64_t version) {
   figures_.seconds.push_back(seconds);
   figures_.bytes = bytes;
   figures_.version = version;
+}
+
+void BackgroundSaver::tellBroken(const std::string& why) {
+  tell(fmt::format("the volume is saved no more: the copy of it to save is incomplete ({})", why), why);
 }
 
 void BackgroundSaver::tell(std::string text, std::string failure) {

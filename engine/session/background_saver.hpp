@@ -50,6 +50,9 @@ class BackgroundSaver {
   // Only when ready(). `save_version`: with this batch the volume is that of this edit version; save it now.
   void give(std::vector<Editor::BrickContent> bricks, std::optional<std::uint64_t> save_version);
 
+  // Only when ready(). Something that changed is lost on the way here: nothing is saved any more, and that is told.
+  void abandon(const std::string& why);
+
   // By the engine's thread: waits until ready(). For the end of a session.
   void wait() const noexcept;
   // Waits for a save that is on its way and ends the thread; the volume is the caller's again.
@@ -72,12 +75,13 @@ class BackgroundSaver {
   void takeIn(const Batch& batch);
   void save(std::uint64_t version);
   void tell(std::string text, std::string failure);
+  void tellBroken(const std::string& why);
 
   Volume& volume_;
   Write write_;
   BrickGrid grid_;
   std::atomic<Batch*> batch_ = nullptr;  // owned; null: taken in
-  bool broken_ = false;                  // the thread's own: the volume misses something, and is saved no more
+  bool broken_ = false;                  // the volume misses something; the thread's, and the giver's when ready()
   mutable std::mutex mutex_;             // of the two below
   SaveFigures figures_;
   std::vector<std::string> untold_;

@@ -72,15 +72,25 @@ bool EditSession::isSaved() const {
 }
 
 void EditSession::look(std::int64_t now_ns) {
-  if (!saver_ || save_period_ns_ == 0 || !saver_->ready()) return;
+  if (!saver_ || !saving_ || save_period_ns_ == 0 || !saver_->ready()) return;
   if (next_ns_ == kNotSet) next_ns_ = now_ns + save_period_ns_;
   // Bricks that change again and again are copied once for each save, unless there are many.
   const bool due = isSaveDue(now_ns);
   if (!due && engine_.editor().changedBricks() < kBricksAtOnce) return;
-  std::vector<Editor::BrickContent> bricks = engine_.takeChanged(kBricksAtOnce);
-  const bool complete = engine_.editor().changedBricks() == 0;
-  if (due && complete) next_ns_ = now_ns + save_period_ns_;
-  saver_->give(std::move(bricks), due && complete ? std::optional(engine_.editVersion()) : std::nullopt);
+  handOver(kBricksAtOnce, due);
+  if (due && engine_.editor().changedBricks() == 0) next_ns_ = now_ns + save_period_ns_;
+}
+
+// What was taken from the editor and did not arrive would be missing in every later file, so then there is none.
+void EditSession::handOver(std::size_t most, bool save) {
+  try {
+    std::vector<Editor::BrickContent> bricks = engine_.takeChanged(most);
+    const bool complete = engine_.editor().changedBricks() == 0;
+    saver_->give(std::move(bricks), save && complete ? std::optional(engine_.editVersion()) : std::nullopt);
+  } catch (const std::exception& error) {
+    saving_ = false;
+    saver_->abandon(error.what());
+  }
 }
 
 void EditSession::close() {
@@ -89,12 +99,16 @@ void EditSession::close() {
   closed_ = true;
   saver_->wait();
   const bool save = !isSaved();
-  while (engine_.editor().changedBricks() > 0) {
-    saver_->give(engine_.takeChanged(kBricksAtOnce), std::nullopt);
+  for (bool more = true; more && saving_;) {
+    handOver(kBricksAtOnce, save);
     saver_->wait();
+    more = engine_.editor().changedBricks() > 0;
   }
-  if (save) saver_->give({}, engine_.editVersion());
   saver_->close();
+}
+
+void EditSession::dropEmptyJournal() {
+  if (journal_) journal_->closeAndDropEmpty();
 }
 
 EditFigures EditSession::figures() const {
