@@ -202,7 +202,7 @@ class Job {
   // Once, when it fails.
   void tellOfJournal() {
     const JournalWriter* journal = session_.journal();
-    if (journal == nullptr || journal_failed_ || journal->failure().empty()) return;
+    if (journal == nullptr || journal_failed_ || !journal->failed()) return;
     journal_failed_ = true;
     tell_(journal->failure());
   }

@@ -147,7 +147,7 @@ void LiveEdits::listen() {
     for (const std::string& failure : saver->takeFailures()) tell(failure, Again::kTell);
   }
   const JournalWriter* journal = session_.journal();
-  if (journal == nullptr || journal_failed_ || journal->failure().empty()) return;
+  if (journal == nullptr || journal_failed_ || !journal->failed()) return;
   journal_failed_ = true;
   tell(journal->failure(), Again::kTell);
 }

@@ -51,6 +51,8 @@ class JournalWriter {
   [[nodiscard]] std::uint64_t acknowledged() const noexcept { return acknowledged_.load(std::memory_order_acquire); }
   // In words, why no more is saved; empty: all is well.
   [[nodiscard]] std::string failure() const;
+  // Whether there is such a reason, without a lock.
+  [[nodiscard]] bool failed() const noexcept { return failed_.load(std::memory_order_acquire); }
   [[nodiscard]] std::uint64_t appended() const noexcept { return sequence_; }   // the appending thread's
   [[nodiscard]] std::uint64_t bytes() const noexcept { return bytes_.load(); }  // on disk, header included
 
@@ -73,6 +75,7 @@ class JournalWriter {
   std::vector<std::shared_ptr<const Stamp>> stamps_;  // kept, so that an address stays one stamp's
   std::atomic<std::uint64_t> acknowledged_ = 0;
   std::atomic<std::uint64_t> bytes_ = 0;
+  std::atomic<bool> failed_ = false;
 
   mutable std::mutex mutex_;
   std::condition_variable wake_;      // the writer: there is something, or the end

@@ -124,6 +124,7 @@ void BackgroundSaver::save(std::uint64_t version) {
   figures_.seconds.push_back(seconds);
   figures_.bytes = bytes;
   figures_.version = version;
+  saved_version_.store(version, std::memory_order_release);
 }
 
 void BackgroundSaver::tellBroken(const std::string& why) {

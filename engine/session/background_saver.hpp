@@ -58,7 +58,11 @@ class BackgroundSaver {
   // Waits for a save that is on its way and ends the thread; the volume is the caller's again.
   void close();
 
-  // Any thread.
+  // Any thread. The edit version that the newest file holds, without a lock.
+  [[nodiscard]] std::optional<std::uint64_t> savedVersion() const noexcept {
+    const std::uint64_t version = saved_version_.load(std::memory_order_acquire);
+    return version == kNone ? std::nullopt : std::optional(version);
+  }
   [[nodiscard]] SaveFigures figures() const;
   // What failed since the last call, each in words.
   [[nodiscard]] std::vector<std::string> takeFailures();
@@ -86,6 +90,8 @@ class BackgroundSaver {
   SaveFigures figures_;
   std::vector<std::string> untold_;
   std::atomic<bool> has_untold_ = false;
+  static constexpr std::uint64_t kNone = ~std::uint64_t{0};
+  std::atomic<std::uint64_t> saved_version_ = kNone;
   std::thread thread_;  // last: it uses the rest
 };
 

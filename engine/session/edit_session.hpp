@@ -43,7 +43,7 @@ class EditSession {
   // may look at it. It is saved every `every_s` seconds in which something changed (0: never), and by close().
   void keepSaved(Volume& volume, BackgroundSaver::Write write, double every_s);
   // Often: hands over what changed, and begins a save when one is due and the last is done. Never waits. Cost: a copy
-  // of 256 bricks at most.
+  // of 256 bricks at most; twice as many with each look that a due save still waits for.
   void look(std::int64_t now_ns);
   [[nodiscard]] BackgroundSaver* saver() noexcept { return saver_ ? &*saver_ : nullptr; }
 
@@ -72,10 +72,14 @@ class EditSession {
   EditHistory history_;
   std::optional<JournalWriter> journal_;
   std::optional<BackgroundSaver> saver_;
+  // Copied in one go, in well under a millisecond: the engine's thread has the window to see to.
+  static constexpr std::size_t kBricksAtOnce = 256;
+  std::size_t bricks_at_once_ = kBricksAtOnce;  // twice as many with each look that a due save waits for
   static constexpr std::int64_t kNotSet = std::numeric_limits<std::int64_t>::min();
-  std::int64_t save_period_ns_ = 0;  // 0: no save before the end
-  std::int64_t next_ns_ = kNotSet;   // when the next save is due
-  bool saving_ = true;               // what changed still reaches the saver
+  std::uint64_t content_version_ = 0;  // of the last edit that may have changed something
+  std::int64_t save_period_ns_ = 0;    // 0: no save before the end
+  std::int64_t next_ns_ = kNotSet;     // when the next save is due
+  bool saving_ = true;                 // what changed still reaches the saver
   bool closed_ = false;
   EditFigures figures_;
 };

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "base/error.hpp"
 #include "engine/journal/journal_reader.hpp"
@@ -121,10 +122,12 @@ TEST(JournalWriter, AFullDiskEndsTheJournalAndNothingElse) {
   for (int i = 0; i < 10; ++i) writer.edit({&command, 1});
   writer.flush();
   EXPECT_EQ(writer.acknowledged(), 10U);
+  EXPECT_FALSE(writer.failed());
   {
     const FileSizeLimit limit(writer.bytes() + 150);  // one record and a piece
     for (int i = 0; i < 5000; ++i) writer.edit({&command, 1});
     writer.flush();
+    EXPECT_TRUE(writer.failed());
     EXPECT_THAT(writer.failure(), HasSubstr("edits after number 10 are not saved"));
     EXPECT_THAT(writer.failure(), HasSubstr("make room"));
   }
@@ -148,6 +151,30 @@ TEST(JournalWriter, AFullDiskAtTheStartIsAnError) {
     EXPECT_THAT(error.what(), HasSubstr("make room"));
   }
   EXPECT_EQ(folder.files(), 0);
+}
+
+// One file more may be open: the journal, and not its folder, so that this cannot be flushed.
+TEST(JournalWriter, WhatIsRefusedLeavesNoJournal) {
+  TemporaryFolder folder;
+  const int next = dup(STDERR_FILENO);  // the lowest number that is free
+  close(next);
+  rlimit before{};
+  getrlimit(RLIMIT_NOFILE, &before);
+  const rlimit one_more{static_cast<rlim_t>(next) + 1, before.rlim_max};
+  setrlimit(RLIMIT_NOFILE, &one_more);
+  EXPECT_THROW(JournalWriter(folder.path(), header()), Error);
+  setrlimit(RLIMIT_NOFILE, &before);
+  EXPECT_EQ(folder.files(), 0);
+}
+
+TEST(JournalWriter, DropsTheFileWhereNothingWasAppended) {
+  TemporaryFolder empty, used;
+  JournalWriter first(empty.path(), header()), second(used.path(), header());
+  second.undo();
+  first.closeAndDropEmpty();
+  second.closeAndDropEmpty();
+  EXPECT_EQ(empty.files(), 0);
+  EXPECT_EQ(used.files(), 1);
 }
 
 TEST(JournalWriter, RefusesAFolderThatHoldsAJournal) {

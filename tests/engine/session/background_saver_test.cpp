@@ -83,6 +83,7 @@ TEST(BackgroundSaver, WritesWhatItWasGivenUnderItsVersion) {
   EXPECT_EQ(figures.seconds.size(), 3U);
   EXPECT_EQ(figures.bytes, 90U);
   EXPECT_EQ(figures.version, 9U);
+  EXPECT_EQ(saver.savedVersion(), 9U);
   EXPECT_EQ(figures.failures, 0U);
 }
 
@@ -166,6 +167,7 @@ TEST(BackgroundSaver, AFailureWithoutWordsIsNoSuccess) {
     EXPECT_EQ(saver.takeFailures().size(), 1U) << version;
     EXPECT_EQ(saver.figures().failures, version);
     EXPECT_FALSE(saver.figures().version) << version;
+    EXPECT_FALSE(saver.savedVersion()) << version;
     EXPECT_NE(saver.figures().failure, "");
   }
   saver.give({}, 3);
