@@ -2,6 +2,9 @@
 // Ctrl-C, and what `kill` and `timeout` send, end a run in good order: soon, in one line, with nothing left behind.
 #include <csignal>
 
+#include "engine/journal/journal_writer.hpp"
+#include "engine/volume/statistics.hpp"
+#include "engine/volume/volume_file.hpp"
 #include "program_test.hpp"
 
 namespace palpate {
@@ -54,6 +57,28 @@ TEST_F(Interrupt, OfARunThatIsSaved) {
   EXPECT_THAT(outcome.err, testing::Not(testing::HasSubstr("nothing was written")));
   EXPECT_TRUE(exists("s.vdb"));
   expectSuccess(run({"recover", "journal", "--out", "back.vdb"}));
+}
+
+// Minutes of edits: each of 20,000 fills or clears a ball of 32 voxels.
+TEST_F(Interrupt, OfARecovery) {
+  const Volume volume = loadVolume("phantom:sphere?size=64");
+  {
+    JournalWriter writer(file("journal"), {identityOf(volume), brushProfile(volume, defaultIsovalue(volume))});
+    for (int i = 0; i < 20'000; ++i) {
+      EditCommand command;
+      command.kind = i % 2 == 0 ? EditKind::kAdd : EditKind::kRemove;
+      command.from_W = command.to_W = volume.lattice().toWorld(Vec3(32, 32, 32));
+      command.radius_m = 16 * volume.lattice().smallestSpacing();
+      writer.edit({&command, 1});
+    }
+  }
+  const Outcome outcome = runPalpate({.arguments = {"recover", "journal", "--out", "back.vdb"},
+                                      .folder = folder(),
+                                      .signal_at = "applying the edits",
+                                      .signals = {SIGINT},
+                                      .timeout_s = 30});
+  expectRefusal(outcome, "palpate recover", "stopped by the user", 130);
+  EXPECT_FALSE(exists("back.vdb"));
 }
 
 // Before the first edit nothing hinders the same command from being given again.
