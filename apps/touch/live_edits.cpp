@@ -134,6 +134,7 @@ void LiveEdits::edit(std::span<const EditCommand> commands, std::int64_t now_ns)
   } catch (const Error& error) {
     if (error.code() == Error::Code::kOutOfMemory || error.code() == Error::Code::kBadInput) {
       ++refused_;
+      brush_.refused();
       tell(fmt::format("an edit was refused: {}", error.what()), Again::kCountOnly);
       return;
     }

@@ -74,12 +74,10 @@ std::uint64_t JournalWriter::edit(std::span<const EditCommand> commands) {
   for (const EditCommand& command : commands) {
     std::uint32_t number = 0;
     if (isStamp(command.kind) && command.stamp) {
-      const auto [known, is_new] =
-          stamp_numbers_.try_emplace(command.stamp.get(), static_cast<std::uint32_t>(stamps_.size() + 1));
-      if (is_new) {
-        stamps_.push_back(command.stamp);
-        append(RecordKind::kStamp, stampContent(*command.stamp));
-      }
+      const std::string content = stampContent(*command.stamp);
+      const auto [known, is_new] = stamp_numbers_.try_emplace({content.size(), bytesHash(content)},
+                                                              static_cast<std::uint32_t>(stamp_numbers_.size() + 1));
+      if (is_new) append(RecordKind::kStamp, content);
       number = known->second;
     }
     numbers.push_back(number);

@@ -12,15 +12,14 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
-#include <deque>
 #include <filesystem>
 #include <functional>
-#include <memory>
+#include <map>
 #include <mutex>
 #include <span>
 #include <string>
 #include <thread>
-#include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "engine/journal/journal_format.hpp"
@@ -42,7 +41,8 @@ class JournalWriter {
   JournalWriter(const JournalWriter&) = delete;
   JournalWriter& operator=(const JournalWriter&) = delete;
 
-  // Each returns the record's sequence number, from 1. A stamp's first use is a record of its own before the edit's.
+  // Each returns the record's sequence number, from 1. A stamp's first use is a record of its own before the edit's;
+  // stamps of the same content are one. Cost of a stamp: encoding it, every time.
   std::uint64_t edit(std::span<const EditCommand> commands);
   std::uint64_t undo() { return append(RecordKind::kUndo, {}); }
   std::uint64_t redo() { return append(RecordKind::kRedo, {}); }
@@ -62,6 +62,7 @@ class JournalWriter {
   void closeAndDropEmpty();
 
  private:
+  using StampKey = std::pair<std::uint64_t, std::uint64_t>;  // length [byte] and hash of its record's content
   std::uint64_t append(RecordKind kind, std::string_view content);
   void work();
   bool writeGroup(const std::string& group);
@@ -71,8 +72,7 @@ class JournalWriter {
   JournalOptions options_;
   int descriptor_ = -1;
   std::uint64_t sequence_ = 0;
-  std::unordered_map<const Stamp*, std::uint32_t> stamp_numbers_;
-  std::vector<std::shared_ptr<const Stamp>> stamps_;  // kept, so that an address stays one stamp's
+  std::map<StampKey, std::uint32_t> stamp_numbers_;  // the stamps themselves are not kept
   std::atomic<std::uint64_t> acknowledged_ = 0;
   std::atomic<std::uint64_t> bytes_ = 0;
   std::atomic<bool> failed_ = false;

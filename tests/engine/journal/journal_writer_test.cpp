@@ -46,9 +46,16 @@ TEST(JournalWriter, AStampIsWrittenOnce) {
   JournalWriter writer(folder.path(), header());
   EXPECT_EQ(writer.edit({&command, 1}), 2U);
   EXPECT_EQ(writer.edit({&command, 1}), 3U);
+  EXPECT_EQ(command.stamp.use_count(), 1) << "the journal keeps it";
+  EditCommand again = command;
+  again.stamp = RandomEdits::ball(2e-3);  // made anew, the same
+  EXPECT_EQ(writer.edit({&again, 1}), 4U);
+  again.stamp = RandomEdits::ball(3e-3);
+  EXPECT_EQ(writer.edit({&again, 1}), 6U);
   writer.close();
   const Journal journal = readJournal(folder.path());
-  ASSERT_EQ(journal.records.size(), 2U);
+  ASSERT_EQ(journal.records.size(), 4U);
+  EXPECT_NE(journal.records[0].commands[0].stamp, journal.records[3].commands[0].stamp);
   EXPECT_EQ(journal.records[0].commands[0].stamp, journal.records[1].commands[0].stamp);
   EXPECT_EQ(journal.records[0].commands[0].stamp->distance_m, command.stamp->distance_m);
 }
