@@ -96,6 +96,13 @@ INSTANTIATE_TEST_SUITE_P(
                 },
                 "drop of 2"},
         Refusal{"stamp_none", EditKind::kStampAdd, [](auto& c) { c.stamp.reset(); }, "no stamp"},
+        Refusal{"stamp_beyond_a_record", EditKind::kStampAdd,
+                [](auto& c) {
+                  auto stamp = std::make_shared<Stamp>(*c.stamp);
+                  stamp->size = {1024, 1024, 256};  // 2^30 bytes, were its distances there
+                  c.stamp = stamp;
+                },
+                "more than the 1023 MiB"},
         Refusal{"stamp_short", EditKind::kStampRemove,
                 [](auto& c) {
                   auto stamp = std::make_shared<Stamp>(*c.stamp);
