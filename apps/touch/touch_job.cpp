@@ -271,8 +271,10 @@ TouchRun runTouchJob(const Scene& scene, const std::string& command, const std::
     if (!scene.save.empty()) progress.stage("saving " + scene.save);  // after Ctrl-C too
     run.edits = edits->finish(run.notes);                             // from here on the volume is this thread's again
     if (interrupted()) stages.keep(edits->kept(*run.edits));
-    engine->readBack(volume);  // for the picture
-    if (filtered) filtered = engine->filtered(volume.facts());
+    if (!engine->editor().broken()) {  // for the picture; after a device error it shows what was there before
+      engine->readBack(volume);
+      if (filtered) filtered = engine->filtered(volume.facts());
+    }
   }
 
   run.files = outputFiles(scene, folder);
