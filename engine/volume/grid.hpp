@@ -42,8 +42,13 @@ inline constexpr const char* kVdbDomainKey = "palpate_domain";
 // The same by all processors: gives the source of the bricks (i, j, bk), which are asked for i fastest, by one thread;
 // called for several layers at once.
 using LayerSource = std::function<BrickSource(int bk)>;
+// For readers that have leaves: the one whose 512 values are exactly this brick's, all inside the domain, or none;
+// then, and where a value is not finite, the layer's source is asked. What the leaf holds is moved out of it, without a
+// copy: nobody may look at it again. Called for several bricks at once.
+using LeafSource = std::function<ScalarTree::LeafNodeType*(const Vec3i& brick)>;
 [[nodiscard]] std::unique_ptr<Volume::Grid> buildGridByLayers(const Vec3i& size, const Lattice& lattice,
-                                                              VolumeFacts facts, const LayerSource& layers);
+                                                              VolumeFacts facts, const LayerSource& layers,
+                                                              const LeafSource& leaf_of = nullptr);
 
 // A brick's 512 values from i fastest, as Palpate has them, to k fastest, as VDB has them, or back.
 void turnBrick(const float* from, float* to);
