@@ -141,6 +141,7 @@ class Job {
       tellOfJournal();
       progress_.stage("reading back");
       result_.changed_bricks = engine_.readBack(volume_);
+      volume_.keepIsovalue(result_.isovalue);
       result_.content = contentHash(volume_);
       result_.file = writeOutput(volume_, output, "palpate edit", file, progress_);
       file.commit();

@@ -58,7 +58,9 @@ FilterResult filterFile(const FilterRequest& request, Progress& progress) {
     result.stored_after = filters->result().storedBricks();
   }
   result.filter_s = secondsSince(filtering);
-  const Volume filtered = volumeOf(filters ? filters->result() : pool, transfer, volume.facts());
+  VolumeFacts facts = volume.facts();
+  if (filters) facts.kept_isovalue.reset();  // it was of the densities before
+  const Volume filtered = volumeOf(filters ? filters->result() : pool, transfer, facts);
   result.lowest = filtered.minimum();
   result.highest = filtered.maximum();
   progress.stage("writing " + request.out);

@@ -34,6 +34,7 @@ void recover(const RecoverArguments& arguments) {
     throwIfInterrupted("palpate recover");
     progress.fraction(done);
   });
+  volume.keepIsovalue(journal.header.profile.isovalue);
   if (isMeshFileName(arguments.out)) output.isovalue = journal.header.profile.isovalue;
   static_cast<void>(writeOutput(volume, output, "palpate recover", file, progress));
   file.commit();

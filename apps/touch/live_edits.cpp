@@ -103,6 +103,7 @@ LiveEdits::LiveEdits(const Scene& scene, Volume& volume, Engine& engine)
           std::vector{toolBrushSpec(scene.edit).brush.kind}, kHistoryBytes) {
   if (!scene.journal.empty()) session_.keepJournal(scene.journal, identityOf(volume), journalOptions());
   if (scene.save.empty()) return;
+  volume.keepIsovalue(*scene.isovalue);
   const auto write = [file = scene.save](const Volume& edited, std::uint64_t) { return saveVolume(edited, file); };
   session_.keepSaved(volume, write, scene.save_every_s);
 }

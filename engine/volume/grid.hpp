@@ -31,8 +31,11 @@ struct Volume::Grid {
 
 using BrickSource = Volume::BrickSource;
 
-// Metadata of OpenVDB files that Palpate wrote: the domain's size [voxel], whose first voxel is the grid's (0,0,0).
+// Metadata of OpenVDB files that Palpate wrote: the domain's size [voxel], whose first voxel is the grid's (0,0,0);
+// and, where the volume was sculpted, at which isovalue, a double [density, of a level set minus the distance in
+// metres].
 inline constexpr const char* kVdbDomainKey = "palpate_domain";
+inline constexpr const char* kVdbIsovalueKey = "palpate_isovalue";
 
 // Builds the grid brick by brick. Throws Error(kBadInput): a dimension below 2, a bad lattice, NaN or infinite values
 // (with their count and the first one's index); and what the source throws.

@@ -12,6 +12,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <optional>
 #include <type_traits>
 
@@ -110,6 +111,13 @@ std::optional<openvdb::CoordBBox> namedDomain(const openvdb::GridBase& grid) {
   const openvdb::CoordBBox active = grid.evalActiveVoxelBoundingBox();
   if (!active.empty() && !domain.isInside(active)) return {};
   return domain;
+}
+
+// Whatever else there may be under the key is no number.
+std::optional<double> keptIsovalue(const openvdb::GridBase& grid) {
+  if (!grid[kVdbIsovalueKey]) return {};
+  const auto kept = grid.getMetadata<openvdb::DoubleMetadata>(kVdbIsovalueKey);
+  return kept ? kept->value() : std::numeric_limits<double>::quiet_NaN();
 }
 
 openvdb::CoordBBox domainOf(const openvdb::GridBase& grid, const std::string& source) {
@@ -239,6 +247,7 @@ Volume readGrid(const std::string& name, std::size_t memory_budget_bytes) {
   facts.value_type = grid.saveFloatAsHalf() ? "half" : grid.valueType();
   facts.orientation = "world axes taken as LPS";
   facts.is_level_set = grid.getGridClass() == openvdb::GRID_LEVEL_SET;
+  facts.kept_isovalue = keptIsovalue(grid);
   const double scale = facts.is_level_set ? -metresPerUnit(grid, name) : 1;
   checkSparseMemory(grid, domain, scale, name, memory_budget_bytes);
   if (grid.isType<openvdb::FloatGrid>())

@@ -112,6 +112,10 @@ void Volume::setConstantBrick(const Vec3i& brick, float value) {
   grid_->field->tree().addTile(1, coord(brick * kBrickSize), value, true);
 }
 
+void Volume::keepIsovalue(double isovalue) noexcept {
+  grid_->facts.kept_isovalue = isovalue;
+}
+
 std::vector<float> Volume::toDense() const {
   std::vector<float> dense(static_cast<std::size_t>(size().cast<long long>().prod()));
   std::vector<float> brick_values(kBrickVoxels);

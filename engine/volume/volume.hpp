@@ -31,6 +31,7 @@ struct VolumeFacts {
   double rescale_intercept = 0;
   bool is_level_set = false;                // a VDB level set: density is minus the signed distance [m], isovalue 0
   std::optional<double> declared_isovalue;  // of a phantom: the density of its exact surface
+  std::optional<double> kept_isovalue;      // of a file whose surface was sculpted; damaged: any double, even none
   std::string remark;                       // what a user should know: "largest of 3 series", ...; empty: nothing
 };
 
@@ -72,6 +73,9 @@ class Volume {
   // tree walk and 2 KiB. Thread: while nobody reads the volume.
   void setBrick(const Vec3i& brick, const float* values);
   void setConstantBrick(const Vec3i& brick, float value);
+
+  // The isovalue at which the volume was sculpted, for files that can keep it (.vdb). Thread: as setBrick().
+  void keepIsovalue(double isovalue) noexcept;
 
   // The whole domain, i fastest. Memory: 4 bytes a voxel.
   [[nodiscard]] std::vector<float> toDense() const;

@@ -196,6 +196,17 @@ TEST_F(LiveEdits, RefusesBrushesThatCannotBeMeant) {
   expectRefusal(run(touch(kDrill + Words{"--algorithm", "god-object"})), "--edit", "a mesh that is made once", 2);
 }
 
+// A run on what was saved touches the same surface without being told, and saves it again.
+TEST_F(LiveEdits, TheSavedVolumeKeepsTheIsovalue) {
+  expectSuccess(run(touch(kDrill + Words{"--iso", "150", "--save", "first.vdb"})));
+  EXPECT_EQ(loadVolume(file("first.vdb").string()).facts().kept_isovalue, 150);
+  Words words = touch(kDrill + Words{"--save", "second.vdb"});
+  words[1] = "first.vdb";
+  expectSuccess(run(words));
+  EXPECT_EQ(summary()["volume"]["isovalue_density"], 150);
+  EXPECT_EQ(loadVolume(file("second.vdb").string()).facts().kept_isovalue, 150);
+}
+
 // The file of the last save holds the volume that the journal gives back.
 TEST_F(LiveEdits, ASaveHoldsEveryEdit) {
   for (const char* clock : {"simulated", "real"}) {
