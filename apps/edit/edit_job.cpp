@@ -192,12 +192,7 @@ class Job {
 
   std::vector<EditCommand> commandsOf(EditText& text) {
     if (isStamp(text.command.kind)) text.command.stamp = stamps_.stampOf(text.mesh_file, text.metres_per_unit);
-    std::vector<EditCommand> commands = {text.command};
-    if (text.mirror_axis) {
-      const Vec3 middle_W = volume_.lattice().toWorld((volume_.size() - Vec3i::Ones()).cast<double>() / 2);
-      commands.push_back(mirrored(text.command, middle_W, volume_.lattice().R_WL.col(*text.mirror_axis)));
-    }
-    return commands;
+    return withMirror(text.command, text.mirror_axis, volume_.size(), volume_.lattice());
   }
 
   // Once, when it fails.

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <chrono>
 #include <cmath>
 #include <cstring>
@@ -13,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "base/error.hpp"
+#include "engine/volume/brick_values.hpp"
 #include "servo/window/sample_window.hpp"
 
 namespace palpate {
@@ -26,16 +26,8 @@ double secondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-bool sameBits(float a, float b) {
-  return std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b);
-}
-
 bool crosses(const layout::BrickBounds& bounds, float isovalue) {
   return bounds.lowest <= isovalue && bounds.highest > isovalue;
-}
-
-bool isConstant(const float* values) {
-  return std::all_of(values + 1, values + kBrickVoxels, [&](float value) { return sameBits(value, values[0]); });
 }
 
 VoxelBox boxOf(const BrickGrid& grid, std::uint32_t brick) {
@@ -529,7 +521,8 @@ void Editor::settle() {
         parts_.transfer.reaches(slab)
             ? reinterpret_cast<const float*>(static_cast<const std::byte*>(slab.mapped()) + at.offset_bytes)
             : touched_values_.read((i + 1) * kBrickVoxels).data() + i * kBrickVoxels;
-    if (isConstant(values)) parts_.pool.makeConstant(stored_[i], values[0]);
+    if (holdOneValue(std::span<const float, kBrickVoxels>(values, kBrickVoxels)))
+      parts_.pool.makeConstant(stored_[i], values[0]);
   }
   if (parts_.filters != nullptr) parts_.filters->settle();
   if (all_samples_) return;
@@ -551,12 +544,8 @@ std::size_t Editor::readBack(Volume& volume) {
   settle();
   std::array<float, kBrickVoxels> values{};
   for (const std::uint32_t brick : changed_) {
-    const Vec3i at = grid_.brick(brick);
-    if (parts_.pool.readBrick(parts_.transfer, brick, values.data())) {
-      volume.setConstantBrick(at, values[0]);
-    } else {
-      volume.setBrick(at, values.data());
-    }
+    const bool is_constant = parts_.pool.readBrick(parts_.transfer, brick, values.data());
+    putBrick(volume, grid_.brick(brick), std::span(values).first(is_constant ? 1 : kBrickVoxels));
     is_changed_[brick] = false;
   }
   const std::size_t count = changed_.size();

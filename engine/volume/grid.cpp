@@ -15,6 +15,7 @@
 #include <tbb/parallel_for.h>
 
 #include "base/error.hpp"
+#include "engine/volume/brick_values.hpp"
 
 namespace palpate {
 namespace {
@@ -25,11 +26,6 @@ void checkSize(const Vec3i& size, const std::string& input) {
               fmt::format("it has {} x {} x {} voxels, and a gradient needs two along every axis", size.x(), size.y(),
                           size.z()),
               "give a three-dimensional volume");
-}
-
-// Bits, not values: -0 and +0 must both survive.
-bool sameBits(float a, float b) {
-  return std::memcmp(&a, &b, sizeof a) == 0;
 }
 
 // Voxels of a brick that lie in the domain, along each axis.
