@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/check/edit_check.hpp"
+
+#include <algorithm>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "apps/check/stopwatch.hpp"
+#include "base/error.hpp"
+#include "engine/edit/random_edits.hpp"
+#include "engine/plan/plan.hpp"
+#include "engine/reference/edit.hpp"
+#include "engine/service/engine.hpp"
+#include "engine/volume/statistics.hpp"
+
+namespace palpate {
+
+Check checkEdits(const Volume& volume, const EditCheckRequest& request, const std::function<void(double)>& progress) {
+  return checkEdits(volume, reference::denseField(volume), request, progress);
+}
+
+Check checkEdits(const Volume& volume, reference::DenseField field, const EditCheckRequest& request,
+                 const std::function<void(double)>& progress) {
+  const double isovalue = request.isovalue ? *request.isovalue : defaultIsovalue(volume);
+  checkIsovalue(volume, isovalue);
+  Check check;
+  check.name = "edits";
+  check.what = fmt::format("{} at random, seed {}", request.edits, request.seed);
+  check.volume = volume.facts().source;
+  const BrushProfile profile = brushProfile(volume, isovalue);
+  Engine engine(volume, makePlan(Scene{}), isovalue, request.gpu);
+  engine.allowEdits(profile);
+  check.device = engine.gpu().name;
+
+  // Strengths and densities from a tenth below the volume's to a tenth above.
+  const double low = volume.minimum();
+  const double high = volume.maximum();
+  RandomEdits random(volume.size(), volume.lattice(), low - (high - low) / 10, high + (high - low) / 10, request.seed);
+  for (int done = 0; done < request.edits; ++done) {
+    progress(static_cast<double>(done) / request.edits);
+    EditCommand command = random.next();
+    const double diagonal_m =
+        volume.lattice().spacing_m.cwiseProduct((volume.size() - Vec3i::Ones()).cast<double>()).norm();
+    command.radius_m = std::min(command.radius_m, diagonal_m);
+    command.value = std::clamp(command.value, -1e30, 1e30);
+    const std::vector<EditCommand> commands = {std::move(command)};
+    const Stopwatch gpu_watch;
+    (void)engine.edit(commands, 0);
+    check.gpu_seconds += gpu_watch.seconds();
+    const Stopwatch cpu_watch;
+    reference::applyEdits(field, lowerEdits(commands, volume.size(), volume.lattice(), profile));
+    check.cpu_seconds += cpu_watch.seconds();
+  }
+  Volume edited = Volume::fromDense(volume.size(), volume.lattice(), volume.toDense(), volume.facts());
+  (void)engine.readBack(edited);
+  const std::vector<float> got = edited.toDense();
+  for (int k = 0; k < field.size.z(); ++k) {
+    for (int j = 0; j < field.size.y(); ++j) {
+      for (int i = 0; i < field.size.x(); ++i)
+        check.compare({i, j, k}, "density", got[field.offset(i, j, k)], field.at(i, j, k));
+    }
+  }
+  progress(1);
+  return check;
+}
+
+}  // namespace palpate
