@@ -33,17 +33,18 @@ Check checkEdits(const Volume& volume, reference::DenseField field, const EditCh
   engine.allowEdits(profile);
   check.device = engine.gpu().name;
 
-  // Strengths and densities from a tenth below the volume's to a tenth above.
+  // Densities from a tenth below the volume's to a tenth above, as far as edits may name them.
+  const auto allowed = [](double density) { return std::clamp(density, -1e30, 1e30); };
   const double low = volume.minimum();
   const double high = volume.maximum();
-  RandomEdits random(volume.size(), volume.lattice(), low - (high - low) / 10, high + (high - low) / 10, request.seed);
+  RandomEdits random(volume.size(), volume.lattice(), allowed(low - (high - low) / 10),
+                     allowed(high + (high - low) / 10), request.seed);
   for (int done = 0; done < request.edits; ++done) {
     progress(static_cast<double>(done) / request.edits);
     EditCommand command = random.next();
     const double diagonal_m =
         volume.lattice().spacing_m.cwiseProduct((volume.size() - Vec3i::Ones()).cast<double>()).norm();
     command.radius_m = std::min(command.radius_m, diagonal_m);
-    command.value = std::clamp(command.value, -1e30, 1e30);
     const std::vector<EditCommand> commands = {std::move(command)};
     const Stopwatch gpu_watch;
     (void)engine.edit(commands, 0);
