@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/check/edit_check.hpp"
 
-#include <algorithm>
 #include <vector>
 
 #include <fmt/format.h>
@@ -15,6 +14,24 @@
 #include "engine/volume/statistics.hpp"
 
 namespace palpate {
+namespace {
+
+// The next that the volume takes: a thin one is soon too far away, or smaller than the brush.
+EditCommand nextEdit(RandomEdits& random, const Volume& volume) {
+  for (int tries = 0; tries < 1000; ++tries) {
+    EditCommand command = random.next();
+    try {
+      checkEdit(command, volume.size(), volume.lattice());
+      return command;
+    } catch (const Error&) {
+      continue;
+    }
+  }
+  throw Error(Error::Code::kBadInput, volume.facts().source, "it takes no edit of a thousand at random",
+              "check edits on a larger volume");
+}
+
+}  // namespace
 
 Check checkEdits(const Volume& volume, const EditCheckRequest& request, const std::function<void(double)>& progress) {
   return checkEdits(volume, reference::denseField(volume), request, progress);
@@ -41,11 +58,7 @@ Check checkEdits(const Volume& volume, reference::DenseField field, const EditCh
                      allowed(high + (high - low) / 10), request.seed);
   for (int done = 0; done < request.edits; ++done) {
     progress(static_cast<double>(done) / request.edits);
-    EditCommand command = random.next();
-    const double diagonal_m =
-        volume.lattice().spacing_m.cwiseProduct((volume.size() - Vec3i::Ones()).cast<double>()).norm();
-    command.radius_m = std::min(command.radius_m, diagonal_m);
-    const std::vector<EditCommand> commands = {std::move(command)};
+    const std::vector<EditCommand> commands = {nextEdit(random, volume)};
     const Stopwatch gpu_watch;
     (void)engine.edit(commands, 0);
     check.gpu_seconds += gpu_watch.seconds();
