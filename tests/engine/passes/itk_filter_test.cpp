@@ -117,12 +117,15 @@ class ItkMorphology : public testing::Test {
     }
     return Element::FromImage(mask);
   }
+  // `settings`: of the filter, beside its shape.
   template <typename Filter>
-  static void expectEqual(const std::string& name) {
+  static void expectEqual(
+      const std::string& name, void (*settings)(Filter&) = [](Filter&) {}) {
     const Volume volume = noisyBall(kSize, Vec3::Constant(1e-3));
     for (const bool is_ball : {false, true}) {
       const auto filter = Filter::New();
       filter->SetKernel(is_ball ? ball() : box(2));
+      settings(*filter);
       const DenseField itk_result = resultOf(*filter, reference::denseField(volume));
       const std::string chain = name + (is_ball ? ":2:shape=ball" : ":2");
       EXPECT_EQ(differing(ours(volume, chain), itk_result), 0U) << chain;
@@ -137,26 +140,29 @@ TEST_F(ItkMorphology, DilationsAreEqual) {
 TEST_F(ItkMorphology, ErosionsAreEqual) {
   expectEqual<itk::GrayscaleErodeImageFilter<Image, Image, Element>>("erode");
 }
+// Without ITK's "safe border", which extends the first of the two results beyond the volume.
 TEST_F(ItkMorphology, OpeningsAreEqual) {
-  expectEqual<itk::GrayscaleMorphologicalOpeningImageFilter<Image, Image, Element>>("open");
+  using Opening = itk::GrayscaleMorphologicalOpeningImageFilter<Image, Image, Element>;
+  expectEqual<Opening>("open", [](Opening& filter) { filter.SetSafeBorder(false); });
 }
 TEST_F(ItkMorphology, ClosingsAreEqual) {
-  expectEqual<itk::GrayscaleMorphologicalClosingImageFilter<Image, Image, Element>>("close");
+  using Closing = itk::GrayscaleMorphologicalClosingImageFilter<Image, Image, Element>;
+  expectEqual<Closing>("close", [](Closing& filter) { filter.SetSafeBorder(false); });
 }
 
 // Taps of a Gaussian along one axis as ITK makes them: not samples, but e^-t I_n(t), t the variance in voxels
 // (Lindeberg). Two means with weights of sum one differ by half the sum of the weights' differences times the
-// densities' range at most; along three axes by three such. Rounding: ITK and ours, some 21 products and sums an axis.
+// densities' range at most; along three axes by three such. Rounding: ITK and ours, some 33 products and sums an axis.
 TEST(Itk, GaussiansDifferByTheirKernels) {
   const Vec3 spacing_m(0.8e-3, 1e-3, 1.25e-3);
   const Volume volume = noisyBall(kSize, spacing_m);
-  const auto steps = lowerFilters(filterChain("gaussian:1.6mm:truncate=5"), spacing_m);
+  const auto steps = lowerFilters(filterChain("gaussian:2.5mm:truncate=5"), spacing_m);
   ASSERT_EQ(steps.size(), 3U);
   double bound = 0;
   for (const FilterStep& step : steps) {
     itk::GaussianOperator<double, 3> kernel;
     kernel.SetDirection(0);
-    kernel.SetVariance(std::pow(1.6e-3 / spacing_m[step.axis], 2));
+    kernel.SetVariance(std::pow(2.5e-3 / spacing_m[step.axis], 2));
     kernel.SetMaximumError(1e-7);
     kernel.SetMaximumKernelWidth(64);
     kernel.CreateDirectional();
@@ -168,12 +174,12 @@ TEST(Itk, GaussiansDifferByTheirKernels) {
       const double sampled = std::abs(tap) <= reach ? step.taps[static_cast<std::size_t>(std::abs(tap))] : 0;
       apart += std::abs(bessel - sampled);
     }
-    EXPECT_LT(apart, 0.1);  // else the bound would say nothing
+    EXPECT_LT(apart, 0.05);  // else the bound would say nothing
     bound += 0.5 * apart * kContrast;
   }
-  bound += 3 * 4 * 21 * kRounding * kContrast;
+  bound += 3 * 4 * 33 * kRounding * kContrast;
   const auto filter = itk::DiscreteGaussianImageFilter<Image, Image>::New();
-  filter->SetVariance(1.6 * 1.6);
+  filter->SetVariance(2.5 * 2.5);
   filter->SetUseImageSpacing(true);
   filter->SetMaximumError(1e-7);
   filter->SetMaximumKernelWidth(64);
@@ -182,7 +188,7 @@ TEST(Itk, GaussiansDifferByTheirKernels) {
   EXPECT_LE(difference, bound);
   RecordProperty("largest_difference_of_contrast", std::to_string(difference / kContrast));
   RecordProperty("bound_of_contrast", std::to_string(bound / kContrast));
-  EXPECT_GT(largestDifference(itk_result, reference::denseField(volume)), 10 * bound);
+  EXPECT_GT(largestDifference(itk_result, reference::denseField(volume)), 2 * bound);
 }
 
 // The same formula on the same window. ITK looks weights of density up in a table of N places over four ranges, rounded
@@ -200,8 +206,10 @@ TEST(Itk, BilateralsAreEqualToTheTable) {
   filter->SetNumberOfRangeGaussianSamples(kPlaces);
   const DenseField itk_result = resultOf(*filter, reference::denseField(volume));
   const double bound = (18.0 / kPlaces + (2 * 125 + 2 * 21 + 8) * kRounding) * kContrast;
-  EXPECT_LE(largestDifference(ours(volume, "bilateral:1:range=3.5"), itk_result), bound);
-  EXPECT_GT(largestDifference(itk_result, reference::denseField(volume)), 1e4 * bound);
+  const double difference = largestDifference(ours(volume, "bilateral:1:range=3.5"), itk_result);
+  EXPECT_LE(difference, bound);
+  RecordProperty("largest_difference_of_contrast", std::to_string(difference / kContrast * 1e6) + "e-6");
+  EXPECT_GT(largestDifference(itk_result, reference::denseField(volume)), 1000 * bound);
 }
 
 // ITK's conductance is that of the whole gradient's length, ours of the slope across each face; along a field that
@@ -231,7 +239,10 @@ TEST(Itk, DiffusionsAlongOneAxisAreEqual) {
     filter->SetUseImageSpacing(false);
     const DenseField itk_result = resultOf(*filter, reference::denseField(volume));
     const double bound = kSteps * (2 * (2 * (7 * 0.37 + 5.2) * 0.0625 + 3) + 2) * kRounding * kContrast;
-    EXPECT_LE(largestDifference(ours(volume, "diffuse:5:kappa=1.4142135623730951:dt=0.0625:g=exp"), itk_result), bound);
+    const double difference =
+        largestDifference(ours(volume, "diffuse:5:kappa=1.4142135623730951:dt=0.0625:g=exp"), itk_result);
+    EXPECT_LE(difference, bound);
+    RecordProperty("largest_difference_of_contrast", std::to_string(difference / kContrast * 1e6) + "e-6");
     EXPECT_GT(largestDifference(itk_result, reference::denseField(volume)), 0.1);
   }
 }
