@@ -130,7 +130,7 @@ void FilterChain::dispatch(gpu::Commands& commands, std::size_t step, const Bric
 
 const gpu::Kernel& FilterChain::kernelOf(const FilterStep& step, const BrickPool& from, bool edge) {
   const FilterKernel kernel = filterKernel(step);
-  const auto slabs = static_cast<std::uint32_t>(std::min<std::size_t>(from.slabCount(), 2));
+  const auto slabs = static_cast<std::uint32_t>(from.slabCount());
   std::vector<std::uint32_t> constants = {slabs, edge ? 1U : 0U,
                                           step.border == Border::kMirror ? BORDER_MIRROR : BORDER_NEAREST};
   constants.insert(constants.end(), kernel.constants.begin(), kernel.constants.end());

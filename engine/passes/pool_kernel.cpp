@@ -22,9 +22,7 @@ PoolKernel::PoolKernel(gpu::Gpu& gpu, std::string name, const BrickPool& pool, s
 }
 
 const gpu::Kernel& PoolKernel::get() {
-  const auto slabsOf = [](const BrickPool& pool) {
-    return static_cast<std::uint32_t>(std::min<std::size_t>(pool.slabCount(), 2));
-  };
+  const auto slabsOf = [](const BrickPool& pool) { return static_cast<std::uint32_t>(pool.slabCount()); };
   std::vector<std::uint32_t> constants = constants_;
   constants.front() = slabsOf(pool_);
   if (second_ != nullptr) constants.back() = slabsOf(*second_);

@@ -29,7 +29,7 @@ SlotSlabs::~SlotSlabs() {
 }
 
 std::size_t SlotSlabs::free() const noexcept {
-  return capacity_ - next_ + free_.size();
+  return capacity_ - next_ + free_count_;
 }
 
 std::size_t SlotSlabs::lastSlabSlots() const noexcept {
@@ -85,20 +85,29 @@ void SlotSlabs::widenLastSlab(std::size_t slots) {
   budget_->used_bytes += (slots - old_slots) * shape_.slot_bytes;
 }
 
-std::uint32_t SlotSlabs::take() noexcept {
-  if (free_.empty()) return static_cast<std::uint32_t>(next_++);
-  const std::uint32_t slot = free_.back();
-  free_.pop_back();
+std::uint32_t SlotSlabs::take(std::size_t slab) noexcept {
+  if (free_count_ == 0) return static_cast<std::uint32_t>(next_++);
+  if (slab >= free_.size() || free_[slab].empty()) {
+    const auto any = std::find_if(free_.rbegin(), free_.rend(), [](const auto& list) { return !list.empty(); });
+    slab = static_cast<std::size_t>(free_.rend() - any) - 1;
+  }
+  const std::uint32_t slot = free_[slab].back();
+  free_[slab].pop_back();
+  --free_count_;
   return slot;
 }
 
 void SlotSlabs::release(std::uint32_t slot) {
-  free_.push_back(slot);
+  const std::size_t slab = slot / shape_.slots_a_slab;
+  if (free_.size() <= slab) free_.resize(slab + 1);
+  free_[slab].push_back(slot);
+  ++free_count_;
 }
 
 void SlotSlabs::releaseAll() noexcept {
   next_ = 0;
   free_.clear();
+  free_count_ = 0;
 }
 
 }  // namespace palpate

@@ -288,7 +288,7 @@ void Editor::makeRoom(Plan& plan) {
       if (task.slot != NO_SLOT) task.slot = parts_.pool.page(task.brick).slot;
     }
   }
-  for (const std::uint32_t brick : plan.newly) parts_.store.add(brick);
+  for (const std::uint32_t brick : plan.newly) parts_.store.add(brick, besideWithSamples(brick));
   if (parts_.filters != nullptr) parts_.filters->commit();
 }
 
@@ -453,6 +453,17 @@ std::vector<std::uint32_t> Editor::bricksToChange(std::span<const EditCommand> c
   for (const auto& [brick, state] : makePlan(commands).touched) bricks.push_back(brick);
   sortUnique(bricks);
   return bricks;
+}
+
+// A brick next to this one, in whose slab its samples should lie.
+std::optional<std::size_t> Editor::besideWithSamples(std::uint32_t brick) const {
+  const Vec3i at = grid_.brick(brick);
+  for (int side = 0; side < 6; ++side) {
+    const Vec3i other = at + Vec3i::Unit(side / 2) * (side % 2 == 0 ? -1 : 1);
+    if (other.minCoeff() < 0 || (other.array() >= grid_.counts().array()).any()) continue;
+    if (parts_.store.has(grid_.index(other))) return grid_.index(other);
+  }
+  return std::nullopt;
 }
 
 bool Editor::isActive(std::uint32_t brick) const {

@@ -136,6 +136,7 @@ class Editor {
   void record(Plan& plan, const WindowTarget* target, Outcome& outcome);
   void downloadTouched();
   [[nodiscard]] bool reachesWindow(const Plan& plan, const WindowBox& box) const;
+  [[nodiscard]] std::optional<std::size_t> besideWithSamples(std::uint32_t brick) const;
   [[nodiscard]] bool isActive(std::uint32_t brick) const;
   void noteChanged(std::uint32_t brick);
 
