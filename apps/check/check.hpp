@@ -54,7 +54,7 @@ struct Check {
 // how many hold.
 [[nodiscard]] std::string checkTable(std::span<const Check> checks);
 
-// {"check", "commit", "command", "holds", "checks": [...]}.
+// {"check", "commit", "holds", "checks": [...]}.
 [[nodiscard]] std::string checkJson(std::span<const Check> checks, const std::string& name, const std::string& commit);
 
 [[nodiscard]] bool allHold(std::span<const Check> checks) noexcept;  // false for none
