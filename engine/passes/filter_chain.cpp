@@ -238,6 +238,12 @@ void FilterChain::plan(std::span<const std::uint32_t> bricks, const SourceConsta
   levels_ = std::move(levels);
 }
 
+void FilterChain::makeKernels() {
+  for (std::size_t i = 0; i < steps_.size(); ++i) {
+    for (const bool edge : {false, true}) static_cast<void>(kernelOf(steps_[i], readBy(i), edge));
+  }
+}
+
 void FilterChain::commit() {
   tasks_.clear();
   pages_.clear();

@@ -27,12 +27,12 @@ const gpu::Kernel& PoolKernel::get() {
   constants.front() = slabsOf(pool_);
   if (second_ != nullptr) constants.back() = slabsOf(*second_);
   if (constants_ != constants) {
+    kernel_ = gpu::Kernel(gpu_, gpu::KernelSpec{.name = name_,  // where it throws, the old kernel stays
+                                                .spirv = kernelSpirv(name_),
+                                                .bindings = bindings_,
+                                                .push_bytes = push_bytes_,
+                                                .specialisation = constants});
     constants_ = std::move(constants);
-    kernel_.emplace(gpu_, gpu::KernelSpec{.name = name_,
-                                          .spirv = kernelSpirv(name_),
-                                          .bindings = bindings_,
-                                          .push_bytes = push_bytes_,
-                                          .specialisation = constants_});
   }
   return *kernel_;
 }

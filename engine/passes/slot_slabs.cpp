@@ -40,7 +40,8 @@ void SlotSlabs::reserve(std::size_t slots) {
   while (free() < slots) grow(slots - free());
 }
 
-// One step: the newest slab is made wider, or a new one begins. At least doubles what is there, if that is allowed.
+// One step: the newest slab is made wider, or a new one begins. At least doubles what is there, unless that would take
+// more than half of what the budget has left: others grow out of it, too.
 void SlotSlabs::grow(std::size_t wanted_slots) {
   const std::uint64_t affordable = budget_->leftBytes() / shape_.slot_bytes;
   if (affordable < wanted_slots) {
@@ -51,7 +52,8 @@ void SlotSlabs::grow(std::size_t wanted_slots) {
                             static_cast<double>(budget_->limit_bytes) / kBytesPerMiB),
                 "nothing was changed; raise --gpu-memory, or use a smaller brush or volume");
   }
-  const std::size_t step = std::min<std::uint64_t>(std::max(wanted_slots, next_ == 0 ? 0 : capacity_), affordable);
+  const std::size_t doubling = next_ == 0 ? 0 : capacity_;
+  const std::size_t step = doubling <= affordable / 2 ? std::max(wanted_slots, doubling) : wanted_slots;
   const std::size_t last = lastSlabSlots();
   if (!slabs_.empty() && last < shape_.slots_a_slab) {
     widenLastSlab(std::min<std::size_t>(last + step, shape_.slots_a_slab));

@@ -2,8 +2,9 @@
 // engine/passes/slot_slabs.hpp: slots of one size on the GPU, taken and given back as bricks come and go.
 //
 // Slots lie in slabs, since a storage buffer binding is guaranteed 128 MiB only. The newest slab grows by doubling, up
-// to a whole one; then the next begins. Growing copies what the newest slab holds (at most one slab) and happens in
-// reserve() alone. Thread: the Gpu's; not while submitted work uses the slabs.
+// to a whole one; then the next begins. Where the budget is short it grows by what is asked for. Growing copies what
+// the newest slab holds and happens in reserve() alone; the old one is there beside the new until then, which the
+// budget does not count: at most 128 MiB for a moment. Thread: the Gpu's; not while submitted work uses the slabs.
 #pragma once
 
 #include <cstddef>

@@ -115,6 +115,20 @@ TEST(SlotSlabs, RefusesMoreThanTheBudgetAndStaysUsable) {
   EXPECT_EQ(budget->used_bytes, 0U);
 }
 
+// Densities must not take by doubling what samples will need a moment later.
+TEST(SlotSlabs, DoublesOnlyWhereHalfOfTheBudgetIsLeftForOthers) {
+  gpu::Gpu gpu({});
+  const auto budget = makeGpuBudget(30 * kSlotBytes);
+  SlotSlabs slabs(gpu, shape(), 10, budget);
+  for (int i = 0; i < 10; ++i) (void)slabs.take();
+  slabs.reserve(1);  // ten more are half of what is left; the slab ends at 16
+  EXPECT_EQ(slabs.bytes(), 16 * kSlotBytes);
+  for (int i = 0; i < 6; ++i) (void)slabs.take();
+  slabs.reserve(1);
+  EXPECT_EQ(slabs.bytes(), 17 * kSlotBytes);
+  EXPECT_EQ(budget->leftBytes(), 13 * kSlotBytes);
+}
+
 TEST(SlotSlabs, RefusesMoreThanItsSlabs) {
   gpu::Gpu gpu({});
   SlotSlabs slabs(gpu, shape(2), 1, makeGpuBudget());
