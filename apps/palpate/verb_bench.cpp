@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// palpate bench servo|loop|edit|load: measures, and holds the figures against what the program promises.
+// palpate bench servo|loop|edit|load|filters|gradient: measures, and holds the figures against what the program
+// promises.
 #include <filesystem>
 #include <optional>
 
@@ -7,6 +8,8 @@
 
 #include "apps/bench/bench_page.hpp"
 #include "apps/bench/edit_bench.hpp"
+#include "apps/bench/filter_bench.hpp"
+#include "apps/bench/gradient_bench.hpp"
 #include "apps/bench/load_bench.hpp"
 #include "apps/bench/loop_bench.hpp"
 #include "apps/bench/servo_bench.hpp"
@@ -26,7 +29,7 @@ struct BenchArguments {
   std::string json, csv, chart, page;
   std::uint64_t seed = 1;
   std::optional<double> seconds;  // loop only
-  std::string gpu;                // loop, edit
+  std::string gpu;                // all but servo and load
 };
 
 void addCommon(CLI::App& verb, BenchArguments& arguments) {
@@ -163,6 +166,35 @@ void loadVerb(const BenchArguments& arguments) {
       outputs);
 }
 
+FieldBenchRequest fieldRequest(const BenchArguments& arguments) {
+  FieldBenchRequest request = arguments.quick ? FieldBenchRequest::quick() : FieldBenchRequest{};
+  request.seed = arguments.seed;
+  request.gpu = arguments.gpu;
+  return request;
+}
+
+void filtersVerb(const BenchArguments& arguments) {
+  Outputs outputs(arguments);
+  Progress progress;
+  BenchResult result = runFilterBench(fieldRequest(arguments), progress);
+  progress.done();
+  conclude(
+      result, arguments,
+      {.title = "What filters cost", .introduction = fieldIntroduction(), .tables = fieldTable(result), .chart = {}},
+      filterChart(result), outputs);
+}
+
+void gradientVerb(const BenchArguments& arguments) {
+  Outputs outputs(arguments);
+  Progress progress;
+  BenchResult result = runGradientBench(fieldRequest(arguments), progress);
+  progress.done();
+  conclude(
+      result, arguments,
+      {.title = "What gradients cost", .introduction = fieldIntroduction(), .tables = fieldTable(result), .chart = {}},
+      gradientChart(result), outputs);
+}
+
 }  // namespace
 
 void addBenchVerb(CLI::App& app) {
@@ -189,6 +221,17 @@ void addBenchVerb(CLI::App& app) {
       "load", "loading beside the format's library alone (minutes, 3 GiB of memory and 0.5 of disk; --quick: seconds)");
   addCommon(*load, *arguments);
   load->callback([arguments] { loadVerb(*arguments); });
+  CLI::App* filters = verb->add_subcommand(
+      "filters", "every filter beside ITK, VTK, SciPy and OpenVDB (some ten minutes and 6 GiB; --quick: seconds)");
+  addCommon(*filters, *arguments);
+  filters->add_option("--gpu", arguments->gpu, "part of the Vulkan device's name; the best one if not given");
+  filters->callback([arguments] { filtersVerb(*arguments); });
+  CLI::App* gradient = verb->add_subcommand(
+      "gradient",
+      "every gradient operator beside them, and a CT head's needed bricks (minutes, 9 GiB; --quick: seconds)");
+  addCommon(*gradient, *arguments);
+  gradient->add_option("--gpu", arguments->gpu, "part of the Vulkan device's name; the best one if not given");
+  gradient->callback([arguments] { gradientVerb(*arguments); });
 }
 
 }  // namespace palpate
