@@ -4,13 +4,18 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdlib>
+#include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 
 #include <fmt/format.h>
 
 #include "apps/bench/random.hpp"
 #include "apps/console/interrupt.hpp"
+#include "base/error.hpp"
+#include "engine/journal/journal_writer.hpp"
 #include "engine/passes/active_bricks.hpp"
 #include "engine/passes/gpu_budget.hpp"
 #include "engine/service/engine.hpp"
@@ -50,6 +55,29 @@ bool flatBrick(int size, const Vec3i& brick, float* values) {
 // Milliseconds of every edit, by stage.
 using Times = std::map<std::string, std::vector<double>>;
 
+// Empty, and gone with its owner.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::string name = (std::filesystem::temp_directory_path() / "palpate-bench-XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr) {
+      throw Error(Error::Code::kIo, name, "no folder could be made there for the journal that is measured",
+                  "make room, or set TMPDIR to another place");
+    }
+    path_ = name;
+  }
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  [[nodiscard]] const std::filesystem::path& path() const noexcept { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
 // One volume under edits.
 class Session {
  public:
@@ -58,6 +86,8 @@ class Session {
     const std::vector<EditKind> kinds = {EditKind::kRemove, EditKind::kAdd};
     engine_.allowEdits(brushProfile(kIsovalue, 0, 1, Vec3::Constant(kSpacing_m)), kinds);
     static_cast<void>(engine_.publishAround(centre_W(), 1));
+    const VolumeIdentity identity{volume_.facts().source, volume_.size(), volume_.lattice(), 0};
+    journal_.emplace(folder_.path(), JournalHeader{identity, engine_.editor().profile()});
   }
 
   [[nodiscard]] const gpu::GpuInfo& gpu() const { return engine_.gpu(); }
@@ -80,7 +110,7 @@ class Session {
     const auto reading = Clock::now();
     static_cast<void>(engine_.readBack(volume_));
     note(result, whole_ms, millisecondsSince(reading), time_kernels);
-    // The journal's stage belongs here once there is one: its group commit, as "journal".
+    keep(commands);
     engine_.timeKernels(false);
     static_cast<void>(engine_.replace(before, 3));
     static_cast<void>(engine_.readBack(volume_));
@@ -94,8 +124,9 @@ class Session {
                     {"edits", edits_},
                     {"windows_published", published_},
                     {"changed_bricks_median", median(bricks_)}};
-    for (const char* stage : {"to_window", "plan", "record", "submit_and_wait", "edit_kernel", "bounds_kernel",
-                              "gradient_kernel", "window_kernel", "publish", "settle", "read_back", "sum"}) {
+    for (const char* stage :
+         {"to_window", "plan", "record", "submit_and_wait", "edit_kernel", "bounds_kernel", "gradient_kernel",
+          "window_kernel", "publish", "settle", "read_back", "journal", "journal_saved", "sum"}) {
       const Percentiles p = percentiles(times_[stage]);
       row.push_back({std::string(stage) + "_median_ms", p.p50});
       row.push_back({std::string(stage) + "_p99_ms", p.p99});
@@ -106,6 +137,16 @@ class Session {
     row.push_back({"seed", static_cast<std::int64_t>(seed)});
     result.rows.push_back(std::move(row));
     forget();
+  }
+
+  // The edit into the journal, as a session does it: what that takes of the engine's thread, and until the disk has
+  // confirmed it, without the 3 ms in which a session's journal gathers records.
+  void keep(std::span<const EditCommand> commands) {
+    const auto appending = Clock::now();
+    journal_->edit(commands);
+    times_["journal"].push_back(millisecondsSince(appending));
+    journal_->flush();
+    times_["journal_saved"].push_back(millisecondsSince(appending));
   }
 
   // What was measured so far.
@@ -178,6 +219,8 @@ class Session {
   bool all_;
   Volume volume_;
   Engine engine_;
+  TemporaryFolder folder_;
+  std::optional<JournalWriter> journal_;  // in that folder
   Times times_;
   std::vector<double> share_outside_, bricks_;
   std::int64_t edits_ = 0, published_ = 0;

@@ -15,15 +15,16 @@ struct Stage {
   const char* key;
   const char* name;
 };
-constexpr std::array<Stage, 9> kStages = {{{"plan", "plan"},
-                                           {"record", "record"},
-                                           {"submit_and_wait", "submit, wait"},
-                                           {"edit_kernel", "edit kernel"},
-                                           {"bounds_kernel", "bounds kernel"},
-                                           {"gradient_kernel", "gradient kernel"},
-                                           {"window_kernel", "window kernel"},
-                                           {"publish", "publish"},
-                                           {"read_back", "VDB read-back"}}};
+constexpr std::array<Stage, 10> kStages = {{{"plan", "plan"},
+                                            {"record", "record"},
+                                            {"submit_and_wait", "submit, wait"},
+                                            {"edit_kernel", "edit kernel"},
+                                            {"bounds_kernel", "bounds kernel"},
+                                            {"gradient_kernel", "gradient kernel"},
+                                            {"window_kernel", "window kernel"},
+                                            {"publish", "publish"},
+                                            {"read_back", "VDB read-back"},
+                                            {"journal_saved", "journal on disk"}}};
 
 std::string nameOf(const BenchRow& row) {
   return fmt::format("{:g}^3{}", figureOf(row, "volume_voxel"), textOf(row, "gradients") == "all" ? " all" : "");
@@ -37,7 +38,11 @@ std::string editIntroduction() {
          "of work, the four kernels change densities, bounds, gradients and the window, `submit, wait` is what the "
          "driver takes beside them, `publish` hands the window to the servo; that is `to window`. `settle` (storage "
          "given "
-         "back) and `VDB read-back` come after it; `sum` holds all. Medians over edits at random places on the same "
+         "back) and `VDB read-back` come after it; `sum` holds all up to here. `journal` is what the journal takes of "
+         "the "
+         "engine's thread, `on disk` the time until the disk has confirmed the record, without the 3 ms in which a "
+         "session "
+         "gathers records. Medians over edits at random places on the same "
          "plane, "
          "the volumes taking turns of eight; `all` has gradients in every brick. A full recompute is bounds, "
          "gradients "
@@ -47,13 +52,14 @@ std::string editIntroduction() {
 std::string editTable(const BenchResult& result) {
   std::string text = fmt::format(
       "{:<10} {:>6} {:>7}  {:>7} {:>7}  {:>6} {:>6} {:>6}  {:>6} {:>6} {:>6} {:>6}  {:>7} "
-      "{:>7} {:>7}  {:>7} {:>7}\n",
+      "{:>7} {:>7}  {:>7} {:>7}  {:>7} {:>7}\n",
       "volume", "radius", "bricks", "to win.", "p99", "plan", "record", "wait", "edit", "bounds", "grad.", "window",
-      "publish", "settle", "r.back", "outside", "GPU");
+      "publish", "settle", "r.back", "journal", "on disk", "outside", "GPU");
   text += fmt::format(
       "{:<10} {:>6} {:>7}  {:>7} {:>7}  {:>6} {:>6} {:>6}  {:>6} {:>6} {:>6} {:>6}  {:>7} {:>7} {:>7}  "
-      "{:>7} {:>7}\n",
-      "", "voxel", "", "ms", "ms", "ms", "ms", "ms", "ms", "ms", "ms", "ms", "ms", "ms", "ms", "share", "MiB");
+      "{:>7} {:>7}  {:>7} {:>7}\n",
+      "", "voxel", "", "ms", "ms", "ms", "ms", "ms", "ms", "ms", "ms", "ms", "ms", "ms", "ms", "ms", "ms", "share",
+      "MiB");
   for (const BenchRow& row : result.rows) {
     const std::string part = textOf(row, "part");
     if (part == "recompute") {
@@ -64,11 +70,11 @@ std::string editTable(const BenchResult& result) {
     const auto ms = [&](const char* stage) { return figureOf(row, std::string(stage) + "_median_ms"); };
     text += fmt::format(
         "{:<10} {:>6g} {:>7g}  {:>7.3f} {:>7.3f}  {:>6.3f} {:>6.3f} {:>6.3f}  {:>6.3f} {:>6.3f} {:>6.3f} "
-        "{:>6.3f}  {:>7.3f} {:>7.3f} {:>7.3f}  {:>7.2f} {:>7.0f}\n",
+        "{:>6.3f}  {:>7.3f} {:>7.3f} {:>7.3f}  {:>7.3f} {:>7.2f}  {:>7.2f} {:>7.0f}\n",
         nameOf(row), figureOf(row, "radius_voxel"), figureOf(row, "changed_bricks_median"), ms("to_window"),
         figureOf(row, "to_window_p99_ms"), ms("plan"), ms("record"), ms("submit_and_wait"), ms("edit_kernel"),
         ms("bounds_kernel"), ms("gradient_kernel"), ms("window_kernel"), ms("publish"), ms("settle"), ms("read_back"),
-        figureOf(row, "share_outside_kernels"), figureOf(row, "gpu_memory_MiB"));
+        ms("journal"), ms("journal_saved"), figureOf(row, "share_outside_kernels"), figureOf(row, "gpu_memory_MiB"));
   }
   return text;
 }

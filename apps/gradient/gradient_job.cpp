@@ -21,6 +21,7 @@
 #include "engine/passes/gradient_pass.hpp"
 #include "engine/volume/statistics.hpp"
 #include "engine/volume/vector_file.hpp"
+#include "engine/volume/volume_file.hpp"
 #include "servo/window/sample_window.hpp"
 
 namespace palpate {
