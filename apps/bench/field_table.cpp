@@ -11,6 +11,8 @@
 namespace palpate {
 namespace {
 
+constexpr int kNameWidth = 73;
+
 bool has(const BenchRow& row, std::string_view key) {
   return std::any_of(row.begin(), row.end(), [&](const auto& cell) { return cell.first == key; });
 }
@@ -41,18 +43,18 @@ std::string fieldTable(const BenchResult& result) {
     if (part != "run" && part != "left out") continue;
     const std::string head = fmt::format("{}, {}", textOf(row, "job"), textOf(row, "volume"));
     if (head != last) {
-      text += fmt::format("{}{}\n{:<66} {:>9} {:>9} {:>9} {:>9} {:>6} {:>8} {:>9} {:>7} {:>12}\n",
-                          text.empty() ? "" : "\n", head, "", "ms", "quartiles", "", "cpu ms", "runs", "ns/voxel",
-                          "moved MB", "of copy", "Palpate/this");
+      text += fmt::format("{}{}\n", text.empty() ? "" : "\n", head);
+      text += fmt::format("{:<{}} {:>9} {:>19} {:>9} {:>5} {:>8} {:>9} {:>7} {:>12}\n", "", kNameWidth, "median ms",
+                          "quartiles", "cpu ms", "runs", "ns/voxel", "moved MB", "of copy", "Palpate/this");
       last = head;
     }
-    text += fmt::format("{:<8} {:<57}", textOf(row, "library"), textOf(row, "way"));
+    text += fmt::format("{:<{}}", fmt::format("{:<8} {}", textOf(row, "library"), textOf(row, "way")), kNameWidth);
     if (part == "left out") {
       text += fmt::format(" left out: {}\n", textOf(row, "why"));
       continue;
     }
     text += cell(row, "median_ms", 9, 1) + cell(row, "lower_quartile_ms", 9, 1) + cell(row, "upper_quartile_ms", 9, 1) +
-            cell(row, "cpu_median_ms", 9, 1) + cell(row, "rounds", 6, 0) + cell(row, "ns_per_voxel", 8, 2) +
+            cell(row, "cpu_median_ms", 9, 1) + cell(row, "rounds", 5, 0) + cell(row, "ns_per_voxel", 8, 2) +
             cell(row, "moved_MB", 9, 1) + cell(row, "share_of_copy", 7, 3) + cell(row, "palpate_over_this", 12, 2);
     text.erase(text.find_last_not_of(' ') + 1);
     text += "\n";
