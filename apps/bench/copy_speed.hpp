@@ -20,6 +20,7 @@ class CopySpeed {
   CopySpeed(gpu::Gpu& gpu, std::size_t bytes, unsigned threads);
 
   RunCost run();
+  [[nodiscard]] bool isDone() const { return commands_ || from_ == to_; }  // on the host, whether every byte is there
   [[nodiscard]] double movedBytes() const noexcept { return 2.0 * static_cast<double>(bytes_); }  // read and written
   [[nodiscard]] const std::string& way() const noexcept { return way_; }                          // in words
 

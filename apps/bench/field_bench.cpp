@@ -88,11 +88,11 @@ std::vector<Rival> FieldBench::rivalsOf(const std::string& job) {
 void FieldBench::measure(const std::string& job, const std::string& rivals_job, const std::vector<OwnEntrant>& own) {
   progress_.stage(fmt::format("{}, {}", job, name_));
   std::vector<Entrant> entrants;
-  for (const OwnEntrant& one : own) entrants.push_back({kOwn, one.way, one.run});
+  for (const OwnEntrant& one : own) entrants.push_back({kOwn, one.way, one.run, true});
   for (const Rival& rival : rivalsOf(rivals_job)) {
-    entrants.push_back({rival.library, rival.way, [run = rival.run] { return run(nullptr); }});
+    entrants.push_back({rival.library, rival.way, [run = rival.run] { return run(nullptr); }, false});
   }
-  entrants.push_back({kCopy, copy_.way(), [this] { return copy_.run(); }});
+  entrants.push_back({kCopy, copy_.way(), [this] { return copy_.run(); }, true});
   const std::vector<TurnsOutcome> outcomes = turns_.take(job, static_cast<double>(field_.densities.size()), entrants);
   const double copy_ms = median(outcomes.back().wall_ms);
   const double copy_bytes_per_ms = copy_ms > 0 ? copy_.movedBytes() / copy_ms : std::nan("");

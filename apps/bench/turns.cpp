@@ -37,15 +37,15 @@ std::vector<TurnsOutcome> Turns::take(const std::string& job, double voxels, con
   for (const Entrant& entrant : entrants) {
     throwIfInterrupted(kWork);
     TurnsOutcome& outcome = outcomes.emplace_back(TurnsOutcome{entrant.library, entrant.way, {}, {}, {}});
-    double& known = ms_per_voxel_[fmt::format("{}|{}|{}", job, entrant.library, entrant.way)];
+    double& known = cpu_ms_per_voxel_[fmt::format("{}|{}|{}", job, entrant.library, entrant.way)];
     rounds.push_back(0);
-    if (known * voxels > 1e3 * plan_.longest_s) {
-      outcome.left_out = fmt::format("one run would take some {:.0f} s", 1e-3 * known * voxels);
+    if (!entrant.always && known * voxels > 1e3 * plan_.longest_s) {
+      outcome.left_out = fmt::format("one run would take some {:.0f} s of processor time", 1e-3 * known * voxels);
       continue;
     }
     const std::optional<RunCost> cost = runOnce(entrant, outcome);
     if (!cost) continue;
-    known = cost->wall_ms / voxels;
+    known = cost->cpu_ms / voxels;
     rounds.back() =
         std::clamp(static_cast<int>(1e3 * plan_.budget_s / std::max(cost->wall_ms, 1e-3)), 1, plan_.most_rounds);
     if (cost->wall_ms > kNeedsNoWarmUp_ms) outcome.add(*cost);

@@ -15,12 +15,13 @@ namespace palpate {
 struct Entrant {
   std::string library, way;
   std::function<RunCost()> run;
+  bool always = false;  // never left out for being slow
 };
 
 struct TurnsPlan {
   int most_rounds = 9;
   double budget_s = 6;    // for all rounds of one entrant; there is always one
-  double longest_s = 12;  // who would take longer than this for one run is left out
+  double longest_s = 12;  // who would take more processor time than this for one run is left out
 };
 
 struct TurnsOutcome {
@@ -39,14 +40,14 @@ class Turns {
   explicit Turns(const TurnsPlan& plan) : plan_(plan) {}
 
   // Everyone runs once to warm up; a run of more than a second counts already, since a second one would be no
-  // different. `job` and `voxels`: what they took before, per voxel, says how long this will take. Who throws Error is
-  // left out, with its words; Error(kCancelled) is passed on.
+  // different. `job` and `voxels`: the processor time that they took before, per voxel, says how long this will take,
+  // on a busy machine too. Who throws Error is left out, with its words; Error(kCancelled) is passed on.
   [[nodiscard]] std::vector<TurnsOutcome> take(const std::string& job, double voxels,
                                                const std::vector<Entrant>& entrants);
 
  private:
   TurnsPlan plan_;
-  std::map<std::string, double> ms_per_voxel_;  // by job, library and way
+  std::map<std::string, double> cpu_ms_per_voxel_;  // by job, library and way
 };
 
 }  // namespace palpate

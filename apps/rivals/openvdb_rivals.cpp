@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/rivals/openvdb_rivals.hpp"
 
+#include <algorithm>
+
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/Dense.h>
 #include <openvdb/tools/Filter.h>
@@ -63,12 +65,15 @@ OpenVdbRivals::OpenVdbRivals(const RivalField& field, unsigned threads) : state_
   state_->threads = threads;
   state_->box =
       openvdb::CoordBBox(openvdb::Coord(0), openvdb::Coord(field.size.x() - 1, field.size.y() - 1, field.size.z() - 1));
-  state_->grid = openvdb::FloatGrid::create(0);
+  // A background that no voxel has, or voxels of that density would not be active.
+  const float background = *std::min_element(field.densities.begin(), field.densities.end()) - 1;
+  state_->grid = openvdb::FloatGrid::create(background);
   openvdb::math::Mat4d to_world = openvdb::math::Mat4d::identity();
   for (int axis = 0; axis < 3; ++axis) to_world(axis, axis) = field.spacing_m[axis] / kMetresPerMillimetre;
   state_->grid->setTransform(openvdb::math::Transform::createLinearTransform(to_world));
   const openvdb::tools::Dense<const float, openvdb::tools::LayoutXYZ> dense(state_->box, field.densities.data());
   openvdb::tools::copyFromDense(dense, *state_->grid, 0.0F);
+  state_->grid->tree().voxelizeActiveTiles();  // filters pass over tiles
 }
 
 bool OpenVdbRivals::hasAny(const std::string& job) {
