@@ -39,7 +39,7 @@ std::vector<TurnsOutcome> Turns::take(const std::string& job, double voxels, con
     TurnsOutcome& outcome = outcomes.emplace_back(TurnsOutcome{entrant.library, entrant.way, {}, {}, {}});
     double& known = cpu_ms_per_voxel_[fmt::format("{}|{}|{}", job, entrant.library, entrant.way)];
     rounds.push_back(0);
-    if (!entrant.always && known * voxels > 1e3 * plan_.longest_s) {
+    if (!entrant.own && known * voxels > 1e3 * plan_.longest_s) {
       outcome.left_out = fmt::format("one run would take some {:.0f} s of processor time", 1e-3 * known * voxels);
       continue;
     }
@@ -48,7 +48,7 @@ std::vector<TurnsOutcome> Turns::take(const std::string& job, double voxels, con
     known = cost->cpu_ms / voxels;
     rounds.back() =
         std::clamp(static_cast<int>(1e3 * plan_.budget_s / std::max(cost->wall_ms, 1e-3)), 1, plan_.most_rounds);
-    if (cost->wall_ms > kNeedsNoWarmUp_ms) outcome.add(*cost);
+    if (!entrant.own && cost->wall_ms > kNeedsNoWarmUp_ms) outcome.add(*cost);
   }
   const int most = rounds.empty() ? 0 : *std::max_element(rounds.begin(), rounds.end());
   for (int round = 0; round < most; ++round) {

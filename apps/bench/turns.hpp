@@ -15,7 +15,7 @@ namespace palpate {
 struct Entrant {
   std::string library, way;
   std::function<RunCost()> run;
-  bool always = false;  // never left out for being slow
+  bool own = false;  // Palpate's: never left out for being slow, and its first run, which compiles, never counts
 };
 
 struct TurnsPlan {
@@ -39,7 +39,7 @@ class Turns {
  public:
   explicit Turns(const TurnsPlan& plan) : plan_(plan) {}
 
-  // Everyone runs once to warm up; a run of more than a second counts already, since a second one would be no
+  // Everyone runs once to warm up; a rival's run of more than a second counts already, since a second one would be no
   // different. `job` and `voxels`: the processor time that they took before, per voxel, says how long this will take,
   // on a busy machine too. Who throws Error is left out, with its words; Error(kCancelled) is passed on.
   [[nodiscard]] std::vector<TurnsOutcome> take(const std::string& job, double voxels,
