@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "base/error.hpp"
+#include "base/flush_folder.hpp"
 
 namespace palpate {
 namespace {
@@ -76,17 +77,8 @@ void AtomicFile::commit() {
   if (close(std::exchange(descriptor_, -1)) != 0) fail("cannot be written", errno);
   if (std::rename(temporary_.c_str(), target_.c_str()) != 0) fail("cannot be renamed into place", errno);
   temporary_.clear();
-  flushFolder();
-}
-
-// A rename is on the disk once its folder is. Some file systems do not flush folders: they keep their own promises.
-void AtomicFile::flushFolder() const {
-  const std::filesystem::path folder = target_.has_parent_path() ? target_.parent_path() : ".";
-  const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (descriptor < 0) return;  // a folder that may be written but not read
-  const int error = fsync(descriptor) == 0 ? 0 : errno;
-  close(descriptor);
-  if (error != 0 && error != EINVAL && error != ENOTSUP && error != EROFS) fail("its folder cannot be flushed", error);
+  const int error = flushFolder(target_.has_parent_path() ? target_.parent_path() : ".");
+  if (error != 0) fail("its folder cannot be flushed", error);
 }
 
 void writeFileAtomically(const std::filesystem::path& target, std::string_view text) {

@@ -26,7 +26,6 @@ class AtomicFile {
 
  private:
   void drain();
-  void flushFolder() const;
   [[noreturn]] void fail(const std::string& what, int error) const;
   std::filesystem::path target_, temporary_;
   std::string buffer_;

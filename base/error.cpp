@@ -4,7 +4,9 @@
 namespace palpate {
 
 Error::Error(Code code, const std::string& input, const std::string& reason, const std::string& remedy)
-    : std::runtime_error(input + ": " + reason + "; " + remedy), code_(code) {}
+    : std::runtime_error(input + ": " + reason + "; " + remedy),
+      code_(code),
+      parts_(std::make_shared<const Parts>(Parts{input, reason, remedy})) {}
 
 int exitStatus(Error::Code code) noexcept {
   switch (code) {

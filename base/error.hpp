@@ -4,6 +4,7 @@
 // A message is one line that a user can act on: which input, what is wrong with it, what to do.
 #pragma once
 
+#include <memory>
 #include <stdexcept>
 #include <string>
 
@@ -25,9 +26,16 @@ class Error : public std::runtime_error {
   Error(Code code, const std::string& input, const std::string& reason, const std::string& remedy);
 
   [[nodiscard]] Code code() const noexcept { return code_; }
+  [[nodiscard]] const std::string& input() const noexcept { return parts_->input; }
+  [[nodiscard]] const std::string& reason() const noexcept { return parts_->reason; }
+  [[nodiscard]] const std::string& remedy() const noexcept { return parts_->remedy; }
 
  private:
+  struct Parts {
+    std::string input, reason, remedy;
+  };
   Code code_;
+  std::shared_ptr<const Parts> parts_;  // shared, so that a copy cannot fail
 };
 
 // The process's exit status for an error code: 2 bad input, 3 not found, 4 I/O, 5 memory, 6 device, 130 cancelled.

@@ -3,7 +3,7 @@
 // POOL_DOMAIN defined to that member.
 #include "brick_pool.layout.h"
 
-// 1 where the volume uses one slab, else 2: with one, the choice of slab folds away.
+// Slabs that the volume uses: the choice among the others folds away, since lavapipe takes every branch of a choice.
 layout(constant_id = 0) const uint kSlabCount = 1;
 
 layout(std430, binding = BINDING_PAGES) readonly buffer Pages { BrickPage pages[]; };
@@ -29,33 +29,29 @@ uvec3 brickOfIndex(uint index) {
 // Four densities along i: quad 0 or 1 of a row.
 vec4 slabQuad(uint slot, uint quad) {
   const uint at = (slot % BRICKS_PER_DENSITY_SLAB) * BRICK_QUADS + quad;
-  if (kSlabCount == 1) return slab0[at];
-  switch (slot / BRICKS_PER_DENSITY_SLAB) {
-    case 0: return slab0[at];
-    case 1: return slab1[at];
-    case 2: return slab2[at];
-    case 3: return slab3[at];
-    case 4: return slab4[at];
-    case 5: return slab5[at];
-    case 6: return slab6[at];
-    default: return slab7[at];
-  }
+  const uint slab = slot / BRICKS_PER_DENSITY_SLAB;
+  if (kSlabCount == 1 || slab == 0) return slab0[at];
+  if (kSlabCount == 2 || slab == 1) return slab1[at];
+  if (kSlabCount == 3 || slab == 2) return slab2[at];
+  if (kSlabCount == 4 || slab == 3) return slab3[at];
+  if (kSlabCount == 5 || slab == 4) return slab4[at];
+  if (kSlabCount == 6 || slab == 5) return slab5[at];
+  if (kSlabCount == 7 || slab == 6) return slab6[at];
+  return slab7[at];
 }
 
 // One density of a quad: one load instead of four.
 float slabElement(uint slot, uint quad, uint element) {
   const uint at = (slot % BRICKS_PER_DENSITY_SLAB) * BRICK_QUADS + quad;
-  if (kSlabCount == 1) return slab0[at][element];
-  switch (slot / BRICKS_PER_DENSITY_SLAB) {
-    case 0: return slab0[at][element];
-    case 1: return slab1[at][element];
-    case 2: return slab2[at][element];
-    case 3: return slab3[at][element];
-    case 4: return slab4[at][element];
-    case 5: return slab5[at][element];
-    case 6: return slab6[at][element];
-    default: return slab7[at][element];
-  }
+  const uint slab = slot / BRICKS_PER_DENSITY_SLAB;
+  if (kSlabCount == 1 || slab == 0) return slab0[at][element];
+  if (kSlabCount == 2 || slab == 1) return slab1[at][element];
+  if (kSlabCount == 3 || slab == 2) return slab2[at][element];
+  if (kSlabCount == 4 || slab == 3) return slab3[at][element];
+  if (kSlabCount == 5 || slab == 4) return slab4[at][element];
+  if (kSlabCount == 6 || slab == 5) return slab5[at][element];
+  if (kSlabCount == 7 || slab == 6) return slab6[at][element];
+  return slab7[at][element];
 }
 
 struct Row {

@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdlib>
-#include <filesystem>
 #include <map>
 #include <memory>
 #include <optional>
@@ -13,8 +11,8 @@
 #include <fmt/format.h>
 
 #include "apps/bench/random.hpp"
+#include "apps/bench/scratch_folder.hpp"
 #include "apps/console/interrupt.hpp"
-#include "base/error.hpp"
 #include "engine/journal/journal_writer.hpp"
 #include "engine/passes/active_bricks.hpp"
 #include "engine/passes/gpu_budget.hpp"
@@ -54,29 +52,6 @@ bool flatBrick(int size, const Vec3i& brick, float* values) {
 
 // Milliseconds of every edit, by stage.
 using Times = std::map<std::string, std::vector<double>>;
-
-// Empty, and gone with its owner.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "palpate-bench-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) {
-      throw Error(Error::Code::kIo, name, "no folder could be made there for the journal that is measured",
-                  "make room, or set TMPDIR to another place");
-    }
-    path_ = name;
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  [[nodiscard]] const std::filesystem::path& path() const noexcept { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
 
 // One volume under edits.
 class Session {
@@ -219,7 +194,7 @@ class Session {
   bool all_;
   Volume volume_;
   Engine engine_;
-  TemporaryFolder folder_;
+  ScratchFolder folder_;
   std::optional<JournalWriter> journal_;  // in that folder
   Times times_;
   std::vector<double> share_outside_, bricks_;

@@ -10,6 +10,7 @@
 
 #include "apps/bench/log_chart.hpp"
 #include "apps/bench/random.hpp"
+#include "apps/bench/scratch_folder.hpp"
 #include "apps/console/interrupt.hpp"
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
@@ -22,28 +23,6 @@ namespace {
 
 constexpr const char* kWork = "palpate bench load";
 constexpr double kMostOverLibrary = 1.5;
-
-// A folder that goes away with what is in it.
-class Folder {
- public:
-  Folder() {
-    std::string name = (std::filesystem::temp_directory_path() / "palpate_bench_XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) {
-      throw Error(Error::Code::kIo, name, "no folder can be made there", "set TMPDIR to a folder that may be written");
-    }
-    path_ = name;
-  }
-  ~Folder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  [[nodiscard]] std::string file(const std::string& name) const { return (path_ / name).string(); }
-
- private:
-  std::filesystem::path path_;
-};
 
 Volume randomVolume(int size, std::uint64_t seed) {
   Random random(seed);
@@ -111,8 +90,8 @@ BenchResult runLoadBench(const LoadBenchRequest& request, Progress& progress) {
   result.bench = "load";
   result.machine = machineInWords();
   for (const std::string& suffix : request.suffixes) {
-    const Folder folder;
-    const std::string file = folder.file("a" + suffix);
+    const ScratchFolder folder;
+    const std::string file = (folder.path() / ("a" + suffix)).string();
     progress.stage("writing " + file);
     {
       AtomicFile out(file);

@@ -45,9 +45,8 @@ bool interrupted() noexcept {
   return interrupt_flag != 0;
 }
 
-void throwIfInterrupted(const std::string& work) {
-  if (interrupted())
-    throw Error(Error::Code::kCancelled, work, "stopped by the user", "nothing was written; start it again");
+void throwIfInterrupted(const std::string& work, const std::string& kept) {
+  if (interrupted()) throw Error(Error::Code::kCancelled, work, "stopped by the user", kept);
 }
 
 }  // namespace palpate

@@ -9,6 +9,7 @@ namespace palpate {
 
 void catchInterrupts();  // from here on SIGINT and SIGTERM only set a flag; SIGXFSZ is ignored
 [[nodiscard]] bool interrupted() noexcept;
-void throwIfInterrupted(const std::string& work);  // Error(kCancelled)
+// Error(kCancelled). `kept`: what there is of the work nevertheless, and what to do.
+void throwIfInterrupted(const std::string& work, const std::string& kept = "nothing was written; start it again");
 
 }  // namespace palpate

@@ -29,14 +29,9 @@ double secondsSince(Clock::time_point start) {
 
 // The same message with more behind it, or in front of it.
 Error withMore(const Error& error, const std::string& front, const std::string& behind) {
-  const std::string text = error.what();
-  const std::string input = text.substr(0, text.find(": "));
-  const std::string rest = text.substr(std::min(text.size(), input.size() + 2));
-  const std::string before = front.empty() || text.starts_with(front + ": ") ? "" : front + ": ";
-  const std::size_t last = rest.rfind("; ");
-  if (behind.empty() && last != std::string::npos)
-    return {error.code(), before + input, rest.substr(0, last), rest.substr(last + 2)};
-  return {error.code(), before + input, rest, behind};
+  const bool is_named = front.empty() || std::string_view(error.what()).starts_with(front + ": ");
+  return {error.code(), is_named ? error.input() : front + ": " + error.input(), error.reason(),
+          behind.empty() ? error.remedy() : error.remedy() + "; " + behind};
 }
 
 Error cancelled() {
@@ -151,7 +146,7 @@ class Job {
       file.commit();
     } catch (const Error& error) {
       session_.close();
-      dropEmptyJournal();
+      session_.dropEmptyJournal();
       throw withMore(error, "", stateInWords());
     }
     addFigures();
@@ -207,7 +202,7 @@ class Job {
   // Once, when it fails.
   void tellOfJournal() {
     const JournalWriter* journal = session_.journal();
-    if (journal == nullptr || journal_failed_ || journal->failure().empty()) return;
+    if (journal == nullptr || journal_failed_ || !journal->failed()) return;
     journal_failed_ = true;
     tell_(journal->failure());
   }
@@ -220,13 +215,6 @@ class Job {
     if (request_.journal.empty() || figures.acknowledged == 0) return words;
     return words + fmt::format(" and the journal {} holds {}: see 'palpate recover'", request_.journal,
                                figures.acknowledged == figures.journalled ? "them" : "those up to where it failed");
-  }
-
-  // So that the same command can be given again, mended, with the same folder.
-  void dropEmptyJournal() const {
-    std::error_code ignored;
-    if (session_.journal() != nullptr && session_.figures().journalled == 0)
-      std::filesystem::remove(journalFile(request_.journal), ignored);
   }
 
   void addFigures() {

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "apps/console/interrupt.hpp"
 #include "apps/convert/convert_job.hpp"
 #include "apps/mesh/mesh_writer.hpp"
 #include "engine/journal/replay.hpp"
@@ -29,7 +30,10 @@ void recover(const RecoverArguments& arguments) {
   progress.stage("loading " + source);
   Volume volume = loadVolume(source);
   progress.stage("applying the edits");
-  replay(journal, volume);
+  replay(journal, volume, [&](double done) {
+    throwIfInterrupted("palpate recover");
+    progress.fraction(done);
+  });
   if (isMeshFileName(arguments.out)) output.isovalue = journal.header.profile.isovalue;
   static_cast<void>(writeOutput(volume, output, "palpate recover", file, progress));
   file.commit();
@@ -38,7 +42,12 @@ void recover(const RecoverArguments& arguments) {
              std::count_if(journal.records.begin(), journal.records.end(),
                            [](const JournalRecord& record) { return record.kind == RecordKind::kEdit; }),
              lastingEdits(journal).size(), journal.last_sequence);
-  if (journal.damage) fmt::print("Lost      {}\n", damageWords(*journal.damage));
+  if (journal.damage) {
+    fmt::print("Lost      {}\n", damageWords(*journal.damage));
+    // For who looks at errors only: the status is 0, there is a volume.
+    fmt::print(stderr, "palpate: {}: {}; {} holds what is before them\n", arguments.folder,
+               damageWords(*journal.damage), arguments.out);
+  }
   fmt::print("Volume    {}, content {:016x}\nFile      {}\n", source, contentHash(volume), arguments.out);
 }
 

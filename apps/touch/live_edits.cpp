@@ -91,7 +91,9 @@ void checkEditOptions(const Scene& scene) {
 }
 
 LiveEdits::LiveEdits(const Scene& scene, Volume& volume, Engine& engine)
-    : brush_(toolBrushSpec(scene.edit), volume.size(), volume.lattice()),
+    : save_(scene.save),
+      journal_(scene.journal),
+      brush_(toolBrushSpec(scene.edit), volume.size(), volume.lattice()),
       session_(
           engine,
           [&] {
@@ -103,6 +105,10 @@ LiveEdits::LiveEdits(const Scene& scene, Volume& volume, Engine& engine)
   if (scene.save.empty()) return;
   const auto write = [file = scene.save](const Volume& edited, std::uint64_t) { return saveVolume(edited, file); };
   session_.keepSaved(volume, write, scene.save_every_s);
+}
+
+LiveEdits::~LiveEdits() {
+  if (!finished_) session_.dropEmptyJournal();
 }
 
 void LiveEdits::tell(const std::string& text, Again again) {
@@ -128,6 +134,7 @@ void LiveEdits::edit(std::span<const EditCommand> commands, std::int64_t now_ns)
   } catch (const Error& error) {
     if (error.code() == Error::Code::kOutOfMemory || error.code() == Error::Code::kBadInput) {
       ++refused_;
+      brush_.refused();
       tell(fmt::format("an edit was refused: {}", error.what()), Again::kCountOnly);
       return;
     }
@@ -141,7 +148,7 @@ void LiveEdits::listen() {
     for (const std::string& failure : saver->takeFailures()) tell(failure, Again::kTell);
   }
   const JournalWriter* journal = session_.journal();
-  if (journal == nullptr || journal_failed_ || journal->failure().empty()) return;
+  if (journal == nullptr || journal_failed_ || !journal->failed()) return;
   journal_failed_ = true;
   tell(journal->failure(), Again::kTell);
 }
@@ -153,6 +160,7 @@ void LiveEdits::follow(const ToolPose& pose, std::int64_t now_ns) {
 }
 
 RunEdits LiveEdits::finish(std::vector<std::string>& notes) {
+  finished_ = true;
   session_.close();
   listen();
   for (const Trouble& trouble : troubles_) {
@@ -170,6 +178,40 @@ RunEdits LiveEdits::finish(std::vector<std::string>& notes) {
   edits.save_s = std::move(figures.saves.seconds);
   edits.save_failure = std::move(figures.saves.failure);
   return edits;
+}
+
+std::string LiveEdits::kept(const RunEdits& edits) {
+  session_.dropEmptyJournal();
+  std::string words;
+  if (edits.save_version)
+    words = fmt::format("{} holds the volume up to edit {} of {}", save_, *edits.save_version, edits.count);
+  if (edits.journal_saved > 0) {
+    words += fmt::format("{}the journal {} holds edits up to number {}: see 'palpate recover'",
+                         words.empty() ? "" : ", ", journal_, edits.journal_saved);
+  }
+  if (!save_.empty() && !edits.save_failure.empty())
+    words += fmt::format("{}{} was not written anew ({})", words.empty() ? "" : ", ", save_, edits.save_failure);
+  return words.empty() ? "nothing was written; start it again" : "no report was written, but " + words;
+}
+
+std::string LiveEdits::finishFailed() noexcept {
+  std::vector<std::string> notes;
+  try {
+    return kept(finish(notes));
+  } catch (const std::exception& error) {
+    return fmt::format("what was edited could not be saved ({})", error.what());
+  }
+}
+
+void LiveEdits::during(const std::function<void()>& work) {
+  try {
+    work();
+  } catch (const Error& error) {
+    throw Error(error.code(), error.input(), error.reason(), error.remedy() + "; " + finishFailed());
+  } catch (...) {
+    tell(finishFailed(), Again::kTell);
+    throw;
+  }
 }
 
 }  // namespace palpate

@@ -6,6 +6,7 @@
 // stderr, and in the run's notes: refusals and failures for the same reason once, with their count.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -26,6 +27,9 @@ class LiveEdits {
   // `scene.isovalue` is the one in use. With --save `volume` belongs to this until finish(): nobody else may look at
   // it. Throws Error: a brush that does not fit the volume, a journal that cannot be kept there.
   LiveEdits(const Scene& scene, Volume& volume, Engine& engine);
+  ~LiveEdits();  // without finish() the run has failed: a journal without a record is gone
+  LiveEdits(const LiveEdits&) = delete;
+  LiveEdits& operator=(const LiveEdits&) = delete;
 
   // With every look at the tool; edits when one is due, saves when that is.
   void follow(const ToolPose& pose, std::int64_t now_ns);
@@ -33,6 +37,12 @@ class LiveEdits {
   // After the run: waits for the journal, and saves what no file holds yet; where there is a --save, `volume` is then
   // the edited one. Adds what went wrong to `notes`.
   [[nodiscard]] RunEdits finish(std::vector<std::string>& notes);
+  // After finish(), where the run ends without its reports: what there is of the edits, in words that end an error. A
+  // journal without a record is gone then.
+  [[nodiscard]] std::string kept(const RunEdits& edits);
+  // Does the work in which follow() is called. Where it throws, what was edited until then is saved as by finish(), and
+  // the error says so.
+  void during(const std::function<void()>& work);
 
  private:
   // Something that went wrong, as it was told first, and how often.
@@ -45,13 +55,16 @@ class LiveEdits {
   void tell(const std::string& text, Again again);
   void edit(std::span<const EditCommand> commands, std::int64_t now_ns);
   void listen();
+  [[nodiscard]] std::string finishFailed() noexcept;
 
+  std::string save_, journal_;  // names, "": none
   ToolBrush brush_;
   EditSession session_;
   std::vector<Trouble> troubles_;
   std::uint64_t refused_ = 0;
   bool editing_ = true;
   bool journal_failed_ = false;
+  bool finished_ = false;
 };
 
 }  // namespace palpate

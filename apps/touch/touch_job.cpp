@@ -44,7 +44,7 @@ class Stages {
 
   template <typename Work>
   auto run(const char* name, const std::string& words, Work work) {
-    throwIfInterrupted("palpate touch");
+    stopIfInterrupted();
     progress_.stage(words);
     const auto start = std::chrono::steady_clock::now();
     auto result = work();
@@ -52,9 +52,14 @@ class Stages {
     return result;
   }
 
+  // From here on this is there, even after Ctrl-C.
+  void keep(std::string words) { kept_ = std::move(words); }
+  void stopIfInterrupted() const { throwIfInterrupted("palpate touch", kept_); }
+
  private:
   Progress& progress_;
   std::vector<StageTime>& times_;
+  std::string kept_ = "nothing was written; start it again";
 };
 
 // A run has a tick at least, and the record of every tick fits into memory (twice: it is worked on for the report).
@@ -246,8 +251,14 @@ TouchRun runTouchJob(const Scene& scene, const std::string& command, const std::
   }
 
   LoopResult result =
-      stages.run("servo", fmt::format("palpating with {} on {}", scene.algorithm, engine->gpu().name),
-                 [&] { return runServo(run.scene, std::move(setup), path.path, *engine, edits.get(), progress); });
+      stages.run("servo", fmt::format("palpating with {} on {}", scene.algorithm, engine->gpu().name), [&] {
+        LoopResult loop;
+        const auto servo = [&] {
+          loop = runServo(run.scene, std::move(setup), path.path, *engine, edits.get(), progress);
+        };
+        edits ? edits->during(servo) : servo();
+        return loop;
+      });
   run.records = std::move(result.records);
   run.realtime = realTimeWords(scene, result);
   run.faults = faultsOf(run);
@@ -259,8 +270,11 @@ TouchRun runTouchJob(const Scene& scene, const std::string& command, const std::
   if (edits) {
     if (!scene.save.empty()) progress.stage("saving " + scene.save);  // after Ctrl-C too
     run.edits = edits->finish(run.notes);                             // from here on the volume is this thread's again
-    engine->readBack(volume);                                         // for the picture
-    if (filtered) filtered = engine->filtered(volume.facts());
+    if (interrupted()) stages.keep(edits->kept(*run.edits));
+    if (!engine->editor().broken()) {  // for the picture; after a device error it shows what was there before
+      engine->readBack(volume);
+      if (filtered) filtered = engine->filtered(volume.facts());
+    }
   }
 
   run.files = outputFiles(scene, folder);
@@ -270,7 +284,7 @@ TouchRun runTouchJob(const Scene& scene, const std::string& command, const std::
   run.memory = engine->memory();
   run.memory.push_back({"volume on the CPU", volume.storedBytes()});
   run.memory.push_back(residentPeak());
-  throwIfInterrupted("palpate touch");
+  stages.stopIfInterrupted();
   progress.stage("writing " + scene.out);
   writeOutputs(run, picture, folder);
   progress.done();

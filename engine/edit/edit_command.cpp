@@ -70,10 +70,20 @@ void checkMaterial(const EditCommand& command, const MaterialRate& material) {
            "give 1 for full resistance");
 }
 
+// A little below the 2^30 bytes of a journal's longest record (docs/journal.md), which hold the stamp's lattice too.
+constexpr long long kMostStampVoxels = (1023LL << 20U) / sizeof(float);
+
 void checkStamp(const EditCommand& command) {
   if (!command.stamp) refuse(command, "it has no stamp", "give a mesh");
   const Stamp& stamp = *command.stamp;
   checkLattice(stamp.lattice, "stamp");
+  const long long voxels = stamp.size.cast<long long>().prod();
+  if (voxels > kMostStampVoxels) {
+    refuse(command,
+           fmt::format("its stamp of {} voxels needs more than the {} MiB that one may take", voxels,
+                       kMostStampVoxels * sizeof(float) >> 20U),
+           "make its voxels larger");
+  }
   if (stamp.size.minCoeff() < 2 || stamp.size.maxCoeff() > 1024 ||
       stamp.distance_m.size() != static_cast<std::size_t>(stamp.size.cast<long long>().prod())) {
     refuse(command,

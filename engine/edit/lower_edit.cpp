@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <unordered_map>
 
 #include <fmt/format.h>
 
@@ -19,6 +20,9 @@ float f(double value) {
   return static_cast<float>(value);
 }
 
+// Where the distances of each stamp begin.
+using StampPlaces = std::unordered_map<const Stamp*, std::size_t>;
+
 class Lowering {
  public:
   Lowering(const EditCommand& command, const Lattice& lattice, const BrushProfile& profile)
@@ -33,10 +37,10 @@ class Lowering {
     surface();
   }
 
-  layout::EditCommand lower(std::vector<float>& stamps) {
+  layout::EditCommand lower(std::vector<float>& stamps, StampPlaces& places) {
     if (isBrush(command_.kind)) brush();
     if (hasPlane(command_.kind)) plane();
-    if (isStamp(command_.kind)) stamp(stamps);
+    if (isStamp(command_.kind)) stamp(stamps, places);
     if (command_.kind == EditKind::kPaint) out_.value = f(command_.value);
     if (command_.kind == EditKind::kInflate || command_.kind == EditKind::kDeflate)
       out_.value = f(kInflateStepVoxels * lattice_.smallestSpacing());
@@ -90,7 +94,7 @@ class Lowering {
     out_.n_d = f(n_L.dot(local(command_.plane_W)));
   }
 
-  void stamp(std::vector<float>& stamps) {
+  void stamp(std::vector<float>& stamps, StampPlaces& places) {
     const Stamp& stamp = *command_.stamp;
     // Stamp voxel = scaled p + t, with p along the lattice's axes from the origin voxel.
     const Mat3 to_stamp = stamp.lattice.R_WL.transpose() * command_.R_WS.transpose() * lattice_.R_WL;
@@ -100,11 +104,12 @@ class Lowering {
     out_.m_xx = f(scaled(0, 0)), out_.m_xy = f(scaled(0, 1)), out_.m_xz = f(scaled(0, 2)), out_.m_xt = f(t.x());
     out_.m_yx = f(scaled(1, 0)), out_.m_yy = f(scaled(1, 1)), out_.m_yz = f(scaled(1, 2)), out_.m_yt = f(t.y());
     out_.m_zx = f(scaled(2, 0)), out_.m_zy = f(scaled(2, 1)), out_.m_zz = f(scaled(2, 2)), out_.m_zt = f(t.z());
-    out_.stamp_first = static_cast<layout::uint>(stamps.size());
+    const auto [place, is_new] = places.try_emplace(&stamp, stamps.size());
+    if (is_new) stamps.insert(stamps.end(), stamp.distance_m.begin(), stamp.distance_m.end());
+    out_.stamp_first = static_cast<layout::uint>(place->second);
     out_.stamp_x = static_cast<layout::uint>(stamp.size.x());
     out_.stamp_y = static_cast<layout::uint>(stamp.size.y());
     out_.stamp_z = static_cast<layout::uint>(stamp.size.z());
-    stamps.insert(stamps.end(), stamp.distance_m.begin(), stamp.distance_m.end());
   }
 
   void material(const MaterialRate& material) {
@@ -163,8 +168,9 @@ LoweredEdits lowerEdits(std::span<const EditCommand> commands, const Vec3i& size
                   fmt::format("give more than {:g}", profile.isovalue));
     }
   }
+  StampPlaces places;
   for (const EditCommand& command : commands)
-    lowered.commands.push_back(Lowering(command, lattice, profile).lower(lowered.stamps));
+    lowered.commands.push_back(Lowering(command, lattice, profile).lower(lowered.stamps, places));
   return lowered;
 }
 

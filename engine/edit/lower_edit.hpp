@@ -14,7 +14,7 @@ namespace palpate {
 
 struct LoweredEdits {
   std::vector<layout::EditCommand> commands;
-  std::vector<float> stamps;  // their distances, one stamp after another
+  std::vector<float> stamps;  // their distances, one stamp after another; each once, however many commands use it
 };
 
 inline constexpr std::size_t kMaxCommands = 4096;  // in one apply()

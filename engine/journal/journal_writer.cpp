@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "base/error.hpp"
+#include "base/flush_folder.hpp"
 
 namespace palpate {
 namespace {
@@ -30,14 +31,6 @@ int writeAll(int descriptor, std::string_view bytes) {
 [[noreturn]] void refuse(const fs::path& file, int error) {
   throw Error(Error::Code::kIo, file.string(), fmt::format("no journal can be kept there ({})", std::strerror(error)),
               "make room or choose another folder with --journal");
-}
-
-void syncFolder(const fs::path& folder) {
-  const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  const bool synced = descriptor >= 0 && fsync(descriptor) == 0;
-  const int error = errno;
-  if (descriptor >= 0) ::close(descriptor);
-  if (!synced) refuse(folder, error);
 }
 
 }  // namespace
@@ -63,11 +56,10 @@ JournalWriter::JournalWriter(const fs::path& folder, const JournalHeader& header
     throw Error(Error::Code::kBadInput, folder.string(), "it holds the journal of another session",
                 "recover that with 'palpate recover', or choose another folder with --journal");
   }
-  try {
-    syncFolder(folder);
-  } catch (...) {
+  if (const int unflushed = flushFolder(folder); unflushed != 0) {
     ::close(descriptor_);
-    throw;
+    unlink(file_.c_str());
+    refuse(folder, unflushed);
   }
   bytes_ = bytes.size();
   thread_ = std::thread([this] { work(); });
@@ -82,12 +74,10 @@ std::uint64_t JournalWriter::edit(std::span<const EditCommand> commands) {
   for (const EditCommand& command : commands) {
     std::uint32_t number = 0;
     if (isStamp(command.kind) && command.stamp) {
-      const auto [known, is_new] =
-          stamp_numbers_.try_emplace(command.stamp.get(), static_cast<std::uint32_t>(stamps_.size() + 1));
-      if (is_new) {
-        stamps_.push_back(command.stamp);
-        append(RecordKind::kStamp, stampContent(*command.stamp));
-      }
+      const std::string content = stampContent(*command.stamp);
+      const auto [known, is_new] = stamp_numbers_.try_emplace({content.size(), bytesHash(content)},
+                                                              static_cast<std::uint32_t>(stamp_numbers_.size() + 1));
+      if (is_new) append(RecordKind::kStamp, content);
       number = known->second;
     }
     numbers.push_back(number);
@@ -151,6 +141,7 @@ void JournalWriter::fail(const std::string& what, int error) {
   const std::lock_guard lock(mutex_);
   failure_ = fmt::format("{}: {} ({}); edits after number {} are not saved: make room and save the volume itself",
                          file_.string(), what, std::strerror(error), acknowledged_.load());
+  failed_.store(true, std::memory_order_release);
 }
 
 std::string JournalWriter::failure() const {
@@ -174,6 +165,11 @@ void JournalWriter::close() {
   }
   thread_.join();
   ::close(std::exchange(descriptor_, -1));
+}
+
+void JournalWriter::closeAndDropEmpty() {
+  close();
+  if (sequence_ == 0) unlink(file_.c_str());
 }
 
 }  // namespace palpate

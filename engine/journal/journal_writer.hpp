@@ -12,15 +12,14 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
-#include <deque>
 #include <filesystem>
 #include <functional>
-#include <memory>
+#include <map>
 #include <mutex>
 #include <span>
 #include <string>
 #include <thread>
-#include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "engine/journal/journal_format.hpp"
@@ -42,7 +41,8 @@ class JournalWriter {
   JournalWriter(const JournalWriter&) = delete;
   JournalWriter& operator=(const JournalWriter&) = delete;
 
-  // Each returns the record's sequence number, from 1. A stamp's first use is a record of its own before the edit's.
+  // Each returns the record's sequence number, from 1. A stamp's first use is a record of its own before the edit's;
+  // stamps of the same content are one. Cost of a stamp: encoding it, every time.
   std::uint64_t edit(std::span<const EditCommand> commands);
   std::uint64_t undo() { return append(RecordKind::kUndo, {}); }
   std::uint64_t redo() { return append(RecordKind::kRedo, {}); }
@@ -51,13 +51,18 @@ class JournalWriter {
   [[nodiscard]] std::uint64_t acknowledged() const noexcept { return acknowledged_.load(std::memory_order_acquire); }
   // In words, why no more is saved; empty: all is well.
   [[nodiscard]] std::string failure() const;
+  // Whether there is such a reason, without a lock.
+  [[nodiscard]] bool failed() const noexcept { return failed_.load(std::memory_order_acquire); }
   [[nodiscard]] std::uint64_t appended() const noexcept { return sequence_; }   // the appending thread's
   [[nodiscard]] std::uint64_t bytes() const noexcept { return bytes_.load(); }  // on disk, header included
 
   void flush();  // waits until all that was appended is acknowledged, or the journal has failed
   void close();  // flush() and end; nothing may be appended afterwards
+  // close(), and a journal to which nothing was appended is gone, so that the same command can be given again, mended.
+  void closeAndDropEmpty();
 
  private:
+  using StampKey = std::pair<std::uint64_t, std::uint64_t>;  // length [byte] and hash of its record's content
   std::uint64_t append(RecordKind kind, std::string_view content);
   void work();
   bool writeGroup(const std::string& group);
@@ -67,10 +72,10 @@ class JournalWriter {
   JournalOptions options_;
   int descriptor_ = -1;
   std::uint64_t sequence_ = 0;
-  std::unordered_map<const Stamp*, std::uint32_t> stamp_numbers_;
-  std::vector<std::shared_ptr<const Stamp>> stamps_;  // kept, so that an address stays one stamp's
+  std::map<StampKey, std::uint32_t> stamp_numbers_;  // the stamps themselves are not kept
   std::atomic<std::uint64_t> acknowledged_ = 0;
   std::atomic<std::uint64_t> bytes_ = 0;
+  std::atomic<bool> failed_ = false;
 
   mutable std::mutex mutex_;
   std::condition_variable wake_;      // the writer: there is something, or the end

@@ -30,10 +30,12 @@ void checkStart(const Journal& journal, const Volume& volume, const std::string&
               "give that volume (the journal names " + journal.header.volume.source + ")");
 }
 
-void replay(const Journal& journal, Volume& volume) {
+void replay(const Journal& journal, Volume& volume, const std::function<void(double)>& before_each) {
   checkStart(journal, volume, volume.facts().source);
-  for (const std::vector<EditCommand>& commands : lastingEdits(journal)) {
-    reference::applyEdits(volume, lowerEdits(commands, volume.size(), volume.lattice(), journal.header.profile));
+  const std::vector<std::vector<EditCommand>> edits = lastingEdits(journal);
+  for (std::size_t i = 0; i < edits.size(); ++i) {
+    if (before_each) before_each(static_cast<double>(i) / static_cast<double>(edits.size()));
+    reference::applyEdits(volume, lowerEdits(edits[i], volume.size(), volume.lattice(), journal.header.profile));
   }
 }
 

@@ -3,6 +3,8 @@
 // undone, through the CPU twin. Bit for bit what the session's GPU held. Any thread. Cost: follows the edits.
 #pragma once
 
+#include <functional>
+
 #include "engine/journal/journal_reader.hpp"
 
 namespace palpate {
@@ -13,7 +15,8 @@ namespace palpate {
 // Throws Error(kBadInput) unless `volume` is the one that the journal began with; `input` names it in the message.
 void checkStart(const Journal& journal, const Volume& volume, const std::string& input);
 
-// Applies them to the volume that the journal began with. Throws as checkStart does.
-void replay(const Journal& journal, Volume& volume);
+// Applies them to the volume that the journal began with. Throws as checkStart does. `before_each` is called before
+// each edit with the share of them that is done, [0, 1); what it throws ends the replay.
+void replay(const Journal& journal, Volume& volume, const std::function<void(double)>& before_each = {});
 
 }  // namespace palpate

@@ -49,6 +49,16 @@ std::uint64_t contentHash(const Volume& volume) {
   return mixed(hash, static_cast<std::uint64_t>(bricks.cast<long long>().prod()));
 }
 
+std::uint64_t bytesHash(std::string_view bytes) {
+  std::uint64_t hash = 0;
+  for (std::size_t at = 0; at < bytes.size(); at += sizeof hash) {
+    std::uint64_t piece = 0;
+    std::memcpy(&piece, bytes.data() + at, std::min(sizeof piece, bytes.size() - at));
+    hash = mixed(hash, piece);
+  }
+  return mixed(hash, bytes.size());
+}
+
 VolumeIdentity identityOf(const Volume& volume) {
   std::error_code ignored;
   std::string source = volume.facts().source;

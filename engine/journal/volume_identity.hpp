@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 #include "base/lattice.hpp"
 #include "engine/volume/volume.hpp"
@@ -21,6 +22,8 @@ struct VolumeIdentity {
 // Of all densities, brick by brick; equal volumes give equal hashes however their bricks are stored. No protection
 // against somebody who wants two volumes to look alike. Cost: one pass over the stored bricks, some 0.3 us each.
 [[nodiscard]] std::uint64_t contentHash(const Volume& volume);
+// The same of any bytes.
+[[nodiscard]] std::uint64_t bytesHash(std::string_view bytes);
 
 [[nodiscard]] VolumeIdentity identityOf(const Volume& volume);
 

@@ -21,6 +21,7 @@ class BrickBoundsPass {
   void run();  // all bricks; blocks
   // The first `count` bricks of `tasks` (layout::BrickTask); `results` (layout::BrickBounds) gets their bounds too.
   void record(gpu::Commands& commands, const gpu::Buffer& tasks, std::uint32_t count, const gpu::Buffer& results);
+  void makeKernels() { static_cast<void>(listed_.get()); }  // for the pool's slabs as they are; throws Error(kDevice)
   [[nodiscard]] std::vector<layout::BrickBounds> read(gpu::Transfer& transfer) const;
   [[nodiscard]] const gpu::Buffer& bounds() const noexcept { return bounds_; }
 

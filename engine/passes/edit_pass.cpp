@@ -104,6 +104,12 @@ const gpu::Kernel& EditPass::stencilKernel(layout::uint kind) {
   return kernel->get();
 }
 
+void EditPass::makeKernels(std::span<const EditPhase> phases) {
+  static_cast<void>(pointwiseKernel(EDIT_KINDS));  // for pages
+  for (const EditPhase& phase : phases)
+    static_cast<void>(phase.stencil() ? stencilKernel(phase.kind) : pointwiseKernel(phase.kind));
+}
+
 std::vector<EditPass::SlabRange> EditPass::slabRanges(const EditPhase& phase, std::uint32_t first_task) {
   std::vector<SlabRange> ranges;
   for (std::size_t i = 0; i < phase.tasks.size(); ++i) {

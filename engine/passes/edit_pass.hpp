@@ -37,6 +37,8 @@ class EditPass {
   void fit(std::span<const EditPhase> phases, const LoweredEdits& edits, std::size_t more_tasks);
   // Hands phases and commands to the kernels; tasks are put in the order of their slabs. Not while work is submitted.
   void write(std::vector<EditPhase>& phases, const LoweredEdits& edits);
+  // The kernels that record() will want, once room is made in the pool. Throws Error(kDevice).
+  void makeKernels(std::span<const EditPhase> phases);
   // Room for the densities of a given phase's bricks, which the caller fills after write(), in the order of its tasks.
   // Throws Error(kOutOfMemory) for more than fit into one binding, 65536.
   void fitGiven(std::size_t bricks);

@@ -130,7 +130,7 @@ void FilterChain::dispatch(gpu::Commands& commands, std::size_t step, const Bric
 
 const gpu::Kernel& FilterChain::kernelOf(const FilterStep& step, const BrickPool& from, bool edge) {
   const FilterKernel kernel = filterKernel(step);
-  const auto slabs = static_cast<std::uint32_t>(std::min<std::size_t>(from.slabCount(), 2));
+  const auto slabs = static_cast<std::uint32_t>(from.slabCount());
   std::vector<std::uint32_t> constants = {slabs, edge ? 1U : 0U,
                                           step.border == Border::kMirror ? BORDER_MIRROR : BORDER_NEAREST};
   constants.insert(constants.end(), kernel.constants.begin(), kernel.constants.end());
@@ -236,6 +236,12 @@ void FilterChain::plan(std::span<const std::uint32_t> bricks, const SourceConsta
   task_list_.fit(tasks);
   page_list_.fit(pages);
   levels_ = std::move(levels);
+}
+
+void FilterChain::makeKernels() {
+  for (std::size_t i = 0; i < steps_.size(); ++i) {
+    for (const bool edge : {false, true}) static_cast<void>(kernelOf(steps_[i], readBy(i), edge));
+  }
 }
 
 void FilterChain::commit() {

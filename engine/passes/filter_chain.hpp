@@ -58,6 +58,7 @@ class FilterChain {
   //   settle()  when it is done and the source has settled: frees storage of bricks that need none any more.
   using SourceConstant = std::function<std::optional<float>(std::uint32_t brick)>;
   void plan(std::span<const std::uint32_t> bricks, const SourceConstant& source_constant);
+  void makeKernels();  // for the pools' slabs as they are after plan(); throws Error(kDevice)
   void commit();
   void record(gpu::Commands& commands);
   void settle();

@@ -38,6 +38,7 @@ class GradientPass {
   // The bricks of `ranges` in `tasks` (layout::BrickTask).
   void record(gpu::Commands& commands, const gpu::Buffer& tasks, std::span<const TaskRange> ranges,
               const ActiveTest& test);
+  void makeKernels() { static_cast<void>(kernel_.get()); }  // for the pool's slabs as they are; throws Error(kDevice)
 
  private:
   gpu::Gpu& gpu_;

@@ -1,15 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 // engine/passes/host_list.hpp: a list that the host fills and kernels read (or the other way round): it keeps a mapped
-// buffer that grows when it must. Thread: the Gpu's; not while submitted work uses the buffer.
+// buffer that grows when it must, by doubling, up to what one binding of the device may hold. Thread: the Gpu's; not
+// while submitted work uses the buffer.
 #pragma once
 
 #include <algorithm>
+#include <cstdint>
 #include <cstring>
 #include <optional>
 #include <span>
 #include <string>
 #include <type_traits>
 
+#include <fmt/format.h>
+
+#include "base/error.hpp"
 #include "engine/gpu/buffer.hpp"
 
 namespace palpate {
@@ -19,13 +24,26 @@ class HostList {
   static_assert(std::is_trivially_copyable_v<Item>);
 
  public:
-  HostList(gpu::Gpu& gpu, std::string name, std::size_t capacity) : gpu_(gpu), name_(std::move(name)) { fit(capacity); }
+  // `most_bytes`: that the list may take; 0: what the device allows in one binding.
+  HostList(gpu::Gpu& gpu, std::string name, std::size_t capacity, std::uint64_t most_bytes = 0)
+      : gpu_(gpu), name_(std::move(name)), most_bytes_(most_bytes != 0 ? most_bytes : gpu.info().max_binding_bytes) {
+    fit(capacity);
+  }
 
   // Makes the buffer large enough for `count` items. Throws Error(kOutOfMemory); then the old buffer stays.
   void fit(std::size_t count) {
-    if (buffer_ && count * sizeof(Item) <= buffer_->bytes()) return;
-    const std::size_t wanted = std::max<std::size_t>(buffer_ ? 2 * buffer_->bytes() : 0, count * sizeof(Item));
-    buffer_ = gpu::Buffer(gpu_, name_, std::max<std::size_t>(wanted, sizeof(Item)), gpu::MemoryKind::kHost);
+    const std::size_t needed = std::max<std::size_t>(count, 1) * sizeof(Item);
+    if (buffer_ && needed <= buffer_->bytes()) return;
+    if (needed > most_bytes_) {
+      constexpr double kBytesPerMiB = 1048576.0;
+      throw Error(
+          Error::Code::kOutOfMemory, name_,
+          fmt::format("{:.1f} MiB are needed, and the device allows {:.1f} MiB at once; nothing was changed",
+                      static_cast<double>(needed) / kBytesPerMiB, static_cast<double>(most_bytes_) / kBytesPerMiB),
+          "use a smaller brush or stamp, or several edits");
+    }
+    const std::size_t doubled = buffer_ ? std::min<std::uint64_t>(2 * buffer_->bytes(), most_bytes_) : 0;
+    buffer_ = gpu::Buffer(gpu_, name_, std::max(doubled, needed), gpu::MemoryKind::kHost);
   }
   void write(std::span<const Item> items) {
     fit(items.size());
@@ -39,6 +57,7 @@ class HostList {
  private:
   gpu::Gpu& gpu_;
   std::string name_;
+  std::uint64_t most_bytes_;
   std::optional<gpu::Buffer> buffer_;
 };
 

@@ -22,19 +22,17 @@ PoolKernel::PoolKernel(gpu::Gpu& gpu, std::string name, const BrickPool& pool, s
 }
 
 const gpu::Kernel& PoolKernel::get() {
-  const auto slabsOf = [](const BrickPool& pool) {
-    return static_cast<std::uint32_t>(std::min<std::size_t>(pool.slabCount(), 2));
-  };
+  const auto slabsOf = [](const BrickPool& pool) { return static_cast<std::uint32_t>(pool.slabCount()); };
   std::vector<std::uint32_t> constants = constants_;
   constants.front() = slabsOf(pool_);
   if (second_ != nullptr) constants.back() = slabsOf(*second_);
   if (constants_ != constants) {
+    kernel_ = gpu::Kernel(gpu_, gpu::KernelSpec{.name = name_,  // where it throws, the old kernel stays
+                                                .spirv = kernelSpirv(name_),
+                                                .bindings = bindings_,
+                                                .push_bytes = push_bytes_,
+                                                .specialisation = constants});
     constants_ = std::move(constants);
-    kernel_.emplace(gpu_, gpu::KernelSpec{.name = name_,
-                                          .spirv = kernelSpirv(name_),
-                                          .bindings = bindings_,
-                                          .push_bytes = push_bytes_,
-                                          .specialisation = constants_});
   }
   return *kernel_;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/passes/sample_store.hpp"
 
+#include "base/error.hpp"
 #include "engine/volume/volume.hpp"
 #include "servo/window/sample_window.hpp"  // the size of a sample as floats
 
@@ -14,7 +15,28 @@ SampleStore::SampleStore(gpu::Gpu& gpu, std::size_t brick_count, const std::vect
       slabs_(gpu, {"samples", kBrickVoxels * format.bytesAVoxel(), format.bricksASlab(), 0}, bricks.size(),
              std::move(budget)),
       slot_of_brick_(brick_count, NO_SLOT) {
-  for (const std::uint32_t brick : bricks) add(brick);
+  const std::size_t spare = spareOf(bricks.size());
+  std::vector<std::uint32_t> kept_free;
+  for (const std::uint32_t brick : bricks) {
+    if (slabs_.inUse() % format_.bricksASlab() + spare == format_.bricksASlab()) {
+      for (std::size_t n = 0; n < spare; ++n) kept_free.push_back(slabs_.take());
+    }
+    add(brick);
+  }
+  for (const std::uint32_t slot : kept_free) slabs_.release(slot);
+}
+
+// Slots of each slab that are kept free.
+std::size_t SampleStore::spareOf(std::size_t bricks) {
+  const std::size_t slots = format_.bricksASlab();
+  if (bricks <= slots) return 0;
+  const std::size_t spare = slots / 16;
+  try {
+    slabs_.reserve(bricks + bricks / (slots - spare) * spare);
+  } catch (const Error&) {  // a wish
+    return 0;
+  }
+  return spare;
 }
 
 SampleStore::Place SampleStore::place(std::size_t brick) const noexcept {
@@ -32,8 +54,8 @@ std::vector<std::uint32_t> SampleStore::bricks() const {
   return list;
 }
 
-void SampleStore::add(std::size_t brick) {
-  slot_of_brick_[brick] = slabs_.take();
+void SampleStore::add(std::size_t brick, std::optional<std::size_t> beside) {
+  slot_of_brick_[brick] = slabs_.take(beside && has(*beside) ? place(*beside).slab : SlotSlabs::kAnySlab);
 }
 
 void SampleStore::remove(std::size_t brick) {

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "engine/gpu/buffer.hpp"
@@ -18,8 +19,10 @@ namespace palpate {
 
 class SampleStore {
  public:
-  // Room for the samples of `bricks` (linear page indices), in slots 0, 1, ... in that order. Throws
-  // Error(kOutOfMemory) if the budget or the device has not enough.
+  // Room for the samples of `bricks` (linear page indices), in slots 0, 1, ... in that order; where they fill more than
+  // a slab, each slab keeps a sixteenth of its slots for bricks to come, if the budget allows: a kernel sees one slab
+  // at a time, so what lies together should stay so. Throws Error(kOutOfMemory) if the budget or the device has not
+  // enough.
   SampleStore(gpu::Gpu& gpu, std::size_t brick_count, const std::vector<std::uint32_t>& bricks,
               std::shared_ptr<GpuBudget> budget = makeGpuBudget(), const SampleFormat& format = {});
 
@@ -35,14 +38,17 @@ class SampleStore {
   [[nodiscard]] std::vector<std::uint32_t> bricks() const;  // of them, ascending; cost: a look at every brick
 
   void reserve(std::size_t bricks) { slabs_.reserve(bricks); }  // throws as SlotSlabs::reserve does
-  void add(std::size_t brick);                                  // after reserve(); not for one that has samples
-  void remove(std::size_t brick);                               // of one that has samples
+  // After reserve(); not for a brick that has samples. In the slab of `beside`, a brick near it, if there is room.
+  void add(std::size_t brick, std::optional<std::size_t> beside = {});
+  void remove(std::size_t brick);  // of one that has samples
 
   [[nodiscard]] std::size_t slabCount() const noexcept { return slabs_.slabCount(); }
   [[nodiscard]] const gpu::Buffer& slab(std::size_t i) const noexcept { return slabs_.slab(i); }
   [[nodiscard]] std::size_t bytes() const noexcept { return slabs_.bytes(); }
 
  private:
+  [[nodiscard]] std::size_t spareOf(std::size_t bricks);
+
   SampleFormat format_;
   SlotSlabs slabs_;
   std::vector<std::uint32_t> slot_of_brick_;  // NO_SLOT where there is none

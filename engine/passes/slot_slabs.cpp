@@ -29,7 +29,7 @@ SlotSlabs::~SlotSlabs() {
 }
 
 std::size_t SlotSlabs::free() const noexcept {
-  return capacity_ - next_ + free_.size();
+  return capacity_ - next_ + free_count_;
 }
 
 std::size_t SlotSlabs::lastSlabSlots() const noexcept {
@@ -40,7 +40,8 @@ void SlotSlabs::reserve(std::size_t slots) {
   while (free() < slots) grow(slots - free());
 }
 
-// One step: the newest slab is made wider, or a new one begins. At least doubles what is there, if that is allowed.
+// One step: the newest slab is made wider, or a new one begins. At least doubles what is there, unless that would take
+// more than half of what the budget has left: others grow out of it, too.
 void SlotSlabs::grow(std::size_t wanted_slots) {
   const std::uint64_t affordable = budget_->leftBytes() / shape_.slot_bytes;
   if (affordable < wanted_slots) {
@@ -51,7 +52,8 @@ void SlotSlabs::grow(std::size_t wanted_slots) {
                             static_cast<double>(budget_->limit_bytes) / kBytesPerMiB),
                 "nothing was changed; raise --gpu-memory, or use a smaller brush or volume");
   }
-  const std::size_t step = std::min<std::uint64_t>(std::max(wanted_slots, next_ == 0 ? 0 : capacity_), affordable);
+  const std::size_t doubling = next_ == 0 ? 0 : capacity_;
+  const std::size_t step = doubling <= affordable / 2 ? std::max(wanted_slots, doubling) : wanted_slots;
   const std::size_t last = lastSlabSlots();
   if (!slabs_.empty() && last < shape_.slots_a_slab) {
     widenLastSlab(std::min<std::size_t>(last + step, shape_.slots_a_slab));
@@ -85,20 +87,29 @@ void SlotSlabs::widenLastSlab(std::size_t slots) {
   budget_->used_bytes += (slots - old_slots) * shape_.slot_bytes;
 }
 
-std::uint32_t SlotSlabs::take() noexcept {
-  if (free_.empty()) return static_cast<std::uint32_t>(next_++);
-  const std::uint32_t slot = free_.back();
-  free_.pop_back();
+std::uint32_t SlotSlabs::take(std::size_t slab) noexcept {
+  if (free_count_ == 0) return static_cast<std::uint32_t>(next_++);
+  if (slab >= free_.size() || free_[slab].empty()) {
+    const auto any = std::find_if(free_.rbegin(), free_.rend(), [](const auto& list) { return !list.empty(); });
+    slab = static_cast<std::size_t>(free_.rend() - any) - 1;
+  }
+  const std::uint32_t slot = free_[slab].back();
+  free_[slab].pop_back();
+  --free_count_;
   return slot;
 }
 
 void SlotSlabs::release(std::uint32_t slot) {
-  free_.push_back(slot);
+  const std::size_t slab = slot / shape_.slots_a_slab;
+  if (free_.size() <= slab) free_.resize(slab + 1);
+  free_[slab].push_back(slot);
+  ++free_count_;
 }
 
 void SlotSlabs::releaseAll() noexcept {
   next_ = 0;
   free_.clear();
+  free_count_ = 0;
 }
 
 }  // namespace palpate

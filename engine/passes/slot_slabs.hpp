@@ -2,8 +2,9 @@
 // engine/passes/slot_slabs.hpp: slots of one size on the GPU, taken and given back as bricks come and go.
 //
 // Slots lie in slabs, since a storage buffer binding is guaranteed 128 MiB only. The newest slab grows by doubling, up
-// to a whole one; then the next begins. Growing copies what the newest slab holds (at most one slab) and happens in
-// reserve() alone. Thread: the Gpu's; not while submitted work uses the slabs.
+// to a whole one; then the next begins. Where the budget is short it grows by what is asked for. Growing copies what
+// the newest slab holds and happens in reserve() alone; the old one is there beside the new until then, which the
+// budget does not count: at most 128 MiB for a moment. Thread: the Gpu's; not while submitted work uses the slabs.
 #pragma once
 
 #include <cstddef>
@@ -27,6 +28,8 @@ class SlotSlabs {
     std::size_t max_slabs = 0;       // that may be; 0: no limit
   };
 
+  static constexpr std::size_t kAnySlab = static_cast<std::size_t>(-1);
+
   // Starts with room for `slots` (at least one, so that a kernel has something to bind). Throws as reserve() does.
   SlotSlabs(gpu::Gpu& gpu, Shape shape, std::size_t slots, std::shared_ptr<GpuBudget> budget);
   ~SlotSlabs();
@@ -37,11 +40,12 @@ class SlotSlabs {
   // device do not allow it; every slot in use then is as it was, and what could be had stays for later.
   void reserve(std::size_t slots);
 
-  [[nodiscard]] std::uint32_t take() noexcept;      // a free slot; only after reserve()
+  // A free slot; only after reserve(). In `slab` if there is one that was given back there.
+  [[nodiscard]] std::uint32_t take(std::size_t slab = kAnySlab) noexcept;
   void release(std::uint32_t slot);                 // may be taken again at once
   void releaseAll() noexcept;                       // take() begins with slot 0 again
   [[nodiscard]] std::size_t free() const noexcept;  // slots that can be taken now
-  [[nodiscard]] std::size_t inUse() const noexcept { return next_ - free_.size(); }
+  [[nodiscard]] std::size_t inUse() const noexcept { return next_ - free_count_; }
 
   [[nodiscard]] std::size_t slabCount() const noexcept { return slabs_.size(); }
   [[nodiscard]] const gpu::Buffer& slab(std::size_t i) const noexcept { return slabs_[i]; }
@@ -57,9 +61,10 @@ class SlotSlabs {
   Shape shape_;
   std::shared_ptr<GpuBudget> budget_;
   std::vector<gpu::Buffer> slabs_;
-  std::size_t capacity_ = 0;         // slots of all slabs
-  std::size_t next_ = 0;             // slots below this one have been taken at some time
-  std::vector<std::uint32_t> free_;  // of those, given back
+  std::size_t capacity_ = 0;                      // slots of all slabs
+  std::size_t next_ = 0;                          // slots below this one have been taken at some time
+  std::vector<std::vector<std::uint32_t>> free_;  // of those, given back, by slab
+  std::size_t free_count_ = 0;
   gpu::Commands commands_;
 };
 

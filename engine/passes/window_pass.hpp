@@ -39,6 +39,7 @@ class WindowPass {
   [[nodiscard]] BrickTasks tasksOf(const WindowBox& box, const Wanted& wanted, const IfActive& if_active) const;
   void record(gpu::Commands& commands, const WindowBox& box, const gpu::Buffer& tasks,
               std::span<const TaskRange> ranges, const ActiveTest& test, const gpu::Buffer& window);
+  void makeKernels() { static_cast<void>(kernel_.get()); }  // for the pool's slabs as they are; throws Error(kDevice)
 
   // A window that starts anywhere touches at most 32 / 8 + 1 bricks along each axis.
   static constexpr std::size_t kBricksAlong = kWindowEdge / kBrickSize + 1;

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <unordered_set>
 
 #include <fmt/format.h>
@@ -87,19 +88,29 @@ Editor::Editor(const Parts& parts, const BrushProfile& profile, bool all_samples
       tasks_(parts.gpu, "brick tasks", 1024),
       bound_tasks_(parts.gpu, "bounds tasks", 1024),
       bound_results_(parts.gpu, "edited bounds", 1024),
-      touched_values_(parts.gpu, "touched bricks", 1),
+      touched_values_(parts.gpu, "touched bricks", 1, std::numeric_limits<std::uint64_t>::max()),  // copied, not bound
       max_dispatches_(64),
       is_changed_(parts.pool.brickCount()) {
   commands_.emplace(parts.gpu, "edit", max_dispatches_);
-  parts.pool.reserve(std::min(parts.pool.brickCount() - parts.pool.storedBricks(), kSpareBricks));
+  makeSpareRoom();
   if (all_samples) return;
-  parts.store.reserve(std::min(parts.pool.brickCount() - parts.store.brickCount(), kSpareBricks));
   crossed_.reserve(parts.pool.brickCount());
   for (const layout::BrickBounds& bounds : parts.bounds->read(parts.transfer))
     crossed_.push_back(crosses(bounds, parts.isovalue));
 }
 
 Editor::~Editor() = default;
+
+// A wish: where there is no room for it, an edit that needs some says so.
+void Editor::makeSpareRoom() {
+  try {
+    parts_.pool.reserve(std::min(parts_.pool.brickCount() - parts_.pool.storedBricks(), kSpareBricks));
+    if (all_samples_) return;
+    parts_.store.reserve(std::min(parts_.pool.brickCount() - parts_.store.brickCount(), kSpareBricks));
+  } catch (const Error& error) {
+    if (error.code() != Error::Code::kOutOfMemory) throw;
+  }
+}
 
 void Editor::prepare(std::span<const EditKind> kinds) {
   if (parts_.filters != nullptr) parts_.filters->prepare();
@@ -240,8 +251,11 @@ Editor::Plan Editor::makePlan(std::span<const BrickContent> bricks) const {
     const layout::BrickPage& page = parts_.pool.page(content.brick);
     const bool was_constant = page.slot == NO_SLOT;
     if (is_constant && was_constant && sameBits(page.constant, content.values[0])) continue;
+    // Between two constants the isovalue may lie or not; of others nothing is known.
+    const bool may_cross =
+        !is_constant || !was_constant || (page.constant > parts_.isovalue) != (content.values[0] > parts_.isovalue);
     Touched state{!is_constant, !is_constant && was_constant, is_constant ? content.values[0] : 0.0F,
-                  boxOf(grid_, content.brick), true};
+                  boxOf(grid_, content.brick), may_cross};
     if (is_constant) {
       pages.tasks.push_back({content.brick, NO_SLOT, 0, content.values[0]});
       if (!was_constant) plan.emptied.push_back(content.brick);
@@ -255,8 +269,8 @@ Editor::Plan Editor::makePlan(std::span<const BrickContent> bricks) const {
   return plan;
 }
 
-// Everything that may fail comes first; then slots are handed out.
-void Editor::makeRoom(Plan& plan) {
+// All that may fail for want of memory comes here, kernels included: then nothing has changed.
+void Editor::makeRoom(const Plan& plan) {
   edit_.fit(plan.phases, plan.edits, parts_.pool.stalePages());
   if (plan.phases.back().given) edit_.fitGiven(plan.phases.back().tasks.size());
   parts_.pool.reserve(plan.new_bricks);
@@ -266,17 +280,33 @@ void Editor::makeRoom(Plan& plan) {
   tasks_.fit(plan.regraded.size() + plan.newly.size() + WindowPass::kMaxTasks);
   bound_tasks_.fit(plan.rebounded.size());
   bound_results_.fit(plan.rebounded.size());
-  if (!parts_.transfer.reaches(parts_.pool.slab(0))) touched_values_.fit(plan.touched.size() * kBrickVoxels);
+  if (!parts_.transfer.reaches(parts_.pool.slab(0))) {
+    const auto is_stored = [](const auto& touched) { return touched.second.stored; };
+    const auto stored = std::count_if(plan.touched.begin(), plan.touched.end(), is_stored);
+    touched_values_.fit(static_cast<std::size_t>(stored) * kBrickVoxels);
+  }
   const auto slabs = static_cast<std::uint32_t>(parts_.store.slabCount());
   // One phase more for pages; bounds; a range for each slab of gradients, and for the window.
   const auto window = static_cast<std::uint32_t>(WindowPass::kMaxTasks);
   const std::uint32_t dispatches = edit_.dispatches(plan.phases) + DENSITY_SLABS + 2 + slabs + std::min(slabs, window) +
                                    (parts_.filters != nullptr ? parts_.filters->dispatches() : 0);
   if (dispatches > max_dispatches_) {
-    commands_.emplace(parts_.gpu, "edit", 2 * dispatches);
+    commands_ = gpu::Commands(parts_.gpu, "edit", 2 * dispatches);  // the old ones stay where this throws
     max_dispatches_ = 2 * dispatches;
   }
+  makeKernels(plan);
+}
 
+// Those that read a pool depend on its slabs, so this comes when all room is made.
+void Editor::makeKernels(const Plan& plan) {
+  edit_.makeKernels(plan.phases);
+  if (parts_.filters != nullptr) parts_.filters->makeKernels();
+  if (parts_.bounds != nullptr) parts_.bounds->makeKernels();
+  parts_.gradient.makeKernels();
+  parts_.window.makeKernels();
+}
+
+void Editor::handOutSlots(Plan& plan) {
   writeStalePages(plan);
   for (const std::uint32_t brick : plan.emptied) parts_.pool.empty(brick);
   for (const auto& [brick, state] : plan.touched) {
@@ -288,7 +318,7 @@ void Editor::makeRoom(Plan& plan) {
       if (task.slot != NO_SLOT) task.slot = parts_.pool.page(task.brick).slot;
     }
   }
-  for (const std::uint32_t brick : plan.newly) parts_.store.add(brick);
+  for (const std::uint32_t brick : plan.newly) parts_.store.add(brick, besideWithSamples(brick));
   if (parts_.filters != nullptr) parts_.filters->commit();
 }
 
@@ -381,7 +411,15 @@ void Editor::downloadTouched() {
   }
 }
 
+void Editor::refuseIfBroken() const {
+  if (!broken_) return;
+  throw Error(Error::Code::kDevice, "edit",
+              "the device failed in the middle of an edit, so the volume there is not known any more",
+              "what was saved before is whole; start again from that and from the journal");
+}
+
 Editor::Outcome Editor::apply(std::span<const EditCommand> commands, const WindowTarget* target) {
+  refuseIfBroken();
   settle();
   const auto start = Clock::now();
   Plan plan = makePlan(commands);
@@ -389,6 +427,7 @@ Editor::Outcome Editor::apply(std::span<const EditCommand> commands, const Windo
 }
 
 Editor::Outcome Editor::replace(std::span<const BrickContent> bricks, const WindowTarget* target) {
+  refuseIfBroken();
   settle();
   const auto start = Clock::now();
   Plan plan = makePlan(bricks);
@@ -408,6 +447,8 @@ Editor::Outcome Editor::run(Plan& plan, const WindowTarget* target, std::span<co
   outcome.stages.push_back({"plan", planned_s + secondsSince(making_room)});
 
   const auto recording = Clock::now();
+  broken_ = true;  // from here on pages and slots say what holds only once the device has done its part
+  handOutSlots(plan);
   stored_.clear();
   for (const auto& [brick, state] : plan.touched) {
     if (state.stored) stored_.push_back(brick);
@@ -420,6 +461,7 @@ Editor::Outcome Editor::run(Plan& plan, const WindowTarget* target, std::span<co
 
   const auto computing = Clock::now();
   commands_->run();
+  broken_ = false;
   outcome.stages.push_back({"gpu", secondsSince(computing)});
   for (StageTime& stage : commands_->marks()) outcome.stages.push_back(std::move(stage));
   rebounded_ = std::move(plan.rebounded);
@@ -443,9 +485,14 @@ void Editor::handOver(const Plan& plan, std::span<const BrickContent> given) {
 }
 
 Editor::BrickContent Editor::content(std::uint32_t brick) const {
-  BrickContent content{brick, std::vector<float>(kBrickVoxels)};
-  if (parts_.pool.readBrick(parts_.transfer, brick, content.values.data())) content.values.resize(1);
-  return content;
+  refuseIfBroken();
+  return read(brick);
+}
+
+Editor::BrickContent Editor::read(std::uint32_t brick) const {
+  std::array<float, kBrickVoxels> values{};
+  const bool is_constant = parts_.pool.readBrick(parts_.transfer, brick, values.data());
+  return {brick, {values.begin(), is_constant ? values.begin() + 1 : values.end()}};
 }
 
 std::vector<std::uint32_t> Editor::bricksToChange(std::span<const EditCommand> commands) const {
@@ -453,6 +500,17 @@ std::vector<std::uint32_t> Editor::bricksToChange(std::span<const EditCommand> c
   for (const auto& [brick, state] : makePlan(commands).touched) bricks.push_back(brick);
   sortUnique(bricks);
   return bricks;
+}
+
+// A brick next to this one, in whose slab its samples should lie.
+std::optional<std::size_t> Editor::besideWithSamples(std::uint32_t brick) const {
+  const Vec3i at = grid_.brick(brick);
+  for (int side = 0; side < 6; ++side) {
+    const Vec3i other = at + Vec3i::Unit(side / 2) * (side % 2 == 0 ? -1 : 1);
+    if (other.minCoeff() < 0 || (other.array() >= grid_.counts().array()).any()) continue;
+    if (parts_.store.has(grid_.index(other))) return grid_.index(other);
+  }
+  return std::nullopt;
 }
 
 bool Editor::isActive(std::uint32_t brick) const {
@@ -489,6 +547,7 @@ void Editor::noteChanged(std::uint32_t brick) {
 }
 
 std::size_t Editor::readBack(Volume& volume) {
+  refuseIfBroken();
   settle();
   std::array<float, kBrickVoxels> values{};
   for (const std::uint32_t brick : changed_) {
@@ -506,13 +565,16 @@ std::size_t Editor::readBack(Volume& volume) {
 }
 
 std::vector<Editor::BrickContent> Editor::takeChanged(std::size_t most) {
+  refuseIfBroken();
   settle();
+  broken_ = true;  // bricks that were taken and not handed over would be missing in every later file
   std::vector<BrickContent> taken;
   while (!changed_.empty() && taken.size() < most) {
-    taken.push_back(content(changed_.back()));
+    taken.push_back(read(changed_.back()));
     is_changed_[changed_.back()] = false;
     changed_.pop_back();
   }
+  broken_ = false;
   return taken;
 }
 

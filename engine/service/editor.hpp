@@ -46,7 +46,7 @@ class Editor {
         nullptr;         // from `pool`, which is edited, to the field of all the others; null: the pool itself
     float isovalue = 0;  // of that field [density]
   };
-  // `all_samples`: every brick has samples, whatever its bounds. Makes some room for bricks to come.
+  // `all_samples`: every brick has samples, whatever its bounds. Makes some room for bricks to come, if there is any.
   Editor(const Parts& parts, const BrushProfile& profile, bool all_samples);
   ~Editor();
 
@@ -68,7 +68,9 @@ class Editor {
   };
   // Applies commands one after another. If `target` is given and the edit reaches its box, gathers it. Blocks until the
   // GPU is done. Throws Error(kBadInput) as lowerEdits does and Error(kOutOfMemory) where there is no room; then
-  // nothing has changed and the editor goes on working.
+  // nothing has changed and the editor goes on working. Where the device fails in the middle of an edit, or reading
+  // back, the volume is not known any more: broken() from then on, and all that changes or reads it throws
+  // Error(kDevice).
   Outcome apply(std::span<const EditCommand> commands, const WindowTarget* target);
   // Puts whole bricks back, as undo and replay do; each brick once, linear page indices (grid()). Counts as an edit;
   // for all else as apply(). At most 65536 bricks that are not constant at once. Refuses (Error kBadInput) a brick that
@@ -78,9 +80,12 @@ class Editor {
     std::vector<float> values;  // 512, i fastest, voxels outside the domain as Volume::readBrick gives them; or one
   };
   Outcome replace(std::span<const BrickContent> bricks, const WindowTarget* target);
+  [[nodiscard]] bool broken() const noexcept { return broken_; }
   [[nodiscard]] const BrickGrid& grid() const noexcept { return grid_; }
   // What a brick holds now, in that form. After settle().
   [[nodiscard]] BrickContent content(std::uint32_t brick) const;
+  // Whether that will be 512 densities.
+  [[nodiscard]] bool isStored(std::uint32_t brick) const noexcept { return parts_.pool.page(brick).slot != NO_SLOT; }
   // The bricks that apply() would change, ascending: what a history must keep. Throws as lowerEdits does.
   [[nodiscard]] std::vector<std::uint32_t> bricksToChange(std::span<const EditCommand> commands) const;
 
@@ -131,11 +136,17 @@ class Editor {
   void planReach(Plan& plan) const;
   Outcome run(Plan& plan, const WindowTarget* target, std::span<const BrickContent> given, double planned_s);
   void handOver(const Plan& plan, std::span<const BrickContent> given);
-  void makeRoom(Plan& plan);
+  void makeSpareRoom();
+  void makeRoom(const Plan& plan);
+  void makeKernels(const Plan& plan);
+  void handOutSlots(Plan& plan);
   void writeStalePages(Plan& plan);
   void record(Plan& plan, const WindowTarget* target, Outcome& outcome);
   void downloadTouched();
+  void refuseIfBroken() const;
+  [[nodiscard]] BrickContent read(std::uint32_t brick) const;
   [[nodiscard]] bool reachesWindow(const Plan& plan, const WindowBox& box) const;
+  [[nodiscard]] std::optional<std::size_t> besideWithSamples(std::uint32_t brick) const;
   [[nodiscard]] bool isActive(std::uint32_t brick) const;
   void noteChanged(std::uint32_t brick);
 
@@ -155,6 +166,7 @@ class Editor {
   std::vector<bool> is_changed_;  // by brick: not read back yet
   std::vector<std::uint32_t> changed_;
   std::uint64_t version_ = 0;
+  bool broken_ = false;  // between the first change of an edit and its end
   // between apply() and settle()
   std::vector<std::uint32_t> rebounded_, unsettled_, stored_;
   bool settled_ = true;

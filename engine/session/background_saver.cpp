@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <exception>
+#include <stdexcept>
 #include <utility>
 
 #include <fmt/format.h>
@@ -12,6 +13,20 @@ namespace palpate {
 namespace {
 
 constexpr int kNiceness = 10;
+
+// What the work threw, in words, never none; empty: nothing.
+template <typename Work>
+std::string failureOf(const Work& work) {
+  std::string words;
+  try {
+    work();
+    return {};
+  } catch (const std::exception& error) {
+    words = error.what();
+  } catch (...) {
+  }
+  return words.empty() ? "for an unknown reason" : words;
+}
 
 }  // namespace
 
@@ -33,6 +48,12 @@ void BackgroundSaver::give(std::vector<Editor::BrickContent> bricks, std::option
   send(std::make_unique<Batch>(Batch{std::move(bricks), save_version}));
 }
 
+// The thread reads it when the next batch is there, so behind this.
+void BackgroundSaver::abandon(const std::string& why) {
+  broken_ = true;
+  tellBroken(why);
+}
+
 void BackgroundSaver::wait() const noexcept {
   for (Batch* batch = batch_.load(); batch != nullptr; batch = batch_.load()) batch_.wait(batch);
 }
@@ -52,11 +73,27 @@ void BackgroundSaver::work() {
   for (bool last = false; !last;) {
     batch_.wait(nullptr, std::memory_order_acquire);
     const std::unique_ptr<Batch> batch(batch_.load(std::memory_order_acquire));
-    takeIn(*batch);
-    if (batch->save_version) save(*batch->save_version);
+    if (!broken_) takeAndSave(*batch);
     last = batch->last;
     batch_.store(nullptr, std::memory_order_release);
     batch_.notify_all();
+  }
+}
+
+// A copy that holds half a batch is the volume at no version: it is never written.
+void BackgroundSaver::takeAndSave(const Batch& batch) noexcept {
+  broken_ = true;
+  try {
+    const std::string failure = failureOf([&] { takeIn(batch); });
+    if (!failure.empty()) {
+      tellBroken(failure);
+      return;
+    }
+    if (batch.save_version) save(*batch.save_version);
+    broken_ = false;
+  } catch (...) {  // no memory even for the words
+    const std::lock_guard lock(mutex_);
+    ++figures_.failures;
   }
 }
 
@@ -65,8 +102,10 @@ void BackgroundSaver::takeIn(const Batch& batch) {
     const Vec3i at = grid_.brick(content.brick);
     if (content.values.size() == 1) {
       volume_.setConstantBrick(at, content.values[0]);
-    } else {
+    } else if (content.values.size() == kBrickVoxels) {
       volume_.setBrick(at, content.values.data());
+    } else {
+      throw std::length_error(fmt::format("brick {} has {} densities", content.brick, content.values.size()));
     }
   }
 }
@@ -74,23 +113,29 @@ void BackgroundSaver::takeIn(const Batch& batch) {
 void BackgroundSaver::save(std::uint64_t version) {
   const auto start = std::chrono::steady_clock::now();
   std::uint64_t bytes = 0;
-  std::string failure;
-  try {
-    bytes = write_(volume_, version);
-  } catch (const std::exception& error) {
-    failure = error.what();
+  const std::string failure = failureOf([&] { bytes = write_(volume_, version); });
+  if (!failure.empty()) {
+    tell(fmt::format("edit {} was not saved: {}", version, failure), failure);
+    return;
   }
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const std::lock_guard lock(mutex_);
-  figures_.failure = failure;
-  if (failure.empty()) {
-    figures_.seconds.push_back(seconds);
-    figures_.bytes = bytes;
-    figures_.version = version;
-    return;
-  }
+  figures_.failure.clear();
+  figures_.seconds.push_back(seconds);
+  figures_.bytes = bytes;
+  figures_.version = version;
+  saved_version_.store(version, std::memory_order_release);
+}
+
+void BackgroundSaver::tellBroken(const std::string& why) {
+  tell(fmt::format("the volume is saved no more: the copy of it to save is incomplete ({})", why), why);
+}
+
+void BackgroundSaver::tell(std::string text, std::string failure) {
+  const std::lock_guard lock(mutex_);
+  figures_.failure = std::move(failure);
   ++figures_.failures;
-  untold_.push_back(fmt::format("edit {} was not saved: {}", version, failure));
+  untold_.push_back(std::move(text));
   has_untold_.store(true, std::memory_order_release);
 }
 

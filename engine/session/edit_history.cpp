@@ -10,9 +10,16 @@ namespace {
 
 constexpr std::size_t kMostAtOnce = 65536;  // bricks in one Editor::replace
 
+constexpr std::size_t kStepBytes = sizeof(std::vector<Editor::BrickContent>);  // of an edit that changes nothing, too
+
+// With what the heap takes for each brick's vector: at least 32 bytes, and some beside a large one.
+std::size_t bytesOfBrick(std::size_t values) {
+  return sizeof(Editor::BrickContent) + std::max<std::size_t>(32, values * sizeof(float) + 16);
+}
+
 std::size_t bytesOf(const std::vector<Editor::BrickContent>& step) {
-  std::size_t bytes = sizeof step + step.size() * sizeof(Editor::BrickContent);  // of an edit that changes nothing, too
-  for (const Editor::BrickContent& content : step) bytes += content.values.size() * sizeof(float);
+  std::size_t bytes = kStepBytes;
+  for (const Editor::BrickContent& content : step) bytes += bytesOfBrick(content.values.size());
   return bytes;
 }
 
@@ -26,23 +33,53 @@ EditHistory::Step EditHistory::contentOf(const std::vector<std::uint32_t>& brick
 }
 
 Engine::EditResult EditHistory::edit(std::span<const EditCommand> commands, std::int64_t now_ns) {
-  if (budget_bytes_ == 0) {  // nothing would be kept
+  // What engine_.edit() throws, it throws with nothing changed; here neither.
+  if (budget_bytes_ == 0) {  // nothing would be kept, so there is no need to ask which bricks change
+    Engine::EditResult result = engine_.edit(commands, now_ns);
     ++forgotten_;
-    return engine_.edit(commands, now_ns);
+    return result;
   }
-  Step before = contentOf(engine_.editor().bricksToChange(commands));
-  Engine::EditResult result = engine_.edit(commands, now_ns);  // throws with nothing changed, here neither
+  const std::vector<std::uint32_t> bricks = engine_.editor().bricksToChange(commands);
+  if (bytesToKeep(bricks) > budget_bytes_) {
+    Engine::EditResult result = engine_.edit(commands, now_ns);
+    forgetAll();
+    ++forgotten_;
+    return result;
+  }
+  Step before = contentOf(bricks);
+  Engine::EditResult result = engine_.edit(commands, now_ns);
+  forgetUndone();
+  keep(std::move(before));
+  return result;
+}
+
+std::size_t EditHistory::bytesToKeep(const std::vector<std::uint32_t>& bricks) const {
+  std::size_t bytes = kStepBytes;
+  for (const std::uint32_t brick : bricks) bytes += bytesOfBrick(engine_.editor().isStored(brick) ? kBrickVoxels : 1);
+  return bytes;
+}
+
+void EditHistory::keep(Step step) {
+  bytes_ += bytesOf(step);
+  steps_.push_back(std::move(step));
+  ++done_;
+  forgetBeyondBudget();
+}
+
+void EditHistory::forgetAll() {
+  forgotten_ += done_;
+  steps_.clear();
+  done_ = bytes_ = 0;
+}
+
+void EditHistory::forgetUndone() {
   while (steps_.size() > done_) {
     bytes_ -= bytesOf(steps_.back());
     steps_.pop_back();
   }
-  bytes_ += bytesOf(before);
-  steps_.push_back(std::move(before));
-  ++done_;
-  forgetBeyondBudget();
-  return result;
 }
 
+// The oldest first; when none of those is left, what was undone, the newest first.
 void EditHistory::forgetBeyondBudget() {
   while (bytes_ > budget_bytes_ && done_ > 0) {
     bytes_ -= bytesOf(steps_.front());
@@ -50,18 +87,30 @@ void EditHistory::forgetBeyondBudget() {
     --done_;
     ++forgotten_;
   }
+  while (bytes_ > budget_bytes_ && !steps_.empty()) {
+    bytes_ -= bytesOf(steps_.back());
+    steps_.pop_back();
+  }
 }
 
-// Puts the step's bricks in place and keeps in it what they replace.
+// Puts the step's bricks in place, all or none, and keeps in it what they replace.
 Engine::EditResult EditHistory::exchange(Step& step, std::int64_t now_ns) {
   std::vector<std::uint32_t> bricks;
   for (const Editor::BrickContent& content : step) bricks.push_back(content.brick);
   Step replaced = contentOf(bricks);
   Engine::EditResult result;
   result.version = engine_.editVersion();
-  for (std::size_t first = 0; first < step.size(); first += kMostAtOnce) {
-    const std::size_t count = std::min(kMostAtOnce, step.size() - first);
-    result = engine_.replace(std::span(step).subspan(first, count), now_ns);
+  const auto part = [](const Step& of, std::size_t first) {
+    return std::span(of).subspan(first, std::min(kMostAtOnce, of.size() - first));
+  };
+  std::size_t first = 0;
+  try {
+    for (; first < step.size(); first += kMostAtOnce) result = engine_.replace(part(step, first), now_ns);
+  } catch (...) {
+    if (engine_.editor().broken()) throw;
+    // Backwards through states that there were: none of them needs room that is not there.
+    while (first > 0) engine_.replace(part(replaced, first -= kMostAtOnce), now_ns);
+    throw;
   }
   bytes_ += bytesOf(replaced);
   bytes_ -= bytesOf(step);
@@ -76,6 +125,7 @@ Engine::EditResult EditHistory::undo(std::int64_t now_ns) {
   }
   Engine::EditResult result = exchange(steps_[done_ - 1], now_ns);
   --done_;
+  forgetBeyondBudget();  // what it replaced may be larger than what it put back
   return result;
 }
 
@@ -83,6 +133,7 @@ Engine::EditResult EditHistory::redo(std::int64_t now_ns) {
   if (!canRedo()) throw Error(Error::Code::kBadInput, "redo", "nothing was undone", "undo an edit first");
   Engine::EditResult result = exchange(steps_[done_], now_ns);
   ++done_;
+  forgetBeyondBudget();
   return result;
 }
 

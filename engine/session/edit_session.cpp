@@ -7,12 +7,6 @@
 #include "base/units.hpp"
 
 namespace palpate {
-namespace {
-
-// Copied in one go, in well under a millisecond: the engine's thread has the window to see to.
-constexpr std::size_t kBricksAtOnce = 256;
-
-}  // namespace
 
 EditSession::EditSession(Engine& engine, const BrushProfile& profile, std::span<const EditKind> kinds,
                          std::size_t history_bytes)
@@ -31,6 +25,7 @@ Engine::EditResult EditSession::timed(const Change& change) {
   const auto start = std::chrono::steady_clock::now();
   Engine::EditResult result = change();
   ++figures_.edits;
+  if (result.changed_bricks > 0) content_version_ = engine_.editVersion();
   if (!result.published) return result;
   double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   for (const StageTime& stage : result.stages) seconds -= stage.name == "settle" ? stage.seconds : 0;
@@ -64,23 +59,37 @@ void EditSession::keepSaved(Volume& volume, BackgroundSaver::Write write, double
 
 // Not before something changed; again where it failed to be saved.
 bool EditSession::isSaveDue(std::int64_t now_ns) const {
-  return now_ns >= next_ns_ && engine_.editVersion() > 0 && !isSaved();
+  return now_ns >= next_ns_ && content_version_ > 0 && !isSaved();
 }
 
 bool EditSession::isSaved() const {
-  return saver_->figures().version == engine_.editVersion();
+  const std::optional<std::uint64_t> saved = saver_->savedVersion();
+  return saved && *saved >= content_version_;
 }
 
 void EditSession::look(std::int64_t now_ns) {
-  if (!saver_ || save_period_ns_ == 0 || !saver_->ready()) return;
+  if (!saver_ || !saving_ || save_period_ns_ == 0 || !saver_->ready()) return;
   if (next_ns_ == kNotSet) next_ns_ = now_ns + save_period_ns_;
   // Bricks that change again and again are copied once for each save, unless there are many.
   const bool due = isSaveDue(now_ns);
   if (!due && engine_.editor().changedBricks() < kBricksAtOnce) return;
-  std::vector<Editor::BrickContent> bricks = engine_.takeChanged(kBricksAtOnce);
+  // Edits that change more between two looks than a look hands over would put a due save off for ever.
+  handOver(bricks_at_once_, due);
   const bool complete = engine_.editor().changedBricks() == 0;
+  bricks_at_once_ = due && !complete ? 2 * bricks_at_once_ : kBricksAtOnce;
   if (due && complete) next_ns_ = now_ns + save_period_ns_;
-  saver_->give(std::move(bricks), due && complete ? std::optional(engine_.editVersion()) : std::nullopt);
+}
+
+// What was taken from the editor and did not arrive would be missing in every later file, so then there is none.
+void EditSession::handOver(std::size_t most, bool save) {
+  try {
+    std::vector<Editor::BrickContent> bricks = engine_.takeChanged(most);
+    const bool complete = engine_.editor().changedBricks() == 0;
+    saver_->give(std::move(bricks), save && complete ? std::optional(engine_.editVersion()) : std::nullopt);
+  } catch (const std::exception& error) {
+    saving_ = false;
+    saver_->abandon(error.what());
+  }
 }
 
 void EditSession::close() {
@@ -89,17 +98,22 @@ void EditSession::close() {
   closed_ = true;
   saver_->wait();
   const bool save = !isSaved();
-  while (engine_.editor().changedBricks() > 0) {
-    saver_->give(engine_.takeChanged(kBricksAtOnce), std::nullopt);
+  for (bool more = true; more && saving_;) {
+    handOver(kBricksAtOnce, save);
     saver_->wait();
+    more = engine_.editor().changedBricks() > 0;
   }
-  if (save) saver_->give({}, engine_.editVersion());
   saver_->close();
+}
+
+void EditSession::dropEmptyJournal() {
+  if (journal_) journal_->closeAndDropEmpty();
 }
 
 EditFigures EditSession::figures() const {
   EditFigures figures = figures_;
   if (saver_) figures.saves = saver_->figures();
+  if (saver_ && isSaved()) figures.saves.version = engine_.editVersion();  // edits since then changed nothing
   if (!journal_) return figures;
   figures.journalled = journal_->appended();
   figures.acknowledged = journal_->acknowledged();

@@ -43,7 +43,7 @@ class EditSession {
   // may look at it. It is saved every `every_s` seconds in which something changed (0: never), and by close().
   void keepSaved(Volume& volume, BackgroundSaver::Write write, double every_s);
   // Often: hands over what changed, and begins a save when one is due and the last is done. Never waits. Cost: a copy
-  // of 256 bricks at most.
+  // of 256 bricks at most; twice as many with each look that a due save still waits for.
   void look(std::int64_t now_ns);
   [[nodiscard]] BackgroundSaver* saver() noexcept { return saver_ ? &*saver_ : nullptr; }
 
@@ -53,8 +53,10 @@ class EditSession {
   Engine::EditResult redo(std::int64_t now_ns);
 
   // Waits until the journal is on disk or has failed, and ends it. Saves what no file holds yet, and gives the volume
-  // back, with every edit in it.
+  // back, with every edit in it; where what changed can no longer be had from the engine, that is a failed save.
   void close();
+  // Where a job fails: ends the journal, and one without a record is gone, so that the job can be begun again.
+  void dropEmptyJournal();
   [[nodiscard]] EditFigures figures() const;
   [[nodiscard]] const EditHistory& history() const noexcept { return history_; }
   [[nodiscard]] const JournalWriter* journal() const noexcept { return journal_ ? &*journal_ : nullptr; }
@@ -62,6 +64,7 @@ class EditSession {
  private:
   [[nodiscard]] bool isSaveDue(std::int64_t now_ns) const;
   [[nodiscard]] bool isSaved() const;
+  void handOver(std::size_t most, bool save);
   template <typename Change>
   Engine::EditResult timed(const Change& change);
 
@@ -69,9 +72,14 @@ class EditSession {
   EditHistory history_;
   std::optional<JournalWriter> journal_;
   std::optional<BackgroundSaver> saver_;
+  // Copied in one go, in well under a millisecond: the engine's thread has the window to see to.
+  static constexpr std::size_t kBricksAtOnce = 256;
+  std::size_t bricks_at_once_ = kBricksAtOnce;  // twice as many with each look that a due save waits for
   static constexpr std::int64_t kNotSet = std::numeric_limits<std::int64_t>::min();
-  std::int64_t save_period_ns_ = 0;  // 0: no save before the end
-  std::int64_t next_ns_ = kNotSet;   // when the next save is due
+  std::uint64_t content_version_ = 0;  // of the last edit that may have changed something
+  std::int64_t save_period_ns_ = 0;    // 0: no save before the end
+  std::int64_t next_ns_ = kNotSet;     // when the next save is due
+  bool saving_ = true;                 // what changed still reaches the saver
   bool closed_ = false;
   EditFigures figures_;
 };

@@ -39,6 +39,8 @@ class ToolBrush {
   // The edit that is due now, if there is one: its stroke and, with a mirror, the other, for one apply(). `time_ns` on
   // the pose's clock.
   [[nodiscard]] std::vector<EditCommand> look(const ToolPose& pose, std::int64_t time_ns);
+  // The edit that look() gave last was not applied: a tool that stands gives it again.
+  void refused() noexcept { last_edit_W_.reset(); }
 
  private:
   [[nodiscard]] double strengthFor(double seconds) const;

@@ -44,8 +44,8 @@ TEST(EditBench, HasEveryStageOfEveryVolumeAndRadius) {
     EXPECT_GT(figureOf(row, "gpu_memory_MiB"), 0);
     EXPECT_GT(figureOf(row, "share_outside_kernels"), 0);
     EXPECT_LT(figureOf(row, "share_outside_kernels"), 1);
-    for (const char* stage : {"to_window", "plan", "record", "submit_and_wait", "edit_kernel", "gradient_kernel", "journal", "journal_saved",
-                              "window_kernel", "publish", "settle", "read_back", "sum"}) {
+    for (const char* stage : {"to_window", "plan", "record", "submit_and_wait", "edit_kernel", "gradient_kernel",
+                              "journal", "journal_saved", "window_kernel", "publish", "settle", "read_back", "sum"}) {
       EXPECT_GT(figureOf(row, std::string(stage) + "_median_ms"), 0) << stage;
       EXPECT_GE(figureOf(row, std::string(stage) + "_p99_ms"), figureOf(row, std::string(stage) + "_median_ms"));
     }

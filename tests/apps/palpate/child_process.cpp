@@ -71,7 +71,8 @@ void listen(const Command& command, pid_t child, int out, int err, Outcome& outc
     for (std::size_t n = 0; n < streams.size(); ++n) {
       if (streams[n].revents != 0 && !drain(streams[n].fd, *texts[n])) streams[n].fd = -1;
     }
-    if (!signalled && outcome.err.find(command.signal_at) != std::string::npos) {
+    if (!signalled && outcome.err.find(command.signal_at) != std::string::npos &&
+        (command.signal_with.empty() || std::filesystem::exists(command.folder / command.signal_with))) {
       for (const int signal : command.signals) kill(child, signal);
       signalled = true;
     }

@@ -19,6 +19,7 @@ struct Command {
   std::string output_file{};                                       // takes stdout, "" for Outcome::out
   std::string input_file{};                                        // is stdin; "": this process's
   std::string signal_at{};                                         // words on stderr at which `signals` are sent
+  std::string signal_with{};                                       // a file in `folder` that must be there for it too
   std::vector<int> signals{};
   double timeout_s = 120;  // sanitizer builds included; then it is killed
 };

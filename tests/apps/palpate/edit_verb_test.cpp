@@ -318,11 +318,11 @@ TEST_F(EditVerb, ReachingTheGpuBudgetIsClearAndSurvivable) {
   expectRefusal(run(words + dos({"undo"}) + Words{"--gpu-memory", "100KiB"}), "GPU memory for density",
                 "raise --gpu-memory", 5);
   const Words flood = dos({"remove:radius=3:at=18,0,0", "paint:radius=50:at=0,0,0:falloff=1:value=100", "undo"});
-  const Outcome refused = run(words + flood + Words{"--gpu-memory", "5MiB"});
+  const Outcome refused = run(words + flood + Words{"--gpu-memory", "4MiB"});
   expectRefusal(refused, "--do 'paint:", "GPU memory for", 5);
   EXPECT_THAT(refused.err, HasSubstr("1 command had been applied"));
   expectNothingWritten();
-  const Outcome went_on = run(words + flood + Words{"--gpu-memory", "5MiB", "--keep-going"});
+  const Outcome went_on = run(words + flood + Words{"--gpu-memory", "4MiB", "--keep-going"});
   EXPECT_EQ(went_on.status, 0) << went_on.err;
   EXPECT_THAT(went_on.out, HasSubstr("2 applied: 1 edit, 1 undo, 0 redos; 1 refused"));
   EXPECT_EQ(contentIn(went_on.out), fmt::format("{:016x}", contentHash(loadVolume("phantom:sphere?size=64"))));

@@ -96,6 +96,13 @@ INSTANTIATE_TEST_SUITE_P(
                 },
                 "drop of 2"},
         Refusal{"stamp_none", EditKind::kStampAdd, [](auto& c) { c.stamp.reset(); }, "no stamp"},
+        Refusal{"stamp_beyond_a_record", EditKind::kStampAdd,
+                [](auto& c) {
+                  auto stamp = std::make_shared<Stamp>(*c.stamp);
+                  stamp->size = {1024, 1024, 256};  // 2^30 bytes, were its distances there
+                  c.stamp = stamp;
+                },
+                "more than the 1023 MiB"},
         Refusal{"stamp_short", EditKind::kStampRemove,
                 [](auto& c) {
                   auto stamp = std::make_shared<Stamp>(*c.stamp);
@@ -154,6 +161,20 @@ TEST(BrushProfile, TakesTheObjectsMeanAndTheLowestDensity) {
   EXPECT_EQ(profile.background, -50);
   EXPECT_NEAR(profile.object, 150, 0.5);  // bins of 250/256
   EXPECT_THROW((void)brushProfile(volume, 500), Error);
+}
+
+// A mirrored stamp is the same one, and large ones fill what a device can bind.
+TEST(LowerEdits, HandsAStampOverOnce) {
+  EditCommand first = good(EditKind::kStampAdd);
+  EditCommand other = good(EditKind::kStampRemove);
+  const std::vector<EditCommand> commands = {first, other, mirrored(first, first.from_W, Vec3::UnitX()), first};
+  const LoweredEdits lowered = lowerEdits(commands, kSize, lattice(), brushProfile(0, -1, 1, lattice().spacing_m));
+  EXPECT_EQ(lowered.stamps.size(), 16U);
+  ASSERT_EQ(lowered.commands.size(), 4U);
+  EXPECT_EQ(lowered.commands[0].stamp_first, 0U);
+  EXPECT_EQ(lowered.commands[1].stamp_first, 8U);
+  EXPECT_EQ(lowered.commands[2].stamp_first, 0U);
+  EXPECT_EQ(lowered.commands[3].stamp_first, 0U);
 }
 
 }  // namespace

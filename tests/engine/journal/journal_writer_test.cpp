@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "base/error.hpp"
 #include "engine/journal/journal_reader.hpp"
@@ -45,9 +46,16 @@ TEST(JournalWriter, AStampIsWrittenOnce) {
   JournalWriter writer(folder.path(), header());
   EXPECT_EQ(writer.edit({&command, 1}), 2U);
   EXPECT_EQ(writer.edit({&command, 1}), 3U);
+  EXPECT_EQ(command.stamp.use_count(), 1) << "the journal keeps it";
+  EditCommand again = command;
+  again.stamp = RandomEdits::ball(2e-3);  // made anew, the same
+  EXPECT_EQ(writer.edit({&again, 1}), 4U);
+  again.stamp = RandomEdits::ball(3e-3);
+  EXPECT_EQ(writer.edit({&again, 1}), 6U);
   writer.close();
   const Journal journal = readJournal(folder.path());
-  ASSERT_EQ(journal.records.size(), 2U);
+  ASSERT_EQ(journal.records.size(), 4U);
+  EXPECT_NE(journal.records[0].commands[0].stamp, journal.records[3].commands[0].stamp);
   EXPECT_EQ(journal.records[0].commands[0].stamp, journal.records[1].commands[0].stamp);
   EXPECT_EQ(journal.records[0].commands[0].stamp->distance_m, command.stamp->distance_m);
 }
@@ -121,10 +129,12 @@ TEST(JournalWriter, AFullDiskEndsTheJournalAndNothingElse) {
   for (int i = 0; i < 10; ++i) writer.edit({&command, 1});
   writer.flush();
   EXPECT_EQ(writer.acknowledged(), 10U);
+  EXPECT_FALSE(writer.failed());
   {
     const FileSizeLimit limit(writer.bytes() + 150);  // one record and a piece
     for (int i = 0; i < 5000; ++i) writer.edit({&command, 1});
     writer.flush();
+    EXPECT_TRUE(writer.failed());
     EXPECT_THAT(writer.failure(), HasSubstr("edits after number 10 are not saved"));
     EXPECT_THAT(writer.failure(), HasSubstr("make room"));
   }
@@ -148,6 +158,30 @@ TEST(JournalWriter, AFullDiskAtTheStartIsAnError) {
     EXPECT_THAT(error.what(), HasSubstr("make room"));
   }
   EXPECT_EQ(folder.files(), 0);
+}
+
+// One file more may be open: the journal, and not its folder, so that this cannot be flushed.
+TEST(JournalWriter, WhatIsRefusedLeavesNoJournal) {
+  TemporaryFolder folder;
+  const int next = dup(STDERR_FILENO);  // the lowest number that is free
+  close(next);
+  rlimit before{};
+  getrlimit(RLIMIT_NOFILE, &before);
+  const rlimit one_more{static_cast<rlim_t>(next) + 1, before.rlim_max};
+  setrlimit(RLIMIT_NOFILE, &one_more);
+  EXPECT_THROW(JournalWriter(folder.path(), header()), Error);
+  setrlimit(RLIMIT_NOFILE, &before);
+  EXPECT_EQ(folder.files(), 0);
+}
+
+TEST(JournalWriter, DropsTheFileWhereNothingWasAppended) {
+  TemporaryFolder empty, used;
+  JournalWriter first(empty.path(), header()), second(used.path(), header());
+  second.undo();
+  first.closeAndDropEmpty();
+  second.closeAndDropEmpty();
+  EXPECT_EQ(empty.files(), 0);
+  EXPECT_EQ(used.files(), 1);
 }
 
 TEST(JournalWriter, RefusesAFolderThatHoldsAJournal) {

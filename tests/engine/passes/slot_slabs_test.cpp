@@ -2,6 +2,7 @@
 // Slots that come and go, slabs that grow, a budget that ends it.
 #include "engine/passes/slot_slabs.hpp"
 
+#include <numeric>
 #include <set>
 #include <span>
 #include <vector>
@@ -10,6 +11,8 @@
 
 #include "base/error.hpp"
 #include "engine/gpu/transfer.hpp"
+#include "engine/passes/sample_store.hpp"
+#include "engine/volume/volume.hpp"
 
 namespace palpate {
 namespace {
@@ -56,6 +59,40 @@ TEST(SlotSlabs, GivesReleasedSlotsAgain) {
   EXPECT_EQ(slabs.take(), 2U);
 }
 
+TEST(SlotSlabs, GivesASlotOfTheSlabThatIsAskedFor) {
+  gpu::Gpu gpu({});
+  SlotSlabs slabs(gpu, shape(), 40, makeGpuBudget());
+  for (int i = 0; i < 40; ++i) (void)slabs.take();
+  slabs.release(3);   // slab 0
+  slabs.release(20);  // slab 1
+  slabs.release(39);  // slab 2
+  EXPECT_EQ(slabs.take(1), 20U);
+  EXPECT_EQ(slabs.take(0), 3U);
+  EXPECT_EQ(slabs.take(0), 39U);  // none is left there
+  EXPECT_EQ(slabs.inUse(), 40U);
+}
+
+// Each full slab keeps a sixteenth free, where the next bricks of its region find room; a budget that allows no spare
+// still holds all.
+TEST(SampleStore, KeepsRoomBesideItsBricks) {
+  gpu::Gpu gpu({});
+  constexpr std::size_t kBricks = BRICKS_PER_SAMPLE_SLAB + 100;
+  std::vector<std::uint32_t> bricks(kBricks);
+  std::iota(bricks.begin(), bricks.end(), 0U);
+  SampleStore store(gpu, 2 * kBricks, bricks);
+  EXPECT_EQ(store.brickCount(), kBricks);
+  EXPECT_EQ(store.place(0).slab, 0U);
+  EXPECT_EQ(store.place(BRICKS_PER_SAMPLE_SLAB / 16 * 15).slab, 1U);
+  store.add(kBricks, 5);
+  EXPECT_EQ(store.place(kBricks).slab, 0U);
+  store.reserve(1);
+  store.add(kBricks + 1, kBricks - 1);
+  EXPECT_EQ(store.brickCount(), kBricks + 2);
+  SampleStore tight(gpu, 2 * kBricks, bricks, makeGpuBudget(kBricks * kBrickVoxels * 16));
+  EXPECT_EQ(tight.brickCount(), kBricks);
+  EXPECT_EQ(tight.place(BRICKS_PER_SAMPLE_SLAB - 1).slab, 0U);
+}
+
 TEST(SlotSlabs, RefusesMoreThanTheBudgetAndStaysUsable) {
   gpu::Gpu gpu({});
   const auto budget = makeGpuBudget(20 * kSlotBytes);
@@ -76,6 +113,20 @@ TEST(SlotSlabs, RefusesMoreThanTheBudgetAndStaysUsable) {
     EXPECT_EQ(budget->used_bytes, 20 * kSlotBytes);
   }
   EXPECT_EQ(budget->used_bytes, 0U);
+}
+
+// Densities must not take by doubling what samples will need a moment later.
+TEST(SlotSlabs, DoublesOnlyWhereHalfOfTheBudgetIsLeftForOthers) {
+  gpu::Gpu gpu({});
+  const auto budget = makeGpuBudget(30 * kSlotBytes);
+  SlotSlabs slabs(gpu, shape(), 10, budget);
+  for (int i = 0; i < 10; ++i) (void)slabs.take();
+  slabs.reserve(1);  // ten more are half of what is left; the slab ends at 16
+  EXPECT_EQ(slabs.bytes(), 16 * kSlotBytes);
+  for (int i = 0; i < 6; ++i) (void)slabs.take();
+  slabs.reserve(1);
+  EXPECT_EQ(slabs.bytes(), 17 * kSlotBytes);
+  EXPECT_EQ(budget->leftBytes(), 13 * kSlotBytes);
 }
 
 TEST(SlotSlabs, RefusesMoreThanItsSlabs) {

@@ -334,6 +334,53 @@ TEST(Editor, RefusesWhatExceedsTheBudgetAndGoesOn) {
   expectSame(state, after);
 }
 
+// With its mirror image a stamp takes its place once, so one that fills a binding fits; a larger one does not.
+TEST(Editor, RefusesAStampThatOneBindingDoesNotHold) {
+  Volume volume = ball({40, 40, 40}, 12);
+  gpu::Gpu gpu({});
+  const std::uint64_t most = gpu.info().max_binding_bytes / sizeof(float);
+  if (most > std::uint64_t{1} << 26U) GTEST_SKIP() << "this device binds more than a test should fill";
+  State state(gpu, volume, false);
+  Editor editor(state.parts(gpu), profileOf(volume), false);
+  const auto stampOf = [](int depth) {
+    auto stamp = std::make_shared<Stamp>();
+    stamp->size = {512, 512, depth};
+    stamp->lattice.spacing_m = Vec3::Constant(5e-5);
+    stamp->distance_m.assign(static_cast<std::size_t>(stamp->size.prod()), -1.0F);
+    return stamp;
+  };
+  const int deepest = static_cast<int>(most / (512U * 512U));
+  std::vector<EditCommand> commands = {brush(EditKind::kStampRemove, volume, {5, 5, 5}, 0)};
+  commands[0].stamp = stampOf(deepest);
+  commands.push_back(mirrored(commands[0], volume.lattice().toWorld({20, 20, 20}), volume.lattice().R_WL.col(0)));
+  EXPECT_GT(editor.apply(commands, nullptr).changed_bricks, 8U);
+  editor.settle();
+  commands = {brush(EditKind::kStampAdd, volume, {5, 5, 5}, 0)};
+  commands[0].stamp = stampOf(deepest + 1);
+  try {
+    editor.apply(commands, nullptr);
+    FAIL() << "it fitted";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), Error::Code::kOutOfMemory);
+    EXPECT_NE(std::string(error.what()).find("nothing was changed"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("smaller brush or stamp"), std::string::npos) << error.what();
+  }
+  EXPECT_EQ(editor.version(), 1U);
+}
+
+// The volume fits and nothing beside it: it can be felt, and an edit that needs room says that there is none.
+TEST(Editor, StartsWithoutSpareRoomWhereTheBudgetHasNone) {
+  Volume volume = ball({64, 64, 64}, 20);
+  gpu::Gpu gpu({});
+  State probe(gpu, volume, false);
+  State state(gpu, volume, false, probe.pool.budget()->used_bytes);
+  ASSERT_EQ(state.pool.budget()->leftBytes(), 0U);
+  Editor editor(state.parts(gpu), profileOf(volume), false);
+  EditCommand far = brush(EditKind::kAdd, volume, {5, 5, 5}, 3e-3);
+  EXPECT_THROW(editor.apply(std::span(&far, 1), nullptr), Error);
+  EXPECT_EQ(editor.version(), 0U);
+}
+
 TEST(Editor, RefusesAStartThatExceedsTheBudget) {
   const Volume volume = ball({64, 64, 64}, 20);
   gpu::Gpu gpu({});

@@ -83,6 +83,7 @@ TEST(BackgroundSaver, WritesWhatItWasGivenUnderItsVersion) {
   EXPECT_EQ(figures.seconds.size(), 3U);
   EXPECT_EQ(figures.bytes, 90U);
   EXPECT_EQ(figures.version, 9U);
+  EXPECT_EQ(saver.savedVersion(), 9U);
   EXPECT_EQ(figures.failures, 0U);
 }
 
@@ -148,6 +149,51 @@ TEST(BackgroundSaver, AFailureLeavesTheOlderFileAndTheNextSaveSucceeds) {
   EXPECT_EQ(saver.figures().version, 4U);
   EXPECT_EQ(contentsOf(file).size(), first.size());
   EXPECT_NE(contentsOf(file), first);
+}
+
+TEST(BackgroundSaver, AFailureWithoutWordsIsNoSuccess) {
+  struct Silent : std::exception {
+    [[nodiscard]] const char* what() const noexcept override { return ""; }
+  };
+  Volume volume = plainVolume();
+  BackgroundSaver saver(volume, [&](const Volume&, std::uint64_t version) -> std::uint64_t {
+    if (version == 1) throw Silent();
+    if (version == 2) throw 2;
+    return 1;
+  });
+  for (const std::uint64_t version : {1U, 2U}) {
+    saver.give({}, version);
+    saver.wait();
+    EXPECT_EQ(saver.takeFailures().size(), 1U) << version;
+    EXPECT_EQ(saver.figures().failures, version);
+    EXPECT_FALSE(saver.figures().version) << version;
+    EXPECT_FALSE(saver.savedVersion()) << version;
+    EXPECT_NE(saver.figures().failure, "");
+  }
+  saver.give({}, 3);
+  saver.wait();
+  EXPECT_EQ(saver.figures().version, 3U);
+  EXPECT_EQ(saver.figures().failure, "");
+}
+
+// A brick that cannot be taken in leaves the older file in peace: what is written afterwards would lack it.
+TEST(BackgroundSaver, ACopyThatMissesABrickIsNeverWritten) {
+  Volume volume = plainVolume();
+  int written = 0;
+  BackgroundSaver saver(volume, [&](const Volume&, std::uint64_t) { return static_cast<std::uint64_t>(++written); });
+  saver.give(bricksOf(volume, 1), 1);
+  saver.wait();
+  saver.give({{0, {2.0F}}, {1, {}}, {2, {2.0F}}}, 2);
+  saver.wait();
+  const std::vector<std::string> told = saver.takeFailures();
+  ASSERT_EQ(told.size(), 1U);
+  EXPECT_THAT(told[0], HasSubstr("saved no more"));
+  saver.give(bricksOf(volume, 3), 3);
+  saver.close();
+  EXPECT_TRUE(saver.takeFailures().empty());  // once
+  EXPECT_EQ(written, 1);
+  EXPECT_EQ(saver.figures().version, 1U);
+  EXPECT_NE(saver.figures().failure, "");
 }
 
 // One thread gives as fast as it may, the other writes: each save holds one version, all of it.

@@ -252,6 +252,52 @@ TEST(EditSession, ASaveInPartsIsTheVolumeAtOneVersion) {
   EXPECT_EQ(contentHash(volume), contents.back());
 }
 
+// Each edit changes more bricks than a look hands over, and each look comes after an edit: saves are made all the same.
+TEST(EditSession, EditsWithoutEndDoNotPutASaveOff) {
+  const Vec3i size(96, 96, 96);
+  Volume volume = sampleVolume(8, size);
+  const JournalHeader header = sampleHeader(volume);
+  Engine engine(volume, makePlan(Scene{}, false), 30, "");
+  EditSession session(engine, header.profile, {}, 0);
+  int saves = 0;
+  session.keepSaved(
+      volume, [&](const Volume&, std::uint64_t) { return static_cast<std::uint64_t>(++saves); }, 1);
+  std::int64_t now_ns = 0;
+  for (int i = 0; i < 20; ++i) {
+    EditCommand command;
+    command.kind = i % 2 == 0 ? EditKind::kAdd : EditKind::kRemove;
+    command.from_W = command.to_W = volume.lattice().toWorld(Vec3(46 + i % 5, 48, 48));
+    command.radius_m = 30e-3;
+    EXPECT_GT(session.edit({&command, 1}, now_ns).changed_bricks, 2U * 256);
+    session.look(now_ns += 700'000'000);
+    session.saver()->wait();
+  }
+  EXPECT_GE(saves, 2);
+}
+
+// An edit beside the volume counts, but the file holds the volume at its version already.
+TEST(EditSession, AnEditThatReachesNothingIsNotSaved) {
+  Session s;
+  int saves = 0;
+  s.session.keepSaved(
+      s.volume, [&](const Volume&, std::uint64_t) { return static_cast<std::uint64_t>(++saves); }, 1);
+  std::int64_t now_ns = 0;
+  EditCommand command = dab(0);
+  command.from_W = command.to_W = s.volume.lattice().toWorld({13, 10, 9});
+  EditCommand away = dab(0);
+  away.from_W = away.to_W = s.volume.lattice().toWorld({-15, 10, 9});  // 10 mm from the volume
+  s.session.edit({&command, 1}, 0);
+  for (int i = 0; i < 20; ++i) {
+    s.session.look(now_ns += 1'500'000'000);
+    s.session.saver()->wait();
+    s.session.edit({&away, 1}, now_ns);
+  }
+  EXPECT_EQ(saves, 1);
+  s.session.close();
+  EXPECT_EQ(saves, 1);
+  EXPECT_EQ(s.session.figures().saves.version, 21U);
+}
+
 // A save stands still for as long as the test likes: edits are applied, windows published and looks taken all the
 // same, no second save is begun, and what changed meanwhile is in the next one.
 TEST(EditSession, EditsGoOnDuringASlowSave) {
@@ -317,7 +363,8 @@ TEST(EditSession, WhatDidNotChangeIsNotSavedAgain) {
   };
   look();
   EXPECT_EQ(saves, 0);
-  const EditCommand command = dab(0.01);
+  EditCommand command = dab(0);
+  command.from_W = command.to_W = s.volume.lattice().toWorld({13, 10, 9});
   s.session.edit({&command, 1}, 0);
   look();
   EXPECT_EQ(saves, 1);

@@ -74,6 +74,16 @@ TEST(ToolBrush, AToolThatStandsIsNotRepeatedUnlessItsBrushGoesOn) {
   EXPECT_EQ(countOf("remove:radius=2mm:strength=0.5:period=10"), 10);
 }
 
+TEST(ToolBrush, AToolThatStandsTriesAgainWhatWasRefused) {
+  ToolBrush tool = brush("remove:radius=2mm");
+  int count = 0;
+  for (int tick = 0; tick <= 100; ++tick) {
+    if (tool.look(poseAt(0, true), tick * kTick_ns).empty()) continue;
+    if (++count <= 3) tool.refused();
+  }
+  EXPECT_EQ(count, 4);
+}
+
 // 1 - exp(-rate F t): the device was sent 0.5 N along the normal for 4 ms, whatever rubs; strengths of pieces compose
 // to that of the whole time. A force that pulls drills nothing.
 TEST(ToolBrush, RateTakesTheForceThatWasSentAndTime) {

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+// A run that fails in the middle: what its tool edited is saved, and the error says so. The run as a user has it:
+// tests/apps/palpate/live_edits_test.cpp.
+#include "apps/touch/live_edits.hpp"
+
+#include <new>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "base/error.hpp"
+#include "engine/journal/journal_reader.hpp"
+#include "engine/journal/volume_identity.hpp"
+#include "engine/volume/statistics.hpp"
+#include "engine/volume/volume_file.hpp"
+#include "temporary_folder.hpp"
+
+namespace palpate {
+namespace {
+
+using ::testing::HasSubstr;
+
+class FailingRun : public testing::Test {
+ protected:
+  FailingRun() {
+    scene.edit = "remove:radius=2mm";
+    scene.journal = journal.string();
+    scene.save = file.string();
+    scene.isovalue = defaultIsovalue(volume);
+  }
+  // `looks` at a tool that sinks in from the sphere's outside, a period each, and then `failure`.
+  template <typename Failure>
+  void run(int looks, const Failure& failure) {
+    Engine engine(volume, makePlan(Scene{}, false), *scene.isovalue, "");
+    LiveEdits edits(scene, volume, engine);
+    edits.during([&] {
+      for (int i = 0; i < looks; ++i) {
+        ToolPose pose;
+        pose.normal_W = Vec3::UnitX();
+        pose.position_W = volume.lattice().toWorld(Vec3(28 - 2 * i, 16, 16));
+        edits.follow(pose, i * std::int64_t{10'000'000});
+      }
+      throw failure;
+    });
+  }
+
+  TemporaryFolder folder;
+  std::filesystem::path journal = folder.path() / "journal", file = folder.path() / "sculpted.vdb";
+  Volume volume = loadVolume("phantom:sphere?size=32");
+  Scene scene;
+};
+
+TEST_F(FailingRun, SavesWhatWasEditedAndSaysSo) {
+  const std::uint64_t before = contentHash(volume);
+  try {
+    run(6, Error(Error::Code::kDevice, "GPU", "it is lost", "start again"));
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), Error::Code::kDevice);
+    EXPECT_THAT(error.what(), HasSubstr("GPU: it is lost; start again; no report was written, but "));
+    EXPECT_THAT(error.what(), HasSubstr(scene.save + " holds the volume up to edit 5 of 5"));
+    EXPECT_THAT(error.what(), HasSubstr("the journal " + scene.journal + " holds edits up to number 5"));
+  }
+  EXPECT_EQ(readJournal(journal).last_sequence, 5U);
+  EXPECT_NE(contentHash(volume), before);
+  EXPECT_EQ(contentHash(loadVolume(scene.save)), contentHash(volume));
+}
+
+TEST_F(FailingRun, SavesAfterOtherExceptionsToo) {
+  EXPECT_THROW(run(6, std::bad_alloc()), std::bad_alloc);
+  EXPECT_TRUE(std::filesystem::exists(file));
+}
+
+TEST_F(FailingRun, WithoutAnEditLeavesNoJournal) {
+  scene.save.clear();
+  EXPECT_THROW(run(0, Error(Error::Code::kDevice, "GPU", "it is lost", "start again")), Error);
+  EXPECT_FALSE(std::filesystem::exists(journalFile(journal)));
+}
+
+// What fails between the set-up and the servo finds nothing to save.
+TEST_F(FailingRun, BeforeItBeginsLeavesNothing) {
+  {
+    Engine engine(volume, makePlan(Scene{}, false), *scene.isovalue, "");
+    const LiveEdits edits(scene, volume, engine);
+    EXPECT_TRUE(std::filesystem::exists(journalFile(journal)));
+  }
+  EXPECT_FALSE(std::filesystem::exists(journalFile(journal)));
+  EXPECT_FALSE(std::filesystem::exists(file));
+}
+
+}  // namespace
+}  // namespace palpate

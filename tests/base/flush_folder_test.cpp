@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "base/flush_folder.hpp"
+
+#include <cerrno>
+
+#include <gtest/gtest.h>
+
+#include "temporary_folder.hpp"
+
+namespace palpate {
+namespace {
+
+TEST(FlushFolder, FlushesOneAndNamesTheErrorOfWhatIsNone) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(flushFolder(folder.path()), 0);
+  EXPECT_EQ(flushFolder(folder.path() / "nothing"), ENOENT);
+}
+
+// /proc is such a file system: fsync says EINVAL.
+TEST(FlushFolder, AFileSystemThatDoesNotFlushFoldersIsNoError) {
+  EXPECT_EQ(flushFolder("/proc/self"), 0);
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: Apache-2.0
+// An edit that fails anywhere on its way: either nothing has changed and editing goes on, or the editor is broken and
+// gives nothing away any more. Memory is what fails here, at every allocation in turn; the rest of what may fail (the
+// device) takes the same ways out.
+#include <cstdlib>
+#include <new>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "base/error.hpp"
+#include "engine/passes/active_bricks.hpp"
+#include "engine/service/editor.hpp"
+
+namespace {
+
+// Allocations of this thread until one fails; 0: none does. Only Palpate's own: drivers and layers do not expect it.
+thread_local int allocations_left = 0;
+
+}  // namespace
+
+extern "C" const char __executable_start, etext;  // NOLINT(bugprone-reserved-identifier): the linker's names
+
+[[gnu::noinline]] void* operator new(std::size_t bytes) {
+  const auto* caller = static_cast<const char*>(__builtin_return_address(0));
+  const bool own = caller >= &__executable_start && caller < &etext;
+  if (own && allocations_left > 0 && --allocations_left == 0) throw std::bad_alloc();
+  if (void* memory = std::malloc(bytes == 0 ? 1 : bytes); memory != nullptr) return memory;
+  throw std::bad_alloc();
+}
+[[gnu::noinline]] void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
+
+namespace palpate {
+namespace {
+
+using ::testing::HasSubstr;
+
+// Half of it object, and two bricks that have storage.
+Volume halves() {
+  Lattice lattice;
+  lattice.spacing_m = Vec3::Constant(1e-3);
+  return Volume::fromBricks({40, 40, 40}, lattice, {}, [](const Vec3i& brick, float* values) {
+    std::fill_n(values, kBrickVoxels, brick.x() < 2 ? 100.0F : -100.0F);
+    const bool is_constant = brick != Vec3i(3, 3, 3) && brick != Vec3i(0, 0, 0);
+    if (!is_constant) values[17] = -90;
+    return is_constant;
+  });
+}
+
+struct Edited {
+  Volume volume = halves();
+  gpu::Transfer transfer;
+  BrickPool pool;
+  BrickBoundsPass bounds;
+  SampleStore store;
+  GradientPass gradient;
+  WindowPass window;
+  Editor editor;
+
+  explicit Edited(gpu::Gpu& gpu)
+      : transfer(gpu),
+        pool(gpu, transfer, volume),
+        bounds(gpu, pool),
+        store(gpu, pool.brickCount(), active()),
+        gradient(gpu, transfer, pool, store),
+        window(gpu, pool, store),
+        editor({gpu, transfer, pool, store, &bounds, gradient, window},
+               brushProfile(0, -100, 100, Vec3::Constant(1e-3)), false) {
+    gradient.run();
+    editor.prepare(std::array{EditKind::kRemove, EditKind::kSmooth});
+  }
+  std::vector<std::uint32_t> active() {
+    bounds.run();
+    return activeBricks(bounds.read(transfer), pool.brickCounts(), 0);
+  }
+  std::vector<Editor::BrickContent> all() const {
+    std::vector<Editor::BrickContent> bricks;
+    for (std::uint32_t b = 0; b < pool.brickCount(); ++b) bricks.push_back(editor.content(b));
+    return bricks;
+  }
+};
+
+std::vector<EditCommand> commands() {
+  std::vector<EditCommand> list(2);
+  list[1].kind = EditKind::kSmooth;
+  for (EditCommand& command : list) {
+    command.from_W = command.to_W = Vec3(16e-3, 20e-3, 20e-3);
+    command.radius_m = 8e-3;
+  }
+  return list;
+}
+
+template <typename Work>
+std::string refusal(const Work& work) {
+  try {
+    work();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), Error::Code::kDevice);
+    return error.what();
+  }
+  return "none";
+}
+
+void expectGivesNothingAway(Edited& edited) {
+  const auto edits = commands();
+  const std::vector<Editor::BrickContent> one = {{0, {5.0F}}};
+  const auto says = HasSubstr("in the middle of an edit");
+  EXPECT_THAT(refusal([&] { edited.editor.apply(edits, nullptr); }), says);
+  EXPECT_THAT(refusal([&] { edited.editor.replace(one, nullptr); }), says);
+  EXPECT_THAT(refusal([&] { static_cast<void>(edited.editor.content(0)); }), says);
+  EXPECT_THAT(refusal([&] { static_cast<void>(edited.editor.takeChanged(1)); }), says);
+  EXPECT_THAT(refusal([&] { edited.editor.readBack(edited.volume); }), says);
+}
+
+bool same(const std::vector<Editor::BrickContent>& a, const std::vector<Editor::BrickContent>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const auto& x, const auto& y) { return x.brick == y.brick && x.values == y.values; });
+}
+
+TEST(EditorFailure, AnEditThatFailsChangesNothingOrIsTheLast) {
+  gpu::Gpu gpu({});
+  std::optional<Edited> edited(std::in_place, gpu);
+  const std::vector<Editor::BrickContent> before = edited->all();
+  const std::vector<EditCommand> edits = commands();
+  int unchanged = 0;
+  int broken = 0;
+  // Every allocation at first, then every seventh: the later ones repeat one another, a brick or a dispatch each.
+  for (int n = 1;; n += n < 20 ? 1 : 7) {
+    bool failed = false;
+    allocations_left = n;
+    try {
+      edited->editor.apply(edits, nullptr);
+    } catch (const std::exception&) {
+      failed = true;
+    }
+    allocations_left = 0;
+    if (!failed) break;
+    ASSERT_EQ(edited->editor.version(), 0U) << n;
+    if (!edited->editor.broken()) {
+      ++unchanged;
+      ASSERT_EQ(edited->editor.changedBricks(), 0U) << n;
+      ASSERT_TRUE(same(edited->all(), before)) << n;
+      continue;
+    }
+    ++broken;
+    expectGivesNothingAway(*edited);
+    edited.reset();
+    edited.emplace(gpu);
+  }
+  EXPECT_FALSE(edited->editor.broken());
+  EXPECT_EQ(edited->editor.version(), 1U);
+  EXPECT_GT(edited->editor.changedBricks(), 8U);
+  EXPECT_GT(unchanged, 10);
+  EXPECT_GT(broken, 3);
+}
+
+// What was taken and got lost on the way would be missing in every later file.
+TEST(EditorFailure, BricksThatWereTakenAndLostEndItToo) {
+  gpu::Gpu gpu({});
+  Edited edited(gpu);
+  edited.editor.apply(commands(), nullptr);
+  edited.editor.settle();
+  const std::size_t changed = edited.editor.changedBricks();
+  ASSERT_GT(changed, 2U);
+  allocations_left = 4;
+  EXPECT_THROW(static_cast<void>(edited.editor.takeChanged(changed)), std::bad_alloc);
+  allocations_left = 0;
+  EXPECT_TRUE(edited.editor.broken());
+  expectGivesNothingAway(edited);
+}
+
+}  // namespace
+}  // namespace palpate

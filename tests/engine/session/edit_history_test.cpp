@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: Apache-2.0
+// The history's memory, and undo and redo of more bricks than the engine takes at once.
+#include "engine/session/edit_history.hpp"
+
+#include <cstdlib>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <malloc.h>
+
+#include "base/error.hpp"
+#include "engine/journal/volume_identity.hpp"
+
+namespace {
+
+// Of this thread and of Palpate alone: drivers and layers do not expect one to fail.
+thread_local std::size_t allocations = 0;
+thread_local std::size_t allocation_to_fail = 0;  // 0: none
+thread_local std::size_t copies_made = 0;         // of bricks of one density, a single float on the heap
+
+}  // namespace
+
+extern "C" const char __executable_start, etext;  // NOLINT(bugprone-reserved-identifier): the linker's names
+
+[[gnu::noinline]] void* operator new(std::size_t bytes) {
+  const auto* caller = static_cast<const char*>(__builtin_return_address(0));
+  if (caller >= &__executable_start && caller < &etext) {
+    if (++allocations == allocation_to_fail) throw std::bad_alloc();
+    copies_made += bytes == sizeof(float) ? 1 : 0;
+  }
+  if (void* memory = std::malloc(bytes == 0 ? 1 : bytes); memory != nullptr) return memory;
+  throw std::bad_alloc();
+}
+[[gnu::noinline]] void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
+
+namespace palpate {
+namespace {
+
+Lattice millimetres() {
+  Lattice lattice;
+  lattice.spacing_m = Vec3::Constant(1e-3);
+  return lattice;
+}
+
+// 69632 bricks of one density each, of which the engine takes 65536 at once.
+Volume large() {
+  return Volume::fromBricks({512, 512, 136}, millimetres(), {}, [](const Vec3i&, float* values) {
+    values[0] = 100;
+    return true;
+  });
+}
+
+struct Edited {
+  Volume volume;
+  Engine engine;
+  EditHistory history;
+
+  Edited(Volume of, std::size_t budget_bytes, std::uint64_t gpu_memory_bytes = 0)
+      : volume(std::move(of)),
+        engine(volume, makePlan(Scene{}, false), 30, "", gpu_memory_bytes),
+        history(engine, budget_bytes) {
+    engine.allowEdits(brushProfile(30, -100, 100, Vec3::Constant(1e-3)));
+  }
+  std::uint64_t hash() {
+    engine.readBack(volume);
+    return contentHash(volume);
+  }
+};
+
+EditCommand cutAt(double x_m) {
+  EditCommand cut;
+  cut.kind = EditKind::kCut;
+  cut.plane_W = Vec3(x_m, 0, 0);
+  cut.normal_W = Vec3::UnitX();
+  return cut;
+}
+
+EditCommand dab(const Vec3& at_m, EditKind kind = EditKind::kRemove) {
+  EditCommand command;
+  command.kind = kind;
+  command.from_W = command.to_W = at_m;
+  command.radius_m = 6e-3;
+  return command;
+}
+
+// A copy of a constant brick takes what a constant brick needs, not what a stored one does.
+TEST(EditHistory, BricksOfOneDensityTakeLittle) {
+  Edited edited(large(), std::size_t{1} << 30U);
+  const Editor::BrickContent content = edited.engine.editor().content(3);
+  EXPECT_EQ(content.values.size(), 1U);
+  EXPECT_EQ(content.values.capacity(), 1U);
+  const EditCommand cut = cutAt(100.5e-3);
+  edited.history.edit({&cut, 1}, 0);
+  const std::size_t bricks = edited.engine.editor().changedBricks();
+  EXPECT_GT(bricks, 50'000U);
+  EXPECT_LE(edited.history.bytes(), bricks * 64 + 24);
+}
+
+// A cut of 50,000 bricks needs 3 MiB; a budget of 1 MiB is not asked for them, and nothing is copied.
+TEST(EditHistory, AnEditBeyondTheBudgetForgetsAllAndIsNotCopied) {
+  Edited edited(large(), std::size_t{1} << 20U);
+  const EditCommand small = dab({0.2, 0.2, 0.06});
+  for (int i = 0; i < 2; ++i) edited.history.edit({&small, 1}, 0);
+  EXPECT_EQ(edited.history.steps(), 2U);
+  const EditCommand cut = cutAt(100.5e-3);
+  const std::size_t copies_before = copies_made;
+  edited.history.edit({&cut, 1}, 0);
+  EXPECT_LT(copies_made - copies_before, 10'000U);  // of 50,000; planning makes some lists of one number, too
+  EXPECT_EQ(edited.history.steps(), 0U);
+  EXPECT_EQ(edited.history.bytes(), 0U);
+  EXPECT_EQ(edited.history.forgotten(), 3U);
+  EXPECT_EQ(edited.engine.editVersion(), 3U);
+  EXPECT_FALSE(edited.history.canUndo());
+  EXPECT_FALSE(edited.history.canRedo());
+}
+
+// An undone edit's copies are of what it made, which is stored where constant bricks were before.
+TEST(EditHistory, KeepsToTheBudgetWhenUndoTakesMoreThanTheEdit) {
+  Edited edited(large(), 40'000);
+  for (int i = 0; i < 4; ++i) {
+    const EditCommand hole = dab({0.05 + 0.05 * i, 0.2, 0.06});
+    edited.history.edit({&hole, 1}, 0);
+  }
+  EXPECT_EQ(edited.history.steps(), 4U);
+  const std::uint64_t last = edited.hash();
+  edited.history.undo(0);
+  EXPECT_LE(edited.history.bytes(), 40'000U);
+  if (edited.history.canRedo()) {
+    edited.history.redo(0);
+    EXPECT_EQ(edited.hash(), last);
+  }
+  while (edited.history.canUndo()) {
+    edited.history.undo(0);
+    EXPECT_LE(edited.history.bytes(), 40'000U);
+  }
+}
+
+// Neither budget counts an edit that the engine refuses.
+TEST(EditHistory, ARefusedEditIsNotForgotten) {
+  for (const std::size_t budget : {0, 10, 1'000'000}) {
+    Edited edited(Volume::fromDense({8, 8, 8}, millimetres(), std::vector<float>(512, 100.0F), {}), budget);
+    EditCommand bad = dab({4e-3, 4e-3, 4e-3});
+    bad.strength = 2;
+    EXPECT_THROW(edited.history.edit({&bad, 1}, 0), Error);
+    EXPECT_EQ(edited.history.forgotten(), 0U) << budget;
+  }
+}
+
+EditCommand paintAll() {
+  EditCommand paint = dab({0.256, 0.256, 0.068}, EditKind::kPaint);
+  paint.radius_m = 0.5;
+  paint.value = 150;
+  return paint;
+}
+
+TEST(EditHistory, UndoesAndRedoesMoreBricksThanTheEngineTakesAtOnce) {
+  Edited edited(large(), std::size_t{1} << 30U);
+  const std::uint64_t before = edited.hash();
+  const EditCommand paint = paintAll();
+  EXPECT_EQ(edited.history.edit({&paint, 1}, 0).changed_bricks, 69632U);
+  const std::uint64_t after = edited.hash();
+  EXPECT_NE(before, after);
+  edited.history.undo(0);
+  EXPECT_EQ(edited.hash(), before);
+  edited.history.redo(0);
+  EXPECT_EQ(edited.hash(), after);
+}
+
+// Memory fails somewhere in the second part, of 4096 bricks: the first part is put back.
+TEST(EditHistory, AnUndoInPartsIsAllOrNothing) {
+  Edited edited(large(), std::size_t{1} << 30U);
+  const EditCommand paint = paintAll();
+  edited.history.edit({&paint, 1}, 0);
+  const std::uint64_t after = edited.hash();
+  const std::size_t bytes = edited.history.bytes();
+  const std::size_t before_undo = allocations;
+  edited.history.undo(0);
+  const std::size_t in_undo = allocations - before_undo;
+  edited.history.redo(0);
+  ASSERT_EQ(edited.hash(), after);
+  bool in_second_part = false;
+  for (std::size_t from_end = 8000; from_end > 0 && !in_second_part; from_end -= 500) {
+    const std::uint64_t version = edited.engine.editVersion();
+    allocation_to_fail = allocations + in_undo - from_end;
+    EXPECT_THROW(edited.history.undo(0), std::bad_alloc);
+    allocation_to_fail = 0;
+    ASSERT_FALSE(edited.engine.editor().broken());
+    ASSERT_EQ(edited.hash(), after) << from_end;
+    ASSERT_EQ(edited.history.bytes(), bytes);
+    ASSERT_TRUE(edited.history.canUndo());
+    in_second_part = edited.engine.editVersion() == version + 2;  // a part, and back again
+  }
+  EXPECT_TRUE(in_second_part);
+}
+
+}  // namespace
+}  // namespace palpate
