@@ -87,7 +87,7 @@ std::vector<Rival> FieldBench::rivalsOf(const std::string& job) {
 
 void FieldBench::measure(const std::string& job, const std::string& rivals_job, const std::vector<OwnEntrant>& own) {
   progress_.stage(fmt::format("{}, {}", job, name_));
-  std::vector<Entrant> entrants;
+  std::vector<Contender> entrants;
   for (const OwnEntrant& one : own) entrants.push_back({kOwn, one.way, one.run, true});
   for (const Rival& rival : rivalsOf(rivals_job)) {
     entrants.push_back({rival.library, rival.way, [run = rival.run] { return run(nullptr); }, false});

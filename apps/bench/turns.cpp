@@ -17,7 +17,7 @@ constexpr const char* kWork = "palpate bench";
 constexpr double kNeedsNoWarmUp_ms = 1000;
 
 // One run; nothing: it failed and says so in `outcome`.
-std::optional<RunCost> runOnce(const Entrant& entrant, TurnsOutcome& outcome) {
+std::optional<RunCost> runOnce(const Contender& entrant, TurnsOutcome& outcome) {
   try {
     return entrant.run();
   } catch (const Error& failure) {
@@ -31,10 +31,10 @@ std::optional<RunCost> runOnce(const Entrant& entrant, TurnsOutcome& outcome) {
 
 }  // namespace
 
-std::vector<TurnsOutcome> Turns::take(const std::string& job, double voxels, const std::vector<Entrant>& entrants) {
+std::vector<TurnsOutcome> Turns::take(const std::string& job, double voxels, const std::vector<Contender>& entrants) {
   std::vector<TurnsOutcome> outcomes;
   std::vector<int> rounds;
-  for (const Entrant& entrant : entrants) {
+  for (const Contender& entrant : entrants) {
     throwIfInterrupted(kWork);
     TurnsOutcome& outcome = outcomes.emplace_back(TurnsOutcome{entrant.library, entrant.way, {}, {}, {}});
     double& known = cpu_ms_per_voxel_[fmt::format("{}|{}|{}", job, entrant.library, entrant.way)];

@@ -12,7 +12,7 @@
 
 namespace palpate {
 
-struct Entrant {
+struct Contender {
   std::string library, way;
   std::function<RunCost()> run;
   bool own = false;  // Palpate's: never left out for being slow, and its first run, which compiles, never counts
@@ -43,7 +43,7 @@ class Turns {
   // different. `job` and `voxels`: the processor time that they took before, per voxel, says how long this will take,
   // on a busy machine too. Who throws Error is left out, with its words; Error(kCancelled) is passed on.
   [[nodiscard]] std::vector<TurnsOutcome> take(const std::string& job, double voxels,
-                                               const std::vector<Entrant>& entrants);
+                                               const std::vector<Contender>& entrants);
 
  private:
   TurnsPlan plan_;

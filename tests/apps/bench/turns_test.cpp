@@ -14,7 +14,7 @@ using testing::HasSubstr;
 
 class TurnsTest : public testing::Test {
  protected:
-  Entrant entrant(const std::string& library, double wall_ms) {
+  Contender entrant(const std::string& library, double wall_ms) {
     return {library, "way", [this, library, wall_ms] {
               order_ += library;
               return RunCost{wall_ms, 2 * wall_ms};
@@ -59,7 +59,7 @@ TEST_F(TurnsTest, WhoWouldTakeTooLongIsLeftOut) {
   EXPECT_THAT(outcome.left_out, HasSubstr("some 32 s"));
   EXPECT_TRUE(outcome.wall_ms.empty());
   EXPECT_EQ(order_, "");
-  Entrant anyway = entrant("a", 2000);
+  Contender anyway = entrant("a", 2000);
   anyway.own = true;
   EXPECT_EQ(turns.take("job", 800, {anyway})[0].wall_ms.size(), 1U);
   EXPECT_EQ(order_, "aa");  // and the first run of its own was only to warm up
@@ -68,8 +68,8 @@ TEST_F(TurnsTest, WhoWouldTakeTooLongIsLeftOut) {
 
 TEST_F(TurnsTest, WhoFailsIsLeftOutInItsOwnWords) {
   Turns turns({.most_rounds = 2});
-  const Entrant fails{"f", "way",
-                      []() -> RunCost { throw Error(Error::Code::kOutOfMemory, "ITK", "no memory", "buy some"); }};
+  const Contender fails{"f", "way",
+                        []() -> RunCost { throw Error(Error::Code::kOutOfMemory, "ITK", "no memory", "buy some"); }};
   const auto outcomes = turns.take("job", 10, {fails, entrant("a", 1)});
   EXPECT_THAT(outcomes[0].left_out, HasSubstr("no memory"));
   EXPECT_EQ(outcomes[1].wall_ms.size(), 2U);
@@ -77,10 +77,10 @@ TEST_F(TurnsTest, WhoFailsIsLeftOutInItsOwnWords) {
 
 TEST_F(TurnsTest, EndsWhenThePersonSaysSo) {
   Turns turns({.most_rounds = 2});
-  const Entrant stopped{"s", "way", []() -> RunCost {
-                          throw Error(Error::Code::kCancelled, "palpate bench", "stopped by the user", "none");
-                        }};
-  const std::vector<Entrant> entrants(1, stopped);  // by name: GCC 12 frees a braced list twice when its call throws
+  const Contender stopped{"s", "way", []() -> RunCost {
+                            throw Error(Error::Code::kCancelled, "palpate bench", "stopped by the user", "none");
+                          }};
+  const std::vector<Contender> entrants(1, stopped);  // by name: GCC 12 frees a braced list twice when its call throws
   EXPECT_THROW(static_cast<void>(turns.take("job", 10, entrants)), Error);
 }
 
