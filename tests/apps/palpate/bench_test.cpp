@@ -93,10 +93,18 @@ INSTANTIATE_TEST_SUITE_P(Each, RefusedBench, testing::ValuesIn(kRefusals),
                          [](const auto& refusal) { return std::string(refusal.param.name); });
 
 TEST_F(Bench, StopsInGoodOrderAndLeavesNoFile) {
-  for (const auto& [bench, at] :
-       {std::pair{"servo", "errors on phantom:knot"}, {"loop", "cyclictest at 1000"}, {"filters", "median:1, 128"}}) {
-    const Outcome outcome = runPalpate(
-        {.arguments = {"bench", bench, "--json", "b.json"}, .folder = folder(), .signal_at = at, .signals = {SIGINT}});
+  struct Case {
+    std::vector<std::string> arguments;
+    std::string signal_at;
+  };
+  const std::vector<Case> cases = {{{"bench", "servo"}, "errors on phantom:knot"},
+                                   {{"bench", "loop"}, "cyclictest at 1000"},
+                                   {{"bench", "filters", "--sizes", "32,64"}, "gaussian:1.5, 64"}};
+  for (const Case& one : cases) {
+    std::vector<std::string> arguments = one.arguments;
+    arguments.insert(arguments.end(), {"--json", "b.json"});
+    const Outcome outcome =
+        runPalpate({.arguments = arguments, .folder = folder(), .signal_at = one.signal_at, .signals = {SIGINT}});
     expectRefusal(outcome, "palpate bench", "stopped by the user", 130);
     EXPECT_TRUE(std::filesystem::is_empty(folder()));
   }
