@@ -7,9 +7,9 @@
 #include <fstream>
 #include <string>
 
+#include "engine/edit/random_edits.hpp"
 #include "engine/journal/journal_writer.hpp"
 #include "file_size_limit.hpp"
-#include "random_edits.hpp"
 #include "temporary_folder.hpp"
 
 namespace palpate {
