@@ -65,7 +65,7 @@ FilterResult filterFile(const FilterRequest& request, Progress& progress) {
   }
   result.filter_s = secondsSince(filtering);
   VolumeFacts facts = volume.facts();
-  if (filters) facts.kept_isovalue.reset();  // it was of the densities before
+  if (facts.kept_isovalue) facts.kept_isovalue = isovalueAfter(chain, static_cast<float>(*facts.kept_isovalue));
   const Volume filtered = volumeOf(filters ? filters->result() : pool, transfer, facts);
   result.lowest = filtered.minimum();
   result.highest = filtered.maximum();

@@ -176,7 +176,7 @@ TEST_F(EditVerb, RecoverMakesTheSameFileFromTheJournal) {
   EXPECT_EQ(contentsOf(file("back.stl")).substr(80), contentsOf(file("direct.stl")).substr(80));
 }
 
-// 150 is nobody's guess: the phantom says 0. A later --iso goes before it; what filters make is another density.
+// 150 is nobody's guess: the phantom says 0. A later --iso goes before it; a distance has its surface at 0.
 TEST_F(EditVerb, AVdbKeepsTheIsovalueThatItWasEditedAt) {
   const Words drill = dos({"remove:radius=5:at=6,0,0"});
   expectSuccess(run(Words{"edit", kVolume, "out.vdb", "--iso", "150", "--journal", "journal"} + drill));
@@ -192,8 +192,10 @@ TEST_F(EditVerb, AVdbKeepsTheIsovalueThatItWasEditedAt) {
   expectSuccess(run({"convert", "out.vdb", "kept.stl"}));
   expectSuccess(run({"convert", "out.vdb", "asked.stl", "--iso", "150"}));
   EXPECT_EQ(contentsOf(file("kept.stl")).substr(80), contentsOf(file("asked.stl")).substr(80));
-  expectSuccess(run({"filter", "out.vdb", "--out", "blurred.vdb", "--filter", "gaussian:1mm"}));
-  EXPECT_FALSE(out("blurred.vdb").facts().kept_isovalue);
+  for (const auto& [filter, isovalue] : {std::pair("gaussian:1mm", 150), std::pair("distance:3", 0)}) {
+    expectSuccess(run({"filter", "out.vdb", "--out", "filtered.vdb", "--filter", filter}));
+    EXPECT_EQ(out("filtered.vdb").facts().kept_isovalue, isovalue) << filter;
+  }
 }
 
 // A flag takes one command, so volumes may come behind it.
