@@ -31,7 +31,7 @@ struct VolumeFacts {
   double rescale_intercept = 0;
   bool is_level_set = false;                // a VDB level set: density is minus the signed distance [m], isovalue 0
   std::optional<double> declared_isovalue;  // of a phantom: the density of its exact surface
-  std::optional<double> kept_isovalue;      // of a file whose surface was sculpted; damaged: any double, even none
+  std::optional<double> kept_isovalue;      // at which its file says it was sculpted; damaged: any double, NaN too
   std::string remark;                       // what a user should know: "largest of 3 series", ...; empty: nothing
 };
 
