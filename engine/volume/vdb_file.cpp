@@ -9,7 +9,6 @@
 // Leaves that are bricks of the volume (all but the border's in a file that Palpate wrote) are taken over: their memory
 // becomes the volume's. All others are copied.
 #include <cmath>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -23,6 +22,7 @@
 
 #include "base/error.hpp"
 #include "base/units.hpp"
+#include "engine/volume/brick_values.hpp"
 #include "engine/volume/grid.hpp"
 #include "engine/volume/memory_budget.hpp"
 #include "engine/volume/quiet.hpp"
@@ -170,7 +170,7 @@ class TreeBricks {
       const openvdb::Coord voxel =
           first.offsetBy((corner & 1) * last, (corner >> 1 & 1) * last, (corner >> 2 & 1) * last);
       const float value = at(voxel);
-      if (values_.probeConstLeaf(voxel) != nullptr || std::memcmp(&value, out, sizeof value) != 0) return false;
+      if (values_.probeConstLeaf(voxel) != nullptr || !sameBits(value, out[0])) return false;
     }
     return true;
   }
