@@ -9,6 +9,11 @@
 
 namespace palpate {
 
+// For options that mean nothing when they are empty: says so, as CLI11's checks do.
+[[nodiscard]] inline std::string notEmpty(const std::string& text) {
+  return text.empty() ? "'' is empty: name something, or leave the option out" : "";
+}
+
 void addTouchVerb(CLI::App& app);
 void addEditVerb(CLI::App& app);
 void addRecoverVerb(CLI::App& app);
