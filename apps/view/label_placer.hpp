@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// apps/view/label_placer.hpp: where words go in a picture, so that they cover neither each other nor what is drawn.
+// Private to apps/view.
+//
+// Pixels from the panel's top left corner. Any thread, one at a time. Cost: of a label, a look at every point of the
+// lines.
+#pragma once
+
+#include <vector>
+
+#include "apps/view/canvas.hpp"
+
+namespace palpate {
+
+struct LabelBox {
+  double left = 0, top = 0, right = 0, bottom = 0;
+};
+
+class LabelPlacer {
+ public:
+  LabelPlacer(double width, double height) : width_(width), height_(height) {}
+
+  void avoid(const LabelBox& box) { boxes_.push_back(box); }  // nothing goes over it, if there is any room
+  void avoidLine(const std::vector<Pixel>& points);           // better not crossed
+
+  // A box of this size beside `at`, `gap` away from it: to the right, if that is as good as any other side. It is
+  // avoided from then on.
+  LabelBox place(const Pixel& at, double gap, double width, double height);
+
+ private:
+  [[nodiscard]] double cost(const LabelBox& box) const;
+  double width_, height_;
+  std::vector<LabelBox> boxes_;
+  std::vector<Pixel> points_;  // of lines, close together
+};
+
+}  // namespace palpate
