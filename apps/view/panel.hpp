@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "apps/report/label_placer.hpp"
 #include "apps/view/canvas.hpp"
 #include "apps/view/contact_region.hpp"
 #include "apps/view/force_arrows.hpp"
-#include "apps/view/label_placer.hpp"
 #include "base/camera.hpp"
 #include "servo/loop/tick_record.hpp"
 

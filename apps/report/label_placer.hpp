@@ -1,16 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/view/label_placer.hpp: where words go in a picture, so that they cover neither each other nor what is drawn.
-// Private to apps/view.
+// apps/report/label_placer.hpp: where words go in a picture or a chart, so that they cover neither each other nor what
+// is drawn.
 //
-// Pixels from the panel's top left corner. Any thread, one at a time. Cost: of a label, a look at every point of the
-// lines.
+// Pixels from the top left corner of the picture's or the chart's panel. Any thread, one at a time. Cost: of a label, a
+// look at every point of the lines.
 #pragma once
 
 #include <vector>
 
-#include "apps/view/canvas.hpp"
-
 namespace palpate {
+
+struct Pixel {
+  double x = 0, y = 0;
+};
 
 struct LabelBox {
   double left = 0, top = 0, right = 0, bottom = 0;

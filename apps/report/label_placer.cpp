@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/view/label_placer.hpp"
+#include "apps/report/label_placer.hpp"
 
 #include <algorithm>
 #include <array>
