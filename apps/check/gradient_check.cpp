@@ -3,13 +3,12 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cstring>
 #include <optional>
 #include <span>
 #include <vector>
 
-#include "apps/check/ulp.hpp"
+#include "apps/check/stopwatch.hpp"
 #include "engine/gpu/transfer.hpp"
 #include "engine/passes/active_bricks.hpp"
 #include "engine/passes/filter_chain.hpp"
@@ -23,36 +22,14 @@ namespace {
 
 constexpr std::array<const char*, 4> kComponents = {"gradient_i", "gradient_j", "gradient_k", "density"};
 
-class Stopwatch {
- public:
-  [[nodiscard]] double seconds() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
-
 using Values = std::array<float, 4>;
 
 Values valuesOf(const Sample& sample) {
   return {sample.gradient_i, sample.gradient_j, sample.gradient_k, sample.density};
 }
 
-void compare(GradientCheck& check, const Vec3i& voxel, const Values& values, const Values& cpu) {
-  for (std::size_t c = 0; c < values.size(); ++c) {
-    ++check.compared;
-    const std::uint32_t ulp = ulpDistance(values[c], cpu[c]);
-    if (ulp == 0) continue;
-    ++check.differing;
-    if (ulp > check.largest_ulp) {
-      check.largest_ulp = ulp;
-      check.voxel = voxel;
-      check.component = kComponents[c];
-      check.gpu_value = values[c];
-      check.cpu_value = cpu[c];
-    }
-  }
+void compare(Check& check, const Vec3i& voxel, const Values& values, const Values& cpu) {
+  for (std::size_t c = 0; c < values.size(); ++c) check.compare(voxel, kComponents[c], values[c], cpu[c]);
 }
 
 // The samples of a slab as they lie there, floats or halves.
@@ -97,7 +74,7 @@ struct TwinFields {
 };
 
 // All voxels of one brick that lie in the domain.
-void compareBrick(GradientCheck& check, const TwinFields& twin, const GradientOperator& way, const Vec3i& brick,
+void compareBrick(Check& check, const TwinFields& twin, const GradientOperator& way, const Vec3i& brick,
                   const StoredSamples& samples, std::size_t first_voxel) {
   const Vec3i first = brick * kBrickSize;
   const Vec3i end = (first.array() + kBrickSize).min(twin.density.size.array());
@@ -117,14 +94,18 @@ void compareBrick(GradientCheck& check, const TwinFields& twin, const GradientOp
 
 }  // namespace
 
-GradientCheck checkGradient(const Volume& volume, const GradientCheckRequest& request,
-                            const std::function<void(double)>& progress) {
+Check checkGradient(const Volume& volume, const GradientCheckRequest& request,
+                    const std::function<void(double)>& progress) {
   return checkGradient(volume, reference::denseField(volume), request, progress);
 }
 
-GradientCheck checkGradient(const Volume& volume, const reference::DenseField& field,
-                            const GradientCheckRequest& request, const std::function<void(double)>& progress) {
-  GradientCheck check;
+Check checkGradient(const Volume& volume, const reference::DenseField& field, const GradientCheckRequest& request,
+                    const std::function<void(double)>& progress) {
+  Check check;
+  check.name = "gradient";
+  check.what = std::string(request.gradient.words.name) + (request.format.half ? ", halves" : ", floats");
+  check.volume = volume.facts().source;
+  check.bound_ulp = request.bound_ulp;
   gpu::Gpu gpu({.name = request.gpu});
   check.device = gpu.info().name;
   gpu::Transfer transfer(gpu);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/filter/filter_job.hpp"
 
+#include <algorithm>
 #include <chrono>
 
 #include <fmt/format.h>
@@ -10,6 +11,7 @@
 #include "base/error.hpp"
 #include "engine/passes/filter_chain.hpp"
 #include "engine/passes/pool_volume.hpp"
+#include "engine/volume/statistics.hpp"
 #include "engine/volume/volume_file.hpp"
 
 namespace palpate {
@@ -34,7 +36,11 @@ FilterResult filterFile(const FilterRequest& request, Progress& progress) {
   AtomicFile file(request.out);  // before the long part, so that a folder that may not be written is refused at once
   progress.stage("loading " + request.in);
   const Volume volume = loadVolume(request.in);
-  std::vector<FilterStep> steps = lowerFilters(chain, volume.lattice().spacing_m);
+  const bool distance = std::any_of(chain.begin(), chain.end(),
+                                    [](const FilterSpec& filter) { return filter.kind == FilterKind::kDistance; });
+  std::optional<float> isovalue;
+  if (distance) isovalue = static_cast<float>(request.isovalue ? *request.isovalue : defaultIsovalue(volume));
+  std::vector<FilterStep> steps = lowerFilters(chain, volume.lattice().spacing_m, isovalue);
   throwIfInterrupted("palpate filter");
 
   FilterResult result;

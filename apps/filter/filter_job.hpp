@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "apps/console/progress.hpp"
@@ -14,10 +15,11 @@
 namespace palpate {
 
 struct FilterRequest {
-  std::string in;      // as loadVolume takes it
-  std::string out;     // its suffix names the format
-  std::string filter;  // chain, as --filter takes it
-  std::string gpu;     // part of the device's name; empty: the best one
+  std::string in;                                 // as loadVolume takes it
+  std::string out;                                // its suffix names the format
+  std::string filter;                             // chain, as --filter takes it
+  std::string gpu;                                // part of the device's name; empty: the best one
+  std::optional<double> isovalue = std::nullopt;  // of a distance; none: the volume's default [density]
 };
 
 struct FilterResult {

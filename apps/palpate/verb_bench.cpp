@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// palpate bench servo|loop|edit|load: measures, and holds the figures against what the program promises.
+// palpate bench servo|loop|edit|load|filters|gradient: measures, and holds the figures against what the program
+// promises.
 #include <filesystem>
 #include <optional>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "apps/bench/bench_page.hpp"
 #include "apps/bench/edit_bench.hpp"
+#include "apps/bench/filter_bench.hpp"
+#include "apps/bench/gradient_bench.hpp"
 #include "apps/bench/load_bench.hpp"
 #include "apps/bench/loop_bench.hpp"
 #include "apps/bench/servo_bench.hpp"
@@ -26,7 +30,8 @@ struct BenchArguments {
   std::string json, csv, chart, page;
   std::uint64_t seed = 1;
   std::optional<double> seconds;  // loop only
-  std::string gpu;                // loop, edit
+  std::string gpu;                // all but servo and load
+  std::vector<int> sizes;         // filters, gradient
 };
 
 void addCommon(CLI::App& verb, BenchArguments& arguments) {
@@ -38,6 +43,12 @@ void addCommon(CLI::App& verb, BenchArguments& arguments) {
   verb.add_option("--page", arguments.page, "write a page to read into this Markdown file")->type_name("FILE.md");
   verb.add_option("--seed", arguments.seed, "of everything that is left to chance (default 1)")
       ->check(CLI::Range(std::int64_t{0}, std::int64_t{9007199254740992}));
+}
+
+void addSizes(CLI::App& verb, BenchArguments& arguments) {
+  verb.add_option("--sizes", arguments.sizes, "along every edge, with commas [voxel] (default 128,256,512; quick 64)")
+      ->delimiter(',')
+      ->check(CLI::Range(16, 640));
 }
 
 // CLI::Range lets NaN through.
@@ -53,6 +64,7 @@ std::string commandLine(const std::string& bench, const BenchArguments& argument
   std::string line = "palpate bench " + bench;
   if (arguments.quick) line += " --quick";
   if (arguments.seconds) line += fmt::format(" --seconds {:g}", *arguments.seconds);
+  if (!arguments.sizes.empty()) line += fmt::format(" --sizes {}", fmt::join(arguments.sizes, ","));
   if (!arguments.gpu.empty()) line += " --gpu " + shellWord(arguments.gpu);
   return line + fmt::format(" --seed {}", arguments.seed);
 }
@@ -163,6 +175,36 @@ void loadVerb(const BenchArguments& arguments) {
       outputs);
 }
 
+FieldBenchRequest fieldRequest(const BenchArguments& arguments) {
+  FieldBenchRequest request = arguments.quick ? FieldBenchRequest::quick() : FieldBenchRequest{};
+  request.seed = arguments.seed;
+  request.gpu = arguments.gpu;
+  if (!arguments.sizes.empty()) request.sizes = arguments.sizes;
+  return request;
+}
+
+void filtersVerb(const BenchArguments& arguments) {
+  Outputs outputs(arguments);
+  Progress progress;
+  BenchResult result = runFilterBench(fieldRequest(arguments), progress);
+  progress.done();
+  conclude(
+      result, arguments,
+      {.title = "What filters cost", .introduction = fieldIntroduction(), .tables = fieldTable(result), .chart = {}},
+      filterChart(result), outputs);
+}
+
+void gradientVerb(const BenchArguments& arguments) {
+  Outputs outputs(arguments);
+  Progress progress;
+  BenchResult result = runGradientBench(fieldRequest(arguments), progress);
+  progress.done();
+  conclude(
+      result, arguments,
+      {.title = "What gradients cost", .introduction = fieldIntroduction(), .tables = fieldTable(result), .chart = {}},
+      gradientChart(result), outputs);
+}
+
 }  // namespace
 
 void addBenchVerb(CLI::App& app) {
@@ -189,6 +231,19 @@ void addBenchVerb(CLI::App& app) {
       "load", "loading beside the format's library alone (minutes, 3 GiB of memory and 0.5 of disk; --quick: seconds)");
   addCommon(*load, *arguments);
   load->callback([arguments] { loadVerb(*arguments); });
+  CLI::App* filters = verb->add_subcommand(
+      "filters", "every filter beside ITK, VTK, SciPy and OpenVDB (some ten minutes and 6 GiB; --quick: seconds)");
+  addCommon(*filters, *arguments);
+  filters->add_option("--gpu", arguments->gpu, "part of the Vulkan device's name; the best one if not given");
+  addSizes(*filters, *arguments);
+  filters->callback([arguments] { filtersVerb(*arguments); });
+  CLI::App* gradient = verb->add_subcommand(
+      "gradient",
+      "every gradient operator beside them, and a CT head's needed bricks (minutes, 9 GiB; --quick: seconds)");
+  addCommon(*gradient, *arguments);
+  gradient->add_option("--gpu", arguments->gpu, "part of the Vulkan device's name; the best one if not given");
+  addSizes(*gradient, *arguments);
+  gradient->callback([arguments] { gradientVerb(*arguments); });
 }
 
 }  // namespace palpate

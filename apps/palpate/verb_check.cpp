@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// palpate check gradient VOLUME: every value of the GPU against the CPU twin; the exit status says whether the bound
-// held.
+// palpate check gradient|filters|edits VOLUME, palpate check all [VOLUME]: every value of the GPU against the CPU twin;
+// the exit status says whether every promise held.
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "apps/check/check_all.hpp"
+#include "apps/check/edit_check.hpp"
+#include "apps/check/filter_check.hpp"
 #include "apps/check/gradient_check.hpp"
 #include "apps/console/interrupt.hpp"
 #include "apps/console/progress.hpp"
@@ -17,6 +20,7 @@ namespace palpate {
 namespace {
 
 constexpr int kBoundBroken = 1;
+constexpr const char* kVolumeHelp = "file, DICOM folder or phantom:NAME?size=64";
 
 struct CheckArguments {
   std::string volume;
@@ -27,7 +31,7 @@ struct CheckArguments {
   std::string json;
 };
 
-void printCheck(const CheckArguments& arguments, const GradientCheck& check) {
+void printCheck(const CheckArguments& arguments, const Check& check) {
   fmt::print("gradient of {} on {}: {}, stored as {}\n", arguments.volume, check.device, arguments.gradient_operator,
              arguments.samples);
   fmt::print("  values compared   {:>14}\n", check.compared);
@@ -42,7 +46,7 @@ void printCheck(const CheckArguments& arguments, const GradientCheck& check) {
   fmt::print("  time              {:>14.3f} s GPU, {:.3f} s CPU twin\n", check.gpu_seconds, check.cpu_seconds);
 }
 
-void writeJson(const CheckArguments& arguments, const GradientCheck& check) {
+void writeJson(const CheckArguments& arguments, const Check& check) {
   const nlohmann::ordered_json json = {{"check", "gradient"},
                                        {"commit", programCommit()},
                                        {"volume", arguments.volume},
@@ -62,7 +66,7 @@ void writeJson(const CheckArguments& arguments, const GradientCheck& check) {
 }
 
 void checkGradientVerb(const CheckArguments& arguments) {
-  GradientCheckRequest request{arguments.gpu, gradientOperator(arguments.gradient_operator), {}};
+  GradientCheckRequest request{arguments.gpu, gradientOperator(arguments.gradient_operator), {}, arguments.bound_ulp};
   Progress progress;
   progress.stage("loading " + arguments.volume);
   const Volume volume = loadVolume(arguments.volume);
@@ -71,7 +75,7 @@ void checkGradientVerb(const CheckArguments& arguments) {
     request.format = halfSamples(isovalue, volume.minimum(), volume.maximum(), volume.lattice().spacing_m);
   }
   progress.stage("comparing");
-  const GradientCheck check = checkGradient(volume, request, [&](double done) {
+  const Check check = checkGradient(volume, request, [&](double done) {
     progress.fraction(done);
     throwIfInterrupted("palpate check");
   });
@@ -81,14 +85,91 @@ void checkGradientVerb(const CheckArguments& arguments) {
   if (check.largest_ulp > arguments.bound_ulp) throw CLI::RuntimeError(kBoundBroken);
 }
 
-}  // namespace
+// Of the checks that give a table.
+struct TableArguments {
+  std::string volume;
+  std::string gpu;
+  std::string filter;
+  std::optional<double> isovalue;
+  int crop = 0;
+  int edits = 100;
+  unsigned seed = 1;
+  bool quick = false;
+  std::string json;
+};
 
-void addCheckVerb(CLI::App& app) {
-  CLI::App* verb = app.add_subcommand("check", "compare the GPU with the CPU reference");
-  verb->require_subcommand(1);
-  CLI::App* gradient = verb->add_subcommand("gradient", "every gradient, bit for bit");
+void tell(const TableArguments& arguments, const std::string& name, const std::vector<Check>& checks) {
+  if (!checks.empty()) fmt::print("{} on {}\n", name, checks[0].device);
+  fmt::print("{}", checkTable(checks));
+  if (!arguments.json.empty()) writeFileAtomically(arguments.json, checkJson(checks, name, programCommit()));
+  if (!allHold(checks)) throw CLI::RuntimeError(kBoundBroken);
+}
+
+std::function<void(double)> shownIn(Progress& progress) {
+  return [&progress](double done) {
+    progress.fraction(done);
+    throwIfInterrupted("palpate check");
+  };
+}
+
+Volume loaded(const TableArguments& arguments, Progress& progress) {
+  progress.stage("loading " + arguments.volume);
+  Volume volume = loadVolume(arguments.volume);
+  throwIfInterrupted("palpate check");
+  return arguments.crop > 0 ? cropped(std::move(volume), arguments.crop) : std::move(volume);
+}
+
+void checkFiltersVerb(const TableArguments& arguments) {
+  Progress progress;
+  const Volume volume = loaded(arguments, progress);
+  FilterCheckRequest request;
+  request.gpu = arguments.gpu;
+  if (!arguments.filter.empty()) request.chains = {arguments.filter};
+  if (arguments.isovalue) request.isovalue = static_cast<float>(*arguments.isovalue);
+  progress.stage("comparing");
+  const std::vector<Check> checks = checkFilters(volume, request, shownIn(progress));
+  progress.done();
+  tell(arguments, "filters", checks);
+}
+
+void checkEditsVerb(const TableArguments& arguments) {
+  Progress progress;
+  const Volume volume = loaded(arguments, progress);
+  progress.stage("comparing");
+  const std::vector<Check> checks = {
+      checkEdits(volume, {arguments.gpu, arguments.edits, arguments.seed, arguments.isovalue}, shownIn(progress))};
+  progress.done();
+  tell(arguments, "edits", checks);
+}
+
+void checkAllVerb(const TableArguments& arguments) {
+  Progress progress;
+  const CheckAll all = checkAll(
+      {arguments.gpu, arguments.volume, arguments.quick, arguments.crop, arguments.seed},
+      [&](const std::string& stage) {
+        throwIfInterrupted("palpate check");
+        progress.stage(stage);
+      },
+      shownIn(progress));
+  progress.done();
+  for (const std::string& what : all.left_out) fmt::print("left out: {}\n", what);
+  tell(arguments, "all", all.checks);
+}
+
+void addCommonOptions(CLI::App& verb, TableArguments& arguments, const char* crop_default) {
+  verb.add_option("--gpu", arguments.gpu, "part of the Vulkan device's name; the best one if not given");
+  verb.add_option("--crop", arguments.crop,
+                  fmt::format("check only the middle of the volume, so many voxels along each side, since twins are "
+                              "slow (default {})",
+                              crop_default))
+      ->check(CLI::Range(2, 1 << 20));
+  verb.add_option("--json", arguments.json, "write the results into this file too");
+}
+
+void addGradientCheck(CLI::App& check) {
+  CLI::App* gradient = check.add_subcommand("gradient", "every gradient, bit for bit");
   auto arguments = std::make_shared<CheckArguments>();
-  gradient->add_option("volume", arguments->volume, "file, DICOM folder or phantom:NAME?size=64")->required();
+  gradient->add_option("volume", arguments->volume, kVolumeHelp)->required();
   gradient->add_option("--gpu", arguments->gpu, "part of the Vulkan device's name; the best one if not given");
   gradient->add_option("--operator", arguments->gradient_operator, gradientNames() + " (default central)");
   gradient
@@ -98,6 +179,53 @@ void addCheckVerb(CLI::App& app) {
   gradient->add_option("--bound", arguments->bound_ulp, "largest difference that is accepted [ULP] (default 0)");
   gradient->add_option("--json", arguments->json, "write the result into this file too");
   gradient->callback([arguments] { checkGradientVerb(*arguments); });
+}
+
+void addFilterCheck(CLI::App& check) {
+  CLI::App* filters = check.add_subcommand(
+      "filters", "every step of every filter: bit for bit, within derived roundings where there are exponentials");
+  auto arguments = std::make_shared<TableArguments>();
+  filters->add_option("volume", arguments->volume, kVolumeHelp)->required();
+  filters->add_option("--filter", arguments->filter,
+                      "this chain instead of a list in which each filter comes twice: \"gaussian:0.8mm median:1\"");
+  filters->add_option("--iso", arguments->isovalue, "of distances (default: the volume's own) [density]");
+  addCommonOptions(*filters, *arguments, "the whole volume");
+  filters->callback([arguments] { checkFiltersVerb(*arguments); });
+}
+
+void addEditCheck(CLI::App& check) {
+  CLI::App* edits = check.add_subcommand("edits", "the volume after random edits of every kind, bit for bit");
+  auto arguments = std::make_shared<TableArguments>();
+  edits->add_option("volume", arguments->volume, kVolumeHelp)->required();
+  edits->add_option("--edits", arguments->edits, "how many (default 100)")->check(CLI::Range(1, 100000));
+  edits->add_option("--seed", arguments->seed, "of their kinds, places and strengths (default 1)");
+  edits->add_option("--iso", arguments->isovalue, "where the object begins (default: the volume's own) [density]");
+  addCommonOptions(*edits, *arguments, "the whole volume");
+  edits->callback([arguments] { checkEditsVerb(*arguments); });
+}
+
+void addAllChecks(CLI::App& check) {
+  CLI::App* all = check.add_subcommand("all", "gradients, filters and edits, on a volume or on a list of them");
+  auto arguments = std::make_shared<TableArguments>();
+  all->add_option("volume", arguments->volume,
+                  fmt::format("{}; without it every phantom, random bits, thin volumes, and the scans in the folder "
+                              "that PALPATE_DATA names",
+                              kVolumeHelp));
+  all->add_flag("--quick", arguments->quick, "three small volumes, each filter once");
+  all->add_option("--seed", arguments->seed, "of edits (default 1)");
+  addCommonOptions(*all, *arguments, fmt::format("the whole volume; {} for scans of the list", kScanCrop).c_str());
+  all->callback([arguments] { checkAllVerb(*arguments); });
+}
+
+}  // namespace
+
+void addCheckVerb(CLI::App& app) {
+  CLI::App* verb = app.add_subcommand("check", "compare the GPU with the CPU reference");
+  verb->require_subcommand(1);
+  addGradientCheck(*verb);
+  addFilterCheck(*verb);
+  addEditCheck(*verb);
+  addAllChecks(*verb);
 }
 
 }  // namespace palpate

@@ -14,7 +14,9 @@ std::string filterList() {
       "Filters, a chain of NAME:SIZE[:KEY=VALUE] with blanks between (sizes in voxels, or with mm, um, cm, m):\n";
   for (const FilterWords& words : filterTable())
     text += fmt::format("  {}:{}  {}\n      {}\n", words.name, words.size, words.what, words.keys);
-  return text + "Example: palpate filter scan.nii.gz -o smooth.vdb --filter \"gaussian:0.8mm\"";
+  return text +
+         "Example: palpate filter scan.nii.gz -o smooth.vdb --filter \"gaussian:0.8mm\"\ndocs/filters.md says what "
+         "each does, what it costs and when to use it";
 }
 
 }  // namespace
@@ -26,6 +28,8 @@ void addFilterVerb(CLI::App& app) {
   verb->add_option("in", request->in, "file, DICOM folder or phantom:NAME?size=64")->required();
   verb->add_option("-o,--out", request->out, "the volume to write: .vdb .nii .nii.gz .nrrd .mha")->required();
   verb->add_option("--filter", request->filter, "chain of filters: \"gaussian:0.8mm\"")->required();
+  verb->add_option("--iso", request->isovalue,
+                   "where the object begins, for a distance (default: the volume's own) [density]");
   verb->add_option("--gpu", request->gpu, "part of the Vulkan device's name; the best one if not given");
   verb->callback([request] {
     Progress progress;

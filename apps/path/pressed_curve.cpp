@@ -42,7 +42,7 @@ std::vector<Vec3> smoothed(const std::vector<Vec3>& v, double sigma_steps) {
 
 PressedCurve::PressedCurve(const SurfaceCurve& surface, double depth_m, double voxel_m) {
   std::vector<Vec3> normals_W;
-  for (const SurfacePoint& point : surface.points) {
+  for (const SurfaceHit& point : surface.points) {
     points_W_.push_back(point.p_W);
     normals_W.push_back(point.normal_W);
   }

@@ -68,7 +68,7 @@ std::vector<Ray> raysFor(const SurfaceField& field, const PathRequest& request) 
 }
 
 // Mean cosine between the normal at a point and those around it: 1 on a plane, less on edges, ridges and noise.
-double calmness(const SurfaceField& field, const SurfacePoint& at) {
+double calmness(const SurfaceField& field, const SurfaceHit& at) {
   const Vec3 u_W = at.normal_W.unitOrthogonal(), v_W = at.normal_W.cross(u_W);
   const double radius_m = kRingVoxels * field.lattice().smallestSpacing();
   double sum = 0;
@@ -81,13 +81,13 @@ double calmness(const SurfaceField& field, const SurfacePoint& at) {
 }
 
 // A calm place that faces the tool and leaves it room to come from. Above 1 is ideal, below 0 useless.
-double score(const SurfaceField& field, const SurfacePoint& at, const Vec3& direction_W, double approach_m) {
+double score(const SurfaceField& field, const SurfaceHit& at, const Vec3& direction_W, double approach_m) {
   const double facing = -direction_W.dot(at.normal_W);
   const double room = freeDistance(field, at, at.normal_W, approach_m) / approach_m;
   return calmness(field, at) + 0.2 * facing + 0.5 * (room - 1);
 }
 
-SurfacePoint startNear(const SurfaceField& field, const Vec3& start_W) {
+SurfaceHit startNear(const SurfaceField& field, const Vec3& start_W) {
   const double reach_m = std::max(kStartReach_m, kStartReachVoxels * field.lattice().smallestSpacing());
   if (const auto point = nearestSurfacePoint(field, start_W, reach_m)) return *point;
   const Vec3 start_mm = start_W * kMillimetresPerMetre;
@@ -99,9 +99,9 @@ SurfacePoint startNear(const SurfaceField& field, const Vec3& start_W) {
 
 }  // namespace
 
-SurfacePoint chooseStart(const SurfaceField& field, const PathRequest& request) {
+SurfaceHit chooseStart(const SurfaceField& field, const PathRequest& request) {
   if (request.start_W) return startNear(field, *request.start_W);
-  std::optional<SurfacePoint> best;
+  std::optional<SurfaceHit> best;
   double best_score = 0;
   for (const Ray& ray : raysFor(field, request)) {
     const auto point = firstEntry(field, ray.origin_W, ray.direction_W, ray.reach_m);

@@ -13,6 +13,6 @@ namespace palpate {
 // around its middle (along `toward` if it is given), and of the places where they enter the object the one is taken
 // whose surroundings have the calmest normals. Refuses (Error kBadInput): no surface near the start, no ray meets the
 // surface.
-[[nodiscard]] SurfacePoint chooseStart(const SurfaceField& field, const PathRequest& request);
+[[nodiscard]] SurfaceHit chooseStart(const SurfaceField& field, const PathRequest& request);
 
 }  // namespace palpate

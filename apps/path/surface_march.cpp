@@ -51,15 +51,15 @@ Turn nextHeading(const SurfaceField& field, const Vec3& p_W, const Plane& plane,
 
 }  // namespace
 
-SurfaceCurve marchSurface(const SurfaceField& field, const SurfacePoint& start, const Vec3& direction_W,
-                          double length_m, OverEdges over_edges) {
+SurfaceCurve marchSurface(const SurfaceField& field, const SurfaceHit& start, const Vec3& direction_W, double length_m,
+                          OverEdges over_edges) {
   const Vec3 along_W = direction_W - direction_W.dot(start.normal_W) * start.normal_W;
   const Plane plane{along_W.normalized(), start.normal_W};
   const int steps = static_cast<int>(std::ceil(length_m / (kStepVoxels * field.lattice().smallestSpacing())));
   SurfaceCurve curve{{start}, steps > 0 ? length_m / steps : 0};
   double heading = 0;
   for (int i = 0; i < steps; ++i) {
-    const SurfacePoint& last = curve.points.back();
+    const SurfaceHit& last = curve.points.back();
     const Turn turn = nextHeading(field, last.p_W, plane, heading, curve.step_m);
     const bool on_surface = turn.heading && (over_edges == OverEdges::kFollow || *turn.heading >= kSteepestFall);
     if (turn.border || (!on_surface && over_edges == OverEdges::kFollow)) break;

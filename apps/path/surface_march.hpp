@@ -18,9 +18,9 @@ enum class OverEdges {
 };
 
 struct SurfaceCurve {
-  std::vector<SurfacePoint> points;  // the first is the start; neighbours are step_m apart
-  double step_m = 0;                 // [m]
-  double free_m = 0;                 // of its length, not on the surface: straight on beyond an edge [m]
+  std::vector<SurfaceHit> points;  // the first is the start; neighbours are step_m apart
+  double step_m = 0;               // [m]
+  double free_m = 0;               // of its length, not on the surface: straight on beyond an edge [m]
   [[nodiscard]] double length() const { return step_m * static_cast<double>(points.size() - 1); }
 };
 
@@ -29,7 +29,7 @@ struct SurfaceCurve {
 // border. Each step goes to the place on a circle around the last point where, turning from the way it came through the
 // outside, the object is met first. Unlike a step along the tangent this cannot lose a sharp edge: it needs no
 // gradient.
-[[nodiscard]] SurfaceCurve marchSurface(const SurfaceField& field, const SurfacePoint& start, const Vec3& direction_W,
+[[nodiscard]] SurfaceCurve marchSurface(const SurfaceField& field, const SurfaceHit& start, const Vec3& direction_W,
                                         double length_m, OverEdges over_edges = OverEdges::kFollow);
 
 }  // namespace palpate

@@ -25,10 +25,10 @@ Vec3 bisect(const SurfaceField& field, Vec3 out_W, Vec3 in_W) {
   return out_W;
 }
 
-std::optional<SurfacePoint> withNormal(const SurfaceField& field, const Vec3& p_W) {
+std::optional<SurfaceHit> withNormal(const SurfaceField& field, const Vec3& p_W) {
   const auto normal_W = normalAt(field, p_W);
   if (!normal_W) return std::nullopt;
-  return SurfacePoint{p_W, *normal_W};
+  return SurfaceHit{p_W, *normal_W};
 }
 
 // Evenly spread unit directions (Fibonacci lattice), so that the search is the same on every machine.
@@ -69,8 +69,8 @@ std::optional<Vec3> normalAt(const SurfaceField& field, const Vec3& p_W) {
   return -gradient_W / norm;
 }
 
-std::optional<SurfacePoint> firstEntry(const SurfaceField& field, const Vec3& origin_W, const Vec3& direction_W,
-                                       double reach_m) {
+std::optional<SurfaceHit> firstEntry(const SurfaceField& field, const Vec3& origin_W, const Vec3& direction_W,
+                                     double reach_m) {
   const double step_m = 0.5 * voxel(field);
   const int steps = static_cast<int>(std::ceil(reach_m / step_m));
   bool outside_before = false;  // unknown space is not background: a volume cut through the object has no surface there
@@ -85,7 +85,7 @@ std::optional<SurfacePoint> firstEntry(const SurfaceField& field, const Vec3& or
   return std::nullopt;
 }
 
-double freeDistance(const SurfaceField& field, const SurfacePoint& from, const Vec3& direction_W, double reach_m) {
+double freeDistance(const SurfaceField& field, const SurfaceHit& from, const Vec3& direction_W, double reach_m) {
   const double step_m = 0.5 * voxel(field);
   for (double s = step_m; s < reach_m; s += step_m) {
     if (heightAt(field, from.p_W + s * direction_W).value_or(0) > 0) return s - step_m;
@@ -93,7 +93,7 @@ double freeDistance(const SurfaceField& field, const SurfacePoint& from, const V
   return reach_m;
 }
 
-std::optional<SurfacePoint> snapToSurface(const SurfaceField& field, const Vec3& near_W) {
+std::optional<SurfaceHit> snapToSurface(const SurfaceField& field, const Vec3& near_W) {
   const double h_m = voxel(field);
   Vec3 p_W = near_W;
   for (int i = 0; i < 60; ++i) {
@@ -108,9 +108,9 @@ std::optional<SurfacePoint> snapToSurface(const SurfaceField& field, const Vec3&
   return std::nullopt;
 }
 
-std::optional<SurfacePoint> nearestSurfacePoint(const SurfaceField& field, const Vec3& p_W, double reach_m) {
+std::optional<SurfaceHit> nearestSurfacePoint(const SurfaceField& field, const Vec3& p_W, double reach_m) {
   double best_m = reach_m;
-  std::optional<SurfacePoint> best;
+  std::optional<SurfaceHit> best;
   for (int i = 0; i < kNearestDirections; ++i) {
     const Vec3 direction_W = spreadDirection(i, kNearestDirections);
     const auto distance_m = firstChange(field, p_W, direction_W, best_m);

@@ -11,7 +11,7 @@
 
 namespace palpate {
 
-struct SurfacePoint {
+struct SurfaceHit {
   Vec3 p_W = Vec3::Zero();       // on the isosurface [m]
   Vec3 normal_W = Vec3::Zero();  // unit, out of the object [-]
 };
@@ -24,18 +24,17 @@ struct SurfacePoint {
 
 // First place along origin + s * direction (unit), 0 <= s <= reach, where background turns into object. Steps of half a
 // voxel, then bisection to 1e-6 voxel. Cost: about 2 * reach / voxel samples.
-[[nodiscard]] std::optional<SurfacePoint> firstEntry(const SurfaceField& field, const Vec3& origin_W,
-                                                     const Vec3& direction_W, double reach_m);
+[[nodiscard]] std::optional<SurfaceHit> firstEntry(const SurfaceField& field, const Vec3& origin_W,
+                                                   const Vec3& direction_W, double reach_m);
 
 // How far one can go from a surface point along `direction` (unit) before entering the object, at most `reach_m` [m].
-[[nodiscard]] double freeDistance(const SurfaceField& field, const SurfacePoint& from, const Vec3& direction_W,
+[[nodiscard]] double freeDistance(const SurfaceField& field, const SurfaceHit& from, const Vec3& direction_W,
                                   double reach_m);
 
 // Newton steps along the gradient from a point within a few voxels of the surface; at most 60 of half a voxel each.
-[[nodiscard]] std::optional<SurfacePoint> snapToSurface(const SurfaceField& field, const Vec3& near_W);
+[[nodiscard]] std::optional<SurfaceHit> snapToSurface(const SurfaceField& field, const Vec3& near_W);
 
 // The surface point nearest to `p_W` within `reach_m`: rays in 600 directions, then sliding towards the foot point.
-[[nodiscard]] std::optional<SurfacePoint> nearestSurfacePoint(const SurfaceField& field, const Vec3& p_W,
-                                                              double reach_m);
+[[nodiscard]] std::optional<SurfaceHit> nearestSurfacePoint(const SurfaceField& field, const Vec3& p_W, double reach_m);
 
 }  // namespace palpate

@@ -61,7 +61,7 @@ double turning(const SurfaceCurve& curve) {
 }
 
 // Of evenly spread directions the one that goes farthest, and of those the one that bends least.
-SurfaceCurve chooseSlide(const SurfaceField& field, const SurfacePoint& start, const PathRequest& request) {
+SurfaceCurve chooseSlide(const SurfaceField& field, const SurfaceHit& start, const PathRequest& request) {
   const Vec3 u_W = start.normal_W.unitOrthogonal(), v_W = start.normal_W.cross(u_W);
   SurfaceCurve best;
   for (int i = 0; i < kSlideDirections; ++i) {
@@ -77,7 +77,7 @@ SurfaceCurve chooseSlide(const SurfaceField& field, const SurfacePoint& start, c
   return best;
 }
 
-SurfaceCurve slideCurve(const SurfaceField& field, const SurfacePoint& start, const PathRequest& request) {
+SurfaceCurve slideCurve(const SurfaceField& field, const SurfaceHit& start, const PathRequest& request) {
   if (!request.slide_W) return chooseSlide(field, start, request);
   if (request.slide_W->normalized().cross(start.normal_W).norm() < kGrazing) {
     refuse("path slide", "its direction is along the surface normal, where no slide is possible",
@@ -87,7 +87,7 @@ SurfaceCurve slideCurve(const SurfaceField& field, const SurfacePoint& start, co
 }
 
 // Unit direction from the surface to where the tool comes from.
-Vec3 comesFrom(const SurfacePoint& start, const PathRequest& request) {
+Vec3 comesFrom(const SurfaceHit& start, const PathRequest& request) {
   if (!request.toward_W) return start.normal_W;
   const Vec3 from_W = -request.toward_W->normalized();
   if (from_W.dot(start.normal_W) < kGrazing) {
@@ -98,7 +98,7 @@ Vec3 comesFrom(const SurfacePoint& start, const PathRequest& request) {
 }
 
 // Room for approach or retreat: as asked for, or what the object leaves; said in a note.
-double roomAlong(const SurfaceField& field, const SurfacePoint& at, const Vec3& direction_W, double wish_m,
+double roomAlong(const SurfaceField& field, const SurfaceHit& at, const Vec3& direction_W, double wish_m,
                  const char* phase, std::vector<std::string>& notes) {
   const double free_m = freeDistance(field, at, direction_W, wish_m);
   if (free_m >= wish_m) return wish_m;
@@ -144,7 +144,7 @@ TouchPath buildTouchPath(const SurfaceField& field, const PathRequest& request) 
   path.start = chooseStart(field, request);
   const Vec3 from_W = comesFrom(path.start, request);
   const SurfaceCurve surface = slideCurve(field, path.start, request);
-  const SurfacePoint& end = surface.points.back();
+  const SurfaceHit& end = surface.points.back();
   path.slid_m = surface.length();
   if (surface.points.size() > 1) path.slide_W = (surface.points[1].p_W - path.start.p_W).normalized();
   if (path.slid_m < request.slide_length_m * (1 - 1e-9)) {

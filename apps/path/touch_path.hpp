@@ -19,7 +19,7 @@ inline constexpr double kPathInterval_s = 2.0e-3;  // between points; coarser on
 struct TouchPath {
   std::vector<TimedPoint> points;  // evenly spaced in time, from 0 to the duration exactly; for cubic interpolation
   std::vector<PathPhase> phases;   // approach, press, slide, retreat, without gaps
-  SurfacePoint start;              // where the press begins
+  SurfaceHit start;                // where the press begins
   Vec3 slide_W = Vec3::Zero();     // unit direction in which the slide begins; zero without a slide [-]
   double slid_m = 0;               // length of the slide on the surface [m]; shorter than asked for at the border
   std::vector<std::string> notes;  // in words: what is not as asked (a short slide, a short approach)

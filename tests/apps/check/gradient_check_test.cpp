@@ -16,7 +16,7 @@ namespace palpate {
 namespace {
 
 void expectEqualBits(const Volume& volume) {
-  const GradientCheck check = checkGradient(volume, GradientCheckRequest{}, [](double) {});
+  const Check check = checkGradient(volume, GradientCheckRequest{}, [](double) {});
   EXPECT_EQ(check.compared, 4ULL * static_cast<std::uint64_t>(volume.size().cast<long long>().prod()));
   EXPECT_EQ(check.differing, 0U) << check.component << " of voxel " << check.voxel.transpose() << ": GPU "
                                  << check.gpu_value << ", CPU " << check.cpu_value;
@@ -84,7 +84,7 @@ class GradientCheckSees : public testing::Test {
     for (int n = 0; n < 12 * 11 * 10; ++n) values.push_back(static_cast<float>(n * 7919 % 1024) + 1024);
     return Volume::fromDense({12, 11, 10}, {Vec3::Zero(), Mat3::Identity(), Vec3(0.5, 0.5, 0.5)}, values, {});
   }
-  [[nodiscard]] static GradientCheck checkWithChanged(const Vec3i& voxel) {
+  [[nodiscard]] static Check checkWithChanged(const Vec3i& voxel) {
     const Volume volume = exactVolume();
     reference::DenseField field = reference::denseField(volume);
     float& value = field.values[field.offset(voxel.x(), voxel.y(), voxel.z())];
@@ -98,7 +98,7 @@ TEST_F(GradientCheckSees, NoDifferenceWhereThereIsNone) {
 }
 
 TEST_F(GradientCheckSees, AVoxelChangedByOneUlp) {
-  const GradientCheck check = checkWithChanged({5, 6, 7});
+  const Check check = checkWithChanged({5, 6, 7});
   EXPECT_EQ(check.differing, 1U + 6U);
   EXPECT_GE(check.largest_ulp, 1U);
   EXPECT_LE((check.voxel - Vec3i(5, 6, 7)).cwiseAbs().sum(), 1);

@@ -37,6 +37,20 @@ TEST_F(Bench, LoopGoesOnWithoutCyclictest) {
   EXPECT_THAT(outcome.out, HasSubstr("0 of 0 targets hold"));
 }
 
+// Whether VTK and SciPy are there or not.
+TEST_F(Bench, FiltersWritesItsFilesAndEndsWithTheTargets) {
+  const Outcome outcome =
+      run({"bench", "filters", "--quick", "--json", "f.json", "--csv", "f.csv", "--chart", "f.svg", "--page", "f.md"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("\nnote: no targets: 256^3 was left out\n"));
+  const auto json = nlohmann::json::parse(contentsOf(file("f.json")));
+  EXPECT_EQ(json["bench"], "filters");
+  EXPECT_EQ(json["command"], "palpate bench filters --quick --seed 1");
+  EXPECT_THAT(contentsOf(file("f.csv")), HasSubstr("\nrun,median:1,64^3,262144,ITK,MedianImageFilter,"));
+  EXPECT_THAT(contentsOf(file("f.svg")), testing::StartsWith("<svg"));
+  EXPECT_THAT(contentsOf(file("f.md")), HasSubstr("](f.svg)\n"));
+}
+
 struct Refusal {
   const char* name;
   Words arguments;
@@ -61,6 +75,10 @@ const Refusal kRefusals[] = {
     {"NoSuchFolder", {"bench", "servo", "--json", "nowhere/s.json"}, "nowhere/s.json", "cannot be created", 4},
     {"NoSuchFolderForTheChart", {"bench", "loop", "--chart", "nowhere/l.svg"}, "nowhere/l.svg", "cannot be created", 4},
     {"UnknownGpu", {"bench", "loop", "--gpu", "Voodoo"}, "--gpu Voodoo", "no usable device", 3},
+    {"SizeOfNoVolume", {"bench", "filters", "--sizes", "64,3"}, "--sizes", "3"},
+    {"SizesOfServo", {"bench", "servo", "--sizes", "64"}, "--sizes", "not expected"},
+    {"UnknownGpuOfFilters", {"bench", "filters", "--gpu", "Voodoo"}, "--gpu Voodoo", "no usable device", 3},
+    {"UnknownGpuOfGradient", {"bench", "gradient", "--gpu", "Voodoo"}, "--gpu Voodoo", "no usable device", 3},
 };
 
 class RefusedBench : public ProgramTest, public testing::WithParamInterface<Refusal> {};
@@ -75,10 +93,19 @@ INSTANTIATE_TEST_SUITE_P(Each, RefusedBench, testing::ValuesIn(kRefusals),
                          [](const auto& refusal) { return std::string(refusal.param.name); });
 
 TEST_F(Bench, StopsInGoodOrderAndLeavesNoFile) {
-  for (const auto& [bench, at] : {std::pair{"servo", "errors on phantom:knot"}, {"loop", "cyclictest at 1000"}}) {
-    const Outcome outcome = runPalpate(
-        {.arguments = {"bench", bench, "--json", "b.json"}, .folder = folder(), .signal_at = at, .signals = {SIGINT}});
-    expectRefusal(outcome, std::string("palpate bench ") + bench, "stopped by the user", 130);
+  struct Case {
+    std::vector<std::string> arguments;
+    std::string signal_at;
+  };
+  const std::vector<Case> cases = {{{"bench", "servo"}, "errors on phantom:knot"},
+                                   {{"bench", "loop"}, "cyclictest at 1000"},
+                                   {{"bench", "filters", "--sizes", "32,64"}, "gaussian:1.5, 64"}};
+  for (const Case& one : cases) {
+    std::vector<std::string> arguments = one.arguments;
+    arguments.insert(arguments.end(), {"--json", "b.json"});
+    const Outcome outcome =
+        runPalpate({.arguments = arguments, .folder = folder(), .signal_at = one.signal_at, .signals = {SIGINT}});
+    expectRefusal(outcome, "palpate bench", "stopped by the user", 130);
     EXPECT_TRUE(std::filesystem::is_empty(folder()));
   }
 }

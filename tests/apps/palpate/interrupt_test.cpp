@@ -40,6 +40,16 @@ TEST_F(Interrupt, BeforeTheRunBegins) {
   expectGoodOrder(interrupted({"--seconds", "600"}, "loading", {SIGINT}));
 }
 
+TEST_F(Interrupt, OfACheck) {
+  const Outcome outcome = runPalpate({.arguments = {"check", "all"},
+                                      .folder = folder(),
+                                      .environment = {{"PALPATE_DATA", folder().string()}},
+                                      .signal_at = "checking",
+                                      .signals = {SIGINT}});
+  expectRefusal(outcome, "palpate check", "stopped by the user", 130);
+  EXPECT_LT(outcome.seconds, 30);
+}
+
 // `timeout` signals its child and then the child's group, so one request arrives twice.
 TEST_F(Interrupt, ThatArrivesTwiceAtOnce) {
   expectGoodOrder(interrupted({"--seconds", "600"}, "palpating", {SIGTERM, SIGTERM}));

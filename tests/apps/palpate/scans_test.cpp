@@ -38,5 +38,17 @@ TEST_F(Scans, GradientsOfHeadsAgreeBitForBit) {
   }
 }
 
+// Gradients, filters and edits of every scan; the middle alone, since the twins go voxel by voxel.
+TEST_F(Scans, AllChecksHoldInTheMiddle) {
+  for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(scan_).parent_path())) {
+    const std::string scan = entry.path().string();
+    if (!scan.ends_with(".nrrd") && !scan.ends_with(".nii.gz")) continue;
+    const Outcome outcome = run({"check", "all", scan, "--quick", "--crop", "32"});
+    expectSuccess(outcome);
+    EXPECT_THAT(outcome.out, testing::HasSubstr("its middle 32 x 32 x 32 voxels"));
+    EXPECT_THAT(outcome.out, testing::Not(testing::HasSubstr("BROKEN")));
+  }
+}
+
 }  // namespace
 }  // namespace palpate

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/scene/option_table.hpp"
+#include "engine/filter/filter_spec.hpp"
 #include "program_test.hpp"
 
 namespace palpate {
@@ -13,10 +14,28 @@ using testing::HasSubstr;
 class Verbs : public ProgramTest {};
 
 TEST_F(Verbs, HelpOfEachSaysWhatItDoes) {
-  for (const Words& verb : {Words{}, Words{"touch"}, Words{"edit"}, Words{"recover"}, Words{"info"}, Words{"check"},
-                            Words{"check", "gradient"}, Words{"bench"}, Words{"bench", "servo"}, Words{"bench", "loop"},
-                            Words{"bench", "edit"}, Words{"bench", "load"}, Words{"convert"}, Words{"devices"},
-                            Words{"plan"}, Words{"scene"}, Words{"faults"}}) {
+  for (const Words& verb : {Words{},
+                            Words{"touch"},
+                            Words{"edit"},
+                            Words{"recover"},
+                            Words{"info"},
+                            Words{"check"},
+                            Words{"check", "gradient"},
+                            Words{"check", "filters"},
+                            Words{"check", "edits"},
+                            Words{"check", "all"},
+                            Words{"filter"},
+                            Words{"gradient"},
+                            Words{"bench"},
+                            Words{"bench", "servo"},
+                            Words{"bench", "loop"},
+                            Words{"bench", "edit"},
+                            Words{"bench", "load"},
+                            Words{"convert"},
+                            Words{"devices"},
+                            Words{"plan"},
+                            Words{"scene"},
+                            Words{"faults"}}) {
     const Outcome outcome = run(verb + Words{"--help"});
     expectSuccess(outcome);
     EXPECT_THAT(outcome.out, HasSubstr("Usage: palpate"));
@@ -153,6 +172,64 @@ TEST_F(Verbs, PlanSaysOperatorAndSamples) {
       "gaussian:1", "does not follow edits", 2);
   expectRefusal(run({"touch", "phantom:sphere?size=24", "--gradient-operator", "prewitt"}), "prewitt", "central4", 2);
   EXPECT_FALSE(exists("out"));
+}
+
+TEST_F(Verbs, CheckOfFiltersTellsEachAndHolds) {
+  const Outcome outcome = run({"check", "filters", "phantom:random?size=13x21x10", "--json", "check.json"});
+  expectSuccess(outcome);
+  for (const FilterWords& words : filterTable()) EXPECT_THAT(outcome.out, HasSubstr(std::string(words.name) + ":"));
+  EXPECT_THAT(outcome.out, testing::ContainsRegex("\n([0-9]+) of [0-9]+ checks hold\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("bilateral: exponentials"));  // why that one has a bound
+  const auto json = nlohmann::json::parse(contentsOf(file("check.json")));
+  EXPECT_EQ(json["check"], "filters");
+  EXPECT_EQ(json["holds"], true);
+  EXPECT_GT(json["checks"].size(), 2 * filterTable().size());
+}
+
+TEST_F(Verbs, CheckOfFiltersTakesAChainACropAndAnIsovalue) {
+  const Outcome outcome = run({"check", "filters", "phantom:knot?size=30", "--filter", "gaussian:1 distance:2", "--iso",
+                               "10", "--crop", "12", "--json", "check.json"});
+  expectSuccess(outcome);
+  EXPECT_THAT(outcome.out, HasSubstr("its middle 12 x 12 x 12 voxels"));
+  const auto json = nlohmann::json::parse(contentsOf(file("check.json")));
+  ASSERT_EQ(json["checks"].size(), 5U);  // three axes, the distance, and the chain
+  EXPECT_EQ(json["checks"][4]["compared"], 12 * 12 * 12);
+  expectRefusal(run({"check", "filters", "phantom:box?size=8", "--filter", "mean:1"}), "mean", "there is no filter", 2);
+}
+
+TEST_F(Verbs, CheckOfEditsAndOfAllOnAVolume) {
+  const Outcome edits = run({"check", "edits", "phantom:knot?size=24", "--edits", "30", "--seed", "5"});
+  expectSuccess(edits);
+  EXPECT_THAT(edits.out, HasSubstr("30 at random, seed 5"));
+  EXPECT_THAT(edits.out, HasSubstr("1 of 1 checks hold"));
+  const Outcome all = run({"check", "all", "phantom:knot?size=14", "--quick"});
+  expectSuccess(all);
+  for (const char* kind : {"gradient", "filter", "edits"})
+    EXPECT_THAT(all.out, testing::ContainsRegex(std::string("\n  yes +") + kind));
+  expectRefusal(run({"check", "edits", "phantom:box?size=8", "--iso", "1e9"}), "phantom:box", "isovalue", 2);
+}
+
+TEST_F(Verbs, FilterTakesTheIsovalueOfADistance) {
+  const Words words = {"filter", "phantom:sphere?size=24", "-o", "d.nrrd", "--filter", "distance:3"};
+  const Outcome own = run(words);
+  expectSuccess(own);
+  EXPECT_THAT(own.out, HasSubstr("densities -0.003 to 0.003"));
+  expectSuccess(run(words + Words{"--iso", "50"}));
+}
+
+// docs/filters.md has the table of the code, row by row.
+TEST_F(Verbs, FilterTableIsTheDocumentedOne) {
+  std::string table = "| filter | size | what it does | keys |\n|---|---|---|---|\n";
+  for (const FilterWords& words : filterTable()) {
+    std::string keys(words.keys);
+    for (std::size_t at = 0; (at = keys.find('|', at)) != std::string::npos; at += 2) keys.insert(at, "\\");
+    table += "| `" + std::string(words.name) + "` | " + std::string(words.size) + " | " + std::string(words.what) +
+             " | " + keys + " |\n";
+  }
+  const std::string page = contentsOf(PALPATE_DOCS "/filters.md");
+  EXPECT_NE(page.find(table), std::string::npos) << "docs/filters.md must hold:\n" << table;
+  const std::string help = run({"filter", "--help"}).out;
+  EXPECT_THAT(help, HasSubstr("docs/filters.md"));
 }
 
 TEST_F(Verbs, CheckRefusesAResultFileThatCannotBeWritten) {

@@ -30,7 +30,7 @@ TEST(SurfaceMarch, FollowsSharpEdgesIntoAHoleAndOut) {
   const auto curve =
       marchSurface(slab, {Vec3(-10e-3, 0, 10e-3), Vec3::UnitZ()}, Vec3::UnitX(), 5e-3 + 8e-3 + 10e-3 + 8e-3 + 3e-3);
   bool was_on_floor = false;
-  for (const SurfacePoint& point : curve.points) {
+  for (const SurfaceHit& point : curve.points) {
     EXPECT_NEAR(slabWithHole(point.p_W), 0, 1e-9);
     was_on_floor |= point.p_W.head<2>().norm() < 1e-3 && std::abs(point.p_W.z() - 2e-3) < 1e-9;
   }
@@ -47,7 +47,7 @@ TEST(SurfaceMarch, GoesStraightOnOverAHoleWhenAsked) {
   const AnalyticField slab(slabWithHole, 30e-3, kVoxel_m);
   const auto curve =
       marchSurface(slab, {Vec3(-10e-3, 0, 10e-3), Vec3::UnitZ()}, Vec3::UnitX(), 20e-3, OverEdges::kStraight);
-  for (const SurfacePoint& point : curve.points) EXPECT_NEAR(point.p_W.z(), 10e-3, 2 * curve.step_m);
+  for (const SurfaceHit& point : curve.points) EXPECT_NEAR(point.p_W.z(), 10e-3, 2 * curve.step_m);
   EXPECT_NEAR(curve.free_m, 10e-3, 4 * curve.step_m);
   EXPECT_NEAR(curve.points.back().p_W.x(), 10e-3, 4 * curve.step_m);
   EXPECT_NEAR(slabWithHole(curve.points.back().p_W), 0, 1e-9);

@@ -46,7 +46,7 @@ TEST(SurfaceSearch, NothingNearIsNothing) {
 
 TEST(SurfaceSearch, FreeDistanceEndsAtTheNextWall) {
   const AnalyticField hole(slabWithHole, 30e-3, kVoxel_m);
-  const SurfacePoint wall{Vec3(5e-3, 0, 5e-3), -Vec3::UnitX()};
+  const SurfaceHit wall{Vec3(5e-3, 0, 5e-3), -Vec3::UnitX()};
   EXPECT_NEAR(freeDistance(hole, wall, -Vec3::UnitX(), 30e-3), 10e-3, kVoxel_m);
   EXPECT_EQ(freeDistance(hole, wall, -Vec3::UnitX(), 6e-3), 6e-3);
 }

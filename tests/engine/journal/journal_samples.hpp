@@ -11,7 +11,7 @@
 #include <sys/resource.h>
 
 #include "engine/journal/journal_writer.hpp"
-#include "random_edits.hpp"
+#include "engine/edit/random_edits.hpp"
 #include "temporary_folder.hpp"
 
 namespace palpate {

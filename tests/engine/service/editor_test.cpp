@@ -10,7 +10,7 @@
 #include "base/error.hpp"
 #include "engine/passes/active_bricks.hpp"
 #include "engine/reference/edit.hpp"
-#include "random_edits.hpp"
+#include "engine/edit/random_edits.hpp"
 #include "servo/window/sample_window.hpp"
 
 namespace palpate {

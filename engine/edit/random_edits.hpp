@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Edit commands drawn by a seed: every kind, all sizes, inside the volume, across its border and just outside.
+// engine/edit/random_edits.hpp: edit commands drawn by a seed, for checks and tests: every kind, all sizes, inside the
+// volume, across its border and just outside. Any thread.
 #pragma once
 
 #include <random>

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/bench/gradient_bench.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "apps/bench/resident_chain.hpp"
+#include "engine/gradient/gradient_operator.hpp"
+#include "engine/passes/active_bricks.hpp"
+#include "engine/passes/brick_bounds_pass.hpp"
+#include "engine/passes/brick_tasks.hpp"
+#include "engine/passes/gradient_pass.hpp"
+#include "engine/volume/statistics.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr const char* kActiveJob = "gradient central, needed bricks only";
+
+// One operator on some bricks, with everything at hand.
+class ResidentGradient {
+ public:
+  ResidentGradient(FieldBench& bench, const GradientOperator& way, const std::vector<std::uint32_t>& bricks,
+                   const SampleFormat& format)
+      : pool_(bench.pool()),
+        steps_(lowerFilters(way.smoothing, pool_.lattice().spacing_m)),
+        store_(bench.gpu(), pool_.brickCount(), bricks, pool_.budget(), format) {
+    if (!steps_.empty()) smoothing_.emplace(bench.gpu(), bench.transfer(), pool_, steps_);
+    pass_.emplace(bench.gpu(), bench.transfer(), pool_, store_, way, smoothing_ ? &smoothing_->result() : nullptr);
+    BrickTasks by_slab;
+    for (const std::uint32_t brick : store_.bricks()) by_slab.add(brick, store_.place(brick));
+    std::vector<layout::BrickTask> list;
+    ranges_ = by_slab.moveTo(list);
+    tasks_.emplace(bench.gpu(), "gradient tasks", std::max<std::size_t>(1, list.size()) * sizeof(layout::BrickTask),
+                   gpu::MemoryKind::kDevice);
+    bench.transfer().upload(std::as_bytes(std::span(list)), *tasks_);
+    const std::uint32_t smoothing = smoothing_ ? smoothing_->dispatches() : 0;
+    commands_.emplace(bench.gpu(), "gradient", std::max(1U, smoothing + static_cast<std::uint32_t>(ranges_.size())));
+  }
+
+  RunCost run() {
+    if (smoothing_) smoothing_->plan();
+    commands_->begin();
+    if (smoothing_) smoothing_->record(*commands_);
+    pass_->record(*commands_, *tasks_, ranges_, {});
+    const RunCost cost = costOf([&] { commands_->run(); });
+    if (smoothing_) smoothing_->settle();
+    return cost;
+  }
+
+  // Densities read (twice by an operator that smooths, whose samples hold the density as it was), samples written.
+  [[nodiscard]] double movedBytes() const {
+    const std::size_t fields = smoothing_ ? 2 : 1;
+    const double gradient = static_cast<double>(store_.brickCount()) * kBrickVoxels *
+                            static_cast<double>(fields * sizeof(float) + store_.format().bytesAVoxel());
+    return gradient + (smoothing_ ? smoothing_->movedBytes() : 0);
+  }
+
+ private:
+  const BrickPool& pool_;
+  std::vector<FilterStep> steps_;
+  SampleStore store_;
+  std::optional<ResidentChain> smoothing_;
+  std::optional<GradientPass> pass_;
+  std::vector<TaskRange> ranges_;
+  std::optional<gpu::Buffer> tasks_;
+  std::optional<gpu::Commands> commands_;
+};
+
+SampleFormat halves(const Volume& volume) {
+  const auto isovalue = static_cast<float>(volume.facts().declared_isovalue.value_or(0));
+  return halfSamples(isovalue, volume.minimum(), volume.maximum(), volume.lattice().spacing_m);
+}
+
+void measureOperator(FieldBench& bench, const GradientWords& words) {
+  const std::string name = words.takes.empty() ? std::string(words.name) : fmt::format("{}:1.5", words.name);
+  const GradientOperator way = gradientOperator(name);
+  const std::vector<std::uint32_t> bricks = allBricks(bench.pool().brickCounts());
+  ResidentGradient floats(bench, way, bricks, {}), half(bench, way, bricks, halves(bench.volume()));
+  bench.measure("gradient " + name, "gradient " + name,
+                {{"samples as floats", floats.movedBytes(), [&] { return floats.run(); }},
+                 {"samples as halves", half.movedBytes(), [&] { return half.run(); }}});
+}
+
+void measureHead(FieldBench& bench, const std::string& name, Progress& progress) {
+  progress.stage("loading " + name);
+  Volume volume = loadVolume(name);
+  const double isovalue = defaultIsovalue(volume);
+  const std::string file = name.starts_with("phantom:") ? name : std::filesystem::path(name).filename().string();
+  bench.open(file, std::move(volume));
+  BrickBoundsPass bounds(bench.gpu(), bench.pool());
+  bounds.run();
+  const std::vector<std::uint32_t> needed =
+      activeBricks(bounds.read(bench.transfer()), bench.pool().brickCounts(), static_cast<float>(isovalue));
+  ResidentGradient gradient(bench, {}, needed, {});
+  const auto withBounds = [&] {
+    const RunCost first = costOf([&] { bounds.run(); });
+    const RunCost second = gradient.run();
+    return RunCost{first.wall_ms + second.wall_ms, first.cpu_ms + second.cpu_ms};
+  };
+  const auto bounds_bytes = static_cast<double>(bench.pool().storedBricks() * kBrickVoxels * sizeof(float));
+  bench.result().note(
+      fmt::format("{}: {} x {} x {} voxels, isovalue {:g}, which needs {} of {} bricks; the rivals "
+                  "compute all voxels",
+                  file, bench.volume().size().x(), bench.volume().size().y(), bench.volume().size().z(), isovalue,
+                  needed.size(), bench.pool().brickCount()));
+  bench.measure(kActiveJob, "gradient central",
+                {{"the needed bricks", gradient.movedBytes(), [&] { return gradient.run(); }},
+                 {"bounds of all bricks, then the needed ones", bounds_bytes + gradient.movedBytes(), withBounds}});
+  bench.promise(kActiveJob, file, "VTK", 1);
+}
+
+}  // namespace
+
+std::string headVolume() {
+  std::vector<std::filesystem::path> places;
+  if (const char* cache = std::getenv("XDG_CACHE_HOME")) {
+    places.push_back(std::filesystem::path(cache) / "palpate/Cranium.inv3");
+  } else if (const char* home = std::getenv("HOME")) {
+    places.push_back(std::filesystem::path(home) / ".cache/palpate/Cranium.inv3");  // where ./dev demo keeps it
+  }
+  if (const char* data = std::getenv("PALPATE_DATA")) {
+    places.push_back(std::filesystem::path(data) / "ct_head_invesalius.nrrd");
+  }
+  std::error_code ignored;
+  for (const auto& place : places) {
+    if (std::filesystem::is_regular_file(place, ignored)) return place.string();
+  }
+  return "phantom:head?size=256";
+}
+
+BenchResult runGradientBench(const FieldBenchRequest& request, Progress& progress) {
+  constexpr int kLeastForHead_voxel = 64;
+  FieldBench bench("gradient", request, progress);
+  bool large = false;
+  for (const int size : request.sizes) {
+    bench.openNoisy(size);
+    for (const GradientWords& words : gradientTable()) measureOperator(bench, words);
+    large = large || size >= kLeastForHead_voxel;
+  }
+  if (std::find(request.sizes.begin(), request.sizes.end(), kTargetSize_voxel) == request.sizes.end()) {
+    bench.result().note(fmt::format("no target of a whole volume: {}^3 was left out", kTargetSize_voxel));
+  } else {
+    bench.promise("gradient central", noisyName(kTargetSize_voxel), "ITK", 0.45);
+  }
+  if (large) measureHead(bench, headVolume(), progress);
+  return std::move(bench.result());
+}
+
+std::string gradientChart(const BenchResult& result) {
+  return fieldChart(result, "Gradients",
+                    {"gradient central", "gradient sobel", "gradient central4", "gradient gaussian:1.5"});
+}
+
+}  // namespace palpate

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/check/filter_check.hpp"
+
+#include <algorithm>
+#include <array>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "apps/check/rounding_bound.hpp"
+#include "apps/check/stopwatch.hpp"
+#include "base/units.hpp"
+#include "engine/gpu/gpu.hpp"
+#include "engine/gpu/transfer.hpp"
+#include "engine/passes/filter_chain.hpp"
+#include "engine/reference/filter.hpp"
+#include "engine/volume/statistics.hpp"
+
+namespace palpate {
+namespace {
+
+using reference::DenseField;
+
+DenseField downloaded(const BrickPool& pool, gpu::Transfer& transfer, const DenseField& like) {
+  DenseField field = like;
+  const BrickGrid grid{pool.size(), pool.lattice().spacing_m};
+  std::array<float, kBrickVoxels> brick{};
+  for (std::uint32_t b = 0; b < pool.brickCount(); ++b) {
+    if (pool.readBrick(transfer, b, brick.data())) std::fill(brick.begin() + 1, brick.end(), brick[0]);
+    const Vec3i first = grid.brick(b) * kBrickSize;
+    const Vec3i end = (first.array() + kBrickSize).min(pool.size().array());
+    for (int k = first.z(); k < end.z(); ++k) {
+      for (int j = first.y(); j < end.y(); ++j) {
+        const auto row = static_cast<std::size_t>(((k - first.z()) * kBrickSize + (j - first.y())) * kBrickSize);
+        std::copy_n(brick.begin() + static_cast<std::ptrdiff_t>(row), end.x() - first.x(),
+                    field.values.begin() + static_cast<std::ptrdiff_t>(field.offset(first.x(), j, k)));
+      }
+    }
+  }
+  return field;
+}
+
+// All voxels; `step`: the one whose bound holds, none where bits are promised.
+void compareFields(Check& check, const DenseField& gpu, const DenseField& cpu, const DenseField& before,
+                   const FilterStep* step) {
+  for (int k = 0; k < cpu.size.z(); ++k) {
+    for (int j = 0; j < cpu.size.y(); ++j) {
+      for (int i = 0; i < cpu.size.x(); ++i) {
+        const float got = gpu.at(i, j, k);
+        const float wanted = cpu.at(i, j, k);
+        if (step == nullptr) {
+          check.compare({i, j, k}, "density", got, wanted);
+        } else {
+          check.compareWithin({i, j, k}, "density", got, wanted, roundingBound(before, {i, j, k}, *step, wanted));
+        }
+      }
+    }
+  }
+}
+
+// What is compared at once: one step, or all of a distance.
+std::vector<std::vector<FilterStep>> grouped(const std::vector<FilterStep>& steps) {
+  std::vector<std::vector<FilterStep>> groups;
+  for (auto step = steps.begin(); step != steps.end();) {
+    const std::ptrdiff_t count = step->kind == StepKind::kDistanceSeed ? kDistanceSteps : 1;
+    groups.emplace_back(step, step + count);
+    step += count;
+  }
+  return groups;
+}
+
+class Checker {
+ public:
+  Checker(const Volume& volume, const DenseField& field, const FilterCheckRequest& request)
+      : gpu_({.name = request.gpu}),
+        transfer_(gpu_),
+        pool_(gpu_, transfer_, volume),
+        source_(volume.facts().source),
+        field_(field) {}
+
+  [[nodiscard]] std::vector<Check> check(const std::string& chain, const std::vector<FilterStep>& steps,
+                                         const std::function<void()>& before_step) {
+    std::vector<Check> checks;
+    const auto groups = grouped(steps);
+    DenseField before = field_;
+    DenseField stepwise = field_;
+    std::unique_ptr<FilterChain> last;  // holds what the next step reads
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+      before_step();
+      const FilterStep& step = groups[g][0];
+      Check check = named(chain, groups.size() == 1 ? "" : fmt::format("step {} of {}", g + 1, groups.size()));
+      auto next = std::make_unique<FilterChain>(gpu_, transfer_, last ? last->result() : pool_, groups[g]);
+      const Stopwatch gpu_watch;
+      next->run();
+      check.gpu_seconds = gpu_watch.seconds();
+      const Stopwatch cpu_watch;
+      const DenseField cpu = reference::applyFilters(before, groups[g]);
+      check.cpu_seconds = cpu_watch.seconds();
+      stepwise = downloaded(next->result(), transfer_, field_);
+      if (hasExponential(step)) check.reason = boundReason(step);
+      compareFields(check, stepwise, cpu, before, hasExponential(step) ? &step : nullptr);
+      checks.push_back(std::move(check));
+      before = stepwise;
+      last = std::move(next);
+    }
+    if (groups.size() < 2) return checks;
+    // The chain goes back and forth between scratch pools; each step alone did not.
+    before_step();
+    Check whole = named(chain, "chain against its steps");
+    FilterChain all(gpu_, transfer_, pool_, steps);
+    const Stopwatch gpu_watch;
+    all.run();
+    whole.gpu_seconds = gpu_watch.seconds();
+    compareFields(whole, downloaded(all.result(), transfer_, field_), stepwise, field_, nullptr);
+    checks.push_back(std::move(whole));
+    return checks;
+  }
+
+ private:
+  [[nodiscard]] Check named(const std::string& what, const std::string& part) const {
+    Check check;
+    check.name = "filter";
+    check.what = what;
+    check.part = part;
+    check.volume = source_;
+    check.device = gpu_.info().name;
+    return check;
+  }
+
+  gpu::Gpu gpu_;
+  gpu::Transfer transfer_;
+  BrickPool pool_;
+  std::string source_;
+  const DenseField& field_;
+};
+
+}  // namespace
+
+std::vector<std::string> checkedFilters(const Volume& volume, bool short_list) {
+  const double contrast = static_cast<double>(volume.maximum()) - volume.minimum();
+  const double height = std::clamp(contrast, 1e-20, 1e30);
+  const double smallest_mm = volume.lattice().spacing_m.minCoeff() * kMillimetresPerMetre;
+  std::vector<std::string> chains = {"gaussian:1.5",
+                                     fmt::format("bilateral:1:range={:.3g}", height / 10),
+                                     fmt::format("diffuse:2:kappa={:.3g}", height / 10 / smallest_mm),
+                                     "distance:3",
+                                     "median:1",
+                                     "dilate:2",
+                                     "erode:1.5:shape=ball",
+                                     "open:1",
+                                     "close:2:shape=ball"};
+  if (short_list) return chains;
+  chains.insert(chains.end(),
+                {fmt::format("gaussian:{:.6g}mm:truncate=2:border=mirror", 1.7 * smallest_mm),
+                 fmt::format("bilateral:{:.6g}mm:range={:.3g}:border=mirror", 1.2 * smallest_mm, height / 3),
+                 fmt::format("diffuse:2:kappa={:.3g}:g=exp", height / 20 / smallest_mm), "distance:6",
+                 "median:2:border=mirror", "dilate:2.2:shape=ball:border=mirror", "erode:3:border=mirror",
+                 fmt::format("open:{:.6g}mm:shape=ball:border=mirror", 2.1 * smallest_mm), "close:2:border=mirror",
+                 "median:1 close:1 gaussian:0.8"});
+  return chains;
+}
+
+std::vector<Check> checkFilters(const Volume& volume, const FilterCheckRequest& request,
+                                const std::function<void(double)>& progress) {
+  return checkFilters(volume, reference::denseField(volume), request, progress);
+}
+
+std::vector<Check> checkFilters(const Volume& volume, const DenseField& field, const FilterCheckRequest& request,
+                                const std::function<void(double)>& progress) {
+  const std::vector<std::string> chains = request.chains.empty() ? checkedFilters(volume) : request.chains;
+  std::vector<std::vector<FilterStep>> lowered;
+  std::size_t parts = 0;
+  for (const std::string& chain : chains) {
+    const std::vector<FilterSpec> filters = filterChain(chain);
+    std::optional<float> isovalue = request.isovalue;
+    const bool distance = std::any_of(filters.begin(), filters.end(),
+                                      [](const FilterSpec& filter) { return filter.kind == FilterKind::kDistance; });
+    if (distance && !isovalue) isovalue = static_cast<float>(defaultIsovalue(volume));
+    lowered.push_back(lowerFilters(filters, volume.lattice().spacing_m, isovalue));
+    const std::size_t groups = grouped(lowered.back()).size();
+    parts += groups < 2 ? groups : groups + 1;
+  }
+  Checker checker(volume, field, request);
+  std::vector<Check> checks;
+  for (std::size_t c = 0; c < chains.size(); ++c) {
+    std::size_t done = checks.size();
+    const auto before_step = [&] { progress(static_cast<double>(done++) / static_cast<double>(parts)); };
+    for (Check& check : checker.check(chains[c], lowered[c], before_step)) checks.push_back(std::move(check));
+  }
+  progress(1);
+  return checks;
+}
+
+}  // namespace palpate

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/rivals/itk_rivals.hpp"
+
+#include <chrono>
+
+#include <itkBilateralImageFilter.h>
+#include <itkCovariantVector.h>
+#include <itkCurvatureAnisotropicDiffusionImageFilter.h>
+#include <itkDiscreteGaussianImageFilter.h>
+#include <itkFlatStructuringElement.h>
+#include <itkGradientAnisotropicDiffusionImageFilter.h>
+#include <itkGradientImageFilter.h>
+#include <itkGrayscaleMorphologicalClosingImageFilter.h>
+#include <itkImage.h>
+#include <itkMedianImageFilter.h>
+#include <itkMultiThreaderBase.h>
+#include <sys/resource.h>
+
+#include "base/error.hpp"
+#include "base/units.hpp"
+
+namespace palpate {
+namespace {
+
+using Image = itk::Image<float, 3>;
+using Vectors = itk::Image<itk::CovariantVector<float, 3>, 3>;
+using Box = itk::FlatStructuringElement<3>;
+
+Image::Pointer imageOf(const RivalField& field) {
+  Image::Pointer image = Image::New();
+  Image::SizeType size;
+  Image::SpacingType spacing_mm;
+  for (unsigned axis = 0; axis < 3; ++axis) {
+    size[axis] = static_cast<itk::SizeValueType>(field.size[static_cast<int>(axis)]);
+    spacing_mm[axis] = field.spacing_m[static_cast<int>(axis)] / kMetresPerMillimetre;
+  }
+  image->SetRegions(Image::RegionType(size));
+  image->SetSpacing(spacing_mm);
+  // Filters that work in place are told not to, so nobody writes there.
+  auto* densities = const_cast<float*>(field.densities.data());  // NOLINT(cppcoreguidelines-pro-type-const-cast)
+  image->GetPixelContainer()->SetImportPointer(densities, field.densities.size(), false);
+  return image;
+}
+
+template <class Output>
+void copyTo(const Output& output, std::vector<float>& result) {
+  constexpr std::size_t kComponents = sizeof(typename Output::PixelType) / sizeof(float);
+  const auto* first = reinterpret_cast<const float*>(output.GetBufferPointer());
+  result.assign(first, first + kComponents * output.GetLargestPossibleRegion().GetNumberOfPixels());
+}
+
+// A filter made anew for each run, as `prepare` sets it up.
+template <class Filter>
+Rival rival(const std::string& way, const Image::Pointer& image, const std::function<void(Filter&)>& prepare) {
+  return {"ITK", way, [=](std::vector<float>* result) {
+            try {
+              typename Filter::Pointer filter = Filter::New();
+              filter->SetInput(image);
+              prepare(*filter);
+              const RunCost cost = costOf([&] { filter->Update(); });
+              if (result != nullptr) copyTo(*filter->GetOutput(), *result);
+              return cost;
+            } catch (const itk::ExceptionObject& failure) {
+              throw Error(Error::Code::kOutOfMemory, "ITK " + way, failure.GetDescription(),
+                          "give the machine more memory");
+            }
+          }};
+}
+
+Rival closing(const char* algorithm, itk::MathematicalMorphologyEnums::Algorithm which, const Image::Pointer& image) {
+  using Filter = itk::GrayscaleMorphologicalClosingImageFilter<Image, Image, Box>;
+  const std::string way = std::string("GrayscaleMorphologicalClosingImageFilter, box, ") + algorithm;
+  return rival<Filter>(way, image, [which](Filter& filter) {
+    Box::RadiusType radius;
+    radius.Fill(1);
+    filter.SetKernel(Box::Box(radius));  // before the algorithm: a kernel chooses one
+    filter.SetAlgorithm(which);
+    filter.SafeBorderOff();  // which pads the volume; a box needs no padding
+  });
+}
+
+template <class Filter>
+Rival diffusion(const std::string& way, const Image::Pointer& image) {
+  return rival<Filter>(way + ", 5 iterations", image, [](Filter& filter) {
+    constexpr double kStable = 1.0 / 16;  // mm^2 for voxels of 1 mm
+    filter.InPlaceOff();
+    filter.SetNumberOfIterations(5);
+    filter.SetTimeStep(kStable);
+    filter.SetConductanceParameter(1);
+  });
+}
+
+}  // namespace
+
+RunCost costOf(const std::function<void()>& work) {
+  const auto cpu_ms = [] {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    const auto ms = [](const timeval& t) {
+      return 1e3 * static_cast<double>(t.tv_sec) + 1e-3 * static_cast<double>(t.tv_usec);
+    };
+    return ms(usage.ru_utime) + ms(usage.ru_stime);
+  };
+  const double cpu_before_ms = cpu_ms();
+  const auto start = std::chrono::steady_clock::now();
+  work();
+  const std::chrono::duration<double, std::milli> wall = std::chrono::steady_clock::now() - start;
+  return {wall.count(), cpu_ms() - cpu_before_ms};
+}
+
+std::vector<Rival> itkRivals(const std::string& job, const RivalField& field, unsigned threads) {
+  itk::MultiThreaderBase::SetGlobalMaximumNumberOfThreads(threads);
+  itk::MultiThreaderBase::SetGlobalDefaultNumberOfThreads(threads);
+  const Image::Pointer image = imageOf(field);
+  using Algorithm = itk::MathematicalMorphologyEnums::Algorithm;
+  if (job == "gradient central") {
+    using Filter = itk::GradientImageFilter<Image, float, float, Vectors>;
+    return {rival<Filter>("GradientImageFilter", image, [](Filter&) {})};
+  }
+  if (job == "gaussian:1.5") {
+    using Filter = itk::DiscreteGaussianImageFilter<Image, Image>;
+    return {rival<Filter>("DiscreteGaussianImageFilter, 11 taps", image, [](Filter& filter) {
+      filter.SetUseImageSpacing(false);
+      filter.SetVariance(1.5 * 1.5);
+      filter.SetMaximumError(1e-3);  // which ends the kernel at five voxels, as three sigmas do
+      filter.SetMaximumKernelWidth(11);
+    })};
+  }
+  if (job == "median:1") {
+    using Filter = itk::MedianImageFilter<Image, Image>;
+    return {rival<Filter>("MedianImageFilter", image, [](Filter& filter) {
+      Filter::InputSizeType radius;
+      radius.Fill(1);
+      filter.SetRadius(radius);
+    })};
+  }
+  if (job == "close:1") {
+    return {closing("BASIC", Algorithm::BASIC, image), closing("VHGW", Algorithm::VHGW, image),
+            closing("ANCHOR", Algorithm::ANCHOR, image)};
+  }
+  if (job == "diffuse:5:kappa=200") {
+    return {diffusion<itk::GradientAnisotropicDiffusionImageFilter<Image, Image>>(
+                "GradientAnisotropicDiffusionImageFilter", image),
+            diffusion<itk::CurvatureAnisotropicDiffusionImageFilter<Image, Image>>(
+                "CurvatureAnisotropicDiffusionImageFilter", image)};
+  }
+  if (job == "bilateral:1:range=200") {
+    using Filter = itk::BilateralImageFilter<Image, Image>;
+    return {rival<Filter>("BilateralImageFilter, 5^3", image, [](Filter& filter) {
+      Filter::SizeType radius;
+      radius.Fill(2);
+      filter.SetDomainSigma(1.0);
+      filter.SetRangeSigma(200);
+      filter.SetAutomaticKernelSize(false);
+      filter.SetRadius(radius);
+    })};
+  }
+  return {};
+}
+
+}  // namespace palpate

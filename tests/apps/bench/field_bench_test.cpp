@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: Apache-2.0
+// Short runs of bench filters and bench gradient: what they are made of, and that what is timed is the whole work. No
+// time is asserted.
+#include "apps/bench/field_bench.hpp"
+
+#include <gmock/gmock.h>
+
+#include "apps/bench/filter_bench.hpp"
+#include "apps/bench/gradient_bench.hpp"
+#include "apps/bench/resident_chain.hpp"
+#include "base/error.hpp"
+#include "engine/filter/filter_spec.hpp"
+#include "engine/gradient/gradient_operator.hpp"
+
+namespace palpate {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr int kSize = 24;
+constexpr double kVoxels = kSize * kSize * kSize;
+
+FieldBenchRequest shortRun() {
+  FieldBenchRequest request = FieldBenchRequest::quick();
+  request.sizes = {kSize};
+  request.copy_bytes = 1U << 20U;
+  request.python = {"/nowhere/python3"};
+  return request;
+}
+
+std::vector<BenchRow> rowsOf(const BenchResult& result, const std::string& part, const std::string& job,
+                             const std::string& library) {
+  std::vector<BenchRow> rows;
+  for (const BenchRow& row : result.rows) {
+    if (textOf(row, "part") == part && textOf(row, "job") == job && textOf(row, "library") == library) {
+      rows.push_back(row);
+    }
+  }
+  return rows;
+}
+
+std::string notesOf(const BenchResult& result) {
+  std::string notes;
+  for (const BenchRow& row : result.rows) notes += textOf(row, "note") + "\n";
+  return notes;
+}
+
+void expectFigures(const BenchRow& row, double moved_bytes) {
+  EXPECT_EQ(figureOf(row, "voxels"), kVoxels);
+  EXPECT_EQ(figureOf(row, "rounds"), 1);
+  EXPECT_GT(figureOf(row, "median_ms"), 0);
+  EXPECT_LE(figureOf(row, "min_ms"), figureOf(row, "median_ms"));
+  EXPECT_DOUBLE_EQ(figureOf(row, "ns_per_voxel"), 1e6 * figureOf(row, "median_ms") / kVoxels);
+  EXPECT_DOUBLE_EQ(figureOf(row, "moved_MB"), 1e-6 * moved_bytes);
+  EXPECT_GT(figureOf(row, "share_of_copy"), 0);
+}
+
+TEST(FilterBench, HasEveryFilterOfTheTable) {
+  Progress progress;
+  const BenchResult result = runFilterBench(shortRun(), progress);
+  EXPECT_EQ(result.bench, "filters");
+  EXPECT_NE(result.vulkan_device, "none");
+  ASSERT_EQ(filterJobs().size(), filterTable().size());
+  for (std::size_t n = 0; n < filterTable().size(); ++n) {
+    const std::string job = filterJobs()[n];
+    EXPECT_EQ(job.substr(0, job.find(':')), filterTable()[n].name);
+    ASSERT_EQ(rowsOf(result, "run", job, "Palpate").size(), 1U) << job;
+    EXPECT_EQ(rowsOf(result, "run", job, "copy").size(), 1U) << job;
+  }
+  // Floats read and written once by each pass, all bricks being stored.
+  expectFigures(rowsOf(result, "run", "gaussian:1.5", "Palpate")[0], 3 * 8 * kVoxels);
+  expectFigures(rowsOf(result, "run", "median:1", "Palpate")[0], 8 * kVoxels);
+  expectFigures(rowsOf(result, "run", "close:1", "Palpate")[0], 6 * 8 * kVoxels);
+  expectFigures(rowsOf(result, "run", "diffuse:5:kappa=200", "Palpate")[0], 5 * 8 * kVoxels);
+  // seed, three spreads, and an end that reads the densities too
+  expectFigures(rowsOf(result, "run", "distance:3", "Palpate")[0], (4 * 8 + 12) * kVoxels);
+  EXPECT_EQ(rowsOf(result, "run", "close:1", "ITK").size(), 3U);
+  EXPECT_EQ(rowsOf(result, "run", "median:1", "OpenVDB").size(), 1U);
+  EXPECT_TRUE(rowsOf(result, "run", "median:1", "VTK").empty());
+  const BenchRow itk = rowsOf(result, "run", "median:1", "ITK").at(0);
+  EXPECT_DOUBLE_EQ(figureOf(itk, "palpate_over_this"),
+                   figureOf(rowsOf(result, "run", "median:1", "Palpate")[0], "median_ms") / figureOf(itk, "median_ms"));
+  EXPECT_TRUE(result.targets.empty());
+  EXPECT_THAT(notesOf(result), HasSubstr("no targets: 256^3 was left out"));
+  EXPECT_THAT(notesOf(result), HasSubstr("no comparison with VTK: /nowhere/python3 did not start: apt-get install"));
+  EXPECT_THAT(notesOf(result), HasSubstr("no comparison with SciPy"));
+  EXPECT_THAT(fieldTable(result), HasSubstr("close:1, 24^3\n"));
+  EXPECT_THAT(fieldTable(result), HasSubstr("GrayscaleMorphologicalClosingImageFilter, box, VHGW"));
+  EXPECT_THAT(filterChart(result), HasSubstr("median:1"));
+}
+
+TEST(GradientBench, HasEveryOperatorOfTheTable) {
+  Progress progress;
+  const BenchResult result = runGradientBench(shortRun(), progress);
+  EXPECT_EQ(result.bench, "gradient");
+  for (const GradientWords& words : gradientTable()) {
+    const std::string job = "gradient " + std::string(words.name) + (words.takes.empty() ? "" : ":1.5");
+    ASSERT_EQ(rowsOf(result, "run", job, "Palpate").size(), 2U) << job;  // floats, halves
+  }
+  const auto central = rowsOf(result, "run", "gradient central", "Palpate");
+  expectFigures(central[0], (4 + 16) * kVoxels);
+  expectFigures(central[1], (4 + 8) * kVoxels);
+  // three passes of smoothing; then smoothed field and densities are read
+  expectFigures(rowsOf(result, "run", "gradient gaussian:1.5", "Palpate")[0], (3 * 8 + 8 + 16) * kVoxels);
+  EXPECT_EQ(rowsOf(result, "run", "gradient central", "ITK").size(), 1U);
+  EXPECT_EQ(rowsOf(result, "run", "gradient central", "OpenVDB").size(), 1U);
+  EXPECT_TRUE(result.targets.empty());
+  EXPECT_THAT(gradientChart(result), HasSubstr("gradient sobel"));
+}
+
+TEST(FieldBench, PromisesAgainstTheFastestOfALibrary) {
+  Progress progress;
+  FieldBench bench("test", shortRun(), progress);
+  bench.openNoisy(kSize);
+  EXPECT_EQ(bench.pool().storedBricks(), bench.pool().brickCount());  // dense, noise being everywhere
+  bench.measure("close:1", "close:1", {{"fake", 1e6, [] { return RunCost{10, 20}; }}});
+  bench.promise("close:1", noisyName(kSize), "ITK", 0.7);
+  bench.promise("close:1", noisyName(kSize), "VTK", 0.7);
+  double fastest_ms = 1e30;
+  for (const BenchRow& row : rowsOf(bench.result(), "run", "close:1", "ITK")) {
+    fastest_ms = std::min(fastest_ms, figureOf(row, "median_ms"));
+  }
+  ASSERT_EQ(bench.result().targets.size(), 1U);
+  EXPECT_EQ(bench.result().targets[0].value, 10 / fastest_ms);
+  EXPECT_EQ(bench.result().targets[0].bound, 0.7);
+  EXPECT_THAT(notesOf(bench.result()), HasSubstr("no target 'close:1, 24^3: Palpate / VTK [-]'"));
+}
+
+// Run again and again, it leaves what a chain of its own makes, bit for bit.
+TEST(ResidentChain, DoesTheWholeWork) {
+  Progress progress;
+  FieldBench bench("test", shortRun(), progress);
+  bench.openNoisy(20);  // no multiple of a brick's edge
+  for (const char* text : {"gaussian:1.5", "close:1", "distance:3"}) {
+    const auto steps = lowerFilters(filterChain(text), bench.pool().lattice().spacing_m, 0.0F);
+    FilterChain truth(bench.gpu(), bench.transfer(), bench.pool(), steps);
+    truth.run();
+    ResidentChain chain(bench.gpu(), bench.transfer(), bench.pool(), steps);
+    for (int run = 0; run < 3; ++run) EXPECT_GT(chain.run().wall_ms, 0);
+    std::vector<float> expected(kBrickVoxels), found(kBrickVoxels);
+    std::size_t different = 0;
+    for (std::size_t brick = 0; brick < bench.pool().brickCount(); ++brick) {
+      const bool constant = truth.result().readBrick(bench.transfer(), brick, expected.data());
+      if (constant) std::fill(expected.begin() + 1, expected.end(), expected[0]);
+      if (chain.result().readBrick(bench.transfer(), brick, found.data())) {
+        std::fill(found.begin() + 1, found.end(), found[0]);
+      }
+      different += expected == found ? 0 : 1;
+    }
+    EXPECT_EQ(different, 0U) << text;
+  }
+}
+
+TEST(CopySpeed, CopiesEveryByte) {
+  gpu::Gpu gpu({});
+  CopySpeed copy(gpu, 1000003, 3);  // shared out unevenly
+  EXPECT_EQ(copy.movedBytes(), 2000006);
+  EXPECT_GT(copy.run().wall_ms, 0);
+  EXPECT_TRUE(copy.isDone());
+}
+
+TEST(FieldBench, RefusesADeviceThatIsNotThere) {
+  Progress progress;
+  FieldBenchRequest request = shortRun();
+  request.gpu = "Voodoo";
+  EXPECT_THROW(static_cast<void>(runFilterBench(request, progress)), Error);
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+// The frame of checks: what counts as a difference, what breaks a promise, and what is told.
+#include "apps/check/check.hpp"
+
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+namespace palpate {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+Check named(const char* what, const char* part = "") {
+  Check check;
+  check.name = "filter";
+  check.what = what;
+  check.part = part;
+  check.volume = "phantom:box";
+  return check;
+}
+
+TEST(Check, OfNothingDoesNotHold) {
+  EXPECT_FALSE(Check{}.holds());
+  EXPECT_FALSE(allHold({}));
+}
+
+TEST(Check, SeesEveryBit) {
+  Check check;
+  check.compare({0, 0, 0}, "density", 1, 1);
+  EXPECT_TRUE(check.holds());
+  check.compare({1, 2, 3}, "density", 0.0F, -0.0F);  // next to each other
+  EXPECT_FALSE(check.holds());
+  EXPECT_EQ(check.compared, 2U);
+  EXPECT_EQ(check.differing, 1U);
+  EXPECT_EQ(check.broken, 1U);
+  EXPECT_EQ(check.largest_ulp, 1U);
+  EXPECT_EQ(check.voxel, Vec3i(1, 2, 3));
+}
+
+TEST(Check, TellsTheWorst) {
+  Check check;
+  check.bound_ulp = 2;
+  check.compare({1, 0, 0}, "gradient_i", 1, std::nextafter(1.0F, 2.0F));
+  EXPECT_TRUE(check.holds());
+  check.compare({2, 0, 0}, "gradient_j", 2, 1);
+  check.compare({3, 0, 0}, "gradient_k", 1, std::nextafter(1.0F, 2.0F));
+  EXPECT_FALSE(check.holds());
+  EXPECT_EQ(check.differing, 3U);
+  EXPECT_EQ(check.broken, 1U);
+  EXPECT_EQ(check.largest_ulp, 1U << 23U);
+  EXPECT_EQ(check.voxel, Vec3i(2, 0, 0));
+  EXPECT_EQ(check.component, "gradient_j");
+  EXPECT_EQ(check.gpu_value, 2);
+  EXPECT_EQ(check.cpu_value, 1);
+}
+
+TEST(Check, KeepsToABoundOfEachValuesOwn) {
+  Check check;
+  check.reason = "for a test";
+  check.compareWithin({1, 0, 0}, "density", 1, 1.25F, 0.5);
+  check.compareWithin({2, 0, 0}, "density", 1, 1.125F, 1);
+  EXPECT_TRUE(check.holds());
+  EXPECT_EQ(check.differing, 2U);
+  EXPECT_DOUBLE_EQ(check.largest_share, 0.5);
+  EXPECT_EQ(check.voxel, Vec3i(1, 0, 0));
+  check.compareWithin({3, 0, 0}, "density", 1, 1.25F, 0.25);  // just within
+  EXPECT_TRUE(check.holds());
+  check.compareWithin({4, 0, 0}, "density", 1, 1.25F, 0.24);
+  check.compareWithin({5, 0, 0}, "density", 1, 9, 0.24);
+  EXPECT_FALSE(check.holds());
+  EXPECT_EQ(check.broken, 2U);
+  EXPECT_EQ(check.voxel, Vec3i(4, 0, 0));  // the first
+}
+
+TEST(Check, TakesNoNanForANumber) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  Check bits;
+  bits.compare({0, 0, 0}, "density", nan, 1);
+  EXPECT_FALSE(bits.holds());
+  Check bounded;
+  bounded.compareWithin({0, 0, 0}, "density", nan, 1, 1e30);
+  EXPECT_FALSE(bounded.holds());
+  Check unbounded;
+  unbounded.compareWithin({0, 0, 0}, "density", 2, 1, nan);
+  EXPECT_FALSE(unbounded.holds());
+  Check same;
+  same.compareWithin({0, 0, 0}, "density", nan, nan, 0);
+  EXPECT_TRUE(same.holds());
+}
+
+// Parts of one chain share a line; what is broken has one of its own; a reason is said once.
+TEST(Check, TableSumsPartsUp) {
+  std::array<Check, 3> checks = {named("gaussian:1", "step 1 of 2"), named("gaussian:1", "step 2 of 2"),
+                                 named("median:1")};
+  checks[0].compare({0, 0, 0}, "density", 1, 1);
+  checks[1].reason = "because";
+  checks[1].compareWithin({0, 0, 0}, "density", 1, 1.5F, 1);
+  checks[2].compare({0, 0, 0}, "density", 1, 1);
+  std::string table = checkTable(checks);
+  EXPECT_THAT(table, testing::ContainsRegex("\n  yes +filter +gaussian:1 +2 +1 +0.5 bound "));
+  EXPECT_THAT(table, testing::ContainsRegex("\n  yes +filter +median:1 +1 +0 +0 ULP "));
+  EXPECT_THAT(table, HasSubstr("because"));
+  EXPECT_THAT(table, HasSubstr("3 of 3 checks hold\n"));
+  checks[2].compare({4, 5, 6}, "density", 1, 2);
+  table = checkTable(checks);
+  EXPECT_THAT(table, testing::ContainsRegex("\n  NO +filter +median:1 "));
+  EXPECT_THAT(table, HasSubstr("worst at voxel 4,5,6 density: GPU 1, CPU 2"));
+  EXPECT_THAT(table, HasSubstr("2 of 3 checks hold: the promise is BROKEN\n"));
+}
+
+TEST(Check, JsonHasEveryCheck) {
+  std::array<Check, 2> checks = {named("gaussian:1", "step 1 of 2"), named("bilateral:1:range=3")};
+  checks[0].compare({0, 0, 0}, "density", 1, 1);
+  checks[1].reason = "because";
+  checks[1].compareWithin({1, 2, 3}, "density", std::numeric_limits<float>::infinity(), 1, 1);
+  const auto json = nlohmann::json::parse(checkJson(checks, "filters", "abc"));
+  EXPECT_EQ(json["check"], "filters");
+  EXPECT_EQ(json["commit"], "abc");
+  EXPECT_EQ(json["holds"], false);
+  ASSERT_EQ(json["checks"].size(), 2U);
+  EXPECT_EQ(json["checks"][0]["holds"], true);
+  EXPECT_EQ(json["checks"][0]["bound_ulp"], 0);
+  EXPECT_EQ(json["checks"][0]["part"], "step 1 of 2");
+  EXPECT_EQ(json["checks"][1]["reason"], "because");
+  EXPECT_EQ(json["checks"][1]["worst_at_voxel"], nlohmann::json({1, 2, 3}));
+  EXPECT_EQ(json["checks"][1]["worst_gpu"], "inf");
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+// Files that `palpate filter` writes against SciPy's ndimage, where /usr/bin/python3 has it (python3-scipy); skipped
+// with a word elsewhere.
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "engine/reference/gradient.hpp"
+#include "program_test.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr const char* kPython = "/usr/bin/python3";
+
+struct Compared {
+  double difference = 0;
+  double change = 0;
+  double largest = 0;  // density before the filter
+};
+
+class SciPy : public ProgramTest {
+ protected:
+  void SetUp() override {
+    const std::string ask = fmt::format("{} -c 'import numpy, scipy.ndimage' > /dev/null 2>&1", kPython);
+    if (std::system(ask.c_str()) != 0) GTEST_SKIP() << kPython << " has no SciPy (package python3-scipy)";
+    // Noise, voxels that are no cubes, sides that are no multiple of a brick.
+    expectSuccess(run({"convert", "phantom:knot?size=30x27x25&spacing=0.7x0.9x1.3mm&noise=0.1", "in.nrrd"}));
+  }
+  // The twin's, with which the kernels agree bit for bit (tests/engine/passes/gradient_test.cpp).
+  void writeGradients(const std::string& name, const std::string& way) const {
+    const reference::DenseField field = reference::denseField(loadVolume(file("in.nrrd").string()));
+    std::ofstream out(file(name), std::ios::binary);
+    for (int n = 0; n < field.size.prod(); ++n) {
+      const auto gradient =
+          reference::gradientAt(field, gradientOperator(way), n % field.size.x(), n / field.size.x() % field.size.y(),
+                                n / field.size.x() / field.size.y());
+      for (const double component : gradient) out.write(reinterpret_cast<const char*>(&component), sizeof component);
+    }
+  }
+  // By chain; a word without a size is an operator of gradients.
+  [[nodiscard]] std::map<std::string, Compared> compare(const Words& chains) const {
+    std::string cases;
+    for (std::size_t i = 0; i < chains.size(); ++i) {
+      if (chains[i].find(':') == std::string::npos) {
+        writeGradients(fmt::format("f{}.raw", i), chains[i]);
+      } else {
+        expectSuccess(run({"filter", "in.nrrd", "-o", fmt::format("f{}.nrrd", i), "--filter", chains[i]}));
+      }
+      cases += fmt::format("f{} {}\n", i, chains[i]);
+    }
+    write("cases.txt", cases);
+    const std::string command =
+        fmt::format("{} {} {} > {} 2>&1", kPython, PALPATE_COMPARE_SCIPY, folder().string(), file("said.txt").string());
+    const int status = std::system(command.c_str());
+    EXPECT_EQ(status, 0) << contentsOf(file("said.txt"));
+    std::map<std::string, Compared> compared;
+    std::istringstream said(contentsOf(file("said.txt")));
+    for (const std::string& chain : chains) {
+      std::string name;
+      Compared& read = compared[chain];
+      said >> name >> read.difference >> read.change >> read.largest;
+    }
+    EXPECT_TRUE(said) << contentsOf(file("said.txt"));
+    return compared;
+  }
+};
+
+// Both pick one of the values that are there, so they are equal.
+TEST_F(SciPy, MediansAndMorphologyAreEqual) {
+  const Words chains = {"median:1",
+                        "median:2:border=mirror",
+                        "median:1.5mm",
+                        "dilate:2",
+                        "erode:1.9mm",
+                        "open:2:border=mirror",
+                        "close:2",
+                        "dilate:2:shape=ball",
+                        "erode:3:shape=ball:border=mirror",
+                        "open:2.1mm:shape=ball",
+                        "close:2.5:shape=ball"};
+  for (const auto& [chain, compared] : compare(chains)) {
+    EXPECT_EQ(compared.difference, 0) << chain;
+    EXPECT_GT(compared.change, 1) << chain;
+  }
+}
+
+// SciPy adds in double with taps in double. Ours: 2 r + 1 taps, each rounded, multiplied and added, (2 r + 1) + 2
+// roundings of 2^-24 of the largest density at most for each axis; r is up to 12 here (sigma 3 voxels, truncate 4).
+TEST_F(SciPy, GaussiansAreEqualButForRounding) {
+  const Words chains = {"gaussian:1.5", "gaussian:1.5:border=mirror", "gaussian:0.8mm", "gaussian:3:truncate=4",
+                        "gaussian:1mm:truncate=2:border=mirror"};
+  for (const auto& [chain, compared] : compare(chains)) {
+    EXPECT_LE(compared.difference, 3 * (2 * 12 + 3) * std::ldexp(1, -24) * compared.largest) << chain;
+    EXPECT_GT(compared.change, 10) << chain;
+    RecordProperty(chain, std::to_string(compared.difference));
+  }
+}
+
+// A gradient is 16 weighted densities at most and a scale, five roundings each of sums up to 18/12 of the largest
+// density; over the smallest spacing, 0.7 mm.
+TEST_F(SciPy, GradientsInsideAreEqualButForRounding) {
+  for (const auto& [way, compared] : compare({"central", "sobel", "central4"})) {
+    EXPECT_LE(compared.difference, 8 * std::ldexp(1, -24) * 1.5 * compared.largest / 0.7e-3) << way;
+    EXPECT_GT(compared.change, 1e5) << way;  // the steepest
+    RecordProperty(way, std::to_string(compared.difference / compared.change * 1e6) + "e-6");
+  }
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// With `cat`, which answers every line with itself, and programs that end or never were.
+#include "apps/rivals/child_talk.hpp"
+
+#include <gmock/gmock.h>
+
+namespace palpate {
+namespace {
+
+TEST(ChildTalk, HearsLineByLine) {
+  ChildTalk cat({"/bin/cat"});
+  EXPECT_TRUE(cat.tell("one"));
+  EXPECT_TRUE(cat.tell("two\tthree"));
+  EXPECT_EQ(cat.hear(), "one");
+  EXPECT_EQ(cat.hear(), "two\tthree");
+  const std::string longer(100000, 'x');  // than a block
+  EXPECT_TRUE(cat.tell(longer));
+  EXPECT_EQ(cat.hear(), longer);
+}
+
+TEST(ChildTalk, KnowsThatItIsGone) {
+  ChildTalk gone({"/bin/true"});
+  EXPECT_EQ(gone.hear(), std::nullopt);
+  EXPECT_FALSE(gone.tell("anybody there?"));
+  ChildTalk never({"/nowhere/program"});
+  EXPECT_EQ(never.hear(), std::nullopt);
+}
+
+}  // namespace
+}  // namespace palpate
