@@ -4,7 +4,6 @@
 
 #include "apps/console/one_line.hpp"
 #include "apps/edit/edit_words.hpp"
-#include "base/atomic_file.hpp"
 #include "base/byte_size.hpp"
 #include "base/error.hpp"
 #include "engine/edit/edit_keys.hpp"
@@ -25,7 +24,7 @@ void checkJson(const EditArguments& arguments) {
   checkNotInput(arguments.request.in, arguments.json);
   if (std::filesystem::weakly_canonical(arguments.json) == std::filesystem::weakly_canonical(arguments.request.out))
     throw Error(Error::Code::kBadInput, "--json " + arguments.json, "it is the output", "give another name");
-  static_cast<void>(AtomicFile(arguments.json));  // a folder that may not be written is told before the work
+  checkWritable(arguments.json);
 }
 
 void edit(EditArguments& arguments) {

@@ -8,10 +8,11 @@
 namespace palpate {
 namespace {
 
-constexpr double kStep_px = 4;    // between the points of a line
-constexpr double kRoom_px = 2;    // around a label
-constexpr double kCovered = 1e4;  // how much worse words over words are than words over a point of a line
-constexpr double kOutside = 1e6;  // and words that are cut off
+constexpr double kStep_px = 4;  // between the points of a line
+constexpr double kRoom_px = 2;  // around a label
+// How bad it is beside words over one point of a line: to be further away by a gap, since words near to another thing
+// are taken for its own; words over words; words that are cut off.
+constexpr double kFurther = 5, kCovered = 1e4, kOutside = 1e6;
 
 bool overlap(const LabelBox& a, const LabelBox& b) {
   return a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
@@ -51,17 +52,17 @@ LabelBox LabelPlacer::place(const Pixel& at, double gap, double width, double he
   LabelBox best;
   double least = -1;
   for (const double further : {1.0, 2.5, 4.0}) {
+    if (least >= 0 && least <= kFurther * (further - 1)) break;  // no need to go further away
     for (const Side& side : kSides) {
       const double x = at.x + side.x * (further * gap + width / 2);
       const double y = at.y + side.y * (further * gap + height / 2);
       const LabelBox box = {x - width / 2, y - height / 2, x + width / 2, y + height / 2};
-      const double its_cost =
-          cost({box.left - kRoom_px, box.top - kRoom_px, box.right + kRoom_px, box.bottom + kRoom_px});
+      const double its_cost = kFurther * (further - 1) + cost({box.left - kRoom_px, box.top - kRoom_px,
+                                                               box.right + kRoom_px, box.bottom + kRoom_px});
       if (least >= 0 && its_cost >= least) continue;
       best = box;
       least = its_cost;
     }
-    if (least == 0) break;  // no need to go further away
   }
   avoid(best);
   return best;

@@ -51,6 +51,18 @@ TEST(LabelPlacer, DoesNotCrossALineIfItCanHelpIt) {
   EXPECT_GT(both.place({100, 100}, 10, 40, 14).top, 100);
 }
 
+// Marks all around: a short piece of a line is crossed rather than going where the words would seem to be another's.
+TEST(LabelPlacer, StaysNearItsMarkRatherThanClearOfAPieceOfLine) {
+  LabelPlacer placer(200, 200);
+  placer.avoidLine({{112, 100}, {124, 100}});
+  placer.avoid({0, 0, 95, 200});      // left of the mark
+  placer.avoid({95, 0, 150, 88});     // above
+  placer.avoid({95, 112, 150, 200});  // and below
+  const LabelBox box = placer.place({100, 100}, 8, 30, 10);
+  EXPECT_EQ(box.left, 108);
+  EXPECT_EQ(box.top, 95);
+}
+
 // Between words and a line, the line is the smaller evil.
 TEST(LabelPlacer, CoversALineRatherThanWords) {
   LabelPlacer placer(60, 40);
