@@ -3,6 +3,7 @@
 // work group is a brick, an invocation a row of eight voxels, which reads each row of the box once.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 #include "filter.layout.h"
 
 layout(local_size_x = FILTER_GROUP) in;
@@ -24,13 +25,13 @@ float window[kWide];  // densities of one row, from kReachX before the first res
 void readRow(uvec3 brick, ivec3 first, int dy, int dz) {
   if (kEdge == 0) {
     const uint y = uint(first.y + dy), z = uint(first.z + dz);
-    for (int b = -1; b <= 1; ++b) {
+    [[unroll]] for (int b = -1; b <= 1; ++b) {
       const BrickPage page = pages[brickIndex(uvec3(int(brick.x) + b, y / BRICK_EDGE, z / BRICK_EDGE))];
-      for (int q = 0; q < 2; ++q) {
+      [[unroll]] for (int q = 0; q < 2; ++q) {
         const int at = kEnd * b + 4 * q + kReachX;
         if (at + 3 < 0 || at >= kWide) continue;
         const vec4 quad = pageQuad(page, ((z % BRICK_EDGE) * BRICK_EDGE + y % BRICK_EDGE) * 2 + q);
-        for (int t = 0; t < 4; ++t) {
+        [[unroll]] for (int t = 0; t < 4; ++t) {
           if (at + t >= 0 && at + t < kWide) window[at + t] = quad[t];
         }
       }
@@ -38,7 +39,7 @@ void readRow(uvec3 brick, ivec3 first, int dy, int dz) {
   } else {
     const ivec3 size = ivec3(domainSize());
     const uint y = mapped(first.y + dy, size.y), z = mapped(first.z + dz, size.z);
-    for (int at = 0; at < kWide; ++at) window[at] = densityAt(uvec3(mapped(first.x + at - kReachX, size.x), y, z));
+    [[unroll]] for (int at = 0; at < kWide; ++at) window[at] = densityAt(uvec3(mapped(first.x + at - kReachX, size.x), y, z));
   }
 }
 
@@ -53,9 +54,9 @@ void main() {
   if (kEdge != 0) first = min(first, ivec3(domainSize()) - 1);
 
   float centre[kEnd], parts[kEnd], weights[kEnd], tap_x[kReachX + 1];
-  for (int t = 0; t <= kReachX; ++t) tap_x[t] = taps[kTapsX + t];
+  [[unroll]] for (int t = 0; t <= kReachX; ++t) tap_x[t] = taps[kTapsX + t];
   readRow(brick, first, 0, 0);
-  for (int o = 0; o < kEnd; ++o) {
+  [[unroll]] for (int o = 0; o < kEnd; ++o) {
     centre[o] = window[o + kReachX];
     parts[o] = 0;
     weights[o] = 0;
@@ -65,9 +66,9 @@ void main() {
     for (int dy = -kReachY; dy <= kReachY; ++dy) {
       readRow(brick, first, dy, dz);
       precise float tap_yz = taps[kTapsY + abs(dy)] * taps[kTapsZ + abs(dz)];
-      for (int t = 0; t <= 2 * kReachX; ++t) {
+      [[unroll]] for (int t = 0; t <= 2 * kReachX; ++t) {
         precise float tap = tap_x[abs(t - kReachX)] * tap_yz;
-        for (int o = 0; o < kEnd; ++o) {
+        [[unroll]] for (int o = 0; o < kEnd; ++o) {
           precise float difference = window[o + t] - centre[o];
           const float weight = bilateralWeight(tap, difference, inv_range);
           precise float more_parts = parts[o] + bilateralPart(weight, difference);
@@ -79,10 +80,10 @@ void main() {
     }
   }
   float sum[kEnd];
-  for (int o = 0; o < kEnd; ++o) sum[o] = bilateralResult(centre[o], parts[o], weights[o]);
+  [[unroll]] for (int o = 0; o < kEnd; ++o) sum[o] = bilateralResult(centre[o], parts[o], weights[o]);
   if (kEdge != 0) {
     const int last = int(domainSize().x) - 1;
-    for (int o = 1; o < kEnd; ++o) {
+    [[unroll]] for (int o = 1; o < kEnd; ++o) {
       if (first.x + o > last) sum[o] = sum[o - 1];
     }
   }

@@ -3,6 +3,7 @@
 // along i, a column of quads along j and k, so that each density that it loads serves up to eight results.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 #include "filter.layout.h"
 
 layout(local_size_x = FILTER_GROUP) in;
@@ -21,7 +22,7 @@ float tap_of[kReach + 1];
 
 // Adds the density `at` places behind the line's first to the results that it reaches.
 #define ADD_TO_RESULTS(sum, at, value)                                                        \
-  for (int o = 0; o < kEnd; ++o) {                                                            \
+  [[unroll]] for (int o = 0; o < kEnd; ++o) { \
     const int tap = (at) - o;                                                                 \
     if (tap == -kReach) sum[o] = tap_of[kReach] * (value);                                    \
     if (tap > -kReach && tap <= kReach) sum[o] = addTap(sum[o], tap_of[abs(tap)], value);     \
@@ -29,26 +30,26 @@ float tap_of[kReach + 1];
 
 // Results behind the domain's last voxel repeat it.
 #define REPEAT_LAST(sum, first, last)                    \
-  for (int o = 1; o < kEnd; ++o) {                       \
+  [[unroll]] for (int o = 1; o < kEnd; ++o) { \
     if ((first) + o > (last)) sum[o] = sum[o - 1];       \
   }
 
 void rowAlongX(uvec3 brick, uint row, uint out_quad) {
   float sum[kEnd];
   if (kEdge == 0) {
-    for (int b = -kRing; b <= kRing; ++b) {
+    [[unroll]] for (int b = -kRing; b <= kRing; ++b) {
       const BrickPage page = pages[brickIndex(uvec3(int(brick.x) + b, brick.yz))];
-      for (int q = 0; q < 2; ++q) {
+      [[unroll]] for (int q = 0; q < 2; ++q) {
         const int first = kEnd * b + 4 * q;
         if (first + 3 < -kReach || first > kEnd - 1 + kReach) continue;
         const vec4 quad = pageQuad(page, row * 2 + q);
-        for (int t = 0; t < 4; ++t) { ADD_TO_RESULTS(sum, first + t, quad[t]) }
+        [[unroll]] for (int t = 0; t < 4; ++t) { ADD_TO_RESULTS(sum, first + t, quad[t]) }
       }
     }
   } else {
     const uvec3 first = brick * BRICK_EDGE + uvec3(0, row % BRICK_EDGE, row / BRICK_EDGE);
     const int size = int(domainSize().x);
-    for (int at = -kReach; at < kEnd + kReach; ++at) {
+    [[unroll]] for (int at = -kReach; at < kEnd + kReach; ++at) {
       const float value = densityAt(uvec3(mapped(int(first.x) + at, size), first.yz));
       ADD_TO_RESULTS(sum, at, value)
     }
@@ -65,11 +66,11 @@ void columnAcross(uvec3 brick, uint line, uint out_quad) {
   const uint start = quad + across * (kAxis == 1 ? 16 : 2);
   vec4 sum[kEnd];
   if (kEdge == 0) {
-    for (int b = -kRing; b <= kRing; ++b) {
+    [[unroll]] for (int b = -kRing; b <= kRing; ++b) {
       // No choice between constant vectors by a specialisation constant: Mesa 22.3 folds it wrongly.
       const uint along = kAxis == 1 ? POOL_DOMAIN.bricks_x : POOL_DOMAIN.bricks_x * POOL_DOMAIN.bricks_y;
       const BrickPage page = pages[uint(int(brickIndex(brick)) + b * int(along))];
-      for (int t = 0; t < kEnd; ++t) {
+      [[unroll]] for (int t = 0; t < kEnd; ++t) {
         const int at = kEnd * b + t;
         if (at < -kReach || at > kEnd - 1 + kReach) continue;
         const vec4 value = pageQuad(page, start + step * t);
@@ -80,21 +81,21 @@ void columnAcross(uvec3 brick, uint line, uint out_quad) {
     const uvec3 in_brick = kAxis == 1 ? uvec3(quad * 4, 0, across) : uvec3(quad * 4, across, 0);
     const uvec3 first = brick * BRICK_EDGE + in_brick;
     const int size = int(domainSize()[kAxis]);
-    for (int at = -kReach; at < kEnd + kReach; ++at) {
+    [[unroll]] for (int at = -kReach; at < kEnd + kReach; ++at) {
       const uint c = mapped(int(first[kAxis]) + at, size);
       const vec4 value = quadAt(kAxis == 1 ? uvec3(first.x, c, first.z) : uvec3(first.xy, c));
       ADD_TO_RESULTS(sum, at, value)
     }
     REPEAT_LAST(sum, int(first[kAxis]), size - 1)
   }
-  for (int o = 0; o < kEnd; ++o) result[out_quad + start + step * o] = sum[o];
+  [[unroll]] for (int o = 0; o < kEnd; ++o) result[out_quad + start + step * o] = sum[o];
 }
 
 void main() {
   const uint group = gl_WorkGroupID.y * GROUPS_PER_ROW + gl_WorkGroupID.x;
   const uint task_index = group * kBricks + gl_LocalInvocationID.x / kLines;
   if (task_index >= push.task_count) return;
-  for (int i = 0; i <= kReach; ++i) tap_of[i] = taps[i];
+  [[unroll]] for (int i = 0; i <= kReach; ++i) tap_of[i] = taps[i];
   const FilterTask task = tasks[push.first_task + task_index];
   const uvec3 brick = brickOfIndex(task.brick);
   const uint out_quad = task.slot * BRICK_QUADS;

@@ -4,6 +4,7 @@
 // invocation is a line of eight voxels along the axis.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 #include "filter.layout.h"
 #include "filter_distance.layout.h"
 
@@ -40,15 +41,15 @@ void main() {
 
   float best[kEnd];
   uint words[kEnd];
-  for (int o = 0; o < kEnd; ++o) {
+  [[unroll]] for (int o = 0; o < kEnd; ++o) {
     best[o] = DISTANCE_FARTHEST;
     words[o] = DISTANCE_NONE;
   }
-  for (int b = -1; b <= 1; ++b) {
+  [[unroll]] for (int b = -1; b <= 1; ++b) {
     const int there = int(brick[along]) + b;
     const bool exists = there >= 0 && there * kEnd <= last;
     const BrickPage page = pages[exists ? uint(int(task.brick) + b * int(stride)) : task.brick];
-    for (int t = 0; t < kEnd; ++t) {
+    [[unroll]] for (int t = 0; t < kEnd; ++t) {
       const int at = kEnd * b + t;
       if (at < -kReach || at > kEnd - 1 + kReach) continue;
       const uint in_brick = inBrick(line, uint(t));
@@ -58,7 +59,7 @@ void main() {
                              squareAlong(float(offsetOf(word, axis_2)), edge_2);
       across = known ? across : DISTANCE_FARTHEST;
       const float offset = float(offsetOf(word, along));
-      for (int o = 0; o < kEnd; ++o) {
+      [[unroll]] for (int o = 0; o < kEnd; ++o) {
         const int shift = (at - o) * DISTANCE_PARTS;
         if (at - o < -kReach || at - o > kReach) continue;
         precise float square = squareAlong(offset + float(shift), edge) + across;
@@ -68,9 +69,9 @@ void main() {
       }
     }
   }
-  for (int o = 1; o < kEnd; ++o) {
+  [[unroll]] for (int o = 1; o < kEnd; ++o) {
     if (first + o > last) words[o] = words[o - 1];
   }
   const uint out_first = task.slot * (BRICK_QUADS * 4);
-  for (int o = 0; o < kEnd; ++o) result_float[out_first + inBrick(line, uint(o))] = uintBitsToFloat(words[o]);
+  [[unroll]] for (int o = 0; o < kEnd; ++o) result_float[out_first + inBrick(line, uint(o))] = uintBitsToFloat(words[o]);
 }

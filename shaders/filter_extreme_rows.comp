@@ -7,6 +7,7 @@
 // `taps` holds, for each h from 0 on, how many rows are shorter than h, one more for the end, then each row's (dj, dk).
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 #include "filter.layout.h"
 
 layout(local_size_x = FILTER_GROUP) in;
@@ -27,15 +28,15 @@ int seen[kWide];  // from kReach voxels before the row to kReach behind it
 void seeRow(uvec3 brick, uint row, int dj, int dk) {
   const RowPlace place = rowPlace(brick, row, dj, dk);
   if (kEdge == 0) {
-    for (int b = -kRing; b <= kRing; ++b) {
+    [[unroll]] for (int b = -kRing; b <= kRing; ++b) {
       const BrickPage page = pages[uint(int(place.page) + b)];
-      for (int q = 0; q < 2; ++q) {
+      [[unroll]] for (int q = 0; q < 2; ++q) {
         const int first = kEnd * b + 4 * q;
         if (first >= -kReach && first + 3 < kEnd + kReach) {
           const ivec4 quad = rankOf(pageQuad(page, place.quad + q));
-          for (int t = 0; t < 4; ++t) { SEE(first + t, quad[t]) }
+          [[unroll]] for (int t = 0; t < 4; ++t) { SEE(first + t, quad[t]) }
         } else {
-          for (int t = 0; t < 4; ++t) {
+          [[unroll]] for (int t = 0; t < 4; ++t) {
             if (first + t >= -kReach && first + t < kEnd + kReach) {
               SEE(first + t, rankOf(pageDensity(page, place.quad + q, t)))
             }
@@ -44,7 +45,7 @@ void seeRow(uvec3 brick, uint row, int dj, int dk) {
       }
     }
   } else {
-    for (int at = -kReach; at < kEnd + kReach; ++at) { SEE(at, rankOf(besideRow(place, brick, at))) }
+    [[unroll]] for (int at = -kReach; at < kEnd + kReach; ++at) { SEE(at, rankOf(besideRow(place, brick, at))) }
   }
 }
 
@@ -74,10 +75,10 @@ void main() {
     end = begin;
   }
   int found[kEnd];
-  for (int i = 0; i < kEnd; ++i) found[i] = seen[i + kReach];
+  [[unroll]] for (int i = 0; i < kEnd; ++i) found[i] = seen[i + kReach];
   if (kEdge != 0) {
     const int last = int(domainSize().x) - 1 - int(brick.x * BRICK_EDGE);
-    for (int i = 1; i < kEnd; ++i) found[i] = i > last ? found[i - 1] : found[i];
+    [[unroll]] for (int i = 1; i < kEnd; ++i) found[i] = i > last ? found[i - 1] : found[i];
   }
   const uint out_quad = task.slot * BRICK_QUADS + row * 2;
   result[out_quad] = densityOf(ivec4(found[0], found[1], found[2], found[3]));

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // shaders/gradient.comp: plane-ready samples (gradient, density) of listed bricks, by central differences of second or
-// fourth order. A work group is a brick, an invocation a row of eight voxels along i: ten vec4 loads serve eight
-// gradients (eighteen at fourth order), with no shared memory (which lavapipe punishes).
+// fourth order. A work group is a brick, an invocation some rows of eight voxels that lie behind each other along k, so
+// that each is read once for all of them: with eight rows 52 vec4 loads serve 64 gradients (with one, 80; of fourth order
+// 88). No shared memory, which lavapipe punishes.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 #include "gradient.layout.h"
 
-layout(local_size_x = BRICK_ROWS) in;
+layout(local_size_x_id = GRADIENT_CONSTANT_GROUP) in;
 layout(push_constant) uniform Push { GradientPush push; };
 #define POOL_DOMAIN push.domain
 #include "brick_pool.glsl"

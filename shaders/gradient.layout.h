@@ -16,7 +16,9 @@
 // Specialisation constants, after the pool's 0.
 #define GRADIENT_CONSTANT_HALF 1     // 1: samples are stored as halves (sample_code.layout.h)
 #define GRADIENT_CONSTANT_STENCIL 2  // of gradient.comp: GRADIENT_CENTRAL or GRADIENT_CENTRAL4
-#define GRADIENT_CONSTANT_DENSITY 3  // of gradient_smoothed.comp: 1 where the densities lie in one slab, else 2
+#define GRADIENT_CONSTANT_RUN 3      // of gradient.comp: rows along k that an invocation makes
+#define GRADIENT_CONSTANT_GROUP 4    // of gradient.comp: invocations of a brick, BRICK_ROWS / run
+#define GRADIENT_CONSTANT_DENSITY 5  // of gradient_smoothed.comp: 1 where the densities lie in one slab, else 2
 
 #define GRADIENT_CENTRAL 0u   // (f(1) - f(-1)) / 2h
 #define GRADIENT_CENTRAL4 1u  // (8 (f(1) - f(-1)) - (f(2) - f(-2))) / 12h

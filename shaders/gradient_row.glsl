@@ -4,13 +4,23 @@
 
 layout(constant_id = GRADIENT_CONSTANT_STENCIL) const uint kStencil = GRADIENT_CENTRAL;
 
-// The row at voxel coordinates (y, z) of brick column `brick_x`.
+layout(constant_id = GRADIENT_CONSTANT_RUN) const int kRun = 8;
+
+const int kFar = 2;  // voxels to either side that the widest stencil reads
+
+// Row (y, z) of the domain, in the bricks of column `brick_x`.
 Row rowAt(uint brick_x, uint y, uint z) {
   const uint brick = brickIndex(uvec3(brick_x, y / BRICK_EDGE, z / BRICK_EDGE));
   return pageRow(pages[brick], y % BRICK_EDGE, z % BRICK_EDGE);
 }
 
-uint before(uint c, uint by) { return c < by ? 0 : c - by; }
+// One density of a row of a page.
+float rowElement(BrickPage page, uint y, uint z, uint i) {
+  if (page.slot == NO_SLOT) return page.constant;
+  return slabElement(page.slot, ((z % BRICK_EDGE) * BRICK_EDGE + y % BRICK_EDGE) * 2 + i / 4, i % 4);
+}
+
+uint inside(int c, uint last) { return uint(clamp(c, 0, int(last))); }
 
 void main() {
   const uint task_index = gl_WorkGroupID.y * GROUPS_PER_ROW + gl_WorkGroupID.x;
@@ -19,64 +29,87 @@ void main() {
   const uvec3 brick = brickOfIndex(task.brick);
   if ((task.sample_slot & IF_ACTIVE) != 0 && !brickIsActive(brick)) return;
   const uint sample_slot = task.sample_slot & ~IF_ACTIVE;
-  const uint row_index = gl_LocalInvocationID.x;
-  const uvec3 first = brick * BRICK_EDGE + uvec3(0, row_index % BRICK_EDGE, row_index / BRICK_EDGE);
+  const uint line = gl_LocalInvocationID.x;
+  const uvec3 in_brick = uvec3(0, line % BRICK_EDGE, line / BRICK_EDGE * uint(kRun));
+  const uvec3 first = brick * BRICK_EDGE + in_brick;
   const uvec3 last = domainSize() - 1;
-  const uint out_first = sample_slot * (BRICK_ROWS * BRICK_EDGE) + row_index * BRICK_EDGE;
+  const uint reach = kStencil == GRADIENT_CENTRAL4 ? 2 : 1;
 
-  const uvec3 row = min(first, last);  // rows past the domain's end repeat the last one
-  const Row centre = rowAt(brick.x, row.y, row.z);
-  const Row before_y = rowAt(brick.x, before(row.y, 1), row.z), after_y = rowAt(brick.x, min(row.y + 1, last.y), row.z);
-  const Row before_z = rowAt(brick.x, row.y, before(row.z, 1)), after_z = rowAt(brick.x, row.y, min(row.z + 1, last.z));
-  const bool has_next = first.x + BRICK_EDGE <= last.x;
-  const vec4 before_x = brick.x == 0 ? centre.low : rowAt(brick.x - 1, row.y, row.z).high;
-  const vec4 after_x = has_next ? rowAt(brick.x + 1, row.y, row.z).low : centre.high;
-  const float left_x = brick.x == 0 ? before_x.x : before_x.w;
-  const float right_x = has_next ? after_x.x : after_x.w;
-
-  const bool two_y = row.y > 0 && row.y < last.y;
-  const bool two_z = row.z > 0 && row.z < last.z;
-  const bool row_outside = any(greaterThan(first.yz, last.yz));
-  // Two voxels away; what is read instead where there are none is not used.
-  Row before2_y, after2_y, before2_z, after2_z;
-  if (kStencil == GRADIENT_CENTRAL4) {
-    before2_y = rowAt(brick.x, before(row.y, 2), row.z);
-    after2_y = rowAt(brick.x, min(row.y + 2, last.y), row.z);
-    before2_z = rowAt(brick.x, row.y, before(row.z, 2));
-    after2_z = rowAt(brick.x, row.y, min(row.z + 2, last.z));
-  }
-  const bool four_y = kStencil == GRADIENT_CENTRAL4 && row.y > 1 && row.y + 1 < last.y;
-  const bool four_z = kStencil == GRADIENT_CENTRAL4 && row.z > 1 && row.z + 1 < last.z;
-#ifdef OWN_DENSITY
-  const Row densities = densityRow(task.brick, row_index);
-#define DENSITIES densities
-#else
-#define DENSITIES centre
-#endif
-  vec4 previous = vec4(0);
-  for (uint i = 0; i < BRICK_EDGE; ++i) {
-    const uint x = first.x + i;
-    vec3 gradient = vec3(0);
-    if (x <= last.x && !row_outside) {
-      const float left = i == 0 ? left_x : element(centre, i - 1);
-      const float right = i == BRICK_EDGE - 1 ? right_x : element(centre, i + 1);
-      gradient.x = axisGradient(left, right, x > 0 && x < last.x, push.inv_2h_x, push.inv_h_x);
-      gradient.y = axisGradient(element(before_y, i), element(after_y, i), two_y, push.inv_2h_y, push.inv_h_y);
-      gradient.z = axisGradient(element(before_z, i), element(after_z, i), two_z, push.inv_2h_z, push.inv_h_z);
-      if (kStencil == GRADIENT_CENTRAL4) {
-        const float left2 = i < 2 ? before_x[i + 2] : element(centre, i - 2);
-        const float right2 = i > BRICK_EDGE - 3 ? after_x[i - (BRICK_EDGE - 2)] : element(centre, i + 2);
-        if (x > 1 && x + 1 < last.x) gradient.x = axisGradient4(left2, left, right, right2, push.inv_12h_x);
-        if (four_y)
-          gradient.y = axisGradient4(element(before2_y, i), element(before_y, i), element(after_y, i),
-                                     element(after2_y, i), push.inv_12h_y);
-        if (four_z)
-          gradient.z = axisGradient4(element(before2_z, i), element(before_z, i), element(after_z, i),
-                                     element(after2_z, i), push.inv_12h_z);
-      }
+  // Rows and columns past the domain's end repeat the last one. What is read instead of a row that the domain does not
+  // have is not used, but for one-sided differences, which take the row itself.
+  const uint y = min(first.y, last.y);
+  const BrickPage page = pages[task.brick];
+  Row behind[kRun + 2 * kFar];  // along k, from kFar before the first
+  [[unroll]] for (int n = 0; n < kRun + 2 * kFar; ++n) {
+    if (n < kFar - int(reach) || n >= kRun + kFar + int(reach)) continue;
+    const uint z = inside(int(first.z) + n - kFar, last.z);
+    if (n >= kFar && n < kRun + kFar) {
+      behind[n] = pageRow(page, y % BRICK_EDGE, z % BRICK_EDGE);
+    } else {
+      behind[n] = rowAt(brick.x, y, z);
     }
-    const vec4 value = vec4(gradient, element(DENSITIES, i));
-    writeSample(out_first + i, previous, value);
-    previous = value;
+  }
+  const uint y_before = inside(int(y) - 1, last.y), y_after = min(y + 1, last.y);
+  const BrickPage page_before_y = pages[brickIndex(uvec3(brick.x, y_before / BRICK_EDGE, brick.z))];
+  const BrickPage page_after_y = pages[brickIndex(uvec3(brick.x, y_after / BRICK_EDGE, brick.z))];
+  const bool has_previous = brick.x > 0, has_next = first.x + BRICK_EDGE <= last.x;
+  const BrickPage page_before_x = pages[has_previous ? task.brick - 1 : task.brick];
+  const BrickPage page_after_x = pages[has_next ? task.brick + 1 : task.brick];
+  const bool two_y = y > 0 && y < last.y;
+  const bool four_y = kStencil == GRADIENT_CENTRAL4 && y > 1 && y + 1 < last.y;
+
+  [[unroll]] for (int run = 0; run < kRun; ++run) {
+    const uint z = min(first.z + run, last.z);
+    const Row centre = behind[run + kFar], before_z = behind[run + kFar - 1], after_z = behind[run + kFar + 1];
+    const Row before_y = pageRow(page_before_y, y_before % BRICK_EDGE, z % BRICK_EDGE);
+    const Row after_y = pageRow(page_after_y, y_after % BRICK_EDGE, z % BRICK_EDGE);
+    const float left_x = rowElement(page_before_x, y, z, has_previous ? 7 : 0);
+    const float right_x = rowElement(page_after_x, y, z, has_next ? 0 : 7);
+    float left2_x, right2_x;
+    Row before2_y, after2_y;
+    if (kStencil == GRADIENT_CENTRAL4) {
+      left2_x = rowElement(page_before_x, y, z, 6);
+      right2_x = rowElement(page_after_x, y, z, 1);
+      before2_y = rowAt(brick.x, inside(int(y) - 2, last.y), z);
+      after2_y = rowAt(brick.x, min(y + 2, last.y), z);
+    }
+    const bool two_z = z > 0 && z < last.z;
+    const bool four_z = kStencil == GRADIENT_CENTRAL4 && z > 1 && z + 1 < last.z;
+    const bool row_outside = first.y > last.y || first.z + run > last.z;
+    const uint row_index = (in_brick.z + run) * BRICK_EDGE + in_brick.y;
+    const uint out_first = sample_slot * (BRICK_ROWS * BRICK_EDGE) + row_index * BRICK_EDGE;
+#ifdef OWN_DENSITY
+    const Row densities = densityRow(task.brick, row_index);
+#else
+    const Row densities = centre;
+#endif
+    vec4 previous = vec4(0);
+    [[unroll]] for (uint i = 0; i < BRICK_EDGE; ++i) {
+      const uint x = first.x + i;
+      vec3 gradient = vec3(0);
+      if (x <= last.x && !row_outside) {
+        const float left = i == 0 ? left_x : element(centre, i - 1);
+        const float right = i == BRICK_EDGE - 1 ? right_x : element(centre, i + 1);
+        gradient.x = axisGradient(left, right, x > 0 && x < last.x, push.inv_2h_x, push.inv_h_x);
+        gradient.y = axisGradient(element(before_y, i), element(after_y, i), two_y, push.inv_2h_y, push.inv_h_y);
+        gradient.z = axisGradient(element(before_z, i), element(after_z, i), two_z, push.inv_2h_z, push.inv_h_z);
+        if (kStencil == GRADIENT_CENTRAL4) {
+          const float left2 = i == 0 ? left2_x : i == 1 ? left_x : element(centre, i - 2);
+          const float right2 = i == BRICK_EDGE - 1   ? right2_x
+                               : i == BRICK_EDGE - 2 ? right_x
+                                                     : element(centre, i + 2);
+          if (x > 1 && x + 1 < last.x) gradient.x = axisGradient4(left2, left, right, right2, push.inv_12h_x);
+          if (four_y)
+            gradient.y = axisGradient4(element(before2_y, i), element(before_y, i), element(after_y, i),
+                                       element(after2_y, i), push.inv_12h_y);
+          if (four_z)
+            gradient.z = axisGradient4(element(behind[run + kFar - 2], i), element(before_z, i), element(after_z, i),
+                                       element(behind[run + kFar + 2], i), push.inv_12h_z);
+        }
+      }
+      const vec4 value = vec4(gradient, element(densities, i));
+      writeSample(out_first + i, previous, value);
+      previous = value;
+    }
   }
 }

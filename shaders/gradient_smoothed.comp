@@ -3,9 +3,10 @@
 // densities are those of a second pool.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 #include "gradient.layout.h"
 
-layout(local_size_x = BRICK_ROWS) in;
+layout(local_size_x_id = GRADIENT_CONSTANT_GROUP) in;
 layout(push_constant) uniform Push { GradientPush push; };
 #define POOL_DOMAIN push.domain
 #include "brick_pool.glsl"

@@ -46,6 +46,7 @@ Gpu::Gpu(const GpuRequest& request) : state_(std::make_unique<State>()) {
     if (validation) state_->messenger = makeMessenger(state_->instance);
     state_->physical = choose(state_->instance, request.name);
     state_->info = describe(state_->physical);
+    if (!request.tuned_as.empty()) state_->info.tuned_as = request.tuned_as;
     state_->named = validation;
     openDevice(*state_);
     state_->name(state_->timeline, "submission timeline");

@@ -17,6 +17,7 @@ namespace palpate::gpu {
 struct GpuInfo {
   std::string name;                     // "llvmpipe (LLVM 15.0.6, 256 bits)"
   std::string type;                     // "discrete", "integrated", "virtual", "cpu", "other"
+  std::string tuned_as;                 // the kind of device whose tuning kernels take: type, or what the request says
   std::string driver;                   // driver name and version
   std::string api_version;              // "1.3.230"
   std::uint64_t memory_bytes = 0;       // of its largest device-local heap
@@ -31,6 +32,7 @@ struct GpuInfo {
 
 struct GpuRequest {
   std::string name{};       // part of a device's name, letter case ignored; empty: the best
+  std::string tuned_as{};   // a type: kernels are tuned as for it; empty: for what the device is
   bool validation = false;  // open with the Khronos validation layer, synchronisation validation included
 };
 

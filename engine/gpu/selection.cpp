@@ -128,6 +128,7 @@ GpuInfo describe(const vk::raii::PhysicalDevice& physical) {
   GpuInfo info;
   info.name = properties.deviceName.data();
   info.type = typeName(properties.deviceType);
+  info.tuned_as = info.type;
   info.driver = fmt::format("{} {}", driver.driverName.data(), driver.driverInfo.data());
   info.api_version = versionText(properties.apiVersion);
   info.max_binding_bytes = properties.limits.maxStorageBufferRange;

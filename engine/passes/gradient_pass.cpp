@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/passes/gradient_pass.hpp"
 
+#include "engine/passes/tuning.hpp"
+
 namespace palpate {
 namespace {
 
@@ -37,8 +39,8 @@ GradientKernel kernelOf(const GradientOperator& way, bool smoothed) {
   return {"gradient", GRADIENT_BINDINGS, 1};
 }
 
-std::vector<std::uint32_t> constantsOf(const GradientOperator& way, const SampleFormat& format) {
-  return {format.half ? 1U : 0U, way.words.stencil};
+std::vector<std::uint32_t> constantsOf(const GradientOperator& way, const SampleFormat& format, const Tuning& tuning) {
+  return {format.half ? 1U : 0U, way.words.stencil, tuning.gradient_run, BRICK_ROWS / tuning.gradient_run};
 }
 
 }  // namespace
@@ -53,7 +55,7 @@ GradientPass::GradientPass(gpu::Gpu& gpu, gpu::Transfer& transfer, const BrickPo
       smoothed_(smoothed),
       kernel_(gpu, kernelOf(way, smoothed != nullptr).name, smoothed != nullptr ? *smoothed : pool,
               kernelOf(way, smoothed != nullptr).bindings, sizeof(layout::GradientPush),
-              constantsOf(way, store.format()), smoothed != nullptr ? &pool : nullptr) {}
+              constantsOf(way, store.format(), tuningFor(gpu.info())), smoothed != nullptr ? &pool : nullptr) {}
 
 void GradientPass::run() {
   BrickTasks by_slab;

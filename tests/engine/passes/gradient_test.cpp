@@ -13,6 +13,7 @@
 #include "engine/passes/active_bricks.hpp"
 #include "engine/passes/filter_chain.hpp"
 #include "engine/passes/gradient_pass.hpp"
+#include "engine/passes/tuning.hpp"
 #include "engine/reference/half.hpp"
 #include "servo/window/sample_window.hpp"
 #include "test_fields.hpp"
@@ -22,22 +23,25 @@ namespace {
 
 // Samples of every voxel of the listed bricks; the others have none.
 struct Computed {
-  gpu::Gpu gpu{{}};
+  gpu::Gpu gpu;
   gpu::Transfer transfer{gpu};
   BrickPool pool;
   SampleStore store;
 
   Computed(const Volume& volume, const std::vector<std::uint32_t>& bricks, const std::string& way = "central",
-           const SampleFormat& format = {})
-      : pool(gpu, transfer, volume), store(gpu, pool.brickCount(), bricks, makeGpuBudget(), format) {
+           const SampleFormat& format = {}, std::string_view tuned_as = "")
+      : gpu({.tuned_as = std::string(tuned_as)}),
+        pool(gpu, transfer, volume),
+        store(gpu, pool.brickCount(), bricks, makeGpuBudget(), format) {
     const GradientOperator made = gradientOperator(way);
     std::optional<FilterChain> smoothing;
     std::vector<FilterStep> steps = lowerFilters(made.smoothing, pool.lattice().spacing_m);
     if (!steps.empty()) smoothing.emplace(gpu, transfer, pool, std::move(steps)).run();
     GradientPass(gpu, transfer, pool, store, made, smoothing ? &smoothing->result() : nullptr).run();
   }
-  explicit Computed(const Volume& volume, const std::string& way = "central", const SampleFormat& format = {})
-      : Computed(volume, allBricks(volume.brickCount()), way, format) {}
+  explicit Computed(const Volume& volume, const std::string& way = "central", const SampleFormat& format = {},
+                    std::string_view tuned_as = "")
+      : Computed(volume, allBricks(volume.brickCount()), way, format, tuned_as) {}
 
   // As it is stored; of halves what they stand for, scales and all.
   Sample at(int i, int j, int k) {
@@ -67,8 +71,9 @@ struct Computed {
   std::vector<std::byte> slab_;
 };
 
-void expectEqualsTwin(const Volume& volume, const std::string& way, const SampleFormat& format) {
-  Computed run(volume, way, format);
+void expectEqualsTwin(const Volume& volume, const std::string& way, const SampleFormat& format,
+                      std::string_view tuned_as = "") {
+  Computed run(volume, way, format, tuned_as);
   const GradientOperator made = gradientOperator(way);
   const reference::DenseField field = reference::denseField(volume);
   const reference::DenseField smoothed = reference::smoothedFor(made, field);
@@ -125,6 +130,19 @@ std::vector<BitsCase> bitsCases() {
   return cases;
 }
 INSTANTIATE_TEST_SUITE_P(Sizes, GradientBits, testing::ValuesIn(bitsCases()));
+
+// No tuning changes a bit.
+class GradientTuned : public testing::TestWithParam<Tuning> {};
+TEST_P(GradientTuned, EqualsTheTwin) {
+  const std::string_view kind = GetParam().device.empty() ? "discrete" : GetParam().device;
+  for (const char* way : {"central", "central4", "gaussian:1"}) {
+    for (const Vec3i& size : {Vec3i(41, 33, 37), Vec3i(9, 7, 2), Vec3i(3, 2, 17)}) {
+      expectEqualsTwin(ballField(size, 9.0), way, {}, kind);
+      expectEqualsTwin(ballField(size, 9.0), way, halfSamples(0.3F, -3, 3, testLattice().spacing_m), kind);
+    }
+  }
+}
+INSTANTIATE_TEST_SUITE_P(Devices, GradientTuned, testing::ValuesIn(tunings().begin(), tunings().end()));
 
 // Only some bricks have samples, and those are as if all had: nothing of a kernel depends on the bricks in its list.
 TEST(Gradient, OfSomeBricksIsAsOfAll) {

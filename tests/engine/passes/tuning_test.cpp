@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/passes/tuning.hpp"
+
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "shaders/brick_pool.layout.h"
+
+namespace palpate {
+namespace {
+
+TEST(Tuning, IsFoundByKindOfDevice) {
+  gpu::GpuInfo info;
+  info.tuned_as = "cpu";
+  EXPECT_EQ(tuningFor(info).device, "cpu");
+  for (const char* other : {"discrete", "integrated", "virtual", "other", ""}) {
+    info.tuned_as = other;
+    EXPECT_EQ(tuningFor(info).device, "") << other;
+  }
+}
+
+TEST(Tuning, HasARowAKindAndTheOneForAllOthersLast) {
+  std::set<std::string_view> kinds;
+  for (const Tuning& row : tunings()) EXPECT_TRUE(kinds.insert(row.device).second) << row.device;
+  EXPECT_EQ(tunings().back().device, "");
+}
+
+TEST(Tuning, OfTheGradientDividesABrick) {
+  for (const Tuning& row : tunings()) {
+    ASSERT_GE(row.gradient_run, 1U);
+    EXPECT_EQ(BRICK_EDGE % row.gradient_run, 0U) << row.device;
+  }
+}
+
+TEST(Tuning, OfADeviceIsWhatItIsUnlessAskedOtherwise) {
+  EXPECT_EQ(gpu::Gpu({}).info().tuned_as, gpu::Gpu({}).info().type);
+  EXPECT_EQ(gpu::Gpu({.tuned_as = "discrete"}).info().tuned_as, "discrete");
+}
+
+}  // namespace
+}  // namespace palpate
