@@ -162,7 +162,8 @@ std::string energyWords(const RunFigures& f) {
                                "active: in {} of {} ticks in contact the surface had given the hand more than it took, "
                                "at most {} (--passivity control takes it back)",
                                f.active_ticks, f.contact_ticks, mJ(-f.energy_min_J));
-  if (f.damped_ticks > 0) text += fmt::format("; the controller acted in {} ticks", f.damped_ticks);
+  if (f.damped_ticks > 0)
+    text += "; the controller acted in " + counted(static_cast<std::uint64_t>(f.damped_ticks), "tick");
   return text;
 }
 
