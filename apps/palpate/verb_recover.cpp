@@ -84,7 +84,9 @@ void addRecoverVerb(CLI::App& app) {
       "session's, "
       "bit\nfor bit, up to the last edit that reached the disk. Example: palpate recover DIR --out sculpted.vdb");
   auto arguments = std::make_shared<RecoverArguments>();
-  verb->add_option("journal", arguments->folder, "folder that --journal was given, or the file in it")->required()->type_name("DIR");
+  verb->add_option("journal", arguments->folder, "folder that --journal was given, or the file in it")
+      ->required()
+      ->type_name("DIR");
   verb->add_option("--out", arguments->out,
                    "the volume: .vdb .nii .nii.gz .nrrd .mha; or its isosurface: .stl .obj .ply")
       ->required()

@@ -3,14 +3,17 @@
 #include "engine/service/editor.hpp"
 
 #include <bit>
+#include <cmath>
+#include <cstdio>
 #include <cstring>
+#include <set>
 
 #include <gtest/gtest.h>
 
 #include "base/error.hpp"
+#include "engine/edit/random_edits.hpp"
 #include "engine/passes/active_bricks.hpp"
 #include "engine/reference/edit.hpp"
-#include "engine/edit/random_edits.hpp"
 #include "servo/window/sample_window.hpp"
 
 namespace palpate {
