@@ -145,6 +145,7 @@ class Job {
       result_.content = contentHash(volume_);
       result_.file = writeOutput(volume_, output, "palpate edit", file, progress_);
       file.commit();
+      tellOfNothing();
     } catch (const Error& error) {
       session_.close();
       session_.dropEmptyJournal();
@@ -203,6 +204,13 @@ class Job {
     tell_(journal->failure());
   }
 
+  // A script that a program wrote may well be empty: the result is the volume as it was, which is no error.
+  void tellOfNothing() const {
+    if (result_.applied() + result_.refused > 0) return;
+    tell_(fmt::format("{}: it has no command, so there was nothing to do; {} holds the volume as it was",
+                      request_.script, request_.out));
+  }
+
   // What becomes of the commands before the one that ended the job. After the session's end.
   [[nodiscard]] std::string stateInWords() const {
     std::string words = fmt::format("{} was not written, {} command{} had been applied", request_.out,
@@ -218,6 +226,7 @@ class Job {
     for (const MemoryFigure& figure : engine_.memory()) {
       if (figure.name == "gpu total") result_.gpu_bytes = figure.bytes;
     }
+    result_.gpu_budgeted_bytes = engine_.budgetedBytes();
     result_.history_steps = session_.history().steps();
     result_.history_bytes = session_.history().bytes();
     result_.history_forgotten = session_.history().forgotten();

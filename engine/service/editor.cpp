@@ -30,6 +30,14 @@ bool crosses(const layout::BrickBounds& bounds, float isovalue) {
   return bounds.lowest <= isovalue && bounds.highest > isovalue;
 }
 
+using BrickValues = std::array<float, kBrickVoxels>;
+
+BrickValues valuesOf(const Volume& volume, const Vec3i& brick) {
+  BrickValues values{};
+  if (volume.readBrick(brick, values.data())) values.fill(values[0]);
+  return values;
+}
+
 VoxelBox boxOf(const BrickGrid& grid, std::uint32_t brick) {
   const Vec3i first = grid.brick(brick) * kBrickSize;
   return {first, (first + Vec3i::Constant(kBrickSize - 1)).cwiseMin(grid.size - Vec3i::Ones())};
@@ -261,12 +269,31 @@ Editor::Plan Editor::makePlan(std::span<const BrickContent> bricks) const {
   return plan;
 }
 
+// Where the budget is short, the message is about the whole edit, densities and samples.
+void Editor::makeBrickRoom(const Plan& plan) {
+  try {
+    parts_.pool.reserve(plan.new_bricks);
+    parts_.store.reserve(plan.newly.size());
+  } catch (const Error& error) {
+    const GpuBudget& budget = *parts_.pool.budget();
+    const std::uint64_t densities = parts_.pool.bytesToReserve(plan.new_bricks);
+    const std::uint64_t samples = parts_.store.bytesToReserve(plan.newly.size());
+    if (error.code() != Error::Code::kOutOfMemory || densities + samples <= budget.leftBytes()) throw;
+    throw Error(error.code(), "GPU memory for the edit",
+                fmt::format("the volume, as edited until now, takes {}, the edit needs {} more ({} for densities, {} "
+                            "for samples), and the budget is {}",
+                            inMiB(budget.used_bytes), inMiB(densities + samples), inMiB(densities), inMiB(samples),
+                            inMiB(budget.limit_bytes)),
+                fmt::format("nothing was changed; raise --gpu-memory to {} or more, or use a smaller brush",
+                            wholeMiB(budget.used_bytes + densities + samples)));
+  }
+}
+
 // All that may fail for want of memory comes here, kernels included: then nothing has changed.
 void Editor::makeRoom(const Plan& plan) {
   edit_.fit(plan.phases, plan.edits, parts_.pool.stalePages());
   if (plan.phases.back().given) edit_.fitGiven(plan.phases.back().tasks.size());
-  parts_.pool.reserve(plan.new_bricks);
-  parts_.store.reserve(plan.newly.size());
+  makeBrickRoom(plan);
   if (parts_.filters != nullptr)
     parts_.filters->plan(plan.altered, [&](std::uint32_t brick) { return constantOf(plan, brick); });
   tasks_.fit(plan.regraded.size() + plan.newly.size() + WindowPass::kMaxTasks);
@@ -542,13 +569,17 @@ void Editor::noteChanged(std::uint32_t brick) {
 std::size_t Editor::readBack(Volume& volume) {
   refuseIfBroken();
   settle();
-  std::array<float, kBrickVoxels> values{};
+  BrickValues values{};
+  std::size_t count = 0;
   for (const std::uint32_t brick : changed_) {
+    const Vec3i at = grid_.brick(brick);
+    const BrickValues before = valuesOf(volume, at);
     const bool is_constant = parts_.pool.readBrick(parts_.transfer, brick, values.data());
-    putBrick(volume, grid_.brick(brick), std::span(values).first(is_constant ? 1 : kBrickVoxels));
+    putBrick(volume, at, std::span(values).first(is_constant ? 1 : kBrickVoxels));
+    const BrickValues after = valuesOf(volume, at);
+    if (std::memcmp(before.data(), after.data(), sizeof before) != 0) ++count;
     is_changed_[brick] = false;
   }
-  const std::size_t count = changed_.size();
   changed_.clear();
   return count;
 }
