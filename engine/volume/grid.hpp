@@ -34,7 +34,7 @@ using BrickSource = Volume::BrickSource;
 // Metadata of OpenVDB files that Palpate wrote: the domain's size [voxel], whose first voxel is the grid's (0,0,0).
 inline constexpr const char* kVdbDomainKey = "palpate_domain";
 
-// Builds the grid brick by brick. Throws Error(kBadInput): a dimension below 2, a bad lattice, NaN or infinite values
+// Builds the grid brick by brick. Throws Error(kBadInput): a dimension below 1, a bad lattice, NaN or infinite values
 // (with their count and the first one's index); and what the source throws.
 [[nodiscard]] std::unique_ptr<Volume::Grid> buildGrid(const Vec3i& size, const Lattice& lattice, VolumeFacts facts,
                                                       const BrickSource& source);
