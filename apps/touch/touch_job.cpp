@@ -204,6 +204,7 @@ TouchRun runTouchJob(const Scene& scene, const std::string& command, const std::
   Stages stages(progress, run.stages);
 
   Volume volume = stages.run("load", "loading " + scene.volume, [&] { return loadVolume(scene.volume); });
+  checkTouchable(volume);
   // Rounded to float once, as the GPU has it: servo and kernels must agree on what is object.
   const double isovalue = static_cast<float>(scene.isovalue ? *scene.isovalue : defaultIsovalue(volume));
   checkIsovalue(volume, isovalue);

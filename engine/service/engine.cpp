@@ -54,6 +54,7 @@ void Engine::stage(const char* name, Work work) {
 Engine::Engine(const Volume& volume, const Plan& plan, double isovalue, const std::string& gpu_name,
                std::uint64_t gpu_memory_bytes)
     : isovalue_(isovalue), gpu_(gpu::GpuRequest{.name = gpu_name}), transfer_(gpu_), gradient_all_(plan.gradient_all) {
+  checkTouchable(volume);
   stage(passName(Pass::kUpload), [&] {
     auto budget = makeGpuBudget(gpu_memory_bytes);
     checkDensityRoom(*budget, volume.storedBricks());

@@ -21,11 +21,9 @@ namespace palpate {
 namespace {
 
 void checkSize(const Vec3i& size, const std::string& input) {
-  if (size.minCoeff() >= 2) return;
+  if (size.minCoeff() >= 1) return;
   throw Error(Error::Code::kBadInput, input,
-              fmt::format("it has {} x {} x {} voxels, and a gradient needs two along every axis", size.x(), size.y(),
-                          size.z()),
-              "give a three-dimensional volume");
+              fmt::format("it has {} x {} x {} voxels: none", size.x(), size.y(), size.z()), "give a volume");
 }
 
 // Voxels of a brick that lie in the domain, along each axis.

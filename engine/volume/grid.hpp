@@ -37,7 +37,7 @@ using BrickSource = Volume::BrickSource;
 inline constexpr const char* kVdbDomainKey = "palpate_domain";
 inline constexpr const char* kVdbIsovalueKey = "palpate_isovalue";
 
-// Builds the grid brick by brick. Throws Error(kBadInput): a dimension below 2, a bad lattice, NaN or infinite values
+// Builds the grid brick by brick. Throws Error(kBadInput): a dimension below 1, a bad lattice, NaN or infinite values
 // (with their count and the first one's index); and what the source throws.
 [[nodiscard]] std::unique_ptr<Volume::Grid> buildGrid(const Vec3i& size, const Lattice& lattice, VolumeFacts facts,
                                                       const BrickSource& source);

@@ -105,7 +105,7 @@ std::optional<openvdb::CoordBBox> namedDomain(const openvdb::GridBase& grid) {
   if (!size) return {};
   const openvdb::Vec3i n = size->value();
   for (int axis = 0; axis < 3; ++axis) {
-    if (n[axis] < 2 || n[axis] > kMaxDimension) return {};
+    if (n[axis] < 1 || n[axis] > kMaxDimension) return {};
   }
   const openvdb::CoordBBox domain(openvdb::Coord(0, 0, 0), openvdb::Coord(n[0] - 1, n[1] - 1, n[2] - 1));
   const openvdb::CoordBBox active = grid.evalActiveVoxelBoundingBox();

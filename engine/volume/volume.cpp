@@ -153,12 +153,22 @@ bool Volume::sample(const Vec3& p_W, double& density, Vec3& gradient_W) const {
       Vec3i after = at;
       before[axis] = std::max(at[axis] - 1, 0);
       after[axis] = std::min(at[axis] + 1, last[axis]);
+      if (before == after) continue;
       const double run_m = (after[axis] - before[axis]) * lattice().spacing_m[axis];
       gradient_L[axis] += weight * (static_cast<double>(value(after)) - static_cast<double>(value(before))) / run_m;
     }
   }
   gradient_W = lattice().gradientToWorld(gradient_L);
   return true;
+}
+
+void checkTouchable(const Volume& volume) {
+  const Vec3i& size = volume.size();
+  if (size.minCoeff() >= 2) return;
+  throw Error(
+      Error::Code::kBadInput, volume.facts().source,
+      fmt::format("it has {} x {} x {} voxels, and touch needs two along every axis", size.x(), size.y(), size.z()),
+      "give a volume of more slices");
 }
 
 std::size_t Volume::storedBytes() const {

@@ -38,7 +38,7 @@ struct VolumeFacts {
 class Volume {
  public:
   // Makes a volume from dense values, i fastest, size.x*size.y*size.z of them. Refuses (Error kBadInput): a dimension
-  // below 2, NaN or infinite values, a bad lattice. Bricks that hold one value become constant. Cost: one pass
+  // below 1, NaN or infinite values, a bad lattice. Bricks that hold one value become constant. Cost: one pass
   // by all processors.
   static Volume fromDense(const Vec3i& size, const Lattice& lattice, const std::vector<float>& values,
                           VolumeFacts facts);
@@ -82,7 +82,8 @@ class Volume {
 
   // Trilinear density and central-difference gradient [density/m, world] at a world point, for set-up code such as path
   // building. The gradient is interpolated between voxels as the density is; on the domain's faces its difference is
-  // one-sided. Returns false outside the box between the first and the last voxel's centre.
+  // one-sided, and 0 along an axis of one voxel. Returns false outside the box between the first and the last voxel's
+  // centre.
   bool sample(const Vec3& p_W, double& density, Vec3& gradient_W) const;
 
   [[nodiscard]] std::size_t storedBytes() const;   // of the grid on the CPU [byte]
@@ -95,6 +96,10 @@ class Volume {
  private:
   std::unique_ptr<Grid> grid_;
 };
+
+// Throws Error(kBadInput) if a volume is one voxel thick: it can be filtered and edited, but there is no cell of eight
+// voxels to feel a surface in.
+void checkTouchable(const Volume& volume);
 
 // Loads any volume that Palpate knows: a file, a DICOM folder, or "phantom:NAME?key=value&...". Throws Error with the
 // input, the reason and the remedy. `memory_budget_bytes`: refuse what would need more (0: what the machine has free).
