@@ -59,8 +59,13 @@ void checkVolume(const Volume& volume, const CheckAllRequest& request, const std
     std::erase_if(filters.chains, [](const std::string& chain) { return chain.starts_with("distance"); });
     all.left_out.push_back(volume.facts().source + ": distances and edits, since it has no surface");
   }
-  append(all.checks, checkFilters(volume, filters, partOf(progress, 0.3, 0.8)));
-  if (!isovalue) return;
+  const bool is_thin = volume.size().minCoeff() < 2;
+  if (isovalue && is_thin) {
+    all.left_out.push_back(volume.facts().source + ": edits, since a volume one voxel thick is not touched");
+  }
+  const bool with_edits = isovalue && !is_thin;
+  append(all.checks, checkFilters(volume, filters, partOf(progress, 0.3, with_edits ? 0.8 : 1)));
+  if (!with_edits) return;
   all.checks.push_back(
       checkEdits(volume, {request.gpu, request.quick ? 20 : 100, request.seed, isovalue}, partOf(progress, 0.8, 1)));
 }

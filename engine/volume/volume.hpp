@@ -97,8 +97,8 @@ class Volume {
   std::unique_ptr<Grid> grid_;
 };
 
-// Throws Error(kBadInput) if a volume is one voxel thick: it can be filtered and edited, but there is no cell of eight
-// voxels to feel a surface in.
+// Throws Error(kBadInput) if a volume is one voxel thick: it can be filtered, and has gradients, but there is no cell
+// of eight voxels to feel a surface in.
 void checkTouchable(const Volume& volume);
 
 // Loads any volume that Palpate knows: a file, a DICOM folder, or "phantom:NAME?key=value&...". Throws Error with the

@@ -37,7 +37,7 @@ TEST(CheckAll, ListHasEveryPhantomAndThinVolumes) {
   const std::vector<std::string> volumes = checkedVolumes(false);
   for (const PhantomKind& kind : phantomKinds())
     EXPECT_THAT(volumes, Contains(testing::StartsWith("phantom:" + kind.name)));
-  for (const char* thin : {"size=2x", "x2x", "x2&"}) EXPECT_THAT(volumes, Contains(HasSubstr(thin)));
+  for (const char* thin : {"size=1x", "x1x", "x1&", "size=1&"}) EXPECT_THAT(volumes, Contains(HasSubstr(thin)));
 }
 
 TEST(CheckAll, TakesOneVolumeAndCutsIt) {
