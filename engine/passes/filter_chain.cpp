@@ -350,6 +350,10 @@ void FilterChain::settle() {
   levels_.clear();
 }
 
+void FilterChain::reserve(std::size_t bricks) {
+  result_->reserve(std::min(result_->brickCount() - result_->storedBricks(), bricks));
+}
+
 void FilterChain::prepare() {
   for (const FilterRoute& route : routes_) {
     if (route.pool != FilterRoute::kResult) static_cast<void>(scratch(route.pool));

@@ -69,6 +69,7 @@ class FilterChain {
   void record(gpu::Commands& commands);
   void settle();
   [[nodiscard]] std::uint32_t dispatches() const noexcept;  // that record() makes at most
+  void reserve(std::size_t bricks);  // room in the result for so many more to be stored; throws Error(kOutOfMemory)
   // Makes kernels and scratch of regions ready, so that the first edit does not wait for the driver's compiler.
   void prepare();
 

@@ -18,7 +18,8 @@
 namespace palpate {
 namespace {
 
-constexpr std::size_t kSpareBricks = 256;  // room made at the start: 0.5 MiB of density, 2 MiB of samples
+// Room made at the start: 0.5 MiB of density and of each field that chains make of it, 2 MiB of samples.
+constexpr std::size_t kSpareBricks = 256;
 
 using Clock = std::chrono::steady_clock;
 
@@ -113,6 +114,8 @@ Editor::~Editor() = default;
 void Editor::makeSpareRoom() {
   try {
     parts_.pool.reserve(std::min(parts_.pool.brickCount() - parts_.pool.storedBricks(), kSpareBricks));
+    for (FilterChain* chain : {parts_.filters, parts_.smoothing})
+      if (chain != nullptr) chain->reserve(kSpareBricks);
     if (all_samples_) return;
     parts_.store.reserve(std::min(parts_.pool.brickCount() - parts_.store.brickCount(), kSpareBricks));
   } catch (const Error& error) {
