@@ -37,7 +37,7 @@ float corner(uvec3 cell, uint first_page, uint slot, uint dx, uint dy, uint dz) 
 }
 
 // Gradient and value `shift` voxels from a voxel, within the domain. A point on the domain's last voxel belongs to the
-// cell before it.
+// cell before it, and a domain of one voxel is half a cell: what lies behind it repeats it.
 vec4 fieldAt(ivec3 voxel, vec3 shift) {
   const ivec3 size = ivec3(domainSize());
   uvec3 cell;
@@ -47,7 +47,7 @@ vec4 fieldAt(ivec3 voxel, vec3 shift) {
     precise float rest = shift[axis] - whole;
     const int c = voxel[axis] + int(whole);
     const bool at_end = c >= size[axis] - 1;
-    cell[axis] = uint(at_end ? size[axis] - 2 : c);
+    cell[axis] = uint(at_end ? max(size[axis] - 2, 0) : c);
     share[axis] = at_end ? 1.0f : rest;
   }
   const uint page = brickIndex(cell / BRICK_EDGE);

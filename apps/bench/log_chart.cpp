@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "apps/report/html_text.hpp"
+#include "apps/report/label_placer.hpp"
 
 namespace palpate {
 namespace {
@@ -111,22 +112,51 @@ std::string axes(const ChartPanel& panel, const Axis& x, const Axis& y) {
   return out + text(14, middle, "middle", panel.y_label, fmt::format(" transform=\"rotate(-90 14 {:.1f})\"", middle));
 }
 
+Pixel placeOf(const ChartPoint& point, const Axis& x, const Axis& y) {
+  return {kLeft + kInnerWidth * x.share(point.x), kTop + kInnerHeight * (1 - y.share(point.y))};
+}
+
+std::vector<Pixel> placesOf(const ChartSeries& series, const Axis& x, const Axis& y) {
+  std::vector<Pixel> places;
+  for (const ChartPoint& point : series.points) {
+    if (drawable(point)) places.push_back(placeOf(point, x, y));
+  }
+  return places;
+}
+
 std::string seriesSvg(const ChartSeries& series, std::size_t kind, const Axis& x, const Axis& y, ChartMarks marks) {
   std::string polyline, points;
-  for (const ChartPoint& point : series.points) {
-    if (!drawable(point)) continue;
-    const double at_x = kLeft + kInnerWidth * x.share(point.x);
-    const double at_y = kTop + kInnerHeight * (1 - y.share(point.y));
-    polyline += fmt::format("{:.1f},{:.1f} ", at_x, at_y);
-    if (marks == ChartMarks::kLine) continue;
-    points += mark(at_x, at_y, kind);
-    if (!point.label.empty())
-      points += text(at_x + 7, at_y - 5, "start", point.label,
-                     fmt::format(" font-size=\"10\" fill=\"{}\"", kColors[kind % kColors.size()]));
+  for (const Pixel& at : placesOf(series, x, y)) {
+    polyline += fmt::format("{:.1f},{:.1f} ", at.x, at.y);
+    if (marks == ChartMarks::kPoints) points += mark(at.x, at.y, kind);
   }
   return fmt::format("<polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\"/>\n", polyline,
                      kColors[kind % kColors.size()], marks == ChartMarks::kLine ? "1.8" : "0.8") +
          points;
+}
+
+// Beside their marks, clear of each other, of all marks and, where there is room, of the lines; inside the axes.
+std::string labelsSvg(const ChartPanel& panel, const std::vector<std::string>& names, const Axis& x, const Axis& y) {
+  constexpr double kSize = 10, kLetter = 6.4, kMark = 5;  // [pixel]; no letter of the labels is wider
+  LabelPlacer placer(kLeft + kInnerWidth, kTop + kInnerHeight);
+  placer.avoid({0, 0, kLeft, kTop + kInnerHeight});
+  for (const ChartSeries& series : panel.series) {
+    const std::vector<Pixel> places = placesOf(series, x, y);
+    placer.avoidLine(places);
+    for (const Pixel& at : places) placer.avoid({at.x - kMark, at.y - kMark, at.x + kMark, at.y + kMark});
+  }
+  std::string out;
+  for (const ChartSeries& series : panel.series) {
+    const char* color = kColors[kindOf(series.name, names) % kColors.size()];
+    for (const ChartPoint& point : series.points) {
+      if (!drawable(point) || point.label.empty()) continue;
+      const LabelBox box =
+          placer.place(placeOf(point, x, y), kMark + 3, kLetter * static_cast<double>(point.label.size()), kSize);
+      out += text(box.left, box.bottom - 0.2 * kSize, "start", point.label,
+                  fmt::format(" font-size=\"{}\" fill=\"{}\"", kSize, color));
+    }
+  }
+  return out;
 }
 
 }  // namespace
@@ -153,6 +183,7 @@ std::string logChartSvg(const std::string& title, const std::vector<ChartPanel>&
     for (const ChartSeries& series : panels[i].series) {
       out += seriesSvg(series, kindOf(series.name, names), x, y, marks);
     }
+    if (marks == ChartMarks::kPoints) out += labelsSvg(panels[i], names, x, y);
     out += "</g>\n";
   }
   double x = kLeft;

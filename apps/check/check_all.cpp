@@ -71,10 +71,10 @@ std::vector<std::string> checkedVolumes(bool quick) {
   std::vector<std::string> volumes = {"phantom:random?size=19x17x21"};
   if (quick) {
     volumes.emplace_back("phantom:knot?size=21x19x26&spacing=0.3x0.7x1.1mm&noise=0.05");
-    volumes.emplace_back("phantom:random?size=2x17x9&seed=2");
+    volumes.emplace_back("phantom:random?size=1x17x9&seed=2");
     return volumes;
   }
-  for (const char* size : {"2x19x11", "17x2x9", "9x18x2", "2", "8x16x24"}) {
+  for (const char* size : {"1x19x11", "17x1x9", "9x18x1", "1", "2", "8x16x24"}) {
     volumes.push_back(fmt::format("phantom:random?size={}&seed={}", size, volumes.size() + 1));
   }
   for (const PhantomKind& kind : phantomKinds()) {

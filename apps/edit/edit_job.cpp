@@ -141,9 +141,11 @@ class Job {
       tellOfJournal();
       progress_.stage("reading back");
       result_.changed_bricks = engine_.readBack(volume_);
+      volume_.keepIsovalue(result_.isovalue);
       result_.content = contentHash(volume_);
       result_.file = writeOutput(volume_, output, "palpate edit", file, progress_);
       file.commit();
+      tellOfNothing();
     } catch (const Error& error) {
       session_.close();
       session_.dropEmptyJournal();
@@ -191,12 +193,7 @@ class Job {
 
   std::vector<EditCommand> commandsOf(EditText& text) {
     if (isStamp(text.command.kind)) text.command.stamp = stamps_.stampOf(text.mesh_file, text.metres_per_unit);
-    std::vector<EditCommand> commands = {text.command};
-    if (text.mirror_axis) {
-      const Vec3 middle_W = volume_.lattice().toWorld((volume_.size() - Vec3i::Ones()).cast<double>() / 2);
-      commands.push_back(mirrored(text.command, middle_W, volume_.lattice().R_WL.col(*text.mirror_axis)));
-    }
-    return commands;
+    return withMirror(text.command, text.mirror_axis, volume_.size(), volume_.lattice());
   }
 
   // Once, when it fails.
@@ -205,6 +202,13 @@ class Job {
     if (journal == nullptr || journal_failed_ || !journal->failed()) return;
     journal_failed_ = true;
     tell_(journal->failure());
+  }
+
+  // A script that a program wrote may well be empty: the result is the volume as it was, which is no error.
+  void tellOfNothing() const {
+    if (result_.applied() + result_.refused > 0) return;
+    tell_(fmt::format("{}: it has no command, so there was nothing to do; {} holds the volume as it was",
+                      request_.script, request_.out));
   }
 
   // What becomes of the commands before the one that ended the job. After the session's end.
@@ -222,6 +226,7 @@ class Job {
     for (const MemoryFigure& figure : engine_.memory()) {
       if (figure.name == "gpu total") result_.gpu_bytes = figure.bytes;
     }
+    result_.gpu_budgeted_bytes = engine_.budgetedBytes();
     result_.history_steps = session_.history().steps();
     result_.history_bytes = session_.history().bytes();
     result_.history_forgotten = session_.history().forgotten();

@@ -37,8 +37,9 @@ struct EditResult {
   double isovalue = 0;
   std::uint64_t edits = 0, undone = 0, redone = 0, refused = 0;  // commands
   Percentiles edit_ms;                                           // of a command that was applied
-  std::size_t changed_bricks = 0;                                // that hold something else now, or did meanwhile
-  std::uint64_t gpu_bytes = 0;                                   // in use at the end
+  std::size_t changed_bricks = 0;                                // that hold other densities than at the start
+  std::uint64_t gpu_bytes = 0;                                   // in use at the end, all of it
+  std::uint64_t gpu_budgeted_bytes = 0;                          // of that, what counts against gpu_memory_bytes
   std::size_t history_steps = 0, history_forgotten = 0;
   std::uint64_t history_bytes = 0;
   std::uint64_t journal_records = 0, journal_saved = 0, journal_bytes = 0;

@@ -8,16 +8,19 @@
 namespace palpate {
 namespace {
 
-std::string times(std::uint64_t count, const char* word) {
-  return fmt::format("{} {}{}", count, word, count == 1 ? "" : "s");
-}
-
 std::string historyWords(const EditRequest& request, const EditResult& result) {
   if (request.history_bytes == 0) return "no undo";
   std::string words = fmt::format("{} of {} for undo of {}", bytesInWords(result.history_bytes),
-                                  bytesInWords(request.history_bytes), times(result.history_steps, "edit"));
+                                  bytesInWords(request.history_bytes), counted(result.history_steps, "edit"));
   if (result.history_forgotten > 0) words += fmt::format(", {} forgotten", result.history_forgotten);
   return words;
+}
+
+// The budget is for densities and samples; tables, windows and lists come on top.
+std::string gpuWords(const EditRequest& request, const EditResult& result) {
+  std::string words = bytesInWords(result.gpu_budgeted_bytes);
+  if (request.gpu_memory_bytes > 0) words += " of " + bytesInWords(request.gpu_memory_bytes);
+  return words + fmt::format(" on the GPU for densities and samples, {} with all else", bytesInWords(result.gpu_bytes));
 }
 
 }  // namespace
@@ -26,17 +29,17 @@ std::string editWords(const EditRequest& request, const EditResult& result) {
   const Vec3i& size = result.file.size;
   std::string text = fmt::format("Edited    {} ({} x {} x {} voxels) at isovalue {} on {}\n", request.in, size.x(),
                                  size.y(), size.z(), shortNumber(result.isovalue), result.gpu);
-  text += fmt::format("Commands  {} applied: {}, {}, {}; {} refused\n", result.applied(), times(result.edits, "edit"),
-                      times(result.undone, "undo"), times(result.redone, "redo"), result.refused);
+  text += fmt::format("Commands  {} applied: {}, {}, {}; {} refused\n", result.applied(), counted(result.edits, "edit"),
+                      counted(result.undone, "undo"), counted(result.redone, "redo"), result.refused);
   if (result.applied() > 0) {
     text += fmt::format("Time      a command {} ms median, {} ms p99; {} s in all\n", shortNumber(result.edit_ms.p50),
                         shortNumber(result.edit_ms.p99), shortNumber(result.seconds));
   }
-  text += fmt::format("Changed   {}\n", times(result.changed_bricks, "brick"));
-  text += fmt::format("Memory    {} on the GPU; {}\n", bytesInWords(result.gpu_bytes), historyWords(request, result));
+  text += fmt::format("Changed   {}\n", counted(result.changed_bricks, "brick"));
+  text += fmt::format("Memory    {}; {}\n", gpuWords(request, result), historyWords(request, result));
   if (!request.journal.empty()) {
     text += fmt::format("Journal   {} of {} saved in {}, {}\n", result.journal_saved,
-                        times(result.journal_records, "record"), request.journal, bytesInWords(result.journal_bytes));
+                        counted(result.journal_records, "record"), request.journal, bytesInWords(result.journal_bytes));
   }
   text += fmt::format("Volume    {}, content {:016x}\nFile      {}, {}", request.in, result.content, request.out,
                       bytesInWords(result.file.bytes));
@@ -62,6 +65,7 @@ nlohmann::ordered_json editJson(const EditRequest& request, const EditResult& re
       {"command_ms", {{"p50", result.edit_ms.p50}, {"p99", result.edit_ms.p99}, {"max", result.edit_ms.max}}},
       {"changed_bricks", result.changed_bricks},
       {"gpu_bytes", result.gpu_bytes},
+      {"gpu_budgeted_bytes", result.gpu_budgeted_bytes},
       {"history", nullptr},
       {"journal", nullptr},
       {"content", fmt::format("{:016x}", result.content)},

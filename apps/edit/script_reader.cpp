@@ -23,10 +23,25 @@ std::string shortened(std::string_view text) {
   return text.size() <= kShown ? std::string(text) : std::string(text.substr(0, kShown)) + "...";
 }
 
+// Beginning with the first byte that no text has; npos: none. What lies above 0x7f may be a letter of some language.
+std::size_t firstControl(std::string_view text) {
+  const auto is_control = [](unsigned char c) { return (c < 0x20 && c != '\t' && c != '\r') || c == 0x7f; };
+  const auto found = std::find_if(text.begin(), text.end(), is_control);
+  return found == text.end() ? std::string_view::npos : static_cast<std::size_t>(found - text.begin());
+}
+
 }  // namespace
 
 EditOrder editOrder(std::string_view text, const std::string& place, const std::filesystem::path& folder) {
   EditOrder order;
+  if (const std::size_t at = firstControl(text); at != std::string_view::npos) {
+    order.where = place;  // without the text, which would garble the message
+    order.refusal =
+        Error(Error::Code::kBadInput, place,
+              fmt::format("it is no text: byte {} is 0x{:02x}", at + 1, static_cast<unsigned char>(text[at])),
+              "give commands as text, for example remove:radius=2mm:at=0,0,0");
+    return order;
+  }
   order.where = fmt::format("{} '{}'", place, shortened(text));
   try {
     order.text = editText(text, EditUse::kPlaced, order.where);

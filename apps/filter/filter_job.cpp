@@ -64,7 +64,9 @@ FilterResult filterFile(const FilterRequest& request, Progress& progress) {
     result.stored_after = filters->result().storedBricks();
   }
   result.filter_s = secondsSince(filtering);
-  const Volume filtered = volumeOf(filters ? filters->result() : pool, transfer, volume.facts());
+  VolumeFacts facts = volume.facts();
+  if (facts.kept_isovalue) facts.kept_isovalue = isovalueAfter(chain, static_cast<float>(*facts.kept_isovalue));
+  const Volume filtered = volumeOf(filters ? filters->result() : pool, transfer, facts);
   result.lowest = filtered.minimum();
   result.highest = filtered.maximum();
   progress.stage("writing " + request.out);

@@ -46,6 +46,14 @@ Scene SceneArguments::scene() const {
   return scene;
 }
 
+std::vector<std::string> SceneArguments::givenFlags() const {
+  std::vector<std::string> flags;
+  for (std::size_t i = 0; i < options_.size(); ++i) {
+    if (options_[i]->count() > 0) flags.emplace_back(sceneOptions()[i].flag);
+  }
+  return flags;
+}
+
 std::string SceneArguments::commandLine(const std::string& verb) const {
   std::string line = "palpate " + verb;
   if (!source_.empty()) line += " " + shellWord(source_);

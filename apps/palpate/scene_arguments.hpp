@@ -22,6 +22,9 @@ class SceneArguments {
   // Defaults, then the scene file, then flags. Throws Error for values that do not fit and where no volume is named.
   [[nodiscard]] Scene scene() const;
 
+  // The scene's flags that the command line has, without their values.
+  [[nodiscard]] std::vector<std::string> givenFlags() const;
+
   // A line that repeats the run: the verb, the positional argument and the flags as given.
   [[nodiscard]] std::string commandLine(const std::string& verb) const;
 

@@ -163,7 +163,7 @@ void addCommonOptions(CLI::App& verb, TableArguments& arguments, const char* cro
                               "slow (default {})",
                               crop_default))
       ->check(CLI::Range(2, 1 << 20));
-  verb.add_option("--json", arguments.json, "write the results into this file too");
+  verb.add_option("--json", arguments.json, "write the results into this file too")->each(checkWritable);
 }
 
 void addGradientCheck(CLI::App& check) {
@@ -177,7 +177,7 @@ void addGradientCheck(CLI::App& check) {
                    "stored as float or half, about the volume's own isovalue (default float)")
       ->check(CLI::IsMember({"float", "half"}));
   gradient->add_option("--bound", arguments->bound_ulp, "largest difference that is accepted [ULP] (default 0)");
-  gradient->add_option("--json", arguments->json, "write the result into this file too");
+  gradient->add_option("--json", arguments->json, "write the result into this file too")->each(checkWritable);
   gradient->callback([arguments] { checkGradientVerb(*arguments); });
 }
 

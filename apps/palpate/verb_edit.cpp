@@ -22,9 +22,9 @@ struct EditArguments {
 void checkJson(const EditArguments& arguments) {
   if (arguments.json.empty()) return;
   checkNotInput(arguments.request.in, arguments.json);
-  if (std::filesystem::weakly_canonical(arguments.json) != std::filesystem::weakly_canonical(arguments.request.out))
-    return;
-  throw Error(Error::Code::kBadInput, "--json " + arguments.json, "it is the output", "give another name");
+  if (std::filesystem::weakly_canonical(arguments.json) == std::filesystem::weakly_canonical(arguments.request.out))
+    throw Error(Error::Code::kBadInput, "--json " + arguments.json, "it is the output", "give another name");
+  checkWritable(arguments.json);
 }
 
 void edit(EditArguments& arguments) {
@@ -60,17 +60,21 @@ void addEditVerb(CLI::App& app) {
       ->allow_extra_args(false);  // what follows may be a volume
   verb->add_option("--script", request.script,
                    "commands from a file, one a line, # begins a comment; -: standard input")
-      ->type_name("FILE");
+      ->type_name("FILE")
+      ->check(notEmpty);
   verb->add_option("--iso", request.isovalue, "isovalue of the surface [density]; as `palpate touch` chooses it");
   verb->add_option("--gpu", request.gpu, "part of the Vulkan device's name; the best one if not given");
   verb->add_option("--journal", request.journal, "keep every edit on disk in this folder (docs/journal.md)")
-      ->type_name("DIR");
+      ->type_name("DIR")
+      ->check(notEmpty);
   verb->add_option("--history", arguments->history, "memory for undo, 0: none (default 256MiB)")->type_name("SIZE");
   verb->add_option("--gpu-memory", arguments->gpu_memory,
                    "most that densities and samples may take on the GPU, 0: what it has (default 0)")
       ->type_name("SIZE");
   verb->add_flag("--keep-going", request.keep_going, "tell of a command that is refused, leave it out and go on");
-  verb->add_option("--json", arguments->json, "write the result into this file too")->type_name("FILE");
+  verb->add_option("--json", arguments->json, "write the result into this file too")
+      ->type_name("FILE")
+      ->check(notEmpty);
   verb->add_flag_callback(
           "--commands",
           [] {

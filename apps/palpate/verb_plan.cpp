@@ -20,6 +20,7 @@ void addPlanVerb(CLI::App& app) {
     Progress progress;
     progress.stage("loading " + scene.volume);
     const Volume volume = loadVolume(scene.volume);
+    checkTouchable(volume);
     const double isovalue = static_cast<float>(scene.isovalue ? *scene.isovalue : defaultIsovalue(volume));
     checkIsovalue(volume, isovalue);
     const Plan plan = planFor(scene);

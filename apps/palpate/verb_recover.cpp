@@ -7,6 +7,7 @@
 #include "apps/console/interrupt.hpp"
 #include "apps/convert/convert_job.hpp"
 #include "apps/mesh/mesh_writer.hpp"
+#include "base/error.hpp"
 #include "engine/journal/replay.hpp"
 #include "engine/volume/volume_file.hpp"
 #include "verbs.hpp"
@@ -18,35 +19,59 @@ struct RecoverArguments {
   std::string folder, out, volume;
 };
 
+// The file that lies in the folder is meant as well.
+std::string journalFolder(const std::string& given) {
+  const std::filesystem::path path(given);
+  if (path.filename() != kJournalName || std::filesystem::is_directory(path)) return given;
+  return path.has_parent_path() ? path.parent_path().string() : ".";
+}
+
+Volume loadStart(const RecoverArguments& arguments, const std::string& source) {
+  try {
+    return loadVolume(source);
+  } catch (const Error& error) {
+    if (!arguments.volume.empty()) throw;
+    throw Error(error.code(), error.input(), error.reason(),
+                "the journal names it as the session's volume: if that has moved, say where it lies now with --volume");
+  }
+}
+
+std::string editsInWords(const Journal& journal) {
+  const auto edits = std::count_if(journal.records.begin(), journal.records.end(),
+                                   [](const JournalRecord& record) { return record.kind == RecordKind::kEdit; });
+  const auto undone = edits - static_cast<std::ptrdiff_t>(lastingEdits(journal).size());
+  return fmt::format("{} edit{}, {} undone; newest record {}", edits, edits == 1 ? "" : "s", undone,
+                     journal.last_sequence);
+}
+
 void recover(const RecoverArguments& arguments) {
-  ConvertRequest output{.in = arguments.folder, .out = arguments.out};
+  const std::string folder = journalFolder(arguments.folder);
+  ConvertRequest output{.in = folder, .out = arguments.out};
   checkOutput(output);
   Progress progress;
-  progress.stage("reading " + arguments.folder);
-  const Journal journal = readJournal(arguments.folder);
+  progress.stage("reading " + folder);
+  const Journal journal = readJournal(folder);
   const std::string source = arguments.volume.empty() ? journal.header.volume.source : arguments.volume;
   checkNotInput(source, arguments.out);
   AtomicFile file(arguments.out);
   progress.stage("loading " + source);
-  Volume volume = loadVolume(source);
+  Volume volume = loadStart(arguments, source);
   progress.stage("applying the edits");
   replay(journal, volume, [&](double done) {
     throwIfInterrupted("palpate recover");
     progress.fraction(done);
   });
+  volume.keepIsovalue(journal.header.profile.isovalue);
   if (isMeshFileName(arguments.out)) output.isovalue = journal.header.profile.isovalue;
   static_cast<void>(writeOutput(volume, output, "palpate recover", file, progress));
   file.commit();
   progress.done();
-  fmt::print("Journal   {} edits, of which {} last; newest record {}\n",
-             std::count_if(journal.records.begin(), journal.records.end(),
-                           [](const JournalRecord& record) { return record.kind == RecordKind::kEdit; }),
-             lastingEdits(journal).size(), journal.last_sequence);
+  fmt::print("Journal   {}\n", editsInWords(journal));
   if (journal.damage) {
     fmt::print("Lost      {}\n", damageWords(*journal.damage));
     // For who looks at errors only: the status is 0, there is a volume.
-    fmt::print(stderr, "palpate: {}: {}; {} holds what is before them\n", arguments.folder,
-               damageWords(*journal.damage), arguments.out);
+    fmt::print(stderr, "palpate: {}: it has lost {}; {} holds what is before\n", folder, damageWords(*journal.damage),
+               arguments.out);
   }
   fmt::print("Volume    {}, content {:016x}\nFile      {}\n", source, contentHash(volume), arguments.out);
 }
@@ -60,13 +85,16 @@ void addRecoverVerb(CLI::App& app) {
       "session's, "
       "bit\nfor bit, up to the last edit that reached the disk. Example: palpate recover DIR --out sculpted.vdb");
   auto arguments = std::make_shared<RecoverArguments>();
-  verb->add_option("journal", arguments->folder, "folder that --journal was given")->required()->type_name("DIR");
+  verb->add_option("journal", arguments->folder, "folder that --journal was given, or the file in it")
+      ->required()
+      ->type_name("DIR");
   verb->add_option("--out", arguments->out,
                    "the volume: .vdb .nii .nii.gz .nrrd .mha; or its isosurface: .stl .obj .ply")
       ->required()
       ->type_name("FILE");
   verb->add_option("--volume", arguments->volume, "where the session's volume lies now, if it has moved")
-      ->type_name("VOLUME");
+      ->type_name("VOLUME")
+      ->check(notEmpty);
   verb->callback([arguments] { recover(*arguments); });
 }
 

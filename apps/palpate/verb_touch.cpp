@@ -4,6 +4,7 @@
 
 #include "apps/console/progress.hpp"
 #include "apps/report/words.hpp"
+#include "apps/scene/idle_options.hpp"
 #include "apps/touch/touch_job.hpp"
 #include "scene_arguments.hpp"
 #include "verbs.hpp"
@@ -19,7 +20,10 @@ void addTouchVerb(CLI::App& app) {
   auto arguments = std::make_shared<SceneArguments>(*verb);
   verb->callback([arguments] {
     Progress progress;
-    const TouchRun run = runTouchJob(arguments->scene(), arguments->commandLine("touch"), programCommit(), progress);
+    const Scene scene = arguments->scene();
+    for (const std::string& idle : idleOptions(scene, arguments->givenFlags()))
+      fmt::print(stderr, "palpate: {}\n", idle);
+    const TouchRun run = runTouchJob(scene, arguments->commandLine("touch"), programCommit(), progress);
     fmt::print("{}", closingSummary(run));
   });
 }

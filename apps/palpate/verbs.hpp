@@ -7,7 +7,19 @@
 
 #include <CLI/CLI.hpp>
 
+#include "base/atomic_file.hpp"
+
 namespace palpate {
+
+// For options that mean nothing when they are empty: says so, as CLI11's checks do.
+[[nodiscard]] inline std::string notEmpty(const std::string& text) {
+  return text.empty() ? "'' is empty: name something, or leave the option out" : "";
+}
+
+// For a file that comes at the end of long work: throws Error(kIo) at once where it cannot be written.
+inline void checkWritable(const std::string& file) {
+  static_cast<void>(AtomicFile(file));
+}
 
 void addTouchVerb(CLI::App& app);
 void addEditVerb(CLI::App& app);

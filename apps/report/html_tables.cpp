@@ -55,6 +55,22 @@ std::string exactFigures(const std::optional<ExactErrors>& e) {
                             shortNumber(e->force_angle_p99_deg)));
 }
 
+std::string editFigures(const std::optional<RunEdits>& e) {
+  if (!e) return "";
+  const std::string change = e->count == 0 ? "" : volumeChange(*e);
+  std::string out =
+      figure(std::to_string(e->count), e->count == 1 ? "edit" : "edits",
+             fmt::format("of which {} reached the window{}", e->published, change.empty() ? "" : "; " + change));
+  if (e->published > 0) {
+    const Percentiles p = percentiles(e->edit_to_window_ms);
+    out += figure(shortNumber(p.p50), "ms",
+                  fmt::format("from an edit to its window, median; 99 % within {} ms", shortNumber(p.p99)));
+  }
+  if (e->refused > 0)
+    out += figure(std::to_string(e->refused), "refused", "edits that were not applied; the notes tell why");
+  return out;
+}
+
 std::string jsonValue(const nlohmann::ordered_json& value) {
   if (value.is_null()) return "chosen by the program";
   if (value.is_boolean()) return value.get<bool>() ? "yes" : "no";
@@ -75,7 +91,7 @@ std::string keyFigures(const TouchRun& run, const RunFigures& f) {
   out += figure(mm(f.depth_m.max), "mm", fmt::format("deepest press; median {} mm", mm(f.depth_m.p50)));
   out += figure(mm(f.vhip_way_m), "mm", "of surface followed");
   if (f.contact_ticks > 0) out += figure(shortNumber(f.energy_end_J * 1e3), "mJ", energyWords(f));
-  out += exactFigures(run.exact) + servoFigures(run, f);
+  out += editFigures(run.edits) + exactFigures(run.exact) + servoFigures(run, f);
   return section("figures", "Key figures", out + "</div>\n");
 }
 
@@ -97,15 +113,6 @@ std::string editSection(const TouchRun& run) {
   if (!run.edits) return "";
   constexpr int kClassesPerDecade = 10;
   const RunEdits& e = *run.edits;
-  std::string figures =
-      figure(std::to_string(e.count), "edits", fmt::format("of which {} reached the window", e.published));
-  if (e.published > 0) {
-    const Percentiles p = percentiles(e.edit_to_window_ms);
-    figures += figure(shortNumber(p.p50), "ms",
-                      fmt::format("from an edit to its window, median; 99 % within {} ms", shortNumber(p.p99)));
-  }
-  if (e.refused > 0)
-    figures += figure(std::to_string(e.refused), "refused", "edits that were not applied; the notes tell why");
   std::string rows = row("brush", run.scene.edit);
   if (run.scene.journal.empty()) {
     rows += row("journal", "none (--journal keeps every edit on disk)");
@@ -116,14 +123,15 @@ std::string editSection(const TouchRun& run) {
     if (!e.journal_failure.empty()) rows += row("why not all are", e.journal_failure);
   }
   rows += row("volume", run.scene.save.empty() ? "not saved (--save keeps it)" : saveWords(run));
+  if (e.content) rows += row("content", fmt::format("{:016x}", *e.content));
   if (!e.save_failure.empty()) rows += row("why the last save failed", e.save_failure);
   std::string drawn;
   if (const LogHistogram h = logHistogram(e.edit_to_window_ms, kClassesPerDecade); !h.counts.empty()) {
     drawn = "<div>" + histogramSvg(h, "edits by time from edit to window [ms]") + "</div>\n";
   }
   return section("edits", "Edits",
-                 "<div class=\"figures\">\n" + figures + "</div>\n<div class=\"columns\"><table>\n" + rows +
-                     "</table>\n" + drawn + "</div>\n");
+                 "<div class=\"figures\">\n" + editFigures(run.edits) + "</div>\n<div class=\"columns\"><table>\n" +
+                     rows + "</table>\n" + drawn + "</div>\n");
 }
 
 std::string workSection(const TouchRun& run) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/report/summary.hpp"
 
+#include <fmt/format.h>
+
 #include "apps/report/words.hpp"
 #include "apps/scene/object_table.hpp"
 #include "base/atomic_file.hpp"
@@ -162,7 +164,9 @@ Json editsJson(const std::optional<RunEdits>& e) {
           {"save_bytes", e->save_bytes},
           {"save_version", e->save_version ? Json(*e->save_version) : Json(nullptr)},
           {"save_s", toJson(percentiles(e->save_s))},
-          {"save_failure", e->save_failure}};
+          {"save_failure", e->save_failure},
+          {"content", e->content ? Json(fmt::format("{:016x}", *e->content)) : Json(nullptr)},
+          {"added_m3", e->added_m3 ? Json(*e->added_m3) : Json(nullptr)}};
 }
 
 Json faultJson(const RunFault& f) {

@@ -62,6 +62,9 @@ struct RunEdits {
   std::optional<std::uint64_t> save_version = {};  // edit version that it holds
   std::vector<double> save_s = {};                 // of each of them [s]
   std::string save_failure = {};                   // why the newest save is not on disk; empty: it is
+  // Of the volume, edited; empty: it is not known, as the device failed.
+  std::optional<std::uint64_t> content = {};  // contentHash()
+  std::optional<double> added_m3 = {};        // what is object now less what was; below 0: removed [m^3]
 };
 
 struct TouchRun {

@@ -63,18 +63,33 @@ std::string exactLine(const TouchRun& run) {
 std::string editLine(const TouchRun& run) {
   if (!run.edits) return "";
   const RunEdits& e = *run.edits;
-  std::string text = fmt::format("Edited    {} time{}", e.count, e.count == 1 ? "" : "s");
+  std::string text = "Edited    " + counted(e.count, "time");
   if (e.published > 0) {
     const Percentiles p = percentiles(e.edit_to_window_ms);
     text += fmt::format("; from edit to window {} ms median, {} ms p99", shortNumber(p.p50), shortNumber(p.p99));
   }
   if (!run.scene.journal.empty()) {
-    text += fmt::format("; {} of {} journal records saved in {}, {}", e.journal_saved, e.journal_records,
+    text += fmt::format("; {} of {} saved in {}, {}", e.journal_saved, counted(e.journal_records, "journal record"),
                         run.scene.journal, bytesInWords(e.journal_bytes));
   }
   if (e.refused > 0) text += fmt::format("; {} refused", e.refused);
   if (!run.scene.save.empty()) text += "; " + saveWords(run);
   return text + "\n";
+}
+
+// As `palpate edit` and `palpate recover` print it.
+std::string volumeLine(const TouchRun& run) {
+  if (!run.edits || !run.edits->content) return "";
+  const std::string change = run.edits->count == 0 ? "" : volumeChange(*run.edits) + ", ";
+  return fmt::format("Volume    {}content {:016x}\n", change, *run.edits->content);
+}
+
+// What the heading says of the edits.
+std::string editClause(const TouchRun& run) {
+  if (!run.edits) return "";
+  if (run.edits->count == 0) return "; nothing was edited";
+  const std::string change = volumeChange(*run.edits);
+  return "; " + counted(run.edits->count, "edit") + (change.empty() ? "" : " " + change);
 }
 
 std::string faultLines(const TouchRun& run) {
@@ -118,9 +133,20 @@ std::string saveWords(const TouchRun& run) {
   const RunEdits& e = *run.edits;
   const std::string failed = e.save_failures == 0 ? "" : fmt::format(", {} failed", e.save_failures);
   if (e.saves == 0) return fmt::format("never saved in {}{}", run.scene.save, failed);
-  return fmt::format("saved {} time{} in {} up to edit {}, {}, at most {} s{}", e.saves, e.saves == 1 ? "" : "s",
-                     run.scene.save, e.save_version.value_or(0), bytesInWords(e.save_bytes),
-                     shortNumber(percentiles(e.save_s).max), failed);
+  return fmt::format("saved {} in {} up to edit {}, {}, at most {} s{}", counted(e.saves, "time"), run.scene.save,
+                     e.save_version.value_or(0), bytesInWords(e.save_bytes), shortNumber(percentiles(e.save_s).max),
+                     failed);
+}
+
+std::string volumeChange(const RunEdits& edits) {
+  if (!edits.added_m3) return "";
+  const double mm3 = *edits.added_m3 * kMillimetresPerMetre * kMillimetresPerMetre * kMillimetresPerMetre;
+  if (mm3 == 0) return "changed no volume";
+  return fmt::format("{} {} mm3", mm3 < 0 ? "removed" : "added", shortNumber(std::abs(mm3)));
+}
+
+std::string counted(std::uint64_t count, const std::string& word) {
+  return fmt::format("{} {}{}", count, word, count == 1 ? "" : "s");
 }
 
 std::string faultWord(std::size_t count) {
@@ -136,12 +162,13 @@ std::string energyWords(const RunFigures& f) {
                                "active: in {} of {} ticks in contact the surface had given the hand more than it took, "
                                "at most {} (--passivity control takes it back)",
                                f.active_ticks, f.contact_ticks, mJ(-f.energy_min_J));
-  if (f.damped_ticks > 0) text += fmt::format("; the controller acted in {} ticks", f.damped_ticks);
+  if (f.damped_ticks > 0)
+    text += "; the controller acted in " + counted(static_cast<std::uint64_t>(f.damped_ticks), "tick");
   return text;
 }
 
 std::string verdict(const TouchRun& run, const RunFigures& f) {
-  const std::string end = "; " + faultWord(run.faults.size()) + ".";
+  const std::string end = editClause(run) + "; " + faultWord(run.faults.size()) + ".";
   if (f.contact_ticks == 0)
     return fmt::format("The tool never touched the surface in {} s{}", shortNumber(f.time_s), end);
   return fmt::format("The tool touched the surface for {} s of {} s, pressed at most {} deep and felt at most {} N{}",
@@ -152,7 +179,8 @@ std::string verdict(const TouchRun& run, const RunFigures& f) {
 std::string closingSummary(const TouchRun& run) {
   const RunFigures figures = computeFigures(run.records, run.scene.rate_hz);
   return touchedLine(run) + contactLine(figures) + feelLine(figures) + energyLine(figures) + servoLine(run, figures) +
-         editLine(run) + exactLine(run) + faultLines(run) + listLines("Note", run.notes) + filesLine(run);
+         editLine(run) + volumeLine(run) + exactLine(run) + faultLines(run) + listLines("Note", run.notes) +
+         filesLine(run);
 }
 
 }  // namespace palpate

@@ -12,10 +12,11 @@
 
 namespace palpate {
 
-// "The tool touched the surface for 3.1 s of 5 s, pressed at most 1.2 mm deep with 0.6 N; no fault."
+// "The tool touched the surface for 3.1 s of 5 s, pressed at most 1.2 mm deep and felt at most 0.6 N; 9 edits removed
+// 3.4 mm3; no fault."
 [[nodiscard]] std::string verdict(const TouchRun& run, const RunFigures& figures);
 
-// About nine lines, each ending in a newline: what was touched, how it felt, energy, how the servo did, faults, files.
+// About ten lines, each ending in a newline: what was touched, how it felt, energy, how the servo did, faults, files.
 [[nodiscard]] std::string closingSummary(const TouchRun& run);
 
 // Of a run with --save: how often, up to which edit, how large, how long, what failed.
@@ -23,6 +24,13 @@ namespace palpate {
 
 // "passive: the surface took 0.3 mJ from the hand and never gave more than it took": the passivity observer's verdict.
 [[nodiscard]] std::string energyWords(const RunFigures& figures);
+
+// Of a run with a brush that edited: "removed 12.3 mm3", "added 4.5 mm3", "changed no volume"; empty where it is not
+// known.
+[[nodiscard]] std::string volumeChange(const RunEdits& edits);
+
+// "1 edit", "3 edits"
+[[nodiscard]] std::string counted(std::uint64_t count, const std::string& word);
 
 // Three significant digits: 0.123, 12.3, 123, 1234 (never fewer than the integer has).
 [[nodiscard]] std::string shortNumber(double value);

@@ -90,7 +90,11 @@ struct Setter {
         option.member);
   }
   void operator()(const BytesOption& option) const { scene.*option.member = byteSize(text, where); }
-  void operator()(const TextOption& option) const { scene.*option.member = text; }
+  void operator()(const TextOption& option) const {
+    if (text.empty() && !option.may_be_empty)
+      throw Error(Error::Code::kBadInput, where, "'' is empty", "give " + optionForm(value) + ", or leave it out");
+    scene.*option.member = text;
+  }
   void operator()(const ListOption& option) const { scene.*option.member = text; }
   void operator()(const SwitchOption& option) const {
     if (text != option.word_if_false && text != option.word_if_true) refuse(where, text, value);

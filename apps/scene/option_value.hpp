@@ -34,6 +34,7 @@ struct BytesOption {
 
 struct TextOption {
   std::string Scene::*member;
+  bool may_be_empty = true;  // false: who gives it means something by it
 };
 
 // Words with blanks between them; in a scene file a list of texts.

@@ -22,10 +22,14 @@ namespace {
 constexpr std::size_t kHistoryBytes = 0;  // a scripted run undoes nothing
 
 // The brush somewhere in the volume, to find out what is wrong with it before the run.
-void checkBrush(const EditCommand& brush, const Volume& volume) {
+void checkBrush(const EditCommand& brush, const std::string& text, const Volume& volume) {
   EditCommand command = brush;
   command.from_W = command.to_W = volume.lattice().toWorld((volume.size() / 2).cast<double>());
-  checkEdit(command, volume.size(), volume.lattice());
+  try {
+    checkEdit(command, volume.size(), volume.lattice());
+  } catch (const Error& error) {
+    throw Error(error.code(), "--edit " + text, error.reason(), error.remedy());
+  }
 }
 
 void checkSave(const Scene& scene) {
@@ -97,12 +101,13 @@ LiveEdits::LiveEdits(const Scene& scene, Volume& volume, Engine& engine)
       session_(
           engine,
           [&] {
-            checkBrush(toolBrushSpec(scene.edit).brush, volume);
+            checkBrush(toolBrushSpec(scene.edit).brush, scene.edit, volume);
             return brushProfile(volume, *scene.isovalue);
           }(),
           std::vector{toolBrushSpec(scene.edit).brush.kind}, kHistoryBytes) {
   if (!scene.journal.empty()) session_.keepJournal(scene.journal, identityOf(volume), journalOptions());
   if (scene.save.empty()) return;
+  volume.keepIsovalue(*scene.isovalue);
   const auto write = [file = scene.save](const Volume& edited, std::uint64_t) { return saveVolume(edited, file); };
   session_.keepSaved(volume, write, scene.save_every_s);
 }

@@ -15,8 +15,8 @@ constexpr double kLeastRegionVoxels = 10;
 
 std::string drawPicture(const TouchRun& run, const SurfaceField& surface, Engine& engine) {
   const ViewLayout layout = layOutView(run.scene.image_width, run.scene.image_height);
-  const ContactRegion region =
-      findContactRegion(run.records, kLeastRegionVoxels * surface.lattice().spacing_m.maxCoeff());
+  ContactRegion region = findContactRegion(run.records, kLeastRegionVoxels * surface.lattice().spacing_m.maxCoeff());
+  if (run.edits && run.edits->count > 0) turnToTheOpen(region, surface);
   ViewPictures pictures;
   pictures.overview_camera =
       overviewCamera(findObjectBounds(surface), region, layout.overview.width, layout.overview.height);

@@ -16,6 +16,7 @@
 #include "apps/touch/algorithm_setup.hpp"
 #include "apps/touch/exact_errors.hpp"
 #include "apps/touch/live_edits.hpp"
+#include "apps/touch/object_volume.hpp"
 #include "apps/touch/output_folder.hpp"
 #include "apps/touch/picture.hpp"
 #include "apps/touch/scene_objects.hpp"
@@ -203,6 +204,7 @@ TouchRun runTouchJob(const Scene& scene, const std::string& command, const std::
   Stages stages(progress, run.stages);
 
   Volume volume = stages.run("load", "loading " + scene.volume, [&] { return loadVolume(scene.volume); });
+  checkTouchable(volume);
   // Rounded to float once, as the GPU has it: servo and kernels must agree on what is object.
   const double isovalue = static_cast<float>(scene.isovalue ? *scene.isovalue : defaultIsovalue(volume));
   checkIsovalue(volume, isovalue);
@@ -243,6 +245,7 @@ TouchRun runTouchJob(const Scene& scene, const std::string& command, const std::
   if (setup.isosurface != nullptr) facts.mesh_triangles = setup.isosurface->triangles.size();
   run.plan = planWords(plan, facts);
 
+  const double object_m3 = scene.edit.empty() ? 0 : objectVolume_m3(volume, isovalue);
   // With --save the edits own the volume while the servo runs: nothing below reads it before finish().
   std::unique_ptr<LiveEdits> edits;
   if (!scene.edit.empty()) {
@@ -273,6 +276,8 @@ TouchRun runTouchJob(const Scene& scene, const std::string& command, const std::
     if (interrupted()) stages.keep(edits->kept(*run.edits));
     if (!engine->editor().broken()) {  // for the picture; after a device error it shows what was there before
       engine->readBack(volume);
+      run.edits->content = contentHash(volume);
+      run.edits->added_m3 = objectVolume_m3(volume, isovalue) - object_m3;
       if (filtered) filtered = engine->filtered(volume.facts());
     }
   }

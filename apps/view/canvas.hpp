@@ -10,6 +10,7 @@
 
 #include <cairo/cairo.h>
 
+#include "apps/report/label_placer.hpp"
 #include "base/rendered_image.hpp"
 
 namespace palpate {
@@ -17,10 +18,6 @@ namespace palpate {
 struct Color {
   double red = 0, green = 0, blue = 0, alpha = 1;  // 0..1
   [[nodiscard]] Color faded(double share) const { return {red, green, blue, alpha * share}; }
-};
-
-struct Pixel {
-  double x = 0, y = 0;
 };
 
 enum class Align { kLeft, kCentre, kRight };

@@ -20,7 +20,6 @@ constexpr double kTitle = 62, kLegend = 64, kBorder = 8;  // [pixel] at scale 1
 constexpr double kOverviewShare = 0.4;                    // of the width
 constexpr int kArrows = 14;
 constexpr double kLongestArrow = 0.4;  // of the contact region's radius
-constexpr Color kBoxColor = {0.85, 0.35, 0.05};
 
 int pixels(double value) {
   return static_cast<int>(std::lround(value));
@@ -32,18 +31,6 @@ void checkPicture(const RenderedImage& image, const Camera& camera, const PanelB
   if (fits) return;
   throw Error(Error::Code::kBadInput, name, fmt::format("the picture is not {} x {} pixels", box.width, box.height),
               "render it in the size of its panel");
-}
-
-// The part of the overview that the close-up shows, as a square around the region's projection.
-void drawRegionBox(Canvas& canvas, const Camera& camera, const ContactRegion& region, double scale) {
-  const auto centre = camera.project(region.centre_W);
-  if (!centre) return;
-  const double depth_m = (region.centre_W - camera.position_W).dot(camera.forward_W);
-  const double half = std::max(region.radius_m / camera.pixelSize(depth_m), 8 * scale);
-  canvas.strokeRectangle(centre->x - half, centre->y - half, 2 * half, 2 * half, {1, 1, 1, 0.8}, 4 * scale);
-  canvas.strokeRectangle(centre->x - half, centre->y - half, 2 * half, 2 * half, kBoxColor, 2 * scale);
-  const double y = std::min(centre->y + half + 17 * scale, camera.height - 8 * scale);
-  canvas.text({centre->x, y}, "close-up", 13 * scale, kBoxColor, Align::kCentre, true, true);
 }
 
 double tolerance(const TouchRun& run, const Camera& camera, const ContactRegion& region) {
@@ -59,10 +46,10 @@ void drawOverview(Canvas& canvas, const ViewLayout& layout, const ViewPictures& 
   panel.drawObjects(run.object_outlines);
   panel.drawHipPath(run.records);
   panel.drawVhipPath(run.records);
-  drawRegionBox(canvas, camera, region, layout.scale);
-  panel.drawEnds(run.records);
   panel.drawScaleBar(region.centre_W);
   panel.drawCaption("Whole object");
+  panel.drawBox(region, "close-up");
+  panel.drawEnds(run.records);
 }
 
 void drawCloseUp(Canvas& canvas, const ViewLayout& layout, const ViewPictures& pictures, const ContactRegion& region,
@@ -74,9 +61,9 @@ void drawCloseUp(Canvas& canvas, const ViewLayout& layout, const ViewPictures& p
   panel.drawHipPath(run.records);
   panel.drawVhipPath(run.records);
   panel.drawForces(forces, kLongestArrow * region.radius_m);
-  panel.drawEnds(run.records);
   panel.drawScaleBar(region.centre_W);
   panel.drawCaption(region.touched ? "Contact, close up" : "The path: nothing was touched");
+  panel.drawEnds(run.records);
 }
 
 }  // namespace

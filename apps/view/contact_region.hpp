@@ -18,6 +18,7 @@ struct ContactRegion {
   Vec3 along_W = Vec3::UnitX();   // unit, across the normal: from the first to the last contact
   std::vector<Vec3> points_W;     // some of the contact points, for tests of visibility
   bool touched = false;           // false: no contact; the region is that of the whole path
+  bool is_cut = false;            // edits have changed the surface, so the points may lie in a hollow
 };
 
 // `least_radius_m`: a region is never smaller than this, so that a tap in one place still has surroundings.

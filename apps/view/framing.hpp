@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // apps/view/framing.hpp: chooses the two viewpoints of view.png: the whole object, and the contact from close by.
 //
-// World frame [m]. Set-up code, any thread. Cost: up to about 30000 samples of the field.
+// World frame [m]. Set-up code, any thread. Cost: up to some 100000 samples of the field.
 #pragma once
 
 #include "apps/path/surface_field.hpp"
@@ -20,6 +20,11 @@ struct ObjectBounds {
 
 // The whole object, from the side where it was touched and a little from above.
 [[nodiscard]] Camera overviewCamera(const ObjectBounds& object, const ContactRegion& region, int width, int height);
+
+// A region whose surface an edit has changed: its normal is then the mean of the directions in which nothing of the
+// object is in the way from its points. In a groove the tool touches a front wall, whose normals point along the
+// groove; out of it there is one way only. The normal stays where nothing is open.
+void turnToTheOpen(ContactRegion& region, const SurfaceField& field);
 
 // The contact seen obliquely, the slide from left to right and the normal upwards, so that the depth of the press and
 // the force arrows show their length. Of several heights and both sides the one is taken from which the object hides

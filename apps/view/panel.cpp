@@ -14,6 +14,7 @@ namespace {
 constexpr double kLeastStep_px = 1.5;  // points nearer to each other are left out
 constexpr double kHiddenShare = 0.55;  // how much of its colour remains to a hidden line
 constexpr Color kWhite = {1, 1, 1};
+constexpr Color kBoxColor = {0.85, 0.35, 0.05};
 
 Vec3 vec(const double (&v)[3]) {
   return {v[0], v[1], v[2]};
@@ -22,7 +23,12 @@ Vec3 vec(const double (&v)[3]) {
 }  // namespace
 
 Panel::Panel(Canvas& canvas, const Camera& camera, const RenderedImage& image, double tolerance_m, double scale)
-    : canvas_(canvas), camera_(camera), image_(image), tolerance_m_(tolerance_m), scale_(scale) {}
+    : canvas_(canvas),
+      camera_(camera),
+      image_(image),
+      tolerance_m_(tolerance_m),
+      scale_(scale),
+      labels_(image.width, image.height) {}
 
 bool Panel::isVisible(const Camera::Projection& p) const {
   if (p.x < 0 || p.y < 0 || p.x >= image_.width || p.y >= image_.height)
@@ -47,6 +53,9 @@ std::vector<Panel::Place> Panel::places(const std::vector<Vec3>& points_W) const
 
 // Stretches of equal visibility, each one polyline; neighbours share their border point.
 void Panel::drawPlaces(const std::vector<Place>& places, const Color& color, double line) {
+  std::vector<Pixel> whole;
+  for (const Place& place : places) whole.push_back(place.pixel);
+  labels_.avoidLine(whole);
   for (std::size_t begin = 0; begin + 1 < places.size();) {
     std::vector<Pixel> stretch = {places[begin].pixel};
     std::size_t i = begin + 1;
@@ -96,6 +105,7 @@ void Panel::drawForces(const ForceArrows& forces, double longest_m) {
                      1.2 * scale_);  // the depth of the press
     canvas_.disc({hip->x, hip->y}, 2.2 * scale_, kHipColor, kHipColor);
     canvas_.arrow({from->x, from->y}, {to->x, to->y}, color, 2.6 * scale_);
+    labels_.avoidLine({{hip->x, hip->y}, {from->x, from->y}, {to->x, to->y}});
     canvas_.disc({from->x, from->y}, 3 * scale_, isVisible(*from) ? kWhite : kWhite.faded(kHiddenShare), kVhipColor);
   }
 }
@@ -106,13 +116,29 @@ bool Panel::isInside(const Vec3& p_W) const {
   return p && p->x >= room && p->y >= room && p->x <= image_.width - room && p->y <= image_.height - room;
 }
 
-void Panel::drawMark(const Vec3& p_W, const Color& color, const std::string& word) {
-  const auto p = camera_.project(p_W);
-  if (!p) return;
-  canvas_.disc({p->x, p->y}, 6 * scale_, color, kWhite);
-  const bool right_half = p->x > 0.8 * image_.width;
-  canvas_.text({p->x + (right_half ? -10 : 10) * scale_, p->y + 5 * scale_}, word, 14 * scale_, color,
-               right_half ? Align::kRight : Align::kLeft, true, true);
+// Ascenders and descenders of DejaVu Sans take 0.76 and 0.24 of its size.
+void Panel::drawWords(const Pixel& at, double gap, const std::string& words, double size, const Color& color) {
+  const LabelBox box = labels_.place(at, gap, canvas_.textWidth(words, size, true), size);
+  canvas_.text({box.left, box.bottom - 0.24 * size}, words, size, color, Align::kLeft, true, true);
+}
+
+void Panel::drawBox(const ContactRegion& region, const std::string& words) {
+  const auto centre = camera_.project(region.centre_W);
+  if (!centre) return;
+  const double depth_m = (region.centre_W - camera_.position_W).dot(camera_.forward_W);
+  const double half = std::max(region.radius_m / camera_.pixelSize(depth_m), 8 * scale_);
+  const double left = centre->x - half, right = centre->x + half, top = centre->y - half, bottom = centre->y + half;
+  canvas_.strokeRectangle(left, top, 2 * half, 2 * half, {1, 1, 1, 0.8}, 4 * scale_);
+  canvas_.strokeRectangle(left, top, 2 * half, 2 * half, kBoxColor, 2 * scale_);
+  labels_.avoidLine({{left, top}, {right, top}, {right, bottom}, {left, bottom}, {left, top}});
+  // Its words stand below it or above it, whatever else is there.
+  const double size = 13 * scale_;
+  const double width = canvas_.textWidth(words, size, true);
+  const double y = bottom + 1.5 * size < image_.height ? bottom + 1.3 * size : top - 0.5 * size;
+  const double x = std::clamp(centre->x, width / 2 + 4 * scale_,
+                              std::max(image_.width - width / 2 - 4 * scale_, width / 2 + 4 * scale_));
+  canvas_.text({x, y}, words, size, kBoxColor, Align::kCentre, true, true);
+  labels_.avoid({x - width / 2, y - 0.76 * size, x + width / 2, y + 0.24 * size});
 }
 
 void Panel::drawEnds(const std::vector<TickRecord>& records) {
@@ -120,8 +146,23 @@ void Panel::drawEnds(const std::vector<TickRecord>& records) {
   const auto first = std::find_if(records.begin(), records.end(), inside);
   if (first == records.end()) return;
   const auto last = std::find_if(records.rbegin(), records.rend(), inside);
-  drawMark(vec(first->hip_W), kStartColor, first == records.begin() ? "start" : "from start");
-  drawMark(vec(last->hip_W), kEndColor, last == records.rbegin() ? "end" : "to end");
+  struct Mark {
+    Pixel at;
+    Color color;
+    const char* word;
+  };
+  std::vector<Mark> marks;
+  const auto mark = [&](const TickRecord& r, const Color& color, const char* word) {
+    if (const auto p = camera_.project(vec(r.hip_W))) marks.push_back({{p->x, p->y}, color, word});
+  };
+  mark(*first, kStartColor, first == records.begin() ? "start" : "from start");
+  mark(*last, kEndColor, last == records.rbegin() ? "end" : "to end");
+  const double radius = 6 * scale_;
+  for (const Mark& m : marks) {
+    canvas_.disc(m.at, radius, m.color, kWhite);
+    labels_.avoid({m.at.x - radius, m.at.y - radius, m.at.x + radius, m.at.y + radius});
+  }
+  for (const Mark& m : marks) drawWords(m.at, 10 * scale_, m.word, 14 * scale_, m.color);
 }
 
 void Panel::drawScaleBar(const Vec3& at_W) {
@@ -133,12 +174,15 @@ void Panel::drawScaleBar(const Vec3& at_W) {
   const std::vector<Pixel> bar = {{left, y - tick}, {left, y}, {right, y}, {right, y - tick}};
   canvas_.polyline(bar, kWhite.faded(0.85), 5 * scale_);
   canvas_.polyline(bar, kInk, 2 * scale_);
-  canvas_.text({(left + right) / 2, y - 8 * scale_}, fmt::format("{:g} mm", length_m * kMillimetresPerMetre),
-               14 * scale_, kInk, Align::kCentre, false, true);
+  const std::string words = fmt::format("{:g} mm", length_m * kMillimetresPerMetre);
+  canvas_.text({(left + right) / 2, y - 8 * scale_}, words, 14 * scale_, kInk, Align::kCentre, false, true);
+  const double half = std::max(right - left, canvas_.textWidth(words, 14 * scale_)) / 2;
+  labels_.avoid({(left + right) / 2 - half, y - 22 * scale_, (left + right) / 2 + half, y});
 }
 
 void Panel::drawCaption(const std::string& words) {
-  canvas_.text({16 * scale_, 26 * scale_}, words, 15 * scale_, kInk, Align::kLeft, true, true);
+  const double width = canvas_.text({16 * scale_, 26 * scale_}, words, 15 * scale_, kInk, Align::kLeft, true, true);
+  labels_.avoid({16 * scale_, 12 * scale_, 16 * scale_ + width, 30 * scale_});
 }
 
 }  // namespace palpate

@@ -7,7 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "apps/report/label_placer.hpp"
 #include "apps/view/canvas.hpp"
+#include "apps/view/contact_region.hpp"
 #include "apps/view/force_arrows.hpp"
 #include "base/camera.hpp"
 #include "servo/loop/tick_record.hpp"
@@ -32,7 +34,10 @@ class Panel {
   void drawVhipPath(const std::vector<TickRecord>& records);
   void drawObjects(const std::vector<std::vector<Vec3>>& outlines_W);
   void drawForces(const ForceArrows& forces, double longest_m);
-  // Start and end of the path, or where it comes into the picture and leaves it for good.
+  // A square around what another panel shows, and what that is.
+  void drawBox(const ContactRegion& region, const std::string& words);
+  // Start and end of the path, or where it comes into the picture and leaves it for good. Last: their words keep clear
+  // of all that was drawn before.
   void drawEnds(const std::vector<TickRecord>& records);
   void drawScaleBar(const Vec3& at_W);  // true at the distance of this point
   void drawCaption(const std::string& words);
@@ -46,11 +51,12 @@ class Panel {
   [[nodiscard]] std::vector<Place> places(const std::vector<Vec3>& points_W) const;
   void drawPlaces(const std::vector<Place>& places, const Color& color, double line);
   [[nodiscard]] bool isInside(const Vec3& p_W) const;
-  void drawMark(const Vec3& p_W, const Color& color, const std::string& word);
+  void drawWords(const Pixel& at, double gap, const std::string& words, double size, const Color& color);
   Canvas& canvas_;
   const Camera& camera_;
   const RenderedImage& image_;
   double tolerance_m_, scale_;
+  LabelPlacer labels_;
 };
 
 }  // namespace palpate

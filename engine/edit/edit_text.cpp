@@ -133,6 +133,13 @@ class Parser {
 
 }  // namespace
 
+std::vector<EditCommand> withMirror(const EditCommand& command, std::optional<int> mirror_axis, const Vec3i& size,
+                                    const Lattice& lattice) {
+  if (!mirror_axis) return {command};
+  const Vec3 middle_W = lattice.toWorld((size - Vec3i::Ones()).cast<double>() / 2);
+  return {command, mirrored(command, middle_W, lattice.R_WL.col(*mirror_axis))};
+}
+
 EditText editText(std::string_view text, EditUse use, const std::string& where) {
   return Parser(text, use, where).parse();
 }

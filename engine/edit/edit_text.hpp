@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "engine/edit/edit_command.hpp"
 
@@ -27,6 +28,11 @@ struct EditText {
   double rate_per_Ns = 0;          // tools: ToolBrushSpec's
   double period_s = 4e-3;
 };
+
+// The command and, where there is an axis, its mirror image across the middle of a volume of `size` voxels: of one
+// apply().
+[[nodiscard]] std::vector<EditCommand> withMirror(const EditCommand& command, std::optional<int> mirror_axis,
+                                                  const Vec3i& size, const Lattice& lattice);
 
 // `where` names the text in messages. Throws Error(kBadInput): an unknown kind, `undo` and `redo` of a tool; a key that
 // the kind does not have, comes twice or is missing; a value that is no number, length or place, or out of its range.

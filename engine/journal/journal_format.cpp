@@ -15,44 +15,66 @@ namespace {
 constexpr std::uint8_t kHasObject = 1;
 constexpr std::uint8_t kHasMaterial = 2;
 
-void addLattice(ByteWriter& out, const Lattice& lattice) {
-  out.add(lattice.origin_W);
-  out.add(lattice.R_WL);
-  out.add(lattice.spacing_m);
-}
-void getLattice(ByteReader& in, Lattice& lattice) {
-  in.get(lattice.origin_W);
-  in.get(lattice.R_WL);
-  in.get(lattice.spacing_m);
+// What a journal says of these, in its order: to be written where they are const, to be read where not.
+template <typename Lattice, typename Visit>
+void forEachNumber(Lattice& lattice, const Visit& visit) {
+  visit(lattice.origin_W);
+  visit(lattice.R_WL);
+  visit(lattice.spacing_m);
 }
 
-// Only what a kind uses is written: a journal of strokes stays small.
+template <typename Header, typename Visit>
+void forEachMember(Header& header, const Visit& visit) {
+  visit(header.volume.source);
+  visit(header.volume.size);
+  forEachNumber(header.volume.lattice, visit);
+  visit(header.volume.content);
+  visit(header.profile.isovalue);
+  visit(header.profile.background);
+  visit(header.profile.object);
+  visit(header.profile.slope_per_m);
+  visit(header.profile.band_m);
+}
+
+// Only what a kind uses: a journal of strokes stays small. Kind and flags are before it.
+template <typename Command, typename Number, typename Visit>
+void forEachMember(Command& c, Number& stamp_number, const Visit& visit) {
+  visit(c.strength);
+  if (isBrush(c.kind)) {
+    visit(c.from_W);
+    visit(c.to_W);
+    visit(c.radius_m);
+    visit(c.falloff);
+  }
+  if (c.kind == EditKind::kPaint) visit(c.value);
+  if (hasPlane(c.kind)) {
+    visit(c.plane_W);
+    visit(c.normal_W);
+  }
+  if (isStamp(c.kind)) {
+    visit(stamp_number);
+    visit(c.from_W);
+    visit(c.R_WS);
+  }
+  if (c.object) visit(*c.object);
+  if (c.material) {
+    visit(c.material->low_density);
+    visit(c.material->high_density);
+    visit(c.material->drop);
+  }
+}
+
+auto into(ByteWriter& out) {
+  return [&out](const auto& member) { out.add(member); };
+}
+auto from(ByteReader& in) {
+  return [&in](auto& member) { in.get(member); };
+}
+
 void addCommand(ByteWriter& out, const EditCommand& c, std::uint32_t stamp_number) {
   out.add(static_cast<std::uint8_t>(c.kind));
   out.add(static_cast<std::uint8_t>((c.object ? kHasObject : 0) | (c.material ? kHasMaterial : 0)));
-  out.add(c.strength);
-  if (isBrush(c.kind)) {
-    out.add(c.from_W);
-    out.add(c.to_W);
-    out.add(c.radius_m);
-    out.add(c.falloff);
-  }
-  if (c.kind == EditKind::kPaint) out.add(c.value);
-  if (hasPlane(c.kind)) {
-    out.add(c.plane_W);
-    out.add(c.normal_W);
-  }
-  if (isStamp(c.kind)) {
-    out.add(stamp_number);
-    out.add(c.from_W);
-    out.add(c.R_WS);
-  }
-  if (c.object) out.add(*c.object);
-  if (c.material) {
-    out.add(c.material->low_density);
-    out.add(c.material->high_density);
-    out.add(c.material->drop);
-  }
+  forEachMember(c, stamp_number, into(out));
 }
 
 bool getCommand(ByteReader& in, EditCommand& c, std::span<const std::shared_ptr<const Stamp>> stamps) {
@@ -62,32 +84,13 @@ bool getCommand(ByteReader& in, EditCommand& c, std::span<const std::shared_ptr<
   in.get(flags);
   if (kind > static_cast<std::uint8_t>(EditKind::kDeflate) || flags > (kHasObject | kHasMaterial)) return false;
   c.kind = static_cast<EditKind>(kind);
-  in.get(c.strength);
-  if (isBrush(c.kind)) {
-    in.get(c.from_W);
-    in.get(c.to_W);
-    in.get(c.radius_m);
-    in.get(c.falloff);
-  }
-  if (c.kind == EditKind::kPaint) in.get(c.value);
-  if (hasPlane(c.kind)) {
-    in.get(c.plane_W);
-    in.get(c.normal_W);
-  }
+  if ((flags & kHasObject) != 0) c.object.emplace();
+  if ((flags & kHasMaterial) != 0) c.material.emplace();
+  std::uint32_t stamp_number = 0;
+  forEachMember(c, stamp_number, from(in));
   if (isStamp(c.kind)) {
-    std::uint32_t number = 0;
-    in.get(number);
-    in.get(c.from_W);
-    in.get(c.R_WS);
-    if (number == 0 || number > stamps.size()) return false;
-    c.stamp = stamps[number - 1];
-  }
-  if ((flags & kHasObject) != 0) in.get(c.object.emplace());
-  if ((flags & kHasMaterial) != 0) {
-    MaterialRate& material = c.material.emplace();
-    in.get(material.low_density);
-    in.get(material.high_density);
-    in.get(material.drop);
+    if (stamp_number == 0 || stamp_number > stamps.size()) return false;
+    c.stamp = stamps[stamp_number - 1];
   }
   return in.good();
 }
@@ -96,15 +99,7 @@ bool getCommand(ByteReader& in, EditCommand& c, std::span<const std::shared_ptr<
 
 std::string headerBytes(const JournalHeader& header) {
   ByteWriter content;
-  content.add(header.volume.source);
-  content.add(header.volume.size);
-  addLattice(content, header.volume.lattice);
-  content.add(header.volume.content);
-  const BrushProfile& profile = header.profile;
-  for (const double number :
-       {profile.isovalue, profile.background, profile.object, profile.slope_per_m, profile.band_m}) {
-    content.add(number);
-  }
+  forEachMember(header, into(content));
   ByteWriter out;
   out.addRaw(kJournalMagic);
   out.add(kJournalVersion);
@@ -134,15 +129,7 @@ std::size_t readHeader(std::string_view bytes, const std::string& input, Journal
   in.get(checksum);
   const bool sound = in.good() && crc32c(bytes.substr(0, checked)) == checksum;
   ByteReader content(text);
-  content.get(header.volume.source);
-  content.get(header.volume.size);
-  getLattice(content, header.volume.lattice);
-  content.get(header.volume.content);
-  BrushProfile& profile = header.profile;
-  for (double* number :
-       {&profile.isovalue, &profile.background, &profile.object, &profile.slope_per_m, &profile.band_m}) {
-    content.get(*number);
-  }
+  forEachMember(header, from(content));
   if (!sound || !content.atEnd()) {
     throw Error(Error::Code::kBadInput, input, "its header is damaged, so it cannot be said which volume it belongs to",
                 "bring the file back from a copy");
@@ -170,7 +157,7 @@ std::string editContent(std::span<const EditCommand> commands, std::span<const s
 std::string stampContent(const Stamp& stamp) {
   ByteWriter out;
   out.add(stamp.size);
-  addLattice(out, stamp.lattice);
+  forEachNumber(stamp.lattice, into(out));
   out.addRaw({reinterpret_cast<const char*>(stamp.distance_m.data()), stamp.distance_m.size() * sizeof(float)});
   return out.bytes();
 }
@@ -194,7 +181,7 @@ std::shared_ptr<const Stamp> stampOf(std::string_view content) {
   ByteReader in(content);
   auto stamp = std::make_shared<Stamp>();
   in.get(stamp->size);
-  getLattice(in, stamp->lattice);
+  forEachNumber(stamp->lattice, from(in));
   const std::string_view distances = in.getRaw(in.left());
   const Vec3i& size = stamp->size;
   if (!in.good() || size.minCoeff() < 2 || size.maxCoeff() > 1024 ||

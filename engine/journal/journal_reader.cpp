@@ -116,8 +116,12 @@ Journal readJournal(const std::filesystem::path& folder) {
   const std::filesystem::path file = journalFile(folder);
   std::error_code ignored;
   if (!std::filesystem::exists(file, ignored)) {
-    throw Error(Error::Code::kNotFound, folder.string(), fmt::format("there is no {} in it", kJournalName),
-                "name the folder that --journal was given");
+    const std::filesystem::file_status status = std::filesystem::status(folder, ignored);
+    const bool is_folder = std::filesystem::is_directory(status);
+    const std::string reason = is_folder                         ? fmt::format("there is no {} in it", kJournalName)
+                               : std::filesystem::exists(status) ? "it is no folder"
+                                                                 : "there is no such folder";
+    throw Error(Error::Code::kNotFound, folder.string(), reason, "name the folder that --journal was given");
   }
   std::ifstream in(file, std::ios::binary);
   if (!in) throw Error(Error::Code::kIo, file.string(), "it cannot be opened", "check its permissions");
@@ -130,9 +134,8 @@ Journal readJournal(const std::filesystem::path& folder) {
 }
 
 std::string damageWords(const JournalDamage& damage) {
-  return fmt::format("{} record{} in {} bytes from byte {} on {} lost: {}", damage.records,
-                     damage.records == 1 ? "" : "s", damage.bytes, damage.first_byte,
-                     damage.records == 1 ? "is" : "are", damage.reason);
+  return fmt::format("{} record{} in {} byte{} from byte {} on, as {}", damage.records, damage.records == 1 ? "" : "s",
+                     damage.bytes, damage.bytes == 1 ? "" : "s", damage.first_byte, damage.reason);
 }
 
 }  // namespace palpate

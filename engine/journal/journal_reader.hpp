@@ -38,7 +38,7 @@ struct Journal {
 // Throws Error: kNotFound (no such folder or no journal in it), kIo, and what readHeader refuses.
 [[nodiscard]] Journal readJournal(const std::filesystem::path& folder);
 
-// "12 records of 3456 bytes from byte 789 on are lost: record 7 is cut short"
+// What is lost: "12 records in 3456 bytes from byte 789 on, as record 7 is cut short"
 [[nodiscard]] std::string damageWords(const JournalDamage& damage);
 
 }  // namespace palpate

@@ -69,7 +69,15 @@ JournalWriter::~JournalWriter() {
   close();
 }
 
+void JournalWriter::checkEdit(std::span<const EditCommand> commands) const {
+  if (commands.size() <= options_.most_commands) return;
+  throw Error(Error::Code::kBadInput, file_.string(),
+              fmt::format("{} commands in one edit, and its record holds {}", commands.size(), options_.most_commands),
+              "give them in several edits");
+}
+
 std::uint64_t JournalWriter::edit(std::span<const EditCommand> commands) {
+  checkEdit(commands);
   std::vector<std::uint32_t> numbers;
   for (const EditCommand& command : commands) {
     std::uint32_t number = 0;

@@ -29,6 +29,7 @@ namespace palpate {
 struct JournalOptions {
   std::chrono::microseconds gather{3000};              // after the first record of a group
   std::size_t queue_bytes = std::size_t{4} << 20U;     // [byte]; a single larger record goes through alone
+  std::size_t most_commands = kMostCommands;           // of one edit; more would make a record that no reader takes
   std::function<void(std::uint64_t)> on_acknowledged;  // with the newest number, in the journal's thread
 };
 
@@ -41,8 +42,13 @@ class JournalWriter {
   JournalWriter(const JournalWriter&) = delete;
   JournalWriter& operator=(const JournalWriter&) = delete;
 
-  // Each returns the record's sequence number, from 1. A stamp's first use is a record of its own before the edit's;
-  // stamps of the same content are one. Cost of a stamp: encoding it, every time.
+  // Throws Error(kBadInput) where the commands are more than one record holds: before they are applied, since an edit
+  // that was applied and is not in the journal would make all that follow it another volume's.
+  void checkEdit(std::span<const EditCommand> commands) const;
+
+  // Each returns the record's sequence number, from 1. edit() throws as checkEdit(), and nothing is appended then. A
+  // stamp's first use is a record of its own before the edit's; stamps of the same content are one. Cost of a stamp:
+  // encoding it, every time.
   std::uint64_t edit(std::span<const EditCommand> commands);
   std::uint64_t undo() { return append(RecordKind::kUndo, {}); }
   std::uint64_t redo() { return append(RecordKind::kRedo, {}); }

@@ -27,7 +27,7 @@ void checkStart(const Journal& journal, const Volume& volume, const std::string&
   const std::string difference = differenceFrom(journal.header.volume, volume);
   if (difference.empty()) return;
   throw Error(Error::Code::kBadInput, input, "it is not the volume that the journal began with: " + difference,
-              "give that volume (the journal names " + journal.header.volume.source + ")");
+              "give that volume with --volume (the journal names " + journal.header.volume.source + ")");
 }
 
 void replay(const Journal& journal, Volume& volume, const std::function<void(double)>& before_each) {

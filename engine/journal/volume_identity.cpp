@@ -2,12 +2,14 @@
 #include "engine/journal/volume_identity.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstring>
 #include <filesystem>
-#include <vector>
 
 #include <fmt/format.h>
+
+#include "engine/volume/brick_values.hpp"
 
 namespace palpate {
 namespace {
@@ -19,22 +21,17 @@ std::uint64_t mixed(std::uint64_t hash, std::uint64_t value) {
   return std::rotl(hash ^ value, 27) * 5 + 0x52dce729U;
 }
 
-bool oneValue(const std::vector<float>& values) {
-  return std::all_of(values.begin(), values.end(),
-                     [&](const float& v) { return std::memcmp(&v, values.data(), sizeof v) == 0; });
-}
-
 }  // namespace
 
 std::uint64_t contentHash(const Volume& volume) {
   std::uint64_t hash = 0;
-  std::vector<float> values(kBrickVoxels);
+  std::array<float, kBrickVoxels> values{};
   const Vec3i bricks = volume.brickCount();
   Vec3i brick;
   for (brick.z() = 0; brick.z() < bricks.z(); ++brick.z()) {
     for (brick.y() = 0; brick.y() < bricks.y(); ++brick.y()) {
       for (brick.x() = 0; brick.x() < bricks.x(); ++brick.x()) {
-        if (volume.readBrick(brick, values.data()) || oneValue(values)) {
+        if (volume.readBrick(brick, values.data()) || holdOneValue(values)) {
           hash = mixed(hash, std::bit_cast<std::uint32_t>(values[0]));
           continue;
         }

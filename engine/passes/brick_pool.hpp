@@ -50,6 +50,9 @@ class BrickPool {
   [[nodiscard]] const layout::BrickPage& page(std::size_t brick) const noexcept { return pages_[brick]; }
 
   void reserve(std::size_t bricks) { slabs_->reserve(bricks); }  // throws as SlotSlabs::reserve does
+  [[nodiscard]] std::uint64_t bytesToReserve(std::size_t bricks) const noexcept {
+    return slabs_->bytesToReserve(bricks);
+  }
   // Gives a constant brick a slot, after reserve(); its content and its page on the GPU are the caller's to write.
   std::uint32_t store(std::size_t brick);
   // Frees the slot of a brick, if it has one, and makes it constant; its page on the GPU is stale from then on.

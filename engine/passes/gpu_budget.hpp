@@ -6,6 +6,9 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <string>
+
+#include <fmt/format.h>
 
 namespace palpate {
 
@@ -17,6 +20,16 @@ struct GpuBudget {
     return used_bytes < limit_bytes ? limit_bytes - used_bytes : 0;
   }
 };
+
+// As messages have it: "1.5 MiB".
+[[nodiscard]] inline std::string inMiB(std::uint64_t bytes) {
+  return fmt::format("{:.1f} MiB", static_cast<double>(bytes) / 1048576.0);
+}
+
+// The smallest --gpu-memory that holds so much: "16MiB".
+[[nodiscard]] inline std::string wholeMiB(std::uint64_t bytes) {
+  return fmt::format("{}MiB", (bytes + 1048575) / 1048576);
+}
 
 // 0: no limit but the device's.
 [[nodiscard]] inline std::shared_ptr<GpuBudget> makeGpuBudget(std::uint64_t limit_bytes = 0) {

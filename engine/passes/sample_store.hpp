@@ -38,6 +38,9 @@ class SampleStore {
   [[nodiscard]] std::vector<std::uint32_t> bricks() const;  // of them, ascending; cost: a look at every brick
 
   void reserve(std::size_t bricks) { slabs_.reserve(bricks); }  // throws as SlotSlabs::reserve does
+  [[nodiscard]] std::uint64_t bytesToReserve(std::size_t bricks) const noexcept {
+    return slabs_.bytesToReserve(bricks);
+  }
   // After reserve(); not for a brick that has samples. In the slab of `beside`, a brick near it, if there is room.
   void add(std::size_t brick, std::optional<std::size_t> beside = {});
   void remove(std::size_t brick);  // of one that has samples

@@ -8,12 +8,6 @@
 #include "base/error.hpp"
 
 namespace palpate {
-namespace {
-
-constexpr double kBytesPerMiB = 1048576.0;
-
-}  // namespace
-
 SlotSlabs::SlotSlabs(gpu::Gpu& gpu, Shape shape, std::size_t slots, std::shared_ptr<GpuBudget> budget)
     : gpu_(gpu), shape_(std::move(shape)), budget_(std::move(budget)), commands_(gpu, shape_.name + " growth", 1) {
   try {
@@ -46,10 +40,8 @@ void SlotSlabs::grow(std::size_t wanted_slots) {
   const std::uint64_t affordable = budget_->leftBytes() / shape_.slot_bytes;
   if (affordable < wanted_slots) {
     throw Error(Error::Code::kOutOfMemory, fmt::format("GPU memory for {}", shape_.name),
-                fmt::format("{:.1f} MiB are in use, {:.1f} MiB more are needed, and the budget is {:.1f} MiB",
-                            static_cast<double>(budget_->used_bytes) / kBytesPerMiB,
-                            static_cast<double>(wanted_slots * shape_.slot_bytes) / kBytesPerMiB,
-                            static_cast<double>(budget_->limit_bytes) / kBytesPerMiB),
+                fmt::format("{} are in use, {} more are needed, and the budget is {}", inMiB(budget_->used_bytes),
+                            inMiB(wanted_slots * shape_.slot_bytes), inMiB(budget_->limit_bytes)),
                 "nothing was changed; raise --gpu-memory, or use a smaller brush or volume");
   }
   const std::size_t doubling = next_ == 0 ? 0 : capacity_;

@@ -40,6 +40,11 @@ class SlotSlabs {
   // device do not allow it; every slot in use then is as it was, and what could be had stays for later.
   void reserve(std::size_t slots);
 
+  // What reserve() would take out of the budget at least [byte].
+  [[nodiscard]] std::uint64_t bytesToReserve(std::size_t slots) const noexcept {
+    return slots > free() ? (slots - free()) * shape_.slot_bytes : 0;
+  }
+
   // A free slot; only after reserve(). In `slab` if there is one that was given back there.
   [[nodiscard]] std::uint32_t take(std::size_t slab = kAnySlab) noexcept;
   void release(std::uint32_t slot);                 // may be taken again at once

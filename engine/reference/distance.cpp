@@ -150,7 +150,7 @@ Tangent tangentAt(const DenseField& field, const Vec3i& voxel, const std::array<
     cell[a] = voxel[a] + static_cast<int>(std::floor(shift[axis]));
     share[axis] = shift[axis] - std::floor(shift[axis]);
     if (cell[a] >= field.size[a] - 1) {
-      cell[a] = field.size[a] - 2;
+      cell[a] = std::max(field.size[a] - 2, 0);
       share[axis] = 1;
     }
   }

@@ -9,6 +9,7 @@
 
 #include "engine/edit/edit_math.hpp"
 #include "engine/edit/edit_reach.hpp"
+#include "engine/volume/brick_values.hpp"
 
 namespace palpate::reference {
 namespace {
@@ -84,13 +85,7 @@ void applyOne(Volume& volume, const BrickGrid& grid, const layout::EditCommand& 
     if (std::memcmp(values.data(), before.brick(brick).data(), sizeof values) != 0) changed.emplace_back(brick, values);
   }
   for (const auto& [brick, values] : changed) {
-    const bool constant = std::all_of(values.begin(), values.end(),
-                                      [&](const float& v) { return std::memcmp(&v, values.data(), sizeof v) == 0; });
-    if (constant) {
-      volume.setConstantBrick(brick, values[0]);
-    } else {
-      volume.setBrick(brick, values.data());
-    }
+    putBrick(volume, brick, std::span(values).first(holdOneValue(values) ? 1 : kBrickVoxels));
   }
 }
 

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <chrono>
 #include <cmath>
 #include <cstring>
@@ -13,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "base/error.hpp"
+#include "engine/volume/brick_values.hpp"
 #include "servo/window/sample_window.hpp"
 
 namespace palpate {
@@ -27,16 +27,16 @@ double secondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-bool sameBits(float a, float b) {
-  return std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b);
-}
-
 bool crosses(const layout::BrickBounds& bounds, float isovalue) {
   return bounds.lowest <= isovalue && bounds.highest > isovalue;
 }
 
-bool isConstant(const float* values) {
-  return std::all_of(values + 1, values + kBrickVoxels, [&](float value) { return sameBits(value, values[0]); });
+using BrickValues = std::array<float, kBrickVoxels>;
+
+BrickValues valuesOf(const Volume& volume, const Vec3i& brick) {
+  BrickValues values{};
+  if (volume.readBrick(brick, values.data())) values.fill(values[0]);
+  return values;
 }
 
 VoxelBox boxOf(const BrickGrid& grid, std::uint32_t brick) {
@@ -283,12 +283,31 @@ Editor::Plan Editor::makePlan(std::span<const BrickContent> bricks) const {
   return plan;
 }
 
+// Where the budget is short, the message is about the whole edit, densities and samples.
+void Editor::makeBrickRoom(const Plan& plan) {
+  try {
+    parts_.pool.reserve(plan.new_bricks);
+    parts_.store.reserve(plan.newly.size());
+  } catch (const Error& error) {
+    const GpuBudget& budget = *parts_.pool.budget();
+    const std::uint64_t densities = parts_.pool.bytesToReserve(plan.new_bricks);
+    const std::uint64_t samples = parts_.store.bytesToReserve(plan.newly.size());
+    if (error.code() != Error::Code::kOutOfMemory || densities + samples <= budget.leftBytes()) throw;
+    throw Error(error.code(), "GPU memory for the edit",
+                fmt::format("the volume, as edited until now, takes {}, the edit needs {} more ({} for densities, {} "
+                            "for samples), and the budget is {}",
+                            inMiB(budget.used_bytes), inMiB(densities + samples), inMiB(densities), inMiB(samples),
+                            inMiB(budget.limit_bytes)),
+                fmt::format("nothing was changed; raise --gpu-memory to {} or more, or use a smaller brush",
+                            wholeMiB(budget.used_bytes + densities + samples)));
+  }
+}
+
 // All that may fail for want of memory comes here, kernels included: then nothing has changed.
 void Editor::makeRoom(const Plan& plan) {
   edit_.fit(plan.phases, plan.edits, parts_.pool.stalePages());
   if (plan.phases.back().given) edit_.fitGiven(plan.phases.back().tasks.size());
-  parts_.pool.reserve(plan.new_bricks);
-  parts_.store.reserve(plan.newly.size());
+  makeBrickRoom(plan);
   if (parts_.filters != nullptr)
     parts_.filters->plan(plan.altered, [&](std::uint32_t brick) { return constantOf(plan, brick); });
   if (parts_.smoothing != nullptr) {
@@ -560,7 +579,8 @@ void Editor::settle() {
         parts_.transfer.reaches(slab)
             ? reinterpret_cast<const float*>(static_cast<const std::byte*>(slab.mapped()) + at.offset_bytes)
             : touched_values_.read((i + 1) * kBrickVoxels).data() + i * kBrickVoxels;
-    if (isConstant(values)) parts_.pool.makeConstant(stored_[i], values[0]);
+    if (holdOneValue(std::span<const float, kBrickVoxels>(values, kBrickVoxels)))
+      parts_.pool.makeConstant(stored_[i], values[0]);
   }
   if (parts_.filters != nullptr) parts_.filters->settle();
   if (parts_.smoothing != nullptr) parts_.smoothing->settle();
@@ -581,17 +601,17 @@ void Editor::noteChanged(std::uint32_t brick) {
 std::size_t Editor::readBack(Volume& volume) {
   refuseIfBroken();
   settle();
-  std::array<float, kBrickVoxels> values{};
+  BrickValues values{};
+  std::size_t count = 0;
   for (const std::uint32_t brick : changed_) {
     const Vec3i at = grid_.brick(brick);
-    if (parts_.pool.readBrick(parts_.transfer, brick, values.data())) {
-      volume.setConstantBrick(at, values[0]);
-    } else {
-      volume.setBrick(at, values.data());
-    }
+    const BrickValues before = valuesOf(volume, at);
+    const bool is_constant = parts_.pool.readBrick(parts_.transfer, brick, values.data());
+    putBrick(volume, at, std::span(values).first(is_constant ? 1 : kBrickVoxels));
+    const BrickValues after = valuesOf(volume, at);
+    if (std::memcmp(before.data(), after.data(), sizeof before) != 0) ++count;
     is_changed_[brick] = false;
   }
-  const std::size_t count = changed_.size();
   changed_.clear();
   return count;
 }

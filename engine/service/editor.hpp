@@ -94,7 +94,8 @@ class Editor {
   // Once after every apply() or replace(), when the window is out.
   void settle();
 
-  // Writes every brick that has changed since the last call into `volume`; returns how many. After settle().
+  // Writes every brick that may have changed since the last call into `volume`; returns how many of them hold other
+  // densities than it held, bit for bit. After settle().
   std::size_t readBack(Volume& volume);
   // The same as copies, for who keeps the volume elsewhere: at most `most` of those bricks, each as it is now. When
   // none is left, what was taken since the start makes up the volume of version(). After settle().
@@ -142,6 +143,7 @@ class Editor {
   void handOver(const Plan& plan, std::span<const BrickContent> given);
   void makeSpareRoom();
   void makeRoom(const Plan& plan);
+  void makeBrickRoom(const Plan& plan);
   void makeKernels(const Plan& plan);
   void handOutSlots(Plan& plan);
   void writeStalePages(Plan& plan);

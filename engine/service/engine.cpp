@@ -5,6 +5,8 @@
 #include <chrono>
 #include <limits>
 
+#include <fmt/format.h>
+
 #include "base/error.hpp"
 #include "engine/passes/active_bricks.hpp"
 #include "engine/passes/filter_chain.hpp"
@@ -18,6 +20,28 @@ namespace {
 // voxels of samples ahead, and a gather costs too much to do it for every voxel. [voxel]
 constexpr int kRecentreVoxels = 6;
 
+constexpr std::size_t kDensityBytes = kBrickVoxels * sizeof(float);  // of a brick
+
+// Before the volume is uploaded: how many samples its surface needs is not known yet.
+void checkDensityRoom(const GpuBudget& budget, std::size_t stored_bricks) {
+  const std::uint64_t densities = stored_bricks * kDensityBytes;
+  if (densities <= budget.leftBytes()) return;
+  throw Error(Error::Code::kOutOfMemory, "GPU memory for the volume",
+              fmt::format("its densities take {}, samples at its surface come on top, and the budget is {}",
+                          inMiB(densities), inMiB(budget.limit_bytes)),
+              "raise --gpu-memory, or crop or resample the volume");
+}
+
+void checkSampleRoom(const GpuBudget& budget, std::uint64_t samples) {
+  if (samples <= budget.leftBytes()) return;
+  const std::uint64_t all = budget.used_bytes + samples;
+  throw Error(Error::Code::kOutOfMemory, "GPU memory for the volume",
+              fmt::format("it takes {} ({} for densities, {} for samples at its surface), and the budget is {}",
+                          inMiB(all), inMiB(budget.used_bytes), inMiB(samples), inMiB(budget.limit_bytes)),
+              fmt::format("raise --gpu-memory to {} or more, with some room for edits, or crop or resample the volume",
+                          wholeMiB(all)));
+}
+
 }  // namespace
 
 template <typename Work>
@@ -30,8 +54,12 @@ void Engine::stage(const char* name, Work work) {
 Engine::Engine(const Volume& volume, const Plan& plan, double isovalue, const std::string& gpu_name,
                std::uint64_t gpu_memory_bytes)
     : isovalue_(isovalue), gpu_(gpu::GpuRequest{.name = gpu_name}), transfer_(gpu_), gradient_all_(plan.gradient_all) {
-  stage(passName(Pass::kUpload),
-        [&] { pool_ = std::make_unique<BrickPool>(gpu_, transfer_, volume, makeGpuBudget(gpu_memory_bytes)); });
+  checkTouchable(volume);
+  stage(passName(Pass::kUpload), [&] {
+    auto budget = makeGpuBudget(gpu_memory_bytes);
+    checkDensityRoom(*budget, volume.storedBricks());
+    pool_ = std::make_unique<BrickPool>(gpu_, transfer_, volume, std::move(budget));
+  });
   if (plan.has(Pass::kFilter)) {
     const auto source_isovalue = static_cast<float>(isovalue);
     std::vector<FilterStep> steps = lowerFilters(plan.filters, volume.lattice().spacing_m, source_isovalue);
@@ -81,6 +109,7 @@ void Engine::computeGradients(const Volume& volume, const Plan& plan) {
     const SampleFormat format = plan.half_samples
                                     ? halfSamples(isovalue, range.first, range.second, pool_->lattice().spacing_m)
                                     : SampleFormat{};
+    checkSampleRoom(*pool_->budget(), bricks.size() * kBrickVoxels * format.bytesAVoxel());
     store_ = std::make_unique<SampleStore>(gpu_, pool_->brickCount(), inBlocks(bricks, pool_->brickCounts()),
                                            pool_->budget(), format);
     gradient_ = std::make_unique<GradientPass>(gpu_, transfer_, field(), *store_, plan.gradient,

@@ -65,7 +65,8 @@ class Engine {
   EditResult replace(std::span<const Editor::BrickContent> bricks, std::int64_t now_ns);
   [[nodiscard]] const Editor& editor() const noexcept { return *editor_; }  // once edits are allowed
   void timeKernels(bool on) { editor_->timeKernels(on); }
-  // Brings the bricks that edits changed back into the volume; returns how many. For idle moments.
+  // Brings the bricks that edits changed back into the volume; returns how many of its bricks hold something else now.
+  // For idle moments.
   std::size_t readBack(Volume& volume);
   // The same as copies, a part at a time (Editor::takeChanged); once edits are allowed.
   [[nodiscard]] std::vector<Editor::BrickContent> takeChanged(std::size_t most) { return editor_->takeChanged(most); }
@@ -83,6 +84,9 @@ class Engine {
   [[nodiscard]] const gpu::GpuInfo& gpu() const noexcept { return gpu_.info(); }
   [[nodiscard]] const std::vector<StageTime>& stages() const noexcept { return stages_; }
   [[nodiscard]] std::vector<MemoryFigure> memory() const;
+  // Of that, what counts against `gpu_memory_bytes`: densities, filtered and smoothed ones too, and samples, with room
+  // to grow.
+  [[nodiscard]] std::uint64_t budgetedBytes() const noexcept { return pool_->budget()->used_bytes; }
   [[nodiscard]] PlanFacts planFacts() const noexcept;
 
  private:

@@ -3,11 +3,12 @@
 
 #include <chrono>
 #include <exception>
-#include <stdexcept>
 #include <utility>
 
 #include <fmt/format.h>
 #include <sys/resource.h>
+
+#include "engine/volume/brick_values.hpp"
 
 namespace palpate {
 namespace {
@@ -99,14 +100,7 @@ void BackgroundSaver::takeAndSave(const Batch& batch) noexcept {
 
 void BackgroundSaver::takeIn(const Batch& batch) {
   for (const Editor::BrickContent& content : batch.bricks) {
-    const Vec3i at = grid_.brick(content.brick);
-    if (content.values.size() == 1) {
-      volume_.setConstantBrick(at, content.values[0]);
-    } else if (content.values.size() == kBrickVoxels) {
-      volume_.setBrick(at, content.values.data());
-    } else {
-      throw std::length_error(fmt::format("brick {} has {} densities", content.brick, content.values.size()));
-    }
+    putBrick(volume_, grid_.brick(content.brick), content.values);
   }
 }
 

@@ -13,7 +13,6 @@ bool EditQueue::push(EditOrder order) {
   room_.wait(lock, [&] { return queue_.size() < capacity_ || closed_ || abandoned_; });
   if (closed_ || abandoned_) return false;
   queue_.push_back(std::move(order));
-  most_ = std::max(most_, queue_.size());
   orders_.notify_one();
   return true;
 }
@@ -53,11 +52,6 @@ void EditQueue::abandon() {
   abandoned_ = true;
   queue_.clear();
   room_.notify_all();
-}
-
-std::size_t EditQueue::most() const {
-  const std::lock_guard lock(mutex_);
-  return most_;
 }
 
 }  // namespace palpate

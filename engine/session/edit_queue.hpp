@@ -43,15 +43,12 @@ class EditQueue {
   [[nodiscard]] std::optional<EditOrder> pop();
   void abandon();  // takes no more
 
-  [[nodiscard]] std::size_t most() const;  // orders that were ever in it at once
-
  private:
   const std::size_t capacity_;
   mutable std::mutex mutex_;
   std::condition_variable room_;    // givers: there is room, or nobody takes
   std::condition_variable orders_;  // the taker: there is an order, or the end
   std::deque<EditOrder> queue_;
-  std::size_t most_ = 0;
   bool closed_ = false;
   bool abandoned_ = false;
   std::exception_ptr failure_;

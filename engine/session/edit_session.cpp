@@ -35,6 +35,7 @@ Engine::EditResult EditSession::timed(const Change& change) {
 }
 
 Engine::EditResult EditSession::edit(std::span<const EditCommand> commands, std::int64_t now_ns) {
+  if (journal_) journal_->checkEdit(commands);
   Engine::EditResult result = timed([&] { return history_.edit(commands, now_ns); });
   if (journal_) journal_->edit(commands);
   return result;

@@ -26,9 +26,7 @@ double ToolBrush::strengthFor(double seconds) const {
 }
 
 ToolBrush::ToolBrush(const ToolBrushSpec& spec, const Vec3i& size, const Lattice& lattice)
-    : spec_(spec),
-      middle_W_(lattice.toWorld(0.5 * (size - Vec3i::Ones()).cast<double>())),
-      mirror_normal_W_(lattice.R_WL.col(spec.mirror_axis.value_or(0))) {}
+    : spec_(spec), size_(size), lattice_(lattice) {}
 
 // The pressing force is what the device was really sent, along the normal: what rubs does not drill.
 void ToolBrush::touch(const ToolPose& pose, std::int64_t time_ns) {
@@ -70,8 +68,7 @@ std::vector<EditCommand> ToolBrush::look(const ToolPose& pose, std::int64_t time
                       (*last_edit_W_ - command.from_W).norm() < kStandsStill * command.radius_m;
   if (!touched || !(command.strength > 0) || (at_once && stands)) return {};
   last_edit_W_ = command.to_W;
-  if (!spec_.mirror_axis) return {command};
-  return {command, mirrored(command, middle_W_, mirror_normal_W_)};
+  return withMirror(command, spec_.mirror_axis, size_, lattice_);
 }
 
 }  // namespace palpate

@@ -47,8 +47,8 @@ class ToolBrush {
   void touch(const ToolPose& pose, std::int64_t time_ns);
 
   ToolBrushSpec spec_;
-  Vec3 middle_W_;               // of the volume
-  Vec3 mirror_normal_W_;        // with a mirror
+  Vec3i size_;  // of the volume
+  Lattice lattice_;
   std::optional<Vec3> from_W_;  // the tool when the period began
   std::int64_t begin_ns_ = 0;   // of the period
   double impulse_Ns_ = 0;       // of the pressing force since then

@@ -15,21 +15,15 @@
 #include <tbb/parallel_for.h>
 
 #include "base/error.hpp"
+#include "engine/volume/brick_values.hpp"
 
 namespace palpate {
 namespace {
 
 void checkSize(const Vec3i& size, const std::string& input) {
-  if (size.minCoeff() >= 2) return;
+  if (size.minCoeff() >= 1) return;
   throw Error(Error::Code::kBadInput, input,
-              fmt::format("it has {} x {} x {} voxels, and a gradient needs two along every axis", size.x(), size.y(),
-                          size.z()),
-              "give a three-dimensional volume");
-}
-
-// Bits, not values: -0 and +0 must both survive.
-bool sameBits(float a, float b) {
-  return std::memcmp(&a, &b, sizeof a) == 0;
+              fmt::format("it has {} x {} x {} voxels: none", size.x(), size.y(), size.z()), "give a volume");
 }
 
 // Voxels of a brick that lie in the domain, along each axis.
@@ -185,19 +179,45 @@ struct Layer {
   }
 };
 
-Layer buildLayer(const Vec3i& size, int bk, const BrickSource& source) {
+openvdb::Coord cornerOf(const Vec3i& brick) {
+  return {brick.x() * kBrickSize, brick.y() * kBrickSize, brick.z() * kBrickSize};
+}
+
+// A leaf, all of it active, that has no values yet.
+std::unique_ptr<Leaf> emptyLeaf(const Vec3i& brick) {
+  return std::make_unique<Leaf>(openvdb::PartialCreate(), cornerOf(brick), 0.0F, true);
+}
+
+// The brick that lies in `leaf` becomes the layer's as it is. False: a value is not finite, and all is as it was.
+bool takeOver(const Vec3i& brick, Leaf& leaf, Layer& layer) {
+  const float* values = leaf.buffer().data();
+  const BrickSurvey survey = surveyWhole(values);
+  if (!survey.finite) return false;
+  layer.survey.addRange(survey.lowest, survey.highest);
+  if (survey.constant) {
+    layer.tiles.emplace_back(cornerOf(brick), values[0]);
+  } else {
+    layer.leaves.push_back(emptyLeaf(brick));
+    layer.leaves.back()->swap(leaf.buffer());
+  }
+  return true;
+}
+
+Layer buildLayer(const Vec3i& size, int bk, const BrickSource& source, const LeafSource& leaf_of) {
   Layer layer(size);
   std::array<float, kBrickVoxels> values = {};
   const Vec3i bricks = (size + Vec3i::Constant(kBrickSize - 1)) / kBrickSize;
   for (int bj = 0; bj < bricks.y(); ++bj) {
     for (int bi = 0; bi < bricks.x(); ++bi) {
       const Vec3i brick(bi, bj, bk);
+      Leaf* leaf = leaf_of ? leaf_of(brick) : nullptr;
+      if (leaf != nullptr && takeOver(brick, *leaf, layer)) continue;
       const Vec3i first = brick * kBrickSize;
       bool constant = source(brick, values.data());
       if (constant) layer.survey.add(values[0], first);
       if (!constant) constant = surveyBrick(values.data(), first, voxelsInside(size, brick), layer.survey);
       if (constant) {
-        layer.tiles.emplace_back(openvdb::Coord(first.x(), first.y(), first.z()), values[0]);
+        layer.tiles.emplace_back(cornerOf(brick), values[0]);
       } else {
         layer.leaves.push_back(makeLeaf(size, brick, values.data()));
       }
@@ -278,16 +298,14 @@ void turnBrick(const float* from, float* to) {
 }
 
 std::unique_ptr<ScalarTree::LeafNodeType> makeLeaf(const Vec3i& size, const Vec3i& brick, const float* values) {
-  const Vec3i first = brick * kBrickSize;
   const Vec3i inside = voxelsInside(size, brick);
-  const openvdb::Coord corner(first.x(), first.y(), first.z());
   if (inside.minCoeff() == kBrickSize) {
-    auto leaf = std::make_unique<Leaf>(openvdb::PartialCreate(), corner, 0.0F, true);  // not filled yet
+    std::unique_ptr<Leaf> leaf = emptyLeaf(brick);
     leaf->allocate();
     turnBrick(values, leaf->buffer().data());
     return leaf;
   }
-  auto leaf = std::make_unique<Leaf>(corner, 0.0F, false);
+  auto leaf = std::make_unique<Leaf>(cornerOf(brick), 0.0F, false);
   for (int k = 0; k < kBrickSize; ++k) {
     for (int j = 0; j < kBrickSize; ++j) {
       for (int i = 0; i < kBrickSize; ++i) {
@@ -305,14 +323,14 @@ std::unique_ptr<ScalarTree::LeafNodeType> makeLeaf(const Vec3i& size, const Vec3
 std::unique_ptr<Volume::Grid> buildGrid(const Vec3i& size, const Lattice& lattice, VolumeFacts facts,
                                         const BrickSource& source) {
   GridMaker maker(size, lattice, facts.source);
-  for (int bk = 0; bk < maker.layers(); ++bk) maker.add(buildLayer(size, bk, source));
+  for (int bk = 0; bk < maker.layers(); ++bk) maker.add(buildLayer(size, bk, source, nullptr));
   return maker.finish(lattice, std::move(facts));
 }
 
 std::unique_ptr<Volume::Grid> buildGridByLayers(const Vec3i& size, const Lattice& lattice, VolumeFacts facts,
-                                                const LayerSource& layers) {
+                                                const LayerSource& layers, const LeafSource& leaf_of) {
   GridMaker maker(size, lattice, facts.source);
-  tbb::parallel_for(0, maker.layers(), [&](int bk) { maker.add(buildLayer(size, bk, layers(bk))); });
+  tbb::parallel_for(0, maker.layers(), [&](int bk) { maker.add(buildLayer(size, bk, layers(bk), leaf_of)); });
   return maker.finish(lattice, std::move(facts));
 }
 

@@ -31,10 +31,13 @@ struct Volume::Grid {
 
 using BrickSource = Volume::BrickSource;
 
-// Metadata of OpenVDB files that Palpate wrote: the domain's size [voxel], whose first voxel is the grid's (0,0,0).
+// Metadata of OpenVDB files that Palpate wrote: the domain's size [voxel], whose first voxel is the grid's (0,0,0);
+// and, where the volume was sculpted, at which isovalue, a double [density, of a level set minus the distance in
+// metres].
 inline constexpr const char* kVdbDomainKey = "palpate_domain";
+inline constexpr const char* kVdbIsovalueKey = "palpate_isovalue";
 
-// Builds the grid brick by brick. Throws Error(kBadInput): a dimension below 2, a bad lattice, NaN or infinite values
+// Builds the grid brick by brick. Throws Error(kBadInput): a dimension below 1, a bad lattice, NaN or infinite values
 // (with their count and the first one's index); and what the source throws.
 [[nodiscard]] std::unique_ptr<Volume::Grid> buildGrid(const Vec3i& size, const Lattice& lattice, VolumeFacts facts,
                                                       const BrickSource& source);
@@ -42,8 +45,13 @@ inline constexpr const char* kVdbDomainKey = "palpate_domain";
 // The same by all processors: gives the source of the bricks (i, j, bk), which are asked for i fastest, by one thread;
 // called for several layers at once.
 using LayerSource = std::function<BrickSource(int bk)>;
+// For readers that have leaves: the one whose 512 values are exactly this brick's, all inside the domain, or none;
+// then, and where a value is not finite, the layer's source is asked. What the leaf holds is moved out of it, without a
+// copy: nobody may look at it again. Called for several bricks at once.
+using LeafSource = std::function<ScalarTree::LeafNodeType*(const Vec3i& brick)>;
 [[nodiscard]] std::unique_ptr<Volume::Grid> buildGridByLayers(const Vec3i& size, const Lattice& lattice,
-                                                              VolumeFacts facts, const LayerSource& layers);
+                                                              VolumeFacts facts, const LayerSource& layers,
+                                                              const LeafSource& leaf_of = nullptr);
 
 // A brick's 512 values from i fastest, as Palpate has them, to k fastest, as VDB has them, or back.
 void turnBrick(const float* from, float* to);

@@ -78,9 +78,9 @@ Vec3 parseSpacing(const std::string& input, std::string_view text) {
 
 Vec3i parseSize(const std::string& input, std::string_view text) {
   const Vec3i size = parseTriple<int>(input, "size", text);
-  if (size.minCoeff() < 2 || size.maxCoeff() > kMaxDimension) {
+  if (size.minCoeff() < 1 || size.maxCoeff() > kMaxDimension) {
     refuse(input, fmt::format("size={} is out of range", text),
-           fmt::format("give 2 to {} voxels along an axis", kMaxDimension));
+           fmt::format("give 1 to {} voxels along an axis", kMaxDimension));
   }
   return size;
 }

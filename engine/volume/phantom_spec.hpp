@@ -42,7 +42,7 @@ struct PhantomKind {
 [[nodiscard]] const std::vector<PhantomKind>& phantomKinds();
 
 // Throws Error(kBadInput) for a name or key that is not known (listing those that are), a value that is no number, a
-// size below 2, spacing not positive or without unit, noise outside [0, 10], thickness outside (0, 1000].
+// size below 1, spacing not positive or without unit, noise outside [0, 10], thickness outside (0, 1000].
 [[nodiscard]] PhantomSpec parsePhantomSpec(const std::string& text);
 
 }  // namespace palpate

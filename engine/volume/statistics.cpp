@@ -61,9 +61,10 @@ bool looksLikeHounsfield(const VolumeStatistics& statistics) {
 
 std::vector<IsovalueSuggestion> suggest(const VolumeFacts& facts, const VolumeStatistics& statistics) {
   std::vector<IsovalueSuggestion> all;
+  if (facts.kept_isovalue) all.push_back({*facts.kept_isovalue, "kept in the file, which was sculpted at it"});
   if (facts.declared_isovalue) all.push_back({*facts.declared_isovalue, "the phantom's exact surface"});
   if (facts.is_level_set) all.push_back({0, "the level set's surface"});
-  if (all.empty() && looksLikeHounsfield(statistics)) {
+  if (!facts.declared_isovalue && !facts.is_level_set && looksLikeHounsfield(statistics)) {
     all.push_back({226, "bone in a CT (InVesalius preset)"});
     all.push_back({300, "compact bone in a CT"});
     all.push_back({-300, "skin in a CT"});
@@ -82,6 +83,20 @@ std::vector<IsovalueSuggestion> suggest(const VolumeFacts& facts, const VolumeSt
   throw Error(Error::Code::kBadInput, volume.facts().source,
               fmt::format("every voxel is {:g}; there is no isosurface", volume.minimum()),
               "give a volume that varies");
+}
+
+bool partsVolume(const Volume& volume, double isovalue) {
+  return isovalue >= static_cast<double>(volume.minimum()) && isovalue < static_cast<double>(volume.maximum());
+}
+
+[[noreturn]] void refuseIsovalue(const Volume& volume, const std::string& isovalue) {
+  std::string suggestions;
+  for (const IsovalueSuggestion& one : statisticsOf(volume).suggestions) {
+    suggestions += fmt::format("{}{:g} ({})", suggestions.empty() ? "" : ", ", one.isovalue, one.reason);
+  }
+  throw Error(Error::Code::kBadInput, volume.facts().source,
+              fmt::format("{} is outside its values, {:g} to {:g}", isovalue, volume.minimum(), volume.maximum()),
+              "try " + suggestions);
 }
 
 }  // namespace
@@ -104,20 +119,16 @@ VolumeStatistics statisticsOf(const Volume& volume, int bins) {
 
 double defaultIsovalue(const Volume& volume) {
   if (!(volume.minimum() < volume.maximum())) refuseConstant(volume);
+  // One that is damaged, or whose object is all gone, is not silently another.
+  const std::optional<double>& kept = volume.facts().kept_isovalue;
+  if (kept && !partsVolume(volume, *kept))
+    refuseIsovalue(volume, fmt::format("the isovalue {:g} that it keeps", *kept));
   return statisticsOf(volume).suggestions.at(0).isovalue;
 }
 
 void checkIsovalue(const Volume& volume, double isovalue) {
   if (!(volume.minimum() < volume.maximum())) refuseConstant(volume);
-  if (isovalue >= static_cast<double>(volume.minimum()) && isovalue < static_cast<double>(volume.maximum())) return;
-  std::string suggestions;
-  for (const IsovalueSuggestion& one : statisticsOf(volume).suggestions) {
-    suggestions += fmt::format("{}{:g} ({})", suggestions.empty() ? "" : ", ", one.isovalue, one.reason);
-  }
-  throw Error(
-      Error::Code::kBadInput, volume.facts().source,
-      fmt::format("isovalue {:g} is outside its values, {:g} to {:g}", isovalue, volume.minimum(), volume.maximum()),
-      "try " + suggestions);
+  if (!partsVolume(volume, isovalue)) refuseIsovalue(volume, fmt::format("isovalue {:g}", isovalue));
 }
 
 }  // namespace palpate

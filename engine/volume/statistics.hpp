@@ -35,8 +35,9 @@ struct VolumeStatistics {
 // Refuses (Error kBadInput) a bin count outside [1, 1000000].
 [[nodiscard]] VolumeStatistics statisticsOf(const Volume& volume, int bins = 256);
 
-// The first suggestion: a phantom's declared isovalue, 0 for a level set, 226 (bone) for values in Hounsfield units,
-// otherwise Otsu's threshold. Throws Error(kBadInput) for a constant volume.
+// The first suggestion: the isovalue that the file keeps, a phantom's declared one, 0 for a level set, 226 (bone) for
+// values in Hounsfield units, otherwise Otsu's threshold. Throws Error(kBadInput): a constant volume; a kept isovalue
+// that [minimum, maximum) does not hold, or that is no number.
 [[nodiscard]] double defaultIsovalue(const Volume& volume);
 
 // Throws Error(kBadInput) unless [minimum, maximum) holds the isovalue; the message gives the range and the

@@ -5,10 +5,13 @@
 // voxels on every side, which are background wherever the grid has nothing else. Lengths are metres unless the grid's
 // or the file's metadata "unit" says mm, um or cm; a level set becomes density = -distance [m], so that density above 0
 // is inside. World axes are taken as LPS.
+//
+// Leaves that are bricks of the volume (all but the border's in a file that Palpate wrote) are taken over: their memory
+// becomes the volume's. All others are copied.
 #include <cmath>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <optional>
 #include <type_traits>
 
@@ -19,6 +22,7 @@
 
 #include "base/error.hpp"
 #include "base/units.hpp"
+#include "engine/volume/brick_values.hpp"
 #include "engine/volume/grid.hpp"
 #include "engine/volume/memory_budget.hpp"
 #include "engine/volume/quiet.hpp"
@@ -57,8 +61,7 @@ bool isScalar(const openvdb::GridBase& grid) {
   return grid.isType<openvdb::FloatGrid>() || grid.isType<openvdb::DoubleGrid>() || grid.isType<openvdb::Int32Grid>();
 }
 
-const openvdb::GridBase& chooseGrid(const openvdb::GridPtrVec& grids, const std::string& wanted,
-                                    const std::string& source) {
+openvdb::GridBase& chooseGrid(const openvdb::GridPtrVec& grids, const std::string& wanted, const std::string& source) {
   std::string names;
   for (const auto& grid : grids) {
     if (isScalar(*grid) && (wanted.empty() || grid->getName() == wanted)) return *grid;
@@ -102,12 +105,19 @@ std::optional<openvdb::CoordBBox> namedDomain(const openvdb::GridBase& grid) {
   if (!size) return {};
   const openvdb::Vec3i n = size->value();
   for (int axis = 0; axis < 3; ++axis) {
-    if (n[axis] < 2 || n[axis] > kMaxDimension) return {};
+    if (n[axis] < 1 || n[axis] > kMaxDimension) return {};
   }
   const openvdb::CoordBBox domain(openvdb::Coord(0, 0, 0), openvdb::Coord(n[0] - 1, n[1] - 1, n[2] - 1));
   const openvdb::CoordBBox active = grid.evalActiveVoxelBoundingBox();
   if (!active.empty() && !domain.isInside(active)) return {};
   return domain;
+}
+
+// Whatever else there may be under the key is no number.
+std::optional<double> keptIsovalue(const openvdb::GridBase& grid) {
+  if (!grid[kVdbIsovalueKey]) return {};
+  const auto kept = grid.getMetadata<openvdb::DoubleMetadata>(kVdbIsovalueKey);
+  return kept ? kept->value() : std::numeric_limits<double>::quiet_NaN();
 }
 
 openvdb::CoordBBox domainOf(const openvdb::GridBase& grid, const std::string& source) {
@@ -137,7 +147,6 @@ class TreeBricks {
   bool operator()(const Vec3i& brick, float* out) {
     const openvdb::Coord first =
         domain_.min().offsetBy(brick.x() * kBrickSize, brick.y() * kBrickSize, brick.z() * kBrickSize);
-    if (wholeLeafFrom(first, out)) return false;
     if (constantFrom(first, out)) return true;
     for (int k = 0; k < kBrickSize; ++k) {
       for (int j = 0; j < kBrickSize; ++j) {
@@ -153,18 +162,6 @@ class TreeBricks {
     return static_cast<float>(scale_ * static_cast<double>(values_.getValue(voxel)));
   }
 
-  // A brick that is a leaf, and wholly inside: the usual one in files that Palpate wrote.
-  bool wholeLeafFrom(const openvdb::Coord& first, float* out) const {
-    if constexpr (std::is_same_v<typename Tree::ValueType, float>) {
-      const auto* leaf = values_.probeConstLeaf(first);
-      const bool whole =
-          leaf != nullptr && leaf->origin() == first && scale_ == 1 && domain_.isInside(first.offsetBy(kBrickSize - 1));
-      if (whole) turnBrick(leaf->buffer().data(), out);
-      return whole;
-    }
-    return false;
-  }
-
   // A brick reaches into at most two leaf cells along an axis, and each of its eight corners lies in another of them.
   bool constantFrom(const openvdb::Coord& first, float* out) const {
     out[0] = at(first);
@@ -173,7 +170,7 @@ class TreeBricks {
       const openvdb::Coord voxel =
           first.offsetBy((corner & 1) * last, (corner >> 1 & 1) * last, (corner >> 2 & 1) * last);
       const float value = at(voxel);
-      if (values_.probeConstLeaf(voxel) != nullptr || std::memcmp(&value, out, sizeof value) != 0) return false;
+      if (values_.probeConstLeaf(voxel) != nullptr || !sameBits(value, out[0])) return false;
     }
     return true;
   }
@@ -183,26 +180,52 @@ class TreeBricks {
   double scale_;
 };
 
-template <class GridType>
-Volume convert(const openvdb::GridBase& base, const Lattice& lattice, const openvdb::CoordBBox& domain, double scale,
-               VolumeFacts facts) {
-  const auto& grid = static_cast<const GridType&>(base);
-  const openvdb::Coord dim = domain.dim();
-  using Bricks = TreeBricks<typename GridType::TreeType>;
-  return Volume(buildGridByLayers(Vec3i(dim.x(), dim.y(), dim.z()), lattice, std::move(facts),
-                                  [&](int) { return Bricks(grid.constTree(), domain, scale); }));
+// Whether leaves of the file lie where the volume's bricks will, and hold what they will.
+bool leavesAreBricks(const openvdb::GridBase& grid, const openvdb::CoordBBox& domain, double scale) {
+  const openvdb::Coord& first = domain.min();
+  const bool is_aligned = ((first.x() | first.y() | first.z()) & (kBrickSize - 1)) == 0;
+  return grid.isType<ScalarGrid>() && scale == 1 && is_aligned;
 }
 
-// Leaves count double (source and copy) and with what the GPU needs; every brick of the domain costs a tile.
-void checkSparseMemory(const openvdb::GridBase& grid, const openvdb::CoordBBox& domain, const std::string& source,
-                       std::size_t memory_budget_bytes) {
+// Of such a grid; a leaf that reaches out of the domain is none.
+LeafSource leavesOf(ScalarTree& tree, const openvdb::CoordBBox& domain) {
+  return [&tree, domain](const Vec3i& brick) -> ScalarTree::LeafNodeType* {
+    const openvdb::Coord first =
+        domain.min().offsetBy(brick.x() * kBrickSize, brick.y() * kBrickSize, brick.z() * kBrickSize);
+    return domain.isInside(first.offsetBy(kBrickSize - 1)) ? tree.probeLeaf(first) : nullptr;
+  };
+}
+
+// Leaves of the grid may be empty afterwards.
+template <class GridType>
+Volume convert(openvdb::GridBase& base, const Lattice& lattice, const openvdb::CoordBBox& domain, double scale,
+               VolumeFacts facts) {
+  auto& tree = static_cast<GridType&>(base).tree();
+  const openvdb::Coord dim = domain.dim();
+  LeafSource leaf_of;
+  if constexpr (std::is_same_v<GridType, ScalarGrid>) {
+    if (leavesAreBricks(base, domain, scale)) leaf_of = leavesOf(tree, domain);
+  }
+  using Bricks = TreeBricks<typename GridType::TreeType>;
+  return Volume(buildGridByLayers(
+      Vec3i(dim.x(), dim.y(), dim.z()), lattice, std::move(facts), [&](int) { return Bricks(tree, domain, scale); },
+      leaf_of));
+}
+
+// Leaves count once, and with what the GPU needs; every brick of the domain costs a tile. Those that are taken over
+// have their memory already, so it is no part of what is free; others are copied while the file's own are still there.
+void checkSparseMemory(const openvdb::GridBase& grid, const openvdb::CoordBBox& domain, double scale,
+                       const std::string& source, std::size_t memory_budget_bytes) {
   constexpr double kTileBytes = 8;
   const openvdb::Coord dim = domain.dim();
   const double box = static_cast<double>(dim.x()) * static_cast<double>(dim.y()) * static_cast<double>(dim.z());
   checkBricks(source, dim.x(), dim.y(), dim.z());
-  checkMemory(source,
-              static_cast<double>(grid.memUsage()) * (1 + kGpuBytesPerVoxel / 4) + box / kBrickVoxels * kTileBytes,
-              memory_budget_bytes);
+  const auto leaves = static_cast<double>(grid.memUsage());
+  const bool free_only = memory_budget_bytes == 0 && leavesAreBricks(grid, domain, scale);
+  checkMemory(
+      source,
+      leaves * ((free_only ? 0 : 1) + kGpuBytesPerVoxel / kDenseBytesPerVoxel) + box / kBrickVoxels * kTileBytes,
+      memory_budget_bytes);
 }
 
 }  // namespace
@@ -215,9 +238,8 @@ Volume readGrid(const std::string& name, std::size_t memory_budget_bytes) {
   const std::string wanted = whole ? "" : name.substr(name.rfind('#') + 1);
   checkMemory(name, static_cast<double>(fileBytes(path, name)), memory_budget_bytes);
   const openvdb::GridPtrVecPtr grids = readGrids(path, name);
-  const openvdb::GridBase& grid = chooseGrid(*grids, wanted, name);
+  openvdb::GridBase& grid = chooseGrid(*grids, wanted, name);
   const openvdb::CoordBBox domain = domainOf(grid, name);
-  checkSparseMemory(grid, domain, name, memory_budget_bytes);
   const Lattice lattice = latticeOf(grid, domain.min(), name);
   VolumeFacts facts;
   facts.source = name;
@@ -225,7 +247,9 @@ Volume readGrid(const std::string& name, std::size_t memory_budget_bytes) {
   facts.value_type = grid.saveFloatAsHalf() ? "half" : grid.valueType();
   facts.orientation = "world axes taken as LPS";
   facts.is_level_set = grid.getGridClass() == openvdb::GRID_LEVEL_SET;
+  facts.kept_isovalue = keptIsovalue(grid);
   const double scale = facts.is_level_set ? -metresPerUnit(grid, name) : 1;
+  checkSparseMemory(grid, domain, scale, name, memory_budget_bytes);
   if (grid.isType<openvdb::FloatGrid>())
     return convert<openvdb::FloatGrid>(grid, lattice, domain, scale, std::move(facts));
   if (grid.isType<openvdb::DoubleGrid>())
@@ -237,7 +261,8 @@ Volume readGrid(const std::string& name, std::size_t memory_budget_bytes) {
 
 Volume readVdb(const std::string& name, std::size_t memory_budget_bytes) {
   Volume volume = readGrid(name, memory_budget_bytes);
-  // The file's own grid is gone, but its leaves, 2 KiB each, lie in the heap where it does not end: back to the system.
+  // The file's own grid is gone, but the leaves of it that were copied, 2 KiB each, and the nodes of those that were
+  // taken over lie in the heap where it does not end: back to the system.
   malloc_trim(0);
   return volume;
 }

@@ -39,6 +39,8 @@ void writeVdb(const Volume& volume, const std::string& name, LengthUnit unit, co
   openvdb::MetaMap about;
   about.insertMeta("unit", openvdb::StringMetadata(unit == LengthUnit::kMetre ? "m" : "mm"));
   about.insertMeta(kVdbDomainKey, openvdb::Vec3IMetadata(openvdb::Vec3i(last.x() + 1, last.y() + 1, last.z() + 1)));
+  if (const auto& isovalue = volume.facts().kept_isovalue; isovalue && std::isfinite(*isovalue))
+    about.insertMeta(kVdbIsovalueKey, openvdb::DoubleMetadata(*isovalue));
   about.insertMeta(openvdb::GridBase::META_GRID_CREATOR, openvdb::StringMetadata("Palpate"));
   about.insertMeta(openvdb::GridBase::META_GRID_NAME, openvdb::StringMetadata("density"));
   openvdb::GridBase::ConstPtr written;

@@ -112,6 +112,10 @@ void Volume::setConstantBrick(const Vec3i& brick, float value) {
   grid_->field->tree().addTile(1, coord(brick * kBrickSize), value, true);
 }
 
+void Volume::keepIsovalue(double isovalue) noexcept {
+  grid_->facts.kept_isovalue = isovalue;
+}
+
 std::vector<float> Volume::toDense() const {
   std::vector<float> dense(static_cast<std::size_t>(size().cast<long long>().prod()));
   std::vector<float> brick_values(kBrickVoxels);
@@ -149,12 +153,22 @@ bool Volume::sample(const Vec3& p_W, double& density, Vec3& gradient_W) const {
       Vec3i after = at;
       before[axis] = std::max(at[axis] - 1, 0);
       after[axis] = std::min(at[axis] + 1, last[axis]);
+      if (before == after) continue;
       const double run_m = (after[axis] - before[axis]) * lattice().spacing_m[axis];
       gradient_L[axis] += weight * (static_cast<double>(value(after)) - static_cast<double>(value(before))) / run_m;
     }
   }
   gradient_W = lattice().gradientToWorld(gradient_L);
   return true;
+}
+
+void checkTouchable(const Volume& volume) {
+  const Vec3i& size = volume.size();
+  if (size.minCoeff() >= 2) return;
+  throw Error(
+      Error::Code::kBadInput, volume.facts().source,
+      fmt::format("it has {} x {} x {} voxels, and touch needs two along every axis", size.x(), size.y(), size.z()),
+      "give a volume of more slices");
 }
 
 std::size_t Volume::storedBytes() const {

@@ -31,13 +31,14 @@ struct VolumeFacts {
   double rescale_intercept = 0;
   bool is_level_set = false;                // a VDB level set: density is minus the signed distance [m], isovalue 0
   std::optional<double> declared_isovalue;  // of a phantom: the density of its exact surface
+  std::optional<double> kept_isovalue;      // at which its file says it was sculpted; damaged: any double, NaN too
   std::string remark;                       // what a user should know: "largest of 3 series", ...; empty: nothing
 };
 
 class Volume {
  public:
   // Makes a volume from dense values, i fastest, size.x*size.y*size.z of them. Refuses (Error kBadInput): a dimension
-  // below 2, NaN or infinite values, a bad lattice. Bricks that hold one value become constant. Cost: one pass
+  // below 1, NaN or infinite values, a bad lattice. Bricks that hold one value become constant. Cost: one pass
   // by all processors.
   static Volume fromDense(const Vec3i& size, const Lattice& lattice, const std::vector<float>& values,
                           VolumeFacts facts);
@@ -73,12 +74,16 @@ class Volume {
   void setBrick(const Vec3i& brick, const float* values);
   void setConstantBrick(const Vec3i& brick, float value);
 
+  // The isovalue at which the volume was sculpted, for files that can keep it (.vdb). Thread: as setBrick().
+  void keepIsovalue(double isovalue) noexcept;
+
   // The whole domain, i fastest. Memory: 4 bytes a voxel.
   [[nodiscard]] std::vector<float> toDense() const;
 
   // Trilinear density and central-difference gradient [density/m, world] at a world point, for set-up code such as path
   // building. The gradient is interpolated between voxels as the density is; on the domain's faces its difference is
-  // one-sided. Returns false outside the box between the first and the last voxel's centre.
+  // one-sided, and 0 along an axis of one voxel. Returns false outside the box between the first and the last voxel's
+  // centre.
   bool sample(const Vec3& p_W, double& density, Vec3& gradient_W) const;
 
   [[nodiscard]] std::size_t storedBytes() const;   // of the grid on the CPU [byte]
@@ -91,6 +96,10 @@ class Volume {
  private:
   std::unique_ptr<Grid> grid_;
 };
+
+// Throws Error(kBadInput) if a volume is one voxel thick: it can be filtered and edited, but there is no cell of eight
+// voxels to feel a surface in.
+void checkTouchable(const Volume& volume);
 
 // Loads any volume that Palpate knows: a file, a DICOM folder, or "phantom:NAME?key=value&...". Throws Error with the
 // input, the reason and the remedy. `memory_budget_bytes`: refuse what would need more (0: what the machine has free).

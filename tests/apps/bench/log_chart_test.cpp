@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/bench/log_chart.hpp"
 
+#include <array>
+#include <cmath>
 #include <regex>
 
 #include <gmock/gmock.h>
@@ -33,6 +35,30 @@ TEST(LogChart, AxesAreLogarithmic) {
   EXPECT_GT(xs[1] - xs[0], 100);
   for (const char* words : {"chart", "panel", "cost [ns]", "error [voxel]", "hri", "n=1", "n=5", ">10<"}) {
     EXPECT_THAT(svg, HasSubstr(words));
+  }
+}
+
+// Marks that almost lie on each other, and one at the right edge: no label over another or beyond the axes. A letter of
+// DejaVu Sans is at most 6.4 pixels wide at size 10, as the digits and "=" are.
+TEST(LogChart, LabelsStayApartAndInside) {
+  std::vector<ChartPoint> points;
+  for (int i = 0; i < 5; ++i) points.push_back({1 + 0.02 * i, 1 + 0.03 * (i % 2), "n=50"});
+  points.push_back({1000, 1000, "any n"});
+  const std::string svg = logChartSvg("chart", {panelOf(points)}, ChartMarks::kPoints);
+  static const std::regex kLabel(
+      "<text x=\"([0-9.]+)\" y=\"([0-9.]+)\" text-anchor=\"start\" font-size=\"10\"[^>]*>([^<]*)<");
+  std::vector<std::array<double, 3>> labels;  // left, baseline, right
+  for (auto it = std::sregex_iterator(svg.begin(), svg.end(), kLabel); it != std::sregex_iterator(); ++it) {
+    const double left = std::stod((*it)[1]);
+    labels.push_back({left, std::stod((*it)[2]), left + 6.4 * static_cast<double>((*it)[3].length())});
+  }
+  ASSERT_EQ(labels.size(), 6U);
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    EXPECT_LE(labels[i][2], 460 - 16);  // where the axes end
+    for (std::size_t j = 0; j < i; ++j) {
+      const bool beside = labels[i][2] <= labels[j][0] || labels[j][2] <= labels[i][0];
+      EXPECT_TRUE(beside || std::abs(labels[i][1] - labels[j][1]) >= 9.9) << i << " over " << j;
+    }
   }
 }
 

@@ -96,5 +96,16 @@ TEST_F(HandAndPath, DirectionAndStartAreKept) {
   EXPECT_NEAR(trace.rows[45].hip_W().z(), 0, 1e-4);
 }
 
+// The run goes on, and the user knows that it is not the one that was meant.
+TEST_F(HandAndPath, FlagsThatNothingUsesAreTold) {
+  const Outcome outcome = run({"touch", "phantom:sphere?size=16", "--seconds", "0.3", "--clock", "simulated",
+                               "--picture", "off", "--out", "out", "--hand-mass", "0.2", "--texture-amplitude", "0.1"});
+  EXPECT_EQ(outcome.status, 0);
+  const Words told = errorLines(outcome.err);
+  ASSERT_EQ(told.size(), 2U) << outcome.err;
+  EXPECT_THAT(told[0], testing::StartsWith("palpate: --texture-amplitude has no effect: "));
+  EXPECT_THAT(told[1], testing::StartsWith("palpate: --hand-mass has no effect: "));
+}
+
 }  // namespace
 }  // namespace palpate

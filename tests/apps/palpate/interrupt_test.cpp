@@ -69,12 +69,12 @@ TEST_F(Interrupt, OfARunThatIsSaved) {
   expectSuccess(run({"recover", "journal", "--out", "back.vdb"}));
 }
 
-// Minutes of edits: each of 20,000 fills or clears a ball of 32 voxels.
+// Minutes of edits: each of 200,000 fills or clears a ball of 32 voxels. To apply them all takes longer than is waited.
 TEST_F(Interrupt, OfARecovery) {
   const Volume volume = loadVolume("phantom:sphere?size=64");
   {
     JournalWriter writer(file("journal"), {identityOf(volume), brushProfile(volume, defaultIsovalue(volume))});
-    for (int i = 0; i < 20'000; ++i) {
+    for (int i = 0; i < 200'000; ++i) {
       EditCommand command;
       command.kind = i % 2 == 0 ? EditKind::kAdd : EditKind::kRemove;
       command.from_W = command.to_W = volume.lattice().toWorld(Vec3(32, 32, 32));

@@ -149,8 +149,32 @@ std::string contentIn(const std::string& out) {
   return at == std::string::npos ? "" : out.substr(at + 8, 16);
 }
 
+// Densities of the phantom are above 0 inside.
+double objectVoxels(const Volume& volume) {
+  const std::vector<float> values = volume.toDense();
+  return static_cast<double>(std::count_if(values.begin(), values.end(), [](float v) { return v > 0; }));
+}
+
 std::string contentOf(const std::filesystem::path& volume) {
   return fmt::format("{:016x}", contentHash(loadVolume(volume.string())));
+}
+
+// A run says what it made of the volume, in the words of the verbs that make the same of its journal.
+TEST_F(LiveEdits, ARunPrintsTheContentThatRecoverPrints) {
+  const double voxels = objectVoxels(loadVolume(kVolume));
+  for (const Words& save : {Words{}, Words{"--save", "sculpted.vdb", "--save-every", "0.2"}}) {
+    std::filesystem::remove_all(file("journal"));
+    const Outcome touched = run(touch(kDrill + save + Words{"--journal", "journal"}));
+    expectSuccess(touched);
+    const Outcome recovered = run({"recover", "journal", "--out", "back.vdb"});
+    EXPECT_THAT(contentIn(touched.out), testing::MatchesRegex("[0-9a-f]{16}"));
+    EXPECT_EQ(contentIn(touched.out), contentIn(recovered.out));
+    EXPECT_EQ(summary()["edits"]["content"], contentIn(touched.out));
+    const double removed_m3 = (voxels - objectVoxels(loadVolume(file("back.vdb").string()))) * 1e-9;  // voxels of 1 mm
+    EXPECT_GT(removed_m3, 0);
+    EXPECT_NEAR(summary()["edits"]["added_m3"].get<double>(), -removed_m3, 1e-15);
+    EXPECT_THAT(touched.out, HasSubstr("Volume    removed "));
+  }
 }
 
 TEST_F(LiveEdits, RecoverWritesEveryFormat) {
@@ -180,7 +204,7 @@ TEST_F(LiveEdits, RecoverSaysWhatADamagedTailLost) {
   const Outcome recovered = run({"recover", "journal", "--out", "back.vdb"});
   EXPECT_EQ(recovered.status, 0);
   ASSERT_EQ(errorLines(recovered.err).size(), 1U) << recovered.err;
-  EXPECT_THAT(errorLines(recovered.err)[0], HasSubstr("palpate: journal: 1 record in"));
+  EXPECT_THAT(errorLines(recovered.err)[0], HasSubstr("palpate: journal: it has lost 1 record in"));
   EXPECT_THAT(recovered.out, HasSubstr("Lost      1 record in"));
   EXPECT_THAT(recovered.out, HasSubstr("is cut short"));
 }
@@ -190,7 +214,7 @@ TEST_F(LiveEdits, RecoverRefusesWhatItCannotRecover) {
   expectRefusal(run({"recover", "journal", "--out", "back.vdb", "--volume", "phantom:sphere?size=40"}), "size=40",
                 "not the volume that the journal began with", 2);
   expectRefusal(run({"recover", "journal", "--out", "back.tiff"}), "back.tiff", "names no format", 2);
-  expectRefusal(run({"recover", "nothing", "--out", "back.vdb"}), "nothing", "no journal.palpate", 3);
+  expectRefusal(run({"recover", "nothing", "--out", "back.vdb"}), "nothing", "there is no such folder", 3);
   std::string bytes = contentsOf(journalFile(file("journal")));
   bytes[8] = 9;
   write("journal/journal.palpate", bytes);
@@ -209,6 +233,17 @@ TEST_F(LiveEdits, RefusesBrushesThatCannotBeMeant) {
   }
   expectRefusal(run(touch({"--journal", "journal"})), "--journal", "nothing is edited", 2);
   expectRefusal(run(touch(kDrill + Words{"--algorithm", "god-object"})), "--edit", "a mesh that is made once", 2);
+}
+
+// A run on what was saved touches the same surface without being told, and saves it again.
+TEST_F(LiveEdits, TheSavedVolumeKeepsTheIsovalue) {
+  expectSuccess(run(touch(kDrill + Words{"--iso", "150", "--save", "first.vdb"})));
+  EXPECT_EQ(loadVolume(file("first.vdb").string()).facts().kept_isovalue, 150);
+  Words words = touch(kDrill + Words{"--save", "second.vdb"});
+  words[1] = "first.vdb";
+  expectSuccess(run(words));
+  EXPECT_EQ(summary()["volume"]["isovalue_density"], 150);
+  EXPECT_EQ(loadVolume(file("second.vdb").string()).facts().kept_isovalue, 150);
 }
 
 // The file of the last save holds the volume that the journal gives back.

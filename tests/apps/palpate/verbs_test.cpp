@@ -132,6 +132,12 @@ TEST_F(Verbs, CheckCountsAndReports) {
   EXPECT_THAT(outcome.out, HasSubstr("holds"));
 }
 
+TEST_F(Verbs, CheckRefusesAFileThatCannotBeWrittenBeforeTheWork) {
+  const Outcome outcome = run({"check", "gradient", "phantom:random?size=8", "--json", "none/a.json"});
+  expectRefusal(outcome, "none/a.json", "cannot be created", 4);
+  EXPECT_THAT(outcome.err, testing::Not(HasSubstr("loading")));
+}
+
 // Every operator, and both forms of samples, differ in no bit from the twin.
 TEST_F(Verbs, CheckTakesOperatorsAndSamples) {
   for (const char* way : {"central", "sobel", "central4", "gaussian:1.2"}) {

@@ -85,6 +85,23 @@ TEST(Report, SaysWhatTheEditsDid) {
   EXPECT_THAT(makeReport(run, "PNG"), Not(HasSubstr("<section id=\"edits\">")));
 }
 
+TEST(Report, TheHeadingAndTheKeyFiguresNameTheEdits) {
+  TouchRun run = sampleRun();
+  run.edits->added_m3 = -12.3e-9;
+  run.edits->content = 0xabc;
+  const std::string page = makeReport(run, "PNG");
+  const std::size_t figures = page.find("<section id=\"figures\">");
+  const std::string heading = page.substr(0, figures);
+  const std::string key_figures = page.substr(figures, page.find("</section>", figures) - figures);
+  EXPECT_THAT(heading, HasSubstr("3 edits removed 12.3 mm3"));
+  EXPECT_THAT(key_figures,
+              HasSubstr("<b>3<small> edits</small></b><span>of which 2 reached the window; removed 12.3 mm3<"));
+  EXPECT_THAT(key_figures, HasSubstr("from an edit to its window, median"));
+  EXPECT_THAT(page, HasSubstr("0000000000000abc"));
+  run.edits.reset();
+  EXPECT_THAT(makeReport(run, "PNG"), Not(HasSubstr("reached the window")));
+}
+
 TEST(Report, ContainsEverySection) {
   const std::string page = makeReport(sampleRun(), "PNG");
   for (const char* id : {"picture", "figures", "faults", "plots", "histograms", "edits", "work", "plan", "parameters",

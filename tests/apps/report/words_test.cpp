@@ -20,13 +20,42 @@ TEST(Words, VerdictIsOneSentence) {
   TouchRun run = sampleRun();
   run.faults.clear();
   EXPECT_EQ(verdictOf(run),
-            "The tool touched the surface for 3 s of 5 s, pressed at most 1 mm deep and felt at most 0.5 N; no fault.");
+            "The tool touched the surface for 3 s of 5 s, pressed at most 1 mm deep and felt at most 0.5 N; 3 edits; "
+            "no fault.");
+}
+
+TEST(Words, VerdictSaysWhatTheEditsDid) {
+  TouchRun run = sampleRun();
+  run.edits->added_m3 = -12.34e-9;
+  EXPECT_THAT(verdictOf(run), HasSubstr("felt at most 0.5 N; 3 edits removed 12.3 mm3; 1 kind of fault."));
+  run.edits->count = 1;
+  run.edits->added_m3 = 2e-6;
+  EXPECT_THAT(verdictOf(run), HasSubstr("; 1 edit added 2000 mm3; "));
+  run.edits->added_m3 = 0;
+  EXPECT_THAT(verdictOf(run), HasSubstr("; 1 edit changed no volume; "));
+  run.edits->count = 0;
+  EXPECT_THAT(verdictOf(run), HasSubstr("; nothing was edited; "));
+  run.edits.reset();
+  EXPECT_THAT(verdictOf(run), HasSubstr("felt at most 0.5 N; 1 kind of fault."));
+}
+
+TEST(Words, ClosingSummaryHasTheContentAsRecoverPrintsIt) {
+  TouchRun run = sampleRun();
+  EXPECT_THAT(closingSummary(run), Not(HasSubstr("Volume")));
+  run.edits->content = 0x1234;
+  run.edits->added_m3 = -1e-9;
+  EXPECT_THAT(closingSummary(run), HasSubstr("\nVolume    removed 1 mm3, content 0000000000001234\n"));
+  run.edits->count = 1;
+  run.edits->journal_records = run.edits->journal_saved = 1;
+  run.scene.journal = "kept";
+  EXPECT_THAT(closingSummary(run), HasSubstr("Edited    1 time; "));
+  EXPECT_THAT(closingSummary(run), HasSubstr("; 1 of 1 journal record saved in kept"));
 }
 
 TEST(Words, VerdictOfARunWithoutContact) {
   TouchRun run = sampleRun();
   for (TickRecord& r : run.records) r.in_contact = false;
-  EXPECT_EQ(verdictOf(run), "The tool never touched the surface in 5 s; 1 kind of fault.");
+  EXPECT_EQ(verdictOf(run), "The tool never touched the surface in 5 s; 3 edits; 1 kind of fault.");
 }
 
 TEST(Words, ClosingSummaryNamesWhatMatters) {

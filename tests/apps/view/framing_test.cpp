@@ -17,6 +17,22 @@ ContactRegion regionOnTop(double height_m) {
   return region;
 }
 
+// Whether most of the region's points are seen from the camera: nothing of the object lies between.
+bool seesTheGroove(const AnalyticField& field, const Camera& camera, const ContactRegion& region) {
+  std::size_t seen = 0;
+  for (const Vec3& p : region.points_W) {
+    const Vec3 way = camera.position_W - p;
+    bool hidden = false;
+    for (double s = 0.5e-3; s < way.norm(); s += 0.1e-3) {
+      double density = 0;
+      Vec3 gradient;
+      hidden = hidden || (field.sample(p + s * way.normalized(), density, gradient) && density > 0);
+    }
+    seen += hidden ? 0 : 1;
+  }
+  return 2 * seen > region.points_W.size();
+}
+
 // Samples are 44 mm / 23 apart, so a ball's box is found within that, and the radius of its sphere is sqrt(3) larger.
 TEST(Framing, FindsTheObjectInTheVolume) {
   const AnalyticField ball([](const Vec3& p) { return sphereDistance(p - Vec3(5e-3, 0, 0), 10e-3); }, 22e-3, 0.5e-3);
@@ -54,6 +70,35 @@ TEST(Framing, CloseUpLooksObliquelyWithTheNormalUpwards) {
   const double elevation = std::asin(-camera.forward_W.z()) * 57.29578;
   EXPECT_GT(elevation, 20);
   EXPECT_LT(elevation, 80);
+}
+
+// A groove of 3 mm, 4 mm deep, along x in a block; the tool touched its end, so the contact's normals point along it.
+// By symmetry across the groove, and as rays along it leave at an angle too, the open side is z; of the two ends that
+// the points see unequally the normal may lean by a few degrees.
+TEST(Framing, TurnsOutOfAGrooveThatTheToolHasCut) {
+  const AnalyticField block(
+      [](const Vec3& p) { return std::min(-p.z(), -boxDistance(p - Vec3(0, 0, 6e-3), Vec3(9e-3, 1.5e-3, 10e-3))); },
+      22e-3, 0.5e-3);
+  ContactRegion region = regionOnTop(-3.9e-3);
+  region.normal_W = Vec3(-1, 0, 0.2).normalized();
+  region.along_W = Vec3::UnitX();
+  const Camera blind = closeUpCamera(block, region, 700, 500);
+  turnToTheOpen(region, block);
+  EXPECT_GT(region.normal_W.z(), std::cos(10 / 57.29578));
+  EXPECT_NEAR(region.normal_W.norm(), 1, 1e-12);
+  EXPECT_NEAR(region.along_W.dot(region.normal_W), 0, 1e-12);
+  const Camera camera = closeUpCamera(block, region, 700, 500);
+  EXPECT_TRUE(seesTheGroove(block, camera, region));
+  EXPECT_FALSE(seesTheGroove(block, blind, regionOnTop(-3.9e-3)));
+}
+
+TEST(Framing, ARegionWithNoOpenSideStaysAsItIs) {
+  const AnalyticField solid([](const Vec3&) { return 1; }, 22e-3, 0.5e-3);
+  ContactRegion region = regionOnTop(0);
+  region.radius_m = 2e-3;  // rays end inside
+  const Vec3 before = region.normal_W;
+  turnToTheOpen(region, solid);
+  EXPECT_EQ(region.normal_W, before);
 }
 
 // A wall of 30 mm beside the contact, on the side from which the camera would look first.

@@ -231,6 +231,26 @@ TEST(EditText, RefusesWithTextReasonAndRemedy) {
   }
 }
 
+// By hand: 5 x 9 x 3 voxels of 1 x 2 x 3 mm have their middle at (2, 8, 3) mm along the axes, which a quarter about z
+// turns to (-8, 2, 3): in the world (2, 2, 3) mm. The lattice's first axis is the world's y, its second the world's -x.
+// Some ten roundings at 10 mm, 1e-18 m each.
+TEST(EditText, AMirrorIsTheMiddleOfTheVolume) {
+  Lattice lattice;
+  lattice.origin_W = {10e-3, 0, 0};
+  lattice.spacing_m = {1e-3, 2e-3, 3e-3};
+  lattice.R_WL << 0, -1, 0, 1, 0, 0, 0, 0, 1;
+  EditCommand command;
+  command.from_W = command.to_W = {1e-3, 5e-3, 7e-3};
+  EXPECT_EQ(withMirror(command, std::nullopt, {5, 9, 3}, lattice).size(), 1U);
+  const Vec3 mirrors_W[] = {{1e-3, -1e-3, 7e-3}, {3e-3, 5e-3, 7e-3}, {1e-3, 5e-3, -1e-3}};
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::vector<EditCommand> both = withMirror(command, axis, {5, 9, 3}, lattice);
+    ASSERT_EQ(both.size(), 2U);
+    EXPECT_EQ(both[0].from_W, command.from_W);
+    EXPECT_LE((both[1].from_W - mirrors_W[axis]).norm(), 1e-17) << both[1].from_W.transpose();
+  }
+}
+
 TEST(EditText, LinesOfAScript) {
   const std::pair<const char*, const char*> cases[] = {{"", ""},
                                                        {"   \t\r", ""},

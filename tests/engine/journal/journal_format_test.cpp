@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "base/error.hpp"
+#include "engine/journal/byte_stream.hpp"
 #include "journal_samples.hpp"
 
 namespace palpate {
@@ -40,6 +41,45 @@ TEST(JournalFormat, HeaderComesBack) {
   EXPECT_EQ(read.volume.source, written.volume.source);
   EXPECT_EQ(read.volume.content, written.volume.content);
   EXPECT_EQ(read.profile.slope_per_m, written.profile.slope_per_m);
+}
+
+// The order of docs/journal.md, spelt out: what was written by an older program must come back for ever.
+TEST(JournalFormat, IsWhatTheDocumentSays) {
+  EditCommand c;
+  c.from_W = {1, 2, 3};
+  c.to_W = {4, 5, 6};
+  c.radius_m = 7;
+  c.strength = 0.5;
+  c.falloff = 0.25;
+  c.value = 8;
+  c.plane_W = {9, 10, 11};
+  c.normal_W = {12, 13, 14};
+  c.R_WS << 1, 4, 7, 2, 5, 8, 3, 6, 9;  // written axis after axis
+  const std::uint32_t number = 77;
+  const auto expectContent = [&](EditKind kind, std::uint8_t flags, const std::vector<double>& before_number,
+                                 const std::vector<double>& after_number) {
+    c.kind = kind;
+    ByteWriter want;
+    want.add(std::uint32_t{1});
+    want.add(static_cast<std::uint8_t>(kind));
+    want.add(flags);
+    for (const double member : before_number) want.add(member);
+    if (isStamp(kind)) want.add(number);
+    for (const double member : after_number) want.add(member);
+    EXPECT_EQ(editContent({&c, 1}, {&number, 1}), want.bytes()) << editName(kind);
+  };
+  expectContent(EditKind::kSmooth, 0, {0.5, 1, 2, 3, 4, 5, 6, 7, 0.25}, {});
+  expectContent(EditKind::kPaint, 0, {0.5, 1, 2, 3, 4, 5, 6, 7, 0.25, 8}, {});
+  expectContent(EditKind::kCut, 0, {0.5, 9, 10, 11, 12, 13, 14}, {});
+  expectContent(EditKind::kStampRemove, 0, {0.5}, {1, 2, 3, 1, 2, 3, 4, 5, 6, 7, 8, 9});
+  c.object = 15;
+  expectContent(EditKind::kFlatten, 1, {0.5, 1, 2, 3, 4, 5, 6, 7, 0.25, 9, 10, 11, 12, 13, 14, 15}, {});
+  c.material = {16, 17, 0.75};
+  expectContent(EditKind::kRemove, 3, {0.5, 1, 2, 3, 4, 5, 6, 7, 0.25, 15, 16, 17, 0.75}, {});
+  // As many commands as the writer takes, of the longest kind, make a record that a reader takes.
+  expectContent(EditKind::kStampAdd, 3, {0.5}, {1, 2, 3, 1, 2, 3, 4, 5, 6, 7, 8, 9, 15, 16, 17, 0.75});
+  const std::size_t head = sizeof(std::uint32_t);
+  EXPECT_LE(head + kMostCommands * (editContent({&c, 1}, {&number, 1}).size() - head), kLongestRecord);
 }
 
 TEST(JournalFormat, RefusesWhatIsNoJournal) {

@@ -3,15 +3,13 @@
 #pragma once
 
 #include <algorithm>
-#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <string>
 
-#include <sys/resource.h>
-
-#include "engine/journal/journal_writer.hpp"
 #include "engine/edit/random_edits.hpp"
+#include "engine/journal/journal_writer.hpp"
+#include "file_size_limit.hpp"
 #include "temporary_folder.hpp"
 
 namespace palpate {
@@ -58,26 +56,5 @@ inline EditCommand dab(double x_m) {
   command.radius_m = 2e-3;
   return command;
 }
-
-// A limit on the size of files stands for the full disk: the write fails in the same place, in the middle of a group.
-class FileSizeLimit {
- public:
-  explicit FileSizeLimit(rlim_t bytes) {
-    handler_ = std::signal(SIGXFSZ, SIG_IGN);
-    getrlimit(RLIMIT_FSIZE, &before_);
-    const rlimit now{bytes, before_.rlim_max};
-    setrlimit(RLIMIT_FSIZE, &now);
-  }
-  ~FileSizeLimit() {
-    setrlimit(RLIMIT_FSIZE, &before_);
-    std::signal(SIGXFSZ, handler_);
-  }
-  FileSizeLimit(const FileSizeLimit&) = delete;
-  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
-
- private:
-  rlimit before_{};
-  void (*handler_)(int) = nullptr;
-};
 
 }  // namespace palpate

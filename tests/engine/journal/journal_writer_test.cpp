@@ -147,6 +147,28 @@ TEST(JournalWriter, AFullDiskEndsTheJournalAndNothingElse) {
   EXPECT_EQ(journal.last_sequence, 10U);
 }
 
+// A record that is too long for a reader would take all that follows it with it.
+TEST(JournalWriter, RefusesMoreCommandsThanARecordHolds) {
+  TemporaryFolder folder;
+  JournalOptions options;
+  EXPECT_EQ(options.most_commands, kMostCommands);
+  options.most_commands = 2;
+  JournalWriter writer(folder.path(), header(), options);
+  const std::vector<EditCommand> commands(3, dab(0));
+  try {
+    writer.edit(commands);
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), Error::Code::kBadInput);
+    EXPECT_THAT(error.what(), HasSubstr("3 commands in one edit, and its record holds 2; give them in several"));
+  }
+  EXPECT_EQ(writer.edit(std::span(commands).first(2)), 1U);
+  writer.close();
+  const Journal journal = readJournal(folder.path());
+  EXPECT_FALSE(journal.damage);
+  EXPECT_EQ(journal.last_sequence, 1U);
+}
+
 TEST(JournalWriter, AFullDiskAtTheStartIsAnError) {
   TemporaryFolder folder;
   const FileSizeLimit limit(20);

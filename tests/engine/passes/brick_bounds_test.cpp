@@ -54,7 +54,8 @@ TEST_P(BrickBounds, EveryCrossedCellIsActive) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Sizes, BrickBounds,
-                         testing::Values(Vec3i(41, 33, 37), Vec3i(8, 8, 8), Vec3i(2, 19, 3), Vec3i(17, 16, 15)));
+                         testing::Values(Vec3i(41, 33, 37), Vec3i(8, 8, 8), Vec3i(2, 19, 3), Vec3i(19, 1, 3),
+                                         Vec3i(17, 16, 15)));
 
 TEST(ActiveBricks, LeaveOutWhatTheSurfaceDoesNotNeed) {
   const Volume volume = ballField({96, 96, 96}, 9.0);

@@ -30,7 +30,8 @@ TEST_P(DistanceBits, EqualTheTwin) {
 INSTANTIATE_TEST_SUITE_P(Chains, DistanceBits,
                          testing::Values(Case{"distance:4", {41, 33, 37}}, Case{"distance:6", {40, 48, 24}, 0.7F},
                                          Case{"distance:1", {30, 29, 28}}, Case{"distance:3", {2, 20, 9}, -1},
-                                         Case{"distance:5", {2, 2, 17}}, Case{"distance:2", {2, 2, 2}},
+                                         Case{"distance:5", {2, 2, 17}}, Case{"distance:3", {1, 19, 18}},
+                                         Case{"distance:3", {17, 9, 1}}, Case{"distance:2", {2, 2, 2}},
                                          Case{"gaussian:1 distance:3 gaussian:0.7", {33, 20, 26}, 0.5F},
                                          Case{"distance:4 distance:2", {33, 30, 26}, 1.0F}));
 

@@ -40,7 +40,8 @@ INSTANTIATE_TEST_SUITE_P(Chains, DiffusionBits,
                          testing::Values(Case{"diffuse:1:kappa=1", {41, 33, 37}},
                                          Case{"diffuse:4:kappa=0.2", {24, 40, 17}},
                                          Case{"diffuse:2:kappa=1:dt=0.1", {2, 30, 9}},
-                                         Case{"diffuse:2:kappa=1", {2, 2, 2}}, Case{"diffuse:2:kappa=3", {9, 8, 2}},
+                                         Case{"diffuse:2:kappa=1", {2, 2, 2}}, Case{"diffuse:2:kappa=1", {9, 1, 17}},
+                                         Case{"diffuse:2:kappa=1", {1, 9, 17}}, Case{"diffuse:2:kappa=3", {9, 8, 2}},
                                          Case{"diffuse:1:kappa=1e-20", {17, 16, 15}},
                                          Case{"gaussian:1 diffuse:2:kappa=1 gaussian:0.6", {30, 20, 25}}));
 
@@ -137,7 +138,8 @@ TEST_P(ExponentialBits, EqualTheTextOnTheCpu) {
 
 INSTANTIATE_TEST_SUITE_P(
     Chains, ExponentialBits,
-    testing::Values(Case{"bilateral:1:range=1", {41, 33, 25}}, Case{"bilateral:1:range=1:border=mirror", {25, 33, 17}},
+    testing::Values(Case{"bilateral:1:range=200", {1, 9, 17}}, Case{"bilateral:1:range=1", {41, 33, 25}},
+                    Case{"bilateral:1:range=1:border=mirror", {25, 33, 17}},
                     Case{"bilateral:1.5mm:range=0.5", {40, 24, 24}}, Case{"bilateral:3:range=2:truncate=1", {20, 3, 2}},
                     Case{"bilateral:1.5:range=2:border=mirror", {3, 2, 11}},
                     Case{"bilateral:0.9:range=1e20", {10, 9, 17}}, Case{"diffuse:2:kappa=1:g=exp", {41, 33, 17}},

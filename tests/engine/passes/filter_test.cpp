@@ -27,21 +27,22 @@ TEST_P(FilterBits, EqualTheTwin) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Gaussian, FilterBits,
-                         testing::Values(Case{"gaussian:1.5", {41, 33, 37}},
-                                         Case{"gaussian:1.5:border=mirror", {41, 33, 37}},
-                                         Case{"gaussian:1mm", {40, 48, 24}}, Case{"gaussian:5", {60, 70, 50}},
-                                         Case{"gaussian:10", {70, 9, 8}}, Case{"gaussian:2:border=mirror", {3, 2, 17}},
-                                         Case{"gaussian:3:truncate=5", {2, 2, 2}},
-                                         Case{"gaussian:0.6 gaussian:0.9", {30, 29, 28}}));
+INSTANTIATE_TEST_SUITE_P(
+    Gaussian, FilterBits,
+    testing::Values(Case{"gaussian:1.5", {41, 33, 37}}, Case{"gaussian:1.5:border=mirror", {41, 33, 37}},
+                    Case{"gaussian:1mm", {40, 48, 24}}, Case{"gaussian:5", {60, 70, 50}},
+                    Case{"gaussian:10", {70, 9, 8}}, Case{"gaussian:2:border=mirror", {3, 2, 17}},
+                    Case{"gaussian:3:truncate=5", {2, 2, 2}}, Case{"gaussian:1:border=mirror", {1, 1, 1}},
+                    Case{"gaussian:1:border=mirror", {1, 19, 17}}, Case{"gaussian:0.6 gaussian:0.9", {30, 29, 28}}));
 
-// Flat windows, odd sizes, volumes thinner than the window (no volume is thinner than two voxels), cut bricks.
+// Flat windows, odd sizes, volumes thinner than the window, cut bricks.
 INSTANTIATE_TEST_SUITE_P(Median, FilterBits,
                          testing::Values(Case{"median:1", {41, 33, 37}}, Case{"median:1:border=mirror", {17, 30, 25}},
                                          Case{"median:1", {40, 48, 24}}, Case{"median:0.8mm", {33, 26, 18}},
                                          Case{"median:1mm", {33, 26, 18}}, Case{"median:1", {2, 2, 2}},
-                                         Case{"median:1", {2, 19, 30}}, Case{"median:1", {30, 2, 19}},
-                                         Case{"median:1", {19, 30, 2}}));
+                                         Case{"median:2", {9, 1, 17}}, Case{"close:2:shape=ball", {17, 9, 1}},
+                                         Case{"open:2", {1, 9, 17}}, Case{"median:1", {2, 19, 30}},
+                                         Case{"median:1", {30, 2, 19}}, Case{"median:1", {19, 30, 2}}));
 
 INSTANTIATE_TEST_SUITE_P(WideMedian, FilterBits,
                          testing::Values(Case{"median:2", {33, 26, 27}}, Case{"median:2:border=mirror", {19, 26, 17}},

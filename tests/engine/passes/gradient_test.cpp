@@ -123,8 +123,8 @@ TEST_P(GradientBits, EqualTheTwinOnExtremes) {
 std::vector<BitsCase> bitsCases() {
   std::vector<BitsCase> cases;
   for (const char* way : {"central", "sobel", "central4", "gaussian:1.2mm", "gaussian:2:border=mirror:truncate=4"}) {
-    for (const Vec3i& size :
-         {Vec3i(41, 33, 37), Vec3i(8, 8, 8), Vec3i(9, 7, 2), Vec3i(2, 2, 2), Vec3i(3, 2, 17), Vec3i(16, 17, 15)})
+    for (const Vec3i& size : {Vec3i(41, 33, 37), Vec3i(8, 8, 8), Vec3i(9, 7, 2), Vec3i(2, 2, 2), Vec3i(3, 2, 17),
+                              Vec3i(16, 17, 15), Vec3i(1, 9, 17), Vec3i(9, 1, 17), Vec3i(17, 9, 1), Vec3i(1, 1, 1)})
       cases.push_back({size, way});
   }
   return cases;

@@ -2,38 +2,13 @@
 // An edit that fails anywhere on its way: either nothing has changed and editing goes on, or the editor is broken and
 // gives nothing away any more. Memory is what fails here, at every allocation in turn; the rest of what may fail (the
 // device) takes the same ways out.
-#include <cstdlib>
-#include <new>
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "base/error.hpp"
 #include "engine/passes/active_bricks.hpp"
 #include "engine/service/editor.hpp"
-
-namespace {
-
-// Allocations of this thread until one fails; 0: none does. Only Palpate's own: drivers and layers do not expect it.
-thread_local int allocations_left = 0;
-
-}  // namespace
-
-extern "C" const char __executable_start, etext;  // NOLINT(bugprone-reserved-identifier): the linker's names
-
-[[gnu::noinline]] void* operator new(std::size_t bytes) {
-  const auto* caller = static_cast<const char*>(__builtin_return_address(0));
-  const bool own = caller >= &__executable_start && caller < &etext;
-  if (own && allocations_left > 0 && --allocations_left == 0) throw std::bad_alloc();
-  if (void* memory = std::malloc(bytes == 0 ? 1 : bytes); memory != nullptr) return memory;
-  throw std::bad_alloc();
-}
-[[gnu::noinline]] void operator delete(void* memory) noexcept {
-  std::free(memory);
-}
-[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept {
-  std::free(memory);
-}
+#include "failing_memory.hpp"
 
 namespace palpate {
 namespace {
@@ -145,15 +120,15 @@ TEST_P(FailingEdit, ChangesNothingOrIsTheLast) {
   int broken = 0;
   // Every allocation at first, then every seventh (of the many that chains make, fewer): the later ones repeat one
   // another, a brick or a dispatch each.
-  for (int n = 1;; n += n < 20 ? 1 : GetParam() ? 53 : 7) {
+  for (std::size_t n = 1;; n += n < 20 ? 1 : GetParam() ? 53 : 7) {
     bool failed = false;
-    allocations_left = n;
+    failing_memory::failAfter(n);
     try {
       edited->editor.apply(edits, nullptr);
     } catch (const std::exception&) {
       failed = true;
     }
-    allocations_left = 0;
+    failing_memory::failNoMore();
     if (!failed) break;
     ASSERT_EQ(edited->editor.version(), 0U) << n;
     if (!edited->editor.broken()) {
@@ -182,9 +157,9 @@ TEST(EditorFailure, BricksThatWereTakenAndLostEndItToo) {
   edited.editor.settle();
   const std::size_t changed = edited.editor.changedBricks();
   ASSERT_GT(changed, 2U);
-  allocations_left = 4;
+  failing_memory::failAfter(4);
   EXPECT_THROW(static_cast<void>(edited.editor.takeChanged(changed)), std::bad_alloc);
-  allocations_left = 0;
+  failing_memory::failNoMore();
   EXPECT_TRUE(edited.editor.broken());
   expectGivesNothingAway(edited);
 }

@@ -3,6 +3,8 @@
 #include "engine/service/editor.hpp"
 
 #include <bit>
+#include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <set>
 
@@ -234,7 +236,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{{53, 41, 37}, false, 13, 200, true, "gaussian:1.2", "gaussian:0.8mm", true},
                     Case{{33, 24, 50}, true, 14, 120, false, "", "gaussian:2:border=mirror"},
                     Case{{64, 64, 64}, false, 15, 150, true, "", "gaussian:3"},  // reaches two bricks far
-                    Case{{17, 9, 2}, false, 16, 150, true, "", "gaussian:1.5mm", true},
+                    Case{{17, 9, 1}, false, 16, 150, true, "", "gaussian:1.5mm", true},
                     Case{{41, 33, 37}, false, 17, 120, true, "distance:2", "gaussian:1"},
                     Case{{41, 35, 38}, false, 18, 80, true, "median:1 close:2", "gaussian:1:truncate=4", true}));
 
@@ -308,6 +310,40 @@ TEST(Editor, StoresWhatIsNotConstantAndFreesWhatBecomesSo) {
   EXPECT_EQ(volume.value({14, 30, 30}), 200);
 }
 
+// A brush reaches bricks that it leaves as they are, and what was taken back has changed nothing: counted against the
+// volume, voxel by voxel.
+TEST(Editor, ReadBackCountsTheBricksThatHoldSomethingElse) {
+  const Vec3i size(53, 41, 37);
+  Volume volume = ball(size, 12);
+  gpu::Gpu gpu({});
+  State state(gpu, volume, false);
+  Editor editor(state.parts(gpu), profileOf(volume), false);
+  const std::vector<EditCommand> dab = {brush(EditKind::kRemove, volume, {16, 20, 18}, 6e-3)};
+  std::vector<Editor::BrickContent> kept;
+  for (const std::uint32_t brick : editor.bricksToChange(dab)) kept.push_back(editor.content(brick));
+  editor.apply(dab, nullptr);
+  editor.settle();
+  const std::size_t reached = editor.changedBricks();
+  const std::vector<float> before = volume.toDense();
+  const std::size_t counted = editor.readBack(volume);
+  const std::vector<float> after = volume.toDense();
+  std::set<std::uint32_t> changed;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    const int n = static_cast<int>(i);
+    const Vec3i voxel(n % size.x(), n / size.x() % size.y(), n / size.x() / size.y());
+    if (std::bit_cast<std::uint32_t>(before[i]) != std::bit_cast<std::uint32_t>(after[i]))
+      changed.insert(editor.grid().index(voxel / kBrickSize));
+  }
+  EXPECT_EQ(counted, changed.size());
+  EXPECT_GT(counted, 0U);
+  EXPECT_LT(counted, reached);
+  editor.apply(dab, nullptr);  // once more changes nothing
+  EXPECT_EQ(editor.readBack(volume), 0U);
+  editor.replace(kept, nullptr);
+  EXPECT_EQ(editor.readBack(volume), counted);
+  EXPECT_EQ(volume.toDense(), before);
+}
+
 // The middle of a large brush in one density never needs storage, and brushes in the air touch nothing.
 TEST(Editor, WorksOnlyWhereSomethingChanges) {
   const Vec3i size(96, 96, 96);
@@ -364,6 +400,22 @@ TEST(Editor, RefusesWhatExceedsTheBudgetAndGoesOn) {
     EXPECT_EQ(error.code(), Error::Code::kOutOfMemory);
     EXPECT_NE(std::string(error.what()).find("nothing was changed"), std::string::npos) << error.what();
     EXPECT_NE(std::string(error.what()).find("--gpu-memory"), std::string::npos) << error.what();
+    // What is there, what the edit needs of either kind, the budget; and the sum, rounded up, is enough.
+    double used = 0, wanted = 0, densities = 0, samples = 0, limit = 0;
+    ASSERT_EQ(std::sscanf(error.reason().c_str(),
+                          "the volume, as edited until now, takes %lf MiB, the edit needs %lf MiB more (%lf MiB for "
+                          "densities, %lf MiB for samples), and the budget is %lf MiB",
+                          &used, &wanted, &densities, &samples, &limit),
+              5)
+        << error.what();
+    EXPECT_NEAR(limit * 1048576, static_cast<double>(budget), 0.05 * 1048576);  // one decimal
+    EXPECT_GT(used + wanted, limit);
+    EXPECT_NEAR(densities + samples, wanted, 0.15);  // three of one decimal
+    const auto enough = static_cast<std::uint64_t>(std::ceil(used + wanted + 0.1)) << 20U;
+    EXPECT_NE(error.remedy().find("raise --gpu-memory to "), std::string::npos) << error.what();
+    State roomy(gpu, volume, false, enough);
+    Editor other(roomy.parts(gpu), profileOf(volume), false);
+    EXPECT_NO_THROW(other.apply(commands, nullptr));
   }
   EXPECT_EQ(editor.version(), 0U);
   EXPECT_EQ(editor.changedBricks(), 0U);
@@ -562,7 +614,8 @@ TEST_P(EveryField, PutsBricksBack) {
   }
   EXPECT_EQ(editor.version(), 80U);
   expectSame(state, before);
-  EXPECT_GT(editor.readBack(volume), 10U);
+  EXPECT_GT(editor.changedBricks(), 10U);
+  EXPECT_EQ(editor.readBack(volume), 0U);  // every one of them holds what it held
   State after(gpu, volume, false, 0, true, chain_, way_);
   expectSame(after, before);
 }

@@ -2,41 +2,13 @@
 // The history's memory, and undo and redo of more bricks than the engine takes at once.
 #include "engine/session/edit_history.hpp"
 
-#include <cstdlib>
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <malloc.h>
 
 #include "base/error.hpp"
 #include "engine/journal/volume_identity.hpp"
-
-namespace {
-
-// Of this thread and of Palpate alone: drivers and layers do not expect one to fail.
-thread_local std::size_t allocations = 0;
-thread_local std::size_t allocation_to_fail = 0;  // 0: none
-thread_local std::size_t copies_made = 0;         // of bricks of one density, a single float on the heap
-
-}  // namespace
-
-extern "C" const char __executable_start, etext;  // NOLINT(bugprone-reserved-identifier): the linker's names
-
-[[gnu::noinline]] void* operator new(std::size_t bytes) {
-  const auto* caller = static_cast<const char*>(__builtin_return_address(0));
-  if (caller >= &__executable_start && caller < &etext) {
-    if (++allocations == allocation_to_fail) throw std::bad_alloc();
-    copies_made += bytes == sizeof(float) ? 1 : 0;
-  }
-  if (void* memory = std::malloc(bytes == 0 ? 1 : bytes); memory != nullptr) return memory;
-  throw std::bad_alloc();
-}
-[[gnu::noinline]] void operator delete(void* memory) noexcept {
-  std::free(memory);
-}
-[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept {
-  std::free(memory);
-}
+#include "failing_memory.hpp"
 
 namespace palpate {
 namespace {
@@ -108,9 +80,10 @@ TEST(EditHistory, AnEditBeyondTheBudgetForgetsAllAndIsNotCopied) {
   for (int i = 0; i < 2; ++i) edited.history.edit({&small, 1}, 0);
   EXPECT_EQ(edited.history.steps(), 2U);
   const EditCommand cut = cutAt(100.5e-3);
-  const std::size_t copies_before = copies_made;
+  const std::size_t copies_before = failing_memory::single_floats;
   edited.history.edit({&cut, 1}, 0);
-  EXPECT_LT(copies_made - copies_before, 10'000U);  // of 50,000; planning makes some lists of one number, too
+  EXPECT_LT(failing_memory::single_floats - copies_before,
+            10'000U);  // of 50,000; planning makes some lists of one number, too
   EXPECT_EQ(edited.history.steps(), 0U);
   EXPECT_EQ(edited.history.bytes(), 0U);
   EXPECT_EQ(edited.history.forgotten(), 3U);
@@ -178,17 +151,17 @@ TEST(EditHistory, AnUndoInPartsIsAllOrNothing) {
   edited.history.edit({&paint, 1}, 0);
   const std::uint64_t after = edited.hash();
   const std::size_t bytes = edited.history.bytes();
-  const std::size_t before_undo = allocations;
+  const std::size_t before_undo = failing_memory::allocations;
   edited.history.undo(0);
-  const std::size_t in_undo = allocations - before_undo;
+  const std::size_t in_undo = failing_memory::allocations - before_undo;
   edited.history.redo(0);
   ASSERT_EQ(edited.hash(), after);
   bool in_second_part = false;
   for (std::size_t from_end = 8000; from_end > 0 && !in_second_part; from_end -= 500) {
     const std::uint64_t version = edited.engine.editVersion();
-    allocation_to_fail = allocations + in_undo - from_end;
+    failing_memory::failAfter(in_undo - from_end);
     EXPECT_THROW(edited.history.undo(0), std::bad_alloc);
-    allocation_to_fail = 0;
+    failing_memory::failNoMore();
     ASSERT_FALSE(edited.engine.editor().broken());
     ASSERT_EQ(edited.hash(), after) << from_end;
     ASSERT_EQ(edited.history.bytes(), bytes);

@@ -179,6 +179,27 @@ TEST(EditSession, GoesOnWhenTheDiskIsFull) {
   EXPECT_EQ(journal.last_sequence, figures.acknowledged);
 }
 
+// Before it is applied, so that the journal and the volume stay one.
+TEST(EditSession, RefusesAnEditThatTheJournalCannotHold) {
+  TemporaryFolder folder;
+  Session s;
+  JournalOptions options;
+  options.most_commands = 1;
+  s.session.keepJournal(folder.path(), s.header.volume, options);
+  RandomEdits random(s.volume.size(), s.volume.lattice(), kLow, kHigh, 10);
+  const std::vector<EditCommand> commands = {random.next(), random.next()};
+  s.session.edit(std::span(commands).first(1), 0);
+  const std::uint64_t hash = s.hash();
+  EXPECT_THROW(s.session.edit(commands, 0), Error);
+  EXPECT_EQ(s.engine.editVersion(), 1U);
+  EXPECT_EQ(s.session.history().steps(), 1U);
+  s.session.undo(0);
+  s.session.redo(0);
+  EXPECT_EQ(s.hash(), hash);
+  s.session.close();
+  EXPECT_EQ(readJournal(folder.path()).last_sequence, 3U);
+}
+
 // Two hundred edits with a save due after each of them: every file is the volume at one edit version, the one that it
 // names, bit for bit what the twin's replay of so many edits gives.
 TEST(EditSession, EverySaveIsTheVolumeAtOneVersion) {

@@ -257,8 +257,8 @@ TEST(PhantomSpec, RefusesWhatItDoesNotKnow) {
   refuses("phantom:sphere?thickness=2", "its keys are size, spacing, noise, seed");
   refuses("phantom:sphere?size", "key=value");
   refuses("phantom:sphere?", "key=value");
-  refuses("phantom:sphere?size=1", "2 to");
-  refuses("phantom:sphere?size=100000", "2 to");
+  refuses("phantom:sphere?size=0", "1 to");
+  refuses("phantom:sphere?size=100000", "1 to");
   refuses("phantom:sphere?size=64.5", "not a number");
   refuses("phantom:sphere?size=64x64", "one or three");
   refuses("phantom:sphere?size=99999999999", "not a number");

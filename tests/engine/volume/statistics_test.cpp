@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/volume/statistics.hpp"
 
+#include <limits>
 #include <numeric>
+
+#include <fmt/format.h>
 
 #include "tests/engine/volume/files.hpp"
 
@@ -78,6 +81,30 @@ TEST(DefaultIsovalue, KnowsHounsfieldUnitsPhantomsAndLevelSets) {
   VolumeFacts facts;
   facts.is_level_set = true;
   EXPECT_EQ(defaultIsovalue(Volume::fromDense({2, 2, 2}, plainLattice(), {-1, -1, -1, -1, 2, 2, 2, 2}, facts)), 0);
+}
+
+// What a file keeps comes before all that could be guessed, and the guesses stay.
+TEST(DefaultIsovalue, IsTheOneThatTheFileKeeps) {
+  Volume volume = halves(-1000, 2000);
+  volume.keepIsovalue(-123.25);
+  EXPECT_EQ(defaultIsovalue(volume), -123.25);
+  EXPECT_EQ(statisticsOf(volume).suggestions.at(1).isovalue, 226);
+  Volume phantom = loadVolume("phantom:sphere?size=16");
+  phantom.keepIsovalue(10);
+  EXPECT_EQ(defaultIsovalue(phantom), 10);
+}
+
+// Damaged, or the object that it was the surface of is gone: no other one in its place unasked. What the user says
+// goes.
+TEST(DefaultIsovalue, RefusesAKeptOneThatPartsNothing) {
+  for (const double kept : {-1000.5, 2000.0, std::nan(""), std::numeric_limits<double>::infinity(), -1e300}) {
+    Volume volume = halves(-1000, 2000);
+    volume.keepIsovalue(kept);
+    expectRefusal([&] { static_cast<void>(defaultIsovalue(volume)); }, "test",
+                  fmt::format("the isovalue {:g} that it keeps is outside its values, -1000 to 2000; try 226", kept));
+    EXPECT_EQ(statisticsOf(volume).suggestions.at(0).isovalue, 226);
+    EXPECT_NO_THROW(checkIsovalue(volume, 0));
+  }
 }
 
 TEST(CheckIsovalue, RefusesValuesOutsideWithTheRangeAndSuggestions) {

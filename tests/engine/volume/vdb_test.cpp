@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <limits>
+
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/LevelSetSphere.h>
 
+#include "engine/volume/grid.hpp"
+#include "engine/volume/statistics.hpp"
 #include "engine/volume/volume_file.hpp"
 #include "tests/engine/volume/files.hpp"
 #include "tests/engine/volume/known_leaks.hpp"
@@ -177,6 +182,46 @@ TEST_F(Vdb, SurvivesDamage) {
     const std::size_t reach = n % 2 == 0 ? 600 : whole.size();  // half of them in the header
     damaged[(random >> 33) % reach] = static_cast<char>(random >> 20);
     tryLoad(damaged);
+  }
+}
+
+// Written as it lies in memory, from a copy, and as a level set; a copy of the file keeps it, and a file in which
+// nobody sculpted has none.
+TEST_F(Vdb, KeepsTheIsovalue) {
+  for (const int edge : {8, 9}) {
+    for (const bool is_level_set : {false, true}) {
+      std::vector<float> values(static_cast<std::size_t>(edge * edge * edge));
+      for (std::size_t n = 0; n < values.size(); ++n) values[n] = static_cast<float>(n) - 20;
+      VolumeFacts facts;
+      facts.is_level_set = is_level_set;
+      Volume volume = Volume::fromDense(Vec3i::Constant(edge), plainLattice(), values, facts);
+      saveVolume(volume, path_);
+      EXPECT_FALSE(loadVolume(path_).facts().kept_isovalue);
+      volume.keepIsovalue(100 / 3.0);
+      saveVolume(volume, path_);
+      EXPECT_EQ(loadVolume(path_).facts().kept_isovalue, 100 / 3.0) << edge << is_level_set;
+      saveVolume(loadVolume(path_), folder_.file("copy.vdb"));
+      EXPECT_EQ(defaultIsovalue(loadVolume(folder_.file("copy.vdb"))), 100 / 3.0);
+      saveVolume(volume, folder_.file("a.nrrd"));
+      EXPECT_FALSE(loadVolume(folder_.file("a.nrrd")).facts().kept_isovalue);
+    }
+  }
+}
+
+// The volume can be loaded, and written again without it, but whoever needs an isovalue is told.
+TEST_F(Vdb, TellsOfADamagedIsovalue) {
+  const double infinity = std::numeric_limits<double>::infinity();
+  for (const openvdb::Metadata::Ptr& damaged :
+       {openvdb::DoubleMetadata(std::nan("")).copy(), openvdb::DoubleMetadata(-infinity).copy(),
+        openvdb::DoubleMetadata(infinity).copy(), openvdb::StringMetadata("12").copy()}) {
+    const auto grid = makeGrid<openvdb::FloatGrid>();
+    grid->insertMeta(kVdbIsovalueKey, *damaged);
+    write({grid});
+    const Volume volume = loadVolume(path_);
+    expectRefusal([&] { static_cast<void>(defaultIsovalue(volume)); }, path_, "that it keeps is outside its values");
+    EXPECT_NO_THROW(checkIsovalue(volume, 10));
+    saveVolume(volume, folder_.file("copy.vdb"));
+    EXPECT_FALSE(loadVolume(folder_.file("copy.vdb")).facts().kept_isovalue);
   }
 }
 

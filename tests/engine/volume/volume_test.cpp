@@ -106,12 +106,32 @@ TEST(Volume, DoesNotSampleOutsideTheDomain) {
   }
 }
 
-TEST(Volume, RefusesFlatVolumes) {
-  for (const Vec3i& size : {Vec3i(1, 8, 8), Vec3i(8, 8, 1), Vec3i(0, 8, 8), Vec3i(8, -1, 8)}) {
+TEST(Volume, RefusesEmptyVolumes) {
+  for (const Vec3i& size : {Vec3i(8, 8, 0), Vec3i(0, 8, 8), Vec3i(8, -1, 8)}) {
     const std::vector<float> values(static_cast<std::size_t>(std::max(size.prod(), 0)));
     expectRefusal([&] { static_cast<void>(Volume::fromDense(size, plainLattice(), values, facts())); }, "test",
-                  "two along");
+                  "voxels: none");
   }
+}
+
+// A slice has no slope across itself, and cannot be touched.
+TEST(Volume, OfOneVoxelAlongAnAxisIsKeptAndSampledButNotTouched) {
+  for (int axis = 0; axis < 3; ++axis) {
+    Vec3i size(9, 10, 11);
+    size[axis] = 1;
+    const Volume volume = distinctVolume(size);
+    const Vec3i beside = 3 * Vec3i::Unit((axis + 1) % 3);
+    EXPECT_EQ(volume.value(beside + Vec3i::Unit(axis)), volume.value(beside));
+    double density = 0;
+    Vec3 gradient;
+    ASSERT_TRUE(volume.sample(volume.lattice().toWorld(beside.cast<double>()), density, gradient));
+    EXPECT_NEAR(density, static_cast<double>(volume.value(beside)), 1e-9);  // the index is rounded
+    EXPECT_EQ((volume.lattice().R_WL.transpose() * gradient)[axis], 0);
+    EXPECT_TRUE(gradient.allFinite());
+    EXPECT_FALSE(volume.sample(volume.lattice().toWorld(0.01 * Vec3::Unit(axis)), density, gradient));
+    expectRefusal([&] { checkTouchable(volume); }, "test", "touch needs two along every axis");
+  }
+  EXPECT_NO_THROW(checkTouchable(distinctVolume({2, 2, 2})));
 }
 
 TEST(Volume, RefusesAWrongNumberOfValues) {

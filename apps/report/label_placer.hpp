@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// apps/report/label_placer.hpp: where words go in a picture or a chart, so that they cover neither each other nor what
+// is drawn.
+//
+// Pixels from the top left corner of the picture's or the chart's panel. Any thread, one at a time. Cost: of a label, a
+// look at every point of the lines.
+#pragma once
+
+#include <vector>
+
+namespace palpate {
+
+struct Pixel {
+  double x = 0, y = 0;
+};
+
+struct LabelBox {
+  double left = 0, top = 0, right = 0, bottom = 0;
+};
+
+class LabelPlacer {
+ public:
+  LabelPlacer(double width, double height) : width_(width), height_(height) {}
+
+  void avoid(const LabelBox& box) { boxes_.push_back(box); }  // nothing goes over it, if there is any room
+  void avoidLine(const std::vector<Pixel>& points);           // better not crossed
+
+  // A box of this size beside `at`, `gap` away from it: to the right, if that is as good as any other side. It is
+  // avoided from then on.
+  LabelBox place(const Pixel& at, double gap, double width, double height);
+
+ private:
+  [[nodiscard]] double cost(const LabelBox& box) const;
+  double width_, height_;
+  std::vector<LabelBox> boxes_;
+  std::vector<Pixel> points_;  // of lines, close together
+};
+
+}  // namespace palpate

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/scene/idle_options.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+namespace palpate {
+namespace {
+
+struct IdleOption {
+  const char* flag;
+  bool (*is_used)(const Scene& scene);
+  const char* why;  // it is not
+};
+
+bool hasSpringHand(const Scene& scene) {
+  return scene.spring_hand;
+}
+bool buildsPath(const Scene& scene) {
+  return scene.path_file.empty();
+}
+bool usesHaptization(const Scene& scene) {
+  return scene.algorithm == "haptization";
+}
+bool draws(const Scene& scene) {
+  return scene.picture;
+}
+
+constexpr const char* kSpringOnly = "with --hand rigid the tool is on its path whatever it feels; give --hand spring";
+constexpr const char* kNoBuiltPath = "the tool's way is that of --path";
+constexpr const char* kHaptizationOnly = "only --algorithm haptization uses it";
+constexpr const char* kNoPicture = "nothing is drawn with --picture off";
+
+const IdleOption kIdleOptions[] = {
+    {"--haptization-density", usesHaptization, kHaptizationOnly},
+    {"--haptization-gradient", usesHaptization, kHaptizationOnly},
+    {"--velocity-cutoff", [](const Scene& s) { return s.velocity == "filter"; }, "only --velocity filter uses it"},
+    {"--velocity-noise", [](const Scene& s) { return s.velocity == "foaw"; }, "only --velocity foaw uses it"},
+    {"--texture-amplitude", [](const Scene& s) { return s.texture != "none"; },
+     "there is no texture; give --texture procedural or density"},
+    {"--texture-wavelength", [](const Scene& s) { return s.texture == "procedural"; },
+     "only --texture procedural uses it"},
+    {"--texture-gain", [](const Scene& s) { return s.texture == "density"; }, "only --texture density uses it"},
+    {"--hand-mass", hasSpringHand, kSpringOnly},
+    {"--hand-damping", hasSpringHand, kSpringOnly},
+    {"--hand-stiffness", hasSpringHand, kSpringOnly},
+    {"--device-mass", hasSpringHand, kSpringOnly},
+    {"--device-damping", hasSpringHand, kSpringOnly},
+    {"--toward", buildsPath, kNoBuiltPath},
+    {"--start", buildsPath, kNoBuiltPath},
+    {"--slide-toward", buildsPath, kNoBuiltPath},
+    {"--edges", buildsPath, kNoBuiltPath},
+    {"--depth", buildsPath, kNoBuiltPath},
+    {"--slide", buildsPath, kNoBuiltPath},
+    {"--approach", buildsPath, kNoBuiltPath},
+    {"--width", draws, kNoPicture},
+    {"--height", draws, kNoPicture},
+};
+
+}  // namespace
+
+std::vector<std::string> idleOptions(const Scene& scene, std::span<const std::string> given_flags) {
+  std::vector<std::string> words;
+  for (const IdleOption& option : kIdleOptions) {
+    const bool is_given = std::find(given_flags.begin(), given_flags.end(), option.flag) != given_flags.end();
+    if (is_given && !option.is_used(scene))
+      words.push_back(fmt::format("{} has no effect: {}", option.flag, option.why));
+  }
+  return words;
+}
+
+std::vector<std::string> flagsThatMayBeIdle() {
+  std::vector<std::string> flags;
+  for (const IdleOption& option : kIdleOptions) flags.emplace_back(option.flag);
+  return flags;
+}
+
+}  // namespace palpate
