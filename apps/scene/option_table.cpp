@@ -51,7 +51,7 @@ const SceneOption kOptions[] = {
     {"--filter", "filter", "", "filters that the field goes through before it is felt, one after another: \"gaussian:0.8mm\"; docs/filters.md",
      ListOption{&Scene::filter}},
     {"--field", "field", "", "what is felt: the density, or (after the filters) the signed distance from its isosurface, 4 voxels deep", WordOption{&Scene::field, kFields}},
-    {"--gradient-operator", "gradient_operator", "", "how gradients are taken: central, sobel, central4, gaussian:SIGMA (gaussian:0.8mm; no edits then); docs/gradients.md",
+    {"--gradient-operator", "gradient_operator", "", "how gradients are taken: central, sobel, central4, gaussian:SIGMA (gaussian:0.8mm); docs/gradients.md",
      TextOption{&Scene::gradient_operator}},
     {"--samples", "samples", "", "gradients and densities for the tool are kept as floats, or as halves in half the memory; docs/gradients.md",
      WordOption{&Scene::samples, kSampleForms}},

@@ -195,10 +195,7 @@ void FilterChain::findConstants(std::size_t step, std::vector<Level>& levels,
                                 const SourceConstant& source_constant) const {
   const auto before = [&](std::uint32_t brick) -> std::optional<float> {
     if (routes_[step].from == FilterRoute::kSource) return source_constant(brick);
-    const auto& known = levels[static_cast<std::size_t>(routes_[step].from)].bricks;
-    return std::lower_bound(known.begin(), known.end(), brick,
-                            [](const LevelBrick& a, std::uint32_t b) { return a.brick < b; })
-        ->constant;
+    return find(levels[static_cast<std::size_t>(routes_[step].from)], brick)->constant;
   };
   Level& level = levels[step];
   for (std::size_t n = 0; n < level.bricks.size(); ++n) {
@@ -211,6 +208,19 @@ void FilterChain::findConstants(std::size_t step, std::vector<Level>& levels,
     if (density) entry.constant = uniformResult(steps_[step], *density);
     level.stored += density ? 0 : 1;
   }
+}
+
+const FilterChain::LevelBrick* FilterChain::find(const Level& level, std::uint32_t brick) {
+  const auto found = std::lower_bound(level.bricks.begin(), level.bricks.end(), brick,
+                                      [](const LevelBrick& a, std::uint32_t b) { return a.brick < b; });
+  return found != level.bricks.end() && found->brick == brick ? &*found : nullptr;
+}
+
+std::optional<float> FilterChain::constantAfter(std::uint32_t brick) const {
+  const LevelBrick* planned = levels_.empty() ? nullptr : find(levels_.back(), brick);
+  if (planned != nullptr) return planned->constant;
+  const layout::BrickPage& page = result_->page(brick);
+  return page.slot == NO_SLOT ? std::optional(page.constant) : std::nullopt;
 }
 
 std::size_t FilterChain::newBricks(const Level& last) const {
@@ -236,6 +246,11 @@ void FilterChain::plan(std::span<const std::uint32_t> bricks, const SourceConsta
   task_list_.fit(tasks);
   page_list_.fit(pages);
   levels_ = std::move(levels);
+}
+
+void FilterChain::abandon() noexcept {
+  levels_.clear();
+  for (auto& pool : scratch_) pool.reset();
 }
 
 void FilterChain::makeKernels() {
@@ -272,9 +287,8 @@ void FilterChain::handOutScratch(const Level& level) {
 
 // Pages are written before the step runs, and nothing before it reads the result, so freed slots may be taken at once.
 void FilterChain::handOutResult(const Level& level) {
-  const auto before = [](const LevelBrick& a, const LevelBrick& b) { return a.brick < b.brick; };
   for (const std::uint32_t brick : result_->takeStalePages()) {
-    if (std::binary_search(level.bricks.begin(), level.bricks.end(), LevelBrick{brick, {}}, before)) continue;
+    if (find(level, brick) != nullptr) continue;
     pages_.push_back({brick, NO_SLOT, result_->page(brick).constant});
   }
   for (const LevelBrick& entry : level.bricks) {
@@ -334,6 +348,10 @@ void FilterChain::settle() {
     if (entry.constant) result_->makeConstant(entry.brick, *entry.constant);
   }
   levels_.clear();
+}
+
+void FilterChain::reserve(std::size_t bricks) {
+  result_->reserve(std::min(result_->brickCount() - result_->storedBricks(), bricks));
 }
 
 void FilterChain::prepare() {

@@ -58,11 +58,18 @@ class FilterChain {
   //   settle()  when it is done and the source has settled: frees storage of bricks that need none any more.
   using SourceConstant = std::function<std::optional<float>(std::uint32_t brick)>;
   void plan(std::span<const std::uint32_t> bricks, const SourceConstant& source_constant);
+  // What a brick of the result will hold everywhere once what was planned is done, or nothing if it will be stored: a
+  // SourceConstant for a chain behind this one.
+  [[nodiscard]] std::optional<float> constantAfter(std::uint32_t brick) const;
+  // Instead of commit(), where there was no room for something else: forgets the plan and frees scratch, which may have
+  // taken the room that a smaller change needs.
+  void abandon() noexcept;
   void makeKernels();  // for the pools' slabs as they are after plan(); throws Error(kDevice)
   void commit();
   void record(gpu::Commands& commands);
   void settle();
   [[nodiscard]] std::uint32_t dispatches() const noexcept;  // that record() makes at most
+  void reserve(std::size_t bricks);  // room in the result for so many more to be stored; throws Error(kOutOfMemory)
   // Makes kernels and scratch of regions ready, so that the first edit does not wait for the driver's compiler.
   void prepare();
 
@@ -85,6 +92,7 @@ class FilterChain {
   [[nodiscard]] std::vector<Level> levelsOf(std::span<const std::uint32_t> bricks,
                                             const SourceConstant& source_constant) const;
   void findConstants(std::size_t step, std::vector<Level>& levels, const SourceConstant& source_constant) const;
+  [[nodiscard]] static const LevelBrick* find(const Level& level, std::uint32_t brick);  // null: not in it
   [[nodiscard]] std::size_t newBricks(const Level& last) const;
   void handOutScratch(const Level& level);
   void handOutResult(const Level& level);

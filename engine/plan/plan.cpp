@@ -5,8 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "base/error.hpp"
-
 namespace palpate {
 namespace {
 
@@ -17,12 +15,6 @@ constexpr std::uint64_t kHalfSampleBytes = 512 * 8;
 
 std::uint64_t sampleBytes(const Plan& plan) {
   return plan.half_samples ? kHalfSampleBytes : kSampleBytes;
-}
-
-void refuseEdits(const Scene& scene, const GradientOperator& way) {
-  if (scene.edit.empty() || !way.smooths()) return;
-  throw Error(Error::Code::kBadInput, fmt::format("--edit with --gradient-operator {}", scene.gradient_operator),
-              "a smoothed field does not follow edits yet", "use central, sobel or central4, or leave --edit out");
 }
 
 PlanLine uploadLine(const PlanFacts& facts) {
@@ -111,7 +103,7 @@ Plan makePlan(const Scene& scene, bool needs_mesh) {
   plan.gradient_all = scene.gradient_all;
   plan.gradient = gradientOperator(scene.gradient_operator);
   plan.half_samples = scene.samples == "half";
-  refuseEdits(scene, plan.gradient);
+  plan.edits = !scene.edit.empty();
   plan.draws = scene.picture;
   plan.meshes = needs_mesh;
   plan.objects = scene.objects.size();
@@ -135,7 +127,9 @@ std::vector<PlanLine> planLines(const Plan& plan, const PlanFacts& facts) {
   std::vector<PlanLine> lines = {uploadLine(facts), filterLine(plan, facts), gradientLine(plan, facts),
                                  samplesLine(plan, facts)};
   if (plan.has(Pass::kSmoothing)) {
-    lines.insert(lines.begin() + 2, {true, "smoothing of the whole field", "the operator takes its gradient", 0});
+    const char* why = plan.edits ? "the operator takes its gradient; kept, since edits change it"
+                                 : "the operator takes its gradient; freed then, since nothing is edited";
+    lines.insert(lines.begin() + 2, {true, "smoothing of the whole field", why, 0});
   }
   lines.push_back({true, "window of up to 32x32x32 samples around the tool, three slots", "what the servo reads", 0});
   if (plan.draws) {

@@ -26,6 +26,7 @@ struct Plan {
   bool gradient_all = false;        // gradients of every brick, not of those alone that the isosurface needs
   GradientOperator gradient;        // how they are taken
   bool half_samples = false;        // stored as halves, not as floats
+  bool edits = false;               // the tool edits: what following edits needs is kept
   bool draws = false;
   bool meshes = false;      // the isosurface becomes a triangle mesh, for an algorithm that touches one
   std::size_t objects = 0;  // beside the volume
@@ -34,7 +35,7 @@ struct Plan {
   [[nodiscard]] bool has(Pass pass) const noexcept;
 };
 
-// Throws Error(kBadInput): filters that cannot be meant; an operator that is none; edits with one that smooths.
+// Throws Error(kBadInput): filters that cannot be meant; an operator that is none.
 // `needs_mesh`: the scene's algorithm touches a mesh of the isosurface (AlgorithmNeeds::isosurface_mesh).
 [[nodiscard]] Plan makePlan(const Scene& scene, bool needs_mesh = false);
 

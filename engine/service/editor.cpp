@@ -18,7 +18,8 @@
 namespace palpate {
 namespace {
 
-constexpr std::size_t kSpareBricks = 256;  // room made at the start: 0.5 MiB of density, 2 MiB of samples
+// Room made at the start: 0.5 MiB of density and of each field that chains make of it, 2 MiB of samples.
+constexpr std::size_t kSpareBricks = 256;
 
 using Clock = std::chrono::steady_clock;
 
@@ -66,6 +67,14 @@ void forEachCorner(const BrickGrid& grid, const Vec3i& brick, int step, const Vi
   }
 }
 
+Vec3i reachOf(const FilterChain* chain) {
+  return chain != nullptr ? chain->reach() : Vec3i::Zero();
+}
+
+std::uint32_t dispatchesOf(const FilterChain* chain) {
+  return chain != nullptr ? chain->dispatches() : 0;
+}
+
 std::vector<EditPhase> phasesOf(const LoweredEdits& edits) {
   std::vector<EditPhase> phases;
   for (std::uint32_t i = 0; i < edits.commands.size(); ++i) {
@@ -105,6 +114,8 @@ Editor::~Editor() = default;
 void Editor::makeSpareRoom() {
   try {
     parts_.pool.reserve(std::min(parts_.pool.brickCount() - parts_.pool.storedBricks(), kSpareBricks));
+    for (FilterChain* chain : {parts_.filters, parts_.smoothing})
+      if (chain != nullptr) chain->reserve(kSpareBricks);
     if (all_samples_) return;
     parts_.store.reserve(std::min(parts_.pool.brickCount() - parts_.store.brickCount(), kSpareBricks));
   } catch (const Error& error) {
@@ -114,6 +125,7 @@ void Editor::makeSpareRoom() {
 
 void Editor::prepare(std::span<const EditKind> kinds) {
   if (parts_.filters != nullptr) parts_.filters->prepare();
+  if (parts_.smoothing != nullptr) parts_.smoothing->prepare();
   for (const EditKind kind : kinds) {
     commands_->timed(false);
     commands_->begin();
@@ -198,16 +210,18 @@ void Editor::planPhase(Plan& plan, EditPhase& phase) const {
 
 void Editor::planReach(Plan& plan) const {
   std::vector<std::uint32_t> crossable;  // bricks whose cells the isosurface may cross from now on, or no longer
-  const Vec3i carried = parts_.filters != nullptr ? parts_.filters->reach() : Vec3i::Zero();
   for (const auto& [brick, state] : plan.touched) {
-    const VoxelBox altered = widened(state.changed, carried, grid_);
+    const VoxelBox altered = widened(state.changed, reachOf(parts_.filters), grid_);
+    const VoxelBox smoothed = widened(altered, reachOf(parts_.smoothing), grid_);  // holds all of `altered`
     appendReached(grid_, altered, Reach{}, plan.altered);
+    if (parts_.smoothing != nullptr) appendReached(grid_, smoothed, Reach{}, plan.smoothed);
     appendReached(grid_, altered, kBoundsReach, plan.rebounded);
-    appendReached(grid_, altered, parts_.gradient.reach(), plan.regraded);
+    appendReached(grid_, smoothed, parts_.gradient.reach(), plan.regraded);
     if (state.may_cross || parts_.filters != nullptr) appendReached(grid_, altered, kBoundsReach, crossable);
     plan.new_bricks += state.is_new ? 1 : 0;
   }
   sortUnique(plan.altered);
+  sortUnique(plan.smoothed);
   sortUnique(crossable);
   sortUnique(plan.rebounded);
   sortUnique(plan.regraded);
@@ -296,6 +310,11 @@ void Editor::makeRoom(const Plan& plan) {
   makeBrickRoom(plan);
   if (parts_.filters != nullptr)
     parts_.filters->plan(plan.altered, [&](std::uint32_t brick) { return constantOf(plan, brick); });
+  if (parts_.smoothing != nullptr) {
+    parts_.smoothing->plan(plan.smoothed, [&](std::uint32_t brick) {
+      return parts_.filters != nullptr ? parts_.filters->constantAfter(brick) : constantOf(plan, brick);
+    });
+  }
   tasks_.fit(plan.regraded.size() + plan.newly.size() + WindowPass::kMaxTasks);
   bound_tasks_.fit(plan.rebounded.size());
   bound_results_.fit(plan.rebounded.size());
@@ -308,7 +327,7 @@ void Editor::makeRoom(const Plan& plan) {
   // One phase more for pages; bounds; a range for each slab of gradients, and for the window.
   const auto window = static_cast<std::uint32_t>(WindowPass::kMaxTasks);
   const std::uint32_t dispatches = edit_.dispatches(plan.phases) + DENSITY_SLABS + 2 + slabs + std::min(slabs, window) +
-                                   (parts_.filters != nullptr ? parts_.filters->dispatches() : 0);
+                                   dispatchesOf(parts_.filters) + dispatchesOf(parts_.smoothing);
   if (dispatches > max_dispatches_) {
     commands_ = gpu::Commands(parts_.gpu, "edit", 2 * dispatches);  // the old ones stay where this throws
     max_dispatches_ = 2 * dispatches;
@@ -320,6 +339,7 @@ void Editor::makeRoom(const Plan& plan) {
 void Editor::makeKernels(const Plan& plan) {
   edit_.makeKernels(plan.phases);
   if (parts_.filters != nullptr) parts_.filters->makeKernels();
+  if (parts_.smoothing != nullptr) parts_.smoothing->makeKernels();
   if (parts_.bounds != nullptr) parts_.bounds->makeKernels();
   parts_.gradient.makeKernels();
   parts_.window.makeKernels();
@@ -339,6 +359,7 @@ void Editor::handOutSlots(Plan& plan) {
   }
   for (const std::uint32_t brick : plan.newly) parts_.store.add(brick, besideWithSamples(brick));
   if (parts_.filters != nullptr) parts_.filters->commit();
+  if (parts_.smoothing != nullptr) parts_.smoothing->commit();
 }
 
 // Pages that became stale since the last edit are written before anything else: in the first phase, unless that reads
@@ -403,6 +424,10 @@ void Editor::record(Plan& plan, const WindowTarget* target, Outcome& outcome) {
     parts_.filters->record(commands);
     commands.mark("filter");
   }
+  if (parts_.smoothing != nullptr) {
+    parts_.smoothing->record(commands);
+    commands.mark("smoothing");
+  }
   ActiveTest test{nullptr, parts_.isovalue};
   if (parts_.bounds != nullptr) {
     test.bounds = &parts_.bounds->bounds();
@@ -462,7 +487,13 @@ Editor::Outcome Editor::run(Plan& plan, const WindowTarget* target, std::span<co
     return outcome;
   }
   const auto making_room = Clock::now();
-  makeRoom(plan);
+  try {
+    makeRoom(plan);
+  } catch (...) {
+    for (FilterChain* chain : {parts_.filters, parts_.smoothing})
+      if (chain != nullptr) chain->abandon();
+    throw;
+  }
   outcome.stages.push_back({"plan", planned_s + secondsSince(making_room)});
 
   const auto recording = Clock::now();
@@ -552,6 +583,7 @@ void Editor::settle() {
       parts_.pool.makeConstant(stored_[i], values[0]);
   }
   if (parts_.filters != nullptr) parts_.filters->settle();
+  if (parts_.smoothing != nullptr) parts_.smoothing->settle();
   if (all_samples_) return;
   const auto bounds = bound_results_.read(rebounded_.size());
   for (std::size_t i = 0; i < rebounded_.size(); ++i) crossed_[rebounded_[i]] = crosses(bounds[i], parts_.isovalue);

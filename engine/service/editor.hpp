@@ -2,11 +2,11 @@
 // engine/service/editor.hpp: changes the volume on the GPU and brings up to date what a change can reach, and no more.
 //
 // apply() plans on the CPU which bricks the commands can change, makes room for them, and records one list of work:
-// edit, filters, bounds, gradients, window. Which bricks the isosurface needs after the edit is known on the GPU only;
-// so every brick that may become active gets a sample slot beforehand and the kernels ask its bounds. settle(), after
-// the window is out, gives back what was not needed: sample slots of bricks that are not active, storage of bricks that
-// became constant. After settle() bricks, bounds and samples equal, bit for bit, what a new start from the edited
-// volume gives.
+// edit, filters, smoothing, bounds, gradients, window. Which bricks the isosurface needs after the edit is known on the
+// GPU only; so every brick that may become active gets a sample slot beforehand and the kernels ask its bounds.
+// settle(), after the window is out, gives back what was not needed: sample slots of bricks that are not active,
+// storage of bricks that became constant. After settle() bricks, bounds and samples equal, bit for bit, what a new
+// start from the edited volume gives.
 //
 // Thread: the Gpu's. Cost: follows the edit; a cut also looks at every page of its half space.
 #pragma once
@@ -42,9 +42,11 @@ class Editor {
     BrickBoundsPass* bounds;
     GradientPass& gradient;
     WindowPass& window;
-    FilterChain* filters =
-        nullptr;         // from `pool`, which is edited, to the field of all the others; null: the pool itself
+    // From `pool`, which is edited, to the field that is felt and that all the others read; null: the pool itself.
+    FilterChain* filters = nullptr;
     float isovalue = 0;  // of that field [density]
+    // From that field to the one whose gradients are taken; null: that field itself.
+    FilterChain* smoothing = nullptr;
   };
   // `all_samples`: every brick has samples, whatever its bounds. Makes some room for bricks to come, if there is any.
   Editor(const Parts& parts, const BrushProfile& profile, bool all_samples);
@@ -100,7 +102,8 @@ class Editor {
   [[nodiscard]] std::vector<BrickContent> takeChanged(std::size_t most);
   [[nodiscard]] std::size_t changedBricks() const noexcept { return changed_.size(); }  // not read back yet
 
-  // Adds the device's own times to the stages: "edit", "filter", "bounds", "gradient", "window" of what "gpu" holds.
+  // Adds the device's own times to the stages: "edit", "filter", "smoothing", "bounds", "gradient", "window" of what
+  // "gpu" holds.
   void timeKernels(bool on) noexcept { times_kernels_ = on; }
 
   [[nodiscard]] std::uint64_t version() const noexcept { return version_; }
@@ -120,6 +123,7 @@ class Editor {
     std::vector<EditPhase> phases;
     std::unordered_map<std::uint32_t, Touched> touched;
     std::vector<std::uint32_t> altered;    // bricks whose densities may change in the field that is felt
+    std::vector<std::uint32_t> smoothed;   // bricks whose smoothed densities may change, where there are such
     std::vector<std::uint32_t> rebounded;  // bricks whose bounds may change
     std::vector<std::uint32_t> unsettled;  // bricks that may become active or cease to be
     std::vector<std::uint32_t> newly;      // of those, without samples until now

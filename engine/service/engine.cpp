@@ -91,12 +91,14 @@ std::pair<float, float> Engine::densityRange(const Volume& volume) {
   return range;
 }
 
-// The smoothed field is needed while gradients are computed, and no longer: nothing changes it (allowEdits).
+// The smoothed field is needed while gradients are computed, and no longer where no edit will change it.
 void Engine::computeGradients(const Volume& volume, const Plan& plan) {
-  std::optional<FilterChain> smoothing;
   std::vector<FilterStep> steps = lowerFilters(plan.gradient.smoothing, pool_->lattice().spacing_m);
   if (!steps.empty()) {
-    stage(passName(Pass::kSmoothing), [&] { smoothing.emplace(gpu_, transfer_, field(), std::move(steps)).run(); });
+    stage(passName(Pass::kSmoothing), [&] {
+      smoothing_ = std::make_unique<FilterChain>(gpu_, transfer_, field(), std::move(steps));
+      smoothing_->run();
+    });
   }
   stage(passName(Pass::kGradient), [&] {
     const auto isovalue = static_cast<float>(isovalue_);
@@ -111,10 +113,12 @@ void Engine::computeGradients(const Volume& volume, const Plan& plan) {
     store_ = std::make_unique<SampleStore>(gpu_, pool_->brickCount(), inBlocks(bricks, pool_->brickCounts()),
                                            pool_->budget(), format);
     gradient_ = std::make_unique<GradientPass>(gpu_, transfer_, field(), *store_, plan.gradient,
-                                               smoothing ? &smoothing->result() : nullptr);
+                                               smoothing_ ? &smoothing_->result() : nullptr);
     gradient_->run();
-    if (plan.gradient.smooths()) gradient_.reset();
   });
+  if (!smoothing_ || plan.edits) return;
+  gradient_.reset();
+  smoothing_.reset();
 }
 
 void Engine::makeWindows() {
@@ -167,13 +171,19 @@ void Engine::publishBox(const WindowBox& box, std::int64_t now_ns) {
 
 void Engine::allowEdits(const BrushProfile& profile, std::span<const EditKind> kinds) {
   if (!gradient_) {
-    throw Error(Error::Code::kBadInput, "edits",
-                "gradients are those of a smoothed field, which does not follow edits yet",
-                "use a gradient operator that does not smooth");
+    throw Error(Error::Code::kBadInput, "edits", "the smoothed field, whose gradients are taken, was not kept",
+                "this is a fault of Palpate, whose plan said nothing of edits: please report it");
   }
-  const Editor::Parts parts{gpu_,     transfer_,      *pool_,
-                            *store_,  bounds_.get(),  *gradient_,
-                            *window_, filters_.get(), static_cast<float>(isovalue_)};
+  const Editor::Parts parts{gpu_,
+                            transfer_,
+                            *pool_,
+                            *store_,
+                            bounds_.get(),
+                            *gradient_,
+                            *window_,
+                            filters_.get(),
+                            static_cast<float>(isovalue_),
+                            smoothing_.get()};
   stage("edit set-up", [&] {
     editor_ = std::make_unique<Editor>(parts, profile, gradient_all_);
     editor_->prepare(kinds);
@@ -229,6 +239,7 @@ std::vector<MemoryFigure> Engine::memory() const {
   for (const gpu::Buffer& buffer : window_buffers_) windows += buffer.bytes();
   return {{"gpu brick pool", pool_->bytes()},
           {"gpu filtered", filters_ ? filters_->result().bytes() + filters_->scratchBytes() : 0},
+          {"gpu smoothed", smoothing_ ? smoothing_->result().bytes() + smoothing_->scratchBytes() : 0},
           {"gpu samples", store_->bytes()},
           {"gpu windows", windows},
           {"gpu total", gpu_.bytesInUse()}};

@@ -47,8 +47,9 @@ class Engine {
   bool publishFor(const ToolPose& tool, std::int64_t now_ns);
 
   // Makes edits possible; once, before the first. Throws Error(kBadInput) where the plan's gradients are those of a
-  // smoothed field. Cost: kernels, and the bounds of every brick read back. `kinds`:
-  // those whose kernels are to be ready, so that not even the first edit waits for the driver's compiler.
+  // smoothed field and it does not say that edits come (Plan::edits): the field is gone then. Cost: kernels, and the
+  // bounds of every brick read back. `kinds`: those whose kernels are to be ready, so that not even the first edit
+  // waits for the driver's compiler.
   void allowEdits(const BrushProfile& profile, std::span<const EditKind> kinds = {});
   struct EditResult {
     std::uint64_t version = 0;  // of the volume: counts edits
@@ -83,7 +84,8 @@ class Engine {
   [[nodiscard]] const gpu::GpuInfo& gpu() const noexcept { return gpu_.info(); }
   [[nodiscard]] const std::vector<StageTime>& stages() const noexcept { return stages_; }
   [[nodiscard]] std::vector<MemoryFigure> memory() const;
-  // Of that, what counts against `gpu_memory_bytes`: densities, filtered ones too, and samples, with room to grow.
+  // Of that, what counts against `gpu_memory_bytes`: densities, filtered and smoothed ones too, and samples, with room
+  // to grow.
   [[nodiscard]] std::uint64_t budgetedBytes() const noexcept { return pool_->budget()->used_bytes; }
   [[nodiscard]] PlanFacts planFacts() const noexcept;
 
@@ -106,7 +108,8 @@ class Engine {
   std::unique_ptr<FilterChain> filters_;  // from it to the field that is felt; null: none
   std::unique_ptr<BrickBoundsPass> bounds_;
   std::unique_ptr<SampleStore> store_;
-  std::unique_ptr<GradientPass> gradient_;  // none once a smoothed field's gradients are computed
+  std::unique_ptr<FilterChain> smoothing_;  // from that field to the one whose gradients are taken; null: the same
+  std::unique_ptr<GradientPass> gradient_;  // of a smoothed field without edits both are gone once they were used
   std::unique_ptr<WindowPass> window_;
   std::unique_ptr<IsosurfacePass> isosurface_;
   bool gradient_all_ = false;

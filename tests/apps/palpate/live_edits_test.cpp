@@ -94,6 +94,21 @@ TEST_F(LiveEdits, FlattensAndMirrorsAndDrillsByForce) {
   }
 }
 
+// Normals of a smoothed field follow what the tool takes away: where it is gone nothing is felt, as with any operator,
+// and the run edits the same each time.
+TEST_F(LiveEdits, ASmoothedGradientFollows) {
+  const Words smooth = kDrill + Words{"--gradient-operator", "gaussian:1", "--filter", "gaussian:0.7"};
+  expectSuccess(run(touch(smooth)));
+  const std::string first = contentsOf(file("out") / "trace.csv");
+  const Trace trace = readTrace(file("out") / "trace.csv");
+  EXPECT_GE(trace.rows.back().editVersion(), 5);
+  EXPECT_EQ(summary()["edits"]["count"], trace.rows.back().editVersion());
+  expectSuccess(run(touch(smooth)));
+  EXPECT_EQ(contentsOf(file("out") / "trace.csv"), first);
+  expectSuccess(run(touch(kDrill + Words{"--filter", "gaussian:0.7"})));
+  EXPECT_NE(contentsOf(file("out") / "trace.csv"), first);
+}
+
 // The engine's own thread edits; the versions still only rise, and what is saved gives the volume back.
 TEST_F(LiveEdits, TheRealClockEditsToo) {
   expectSuccess(run(touch({"--edit", "remove:radius=1mm:strength=0.05", "--journal", "journal"}, "real")));

@@ -72,16 +72,22 @@ TEST(PlanLines, SayHowGradientsAreTakenAndStored) {
   EXPECT_EQ(linesNaming(lines, "halves")[0].saved_bytes, 25U * 4096U);
 }
 
-TEST(Plan, OfASmoothingOperatorSmoothsFirstAndTakesNoEdits) {
+// The smoothed field stays where edits will change it.
+TEST(Plan, OfASmoothingOperatorSmoothsFirstAndSaysWhetherThatStays) {
   Scene scene;
   scene.gradient_operator = "gaussian:0.8mm";
   EXPECT_THAT(makePlan(scene).passes, ElementsAre(Pass::kUpload, Pass::kBrickBounds, Pass::kSmoothing, Pass::kGradient,
                                                   Pass::kWindow, Pass::kIsosurface));
-  EXPECT_EQ(linesNaming(planLines(makePlan(scene), {}), "smoothing").size(), 1U);
+  const auto once = linesNaming(planLines(makePlan(scene), {}), "smoothing");
+  ASSERT_EQ(once.size(), 1U);
+  EXPECT_THAT(once[0].why, HasSubstr("freed"));
+  EXPECT_FALSE(makePlan(scene).edits);
   scene.edit = "remove:radius=2mm";
-  EXPECT_THROW((void)makePlan(scene), Error);
+  EXPECT_TRUE(makePlan(scene).edits);
+  const auto kept = linesNaming(planLines(makePlan(scene), {}), "smoothing");
+  ASSERT_EQ(kept.size(), 1U);
+  EXPECT_THAT(kept[0].why, HasSubstr("kept"));
   scene.gradient_operator = "prewitt";
-  scene.edit.clear();
   EXPECT_THROW((void)makePlan(scene), Error);
 }
 

@@ -52,6 +52,7 @@ struct State {
   const BrickPool& field;  // that is felt: the filtered one, if there are filters
   BrickBoundsPass bounds;
   SampleStore store;
+  std::unique_ptr<FilterChain> smoothing;  // for an operator that smooths
   GradientPass gradient;
   WindowPass window;
 
@@ -63,7 +64,8 @@ struct State {
         field(filters ? filters->result() : pool),
         bounds(gpu, field),
         store(gpu, pool.brickCount(), firstBricks(all), pool.budget(), format),
-        gradient(gpu, transfer, field, store, way),
+        smoothing(smoothingOf(gpu, way)),
+        gradient(gpu, transfer, field, store, way, smoothing ? &smoothing->result() : nullptr),
         window(gpu, field, store) {
     gradient.run();
   }
@@ -76,12 +78,18 @@ struct State {
     isovalue = isovalueAfter(filter_list, isovalue);
     return made;
   }
+  std::unique_ptr<FilterChain> smoothingOf(gpu::Gpu& gpu, const GradientOperator& way) {
+    if (!way.smooths()) return nullptr;
+    auto made = std::make_unique<FilterChain>(gpu, transfer, field, lowerFilters(way.smoothing, lattice().spacing_m));
+    made->run();
+    return made;
+  }
   std::vector<std::uint32_t> firstBricks(bool all) {
     bounds.run();
     return all ? allBricks(pool.brickCounts()) : activeBricks(bounds.read(transfer), pool.brickCounts(), isovalue);
   }
   Editor::Parts parts(gpu::Gpu& gpu) {
-    return {gpu, transfer, pool, store, &bounds, gradient, window, filters.get(), isovalue};
+    return {gpu, transfer, pool, store, &bounds, gradient, window, filters.get(), isovalue, smoothing.get()};
   }
 
   std::vector<float> brick(const BrickPool& of, std::size_t b) {
@@ -110,22 +118,31 @@ BrushProfile profileOf(const Volume& volume) {
 void expectSame(State& got, State& want) {
   EXPECT_EQ(got.pool.storedBricks(), want.pool.storedBricks());
   // Of filtered bricks that a change did not reach, some may have kept their one density without storage.
-  const auto stored = static_cast<double>(want.field.storedBricks());
-  if (got.filters && got.isovalue == static_cast<float>(kIsovalue)) {
-    EXPECT_NEAR(static_cast<double>(got.field.storedBricks()), stored, 0.1 * stored + 8);
-  }
+  const auto expectNearlyAsSparse = [](const BrickPool& a, const BrickPool& b) {
+    const auto stored = static_cast<double>(b.storedBricks());
+    EXPECT_NEAR(static_cast<double>(a.storedBricks()), stored, 0.1 * stored + 8);
+  };
+  const bool is_distance = got.isovalue != static_cast<float>(kIsovalue);
+  if (got.filters && !is_distance) expectNearlyAsSparse(got.field, want.field);
+  if (got.smoothing && !is_distance) expectNearlyAsSparse(got.smoothing->result(), want.smoothing->result());
   EXPECT_TRUE(sameBytes(got.bounds.read(got.transfer), want.bounds.read(want.transfer)));
   EXPECT_EQ(got.store.bricks(), want.store.bricks());
   std::size_t densities = 0;
   std::size_t samples = 0;
   std::size_t filtered = 0;
+  std::size_t smoothed = 0;
   for (std::size_t b = 0; b < got.pool.brickCount(); ++b) {
     densities += sameBytes(got.brick(got.pool, b), want.brick(want.pool, b)) ? 0 : 1;
     filtered += sameBytes(got.brick(got.field, b), want.brick(want.field, b)) ? 0 : 1;
+    if (got.smoothing) {
+      const auto of = [b](State& state) { return state.brick(state.smoothing->result(), b); };
+      smoothed += sameBytes(of(got), of(want)) ? 0 : 1;
+    }
     if (got.store.has(b) && want.store.has(b)) samples += sameBytes(got.samples(b), want.samples(b)) ? 0 : 1;
   }
   EXPECT_EQ(densities, 0U) << "bricks whose densities differ";
   EXPECT_EQ(filtered, 0U) << "bricks whose filtered densities differ";
+  EXPECT_EQ(smoothed, 0U) << "bricks whose smoothed densities differ";
   EXPECT_EQ(samples, 0U) << "bricks whose samples differ";
 }
 
@@ -211,6 +228,31 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{{41, 35, 38}, false, 9, 100, true, "median:1 close:2 gaussian:1"},
                     Case{{40, 33, 42}, false, 10, 60, true, "open:1.5:shape=ball median:2"},
                     Case{{53, 41, 37}, false, 10, 200, true, "gaussian:1.2", "central4", true}));
+
+// So does the smoothed field of an operator that takes its gradient, behind a filter or not.
+INSTANTIATE_TEST_SUITE_P(
+    Smoothed, ManyEdits,
+    testing::Values(Case{{53, 41, 37}, false, 12, 600, true, "", "gaussian:1"},
+                    Case{{53, 41, 37}, false, 13, 200, true, "gaussian:1.2", "gaussian:0.8mm", true},
+                    Case{{33, 24, 50}, true, 14, 120, false, "", "gaussian:2:border=mirror"},
+                    Case{{64, 64, 64}, false, 15, 150, true, "", "gaussian:3"},  // reaches two bricks far
+                    Case{{17, 9, 1}, false, 16, 150, true, "", "gaussian:1.5mm", true},
+                    Case{{41, 33, 37}, false, 17, 120, true, "distance:2", "gaussian:1"},
+                    Case{{41, 35, 38}, false, 18, 80, true, "median:1 close:2", "gaussian:1:truncate=4", true}));
+
+// What the tests below are run with: the volume's own gradients, those of a smoothed field, and that behind a filter.
+struct Field {
+  const char* chain;
+  const char* way;
+};
+class EveryField : public testing::TestWithParam<Field> {
+ protected:
+  GradientOperator way_ = gradientOperator(GetParam().way);
+  const char* chain_ = GetParam().chain;
+};
+INSTANTIATE_TEST_SUITE_P(Fields, EveryField,
+                         testing::Values(Field{"", "central"}, Field{"", "gaussian:1.5"},
+                                         Field{"gaussian:0.8", "gaussian:1"}));
 
 EditCommand brush(EditKind kind, const Volume& volume, const Vec3& p_L, double radius_m) {
   EditCommand command;
@@ -387,6 +429,59 @@ TEST(Editor, RefusesWhatExceedsTheBudgetAndGoesOn) {
   expectSame(state, after);
 }
 
+// "samples" of "GPU memory for samples: ...".
+std::string poolIn(const Error& error) {
+  const std::string text = error.what();
+  const std::size_t first = text.find("for ") + 4;
+  return text.substr(first, text.find(':') - first);
+}
+
+// Wherever room runs out, nothing has changed, and what fits goes on.
+TEST_P(EveryField, IsAsItWasWhicheverPoolHasNoRoom) {
+  if (!way_.smooths()) return;  // RefusesWhatExceedsTheBudgetAndGoesOn
+  const auto volumeOf = [] { return ball({48, 40, 56}, 10); };
+  const Volume volume = volumeOf();
+  gpu::Gpu gpu({});
+  const auto used = [&] {
+    State probe(gpu, volume, false, 0, true, chain_, way_);
+    const Editor editor(probe.parts(gpu), profileOf(volume), false);
+    return probe.pool.budget()->used_bytes;
+  }();
+  const std::vector<EditCommand> large = {brush(EditKind::kSmooth, volume, {24, 20, 28}, 16e-3),
+                                          brush(EditKind::kInflate, volume, {24, 20, 28}, 18e-3)};
+  const EditCommand small = brush(EditKind::kRemove, volume, {24, 20, 28}, 2e-3);
+  std::set<std::string> full;
+  int went_on = 0;
+  for (std::uint64_t more = 0;; more += std::uint64_t{1} << 19U) {
+    State state(gpu, volume, false, used + more, true, chain_, way_);
+    Editor editor(state.parts(gpu), profileOf(volume), false);
+    Volume edited = volumeOf();
+    // Whether it fitted; if not, everything is as it was.
+    const auto fits = [&](std::span<const EditCommand> commands) {
+      try {
+        editor.apply(commands, nullptr);
+        return true;
+      } catch (const Error& error) {
+        EXPECT_EQ(error.code(), Error::Code::kOutOfMemory);
+        EXPECT_NE(std::string(error.what()).find("nothing was changed"), std::string::npos) << error.what();
+        full.insert(poolIn(error));
+        EXPECT_EQ(editor.version(), 0U);
+        return false;
+      }
+    };
+    const bool all = fits(large);
+    went_on += !all && fits(std::span(&small, 1)) ? 1 : 0;
+    editor.settle();
+    editor.readBack(edited);
+    State fresh(gpu, edited, false, 0, true, chain_, way_);
+    expectSame(state, fresh);
+    ASSERT_FALSE(testing::Test::HasFailure()) << more;
+    if (all) break;
+  }
+  EXPECT_GE(went_on, 1);
+  EXPECT_TRUE(full.contains("filter scratch"));
+}
+
 // With its mirror image a stamp takes its place once, so one that fills a binding fits; a larger one does not.
 TEST(Editor, RefusesAStampThatOneBindingDoesNotHold) {
   Volume volume = ball({40, 40, 40}, 12);
@@ -461,10 +556,10 @@ TEST(Editor, AppliesAllOrNothing) {
 
 // The window that an edit gathers equals one that is gathered anew afterwards, zero gradients of inactive bricks
 // included; an edit elsewhere leaves it alone.
-TEST(Editor, GathersTheWindowThatANewGatherGives) {
+TEST_P(EveryField, GathersTheWindowThatANewGatherGives) {
   Volume volume = ball({96, 64, 64}, 20);
   gpu::Gpu gpu({});
-  State state(gpu, volume, false);
+  State state(gpu, volume, false, 0, true, chain_, way_);
   Editor editor(state.parts(gpu), profileOf(volume), false);
   const WindowBox box{{25, 13, 17}, {32, 32, 32}};
   const std::size_t bytes = 32768 * sizeof(Sample);
@@ -498,11 +593,11 @@ TEST(Editor, GathersTheWindowThatANewGatherGives) {
 }
 
 // Undo: the bricks that an edit will change are kept, and put back afterwards. All is as it was, storage included.
-TEST(Editor, PutsBricksBack) {
+TEST_P(EveryField, PutsBricksBack) {
   Volume volume = ball({53, 41, 37}, 12);
   gpu::Gpu gpu({});
-  State state(gpu, volume, false);
-  State before(gpu, volume, false);
+  State state(gpu, volume, false, 0, true, chain_, way_);
+  State before(gpu, volume, false, 0, true, chain_, way_);
   Editor editor(state.parts(gpu), profileOf(volume), false);
   RandomEdits random(volume.size(), volume.lattice(), -120, 220, 21);
   std::vector<std::vector<Editor::BrickContent>> kept;
@@ -521,7 +616,7 @@ TEST(Editor, PutsBricksBack) {
   expectSame(state, before);
   EXPECT_GT(editor.changedBricks(), 10U);
   EXPECT_EQ(editor.readBack(volume), 0U);  // every one of them holds what it held
-  State after(gpu, volume, false);
+  State after(gpu, volume, false, 0, true, chain_, way_);
   expectSame(after, before);
 }
 
@@ -541,7 +636,8 @@ TEST(Editor, RefusesBricksThatAreNone) {
 
 // The volume fills its first slab of 65536 bricks but for a few: edits begin a second one, and every kernel that reads
 // the pool is built anew for several.
-TEST(Editor, CrossesIntoASecondSlab) {
+TEST_P(EveryField, CrossesIntoASecondSlab) {
+  if (*chain_ != '\0') return;  // the other two do
   const Vec3i size(512, 512, 136);
   int stored = 0;
   Volume volume = Volume::fromBricks(size, lattice(), {}, [&](const Vec3i& brick, float* values) {
@@ -554,7 +650,7 @@ TEST(Editor, CrossesIntoASecondSlab) {
   });
   ASSERT_EQ(volume.storedBricks(), 65530U);
   gpu::Gpu gpu({});
-  State state(gpu, volume, false);
+  State state(gpu, volume, false, 0, true, chain_, way_);
   EXPECT_EQ(state.pool.slabCount(), 1U);
   Editor editor(state.parts(gpu), profileOf(volume), false);
   std::vector<EditCommand> commands;
@@ -572,7 +668,7 @@ TEST(Editor, CrossesIntoASecondSlab) {
   EXPECT_THROW(editor.replace(many, nullptr), Error);
   many.clear();
   editor.readBack(volume);
-  State fresh(gpu, volume, false);
+  State fresh(gpu, volume, false, 0, true, chain_, way_);
   expectSame(state, fresh);
 }
 

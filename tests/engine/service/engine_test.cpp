@@ -4,6 +4,7 @@
 
 #include <cstring>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "base/error.hpp"
@@ -107,33 +108,60 @@ TEST(Engine, ActiveBricksServeEveryCellOnTheSurface) {
   }
 }
 
-// Whatever the operator and the form in which samples are stored, the servo gets floats: the twin's. A smoothed
-// gradient comes with the density as it is, and takes no edits.
+void expectTheTwinsWindow(Engine& engine, const Volume& volume, const char* way, const SampleFormat& format) {
+  const SampleWindow& window = engine.exchange().latest();
+  const Vec3i first = volume.lattice().toIndex(window.lattice.origin_W).array().round().cast<int>();
+  const std::vector<Sample> expected =
+      reference::windowSamples(reference::denseField(volume), first, window.size, gradientOperator(way), format);
+  EXPECT_EQ(std::memcmp(window.samples, expected.data(), expected.size() * sizeof(Sample)), 0);
+}
+
+// Whatever the operator and the form in which samples are stored, the servo gets floats: the twin's, before an edit and
+// after it. A smoothed gradient comes with the density as it is.
 TEST(Engine, WindowsHoldTheTwinsSamplesOfEveryOperatorAndForm) {
-  const Volume volume = knot();
   for (const char* name : {"central", "sobel", "central4", "gaussian:1.5mm"}) {
     for (const char* samples : {"float", "half"}) {
+      SCOPED_TRACE(fmt::format("{} {}", name, samples));
+      Volume volume = knot();
       Scene scene;
       scene.picture = false;
       scene.gradient_all = true;
       scene.gradient_operator = name;
       scene.samples = samples;
+      scene.edit = "remove:radius=2mm";
       Engine engine(volume, makePlan(scene), 0, "");
       engine.publishAround(volume.lattice().toWorld({20, 30, 25}), 1);
-      const SampleWindow& window = engine.exchange().latest();
-      const Vec3i first = volume.lattice().toIndex(window.lattice.origin_W).array().round().cast<int>();
       const SampleFormat format = scene.samples == "half"
                                       ? halfSamples(0, volume.minimum(), volume.maximum(), volume.lattice().spacing_m)
                                       : SampleFormat{};
-      const std::vector<Sample> expected =
-          reference::windowSamples(reference::denseField(volume), first, window.size, gradientOperator(name), format);
-      EXPECT_EQ(std::memcmp(window.samples, expected.data(), expected.size() * sizeof(Sample)), 0)
-          << name << " " << samples;
-      if (std::string(name).starts_with("gaussian")) {
-        EXPECT_THROW(engine.allowEdits(brushProfile(volume, 0)), Error);
-      }
+      expectTheTwinsWindow(engine, volume, name, format);
+      engine.allowEdits(brushProfile(volume, 0));
+      EditCommand hole;
+      hole.from_W = hole.to_W = volume.lattice().toWorld({22, 28, 25});
+      hole.radius_m = 4e-3;
+      EXPECT_TRUE(engine.edit(std::span(&hole, 1), 2).published);
+      EXPECT_GT(engine.readBack(volume), 0U);
+      expectTheTwinsWindow(engine, volume, name, format);
     }
   }
+}
+
+// A smoothed field is kept for a plan with edits only.
+TEST(Engine, RefusesEditsOfAPlanThatKeptNoSmoothedField) {
+  const Volume volume = knot();
+  Scene scene;
+  scene.gradient_operator = "gaussian:1";
+  Engine without(volume, makePlan(scene), 0, "");
+  EXPECT_THROW(without.allowEdits(brushProfile(volume, 0)), Error);
+  scene.edit = "remove:radius=2mm";
+  Engine with(volume, makePlan(scene), 0, "");
+  const auto smoothedBytes = [](const Engine& engine) {
+    for (const MemoryFigure& figure : engine.memory())
+      if (figure.name == "gpu smoothed") return figure.bytes;
+    return std::uint64_t{1};
+  };
+  EXPECT_EQ(smoothedBytes(without), 0U);
+  EXPECT_GT(smoothedBytes(with), std::uint64_t{1} << 16U);
 }
 
 TEST(Engine, SaysWhatItLeftOut) {
