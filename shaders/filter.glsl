@@ -26,7 +26,9 @@ layout(std430, binding = FILTER_BINDING_TAPS) readonly buffer Taps { float taps[
 int mapped(int c, int size) {
   if (kBorder == BORDER_NEAREST) return clamp(c, 0, size - 1);
   const int period = 2 * size;
-  const int m = c - period * int(floor(float(c) / float(period)));
+  int m = c - period * int(floor(float(c) / float(period)));
+  m += m < 0 ? period : 0;  // a division may be off by 2.5 ULP, which moves a whole quotient
+  m -= m >= period ? period : 0;
   return m < size ? m : period - 1 - m;
 }
 

@@ -25,6 +25,8 @@ std::optional<RunCost> runOnce(const Contender& entrant, TurnsOutcome& outcome) 
     outcome.left_out = failure.what();
   } catch (const std::bad_alloc&) {
     outcome.left_out = "there was not enough memory";
+  } catch (const std::exception& failure) {  // of a library's own kind
+    outcome.left_out = failure.what();
   }
   return std::nullopt;
 }

@@ -56,7 +56,7 @@ void checkVolume(const Volume& volume, const CheckAllRequest& request, const std
   if (isovalue) {
     filters.isovalue = static_cast<float>(*isovalue);
   } else {
-    std::erase_if(filters.chains, [](const std::string& chain) { return chain.starts_with("distance"); });
+    dropDistances(filters.chains);
     all.left_out.push_back(volume.facts().source + ": distances and edits, since it has no surface");
   }
   const bool is_thin = volume.size().minCoeff() < 2;

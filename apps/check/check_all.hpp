@@ -23,7 +23,7 @@ struct CheckAllRequest {
 inline constexpr int kScanCrop = 40;  // [voxel]
 
 // Every phantom with noise, at sizes that are no multiple of a brick, voxels that are no cubes; random bits with
-// denormals, +-1e-30, +-1e30 and both zeros; volumes two voxels thin along each axis, which is the thinnest there is;
+// denormals, +-1e-30, +-1e30 and both zeros; volumes one voxel thin along each axis;
 // and the scans in the folder that PALPATE_DATA names.
 [[nodiscard]] std::vector<std::string> checkedVolumes(bool quick);
 

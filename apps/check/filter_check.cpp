@@ -165,6 +165,10 @@ std::vector<Check> checkFilters(const Volume& volume, const FilterCheckRequest& 
   return checkFilters(volume, reference::denseField(volume), request, progress);
 }
 
+void dropDistances(std::vector<std::string>& chains) {
+  std::erase_if(chains, [](const std::string& chain) { return hasDistance(filterChain(chain)); });
+}
+
 std::vector<Check> checkFilters(const Volume& volume, const DenseField& field, const FilterCheckRequest& request,
                                 const std::function<void(double)>& progress) {
   const std::vector<std::string> chains = request.chains.empty() ? checkedFilters(volume) : request.chains;
@@ -173,9 +177,7 @@ std::vector<Check> checkFilters(const Volume& volume, const DenseField& field, c
   for (const std::string& chain : chains) {
     const std::vector<FilterSpec> filters = filterChain(chain);
     std::optional<float> isovalue = request.isovalue;
-    const bool distance = std::any_of(filters.begin(), filters.end(),
-                                      [](const FilterSpec& filter) { return filter.kind == FilterKind::kDistance; });
-    if (distance && !isovalue) isovalue = static_cast<float>(defaultIsovalue(volume));
+    if (hasDistance(filters) && !isovalue) isovalue = static_cast<float>(defaultIsovalue(volume));
     lowered.push_back(lowerFilters(filters, volume.lattice().spacing_m, isovalue));
     const std::size_t groups = grouped(lowered.back()).size();
     parts += groups < 2 ? groups : groups + 1;

@@ -27,6 +27,8 @@ struct FilterCheckRequest {
 // Each filter of the table with two sets of parameters, both borders where it has them, sizes in voxels and in
 // millimetres; ranges and slopes that suit the volume. `short_list`: one of each.
 [[nodiscard]] std::vector<std::string> checkedFilters(const Volume& volume, bool short_list = false);
+// Takes the chains with a distance out, for a volume without a surface.
+void dropDistances(std::vector<std::string>& chains);
 
 // A check a step, and one for each chain of several. Steps of a distance count as one. `progress` gets the fraction
 // done, and may throw to cancel: asked before each step. Throws Error as lowerFilters and FilterChain do.

@@ -36,10 +36,11 @@ FilterResult filterFile(const FilterRequest& request, Progress& progress) {
   AtomicFile file(request.out);  // before the long part, so that a folder that may not be written is refused at once
   progress.stage("loading " + request.in);
   const Volume volume = loadVolume(request.in);
-  const bool distance = std::any_of(chain.begin(), chain.end(),
-                                    [](const FilterSpec& filter) { return filter.kind == FilterKind::kDistance; });
   std::optional<float> isovalue;
-  if (distance) isovalue = static_cast<float>(request.isovalue ? *request.isovalue : defaultIsovalue(volume));
+  if (hasDistance(chain)) {
+    if (request.isovalue) checkIsovalue(volume, *request.isovalue);
+    isovalue = static_cast<float>(request.isovalue ? *request.isovalue : defaultIsovalue(volume));
+  }
   std::vector<FilterStep> steps = lowerFilters(chain, volume.lattice().spacing_m, isovalue);
   throwIfInterrupted("palpate filter");
 
@@ -65,7 +66,9 @@ FilterResult filterFile(const FilterRequest& request, Progress& progress) {
   }
   result.filter_s = secondsSince(filtering);
   VolumeFacts facts = volume.facts();
-  if (facts.kept_isovalue) facts.kept_isovalue = isovalueAfter(chain, static_cast<float>(*facts.kept_isovalue));
+  const std::optional<double> known = facts.kept_isovalue ? facts.kept_isovalue : facts.declared_isovalue;
+  if (known || isovalue) facts.kept_isovalue = isovalueAfter(chain, known ? static_cast<float>(*known) : *isovalue);
+  result.surface = facts.kept_isovalue;
   const Volume filtered = volumeOf(filters ? filters->result() : pool, transfer, facts);
   result.lowest = filtered.minimum();
   result.highest = filtered.maximum();
@@ -82,12 +85,18 @@ FilterResult filterFile(const FilterRequest& request, Progress& progress) {
 }
 
 std::string filterWords(const FilterRequest& request, const FilterResult& result) {
+  const bool kept = request.out.ends_with(".vdb");
+  const std::string surface =
+      !result.surface ? ""
+      : kept          ? fmt::format("its surface is at {:g}, which the file keeps\n", *result.surface)
+             : fmt::format("its surface is at {:g}, which this format cannot keep: give --iso {:g} where it is used\n",
+                           *result.surface, *result.surface);
   return fmt::format(
       "{}: {} x {} x {} voxels, densities {:g} to {:g}, {:.1f} MB\n"
-      "{}: {} passes, {} of {} bricks stored before and {} after; {:.3f} s filtering, {:.2f} s in all\n",
+      "{}: {} passes, {} of {} bricks stored before and {} after; {:.3f} s filtering, {:.2f} s in all\n{}",
       request.out, result.size.x(), result.size.y(), result.size.z(), result.lowest, result.highest,
       static_cast<double>(result.bytes) * 1e-6, result.device, result.steps, result.stored_before, result.bricks,
-      result.stored_after, result.filter_s, result.seconds);
+      result.stored_after, result.filter_s, result.seconds, surface);
 }
 
 }  // namespace palpate

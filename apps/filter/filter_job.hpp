@@ -28,6 +28,7 @@ struct FilterResult {
   std::size_t steps = 0;       // passes over the field
   std::size_t stored_before = 0, stored_after = 0, bricks = 0;
   float lowest = 0, highest = 0;  // of the result [density]
+  std::optional<double> surface;  // isovalue of the surface in the result, where it is known; a .vdb keeps it [density]
   double filter_s = 0;            // of the filters, the driver's compiler included
   double seconds = 0;             // loading, writing and all
   std::uint64_t bytes = 0;        // of the file

@@ -171,8 +171,8 @@ void loadVerb(const BenchArguments& arguments) {
   progress.done();
   conclude(
       result, arguments,
-      {.title = "What loading costs", .introduction = loadIntroduction(), .tables = loadTable(result), .chart = {}}, {},
-      outputs);
+      {.title = "What loading costs", .introduction = loadIntroduction(), .tables = loadTable(result), .chart = {}},
+      loadChart(result), outputs);
 }
 
 FieldBenchRequest fieldRequest(const BenchArguments& arguments) {

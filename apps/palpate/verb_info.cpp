@@ -35,7 +35,7 @@ void printFacts(const Volume& volume) {
   if (facts.rescale_slope != 1 || facts.rescale_intercept != 0) {
     fmt::print("  rescale      density = {:g} * stored + {:g}\n", facts.rescale_slope, facts.rescale_intercept);
   }
-  if (facts.kept_isovalue) fmt::print("  sculpted     at isovalue {:g}, which the file keeps\n", *facts.kept_isovalue);
+  if (facts.kept_isovalue) fmt::print("  surface      at isovalue {:g}, which the file keeps\n", *facts.kept_isovalue);
   fmt::print("  bricks       {} of {} hold more than one value; {:.1f} MiB stored\n", volume.storedBricks(),
              volume.brickCount().prod(), static_cast<double>(volume.storedBytes()) / 1048576.0);
 }

@@ -2,6 +2,7 @@
 #include "apps/rivals/child_talk.hpp"
 
 #include <array>
+#include <cerrno>
 #include <csignal>
 
 #include <poll.h>
@@ -53,7 +54,9 @@ std::optional<std::string> ChildTalk::hear() {
     throwIfInterrupted("palpate bench");
     pollfd what{socket_, POLLIN, 0};
     if (socket_ < 0) return std::nullopt;
-    if (poll(&what, 1, kPatience_ms) <= 0) continue;
+    const int ready = poll(&what, 1, kPatience_ms);
+    if (ready < 0 && errno != EINTR) return std::nullopt;
+    if (ready <= 0) continue;
     std::array<char, 4096> block{};
     const ssize_t count = recv(socket_, block.data(), block.size(), 0);
     if (count <= 0) return std::nullopt;

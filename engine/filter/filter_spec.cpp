@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/filter/filter_spec.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <sstream>
@@ -216,6 +217,11 @@ std::vector<FilterSpec> filterChain(const std::string& text) {
   for (std::string word; words >> word;) chain.push_back(filterOf(word));
   if (chain.empty()) refuse(text, "it names no filter", "use " + names() + ", for example \"gaussian:0.8mm\"");
   return chain;
+}
+
+bool hasDistance(std::span<const FilterSpec> chain) noexcept {
+  return std::any_of(chain.begin(), chain.end(),
+                     [](const FilterSpec& filter) { return filter.kind == FilterKind::kDistance; });
 }
 
 float isovalueAfter(std::span<const FilterSpec> chain, float isovalue) noexcept {

@@ -40,8 +40,8 @@ class FilterChain {
   // At least one step. `source` outlives the chain.
   FilterChain(gpu::Gpu& gpu, gpu::Transfer& transfer, const BrickPool& source, std::vector<FilterStep> steps);
 
-  // All bricks; blocks. `progress` gets the fraction done before each step, and may throw to cancel: the result then
-  // holds nothing of use. Throws Error(kOutOfMemory).
+  // All bricks; blocks. `progress` gets the fraction done, some thousand bricks apart, and may throw to cancel: the
+  // result then holds nothing of use. Throws Error(kOutOfMemory).
   void run(const std::function<void(double)>& progress = {});
 
   [[nodiscard]] const BrickPool& result() const noexcept { return *result_; }
@@ -88,7 +88,7 @@ class FilterChain {
 
   [[nodiscard]] std::vector<layout::BrickPage> pagesAfter(const FilterStep& step, const BrickPool& from) const;
   void findBand(const FilterStep& seed, const BrickPool& densities);
-  void runStep(std::size_t step, const BrickPool& from, BrickPool& to);
+  void runStep(std::size_t step, const BrickPool& from, BrickPool& to, const std::function<void(double)>& progress);
   [[nodiscard]] std::vector<Level> levelsOf(std::span<const std::uint32_t> bricks,
                                             const SourceConstant& source_constant) const;
   void findConstants(std::size_t step, std::vector<Level>& levels, const SourceConstant& source_constant) const;

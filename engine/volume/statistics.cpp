@@ -61,7 +61,7 @@ bool looksLikeHounsfield(const VolumeStatistics& statistics) {
 
 std::vector<IsovalueSuggestion> suggest(const VolumeFacts& facts, const VolumeStatistics& statistics) {
   std::vector<IsovalueSuggestion> all;
-  if (facts.kept_isovalue) all.push_back({*facts.kept_isovalue, "kept in the file, which was sculpted at it"});
+  if (facts.kept_isovalue) all.push_back({*facts.kept_isovalue, "kept in the file"});
   if (facts.declared_isovalue) all.push_back({*facts.declared_isovalue, "the phantom's exact surface"});
   if (facts.is_level_set) all.push_back({0, "the level set's surface"});
   if (!facts.declared_isovalue && !facts.is_level_set && looksLikeHounsfield(statistics)) {

@@ -183,7 +183,7 @@ TEST_F(EditVerb, AVdbKeepsTheIsovalueThatItWasEditedAt) {
   const Words drill = dos({"remove:radius=5:at=6,0,0"});
   expectSuccess(run(Words{"edit", kVolume, "out.vdb", "--iso", "150", "--journal", "journal"} + drill));
   EXPECT_EQ(out("out.vdb").facts().kept_isovalue, 150);
-  EXPECT_THAT(run({"info", "out.vdb"}).out, HasSubstr("sculpted     at isovalue 150, which the file keeps"));
+  EXPECT_THAT(run({"info", "out.vdb"}).out, HasSubstr("surface      at isovalue 150, which the file keeps"));
   expectSuccess(run({"recover", "journal", "--out", "back.vdb"}));
   EXPECT_EQ(out("back.vdb").facts().kept_isovalue, 150);
   expectSuccess(run(Words{"edit", "out.vdb", "next.nrrd", "--json", "result.json"} + drill));

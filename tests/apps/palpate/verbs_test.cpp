@@ -223,6 +223,29 @@ TEST_F(Verbs, FilterTakesTheIsovalueOfADistance) {
   expectSuccess(own);
   EXPECT_THAT(own.out, HasSubstr("densities -0.003 to 0.003"));
   expectSuccess(run(words + Words{"--iso", "50"}));
+  for (const char* beyond : {"1e9", "1e300", "nan"}) {
+    const Outcome refused = run(words + Words{"--iso", beyond});
+    EXPECT_EQ(refused.status, 2) << beyond;
+    expectRefusal(run({"check", "filters", "phantom:sphere?size=24", "--filter", "distance:3", "--iso", beyond}),
+                  "phantom:sphere", "isovalue", 2);
+  }
+}
+
+// A distance has its surface at 0, wherever the density had it; Otsu would say otherwise.
+TEST_F(Verbs, FilterKeepsOrTellsTheIsovalueOfItsResult) {
+  const Words filter = {"filter", "phantom:sphere?size=24", "--filter", "gaussian:0.7 distance:3", "--iso", "50", "-o"};
+  EXPECT_THAT(run(filter + Words{"d.vdb"}).out, HasSubstr("its surface is at 0, which the file keeps"));
+  EXPECT_THAT(run({"info", "d.vdb"}).out, HasSubstr("surface      at isovalue 0, which the file keeps"));
+  EXPECT_THAT(run(filter + Words{"d.nrrd"}).out, HasSubstr("give --iso 0 where it is used"));
+  expectSuccess(run({"filter", "phantom:knot?size=24&noise=0.05", "--filter", "gaussian:1", "-o", "p.vdb"}));
+  EXPECT_THAT(run({"info", "p.vdb"}).out, HasSubstr("surface      at isovalue 0, which the file keeps"));
+}
+
+TEST_F(Verbs, CheckFiltersLeavesDistancesOutOfAVolumeOfOneDensity) {
+  ASSERT_EQ(run({"filter", "phantom:sphere?size=16", "--filter", "erode:16", "-o", "flat.nrrd"}).status, 0);
+  const Outcome outcome = run({"check", "filters", "flat.nrrd"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("distances are left out"));
 }
 
 // docs/filters.md has the table of the code, row by row.

@@ -95,5 +95,28 @@ TEST(FilterChain, KeepsASparseVolumeSparse) {
   EXPECT_GT(chain.result().storedBricks(), pool.storedBricks());
 }
 
+// 1331 inner bricks are more than one submission: what is slow can be watched, and stopped in the middle of a step.
+TEST(FilterChain, TellsHowFarItIsWithinAStepAndStopsThere) {
+  gpu::Gpu gpu{{}};
+  gpu::Transfer transfer{gpu};
+  const Volume volume = extremes({104, 104, 104});
+  const BrickPool pool(gpu, transfer, volume);
+  FilterChain chain(gpu, transfer, pool, lowerFilters(filterChain("erode:1:shape=ball"), volume.lattice().spacing_m));
+  ASSERT_EQ(chain.steps().size(), 1U);
+  std::vector<double> told;
+  chain.run([&](double done) { told.push_back(done); });
+  EXPECT_GE(told.size(), 4U);  // none yet, inner bricks, and those at the border
+  EXPECT_TRUE(std::is_sorted(told.begin(), told.end()));
+  EXPECT_EQ(told.front(), 0);
+  EXPECT_EQ(told.back(), 1);
+  struct Stop {};
+  int calls = 0;
+  const auto stopAtTheSecond = [&](double) {
+    if (++calls == 2) throw Stop{};
+  };
+  EXPECT_THROW(chain.run(stopAtTheSecond), Stop);
+  EXPECT_EQ(calls, 2);
+}
+
 }  // namespace
 }  // namespace palpate
