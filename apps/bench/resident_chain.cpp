@@ -31,12 +31,13 @@ void ResidentChain::settle() {
 }
 
 RunCost ResidentChain::run() {
-  plan();
-  commands_.begin();
-  record(commands_);
-  const RunCost cost = costOf([&] { commands_.run(); });
-  settle();
-  return cost;
+  return costOf([&] {
+    plan();
+    commands_.begin();
+    record(commands_);
+    commands_.run();
+    settle();
+  });
 }
 
 double ResidentChain::movedBytes() const {

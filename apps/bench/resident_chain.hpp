@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // apps/bench/resident_chain.hpp: a chain of filters over a whole volume with everything at hand: pools that the last
-// run left, kernels that are compiled. What is timed is the work on the device, as after an edit that reaches every
-// brick. Thread: the Gpu's.
+// run left, kernels that are compiled: as after an edit that reaches every brick. Thread: the Gpu's.
 #pragma once
 
 #include <cstddef>
@@ -19,7 +18,7 @@ class ResidentChain {
   void plan();                           // before record()
   void record(gpu::Commands& commands);  // all steps
   void settle();                         // when they are done
-  RunCost run();                         // all of it; what it took is that of the device's work
+  RunCost run();                         // all of it, planning included
 
   [[nodiscard]] std::size_t passes() const noexcept { return chain_.steps().size(); }
   [[nodiscard]] std::uint32_t dispatches() const noexcept { return chain_.dispatches(); }

@@ -47,6 +47,7 @@ FilterResult filterFile(const FilterRequest& request, Progress& progress) {
   FilterResult result;
   result.size = volume.size();
   result.steps = steps.size();
+  result.reach = totalReach(steps);
   progress.stage("filtering on Vulkan");
   gpu::Gpu gpu({.name = request.gpu});
   result.device = gpu.info().name;
@@ -86,6 +87,11 @@ FilterResult filterFile(const FilterRequest& request, Progress& progress) {
 
 std::string filterWords(const FilterRequest& request, const FilterResult& result) {
   const bool kept = request.out.ends_with(".vdb");
+  const std::string passes =
+      result.steps == 0
+          ? "no pass, since no size reaches a neighbouring voxel: densities are as they were"
+          : fmt::format("{} pass{} reaching {} x {} x {} voxels", result.steps, result.steps == 1 ? "" : "es",
+                        result.reach.x(), result.reach.y(), result.reach.z());
   const std::string surface =
       !result.surface ? ""
       : kept          ? fmt::format("its surface is at {:g}, which the file keeps\n", *result.surface)
@@ -93,9 +99,9 @@ std::string filterWords(const FilterRequest& request, const FilterResult& result
                            *result.surface, *result.surface);
   return fmt::format(
       "{}: {} x {} x {} voxels, densities {:g} to {:g}, {:.1f} MB\n"
-      "{}: {} passes, {} of {} bricks stored before and {} after; {:.3f} s filtering, {:.2f} s in all\n{}",
+      "{}: {}, {} of {} bricks stored before and {} after; {:.3f} s filtering, {:.2f} s in all\n{}",
       request.out, result.size.x(), result.size.y(), result.size.z(), result.lowest, result.highest,
-      static_cast<double>(result.bytes) * 1e-6, result.device, result.steps, result.stored_before, result.bricks,
+      static_cast<double>(result.bytes) * 1e-6, result.device, passes, result.stored_before, result.bricks,
       result.stored_after, result.filter_s, result.seconds, surface);
 }
 

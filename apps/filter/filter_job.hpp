@@ -24,8 +24,9 @@ struct FilterRequest {
 
 struct FilterResult {
   std::string device;
-  Vec3i size = Vec3i::Zero();  // [voxel]
-  std::size_t steps = 0;       // passes over the field
+  Vec3i size = Vec3i::Zero();   // [voxel]
+  std::size_t steps = 0;        // passes over the field
+  Vec3i reach = Vec3i::Zero();  // how far densities are carried [voxel]
   std::size_t stored_before = 0, stored_after = 0, bricks = 0;
   float lowest = 0, highest = 0;  // of the result [density]
   std::optional<double> surface;  // isovalue of the surface in the result, where it is known; a .vdb keeps it [density]

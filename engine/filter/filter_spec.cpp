@@ -142,7 +142,8 @@ bool hasBorder(FilterKind kind) {
 void checkWhole(std::string_view filter, const FilterSpec& spec, int most, std::string_view what) {
   const double size = spec.size.value;
   if (!spec.size.in_metres && size == std::floor(size) && size <= most) return;
-  refuse(filter, fmt::format("its {} must be a whole number", what), fmt::format("give 1 to {}", most));
+  refuse(filter, fmt::format("its {} must be a whole number from 1 to {}, without a unit", what, most),
+         "give such a number");
 }
 
 // What a filter needs beyond its size.
@@ -182,19 +183,28 @@ FilterSpec filterOf(std::string_view text) {
   const std::string_view name = next();
   const FilterRow* found = nullptr;
   for (const FilterRow& row : kFilters) found = row.words.name == name ? &row : found;
+  if (found == nullptr && (name == "mm" || name == "um" || name == "cm" || name == "m")) {
+    refuse(text, "there is a blank before this unit", "write it without: gaussian:1mm");
+  }
   if (found == nullptr) refuse(text, fmt::format("there is no filter '{}'", name), "use " + names());
+  if (text.ends_with(':')) refuse(text, "nothing follows its last colon", "leave that out, or give a key");
   spec.kind = found->kind;
   if (spec.kind == FilterKind::kBilateral) spec.truncate = 2;
   if (rest.empty())
     refuse(text, fmt::format("it has no {}", found->words.size), fmt::format("give for example {}:1", name));
   spec.size = extentOf(text, found->words.size, next());
+  std::vector<std::string_view> seen;
   while (!rest.empty()) {
     const std::string_view word = next();
     const std::size_t equals = word.find('=');
     if (equals == std::string_view::npos) {
       refuse(text, fmt::format("'{}' has no value", word), fmt::format("its keys: {}", found->words.keys));
     }
-    setKey(text, word.substr(0, equals), word.substr(equals + 1), spec);
+    const std::string_view key = word.substr(0, equals);
+    if (std::find(seen.begin(), seen.end(), key) != seen.end())
+      refuse(text, fmt::format("'{}' stands there twice", key), "give it once");
+    seen.push_back(key);
+    setKey(text, key, word.substr(equals + 1), spec);
   }
   checkComplete(text, spec);
   return spec;
@@ -212,11 +222,21 @@ std::span<const FilterWords> filterTable() noexcept {
 }
 
 std::vector<FilterSpec> filterChain(const std::string& text) {
+  if (text.find(',') != std::string::npos) {
+    refuse(text, "it has a comma", "part filters by blanks, and decimals by a point: \"gaussian:0.8mm median:1\"");
+  }
   std::vector<FilterSpec> chain;
   std::istringstream words(text);
   for (std::string word; words >> word;) chain.push_back(filterOf(word));
   if (chain.empty()) refuse(text, "it names no filter", "use " + names() + ", for example \"gaussian:0.8mm\"");
   return chain;
+}
+
+std::string_view filterName(FilterKind kind) noexcept {
+  for (const FilterRow& row : kFilters) {
+    if (row.kind == kind) return row.words.name;
+  }
+  return "filter";
 }
 
 bool hasDistance(std::span<const FilterSpec> chain) noexcept {

@@ -75,6 +75,8 @@ struct FilterWords {
 // A chain, filters separated by blanks. Throws Error(kBadInput) with what is wrong and what may be given.
 [[nodiscard]] std::vector<FilterSpec> filterChain(const std::string& text);
 
+[[nodiscard]] std::string_view filterName(FilterKind kind) noexcept;
+
 // Whether a chain needs an isovalue.
 [[nodiscard]] bool hasDistance(std::span<const FilterSpec> chain) noexcept;
 // The isovalue after a chain that began with `isovalue`: a distance moves the surface to 0.

@@ -21,9 +21,11 @@ int reachOf(const FilterSpec& filter, double voxels, int axis, int largest = kLa
   const double reach = std::ceil(voxels - 1e-9);
   if (reach <= largest) return static_cast<int>(reach);
   throw Error(Error::Code::kBadInput,
-              fmt::format("filter of size {:g}{}", filter.size.value, filter.size.in_metres ? " m" : ""),
+              filter.size.in_metres
+                  ? fmt::format("{} of {:g} mm", filterName(filter.kind), filter.size.value / kMetresPerMillimetre)
+                  : fmt::format("{} of {:g} voxels", filterName(filter.kind), filter.size.value),
               fmt::format("along axis {} it reaches {:g} voxels; {} are possible", "ijk"[axis], reach, largest),
-              "make it smaller, or resample the volume to larger voxels");
+              "make it smaller");
 }
 
 // Samples of exp(-x^2 / (2 sigma^2)), scaled so that all taps sum to one before they are rounded.

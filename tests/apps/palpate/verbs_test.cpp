@@ -241,6 +241,14 @@ TEST_F(Verbs, FilterKeepsOrTellsTheIsovalueOfItsResult) {
   EXPECT_THAT(run({"info", "p.vdb"}).out, HasSubstr("surface      at isovalue 0, which the file keeps"));
 }
 
+TEST_F(Verbs, FilterSaysHowFarItReaches) {
+  const Words filter = {"filter", "phantom:sphere?size=24&spacing=1x1x3mm", "-o", "f.vdb", "--filter"};
+  EXPECT_THAT(run(filter + Words{"median:2mm"}).out, HasSubstr("1 pass reaching 2 x 2 x 0 voxels"));
+  EXPECT_THAT(run(filter + Words{"median:0.2mm"}).out, HasSubstr("no size reaches a neighbouring voxel"));
+  EXPECT_THAT(run(filter + Words{"gaussian:100"}).err,
+              HasSubstr("gaussian of 100 voxels: along axis i it reaches 300"));
+}
+
 TEST_F(Verbs, CheckFiltersLeavesDistancesOutOfAVolumeOfOneDensity) {
   ASSERT_EQ(run({"filter", "phantom:sphere?size=16", "--filter", "erode:16", "-o", "flat.nrrd"}).status, 0);
   const Outcome outcome = run({"check", "filters", "flat.nrrd"});

@@ -97,13 +97,16 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"diffuse:5mm:kappa=1", "must be a whole number"}, Refused{"diffuse:5:kappa=0", "its kappa is '0'"},
         Refused{"diffuse:5:kappa=1:dt=-1", "its dt is '-1'"},
         Refused{"diffuse:5:kappa=1:g=linear", "there is no conductance 'linear'"},
-        Refused{"diffuse:5:kappa=1:border=mirror", "it has no 'border'"}, Refused{"distance:7", "give 1 to 6"},
-        Refused{"distance:1.5", "whole number"}, Refused{"distance:4mm", "whole number"},
-        Refused{"distance:4:border=mirror", "it has no 'border'"}, Refused{"median", "it has no radius"},
-        Refused{"median:0", "is 0"}, Refused{"median:1:shape=ball", "it has no 'shape'"},
-        Refused{"median:1:truncate=3", "it has no 'truncate'"}, Refused{"dilate", "it has no radius"},
-        Refused{"close:-1", "is -1"}, Refused{"erode:1:shape=star", "there is no shape 'star'"},
-        Refused{"open:1:truncate=3", "it has no 'truncate'"}));
+        Refused{"diffuse:5:kappa=1:border=mirror", "it has no 'border'"},
+        Refused{"distance:7", "a whole number from 1 to 6, without a unit"}, Refused{"distance:1.5", "whole number"},
+        Refused{"distance:4mm", "whole number"}, Refused{"distance:4:border=mirror", "it has no 'border'"},
+        Refused{"median", "it has no radius"}, Refused{"median:0", "is 0"},
+        Refused{"median:1:shape=ball", "it has no 'shape'"}, Refused{"median:1:truncate=3", "it has no 'truncate'"},
+        Refused{"dilate", "it has no radius"}, Refused{"close:-1", "is -1"},
+        Refused{"erode:1:shape=star", "there is no shape 'star'"}, Refused{"open:1:truncate=3", "it has no 'truncate'"},
+        Refused{"gaussian:1mm,median:1", "it has a comma"}, Refused{"gaussian:1,5", "decimals by a point"},
+        Refused{"gaussian:1 mm", "a blank before this unit"}, Refused{"gaussian:1:", "nothing follows its last colon"},
+        Refused{"gaussian:1:truncate=2:truncate=4", "'truncate' stands there twice"}));
 
 }  // namespace
 }  // namespace palpate
