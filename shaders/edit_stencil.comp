@@ -21,37 +21,53 @@ Row rowAt(uint brick_x, uint y, uint z) {
   return pageRow(pages[brick], y % BRICK_EDGE, z % BRICK_EDGE);
 }
 
-// What an axis adds: both differences to the neighbours, by their share.
+// What an axis adds: both differences to the neighbours, by their share. Densities near the largest float may overflow
+// here, and two axes with different signs: a sum stays finite, so that they add up to a number.
 vec4 blur(vec4 f, vec4 before, vec4 after, float share) {
-  precise vec4 sum = ((before - f) + (after - f)) * share;
+  precise vec4 sum = finite((before - f) + (after - f)) * share;
   return sum;
 }
 
 // Square of the steepest rise (sign +1) or fall (sign -1) to a neighbour along an axis: the upwind difference of a
-// surface that moves, after Osher and Sethian (1988), which makes no new extrema.
-vec4 upwindSquare(vec4 f, vec4 before, vec4 after, float sign, float inv_h) {
-  precise vec4 to_before = (before - f) * sign, to_after = (after - f) * sign;
-  precise vec4 steep = greater(greater(to_before, to_after), vec4(0)) * inv_h;
+// surface that moves, after Osher and Sethian (1988), which makes no new extrema. `highest`: of all neighbours so far,
+// by sign.
+vec4 upwindSquare(vec4 f, vec4 before, vec4 after, float sign, float inv_h, inout vec4 highest) {
+  const vec4 top = greater(sign * before, sign * after);
+  highest = greater(highest, top);
+  precise vec4 steep = greater(top - sign * f, vec4(0)) * inv_h;
   precise vec4 square = steep * steep;
   return square;
+}
+
+vec4 smoothed(vec4 f, vec4 x0, vec4 x1, vec4 y0, vec4 y1, vec4 z0, vec4 z1, vec4 amount) {
+  precise vec4 sum = (blur(f, x0, x1, push.blur_x) + blur(f, y0, y1, push.blur_y)) + blur(f, z0, z1, push.blur_z);
+  precise vec4 moved = finite(f + amount * sum);
+  return moved;
+}
+
+// The surface moves by `way` [m]. No density passes its highest neighbour: the scheme has it so, and this keeps it where
+// squares overflow.
+vec4 inflated(vec4 f, vec4 x0, vec4 x1, vec4 y0, vec4 y1, vec4 z0, vec4 z1, vec4 way, float sign) {
+  vec4 highest = sign * f;
+  const vec4 x = upwindSquare(f, x0, x1, sign, push.inv_h_x, highest);
+  const vec4 y = upwindSquare(f, y0, y1, sign, push.inv_h_y, highest);
+  const vec4 z = upwindSquare(f, z0, z1, sign, push.inv_h_z, highest);
+  precise vec4 square = (x + y) + z;
+  precise vec4 moved = f + (way * sign) * lesser(sqrt(square), vec4(kLargest));
+  return mix(moved, sign * highest, lessThan(highest, sign * moved));
 }
 
 vec4 edited(EditCommand c, vec4 px, float py, float pz, vec4 f, vec4 x0, vec4 x1, vec4 y0, vec4 y1, vec4 z0, vec4 z1) {
   const vec4 distance = strokeDistance(c, px, py, pz);
   const bvec4 reached = lessThanEqual(distance, vec4(c.reach));
   const vec4 amount = amountAt(c, distance);
-  precise vec4 step;
+  vec4 moved;
   if (kKind == EDIT_SMOOTH) {
-    precise vec4 sum = (blur(f, x0, x1, push.blur_x) + blur(f, y0, y1, push.blur_y)) + blur(f, z0, z1, push.blur_z);
-    step = amount * sum;
+    moved = smoothed(f, x0, x1, y0, y1, z0, z1, amount);
   } else {
-    const float sign = kKind == EDIT_INFLATE ? 1.0 : -1.0;
-    precise vec4 square = (upwindSquare(f, x0, x1, sign, push.inv_h_x) + upwindSquare(f, y0, y1, sign, push.inv_h_y)) +
-                          upwindSquare(f, z0, z1, sign, push.inv_h_z);
-    precise vec4 distance_moved = (amount * c.value) * sign;
-    step = distance_moved * sqrt(square);
+    precise vec4 way = amount * c.value;
+    moved = inflated(f, x0, x1, y0, y1, z0, z1, way, kKind == EDIT_INFLATE ? 1.0 : -1.0);
   }
-  precise vec4 moved = finite(f + step);
   return mix(f, moved, bvec4(uvec4(reached) & uvec4(greaterThan(amount, vec4(0)))));
 }
 

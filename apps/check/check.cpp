@@ -29,6 +29,7 @@ nlohmann::ordered_json rowOf(const Check& check) {
                                 {"compared", check.compared},
                                 {"differing", check.differing},
                                 {"broken", check.broken},
+                                {"not_finite", check.not_finite},
                                 {"largest_ulp", check.largest_ulp}};
   if (check.reason.empty()) {
     row["bound_ulp"] = check.bound_ulp;
@@ -87,8 +88,17 @@ void Check::note(const Vec3i& where, const char* of_what, float gpu, float cpu) 
   cpu_value = cpu;
 }
 
+bool Check::breaksAsNotFinite(const Vec3i& where, const char* of_what, float gpu, float cpu) {
+  if (!finite || std::isfinite(gpu)) return false;
+  if (ulpDistance(gpu, cpu) != 0) ++differing;
+  if (broken++ == 0) note(where, of_what, gpu, cpu);
+  ++not_finite;
+  return true;
+}
+
 void Check::compare(const Vec3i& where, const char* of_what, float gpu, float cpu) {
   ++compared;
+  if (breaksAsNotFinite(where, of_what, gpu, cpu)) return;
   const std::uint32_t ulp = ulpDistance(gpu, cpu);
   if (ulp == 0) return;
   ++differing;
@@ -100,6 +110,7 @@ void Check::compare(const Vec3i& where, const char* of_what, float gpu, float cp
 
 void Check::compareWithin(const Vec3i& where, const char* of_what, float gpu, float cpu, double bound) {
   ++compared;
+  if (breaksAsNotFinite(where, of_what, gpu, cpu)) return;
   const std::uint32_t ulp = ulpDistance(gpu, cpu);
   if (ulp == 0) return;
   ++differing;
@@ -116,8 +127,10 @@ void Check::compareWithin(const Vec3i& where, const char* of_what, float gpu, fl
 }
 
 std::string promiseWords(const Check& check) {
-  if (!check.reason.empty()) return "a bound of each value's own";
-  return check.bound_ulp == 0 ? "0 differing bits" : fmt::format("{} ULP", check.bound_ulp);
+  const char* finite = check.finite ? " and finite numbers" : "";
+  if (!check.reason.empty()) return fmt::format("a bound of each value's own{}", finite);
+  if (check.bound_ulp == 0) return fmt::format("0 differing bits{}", finite);
+  return fmt::format("{} ULP{}", check.bound_ulp, finite);
 }
 
 std::string checkTable(std::span<const Check> checks) {
@@ -144,7 +157,7 @@ std::string checkTable(std::span<const Check> checks) {
     }
     first = end;
   }
-  text += "Promised are 0 differing bits";
+  text += "Promised are finite densities and 0 differing bits";
   for (const std::string& reason : reasons) text += fmt::format("; but\n  {}", reason);
   const auto held = std::count_if(checks.begin(), checks.end(), [](const Check& check) { return check.holds(); });
   return text + fmt::format(".\n{} of {} checks hold{}\n", held, checks.size(),

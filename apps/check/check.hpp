@@ -4,7 +4,8 @@
 //
 // A promise is either bits (a value may be off by so many floats, 0 unless somebody asks for less) or, where the kernel
 // may round otherwise than the twin, a bound of each value's own that whoever compares derives from the operations in
-// between, and says why.
+// between, and says why. Where densities come out, finite numbers are promised besides: NaN on both sides is no
+// agreement.
 #pragma once
 
 #include <cstdint>
@@ -22,10 +23,12 @@ struct Check {
   std::string volume;           // as it was given
   std::uint32_t bound_ulp = 0;  // promised of every value [ULP]; of no meaning with a reason
   std::string reason;           // why the promise is a bound of each value's own, and which; empty: bits
+  bool finite = false;          // promised besides: each value is a finite number
 
   std::uint64_t compared = 0;     // values
   std::uint64_t differing = 0;    // whose bits differ
-  std::uint64_t broken = 0;       // that are further off than promised
+  std::uint64_t broken = 0;       // that are further off than promised, or not finite
+  std::uint64_t not_finite = 0;   // of those
   std::uint32_t largest_ulp = 0;  // of all [ULP]
   double largest_share = 0;       // of its own bound, of all; with a reason only [-]
   Vec3i voxel = Vec3i::Zero();    // where it is worst
@@ -44,10 +47,12 @@ struct Check {
   void compareWithin(const Vec3i& where, const char* of_what, float gpu, float cpu, double bound);
 
  private:
+  // True: it is told already.
+  bool breaksAsNotFinite(const Vec3i& where, const char* of_what, float gpu, float cpu);
   void note(const Vec3i& where, const char* of_what, float gpu, float cpu);
 };
 
-// "0 differing bits", "2 ULP", "a bound of each value's own".
+// "0 differing bits", "2 ULP", "a bound of each value's own", with "and finite numbers".
 [[nodiscard]] std::string promiseWords(const Check& check);
 
 // A table for people: a line for all parts of one check, the worst place of each part that does not hold, reasons, and

@@ -45,6 +45,7 @@ Check checkEdits(const Volume& volume, reference::DenseField field, const EditCh
   check.name = "edits";
   check.what = fmt::format("{} at random, seed {}", request.edits, request.seed);
   check.volume = volume.facts().source;
+  check.finite = true;
   const BrushProfile profile = brushProfile(volume, isovalue);
   Engine engine(volume, makePlan(Scene{}), isovalue, request.gpu);
   engine.allowEdits(profile);

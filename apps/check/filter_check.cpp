@@ -123,6 +123,7 @@ class Checker {
     check.what = what;
     check.part = part;
     check.volume = source_;
+    check.finite = true;
     check.device = gpu_.info().name;
     return check;
   }

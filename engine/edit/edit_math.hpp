@@ -147,15 +147,21 @@ inline float editedWithNeighbours(const layout::EditCommand& c, const EditScale&
   if (!(amount > 0)) return f;
   std::array<float, 3> part{};
   if (c.kind == EDIT_SMOOTH) {
-    for (int a = 0; a < 3; ++a) part[a] = ((n.before[a] - f) + (n.after[a] - f)) * scale.blur[a];
+    for (int a = 0; a < 3; ++a) part[a] = finite((n.before[a] - f) + (n.after[a] - f)) * scale.blur[a];
     return finite(f + amount * ((part[0] + part[1]) + part[2]));
   }
+  // Rise (inflate) or fall (deflate) to the steepest neighbour of each axis; none is passed.
   const float sign = c.kind == EDIT_INFLATE ? 1.0F : -1.0F;
+  float highest = sign * f;
   for (int a = 0; a < 3; ++a) {
-    const float steep = greater(greater((n.before[a] - f) * sign, (n.after[a] - f) * sign), 0) * scale.inv_h[a];
+    const float top = greater(sign * n.before[a], sign * n.after[a]);
+    highest = greater(highest, top);
+    const float steep = greater(top - sign * f, 0) * scale.inv_h[a];
     part[a] = steep * steep;
   }
-  return finite(f + ((amount * c.value) * sign) * std::sqrt((part[0] + part[1]) + part[2]));
+  const float steepness = lesser(std::sqrt((part[0] + part[1]) + part[2]), kLargest);
+  const float moved = f + ((amount * c.value) * sign) * steepness;
+  return highest < sign * moved ? sign * highest : moved;
 }
 
 [[nodiscard]] inline bool readsNeighbours(const layout::EditCommand& c) noexcept {

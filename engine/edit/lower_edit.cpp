@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <unordered_map>
 
 #include <fmt/format.h>
@@ -16,8 +17,10 @@ namespace {
 // upwind scheme makes no new extrema.
 constexpr double kInflateStepVoxels = 0.5;
 
+// Steep ramps between densities near the largest float end at it.
 float f(double value) {
-  return static_cast<float>(value);
+  constexpr double kLargest = std::numeric_limits<float>::max();
+  return static_cast<float>(std::clamp(value, -kLargest, kLargest));
 }
 
 // Where the distances of each stamp begin.

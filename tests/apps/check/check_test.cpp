@@ -93,6 +93,30 @@ TEST(Check, TakesNoNanForANumber) {
   EXPECT_TRUE(same.holds());
 }
 
+// Where finite numbers are promised, both sides' agreeing on none is no agreement.
+TEST(Check, MissesFiniteNumbersWherePromised) {
+  const float inf = std::numeric_limits<float>::infinity();
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  std::array<Check, 2> checks = {named("bits"), named("bounded")};
+  for (Check& check : checks) check.finite = true;
+  checks[1].reason = "because";
+  checks[0].compare({0, 0, 0}, "density", 1, 1);
+  checks[1].compareWithin({0, 0, 0}, "density", 1, 1.5F, 1);
+  EXPECT_TRUE(allHold(checks));
+  checks[0].compare({3, 2, 1}, "density", inf, inf);
+  checks[1].compareWithin({3, 2, 1}, "density", nan, nan, 1);
+  for (const Check& check : checks) {
+    EXPECT_FALSE(check.holds());
+    EXPECT_EQ(check.compared, 2U);
+    EXPECT_EQ(check.broken, 1U);
+    EXPECT_EQ(check.not_finite, 1U);
+    EXPECT_EQ(check.voxel, Vec3i(3, 2, 1));
+  }
+  EXPECT_EQ(checks[0].differing, 0U);
+  EXPECT_THAT(checkTable(checks), HasSubstr("1 values break the promise of 0 differing bits and finite numbers"));
+  EXPECT_EQ(nlohmann::json::parse(checkJson(checks, "filters", "abc"))["checks"][0]["not_finite"], 1);
+}
+
 // Parts of one chain share a line; what is broken has one of its own; a reason is said once.
 TEST(Check, TableSumsPartsUp) {
   std::array<Check, 3> checks = {named("gaussian:1", "step 1 of 2"), named("gaussian:1", "step 2 of 2"),

@@ -3,7 +3,9 @@
 #include "apps/check/edit_check.hpp"
 
 #include <cmath>
+#include <limits>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "base/error.hpp"
@@ -55,8 +57,20 @@ TEST(EditCheck, SeesAVoxelChangedByOneUlp) {
   EXPECT_GE(seen, 3);
 }
 
+// Bits and finite numbers, among neighbours of 1e30 and denormals, and up to the largest floats.
 TEST(EditCheck, TakesRandomBits) {
   EXPECT_TRUE(checkEdits(loadVolume("phantom:random?size=17x2x9"), {"", 30, 1, {}}, kQuiet).holds());
+  for (unsigned seed = 1; seed <= 8; ++seed) {
+    const Volume volume = loadVolume(fmt::format("phantom:random?size=8x16x24&seed={}", seed));
+    const Check check = checkEdits(volume, {"", 100, 1, {}}, kQuiet);
+    EXPECT_TRUE(check.holds()) << "seed " << seed << ", voxel " << check.voxel.transpose() << ": " << check.gpu_value;
+    std::vector<float> values = volume.toDense();
+    for (float& value : values) {
+      if (std::abs(value) > 1e29F) value = std::copysign(std::numeric_limits<float>::max(), value);
+    }
+    const Volume larger = Volume::fromDense(volume.size(), volume.lattice(), values, volume.facts());
+    EXPECT_TRUE(checkEdits(larger, {"", 100, seed, 0}, kQuiet).holds()) << "seed " << seed;
+  }
 }
 
 TEST(EditCheck, RefusesAndIsCancelled) {

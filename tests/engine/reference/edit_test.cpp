@@ -9,11 +9,16 @@
 // inside it. Floats at 0.05 m are off by some 1e-9 m.
 #include "engine/reference/edit.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
+#include <random>
 
 #include <gtest/gtest.h>
 
 #include "base/error.hpp"
+#include "engine/edit/random_edits.hpp"
 #include "engine/reference/isosurface.hpp"
 #include "engine/volume/mesh_distance.hpp"
 
@@ -276,6 +281,44 @@ TEST(Smooth, LeavesALinearFieldAlone) {
 // A mesh of a box, 6 x 7 x 8 mm, turned: its faces lie where they were, by a voxel of the stamp (0.25 mm) away from
 // edges, in planes that trilinear interpolation keeps: floats of distances below 1e-2 m are off by 1e-9 m, and the
 // mesh's own corners in float by 4e-8 of 40 voxels.
+// Densities anywhere among the floats, of neighbours too: differences, their squares and sums overflow, and axes with
+// different signs. No kind of edit may make anything but a number of it, and those that only move densities towards
+// their neighbours' none beyond all of these. 1e17 apart on these voxels the square of a slope overflows already.
+class Extremes : public testing::TestWithParam<EditKind> {};
+
+TEST_P(Extremes, StayFiniteAndAmongTheirNeighbours) {
+  const EditKind kind = GetParam();
+  for (const float most : {1e17F, 1e30F, std::numeric_limits<float>::max()}) {
+    std::mt19937 random(7);
+    const std::array<float, 8> values = {most, -most, most / 2, -most / 3, 1e-40F, 0, -0.0F, 60};
+    DenseField f = field([&](int, int, int) { return values[random() % values.size()]; });
+    for (const double strength : {1.0, 0.3, 1e-40}) {
+      for (const double falloff : {0.0, 0.7}) {
+        EditCommand command = brush(kind, 5e-3);
+        command.strength = strength;
+        command.falloff = falloff;
+        command.plane_W = command.from_W;
+        command.value = 1e30;
+        command.material = MaterialRate{-1e30, 1e30, 0.5};
+        if (isStamp(kind)) command.stamp = RandomEdits::ball(3e-3);
+        const BrushProfile steep = brushProfile(kIsovalue, -most, most, lattice().spacing_m);
+        const DenseField before = f;
+        reference::applyEdits(f, lowerEdits(std::span(&command, 1), kSize, lattice(), steep));
+        if (strength > 0.1) EXPECT_NE(f.values, before.values) << editName(kind);
+        ASSERT_TRUE(std::all_of(f.values.begin(), f.values.end(), [](float value) { return std::isfinite(value); }))
+            << editName(kind) << " at strength " << strength << ", densities up to " << most;
+        if (kind != EditKind::kSmooth && kind != EditKind::kInflate && kind != EditKind::kDeflate) continue;
+        // A mean of many may be off by its roundings.
+        for (const float value : f.values) ASSERT_LE(std::abs(static_cast<double>(value)), most * (1 + 1e-6));
+      }
+    }
+  }
+}
+INSTANTIATE_TEST_SUITE_P(Kinds, Extremes,
+                         testing::Values(EditKind::kAdd, EditKind::kRemove, EditKind::kPaint, EditKind::kFlatten,
+                                         EditKind::kCut, EditKind::kStampAdd, EditKind::kStampRemove, EditKind::kSmooth,
+                                         EditKind::kInflate, EditKind::kDeflate));
+
 TEST(Stamp, PutsTheMeshsFaces) {
   std::vector<Vec3> points;
   for (int c = 0; c < 8; ++c)
