@@ -77,7 +77,7 @@ class Session {
     command.to_W = command.from_W + Vec3(kSpacing_m, 0, 0);  // a voxel on: a piece of a stroke
     command.radius_m = radius_voxel * kSpacing_m;
     const std::span<const EditCommand> commands(&command, 1);
-    const std::vector<Editor::BrickContent> before = contentOf(engine_.editor().bricksToChange(commands));
+    const std::vector<BrickContent> before = contentOf(engine_.editor().bricksToChange(commands));
     engine_.timeKernels(time_kernels);
     const auto start = Clock::now();
     const Engine::EditResult result = engine_.edit(commands, 2);
@@ -140,8 +140,8 @@ class Session {
     return makePlan(scene);
   }
   [[nodiscard]] Vec3 centre_W() const { return Vec3(size_ / 2, size_ / 2, size_ / 2 + kPlane_voxel) * kSpacing_m; }
-  [[nodiscard]] std::vector<Editor::BrickContent> contentOf(const std::vector<std::uint32_t>& bricks) const {
-    std::vector<Editor::BrickContent> contents;
+  [[nodiscard]] std::vector<BrickContent> contentOf(const std::vector<std::uint32_t>& bricks) const {
+    std::vector<BrickContent> contents;
     for (const std::uint32_t brick : bricks) contents.push_back(engine_.editor().content(brick));
     return contents;
   }

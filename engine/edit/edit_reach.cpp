@@ -169,22 +169,6 @@ bool leavesAlone(const layout::EditCommand& c, float density) {
 
 }  // namespace
 
-Vec3i BrickGrid::counts() const noexcept {
-  return (size + Vec3i::Constant(kBrickSize - 1)) / kBrickSize;
-}
-std::uint32_t BrickGrid::index(const Vec3i& brick) const noexcept {
-  const Vec3i n = counts();
-  return (static_cast<std::uint32_t>(brick.z()) * static_cast<std::uint32_t>(n.y()) +
-          static_cast<std::uint32_t>(brick.y())) *
-             static_cast<std::uint32_t>(n.x()) +
-         static_cast<std::uint32_t>(brick.x());
-}
-Vec3i BrickGrid::brick(std::uint32_t index) const noexcept {
-  const Vec3i n = counts();
-  const auto i = static_cast<std::int64_t>(index);
-  return {static_cast<int>(i % n.x()), static_cast<int>(i / n.x() % n.y()), static_cast<int>(i / n.x() / n.y())};
-}
-
 std::vector<std::uint32_t> reachedBricks(const layout::EditCommand& c, const BrickGrid& grid) {
   std::vector<std::uint32_t> bricks;
   if (c.kind == EDIT_CUT) {

@@ -7,27 +7,10 @@
 #include <optional>
 #include <vector>
 
-#include "base/lattice.hpp"
+#include "engine/edit/brick_grid.hpp"
 #include "engine/edit/lower_edit.hpp"
 
 namespace palpate {
-
-// The bricks of a domain, as pages number them.
-struct BrickGrid {
-  Vec3i size = Vec3i::Zero();  // domain [voxel]
-  Vec3 spacing_m = Vec3::Ones();
-
-  [[nodiscard]] Vec3i counts() const noexcept;  // bricks along each axis
-  [[nodiscard]] std::uint32_t index(const Vec3i& brick) const noexcept;
-  [[nodiscard]] Vec3i brick(std::uint32_t index) const noexcept;
-};
-
-// Inclusive box of voxels.
-struct VoxelBox {
-  Vec3i first = Vec3i::Zero();
-  Vec3i last = Vec3i::Constant(-1);
-  [[nodiscard]] bool empty() const noexcept { return (first.array() > last.array()).any(); }
-};
 
 // Every brick in which the command may change a voxel, ascending; some in which it does not may be among them.
 [[nodiscard]] std::vector<std::uint32_t> reachedBricks(const layout::EditCommand& command, const BrickGrid& grid);

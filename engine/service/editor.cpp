@@ -39,51 +39,12 @@ BrickValues valuesOf(const Volume& volume, const Vec3i& brick) {
   return values;
 }
 
-VoxelBox boxOf(const BrickGrid& grid, std::uint32_t brick) {
-  const Vec3i first = grid.brick(brick) * kBrickSize;
-  return {first, (first + Vec3i::Constant(kBrickSize - 1)).cwiseMin(grid.size - Vec3i::Ones())};
-}
-
-VoxelBox intersection(const VoxelBox& a, const VoxelBox& b) {
-  return {a.first.cwiseMax(b.first), a.last.cwiseMin(b.last)};
-}
-
-VoxelBox widened(const VoxelBox& box, const Vec3i& by, const BrickGrid& grid) {
-  return {(box.first - by).cwiseMax(Vec3i::Zero()), (box.last + by).cwiseMin(grid.size - Vec3i::Ones())};
-}
-
-VoxelBox hull(const VoxelBox& a, const VoxelBox& b) {
-  if (a.empty()) return b;
-  if (b.empty()) return a;
-  return {a.first.cwiseMin(b.first), a.last.cwiseMax(b.last)};
-}
-
-template <typename Visit>
-void forEachCorner(const BrickGrid& grid, const Vec3i& brick, int step, const Visit& visit) {
-  const Vec3i counts = grid.counts();
-  for (int corner = 0; corner < 8; ++corner) {
-    const Vec3i other = brick + step * Vec3i(corner & 1, corner >> 1 & 1, corner >> 2);
-    if (other.minCoeff() >= 0 && (other.array() < counts.array()).all()) visit(grid.index(other));
-  }
-}
-
-Vec3i reachOf(const FilterChain* chain) {
-  return chain != nullptr ? chain->reach() : Vec3i::Zero();
+std::optional<Vec3i> reachOf(const FilterChain* chain) {
+  return chain != nullptr ? std::optional(chain->reach()) : std::nullopt;
 }
 
 std::uint32_t dispatchesOf(const FilterChain* chain) {
   return chain != nullptr ? chain->dispatches() : 0;
-}
-
-std::vector<EditPhase> phasesOf(const LoweredEdits& edits) {
-  std::vector<EditPhase> phases;
-  for (std::uint32_t i = 0; i < edits.commands.size(); ++i) {
-    const layout::uint kind = edits.commands[i].kind;
-    if (phases.empty() || phases.back().kind != kind || phases.back().stencil())
-      phases.push_back({kind, false, i, 0, {}});
-    ++phases.back().command_count;
-  }
-  return phases;
 }
 
 }  // namespace
@@ -92,6 +53,9 @@ Editor::Editor(const Parts& parts, const BrushProfile& profile, bool all_samples
     : parts_(parts),
       profile_(profile),
       grid_{parts.pool.size(), parts.pool.lattice().spacing_m},
+      planner_({parts.pool, parts.store, reachOf(parts.filters), reachOf(parts.smoothing), parts.gradient.reach(),
+                parts.isovalue, all_samples},
+               profile),
       all_samples_(all_samples),
       edit_(parts.gpu, parts.pool),
       tasks_(parts.gpu, "brick tasks", 1024),
@@ -135,156 +99,8 @@ void Editor::prepare(std::span<const EditKind> kinds) {
   }
 }
 
-std::optional<float> Editor::constantOf(const Plan& plan, std::uint32_t brick) const {
-  const auto found = plan.touched.find(brick);
-  if (found != plan.touched.end()) return found->second.stored ? std::nullopt : std::optional(found->second.constant);
-  const layout::BrickPage& page = parts_.pool.page(brick);
-  return page.slot == NO_SLOT ? std::optional(page.constant) : std::nullopt;
-}
-
-// What a constant brick holds after a phase, if it surely stays constant.
-std::optional<float> Editor::stillConstant(const Plan& plan, const EditPhase& phase, std::uint32_t brick,
-                                           float density) const {
-  if (phase.stencil()) {  // among bricks that hold the same there is nothing to even out or to move
-    const Vec3i at = grid_.brick(brick);
-    for (int side = 0; side < 6; ++side) {
-      const Vec3i other = at + Vec3i::Unit(side / 2) * (side % 2 == 0 ? -1 : 1);
-      if (other.minCoeff() < 0 || (other.array() >= grid_.counts().array()).any()) continue;
-      const std::optional<float> beside = constantOf(plan, grid_.index(other));
-      if (!beside || !sameBits(*beside, density)) return std::nullopt;
-    }
-    const bool negative_zero = sameBits(density, -0.0F);  // adding nothing to it gives +0
-    return negative_zero ? std::nullopt : std::optional(density);
-  }
-  for (std::uint32_t i = 0; i < phase.command_count; ++i) {
-    const std::optional<float> next =
-        uniformResult(plan.edits.commands[phase.first_command + i], grid_, brick, density);
-    if (!next) return std::nullopt;
-    density = *next;
-  }
-  return density;
-}
-
-void Editor::planPhase(Plan& plan, EditPhase& phase) const {
-  std::vector<std::uint32_t> bricks;
-  std::vector<VoxelBox> boxes;
-  for (std::uint32_t i = 0; i < phase.command_count; ++i) {
-    const layout::EditCommand& command = plan.edits.commands[phase.first_command + i];
-    const std::vector<std::uint32_t> reached = reachedBricks(command, grid_);
-    bricks.insert(bricks.end(), reached.begin(), reached.end());
-    boxes.push_back(reachedBox(command, grid_));
-  }
-  if (phase.command_count > 1) sortUnique(bricks);
-  // Constant bricks are judged by what their neighbours held before the phase, so the states change after the loop.
-  std::vector<std::pair<std::uint32_t, Touched>> states;
-  for (const std::uint32_t brick : bricks) {
-    const std::optional<float> constant = constantOf(plan, brick);
-    Touched state{};
-    const auto known = plan.touched.find(brick);
-    if (known != plan.touched.end()) state = known->second;
-    layout::EditTask task{brick, 0, 0, 0.0F};
-    if (constant) {
-      const std::optional<float> after = stillConstant(plan, phase, brick, *constant);
-      if (after && sameBits(*after, *constant)) continue;
-      task = after ? layout::EditTask{brick, NO_SLOT, 0, *after} : layout::EditTask{brick, 0, 1, *constant};
-      state.stored = !after;
-      state.is_new = !after;
-      state.constant = after.value_or(0);
-    } else {
-      state.stored = true;
-    }
-    const VoxelBox whole = boxOf(grid_, brick);
-    for (const VoxelBox& box : boxes) {
-      const VoxelBox part = intersection(whole, box);
-      if (!part.empty()) state.changed = hull(state.changed, part);
-    }
-    if (state.changed.empty()) state.changed = whole;
-    for (std::uint32_t i = 0; i < phase.command_count; ++i) {
-      if (mayCross(plan.edits.commands[phase.first_command + i], grid_, brick)) state.may_cross = true;
-    }
-    phase.tasks.push_back(task);
-    states.emplace_back(brick, state);
-  }
-  for (const auto& [brick, state] : states) plan.touched[brick] = state;
-}
-
-void Editor::planReach(Plan& plan) const {
-  std::vector<std::uint32_t> crossable;  // bricks whose cells the isosurface may cross from now on, or no longer
-  for (const auto& [brick, state] : plan.touched) {
-    const VoxelBox altered = widened(state.changed, reachOf(parts_.filters), grid_);
-    const VoxelBox smoothed = widened(altered, reachOf(parts_.smoothing), grid_);  // holds all of `altered`
-    appendReached(grid_, altered, Reach{}, plan.altered);
-    if (parts_.smoothing != nullptr) appendReached(grid_, smoothed, Reach{}, plan.smoothed);
-    appendReached(grid_, altered, kBoundsReach, plan.rebounded);
-    appendReached(grid_, smoothed, parts_.gradient.reach(), plan.regraded);
-    if (state.may_cross || parts_.filters != nullptr) appendReached(grid_, altered, kBoundsReach, crossable);
-    plan.new_bricks += state.is_new ? 1 : 0;
-  }
-  sortUnique(plan.altered);
-  sortUnique(plan.smoothed);
-  sortUnique(crossable);
-  sortUnique(plan.rebounded);
-  sortUnique(plan.regraded);
-  if (all_samples_) return;
-  for (const std::uint32_t brick : crossable) {
-    forEachCorner(grid_, grid_.brick(brick), 1, [&](std::uint32_t other) { plan.unsettled.push_back(other); });
-  }
-  sortUnique(plan.unsettled);
-  const auto has = [&](std::uint32_t brick) { return parts_.store.has(brick); };
-  std::copy_if(plan.unsettled.begin(), plan.unsettled.end(), std::back_inserter(plan.newly),
-               [&](std::uint32_t brick) { return !has(brick); });
-  plan.regraded.erase(std::remove_if(plan.regraded.begin(), plan.regraded.end(), std::not_fn(has)),
-                      plan.regraded.end());
-}
-
-Editor::Plan Editor::makePlan(std::span<const EditCommand> commands) const {
-  Plan plan;
-  plan.edits = lowerEdits(commands, parts_.pool.size(), parts_.pool.lattice(), profile_);
-  plan.phases = phasesOf(plan.edits);
-  for (EditPhase& phase : plan.phases) planPhase(plan, phase);
-  planReach(plan);
-  return plan;
-}
-
-// A phase that writes pages of bricks that are given one value, and one that puts densities in place.
-Editor::Plan Editor::makePlan(std::span<const BrickContent> bricks) const {
-  Plan plan;
-  EditPhase pages;
-  EditPhase given;
-  given.given = true;
-  for (const BrickContent& content : bricks) {
-    const bool is_constant = content.values.size() == 1;
-    const bool known = content.brick < parts_.pool.brickCount() && !plan.touched.contains(content.brick);
-    const bool finite =
-        std::all_of(content.values.begin(), content.values.end(), [](float v) { return std::isfinite(v); });
-    if (!known || !finite || (!is_constant && content.values.size() != kBrickVoxels)) {
-      throw Error(Error::Code::kBadInput, fmt::format("brick {}", content.brick),
-                  "it is not in the volume, comes twice, or has other than 1 or 512 finite densities",
-                  "give each brick of the volume at most once");
-    }
-    const layout::BrickPage& page = parts_.pool.page(content.brick);
-    const bool was_constant = page.slot == NO_SLOT;
-    if (is_constant && was_constant && sameBits(page.constant, content.values[0])) continue;
-    // Between two constants the isovalue may lie or not; of others nothing is known.
-    const bool may_cross =
-        !is_constant || !was_constant || (page.constant > parts_.isovalue) != (content.values[0] > parts_.isovalue);
-    Touched state{!is_constant, !is_constant && was_constant, is_constant ? content.values[0] : 0.0F,
-                  boxOf(grid_, content.brick), may_cross};
-    if (is_constant) {
-      pages.tasks.push_back({content.brick, NO_SLOT, 0, content.values[0]});
-      if (!was_constant) plan.emptied.push_back(content.brick);
-    } else {
-      given.tasks.push_back({content.brick, 0, was_constant ? 1U : 0U, page.constant});
-    }
-    plan.touched[content.brick] = state;
-  }
-  plan.phases = {std::move(pages), std::move(given)};
-  planReach(plan);
-  return plan;
-}
-
 // Where the budget is short, the message is about the whole edit, densities and samples.
-void Editor::makeBrickRoom(const Plan& plan) {
+void Editor::makeBrickRoom(const EditPlan& plan) {
   try {
     parts_.pool.reserve(plan.new_bricks);
     parts_.store.reserve(plan.newly.size());
@@ -304,15 +120,15 @@ void Editor::makeBrickRoom(const Plan& plan) {
 }
 
 // All that may fail for want of memory comes here, kernels included: then nothing has changed.
-void Editor::makeRoom(const Plan& plan) {
+void Editor::makeRoom(const EditPlan& plan) {
   edit_.fit(plan.phases, plan.edits, parts_.pool.stalePages());
   if (plan.phases.back().given) edit_.fitGiven(plan.phases.back().tasks.size());
   makeBrickRoom(plan);
   if (parts_.filters != nullptr)
-    parts_.filters->plan(plan.altered, [&](std::uint32_t brick) { return constantOf(plan, brick); });
+    parts_.filters->plan(plan.altered, [&](std::uint32_t brick) { return planner_.constantAfter(plan, brick); });
   if (parts_.smoothing != nullptr) {
     parts_.smoothing->plan(plan.smoothed, [&](std::uint32_t brick) {
-      return parts_.filters != nullptr ? parts_.filters->constantAfter(brick) : constantOf(plan, brick);
+      return parts_.filters != nullptr ? parts_.filters->constantAfter(brick) : planner_.constantAfter(plan, brick);
     });
   }
   tasks_.fit(plan.regraded.size() + plan.newly.size() + WindowPass::kMaxTasks);
@@ -336,7 +152,7 @@ void Editor::makeRoom(const Plan& plan) {
 }
 
 // Those that read a pool depend on its slabs, so this comes when all room is made.
-void Editor::makeKernels(const Plan& plan) {
+void Editor::makeKernels(const EditPlan& plan) {
   edit_.makeKernels(plan.phases);
   if (parts_.filters != nullptr) parts_.filters->makeKernels();
   if (parts_.smoothing != nullptr) parts_.smoothing->makeKernels();
@@ -345,7 +161,7 @@ void Editor::makeKernels(const Plan& plan) {
   parts_.window.makeKernels();
 }
 
-void Editor::handOutSlots(Plan& plan) {
+void Editor::handOutSlots(EditPlan& plan) {
   writeStalePages(plan);
   for (const std::uint32_t brick : plan.emptied) parts_.pool.empty(brick);
   for (const auto& [brick, state] : plan.touched) {
@@ -364,7 +180,7 @@ void Editor::handOutSlots(Plan& plan) {
 
 // Pages that became stale since the last edit are written before anything else: in the first phase, unless that reads
 // other bricks' pages. Before this edit's slots are handed out: pages here still say what the bricks hold now.
-void Editor::writeStalePages(Plan& plan) {
+void Editor::writeStalePages(EditPlan& plan) {
   const std::vector<std::uint32_t> stale = parts_.pool.takeStalePages();
   if (stale.empty()) return;
   if (plan.phases.front().stencil()) plan.phases.insert(plan.phases.begin(), EditPhase{});
@@ -377,16 +193,16 @@ void Editor::writeStalePages(Plan& plan) {
   }
 }
 
-bool Editor::reachesWindow(const Plan& plan, const WindowBox& box) const {
+bool Editor::reachesWindow(const EditPlan& plan, const WindowBox& box) const {
   const VoxelBox window{box.first, box.first + box.size - Vec3i::Ones()};
   const auto overlaps = [&](const VoxelBox& other) { return !intersection(window, other).empty(); };
-  const auto holds = [&](std::uint32_t brick) { return overlaps(boxOf(grid_, brick)); };
+  const auto holds = [&](std::uint32_t brick) { return overlaps(grid_.box(brick)); };
   if (std::any_of(plan.unsettled.begin(), plan.unsettled.end(), holds)) return true;
   return std::any_of(plan.regraded.begin(), plan.regraded.end(), holds) ||
          std::any_of(plan.altered.begin(), plan.altered.end(), holds);
 }
 
-void Editor::record(Plan& plan, const WindowTarget* target, Outcome& outcome) {
+void Editor::record(EditPlan& plan, const WindowTarget* target, Outcome& outcome) {
   gpu::Commands& commands = *commands_;
   BrickTasks gradient;
   for (const std::uint32_t brick : plan.regraded) gradient.add(brick, parts_.store.place(brick));
@@ -466,7 +282,7 @@ Editor::Outcome Editor::apply(std::span<const EditCommand> commands, const Windo
   refuseIfBroken();
   settle();
   const auto start = Clock::now();
-  Plan plan = makePlan(commands);
+  EditPlan plan = planner_.plan(commands);
   return run(plan, target, {}, secondsSince(start));
 }
 
@@ -474,11 +290,11 @@ Editor::Outcome Editor::replace(std::span<const BrickContent> bricks, const Wind
   refuseIfBroken();
   settle();
   const auto start = Clock::now();
-  Plan plan = makePlan(bricks);
+  EditPlan plan = planner_.plan(bricks);
   return run(plan, target, bricks, secondsSince(start));
 }
 
-Editor::Outcome Editor::run(Plan& plan, const WindowTarget* target, std::span<const BrickContent> given,
+Editor::Outcome Editor::run(EditPlan& plan, const WindowTarget* target, std::span<const BrickContent> given,
                             double planned_s) {
   Outcome outcome;
   outcome.changed_bricks = plan.touched.size();
@@ -522,7 +338,7 @@ Editor::Outcome Editor::run(Plan& plan, const WindowTarget* target, std::span<co
 }
 
 // Tasks were sorted by their slabs, so the densities follow them.
-void Editor::handOver(const Plan& plan, std::span<const BrickContent> given) {
+void Editor::handOver(const EditPlan& plan, std::span<const BrickContent> given) {
   if (given.empty()) return;
   std::unordered_map<std::uint32_t, const BrickContent*> by_brick;
   for (const BrickContent& content : given) by_brick[content.brick] = &content;
@@ -534,12 +350,12 @@ void Editor::handOver(const Plan& plan, std::span<const BrickContent> given) {
   edit_.given().write(values);
 }
 
-Editor::BrickContent Editor::content(std::uint32_t brick) const {
+BrickContent Editor::content(std::uint32_t brick) const {
   refuseIfBroken();
   return read(brick);
 }
 
-Editor::BrickContent Editor::read(std::uint32_t brick) const {
+BrickContent Editor::read(std::uint32_t brick) const {
   std::array<float, kBrickVoxels> values{};
   const bool is_constant = parts_.pool.readBrick(parts_.transfer, brick, values.data());
   return {brick, {values.begin(), is_constant ? values.begin() + 1 : values.end()}};
@@ -547,25 +363,23 @@ Editor::BrickContent Editor::read(std::uint32_t brick) const {
 
 std::vector<std::uint32_t> Editor::bricksToChange(std::span<const EditCommand> commands) const {
   std::vector<std::uint32_t> bricks;
-  for (const auto& [brick, state] : makePlan(commands).touched) bricks.push_back(brick);
+  for (const auto& [brick, state] : planner_.plan(commands).touched) bricks.push_back(brick);
   sortUnique(bricks);
   return bricks;
 }
 
 // A brick next to this one, in whose slab its samples should lie.
 std::optional<std::size_t> Editor::besideWithSamples(std::uint32_t brick) const {
-  const Vec3i at = grid_.brick(brick);
-  for (int side = 0; side < 6; ++side) {
-    const Vec3i other = at + Vec3i::Unit(side / 2) * (side % 2 == 0 ? -1 : 1);
-    if (other.minCoeff() < 0 || (other.array() >= grid_.counts().array()).any()) continue;
-    if (parts_.store.has(grid_.index(other))) return grid_.index(other);
-  }
-  return std::nullopt;
+  std::optional<std::size_t> found;
+  grid_.forEachBeside(grid_.brick(brick), [&](std::uint32_t other) {
+    if (!found && parts_.store.has(other)) found = other;
+  });
+  return found;
 }
 
 bool Editor::isActive(std::uint32_t brick) const {
   bool active = false;
-  forEachCorner(grid_, grid_.brick(brick), -1, [&](std::uint32_t other) { active = active || crossed_[other]; });
+  grid_.forEachAtCorner(grid_.brick(brick), -1, [&](std::uint32_t other) { active = active || crossed_[other]; });
   return active;
 }
 
@@ -616,7 +430,7 @@ std::size_t Editor::readBack(Volume& volume) {
   return count;
 }
 
-std::vector<Editor::BrickContent> Editor::takeChanged(std::size_t most) {
+std::vector<BrickContent> Editor::takeChanged(std::size_t most) {
   refuseIfBroken();
   settle();
   broken_ = true;  // bricks that were taken and not handed over would be missing in every later file

@@ -14,13 +14,11 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <unordered_map>
 #include <vector>
 
 #include "base/measured.hpp"
 #include "engine/edit/brush_profile.hpp"
 #include "engine/edit/edit_command.hpp"
-#include "engine/edit/edit_reach.hpp"
 #include "engine/passes/brick_bounds_pass.hpp"
 #include "engine/passes/brick_pool.hpp"
 #include "engine/passes/edit_pass.hpp"
@@ -28,6 +26,8 @@
 #include "engine/passes/gradient_pass.hpp"
 #include "engine/passes/sample_store.hpp"
 #include "engine/passes/window_pass.hpp"
+#include "engine/service/brick_content.hpp"
+#include "engine/service/edit_plan.hpp"
 
 namespace palpate {
 
@@ -77,10 +77,6 @@ class Editor {
   // Puts whole bricks back, as undo and replay do; each brick once, linear page indices (grid()). Counts as an edit;
   // for all else as apply(). At most 65536 bricks that are not constant at once. Refuses (Error kBadInput) a brick that
   // is not there or comes twice, and densities that are no finite numbers.
-  struct BrickContent {
-    std::uint32_t brick = 0;
-    std::vector<float> values;  // 512, i fastest, voxels outside the domain as Volume::readBrick gives them; or one
-  };
   Outcome replace(std::span<const BrickContent> bricks, const WindowTarget* target);
   [[nodiscard]] bool broken() const noexcept { return broken_; }
   [[nodiscard]] const BrickGrid& grid() const noexcept { return grid_; }
@@ -110,48 +106,19 @@ class Editor {
   [[nodiscard]] const BrushProfile& profile() const noexcept { return profile_; }
 
  private:
-  // A brick that the commands of one apply() may change.
-  struct Touched {
-    bool stored = false;     // has, or will have, a slot
-    bool is_new = false;     // will get one
-    float constant = 0;      // if it is not stored
-    VoxelBox changed;        // voxels that may change
-    bool may_cross = false;  // some may change sides of the isovalue
-  };
-  struct Plan {
-    LoweredEdits edits;
-    std::vector<EditPhase> phases;
-    std::unordered_map<std::uint32_t, Touched> touched;
-    std::vector<std::uint32_t> altered;    // bricks whose densities may change in the field that is felt
-    std::vector<std::uint32_t> smoothed;   // bricks whose smoothed densities may change, where there are such
-    std::vector<std::uint32_t> rebounded;  // bricks whose bounds may change
-    std::vector<std::uint32_t> unsettled;  // bricks that may become active or cease to be
-    std::vector<std::uint32_t> newly;      // of those, without samples until now
-    std::vector<std::uint32_t> regraded;   // bricks with samples whose gradients may change
-    std::vector<std::uint32_t> emptied;    // stored bricks that are given one value
-    std::size_t new_bricks = 0;
-  };
-
-  [[nodiscard]] Plan makePlan(std::span<const EditCommand> commands) const;
-  [[nodiscard]] Plan makePlan(std::span<const BrickContent> bricks) const;
-  void planPhase(Plan& plan, EditPhase& phase) const;
-  [[nodiscard]] std::optional<float> stillConstant(const Plan& plan, const EditPhase& phase, std::uint32_t brick,
-                                                   float density) const;
-  [[nodiscard]] std::optional<float> constantOf(const Plan& plan, std::uint32_t brick) const;
-  void planReach(Plan& plan) const;
-  Outcome run(Plan& plan, const WindowTarget* target, std::span<const BrickContent> given, double planned_s);
-  void handOver(const Plan& plan, std::span<const BrickContent> given);
+  Outcome run(EditPlan& plan, const WindowTarget* target, std::span<const BrickContent> given, double planned_s);
+  void handOver(const EditPlan& plan, std::span<const BrickContent> given);
   void makeSpareRoom();
-  void makeRoom(const Plan& plan);
-  void makeBrickRoom(const Plan& plan);
-  void makeKernels(const Plan& plan);
-  void handOutSlots(Plan& plan);
-  void writeStalePages(Plan& plan);
-  void record(Plan& plan, const WindowTarget* target, Outcome& outcome);
+  void makeRoom(const EditPlan& plan);
+  void makeBrickRoom(const EditPlan& plan);
+  void makeKernels(const EditPlan& plan);
+  void handOutSlots(EditPlan& plan);
+  void writeStalePages(EditPlan& plan);
+  void record(EditPlan& plan, const WindowTarget* target, Outcome& outcome);
   void downloadTouched();
   void refuseIfBroken() const;
   [[nodiscard]] BrickContent read(std::uint32_t brick) const;
-  [[nodiscard]] bool reachesWindow(const Plan& plan, const WindowBox& box) const;
+  [[nodiscard]] bool reachesWindow(const EditPlan& plan, const WindowBox& box) const;
   [[nodiscard]] std::optional<std::size_t> besideWithSamples(std::uint32_t brick) const;
   [[nodiscard]] bool isActive(std::uint32_t brick) const;
   void noteChanged(std::uint32_t brick);
@@ -159,6 +126,7 @@ class Editor {
   Parts parts_;
   BrushProfile profile_;
   BrickGrid grid_;
+  EditPlanner planner_;
   bool all_samples_;
   EditPass edit_;
   HostList<layout::BrickTask> tasks_;  // of gradients, then of the window

@@ -215,7 +215,7 @@ Engine::EditResult Engine::edit(std::span<const EditCommand> commands, std::int6
   return change(now_ns, [&](const Editor::WindowTarget* target) { return editor_->apply(commands, target); });
 }
 
-Engine::EditResult Engine::replace(std::span<const Editor::BrickContent> bricks, std::int64_t now_ns) {
+Engine::EditResult Engine::replace(std::span<const BrickContent> bricks, std::int64_t now_ns) {
   return change(now_ns, [&](const Editor::WindowTarget* target) { return editor_->replace(bricks, target); });
 }
 

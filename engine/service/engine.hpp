@@ -62,14 +62,14 @@ class Engine {
   // reach it. Throws as Editor::apply does; then nothing has changed.
   EditResult edit(std::span<const EditCommand> commands, std::int64_t now_ns);
   // The same with whole bricks, for undo and replay (Editor::replace).
-  EditResult replace(std::span<const Editor::BrickContent> bricks, std::int64_t now_ns);
+  EditResult replace(std::span<const BrickContent> bricks, std::int64_t now_ns);
   [[nodiscard]] const Editor& editor() const noexcept { return *editor_; }  // once edits are allowed
   void timeKernels(bool on) { editor_->timeKernels(on); }
   // Brings the bricks that edits changed back into the volume; returns how many of its bricks hold something else now.
   // For idle moments.
   std::size_t readBack(Volume& volume);
   // The same as copies, a part at a time (Editor::takeChanged); once edits are allowed.
-  [[nodiscard]] std::vector<Editor::BrickContent> takeChanged(std::size_t most) { return editor_->takeChanged(most); }
+  [[nodiscard]] std::vector<BrickContent> takeChanged(std::size_t most) { return editor_->takeChanged(most); }
   [[nodiscard]] std::uint64_t editVersion() const noexcept { return editor_ ? editor_->version() : 0; }
 
   // The field that is felt: the filtered one, as a volume; only where the plan filters. Cost: a copy of its bricks.

@@ -45,7 +45,7 @@ void BackgroundSaver::send(std::unique_ptr<Batch> batch) {
   batch_.notify_all();
 }
 
-void BackgroundSaver::give(std::vector<Editor::BrickContent> bricks, std::optional<std::uint64_t> save_version) {
+void BackgroundSaver::give(std::vector<BrickContent> bricks, std::optional<std::uint64_t> save_version) {
   send(std::make_unique<Batch>(Batch{std::move(bricks), save_version}));
 }
 
@@ -99,7 +99,7 @@ void BackgroundSaver::takeAndSave(const Batch& batch) noexcept {
 }
 
 void BackgroundSaver::takeIn(const Batch& batch) {
-  for (const Editor::BrickContent& content : batch.bricks) {
+  for (const BrickContent& content : batch.bricks) {
     putBrick(volume_, grid_.brick(content.brick), content.values);
   }
 }

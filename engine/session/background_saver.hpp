@@ -48,7 +48,7 @@ class BackgroundSaver {
   // By the engine's thread. Whether the last batch was taken in, and its save is done.
   [[nodiscard]] bool ready() const noexcept { return batch_.load(std::memory_order_acquire) == nullptr; }
   // Only when ready(). `save_version`: with this batch the volume is that of this edit version; save it now.
-  void give(std::vector<Editor::BrickContent> bricks, std::optional<std::uint64_t> save_version);
+  void give(std::vector<BrickContent> bricks, std::optional<std::uint64_t> save_version);
 
   // Only when ready(). Something that changed is lost on the way here: nothing is saved any more, and that is told.
   void abandon(const std::string& why);
@@ -69,7 +69,7 @@ class BackgroundSaver {
 
  private:
   struct Batch {
-    std::vector<Editor::BrickContent> bricks;
+    std::vector<BrickContent> bricks;
     std::optional<std::uint64_t> save_version;
     bool last = false;
   };

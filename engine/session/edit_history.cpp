@@ -10,16 +10,16 @@ namespace {
 
 constexpr std::size_t kMostAtOnce = 65536;  // bricks in one Editor::replace
 
-constexpr std::size_t kStepBytes = sizeof(std::vector<Editor::BrickContent>);  // of an edit that changes nothing, too
+constexpr std::size_t kStepBytes = sizeof(std::vector<BrickContent>);  // of an edit that changes nothing, too
 
 // With what the heap takes for each brick's vector: at least 32 bytes, and some beside a large one.
 std::size_t bytesOfBrick(std::size_t values) {
-  return sizeof(Editor::BrickContent) + std::max<std::size_t>(32, values * sizeof(float) + 16);
+  return sizeof(BrickContent) + std::max<std::size_t>(32, values * sizeof(float) + 16);
 }
 
-std::size_t bytesOf(const std::vector<Editor::BrickContent>& step) {
+std::size_t bytesOf(const std::vector<BrickContent>& step) {
   std::size_t bytes = kStepBytes;
-  for (const Editor::BrickContent& content : step) bytes += bytesOfBrick(content.values.size());
+  for (const BrickContent& content : step) bytes += bytesOfBrick(content.values.size());
   return bytes;
 }
 
@@ -96,7 +96,7 @@ void EditHistory::forgetBeyondBudget() {
 // Puts the step's bricks in place, all or none, and keeps in it what they replace.
 Engine::EditResult EditHistory::exchange(Step& step, std::int64_t now_ns) {
   std::vector<std::uint32_t> bricks;
-  for (const Editor::BrickContent& content : step) bricks.push_back(content.brick);
+  for (const BrickContent& content : step) bricks.push_back(content.brick);
   Step replaced = contentOf(bricks);
   Engine::EditResult result;
   result.version = engine_.editVersion();

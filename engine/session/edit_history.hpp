@@ -38,7 +38,7 @@ class EditHistory {
   [[nodiscard]] std::size_t forgotten() const noexcept { return forgotten_; }
 
  private:
-  using Step = std::vector<Editor::BrickContent>;  // what the bricks held before it; after an undo, what after
+  using Step = std::vector<BrickContent>;  // what the bricks held before it; after an undo, what after
   [[nodiscard]] Step contentOf(const std::vector<std::uint32_t>& bricks) const;
   Engine::EditResult exchange(Step& step, std::int64_t now_ns);
   [[nodiscard]] std::size_t bytesToKeep(const std::vector<std::uint32_t>& bricks) const;

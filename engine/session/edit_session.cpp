@@ -84,7 +84,7 @@ void EditSession::look(std::int64_t now_ns) {
 // What was taken from the editor and did not arrive would be missing in every later file, so then there is none.
 void EditSession::handOver(std::size_t most, bool save) {
   try {
-    std::vector<Editor::BrickContent> bricks = engine_.takeChanged(most);
+    std::vector<BrickContent> bricks = engine_.takeChanged(most);
     const bool complete = engine_.editor().changedBricks() == 0;
     saver_->give(std::move(bricks), save && complete ? std::optional(engine_.editVersion()) : std::nullopt);
   } catch (const std::exception& error) {

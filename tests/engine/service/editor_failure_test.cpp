@@ -65,8 +65,8 @@ struct Edited {
     return activeBricks(bounds.read(transfer), pool.brickCounts(), 0);
   }
   // Of the volume, and of the fields that chains made of it.
-  std::vector<Editor::BrickContent> all() {
-    std::vector<Editor::BrickContent> bricks;
+  std::vector<BrickContent> all() {
+    std::vector<BrickContent> bricks;
     for (std::uint32_t b = 0; b < pool.brickCount(); ++b) bricks.push_back(editor.content(b));
     for (const auto* chain : {filters.get(), smoothing.get()}) {
       for (std::uint32_t b = 0; chain != nullptr && b < pool.brickCount(); ++b) {
@@ -102,7 +102,7 @@ std::string refusal(const Work& work) {
 
 void expectGivesNothingAway(Edited& edited) {
   const auto edits = commands();
-  const std::vector<Editor::BrickContent> one = {{0, {5.0F}}};
+  const std::vector<BrickContent> one = {{0, {5.0F}}};
   const auto says = HasSubstr("in the middle of an edit");
   EXPECT_THAT(refusal([&] { edited.editor.apply(edits, nullptr); }), says);
   EXPECT_THAT(refusal([&] { edited.editor.replace(one, nullptr); }), says);
@@ -111,7 +111,7 @@ void expectGivesNothingAway(Edited& edited) {
   EXPECT_THAT(refusal([&] { edited.editor.readBack(edited.volume); }), says);
 }
 
-bool same(const std::vector<Editor::BrickContent>& a, const std::vector<Editor::BrickContent>& b) {
+bool same(const std::vector<BrickContent>& a, const std::vector<BrickContent>& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(),
                     [](const auto& x, const auto& y) { return x.brick == y.brick && x.values == y.values; });
 }
@@ -122,7 +122,7 @@ INSTANTIATE_TEST_SUITE_P(WithAndWithoutChains, FailingEdit, testing::Bool());
 TEST_P(FailingEdit, ChangesNothingOrIsTheLast) {
   gpu::Gpu gpu({});
   std::optional<Edited> edited(std::in_place, gpu, GetParam());
-  const std::vector<Editor::BrickContent> before = edited->all();
+  const std::vector<BrickContent> before = edited->all();
   const std::vector<EditCommand> edits = commands();
   int unchanged = 0;
   int broken = 0;

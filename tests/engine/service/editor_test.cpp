@@ -319,7 +319,7 @@ TEST(Editor, ReadBackCountsTheBricksThatHoldSomethingElse) {
   State state(gpu, volume, false);
   Editor editor(state.parts(gpu), profileOf(volume), false);
   const std::vector<EditCommand> dab = {brush(EditKind::kRemove, volume, {16, 20, 18}, 6e-3)};
-  std::vector<Editor::BrickContent> kept;
+  std::vector<BrickContent> kept;
   for (const std::uint32_t brick : editor.bricksToChange(dab)) kept.push_back(editor.content(brick));
   editor.apply(dab, nullptr);
   editor.settle();
@@ -600,7 +600,7 @@ TEST_P(EveryField, PutsBricksBack) {
   State before(gpu, volume, false, 0, true, chain_, way_);
   Editor editor(state.parts(gpu), profileOf(volume), false);
   RandomEdits random(volume.size(), volume.lattice(), -120, 220, 21);
-  std::vector<std::vector<Editor::BrickContent>> kept;
+  std::vector<std::vector<BrickContent>> kept;
   for (int n = 0; n < 40; ++n) {
     const std::vector<EditCommand> commands = {random.next(), random.next()};
     kept.emplace_back();
@@ -628,7 +628,7 @@ TEST(Editor, RefusesBricksThatAreNone) {
   const std::vector<float> one = {5};
   const std::vector<float> few(17, 5.0F);
   const std::vector<float> nan = {std::numeric_limits<float>::quiet_NaN()};
-  using Bricks = std::vector<Editor::BrickContent>;
+  using Bricks = std::vector<BrickContent>;
   for (const Bricks& bricks : {Bricks{{125, one}}, Bricks{{3, one}, {3, one}}, Bricks{{3, few}}, Bricks{{3, nan}}})
     EXPECT_THROW(editor.replace(bricks, nullptr), Error);
   EXPECT_EQ(editor.version(), 0U);
@@ -663,7 +663,7 @@ TEST_P(EveryField, CrossesIntoASecondSlab) {
   }
   EXPECT_EQ(state.pool.slabCount(), 2U);
   // More bricks than one binding holds are refused, before anything changes.
-  std::vector<Editor::BrickContent> many;
+  std::vector<BrickContent> many;
   for (std::uint32_t b = 0; b <= 65536; ++b) many.push_back({b, std::vector<float>(kBrickVoxels, 1.0F)});
   EXPECT_THROW(editor.replace(many, nullptr), Error);
   many.clear();

@@ -26,8 +26,8 @@ Volume plainVolume() {
 }
 
 // Every brick of the volume gets `value`; the third keeps 512 densities, so that both forms are taken in.
-std::vector<Editor::BrickContent> bricksOf(const Volume& volume, float value) {
-  std::vector<Editor::BrickContent> bricks;
+std::vector<BrickContent> bricksOf(const Volume& volume, float value) {
+  std::vector<BrickContent> bricks;
   for (std::uint32_t brick = 0; brick < static_cast<std::uint32_t>(volume.brickCount().prod()); ++brick) {
     bricks.push_back({brick, std::vector<float>(brick == 2 ? kBrickVoxels : 1, value)});
   }

@@ -63,7 +63,7 @@ EditCommand dab(const Vec3& at_m, EditKind kind = EditKind::kRemove) {
 // A copy of a constant brick takes what a constant brick needs, not what a stored one does.
 TEST(EditHistory, BricksOfOneDensityTakeLittle) {
   Edited edited(large(), std::size_t{1} << 30U);
-  const Editor::BrickContent content = edited.engine.editor().content(3);
+  const BrickContent content = edited.engine.editor().content(3);
   EXPECT_EQ(content.values.size(), 1U);
   EXPECT_EQ(content.values.capacity(), 1U);
   const EditCommand cut = cutAt(100.5e-3);

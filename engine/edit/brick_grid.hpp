@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// engine/edit/brick_grid.hpp: the bricks of a domain, as pages number them, and boxes of voxels in it. Any thread.
+#pragma once
+
+#include <cstdint>
+
+#include "base/vec.hpp"
+
+namespace palpate {
+
+// Inclusive box of voxels.
+struct VoxelBox {
+  Vec3i first = Vec3i::Zero();
+  Vec3i last = Vec3i::Constant(-1);
+  [[nodiscard]] bool empty() const noexcept { return (first.array() > last.array()).any(); }
+};
+[[nodiscard]] VoxelBox intersection(const VoxelBox& a, const VoxelBox& b);
+[[nodiscard]] VoxelBox hull(const VoxelBox& a, const VoxelBox& b);
+
+struct BrickGrid {
+  Vec3i size = Vec3i::Zero();  // domain [voxel]
+  Vec3 spacing_m = Vec3::Ones();
+
+  [[nodiscard]] Vec3i counts() const noexcept;  // bricks along each axis
+  [[nodiscard]] std::uint32_t index(const Vec3i& brick) const noexcept;
+  [[nodiscard]] Vec3i brick(std::uint32_t index) const noexcept;
+  [[nodiscard]] bool holds(const Vec3i& brick) const noexcept;
+  [[nodiscard]] VoxelBox box(std::uint32_t index) const noexcept;                       // its voxels in the domain
+  [[nodiscard]] VoxelBox widened(const VoxelBox& box, const Vec3i& by) const noexcept;  // cut to the domain
+
+  // Visits the indices of a brick and of the seven that share its first (step -1) or last (step 1) corner.
+  template <typename Visit>
+  void forEachAtCorner(const Vec3i& brick, int step, const Visit& visit) const {
+    for (int corner = 0; corner < 8; ++corner) {
+      const Vec3i other = brick + step * Vec3i(corner & 1, corner >> 1 & 1, corner >> 2);
+      if (holds(other)) visit(index(other));
+    }
+  }
+  // Those of the six that share a face with it.
+  template <typename Visit>
+  void forEachBeside(const Vec3i& brick, const Visit& visit) const {
+    for (int side = 0; side < 6; ++side) {
+      const Vec3i other = brick + Vec3i::Unit(side / 2) * (side % 2 == 0 ? -1 : 1);
+      if (holds(other)) visit(index(other));
+    }
+  }
+};
+
+}  // namespace palpate
