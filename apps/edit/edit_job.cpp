@@ -192,7 +192,11 @@ class Job {
   }
 
   std::vector<EditCommand> commandsOf(EditText& text) {
-    if (isStamp(text.command.kind)) text.command.stamp = stamps_.stampOf(text.mesh_file, text.metres_per_unit);
+    if (isStamp(text.command.kind)) {
+      // One that is not above the isovalue is refused when the edit is applied.
+      const double object = std::max(text.command.object.value_or(profile_.object), profile_.object);
+      text.command.stamp = stamps_.stampOf(text.mesh_file, text.metres_per_unit, object);
+    }
     return withMirror(text.command, text.mirror_axis, volume_.size(), volume_.lattice());
   }
 

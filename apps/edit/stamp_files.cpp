@@ -28,7 +28,7 @@ double widthOf(const std::vector<Vec3>& points) {
 
 }  // namespace
 
-std::shared_ptr<const Stamp> StampFiles::read(const std::string& file, double metres_per_unit) const {
+std::shared_ptr<const Stamp> StampFiles::read(const std::string& file, double metres_per_unit, double depth_m) const {
   TriangleMesh mesh = readMeshFile(file);
   for (Vec3& vertex : mesh.vertices_W) vertex *= metres_per_unit;
   const PreparedMesh prepared = prepareMesh(std::move(mesh), file);
@@ -44,7 +44,7 @@ std::shared_ptr<const Stamp> StampFiles::read(const std::string& file, double me
   // The lattice reaches the band beyond the mesh, and less than 8 voxels more (mesh_distance.cpp rounds up four times).
   const double coarsest_m = (widthOf(points) + 2 * profile_.band_m) / (kMaxMeshVoxels - 8);
   const double voxel_m = std::max(lattice_.smallestSpacing(), coarsest_m);
-  return std::make_shared<const Stamp>(meshDistance(points, triangles, voxel_m, profile_.band_m));
+  return std::make_shared<const Stamp>(meshDistance(points, triangles, voxel_m, profile_.band_m, depth_m));
 }
 
 void StampFiles::forget() {
@@ -55,14 +55,15 @@ void StampFiles::forget() {
   }
 }
 
-std::shared_ptr<const Stamp> StampFiles::stampOf(const std::string& file, double metres_per_unit) {
+std::shared_ptr<const Stamp> StampFiles::stampOf(const std::string& file, double metres_per_unit, double object) {
+  const double depth_m = rampDepth(profile_, object);
   const auto known = std::find_if(kept_.begin(), kept_.end(), [&](const Kept& kept) {
-    return kept.file == file && kept.metres_per_unit == metres_per_unit;
+    return kept.file == file && kept.metres_per_unit == metres_per_unit && kept.depth_m >= depth_m;
   });
   if (known != kept_.end()) {
     kept_.splice(kept_.begin(), kept_, known);
   } else {
-    kept_.push_front({file, metres_per_unit, read(file, metres_per_unit)});
+    kept_.push_front({file, metres_per_unit, depth_m, read(file, metres_per_unit, depth_m)});
     forget();
   }
   return kept_.front().stamp;

@@ -15,17 +15,20 @@ class StampFiles {
  public:
   StampFiles(const Lattice& lattice, const BrushProfile& profile) : lattice_(lattice), profile_(profile) {}
 
-  // Sampled at the volume's smallest spacing, coarser where that would take more than kMaxMeshVoxels along an axis.
+  // Sampled at the volume's smallest spacing, coarser where that would take more than kMaxMeshVoxels along an axis; as
+  // deep as the ramp to `object` [density] or to the background needs.
   // Throws Error: what readMeshFile() and prepareMesh() refuse; kBadInput for a mesh that is not closed.
-  [[nodiscard]] std::shared_ptr<const Stamp> stampOf(const std::string& file, double metres_per_unit);
+  [[nodiscard]] std::shared_ptr<const Stamp> stampOf(const std::string& file, double metres_per_unit, double object);
 
  private:
   struct Kept {
     std::string file;
     double metres_per_unit;
+    double depth_m;
     std::shared_ptr<const Stamp> stamp;
   };
-  [[nodiscard]] std::shared_ptr<const Stamp> read(const std::string& file, double metres_per_unit) const;
+  [[nodiscard]] std::shared_ptr<const Stamp> read(const std::string& file, double metres_per_unit,
+                                                  double depth_m) const;
   void forget();
 
   Lattice lattice_;

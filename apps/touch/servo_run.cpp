@@ -75,7 +75,7 @@ LoopResult runReal(ServoLoop& loop, ToolPoseMailbox& tool, Engine& engine, LiveE
   while (loop.running()) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
     progress.fraction(std::min(1.0, std::chrono::duration<double>(Clock::now() - start).count() / duration_s));
-    if (interrupted()) loop.requestStop();
+    if (interrupted() || publisher.failed()) loop.requestStop();
   }
   LoopResult result = loop.wait();
   publisher.stop();

@@ -13,6 +13,14 @@ BrushProfile brushProfile(double isovalue, double background, double object, con
   return profile;
 }
 
+double slopeTowards(const BrushProfile& profile, double object) {
+  return std::min(profile.slope_per_m, (object - profile.isovalue) / profile.band_m);
+}
+
+double rampDepth(const BrushProfile& profile, double object) {
+  return std::max(object - profile.isovalue, profile.isovalue - profile.background) / slopeTowards(profile, object);
+}
+
 BrushProfile brushProfile(const Volume& volume, double isovalue) {
   checkIsovalue(volume, isovalue);
   const VolumeStatistics statistics = statisticsOf(volume);

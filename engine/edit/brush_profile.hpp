@@ -27,4 +27,11 @@ inline constexpr double kRampVoxels = 2;  // band, in the largest spacing: more 
 // The ramp for given densities; the flatter side decides, so that it is linear over the band on both.
 [[nodiscard]] BrushProfile brushProfile(double isovalue, double background, double object, const Vec3& spacing_m);
 
+// The ramp of a surface that has `object` inside, above the isovalue [density/m]: flatter than the profile's where that
+// is nearer to the isovalue than the profile's own.
+[[nodiscard]] double slopeTowards(const BrushProfile& profile, double object);
+
+// How far under such a surface the ramp ends, whether it rises to `object` or falls to the background [m].
+[[nodiscard]] double rampDepth(const BrushProfile& profile, double object);
+
 }  // namespace palpate

@@ -63,7 +63,7 @@ class Lowering {
     out_.isovalue = f(profile_.isovalue);
     out_.background = f(profile_.background);
     out_.object = f(object);
-    out_.slope = f(profile_.slope_per_m);
+    out_.slope = f(command_.object ? slopeTowards(profile_, object) : profile_.slope_per_m);
   }
 
   void brush() {

@@ -110,7 +110,8 @@ vk::DescriptorSet Commands::State::bind(const Kernel::State& kernel, std::span<c
 void Commands::dispatch(const Kernel& kernel, std::span<const Buffer* const> buffers, std::span<const std::byte> push,
                         Groups groups) {
   const Kernel::State& pipeline = kernel.state();
-  const vk::DescriptorSet set = state_->bind(pipeline, buffers);
+  vk::DescriptorSet set;
+  guarded(*state_->gpu, state_->name, [&] { set = state_->bind(pipeline, buffers); });
   const vk::raii::CommandBuffer& commands = state_->buffer;
   commands.bindPipeline(vk::PipelineBindPoint::eCompute, *pipeline.pipeline);
   commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *pipeline.layout, 0, set, {});
@@ -169,10 +170,13 @@ std::vector<StageTime> Commands::marks() const {
   std::vector<StageTime> stages;
   if (state_->marks.size() < 2) return stages;
   const auto count = static_cast<std::uint32_t>(state_->marks.size());
-  const auto [result, ticks] =
-      state_->clock.getResults<std::uint64_t>(0, count, count * sizeof(std::uint64_t), sizeof(std::uint64_t),
-                                              vk::QueryResultFlagBits::e64 | vk::QueryResultFlagBits::eWait);
-  if (result != vk::Result::eSuccess) return stages;
+  std::vector<std::uint64_t> ticks;
+  guarded(*state_->gpu, state_->name, [&] {  // that waits until they are there
+    ticks = state_->clock
+                .getResults<std::uint64_t>(0, count, count * sizeof(std::uint64_t), sizeof(std::uint64_t),
+                                           vk::QueryResultFlagBits::e64 | vk::QueryResultFlagBits::eWait)
+                .second;
+  });
   for (std::uint32_t i = 1; i < count; ++i)
     stages.push_back({state_->marks[i], static_cast<double>(ticks[i] - ticks[i - 1]) * state_->tick_s});
   return stages;

@@ -21,6 +21,9 @@ namespace {
 // Room made at the start: 0.5 MiB of density and of each field that chains make of it, 2 MiB of samples.
 constexpr std::size_t kSpareBricks = 256;
 
+// plan, record, gpu, and the kernels' own: edit, filter, smoothing, bounds, gradient, window.
+constexpr std::size_t kStagesAtMost = 9;
+
 using Clock = std::chrono::steady_clock;
 
 double secondsSince(Clock::time_point start) {
@@ -310,6 +313,7 @@ Editor::Outcome Editor::run(EditPlan& plan, const WindowTarget* target, std::spa
       if (chain != nullptr) chain->abandon();
     throw;
   }
+  outcome.stages.reserve(kStagesAtMost);
   outcome.stages.push_back({"plan", planned_s + secondsSince(making_room)});
 
   const auto recording = Clock::now();
@@ -327,13 +331,13 @@ Editor::Outcome Editor::run(EditPlan& plan, const WindowTarget* target, std::spa
 
   const auto computing = Clock::now();
   commands_->run();
-  broken_ = false;
   outcome.stages.push_back({"gpu", secondsSince(computing)});
   for (StageTime& stage : commands_->marks()) outcome.stages.push_back(std::move(stage));
   rebounded_ = std::move(plan.rebounded);
   unsettled_ = std::move(plan.unsettled);
   settled_ = false;
   outcome.version = ++version_;
+  broken_ = false;
   return outcome;
 }
 

@@ -79,6 +79,7 @@ class Editor {
   // is not there or comes twice, and densities that are no finite numbers.
   Outcome replace(std::span<const BrickContent> bricks, const WindowTarget* target);
   [[nodiscard]] bool broken() const noexcept { return broken_; }
+  void refuseIfBroken() const;  // throws Error(kDevice)
   [[nodiscard]] const BrickGrid& grid() const noexcept { return grid_; }
   // What a brick holds now, in that form. After settle().
   [[nodiscard]] BrickContent content(std::uint32_t brick) const;
@@ -116,7 +117,6 @@ class Editor {
   void writeStalePages(EditPlan& plan);
   void record(EditPlan& plan, const WindowTarget* target, Outcome& outcome);
   void downloadTouched();
-  void refuseIfBroken() const;
   [[nodiscard]] BrickContent read(std::uint32_t brick) const;
   [[nodiscard]] bool reachesWindow(const EditPlan& plan, const WindowBox& box) const;
   [[nodiscard]] std::optional<std::size_t> besideWithSamples(std::uint32_t brick) const;

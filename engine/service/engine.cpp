@@ -137,6 +137,7 @@ bool Engine::publishFor(const ToolPose& tool, std::int64_t now_ns) {
 }
 
 bool Engine::publishAround(const Vec3& focus_W, std::int64_t now_ns) {
+  if (editor_ && editor_->broken()) return false;  // the volume is not known any more: nothing is vouched for
   const WindowBox box = windowAround(pool_->lattice().toIndex(focus_W), pool_->size());
   // A box that the volume's border stops does not follow the tool any further, so it is taken all the way there.
   const Vec3i last = pool_->size() - box.size;
@@ -224,6 +225,7 @@ std::size_t Engine::readBack(Volume& volume) {
 }
 
 Volume Engine::filtered(const VolumeFacts& facts) {
+  if (editor_) editor_->refuseIfBroken();
   return volumeOf(field(), transfer_, facts);
 }
 
@@ -231,6 +233,7 @@ RenderedImage Engine::draw(const Camera& camera) {
   if (!isosurface_) {
     throw Error(Error::Code::kBadInput, "picture", "the plan has no isosurface pass", "leave --picture on");
   }
+  if (editor_) editor_->refuseIfBroken();
   return isosurface_->draw(camera, isovalue_);
 }
 

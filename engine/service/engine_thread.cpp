@@ -44,6 +44,7 @@ void EngineThread::run() {
     }
   } catch (...) {
     failure_ = std::current_exception();
+    failed_ = true;
   }
 }
 

@@ -26,6 +26,7 @@ class EngineThread {
   EngineThread& operator=(const EngineThread&) = delete;
 
   void stop();  // waits for the thread's end; rethrows what it died of
+  [[nodiscard]] bool failed() const noexcept { return failed_.load(); }  // stop() will say of what
   [[nodiscard]] std::uint64_t publications() const noexcept { return publications_.load(); }
 
  private:
@@ -36,6 +37,7 @@ class EngineThread {
   Follow follow_;
   std::atomic<bool> stopping_ = false;
   std::atomic<std::uint64_t> publications_ = 0;
+  std::atomic<bool> failed_ = false;
   std::exception_ptr failure_;
   std::thread thread_;  // last: it uses all of the above
 };

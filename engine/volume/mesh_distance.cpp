@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/volume/mesh_distance.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <initializer_list>
 
 #include <fmt/format.h>
 #include <openvdb/openvdb.h>
@@ -17,9 +19,10 @@ namespace {
   throw Error(Error::Code::kBadInput, "mesh", reason, remedy);
 }
 
-void checkMesh(const std::vector<Vec3>& points, const std::vector<Vec3i>& triangles, double voxel_m, double band_m) {
-  if (!(std::isfinite(voxel_m) && voxel_m > 0 && std::isfinite(band_m) && band_m > 0))
-    refuse("its voxel size or band is not positive", "give lengths above 0");
+void checkMesh(const std::vector<Vec3>& points, const std::vector<Vec3i>& triangles,
+               std::initializer_list<double> lengths_m) {
+  if (!std::all_of(lengths_m.begin(), lengths_m.end(), [](double m) { return std::isfinite(m) && m > 0; }))
+    refuse("its voxel size, band or depth is not positive", "give lengths above 0");
   if (triangles.empty()) refuse("it has no triangles", "give a closed surface");
   const int count = static_cast<int>(points.size());
   for (const Vec3i& triangle : triangles) {
@@ -34,8 +37,8 @@ void checkMesh(const std::vector<Vec3>& points, const std::vector<Vec3i>& triang
 }  // namespace
 
 MeshDistance meshDistance(const std::vector<Vec3>& points, const std::vector<Vec3i>& triangles, double voxel_m,
-                          double band_m) {
-  checkMesh(points, triangles, voxel_m, band_m);
+                          double band_m, double depth_m) {
+  checkMesh(points, triangles, {voxel_m, band_m, depth_m});
   Vec3 low = points[static_cast<std::size_t>(triangles.front().x())];
   Vec3 high = low;
   for (const Vec3i& triangle : triangles) {
@@ -71,8 +74,11 @@ MeshDistance meshDistance(const std::vector<Vec3>& points, const std::vector<Vec
                                static_cast<openvdb::Index32>(t.z()));
   }
   const auto band = static_cast<float>(band_voxels);
+  // No point inside lies deeper than half the narrowest side of the mesh's box.
+  const double deepest_m = std::min(depth_m, (high - low).minCoeff() / 2);
+  const auto depth = static_cast<float>(std::ceil(deepest_m / voxel_m) + 1);
   const auto grid = openvdb::tools::meshToSignedDistanceField<openvdb::FloatGrid>(
-      *openvdb::math::Transform::createLinearTransform(1.0), vdb_points, vdb_triangles, {}, band, band);
+      *openvdb::math::Transform::createLinearTransform(1.0), vdb_points, vdb_triangles, {}, band, depth);
   const auto values = grid->getConstAccessor();
   mesh.distance_m.reserve(static_cast<std::size_t>(mesh.size.cast<long long>().prod()));
   for (int k = 0; k < mesh.size.z(); ++k) {

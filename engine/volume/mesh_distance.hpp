@@ -10,7 +10,7 @@
 
 namespace palpate {
 
-// Signed distances [m], negative inside. Beyond the band they were asked for they only keep their sign.
+// Signed distances [m], negative inside. Beyond the band and depth they were asked for they only keep their sign.
 struct MeshDistance {
   Vec3i size = Vec3i::Zero();  // [voxel], i fastest
   Lattice lattice;
@@ -19,10 +19,10 @@ struct MeshDistance {
 
 inline constexpr int kMaxMeshVoxels = 512;  // along an axis
 
-// `band_m`: how far from the surface distances are true; the lattice reaches as far around the mesh. Refuses
-// (Error kBadInput): no triangles, a corner that does not exist or is no number, a voxel size or band that is not
-// positive, a mesh that would need more than kMaxMeshVoxels voxels along an axis.
+// `band_m`: how far outside the surface distances are true; the lattice reaches as far around the mesh. `depth_m`: how
+// far inside. Refuses (Error kBadInput): no triangles, a corner that does not exist or is no number, a voxel size, band
+// or depth that is not positive, a mesh that would need more than kMaxMeshVoxels voxels along an axis.
 [[nodiscard]] MeshDistance meshDistance(const std::vector<Vec3>& points, const std::vector<Vec3i>& triangles,
-                                        double voxel_m, double band_m);
+                                        double voxel_m, double band_m, double depth_m);
 
 }  // namespace palpate

@@ -122,9 +122,9 @@ TEST_F(EditVerb, EveryKindIsTheCommandOfTheApi) {
   edits.back()[0].plane_W = {0, -9 * 1e-3, 0};
   edits.back()[0].normal_W = {0, -1, 0};
   const double h = 6 * 1e-3;
-  const auto stamp =
-      std::make_shared<const Stamp>(meshDistance({{0, 0, 0}, {0, 0, h}, {0, h, 0}, {h, 0, 0}},
-                                                 {{0, 2, 3}, {0, 3, 1}, {0, 1, 2}, {3, 2, 1}}, 1e-3, profile.band_m));
+  const auto stamp = std::make_shared<const Stamp>(meshDistance({{0, 0, 0}, {0, 0, h}, {0, h, 0}, {h, 0, 0}},
+                                                                {{0, 2, 3}, {0, 3, 1}, {0, 1, 2}, {3, 2, 1}}, 1e-3,
+                                                                profile.band_m, rampDepth(profile, profile.object)));
   edits.push_back({brush(EditKind::kStampAdd, 0, Vec3(8, -2, 2) * 1e-3)});
   edits.back()[0].stamp = stamp;
   edits.back()[0].R_WS = rotationOf({10, 20, 30});

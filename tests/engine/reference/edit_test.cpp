@@ -118,6 +118,22 @@ TEST_P(Sphere, LiesAtTheRadius) {
   for (const Vec3& direction : directions()) expectSurfaceAt(crossing(f, centre, direction, 1.4 * kRadius), kRadius);
 }
 
+// Also where what is filled is hardly denser than the isovalue.
+TEST(Add, LiesAtTheRadiusWhateverIsFilledIn) {
+  const Vec3 centre = at(kMiddle.x(), kMiddle.y(), kMiddle.z());
+  for (const double object : {kIsovalue + 0.5, kIsovalue + 20, 3000.0}) {
+    DenseField f = constant(-100);
+    EditCommand command = brush(EditKind::kAdd, kRadius);
+    command.object = object;
+    apply(f, command);
+    for (const Vec3& direction : directions()) expectSurfaceAt(crossing(f, centre, direction, 1.4 * kRadius), kRadius);
+    const double middle =
+        kIsovalue + slopeTowards(profile(), object) *
+                        (kRadius - (Vec3(23, 20, 16) - kMiddle).cwiseProduct(lattice().spacing_m).norm());
+    EXPECT_NEAR(f.at(23, 20, 16), std::min(object, middle), 1e-3);
+  }
+}
+
 // Around a stroke from a to b the same holds for the distance from the segment: all along it, so without gaps.
 TEST_P(Sphere, SweepsACapsuleWithoutGaps) {
   const bool adds = GetParam();
@@ -292,6 +308,7 @@ TEST_P(Extremes, StayFiniteAndAmongTheirNeighbours) {
     std::mt19937 random(7);
     const std::array<float, 8> values = {most, -most, most / 2, -most / 3, 1e-40F, 0, -0.0F, 60};
     DenseField f = field([&](int, int, int) { return values[random() % values.size()]; });
+    const DenseField first = f;
     for (const double strength : {1.0, 0.3, 1e-40}) {
       for (const double falloff : {0.0, 0.7}) {
         EditCommand command = brush(kind, 5e-3);
@@ -302,9 +319,8 @@ TEST_P(Extremes, StayFiniteAndAmongTheirNeighbours) {
         command.material = MaterialRate{-1e30, 1e30, 0.5};
         if (isStamp(kind)) command.stamp = RandomEdits::ball(3e-3);
         const BrushProfile steep = brushProfile(kIsovalue, -most, most, lattice().spacing_m);
-        const DenseField before = f;
         reference::applyEdits(f, lowerEdits(std::span(&command, 1), kSize, lattice(), steep));
-        if (strength > 0.1) EXPECT_NE(f.values, before.values) << editName(kind);
+        EXPECT_NE(f.values, first.values) << editName(kind);
         ASSERT_TRUE(std::all_of(f.values.begin(), f.values.end(), [](float value) { return std::isfinite(value); }))
             << editName(kind) << " at strength " << strength << ", densities up to " << most;
         if (kind != EditKind::kSmooth && kind != EditKind::kInflate && kind != EditKind::kDeflate) continue;
@@ -327,7 +343,8 @@ TEST(Stamp, PutsTheMeshsFaces) {
                                         {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
   for (const bool adds : {true, false}) {
     EditCommand command = brush(adds ? EditKind::kStampAdd : EditKind::kStampRemove, 0);
-    command.stamp = std::make_shared<Stamp>(meshDistance(points, triangles, 0.25e-3, profile().band_m));
+    command.stamp =
+        std::make_shared<Stamp>(meshDistance(points, triangles, 0.25e-3, profile().band_m, profile().band_m));
     command.R_WS = Eigen::AngleAxisd(0.5, Vec3(1, 1, 0).normalized()).matrix() * lattice().R_WL;
     DenseField f = constant(adds ? -100 : 200);
     apply(f, command);
@@ -341,13 +358,46 @@ TEST(Stamp, PutsTheMeshsFaces) {
   }
 }
 
+// The ramp goes on to the middle: a body's inside gets what a brush of its depth would give it. Background and object
+// lie five times as far from the isovalue as the flatter side, so the ramp is ten voxels deep and more.
+TEST(Stamp, FillsAndClearsToItsMiddle) {
+  const Vec3 half(6e-3, 6.5e-3, 7e-3);
+  std::vector<Vec3> points;
+  for (int c = 0; c < 8; ++c)
+    points.emplace_back((c & 1) != 0 ? half.x() : -half.x(), (c & 2) != 0 ? half.y() : -half.y(),
+                        (c & 4) != 0 ? half.z() : -half.z());
+  const std::vector<Vec3i> triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                                        {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+  for (const bool adds : {true, false}) {
+    const double near = adds ? kIsovalue - 130 : kIsovalue + 130;
+    const double far = adds ? kIsovalue + 650 : kIsovalue - 650;
+    const BrushProfile steep = brushProfile(kIsovalue, std::min(near, far), std::max(near, far), lattice().spacing_m);
+    const double depth_m = rampDepth(steep, steep.object);
+    EXPECT_NEAR(depth_m, 5 * steep.band_m, 1e-12);
+    EditCommand command = brush(adds ? EditKind::kStampAdd : EditKind::kStampRemove, 0);
+    command.stamp = std::make_shared<Stamp>(meshDistance(points, triangles, 0.25e-3, steep.band_m, depth_m));
+    command.R_WS = lattice().R_WL;
+    DenseField f = constant(near);
+    reference::applyEdits(f, lowerEdits(std::span(&command, 1), kSize, lattice(), steep));
+    for (const Vec3i& voxel : {Vec3i(23, 20, 16), Vec3i(22, 19, 15), Vec3i(25, 20, 16), Vec3i(23, 22, 16)}) {
+      const Vec3 away = (voxel.cast<double>() - kMiddle).cwiseProduct(lattice().spacing_m).cwiseAbs();
+      const double depth = (half - away).minCoeff();
+      ASSERT_GT(depth, 1.3 * steep.band_m);
+      // Trilinear samples of a distance that bends where two faces are as near: off by a voxel's diagonal of the stamp.
+      const double off = 0.25e-3 * std::sqrt(3) * steep.slope_per_m;
+      EXPECT_NEAR(f.at(voxel.x(), voxel.y(), voxel.z()), kIsovalue + (adds ? 1 : -1) * steep.slope_per_m * depth, off);
+    }
+  }
+}
+
 TEST(MeshDistance, RefusesWhatIsNoMesh) {
   const std::vector<Vec3> points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-  EXPECT_THROW((void)meshDistance(points, {}, 0.1, 0.2), Error);
-  EXPECT_THROW((void)meshDistance(points, {{0, 1, 3}}, 0.1, 0.2), Error);
-  EXPECT_THROW((void)meshDistance(points, {{0, 1, 2}}, 0, 0.2), Error);
-  EXPECT_THROW((void)meshDistance(points, {{0, 1, 2}}, 1e-4, 0.2), Error);
-  EXPECT_THROW((void)meshDistance({{0, 0, 0}, {1, 0, 0}, {0, std::nan(""), 0}}, {{0, 1, 2}}, 0.1, 0.2), Error);
+  EXPECT_THROW((void)meshDistance(points, {}, 0.1, 0.2, 0.2), Error);
+  EXPECT_THROW((void)meshDistance(points, {{0, 1, 3}}, 0.1, 0.2, 0.2), Error);
+  EXPECT_THROW((void)meshDistance(points, {{0, 1, 2}}, 0, 0.2, 0.2), Error);
+  EXPECT_THROW((void)meshDistance(points, {{0, 1, 2}}, 1e-4, 0.2, 0.2), Error);
+  EXPECT_THROW((void)meshDistance({{0, 0, 0}, {1, 0, 0}, {0, std::nan(""), 0}}, {{0, 1, 2}}, 0.1, 0.2, 0.2), Error);
+  EXPECT_THROW((void)meshDistance(points, {{0, 1, 2}}, 0.1, 0.2, 0), Error);
 }
 
 }  // namespace

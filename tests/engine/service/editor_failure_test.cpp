@@ -7,7 +7,7 @@
 
 #include "base/error.hpp"
 #include "engine/passes/active_bricks.hpp"
-#include "engine/service/editor.hpp"
+#include "engine/service/engine.hpp"
 #include "failing_memory.hpp"
 
 namespace palpate {
@@ -116,19 +116,29 @@ bool same(const std::vector<BrickContent>& a, const std::vector<BrickContent>& b
                     [](const auto& x, const auto& y) { return x.brick == y.brick && x.values == y.values; });
 }
 
+std::size_t allocationsOfAnEdit(gpu::Gpu& gpu, bool chains) {
+  Edited edited(gpu, chains);
+  edited.editor.timeKernels(true);
+  const std::size_t before = failing_memory::allocations;
+  edited.editor.apply(commands(), nullptr);
+  return failing_memory::allocations - before;
+}
+
 class FailingEdit : public testing::TestWithParam<bool> {};
 INSTANTIATE_TEST_SUITE_P(WithAndWithoutChains, FailingEdit, testing::Bool());
 
 TEST_P(FailingEdit, ChangesNothingOrIsTheLast) {
   gpu::Gpu gpu({});
   std::optional<Edited> edited(std::in_place, gpu, GetParam());
+  edited->editor.timeKernels(true);
   const std::vector<BrickContent> before = edited->all();
   const std::vector<EditCommand> edits = commands();
   int unchanged = 0;
   int broken = 0;
-  // Every allocation at first, then every seventh (of the many that chains make, fewer): the later ones repeat one
-  // another, a brick or a dispatch each.
-  for (std::size_t n = 1;; n += n < 20 ? 1 : GetParam() ? 29 : 7) {
+  const std::size_t all = allocationsOfAnEdit(gpu, GetParam());
+  // Every allocation at the start and at the end, where the edit's work is accounted for; between every seventh (of the
+  // many that chains make, fewer): those repeat one another, a brick or a dispatch each.
+  for (std::size_t n = 1;; n += n < 20 || n + 30 > all ? 1 : GetParam() ? 29 : 7) {
     bool failed = false;
     failing_memory::failAfter(n);
     try {
@@ -149,12 +159,37 @@ TEST_P(FailingEdit, ChangesNothingOrIsTheLast) {
     expectGivesNothingAway(*edited);
     edited.reset();
     edited.emplace(gpu, GetParam());
+    edited->editor.timeKernels(true);
   }
   EXPECT_FALSE(edited->editor.broken());
   EXPECT_EQ(edited->editor.version(), 1U);
   EXPECT_GT(edited->editor.changedBricks(), 8U);
   EXPECT_GT(unchanged, 10);
   EXPECT_GT(broken, 3);
+}
+
+// The engine around it vouches for nothing any more, so the servo lets go; it draws and hands out nothing.
+TEST(EditorFailure, EndsWindowsAndPictures) {
+  const Volume volume = halves();
+  Engine engine(volume, makePlan(Scene{}), 0, {});
+  engine.allowEdits(brushProfile(0, -100, 100, Vec3::Constant(1e-3)));
+  const Vec3 tool_W(16e-3, 20e-3, 20e-3);
+  ASSERT_TRUE(engine.publishAround(tool_W, 1));
+  for (std::size_t n = 20; !engine.editor().broken(); n += 10) {
+    failing_memory::failAfter(n);
+    EXPECT_ANY_THROW(engine.edit(commands(), 2)) << n;
+    failing_memory::failNoMore();
+    ASSERT_LT(n, 10000U);
+  }
+  const std::uint64_t version = engine.exchange().latest().version;
+  const std::int64_t confirmed_ns = engine.exchange().confirmedAt_ns();
+  EXPECT_FALSE(engine.publishAround(tool_W, 3));
+  EXPECT_FALSE(engine.publishAround(tool_W + Vec3(20e-3, 0, 0), 4));
+  EXPECT_EQ(engine.exchange().latest().version, version);
+  EXPECT_EQ(engine.exchange().confirmedAt_ns(), confirmed_ns);
+  const auto says = HasSubstr("in the middle of an edit");
+  EXPECT_THAT(refusal([&] { static_cast<void>(engine.draw(Camera{})); }), says);
+  EXPECT_THAT(refusal([&] { static_cast<void>(engine.filtered({})); }), says);
 }
 
 // What was taken and got lost on the way would be missing in every later file.
