@@ -10,12 +10,12 @@
 
 #include <fmt/format.h>
 
+#include "apps/bench/flat_volume.hpp"
+#include "apps/bench/full_recompute.hpp"
 #include "apps/bench/random.hpp"
 #include "apps/bench/scratch_folder.hpp"
 #include "apps/console/interrupt.hpp"
 #include "engine/journal/journal_writer.hpp"
-#include "engine/passes/active_bricks.hpp"
-#include "engine/passes/gpu_budget.hpp"
 #include "engine/service/engine.hpp"
 #include "servo/loop/quantile.hpp"
 
@@ -23,13 +23,13 @@ namespace palpate {
 namespace {
 
 constexpr const char* kWork = "palpate bench edit";
-constexpr double kIsovalue = 0.5;
-constexpr double kSpacing_m = 1e-3;
-constexpr double kPlane_voxel = 3.5;  // above the middle: in the middle of a layer of bricks
-constexpr double kRamp_voxel = 4;
 constexpr double kTargetRadius_voxel = 8;
+constexpr std::size_t kRecomputes = 3;  // of each volume and radius; more of what the target is about
 constexpr std::size_t kTurn = 8;  // edits of one volume before the next has its turn, as a stroke's follow one another
 
+using flat_volume::kIsovalue;
+using flat_volume::kPlane_voxel;
+using flat_volume::kSpacing_m;
 using Clock = std::chrono::steady_clock;
 double millisecondsSince(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
@@ -39,17 +39,6 @@ double median(std::vector<double> values) {
   return percentiles(std::move(values)).p50;
 }
 
-bool flatBrick(int size, const Vec3i& brick, float* values) {
-  const double surface = size / 2 + kPlane_voxel;
-  const auto at = [&](int k) {
-    return static_cast<float>(std::clamp(0.5 + (surface - brick.z() * kBrickSize - k) / kRamp_voxel, 0.0, 1.0));
-  };
-  values[0] = at(0);
-  if (at(0) == at(kBrickSize - 1)) return true;
-  for (int n = 0; n < kBrickVoxels; ++n) values[n] = at(n / (kBrickSize * kBrickSize));
-  return false;
-}
-
 // Milliseconds of every edit, by stage.
 using Times = std::map<std::string, std::vector<double>>;
 
@@ -57,7 +46,11 @@ using Times = std::map<std::string, std::vector<double>>;
 class Session {
  public:
   Session(int size, bool all_gradients, const std::string& gpu)
-      : size_(size), all_(all_gradients), volume_(flatVolume(size)), engine_(volume_, plan(), kIsovalue, gpu) {
+      : size_(size),
+        all_(all_gradients),
+        volume_(flat_volume::make(size)),
+        engine_(volume_, plan(), kIsovalue, gpu),
+        recompute_(volume_, kIsovalue, all_gradients, gpu) {
     const std::vector<EditKind> kinds = {EditKind::kRemove, EditKind::kAdd};
     engine_.allowEdits(brushProfile(kIsovalue, 0, 1, Vec3::Constant(kSpacing_m)), kinds);
     static_cast<void>(engine_.publishAround(centre_W(), 1));
@@ -84,8 +77,8 @@ class Session {
     const double whole_ms = millisecondsSince(start);
     const auto reading = Clock::now();
     static_cast<void>(engine_.readBack(volume_));
-    note(result, whole_ms, millisecondsSince(reading), time_kernels);
-    keep(commands);
+    const double read_back_ms = millisecondsSince(reading);
+    note(result, whole_ms, read_back_ms, keep(commands), time_kernels);
     engine_.timeKernels(false);
     static_cast<void>(engine_.replace(before, 3));
     static_cast<void>(engine_.readBack(volume_));
@@ -106,6 +99,11 @@ class Session {
       row.push_back({std::string(stage) + "_median_ms", p.p50});
       row.push_back({std::string(stage) + "_p99_ms", p.p99});
     }
+    const Percentiles anew = percentiles(recompute_.times_ms());
+    row.push_back({"recomputes", static_cast<std::int64_t>(recompute_.times_ms().size())});
+    row.push_back({"recompute_median_ms", anew.p50});
+    row.push_back({"recompute_p99_ms", anew.p99});
+    row.push_back({"recompute_over_edit", anew.p50 / percentiles(times_["to_window"]).p50});
     row.push_back({"share_outside_kernels", median(share_outside_)});
     row.push_back({"gpu_memory_MiB", static_cast<double>(engine_.memory().back().bytes) / 1048576.0});
     row.push_back({"bricks_not_put_back", notPutBack(radius_voxel)});
@@ -116,19 +114,24 @@ class Session {
 
   // The edit into the journal, as a session does it: what that takes of the engine's thread, and until the disk has
   // confirmed it, without the 3 ms in which a session's journal gathers records.
-  void keep(std::span<const EditCommand> commands) {
+  double keep(std::span<const EditCommand> commands) {
     const auto appending = Clock::now();
     journal_->edit(commands);
-    times_["journal"].push_back(millisecondsSince(appending));
+    const double ms = millisecondsSince(appending);
+    times_["journal"].push_back(ms);
     journal_->flush();
     times_["journal_saved"].push_back(millisecondsSince(appending));
+    return ms;
   }
+
+  void recompute() { recompute_.run(); }
 
   // What was measured so far.
   void forget() {
     times_.clear();
     share_outside_.clear();
     bricks_.clear();
+    recompute_.forget();
     edits_ = published_ = 0;
   }
 
@@ -146,7 +149,7 @@ class Session {
     return contents;
   }
 
-  void note(const Engine::EditResult& result, double whole_ms, double read_back_ms, bool timed) {
+  void note(const Engine::EditResult& result, double whole_ms, double read_back_ms, double journal_ms, bool timed) {
     std::map<std::string, double> ms;
     for (const StageTime& stage : result.stages) ms[stage.name] += stage.seconds * 1e3;
     const double to_window_ms = whole_ms - ms["settle"];
@@ -165,7 +168,7 @@ class Session {
     for (const char* stage : {"plan", "record", "publish", "settle"}) times_[stage].push_back(ms[stage]);
     times_["to_window"].push_back(to_window_ms);
     times_["read_back"].push_back(read_back_ms);
-    times_["sum"].push_back(whole_ms + read_back_ms);
+    times_["sum"].push_back(whole_ms + read_back_ms + journal_ms);
   }
 
   // Bricks within reach of the edits that do not hold what they did at first.
@@ -180,7 +183,7 @@ class Session {
       for (int y = low.y(); y <= high.y(); ++y) {
         for (int x = low.x(); x <= high.x(); ++x) {
           const bool constant = volume_.readBrick({x, y, z}, now.data());
-          const bool was_constant = flatBrick(size_, {x, y, z}, then.data());
+          const bool was_constant = flat_volume::brick(size_, {x, y, z}, then.data());
           const auto count = constant ? 1 : kBrickVoxels;
           const bool same = constant == was_constant && std::equal(now.begin(), now.begin() + count, then.begin());
           wrong += same ? 0 : 1;
@@ -194,47 +197,12 @@ class Session {
   bool all_;
   Volume volume_;
   Engine engine_;
+  FullRecompute recompute_;
   ScratchFolder folder_;
   std::optional<JournalWriter> journal_;  // in that folder
   Times times_;
   std::vector<double> share_outside_, bricks_;
   std::int64_t edits_ = 0, published_ = 0;
-};
-
-// Bounds, gradients of every brick, and a window, of a volume that is on the device already.
-class Recompute {
- public:
-  Recompute(int size, const std::string& name)
-      : gpu_(gpu::GpuRequest{.name = name}),
-        transfer_(gpu_),
-        pool_(gpu_, transfer_, flatVolume(size), makeGpuBudget()),
-        bounds_(gpu_, pool_),
-        store_(gpu_, pool_.brickCount(), allBricks(pool_.brickCounts()), pool_.budget()),
-        gradient_(gpu_, transfer_, pool_, store_),
-        window_(gpu_, pool_, store_),
-        box_(windowAround(Vec3::Constant(size / 2), pool_.size())),
-        buffer_(gpu_, "window", static_cast<std::size_t>(box_.size.prod()) * sizeof(Sample), gpu::MemoryKind::kHost) {}
-
-  void run(bool warm_up = false) {
-    const auto start = Clock::now();
-    bounds_.run();
-    gradient_.run();
-    window_.run(box_, buffer_);
-    if (!warm_up) times_ms_.push_back(millisecondsSince(start));
-  }
-  [[nodiscard]] const std::vector<double>& times_ms() const { return times_ms_; }
-
- private:
-  gpu::Gpu gpu_;
-  gpu::Transfer transfer_;
-  BrickPool pool_;
-  BrickBoundsPass bounds_;
-  SampleStore store_;
-  GradientPass gradient_;
-  WindowPass window_;
-  WindowBox box_;
-  gpu::Buffer buffer_;
-  std::vector<double> times_ms_;
 };
 
 const BenchRow* editRow(const BenchResult& result, int size, const std::string& gradients, double radius) {
@@ -251,10 +219,7 @@ class EditBench {
  public:
   EditBench(const EditBenchRequest& request, Progress& progress) : request_(request), progress_(progress) {
     for (const int size : request.sizes) open(size, false);
-    open(request.recompute_size, true);
-    progress_.stage("computing a whole volume");
-    recompute_ = std::make_unique<Recompute>(request.recompute_size, request.gpu);
-    recompute_->run(true);
+    open(request.all_size, true);
     result_.bench = "edit";
     result_.machine = machineInWords();
     result_.vulkan_device = fmt::format("{}, {}", sessions_[0]->gpu().name, sessions_[0]->gpu().driver);
@@ -262,7 +227,6 @@ class EditBench {
 
   BenchResult run() {
     for (const double radius : request_.radii) atRadius(radius);
-    addRecompute();
     addTargets();
     return std::move(result_);
   }
@@ -299,20 +263,13 @@ class EditBench {
         for (std::size_t n = first; n < std::min(first + kTurn, edits.size()); ++n) one(session, n);
       }
       ++first_session;
-      if (radius == kTargetRadius_voxel && turns++ % 2 == 0) recompute_->run();
+      for (const auto& session : sessions_) {
+        const bool judged = session->isAll() && radius == kTargetRadius_voxel && turns % 2 == 0;
+        if (turns < kRecomputes || judged) session->recompute();
+      }
+      ++turns;
     }
     for (const auto& session : sessions_) session->addRow(result_, radius, request_.seed);
-  }
-
-  void addRecompute() {
-    if (recompute_->times_ms().empty()) return;
-    const Percentiles p = percentiles(recompute_->times_ms());
-    result_.rows.push_back({{"part", "recompute"},
-                            {"volume_voxel", std::int64_t{request_.recompute_size}},
-                            {"gradients", "all"},
-                            {"recomputes", static_cast<std::int64_t>(recompute_->times_ms().size())},
-                            {"recompute_median_ms", p.p50},
-                            {"recompute_p99_ms", p.p99}});
   }
 
   void addTargets();
@@ -320,7 +277,6 @@ class EditBench {
   EditBenchRequest request_;
   Progress& progress_;
   std::vector<std::unique_ptr<Session>> sessions_;
-  std::unique_ptr<Recompute> recompute_;
   BenchResult result_;
 };
 
@@ -344,11 +300,10 @@ void EditBench::addTargets() {
     result_.rows.push_back({{"part", "ratio"}, {"edit_1024_over_64", ratio}});
     result_.targets.push_back({"the same, 1024^3 / 64^3 [-]", ratio, 1.2});
   }
-  const int size = request_.recompute_size;
-  const double share = figure(size, "all", "to_window_median_ms") / median(recompute_->times_ms());
-  result_.rows.push_back({{"part", "ratio"}, {"recompute_over_edit", 1 / share}});
+  const int size = request_.all_size;
+  const double share = 1 / figure(size, "all", "recompute_over_edit");
   result_.targets.push_back({fmt::format("edit / full recompute, {}^3, --gradient all [-]", size), share, 1.0 / 50});
-  double outside = 0;
+  double outside = figure(size, "all", "share_outside_kernels");
   for (const int one : request_.sizes) outside = std::max(outside, figure(one, "needed", "share_outside_kernels"));
   result_.targets.push_back({"share of an edit outside kernels, radius 8, worst volume [-]", outside, 0.5});
 }
@@ -361,15 +316,6 @@ EditBenchRequest EditBenchRequest::quick() {
   request.radii = {4, 8, 16};
   request.repetitions = 40;
   return request;
-}
-
-Volume flatVolume(int size) {
-  Lattice lattice;
-  lattice.spacing_m = Vec3::Constant(kSpacing_m);
-  VolumeFacts facts;
-  facts.source = fmt::format("a plane in {0} x {0} x {0} voxels", size);
-  return Volume::fromBricks(Vec3i::Constant(size), lattice, std::move(facts),
-                            [size](const Vec3i& brick, float* values) { return flatBrick(size, brick, values); });
 }
 
 BenchResult runEditBench(const EditBenchRequest& request, Progress& progress) {

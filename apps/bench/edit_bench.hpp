@@ -7,8 +7,9 @@
 // so that every edit meets the same one. Volumes take turns edit by edit, so what else the machine does meets all
 // alike. Half of the edits are timed by the device, kernel by kernel; sums come from the other half.
 //
-// Rows by "part": edit (a volume and a radius each), recompute, ratio, note. One thread. Throws Error as Engine does,
-// and Error(kCancelled) on Ctrl-C. Memory: 2048^3 takes some 3 GiB.
+// A volume's whole is computed anew now and then between edits. Rows by "part": edit (a volume and a radius each),
+// ratio, note. One thread. Throws Error as Engine does, and Error(kCancelled) on Ctrl-C. Memory: 2048^3 takes some 5
+// GiB.
 #pragma once
 
 #include <cstdint>
@@ -17,14 +18,13 @@
 
 #include "apps/bench/bench_result.hpp"
 #include "apps/console/progress.hpp"
-#include "engine/volume/volume.hpp"
 
 namespace palpate {
 
 struct EditBenchRequest {
   std::vector<int> sizes = {64, 256, 1024, 2048};  // along every edge, multiples of 16 [voxel]
   std::vector<double> radii = {2, 4, 8, 16, 32};   // [voxel]
-  int recompute_size = 256;                        // of the volume that is computed anew, whole [voxel]
+  int all_size = 256;                              // of the volume whose bricks all have gradients [voxel]
   int repetitions = 120;                           // for each volume and radius
   std::uint64_t seed = 1;
   std::string gpu;  // part of the Vulkan device's name
@@ -33,10 +33,6 @@ struct EditBenchRequest {
 };
 
 [[nodiscard]] BenchResult runEditBench(const EditBenchRequest& request, Progress& progress);
-
-// A cube of 1 mm voxels, density 1 below the plane z = size / 2 + 3.5 voxels, 0 above, a ramp of four voxels between
-// them. It lies in one layer of bricks; all others are constant.
-[[nodiscard]] Volume flatVolume(int size);
 
 [[nodiscard]] std::string editIntroduction();                    // for the page
 [[nodiscard]] std::string editTable(const BenchResult& result);  // for the terminal

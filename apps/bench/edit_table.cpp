@@ -38,43 +38,38 @@ std::string editIntroduction() {
          "of work, the four kernels change densities, bounds, gradients and the window, `submit, wait` is what the "
          "driver takes beside them, `publish` hands the window to the servo; that is `to window`. `settle` (storage "
          "given "
-         "back) and `VDB read-back` come after it; `sum` holds all up to here. `journal` is what the journal takes of "
-         "the "
-         "engine's thread, `on disk` the time until the disk has confirmed the record, without the 3 ms in which a "
+         "back) and `VDB read-back` come after it. `journal` is what the journal takes of the engine's thread; `sum` "
+         "holds "
+         "all of these. `on disk` is the time until the disk has confirmed the record, without the 3 ms in which a "
          "session "
-         "gathers records. Medians over edits at random places on the same "
-         "plane, "
-         "the volumes taking turns of eight; `all` has gradients in every brick. A full recompute is bounds, "
-         "gradients "
-         "of all bricks and a window, of a volume that is on the device already.";
+         "gathers records. Medians over edits at random places on the same plane, the volumes taking turns of eight; "
+         "`all` has gradients in every brick. `anew` is what it takes to compute that volume's bounds, gradients and "
+         "window anew, on the device, `times` how much dearer that is than the edit to its window.";
 }
 
 std::string editTable(const BenchResult& result) {
   std::string text = fmt::format(
       "{:<10} {:>6} {:>7}  {:>7} {:>7}  {:>6} {:>6} {:>6}  {:>6} {:>6} {:>6} {:>6}  {:>7} "
-      "{:>7} {:>7}  {:>7} {:>7}  {:>7} {:>7}\n",
+      "{:>7} {:>7}  {:>7} {:>7} {:>7}  {:>7} {:>8} {:>6} {:>7}\n",
       "volume", "radius", "bricks", "to win.", "p99", "plan", "record", "wait", "edit", "bounds", "grad.", "window",
-      "publish", "settle", "r.back", "journal", "on disk", "outside", "GPU");
+      "publish", "settle", "r.back", "journal", "on disk", "sum", "outside", "anew", "times", "GPU");
   text += fmt::format(
       "{:<10} {:>6} {:>7}  {:>7} {:>7}  {:>6} {:>6} {:>6}  {:>6} {:>6} {:>6} {:>6}  {:>7} {:>7} {:>7}  "
-      "{:>7} {:>7}  {:>7} {:>7}\n",
-      "", "voxel", "", "ms", "ms", "ms", "ms", "ms", "ms", "ms", "ms", "ms", "ms", "ms", "ms", "ms", "ms", "share",
-      "MiB");
+      "{:>7} {:>7} {:>7}  {:>7} {:>8} {:>6} {:>7}\n",
+      "", "voxel", "", "ms", "ms", "ms", "ms", "ms", "ms", "ms", "ms", "ms", "ms", "ms", "ms", "ms", "ms", "ms",
+      "share", "ms", "dearer", "MiB");
   for (const BenchRow& row : result.rows) {
     const std::string part = textOf(row, "part");
-    if (part == "recompute") {
-      text += fmt::format("full recompute of {:g}^3: median {:.1f} ms, p99 {:.1f} ms\n", figureOf(row, "volume_voxel"),
-                          figureOf(row, "recompute_median_ms"), figureOf(row, "recompute_p99_ms"));
-    }
     if (part != "edit") continue;
     const auto ms = [&](const char* stage) { return figureOf(row, std::string(stage) + "_median_ms"); };
     text += fmt::format(
         "{:<10} {:>6g} {:>7g}  {:>7.3f} {:>7.3f}  {:>6.3f} {:>6.3f} {:>6.3f}  {:>6.3f} {:>6.3f} {:>6.3f} "
-        "{:>6.3f}  {:>7.3f} {:>7.3f} {:>7.3f}  {:>7.3f} {:>7.2f}  {:>7.2f} {:>7.0f}\n",
+        "{:>6.3f}  {:>7.3f} {:>7.3f} {:>7.3f}  {:>7.3f} {:>7.2f} {:>7.3f}  {:>7.2f} {:>8.2f} {:>6.0f} {:>7.0f}\n",
         nameOf(row), figureOf(row, "radius_voxel"), figureOf(row, "changed_bricks_median"), ms("to_window"),
         figureOf(row, "to_window_p99_ms"), ms("plan"), ms("record"), ms("submit_and_wait"), ms("edit_kernel"),
         ms("bounds_kernel"), ms("gradient_kernel"), ms("window_kernel"), ms("publish"), ms("settle"), ms("read_back"),
-        ms("journal"), ms("journal_saved"), figureOf(row, "share_outside_kernels"), figureOf(row, "gpu_memory_MiB"));
+        ms("journal"), ms("journal_saved"), ms("sum"), figureOf(row, "share_outside_kernels"), ms("recompute"),
+        figureOf(row, "recompute_over_edit"), figureOf(row, "gpu_memory_MiB"));
   }
   return text;
 }

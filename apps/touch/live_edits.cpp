@@ -12,6 +12,7 @@
 
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
+#include "engine/edit/lower_edit.hpp"
 #include "engine/journal/volume_identity.hpp"
 #include "engine/volume/volume_file.hpp"
 #include "servo/algorithms/registry.hpp"
@@ -22,11 +23,11 @@ namespace {
 constexpr std::size_t kHistoryBytes = 0;  // a scripted run undoes nothing
 
 // The brush somewhere in the volume, to find out what is wrong with it before the run.
-void checkBrush(const EditCommand& brush, const std::string& text, const Volume& volume) {
+void checkBrush(const EditCommand& brush, const std::string& text, const Volume& volume, const BrushProfile& profile) {
   EditCommand command = brush;
   command.from_W = command.to_W = volume.lattice().toWorld((volume.size() / 2).cast<double>());
   try {
-    checkEdit(command, volume.size(), volume.lattice());
+    (void)lowerEdits(std::span(&command, 1), volume.size(), volume.lattice(), profile);
   } catch (const Error& error) {
     throw Error(error.code(), "--edit " + text, error.reason(), error.remedy());
   }
@@ -101,8 +102,9 @@ LiveEdits::LiveEdits(const Scene& scene, Volume& volume, Engine& engine)
       session_(
           engine,
           [&] {
-            checkBrush(toolBrushSpec(scene.edit).brush, scene.edit, volume);
-            return brushProfile(volume, *scene.isovalue);
+            const BrushProfile profile = brushProfile(volume, *scene.isovalue);
+            checkBrush(toolBrushSpec(scene.edit).brush, scene.edit, volume, profile);
+            return profile;
           }(),
           std::vector{toolBrushSpec(scene.edit).brush.kind}, kHistoryBytes) {
   if (!scene.journal.empty()) session_.keepJournal(scene.journal, identityOf(volume), journalOptions());

@@ -77,6 +77,20 @@ TEST_F(FailingRun, WithoutAnEditLeavesNoJournal) {
   EXPECT_FALSE(std::filesystem::exists(journalFile(journal)));
 }
 
+// A brush with which every edit would be refused is refused before the run.
+TEST_F(FailingRun, DoesNotBeginWithAFaintFilling) {
+  scene.edit = "add:radius=2mm:density=-5000";
+  Engine engine(volume, makePlan(Scene{}, false), *scene.isovalue, "");
+  try {
+    const LiveEdits edits(scene, volume, engine);
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(),
+                HasSubstr("--edit add:radius=2mm:density=-5000: its object density of -5000 is not above"));
+  }
+  EXPECT_FALSE(std::filesystem::exists(journalFile(journal)));
+}
+
 // What fails between the set-up and the servo finds nothing to save.
 TEST_F(FailingRun, BeforeItBeginsLeavesNothing) {
   {
