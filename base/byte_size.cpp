@@ -5,6 +5,7 @@
 #include <array>
 #include <cctype>
 #include <charconv>
+#include <cmath>
 #include <string_view>
 #include <utility>
 
@@ -15,11 +16,12 @@
 namespace palpate {
 namespace {
 
+constexpr double kMiB = 1048576.0;
 constexpr double kTooMany = 9223372036854775808.0;  // 2^63
 
 constexpr std::pair<std::string_view, double> kUnits[] = {
-    {"", 1},      {"b", 1},        {"kb", 1e3},        {"mb", 1e6},           {"gb", 1e9},
-    {"tb", 1e12}, {"kib", 1024.0}, {"mib", 1048576.0}, {"gib", 1073741824.0}, {"tib", 1099511627776.0}};
+    {"", 1},      {"b", 1},        {"kb", 1e3},   {"mb", 1e6},           {"gb", 1e9},
+    {"tb", 1e12}, {"kib", 1024.0}, {"mib", kMiB}, {"gib", 1073741824.0}, {"tib", 1099511627776.0}};
 
 }  // namespace
 
@@ -44,6 +46,23 @@ std::string byteSizeText(std::uint64_t bytes) {
   std::size_t unit = 0;
   for (; bytes != 0 && bytes % 1024 == 0 && unit + 1 < kBinaryUnits.size(); ++unit) bytes /= 1024;
   return fmt::format("{}{}", bytes, kBinaryUnits[unit]);
+}
+
+std::string bytesInWords(std::uint64_t bytes) {
+  constexpr std::array<const char*, 5> kNames = {"B", "KiB", "MiB", "GiB", "TiB"};
+  double value = static_cast<double>(bytes);
+  std::size_t unit = 0;
+  // What would be rounded to 1024 of a unit is 1 of the next.
+  for (; std::round(value) >= 1024 && unit + 1 < kNames.size(); ++unit) value /= 1024;
+  return fmt::format("{} {}", value >= 100 ? fmt::format("{:.0f}", value) : fmt::format("{:.3g}", value), kNames[unit]);
+}
+
+std::string inMiB(std::uint64_t bytes) {
+  return fmt::format("{:.1f} MiB", static_cast<double>(bytes) / kMiB);
+}
+
+std::string wholeMiB(std::uint64_t bytes) {
+  return fmt::format("{:.0f}MiB", std::ceil(static_cast<double>(bytes) / kMiB));
 }
 
 }  // namespace palpate

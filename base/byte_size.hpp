@@ -15,4 +15,9 @@ namespace palpate {
 // The same back, in the largest power of 1024 that gives a whole number: "2GiB", "1536MiB".
 [[nodiscard]] std::string byteSizeText(std::uint64_t bytes);
 
+// For messages and tables.
+[[nodiscard]] std::string bytesInWords(std::uint64_t bytes);  // three digits: "512 B", "1.5 MiB", "1.21 GiB"
+[[nodiscard]] std::string inMiB(std::uint64_t bytes);         // where sums are told: "1536.0 MiB"
+[[nodiscard]] std::string wholeMiB(std::uint64_t bytes);      // an option that holds so much, at least: "16MiB"
+
 }  // namespace palpate

@@ -7,6 +7,7 @@
 
 #include "apps/console/interrupt.hpp"
 #include "apps/mesh/mesh_writer.hpp"
+#include "base/byte_size.hpp"
 #include "base/error.hpp"
 #include "base/units.hpp"
 #include "engine/volume/isosurface_mesh.hpp"
@@ -68,12 +69,6 @@ struct Output {
     writeVolume(volume, request.out, request.unit, [&](std::string_view bytes) { take(bytes); });
   }
 };
-
-std::string bytesInWords(std::uint64_t bytes) {
-  const auto number = static_cast<double>(bytes);
-  if (number >= 1e9) return fmt::format("{:.2f} GB", number * 1e-9);
-  return number >= 1e6 ? fmt::format("{:.1f} MB", number * 1e-6) : fmt::format("{:.1f} kB", number * 1e-3);
-}
 
 }  // namespace
 

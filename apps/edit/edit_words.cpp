@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "apps/report/words.hpp"
+#include "base/byte_size.hpp"
 
 namespace palpate {
 namespace {

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "apps/console/progress.hpp"
+#include "base/byte_size.hpp"
 #include "base/units.hpp"
 #include "engine/volume/statistics.hpp"
 #include "verbs.hpp"
@@ -36,8 +37,8 @@ void printFacts(const Volume& volume) {
     fmt::print("  rescale      density = {:g} * stored + {:g}\n", facts.rescale_slope, facts.rescale_intercept);
   }
   if (facts.kept_isovalue) fmt::print("  surface      at isovalue {:g}, which the file keeps\n", *facts.kept_isovalue);
-  fmt::print("  bricks       {} of {} hold more than one value; {:.1f} MiB stored\n", volume.storedBricks(),
-             volume.brickCount().prod(), static_cast<double>(volume.storedBytes()) / 1048576.0);
+  fmt::print("  bricks       {} of {} hold more than one value; {} stored\n", volume.storedBricks(),
+             volume.brickCount().prod(), inMiB(volume.storedBytes()));
 }
 
 void printHistogram(const Histogram& histogram) {

@@ -4,6 +4,7 @@
 
 #include "apps/console/progress.hpp"
 #include "apps/touch/algorithm_setup.hpp"
+#include "base/byte_size.hpp"
 #include "engine/service/engine.hpp"
 #include "engine/volume/statistics.hpp"
 #include "scene_arguments.hpp"
@@ -29,10 +30,8 @@ void addPlanVerb(CLI::App& app) {
     progress.done();
     fmt::print("{} at isovalue {:g} on {}\n", scene.volume, isovalue, engine.gpu().name);
     for (const PlanLine& line : planLines(plan, engine.planFacts())) {
-      fmt::print(
-          "  {:<8}  {:<64} {:>10}  {}\n", line.done ? "do" : "leave", line.what,
-          line.saved_bytes > 0 ? fmt::format("-{:.1f} MiB", static_cast<double>(line.saved_bytes) / 1048576.0) : "",
-          line.why);
+      fmt::print("  {:<8}  {:<64} {:>10}  {}\n", line.done ? "do" : "leave", line.what,
+                 line.saved_bytes > 0 ? "-" + inMiB(line.saved_bytes) : "", line.why);
     }
   });
 }

@@ -7,6 +7,7 @@
 #include "apps/report/html_text.hpp"
 #include "apps/report/svg_plot.hpp"
 #include "apps/report/words.hpp"
+#include "base/byte_size.hpp"
 #include "base/units.hpp"
 
 namespace palpate {

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "base/byte_size.hpp"
 #include "base/units.hpp"
 
 namespace palpate {
@@ -119,14 +120,6 @@ std::string filesLine(const TouchRun& run) {
 std::string shortNumber(double value) {
   if (value != 0 && std::abs(value) >= 100 && std::abs(value) < 1e7) return fmt::format("{:.0f}", value);
   return fmt::format("{:.3g}", value);
-}
-
-std::string bytesInWords(std::uint64_t bytes) {
-  constexpr std::array<const char*, 5> kUnits = {"B", "KiB", "MiB", "GiB", "TiB"};
-  double value = static_cast<double>(bytes);
-  std::size_t unit = 0;
-  for (; value >= 1024 && unit + 1 < kUnits.size(); ++unit) value /= 1024;
-  return shortNumber(value) + " " + kUnits[unit];
 }
 
 std::string saveWords(const TouchRun& run) {

@@ -34,7 +34,6 @@ namespace palpate {
 
 // Three significant digits: 0.123, 12.3, 123, 1234 (never fewer than the integer has).
 [[nodiscard]] std::string shortNumber(double value);
-[[nodiscard]] std::string bytesInWords(std::uint64_t bytes);  // "512 B", "1.5 MiB"
-[[nodiscard]] std::string faultWord(std::size_t count);       // "no fault", "1 kind of fault", "3 kinds of fault"
+[[nodiscard]] std::string faultWord(std::size_t count);  // "no fault", "1 kind of fault", "3 kinds of fault"
 
 }  // namespace palpate

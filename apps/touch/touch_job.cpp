@@ -24,6 +24,7 @@
 #include "apps/touch/servo_run.hpp"
 #include "apps/touch/volume_surface.hpp"
 #include "base/atomic_file.hpp"
+#include "base/byte_size.hpp"
 #include "base/error.hpp"
 #include "engine/service/engine.hpp"
 #include "engine/volume/isosurface_mesh.hpp"
@@ -129,8 +130,7 @@ std::vector<std::string> planWords(const Plan& plan, const PlanFacts& facts) {
   std::vector<std::string> words;
   for (const PlanLine& line : planLines(plan, facts)) {
     std::string text = fmt::format("{}: {} ({})", line.done ? "done" : "left out", line.what, line.why);
-    if (line.saved_bytes > 0)
-      text += fmt::format("; saves {:.1f} MiB", static_cast<double>(line.saved_bytes) / 1048576.0);
+    if (line.saved_bytes > 0) text += "; saves " + inMiB(line.saved_bytes);
     words.push_back(std::move(text));
   }
   return words;

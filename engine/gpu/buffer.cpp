@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "base/byte_size.hpp"
 #include "base/error.hpp"
 #include "engine/gpu/buffer_state.hpp"
 
@@ -53,8 +54,7 @@ Buffer::Buffer(Gpu& gpu, std::string name, std::size_t bytes, MemoryKind kind) :
     vulkan.name(state_->memory, state_->name + " memory");
   } catch (const vk::SystemError& error) {
     throw Error(Error::Code::kOutOfMemory, state_->name,
-                fmt::format("{} has no {:.1f} MiB left for it ({})", vulkan.info.name,
-                            static_cast<double>(bytes) / 1048576.0, error.what()),
+                fmt::format("{} has no {} left for it ({})", vulkan.info.name, inMiB(bytes), error.what()),
                 "close other programs, use a smaller volume, or choose another device with --gpu");
   }
   state_->gpu = &vulkan;

@@ -21,16 +21,6 @@ struct GpuBudget {
   }
 };
 
-// As messages have it: "1.5 MiB".
-[[nodiscard]] inline std::string inMiB(std::uint64_t bytes) {
-  return fmt::format("{:.1f} MiB", static_cast<double>(bytes) / 1048576.0);
-}
-
-// The smallest --gpu-memory that holds so much: "16MiB".
-[[nodiscard]] inline std::string wholeMiB(std::uint64_t bytes) {
-  return fmt::format("{}MiB", (bytes + 1048575) / 1048576);
-}
-
 // 0: no limit but the device's.
 [[nodiscard]] inline std::shared_ptr<GpuBudget> makeGpuBudget(std::uint64_t limit_bytes = 0) {
   auto budget = std::make_shared<GpuBudget>();

@@ -14,6 +14,7 @@
 
 #include <fmt/format.h>
 
+#include "base/byte_size.hpp"
 #include "base/error.hpp"
 #include "engine/gpu/buffer.hpp"
 
@@ -35,12 +36,10 @@ class HostList {
     const std::size_t needed = std::max<std::size_t>(count, 1) * sizeof(Item);
     if (buffer_ && needed <= buffer_->bytes()) return;
     if (needed > most_bytes_) {
-      constexpr double kBytesPerMiB = 1048576.0;
-      throw Error(
-          Error::Code::kOutOfMemory, name_,
-          fmt::format("{:.1f} MiB are needed, and the device allows {:.1f} MiB at once; nothing was changed",
-                      static_cast<double>(needed) / kBytesPerMiB, static_cast<double>(most_bytes_) / kBytesPerMiB),
-          "use a smaller brush or stamp, or several edits");
+      throw Error(Error::Code::kOutOfMemory, name_,
+                  fmt::format("{} are needed, and the device allows {} at once; nothing was changed", inMiB(needed),
+                              inMiB(most_bytes_)),
+                  "use a smaller brush or stamp, or several edits");
     }
     const std::size_t doubled = buffer_ ? std::min<std::uint64_t>(2 * buffer_->bytes(), most_bytes_) : 0;
     buffer_ = gpu::Buffer(gpu_, name_, std::max(doubled, needed), gpu::MemoryKind::kHost);

@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "base/byte_size.hpp"
 #include "base/error.hpp"
 #include "engine/volume/brick_values.hpp"
 #include "servo/window/sample_window.hpp"

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "base/byte_size.hpp"
 #include "base/error.hpp"
 #include "engine/passes/active_bricks.hpp"
 #include "engine/passes/filter_chain.hpp"

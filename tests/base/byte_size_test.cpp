@@ -47,5 +47,23 @@ TEST(ByteSize, ComesBackFromItsText) {
   EXPECT_EQ(byteSizeText(1536ULL << 20U), "1536MiB");
 }
 
+TEST(ByteSize, InWords) {
+  EXPECT_EQ(bytesInWords(0), "0 B");
+  EXPECT_EQ(bytesInWords(512), "512 B");
+  EXPECT_EQ(bytesInWords(1536 * 1024), "1.5 MiB");
+  EXPECT_EQ(bytesInWords(1048575), "1 MiB");  // not 1024 KiB
+  EXPECT_EQ(bytesInWords(1000ULL << 20U), "1000 MiB");
+  EXPECT_EQ(bytesInWords(7870000000ULL), "7.33 GiB");
+  EXPECT_EQ(inMiB(1536ULL << 20U), "1536.0 MiB");
+  EXPECT_EQ(inMiB(100000), "0.1 MiB");
+}
+
+// What is told as enough is enough.
+TEST(ByteSize, WholeIsNeverLess) {
+  EXPECT_EQ(wholeMiB(16ULL << 20U), "16MiB");
+  EXPECT_EQ(wholeMiB((16ULL << 20U) + 1), "17MiB");
+  EXPECT_GE(byteSize(wholeMiB(123456789), ""), 123456789U);
+}
+
 }  // namespace
 }  // namespace palpate

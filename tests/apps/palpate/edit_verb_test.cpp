@@ -237,6 +237,18 @@ TEST_F(EditVerb, WritesAMeshOfWhatItEdited) {
   EXPECT_EQ(contentsOf(file("out.stl")).substr(80), contentsOf(file("direct.stl")).substr(80));
 }
 
+// Of a body that was cut, stamped and dented all over, so that it ends at the border too: what is not closed, a stamp
+// refuses.
+TEST_F(EditVerb, WritesAClosedMesh) {
+  for (const char* mesh : {"out.stl", "out.obj", "out.ply"}) {
+    expectSuccess(
+        run(Words{"edit", kVolume, mesh} +
+            dos({"add:radius=5:at=13,0,0", "remove:radius=4:from=-9,-9,-9:to=9,9,9", "inflate:radius=6:at=0,6,0",
+                 "cut:point=0,-6,0:normal=0.2,-1,0.1", "smooth:radius=8:at=6,0,0", "add:radius=0.6:at=0,0,0"})));
+    expectSuccess(edit(dos({fmt::format("stamp-add:mesh={}:at=0,0,0", mesh)})));
+  }
+}
+
 TEST_F(EditVerb, TheResultForPrograms) {
   expectSuccess(edit(dos({"remove:radius=5:at=6,0,0", "remove:radius=5:at=0,6,0", "undo"}) +
                      Words{"--json", "result.json", "--history", "1MiB", "--journal", "journal"}));
