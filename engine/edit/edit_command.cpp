@@ -12,8 +12,6 @@
 namespace palpate {
 namespace {
 
-constexpr double kLargestDensity = 1e30;  // products with it stay finite in float
-
 [[noreturn]] void refuse(const EditCommand& command, const std::string& reason, const std::string& remedy) {
   throw Error(Error::Code::kBadInput, fmt::format("edit '{}'", editName(command.kind)), reason, remedy);
 }
@@ -54,7 +52,8 @@ void checkBrush(const EditCommand& command, const Vec3i& size, const Lattice& la
 
 void checkDensity(const EditCommand& command, double density, const char* what) {
   if (std::isfinite(density) && std::abs(density) <= kLargestDensity) return;
-  refuse(command, fmt::format("its {} of {:g} is no density", what, density), "give a number between -1e30 and 1e30");
+  refuse(command, fmt::format("its {} of {:g} is no density", what, density),
+         fmt::format("give a number between {:g} and {:g}", -kLargestDensity, kLargestDensity));
 }
 
 void checkMaterial(const EditCommand& command, const MaterialRate& material) {

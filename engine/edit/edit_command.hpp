@@ -40,6 +40,8 @@ struct MaterialRate {
   double drop = 1;          // [0, 1]
 };
 
+inline constexpr double kLargestDensity = 1e30;  // that a command may name
+
 using Stamp = MeshDistance;  // in a frame of its own
 
 struct EditCommand {

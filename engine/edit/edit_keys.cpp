@@ -11,7 +11,6 @@
 namespace palpate {
 namespace {
 
-constexpr double kLargest = 1e30;  // density: as checkEdit() has it
 constexpr double kLeast = 1e-6;    // of what must be above 0
 
 template <typename... Kinds>
@@ -71,10 +70,10 @@ const std::array<EditKey, 19> kKeys = {{
     {"radius", "a length [mm]", kBrushes, true, true, "must be given", "of the brush", [](const EditValue& v, EditText& t) { t.command.radius_m = v.length(); }},
     {"strength", "1e-6 to 1", kAll, true, true, "1", "share of the way to the full effect", [](const EditValue& v, EditText& t) { t.command.strength = v.number(kLeast, 1); }},
     {"falloff", "0 to 1", kBrushes, true, true, "0", "share of the radius over which the effect fades to nothing", [](const EditValue& v, EditText& t) { t.command.falloff = v.number(0, 1); }},
-    {"value", "a density", bits(EditKind::kPaint), true, true, "0", "what is painted", [](const EditValue& v, EditText& t) { t.command.value = v.number(-kLargest, kLargest); }},
-    {"density", "a density", bits(EditKind::kAdd, EditKind::kFlatten, EditKind::kStampAdd), true, true, "the mean above the isovalue", "of what is filled; above the isovalue", [](const EditValue& v, EditText& t) { t.command.object = v.number(-kLargest, kLargest); }},
-    {"soft", "a density", bits(EditKind::kRemove), true, true, "0", "up to here material is removed at the full strength", [](const EditValue& v, EditText& t) { material(t).low_density = v.number(-kLargest, kLargest); }},
-    {"hard", "a density", bits(EditKind::kRemove), true, true, "1", "from here on at 1 - `drop` of it", [](const EditValue& v, EditText& t) { material(t).high_density = v.number(-kLargest, kLargest); }},
+    {"value", "a density", bits(EditKind::kPaint), true, true, "0", "what is painted", [](const EditValue& v, EditText& t) { t.command.value = v.number(-kLargestDensity, kLargestDensity); }},
+    {"density", "a density", bits(EditKind::kAdd, EditKind::kFlatten, EditKind::kStampAdd), true, true, "the mean above the isovalue", "of what is filled; above the isovalue", [](const EditValue& v, EditText& t) { t.command.object = v.number(-kLargestDensity, kLargestDensity); }},
+    {"soft", "a density", bits(EditKind::kRemove), true, true, "0", "up to here material is removed at the full strength", [](const EditValue& v, EditText& t) { material(t).low_density = v.number(-kLargestDensity, kLargestDensity); }},
+    {"hard", "a density", bits(EditKind::kRemove), true, true, "1", "from here on at 1 - `drop` of it", [](const EditValue& v, EditText& t) { material(t).high_density = v.number(-kLargestDensity, kLargestDensity); }},
     {"drop", "0 to 1", bits(EditKind::kRemove), true, true, "1", "share of the strength that hard material takes; without any of the three all is alike", [](const EditValue& v, EditText& t) { material(t).drop = v.number(0, 1); }},
     {"point", "x,y,z [mm]", kPlanes, true, false, "must be given; flatten: the brush's place", "a point of the plane", [](const EditValue& v, EditText& t) { t.command.plane_W = v.place(); }},
     {"normal", "x,y,z", kPlanes, true, false, "must be given", "of the plane, out of what stays; any length but 0", [](const EditValue& v, EditText& t) { t.command.normal_W = v.numbers(); }},

@@ -9,6 +9,7 @@
 
 #include "engine/edit/edit_math.hpp"
 #include "engine/edit/edit_reach.hpp"
+#include "engine/reference/neighbours.hpp"
 #include "engine/volume/brick_values.hpp"
 
 namespace palpate::reference {
@@ -39,19 +40,6 @@ class Before {
   std::unordered_map<std::uint32_t, Brick> bricks_;  // references into it stay valid
 };
 
-edit_math::Neighbours neighboursOf(Before& before, const Vec3i& size, const Vec3i& voxel) {
-  edit_math::Neighbours neighbours{};
-  for (int axis = 0; axis < 3; ++axis) {
-    Vec3i low = voxel;
-    Vec3i high = voxel;
-    low[axis] = std::max(voxel[axis] - 1, 0);
-    high[axis] = std::min(voxel[axis] + 1, size[axis] - 1);
-    neighbours.before[axis] = before.at(low);
-    neighbours.after[axis] = before.at(high);
-  }
-  return neighbours;
-}
-
 // Voxels of a brick outside the domain repeat the nearest one inside.
 Brick editedBrick(Before& before, const Vec3i& brick, const Vec3i& size, const layout::EditCommand& command,
                   const EditScale& scale, std::span<const float> stamps) {
@@ -66,7 +54,8 @@ Brick editedBrick(Before& before, const Vec3i& brick, const Vec3i& size, const l
         const edit_math::Local p = edit_math::local(command, scale, voxel.x(), voxel.y(), voxel.z());
         values[offsetIn(Vec3i(i, j, k))] =
             edit_math::readsNeighbours(command)
-                ? edit_math::editedWithNeighbours(command, scale, p, f, neighboursOf(before, size, voxel))
+                ? edit_math::editedWithNeighbours(
+                      command, scale, p, f, neighboursOf(voxel, size, [&](const Vec3i& at) { return before.at(at); }))
                 : edit_math::edited(command, stamps, p, f);
       }
     }

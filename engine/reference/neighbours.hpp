@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+// engine/reference/neighbours.hpp: the six densities around a voxel. Any thread.
+#pragma once
+
+#include <algorithm>
+
+#include "engine/edit/edit_math.hpp"
+
+namespace palpate::reference {
+
+// `density(voxel)`; the voxel itself stands for those beyond the domain.
+template <typename Density>
+edit_math::Neighbours neighboursOf(const Vec3i& voxel, const Vec3i& size, const Density& density) {
+  edit_math::Neighbours neighbours{};
+  for (int axis = 0; axis < 3; ++axis) {
+    Vec3i before = voxel;
+    Vec3i after = voxel;
+    before[axis] = std::max(voxel[axis] - 1, 0);
+    after[axis] = std::min(voxel[axis] + 1, size[axis] - 1);
+    neighbours.before[axis] = density(before);
+    neighbours.after[axis] = density(after);
+  }
+  return neighbours;
+}
+
+}  // namespace palpate::reference
