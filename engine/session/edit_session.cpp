@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/session/edit_session.hpp"
 
+#include <algorithm>
+#include <cerrno>
 #include <chrono>
 #include <cmath>
 
+#include "base/error.hpp"
 #include "base/units.hpp"
 
 namespace palpate {
@@ -19,9 +22,12 @@ void EditSession::keepJournal(const std::filesystem::path& folder, const VolumeI
   journal_.emplace(folder, JournalHeader{volume, engine_.editor().profile()}, std::move(options));
 }
 
-// What comes after the window is out (settling, brick by brick) is not the edit's way to the hand.
+// What comes after the window is out (settling, brick by brick) is not the edit's way to the hand. Nothing here throws
+// once the change is made: it must still come into the journal.
 template <typename Change>
 Engine::EditResult EditSession::timed(const Change& change) {
+  std::vector<double>& times = figures_.edit_to_window_s;
+  if (times.size() == times.capacity()) times.reserve(std::max<std::size_t>(1024, 2 * times.size()));
   const auto start = std::chrono::steady_clock::now();
   Engine::EditResult result = change();
   ++figures_.edits;
@@ -30,27 +36,35 @@ Engine::EditResult EditSession::timed(const Change& change) {
   double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   for (const StageTime& stage : result.stages) seconds -= stage.name == "settle" ? stage.seconds : 0;
   ++figures_.windows;
-  figures_.edit_to_window_s.push_back(seconds);
+  times.push_back(seconds);
   return result;
+}
+
+template <typename Change>
+Engine::EditResult EditSession::journalled(const Change& change, const std::function<void(JournalWriter&)>& append) {
+  try {
+    Engine::EditResult result = timed(change);
+    if (journal_) append(*journal_);
+    return result;
+  } catch (const Error&) {  // with nothing changed, or the engine is broken and changes nothing more
+    throw;
+  } catch (...) {
+    if (journal_) journal_->end("memory failed in the middle of an edit", ENOMEM);
+    throw;
+  }
 }
 
 Engine::EditResult EditSession::edit(std::span<const EditCommand> commands, std::int64_t now_ns) {
-  if (journal_) journal_->checkEdit(commands);
-  Engine::EditResult result = timed([&] { return history_.edit(commands, now_ns); });
-  if (journal_) journal_->edit(commands);
-  return result;
+  return journalled([&] { return history_.edit(commands, now_ns); },
+                    [&](JournalWriter& journal) { journal.edit(commands); });
 }
 
 Engine::EditResult EditSession::undo(std::int64_t now_ns) {
-  Engine::EditResult result = timed([&] { return history_.undo(now_ns); });
-  if (journal_) journal_->undo();
-  return result;
+  return journalled([&] { return history_.undo(now_ns); }, [](JournalWriter& journal) { journal.undo(); });
 }
 
 Engine::EditResult EditSession::redo(std::int64_t now_ns) {
-  Engine::EditResult result = timed([&] { return history_.redo(now_ns); });
-  if (journal_) journal_->redo();
-  return result;
+  return journalled([&] { return history_.redo(now_ns); }, [](JournalWriter& journal) { journal.redo(); });
 }
 
 void EditSession::keepSaved(Volume& volume, BackgroundSaver::Write write, double every_s) {

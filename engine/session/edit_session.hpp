@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // engine/session/edit_session.hpp: an editing session: every edit, undo and redo goes to the engine, into the history
 // and into the journal, in one order. An edit that the engine refuses is in none of them. The volume itself is saved
-// beside it (background_saver.hpp). Thread: the engine's.
+// beside it (background_saver.hpp). An edit that was applied is in the journal, or the journal has ended and says up to
+// where edits are saved. Thread: the engine's.
 // Cost: the engine's edit, a copy of the bricks that it changes, and an append to the journal's queue, which waits
 // only where the queue is full.
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <span>
@@ -47,7 +49,7 @@ class EditSession {
   void look(std::int64_t now_ns);
   [[nodiscard]] BackgroundSaver* saver() noexcept { return saver_ ? &*saver_ : nullptr; }
 
-  // Throw as EditHistory does.
+  // Throw as EditHistory does. Where that is no Error nobody knows whether the volume has changed: the journal ends.
   Engine::EditResult edit(std::span<const EditCommand> commands, std::int64_t now_ns);
   Engine::EditResult undo(std::int64_t now_ns);
   Engine::EditResult redo(std::int64_t now_ns);
@@ -67,6 +69,8 @@ class EditSession {
   void handOver(std::size_t most, bool save);
   template <typename Change>
   Engine::EditResult timed(const Change& change);
+  template <typename Change>
+  Engine::EditResult journalled(const Change& change, const std::function<void(JournalWriter&)>& append);
 
   Engine& engine_;
   EditHistory history_;

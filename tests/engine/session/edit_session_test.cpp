@@ -180,14 +180,12 @@ TEST(EditSession, GoesOnWhenTheDiskIsFull) {
 }
 
 // Before it is applied, so that the journal and the volume stay one.
-TEST(EditSession, RefusesAnEditThatTheJournalCannotHold) {
+TEST(EditSession, RefusesMoreCommandsThanAnEditMayHave) {
   TemporaryFolder folder;
   Session s;
-  JournalOptions options;
-  options.most_commands = 1;
-  s.session.keepJournal(folder.path(), s.header.volume, options);
+  s.session.keepJournal(folder.path(), s.header.volume);
   RandomEdits random(s.volume.size(), s.volume.lattice(), kLow, kHigh, 10);
-  const std::vector<EditCommand> commands = {random.next(), random.next()};
+  const std::vector<EditCommand> commands(kMaxCommands + 1, random.next());
   s.session.edit(std::span(commands).first(1), 0);
   const std::uint64_t hash = s.hash();
   EXPECT_THROW(s.session.edit(commands, 0), Error);
