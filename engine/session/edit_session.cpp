@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <chrono>
 #include <cmath>
+#include <utility>
 
 #include "base/error.hpp"
 #include "base/units.hpp"
@@ -85,14 +86,18 @@ bool EditSession::isSaved() const {
 void EditSession::look(std::int64_t now_ns) {
   if (!saver_ || !saving_ || save_period_ns_ == 0 || !saver_->ready()) return;
   if (next_ns_ == kNotSet) next_ns_ = now_ns + save_period_ns_;
+  const std::size_t changed = engine_.editor().changedBricks();
+  if (std::exchange(writing_, false)) left_ = changed;
   // Bricks that change again and again are copied once for each save, unless there are many.
   const bool due = isSaveDue(now_ns);
-  if (!due && engine_.editor().changedBricks() < kBricksAtOnce) return;
-  // Edits that change more between two looks than a look hands over would put a due save off for ever.
-  handOver(bricks_at_once_, due);
-  const bool complete = engine_.editor().changedBricks() == 0;
-  bricks_at_once_ = due && !complete ? 2 * bricks_at_once_ : kBricksAtOnce;
-  if (due && complete) next_ns_ = now_ns + save_period_ns_;
+  if (!due && changed < kBricksAtOnce) return;
+  // Edits that change more between two looks than a look hands over would put a due save off for ever. As many more as
+  // they changed, and the list is shorter by kBricksAtOnce each time: a save begins in the end.
+  handOver(kBricksAtOnce + (due && changed > left_ ? changed - left_ : 0), due);
+  left_ = engine_.editor().changedBricks();
+  if (!due || left_ > 0) return;
+  next_ns_ = now_ns + save_period_ns_;
+  writing_ = true;
 }
 
 // What was taken from the editor and did not arrive would be missing in every later file, so then there is none.
