@@ -6,12 +6,12 @@
 #include <cstring>
 #include <utility>
 
-#include <fcntl.h>
-#include <fmt/format.h>
 #include <unistd.h>
 
 #include "base/error.hpp"
 #include "base/flush_folder.hpp"
+#include "base/part_file.hpp"
+#include "base/write_all.hpp"
 
 namespace palpate {
 namespace {
@@ -41,15 +41,15 @@ AtomicFile::AtomicFile(std::filesystem::path target) : target_(std::move(target)
     throw Error(Error::Code::kIo, target_.string(), "it is not a plain file and will not be replaced",
                 "write to another name");
   }
-  temporary_ = target_;
-  temporary_ += fmt::format(".{}.part", getpid());
-  descriptor_ = open(temporary_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-  if (descriptor_ < 0) fail("cannot be created", errno);
+  PartFile part = openPartFile(target_);
+  if (part.descriptor < 0) fail("cannot be created", part.error);
+  temporary_ = std::move(part.name);
+  descriptor_ = part.descriptor;
 }
 
 AtomicFile::~AtomicFile() {
-  if (descriptor_ >= 0) close(descriptor_);
   if (!temporary_.empty()) unlink(temporary_.c_str());
+  if (descriptor_ >= 0) close(descriptor_);
 }
 
 void AtomicFile::fail(const std::string& what, int error) const {
@@ -57,12 +57,7 @@ void AtomicFile::fail(const std::string& what, int error) const {
 }
 
 void AtomicFile::drain() {
-  for (std::string_view rest = buffer_; !rest.empty();) {
-    const ssize_t written = ::write(descriptor_, rest.data(), rest.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) fail("cannot be written", errno);
-    rest.remove_prefix(static_cast<std::size_t>(written));
-  }
+  if (const int error = writeAll(descriptor_, buffer_); error != 0) fail("cannot be written", error);
   buffer_.clear();
 }
 
@@ -74,9 +69,9 @@ void AtomicFile::write(std::string_view text) {
 void AtomicFile::commit() {
   drain();
   if (fsync(descriptor_) != 0) fail("cannot be written", errno);
-  if (close(std::exchange(descriptor_, -1)) != 0) fail("cannot be written", errno);
   if (std::rename(temporary_.c_str(), target_.c_str()) != 0) fail("cannot be renamed into place", errno);
   temporary_.clear();
+  close(std::exchange(descriptor_, -1));  // not before: its lock says that the temporary file is in use
   const int error = flushFolder(target_.has_parent_path() ? target_.parent_path() : ".");
   if (error != 0) fail("its folder cannot be flushed", error);
 }

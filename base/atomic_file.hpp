@@ -3,8 +3,9 @@
 //
 // The text goes to a temporary file beside the target; commit() flushes it to the disk, checks every step, renames
 // it and flushes the folder. Without commit (an exception on the way) the temporary file is removed and an older target
-// stays as it was. Set-up code, one thread per object. Cost: a system call for each 64 KiB, and waiting for the disk at
-// commit. A process that wants an error instead of its death at a file size limit must ignore SIGXFSZ.
+// stays as it was; what a killed process left of it goes when the target is written next (base/part_file.hpp). Set-up
+// code, one thread per object. Cost: reading the folder's names, a system call for each 64 KiB, and waiting for the
+// disk at commit. A process that wants an error instead of its death at a file size limit must ignore SIGXFSZ.
 #pragma once
 
 #include <filesystem>

@@ -11,6 +11,7 @@
 #include "apps/edit/stamp_files.hpp"
 #include "apps/mesh/mesh_writer.hpp"
 #include "base/error.hpp"
+#include "engine/journal/acknowledged_file.hpp"
 #include "engine/journal/volume_identity.hpp"
 #include "engine/session/edit_session.hpp"
 #include "engine/volume/statistics.hpp"
@@ -130,7 +131,7 @@ class Job {
         stamps_(volume.lattice(), profile_) {
     result_.isovalue = isovalue;
     result_.gpu = engine_.gpu().name;
-    if (!request.journal.empty()) session_.keepJournal(request.journal, identityOf(volume));
+    if (!request.journal.empty()) session_.keepJournal(request.journal, identityOf(volume), watchedJournal());
   }
 
   EditResult run(Orders& orders, const ConvertRequest& output, AtomicFile& file) {

@@ -2,17 +2,14 @@
 #include "apps/touch/live_edits.hpp"
 
 #include <algorithm>
-#include <cstdlib>
 #include <iterator>
-#include <memory>
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
 #include "engine/edit/lower_edit.hpp"
+#include "engine/journal/acknowledged_file.hpp"
 #include "engine/journal/volume_identity.hpp"
 #include "engine/volume/volume_file.hpp"
 #include "servo/algorithms/registry.hpp"
@@ -48,36 +45,6 @@ void checkSave(const Scene& scene) {
   static_cast<void>(AtomicFile(scene.save));  // a folder that may not be written
 }
 
-// For who watches from outside (docs/journal.md): the newest acknowledged number, as text of one length, so that a
-// reader never sees half of one.
-class AcknowledgedFile {
- public:
-  explicit AcknowledgedFile(const char* name)
-      : descriptor_(open(name, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666)) {}
-  ~AcknowledgedFile() {
-    if (descriptor_ >= 0) close(descriptor_);
-  }
-  AcknowledgedFile(const AcknowledgedFile&) = delete;
-  AcknowledgedFile& operator=(const AcknowledgedFile&) = delete;
-  void set(std::uint64_t newest) const {
-    const std::string text = fmt::format("{:020}\n", newest);
-    if (descriptor_ >= 0) static_cast<void>(!pwrite(descriptor_, text.data(), text.size(), 0));
-  }
-
- private:
-  int descriptor_;
-};
-
-JournalOptions journalOptions() {
-  JournalOptions options;
-  if (const char* name = std::getenv("PALPATE_ACKNOWLEDGED"); name != nullptr) {
-    options.on_acknowledged = [file = std::make_shared<AcknowledgedFile>(name)](std::uint64_t newest) {
-      file->set(newest);
-    };
-  }
-  return options;
-}
-
 }  // namespace
 
 void checkEditOptions(const Scene& scene) {
@@ -107,7 +74,7 @@ LiveEdits::LiveEdits(const Scene& scene, Volume& volume, Engine& engine)
             return profile;
           }(),
           std::vector{toolBrushSpec(scene.edit).brush.kind}, kHistoryBytes) {
-  if (!scene.journal.empty()) session_.keepJournal(scene.journal, identityOf(volume), journalOptions());
+  if (!scene.journal.empty()) session_.keepJournal(scene.journal, identityOf(volume), watchedJournal());
   if (scene.save.empty()) return;
   volume.keepIsovalue(*scene.isovalue);
   const auto write = [file = scene.save](const Volume& edited, std::uint64_t) { return saveVolume(edited, file); };
@@ -193,6 +160,7 @@ std::string LiveEdits::kept(const RunEdits& edits) {
   if (edits.save_version)
     words = fmt::format("{} holds the volume up to edit {} of {}", save_, *edits.save_version, edits.count);
   if (edits.journal_saved > 0) {
+    // A tool makes edits and nothing else, so the number of a record is that of its edit.
     words += fmt::format("{}the journal {} holds edits up to number {}: see 'palpate recover'",
                          words.empty() ? "" : ", ", journal_, edits.journal_saved);
   }

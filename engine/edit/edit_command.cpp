@@ -76,6 +76,10 @@ void checkStamp(const EditCommand& command) {
   if (!command.stamp) refuse(command, "it has no stamp", "give a mesh");
   const Stamp& stamp = *command.stamp;
   checkLattice(stamp.lattice, "stamp");
+  const std::string size = fmt::format("{} x {} x {} voxels", stamp.size.x(), stamp.size.y(), stamp.size.z());
+  // First of all, so that their product is a number.
+  if (stamp.size.minCoeff() < 2 || stamp.size.maxCoeff() > 1024)
+    refuse(command, "its stamp has " + size, "give 2 to 1024 voxels along an axis");
   const long long voxels = stamp.size.cast<long long>().prod();
   if (voxels > kMostStampVoxels) {
     refuse(command,
@@ -83,12 +87,9 @@ void checkStamp(const EditCommand& command) {
                        kMostStampVoxels * sizeof(float) >> 20U),
            "make its voxels larger");
   }
-  if (stamp.size.minCoeff() < 2 || stamp.size.maxCoeff() > 1024 ||
-      stamp.distance_m.size() != static_cast<std::size_t>(stamp.size.cast<long long>().prod())) {
-    refuse(command,
-           fmt::format("its stamp has {} distances for {} x {} x {} voxels", stamp.distance_m.size(), stamp.size.x(),
-                       stamp.size.y(), stamp.size.z()),
-           "give 2 to 1024 voxels along an axis and a distance for each");
+  if (stamp.distance_m.size() != static_cast<std::size_t>(voxels)) {
+    refuse(command, fmt::format("its stamp has {} distances for {}", stamp.distance_m.size(), size),
+           "give a distance for each voxel");
   }
   if (!std::all_of(stamp.distance_m.begin(), stamp.distance_m.end(), [](float d) { return std::isfinite(d); }))
     refuse(command, "its stamp has distances that are no numbers", "make it again");

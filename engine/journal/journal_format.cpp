@@ -6,11 +6,14 @@
 #include <fmt/format.h>
 
 #include "base/error.hpp"
+#include "engine/edit/lower_edit.hpp"
 #include "engine/journal/byte_stream.hpp"
 #include "engine/journal/crc32c.hpp"
 
 namespace palpate {
 namespace {
+
+static_assert(sizeof(std::uint32_t) + kMaxCommands * kLongestCommand <= kLongestRecord);
 
 constexpr std::uint8_t kHasObject = 1;
 constexpr std::uint8_t kHasMaterial = 2;

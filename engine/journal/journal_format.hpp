@@ -40,9 +40,8 @@ inline constexpr std::size_t kRecordHead = 16;                // length, kind, s
 inline constexpr std::size_t kRecordFrame = kRecordHead + 4;  // and checksum
 inline constexpr std::uint32_t kLongestRecord = 1U << 30U;    // of its content [byte]
 
-// Of one edit: a command takes 142 bytes at most (a stamp with all that can be set), so their record is shorter than
-// the longest.
-inline constexpr std::size_t kMostCommands = std::size_t{1} << 22U;
+// A command's: flatten's, with all that can be set. An edit of as many as there may be is shorter than a record's most.
+inline constexpr std::size_t kLongestCommand = 154;  // [byte]
 
 [[nodiscard]] std::string headerBytes(const JournalHeader& header);
 [[nodiscard]] std::string recordBytes(RecordKind kind, std::uint64_t sequence, std::string_view content);

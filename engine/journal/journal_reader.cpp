@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/journal/journal_reader.hpp"
 
-#include <fstream>
-#include <iterator>
+#include <cerrno>
+#include <cstring>
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include "base/error.hpp"
 #include "engine/journal/byte_stream.hpp"
@@ -110,6 +112,28 @@ class Reading {
   std::size_t undone_ = 0;
 };
 
+// By the system's own calls: a stream ends where reading fails, or throws what says nothing of the file.
+std::string contentsOf(const std::filesystem::path& file) {
+  const int descriptor = open(file.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) {
+    throw Error(Error::Code::kIo, file.string(), fmt::format("it cannot be opened ({})", std::strerror(errno)),
+                "check its permissions");
+  }
+  std::string bytes;
+  std::vector<char> piece(std::size_t{1} << 20U);
+  ssize_t count = 0;
+  do {
+    count = read(descriptor, piece.data(), piece.size());
+    if (count > 0) bytes.append(piece.data(), static_cast<std::size_t>(count));
+  } while (count > 0 || (count < 0 && errno == EINTR));
+  const int error = count < 0 ? errno : 0;
+  close(descriptor);
+  if (error == 0) return bytes;
+  throw Error(Error::Code::kIo, file.string(), fmt::format("it cannot be read ({})", std::strerror(error)),
+              error == EISDIR ? "name the folder that --journal was given"
+                              : "check the disk, or bring the file back from a copy");
+}
+
 }  // namespace
 
 Journal readJournal(const std::filesystem::path& folder) {
@@ -123,10 +147,7 @@ Journal readJournal(const std::filesystem::path& folder) {
                                                                  : "there is no such folder";
     throw Error(Error::Code::kNotFound, folder.string(), reason, "name the folder that --journal was given");
   }
-  std::ifstream in(file, std::ios::binary);
-  if (!in) throw Error(Error::Code::kIo, file.string(), "it cannot be opened", "check its permissions");
-  const std::string bytes{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-  if (in.bad()) throw Error(Error::Code::kIo, file.string(), "it cannot be read", "check the disk");
+  const std::string bytes = contentsOf(file);
   Journal journal;
   const std::size_t first = readHeader(bytes, file.string(), journal.header);
   Reading(bytes).readRecords(first, journal);

@@ -5,28 +5,19 @@
 #include <cstring>
 #include <utility>
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
 #include "base/error.hpp"
 #include "base/flush_folder.hpp"
+#include "base/make_folder.hpp"
+#include "base/part_file.hpp"
+#include "base/write_all.hpp"
 
 namespace palpate {
 namespace {
 
 namespace fs = std::filesystem;
-
-// 0, or the error's number.
-int writeAll(int descriptor, std::string_view bytes) {
-  while (!bytes.empty()) {
-    const ssize_t written = ::write(descriptor, bytes.data(), bytes.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) return errno;
-    bytes.remove_prefix(static_cast<std::size_t>(written));
-  }
-  return 0;
-}
 
 [[noreturn]] void refuse(const fs::path& file, int error) {
   throw Error(Error::Code::kIo, file.string(), fmt::format("no journal can be kept there ({})", std::strerror(error)),
@@ -37,19 +28,17 @@ int writeAll(int descriptor, std::string_view bytes) {
 
 JournalWriter::JournalWriter(const fs::path& folder, const JournalHeader& header, JournalOptions options)
     : file_(journalFile(folder)), options_(std::move(options)) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) refuse(folder, error.value());
+  if (const int unmade = makeFolder(folder); unmade != 0) refuse(folder, unmade);
   const std::string bytes = headerBytes(header);
   // The header goes to a name of its own first, so that a journal is never there without one.
-  const fs::path draft = file_.string() + fmt::format(".{}.part", getpid());
-  descriptor_ = open(draft.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-  if (descriptor_ < 0) refuse(file_, errno);
+  const PartFile draft = openPartFile(file_);
+  if (draft.descriptor < 0) refuse(file_, draft.error);
+  descriptor_ = draft.descriptor;
   int failed = writeAll(descriptor_, bytes);
   if (failed == 0 && fsync(descriptor_) != 0) failed = errno;
   // link() never replaces a journal that is there.
-  if (failed == 0 && link(draft.c_str(), file_.c_str()) != 0) failed = errno;
-  unlink(draft.c_str());
+  if (failed == 0 && link(draft.name.c_str(), file_.c_str()) != 0) failed = errno;
+  unlink(draft.name.c_str());
   if (failed != 0) {
     ::close(descriptor_);
     if (failed != EEXIST) refuse(file_, failed);
@@ -69,15 +58,29 @@ JournalWriter::~JournalWriter() {
   close();
 }
 
-void JournalWriter::checkEdit(std::span<const EditCommand> commands) const {
-  if (commands.size() <= options_.most_commands) return;
-  throw Error(Error::Code::kBadInput, file_.string(),
-              fmt::format("{} commands in one edit, and its record holds {}", commands.size(), options_.most_commands),
-              "give them in several edits");
+template <typename Work>
+std::uint64_t JournalWriter::appendOrEnd(const Work& work) noexcept {
+  if (failed()) return ++sequence_;  // never acknowledged
+  try {
+    work();
+  } catch (...) {
+    ++sequence_;
+    end("there was no memory for a record", ENOMEM);
+  }
+  return sequence_;
 }
 
-std::uint64_t JournalWriter::edit(std::span<const EditCommand> commands) {
-  checkEdit(commands);
+std::uint64_t JournalWriter::edit(std::span<const EditCommand> commands) noexcept {
+  return appendOrEnd([&] { append(RecordKind::kEdit, editContent(commands, stampNumbers(commands))); });
+}
+std::uint64_t JournalWriter::undo() noexcept {
+  return appendOrEnd([&] { append(RecordKind::kUndo, {}); });
+}
+std::uint64_t JournalWriter::redo() noexcept {
+  return appendOrEnd([&] { append(RecordKind::kRedo, {}); });
+}
+
+std::vector<std::uint32_t> JournalWriter::stampNumbers(std::span<const EditCommand> commands) {
   std::vector<std::uint32_t> numbers;
   for (const EditCommand& command : commands) {
     std::uint32_t number = 0;
@@ -90,23 +93,23 @@ std::uint64_t JournalWriter::edit(std::span<const EditCommand> commands) {
     }
     numbers.push_back(number);
   }
-  return append(RecordKind::kEdit, editContent(commands, numbers));
+  return numbers;
 }
 
-std::uint64_t JournalWriter::append(RecordKind kind, std::string_view content) {
-  const std::string bytes = recordBytes(kind, ++sequence_, content);
+void JournalWriter::append(RecordKind kind, std::string_view content) {
+  const std::string bytes = recordBytes(kind, sequence_ + 1, content);
   std::unique_lock lock(mutex_);
   const auto room = [&] { return queue_.empty() || queue_.size() + bytes.size() <= options_.queue_bytes; };
-  if (!room() && failure_.empty()) {
+  if (!room() && !ended_) {
     hurry_ = true;
     wake_.notify_one();
-    progress_.wait(lock, [&] { return room() || !failure_.empty(); });
+    progress_.wait(lock, [&] { return room() || ended_; });
   }
-  if (!failure_.empty()) return sequence_;  // never acknowledged
-  queue_ += bytes;
-  queued_ = sequence_;
+  if (!ended_) queue_ += bytes;
+  ++sequence_;
+  if (ended_) return;
+  queued_ = {sequence_, queued_.edit + (kind == RecordKind::kStamp ? 0 : 1)};
   wake_.notify_one();
-  return sequence_;
 }
 
 void JournalWriter::work() {
@@ -117,16 +120,18 @@ void JournalWriter::work() {
     wake_.wait_for(lock, options_.gather, [&] { return closing_ || hurry_ || queue_.size() >= options_.queue_bytes; });
     hurry_ = false;
     const std::string group = std::exchange(queue_, {});
-    const std::uint64_t newest = queued_;
+    const Newest newest = queued_;
     progress_.notify_all();
     lock.unlock();
     const bool saved = writeGroup(group);
     if (saved) {
       bytes_ += group.size();
-      acknowledged_.store(newest, std::memory_order_release);
-      if (options_.on_acknowledged) options_.on_acknowledged(newest);
+      acknowledged_.store(newest.record, std::memory_order_release);
+      if (options_.on_acknowledged) options_.on_acknowledged(newest.record);
     }
     lock.lock();
+    if (saved) on_disk_ = newest;
+    ended_ = !saved;
     progress_.notify_all();
     if (!saved) {
       queue_.clear();
@@ -145,23 +150,34 @@ bool JournalWriter::writeGroup(const std::string& group) {
   return false;
 }
 
-void JournalWriter::fail(const std::string& what, int error) {
+// The disk first, so that it is known up to where edits are saved.
+void JournalWriter::end(const char* what, int error) noexcept {
+  flush();
+  fail(what, error);
+}
+
+void JournalWriter::fail(const char* what, int error) noexcept {
   const std::lock_guard lock(mutex_);
-  failure_ = fmt::format("{}: {} ({}); edits after number {} are not saved: make room and save the volume itself",
-                         file_.string(), what, std::strerror(error), acknowledged_.load());
+  if (failure_ != nullptr) return;
+  failure_ = what;
+  failure_error_ = error;
   failed_.store(true, std::memory_order_release);
 }
 
 std::string JournalWriter::failure() const {
   const std::lock_guard lock(mutex_);
-  return failure_;
+  if (failure_ == nullptr) return {};
+  const std::string record = on_disk_.edit == 0 ? "" : fmt::format(" (record {} of the journal)", on_disk_.record);
+  return fmt::format("{}: {} ({}); edits after number {}{} are not saved: {}save the volume itself", file_.string(),
+                     failure_, std::strerror(failure_error_), on_disk_.edit, record,
+                     failure_error_ == ENOMEM ? "" : "make room and ");
 }
 
 void JournalWriter::flush() {
   std::unique_lock lock(mutex_);
   hurry_ = !queue_.empty();
   wake_.notify_one();
-  progress_.wait(lock, [&] { return acknowledged() >= queued_ || !failure_.empty(); });
+  progress_.wait(lock, [&] { return on_disk_.record >= queued_.record || ended_; });
 }
 
 void JournalWriter::close() {
@@ -172,12 +188,17 @@ void JournalWriter::close() {
     wake_.notify_one();
   }
   thread_.join();
+  if (failed() && acknowledged() == 0) drop();
   ::close(std::exchange(descriptor_, -1));
+}
+
+void JournalWriter::drop() noexcept {
+  if (!std::exchange(dropped_, true)) unlink(file_.c_str());
 }
 
 void JournalWriter::closeAndDropEmpty() {
   close();
-  if (sequence_ == 0) unlink(file_.c_str());
+  if (acknowledged() == 0) drop();
 }
 
 }  // namespace palpate

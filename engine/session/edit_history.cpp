@@ -2,6 +2,7 @@
 #include "engine/session/edit_history.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "base/error.hpp"
 
@@ -33,7 +34,8 @@ EditHistory::Step EditHistory::contentOf(const std::vector<std::uint32_t>& brick
 }
 
 Engine::EditResult EditHistory::edit(std::span<const EditCommand> commands, std::int64_t now_ns) {
-  // What engine_.edit() throws, it throws with nothing changed; here neither.
+  // An Error of engine_.edit() comes with nothing changed; here neither. Once the volume has changed, nothing throws:
+  // who called must know that it did.
   if (budget_bytes_ == 0) {  // nothing would be kept, so there is no need to ask which bricks change
     Engine::EditResult result = engine_.edit(commands, now_ns);
     ++forgotten_;
@@ -46,10 +48,18 @@ Engine::EditResult EditHistory::edit(std::span<const EditCommand> commands, std:
     ++forgotten_;
     return result;
   }
-  Step before = contentOf(bricks);
-  Engine::EditResult result = engine_.edit(commands, now_ns);
-  forgetUndone();
-  keep(std::move(before));
+  steps_.push_back(contentOf(bricks));
+  Engine::EditResult result;
+  try {
+    result = engine_.edit(commands, now_ns);
+  } catch (const Error&) {
+    steps_.pop_back();
+    throw;
+  } catch (...) {  // changed or not: putting back what was there before is right for both
+    keepLast();
+    throw;
+  }
+  keepLast();
   return result;
 }
 
@@ -59,28 +69,23 @@ std::size_t EditHistory::bytesToKeep(const std::vector<std::uint32_t>& bricks) c
   return bytes;
 }
 
-void EditHistory::keep(Step step) {
-  bytes_ += bytesOf(step);
-  steps_.push_back(std::move(step));
-  ++done_;
+// The step that lies behind all others, instead of what was undone.
+void EditHistory::keepLast() noexcept {
+  for (std::size_t i = done_; i + 1 < steps_.size(); ++i) bytes_ -= bytesOf(steps_[i]);
+  bytes_ += bytesOf(steps_.back());
+  std::swap(steps_[done_], steps_.back());
+  steps_.resize(++done_);
   forgetBeyondBudget();
 }
 
-void EditHistory::forgetAll() {
+void EditHistory::forgetAll() noexcept {
   forgotten_ += done_;
   steps_.clear();
   done_ = bytes_ = 0;
 }
 
-void EditHistory::forgetUndone() {
-  while (steps_.size() > done_) {
-    bytes_ -= bytesOf(steps_.back());
-    steps_.pop_back();
-  }
-}
-
 // The oldest first; when none of those is left, what was undone, the newest first.
-void EditHistory::forgetBeyondBudget() {
+void EditHistory::forgetBeyondBudget() noexcept {
   while (bytes_ > budget_bytes_ && done_ > 0) {
     bytes_ -= bytesOf(steps_.front());
     steps_.pop_front();

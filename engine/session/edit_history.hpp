@@ -42,10 +42,9 @@ class EditHistory {
   [[nodiscard]] Step contentOf(const std::vector<std::uint32_t>& bricks) const;
   Engine::EditResult exchange(Step& step, std::int64_t now_ns);
   [[nodiscard]] std::size_t bytesToKeep(const std::vector<std::uint32_t>& bricks) const;
-  void keep(Step step);
-  void forgetAll();
-  void forgetUndone();
-  void forgetBeyondBudget();
+  void keepLast() noexcept;
+  void forgetAll() noexcept;
+  void forgetBeyondBudget() noexcept;
 
   Engine& engine_;
   std::size_t budget_bytes_;

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/session/edit_session.hpp"
 
+#include <algorithm>
+#include <cerrno>
 #include <chrono>
 #include <cmath>
+#include <utility>
 
+#include "base/error.hpp"
 #include "base/units.hpp"
 
 namespace palpate {
@@ -19,9 +23,12 @@ void EditSession::keepJournal(const std::filesystem::path& folder, const VolumeI
   journal_.emplace(folder, JournalHeader{volume, engine_.editor().profile()}, std::move(options));
 }
 
-// What comes after the window is out (settling, brick by brick) is not the edit's way to the hand.
+// What comes after the window is out (settling, brick by brick) is not the edit's way to the hand. Nothing here throws
+// once the change is made: it must still come into the journal.
 template <typename Change>
 Engine::EditResult EditSession::timed(const Change& change) {
+  std::vector<double>& times = figures_.edit_to_window_s;
+  if (times.size() == times.capacity()) times.reserve(std::max<std::size_t>(1024, 2 * times.size()));
   const auto start = std::chrono::steady_clock::now();
   Engine::EditResult result = change();
   ++figures_.edits;
@@ -30,27 +37,35 @@ Engine::EditResult EditSession::timed(const Change& change) {
   double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   for (const StageTime& stage : result.stages) seconds -= stage.name == "settle" ? stage.seconds : 0;
   ++figures_.windows;
-  figures_.edit_to_window_s.push_back(seconds);
+  times.push_back(seconds);
   return result;
+}
+
+template <typename Change>
+Engine::EditResult EditSession::journalled(const Change& change, const std::function<void(JournalWriter&)>& append) {
+  try {
+    Engine::EditResult result = timed(change);
+    if (journal_) append(*journal_);
+    return result;
+  } catch (const Error&) {  // with nothing changed, or the engine is broken and changes nothing more
+    throw;
+  } catch (...) {
+    if (journal_) journal_->end("memory failed in the middle of an edit", ENOMEM);
+    throw;
+  }
 }
 
 Engine::EditResult EditSession::edit(std::span<const EditCommand> commands, std::int64_t now_ns) {
-  if (journal_) journal_->checkEdit(commands);
-  Engine::EditResult result = timed([&] { return history_.edit(commands, now_ns); });
-  if (journal_) journal_->edit(commands);
-  return result;
+  return journalled([&] { return history_.edit(commands, now_ns); },
+                    [&](JournalWriter& journal) { journal.edit(commands); });
 }
 
 Engine::EditResult EditSession::undo(std::int64_t now_ns) {
-  Engine::EditResult result = timed([&] { return history_.undo(now_ns); });
-  if (journal_) journal_->undo();
-  return result;
+  return journalled([&] { return history_.undo(now_ns); }, [](JournalWriter& journal) { journal.undo(); });
 }
 
 Engine::EditResult EditSession::redo(std::int64_t now_ns) {
-  Engine::EditResult result = timed([&] { return history_.redo(now_ns); });
-  if (journal_) journal_->redo();
-  return result;
+  return journalled([&] { return history_.redo(now_ns); }, [](JournalWriter& journal) { journal.redo(); });
 }
 
 void EditSession::keepSaved(Volume& volume, BackgroundSaver::Write write, double every_s) {
@@ -71,14 +86,18 @@ bool EditSession::isSaved() const {
 void EditSession::look(std::int64_t now_ns) {
   if (!saver_ || !saving_ || save_period_ns_ == 0 || !saver_->ready()) return;
   if (next_ns_ == kNotSet) next_ns_ = now_ns + save_period_ns_;
+  const std::size_t changed = engine_.editor().changedBricks();
+  if (std::exchange(writing_, false)) left_ = changed;
   // Bricks that change again and again are copied once for each save, unless there are many.
   const bool due = isSaveDue(now_ns);
-  if (!due && engine_.editor().changedBricks() < kBricksAtOnce) return;
-  // Edits that change more between two looks than a look hands over would put a due save off for ever.
-  handOver(bricks_at_once_, due);
-  const bool complete = engine_.editor().changedBricks() == 0;
-  bricks_at_once_ = due && !complete ? 2 * bricks_at_once_ : kBricksAtOnce;
-  if (due && complete) next_ns_ = now_ns + save_period_ns_;
+  if (!due && changed < kBricksAtOnce) return;
+  // Edits that change more between two looks than a look hands over would put a due save off for ever. As many more as
+  // they changed, and the list is shorter by kBricksAtOnce each time: a save begins in the end.
+  handOver(kBricksAtOnce + (due && changed > left_ ? changed - left_ : 0), due);
+  left_ = engine_.editor().changedBricks();
+  if (!due || left_ > 0) return;
+  next_ns_ = now_ns + save_period_ns_;
+  writing_ = true;
 }
 
 // What was taken from the editor and did not arrive would be missing in every later file, so then there is none.

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // engine/session/edit_session.hpp: an editing session: every edit, undo and redo goes to the engine, into the history
 // and into the journal, in one order. An edit that the engine refuses is in none of them. The volume itself is saved
-// beside it (background_saver.hpp). Thread: the engine's.
+// beside it (background_saver.hpp). An edit that was applied is in the journal, or the journal has ended and says up to
+// where edits are saved. Thread: the engine's.
 // Cost: the engine's edit, a copy of the bricks that it changes, and an append to the journal's queue, which waits
 // only where the queue is full.
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <span>
@@ -42,12 +44,13 @@ class EditSession {
   // From here on `volume`, the engine's own as it was read back last, belongs to the session until close(): nobody else
   // may look at it. It is saved every `every_s` seconds in which something changed (0: never), and by close().
   void keepSaved(Volume& volume, BackgroundSaver::Write write, double every_s);
-  // Often: hands over what changed, and begins a save when one is due and the last is done. Never waits. Cost: a copy
-  // of 256 bricks at most; twice as many with each look that a due save still waits for.
+  // Often: hands over what changed, and begins a save when one is due and the last is done. Never waits for the saver.
+  // Cost: a copy of 256 bricks at most, some 1.2 us each; while a due save waits for its last bricks, of as many more
+  // as edits have changed since bricks were handed over last: a tenth of what those edits took.
   void look(std::int64_t now_ns);
   [[nodiscard]] BackgroundSaver* saver() noexcept { return saver_ ? &*saver_ : nullptr; }
 
-  // Throw as EditHistory does.
+  // Throw as EditHistory does. Where that is no Error nobody knows whether the volume has changed: the journal ends.
   Engine::EditResult edit(std::span<const EditCommand> commands, std::int64_t now_ns);
   Engine::EditResult undo(std::int64_t now_ns);
   Engine::EditResult redo(std::int64_t now_ns);
@@ -67,6 +70,8 @@ class EditSession {
   void handOver(std::size_t most, bool save);
   template <typename Change>
   Engine::EditResult timed(const Change& change);
+  template <typename Change>
+  Engine::EditResult journalled(const Change& change, const std::function<void(JournalWriter&)>& append);
 
   Engine& engine_;
   EditHistory history_;
@@ -74,7 +79,9 @@ class EditSession {
   std::optional<BackgroundSaver> saver_;
   // Copied in one go, in well under a millisecond: the engine's thread has the window to see to.
   static constexpr std::size_t kBricksAtOnce = 256;
-  std::size_t bricks_at_once_ = kBricksAtOnce;  // twice as many with each look that a due save waits for
+  std::size_t left_ =
+      0;  // changed bricks that were not handed over last time, or that changed while a file was written
+  bool writing_ = false;  // the last hand-over began a save
   static constexpr std::int64_t kNotSet = std::numeric_limits<std::int64_t>::min();
   std::uint64_t content_version_ = 0;  // of the last edit that may have changed something
   std::int64_t save_period_ns_ = 0;    // 0: no save before the end

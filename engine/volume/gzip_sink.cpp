@@ -12,9 +12,15 @@
 namespace palpate {
 
 struct GzipSink::State {
+  struct Free {
+    void operator()(archive* packed) const noexcept {
+      archive_write_fail(packed);  // nothing more to the sink; without effect after finish()
+      archive_write_free(packed);
+    }
+  };
   ByteSink sink;
-  archive* packed = archive_write_new();
   std::exception_ptr trouble;
+  std::unique_ptr<archive, Free> packed{archive_write_new()};  // last: to be freed it needs the rest
 
   void check(la_ssize_t result) {
     if (trouble) std::rethrow_exception(std::exchange(trouble, nullptr));
@@ -24,7 +30,7 @@ struct GzipSink::State {
 
 GzipSink::GzipSink(const ByteSink& sink) : state_(std::make_unique<State>()) {
   state_->sink = sink;
-  archive* packed = state_->packed;
+  archive* packed = state_->packed.get();
   if (packed == nullptr) throw std::bad_alloc();
   state_->check(archive_write_add_filter_gzip(packed));
   state_->check(archive_write_set_filter_option(packed, "gzip", "compression-level", "4"));
@@ -49,20 +55,17 @@ GzipSink::GzipSink(const ByteSink& sink) : state_(std::make_unique<State>()) {
   state_->check(result);
 }
 
-GzipSink::~GzipSink() {
-  archive_write_fail(state_->packed);  // nothing more to the sink; without effect after finish()
-  archive_write_free(state_->packed);
-}
+GzipSink::~GzipSink() = default;
 
 void GzipSink::write(std::string_view bytes) {
   constexpr std::size_t kPiece = std::size_t{1} << 20;
   for (; !bytes.empty(); bytes.remove_prefix(std::min(kPiece, bytes.size()))) {
-    state_->check(archive_write_data(state_->packed, bytes.data(), std::min(kPiece, bytes.size())));
+    state_->check(archive_write_data(state_->packed.get(), bytes.data(), std::min(kPiece, bytes.size())));
   }
 }
 
 void GzipSink::finish() {
-  state_->check(archive_write_close(state_->packed));
+  state_->check(archive_write_close(state_->packed.get()));
 }
 
 }  // namespace palpate

@@ -49,6 +49,9 @@ class FullDisk : public ProgramTest {
     ASSERT_NE(journal_line, "") << outcome.err;
     ASSERT_NE(save_line, "") << outcome.err;
     for (const std::string& line : {journal_line, save_line}) EXPECT_THAT(line, HasSubstr("make room"));
+    // A tool makes edits alone: number and record are one.
+    EXPECT_THAT(journal_line,
+                testing::ContainsRegex("edits after number ([0-9]+) \\(record [0-9]+ of the journal\\) "));
     const std::uint64_t saved = std::strtoull(journal_line.c_str() + journal_line.find("number ") + 7, nullptr, 10);
 
     const auto summary = nlohmann::json::parse(contentsOf(file("out") / "summary.json"));

@@ -103,6 +103,14 @@ INSTANTIATE_TEST_SUITE_P(
                   c.stamp = stamp;
                 },
                 "more than the 1023 MiB"},
+        // The product of these, were it asked for, is beyond 64 bits.
+        Refusal{"stamp_absurd", EditKind::kStampAdd,
+                [](auto& c) {
+                  auto stamp = std::make_shared<Stamp>(*c.stamp);
+                  stamp->size = Vec3i::Constant(std::numeric_limits<int>::max());
+                  c.stamp = stamp;
+                },
+                "2147483647 voxels; give 2 to 1024 voxels along an axis"},
         Refusal{"stamp_short", EditKind::kStampRemove,
                 [](auto& c) {
                   auto stamp = std::make_shared<Stamp>(*c.stamp);

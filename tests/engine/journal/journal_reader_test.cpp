@@ -112,5 +112,24 @@ TEST(JournalReader, RefusesAFolderWithoutAJournal) {
   }
 }
 
+// A folder in the journal's place, and a file of which the system says EIO (nothing lies at a process's address 0).
+TEST(JournalReader, SaysThatTheFileCannotBeRead) {
+  const auto refusalOf = [](const std::filesystem::path& folder) {
+    try {
+      static_cast<void>(readJournal(folder));
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), Error::Code::kIo);
+      return std::string(error.what());
+    }
+    return std::string("none");
+  };
+  const TemporaryFolder place, damaged;
+  std::filesystem::create_directory(journalFile(place.path()));
+  EXPECT_THAT(refusalOf(place.path()),
+              HasSubstr("journal.palpate: it cannot be read (Is a directory); name the folder"));
+  std::filesystem::create_symlink("/proc/self/mem", journalFile(damaged.path()));
+  EXPECT_THAT(refusalOf(damaged.path()), HasSubstr("it cannot be read (Input/output error); check the disk"));
+}
+
 }  // namespace
 }  // namespace palpate

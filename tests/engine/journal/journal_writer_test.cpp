@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "base/error.hpp"
+#include "engine/edit/lower_edit.hpp"
 #include "engine/journal/journal_reader.hpp"
 #include "journal_samples.hpp"
 
@@ -135,7 +136,7 @@ TEST(JournalWriter, AFullDiskEndsTheJournalAndNothingElse) {
     for (int i = 0; i < 5000; ++i) writer.edit({&command, 1});
     writer.flush();
     EXPECT_TRUE(writer.failed());
-    EXPECT_THAT(writer.failure(), HasSubstr("edits after number 10 are not saved"));
+    EXPECT_THAT(writer.failure(), HasSubstr("edits after number 10 (record 10 of the journal) are not saved"));
     EXPECT_THAT(writer.failure(), HasSubstr("make room"));
   }
   EXPECT_EQ(writer.edit({&command, 1}), 5011U);  // goes on, unsaved
@@ -147,26 +148,81 @@ TEST(JournalWriter, AFullDiskEndsTheJournalAndNothingElse) {
   EXPECT_EQ(journal.last_sequence, 10U);
 }
 
-// A record that is too long for a reader would take all that follows it with it.
-TEST(JournalWriter, RefusesMoreCommandsThanARecordHolds) {
+// As many commands as an edit may have, of the longest kind: their record is one that a reader takes.
+TEST(JournalWriter, TheLargestEditComesBack) {
   TemporaryFolder folder;
-  JournalOptions options;
-  EXPECT_EQ(options.most_commands, kMostCommands);
-  options.most_commands = 2;
-  JournalWriter writer(folder.path(), header(), options);
-  const std::vector<EditCommand> commands(3, dab(0));
-  try {
-    writer.edit(commands);
-    FAIL() << "no error";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), Error::Code::kBadInput);
-    EXPECT_THAT(error.what(), HasSubstr("3 commands in one edit, and its record holds 2; give them in several"));
-  }
-  EXPECT_EQ(writer.edit(std::span(commands).first(2)), 1U);
+  EditCommand command;
+  command.kind = EditKind::kStampAdd;
+  command.stamp = RandomEdits::ball(2e-3);
+  command.object = 1;
+  command.material.emplace();
+  const std::vector<EditCommand> commands(kMaxCommands, command);
+  JournalWriter writer(folder.path(), header());
+  EXPECT_EQ(writer.edit(commands), 2U);
   writer.close();
   const Journal journal = readJournal(folder.path());
   EXPECT_FALSE(journal.damage);
-  EXPECT_EQ(journal.last_sequence, 1U);
+  ASSERT_EQ(journal.records.size(), 1U);
+  EXPECT_EQ(journal.records[0].commands.size(), kMaxCommands);
+}
+
+// Edits are counted as the engine counts them, so that one number can be held against what a save says; stamps are
+// records beside.
+TEST(JournalWriter, AFailureNamesTheLastEditAndItsRecord) {
+  TemporaryFolder folder;
+  JournalWriter writer(folder.path(), header());
+  EditCommand command;
+  command.kind = EditKind::kStampAdd;
+  command.stamp = RandomEdits::ball(2e-3);
+  writer.edit({&command, 1});
+  writer.undo();
+  writer.redo();
+  writer.flush();
+  const FileSizeLimit limit(writer.bytes() + 10);
+  writer.edit({&command, 1});
+  writer.flush();
+  EXPECT_EQ(writer.acknowledged(), 4U);
+  EXPECT_THAT(writer.failure(), HasSubstr("edits after number 3 (record 4 of the journal) are not saved: make room"));
+}
+
+// What has nothing in it is in the way of the same command, given again when there is room.
+TEST(JournalWriter, ADiskThatWasFullFromTheStartLeavesNoJournal) {
+  for (const bool drop : {false, true}) {
+    TemporaryFolder folder;
+    JournalWriter writer(folder.path(), header());
+    {
+      const FileSizeLimit limit(writer.bytes() + 10);
+      writer.undo();
+      writer.flush();
+    }
+    EXPECT_THAT(writer.failure(), HasSubstr("; edits after number 0 are not saved: make room"));
+    if (drop) writer.closeAndDropEmpty();
+    writer.close();
+    EXPECT_EQ(folder.files(), 0);
+    const JournalWriter again(folder.path(), header());
+    writer.closeAndDropEmpty();
+    EXPECT_EQ(folder.files(), 1) << "it removed another session's";
+  }
+}
+
+// The folder above is flushed only where it got a new entry, and for that it must be opened: no file more may be.
+TEST(JournalWriter, BringsNewFoldersToTheDisk) {
+  TemporaryFolder folder;
+  const std::filesystem::path place = folder.path() / "new" / "deep";
+  const int next = dup(STDERR_FILENO);  // the lowest number that is free
+  close(next);
+  rlimit before{};
+  getrlimit(RLIMIT_NOFILE, &before);
+  const rlimit none{static_cast<rlim_t>(next), before.rlim_max};
+  setrlimit(RLIMIT_NOFILE, &none);
+  std::string input;
+  try {
+    JournalWriter writer(place, header());
+  } catch (const Error& error) {
+    input = error.input();
+  }
+  setrlimit(RLIMIT_NOFILE, &before);
+  EXPECT_EQ(input, place) << "it was the file that could not be opened";
 }
 
 TEST(JournalWriter, AFullDiskAtTheStartIsAnError) {

@@ -180,14 +180,12 @@ TEST(EditSession, GoesOnWhenTheDiskIsFull) {
 }
 
 // Before it is applied, so that the journal and the volume stay one.
-TEST(EditSession, RefusesAnEditThatTheJournalCannotHold) {
+TEST(EditSession, RefusesMoreCommandsThanAnEditMayHave) {
   TemporaryFolder folder;
   Session s;
-  JournalOptions options;
-  options.most_commands = 1;
-  s.session.keepJournal(folder.path(), s.header.volume, options);
+  s.session.keepJournal(folder.path(), s.header.volume);
   RandomEdits random(s.volume.size(), s.volume.lattice(), kLow, kHigh, 10);
-  const std::vector<EditCommand> commands = {random.next(), random.next()};
+  const std::vector<EditCommand> commands(kMaxCommands + 1, random.next());
   s.session.edit(std::span(commands).first(1), 0);
   const std::uint64_t hash = s.hash();
   EXPECT_THROW(s.session.edit(commands, 0), Error);
@@ -294,6 +292,51 @@ TEST(EditSession, EditsWithoutEndDoNotPutASaveOff) {
     session.saver()->wait();
   }
   EXPECT_GE(saves, 2);
+}
+
+// Many bricks wait when a long write is done, and the next save is due: each look takes 256 of them and as many as the
+// edit before it changed, no more, and the save is made.
+TEST(EditSession, WhatWaitsForADueSaveIsHandedOverInParts) {
+  Volume volume = sampleVolume(8, {96, 96, 96});
+  const JournalHeader header = sampleHeader(volume);
+  Engine engine(volume, makePlan(Scene{}, false), 30, "");
+  EditSession session(engine, header.profile, {}, 0);
+  std::mutex door;
+  std::atomic<int> begun = 0;
+  std::unique_lock closed(door);
+  const auto write = [&](const Volume&, std::uint64_t) {
+    ++begun;
+    const std::lock_guard open(door);
+    return std::uint64_t{1};
+  };
+  session.keepSaved(volume, write, 1);
+  std::int64_t now_ns = 0;
+  const auto changed = [&] { return engine.editor().changedBricks(); };
+  const auto edit = [&](double radius_m, int i) {
+    EditCommand command;
+    command.kind = i % 2 == 0 ? EditKind::kAdd : EditKind::kRemove;
+    command.from_W = command.to_W = volume.lattice().toWorld(Vec3(46 + i % 5, 48, 48));
+    command.radius_m = radius_m;
+    session.edit({&command, 1}, now_ns);
+  };
+  for (int i = 0; begun == 0; ++i) {
+    edit(3e-3, i);
+    session.look(now_ns += 1'500'000'000);
+  }
+  edit(60e-3, 0);
+  session.look(now_ns += 1'500'000'000);
+  ASSERT_GT(changed(), 1024U);
+  closed.unlock();
+  session.saver()->wait();
+  for (int i = 0; i < 20; ++i) {
+    const std::size_t before = changed();
+    edit(3e-3, i);
+    const std::size_t listed = changed();
+    session.look(now_ns += 1'500'000'000);
+    EXPECT_LE(listed - changed(), 256 + (listed - before)) << i;
+    session.saver()->wait();
+  }
+  EXPECT_GE(begun, 2);
 }
 
 // An edit beside the volume counts, but the file holds the volume at its version already.

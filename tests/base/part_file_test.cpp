@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "base/part_file.hpp"
+
+#include <csignal>
+#include <fstream>
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "base/atomic_file.hpp"
+#include "temporary_folder.hpp"
+
+namespace palpate {
+namespace {
+
+class PartFiles : public testing::Test {
+ protected:
+  [[nodiscard]] std::filesystem::path file(const std::string& name) const { return folder_.path() / name; }
+  void write(const std::string& name) const { std::ofstream(file(name)) << name; }
+  [[nodiscard]] bool exists(const std::string& name) const { return std::filesystem::exists(file(name)); }
+  TemporaryFolder folder_;
+};
+
+// Process 1 lives, and never wrote these.
+TEST_F(PartFiles, WhatIsLeftOfTheTargetIsRemovedWhoseverNumberItBears) {
+  for (const char* name : {"a.vdb.1.part", "a.vdb.1-2.part", "a.vdb.999999999.part"}) write(name);
+  writeFileAtomically(file("a.vdb"), "new");
+  EXPECT_EQ(contentsOf(file("a.vdb")), "new");
+  EXPECT_EQ(folder_.files(), 1);
+}
+
+TEST_F(PartFiles, OtherFilesStay) {
+  const std::initializer_list<const char*> names = {"b.vdb.1.part",     "a.vdb.part",   "a.vdb..part", "a.vdb.1x.part",
+                                                    "a.vdb.1.part.old", "x.vdb.1.part", "a.vdb.1"};
+  for (const char* name : names) write(name);
+  std::filesystem::create_directory(file("a.vdb.2.part"));
+  std::filesystem::create_symlink(file("b.vdb.1.part"), file("a.vdb.3.part"));
+  writeFileAtomically(file("a.vdb"), "new");
+  for (const char* name : names) EXPECT_EQ(contentsOf(file(name)), name);
+  EXPECT_TRUE(exists("a.vdb.2.part"));
+  EXPECT_TRUE(exists("a.vdb.3.part"));
+}
+
+// Another process is killed in the middle of its write: until then its file stays, then it goes.
+TEST_F(PartFiles, WhatIsBeingWrittenStaysUntilItsWriterDies) {
+  const pid_t child = fork();
+  if (child == 0) {
+    AtomicFile unfinished(file("a.vdb"));
+    unfinished.write(std::string(1'000'000, 'u'));
+    write("ready");
+    for (;;) pause();
+  }
+  while (contentsOf(file("ready")) != "ready") usleep(1000);
+  const std::string part = "a.vdb." + std::to_string(child) + ".part";
+  writeFileAtomically(file("a.vdb"), "first");
+  EXPECT_TRUE(exists(part));
+  kill(child, SIGKILL);
+  waitpid(child, nullptr, 0);
+  EXPECT_TRUE(exists(part));
+  writeFileAtomically(file("a.vdb"), "second");
+  EXPECT_FALSE(exists(part));
+  EXPECT_EQ(contentsOf(file("a.vdb")), "second");
+}
+
+// Two writers of one process have two files, and both are whole.
+TEST_F(PartFiles, TwoWritersOfOneTargetDoNotMix) {
+  AtomicFile slow(file("a.vdb"));
+  slow.write(std::string(200'000, 's'));
+  writeFileAtomically(file("a.vdb"), std::string(100'000, 'q'));
+  EXPECT_EQ(contentsOf(file("a.vdb")), std::string(100'000, 'q'));
+  slow.commit();
+  EXPECT_EQ(contentsOf(file("a.vdb")), std::string(200'000, 's'));
+  EXPECT_EQ(folder_.files(), 1);
+}
+
+}  // namespace
+}  // namespace palpate
