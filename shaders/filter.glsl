@@ -2,11 +2,13 @@
 // shaders/filter.glsl: the frame of a filter kernel: its tasks, what it writes, and reading beyond a brick. Include after
 // the push constant `push`, which begins as FilterPush does.
 //
-// A kernel is built twice. Bricks within reach of the border (kEdge == 1) find each voxel by its mapped coordinates;
-// all others take whole quads from neighbouring bricks and know nothing of borders. Voxels of a brick outside the domain
-// repeat the nearest one inside, in every pool, so only coordinates along the filter's own axes are mapped.
+// A kernel that knows two kinds of bricks is built twice: those within reach of the border (kEdge == 1) find each voxel
+// by its mapped coordinates; all others take whole quads from neighbouring bricks and know nothing of borders. Diffusion
+// and distances treat all bricks alike. Voxels of a brick outside the domain repeat the nearest one inside,
+// in every pool, so only coordinates along the filter's own axes are mapped.
 #define POOL_DOMAIN push.domain
 #include "brick_pool.glsl"
+#include "filter_border.math.glsl"
 
 layout(constant_id = FILTER_CONSTANT_EDGE) const uint kEdge = 0;
 layout(constant_id = FILTER_CONSTANT_BORDER) const uint kBorder = BORDER_NEAREST;
@@ -23,14 +25,7 @@ layout(std430, binding = FILTER_BINDING_RESULT) FILTER_RESULT_ACCESS buffer Resu
 layout(std430, binding = FILTER_BINDING_TAPS) readonly buffer Taps { float taps[]; };
 
 // Where a coordinate beyond the border is read.
-int mapped(int c, int size) {
-  if (kBorder == BORDER_NEAREST) return clamp(c, 0, size - 1);
-  const int period = 2 * size;
-  int m = c - period * int(floor(float(c) / float(period)));
-  m += m < 0 ? period : 0;  // a division may be off by 2.5 ULP, which moves a whole quotient
-  m -= m >= period ? period : 0;
-  return m < size ? m : period - 1 - m;
-}
+int mapped(int c, int size) { return insideOf(c, size, kBorder); }
 
 // Quad of a brick: four densities along i.
 vec4 pageQuad(BrickPage page, uint quad) {

@@ -53,41 +53,36 @@ void main() {
   // Rows outside the domain repeat the last one inside.
   if (kEdge != 0) first = min(first, ivec3(domainSize()) - 1);
 
-  float centre[kEnd], parts[kEnd], weights[kEnd], tap_x[kReachX + 1];
+  float centre[kEnd], tap_x[kReachX + 1];
+  BilateralSums sums[kEnd];
   [[unroll]] for (int t = 0; t <= kReachX; ++t) tap_x[t] = taps[kTapsX + t];
   readRow(brick, first, 0, 0);
   [[unroll]] for (int o = 0; o < kEnd; ++o) {
     centre[o] = window[o + kReachX];
-    parts[o] = 0;
-    weights[o] = 0;
+    sums[o] = bilateralNothing();
   }
   const float inv_range = taps[0];
   for (int dz = -kReachZ; dz <= kReachZ; ++dz) {
     for (int dy = -kReachY; dy <= kReachY; ++dy) {
       readRow(brick, first, dy, dz);
-      precise float tap_yz = taps[kTapsY + abs(dy)] * taps[kTapsZ + abs(dz)];
+      const float tap_yz = placeTap(taps[kTapsY + abs(dy)], taps[kTapsZ + abs(dz)]);
       [[unroll]] for (int t = 0; t <= 2 * kReachX; ++t) {
-        precise float tap = tap_x[abs(t - kReachX)] * tap_yz;
+        const float tap = placeTap(tap_x[abs(t - kReachX)], tap_yz);
         [[unroll]] for (int o = 0; o < kEnd; ++o) {
-          precise float difference = window[o + t] - centre[o];
-          const float weight = bilateralWeight(tap, difference, inv_range);
-          precise float more_parts = parts[o] + bilateralPart(weight, difference);
-          precise float more_weights = weights[o] + weight;
-          parts[o] = more_parts;
-          weights[o] = more_weights;
+          sums[o] = bilateralAdded(sums[o], tap, window[o + t], centre[o], inv_range);
         }
       }
     }
   }
-  float sum[kEnd];
-  [[unroll]] for (int o = 0; o < kEnd; ++o) sum[o] = bilateralResult(centre[o], parts[o], weights[o]);
+  float mean[kEnd];
+  [[unroll]] for (int o = 0; o < kEnd; ++o) mean[o] = bilateralResult(centre[o], sums[o]);
   if (kEdge != 0) {
     const int last = int(domainSize().x) - 1;
     [[unroll]] for (int o = 1; o < kEnd; ++o) {
-      if (first.x + o > last) sum[o] = sum[o - 1];
+      if (first.x + o > last) mean[o] = mean[o - 1];
     }
   }
   const uint out_quad = task.slot * BRICK_QUADS + row * 2;
-  result[out_quad] = vec4(sum[0], sum[1], sum[2], sum[3]);
-  result[out_quad + 1] = vec4(sum[4], sum[5], sum[6], sum[7]);
+  result[out_quad] = vec4(mean[0], mean[1], mean[2], mean[3]);
+  result[out_quad + 1] = vec4(mean[4], mean[5], mean[6], mean[7]);
 }

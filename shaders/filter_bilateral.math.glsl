@@ -3,20 +3,41 @@
 // are averaged rather than densities, so that a constant stays as it is, bit for bit. Read by GLSL and by C++
 // (shaders/kernel_text.hpp); needs filter_exp.math.glsl.
 
-// Weight of a neighbour whose density differs by `difference`. One that overflows weighs nothing.
-PALPATE_TEXT float bilateralWeight(float tap, float difference, float inv_range) {
+struct BilateralSums {
+  float parts;  // differences from the voxel, weighted
+  float weights;
+};
+
+PALPATE_TEXT BilateralSums bilateralNothing() {
+  BilateralSums sums;
+  sums.parts = 0.0f;
+  sums.weights = 0.0f;
+  return sums;
+}
+
+// Weight of a place: the product of those along the axes.
+PALPATE_TEXT float placeTap(float tap, float other_tap) {
+  precise float product = tap * other_tap;
+  return product;
+}
+
+// A neighbour whose difference overflows weighs nothing: a range is 1e30 at most.
+PALPATE_TEXT BilateralSums bilateralAdded(BilateralSums sums, float place_tap, float neighbour, float density,
+                                          float inv_range) {
+  precise float difference = neighbour - density;
   precise float s = difference * inv_range;
-  precise float weight = tap * gaussianOf(s);
-  return weight;
-}
-
-PALPATE_TEXT float bilateralPart(float weight, float difference) {
+  precise float weight = place_tap * gaussianOf(s);
   precise float part = weight * difference;
-  return weight > 0.0f ? part : 0.0f;
+  precise float parts = sums.parts + (weight > 0.0f ? part : 0.0f);
+  precise float weights = sums.weights + weight;
+  BilateralSums more;
+  more.parts = parts;
+  more.weights = weights;
+  return more;
 }
 
-PALPATE_TEXT float bilateralResult(float density, float parts, float weights) {
-  precise float mean = parts / weights;
+PALPATE_TEXT float bilateralResult(float density, BilateralSums sums) {
+  precise float mean = sums.parts / sums.weights;
   precise float result = density + mean;
   return result;
 }

@@ -1,6 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/filter_convolve.math.glsl: one tap of a convolution: multiply, then add. Read by GLSL and by C++
+// shaders/filter_convolve.math.glsl: one tap of a convolution: multiply, then add. The taps sum to one, so a sum that
+// overflows is a rounding away from the largest density, which finite() makes of it. Read by GLSL and by C++
 // (shaders/kernel_text.hpp).
+
+PALPATE_TEXT float firstTap(float tap, float value) {
+  precise float part = tap * value;
+  return part;
+}
+
+PALPATE_TEXT vec4 firstTap(float tap, vec4 value) {
+  precise vec4 part = tap * value;
+  return part;
+}
 
 PALPATE_TEXT float addTap(float sum, float tap, float value) {
   precise float part = tap * value;
@@ -13,3 +24,8 @@ PALPATE_TEXT vec4 addTap(vec4 sum, float tap, vec4 value) {
   precise vec4 more = sum + part;
   return more;
 }
+
+#define LARGEST_DENSITY 3.40282347e38f
+
+PALPATE_TEXT float finite(float sum) { return clamp(sum, -LARGEST_DENSITY, LARGEST_DENSITY); }
+PALPATE_TEXT vec4 finite(vec4 sum) { return clamp(sum, -LARGEST_DENSITY, LARGEST_DENSITY); }

@@ -37,9 +37,7 @@ void main() {
     const float x = axisInflow(here[i - 1], f, here[i + 1], rate_x, inv_x, kExponential);
     const float y = axisInflow(before_y[i], f, after_y[i], rate_y, inv_y, kExponential);
     const float z = axisInflow(before_z[i], f, after_z[i], rate_z, inv_z, kExponential);
-    precise float inflow = (x + y) + z;
-    precise float diffused = f + inflow;
-    after[i] = diffused;
+    after[i] = diffused(f, x, y, z);
     if (i > 1 && first.x + i - 1 > last.x) after[i] = after[i - 1];
   }
   const uint out_quad = task.slot * BRICK_QUADS + row * 2;

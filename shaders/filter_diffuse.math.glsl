@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/filter_diffuse.math.glsl: what flows through one face of a voxel in a time step (Perona and Malik 1990, their
-// two conductances). The face's other voxel gets the same with the other sign, bit for bit. Read by GLSL and by C++
-// (shaders/kernel_text.hpp); needs filter_exp.math.glsl.
+// shaders/filter_diffuse.math.glsl: one time step of anisotropic diffusion at a voxel (Perona and Malik 1990, their two
+// conductances). What flows through a face enters its other voxel with the other sign, bit for bit. Read by GLSL and by
+// C++ (shaders/kernel_text.hpp); needs filter_exp.math.glsl.
 
-// `difference`: from the voxel to the one behind the face. A difference that overflows lets nothing flow.
+// `difference`: from the voxel to the one behind the face. One that overflows lets nothing flow: a kappa is 1e30 at most.
 PALPATE_TEXT float faceFlow(float difference, float inv_slope, bool exponential) {
   precise float s = difference * inv_slope;
   precise float square = s * s;
@@ -21,4 +21,11 @@ PALPATE_TEXT float axisInflow(float before, float here, float after, float rate,
   precise float sum = faceFlow(to_before, inv_slope, exponential) + faceFlow(to_after, inv_slope, exponential);
   precise float inflow = rate * sum;
   return inflow;
+}
+
+// Density after the step, from what flows in along each axis.
+PALPATE_TEXT float diffused(float here, float x, float y, float z) {
+  precise float inflow = (x + y) + z;
+  precise float after = here + inflow;
+  return after;
 }

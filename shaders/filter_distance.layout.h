@@ -25,6 +25,7 @@
 #define DISTANCE_FIELD 9
 #define DISTANCE_MASK 511u
 #define DISTANCE_LEFT 0.5f         // a surface point is believed to lie so far from the surface at most [unit]
-#define DISTANCE_FARTHEST 65536.0f  // squared, in steps: beyond it a word cannot point, and no band reaches
+#define DISTANCE_FARTHEST 65536.0f  // squared [1/32 unit]: eight units, beyond which no band reaches
+#define DISTANCE_NOWHERE 1e38f      // squared: above all that there is
 
 #endif

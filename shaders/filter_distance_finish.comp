@@ -36,27 +36,19 @@ float corner(uvec3 cell, uint first_page, uint slot, uint dx, uint dy, uint dz) 
   return densityIn(page, slot, placeInBrick(at.x, at.y, at.z));
 }
 
-// Gradient and value `shift` voxels from a voxel, within the domain. A point on the domain's last voxel belongs to the
-// cell before it, and a domain of one voxel is half a cell: what lies behind it repeats it.
-vec4 fieldAt(ivec3 voxel, vec3 shift) {
+// What the text asks for at a place `shift` voxels from a voxel, within the domain.
+vec4 fieldAt(ivec3 voxel, vec4 shift) {
   const ivec3 size = ivec3(domainSize());
-  uvec3 cell;
-  vec3 share;
-  for (int axis = 0; axis < 3; ++axis) {
-    const float whole = floor(shift[axis]);
-    precise float rest = shift[axis] - whole;
-    const int c = voxel[axis] + int(whole);
-    const bool at_end = c >= size[axis] - 1;
-    cell[axis] = uint(at_end ? max(size[axis] - 2, 0) : c);
-    share[axis] = at_end ? 1.0f : rest;
-  }
+  const CellPlace x = cellAt(voxel.x, shift[0], size.x), y = cellAt(voxel.y, shift[1], size.y);
+  const CellPlace z = cellAt(voxel.z, shift[2], size.z);
+  const uvec3 cell = uvec3(x.cell, y.cell, z.cell);
   const uint page = brickIndex(cell / BRICK_EDGE);
   const uint slot = pages[page].slot;
   const vec4 low = vec4(corner(cell, page, slot, 0, 0, 0), corner(cell, page, slot, 1, 0, 0),
                         corner(cell, page, slot, 0, 1, 0), corner(cell, page, slot, 1, 1, 0));
   const vec4 high = vec4(corner(cell, page, slot, 0, 0, 1), corner(cell, page, slot, 1, 0, 1),
                          corner(cell, page, slot, 0, 1, 1), corner(cell, page, slot, 1, 1, 1));
-  return fieldIn(low, high, share.x, share.y, share.z);
+  return fieldIn(low, high, x.share, y.share, z.share);
 }
 
 // The step's numbers, read once.
@@ -65,52 +57,24 @@ vec4 edge;
 
 float distanceOf(ivec3 voxel, float density, uint word) {
   const bool inside = density > isovalue;
+  const ivec3 size = ivec3(domainSize());
   float distance = band;
   // A loop of one round, since lavapipe goes through a branch that no invocation takes, but not through such a loop.
   for (uint known = min(word, 1u); known > 0; --known) {
-    const vec3 foot = vec3(offsetOf(word, 0), offsetOf(word, 1), offsetOf(word, 2)) * (1.0f / float(DISTANCE_PARTS));
-    precise float away_x = -foot.x * edge[0];
-    precise float away_y = -foot.y * edge[1];
-    precise float away_z = -foot.z * edge[2];
-    float away_square = awaySquare(away_x, away_y, away_z);
-    vec4 field = fieldAt(voxel, foot);
-    vec4 normal = normalOf(field, edge);
-    float left = leftOf(field[3], isovalue, normal[3]);
-    left = left > DISTANCE_LEFT ? DISTANCE_LEFT : left;
-    left = left < -DISTANCE_LEFT ? -DISTANCE_LEFT : left;
-    float rise = riseOf(normal, away_x, away_y, away_z, left);
-    float height = inside ? rise : -rise;
-    float side = sideOf(away_square, height);
-    bool nearer = true;
-    for (int projection = 0; projection < kProjections && nearer; ++projection) {
-      precise float to_x = rise * normal[0];
-      precise float to_y = rise * normal[1];
-      precise float to_z = rise * normal[2];
-      precise float shift_x = -to_x / edge[0];
-      precise float shift_y = -to_y / edge[1];
-      precise float shift_z = -to_z / edge[2];
-      const vec3 shift = vec3(shift_x, shift_y, shift_z), place = vec3(voxel), last = vec3(domainSize()) - 1;
-      const bool possible = height >= 0.0f && height < band + 1.0f && all(greaterThanEqual(shift, -place)) &&
-                            all(lessThanEqual(shift, last - place));
-      field = fieldAt(voxel, possible ? shift : vec3(0));
-      const vec4 new_normal = normalOf(field, edge);
-      left = leftOf(field[3], isovalue, new_normal[3]);
-      const float new_rise = riseOf(new_normal, to_x, to_y, to_z, left);
-      const float new_height = inside ? new_rise : -new_rise;
-      const float new_square = awaySquare(to_x, to_y, to_z);
-      const float new_side = sideOf(new_square, new_height);
-      nearer = possible && abs(left) <= DISTANCE_LEFT && new_height >= 0.0f &&
-               (new_side < side || new_side <= slack);
-      if (nearer) {
-        normal = new_normal;
-        rise = new_rise;
-        height = new_height;
-        side = new_side;
-        away_square = new_square;
-      }
+    const vec4 foot = pointShift(word);
+    Tangent tangent = tangentOf(fieldAt(voxel, foot), edge, isovalue, awayFrom(foot, edge), inside, true);
+    bool better = true;
+    for (int projection = 0; projection < kProjections && better; ++projection) {
+      const vec4 away = risenBy(tangent);
+      const vec4 shift = landingShift(away, edge);
+      const bool possible = isOver(tangent, band) && isWithin(shift[0], voxel.x, size.x) &&
+                            isWithin(shift[1], voxel.y, size.y) && isWithin(shift[2], voxel.z, size.z);
+      const vec4 field = fieldAt(voxel, possible ? shift : vec4(0));
+      const Tangent landed = tangentOf(field, edge, isovalue, away, inside, false);
+      better = possible && isBetter(landed, tangent, slack);
+      if (better) tangent = landed;
     }
-    const float found = distanceOver(height, side, slack, away_square);
-    distance = found < band ? found : band;
+    distance = distanceOver(tangent, slack, band);
   }
   return signedDistance(distance, unit, inside);
 }
@@ -129,7 +93,7 @@ void main() {
   band = taps[DISTANCE_BAND];
   unit = taps[DISTANCE_UNIT];
   slack = taps[DISTANCE_SLACK];
-  edge = vec4(taps[DISTANCE_EDGE], taps[DISTANCE_EDGE + 1], taps[DISTANCE_EDGE + 2], 0);
+  edge = vec4(taps[DISTANCE_EDGE], taps[DISTANCE_EDGE + 1], taps[DISTANCE_EDGE + 2], 1);
   for (int q = 0; q < 2; ++q) {
     const vec4 words = result[out_quad + q];
     vec4 distances;

@@ -26,44 +26,31 @@ void main() {
   const float edge_x = taps[DISTANCE_EDGE_SQUARE], edge_y = taps[DISTANCE_EDGE_SQUARE + 1];
   const float edge_z = taps[DISTANCE_EDGE_SQUARE + 2];
 
-  float here[kRowWide], there[kRowWide], best[kEnd], share[kEnd];
-  int way[kEnd];  // (dz + 1) * 9 + (dy + 1) * 3 + dx + 1
+  float here[kRowWide], there[kRowWide];
+  Crossing nearest[kEnd];
   READ_ROW(here, brick.x, uint(first.y), uint(first.z))
-  for (int o = 0; o < kEnd; ++o) {
-    best[o] = DISTANCE_FARTHEST;
-    share[o] = 0;
-    way[o] = 0;
-  }
+  for (int o = 0; o < kEnd; ++o) nearest[o] = noCrossing();
   for (int dz = -1; dz <= 1; ++dz) {
     for (int dy = -1; dy <= 1; ++dy) {
       const int y = first.y + dy, z = first.z + dz;
       const bool row_there = y >= 0 && y <= last.y && z >= 0 && z <= last.z;
       const uint read_y = uint(clamp(y, 0, last.y)), read_z = uint(clamp(z, 0, last.z));
       READ_ROW(there, brick.x, read_y, read_z)
-      precise float across = float(dy * dy) * edge_y + float(dz * dz) * edge_z;
+      const float across = wayAcross(dy, dz, edge_y, edge_z);
       for (int dx = -1; dx <= 1; ++dx) {
-        precise float length_square = float(dx * dx) * edge_x + across;
+        const float square = waySquare(dx, edge_x, across);
+        const int way = (dz + 1) * 9 + (dy + 1) * 3 + dx + 1;
         for (int o = 0; o < kEnd; ++o) {
           const int x = first.x + o + dx;
-          const float a = here[o + 1], b = there[o + 1 + dx];
-          const float t = crossingOf(a, b, isovalue);
-          precise float square = (t * t) * length_square;
-          if (row_there && x >= 0 && x <= last.x && (a > isovalue) != (b > isovalue) && square < best[o]) {
-            best[o] = square;
-            share[o] = t;
-            way[o] = (dz + 1) * 9 + (dy + 1) * 3 + dx + 1;
-          }
+          nearest[o] = nearerCrossing(nearest[o], here[o + 1], there[o + 1 + dx], isovalue, square, way,
+                                      row_there && x >= 0 && x <= last.x);
         }
       }
     }
   }
   float words[kEnd];
   for (int o = 0; o < kEnd; ++o) {
-    precise float x = share[o] * float(way[o] % 3 - 1);
-    precise float y = share[o] * float(way[o] / 3 % 3 - 1);
-    precise float z = share[o] * float(way[o] / 9 - 1);
-    const uint word = wordOf(steppedOffset(x), steppedOffset(y), steppedOffset(z));
-    words[o] = uintBitsToFloat(best[o] < DISTANCE_FARTHEST ? word : DISTANCE_NONE);
+    words[o] = uintBitsToFloat(crossingWord(nearest[o]));
     if (o > 0 && first.x + o > last.x) words[o] = words[o - 1];
   }
   const uint out_quad = task.slot * BRICK_QUADS + row * 2;

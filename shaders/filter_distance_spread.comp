@@ -39,12 +39,8 @@ void main() {
   const float edge = taps[DISTANCE_EDGE_SQUARE + along];
   const float edge_1 = taps[DISTANCE_EDGE_SQUARE + axis_1], edge_2 = taps[DISTANCE_EDGE_SQUARE + axis_2];
 
-  float best[kEnd];
-  uint words[kEnd];
-  [[unroll]] for (int o = 0; o < kEnd; ++o) {
-    best[o] = DISTANCE_FARTHEST;
-    words[o] = DISTANCE_NONE;
-  }
+  KnownPoint nearest[kEnd];
+  [[unroll]] for (int o = 0; o < kEnd; ++o) nearest[o] = nothingKnown();
   [[unroll]] for (int b = -1; b <= 1; ++b) {
     const int there = int(brick[along]) + b;
     const bool exists = there >= 0 && there * kEnd <= last;
@@ -55,23 +51,19 @@ void main() {
       const uint in_brick = inBrick(line, uint(t));
       const uint word = floatBitsToUint(pageQuad(page, in_brick / 4)[in_brick % 4]);
       const bool known = exists && first + at <= last && word != DISTANCE_NONE;
-      precise float across = squareAlong(float(offsetOf(word, axis_1)), edge_1) +
-                             squareAlong(float(offsetOf(word, axis_2)), edge_2);
-      across = known ? across : DISTANCE_FARTHEST;
+      const float across = pointAcross(word, known, axis_1, axis_2, edge_1, edge_2);
       const float offset = float(offsetOf(word, along));
       [[unroll]] for (int o = 0; o < kEnd; ++o) {
-        const int shift = (at - o) * DISTANCE_PARTS;
         if (at - o < -kReach || at - o > kReach) continue;
-        precise float square = squareAlong(offset + float(shift), edge) + across;
-        const bool nearer = square < best[o];
-        best[o] = nearer ? square : best[o];
-        words[o] = nearer ? word + uint(shift * (1 << (along * DISTANCE_FIELD))) : words[o];
+        const int shift = (at - o) * DISTANCE_PARTS;
+        nearest[o] = nearerPoint(nearest[o], word, offset, across, shift, along, edge);
       }
     }
   }
   [[unroll]] for (int o = 1; o < kEnd; ++o) {
-    if (first + o > last) words[o] = words[o - 1];
+    if (first + o > last) nearest[o].word = nearest[o - 1].word;
   }
   const uint out_first = task.slot * (BRICK_QUADS * 4);
-  [[unroll]] for (int o = 0; o < kEnd; ++o) result_float[out_first + inBrick(line, uint(o))] = uintBitsToFloat(words[o]);
+  [[unroll]] for (int o = 0; o < kEnd; ++o)
+    result_float[out_first + inBrick(line, uint(o))] = uintBitsToFloat(nearest[o].word);
 }

@@ -4,7 +4,6 @@
 
 layout(constant_id = FILTER_CONSTANT_OWN) const uint kExtreme = EXTREME_HIGHEST;
 
-const int kNothing = kExtreme == EXTREME_HIGHEST ? int(0x80000000) : 0x7fffffff;  // gives way to every rank
-
-int extreme(int a, int b) { return kExtreme == EXTREME_HIGHEST ? max(a, b) : min(a, b); }
-ivec4 extreme(ivec4 a, ivec4 b) { return kExtreme == EXTREME_HIGHEST ? max(a, b) : min(a, b); }
+int nothing() { return noExtreme(kExtreme); }
+int extreme(int a, int b) { return extremeOf(kExtreme, a, b); }
+ivec4 extreme(ivec4 a, ivec4 b) { return extremeOf(kExtreme, a, b); }

@@ -50,10 +50,10 @@ void seeRow(uvec3 brick, uint row, int dj, int dk) {
 }
 
 void widen() {
-  int before = kNothing;
+  int before = nothing();
   for (int x = 0; x < kWide; ++x) {
     const int own = seen[x];
-    seen[x] = extreme(extreme(before, own), x + 1 < kWide ? seen[min(x + 1, kWide - 1)] : kNothing);
+    seen[x] = extreme(extreme(before, own), x + 1 < kWide ? seen[min(x + 1, kWide - 1)] : nothing());
     before = own;
   }
 }
@@ -64,7 +64,7 @@ void main() {
   const FilterTask task = tasks[push.first_task + task_index];
   const uvec3 brick = brickOfIndex(task.brick);
   const uint row = gl_LocalInvocationID.x;
-  for (int x = 0; x < kWide; ++x) seen[x] = kNothing;
+  for (int x = 0; x < kWide; ++x) seen[x] = nothing();
   int end = int(taps[kReach + 1]);
   for (int h = kReach; h >= 0; --h) {
     widen();

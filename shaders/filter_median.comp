@@ -17,9 +17,6 @@ layout(constant_id = FILTER_CONSTANT_OWN + 1) const int kReachY = 1;
 layout(constant_id = FILTER_CONSTANT_OWN + 2) const int kReachZ = 1;
 const int kEnd = int(BRICK_EDGE);
 
-// Stands for a voxel that the window does not hold: as many below every rank as above, so the middle stays.
-const int kLowest = int(0x80000000), kHighest = 0x7fffffff;
-
 void main() {
   const uint task_index = gl_WorkGroupID.y * GROUPS_PER_ROW + gl_WorkGroupID.x;
   if (task_index >= push.task_count) return;
@@ -31,7 +28,8 @@ void main() {
   for (int n = 0; n < 9; ++n) {
     const int dj = n % 3 - 1, dk = n / 3 - 1;
     if (abs(dj) > kReachY || abs(dk) > kReachZ) {
-      for (int c = 0; c < kEnd + 2; ++c) column[c][n] = n < 4 ? kLowest : kHighest;
+      // The window does not hold these: as many below every rank as above, so the middle stays.
+      for (int c = 0; c < kEnd + 2; ++c) column[c][n] = n < 4 ? RANK_LOWEST : RANK_HIGHEST;
       continue;
     }
     const RowPlace place = rowPlace(brick, row, dj, dk);

@@ -47,9 +47,7 @@ void readRow(uvec3 brick, uint row, int n) {
       if (abs(c - kLargest - o) <= kReachX) { DO(o, rank[c]) }          \
     }                                                                   \
   }
-#define WIDEN(o, r)               \
-  lowest[o] = min(lowest[o], r);  \
-  highest[o] = max(highest[o], r);
+#define WIDEN(o, r) range[o] = widened(range[o], r);
 #define COUNT(o, r) count[o] += r <= middle[o] ? 1 : 0;
 
 void main() {
@@ -59,11 +57,9 @@ void main() {
   const uvec3 brick = brickOfIndex(task.brick);
   const uint row = gl_LocalInvocationID.x;
 
-  int lowest[kEnd], highest[kEnd], middle[kEnd], count[kEnd];  // the median is never below lowest or above highest
-  for (int o = 0; o < kEnd; ++o) {
-    lowest[o] = 0x7fffffff;
-    highest[o] = int(0x80000000);
-  }
+  RankRange range[kEnd];
+  int middle[kEnd], count[kEnd];
+  for (int o = 0; o < kEnd; ++o) range[o] = noRange();
   for (int n = 0; n < kRows; ++n) {
     readRow(brick, row, n);
     EACH_IN_WINDOW(WIDEN)
@@ -71,8 +67,8 @@ void main() {
   for (int halving = 0; halving < 32; ++halving) {
     bool found = true;
     for (int o = 0; o < kEnd; ++o) {
-      found = found && lowest[o] == highest[o];
-      middle[o] = halfway(lowest[o], highest[o]);
+      found = found && range[o].lowest == range[o].highest;
+      middle[o] = halfway(range[o].lowest, range[o].highest);
       count[o] = 0;
     }
     if (found) break;
@@ -80,17 +76,13 @@ void main() {
       readRow(brick, row, n);
       EACH_IN_WINDOW(COUNT)
     }
-    for (int o = 0; o < kEnd; ++o) {
-      const bool enough = count[o] >= kMiddle;
-      highest[o] = enough ? middle[o] : highest[o];
-      lowest[o] = enough ? lowest[o] : middle[o] + 1;
-    }
+    for (int o = 0; o < kEnd; ++o) range[o] = halved(range[o], count[o], kMiddle);
   }
   if (kEdge != 0) {
     const int last = int(domainSize().x) - 1 - int(brick.x * BRICK_EDGE);
-    for (int o = 1; o < kEnd; ++o) lowest[o] = o > last ? lowest[o - 1] : lowest[o];
+    for (int o = 1; o < kEnd; ++o) range[o].lowest = o > last ? range[o - 1].lowest : range[o].lowest;
   }
   const uint out_quad = task.slot * BRICK_QUADS + row * 2;
-  result[out_quad] = densityOf(ivec4(lowest[0], lowest[1], lowest[2], lowest[3]));
-  result[out_quad + 1] = densityOf(ivec4(lowest[4], lowest[5], lowest[6], lowest[7]));
+  result[out_quad] = densityOf(ivec4(range[0].lowest, range[1].lowest, range[2].lowest, range[3].lowest));
+  result[out_quad + 1] = densityOf(ivec4(range[4].lowest, range[5].lowest, range[6].lowest, range[7].lowest));
 }

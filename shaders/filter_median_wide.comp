@@ -21,7 +21,7 @@ const int kEnd = int(BRICK_EDGE);
 const int kRows = 25;
 
 // Stands for a voxel that the window does not hold: as many below every rank as above, so the middle stays.
-const int kLowest = int(0x80000000), kHighest = 0x7fffffff;
+const int kLowest = RANK_LOWEST, kHighest = RANK_HIGHEST;
 
 int column[kEnd + 2 * kReachX][kRows];  // from two voxels before the row to two behind it
 

@@ -3,6 +3,9 @@
 // many needs no comparison of floats: lowest and highest are exact and do not depend on the order of picking. Read by
 // GLSL and by C++ (shaders/kernel_text.hpp).
 
+#define RANK_LOWEST int(0x80000000)
+#define RANK_HIGHEST 0x7fffffff
+
 // The bits of a float order as a signed number does but for negative ones, which run backwards. Its own inverse.
 PALPATE_TEXT int turnedBits(int bits) { return bits ^ ((bits >> 31) & 0x7fffffff); }
 
@@ -16,5 +19,38 @@ PALPATE_TEXT vec4 densityOf(ivec4 rank) {
   return vec4(densityOf(rank[0]), densityOf(rank[1]), densityOf(rank[2]), densityOf(rank[3]));
 }
 
+// The highest or the lowest of two, as `which` asks (EXTREME_...), and the rank that gives way to every other.
+PALPATE_TEXT int extremeOf(uint which, int a, int b) { return which == EXTREME_HIGHEST ? max(a, b) : min(a, b); }
+PALPATE_TEXT ivec4 extremeOf(uint which, ivec4 a, ivec4 b) { return which == EXTREME_HIGHEST ? max(a, b) : min(a, b); }
+PALPATE_TEXT int noExtreme(uint which) { return which == EXTREME_HIGHEST ? RANK_LOWEST : RANK_HIGHEST; }
+
+// Where a value of a given place among many still may lie: never below lowest or above highest.
+struct RankRange {
+  int lowest, highest;
+};
+
+PALPATE_TEXT RankRange noRange() {
+  RankRange range;
+  range.lowest = RANK_HIGHEST;
+  range.highest = RANK_LOWEST;
+  return range;
+}
+
+PALPATE_TEXT RankRange widened(RankRange range, int rank) {
+  RankRange wider;
+  wider.lowest = min(range.lowest, rank);
+  wider.highest = max(range.highest, rank);
+  return wider;
+}
+
 // The middle between two ranks, rounded down; their sum might not fit.
 PALPATE_TEXT int halfway(int low, int high) { return (low & high) + ((low ^ high) >> 1); }
+
+// The half that holds the value with `place - 1` at or below it, where `count` stand at or below the middle.
+PALPATE_TEXT RankRange halved(RankRange range, int count, int place) {
+  const int middle = halfway(range.lowest, range.highest);
+  RankRange half_range;
+  half_range.lowest = count >= place ? range.lowest : middle + 1;
+  half_range.highest = count >= place ? middle : range.highest;
+  return half_range;
+}

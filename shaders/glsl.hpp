@@ -132,5 +132,21 @@ inline int min(int a, int b) {
 inline int max(int a, int b) {
   return a > b ? a : b;
 }
+inline ivec4 min(const ivec4& a, const ivec4& b) {
+  return each([](int x, int y) { return min(x, y); }, a, b);
+}
+inline ivec4 max(const ivec4& a, const ivec4& b) {
+  return each([](int x, int y) { return max(x, y); }, a, b);
+}
+inline int clamp(int a, int low, int high) {
+  return min(max(a, low), high);
+}
+inline float clamp(float a, float low, float high) {
+  const float raised = a < low ? low : a;
+  return raised > high ? high : raised;
+}
+inline vec4 clamp(const vec4& a, float low, float high) {
+  return each([=](float x) { return clamp(x, low, high); }, a);
+}
 
 }  // namespace palpate::glsl

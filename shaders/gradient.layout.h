@@ -18,7 +18,7 @@
 #define GRADIENT_CONSTANT_STENCIL 2  // of gradient.comp: GRADIENT_CENTRAL or GRADIENT_CENTRAL4
 #define GRADIENT_CONSTANT_RUN 3      // of gradient.comp: rows along k that an invocation makes
 #define GRADIENT_CONSTANT_GROUP 4    // of gradient.comp: invocations of a brick, BRICK_ROWS / run
-#define GRADIENT_CONSTANT_DENSITY 5  // of gradient_smoothed.comp: 1 where the densities lie in one slab, else 2
+#define GRADIENT_CONSTANT_DENSITY 5  // of gradient_smoothed.comp: slabs that the densities lie in, 1 to DENSITY_SLABS
 
 #define GRADIENT_CENTRAL 0u   // (f(1) - f(-1)) / 2h
 #define GRADIENT_CENTRAL4 1u  // (8 (f(1) - f(-1)) - (f(2) - f(-2))) / 12h
@@ -31,7 +31,6 @@ PALPATE_LAYOUT_BEGIN
 struct GradientPush {
   PoolDomain domain;
   uint first_task, task_count;
-  // Sobel: these two divided by the 16 that its weights sum to.
   float inv_2h_x, inv_2h_y, inv_2h_z;     // 1 / (2 * spacing), for the two-sided difference [1/m]
   float inv_h_x, inv_h_y, inv_h_z;        // 1 / spacing, for the one-sided difference at the border [1/m]
   float inv_12h_x, inv_12h_y, inv_12h_z;  // 1 / (12 * spacing), for the fourth-order difference [1/m]

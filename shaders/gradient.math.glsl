@@ -2,6 +2,9 @@
 // shaders/gradient.math.glsl: differences along one axis. A missing neighbour is given as the voxel at the border
 // itself. Sums and products, each rounded by itself. Read by GLSL and by C++ (shaders/kernel_text.hpp).
 
+// Whether a voxel has so many neighbours on either side along an axis; `last`: the domain's last coordinate.
+PALPATE_TEXT bool hasEitherSide(uint c, uint last, uint voxels) { return c >= voxels && c + voxels <= last; }
+
 // The central difference, one-sided where a neighbour is missing.
 PALPATE_TEXT float axisGradient(float before, float after, bool two_sided, float inv_2h_per_m, float inv_h_per_m) {
   precise float difference = after - before;
@@ -9,27 +12,20 @@ PALPATE_TEXT float axisGradient(float before, float after, bool two_sided, float
   return gradient;
 }
 
-// The fourth-order central difference, for voxels with two neighbours on either side.
+// The fourth-order central difference, for voxels with two neighbours on either side. All of it over 32 until the last
+// product, which loses nothing but of denormals: no difference or sum overflows where the gradient does not.
 PALPATE_TEXT float axisGradient4(float before2, float before, float after, float after2, float inv_12h_per_m) {
-  precise float near = after - before;
-  precise float far = after2 - before2;
-  precise float eight = near * float(8.0);
-  precise float sum = eight - far;
-  precise float gradient = sum * inv_12h_per_m;
+  precise float near = 0.25f * after - 0.25f * before;
+  precise float far = 0.03125f * after2 - 0.03125f * before2;
+  precise float sum = near - far;
+  precise float gradient = sum * (32.0f * inv_12h_per_m);
   return gradient;
 }
 
-// Four times the mean of three neighbours with weights 1, 2, 1.
-PALPATE_TEXT float smoothed3(float before, float middle, float after) {
-  precise float outer = before + after;
-  precise float twice = middle + middle;
-  precise float sum = outer + twice;
-  return sum;
-}
-
-PALPATE_TEXT vec4 smoothed3(vec4 before, vec4 middle, vec4 after) {
-  precise vec4 outer = before + after;
-  precise vec4 twice = middle + middle;
-  precise vec4 sum = outer + twice;
-  return sum;
+// The one of these two that an operator (`fourth`: GRADIENT_CENTRAL4) takes at a voxel with so many neighbours.
+PALPATE_TEXT float stencilGradient(bool fourth, uint c, uint last, float before2, float before, float after,
+                                   float after2, float inv_2h_per_m, float inv_h_per_m, float inv_12h_per_m) {
+  const float second_order = axisGradient(before, after, hasEitherSide(c, last, 1u), inv_2h_per_m, inv_h_per_m);
+  const float fourth_order = axisGradient4(before2, before, after, after2, inv_12h_per_m);
+  return fourth && hasEitherSide(c, last, 2u) ? fourth_order : second_order;
 }

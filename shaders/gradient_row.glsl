@@ -3,6 +3,7 @@
 #include "gradient_task.glsl"
 
 layout(constant_id = GRADIENT_CONSTANT_STENCIL) const uint kStencil = GRADIENT_CENTRAL;
+const bool kFourth = kStencil == GRADIENT_CENTRAL4;
 
 layout(constant_id = GRADIENT_CONSTANT_RUN) const int kRun = 8;
 
@@ -33,7 +34,7 @@ void main() {
   const uvec3 in_brick = uvec3(0, line % BRICK_EDGE, line / BRICK_EDGE * uint(kRun));
   const uvec3 first = brick * BRICK_EDGE + in_brick;
   const uvec3 last = domainSize() - 1;
-  const uint reach = kStencil == GRADIENT_CENTRAL4 ? 2 : 1;
+  const uint reach = kFourth ? 2 : 1;
 
   // Rows and columns past the domain's end repeat the last one. What is read instead of a row that the domain does not
   // have is not used, but for one-sided differences, which take the row itself.
@@ -55,8 +56,6 @@ void main() {
   const bool has_previous = brick.x > 0, has_next = first.x + BRICK_EDGE <= last.x;
   const BrickPage page_before_x = pages[has_previous ? task.brick - 1 : task.brick];
   const BrickPage page_after_x = pages[has_next ? task.brick + 1 : task.brick];
-  const bool two_y = y > 0 && y < last.y;
-  const bool four_y = kStencil == GRADIENT_CENTRAL4 && y > 1 && y + 1 < last.y;
 
   [[unroll]] for (int run = 0; run < kRun; ++run) {
     const uint z = min(first.z + run, last.z);
@@ -67,14 +66,12 @@ void main() {
     const float right_x = rowElement(page_after_x, y, z, has_next ? 0 : 7);
     float left2_x, right2_x;
     Row before2_y, after2_y;
-    if (kStencil == GRADIENT_CENTRAL4) {
+    if (kFourth) {
       left2_x = rowElement(page_before_x, y, z, 6);
       right2_x = rowElement(page_after_x, y, z, 1);
       before2_y = rowAt(brick.x, inside(int(y) - 2, last.y), z);
       after2_y = rowAt(brick.x, min(y + 2, last.y), z);
     }
-    const bool two_z = z > 0 && z < last.z;
-    const bool four_z = kStencil == GRADIENT_CENTRAL4 && z > 1 && z + 1 < last.z;
     const bool row_outside = first.y > last.y || first.z + run > last.z;
     const uint row_index = (in_brick.z + run) * BRICK_EDGE + in_brick.y;
     const uint out_first = sample_slot * (BRICK_ROWS * BRICK_EDGE) + row_index * BRICK_EDGE;
@@ -90,22 +87,21 @@ void main() {
       if (x <= last.x && !row_outside) {
         const float left = i == 0 ? left_x : element(centre, i - 1);
         const float right = i == BRICK_EDGE - 1 ? right_x : element(centre, i + 1);
-        gradient.x = axisGradient(left, right, x > 0 && x < last.x, push.inv_2h_x, push.inv_h_x);
-        gradient.y = axisGradient(element(before_y, i), element(after_y, i), two_y, push.inv_2h_y, push.inv_h_y);
-        gradient.z = axisGradient(element(before_z, i), element(after_z, i), two_z, push.inv_2h_z, push.inv_h_z);
-        if (kStencil == GRADIENT_CENTRAL4) {
-          const float left2 = i == 0 ? left2_x : i == 1 ? left_x : element(centre, i - 2);
-          const float right2 = i == BRICK_EDGE - 1   ? right2_x
-                               : i == BRICK_EDGE - 2 ? right_x
-                                                     : element(centre, i + 2);
-          if (x > 1 && x + 1 < last.x) gradient.x = axisGradient4(left2, left, right, right2, push.inv_12h_x);
-          if (four_y)
-            gradient.y = axisGradient4(element(before2_y, i), element(before_y, i), element(after_y, i),
-                                       element(after2_y, i), push.inv_12h_y);
-          if (four_z)
-            gradient.z = axisGradient4(element(behind[run + kFar - 2], i), element(before_z, i), element(after_z, i),
-                                       element(behind[run + kFar + 2], i), push.inv_12h_z);
+        float left2 = 0, right2 = 0, before2_yi = 0, after2_yi = 0, before2_zi = 0, after2_zi = 0;
+        if (kFourth) {
+          left2 = i == 0 ? left2_x : i == 1 ? left_x : element(centre, i - 2);
+          right2 = i == BRICK_EDGE - 1 ? right2_x : i == BRICK_EDGE - 2 ? right_x : element(centre, i + 2);
+          before2_yi = element(before2_y, i);
+          after2_yi = element(after2_y, i);
+          before2_zi = element(behind[run + kFar - 2], i);
+          after2_zi = element(behind[run + kFar + 2], i);
         }
+        gradient.x = stencilGradient(kFourth, x, last.x, left2, left, right, right2, push.inv_2h_x, push.inv_h_x,
+                                     push.inv_12h_x);
+        gradient.y = stencilGradient(kFourth, y, last.y, before2_yi, element(before_y, i), element(after_y, i),
+                                     after2_yi, push.inv_2h_y, push.inv_h_y, push.inv_12h_y);
+        gradient.z = stencilGradient(kFourth, z, last.z, before2_zi, element(before_z, i), element(after_z, i),
+                                     after2_zi, push.inv_2h_z, push.inv_h_z, push.inv_12h_z);
       }
       const vec4 value = vec4(gradient, element(densities, i));
       writeSample(out_first + i, previous, value);

@@ -14,19 +14,12 @@ layout(push_constant) uniform Push { GradientPush push; };
 #define POOL_DOMAIN push.domain
 #include "brick_pool.glsl"
 #include "gradient_task.glsl"
+#include "gradient_sobel.math.glsl"
 
-// Three rows one above the other along j: what of them a gradient needs.
+// A slice and the densities of its middle row, which the samples take.
 struct Slice {
-  vec4 density_low, density_high;  // of the middle row
-  float left, right;               // smoothed along j: before the row,
-  vec4 low, high;                  // its eight voxels, and behind it
-  vec4 difference_low, difference_high;  // smoothed along i: the last row less the first
-  vec4 smooth_low, smooth_high;          // smoothed along i, then j
-};
-
-struct WideRow {
-  float left, right;  // the densities beside a row
-  Row row;
+  vec4 density_low, density_high;
+  SobelSlice parts;
 };
 
 // Pages of three bricks along i; where there is none on a side, the middle one again.
@@ -34,12 +27,14 @@ struct PageLine {
   BrickPage before, middle, after;
 };
 
-WideRow wideRow(PageLine p, bool has_before, bool has_after, uint y, uint z) {
-  WideRow wide;
-  wide.row = pageRow(p.middle, y, z);
+SobelRow wideRow(PageLine p, bool has_before, bool has_after, uint y, uint z) {
+  const Row row = pageRow(p.middle, y, z);
   const Row before = pageRow(p.before, y, z), after = pageRow(p.after, y, z);
-  wide.left = has_before ? before.high.w : wide.row.low.x;
-  wide.right = has_after ? after.low.x : wide.row.high.w;
+  SobelRow wide;
+  wide.left = has_before ? before.high.w : row.low.x;
+  wide.right = has_after ? after.low.x : row.high.w;
+  wide.low = row.low;
+  wide.high = row.high;
   return wide;
 }
 
@@ -48,40 +43,18 @@ PageLine pagesAt(uvec3 brick, bool has_before, bool has_after) {
   return PageLine(pages[has_before ? middle - 1 : middle], pages[middle], pages[has_after ? middle + 1 : middle]);
 }
 
-// Along i: the neighbours of each element of a row.
-vec4 leftOfLow(WideRow r) { return vec4(r.left, r.row.low.xyz); }
-vec4 rightOfLow(WideRow r) { return vec4(r.row.low.yzw, r.row.high.x); }
-vec4 leftOfHigh(WideRow r) { return vec4(r.row.low.w, r.row.high.xyz); }
-vec4 rightOfHigh(WideRow r) { return vec4(r.row.high.yzw, r.right); }
-
 struct Column {
   PageLine before, middle, after;  // for the row before along j, the middle row and the one after
 };
 
 Slice sliceAt(Column c, bool has_before, bool has_after, uint y_before, uint y, uint y_after, uint z) {
-  const WideRow a = wideRow(c.before, has_before, has_after, y_before, z);
-  const WideRow b = wideRow(c.middle, has_before, has_after, y, z);
-  const WideRow d = wideRow(c.after, has_before, has_after, y_after, z);
-  Slice s;
-  s.density_low = b.row.low;
-  s.density_high = b.row.high;
-  s.left = smoothed3(a.left, b.left, d.left);
-  s.right = smoothed3(a.right, b.right, d.right);
-  s.low = smoothed3(a.row.low, b.row.low, d.row.low);
-  s.high = smoothed3(a.row.high, b.row.high, d.row.high);
-  const vec4 a_low = smoothed3(leftOfLow(a), a.row.low, rightOfLow(a));
-  const vec4 a_high = smoothed3(leftOfHigh(a), a.row.high, rightOfHigh(a));
-  const vec4 b_low = smoothed3(leftOfLow(b), b.row.low, rightOfLow(b));
-  const vec4 b_high = smoothed3(leftOfHigh(b), b.row.high, rightOfHigh(b));
-  const vec4 d_low = smoothed3(leftOfLow(d), d.row.low, rightOfLow(d));
-  const vec4 d_high = smoothed3(leftOfHigh(d), d.row.high, rightOfHigh(d));
-  precise vec4 difference_low = d_low - a_low;
-  precise vec4 difference_high = d_high - a_high;
-  s.difference_low = difference_low;
-  s.difference_high = difference_high;
-  s.smooth_low = smoothed3(a_low, b_low, d_low);
-  s.smooth_high = smoothed3(a_high, b_high, d_high);
-  return s;
+  const SobelRow middle = wideRow(c.middle, has_before, has_after, y, z);
+  Slice slice;
+  slice.density_low = middle.low;
+  slice.density_high = middle.high;
+  slice.parts = sobelSlice(wideRow(c.before, has_before, has_after, y_before, z), middle,
+                           wideRow(c.after, has_before, has_after, y_after, z));
+  return slice;
 }
 
 // Where the brick lies and where its samples go.
@@ -93,28 +66,17 @@ void writeRow(Slice before, Slice here, Slice after, uint z) {
   const uvec3 last = domainSize() - 1;
   const uvec3 first = first_of_column + uvec3(0, 0, z);
   const bool outside = any(greaterThan(first.yz, last.yz));
-  const float scale_y = first.y > 0 && first.y < last.y ? push.inv_2h_y : push.inv_h_y;
-  const float scale_z = first.z > 0 && first.z < last.z ? push.inv_2h_z : push.inv_h_z;
-  const vec4 low = smoothed3(before.low, here.low, after.low);
-  const vec4 high = smoothed3(before.high, here.high, after.high);
-  const float left = smoothed3(before.left, here.left, after.left);
-  const float right = smoothed3(before.right, here.right, after.right);
-  const vec4 y_low = smoothed3(before.difference_low, here.difference_low, after.difference_low);
-  const vec4 y_high = smoothed3(before.difference_high, here.difference_high, after.difference_high);
-  precise vec4 z_low = after.smooth_low - before.smooth_low;
-  precise vec4 z_high = after.smooth_high - before.smooth_high;
-  const Row along_x = Row(low, high), along_y = Row(y_low, y_high), along_z = Row(z_low, z_high);
-  const Row densities = Row(here.density_low, here.density_high);
+  const SobelDifferences parts = sobelDifferences(before.parts, here.parts, after.parts);
+  const Row along_x = Row(parts.x_low, parts.x_high), along_y = Row(parts.y_low, parts.y_high);
+  const Row along_z = Row(parts.z_low, parts.z_high), densities = Row(here.density_low, here.density_high);
   vec4 previous = vec4(0);
   for (uint i = 0; i < BRICK_EDGE; ++i) {
     const uint x = first.x + i;
     vec3 gradient = vec3(0);
     if (x <= last.x && !outside) {
-      const float x_before = i == 0 ? left : element(along_x, i - 1);
-      const float x_after = i == BRICK_EDGE - 1 ? right : element(along_x, i + 1);
-      gradient.x = axisGradient(x_before, x_after, x > 0 && x < last.x, push.inv_2h_x, push.inv_h_x);
-      gradient.y = scaled(element(along_y, i), scale_y);
-      gradient.z = scaled(element(along_z, i), scale_z);
+      gradient.x = sobelGradient(element(along_x, i), x, last.x, push.inv_2h_x, push.inv_h_x);
+      gradient.y = sobelGradient(element(along_y, i), first.y, last.y, push.inv_2h_y, push.inv_h_y);
+      gradient.z = sobelGradient(element(along_z, i), first.z, last.z, push.inv_2h_z, push.inv_h_z);
     }
     const vec4 value = vec4(gradient, element(densities, i));
     writeSample(out_first + z * (BRICK_EDGE * BRICK_EDGE) + i, previous, value);

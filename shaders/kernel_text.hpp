@@ -4,6 +4,7 @@
 // (engine/reference) are written apart from it. Compile with -ffp-contract=off, as the whole program is.
 #pragma once
 
+#include "shaders/filter.layout.h"
 #include "shaders/filter_distance.layout.h"
 #include "shaders/glsl.hpp"
 #include "shaders/layout_types.h"
@@ -12,6 +13,7 @@ namespace palpate::kernel_text {
 using namespace glsl;  // NOLINT(google-build-using-namespace): the text is GLSL
 
 #define precise
+#include "shaders/filter_border.math.glsl"
 #include "shaders/filter_convolve.math.glsl"
 #include "shaders/filter_distance.math.glsl"
 #include "shaders/filter_exp.math.glsl"
@@ -22,6 +24,7 @@ using namespace glsl;  // NOLINT(google-build-using-namespace): the text is GLSL
 #include "shaders/filter_median_wide.math.glsl"
 #include "shaders/filter_rank.math.glsl"
 #include "shaders/gradient.math.glsl"
+#include "shaders/gradient_sobel.math.glsl"
 #include "shaders/sample_code.math.glsl"
 #undef precise
 

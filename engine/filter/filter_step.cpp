@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include <fmt/format.h>
@@ -117,7 +118,8 @@ float convolved(const FilterStep& step, float density) {
   float sum = step.taps[static_cast<std::size_t>(reach)] * density;
   for (int tap = 1 - reach; tap <= reach; ++tap)
     sum = sum + step.taps[static_cast<std::size_t>(std::abs(tap))] * density;
-  return sum;
+  constexpr float kLargest = std::numeric_limits<float>::max();
+  return std::clamp(sum, -kLargest, kLargest);
 }
 
 }  // namespace

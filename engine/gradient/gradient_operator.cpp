@@ -11,11 +11,10 @@ namespace palpate {
 namespace {
 
 constexpr GradientWords kOperators[] = {
-    {"central", "", GRADIENT_CENTRAL, 1, 1, "central difference"},
-    {"sobel", "", GRADIENT_SOBEL, 1, 16, "central difference, averaged over the 3x3 rows beside it"},
-    {"central4", "", GRADIENT_CENTRAL4, 2, 1,
-     "fourth-order central difference; within two voxels of the border central"},
-    {"gaussian", "sigma", GRADIENT_CENTRAL, 1, 1, "central difference of the Gaussian-smoothed field"},
+    {"central", "", GRADIENT_CENTRAL, 1, "central difference"},
+    {"sobel", "", GRADIENT_SOBEL, 1, "central difference, averaged over the 3x3 rows beside it"},
+    {"central4", "", GRADIENT_CENTRAL4, 2, "fourth-order central difference; within two voxels of the border central"},
+    {"gaussian", "sigma", GRADIENT_CENTRAL, 1, "central difference of the Gaussian-smoothed field"},
 };
 
 [[noreturn]] void refuse(const std::string& text, const std::string& reason) {

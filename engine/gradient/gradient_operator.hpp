@@ -23,7 +23,6 @@ struct GradientWords {
   std::string_view takes;                    // "sigma", with its unit behind a colon; empty: nothing
   std::uint32_t stencil = GRADIENT_CENTRAL;  // what the kernel computes
   int reach = 1;                             // of the stencil, along each axis [voxel]
-  float weight_sum = 1;                      // of the weights across the axis, which the scale divides out [-]
   std::string_view what;
 };
 [[nodiscard]] std::span<const GradientWords> gradientTable() noexcept;

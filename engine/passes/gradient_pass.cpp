@@ -6,25 +6,13 @@
 namespace palpate {
 namespace {
 
-layout::GradientPush pushFor(const BrickPool& pool, const TaskRange& range, const GradientOperator& way,
-                             const SampleFormat& format, float isovalue) {
+layout::GradientPush pushFor(const BrickPool& pool, const TaskRange& range, const SampleFormat& format,
+                             float isovalue) {
   const Vec3& h = pool.lattice().spacing_m;
-  const double sum = static_cast<double>(way.words.weight_sum);
   const auto inverse = [](double length_m) { return static_cast<float>(1.0 / length_m); };
-  return {pool.domain(),
-          range.first,
-          range.count,
-          inverse(2.0 * h.x() * sum),
-          inverse(2.0 * h.y() * sum),
-          inverse(2.0 * h.z() * sum),
-          inverse(h.x() * sum),
-          inverse(h.y() * sum),
-          inverse(h.z() * sum),
-          inverse(12.0 * h.x()),
-          inverse(12.0 * h.y()),
-          inverse(12.0 * h.z()),
-          isovalue,
-          format.code};
+  return {pool.domain(),         range.first,           range.count,    inverse(2.0 * h.x()), inverse(2.0 * h.y()),
+          inverse(2.0 * h.z()),  inverse(h.x()),        inverse(h.y()), inverse(h.z()),       inverse(12.0 * h.x()),
+          inverse(12.0 * h.y()), inverse(12.0 * h.z()), isovalue,       format.code};
 }
 
 // Which kernel computes an operator: a new stencil is a line here.
@@ -83,8 +71,7 @@ void GradientPass::record(gpu::Commands& commands, const gpu::Buffer& tasks, std
       buffers.insert(buffers.end(), own.begin(), own.end());
     }
     const std::uint32_t groups = (range.count + bricks_a_group - 1) / bricks_a_group;
-    commands.dispatch(kernel_.get(), buffers,
-                      gpu::pushBytes(pushFor(pool_, range, way_, store_.format(), test.isovalue)),
+    commands.dispatch(kernel_.get(), buffers, gpu::pushBytes(pushFor(pool_, range, store_.format(), test.isovalue)),
                       gpu::Groups::folded(groups, GROUPS_PER_ROW));
   }
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/reference/distance.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
@@ -56,7 +57,7 @@ Foot seedOf(const DenseField& field, const Vec3i& voxel, const Given& given) {
     if (!within(field, voxel + way)) continue;
     const float there = at(field, voxel + way);
     if ((here > given.isovalue) == (there > given.isovalue)) continue;
-    const float share = (here - given.isovalue) / (here - there);
+    const float share = (here / 2 - given.isovalue / 2) / (here / 2 - there / 2);
     const auto part = [&](int axis) {
       return static_cast<float>(way[axis] * way[axis]) * given.edge_square[static_cast<std::size_t>(axis)];
     };
@@ -100,7 +101,8 @@ std::vector<Foot> spread(const DenseField& field, const std::vector<Foot>& feet,
   return after;
 }
 
-// Gradient (by voxel) and value of the trilinear field, at a place in the cell that begins at `cell`.
+// Gradient (by voxel) and value of the trilinear field over four, so that no difference overflows, at a place in the
+// cell that begins at `cell`.
 struct Trilinear {
   std::array<float, 3> gradient{};
   float value = 0;
@@ -112,7 +114,7 @@ float lerp(float a, float b, float t) {
 
 Trilinear trilinear(const DenseField& field, const Vec3i& cell, const std::array<float, 3>& share) {
   std::array<float, 8> f{};  // corners, i fastest
-  for (int n = 0; n < 8; ++n) f[static_cast<std::size_t>(n)] = at(field, cell + Vec3i(n % 2, n / 2 % 2, n / 4));
+  for (int n = 0; n < 8; ++n) f[static_cast<std::size_t>(n)] = at(field, cell + Vec3i(n % 2, n / 2 % 2, n / 4)) / 4;
   const auto [x, y, z] = share;
   Trilinear result;
   result.gradient[0] = lerp(lerp(f[1] - f[0], f[3] - f[2], y), lerp(f[5] - f[4], f[7] - f[6], y), z);
@@ -155,11 +157,16 @@ Tangent tangentAt(const DenseField& field, const Vec3i& voxel, const std::array<
     }
   }
   Trilinear there = trilinear(field, cell, share);
-  for (std::size_t axis = 0; axis < 3; ++axis) there.gradient[axis] = there.gradient[axis] / given.edge[axis];
-  const float steepness = std::sqrt(sum(there.gradient, there.gradient));
+  float largest = 0;  // of the gradient's components: over it their squares neither overflow nor vanish
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    there.gradient[axis] = there.gradient[axis] / given.edge[axis];
+    largest = std::max(largest, std::fabs(there.gradient[axis]));
+  }
+  for (float& component : there.gradient) component = component / largest;
+  const float length = std::sqrt(sum(there.gradient, there.gradient));
   Tangent tangent;
-  for (std::size_t axis = 0; axis < 3; ++axis) tangent.normal[axis] = there.gradient[axis] / steepness;
-  tangent.left = (there.value - given.isovalue) / steepness;
+  for (std::size_t axis = 0; axis < 3; ++axis) tangent.normal[axis] = there.gradient[axis] / length;
+  tangent.left = (there.value - given.isovalue / 4) / (length * largest);
   if (clamp_left && tangent.left > DISTANCE_LEFT) tangent.left = DISTANCE_LEFT;
   if (clamp_left && tangent.left < -DISTANCE_LEFT) tangent.left = -DISTANCE_LEFT;
   tangent.rise = sum(tangent.normal, away) + tangent.left;

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
 
 #include "engine/reference/distance.hpp"
 #include "engine/reference/rank_filter.hpp"
@@ -26,7 +27,8 @@ float convolved(const DenseField& field, const Vec3i& voxel, const FilterStep& s
     const float part = weight * bordered(field, voxel + tap * Vec3i::Unit(step.axis), step.border);
     sum = tap == -reach ? part : sum + part;
   }
-  return sum;
+  constexpr float kLargest = std::numeric_limits<float>::max();
+  return std::clamp(sum, -kLargest, kLargest);  // a mean of densities is one, whatever its roundings add up to
 }
 
 // The mean of the differences from the voxel, weighted by place and by difference, in double.

@@ -32,29 +32,34 @@ float central(const Line& line) {
 
 float central4(const Line& line) {
   if (!line.has(2)) return central(line);
-  const float near = line.at(1) - line.at(-1);
-  const float far = line.at(2) - line.at(-2);
-  return (8.0F * near - far) * line.inverse(12);
+  // Over 32 up to here, so that nothing overflows but a gradient that does.
+  const float near = line.at(1) / 4 - line.at(-1) / 4;
+  const float far = line.at(2) / 32 - line.at(-2) / 32;
+  return (near - far) * (32 * line.inverse(12));
 }
 
+// Weights 1, 2, 1. What they sum to on two axes, 16, densities are divided by beforehand (sixteenth), so that no sum
+// overflows.
 float smooth(float before, float middle, float after) {
   return (before + after) + (middle + middle);
+}
+
+float sixteenth(const DenseField& field, const Vec3i& voxel) {
+  return bordered(field, voxel, Border::kNearest) / 16;
 }
 
 // Density smoothed along `first`, then along `second`.
 float smooth2(const DenseField& field, const Vec3i& voxel, int first, int second) {
   std::array<float, 3> rows{};
   for (int s = -1; s <= 1; ++s) {
-    const auto at = [&](int f) {
-      return bordered(field, voxel + f * Vec3i::Unit(first) + s * Vec3i::Unit(second), Border::kNearest);
-    };
+    const auto at = [&](int f) { return sixteenth(field, voxel + f * Vec3i::Unit(first) + s * Vec3i::Unit(second)); };
     rows[static_cast<std::size_t>(s + 1)] = smooth(at(-1), at(0), at(1));
   }
   return smooth(rows[0], rows[1], rows[2]);
 }
 
 float smooth1(const DenseField& field, const Vec3i& voxel, int axis) {
-  const auto at = [&](int step) { return bordered(field, voxel + step * Vec3i::Unit(axis), Border::kNearest); };
+  const auto at = [&](int step) { return sixteenth(field, voxel + step * Vec3i::Unit(axis)); };
   return smooth(at(-1), at(0), at(1));
 }
 
@@ -79,7 +84,7 @@ float sobel(const Line& line) {
   } else {
     difference = smooth2(line.field, beside(1), 0, 1) - smooth2(line.field, beside(-1), 0, 1);
   }
-  return difference * (line.has(1) ? line.inverse(32) : line.inverse(16));
+  return difference * (line.has(1) ? line.inverse(2) : line.inverse(1));
 }
 
 }  // namespace

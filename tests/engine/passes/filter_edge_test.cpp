@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "base/error.hpp"
+#include "by_text.hpp"
 #include "engine/reference/filter.hpp"
 #include "filtered_fields.hpp"
 #include "shaders/kernel_text.hpp"
@@ -79,60 +80,12 @@ TEST(FilterText, GaussianIsCloseToTheLibrarys) {
   EXPECT_EQ(kernel_text::gaussianOf(INFINITY), 0.0F);
 }
 
-// The kernel's loop around the kernel's text, on the CPU.
-DenseField bilateralByText(const DenseField& field, const FilterStep& step) {
-  DenseField after = field;
-  const auto tap = [&](std::size_t first, int t) { return step.taps[first + static_cast<std::size_t>(std::abs(t))]; };
-  const std::size_t tap_y = static_cast<std::size_t>(step.reach.x()) + 2;
-  const std::size_t tap_z = tap_y + static_cast<std::size_t>(step.reach.y()) + 1;
-  for (int n = 0; n < field.size.prod(); ++n) {
-    const Vec3i voxel(n % field.size.x(), n / field.size.x() % field.size.y(), n / field.size.x() / field.size.y());
-    const float centre = reference::bordered(field, voxel, step.border);
-    float parts = 0;
-    float weights = 0;
-    for (int z = -step.reach.z(); z <= step.reach.z(); ++z) {
-      for (int y = -step.reach.y(); y <= step.reach.y(); ++y) {
-        const float tap_yz = tap(tap_y, y) * tap(tap_z, z);
-        for (int x = -step.reach.x(); x <= step.reach.x(); ++x) {
-          const float difference = reference::bordered(field, voxel + Vec3i(x, y, z), step.border) - centre;
-          const float weight = kernel_text::bilateralWeight(tap(1, x) * tap_yz, difference, step.taps[0]);
-          parts = parts + kernel_text::bilateralPart(weight, difference);
-          weights = weights + weight;
-        }
-      }
-    }
-    after.values[static_cast<std::size_t>(n)] = kernel_text::bilateralResult(centre, parts, weights);
-  }
-  return after;
-}
-
-DenseField diffusedByText(DenseField field, const FilterStep& step) {
-  DenseField after = field;
-  for (int n = 0; n < field.size.prod(); ++n) {
-    const Vec3i voxel(n % field.size.x(), n / field.size.x() % field.size.y(), n / field.size.x() / field.size.y());
-    const float here = reference::bordered(field, voxel, step.border);
-    float inflow[3] = {};
-    for (int axis = 0; axis < 3; ++axis) {
-      inflow[axis] = kernel_text::axisInflow(
-          reference::bordered(field, voxel - Vec3i::Unit(axis), step.border), here,
-          reference::bordered(field, voxel + Vec3i::Unit(axis), step.border), step.taps[static_cast<std::size_t>(axis)],
-          step.taps[static_cast<std::size_t>(axis + 3)], step.conductance == Conductance::kExp);
-    }
-    after.values[static_cast<std::size_t>(n)] = here + ((inflow[0] + inflow[1]) + inflow[2]);
-  }
-  return after;
-}
-
 class ExponentialBits : public testing::TestWithParam<Case> {};
 
 TEST_P(ExponentialBits, EqualTheTextOnTheCpu) {
   const auto steps = stepsOf(GetParam().chain);
   for (const Volume& volume : {ballField(GetParam().size, 9.0), extremes(GetParam().size)}) {
-    DenseField expected = reference::denseField(volume);
-    for (const FilterStep& step : steps) {
-      expected = step.kind == StepKind::kBilateral ? bilateralByText(expected, step) : diffusedByText(expected, step);
-    }
-    EXPECT_EQ(differing(filteredOnGpu(volume, steps), expected), 0U);
+    EXPECT_EQ(differing(filteredOnGpu(volume, steps), by_text::filtered(reference::denseField(volume), steps)), 0U);
   }
 }
 

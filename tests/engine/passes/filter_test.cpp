@@ -2,12 +2,9 @@
 // The filter kernels against their twins, bit for bit.
 #include "engine/reference/filter.hpp"
 
-#include <bit>
-
 #include <gtest/gtest.h>
 
 #include "filtered_fields.hpp"
-#include "shaders/kernel_text.hpp"
 
 namespace palpate {
 namespace {
@@ -67,20 +64,6 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"dilate:1mm:shape=ball", {20, 21, 22}},
                     Case{"dilate:5:shape=ball:border=mirror", {40, 41, 42}}, Case{"erode:9:shape=ball", {44, 41, 43}},
                     Case{"dilate:3:shape=ball", {2, 30, 2}}, Case{"erode:3:shape=ball", {30, 2, 3}}));
-
-// The text of the kernel, compiled for the CPU, adds taps up as the twin does.
-TEST(FilterText, ConvolvesAsTheTwin) {
-  const Volume volume = extremes({40, 3, 2});
-  const reference::DenseField field = reference::denseField(volume);
-  const FilterStep step = lowerFilters(filterChain("gaussian:1.5"), Vec3::Ones())[0];
-  const reference::DenseField after = reference::applyStep(field, step);
-  for (int i = 5; i + 5 < 40; ++i) {
-    float sum = step.taps[5] * field.at(i - 5, 1, 1);
-    for (int tap = -4; tap <= 5; ++tap)
-      sum = kernel_text::addTap(sum, step.taps[static_cast<std::size_t>(std::abs(tap))], field.at(i + tap, 1, 1));
-    EXPECT_EQ(std::bit_cast<std::uint32_t>(sum), std::bit_cast<std::uint32_t>(after.at(i, 1, 1))) << i;
-  }
-}
 
 // Far from the ball nothing is stored, and nothing near it is lost.
 TEST(FilterChain, KeepsASparseVolumeSparse) {

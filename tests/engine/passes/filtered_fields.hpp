@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the tests of filters share: a field filtered by the kernels, and how many bits of two fields differ.
+// What the tests of filters share: a field filtered by the kernels.
 #pragma once
 
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <random>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "engine/passes/filter_chain.hpp"
 #include "engine/reference/filter.hpp"
+#include "field_bits.hpp"
 #include "test_fields.hpp"
 
 namespace palpate {
@@ -44,24 +44,6 @@ inline reference::DenseField filteredOnGpu(const Volume& volume, const std::vect
     }
   }
   return field;
-}
-
-inline std::size_t differing(const reference::DenseField& a, const reference::DenseField& b) {
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < a.values.size(); ++i) {
-    count += std::bit_cast<std::uint32_t>(a.values[i]) != std::bit_cast<std::uint32_t>(b.values[i]) ? 1U : 0U;
-  }
-  return count;
-}
-
-// Denormals, 1e-30, 1e30 and ordinary values side by side.
-inline Volume extremes(const Vec3i& size) {
-  std::mt19937 random(11);
-  const float scales[] = {1.0F, 1e30F, 1e-30F, 1e-40F, 1e-45F, 0.0F};
-  return makeField(size, [&](int, int, int) {
-    const float unit = static_cast<float>(random()) / 4294967296.0F * 2.0F - 1.0F;
-    return unit * scales[random() % std::size(scales)];
-  });
 }
 
 }  // namespace palpate

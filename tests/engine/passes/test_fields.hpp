@@ -2,6 +2,9 @@
 // Volumes that the pass tests share: sizes that are no multiple of the brick, spacing that differs by axis.
 #pragma once
 
+#include <cfloat>
+#include <cmath>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -34,6 +37,27 @@ inline Volume ballField(const Vec3i& size, double radius_voxels) {
     const double inside = radius_voxels - (Vec3(i, j, k) - middle).norm();
     return static_cast<float>(std::clamp(inside, -3.0, 3.0));
   });
+}
+
+// Denormals, zeros of both signs, 1e-30, 1e30, ordinary values and the largest there are, side by side.
+inline Volume extremes(const Vec3i& size) {
+  std::mt19937 random(11);
+  const float scales[] = {1.0F, 1e30F, 1e-30F, 1e-40F, 1e-45F, 0.0F, FLT_MAX};
+  return makeField(size, [&](int, int, int) {
+    const float unit = static_cast<float>(random()) / 4294967296.0F * 2.0F - 1.0F;
+    const auto scale = random() % (std::size(scales) + 1);
+    return scale < std::size(scales) ? unit * scales[scale] : std::copysign(FLT_MAX, unit);
+  });
+}
+
+// The largest densities of both signs and nothing else: sums, differences and products of two are beyond the floats.
+inline Volume largest(const Vec3i& size) {
+  std::mt19937 random(12);
+  return makeField(size, [&](int, int, int) { return random() % 2 == 0 ? FLT_MAX : -FLT_MAX; });
+}
+
+inline Volume constantField(const Vec3i& size, float density) {
+  return makeField(size, [=](int, int, int) { return density; });
 }
 
 }  // namespace palpate

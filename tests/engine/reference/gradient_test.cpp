@@ -8,7 +8,6 @@
 #include <gtest/gtest.h>
 
 #include "engine/filter/filter_step.hpp"
-#include "shaders/kernel_text.hpp"
 
 namespace palpate {
 namespace {
@@ -126,28 +125,6 @@ TEST(GradientOperators, ConvergeWithTheirOrder) {
     ASSERT_LT(rounding, 0.1) << c.name;
     EXPECT_NEAR(std::log2(coarse / fine), c.order - series, 0.2 * series + rounding) << c.name;
   }
-}
-
-// The text of the kernels, compiled for the CPU, does what the twin does: on numbers of all sizes, bit for bit.
-TEST(GradientText, DiffersInNoBitFromTheTwin) {
-  reference::DenseField field;
-  field.size = {5, 5, 5};
-  field.lattice.spacing_m = kCoarse_m;
-  for (int n = 0; n < 125; ++n) field.values.push_back(std::ldexp(std::sin(static_cast<float>(n)), n * 7 % 120 - 60));
-  const auto f = [&](int i) { return field.at(2 + i, 2, 2); };
-  const auto scale = [&](double times) { return static_cast<float>(1.0 / (times * kCoarse_m.x())); };
-  EXPECT_EQ(reference::gradientAt(field, gradientOperator("central"), 2, 2, 2)[0],
-            kernel_text::axisGradient(f(-1), f(1), true, scale(2), scale(1)));
-  EXPECT_EQ(reference::gradientAt(field, gradientOperator("central4"), 2, 2, 2)[0],
-            kernel_text::axisGradient4(f(-2), f(-1), f(1), f(2), scale(12)));
-  const auto across = [&](int i) {
-    const auto row = [&](int k) {
-      return kernel_text::smoothed3(field.at(i, 1, k), field.at(i, 2, k), field.at(i, 3, k));
-    };
-    return kernel_text::smoothed3(row(1), row(2), row(3));
-  };
-  EXPECT_EQ(reference::gradientAt(field, gradientOperator("sobel"), 2, 2, 2)[0],
-            kernel_text::axisGradient(across(1), across(3), true, scale(32), scale(16)));
 }
 
 }  // namespace
