@@ -2,7 +2,6 @@
 #include "apps/bench/edit_bench.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <map>
 #include <memory>
@@ -13,6 +12,7 @@
 #include "apps/bench/random.hpp"
 #include "apps/bench/scratch_folder.hpp"
 #include "apps/console/interrupt.hpp"
+#include "base/stopwatch.hpp"
 #include "engine/journal/journal_writer.hpp"
 #include "engine/passes/active_bricks.hpp"
 #include "engine/passes/gpu_budget.hpp"
@@ -29,11 +29,6 @@ constexpr double kPlane_voxel = 3.5;  // above the middle: in the middle of a la
 constexpr double kRamp_voxel = 4;
 constexpr double kTargetRadius_voxel = 8;
 constexpr std::size_t kTurn = 8;  // edits of one volume before the next has its turn, as a stroke's follow one another
-
-using Clock = std::chrono::steady_clock;
-double millisecondsSince(Clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
 
 double median(std::vector<double> values) {
   return percentiles(std::move(values)).p50;
@@ -79,12 +74,12 @@ class Session {
     const std::span<const EditCommand> commands(&command, 1);
     const std::vector<BrickContent> before = contentOf(engine_.editor().bricksToChange(commands));
     engine_.timeKernels(time_kernels);
-    const auto start = Clock::now();
+    const Stopwatch watch;
     const Engine::EditResult result = engine_.edit(commands, 2);
-    const double whole_ms = millisecondsSince(start);
-    const auto reading = Clock::now();
+    const double whole_ms = 1e3 * watch.seconds();
+    const Stopwatch reading;
     static_cast<void>(engine_.readBack(volume_));
-    note(result, whole_ms, millisecondsSince(reading), time_kernels);
+    note(result, whole_ms, 1e3 * reading.seconds(), time_kernels);
     keep(commands);
     engine_.timeKernels(false);
     static_cast<void>(engine_.replace(before, 3));
@@ -117,11 +112,11 @@ class Session {
   // The edit into the journal, as a session does it: what that takes of the engine's thread, and until the disk has
   // confirmed it, without the 3 ms in which a session's journal gathers records.
   void keep(std::span<const EditCommand> commands) {
-    const auto appending = Clock::now();
+    const Stopwatch appending;
     journal_->edit(commands);
-    times_["journal"].push_back(millisecondsSince(appending));
+    times_["journal"].push_back(1e3 * appending.seconds());
     journal_->flush();
-    times_["journal_saved"].push_back(millisecondsSince(appending));
+    times_["journal_saved"].push_back(1e3 * appending.seconds());
   }
 
   // What was measured so far.
@@ -216,11 +211,11 @@ class Recompute {
         buffer_(gpu_, "window", static_cast<std::size_t>(box_.size.prod()) * sizeof(Sample), gpu::MemoryKind::kHost) {}
 
   void run(bool warm_up = false) {
-    const auto start = Clock::now();
+    const Stopwatch watch;
     bounds_.run();
     gradient_.run();
     window_.run(box_, buffer_);
-    if (!warm_up) times_ms_.push_back(millisecondsSince(start));
+    if (!warm_up) times_ms_.push_back(1e3 * watch.seconds());
   }
   [[nodiscard]] const std::vector<double>& times_ms() const { return times_ms_; }
 

@@ -10,6 +10,7 @@
 #include "apps/check/gradient_check.hpp"
 #include "apps/console/interrupt.hpp"
 #include "apps/console/progress.hpp"
+#include "apps/filter/filter_job.hpp"
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
 #include "engine/volume/statistics.hpp"
@@ -119,6 +120,9 @@ Volume loaded(const TableArguments& arguments, Progress& progress) {
 }
 
 void checkFiltersVerb(const TableArguments& arguments) {
+  if (arguments.isovalue && !arguments.filter.empty()) {
+    checkIsovalueIsUsed(filterChain(arguments.filter), arguments.filter);
+  }
   Progress progress;
   const Volume volume = loaded(arguments, progress);
   FilterCheckRequest request;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/session/edit_session.hpp"
 
-#include <chrono>
 #include <cmath>
 
+#include "base/stopwatch.hpp"
 #include "base/units.hpp"
 
 namespace palpate {
@@ -22,12 +22,12 @@ void EditSession::keepJournal(const std::filesystem::path& folder, const VolumeI
 // What comes after the window is out (settling, brick by brick) is not the edit's way to the hand.
 template <typename Change>
 Engine::EditResult EditSession::timed(const Change& change) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   Engine::EditResult result = change();
   ++figures_.edits;
   if (result.changed_bricks > 0) content_version_ = engine_.editVersion();
   if (!result.published) return result;
-  double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  double seconds = watch.seconds();
   for (const StageTime& stage : result.stages) seconds -= stage.name == "settle" ? stage.seconds : 0;
   ++figures_.windows;
   figures_.edit_to_window_s.push_back(seconds);
