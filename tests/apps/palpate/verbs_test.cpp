@@ -231,6 +231,14 @@ TEST_F(Verbs, FilterTakesTheIsovalueOfADistance) {
   }
 }
 
+// An isovalue that nothing reads would be without effect, and nobody would know.
+TEST_F(Verbs, FilterAndItsCheckRefuseAnIsovalueWithoutADistance) {
+  const Words more = {"phantom:sphere?size=24", "--filter", "gaussian:1", "--iso", "50"};
+  expectRefusal(run(Words{"filter", "-o", "d.nrrd"} + more), "--iso", "has a use for an isovalue", 2);
+  expectRefusal(run(Words{"check", "filters"} + more), "--iso", "leave it out, or add a distance", 2);
+  EXPECT_FALSE(exists("d.nrrd"));
+}
+
 // A distance has its surface at 0, wherever the density had it; Otsu would say otherwise.
 TEST_F(Verbs, FilterKeepsOrTellsTheIsovalueOfItsResult) {
   const Words filter = {"filter", "phantom:sphere?size=24", "--filter", "gaussian:0.7 distance:3", "--iso", "50", "-o"};
