@@ -210,8 +210,10 @@ TEST_F(Verbs, CheckOfEditsAndOfAllOnAVolume) {
   expectSuccess(edits);
   EXPECT_THAT(edits.out, HasSubstr("30 at random, seed 5"));
   EXPECT_THAT(edits.out, HasSubstr("1 of 1 checks hold"));
-  const Outcome all = run({"check", "all", "phantom:knot?size=14", "--quick"});
+  const Outcome all = run({"check", "all", "phantom:knot?size=14", "--quick", "--page", "page.md"});
   expectSuccess(all);
+  EXPECT_THAT(contentsOf(file("page.md")), HasSubstr("`palpate check all phantom:knot?size=14 --quick --seed 1`"));
+  EXPECT_THAT(contentsOf(file("page.md")), HasSubstr("- `phantom:knot?size=14`"));
   for (const char* kind : {"gradient", "filter", "edits"})
     EXPECT_THAT(all.out, testing::ContainsRegex(std::string("\n  yes +") + kind));
   expectRefusal(run({"check", "edits", "phantom:box?size=8", "--iso", "1e9"}), "phantom:box", "isovalue", 2);
