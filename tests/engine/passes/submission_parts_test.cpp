@@ -44,7 +44,7 @@ TEST_P(InParts, GradientsAreAllThere) {
     std::vector<double> told;
     pass.run([&](double done) { told.push_back(done); });
     const std::size_t least = (pool.brickCount() - 1) / GetParam().gradient_bricks + 1;
-    EXPECT_GE(told.size(), least) << way;
+    ASSERT_GE(told.size(), least) << way;
     EXPECT_TRUE(std::is_sorted(told.begin(), told.end())) << way;
     EXPECT_EQ(told.back(), 1) << way;
     std::vector<Sample> samples;
