@@ -2,7 +2,6 @@
 #include "apps/bench/edit_bench.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <map>
 #include <memory>
@@ -15,6 +14,7 @@
 #include "apps/bench/random.hpp"
 #include "apps/bench/scratch_folder.hpp"
 #include "apps/console/interrupt.hpp"
+#include "base/stopwatch.hpp"
 #include "engine/journal/journal_writer.hpp"
 #include "engine/service/engine.hpp"
 #include "servo/loop/quantile.hpp"
@@ -30,10 +30,6 @@ constexpr std::size_t kTurn = 8;  // edits of one volume before the next has its
 using flat_volume::kIsovalue;
 using flat_volume::kPlane_voxel;
 using flat_volume::kSpacing_m;
-using Clock = std::chrono::steady_clock;
-double millisecondsSince(Clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
 
 double median(std::vector<double> values) {
   return percentiles(std::move(values)).p50;
@@ -72,12 +68,12 @@ class Session {
     const std::span<const EditCommand> commands(&command, 1);
     const std::vector<BrickContent> before = contentOf(engine_.editor().bricksToChange(commands));
     engine_.timeKernels(time_kernels);
-    const auto start = Clock::now();
+    const Stopwatch watch;
     const Engine::EditResult result = engine_.edit(commands, 2);
-    const double whole_ms = millisecondsSince(start);
-    const auto reading = Clock::now();
+    const double whole_ms = 1e3 * watch.seconds();
+    const Stopwatch reading;
     static_cast<void>(engine_.readBack(volume_));
-    const double read_back_ms = millisecondsSince(reading);
+    const double read_back_ms = 1e3 * reading.seconds();
     note(result, whole_ms, read_back_ms, keep(commands), time_kernels);
     engine_.timeKernels(false);
     static_cast<void>(engine_.replace(before, 3));
@@ -115,12 +111,12 @@ class Session {
   // The edit into the journal, as a session does it: what that takes of the engine's thread, and until the disk has
   // confirmed it, without the 3 ms in which a session's journal gathers records.
   double keep(std::span<const EditCommand> commands) {
-    const auto appending = Clock::now();
+    const Stopwatch appending;
     journal_->edit(commands);
-    const double ms = millisecondsSince(appending);
+    const double ms = 1e3 * appending.seconds();
     times_["journal"].push_back(ms);
     journal_->flush();
-    times_["journal_saved"].push_back(millisecondsSince(appending));
+    times_["journal_saved"].push_back(1e3 * appending.seconds());
     return ms;
   }
 

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "apps/bench/failure.hpp"
 #include "apps/console/interrupt.hpp"
 #include "apps/rivals/itk_rivals.hpp"
 #include "servo/loop/quantile.hpp"
@@ -63,25 +64,47 @@ void FieldBench::open(const std::string& name, Volume volume) {
   pool_.emplace(gpu_, transfer_, *volume_);
   dense_ = volume_->toDense();
   field_ = {volume_->size(), volume_->lattice().spacing_m, dense_};
-  python_.load(field_);
+  if (const std::optional<std::string> why = python_.load(field_)) {
+    result_.note(fmt::format("no comparison with SciPy and VTK from {} on: {}", name_, *why));
+  }
 }
 
-void FieldBench::openNoisy(int size) {
+bool FieldBench::tryOpen(const std::string& name, const std::function<Volume()>& make) {
+  const std::string failure = failureOf([&] { open(name, make()); });
+  if (failure.empty()) return true;
+  pool_.reset();
+  volume_.reset();
+  result_.note(fmt::format("{} was left out: {}", name, failure));
+  return false;
+}
+
+bool FieldBench::tryOpenNoisy(int size) {
   progress_.stage(fmt::format("preparing {0} x {0} x {0} voxels", size));
-  open(noisyName(size),
-       loadVolume(fmt::format("phantom:knot?size={}&spacing=1mm&noise={}&seed={}", size, kNoise, request_.seed)));
+  return tryOpen(noisyName(size), [&] {
+    return loadVolume(fmt::format("phantom:knot?size={}&spacing=1mm&noise={}&seed={}", size, kNoise, request_.seed));
+  });
+}
+
+void FieldBench::attempt(const std::string& what, const std::function<void()>& work) {
+  const std::string failure = failureOf(work);
+  if (!failure.empty()) result_.note(fmt::format("{}, {} was left out: {}", what, name_, failure));
 }
 
 std::vector<Rival> FieldBench::rivalsOf(const std::string& job) {
-  std::vector<Rival> rivals = itkRivals(job, field_, threads_);
-  const auto append = [&](std::vector<Rival> more) {
+  std::vector<Rival> rivals;
+  const auto append = [&](const char* library, const std::function<std::vector<Rival>()>& offered) {
+    std::vector<Rival> more;
+    const std::string failure = failureOf([&] { more = offered(); });
+    if (!failure.empty()) result_.note(fmt::format("{}, {}: no comparison with {}: {}", job, name_, library, failure));
     rivals.insert(rivals.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
   };
-  append(python_.rivalsOf(job));
-  if (OpenVdbRivals::hasAny(job)) {
+  append("ITK", [&] { return itkRivals(job, field_, threads_); });
+  append("SciPy and VTK", [&] { return python_.rivalsOf(job); });
+  append("OpenVDB", [&] {
+    if (!OpenVdbRivals::hasAny(job)) return std::vector<Rival>();
     if (!openvdb_) openvdb_ = std::make_unique<OpenVdbRivals>(field_, threads_);
-    append(openvdb_->rivalsOf(job));
-  }
+    return openvdb_->rivalsOf(job);
+  });
   return rivals;
 }
 

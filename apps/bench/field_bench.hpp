@@ -7,6 +7,7 @@
 // from neighbours is not counted. The copy takes turns with each job. One thread.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -56,10 +57,13 @@ class FieldBench {
   [[nodiscard]] const BrickPool& pool() const noexcept { return *pool_; }
   [[nodiscard]] const Volume& volume() const noexcept { return *volume_; }
 
-  // From here on this volume is worked on, by all. `name`: as rows have it.
-  void open(const std::string& name, Volume volume);
+  // From here on the volume that `make` gives is worked on, by all. `name`: as rows have it. False: it could not be
+  // had, or not be held by the device, and a note says why; nothing may be measured then.
+  [[nodiscard]] bool tryOpen(const std::string& name, const std::function<Volume()>& make);
   // The knot with noise, of `size` along every edge, 1 mm voxels: no two bricks are alike and none is constant.
-  void openNoisy(int size);
+  [[nodiscard]] bool tryOpenNoisy(int size);
+  // Part of the bench: what it fails with becomes a note, and the next part has its turn.
+  void attempt(const std::string& what, const std::function<void()>& work);
 
   // Everybody's turns at a job; adds the rows. `rivals_job`: what rivals are asked for. The first of `own` is the one
   // that others are compared with.
@@ -70,6 +74,7 @@ class FieldBench {
   void promise(const std::string& job, const std::string& name, const std::string& library, double bound);
 
  private:
+  void open(const std::string& name, Volume volume);
   std::vector<Rival> rivalsOf(const std::string& job);
   void addRow(const std::string& job, const TurnsOutcome& outcome, const TurnsOutcome& own, double moved_bytes,
               double copy_bytes_per_ms);

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "apps/bench/resident_chain.hpp"
-#include "base/error.hpp"
 
 namespace palpate {
 namespace {
@@ -27,13 +26,8 @@ std::string passes(std::size_t count) {
 }
 
 void measureFilter(FieldBench& bench, const std::string& job) {
-  std::vector<FilterStep> steps;
-  try {
-    const auto isovalue = static_cast<float>(bench.volume().facts().declared_isovalue.value_or(0));
-    steps = lowerFilters(filterChain(job), bench.volume().lattice().spacing_m, isovalue);
-  } catch (const Error& refusal) {  // a new filter that a size of 1 is not enough for
-    return bench.result().note(fmt::format("{} was not measured: {}", job, refusal.what()));
-  }
+  const auto isovalue = static_cast<float>(bench.volume().facts().declared_isovalue.value_or(0));
+  std::vector<FilterStep> steps = lowerFilters(filterChain(job), bench.volume().lattice().spacing_m, isovalue);
   ResidentChain chain(bench.gpu(), bench.transfer(), bench.pool(), std::move(steps));
   bench.measure(job, job, {{passes(chain.passes()), chain.movedBytes(), [&] { return chain.run(); }}});
 }
@@ -49,8 +43,8 @@ std::vector<std::string> filterJobs() {
 BenchResult runFilterBench(const FieldBenchRequest& request, Progress& progress) {
   FieldBench bench("filters", request, progress);
   for (const int size : request.sizes) {
-    bench.openNoisy(size);
-    for (const std::string& job : filterJobs()) measureFilter(bench, job);
+    if (!bench.tryOpenNoisy(size)) continue;
+    for (const std::string& job : filterJobs()) bench.attempt(job, [&] { measureFilter(bench, job); });
   }
   if (std::find(request.sizes.begin(), request.sizes.end(), kTargetSize_voxel) == request.sizes.end()) {
     bench.result().note(fmt::format("no targets: {}^3 was left out", kTargetSize_voxel));

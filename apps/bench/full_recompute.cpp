@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/bench/full_recompute.hpp"
 
-#include <chrono>
-
+#include "base/stopwatch.hpp"
 #include "engine/passes/active_bricks.hpp"
 #include "engine/passes/gpu_budget.hpp"
 #include "engine/service/engine.hpp"
@@ -38,9 +37,9 @@ void FullRecompute::compute() {
 }
 
 void FullRecompute::run() {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   compute();
-  times_ms_.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
+  times_ms_.push_back(1e3 * watch.seconds());
 }
 
 }  // namespace palpate

@@ -88,10 +88,9 @@ void measureOperator(FieldBench& bench, const GradientWords& words) {
 
 void measureHead(FieldBench& bench, const std::string& name, Progress& progress) {
   progress.stage("loading " + name);
-  Volume volume = loadVolume(name);
-  const double isovalue = defaultIsovalue(volume);
   const std::string file = name.starts_with("phantom:") ? name : std::filesystem::path(name).filename().string();
-  bench.open(file, std::move(volume));
+  if (!bench.tryOpen(file, [&] { return loadVolume(name); })) return;
+  const double isovalue = defaultIsovalue(bench.volume());
   BrickBoundsPass bounds(bench.gpu(), bench.pool());
   bounds.run();
   const std::vector<std::uint32_t> needed =
@@ -138,16 +137,18 @@ BenchResult runGradientBench(const FieldBenchRequest& request, Progress& progres
   FieldBench bench("gradient", request, progress);
   bool large = false;
   for (const int size : request.sizes) {
-    bench.openNoisy(size);
-    for (const GradientWords& words : gradientTable()) measureOperator(bench, words);
     large = large || size >= kLeastForHead_voxel;
+    if (!bench.tryOpenNoisy(size)) continue;
+    for (const GradientWords& words : gradientTable()) {
+      bench.attempt("gradient " + std::string(words.name), [&] { measureOperator(bench, words); });
+    }
   }
   if (std::find(request.sizes.begin(), request.sizes.end(), kTargetSize_voxel) == request.sizes.end()) {
     bench.result().note(fmt::format("no target of a whole volume: {}^3 was left out", kTargetSize_voxel));
   } else {
     bench.promise("gradient central", noisyName(kTargetSize_voxel), "ITK", 0.45);
   }
-  if (large) measureHead(bench, headVolume(), progress);
+  if (large) bench.attempt(kActiveJob, [&] { measureHead(bench, headVolume(), progress); });
   return std::move(bench.result());
 }
 

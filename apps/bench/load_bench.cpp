@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/bench/load_bench.hpp"
 
-#include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <optional>
@@ -14,6 +13,7 @@
 #include "apps/console/interrupt.hpp"
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
+#include "base/stopwatch.hpp"
 #include "engine/volume/library_read.hpp"
 #include "engine/volume/volume_file.hpp"
 #include "servo/loop/quantile.hpp"
@@ -37,9 +37,9 @@ Volume randomVolume(int size, std::uint64_t seed) {
 template <class Work>
 double secondsOf(const Work& work) {
   throwIfInterrupted(kWork);
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return watch.seconds();
 }
 
 void addFormat(const LoadBenchRequest& request, const std::string& file, const std::string& suffix, Progress& progress,

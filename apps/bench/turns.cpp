@@ -2,13 +2,12 @@
 #include "apps/bench/turns.hpp"
 
 #include <algorithm>
-#include <new>
 #include <optional>
 
 #include <fmt/format.h>
 
+#include "apps/bench/failure.hpp"
 #include "apps/console/interrupt.hpp"
-#include "base/error.hpp"
 
 namespace palpate {
 namespace {
@@ -18,17 +17,9 @@ constexpr double kNeedsNoWarmUp_ms = 1000;
 
 // One run; nothing: it failed and says so in `outcome`.
 std::optional<RunCost> runOnce(const Contender& entrant, TurnsOutcome& outcome) {
-  try {
-    return entrant.run();
-  } catch (const Error& failure) {
-    if (failure.code() == Error::Code::kCancelled) throw;
-    outcome.left_out = failure.what();
-  } catch (const std::bad_alloc&) {
-    outcome.left_out = "there was not enough memory";
-  } catch (const std::exception& failure) {  // of a library's own kind
-    outcome.left_out = failure.what();
-  }
-  return std::nullopt;
+  RunCost cost;
+  outcome.left_out = failureOf([&] { cost = entrant.run(); });
+  return outcome.left_out.empty() ? std::optional(cost) : std::nullopt;
 }
 
 }  // namespace

@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "apps/check/stopwatch.hpp"
 #include "base/error.hpp"
+#include "base/stopwatch.hpp"
 #include "engine/edit/random_edits.hpp"
 #include "engine/plan/plan.hpp"
 #include "engine/reference/edit.hpp"

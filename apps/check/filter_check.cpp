@@ -2,17 +2,17 @@
 #include "apps/check/filter_check.hpp"
 
 #include <algorithm>
-#include <array>
 #include <memory>
 
 #include <fmt/format.h>
 
 #include "apps/check/rounding_bound.hpp"
-#include "apps/check/stopwatch.hpp"
+#include "base/stopwatch.hpp"
 #include "base/units.hpp"
 #include "engine/gpu/gpu.hpp"
 #include "engine/gpu/transfer.hpp"
 #include "engine/passes/filter_chain.hpp"
+#include "engine/passes/pool_volume.hpp"
 #include "engine/reference/filter.hpp"
 #include "engine/volume/statistics.hpp"
 
@@ -22,27 +22,12 @@ namespace {
 using reference::DenseField;
 
 DenseField downloaded(const BrickPool& pool, gpu::Transfer& transfer, const DenseField& like) {
-  DenseField field = like;
-  const BrickGrid grid{pool.size(), pool.lattice().spacing_m};
-  std::array<float, kBrickVoxels> brick{};
-  for (std::uint32_t b = 0; b < pool.brickCount(); ++b) {
-    if (pool.readBrick(transfer, b, brick.data())) std::fill(brick.begin() + 1, brick.end(), brick[0]);
-    const Vec3i first = grid.brick(b) * kBrickSize;
-    const Vec3i end = (first.array() + kBrickSize).min(pool.size().array());
-    for (int k = first.z(); k < end.z(); ++k) {
-      for (int j = first.y(); j < end.y(); ++j) {
-        const auto row = static_cast<std::size_t>(((k - first.z()) * kBrickSize + (j - first.y())) * kBrickSize);
-        std::copy_n(brick.begin() + static_cast<std::ptrdiff_t>(row), end.x() - first.x(),
-                    field.values.begin() + static_cast<std::ptrdiff_t>(field.offset(first.x(), j, k)));
-      }
-    }
-  }
-  return field;
+  return {like.size, like.lattice, densitiesOf(pool, transfer)};
 }
 
 // All voxels; `step`: the one whose bound holds, none where bits are promised.
 void compareFields(Check& check, const DenseField& gpu, const DenseField& cpu, const DenseField& before,
-                   const FilterStep* step) {
+                   const FilterStep* step, const std::function<void(double)>& progress) {
   for (int k = 0; k < cpu.size.z(); ++k) {
     for (int j = 0; j < cpu.size.y(); ++j) {
       for (int i = 0; i < cpu.size.x(); ++i) {
@@ -55,6 +40,7 @@ void compareFields(Check& check, const DenseField& gpu, const DenseField& cpu, c
         }
       }
     }
+    progress(static_cast<double>(k + 1) / cpu.size.z());
   }
 }
 
@@ -78,40 +64,46 @@ class Checker {
         source_(volume.facts().source),
         field_(field) {}
 
+  // `progress`: gets how many checks are done, with the part of the one that is under way.
   [[nodiscard]] std::vector<Check> check(const std::string& chain, const std::vector<FilterStep>& steps,
-                                         const std::function<void()>& before_step) {
+                                         const std::function<void(double)>& progress) {
     std::vector<Check> checks;
+    // Of a check the GPU, the twin and the comparison; the twin takes longest, or a bound that is derived by voxel.
+    const auto part = [&](double first, double last) {
+      return [&progress, first = static_cast<double>(checks.size()) + first, length = last - first](double done) {
+        progress(first + length * done);
+      };
+    };
     const auto groups = grouped(steps);
     DenseField before = field_;
     DenseField stepwise = field_;
     std::unique_ptr<FilterChain> last;  // holds what the next step reads
     for (std::size_t g = 0; g < groups.size(); ++g) {
-      before_step();
+      progress(static_cast<double>(g));
       const FilterStep& step = groups[g][0];
       Check check = named(chain, groups.size() == 1 ? "" : fmt::format("step {} of {}", g + 1, groups.size()));
       auto next = std::make_unique<FilterChain>(gpu_, transfer_, last ? last->result() : pool_, groups[g]);
       const Stopwatch gpu_watch;
-      next->run();
+      next->run(part(0, 0.1));
       check.gpu_seconds = gpu_watch.seconds();
       const Stopwatch cpu_watch;
-      const DenseField cpu = reference::applyFilters(before, groups[g]);
+      const DenseField cpu = reference::applyFilters(before, groups[g], part(0.1, 0.7));
       check.cpu_seconds = cpu_watch.seconds();
       stepwise = downloaded(next->result(), transfer_, field_);
       if (hasExponential(step)) check.reason = boundReason(step);
-      compareFields(check, stepwise, cpu, before, hasExponential(step) ? &step : nullptr);
+      compareFields(check, stepwise, cpu, before, hasExponential(step) ? &step : nullptr, part(0.7, 1));
       checks.push_back(std::move(check));
       before = stepwise;
       last = std::move(next);
     }
     if (groups.size() < 2) return checks;
     // The chain goes back and forth between scratch pools; each step alone did not.
-    before_step();
     Check whole = named(chain, "chain against its steps");
     FilterChain all(gpu_, transfer_, pool_, steps);
     const Stopwatch gpu_watch;
-    all.run();
+    all.run(part(0, 0.7));
     whole.gpu_seconds = gpu_watch.seconds();
-    compareFields(whole, downloaded(all.result(), transfer_, field_), stepwise, field_, nullptr);
+    compareFields(whole, downloaded(all.result(), transfer_, field_), stepwise, field_, nullptr, part(0.7, 1));
     checks.push_back(std::move(whole));
     return checks;
   }
@@ -186,9 +178,9 @@ std::vector<Check> checkFilters(const Volume& volume, const DenseField& field, c
   Checker checker(volume, field, request);
   std::vector<Check> checks;
   for (std::size_t c = 0; c < chains.size(); ++c) {
-    std::size_t done = checks.size();
-    const auto before_step = [&] { progress(static_cast<double>(done++) / static_cast<double>(parts)); };
-    for (Check& check : checker.check(chains[c], lowered[c], before_step)) checks.push_back(std::move(check));
+    const auto before = static_cast<double>(checks.size());
+    const auto tell = [&](double done) { progress((before + done) / static_cast<double>(parts)); };
+    for (Check& check : checker.check(chains[c], lowered[c], tell)) checks.push_back(std::move(check));
   }
   progress(1);
   return checks;

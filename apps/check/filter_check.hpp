@@ -31,7 +31,7 @@ struct FilterCheckRequest {
 void dropDistances(std::vector<std::string>& chains);
 
 // A check a step, and one for each chain of several. Steps of a distance count as one. `progress` gets the fraction
-// done, and may throw to cancel: asked before each step. Throws Error as lowerFilters and FilterChain do.
+// done, and may throw to cancel: asked often. Throws Error as lowerFilters and FilterChain do.
 [[nodiscard]] std::vector<Check> checkFilters(const Volume& volume, const FilterCheckRequest& request,
                                               const std::function<void(double)>& progress);
 

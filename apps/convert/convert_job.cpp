@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/convert/convert_job.hpp"
 
-#include <chrono>
-
 #include <fmt/format.h>
 
 #include "apps/console/interrupt.hpp"
 #include "apps/mesh/mesh_writer.hpp"
 #include "base/byte_size.hpp"
 #include "base/error.hpp"
+#include "base/stopwatch.hpp"
 #include "base/units.hpp"
 #include "engine/volume/isosurface_mesh.hpp"
 #include "engine/volume/statistics.hpp"
@@ -87,7 +86,7 @@ ConvertResult writeOutput(const Volume& volume, const ConvertRequest& request, c
 }
 
 ConvertResult convert(const ConvertRequest& request, Progress& progress) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   checkOutput(request);
   AtomicFile file(request.out);  // before the long part, so that a folder that may not be written is refused at once
   progress.stage("loading " + request.in);
@@ -96,7 +95,7 @@ ConvertResult convert(const ConvertRequest& request, Progress& progress) {
   ConvertResult result = writeOutput(volume, request, "palpate convert", file, progress);
   file.commit();
   progress.done();
-  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  result.seconds = watch.seconds();
   return result;
 }
 

@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/edit/edit_job.hpp"
 
-#include <chrono>
 #include <thread>
 
 #include <fmt/format.h>
 
 #include "apps/console/interrupt.hpp"
+#include "apps/console/pass_progress.hpp"
 #include "apps/edit/script_reader.hpp"
 #include "apps/edit/stamp_files.hpp"
 #include "apps/mesh/mesh_writer.hpp"
 #include "base/error.hpp"
+#include "base/stopwatch.hpp"
 #include "engine/journal/acknowledged_file.hpp"
 #include "engine/journal/volume_identity.hpp"
 #include "engine/session/edit_session.hpp"
@@ -22,12 +23,6 @@ namespace {
 constexpr std::size_t kQueuedOrders = 1024;
 constexpr std::size_t kMostTimes = std::size_t{1} << 18U;
 
-using Clock = std::chrono::steady_clock;
-
-double secondsSince(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
 // The same message with more behind it, or in front of it.
 Error withMore(const Error& error, const std::string& front, const std::string& behind) {
   const bool is_named = front.empty() || std::string_view(error.what()).starts_with(front + ": ");
@@ -35,8 +30,8 @@ Error withMore(const Error& error, const std::string& front, const std::string& 
           behind.empty() ? error.remedy() : error.remedy() + "; " + behind};
 }
 
-Error cancelled() {
-  return {Error::Code::kCancelled, "palpate edit", "stopped by the user", "start it again"};
+void stopIfInterrupted() {
+  throwIfInterrupted("palpate edit", "start it again");
 }
 
 // Whether the session lives on with it.
@@ -86,7 +81,7 @@ class Orders {
         if (!queue.push(std::move(order))) return;
       }
       if (script_) script_->giveTo(queue, interrupted);
-      if (interrupted()) throw cancelled();
+      stopIfInterrupted();
       queue.close();
     } catch (...) {
       queue.fail(std::current_exception());
@@ -126,7 +121,8 @@ class Job {
         progress_(progress),
         tell_(tell),
         profile_(brushProfile(volume, isovalue)),
-        engine_(volume, planOf(), isovalue, request.gpu, request.gpu_memory_bytes),
+        engine_(volume, planOf(), isovalue, request.gpu, request.gpu_memory_bytes,
+                passProgress(progress, stopIfInterrupted)),
         session_(engine_, profile_, {}, request.history_bytes),
         stamps_(volume.lattice(), profile_) {
     result_.isovalue = isovalue;
@@ -161,7 +157,7 @@ class Job {
     EditQueue queue(kQueuedOrders);
     const Giver giver(orders, queue);
     while (std::optional<EditOrder> order = queue.pop()) {
-      if (interrupted()) throw cancelled();
+      stopIfInterrupted();
       progress_.fraction(orders.fraction());
       try {
         if (order->refusal) throw Error(*order->refusal);
@@ -178,7 +174,7 @@ class Job {
   void apply(EditText& text) {
     std::vector<EditCommand> commands;
     if (text.verb == EditText::Verb::kEdit) commands = commandsOf(text);
-    const auto start = Clock::now();
+    const Stopwatch watch;
     if (text.verb == EditText::Verb::kUndo) {
       session_.undo(0);
       ++result_.undone;
@@ -189,7 +185,7 @@ class Job {
       session_.edit(commands, 0);
       ++result_.edits;
     }
-    times_.add(1e3 * secondsSince(start));
+    times_.add(1e3 * watch.seconds());
   }
 
   std::vector<EditCommand> commandsOf(EditText& text) {
@@ -258,14 +254,14 @@ class Job {
 
 EditResult editVolume(const EditRequest& request, Progress& progress,
                       const std::function<void(const std::string&)>& tell) {
-  const auto start = Clock::now();
+  const Stopwatch watch;
   ConvertRequest output{.in = request.in, .out = request.out};
   checkOutput(output);
   Orders orders(request);
   AtomicFile file(request.out);  // before the long part, so that a folder that may not be written is refused at once
   progress.stage("loading " + request.in);
   Volume volume = loadVolume(request.in);
-  if (interrupted()) throw cancelled();
+  stopIfInterrupted();
   const double isovalue = static_cast<float>(request.isovalue ? *request.isovalue : defaultIsovalue(volume));
   checkIsovalue(volume, isovalue);
   if (isMeshFileName(request.out)) output.isovalue = isovalue;
@@ -273,7 +269,7 @@ EditResult editVolume(const EditRequest& request, Progress& progress,
   Job job(request, isovalue, volume, progress, tell);
   EditResult result = job.run(orders, output, file);
   progress.done();
-  result.seconds = secondsSince(start);
+  result.seconds = watch.seconds();
   return result;
 }
 

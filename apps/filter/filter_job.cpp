@@ -1,37 +1,32 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/filter/filter_job.hpp"
 
-#include <algorithm>
-#include <chrono>
-
 #include <fmt/format.h>
 
 #include "apps/console/interrupt.hpp"
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
+#include "base/stopwatch.hpp"
 #include "engine/passes/filter_chain.hpp"
 #include "engine/passes/pool_volume.hpp"
 #include "engine/volume/statistics.hpp"
 #include "engine/volume/volume_file.hpp"
 
 namespace palpate {
-namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double secondsSince(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
+void checkIsovalueIsUsed(std::span<const FilterSpec> chain, const std::string& text) {
+  if (hasDistance(chain)) return;
+  throw Error(Error::Code::kBadInput, "--iso", fmt::format("no filter of \"{}\" has a use for an isovalue", text),
+              "leave it out, or add a distance");
 }
 
-}  // namespace
-
 FilterResult filterFile(const FilterRequest& request, Progress& progress) {
-  const auto start = Clock::now();
+  const Stopwatch watch;
   const std::vector<FilterSpec> chain = filterChain(request.filter);
   if (!isVolumeFileName(request.out)) {
     throw Error(Error::Code::kBadInput, request.out, "its suffix names no format that can be written",
                 fmt::format("use {}", kVolumeFileSuffixes));
   }
+  if (request.isovalue) checkIsovalueIsUsed(chain, request.filter);
   checkNotInput(request.in, request.out);
   AtomicFile file(request.out);  // before the long part, so that a folder that may not be written is refused at once
   progress.stage("loading " + request.in);
@@ -55,17 +50,13 @@ FilterResult filterFile(const FilterRequest& request, Progress& progress) {
   const BrickPool pool(gpu, transfer, volume);
   result.bricks = pool.brickCount();
   result.stored_before = result.stored_after = pool.storedBricks();
-  const auto filtering = Clock::now();
-  std::unique_ptr<FilterChain> filters;
-  if (!steps.empty()) {
-    filters = std::make_unique<FilterChain>(gpu, transfer, pool, std::move(steps));
-    filters->run([&](double done) {
-      progress.fraction(done);
-      throwIfInterrupted("palpate filter");
-    });
-    result.stored_after = filters->result().storedBricks();
-  }
-  result.filter_s = secondsSince(filtering);
+  const Stopwatch filtering;
+  const auto filters = filteredBy(gpu, transfer, pool, std::move(steps), [&](double done) {
+    progress.fraction(done);
+    throwIfInterrupted("palpate filter");
+  });
+  if (filters) result.stored_after = filters->result().storedBricks();
+  result.filter_s = filtering.seconds();
   VolumeFacts facts = volume.facts();
   const std::optional<double> known = facts.kept_isovalue ? facts.kept_isovalue : facts.declared_isovalue;
   if (known || isovalue) facts.kept_isovalue = isovalueAfter(chain, known ? static_cast<float>(*known) : *isovalue);
@@ -81,7 +72,7 @@ FilterResult filterFile(const FilterRequest& request, Progress& progress) {
   });
   file.commit();
   progress.done();
-  result.seconds = secondsSince(start);
+  result.seconds = watch.seconds();
   return result;
 }
 

@@ -7,10 +7,12 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "apps/console/progress.hpp"
 #include "base/vec.hpp"
+#include "engine/filter/filter_spec.hpp"
 
 namespace palpate {
 
@@ -35,9 +37,14 @@ struct FilterResult {
   std::uint64_t bytes = 0;        // of the file
 };
 
-// Throws Error: kBadInput for a chain that cannot be meant, an unknown suffix, an output that is the input; and what
+// Throws Error: kBadInput for a chain that cannot be meant, an isovalue without a distance, an unknown suffix, an
+// output that is the input; kCancelled on Ctrl-C; and what
 // loadVolume, FilterChain and writeVolume throw. What was at `out` stays then.
 [[nodiscard]] FilterResult filterFile(const FilterRequest& request, Progress& progress);
+
+// Throws Error(kBadInput) where an isovalue was given for a chain without a distance, which has no use for it. `text`:
+// the chain as it was given.
+void checkIsovalueIsUsed(std::span<const FilterSpec> chain, const std::string& text);
 
 // A line or two for people.
 [[nodiscard]] std::string filterWords(const FilterRequest& request, const FilterResult& result);

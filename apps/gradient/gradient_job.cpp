@@ -2,7 +2,6 @@
 #include "apps/gradient/gradient_job.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cstring>
 #include <vector>
 
@@ -11,6 +10,7 @@
 #include "apps/console/interrupt.hpp"
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
+#include "base/stopwatch.hpp"
 #include "engine/edit/edit_reach.hpp"
 #include "engine/gpu/gpu.hpp"
 #include "engine/gpu/transfer.hpp"
@@ -27,12 +27,7 @@
 namespace palpate {
 namespace {
 
-using Clock = std::chrono::steady_clock;
 constexpr const char* kWork = "palpate gradient";
-
-double secondsSince(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 void checkRequest(const GradientRequest& request) {
   if (!request.out.ends_with(".vdb")) {
@@ -53,23 +48,21 @@ class Computed {
       : gpu_(gpu::GpuRequest{.name = request.gpu}), transfer_(gpu_), pool_(gpu_, transfer_, volume) {
     result.device = gpu_.info().name;
     result.bricks = pool_.brickCount();
-    const auto start = Clock::now();
+    const Stopwatch watch;
     const GradientOperator way = gradientOperator(request.gradient);
-    std::vector<FilterStep> steps = lowerFilters(way.smoothing, pool_.lattice().spacing_m);
-    std::optional<FilterChain> smoothing;
-    if (!steps.empty()) {
-      progress.stage("smoothing");
-      smoothing.emplace(gpu_, transfer_, pool_, std::move(steps)).run([&](double done) {
-        progress.fraction(done);
-        throwIfInterrupted(kWork);
-      });
-    }
+    const auto tell = [&](double done) {
+      progress.fraction(done);
+      throwIfInterrupted(kWork);
+    };
+    if (!way.smoothing.empty()) progress.stage("smoothing");
+    const auto smoothing =
+        filteredBy(gpu_, transfer_, pool_, lowerFilters(way.smoothing, pool_.lattice().spacing_m), tell);
     progress.stage("gradients");
     store_.emplace(gpu_, pool_.brickCount(), chosenBricks(volume, request, result), pool_.budget());
     throwIfInterrupted(kWork);
-    GradientPass(gpu_, transfer_, pool_, *store_, way, smoothing ? &smoothing->result() : nullptr).run();
+    GradientPass(gpu_, transfer_, pool_, *store_, way, smoothing ? &smoothing->result() : nullptr).run(tell);
     result.written = store_->brickCount();
-    result.gradient_s = secondsSince(start);
+    result.gradient_s = watch.seconds();
   }
 
   void copyTo(VectorFile& file, Progress& progress) {
@@ -116,7 +109,7 @@ class Computed {
 }  // namespace
 
 GradientResult gradientFile(const GradientRequest& request, Progress& progress) {
-  const auto start = Clock::now();
+  const Stopwatch watch;
   checkRequest(request);
   (void)gradientOperator(request.gradient);  // what is wrong with it is said before the long part
   AtomicFile file(request.out);              // and so is a folder that may not be written
@@ -134,7 +127,7 @@ GradientResult gradientFile(const GradientRequest& request, Progress& progress) 
   });
   file.commit();
   progress.done();
-  result.seconds = secondsSince(start);
+  result.seconds = watch.seconds();
   return result;
 }
 

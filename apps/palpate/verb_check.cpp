@@ -1,15 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 // palpate check gradient|filters|edits VOLUME, palpate check all [VOLUME]: every value of the GPU against the CPU twin;
 // the exit status says whether every promise held.
+#include <filesystem>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "apps/bench/bench_result.hpp"
 #include "apps/check/check_all.hpp"
+#include "apps/check/check_page.hpp"
 #include "apps/check/edit_check.hpp"
 #include "apps/check/filter_check.hpp"
 #include "apps/check/gradient_check.hpp"
 #include "apps/console/interrupt.hpp"
 #include "apps/console/progress.hpp"
+#include "apps/filter/filter_job.hpp"
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
 #include "engine/volume/statistics.hpp"
@@ -95,6 +100,7 @@ struct TableArguments {
   unsigned seed = 1;
   bool quick = false;
   std::string json;
+  std::string page;
 };
 
 void tell(const TableArguments& arguments, const std::string& name, const std::vector<Check>& checks) {
@@ -119,6 +125,9 @@ Volume loaded(const TableArguments& arguments, Progress& progress) {
 }
 
 void checkFiltersVerb(const TableArguments& arguments) {
+  if (arguments.isovalue && !arguments.filter.empty()) {
+    checkIsovalueIsUsed(filterChain(arguments.filter), arguments.filter);
+  }
   Progress progress;
   const Volume volume = loaded(arguments, progress);
   FilterCheckRequest request;
@@ -149,6 +158,18 @@ void checkEditsVerb(const TableArguments& arguments) {
   tell(arguments, "edits", checks);
 }
 
+// As it would be given again; of a file its name alone.
+std::string allCommand(const TableArguments& arguments) {
+  std::string command = "palpate check all";
+  if (!arguments.volume.empty()) {
+    const bool is_phantom = arguments.volume.starts_with("phantom:");
+    command += " " + (is_phantom ? arguments.volume : std::filesystem::path(arguments.volume).filename().string());
+  }
+  if (arguments.quick) command += " --quick";
+  if (arguments.crop > 0) command += fmt::format(" --crop {}", arguments.crop);
+  return command + fmt::format(" --seed {}", arguments.seed);
+}
+
 void checkAllVerb(const TableArguments& arguments) {
   Progress progress;
   const CheckAll all = checkAll(
@@ -160,6 +181,10 @@ void checkAllVerb(const TableArguments& arguments) {
       shownIn(progress));
   progress.done();
   for (const std::string& what : all.left_out) fmt::print("left out: {}\n", what);
+  if (!arguments.page.empty()) {
+    const CheckRun run{allCommand(arguments), programCommit(), machineInWords(), all.left_out};
+    writeFileAtomically(arguments.page, checkPage(all.checks, run));
+  }
   tell(arguments, "all", all.checks);
 }
 
@@ -220,6 +245,8 @@ void addAllChecks(CLI::App& check) {
                               kVolumeHelp));
   all->add_flag("--quick", arguments->quick, "three small volumes, each filter once");
   all->add_option("--seed", arguments->seed, "of edits (default 1)");
+  all->add_option("--page", arguments->page, "write a page (Markdown) too, a row for each filter over all volumes")
+      ->each(checkWritable);
   addCommonOptions(*all, *arguments, fmt::format("the whole volume; {} for scans of the list", kScanCrop).c_str());
   all->callback([arguments] { checkAllVerb(*arguments); });
 }

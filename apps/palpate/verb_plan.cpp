@@ -2,7 +2,8 @@
 // palpate plan VOLUME|SCENE: which passes a scene needs, what was left out, and what that saves.
 #include <fmt/format.h>
 
-#include "apps/console/progress.hpp"
+#include "apps/console/interrupt.hpp"
+#include "apps/console/pass_progress.hpp"
 #include "apps/touch/algorithm_setup.hpp"
 #include "base/byte_size.hpp"
 #include "engine/service/engine.hpp"
@@ -26,7 +27,8 @@ void addPlanVerb(CLI::App& app) {
     checkIsovalue(volume, isovalue);
     const Plan plan = planFor(scene);
     progress.stage("computing on Vulkan");
-    const Engine engine(volume, plan, isovalue, scene.gpu);
+    const Engine engine(volume, plan, isovalue, scene.gpu, 0,
+                        passProgress(progress, [] { throwIfInterrupted("palpate plan"); }));
     progress.done();
     fmt::print("{} at isovalue {:g} on {}\n", scene.volume, isovalue, engine.gpu().name);
     for (const PlanLine& line : planLines(plan, engine.planFacts())) {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/rivals/python_rivals.hpp"
 
-#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include "apps/rivals/child_talk.hpp"
 #include "base/error.hpp"
@@ -35,7 +35,7 @@ class TemporaryFile {
     if (file < 0) {
       throw Error(Error::Code::kIo, name_, "no file can be made there", "set TMPDIR to a folder that may be written");
     }
-    std::fclose(fdopen(file, "w"));
+    close(file);
   }
   ~TemporaryFile() {
     std::error_code ignored;
@@ -120,15 +120,22 @@ PythonRivals::PythonRivals(unsigned threads, const std::vector<std::string>& pyt
 
 PythonRivals::~PythonRivals() = default;
 
-void PythonRivals::load(const RivalField& field) {
-  if (state_->rivals.empty()) return;
-  const TemporaryFile file;
-  file.write(field.densities);
-  const Vec3 spacing_mm = field.spacing_m / kMetresPerMillimetre;
-  static_cast<void>(
-      state_->ask(fmt::format("load\t{}\t{}\t{}\t{}\t{}\t{}\t{}", file.name(), field.size.x(), field.size.y(),
-                              field.size.z(), spacing_mm.x(), spacing_mm.y(), spacing_mm.z()),
-                  "ok"));
+std::optional<std::string> PythonRivals::load(const RivalField& field) {
+  if (state_->rivals.empty()) return std::nullopt;
+  try {
+    const TemporaryFile file;
+    file.write(field.densities);
+    const Vec3 spacing_mm = field.spacing_m / kMetresPerMillimetre;
+    static_cast<void>(
+        state_->ask(fmt::format("load\t{}\t{}\t{}\t{}\t{}\t{}\t{}", file.name(), field.size.x(), field.size.y(),
+                                field.size.z(), spacing_mm.x(), spacing_mm.y(), spacing_mm.z()),
+                    "ok"));
+    return std::nullopt;
+  } catch (const Error& failure) {
+    if (failure.code() == Error::Code::kCancelled) throw;
+    state_->rivals.clear();  // they would work on the volume before, or not at all
+    return failure.what();
+  }
 }
 
 std::vector<Rival> PythonRivals::rivalsOf(const std::string& job) {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,8 +25,9 @@ class PythonRivals {
 
   [[nodiscard]] const std::vector<MissingRival>& missing() const noexcept { return missing_; }
 
-  // From here on rivals work on this volume. Throws Error(kIo) where TMPDIR has no room for it.
-  void load(const RivalField& field);
+  // From here on rivals work on this volume. Returns why there are none any more, where it could not be handed to them:
+  // TMPDIR has no room for it, or the child had no memory for it and ended. Throws Error(kCancelled) on Ctrl-C.
+  [[nodiscard]] std::optional<std::string> load(const RivalField& field);
   // They may be run while this lives, on the volume loaded last.
   [[nodiscard]] std::vector<Rival> rivalsOf(const std::string& job);
 

@@ -2,7 +2,6 @@
 #include "apps/touch/touch_job.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 
@@ -10,6 +9,7 @@
 #include <sys/resource.h>
 
 #include "apps/console/interrupt.hpp"
+#include "apps/console/pass_progress.hpp"
 #include "apps/report/html_report.hpp"
 #include "apps/report/summary.hpp"
 #include "apps/report/trace_csv.hpp"
@@ -26,6 +26,7 @@
 #include "base/atomic_file.hpp"
 #include "base/byte_size.hpp"
 #include "base/error.hpp"
+#include "base/stopwatch.hpp"
 #include "engine/service/engine.hpp"
 #include "engine/volume/isosurface_mesh.hpp"
 #include "engine/volume/memory_budget.hpp"
@@ -48,9 +49,9 @@ class Stages {
   auto run(const char* name, const std::string& words, Work work) {
     stopIfInterrupted();
     progress_.stage(words);
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     auto result = work();
-    times_.push_back({name, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()});
+    times_.push_back({name, watch.seconds()});
     return result;
   }
 
@@ -212,7 +213,8 @@ TouchRun runTouchJob(const Scene& scene, const std::string& command, const std::
   run.volume = volumeOf(volume, isovalue);
   const Plan plan = planFor(scene);
   const auto engine = stages.run("open Vulkan device", "computing on Vulkan", [&] {
-    return std::make_unique<Engine>(volume, plan, isovalue, scene.gpu, scene.gpu_memory_bytes);
+    return std::make_unique<Engine>(volume, plan, isovalue, scene.gpu, scene.gpu_memory_bytes,
+                                    passProgress(progress, [&] { stages.stopIfInterrupted(); }));
   });
   run.vulkan = {engine->gpu().name, engine->gpu().driver, engine->gpu().api_version};
   // The engine's own stages come out of the time that making it took; what is left opened the device.

@@ -28,29 +28,29 @@ FilterKernel filterKernel(const FilterStep& step) {
   const std::uint32_t bricks_along_line = step.axis == 0 ? 1 : 4;  // 64 rows, or 16 columns, of a brick
   switch (step.kind) {
     case StepKind::kConvolve:
-      return {"filter_convolve", bricks_along_line, {axis, reach}};
+      return {"filter_convolve", bricks_along_line, true, {axis, reach}};
     case StepKind::kBilateral: {
       const auto reaches = step.reach.cast<std::uint32_t>();
-      return {"filter_bilateral", 1, {reaches.x(), reaches.y(), reaches.z()}};
+      return {"filter_bilateral", 1, true, {reaches.x(), reaches.y(), reaches.z()}};
     }
     case StepKind::kDiffuse:
-      return {"filter_diffuse", 1, {step.conductance == Conductance::kExp ? 1U : 0U}};
+      return {"filter_diffuse", 1, false, {step.conductance == Conductance::kExp ? 1U : 0U}};
     case StepKind::kDistanceSeed:
-      return {"filter_distance_seed", 1, {}};
+      return {"filter_distance_seed", 1, false, {}};
     case StepKind::kDistanceSpread:
-      return {"filter_distance_spread", 1, {axis, reach}};
+      return {"filter_distance_spread", 1, false, {axis, reach}};
     case StepKind::kDistanceFinish:
-      return {"filter_distance_finish", 1, {}};
+      return {"filter_distance_finish", 1, false, {}};
     case StepKind::kMedian:
-      return {medianKernel(step.reach), 1, boxReach(step.reach)};
+      return {medianKernel(step.reach), 1, true, boxReach(step.reach)};
     case StepKind::kHighestOnLine:
-      return {"filter_extreme_line", bricks_along_line, {EXTREME_HIGHEST, axis, reach}};
+      return {"filter_extreme_line", bricks_along_line, true, {EXTREME_HIGHEST, axis, reach}};
     case StepKind::kLowestOnLine:
-      return {"filter_extreme_line", bricks_along_line, {EXTREME_LOWEST, axis, reach}};
+      return {"filter_extreme_line", bricks_along_line, true, {EXTREME_LOWEST, axis, reach}};
     case StepKind::kHighestInRows:
-      return {"filter_extreme_rows", 1, {EXTREME_HIGHEST, static_cast<std::uint32_t>(step.reach.x())}};
+      return {"filter_extreme_rows", 1, true, {EXTREME_HIGHEST, static_cast<std::uint32_t>(step.reach.x())}};
     case StepKind::kLowestInRows:
-      return {"filter_extreme_rows", 1, {EXTREME_LOWEST, static_cast<std::uint32_t>(step.reach.x())}};
+      return {"filter_extreme_rows", 1, true, {EXTREME_LOWEST, static_cast<std::uint32_t>(step.reach.x())}};
   }
   return {};
 }

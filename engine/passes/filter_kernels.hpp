@@ -13,6 +13,7 @@ namespace palpate {
 struct FilterKernel {
   std::string name;                      // shaders/NAME.comp
   std::uint32_t bricks_a_group = 1;      // that a work group works on
+  bool has_edge = true;                  // it is built once more for bricks within reach of the border (kEdge)
   std::vector<std::uint32_t> constants;  // its own specialisation constants, from FILTER_CONSTANT_OWN on
 };
 

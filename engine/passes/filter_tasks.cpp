@@ -17,7 +17,7 @@ bool FilterTasks::atEdge(const Vec3i& brick) const noexcept {
 }
 
 void FilterTasks::add(std::uint32_t brick, std::uint32_t slot) {
-  auto& by_slab = by_edge_and_slab_[atEdge(grid_.brick(brick)) ? 1 : 0];
+  auto& by_slab = by_edge_and_slab_[has_edge_ && atEdge(grid_.brick(brick)) ? 1 : 0];
   const std::size_t slab = slot / BRICKS_PER_DENSITY_SLAB;
   if (by_slab.size() <= slab) by_slab.resize(slab + 1);
   by_slab[slab].push_back({brick, slot % BRICKS_PER_DENSITY_SLAB});

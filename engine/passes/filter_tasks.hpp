@@ -21,7 +21,9 @@ struct FilterRange {
 
 class FilterTasks {
  public:
-  FilterTasks(const BrickGrid& grid, const FilterStep& step) : grid_(grid), step_(step) {}
+  // `has_edge`: bricks at the border have a kernel of their own.
+  FilterTasks(const BrickGrid& grid, const FilterStep& step, bool has_edge)
+      : grid_(grid), step_(step), has_edge_(has_edge) {}
 
   void add(std::uint32_t brick, std::uint32_t slot);
   // Appends all to `list` and says where; nothing is left.
@@ -32,6 +34,7 @@ class FilterTasks {
 
   const BrickGrid& grid_;
   const FilterStep& step_;
+  bool has_edge_;
   std::array<std::vector<std::vector<layout::FilterTask>>, 2> by_edge_and_slab_;
 };
 

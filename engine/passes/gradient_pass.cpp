@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/passes/gradient_pass.hpp"
 
+#include <algorithm>
+
 #include "engine/passes/tuning.hpp"
 
 namespace palpate {
@@ -45,7 +47,7 @@ GradientPass::GradientPass(gpu::Gpu& gpu, gpu::Transfer& transfer, const BrickPo
               kernelOf(way, smoothed != nullptr).bindings, sizeof(layout::GradientPush),
               constantsOf(way, store.format(), tuningFor(gpu.info())), smoothed != nullptr ? &pool : nullptr) {}
 
-void GradientPass::run() {
+void GradientPass::run(const std::function<void(double)>& progress) {
   BrickTasks by_slab;
   for (const std::uint32_t brick : store_.bricks()) by_slab.add(brick, store_.place(brick));
   std::vector<layout::BrickTask> list;
@@ -53,10 +55,19 @@ void GradientPass::run() {
   if (ranges.empty()) return;
   const gpu::Buffer tasks(gpu_, "gradient tasks", list.size() * sizeof(layout::BrickTask), gpu::MemoryKind::kDevice);
   transfer_.upload(std::as_bytes(std::span(list)), tasks);
-  gpu::Commands commands(gpu_, "gradient", static_cast<std::uint32_t>(ranges.size()));
-  commands.begin();
-  record(commands, tasks, ranges, {});
-  commands.run();
+  gpu::Commands commands(gpu_, "gradient", 1);
+  const std::uint32_t most = tuningFor(gpu_.info()).gradient_bricks;
+  std::size_t done = 0;
+  for (const TaskRange& range : ranges) {
+    for (std::uint32_t first = 0; first < range.count; first += most) {
+      const TaskRange part{range.slab, range.first + first, std::min(range.count - first, most)};
+      commands.begin();
+      record(commands, tasks, {&part, 1}, {});
+      commands.run();
+      done += part.count;
+      if (progress) progress(static_cast<double>(done) / static_cast<double>(list.size()));
+    }
+  }
 }
 
 void GradientPass::record(gpu::Commands& commands, const gpu::Buffer& tasks, std::span<const TaskRange> ranges,

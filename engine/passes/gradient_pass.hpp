@@ -4,6 +4,7 @@
 // Thread: the Gpu's.
 #pragma once
 
+#include <functional>
 #include <span>
 
 #include "engine/edit/edit_reach.hpp"
@@ -34,7 +35,9 @@ class GradientPass {
   // How far a changed density changes gradients; of an operator that smooths, how far a smoothed density does.
   [[nodiscard]] Reach reach() const noexcept { return {way_.words.reach, way_.words.reach}; }
 
-  void run();  // every brick of the store; blocks
+  // Every brick of the store; blocks. `progress` gets the fraction done, some thousand bricks apart, and may throw to
+  // cancel: the store then holds nothing of use.
+  void run(const std::function<void(double)>& progress = {});
   // The bricks of `ranges` in `tasks` (layout::BrickTask).
   void record(gpu::Commands& commands, const gpu::Buffer& tasks, std::span<const TaskRange> ranges,
               const ActiveTest& test);

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/passes/pool_volume.hpp: what a brick pool holds, as a volume on the CPU. Thread: the Gpu's. Cost: a copy of
+// engine/passes/pool_volume.hpp: what a brick pool holds, brought to the CPU. Thread: the Gpu's. Cost: a copy of
 // the bricks that are stored, and, where the device's memory is not mapped, a transfer each.
 #pragma once
+
+#include <vector>
 
 #include "engine/gpu/transfer.hpp"
 #include "engine/passes/brick_pool.hpp"
@@ -9,6 +11,10 @@
 
 namespace palpate {
 
+// Throws Error(kBadInput) where a density is not a finite number.
 [[nodiscard]] Volume volumeOf(const BrickPool& pool, gpu::Transfer& transfer, const VolumeFacts& facts);
+
+// The domain's densities, i fastest, whatever they are.
+[[nodiscard]] std::vector<float> densitiesOf(const BrickPool& pool, gpu::Transfer& transfer);
 
 }  // namespace palpate

@@ -18,6 +18,11 @@ struct Tuning {
   // which every load is a loop over lanes, wants all eight; a GPU wants 32 invocations to a brick, so that its warps
   // are full, and has caches for what is read again.
   std::uint32_t gradient_run;
+
+  // Bricks of a whole field in one submission: so few that it can be stopped in between and no device gives up on a
+  // slow kernel, so many that submitting them costs next to nothing.
+  std::uint32_t filter_bricks;
+  std::uint32_t gradient_bricks;
 };
 
 [[nodiscard]] std::span<const Tuning> tunings() noexcept;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <optional>
 
 #include "shaders/filter_distance.layout.h"
@@ -38,12 +39,14 @@ float at(const DenseField& field, const Vec3i& voxel) {
   return field.at(inside.x(), inside.y(), inside.z());
 }
 
+// `after_slice` is called so often that it may stop the work.
 template <typename Function>
-void forEachVoxel(const DenseField& field, const Function& function) {
+void forEachVoxel(const DenseField& field, const std::function<void()>& after_slice, const Function& function) {
   for (int k = 0; k < field.size.z(); ++k) {
     for (int j = 0; j < field.size.y(); ++j) {
       for (int i = 0; i < field.size.x(); ++i) function(Vec3i(i, j, k), field.offset(i, j, k));
     }
+    after_slice();
   }
 }
 
@@ -74,7 +77,8 @@ Foot seedOf(const DenseField& field, const Vec3i& voxel, const Given& given) {
 }
 
 // From voxel `from` on, the nearest of the points that the voxels within reach along the axis know.
-std::vector<Foot> spread(const DenseField& field, const std::vector<Foot>& feet, const FilterStep& step) {
+std::vector<Foot> spread(const DenseField& field, const std::vector<Foot>& feet, const FilterStep& step,
+                         const std::function<void()>& after_slice) {
   const Given given(step);
   const int reach = step.reach[step.axis];
   const auto square = [&given](const Vec3i& foot, int axis) {
@@ -82,7 +86,7 @@ std::vector<Foot> spread(const DenseField& field, const std::vector<Foot>& feet,
     return (steps * steps) * given.edge_square[static_cast<std::size_t>(axis)];
   };
   std::vector<Foot> after(feet.size());
-  forEachVoxel(field, [&](const Vec3i& voxel, std::size_t offset) {
+  forEachVoxel(field, after_slice, [&](const Vec3i& voxel, std::size_t offset) {
     float best = 65536.0F;  // eight voxels of the smallest spacing, beyond any band
     for (int shift = -reach; shift <= reach; ++shift) {
       const Vec3i other = voxel + shift * Vec3i::Unit(step.axis);
@@ -213,15 +217,21 @@ float distanceFrom(const DenseField& field, const Vec3i& voxel, const Vec3i& foo
 
 }  // namespace
 
-DenseField signedDistance(const DenseField& field, std::span<const FilterStep> steps) {
+DenseField signedDistance(const DenseField& field, std::span<const FilterStep> steps,
+                          const std::function<void(double)>& progress) {
   const Given given(steps[0]);
+  const double slices = static_cast<double>(steps.size()) * field.size.z();
+  auto after_slice = [&, done = 0.0]() mutable {
+    if (progress) progress(++done / slices);
+  };
   std::vector<Foot> feet(field.values.size());
-  forEachVoxel(field, [&](const Vec3i& voxel, std::size_t offset) { feet[offset] = seedOf(field, voxel, given); });
+  forEachVoxel(field, std::ref(after_slice),
+               [&](const Vec3i& voxel, std::size_t offset) { feet[offset] = seedOf(field, voxel, given); });
   for (const FilterStep& step : steps) {
-    if (step.kind == StepKind::kDistanceSpread) feet = spread(field, feet, step);
+    if (step.kind == StepKind::kDistanceSpread) feet = spread(field, feet, step, std::ref(after_slice));
   }
   DenseField after = field;
-  forEachVoxel(field, [&](const Vec3i& voxel, std::size_t offset) {
+  forEachVoxel(field, std::ref(after_slice), [&](const Vec3i& voxel, std::size_t offset) {
     float distance = given.band;
     if (feet[offset]) {
       const float found = distanceFrom(field, voxel, *feet[offset], given);

@@ -3,6 +3,7 @@
 // surface points as plain offsets, one voxel after another. Slow and obvious; any thread. Agrees bit for bit.
 #pragma once
 
+#include <functional>
 #include <span>
 
 #include "engine/filter/filter_step.hpp"
@@ -11,6 +12,8 @@
 namespace palpate::reference {
 
 // Signed distance from the isosurface [m], positive in the object. `steps`: the kDistanceSteps of one distance.
-[[nodiscard]] DenseField signedDistance(const DenseField& field, std::span<const FilterStep> steps);
+// `progress`: as applyFilters has it.
+[[nodiscard]] DenseField signedDistance(const DenseField& field, std::span<const FilterStep> steps,
+                                        const std::function<void(double)>& progress = {});
 
 }  // namespace palpate::reference

@@ -103,21 +103,29 @@ float bordered(const DenseField& field, const Vec3i& voxel, Border border) {
                   inside(voxel.z(), field.size.z(), border));
 }
 
-DenseField applyStep(const DenseField& field, const FilterStep& step) {
+DenseField applyStep(const DenseField& field, const FilterStep& step, const std::function<void(double)>& progress) {
   DenseField after = field;
   for (int k = 0; k < field.size.z(); ++k) {
     for (int j = 0; j < field.size.y(); ++j) {
       for (int i = 0; i < field.size.x(); ++i) after.values[field.offset(i, j, k)] = result(field, {i, j, k}, step);
     }
+    if (progress) progress(static_cast<double>(k + 1) / field.size.z());
   }
   return after;
 }
 
-DenseField applyFilters(DenseField field, std::span<const FilterStep> steps) {
+DenseField applyFilters(DenseField field, std::span<const FilterStep> steps,
+                        const std::function<void(double)>& progress) {
+  const auto all = static_cast<double>(steps.size());
   while (!steps.empty()) {
     const bool distance = steps[0].kind == StepKind::kDistanceSeed;
-    field = distance ? signedDistance(field, steps.first(kDistanceSteps)) : applyStep(field, steps[0]);
-    steps = steps.subspan(distance ? kDistanceSteps : 1);
+    const std::size_t count = distance ? kDistanceSteps : 1;
+    const double before = all - static_cast<double>(steps.size());
+    const auto tell = [&](double part) {
+      if (progress) progress((before + part * static_cast<double>(count)) / all);
+    };
+    field = distance ? signedDistance(field, steps.first(count), tell) : applyStep(field, steps[0], tell);
+    steps = steps.subspan(count);
   }
   return field;
 }

@@ -108,9 +108,9 @@ std::array<float, 3> gradientAt(const DenseField& field, const GradientOperator&
   return gradient;
 }
 
-DenseField smoothedFor(const GradientOperator& way, DenseField field) {
+DenseField smoothedFor(const GradientOperator& way, DenseField field, const std::function<void(double)>& progress) {
   const std::vector<FilterStep> steps = lowerFilters(way.smoothing, field.lattice.spacing_m);
-  return applyFilters(std::move(field), steps);
+  return applyFilters(std::move(field), steps, progress);
 }
 
 }  // namespace palpate::reference

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 
 #include "engine/gradient/gradient_operator.hpp"
 #include "engine/reference/dense_field.hpp"
@@ -19,7 +20,8 @@ namespace palpate::reference {
 [[nodiscard]] std::array<float, 3> gradientAt(const DenseField& field, const GradientOperator& way, int i, int j,
                                               int k);
 
-// The field whose gradient an operator takes.
-[[nodiscard]] DenseField smoothedFor(const GradientOperator& way, DenseField field);
+// The field whose gradient an operator takes. `progress`: as applyFilters has it.
+[[nodiscard]] DenseField smoothedFor(const GradientOperator& way, DenseField field,
+                                     const std::function<void(double)>& progress = {});
 
 }  // namespace palpate::reference

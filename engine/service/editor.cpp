@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -13,6 +12,7 @@
 
 #include "base/byte_size.hpp"
 #include "base/error.hpp"
+#include "base/stopwatch.hpp"
 #include "engine/volume/brick_values.hpp"
 #include "servo/window/sample_window.hpp"
 
@@ -24,12 +24,6 @@ constexpr std::size_t kSpareBricks = 256;
 
 // plan, record, gpu, and the kernels' own: edit, filter, smoothing, bounds, gradient, window.
 constexpr std::size_t kStagesAtMost = 9;
-
-using Clock = std::chrono::steady_clock;
-
-double secondsSince(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 bool crosses(const layout::BrickBounds& bounds, float isovalue) {
   return bounds.lowest <= isovalue && bounds.highest > isovalue;
@@ -285,17 +279,17 @@ void Editor::refuseIfBroken() const {
 Editor::Outcome Editor::apply(std::span<const EditCommand> commands, const WindowTarget* target) {
   refuseIfBroken();
   settle();
-  const auto start = Clock::now();
+  const Stopwatch watch;
   EditPlan plan = planner_.plan(commands);
-  return run(plan, target, {}, secondsSince(start));
+  return run(plan, target, {}, watch.seconds());
 }
 
 Editor::Outcome Editor::replace(std::span<const BrickContent> bricks, const WindowTarget* target) {
   refuseIfBroken();
   settle();
-  const auto start = Clock::now();
+  const Stopwatch watch;
   EditPlan plan = planner_.plan(bricks);
-  return run(plan, target, bricks, secondsSince(start));
+  return run(plan, target, bricks, watch.seconds());
 }
 
 Editor::Outcome Editor::run(EditPlan& plan, const WindowTarget* target, std::span<const BrickContent> given,
@@ -306,7 +300,7 @@ Editor::Outcome Editor::run(EditPlan& plan, const WindowTarget* target, std::spa
     outcome.version = ++version_;
     return outcome;
   }
-  const auto making_room = Clock::now();
+  const Stopwatch making_room;
   try {
     makeRoom(plan);
   } catch (...) {
@@ -315,9 +309,9 @@ Editor::Outcome Editor::run(EditPlan& plan, const WindowTarget* target, std::spa
     throw;
   }
   outcome.stages.reserve(kStagesAtMost);
-  outcome.stages.push_back({"plan", planned_s + secondsSince(making_room)});
+  outcome.stages.push_back({"plan", planned_s + making_room.seconds()});
 
-  const auto recording = Clock::now();
+  const Stopwatch recording;
   broken_ = true;  // from here on pages and slots say what holds only once the device has done its part
   handOutSlots(plan);
   stored_.clear();
@@ -328,11 +322,11 @@ Editor::Outcome Editor::run(EditPlan& plan, const WindowTarget* target, std::spa
   record(plan, target, outcome);
   handOver(plan, given);
   downloadTouched();
-  outcome.stages.push_back({"record", secondsSince(recording)});
+  outcome.stages.push_back({"record", recording.seconds()});
 
-  const auto computing = Clock::now();
+  const Stopwatch computing;
   commands_->run();
-  outcome.stages.push_back({"gpu", secondsSince(computing)});
+  outcome.stages.push_back({"gpu", computing.seconds()});
   for (StageTime& stage : commands_->marks()) outcome.stages.push_back(std::move(stage));
   rebounded_ = std::move(plan.rebounded);
   unsettled_ = std::move(plan.unsettled);

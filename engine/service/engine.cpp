@@ -2,13 +2,13 @@
 #include "engine/service/engine.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <limits>
 
 #include <fmt/format.h>
 
 #include "base/byte_size.hpp"
 #include "base/error.hpp"
+#include "base/stopwatch.hpp"
 #include "engine/passes/active_bricks.hpp"
 #include "engine/passes/filter_chain.hpp"
 #include "engine/passes/pool_volume.hpp"
@@ -43,17 +43,23 @@ void checkSampleRoom(const GpuBudget& budget, std::uint64_t samples) {
                           wholeMiB(all)));
 }
 
+// What one pass tells of its own.
+std::function<void(double)> of(Pass pass, const Engine::StartProgress& progress) {
+  if (!progress) return {};
+  return [pass, &progress](double done) { progress(passName(pass), done); };
+}
+
 }  // namespace
 
 template <typename Work>
 void Engine::stage(const char* name, Work work) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   work();
-  stages_.push_back({name, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()});
+  stages_.push_back({name, watch.seconds()});
 }
 
 Engine::Engine(const Volume& volume, const Plan& plan, double isovalue, const std::string& gpu_name,
-               std::uint64_t gpu_memory_bytes)
+               std::uint64_t gpu_memory_bytes, const StartProgress& progress)
     : isovalue_(isovalue), gpu_(gpu::GpuRequest{.name = gpu_name}), transfer_(gpu_), gradient_all_(plan.gradient_all) {
   checkTouchable(volume);
   stage(passName(Pass::kUpload), [&] {
@@ -65,8 +71,10 @@ Engine::Engine(const Volume& volume, const Plan& plan, double isovalue, const st
     const auto source_isovalue = static_cast<float>(isovalue);
     std::vector<FilterStep> steps = lowerFilters(plan.filters, volume.lattice().spacing_m, source_isovalue);
     isovalue_ = isovalueAfter(plan.filters, source_isovalue);
-    if (!steps.empty()) filters_ = std::make_unique<FilterChain>(gpu_, transfer_, *pool_, std::move(steps));
-    if (filters_) stage(passName(Pass::kFilter), [&] { filters_->run(); });
+    if (!steps.empty()) {
+      stage(passName(Pass::kFilter),
+            [&] { filters_ = filteredBy(gpu_, transfer_, *pool_, std::move(steps), of(Pass::kFilter, progress)); });
+    }
   }
   if (plan.has(Pass::kBrickBounds)) {
     stage(passName(Pass::kBrickBounds), [&] {
@@ -74,7 +82,7 @@ Engine::Engine(const Volume& volume, const Plan& plan, double isovalue, const st
       bounds_->run();
     });
   }
-  computeGradients(volume, plan);
+  computeGradients(volume, plan, progress);
   stage(passName(Pass::kWindow), [&] { makeWindows(); });
   if (plan.draws) isosurface_ = std::make_unique<IsosurfacePass>(gpu_, transfer_, field(), *bounds_);
 }
@@ -93,13 +101,11 @@ std::pair<float, float> Engine::densityRange(const Volume& volume) {
 }
 
 // The smoothed field is needed while gradients are computed, and no longer where no edit will change it.
-void Engine::computeGradients(const Volume& volume, const Plan& plan) {
+void Engine::computeGradients(const Volume& volume, const Plan& plan, const StartProgress& progress) {
   std::vector<FilterStep> steps = lowerFilters(plan.gradient.smoothing, pool_->lattice().spacing_m);
   if (!steps.empty()) {
-    stage(passName(Pass::kSmoothing), [&] {
-      smoothing_ = std::make_unique<FilterChain>(gpu_, transfer_, field(), std::move(steps));
-      smoothing_->run();
-    });
+    stage(passName(Pass::kSmoothing),
+          [&] { smoothing_ = filteredBy(gpu_, transfer_, field(), std::move(steps), of(Pass::kSmoothing, progress)); });
   }
   stage(passName(Pass::kGradient), [&] {
     const auto isovalue = static_cast<float>(isovalue_);
@@ -115,7 +121,7 @@ void Engine::computeGradients(const Volume& volume, const Plan& plan) {
                                            pool_->budget(), format);
     gradient_ = std::make_unique<GradientPass>(gpu_, transfer_, field(), *store_, plan.gradient,
                                                smoothing_ ? &smoothing_->result() : nullptr);
-    gradient_->run();
+    gradient_->run(of(Pass::kGradient, progress));
   });
   if (!smoothing_ || plan.edits) return;
   gradient_.reset();
@@ -203,9 +209,9 @@ Engine::EditResult Engine::change(std::int64_t now_ns, const Change& change) {
   if (published_) target = {*published_, &window_buffers_[exchange_->backIndex()], &window_buffers_[published_slot_]};
   Editor::Outcome outcome = change(target ? &*target : nullptr);
   const auto time = [&](const char* name, auto work) {
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     work();
-    outcome.stages.push_back({name, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()});
+    outcome.stages.push_back({name, watch.seconds()});
   };
   if (outcome.window_gathered) time("publish", [&] { publishBox(*published_, now_ns); });
   time("settle", [&] { editor_->settle(); });

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -34,9 +35,12 @@ namespace palpate {
 class Engine {
  public:
   // Opens the device, uploads the volume and computes what the plan asks for. Throws Error. `gpu_memory_bytes`: the
-  // most that densities and samples may take (0: what the device has); reaching it is Error(kOutOfMemory).
+  // most that densities and samples may take (0: what the device has); reaching it is Error(kOutOfMemory). `progress`:
+  // told the pass that is under way and the fraction of it that is done, where that may take long (filters, smoothing,
+  // gradients); may throw to cancel.
+  using StartProgress = std::function<void(const char* pass, double done)>;
   Engine(const Volume& volume, const Plan& plan, double isovalue, const std::string& gpu_name,
-         std::uint64_t gpu_memory_bytes = 0);
+         std::uint64_t gpu_memory_bytes = 0, const StartProgress& progress = {});
   ~Engine();
 
   // Gathers a window around the tool if there is none yet or the tool has left the middle of the last one, and
@@ -93,7 +97,7 @@ class Engine {
   template <typename Work>
   void stage(const char* name, Work work);
   [[nodiscard]] const BrickPool& field() const noexcept { return filters_ ? filters_->result() : *pool_; }
-  void computeGradients(const Volume& volume, const Plan& plan);
+  void computeGradients(const Volume& volume, const Plan& plan, const StartProgress& progress);
   [[nodiscard]] std::pair<float, float> densityRange(const Volume& volume);
   void makeWindows();
   template <typename Change>

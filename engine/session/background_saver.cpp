@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/session/background_saver.hpp"
 
-#include <chrono>
 #include <exception>
 #include <utility>
 
 #include <fmt/format.h>
 #include <sys/resource.h>
 
+#include "base/stopwatch.hpp"
 #include "engine/volume/brick_values.hpp"
 
 namespace palpate {
@@ -105,14 +105,14 @@ void BackgroundSaver::takeIn(const Batch& batch) {
 }
 
 void BackgroundSaver::save(std::uint64_t version) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   std::uint64_t bytes = 0;
   const std::string failure = failureOf([&] { bytes = write_(volume_, version); });
   if (!failure.empty()) {
     tell(fmt::format("edit {} was not saved: {}", version, failure), failure);
     return;
   }
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const double seconds = watch.seconds();
   const std::lock_guard lock(mutex_);
   figures_.failure.clear();
   figures_.seconds.push_back(seconds);

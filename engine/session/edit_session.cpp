@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <chrono>
 #include <cmath>
 #include <utility>
 
 #include "base/error.hpp"
+#include "base/stopwatch.hpp"
 #include "base/units.hpp"
 
 namespace palpate {
@@ -29,12 +29,12 @@ template <typename Change>
 Engine::EditResult EditSession::timed(const Change& change) {
   std::vector<double>& times = figures_.edit_to_window_s;
   if (times.size() == times.capacity()) times.reserve(std::max<std::size_t>(1024, 2 * times.size()));
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   Engine::EditResult result = change();
   ++figures_.edits;
   if (result.changed_bricks > 0) content_version_ = engine_.editVersion();
   if (!result.published) return result;
-  double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  double seconds = watch.seconds();
   for (const StageTime& stage : result.stages) seconds -= stage.name == "settle" ? stage.seconds : 0;
   ++figures_.windows;
   times.push_back(seconds);

@@ -111,7 +111,7 @@ TEST(GradientBench, HasEveryOperatorOfTheTable) {
 TEST(FieldBench, PromisesAgainstTheFastestOfALibrary) {
   Progress progress;
   FieldBench bench("test", shortRun(), progress);
-  bench.openNoisy(kSize);
+  ASSERT_TRUE(bench.tryOpenNoisy(kSize));
   EXPECT_EQ(bench.pool().storedBricks(), bench.pool().brickCount());  // dense, noise being everywhere
   bench.measure("close:1", "close:1", {{"fake", 1e6, [] { return RunCost{10, 20}; }}});
   bench.promise("close:1", noisyName(kSize), "ITK", 0.7);
@@ -130,7 +130,7 @@ TEST(FieldBench, PromisesAgainstTheFastestOfALibrary) {
 TEST(ResidentChain, DoesTheWholeWork) {
   Progress progress;
   FieldBench bench("test", shortRun(), progress);
-  bench.openNoisy(20);  // no multiple of a brick's edge
+  ASSERT_TRUE(bench.tryOpenNoisy(20));  // no multiple of a brick's edge
   for (const char* text : {"gaussian:1.5", "close:1", "distance:3"}) {
     const auto steps = lowerFilters(filterChain(text), bench.pool().lattice().spacing_m, 0.0F);
     FilterChain truth(bench.gpu(), bench.transfer(), bench.pool(), steps);
@@ -149,6 +149,39 @@ TEST(ResidentChain, DoesTheWholeWork) {
     }
     EXPECT_EQ(different, 0U) << text;
   }
+}
+
+// What fails is told, and what was measured before it and can be measured after it is there.
+TEST(FieldBench, GoesOnAfterWhatFails) {
+  Progress progress;
+  FieldBench bench("test", shortRun(), progress);
+  EXPECT_FALSE(bench.tryOpen("too large", []() -> Volume { throw std::bad_alloc(); }));
+  EXPECT_FALSE(bench.tryOpen("nowhere", [] { return loadVolume("/nowhere.nrrd"); }));
+  ASSERT_TRUE(bench.tryOpenNoisy(kSize));
+  bench.attempt("first", [&] { bench.measure("first", "close:1", {{"fake", 1e6, [] { return RunCost{10, 20}; }}}); });
+  bench.attempt("second", [] { throw Error(Error::Code::kOutOfMemory, "GPU memory", "there is none left", "..."); });
+  bench.attempt("third", [] { throw std::runtime_error("words of a library"); });
+  EXPECT_EQ(rowsOf(bench.result(), "run", "first", "Palpate").size(), 1U);
+  for (const char* note :
+       {"too large was left out: there was not enough memory", "nowhere was left out: /nowhere.nrrd",
+        "second, 24^3 was left out: GPU memory: there is none left", "third, 24^3 was left out: words of a library"}) {
+    EXPECT_THAT(notesOf(bench.result()), HasSubstr(note));
+  }
+  EXPECT_THROW(bench.attempt("x", [] { throw Error(Error::Code::kCancelled, "x", "y", "z"); }), Error);
+}
+
+// A child that offers a job and dies of the volume, as one without enough memory for it does.
+TEST(FieldBench, LosesOnlyTheRivalsWhoseChildDied) {
+  Progress progress;
+  FieldBenchRequest request = shortRun();
+  request.python = {"/bin/sh", "-c", "read a; printf 'rival\\tSciPy\\tclose:1\\tway\\nready\\n'; read b; exit 1"};
+  FieldBench bench("test", request, progress);
+  ASSERT_TRUE(bench.tryOpenNoisy(kSize));
+  EXPECT_THAT(notesOf(bench.result()), HasSubstr("no comparison with SciPy and VTK from 24^3 on: the Python child: it "
+                                                 "ended"));
+  bench.measure("close:1", "close:1", {{"fake", 1e6, [] { return RunCost{10, 20}; }}});
+  EXPECT_TRUE(rowsOf(bench.result(), "run", "close:1", "SciPy").empty());
+  EXPECT_EQ(rowsOf(bench.result(), "run", "close:1", "ITK").size(), 3U);
 }
 
 TEST(CopySpeed, CopiesEveryByte) {

@@ -12,6 +12,7 @@
 #include "base/error.hpp"
 #include "engine/filter/filter_spec.hpp"
 #include "engine/filter/filter_step.hpp"
+#include "engine/reference/filter.hpp"
 
 namespace palpate {
 namespace {
@@ -142,6 +143,30 @@ TEST(FilterCheck, TellsHowFarItIsAndCanBeCancelled) {
   EXPECT_THROW((void)checkFilters(volume, {"", {"median:1"}, {}},
                                   [](double) { throw Error(Error::Code::kCancelled, "x", "y", "z"); }),
                Error);
+}
+
+// A twin goes through a large volume for minutes: it tells after each slice, and so does the comparison.
+TEST(FilterCheck, CanBeCancelledWithinAStep) {
+  const Volume volume = loadVolume("phantom:random?size=7x9x12");
+  const reference::DenseField field = reference::denseField(volume);
+  for (const char* chain : {"median:1", "distance:2", "gaussian:1 diffuse:2:kappa=10"}) {
+    const auto steps = lowerFilters(filterChain(chain), volume.lattice().spacing_m, 0.0F);
+    std::vector<double> told;
+    (void)reference::applyFilters(field, steps, [&](double done) { told.push_back(done); });
+    EXPECT_EQ(told.size(), steps.size() * 12) << chain;
+    EXPECT_TRUE(std::is_sorted(told.begin(), told.end())) << chain;
+    EXPECT_NEAR(told.front(), 1.0 / static_cast<double>(told.size()), 1e-12) << chain;
+    EXPECT_NEAR(told.back(), 1, 1e-12) << chain;
+  }
+  std::vector<double> told;
+  (void)checkFilters(volume, {"", {"median:1"}, {}}, [&](double done) { told.push_back(done); });
+  EXPECT_GE(told.size(), 2 * 12U);
+  std::size_t left = 15;  // which ends within the comparison
+  const auto stop = [&](double) {
+    if (--left == 0) throw Error(Error::Code::kCancelled, "x", "y", "z");
+  };
+  EXPECT_THROW((void)checkFilters(volume, {"", {"median:1"}, {}}, stop), Error);
+  EXPECT_EQ(left, 0U);
 }
 
 TEST(FilterCheck, RefusesWhatCannotBe) {

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # compare_scipy.py FOLDER: each filter that `palpate filter` wrote there against scipy.ndimage. For every line of
-# FOLDER/cases.txt, "NAME CHAIN" with NAME.nrrd the result of CHAIN on in.nrrd, prints "NAME D C L": the
-# largest difference D of the two; C, how much the filter changed a voxel at most; L, the largest density of in.nrrd,
-# without its sign. In double; numpy and scipy alone.
+# FOLDER/cases.txt, "NAME CHAIN" with NAME.nrrd the result of CHAIN on in.nrrd, or "NAME gradient/OPERATOR" with NAME.raw
+# its gradients, prints "NAME D C L": the largest difference D of the two; C, how much the filter changed a voxel at most;
+# L, the largest density of in.nrrd, without its sign. In double; numpy and scipy alone.
 import math
 import os
 import sys
@@ -44,8 +44,35 @@ def offsets(size, in_mm, spacing, ball):
     return sum(g * g for g in grid) <= size * size * (1 + 1e-9)
 
 
+def diffused(f, spacing, steps, keys):
+    """Perona and Malik, explicit: what flows through each of the six faces; none through the border."""
+    kappa = float(keys["kappa"])
+    dt = float(keys["dt"]) if "dt" in keys else 1 / (4 * sum(1 / h**2 for h in spacing))
+    for _ in range(int(steps)):
+        inflow = np.zeros_like(f)
+        for axis, h in enumerate(spacing):
+            d = np.diff(f, axis=axis)
+            flow = d / (1 + (d / (kappa * h)) ** 2) / h**2
+            before, after = [[slice(None)] * 3 for _ in range(2)]
+            before[axis], after[axis] = slice(None, -1), slice(1, None)
+            inflow[tuple(before)] += flow
+            inflow[tuple(after)] -= flow
+        f = f + dt * inflow
+    return f
+
+
+def signed_distance(f, spacing, band):
+    """In metres, to the centre of the nearest voxel on the other side of isovalue 0, cut off at the band."""
+    to_background, to_object = [ndimage.distance_transform_edt(m, sampling=spacing) for m in (f > 0, f <= 0)]
+    return np.clip(to_background - to_object, -band * min(spacing), band * min(spacing)) * 1e-3
+
+
 def expected(f, spacing, chain):
     kind, size, in_mm, keys = words(chain)
+    if kind == "diffuse":
+        return diffused(f, spacing, size, keys)
+    if kind == "distance":
+        return signed_distance(f, spacing, size)
     mode = {"nearest": "nearest", "mirror": "reflect"}[keys.get("border", "nearest")]  # SciPy: reflect = d c b | b c d
     if kind == "gaussian":
         sigma = [size / h if in_mm else size for h in spacing]
@@ -65,6 +92,8 @@ def expected(f, spacing, chain):
 
 def gradients(f, spacing, operator):
     """[axis, k, j, i] with axis 0 along i, per metre; each stencil as a correlation along each axis."""
+    if operator.startswith("gaussian"):  # central differences of the smoothed field
+        return gradients(expected(f, spacing, operator), spacing, "central")
     along = {"central": [-0.5, 0, 0.5], "sobel": [-0.5, 0, 0.5], "central4": [1 / 12, -8 / 12, 0, 8 / 12, -1 / 12]}
     results = []
     for axis in (2, 1, 0):
@@ -92,9 +121,9 @@ def main(folder):
     f, spacing = volume(os.path.join(folder, "in.nrrd"))
     for line in open(os.path.join(folder, "cases.txt")):
         name, chain = line.split()
-        if chain in ("central", "sobel", "central4"):  # doubles: three gradients a voxel, i fastest of the voxels
+        if chain.startswith("gradient/"):  # doubles: three components a voxel, i fastest of the voxels
             ours = np.fromfile(os.path.join(folder, name + ".raw"), "<f8").reshape(f.shape + (3,)).transpose(3, 0, 1, 2)
-            ours, theirs = inside(ours, 2), inside(gradients(f, spacing, chain), 2)
+            ours, theirs = inside(ours, 2), inside(gradients(f, spacing, chain.removeprefix("gradient/")), 2)
             change = np.abs(theirs).max()
         else:
             ours, _ = volume(os.path.join(folder, name + ".nrrd"))

@@ -40,6 +40,17 @@ TEST_F(Interrupt, BeforeTheRunBegins) {
   expectGoodOrder(interrupted({"--seconds", "600"}, "loading", {SIGINT}));
 }
 
+// While the engine begins: a diffusion of minutes.
+TEST_F(Interrupt, OfTheFiltersOfARun) {
+  const Outcome outcome =
+      runPalpate({.arguments = {"touch", "phantom:knot?size=160&noise=0.05", "--picture", "off", "--filter",
+                                "diffuse:500:kappa=100 diffuse:500:kappa=100", "--out", "a/out"},
+                  .folder = folder(),
+                  .signal_at = "computing on Vulkan: filter",
+                  .signals = {SIGINT}});
+  expectGoodOrder(outcome);
+}
+
 TEST_F(Interrupt, OfACheck) {
   const Outcome outcome = runPalpate({.arguments = {"check", "all"},
                                       .folder = folder(),

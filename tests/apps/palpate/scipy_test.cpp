@@ -15,6 +15,7 @@ namespace palpate {
 namespace {
 
 constexpr const char* kPython = "/usr/bin/python3";
+constexpr std::string_view kGradient = "gradient/";
 
 struct Compared {
   double difference = 0;
@@ -32,23 +33,26 @@ class SciPy : public ProgramTest {
   }
   // The twin's, with which the kernels agree bit for bit (tests/engine/passes/gradient_test.cpp).
   void writeGradients(const std::string& name, const std::string& way) const {
-    const reference::DenseField field = reference::denseField(loadVolume(file("in.nrrd").string()));
+    const GradientOperator by = gradientOperator(way);
+    const reference::DenseField field =
+        reference::smoothedFor(by, reference::denseField(loadVolume(file("in.nrrd").string())));
     std::ofstream out(file(name), std::ios::binary);
     for (int n = 0; n < field.size.prod(); ++n) {
-      const auto gradient =
-          reference::gradientAt(field, gradientOperator(way), n % field.size.x(), n / field.size.x() % field.size.y(),
-                                n / field.size.x() / field.size.y());
+      const auto gradient = reference::gradientAt(field, by, n % field.size.x(), n / field.size.x() % field.size.y(),
+                                                  n / field.size.x() / field.size.y());
       for (const double component : gradient) out.write(reinterpret_cast<const char*>(&component), sizeof component);
     }
   }
-  // By chain; a word without a size is an operator of gradients.
+  // By chain, or by "gradient/" and an operator. Distances are from isovalue 0, the phantom's.
   [[nodiscard]] std::map<std::string, Compared> compare(const Words& chains) const {
     std::string cases;
     for (std::size_t i = 0; i < chains.size(); ++i) {
-      if (chains[i].find(':') == std::string::npos) {
-        writeGradients(fmt::format("f{}.raw", i), chains[i]);
+      if (chains[i].starts_with(kGradient)) {
+        writeGradients(fmt::format("f{}.raw", i), chains[i].substr(kGradient.size()));
       } else {
-        expectSuccess(run({"filter", "in.nrrd", "-o", fmt::format("f{}.nrrd", i), "--filter", chains[i]}));
+        Words filter = {"filter", "in.nrrd", "-o", fmt::format("f{}.nrrd", i), "--filter", chains[i]};
+        if (chains[i].starts_with("distance")) filter = filter + Words{"--iso", "0"};
+        expectSuccess(run(filter));
       }
       cases += fmt::format("f{} {}\n", i, chains[i]);
     }
@@ -103,10 +107,50 @@ TEST_F(SciPy, GaussiansAreEqualButForRounding) {
 // A gradient is 16 weighted densities at most and a scale, five roundings each of sums up to 18/12 of the largest
 // density; over the smallest spacing, 0.7 mm.
 TEST_F(SciPy, GradientsInsideAreEqualButForRounding) {
-  for (const auto& [way, compared] : compare({"central", "sobel", "central4"})) {
+  for (const auto& [way, compared] : compare({"gradient/central", "gradient/sobel", "gradient/central4"})) {
     EXPECT_LE(compared.difference, 8 * std::ldexp(1, -24) * 1.5 * compared.largest / 0.7e-3) << way;
     EXPECT_GT(compared.change, 1e5) << way;  // the steepest
     RecordProperty(way, std::to_string(compared.difference / compared.change * 1e6) + "e-6");
+  }
+}
+
+// SciPy's gaussian_filter with order=1 is another operator, the derivative of a sampled Gaussian; ours is the central
+// difference of the smoothed field. Each smoothed density is off by 3 (2 r + 3) roundings of the largest density, r up
+// to 5 here; two of them over twice the smallest spacing, and three roundings of the gradient.
+TEST_F(SciPy, GaussianGradientsInsideAreEqualButForRounding) {
+  for (const auto& [way, compared] : compare({"gradient/gaussian:1.5", "gradient/gaussian:1mm:border=mirror"})) {
+    EXPECT_LE(compared.difference, (3 * (2 * 5 + 3) + 3) * std::ldexp(1, -24) * compared.largest / 0.7e-3) << way;
+    EXPECT_GT(compared.change, 1e4) << way;
+    RecordProperty(way, std::to_string(compared.difference / compared.change * 1e6) + "e-6");
+  }
+}
+
+// Against ten lines of NumPy in double. With u = 2^-24 and L the largest density, a step's six flows, of weights whose
+// sum is a half (dt is half of what is stable) and of at most 2 L each, are off by some 13 u of themselves: conductance
+// 7, its product, two of the taps, three of the sums; differences by u 2 L, and the density at the end by u L: 15 u L
+// in all. What is off goes into the next step: the flow d / (1 + (d / k)^2) has a slope between -1/8 and 1, so a step
+// makes it 1 + 2 (1/8) (1/2) times as large at most.
+TEST_F(SciPy, DiffusionsAreEqualButForRounding) {
+  for (const auto& [chain, steps] : {std::pair("diffuse:1:kappa=300", 1), std::pair("diffuse:5:kappa=200", 5),
+                                     std::pair("diffuse:12:kappa=1500", 12)}) {
+    const Compared compared = compare({chain}).at(chain);
+    const double grown = (std::pow(1.125, steps) - 1) / 0.125;
+    EXPECT_LE(compared.difference, 15 * grown * std::ldexp(1, -24) * compared.largest) << chain;
+    EXPECT_GT(compared.change, 10) << chain;
+    RecordProperty(chain, std::to_string(compared.difference));
+  }
+}
+
+// Ours goes to the surface, SciPy's to the centre of the nearest voxel beyond it. That is no nearer than the surface,
+// and the surface's nearest point lies in a cell of which a corner is beyond: they are at most a voxel's diagonal
+// apart. Of a smooth surface: beside single voxels of noise ours takes the tangent plane for the surface.
+TEST_F(SciPy, DistancesAreAsFarApartAsAVoxelIsLong) {
+  expectSuccess(run({"convert", "phantom:knot?size=30x27x25&spacing=0.7x0.9x1.3mm", "in.nrrd"}));
+  const double diagonal_m = 1e-3 * std::sqrt(0.7 * 0.7 + 0.9 * 0.9 + 1.3 * 1.3);
+  for (const auto& [chain, compared] : compare({"distance:2", "distance:6"})) {
+    EXPECT_LE(compared.difference, diagonal_m) << chain;
+    EXPECT_GT(compared.difference, 0) << chain;
+    RecordProperty(chain, std::to_string(compared.difference / diagonal_m));
   }
 }
 

@@ -210,8 +210,10 @@ TEST_F(Verbs, CheckOfEditsAndOfAllOnAVolume) {
   expectSuccess(edits);
   EXPECT_THAT(edits.out, HasSubstr("30 at random, seed 5"));
   EXPECT_THAT(edits.out, HasSubstr("1 of 1 checks hold"));
-  const Outcome all = run({"check", "all", "phantom:knot?size=14", "--quick"});
+  const Outcome all = run({"check", "all", "phantom:knot?size=14", "--quick", "--page", "page.md"});
   expectSuccess(all);
+  EXPECT_THAT(contentsOf(file("page.md")), HasSubstr("`palpate check all phantom:knot?size=14 --quick --seed 1`"));
+  EXPECT_THAT(contentsOf(file("page.md")), HasSubstr("- `phantom:knot?size=14`"));
   for (const char* kind : {"gradient", "filter", "edits"})
     EXPECT_THAT(all.out, testing::ContainsRegex(std::string("\n  yes +") + kind));
   expectRefusal(run({"check", "edits", "phantom:box?size=8", "--iso", "1e9"}), "phantom:box", "isovalue", 2);
@@ -229,6 +231,14 @@ TEST_F(Verbs, FilterTakesTheIsovalueOfADistance) {
     expectRefusal(run({"check", "filters", "phantom:sphere?size=24", "--filter", "distance:3", "--iso", beyond}),
                   "phantom:sphere", "isovalue", 2);
   }
+}
+
+// An isovalue that nothing reads would be without effect, and nobody would know.
+TEST_F(Verbs, FilterAndItsCheckRefuseAnIsovalueWithoutADistance) {
+  const Words more = {"phantom:sphere?size=24", "--filter", "gaussian:1", "--iso", "50"};
+  expectRefusal(run(Words{"filter", "-o", "d.nrrd"} + more), "--iso", "has a use for an isovalue", 2);
+  expectRefusal(run(Words{"check", "filters"} + more), "--iso", "leave it out, or add a distance", 2);
+  EXPECT_FALSE(exists("d.nrrd"));
 }
 
 // A distance has its surface at 0, wherever the density had it; Otsu would say otherwise.

@@ -2,6 +2,8 @@
 // What is said where VTK and SciPy are not; what they compute is tested in rivals_test.cpp.
 #include "apps/rivals/python_rivals.hpp"
 
+#include <cstdlib>
+
 #include <gmock/gmock.h>
 
 namespace palpate {
@@ -18,7 +20,7 @@ TEST(PythonRivals, SayWhatToInstall) {
   EXPECT_THAT(rivals.missing()[1].why, HasSubstr("apt-get install python3-vtk9"));
   EXPECT_TRUE(rivals.rivalsOf("gaussian:1.5").empty());
   const std::vector<float> densities(8);
-  rivals.load({Vec3i::Constant(2), Vec3::Constant(1e-3), densities});  // of no use, and no harm
+  EXPECT_EQ(rivals.load({Vec3i::Constant(2), Vec3::Constant(1e-3), densities}), std::nullopt);  // no use, and no harm
 }
 
 TEST(PythonRivals, SayWhenThereIsNoPython) {
@@ -29,6 +31,39 @@ TEST(PythonRivals, SayWhenThereIsNoPython) {
 
 TEST(PythonRivals, SayWhenPythonEndsAtOnce) {
   EXPECT_EQ(PythonRivals(2, {"/bin/true"}).missing().size(), 2U);
+}
+
+// A child that says what a line of shell says, in place of Python's program.
+PythonRivals childThatSays(const std::string& shell) {
+  return PythonRivals(2,
+                      {"/bin/sh", "-c", "read threads; printf 'rival\\tSciPy\\tmedian:1\\tway\\nready\\n'; " + shell});
+}
+
+TEST(PythonRivals, AreGoneOnceAVolumeCouldNotBeLoaded) {
+  const std::vector<float> densities(8);
+  const RivalField field{Vec3i::Constant(2), Vec3::Constant(1e-3), densities};
+  for (const auto& [shell, words] :
+       {std::pair("read volume; exit 1", "it ended"),
+        std::pair("read volume; printf 'error\\tMemoryError()\\n'; read more", "MemoryError()")}) {
+    PythonRivals rivals = childThatSays(shell);
+    EXPECT_TRUE(rivals.missing().empty());
+    EXPECT_EQ(rivals.rivalsOf("median:1").size(), 1U);
+    EXPECT_THAT(rivals.load(field).value_or("nothing"), HasSubstr(words));
+    EXPECT_TRUE(rivals.rivalsOf("median:1").empty());
+    EXPECT_EQ(rivals.load(field), std::nullopt);  // the next volume is not asked for again
+  }
+}
+
+TEST(PythonRivals, AreGoneWhereTheVolumeHasNoRoom) {
+  const std::vector<float> densities(8);
+  PythonRivals rivals = childThatSays("read volume; printf 'ok\\n'; read more");
+  const char* before = std::getenv("TMPDIR");
+  const std::string old = before != nullptr ? before : "/tmp";
+  setenv("TMPDIR", "/proc", 1);  // a folder in which nobody can make a file
+  const auto why = rivals.load({Vec3i::Constant(2), Vec3::Constant(1e-3), densities});
+  setenv("TMPDIR", old.c_str(), 1);
+  EXPECT_THAT(why.value_or("nothing"), HasSubstr("TMPDIR"));
+  EXPECT_TRUE(rivals.rivalsOf("median:1").empty());
 }
 
 }  // namespace

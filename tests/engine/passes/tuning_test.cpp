@@ -33,6 +33,15 @@ TEST(Tuning, OfTheGradientDividesABrick) {
   }
 }
 
+TEST(Tuning, OfASubmissionFillsWorkGroups) {
+  for (const Tuning& row : tunings()) {
+    for (const std::uint32_t bricks : {row.filter_bricks, row.gradient_bricks}) {
+      EXPECT_GT(bricks, 0U) << row.device;
+      EXPECT_EQ(bricks % 8, 0U) << row.device;  // bricks of a work group at most
+    }
+  }
+}
+
 TEST(Tuning, OfADeviceIsWhatItIsUnlessAskedOtherwise) {
   EXPECT_EQ(gpu::Gpu({}).info().tuned_as, gpu::Gpu({}).info().type);
   EXPECT_EQ(gpu::Gpu({.tuned_as = "discrete"}).info().tuned_as, "discrete");

@@ -146,6 +146,39 @@ TEST(Engine, WindowsHoldTheTwinsSamplesOfEveryOperatorAndForm) {
   }
 }
 
+// Filters, smoothing and gradients tell how far they are, in this order, and end where what they tell throws.
+TEST(Engine, TellsHowFarItsStartIsAndCanBeCancelledInEachPass) {
+  const Volume volume = knot();
+  Scene scene;
+  scene.picture = false;
+  scene.filter = "diffuse:3:kappa=100";
+  scene.gradient_operator = "gaussian:1";
+  std::vector<std::string> passes;
+  double last = 0;
+  const Engine engine(volume, makePlan(scene), 0, "", 0, [&](const char* pass, double done) {
+    if (passes.empty() || passes.back() != pass) {
+      passes.emplace_back(pass);
+      last = 0;
+    }
+    EXPECT_GE(done, last) << pass;
+    EXPECT_LE(done, 1) << pass;
+    last = done;
+  });
+  ASSERT_EQ(passes, (std::vector<std::string>{"filter", "smoothing", "gradient"}));
+  EXPECT_EQ(last, 1);
+  for (const std::string& cancelled : passes) {
+    const auto stop = [&](const char* pass, double) {
+      if (pass == cancelled) throw Error(Error::Code::kCancelled, pass, "stopped", "start it again");
+    };
+    try {
+      const Engine never(volume, makePlan(scene), 0, "", 0, stop);
+      ADD_FAILURE() << cancelled << " went on";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.input(), cancelled);
+    }
+  }
+}
+
 // A smoothed field is kept for a plan with edits only.
 TEST(Engine, RefusesEditsOfAPlanThatKeptNoSmoothedField) {
   const Volume volume = knot();

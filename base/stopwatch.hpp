@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/check/stopwatch.hpp: wall-clock seconds since it was made. Any thread.
+// base/stopwatch.hpp: seconds on the steady clock since it was made. Any thread; no cost but a look at the clock.
 #pragma once
 
 #include <chrono>

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+// `palpate filter`: its file, read back, against the twin; what it refuses, and that an older file stays then.
+#include "apps/filter/filter_job.hpp"
+
+#include <csignal>
+#include <fstream>
+
+#include <gmock/gmock.h>
+
+#include "apps/console/interrupt.hpp"
+#include "base/error.hpp"
+#include "engine/filter/filter_step.hpp"
+#include "engine/reference/filter.hpp"
+#include "engine/volume/volume_file.hpp"
+#include "temporary_folder.hpp"
+
+namespace palpate {
+namespace {
+
+using ::testing::HasSubstr;
+constexpr const char* kKnot = "phantom:knot?size=21x17x19&spacing=0.5x0.7x0.8mm&noise=0.05";
+
+class FilterFile : public ::testing::Test {
+ protected:
+  [[nodiscard]] std::string file(const std::string& name) const { return (folder_.path() / name).string(); }
+  static void expectRefused(const FilterRequest& request, Error::Code code, const std::string& words) {
+    Progress progress;
+    try {
+      (void)filterFile(request, progress);
+      ADD_FAILURE() << "no error, wanted: " << words;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), code) << error.what();
+      EXPECT_THAT(error.what(), HasSubstr(words));
+    }
+  }
+  std::string savedKnot(const std::string& name) {
+    (void)saveVolume(loadVolume(kKnot), file(name));
+    return file(name);
+  }
+
+  TemporaryFolder folder_;
+};
+
+// .vdb and .nrrd keep floats as they are.
+TEST_F(FilterFile, HoldsWhatTheTwinMakes) {
+  const Volume volume = loadVolume(kKnot);
+  for (const char* out : {"out.vdb", "out.nrrd"}) {
+    Progress progress;
+    const FilterRequest request{kKnot, file(out), "median:1 gaussian:0.8mm distance:3", "", 10.0};
+    const FilterResult result = filterFile(request, progress);
+    const auto steps = lowerFilters(filterChain(request.filter), volume.lattice().spacing_m, 10.0F);
+    EXPECT_EQ(loadVolume(file(out)).toDense(), reference::applyFilters(reference::denseField(volume), steps).values);
+    EXPECT_EQ(result.bytes, std::filesystem::file_size(file(out)));
+    EXPECT_EQ(result.steps, steps.size());
+    EXPECT_EQ(result.surface, 0);
+  }
+}
+
+TEST_F(FilterFile, RefusesWhatItCannotDo) {
+  const auto bad = Error::Code::kBadInput;
+  expectRefused({kKnot, file("a.png"), "median:1", ""}, bad, "its suffix names no format");
+  expectRefused({kKnot, file("a.vdb"), "mean:1", ""}, bad, "mean");
+  expectRefused({kKnot, file("a.vdb"), "gaussian:99", ""}, bad, "gaussian");
+  expectRefused({kKnot, file("a.vdb"), "distance:3", "", 1e9}, bad, "isovalue");
+  expectRefused({kKnot, file("a.vdb"), "median:1", "Voodoo"}, Error::Code::kNotFound, "Voodoo");
+  expectRefused({kKnot, file("none/a.vdb"), "median:1", ""}, Error::Code::kIo, "none");
+  expectRefused({file("none.nrrd"), file("a.vdb"), "median:1", ""}, Error::Code::kNotFound, "no such file");
+  EXPECT_EQ(folder_.files(), 0);
+}
+
+// An isovalue that nothing reads was meant for something.
+TEST_F(FilterFile, RefusesAnIsovalueWithoutADistance) {
+  expectRefused({kKnot, file("a.vdb"), "gaussian:1 median:1", "", 10.0}, Error::Code::kBadInput,
+                "--iso: no filter of \"gaussian:1 median:1\" has a use for an isovalue");
+  EXPECT_EQ(folder_.files(), 0);
+}
+
+TEST_F(FilterFile, NeverReplacesItsInput) {
+  const std::string in = savedKnot("in.nrrd");
+  const std::string before = contentsOf(in);
+  std::filesystem::create_hard_link(in, file("b.nrrd"));
+  std::filesystem::create_symlink(in, file("c.nrrd"));
+  for (const char* out : {"in.nrrd", "b.nrrd", "c.nrrd"}) {
+    expectRefused({in, file(out), "median:1", ""}, Error::Code::kBadInput, "it is the input");
+  }
+  EXPECT_EQ(contentsOf(in), before);
+  EXPECT_EQ(folder_.files(), 3);
+}
+
+TEST_F(FilterFile, FailedLeavesTheOlderFile) {
+  std::ofstream(file("out.vdb")) << "old";
+  expectRefused({kKnot, file("out.vdb"), "median:1", "Voodoo"}, Error::Code::kNotFound, "Voodoo");
+  EXPECT_EQ(contentsOf(file("out.vdb")), "old");
+  EXPECT_EQ(folder_.files(), 1);
+}
+
+// Ctrl-C leaves the older file and nothing beside it. Last: the request to stop stays.
+TEST_F(FilterFile, ZStoppedLeavesTheOlderFile) {
+  std::ofstream(file("out.vdb")) << "old";
+  catchInterrupts();
+  std::raise(SIGINT);
+  expectRefused({kKnot, file("out.vdb"), "median:1", ""}, Error::Code::kCancelled, "palpate filter");
+  EXPECT_EQ(contentsOf(file("out.vdb")), "old");
+  EXPECT_EQ(folder_.files(), 1);
+}
+
+}  // namespace
+}  // namespace palpate

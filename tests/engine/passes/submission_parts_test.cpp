@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+// Whole fields that take several submissions: nothing is left out or computed twice, whatever the tuning, and what is
+// told in between may stop them.
+#include <gmock/gmock.h>
+
+#include "base/error.hpp"
+#include "engine/passes/active_bricks.hpp"
+#include "engine/passes/gradient_pass.hpp"
+#include "engine/passes/tuning.hpp"
+#include "filtered_fields.hpp"
+#include "servo/window/sample_window.hpp"
+
+namespace palpate {
+namespace {
+
+std::string kindOf(const Tuning& row) {
+  return row.device.empty() ? "discrete" : std::string(row.device);
+}
+
+class InParts : public testing::TestWithParam<Tuning> {};
+
+// 14 x 11 x 10 bricks: one submission and a half of the row for CPUs. Steps along each axis, of one kernel and of two.
+TEST_P(InParts, FiltersEqualTheTwin) {
+  const Volume volume = makeField({107, 88, 80}, [](int i, int j, int k) {
+    return static_cast<float>((i * 7919 + j * 104729 + k * 1299709) % 1000);
+  });
+  for (const char* chain : {"gaussian:0.7", "diffuse:1:kappa=300"}) {
+    const auto steps = lowerFilters(filterChain(chain), volume.lattice().spacing_m);
+    const reference::DenseField wanted = reference::applyFilters(reference::denseField(volume), steps);
+    EXPECT_EQ(differing(filteredOnGpu(volume, steps, kindOf(GetParam())), wanted), 0U) << chain;
+  }
+}
+
+// 21 x 21 x 20 bricks: more than a submission of the row for CPUs. A linear field has one gradient.
+TEST_P(InParts, GradientsAreAllThere) {
+  const Volume volume =
+      makeField({168, 168, 160}, [](int i, int j, int k) { return static_cast<float>(3 * i - 5 * j + 7 * k); });
+  gpu::Gpu gpu{{.tuned_as = kindOf(GetParam())}};
+  gpu::Transfer transfer(gpu);
+  const BrickPool pool(gpu, transfer, volume);
+  for (const char* way : {"central", "sobel"}) {
+    const SampleStore store(gpu, pool.brickCount(), allBricks(pool.brickCounts()), makeGpuBudget());
+    GradientPass pass(gpu, transfer, pool, store, gradientOperator(way));
+    std::vector<double> told;
+    pass.run([&](double done) { told.push_back(done); });
+    const std::size_t least = (pool.brickCount() - 1) / GetParam().gradient_bricks + 1;
+    ASSERT_GE(told.size(), least) << way;
+    EXPECT_TRUE(std::is_sorted(told.begin(), told.end())) << way;
+    EXPECT_EQ(told.back(), 1) << way;
+    std::vector<Sample> samples;
+    std::size_t wrong = 0;
+    for (std::uint32_t brick = 0; brick < pool.brickCount(); ++brick) {
+      const SampleStore::Place place = store.place(brick);
+      if (place.slot == 0) {
+        samples.resize(store.slab(place.slab).bytes() / sizeof(Sample));
+        transfer.download(store.slab(place.slab), std::as_writable_bytes(std::span(samples)));
+      }
+      // A voxel of the middle of each brick. One rounding of the scale, one of the product.
+      const Sample& sample = samples[std::size_t{place.slot} * kBrickVoxels + (4 * 8 + 3) * 8 + 2];
+      wrong += std::abs(static_cast<double>(sample.gradient_i) * testLattice().spacing_m.x() / 3 - 1) > 1.2e-7 ? 1U : 0U;
+    }
+    EXPECT_EQ(wrong, 0U) << way;
+  }
+}
+
+TEST_P(InParts, GradientsCanBeCancelled) {
+  const Volume volume = ballField({20, 20, 20}, 6);
+  gpu::Gpu gpu{{.tuned_as = kindOf(GetParam())}};
+  gpu::Transfer transfer(gpu);
+  const BrickPool pool(gpu, transfer, volume);
+  const SampleStore store(gpu, pool.brickCount(), allBricks(pool.brickCounts()), makeGpuBudget());
+  GradientPass pass(gpu, transfer, pool, store);
+  EXPECT_THROW(pass.run([](double) { throw Error(Error::Code::kCancelled, "x", "y", "z"); }), Error);
+  pass.run();  // and begun again
+}
+
+INSTANTIATE_TEST_SUITE_P(Devices, InParts, testing::ValuesIn(tunings().begin(), tunings().end()),
+                         [](const auto& row) { return kindOf(row.param); });
+
+}  // namespace
+}  // namespace palpate
