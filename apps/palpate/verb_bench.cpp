@@ -3,6 +3,7 @@
 // promises.
 #include <filesystem>
 #include <optional>
+#include <set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -16,6 +17,7 @@
 #include "apps/bench/servo_bench.hpp"
 #include "apps/bench/table_one.hpp"
 #include "base/atomic_file.hpp"
+#include "base/error.hpp"
 #include "scene_arguments.hpp"
 #include "verbs.hpp"
 #include "version.hpp"
@@ -87,14 +89,20 @@ class Outputs {
   }
 
  private:
-  static void open(std::optional<AtomicFile>& file, const std::string& name) {
-    if (!name.empty()) file.emplace(name);
+  void open(std::optional<AtomicFile>& file, const std::string& name) {
+    if (name.empty()) return;
+    if (!names_.insert(std::filesystem::absolute(name).lexically_normal()).second) {
+      throw Error(Error::Code::kBadInput, name, "it is named for two of the outputs, and the last would be all",
+                  "give each a file of its own");
+    }
+    file.emplace(name);
   }
   static void write(std::optional<AtomicFile>& file, const std::string& text) {
     if (!file) return;
     file->write(text);
     file->commit();
   }
+  std::set<std::filesystem::path> names_;
   std::optional<AtomicFile> json_, csv_, chart_, page_;
 };
 

@@ -22,8 +22,8 @@ namespace {
 // Room made at the start: 0.5 MiB of density and of each field that chains make of it, 2 MiB of samples.
 constexpr std::size_t kSpareBricks = 256;
 
-// plan, record, gpu, and the kernels' own: edit, filter, smoothing, bounds, gradient, window.
-constexpr std::size_t kStagesAtMost = 9;
+// plan, record, gpu, the kernels' own (edit, filter, smoothing, bounds, gradient, window), and what the engine adds.
+constexpr std::size_t kStagesAtMost = 11;
 
 bool crosses(const layout::BrickBounds& bounds, float isovalue) {
   return bounds.lowest <= isovalue && bounds.highest > isovalue;

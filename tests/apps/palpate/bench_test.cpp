@@ -74,6 +74,7 @@ const Refusal kRefusals[] = {
     {"FileWithoutName", {"bench", "servo", "--json"}, "--json", "required"},
     {"NoSuchFolder", {"bench", "servo", "--json", "nowhere/s.json"}, "nowhere/s.json", "cannot be created", 4},
     {"NoSuchFolderForTheChart", {"bench", "loop", "--chart", "nowhere/l.svg"}, "nowhere/l.svg", "cannot be created", 4},
+    {"OneFileForTwo", {"bench", "servo", "--json", "a.out", "--csv", "./a.out"}, "./a.out", "two of the outputs"},
     {"UnknownGpu", {"bench", "loop", "--gpu", "Voodoo"}, "--gpu Voodoo", "no usable device", 3},
     {"SizeOfNoVolume", {"bench", "filters", "--sizes", "64,3"}, "--sizes", "3"},
     {"SizesOfServo", {"bench", "servo", "--sizes", "64"}, "--sizes", "not expected"},
