@@ -3,16 +3,20 @@
 // sorted once and serves three medians; the two columns that neighbouring medians share are merged once and serve both.
 // Read by GLSL and by C++ (shaders/kernel_text.hpp). Exact: only lowest and highest of two whole numbers are taken.
 
-#define SORT_PAIR(a, b)                   \
-  {                                       \
-    const int lower = min(v[a], v[b]);    \
-    v[b] = max(v[a], v[b]);               \
-    v[a] = lower;                         \
+#ifndef MEDIAN_RANK
+#define MEDIAN_RANK int  // tests compile the networks for a word of noughts and ones too
+#endif
+
+#define SORT_PAIR(a, b)                        \
+  {                                            \
+    const MEDIAN_RANK lower = min(v[a], v[b]); \
+    v[b] = max(v[a], v[b]);                    \
+    v[a] = lower;                              \
   }
 
 // A network of 25 exchanges, the fewest that sort nine (Codish, Cruz-Filipe, Frank, Schneider-Kamp 2014).
 // clang-format off
-PALPATE_TEXT void sortNine(PALPATE_INOUT_ARRAY(int, v, 9)) {
+PALPATE_TEXT void sortNine(PALPATE_INOUT_ARRAY(MEDIAN_RANK, v, 9)) {
   SORT_PAIR(0, 3) SORT_PAIR(1, 7) SORT_PAIR(2, 5) SORT_PAIR(4, 8) SORT_PAIR(0, 7) SORT_PAIR(2, 4) SORT_PAIR(3, 8)
   SORT_PAIR(5, 6) SORT_PAIR(0, 2) SORT_PAIR(1, 3) SORT_PAIR(4, 5) SORT_PAIR(7, 8) SORT_PAIR(1, 4) SORT_PAIR(3, 6)
   SORT_PAIR(5, 7) SORT_PAIR(0, 1) SORT_PAIR(2, 4) SORT_PAIR(3, 5) SORT_PAIR(6, 8) SORT_PAIR(2, 3) SORT_PAIR(4, 5)
@@ -21,8 +25,9 @@ PALPATE_TEXT void sortNine(PALPATE_INOUT_ARRAY(int, v, 9)) {
 
 // The middle ten of two sorted nines, sorted, as Batcher's odd-even merge without the exchanges that only the others
 // need. The four lowest of the eighteen have fourteen above them, so none is the 14th of 27; likewise the four highest.
-PALPATE_TEXT void middleTen(PALPATE_IN_ARRAY(int, a, 9), PALPATE_IN_ARRAY(int, b, 9), PALPATE_INOUT_ARRAY(int, m, 10)) {
-  int v[18];
+PALPATE_TEXT void middleTen(PALPATE_IN_ARRAY(MEDIAN_RANK, a, 9), PALPATE_IN_ARRAY(MEDIAN_RANK, b, 9),
+                            PALPATE_INOUT_ARRAY(MEDIAN_RANK, m, 10)) {
+  MEDIAN_RANK v[18];
   for (int i = 0; i < 9; ++i) {
     v[i] = a[i];
     v[i + 9] = b[i];
@@ -40,8 +45,8 @@ PALPATE_TEXT void middleTen(PALPATE_IN_ARRAY(int, a, 9), PALPATE_IN_ARRAY(int, b
 
 // The tenth of a sorted ten and a sorted nine. The ten lowest of all are the first few of the one list and the first
 // few of the other; of all such choices of ten, theirs has the lowest end.
-PALPATE_TEXT int tenthOf(PALPATE_IN_ARRAY(int, m, 10), PALPATE_IN_ARRAY(int, c, 9)) {
-  int tenth = m[9];
+PALPATE_TEXT MEDIAN_RANK tenthOf(PALPATE_IN_ARRAY(MEDIAN_RANK, m, 10), PALPATE_IN_ARRAY(MEDIAN_RANK, c, 9)) {
+  MEDIAN_RANK tenth = m[9];
   for (int i = 0; i < 9; ++i) tenth = min(tenth, max(m[8 - i], c[i]));
   return tenth;
 }

@@ -4,15 +4,19 @@
 // fours. Networks: Batcher's odd-even merge sort; where only some places are asked for, without the exchanges that
 // only the others need. Read by GLSL and by C++ (shaders/kernel_text.hpp).
 
-#define SORT_PAIR(a, b)                \
-  {                                    \
-    const int lower = min(v[a], v[b]); \
-    v[b] = max(v[a], v[b]);            \
-    v[a] = lower;                      \
+#ifndef MEDIAN_RANK
+#define MEDIAN_RANK int  // tests compile the networks for a word of noughts and ones too
+#endif
+
+#define SORT_PAIR(a, b)                        \
+  {                                            \
+    const MEDIAN_RANK lower = min(v[a], v[b]); \
+    v[b] = max(v[a], v[b]);                    \
+    v[a] = lower;                              \
   }
 
 // clang-format off
-PALPATE_TEXT void sortColumn(PALPATE_INOUT_ARRAY(int, v, 25)) {
+PALPATE_TEXT void sortColumn(PALPATE_INOUT_ARRAY(MEDIAN_RANK, v, 25)) {
   SORT_PAIR(0, 1) SORT_PAIR(2, 3) SORT_PAIR(4, 5) SORT_PAIR(6, 7) SORT_PAIR(8, 9) SORT_PAIR(10, 11) SORT_PAIR(12, 13)
   SORT_PAIR(14, 15) SORT_PAIR(16, 17) SORT_PAIR(18, 19) SORT_PAIR(20, 21) SORT_PAIR(22, 23) SORT_PAIR(0, 2)
   SORT_PAIR(1, 3) SORT_PAIR(4, 6) SORT_PAIR(5, 7) SORT_PAIR(8, 10) SORT_PAIR(9, 11) SORT_PAIR(12, 14)
@@ -38,9 +42,9 @@ PALPATE_TEXT void sortColumn(PALPATE_INOUT_ARRAY(int, v, 25)) {
   SORT_PAIR(15, 16) SORT_PAIR(17, 18) SORT_PAIR(19, 20) SORT_PAIR(21, 22) SORT_PAIR(23, 24)
 }
 
-PALPATE_TEXT void mergeColumns(PALPATE_IN_ARRAY(int, a, 25), PALPATE_IN_ARRAY(int, b, 25),
-                               PALPATE_INOUT_ARRAY(int, m, 50)) {
-  int v[50];
+PALPATE_TEXT void mergeColumns(PALPATE_IN_ARRAY(MEDIAN_RANK, a, 25), PALPATE_IN_ARRAY(MEDIAN_RANK, b, 25),
+                               PALPATE_INOUT_ARRAY(MEDIAN_RANK, m, 50)) {
+  MEDIAN_RANK v[50];
   for (int i = 0; i < 25; ++i) {
     v[i] = a[i];
     v[i + 25] = b[i];
@@ -75,9 +79,9 @@ PALPATE_TEXT void mergeColumns(PALPATE_IN_ARRAY(int, a, 25), PALPATE_IN_ARRAY(in
 }
 
 // The middle 26 of four columns: 63 stand above each of the 37 lowest, so none of those is the 63rd of 125.
-PALPATE_TEXT void middleOfFour(PALPATE_IN_ARRAY(int, a, 50), PALPATE_IN_ARRAY(int, b, 50),
-                               PALPATE_INOUT_ARRAY(int, m, 26)) {
-  int v[100];
+PALPATE_TEXT void middleOfFour(PALPATE_IN_ARRAY(MEDIAN_RANK, a, 50), PALPATE_IN_ARRAY(MEDIAN_RANK, b, 50),
+                               PALPATE_INOUT_ARRAY(MEDIAN_RANK, m, 26)) {
+  MEDIAN_RANK v[100];
   for (int i = 0; i < 25; ++i) {
     v[i] = a[i];
     v[i + 25] = a[i + 25];
@@ -120,8 +124,8 @@ PALPATE_TEXT void middleOfFour(PALPATE_IN_ARRAY(int, a, 50), PALPATE_IN_ARRAY(in
 #undef SORT_PAIR
 
 // The middle of a sorted 26 and a sorted 25 (see tenthOf).
-PALPATE_TEXT int middleOf(PALPATE_IN_ARRAY(int, m, 26), PALPATE_IN_ARRAY(int, c, 25)) {
-  int middle = m[25];
+PALPATE_TEXT MEDIAN_RANK middleOf(PALPATE_IN_ARRAY(MEDIAN_RANK, m, 26), PALPATE_IN_ARRAY(MEDIAN_RANK, c, 25)) {
+  MEDIAN_RANK middle = m[25];
   for (int i = 0; i < 25; ++i) middle = min(middle, max(m[24 - i], c[i]));
   return middle;
 }

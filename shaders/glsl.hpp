@@ -24,8 +24,6 @@ struct Vec4 {
 };
 using vec4 = Vec4<float>;
 using ivec4 = Vec4<int>;
-using uvec4 = Vec4<uint>;
-using bvec4 = Vec4<bool>;
 
 // One result from the elements of each vector.
 template <typename Function, typename... Vectors>
@@ -47,69 +45,24 @@ inline vec4 operator*(const vec4& a, const vec4& b) {
 inline vec4 operator/(const vec4& a, const vec4& b) {
   return each([](float x, float y) { return x / y; }, a, b);
 }
-inline vec4 operator+(const vec4& a, float b) {
-  return a + vec4(b);
-}
-inline vec4 operator-(const vec4& a, float b) {
-  return a - vec4(b);
-}
 inline vec4 operator*(const vec4& a, float b) {
   return a * vec4(b);
 }
 inline vec4 operator/(const vec4& a, float b) {
   return a / vec4(b);
 }
-inline vec4 operator+(float a, const vec4& b) {
-  return vec4(a) + b;
-}
-inline vec4 operator-(float a, const vec4& b) {
-  return vec4(a) - b;
-}
 inline vec4 operator*(float a, const vec4& b) {
   return vec4(a) * b;
-}
-inline vec4 operator/(float a, const vec4& b) {
-  return vec4(a) / b;
 }
 inline vec4 operator-(const vec4& a) {
   return each([](float x) { return -x; }, a);
 }
 
-inline bvec4 lessThan(const vec4& a, const vec4& b) {
-  return each([](float x, float y) { return x < y; }, a, b);
-}
-inline bvec4 greaterThan(const vec4& a, const vec4& b) {
-  return each([](float x, float y) { return x > y; }, a, b);
-}
-inline bvec4 lessThanEqual(const vec4& a, const vec4& b) {
-  return each([](float x, float y) { return x <= y; }, a, b);
-}
-inline bvec4 greaterThanEqual(const vec4& a, const vec4& b) {
-  return each([](float x, float y) { return x >= y; }, a, b);
-}
-
-// `b` where the condition holds, else `a`.
-inline vec4 mix(const vec4& a, const vec4& b, const bvec4& choose_b) {
-  return each([](float x, float y, bool c) { return c ? y : x; }, a, b, choose_b);
-}
-inline float mix(float a, float b, bool choose_b) {
-  return choose_b ? b : a;
-}
-
-inline vec4 sqrt(const vec4& a) {
-  return each([](float x) { return std::sqrt(x); }, a);
-}
 inline float sqrt(float a) {
   return std::sqrt(a);
 }
-inline vec4 abs(const vec4& a) {
-  return each([](float x) { return std::fabs(x); }, a);
-}
 inline float abs(float a) {
   return std::fabs(a);
-}
-inline vec4 floor(const vec4& a) {
-  return each([](float x) { return std::floor(x); }, a);
 }
 inline float floor(float a) {
   return std::floor(a);

@@ -27,5 +27,6 @@ using namespace glsl;  // NOLINT(google-build-using-namespace): the text is GLSL
 #include "shaders/gradient_sobel.math.glsl"
 #include "shaders/sample_code.math.glsl"
 #undef precise
+#undef MEDIAN_RANK
 
 }  // namespace palpate::kernel_text

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // engine/passes/pool_kernel.hpp: a kernel that reads the brick pool: the pool's bindings first, its own after.
 //
-// It is specialised for a pool of one slab or of several; when a pool gets its second slab the kernel is built once
-// more, which costs the driver's compiler some 50 ms. Thread: the Gpu's.
+// It is specialised for as many slabs as the pool has; when that gets another one the kernel is built once more, which
+// costs the driver's compiler some 50 ms. Thread: the Gpu's.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ namespace palpate {
 class PoolKernel {
  public:
   // `name`: of the shader, as in shaders/NAME.comp. `more`: specialisation constants 1, 2, ... `second`: another pool
-  // that it reads; its slabs (1, or 2 for more than one) are the last constant.
+  // that it reads; how many slabs it has, 1 to DENSITY_SLABS, is the last constant.
   PoolKernel(gpu::Gpu& gpu, std::string name, const BrickPool& pool, std::uint32_t bindings, std::size_t push_bytes,
              std::vector<std::uint32_t> more = {}, const BrickPool* second = nullptr);
 
@@ -33,7 +33,7 @@ class PoolKernel {
   const BrickPool* second_;
   std::uint32_t bindings_;
   std::uint32_t push_bytes_;
-  std::vector<std::uint32_t> constants_;  // the first one: slabs, 2 for more than one
+  std::vector<std::uint32_t> constants_;  // the first one: slabs
   std::optional<gpu::Kernel> kernel_;
 };
 
