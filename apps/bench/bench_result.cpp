@@ -81,10 +81,14 @@ std::string jsonText(const BenchResult& result) {
 }
 
 std::string csvText(const BenchResult& result) {
+  // Columns as rows bring them, notes last: whether there is one, and when, moves none of the others.
   std::vector<std::string> keys;
-  for (const BenchRow& row : result.rows) {
-    for (const auto& cell : row) {
-      if (std::find(keys.begin(), keys.end(), cell.first) == keys.end()) keys.push_back(cell.first);
+  for (const bool notes : {false, true}) {
+    for (const BenchRow& row : result.rows) {
+      if ((textOf(row, "part") == "note") != notes) continue;
+      for (const auto& cell : row) {
+        if (std::find(keys.begin(), keys.end(), cell.first) == keys.end()) keys.push_back(cell.first);
+      }
     }
   }
   std::string text;

@@ -79,6 +79,16 @@ TEST(BenchResult, CsvHasTheUnionOfKeysAndQuotesWhatNeedsIt) {
             "note,,,,,something is missing\n");
 }
 
+TEST(BenchResult, ANoteMovesNoColumn) {
+  BenchResult result;
+  result.note("something is missing");
+  result.rows.push_back({{"part", "run"}, {"cost_ns", 2.0}});
+  EXPECT_EQ(csvText(result),
+            "part,cost_ns,note\n"
+            "note,,something is missing\n"
+            "run,2,\n");
+}
+
 TEST(BenchResult, TheTableNamesEveryTargetAndEveryNote) {
   const std::string table = targetTable(sample());
   EXPECT_THAT(table, HasSubstr("note: something is missing\n"));
