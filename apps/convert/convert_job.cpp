@@ -54,7 +54,8 @@ struct Output {
     progress.stage("meshing");
     const TriangleMesh mesh = isosurfaceMesh(volume, result.isovalue, request.adaptivity.value_or(0));
     if (mesh.triangles.empty()) {
-      refuse(request.in, fmt::format("isovalue {:g} gives no surface", result.isovalue), "choose another with --iso");
+      refuse(request.in, fmt::format("isovalue {:g} gives no surface", result.isovalue),
+             "choose another with --iso; where edits or filters came before, they may have taken all of the object");
     }
     throwIfInterrupted(work);
     result.triangles = mesh.triangles.size();
@@ -105,6 +106,13 @@ std::string convertWords(const ConvertRequest& request, const ConvertResult& res
                                                         result.triangles, result.vertices, result.isovalue, size)
                                           : size;
   return fmt::format("{}: {}, {}, {:.2f} s", request.out, what, bytesInWords(result.bytes), result.seconds);
+}
+
+std::string surfaceWords(const std::string& out, double isovalue) {
+  if (isMeshFileName(out)) return "";
+  if (out.ends_with(".vdb")) return fmt::format("its surface is at {:g}, which the file keeps\n", isovalue);
+  return fmt::format("its surface is at {:g}, which this format cannot keep: give --iso {:g} where it is used\n",
+                     isovalue, isovalue);
 }
 
 }  // namespace palpate

@@ -51,4 +51,7 @@ void checkOutput(const ConvertRequest& request);
 // "knot.stl: 3120 triangles, 1562 vertices, isosurface 0 of 64 x 64 x 64 voxels, 156 kB, 0.21 s"
 [[nodiscard]] std::string convertWords(const ConvertRequest& request, const ConvertResult& result);
 
+// What becomes of a surface's isovalue in a volume's file: a line for the user; empty for a mesh.
+[[nodiscard]] std::string surfaceWords(const std::string& out, double isovalue);
+
 }  // namespace palpate

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/edit/edit_job.hpp"
 
+#include <set>
 #include <thread>
 
 #include <fmt/format.h>
@@ -28,6 +29,11 @@ Error withMore(const Error& error, const std::string& front, const std::string& 
   const bool is_named = front.empty() || std::string_view(error.what()).starts_with(front + ": ");
   return {error.code(), is_named ? error.input() : front + ": " + error.input(), error.reason(),
           behind.empty() ? error.remedy() : error.remedy() + "; " + behind};
+}
+
+// Neither of the files that are written may be one that is read.
+void checkReadOnly(const std::string& in, const EditRequest& request) {
+  for (const std::string& out : {request.out, request.json}) checkNotInput(in, out);
 }
 
 void stopIfInterrupted() {
@@ -136,6 +142,7 @@ class Job {
       applyAll(orders);
       session_.close();
       tellOfJournal();
+      for (const std::string& mesh : meshes_) checkReadOnly(mesh, request_);  // kept going with, maybe
       progress_.stage("reading back");
       result_.changed_bricks = engine_.readBack(volume_);
       volume_.keepIsovalue(result_.isovalue);
@@ -161,7 +168,7 @@ class Job {
       progress_.fraction(orders.fraction());
       try {
         if (order->refusal) throw Error(*order->refusal);
-        apply(order->text);
+        apply(order->text, order->where);
       } catch (const Error& error) {
         if (!request_.keep_going || !isSurvivable(error)) throw withMore(error, order->where, "");
         ++result_.refused;
@@ -171,7 +178,7 @@ class Job {
     }
   }
 
-  void apply(EditText& text) {
+  void apply(EditText& text, const std::string& where) {
     std::vector<EditCommand> commands;
     if (text.verb == EditText::Verb::kEdit) commands = commandsOf(text);
     const Stopwatch watch;
@@ -182,19 +189,31 @@ class Job {
       session_.redo(0);
       ++result_.redone;
     } else {
-      session_.edit(commands, 0);
+      const Engine::EditResult edited = session_.edit(commands, 0);
       ++result_.edits;
+      if (edited.changed_bricks == 0) tellOfIdle(where);
     }
     times_.add(1e3 * watch.seconds());
   }
 
   std::vector<EditCommand> commandsOf(EditText& text) {
     if (isStamp(text.command.kind)) {
+      meshes_.insert(text.mesh_file);
+      checkReadOnly(text.mesh_file, request_);
       // One that is not above the isovalue is refused when the edit is applied.
       const double object = std::max(text.command.object.value_or(profile_.object), profile_.object);
       text.command.stamp = stamps_.stampOf(text.mesh_file, text.metres_per_unit, object);
     }
     return withMirror(text.command, text.mirror_axis, volume_.size(), volume_.lattice());
+  }
+
+  // Most likely it lies elsewhere than was meant, or is in another unit. Of many such the first are told, all counted.
+  void tellOfIdle(const std::string& where) {
+    constexpr std::uint64_t kTold = 10;
+    if (++result_.idle > kTold) return;
+    tell_(fmt::format("{}: it changed nothing: no density is in its reach that it would change; {}", where,
+                      result_.idle < kTold ? "'palpate info' says where the volume lies (mm)"
+                                           : "others like it are counted and no longer told"));
   }
 
   // Once, when it fails.
@@ -245,6 +264,7 @@ class Job {
   Engine engine_;
   EditSession session_;
   StampFiles stamps_;
+  std::set<std::string> meshes_;  // of stamps
   EditResult result_;
   Times times_;
   bool journal_failed_ = false;
@@ -257,6 +277,8 @@ EditResult editVolume(const EditRequest& request, Progress& progress,
   const Stopwatch watch;
   ConvertRequest output{.in = request.in, .out = request.out};
   checkOutput(output);
+  checkReadOnly(request.in, request);
+  if (!request.script.empty()) checkReadOnly(request.script, request);
   Orders orders(request);
   AtomicFile file(request.out);  // before the long part, so that a folder that may not be written is refused at once
   progress.stage("loading " + request.in);

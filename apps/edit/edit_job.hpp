@@ -26,6 +26,7 @@ struct EditRequest {
   std::string script;                                       // then those of this file, "-": standard input; empty: none
   std::optional<double> isovalue;                           // empty: as `palpate touch` chooses it [density]
   std::string gpu;                                          // part of the device's name; empty: the best one
+  std::string json;                                         // that the caller writes the result to; empty: none
   std::string journal;                                      // folder; empty: none
   std::uint64_t history_bytes = std::uint64_t{256} << 20U;  // for undo; 0: none
   std::uint64_t gpu_memory_bytes = 0;                       // for densities and samples; 0: what the device has
@@ -36,6 +37,7 @@ struct EditResult {
   std::string gpu;
   double isovalue = 0;
   std::uint64_t edits = 0, undone = 0, redone = 0, refused = 0;  // commands
+  std::uint64_t idle = 0;                                        // of the edits, those that reached no density
   Percentiles edit_ms;                                           // of a command that was applied
   std::size_t changed_bricks = 0;                                // that hold other densities than at the start
   std::uint64_t gpu_bytes = 0;                                   // in use at the end, all of it
@@ -51,9 +53,9 @@ struct EditResult {
 };
 
 // `tell` gets what a user should know meanwhile: a refused command that is left out, a journal that failed. Throws
-// Error: kBadInput for no command, an output that is the input or has an unknown suffix, an isovalue outside the
-// volume's densities, a command that is refused (with what becomes of those before it); kNotFound, kIo for files;
-// kOutOfMemory; kCancelled. Then nothing is written but the journal.
+// Error: kBadInput for no command, an output that is an input (the volume, the script, a stamp's mesh) or has an
+// unknown suffix, an isovalue outside the volume's densities, a command that is refused (with what becomes of those
+// before it); kNotFound, kIo for files; kOutOfMemory; kCancelled. Then nothing is written but the journal.
 [[nodiscard]] EditResult editVolume(const EditRequest& request, Progress& progress,
                                     const std::function<void(const std::string&)>& tell);
 

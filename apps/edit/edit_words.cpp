@@ -32,6 +32,7 @@ std::string editWords(const EditRequest& request, const EditResult& result) {
                                  size.y(), size.z(), shortNumber(result.isovalue), result.gpu);
   text += fmt::format("Commands  {} applied: {}, {}, {}; {} refused\n", result.applied(), counted(result.edits, "edit"),
                       counted(result.undone, "undo"), counted(result.redone, "redo"), result.refused);
+  if (result.idle > 0) text.insert(text.size() - 1, fmt::format("; {} changed nothing", result.idle));
   if (result.applied() > 0) {
     text += fmt::format("Time      a command {} ms median, {} ms p99; {} s in all\n", shortNumber(result.edit_ms.p50),
                         shortNumber(result.edit_ms.p99), shortNumber(result.seconds));
@@ -45,7 +46,9 @@ std::string editWords(const EditRequest& request, const EditResult& result) {
   text += fmt::format("Volume    {}, content {:016x}\nFile      {}, {}", request.in, result.content, request.out,
                       bytesInWords(result.file.bytes));
   if (result.file.is_mesh) text += fmt::format(", {} triangles", result.file.triangles);
-  return text + "\n";
+  text += "\n";
+  const std::string surface = surfaceWords(request.out, result.isovalue);
+  return surface.empty() ? text : text + "Surface   " + surface;
 }
 
 nlohmann::ordered_json editJson(const EditRequest& request, const EditResult& result) {
@@ -62,7 +65,8 @@ nlohmann::ordered_json editJson(const EditRequest& request, const EditResult& re
         {"edits", result.edits},
         {"undone", result.undone},
         {"redone", result.redone},
-        {"refused", result.refused}}},
+        {"refused", result.refused},
+        {"changed_nothing", result.idle}}},
       {"command_ms", {{"p50", result.edit_ms.p50}, {"p99", result.edit_ms.p99}, {"max", result.edit_ms.max}}},
       {"changed_bricks", result.changed_bricks},
       {"gpu_bytes", result.gpu_bytes},

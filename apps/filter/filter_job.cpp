@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "apps/console/interrupt.hpp"
+#include "apps/convert/convert_job.hpp"
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
@@ -77,17 +78,12 @@ FilterResult filterFile(const FilterRequest& request, Progress& progress) {
 }
 
 std::string filterWords(const FilterRequest& request, const FilterResult& result) {
-  const bool kept = request.out.ends_with(".vdb");
   const std::string passes =
       result.steps == 0
           ? "no pass, since no size reaches a neighbouring voxel: densities are as they were"
           : fmt::format("{} pass{} reaching {} x {} x {} voxels", result.steps, result.steps == 1 ? "" : "es",
                         result.reach.x(), result.reach.y(), result.reach.z());
-  const std::string surface =
-      !result.surface ? ""
-      : kept          ? fmt::format("its surface is at {:g}, which the file keeps\n", *result.surface)
-             : fmt::format("its surface is at {:g}, which this format cannot keep: give --iso {:g} where it is used\n",
-                           *result.surface, *result.surface);
+  const std::string surface = result.surface ? surfaceWords(request.out, *result.surface) : "";
   return fmt::format(
       "{}: {} x {} x {} voxels, densities {:g} to {:g}, {:.1f} MB\n"
       "{}: {}, {} of {} bricks stored before and {} after; {:.3f} s filtering, {:.2f} s in all\n{}",

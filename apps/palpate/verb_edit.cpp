@@ -15,16 +15,16 @@ namespace {
 
 struct EditArguments {
   EditRequest request;
-  std::string history, gpu_memory, json;
+  std::string history, gpu_memory;
 };
 
-// The result's file may be neither the volume that was edited nor the one that was written.
+// The result's file is not the volume that is written. (Nor one that is read: editVolume().)
 void checkJson(const EditArguments& arguments) {
-  if (arguments.json.empty()) return;
-  checkNotInput(arguments.request.in, arguments.json);
-  if (std::filesystem::weakly_canonical(arguments.json) == std::filesystem::weakly_canonical(arguments.request.out))
-    throw Error(Error::Code::kBadInput, "--json " + arguments.json, "it is the output", "give another name");
-  checkWritable(arguments.json);
+  if (arguments.request.json.empty()) return;
+  if (std::filesystem::weakly_canonical(arguments.request.json) ==
+      std::filesystem::weakly_canonical(arguments.request.out))
+    throw Error(Error::Code::kBadInput, "--json " + arguments.request.json, "it is the output", "give another name");
+  checkWritable(arguments.request.json);
 }
 
 void edit(EditArguments& arguments) {
@@ -38,7 +38,8 @@ void edit(EditArguments& arguments) {
     fmt::print(stderr, "palpate: {}\n", oneLine(message));
   });
   fmt::print("{}", editWords(request, result));
-  if (!arguments.json.empty()) writeFileAtomically(arguments.json, editJson(request, result).dump(2) + "\n");
+  if (!arguments.request.json.empty())
+    writeFileAtomically(arguments.request.json, editJson(request, result).dump(2) + "\n");
 }
 
 }  // namespace
@@ -72,9 +73,7 @@ void addEditVerb(CLI::App& app) {
                    "most that densities and samples may take on the GPU, 0: what it has (default 0)")
       ->type_name("SIZE");
   verb->add_flag("--keep-going", request.keep_going, "tell of a command that is refused, leave it out and go on");
-  verb->add_option("--json", arguments->json, "write the result into this file too")
-      ->type_name("FILE")
-      ->check(notEmpty);
+  verb->add_option("--json", request.json, "write the result into this file too")->type_name("FILE")->check(notEmpty);
   verb->add_flag_callback(
           "--commands",
           [] {

@@ -2,6 +2,7 @@
 // palpate info FILE: size, spacing, type, range, histogram and suggested isovalues.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -17,6 +18,25 @@ namespace {
 constexpr int kBins = 24;
 constexpr int kBarLength = 50;
 
+// Where edits and paths may go: voxel centres, in the world's frame.
+void printPlaces(const Volume& volume) {
+  const Vec3 last_L = (volume.size() - Vec3i::Ones()).cast<double>();
+  Vec3 low_W = Vec3::Constant(std::numeric_limits<double>::infinity());
+  Vec3 high_W = -low_W;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3 p_W = volume.lattice().toWorld(Vec3(corner & 1, corner >> 1 & 1, corner >> 2).cwiseProduct(last_L));
+    low_W = low_W.cwiseMin(p_W);
+    high_W = high_W.cwiseMax(p_W);
+  }
+  const Vec3 low_mm = low_W * kMillimetresPerMetre;
+  const Vec3 high_mm = high_W * kMillimetresPerMetre;
+  const Vec3 middle_mm = volume.lattice().toWorld(last_L / 2) * kMillimetresPerMetre;
+  fmt::print(
+      "  places       x {:.6g} to {:.6g}, y {:.6g} to {:.6g}, z {:.6g} to {:.6g} mm; the middle {:.6g},{:.6g},{:.6g}\n",
+      low_mm.x(), high_mm.x(), low_mm.y(), high_mm.y(), low_mm.z(), high_mm.z(), middle_mm.x(), middle_mm.y(),
+      middle_mm.z());
+}
+
 void printFacts(const Volume& volume) {
   const VolumeFacts& facts = volume.facts();
   const Vec3 spacing_mm = volume.lattice().spacing_m * kMillimetresPerMetre;
@@ -29,6 +49,7 @@ void printFacts(const Volume& volume) {
   fmt::print("  spacing      {:.6g} x {:.6g} x {:.6g} mm\n", spacing_mm.x(), spacing_mm.y(), spacing_mm.z());
   fmt::print("  extent       {:.4g} x {:.4g} x {:.4g} mm\n", extent_mm.x(), extent_mm.y(), extent_mm.z());
   fmt::print("  origin       {:.6g}, {:.6g}, {:.6g} mm (LPS)\n", origin_mm.x(), origin_mm.y(), origin_mm.z());
+  printPlaces(volume);
   fmt::print("  axes         i ({:.4g}, {:.4g}, {:.4g})  j ({:.4g}, {:.4g}, {:.4g})  k ({:.4g}, {:.4g}, {:.4g})\n",
              axes(0, 0), axes(1, 0), axes(2, 0), axes(0, 1), axes(1, 1), axes(2, 1), axes(0, 2), axes(1, 2),
              axes(2, 2));
@@ -54,6 +75,14 @@ void printHistogram(const Histogram& histogram) {
 
 void printStatistics(const VolumeStatistics& statistics) {
   fmt::print("  range        {:g} ... {:g}, mean {:.5g}\n", statistics.minimum, statistics.maximum, statistics.mean);
+  if (statistics.fill_share > 0) {
+    fmt::print(
+        "  no data?     {:.3g} % of the voxels hold {:g}, far below all others: if that marks what was not measured, "
+        "the\n"
+        "               isovalues below and edits take it for a density all the same; give --iso, or replace it in the "
+        "file\n",
+        100 * statistics.fill_share, statistics.minimum);
+  }
   printHistogram(statistics.histogram);
   if (statistics.suggestions.empty()) {
     fmt::print("  isovalues    none: every voxel holds the same value, so there is no surface\n");

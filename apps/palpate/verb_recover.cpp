@@ -74,6 +74,8 @@ void recover(const RecoverArguments& arguments) {
                arguments.out);
   }
   fmt::print("Volume    {}, content {:016x}\nFile      {}\n", source, contentHash(volume), arguments.out);
+  const std::string surface = surfaceWords(arguments.out, journal.header.profile.isovalue);
+  if (!surface.empty()) fmt::print("Surface   {}", surface);
 }
 
 }  // namespace

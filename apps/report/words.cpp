@@ -134,8 +134,8 @@ std::string saveWords(const TouchRun& run) {
 std::string volumeChange(const RunEdits& edits) {
   if (!edits.added_m3) return "";
   const double mm3 = *edits.added_m3 * kMillimetresPerMetre * kMillimetresPerMetre * kMillimetresPerMetre;
-  if (mm3 == 0) return "changed no volume";
-  return fmt::format("{} {} mm3", mm3 < 0 ? "removed" : "added", shortNumber(std::abs(mm3)));
+  if (mm3 == 0) return "moved no voxel across the surface";
+  return fmt::format("{} about {} mm3", mm3 < 0 ? "removed" : "added", shortNumber(std::abs(mm3)));
 }
 
 std::string counted(std::uint64_t count, const std::string& word) {

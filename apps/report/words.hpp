@@ -25,8 +25,8 @@ namespace palpate {
 // "passive: the surface took 0.3 mJ from the hand and never gave more than it took": the passivity observer's verdict.
 [[nodiscard]] std::string energyWords(const RunFigures& figures);
 
-// Of a run with a brush that edited: "removed 12.3 mm3", "added 4.5 mm3", "changed no volume"; empty where it is not
-// known.
+// Of a run with a brush that edited: "removed about 12.3 mm3", "added about 4.5 mm3", "moved no voxel across the
+// surface"; empty where it is not known.
 [[nodiscard]] std::string volumeChange(const RunEdits& edits);
 
 // "1 edit", "3 edits"

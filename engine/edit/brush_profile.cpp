@@ -23,20 +23,11 @@ double rampDepth(const BrushProfile& profile, double object) {
 
 BrushProfile brushProfile(const Volume& volume, double isovalue) {
   checkIsovalue(volume, isovalue);
-  const VolumeStatistics statistics = statisticsOf(volume);
-  const Histogram& histogram = statistics.histogram;
-  double sum = 0;
-  double count = 0;
-  for (std::size_t bin = 0; bin < histogram.counts.size(); ++bin) {
-    const double middle = histogram.low + (static_cast<double>(bin) + 0.5) * histogram.bin_width;
-    if (middle <= isovalue) continue;
-    sum += middle * static_cast<double>(histogram.counts[bin]);
-    count += static_cast<double>(histogram.counts[bin]);
-  }
-  const double object = count > 0 ? sum / count : statistics.maximum;
+  const double object = meanAbove(volume, isovalue);
+  const double minimum = volume.minimum();
   // A volume whose lowest density is the isovalue itself has nothing below it: what is removed must still be outside.
   const double contrast = object - isovalue;
-  const double background = statistics.minimum < isovalue ? statistics.minimum : isovalue - contrast;
+  const double background = minimum < isovalue ? minimum : isovalue - contrast;
   return brushProfile(isovalue, background, object, volume.lattice().spacing_m);
 }
 

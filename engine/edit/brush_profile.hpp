@@ -21,7 +21,7 @@ struct BrushProfile {
 inline constexpr double kRampVoxels = 2;  // band, in the largest spacing: more than a cell's diagonal, sqrt(3)
 
 // Background: the volume's lowest density. Object: the mean of what lies above the isovalue. Refuses (Error kBadInput)
-// an isovalue outside [minimum, maximum). Cost: as statisticsOf.
+// an isovalue outside [minimum, maximum). Cost: one pass.
 [[nodiscard]] BrushProfile brushProfile(const Volume& volume, double isovalue);
 
 // The ramp for given densities; the flatter side decides, so that it is linear over the band on both.

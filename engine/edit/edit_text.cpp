@@ -68,6 +68,9 @@ class Parser {
     const bool tool = use_ == EditUse::kTool;
     if (tool && name == "cut") refuse("a plane is no brush of a tool", "use flatten, or remove to drill");
     if (tool && name.starts_with("stamp")) refuse("a stamp is no brush of a tool", "use add or remove");
+    const std::string_view word = name.substr(0, name.find(' '));
+    if (std::ranges::any_of(editWords(), [&](const EditWord& one) { return one.name == word; }) && word != name)
+      refuse(fmt::format("there is a blank in '{}'", name), "join a kind and its keys by colons: remove:radius=2mm");
     refuse(fmt::format("there is no {} '{}'", tool ? "brush" : "edit", name),
            fmt::format("use {}{}", known, tool ? "" : ", undo or redo"));
   }

@@ -4,6 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
+#include "base/error.hpp"
+
 namespace palpate {
 namespace {
 
@@ -33,6 +37,16 @@ SampleFormat halfSamples(float isovalue, float lowest, float highest, const Vec3
   format.code.density_scale = scaleFor(std::max(std::abs(low), std::abs(high)));
   format.code.gradient_scale = scaleFor((high - low) / spacing_m.minCoeff());
   return format;
+}
+
+void checkHalfSamples(const SampleFormat& format, float lowest, float highest, double contrast) {
+  const double step = std::ldexp(1.0, -25) / static_cast<double>(format.code.density_scale);
+  if (step <= std::ldexp(contrast, -11)) return;
+  throw Error(Error::Code::kBadInput, "--samples half",
+              fmt::format("densities from {:g} to {:g} are too far apart for halves: their smallest step, {:g}, is too "
+                          "coarse for a surface whose object lies {:g} above the isovalue",
+                          lowest, highest, step, contrast),
+              "use --samples float; if the farthest density marks what was not measured, replace it in the file");
 }
 
 }  // namespace palpate

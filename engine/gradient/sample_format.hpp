@@ -35,4 +35,8 @@ struct SampleFormat {
 // the smallest spacing, and a Gaussian's taps sum to one but for their rounding.
 [[nodiscard]] SampleFormat halfSamples(float isovalue, float lowest, float highest, const Vec3& spacing_m);
 
+// Throws Error(kBadInput) where halves would lose the surface: their smallest step, 2^-25 / s_d, is more than 2^-11 of
+// the contrast, by which the object lies above the isovalue. A single density far from all others does that.
+void checkHalfSamples(const SampleFormat& format, float lowest, float highest, double contrast);
+
 }  // namespace palpate

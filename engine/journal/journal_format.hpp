@@ -18,7 +18,7 @@
 namespace palpate {
 
 inline constexpr std::string_view kJournalMagic = "PALPJRNL";
-inline constexpr std::uint32_t kJournalVersion = 1;
+inline constexpr std::uint32_t kJournalVersion = 2;
 inline constexpr const char* kJournalName = "journal.palpate";  // in its folder
 [[nodiscard]] inline std::filesystem::path journalFile(const std::filesystem::path& folder) {
   return folder / kJournalName;

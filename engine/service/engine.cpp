@@ -13,6 +13,7 @@
 #include "engine/passes/filter_chain.hpp"
 #include "engine/passes/pool_volume.hpp"
 #include "engine/service/window_focus.hpp"
+#include "engine/volume/statistics.hpp"
 
 namespace palpate {
 namespace {
@@ -116,6 +117,9 @@ void Engine::computeGradients(const Volume& volume, const Plan& plan, const Star
     const SampleFormat format = plan.half_samples
                                     ? halfSamples(isovalue, range.first, range.second, pool_->lattice().spacing_m)
                                     : SampleFormat{};
+    // Filters may leave less of the contrast, and a distance has one of its own: then none is known here.
+    if (plan.half_samples && !filters_)
+      checkHalfSamples(format, range.first, range.second, meanAbove(volume, isovalue_) - isovalue_);
     checkSampleRoom(*pool_->budget(), bricks.size() * kBrickVoxels * format.bytesAVoxel());
     store_ = std::make_unique<SampleStore>(gpu_, pool_->brickCount(), inBlocks(bricks, pool_->brickCounts()),
                                            pool_->budget(), format);

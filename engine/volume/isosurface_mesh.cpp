@@ -2,6 +2,7 @@
 #include "engine/volume/isosurface_mesh.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/ChangeBackground.h>
@@ -17,7 +18,10 @@ namespace {
 ScalarGrid::Ptr padded(const Volume& volume, float isovalue) {
   ScalarGrid::Ptr field = volume.grid().field->deepCopy();
   const float above = std::max(volume.maximum() - isovalue, 1e-30F);
-  openvdb::tools::changeBackground(field->tree(), isovalue - 1e6F * above);
+  // Not beyond the largest float, which densities may come near: then crossings lie elsewhere between a border voxel
+  // and the background, outside of the volume, and are put onto its border like all others.
+  const float below = std::max(isovalue - 1e6F * above, std::numeric_limits<float>::lowest());
+  openvdb::tools::changeBackground(field->tree(), below);
   const Vec3i last = volume.size() - Vec3i::Ones();
   field->clip(openvdb::CoordBBox(openvdb::Coord(0, 0, 0), openvdb::Coord(last.x(), last.y(), last.z())));
   return field;

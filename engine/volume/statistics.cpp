@@ -45,13 +45,22 @@ void fillHistogram(const Volume& volume, int bins, VolumeStatistics& statistics)
   histogram.counts.assign(static_cast<std::size_t>(bins), 0);
   double sum = 0;
   double count = 0;
+  double lowest = 0;  // how many voxels
+  double next = statistics.maximum;
   forEachValue(volume, [&](double value, std::uint64_t voxels) {
+    if (value == statistics.minimum) {
+      lowest += static_cast<double>(voxels);
+    } else {
+      next = std::min(next, value);
+    }
     const double place = histogram.bin_width > 0 ? (value - histogram.low) / histogram.bin_width : 0;
     histogram.counts[static_cast<std::size_t>(std::min(place, bins - 1.0))] += voxels;
     sum += value * static_cast<double>(voxels);
     count += static_cast<double>(voxels);
   });
   statistics.mean = sum / count;
+  const double others = statistics.maximum - next;
+  if (others > 0 && next - statistics.minimum > others) statistics.fill_share = lowest / count;
 }
 
 // Hounsfield units: air near -1000 and bone well above 0.
@@ -115,6 +124,17 @@ VolumeStatistics statisticsOf(const Volume& volume, int bins) {
   if (statistics.minimum < statistics.maximum) statistics.suggestions = suggest(volume.facts(), statistics);
   if (bins != kOtsuBins) fillHistogram(volume, bins, statistics);
   return statistics;
+}
+
+double meanAbove(const Volume& volume, double isovalue) {
+  double sum = 0;
+  double count = 0;
+  forEachValue(volume, [&](double value, std::uint64_t voxels) {
+    if (value <= isovalue) return;
+    sum += value * static_cast<double>(voxels);
+    count += static_cast<double>(voxels);
+  });
+  return count > 0 ? sum / count : static_cast<double>(volume.maximum());
 }
 
 double defaultIsovalue(const Volume& volume) {

@@ -29,11 +29,17 @@ struct VolumeStatistics {
   double maximum = 0;
   double mean = 0;
   Histogram histogram;
+  // Share of the voxels that hold the minimum where that lies farther below all others than they lie apart, and there
+  // is more than one value among them: most likely no data. Otherwise 0.
+  double fill_share = 0;
   std::vector<IsovalueSuggestion> suggestions;  // the best first; empty for a constant volume
 };
 
 // Refuses (Error kBadInput) a bin count outside [1, 1000000].
 [[nodiscard]] VolumeStatistics statisticsOf(const Volume& volume, int bins = 256);
+
+// Mean of the densities above the isovalue; the maximum where there are none. Cost: one pass.
+[[nodiscard]] double meanAbove(const Volume& volume, double isovalue);
 
 // The first suggestion: the isovalue that the file keeps, a phantom's declared one, 0 for a level set, 226 (bone) for
 // values in Hounsfield units, otherwise Otsu's threshold. Throws Error(kBadInput): a constant volume; a kept isovalue

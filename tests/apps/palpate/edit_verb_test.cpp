@@ -265,6 +265,56 @@ TEST_F(EditVerb, TheResultForPrograms) {
   EXPECT_EQ(json()["content"], fmt::format("{:016x}", contentHash(out())));
 }
 
+// What is read is never replaced: not the script, not a stamp's mesh, even where its edit is refused and left out.
+TEST_F(EditVerb, NeverReplacesAStampOrAScript) {
+  expectSuccess(run({"convert", "phantom:sphere?size=16&spacing=0.5mm", "ball.stl"}));
+  write("script.txt", "remove:radius=2:at=6,0,0\n");
+  const std::string mesh = contentsOf(file("ball.stl"));
+  const std::string script = contentsOf(file("script.txt"));
+  const Words stamp = dos({"stamp-add:mesh=ball.stl:at=6,0,0"});
+  const Words far_stamp = dos({"stamp-add:mesh=ball.stl:at=900,0,0", "remove:radius=2:at=6,0,0"});
+  for (const Words& words :
+       {Words{"edit", kVolume, "ball.stl"} + stamp, Words{"edit", kVolume, "out.nrrd", "--json", "ball.stl"} + stamp,
+        Words{"edit", kVolume, "ball.stl", "--keep-going"} + far_stamp}) {
+    const Outcome outcome = run(words);
+    EXPECT_EQ(outcome.status, 2);
+    EXPECT_THAT(outcome.err, HasSubstr("it is the input"));
+  }
+  for (const Words& words : {Words{"edit", kVolume, "out.nrrd", "--script", "script.txt", "--json", "script.txt"},
+                             Words{"edit", kVolume, "copy.nrrd", "--script", "copy.nrrd"}}) {
+    if (words.back() == "copy.nrrd") write("copy.nrrd", script);
+    expectRefusal(run(words), words.back(), "it is the input", 2);
+  }
+  EXPECT_EQ(contentsOf(file("ball.stl")), mesh);
+  EXPECT_EQ(contentsOf(file("script.txt")), script);
+  EXPECT_EQ(contentsOf(file("copy.nrrd")), script);
+  EXPECT_FALSE(exists("out.nrrd"));
+}
+
+// Most likely a slip of the unit or the place.
+TEST_F(EditVerb, TellsOfEditsThatChangeNothing) {
+  const Outcome outcome =
+      edit(dos({"remove:radius=2:at=14,14,14", "remove:radius=2:at=6,0,0"}) + Words{"--json", "result.json"});
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_THAT(errorLines(outcome.err), testing::ElementsAre(HasSubstr("at=14,14,14': it changed nothing")));
+  EXPECT_THAT(outcome.out, HasSubstr("0 refused; 1 changed nothing\n"));
+  EXPECT_EQ(json()["commands"]["changed_nothing"], 1);
+  Words many;
+  for (int i = 0; i < 14; ++i) many = many + dos({"remove:radius=2:at=14,14,14"});
+  EXPECT_EQ(errorLines(edit(many).err).size(), 10U);
+}
+
+// A file that cannot keep the isovalue would silently have another surface.
+TEST_F(EditVerb, TellsOfAnIsovalueThatTheFileCannotKeep) {
+  const Words drill = dos({"remove:radius=2:at=6,0,0"});
+  EXPECT_THAT(edit(drill + Words{"--iso", "150"}).out,
+              HasSubstr("at 150, which this format cannot keep: give --iso 150"));
+  EXPECT_THAT(run(Words{"edit", kVolume, "out.vdb", "--iso", "150", "--journal", "journal"} + drill).out,
+              HasSubstr("at 150, which the file keeps"));
+  EXPECT_THAT(run({"recover", "journal", "--out", "again.nii"}).out,
+              HasSubstr("at 150, which this format cannot keep"));
+}
+
 // Ten thousand commands down a pipe.
 TEST_F(EditVerb, StandardInputMayBeLong) {
   std::string script = "\xEF\xBB\xBF# a comment\r\n\n";

@@ -95,6 +95,12 @@ TEST_F(Verbs, InfoSaysWhatAVolumeIs) {
   }
 }
 
+// A turned lattice has its box in the world; the middle is where an edit may begin.
+TEST_F(Verbs, InfoSaysWhereAVolumeLies) {
+  EXPECT_THAT(run({"info", "phantom:sphere?size=25x21x17&spacing=0.5x1x2mm"}).out,
+              HasSubstr("places       x -6 to 6, y -10 to 10, z -16 to 16 mm; the middle 0,0,0\n"));
+}
+
 TEST_F(Verbs, InfoOfAConstantVolumeStillInforms) {
   const Outcome outcome = run({"info", "phantom:sphere?size=2"});  // eight voxels at one distance from the centre
   expectSuccess(outcome);

@@ -93,9 +93,9 @@ TEST(Report, TheHeadingAndTheKeyFiguresNameTheEdits) {
   const std::size_t figures = page.find("<section id=\"figures\">");
   const std::string heading = page.substr(0, figures);
   const std::string key_figures = page.substr(figures, page.find("</section>", figures) - figures);
-  EXPECT_THAT(heading, HasSubstr("3 edits removed 12.3 mm3"));
+  EXPECT_THAT(heading, HasSubstr("3 edits removed about 12.3 mm3"));
   EXPECT_THAT(key_figures,
-              HasSubstr("<b>3<small> edits</small></b><span>of which 2 reached the window; removed 12.3 mm3<"));
+              HasSubstr("<b>3<small> edits</small></b><span>of which 2 reached the window; removed about 12.3 mm3<"));
   EXPECT_THAT(key_figures, HasSubstr("from an edit to its window, median"));
   EXPECT_THAT(page, HasSubstr("0000000000000abc"));
   run.edits.reset();

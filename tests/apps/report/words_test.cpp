@@ -27,12 +27,12 @@ TEST(Words, VerdictIsOneSentence) {
 TEST(Words, VerdictSaysWhatTheEditsDid) {
   TouchRun run = sampleRun();
   run.edits->added_m3 = -12.34e-9;
-  EXPECT_THAT(verdictOf(run), HasSubstr("felt at most 0.5 N; 3 edits removed 12.3 mm3; 1 kind of fault."));
+  EXPECT_THAT(verdictOf(run), HasSubstr("felt at most 0.5 N; 3 edits removed about 12.3 mm3; 1 kind of fault."));
   run.edits->count = 1;
   run.edits->added_m3 = 2e-6;
-  EXPECT_THAT(verdictOf(run), HasSubstr("; 1 edit added 2000 mm3; "));
+  EXPECT_THAT(verdictOf(run), HasSubstr("; 1 edit added about 2000 mm3; "));
   run.edits->added_m3 = 0;
-  EXPECT_THAT(verdictOf(run), HasSubstr("; 1 edit changed no volume; "));
+  EXPECT_THAT(verdictOf(run), HasSubstr("; 1 edit moved no voxel across the surface; "));
   run.edits->count = 0;
   EXPECT_THAT(verdictOf(run), HasSubstr("; nothing was edited; "));
   run.edits.reset();
@@ -44,7 +44,7 @@ TEST(Words, ClosingSummaryHasTheContentAsRecoverPrintsIt) {
   EXPECT_THAT(closingSummary(run), Not(HasSubstr("Volume")));
   run.edits->content = 0x1234;
   run.edits->added_m3 = -1e-9;
-  EXPECT_THAT(closingSummary(run), HasSubstr("\nVolume    removed 1 mm3, content 0000000000001234\n"));
+  EXPECT_THAT(closingSummary(run), HasSubstr("\nVolume    removed about 1 mm3, content 0000000000001234\n"));
   run.edits->count = 1;
   run.edits->journal_records = run.edits->journal_saved = 1;
   run.scene.journal = "kept";

@@ -164,6 +164,8 @@ TEST(EditText, RefusesWithTextReasonAndRemedy) {
   const Refusal cases[] = {
       {"", "there is no edit ''; use remove, add"},
       {"carve:radius=2mm", "there is no edit 'carve'"},
+      {"remove radius=2mm at=0,0,0",
+       "there is a blank in 'remove radius=2mm at=0,0,0'; join a kind and its keys by colons"},
       {"Remove:radius=2mm", "there is no edit 'Remove'"},
       {"undo:3", "undo takes no keys"},
       {"remove:at=0,0,0", "it has no radius"},

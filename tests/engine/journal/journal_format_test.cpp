@@ -99,8 +99,12 @@ TEST(JournalFormat, RefusesWhatIsNoJournal) {
 
 TEST(JournalFormat, RefusesAnotherVersionAndSaysWhatToDo) {
   std::string bytes = headerBytes(header());
-  bytes[kJournalMagic.size()] = 2;
-  EXPECT_THAT(refusalOf(bytes), HasSubstr("format version 2, and this program knows version 1; recover it with"));
+  for (const char version : {1, 3}) {
+    bytes[kJournalMagic.size()] = version;
+    EXPECT_THAT(refusalOf(bytes), HasSubstr(fmt::format("format version {}, and this program knows version 2; recover "
+                                                        "it with",
+                                                        int{version})));
+  }
 }
 
 TEST(JournalFormat, RefusesADamagedHeaderWhereverItIsDamaged) {

@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include "base/error.hpp"
 #include "shaders/kernel_text.hpp"
 
 namespace palpate {
@@ -142,6 +143,24 @@ TEST(HalfSamples, KeepGradientsWithinTheStatedBoundAndFinite) {
     EXPECT_TRUE(std::isfinite(back)) << g;
     EXPECT_EQ(std::signbit(back), std::signbit(g));
     EXPECT_GT(std::abs(back), 15 * largest);
+  }
+}
+
+// Scans are told apart from one whose "no data" leaves nothing of the surface; the bound is that of the formula.
+TEST(HalfSamples, AreRefusedWhereTheyLoseTheSurface) {
+  const auto check = [](float lowest, double contrast) {
+    checkHalfSamples(halfSamples(400, lowest, 3071, Vec3::Constant(1e-3)), lowest, 3071, contrast);
+  };
+  EXPECT_NO_THROW(check(-1024, 600));
+  EXPECT_NO_THROW(check(-32768, 600));
+  EXPECT_NO_THROW(check(-1e9F, 600));
+  for (const float lowest : {-1e12F, -1e20F, -3.4e38F}) {
+    try {
+      check(lowest, 600);
+      ADD_FAILURE() << lowest;
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find("--samples half: densities from"), std::string::npos);
+    }
   }
 }
 

@@ -49,6 +49,28 @@ TEST(IsosurfaceMesh, IsClosedForEveryPhantom) {
   }
 }
 
+// Beside what marks no data, and between the largest floats, where differences of densities overflow.
+TEST(IsosurfaceMesh, IsClosedWhereDensitiesAreExtreme) {
+  constexpr float kLargest = std::numeric_limits<float>::max();
+  const Volume ball = loadVolume("phantom:sphere?size=24");
+  for (const bool both : {false, true}) {
+    std::vector<float> values = ball.toDense();
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      if (both)
+        values[i] = std::copysign(kLargest, values[i]);
+      else if (i < 24 * 24 * 6)
+        values[i] = -kLargest;
+    }
+    const Volume volume = Volume::fromDense(ball.size(), ball.lattice(), values, ball.facts());
+    for (const double isovalue : {0.0, -1e38, static_cast<double>(std::nextafter(-kLargest, 0.0F))}) {
+      const TriangleMesh mesh = isosurfaceMesh(volume, isovalue);
+      EXPECT_GT(mesh.triangles.size(), 100U) << isovalue;
+      EXPECT_EQ(unbalancedEdges(mesh), 0) << isovalue;
+      for (const Vec3& vertex_W : mesh.vertices_W) ASSERT_TRUE(vertex_W.allFinite());
+    }
+  }
+}
+
 // The mean of a cell's edge crossings lies inside a ball of radius R by no more than the cell's half diagonal's
 // sagitta, (0.87 h)^2 / 2R, and every crossing is off by the interpolation's h^2 / 8R.
 TEST(IsosurfaceMesh, VerticesLieOnTheBall) {

@@ -124,6 +124,23 @@ TEST(CheckIsovalue, RefusesConstantVolumes) {
   EXPECT_TRUE(statisticsOf(volume).suggestions.empty());
 }
 
+// A value farther below all others than these lie apart is most likely no data; a mask of two values has none.
+TEST(Statistics, PointsOutWhatIsMostLikelyNoData) {
+  std::vector<float> values(1000, -32768);
+  for (std::size_t i = 250; i < values.size(); ++i) values[i] = static_cast<float>(i % 1000) - 1000;
+  EXPECT_EQ(statisticsOf(volumeOf(values, {10, 10, 10})).fill_share, 0.25);
+  values[0] = -20000;  // halfway: no gap that wide any more
+  EXPECT_EQ(statisticsOf(volumeOf(values, {10, 10, 10})).fill_share, 0);
+  EXPECT_EQ(statisticsOf(halves(0, 1)).fill_share, 0);
+}
+
+// Of the densities themselves, not of a histogram's bins, which one that lies far away makes as wide as it likes.
+TEST(Statistics, MeanAboveIsThatOfTheDensities) {
+  std::vector<float> values = {-3e38F, 0, 10, 20, 30, 90, 0, 0};
+  EXPECT_DOUBLE_EQ(meanAbove(volumeOf(values, {2, 2, 2}), 10), (20.0 + 30 + 90) / 3);
+  EXPECT_DOUBLE_EQ(meanAbove(volumeOf(values, {2, 2, 2}), 90), 90);
+}
+
 TEST(Statistics, RefusesAbsurdBinCounts) {
   const Volume volume = halves(0, 1);
   for (const int bins : {0, -1, 2000000}) {
