@@ -99,7 +99,7 @@ TEST(JournalFormat, RefusesWhatIsNoJournal) {
 
 TEST(JournalFormat, RefusesAnotherVersionAndSaysWhatToDo) {
   std::string bytes = headerBytes(header());
-  for (const char version : {1, 3}) {
+  for (const char version : {char{1}, char{3}}) {
     bytes[kJournalMagic.size()] = version;
     EXPECT_THAT(refusalOf(bytes), HasSubstr(fmt::format("format version {}, and this program knows version 2; recover "
                                                         "it with",
