@@ -180,7 +180,10 @@ class Job {
 
   void apply(EditText& text, const std::string& where) {
     std::vector<EditCommand> commands;
-    if (text.verb == EditText::Verb::kEdit) commands = commandsOf(text);
+    if (text.verb == EditText::Verb::kEdit) {
+      commands = commandsOf(text);
+      tellOfFineness(text.command, where);
+    }
     const Stopwatch watch;
     if (text.verb == EditText::Verb::kUndo) {
       session_.undo(0);
@@ -205,6 +208,14 @@ class Job {
       text.command.stamp = stamps_.stampOf(text.mesh_file, text.metres_per_unit, object);
     }
     return withMirror(text.command, text.mirror_axis, volume_.size(), volume_.lattice());
+  }
+
+  // Once: a stroke has many pieces.
+  void tellOfFineness(const EditCommand& command, const std::string& where) {
+    const std::string words = fineBrushWords(command, volume_.lattice(), profile_);
+    if (words.empty() || told_of_fineness_) return;
+    told_of_fineness_ = true;
+    tell_(where + ": " + words);
   }
 
   // Most likely it lies elsewhere than was meant, or is in another unit. Of many such the first are told, all counted.
@@ -268,6 +279,7 @@ class Job {
   EditResult result_;
   Times times_;
   bool journal_failed_ = false;
+  bool told_of_fineness_ = false;
 };
 
 }  // namespace

@@ -74,6 +74,8 @@ LiveEdits::LiveEdits(const Scene& scene, Volume& volume, Engine& engine)
             return profile;
           }(),
           std::vector{toolBrushSpec(scene.edit).brush.kind}, kHistoryBytes) {
+  const std::string fine = fineBrushWords(toolBrushSpec(scene.edit).brush, volume.lattice(), engine.editor().profile());
+  if (!fine.empty()) tell("--edit " + scene.edit + ": " + fine, Again::kTell);
   if (!scene.journal.empty()) session_.keepJournal(scene.journal, identityOf(volume), watchedJournal());
   if (scene.save.empty()) return;
   volume.keepIsovalue(*scene.isovalue);

@@ -3,6 +3,9 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
+#include "base/units.hpp"
 #include "engine/volume/statistics.hpp"
 
 namespace palpate {
@@ -29,6 +32,16 @@ BrushProfile brushProfile(const Volume& volume, double isovalue) {
   const double contrast = object - isovalue;
   const double background = minimum < isovalue ? minimum : isovalue - contrast;
   return brushProfile(isovalue, background, object, volume.lattice().spacing_m);
+}
+
+std::string fineBrushWords(const EditCommand& command, const Lattice& lattice, const BrushProfile& profile) {
+  const double voxel_m = lattice.smallestSpacing();
+  if (!isBrush(command.kind) || command.radius_m >= voxel_m / 2) return "";
+  return fmt::format(
+      "its radius of {:g} mm is below half a voxel ({:g} mm), which voxels cannot show: densities change up to {:g} mm "
+      "around it, but the surface there may hardly move; give a larger one, or resample the volume",
+      command.radius_m * kMillimetresPerMetre, voxel_m * kMillimetresPerMetre,
+      (command.radius_m + profile.band_m) * kMillimetresPerMetre);
 }
 
 }  // namespace palpate

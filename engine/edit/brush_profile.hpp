@@ -6,6 +6,9 @@
 // isosurface where the brush says, but for the sag of a curved distance (h^2 / 8R an axis). Thread: any.
 #pragma once
 
+#include <string>
+
+#include "engine/edit/edit_command.hpp"
 #include "engine/volume/volume.hpp"
 
 namespace palpate {
@@ -33,5 +36,9 @@ inline constexpr double kRampVoxels = 2;  // band, in the largest spacing: more 
 
 // How far under such a surface the ramp ends, whether it rises to `object` or falls to the background [m].
 [[nodiscard]] double rampDepth(const BrushProfile& profile, double object);
+
+// What a user should know of a brush so fine that voxels cannot show it: words; empty for any other command.
+[[nodiscard]] std::string fineBrushWords(const EditCommand& command, const Lattice& lattice,
+                                         const BrushProfile& profile);
 
 }  // namespace palpate

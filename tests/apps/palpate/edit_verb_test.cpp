@@ -304,6 +304,16 @@ TEST_F(EditVerb, TellsOfEditsThatChangeNothing) {
   EXPECT_EQ(errorLines(edit(many).err).size(), 10U);
 }
 
+// A unit that was meant to be another one, most likely; told once.
+TEST_F(EditVerb, TellsOfABrushThatVoxelsCannotShow) {
+  const Outcome outcome =
+      edit(dos({"remove:radius=1um:at=9.7,0,0", "remove:radius=2um:at=9,0,0", "remove:radius=0.5:at=9,0,0"}));
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_THAT(
+      errorLines(outcome.err),
+      testing::ElementsAre(HasSubstr("radius=1um:at=9.7,0,0': its radius of 0.001 mm is below half a voxel (1 mm)")));
+}
+
 // A file that cannot keep the isovalue would silently have another surface.
 TEST_F(EditVerb, TellsOfAnIsovalueThatTheFileCannotKeep) {
   const Words drill = dos({"remove:radius=2:at=6,0,0"});
