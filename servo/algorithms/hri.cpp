@@ -7,12 +7,21 @@
 #include "servo/safety/faults.hpp"
 
 namespace palpate {
+namespace {
+
+// Of the part of a way along the plane [m^2].
+double tangentialSquared(const Vec3& way_W, const Vec3& normal_W) noexcept {
+  const double along_m = normal_W.dot(way_W);
+  return std::max(0.0, way_W.squaredNorm() - along_m * along_m);
+}
+
+}  // namespace
 
 void HriSurface::reset(const Vec3& hip_W) noexcept {
   surface_ = {};
   age_ticks_ = 0;
   vhip_W_ = hip_W;
-  in_contact_ = held_ = armed_ = false;
+  in_contact_ = held_ = armed_ = lost_ = false;
   edit_version_ = 0;
   cache_.forget();
 }
@@ -37,10 +46,10 @@ bool HriSurface::find(const SampleWindow& window, const Vec3& hip_W, std::uint32
   } else {
     ++age_ticks_;
     const bool in_front = plane().depth(hip_W) <= 0;
-    const bool due = age_ticks_ >= renewal_ticks_;
+    const bool due = age_ticks_ >= renewal_ticks_ || wentFar(hip_W);
     if (due || in_front || held_) {
       refreshField(window);
-      renew(hip_W, age_ticks_ == renewal_ticks_ && !in_front && !held_, faults);
+      renew(hip_W, !in_front && !held_, faults);
     }
   }
   const bool touching = in_contact_ && !held_;
@@ -62,6 +71,10 @@ void HriSurface::refreshField(const SampleWindow& window) noexcept {
 
 // ---- in contact ----
 
+bool HriSurface::wentFar(const Vec3& hip_W) const noexcept {
+  return tangentialSquared(hip_W - found_for_W_, surface_.normal_W) > reach_squared_m2_;
+}
+
 // Where the HIP will be a third of the way through the plane's life if it goes on along the surface as it did. Half
 // would centre the normal's error in time; but a plane that is left behind puts the VHIP outward of a convex surface,
 // which makes up for the sag of trilinear interpolation. A third keeps most of both (docs/hri-mends.md).
@@ -69,21 +82,26 @@ Vec3 HriSurface::aim(const Vec3& hip_W) const noexcept {
   const Vec3 way_W = hip_W - renewed_at_W_;
   const Vec3 aside_W = way_W - surface_.normal_W * surface_.normal_W.dot(way_W);
   const Vec3 lead_W = aside_W * (kAim * (renewal_ticks_ - 1) / age_ticks_);
-  const double longest_m = kLongestAim * field_->voxel();
+  const double longest_m = std::min(kLongestAim * field_->voxel(), kAim * std::sqrt(reach_squared_m2_));
   const double squared_m2 = lead_W.squaredNorm();
   return hip_W + (squared_m2 <= longest_m * longest_m ? lead_W : Vec3(lead_W * (longest_m / std::sqrt(squared_m2))));
 }
 
 Track HriSurface::follow(const Vec3& hip_W, bool ahead) noexcept {
+  const double by_way = surface_.rough ? kSlideByWayRough : kSlideByWay;
+  const double slide_m = kSlide * field_->voxel() + by_way * (hip_W - renewed_at_W_).norm();
   if (ahead && renewal_ticks_ > 1) {
     SurfacePoint found = surface_;
-    const Track result = SurfaceTracker::follow(*field_, aim(hip_W), found, kAimTolerance);
+    const Vec3 aim_W = aim(hip_W);
+    const Track result = SurfaceTracker::follow(*field_, aim_W, found, {kAimTolerance, slide_m});
     if (result == Track::kFound && found.normal_W.dot(found.p_W - hip_W) > 0) {
       surface_ = found;
+      found_for_W_ = aim_W;
       return result;
     }
   }
-  return SurfaceTracker::follow(*field_, hip_W, surface_);
+  found_for_W_ = hip_W;
+  return SurfaceTracker::follow(*field_, hip_W, surface_, {SurfaceTracker::kLineTolerance, slide_m});
 }
 
 void HriSurface::renew(const Vec3& hip_W, bool ahead, std::uint32_t& faults) noexcept {
@@ -92,15 +110,16 @@ void HriSurface::renew(const Vec3& hip_W, bool ahead, std::uint32_t& faults) noe
   const auto seen = [&] { return field_->sampler().place(surface_.p_W) != Place::kBeyondWindow; };
   if (!seen()) surface_.p_W = plane().nearest(hip_W);
   held_ = !seen();
+  const Vec3 last_normal_W = surface_.normal_W;
   const Track result = held_ ? Track::kBeyondWindow : follow(hip_W, ahead);
   switch (result) {
     case Track::kFoundFlat:
-      faults |= bit(ServoFault::kZeroGradient);
+    case Track::kBehind:
+      faults |= bit(result == Track::kBehind ? ServoFault::kPlaneBehind : ServoFault::kZeroGradient);
       [[fallthrough]];
     case Track::kFound:
       if (plane().depth(hip_W) > 0) {
-        age_ticks_ = 0;
-        renewed_at_W_ = hip_W;
+        renewed(hip_W, last_normal_W);
       } else {
         relocate(field_->probe(hip_W), faults);
       }
@@ -113,13 +132,23 @@ void HriSurface::renew(const Vec3& hip_W, bool ahead, std::uint32_t& faults) noe
       release(field_->probe(hip_W));
       return;
     case Track::kFlat:
-      relocate(field_->probe(hip_W), faults);
-      return;
     case Track::kLost:
-      faults |= bit(ServoFault::kSurfaceLost);
       relocate(field_->probe(hip_W), faults);
       return;
   }
+}
+
+// The plane is new. How fast the normal turned since the last one says how far the new one holds.
+void HriSurface::renewed(const Vec3& hip_W, const Vec3& last_normal_W) noexcept {
+  const double voxel_m = field_->voxel();
+  const Vec3 way_W = hip_W - renewed_at_W_;
+  const double aside = std::sqrt(tangentialSquared(way_W, surface_.normal_W)) / voxel_m;
+  constexpr double kTooShort = 0.05;  // to tell curvature from sampling [voxel]
+  if (aside > kTooShort) {
+    const double turned = (surface_.normal_W - last_normal_W).norm();
+    turn_ = std::clamp(std::max(turned / aside, 0.5 * turn_), kLeastTurn, kMostTurn);
+  }
+  settle(surface_, hip_W);
 }
 
 // The HIP has left the sheet, or the sheet is gone: is there object between the VHIP and the HIP, or around the HIP?
@@ -131,21 +160,24 @@ void HriSurface::relocate(const Probe& hip, std::uint32_t& faults) noexcept {
   if (hip.side == Side::kInside) {  // both inside
     const auto way_out = field_->firstExit(hip, hip.p_W + surface_.normal_W * (kOutwardSearch * field_->voxel()));
     if (way_out && touch(*way_out, hip, faults)) return;
-    faults |= bit(ServoFault::kInsideObject);
+    faults |= bit(ServoFault::kSurfaceLost);
   }
   release(hip);
+  lost_ = hip.side == Side::kInside;
 }
 
 // Buried by an edit.
 void HriSurface::comeOut(const Probe& hip, std::uint32_t& faults) noexcept {
   const auto way_out = field_->nearestExit(hip);
-  if (way_out && touch(*way_out, hip, faults)) faults &= ~bit(ServoFault::kInsideObject);
+  if (!way_out || !touch(*way_out, hip, faults)) return;
+  faults &= ~(bit(ServoFault::kInsideObject) | bit(ServoFault::kSurfaceLost));
 }
 
 void HriSurface::release(const Probe& hip) noexcept {
   in_contact_ = false;
   age_ticks_ = 0;
   armed_ = hip.side == Side::kOutside;
+  lost_ = false;
   free_ = hip;
 }
 
@@ -172,9 +204,10 @@ void HriSurface::moveFreely(const Vec3& hip_W, std::uint32_t& faults) noexcept {
   }
   if (hip.side == Side::kOutside) {
     armed_ = true;
+    lost_ = false;
     free_ = hip;
   } else if (!armed_) {
-    faults |= bit(ServoFault::kInsideObject);
+    faults |= bit(lost_ ? ServoFault::kSurfaceLost : ServoFault::kInsideObject);
   }
 }
 
@@ -193,21 +226,38 @@ bool HriSurface::touch(const Entry& entry, const Probe& hip, std::uint32_t& faul
   SurfacePoint nearest = surface;
   const Track result = flat ? Track::kFlat : SurfaceTracker::follow(*field_, hip.p_W, nearest);
   if (flat || result == Track::kFlat || result == Track::kFoundFlat) faults |= bit(ServoFault::kZeroGradient);
-  if ((result == Track::kFound || result == Track::kFoundFlat) && behind(nearest)) {
-    settle(nearest, hip.p_W);
+  const bool found = result == Track::kFound || result == Track::kFoundFlat || result == Track::kBehind;
+  if (found && behind(nearest)) {
+    if (result == Track::kBehind) faults |= bit(ServoFault::kPlaneBehind);
+    begin(nearest, hip.p_W);
     return true;
   }
-  // Where the search strays, the plane at the entry itself still holds a HIP that is in the object.
-  if (hip.side != Side::kInside || !behind(surface)) return false;
-  settle(surface, hip.p_W);
+  // Where the search strays, the plane at the entry itself still holds a HIP that is in the object; and where noise
+  // turns its normal away, the plane across the line from the HIP.
+  if (hip.side != Side::kInside) return false;
+  if (!behind(surface)) surface.normal_W = (entry.p_W - hip.p_W).normalized();
+  if (!behind(surface)) return false;
+  begin(surface, hip.p_W);
   return true;
 }
 
-void HriSurface::settle(const SurfacePoint& surface, const Vec3& hip_W) noexcept {
+void HriSurface::begin(const SurfacePoint& surface, const Vec3& hip_W) noexcept {
   in_contact_ = true;
+  lost_ = false;
+  turn_ = kFirstTurn;
+  found_for_W_ = hip_W;
+  settle(surface, hip_W);
+}
+
+// The plane holds from here on, as far as its error allows.
+void HriSurface::settle(const SurfacePoint& surface, const Vec3& hip_W) noexcept {
   surface_ = surface;
   renewed_at_W_ = hip_W;
   age_ticks_ = 0;
+  const double voxel_m = field_->voxel();
+  const double off_m = std::max(kMostOff * plane().depth(hip_W), kLeastOff * voxel_m);
+  const double turned_m = kMostTurned * voxel_m / turn_;
+  reach_squared_m2_ = std::min(turned_m * turned_m, 2 * off_m * voxel_m / turn_);
 }
 
 }  // namespace palpate

@@ -3,11 +3,14 @@
 //
 // As in the paper, a virtual plane stands for the surface, F = K d - B v_d, and the plane is renewed now and then.
 // Mended:
-// - n = 1 means every tick; a plane is also renewed as soon as an edit changes the window or the HIP comes out of it.
+// - n = 1 means every tick; a plane is also renewed as soon as an edit changes the window, the HIP comes out of it, or
+//   the HIP has gone so far aside that the plane may be wrong by more than kMostTurned or kMostOff (below).
 // - The plane is at the surface point nearest to the HIP (surface_tracker.hpp), not on the line from VHIP to HIP, and,
 //   for n > 1, nearest to where the HIP will be a third of the way through the plane's life.
 // - Contact ends when the HIP is in front of the sheet that it touched, not when the density at the HIP says so; so a
 //   press through a thin wall does not lose it. Free motion is searched along its whole way: no stroke jumps a wall.
+// - A surface that cannot be found again with the HIP in the object: kSurfaceLost, which fades, until the HIP has been
+//   outside. One that could not be followed as far as the HIP went: kPlaneBehind, which fades too.
 // - VHIP and HIP both inside (the surface moved): search outward along N, then follow the surface as always.
 // - Inside at the start: no force until the HIP has been outside once (kInsideObject).
 // - A tool that an edit buried is pushed towards the nearest way out (IsoField::nearestExit), gently, as all that an
@@ -38,6 +41,20 @@ class HriSurface {
   static constexpr double kLongestAim = 1;       // ahead of the HIP: jumps of the tool are no motion to go by [voxel]
   static constexpr double kAimTolerance = 0.05;  // the nearest point to where the HIP may be: as surface_tracker.hpp's
   static constexpr double kStandOff = 0.25;      // in front of the VHIP, where a search from it begins [voxel]
+  // How wrong a plane may be before its n ticks are over. On a surface of radius R the normal at the HIP turns by
+  // w / (R - D) over a way w aside, D deep, and the depth is off by half of that times w. The rate of turning is
+  // measured from one renewal to the next, within the bounds below.
+  static constexpr double kMostTurned = 0.105;        // [rad]: 6 degrees
+  static constexpr double kMostOff = 0.05;            // of the depth [-]
+  static constexpr double kLeastOff = 0.02;           // depths are off by less in any case, by sampling [voxel]
+  static constexpr double kFirstTurn = 1.0 / 8;       // rate before it is known [rad/voxel]
+  static constexpr double kLeastTurn = 1.0 / 64;      // a flat face may end anywhere [rad/voxel]
+  static constexpr double kMostTurn = 1.0 / 3;        // noise turns normals faster [rad/voxel]
+  // How far the surface point may slide in a tick with the HIP at rest; besides, so many times the HIP's own way, which
+  // is what a convex surface needs where the press is at most three quarters of its radius deep.
+  static constexpr double kSlide = 0.12;              // [voxel]
+  static constexpr double kSlideByWay = 4;            // [-]
+  static constexpr double kSlideByWayRough = 1;       // [-]
 
   explicit HriSurface(const AlgorithmParameters& parameters) noexcept
       : renewal_ticks_(parameters.plane_renewal_ticks), cache_(parameters.isovalue) {}
@@ -54,10 +71,13 @@ class HriSurface {
   [[nodiscard]] Vec3 aim(const Vec3& hip_W) const noexcept;
   [[nodiscard]] Track follow(const Vec3& hip_W, bool ahead) noexcept;
   void comeOut(const Probe& hip, std::uint32_t& faults) noexcept;
+  [[nodiscard]] bool wentFar(const Vec3& hip_W) const noexcept;
   void renew(const Vec3& hip_W, bool ahead, std::uint32_t& faults) noexcept;
+  void renewed(const Vec3& hip_W, const Vec3& last_normal_W) noexcept;
   void relocate(const Probe& hip, std::uint32_t& faults) noexcept;
   void moveFreely(const Vec3& hip_W, std::uint32_t& faults) noexcept;
   [[nodiscard]] bool touch(const Entry& entry, const Probe& hip, std::uint32_t& faults) noexcept;
+  void begin(const SurfacePoint& surface, const Vec3& hip_W) noexcept;
   void settle(const SurfacePoint& surface, const Vec3& hip_W) noexcept;
   void release(const Probe& hip) noexcept;
 
@@ -65,9 +85,13 @@ class HriSurface {
   SurfacePoint surface_;  // the plane: its point and normal
   std::int32_t age_ticks_ = 0;
   Vec3 renewed_at_W_ = Vec3::Zero();  // the HIP when the plane was found
+  Vec3 found_for_W_ = Vec3::Zero();   // where the plane is nearest to, ahead of that
+  double turn_ = kFirstTurn;          // of the normal over the HIP's way aside [rad/voxel]
+  double reach_squared_m2_ = 0;       // of the way aside from there, within which the plane holds
   Vec3 vhip_W_ = Vec3::Zero();
   bool in_contact_ = false;  // there is a plane, with the HIP behind it when it was found
   bool held_ = false;        // the last tick could not see the HIP; no force until one can
+  bool lost_ = false;        // the contact was lost with the HIP in the object, where it still is
   std::uint64_t edit_version_ = 0;
 
   bool armed_ = false;  // free_ was outside, so the way from it to the HIP can be searched for an entry

@@ -14,13 +14,12 @@ int IsoField::searchSteps(const Vec3& way_W) const noexcept {
 }
 
 std::optional<Entry> IsoField::firstEntry(const Probe& from, const Probe& to) const noexcept {
+  const Vec3 from_L = sampler_.toIndex(from.p_W);
+  const Vec3 to_L = sampler_.toIndex(to.p_W);
+  // Most ways of a tool in free space: the highest density of a trilinear cell is at one of its corners.
+  if (sampler_.highestAround(from_L, to_L) <= isovalue_) return std::nullopt;
   const Vec3 way_W = to.p_W - from.p_W;
-  const double short_m = kShortWay * voxel();
-  if (way_W.squaredNorm() <= short_m * short_m) {
-    if (from.side == Side::kOutside && to.side == Side::kInside) return refined(from, to);
-    return std::nullopt;
-  }
-  CellWalk walk(sampler_.toIndex(from.p_W), sampler_.toIndex(to.p_W), sampler_.lastIndex());
+  CellWalk walk(from_L, to_L, sampler_.lastIndex());
   Probe before = from;
   for (double t = walk.next();; t = walk.next()) {
     const Probe here = t < 1 ? probe(from.p_W + way_W * t) : to;

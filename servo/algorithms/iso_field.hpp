@@ -38,8 +38,6 @@ class IsoField {
  public:
   // A way out is searched in steps of at most half the smallest voxel; a longer line than this many in longer steps.
   static constexpr int kMaxSearchSteps = 256;
-  // A way this short is judged by its ends alone: the thinnest wall that samples can hold is half a voxel [voxel].
-  static constexpr double kShortWay = 0.25;
   // Regula falsi steps that bring an entry from half a voxel to about 1e-4 of one.
   static constexpr int kMaxRefineSteps = 6;
   // From a buried point to where it may come out [voxel].
@@ -60,9 +58,9 @@ class IsoField {
   }
 
   // The first place between `from` and `to` where the line goes from outside in; both ends may be outside. Exact: cell
-  // by cell, in each of which the density along the line is a cubic; so no wall is jumped, however thin. Three fetches
-  // a cell that the line passes (at most three cells a voxel of way), kMaxRefineSteps + 1 at the entry; none for a
-  // short way that does not enter.
+  // by cell, in each of which the density along the line is a cubic; so no wall is jumped, however thin and however
+  // slow. For a way within one cell without object none; otherwise three fetches a cell that the line passes (at most
+  // three cells a voxel of way), kMaxRefineSteps + 1 at the entry.
   [[nodiscard]] std::optional<Entry> firstEntry(const Probe& from, const Probe& to) const noexcept;
 
   // From a point inside, the first place on the way to `to_W` where the line comes out; as an entry seen from outside.

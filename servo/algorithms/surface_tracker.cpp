@@ -39,25 +39,83 @@ class NewtonGain {
   bool comparable_ = false;
 };
 
+// The share of the way aside that a step takes. A step that swung or went nowhere halves it; one that gained in the same
+// direction, but little, raises it.
+class Pace {
+ public:
+  explicit Pace(double share) noexcept : share_(share) {}
+
+  void see(const Vec3& aside_W, double squared_m2) noexcept {
+    if (last_squared_m2_ > 0) {
+      const double dot_m2 = aside_W.dot(last_W_);
+      const bool same_way = dot_m2 > 0 && 4 * dot_m2 * dot_m2 > squared_m2 * last_squared_m2_;
+      if (!same_way || squared_m2 >= last_squared_m2_) {
+        if (squared_m2 > 0.25 * last_squared_m2_) share_ = std::max(share_ / 2, SurfaceTracker::kLowestPace);
+      } else if (!cut_short_ && squared_m2 > 0.1 * last_squared_m2_) {
+        share_ = std::min(share_ * 1.5, SurfaceTracker::kHighestPace);
+      }
+    }
+    last_W_ = aside_W;
+    last_squared_m2_ = squared_m2;
+  }
+  void cutShort(bool cut_short) noexcept { cut_short_ = cut_short; }
+  [[nodiscard]] double share() const noexcept { return share_; }
+
+ private:
+  double share_;
+  Vec3 last_W_ = Vec3::Zero();
+  double last_squared_m2_ = 0;
+  bool cut_short_ = false;
+};
+
+// The sampled normal at p, turned towards the line from the HIP to p.
+Vec3 turned(const Vec3& normal_W, const Vec3& to_p_W, double h_m) noexcept {
+  const double length_m = to_p_W.norm();
+  if (!(length_m > 0) || !(normal_W.dot(to_p_W) > -0.5 * length_m)) return normal_W;
+  const double share = length_m / (length_m + SurfaceTracker::kHalfTurned * h_m);
+  return (normal_W * (1 - share) + to_p_W * (share / length_m)).normalized();
+}
+
+// The mean of the normals at p and at four points around it in the tangent plane, wider apart the deeper the press:
+// what a tip that presses so deep would feel of bumps. Steeper places count for more.
+Vec3 meanNormal(const IsoField& field, const Vec3& p_W, const Vec3& normal_W, double depth_m) noexcept {
+  const double h_m = field.voxel();
+  const double spread_m = std::clamp(SurfaceTracker::kSpread * depth_m, SurfaceTracker::kLeastSpread * h_m,
+                                     SurfaceTracker::kMostSpread * h_m);
+  const Vec3 u_W = normal_W.unitOrthogonal() * spread_m;
+  const Vec3 v_W = normal_W.cross(u_W);
+  Vec3 uphill_W = field.sampler().at(p_W).gradient_W;
+  for (const Vec3& aside_W : {u_W, Vec3(-u_W), v_W, Vec3(-v_W)}) {
+    const Vec3 there_W = field.sampler().at(p_W + aside_W).gradient_W;
+    if (there_W.allFinite()) uphill_W += there_W;
+  }
+  const double length = uphill_W.norm();
+  return length > 0 && std::isfinite(length) ? Vec3(uphill_W / -length) : normal_W;
+}
+
 }  // namespace
 
 Track SurfaceTracker::follow(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface,
-                             double line_tolerance) noexcept {
-  return surface.face.any() ? followFace(field, hip_W, surface, line_tolerance)
-                            : followIsosurface(field, hip_W, surface, line_tolerance);
+                             const Limits& limits) noexcept {
+  return surface.face.any() ? followFace(field, hip_W, surface, limits)
+                            : followIsosurface(field, hip_W, surface, limits);
 }
 
 Track SurfaceTracker::followIsosurface(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface,
-                                       double line_tolerance) noexcept {
+                                       const Limits& limits) noexcept {
   SurfacePoint found = surface;
-  const Track result = newton(field, hip_W, found, line_tolerance);
-  const bool turned_over = result == Track::kFound && found.normal_W.dot(surface.normal_W) <= 0;
+  const Track result = newton(field, hip_W, found, limits);
+  const bool turned_over =
+      (result == Track::kFound || result == Track::kBehind) && found.normal_W.dot(surface.normal_W) <= 0;
   if (!turned_over && result != Track::kLost && result != Track::kFlat) {
     surface = found;
     return result;
   }
+  const double way_squared_m2 = tangential(hip_W - surface.p_W, surface.normal_W).squaredNorm();
   const Track again = cast(field, hip_W, surface);
-  return again == Track::kLost && result == Track::kFlat ? Track::kFlat : again;
+  if (again == Track::kLost) return result == Track::kFlat ? Track::kFlat : Track::kLost;
+  const double longest_m = 2 * field.voxel();  // a cast goes one voxel aside
+  return way_squared_m2 > longest_m * longest_m ? Track::kBehind : again;
 }
 
 // Moves `surface` only when it finds the sheet. Keeps the old normal where the sampled one turns over or is none.
@@ -68,6 +126,10 @@ Track SurfaceTracker::cast(const IsoField& field, const Vec3& hip_W, SurfacePoin
   const auto entry = field.firstEntry(field.probe(foot_W + reach_W), field.probe(foot_W - reach_W));
   if (!entry || entry->face.any()) return Track::kLost;
   surface.p_W = entry->p_W;
+  if (surface.rough) {
+    surface.normal_W = turned(surface.normal_W, surface.p_W - hip_W, h_m);
+    return Track::kFound;
+  }
   const Vec3 out_W = -field.sampler().at(entry->p_W).gradient_W;
   const double steepness = out_W.norm();
   if (!(out_W.dot(surface.normal_W) > 0) || !std::isfinite(steepness)) return Track::kFoundFlat;
@@ -76,15 +138,27 @@ Track SurfaceTracker::cast(const IsoField& field, const Vec3& hip_W, SurfacePoin
 }
 
 Track SurfaceTracker::newton(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface,
-                             double line_tolerance) noexcept {
+                             const Limits& limits) noexcept {
   const double h_m = field.voxel();
-  const double line_squared_m2 = line_tolerance * line_tolerance * h_m * h_m;
-  Vec3 x_W = surface.p_W + shortened(tangential(hip_W - surface.p_W, surface.normal_W), h_m);
+  const double line_squared_m2 = limits.line_tolerance * limits.line_tolerance * h_m * h_m;
+  const Vec3 way_W = tangential(hip_W - surface.p_W, surface.normal_W);
+  Vec3 x_W = surface.p_W + shortened(way_W, h_m);
+  int voxels_left = 0;  // of the HIP's way, after the first
+  bool behind = false;
+  if (way_W.squaredNorm() > h_m * h_m) {
+    const double voxels = std::ceil(way_W.norm() / h_m) - 1;
+    behind = voxels > kMaxWay;
+    voxels_left = static_cast<int>(std::min(voxels, static_cast<double>(kMaxWay)));
+  }
+  double correction_m = limits.correction_m;
   NewtonGain gain;
+  Pace pace(surface.pace);
+  bool rough = surface.rough;
   SurfacePoint best;
   double best_m = kUsable * h_m;
+  bool agreed = false;
   bool clamped = false;
-  for (int step = 0; step < kMaxSteps; ++step) {
+  for (int step = 0, steps = (rough ? kRoughSteps : kMaxSteps) + voxels_left; step < steps; ++step) {
     Fetch f = field.sampler().at(x_W);
     if (f.place == Place::kBeyondWindow) return Track::kBeyondWindow;
     if (f.place == Place::kBeyondVolume) {
@@ -105,26 +179,58 @@ Track SurfaceTracker::newton(const IsoField& field, const Vec3& hip_W, SurfacePo
     const bool whole_climb = std::abs(gained * residual_m) <= h_m;
     const Vec3 climb_W = f.gradient_W * (whole_climb ? -gained * excess * per_squared : -climb_m / steepness);
     const Vec3 line_W = hip_W - x_W;
-    const Vec3 aside_W = line_W - f.gradient_W * (f.gradient_W.dot(line_W) * per_squared);
-    const double aside_squared_m2 = aside_W.squaredNorm();
-    if (std::abs(climb_m) <= best_m) {
-      best = {x_W + climb_W, f.gradient_W / -steepness, {}};
-      best_m = std::max(std::abs(climb_m), kDensityTolerance * h_m);
-      if (best_m <= kDensityTolerance * h_m && aside_squared_m2 <= line_squared_m2) break;
+    Vec3 aside_W = line_W - f.gradient_W * (f.gradient_W.dot(line_W) * per_squared);
+    double aside_squared_m2 = aside_W.squaredNorm();
+    Vec3 normal_W = f.gradient_W / -steepness;
+    if (rough) {
+      const double depth_m = line_W.norm();
+      const Vec3 mean_W = meanNormal(field, x_W, normal_W, depth_m);
+      rough = (mean_W - normal_W).norm() * depth_m > kRough * h_m;
+      if (rough) {
+        normal_W = mean_W;
+        aside_W = tangential(line_W, normal_W);
+        aside_squared_m2 = aside_W.squaredNorm();
+      }
     }
-    const Vec3 move_W = shortened(aside_W, h_m);
+    if (std::abs(climb_m) <= best_m) {
+      best.p_W = x_W + climb_W;
+      best.normal_W = normal_W;
+      best_m = std::max(std::abs(climb_m), kDensityTolerance * h_m);
+      agreed = aside_squared_m2 <= line_squared_m2;
+      if (best_m <= kDensityTolerance * h_m && agreed) break;
+    }
+    Vec3 move_W;
+    if (voxels_left > 0) {
+      --voxels_left;
+      move_W = shortened(tangential(line_W, turned(normal_W, -line_W, h_m)), h_m);
+    } else {
+      pace.see(aside_W, aside_squared_m2);
+      const double longest_m = std::min(h_m, correction_m);
+      move_W = shortened(aside_W * pace.share(), longest_m);
+      pace.cutShort(aside_squared_m2 * pace.share() * pace.share() > longest_m * longest_m);
+      if (std::isfinite(correction_m)) correction_m -= move_W.norm();
+    }
     gain.stepped(climb_m, move_W.squaredNorm());
     x_W += climb_W + move_W;
   }
   if (clamped && field.sampler().place(hip_W) == Place::kBeyondVolume) return Track::kLeftVolume;
   if (best.normal_W.isZero(0)) return Track::kLost;
-  surface = best;
-  return Track::kFound;
+  surface.p_W = best.p_W;
+  surface.normal_W = agreed ? best.normal_W : turned(best.normal_W, best.p_W - hip_W, h_m);
+  surface.pace = pace.share();
+  surface.rough = rough || !agreed;
+  // A point in a pit agrees with the line, too.
+  const double depth_m = best.normal_W.dot(best.p_W - hip_W);
+  if (!surface.rough && depth_m > kDeep * h_m) {
+    const Vec3 mean_W = meanNormal(field, best.p_W, best.normal_W, depth_m);
+    surface.rough = (mean_W - best.normal_W).norm() * depth_m > kRough * h_m;
+  }
+  return behind ? Track::kBehind : Track::kFound;
 }
 
 // The nearest point of the face; where the object has ended on the way there, the isosurface takes over from its edge.
 Track SurfaceTracker::followFace(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface,
-                                 double line_tolerance) noexcept {
+                                 const Limits& limits) noexcept {
   const WindowSampler& sampler = field.sampler();
   const int axis = surface.face.axis;
   const double last = sampler.lastIndex()[axis];
@@ -151,8 +257,8 @@ Track SurfaceTracker::followFace(const IsoField& field, const Vec3& hip_W, Surfa
   SurfacePoint edge{object_W, -field.sampler().at(object_W).gradient_W, {}};
   if (!(edge.normal_W.squaredNorm() > 0)) return Track::kFlat;
   edge.normal_W.normalize();
-  const Track result = followIsosurface(field, hip_W, edge, line_tolerance);
-  if (result == Track::kFound || result == Track::kFoundFlat) surface = edge;
+  const Track result = followIsosurface(field, hip_W, edge, limits);
+  if (result == Track::kFound || result == Track::kFoundFlat || result == Track::kBehind) surface = edge;
   return result;
 }
 

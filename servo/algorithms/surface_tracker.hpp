@@ -6,10 +6,22 @@
 // gone through a thin wall is still held by the side where it came in (as the god-object of Zilles and Salisbury, 1995;
 // the point is that of Salisbury and Tarr's implicit-surface proxy, 1997). Where the sheet is the front of a wall so
 // thin that Newton's steps cross it, its normal turns over; then the sheet is found again by a line cast from in front
-// of the old plane straight in, which meets the front first. A cut face of the volume is a sheet too. Frame W: world
-// [m]. Thread: the servo's. Cost: one fetch when the surface turned little since, at most kMaxSteps + 1 on the
-// isosurface and some 40 more for a line cast, and kMaxEdgeSteps more when a cut face ends. Errors: the result says.
+// of the old plane straight in, which meets the front first. A cut face of the volume is a sheet too.
+//
+// Deep presses. A tangential step of the whole way aside gains the share 1 - D / R of it where the surface is convex
+// (depth D, radius R), and overshoots by D / R where it is hollow. On a noisy surface no two normals agree, and at D
+// voxels every degree of a normal is D / 57 voxels aside: there is no point whose normal line meets the HIP, and the
+// steps wander. So a step takes a share of the way, `pace`, that falls where steps do not gain and grows where they
+// gain slowly; it stays with the surface point from search to search. Where the search ends without agreement, the
+// plane's normal is turned from the sampled one towards the line from the HIP to the surface point, the more the deeper
+// the press: of the two the line is the better known, by noise / D. Without noise both are the same.
+//
+// Frame W: world [m]. Thread: the servo's. Cost: one fetch when the surface turned little since; at most kMaxSteps + 1
+// and one for each voxel of way, up to kMaxWay, on the isosurface; some 40 more for a line cast, and kMaxEdgeSteps more
+// when a cut face ends. Errors: the result says.
 #pragma once
+
+#include <limits>
 
 #include "servo/algorithms/iso_field.hpp"
 
@@ -19,11 +31,14 @@ struct SurfacePoint {
   Vec3 p_W = Vec3::Zero();       // [m]
   Vec3 normal_W = Vec3::Zero();  // unit, out of the object [-]
   CutFace face;                  // the cut face that it lies on, if any
+  double pace = 1;               // share of the way aside that a step takes [-]
+  bool rough = false;            // normals around it disagree, so means are taken
 };
 
 enum class Track : std::uint8_t {
   kFound,         // the point and its normal are new
   kFoundFlat,     // the point is new; the field gives no normal there, or one that faces inward: it is the old one
+  kBehind,        // as far as it could go; the HIP has gone farther
   kLost,          // the isosurface is not near any more
   kFlat,          // zero or non-finite gradient: no normal
   kBeyondWindow,  // the way leads to where the window holds nothing
@@ -32,7 +47,8 @@ enum class Track : std::uint8_t {
 
 class SurfaceTracker {
  public:
-  static constexpr int kMaxSteps = 8;
+  static constexpr int kMaxSteps = 8;  // and one for each voxel of way
+  static constexpr int kMaxWay = 64;   // of the HIP along the surface, that one search follows [voxel]
   static constexpr int kMaxEdgeSteps = 12;
   // A point counts as found when the HIP is this near to its normal line and the last Newton step, which is still
   // taken, was this short [voxel]. At 20 voxels of radius the first is 0.06 degrees.
@@ -40,22 +56,40 @@ class SurfaceTracker {
   static constexpr double kDensityTolerance = 0.02;
   // Out of steps, a point this near to the surface is still used [voxel].
   static constexpr double kUsable = 0.25;
+  // The normal turns by half towards the line from the HIP at this depth [voxel].
+  static constexpr double kHalfTurned = 1;
+  // A surface is rough where the normal line of one point and that of the mean of five are so far apart at the HIP, or
+  // farther [voxel]. From this depth on it is looked for [voxel].
+  static constexpr double kRough = 0.25;
+  static constexpr double kDeep = 1.5;
+  // On a rough surface: steps of a search, and how far apart the normals of the mean are taken, as a share of the depth
+  // and within bounds [voxel].
+  static constexpr int kRoughSteps = 4;
+  static constexpr double kSpread = 1.0 / 6, kLeastSpread = 1.5, kMostSpread = 4;
+  static constexpr double kLowestPace = 1.0 / 32, kHighestPace = 4;
   // How far in front of and behind the old plane the sheet is looked for where Newton has lost it [voxel].
   static constexpr double kCastReach = 1.5;
 
-  // Moves `surface` only when it is found.
-  // `line_tolerance` [voxel]: how near the HIP has to come to the normal line.
+  struct Limits {
+    double line_tolerance = kLineTolerance;                              // from the HIP to the normal line [voxel]
+    double correction_m = std::numeric_limits<double>::infinity();       // of the point, beyond what the HIP moved [m]
+  };
+
+  // Moves `surface` only when the result is kFound, kFoundFlat or kBehind.
   [[nodiscard]] static Track follow(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface,
-                                    double line_tolerance = kLineTolerance) noexcept;
+                                    const Limits& limits) noexcept;
+  [[nodiscard]] static Track follow(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface) noexcept {
+    return follow(field, hip_W, surface, Limits{});
+  }
 
  private:
   [[nodiscard]] static Track followIsosurface(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface,
-                                              double line_tolerance) noexcept;
+                                              const Limits& limits) noexcept;
   [[nodiscard]] static Track newton(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface,
-                                    double line_tolerance) noexcept;
+                                    const Limits& limits) noexcept;
   [[nodiscard]] static Track cast(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface) noexcept;
   [[nodiscard]] static Track followFace(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface,
-                                        double line_tolerance) noexcept;
+                                        const Limits& limits) noexcept;
 };
 
 }  // namespace palpate

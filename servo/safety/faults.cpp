@@ -36,9 +36,9 @@ constexpr std::array kTable = {
               "smooth the volume, or choose an isovalue between two densities"},
     FaultText{ServoFault::kInsideObject, "inside-object", "the tool was inside the object without having entered it",
               "is none until the tool has been outside once", "move the tool out once; contact begins from outside"},
-    FaultText{ServoFault::kSurfaceLost, "surface-lost", "the surface that was touched could not be found again",
-              "ends with the contact, and begins again with the next one",
-              "expected where an edit removes it; otherwise lower n"},
+    FaultText{ServoFault::kSurfaceLost, "surface-lost",
+              "the surface that was touched could not be found again, and the tool is inside the object", kFades,
+              "move the tool out once; smooth a noisy volume, or press less deep"},
     FaultText{ServoFault::kStall, "stall", "the servo stood still, and the device held an old force meanwhile",
               "falls to zero at the slew limit, then grows back from nothing within the fade time",
               "give the servo a core and real-time priority"},
@@ -46,6 +46,9 @@ constexpr std::array kTable = {
               "check its cable and what else uses its bus, or allow an older position"},
     FaultText{ServoFault::kClockStep, "clock-step", "a clock went backwards or ahead, so the window's age is not known",
               kFades, "run the engine and the servo on the same monotonic clock"},
+    FaultText{ServoFault::kPlaneBehind, "plane-behind",
+              "the tool went farther along the surface in a tick than the surface was followed", kFades,
+              "move more slowly, or raise the rate"},
 };
 
 void append(std::string& names, const char* name) {

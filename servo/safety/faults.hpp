@@ -30,6 +30,7 @@ enum class ServoFault : std::uint32_t {
   kStall = 1U << 11,
   kDroppedReports = 1U << 12,
   kClockStep = 1U << 13,
+  kPlaneBehind = 1U << 14,
 };
 
 [[nodiscard]] constexpr std::uint32_t bit(ServoFault fault) noexcept {
@@ -43,7 +44,8 @@ enum class ServoFault : std::uint32_t {
 inline constexpr std::uint32_t kFadingFaults = bit(ServoFault::kNoWindow) | bit(ServoFault::kStaleWindow) |
                                                bit(ServoFault::kBeyondWindow) | bit(ServoFault::kNonFiniteForce) |
                                                bit(ServoFault::kDeviceError) | bit(ServoFault::kStall) |
-                                               bit(ServoFault::kDroppedReports) | bit(ServoFault::kClockStep);
+                                               bit(ServoFault::kDroppedReports) | bit(ServoFault::kClockStep) |
+                                               bit(ServoFault::kSurfaceLost) | bit(ServoFault::kPlaneBehind);
 
 struct FaultText {
   ServoFault fault;

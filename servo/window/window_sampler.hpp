@@ -8,7 +8,9 @@
 // chain. Errors: none; a non-finite position is beyond the window.
 #pragma once
 
+#include <algorithm>
 #include <cstring>
+#include <limits>
 
 #include "servo/window/sample_window.hpp"
 
@@ -35,6 +37,20 @@ class WindowSampler {
   [[nodiscard]] double smallestSpacing() const noexcept { return smallest_spacing_m_; }  // [m]
 
   [[nodiscard]] Place place(const Vec3& p_W) const noexcept { return placeOf(toIndex(p_W)); }
+
+  // The highest density at the corners of the one cell that holds both points; infinity where no cell does. Cost: eight
+  // loads.
+  [[nodiscard]] double highestAround(const Vec3& a_L, const Vec3& b_L) const noexcept {
+    constexpr double kNone = std::numeric_limits<double>::infinity();
+    if (!holds(a_L) || !holds(b_L)) return kNone;
+    const Vec3i cell_L = cellOf(a_L);
+    if (cellOf(b_L) != cell_L) return kNone;
+    const Sample* low = samples_ + (cell_L.x() + row_ * cell_L.y() + slice_ * cell_L.z());
+    const auto highest = [&](const Sample* s) {
+      return std::max(std::max(s[0].density, s[1].density), std::max(s[row_].density, s[row_ + 1].density));
+    };
+    return std::max(highest(low), highest(low + slice_));
+  }
 
   // Density and gradient at a point, both trilinear.
   [[nodiscard]] Fetch at(const Vec3& p_W) const noexcept {
@@ -75,6 +91,10 @@ class WindowSampler {
   static int cell(double p, int last_cell) noexcept {
     const int i = static_cast<int>(p);
     return i < last_cell ? i : last_cell;
+  }
+
+  [[nodiscard]] Vec3i cellOf(const Vec3& p_L) const noexcept {
+    return {cell(p_L.x(), last_cell_.x()), cell(p_L.y(), last_cell_.y()), cell(p_L.z(), last_cell_.z())};
   }
 
   [[nodiscard]] Fetch interpolate(const Vec3& p_L) const noexcept {
