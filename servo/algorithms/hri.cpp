@@ -82,26 +82,30 @@ Vec3 HriSurface::aim(const Vec3& hip_W) const noexcept {
   const Vec3 way_W = hip_W - renewed_at_W_;
   const Vec3 aside_W = way_W - surface_.normal_W * surface_.normal_W.dot(way_W);
   const Vec3 lead_W = aside_W * (kAim * (renewal_ticks_ - 1) / age_ticks_);
-  const double longest_m = std::min(kLongestAim * field_->voxel(), kAim * std::sqrt(reach_squared_m2_));
+  const double voxel_m = field_->voxel();
+  const double longest_squared_m2 =
+      std::min(kLongestAim * kLongestAim * voxel_m * voxel_m, kAim * kAim * reach_squared_m2_);
   const double squared_m2 = lead_W.squaredNorm();
-  return hip_W + (squared_m2 <= longest_m * longest_m ? lead_W : Vec3(lead_W * (longest_m / std::sqrt(squared_m2))));
+  return hip_W + (squared_m2 <= longest_squared_m2 ? lead_W : Vec3(lead_W * std::sqrt(longest_squared_m2 / squared_m2)));
 }
 
 Track HriSurface::follow(const Vec3& hip_W, bool ahead) noexcept {
-  const double by_way = surface_.rough ? kSlideByWayRough : kSlideByWay;
-  const double slide_m = kSlide * field_->voxel() + by_way * (hip_W - renewed_at_W_).norm();
+  SurfaceTracker::Limits limits{.line_tolerance = kAimTolerance,
+                                .slide_m = kSlide * field_->voxel(),
+                                .slide_by_way = memory_.rough ? kSlideByWayRough : kSlideByWay,
+                                .way_squared_m2 = (hip_W - renewed_at_W_).squaredNorm()};
   if (ahead && renewal_ticks_ > 1) {
     SurfacePoint found = surface_;
-    const Vec3 aim_W = aim(hip_W);
-    const Track result = SurfaceTracker::follow(*field_, aim_W, found, {kAimTolerance, slide_m});
+    found_for_W_ = aim(hip_W);
+    const Track result = SurfaceTracker::follow(*field_, found_for_W_, found, memory_, limits);
     if (result == Track::kFound && found.normal_W.dot(found.p_W - hip_W) > 0) {
       surface_ = found;
-      found_for_W_ = aim_W;
       return result;
     }
   }
   found_for_W_ = hip_W;
-  return SurfaceTracker::follow(*field_, hip_W, surface_, {SurfaceTracker::kLineTolerance, slide_m});
+  limits.line_tolerance = SurfaceTracker::kLineTolerance;
+  return SurfaceTracker::follow(*field_, hip_W, surface_, memory_, limits);
 }
 
 void HriSurface::renew(const Vec3& hip_W, bool ahead, std::uint32_t& faults) noexcept {
@@ -140,15 +144,17 @@ void HriSurface::renew(const Vec3& hip_W, bool ahead, std::uint32_t& faults) noe
 
 // The plane is new. How fast the normal turned since the last one says how far the new one holds.
 void HriSurface::renewed(const Vec3& hip_W, const Vec3& last_normal_W) noexcept {
+  if (renewal_ticks_ == 1) return settle(hip_W);
   const double voxel_m = field_->voxel();
-  const Vec3 way_W = hip_W - renewed_at_W_;
-  const double aside = std::sqrt(tangentialSquared(way_W, surface_.normal_W)) / voxel_m;
+  const double aside_squared = tangentialSquared(hip_W - renewed_at_W_, surface_.normal_W) / (voxel_m * voxel_m);
   constexpr double kTooShort = 0.05;  // to tell curvature from sampling [voxel]
-  if (aside > kTooShort) {
-    const double turned = (surface_.normal_W - last_normal_W).norm();
-    turn_ = std::clamp(std::max(turned / aside, 0.5 * turn_), kLeastTurn, kMostTurn);
+  if (aside_squared > kTooShort * kTooShort) {
+    const double turned_squared = (surface_.normal_W - last_normal_W).squaredNorm();
+    // It may turn half as fast as before at the least.
+    const double per_turn_squared = std::min(aside_squared / turned_squared, 4 * per_turn_squared_);
+    per_turn_squared_ = std::clamp(per_turn_squared, 1 / (kMostTurn * kMostTurn), 1 / (kLeastTurn * kLeastTurn));
   }
-  settle(surface_, hip_W);
+  settle(hip_W);
 }
 
 // The HIP has left the sheet, or the sheet is gone: is there object between the VHIP and the HIP, or around the HIP?
@@ -224,7 +230,8 @@ bool HriSurface::touch(const Entry& entry, const Probe& hip, std::uint32_t& faul
   }
   const auto behind = [&](const SurfacePoint& s) { return s.normal_W.dot(s.p_W - hip.p_W) > 0; };
   SurfacePoint nearest = surface;
-  const Track result = flat ? Track::kFlat : SurfaceTracker::follow(*field_, hip.p_W, nearest);
+  memory_ = {};
+  const Track result = flat ? Track::kFlat : SurfaceTracker::follow(*field_, hip.p_W, nearest, memory_);
   if (flat || result == Track::kFlat || result == Track::kFoundFlat) faults |= bit(ServoFault::kZeroGradient);
   const bool found = result == Track::kFound || result == Track::kFoundFlat || result == Track::kBehind;
   if (found && behind(nearest)) {
@@ -244,20 +251,21 @@ bool HriSurface::touch(const Entry& entry, const Probe& hip, std::uint32_t& faul
 void HriSurface::begin(const SurfacePoint& surface, const Vec3& hip_W) noexcept {
   in_contact_ = true;
   lost_ = false;
-  turn_ = kFirstTurn;
+  per_turn_squared_ = 1 / (kFirstTurn * kFirstTurn);
   found_for_W_ = hip_W;
-  settle(surface, hip_W);
+  surface_ = surface;
+  settle(hip_W);
 }
 
 // The plane holds from here on, as far as its error allows.
-void HriSurface::settle(const SurfacePoint& surface, const Vec3& hip_W) noexcept {
-  surface_ = surface;
+void HriSurface::settle(const Vec3& hip_W) noexcept {
   renewed_at_W_ = hip_W;
   age_ticks_ = 0;
+  if (renewal_ticks_ == 1) return;  // it is renewed anyway
   const double voxel_m = field_->voxel();
   const double off_m = std::max(kMostOff * plane().depth(hip_W), kLeastOff * voxel_m);
-  const double turned_m = kMostTurned * voxel_m / turn_;
-  reach_squared_m2_ = std::min(turned_m * turned_m, 2 * off_m * voxel_m / turn_);
+  reach_squared_m2_ = std::min(kMostTurned * kMostTurned * voxel_m * voxel_m * per_turn_squared_,
+                               2 * off_m * voxel_m * std::sqrt(per_turn_squared_));
 }
 
 }  // namespace palpate

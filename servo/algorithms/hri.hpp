@@ -78,7 +78,7 @@ class HriSurface {
   void moveFreely(const Vec3& hip_W, std::uint32_t& faults) noexcept;
   [[nodiscard]] bool touch(const Entry& entry, const Probe& hip, std::uint32_t& faults) noexcept;
   void begin(const SurfacePoint& surface, const Vec3& hip_W) noexcept;
-  void settle(const SurfacePoint& surface, const Vec3& hip_W) noexcept;
+  void settle(const Vec3& hip_W) noexcept;
   void release(const Probe& hip) noexcept;
 
   std::int32_t renewal_ticks_;
@@ -86,8 +86,9 @@ class HriSurface {
   std::int32_t age_ticks_ = 0;
   Vec3 renewed_at_W_ = Vec3::Zero();  // the HIP when the plane was found
   Vec3 found_for_W_ = Vec3::Zero();   // where the plane is nearest to, ahead of that
-  double turn_ = kFirstTurn;          // of the normal over the HIP's way aside [rad/voxel]
+  double per_turn_squared_ = 0;       // way aside over which the normal turns by 1 rad, squared [voxel^2]
   double reach_squared_m2_ = 0;       // of the way aside from there, within which the plane holds
+  TrackMemory memory_;                // of this contact's surface
   Vec3 vhip_W_ = Vec3::Zero();
   bool in_contact_ = false;  // there is a plane, with the HIP behind it when it was found
   bool held_ = false;        // the last tick could not see the HIP; no force until one can

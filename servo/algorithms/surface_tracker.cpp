@@ -69,25 +69,27 @@ class Pace {
 };
 
 // The sampled normal at p, turned towards the line from the HIP to p.
-Vec3 turned(const Vec3& normal_W, const Vec3& to_p_W, double h_m) noexcept {
+[[gnu::noinline, gnu::cold]] Vec3 turned(const Vec3& normal_W, const Vec3& to_p_W, double h_m) noexcept {
   const double length_m = to_p_W.norm();
   if (!(length_m > 0) || !(normal_W.dot(to_p_W) > -0.5 * length_m)) return normal_W;
   const double share = length_m / (length_m + SurfaceTracker::kHalfTurned * h_m);
   return (normal_W * (1 - share) + to_p_W * (share / length_m)).normalized();
 }
 
-// The mean of the normals at p and at four points around it in the tangent plane, wider apart the deeper the press:
-// what a tip that presses so deep would feel of bumps. Steeper places count for more.
-Vec3 meanNormal(const IsoField& field, const Vec3& p_W, const Vec3& normal_W, double depth_m) noexcept {
+// The mean of the normals at p and at six points around it in the tangent plane, wider apart the deeper the press: what
+// a tip that presses so deep would feel of bumps. Steeper places count for more. The six are the lattice's axes laid
+// onto the plane, so they turn with the normal without a step.
+[[gnu::noinline, gnu::cold]] Vec3 meanNormal(const IsoField& field, const Vec3& p_W, const Vec3& normal_W, double depth_m) noexcept {
   const double h_m = field.voxel();
   const double spread_m = std::clamp(SurfaceTracker::kSpread * depth_m, SurfaceTracker::kLeastSpread * h_m,
                                      SurfaceTracker::kMostSpread * h_m);
-  const Vec3 u_W = normal_W.unitOrthogonal() * spread_m;
-  const Vec3 v_W = normal_W.cross(u_W);
   Vec3 uphill_W = field.sampler().at(p_W).gradient_W;
-  for (const Vec3& aside_W : {u_W, Vec3(-u_W), v_W, Vec3(-v_W)}) {
-    const Vec3 there_W = field.sampler().at(p_W + aside_W).gradient_W;
-    if (there_W.allFinite()) uphill_W += there_W;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Vec3 aside_W = tangential(field.sampler().faceNormal(axis, true), normal_W) * spread_m;
+    for (const Vec3& there_W : {Vec3(p_W + aside_W), Vec3(p_W - aside_W)}) {
+      const Vec3 gradient_W = field.sampler().at(there_W).gradient_W;
+      if (gradient_W.allFinite()) uphill_W += gradient_W;
+    }
   }
   const double length = uphill_W.norm();
   return length > 0 && std::isfinite(length) ? Vec3(uphill_W / -length) : normal_W;
@@ -95,38 +97,40 @@ Vec3 meanNormal(const IsoField& field, const Vec3& p_W, const Vec3& normal_W, do
 
 }  // namespace
 
-Track SurfaceTracker::follow(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface,
+Track SurfaceTracker::follow(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface, TrackMemory& memory,
                              const Limits& limits) noexcept {
-  return surface.face.any() ? followFace(field, hip_W, surface, limits)
-                            : followIsosurface(field, hip_W, surface, limits);
+  return surface.face.any() ? followFace(field, hip_W, surface, memory, limits)
+                            : followIsosurface(field, hip_W, surface, memory, limits);
 }
 
 Track SurfaceTracker::followIsosurface(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface,
-                                       const Limits& limits) noexcept {
+                                       TrackMemory& memory, const Limits& limits) noexcept {
+  const Vec3 last_W = surface.normal_W;
   SurfacePoint found = surface;
-  const Track result = newton(field, hip_W, found, limits);
-  const bool turned_over =
-      (result == Track::kFound || result == Track::kBehind) && found.normal_W.dot(surface.normal_W) <= 0;
+  const Track result = newton(field, hip_W, found, memory, limits);
+  const bool turned_over = (result == Track::kFound || result == Track::kBehind) && found.normal_W.dot(last_W) <= 0;
   if (!turned_over && result != Track::kLost && result != Track::kFlat) {
     surface = found;
     return result;
   }
-  const double way_squared_m2 = tangential(hip_W - surface.p_W, surface.normal_W).squaredNorm();
-  const Track again = cast(field, hip_W, surface);
-  if (again == Track::kLost) return result == Track::kFlat ? Track::kFlat : Track::kLost;
-  const double longest_m = 2 * field.voxel();  // a cast goes one voxel aside
-  return way_squared_m2 > longest_m * longest_m ? Track::kBehind : again;
+  // A cast goes one voxel aside, so a long way takes several.
+  for (int casts = 0; casts < kMaxCasts; ++casts) {
+    const Track again = cast(field, hip_W, surface, memory.rough);
+    if (again == Track::kLost) return casts > 0 ? Track::kBehind : result == Track::kFlat ? Track::kFlat : Track::kLost;
+    if (tangential(hip_W - surface.p_W, surface.normal_W).norm() <= field.voxel()) return again;
+  }
+  return Track::kBehind;
 }
 
 // Moves `surface` only when it finds the sheet. Keeps the old normal where the sampled one turns over or is none.
-Track SurfaceTracker::cast(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface) noexcept {
+Track SurfaceTracker::cast(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface, bool rough) noexcept {
   const double h_m = field.voxel();
   const Vec3 foot_W = surface.p_W + shortened(tangential(hip_W - surface.p_W, surface.normal_W), h_m);
   const Vec3 reach_W = surface.normal_W * (kCastReach * h_m);
   const auto entry = field.firstEntry(field.probe(foot_W + reach_W), field.probe(foot_W - reach_W));
   if (!entry || entry->face.any()) return Track::kLost;
   surface.p_W = entry->p_W;
-  if (surface.rough) {
+  if (rough) {
     surface.normal_W = turned(surface.normal_W, surface.p_W - hip_W, h_m);
     return Track::kFound;
   }
@@ -137,7 +141,7 @@ Track SurfaceTracker::cast(const IsoField& field, const Vec3& hip_W, SurfacePoin
   return Track::kFound;
 }
 
-Track SurfaceTracker::newton(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface,
+Track SurfaceTracker::newton(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface, TrackMemory& memory,
                              const Limits& limits) noexcept {
   const double h_m = field.voxel();
   const double line_squared_m2 = limits.line_tolerance * limits.line_tolerance * h_m * h_m;
@@ -150,10 +154,10 @@ Track SurfaceTracker::newton(const IsoField& field, const Vec3& hip_W, SurfacePo
     behind = voxels > kMaxWay;
     voxels_left = static_cast<int>(std::min(voxels, static_cast<double>(kMaxWay)));
   }
-  double correction_m = limits.correction_m;
+  double slide_m = -1;  // what is left of it; not known yet
   NewtonGain gain;
-  Pace pace(surface.pace);
-  bool rough = surface.rough;
+  Pace pace(memory.pace);
+  bool rough = memory.rough;
   SurfacePoint best;
   double best_m = kUsable * h_m;
   bool agreed = false;
@@ -204,11 +208,16 @@ Track SurfaceTracker::newton(const IsoField& field, const Vec3& hip_W, SurfacePo
       --voxels_left;
       move_W = shortened(tangential(line_W, turned(normal_W, -line_W, h_m)), h_m);
     } else {
+      if (slide_m < 0) slide_m = limits.slide_m + limits.slide_by_way * std::sqrt(limits.way_squared_m2);
       pace.see(aside_W, aside_squared_m2);
-      const double longest_m = std::min(h_m, correction_m);
-      move_W = shortened(aside_W * pace.share(), longest_m);
-      pace.cutShort(aside_squared_m2 * pace.share() * pace.share() > longest_m * longest_m);
-      if (std::isfinite(correction_m)) correction_m -= move_W.norm();
+      const double longest_m = std::min(h_m, slide_m);
+      move_W = aside_W * pace.share();
+      const double wanted_squared_m2 = aside_squared_m2 * pace.share() * pace.share();
+      const bool cut_short = wanted_squared_m2 > longest_m * longest_m;
+      pace.cutShort(cut_short);
+      const double wanted_m = std::sqrt(wanted_squared_m2);
+      if (cut_short) move_W *= longest_m / wanted_m;
+      slide_m -= std::min(wanted_m, longest_m);
     }
     gain.stepped(climb_m, move_W.squaredNorm());
     x_W += climb_W + move_W;
@@ -217,19 +226,22 @@ Track SurfaceTracker::newton(const IsoField& field, const Vec3& hip_W, SurfacePo
   if (best.normal_W.isZero(0)) return Track::kLost;
   surface.p_W = best.p_W;
   surface.normal_W = agreed ? best.normal_W : turned(best.normal_W, best.p_W - hip_W, h_m);
-  surface.pace = pace.share();
-  surface.rough = rough || !agreed;
+  memory.pace = pace.share();
+  memory.rough = rough || !agreed;
   // A point in a pit agrees with the line, too.
   const double depth_m = best.normal_W.dot(best.p_W - hip_W);
-  if (!surface.rough && depth_m > kDeep * h_m) {
+  const double judged_for_m = kJudgedFor * h_m;
+  if (!memory.rough && depth_m > kDeep * h_m &&
+      (best.p_W - memory.judged_W).squaredNorm() > judged_for_m * judged_for_m) {
     const Vec3 mean_W = meanNormal(field, best.p_W, best.normal_W, depth_m);
-    surface.rough = (mean_W - best.normal_W).norm() * depth_m > kRough * h_m;
+    memory.rough = (mean_W - best.normal_W).norm() * depth_m > kRough * h_m;
+    memory.judged_W = best.p_W;
   }
   return behind ? Track::kBehind : Track::kFound;
 }
 
 // The nearest point of the face; where the object has ended on the way there, the isosurface takes over from its edge.
-Track SurfaceTracker::followFace(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface,
+Track SurfaceTracker::followFace(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface, TrackMemory& memory,
                                  const Limits& limits) noexcept {
   const WindowSampler& sampler = field.sampler();
   const int axis = surface.face.axis;
@@ -257,7 +269,7 @@ Track SurfaceTracker::followFace(const IsoField& field, const Vec3& hip_W, Surfa
   SurfacePoint edge{object_W, -field.sampler().at(object_W).gradient_W, {}};
   if (!(edge.normal_W.squaredNorm() > 0)) return Track::kFlat;
   edge.normal_W.normalize();
-  const Track result = followIsosurface(field, hip_W, edge, limits);
+  const Track result = followIsosurface(field, hip_W, edge, memory, limits);
   if (result == Track::kFound || result == Track::kFoundFlat || result == Track::kBehind) surface = edge;
   return result;
 }

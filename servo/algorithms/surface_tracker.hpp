@@ -17,7 +17,7 @@
 // the press: of the two the line is the better known, by noise / D. Without noise both are the same.
 //
 // Frame W: world [m]. Thread: the servo's. Cost: one fetch when the surface turned little since; at most kMaxSteps + 1
-// and one for each voxel of way, up to kMaxWay, on the isosurface; some 40 more for a line cast, and kMaxEdgeSteps more
+// and one for each voxel of way, up to kMaxWay, on the isosurface; some 40 more for each of up to kMaxCasts line casts, and kMaxEdgeSteps more
 // when a cut face ends. Errors: the result says.
 #pragma once
 
@@ -31,8 +31,13 @@ struct SurfacePoint {
   Vec3 p_W = Vec3::Zero();       // [m]
   Vec3 normal_W = Vec3::Zero();  // unit, out of the object [-]
   CutFace face;                  // the cut face that it lies on, if any
-  double pace = 1;               // share of the way aside that a step takes [-]
-  bool rough = false;            // normals around it disagree, so means are taken
+};
+
+// What searches of one contact learn of its surface. A new contact begins with a new one.
+struct TrackMemory {
+  double pace = 1;     // share of the way aside that a step takes [-]
+  bool rough = false;  // normals near each other disagree, so means are taken
+  Vec3 judged_W = Vec3::Constant(std::numeric_limits<double>::infinity());  // where they were last compared [m]
 };
 
 enum class Track : std::uint8_t {
@@ -58,10 +63,11 @@ class SurfaceTracker {
   static constexpr double kUsable = 0.25;
   // The normal turns by half towards the line from the HIP at this depth [voxel].
   static constexpr double kHalfTurned = 1;
-  // A surface is rough where the normal line of one point and that of the mean of five are so far apart at the HIP, or
-  // farther [voxel]. From this depth on it is looked for [voxel].
+  // A surface is rough where the normal line of one point and that of the mean of seven are so far apart at the HIP, or
+  // farther [voxel]. From this depth on it is looked for, each time that the point has gone so far [voxel].
   static constexpr double kRough = 0.25;
   static constexpr double kDeep = 1.5;
+  static constexpr double kJudgedFor = 0.5;
   // On a rough surface: steps of a search, and how far apart the normals of the mean are taken, as a share of the depth
   // and within bounds [voxel].
   static constexpr int kRoughSteps = 4;
@@ -69,27 +75,33 @@ class SurfaceTracker {
   static constexpr double kLowestPace = 1.0 / 32, kHighestPace = 4;
   // How far in front of and behind the old plane the sheet is looked for where Newton has lost it [voxel].
   static constexpr double kCastReach = 1.5;
+  static constexpr int kMaxCasts = 8;
 
   struct Limits {
-    double line_tolerance = kLineTolerance;                              // from the HIP to the normal line [voxel]
-    double correction_m = std::numeric_limits<double>::infinity();       // of the point, beyond what the HIP moved [m]
+    double line_tolerance = kLineTolerance;  // from the HIP to the normal line [voxel]
+    // How far the point may slide beyond the HIP's own way: so far, and so many times that way.
+    double slide_m = std::numeric_limits<double>::infinity();
+    double slide_by_way = 0;
+    double way_squared_m2 = 0;  // of the HIP, since the last search
   };
 
   // Moves `surface` only when the result is kFound, kFoundFlat or kBehind.
   [[nodiscard]] static Track follow(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface,
-                                    const Limits& limits) noexcept;
-  [[nodiscard]] static Track follow(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface) noexcept {
-    return follow(field, hip_W, surface, Limits{});
+                                    TrackMemory& memory, const Limits& limits) noexcept;
+  [[nodiscard]] static Track follow(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface,
+                                    TrackMemory& memory) noexcept {
+    return follow(field, hip_W, surface, memory, Limits{});
   }
 
  private:
   [[nodiscard]] static Track followIsosurface(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface,
-                                              const Limits& limits) noexcept;
+                                              TrackMemory& memory, const Limits& limits) noexcept;
   [[nodiscard]] static Track newton(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface,
-                                    const Limits& limits) noexcept;
-  [[nodiscard]] static Track cast(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface) noexcept;
+                                    TrackMemory& memory, const Limits& limits) noexcept;
+  [[nodiscard]] static Track cast(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface,
+                                  bool rough) noexcept;
   [[nodiscard]] static Track followFace(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface,
-                                        const Limits& limits) noexcept;
+                                        TrackMemory& memory, const Limits& limits) noexcept;
 };
 
 }  // namespace palpate
