@@ -28,9 +28,10 @@ class NewtonGain {
     last_m_ = residual_m;
     return gain_;
   }
-  // A residual can be compared with the next one only if the step between was mostly along the normal.
+  // A residual can be compared with the next one only if the step between was mostly along the normal. Both parts are
+  // often cut short to a voxel: the bound keeps away from that tie.
   void stepped(double normal_m, double tangential_squared_m2) noexcept {
-    comparable_ = tangential_squared_m2 <= normal_m * normal_m && normal_m != 0;
+    comparable_ = tangential_squared_m2 <= 0.9 * normal_m * normal_m && normal_m != 0;
   }
 
  private:
@@ -209,7 +210,7 @@ Track SurfaceTracker::newton(const IsoField& field, const Vec3& hip_W, SurfacePo
       move_W = shortened(tangential(line_W, turned(normal_W, -line_W, h_m)), h_m);
     } else {
       if (slide_m < 0) slide_m = limits.slide_m + limits.slide_by_way * std::sqrt(limits.way_squared_m2);
-      pace.see(aside_W, aside_squared_m2);
+      if (aside_squared_m2 > line_squared_m2) pace.see(aside_W, aside_squared_m2);
       const double longest_m = std::min(h_m, slide_m);
       move_W = aside_W * pace.share();
       const double wanted_squared_m2 = aside_squared_m2 * pace.share() * pace.share();
