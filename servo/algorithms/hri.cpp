@@ -199,10 +199,17 @@ void HriSurface::moveFreely(const Vec3& hip_W, std::uint32_t& faults) noexcept {
   const bool after_gap = held_;
   held_ = false;
   if (after_gap && armed_) {
-    const bool near =
-        (hip_W - free_.p_W).squaredNorm() <= kLongestGap * kLongestGap * field_->voxel() * field_->voxel();
-    if (!near) armed_ = false;
-    if (near) free_ = field_->probe(free_.p_W);
+    const double longest_m = kLongestGap * field_->voxel();
+    armed_ = (hip_W - free_.p_W).squaredNorm() <= longest_m * longest_m;
+    if (armed_) {
+      // An edit may have come where no window showed the free point.
+      free_ = field_->probe(free_.p_W);
+      armed_ = free_.side != Side::kInside;
+      if (!armed_ && hip.side == Side::kInside) {
+        faults |= bit(ServoFault::kInsideObject);
+        return comeOut(hip, faults);
+      }
+    }
   }
   if (armed_) {
     const auto entry = field_->firstEntry(free_, hip);

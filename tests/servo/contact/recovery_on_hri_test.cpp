@@ -88,19 +88,20 @@ Slide slideThroughValley(int n, double recovery_s) {
   return slide(valley(), inValley, Vec3(0, 0, 5e-3), kValleyWay_m, n, recovery_s);
 }
 
-// The tool is deeper (3 voxels) than the samples round the valley's bottom (some 1.5), so the plane's normal turns by
-// up to 74 degrees at one switch: without recovery the force steps by up to K D 2 sin(37 deg) = 1.8 N. With N = 20
-// ticks of recovery that is a 20th, and what the tool's motion of v T = 0.02 mm adds, 0.01 N at most, and other
-// switches meanwhile. The mean: over 40 of 1300 ticks d is between two that are 74 degrees apart, up to 20 % shorter:
-// 0.6 % at most.
+// The tool is deeper (3 voxels) than the samples round the valley's bottom (some 1.5), so the surface point has to go
+// from one side to the other. It slides there by HriSurface::kSlide and kSlideByWay times the tool's way in a tick at
+// most, so the force turns by up to (0.12 + 4 * 0.02 n) / 3 of itself at a switch: 0.1 N at n = 1, 0.3 N at n = 5.
+// Recovery over N = 20 ticks takes a 20th of a switch in a tick; up to two others may decay meanwhile, and the tool's
+// own motion adds K v T = 0.01 N. The mean: over 40 of 1300 ticks d is between two that are 74 degrees apart, up to 20 %
+// shorter: 0.6 % at most.
 TEST(RecoveryOnHri, ForceStepsInAValleyAreATenthOrLess) {
   for (const int n : {1, 5, 10}) {
     const Slide off = slideThroughValley(n, 0);
     const Slide on = slideThroughValley(n, 0.02);
     EXPECT_EQ(off.lost, 0);
     EXPECT_EQ(on.lost, 0);
-    EXPECT_GT(off.largest_step_N, 0.3) << n;
-    EXPECT_LE(on.largest_step_N, 0.1 * off.largest_step_N) << n;
+    EXPECT_GT(off.largest_step_N, 0.08) << n;
+    EXPECT_LE(on.largest_step_N, 0.1 * off.largest_step_N + kStiffness * kSpeed / 1000) << n;
     EXPECT_NEAR(on.mean_N / off.mean_N, 1, 0.01) << n;
     RecordProperty("valley_n" + std::to_string(n),
                    fmt::format("off {:.4f} N, on {:.4f} N, mean {:.5f}", off.largest_step_N, on.largest_step_N,

@@ -126,8 +126,10 @@ TEST(HeapGuard, TheLoopTakesNothingInAnyFault) {
   HeapWatch::end();
   EXPECT_EQ(HeapWatch::count(), 0);
   ASSERT_EQ(run.records.size(), static_cast<std::size_t>(kAll));
-  // This push does not look where the tool is, so it is never beyond the window.
-  const std::uint32_t raised = (kFadingFaults & ~bit(ServoFault::kBeyondWindow)) | bit(ServoFault::kForceLimited) |
+  // This push does not look where the tool is, so it is never beyond the window and loses no surface.
+  constexpr std::uint32_t kOfASurface =
+      bit(ServoFault::kBeyondWindow) | bit(ServoFault::kSurfaceLost) | bit(ServoFault::kPlaneBehind);
+  const std::uint32_t raised = (kFadingFaults & ~kOfASurface) | bit(ServoFault::kForceLimited) |
                                bit(ServoFault::kSlewLimited) | bit(ServoFault::kOverrun);
   EXPECT_EQ(faultsOf(run) & raised, raised) << faultNames(faultsOf(run));
   EXPECT_TRUE(std::any_of(run.records.begin(), run.records.end(), [](const TickRecord& r) { return r.damped; }));

@@ -86,13 +86,15 @@ INSTANTIATE_TEST_SUITE_P(
                     Cause{"Infinite", {{0, 0, INFINITY}, 0, 0}, ServoFault::kNonFiniteForce},
                     Cause{"Device", {{0, 0, 4}, 0, bit(ServoFault::kDeviceError)}, ServoFault::kDeviceError},
                     Cause{"Reports", {{0, 0, 4}, 0, 0, 1'000'000, 20'000'001}, ServoFault::kDroppedReports},
+                    Cause{"Surface", {{0, 0, 4}, 0, bit(ServoFault::kSurfaceLost)}, ServoFault::kSurfaceLost},
+                    Cause{"Plane", {{0, 0, 4}, 0, bit(ServoFault::kPlaneBehind)}, ServoFault::kPlaneBehind},
                     Cause{"Clock", {{0, 0, 4}, 0, bit(ServoFault::kClockStep)}, ServoFault::kClockStep}),
     [](const auto& cause) { return std::string(cause.param.name); });
 
 TEST(SafetyGate, NotesDoNotTakeTheForceAway) {
   SafetyGate gate(parameters(), 1000);
   const std::uint32_t notes = bit(ServoFault::kOverrun) | bit(ServoFault::kZeroGradient) |
-                              bit(ServoFault::kInsideObject) | bit(ServoFault::kSurfaceLost);
+                              bit(ServoFault::kInsideObject);
   EXPECT_EQ(gate.pass({{0, 0, 4}, 0, notes}).force_W.z(), 4);
 }
 
