@@ -86,7 +86,8 @@ Vec3 HriSurface::aim(const Vec3& hip_W) const noexcept {
   const double longest_squared_m2 =
       std::min(kLongestAim * kLongestAim * voxel_m * voxel_m, kAim * kAim * reach_squared_m2_);
   const double squared_m2 = lead_W.squaredNorm();
-  return hip_W + (squared_m2 <= longest_squared_m2 ? lead_W : Vec3(lead_W * std::sqrt(longest_squared_m2 / squared_m2)));
+  return hip_W +
+         (squared_m2 <= longest_squared_m2 ? lead_W : Vec3(lead_W * std::sqrt(longest_squared_m2 / squared_m2)));
 }
 
 Track HriSurface::follow(const Vec3& hip_W, bool ahead) noexcept {

@@ -44,17 +44,17 @@ class HriSurface {
   // How wrong a plane may be before its n ticks are over. On a surface of radius R the normal at the HIP turns by
   // w / (R - D) over a way w aside, D deep, and the depth is off by half of that times w. The rate of turning is
   // measured from one renewal to the next, within the bounds below.
-  static constexpr double kMostTurned = 0.105;        // [rad]: 6 degrees
-  static constexpr double kMostOff = 0.05;            // of the depth [-]
-  static constexpr double kLeastOff = 0.02;           // depths are off by less in any case, by sampling [voxel]
-  static constexpr double kFirstTurn = 1.0 / 8;       // rate before it is known [rad/voxel]
-  static constexpr double kLeastTurn = 1.0 / 64;      // a flat face may end anywhere [rad/voxel]
-  static constexpr double kMostTurn = 1.0 / 3;        // noise turns normals faster [rad/voxel]
+  static constexpr double kMostTurned = 0.105;    // [rad]: 6 degrees
+  static constexpr double kMostOff = 0.05;        // of the depth [-]
+  static constexpr double kLeastOff = 0.02;       // depths are off by less in any case, by sampling [voxel]
+  static constexpr double kFirstTurn = 1.0 / 8;   // rate before it is known [rad/voxel]
+  static constexpr double kLeastTurn = 1.0 / 64;  // a flat face may end anywhere [rad/voxel]
+  static constexpr double kMostTurn = 1.0 / 3;    // noise turns normals faster [rad/voxel]
   // How far the surface point may slide in a tick with the HIP at rest; besides, so many times the HIP's own way, which
   // is what a convex surface needs where the press is at most three quarters of its radius deep.
-  static constexpr double kSlide = 0.12;              // [voxel]
-  static constexpr double kSlideByWay = 4;            // [-]
-  static constexpr double kSlideByWayRough = 1;       // [-]
+  static constexpr double kSlide = 0.12;         // [voxel]
+  static constexpr double kSlideByWay = 4;       // [-]
+  static constexpr double kSlideByWayRough = 1;  // [-]
 
   explicit HriSurface(const AlgorithmParameters& parameters) noexcept
       : renewal_ticks_(parameters.plane_renewal_ticks), cache_(parameters.isovalue) {}

@@ -40,8 +40,8 @@ class NewtonGain {
   bool comparable_ = false;
 };
 
-// The share of the way aside that a step takes. A step that swung or went nowhere halves it; one that gained in the same
-// direction, but little, raises it.
+// The share of the way aside that a step takes. A step that swung or went nowhere halves it; one that gained in the
+// same direction, but little, raises it.
 class Pace {
  public:
   explicit Pace(double share) noexcept : share_(share) {}
@@ -80,7 +80,8 @@ class Pace {
 // The mean of the normals at p and at six points around it in the tangent plane, wider apart the deeper the press: what
 // a tip that presses so deep would feel of bumps. Steeper places count for more. The six are the lattice's axes laid
 // onto the plane, so they turn with the normal without a step.
-[[gnu::noinline, gnu::cold]] Vec3 meanNormal(const IsoField& field, const Vec3& p_W, const Vec3& normal_W, double depth_m) noexcept {
+[[gnu::noinline, gnu::cold]] Vec3 meanNormal(const IsoField& field, const Vec3& p_W, const Vec3& normal_W,
+                                             double depth_m) noexcept {
   const double h_m = field.voxel();
   const double spread_m = std::clamp(SurfaceTracker::kSpread * depth_m, SurfaceTracker::kLeastSpread * h_m,
                                      SurfaceTracker::kMostSpread * h_m);

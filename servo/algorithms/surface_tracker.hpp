@@ -17,8 +17,8 @@
 // the press: of the two the line is the better known, by noise / D. Without noise both are the same.
 //
 // Frame W: world [m]. Thread: the servo's. Cost: one fetch when the surface turned little since; at most kMaxSteps + 1
-// and one for each voxel of way, up to kMaxWay, on the isosurface; some 40 more for each of up to kMaxCasts line casts, and kMaxEdgeSteps more
-// when a cut face ends. Errors: the result says.
+// and one for each voxel of way, up to kMaxWay, on the isosurface; some 40 more for each of up to kMaxCasts line casts,
+// and kMaxEdgeSteps more when a cut face ends. Errors: the result says.
 #pragma once
 
 #include <limits>
@@ -98,8 +98,7 @@ class SurfaceTracker {
                                               TrackMemory& memory, const Limits& limits) noexcept;
   [[nodiscard]] static Track newton(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface,
                                     TrackMemory& memory, const Limits& limits) noexcept;
-  [[nodiscard]] static Track cast(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface,
-                                  bool rough) noexcept;
+  [[nodiscard]] static Track cast(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface, bool rough) noexcept;
   [[nodiscard]] static Track followFace(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface,
                                         TrackMemory& memory, const Limits& limits) noexcept;
 };

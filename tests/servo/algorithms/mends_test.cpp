@@ -112,6 +112,78 @@ TEST_F(Mend, PlaneIsAtTheNearestPointAndNotOnTheRay) {
   }
 }
 
+// 2 mm below a ball of 20 voxels at 1 m/s with n = 50: the largest angle of the force, and the largest force over K
+// depth.
+TEST_F(Mend, APlaneIsRenewedByWayToo) {
+  const AnalyticVolume volume = millimetreVolume(ball(kCentre, 20e-3));
+  struct Worst {
+    double degrees = 0, share = 0;
+  };
+  const auto worst = [&](const char* name) {
+    const auto algorithm = make(name, 50);
+    const auto hip = [](int tick) {
+      const double angle = 1e-3 / 18e-3 * tick;
+      return Vec3(kCentre + Vec3(std::cos(angle), std::sin(angle), 0) * 18e-3);
+    };
+    AlgorithmDriver driver(*algorithm, volume, hip(0) + Vec3(3e-3, 0, 0), 64);
+    driver.follow = false;
+    driver.stroke(hip(0), 40);
+    Worst most;
+    for (int i = 1; i <= 100; ++i) {
+      const Vec3 force_W = driver.at(hip(i)).force_W;
+      const Vec3 out_W = hip(i) - kCentre;
+      most.share = std::max(most.share, force_W.norm() / (500 * 2e-3));
+      if (force_W.isZero(0)) continue;
+      most.degrees =
+          std::max(most.degrees, std::atan2(force_W.cross(out_W).norm(), force_W.dot(out_W)) * kDegreesPerRadian);
+    }
+    return most;
+  };
+  const Pair degrees = both("largest degrees, n = 50, 1 m/s", [&](const char* name) { return worst(name).degrees; });
+  const Pair share =
+      both("largest force over K depth, n = 50, 1 m/s", [&](const char* name) { return worst(name).share; });
+  EXPECT_LT(degrees.hri, 8);
+  EXPECT_GT(degrees.paper, 30);
+  EXPECT_LT(share.hri, 1.1);
+  EXPECT_GT(share.paper, 3);
+}
+
+// A flat surface with noise of half a voxel in every sample, pressed 8 voxels deep and slid over by 20 mm at 0.1 m/s:
+// the largest step of the force, and ticks without a force. Ten surfaces.
+TEST_F(Mend, ARoughSurfaceIsFeltByTheMeanOfItsNormals) {
+  struct Felt {
+    double step_N = 0;
+    int forceless = 0;
+  };
+  const auto feel = [](const char* name) {
+    Felt felt;
+    for (unsigned seed = 1; seed <= 10; ++seed) {
+      const AnalyticVolume volume = noisy(sampledVolume(planeSurface(kCentre, Vec3(0.2, 0.1, 1))), 0.5 * kVoxel, seed);
+      const auto algorithm = make(name, 5);
+      const Vec3 out_W = Vec3(0.2, 0.1, 1).normalized();
+      const Vec3 aside_W = out_W.cross(Vec3(0, 1, 0)).normalized();
+      const Vec3 start_W = kCentre + 3e-3 * out_W - 10e-3 * aside_W;
+      AlgorithmDriver driver(*algorithm, volume, start_W);
+      driver.around_vhip = true;
+      driver.stroke(start_W - 11e-3 * out_W, 110);
+      Vec3 last_W = driver.at(start_W - 11e-3 * out_W).force_W;
+      for (const TickOutput& out : driver.stroke(start_W - 11e-3 * out_W + 20e-3 * aside_W, 200)) {
+        felt.step_N = std::max(felt.step_N, (out.force_W - last_W).norm());
+        felt.forceless += out.force_W.isZero(0) ? 1 : 0;
+        last_W = out.force_W;
+      }
+    }
+    return felt;
+  };
+  const Pair step =
+      both("largest step in a deep press on noise [N]", [&](const char* name) { return feel(name).step_N; });
+  const Pair forceless = both("ticks of 2000 without a force in a deep press on noise",
+                              [&](const char* name) { return 1.0 * feel(name).forceless; });
+  EXPECT_LT(step.hri, 0.7);  // 3.3 to 3.6 with the sampled normal of one point
+  EXPECT_EQ(forceless.hri, 0);
+  EXPECT_GT(forceless.paper, 0);
+}
+
 // 0.3 voxel below a surface that falls and rises by 3 voxels, at 0.3 m/s: a HIP in front of its old plane is free by
 // Figure 2, VHIP = HIP, and being inside it stays so.
 TEST_F(Mend, AHipThatComesOutOfItsPlaneGetsANewOneAtOnce) {

@@ -9,6 +9,7 @@
 #include <functional>
 #include <memory>
 #include <numbers>
+#include <random>
 
 #include "support/analytic_volume.hpp"
 
@@ -129,6 +130,24 @@ inline AnalyticVolume sampledVolume(const AnalyticSurface& surface, int side = 6
     return (*values)[static_cast<std::size_t>(at.x() + side * (at.y() + side * at.z()))];
   };
   return volume;
+}
+
+// The same with noise: each sample has one value of a normal distribution added.
+inline AnalyticVolume noisy(const AnalyticVolume& volume, double sigma, unsigned seed) {
+  const auto values = std::make_shared<std::vector<double>>();
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal(0, sigma);
+  for (int k = 0; k < volume.size.z(); ++k) {
+    for (int j = 0; j < volume.size.y(); ++j) {
+      for (int i = 0; i < volume.size.x(); ++i) values->push_back(volume.sample({i, j, k}) + normal(random));
+    }
+  }
+  AnalyticVolume noise = volume;
+  noise.density = [values, lattice = volume.lattice, size = volume.size](const Vec3& p_W) {
+    const Vec3i at = lattice.toIndex(p_W).array().round().cast<int>();
+    return (*values)[static_cast<std::size_t>(at.x() + size.x() * (at.y() + size.y() * at.z()))];
+  };
+  return noise;
 }
 
 // What millimetre samples do to a distance field whose curvatures are at most 1 / R, R in voxels; second derivatives
