@@ -9,6 +9,8 @@
 namespace palpate {
 namespace {
 
+constexpr double kNoReach = -1;  // renewed in the next tick
+
 // Of the part of a way along the plane [m^2].
 double tangentialSquared(const Vec3& way_W, const Vec3& normal_W) noexcept {
   const double along_m = normal_W.dot(way_W);
@@ -125,6 +127,7 @@ void HriSurface::renew(const Vec3& hip_W, bool ahead, std::uint32_t& faults) noe
     case Track::kFound:
       if (plane().depth(hip_W) > 0) {
         renewed(hip_W, last_normal_W);
+        if (result == Track::kBehind) reach_squared_m2_ = kNoReach;
       } else {
         relocate(field_->probe(hip_W), faults);
       }
@@ -243,8 +246,11 @@ bool HriSurface::touch(const Entry& entry, const Probe& hip, std::uint32_t& faul
   if (flat || result == Track::kFlat || result == Track::kFoundFlat) faults |= bit(ServoFault::kZeroGradient);
   const bool found = result == Track::kFound || result == Track::kFoundFlat || result == Track::kBehind;
   if (found && behind(nearest)) {
-    if (result == Track::kBehind) faults |= bit(ServoFault::kPlaneBehind);
     begin(nearest, hip.p_W);
+    if (result == Track::kBehind) {
+      faults |= bit(ServoFault::kPlaneBehind);
+      reach_squared_m2_ = kNoReach;
+    }
     return true;
   }
   // Where the search strays, the plane at the entry itself still holds a HIP that is in the object; and where noise

@@ -21,8 +21,8 @@
 // - Flat field at the surface (kZeroGradient): the plane keeps its normal, a new one faces the way the HIP came.
 // - Where the volume ends in the object, its face is the surface. The force never pulls: K d - B v_d is clamped at 0.
 // Frame W: world. Thread: the servo's. Cost: in contact without renewal no transform and no fetch; with renewal mostly
-// one to three fetches, at most what two SurfaceTracker::follow() take; in free motion one fetch, and for ways of more
-// than a quarter voxel what IsoField::firstEntry says. Searches have stated maxima. Errors: faults.
+// one to three fetches, deeper than 1.5 voxels seven more, at most what two SurfaceTracker::follow() take; in free motion
+// one fetch and what IsoField::firstEntry says. Searches have stated maxima. Errors: faults.
 #pragma once
 
 #include "servo/algorithms/algorithm.hpp"
@@ -50,8 +50,8 @@ class HriSurface {
   static constexpr double kFirstTurn = 1.0 / 8;   // rate before it is known [rad/voxel]
   static constexpr double kLeastTurn = 1.0 / 64;  // a flat face may end anywhere [rad/voxel]
   static constexpr double kMostTurn = 1.0 / 3;    // noise turns normals faster [rad/voxel]
-  // How far the surface point may slide in a tick with the HIP at rest; besides, so many times the HIP's own way, which
-  // is what a convex surface needs where the press is at most three quarters of its radius deep.
+  // How far the surface point may slide in a renewal with the HIP at rest; besides, so many times the HIP's own way. A
+  // convex surface needs four times where the press is three quarters of its radius deep.
   static constexpr double kSlide = 0.12;         // [voxel]
   static constexpr double kSlideByWay = 4;       // [-]
   static constexpr double kSlideByWayRough = 1;  // [-]

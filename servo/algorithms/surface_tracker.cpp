@@ -97,6 +97,162 @@ class Pace {
   return length > 0 && std::isfinite(length) ? Vec3(uphill_W / -length) : normal_W;
 }
 
+// One search along the isosurface. It begins at the surface point of the last search and goes a step at a time.
+class SheetWalk {
+ public:
+  SheetWalk(const IsoField& field, const Vec3& hip_W, const SurfacePoint& surface, const TrackMemory& memory,
+            const SurfaceTracker::Limits& limits) noexcept
+      : field_(field),
+        hip_W_(hip_W),
+        limits_(limits),
+        h_m_(field.voxel()),
+        line_squared_m2_(limits.line_tolerance * limits.line_tolerance * h_m_ * h_m_),
+        best_m_(SurfaceTracker::kUsable * h_m_),
+        pace_(memory.pace),
+        rough_(memory.rough) {
+    const Vec3 way_W = tangential(hip_W - surface.p_W, surface.normal_W);
+    x_W_ = surface.p_W + shortened(way_W, h_m_);
+    if (!(way_W.squaredNorm() > h_m_ * h_m_)) return;
+    const double voxels = std::ceil(way_W.norm() / h_m_) - 1;
+    behind_ = voxels > SurfaceTracker::kMaxWay;
+    voxels_left_ = static_cast<int>(std::min(voxels, static_cast<double>(SurfaceTracker::kMaxWay)));
+  }
+
+  // kFound, kBehind, or why there is no point.
+  [[nodiscard]] Track run() noexcept {
+    const int most = (rough_ ? SurfaceTracker::kRoughSteps : SurfaceTracker::kMaxSteps) + voxels_left_;
+    for (int step = 0; step < most; ++step) {
+      if (const Track seen = look(); seen != Track::kFound) return seen;
+      if (keep()) break;
+      move();
+    }
+    if (clamped_ && field_.sampler().place(hip_W_) == Place::kBeyondVolume) return Track::kLeftVolume;
+    if (normal_W_.isZero(0)) return Track::kLost;
+    return behind_ ? Track::kBehind : Track::kFound;
+  }
+
+  // Of a search that found a point.
+  void result(SurfacePoint& surface, TrackMemory& memory) const noexcept {
+    surface.p_W = p_W_;
+    surface.normal_W = agreed_ ? normal_W_ : turned(normal_W_, p_W_ - hip_W_, h_m_);
+    memory.pace = pace_.share();
+    memory.rough = rough_ || !agreed_;
+    if (!memory.rough) judge(memory);
+  }
+
+ private:
+  // The field at x: how far it is from the surface, and how far its normal line passes the HIP by.
+  [[nodiscard]] Track look() noexcept {
+    Fetch f = field_.sampler().at(x_W_);
+    if (f.place == Place::kBeyondWindow) return Track::kBeyondWindow;
+    if (f.place == Place::kBeyondVolume) {
+      clamped_ = true;
+      x_W_ = field_.clampToBox(x_W_);
+      f = field_.sampler().at(x_W_);
+    }
+    const double steepness_squared = f.gradient_W.squaredNorm();
+    if (!(steepness_squared > 0) || !std::isfinite(steepness_squared)) return Track::kFlat;
+    // Where the next step goes needs 1 / |g|^2 only; the roots, for what is measured in metres, run beside it.
+    const double per_squared = 1 / steepness_squared;
+    const double steepness = std::sqrt(steepness_squared);
+    const double excess = f.density - field_.isovalue();
+    const double residual_m = excess / steepness;  // depth of x below the surface
+    if (!std::isfinite(residual_m)) return Track::kLost;
+    const double gained = gain_.update(residual_m);
+    climb_m_ = std::clamp(gained * residual_m, -h_m_, h_m_);
+    const bool whole_climb = std::abs(gained * residual_m) <= h_m_;
+    climb_W_ = f.gradient_W * (whole_climb ? -gained * excess * per_squared : -climb_m_ / steepness);
+    line_W_ = hip_W_ - x_W_;
+    aside_W_ = line_W_ - f.gradient_W * (f.gradient_W.dot(line_W_) * per_squared);
+    here_W_ = f.gradient_W / -steepness;
+    if (rough_) lookAround();
+    aside_squared_m2_ = aside_W_.squaredNorm();
+    return Track::kFound;
+  }
+
+  void lookAround() noexcept {
+    const double depth_m = line_W_.norm();
+    const Vec3 mean_W = meanNormal(field_, x_W_, here_W_, depth_m);
+    rough_ = SurfaceTracker::apart(mean_W, here_W_, depth_m) > SurfaceTracker::kRough * h_m_;
+    if (!rough_) return;
+    here_W_ = mean_W;
+    aside_W_ = tangential(line_W_, mean_W);
+  }
+
+  // The nearest point to the surface so far. True: it is on it, and its normal line meets the HIP.
+  [[nodiscard]] bool keep() noexcept {
+    if (std::abs(climb_m_) > best_m_) return false;
+    p_W_ = x_W_ + climb_W_;
+    normal_W_ = here_W_;
+    const double close_m = SurfaceTracker::kDensityTolerance * h_m_;
+    best_m_ = std::max(std::abs(climb_m_), close_m);
+    agreed_ = aside_squared_m2_ <= line_squared_m2_;
+    return agreed_ && best_m_ <= close_m;
+  }
+
+  void move() noexcept {
+    const Vec3 move_W = voxels_left_ > 0 ? onward() : slide();
+    gain_.stepped(climb_m_, move_W.squaredNorm());
+    x_W_ += climb_W_ + move_W;
+  }
+
+  // A voxel of the HIP's way.
+  [[nodiscard]] Vec3 onward() noexcept {
+    --voxels_left_;
+    return shortened(tangential(line_W_, turned(here_W_, -line_W_, h_m_)), h_m_);
+  }
+
+  // Towards where the normal line meets the HIP.
+  [[nodiscard]] Vec3 slide() noexcept {
+    if (slide_m_ < 0) slide_m_ = limits_.slide_m + limits_.slide_by_way * std::sqrt(limits_.way_squared_m2);
+    if (aside_squared_m2_ > line_squared_m2_) pace_.see(aside_W_, aside_squared_m2_);
+    const Vec3 wanted_W = aside_W_ * pace_.share();
+    const double wanted_m = std::sqrt(aside_squared_m2_) * pace_.share();
+    const double longest_m = std::min(h_m_, slide_m_);
+    pace_.cutShort(wanted_m > longest_m);
+    slide_m_ -= std::min(wanted_m, longest_m);
+    return wanted_m > longest_m ? Vec3(wanted_W * (longest_m / wanted_m)) : wanted_W;
+  }
+
+  // A point in a pit agrees with the line, too.
+  void judge(TrackMemory& memory) const noexcept {
+    const double depth_m = normal_W_.dot(p_W_ - hip_W_);
+    const double judged_for_m = SurfaceTracker::kJudgedFor * h_m_;
+    if (!(depth_m > SurfaceTracker::kDeep * h_m_)) return;
+    if (!((p_W_ - memory.judged_W).squaredNorm() > judged_for_m * judged_for_m)) return;
+    const Vec3 mean_W = meanNormal(field_, p_W_, normal_W_, depth_m);
+    memory.rough = SurfaceTracker::apart(mean_W, normal_W_, depth_m) > SurfaceTracker::kRough * h_m_;
+    memory.judged_W = p_W_;
+  }
+
+  const IsoField& field_;
+  const Vec3 hip_W_;
+  const SurfaceTracker::Limits& limits_;
+  double h_m_;
+  double line_squared_m2_;
+  Vec3 x_W_;
+  // At x:
+  Vec3 here_W_ = Vec3::Zero();   // normal
+  Vec3 climb_W_ = Vec3::Zero();  // to the isovalue
+  double climb_m_ = 0;
+  Vec3 line_W_ = Vec3::Zero();   // to the HIP
+  Vec3 aside_W_ = Vec3::Zero();  // of it, along the surface
+  double aside_squared_m2_ = 0;
+  // The best so far:
+  Vec3 p_W_ = Vec3::Zero();
+  Vec3 normal_W_ = Vec3::Zero();
+  double best_m_;
+  bool agreed_ = false;  // its normal line meets the HIP
+  // Of the search:
+  NewtonGain gain_;
+  Pace pace_;
+  bool rough_;
+  int voxels_left_ = 0;  // of the HIP's way, after the first
+  bool behind_ = false;
+  double slide_m_ = -1;  // what is left of it; not known yet
+  bool clamped_ = false;
+};
+
 }  // namespace
 
 Track SurfaceTracker::follow(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface, TrackMemory& memory,
@@ -107,12 +263,16 @@ Track SurfaceTracker::follow(const IsoField& field, const Vec3& hip_W, SurfacePo
 
 Track SurfaceTracker::followIsosurface(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface,
                                        TrackMemory& memory, const Limits& limits) noexcept {
-  const Vec3 last_W = surface.normal_W;
-  SurfacePoint found = surface;
-  const Track result = newton(field, hip_W, found, memory, limits);
-  const bool turned_over = (result == Track::kFound || result == Track::kBehind) && found.normal_W.dot(last_W) <= 0;
-  if (!turned_over && result != Track::kLost && result != Track::kFlat) {
-    surface = found;
+  SheetWalk walk(field, hip_W, surface, memory, limits);
+  const Track result = walk.run();
+  if (result == Track::kFound || result == Track::kBehind) {
+    SurfacePoint found;
+    walk.result(found, memory);
+    if (found.normal_W.dot(surface.normal_W) > 0) {
+      surface = found;
+      return result;
+    }
+  } else if (result != Track::kLost && result != Track::kFlat) {
     return result;
   }
   // A cast goes one voxel aside, so a long way takes several.
@@ -141,105 +301,6 @@ Track SurfaceTracker::cast(const IsoField& field, const Vec3& hip_W, SurfacePoin
   if (!(out_W.dot(surface.normal_W) > 0) || !std::isfinite(steepness)) return Track::kFoundFlat;
   surface.normal_W = out_W / steepness;
   return Track::kFound;
-}
-
-Track SurfaceTracker::newton(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface, TrackMemory& memory,
-                             const Limits& limits) noexcept {
-  const double h_m = field.voxel();
-  const double line_squared_m2 = limits.line_tolerance * limits.line_tolerance * h_m * h_m;
-  const Vec3 way_W = tangential(hip_W - surface.p_W, surface.normal_W);
-  Vec3 x_W = surface.p_W + shortened(way_W, h_m);
-  int voxels_left = 0;  // of the HIP's way, after the first
-  bool behind = false;
-  if (way_W.squaredNorm() > h_m * h_m) {
-    const double voxels = std::ceil(way_W.norm() / h_m) - 1;
-    behind = voxels > kMaxWay;
-    voxels_left = static_cast<int>(std::min(voxels, static_cast<double>(kMaxWay)));
-  }
-  double slide_m = -1;  // what is left of it; not known yet
-  NewtonGain gain;
-  Pace pace(memory.pace);
-  bool rough = memory.rough;
-  SurfacePoint best;
-  double best_m = kUsable * h_m;
-  bool agreed = false;
-  bool clamped = false;
-  for (int step = 0, steps = (rough ? kRoughSteps : kMaxSteps) + voxels_left; step < steps; ++step) {
-    Fetch f = field.sampler().at(x_W);
-    if (f.place == Place::kBeyondWindow) return Track::kBeyondWindow;
-    if (f.place == Place::kBeyondVolume) {
-      clamped = true;
-      x_W = field.clampToBox(x_W);
-      f = field.sampler().at(x_W);
-    }
-    const double steepness_squared = f.gradient_W.squaredNorm();
-    if (!(steepness_squared > 0) || !std::isfinite(steepness_squared)) return Track::kFlat;
-    // Where the next step goes needs 1 / |g|^2 only; the roots, for what is measured in metres, run beside it.
-    const double per_squared = 1 / steepness_squared;
-    const double steepness = std::sqrt(steepness_squared);
-    const double excess = f.density - field.isovalue();
-    const double residual_m = excess / steepness;  // depth of x below the surface
-    if (!std::isfinite(residual_m)) return Track::kLost;
-    const double gained = gain.update(residual_m);
-    const double climb_m = std::clamp(gained * residual_m, -h_m, h_m);
-    const bool whole_climb = std::abs(gained * residual_m) <= h_m;
-    const Vec3 climb_W = f.gradient_W * (whole_climb ? -gained * excess * per_squared : -climb_m / steepness);
-    const Vec3 line_W = hip_W - x_W;
-    Vec3 aside_W = line_W - f.gradient_W * (f.gradient_W.dot(line_W) * per_squared);
-    double aside_squared_m2 = aside_W.squaredNorm();
-    Vec3 normal_W = f.gradient_W / -steepness;
-    if (rough) {
-      const double depth_m = line_W.norm();
-      const Vec3 mean_W = meanNormal(field, x_W, normal_W, depth_m);
-      rough = (mean_W - normal_W).norm() * depth_m > kRough * h_m;
-      if (rough) {
-        normal_W = mean_W;
-        aside_W = tangential(line_W, normal_W);
-        aside_squared_m2 = aside_W.squaredNorm();
-      }
-    }
-    if (std::abs(climb_m) <= best_m) {
-      best.p_W = x_W + climb_W;
-      best.normal_W = normal_W;
-      best_m = std::max(std::abs(climb_m), kDensityTolerance * h_m);
-      agreed = aside_squared_m2 <= line_squared_m2;
-      if (best_m <= kDensityTolerance * h_m && agreed) break;
-    }
-    Vec3 move_W;
-    if (voxels_left > 0) {
-      --voxels_left;
-      move_W = shortened(tangential(line_W, turned(normal_W, -line_W, h_m)), h_m);
-    } else {
-      if (slide_m < 0) slide_m = limits.slide_m + limits.slide_by_way * std::sqrt(limits.way_squared_m2);
-      if (aside_squared_m2 > line_squared_m2) pace.see(aside_W, aside_squared_m2);
-      const double longest_m = std::min(h_m, slide_m);
-      move_W = aside_W * pace.share();
-      const double wanted_squared_m2 = aside_squared_m2 * pace.share() * pace.share();
-      const bool cut_short = wanted_squared_m2 > longest_m * longest_m;
-      pace.cutShort(cut_short);
-      const double wanted_m = std::sqrt(wanted_squared_m2);
-      if (cut_short) move_W *= longest_m / wanted_m;
-      slide_m -= std::min(wanted_m, longest_m);
-    }
-    gain.stepped(climb_m, move_W.squaredNorm());
-    x_W += climb_W + move_W;
-  }
-  if (clamped && field.sampler().place(hip_W) == Place::kBeyondVolume) return Track::kLeftVolume;
-  if (best.normal_W.isZero(0)) return Track::kLost;
-  surface.p_W = best.p_W;
-  surface.normal_W = agreed ? best.normal_W : turned(best.normal_W, best.p_W - hip_W, h_m);
-  memory.pace = pace.share();
-  memory.rough = rough || !agreed;
-  // A point in a pit agrees with the line, too.
-  const double depth_m = best.normal_W.dot(best.p_W - hip_W);
-  const double judged_for_m = kJudgedFor * h_m;
-  if (!memory.rough && depth_m > kDeep * h_m &&
-      (best.p_W - memory.judged_W).squaredNorm() > judged_for_m * judged_for_m) {
-    const Vec3 mean_W = meanNormal(field, best.p_W, best.normal_W, depth_m);
-    memory.rough = (mean_W - best.normal_W).norm() * depth_m > kRough * h_m;
-    memory.judged_W = best.p_W;
-  }
-  return behind ? Track::kBehind : Track::kFound;
 }
 
 // The nearest point of the face; where the object has ended on the way there, the isosurface takes over from its edge.

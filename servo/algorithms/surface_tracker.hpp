@@ -93,11 +93,14 @@ class SurfaceTracker {
     return follow(field, hip_W, surface, memory, Limits{});
   }
 
+  // How far apart two normal lines of one point are at a depth [m].
+  [[nodiscard]] static double apart(const Vec3& a_W, const Vec3& b_W, double depth_m) noexcept {
+    return (a_W - b_W).norm() * depth_m;
+  }
+
  private:
   [[nodiscard]] static Track followIsosurface(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface,
                                               TrackMemory& memory, const Limits& limits) noexcept;
-  [[nodiscard]] static Track newton(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface,
-                                    TrackMemory& memory, const Limits& limits) noexcept;
   [[nodiscard]] static Track cast(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface, bool rough) noexcept;
   [[nodiscard]] static Track followFace(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface,
                                         TrackMemory& memory, const Limits& limits) noexcept;
