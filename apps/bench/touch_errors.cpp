@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "base/units.hpp"
 
@@ -37,13 +36,13 @@ class Tally {
 
   TouchErrors taken() {
     errors_.vhip_voxel = percentiles(std::move(vhip_voxel_));
-    if (!traits_.shows_surface) {
-      constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-      errors_.vhip_voxel = {0, kNone, kNone, kNone, kNone, kNone};
-    }
     errors_.force_percent = percentiles(std::move(force_percent_));
     errors_.angle_deg = percentiles(std::move(angle_deg_));
     errors_.force_mean_N = errors_.contact_ticks > 0 ? force_sum_N_ / static_cast<double>(errors_.contact_ticks) : 0;
+    if (!traits_.shows_surface) {
+      errors_.vhip_voxel = errors_.force_percent = Percentiles{};
+      errors_.force_off_max = 0;
+    }
     return errors_;
   }
 

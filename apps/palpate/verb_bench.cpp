@@ -134,7 +134,7 @@ void servoVerb(const BenchArguments& arguments) {
   conclude(result, arguments,
            {.title = "What a tick costs and how true it is",
             .introduction = servoIntroduction(),
-            .tables = servoTable(result) + "\n" + tableOne(result),
+            .tables = servoTable(result) + "\n" + tableOne(result) + "\n" + tableTrial(result),
             .chart = {}},
            servoChart(result), outputs);
 }
