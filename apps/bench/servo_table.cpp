@@ -58,8 +58,9 @@ std::string strokeTable(const BenchResult& result) {
   return text.empty() ? text : "strokes missed + lost / all at 0.05, 0.1, 0.2, 0.5, 1, 2 m/s\n" + text + "\n";
 }
 
+// Of the slide's ticks, in all of which the tool is below the surface.
 double lostPercent(const BenchRow& row) {
-  return 100 * figureOf(row, "missed_ticks") / std::max(1.0, figureOf(row, "ticks"));
+  return 100 * (1 - figureOf(row, "contact_ticks") / std::max(1.0, figureOf(row, "ticks")));
 }
 
 // By volume, noise and depth.

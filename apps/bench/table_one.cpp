@@ -144,7 +144,7 @@ std::string tableTrial(const BenchResult& result) {
     if (textOf(row, "part") != "table") continue;
     const std::string line = nameOf(row);
     if (cells.find(line) == cells.end()) lines.push_back(line);
-    const double lost = figureOf(row, "missed_ticks") / std::max(1.0, figureOf(row, "ticks"));
+    const double lost = 1 - figureOf(row, "contact_ticks") / std::max(1.0, figureOf(row, "ticks"));
     const double angle = figureOf(row, "force_angle_median_deg");
     cells[line][textOf(row, "algorithm")] =
         fmt::format("{:>8.4f} {:>8} {:>4.0f}", figureOf(row, "cost_ns") * 1e-3,

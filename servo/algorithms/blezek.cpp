@@ -119,8 +119,10 @@ BlezekSurface::Inching BlezekSurface::inchAlong(const IsoField& field, const Vec
     if (climb_m2 <= best_m2) {
       best = {x_W, f.gradient_W * -per_steepness, {}};
       best_m2 = std::max(climb_m2, on_surface_m2);
-      // On the surface the line has no length, and no direction: an angle counts from a tenth of a voxel on.
-      const double lever_m2 = std::max(along * along * steepness_squared, 0.01 * h_m * h_m);
+      // On the surface the line has no length, and no direction: an angle counts from a tenth of a voxel on. Far below
+      // it, what an angle leaves aside turns the normal by more than that angle.
+      const double lever_m2 =
+          std::clamp(along * along * steepness_squared, 0.01 * h_m * h_m, kLongestLever * kLongestLever * h_m * h_m);
       const bool aligned = aside_W.squaredNorm() <= kAlignment * kAlignment * lever_m2;
       if (aligned && climb_m2 <= on_surface_m2) break;
     }

@@ -43,6 +43,7 @@ class BlezekSurface {
   static constexpr bool kMayPull = false;
   static constexpr double kInch = 0.5;        // [voxel]
   static constexpr double kAlignment = 5e-3;  // tangent of the angle between normal and VHIP-HIP line: 0.29 degrees
+  static constexpr double kLongestLever = 4;  // that this is taken of [voxel]: 0.02 voxel aside at most
   static constexpr double kOnSurface = 0.01;  // the last Newton step, which is still taken, is this short [voxel]
   static constexpr int kSettleInches = 4;     // a tick, beyond those that the HIP's way aside is long
   static constexpr int kMaxInches = 40;       // a tick, all in all: 20 voxels of way

@@ -106,7 +106,8 @@ ImplicitSurface::Tracking ImplicitSurface::track(const IsoField& field, const Ve
     const Tracking onto = ontoSurface(field, p_W_ + move_W, residual_m, faults);
     if (onto != Tracking::kThere) return onto;
     const double off_m = std::abs(residual_m);
-    if (off_m <= kUsable * h_m && whole && pass >= kPasses) return Tracking::kThere;
+    const bool settled = squared_m2 <= kSettled * kSettled * h_m * h_m || pass >= kSettlePasses;
+    if (off_m <= kUsable * h_m && whole && settled && pass >= kPasses) return Tracking::kThere;
     if (off_m <= best_m) {
       best_W = p_W_;
       best_normal_W = normal_W_;

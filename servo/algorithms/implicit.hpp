@@ -4,7 +4,8 @@
 // Source: Salisbury and Tarr, "Haptic rendering of surfaces defined by implicit functions" (ASME DSC 1997): at each
 // instant the tangent plane at the contact point tracks the point's motion. S(p) = tau - density stands for their
 // implicit function, positive outside. Each tick: the HIP is projected onto the tangent plane at the last contact
-// point, and the projection is brought back to the surface along the gradient (Newton); kPasses times.
+// point, and the projection is brought back to the surface along the gradient (Newton); kPasses times, and up to
+// kSettlePasses while that still moves the point along the plane.
 // - Contact begins when S says that the HIP is inside, at the first crossing of its way: a stroke that jumps a wall
 //   meets nothing. From then on the tangent plane holds, as it is there "to track the contact point's motion and
 //   prevent it from passing though the surface" (their abstract): contact ends when the HIP is in front of it and S has
@@ -19,7 +20,8 @@
 //   from the contact point, that goes to the nearest way out (IsoField::nearestExit), if there is one in reach.
 // A voxel is the smallest spacing.
 // The isosurface is all that is felt: not the face where an object is cut by the volume's end.
-// Frame W: world. Thread: the servo's. Cost: kPasses fetches in contact, at most kMaxPasses. Errors: faults.
+// Frame W: world. Thread: the servo's. Cost: kPasses to kSettlePasses fetches in contact, at most kMaxPasses. Errors:
+// faults.
 #pragma once
 
 #include "servo/algorithms/field_cache.hpp"
@@ -31,9 +33,11 @@ namespace palpate {
 class ImplicitSurface {
  public:
   static constexpr bool kMayPull = false;
-  static constexpr int kPasses = 2;        // tangent plane and Newton step [-]
-  static constexpr int kMaxPasses = 16;    // until the HIP's way is gone and the last Newton step, which is still
-  static constexpr double kUsable = 0.25;  // taken, was this short [voxel]
+  static constexpr int kPasses = 2;         // tangent plane and Newton step [-]
+  static constexpr int kSettlePasses = 4;   // while the last one moved the point along the plane by more than
+  static constexpr double kSettled = 0.05;  // [voxel]
+  static constexpr int kMaxPasses = 16;     // until the HIP's way is gone and the last Newton step, which is still
+  static constexpr double kUsable = 0.25;   // taken, was this short [voxel]
 
   explicit ImplicitSurface(const AlgorithmParameters& parameters) noexcept : field_(parameters.isovalue) {}
   void reset(const Vec3& hip_W) noexcept;

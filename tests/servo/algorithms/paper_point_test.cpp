@@ -114,6 +114,27 @@ TEST(PaperPoint, OnTheLineIsSteadyAtEveryDepth) {
   }
 }
 
+// Deeper than the window reaches: the line needs no density at the HIP. (From the ends there is nothing to go by.)
+TEST(PaperPoint, OnTheLineAPressMayBeDeeperThanTheWindow) {
+  const AnalyticVolume volume = rampBelow(kHalfWidth);
+  for (const double depth_m : {2e-3, 9e-3, 15e-3, 17e-3, 24e-3, 38e-3}) {
+    for (const char* name : {"hri-paper-line", "hri-paper"}) {
+      const auto algorithm = make(name, 3);
+      AlgorithmDriver driver(*algorithm, volume, below(-1e-3), 32);
+      driver.around_vhip = true;
+      driver.at(below(-1e-3));
+      driver.stroke(below(depth_m), static_cast<int>(depth_m / 0.1e-3));
+      const TickOutput out = driver.stroke(below(depth_m) + Vec3(5e-3, 0, 0), 50).back();
+      if (std::string_view(name) == "hri-paper-line") {
+        EXPECT_NEAR(out.force_W.z(), 500 * depth_m, 500 * 2e-4 * kHalfWidth) << depth_m;
+        EXPECT_EQ(out.faults, 0U) << depth_m;
+      } else if (depth_m > 17e-3) {
+        EXPECT_TRUE(out.force_W.isZero(0)) << depth_m;
+      }
+    }
+  }
+}
+
 // ---- a slide over a ball: what the hand feels ----
 
 struct Slide {
