@@ -3,6 +3,7 @@
 // noise, on voxels that are not cubes, in turned and left-handed lattices.
 #include <algorithm>
 #include <deque>
+#include <memory>
 #include <random>
 
 #include <Eigen/Geometry>
@@ -173,64 +174,105 @@ TEST_P(Rivals, RememberAContactThatTheWindowHasLeftBehind) {
   }
 }
 
-// Noise of up to a quarter voxel of surface, 1 to 24 voxels deep in a ball of 40, on cubes and on others: never without
-// a force once the tool is a voxel deep. (Of noise of half a voxel, 24 voxels deep, neither method makes a contact that
-// is worth the name: apps/bench has the figures.)
+// A ball of 20 mm whose surface noise moves by `noise_voxel` smallest voxels: a ramp of 3 largest voxels on either
+// side.
+class NoisyBall {
+ public:
+  static constexpr double kRadius = 20e-3;  // [m]
+
+  NoisyBall(const Vec3& spacing_m, double noise_voxel, Random& random) {
+    volume_.size = (Vec3::Constant(50e-3).cwiseQuotient(spacing_m)).cast<int>();
+    volume_.lattice.spacing_m = spacing_m;
+    centre_W_ = 0.5 * volume_.lattice.toWorld(volume_.size.cast<double>());
+    const double linear_m = 3 * spacing_m.maxCoeff();
+    const auto values = std::make_shared<std::vector<double>>();
+    for (int k = 0; k < volume_.size.z(); ++k) {
+      for (int j = 0; j < volume_.size.y(); ++j) {
+        for (int i = 0; i < volume_.size.x(); ++i) {
+          const double r_m = (volume_.lattice.toWorld(Vec3(i, j, k)) - centre_W_).norm();
+          double sum = -6;  // of twelve uniforms: nearly Gauss, deviation 1
+          for (int u = 0; u < 12; ++u) sum += random.between(0, 1);
+          values->push_back(std::clamp(kRadius - r_m, -linear_m, linear_m) + noise_voxel * spacing_m.minCoeff() * sum);
+        }
+      }
+    }
+    volume_.density = [=, lattice = volume_.lattice, size = volume_.size](const Vec3& p_W) {
+      const Vec3i at = lattice.toIndex(p_W).array().round().cast<int>().matrix();
+      return (*values)[static_cast<std::size_t>(at.x() + size.x() * (at.y() + size.y() * at.z()))];
+    };
+    aim(random);
+  }
+  // The slide that at() describes is another one.
+  void aim(Random& random) {
+    u_ = random.direction();
+    v_ = u_.cross(random.direction()).normalized();
+  }
+  [[nodiscard]] const AnalyticVolume& volume() const { return volume_; }
+  [[nodiscard]] Vec3 at(double angle, double below_m) const {
+    return centre_W_ + (u_ * std::cos(angle) + v_ * std::sin(angle)) * (kRadius - below_m);
+  }
+
+ private:
+  AnalyticVolume volume_;
+  Vec3 centre_W_ = Vec3::Zero();
+  Vec3 u_, v_;
+};
+
+// Whether there was a force in each tick of a slide of 40 mm, `depth_m` below the ball's surface.
+std::vector<bool> felt(std::string_view name, const NoisyBall& ball, double depth_m) {
+  const auto algorithm = make(name);
+  LateWindows windows(ball.volume(), 1);
+  TickOutput out;
+  algorithm->reset(ball.at(0, -2e-3));
+  const auto tick = [&](const Vec3& hip_W) {
+    const SampleWindow& window = windows.at(out, hip_W);
+    algorithm->tick({hip_W, Vec3::Zero(), &window}, out);
+  };
+  for (double below_m = -2e-3; below_m < depth_m; below_m += 0.1e-3) tick(ball.at(0, below_m));
+  std::vector<bool> forces;
+  for (int i = 0; i < 400; ++i) {
+    tick(ball.at(0.1e-3 / NoisyBall::kRadius * i, depth_m));
+    forces.push_back(!out.force_W.isZero(0));
+  }
+  return forces;
+}
+
+// Noise of up to a quarter voxel of surface, 2 to 24 voxels deep in a ball of 40, on cubes and on others: never without
+// a force. (Of noise of half a voxel, 24 voxels deep, neither method makes a contact that is worth the name; `palpate
+// bench servo` has the figures.)
 TEST_P(Rivals, KeepTheirContactInNoise) {
   for (const Vec3& spacing_m : {Vec3(0.5e-3, 0.5e-3, 0.5e-3), Vec3(0.5e-3, 0.5e-3, 1e-3)}) {
     for (unsigned seed = 1; seed <= 6; ++seed) {
       Random random(seed);
-      AnalyticVolume volume;
-      volume.size = (Vec3::Constant(50e-3).cwiseQuotient(spacing_m)).cast<int>();
-      volume.lattice.spacing_m = spacing_m;
-      const Vec3 centre_W = 0.5 * volume.lattice.toWorld(volume.size.cast<double>());
-      const double voxel_m = spacing_m.minCoeff();
-      const double noise_m = random.between(0, 0.25) * voxel_m;
-      const double linear_m = 3 * spacing_m.maxCoeff();
-      std::vector<float> values(static_cast<std::size_t>(volume.size.cast<long long>().prod()));
-      const auto indexOf = [size = volume.size](const Vec3i& at) {
-        return static_cast<std::size_t>(at.x()) +
-               static_cast<std::size_t>(size.x()) *
-                   (static_cast<std::size_t>(at.y()) +
-                    static_cast<std::size_t>(size.y()) * static_cast<std::size_t>(at.z()));
-      };
-      for (int k = 0; k < volume.size.z(); ++k) {
-        for (int j = 0; j < volume.size.y(); ++j) {
-          for (int i = 0; i < volume.size.x(); ++i) {
-            const double r_m = (volume.lattice.toWorld(Vec3(i, j, k)) - centre_W).norm();
-            double sum = -6;  // of twelve uniforms: nearly Gauss, deviation 1
-            for (int u = 0; u < 12; ++u) sum += random.between(0, 1);
-            values[indexOf({i, j, k})] =
-                static_cast<float>(std::clamp(20e-3 - r_m, -linear_m, linear_m) + noise_m * sum);
-          }
-        }
-      }
-      volume.density = [&](const Vec3& p_W) {
-        return static_cast<double>(values[indexOf(volume.lattice.toIndex(p_W).array().round().cast<int>().matrix())]);
-      };
+      const NoisyBall ball(spacing_m, random.between(0, 0.25), random);
       for (const double depth_voxel : {2.0, 6.0, 12.0, 24.0}) {
-        const double depth_m = depth_voxel * voxel_m;
-        const Vec3 u = random.direction();
-        const Vec3 v = u.cross(random.direction()).normalized();
-        const auto at = [&](double angle, double below_m) {
-          return Vec3(centre_W + (u * std::cos(angle) + v * std::sin(angle)) * (20e-3 - below_m));
-        };
-        const auto algorithm = make(GetParam());
-        LateWindows windows(volume, 1);
-        TickOutput out;
-        algorithm->reset(at(0, -2e-3));
-        for (double below_m = -2e-3; below_m < depth_m; below_m += 0.1e-3) {
-          algorithm->tick({at(0, below_m), Vec3::Zero(), &windows.at(out, at(0, below_m))}, out);
-        }
-        for (int i = 0; i < 400; ++i) {
-          const Vec3 hip_W = at(0.1e-3 / 20e-3 * i, depth_m);
-          algorithm->tick({hip_W, Vec3::Zero(), &windows.at(out, hip_W)}, out);
-          ASSERT_GT(out.force_W.norm(), 0)
-              << depth_voxel << " voxels, seed " << seed << ", tick " << i << ", " << faultNames(out.faults);
-        }
+        const std::vector<bool> forces = felt(GetParam(), ball, depth_voxel * 0.5e-3);
+        EXPECT_EQ(std::count(forces.begin(), forces.end(), false), 0) << depth_voxel << " voxels, seed " << seed;
       }
     }
   }
+}
+
+// Half a voxel deep in noise of half a voxel the HIP is in front of the surface that the samples hold now and then,
+// often inside the object by its density all the same: that ends no contact. A contact that is lost inside comes back
+// only when the tool has been outside; one that is there again within 40 ticks, 8 voxels, was not lost.
+TEST_P(Rivals, AHipInFrontOfItsPlaneButInsideHasNotComeOut) {
+  int without = 0;
+  for (unsigned seed = 1; seed <= 4; ++seed) {
+    Random random(100 + seed);
+    NoisyBall ball(Vec3::Constant(0.5e-3), 0.5, random);
+    for (int slide = 0; slide < 8; ++slide) {
+      ball.aim(random);
+      const std::vector<bool> forces = felt(GetParam(), ball, 0.25e-3);
+      int in_a_row = 0;
+      for (std::size_t i = 0; i < forces.size(); ++i) {
+        in_a_row = forces[i] ? 0 : in_a_row + 1;
+        without += forces[i] ? 0 : 1;
+        ASSERT_LT(in_a_row, 40) << "seed " << seed << ", slide " << slide << ", tick " << i;
+      }
+    }
+  }
+  EXPECT_GT(without, 0);  // or nothing was tried
 }
 
 INSTANTIATE_TEST_SUITE_P(Each, Rivals, testing::Values("blezek", "implicit"),
