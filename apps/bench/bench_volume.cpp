@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
 #include "engine/reference/window.hpp"
 #include "engine/volume/isosurface_mesh.hpp"
 
@@ -57,8 +59,17 @@ SampleWindow BenchVolume::whole() const {
   return window;
 }
 
-std::optional<WindowBox> WindowRule::follow(const BenchVolume& volume, const Vec3& tool_W) {
-  const WindowBox box = windowAround(volume.phantom().lattice().toIndex(tool_W), volume.size());
+std::string withNoise(const std::string& phantom, double noise_voxel, std::uint64_t seed) {
+  if (noise_voxel == 0) return phantom;
+  const std::unique_ptr<Phantom> exact = makePhantom(phantom);
+  const Phantom::Profile& profile = exact->profile();
+  const double deviation = noise_voxel * exact->lattice().smallestSpacing() * profile.slope_per_m;
+  return fmt::format("{}{}noise={}&seed={}", phantom, phantom.find('?') == std::string::npos ? '?' : '&',
+                     deviation / (profile.high - profile.low), seed);
+}
+
+std::optional<WindowBox> WindowRule::follow(const BenchVolume& volume, const Vec3& place_W) {
+  const WindowBox box = windowAround(volume.phantom().lattice().toIndex(place_W), volume.size());
   if (last_) {
     const Vec3i last = volume.size() - box.size;
     const auto stopped = [&](int axis) {
@@ -72,8 +83,8 @@ std::optional<WindowBox> WindowRule::follow(const BenchVolume& volume, const Vec
   return box;
 }
 
-const SampleWindow& WindowFollower::around(const Vec3& tool_W) {
-  if (const auto box = rule_.follow(volume_, tool_W)) volume_.gather(*box, samples_, window_);
+const SampleWindow& WindowFollower::around(const Vec3& place_W) {
+  if (const auto box = rule_.follow(volume_, place_W)) volume_.gather(*box, samples_, window_);
   return window_;
 }
 

@@ -17,6 +17,7 @@
 #include "engine/passes/window_pass.hpp"
 #include "engine/reference/dense_field.hpp"
 #include "engine/volume/phantom.hpp"
+#include "servo/algorithms/algorithm.hpp"
 #include "servo/window/sample_window.hpp"
 
 namespace palpate {
@@ -54,24 +55,36 @@ class BenchVolume {
   std::vector<Sample> samples_;  // of every voxel, i fastest
 };
 
-// Where the newest window lies, by the engine's rule (engine/service/engine.cpp): a new one as soon as the tool is six
+// "phantom:NAME?size=64" with noise whose standard deviation is that of a surface moved by `noise_voxel` smallest
+// voxels where the density is steepest; unchanged for none. Throws Error as makePhantom does.
+[[nodiscard]] std::string withNoise(const std::string& phantom, double noise_voxel, std::uint64_t seed);
+
+// Where the newest window lies, by the engine's rule (engine/service/engine.cpp): a new one as soon as its place is six
 // voxels from the middle of the last, or the volume's border stops the box.
 class WindowRule {
  public:
   // The box to gather now, or nothing while the last one still serves.
-  [[nodiscard]] std::optional<WindowBox> follow(const BenchVolume& volume, const Vec3& tool_W);
+  [[nodiscard]] std::optional<WindowBox> follow(const BenchVolume& volume, const Vec3& place_W);
 
  private:
   std::optional<WindowBox> last_;
 };
 
-// One window that follows the tool without delay.
+// Where the window belongs for a tool at `hip_W`, by what the algorithm said in the last tick: at the surface that it
+// holds, otherwise at the tool (engine/service/window_focus.hpp, without its lead).
+[[nodiscard]] inline const Vec3& windowPlace(const TickOutput& last, const Vec3& hip_W) noexcept {
+  return last.at_surface ? last.surface_W : hip_W;
+}
+
+// One window that follows without delay; each algorithm has its own, since each says where it wants it.
 class WindowFollower {
  public:
   explicit WindowFollower(const BenchVolume& volume) : volume_(volume) {}
   WindowFollower(const WindowFollower&) = delete;
   WindowFollower& operator=(const WindowFollower&) = delete;
-  const SampleWindow& around(const Vec3& tool_W);
+  WindowFollower(WindowFollower&&) = default;
+  WindowFollower& operator=(WindowFollower&&) = delete;
+  const SampleWindow& around(const Vec3& place_W);
 
  private:
   const BenchVolume& volume_;

@@ -44,7 +44,7 @@ Entrants makeEntrants(const BenchVolume& volume, const std::vector<int>& renewal
     const std::string name(entry.name);
     try {
       for (const int n : renewals) {
-        entrants.list.push_back({name, n, "none", makeAlgorithm(name, setupFor(volume, n, {}))});
+        entrants.list.push_back({name, n, "none", makeAlgorithm(name, setupFor(volume, n, {})), entry.traits});
       }
     } catch (const Error& error) {
       std::erase_if(entrants.list, [&](const Entrant& entrant) { return entrant.algorithm == name; });
@@ -61,7 +61,7 @@ std::vector<Entrant> makeEntrantsWithEffects(const BenchVolume& volume, int n) {
     const std::string name(entry.name);
     try {
       for (const EffectChoice& choice : effectChoices()) {
-        list.push_back({name, n, choice.name, makeAlgorithm(name, setupFor(volume, n, choice.make()))});
+        list.push_back({name, n, choice.name, makeAlgorithm(name, setupFor(volume, n, choice.make())), entry.traits});
       }
     } catch (const Error&) {  // takes no effects
       std::erase_if(list, [&](const Entrant& entrant) { return entrant.algorithm == name; });

@@ -31,6 +31,7 @@ struct Entrant {
   int n = 1;
   std::string effects = "none";
   std::unique_ptr<Algorithm> haptic;
+  AlgorithmTraits traits = {};
 };
 
 struct Entrants {

@@ -2,15 +2,19 @@
 #include "apps/bench/servo_bench.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 
 #include <fmt/format.h>
 
+#include "apps/bench/error_row.hpp"
 #include "apps/bench/log_chart.hpp"
+#include "apps/bench/press_rows.hpp"
 #include "apps/bench/recovery_rows.hpp"
 #include "apps/bench/servo_targets.hpp"
 #include "apps/bench/strokes.hpp"
+#include "apps/bench/table_one.hpp"
 #include "apps/bench/tick_cost.hpp"
 #include "apps/console/interrupt.hpp"
 #include "servo/loop/real_time.hpp"
@@ -20,10 +24,6 @@ namespace {
 
 constexpr int kTableRenewal = 5;  // n of the paper's Table 1
 constexpr const char* kWork = "palpate bench servo";
-
-void add(BenchRow& row, const BenchRow& more) {
-  row.insert(row.end(), more.begin(), more.end());
-}
 
 BenchRow rowOf(const char* part, const BenchVolume& volume, const Entrant& entrant, std::uint64_t seed) {
   return {{"part", part},
@@ -46,21 +46,6 @@ BenchRow costRow(const TickCost& cost) {
           {"tick_raw_p99_ns", cost.raw_ns.p99},
           {"tick_raw_p999_ns", cost.raw_ns.p999},
           {"tick_raw_max_ns", cost.raw_ns.max}};
-}
-
-BenchRow errorRow(const TouchErrors& errors) {
-  return {{"ticks", errors.ticks},
-          {"contact_ticks", errors.contact_ticks},
-          {"vhip_error_median_voxel", errors.vhip_voxel.p50},
-          {"vhip_error_p99_voxel", errors.vhip_voxel.p99},
-          {"force_error_median_percent", errors.force_percent.p50},
-          {"force_error_p99_percent", errors.force_percent.p99},
-          {"force_angle_median_deg", errors.angle_deg.p50},
-          {"force_angle_p99_deg", errors.angle_deg.p99},
-          {"force_jump_max_N", errors.force_jump_max_N},
-          {"exact_force_jump_max_N", errors.exact_force_jump_max_N},
-          {"missed_ticks", errors.missed_ticks},
-          {"fall_throughs", errors.falls}};
 }
 
 // Cost of hri against the others', repetition by repetition: both were replayed one after the other in each.
@@ -99,6 +84,14 @@ class ServoBench {
     strokes("shell of 1.2 voxels", "phantom:shell?size=64&thickness=1.2", true);
     strokes("shell of 2 voxels", "phantom:shell?size=64&thickness=2", true);
     strokes("knot", "phantom:knot?size=64", false);
+    presses();
+    speeds();
+    progress_.stage("Table 1 with noise and depth");
+    addTableTrial({.volumes = request_.volumes,
+                   .ticks = request_.cost_ticks,
+                   .cost = {.repetitions = request_.repetitions, .tick_replays = 0},
+                   .seed = request_.seed},
+                  result_, step());
     addServoTargets(result_);
     return std::move(result_);
   }
@@ -134,8 +127,8 @@ class ServoBench {
     const auto costs = tickCosts(replay, entrants.list, {request_.repetitions, request_.tick_replays}, step());
     for (std::size_t e = 0; e < entrants.list.size(); ++e) {
       BenchRow row = rowOf("tick", volume, entrants.list[e], request_.seed);
-      add(row, costRow(costs[e]));
-      add(row, errorRow(errors[e]));
+      addCells(row, costRow(costs[e]));
+      addCells(row, errorRow(errors[e]));
       result_.rows.push_back(std::move(row));
     }
     addRatios(volume, entrants.list, costs, result_);
@@ -182,11 +175,41 @@ class ServoBench {
     const auto errors = touchErrors(volume, way, entrants.list, step());
     for (std::size_t e = 0; e < entrants.list.size(); ++e) {
       BenchRow row = rowOf("accuracy", volume, entrants.list[e], request_.seed);
-      add(row, errorRow(errors[e]));
+      addCells(row, errorRow(errors[e]));
       result_.rows.push_back(std::move(row));
     }
     if (name == request_.accuracy_volumes.front())
       addRecoveryRows(volume, request_.accuracy_ticks, request_.seed, result_, step());
+  }
+
+  void presses() {
+    for (const auto& [volume, depths_voxel] :
+         {std::pair{kBall20mm, std::vector<double>{1, 4, 12, 24}}, {kTubeOf8, std::vector<double>{1, 4}}}) {
+      progress_.stage(fmt::format("noise and depth on {}", volume));
+      addPressRows({.volume = volume,
+                    .depths_voxel = depths_voxel,
+                    .ticks = request_.press_ticks,
+                    .first_seed = request_.seed,
+                    .seeds = request_.press_seeds},
+                   result_, step());
+    }
+  }
+
+  // 2 mm deep both.
+  void speeds() {
+    progress_.stage("speeds");
+    addSpeedRows({.volume = kBall20mm,
+                  .depth_voxel = 4,
+                  .speeds_m_per_s = {0.05, 0.1, 0.25, 0.5, 1, 1.5, 2},
+                  .ticks = request_.press_ticks,
+                  .seed = request_.seed},
+                 result_, step());
+    addSpeedRows({.volume = kTubeOf8,
+                  .depth_voxel = 2,
+                  .speeds_m_per_s = {0.05, 0.1, 0.25, 0.5},
+                  .ticks = request_.press_ticks,
+                  .seed = request_.seed},
+                 result_, step());
   }
 
   void strokes(const std::string& wall, const std::string& name, bool thin) {
@@ -201,12 +224,12 @@ class ServoBench {
     for (std::size_t e = 0; e < entrants.list.size(); ++e) {
       for (const StrokeFigures& f : figures[e]) {
         BenchRow row = rowOf("strokes", volume, entrants.list[e], request_.seed);
-        add(row, {{"wall", wall},
-                  {"speed_m_per_s", f.speed_m_per_s},
-                  {"strokes", f.strokes},
-                  {"strokes_over_holes_in_samples", f.over_hole},
-                  {"missed", f.missed},
-                  {"lost", f.lost}});
+        addCells(row, {{"wall", wall},
+                       {"speed_m_per_s", f.speed_m_per_s},
+                       {"strokes", f.strokes},
+                       {"strokes_over_holes_in_samples", f.over_hole},
+                       {"missed", f.missed},
+                       {"lost", f.lost}});
         result_.rows.push_back(std::move(row));
       }
     }
@@ -232,7 +255,7 @@ ChartPanel panel(const BenchResult& result, const std::string& title, const char
   std::vector<std::string> algorithms;
   std::map<std::pair<std::string, double>, Values> values;  // by algorithm and n
   for (const BenchRow& row : result.rows) {
-    if (textOf(row, "part") != "tick") continue;
+    if (textOf(row, "part") != "tick" || std::isnan(figureOf(row, key))) continue;
     const std::string algorithm = textOf(row, "algorithm");
     if (std::find(algorithms.begin(), algorithms.end(), algorithm) == algorithms.end()) algorithms.push_back(algorithm);
     Values& at = values[{algorithm, figureOf(row, "n_ticks")}];
@@ -266,6 +289,8 @@ ServoBenchRequest ServoBenchRequest::quick() {
   request.error_ticks = 2000;
   request.accuracy_ticks = 10000;
   request.strokes = 30;
+  request.press_ticks = 1000;
+  request.press_seeds = 1;
   return request;
 }
 

@@ -9,6 +9,8 @@
 //   accuracy  errors along a long path on finer knots
 //   strokes   misses of fast strokes (strokes.hpp)
 //   effects   force jumps with recovery time on and off (recovery_rows.hpp)
+//   press     errors by noise and depth; speed: by speed and n (press_rows.hpp)
+//   table     cost by noise and depth (table_one.hpp)
 //   note      what was left out
 // Frame W. Thread: the caller's; nothing else runs. No Vulkan device is opened.
 #pragma once
@@ -35,10 +37,12 @@ struct ServoBenchRequest {
   std::vector<std::string> accuracy_volumes = {"phantom:knot?size=128x128x64",
                                                "phantom:knot?size=128x128x64&spacing=1.6mm"};
   std::size_t accuracy_ticks = 100000;
-  int strokes = 200;  // for each wall, speed and kind
+  int strokes = 200;               // for each wall, speed and kind
+  std::size_t press_ticks = 5000;  // of the paths with noise, depth and speed
+  int press_seeds = 5;
   std::uint64_t seed = 1;
 
-  [[nodiscard]] static ServoBenchRequest quick();  // under 20 s
+  [[nodiscard]] static ServoBenchRequest quick();  // under a minute
 };
 
 // Fills rows and targets; who and where (commit, command) is the caller's. Stops with Error(kCancelled) on Ctrl-C.

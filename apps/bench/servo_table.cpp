@@ -1,34 +1,43 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "apps/bench/servo_bench.hpp"
 
 namespace palpate {
 namespace {
 
+// A dash for what an algorithm does not have.
+std::string cell(const BenchRow& row, const char* key, int width, int decimals) {
+  const double value = figureOf(row, key);
+  return std::isnan(value) ? fmt::format("{:>{}}", "-", width) : fmt::format("{:>{}.{}f}", value, width, decimals);
+}
+
+std::string errorCells(const BenchRow& row) {
+  return fmt::format("{} {}  {} {}  {} {}  {}", cell(row, "vhip_error_median_voxel", 7, 4),
+                     cell(row, "vhip_error_p99_voxel", 7, 4), cell(row, "force_error_median_percent", 7, 3),
+                     cell(row, "force_error_p99_percent", 7, 3), cell(row, "force_angle_median_deg", 7, 2),
+                     cell(row, "force_angle_p99_deg", 7, 2), cell(row, "force_jump_max_N", 7, 3));
+}
+
 std::string tickLine(const BenchRow& row) {
-  const auto f = [&](const char* key) { return figureOf(row, key); };
-  return fmt::format(
-      "  {:<12} {:>3g}  {:>7.1f} {:>7.0f} {:>7.0f} {:>7.0f}  {:>7.4f} {:>7.4f}  {:>7.3f} {:>7.3f}  {:>7.2f} {:>7.2f}  "
-      "{:>7.3f}  {:>6g}\n",
-      textOf(row, "algorithm"), f("n_ticks"), f("cost_ns"), f("tick_p99_ns"), f("tick_p999_ns"), f("tick_max_ns"),
-      f("vhip_error_median_voxel"), f("vhip_error_p99_voxel"), f("force_error_median_percent"),
-      f("force_error_p99_percent"), f("force_angle_median_deg"), f("force_angle_p99_deg"), f("force_jump_max_N"),
-      f("fall_throughs"));
+  return fmt::format("  {:<14} {:>4g}  {} {} {} {}  {}  {:>6g}\n", textOf(row, "algorithm"), figureOf(row, "n_ticks"),
+                     cell(row, "cost_ns", 7, 1), cell(row, "tick_p99_ns", 7, 0), cell(row, "tick_p999_ns", 7, 0),
+                     cell(row, "tick_max_ns", 7, 0), errorCells(row), figureOf(row, "fall_throughs"));
 }
 
 std::string accuracyLine(const BenchRow& row) {
-  const auto f = [&](const char* key) { return figureOf(row, key); };
-  return fmt::format(
-      "  {:<12} {:>3g}  {:>33}  {:>7.4f} {:>7.4f}  {:>7.3f} {:>7.3f}  {:>7.2f} {:>7.2f}  {:>7.3f}  {:>6g}\n",
-      textOf(row, "algorithm"), f("n_ticks"), "", f("vhip_error_median_voxel"), f("vhip_error_p99_voxel"),
-      f("force_error_median_percent"), f("force_error_p99_percent"), f("force_angle_median_deg"),
-      f("force_angle_p99_deg"), f("force_jump_max_N"), f("fall_throughs"));
+  return fmt::format("  {:<14} {:>4g}  {:>31}  {}  {:>6g}\n", textOf(row, "algorithm"), figureOf(row, "n_ticks"), "",
+                     errorCells(row), figureOf(row, "fall_throughs"));
 }
 
 constexpr const char* kHead =
-    "  {:<12} {:>3}  {:^33}  {:^15}  {:^15}  {:^15}  {:>7}  {:>6}\n"
-    "  {:<12} {:>3}  {:>7} {:>7} {:>7} {:>7}  {:>7} {:>7}  {:>7} {:>7}  {:>7} {:>7}  {:>7}  {:>6}\n";
+    "  {:<14} {:>4}  {:^31}  {:^15}  {:^15}  {:^15}  {:>7}  {:>6}\n"
+    "  {:<14} {:>4}  {:>7} {:>7} {:>7} {:>7}  {:>7} {:>7}  {:>7} {:>7}  {:>7} {:>7}  {:>7}  {:>6}\n";
 
 std::string head() {
   return fmt::format(kHead, "", "", "cost of a tick [ns]", "VHIP [voxel]", "force [%]", "angle [deg]", "jump", "falls",
@@ -41,12 +50,84 @@ std::string strokeTable(const BenchResult& result) {
   std::string text, last;
   for (const BenchRow& row : result.rows) {
     if (textOf(row, "part") != "strokes") continue;
-    const std::string line = fmt::format("{:<20} {:<12}", textOf(row, "wall"), textOf(row, "algorithm"));
+    const std::string line = fmt::format("{:<20} {:<14}", textOf(row, "wall"), textOf(row, "algorithm"));
     if (line != last) text += (text.empty() ? "" : "\n") + ("  " + line);
     last = line;
     text += fmt::format("  {:g}+{:g}/{:g}", figureOf(row, "missed"), figureOf(row, "lost"), figureOf(row, "strokes"));
   }
   return text.empty() ? text : "strokes missed + lost / all at 0.05, 0.1, 0.2, 0.5, 1, 2 m/s\n" + text + "\n";
+}
+
+// Of the slide's ticks, in all of which the tool is below the surface.
+double lostPercent(const BenchRow& row) {
+  return 100 * (1 - figureOf(row, "contact_ticks") / std::max(1.0, figureOf(row, "ticks")));
+}
+
+// By volume, noise and depth.
+std::string pressTable(const BenchResult& result) {
+  std::string text, last;
+  for (const BenchRow& row : result.rows) {
+    if (textOf(row, "part") != "press") continue;
+    const std::string title = fmt::format("{}, noise {:g} voxel, {:g} voxels deep, {:g} {}", textOf(row, "volume"),
+                                          figureOf(row, "noise_voxel"), figureOf(row, "depth_voxel"),
+                                          figureOf(row, "seeds"), figureOf(row, "seeds") == 1 ? "seed" : "seeds");
+    if (title != last) {
+      text += fmt::format("{}\n  {:<14} {:>4}  {:>15}  {:>23}  {:>7}  {:>6} {:>6}\n", title, "algorithm", "n",
+                          "VHIP med, p99", "angle med, p99, max", "jump", "lost %", "falls");
+    }
+    last = title;
+    text += fmt::format("  {:<14} {:>4g}  {} {}  {} {} {}  {}  {:>6.1f} {:>6g}\n", textOf(row, "algorithm"),
+                        figureOf(row, "n_ticks"), cell(row, "vhip_error_median_voxel", 7, 3),
+                        cell(row, "vhip_error_p99_voxel", 7, 3), cell(row, "force_angle_median_deg", 7, 2),
+                        cell(row, "force_angle_p99_deg", 7, 2), cell(row, "force_angle_max_deg", 7, 1),
+                        cell(row, "force_jump_max_N", 7, 3), lostPercent(row), figureOf(row, "fall_throughs"));
+  }
+  return text;
+}
+
+// Volume by volume, one line an algorithm and n: force off / angle at each speed.
+std::string speedTable(const BenchResult& result) {
+  std::string text, last_volume;
+  std::vector<double> speeds;
+  std::vector<std::pair<std::string, std::string>> lines;  // in the order of the first speed
+  const auto flush = [&] {
+    if (lines.empty()) return;
+    text += fmt::format(
+        "{}, 2 mm deep at {} m/s: largest force over K depth or its inverse / largest angle [degree]; !: contact "
+        "lost\n",
+        last_volume, fmt::join(speeds, ", "));
+    for (const auto& [name, figures] : lines) text += "  " + name + figures + "\n";
+    lines.clear();
+    speeds.clear();
+  };
+  for (const BenchRow& row : result.rows) {
+    if (textOf(row, "part") != "speed") continue;
+    if (textOf(row, "volume") != last_volume) flush();
+    last_volume = textOf(row, "volume");
+    const double speed = figureOf(row, "speed_m_per_s");
+    if (speeds.empty() || speeds.back() != speed) speeds.push_back(speed);
+    const std::string name = fmt::format("{:<14} {:>4g}", textOf(row, "algorithm"), figureOf(row, "n_ticks"));
+    auto at = std::find_if(lines.begin(), lines.end(), [&](const auto& line) { return line.first == name; });
+    if (at == lines.end()) at = lines.insert(lines.end(), {name, ""});
+    at->second += fmt::format("  {} /{}{:<1}", cell(row, "force_off_max", 6, 2), cell(row, "force_angle_max_deg", 6, 1),
+                              figureOf(row, "missed_ticks") > 0 ? "!" : "");
+  }
+  flush();
+  return text;
+}
+
+// Recovery on and off, of those that renew planes.
+std::string recoveryTable(const BenchResult& result) {
+  std::string text;
+  for (const BenchRow& row : result.rows) {
+    if (textOf(row, "part") != "effects" || !textOf(row, "algorithm").starts_with("hri")) continue;
+    text += fmt::format(
+        "  {:<14} n={:<3g} {:g} m/s, {:g} voxel deep, {:<8}  jump {} N, on concave regions {} N, mean {} N\n",
+        textOf(row, "algorithm"), figureOf(row, "n_ticks"), figureOf(row, "speed_m_per_s"),
+        figureOf(row, "depth_voxel"), textOf(row, "effects"), cell(row, "force_jump_max_N", 6, 3),
+        cell(row, "force_jump_concave_max_N", 6, 3), cell(row, "force_mean_N", 6, 3));
+  }
+  return text.empty() ? text : "recovery time of 20 ms on the knot of 128x128x64, and none\n" + text;
 }
 
 }  // namespace
@@ -73,7 +154,14 @@ std::string servoIntroduction() {
          "to the next. *Falls*: how\n  often contact was lost while the tool was more than 0.25 voxel inside.\n"
          "- *Strokes*: a rigid hand right through a wall, from a random side, at up to 45 degrees, counted until K "
          "times the way "
-         "past the wall\n  reaches 8 N. Missed: never felt. Lost: felt and let go. Windows follow without delay.\n\n"
+         "past the wall\n  reaches 8 N. Missed: never felt. Lost: felt and let go.\n"
+         "- *Noise and depth*: the same path, deeper, over samples with noise; noise is told as how far it moves the "
+         "surface, and errors\n  are against the surface without it. *Speeds*: 2 mm deep, any n.\n"
+         "- *hri-paper* is the paper's Figure 2 to the letter, and stands for the paper wherever one name does; "
+         "*hri-paper-line* is the other\n  reading of its text (docs/hri-mends.md). *haptization* shows no surface, "
+         "and K means nothing to it: it has no VHIP error and no error of the force.\n"
+         "- Windows follow as in the program, around the surface where an algorithm says that it holds one and "
+         "otherwise around the tool,\n  without delay.\n\n"
          "Exact places: `apps/bench/*.hpp`. Costs are compared within a run only; figures of correctness are the same "
          "on every "
          "machine.";
@@ -96,7 +184,7 @@ std::string servoTable(const BenchResult& result) {
         "a tick that does nothing {:.1f} ns (in all figures), one without renewal {:.1f} ns, clock {:.0f} ns\n",
         figureOf(row, "empty_tick_ns"), figureOf(row, "hri_without_renewal_ns"), figureOf(row, "clock_ns"));
   }
-  return text + strokeTable(result);
+  return text + strokeTable(result) + recoveryTable(result) + speedTable(result) + pressTable(result);
 }
 
 }  // namespace palpate

@@ -107,6 +107,7 @@ class Strokes {
 };
 
 struct Seen {
+  TickOutput out;  // of the last tick
   bool had = false;
   bool lost = false;  // not there, after it was
 };
@@ -121,7 +122,8 @@ void runStroke(const BenchVolume& volume, const Stroke& stroke, double speed_m_p
                std::span<Entrant> entrants, std::vector<Seen>& seen) {
   const double step_m = speed_m_per_s / kBenchRate_hz;
   const double begin_m = -kRunUp_voxel * volume.voxel_m() + stroke.phase * step_m;
-  WindowFollower follower(volume);
+  std::vector<WindowFollower> followers;
+  for (std::size_t e = 0; e < entrants.size(); ++e) followers.emplace_back(volume);
   seen.assign(entrants.size(), Seen{});
   const Vec3 velocity_W = speed_m_per_s * stroke.direction_W;
   double deepest_m = 0;
@@ -134,10 +136,10 @@ void runStroke(const BenchVolume& volume, const Stroke& stroke, double speed_m_p
     deepest_m = std::max(deepest_m, depth_m);
     const Vec3 hip_W = stroke.meets_W + s_m * stroke.direction_W;
     if (volume.borderDistance(hip_W) < 1) return;
-    const TickInput in{hip_W, velocity_W, &follower.around(hip_W)};
     for (std::size_t e = 0; e < entrants.size(); ++e) {
-      TickOutput out;
-      entrants[e].haptic->tick(in, out);
+      TickOutput& out = seen[e].out;
+      const SampleWindow& window = followers[e].around(windowPlace(out, hip_W));
+      entrants[e].haptic->tick({hip_W, velocity_W, &window}, out);
       const bool contact = hasContact(out);
       seen[e].lost = seen[e].lost || (seen[e].had && !contact);
       seen[e].had = seen[e].had || contact;

@@ -5,8 +5,8 @@
 // right through, without mercy. It is counted until the HIP is so far past the surface that K * way reaches the
 // device's force limit (8 N at 500 N/m: 16 mm), since until then a hand can be held; in a solid body only as far as the
 // HIP gets deeper, since past the middle a virtual tool rightly slips around. Missed: no contact in any of these ticks;
-// lost: contact was there and went. Ticks come at kBenchRate_hz, at a phase by chance. Windows follow the tool without
-// delay.
+// lost: contact was there and went. Ticks come at kBenchRate_hz, at a phase by chance. Windows follow as
+// the program's do, without delay.
 //
 // A wall of about a voxel may have holes in the samples themselves, which no algorithm can feel: along the way that the
 // ideal contact point takes over the wall (a shell: the point of its outer face nearest to the HIP) the samples are

@@ -20,11 +20,14 @@ class DoesNothing final : public Algorithm {
 
 }  // namespace
 
-ReplayPath::ReplayPath(const BenchVolume& volume, ContactPath path) : path_(std::move(path)) {
+// The window of each tick.
+std::vector<std::size_t> ReplayPath::gather(const BenchVolume& volume, bool at_surface) {
   WindowRule rule;
   std::vector<std::size_t> window_of_tick;
-  for (const Vec3& hip_W : path_.hip_W) {
-    if (const auto box = rule.follow(volume, hip_W)) {
+  for (std::size_t k = 0; k < path_.ticks(); ++k) {
+    const bool below = at_surface && path_.depth_m[k] > 0;
+    const Vec3 place_W = path_.hip_W[k] + (below ? path_.depth_m[k] : 0.0) * path_.normal_W[k];
+    if (const auto box = rule.follow(volume, place_W)) {
       SampleWindow window;
       window.version = windows_.size();  // gathering makes it one more, so that no two are the same
       volume.gather(*box, samples_.emplace_back(), window);
@@ -32,28 +35,36 @@ ReplayPath::ReplayPath(const BenchVolume& volume, ContactPath path) : path_(std:
     }
     window_of_tick.push_back(windows_.size() - 1);
   }
+  return window_of_tick;
+}
+
+ReplayPath::ReplayPath(const BenchVolume& volume, ContactPath path) : path_(std::move(path)) {
+  const std::vector<std::size_t> tool = gather(volume, false);
+  const std::vector<std::size_t> surface = gather(volume, true);
   for (std::size_t k = 0; k < path_.ticks(); ++k) {
-    ticks_.push_back({path_.hip_W[k], path_.velocity_W[k], &windows_[window_of_tick[k]]});
+    ticks_.push_back({path_.hip_W[k], path_.velocity_W[k], &windows_[tool[k]], &windows_[surface[k]]});
   }
 }
 
-void ReplayPath::approach(Algorithm& algorithm) const {
+TickOutput ReplayPath::approach(Algorithm& algorithm) const {
   algorithm.reset(ticks_.front().hip_W);
   TickOutput out;
   for (std::size_t k = 0; k < path_.slide_begin; ++k) {
-    algorithm.tick({ticks_[k].hip_W, ticks_[k].velocity_W, ticks_[k].window}, out);
+    const Tick& tick = ticks_[k];
+    algorithm.tick({tick.hip_W, tick.velocity_W, out.at_surface ? tick.at_surface : tick.at_tool}, out);
   }
+  return out;
 }
 
 double ReplayPath::replay_ns(Algorithm& algorithm) const {
-  approach(algorithm);
+  TickOutput out = approach(algorithm);
   TickInput in;
-  TickOutput out;
   const std::int64_t start_ns = monotonicNow_ns();
   for (std::size_t k = path_.slide_begin; k < ticks_.size(); ++k) {
-    in.hip_W = ticks_[k].hip_W + 0.0 * out.force_W;  // waits for the last tick's force
-    in.hip_velocity_W = ticks_[k].velocity_W;
-    in.window = ticks_[k].window;
+    const Tick& tick = ticks_[k];
+    in.hip_W = tick.hip_W + 0.0 * out.force_W;  // waits for the last tick's force
+    in.hip_velocity_W = tick.velocity_W;
+    in.window = out.at_surface ? tick.at_surface : tick.at_tool;
     algorithm.tick(in, out);
   }
   return static_cast<double>(monotonicNow_ns() - start_ns) / static_cast<double>(slideTicks());
@@ -61,14 +72,14 @@ double ReplayPath::replay_ns(Algorithm& algorithm) const {
 
 void ReplayPath::replayTicks(Algorithm& algorithm, double clock_ns, std::vector<double>& fastest,
                              std::vector<double>& raw) const {
-  approach(algorithm);
+  TickOutput out = approach(algorithm);
   TickInput in;
-  TickOutput out;
   std::int64_t before_ns = monotonicNow_ns();
   for (std::size_t k = path_.slide_begin; k < ticks_.size(); ++k) {
-    in.hip_W = ticks_[k].hip_W + 0.0 * out.force_W;
-    in.hip_velocity_W = ticks_[k].velocity_W;
-    in.window = ticks_[k].window;
+    const Tick& tick = ticks_[k];
+    in.hip_W = tick.hip_W + 0.0 * out.force_W;
+    in.hip_velocity_W = tick.velocity_W;
+    in.window = out.at_surface ? tick.at_surface : tick.at_tool;
     algorithm.tick(in, out);
     const std::int64_t after_ns = monotonicNow_ns();
     const double cost_ns = std::max(0.0, static_cast<double>(after_ns - before_ns) - clock_ns);

@@ -11,8 +11,10 @@
 //   single ticks: the clock is read after each tick, its median cost is taken off. Of each tick the fastest of all
 //     replays counts, which leaves what the algorithm does there and drops what the machine does; `raw` has every
 //     replay of every tick.
-// Windows are gathered beforehand and handed over by pointer as the exchange does, so a change of window costs what it
-// costs in the servo (the cache misses of its first samples) and no gathering is timed. One thread: the caller's.
+// Windows are gathered beforehand, around the tool and around the exact surface under it, each algorithm gets those
+// that it asks for (windowPlace), and they are handed over by pointer as the exchange does, so a change of window costs
+// what it costs in the servo (the cache misses of its first samples) and no gathering is timed. One thread: the
+// caller's.
 #pragma once
 
 #include <span>
@@ -34,7 +36,7 @@ class ReplayPath {
   ReplayPath& operator=(ReplayPath&&) = default;
 
   [[nodiscard]] const ContactPath& path() const noexcept { return path_; }
-  [[nodiscard]] std::size_t windows() const noexcept { return windows_.size(); }
+  [[nodiscard]] std::size_t windows() const noexcept { return windows_.size(); }  // around the tool and the surface
   [[nodiscard]] std::size_t slideTicks() const noexcept { return ticks_.size() - path_.slide_begin; }
 
   // Resets the algorithm, lets it go through the approach untimed, then times the slide: mean cost of a tick [ns].
@@ -44,12 +46,13 @@ class ReplayPath {
   void replayTicks(Algorithm& algorithm, double clock_ns, std::vector<double>& fastest, std::vector<double>& raw) const;
 
  private:
-  void approach(Algorithm& algorithm) const;
-
   struct Tick {
     Vec3 hip_W, velocity_W;
-    const SampleWindow* window;
+    const SampleWindow* at_tool;
+    const SampleWindow* at_surface;
   };
+  [[nodiscard]] TickOutput approach(Algorithm& algorithm) const;
+  [[nodiscard]] std::vector<std::size_t> gather(const BenchVolume& volume, bool at_surface);
   ContactPath path_;
   std::vector<std::vector<Sample>> samples_;
   std::vector<SampleWindow> windows_;

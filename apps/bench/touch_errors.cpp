@@ -21,7 +21,8 @@ Vec3 exactForce(const ContactPath& path, std::size_t k) {
 // What one algorithm's ticks add up to.
 class Tally {
  public:
-  Tally(const BenchVolume& volume, const ContactPath& path) : volume_(volume), path_(path) {}
+  Tally(const BenchVolume& volume, const ContactPath& path, const AlgorithmTraits& traits)
+      : volume_(volume), path_(path), traits_(traits) {}
 
   void add(std::size_t k, const TickOutput& out) {
     const bool contact = hasContact(out);
@@ -38,6 +39,10 @@ class Tally {
     errors_.force_percent = percentiles(std::move(force_percent_));
     errors_.angle_deg = percentiles(std::move(angle_deg_));
     errors_.force_mean_N = errors_.contact_ticks > 0 ? force_sum_N_ / static_cast<double>(errors_.contact_ticks) : 0;
+    if (!traits_.shows_surface) {
+      errors_.vhip_voxel = errors_.force_percent = Percentiles{};
+      errors_.force_off_max = 0;
+    }
     return errors_;
   }
 
@@ -59,15 +64,18 @@ class Tally {
     ++errors_.contact_ticks;
     const double force_N = out.force_W.norm();
     force_sum_N_ += force_N;
-    vhip_voxel_.push_back(std::abs(volume_.phantom().signedDistance_m(out.vhip_W)) / volume_.voxel_m());
+    if (traits_.shows_surface)
+      vhip_voxel_.push_back(std::abs(volume_.phantom().signedDistance_m(out.vhip_W)) / volume_.voxel_m());
     if (path_.exact[k] == 0 || force_N == 0) return;
     const double exact_N = kBenchStiffness_N_per_m * path_.depth_m[k];
     force_percent_.push_back(100 * std::abs(force_N - exact_N) / exact_N);
+    errors_.force_off_max = std::max({errors_.force_off_max, force_N / exact_N, exact_N / force_N});
     angle_deg_.push_back(angle_deg(out.force_W, path_.normal_W[k]));
   }
 
   const BenchVolume& volume_;
   const ContactPath& path_;
+  AlgorithmTraits traits_;
   TouchErrors errors_;
   std::vector<double> vhip_voxel_, force_percent_, angle_deg_;
   double force_sum_N_ = 0;
@@ -80,19 +88,21 @@ class Tally {
 std::vector<TouchErrors> touchErrors(const BenchVolume& volume, const ContactPath& path, std::span<Entrant> entrants,
                                      const BenchProgress& progress) {
   constexpr std::size_t kProgressTicks = 500;
-  WindowFollower follower(volume);
   std::vector<Tally> tallies;
+  std::vector<WindowFollower> followers;
+  std::vector<TickOutput> outs(entrants.size());
   tallies.reserve(entrants.size());
   for (Entrant& entrant : entrants) {
     entrant.haptic->reset(path.hip_W.front());
-    tallies.emplace_back(volume, path);
+    tallies.emplace_back(volume, path, entrant.traits);
+    followers.emplace_back(volume);
   }
   for (std::size_t k = 0; k < path.ticks(); ++k) {
     if (k % kProgressTicks == 0) progress(static_cast<double>(k) / static_cast<double>(path.ticks()));
-    const TickInput in{path.hip_W[k], path.velocity_W[k], &follower.around(path.hip_W[k])};
     for (std::size_t e = 0; e < entrants.size(); ++e) {
-      TickOutput out;
-      entrants[e].haptic->tick(in, out);
+      TickOutput& out = outs[e];
+      const SampleWindow& window = followers[e].around(windowPlace(out, path.hip_W[k]));
+      entrants[e].haptic->tick({path.hip_W[k], path.velocity_W[k], &window}, out);
       tallies[e].add(k, out);
     }
   }

@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // apps/bench/touch_errors.hpp: how far algorithms are from the exact touch along a path.
 //
-// All of them go along the path in step, so that each sees the same windows. Over the ticks of the slide in which an
+// All of them go along the path in step, each under a window that follows as the program's does (windowPlace). Over the
+// ticks of the slide in which an
 // algorithm has contact (its flag, or a force):
 //   VHIP [voxel]      distance of the VHIP from the exact surface, in smallest voxels;
 //   force [%]         | |F| - K depth | / (K depth), depth of the HIP below the exact surface;
+//   force off [-]     the largest |F| / (K depth), or its inverse where that is more;
 //   angle [degree]    between the force and the exact normal at the surface point nearest to the HIP;
 //   force jump [N]    largest change of the force vector from one tick to the next;
 //   missed            ticks in which the HIP is deeper than kMissDepth below the exact surface, having come from
 //                     outside, and there is no contact; falls: how often such a stretch began.
+// An algorithm that shows no surface (AlgorithmTraits) has no VHIP error, and its force none against K depth.
 // Force and angle leave out ticks where the phantom's distance is a bound only (ContactPath::exact). Cost: one exact
 // distance for each algorithm and tick.
 #pragma once
@@ -30,6 +33,7 @@ struct TouchErrors {
   std::int64_t contact_ticks = 0;
   Percentiles vhip_voxel;
   Percentiles force_percent;
+  double force_off_max = 0;
   Percentiles angle_deg;
   double force_jump_max_N = 0;
   double force_jump_concave_max_N = 0;  // of it, where the exact surface is concave along the tool's way

@@ -134,7 +134,7 @@ void servoVerb(const BenchArguments& arguments) {
   conclude(result, arguments,
            {.title = "What a tick costs and how true it is",
             .introduction = servoIntroduction(),
-            .tables = servoTable(result) + "\n" + tableOne(result),
+            .tables = servoTable(result) + "\n" + tableOne(result) + "\n" + tableTrial(result),
             .chart = {}},
            servoChart(result), outputs);
 }
@@ -220,7 +220,7 @@ void addBenchVerb(CLI::App& app) {
   verb->require_subcommand(1);
   auto arguments = std::make_shared<BenchArguments>();
   CLI::App* servo =
-      verb->add_subcommand("servo", "cost and error of every haptic algorithm (a minute or two; --quick: seconds)");
+      verb->add_subcommand("servo", "cost and error of every haptic algorithm (some minutes; --quick: half a minute)");
   addCommon(*servo, *arguments);
   servo->callback([arguments] { servoVerb(*arguments); });
   CLI::App* loop = verb->add_subcommand(

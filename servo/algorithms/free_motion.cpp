@@ -31,19 +31,27 @@ std::optional<Entry> FreeMotion::move(const IsoField& field, const Vec3& hip_W, 
   if (buried) entry = field.nearestExit(hip);
   if (hip.side == Side::kOutside) {
     armed_ = true;
+    lost_ = false;
     free_ = hip;
   } else if (entry) {
-    armed_ = false;
+    armed_ = lost_ = false;
   } else {
-    faults |= bit(ServoFault::kInsideObject);
+    faults |= bit(lost_ ? ServoFault::kSurfaceLost : ServoFault::kInsideObject);
   }
   return entry;
 }
 
 void FreeMotion::release(const Probe& hip) noexcept {
   armed_ = hip.side == Side::kOutside;
+  lost_ = false;
   free_ = hip;
   edited_ = false;
+}
+
+void FreeMotion::lose(const Probe& hip, std::uint32_t& faults) noexcept {
+  release(hip);
+  lost_ = hip.side == Side::kInside;
+  if (lost_) faults |= bit(ServoFault::kSurfaceLost);
 }
 
 }  // namespace palpate

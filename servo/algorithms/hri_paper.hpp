@@ -2,40 +2,56 @@
 // servo/algorithms/hri_paper.hpp: HRI as the paper's Figure 2 prints it, so that its results can be repeated.
 //
 // To the letter, with what that brings: the counter renews a plane every n + 1 ticks (it goes 0, 1 ... n and renews in
-// the tick after it has reached n) and is not reset when contact makes a plane; the plane is on the line from VHIP to
-// HIP, also where both are inside (then the interpolation extrapolates); F = K d - B v_d may pull. Density and normal
-// come from the window's samples, whose gradients are the engine's central differences (the paper takes them at p).
-// Where Figure 2 says nothing: a HIP beyond the window gets no force and a fault; a plane that cannot be computed
-// (equal densities, zero gradient, p beyond the window) is no plane, with kZeroGradient; a VHIP beyond the volume has
-// density -infinity, and the interpolation takes its limit, p = HIP. Source: the paper, Figure 2, equations 1 to 3.
-// The VHIP of the line is the one on the plane, not what contact effects make of it.
-// Sign of d as in algorithm.hpp. Thread: the servo's. Cost: one fetch in free space and without renewal none, two or
-// three with. Errors: faults only.
+// the tick after it has reached n) and is not reset when contact makes a plane; F = K d - B v_d may pull; an edit is
+// felt when the counter is up, and then whole at once. Density and normal come from the window's samples, whose
+// gradients are the engine's central differences (the paper takes them at p).
+//
+// Of p the paper says two things, and each is a mode:
+//   HriPaper      p = LinearInterpolation(VHIP, HIP, tau), as Figure 2 calls it: from the densities at the two ends.
+//     Where the line leaves the density's ramp (half-width w) the interpolation does not meet the surface; a VHIP that
+//     is e too deep, under a HIP at depth D > w, is put e (1 - (D - e) / (w - e)) too deep, so an error grows from
+//     renewal to renewal beyond D = 2 w (docs/hri-mends.md). Where both ends are inside, it extrapolates.
+//   HriPaperLine  "the position where v = tau" (section 3.1): where the density IS tau on the line. From a VHIP outside
+//     the first crossing on the way to the HIP, from one inside the first on the line's continuation away from the HIP,
+//     up to IsoField::kLongestWayOut; none there: no plane, kSurfaceLost.
+// Where Figure 2 says nothing: a HIP beyond the window gets no force and a fault, but the line, which needs no density
+// at the HIP, takes one behind its plane to be inside; a plane that cannot be computed (equal densities, zero gradient,
+// p beyond the window) is no plane, with kZeroGradient; a VHIP beyond the volume has density -infinity, and the
+// interpolation takes its limit, p = HIP (the line's crossing is the volume's face). Source: the paper, Figure 2,
+// equations 1 to 3. The VHIP of the line is the one on the plane, not what contact effects make of it. Sign of d as in
+// algorithm.hpp. Thread: the servo's. Cost: one fetch in free space and without renewal none; two or three with, and on
+// the line what IsoField::firstEntry and firstExit take. Errors: faults only.
 #pragma once
 
+#include <optional>
+
 #include "servo/algorithms/algorithm.hpp"
+#include "servo/algorithms/field_cache.hpp"
 #include "servo/algorithms/vhip_algorithm.hpp"
-#include "servo/window/window_sampler.hpp"
 
 namespace palpate {
+
+enum class PaperPoint { kFromTheEnds, kOnTheLine };
 
 class HriPaperSurface {
  public:
   static constexpr bool kMayPull = true;
+  static constexpr bool kEasesEdits = false;
 
-  explicit HriPaperSurface(const AlgorithmParameters& parameters) noexcept
-      : isovalue_(parameters.isovalue), n_(parameters.plane_renewal_ticks) {}
+  explicit HriPaperSurface(const AlgorithmParameters& parameters, PaperPoint point = PaperPoint::kFromTheEnds) noexcept
+      : point_(point), n_(parameters.plane_renewal_ticks), cache_(parameters.isovalue) {}
   void reset(const Vec3& hip_W) noexcept;
   bool find(const SampleWindow& window, const Vec3& hip_W, std::uint32_t& faults) noexcept;
   [[nodiscard]] ContactPlane plane() const noexcept { return {p_W_, normal_W_, has_plane_ ? age_ticks_ : 0}; }
 
  private:
-  void updatePlane(const SampleWindow& window, const Vec3& hip_W, std::uint32_t& faults) noexcept;
-  void makePlane(const WindowSampler& sampler, const Fetch& at_vhip, const Fetch& at_hip, const Vec3& hip_W,
-                 std::uint32_t& faults) noexcept;
+  void updatePlane(const IsoField& field, const Vec3& hip_W, std::uint32_t& faults) noexcept;
+  void makePlane(const IsoField& field, const Probe& vhip, const Probe& hip, std::uint32_t& faults) noexcept;
+  [[nodiscard]] std::optional<Vec3> point(const IsoField& field, const Probe& vhip, const Probe& hip) const noexcept;
 
-  double isovalue_;
+  PaperPoint point_;
   int n_;
+  FieldCache cache_;
   Vec3 vhip_W_ = Vec3::Zero();
   Vec3 p_W_ = Vec3::Zero();
   Vec3 normal_W_ = Vec3::Zero();
@@ -44,6 +60,13 @@ class HriPaperSurface {
   std::int32_t age_ticks_ = 0;
 };
 
+class HriPaperLineSurface : public HriPaperSurface {
+ public:
+  explicit HriPaperLineSurface(const AlgorithmParameters& parameters) noexcept
+      : HriPaperSurface(parameters, PaperPoint::kOnTheLine) {}
+};
+
 using HriPaper = VhipAlgorithm<HriPaperSurface>;
+using HriPaperLine = VhipAlgorithm<HriPaperLineSurface>;
 
 }  // namespace palpate

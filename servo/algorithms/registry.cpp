@@ -58,10 +58,21 @@ std::unique_ptr<Algorithm> makeHaptization(AlgorithmSetup&& setup) {
 }
 
 constexpr AlgorithmEntry kEntries[] = {
-    {"hri", "virtual plane at the surface point nearest to the tool, renewed every n ticks (the paper, mended)",
-     makeVhip<Hri>},
-    {"hri-paper", "the paper's Figure 2 to the letter, plane on the ray from VHIP to HIP, renewed every n + 1 ticks",
-     makeVhip<HriPaper>},
+    {"hri",
+     "virtual plane at the surface point nearest to the tool, renewed every n ticks (the paper, mended)",
+     makeVhip<Hri>,
+     {},
+     {.renews_planes = true}},
+    {"hri-paper",
+     "the paper's Figure 2 to the letter, plane on the ray from VHIP to HIP, renewed every n + 1 ticks",
+     makeVhip<HriPaper>,
+     {},
+     {.renews_planes = true}},
+    {"hri-paper-line",
+     "hri-paper with the other reading of its text: the plane where the density equals the isovalue on that ray",
+     makeVhip<HriPaperLine>,
+     {},
+     {.renews_planes = true}},
     {"avila",
      "depth and force from the density at the tool alone (Avila and Sobierajski 1996); penetrable",
      makeAvila,
@@ -77,7 +88,8 @@ constexpr AlgorithmEntry kEntries[] = {
     {"haptization",
      "force and viscosity from density and gradient by a transfer function (after Iwata and Noma 1993)",
      makeHaptization,
-     {.gradient_everywhere = true}},
+     {.gradient_everywhere = true},
+     {.shows_surface = false}},
 };
 
 void check(bool good, const char* key, double value, const char* remedy) {

@@ -32,11 +32,18 @@ struct AlgorithmNeeds {
   bool isosurface_mesh = false;      // AlgorithmSetup::isosurface
 };
 
+// For those who compare algorithms.
+struct AlgorithmTraits {
+  bool renews_planes = false;  // AlgorithmParameters::plane_renewal_ticks means something to it
+  bool shows_surface = true;   // its VHIP says where it takes the surface to be; otherwise the VHIP is the HIP
+};
+
 struct AlgorithmEntry {
   std::string_view name;
   std::string_view description;  // one line
   std::unique_ptr<Algorithm> (*make)(AlgorithmSetup&& setup);
   AlgorithmNeeds needs = {};
+  AlgorithmTraits traits = {};
 };
 
 // The first is the default.

@@ -5,6 +5,7 @@
 // same for all and stands here once. A Surface has
 //   explicit Surface(const AlgorithmParameters&);
 //   static constexpr bool kMayPull;    // K d - B v_d may pull the device in, as the paper prints it
+//   static constexpr bool kEasesEdits; // may be left out: true; false: an edit is felt whole as soon as find() sees it
 //   void reset(const Vec3& hip_W) noexcept;
 //   // True in contact: then plane() holds, with `tool_W` behind it. `tool_W`: the HIP, or, where there are objects,
 //   // where they let the tool be (servo/objects/object_contacts.hpp).
@@ -12,12 +13,12 @@
 //   std::optional<Vec3> remembered(const Vec3& hip_W) const noexcept;  // may be left out: where the surface of a
 //                                                                     // contact is that is held without a window
 //   ContactPlane plane() const noexcept;  // out of contact only its age says something: 0 without a plane
-// An edit that makes a contact deeper is felt gently, whatever the Surface: the depth that it added, against what was
-// shown at the same HIP, is taken in over time (edit_ease.hpp). Shown then is the plane, moved inwards. Of a plane that
-// an edit turned only the part of the old displacement along the new normal is there at once. What an edit takes away
-// is felt at once. Objects beside the volume are not eased. Frames, force convention and thread: algorithm.hpp. Source:
-// the paper, equations 2 and 3; effects move the VHIP only (section 3.1, last paragraph). Cost: some 5 ns and what
-// Surface, effects and objects cost.
+// An edit that makes a contact deeper is felt gently, unless the Surface says otherwise: the depth that it added,
+// against what was shown at the same HIP, is taken in over time (edit_ease.hpp). Shown then is the plane, moved
+// inwards. Of a plane that an edit turned only the part of the old displacement along the new normal is there at once.
+// What an edit takes away is felt at once. Objects beside the volume are not eased. Frames, force convention and
+// thread: algorithm.hpp. Source: the paper, equations 2 and 3; effects move the VHIP only (section 3.1, last
+// paragraph). Cost: some 5 ns and what Surface, effects and objects cost.
 #pragma once
 
 #include <algorithm>
@@ -77,7 +78,9 @@ class VhipAlgorithm final : public Algorithm {
  private:
   // As Surface::find(), with the easing.
   [[nodiscard]] bool find(const SampleWindow& window, const Vec3& tool_W, std::uint32_t& faults) noexcept {
-    if (window.edit_version != edit_version_ || unsettled_) return findEased(window, tool_W, faults);
+    if constexpr (easesEdits()) {
+      if (window.edit_version != edit_version_ || unsettled_) return findEased(window, tool_W, faults);
+    }
     return on_surface_ = surface_.find(window, tool_W, faults);
   }
 
@@ -178,6 +181,10 @@ class VhipAlgorithm final : public Algorithm {
     out.plane_age_ticks = plane.age_ticks;
   }
 
+  static constexpr bool easesEdits() noexcept {
+    if constexpr (requires { Surface::kEasesEdits; }) return Surface::kEasesEdits;
+    return true;
+  }
   static double pushing(double force_N) noexcept { return Surface::kMayPull ? force_N : std::max(0.0, force_N); }
 
   Surface surface_;

@@ -43,7 +43,7 @@ class Oracle final : public Algorithm {
 
 inline std::vector<Entrant> oneEntrant(std::unique_ptr<Algorithm> algorithm) {
   std::vector<Entrant> entrants;
-  entrants.push_back({"oracle", 1, "none", std::move(algorithm)});
+  entrants.push_back({"oracle", 1, "none", std::move(algorithm), {}});
   return entrants;
 }
 

@@ -2,10 +2,12 @@
 // A run of seconds: what it is made of, and its figures of correctness. No time is asserted.
 #include "apps/bench/servo_bench.hpp"
 
+#include <cmath>
 #include <map>
 
 #include <gmock/gmock.h>
 
+#include "apps/bench/press_rows.hpp"
 #include "apps/bench/recovery_rows.hpp"
 #include "apps/bench/table_one.hpp"
 #include "servo/algorithms/registry.hpp"
@@ -28,6 +30,8 @@ class ServoBench : public testing::Test {
       request.error_ticks = 400;
       request.accuracy_ticks = 400;
       request.strokes = 2;
+      request.press_ticks = 200;
+      request.press_seeds = 2;
       Progress progress;
       return runServoBench(request, progress);
     }();
@@ -54,6 +58,13 @@ TEST_F(ServoBench, HasARowForEveryAlgorithmOfTheRegistry) {
   EXPECT_EQ(parts["ratio"], count - 1);
   EXPECT_EQ(parts["strokes"], 4 * 6 * count);  // walls by speeds
   EXPECT_EQ(parts["harness"], 1);
+  const auto renewing =
+      static_cast<int>(std::count_if(algorithms().begin(), algorithms().end(),
+                                     [](const AlgorithmEntry& entry) { return entry.traits.renews_planes; }));
+  EXPECT_EQ(renewing, 3);
+  EXPECT_EQ(parts["press"], 4 * (4 + 2) * (count + renewing));  // noises by depths, n = 1 and 5
+  EXPECT_EQ(parts["speed"], (7 + 4) * (count + 7 * renewing));  // speeds, eight n
+  EXPECT_EQ(parts["table"], 2 * 2 * 4);                         // noises by depths by the table's algorithms
 }
 
 TEST_F(ServoBench, NeedsNoVulkanDeviceAndNamesTheMachine) {
@@ -82,6 +93,61 @@ TEST_F(ServoBench, AnOlderPlaneIsWrongByTheWayOverTheRadius) {
   EXPECT_LT(figureOf(tick("hri", 5), "force_angle_p99_deg"), 0.9);
 }
 
+// What is not there is null, and not drawn as if it were.
+TEST_F(ServoBench, HaptizationHasNoVhipErrorAndNoErrorOfTheForce) {
+  int rows = 0;
+  for (const BenchRow& row : result().rows) {
+    for (const auto& [key, figure] : row) {
+      if (key != "vhip_error_median_voxel" && key != "force_error_p99_percent" && key != "force_off_max") continue;
+      const bool none = textOf(row, "algorithm") == "haptization" || figureOf(row, "contact_ticks") == 0;
+      EXPECT_EQ(std::isnan(std::get<double>(figure)), none) << key << " " << textOf(row, "algorithm");
+      ++rows;
+    }
+  }
+  EXPECT_GT(rows, 100);
+  EXPECT_THAT(jsonText(result()), HasSubstr("\"vhip_error_median_voxel\": null"));
+  const std::string chart = servoChart(result());
+  const std::size_t direction = chart.find("angle of the force, median");
+  ASSERT_NE(direction, std::string::npos);
+  EXPECT_THAT(chart.substr(direction), HasSubstr("haptization"));
+  EXPECT_THAT(servoTable(result()), testing::ContainsRegex("haptization +1 +[0-9. ]+ +- +- +- +- "));
+}
+
+// Noise is in the samples, not in the truth: without any, hri's error is the sag of interpolation (radius 40 voxels,
+// 1 / 160 of a voxel), with noise the surface that the samples hold is off by a good part of it: the mean of eight
+// samples has a third to all of one's deviation.
+TEST_F(ServoBench, NoiseIsInTheSamplesAndNotInTheTruth) {
+  std::map<double, double> error_voxel;
+  for (const BenchRow& row : result().rows) {
+    if (textOf(row, "part") != "press" || textOf(row, "algorithm") != "hri" || figureOf(row, "n_ticks") != 1 ||
+        figureOf(row, "depth_voxel") != 1 || textOf(row, "volume") != kBall20mm)
+      continue;
+    error_voxel[figureOf(row, "noise_voxel")] = figureOf(row, "vhip_error_median_voxel");
+    EXPECT_EQ(figureOf(row, "seeds"), figureOf(row, "noise_voxel") == 0 ? 1 : 2);
+  }
+  ASSERT_EQ(error_voxel.size(), 4U);
+  EXPECT_LE(error_voxel[0], 1.0 / 160 + 2e-4);
+  double last = error_voxel[0];
+  for (const double noise : {0.1, 0.25, 0.5}) {
+    EXPECT_GT(error_voxel[noise], last);
+    EXPECT_LT(error_voxel[noise], noise);
+    last = error_voxel[noise];
+  }
+}
+
+TEST_F(ServoBench, RecoveryStatesItsConditionsAndHasARowWhereItMatters) {
+  int promised = 0, matters = 0;
+  for (const BenchRow& row : result().rows) {
+    if (textOf(row, "part") != "effects" || textOf(row, "algorithm") != "hri-paper") continue;
+    EXPECT_EQ(figureOf(row, "depth_voxel"), 1);
+    EXPECT_EQ(figureOf(row, "recovery_s"), kRecoveryTime_s);
+    promised += figureOf(row, "n_ticks") == 20 && figureOf(row, "speed_m_per_s") == 0.02 ? 1 : 0;
+    matters += figureOf(row, "n_ticks") == 50 && figureOf(row, "speed_m_per_s") == 0.1 ? 1 : 0;
+  }
+  EXPECT_EQ(promised, 2);
+  EXPECT_EQ(matters, 2);
+}
+
 TEST_F(ServoBench, CostsAreThereAndOrdered) {
   for (const BenchRow& row : result().rows) {
     if (textOf(row, "part") != "tick") continue;
@@ -106,16 +172,26 @@ TEST_F(ServoBench, TargetNamesAreStable) {
            "hri, knot 128x128x64, n=1, median force angle [degree]", "hri, knot 128x128x64, n=1, fall-throughs [-]",
            "hri, knot 128x128x64, n=5, median VHIP error [voxel]",
            "hri, knot 128x128x64, n=5, median force angle [degree]", "hri, knot 128x128x64, n=5, fall-throughs [-]",
-           "hri, one-voxel shell up to 1 m/s, missed or lost contacts [-]"}));
+           "hri, one-voxel shell up to 1 m/s, missed or lost contacts [-]",
+           "hri, ball of 20 mm, voxels of 0.5 mm, 2 mm deep, up to 2 m/s, any n, force over K depth or its inverse [-]",
+           "hri, ball of 20 mm, voxels of 0.5 mm, 2 mm deep, up to 2 m/s, any n, force angle [degree]",
+           "hri, knot's tube of 8 voxels, 2 mm deep, up to 0.5 m/s, any n, force over K depth or its inverse [-]",
+           "hri, knot's tube of 8 voxels, 2 mm deep, up to 0.5 m/s, any n, force angle [degree]",
+           "hri, noise up to 0.5 voxel, 1 to 24 voxels deep, contacts lost [-]",
+           "recovery on / off, largest force jump per tick on concave regions (hri, knot 128x128x64, n=20, 0.02 m/s, 1 "
+           "voxel deep, 20 ms) [-]"}));
 }
 
 TEST_F(ServoBench, SaysItAllOnTheTerminalAndInTheChart) {
   const std::string table = servoTable(result());
-  for (const char* words : {"phantom:sphere?size=64 (cost and error)", "phantom:knot?size=128x128x64 (long path)",
-                            "hri-paper", "a tick that does nothing", "shell of 1 voxel"}) {
+  for (const char* words :
+       {"phantom:sphere?size=64 (cost and error)", "phantom:knot?size=128x128x64 (long path)", "hri-paper",
+        "a tick that does nothing", "shell of 1 voxel", "noise 0.25 voxel, 24 voxels deep",
+        "2 mm deep at 0.05, 0.1, 0.25, 0.5 m/s", "recovery time of 20 ms"}) {
     EXPECT_THAT(table, HasSubstr(words));
   }
   EXPECT_THAT(tableOne(result()), HasSubstr("sphere (64x64x64) today"));
+  EXPECT_THAT(tableTrial(result()), testing::ContainsRegex("sphere.size=64 +0.25 +2 \\| +[0-9]"));
   const std::string chart = servoChart(result());
   for (const char* words : {"<svg", "hri-paper", "n=5", "VHIP error", "angle of the force"}) {
     EXPECT_THAT(chart, HasSubstr(words));

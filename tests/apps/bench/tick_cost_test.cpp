@@ -42,7 +42,7 @@ class Logger final : public Algorithm {
 std::vector<Entrant> loggers(Log& log, int count, double force_N = 1) {
   std::vector<Entrant> entrants;
   for (int i = 0; i < count; ++i) {
-    entrants.push_back({"logger", i, "none", std::make_unique<Logger>(i, log, force_N)});
+    entrants.push_back({"logger", i, "none", std::make_unique<Logger>(i, log, force_N), {}});
   }
   return entrants;
 }
@@ -62,12 +62,13 @@ TEST_F(Replay, HasSeveralWindowsAndEachHoldsTheTool) {
   EXPECT_EQ(log.outside_window, 0);
 }
 
-// A tick must wait for the force of the last one: a force that is no number then shows in every HIP but the first.
+// A tick must wait for the force of the last one, the first of the slide for that of the approach: a force that is no
+// number then shows in every HIP of the slide.
 TEST_F(Replay, EachTickDependsOnTheLastForce) {
   Log log;
   Logger logger(0, log, std::numeric_limits<double>::quiet_NaN());
   EXPECT_GT(path_.replay_ns(logger), 0);
-  EXPECT_EQ(log.nan_hips, static_cast<int>(path_.slideTicks()) - 1);
+  EXPECT_EQ(log.nan_hips, static_cast<int>(path_.slideTicks()));
 }
 
 TEST_F(Replay, GoesRoundAllEntrantsBeginningWithAnotherEachTime) {

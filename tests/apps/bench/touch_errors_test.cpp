@@ -46,6 +46,8 @@ TEST_F(TouchErrorsOf, ALiftedVhipIsTheLift) {
 TEST_F(TouchErrorsOf, AWrongForceIsThatShare) {
   EXPECT_NEAR(of({.force_share = 0.07}).force_percent.p50, 7, 1e-6);
   EXPECT_NEAR(of({.force_share = -0.07}).force_percent.p99, 7, 1e-6);
+  EXPECT_NEAR(of({.force_share = 0.07}).force_off_max, 1.07, 1e-8);
+  EXPECT_NEAR(of({.force_share = -0.07}).force_off_max, 1 / 0.93, 1e-8);
 }
 
 TEST_F(TouchErrorsOf, ATurnedForceIsThatAngle) {
@@ -69,6 +71,55 @@ TEST_F(TouchErrorsOf, LostContactIsCountedByTickAndByFall) {
 TEST_F(TouchErrorsOf, AShallowBlindnessIsNotCounted) {
   EXPECT_EQ(of({.blind = [](int, double depth_m) { return depth_m < 0.2e-3; }}).missed_ticks, 0);
   EXPECT_GT(of({.blind = [](int, double depth_m) { return depth_m < 0.5e-3; }}).missed_ticks, 0);
+}
+
+// 24 voxels below the surface the tool is further from it than a window reaches: an algorithm that asks for the window
+// at the surface must get it there, and one that does not, at the tool.
+class Watches final : public Algorithm {
+ public:
+  Watches(const Phantom& phantom, bool at_surface) : phantom_(phantom), at_surface_(at_surface) {}
+  void reset(const Vec3&) noexcept override {}
+  void tick(const TickInput& in, TickOutput& out) noexcept override {
+    const Vec3 place_W = wanted_ ? surface_W_ : in.hip_W;
+    const Vec3 p_L = in.window->lattice.toIndex(place_W);
+    if (p_L.minCoeff() < 9 || p_L.maxCoeff() > 32 - 9) ++outside;
+    out = TickOutput{};
+    const SurfaceOffset offset = phantom_.offset(in.hip_W);
+    wanted_ = out.at_surface = at_surface_ && offset.distance_m < 0;
+    surface_W_ = out.surface_W = in.hip_W - offset.distance_m * offset.normal;
+  }
+  int outside = 0;
+
+ private:
+  const Phantom& phantom_;
+  bool at_surface_;
+  bool wanted_ = false;
+  Vec3 surface_W_ = Vec3::Zero();
+};
+
+TEST(TouchErrors, WindowsAreWhereTheAlgorithmWantsThem) {
+  const BenchVolume volume("phantom:sphere?size=115&spacing=0.5mm");
+  const ContactPath path = contactPath(volume, {.depth_voxel = 24, .ticks = 1000});
+  std::vector<Entrant> entrants;
+  std::vector<Watches*> watches;
+  for (const bool at_surface : {false, true}) {
+    auto watch = std::make_unique<Watches>(volume.phantom(), at_surface);
+    watches.push_back(watch.get());
+    entrants.push_back({"watches", 1, "none", std::move(watch), {}});
+  }
+  static_cast<void>(touchErrors(volume, path, entrants, [](double) {}));
+  EXPECT_EQ(watches[0]->outside, 0);
+  EXPECT_EQ(watches[1]->outside, 0);
+}
+
+TEST_F(TouchErrorsOf, AnAlgorithmThatShowsNoSurfaceHasNoErrorOfOne) {
+  std::vector<Entrant> entrants = oneEntrant(std::make_unique<Oracle>(volume_.phantom(), OracleErrors{}));
+  entrants.front().traits.shows_surface = false;
+  const TouchErrors errors = touchErrors(volume_, path_, entrants, [](double) {}).front();
+  EXPECT_EQ(errors.vhip_voxel.count, 0U);
+  EXPECT_EQ(errors.force_percent.count, 0U);
+  EXPECT_LT(errors.angle_deg.max, 1e-6);
+  EXPECT_EQ(errors.contact_ticks, 470);
 }
 
 TEST_F(TouchErrorsOf, AnAlgorithmThatNeverTouchesHasNoErrorsButMisses) {

@@ -136,7 +136,7 @@ SamplingBound methodBound(std::string_view name, double radius_voxel, const Samp
   if (name == "hri") return aside(0.02 + kStep_voxel);
   // Every second tick, on the line from the VHIP of the tick before: between 0 and 2 ticks behind, then 1 more. What
   // it is behind leaves the next VHIP behind as well, as depth times curvature of it.
-  if (name == "hri-paper") return aside(4 * kStep_voxel);
+  if (name == "hri-paper" || name == "hri-paper-line") return aside(4 * kStep_voxel);
   ADD_FAILURE() << "derive a bound for " << name;
   return {0, 0};
 }

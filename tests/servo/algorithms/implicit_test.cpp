@@ -34,8 +34,8 @@ TEST(Implicit, TheContactPointConvergesUnderTheHip) {
   EXPECT_LT((out.normal_W - (onBall(0.2, 20e-3) - kCentre).normalized()).norm(), samplingBound(19).radians);
 }
 
-// Their S is an equation that is true everywhere; a plate is only inside between its faces.
-TEST(Implicit, LetsGoOnTheOtherSideOfAPlateAndMissesOneThatIsJumped) {
+// The tangent plane holds a HIP that got through; contact begins only where S has the HIP inside.
+TEST(Implicit, HoldsOnTheOtherSideOfAPlateAndMissesOneThatIsJumped) {
   const AnalyticVolume plate = millimetreVolume([](const Vec3& p_W) { return 2e-3 - std::abs(p_W.z() - 30.3e-3); });
   const auto z = [](double z_m) { return Vec3(30e-3, 30e-3, z_m); };
   Implicit implicit(kNoDamping);
@@ -45,7 +45,9 @@ TEST(Implicit, LetsGoOnTheOtherSideOfAPlateAndMissesOneThatIsJumped) {
   const TickOutput out = driver.at(z(31.5e-3));
   ASSERT_TRUE(out.in_contact);
   EXPECT_NEAR(out.vhip_W.z(), 32.3e-3, 0.01 * kVoxel);
-  EXPECT_FALSE(driver.at(z(27e-3)).in_contact);  // through
+  const TickOutput through = driver.at(z(27e-3));
+  EXPECT_NEAR(through.vhip_W.z(), 32.3e-3, 0.01 * kVoxel);
+  EXPECT_NEAR(through.force_W.z(), 500 * 5.3e-3, 500 * 0.01 * kVoxel);
   EXPECT_FALSE(driver.at(z(34e-3)).in_contact);
   EXPECT_FALSE(driver.at(z(26e-3)).in_contact);  // jumped
 }
@@ -78,9 +80,9 @@ TEST(Implicit, GivesNoForceWhenItHasLostTheSurface) {
   const TickOutput out = driver.at(onBall(0, 19e-3));
   EXPECT_EQ(out.faults, bit(ServoFault::kSurfaceLost));
   EXPECT_TRUE(out.force_W.isZero(0));
-  EXPECT_EQ(driver.at(onBall(0, 19e-3)).faults, bit(ServoFault::kInsideObject));
+  EXPECT_EQ(driver.at(onBall(0, 19e-3)).faults, bit(ServoFault::kSurfaceLost));
   driver.edit(before);
-  EXPECT_EQ(driver.at(onBall(0, 19e-3)).faults, bit(ServoFault::kInsideObject));
+  EXPECT_EQ(driver.at(onBall(0, 19e-3)).faults, bit(ServoFault::kSurfaceLost));
   EXPECT_EQ(driver.at(onBall(0, 21e-3)).faults, 0u);
   EXPECT_TRUE(driver.at(onBall(0, 19e-3)).in_contact);
 }
@@ -122,7 +124,7 @@ TEST(Implicit, StartingInsideGivesNoForceUntilOutsideOnce) {
   Implicit implicit(kNoDamping);
   AlgorithmDriver driver(implicit, volume, onBall(0, 18e-3), 64);
   driver.follow = false;
-  EXPECT_EQ(driver.at(onBall(0, 18e-3)).faults, bit(ServoFault::kInsideObject));
+  EXPECT_EQ(driver.at(onBall(0, 18e-3)).faults, bit(ServoFault::kSurfaceLost));
   EXPECT_EQ(driver.at(onBall(0, 21e-3)).faults, 0u);
   EXPECT_TRUE(driver.at(onBall(0, 19e-3)).in_contact);
 }
@@ -134,10 +136,12 @@ TEST(Implicit, NoForceWhereTheWindowDoesNotReach) {
   driver.follow = false;
   driver.at(Vec3(30e-3, 30e-3, 31e-3));
   ASSERT_TRUE(driver.at(Vec3(30e-3, 30e-3, 29e-3)).in_contact);
-  const TickOutput out = driver.at(Vec3(45e-3, 30e-3, 29e-3));
+  const TickOutput out = driver.at(Vec3(45e-3, 30e-3, 29e-3));  // samples end at 37 mm
   EXPECT_EQ(out.faults, bit(ServoFault::kBeyondWindow));
   EXPECT_TRUE(out.force_W.isZero(0));
-  EXPECT_TRUE(driver.at(Vec3(31e-3, 30e-3, 29e-3)).in_contact);
+  EXPECT_TRUE(out.at_surface);
+  EXPECT_NEAR(out.surface_W.z(), 30.4e-3, 1e-6);
+  EXPECT_NEAR(driver.at(Vec3(31e-3, 30e-3, 29e-3)).force_W.z(), 0.7, 1e-3);
   SampleWindow nothing;
   TickOutput none;
   implicit.tick({Vec3(31e-3, 30e-3, 29e-3), Vec3::Zero(), &nothing}, none);

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// docs/hri-mends.md: each mend of hri over hri-paper, measured on both in the same situation.
+// docs/hri-mends.md: each mend of hri over hri-paper, measured on both in the same situation. Kept beside them are the
+// figures of hri-paper-line, the other reading of the paper's p, so that the page can say what that reading mends
+// alone.
 //
 // The figures of that page are this test's properties: test_servo_mends --gtest_output=json:FILE.
 #include <gtest/gtest.h>
@@ -37,6 +39,7 @@ class Mend : public testing::Test {
     const Pair p{measure("hri"), measure("hri-paper")};
     RecordProperty("hri " + what, fmt::format("{:.3g}", p.hri));
     RecordProperty("hri-paper " + what, fmt::format("{:.3g}", p.paper));
+    RecordProperty("hri-paper-line " + what, fmt::format("{:.3g}", measure("hri-paper-line")));
     return p;
   }
 };
