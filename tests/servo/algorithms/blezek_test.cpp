@@ -130,7 +130,7 @@ TEST(Blezek, StartingInsideGivesNoForceUntilOutsideOnce) {
   Blezek blezek(kNoDamping);
   AlgorithmDriver driver(blezek, volume, onBall(0, 18e-3), 64);
   driver.follow = false;
-  EXPECT_EQ(driver.at(onBall(0, 18e-3)).faults, bit(ServoFault::kSurfaceLost));
+  EXPECT_EQ(driver.at(onBall(0, 18e-3)).faults, bit(ServoFault::kInsideObject));
   EXPECT_FALSE(driver.at(onBall(0, 19e-3)).in_contact);
   EXPECT_EQ(driver.at(onBall(0, 21e-3)).faults, 0u);
   EXPECT_TRUE(driver.at(onBall(0, 19e-3)).in_contact);

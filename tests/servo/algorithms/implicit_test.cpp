@@ -124,7 +124,7 @@ TEST(Implicit, StartingInsideGivesNoForceUntilOutsideOnce) {
   Implicit implicit(kNoDamping);
   AlgorithmDriver driver(implicit, volume, onBall(0, 18e-3), 64);
   driver.follow = false;
-  EXPECT_EQ(driver.at(onBall(0, 18e-3)).faults, bit(ServoFault::kSurfaceLost));
+  EXPECT_EQ(driver.at(onBall(0, 18e-3)).faults, bit(ServoFault::kInsideObject));
   EXPECT_EQ(driver.at(onBall(0, 21e-3)).faults, 0u);
   EXPECT_TRUE(driver.at(onBall(0, 19e-3)).in_contact);
 }
