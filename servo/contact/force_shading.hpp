@@ -25,13 +25,14 @@ class ForceShading final : public ContactEffect {
   static constexpr double kSteepest = 1;  // way aside / depth [-]
 
   void release() noexcept override { window_.forget(); }
-  [[nodiscard]] Vec3 move(const ContactState& contact, const Vec3& vhip_W) noexcept override;
+  void move(const ContactState& contact, ContactPush& push) noexcept override;
 
  private:
   [[nodiscard]] Vec3 shaded(const ContactState& contact, const Vec3& vhip_W) noexcept;
 
   WindowCache window_;
   Vec3 last_vhip_W_ = Vec3::Zero();
+  Vec3 last_hip_W_ = Vec3::Zero();
 };
 
 }  // namespace palpate

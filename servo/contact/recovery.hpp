@@ -38,7 +38,7 @@ class Recovery final : public ContactEffect {
   explicit Recovery(int ticks);
 
   void release() noexcept override;
-  [[nodiscard]] Vec3 move(const ContactState& contact, const Vec3& vhip_W) noexcept override;
+  void move(const ContactState& contact, ContactPush& push) noexcept override;
 
   // What is still added to d [m].
   [[nodiscard]] Vec3 offset() const noexcept { return offset_.cast<double>() * kUnit; }

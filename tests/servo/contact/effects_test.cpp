@@ -11,6 +11,7 @@
 #include "contact/plane_contact.hpp"
 #include "loop/heap_watch.hpp"
 #include "servo/algorithms/registry.hpp"
+#include "servo/contact/energy_account.hpp"
 #include "servo/contact/force_shading.hpp"
 #include "servo/contact/recovery.hpp"
 #include "servo/contact/stiffness_by_density.hpp"
@@ -229,6 +230,7 @@ TEST(Effects, TakeNothingFromTheHeap) {
   p.texture = TextureKind::kDensity;
   ContactEffects more = makeContactEffects(p, kStiffness, kRate);
   effects.push_back(std::move(more[2]));
+  EnergyAccount account;
   Vec3 sum = Vec3::Zero();
   HeapWatch::begin();
   for (int i = 0; i < 1000; ++i) {
@@ -238,12 +240,13 @@ TEST(Effects, TakeNothingFromTheHeap) {
     contact.hip_W = contact.plane.p_W + Vec3(1e-6 * i, 0, -1e-3);
     contact.new_contact = i % 300 == 0;
     contact.window = &held.window;
-    Vec3 vhip_W = contact.plane.nearest(contact.hip_W);
-    for (auto& effect : effects) vhip_W = effect->move(contact, vhip_W);
+    ContactPush push{contact.plane.nearest(contact.hip_W), 0.5e-6};
+    for (auto& effect : effects) effect->move(contact, push);
+    push.vhip_W = account.settle(contact, push);
     if (i % 300 == 299) {
       for (auto& effect : effects) effect->release();
     }
-    sum += vhip_W;
+    sum += push.vhip_W;
   }
   HeapWatch::end();
   EXPECT_EQ(HeapWatch::count(), 0);

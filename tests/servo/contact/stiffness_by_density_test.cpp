@@ -66,7 +66,10 @@ TEST_F(StiffnessByDensityTest, KeepsTheDirectionOfTheForce) {
   contact.new_contact = true;
   contact.window = &held_.window;
   const Vec3 d(0.2e-3, -0.1e-3, 0.4e-3);
-  EXPECT_NEAR((effect_.move(contact, contact.hip_W + d) - contact.hip_W - 0.25 * d).norm(), 0, 1e-16);
+  ContactPush push{contact.hip_W + d, 0.5 * d.z() * d.z()};
+  effect_.move(contact, push);
+  EXPECT_NEAR((push.vhip_W - contact.hip_W - 0.25 * d).norm(), 0, 1e-16);
+  EXPECT_NEAR(push.energy_m2, 0.25 * 0.5 * d.z() * d.z(), 1e-16);
 }
 
 // Where nothing is known below the surface the contact's last factor holds; a new contact begins with 1.
