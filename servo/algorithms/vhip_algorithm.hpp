@@ -168,7 +168,7 @@ class VhipAlgorithm final : public Algorithm {
                                  .single_plane = objects_.empty() || objects_.singlePlane(),
                                  .on_volume = objects_.empty() || objects_.onVolume(),
                                  .window = in.window};
-      ContactPush moved{out.vhip_W, 0.5 * depth_m * depth_m};
+      ContactPush moved{.vhip_W = out.vhip_W, .energy_m2 = 0.5 * depth_m * depth_m};
       for (auto& effect : effects_) effect->move(contact, moved);
       out.vhip_W = account_.settle(contact, moved);
       const Vec3 spring_W = stiffness_N_per_m_ * (out.vhip_W - in.hip_W);

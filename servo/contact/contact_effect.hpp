@@ -39,6 +39,7 @@ struct ContactState {
 struct ContactPush {
   Vec3 vhip_W = Vec3::Zero();  // [m]
   double energy_m2 = 0;        // U / K: what the tool would get back if it were drawn straight out
+  double stiffness = 1;        // of the contact here, over K [-]
 };
 
 class ContactEffect {

@@ -17,19 +17,16 @@ void EnergyAccount::open(const ContactState& contact, const ContactPush& push) n
   last_plane_W_ = contact.plane.nearest(contact.hip_W) - contact.hip_W;
   put_in_m2_ = largest_m2_ = push.energy_m2;
   plane_put_in_m2_ = 0.5 * last_plane_W_.squaredNorm();
-  debt_m2_ = plane_lack_m2_ = plane_gift_m2_ = 0;
+  debt_m2_ = longest_m_ = gift_m2_ = 0;
 }
 
-// What the plane alone has given so far beyond what it took, in the measure of the effects.
-double EnergyAccount::planesGift(const Vec3& way_W, const Vec3& plane_W, double energy_m2) noexcept {
-  const double stored_m2 = 0.5 * plane_W.squaredNorm();
+// What the plane alone has given so far beyond what it took, times its stiffness here.
+double EnergyAccount::planesGift(const Vec3& way_W, const Vec3& plane_W, double stiffness) noexcept {
   plane_put_in_m2_ -= 0.5 * (last_plane_W_ + plane_W).dot(way_W);
   last_plane_W_ = plane_W;
-  const double lack_m2 = stored_m2 - plane_put_in_m2_;
-  const double times = stored_m2 > 0 ? std::clamp(energy_m2 / stored_m2, 1.0, kMostTimes) : 1;
-  plane_gift_m2_ += times * (lack_m2 - plane_lack_m2_);
-  plane_lack_m2_ = lack_m2;
-  return std::max(0.0, plane_gift_m2_);
+  const double given_m2 = stiffness * std::max(0.0, 0.5 * plane_W.squaredNorm() - plane_put_in_m2_);
+  gift_m2_ = std::min(given_m2, gift_m2_ + kShare * (given_m2 - gift_m2_));
+  return gift_m2_;
 }
 
 Vec3 EnergyAccount::settle(const ContactState& contact, const ContactPush& push) noexcept {
@@ -39,14 +36,14 @@ Vec3 EnergyAccount::settle(const ContactState& contact, const ContactPush& push)
   }
   const Vec3 way_W = contact.hip_W - last_hip_W_;
   const Vec3 plane_W = contact.plane.nearest(contact.hip_W) - contact.hip_W;
-  const double gift_m2 = planesGift(way_W, plane_W, push.energy_m2);
-  largest_m2_ = std::max(largest_m2_, push.energy_m2);
+  const double gift_m2 = planesGift(way_W, plane_W, push.stiffness);
 
   drag_.draw(contact);
   const double depth_m = plane_W.norm();
-  const double longest_m = depth_m > 0 ? std::min(debt_m2_ / depth_m, kMostDrag * depth_m) : 0;
+  const double owed_m = depth_m > 0 ? std::min(kRepayments * debt_m2_ / depth_m, kMostDrag * depth_m) : 0;
+  longest_m_ += kShare * (owed_m - longest_m_);
   const double stretch_m = drag_.stretch().norm();
-  if (stretch_m > longest_m) drag_.slip(longest_m / stretch_m);
+  if (stretch_m > longest_m_) drag_.slip(longest_m_ / stretch_m);
   const Vec3 d_W = push.vhip_W - contact.hip_W - drag_.stretch();
   const double energy_m2 = push.energy_m2 + 0.5 * drag_.stretch().squaredNorm();
 
@@ -59,6 +56,7 @@ Vec3 EnergyAccount::settle(const ContactState& contact, const ContactPush& push)
   last_hip_W_ = contact.hip_W;
   last_d_W_ = strength * d_W;
   put_in_m2_ = before_m2 - 0.5 * last_d_W_.dot(way_W);
+  largest_m2_ = std::max(largest_m2_, strength * energy_m2);
   debt_m2_ = std::max(0.0, energy_m2 - put_in_m2_ - gift_m2);
   return contact.hip_W + last_d_W_;
 }

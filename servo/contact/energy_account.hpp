@@ -12,7 +12,7 @@
 // - by weakening: d is multiplied by (E + kFree of the largest energy in store) / U where that is less than 1. So at the
 //   end of a contact no more than kFree of it has been given, whatever happened.
 // Both are continuous where E and U are. What friction dissipates is credit, for this contact. What the plane alone
-// gave, along the same way, is not charged: effects make it no better and no worse.
+// gave, along the same way, times its stiffness, is not charged: effects make it no better and no worse.
 // Source: passivity observer and controller (Hannaford and Ryu, 2002), here with the energy that a potential knows.
 // Energies are over K: [m^2]. Frame W: world [m]. Thread: the servo's. Cost: some 30 ns.
 #pragma once
@@ -23,16 +23,17 @@ namespace palpate {
 
 class EnergyAccount {
  public:
-  static constexpr double kFree = 0.005;      // of the largest energy stored in this contact [-]
+  static constexpr double kFree = 0.0025;    // of the largest energy stored in this contact [-]
+  static constexpr double kRepayments = 8;    // of a debt, on a way as long as the depth [-]
+  static constexpr double kShare = 0.1;       // of a change of drag or of the plane's gift, in each tick [-]
   static constexpr double kMostDrag = 0.25;   // of the depth [-]
-  static constexpr double kMostTimes = 100;   // the plane's own energy, that effects may make of it [-]
 
   // The VHIP for what the effects want. Once a tick in contact, new_contact first.
   [[nodiscard]] Vec3 settle(const ContactState& contact, const ContactPush& push) noexcept;
 
  private:
   void open(const ContactState& contact, const ContactPush& push) noexcept;
-  [[nodiscard]] double planesGift(const Vec3& way_W, const Vec3& plane_W, double energy_m2) noexcept;
+  [[nodiscard]] double planesGift(const Vec3& way_W, const Vec3& plane_W, double stiffness) noexcept;
 
   SlidingSpring drag_;
   Vec3 last_hip_W_ = Vec3::Zero();
@@ -41,9 +42,9 @@ class EnergyAccount {
   double put_in_m2_ = 0;              // E / K
   double largest_m2_ = 0;             // U / K in this contact
   double debt_m2_ = 0;
+  double longest_m_ = 0;        // the drag's stretch
   double plane_put_in_m2_ = 0;  // E / K of the plane alone
-  double plane_lack_m2_ = 0;    // of that, to its own energy
-  double plane_gift_m2_ = 0;    // what lacked, times what effects make of it
+  double gift_m2_ = 0;          // what it gave, and is not charged
 };
 
 }  // namespace palpate

@@ -11,10 +11,17 @@
 
 #include <array>
 #include <cmath>
+#include <cstddef>
 
 #include "servo/window/sample_window.hpp"
 
 namespace palpate {
+
+// A sample of a usable window, within it.
+[[nodiscard]] inline const Sample& sampleAt(const SampleWindow& window, const Vec3i& i) noexcept {
+  return window.samples[i.x() + static_cast<std::ptrdiff_t>(window.size.x()) *
+                                    (i.y() + static_cast<std::ptrdiff_t>(window.size.y()) * i.z())];
+}
 
 class LatticeSpline {
  public:

@@ -12,6 +12,7 @@ void StiffnessByDensity::move(const ContactState& contact, ContactPush& push) no
   if (contact.window->usable() && contact.hip_W.allFinite()) slope_W = slopeAtHip(contact);
   push.vhip_W = contact.hip_W + factor_ * (push.vhip_W - contact.hip_W) - push.energy_m2 * slope_W;
   push.energy_m2 *= factor_;
+  push.stiffness *= factor_;
 }
 
 // The place is a = p - b(N) N. As p moves, so do N and b: da = dp - (b + N grad_N b) dN, dN = S dp.
@@ -22,7 +23,7 @@ Vec3 StiffnessByDensity::slopeAtHip(const ContactState& contact) noexcept {
   const double below_m = kBelow * voxelAcross(lattice, normal_W);
   const LatticeSpline::At at =
       field_.at(*contact.window, surface_W - below_m * normal_W, [this](const SampleWindow& window, const Vec3i& i) {
-        return table_.factor(static_cast<double>(window.at(i).density));
+        return table_.factor(static_cast<double>(sampleAt(window, i).density));
       });
   factor_ = at.value;
   if (at.gradient_W.isZero(0)) return Vec3::Zero();

@@ -20,12 +20,17 @@ std::optional<Vec3> normalAt(const WindowSampler& sampler, const Vec3& p_W) noex
 SurfaceTurn::SurfaceTurn(const Vec3& normal_W) noexcept {
   int least = 0;
   normal_W.cwiseAbs().minCoeff(&least);
-  u_W_ = normal_W.cross(Vec3::Unit(least)).normalized();
-  v_W_ = normal_W.cross(u_W_);
+  setTangents(normal_W, Vec3::Unit(least));
 }
 
+// With tangents that turn with the volume.
 SurfaceTurn::SurfaceTurn(const WindowSampler& sampler, const Vec3& p_W, const Vec3& normal_W) noexcept
     : SurfaceTurn(normal_W) {
+  if (sampler.place(p_W) != Place::kInside) return;
+  int least = 0;
+  const auto along_axis = [&](int axis) { return std::abs(sampler.faceNormal(axis, true).dot(normal_W)); };
+  for (int axis = 1; axis < 3; ++axis) least = along_axis(axis) < along_axis(least) ? axis : least;
+  setTangents(normal_W, sampler.faceNormal(least, true));
   Vec3 along[2];
   for (int i = 0; i < 2; ++i) {
     const Vec3& tangent_W = i == 0 ? u_W_ : v_W_;
@@ -38,6 +43,11 @@ SurfaceTurn::SurfaceTurn(const WindowSampler& sampler, const Vec3& p_W, const Ve
   uu_ = u_W_.dot(along[0]);
   vv_ = v_W_.dot(along[1]);
   uv_ = 0.5 * (v_W_.dot(along[0]) + u_W_.dot(along[1]));
+}
+
+void SurfaceTurn::setTangents(const Vec3& normal_W, const Vec3& other_W) noexcept {
+  u_W_ = normal_W.cross(other_W).normalized();
+  v_W_ = normal_W.cross(u_W_);
 }
 
 Vec3 SurfaceTurn::turn(const Vec3& v_W) const noexcept {

@@ -30,6 +30,8 @@ class SurfaceTurn {
   [[nodiscard]] Vec3 atHip(const Vec3& q_W, double depth_m) const noexcept;
 
  private:
+  void setTangents(const Vec3& normal_W, const Vec3& other_W) noexcept;
+
   Vec3 u_W_, v_W_;                    // tangents, unit
   double uu_ = 0, uv_ = 0, vv_ = 0;   // S along them [1/m]
 };

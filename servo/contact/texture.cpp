@@ -64,7 +64,7 @@ struct Departure {
   double gain;
   double limit_m;
   double operator()(const SampleWindow& window, const Vec3i& i) const noexcept {
-    const Sample& here = window.at(i);
+    const Sample& here = sampleAt(window, i);
     double mean = 0, steep = 0, weights = 0;
     for (int axis = 0; axis < 3; ++axis) {
       const double weight = 1 / (window.lattice.spacing_m[axis] * window.lattice.spacing_m[axis]);
@@ -72,7 +72,7 @@ struct Departure {
       for (const int way : {-1, 1}) {
         Vec3i beside = i;
         beside[axis] = std::clamp(i[axis] + way, 0, window.size[axis] - 1);
-        const Sample& there = window.at(beside);
+        const Sample& there = sampleAt(window, beside);
         mean += weight * static_cast<double>(there.density);
         steep += weight * steepness2(there);
       }

@@ -7,7 +7,6 @@
 #pragma once
 
 #include <array>
-#include <cstddef>
 #include <cstdint>
 #include <type_traits>
 
@@ -47,11 +46,6 @@ struct SampleWindow {
   std::int64_t stamp_ns = 0;             // when it was published, on the servo's clock [ns]
   const Sample* samples = nullptr;       // size.x * size.y * size.z, i fastest
 
-  // A sample of a usable window.
-  [[nodiscard]] const Sample& at(const Vec3i& i) const noexcept {
-    return samples[i.x() + static_cast<std::ptrdiff_t>(size.x()) *
-                               (i.y() + static_cast<std::ptrdiff_t>(size.y()) * i.z())];
-  }
   [[nodiscard]] bool usable() const noexcept { return version != 0 && samples != nullptr && size.minCoeff() >= 2; }
 };
 

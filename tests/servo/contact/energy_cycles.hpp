@@ -6,9 +6,14 @@
 // the tool's place. Below the surface the material differs from place to place.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <memory>
 #include <numbers>
 #include <random>
 #include <string>
+#include <vector>
 
 #include "servo/algorithms/registry.hpp"
 #include "servo/contact/effects.hpp"
@@ -31,11 +36,11 @@ class Dice {
   std::mt19937 engine_;
 };
 
-// Millimetre cubes along the world's axes, or 0.5 x 0.5 x 3 mm turned, or the same left-handed; 48 mm a side about 0.
-inline Lattice energyLattice(int kind) {
+// Millimetre cubes along the world's axes, or 0.5 x 0.5 mm x `slice_m` turned, or the same left-handed.
+inline Lattice energyLattice(int kind, double slice_m) {
   Lattice lattice;
   if (kind > 0) {
-    lattice.spacing_m = Vec3(0.5e-3, 0.5e-3, 3e-3);
+    lattice.spacing_m = Vec3(0.5e-3, 0.5e-3, slice_m);
     lattice.R_WL = (Eigen::AngleAxisd(0.7, Vec3(0.3, -0.5, 0.8).normalized())).toRotationMatrix();
   }
   if (kind == 2) lattice.R_WL.col(1) *= -1;
@@ -47,7 +52,7 @@ struct EnergyBody {
   AnalyticSurface surface;
   std::function<Vec3(double a, double b, double depth_m)> at;  // a and b in metres of way along the surface, about 0
   double deepest_m = 4e-3;
-  double radius_m = 1e9;  // smallest
+  double slice_m = 3e-3;
 
   static EnergyBody plane(Dice& dice) {
     const Vec3 n = Vec3(dice.between(-1, 1), dice.between(-1, 1), dice.between(-1, 1)).normalized();
@@ -55,9 +60,9 @@ struct EnergyBody {
     return {"plane", planeSurface(0.3e-3 * n, n),
             [=](double a, double b, double depth_m) { return Vec3((0.3e-3 - depth_m) * n + a * u + b * v); }};
   }
-  // Outside of a ball of 18 mm, or inside of a hollow one of 20 mm.
+  // Outside of a ball of 18 mm, or inside of a hollow one of 17 mm.
   static EnergyBody ball(Dice& dice, bool hollow) {
-    const double radius_m = hollow ? 20e-3 : 18e-3, out = hollow ? -1 : 1;
+    const double radius_m = hollow ? 17e-3 : 18e-3, out = hollow ? -1 : 1;
     const Mat3 R = Eigen::AngleAxisd(dice.between(0, 6), Vec3(dice.between(-1, 1), 1, dice.between(-1, 1)).normalized())
                        .toRotationMatrix();
     const AnalyticSurface outside = ballSurface(Vec3::Zero(), radius_m);
@@ -67,8 +72,7 @@ struct EnergyBody {
             [=](double a, double b, double depth_m) {
               return Vec3(R * Vec3(a, b, radius_m).normalized() * (radius_m - out * depth_m));
             },
-            4e-3,
-            radius_m};
+            3e-3};
   }
   // A tube of 4 mm around a torus knot.
   static EnergyBody knot(Dice& dice) {
@@ -76,7 +80,7 @@ struct EnergyBody {
     const double t = dice.between(0, 6), angle = dice.between(0, 6);
     return {"knot", knot.surface(),
             [=](double a, double b, double depth_m) { return knot.below(t + a / 25e-3, angle + b / 4e-3, depth_m); },
-            1.5e-3, 4e-3};
+            1.5e-3, 1.5e-3};
   }
 };
 
@@ -90,7 +94,7 @@ class EnergyVolume {
 
   EnergyVolume(const EnergyBody& body, int lattice_kind, double noise_m, std::uint32_t seed) {
     AnalyticVolume& volume = volume_;
-    volume.lattice = energyLattice(lattice_kind);
+    volume.lattice = energyLattice(lattice_kind, body.slice_m);
     volume.size = Vec3::Constant(kSide_m).cwiseQuotient(volume.lattice.spacing_m).array().round().cast<int>() + 1;
     volume.lattice.origin_W = -volume.lattice.R_WL * Vec3::Constant(0.5 * kSide_m);
     Dice dice(seed);
@@ -167,23 +171,26 @@ struct Cycle {
   double given_J = 0;         // largest lack of the account over the way, its end included
   double stored_J = 0;        // the largest that a spring of this force holds at this depth
   double largest_step_N = 0;  // of the force from one tick to the next
-  int lost = 0;               // ticks below the surface without contact
+  double largest_N = 0;
+  int lost = 0;  // contacts that ended before the way did
 };
 
-// The work is that of the mean of a tick's two forces: what the field does, not what holding a force adds.
+// The work is that of the mean of a tick's two forces: what the field does, not what holding a force over a tick adds,
+// which every sampled wall does, with effects or without.
 inline Cycle energyOf(const EnergyVolume& volume, const EnergyWay& way, const EffectParameters& effects, int n,
                       double rate_hz) {
   AlgorithmSetup setup;
-  setup.parameters = {.stiffness_N_per_m = kEnergyStiffness,
-                      .damping_Ns_per_m = 0,
-                      .plane_renewal_ticks = n,
-                      .rate_hz = rate_hz};
+  setup.parameters.stiffness_N_per_m = kEnergyStiffness;
+  setup.parameters.damping_Ns_per_m = 0;
+  setup.parameters.plane_renewal_ticks = n;
+  setup.parameters.rate_hz = rate_hz;
   setup.effects = makeContactEffects(effects, kEnergyStiffness, rate_hz);
   const auto algorithm = makeAlgorithm("hri", std::move(setup));
   algorithm->reset(way.hips.front());
   Cycle cycle;
   double account_J = 0;
   Vec3 last_hip = way.hips.front(), last_force = Vec3::Zero();
+  bool was_in_contact = false;
   for (std::size_t i = 0; i < way.hips.size(); ++i) {
     const Vec3& hip = way.hips[i];
     TickOutput out;
@@ -192,7 +199,9 @@ inline Cycle energyOf(const EnergyVolume& volume, const EnergyWay& way, const Ef
     cycle.given_J = std::max(cycle.given_J, -account_J);
     cycle.stored_J = std::max(cycle.stored_J, 0.5 * out.normal_W.dot(out.force_W) * way.depths_m[i]);
     cycle.largest_step_N = std::max(cycle.largest_step_N, (out.force_W - last_force).norm());
-    cycle.lost += way.depths_m[i] > 0.05e-3 && !out.in_contact ? 1 : 0;
+    cycle.largest_N = std::max(cycle.largest_N, out.force_W.norm());
+    cycle.lost += was_in_contact && !out.in_contact && way.depths_m[i] > 0.2 * way.deepest_m ? 1 : 0;
+    was_in_contact = out.in_contact;
     last_hip = hip;
     last_force = out.force_W;
   }

@@ -22,7 +22,7 @@ class PlaneContact {
     contact.window = window;
     new_contact_ = false;
     const double depth_m = contact.plane.depth(contact.hip_W);
-    push = {contact.plane.nearest(contact.hip_W), 0.5 * depth_m * depth_m};
+    push = {.vhip_W = contact.plane.nearest(contact.hip_W), .energy_m2 = 0.5 * depth_m * depth_m};
     effect_.move(contact, push);
     return R_WT_.transpose() * push.vhip_W;
   }
