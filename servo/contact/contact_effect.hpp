@@ -11,9 +11,9 @@
 // cannot take it from |d|, since d also has parts along the surface. What no potential covers (recovery, force shading,
 // planes that jump) the energy account sees (energy_account.hpp).
 //
-// Source: the paper, sections 3.1 (last paragraph) and 3.3. Frame W: world [m, m/s]. Thread: the servo's; no heap, lock,
-// system call or throw; a period of the servo, a stiffness or a number of ticks that an effect needs it gets when it is
-// made.
+// Source: the paper, sections 3.1 (last paragraph) and 3.3. Frame W: world [m, m/s]. Thread: the servo's; no heap,
+// lock, system call or throw; a period of the servo, a stiffness or a number of ticks that an effect needs it gets when
+// it is made.
 #pragma once
 
 #include <memory>

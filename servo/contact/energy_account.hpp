@@ -2,14 +2,15 @@
 // servo/contact/energy_account.hpp: what the effects give must have been put in: the last word on where the VHIP is.
 //
 // An effect with a potential gives back what it took. Some cannot have one: recovery keeps an old force while the tool
-// goes on, so after a valley it pushes the hand along its way; force shading turns the force by what it knew a tick ago;
-// in noise a plane jumps and with it what lies under the tool. So the account of a contact is kept, E: what the hand put
-// in, by the effects' force over the tool's way (as a trapezoid of both ends, so that holding a force over a tick, which
-// any sampled wall does, is not the effects' fault). Where the effects hold more in store than is in the account, the
-// difference is a debt. It is paid twice over:
+// goes on, so after a valley it pushes the hand along its way; force shading turns the force by what it knew a tick
+// ago; in noise a plane jumps and with it what lies under the tool. So the account of a contact is kept, E: what the
+// hand put in, by the effects' force over the tool's way (as a trapezoid of both ends, so that holding a force over a
+// tick, which any sampled wall does, is not the effects' fault). Where the effects hold more in store than is in the
+// account, the difference is a debt. It is paid twice over:
 // - by a drag along the surface, a sled as friction's (sliding_spring.hpp), t = debt / D behind the tool, at most
 //   kMostDrag D: the next way of a depth's length pays for most of it, and a drive along the way is cancelled;
-// - by weakening: d is multiplied by (E + kFree of the largest energy in store) / U where that is less than 1. So at the
+// - by weakening: d is multiplied by (E + kFree of the largest energy in store) / U where that is less than 1. So at
+// the
 //   end of a contact no more than kFree of it has been given, whatever happened.
 // Both are continuous where E and U are. What friction dissipates is credit, for this contact. What the plane alone
 // gave, along the same way, times its stiffness, is not charged: effects make it no better and no worse.
@@ -24,9 +25,9 @@ namespace palpate {
 class EnergyAccount {
  public:
   static constexpr double kFree = 0.0025;    // of the largest energy stored in this contact [-]
-  static constexpr double kRepayments = 8;    // of a debt, on a way as long as the depth [-]
-  static constexpr double kShare = 0.1;       // of a change of drag or of the plane's gift, in each tick [-]
-  static constexpr double kMostDrag = 0.25;   // of the depth [-]
+  static constexpr double kRepayments = 8;   // of a debt, on a way as long as the depth [-]
+  static constexpr double kShare = 0.1;      // of a change of drag or of the plane's gift, in each tick [-]
+  static constexpr double kMostDrag = 0.25;  // of the depth [-]
 
   // The VHIP for what the effects want. Once a tick in contact, new_contact first.
   [[nodiscard]] Vec3 settle(const ContactState& contact, const ContactPush& push) noexcept;

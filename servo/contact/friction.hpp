@@ -8,8 +8,8 @@
 //   K (|t| - mu_d D - m) = b_v m / T, m >= 0;
 // - it sticks again as soon as it does not move (m = 0; a sled slower than kStill stands still).
 // So slipping steadily at speed v costs mu_d K D + b_v v exactly. D is that of the VHIP that comes in, along the
-// plane's normal. The VHIP is held back by t; what the spring stores, t^2 / 2, is passed on. Slipping only shortens t, so
-// friction only takes energy. What earlier effects push along the surface is not drawn by the spring: it pushes the
+// plane's normal. The VHIP is held back by t; what the spring stores, t^2 / 2, is passed on. Slipping only shortens t,
+// so friction only takes energy. What earlier effects push along the surface is not drawn by the spring: it pushes the
 // hand, and friction holds the hand back against it.
 // Sources: the paper, section 3 (friction limits the motion of the VHIP); Coulomb's law; a sled that sticks and slips
 // as in Salcudean and Vlaar (1997), Hayward and Armstrong (2000). Frame W: world [m]. Thread: move() and release() the

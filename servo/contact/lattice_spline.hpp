@@ -62,7 +62,8 @@ class LatticeSpline {
   }
 
   // `u`: from the middle sample, -0.5 to 0.5 along each axis. `within`: the axes along which the field is not level.
-  [[nodiscard]] At weighed(const Lattice& lattice, const Vec3& u, const Eigen::Array<bool, 3, 1>& within) const noexcept;
+  [[nodiscard]] At weighed(const Lattice& lattice, const Vec3& u,
+                           const Eigen::Array<bool, 3, 1>& within) const noexcept;
 
   std::array<double, 27> numbers_{};  // i fastest
   Vec3i middle_ = Vec3i::Zero();

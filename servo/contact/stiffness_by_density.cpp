@@ -27,7 +27,8 @@ Vec3 StiffnessByDensity::slopeAtHip(const ContactState& contact) noexcept {
       });
   factor_ = at.value;
   if (at.gradient_W.isZero(0)) return Vec3::Zero();
-  const Vec3 sides2_W = lattice.R_WL * (lattice.R_WL.transpose() * normal_W).cwiseProduct(lattice.spacing_m.cwiseAbs2());
+  const Vec3 sides2_W =
+      lattice.R_WL * (lattice.R_WL.transpose() * normal_W).cwiseProduct(lattice.spacing_m.cwiseAbs2());
   const Vec3 below_by_normal_W = sides2_W * (kBelow * kBelow / below_m);  // grad_N b
   const SurfaceTurn turn(window_.of(*contact.window), surface_W, normal_W);
   const Vec3 along_W =

@@ -5,8 +5,8 @@
 // nearest to the HIP, along the plane's normal: beyond the blur of a border between two materials, which is as wide
 // as a voxel is in that direction (0.5 mm in a slice, 3 mm from one to the next).
 // The energy stored becomes f U, with all that earlier effects stored; so d becomes f d, and where f changes along the
-// surface there is a part -U grad f besides, towards what is softer: K / 2 D^2 |grad f| on a bare plane, D |grad f| / 2 f
-// of the normal force. That is what a hand feels as it slides onto bone: it has to do the work that bone gives back.
+// surface there is a part -U grad f besides, towards what is softer: K / 2 D^2 |grad f| on a bare plane, D |grad f| / 2
+// f of the normal force. That is what a hand feels as it slides onto bone: it has to do the work that bone gives back.
 // f is a smooth field (lattice_spline.hpp) of the samples' factors, so that a step in the table is one or two voxels
 // wide in space, and the force is continuous. The damping B stays as it is.
 // Without a window the contact's last factor holds, 1 at its beginning.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// servo/contact/surface_turn.hpp: how the surface's normal turns along it, and what that makes of slopes on the surface.
+// servo/contact/surface_turn.hpp: how the surface's normal turns along it, and what that makes of slopes on the
+// surface.
 //
 // With p the surface point nearest to the HIP x, N the normal there and D the depth, x = p - D N. Along the surface
 // dN = S dp, S the shape operator, 1 / R on a ball; so dx = (I - D S) dp: under a ball the surface point moves faster
@@ -32,8 +33,8 @@ class SurfaceTurn {
  private:
   void setTangents(const Vec3& normal_W, const Vec3& other_W) noexcept;
 
-  Vec3 u_W_, v_W_;                    // tangents, unit
-  double uu_ = 0, uv_ = 0, vv_ = 0;   // S along them [1/m]
+  Vec3 u_W_, v_W_;                   // tangents, unit
+  double uu_ = 0, uv_ = 0, vv_ = 0;  // S along them [1/m]
 };
 
 // How wide a voxel is across a plane with this unit normal, as the root of the sum of squares: so far it blurs a border

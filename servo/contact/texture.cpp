@@ -51,8 +51,8 @@ void ProceduralTexture::move(const ContactState& contact, ContactPush& push) noe
   if (!(amplitude_m_ > 0)) return;
   const Vec3 surface_W = contact.plane.nearest(contact.hip_W);
   const Vec3& normal_W = contact.plane.normal_W;
-  const SurfaceTurn turn = contact.on_volume ? SurfaceTurn(window_.of(*contact.window), surface_W, normal_W)
-                                             : SurfaceTurn(normal_W);
+  const SurfaceTurn turn =
+      contact.on_volume ? SurfaceTurn(window_.of(*contact.window), surface_W, normal_W) : SurfaceTurn(normal_W);
   raise(contact, at(surface_W), amplitude_m_, turn, push);
 }
 

@@ -2,13 +2,13 @@
 // servo/contact/texture.hpp: texture: the surface goes up and down as the tool slides over it.
 //
 // Both kinds raise the depth D by a height h that depends on the surface point p under the tool alone, not on time, and
-// by no more than the amplitude A: D' = D + h(p) s(D). A share s = u (2 - u) of it, u = D / 2A, is felt until the tool is
-// 2A deep: so contact begins and ends without a step, and D' grows with D and is never negative. The energy stored grows
-// by (D'^2 - D^2) / 2, and the VHIP moves by minus its slope: D' (1 + h s') - D along the normal, and -D' s grad h along
-// the surface. So a bump is felt as one is: it holds the hand back on its way up and pushes it on down the other side,
-// and over the whole it gives nothing. Where the surface turns, see surface_turn.hpp.
-// No bump is steeper than kSteepest, whatever amplitude was asked for: the texture turns the force by 45 degrees at
-// most on a flat surface. Frame W: world [m]. Thread: move() and release() the servo's.
+// by no more than the amplitude A: D' = D + h(p) s(D). A share s = u (2 - u) of it, u = D / 2A, is felt until the tool
+// is 2A deep: so contact begins and ends without a step, and D' grows with D and is never negative. The energy stored
+// grows by (D'^2 - D^2) / 2, and the VHIP moves by minus its slope: D' (1 + h s') - D along the normal, and -D' s grad
+// h along the surface. So a bump is felt as one is: it holds the hand back on its way up and pushes it on down the
+// other side, and over the whole it gives nothing. Where the surface turns, see surface_turn.hpp. No bump is steeper
+// than kSteepest, whatever amplitude was asked for: the texture turns the force by 45 degrees at most on a flat
+// surface. Frame W: world [m]. Thread: move() and release() the servo's.
 #pragma once
 
 #include <array>
@@ -24,8 +24,8 @@ inline constexpr double kSteepestTexture = 1;  // [-]
 
 // A solid texture that fills the world: the mean of kWaves plane waves of one wavelength, in the directions of a
 // regular tetrahedron turned so that none lies along an axis. On a surface each wave shows as one of at least that
-// wavelength. Root mean square: A / sqrt(2 kWaves) = 0.354 A. It is at most 2 pi / sqrt(3) A / wavelength steep, so A is
-// at most 0.276 wavelengths. Cost: some 180 ns (four sines, four cosines, four fetches).
+// wavelength. Root mean square: A / sqrt(2 kWaves) = 0.354 A. It is at most 2 pi / sqrt(3) A / wavelength steep, so A
+// is at most 0.276 wavelengths. Cost: some 180 ns (four sines, four cosines, four fetches).
 class ProceduralTexture final : public ContactEffect {
  public:
   static constexpr int kWaves = 4;
@@ -55,9 +55,9 @@ class ProceduralTexture final : public ContactEffect {
 // distance squared, as in a Laplacian, so that on voxels that are not cubes a smooth surface of radius R reads the same
 // in every direction: h^2 / (3 R), 3 / h^2 = the sum of one over each side squared; 0.017 h at 20 voxels of side h. The
 // steepness is the root mean square of the sample's and its neighbours'. The departures, times the gain and cut off at
-// +-A, are the numbers of a smooth field (lattice_spline.hpp), A at most kWidest of the smallest side. Where there is no
-// window or no steepness, there is no texture. Cost: some 150 ns, and in a tick that comes nearer to another sample 250
-// ns more.
+// +-A, are the numbers of a smooth field (lattice_spline.hpp), A at most kWidest of the smallest side. Where there is
+// no window or no steepness, there is no texture. Cost: some 150 ns, and in a tick that comes nearer to another sample
+// 250 ns more.
 class DensityTexture final : public ContactEffect {
  public:
   // The field rises by at most 2A a voxel along each of three axes.

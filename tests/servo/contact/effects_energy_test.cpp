@@ -13,15 +13,20 @@ namespace palpate {
 namespace {
 
 enum Effect { kShading, kRecovery, kProcedural, kDensity, kFriction, kStiffness, kEffects };
-constexpr const char* kNames[] = {"shading", "recovery", "procedural texture", "density texture", "friction", "stiffness"};
+constexpr const char* kNames[] = {"shading",         "recovery", "procedural texture",
+                                  "density texture", "friction", "stiffness"};
 
 constexpr double kShareOfStored = 0.01;
 
 // Parameters from all over what a user may set.
 void add(EffectParameters& p, Effect effect, Dice& dice, double density_below) {
   switch (effect) {
-    case kShading: p.force_shading = true; break;
-    case kRecovery: p.recovery_s = dice.spread(1e-3, 1); break;
+    case kShading:
+      p.force_shading = true;
+      break;
+    case kRecovery:
+      p.recovery_s = dice.spread(1e-3, 1);
+      break;
     case kProcedural:
     case kDensity:
       p.texture = effect == kProcedural ? TextureKind::kProcedural : TextureKind::kDensity;
@@ -41,7 +46,8 @@ void add(EffectParameters& p, Effect effect, Dice& dice, double density_below) {
       p.stiffness_by_density = {{middle - half, falls ? high : low}, {middle + half, falls ? low : high}};
       break;
     }
-    case kEffects: break;
+    case kEffects:
+      break;
   }
 }
 
@@ -62,7 +68,8 @@ struct Condition {
   int n;
   double noise;    // of the samples [voxel]
   double step_m;   // in a tick
-  bool waves_too;  // steps are short beside the texture's waves: otherwise waves are long beside the steps
+  bool waves_too;  // steps are short beside the texture's waves; otherwise waves are made long beside the steps
+  std::uint32_t seeds;
 };
 
 void expectNothingGiven(const Condition& condition) {
@@ -70,7 +77,7 @@ void expectNothingGiven(const Condition& condition) {
   double largest = 0;
   for (int body_kind = 0; body_kind < 4; ++body_kind) {
     for (int lattice = 0; lattice < 3; ++lattice) {
-      for (std::uint32_t seed = 1; seed <= 2; ++seed) {
+      for (std::uint32_t seed = 1; seed <= condition.seeds; ++seed) {
         Dice body_dice(100 * seed + 10 * static_cast<std::uint32_t>(body_kind) + static_cast<std::uint32_t>(lattice));
         const EnergyBody body = bodyOf(body_kind, body_dice);
         const double noise_m = condition.noise * (lattice == 0 ? 1e-3 : 0.5e-3);
@@ -94,8 +101,8 @@ void expectNothingGiven(const Condition& condition) {
             const Cycle cycle = energyOf(volume, way, p, condition.n, 1000);
             if (plane.lost > 0) continue;  // each contact has an account of its own
             ++contacts;
-            // A table may leave next to nothing of K: then of a thousandth of what the plane stores.
-            const double stored_J = std::max(cycle.stored_J, 1e-3 * plane.stored_J);
+            // A table may leave next to nothing of K: then of a hundredth of what the plane stores.
+            const double stored_J = std::max(cycle.stored_J, 1e-2 * plane.stored_J);
             ASSERT_GT(stored_J, 0);
             EXPECT_LE(cycle.given_J, kShareOfStored * stored_J + largestFactor(p) * plane.given_J)
                 << condition.name << ": " << kNames[a] << " and " << kNames[b] << " on a " << body.name << ", lattice "
@@ -106,7 +113,7 @@ void expectNothingGiven(const Condition& condition) {
       }
     }
   }
-  EXPECT_GT(contacts, 400);  // of 480
+  EXPECT_GT(contacts, static_cast<int>(200 * condition.seeds));  // of 240
   testing::Test::RecordProperty(fmt::format("largest_share_given_n{}_noise{:g}", condition.n, condition.noise),
                                 fmt::format("{:.5f} of {} contacts", largest, contacts));
 }
@@ -114,17 +121,17 @@ void expectNothingGiven(const Condition& condition) {
 // Steps of at most 20 um and a 40th of the texture's wavelength: the trapezoid errs by (2 pi / 40)^2 / 12 = 0.2 % of a
 // wave's own energy, and by the change of slope of the field over a step elsewhere.
 TEST(EffectsEnergy, SlowlyWithAPlaneATickNothingIsGiven) {
-  expectNothingGiven({"slowly, n = 1", 1, 0, 0.02e-3, true});
+  expectNothingGiven({"slowly, n = 1", 1, 0, 0.02e-3, true, 2});
 }
 
 // 0.1 m/s at 1 kHz, on samples with noise.
 TEST(EffectsEnergy, FastOnNoiseNothingIsGiven) {
-  expectNothingGiven({"fast, n = 1", 1, 0.1, 0.1e-3, false});
+  expectNothingGiven({"fast, n = 1", 1, 0.1, 0.1e-3, false, 2});
 }
 
 TEST(EffectsEnergy, WithPlanesRenewedSeldomNoMoreIsGivenThanByThem) {
-  expectNothingGiven({"fast, n = 5", 5, 0.05, 0.1e-3, false});
-  expectNothingGiven({"fast, n = 20", 20, 0.05, 0.1e-3, false});
+  expectNothingGiven({"fast, n = 5", 5, 0.05, 0.1e-3, false, 1});
+  expectNothingGiven({"fast, n = 20", 20, 0.05, 0.1e-3, false, 1});
 }
 
 // On a plane, which samples hold exactly, the potentials are exact: what is given is a hundredth of what the account

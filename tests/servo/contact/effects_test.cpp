@@ -130,8 +130,7 @@ TEST(Effects, StiffnessKeepsTheFrictionCone) {
   AlgorithmParameters undamped;
   undamped.damping_Ns_per_m = 0;
   double widest = 0, most_N = 0;
-  for (const TickOutput& out :
-       touch(makeContactEffects(p, kStiffness, kRate), level, Mat3::Identity(), undamped)) {
+  for (const TickOutput& out : touch(makeContactEffects(p, kStiffness, kRate), level, Mat3::Identity(), undamped)) {
     if (!out.in_contact) continue;
     const double along_N = out.normal_W.dot(out.force_W);
     const double aside_N = (out.force_W - along_N * out.normal_W).norm();

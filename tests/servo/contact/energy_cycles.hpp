@@ -2,8 +2,8 @@
 // tests/servo/contact/energy_cycles.hpp: closed ways of a tool in and out of a body, and the energy that it gets on
 // them.
 //
-// A body is a surface with an exact distance in a volume of any lattice, and a map from surface coordinates and depth to
-// the tool's place. Below the surface the material differs from place to place.
+// A body is a surface with an exact distance in a volume of any lattice, and a map from surface coordinates and depth
+// to the tool's place. Below the surface the material differs from place to place.
 #pragma once
 
 #include <algorithm>
@@ -27,7 +27,9 @@ constexpr double kEnergyStiffness = 500;  // [N/m]
 class Dice {
  public:
   explicit Dice(std::uint32_t seed) : engine_(seed) {}
-  double between(double low, double high) { return low + (high - low) * (static_cast<double>(engine_()) / 4294967295.0); }
+  double between(double low, double high) {
+    return low + (high - low) * (static_cast<double>(engine_()) / 4294967295.0);
+  }
   double spread(double low, double high) { return low * std::pow(high / low, between(0, 1)); }  // even in the logarithm
   int below(int count) { return static_cast<int>(engine_() % static_cast<std::uint32_t>(count)); }
   bool coin() { return below(2) == 1; }

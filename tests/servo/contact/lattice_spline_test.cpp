@@ -94,15 +94,14 @@ TEST(LatticeSpline, ReadsTheWindowOfTheTick) {
 
 // ---- how the surface turns ----
 
-// Gradients of R - |x| at samples R / h voxels out, a voxel aside either way: the secant errs by (h / R)^2 / 3 of 1 / R,
-// central differences by (h / R)^2 / 6 and their interpolation by 3 / 8 (h / R)^2 (analytic_surface.hpp): below
-// (h / R)^2 = 1 / 200 each way, for a ball and for a hollow one.
+// Gradients of R - |x| at samples R / h voxels out, a voxel aside either way: the secant errs by (h / R)^2 / 3 of 1 /
+// R, central differences by (h / R)^2 / 6 and their interpolation by 3 / 8 (h / R)^2 (analytic_surface.hpp): below (h /
+// R)^2 = 1 / 200 each way, for a ball and for a hollow one.
 TEST(SurfaceTurn, IsOneOverTheRadiusOnABall) {
   for (const double out : {1.0, -1.0}) {
     const double R = 20e-3;
     const Vec3 centre = Vec3::Constant(31.3e-3);
-    const AnalyticVolume volume =
-        millimetreVolume([=](const Vec3& p) { return out * (R - (p - centre).norm()); });
+    const AnalyticVolume volume = millimetreVolume([=](const Vec3& p) { return out * (R - (p - centre).norm()); });
     HeldWindow held;
     volume.hold(held, Vec3i::Zero(), volume.size);
     const Vec3 radial = Vec3(0.4, -0.3, 0.8).normalized();

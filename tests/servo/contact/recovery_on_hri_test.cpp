@@ -118,9 +118,9 @@ TEST(RecoveryOnHri, ForceStepsInAValleyAreATenthOrLess) {
 // ticks of way. With planes so regular the steps cannot become smaller than j / n: what is taken up every n ticks
 // has to come back. The force lags by l = (N + 1) / 2 ticks of way, so a part l / r of it drives the tool on, and
 // there is no friction that pays for that: the drive is cancelled by a drag (energy_account.hpp), which takes
-// (l / r)^2 / 2 of the length, and what is owed weakens the contact: of a debt q a way of D pays kRepayments q, the drive
-// gives D^2 l / r over it, so q is 2 l / (r kRepayments) of the energy D^2 / 2, less what is free. A fifth of both is
-// allowed for what they differ by. A plane's jumps of 0.02 voxel are passed on to drag and strength by kShare.
+// (l / r)^2 / 2 of the length, and what is owed weakens the contact: of a debt q a way of D pays kRepayments q, the
+// drive gives D^2 l / r over it, so q is 2 l / (r kRepayments) of the energy D^2 / 2, less what is free. A fifth of
+// both is allowed for what they differ by. A plane's jumps of 0.02 voxel are passed on to drag and strength by kShare.
 TEST(RecoveryOnHri, CostsTheDepthThatItsLagSays) {
   struct Case {
     int n;

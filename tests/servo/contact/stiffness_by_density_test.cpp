@@ -44,8 +44,8 @@ class StiffnessByDensityTest : public testing::Test {
   StiffnessByDensity effect_{StiffnessTable({{200, 0.25}, {800, 1.5}})};
 };
 
-// 2.5 voxels down and 1.5 about that the density is on the plateau; floats hold 200 and 800 exactly: the factors are the table's, but for
-// the rounding of d, 1e-17 m of 0.5 mm.
+// 2.5 voxels down and 1.5 about that the density is on the plateau; floats hold 200 and 800 exactly: the factors are
+// the table's, but for the rounding of d, 1e-17 m of 0.5 mm.
 TEST_F(StiffnessByDensityTest, EachMaterialHasItsOwn) {
   PlaneContact contact(effect_);
   EXPECT_NEAR(factor(contact, {20e-3, 30e-3, kLevel}), 0.25, 1e-12);
@@ -85,8 +85,9 @@ TEST_F(StiffnessByDensityTest, BeyondTheWindowTheLastFactorHolds) {
   EXPECT_NEAR(factor(contact, {40e-3, 30e-3, kLevel}), 1.5, 1e-12);
 }
 
-// The factor rises by 4 a metre of density, which rises by 1 a metre along x: F = K f D N - K / 2 D^2 grad f, everywhere
-// and whatever the lattice. Samples are floats of some 0.1: 1e-8 of a metre, 4e-7 of the factor's slope over a voxel.
+// The factor rises by 4 a metre of density, which rises by 1 a metre along x: F = K f D N - K / 2 D^2 grad f,
+// everywhere and whatever the lattice. Samples are floats of some 0.1: 1e-8 of a metre, 4e-7 of the factor's slope over
+// a voxel.
 TEST(StiffnessByDensity, OnALevelSlopeTheForceIsTheClosedForm) {
   const Vec3 up = Vec3(0.2, -0.3, 0.9).normalized();
   const Vec3 along = (Vec3::UnitX() - up * up.x()).normalized();

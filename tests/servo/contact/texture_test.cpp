@@ -187,8 +187,8 @@ class DensityTextureTest : public testing::Test {
 // Samples are floats of some 1e-3 at most beside the surface: rounding 1e-10.
 constexpr double kFloat_m = 1e-9;
 
-// A level surface whose density alternates by +-e from sample to sample along x. A sample's neighbours along x are e the
-// other way, the others as here: the mean is e / 3, the departure 2 e / 3. Central differences do not see the
+// A level surface whose density alternates by +-e from sample to sample along x. A sample's neighbours along x are e
+// the other way, the others as here: the mean is e / 3, the departure 2 e / 3. Central differences do not see the
 // alternation: the steepness is 1. The smooth field weighs a sample by 3 / 4 along x and its neighbours by 1 / 8 each:
 // half of the departure is left.
 TEST_F(DensityTextureTest, ReadsTheDepartureFromTheTrend) {
