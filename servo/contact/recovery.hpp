@@ -18,10 +18,11 @@
 // ticks in the mean, so the depth is off by j (N + 1) / (2 n). Where the surface curves evenly the steps can only fall
 // to j / n. The direction lags by l = (N + 1) / 2 ticks of way: where the surface is hollow along the way, the force
 // drives the tool on by l / R of itself, and after a valley for N ticks. The energy account takes that back
-// (energy_account.hpp): by friction, where there is some, else by a drag and up to 2 l / (R kRepayments) of the force. Offsets are whole numbers of 1e-18 m: sums of them have no rounding, so nothing is left over and nothing
-// drifts. Source: Mark et al. (SIGGRAPH 1996), the paper, section 3.3 and Figure 6; the rule of VRPN's plane.C, which
-// restarts one ramp at every switch, where here every jump has its own. Frame W: world [m]. Thread: move() and
-// release() the servo's. Cost: some 15 ns; memory 24 bytes per tick of recovery, taken when it is made.
+// (energy_account.hpp): by friction, where there is some, else by a drag and up to 2 l / (R kRepayments) of the force.
+// Offsets are whole numbers of 1e-18 m: sums of them have no rounding, so nothing is left over and nothing drifts.
+// Source: Mark et al. (SIGGRAPH 1996), the paper, section 3.3 and Figure 6; the rule of VRPN's plane.C, which restarts
+// one ramp at every switch, where here every jump has its own. Frame W: world [m]. Thread: move() and release() the
+// servo's. Cost: some 15 ns; memory 24 bytes per tick of recovery, taken when it is made.
 #pragma once
 
 #include <cstdint>

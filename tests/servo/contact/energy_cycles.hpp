@@ -17,7 +17,6 @@
 
 #include "servo/algorithms/registry.hpp"
 #include "servo/contact/effects.hpp"
-#include "servo/contact/surface_turn.hpp"
 #include "support/analytic_surface.hpp"
 
 namespace palpate {
@@ -108,10 +107,7 @@ class EnergyVolume {
         for (int i = 0; i < size.x(); ++i) {
           const Vec3 p = volume.lattice.toWorld(Vec3(i, j, k));
           const double inward_m = -body.surface.distance_m(p) + noise_m * dice.between(-1, 1);
-          const Vec3 normal_L = volume.lattice.R_WL.transpose() * body.surface.normal(p);
-          const double below_m = 2 * normal_L.cwiseAbs().dot(volume.lattice.spacing_m);
-          const double material_m = 2e-3 * std::clamp((inward_m - below_m) / 1e-3, 0.0, 1.0) * std::sin(wave.dot(p));
-          values->push_back(kSteepness * (inward_m + material_m));
+          values->push_back(kSteepness * (inward_m + materialAt(body, p, inward_m, wave)));
         }
       }
     }
@@ -127,6 +123,13 @@ class EnergyVolume {
   [[nodiscard]] double voxel() const { return volume_.lattice.smallestSpacing(); }
 
  private:
+  [[nodiscard]] double materialAt(const EnergyBody& body, const Vec3& p_W, double inward_m, const Vec3& wave) const {
+    if (inward_m < 2 * voxel()) return 0;
+    const Vec3 normal_L = volume_.lattice.R_WL.transpose() * body.surface.normal(p_W);
+    const double below_m = 2 * normal_L.cwiseAbs().dot(volume_.lattice.spacing_m);
+    return 2e-3 * std::clamp((inward_m - below_m) / 1e-3, 0.0, 1.0) * std::sin(wave.dot(p_W));
+  }
+
   AnalyticVolume volume_;
   HeldWindow held_;
 };
