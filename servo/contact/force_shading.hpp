@@ -13,7 +13,7 @@
 // the depth: the force is turned by 45 degrees at most, so where the surface is more curved than the tool is deep the
 // projections do not run away. Its VHIP is the one that it made itself: what later effects do to it is not on the
 // surface. Source: Ruspini, Kolarov, Khatib (SIGGRAPH 1997), the paper, section 3.3. Frame W: world [m]. Thread: move()
-// and release() the servo's. Cost: a fetch each tick, some 40 ns.
+// and release() the servo's. Cost: a fetch each tick, some 50 ns.
 #pragma once
 
 #include "servo/contact/contact_effect.hpp"

@@ -25,7 +25,7 @@ inline constexpr double kSteepestTexture = 1;  // [-]
 // A solid texture that fills the world: the mean of kWaves plane waves of one wavelength, in the directions of a
 // regular tetrahedron turned so that none lies along an axis. On a surface each wave shows as one of at least that
 // wavelength. Root mean square: A / sqrt(2 kWaves) = 0.354 A. It is at most 2 pi / sqrt(3) A / wavelength steep, so A
-// is at most 0.276 wavelengths. Cost: some 180 ns (four sines, four cosines, four fetches).
+// is at most 0.276 wavelengths. Cost: some 240 ns (four sines, four cosines, four fetches).
 class ProceduralTexture final : public ContactEffect {
  public:
   static constexpr int kWaves = 4;
