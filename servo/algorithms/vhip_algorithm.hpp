@@ -17,7 +17,7 @@
 // an edit turned only the part of the old displacement along the new normal is there at once. What an edit takes away
 // is felt at once. Objects beside the volume are not eased. Frames, force convention and thread: algorithm.hpp. Source:
 // the paper, equations 2 and 3; effects move the VHIP only (section 3.1, last paragraph), within their account of
-// energy (energy_account.hpp). Cost: some 5 ns and what Surface, effects and objects cost; with effects 30 ns for the
+// energy (energy_account.hpp). Cost: some 5 ns and what Surface, effects and objects cost; with effects 5 ns for the
 // account.
 #pragma once
 

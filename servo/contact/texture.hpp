@@ -56,7 +56,7 @@ class ProceduralTexture final : public ContactEffect {
 // in every direction: h^2 / (3 R), 3 / h^2 = the sum of one over each side squared; 0.017 h at 20 voxels of side h. The
 // steepness is the root mean square of the sample's and its neighbours'. The departures, times the gain and cut off at
 // +-A, are the numbers of a smooth field (lattice_spline.hpp), A at most kWidest of the smallest side. Where there is
-// no window or no steepness, there is no texture. Cost: some 150 ns, and in a tick that comes nearer to another sample
+// no window or no steepness, there is no texture. Cost: some 260 ns, and in a tick that comes nearer to another sample
 // 250 ns more.
 class DensityTexture final : public ContactEffect {
  public:
