@@ -18,7 +18,8 @@
 // inwards. Of a plane that an edit turned only the part of the old displacement along the new normal is there at once.
 // What an edit takes away is felt at once. Objects beside the volume are not eased. Frames, force convention and
 // thread: algorithm.hpp. Source: the paper, equations 2 and 3; effects move the VHIP only (section 3.1, last
-// paragraph). Cost: some 5 ns and what Surface, effects and objects cost.
+// paragraph), within their account of energy (energy_account.hpp). Cost: some 5 ns and what Surface, effects and
+// objects cost; with effects 5 ns for the account.
 #pragma once
 
 #include <algorithm>
@@ -28,6 +29,7 @@
 #include "servo/algorithms/algorithm.hpp"
 #include "servo/algorithms/edit_ease.hpp"
 #include "servo/contact/contact_effect.hpp"
+#include "servo/contact/energy_account.hpp"
 #include "servo/objects/object_contacts.hpp"
 #include "servo/safety/faults.hpp"
 
@@ -170,7 +172,9 @@ class VhipAlgorithm final : public Algorithm {
                                  .single_plane = objects_.empty() || objects_.singlePlane(),
                                  .on_volume = objects_.empty() || objects_.onVolume(),
                                  .window = in.window};
-      for (auto& effect : effects_) out.vhip_W = effect->move(contact, out.vhip_W);
+      ContactPush moved{.vhip_W = out.vhip_W, .energy_m2 = 0.5 * depth_m * depth_m};
+      for (auto& effect : effects_) effect->move(contact, moved);
+      out.vhip_W = account_.settle(contact, moved);
       const Vec3 spring_W = stiffness_N_per_m_ * (out.vhip_W - in.hip_W);
       const double along_N = plane.normal_W.dot(spring_W);
       out.force_W = spring_W + plane.normal_W * (pushing(along_N - damping_N) - along_N);
@@ -191,6 +195,7 @@ class VhipAlgorithm final : public Algorithm {
   double stiffness_N_per_m_;
   double damping_Ns_per_m_;
   ContactEffects effects_;
+  EnergyAccount account_;  // of what the effects give
   ObjectContacts objects_;
   std::optional<ContactPlane> volume_plane_;  // with objects: of the last tick, in contact
   bool touching_ = false;                     // in the last tick

@@ -3,9 +3,17 @@
 // else.
 //
 // An algorithm that is in contact first puts the VHIP on its plane, then lets each effect move it in turn, then
-// computes the force from it. Without effects this costs one comparison per tick. Source: the paper, sections 3.1 (last
-// paragraph) and 3.3. Frame W: world [m, m/s]. Thread: the servo's; no heap, lock, system call or throw; a period of
-// the servo, a stiffness or a number of ticks that an effect needs it gets when it is made.
+// computes the force from it, F = K d with d = VHIP - HIP. Without effects this costs one comparison per tick.
+//
+// So that a surface gives back no more energy than a hand put in, an effect whose strength depends on the place has a
+// potential, and its d is minus the slope of that potential: along the normal and along the surface. What the effects
+// before it stored is passed on beside the VHIP, as U / K = `energy_m2`; for the bare plane that is D^2 / 2. An effect
+// cannot take it from |d|, since d also has parts along the surface. What no potential covers (recovery, force shading,
+// planes that jump) the energy account sees (energy_account.hpp).
+//
+// Source: the paper, sections 3.1 (last paragraph) and 3.3. Frame W: world [m, m/s]. Thread: the servo's; no heap,
+// lock, system call or throw; a period of the servo, a stiffness or a number of ticks that an effect needs it gets when
+// it is made.
 #pragma once
 
 #include <memory>
@@ -27,13 +35,20 @@ struct ContactState {
   const SampleWindow* window = nullptr;  // of this tick; never null, may be unusable
 };
 
+// What pushes the tool so far.
+struct ContactPush {
+  Vec3 vhip_W = Vec3::Zero();  // [m]
+  double energy_m2 = 0;        // U / K: what the tool would get back if it were drawn straight out
+  double stiffness = 1;        // of the contact here, over K [-]
+};
+
 class ContactEffect {
  public:
   virtual ~ContactEffect() = default;
   // No contact: forget the VHIP of the last one.
   virtual void release() noexcept = 0;
-  // Where the VHIP shall be, given where plane and earlier effects put it [m].
-  [[nodiscard]] virtual Vec3 move(const ContactState& contact, const Vec3& vhip_W) noexcept = 0;
+  // Moves the VHIP on from where plane and earlier effects put it, and says what is stored then.
+  virtual void move(const ContactState& contact, ContactPush& push) noexcept = 0;
 };
 
 using ContactEffects = std::vector<std::unique_ptr<ContactEffect>>;

@@ -15,25 +15,22 @@ void Friction::release() noexcept {
   slipping_ = false;
 }
 
-Vec3 Friction::move(const ContactState& contact, const Vec3& vhip_W) noexcept {
-  const Vec3& normal_W = contact.plane.normal_W;
-  const double depth_m = normal_W.dot(vhip_W - contact.hip_W);
+void Friction::move(const ContactState& contact, ContactPush& push) noexcept {
+  const double depth_m = contact.plane.normal_W.dot(push.vhip_W - contact.hip_W);
   if (contact.new_contact || !(depth_m > 0)) {
     slipping_ = false;
-    sled_W_ = vhip_W;
-    return vhip_W;
+    spring_.start(contact);
+    return;
   }
-  const Vec3 to_target_W = vhip_W - sled_W_;
-  const Vec3 t_W = to_target_W - normal_W * normal_W.dot(to_target_W);
-  const double t_m = t_W.norm();
-  double lag_m = t_m;
+  spring_.draw(contact);
+  const double t_m = spring_.stretch().norm();
   if (slipping_ || t_m > static_ratio_ * depth_m) {
     const double way_m = share_ * (t_m - dynamic_ratio_ * depth_m);
     slipping_ = way_m > still_m_;
-    if (slipping_) lag_m -= way_m;
+    if (slipping_) spring_.slip(1 - way_m / t_m);
   }
-  sled_W_ = t_m > 0 ? Vec3(vhip_W - t_W * (lag_m / t_m)) : vhip_W;
-  return sled_W_;
+  push.vhip_W -= spring_.stretch();
+  push.energy_m2 += 0.5 * spring_.stretch().squaredNorm();
 }
 
 }  // namespace palpate

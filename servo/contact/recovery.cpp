@@ -52,8 +52,8 @@ void Recovery::takeUp(const Vec3& jump_W) noexcept {
   pending_ticks_ = ticks_;
 }
 
-Vec3 Recovery::move(const ContactState& contact, const Vec3& vhip_W) noexcept {
-  const Vec3 d_W = vhip_W - contact.hip_W;
+void Recovery::move(const ContactState& contact, ContactPush& push) noexcept {
+  const Vec3 d_W = push.vhip_W - contact.hip_W;
   if (contact.new_contact) {
     forget();
   } else {
@@ -67,10 +67,12 @@ Vec3 Recovery::move(const ContactState& contact, const Vec3& vhip_W) noexcept {
   last_hip_W_ = contact.hip_W;
   last_normal_W_ = contact.plane.normal_W;
   last_single_ = contact.single_plane;
-  if (pending_ticks_ == 0) return vhip_W;
+  if (pending_ticks_ == 0) return;
   const Vec3& normal_W = contact.plane.normal_W;
   const Vec3 kept_W = d_W + offset();
-  return contact.hip_W + kept_W - normal_W * std::min(0.0, normal_W.dot(kept_W));
+  const double depth_m = normal_W.dot(kept_W);
+  push.vhip_W = contact.hip_W + kept_W - normal_W * std::min(0.0, depth_m);
+  push.energy_m2 = 0.5 * std::max(0.0, depth_m) * std::max(0.0, depth_m);
 }
 
 }  // namespace palpate

@@ -1,17 +1,39 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/contact/stiffness_by_density.hpp"
 
+#include "servo/contact/surface_turn.hpp"
+
 namespace palpate {
 
-Vec3 StiffnessByDensity::move(const ContactState& contact, const Vec3& vhip_W) noexcept {
+void StiffnessByDensity::move(const ContactState& contact, ContactPush& push) noexcept {
   if (contact.new_contact) factor_ = 1;
-  if (!contact.on_volume) return vhip_W;
-  const WindowSampler& sampler = window_.of(*contact.window);
-  const Vec3 below_W =
-      contact.plane.nearest(contact.hip_W) - contact.plane.normal_W * (kBelow * sampler.smallestSpacing());
-  const Fetch at = sampler.at(below_W);
-  if (at.place == Place::kInside) factor_ = table_.factor(at.density);
-  return contact.hip_W + factor_ * (vhip_W - contact.hip_W);
+  if (!contact.on_volume) return;
+  Vec3 slope_W = Vec3::Zero();
+  if (contact.window->usable() && contact.hip_W.allFinite()) slope_W = slopeAtHip(contact);
+  push.vhip_W = contact.hip_W + factor_ * (push.vhip_W - contact.hip_W) - push.energy_m2 * slope_W;
+  push.energy_m2 *= factor_;
+  push.stiffness *= factor_;
+}
+
+// The place is a = p - b(N) N. As p moves, so do N and b: da = dp - (b + N grad_N b) dN, dN = S dp.
+Vec3 StiffnessByDensity::slopeAtHip(const ContactState& contact) noexcept {
+  const Lattice& lattice = contact.window->lattice;
+  const Vec3& normal_W = contact.plane.normal_W;
+  const Vec3 surface_W = contact.plane.nearest(contact.hip_W);
+  const double below_m = kBelow * voxelAcross(lattice, normal_W);
+  const LatticeSpline::At at =
+      field_.at(*contact.window, surface_W - below_m * normal_W, [this](const SampleWindow& window, const Vec3i& i) {
+        return table_.factor(static_cast<double>(sampleAt(window, i).density));
+      });
+  factor_ = at.value;
+  if (at.gradient_W.isZero(0)) return Vec3::Zero();
+  const Vec3 sides2_W =
+      lattice.R_WL * (lattice.R_WL.transpose() * normal_W).cwiseProduct(lattice.spacing_m.cwiseAbs2());
+  const Vec3 below_by_normal_W = sides2_W * (kBelow * kBelow / below_m);  // grad_N b
+  const SurfaceTurn turn(window_.of(*contact.window), surface_W, normal_W);
+  const Vec3 along_W =
+      at.gradient_W - turn.turn(below_m * at.gradient_W + below_by_normal_W * normal_W.dot(at.gradient_W));
+  return turn.atHip(along_W, contact.plane.depth(contact.hip_W));
 }
 
 }  // namespace palpate

@@ -8,18 +8,26 @@
 namespace palpate {
 namespace {
 
-Vec3 raised(const ContactState& contact, const Vec3& vhip_W, double height_m, double amplitude_m) noexcept {
+void raise(const ContactState& contact, const LatticeSpline::At& height, double amplitude_m, const SurfaceTurn& turn,
+           ContactPush& push) noexcept {
   const Vec3& normal_W = contact.plane.normal_W;
-  const double depth_m = std::max(0.0, normal_W.dot(vhip_W - contact.hip_W));
-  const double share = depth_m < amplitude_m ? depth_m / amplitude_m : 1;
-  return vhip_W + normal_W * (height_m * share);
+  const double depth_m = normal_W.dot(push.vhip_W - contact.hip_W);
+  if (!(depth_m > 0)) return;
+  const double u = std::min(1.0, depth_m / (2 * amplitude_m));
+  const double share = u * (2 - u);
+  const double share_per_m = (1 - u) / amplitude_m;
+  const double raised_m = depth_m + height.value * share;
+  const Vec3 slope_W = turn.atHip(height.gradient_W, contact.plane.depth(contact.hip_W));
+  push.vhip_W += normal_W * (raised_m * (1 + height.value * share_per_m) - depth_m) - raised_m * share * slope_W;
+  push.energy_m2 += 0.5 * (raised_m * raised_m - depth_m * depth_m);
 }
 
 }  // namespace
 
 // ---- procedural ----
 
-ProceduralTexture::ProceduralTexture(double amplitude_m, double wavelength_m) noexcept : amplitude_m_(amplitude_m) {
+ProceduralTexture::ProceduralTexture(double amplitude_m, double wavelength_m) noexcept
+    : amplitude_m_(std::min(amplitude_m, kSteepestTexture * wavelength_m * std::sqrt(3.0) / (2 * std::numbers::pi))) {
   // Turned so that no wave lies within 28 degrees of an axis, nor do two look alike on a plane across one.
   const Mat3 turned = (Eigen::AngleAxisd(2.5, Vec3::UnitZ()) * Eigen::AngleAxisd(0.5, Vec3::UnitX()) *
                        Eigen::AngleAxisd(2.0, Vec3::UnitZ()))
@@ -29,41 +37,65 @@ ProceduralTexture::ProceduralTexture(double amplitude_m, double wavelength_m) no
           turned * Vec3(-1, -1, 1) * per_m};
 }
 
-double ProceduralTexture::height(const Vec3& p_W) const noexcept {
-  double sum = 0;
-  for (int i = 0; i < kWaves; ++i) sum += std::sin(waveVector(i).dot(p_W) + i);  // phases that have no common divisor
-  return amplitude_m_ / kWaves * sum;
+LatticeSpline::At ProceduralTexture::at(const Vec3& p_W) const noexcept {
+  LatticeSpline::At sum;
+  for (int i = 0; i < kWaves; ++i) {
+    const double phase = waveVector(i).dot(p_W) + i;  // phases that have no common divisor
+    sum.value += std::sin(phase);
+    sum.gradient_W += std::cos(phase) * waveVector(i);
+  }
+  return {amplitude_m_ / kWaves * sum.value, amplitude_m_ / kWaves * sum.gradient_W};
 }
 
-Vec3 ProceduralTexture::move(const ContactState& contact, const Vec3& vhip_W) noexcept {
-  return raised(contact, vhip_W, height(vhip_W), amplitude_m_);
+void ProceduralTexture::move(const ContactState& contact, ContactPush& push) noexcept {
+  if (!(amplitude_m_ > 0)) return;
+  const Vec3 surface_W = contact.plane.nearest(contact.hip_W);
+  const Vec3& normal_W = contact.plane.normal_W;
+  const SurfaceTurn turn =
+      contact.on_volume ? SurfaceTurn(window_.of(*contact.window), surface_W, normal_W) : SurfaceTurn(normal_W);
+  raise(contact, at(surface_W), amplitude_m_, turn, push);
 }
 
 // ---- density ----
 
-double DensityTexture::departure(const WindowSampler& sampler, const Vec3& p_W, const Vec3& normal_W) const noexcept {
-  const Fetch here = sampler.at(p_W);
-  const double steepness = here.gradient_W.norm();
-  if (here.place != Place::kInside || !(steepness > 0)) return 0;
-  double sum = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    const Vec3 axis_W = sampler.faceNormal(axis, true);
-    const Vec3 aside_W = (axis_W - normal_W * normal_W.dot(axis_W)) * sampler.smallestSpacing();
-    for (const double sign : {-1.0, 1.0}) {
-      const Fetch there = sampler.at(p_W + sign * aside_W);
-      if (there.place != Place::kInside) return 0;
-      sum += there.density;
-    }
-  }
-  const double departure_m = (here.density - sum / 6) / steepness;
-  return std::isfinite(departure_m) ? departure_m : 0;
-}
+namespace {
 
-Vec3 DensityTexture::move(const ContactState& contact, const Vec3& vhip_W) noexcept {
-  if (!contact.on_volume) return vhip_W;
-  const WindowSampler& sampler = window_.of(*contact.window);
-  const double height_m = gain_ * departure(sampler, vhip_W, contact.plane.normal_W);
-  return raised(contact, vhip_W, std::clamp(height_m, -amplitude_m_, amplitude_m_), amplitude_m_);
+struct Departure {
+  double gain;
+  double limit_m;
+  double operator()(const SampleWindow& window, const Vec3i& i) const noexcept {
+    const Sample& here = sampleAt(window, i);
+    double mean = 0, steep = 0, weights = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double weight = 1 / (window.lattice.spacing_m[axis] * window.lattice.spacing_m[axis]);
+      weights += 2 * weight;
+      for (const int way : {-1, 1}) {
+        Vec3i beside = i;
+        beside[axis] = std::clamp(i[axis] + way, 0, window.size[axis] - 1);
+        const Sample& there = sampleAt(window, beside);
+        mean += weight * static_cast<double>(there.density);
+        steep += weight * steepness2(there);
+      }
+    }
+    const double steepness = std::sqrt(0.5 * (steepness2(here) + steep / weights));
+    const double height_m = gain * (static_cast<double>(here.density) - mean / weights) / steepness;
+    return std::isnan(height_m) || !(steepness > 0) ? 0 : std::clamp(height_m, -limit_m, limit_m);
+  }
+  static double steepness2(const Sample& s) noexcept {
+    return Vec3(s.gradient_i, s.gradient_j, s.gradient_k).squaredNorm();
+  }
+};
+
+}  // namespace
+
+void DensityTexture::move(const ContactState& contact, ContactPush& push) noexcept {
+  if (!contact.on_volume || !contact.window->usable() || !contact.hip_W.allFinite()) return;
+  const double amplitude_m = std::min(amplitude_m_, kWidest * contact.window->lattice.smallestSpacing());
+  if (!(amplitude_m > 0)) return;
+  const Vec3 surface_W = contact.plane.nearest(contact.hip_W);
+  const LatticeSpline::At height = field_.at(*contact.window, surface_W, Departure{gain_, amplitude_m});
+  raise(contact, height, amplitude_m, SurfaceTurn(window_.of(*contact.window), surface_W, contact.plane.normal_W),
+        push);
 }
 
 }  // namespace palpate

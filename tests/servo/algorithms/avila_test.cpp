@@ -129,7 +129,7 @@ TEST(Avila, ReadsTheNewestWindow) {
 class NoEffect final : public ContactEffect {
  public:
   void release() noexcept override {}
-  Vec3 move(const ContactState&, const Vec3& vhip_W) noexcept override { return vhip_W; }
+  void move(const ContactState&, ContactPush&) noexcept override {}
 };
 
 TEST(Avila, RefusesContactEffects) {

@@ -452,9 +452,9 @@ TEST(Hri, NeverPulls) {
 class Aside final : public ContactEffect {
  public:
   void release() noexcept override { ++released; }
-  Vec3 move(const ContactState& contact, const Vec3& vhip_W) noexcept override {
+  void move(const ContactState& contact, ContactPush& push) noexcept override {
     new_contacts += contact.new_contact ? 1 : 0;
-    return vhip_W + contact.plane.normal_W.cross(Vec3::UnitZ()) * 1e-3;
+    push.vhip_W += contact.plane.normal_W.cross(Vec3::UnitZ()) * 1e-3;
   }
   int released = 0, new_contacts = 0;
 };

@@ -85,14 +85,14 @@ TEST(EffectsOnEveryAlgorithm, ALayerThatAnEditAddsIsTakenInWithThem) {
   }
 }
 
-// Below the surface the density says how stiff: twice K at 2 voxels below, where it is 2e-3.
+// Below the surface the density says how stiff: twice K at 2.5 voxels below, where it is 2.5e-3.
 TEST(EffectsOnEveryAlgorithm, StiffnessByDensityIsTheSameFactor) {
   const AnalyticVolume volume = flat();
   for (const AlgorithmEntry& entry : algorithms()) {
     if (!hasVhip(entry.name)) continue;
     SCOPED_TRACE(std::string(entry.name));
     const auto algorithm = makeAlgorithm(
-        entry.name, withEffects(entry.name, volume, {.stiffness_by_density = {{0, 1}, {2e-3, 2}, {4e-3, 3}}}));
+        entry.name, withEffects(entry.name, volume, {.stiffness_by_density = {{0.5e-3, 1}, {2.5e-3, 2}, {4.5e-3, 3}}}));
     AlgorithmDriver driver(*algorithm, volume, Vec3(15e-3, 20e-3, 21e-3), 40);
     driver.follow = false;
     driver.at(Vec3(15e-3, 20e-3, 21e-3));

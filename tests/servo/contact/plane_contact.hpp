@@ -21,7 +21,10 @@ class PlaneContact {
     contact.new_contact = new_contact_;
     contact.window = window;
     new_contact_ = false;
-    return R_WT_.transpose() * effect_.move(contact, contact.plane.nearest(contact.hip_W));
+    const double depth_m = contact.plane.depth(contact.hip_W);
+    push = {.vhip_W = contact.plane.nearest(contact.hip_W), .energy_m2 = 0.5 * depth_m * depth_m};
+    effect_.move(contact, push);
+    return R_WT_.transpose() * push.vhip_W;
   }
   void renew(const ContactPlane& plane) {
     plane_T = plane;
@@ -35,6 +38,7 @@ class PlaneContact {
 
   ContactPlane plane_T{Vec3::Zero(), Vec3::UnitZ(), 0};
   const SampleWindow* window = &none_;
+  ContactPush push;  // after the last tick, in W
 
  private:
   ContactEffect& effect_;

@@ -29,13 +29,13 @@ class StiffnessByDensityTest : public testing::Test {
  protected:
   StiffnessByDensityTest() { volume_.hold(held_, Vec3i::Zero(), volume_.size); }
 
-  // VHIP - HIP for a tool kDepth under the surface point, by which the effect multiplied it.
+  // What the effect multiplied d by, along the normal, for a tool kDepth under the surface point.
   double factor(PlaneContact& contact, const Vec3& surface_W) {
     contact.window = &held_.window;
     contact.plane_T.p_W = surface_W;
     const Vec3 hip(surface_W - kDepth * Vec3::UnitZ());
     const Vec3 d = contact.at(hip) - hip;
-    EXPECT_NEAR(std::hypot(d.x(), d.y()), 0, 1e-17);
+    EXPECT_NEAR(contact.push.energy_m2, 0.5 * kDepth * d.z(), 1e-19);
     return d.z() / kDepth;
   }
 
@@ -44,8 +44,8 @@ class StiffnessByDensityTest : public testing::Test {
   StiffnessByDensity effect_{StiffnessTable({{200, 0.25}, {800, 1.5}})};
 };
 
-// 2 voxels down the density is on the plateau; floats hold 200 and 800 exactly: the factors are the table's, but for
-// the rounding of d, 1e-17 m of 0.5 mm.
+// 2.5 voxels down and 1.5 about that the density is on the plateau; floats hold 200 and 800 exactly: the factors are
+// the table's, but for the rounding of d, 1e-17 m of 0.5 mm.
 TEST_F(StiffnessByDensityTest, EachMaterialHasItsOwn) {
   PlaneContact contact(effect_);
   EXPECT_NEAR(factor(contact, {20e-3, 30e-3, kLevel}), 0.25, 1e-12);
@@ -66,7 +66,10 @@ TEST_F(StiffnessByDensityTest, KeepsTheDirectionOfTheForce) {
   contact.new_contact = true;
   contact.window = &held_.window;
   const Vec3 d(0.2e-3, -0.1e-3, 0.4e-3);
-  EXPECT_NEAR((effect_.move(contact, contact.hip_W + d) - contact.hip_W - 0.25 * d).norm(), 0, 1e-16);
+  ContactPush push{.vhip_W = contact.hip_W + d, .energy_m2 = 0.5 * d.z() * d.z()};
+  effect_.move(contact, push);
+  EXPECT_NEAR((push.vhip_W - contact.hip_W - 0.25 * d).norm(), 0, 1e-16);
+  EXPECT_NEAR(push.energy_m2, 0.25 * 0.5 * d.z() * d.z(), 1e-16);
 }
 
 // Where nothing is known below the surface the contact's last factor holds; a new contact begins with 1.
@@ -80,6 +83,58 @@ TEST_F(StiffnessByDensityTest, BeyondTheWindowTheLastFactorHolds) {
   EXPECT_NEAR(factor(contact, {40e-3, 30e-3, kLevel}), 1, 1e-12);
   held_.window.version = 2;
   EXPECT_NEAR(factor(contact, {40e-3, 30e-3, kLevel}), 1.5, 1e-12);
+}
+
+// The factor rises by 4 a metre of density, which rises by 1 a metre along x: F = K f D N - K / 2 D^2 grad f,
+// everywhere and whatever the lattice. Samples are floats of some 0.1: 1e-8 of a metre, 4e-7 of the factor's slope over
+// a voxel.
+TEST(StiffnessByDensity, OnALevelSlopeTheForceIsTheClosedForm) {
+  const Vec3 up = Vec3(0.2, -0.3, 0.9).normalized();
+  const Vec3 along = (Vec3::UnitX() - up * up.x()).normalized();
+  for (const int kind : {0, 1, 2}) {
+    AnalyticVolume volume;
+    if (kind > 0) {
+      volume.lattice.spacing_m = Vec3(0.5e-3, 0.5e-3, 3e-3);
+      volume.lattice.R_WL = someRotation();
+    }
+    if (kind == 2) volume.lattice.R_WL.col(1) *= -1;
+    volume.size = Vec3i::Constant(40);
+    volume.density = [&](const Vec3& p) { return along.dot(p); };
+    HeldWindow held;
+    volume.hold(held, Vec3i::Zero(), volume.size);
+    const Vec3 middle = volume.lattice.toWorld(Vec3::Constant(19.6));
+    const double there = along.dot(middle);
+    StiffnessByDensity effect(StiffnessTable({{there - 0.25, 0}, {there + 0.25, 2}}));
+    PlaneContact contact(effect);
+    contact.window = &held.window;
+    contact.plane_T = {middle, up, 0};
+    for (const double way_m : {-1e-3, 0.0, 0.7e-3}) {
+      const Vec3 hip = middle + way_m * along - kDepth * up;
+      const double factor = 1 + 4 * way_m;
+      const Vec3 d = factor * kDepth * up - 0.5 * kDepth * kDepth * 4 * along;
+      EXPECT_NEAR((contact.at(hip) - hip - d).norm(), 0, 1e-4 * 0.5 * kDepth * kDepth * 4 + 1e-6 * kDepth) << kind;
+    }
+  }
+}
+
+// How deep it looks is by how far a voxel blurs a border that lies so: 2.5 sides along an axis of the lattice.
+TEST(StiffnessByDensity, LooksBeyondTheBlurOfVoxelsThatAreNotCubes) {
+  AnalyticVolume volume;
+  volume.lattice.spacing_m = Vec3(0.5e-3, 0.5e-3, 3e-3);
+  volume.size = Vec3i(60, 60, 20);
+  for (const int axis : {0, 2}) {
+    const double side_m = volume.lattice.spacing_m[axis];
+    const Vec3 middle = volume.lattice.toWorld(0.5 * volume.size.cast<double>());
+    volume.density = [&](const Vec3& p) { return middle[axis] - p[axis]; };
+    HeldWindow held;
+    volume.hold(held, Vec3i::Zero(), volume.size);
+    StiffnessByDensity effect(StiffnessTable({{0, 0}, {1, 100}}));
+    PlaneContact contact(effect);
+    contact.window = &held.window;
+    contact.plane_T = {middle, Vec3::Unit(axis), 0};
+    const Vec3 hip = middle - kDepth * Vec3::Unit(axis);
+    EXPECT_NEAR((contact.at(hip) - hip)[axis] / kDepth, 100 * StiffnessByDensity::kBelow * side_m, 1e-5) << axis;
+  }
 }
 
 // With the algorithm: the forces on the two materials, equally deep, are as the factors, whatever K is.

@@ -98,18 +98,46 @@ TEST(ProceduralTexture, MeanIsZero) {
   EXPECT_LE(line.coefficient(0), 2 * leak);
 }
 
-TEST(ProceduralTexture, MovesAlongTheNormalByTheHeightAtTheVhip) {
+// On a plane d is minus the slope of D'^2 / 2. The height is differentiated here by differences of 2 q = 0.2 um, which
+// err by q^2 / 6 (2 pi / wavelength)^3 A = 2e-8 of a slope below 1, and by the rounding of 1e-18 m over 2 q, 5e-12.
+TEST(ProceduralTexture, PushesDownTheSlopeOfWhatItStores) {
   ProceduralTexture texture(kAmplitude, kWavelength);
   PlaneContact contact(texture);
+  const double q = 0.1e-6;
   for (const Vec3& hip : wander(1000)) {
     const Vec3 flat(hip.x(), hip.y(), 0);
-    const double share = std::min(1.0, -hip.z() / kAmplitude);
-    EXPECT_NEAR((contact.at(hip) - (flat + Vec3::UnitZ() * share * texture.height(flat))).norm(), 0, 1e-18);
+    const double depth_m = -hip.z();
+    const double u = std::min(1.0, depth_m / (2 * kAmplitude));
+    const double share = u * (2 - u), share_per_m = (1 - u) / kAmplitude;
+    const double height_m = texture.height(flat);
+    const double raised_m = depth_m + share * height_m;
+    const auto slope = [&](const Vec3& way) {
+      return (texture.height(flat + q * way) - texture.height(flat - q * way)) / (2 * q);
+    };
+    const Vec3 d(-raised_m * share * slope(Vec3::UnitX()), -raised_m * share * slope(Vec3::UnitY()),
+                 raised_m * (1 + height_m * share_per_m));
+    EXPECT_NEAR((contact.at(hip) - hip - d).norm(), 0, 1e-7 * 2e-3);
+    EXPECT_NEAR(contact.push.energy_m2, 0.5 * raised_m * raised_m, 1e-20);
   }
 }
 
-// The depth of the textured VHIP is 0 where the depth is, and never negative, so contact begins and ends without a
-// step.
+// A hand feels a slope of 1 at most, whatever amplitude is asked for; and nearly that.
+TEST(ProceduralTexture, IsNoSteeperThanStated) {
+  ProceduralTexture texture(1, kWavelength);
+  EXPECT_NEAR(texture.amplitude(), kSteepestTexture * std::sqrt(3.0) / (2 * std::numbers::pi) * kWavelength, 1e-15);
+  PlaneContact contact(texture);
+  double steepest = 0;
+  for (int i = 0; i < 200'000; ++i) {
+    const Vec3 hip(0.0371e-3 * i, 0.0193e-3 * i, -kDepth);
+    const Vec3 d = contact.at(hip) - hip;
+    steepest = std::max(steepest, std::hypot(d.x(), d.y()) / d.z());
+  }
+  EXPECT_LE(steepest, kSteepestTexture);
+  EXPECT_GT(steepest, 0.8 * kSteepestTexture);
+}
+
+// D' is 0 where the depth is, never negative and at most 2D, and 1 + h s' is from 0 to 2: so contact begins and ends
+// without a step, and never pulls.
 TEST(ProceduralTexture, BeginsWithoutAStep) {
   ProceduralTexture texture(kAmplitude, kWavelength);
   PlaneContact contact(texture);
@@ -118,7 +146,7 @@ TEST(ProceduralTexture, BeginsWithoutAStep) {
     const Vec3 hip(i * 0.037e-3, 0, -depth_m);
     const double textured_m = contact.at(hip).z() - hip.z();
     EXPECT_GE(textured_m, 0);
-    EXPECT_LE(textured_m, 2 * depth_m + 1e-18);
+    EXPECT_LE(textured_m, 4 * depth_m + 1e-18);
   }
 }
 
@@ -148,9 +176,8 @@ class DensityTextureTest : public testing::Test {
     PlaneContact contact(texture);
     contact.plane_T.p_W = surface_W;
     contact.window = &held_.window;
-    const Vec3 vhip = contact.at(surface_W - kDepth * Vec3::UnitZ());
-    EXPECT_NEAR(std::hypot(vhip.x() - surface_W.x(), vhip.y() - surface_W.y()), 0, 1e-17);
-    return vhip.z() - surface_W.z();
+    contact.at(surface_W - kDepth * Vec3::UnitZ());
+    return std::sqrt(2 * contact.push.energy_m2) - kDepth;  // deeper than 2A, where all of it is felt
   }
 
   AnalyticVolume volume_;
@@ -160,18 +187,19 @@ class DensityTextureTest : public testing::Test {
 // Samples are floats of some 1e-3 at most beside the surface: rounding 1e-10.
 constexpr double kFloat_m = 1e-9;
 
-// A level surface whose density alternates by +-e from sample to sample along x. At a sample the neighbours along x are
-// e the other way, those along y and the two that the normal's axis leaves in place are as here: the mean is e / 3, the
-// departure 2 e / 3. Central differences do not see the alternation: the steepness is 1.
+// A level surface whose density alternates by +-e from sample to sample along x. A sample's neighbours along x are e
+// the other way, the others as here: the mean is e / 3, the departure 2 e / 3. Central differences do not see the
+// alternation: the steepness is 1. The smooth field weighs a sample by 3 / 4 along x and its neighbours by 1 / 8 each:
+// half of the departure is left.
 TEST_F(DensityTextureTest, ReadsTheDepartureFromTheTrend) {
   const double e = 0.05e-3;
   const auto striped = [&](const Vec3& p) {
     return kSurface.z() - p.z() + (std::lround(p.x() / kVoxel) % 2 == 0 ? e : -e);
   };
-  EXPECT_NEAR(height(striped, kSurface), 2 * e / 3, kFloat_m);
-  EXPECT_NEAR(height(striped, kSurface + Vec3(kVoxel, 0, 0)), -2 * e / 3, kFloat_m);
+  EXPECT_NEAR(height(striped, kSurface), e / 3, kFloat_m);
+  EXPECT_NEAR(height(striped, kSurface + Vec3(kVoxel, 0, 0)), -e / 3, kFloat_m);
   EXPECT_NEAR(height(striped, kSurface + Vec3(0.5 * kVoxel, 0, 0)), 0, kFloat_m);
-  EXPECT_NEAR(height(striped, kSurface, 0.5e-3, 3.0), 2 * e, kFloat_m);
+  EXPECT_NEAR(height(striped, kSurface, 0.5e-3, 3.0), e, kFloat_m);
 }
 
 // The same density in other units gives the same texture: a departure is a length.
@@ -180,7 +208,7 @@ TEST_F(DensityTextureTest, DoesNotDependOnTheUnitOfDensity) {
   const auto striped = [&](const Vec3& p) {
     return 3e5 * (kSurface.z() - p.z() + (std::lround(p.x() / kVoxel) % 2 == 0 ? e : -e));
   };
-  EXPECT_NEAR(height(striped, kSurface), 2 * e / 3, kFloat_m);
+  EXPECT_NEAR(height(striped, kSurface), e / 3, kFloat_m);
 }
 
 TEST_F(DensityTextureTest, ALevelFieldHasNone) {
@@ -189,13 +217,14 @@ TEST_F(DensityTextureTest, ALevelFieldHasNone) {
   }
 }
 
-// On the top of a ball the four neighbours in the tangent plane are sqrt(R^2 + h^2) - R = h^2 / (2 R) - h^4 / (8 R^3)
-// below, the two others are here: h^2 / (3 R). Central differences there are R' = 1 to h^2 / (2 R^2) at most.
+// On the top of a ball the four neighbours aside are sqrt(R^2 + h^2) - R = h^2 / (2 R) - h^4 / (8 R^3) below, the two
+// others are even about here: h^2 / (3 R), to (h / R)^2 of it, within the 1.5 voxels that the smooth field reaches as
+// well. Steepness is 1 to h^2 / (2 R^2).
 TEST_F(DensityTextureTest, ASmoothBallReadsAsStated) {
   const double R = 10e-3;
   const double expected_m = kVoxel * kVoxel / (3 * R);
   const double h = height(ball(kSurface - Vec3(0, 0, R), R), kSurface);
-  EXPECT_NEAR(h, expected_m, expected_m * kVoxel * kVoxel / (R * R) + kFloat_m);
+  EXPECT_NEAR(h, expected_m, 4 * expected_m * kVoxel * kVoxel / (R * R) + kFloat_m);
 }
 
 TEST_F(DensityTextureTest, IsCutOffAtTheAmplitude) {
@@ -203,22 +232,23 @@ TEST_F(DensityTextureTest, IsCutOffAtTheAmplitude) {
   const auto striped = [&](const Vec3& p) {
     return kSurface.z() - p.z() + (std::lround(p.x() / kVoxel) % 2 == 0 ? e : -e);
   };
-  EXPECT_NEAR(height(striped, kSurface, kAmplitude, 1e6), kAmplitude, 1e-17);
-  EXPECT_NEAR(height(striped, kSurface + Vec3(kVoxel, 0, 0), kAmplitude, 1e6), -kAmplitude, 1e-17);
+  // Of samples that are cut off at +-A in turn, half is left.
+  EXPECT_NEAR(height(striped, kSurface, kAmplitude, 1e6), 0.5 * kAmplitude, 1e-17);
+  EXPECT_NEAR(height(striped, kSurface + Vec3(kVoxel, 0, 0), kAmplitude, 1e6), -0.5 * kAmplitude, 1e-17);
+  // An amplitude that would be too steep for the voxels is made smaller.
+  EXPECT_NEAR(height(striped, kSurface, 5e-3, 1e6), 0.5 * DensityTexture::kWidest * kVoxel, 1e-17);
 }
 
 TEST_F(DensityTextureTest, ThereIsNoneWhereNothingIsKnown) {
   const auto steep = [](const Vec3& p) { return kSurface.z() - p.z() + 1e-3 * std::sin(4e3 * p.x()); };
   ASSERT_NE(height(steep, kSurface + Vec3(0.3e-3, 0, 0)), 0);
-  EXPECT_EQ(height(steep, Vec3(-5e-3, 16e-3, 16e-3)), 0);   // beyond the volume
-  EXPECT_EQ(height(steep, Vec3(0.5e-3, 16e-3, 16e-3)), 0);  // a neighbour is
+  // Beyond the outermost samples it goes on level, so that a face of the volume is no edge of the texture.
+  EXPECT_NEAR(height(steep, Vec3(-5e-3, 16e-3, 16e-3)), height(steep, Vec3(0, 16e-3, 16e-3)), 1e-17);
   DensityTexture texture(0.5e-3, 1);
-  held_.window.low_is_border.fill(false);
-  EXPECT_EQ(heightOf(texture, Vec3(-5e-3, 16e-3, 16e-3)), 0);  // beyond the window
-  held_.window.version = 0;                                    // not usable
-  EXPECT_EQ(heightOf(texture, kSurface), 0);
-  EXPECT_EQ(height([](const Vec3&) { return 1.0; }, kSurface), 0);  // no gradient
-  EXPECT_EQ(height([](const Vec3& p) { return std::nan("") * p.x(); }, kSurface), 0);
+  held_.window.version = 0;  // not usable
+  EXPECT_NEAR(heightOf(texture, kSurface), 0, 1e-17);
+  EXPECT_NEAR(height([](const Vec3&) { return 1.0; }, kSurface), 0, 1e-17);  // no gradient
+  EXPECT_NEAR(height([](const Vec3& p) { return std::nan("") * p.x(); }, kSurface), 0, 1e-17);
 }
 
 // A newer window takes the old one's place at once.

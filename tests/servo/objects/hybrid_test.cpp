@@ -178,9 +178,9 @@ class RecordingEffect final : public ContactEffect {
  public:
   explicit RecordingEffect(ContactState& last, int& releases) : last_(last), releases_(releases) {}
   void release() noexcept override { ++releases_; }
-  [[nodiscard]] Vec3 move(const ContactState& contact, const Vec3& vhip_W) noexcept override {
+  void move(const ContactState& contact, ContactPush& push) noexcept override {
     last_ = contact;
-    return vhip_W + Vec3(1e-3, 0, 0);
+    push.vhip_W += Vec3(1e-3, 0, 0);
   }
 
  private:
