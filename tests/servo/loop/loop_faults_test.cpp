@@ -40,7 +40,8 @@ class LoopFaults : public testing::Test {
 
   LoopParameters parameters = [] {
     LoopParameters p;
-    p.safety.fade_s = 0.01;  // 10 ticks
+    p.safety.fade_s = 0.01;               // 10 ticks
+    p.safety.slew_limit_N_per_s = 20000;  // none to speak of
     return p;
   }();
   FaultScript script;
@@ -137,13 +138,59 @@ TEST_F(LoopFaults, AServoClockThatStepsAheadIsAStall) {
   EXPECT_EQ(force(result, 40), 4);
 }
 
+// Three writes are refused, while the fade goes on: the device holds 4 N, and then takes 2.8 N.
 TEST_F(LoopFaults, AFailedWriteFadesTheNextForce) {
+  parameters.safety.slew_limit_N_per_s = 1e5;
   const LoopResult result = run(50, {{Injected::kWriteError, 20, 3}});
   expectFault(result, ServoFault::kDeviceError, 20, 24);
-  EXPECT_EQ(force(result, 20), 4);
-  EXPECT_NEAR(force(result, 21), 3.6, 1e-12);
+  for (std::size_t i = 19; i < 23; ++i) EXPECT_EQ(force(result, i), 4) << i;
+  EXPECT_NEAR(device.written_W[21].z(), 3.6, 1e-12);
   EXPECT_NEAR(force(result, 23), 2.8, 1e-12);
   EXPECT_NEAR(force(result, 24), 3.2, 1e-12);
+}
+
+// Refused for longer than the fade: the first force that is taken differs by one slew from the 4 N that the device
+// holds, and so does each one after it.
+TEST_F(LoopFaults, AfterALongRefusalTheForceFallsAtTheSlewLimit) {
+  parameters.safety.slew_limit_N_per_s = 1000;  // 1 N a tick
+  const LoopResult result = run(80, {{Injected::kWriteError, 20, 30}});
+  for (std::size_t i = 19; i < 50; ++i) EXPECT_EQ(force(result, i), 4) << i;
+  for (std::size_t i = 50; i < 53; ++i) EXPECT_NEAR(force(result, i), 53 - static_cast<double>(i), 1e-12) << i;
+  EXPECT_EQ(force(result, 70), 4);
+  EXPECT_TRUE(result.released);
+}
+
+// A run that ends while the device refuses: every offer is one slew below the 4 N that it holds, until it takes them.
+// The first of them is made in the last tick's time, so that tick's refusal is met twice.
+TEST_F(LoopFaults, TheEndOfARunIsOfferedUntilItIsTaken) {
+  parameters.safety.slew_limit_N_per_s = 1000;
+  const LoopResult result = run(50, {{Injected::kWriteError, 40, 30}});  // 10 ticks of the run and 20 after it
+  EXPECT_TRUE(result.released);
+  ASSERT_EQ(device.written_W.size(), 50u + 21 + 4);
+  for (std::size_t i = 50; i < 71; ++i) EXPECT_NEAR(device.written_W[i].z(), 3, 1e-12) << i;
+  for (std::size_t i = 71; i < 75; ++i) EXPECT_NEAR(device.written_W[i].z(), 74 - static_cast<double>(i), 1e-12) << i;
+}
+
+// One that never takes them is given up after a second, and the result says so.
+TEST_F(LoopFaults, ADeviceThatRefusesForEverIsGivenUp) {
+  const LoopResult result = run(50, {{Injected::kWriteError, 40, 100000}});
+  EXPECT_FALSE(result.released);
+  EXPECT_EQ(device.written_W.size(), 50u + 1000);
+}
+
+// The device asks for 1 N a tick, the scene allows more; or the other way round. The smaller counts.
+TEST_F(LoopFaults, TheSmallerOfSceneAndDeviceLimitsTheSlew) {
+  for (const double of_scene : {5000.0, 500.0}) {
+    SCOPED_TRACE(of_scene);
+    script = {};
+    device.slew_limit_N_per_s = 1000;
+    device.written_W.clear();
+    parameters.safety.slew_limit_N_per_s = of_scene;
+    const LoopResult result = run(20, {});
+    const double step_N = std::min(of_scene, 1000.0) / 1000;
+    for (std::size_t i = 0; i < 8; ++i)
+      EXPECT_NEAR(force(result, i), std::min(4.0, step_N * double(i + 1)), 1e-12) << i;
+  }
 }
 
 // 4 N at 1 N a tick: the run's end takes three more writes above zero, then zero, however it ends.
