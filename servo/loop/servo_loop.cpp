@@ -81,7 +81,7 @@ ServoLoop::ServoLoop(const LoopParameters& parameters, Algorithm& algorithm, Dev
       gate_(withinDevice(parameters.safety, device), parameters.rate_hz),
       window_clock_(nanoseconds(parameters.safety.stall_s)),
       passivity_(parameters.passivity, withinDevice(parameters.safety, device).force_limit_N, parameters.rate_hz,
-                 device.limits().force_delay_ticks),
+                 device.limits().force_delay_ticks, device.limits().position_resolution_m),
       velocity_(velocityFor(device, parameters.velocity), parameters.rate_hz),
       recorder_(recordCapacity(parameters)) {
   if (!device_.read(hip_W_) || !hip_W_.allFinite()) {
