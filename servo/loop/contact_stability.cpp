@@ -154,6 +154,7 @@ class Swings {
     if (!sustained || !unasked || !fed) return;
     if (out_.verdict != ContactVerdict::kUnstable) out_.unstable_from_s = begin.time_s;
     out_.verdict = ContactVerdict::kUnstable;
+    out_.unstable_to_s = end.time_s;
     if (const double mean_m = (first_m + last_m) / kSwings; mean_m > out_.swing_m) {
       out_.swing_m = mean_m;
       out_.swing_hz = hz;

@@ -60,6 +60,7 @@ struct ContactStability {
   double swing_m = 0;           // mean of the kSwings that made it unstable, of the largest such [m]
   double swing_hz = 0;          // two swings are a period [1/s]
   double unstable_from_s = -1;  // begin of the first of them [s]; -1: none
+  double unstable_to_s = -1;    // end of the last
 
   static constexpr double kQuietShare = 0.01;
   static constexpr int kSwings = 20;

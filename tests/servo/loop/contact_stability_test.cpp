@@ -73,7 +73,8 @@ std::function<Vec3(double)> press(double depth_m) {
   return [depth_m](double t_s) { return Vec3(0, 0, 1e-3 - (1e-3 + depth_m) * std::clamp(t_s / 0.3, 0.0, 1.0)); };
 }
 
-std::vector<TickRecord> recordsOf(const Trial& run) {
+// `true_W`: if asked for, where the tool was in each tick, behind the encoders.
+std::vector<TickRecord> recordsOf(const Trial& run, std::vector<Vec3>* true_W = nullptr) {
   const WantedPath path(run.path);
   SimulatedDevice device(run.device, path, run.rate_hz);
   GroundAlgorithm algorithm(run.ground, run.stiffness_N_per_m, run.damping_Ns_per_m);
@@ -86,7 +87,10 @@ std::vector<TickRecord> recordsOf(const Trial& run) {
   p.safety.slew_limit_N_per_s = run.slew_limit_N_per_s;
   p.passivity.control = run.control;
   ServoLoop loop(p, algorithm, device, windows, tool);
-  return loop.runSimulated().records;
+  LoopResult result = loop.runSimulated([&](std::int64_t tick, std::int64_t) {
+    if (true_W != nullptr && tick > 0) true_W->push_back(device.state().position_W);
+  });
+  return std::move(result.records);
 }
 
 ContactStability assess(const Trial& run) {
@@ -127,10 +131,36 @@ std::complex<double> greatestEigenvalue(const Trial& run) {
   return greatest;
 }
 
+struct Mode {
+  double growth_per_s, hz;
+};
+
+// With the stiffness and damping that rounding makes of them: its describing function.
+Mode fastestMode(Trial run, double gain) {
+  run.stiffness_N_per_m *= gain;
+  run.damping_Ns_per_m *= gain;
+  const std::complex<double> value = greatestEigenvalue(run);
+  return {std::log(std::abs(value)) * run.rate_hz, std::abs(std::arg(value)) * run.rate_hz / (2 * M_PI)};
+}
+
+// Loses 0.15 of a swing a period, 2.6 times what the criterion asks for, and settles within the run; so it does with
+// the gain of rounding for swings of about a step too, which is up to 4 / pi.
+constexpr double kLoss = 0.15;
+bool settles(const Trial& run, double loss = kLoss) {
+  const auto dies = [loss](Mode mode) { return mode.growth_per_s < -std::max(1.0, loss * mode.hz); };
+  return dies(fastestMode(run, 1)) && (run.device.encoder_resolution_m == 0 || dies(fastestMode(run, 4 / M_PI)));
+}
+
 // Grown by 3 /s over the 2.7 s of the press, an error is e^8 times what it was: the press's own 0.1 mm swing is a limit
-// cycle long before, and at 8 Hz there are 20 swings a second and a quarter. A stable contact is to lose 0.12 of a
-// swing a period, twice what the criterion asks for, and to have settled in the run. Between the two nothing is asked:
-// there the half-open contact, which the linear loop does not know, decides.
+// cycle long before, and at 8 Hz there are 20 swings in a second and a quarter. With encoders, swings of three steps
+// grow still: the gain is then 0.8.
+bool grows(const Trial& run) {
+  const Mode mode = fastestMode(run, run.device.encoder_resolution_m > 0 ? 0.8 : 1);
+  return mode.growth_per_s > 3 && mode.hz > 8;
+}
+
+// Between growing and settling nothing is asked: there the half-open contact, which the linear loop does not know,
+// decides.
 TEST(ContactStability, AgreesWithTheEigenvaluesOfTheSampledLoop) {
   std::mt19937 random(7);
   const auto between = [&](double low, double high) {
@@ -150,29 +180,25 @@ TEST(ContactStability, AgreesWithTheEigenvaluesOfTheSampledLoop) {
     run.device.delay_ticks = i % 4 == 0 ? static_cast<int>(between(0, 5)) : 0;
     run.device.encoder_resolution_m = i % 2 == 0 ? 0 : between(0, 50e-6);
     run.path = press(between(0.5e-3, 3e-3));
-    const std::complex<double> value = greatestEigenvalue(run);
-    const double growth_per_s = std::log(std::abs(value)) * run.rate_hz;
-    const double hz = std::abs(std::arg(value)) * run.rate_hz / (2 * M_PI);
     const ContactStability s = assess(run);
     const auto describe = [&] {
-      return ::testing::Message() << i << " K " << run.stiffness_N_per_m << " B " << run.damping_Ns_per_m << " rate "
-                                  << run.rate_hz << " m " << run.device.dynamics.hand_mass_kg << " b "
-                                  << run.device.dynamics.hand_damping_Ns_per_m << " k "
-                                  << run.device.dynamics.hand_stiffness_N_per_m << " delay " << run.device.delay_ticks
-                                  << " encoder " << run.device.encoder_resolution_m << " growth " << growth_per_s
-                                  << " hz " << hz << " verdict " << name(s.verdict) << " bounces " << s.bounces
-                                  << " swing " << s.swing_m << " at " << s.unstable_from_s << " share " << s.share;
+      const Mode mode = fastestMode(run, 1);
+      return ::testing::Message() << i << ": K " << run.stiffness_N_per_m << " B " << run.damping_Ns_per_m << " rate "
+                                  << run.rate_hz << " delay " << run.device.delay_ticks << " encoder "
+                                  << run.device.encoder_resolution_m << " growth " << mode.growth_per_s << " at "
+                                  << mode.hz << " Hz; bounces " << s.bounces << " swing " << s.swing_m << " from "
+                                  << s.unstable_from_s;
     };
-    if (growth_per_s > 3 && hz > 8) {
+    if (grows(run)) {
       ++unstable;
       EXPECT_EQ(s.verdict, ContactVerdict::kUnstable) << describe();
-    } else if (growth_per_s < -std::max(1.0, 0.12 * hz)) {
+    } else if (settles(run)) {
       ++stable;
       EXPECT_NE(s.verdict, ContactVerdict::kUnstable) << describe();
     }
   }
   EXPECT_GT(stable, 500);
-  EXPECT_GT(unstable, 250);
+  EXPECT_GT(unstable, 200);
 }
 
 // ---- what is no instability ----
@@ -216,29 +242,38 @@ TEST(ContactStability, ARigidHandIsNeverUnstable) {
   EXPECT_GT(quiet, 40);
 }
 
-// The energy that the run notes against that of the true way, which for a rigid hand is the path; every contact's error
-// is within its bound, and by far on the whole.
+// The energy that the run notes against that of the true way, behind the encoders: within the bound in every run, and
+// on the whole far below it.
 TEST(ContactStability, TheEncodersErrorIsWithinItsBound) {
   Dice dice(12);
-  for (int i = 0; i < 200; ++i) {
+  double error_J = 0, allowed_J = 0;
+  int touched = 0;
+  for (int i = 0; i < 400; ++i) {
     Trial run;
     run.stiffness_N_per_m = dice.decades(10, 20000);
     run.damping_Ns_per_m = dice.between(0, 2);
     run.rate_hz = dice.decades(500, 20000);
     run.seconds = 1;
+    run.device.hand = i % 2 == 0 ? Hand::kRigid : Hand::kSpring;
     run.device.encoder_resolution_m = dice.decades(0.1e-6, 50e-6);
     const double deep_m = dice.between(0.1e-3, 1e-3);
-    run.path = [=](double t_s) { return Vec3(0, 0, 0.5e-3 - (0.5e-3 + deep_m) * std::sin(M_PI * std::min(1.0, t_s))); };
-    const std::vector<TickRecord> records = recordsOf(run);
+    run.path = [=](double t_s) { return Vec3(0, 0, 0.5e-3 - (0.5e-3 + deep_m) * std::sin(M_PI * t_s)); };
+    std::vector<Vec3> true_W;
+    const std::vector<TickRecord> records = recordsOf(run, &true_W);
     double true_J = 0;
-    for (std::size_t k = 1; k < records.size(); ++k) {
-      true_J -= records[k - 1].force_W[2] * (run.path(records[k].time_s).z() - run.path(records[k - 1].time_s).z());
-    }
+    for (std::size_t k = 1; k < true_W.size(); ++k)
+      true_J -= Vec3(records[k - 1].force_W[0], records[k - 1].force_W[1], records[k - 1].force_W[2])
+                    .dot(true_W[k] - true_W[k - 1]);
+    const double found_J = records[true_W.size() - 1].energy_J;
     const ContactStability s =
         assessContact(records, {.rate_hz = run.rate_hz, .resolution_m = run.device.encoder_resolution_m});
-    EXPECT_GT(s.stored_J, 0) << i;
-    EXPECT_LE(std::abs(records.back().energy_J - true_J), s.allowed_J) << i;
+    touched += s.stored_J > 0 ? 1 : 0;
+    EXPECT_LE(std::abs(found_J - true_J), s.allowed_J) << i;
+    error_J += std::abs(found_J - true_J);
+    allowed_J += s.allowed_J;
   }
+  EXPECT_GT(touched, 350);
+  EXPECT_LT(error_J, 0.1 * allowed_J);
 }
 
 // A spring hand that stable contact lets come to rest, tapping by itself, shaking, and sliding over a texture and over
@@ -254,11 +289,8 @@ TEST(ContactStability, WhatPathOrSurfaceAskForIsNotUnstable) {
     run.seconds = 4;
     run.device.hand = Hand::kSpring;
     run.device.encoder_resolution_m = dice.coin() ? 0 : dice.between(0, 50e-6);
-    const std::complex<double> value = greatestEigenvalue(run);
-    const double hz = std::abs(std::arg(value)) * run.rate_hz / (2 * M_PI);
     // A texture may meet the contact's resonance, which makes its height up to pi / (loss a period) times as large.
-    const double loss = i % 3 == 1 ? 1.2 * M_PI / ContactStability::kUnasked : 0.12;
-    if (std::log(std::abs(value)) * run.rate_hz > -std::max(1.0, loss * hz)) continue;
+    if (!settles(run, i % 3 == 1 ? 1.2 * M_PI / ContactStability::kUnasked : kLoss)) continue;
     ++stable;
     const double rate_hz = dice.decades(0.5, 8), deep_m = dice.between(0.3e-3, 2e-3);
     const double tap_m = i % 3 == 0 ? dice.between(1, 5) * deep_m : dice.between(0, 0.5) * deep_m;
@@ -387,9 +419,7 @@ TEST(ContactStability, TheDefaultSlewLimitDoesNotShakeWhatADeviceCanRender) {
     run.device.dynamics.hand_damping_Ns_per_m = dice.decades(0.2, 6);
     const double speed_m_per_s = dice.decades(0.05, 0.8), depth_m = dice.between(0.5e-3, 20e-3);
     run.path = [=](double t_s) { return Vec3(0, 0, std::max(-depth_m, 20e-3 - speed_m_per_s * t_s)); };
-    const std::complex<double> value = greatestEigenvalue(run);
-    const double hz = std::abs(std::arg(value)) * run.rate_hz / (2 * M_PI);
-    if (std::log(std::abs(value)) * run.rate_hz > -std::max(1.0, 0.12 * hz)) continue;
+    if (!settles(run)) continue;
     ++settled;
     run.slew_limit_N_per_s = SafetyParameters{}.slew_limit_N_per_s;
     const std::vector<TickRecord> records = recordsOf(run);

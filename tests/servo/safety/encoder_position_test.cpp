@@ -96,7 +96,6 @@ TEST(EncoderPosition, MakesTheEnergyOfAPressTrue) {
     bare_sum += std::abs(bare_J - true_J) / stored_J;
     sum += std::abs(found_J - true_J) / stored_J;
   }
-  std::printf("bare %g found %g\n", bare_sum / 1000, sum / 1000);
   EXPECT_LT(sum, bare_sum / 5);
 }
 
