@@ -94,6 +94,23 @@ TEST(SimulatedDevice, CutsTheForceToItsMaximum) {
   EXPECT_TRUE(device.actingForce().isApprox(Vec3(0, 4.8, 6.4)));
   EXPECT_FALSE(device.write(Vec3(0, NAN, 0)));
   EXPECT_TRUE(device.actingForce().isApprox(Vec3(0, 4.8, 6.4)));
+  // And says so; what is no more than the maximum it holds as it is.
+  EXPECT_EQ(device.held(Vec3(0, 30, 40)), device.actingForce());
+  EXPECT_EQ(device.held(Vec3(0, 0, -8)), Vec3(0, 0, -8));
+  EXPECT_EQ(device.held(Vec3(1, 2, 3)), Vec3(1, 2, 3));
+}
+
+TEST(SimulatedDevice, SaysItsLimits) {
+  SimulatedDeviceParameters p;
+  p.force_limit_N = 5;
+  p.encoder_resolution_m = 1e-5;
+  p.delay_ticks = 3;
+  p.slew_limit_N_per_s = 700;
+  const DeviceLimits limits = SimulatedDevice(p, rest(), 1000).limits();
+  EXPECT_EQ(limits.force_limit_N, 5);
+  EXPECT_EQ(limits.position_resolution_m, 1e-5);
+  EXPECT_EQ(limits.force_delay_ticks, 3);
+  EXPECT_EQ(limits.slew_limit_N_per_s, 700);
 }
 
 TEST(SimulatedDevice, Refuses) {
@@ -109,6 +126,12 @@ TEST(SimulatedDevice, Refuses) {
   refused(p, 1000);
   p = {};
   p.force_limit_N = 0;
+  refused(p, 1000);
+  p = {};
+  p.slew_limit_N_per_s = -1;
+  refused(p, 1000);
+  p = {};
+  p.delay_ticks = 10001;
   refused(p, 1000);
 }
 

@@ -178,6 +178,25 @@ TEST_F(LoopFaults, ADeviceThatRefusesForEverIsGivenUp) {
   EXPECT_EQ(device.written_W.size(), 50u + 1000);
 }
 
+// A device of 1.5 N under a scene that allows 8 N, and the controller's share goes with it.
+TEST_F(LoopFaults, TheSmallerOfSceneAndDeviceLimitsTheForce) {
+  for (const double of_device : {1.5, 8.0}) {
+    script = {};
+    device.force_limit_N = of_device;
+    const LoopResult result = run(20, {});
+    EXPECT_NEAR(force(result, 19), std::min(of_device, 4.0), 1e-12);
+    EXPECT_EQ(has(result.records[19].faults, ServoFault::kForceLimited), of_device < 4);
+  }
+}
+
+// A device that cuts to 2.5 N without having said so: what it holds is what is noted and told to the engine.
+TEST_F(LoopFaults, WhatTheDeviceHoldsIsNoted) {
+  device.cut_N = 2.5;
+  const LoopResult result = run(20, {});
+  EXPECT_NEAR(device.written_W[10].z(), 4, 1e-12);
+  EXPECT_NEAR(force(result, 10), 2.5, 1e-12);
+}
+
 // The device asks for 1 N a tick, the scene allows more; or the other way round. The smaller counts.
 TEST_F(LoopFaults, TheSmallerOfSceneAndDeviceLimitsTheSlew) {
   for (const double of_scene : {5000.0, 500.0}) {

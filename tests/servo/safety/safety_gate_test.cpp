@@ -283,7 +283,24 @@ TEST(SafetyGate, RefusesLimitsThatAreNone) {
   refused({8, 1, 0.1, 0.5, kNaN});
   refused({8, 1, 0.1, 0.5, 0.01, -1});
   refused({8, 1, 0.1, 0.5, 0.01, kNaN});
+  refused({8, 1, 60.1, 0.5});
+  refused({8, 1, 0.1, 1.1e6});
+  refused({8, 1, 0.1, 0.5, 1.1e6});
+  refused({8, 1, 0.1, 0.5, 0.01, 1.1e6});
+  refused({INFINITY, 1, 0.1, 0.5});
+  refused({8, INFINITY, 0.1, 0.5});
   refused(parameters(), 0);
+  refused(parameters(), INFINITY);
+  refused(parameters(), kNaN);
+}
+
+// A slew so small that no count of ticks holds the fade: it is as long as can be said.
+TEST(SafetyGate, ASlewOfNextToNothingStillHasAFade) {
+  SafetyParameters p = parameters();
+  p.slew_limit_N_per_s = 1e-300;
+  SafetyGate gate(p, 1000);
+  EXPECT_GE(gate.fadeTicks(), 1'000'000'000'000'000);
+  EXPECT_LE(gate.pass(healthy({0, 0, 4})).force_W.norm(), gate.slewPerTick());
 }
 
 }  // namespace

@@ -136,7 +136,7 @@ class ScriptedDevice final : public Device {
 
   [[nodiscard]] std::string_view name() const noexcept override { return "scripted"; }
   [[nodiscard]] DeviceLimits limits() const noexcept override {
-    return {.force_limit_N = 20, .position_resolution_m = 1e-6, .slew_limit_N_per_s = slew_limit_N_per_s};
+    return {.force_limit_N = force_limit_N, .position_resolution_m = 1e-6, .slew_limit_N_per_s = slew_limit_N_per_s};
   }
   [[nodiscard]] bool read(Vec3& position_W) noexcept override {
     clock_.pass(script_.once(Injected::kStallInTick));
@@ -175,6 +175,7 @@ class ScriptedDevice final : public Device {
     answered.reserve(writes);
   }
 
+  double force_limit_N = 20;      // that it says
   double slew_limit_N_per_s = 0;  // that it says
   std::vector<Vec3> written_W;    // every force that left the loop, whether the device took it or not [N]
   std::vector<bool> taken;
