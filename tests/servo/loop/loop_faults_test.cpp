@@ -197,6 +197,43 @@ TEST_F(LoopFaults, WhatTheDeviceHoldsIsNoted) {
   EXPECT_NEAR(force(result, 10), 2.5, 1e-12);
 }
 
+// A release that takes longer than a refusing device is given, with every write taken: it is no refusal.
+TEST_F(LoopFaults, ALongReleaseIsNotGivenUp) {
+  parameters.safety.slew_limit_N_per_s = 1;  // 1 mN a tick
+  const LoopResult result = run(1500, {});
+  EXPECT_NEAR(force(result, 1499), 1.5, 1e-9);
+  EXPECT_TRUE(result.released);
+  EXPECT_TRUE(device.held_W.back().isZero(0));
+  EXPECT_NEAR(static_cast<double>(device.written_W.size()), 3000, 1);  // sums of 1 mN are rounded
+}
+
+// Takes every write and says that it holds 1 N whatever it was given: the run ends all the same.
+class StuckDevice final : public Device {
+ public:
+  [[nodiscard]] std::string_view name() const noexcept override { return "stuck"; }
+  [[nodiscard]] DeviceLimits limits() const noexcept override { return {}; }
+  [[nodiscard]] bool read(Vec3& position_W) noexcept override {
+    position_W.setZero();
+    return true;
+  }
+  [[nodiscard]] bool write(const Vec3&) noexcept override { return ++writes > 0; }
+  [[nodiscard]] Vec3 held(const Vec3&) const noexcept override { return Vec3(0, 0, 1); }
+  int writes = 0;
+};
+
+TEST(LoopRelease, ADeviceThatNeverHoldsLessDoesNotKeepTheRun) {
+  StuckDevice device;
+  SteadyPush push(Vec3::Zero());
+  WindowStorage storage(8);
+  WindowExchange windows(storage);
+  ToolPoseMailbox tool;
+  LoopParameters p;
+  p.ticks = 10;
+  ServoLoop loop(p, push, device, windows, tool);
+  EXPECT_FALSE(loop.runSimulated().released);
+  EXPECT_LE(device.writes, 2 * 10 + 1);
+}
+
 // The device asks for 1 N a tick, the scene allows more; or the other way round. The smaller counts.
 TEST_F(LoopFaults, TheSmallerOfSceneAndDeviceLimitsTheSlew) {
   for (const double of_scene : {5000.0, 500.0}) {

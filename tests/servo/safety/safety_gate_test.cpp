@@ -236,6 +236,18 @@ TEST(SafetyGate, AfterRefusedOffersTheForceFallsFromWhatTheDeviceHolds) {
   }
 }
 
+// An offer of 6 N is refused while all is well otherwise: the fade that follows begins at the 4 N that are held.
+TEST(SafetyGate, AFadeBeginsAtWhatTheDeviceHolds) {
+  SafetyGate gate(parameters(), 1000);
+  gate.taken(gate.pass(healthy({0, 0, 4})).force_W);
+  EXPECT_EQ(gate.pass(healthy({0, 0, 6})).force_W.z(), 6);
+  for (int tick = 1; tick <= 10; ++tick) {
+    const GateOutput out = gate.pass({{0, 0, 6}, 0, bit(ServoFault::kDeviceError)});
+    EXPECT_NEAR(out.force_W.z(), 4 * (1 - tick / 10.0), 1e-12);
+    gate.taken(out.force_W);
+  }
+}
+
 TEST(SafetyGate, RefusedOffersOfAReleaseAreMadeAgain) {
   SafetyParameters p = parameters();
   p.slew_limit_N_per_s = 1000;

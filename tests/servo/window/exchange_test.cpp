@@ -27,12 +27,17 @@ TEST(TripleBuffer, NothingTornOrBackwardBetweenTwoThreads) {
   EXPECT_GT(outcome.seen, 1u);  // the two did run side by side
 }
 
+// Again until the two have run side by side: on a busy machine one may be done before the other begins.
 TEST(Confirmation, WhatWasWrittenBeforeItIsThere) {
-  Confirmation<> confirmation;
-  EXPECT_EQ(confirmation.at_ns(), 0);
-  const ConfirmationOutcome outcome = confirmationRace(confirmation, static_cast<std::int64_t>(kPublications));
-  EXPECT_EQ(outcome.unwritten, 0);
-  EXPECT_GT(outcome.seen, 1);
+  std::int64_t seen = 0;
+  for (int i = 0; i < 1000 && seen <= 1; ++i) {
+    Confirmation<> confirmation;
+    EXPECT_EQ(confirmation.at_ns(), 0);
+    const ConfirmationOutcome outcome = confirmationRace(confirmation, static_cast<std::int64_t>(kPublications));
+    EXPECT_EQ(outcome.unwritten, 0);
+    seen = outcome.seen;
+  }
+  EXPECT_GT(seen, 1);
 }
 
 TEST(TripleBuffer, LatestWinsAndStaysUntilTheNextCall) {
