@@ -259,6 +259,100 @@ TEST_F(LoopFaults, TheEndOfARunKeepsWithinTheSlew) {
   for (std::size_t i = 50; i < 54; ++i) EXPECT_NEAR(written_W[i].z(), 53.0 - static_cast<double>(i), 1e-12);
 }
 
+// At 3 kHz a period is no whole number of nanoseconds: after 6 s every tick is still due within one of k / rate, where
+// a rounded period would have drifted by 6 us.
+class NotingClock final : public ServoClock {
+ public:
+  [[nodiscard]] std::int64_t now_ns() noexcept override { return time_ns_; }
+  void sleepUntil(std::int64_t due_ns) noexcept override {
+    time_ns_ = due_ns;
+    due_ns_.push_back(due_ns);
+  }
+  std::vector<std::int64_t> due_ns_;
+
+ private:
+  std::int64_t time_ns_ = 0;
+};
+
+TEST(LoopGrid, TicksAreDueAtMultiplesOfThePeriodWithoutDrift) {
+  NotingClock clock;
+  FaultScript script;
+  ScriptedClock unused(script);
+  ScriptedDevice device(
+      script, unused, [](int) { return Vec3::Zero().eval(); }, 3000);
+  WindowStorage storage(8);
+  WindowExchange windows(storage);
+  ToolPoseMailbox tool;
+  SteadyPush push(Vec3::Zero());
+  LoopParameters p;
+  p.rate_hz = 3000;
+  p.ticks = 18000;
+  ServoLoop loop(p, push, device, windows, tool);
+  static_cast<void>(loop.runOn(clock));
+  ASSERT_EQ(clock.due_ns_.size(), 18000u);
+  for (std::size_t k = 0; k < 18000; ++k) {
+    const double since_ns = static_cast<double>(clock.due_ns_[k] - clock.due_ns_[0]);
+    ASSERT_NEAR(since_ns, static_cast<double>(k) * 1e9 / 3000, 1) << k;
+  }
+}
+
+// A tool that trembles by less than its encoders' resolution, 1 um: an estimate that knows it says that the tool is at
+// rest, to a step over its window of 16 ticks; the bare difference would be 0.8 um a tick.
+TEST(LoopReports, TheVelocityKnowsTheDevicesResolution) {
+  FaultScript script;
+  ScriptedClock clock(script);
+  ScriptedDevice device(
+      script, clock, [](int tick) { return Vec3(tick % 2 == 0 ? 0.4e-6 : -0.4e-6, 0, 0); }, 1000);
+  WindowStorage storage(8);
+  WindowExchange windows(storage);
+  ToolPoseMailbox tool;
+  SteadyPush push(Vec3::Zero());
+  LoopParameters p;
+  p.ticks = 0;
+  p.record_ticks = 100;
+  p.velocity.name = "foaw";
+  ServoLoop loop(p, push, device, windows, tool);
+  int looks = 0;
+  clock.before_tick = [&] {
+    if (script.tick == 99) loop.requestStop();
+    const ToolPose& pose = tool.latest();
+    if (pose.tick < 20) return;
+    ++looks;
+    EXPECT_LE(std::abs(pose.velocity_W.x()), 0.8e-6 / 15e-3 + 1e-12) << pose.tick;
+  };
+  static_cast<void>(loop.runOn(clock));
+  EXPECT_GT(looks, 50);
+}
+
+// Pushed along by 4 N the tool gets energy that nobody took: the controller acts. While a fault takes the force away it
+// does not, and says so.
+TEST(LoopReports, TheControllerIsNotNotedWhileAFaultFadesTheForce) {
+  FaultScript script;
+  script.faults = {{Injected::kNanForce, 40, 20}};
+  ScriptedClock clock(script);
+  ScriptedDevice device(
+      script, clock, [](int tick) { return Vec3(8e-3, 8e-3, 8e-3 + 2e-5 * tick); }, 1000);
+  const AnalyticVolume volume = millimetreVolume(ball(Vec3::Constant(8e-3), 5e-3), 16);
+  ScriptedEngine engine(script, volume, Vec3::Constant(8e-3));
+  WindowStorage storage(ScriptedEngine::kSide * ScriptedEngine::kSide * ScriptedEngine::kSide);
+  WindowExchange windows(storage);
+  ToolPoseMailbox tool;
+  SteadyPush push(Vec3(0, 0, 4));
+  ScriptedAlgorithm algorithm(script, push);
+  LoopParameters p;
+  p.ticks = 0;
+  p.record_ticks = 100;
+  p.passivity.control = true;
+  ServoLoop loop(p, algorithm, device, windows, tool);
+  clock.before_tick = [&] {
+    engine.beforeTick(windows, clock.time_ns);
+    if (script.tick == 99) loop.requestStop();
+  };
+  const LoopResult result = loop.runOn(clock);
+  ASSERT_EQ(result.records.size(), 100u);
+  for (std::size_t i = 10; i < 100; ++i) EXPECT_EQ(result.records[i].damped, i < 40 || i >= 60) << i;
+}
+
 // A device that reports every fourth tick, as a 1 kHz device under a 4 kHz servo: the velocity is that of the reports.
 TEST(LoopReports, ARepeatedPositionTellsNothingOfTheVelocity) {
   FaultScript script;
