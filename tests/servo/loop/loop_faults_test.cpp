@@ -85,6 +85,19 @@ TEST_F(LoopFaults, AStallInATickIsSeenInTheNext) {
   EXPECT_NEAR(force(result, 26), 2, 1e-12);
 }
 
+// Of 1 ms a tick takes 1.5: the next grid point has passed and is left out. One of half a tick leaves none out.
+TEST_F(LoopFaults, ATickLongerThanItsPeriodLeavesOutAGridPoint) {
+  const LoopResult late = run(50, {{Injected::kStallInTick, 20, 1, 0.0015}});
+  expectFault(late, ServoFault::kOverrun, 20, 21);
+  EXPECT_EQ(late.records[21].tick, 22);
+  EXPECT_EQ(late.ticks_skipped, 1);
+  script = {};
+  const LoopResult punctual = run(50, {{Injected::kStallInTick, 20, 1, 0.0005}});
+  expectFault(punctual, ServoFault::kOverrun, 0, 0);
+  EXPECT_EQ(punctual.records[21].tick, 21);
+  EXPECT_EQ(punctual.ticks_skipped, 0);
+}
+
 TEST_F(LoopFaults, AShortDelayIsNoStall) {
   const LoopResult result = run(50, {{Injected::kStallAsleep, 20, 1, 0.0099}});
   expectFault(result, ServoFault::kStall, 0, 0);
