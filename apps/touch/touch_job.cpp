@@ -268,8 +268,7 @@ TouchRun runTouchJob(const Scene& scene, const std::string& command, const std::
       });
   run.records = std::move(result.records);
   run.realtime = realTimeWords(scene, result);
-  run.stability = assessContact(run.records, {.rate_hz = run.scene.rate_hz,
-                                              .resolution_m = run.scene.encoder_resolution_m,
+  run.stability = assessContact(run.records, {.resolution_m = run.scene.encoder_resolution_m,
                                               .delay_ticks = run.scene.device_delay_ticks,
                                               .path = &path.path});
   run.faults = faultsOf(run);

@@ -110,7 +110,7 @@ class Swings {
 
  private:
   void forget() {
-    has_plane_ = in_contact_ = false;
+    has_plane_ = in_contact_ = turned_ = false;
     direction_ = 0;
     turns_.clear();
   }
@@ -125,12 +125,11 @@ class Swings {
     if (direction_ == 0) {
       direction_ = 1;
       farthest_ = now;
-      return;
-    }
-    if (direction_ * (now.height_m - farthest_.height_m) >= 0) {
+    } else if (direction_ * (now.height_m - farthest_.height_m) >= 0) {
       farthest_ = now;
     } else if (std::abs(now.height_m - farthest_.height_m) > least_m_) {
-      turns_.push_back(farthest_);
+      if (turned_) turns_.push_back(farthest_);  // the first may be where it began
+      turned_ = true;
       if (turns_.size() > ContactStability::kSwings + 1) turns_.pop_front();
       judge();
       direction_ = -direction_;
@@ -169,6 +168,7 @@ class Swings {
   bool has_plane_ = false, in_contact_ = false;
   double left_s_ = 0;  // last tick in contact
   double asked_m_ = 0;
+  bool turned_ = false;
   int direction_ = 0;  // of the swing that is under way: 1 up, -1 down, 0 none yet
   Turn farthest_;      // of it
   std::deque<Turn> turns_;

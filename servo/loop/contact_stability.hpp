@@ -41,7 +41,6 @@ namespace palpate {
 enum class ContactVerdict { kNoContact, kQuiet, kSlightlyActive, kUnstable };
 
 struct ContactConditions {
-  double rate_hz = 1000;
   double resolution_m = 0;     // of the device's encoders [m]
   int delay_ticks = 0;         // of the device's force
   const Path* path = nullptr;  // where the hand wanted the tool; null: not known

@@ -95,8 +95,7 @@ std::vector<TickRecord> recordsOf(const Trial& run, std::vector<Vec3>* true_W = 
 
 ContactStability assess(const Trial& run) {
   const WantedPath path(run.path);
-  return assessContact(recordsOf(run), {.rate_hz = run.rate_hz,
-                                        .resolution_m = run.device.encoder_resolution_m,
+  return assessContact(recordsOf(run), {.resolution_m = run.device.encoder_resolution_m,
                                         .delay_ticks = run.device.delay_ticks,
                                         .path = run.path_known ? &path : nullptr});
 }
@@ -265,8 +264,7 @@ TEST(ContactStability, TheEncodersErrorIsWithinItsBound) {
       true_J -= Vec3(records[k - 1].force_W[0], records[k - 1].force_W[1], records[k - 1].force_W[2])
                     .dot(true_W[k] - true_W[k - 1]);
     const double found_J = records[true_W.size() - 1].energy_J;
-    const ContactStability s =
-        assessContact(records, {.rate_hz = run.rate_hz, .resolution_m = run.device.encoder_resolution_m});
+    const ContactStability s = assessContact(records, {.resolution_m = run.device.encoder_resolution_m});
     touched += s.stored_J > 0 ? 1 : 0;
     EXPECT_LE(std::abs(found_J - true_J), s.allowed_J) << i;
     error_J += std::abs(found_J - true_J);
@@ -401,6 +399,132 @@ TEST(ContactStability, CountsWhatTheWorstContactGave) {
   EXPECT_EQ(assessContact(records, {.resolution_m = 1e-6}).verdict, ContactVerdict::kQuiet);
 }
 
+// ---- each clause of the criterion, on records made by hand ----
+
+// A tool that swings to and fro through the plane z = 0 while the hand wants it 1 mm below; 1 mJ is given a second.
+struct HandMade {
+  double hz = 30, seconds = 1, amplitude_m = 0.1e-3;
+  double keeps_a_second = 1;  // of the amplitude
+  double given_J_per_s = 1e-3;
+  double path_at_m = -1e-3;
+  double path_m = 0;     // the path swings too, by this
+  double surface_m = 0;  // and the surface
+  double resolution_m = 0;
+  bool path_known = true;
+  std::function<void(TickRecord&)> change = [](TickRecord&) {};
+};
+
+ContactStability assess(const HandMade& made) {
+  std::vector<TickRecord> records(static_cast<std::size_t>(1000 * made.seconds));
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    TickRecord& r = records[i];
+    r.tick = static_cast<std::int64_t>(i);
+    r.time_s = static_cast<double>(i) / 1000;
+    const double wave = std::sin(2 * M_PI * made.hz * (r.time_s + 1e-5));
+    r.hip_W[2] = made.amplitude_m * std::pow(made.keeps_a_second, r.time_s) * -wave;
+    r.in_contact = r.hip_W[2] < 0;
+    const double surface_m = -made.surface_m * wave;  // down where the tool presses
+    r.vhip_W[2] = r.in_contact ? surface_m : r.hip_W[2];
+    if (r.in_contact) r.normal_W[2] = 1;
+    r.energy_J = -made.given_J_per_s * r.time_s;
+    made.change(r);
+  }
+  const WantedPath path(
+      [&](double t_s) { return Vec3(0, 0, made.path_at_m + made.path_m * std::sin(2 * M_PI * made.hz * t_s)); });
+  return assessContact(records, {.resolution_m = made.resolution_m, .path = made.path_known ? &path : nullptr});
+}
+
+bool unstable(const HandMade& made) {
+  return assess(made).verdict == ContactVerdict::kUnstable;
+}
+
+TEST(StabilityCriterion, SwingsThatLastAreUnstable) {
+  const ContactStability s = assess(HandMade{});
+  EXPECT_EQ(s.verdict, ContactVerdict::kUnstable);
+  EXPECT_NEAR(s.swing_m, 0.2e-3, 0.02e-3);  // sampled at 33 points a period: turns are met within 1 %
+  EXPECT_NEAR(s.swing_hz, 30, 1);
+  EXPECT_EQ(s.bounces, 30);
+  EXPECT_LT(s.unstable_from_s, 0.05);
+  EXPECT_GT(s.unstable_to_s, 0.93);
+}
+
+// 20 swings are 10 periods, and the first and last turn are half a period from the ends.
+TEST(StabilityCriterion, TwentySwingsInARow) {
+  EXPECT_FALSE(unstable({.seconds = 10.0 / 30}));
+  EXPECT_TRUE(unstable({.seconds = 12.0 / 30}));
+}
+
+// Halves are 5 periods apart, a sixth of a second: what is kept of it is to be 0.75 at least.
+TEST(StabilityCriterion, SwingsThatDieAwayAreNone) {
+  EXPECT_FALSE(unstable({.keeps_a_second = std::pow(0.7, 6)}));
+  EXPECT_TRUE(unstable({.keeps_a_second = std::pow(0.8, 6)}));
+  EXPECT_TRUE(unstable({.keeps_a_second = 2}));
+}
+
+TEST(StabilityCriterion, SwingsThatTheSurfaceDoesNotFeedAreNone) {
+  EXPECT_FALSE(unstable({.given_J_per_s = -1e-3}));
+  EXPECT_FALSE(unstable({.given_J_per_s = 0}));
+}
+
+// A path or a surface that goes a tenth of the way as well.
+TEST(StabilityCriterion, SwingsThatPathOrSurfaceAskForAreNone) {
+  EXPECT_TRUE(unstable({.path_m = 0.08 * 0.1e-3}));
+  EXPECT_FALSE(unstable({.path_m = 0.12 * 0.1e-3}));
+  // The surface is seen while in contact, where it goes up and down by its amplitude: half of the path's way.
+  EXPECT_TRUE(unstable({.surface_m = 0.1 * 0.1e-3}));
+  EXPECT_FALSE(unstable({.surface_m = 0.4 * 0.1e-3}));
+}
+
+TEST(StabilityCriterion, SwingsOfTwoEncoderStepsAreRoundings) {
+  EXPECT_FALSE(unstable({.resolution_m = 0.2e-3 / 2}));
+  EXPECT_TRUE(unstable({.resolution_m = 0.2e-3 / 3}));
+  EXPECT_FALSE(unstable({.amplitude_m = 0.9e-6}));  // 1.8 um
+  EXPECT_TRUE(unstable({.amplitude_m = 1.2e-6}));
+}
+
+TEST(StabilityCriterion, WithoutAPathAHandsSwingsAreNone) {
+  EXPECT_FALSE(unstable({.hz = 10, .seconds = 3, .path_known = false}));
+  EXPECT_TRUE(unstable({.hz = 15, .seconds = 3, .path_known = false}));
+  EXPECT_TRUE(unstable({.hz = 10, .seconds = 3}));
+}
+
+// Each of these comes every quarter of a second, 15 swings.
+bool everyQuarter(const TickRecord& r) {
+  return r.tick % 250 == 249;
+}
+
+TEST(StabilityCriterion, AFaultAnEndOfTheSurfaceOrALongFlightStartTheCountAnew) {
+  EXPECT_FALSE(unstable({.seconds = 3, .change = [](TickRecord& r) {
+                           if (everyQuarter(r)) r.faults = bit(ServoFault::kDeviceError);
+                         }}));
+  EXPECT_TRUE(unstable({.seconds = 3, .change = [](TickRecord& r) {
+                          if (everyQuarter(r)) r.faults = bit(ServoFault::kOverrun);  // only a note
+                        }}));
+  EXPECT_FALSE(unstable({.seconds = 3, .change = [](TickRecord& r) {
+                           if (!everyQuarter(r)) return;
+                           r.in_contact = false;
+                           r.hip_W[2] = r.vhip_W[2] = -0.05e-3;
+                         }}));
+  // In the air for 0.6 or 0.4 of each 0.9 s.
+  const auto flying = [](double flight_s) {
+    return HandMade{.seconds = 6, .change = [flight_s](TickRecord& r) {
+                      if (std::fmod(r.time_s, 0.9) < 0.3 || std::fmod(r.time_s, 0.9) > 0.3 + flight_s) return;
+                      r.in_contact = false;
+                      r.hip_W[2] = 0.05e-3;
+                    }};
+  };
+  EXPECT_FALSE(unstable(flying(0.6)));
+  EXPECT_TRUE(unstable(flying(0.4)));
+}
+
+// Lost inwards, or with the hand outside too, it is no bounce.
+TEST(StabilityCriterion, ABounceIsOutwardsAgainstTheHand) {
+  EXPECT_EQ(assess(HandMade{.path_m = 0}).bounces, 30);
+  EXPECT_EQ(assess(HandMade{.change = [](TickRecord& r) { r.hip_W[2] = -std::abs(r.hip_W[2]); }}).bounces, 0);
+  EXPECT_EQ(assess(HandMade{.path_at_m = 1e-3}).bounces, 0);
+  EXPECT_EQ(assess(HandMade{.path_known = false}).bounces, 0);
+}
+
 // ---- the slew limit ----
 
 // The force of a limited contact lags, which gives energy. What the default limit is derived from, walls of up to 5000
@@ -426,7 +550,7 @@ TEST(ContactStability, TheDefaultSlewLimitDoesNotShakeWhatADeviceCanRender) {
     const auto limited = [](const TickRecord& r) { return has(r.faults, ServoFault::kSlewLimited); };
     acted += std::any_of(records.begin(), records.end(), limited) ? 1 : 0;
     const WantedPath path(run.path);
-    const ContactStability s = assessContact(records, {.rate_hz = run.rate_hz, .path = &path});
+    const ContactStability s = assessContact(records, {.path = &path});
     EXPECT_NE(s.verdict, ContactVerdict::kUnstable) << i << " K " << run.stiffness_N_per_m << " v " << speed_m_per_s;
   }
   EXPECT_GT(settled, 400);
