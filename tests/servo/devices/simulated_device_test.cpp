@@ -26,6 +26,11 @@ TEST(SimulatedDevice, ARigidHandIsThePathWhateverTheForce) {
   for (int tick = 0; tick < 1100; ++tick) {
     ASSERT_TRUE(device.read(read_W));
     ASSERT_EQ(read_W, ramp().position(tick / 1000.0));
+    if (tick > 0) {
+      // The path's own mean velocity over the last tick.
+      const Vec3 way_W = ramp().position(tick / 1000.0) - ramp().position((tick - 1) / 1000.0);
+      ASSERT_LE((device.state().velocity_W - way_W * 1000).norm(), 1e-9);
+    }
     ASSERT_TRUE(device.write(Vec3(5, 5, 5)));
     device.elapse(1);
   }

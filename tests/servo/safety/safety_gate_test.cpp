@@ -236,6 +236,16 @@ TEST(SafetyGate, AfterRefusedOffersTheForceFallsFromWhatTheDeviceHolds) {
   }
 }
 
+// What is wanted after a release comes back from nothing, as after a stall.
+TEST(SafetyGate, AfterAReleaseTheForceStartsFromNothing) {
+  TakingGate gate(parameters(), 1000);
+  EXPECT_EQ(gate.pass(healthy({0, 0, 4})).force_W.z(), 4);
+  EXPECT_TRUE(gate.release().isZero(0));
+  for (int tick = 1; tick <= 10; ++tick) {
+    EXPECT_NEAR(gate.pass(healthy({0, 0, 4})).force_W.z(), 0.4 * tick, 1e-12);
+  }
+}
+
 // An offer of 6 N is refused while all is well otherwise: the fade that follows begins at the 4 N that are held.
 TEST(SafetyGate, AFadeBeginsAtWhatTheDeviceHolds) {
   SafetyGate gate(parameters(), 1000);
