@@ -22,8 +22,8 @@ namespace palpate {
 // Of a run with --save: how often, up to which edit, how large, how long, what failed.
 [[nodiscard]] std::string saveWords(const TouchRun& run);
 
-// "quiet: the surface took 0.3 mJ from the hand, and no contact gave more than it had taken": the verdict on the contact
-// (servo/loop/contact_stability.hpp) with its figures, and where there is something to change, what.
+// "quiet: the surface took 0.3 mJ from the hand, and no contact gave more than it had taken": the verdict on the
+// contact (servo/loop/contact_stability.hpp) with its figures, and where there is something to change, what.
 [[nodiscard]] std::string stabilityWords(const ContactStability& stability, const RunFigures& figures);
 
 // Of a run with a brush that edited: "removed about 12.3 mm3", "added about 4.5 mm3", "moved no voxel across the

@@ -23,9 +23,9 @@
 // passivity.hpp, on the force held); a limit that acts on every hard contact shakes it, at worst to a limit cycle of
 // centimetres. The default is what a wall of 5000 N/m, the stiffest that vendors state for most of their devices
 // (omega, delta, Polhem v2), asks for where a fast tap of 0.8 m/s meets it: K v = 4000 N/s. A jump of 8 N takes 2 ms
-// with it, at any rate. In a trial of 8400 random contacts of up to 5000 N/m that settle without a limit, met at up to 1
-// m/s, 3000 N/s lost none, 2500 N/s 14; tests/servo/loop/contact_stability_test.cpp tries such contacts at the default.
-// Frame W: world [N]. Thread: the servo's. Cost: some 10 ns. Heap, locks, throws in pass(): none.
+// with it, at any rate. In a trial of 8400 random contacts of up to 5000 N/m that settle without a limit, met at up to
+// 1 m/s, 3000 N/s lost none, 2500 N/s 14; tests/servo/loop/contact_stability_test.cpp tries such contacts at the
+// default. Frame W: world [N]. Thread: the servo's. Cost: some 10 ns. Heap, locks, throws in pass(): none.
 #pragma once
 
 #include <cstdint>

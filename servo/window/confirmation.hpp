@@ -4,9 +4,9 @@
 // Store release, load acquire: whoever has seen a time sees all that the writer did before it said so, above all the
 // publication of the window that it confirms. With relaxed order the reader could see the time and still the window
 // before, and take an old window for a fresh one. No single value tears then, so no race of the payload tells:
-// tests/servo/window reads, after a time, what was written before it, from a copy with relaxed order too, and the thread
-// sanitizer reports that one.
-// Threads: one writer, any readers. Cost: a store, a load. Errors, heap: none. Times on the servo's clock [ns].
+// tests/servo/window reads, after a time, what was written before it, from a copy with relaxed order too, and the
+// thread sanitizer reports that one. Threads: one writer, any readers. Cost: a store, a load. Errors, heap: none. Times
+// on the servo's clock [ns].
 #pragma once
 
 #include <atomic>
