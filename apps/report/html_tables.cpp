@@ -91,7 +91,7 @@ std::string keyFigures(const TouchRun& run, const RunFigures& f) {
   out += figure(shortNumber(f.force_N.max), "N", fmt::format("largest force; median {} N", shortNumber(f.force_N.p50)));
   out += figure(mm(f.depth_m.max), "mm", fmt::format("deepest press; median {} mm", mm(f.depth_m.p50)));
   out += figure(mm(f.vhip_way_m), "mm", "of surface followed");
-  if (f.contact_ticks > 0) out += figure(shortNumber(f.energy_end_J * 1e3), "mJ", energyWords(f));
+  if (f.contact_ticks > 0) out += figure(shortNumber(f.energy_end_J * 1e3), "mJ", stabilityWords(run.stability, f));
   out += editFigures(run.edits) + exactFigures(run.exact) + servoFigures(run, f);
   return section("figures", "Key figures", out + "</div>\n");
 }

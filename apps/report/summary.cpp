@@ -141,6 +141,21 @@ Json energyJson(const RunFigures& f) {
           {"damped_ticks", f.damped_ticks}};
 }
 
+Json stabilityJson(const ContactStability& s) {
+  const bool unstable = s.verdict == ContactVerdict::kUnstable;
+  return {{"verdict", name(s.verdict)},
+          {"given_J", s.given_J},
+          {"stored_J", s.stored_J},
+          {"share", s.share},
+          {"error_J", s.error_J},
+          {"allowed_J", s.allowed_J},
+          {"bounces", s.bounces},
+          {"unstable_from_s", unstable ? Json(s.unstable_from_s) : Json(nullptr)},
+          {"unstable_to_s", unstable ? Json(s.unstable_to_s) : Json(nullptr)},
+          {"swing_m", unstable ? Json(s.swing_m) : Json(nullptr)},
+          {"swing_hz", unstable ? Json(s.swing_hz) : Json(nullptr)}};
+}
+
 Json exactJson(const std::optional<ExactErrors>& e) {
   if (!e) return nullptr;
   return {{"vhip_median_voxel", e->vhip_median_voxel},
@@ -191,6 +206,7 @@ Json makeSummary(const TouchRun& run) {
           {"contact", contactJson(figures)},
           {"servo", servoJson(run, figures)},
           {"energy", energyJson(figures)},
+          {"stability", stabilityJson(run.stability)},
           {"exact", exactJson(run.exact)},
           {"edits", editsJson(run.edits)},
           {"faults", listOf(run.faults, faultJson)},

@@ -14,6 +14,7 @@
 #include "apps/report/machine_facts.hpp"
 #include "base/measured.hpp"
 #include "engine/plan/scene.hpp"
+#include "servo/loop/contact_stability.hpp"
 #include "servo/loop/tick_record.hpp"
 
 namespace palpate {
@@ -82,6 +83,7 @@ struct TouchRun {
   std::vector<std::vector<Vec3>> object_outlines;  // lines that show the objects on the picture [m]
   std::vector<PathPhase> phases;                   // of the path; empty for a path from a file
   std::vector<TickRecord> records;                 // one a tick, in order
+  ContactStability stability;                      // of the contact in them
   std::vector<RunFault> faults;
   std::vector<std::string> files;  // written or to be written, as shown to the user
   std::optional<ExactErrors> exact;

@@ -39,9 +39,34 @@ std::string mJ(double joules) {
   return shortNumber(joules * 1e3) + " mJ";
 }
 
-std::string energyLine(const RunFigures& f) {
+std::string contactVerdictLine(const TouchRun& run, const RunFigures& f) {
   if (f.contact_ticks == 0) return "";
-  return "Energy    " + energyWords(f) + "\n";
+  return "Energy    " + stabilityWords(run.stability, f) + "\n";
+}
+
+// Little enough to be none: what the encoders and the quiet share leave open.
+std::string balanceWords(const ContactStability& s, const RunFigures& f) {
+  if (f.energy_end_J >= 0) return fmt::format("the surface took {} from the hand", mJ(f.energy_end_J));
+  return fmt::format("what the surface took from the hand and what it gave are the same within {}", mJ(s.allowed_J));
+}
+
+std::string errorWords(const ContactStability& s) {
+  return s.error_J == 0 ? "" : fmt::format(" (the encoders leave {} open)", mJ(s.error_J));
+}
+
+// What the heading says of the contact.
+std::string stabilityClause(const ContactStability& s, const RunFigures& f) {
+  switch (s.verdict) {
+    case ContactVerdict::kUnstable:
+      return fmt::format("; the contact was unstable: lower --stiffness, raise --rate or --damping{}",
+                         f.damped_ticks > 0 ? "" : ", or use --passivity control");
+    case ContactVerdict::kSlightlyActive:
+      return "; the contact was slightly active";
+    case ContactVerdict::kQuiet:
+      return "; the contact was quiet";
+    default:
+      return "";
+  }
 }
 
 std::string servoLine(const TouchRun& run, const RunFigures& f) {
@@ -147,21 +172,33 @@ std::string faultWord(std::size_t count) {
   return count == 1 ? "1 kind of fault" : fmt::format("{} kinds of fault", count);
 }
 
-std::string energyWords(const RunFigures& f) {
-  std::string text = f.active_ticks == 0
-                         ? fmt::format("passive: the surface took {} from the hand and never gave more than it took",
-                                       mJ(f.energy_end_J))
-                         : fmt::format(
-                               "active: in {} of {} ticks in contact the surface had given the hand more than it took, "
-                               "at most {} (--passivity control takes it back)",
-                               f.active_ticks, f.contact_ticks, mJ(-f.energy_min_J));
+std::string stabilityWords(const ContactStability& s, const RunFigures& f) {
+  std::string text = "no contact";
+  if (s.verdict == ContactVerdict::kQuiet) {
+    text = fmt::format("quiet: {}, and no contact gave more than it had taken{}", balanceWords(s, f), errorWords(s));
+  } else if (s.verdict == ContactVerdict::kSlightlyActive) {
+    text = fmt::format(
+        "slightly active: a contact gave the hand {} more than it had taken, {} % of the most that was stored{}, and "
+        "came to rest; any sampled wall with less damping than K T / 2 does so (more --damping, a higher --rate or "
+        "--passivity control lessen it)",
+        mJ(s.given_J), shortNumber(s.share * 100), errorWords(s));
+  } else if (s.verdict == ContactVerdict::kUnstable) {
+    text = fmt::format(
+        "unstable: from {} s to {} s the tool swung against the surface by {} at {} Hz without settling, {} in all, "
+        "and the surface fed it; lower --stiffness, raise --rate, or raise --damping (up to about the moved mass over "
+        "the tick and the velocity's delay; more shakes by itself){}",
+        shortNumber(s.unstable_from_s), shortNumber(s.unstable_to_s), mm(s.swing_m), shortNumber(s.swing_hz),
+        counted(static_cast<std::uint64_t>(s.bounces), "bounce"),
+        f.damped_ticks > 0 ? "" : "; --passivity control lessens it");
+  }
   if (f.damped_ticks > 0)
     text += "; the controller acted in " + counted(static_cast<std::uint64_t>(f.damped_ticks), "tick");
   return text;
 }
 
 std::string verdict(const TouchRun& run, const RunFigures& f) {
-  const std::string end = editClause(run) + "; " + faultWord(run.faults.size()) + ".";
+  const std::string end =
+      stabilityClause(run.stability, f) + editClause(run) + "; " + faultWord(run.faults.size()) + ".";
   if (f.contact_ticks == 0)
     return fmt::format("The tool never touched the surface in {} s{}", shortNumber(f.time_s), end);
   return fmt::format("The tool touched the surface for {} s of {} s, pressed at most {} deep and felt at most {} N{}",
@@ -171,9 +208,9 @@ std::string verdict(const TouchRun& run, const RunFigures& f) {
 
 std::string closingSummary(const TouchRun& run) {
   const RunFigures figures = computeFigures(run.records, run.scene.rate_hz);
-  return touchedLine(run) + contactLine(figures) + feelLine(figures) + energyLine(figures) + servoLine(run, figures) +
-         editLine(run) + volumeLine(run) + exactLine(run) + faultLines(run) + listLines("Note", run.notes) +
-         filesLine(run);
+  return touchedLine(run) + contactLine(figures) + feelLine(figures) + contactVerdictLine(run, figures) +
+         servoLine(run, figures) + editLine(run) + volumeLine(run) + exactLine(run) + faultLines(run) +
+         listLines("Note", run.notes) + filesLine(run);
 }
 
 }  // namespace palpate

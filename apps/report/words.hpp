@@ -12,8 +12,8 @@
 
 namespace palpate {
 
-// "The tool touched the surface for 3.1 s of 5 s, pressed at most 1.2 mm deep and felt at most 0.6 N; 9 edits removed
-// 3.4 mm3; no fault."
+// "The tool touched the surface for 3.1 s of 5 s, pressed at most 1.2 mm deep and felt at most 0.6 N; the contact was
+// quiet; 9 edits removed 3.4 mm3; no fault."
 [[nodiscard]] std::string verdict(const TouchRun& run, const RunFigures& figures);
 
 // About ten lines, each ending in a newline: what was touched, how it felt, energy, how the servo did, faults, files.
@@ -22,8 +22,9 @@ namespace palpate {
 // Of a run with --save: how often, up to which edit, how large, how long, what failed.
 [[nodiscard]] std::string saveWords(const TouchRun& run);
 
-// "passive: the surface took 0.3 mJ from the hand and never gave more than it took": the passivity observer's verdict.
-[[nodiscard]] std::string energyWords(const RunFigures& figures);
+// "quiet: the surface took 0.3 mJ from the hand, and no contact gave more than it had taken": the verdict on the
+// contact (servo/loop/contact_stability.hpp) with its figures, and where there is something to change, what.
+[[nodiscard]] std::string stabilityWords(const ContactStability& stability, const RunFigures& figures);
 
 // Of a run with a brush that edited: "removed about 12.3 mm3", "added about 4.5 mm3", "moved no voxel across the
 // surface"; empty where it is not known.

@@ -70,7 +70,7 @@ const SceneOption kOptions[] = {
      "weight of that force by the gradient's magnitude; from the volume if not given",
      TableOption{&Scene::haptization_gradient, kMillimetresPerMetre, "gradient:weight"}},
     {"--force-limit", "safety.force_limit_N", "N", "no larger force leaves the safety gate", number(&Scene::force_limit_N, 1, 0, 1000)},
-    {"--slew-limit", "safety.slew_limit_N_per_s", "N/s", "no faster change of force leaves the safety gate", number(&Scene::slew_limit_N_per_s, 1, 1, 1e7)},
+    {"--slew-limit", "safety.slew_limit_N_per_s", "N/s", "no faster change of force leaves the safety gate: it is for jumps; much below stiffness times hand speed, contacts lag and shake", number(&Scene::slew_limit_N_per_s, 1, 1, 1e7)},
     {"--fade", "safety.fade_s", "s", "time in which the force fades to zero after a fault", number(&Scene::fade_s, 1, 0, 10)},
     {"--stale", "safety.stale_window_s", "s", "a window not confirmed for so long is a fault", number(&Scene::stale_window_s, 1, 0.001, 60)},
     {"--velocity", "servo.velocity", "", "velocity estimate: filter (low-pass) or foaw (first-order adaptive windowing)", WordOption{&Scene::velocity, kVelocities}},

@@ -33,6 +33,7 @@
 #include "engine/volume/phantom.hpp"
 #include "engine/volume/statistics.hpp"
 #include "servo/algorithms/registry.hpp"
+#include "servo/loop/contact_stability.hpp"
 #include "servo/loop/run_figures.hpp"
 #include "servo/loop/velocity.hpp"
 #include "servo/safety/faults.hpp"
@@ -154,6 +155,7 @@ std::vector<std::string> realTimeWords(const Scene& scene, const LoopResult& res
   if (result.real_time.fifo) words.emplace_back("SCHED_FIFO priority");
   if (result.real_time.memory_locked) words.emplace_back("memory locked");
   words.insert(words.end(), result.real_time.notes.begin(), result.real_time.notes.end());
+  if (!result.released) words.emplace_back("at the end the device refused a force of zero and may still hold one");
   if (result.ticks_skipped > 0)
     words.push_back(fmt::format("{} grid points left out after missed deadlines", result.ticks_skipped));
   return words;
@@ -266,6 +268,9 @@ TouchRun runTouchJob(const Scene& scene, const std::string& command, const std::
       });
   run.records = std::move(result.records);
   run.realtime = realTimeWords(scene, result);
+  run.stability = assessContact(run.records, {.resolution_m = run.scene.encoder_resolution_m,
+                                              .delay_ticks = run.scene.device_delay_ticks,
+                                              .path = &path.path});
   run.faults = faultsOf(run);
   if (std::none_of(run.records.begin(), run.records.end(), [](const TickRecord& r) { return r.in_contact; })) {
     run.notes.emplace_back(

@@ -46,7 +46,7 @@ struct Scene {
   NumberTable haptization_gradient;  // rows: gradient [density/m], weight [-]
   // safety
   double force_limit_N = 8;  // of the simulated device
-  double slew_limit_N_per_s = 20000;
+  double slew_limit_N_per_s = 4000;  // servo/safety/safety_gate.hpp says why
   double fade_s = 0.1;             // time in which a faulty force fades to zero
   double stale_window_s = 0.25;    // a window that the engine has not confirmed for so long is a fault
   double stall_s = 0.01;           // a tick later than this ends a stall

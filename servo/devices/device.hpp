@@ -4,7 +4,8 @@
 // Frame W: world; a device that has a frame of its own turns into the world itself. Units [m, N].
 // Threads: read(), write() and elapse() by the servo thread alone, in each tick elapse, read, write; no heap, lock or
 // throw in them, and no system call but the device's own I/O, which must not wait. The rest before the loop starts.
-// Errors: false from read() or write() means that the device did not answer; the servo then fades the force to zero.
+// Errors: false from read() or write() means that the device did not answer; the servo then fades the force to zero. A
+// write that gave false was not taken: the device goes on holding what it took last.
 #pragma once
 
 #include <cstdint>
@@ -18,6 +19,7 @@ struct DeviceLimits {
   double force_limit_N = 0;          // largest force in any direction [N]
   double position_resolution_m = 0;  // of its encoders; 0: none to speak of [m]
   int force_delay_ticks = 0;         // from write() to the force that acts, in servo ticks
+  double slew_limit_N_per_s = 0;     // fastest change of force that it should be asked for; 0: none said [N/s]
 };
 
 class Device {
@@ -37,6 +39,9 @@ class Device {
   [[nodiscard]] virtual std::int64_t reportAge_ns() const noexcept { return 0; }
   // The force to hold until the next write.
   [[nodiscard]] virtual bool write(const Vec3& force_W) noexcept = 0;
+  // What the device holds after a write() of `force_W` that it took: the same, or less where it cuts to a limit of its
+  // own. A device that only rounds forces leaves this alone: a step below its rounding would never get anywhere.
+  [[nodiscard]] virtual Vec3 held(const Vec3& force_W) const noexcept { return force_W; }
 };
 
 }  // namespace palpate

@@ -19,6 +19,7 @@ void check(bool good, const char* key, double value, const char* remedy) {
 const SimulatedDeviceParameters& checked(const SimulatedDeviceParameters& p, double rate_hz) {
   check(rate_hz > 0, "rate", rate_hz, "give a positive rate in Hz");
   check(p.force_limit_N > 0, "device force limit", p.force_limit_N, "give newtons above 0");
+  check(p.slew_limit_N_per_s >= 0, "device slew limit", p.slew_limit_N_per_s, "give 0 N/s (none) or more");
   check(p.encoder_resolution_m >= 0, "encoder resolution", p.encoder_resolution_m, "give 0 m or more");
   check(p.delay_ticks >= 0 && p.delay_ticks <= 10000, "device delay", p.delay_ticks, "give 0 to 10000 ticks");
   return p;
@@ -40,7 +41,10 @@ std::string_view SimulatedDevice::name() const noexcept {
 }
 
 DeviceLimits SimulatedDevice::limits() const noexcept {
-  return {parameters_.force_limit_N, parameters_.encoder_resolution_m, parameters_.delay_ticks};
+  return {.force_limit_N = parameters_.force_limit_N,
+          .position_resolution_m = parameters_.encoder_resolution_m,
+          .force_delay_ticks = parameters_.delay_ticks,
+          .slew_limit_N_per_s = parameters_.slew_limit_N_per_s};
 }
 
 // The servo writes in every tick that it runs; where it missed some, the device holds the last force, as hardware does.
@@ -71,11 +75,15 @@ bool SimulatedDevice::read(Vec3& position_W) noexcept {
 
 bool SimulatedDevice::write(const Vec3& force_W) noexcept {
   if (!force_W.allFinite()) return false;
-  const double size_N = force_W.stableNorm();
   const std::size_t newest = (next_ + written_W_.size() - 1) % written_W_.size();
-  const double limit_N = parameters_.force_limit_N;
-  written_W_[newest] = size_N > limit_N ? Vec3(force_W / size_N * limit_N) : force_W;
+  written_W_[newest] = held(force_W);
   return true;
+}
+
+Vec3 SimulatedDevice::held(const Vec3& force_W) const noexcept {
+  const double size_N = force_W.stableNorm();
+  const double limit_N = parameters_.force_limit_N;
+  return size_N > limit_N ? Vec3(force_W / size_N * limit_N) : force_W;
 }
 
 }  // namespace palpate

@@ -23,6 +23,7 @@ struct SimulatedDeviceParameters {
   Hand hand = Hand::kRigid;
   HandParameters dynamics;          // of kSpring
   double force_limit_N = 8;         // [N]
+  double slew_limit_N_per_s = 0;    // that it asks the servo to keep; 0: none [N/s]
   double encoder_resolution_m = 0;  // positions are multiples of it along each axis; 0: not rounded [m]
   int delay_ticks = 0;              // from write() to the force that acts [tick]
 };
@@ -30,7 +31,7 @@ struct SimulatedDeviceParameters {
 class SimulatedDevice final : public Device {
  public:
   // Begins at rest at the path's start. Throws Error(kBadInput) on a rate or force limit that is not positive, a
-  // negative resolution, a delay outside 0 to 10000 ticks, and as HandDynamics does.
+  // negative resolution or slew limit, a delay outside 0 to 10000 ticks, and as HandDynamics does.
   SimulatedDevice(const SimulatedDeviceParameters& parameters, const Path& path, double rate_hz);
 
   [[nodiscard]] std::string_view name() const noexcept override;
@@ -38,6 +39,7 @@ class SimulatedDevice final : public Device {
   void elapse(int ticks) noexcept override;
   [[nodiscard]] bool read(Vec3& position_W) noexcept override;
   [[nodiscard]] bool write(const Vec3& force_W) noexcept override;
+  [[nodiscard]] Vec3 held(const Vec3& force_W) const noexcept override;
 
   // For tests and figures: the state behind the encoders, and the force that acts in the running tick.
   [[nodiscard]] const HandDynamics::State& state() const noexcept { return state_; }

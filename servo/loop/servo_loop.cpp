@@ -15,6 +15,7 @@ namespace palpate {
 namespace {
 
 constexpr double kMaxRate_hz = 20000;
+constexpr double kPatience_s = 1;                 // with a device that refuses every write at the end of a run [s]
 constexpr std::int64_t kMostElapsed = 1'000'000;  // grid periods that a device is told of at once [tick]
 
 const LoopParameters& checked(const LoopParameters& p) {
@@ -30,10 +31,12 @@ const LoopParameters& checked(const LoopParameters& p) {
   return p;
 }
 
-// No force above the device's maximum leaves the gate, whatever the scene allows.
+// No force above the device's maximum and none faster than it says leaves the gate, whatever the scene allows.
 SafetyParameters withinDevice(SafetyParameters safety, const Device& device) {
-  const double most_N = device.limits().force_limit_N;
-  if (most_N > 0) safety.force_limit_N = std::min(safety.force_limit_N, most_N);
+  const DeviceLimits limits = device.limits();
+  if (limits.force_limit_N > 0) safety.force_limit_N = std::min(safety.force_limit_N, limits.force_limit_N);
+  if (limits.slew_limit_N_per_s > 0)
+    safety.slew_limit_N_per_s = std::min(safety.slew_limit_N_per_s, limits.slew_limit_N_per_s);
   return safety;
 }
 
@@ -78,7 +81,7 @@ ServoLoop::ServoLoop(const LoopParameters& parameters, Algorithm& algorithm, Dev
       gate_(withinDevice(parameters.safety, device), parameters.rate_hz),
       window_clock_(nanoseconds(parameters.safety.stall_s)),
       passivity_(parameters.passivity, withinDevice(parameters.safety, device).force_limit_N, parameters.rate_hz,
-                 device.limits().force_delay_ticks),
+                 device.limits().force_delay_ticks, device.limits().position_resolution_m),
       velocity_(velocityFor(device, parameters.velocity), parameters.rate_hz),
       recorder_(recordCapacity(parameters)) {
   if (!device_.read(hip_W_) || !hip_W_.allFinite()) {
@@ -199,11 +202,10 @@ const SampleWindow& ServoLoop::runTick(const Due& due, std::int64_t now_ns, Tick
   const Vec3 damping_W = passivity_.damping(velocity_.value());
   const GateOutput gated =
       gate_.pass({out.force_W + damping_W, age.age_ns, faults | out.faults, gap_ns, report_age_ns});
-  const bool written = device_.write(gated.force_W);
-  carried_faults_ = written ? 0 : bit(ServoFault::kDeviceError);
-  if (written) held_W_ = gated.force_W;
-  passivity_.hold(held_W_);
-  tool_.back() = ToolPose{hip_W_, velocity_.value(), due.tick, now_ns, at_surface_, surface_W_, out.normal_W, held_W_};
+  carried_faults_ = offer(gated.force_W) ? 0 : bit(ServoFault::kDeviceError);
+  const Vec3& held_W = gate_.heldForce();
+  passivity_.hold(held_W);
+  tool_.back() = ToolPose{hip_W_, velocity_.value(), due.tick, now_ns, at_surface_, surface_W_, out.normal_W, held_W};
   tool_.publish();
   ++ticks_run_;
 
@@ -212,7 +214,7 @@ const SampleWindow& ServoLoop::runTick(const Due& due, std::int64_t now_ns, Tick
   copy(hip_W_, record.hip_W);
   copy(out.vhip_W, record.vhip_W);
   copy(out.normal_W, record.normal_W);
-  copy(gated.force_W, record.force_W);
+  copy(held_W, record.force_W);
   record.plane_age_ticks = out.plane_age_ticks;
   record.window_version = window.version;
   record.edit_version = window.edit_version;
@@ -239,19 +241,32 @@ bool ServoLoop::readDevice(int elapsed_ticks, std::int64_t gap_ns, std::int64_t&
   return true;
 }
 
-// Falling takes no more ticks than rising did; a slew so small that it is lost in rounding must not keep it for ever.
+// The force that the gate lets out, offered to the device; the gate hears what became of it. False: refused.
+bool ServoLoop::offer(const Vec3& force_W) noexcept {
+  if (!device_.write(force_W)) return false;
+  gate_.taken(device_.held(force_W));
+  return true;
+}
+
+// Down to a zero that the device has taken. Falling takes no more writes than rising did, but for one; a device that
+// never holds less than before must not keep the run for ever, nor one that refuses all that time.
 template <typename Pause>
 void ServoLoop::endForce(Pause pause) noexcept {
-  for (std::int64_t i = 0; i <= ticks_run_ && !gate_.release().isZero(0); ++i) {
-    static_cast<void>(device_.write(gate_.lastForce()));
+  const auto patience = static_cast<std::int64_t>(std::ceil(kPatience_s * parameters_.rate_hz));
+  std::int64_t refused = 0, writes = 0;
+  while (refused < patience && writes <= ticks_run_) {
+    const bool taken = offer(gate_.release());
+    released_ = taken && gate_.heldForce().isZero(0);
+    if (released_) return;
+    refused = taken ? 0 : refused + 1;
+    writes += taken ? 1 : 0;
     pause();
     device_.elapse(1);
   }
-  static_cast<void>(device_.write(Vec3::Zero()));
 }
 
 LoopResult ServoLoop::result() {
-  return {recorder_.taken(), ticks_run_, ticks_skipped_, real_time_};
+  return {recorder_.taken(), ticks_run_, ticks_skipped_, released_, real_time_};
 }
 
 }  // namespace palpate

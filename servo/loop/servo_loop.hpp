@@ -55,6 +55,7 @@ struct LoopResult {
   std::vector<TickRecord> records;
   std::int64_t ticks_run = 0;      // ticks that were run [tick]
   std::int64_t ticks_skipped = 0;  // grid points left out after missed deadlines [tick]
+  bool released = false;           // at the end the device took a force of zero; false: it may still hold one
   RealTimeStatus real_time;
 };
 
@@ -83,7 +84,8 @@ class ServoLoop {
   [[nodiscard]] bool running() const noexcept { return running_.load(std::memory_order_acquire); }
 
   // Any thread, any time: no tick begins after the servo has seen it. At the end of every run the force is brought to
-  // zero, which takes one write and more only where the slew limit asks for it.
+  // zero, which takes one write, and more where the slew limit asks for it or the device refuses; a device that refuses
+  // for a second is given up (LoopResult::released).
   void requestStop() noexcept { stop_.store(true, std::memory_order_relaxed); }
 
  private:
@@ -99,6 +101,7 @@ class ServoLoop {
   void runOnGrid(Clock& clock);
   const SampleWindow& runTick(const Due& due, std::int64_t now_ns, TickRecord& record) noexcept;
   [[nodiscard]] bool readDevice(int elapsed_ticks, std::int64_t gap_ns, std::int64_t& report_age_ns) noexcept;
+  [[nodiscard]] bool offer(const Vec3& force_W) noexcept;
   template <typename Pause>
   void endForce(Pause pause) noexcept;
   [[nodiscard]] LoopResult result();
@@ -116,12 +119,12 @@ class ServoLoop {
   Vec3 hip_W_ = Vec3::Zero();  // last position that could be read [m]
   int ticks_since_report_ = 0;
   std::int64_t last_now_ns_ = 0;      // when the last tick began
-  Vec3 held_W_ = Vec3::Zero();        // last force that the device took [N]
   std::uint32_t carried_faults_ = 0;  // of the last tick, after its gate
   bool at_surface_ = false;           // where samples are needed, as the algorithm said last
   Vec3 surface_W_ = Vec3::Zero();
   std::int64_t ticks_run_ = 0;
   std::int64_t ticks_skipped_ = 0;
+  bool released_ = false;
   RealTimeStatus real_time_;
   std::atomic<bool> stop_{false};
   std::atomic<bool> running_{false};

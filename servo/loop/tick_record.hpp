@@ -13,8 +13,8 @@ struct TickRecord {
   double hip_W[3] = {};     // device position as the servo read it [m]
   double vhip_W[3] = {};    // virtual haptic interface point [m]
   double normal_W[3] = {};  // of the plane in contact; zero without contact [-]
-  double force_W[3] = {};   // sent to the device, after the safety gate [N]
-  float density = 0;        // at the HIP [density]; NaN where the window does not reach
+  double force_W[3] = {};  // that the device holds from this tick on: the gate's, or where that was refused the old [N]
+  float density = 0;       // at the HIP [density]; NaN where the window does not reach
   std::int32_t plane_age_ticks = 0;
   std::uint64_t window_version = 0;
   std::uint32_t faults = 0;        // bits of ServoFault

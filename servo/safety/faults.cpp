@@ -21,13 +21,17 @@ constexpr std::array kTable = {
               "make the window larger, publish more often, or move more slowly"},
     FaultText{ServoFault::kNonFiniteForce, "non-finite-force", "the algorithm gave a force that is not a number",
               kFades, "report it with the scene and the trace: it is an error in the program"},
-    FaultText{ServoFault::kDeviceError, "device-error", "the device could not be read or written", kFades,
+    FaultText{ServoFault::kDeviceError, "device-error", "the device could not be read or written",
+              "falls to zero within the fade time while it lasts, then grows back within the fade time; while the "
+              "device refuses writes it holds the force that it took last, and then falls at the slew limit",
               "check its cable and power, then start again"},
     FaultText{ServoFault::kForceLimited, "force-limited", "the force was larger than the device's maximum",
               "is cut to the maximum in the same direction, for as long as it would be larger",
               "lower the stiffness, or press less deep"},
     FaultText{ServoFault::kSlewLimited, "slew-limited", "the force changed faster than allowed",
-              "follows at the slew limit until it has caught up", "lower the stiffness or n, or use a recovery time"},
+              "follows at the slew limit until it has caught up",
+              "lower the stiffness or n, or use a recovery time; a force that lags often shakes, so no limit far below "
+              "stiffness times hand speed"},
     FaultText{ServoFault::kOverrun, "overrun", "a tick was not done when the next one was due",
               "is held by the device over the ticks left out, and goes on with the next one",
               "lower the rate, or give the servo a core and real-time priority"},
@@ -85,7 +89,9 @@ std::string faultDocument() {
   std::string text =
       "# Faults\n\nEvery force leaves for the device through one gate, which keeps it finite, within the force limit "
       "and "
-      "within the slew\nlimit, tick for tick, also during a fault. The last force is never repeated while a fault "
+      "within the slew\nlimit, tick for tick, also during a fault: each force that the device takes differs from the "
+      "one taken before by at "
+      "most the\nslew, however many it refused between them. The last force is never repeated while a fault "
       "lasts: "
       "it gets smaller in every\ntick until it is zero. Where the slew limit does not allow the fade time, the fade "
       "takes "

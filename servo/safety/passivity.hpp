@@ -6,9 +6,12 @@
 // tick is F . (x_next - x), exactly, whatever the way between. E is the sum of what the environment took,
 //   E -= F_last . (x - x_last),  E >= 0: passive so far, E < 0: it has given away energy that it never had
 // (Hannaford and Ryu 2002, their E with the force that was held instead of the one to come). F is the force after the
-// gate, `delay_ticks` later where the device says that it takes so long. Exact for a device that then holds it;
-// encoders that round put their error into E. Where positions were missing, the mean of the forces held meanwhile
-// stands for them.
+// device took it, `delay_ticks` later where the device says that it takes so long. Exact for a device that then holds
+// it. Where positions were missing, the mean of the forces held meanwhile stands for them.
+//
+// Encoders round, so E follows the position that encoder_position.hpp makes of the readings, x~, which is off by at
+// most their resolution Delta along each axis. A contact that begins and ends without force therefore has its energy
+// within Delta times the sum of the force's changes along the axes (summation by parts).
 //
 // Controller. While its account of E is negative it adds a damper, alpha = -E / (T v^2), which takes the missing energy
 // back within a tick if v stays, before the gate. v is the servo's velocity estimate, the one that the algorithm damps
@@ -32,6 +35,7 @@
 #include <vector>
 
 #include "base/vec.hpp"
+#include "servo/safety/encoder_position.hpp"
 
 namespace palpate {
 
@@ -45,16 +49,18 @@ struct PassivityParameters {
 class Passivity {
  public:
   // Throws Error(kBadInput) unless share and damping are finite, the share within 0 to 1, damping and delay not
-  // negative.
-  Passivity(const PassivityParameters& parameters, double force_limit_N, double rate_hz, int delay_ticks = 0);
+  // negative, and the resolution too.
+  Passivity(const PassivityParameters& parameters, double force_limit_N, double rate_hz, int delay_ticks = 0,
+            double resolution_m = 0);
 
-  void reset(const Vec3& position_W) noexcept { last_W_ = position_W; }
+  void reset(const Vec3& position_W) noexcept { position_.reset(position_W); }
 
   // A new position: what the held force did on the way there.
   void moved(const Vec3& position_W) noexcept {
     const Vec3 mean_W = held_count_ > 1 ? Vec3(held_W_ / held_count_) : held_W_;
-    const Vec3 way_W = position_W - last_W_;
-    last_W_ = position_W;
+    const Vec3 last_W = position_.value();
+    position_.read(position_W, std::max(1, held_count_));
+    const Vec3 way_W = position_.value() - last_W;
     held_count_ = 0;
     if (way_W.cwiseAbs().maxCoeff() <= kLongestWay_m) account(-mean_W.dot(way_W), mean_W);
   }
@@ -101,7 +107,7 @@ class Passivity {
   double force_limit_N_;
   double damping_limit_;
   double rate_hz_;
-  Vec3 last_W_ = Vec3::Zero();  // [m]
+  EncoderPosition position_;    // frame W [m]
   Vec3 held_W_ = Vec3::Zero();  // sum of the forces held since then [N]
   int held_count_ = 0;
   std::vector<Vec3> under_way_W_;  // ring of the forces that do not act yet [N]

@@ -64,29 +64,35 @@ GateOutput SafetyGate::pass(const GateInput& in) noexcept {
   const bool faulty = (faults & kFadingFaults) != 0;
   if (has(faults, ServoFault::kStall)) authority_ticks_ = 0;
   if (faulty && !fading_) {
-    hold_W_ = last_W_;
-    hold_ticks_ = authority_ticks_;
+    fade_from_W_ = held_W_;
+    fade_from_ticks_ = authority_ticks_;
   }
   fading_ = faulty;
   if (faulty) {
-    // No note of the slew limit: it is part of the fade here (only after a stall does it hold anything back).
-    static_cast<void>(moveTowards(faded()));
-  } else if (!moveTowards(limited(in.wanted_W, faults))) {
+    // No note of the slew limit: it is part of the fade here (only after a stall or refused writes does it hold
+    // anything back).
+    static_cast<void>(offerTowards(faded()));
+  } else if (!offerTowards(limited(in.wanted_W, faults))) {
     faults |= bit(ServoFault::kSlewLimited);
   }
-  return {last_W_, faults};
+  return {offer_W_, faults};
 }
 
-const Vec3& SafetyGate::release() noexcept {
+Vec3 SafetyGate::release() noexcept {
   authority_ticks_ = 0;
-  static_cast<void>(moveTowards(Vec3::Zero()));
-  return last_W_;
+  static_cast<void>(offerTowards(Vec3::Zero()));
+  return offer_W_;
+}
+
+void SafetyGate::taken(const Vec3& held_W) noexcept {
+  const bool within = held_W.allFinite() && held_W.stableNorm() <= force_limit_N_;
+  held_W_ = within ? held_W : offer_W_;
 }
 
 Vec3 SafetyGate::faded() noexcept {
   if (authority_ticks_ > 0) --authority_ticks_;
   if (authority_ticks_ == 0) return Vec3::Zero();
-  return hold_W_ * (static_cast<double>(authority_ticks_) / static_cast<double>(hold_ticks_));
+  return fade_from_W_ * (static_cast<double>(authority_ticks_) / static_cast<double>(fade_from_ticks_));
 }
 
 Vec3 SafetyGate::limited(const Vec3& wanted_W, std::uint32_t& faults) noexcept {
@@ -103,16 +109,13 @@ Vec3 SafetyGate::limited(const Vec3& wanted_W, std::uint32_t& faults) noexcept {
   return target_W;
 }
 
-// The last force and the target both lie in the ball of the force limit, so every point between them does.
-bool SafetyGate::moveTowards(const Vec3& target_W) noexcept {
-  const Vec3 change_W = target_W - last_W_;
+// The force held and the target both lie in the ball of the force limit, so every point between them does.
+bool SafetyGate::offerTowards(const Vec3& target_W) noexcept {
+  const Vec3 change_W = target_W - held_W_;
   const double change_N = change_W.norm();
-  if (change_N <= slew_per_tick_N_) {
-    last_W_ = target_W;
-    return true;
-  }
-  last_W_ += change_W * (slew_per_tick_N_ / change_N);
-  return false;
+  const bool reached = change_N <= slew_per_tick_N_;
+  offer_W_ = reached ? target_W : Vec3(held_W_ + change_W * (slew_per_tick_N_ / change_N));
+  return reached;
 }
 
 }  // namespace palpate

@@ -7,10 +7,10 @@
 #pragma once
 
 #include <array>
-#include <atomic>
 #include <cstdint>
 #include <vector>
 
+#include "servo/window/confirmation.hpp"
 #include "servo/window/sample_window.hpp"
 #include "servo/window/triple_buffer.hpp"
 
@@ -50,23 +50,21 @@ class WindowExchange {
   void publish();
 
   // Writer: the engine's heartbeat: at `now_ns` the newest published window is still what the volume holds there.
-  void confirm(std::int64_t now_ns) noexcept { confirmed_at_ns_.store(now_ns, std::memory_order_release); }
+  void confirm(std::int64_t now_ns) noexcept { confirmation_.confirm(now_ns); }
 
   // Reader: the newest window; valid and constant until the next call. Version 0: nothing published yet.
   [[nodiscard]] const SampleWindow& latest() noexcept { return buffer_.latest(); }
 
-  // Reader: when the newest window was last known to be true. Call it before latest(): the release in confirm() and
-  // this acquire make sure that latest() then gives the window that was confirmed, or a newer one, never an older.
-  [[nodiscard]] std::int64_t confirmedAt_ns() const noexcept {
-    return confirmed_at_ns_.load(std::memory_order_acquire);
-  }
+  // Reader: when the newest window was last known to be true. Call it before latest(): the order of confirmation.hpp
+  // makes sure that latest() then gives the window that was confirmed, or a newer one, never an older.
+  [[nodiscard]] std::int64_t confirmedAt_ns() const noexcept { return confirmation_.at_ns(); }
 
  private:
   std::array<Sample*, 3> storages_;
   std::size_t capacity_samples_;
   std::uint64_t version_ = 0;  // writer's
   TripleBuffer<SampleWindow> buffer_;
-  alignas(64) std::atomic<std::int64_t> confirmed_at_ns_{0};
+  Confirmation<> confirmation_;
 };
 
 }  // namespace palpate

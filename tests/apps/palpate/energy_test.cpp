@@ -14,8 +14,9 @@ using Json = nlohmann::json;
 
 class Energy : public ProgramTest {
  protected:
-  Json touch(const Words& more) {
-    const Outcome outcome = run(quickTouch("phantom:sphere?size=24", more));
+  Json touch(const Words& more) { return touched(quickTouch("phantom:sphere?size=24", more)); }
+  Json touched(const Words& words_of_it) {
+    const Outcome outcome = run(words_of_it);
     expectSuccess(outcome);
     words = outcome.out;
     return Json::parse(contentsOf(file("out/summary.json")));
@@ -48,11 +49,42 @@ TEST_F(Energy, TheControllerTakesItBack) {
   const Json observed = touch(active);
   EXPECT_GT(observed["energy"]["active_ticks"], 0);
   EXPECT_EQ(observed["energy"]["damped_ticks"], 0);
-  EXPECT_THAT(words, testing::HasSubstr("Energy    active: in "));
+  EXPECT_THAT(words, testing::HasSubstr("Energy    slightly active: "));
+  EXPECT_EQ(observed["stability"]["verdict"], "slightly-active");
+  EXPECT_GT(observed["stability"]["given_J"], 0);
   const Json controlled = touch(active + Words{"--passivity", "control"});
   EXPECT_GT(controlled["energy"]["damped_ticks"], 0);
   EXPECT_GT(controlled["energy"]["min_J"], observed["energy"]["min_J"]);
   EXPECT_THAT(words, testing::HasSubstr("the controller acted in"));
+}
+
+// Encoders of 10 um under a rigid hand that comes back: what they make of the energy is within what they may.
+TEST_F(Energy, EncodersMakeNoEnergy) {
+  const Json summary = touch({"--encoder", "0.01"});
+  EXPECT_NE(summary["stability"]["verdict"], "unstable");
+  EXPECT_GE(summary["energy"]["end_J"].get<double>(),
+            -summary["stability"]["allowed_J"].get<double>() - summary["stability"]["given_J"].get<double>());
+  EXPECT_THAT(words, testing::Not(testing::HasSubstr("took -")));
+}
+
+// K T / 2 = 5 N s/m against 3.1 of hand and device: it bounces, and that is said where everybody looks.
+TEST_F(Energy, ABouncingRunIsCalledUnstable) {
+  const Words bouncing = {"touch",       "phantom:sphere?size=24",
+                          "--seconds",   "3",
+                          "--clock",     "simulated",
+                          "--picture",   "off",
+                          "--out",       "out",
+                          "--hand",      "spring",
+                          "--stiffness", "10000"};
+  const Json summary = touched(bouncing);
+  EXPECT_EQ(summary["stability"]["verdict"], "unstable");
+  EXPECT_GT(summary["stability"]["bounces"], 10);
+  EXPECT_GT(summary["stability"]["swing_m"], 20e-6);
+  EXPECT_THAT(summary["verdict"].get<std::string>(), testing::HasSubstr("the contact was unstable: lower --stiffness"));
+  EXPECT_THAT(words, testing::HasSubstr("Energy    unstable: "));
+  const Json fast = touched(bouncing + Words{"--rate", "20000"});
+  EXPECT_NE(fast["stability"]["verdict"], "unstable");
+  EXPECT_TRUE(fast["stability"]["swing_m"].is_null());
 }
 
 }  // namespace

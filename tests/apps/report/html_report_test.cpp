@@ -121,7 +121,7 @@ TEST(Report, ContainsEverySection) {
                             "plot-depth",
                             "plot-energy",
                             "plot-cost",
-                            "passive: the surface took",
+                            "quiet: the surface took",
                             "the force falls to zero.",
                             "plot-lateness",
                             "approach",

@@ -60,6 +60,7 @@ inline TouchRun sampleRun() {
   run.notes = {"the slide is 12 mm instead of 20 mm"};
   run.phases = {{"approach", 0, 1}, {"press", 1, 2}, {"slide", 2, 4}, {"retreat", 4, 5}};
   run.records = sampleRecords(5000, run.scene.rate_hz);
+  run.stability = assessContact(run.records, {});
   run.faults = {
       {"stale_window", 12, 300, "the engine published too rarely", "falls to zero", "make the window larger"}};
   run.files = {"out/trace.csv", "out/summary.json"};

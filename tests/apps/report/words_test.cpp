@@ -20,14 +20,15 @@ TEST(Words, VerdictIsOneSentence) {
   TouchRun run = sampleRun();
   run.faults.clear();
   EXPECT_EQ(verdictOf(run),
-            "The tool touched the surface for 3 s of 5 s, pressed at most 1 mm deep and felt at most 0.5 N; 3 edits; "
-            "no fault.");
+            "The tool touched the surface for 3 s of 5 s, pressed at most 1 mm deep and felt at most 0.5 N; the "
+            "contact was quiet; 3 edits; no fault.");
 }
 
 TEST(Words, VerdictSaysWhatTheEditsDid) {
   TouchRun run = sampleRun();
   run.edits->added_m3 = -12.34e-9;
-  EXPECT_THAT(verdictOf(run), HasSubstr("felt at most 0.5 N; 3 edits removed about 12.3 mm3; 1 kind of fault."));
+  EXPECT_THAT(verdictOf(run),
+              HasSubstr("felt at most 0.5 N; the contact was quiet; 3 edits removed about 12.3 mm3; 1 kind of fault."));
   run.edits->count = 1;
   run.edits->added_m3 = 2e-6;
   EXPECT_THAT(verdictOf(run), HasSubstr("; 1 edit added about 2000 mm3; "));
@@ -36,7 +37,7 @@ TEST(Words, VerdictSaysWhatTheEditsDid) {
   run.edits->count = 0;
   EXPECT_THAT(verdictOf(run), HasSubstr("; nothing was edited; "));
   run.edits.reset();
-  EXPECT_THAT(verdictOf(run), HasSubstr("felt at most 0.5 N; 1 kind of fault."));
+  EXPECT_THAT(verdictOf(run), HasSubstr("felt at most 0.5 N; the contact was quiet; 1 kind of fault."));
 }
 
 TEST(Words, ClosingSummaryHasTheContentAsRecoverPrintsIt) {
@@ -55,6 +56,7 @@ TEST(Words, ClosingSummaryHasTheContentAsRecoverPrintsIt) {
 TEST(Words, VerdictOfARunWithoutContact) {
   TouchRun run = sampleRun();
   for (TickRecord& r : run.records) r.in_contact = false;
+  run.stability = {};
   EXPECT_EQ(verdictOf(run), "The tool never touched the surface in 5 s; 3 edits; 1 kind of fault.");
 }
 
@@ -63,7 +65,7 @@ TEST(Words, ClosingSummaryNamesWhatMatters) {
   for (const char* words :
        {"phantom:sphere?size=64", "3 s of 5 s, one touch", "at most 0.5 N", "hri at 1000 Hz, 5000 ticks, 0 late",
         "stale_window in 12 of 5000 ticks, first at tick 300", "the force falls to zero; make the window larger",
-        "passive: the surface took", "the slide is 12 mm", "out/trace.csv", "0.01 voxel",
+        "quiet: the surface took", "the slide is 12 mm", "out/trace.csv", "0.01 voxel",
         "Edited    3 times; from edit to window 1.5 ms median, 2.5 ms p99"}) {
     EXPECT_THAT(text, HasSubstr(words));
   }
@@ -82,19 +84,61 @@ TEST(Words, SavesSayHowOftenAndWhatFailed) {
   EXPECT_THAT(closingSummary(run), HasSubstr("; 7 refused"));
 }
 
-TEST(Words, EnergySaysWhetherItWasPassive) {
+TEST(Words, QuietSaysWhatWasTakenAndNeverContradictsItself) {
   RunFigures figures;
-  figures.ticks = 5000;
   figures.energy_end_J = 1.5e-3;
-  EXPECT_EQ(energyWords(figures), "passive: the surface took 1.5 mJ from the hand and never gave more than it took");
-  figures.contact_ticks = 4000;
-  figures.active_ticks = 12;
-  figures.energy_min_J = -0.2e-3;
+  ContactStability quiet;
+  quiet.verdict = ContactVerdict::kQuiet;
+  quiet.allowed_J = 0.02e-3;
+  EXPECT_EQ(stabilityWords(quiet, figures),
+            "quiet: the surface took 1.5 mJ from the hand, and no contact gave more than it had taken");
+  // Encoders may leave a little less than nothing.
+  figures.energy_end_J = -0.01e-3;
+  quiet.error_J = 0.015e-3;
+  EXPECT_EQ(stabilityWords(quiet, figures),
+            "quiet: what the surface took from the hand and what it gave are the same within 0.02 mJ, and no contact "
+            "gave more than it had taken (the encoders leave 0.015 mJ open)");
+}
+
+TEST(Words, SlightlyActiveSaysByHowMuchAndThatItSettled) {
+  ContactStability active;
+  active.verdict = ContactVerdict::kSlightlyActive;
+  active.given_J = 0.2e-3;
+  active.share = 0.12;
+  RunFigures figures;
   figures.damped_ticks = 34;
-  EXPECT_EQ(energyWords(figures),
-            "active: in 12 of 4000 ticks in contact the surface had given the hand more than it took, at most 0.2 mJ "
-            "(--passivity control takes it back); the "
-            "controller acted in 34 ticks");
+  const std::string text = stabilityWords(active, figures);
+  EXPECT_THAT(text,
+              ::testing::StartsWith("slightly active: a contact gave the hand 0.2 mJ more than it had taken, 12 % "
+                                    "of the most that was stored, and came to rest; "));
+  EXPECT_THAT(text, ::testing::EndsWith("; the controller acted in 34 ticks"));
+  TouchRun run = sampleRun();
+  run.stability = active;
+  EXPECT_THAT(verdictOf(run), HasSubstr("; the contact was slightly active; "));
+}
+
+TEST(Words, UnstableSaysWhatToChange) {
+  TouchRun run = sampleRun();
+  run.stability.verdict = ContactVerdict::kUnstable;
+  run.stability.bounces = 96;
+  run.stability.swing_m = 0.8e-3;
+  run.stability.swing_hz = 31;
+  run.stability.unstable_from_s = 1.25;
+  run.stability.unstable_to_s = 4.5;
+  const std::string text = closingSummary(run);
+  EXPECT_THAT(text,
+              HasSubstr("Energy    unstable: from 1.25 s to 4.5 s the tool swung against the surface by 0.8 mm at 31 Hz "
+                        "without settling, 96 bounces in all, and the surface fed it; "));
+  EXPECT_THAT(text, Not(HasSubstr("quiet")));
+  for (const std::string& words : {text, verdictOf(run)}) {
+    for (const char* remedy : {"lower --stiffness", "raise --rate", "--damping", "--passivity control"})
+      EXPECT_THAT(words, HasSubstr(remedy));
+  }
+  EXPECT_THAT(verdictOf(run), HasSubstr("felt at most 0.5 N; the contact was unstable: lower --stiffness"));
+  // No advice that was followed already.
+  run.records[2500].damped = true;
+  EXPECT_THAT(verdictOf(run), Not(HasSubstr("--passivity")));
+  EXPECT_THAT(closingSummary(run), Not(HasSubstr("--passivity")));
 }
 
 TEST(Words, ClosingSummarySaysThatTheClockWasSimulated) {

@@ -26,6 +26,11 @@ TEST(SimulatedDevice, ARigidHandIsThePathWhateverTheForce) {
   for (int tick = 0; tick < 1100; ++tick) {
     ASSERT_TRUE(device.read(read_W));
     ASSERT_EQ(read_W, ramp().position(tick / 1000.0));
+    if (tick > 0) {
+      // The path's own mean velocity over the last tick.
+      const Vec3 way_W = ramp().position(tick / 1000.0) - ramp().position((tick - 1) / 1000.0);
+      ASSERT_LE((device.state().velocity_W - way_W * 1000).norm(), 1e-9);
+    }
     ASSERT_TRUE(device.write(Vec3(5, 5, 5)));
     device.elapse(1);
   }
@@ -94,6 +99,23 @@ TEST(SimulatedDevice, CutsTheForceToItsMaximum) {
   EXPECT_TRUE(device.actingForce().isApprox(Vec3(0, 4.8, 6.4)));
   EXPECT_FALSE(device.write(Vec3(0, NAN, 0)));
   EXPECT_TRUE(device.actingForce().isApprox(Vec3(0, 4.8, 6.4)));
+  // And says so; what is no more than the maximum it holds as it is.
+  EXPECT_EQ(device.held(Vec3(0, 30, 40)), device.actingForce());
+  EXPECT_EQ(device.held(Vec3(0, 0, -8)), Vec3(0, 0, -8));
+  EXPECT_EQ(device.held(Vec3(1, 2, 3)), Vec3(1, 2, 3));
+}
+
+TEST(SimulatedDevice, SaysItsLimits) {
+  SimulatedDeviceParameters p;
+  p.force_limit_N = 5;
+  p.encoder_resolution_m = 1e-5;
+  p.delay_ticks = 3;
+  p.slew_limit_N_per_s = 700;
+  const DeviceLimits limits = SimulatedDevice(p, rest(), 1000).limits();
+  EXPECT_EQ(limits.force_limit_N, 5);
+  EXPECT_EQ(limits.position_resolution_m, 1e-5);
+  EXPECT_EQ(limits.force_delay_ticks, 3);
+  EXPECT_EQ(limits.slew_limit_N_per_s, 700);
 }
 
 TEST(SimulatedDevice, Refuses) {
@@ -109,6 +131,12 @@ TEST(SimulatedDevice, Refuses) {
   refused(p, 1000);
   p = {};
   p.force_limit_N = 0;
+  refused(p, 1000);
+  p = {};
+  p.slew_limit_N_per_s = -1;
+  refused(p, 1000);
+  p = {};
+  p.delay_ticks = 10001;
   refused(p, 1000);
 }
 

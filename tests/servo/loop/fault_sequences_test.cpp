@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Random faults, one over the other, under random settings, in the loop's own code on a scripted clock: no force leaves
-// that is not finite, above the limit, or faster than the slew; a fault that lasts takes the force to zero within the
-// fade; and when all is well again the force is the one that the algorithm wants.
+// that is not finite, above the limit, or more than a slew from the one that the device took last; a fault that lasts
+// takes the force to zero within the fade; and when all is well again the force is the one that the algorithm wants.
 #include <cmath>
 #include <limits>
 #include <random>
@@ -101,43 +101,53 @@ struct Seen {
   int pushing_at_the_end = 0;
   int fades_to_zero = 0;
   int damped_ticks = 0;
+  int refused_while_holding = 0;
+  int cut_by_the_device = 0;
   int back_to_the_wanted = 0;
   std::set<std::string_view> algorithms;
   std::string_view algorithm;  // of the sequence that is played; empty: the steady push
 };
 
-void checkEveryForce(const std::vector<Vec3>& written_W, const SafetyParameters& safety, double slew_per_tick_N) {
+// Judged by what the device holds: each offer, whether it is taken or not, is finite, within the limit, and at most one
+// slew from what the device holds when it is made.
+void checkEveryForce(const ScriptedDevice& device, const SafetyParameters& safety, double slew_per_tick_N) {
   // Cutting to the limit and moving by the slew are a division and a product each: some roundings of the force's size.
   const double rounding_N = 8 * kEpsilon * (safety.force_limit_N + slew_per_tick_N);
-  Vec3 last_W = Vec3::Zero();
-  for (std::size_t i = 0; i < written_W.size(); ++i) {
-    ASSERT_TRUE(written_W[i].allFinite()) << i;
-    ASSERT_LE(written_W[i].norm(), safety.force_limit_N + rounding_N) << i;
-    ASSERT_LE((written_W[i] - last_W).norm(), slew_per_tick_N + rounding_N) << i;
-    last_W = written_W[i];
+  Vec3 held_W = Vec3::Zero();
+  for (std::size_t i = 0; i < device.written_W.size(); ++i) {
+    const Vec3& offer_W = device.written_W[i];
+    ASSERT_TRUE(offer_W.allFinite()) << i;
+    ASSERT_LE(offer_W.norm(), safety.force_limit_N + rounding_N) << i;
+    ASSERT_LE((offer_W - held_W).norm(), slew_per_tick_N + rounding_N) << i;
+    held_W = device.held_W[i];
   }
-  EXPECT_TRUE(written_W.back().isZero(0));
+  EXPECT_TRUE(held_W.isZero(0));
 }
 
-// While the gate sees a fault, each force is smaller than the last, and after the fade's ticks it is zero. A write that
-// fails is noted in its tick, but the gate can only act on it in the next.
+// While the gate sees a fault, each force that the device takes is smaller than the one that it held, and after as many
+// of them as the fade has ticks it is zero. A write that is refused leaves the force as it was; it is noted in its
+// tick, but the gate can only act on it in the next.
 void checkFades(const std::vector<TickRecord>& records, const ScriptedDevice& device, std::int64_t fade_ticks,
                 Seen& seen) {
-  std::int64_t faulty_ticks = 0;
+  std::int64_t taken_in_fault = 0;
   double last_N = 0;
   for (std::size_t i = 0; i < records.size(); ++i) {
-    const double force_N = std::hypot(records[i].force_W[0], records[i].force_W[1], records[i].force_W[2]);
+    const Vec3 force_W(records[i].force_W[0], records[i].force_W[1], records[i].force_W[2]);
+    ASSERT_EQ(force_W, device.held_W[i]) << i;
+    const double force_N = force_W.norm();
     std::uint32_t faults = records[i].faults;
     const bool late_news = !device.taken[i] && device.answered[i] && (i == 0 || device.taken[i - 1]);
     if (late_news) faults &= ~bit(ServoFault::kDeviceError);
-    faulty_ticks = (faults & kFadingFaults) != 0 ? faulty_ticks + 1 : 0;
-    if (faulty_ticks > 0) {
+    const bool faulty = (faults & kFadingFaults) != 0;
+    taken_in_fault = faulty && device.taken[i] ? taken_in_fault + 1 : 0;
+    if (taken_in_fault > 0) {
       ASSERT_TRUE(force_N == 0 || force_N < last_N) << i;
     }
-    if (faulty_ticks >= fade_ticks) {
+    if (taken_in_fault >= fade_ticks) {
       ASSERT_EQ(force_N, 0) << i;
     }
-    if (faulty_ticks > 0 && force_N == 0 && last_N > 0) ++seen.fades_to_zero;
+    if (taken_in_fault > 0 && force_N == 0 && last_N > 0) ++seen.fades_to_zero;
+    if (!device.taken[i] && force_N > 0) ++seen.refused_while_holding;
     last_N = force_N;
     seen.faults |= records[i].faults;
     seen.damped_ticks += records[i].damped ? 1 : 0;
@@ -145,13 +155,19 @@ void checkFades(const std::vector<TickRecord>& records, const ScriptedDevice& de
 }
 
 // The faults are over for longer than the longest fade: the force is the algorithm's, cut to the limit.
-void checkEnd(const TickRecord& last, const Vec3& wanted_W, double limit_N, Seen& seen) {
+void checkEnd(const TickRecord& last, const Vec3& wanted_W, double limit_N, double cut_N, Seen& seen) {
   ASSERT_EQ(last.faults & kFadingFaults, 0u) << seen.algorithm << ' ' << faultNames(last.faults);
   const double wanted_N = wanted_W.stableNorm();  // after a wild position the velocity may still be huge
   const Vec3 expected_W = wanted_N > limit_N ? Vec3(wanted_W / wanted_N * limit_N) : wanted_W;
   const Vec3 force_W(last.force_W[0], last.force_W[1], last.force_W[2]);
   // An algorithm whose force trembles faster than the slew is never caught up with.
-  if (!last.damped && !has(last.faults, ServoFault::kSlewLimited)) {
+  // A device that cuts holds as much as it can; the gate may be on its way from there for ever.
+  const bool cut = expected_W.norm() > cut_N;
+  if (cut && !last.damped) {
+    ASSERT_LE(force_W.norm(), cut_N * (1 + 8 * kEpsilon));
+    ++seen.cut_by_the_device;
+  }
+  if (!cut && !last.damped && !has(last.faults, ServoFault::kSlewLimited)) {
     ASSERT_LE((force_W - expected_W).norm(), 8 * kEpsilon * limit_N) << seen.algorithm;
     ++seen.back_to_the_wanted;
   }
@@ -202,6 +218,12 @@ void playSequence(unsigned seed, WindowStorage& storage, Seen& seen) {
   LoopParameters p = randomParameters(dice);
   FaultScript script;
   for (int i = dice.whole(1, 4); i > 0; --i) script.faults.push_back(randomFault(dice));
+  // Refused writes go with every other fault.
+  if (dice.coin()) {
+    InjectedFault refusal = randomFault(dice);
+    refusal.kind = dice.coin() ? Injected::kWriteError : Injected::kFlakyWrites;
+    script.faults.push_back(refusal);
+  }
   // After the faults: the gate's fade and slew, and the longest of the limits (30 ticks) until the last of them is
   // past.
   const int ticks = kFaultyTicks + 3 * kMostFadeTicks + 30;
@@ -216,6 +238,7 @@ void playSequence(unsigned seed, WindowStorage& storage, Seen& seen) {
     return Vec3(abovePole(-depth_m * std::min(1.0, (tick - 3) / 5.0), 1e-4 * std::sin(angle)));
   };
   ScriptedDevice device(script, clock, motion, p.rate_hz);
+  if (dice.whole(0, 3) == 0) device.cut_N = p.safety.force_limit_N * dice.decades(0.1, 1);
   const std::unique_ptr<Algorithm> inner = randomAlgorithm(dice, seen);
   ScriptedAlgorithm algorithm(script, *inner);
   WindowExchange windows(storage);
@@ -232,9 +255,10 @@ void playSequence(unsigned seed, WindowStorage& storage, Seen& seen) {
   const SafetyGate gate(p.safety, p.rate_hz);  // for its derived limits
   ASSERT_EQ(result.records.size(), static_cast<std::size_t>(ticks));
   ASSERT_LE(gate.fadeTicks(), kMostFadeTicks);
-  ASSERT_NO_FATAL_FAILURE(checkEveryForce(device.written_W, p.safety, p.safety.slew_limit_N_per_s / p.rate_hz));
+  ASSERT_NO_FATAL_FAILURE(checkEveryForce(device, p.safety, p.safety.slew_limit_N_per_s / p.rate_hz));
   ASSERT_NO_FATAL_FAILURE(checkFades(result.records, device, gate.fadeTicks(), seen));
-  ASSERT_NO_FATAL_FAILURE(checkEnd(result.records.back(), algorithm.wanted_W, p.safety.force_limit_N, seen));
+  ASSERT_NO_FATAL_FAILURE(
+      checkEnd(result.records.back(), algorithm.wanted_W, p.safety.force_limit_N, device.cut_N, seen));
 }
 
 TEST(FaultSequences, NoneLetsOutAForceThatIsNotWithinTheLimits) {
@@ -250,6 +274,8 @@ TEST(FaultSequences, NoneLetsOutAForceThatIsNotWithinTheLimits) {
   EXPECT_GT(seen.pushing_at_the_end, kSequences / 2);
   EXPECT_GT(seen.fades_to_zero, kSequences / 4);
   EXPECT_GT(seen.damped_ticks, kSequences / 4);
+  EXPECT_GT(seen.refused_while_holding, kSequences);
+  EXPECT_GT(seen.cut_by_the_device, kSequences / 50);
   EXPECT_EQ(seen.algorithms.size(), algorithms().size());
 }
 

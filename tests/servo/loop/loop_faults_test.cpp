@@ -40,7 +40,8 @@ class LoopFaults : public testing::Test {
 
   LoopParameters parameters = [] {
     LoopParameters p;
-    p.safety.fade_s = 0.01;  // 10 ticks
+    p.safety.fade_s = 0.01;               // 10 ticks
+    p.safety.slew_limit_N_per_s = 20000;  // none to speak of
     return p;
   }();
   FaultScript script;
@@ -82,6 +83,19 @@ TEST_F(LoopFaults, AStallInATickIsSeenInTheNext) {
   expectFault(result, ServoFault::kStall, 21, 22);
   EXPECT_EQ(force(result, 21), 0);
   EXPECT_NEAR(force(result, 26), 2, 1e-12);
+}
+
+// Of 1 ms a tick takes 1.5: the next grid point has passed and is left out. One of half a tick leaves none out.
+TEST_F(LoopFaults, ATickLongerThanItsPeriodLeavesOutAGridPoint) {
+  const LoopResult late = run(50, {{Injected::kStallInTick, 20, 1, 0.0015}});
+  expectFault(late, ServoFault::kOverrun, 20, 21);
+  EXPECT_EQ(late.records[21].tick, 22);
+  EXPECT_EQ(late.ticks_skipped, 1);
+  script = {};
+  const LoopResult punctual = run(50, {{Injected::kStallInTick, 20, 1, 0.0005}});
+  expectFault(punctual, ServoFault::kOverrun, 0, 0);
+  EXPECT_EQ(punctual.records[21].tick, 21);
+  EXPECT_EQ(punctual.ticks_skipped, 0);
 }
 
 TEST_F(LoopFaults, AShortDelayIsNoStall) {
@@ -137,13 +151,115 @@ TEST_F(LoopFaults, AServoClockThatStepsAheadIsAStall) {
   EXPECT_EQ(force(result, 40), 4);
 }
 
+// Three writes are refused, while the fade goes on: the device holds 4 N, and then takes 2.8 N.
 TEST_F(LoopFaults, AFailedWriteFadesTheNextForce) {
+  parameters.safety.slew_limit_N_per_s = 1e5;
   const LoopResult result = run(50, {{Injected::kWriteError, 20, 3}});
   expectFault(result, ServoFault::kDeviceError, 20, 24);
-  EXPECT_EQ(force(result, 20), 4);
-  EXPECT_NEAR(force(result, 21), 3.6, 1e-12);
+  for (std::size_t i = 19; i < 23; ++i) EXPECT_EQ(force(result, i), 4) << i;
+  EXPECT_NEAR(device.written_W[21].z(), 3.6, 1e-12);
   EXPECT_NEAR(force(result, 23), 2.8, 1e-12);
   EXPECT_NEAR(force(result, 24), 3.2, 1e-12);
+}
+
+// Refused for longer than the fade: the first force that is taken differs by one slew from the 4 N that the device
+// holds, and so does each one after it.
+TEST_F(LoopFaults, AfterALongRefusalTheForceFallsAtTheSlewLimit) {
+  parameters.safety.slew_limit_N_per_s = 1000;  // 1 N a tick
+  const LoopResult result = run(80, {{Injected::kWriteError, 20, 30}});
+  for (std::size_t i = 19; i < 50; ++i) EXPECT_EQ(force(result, i), 4) << i;
+  for (std::size_t i = 50; i < 53; ++i) EXPECT_NEAR(force(result, i), 53 - static_cast<double>(i), 1e-12) << i;
+  EXPECT_EQ(force(result, 70), 4);
+  EXPECT_TRUE(result.released);
+}
+
+// A run that ends while the device refuses: every offer is one slew below the 4 N that it holds, until it takes them.
+// The first of them is made in the last tick's time, so that tick's refusal is met twice.
+TEST_F(LoopFaults, TheEndOfARunIsOfferedUntilItIsTaken) {
+  parameters.safety.slew_limit_N_per_s = 1000;
+  const LoopResult result = run(50, {{Injected::kWriteError, 40, 30}});  // 10 ticks of the run and 20 after it
+  EXPECT_TRUE(result.released);
+  ASSERT_EQ(device.written_W.size(), 50u + 21 + 4);
+  for (std::size_t i = 50; i < 71; ++i) EXPECT_NEAR(device.written_W[i].z(), 3, 1e-12) << i;
+  for (std::size_t i = 71; i < 75; ++i) EXPECT_NEAR(device.written_W[i].z(), 74 - static_cast<double>(i), 1e-12) << i;
+}
+
+// One that never takes them is given up after a second, and the result says so.
+TEST_F(LoopFaults, ADeviceThatRefusesForEverIsGivenUp) {
+  const LoopResult result = run(50, {{Injected::kWriteError, 40, 100000}});
+  EXPECT_FALSE(result.released);
+  EXPECT_EQ(device.written_W.size(), 50u + 1000);
+}
+
+// A device of 1.5 N under a scene that allows 8 N, and the controller's share goes with it.
+TEST_F(LoopFaults, TheSmallerOfSceneAndDeviceLimitsTheForce) {
+  for (const double of_device : {1.5, 8.0}) {
+    script = {};
+    device.force_limit_N = of_device;
+    const LoopResult result = run(20, {});
+    EXPECT_NEAR(force(result, 19), std::min(of_device, 4.0), 1e-12);
+    EXPECT_EQ(has(result.records[19].faults, ServoFault::kForceLimited), of_device < 4);
+  }
+}
+
+// A device that cuts to 2.5 N without having said so: what it holds is what is noted and told to the engine.
+TEST_F(LoopFaults, WhatTheDeviceHoldsIsNoted) {
+  device.cut_N = 2.5;
+  const LoopResult result = run(20, {});
+  EXPECT_NEAR(device.written_W[10].z(), 4, 1e-12);
+  EXPECT_NEAR(force(result, 10), 2.5, 1e-12);
+}
+
+// A release that takes longer than a refusing device is given, with every write taken: it is no refusal.
+TEST_F(LoopFaults, ALongReleaseIsNotGivenUp) {
+  parameters.safety.slew_limit_N_per_s = 1;  // 1 mN a tick
+  const LoopResult result = run(1500, {});
+  EXPECT_NEAR(force(result, 1499), 1.5, 1e-9);
+  EXPECT_TRUE(result.released);
+  EXPECT_TRUE(device.held_W.back().isZero(0));
+  EXPECT_NEAR(static_cast<double>(device.written_W.size()), 3000, 1);  // sums of 1 mN are rounded
+}
+
+// Takes every write and says that it holds 1 N whatever it was given: the run ends all the same.
+class StuckDevice final : public Device {
+ public:
+  [[nodiscard]] std::string_view name() const noexcept override { return "stuck"; }
+  [[nodiscard]] DeviceLimits limits() const noexcept override { return {}; }
+  [[nodiscard]] bool read(Vec3& position_W) noexcept override {
+    position_W.setZero();
+    return true;
+  }
+  [[nodiscard]] bool write(const Vec3&) noexcept override { return ++writes > 0; }
+  [[nodiscard]] Vec3 held(const Vec3&) const noexcept override { return Vec3(0, 0, 1); }
+  int writes = 0;
+};
+
+TEST(LoopRelease, ADeviceThatNeverHoldsLessDoesNotKeepTheRun) {
+  StuckDevice device;
+  SteadyPush push(Vec3::Zero());
+  WindowStorage storage(8);
+  WindowExchange windows(storage);
+  ToolPoseMailbox tool;
+  LoopParameters p;
+  p.ticks = 10;
+  ServoLoop loop(p, push, device, windows, tool);
+  EXPECT_FALSE(loop.runSimulated().released);
+  EXPECT_LE(device.writes, 2 * 10 + 1);
+}
+
+// The device asks for 1 N a tick, the scene allows more; or the other way round. The smaller counts.
+TEST_F(LoopFaults, TheSmallerOfSceneAndDeviceLimitsTheSlew) {
+  for (const double of_scene : {5000.0, 500.0}) {
+    SCOPED_TRACE(of_scene);
+    script = {};
+    device.slew_limit_N_per_s = 1000;
+    device.written_W.clear();
+    parameters.safety.slew_limit_N_per_s = of_scene;
+    const LoopResult result = run(20, {});
+    const double step_N = std::min(of_scene, 1000.0) / 1000;
+    for (std::size_t i = 0; i < 8; ++i)
+      EXPECT_NEAR(force(result, i), std::min(4.0, step_N * double(i + 1)), 1e-12) << i;
+  }
 }
 
 // 4 N at 1 N a tick: the run's end takes three more writes above zero, then zero, however it ends.
@@ -154,6 +270,100 @@ TEST_F(LoopFaults, TheEndOfARunKeepsWithinTheSlew) {
   const std::vector<Vec3>& written_W = device.written_W;
   ASSERT_EQ(written_W.size(), 54u);
   for (std::size_t i = 50; i < 54; ++i) EXPECT_NEAR(written_W[i].z(), 53.0 - static_cast<double>(i), 1e-12);
+}
+
+// At 3 kHz a period is no whole number of nanoseconds: after 6 s every tick is still due within one of k / rate, where
+// a rounded period would have drifted by 6 us.
+class NotingClock final : public ServoClock {
+ public:
+  [[nodiscard]] std::int64_t now_ns() noexcept override { return time_ns_; }
+  void sleepUntil(std::int64_t due_ns) noexcept override {
+    time_ns_ = due_ns;
+    due_ns_.push_back(due_ns);
+  }
+  std::vector<std::int64_t> due_ns_;
+
+ private:
+  std::int64_t time_ns_ = 0;
+};
+
+TEST(LoopGrid, TicksAreDueAtMultiplesOfThePeriodWithoutDrift) {
+  NotingClock clock;
+  FaultScript script;
+  ScriptedClock unused(script);
+  ScriptedDevice device(
+      script, unused, [](int) { return Vec3::Zero().eval(); }, 3000);
+  WindowStorage storage(8);
+  WindowExchange windows(storage);
+  ToolPoseMailbox tool;
+  SteadyPush push(Vec3::Zero());
+  LoopParameters p;
+  p.rate_hz = 3000;
+  p.ticks = 18000;
+  ServoLoop loop(p, push, device, windows, tool);
+  static_cast<void>(loop.runOn(clock));
+  ASSERT_EQ(clock.due_ns_.size(), 18000u);
+  for (std::size_t k = 0; k < 18000; ++k) {
+    const double since_ns = static_cast<double>(clock.due_ns_[k] - clock.due_ns_[0]);
+    ASSERT_NEAR(since_ns, static_cast<double>(k) * 1e9 / 3000, 1) << k;
+  }
+}
+
+// A tool that trembles by less than its encoders' resolution, 1 um: an estimate that knows it says that the tool is at
+// rest, to a step over its window of 16 ticks; the bare difference would be 0.8 um a tick.
+TEST(LoopReports, TheVelocityKnowsTheDevicesResolution) {
+  FaultScript script;
+  ScriptedClock clock(script);
+  ScriptedDevice device(
+      script, clock, [](int tick) { return Vec3(tick % 2 == 0 ? 0.4e-6 : -0.4e-6, 0, 0); }, 1000);
+  WindowStorage storage(8);
+  WindowExchange windows(storage);
+  ToolPoseMailbox tool;
+  SteadyPush push(Vec3::Zero());
+  LoopParameters p;
+  p.ticks = 0;
+  p.record_ticks = 100;
+  p.velocity.name = "foaw";
+  ServoLoop loop(p, push, device, windows, tool);
+  int looks = 0;
+  clock.before_tick = [&] {
+    if (script.tick == 99) loop.requestStop();
+    const ToolPose& pose = tool.latest();
+    if (pose.tick < 20) return;
+    ++looks;
+    EXPECT_LE(std::abs(pose.velocity_W.x()), 0.8e-6 / 15e-3 + 1e-12) << pose.tick;
+  };
+  static_cast<void>(loop.runOn(clock));
+  EXPECT_GT(looks, 50);
+}
+
+// Pushed along by 4 N the tool gets energy that nobody took: the controller acts. While a fault takes the force away it
+// does not, and says so.
+TEST(LoopReports, TheControllerIsNotNotedWhileAFaultFadesTheForce) {
+  FaultScript script;
+  script.faults = {{Injected::kNanForce, 40, 20}};
+  ScriptedClock clock(script);
+  ScriptedDevice device(
+      script, clock, [](int tick) { return Vec3(8e-3, 8e-3, 8e-3 + 2e-5 * tick); }, 1000);
+  const AnalyticVolume volume = millimetreVolume(ball(Vec3::Constant(8e-3), 5e-3), 16);
+  ScriptedEngine engine(script, volume, Vec3::Constant(8e-3));
+  WindowStorage storage(ScriptedEngine::kSide * ScriptedEngine::kSide * ScriptedEngine::kSide);
+  WindowExchange windows(storage);
+  ToolPoseMailbox tool;
+  SteadyPush push(Vec3(0, 0, 4));
+  ScriptedAlgorithm algorithm(script, push);
+  LoopParameters p;
+  p.ticks = 0;
+  p.record_ticks = 100;
+  p.passivity.control = true;
+  ServoLoop loop(p, algorithm, device, windows, tool);
+  clock.before_tick = [&] {
+    engine.beforeTick(windows, clock.time_ns);
+    if (script.tick == 99) loop.requestStop();
+  };
+  const LoopResult result = loop.runOn(clock);
+  ASSERT_EQ(result.records.size(), 100u);
+  for (std::size_t i = 10; i < 100; ++i) EXPECT_EQ(result.records[i].damped, i < 40 || i >= 60) << i;
 }
 
 // A device that reports every fourth tick, as a 1 kHz device under a 4 kHz servo: the velocity is that of the reports.

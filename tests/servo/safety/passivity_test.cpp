@@ -102,6 +102,34 @@ TEST(PassivityObserver, AWayThatIsNoNumberIsLeftOut) {
   EXPECT_EQ(passivity.energy_J(), 0);
 }
 
+// A metre is the longest way that is a motion.
+TEST(PassivityObserver, AWayOfMoreThanAMetreIsAWrongReading) {
+  for (const double way_m : {0.99, 1.01}) {
+    Passivity passivity({}, 8, 1000);
+    passivity.reset(Vec3::Zero());
+    passivity.hold(Vec3(0, 2, 0));
+    passivity.moved(Vec3(0, -way_m, 0));
+    EXPECT_DOUBLE_EQ(passivity.energy_J(), way_m < 1 ? 2 * way_m : 0);
+    // Either way the next one begins there.
+    passivity.hold(Vec3(0, 2, 0));
+    passivity.moved(Vec3(0, -way_m - 0.5, 0));
+    EXPECT_DOUBLE_EQ(passivity.energy_J(), way_m < 1 ? 2 * (way_m + 0.5) : 1);
+  }
+}
+
+// A step of the encoders after a rest acts up to the edge that was crossed, half a step; the second one, four ticks
+// later without a position between, from there to an eighth beyond the next edge (encoder_position.hpp).
+TEST(PassivityObserver, FollowsTheToolBehindItsEncoders) {
+  Passivity passivity({}, 8, 1000, 0, 1e-3);
+  passivity.reset(Vec3::Zero());
+  passivity.hold(Vec3(2, 0, 0));
+  passivity.moved(Vec3(-1e-3, 0, 0));
+  EXPECT_NEAR(passivity.energy_J(), 2 * 0.5e-3, 1e-8);
+  for (int i = 0; i < 4; ++i) passivity.hold(Vec3(3, 0, 0));
+  passivity.moved(Vec3(-2e-3, 0, 0));
+  EXPECT_NEAR(passivity.energy_J(), 2 * 0.5e-3 + 3 * 1.125e-3, 1e-8);
+}
+
 // ---- controller ----
 
 constexpr double kMass_kg = 0.1, kFriction_Ns_per_m = 0.5, kStartSpeed_m_per_s = 0.05;
@@ -215,17 +243,72 @@ TEST(PassivityController, DoesNothingUnlessAskedOrWithoutDebt) {
   EXPECT_TRUE(indebted(-1).damping(Vec3(1, 0, 0)).isZero(0));
 }
 
-// A contact that took 1 J, a tick without force, then one that gave 0.1 J: a debt, unless the credit is kept.
+// A tick's motion of `way_m` against a force of `force_N` along x.
+void step(Passivity& passivity, double& x_m, double force_N, double way_m) {
+  passivity.hold(Vec3(force_N, 0, 0));
+  x_m += way_m;
+  passivity.moved(Vec3(x_m, 0, 0));
+}
+
+// Bounds that never hold the controller back: 1000 N s/m and all of 1000 N.
+Passivity unbounded(bool forget_credit) {
+  Passivity passivity(
+      {.control = true, .forget_credit = forget_credit, .force_share = 1, .damping_limit_Ns_per_m = 1000}, 1000, 1000);
+  passivity.reset(Vec3::Zero());
+  return passivity;
+}
+
+// A contact that took 1 J, a tick without force, then one that gave 0.1 J: a debt of 0.1 J, which a damper takes back
+// in a tick with 0.1 J / (1 ms (1 m/s)^2) = 100 N s/m; or none, if the credit is kept.
 TEST(PassivityController, CreditIsForgottenInFreeMotion) {
   for (const bool forget : {true, false}) {
-    Passivity passivity = indebted(-1, {.control = true, .forget_credit = forget});
-    passivity.hold(Vec3::Zero());
-    passivity.moved(Vec3(-1, 0, 0));
-    passivity.hold(Vec3(1, 0, 0));
-    passivity.moved(Vec3(-0.9, 0, 0));
-    EXPECT_EQ(passivity.damping(Vec3(1, 0, 0)).isZero(0), !forget);
+    Passivity passivity = unbounded(forget);
+    double x_m = 0;
+    step(passivity, x_m, 2, -0.5);
+    step(passivity, x_m, 0, -0.1);
+    step(passivity, x_m, 1, 0.1);
+    EXPECT_NEAR(passivity.damping(Vec3(1, 0, 0)).x(), forget ? -100 : 0, 1e-9);
     EXPECT_NEAR(passivity.energy_J(), 0.9, 1e-12);  // the observer forgets nothing
   }
+}
+
+// Credit is kept as long as a force is held, were it as small as can be: the spring is still bent.
+TEST(PassivityController, CreditIsKeptWhileThereIsAForce) {
+  Passivity passivity = unbounded(true);
+  double x_m = 0;
+  step(passivity, x_m, 2, -0.5);
+  step(passivity, x_m, 1e-300, -0.1);
+  step(passivity, x_m, 1, 0.1);
+  EXPECT_TRUE(passivity.damping(Vec3(1, 0, 0)).isZero(0));
+}
+
+// With 0.9 J on the observer's side, 0.1 J is owed; free motion forgives none of it, and what is paid back is no longer
+// owed.
+TEST(PassivityController, DebtStaysInFreeMotionUntilItIsPaid) {
+  Passivity passivity = unbounded(true);
+  double x_m = 0;
+  step(passivity, x_m, 2, -0.5);
+  step(passivity, x_m, 0, 0.1);
+  step(passivity, x_m, 1, 0.1);
+  for (int i = 0; i < 3; ++i) step(passivity, x_m, 0, 0.1);
+  EXPECT_NEAR(passivity.damping(Vec3(1, 0, 0)).x(), -100, 1e-9);
+  step(passivity, x_m, -0.6, 0.1);
+  EXPECT_NEAR(passivity.damping(Vec3(1, 0, 0)).x(), -40, 1e-9);
+  step(passivity, x_m, -0.4, 0.1);
+  EXPECT_NEAR(passivity.damping(Vec3(1, 0, 0)).x(), 0, 1e-9);
+  EXPECT_NEAR(passivity.energy_J(), 1, 1e-12);
+}
+
+// Each of the three bounds, where it is the smallest: what is owed, 1 N s/m, a quarter of 8 N.
+TEST(PassivityController, TheSmallestBoundCounts) {
+  Passivity passivity({.control = true, .damping_limit_Ns_per_m = 1}, 8, 1000);
+  passivity.reset(Vec3::Zero());
+  double x_m = 0;
+  step(passivity, x_m, 1, 1e-3);
+  EXPECT_NEAR(passivity.damping(Vec3(1.5, 0, 0)).x(), -1e-3 * 1000 / 1.5, 1e-12);
+  EXPECT_NEAR(passivity.damping(Vec3(-0.5, 0, 0)).x(), 0.5, 1e-12);
+  step(passivity, x_m, 1, 0.1);
+  EXPECT_NEAR(passivity.damping(Vec3(5, 0, 0)).x(), -2, 1e-12);
 }
 
 TEST(PassivityController, RefusesBoundsThatAreNone) {
@@ -237,6 +320,8 @@ TEST(PassivityController, RefusesBoundsThatAreNone) {
   refused({.damping_limit_Ns_per_m = -1});
   refused({.damping_limit_Ns_per_m = kNaN});
   EXPECT_THROW(Passivity({}, 8, 1000, -1), Error);
+  EXPECT_THROW(Passivity({}, 8, 1000, 0, -1e-6), Error);
+  EXPECT_THROW(Passivity({}, 8, 1000, 0, kNaN), Error);
 }
 
 }  // namespace

@@ -17,19 +17,39 @@ SafetyParameters parameters() {
   return {8, 1e6, 0.01, 0.5};
 }  // 10 ticks of fade at 1 kHz, no slew to speak of
 
+// A gate before a device that takes whatever it is offered.
+class TakingGate {
+ public:
+  TakingGate(const SafetyParameters& p, double rate_hz) : gate_(p, rate_hz) {}
+  GateOutput pass(const GateInput& in) {
+    const GateOutput out = gate_.pass(in);
+    gate_.taken(out.force_W);
+    return out;
+  }
+  Vec3 release() {
+    gate_.taken(gate_.release());
+    return gate_.heldForce();
+  }
+  [[nodiscard]] const Vec3& heldForce() const { return gate_.heldForce(); }
+  [[nodiscard]] std::int64_t fadeTicks() const { return gate_.fadeTicks(); }
+
+ private:
+  SafetyGate gate_;
+};
+
 GateInput healthy(const Vec3& force_W) {
   return {force_W, 0, 0};
 }
 
 TEST(SafetyGate, LetsAHealthyForceThrough) {
-  SafetyGate gate(parameters(), 1000);
+  TakingGate gate(parameters(), 1000);
   const GateOutput out = gate.pass(healthy({1, 2, 3}));
   EXPECT_EQ(out.force_W, Vec3(1, 2, 3));
   EXPECT_EQ(out.faults, 0u);
 }
 
 TEST(SafetyGate, CutsToTheMaximumInTheSameDirection) {
-  SafetyGate gate(parameters(), 1000);
+  TakingGate gate(parameters(), 1000);
   const GateOutput out = gate.pass(healthy({0, 30, 40}));
   EXPECT_TRUE(out.force_W.isApprox(Vec3(0, 4.8, 6.4), 1e-12));
   EXPECT_EQ(out.faults, bit(ServoFault::kForceLimited));
@@ -41,7 +61,7 @@ TEST(SafetyGate, CutsToTheMaximumInTheSameDirection) {
 TEST(SafetyGate, LimitsTheSlewUpAndDown) {
   SafetyParameters p = parameters();
   p.slew_limit_N_per_s = 500;  // 0.5 N a tick
-  SafetyGate gate(p, 1000);
+  TakingGate gate(p, 1000);
   for (int tick = 1; tick <= 4; ++tick) {
     const GateOutput out = gate.pass(healthy({0, 0, 2}));
     EXPECT_NEAR(out.force_W.z(), 0.5 * tick, 1e-12);
@@ -60,7 +80,7 @@ struct Cause {
 class GateFaults : public testing::TestWithParam<Cause> {};
 
 TEST_P(GateFaults, FadeStraightToZeroWithinTheTimeAndComeBackTheSameWay) {
-  SafetyGate gate(parameters(), 1000);
+  TakingGate gate(parameters(), 1000);
   for (int i = 0; i < 3; ++i) EXPECT_EQ(gate.pass(healthy({0, 0, 4})).force_W.z(), 4);
   for (int tick = 1; tick <= 10; ++tick) {
     const GateOutput out = gate.pass(GetParam().input);
@@ -92,7 +112,7 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& cause) { return std::string(cause.param.name); });
 
 TEST(SafetyGate, NotesDoNotTakeTheForceAway) {
-  SafetyGate gate(parameters(), 1000);
+  TakingGate gate(parameters(), 1000);
   const std::uint32_t notes = bit(ServoFault::kOverrun) | bit(ServoFault::kZeroGradient) |
                               bit(ServoFault::kInsideObject);
   EXPECT_EQ(gate.pass({{0, 0, 4}, 0, notes}).force_W.z(), 4);
@@ -100,14 +120,14 @@ TEST(SafetyGate, NotesDoNotTakeTheForceAway) {
 
 // A position of 20 ms, a window of 0.5 s, and a tick 10 ms after it was due, which is 11 ms after the last.
 TEST(SafetyGate, AgeAtTheLimitIsFresh) {
-  SafetyGate gate(parameters(), 1000);
+  TakingGate gate(parameters(), 1000);
   EXPECT_EQ(gate.pass({{0, 0, 4}, 500'000'000, 0, 11'000'000, 20'000'000}).faults, 0u);
 }
 
 // The device has held 4 N through the stall. It is let go at once (no slew to speak of), and what comes back starts
 // from nothing in the next tick, however long the fault lasted.
 TEST(SafetyGate, AfterAStallTheForceStartsFromNothing) {
-  SafetyGate gate(parameters(), 1000);
+  TakingGate gate(parameters(), 1000);
   EXPECT_EQ(gate.pass(healthy({0, 0, 4})).force_W.z(), 4);
   const GateOutput out = gate.pass({{0, 0, 6}, 0, 0, 11'000'001});
   EXPECT_EQ(out.faults, bit(ServoFault::kStall));
@@ -120,9 +140,9 @@ TEST(SafetyGate, AfterAStallTheForceStartsFromNothing) {
 TEST(SafetyGate, AfterAStallTheForceFallsAtTheSlewLimit) {
   SafetyParameters p = parameters();
   p.slew_limit_N_per_s = 1000;  // 1 N a tick
-  SafetyGate gate(p, 1000);
+  TakingGate gate(p, 1000);
   for (int i = 0; i < 4; ++i) static_cast<void>(gate.pass(healthy({0, 0, 4})));
-  EXPECT_EQ(gate.lastForce().z(), 4);
+  EXPECT_EQ(gate.heldForce().z(), 4);
   EXPECT_NEAR(gate.pass({{0, 0, 4}, 0, 0, 50'000'000}).force_W.z(), 3, 1e-12);
   // The fault goes on as another one: down all the way.
   for (int tick = 1; tick <= 3; ++tick) {
@@ -132,7 +152,7 @@ TEST(SafetyGate, AfterAStallTheForceFallsAtTheSlewLimit) {
 
 // In the middle of a fade, a stall takes the rest.
 TEST(SafetyGate, AStallEndsAFade) {
-  SafetyGate gate(parameters(), 1000);
+  TakingGate gate(parameters(), 1000);
   EXPECT_EQ(gate.pass(healthy({0, 0, 4})).force_W.z(), 4);
   EXPECT_NEAR(gate.pass({{0, 0, 4}, 0, bit(ServoFault::kNoWindow)}).force_W.z(), 3.6, 1e-12);
   EXPECT_TRUE(gate.pass({{0, 0, 4}, 0, bit(ServoFault::kNoWindow), 50'000'000}).force_W.isZero(0));
@@ -142,20 +162,20 @@ TEST(SafetyGate, AStallEndsAFade) {
 TEST(SafetyGate, AFadeIsNoFasterThanTheSlewLimit) {
   SafetyParameters p = parameters();
   p.slew_limit_N_per_s = 500;
-  SafetyGate gate(p, 1000);
+  TakingGate gate(p, 1000);
   EXPECT_EQ(gate.fadeTicks(), 17);
   for (int i = 0; i < 20; ++i) static_cast<void>(gate.pass(healthy({0, 0, 9})));
-  EXPECT_EQ(gate.lastForce().z(), 8);
+  EXPECT_EQ(gate.heldForce().z(), 8);
   for (int tick = 1; tick <= 17; ++tick) {
     EXPECT_NEAR(gate.pass({{0, 0, 9}, 0, bit(ServoFault::kNoWindow)}).force_W.z(), 8 * (1 - tick / 17.0), 1e-12);
   }
-  EXPECT_TRUE(gate.lastForce().isZero(0));
+  EXPECT_TRUE(gate.heldForce().isZero(0));
 }
 
 TEST(SafetyGate, ReleaseGoesToZeroAtTheSlewLimit) {
   SafetyParameters p = parameters();
   p.slew_limit_N_per_s = 1000;
-  SafetyGate gate(p, 1000);
+  TakingGate gate(p, 1000);
   for (int i = 0; i < 4; ++i) static_cast<void>(gate.pass(healthy({0, 0, 2.5})));
   EXPECT_NEAR(gate.release().z(), 1.5, 1e-12);
   EXPECT_NEAR(gate.release().z(), 0.5, 1e-12);
@@ -164,10 +184,10 @@ TEST(SafetyGate, ReleaseGoesToZeroAtTheSlewLimit) {
 
 // Healthy again in the middle of a fade: it goes on from the authority reached, not from full force.
 TEST(SafetyGate, RecoversFromWhereTheFadeWas) {
-  SafetyGate gate(parameters(), 1000);
+  TakingGate gate(parameters(), 1000);
   EXPECT_EQ(gate.pass(healthy({0, 0, 4})).force_W.z(), 4);
   for (int i = 0; i < 5; ++i) static_cast<void>(gate.pass({{0, 0, 4}, 0, bit(ServoFault::kNoWindow)}));
-  EXPECT_NEAR(gate.lastForce().z(), 2, 1e-12);
+  EXPECT_NEAR(gate.heldForce().z(), 2, 1e-12);
   EXPECT_NEAR(gate.pass(healthy({0, 0, 4})).force_W.z(), 2.4, 1e-12);
   // And a fade that begins there takes no longer than what is left.
   for (int tick = 1; tick <= 6; ++tick) {
@@ -178,7 +198,7 @@ TEST(SafetyGate, RecoversFromWhereTheFadeWas) {
 TEST(SafetyGate, NoFadeTimeMeansZeroAtOnce) {
   SafetyParameters p = parameters();
   p.fade_s = 0;
-  SafetyGate gate(p, 1000);
+  TakingGate gate(p, 1000);
   EXPECT_EQ(gate.pass(healthy({0, 0, 4})).force_W.z(), 4);
   EXPECT_TRUE(gate.pass({{0, 0, 4}, 0, bit(ServoFault::kDeviceError)}).force_W.isZero(0));
 }
@@ -188,6 +208,91 @@ TEST(SafetyGate, FadeTicksFollowTimeAndRate) {
   p.fade_s = 0.1;
   EXPECT_EQ(SafetyGate(p, 1000).fadeTicks(), 100);
   EXPECT_EQ(SafetyGate(p, 20000).fadeTicks(), 2000);
+}
+
+// ---- refused offers ----
+
+// 4 N held, then ten offers refused: the fade goes on meanwhile, but the device holds 4 N, so the offers stay one slew
+// away from that, and so does the first that is taken.
+TEST(SafetyGate, AfterRefusedOffersTheForceFallsFromWhatTheDeviceHolds) {
+  SafetyParameters p = parameters();
+  p.slew_limit_N_per_s = 1000;  // 1 N a tick; 10 ticks of fade
+  SafetyGate gate(p, 1000);
+  const GateInput refused{{0, 0, 4}, 0, bit(ServoFault::kDeviceError)};
+  for (int i = 0; i < 4; ++i) gate.taken(gate.pass(healthy({0, 0, 4})).force_W);
+  ASSERT_EQ(gate.heldForce().z(), 4);
+  for (int tick = 1; tick <= 10; ++tick) {
+    EXPECT_NEAR(gate.pass(refused).force_W.z(), std::max(3.0, 4 * (1 - tick / 10.0)), 1e-12) << tick;
+    EXPECT_EQ(gate.heldForce().z(), 4) << tick;
+  }
+  // Taken from now on: down at the slew, then up again with an authority that began at nothing.
+  const GateOutput first = gate.pass(refused);
+  EXPECT_NEAR(first.force_W.z(), 3, 1e-12);
+  gate.taken(first.force_W);
+  const double expected_N[] = {2, 1, 1.2, 1.6, 2.0, 2.4, 2.8, 3.2, 3.6, 4, 4};  // max(3 - k, 4 k / 10), then 4
+  for (int k = 1; k <= 11; ++k) {
+    const GateOutput out = gate.pass(healthy({0, 0, 4}));
+    EXPECT_NEAR(out.force_W.z(), expected_N[k - 1], 1e-12) << k;
+    EXPECT_EQ(has(out.faults, ServoFault::kSlewLimited), k <= 2) << k;  // it still lets go of the old force
+    gate.taken(out.force_W);
+  }
+}
+
+// What is wanted after a release comes back from nothing, as after a stall.
+TEST(SafetyGate, AfterAReleaseTheForceStartsFromNothing) {
+  TakingGate gate(parameters(), 1000);
+  EXPECT_EQ(gate.pass(healthy({0, 0, 4})).force_W.z(), 4);
+  EXPECT_TRUE(gate.release().isZero(0));
+  for (int tick = 1; tick <= 10; ++tick) {
+    EXPECT_NEAR(gate.pass(healthy({0, 0, 4})).force_W.z(), 0.4 * tick, 1e-12);
+  }
+}
+
+// An offer of 6 N is refused while all is well otherwise: the fade that follows begins at the 4 N that are held.
+TEST(SafetyGate, AFadeBeginsAtWhatTheDeviceHolds) {
+  SafetyGate gate(parameters(), 1000);
+  gate.taken(gate.pass(healthy({0, 0, 4})).force_W);
+  EXPECT_EQ(gate.pass(healthy({0, 0, 6})).force_W.z(), 6);
+  for (int tick = 1; tick <= 10; ++tick) {
+    const GateOutput out = gate.pass({{0, 0, 6}, 0, bit(ServoFault::kDeviceError)});
+    EXPECT_NEAR(out.force_W.z(), 4 * (1 - tick / 10.0), 1e-12);
+    gate.taken(out.force_W);
+  }
+}
+
+TEST(SafetyGate, RefusedOffersOfAReleaseAreMadeAgain) {
+  SafetyParameters p = parameters();
+  p.slew_limit_N_per_s = 1000;
+  SafetyGate gate(p, 1000);
+  for (int i = 0; i < 2; ++i) gate.taken(gate.pass(healthy({0, 0, 2})).force_W);
+  for (int i = 0; i < 5; ++i) EXPECT_NEAR(gate.release().z(), 1, 1e-12);
+  gate.taken(gate.release());
+  EXPECT_NEAR(gate.heldForce().z(), 1, 1e-12);
+  EXPECT_TRUE(gate.release().isZero(0));
+}
+
+// A device that cuts what it is given to 1.5 N: the next offer is a slew from there, not from the offer before.
+TEST(SafetyGate, GoesOnFromWhatTheDeviceMadeOfTheOffer) {
+  SafetyParameters p = parameters();
+  p.slew_limit_N_per_s = 1000;
+  SafetyGate gate(p, 1000);
+  for (int i = 0; i < 5; ++i) {
+    const GateOutput out = gate.pass(healthy({0, 0, 8}));
+    EXPECT_NEAR(out.force_W.z(), std::min(1.0 + i, 2.5), 1e-12);
+    gate.taken(out.force_W.cwiseMin(Vec3::Constant(1.5)));
+  }
+  EXPECT_NEAR(gate.pass(healthy({0, 0, 0})).force_W.z(), 0.5, 1e-12);
+}
+
+// What cannot be: the offer counts, or no force would ever leave again.
+TEST(SafetyGate, DoesNotBelieveADeviceThatHoldsNoForceWithinTheLimit) {
+  for (const Vec3& nonsense : {Vec3(0, kNaN, 0), Vec3(0, 0, INFINITY), Vec3(0, 0, -8.001)}) {
+    SafetyGate gate(parameters(), 1000);
+    gate.taken(gate.pass(healthy({1, 2, 3})).force_W);
+    static_cast<void>(gate.pass(healthy({1, 2, 2})));
+    gate.taken(nonsense);
+    EXPECT_EQ(gate.heldForce(), Vec3(1, 2, 2));
+  }
 }
 
 TEST(SafetyGate, RefusesLimitsThatAreNone) {
@@ -202,7 +307,24 @@ TEST(SafetyGate, RefusesLimitsThatAreNone) {
   refused({8, 1, 0.1, 0.5, kNaN});
   refused({8, 1, 0.1, 0.5, 0.01, -1});
   refused({8, 1, 0.1, 0.5, 0.01, kNaN});
+  refused({8, 1, 60.1, 0.5});
+  refused({8, 1, 0.1, 1.1e6});
+  refused({8, 1, 0.1, 0.5, 1.1e6});
+  refused({8, 1, 0.1, 0.5, 0.01, 1.1e6});
+  refused({INFINITY, 1, 0.1, 0.5});
+  refused({8, INFINITY, 0.1, 0.5});
   refused(parameters(), 0);
+  refused(parameters(), INFINITY);
+  refused(parameters(), kNaN);
+}
+
+// A slew so small that no count of ticks holds the fade: it is as long as can be said.
+TEST(SafetyGate, ASlewOfNextToNothingStillHasAFade) {
+  SafetyParameters p = parameters();
+  p.slew_limit_N_per_s = 1e-300;
+  SafetyGate gate(p, 1000);
+  EXPECT_GE(gate.fadeTicks(), 1'000'000'000'000'000);
+  EXPECT_LE(gate.pass(healthy({0, 0, 4})).force_W.norm(), gate.slewPerTick());
 }
 
 }  // namespace

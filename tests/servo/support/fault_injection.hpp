@@ -31,6 +31,7 @@ enum class Injected {
   kNanPosition,     // or with no number
   kWildPosition,    // or with one `size` metres off
   kWriteError,      // it takes no force
+  kFlakyWrites,     // or only now and then
   kDroppedReports,  // it has no new position
   kNanForce,        // the algorithm gives no number
   kInfiniteForce,   //
@@ -134,7 +135,9 @@ class ScriptedDevice final : public Device {
       : script_(script), clock_(clock), motion_(std::move(motion)), period_ns_(std::llround(1e9 / rate_hz)) {}
 
   [[nodiscard]] std::string_view name() const noexcept override { return "scripted"; }
-  [[nodiscard]] DeviceLimits limits() const noexcept override { return {20, 1e-6}; }
+  [[nodiscard]] DeviceLimits limits() const noexcept override {
+    return {.force_limit_N = force_limit_N, .position_resolution_m = 1e-6, .slew_limit_N_per_s = slew_limit_N_per_s};
+  }
   [[nodiscard]] bool read(Vec3& position_W) noexcept override {
     clock_.pass(script_.once(Injected::kStallInTick));
     // The loop's first look at the device is its constructor's, before any tick.
@@ -154,22 +157,37 @@ class ScriptedDevice final : public Device {
   }
   [[nodiscard]] bool write(const Vec3& force_W) noexcept override {
     written_W.push_back(force_W);
-    taken.push_back(script_.active(Injected::kWriteError) == nullptr);
+    taken.push_back(takes());
+    if (taken.back()) held_now_W_ = held(force_W);
+    held_W.push_back(held_now_W_);
     return taken.back();
+  }
+  [[nodiscard]] Vec3 held(const Vec3& force_W) const noexcept override {
+    const double size_N = force_W.stableNorm();
+    return size_N > cut_N ? Vec3(force_W / size_N * cut_N) : force_W;
   }
 
   // For so many writes nothing here will take memory.
   void reserve(std::size_t writes) {
     written_W.reserve(writes);
     taken.reserve(writes);
+    held_W.reserve(writes);
     answered.reserve(writes);
   }
 
-  std::vector<Vec3> written_W;  // every force that left the loop, whether the device took it or not [N]
+  double force_limit_N = 20;      // that it says
+  double slew_limit_N_per_s = 0;  // that it says
+  std::vector<Vec3> written_W;    // every force that left the loop, whether the device took it or not [N]
   std::vector<bool> taken;
-  std::vector<bool> answered;  // a position that can be used, in each tick
+  std::vector<Vec3> held_W;                                // what the device holds after each of them [N]
+  double cut_N = std::numeric_limits<double>::infinity();  // it holds no more, and says so only afterwards
+  std::vector<bool> answered;                              // a position that can be used, in each tick
 
  private:
+  [[nodiscard]] bool takes() const noexcept {
+    const bool flaky = script_.active(Injected::kFlakyWrites) != nullptr && script_.tick * 7919 % 13 < 7;
+    return script_.active(Injected::kWriteError) == nullptr && !flaky;
+  }
   [[nodiscard]] bool answers() const noexcept {
     return script_.active(Injected::kReadError) == nullptr && script_.active(Injected::kNanPosition) == nullptr;
   }
@@ -178,6 +196,7 @@ class ScriptedDevice final : public Device {
   ScriptedClock& clock_;
   Motion motion_;
   std::int64_t period_ns_;
+  Vec3 held_now_W_ = Vec3::Zero();
   Vec3 reported_W_ = Vec3::Zero();
   int reported_tick_ = 0;
 };

@@ -17,6 +17,7 @@ class TroubledDevice final : public Device {
   TroubledDevice(const Path& path, bool troubled) : inner_(coarse(), path, 1000), on_(troubled) {}
   [[nodiscard]] std::string_view name() const noexcept override { return "troubled"; }
   [[nodiscard]] DeviceLimits limits() const noexcept override { return inner_.limits(); }
+  [[nodiscard]] Vec3 held(const Vec3& force_W) const noexcept override { return inner_.held(force_W); }
   void elapse(int ticks) noexcept override { inner_.elapse(ticks); }
   [[nodiscard]] bool read(Vec3& position_W) noexcept override {
     ++reads_;
@@ -28,7 +29,7 @@ class TroubledDevice final : public Device {
     return trouble() == Trouble::kReports ? 30'000'000 : 0;
   }
   [[nodiscard]] bool write(const Vec3& force_W) noexcept override {
-    return inner_.write(force_W) && trouble() != Trouble::kWrite;
+    return trouble() != Trouble::kWrite && inner_.write(force_W);
   }
 
  private:

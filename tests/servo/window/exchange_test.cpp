@@ -2,7 +2,9 @@
 #include <gtest/gtest.h>
 
 #include "base/error.hpp"
+#include "confirmation_race.hpp"
 #include "exchange_race.hpp"
+#include "servo/window/confirmation.hpp"
 #include "servo/window/tool_pose.hpp"
 #include "servo/window/triple_buffer.hpp"
 #include "servo/window/window_exchange.hpp"
@@ -23,6 +25,19 @@ TEST(TripleBuffer, NothingTornOrBackwardBetweenTwoThreads) {
   EXPECT_EQ(outcome.backward, 0u);
   EXPECT_EQ(outcome.last, kPublications);
   EXPECT_GT(outcome.seen, 1u);  // the two did run side by side
+}
+
+// Again until the two have run side by side: on a busy machine one may be done before the other begins.
+TEST(Confirmation, WhatWasWrittenBeforeItIsThere) {
+  std::int64_t seen = 0;
+  for (int i = 0; i < 1000 && seen <= 1; ++i) {
+    Confirmation<> confirmation;
+    EXPECT_EQ(confirmation.at_ns(), 0);
+    const ConfirmationOutcome outcome = confirmationRace(confirmation, static_cast<std::int64_t>(kPublications));
+    EXPECT_EQ(outcome.unwritten, 0);
+    seen = outcome.seen;
+  }
+  EXPECT_GT(seen, 1);
 }
 
 TEST(TripleBuffer, LatestWinsAndStaysUntilTheNextCall) {

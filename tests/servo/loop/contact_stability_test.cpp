@@ -1,0 +1,596 @@
+// SPDX-License-Identifier: Apache-2.0
+// The verdict on a contact, from runs of the loop, against what must be true of them: the eigenvalues of the sampled
+// loop, and paths that leave, tap and slide on purpose.
+#include "servo/loop/contact_stability.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <random>
+
+#include <Eigen/Eigenvalues>
+#include <gtest/gtest.h>
+
+#include "servo/devices/simulated_device.hpp"
+#include "servo/loop/servo_loop.hpp"
+
+namespace palpate {
+namespace {
+
+// Any surface z = height(x), pushed out of along its normal as the algorithms do it: K depth - B v, never pulling.
+struct Ground {
+  std::function<double(double x_m)> height = [](double) { return 0.0; };  // [m]
+};
+
+class GroundAlgorithm final : public Algorithm {
+ public:
+  GroundAlgorithm(Ground ground, double stiffness_N_per_m, double damping_Ns_per_m)
+      : ground_(std::move(ground)), stiffness_(stiffness_N_per_m), damping_(damping_Ns_per_m) {}
+  void reset(const Vec3&) noexcept override {}
+  void tick(const TickInput& in, TickOutput& out) noexcept override {
+    out = TickOutput{};
+    out.vhip_W = in.hip_W;
+    // To first order in the slope, which is at most 0.3: depth along the normal and the normal itself.
+    const double x_m = in.hip_W.x(), slope = (ground_.height(x_m + kDx_m) - ground_.height(x_m - kDx_m)) / (2 * kDx_m);
+    const Vec3 normal_W = Vec3(std::abs(slope) < 1 ? -slope : 0, 0, 1).normalized();  // not over an edge
+    const double depth_m = (ground_.height(x_m) - in.hip_W.z()) * normal_W.z();
+    if (depth_m <= 0) return;
+    out.vhip_W += depth_m * normal_W;
+    out.normal_W = normal_W;
+    out.force_W = std::max(0.0, stiffness_ * depth_m - damping_ * in.hip_velocity_W.dot(normal_W)) * normal_W;
+    out.in_contact = true;
+  }
+
+ private:
+  static constexpr double kDx_m = 1e-6;
+
+  Ground ground_;
+  double stiffness_, damping_;
+};
+
+class WantedPath final : public Path {
+ public:
+  explicit WantedPath(std::function<Vec3(double)> at) : at_(std::move(at)) {}
+  [[nodiscard]] Vec3 position(double time_s) const noexcept override { return at_(time_s); }
+  [[nodiscard]] double duration_s() const noexcept override { return 10; }
+
+ private:
+  std::function<Vec3(double)> at_;
+};
+
+struct Trial {
+  double stiffness_N_per_m = 500, damping_Ns_per_m = 0.5, rate_hz = 1000, seconds = 3;
+  double slew_limit_N_per_s = 1e7;
+  SimulatedDeviceParameters device;
+  Ground ground;
+  std::function<Vec3(double)> path;
+  bool control = false;
+  bool path_known = true;
+};
+
+// 1 mm above the surface, then down to `depth_m` within 0.3 s, and there.
+std::function<Vec3(double)> press(double depth_m) {
+  return [depth_m](double t_s) { return Vec3(0, 0, 1e-3 - (1e-3 + depth_m) * std::clamp(t_s / 0.3, 0.0, 1.0)); };
+}
+
+// `true_W`: if asked for, where the tool was in each tick, behind the encoders.
+std::vector<TickRecord> recordsOf(const Trial& run, std::vector<Vec3>* true_W = nullptr) {
+  const WantedPath path(run.path);
+  SimulatedDevice device(run.device, path, run.rate_hz);
+  GroundAlgorithm algorithm(run.ground, run.stiffness_N_per_m, run.damping_Ns_per_m);
+  WindowStorage storage(8);
+  WindowExchange windows(storage);
+  ToolPoseMailbox tool;
+  LoopParameters p;
+  p.rate_hz = run.rate_hz;
+  p.ticks = std::llround(run.seconds * run.rate_hz);
+  p.safety.slew_limit_N_per_s = run.slew_limit_N_per_s;
+  p.passivity.control = run.control;
+  ServoLoop loop(p, algorithm, device, windows, tool);
+  LoopResult result = loop.runSimulated([&](std::int64_t tick, std::int64_t) {
+    if (true_W != nullptr && tick > 0) true_W->push_back(device.state().position_W);
+  });
+  return std::move(result.records);
+}
+
+ContactStability assess(const Trial& run) {
+  const WantedPath path(run.path);
+  return assessContact(recordsOf(run), {.resolution_m = run.device.encoder_resolution_m,
+                                        .delay_ticks = run.device.delay_ticks,
+                                        .path = run.path_known ? &path : nullptr});
+}
+
+// ---- against the eigenvalues ----
+
+// The loop in contact, without the unilateral surface: position and velocity of the tool, filtered velocity, last
+// position, and the forces under way. Its greatest eigenvalue says how it grows a tick, and turns.
+std::complex<double> greatestEigenvalue(const Trial& run) {
+  const double tick_s = 1 / run.rate_hz;
+  const HandDynamics dynamics(run.device.dynamics, tick_s);
+  const auto& step = dynamics.transition();
+  const int delay = run.device.delay_ticks;
+  const double gain = 1 - std::exp(-2 * M_PI * 200 * tick_s);  // of the loop's default velocity filter
+  Eigen::MatrixXd system(4 + delay, 4 + delay);
+  for (int i = 0; i < 4 + delay; ++i) {
+    Eigen::VectorXd s = Eigen::VectorXd::Unit(4 + delay, i);  // x, x', filtered, last x, forces, the oldest first
+    const double filtered = s[2] + gain * ((s[0] - s[3]) / tick_s - s[2]);
+    const double force_N = -run.stiffness_N_per_m * s[0] - run.damping_Ns_per_m * filtered;
+    const double acting_N = delay > 0 ? s[4] : force_N;
+    Eigen::VectorXd next(4 + delay);
+    next[0] = step(0, 0) * s[0] + step(0, 1) * s[1] + step(0, 4) * acting_N;
+    next[1] = step(1, 0) * s[0] + step(1, 1) * s[1] + step(1, 4) * acting_N;
+    next[2] = filtered;
+    next[3] = s[0];
+    for (int d = 0; d < delay; ++d) next[4 + d] = d + 1 < delay ? s[5 + d] : force_N;
+    system.col(i) = next;
+  }
+  const Eigen::VectorXcd values = system.eigenvalues();
+  std::complex<double> greatest = 0;
+  for (const auto& value : values) greatest = std::abs(value) > std::abs(greatest) ? value : greatest;
+  return greatest;
+}
+
+struct Mode {
+  double growth_per_s, hz;
+};
+
+// With the stiffness and damping that rounding makes of them: its describing function.
+Mode fastestMode(Trial run, double gain) {
+  run.stiffness_N_per_m *= gain;
+  run.damping_Ns_per_m *= gain;
+  const std::complex<double> value = greatestEigenvalue(run);
+  return {std::log(std::abs(value)) * run.rate_hz, std::abs(std::arg(value)) * run.rate_hz / (2 * M_PI)};
+}
+
+// Loses 0.15 of a swing a period, 2.6 times what the criterion asks for, and settles within the run; so it does with
+// the gain of rounding for swings of about a step too, which is up to 4 / pi.
+constexpr double kLoss = 0.15;
+bool settles(const Trial& run, double loss = kLoss) {
+  const auto dies = [loss](Mode mode) { return mode.growth_per_s < -std::max(1.0, loss * mode.hz); };
+  return dies(fastestMode(run, 1)) && (run.device.encoder_resolution_m == 0 || dies(fastestMode(run, 4 / M_PI)));
+}
+
+// Grown by 3 /s over the 2.7 s of the press, an error is e^8 times what it was: the press's own 0.1 mm swing is a limit
+// cycle long before, and at 8 Hz there are 20 swings in a second and a quarter. With encoders, swings of three steps
+// grow still: the gain is then 0.8.
+bool grows(const Trial& run) {
+  const Mode mode = fastestMode(run, run.device.encoder_resolution_m > 0 ? 0.8 : 1);
+  return mode.growth_per_s > 3 && mode.hz > 8;
+}
+
+// Between growing and settling nothing is asked: there the half-open contact, which the linear loop does not know,
+// decides.
+TEST(ContactStability, AgreesWithTheEigenvaluesOfTheSampledLoop) {
+  std::mt19937 random(7);
+  const auto between = [&](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
+  const auto decades = [&](double low, double high) { return std::exp(between(std::log(low), std::log(high))); };
+  int stable = 0, unstable = 0;
+  for (int i = 0; i < 1500; ++i) {
+    Trial run;
+    run.stiffness_N_per_m = i % 3 == 0 ? decades(10, 20000) : decades(3000, 20000);
+    run.damping_Ns_per_m = i % 2 == 0 ? between(0, 20) : between(0, 3);
+    run.rate_hz = i % 3 == 0 ? decades(500, 20000) : decades(500, 2000);
+    run.device.hand = Hand::kSpring;
+    run.device.dynamics.hand_mass_kg = decades(0.05, 0.5);
+    run.device.dynamics.hand_damping_Ns_per_m = decades(0.1, 10);
+    run.device.dynamics.hand_stiffness_N_per_m = decades(100, 1000);
+    run.device.delay_ticks = i % 4 == 0 ? static_cast<int>(between(0, 5)) : 0;
+    run.device.encoder_resolution_m = i % 2 == 0 ? 0 : between(0, 50e-6);
+    run.path = press(between(0.5e-3, 3e-3));
+    const ContactStability s = assess(run);
+    const auto describe = [&] {
+      const Mode mode = fastestMode(run, 1);
+      return ::testing::Message() << i << ": K " << run.stiffness_N_per_m << " B " << run.damping_Ns_per_m << " rate "
+                                  << run.rate_hz << " delay " << run.device.delay_ticks << " encoder "
+                                  << run.device.encoder_resolution_m << " growth " << mode.growth_per_s << " at "
+                                  << mode.hz << " Hz; bounces " << s.bounces << " swing " << s.swing_m << " from "
+                                  << s.unstable_from_s;
+    };
+    if (grows(run)) {
+      ++unstable;
+      EXPECT_EQ(s.verdict, ContactVerdict::kUnstable) << describe();
+    } else if (settles(run)) {
+      ++stable;
+      EXPECT_NE(s.verdict, ContactVerdict::kUnstable) << describe();
+    }
+  }
+  EXPECT_GT(stable, 500);
+  EXPECT_GT(unstable, 200);
+}
+
+// ---- what is no instability ----
+
+class Dice {
+ public:
+  explicit Dice(unsigned seed) : random_(seed) {}
+  double between(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random_); }
+  double decades(double low, double high) { return std::exp(between(std::log(low), std::log(high))); }
+  bool coin() { return between(0, 1) < 0.5; }
+
+ private:
+  std::mt19937 random_;
+};
+
+// Any stiffness, damping, rate, delay and encoder on a path that taps at up to 8 Hz, shakes in the contact, slides over
+// edges. The hand is exactly on the path, so whatever happens is asked for.
+TEST(ContactStability, ARigidHandIsNeverUnstable) {
+  Dice dice(11);
+  int active = 0, quiet = 0;
+  for (int i = 0; i < 400; ++i) {
+    Trial run;
+    run.stiffness_N_per_m = dice.decades(10, 20000);
+    run.damping_Ns_per_m = dice.between(0, 20);
+    run.rate_hz = dice.decades(500, 20000);
+    run.device.delay_ticks = dice.coin() ? 0 : static_cast<int>(dice.between(0, 6));
+    run.device.encoder_resolution_m = dice.coin() ? 0 : dice.between(0, 50e-6);
+    const double hz = dice.decades(0.3, 8), deep_m = dice.between(0.2e-3, 3e-3), high_m = dice.between(-1, 1) * deep_m;
+    const double slope = dice.between(-0.3, 0.3);
+    run.ground.height = [=](double x_m) { return slope * x_m + (std::fmod(x_m, 4e-3) > 2e-3 ? -1e-3 : 0); };
+    run.path = [=](double t_s) {
+      return Vec3(5e-3 * t_s, 0, (high_m - deep_m) / 2 + (high_m + deep_m) / 2 * std::cos(2 * M_PI * hz * t_s));
+    };
+    const ContactStability s = assess(run);
+    EXPECT_NE(s.verdict, ContactVerdict::kUnstable) << i << " swing " << s.swing_m;
+    EXPECT_EQ(s.bounces, 0) << i;
+    active += s.verdict == ContactVerdict::kSlightlyActive ? 1 : 0;
+    quiet += s.verdict == ContactVerdict::kQuiet ? 1 : 0;
+  }
+  EXPECT_GT(active, 40);
+  EXPECT_GT(quiet, 40);
+}
+
+// The energy that the run notes against that of the true way, behind the encoders: within the bound in every run, and
+// on the whole far below it.
+TEST(ContactStability, TheEncodersErrorIsWithinItsBound) {
+  Dice dice(12);
+  double error_J = 0, allowed_J = 0;
+  int touched = 0;
+  for (int i = 0; i < 400; ++i) {
+    Trial run;
+    run.stiffness_N_per_m = dice.decades(10, 20000);
+    run.damping_Ns_per_m = dice.between(0, 2);
+    run.rate_hz = dice.decades(500, 20000);
+    run.seconds = 1;
+    run.device.hand = i % 2 == 0 ? Hand::kRigid : Hand::kSpring;
+    run.device.encoder_resolution_m = dice.decades(0.1e-6, 50e-6);
+    const double deep_m = dice.between(0.1e-3, 1e-3);
+    run.path = [=](double t_s) { return Vec3(0, 0, 0.5e-3 - (0.5e-3 + deep_m) * std::sin(M_PI * t_s)); };
+    std::vector<Vec3> true_W;
+    const std::vector<TickRecord> records = recordsOf(run, &true_W);
+    double true_J = 0;
+    for (std::size_t k = 1; k < true_W.size(); ++k)
+      true_J -= Vec3(records[k - 1].force_W[0], records[k - 1].force_W[1], records[k - 1].force_W[2])
+                    .dot(true_W[k] - true_W[k - 1]);
+    const double found_J = records[true_W.size() - 1].energy_J;
+    const ContactStability s = assessContact(records, {.resolution_m = run.device.encoder_resolution_m});
+    touched += s.stored_J > 0 ? 1 : 0;
+    EXPECT_LE(std::abs(found_J - true_J), s.allowed_J) << i;
+    error_J += std::abs(found_J - true_J);
+    allowed_J += s.allowed_J;
+  }
+  EXPECT_GT(touched, 350);
+  EXPECT_LT(error_J, 0.1 * allowed_J);
+}
+
+// A spring hand that stable contact lets come to rest, tapping by itself, shaking, and sliding over a texture and over
+// edges: none of it is the surface's doing.
+TEST(ContactStability, WhatPathOrSurfaceAskForIsNotUnstable) {
+  Dice dice(13);
+  int stable = 0;
+  for (int i = 0; i < 900; ++i) {
+    Trial run;
+    run.stiffness_N_per_m = dice.decades(50, 20000);
+    run.damping_Ns_per_m = dice.between(0, 5);
+    run.rate_hz = dice.decades(500, 20000);
+    run.seconds = 4;
+    run.device.hand = Hand::kSpring;
+    run.device.encoder_resolution_m = dice.coin() ? 0 : dice.between(0, 50e-6);
+    // A texture may meet the contact's resonance, which makes its height up to pi / (loss a period) times as large.
+    if (!settles(run, i % 3 == 1 ? 1.2 * M_PI / ContactStability::kUnasked : kLoss)) continue;
+    ++stable;
+    const double rate_hz = dice.decades(0.5, 8), deep_m = dice.between(0.3e-3, 2e-3);
+    const double tap_m = i % 3 == 0 ? dice.between(1, 5) * deep_m : dice.between(0, 0.5) * deep_m;
+    if (i % 3 == 1) {
+      const double length_m = dice.between(0.3e-3, 4e-3), amplitude_m = dice.between(0.005, 0.045) * length_m;
+      run.ground.height = [=](double x_m) { return amplitude_m * std::sin(2 * M_PI * x_m / length_m); };
+    } else if (i % 3 == 2) {
+      run.ground.height = [](double x_m) { return std::fmod(x_m, 4e-3) > 2e-3 ? -20e-3 : 0; };
+    }
+    const double slide_m_per_s = i % 3 == 0 ? 0 : dice.between(2e-3, 30e-3);
+    run.path = [=](double t_s) {
+      const double down = std::clamp(t_s / 0.3, 0.0, 1.0);
+      const double tap = t_s < 0.3 ? 0 : tap_m * (1 - std::cos(2 * M_PI * rate_hz * (t_s - 0.3))) / 2;
+      return Vec3(slide_m_per_s * t_s, 0, 1e-3 - (1e-3 + deep_m) * down + tap);
+    };
+    const ContactStability s = assess(run);
+    EXPECT_NE(s.verdict, ContactVerdict::kUnstable)
+        << i << " K " << run.stiffness_N_per_m << " B " << run.damping_Ns_per_m << " rate " << run.rate_hz
+        << " encoder " << run.device.encoder_resolution_m << " tap " << tap_m << " at " << rate_hz << " slide "
+        << slide_m_per_s << " swing " << s.swing_m << " hz " << s.swing_hz << " from " << s.unstable_from_s
+        << " bounces " << s.bounces;
+  }
+  EXPECT_GT(stable, 200);
+}
+
+TEST(ContactStability, ARunWithoutContactHasNoVerdict) {
+  Trial run;
+  run.path = [](double) { return Vec3(0, 0, 1e-3); };
+  const ContactStability s = assess(run);
+  EXPECT_EQ(s.verdict, ContactVerdict::kNoContact);
+  EXPECT_EQ(s.given_J, 0);
+  EXPECT_EQ(s.stored_J, 0);
+  EXPECT_EQ(s.unstable_from_s, -1);
+  EXPECT_EQ(assessContact({}, {}).verdict, ContactVerdict::kNoContact);
+}
+
+// ---- three of them ----
+
+Trial stiff(double stiffness_N_per_m) {
+  Trial run;
+  run.stiffness_N_per_m = stiffness_N_per_m;
+  run.device.hand = Hand::kSpring;
+  run.path = press(1e-3);
+  return run;
+}
+
+// K T / 2 = 5 N s/m, and T / 2 more behind the filter, against 3.1 of hand and device.
+TEST(ContactStability, AStiffWallAtOneKilohertzIsUnstable) {
+  const ContactStability s = assess(stiff(10000));
+  EXPECT_EQ(s.verdict, ContactVerdict::kUnstable);
+  EXPECT_GT(s.bounces, 30);
+  EXPECT_GT(s.swing_m, 50e-6);
+  EXPECT_GE(s.unstable_from_s, 0.1);  // it has touched by then
+  EXPECT_LT(s.unstable_from_s, 0.5);
+  EXPECT_GT(s.share, 0.1);
+  // Bounces are at least as many as whole swings of the tool.
+  EXPECT_GT(s.swing_hz, 5);
+  EXPECT_LT(s.swing_hz, std::sqrt(10400 / 0.15) / (2 * M_PI));  // in contact all the time
+}
+
+// The same at 20 kHz, where sampling takes a twentieth, is none; nor is it at 500 N/m.
+TEST(ContactStability, AFasterServoOrASofterWallIsNot) {
+  Trial fast = stiff(10000);
+  fast.rate_hz = 20000;
+  EXPECT_LE(assess(fast).verdict, ContactVerdict::kSlightlyActive);
+  EXPECT_LE(assess(stiff(500)).verdict, ContactVerdict::kSlightlyActive);
+}
+
+// A hand that nothing is known of, shaking at 40 Hz in contact, is not told from an instability; at 8 Hz it may be the
+// hand.
+TEST(ContactStability, WithoutAPathSlowSwingsAreTheHands) {
+  Trial run = stiff(10000);
+  run.path_known = false;
+  EXPECT_EQ(assess(run).verdict, ContactVerdict::kUnstable);
+  Trial hand;
+  hand.damping_Ns_per_m = 0;
+  hand.path_known = false;
+  hand.path = [](double t_s) { return Vec3(0, 0, -1e-3 + 0.5e-3 * std::cos(2 * M_PI * 8 * t_s)); };
+  EXPECT_EQ(assess(hand).verdict, ContactVerdict::kSlightlyActive);
+}
+
+// By hand: one contact that takes 2 mJ and gives 3, under encoders of 10 um and forces that change by 6 N in all.
+TEST(ContactStability, CountsWhatTheWorstContactGave) {
+  std::vector<TickRecord> records(9);
+  const double force_N[] = {0, 1, 3, 1, 0, 0, 2, 0, 0}, energy_mJ[] = {5, 5, 7, 6, 4, 4, 4, 4.1, 4};
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    records[i].tick = static_cast<std::int64_t>(i);
+    records[i].force_W[1] = force_N[i];
+    records[i].in_contact = force_N[i] > 0;
+    records[i].energy_J = energy_mJ[i] * 1e-3;
+  }
+  const ContactStability s = assessContact(records, {.resolution_m = 10e-6});
+  EXPECT_EQ(s.verdict, ContactVerdict::kSlightlyActive);
+  EXPECT_NEAR(s.given_J, 1e-3, 1e-15);
+  EXPECT_NEAR(s.stored_J, 2e-3, 1e-15);
+  EXPECT_NEAR(s.share, 0.5, 1e-12);
+  EXPECT_NEAR(s.error_J, 60e-6, 1e-15);
+  EXPECT_NEAR(s.allowed_J, 2 * 0.01 * 2e-3 + 100e-6, 1e-11);
+  // The device acts two ticks late: the last 4 mJ of the first contact come within its delay.
+  records[5].energy_J = 3.5e-3;
+  EXPECT_NEAR(assessContact(records, {.delay_ticks = 1}).given_J, 1.5e-3, 1e-15);
+  EXPECT_NEAR(assessContact(records, {.delay_ticks = 0}).given_J, 1e-3, 1e-15);
+  // What it gave is within 1 % of what it stored: quiet.
+  for (std::size_t i = 4; i < records.size(); ++i) records[i].energy_J = 5e-3 - 19e-6;
+  EXPECT_EQ(assessContact(records, {}).verdict, ContactVerdict::kQuiet);
+  for (std::size_t i = 4; i < records.size(); ++i) records[i].energy_J = 5e-3 - 21e-6;
+  EXPECT_EQ(assessContact(records, {}).verdict, ContactVerdict::kSlightlyActive);
+  EXPECT_EQ(assessContact(records, {.resolution_m = 1e-6}).verdict, ContactVerdict::kQuiet);
+}
+
+// ---- each clause of the criterion, on records made by hand ----
+
+// A tool that swings to and fro through the plane z = 0 while the hand wants it 1 mm below; 1 mJ is given a second.
+struct HandMade {
+  double hz = 30, seconds = 1, amplitude_m = 0.1e-3;
+  double keeps_a_second = 1;  // of the amplitude
+  double given_J_per_s = 1e-3;
+  double path_at_m = -1e-3;
+  double path_m = 0;     // the path swings too, by this
+  double surface_m = 0;  // and the surface
+  double resolution_m = 0;
+  bool path_known = true;
+  std::function<void(TickRecord&)> change = [](TickRecord&) {};
+};
+
+ContactStability assess(const HandMade& made) {
+  std::vector<TickRecord> records(static_cast<std::size_t>(1000 * made.seconds));
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    TickRecord& r = records[i];
+    r.tick = static_cast<std::int64_t>(i);
+    r.time_s = static_cast<double>(i) / 1000;
+    const double wave = std::sin(2 * M_PI * made.hz * (r.time_s + 1e-5));
+    r.hip_W[2] = made.amplitude_m * std::pow(made.keeps_a_second, r.time_s) * -wave;
+    r.in_contact = r.hip_W[2] < 0;
+    const double surface_m = -made.surface_m * wave;  // down where the tool presses
+    r.vhip_W[2] = r.in_contact ? surface_m : r.hip_W[2];
+    if (r.in_contact) r.normal_W[2] = 1;
+    r.energy_J = -made.given_J_per_s * r.time_s;
+    made.change(r);
+  }
+  const WantedPath path(
+      [&](double t_s) { return Vec3(0, 0, made.path_at_m + made.path_m * std::sin(2 * M_PI * made.hz * t_s)); });
+  return assessContact(records, {.resolution_m = made.resolution_m, .path = made.path_known ? &path : nullptr});
+}
+
+bool unstable(const HandMade& made) {
+  return assess(made).verdict == ContactVerdict::kUnstable;
+}
+
+TEST(StabilityCriterion, SwingsThatLastAreUnstable) {
+  const ContactStability s = assess(HandMade{});
+  EXPECT_EQ(s.verdict, ContactVerdict::kUnstable);
+  EXPECT_NEAR(s.swing_m, 0.2e-3, 0.02e-3);  // sampled at 33 points a period: turns are met within 1 %
+  EXPECT_NEAR(s.swing_hz, 30, 1);
+  EXPECT_EQ(s.bounces, 30);
+  EXPECT_LT(s.unstable_from_s, 0.05);
+  EXPECT_GT(s.unstable_to_s, 0.93);
+}
+
+// 20 swings are 10 periods, and the first and last turn are half a period from the ends.
+TEST(StabilityCriterion, TwentySwingsInARow) {
+  EXPECT_FALSE(unstable({.seconds = 10.0 / 30}));
+  EXPECT_TRUE(unstable({.seconds = 12.0 / 30}));
+}
+
+// Halves are 5 periods apart, a sixth of a second: what is kept of it is to be 0.75 at least.
+TEST(StabilityCriterion, SwingsThatDieAwayAreNone) {
+  EXPECT_FALSE(unstable({.keeps_a_second = std::pow(0.7, 6)}));
+  EXPECT_TRUE(unstable({.keeps_a_second = std::pow(0.8, 6)}));
+  EXPECT_TRUE(unstable({.keeps_a_second = 2}));
+}
+
+TEST(StabilityCriterion, SwingsThatTheSurfaceDoesNotFeedAreNone) {
+  EXPECT_FALSE(unstable({.given_J_per_s = -1e-3}));
+  EXPECT_FALSE(unstable({.given_J_per_s = 0}));
+}
+
+// A path or a surface that goes a tenth of the way as well.
+TEST(StabilityCriterion, SwingsThatPathOrSurfaceAskForAreNone) {
+  EXPECT_TRUE(unstable({.path_m = 0.08 * 0.1e-3}));
+  EXPECT_FALSE(unstable({.path_m = 0.12 * 0.1e-3}));
+  // The surface is seen while in contact, where it goes up and down by its amplitude: half of the path's way.
+  EXPECT_TRUE(unstable({.surface_m = 0.1 * 0.1e-3}));
+  EXPECT_FALSE(unstable({.surface_m = 0.4 * 0.1e-3}));
+}
+
+TEST(StabilityCriterion, SwingsOfTwoEncoderStepsAreRoundings) {
+  EXPECT_FALSE(unstable({.resolution_m = 0.2e-3 / 2}));
+  EXPECT_TRUE(unstable({.resolution_m = 0.2e-3 / 3}));
+  EXPECT_FALSE(unstable({.amplitude_m = 0.9e-6}));  // 1.8 um
+  EXPECT_TRUE(unstable({.amplitude_m = 1.2e-6}));
+}
+
+TEST(StabilityCriterion, WithoutAPathAHandsSwingsAreNone) {
+  EXPECT_FALSE(unstable({.hz = 10, .seconds = 3, .path_known = false}));
+  EXPECT_TRUE(unstable({.hz = 15, .seconds = 3, .path_known = false}));
+  EXPECT_TRUE(unstable({.hz = 10, .seconds = 3}));
+}
+
+// Each of these comes every quarter of a second, 15 swings.
+bool everyQuarter(const TickRecord& r) {
+  return r.tick % 250 == 249;
+}
+
+TEST(StabilityCriterion, AFaultAnEndOfTheSurfaceOrALongFlightStartTheCountAnew) {
+  EXPECT_FALSE(unstable({.seconds = 3, .change = [](TickRecord& r) {
+                           if (everyQuarter(r)) r.faults = bit(ServoFault::kDeviceError);
+                         }}));
+  EXPECT_TRUE(unstable({.seconds = 3, .change = [](TickRecord& r) {
+                          if (everyQuarter(r)) r.faults = bit(ServoFault::kOverrun);  // only a note
+                        }}));
+  EXPECT_FALSE(unstable({.seconds = 3, .change = [](TickRecord& r) {
+                           if (!everyQuarter(r)) return;
+                           r.in_contact = false;
+                           r.hip_W[2] = r.vhip_W[2] = -0.05e-3;
+                         }}));
+  // In the air for 0.6 or 0.4 of each 0.9 s.
+  const auto flying = [](double flight_s) {
+    return HandMade{.seconds = 6, .change = [flight_s](TickRecord& r) {
+                      if (std::fmod(r.time_s, 0.9) < 0.3 || std::fmod(r.time_s, 0.9) > 0.3 + flight_s) return;
+                      r.in_contact = false;
+                      r.hip_W[2] = 0.05e-3;
+                    }};
+  };
+  EXPECT_FALSE(unstable(flying(0.6)));
+  EXPECT_TRUE(unstable(flying(0.4)));
+}
+
+// Lost inwards, or with the hand outside too, it is no bounce.
+TEST(StabilityCriterion, ABounceIsOutwardsAgainstTheHand) {
+  EXPECT_EQ(assess(HandMade{.path_m = 0}).bounces, 30);
+  EXPECT_EQ(assess(HandMade{.change = [](TickRecord& r) { r.hip_W[2] = -std::abs(r.hip_W[2]); }}).bounces, 0);
+  EXPECT_EQ(assess(HandMade{.path_at_m = 1e-3}).bounces, 0);
+  EXPECT_EQ(assess(HandMade{.path_known = false}).bounces, 0);
+}
+
+// ---- the slew limit ----
+
+// The force of a limited contact lags, which gives energy. What the default limit is derived from, walls of up to 5000
+// N/m met at up to 0.8 m/s by anything from the bare device on, settles with it as it does without.
+TEST(ContactStability, TheDefaultSlewLimitDoesNotShakeWhatADeviceCanRender) {
+  Dice dice(17);
+  int acted = 0, settled = 0;
+  for (int i = 0; i < 900; ++i) {
+    Trial run;
+    run.stiffness_N_per_m = dice.decades(500, 5000);
+    run.damping_Ns_per_m = dice.between(0, 5);
+    run.rate_hz = dice.decades(500, 20000);
+    run.seconds = 2;
+    run.device.hand = Hand::kSpring;
+    run.device.dynamics.hand_mass_kg = dice.decades(0.01, 0.3);
+    run.device.dynamics.hand_damping_Ns_per_m = dice.decades(0.2, 6);
+    const double speed_m_per_s = dice.decades(0.05, 0.8), depth_m = dice.between(0.5e-3, 20e-3);
+    run.path = [=](double t_s) { return Vec3(0, 0, std::max(-depth_m, 20e-3 - speed_m_per_s * t_s)); };
+    if (!settles(run)) continue;
+    ++settled;
+    run.slew_limit_N_per_s = SafetyParameters{}.slew_limit_N_per_s;
+    const std::vector<TickRecord> records = recordsOf(run);
+    const auto limited = [](const TickRecord& r) { return has(r.faults, ServoFault::kSlewLimited); };
+    acted += std::any_of(records.begin(), records.end(), limited) ? 1 : 0;
+    const WantedPath path(run.path);
+    const ContactStability s = assessContact(records, {.path = &path});
+    EXPECT_NE(s.verdict, ContactVerdict::kUnstable) << i << " K " << run.stiffness_N_per_m << " v " << speed_m_per_s;
+  }
+  EXPECT_GT(settled, 400);
+  EXPECT_GT(acted, 50);
+}
+
+// It does not act at all on a spring of 5000 N/m that is met at 0.8 m/s, whose force rises by at most K v; on a jump of
+// 8 N it does, at any rate.
+TEST(ContactStability, TheDefaultSlewLimitActsOnJumpsNotOnTheStiffestWall) {
+  for (const double rate_hz : {1000.0, 4000.0, 20000.0}) {
+    Trial run;
+    run.stiffness_N_per_m = 5000;
+    run.damping_Ns_per_m = 0;
+    run.rate_hz = rate_hz;
+    run.slew_limit_N_per_s = SafetyParameters{}.slew_limit_N_per_s;
+    run.path = [](double t_s) { return Vec3(0, 0, -1.5e-3 + std::abs(t_s - 1) * 0.799); };  // 7.5 N deep
+    const std::vector<TickRecord> records = recordsOf(run);
+    const auto limited = [](const TickRecord& r) { return has(r.faults, ServoFault::kSlewLimited); };
+    EXPECT_FALSE(std::any_of(records.begin(), records.end(), limited)) << rate_hz;
+    EXPECT_TRUE(std::any_of(records.begin(), records.end(), [](const TickRecord& r) { return r.force_W[2] > 7; }));
+    SafetyGate gate(SafetyParameters{}, rate_hz);
+    EXPECT_TRUE(has(gate.pass({{0, 0, 8}, 0, 0}).faults, ServoFault::kSlewLimited)) << rate_hz;
+  }
+}
+
+// A limit far below K v, in a light hand: the contact that settles without it swings for ever, and is called what it
+// is.
+TEST(ContactStability, ASlewLimitFarTooLowShakesAndIsToldOf) {
+  Trial run;
+  run.stiffness_N_per_m = 4700;
+  run.damping_Ns_per_m = 2;
+  run.rate_hz = 3000;
+  run.device.hand = Hand::kSpring;
+  run.device.dynamics.hand_mass_kg = 0.01;
+  run.device.dynamics.hand_damping_Ns_per_m = 0.3;
+  run.path = [](double t_s) { return Vec3(0, 0, std::max(-12e-3, 20e-3 - 0.4 * t_s)); };
+  EXPECT_NE(assess(run).verdict, ContactVerdict::kUnstable);
+  run.slew_limit_N_per_s = 1000;
+  EXPECT_EQ(assess(run).verdict, ContactVerdict::kUnstable);
+}
+
+}  // namespace
+}  // namespace palpate
