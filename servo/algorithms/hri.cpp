@@ -12,7 +12,7 @@ namespace {
 constexpr double kNoReach = -1;  // renewed in the next tick
 
 // Of the part of a way along the plane [m^2].
-double tangentialSquared(const Vec3& way_W, const Vec3& normal_W) noexcept {
+[[gnu::always_inline]] inline double tangentialSquared(const Vec3& way_W, const Vec3& normal_W) noexcept {
   const double along_m = normal_W.dot(way_W);
   return std::max(0.0, way_W.squaredNorm() - along_m * along_m);
 }
@@ -112,13 +112,15 @@ Track HriSurface::follow(const Vec3& hip_W, bool ahead) noexcept {
 }
 
 void HriSurface::renew(const Vec3& hip_W, bool ahead, std::uint32_t& faults) noexcept {
+  const Vec3 last_normal_W = surface_.normal_W;
+  Track result = follow(hip_W, ahead);
   // The HIP may be anywhere; the surface point must be in the window. Where the window has left that behind, the plane
   // under the HIP is the best that is known.
-  const auto seen = [&] { return field_->sampler().place(surface_.p_W) != Place::kBeyondWindow; };
-  if (!seen()) surface_.p_W = plane().nearest(hip_W);
-  held_ = !seen();
-  const Vec3 last_normal_W = surface_.normal_W;
-  const Track result = held_ ? Track::kBeyondWindow : follow(hip_W, ahead);
+  if (result == Track::kBeyondWindow) {
+    surface_.p_W = plane().nearest(hip_W);
+    if (field_->sampler().place(surface_.p_W) != Place::kBeyondWindow) result = follow(hip_W, false);
+  }
+  held_ = result == Track::kBeyondWindow;
   switch (result) {
     case Track::kFoundFlat:
     case Track::kBehind:
@@ -133,7 +135,6 @@ void HriSurface::renew(const Vec3& hip_W, bool ahead, std::uint32_t& faults) noe
       }
       return;
     case Track::kBeyondWindow:
-      held_ = true;
       faults |= bit(ServoFault::kBeyondWindow);
       return;
     case Track::kLeftVolume:

@@ -7,11 +7,11 @@
 namespace palpate {
 namespace {
 
-Vec3 tangential(const Vec3& v_W, const Vec3& normal_W) noexcept {
+[[gnu::always_inline]] inline Vec3 tangential(const Vec3& v_W, const Vec3& normal_W) noexcept {
   return v_W - normal_W * normal_W.dot(v_W);
 }
 
-Vec3 shortened(const Vec3& v_W, double longest_m) noexcept {
+[[gnu::always_inline]] inline Vec3 shortened(const Vec3& v_W, double longest_m) noexcept {
   const double squared_m2 = v_W.squaredNorm();
   return squared_m2 <= longest_m * longest_m ? v_W : Vec3(v_W * (longest_m / std::sqrt(squared_m2)));
 }
@@ -97,34 +97,69 @@ class Pace {
   return length > 0 && std::isfinite(length) ? Vec3(uphill_W / -length) : normal_W;
 }
 
+// Whether a surface on which a point was found is rough there: a point in a pit agrees with the line, too.
+void judge(const IsoField& field, const Vec3& hip_W, const Vec3& p_W, const Vec3& normal_W,
+           TrackMemory& memory) noexcept {
+  const double h_m = field.voxel();
+  const double depth_m = normal_W.dot(p_W - hip_W);
+  const double judged_for_m = SurfaceTracker::kJudgedFor * h_m;
+  if (!(depth_m > SurfaceTracker::kDeep * h_m)) return;
+  if (!((p_W - memory.judged_W).squaredNorm() > judged_for_m * judged_for_m)) return;
+  const Vec3 mean_W = meanNormal(field, p_W, normal_W, depth_m);
+  memory.rough = SurfaceTracker::apart(mean_W, normal_W, depth_m) > SurfaceTracker::kRough * h_m;
+  memory.judged_W = p_W;
+}
+
+// The search that is over at its first place, as most are: found there, with no walk made ready. `f`: the field at x.
+[[nodiscard]] bool foundAtOnce(const IsoField& field, const Vec3& hip_W, const Vec3& x_W, const Fetch& f,
+                               double line_tolerance, SurfacePoint& surface) noexcept {
+  if (f.place != Place::kInside) return false;
+  const double h_squared_m2 = field.voxel() * field.voxel();
+  const double steepness_squared = f.gradient_W.squaredNorm();
+  const double excess = f.density - field.isovalue();
+  constexpr double kClose = SurfaceTracker::kDensityTolerance;
+  if (!(excess * excess <= kClose * kClose * h_squared_m2 * steepness_squared)) return false;
+  const double per_squared = 1 / steepness_squared;
+  const Vec3 line_W = hip_W - x_W;
+  const Vec3 aside_W = line_W - f.gradient_W * (f.gradient_W.dot(line_W) * per_squared);
+  if (!(aside_W.squaredNorm() <= line_tolerance * line_tolerance * h_squared_m2)) return false;
+  const Vec3 normal_W = f.gradient_W * -std::sqrt(per_squared);
+  if (!(normal_W.dot(surface.normal_W) > 0)) return false;
+  surface.p_W = x_W - f.gradient_W * (excess * per_squared);
+  surface.normal_W = normal_W;
+  return true;
+}
+
 // One search along the isosurface. It begins at the surface point of the last search and goes a step at a time.
 class SheetWalk {
  public:
-  SheetWalk(const IsoField& field, const Vec3& hip_W, const SurfacePoint& surface, const TrackMemory& memory,
+  // From `x_W`, with `way_W` of the HIP's way along the surface.
+  SheetWalk(const IsoField& field, const Vec3& hip_W, const Vec3& x_W, const Vec3& way_W, const TrackMemory& memory,
             const SurfaceTracker::Limits& limits) noexcept
       : field_(field),
         hip_W_(hip_W),
         limits_(limits),
         h_m_(field.voxel()),
         line_squared_m2_(limits.line_tolerance * limits.line_tolerance * h_m_ * h_m_),
+        x_W_(x_W),
         best_m_(SurfaceTracker::kUsable * h_m_),
         pace_(memory.pace),
+        began_rough_(memory.rough),
         rough_(memory.rough) {
-    const Vec3 way_W = tangential(hip_W - surface.p_W, surface.normal_W);
-    x_W_ = surface.p_W + shortened(way_W, h_m_);
     if (!(way_W.squaredNorm() > h_m_ * h_m_)) return;
     const double voxels = std::ceil(way_W.norm() / h_m_) - 1;
     behind_ = voxels > SurfaceTracker::kMaxWay;
-    voxels_left_ = static_cast<int>(std::min(voxels, static_cast<double>(SurfaceTracker::kMaxWay)));
+    voxels_left_ = rough_ && !behind_ ? static_cast<int>(voxels) : SurfaceTracker::kMaxWay;
   }
 
-  // kFound, kBehind, or why there is no point.
-  [[nodiscard]] Track run() noexcept {
-    const int most = (rough_ ? SurfaceTracker::kRoughSteps : SurfaceTracker::kMaxSteps) + voxels_left_;
-    for (int step = 0; step < most; ++step) {
-      if (const Track seen = look(); seen != Track::kFound) return seen;
+  // kFound, kBehind, or why there is no point. `first`: the field at x.
+  [[nodiscard]] Track run(const Fetch& first) noexcept {
+    Fetch f = first;
+    for (steps_left_ = began_rough_ ? SurfaceTracker::kRoughSteps : SurfaceTracker::kMaxSteps; steps_left_ > 0;) {
+      if (const Track seen = look(f); seen != Track::kFound) return seen;
       if (keep()) break;
       move();
+      f = field_.sampler().at(x_W_);
     }
     if (clamped_ && field_.sampler().place(hip_W_) == Place::kBeyondVolume) return Track::kLeftVolume;
     if (normal_W_.isZero(0)) return Track::kLost;
@@ -134,16 +169,15 @@ class SheetWalk {
   // Of a search that found a point.
   void result(SurfacePoint& surface, TrackMemory& memory) const noexcept {
     surface.p_W = p_W_;
-    surface.normal_W = agreed_ ? normal_W_ : turned(normal_W_, p_W_ - hip_W_, h_m_);
+    surface.normal_W = agreed_ || behind_ ? normal_W_ : turned(normal_W_, p_W_ - hip_W_, h_m_);
     memory.pace = pace_.share();
-    memory.rough = rough_ || !agreed_;
-    if (!memory.rough) judge(memory);
+    memory.rough = rough_ || (!agreed_ && !behind_);
+    if (!memory.rough) judge(field_, hip_W_, p_W_, normal_W_, memory);
   }
 
  private:
   // The field at x: how far it is from the surface, and how far its normal line passes the HIP by.
-  [[nodiscard]] Track look() noexcept {
-    Fetch f = field_.sampler().at(x_W_);
+  [[nodiscard]] Track look(Fetch& f) noexcept {
     if (f.place == Place::kBeyondWindow) return Track::kBeyondWindow;
     if (f.place == Place::kBeyondVolume) {
       clamped_ = true;
@@ -191,19 +225,28 @@ class SheetWalk {
   }
 
   void move() noexcept {
-    const Vec3 move_W = voxels_left_ > 0 ? onward() : slide();
+    const Vec3 move_W = farAside() ? onward() : slide();
     gain_.stepped(climb_m_, move_W.squaredNorm());
     x_W_ += climb_W_ + move_W;
   }
 
-  // A voxel of the HIP's way.
+  // A HIP that went farther than a voxel is followed voxel by voxel first: on a rough surface, where the way aside is
+  // never short, for as many as it went; otherwise until it is less than one aside or comes no nearer.
+  [[nodiscard]] bool farAside() const noexcept {
+    return voxels_left_ > 0 && (rough_ || (aside_squared_m2_ > h_m_ * h_m_ && aside_squared_m2_ < nearest_squared_m2_));
+  }
+
   [[nodiscard]] Vec3 onward() noexcept {
     --voxels_left_;
-    return shortened(tangential(line_W_, turned(here_W_, -line_W_, h_m_)), h_m_);
+    if (voxels_left_ == 0 && !began_rough_) behind_ = true;
+    nearest_squared_m2_ = aside_squared_m2_;
+    return shortened(rough_ ? tangential(line_W_, turned(here_W_, -line_W_, h_m_)) : aside_W_, h_m_);
   }
 
   // Towards where the normal line meets the HIP.
   [[nodiscard]] Vec3 slide() noexcept {
+    voxels_left_ = 0;
+    --steps_left_;
     if (slide_m_ < 0) slide_m_ = limits_.slide_m + limits_.slide_by_way * std::sqrt(limits_.way_squared_m2);
     if (aside_squared_m2_ > line_squared_m2_) pace_.see(aside_W_, aside_squared_m2_);
     const Vec3 wanted_W = aside_W_ * pace_.share();
@@ -212,17 +255,6 @@ class SheetWalk {
     pace_.cutShort(wanted_m > longest_m);
     slide_m_ -= std::min(wanted_m, longest_m);
     return wanted_m > longest_m ? Vec3(wanted_W * (longest_m / wanted_m)) : wanted_W;
-  }
-
-  // A point in a pit agrees with the line, too.
-  void judge(TrackMemory& memory) const noexcept {
-    const double depth_m = normal_W_.dot(p_W_ - hip_W_);
-    const double judged_for_m = SurfaceTracker::kJudgedFor * h_m_;
-    if (!(depth_m > SurfaceTracker::kDeep * h_m_)) return;
-    if (!((p_W_ - memory.judged_W).squaredNorm() > judged_for_m * judged_for_m)) return;
-    const Vec3 mean_W = meanNormal(field_, p_W_, normal_W_, depth_m);
-    memory.rough = SurfaceTracker::apart(mean_W, normal_W_, depth_m) > SurfaceTracker::kRough * h_m_;
-    memory.judged_W = p_W_;
   }
 
   const IsoField& field_;
@@ -246,8 +278,11 @@ class SheetWalk {
   // Of the search:
   NewtonGain gain_;
   Pace pace_;
+  bool began_rough_;
   bool rough_;
-  int voxels_left_ = 0;  // of the HIP's way, after the first
+  int steps_left_ = 0;                                                   // besides the HIP's way
+  int voxels_left_ = 0;                                                  // of that, after the first
+  double nearest_squared_m2_ = std::numeric_limits<double>::infinity();  // that the HIP's way came to the HIP, aside
   bool behind_ = false;
   double slide_m_ = -1;  // what is left of it; not known yet
   bool clamped_ = false;
@@ -263,8 +298,15 @@ Track SurfaceTracker::follow(const IsoField& field, const Vec3& hip_W, SurfacePo
 
 Track SurfaceTracker::followIsosurface(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface,
                                        TrackMemory& memory, const Limits& limits) noexcept {
-  SheetWalk walk(field, hip_W, surface, memory, limits);
-  const Track result = walk.run();
+  const Vec3 way_W = tangential(hip_W - surface.p_W, surface.normal_W);
+  const Vec3 x_W = surface.p_W + shortened(way_W, field.voxel());
+  const Fetch first = field.sampler().at(x_W);
+  if (!memory.rough && foundAtOnce(field, hip_W, x_W, first, limits.line_tolerance, surface)) {
+    judge(field, hip_W, surface.p_W, surface.normal_W, memory);
+    return Track::kFound;
+  }
+  SheetWalk walk(field, hip_W, x_W, way_W, memory, limits);
+  const Track result = walk.run(first);
   if (result == Track::kFound || result == Track::kBehind) {
     SurfacePoint found;
     walk.result(found, memory);
