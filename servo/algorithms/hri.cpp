@@ -116,9 +116,10 @@ void HriSurface::renew(const Vec3& hip_W, bool ahead, std::uint32_t& faults) noe
   Track result = follow(hip_W, ahead);
   // The HIP may be anywhere; the surface point must be in the window. Where the window has left that behind, the plane
   // under the HIP is the best that is known.
-  if (result == Track::kBeyondWindow) {
+  const auto seen = [&] { return field_->sampler().place(surface_.p_W) != Place::kBeyondWindow; };
+  if (result == Track::kBeyondWindow && !seen()) {
     surface_.p_W = plane().nearest(hip_W);
-    if (field_->sampler().place(surface_.p_W) != Place::kBeyondWindow) result = follow(hip_W, false);
+    if (seen()) result = follow(hip_W, false);
   }
   held_ = result == Track::kBeyondWindow;
   switch (result) {

@@ -30,11 +30,11 @@ double EnergyAccount::planesGift(const Vec3& way_W, const Vec3& plane_W, double 
 }
 
 Vec3 EnergyAccount::settle(const ContactState& contact, const ContactPush& push) noexcept {
-  if (contact.new_contact) {
+  const Vec3 way_W = contact.hip_W - last_hip_W_;
+  if (contact.new_contact || !isAWay(way_W) || !isAWay(push.vhip_W - contact.hip_W)) {
     open(contact, push);
     return push.vhip_W;
   }
-  const Vec3 way_W = contact.hip_W - last_hip_W_;
   const Vec3 plane_W = contact.plane.nearest(contact.hip_W) - contact.hip_W;
   const double gift_m2 = planesGift(way_W, plane_W, push.stiffness);
 

@@ -13,6 +13,7 @@
 //   the end of a contact no more than kFree of it has been given, and what the force of one tick did.
 // Both are continuous where E and U are. What friction dissipates is credit, for this contact. What the plane alone
 // gave, along the same way, times its stiffness, is not charged: effects make it no better and no worse.
+// A wrong reading (isAWay) opens a new account.
 // Source: passivity observer and controller (Hannaford and Ryu, 2002), here with the energy that a potential knows.
 // Energies are over K: [m^2]. Frame W: world [m]. Thread: the servo's. Cost: some 5 ns.
 #pragma once

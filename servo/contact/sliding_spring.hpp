@@ -5,7 +5,8 @@
 // -K stretch is exactly the energy K / 2 stretch^2 that the spring holds, whatever the surface's curvature, and however
 // its planes jump; shortening the stretch can only take energy away. Where several planes hold the tool it is drawn by
 // the motion of their VHIP instead: in a corner the tool may move behind a VHIP that stands still. When the normal
-// turns, the stretch is laid along the new surface, which makes it no longer.
+// turns, the stretch is laid along the new surface, which makes it no longer. A motion that is none (isAWay) puts the
+// sled where the tool is.
 // Frame W: world [m]. Thread: the servo's. Cost: some 5 ns.
 #pragma once
 
@@ -24,8 +25,10 @@ class SlidingSpring {
   // The tool has moved.
   void draw(const ContactState& contact) noexcept {
     const Vec3& normal_W = contact.plane.normal_W;
-    stretch_W_ += contact.single_plane ? Vec3(contact.hip_W - last_hip_W_)
-                                       : Vec3(contact.plane.nearest(contact.hip_W) - last_surface_W_);
+    const Vec3 way_W = contact.single_plane ? Vec3(contact.hip_W - last_hip_W_)
+                                            : Vec3(contact.plane.nearest(contact.hip_W) - last_surface_W_);
+    if (!isAWay(way_W)) return start(contact);
+    stretch_W_ += way_W;
     stretch_W_ -= normal_W * normal_W.dot(stretch_W_);
     remember(contact);
   }

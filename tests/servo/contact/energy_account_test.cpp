@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/contact/energy_account.hpp"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "contact/plane_contact.hpp"
@@ -51,6 +53,20 @@ TEST(EnergyAccount, WhatHasAPotentialIsLeftAsItIs) {
   for (const Vec3& hip : wander(5000)) {
     const Vec3 d(0, 0, -hip.z());
     ASSERT_NEAR((account.at(hip, d, 0.5 * hip.z() * hip.z()) - d).norm(), 0, 1e-17);
+  }
+}
+
+// Positions that no tool can have reached, in between: afterwards all is as it was, and nothing is a broken number. In
+// the first tick after them what there is counts as put in.
+TEST(EnergyAccount, AWrongPositionLeavesNothingBehind) {
+  for (const double wild : {0.11, 1e10, 1e200, HUGE_VAL, std::nan("")}) {
+    Account account;
+    for (const Vec3& hip : wander(100)) account.press(hip);
+    for (int i = 0; i < 3; ++i) account.at(Vec3(wild, 0, -wild), Vec3(0, 0, wild), 0.5 * wild * wild);
+    for (const Vec3& hip : wander(1000, 2)) {
+      const Vec3 d(0, 0, -hip.z());
+      ASSERT_NEAR((account.press(hip) - d).norm(), 0, 1e-17) << wild;
+    }
   }
 }
 

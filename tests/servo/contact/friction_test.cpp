@@ -238,6 +238,19 @@ TEST(Friction, ANewContactBeginsWithoutStretch) {
   EXPECT_EQ(contact.at({5e-3 + 0.99 * kStatic * kDepth, 0, -kDepth}).x(), 5e-3);
 }
 
+// A position that no tool can have reached: the sled is where the tool comes back to.
+TEST(Friction, AWrongPositionPutsTheSledWhereTheToolIs) {
+  for (const double wild : {0.11, 1e10, 1e200, HUGE_VAL, std::nan("")}) {
+    Friction friction = dry();
+    PlaneContact contact(friction);
+    contact.at({0, 0, -kDepth});
+    contact.at({0.1e-3, 0, -kDepth});
+    contact.at({wild, 0, -kDepth});
+    EXPECT_EQ(contact.at({0.1e-3, 0, -kDepth}), Vec3(0.1e-3, 0, 0)) << wild;
+    EXPECT_NEAR(contact.at({0.1e-3 + 0.99 * kStatic * kDepth, 0, -kDepth}).x(), 0.1e-3, kRounding_m) << wild;
+  }
+}
+
 // With K = 0 there is no force to limit; nothing divides by zero.
 TEST(Friction, IsHarmlessWithoutStiffness) {
   for (const double viscous : {0.0, 1.0}) {
