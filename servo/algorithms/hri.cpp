@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "servo/safety/faults.hpp"
 
@@ -21,7 +22,7 @@ void HriSurface::reset(const Vec3& hip_W) noexcept {
   surface_ = {};
   age_ticks_ = 0;
   vhip_W_ = hip_W;
-  in_contact_ = held_ = armed_ = lost_ = false;
+  in_contact_ = held_ = armed_ = lost_ = behind_ = false;
   edit_version_ = 0;
   cache_.forget();
 }
@@ -46,7 +47,7 @@ bool HriSurface::find(const SampleWindow& window, const Vec3& hip_W, std::uint32
   } else {
     ++age_ticks_;
     const bool in_front = plane().depth(hip_W) <= 0;
-    const bool due = age_ticks_ >= renewal_ticks_ || wentFar(hip_W);
+    const bool due = age_ticks_ >= renewal_ticks_ || behind_ || wentFar(hip_W);
     if (due || in_front || held_) {
       refreshField(window);
       renew(hip_W, !in_front && !held_, faults);
@@ -86,12 +87,14 @@ Vec3 HriSurface::aim(const Vec3& hip_W) const noexcept {
   const double longest_squared_m2 =
       std::min(kLongestAim * kLongestAim * voxel_m * voxel_m, kAim * kAim * reach_squared_m2_);
   const double squared_m2 = lead_W.squaredNorm();
-  return hip_W + (squared_m2 <= longest_squared_m2 ? lead_W : Vec3(lead_W * std::sqrt(longest_squared_m2 / squared_m2)));
+  return hip_W +
+         (squared_m2 <= longest_squared_m2 ? lead_W : Vec3(lead_W * std::sqrt(longest_squared_m2 / squared_m2)));
 }
 
 Track HriSurface::follow(const Vec3& hip_W, bool ahead) noexcept {
+  // A plane that is behind has more way to make up for than the HIP's last.
   SurfaceTracker::Limits limits{.line_tolerance = kAimTolerance,
-                                .slide_m = kSlide * field_->voxel(),
+                                .slide_m = behind_ ? std::numeric_limits<double>::infinity() : kSlide * field_->voxel(),
                                 .slide_by_way = memory_.rough ? kSlideByWayRough : kSlideByWay,
                                 .way_squared_m2 = (hip_W - renewed_at_W_).squaredNorm()};
   if (ahead && renewal_ticks_ > 1) {
@@ -115,7 +118,8 @@ void HriSurface::renew(const Vec3& hip_W, bool ahead, std::uint32_t& faults) noe
   if (!seen()) surface_.p_W = plane().nearest(hip_W);
   held_ = !seen();
   const Vec3 last_normal_W = surface_.normal_W;
-  const Track result = held_ ? Track::kBeyondWindow : follow(hip_W, ahead);
+  const Track result = held_ ? Track::kBeyondWindow : follow(hip_W, ahead && !behind_);
+  behind_ = result == Track::kBehind;
   switch (result) {
     case Track::kFoundFlat:
     case Track::kBehind:
@@ -244,6 +248,7 @@ bool HriSurface::touch(const Entry& entry, const Probe& hip, std::uint32_t& faul
   if (found && behind(nearest)) {
     if (result == Track::kBehind) faults |= bit(ServoFault::kPlaneBehind);
     begin(nearest, hip.p_W);
+    behind_ = result == Track::kBehind;
     return true;
   }
   // Where the search strays, the plane at the entry itself still holds a HIP that is in the object; and where noise
@@ -257,7 +262,7 @@ bool HriSurface::touch(const Entry& entry, const Probe& hip, std::uint32_t& faul
 
 void HriSurface::begin(const SurfacePoint& surface, const Vec3& hip_W) noexcept {
   in_contact_ = true;
-  lost_ = false;
+  lost_ = behind_ = false;
   per_turn_squared_ = 1 / (kFirstTurn * kFirstTurn);
   found_for_W_ = hip_W;
   surface_ = surface;

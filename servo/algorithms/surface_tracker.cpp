@@ -40,8 +40,8 @@ class NewtonGain {
   bool comparable_ = false;
 };
 
-// The share of the way aside that a step takes. A step that swung or went nowhere halves it; one that gained in the same
-// direction, but little, raises it.
+// The share of the way aside that a step takes. A step that swung or went nowhere halves it; one that gained in the
+// same direction, but little, raises it.
 class Pace {
  public:
   explicit Pace(double share) noexcept : share_(share) {}
@@ -80,7 +80,8 @@ class Pace {
 // The mean of the normals at p and at six points around it in the tangent plane, wider apart the deeper the press: what
 // a tip that presses so deep would feel of bumps. Steeper places count for more. The six are the lattice's axes laid
 // onto the plane, so they turn with the normal without a step.
-[[gnu::noinline, gnu::cold]] Vec3 meanNormal(const IsoField& field, const Vec3& p_W, const Vec3& normal_W, double depth_m) noexcept {
+[[gnu::noinline, gnu::cold]] Vec3 meanNormal(const IsoField& field, const Vec3& p_W, const Vec3& normal_W,
+                                             double depth_m) noexcept {
   const double h_m = field.voxel();
   const double spread_m = std::clamp(SurfaceTracker::kSpread * depth_m, SurfaceTracker::kLeastSpread * h_m,
                                      SurfaceTracker::kMostSpread * h_m);
@@ -148,12 +149,15 @@ Track SurfaceTracker::newton(const IsoField& field, const Vec3& hip_W, SurfacePo
   const double line_squared_m2 = limits.line_tolerance * limits.line_tolerance * h_m * h_m;
   const Vec3 way_W = tangential(hip_W - surface.p_W, surface.normal_W);
   Vec3 x_W = surface.p_W + shortened(way_W, h_m);
-  int voxels_left = 0;  // of the HIP's way, after the first
+  // A HIP that went farther than a voxel is followed voxel by voxel first: on a rough surface, where the way aside is
+  // never short, for as many as it went; otherwise until it is less than one aside or comes no nearer.
+  int voxels_left = 0;
+  double nearest_squared_m2 = std::numeric_limits<double>::infinity();
   bool behind = false;
   if (way_W.squaredNorm() > h_m * h_m) {
     const double voxels = std::ceil(way_W.norm() / h_m) - 1;
     behind = voxels > kMaxWay;
-    voxels_left = static_cast<int>(std::min(voxels, static_cast<double>(kMaxWay)));
+    voxels_left = memory.rough && !behind ? static_cast<int>(voxels) : kMaxWay;
   }
   double slide_m = -1;  // what is left of it; not known yet
   NewtonGain gain;
@@ -163,7 +167,7 @@ Track SurfaceTracker::newton(const IsoField& field, const Vec3& hip_W, SurfacePo
   double best_m = kUsable * h_m;
   bool agreed = false;
   bool clamped = false;
-  for (int step = 0, steps = (rough ? kRoughSteps : kMaxSteps) + voxels_left; step < steps; ++step) {
+  for (int steps_left = rough ? kRoughSteps : kMaxSteps; steps_left > 0;) {
     Fetch f = field.sampler().at(x_W);
     if (f.place == Place::kBeyondWindow) return Track::kBeyondWindow;
     if (f.place == Place::kBeyondVolume) {
@@ -205,10 +209,14 @@ Track SurfaceTracker::newton(const IsoField& field, const Vec3& hip_W, SurfacePo
       if (best_m <= kDensityTolerance * h_m && agreed) break;
     }
     Vec3 move_W;
-    if (voxels_left > 0) {
+    if (voxels_left > 0 && (rough || (aside_squared_m2 > h_m * h_m && aside_squared_m2 < nearest_squared_m2))) {
       --voxels_left;
-      move_W = shortened(tangential(line_W, turned(normal_W, -line_W, h_m)), h_m);
+      if (voxels_left == 0 && !memory.rough) behind = true;
+      nearest_squared_m2 = aside_squared_m2;
+      move_W = shortened(rough ? tangential(line_W, turned(normal_W, -line_W, h_m)) : aside_W, h_m);
     } else {
+      voxels_left = 0;
+      --steps_left;
       if (slide_m < 0) slide_m = limits.slide_m + limits.slide_by_way * std::sqrt(limits.way_squared_m2);
       if (aside_squared_m2 > line_squared_m2) pace.see(aside_W, aside_squared_m2);
       const double longest_m = std::min(h_m, slide_m);
@@ -226,9 +234,9 @@ Track SurfaceTracker::newton(const IsoField& field, const Vec3& hip_W, SurfacePo
   if (clamped && field.sampler().place(hip_W) == Place::kBeyondVolume) return Track::kLeftVolume;
   if (best.normal_W.isZero(0)) return Track::kLost;
   surface.p_W = best.p_W;
-  surface.normal_W = agreed ? best.normal_W : turned(best.normal_W, best.p_W - hip_W, h_m);
+  surface.normal_W = agreed || behind ? best.normal_W : turned(best.normal_W, best.p_W - hip_W, h_m);
   memory.pace = pace.share();
-  memory.rough = rough || !agreed;
+  memory.rough = rough || (!agreed && !behind);
   // A point in a pit agrees with the line, too.
   const double depth_m = best.normal_W.dot(best.p_W - hip_W);
   const double judged_for_m = kJudgedFor * h_m;
