@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "servo/safety/faults.hpp"
 
@@ -22,7 +23,7 @@ void HriSurface::reset(const Vec3& hip_W) noexcept {
   surface_ = {};
   age_ticks_ = 0;
   vhip_W_ = hip_W;
-  in_contact_ = held_ = armed_ = lost_ = behind_ = false;
+  in_contact_ = held_ = armed_ = lost_ = behind_ = buried_ = false;
   edit_version_ = 0;
   cache_.forget();
 }
@@ -40,7 +41,10 @@ bool HriSurface::find(const SampleWindow& window, const Vec3& hip_W, std::uint32
     } else {
       moveFreely(hip_W, faults);
     }
-    if (was_outside && !in_contact_ && !armed_ && !held_) comeOut(field_->probe(hip_W), faults);
+    if (was_outside && !in_contact_ && !armed_) {
+      buried_ = held_;  // by the edit, where the HIP cannot be seen: later
+      if (!held_) comeOut(field_->probe(hip_W), faults);
+    }
   } else if (!in_contact_) {
     refreshField(window);
     moveFreely(hip_W, faults);
@@ -202,18 +206,18 @@ void HriSurface::moveFreely(const Vec3& hip_W, std::uint32_t& faults) noexcept {
   }
   const bool after_gap = held_;
   held_ = false;
-  if (after_gap && armed_) {
+  bool buried = std::exchange(buried_, false);
+  if (after_gap && (armed_ || buried)) {
     const double longest_m = kLongestGap * field_->voxel();
-    armed_ = (hip_W - free_.p_W).squaredNorm() <= longest_m * longest_m;
-    if (armed_) {
-      // An edit may have come where no window showed the free point.
-      free_ = field_->probe(free_.p_W);
-      armed_ = free_.side != Side::kInside;
-      if (!armed_ && hip.side == Side::kInside) {
-        faults |= bit(ServoFault::kInsideObject);
-        return comeOut(hip, faults);
-      }
-    }
+    const bool near = (hip_W - free_.p_W).squaredNorm() <= longest_m * longest_m;
+    // An edit may have come where no window showed the free point.
+    if (near && armed_) free_ = field_->probe(free_.p_W);
+    buried = near && (buried || free_.side == Side::kInside);
+    armed_ = near && !buried;
+  }
+  if (buried && hip.side == Side::kInside) {
+    faults |= bit(ServoFault::kInsideObject);
+    return comeOut(hip, faults);
   }
   if (armed_) {
     const auto entry = field_->firstEntry(free_, hip);

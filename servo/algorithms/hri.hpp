@@ -94,6 +94,7 @@ class HriSurface {
   bool in_contact_ = false;  // there is a plane, with the HIP behind it when it was found
   bool behind_ = false;      // the HIP went farther than the plane was followed
   bool held_ = false;        // the last tick could not see the HIP; no force until one can
+  bool buried_ = false;      // an edit covered free_ while the HIP could not be seen
   bool lost_ = false;        // the contact was lost with the HIP in the object, where it still is
   std::uint64_t edit_version_ = 0;
 
