@@ -159,15 +159,16 @@ TEST(WayAndAge, OnAKnotTheForceIsRightUpToHalfAMetreASecond) {
   RecordProperty("degrees", std::to_string(all.radians * kDegreesPerRadian));
 }
 
-// Balls and hollows of 8 to 60 voxels, 0.3 voxel to 0.6 R deep, every n, every speed. What hri.hpp promises of a plane:
-// its normal is turned by at most kMostTurned, and it is off by at most kMostOff of the depth or kLeastOff, once the
-// rate of turning is known. Besides:
+// Balls and hollows of 8 to 60 voxels, 0.3 voxel to 0.6 R deep, every n, every speed, in cubes and in voxels up to six
+// times as long as wide, on lattices of any turn and hand; voxels are counted by their smallest side. What hri.hpp
+// promises of a plane: its normal is turned by at most kMostTurned, and it is off by at most kMostOff of the depth or
+// kLeastOff, once the rate of turning is known. Besides:
 // - Before it is known it is taken for kFirstTurn. Where normals turn faster, by 1 / (R - D) a voxel, the first plane
 //   may turn by that much more.
 // - The way of one tick is made before the plane can be renewed, but a renewal is in the same tick, so adds nothing.
 // - Sampling: a normal that is off by e moves the point whose normal line meets the HIP, by e D R / (R -+ D) along the
 //   surface; line and normal are then both off by e R / (R -+ D) (- where it is convex). The curvature is taken at the
-//   innermost sample that a gradient reads, sqrt(3) + 1 voxels below the surface.
+//   innermost sample that a gradient reads: a voxel's diagonal and its longest side below the surface.
 // - The rate is measured between two planes that are each off by that much, s: it may come out too low by 2 s of what
 //   the normal turned, but never as less than half of the rate before. The first two planes are the nearest to each
 //   other: touched where the depth is nothing, the first one holds as far as kLeastOff and kFirstTurn let it.
@@ -180,16 +181,19 @@ TEST(WayAndAge, OnBallsAndHollowsOfEveryRadiusTheErrorIsWhatTheHeaderSays) {
   double largest_share = 0;
   for (int trial = 0; trial < 240; ++trial) {
     const bool is_hollow = trial % 2 == 1;
-    const double R = random.logBetween(8, 60);         // [voxel]
-    const double D = random.logBetween(0.3, 0.6 * R);  // [voxel]
-    const double along = is_hollow ? R + D : R - D;    // radius of the HIP's circle [voxel]
+    const double longest = trial % 4 < 2 ? 1 : random.between(1, 6);     // side of the voxel [voxel]
+    const double R = random.logBetween(std::max(8.0, 6 * longest), 60);  // [voxel]
+    const double D = random.logBetween(0.3, 0.6 * R);                    // [voxel]
+    const double along = is_hollow ? R + D : R - D;                      // radius of the HIP's circle [voxel]
     const int n = randomAge(random);
     const double speed = random.logBetween(0.01, 1);  // [m/s]
     const Vec3 centre_W = random.inCube(5e-3);
     const AnalyticSurface solid = ballSurface(centre_W, R * kVoxel);
-    Sampling sampling{.size = Vec3i::Constant(220)};
+    Vec3 spacing_m = Vec3::Constant(kVoxel);
+    spacing_m[random.pick(3)] *= longest;
+    Sampling sampling{.size = Vec3i::Constant(220), .flat_m = 4 * longest * kVoxel};
     sampling.lattice =
-        latticeAround(centre_W, sampling.size, Vec3::Constant(kVoxel), Mat3::Identity(), random.inCube(0.5));
+        latticeAround(centre_W, sampling.size, spacing_m, random.axes(trial % 8 < 4), random.inCube(0.5));
     const AnalyticVolume volume = sampledOn(sampling, is_hollow ? hollow(solid) : solid);
     const Circle circle = randomCircle(random, centre_W);
     Hri hri(withAge(n));
@@ -199,15 +203,15 @@ TEST(WayAndAge, OnBallsAndHollowsOfEveryRadiusTheErrorIsWhatTheHeaderSays) {
     driver.at(circle.at(0, (R + out) * kVoxel));
     driver.stroke(circle.at(0, along * kVoxel), 5 + random.pick(200));
 
-    const double sampled =
-        sampledBound((R - 1 - std::numbers::sqrt3) * kVoxel, Vec3::Constant(kVoxel)).radians * R / along;
+    const SampledBound field = sampledBound(R * kVoxel - spacing_m.norm() - spacing_m.maxCoeff(), spacing_m);
+    const double sampled = field.radians * R / along;
     const double first = std::max(1.0, 1 / (along * HriSurface::kFirstTurn));
     const double first_turn = std::sqrt(2 * HriSurface::kLeastOff / HriSurface::kFirstTurn) / along;
     const double measured = 1 / (1 - std::min(0.5, 2 * sampled / std::min(first_turn, HriSurface::kMostTurned)));
     const double longer = std::max(first, measured);  // than the reach ought to be
     const double turned = HriSurface::kMostTurned * longer + sampled + HriSurface::kAimTolerance / along;
-    const double off_voxel = std::max(HriSurface::kMostOff * D, HriSurface::kLeastOff) * longer + 0.25 / (R - 1) +
-                             0.5 * turned * turned * D + HriSurface::kAimTolerance * turned;
+    const double off_voxel = std::max(HriSurface::kMostOff * D, HriSurface::kLeastOff) * longer +
+                             field.metres / kVoxel + 0.5 * turned * turned * D + HriSurface::kAimTolerance * turned;
     double worst_turned = 0, worst_off = 0;
     const double step = speed * kTick_s / (along * kVoxel);
     for (double angle = step; angle < std::min({2.5, 1500 * step, 80 / R}); angle += step, ++ticks) {
