@@ -154,7 +154,12 @@ void HriSurface::renew(const Vec3& hip_W, bool ahead, std::uint32_t& faults) noe
 void HriSurface::renewed(const Vec3& hip_W, const Vec3& last_normal_W) noexcept {
   if (renewal_ticks_ == 1) return settle(hip_W);
   const double voxel_m = field_->voxel();
-  const double aside_squared = tangentialSquared(hip_W - renewed_at_W_, surface_.normal_W) / (voxel_m * voxel_m);
+  // Seen from a normal that has turned, a part of what the HIP went in or out is aside; of the two normals the one that
+  // sees less is the one that it went along.
+  const Vec3 way_W = hip_W - renewed_at_W_;
+  const double aside_squared =
+      std::min(tangentialSquared(way_W, surface_.normal_W), tangentialSquared(way_W, last_normal_W)) /
+      (voxel_m * voxel_m);
   constexpr double kTooShort = 0.05;  // to tell curvature from sampling [voxel]
   if (aside_squared > kTooShort * kTooShort) {
     const double turned_squared = (surface_.normal_W - last_normal_W).squaredNorm();
