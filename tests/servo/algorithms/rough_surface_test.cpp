@@ -136,5 +136,56 @@ INSTANTIATE_TEST_SUITE_P(
       return std::string(std::array{"Plane", "Ball", "Hollow"}[static_cast<std::size_t>(test.param)]);
     });
 
+// What was learned of one surface is forgotten when it is left: on a smooth one the trace is that of a tool that never
+// was on the rough one, bit for bit.
+TEST(RoughSurfaceMemory, EndsWithTheContact) {
+  Seeded random(9);
+  Sampling sampling{.size = Vec3i::Constant(72)};
+  const AnalyticSurface ground = planeSurface(Vec3(0, 0, 40.3e-3), Vec3(0.1, 0.05, 1));
+  const AnalyticVolume smooth = sampledOn(sampling, ground);
+  sampling.noise_m = 0.5 * kVoxel;
+  const AnalyticVolume rough = sampledOn(sampling, ground);
+  AnalyticVolume volume = smooth;  // rough where x is below the middle
+  volume.density = [=](const Vec3& p_W) { return p_W.x() < 36e-3 ? rough.density(p_W) : smooth.density(p_W); };
+  const Vec3 free_W(54e-3, 36e-3, 45e-3);
+  const auto onSmooth = [&](AlgorithmDriver& driver) {
+    std::vector<TickOutput> outs = driver.stroke(Vec3(54e-3, 36e-3, 26e-3), 100);
+    for (const TickOutput& out : driver.stroke(Vec3(58e-3, 40e-3, 26e-3), 60)) outs.push_back(out);
+    return outs;
+  };
+  for (const int n : {1, 5}) {
+    const AlgorithmParameters parameters{.damping_Ns_per_m = 0, .plane_renewal_ticks = n};
+    Hri fresh(parameters), used(parameters);
+    AlgorithmDriver a(fresh, volume, free_W, 72), b(used, volume, Vec3(16e-3, 36e-3, 48e-3), 72);
+    a.follow = b.follow = false;
+    a.at(free_W);
+    b.stroke(Vec3(16e-3, 36e-3, 24e-3), 200);
+    b.stroke(Vec3(24e-3, 40e-3, 24e-3), 80);
+    b.stroke(Vec3(24e-3, 40e-3, 52e-3), 200);
+    ASSERT_FALSE(b.stroke(free_W, 50).back().in_contact);
+    const auto of_a = onSmooth(a);
+    const auto of_b = onSmooth(b);
+    int touching = 0;
+    for (std::size_t i = 0; i < of_a.size(); ++i) {
+      ASSERT_EQ(of_a[i].force_W, of_b[i].force_W) << n << " " << i;
+      touching += of_a[i].in_contact ? 1 : 0;
+    }
+    EXPECT_GT(touching, 60);  // the whole slide, and some of the press
+  }
+}
+
+// On a rough surface, too, a way longer than a search follows is told.
+TEST(RoughSurfaceMemory, AWayThatIsTooLongIsToldOnARoughSurface) {
+  Sampling sampling{.size = Vec3i(200, 60, 60), .noise_m = 0.5 * kVoxel, .seed = 3};
+  const AnalyticVolume volume = sampledOn(sampling, planeSurface(Vec3(0, 0, 40.3e-3), Vec3::UnitZ()));
+  Hri hri({.damping_Ns_per_m = 0, .plane_renewal_ticks = 1});
+  AlgorithmDriver driver(hri, volume, Vec3(30e-3, 30e-3, 46e-3), 200);
+  driver.follow = false;
+  driver.at(Vec3(30e-3, 30e-3, 46e-3));
+  driver.stroke(Vec3(30e-3, 30e-3, 30e-3), 160);
+  driver.stroke(Vec3(36e-3, 30e-3, 30e-3), 60);
+  EXPECT_TRUE(has(driver.at(Vec3(150e-3, 30e-3, 30e-3)).faults, ServoFault::kPlaneBehind));
+}
+
 }  // namespace
 }  // namespace palpate

@@ -212,7 +212,7 @@ TEST(WayAndAge, OnBallsAndHollowsOfEveryRadiusTheErrorIsWhatTheHeaderSays) {
     const double turned = HriSurface::kMostTurned * longer + sampled + HriSurface::kAimTolerance / along;
     const double off_voxel = std::max(HriSurface::kMostOff * D, HriSurface::kLeastOff) * longer +
                              field.metres / kVoxel + 0.5 * turned * turned * D + HriSurface::kAimTolerance * turned;
-    double worst_turned = 0, worst_off = 0;
+    double worst_turned = 0, worst_new = 0, worst_off = 0;
     const double step = speed * kTick_s / (along * kVoxel);
     for (double angle = step; angle < std::min({2.5, 1500 * step, 80 / R}); angle += step, ++ticks) {
       const Vec3 hip_W = circle.at(angle, along * kVoxel);
@@ -220,11 +220,17 @@ TEST(WayAndAge, OnBallsAndHollowsOfEveryRadiusTheErrorIsWhatTheHeaderSays) {
       ASSERT_TRUE(tick.in_contact) << "trial " << trial;
       ASSERT_EQ(tick.faults, 0U) << "trial " << trial << " " << faultNames(tick.faults);
       worst_turned = std::max(worst_turned, angleBetween(tick.force_W, out * (hip_W - centre_W)));
+      if (tick.plane_age_ticks == 0) {
+        worst_new = std::max(worst_new, angleBetween(tick.force_W, out * (hip_W - centre_W)));
+      }
       worst_off = std::max(worst_off, std::abs(tick.force_W.norm() / kStiffness / kVoxel - D));
     }
     SCOPED_TRACE(testing::Message() << "trial " << trial << (is_hollow ? " hollow" : " ball") << " of " << R
                                     << " voxels, " << D << " deep, n " << n << ", " << speed << " m/s");
     EXPECT_LE(worst_turned, turned);
+    // A new plane is ahead of the HIP by no more than kAim of that.
+    EXPECT_LE(worst_new,
+              HriSurface::kAim * HriSurface::kMostTurned * longer + sampled + HriSurface::kAimTolerance / along);
     EXPECT_LE(worst_off, off_voxel);
     largest_share = std::max({largest_share, worst_turned / turned, worst_off / off_voxel});
   }
@@ -272,6 +278,37 @@ TEST(WayAndAge, OnAPlaneAWayOfSixtyVoxelsIsFollowedAndMoreIsTold) {
   }
   EXPECT_EQ(told, 20);
   EXPECT_TRUE((kFadingFaults & bit(ServoFault::kPlaneBehind)) != 0);
+}
+
+// Where the surface is curved a plane that stayed behind is wrong, however long it may live by its age: it is followed
+// on.
+TEST(WayAndAge, APlaneThatIsBehindIsFollowedOnWithTheToolAtRest) {
+  constexpr double kVoxel = 1e-3;
+  constexpr double R = 100;  // [voxel]
+  Seeded random(6);
+  for (int trial = 0; trial < 12; ++trial) {
+    const double D = random.between(1, 20);  // [voxel]
+    const double angle = random.between(1.15, 1.4);
+    ASSERT_GT((R - D) * std::sin(angle), SurfaceTracker::kMaxWay + 1);
+    Sampling sampling{.size = Vec3i::Constant(260)};
+    sampling.lattice = latticeAround(Vec3::Zero(), sampling.size, Vec3::Constant(kVoxel));
+    const AnalyticVolume volume = sampledOn(sampling, ballSurface(Vec3::Zero(), R * kVoxel));
+    const Circle circle = randomCircle(random, Vec3::Zero());
+    Hri hri(withAge(trial % 2 == 0 ? 1000 : 5));
+    AlgorithmDriver driver(hri, volume, circle.at(0, (R + 1) * kVoxel), 160);
+    driver.follow = false;
+    driver.publish(circle.at(0.5 * angle, R * kVoxel));
+    driver.at(circle.at(0, (R + 1) * kVoxel));
+    for (int i = 1; i <= 20; ++i) driver.at(circle.at(0, (R - D * i / 20) * kVoxel));
+    const Vec3 hip_W = circle.at(angle, (R - D) * kVoxel);
+    SCOPED_TRACE(testing::Message() << "trial " << trial << ", " << D << " deep, " << angle << " rad");
+    EXPECT_EQ(driver.at(hip_W).faults, bit(ServoFault::kPlaneBehind));
+    TickOutput out;
+    for (int tick = 0; tick < 3; ++tick) out = driver.at(hip_W);
+    EXPECT_EQ(out.faults, 0U) << faultNames(out.faults);
+    ASSERT_TRUE(out.in_contact);
+    EXPECT_LE(angleBetween(out.force_W, hip_W) * kDegreesPerRadian, 1);
+  }
 }
 
 // Over balls and hollows, up to a quarter of a turn in one tick. The old plane is tangential where the tool was, so the
