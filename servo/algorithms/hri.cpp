@@ -3,13 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include "servo/safety/faults.hpp"
 
 namespace palpate {
 namespace {
-
-constexpr double kNoReach = -1;  // renewed in the next tick
 
 // Of the part of a way along the plane [m^2].
 [[gnu::always_inline]] inline double tangentialSquared(const Vec3& way_W, const Vec3& normal_W) noexcept {
@@ -23,7 +23,7 @@ void HriSurface::reset(const Vec3& hip_W) noexcept {
   surface_ = {};
   age_ticks_ = 0;
   vhip_W_ = hip_W;
-  in_contact_ = held_ = armed_ = lost_ = false;
+  in_contact_ = held_ = armed_ = lost_ = behind_ = buried_ = false;
   edit_version_ = 0;
   cache_.forget();
 }
@@ -41,14 +41,17 @@ bool HriSurface::find(const SampleWindow& window, const Vec3& hip_W, std::uint32
     } else {
       moveFreely(hip_W, faults);
     }
-    if (was_outside && !in_contact_ && !armed_ && !held_) comeOut(field_->probe(hip_W), faults);
+    if (was_outside && !in_contact_ && !armed_) {
+      buried_ = held_;  // by the edit, where the HIP cannot be seen: later
+      if (!held_) comeOut(field_->probe(hip_W), faults);
+    }
   } else if (!in_contact_) {
     refreshField(window);
     moveFreely(hip_W, faults);
   } else {
     ++age_ticks_;
     const bool in_front = plane().depth(hip_W) <= 0;
-    const bool due = age_ticks_ >= renewal_ticks_ || wentFar(hip_W);
+    const bool due = age_ticks_ >= renewal_ticks_ || behind_ || wentFar(hip_W);
     if (due || in_front || held_) {
       refreshField(window);
       renew(hip_W, !in_front && !held_, faults);
@@ -93,8 +96,9 @@ Vec3 HriSurface::aim(const Vec3& hip_W) const noexcept {
 }
 
 Track HriSurface::follow(const Vec3& hip_W, bool ahead) noexcept {
+  // A plane that is behind has more way to make up for than the HIP's last.
   SurfaceTracker::Limits limits{.line_tolerance = kAimTolerance,
-                                .slide_m = kSlide * field_->voxel(),
+                                .slide_m = behind_ ? std::numeric_limits<double>::infinity() : kSlide * field_->voxel(),
                                 .slide_by_way = memory_.rough ? kSlideByWayRough : kSlideByWay,
                                 .way_squared_m2 = (hip_W - renewed_at_W_).squaredNorm()};
   if (ahead && renewal_ticks_ > 1) {
@@ -113,7 +117,7 @@ Track HriSurface::follow(const Vec3& hip_W, bool ahead) noexcept {
 
 void HriSurface::renew(const Vec3& hip_W, bool ahead, std::uint32_t& faults) noexcept {
   const Vec3 last_normal_W = surface_.normal_W;
-  Track result = follow(hip_W, ahead);
+  Track result = follow(hip_W, ahead && !behind_);
   // The HIP may be anywhere; the surface point must be in the window. Where the window has left that behind, the plane
   // under the HIP is the best that is known.
   const auto seen = [&] { return field_->sampler().place(surface_.p_W) != Place::kBeyondWindow; };
@@ -122,6 +126,7 @@ void HriSurface::renew(const Vec3& hip_W, bool ahead, std::uint32_t& faults) noe
     if (seen()) result = follow(hip_W, false);
   }
   held_ = result == Track::kBeyondWindow;
+  behind_ = result == Track::kBehind;
   switch (result) {
     case Track::kFoundFlat:
     case Track::kBehind:
@@ -130,7 +135,6 @@ void HriSurface::renew(const Vec3& hip_W, bool ahead, std::uint32_t& faults) noe
     case Track::kFound:
       if (plane().depth(hip_W) > 0) {
         renewed(hip_W, last_normal_W);
-        if (result == Track::kBehind) reach_squared_m2_ = kNoReach;
       } else {
         relocate(field_->probe(hip_W), faults);
       }
@@ -152,7 +156,12 @@ void HriSurface::renew(const Vec3& hip_W, bool ahead, std::uint32_t& faults) noe
 void HriSurface::renewed(const Vec3& hip_W, const Vec3& last_normal_W) noexcept {
   if (renewal_ticks_ == 1) return settle(hip_W);
   const double voxel_m = field_->voxel();
-  const double aside_squared = tangentialSquared(hip_W - renewed_at_W_, surface_.normal_W) / (voxel_m * voxel_m);
+  // Seen from a normal that has turned, a part of what the HIP went in or out is aside; of the two normals the one that
+  // sees less is the one that it went along.
+  const Vec3 way_W = hip_W - renewed_at_W_;
+  const double aside_squared =
+      std::min(tangentialSquared(way_W, surface_.normal_W), tangentialSquared(way_W, last_normal_W)) /
+      (voxel_m * voxel_m);
   constexpr double kTooShort = 0.05;  // to tell curvature from sampling [voxel]
   if (aside_squared > kTooShort * kTooShort) {
     const double turned_squared = (surface_.normal_W - last_normal_W).squaredNorm();
@@ -204,18 +213,18 @@ void HriSurface::moveFreely(const Vec3& hip_W, std::uint32_t& faults) noexcept {
   }
   const bool after_gap = held_;
   held_ = false;
-  if (after_gap && armed_) {
+  bool buried = std::exchange(buried_, false);
+  if (after_gap && (armed_ || buried)) {
     const double longest_m = kLongestGap * field_->voxel();
-    armed_ = (hip_W - free_.p_W).squaredNorm() <= longest_m * longest_m;
-    if (armed_) {
-      // An edit may have come where no window showed the free point.
-      free_ = field_->probe(free_.p_W);
-      armed_ = free_.side != Side::kInside;
-      if (!armed_ && hip.side == Side::kInside) {
-        faults |= bit(ServoFault::kInsideObject);
-        return comeOut(hip, faults);
-      }
-    }
+    const bool near = (hip_W - free_.p_W).squaredNorm() <= longest_m * longest_m;
+    // An edit may have come where no window showed the free point.
+    if (near && armed_) free_ = field_->probe(free_.p_W);
+    buried = near && (buried || free_.side == Side::kInside);
+    armed_ = near && !buried;
+  }
+  if (buried && hip.side == Side::kInside) {
+    faults |= bit(ServoFault::kInsideObject);
+    return comeOut(hip, faults);
   }
   if (armed_) {
     const auto entry = field_->firstEntry(free_, hip);
@@ -249,10 +258,8 @@ bool HriSurface::touch(const Entry& entry, const Probe& hip, std::uint32_t& faul
   const bool found = result == Track::kFound || result == Track::kFoundFlat || result == Track::kBehind;
   if (found && behind(nearest)) {
     begin(nearest, hip.p_W);
-    if (result == Track::kBehind) {
-      faults |= bit(ServoFault::kPlaneBehind);
-      reach_squared_m2_ = kNoReach;
-    }
+    if (result == Track::kBehind) faults |= bit(ServoFault::kPlaneBehind);
+    behind_ = result == Track::kBehind;
     return true;
   }
   // Where the search strays, the plane at the entry itself still holds a HIP that is in the object; and where noise
@@ -266,7 +273,7 @@ bool HriSurface::touch(const Entry& entry, const Probe& hip, std::uint32_t& faul
 
 void HriSurface::begin(const SurfacePoint& surface, const Vec3& hip_W) noexcept {
   in_contact_ = true;
-  lost_ = false;
+  lost_ = behind_ = false;
   per_turn_squared_ = 1 / (kFirstTurn * kFirstTurn);
   found_for_W_ = hip_W;
   surface_ = surface;

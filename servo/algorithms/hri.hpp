@@ -10,7 +10,8 @@
 // - Contact ends when the HIP is in front of the sheet that it touched, not when the density at the HIP says so; so a
 //   press through a thin wall does not lose it. Free motion is searched along its whole way: no stroke jumps a wall.
 // - A surface that cannot be found again with the HIP in the object: kSurfaceLost, which fades, until the HIP has been
-//   outside. One that could not be followed as far as the HIP went: kPlaneBehind, which fades too.
+//   outside. One that could not be followed as far as the HIP went: kPlaneBehind, which fades too,
+//   until it has been followed, a search a tick.
 // - VHIP and HIP both inside (the surface moved): search outward along N, then follow the surface as always.
 // - Inside at the start: no force until the HIP has been outside once (kInsideObject).
 // - A tool that an edit buried is pushed towards the nearest way out (IsoField::nearestExit), gently, as all that an
@@ -91,7 +92,9 @@ class HriSurface {
   TrackMemory memory_;                // of this contact's surface
   Vec3 vhip_W_ = Vec3::Zero();
   bool in_contact_ = false;  // there is a plane, with the HIP behind it when it was found
+  bool behind_ = false;      // the HIP went farther than the plane was followed
   bool held_ = false;        // the last tick could not see the HIP; no force until one can
+  bool buried_ = false;      // an edit covered free_ while the HIP could not be seen
   bool lost_ = false;        // the contact was lost with the HIP in the object, where it still is
   std::uint64_t edit_version_ = 0;
 

@@ -59,8 +59,9 @@ class IsoField {
 
   // The first place between `from` and `to` where the line goes from outside in; both ends may be outside. Exact: cell
   // by cell, in each of which the density along the line is a cubic; so no wall is jumped, however thin and however
-  // slow. For a way within one cell without object none; otherwise three fetches a cell that the line passes (at most
-  // three cells a voxel of way), kMaxRefineSteps + 1 at the entry.
+  // slow. Of a way that begins inside, a gap of less than a third of its part in a cell may be passed over. Fetches:
+  // none for a way within one cell without object; otherwise three a cell that the line passes (at most three cells a
+  // voxel of way), kMaxRefineSteps + 1 at the entry.
   [[nodiscard]] std::optional<Entry> firstEntry(const Probe& from, const Probe& to) const noexcept;
 
   // From a point inside, the first place on the way to `to_W` where the line comes out; as an entry seen from outside.

@@ -271,18 +271,105 @@ TEST(Hri, BeyondTheWindowThereIsNoForceAndTheContactIsRemembered) {
   }
 }
 
-// Free, then beyond the window and in the object before the window has caught up.
+// Free at one place, then for a tick beyond the window, then in the object under a window that holds both places.
+struct Gap {
+  static inline const Vec3 kFree_W{30e-3, 30e-3, 40e-3};
+  static inline const Vec3 kHip_W{30e-3, 30e-3, 28e-3};
+  static inline const Vec3 kBoth_W{30e-3, 30e-3, 35e-3};       // middle of a window that holds both
+  static inline const Vec3 kElsewhere_W{52e-3, 50e-3, 12e-3};  // of one that holds neither
+
+  AnalyticVolume before = millimetreVolume([](const Vec3& p_W) { return 30.4e-3 - p_W.z(); });
+  Hri hri{{.damping_Ns_per_m = 0}};
+  AlgorithmDriver driver{hri, before, kFree_W, 16};
+
+  Gap() {
+    driver.follow = false;
+    EXPECT_EQ(driver.at(kFree_W).faults, 0U);
+  }
+  void hide(const Vec3& window_W, const Vec3& hip_W = kHip_W) {
+    driver.publish(window_W);
+    const TickOutput out = driver.at(hip_W);
+    EXPECT_EQ(out.faults, bit(ServoFault::kBeyondWindow));
+    EXPECT_FALSE(out.in_contact);
+  }
+  TickOutput catchUp(const Vec3& window_W = kBoth_W, const Vec3& hip_W = kHip_W) {
+    driver.publish(window_W);
+    return driver.at(hip_W);
+  }
+};
+
 TEST(Hri, AGapInFreeMotionIsSearchedAfterwards) {
-  const AnalyticVolume volume = millimetreVolume([](const Vec3& p_W) { return 30.4e-3 - p_W.z(); });
-  Hri hri(AlgorithmParameters{});
-  AlgorithmDriver driver(hri, volume, Vec3(30e-3, 30e-3, 40e-3), 16);
-  driver.follow = false;
-  driver.at(Vec3(30e-3, 30e-3, 40e-3));
-  EXPECT_TRUE(has(driver.at(Vec3(30e-3, 30e-3, 28e-3)).faults, ServoFault::kBeyondWindow));
-  driver.publish(Vec3(30e-3, 30e-3, 30e-3));
-  const TickOutput out = driver.at(Vec3(30e-3, 30e-3, 28e-3));
+  Gap gap;
+  gap.hide(Gap::kElsewhere_W);
+  const TickOutput out = gap.catchUp();
   EXPECT_TRUE(out.in_contact);
+  EXPECT_EQ(out.faults, 0U);
   EXPECT_NEAR(out.vhip_W.z(), 30.4e-3, 0.01 * kVoxel);
+}
+
+TEST(Hri, AGapThatIsTooLongIsNotSearched) {
+  static_assert(HriSurface::kLongestGap == 16);
+  for (const double gap_m : {15.9e-3, 16.1e-3}) {
+    Gap gap;
+    const Vec3 hip_W = Gap::kFree_W - Vec3(0, 0, gap_m);
+    gap.hide(Gap::kElsewhere_W, hip_W);
+    const TickOutput out = gap.catchUp(Gap::kBoth_W - Vec3(0, 0, 4e-3), hip_W);
+    EXPECT_EQ(out.in_contact, gap_m < 16e-3);
+    EXPECT_EQ(out.faults, gap_m < 16e-3 ? 0U : bit(ServoFault::kInsideObject));
+  }
+}
+
+// The edit comes in a window that holds neither place, and buries none: the way is searched in the volume as it is now.
+TEST(Hri, AfterAnEditDuringAGapTheWayIsSearchedInTheNewVolume) {
+  const AnalyticVolume after = millimetreVolume([](const Vec3& p_W) { return 29.4e-3 - p_W.z(); });
+  Gap gap;
+  gap.hide(Gap::kElsewhere_W);
+  gap.driver.edit(after);
+  gap.hide(Gap::kElsewhere_W);
+  const TickOutput first = gap.catchUp();
+  EXPECT_EQ(first.faults, 0U);
+  const TickOutput out = holdUntilEased(gap.driver, Gap::kHip_W, first, 1.4e-3);
+  ASSERT_TRUE(out.in_contact);
+  EXPECT_NEAR(out.vhip_W.z(), 29.4e-3, 0.01 * kVoxel);
+}
+
+// The edit buries both places. Between them is nothing but object, flat, so the free point is no place to come from;
+// the nearest way out is aside. Where the window of the edit holds the free point, it is known at once, else
+// afterwards.
+TEST(Hri, AnEditDuringAGapThatBuriesTheFreePointPushesTheToolOutGently) {
+  const AnalyticVolume after =
+      millimetreVolume([](const Vec3& p_W) { return std::clamp(p_W.x() - 25.6e-3, -1.5e-3, 1.5e-3); });
+  for (const Vec3& window_W : {Gap::kElsewhere_W, Gap::kFree_W}) {
+    SCOPED_TRACE(testing::Message() << "window of the edit around " << window_W.transpose());
+    Gap gap;
+    gap.hide(Gap::kElsewhere_W);
+    gap.driver.publish(window_W);
+    gap.driver.edit(after);
+    gap.hide(window_W);
+    const TickOutput first = gap.catchUp();
+    ASSERT_TRUE(first.in_contact) << faultNames(first.faults);
+    EXPECT_FALSE(has(first.faults, ServoFault::kInsideObject));
+    EXPECT_LE(first.force_W.norm(), 500 * 4.4e-3 / kEaseTicks + 1e-9);
+    const TickOutput out = holdUntilEased(gap.driver, Gap::kHip_W, first, 4.4e-3);
+    EXPECT_LT((out.force_W - Vec3(-500 * 4.4e-3, 0, 0)).norm(), 500 * 0.02 * kVoxel);
+  }
+}
+
+// Buried during a gap, with no way out in reach: no force until the tool has been outside.
+TEST(Hri, AnEditDuringAGapThatLeavesNoWayOutGivesNoForce) {
+  const AnalyticVolume after = millimetreVolume([](const Vec3&) { return 1.0; });
+  for (const Vec3& window_W : {Gap::kElsewhere_W, Gap::kFree_W}) {
+    Gap gap;
+    gap.hide(Gap::kElsewhere_W);
+    gap.driver.publish(window_W);
+    gap.driver.edit(after);
+    gap.hide(window_W);
+    for (int tick = 0; tick < 5; ++tick) {
+      const TickOutput out = gap.catchUp();
+      ASSERT_FALSE(out.in_contact);
+      ASSERT_EQ(out.faults, bit(ServoFault::kInsideObject)) << faultNames(out.faults);
+    }
+  }
 }
 
 TEST(Hri, StartingInsideGivesNoForceUntilOutsideOnce) {

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "support/analytic_volume.hpp"
+#include "support/sampled_volume.hpp"
 
 namespace palpate {
 namespace {
@@ -71,6 +71,129 @@ TEST(IsoField, FindsTheFirstEntryHoweverThinTheWall) {
   }
   EXPECT_GT(entries, 300);
   EXPECT_LT(between_samples, entries / 10);
+}
+
+// A random lattice of any spacing, turn and hand, with random densities.
+class RandomLatticeWindow {
+ public:
+  explicit RandomLatticeWindow(Seeded& random) {
+    SampleWindow& window = held_.window;
+    window.size = Vec3i::Constant(7);
+    window.version = 1;
+    const Vec3 spacing_m(random.logBetween(0.3e-3, 5e-3), random.logBetween(0.3e-3, 5e-3),
+                         random.logBetween(0.3e-3, 5e-3));
+    window.lattice = latticeAround(random.inCube(0.1), window.size, spacing_m, random.axes(random.pick(2) == 1));
+    held_.samples.resize(static_cast<std::size_t>(window.size.prod()));
+    // Few samples above the isovalue make many thin walls; some windows are mostly object.
+    const double highest = random.logBetween(0.02, 2);
+    for (Sample& s : held_.samples) s.density = static_cast<float>(random.between(-1, highest));
+    window.samples = held_.samples.data();
+    // Some windows end with the volume.
+    window.low_is_border = window.high_is_border = {random.pick(2) == 1, random.pick(2) == 1, random.pick(2) == 1};
+  }
+  [[nodiscard]] IsoField field() const { return {held_.window, 0}; }
+  [[nodiscard]] const HeldWindow& held() const { return held_; }
+
+ private:
+  HeldWindow held_;
+};
+
+// Ways of every length, from a thousandth of a voxel to across the window, against a search in steps. What is above the
+// isovalue by less than the roundings of seven float lerps of numbers up to 2 is neither a wall nor none.
+TEST(IsoField, ForWaysOfEveryLengthTheFirstEntryIsThatOfASearchInSmallSteps) {
+  constexpr double kRounding = 2e-6;
+  constexpr int kSteps = 400;
+  Seeded random(21);
+  int entries = 0, none = 0, thin = 0, from_beyond = 0;
+  for (int trial = 0; trial < 60000; ++trial) {
+    const RandomLatticeWindow window(random);
+    const IsoField field = window.field();
+    const Vec3 from_L = Vec3::Constant(3) + random.inCube(trial % 4 == 0 ? 4.5 : 3);
+    Vec3 to_L = from_L + random.direction() * random.logBetween(1e-3, 8);
+    if (trial % 5 == 0) to_L[random.pick(3)] = std::round(from_L.x());  // ends on planes between cells
+    const Probe from = field.probe(field.sampler().toWorld(from_L));
+    const Probe to = field.probe(field.sampler().toWorld(to_L));
+    if (from.side == Side::kUnknown || to.side == Side::kUnknown) continue;
+    bool been_out = from.side == Side::kOutside;  // a way that begins inside comes in when it has been out
+    const Vec3 way_W = to.p_W - from.p_W;
+    int first = 0;  // seen inside
+    int plain = 0;  // and so far that an entry, refined to 1e-4 of densities up to 2, is before it
+    bool known = true;
+    for (int i = 1; i <= kSteps; ++i) {
+      const Probe here = field.probe(from.p_W + way_W * (static_cast<double>(i) / kSteps));
+      known = known && here.side != Side::kUnknown;
+      been_out = been_out || here.density < -kRounding;
+      if (first == 0 && been_out && here.density > kRounding) first = i;
+      if (plain == 0 && been_out && here.density > kRounding + 2e-4) plain = i;
+    }
+    if (!known) continue;
+    const auto found = field.firstEntry(from, to);
+    SCOPED_TRACE(testing::Message() << "trial " << trial << ", " << (to_L - from_L).norm() << " voxels");
+    if (first == 0 && !found) {
+      ++none;
+      continue;
+    }
+    if (!found && from.side == Side::kInside) continue;  // out and in again within a third of a cell (iso_field.hpp)
+    ASSERT_TRUE(found);                                  // a wall that the steps see
+    ++entries;
+    // It is on the way, and not later than what the steps see.
+    const double share = way_W.dot(found->p_W - from.p_W) / way_W.squaredNorm();
+    EXPECT_LT((from.p_W + way_W * share - found->p_W).norm(), 1e-9);
+    EXPECT_GE(share, -1e-9);
+    EXPECT_LE(share, plain > 0 ? (plain + 1e-6) / kSteps : 1 + 1e-9);
+    EXPECT_LT((found->direction_W - way_W.normalized()).norm(), 1e-6);
+    if (found->face.any()) {
+      ++from_beyond;
+      const Vec3 on_L = field.sampler().toIndex(found->p_W);
+      EXPECT_NEAR(on_L[found->face.axis], found->face.high ? 6 : 0, 1e-6);
+      continue;
+    }
+    // It is at the isovalue: to 1e-4 of the larger of the two densities around it, which are at most 2.
+    EXPECT_NEAR(field.probe(found->p_W).density, 0, 2e-4 + kRounding);
+    // What the steps do not see is thinner than a step: the density rises above the isovalue within one.
+    if (first == 0 || share < (first - 1) / static_cast<double>(kSteps) - 1e-6) {
+      ++thin;
+      double above = -1;
+      for (int i = 0; i <= 100; ++i) {
+        above = std::max(above, field.probe(from.p_W + way_W * (share + i * 1.01e-2 / kSteps)).density);
+      }
+      EXPECT_GT(above, -kRounding);
+    }
+  }
+  EXPECT_GT(entries, 1500);
+  EXPECT_GT(none, 1500);
+  EXPECT_GT(thin, 3);
+  EXPECT_GT(from_beyond, 50);
+}
+
+// Within one cell the density along a way is a cubic. Where its maximum is between the ends, an isovalue just below it
+// leaves a wall so thin that only the exact place of the maximum is in it. The margin is some fifty roundings.
+TEST(IsoField, FindsTheTopOfACubicThatIsHardlyAboveTheIsovalue) {
+  constexpr double kMargin = 1e-4;
+  Seeded random(22);
+  int tops = 0;
+  for (int trial = 0; trial < 20000; ++trial) {
+    const RandomLatticeWindow window(random);
+    const IsoField field = window.field();
+    const Vec3 cell_L(random.pick(6), random.pick(6), random.pick(6));
+    const Vec3 half_L = Vec3::Constant(0.5);
+    const Vec3 from_W = field.sampler().toWorld(cell_L + half_L + random.inCube(0.49));
+    const Vec3 to_W = field.sampler().toWorld(cell_L + half_L + random.inCube(0.49));
+    const auto density = [&](double t) { return field.probe(from_W + (to_W - from_W) * t).density; };
+    constexpr int kSteps = 200;
+    int top = 0;
+    for (int i = 1; i <= kSteps; ++i) {
+      if (density(static_cast<double>(i) / kSteps) > density(static_cast<double>(top) / kSteps)) top = i;
+    }
+    const double highest = density(static_cast<double>(top) / kSteps);
+    if (std::max(density(0), density(1)) > highest - 10 * kMargin) continue;
+    const IsoField thin(window.held().window, highest - kMargin);
+    ASSERT_TRUE(thin.firstEntry(thin.probe(from_W), thin.probe(to_W))) << trial;
+    const IsoField none(window.held().window, highest + kMargin);
+    EXPECT_FALSE(none.firstEntry(none.probe(from_W), none.probe(to_W))) << trial;
+    ++tops;
+  }
+  EXPECT_GT(tops, 1000);
 }
 
 // One sample above the isovalue makes a tent; a line beside the sample passes under its roof within one cell, where all

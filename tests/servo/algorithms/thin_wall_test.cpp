@@ -10,7 +10,9 @@
 #include <gtest/gtest.h>
 
 #include "servo/algorithms/hri.hpp"
+#include "servo/safety/faults.hpp"
 #include "support/algorithm_driver.hpp"
+#include "support/sampled_volume.hpp"
 
 namespace palpate {
 namespace {
@@ -86,6 +88,68 @@ TEST_P(ThinWall, HoldsWhileTheForceIsWithinTheDevicesLimit) {
 }
 
 INSTANTIATE_TEST_SUITE_P(MetresPerSecond, ThinWall, testing::Values(0.05, 0.1, 0.2, 0.5, 1.0, 2.0));
+
+// Walls of every thickness, from a fiftieth of a voxel to two, as partial volume makes them: the density is 1 on one
+// layer of samples and falls to 0 over one or two voxels, and the isovalue is just below 1. Strokes of every speed,
+// from a thousandth of a voxel a tick to eight, oblique, across every axis of lattices of every spacing, turn and hand.
+TEST(PartialVolumeWall, IsFeltAndHeldByStrokesOfEverySpeed) {
+  Seeded random(12);
+  int slow = 0;
+  for (int trial = 0; trial < 900; ++trial) {
+    const bool cubes = trial % 2 == 0;
+    Vec3 spacing_m = Vec3::Constant(kVoxel);
+    if (!cubes)
+      spacing_m =
+          Vec3(random.logBetween(0.3e-3, 3e-3), random.logBetween(0.3e-3, 3e-3), random.logBetween(0.3e-3, 3e-3));
+    const int axis = random.pick(3);
+    const int fall = 1 + random.pick(2);                       // [voxel]
+    const double isovalue = 1 - random.logBetween(0.01, 0.5);  // from 0.5 to 0.99
+    const double half_voxel = (1 - isovalue) * fall;           // of the wall's thickness
+    AnalyticVolume volume;
+    volume.size = Vec3i::Constant(48);
+    volume.lattice = latticeAround(random.inCube(0.1), volume.size, spacing_m, random.axes(random.pick(2) == 1),
+                                   Vec3::Constant(0.5));
+    volume.density = [=, lattice = volume.lattice](const Vec3& p_W) {
+      return std::max(0.0, 1 - std::abs(lattice.toIndex(p_W)[axis] - 24) / fall);
+    };
+    const Vec3 normal_W = volume.lattice.R_WL.col(axis) * (random.pick(2) == 0 ? 1 : -1);
+    const Vec3 in_W = (-normal_W + random.across(normal_W) * random.between(0, 1.2)).normalized();
+    const double h_m = spacing_m[axis];
+    double step_m = random.logBetween(0.001, 8) * volume.lattice.smallestSpacing();
+    const int n = static_cast<int>(std::lround(random.logBetween(1, 100)));
+    // The middle of the wall is met somewhere in the middle of a face of the lattice.
+    Vec3 middle_L = Vec3::Constant(24) + random.inCube(2);
+    middle_L[axis] = 24;
+    const Vec3 middle_W = volume.lattice.toWorld(middle_L);
+    const double slant = -in_W.dot(normal_W);
+    // A third of the strokes pass the wall in a tick or miss it by a little: what both ends of a tick do not see.
+    if (trial % 3 == 0) {
+      const double through_m = 2 * half_voxel * h_m / slant;
+      step_m = std::min(8 * volume.lattice.smallestSpacing(), through_m * random.logBetween(0.5, 20));
+    }
+    const double before_m = (half_voxel + 0.1) * h_m / slant + random.between(0, 1) * step_m;
+    const double ticks_behind = std::min(400.0, std::max(4.0, 4 * h_m / step_m));
+    Hri hri({.isovalue = isovalue, .damping_Ns_per_m = 0, .plane_renewal_ticks = n});
+    AlgorithmDriver driver(hri, volume, middle_W - in_W * before_m);
+    driver.around_vhip = true;
+    driver.at(middle_W - in_W * before_m);
+    SCOPED_TRACE(testing::Message() << "trial " << trial << ", thickness " << 2 * half_voxel << " voxels, "
+                                    << step_m / h_m << " voxels a tick, slant " << slant << ", n " << n << ", spacing "
+                                    << spacing_m.transpose() << ", axis " << axis << ", isovalue " << isovalue);
+    int held = 0;
+    for (double way_m = -before_m + step_m; held < ticks_behind; way_m += step_m) {
+      const TickOutput out = driver.at(middle_W + in_W * way_m);
+      const double depth_voxel = way_m * slant / h_m + half_voxel;
+      if (depth_voxel < 0.02) continue;  // in front, or so little behind that sampling in floats decides
+      ASSERT_TRUE(out.in_contact) << depth_voxel << " voxels deep, " << faultNames(out.faults);
+      ASSERT_GT(out.force_W.dot(normal_W), 0) << depth_voxel << " voxels deep";
+      ASSERT_EQ(out.faults & kFadingFaults, 0U) << faultNames(out.faults);
+      ++held;
+    }
+    slow += step_m < 0.25 * h_m ? 1 : 0;
+  }
+  EXPECT_GT(slow, 200);
+}
 
 // The tool far behind the surface, farther than a window reaches: the surface point is what must be in the window.
 TEST(DeepPress, IsHeldWhereTheWindowHoldsTheSurface) {

@@ -47,7 +47,7 @@ class AlgorithmDriver {
   }
   void publish(const Vec3& centre_W) {
     centre_W_ = centre_W;
-    const Vec3i count = Vec3i::Constant(side_);
+    const Vec3i count = volume_->size.cwiseMin(side_);
     volume_->hold(held_, volume_->firstAround(centre_W, count), count, held_.window.version + 1);
   }
 

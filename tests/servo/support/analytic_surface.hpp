@@ -30,6 +30,12 @@ inline AnalyticSurface ballSurface(const Vec3& centre_W, double radius_m) {
           [=](const Vec3& x_W) { return (x_W - centre_W).normalized(); }};
 }
 
+// The same surface with object and background exchanged: a ball becomes a hollow.
+inline AnalyticSurface hollow(const AnalyticSurface& solid) {
+  return {[=](const Vec3& x_W) { return -solid.distance_m(x_W); },
+          [=](const Vec3& x_W) { return Vec3(-solid.normal(x_W)); }};
+}
+
 // Edges along the axes of the world; the normal is that of the nearest face, for points near a face.
 inline AnalyticSurface boxSurface(const Vec3& centre_W, const Vec3& half_m) {
   const auto past = [=](const Vec3& x_W) { return Vec3((x_W - centre_W).cwiseAbs() - half_m); };
@@ -115,21 +121,8 @@ class TorusKnot {
 // Millimetre voxels; the formula is worked out once for each sample. Beyond 4 voxels from the surface the density is
 // flat, as in a scan.
 inline AnalyticVolume sampledVolume(const AnalyticSurface& surface, int side = 64) {
-  const AnalyticVolume formula = millimetreVolume([](const Vec3&) { return 0.0; }, side);
-  const auto values = std::make_shared<std::vector<double>>();
-  for (int k = 0; k < side; ++k) {
-    for (int j = 0; j < side; ++j) {
-      for (int i = 0; i < side; ++i) {
-        values->push_back(std::clamp(-surface.distance_m(formula.lattice.toWorld(Vec3(i, j, k))), -4e-3, 4e-3));
-      }
-    }
-  }
-  AnalyticVolume volume = formula;
-  volume.density = [=](const Vec3& p_W) {
-    const Vec3i at = formula.lattice.toIndex(p_W).array().round().cast<int>();
-    return (*values)[static_cast<std::size_t>(at.x() + side * (at.y() + side * at.z()))];
-  };
-  return volume;
+  return stored(
+      millimetreVolume([=](const Vec3& p_W) { return std::clamp(-surface.distance_m(p_W), -4e-3, 4e-3); }, side));
 }
 
 // The same with noise: each sample has one value of a normal distribution added.

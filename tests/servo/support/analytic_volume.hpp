@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <memory>
 #include <vector>
 
 #include "servo/window/sample_window.hpp"
@@ -26,19 +27,6 @@ struct AnalyticVolume {
 
   [[nodiscard]] double sample(const Vec3i& at) const { return density(lattice.toWorld(at.cast<double>())); }
 
-  [[nodiscard]] Sample sampleWithGradient(const Vec3i& at) const {
-    double gradient[3] = {};
-    for (int axis = 0; axis < 3; ++axis) {
-      Vec3i low = at;
-      Vec3i high = at;
-      low[axis] = std::max(at[axis] - 1, 0);
-      high[axis] = std::min(at[axis] + 1, size[axis] - 1);
-      gradient[axis] = (sample(high) - sample(low)) / ((high[axis] - low[axis]) * lattice.spacing_m[axis]);
-    }
-    return {static_cast<float>(gradient[0]), static_cast<float>(gradient[1]), static_cast<float>(gradient[2]),
-            static_cast<float>(sample(at))};
-  }
-
   // Fills the samples [first, first + count) and what the window says of itself, but for version and stamp.
   void fill(SampleWindow& window, Sample* samples, const Vec3i& first, const Vec3i& count) const {
     window.lattice = lattice.shifted(first);
@@ -48,9 +36,32 @@ struct AnalyticVolume {
       window.low_is_border[axis] = first[a] == 0;
       window.high_is_border[axis] = first[a] + count[a] == size[a];
     }
+    // Every density that a difference needs, once: the window and a sample around it, where the volume has one.
+    const Vec3i low = (first - Vec3i::Ones()).cwiseMax(Vec3i::Zero());
+    const Vec3i sides = (first + count + Vec3i::Ones()).cwiseMin(size) - low;
+    std::vector<double> densities;
+    densities.reserve(static_cast<std::size_t>(sides.prod()));
+    for (int k = 0; k < sides.z(); ++k) {
+      for (int j = 0; j < sides.y(); ++j) {
+        for (int i = 0; i < sides.x(); ++i) densities.push_back(sample(low + Vec3i(i, j, k)));
+      }
+    }
+    const std::ptrdiff_t strides[] = {1, sides.x(), static_cast<std::ptrdiff_t>(sides.x()) * sides.y()};
     for (int k = 0; k < count.z(); ++k) {
       for (int j = 0; j < count.y(); ++j) {
-        for (int i = 0; i < count.x(); ++i) *samples++ = sampleWithGradient(first + Vec3i(i, j, k));
+        for (int i = 0; i < count.x(); ++i) {
+          const Vec3i at = first + Vec3i(i, j, k);
+          const Vec3i from_low = at - low;
+          const double* here = densities.data() + from_low.x() + strides[1] * from_low.y() + strides[2] * from_low.z();
+          float gradient[3] = {};
+          for (int axis = 0; axis < 3; ++axis) {
+            const int below = at[axis] > 0 ? 1 : 0;
+            const int above = at[axis] + 1 < size[axis] ? 1 : 0;
+            const double rise = here[above * strides[axis]] - here[-below * strides[axis]];
+            gradient[axis] = static_cast<float>(rise / ((below + above) * lattice.spacing_m[axis]));
+          }
+          *samples++ = {gradient[0], gradient[1], gradient[2], static_cast<float>(*here)};
+        }
       }
     }
   }
@@ -68,6 +79,23 @@ struct AnalyticVolume {
     held.window.version = version;
   }
 };
+
+// Each formula worked out once.
+inline AnalyticVolume stored(const AnalyticVolume& formula) {
+  const auto values = std::make_shared<std::vector<double>>();
+  values->reserve(static_cast<std::size_t>(formula.size.prod()));
+  for (int k = 0; k < formula.size.z(); ++k) {
+    for (int j = 0; j < formula.size.y(); ++j) {
+      for (int i = 0; i < formula.size.x(); ++i) values->push_back(formula.sample(Vec3i(i, j, k)));
+    }
+  }
+  AnalyticVolume volume = formula;
+  volume.density = [values, lattice = formula.lattice, size = formula.size](const Vec3& p_W) {
+    const Vec3i at = lattice.toIndex(p_W).array().round().cast<int>();
+    return (*values)[static_cast<std::size_t>(at.x() + size.x() * (at.y() + size.y() * at.z()))];
+  };
+  return volume;
+}
 
 // R - |x - c|: positive inside, gradient of length 1 inwards [m].
 inline std::function<double(const Vec3&)> ball(const Vec3& centre_W, double radius_m) {

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+// A contact that is lost with the tool in the object is told in every tick until the tool has been outside, and the
+// gate lets the force fall over its fade time.
+#include <gtest/gtest.h>
+
+#include "servo/algorithms/hri.hpp"
+#include "servo/safety/safety_gate.hpp"
+#include "support/algorithm_driver.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr int kSide = 160;  // more than a window, and than IsoField::kLongestWayOut, reaches
+const Vec3 kOnSurface_W = Vec3::Constant(80.3e-3);
+constexpr double kDepth = 4e-3;
+constexpr double kForce_N = 500 * kDepth;
+
+AnalyticVolume floorAt(double top_m) {
+  return millimetreVolume([=](const Vec3& p_W) { return std::clamp(top_m - p_W.z(), -2e-3, 2e-3); }, kSide);
+}
+Vec3 above(double height_m) {
+  return kOnSurface_W + Vec3(0, 0, height_m);
+}
+
+class LostContact : public testing::TestWithParam<int> {
+ protected:
+  // The force that leaves the gate.
+  double sent(const TickOutput& out) { return gate.pass({out.force_W, 0, out.faults}).force_W.norm(); }
+  // Pressed until the force is whole.
+  void press() {
+    driver.at(above(1e-3));
+    for (const TickOutput& out : driver.stroke(above(-kDepth), 50)) last_N = sent(out);
+    ASSERT_NEAR(last_N, kForce_N, 500 * 0.01e-3);
+  }
+
+  AnalyticVolume ground = floorAt(80.3e-3);
+  AnalyticVolume full = millimetreVolume([](const Vec3&) { return 2e-3; }, kSide);
+  AnalyticVolume empty = millimetreVolume([](const Vec3&) { return -2e-3; }, kSide);
+  Hri hri{{.damping_Ns_per_m = 0, .plane_renewal_ticks = GetParam()}};
+  AlgorithmDriver driver{hri, ground, above(1e-3)};
+  SafetyGate gate{{.force_limit_N = 8, .slew_limit_N_per_s = 20000, .fade_s = 0.05}, 1000};
+  double last_N = 0;
+};
+
+// An edit makes everything in reach object.
+TEST_P(LostContact, IsToldInEveryTickAndTheForceFades) {
+  press();
+  driver.edit(full);
+  const double step_N = kForce_N / static_cast<double>(gate.fadeTicks());
+  ASSERT_EQ(gate.fadeTicks(), 50);
+  for (int tick = 0; tick < 200; ++tick) {
+    const TickOutput out = driver.at(above(-kDepth + 1e-6 * tick));
+    ASSERT_TRUE(has(out.faults, ServoFault::kSurfaceLost)) << tick << " " << faultNames(out.faults);
+    ASSERT_FALSE(has(out.faults, ServoFault::kInsideObject)) << tick;
+    ASSERT_FALSE(out.in_contact);
+    ASSERT_TRUE(out.force_W.isZero(0));
+    const double now_N = sent(out);
+    ASSERT_NEAR(now_N, std::max(0.0, last_N - step_N), 1e-9) << tick;
+    last_N = now_N;
+  }
+}
+
+// The surface comes back, but the tool is still in the object: lost as before. Out once, and it is touched as any.
+TEST_P(LostContact, IsOverWhenTheToolHasBeenOutside) {
+  press();
+  driver.edit(full);
+  for (int tick = 0; tick < 60; ++tick) static_cast<void>(sent(driver.at(above(-kDepth))));
+  driver.edit(ground);
+  const int ticks = 60;
+  for (int tick = 1; tick <= ticks; ++tick) {
+    const double height_m = -kDepth + (kDepth + 0.97e-3) * tick / ticks;
+    const TickOutput out = driver.at(above(height_m));
+    ASSERT_EQ(out.faults, height_m < 0 ? bit(ServoFault::kSurfaceLost) : 0U) << tick << " " << faultNames(out.faults);
+    ASSERT_FALSE(out.in_contact);
+  }
+  for (const TickOutput& out : driver.stroke(above(-kDepth), 60)) {
+    ASSERT_EQ(out.faults, 0U);
+    last_N = sent(out);
+  }
+  EXPECT_NEAR(last_N, kForce_N, 500 * 0.01e-3);
+}
+
+// The same edit under a tool that is free, or with the tool then outside, is no lost surface.
+TEST_P(LostContact, IsNoneWhereTheEditLeavesTheToolOutside) {
+  press();
+  driver.edit(empty);
+  for (int tick = 0; tick < 5; ++tick) {
+    const TickOutput out = driver.at(above(-kDepth));
+    ASSERT_EQ(out.faults, 0U) << faultNames(out.faults);
+    ASSERT_TRUE(out.force_W.isZero(0));
+  }
+  // Buried now, without a way out: inside the object, but no surface was lost.
+  driver.edit(full);
+  for (int tick = 0; tick < 5; ++tick) {
+    ASSERT_EQ(driver.at(above(-kDepth)).faults, bit(ServoFault::kInsideObject)) << tick;
+  }
+}
+
+// A reset forgets it: the tool is inside at the start.
+TEST_P(LostContact, IsForgottenByAReset) {
+  press();
+  driver.edit(full);
+  EXPECT_TRUE(has(driver.at(above(-kDepth)).faults, ServoFault::kSurfaceLost));
+  hri.reset(above(-kDepth));
+  EXPECT_EQ(driver.at(above(-kDepth)).faults, bit(ServoFault::kInsideObject));
+}
+
+INSTANTIATE_TEST_SUITE_P(Ticks, LostContact, testing::Values(1, 5, 1000));
+
+}  // namespace
+}  // namespace palpate
