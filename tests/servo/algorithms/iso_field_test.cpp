@@ -196,6 +196,28 @@ TEST(IsoField, FindsTheTopOfACubicThatIsHardlyAboveTheIsovalue) {
   EXPECT_GT(tops, 1000);
 }
 
+// A wall whose top is on a plane of samples, between cells, where the density has a kink. Ways of less than a quarter
+// of a voxel across it, anywhere along them: the cell on either side is a cubic, both together are none.
+TEST(IsoField, FindsAWallBetweenTwoCellsOnTheShortestWays) {
+  Seeded random(23);
+  for (int trial = 0; trial < 3000; ++trial) {
+    const int axis = random.pick(3);
+    const AnalyticVolume volume =
+        millimetreVolume([=](const Vec3& p_W) { return 1 - std::abs(p_W[axis] - 5e-3) / 1e-3; }, 11);
+    static HeldWindow held[3];
+    if (held[axis].samples.empty()) volume.hold(held[axis], Vec3i::Zero(), volume.size);
+    Vec3 top_W = Vec3::Constant(5e-3) + random.inCube(2e-3);
+    top_W[axis] = 5e-3;
+    Vec3 way_W = random.direction() * random.logBetween(1e-3, 0.25) * 1e-3;
+    // The ends are below the isovalue, the top is above.
+    const double part = random.between(0.02, 0.98);
+    const double lower = std::min(part, 1 - part) * std::abs(way_W[axis]) / 1e-3;
+    if (lower < 1e-4) continue;
+    const IsoField field(held[axis].window, 1 - random.between(0.05, 0.95) * lower);
+    ASSERT_TRUE(field.firstEntry(field.probe(top_W - part * way_W), field.probe(top_W + (1 - part) * way_W))) << trial;
+  }
+}
+
 // One sample above the isovalue makes a tent; a line beside the sample passes under its roof within one cell, where all
 // ends of cells lie outside.
 TEST(IsoField, SeesATentBetweenTheEndsOfACell) {
