@@ -2,6 +2,7 @@
 #include "servo/contact/energy_account.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace palpate {
 namespace {
@@ -31,7 +32,7 @@ double EnergyAccount::planesGift(const Vec3& way_W, const Vec3& plane_W, double 
 
 Vec3 EnergyAccount::settle(const ContactState& contact, const ContactPush& push) noexcept {
   const Vec3 way_W = contact.hip_W - last_hip_W_;
-  if (contact.new_contact || !isAWay(way_W) || !isAWay(push.vhip_W - contact.hip_W)) {
+  if (contact.new_contact || !isAWay(way_W) || !std::isfinite(push.energy_m2)) {
     open(contact, push);
     return push.vhip_W;
   }

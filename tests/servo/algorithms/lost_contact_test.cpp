@@ -25,7 +25,11 @@ Vec3 above(double height_m) {
 class LostContact : public testing::TestWithParam<int> {
  protected:
   // The force that leaves the gate.
-  double sent(const TickOutput& out) { return gate.pass({out.force_W, 0, out.faults}).force_W.norm(); }
+  double sent(const TickOutput& out) {
+    const Vec3 force_W = gate.pass({out.force_W, 0, out.faults}).force_W;
+    gate.taken(force_W);
+    return force_W.norm();
+  }
   // Pressed until the force is whole.
   void press() {
     driver.at(above(1e-3));
