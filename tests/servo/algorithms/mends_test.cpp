@@ -3,7 +3,7 @@
 // figures of hri-paper-line, the other reading of the paper's p, so that the page can say what that reading mends
 // alone.
 //
-// The figures of that page are this test's properties: test_servo_mends --gtest_output=json:FILE.
+// The figures of that page are this test's properties: test_servo_algorithms_mends --gtest_output=json:FILE.
 #include <gtest/gtest.h>
 
 #include "base/units.hpp"
