@@ -60,7 +60,9 @@ void addPressRows(const PressRequest& request, BenchResult& result, const BenchP
         const ContactPath path = contactPath(
             volume,
             {.rate_hz = kBenchRate_hz, .depth_voxel = request.depths_voxel[d], .ticks = request.ticks, .seed = seed});
-        const auto found = touchErrors(volume, path, entrants, [&](double) { progress(std::min(1.0, step / steps)); });
+        const auto found = touchErrors(
+            volume, path, entrants, [&](double) { progress(std::min(1.0, step / steps)); },
+            missDepth_voxel(noise_voxel));
         errors[d].resize(entrants.size());
         for (std::size_t e = 0; e < entrants.size(); ++e) errors[d][e].push_back(found[e]);
       }

@@ -21,13 +21,13 @@ Vec3 exactForce(const ContactPath& path, std::size_t k) {
 // What one algorithm's ticks add up to.
 class Tally {
  public:
-  Tally(const BenchVolume& volume, const ContactPath& path, const AlgorithmTraits& traits)
-      : volume_(volume), path_(path), traits_(traits) {}
+  Tally(const BenchVolume& volume, const ContactPath& path, const AlgorithmTraits& traits, double miss_depth_voxel)
+      : volume_(volume), path_(path), traits_(traits), miss_depth_m_(miss_depth_voxel * volume.voxel_m()) {}
 
   void add(std::size_t k, const TickOutput& out) {
     const bool contact = hasContact(out);
     if (k >= path_.slide_begin) addSlide(k, out, contact);
-    const bool missed = !contact && path_.depth_m[k] > kMissDepth_voxel * volume_.voxel_m();
+    const bool missed = !contact && path_.depth_m[k] > miss_depth_m_;
     if (missed && !missing_) ++errors_.falls;
     errors_.missed_ticks += missed ? 1 : 0;
     missing_ = missed;
@@ -76,6 +76,7 @@ class Tally {
   const BenchVolume& volume_;
   const ContactPath& path_;
   AlgorithmTraits traits_;
+  double miss_depth_m_;
   TouchErrors errors_;
   std::vector<double> vhip_voxel_, force_percent_, angle_deg_;
   double force_sum_N_ = 0;
@@ -86,7 +87,7 @@ class Tally {
 }  // namespace
 
 std::vector<TouchErrors> touchErrors(const BenchVolume& volume, const ContactPath& path, std::span<Entrant> entrants,
-                                     const BenchProgress& progress) {
+                                     const BenchProgress& progress, double miss_depth_voxel) {
   constexpr std::size_t kProgressTicks = 500;
   std::vector<Tally> tallies;
   std::vector<WindowFollower> followers;
@@ -94,7 +95,7 @@ std::vector<TouchErrors> touchErrors(const BenchVolume& volume, const ContactPat
   tallies.reserve(entrants.size());
   for (Entrant& entrant : entrants) {
     entrant.haptic->reset(path.hip_W.front());
-    tallies.emplace_back(volume, path, entrant.traits);
+    tallies.emplace_back(volume, path, entrant.traits, miss_depth_voxel);
     followers.emplace_back(volume);
   }
   for (std::size_t k = 0; k < path.ticks(); ++k) {

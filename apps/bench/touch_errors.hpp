@@ -9,7 +9,7 @@
 //   force off [-]     the largest |F| / (K depth), or its inverse where that is more;
 //   angle [degree]    between the force and the exact normal at the surface point nearest to the HIP;
 //   force jump [N]    largest change of the force vector from one tick to the next;
-//   missed            ticks in which the HIP is deeper than kMissDepth below the exact surface, having come from
+//   missed            ticks in which the HIP is deeper than `miss_depth` below the exact surface, having come from
 //                     outside, and there is no contact; falls: how often such a stretch began.
 // An algorithm that shows no surface (AlgorithmTraits) has no VHIP error, and its force none against K depth.
 // Force and angle leave out ticks where the phantom's distance is a bound only (ContactPath::exact). Cost: one exact
@@ -27,6 +27,12 @@
 namespace palpate {
 
 inline constexpr double kMissDepth_voxel = 0.25;
+
+// Noise moves the surface of the samples: four of its standard deviations deeper the tool is in the object, but for one
+// sample in 30,000.
+[[nodiscard]] inline double missDepth_voxel(double noise_voxel) noexcept {
+  return kMissDepth_voxel + 4 * noise_voxel;
+}
 
 struct TouchErrors {
   std::int64_t ticks = 0;  // of the slide
@@ -51,6 +57,7 @@ using BenchProgress = std::function<void(double share_done)>;  // may throw to s
 
 // One result for each entrant.
 [[nodiscard]] std::vector<TouchErrors> touchErrors(const BenchVolume& volume, const ContactPath& path,
-                                                   std::span<Entrant> entrants, const BenchProgress& progress);
+                                                   std::span<Entrant> entrants, const BenchProgress& progress,
+                                                   double miss_depth_voxel = kMissDepth_voxel);
 
 }  // namespace palpate

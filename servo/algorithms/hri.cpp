@@ -51,10 +51,10 @@ bool HriSurface::find(const SampleWindow& window, const Vec3& hip_W, std::uint32
   } else {
     ++age_ticks_;
     const bool in_front = plane().depth(hip_W) <= 0;
-    const bool due = age_ticks_ >= renewal_ticks_ || behind_ || wentFar(hip_W);
+    const bool due = age_ticks_ >= renewal_ticks_ || behind_ || memory_.short_of_way || wentFar(hip_W);
     if (due || in_front || held_) {
       refreshField(window);
-      renew(hip_W, !in_front && !held_, faults);
+      renew(hip_W, !in_front && !held_ && !memory_.short_of_way, faults);
     }
   }
   const bool touching = in_contact_ && !held_;
@@ -99,7 +99,7 @@ Track HriSurface::follow(const Vec3& hip_W, bool ahead) noexcept {
   // A plane that is behind has more way to make up for than the HIP's last.
   SurfaceTracker::Limits limits{.line_tolerance = kAimTolerance,
                                 .slide_m = behind_ ? std::numeric_limits<double>::infinity() : kSlide * field_->voxel(),
-                                .slide_by_way = memory_.rough ? kSlideByWayRough : kSlideByWay,
+                                .slide_by_way = kSlideByWay,
                                 .way_squared_m2 = (hip_W - renewed_at_W_).squaredNorm()};
   if (ahead && renewal_ticks_ > 1) {
     SurfacePoint found = surface_;

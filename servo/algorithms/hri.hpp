@@ -22,8 +22,8 @@
 // - Flat field at the surface (kZeroGradient): the plane keeps its normal, a new one faces the way the HIP came.
 // - Where the volume ends in the object, its face is the surface. The force never pulls: K d - B v_d is clamped at 0.
 // Frame W: world. Thread: the servo's. Cost: in contact without renewal no transform and no fetch; with renewal mostly
-// one to three fetches, deeper than 1.5 voxels seven more, at most what two SurfaceTracker::follow() take; in free motion
-// one fetch and what IsoField::firstEntry says. Searches have stated maxima. Errors: faults.
+// one to three fetches, deeper than 1.5 voxels seven more, at most what two SurfaceTracker::follow() take; in free
+// motion one fetch and what IsoField::firstEntry says. Searches have stated maxima. Errors: faults.
 #pragma once
 
 #include "servo/algorithms/algorithm.hpp"
@@ -53,9 +53,8 @@ class HriSurface {
   static constexpr double kMostTurn = 1.0 / 3;    // noise turns normals faster [rad/voxel]
   // How far the surface point may slide in a renewal with the HIP at rest; besides, so many times the HIP's own way. A
   // convex surface needs four times where the press is three quarters of its radius deep.
-  static constexpr double kSlide = 0.12;         // [voxel]
-  static constexpr double kSlideByWay = 4;       // [-]
-  static constexpr double kSlideByWayRough = 1;  // [-]
+  static constexpr double kSlide = 0.1;    // [voxel]
+  static constexpr double kSlideByWay = 4;  // [-]
 
   explicit HriSurface(const AlgorithmParameters& parameters) noexcept
       : renewal_ticks_(parameters.plane_renewal_ticks), cache_(parameters.isovalue) {}

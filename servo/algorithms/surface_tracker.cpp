@@ -144,6 +144,7 @@ class SheetWalk {
         x_W_(x_W),
         best_m_(SurfaceTracker::kUsable * h_m_),
         pace_(memory.pace),
+        slide_times_(memory.slide),
         began_rough_(memory.rough),
         rough_(memory.rough) {
     if (!(way_W.squaredNorm() > h_m_ * h_m_)) return;
@@ -172,6 +173,10 @@ class SheetWalk {
     surface.normal_W = agreed_ || behind_ ? normal_W_ : turned(normal_W_, p_W_ - hip_W_, h_m_);
     memory.pace = pace_.share();
     memory.rough = rough_ || (!agreed_ && !behind_);
+    memory.short_of_way = !agreed_ && (slide_m_ == 0 || aside_squared_m2_ > h_m_ * h_m_);
+    memory.slide = memory.short_of_way
+                       ? std::min(slide_times_ * SurfaceTracker::kSlideGrowth, limits_.slide_by_way)
+                       : std::max(slide_times_ * SurfaceTracker::kSlideDecay, SurfaceTracker::kLeastSlide);
     if (!memory.rough) judge(field_, hip_W_, p_W_, normal_W_, memory);
   }
 
@@ -247,7 +252,10 @@ class SheetWalk {
   [[nodiscard]] Vec3 slide() noexcept {
     voxels_left_ = 0;
     --steps_left_;
-    if (slide_m_ < 0) slide_m_ = limits_.slide_m + limits_.slide_by_way * std::sqrt(limits_.way_squared_m2);
+    if (slide_m_ < 0) {
+      const double times = began_rough_ ? slide_times_ : limits_.slide_by_way;
+      slide_m_ = limits_.slide_m + times * std::sqrt(limits_.way_squared_m2);
+    }
     if (aside_squared_m2_ > line_squared_m2_) pace_.see(aside_W_, aside_squared_m2_);
     const Vec3 wanted_W = aside_W_ * pace_.share();
     const double wanted_m = std::sqrt(aside_squared_m2_) * pace_.share();
@@ -278,6 +286,7 @@ class SheetWalk {
   // Of the search:
   NewtonGain gain_;
   Pace pace_;
+  double slide_times_;
   bool began_rough_;
   bool rough_;
   int steps_left_ = 0;                                                   // besides the HIP's way
@@ -302,6 +311,7 @@ Track SurfaceTracker::followIsosurface(const IsoField& field, const Vec3& hip_W,
   const Vec3 x_W = surface.p_W + shortened(way_W, field.voxel());
   const Fetch first = field.sampler().at(x_W);
   if (!memory.rough && foundAtOnce(field, hip_W, x_W, first, limits.line_tolerance, surface)) {
+    memory.short_of_way = false;
     judge(field, hip_W, surface.p_W, surface.normal_W, memory);
     return Track::kFound;
   }

@@ -35,8 +35,10 @@ struct SurfacePoint {
 
 // What searches of one contact learn of its surface. A new contact begins with a new one.
 struct TrackMemory {
-  double pace = 1;     // share of the way aside that a step takes [-]
-  bool rough = false;  // normals near each other disagree, so means are taken
+  double pace = 1;            // share of the way aside that a step takes [-]
+  bool rough = false;         // normals near each other disagree, so means are taken
+  double slide = 1;           // on a rough surface: how many times the HIP's way the point may slide [-]
+  bool short_of_way = false;  // the last search ended for want of that
   Vec3 judged_W = Vec3::Constant(std::numeric_limits<double>::infinity());  // where they were last compared [m]
 };
 
@@ -73,15 +75,18 @@ class SurfaceTracker {
   static constexpr int kRoughSteps = 4;
   static constexpr double kSpread = 1.0 / 6, kLeastSpread = 1.5, kMostSpread = 4;
   static constexpr double kLowestPace = 1.0 / 32, kHighestPace = 4;
+  // Of TrackMemory::slide: in a search that ended for want of way, in another, and where it begins and falls back to.
+  static constexpr double kSlideGrowth = 1.5, kSlideDecay = 0.67, kLeastSlide = 1;
   // How far in front of and behind the old plane the sheet is looked for where Newton has lost it [voxel].
   static constexpr double kCastReach = 1.5;
   static constexpr int kMaxCasts = 8;
 
   struct Limits {
     double line_tolerance = kLineTolerance;  // from the HIP to the normal line [voxel]
-    // How far the point may slide beyond the HIP's own way: so far, and so many times that way.
+    // How far the point may slide beyond the HIP's own way: so far, and TrackMemory::slide times that way, which grows
+    // up to this while searches end for want of way, and falls back.
     double slide_m = std::numeric_limits<double>::infinity();
-    double slide_by_way = 0;
+    double slide_by_way = 4;
     double way_squared_m2 = 0;  // of the HIP, since the last search
   };
 

@@ -91,7 +91,7 @@ Slide slideThroughValley(int n, double recovery_s) {
 
 // The tool is deeper (3 voxels) than the samples round the valley's bottom (some 1.5), so the surface point has to go
 // from one side to the other. It slides there by HriSurface::kSlide and kSlideByWay times the tool's way in a tick at
-// most, so the force turns by up to (0.12 + 4 * 0.02 n) / 3 of itself at a switch: 0.1 N at n = 1, 0.3 N at n = 5.
+// most, so the force turns by up to (0.1 + 4 * 0.02 n) / 3 of itself at a switch: 0.1 N at n = 1, 0.3 N at n = 5.
 // Recovery over N = 20 ticks takes a 20th of a switch in a tick; up to two others may decay meanwhile, and the tool's
 // own motion adds K v T = 0.01 N. The mean: over 40 of 1300 ticks d is between two that are 74 degrees apart, up to 20
 // % shorter: 0.6 % at most.
