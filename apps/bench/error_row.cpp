@@ -24,6 +24,7 @@ BenchRow errorRow(const TouchErrors& errors) {
           {"force_jump_max_N", errors.force_jump_max_N},
           {"exact_force_jump_max_N", errors.exact_force_jump_max_N},
           {"missed_ticks", errors.missed_ticks},
+          {"fading_fault_ticks", errors.fading_ticks},
           {"fall_throughs", errors.falls}};
 }
 

@@ -25,6 +25,7 @@ TouchErrors together(const std::vector<TouchErrors>& seeds) {
     all.contact_ticks += e.contact_ticks;
     all.missed_ticks += e.missed_ticks;
     all.falls += e.falls;
+    all.fading_ticks += e.fading_ticks;
     for (const auto part : {&TouchErrors::vhip_voxel, &TouchErrors::force_percent, &TouchErrors::angle_deg}) {
       (all.*part).count += (e.*part).count;
       (all.*part).p99 = std::max((all.*part).p99, (e.*part).p99);

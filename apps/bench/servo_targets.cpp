@@ -133,6 +133,8 @@ void addSpeeds(BenchResult& result, const char* volume, const std::string& words
   addOver(result, range + ", force angle [degree]", rows, angle_bound_deg,
           [](const Rows& r) { return largest(r, "force_angle_max_deg"); });
   addOver(result, range + ", contacts lost [-]", rows, 0, [](const Rows& r) { return largest(r, "fall_throughs"); });
+  addOver(result, range + ", ticks with a fault that fades [-]", rows, 0,
+          [](const Rows& r) { return largest(r, "fading_fault_ticks"); });
 }
 
 void addPresses(BenchResult& result) {
@@ -142,6 +144,8 @@ void addPresses(BenchResult& result) {
     for (const BenchRow* row : r) sum += figureOf(*row, "fall_throughs");
     return sum;
   });
+  addOver(result, "hri, noise up to 0.5 voxel, 1 to 24 voxels deep, ticks with a fault that fades [-]", rows, 0,
+          [](const Rows& r) { return largest(r, "fading_fault_ticks"); });
 }
 
 // Where another algorithm with a VHIP has a smaller 99th percentile of the angle in the same press, though hri may

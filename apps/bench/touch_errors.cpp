@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/units.hpp"
+#include "servo/safety/faults.hpp"
 
 namespace palpate {
 namespace {
@@ -30,6 +31,7 @@ class Tally {
     const bool missed = !contact && path_.depth_m[k] > miss_depth_m_;
     if (missed && !missing_) ++errors_.falls;
     errors_.missed_ticks += missed ? 1 : 0;
+    errors_.fading_ticks += (out.faults & kFadingFaults) != 0 ? 1 : 0;
     missing_ = missed;
     last_force_W_ = out.force_W;
   }

@@ -11,6 +11,7 @@
 //   force jump [N]    largest change of the force vector from one tick to the next;
 //   missed            ticks in which the HIP is deeper than `miss_depth` below the exact surface, having come from
 //                     outside, and there is no contact; falls: how often such a stretch began.
+//   fading            ticks with a fault that makes the gate take the force away, whatever the algorithm gives.
 // An algorithm that shows no surface (AlgorithmTraits) has no VHIP error, and its force none against K depth.
 // Force and angle leave out ticks where the phantom's distance is a bound only (ContactPath::exact). Cost: one exact
 // distance for each algorithm and tick.
@@ -47,6 +48,7 @@ struct TouchErrors {
   double force_mean_N = 0;              // over ticks in contact
   std::int64_t missed_ticks = 0;
   std::int64_t falls = 0;
+  std::int64_t fading_ticks = 0;  // in which a fault takes the force away (kFadingFaults)
 };
 
 using BenchProgress = std::function<void(double share_done)>;  // may throw to stop

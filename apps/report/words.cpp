@@ -179,8 +179,9 @@ std::string stabilityWords(const ContactStability& s, const RunFigures& f) {
   } else if (s.verdict == ContactVerdict::kSlightlyActive) {
     text = fmt::format(
         "slightly active: a contact gave the hand {} more than it had taken, {} % of the most that was stored{}, and "
-        "came to rest; any sampled wall with less damping than K T / 2 does so (more --damping, a higher --rate or "
-        "--passivity control lessen it)",
+        "the tool did not keep swinging; a sampled wall with less damping than K T / 2 does so (more --damping, a "
+        "higher "
+        "--rate or --passivity control lessen it)",
         mJ(s.given_J), shortNumber(s.share * 100), errorWords(s));
   } else if (s.verdict == ContactVerdict::kUnstable) {
     text = fmt::format(

@@ -67,7 +67,7 @@ bool BlezekSurface::find(const SampleWindow& window, const Vec3& hip_W, std::uin
   edited_ = false;
   if (plane().depth(hip_W) > 0) return true;
   const Probe hip = field.probe(hip_W);
-  if (hip.side != Side::kInside) release(hip);
+  if (hip.side == Side::kOutside) release(hip);
   return false;
 }
 

@@ -23,8 +23,10 @@ std::optional<Entry> FreeMotion::move(const IsoField& field, const Vec3& hip_W, 
   if (edited_) {
     edited_ = false;
     // Material that an edit put over the last free place is no entry.
-    buried = armed_ && field.probe(free_.p_W).side == Side::kInside;
+    const Probe again = field.probe(free_.p_W);
+    buried = armed_ && again.side == Side::kInside;
     armed_ = armed_ && !buried;
+    if (again.side == Side::kOutside) free_ = again;
   }
   std::optional<Entry> entry;
   if (armed_) entry = field.firstEntry(free_, hip);
@@ -50,7 +52,7 @@ void FreeMotion::release(const Probe& hip) noexcept {
 
 void FreeMotion::lose(const Probe& hip, std::uint32_t& faults) noexcept {
   release(hip);
-  lost_ = hip.side == Side::kInside;
+  lost_ = hip.side != Side::kOutside;  // deeper than the window shows is in the object
   if (lost_) faults |= bit(ServoFault::kSurfaceLost);
 }
 

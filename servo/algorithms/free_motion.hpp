@@ -26,7 +26,7 @@ class FreeMotion {
   [[nodiscard]] std::optional<Entry> move(const IsoField& field, const Vec3& hip_W, std::uint32_t& faults) noexcept;
   // Contact has ended with the HIP there.
   void release(const Probe& hip) noexcept;
-  // As release(); its surface is gone: kSurfaceLost if the HIP is in the object.
+  // As release(); its surface is gone: kSurfaceLost if the HIP is in the object, or deeper than the window shows.
   void lose(const Probe& hip, std::uint32_t& faults) noexcept;
   // Of the last move().
   [[nodiscard]] Side hipSide() const noexcept { return hip_side_; }

@@ -11,6 +11,8 @@
 namespace palpate {
 namespace {
 
+constexpr double kNoReach = -1;  // [m^2]: renewed in the next tick
+
 // Of the part of a way along the plane [m^2].
 [[gnu::always_inline]] inline double tangentialSquared(const Vec3& way_W, const Vec3& normal_W) noexcept {
   const double along_m = normal_W.dot(way_W);
@@ -42,8 +44,9 @@ bool HriSurface::find(const SampleWindow& window, const Vec3& hip_W, std::uint32
       moveFreely(hip_W, faults);
     }
     if (was_outside && !in_contact_ && !armed_) {
-      buried_ = held_;  // by the edit, where the HIP cannot be seen: later
-      if (!held_) comeOut(field_->probe(hip_W), faults);
+      const Probe hip = field_->probe(hip_W);
+      buried_ = hip.side == Side::kUnknown;  // by the edit, where the HIP cannot be seen: later
+      if (!buried_) comeOut(hip, faults);
     }
   } else if (!in_contact_) {
     refreshField(window);
@@ -51,7 +54,7 @@ bool HriSurface::find(const SampleWindow& window, const Vec3& hip_W, std::uint32
   } else {
     ++age_ticks_;
     const bool in_front = plane().depth(hip_W) <= 0;
-    const bool due = age_ticks_ >= renewal_ticks_ || behind_ || memory_.short_of_way || wentFar(hip_W);
+    const bool due = age_ticks_ >= renewal_ticks_ || wentFar(hip_W);
     if (due || in_front || held_) {
       refreshField(window);
       renew(hip_W, !in_front && !held_ && !memory_.short_of_way, faults);
@@ -89,7 +92,7 @@ Vec3 HriSurface::aim(const Vec3& hip_W) const noexcept {
   const Vec3 lead_W = aside_W * (kAim * (renewal_ticks_ - 1) / age_ticks_);
   const double voxel_m = field_->voxel();
   const double longest_squared_m2 =
-      std::min(kLongestAim * kLongestAim * voxel_m * voxel_m, kAim * kAim * reach_squared_m2_);
+      std::min(kLongestAim * kLongestAim * voxel_m * voxel_m, kAim * kAim * std::max(0.0, reach_squared_m2_));
   const double squared_m2 = lead_W.squaredNorm();
   return hip_W +
          (squared_m2 <= longest_squared_m2 ? lead_W : Vec3(lead_W * std::sqrt(longest_squared_m2 / squared_m2)));
@@ -129,14 +132,15 @@ void HriSurface::renew(const Vec3& hip_W, bool ahead, std::uint32_t& faults) noe
   behind_ = result == Track::kBehind;
   switch (result) {
     case Track::kFoundFlat:
-    case Track::kBehind:
-      faults |= bit(result == Track::kBehind ? ServoFault::kPlaneBehind : ServoFault::kZeroGradient);
+      faults |= bit(ServoFault::kZeroGradient);
       [[fallthrough]];
+    case Track::kBehind:
     case Track::kFound:
       if (plane().depth(hip_W) > 0) {
+        if (behind_) faults |= bit(ServoFault::kPlaneBehind);
         renewed(hip_W, last_normal_W);
       } else {
-        relocate(field_->probe(hip_W), faults);
+        relocate(field_->probe(hip_W), false, faults);
       }
       return;
     case Track::kBeyondWindow:
@@ -147,7 +151,7 @@ void HriSurface::renew(const Vec3& hip_W, bool ahead, std::uint32_t& faults) noe
       return;
     case Track::kFlat:
     case Track::kLost:
-      relocate(field_->probe(hip_W), faults);
+      relocate(field_->probe(hip_W), true, faults);
       return;
   }
 }
@@ -172,8 +176,9 @@ void HriSurface::renewed(const Vec3& hip_W, const Vec3& last_normal_W) noexcept 
   settle(hip_W);
 }
 
-// The HIP has left the sheet, or the sheet is gone: is there object between the VHIP and the HIP, or around the HIP?
-void HriSurface::relocate(const Probe& hip, std::uint32_t& faults) noexcept {
+// The HIP has left the sheet, or the sheet is gone: is there object between the VHIP and the HIP, or around the HIP? A
+// HIP deeper than the window shows is taken to be in the object where its sheet is gone.
+void HriSurface::relocate(const Probe& hip, bool gone, std::uint32_t& faults) noexcept {
   // The VHIP may be in the object by a rounding, so the search begins a little in front of it.
   const Probe start = field_->probe(vhip_W_ + surface_.normal_W * (kStandOff * field_->voxel()));
   const auto entry = field_->firstEntry(start, hip);
@@ -181,10 +186,10 @@ void HriSurface::relocate(const Probe& hip, std::uint32_t& faults) noexcept {
   if (hip.side == Side::kInside) {  // both inside
     const auto way_out = field_->firstExit(hip, hip.p_W + surface_.normal_W * (kOutwardSearch * field_->voxel()));
     if (way_out && touch(*way_out, hip, faults)) return;
-    faults |= bit(ServoFault::kSurfaceLost);
   }
   release(hip);
-  lost_ = hip.side == Side::kInside;
+  lost_ = hip.side == Side::kInside || (gone && hip.side == Side::kUnknown);
+  if (lost_) faults |= bit(ServoFault::kSurfaceLost);
 }
 
 // Buried by an edit.
@@ -223,7 +228,7 @@ void HriSurface::moveFreely(const Vec3& hip_W, std::uint32_t& faults) noexcept {
     armed_ = near && !buried;
   }
   if (buried && hip.side == Side::kInside) {
-    faults |= bit(ServoFault::kInsideObject);
+    faults |= bit(lost_ ? ServoFault::kSurfaceLost : ServoFault::kInsideObject);
     return comeOut(hip, faults);
   }
   if (armed_) {
@@ -260,6 +265,7 @@ bool HriSurface::touch(const Entry& entry, const Probe& hip, std::uint32_t& faul
     begin(nearest, hip.p_W);
     if (result == Track::kBehind) faults |= bit(ServoFault::kPlaneBehind);
     behind_ = result == Track::kBehind;
+    settle(hip.p_W);
     return true;
   }
   // Where the search strays, the plane at the entry itself still holds a HIP that is in the object; and where noise
@@ -285,6 +291,10 @@ void HriSurface::settle(const Vec3& hip_W) noexcept {
   renewed_at_W_ = hip_W;
   age_ticks_ = 0;
   if (renewal_ticks_ == 1) return;  // it is renewed anyway
+  if (behind_ || memory_.short_of_way) {
+    reach_squared_m2_ = kNoReach;
+    return;
+  }
   const double voxel_m = field_->voxel();
   const double off_m = std::max(kMostOff * plane().depth(hip_W), kLeastOff * voxel_m);
   reach_squared_m2_ = std::min(kMostTurned * kMostTurned * voxel_m * voxel_m * per_turn_squared_,

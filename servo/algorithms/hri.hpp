@@ -10,8 +10,8 @@
 // - Contact ends when the HIP is in front of the sheet that it touched, not when the density at the HIP says so; so a
 //   press through a thin wall does not lose it. Free motion is searched along its whole way: no stroke jumps a wall.
 // - A surface that cannot be found again with the HIP in the object: kSurfaceLost, which fades, until the HIP has been
-//   outside. One that could not be followed as far as the HIP went: kPlaneBehind, which fades too,
-//   until it has been followed, a search a tick.
+//   outside. One that could not be followed as far as the HIP went: kPlaneBehind, which fades too, until it has been
+//   followed, a search a tick.
 // - VHIP and HIP both inside (the surface moved): search outward along N, then follow the surface as always.
 // - Inside at the start: no force until the HIP has been outside once (kInsideObject).
 // - A tool that an edit buried is pushed towards the nearest way out (IsoField::nearestExit), gently, as all that an
@@ -53,7 +53,7 @@ class HriSurface {
   static constexpr double kMostTurn = 1.0 / 3;    // noise turns normals faster [rad/voxel]
   // How far the surface point may slide in a renewal with the HIP at rest; besides, so many times the HIP's own way. A
   // convex surface needs four times where the press is three quarters of its radius deep.
-  static constexpr double kSlide = 0.1;    // [voxel]
+  static constexpr double kSlide = 0.1;     // [voxel]
   static constexpr double kSlideByWay = 4;  // [-]
 
   explicit HriSurface(const AlgorithmParameters& parameters) noexcept
@@ -74,7 +74,7 @@ class HriSurface {
   [[nodiscard]] bool wentFar(const Vec3& hip_W) const noexcept;
   void renew(const Vec3& hip_W, bool ahead, std::uint32_t& faults) noexcept;
   void renewed(const Vec3& hip_W, const Vec3& last_normal_W) noexcept;
-  void relocate(const Probe& hip, std::uint32_t& faults) noexcept;
+  void relocate(const Probe& hip, bool gone, std::uint32_t& faults) noexcept;
   void moveFreely(const Vec3& hip_W, std::uint32_t& faults) noexcept;
   [[nodiscard]] bool touch(const Entry& entry, const Probe& hip, std::uint32_t& faults) noexcept;
   void begin(const SurfacePoint& surface, const Vec3& hip_W) noexcept;

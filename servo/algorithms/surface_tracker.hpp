@@ -17,7 +17,8 @@
 // the press: of the two the line is the better known, by noise / D. Without noise both are the same.
 //
 // Frame W: world [m]. Thread: the servo's. Cost: one fetch when the surface turned little since; at most kMaxSteps + 1
-// and one for each voxel of way, up to kMaxWay, on the isosurface; some 40 more for each of up to kMaxCasts line casts,
+// and one for each voxel of way, up to kMaxWay, on the isosurface, each with seven more where it is rough; seven where
+// it is asked whether it is (kDeep, kJudgedFor); some 40 more for each of up to kMaxCasts line casts,
 // and kMaxEdgeSteps more when a cut face ends. Errors: the result says.
 #pragma once
 

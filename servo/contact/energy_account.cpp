@@ -32,7 +32,7 @@ double EnergyAccount::planesGift(const Vec3& way_W, const Vec3& plane_W, double 
 
 Vec3 EnergyAccount::settle(const ContactState& contact, const ContactPush& push) noexcept {
   const Vec3 way_W = contact.hip_W - last_hip_W_;
-  if (contact.new_contact || !isAWay(way_W) || !std::isfinite(push.energy_m2)) {
+  if (contact.new_contact || !isAWay(way_W) || !std::isfinite(push.energy_m2) || !std::isfinite(put_in_m2_)) {
     open(contact, push);
     return push.vhip_W;
   }

@@ -2,8 +2,9 @@
 // servo/devices/device.hpp: what the servo asks of a haptic device, real or simulated.
 //
 // Frame W: world; a device that has a frame of its own turns into the world itself. Units [m, N].
-// Threads: read(), write() and elapse() by the servo thread alone, in each tick elapse, read, write; no heap, lock or
-// throw in them, and no system call but the device's own I/O, which must not wait. The rest before the loop starts.
+// Threads: read(), reportAge_ns(), write(), held() and elapse() by the servo thread alone, in each tick elapse, read,
+// reportAge_ns, write, held; no heap, lock or throw in them, and no system call but the device's own I/O, which must not
+// wait. The rest before the loop starts.
 // Errors: false from read() or write() means that the device did not answer; the servo then fades the force to zero. A
 // write that gave false was not taken: the device goes on holding what it took last.
 #pragma once

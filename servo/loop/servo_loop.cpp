@@ -248,13 +248,15 @@ bool ServoLoop::offer(const Vec3& force_W) noexcept {
   return true;
 }
 
-// Down to a zero that the device has taken. Falling takes no more writes than rising did, but for one; a device that
-// never holds less than before must not keep the run for ever, nor one that refuses all that time.
+// Down to a zero that the device has taken, by the slew in each write. A device that never holds less than before must
+// not keep the run for longer than its patience, nor one that refuses all that time.
 template <typename Pause>
 void ServoLoop::endForce(Pause pause) noexcept {
   const auto patience = static_cast<std::int64_t>(std::ceil(kPatience_s * parameters_.rate_hz));
+  const std::int64_t longest = std::min<std::int64_t>(
+      ticks_run_, std::llround(std::ceil(gate_.heldForce().norm() / gate_.slewPerTick())) + patience);
   std::int64_t refused = 0, writes = 0;
-  while (refused < patience && writes <= ticks_run_) {
+  while (refused < patience && writes <= longest) {
     const bool taken = offer(gate_.release());
     released_ = taken && gate_.heldForce().isZero(0);
     if (released_) return;

@@ -29,7 +29,7 @@ class EncoderPosition {
     ticks_.setConstant(kAtRest_ticks);
   }
 
-  // A new reading, `ticks` grid periods after the last one.
+  // A new reading, `ticks` ticks of the servo after the last one.
   void read(const Vec3& reading, int ticks) noexcept {
     if (!(resolution_m_ > 0)) {
       position_ = reading;

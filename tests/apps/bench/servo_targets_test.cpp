@@ -19,8 +19,12 @@ BenchRow tickRow(const std::string& volume, const std::string& algorithm, int n,
 }
 
 BenchRow accuracyRow(int n, double vhip, double angle, std::int64_t falls) {
-  return {{"part", "accuracy"},         {"volume", "phantom:knot?size=128x128x64"}, {"algorithm", "hri"},
-          {"n_ticks", std::int64_t{n}}, {"vhip_error_median_voxel", vhip},          {"force_angle_median_deg", angle},
+  return {{"part", "accuracy"},
+          {"volume", "phantom:knot?size=128x128x64"},
+          {"algorithm", "hri"},
+          {"n_ticks", std::int64_t{n}},
+          {"vhip_error_median_voxel", vhip},
+          {"force_angle_median_deg", angle},
           {"fall_throughs", falls}};
 }
 
@@ -31,9 +35,15 @@ BenchRow strokeRow(const std::string& wall, double speed, std::int64_t missed, s
 }
 
 BenchRow speedRow(const char* volume, double speed, int n, double off, double angle, std::int64_t falls) {
-  return {
-      {"part", "speed"},        {"volume", volume},     {"algorithm", "hri"},           {"n_ticks", std::int64_t{n}},
-      {"speed_m_per_s", speed}, {"force_off_max", off}, {"force_angle_max_deg", angle}, {"fall_throughs", falls}};
+  return {{"part", "speed"},
+          {"volume", volume},
+          {"algorithm", "hri"},
+          {"n_ticks", std::int64_t{n}},
+          {"speed_m_per_s", speed},
+          {"force_off_max", off},
+          {"force_angle_max_deg", angle},
+          {"fading_fault_ticks", 2 * falls},
+          {"fall_throughs", falls}};
 }
 
 BenchRow pressRow(const char* algorithm, double noise, double depth, double angle, std::int64_t falls) {
@@ -47,6 +57,7 @@ BenchRow pressRow(const char* algorithm, double noise, double depth, double angl
           {"force_angle_p99_deg", angle},
           {"contact_ticks", std::int64_t{100}},
           {"missed_ticks", falls},
+          {"fading_fault_ticks", 2 * falls},
           {"fall_throughs", falls}};
 }
 
@@ -67,6 +78,7 @@ BenchResult rowsOfHriAlone() {
   result.rows.push_back(speedRow(kBall20mm, 2, 1, 1.05, 3, 0));
   result.rows.push_back(speedRow(kBall20mm, 1, 1000, 1.02, 9, 0));
   result.rows.push_back(speedRow(kTubeOf8, 0.5, 5, 1.25, 14, 0));
+  result.rows.push_back(speedRow(kTubeOf8, 0.5, 1, 1.2, 13, 3));
   result.rows.push_back(speedRow(kTubeOf8, 1, 5, 7, 90, 9));  // faster than promised
   result.rows.push_back(pressRow("hri", 0.5, 24, 40, 2));
   result.rows.push_back(pressRow("hri", 0, 1, 1, 1));
@@ -101,8 +113,11 @@ TEST(ServoTargets, OfHriAloneComeFromTheirRows) {
   EXPECT_EQ(valueOf(result, "up to 2 m/s, any n, force angle"), 9);
   EXPECT_EQ(valueOf(result, "up to 0.5 m/s, any n, force over"), 1.25);
   EXPECT_EQ(valueOf(result, "up to 0.5 m/s, any n, force angle"), 14);
-  EXPECT_EQ(valueOf(result, "up to 0.5 m/s, any n, contacts lost"), 0);
+  EXPECT_EQ(valueOf(result, "up to 0.5 m/s, any n, contacts lost"), 3);
+  EXPECT_EQ(valueOf(result, "up to 0.5 m/s, any n, ticks with a fault"), 6);
+  EXPECT_EQ(valueOf(result, "up to 2 m/s, any n, ticks with a fault"), 0);
   EXPECT_EQ(valueOf(result, "noise up to 0.5 voxel"), 3);
+  EXPECT_EQ(valueOf(result, "1 to 24 voxels deep, ticks with a fault"), 4);
   const auto holds = [&](const char* words) {
     return std::find_if(result.targets.begin(), result.targets.end(),
                         [&](const auto& t) { return t.name.find(words) != std::string::npos; })
@@ -119,7 +134,7 @@ TEST(ServoTargets, OfHriAloneComeFromTheirRows) {
 TEST(ServoTargets, WithoutRivalsTheirTargetsAreNoted) {
   BenchResult result = rowsOfHriAlone();
   addServoTargets(result);
-  EXPECT_EQ(result.targets.size(), 17U);
+  EXPECT_EQ(result.targets.size(), 20U);
   EXPECT_EQ(notes(result), 4U);
   EXPECT_THAT(targetTable(result),
               HasSubstr("note: target 'hri / avila, cost of a tick at n=5, median of the volumes [-]' is left out"));

@@ -110,7 +110,7 @@ TEST(Words, SlightlyActiveSaysByHowMuchAndThatItSettled) {
   const std::string text = stabilityWords(active, figures);
   EXPECT_THAT(text,
               ::testing::StartsWith("slightly active: a contact gave the hand 0.2 mJ more than it had taken, 12 % "
-                                    "of the most that was stored, and came to rest; "));
+                                    "of the most that was stored, and the tool did not keep swinging; "));
   EXPECT_THAT(text, ::testing::EndsWith("; the controller acted in 34 ticks"));
   TouchRun run = sampleRun();
   run.stability = active;
@@ -126,9 +126,9 @@ TEST(Words, UnstableSaysWhatToChange) {
   run.stability.unstable_from_s = 1.25;
   run.stability.unstable_to_s = 4.5;
   const std::string text = closingSummary(run);
-  EXPECT_THAT(text,
-              HasSubstr("Energy    unstable: from 1.25 s to 4.5 s the tool swung against the surface by 0.8 mm at 31 Hz "
-                        "without settling, 96 bounces in all, and the surface fed it; "));
+  EXPECT_THAT(
+      text, HasSubstr("Energy    unstable: from 1.25 s to 4.5 s the tool swung against the surface by 0.8 mm at 31 Hz "
+                      "without settling, 96 bounces in all, and the surface fed it; "));
   EXPECT_THAT(text, Not(HasSubstr("quiet")));
   for (const std::string& words : {text, verdictOf(run)}) {
     for (const char* remedy : {"lower --stiffness", "raise --rate", "--damping", "--passivity control"})

@@ -64,6 +64,30 @@ TEST_P(LostContact, IsToldInEveryTickAndTheForceFades) {
   }
 }
 
+// Deeper than a window around the surface shows: nothing is known of the place of the tool, and the force fades as
+// well.
+TEST_P(LostContact, IsToldBelowTheWindowToo) {
+  constexpr double kDeep = 24e-3;
+  driver.around_vhip = true;
+  driver.at(above(1e-3));
+  for (const TickOutput& out : driver.stroke(above(-kDeep), 250)) last_N = sent(out);
+  ASSERT_NEAR(last_N, 8, 1e-9);  // the gate's limit
+  driver.edit(full);
+  const double step_N = 8.0 / static_cast<double>(gate.fadeTicks());
+  for (int tick = 0; tick < 200; ++tick) {
+    const TickOutput out = driver.at(above(-kDeep + 1e-6 * tick));
+    ASSERT_NE(out.faults & kFadingFaults, 0U) << tick << " " << faultNames(out.faults);
+    ASSERT_FALSE(has(out.faults, ServoFault::kInsideObject)) << tick;
+    ASSERT_TRUE(out.force_W.isZero(0));
+    if (tick != 1) {  // the driver's window has followed by then
+      ASSERT_TRUE(has(out.faults, ServoFault::kSurfaceLost)) << tick << " " << faultNames(out.faults);
+    }
+    const double now_N = sent(out);
+    ASSERT_NEAR(now_N, std::max(0.0, last_N - step_N), 1e-9) << tick;
+    last_N = now_N;
+  }
+}
+
 // The surface comes back, but the tool is still in the object: lost as before. Out once, and it is touched as any.
 TEST_P(LostContact, IsOverWhenTheToolHasBeenOutside) {
   press();

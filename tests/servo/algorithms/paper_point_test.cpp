@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The two readings of the paper's p (hri_paper.hpp): from the densities at both ends of the line, and where the density
-// is the isovalue on it. docs/hri-mends.md has these figures: test_servo_algorithms_paper_point --gtest_output=json:FILE.
+// is the isovalue on it. docs/hri-mends.md has these figures: test_servo_algorithms_paper_point
+// --gtest_output=json:FILE.
 //
 // In all of them the density is a ramp of half-width w around the surface and flat beyond, as in a scan.
 #include <algorithm>
