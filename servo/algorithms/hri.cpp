@@ -91,8 +91,8 @@ Vec3 HriSurface::aim(const Vec3& hip_W) const noexcept {
   const Vec3 aside_W = way_W - surface_.normal_W * surface_.normal_W.dot(way_W);
   const Vec3 lead_W = aside_W * (kAim * (renewal_ticks_ - 1) / age_ticks_);
   const double voxel_m = field_->voxel();
-  const double longest_squared_m2 =
-      std::min(kLongestAim * kLongestAim * voxel_m * voxel_m, kAim * kAim * std::max(0.0, reach_squared_m2_));
+  const double longest_squared_m2 = std::min(kLongestAim * kLongestAim * voxel_m * voxel_m,
+                                             kAimInReach * kAimInReach * std::max(0.0, reach_squared_m2_));
   const double squared_m2 = lead_W.squaredNorm();
   return hip_W +
          (squared_m2 <= longest_squared_m2 ? lead_W : Vec3(lead_W * std::sqrt(longest_squared_m2 / squared_m2)));

@@ -40,6 +40,7 @@ class HriSurface {
   static constexpr double kOutwardSearch = IsoField::kLongestWayOut;  // from a buried HIP along N [voxel]
   static constexpr double kAim = 1.0 / 3;        // of a plane's life, that it is found ahead of the HIP [-]
   static constexpr double kLongestAim = 1;       // ahead of the HIP: jumps of the tool are no motion to go by [voxel]
+  static constexpr double kAimInReach = 0.5;     // at most, of the way for which a plane holds [-]
   static constexpr double kAimTolerance = 0.05;  // the nearest point to where the HIP may be: as surface_tracker.hpp's
   static constexpr double kStandOff = 0.25;      // in front of the VHIP, where a search from it begins [voxel]
   // How wrong a plane may be before its n ticks are over. On a surface of radius R the normal at the HIP turns by

@@ -228,9 +228,9 @@ TEST(WayAndAge, OnBallsAndHollowsOfEveryRadiusTheErrorIsWhatTheHeaderSays) {
     SCOPED_TRACE(testing::Message() << "trial " << trial << (is_hollow ? " hollow" : " ball") << " of " << R
                                     << " voxels, " << D << " deep, n " << n << ", " << speed << " m/s");
     EXPECT_LE(worst_turned, turned);
-    // A new plane is ahead of the HIP by no more than kAim of that.
+    // A new plane is ahead of the HIP by no more than kAimInReach of that.
     EXPECT_LE(worst_new,
-              HriSurface::kAim * HriSurface::kMostTurned * longer + sampled + HriSurface::kAimTolerance / along);
+              HriSurface::kAimInReach * HriSurface::kMostTurned * longer + sampled + HriSurface::kAimTolerance / along);
     EXPECT_LE(worst_off, off_voxel);
     largest_share = std::max({largest_share, worst_turned / turned, worst_off / off_voxel});
   }
