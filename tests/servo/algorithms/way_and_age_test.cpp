@@ -359,5 +359,40 @@ TEST(WayAndAge, AForceAfterALongWayIsRightOrAFaultSaysThatItIsNot) {
   RecordProperty("told", told);
 }
 
+// From a round edge of 8 voxels onto a flat face: the rate of turning may fall by half from one plane to the next, so a
+// plane holds for at most twice the way of the one before, and a tick's way more; until kLeastTurn, or the depth's
+// share of it, says how long. And it does grow.
+TEST(WayAndAge, BehindACurvePlanesHoldForLongerStepByStep) {
+  constexpr double kVoxel = 1e-3, R = 8 * kVoxel, D = 2 * kVoxel, kStep = 0.1 * kVoxel;
+  const AnalyticSurface edge = {
+      [=](const Vec3& p_W) { return p_W.x() < 0 ? std::hypot(p_W.x(), p_W.z() + R) - R : p_W.z(); },
+      [=](const Vec3& p_W) { return p_W.x() < 0 ? Vec3(Vec3(p_W.x(), 0, p_W.z() + R).normalized()) : Vec3(0, 0, 1); }};
+  Sampling sampling{.size = Vec3i::Constant(120)};
+  sampling.lattice = latticeAround(Vec3(20e-3, 0, 0), sampling.size, Vec3::Constant(kVoxel));
+  const AnalyticVolume volume = sampledOn(sampling, edge);
+  const auto hip = [&](double way_m) {  // 0 where the edge ends
+    const double angle = way_m / (R - D);
+    return way_m < 0 ? Vec3(std::sin(angle) * (R - D), 0, std::cos(angle) * (R - D) - R) : Vec3(way_m, 0, -D);
+  };
+  Hri hri(withAge(1000));
+  constexpr double kBegin = -6 * kVoxel;
+  AlgorithmDriver driver(hri, volume, hip(kBegin) + (R - 4 * kVoxel) * edge.normal(hip(kBegin)));
+  driver.around_vhip = true;
+  driver.stroke(hip(kBegin), 40);
+  std::vector<double> ways;  // that planes held for, of those found on the face or just before it
+  double since_m = 0;
+  for (double way_m = kBegin; way_m < 50 * kVoxel; way_m += kStep) {
+    const TickOutput out = driver.at(hip(way_m));
+    ASSERT_TRUE(out.in_contact);
+    since_m += kStep;
+    if (out.plane_age_ticks != 0) continue;
+    if (way_m > -kVoxel) ways.push_back(since_m);
+    since_m = 0;
+  }
+  ASSERT_GT(ways.size(), 5U);
+  for (std::size_t i = 1; i < ways.size(); ++i) EXPECT_LE(ways[i], 2 * ways[i - 1] + kStep) << i;
+  EXPECT_GT(ways.back(), 2.5 * ways.front());
+}
+
 }  // namespace
 }  // namespace palpate
