@@ -222,6 +222,24 @@ TEST_P(FieldProperties, TurningAndMovingTheSceneTurnsAndMovesTheTrace) {
   EXPECT_GT(contacts, 1000);
 }
 
+// What the registry says of an algorithm is what it does: n changes its force or not, and its VHIP leaves the HIP or
+// not.
+TEST_P(FieldProperties, TraitsAreTrue) {
+  bool differs = false, leaves = false;
+  for (unsigned seed = 1; seed <= 3; ++seed) {
+    RandomScene every(seed), seldom(seed);
+    every.parameters.plane_renewal_ticks = 1;
+    seldom.parameters.plane_renewal_ticks = 10;
+    const auto a = traceOf(GetParam(), every), b = traceOf(GetParam(), seldom);
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      differs = differs || a[i].force_W != b[i].force_W;
+      leaves = leaves || a[i].vhip_W != every.path[i];
+    }
+  }
+  EXPECT_EQ(algorithmEntry(GetParam()).traits.renews_planes, differs);
+  EXPECT_EQ(algorithmEntry(GetParam()).traits.shows_surface, leaves);
+}
+
 std::vector<std::string> names(bool with_meshes) {
   std::vector<std::string> all;
   for (const AlgorithmEntry& entry : algorithms()) {
