@@ -105,6 +105,34 @@ TEST(Hri, RenewsEveryNTicks) {
   EXPECT_THAT(ages, testing::ElementsAre(0, 1, 2, 0, 1, 2, 0, 1));
 }
 
+// A parabolic roof, z = -x^2 / (2 R): its gradients are linear, so samples and their interpolation hold them exactly.
+// Every tick the HIP is within kLineTolerance of the normal line of the surface point; where normals turn by
+// 1 / (R - D) along its way, that is so much of an angle. A thousandth is for the roof, which is flatter away from the
+// ridge, and for floats.
+TEST(Hri, EveryTickTheNormalLineMeetsTheHip) {
+  constexpr double R = 20 * kVoxel, D = 8 * kVoxel;
+  const AnalyticVolume volume = millimetreVolume([](const Vec3& p_W) {
+    const double x = p_W.x() - 30.3e-3;
+    return 40.2e-3 - x * x / (2 * R) - p_W.z();
+  });
+  const auto normal = [](double x) { return Vec3(Vec3(x / R, 0, 1).normalized()); };
+  const auto hip = [&](double x, double depth_m) {
+    return Vec3(Vec3(30.3e-3 + x, 30e-3, 40.2e-3 - x * x / (2 * R)) - depth_m * normal(x));
+  };
+  Hri hri(everyTick());
+  AlgorithmDriver driver(hri, volume, hip(-2e-3, -1e-3));
+  driver.around_vhip = true;
+  driver.stroke(hip(-2e-3, D), 90);
+  double largest = 0;
+  // The surface point goes 0.1 voxel a tick, so the HIP goes 0.06 and finds itself 0.04 aside.
+  for (double x = -2e-3; x < 2e-3; x += 0.1 * kVoxel) {
+    const TickOutput out = driver.at(hip(x, D));
+    ASSERT_TRUE(out.in_contact);
+    largest = std::max(largest, std::atan2(out.normal_W.cross(normal(x)).norm(), out.normal_W.dot(normal(x))));
+  }
+  EXPECT_LE(largest, SurfaceTracker::kLineTolerance * kVoxel / (R - D) * 1.001 + 1e-6);
+}
+
 // A wall of one voxel. Trilinear interpolation of 0.5 t - |s| is lowest halfway between two samples at s = +-0.5 voxel,
 // where it is (t - 1 voxel) / 2: a wall of 1.0 voxel has pinholes in the samples themselves, this one has none.
 constexpr double kWall = 1.2e-3;
