@@ -76,7 +76,7 @@ TEST(MeshPreparation, AnOpenMeshAndAMuddledOneAreSheets) {
 // Two boxes, one the other's neighbour with a face in common, stay closed although four triangles meet in an edge.
 // Two triangles whose rim goes up and down at every corner by turns: each edge of it has one triangle all the same.
 TEST(MeshPreparation, ASheetIsOpenHoweverItsCornersAreNumbered) {
-  const TriangleMesh sheet{{{0, 0, 0}, {1e-2, 1e-2, 0}, {1e-2, 0, 0}, {0, 1e-2, 0}}, {{0, 2, 1}, {0, 1, 3}}};
+  const TriangleMesh sheet{{{0, 0, 0}, {1e-2, 1e-2, 0}, {2e-2, -1e-2, 0}, {3e-2, 9e-2, 0}}, {{0, 2, 1}, {0, 1, 3}}};
   EXPECT_FALSE(prepareMesh(sheet, "sheet").closed);
 }
 
