@@ -74,10 +74,17 @@ TEST(MeshPreparation, AnOpenMeshAndAMuddledOneAreSheets) {
 }
 
 // Two boxes, one the other's neighbour with a face in common, stay closed although four triangles meet in an edge.
-// Two triangles whose rim goes up and down at every corner by turns: each edge of it has one triangle all the same.
+// A box, and beside it two triangles whose rim goes up and down at every corner by turns: each edge of the rim has one
+// triangle all the same.
 TEST(MeshPreparation, ASheetIsOpenHoweverItsCornersAreNumbered) {
-  const TriangleMesh sheet{{{0, 0, 0}, {1e-2, 1e-2, 0}, {2e-2, -1e-2, 0}, {3e-2, 9e-2, 0}}, {{0, 2, 1}, {0, 1, 3}}};
-  EXPECT_FALSE(prepareMesh(sheet, "sheet").closed);
+  TriangleMesh mesh = kBox;
+  const auto first = static_cast<std::uint32_t>(mesh.vertices_W.size());
+  for (const Vec3& corner_W : {Vec3(1, 0, 0), Vec3(2, 1, 0), Vec3(3, -1, 0), Vec3(4, 9, 0)}) {
+    mesh.vertices_W.push_back(corner_W);  // beyond the box, in the order in which vertices are kept
+  }
+  mesh.triangles.push_back({first, first + 2, first + 1});
+  mesh.triangles.push_back({first, first + 1, first + 3});
+  EXPECT_FALSE(prepareMesh(mesh, "box and sheet").closed);
 }
 
 TEST(MeshPreparation, BodiesThatTouchAreClosed) {
