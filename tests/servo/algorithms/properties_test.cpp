@@ -222,6 +222,28 @@ TEST_P(FieldProperties, TurningAndMovingTheSceneTurnsAndMovesTheTrace) {
   EXPECT_GT(contacts, 1000);
 }
 
+// A run that ends anywhere, in contact or not, leaves nothing to the next one.
+TEST_P(FieldProperties, AResetForgetsEverything) {
+  for (unsigned seed = 1; seed <= kSeeds; ++seed) {
+    const RandomScene& scene = randomScene(seed);
+    const auto fresh = traceOf(GetParam(), scene);
+    for (const std::size_t first_run : {std::size_t{37}, scene.path.size() / 3, scene.path.size() / 2}) {
+      const auto algorithm = makeFor(GetParam(), scene.parameters, scene.volume, kContrast);
+      TickOutput out;
+      algorithm->reset(scene.path[0]);
+      for (std::size_t i = 0; i < first_run; ++i) {
+        algorithm->tick({scene.path[i], scene.velocity(i), &scene.held.window}, out);
+      }
+      algorithm->reset(scene.path[0]);
+      for (std::size_t i = 0; i < 600; ++i) {
+        algorithm->tick({scene.path[i], scene.velocity(i), &scene.held.window}, out);
+        ASSERT_EQ(out.force_W, fresh[i].force_W) << seed << " " << first_run << " " << i;
+        ASSERT_EQ(out.faults, fresh[i].faults) << seed << " " << first_run << " " << i;
+      }
+    }
+  }
+}
+
 // What the registry says of an algorithm is what it does: n changes its force or not, and its VHIP leaves the HIP or
 // not.
 TEST_P(FieldProperties, TraitsAreTrue) {

@@ -80,7 +80,7 @@ TEST(MeshPreparation, ASheetIsOpenHoweverItsCornersAreNumbered) {
   TriangleMesh mesh = kBox;
   const auto first = static_cast<std::uint32_t>(mesh.vertices_W.size());
   for (const Vec3& corner_W : {Vec3(1, 0, 0), Vec3(2, 1, 0), Vec3(3, -1, 0), Vec3(4, 9, 0)}) {
-    mesh.vertices_W.push_back(corner_W);  // beyond the box, in the order in which vertices are kept
+    mesh.vertices_W.push_back(0.1 * corner_W);  // beyond the box, in the order in which vertices are kept
   }
   mesh.triangles.push_back({first, first + 2, first + 1});
   mesh.triangles.push_back({first, first + 1, first + 3});
