@@ -105,6 +105,29 @@ TEST(Hri, RenewsEveryNTicks) {
   EXPECT_THAT(ages, testing::ElementsAre(0, 1, 2, 0, 1, 2, 0, 1));
 }
 
+// Windows of another run may have the versions and the storage of the last one's: after a reset nothing is known of
+// them.
+TEST(Hri, AResetForgetsTheWindow) {
+  const AnalyticVolume volume = millimetreVolume(ball(kCentre, kRadius));
+  AnalyticVolume larger = millimetreVolume(ball(kCentre, kRadius));
+  larger.lattice.spacing_m *= 2;  // the same samples, twice as far apart
+  HeldWindow held;
+  volume.hold(held, Vec3i::Zero(), Vec3i::Constant(64));
+  SampleWindow second = held.window;
+  second.lattice = larger.lattice;
+  Hri hri(everyTick());
+  hri.reset(slidePoint(0, kRadius + 1e-3));
+  TickOutput out;
+  hri.tick({slidePoint(0, kRadius + 1e-3), Vec3::Zero(), &held.window}, out);
+  const Vec3 out_W = (slidePoint(0, 1) - kCentre).normalized();
+  const auto at = [&](double radius_m) { return Vec3(2 * kCentre + radius_m * out_W); };
+  hri.reset(at(2 * kRadius + 1e-3));
+  hri.tick({at(2 * kRadius + 1e-3), Vec3::Zero(), &second}, out);
+  hri.tick({at(2 * kRadius - 1e-3), Vec3::Zero(), &second}, out);
+  ASSERT_TRUE(out.in_contact);
+  EXPECT_NEAR(out.force_W.norm(), 500 * 1e-3, 500 * 0.03 * kVoxel);  // the sag of samples of 2 mm: h^2 / (4 R)
+}
+
 // A parabolic roof, z = -x^2 / (2 R): its gradients are linear, so samples and their interpolation hold them exactly.
 // Every tick the HIP is within kLineTolerance of the normal line of the surface point; where normals turn by
 // 1 / (R - D) along its way, that is so much of an angle. A thousandth is for the roof, which is flatter away from the

@@ -247,6 +247,51 @@ TEST(LoopRelease, ADeviceThatNeverHoldsLessDoesNotKeepTheRun) {
   EXPECT_LE(device.writes, 2 * 10 + 1);
 }
 
+// Writes of the release are a period apart, as ticks are: a device that refuses them is asked for its patience's time.
+TEST(LoopRelease, TakesAPeriodForEachWrite) {
+  class Refusing final : public Device {
+   public:
+    [[nodiscard]] std::string_view name() const noexcept override { return "refusing"; }
+    [[nodiscard]] DeviceLimits limits() const noexcept override { return {}; }
+    [[nodiscard]] bool read(Vec3& position_W) noexcept override {
+      position_W.setZero();
+      return true;
+    }
+    [[nodiscard]] bool write(const Vec3&) noexcept override { return false; }
+  } device;
+  FaultScript script;
+  ScriptedClock clock(script);
+  SteadyPush push(Vec3::Zero());
+  WindowStorage storage(8);
+  WindowExchange windows(storage);
+  ToolPoseMailbox tool;
+  LoopParameters p;
+  p.ticks = 10;
+  ServoLoop loop(p, push, device, windows, tool);
+  const std::int64_t begin_ns = clock.time_ns;
+  EXPECT_FALSE(loop.runOn(clock).released);
+  // Ten ticks and a second of patience at 1 kHz.
+  EXPECT_NEAR(static_cast<double>(clock.time_ns - begin_ns) * 1e-9, 0.010 + 1, 0.005);
+}
+
+// Before its first tick the algorithm is put where the device is.
+TEST(LoopStart, PutsTheAlgorithmWhereTheDeviceIs) {
+  class Remembering final : public Algorithm {
+   public:
+    void reset(const Vec3& hip_W) noexcept override { reset_W = hip_W; }
+    void tick(const TickInput&, TickOutput& out) noexcept override { out = TickOutput{}; }
+    Vec3 reset_W = Vec3::Constant(9);
+  } algorithm;
+  StuckDevice device;
+  WindowStorage storage(8);
+  WindowExchange windows(storage);
+  ToolPoseMailbox tool;
+  LoopParameters p;
+  p.ticks = 1;
+  const ServoLoop loop(p, algorithm, device, windows, tool);
+  EXPECT_EQ(algorithm.reset_W, Vec3(Vec3::Zero()));
+}
+
 // The device asks for 1 N a tick, the scene allows more; or the other way round. The smaller counts.
 TEST_F(LoopFaults, TheSmallerOfSceneAndDeviceLimitsTheSlew) {
   for (const double of_scene : {5000.0, 500.0}) {
