@@ -253,10 +253,12 @@ bool ServoLoop::offer(const Vec3& force_W) noexcept {
 template <typename Pause>
 void ServoLoop::endForce(Pause pause) noexcept {
   const auto patience = static_cast<std::int64_t>(std::ceil(kPatience_s * parameters_.rate_hz));
-  const std::int64_t longest = std::min<std::int64_t>(
-      ticks_run_, std::llround(std::ceil(gate_.heldForce().norm() / gate_.slewPerTick())) + patience);
+  // In double: a slew that is next to nothing makes the quotient larger than any integer.
+  const double longest =
+      std::min(static_cast<double>(ticks_run_),
+               std::ceil(gate_.heldForce().norm() / gate_.slewPerTick()) + static_cast<double>(patience));
   std::int64_t refused = 0, writes = 0;
-  while (refused < patience && writes <= longest) {
+  while (refused < patience && static_cast<double>(writes) <= longest) {
     const bool taken = offer(gate_.release());
     released_ = taken && gate_.heldForce().isZero(0);
     if (released_) return;

@@ -221,7 +221,7 @@ TEST_F(LoopFaults, ALongReleaseIsNotGivenUp) {
 }
 
 // Takes every write and says that it holds 1 N whatever it was given: the run ends all the same.
-class StuckDevice final : public Device {
+class StuckDevice : public Device {
  public:
   [[nodiscard]] std::string_view name() const noexcept override { return "stuck"; }
   [[nodiscard]] DeviceLimits limits() const noexcept override { return {}; }
@@ -249,14 +249,8 @@ TEST(LoopRelease, ADeviceThatNeverHoldsLessDoesNotKeepTheRun) {
 
 // Writes of the release are a period apart, as ticks are: a device that refuses them is asked for its patience's time.
 TEST(LoopRelease, TakesAPeriodForEachWrite) {
-  class Refusing final : public Device {
+  class Refusing final : public StuckDevice {
    public:
-    [[nodiscard]] std::string_view name() const noexcept override { return "refusing"; }
-    [[nodiscard]] DeviceLimits limits() const noexcept override { return {}; }
-    [[nodiscard]] bool read(Vec3& position_W) noexcept override {
-      position_W.setZero();
-      return true;
-    }
     [[nodiscard]] bool write(const Vec3&) noexcept override { return false; }
   } device;
   FaultScript script;
