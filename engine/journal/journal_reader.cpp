@@ -10,7 +10,7 @@
 
 #include "base/error.hpp"
 #include "engine/journal/byte_stream.hpp"
-#include "engine/journal/crc32c.hpp"
+#include "base/crc32c.hpp"
 
 namespace palpate {
 namespace {

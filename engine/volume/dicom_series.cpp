@@ -2,7 +2,7 @@
 // A folder of DICOM slices: "folder", or "folder#1.2.3" for one series by its UID; the series with most slices
 // otherwise. Source of the format: DICOM PS3.3, C.7.6.2 (Image Plane): positions and directions are LPS millimetres.
 //
-// GDCM under ITK, after a trial in a child process (trial.hpp), reads each slice and applies its slope and intercept.
+// GDCM under ITK, in a child process (itk_child.hpp), reads each slice and applies its slope and intercept.
 // The order and spacing of slices come from their positions, never from file names or slice thickness.
 #include <algorithm>
 #include <cmath>
@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "base/error.hpp"
+#include "base/shared_buffer.hpp"
 #include "base/units.hpp"
 #include "engine/volume/dicom_slice.hpp"
 #include "engine/volume/magic.hpp"
@@ -19,7 +20,6 @@
 #include "engine/volume/raw_values.hpp"
 #include "engine/volume/readers.hpp"
 #include "engine/volume/text_header.hpp"
-#include "engine/volume/trial.hpp"
 
 namespace palpate {
 namespace {
@@ -41,11 +41,12 @@ void checkIsDicom(const fs::path& path, const std::string& source) {
          "copy the series again or take the file away");
 }
 
-// A file that kills GDCM in a trial must not be given to it here.
-void refuseFatal(const std::vector<fs::path>& files, const std::optional<std::size_t>& fatal,
-                 const std::string& source) {
-  if (!fatal) return;
-  refuse(source, fmt::format("slice {} is damaged", files[*fatal].filename().string()), "copy the series again");
+// Names the file that ITK cannot read.
+RefuseFile refuseSlice(const std::vector<fs::path>& files, const std::string& source) {
+  return [&files, &source](std::size_t n, const std::string& words) {
+    refuse(source, fmt::format("slice {} is damaged ({})", files[n].filename().string(), words),
+           "copy the series again");
+  };
 }
 
 // Every series of a folder by its UID. Files that are no DICOM slices are passed over, unless their names say they are.
@@ -62,13 +63,14 @@ std::map<std::string, Series> readFolder(const std::string& folder, const std::s
   if (files.empty()) refuse(source, "the folder holds no DICOM slices", "give the folder in which the slices are");
   std::sort(files.begin(), files.end());
   for (const fs::path& file : files) checkDicomFile(file, source);
-  refuseFatal(files,
-              firstFatal(files.size(), [&](std::size_t n) { static_cast<void>(readDicomSlice(files[n], source)); }),
-              source);
+  std::vector<ItkFacts> facts =
+      readItkSeries(ItkReader::kDicomSlice, {files.begin(), files.end()}, source, refuseSlice(files, source));
   std::map<std::string, Series> all;
-  for (const fs::path& file : files) {
-    DicomSlice slice = readDicomSlice(file, source);
-    const std::string uid = slice.file->tag("0020|000e");
+  for (std::size_t n = 0; n < files.size(); ++n) {
+    DicomSlice slice;
+    slice.path = files[n];
+    slice.file = std::move(facts[n]);
+    const std::string uid = slice.tag("0020|000e");
     all[uid].push_back(std::move(slice));
   }
   return all;
@@ -99,9 +101,9 @@ void sortSlices(Series& series, const std::string& source) {
 }
 
 void checkAlike(const Series& series, const std::string& source) {
-  const ItkHeader& first = series[0].file->header();
+  const ItkHeader& first = series[0].file.header;
   for (const DicomSlice& slice : series) {
-    const ItkHeader& header = slice.file->header();
+    const ItkHeader& header = slice.file.header;
     const bool same_size = header.dimensions[0] == first.dimensions[0] && header.dimensions[1] == first.dimensions[1];
     const bool same_spacing = std::abs(header.spacing[0] - first.spacing[0]) <= 1e-4 * first.spacing[0] &&
                               std::abs(header.spacing[1] - first.spacing[1]) <= 1e-4 * first.spacing[1];
@@ -139,7 +141,7 @@ double checkGaps(const Series& series, const std::string& source) {
              "resample the series evenly");
     }
     const Vec3 step = series[n].position_mm - series[n - 1].position_mm;
-    if ((step - gap * normal).norm() > kLateralTolerance * series[0].file->header().spacing[0]) {
+    if ((step - gap * normal).norm() > kLateralTolerance * series[0].file.header.spacing[0]) {
       refuse(source, fmt::format("slices {} are shifted sideways, as under a tilted gantry", pair),
              "resample the series upright");
     }
@@ -148,7 +150,7 @@ double checkGaps(const Series& series, const std::string& source) {
 }
 
 Lattice latticeOf(const Series& series, double gap_mm, const std::string& source) {
-  const ItkHeader& first = series[0].file->header();
+  const ItkHeader& first = series[0].file.header;
   Lattice lattice;
   lattice.origin_W = series[0].position_mm * kMetresPerMillimetre;
   lattice.spacing_m = Vec3(first.spacing[0], first.spacing[1], gap_mm) * kMetresPerMillimetre;
@@ -157,27 +159,28 @@ Lattice latticeOf(const Series& series, double gap_mm, const std::string& source
 }
 
 std::vector<float> readPixels(const Series& series, const std::string& source) {
-  std::vector<float> values;
-  const auto& n = series[0].file->header().dimensions;
+  const auto& n = series[0].file.header.dimensions;
   const auto pixels = static_cast<std::size_t>(n[0] * n[1]);
   std::vector<fs::path> files;
-  for (const DicomSlice& slice : series) files.push_back(slice.path);
-  const auto tryPixels = [&](std::size_t slice) {
-    std::vector<char> raw(pixels * byteSize(*series[slice].file->header().type));
-    series[slice].file->read(raw.data());
-  };
-  refuseFatal(files, firstFatal(files.size(), tryPixels), source);
-  values.reserve(pixels * series.size());
+  std::vector<std::string> paths;
+  std::size_t bytes = 0;
   for (const DicomSlice& slice : series) {
-    const ValueType type = *slice.file->header().type;
-    std::vector<char> raw(pixels * byteSize(type));
-    try {
-      slice.file->read(raw.data());
-    } catch (const std::runtime_error& failure) {
-      refuse(source, fmt::format("slice {} cannot be read ({})", slice.name(), failure.what()),
-             "copy the series again");
-    }
-    const std::vector<float> converted = toFloats(raw, type);
+    files.push_back(slice.path);
+    paths.push_back(slice.path.string());
+    bytes += pixels * byteSize(*slice.file.header.type);
+  }
+  const SharedBuffer raw(bytes);
+  std::vector<std::span<char>> parts;
+  std::size_t at = 0;
+  for (const DicomSlice& slice : series) {
+    parts.push_back(raw.bytes().subspan(at, pixels * byteSize(*slice.file.header.type)));
+    at += parts.back().size();
+  }
+  readItkSeriesValues(ItkReader::kDicomSlice, paths, parts, source, refuseSlice(files, source));
+  std::vector<float> values;
+  values.reserve(pixels * series.size());
+  for (std::size_t slice = 0; slice < series.size(); ++slice) {
+    const std::vector<float> converted = toFloats(parts[slice], *series[slice].file.header.type);
     values.insert(values.end(), converted.begin(), converted.end());
   }
   return values;
@@ -188,13 +191,13 @@ VolumeFacts factsOf(const std::map<std::string, Series>& all, const std::string&
   VolumeFacts facts;
   facts.source = source;
   facts.format = "DICOM series";
-  const std::vector<double> stored_bits = dicomNumbers(first.file->tag("0028|0100"));
-  const std::vector<double> is_signed = dicomNumbers(first.file->tag("0028|0103"));
+  const std::vector<double> stored_bits = dicomNumbers(first.tag("0028|0100"));
+  const std::vector<double> is_signed = dicomNumbers(first.tag("0028|0103"));
   facts.value_type = fmt::format("{}int{:.0f}", is_signed == std::vector<double>{1} ? "" : "u",
                                  stored_bits.empty() ? 16 : stored_bits[0]);
   facts.orientation = "LPS, from the slices' positions";
-  const std::vector<double> slope = dicomNumbers(first.file->tag("0028|1053"));
-  const std::vector<double> intercept = dicomNumbers(first.file->tag("0028|1052"));
+  const std::vector<double> slope = dicomNumbers(first.tag("0028|1053"));
+  const std::vector<double> intercept = dicomNumbers(first.tag("0028|1052"));
   if (!slope.empty()) facts.rescale_slope = slope[0];
   if (!intercept.empty()) facts.rescale_intercept = intercept[0];
   facts.remark = fmt::format("series {}", uid);
@@ -214,7 +217,7 @@ Volume readDicom(const std::string& name, std::size_t memory_budget_bytes) {
   sortSlices(series, name);
   checkAlike(series, name);
   const double gap_mm = checkGaps(series, name);
-  const auto& n = series[0].file->header().dimensions;
+  const auto& n = series[0].file.header.dimensions;
   const auto count = static_cast<std::int64_t>(series.size());
   checkMemory(name, n[0], n[1], count, 0, memory_budget_bytes);
   const Vec3i size(static_cast<int>(n[0]), static_cast<int>(n[1]), static_cast<int>(count));

@@ -41,19 +41,8 @@ void checkDicomFile(const fs::path& path, const std::string& source) {
   refuse(source, fmt::format("slice {} is cut short or damaged", path.filename().string()), "copy the series again");
 }
 
-DicomSlice readDicomSlice(const fs::path& path, const std::string& source) {
-  DicomSlice slice;
-  slice.path = path;
-  try {
-    slice.file = std::make_unique<ItkFile>(ItkReader::kDicomSlice, path.string());
-  } catch (const std::runtime_error& failure) {
-    refuse(source, fmt::format("slice {} cannot be read ({})", slice.name(), failure.what()), "copy the series again");
-  }
-  return slice;
-}
-
 void checkDicomSlice(DicomSlice& slice, const std::string& source) {
-  const ItkHeader& header = slice.file->header();
+  const ItkHeader& header = slice.file.header;
   if (header.components != 1 || !header.type) {
     refuse(source, fmt::format("slice {} has {} components a pixel", slice.name(), header.components),
            "give a CT or MR series");
@@ -61,15 +50,14 @@ void checkDicomSlice(DicomSlice& slice, const std::string& source) {
   if (header.dimensions.size() > 2 && header.dimensions[2] > 1) {
     refuse(source, fmt::format("{} holds several frames", slice.name()), "convert it to NIfTI or NRRD");
   }
-  const std::vector<double> spacing = dicomNumbers(slice.file->tag("0028|0030"));
+  const std::vector<double> spacing = dicomNumbers(slice.tag("0028|0030"));
   if (spacing.size() != 2 || !(spacing[0] > 0) || !(spacing[1] > 0)) {
-    refuse(
-        source,
-        fmt::format("the PixelSpacing \"{}\" of slice {} is not positive", slice.file->tag("0028|0030"), slice.name()),
-        "write the true pixel size into the files");
+    refuse(source,
+           fmt::format("the PixelSpacing \"{}\" of slice {} is not positive", slice.tag("0028|0030"), slice.name()),
+           "write the true pixel size into the files");
   }
-  const std::vector<double> position = dicomNumbers(slice.file->tag("0020|0032"));
-  if (position.size() != 3 || dicomNumbers(slice.file->tag("0020|0037")).size() != 6) {
+  const std::vector<double> position = dicomNumbers(slice.tag("0020|0032"));
+  if (position.size() != 3 || dicomNumbers(slice.tag("0020|0037")).size() != 6) {
     refuse(source, fmt::format("slice {} has no position or orientation", slice.name()), "give a CT or MR series");
   }
   slice.position_mm = Vec3(position[0], position[1], position[2]);

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // NIfTI-1: .nii, .nii.gz and .hdr/.img pairs. Source of the format: nifti1.h, https://nifti.nimh.nih.gov/nifti-1
 //
-// ITK reads it, but for values that lie there as they are, turns RAS to LPS and applies scl_slope and scl_inter. Looked
-// at before: dimensions, voxel sizes (ITK takes the size of a negative one), value type, the stored size. Analyze 7.5
-// files are refused: they do not say left from right.
+// ITK reads the header and turns RAS to LPS; the values are read here. Looked at before: dimensions, voxel sizes (ITK
+// takes the size of a negative one), value type. Analyze 7.5 files are refused: they do not say left from right.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -57,6 +56,11 @@ class RawHeader {
     if (unit == 1) return 1e3;
     return unit == 3 ? 1e-3 : 1;
   }
+  // Number n of the 18 that place the voxels: quaternion, its offset, the matrix.
+  // 0 where its form is not in use.
+  [[nodiscard]] double placing(std::size_t n) const {
+    return get<std::int16_t>(n < 6 ? 252 : 254) > 0 ? get<float>(256 + 4 * n) : 0;
+  }
   [[nodiscard]] bool swapped() const { return swapped_; }  // against the machine's byte order
   [[nodiscard]] bool oneFile() const { return bytes_[345] == '+'; }
   [[nodiscard]] bool hasOrientation() const { return get<std::int16_t>(252) > 0 || get<std::int16_t>(254) > 0; }
@@ -106,7 +110,8 @@ ValueType valueTypeOf(const RawHeader& header, const std::string& source) {
   }
 }
 
-double claimedBytes(const RawHeader& header, const std::string& source, std::size_t memory_budget_bytes) {
+// Before ITK sees the file, which may allocate while it reads a header.
+void checkSizes(const RawHeader& header, const std::string& source, std::size_t memory_budget_bytes) {
   const int axes = header.dimension(0);
   if (axes < 3 || axes > 7) refuse(source, fmt::format("it has {} dimensions", axes), "give a volume");
   for (std::size_t axis = 4; axis <= static_cast<std::size_t>(axes); ++axis) {
@@ -116,7 +121,6 @@ double claimedBytes(const RawHeader& header, const std::string& source, std::siz
   }
   const double bytes = static_cast<double>(byteSize(valueTypeOf(header, source)));
   checkMemory(source, header.dimension(1), header.dimension(2), header.dimension(3), bytes, memory_budget_bytes);
-  return bytes * header.dimension(1) * header.dimension(2) * header.dimension(3);
 }
 
 void checkVoxelSize(const RawHeader& header, const std::string& source) {
@@ -124,6 +128,16 @@ void checkVoxelSize(const RawHeader& header, const std::string& source) {
     if (header.voxelSize(axis) > 0 && std::isfinite(header.voxelSize(axis))) continue;
     refuse(source, fmt::format("its voxel size pixdim[{}] is {:g}, not positive", axis, header.voxelSize(axis)),
            "write the true voxel size into the header");
+  }
+}
+
+// ITK's library aborts or loops for ever where these are NaN, infinite or too large to be squared.
+void checkPlacing(const RawHeader& header, const std::string& source) {
+  constexpr double kFarthest = 1e12;  // in any unit
+  for (std::size_t n = 0; n < 18; ++n) {
+    if (std::abs(header.placing(n)) < kFarthest) continue;
+    refuse(source, fmt::format("its quaternion or matrix, which place the voxels, hold {:g}", header.placing(n)),
+           "the file may be damaged: copy or write it again");
   }
 }
 
@@ -145,23 +159,32 @@ std::string dataPath(const RawHeader& header, const std::string& header_path) {
   return stem + ".img";
 }
 
-// ITK fills what is missing of a short .img with zeros.
-void checkData(const RawHeader& header, const std::string& header_path, const std::string& source, double wanted) {
+// Where the values lie. A gzipped pair has its offset in what comes out, one file too.
+StoredValues storedValuesOf(const RawHeader& header, const std::string& header_path, const std::string& source) {
   const std::string path = dataPath(header, header_path);
-  const bool compressed = lowerCase(path).ends_with(".gz");
-  const double offset = compressed ? 0 : header.dataOffset();
-  if (!(offset >= 0 && offset < 1e12)) refuse(source, "its data offset is no place in a file", "write the file again");
-  checkStoredBytes(source, static_cast<double>(fileBytes(path, source)) - offset, wanted, compressed);
+  double offset = header.dataOffset();
+  if (header.oneFile() && offset == 0) offset = kOneFileHeaderBytes;  // left out by its writer
+  if (!(offset >= (header.oneFile() ? kHeaderBytes : 0) && offset < 1e12) || offset != std::floor(offset)) {
+    refuse(source, fmt::format("its data offset {:g} is no place in a file", offset), "write the file again");
+  }
+  StoredValues values;
+  values.parts = {{path, 0}};
+  values.skip_bytes = static_cast<std::uint64_t>(offset);
+  if (isGzip(path)) values.packing = Packing::kGzip;
+  values.swapped = header.swapped();
+  return values;
 }
 
-// The values, if they are in the machine's byte order and neither packed nor scaled.
-std::optional<RawBlock> rawBlockOf(const RawHeader& header, const std::string& header_path) {
-  const std::string path = dataPath(header, header_path);
-  const double offset = header.dataOffset(), least = header.oneFile() ? kOneFileHeaderBytes : 0;
-  const bool moved = !(offset >= least) || offset != std::floor(offset);
-  const bool scaled = (header.slope() != 0 && header.slope() != 1) || header.intercept() != 0;
-  if (header.swapped() || moved || scaled || lowerCase(path).ends_with(".gz")) return {};
-  return RawBlock{path, static_cast<std::uint64_t>(offset)};
+// Where the slope is 0 the values are what they are.
+void applyScale(const RawHeader& header, ItkRequest& request) {
+  if (header.slope() == 0) return;
+  if (!std::isfinite(header.slope()) || !std::isfinite(header.intercept())) {
+    refuse(request.facts.source,
+           fmt::format("its scl_slope {:g} or scl_inter {:g} is no number", header.slope(), header.intercept()),
+           "write the file again");
+  }
+  request.slope = request.facts.rescale_slope = header.slope();
+  request.intercept = request.facts.rescale_intercept = header.intercept();
 }
 
 }  // namespace
@@ -171,22 +194,22 @@ Volume readNifti(const std::string& name, std::size_t memory_budget_bytes) {
   if (path != name) static_cast<void>(fileBytes(path, name));  // an .img without its .hdr
   const RawHeader header(headOf(path, kHeaderBytes), name);
   checkVoxelSize(header, name);
-  checkData(header, path, name, claimedBytes(header, name, memory_budget_bytes));
+  checkPlacing(header, name);
+  checkSizes(header, name, memory_budget_bytes);
   ItkRequest request;
   request.reader = ItkReader::kNifti;
   request.path = path;
   request.memory_budget_bytes = memory_budget_bytes;
-  request.raw = rawBlockOf(header, path);
+  request.stored_type = valueTypeOf(header, name);
+  request.stored = storedValuesOf(header, path, name);
+  request.nan_becomes_zero = true;
   request.origin_scale = header.millimetresPerUnit();
   request.facts.source = name;
   request.facts.format = "NIfTI";
   request.facts.value_type = nameOf(valueTypeOf(header, name));
   request.facts.orientation =
       header.hasOrientation() ? "RAS file turned to LPS" : "no orientation in the file: taken as RAS";
-  if (header.slope() != 0) {  // 0 means none
-    request.facts.rescale_slope = header.slope();
-    request.facts.rescale_intercept = header.intercept();
-  }
+  applyScale(header, request);
   return readItkImage(std::move(request));
 }
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "engine/volume/volume_file.hpp"
 #include "tests/engine/volume/known_leaks.hpp"
 #include "tests/engine/volume/samples.hpp"
 
@@ -152,6 +153,69 @@ TEST_F(Nifti, RefusesMoreThanMemoryBeforeReadingIt) {
   NiftiFields huge;
   huge.dim = {3, 32767, 32767, 32767, 1, 1, 1, 1};
   refuses(huge, "GiB", Error::Code::kOutOfMemory);
+}
+
+// ITK's NIfTI library aborts on some of these and loops for ever on others.
+TEST_F(Nifti, RefusesAMatrixOfNoNumbers) {
+  for (const float number : {std::nanf(""), std::numeric_limits<float>::infinity(), 3e38F}) {
+    for (const std::size_t at : {0U, 3U, 5U, 10U}) {
+      NiftiFields fields;
+      fields.qform_code = 0;
+      fields.sform_code = 1;
+      fields.sform = {0.5F, 0, 0, 0, 0, 0.75F, 0, 0, 0, 0, 2, 0};
+      fields.sform[at] = number;
+      writeFile(path_, niftiHeader(fields) + data_);
+      EXPECT_THROW(static_cast<void>(loadVolume(path_)), Error) << number << " at " << at;
+    }
+  }
+}
+
+TEST_F(Nifti, RefusesVoxelsOfWhichNoneIsANumber) {
+  NiftiFields fields;
+  fields.datatype = 16;
+  fields.bits = 32;
+  std::vector<double> values(60, std::nan(""));
+  writeFile(path_, niftiHeader(fields) + bytesOf<float>(values));
+  expectLoadRefusal(path_, "all of its 60 voxels");
+  values[59] = 7;
+  const Volume volume = load(fields, bytesOf<float>(values));
+  EXPECT_EQ(volume.value({4, 3, 2}), 7);
+  EXPECT_EQ(volume.value({0, 0, 0}), 0);
+  EXPECT_THAT(volume.facts().remark, testing::HasSubstr("59 of 60"));
+}
+
+TEST_F(Nifti, AppliesAnInterceptToFloatsOfSlopeOneAndNoneWithoutASlope) {
+  NiftiFields fields;
+  fields.datatype = 16;
+  fields.bits = 32;
+  fields.slope = 1;
+  fields.intercept = -1000;
+  EXPECT_EQ(load(fields, bytesOf<float>(rampValues())).toDense(), asFloats(rampValues(-1000)));
+  fields.slope = 0;
+  EXPECT_EQ(load(fields, bytesOf<float>(rampValues())).toDense(), asFloats(rampValues()));
+  fields.slope = std::nanf("");
+  writeFile(path_, niftiHeader(fields) + bytesOf<float>(rampValues()));
+  expectLoadRefusal(path_, "scl_slope");
+}
+
+TEST_F(Nifti, RefusesGzipThatIsCutOrChanged) {
+  const std::string name = folder_.file("a.nii.gz");
+  std::vector<float> values(27'000);
+  for (std::size_t n = 0; n < values.size(); ++n) values[n] = static_cast<float>(n * 7919 % 4096);
+  saveVolume(Volume::fromDense(Vec3i::Constant(30), plainLattice(), values, {}), name);
+  const std::string whole = readFile(name);
+  for (const std::size_t length : {whole.size() / 2, whole.size() - 4, whole.size() - 1}) {
+    writeFile(name, whole.substr(0, length));
+    expectLoadRefusal(name, "end early");
+  }
+  std::string wrong_checksum = whole;
+  wrong_checksum[whole.size() - 8] = static_cast<char>(wrong_checksum[whole.size() - 8] ^ 1);
+  writeFile(name, wrong_checksum);
+  expectLoadRefusal(name, "data check");
+  writeGzip(name, niftiHeader({}) + data_ + "more");
+  expectLoadRefusal(name, "more voxels");
+  writeGzip(name, niftiHeader({}) + data_.substr(2));
+  expectLoadRefusal(name, "fewer voxels");
 }
 
 TEST_F(Nifti, RefusesShortData) {
