@@ -186,6 +186,8 @@ Volume readNifti(const std::string& name, std::size_t memory_budget_bytes) {
   if (header.slope() != 0) {  // 0 means none
     request.facts.rescale_slope = header.slope();
     request.facts.rescale_intercept = header.intercept();
+  } else {
+    request.intercept = -header.intercept();  // ITK adds it all the same
   }
   return readItkImage(std::move(request));
 }
