@@ -99,6 +99,8 @@ TEST(JournalReader, RecordsThatMakeNoSenseEndTheJournal) {
   };
   EXPECT_THAT(reasonWith(recordBytes(RecordKind::kUndo, 1, "")), HasSubstr("undoes what was not done"));
   EXPECT_THAT(reasonWith(recordBytes(RecordKind::kRedo, 1, "")), HasSubstr("was not undone"));
+  EXPECT_THAT(reasonWith(recordBytes(RecordKind::kUndo, 1, "x")), HasSubstr("more than an undo has"));
+  EXPECT_THAT(reasonWith(recordBytes(RecordKind::kRedo, 1, "x")), HasSubstr("more than a redo has"));
   EXPECT_THAT(reasonWith(recordBytes(RecordKind::kEdit, 1, "")), HasSubstr("no commands"));
   EXPECT_THAT(reasonWith(recordBytes(RecordKind::kStamp, 1, "xyz")), HasSubstr("no stamp"));
   EXPECT_THAT(reasonWith(recordBytes(static_cast<RecordKind>(99), 1, "")), HasSubstr("kind 99"));
