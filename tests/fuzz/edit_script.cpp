@@ -71,6 +71,15 @@ std::string bytesOf(EditCommand command) {
   return editContent({&command, 1}, {&no_stamp, 1});
 }
 
+void requireNumbers(const EditCommand& c) {
+  const MaterialRate material = c.material.value_or(MaterialRate{});
+  for (const Vec3& v :
+       {c.from_W, c.to_W, c.plane_W, c.normal_W, Vec3(c.R_WS.rowwise().norm()), Vec3(c.radius_m, c.strength, c.falloff),
+        Vec3(c.value, c.object.value_or(0), material.drop), Vec3(material.low_density, material.high_density, 0)})
+    fuzz::require(v.allFinite(), "a number of the command is none");
+  fuzz::require(c.strength > 0 && c.strength <= 1 && c.falloff >= 0 && c.falloff <= 1, "a share is none");
+}
+
 void checkText(std::string_view text, EditUse use) {
   EditText read;
   try {
@@ -78,6 +87,7 @@ void checkText(std::string_view text, EditUse use) {
   } catch (const Error& error) {
     return fuzz::requireMessage(error, "place");
   }
+  requireNumbers(read.command);
   const std::string words = textOf(read, use);
   fuzz::mustAccept("its own words are refused: " + words, [&] {
     const EditText again = editText(words, use, "place");
