@@ -26,6 +26,11 @@
 // There where a sanitizer is.
 // NOLINTNEXTLINE(bugprone-reserved-identifier,readability-identifier-naming): the sanitizers' name
 extern "C" __attribute__((weak)) void __sanitizer_set_death_callback(void (*callback)());
+// The undefined-behaviour sanitizer knows no such callback where it is a library of its own; so it sends a signal.
+// NOLINTNEXTLINE(bugprone-reserved-identifier,readability-identifier-naming): the sanitizers' name
+extern "C" const char* __ubsan_default_options() {
+  return "abort_on_error=1";
+}
 
 namespace {
 

@@ -12,6 +12,8 @@
 namespace palpate::fuzz {
 namespace {
 
+using namespace std::string_view_literals;
+
 constexpr std::array<std::string_view, 28> kNumbers = {"0",
                                                        "-0",
                                                        "1",
@@ -40,7 +42,7 @@ constexpr std::array<std::string_view, 28> kNumbers = {"0",
                                                        "18446744073709551616",
                                                        "0x10",
                                                        "1.7976931348623157e308"};
-constexpr std::string_view kBytes{"\0\xff\x7f\x80 \t\r\n\v:;,.=#?&%/\\\"'[]{}()<>+-0123456789eExXmMnN", 53};
+constexpr std::string_view kBytes = "\0\xff\x7f\x80 \t\r\n\v:;,.=#?&%/\\\"'[]{}()<>+-0123456789eExXmMnN"sv;
 
 bool isWordByte(char c) {
   return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-' || c == '.';
