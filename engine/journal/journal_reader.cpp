@@ -79,11 +79,13 @@ class Reading {
         break;
       }
       case RecordKind::kUndo:
+        if (!frame.content.empty()) return "holds more than an undo has";
         if (done_ == 0) return "undoes what was not done";
         --done_;
         ++undone_;
         break;
       case RecordKind::kRedo:
+        if (!frame.content.empty()) return "holds more than a redo has";
         if (undone_ == 0) return "does again what was not undone";
         ++done_;
         --undone_;

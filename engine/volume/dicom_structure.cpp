@@ -47,48 +47,49 @@ class Walk {
     while (!syntax.empty() && (syntax.back() == '\0' || syntax.back() == ' ')) syntax.remove_suffix(1);
     if (syntax == "1.2.840.10008.1.2.1.99" || syntax == "1.2.840.10008.1.2.2") return true;
     explicit_ = syntax != "1.2.840.10008.1.2";
-    return elements(file_.size(), 0);
+    return elements(0);
   }
 
  private:
-  // Elements up to `end`, or to a delimiter of items.
-  bool elements(std::size_t end, int depth) {
+  // Elements up to the file's end; those of an item up to its delimiter.
+  bool elements(int depth) {
     std::uint32_t last_tag = 0;
-    while (at_ < end) {
+    while (at_ < file_.size()) {
       Element element;
       if (!readHead(element)) return false;
-      if (element.tag == kItemEnd) return true;
+      if (element.tag == kItemEnd) return depth > 0;
       if (element.tag <= last_tag) return false;  // tags ascend
       last_tag = element.tag;
       if (!value(element, depth)) return false;
     }
-    return at_ == end;
+    return depth == 0;
   }
 
   bool value(const Element& element, int depth) {
-    if (element.length == kUndefined) return items(file_.size(), depth + 1);
+    if (element.length == kUndefined) return items(file_.size(), true, depth + 1);
     if (element.length > left()) return false;
-    if (element.type == "SQ") return items(at_ + element.length, depth + 1);
+    if (element.type == "SQ") return items(at_ + element.length, false, depth + 1);
     at_ += element.length;
     return true;
   }
 
-  // Items of a sequence, or fragments of packed pixels, which are items that hold no elements.
-  bool items(std::size_t end, int depth) {
+  // Items of a sequence, or fragments of packed pixels, which are items that hold no elements. `delimited`: they end
+  // with a delimiter, else at `end`.
+  bool items(std::size_t end, bool delimited, int depth) {
     if (depth > kDeepest) return false;
     while (at_ < end) {
       Element item;
       if (!readHead(item)) return false;
-      if (item.tag == kSequenceEnd) return true;
+      if (item.tag == kSequenceEnd) return delimited || at_ == end;
       if (item.tag != kItem) return false;
       if (item.length == kUndefined) {
-        if (!elements(file_.size(), depth)) return false;
+        if (!elements(depth)) return false;
       } else {
         if (item.length > left()) return false;
         at_ += item.length;
       }
     }
-    return at_ == end && end != file_.size();
+    return at_ == end && !delimited;
   }
 
   bool readHead(Element& element) {

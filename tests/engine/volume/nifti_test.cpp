@@ -63,6 +63,35 @@ TEST_F(Nifti, AppliesSlopeAndIntercept) {
   EXPECT_EQ(volume.facts().value_type, "int16");
 }
 
+// A slope of 1 with an intercept is a scaling too, and a slope of 0 says that there is none, whatever the intercept is
+// (nifti1.h, "DATA SCALING"); for integers and floats, as they lie in memory and turned.
+TEST_F(Nifti, AppliesAnInterceptAloneAndNoneToASlopeOfZero) {
+  const std::vector<double> values = rampValues(20);
+  for (const bool big : {false, true}) {
+    const auto check = [&](int datatype, int bits, const std::string& bytes) {
+      for (const float slope : {0.0F, 1.0F, -1.0F, 2.0F}) {
+        for (const float intercept : {0.0F, -7.5F}) {
+          NiftiFields fields;
+          fields.datatype = datatype;
+          fields.bits = bits;
+          fields.big_endian = big;
+          fields.slope = slope;
+          fields.intercept = intercept;
+          std::vector<double> want = values;
+          for (double& value : want) value = slope == 0 ? value : slope * value + intercept;
+          SCOPED_TRACE(testing::Message() << datatype << " " << slope << " " << intercept << " " << big);
+          expectVolume(load(fields, bytes), rasLattice(), want);
+        }
+      }
+    };
+    check(2, 8, bytesOf<std::uint8_t>(values, big));
+    check(4, 16, bytesOf<std::int16_t>(values, big));
+    check(8, 32, bytesOf<std::int32_t>(values, big));
+    check(16, 32, bytesOf<float>(values, big));
+    check(64, 64, bytesOf<double>(values, big));
+  }
+}
+
 TEST_F(Nifti, ReadsCompressedFilesAndPairs) {
   writeGzip(folder_.file("b.nii.gz"), niftiHeader({}) + data_);
   expectVolume(loadVolume(folder_.file("b.nii.gz")), rasLattice(), rampValues(-30));
