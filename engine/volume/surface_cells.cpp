@@ -61,6 +61,61 @@ bool mayBeCrossed(Densities& densities, const Vec3i& brick) {
   return false;
 }
 
+// The densities at the corners of a brick's cells, read once.
+class Block {
+ public:
+  Block(Densities& densities, float isovalue) : densities_(densities), isovalue_(isovalue) {}
+
+  void read(const Vec3i& first, const Vec3i& last) {
+    first_ = first;
+    for (int k = first.z(); k <= last.z() + 1; ++k) {
+      for (int j = first.y(); j <= last.y() + 1; ++j) {
+        for (int i = first.x(); i <= last.x() + 1; ++i) {
+          const std::size_t n = place({i, j, k});
+          const bool holds = densities_.holds({i, j, k});
+          values_[n] = holds ? densities_.at({i, j, k}) : 0.0F;
+          inside_[n] = holds && values_[n] > isovalue_ ? 1 : 0;
+        }
+      }
+    }
+  }
+
+  [[nodiscard]] std::uint8_t insideOf(const Vec3i& at) const {
+    const std::size_t n = place(at);
+    unsigned inside = 0;
+    for (std::size_t corner = 0; corner < 8; ++corner)
+      inside |= static_cast<unsigned>(inside_[n + kCorners[corner]]) << corner;
+    return static_cast<std::uint8_t>(inside);
+  }
+
+  [[nodiscard]] SurfaceCell cell(const Vec3i& at, std::uint8_t inside) const {
+    SurfaceCell cell;
+    cell.at = at;
+    cell.inside = inside;
+    const std::size_t n = place(at);
+    for (std::size_t corner = 0; corner < 8; ++corner) cell.densities[corner] = values_[n + kCorners[corner]];
+    cell.joined = joinedFaces(cell, isovalue_);
+    cell.loops = loopsOf(cell.inside, cell.joined);
+    return cell;
+  }
+
+ private:
+  static constexpr std::size_t kWide = kBrickSize + 1;
+  static constexpr std::array<std::size_t, 8> kCorners = {
+      0, 1, kWide, kWide + 1, kWide* kWide, kWide* kWide + 1, kWide* kWide + kWide, kWide* kWide + kWide + 1};
+
+  [[nodiscard]] std::size_t place(const Vec3i& voxel) const {
+    const auto at = (voxel - first_).cast<std::size_t>();
+    return (at.z() * kWide + at.y()) * kWide + at.x();
+  }
+
+  Densities& densities_;
+  float isovalue_;
+  Vec3i first_ = Vec3i::Zero();
+  std::array<float, kWide * kWide * kWide> values_{};
+  std::array<std::uint8_t, kWide * kWide * kWide> inside_{};
+};
+
 }  // namespace
 
 std::uint64_t SurfaceCells::key(const Vec3i& cell) const noexcept {
@@ -83,21 +138,7 @@ SurfaceCells::SurfaceCells(const Volume& volume, float isovalue) : size_(volume.
 void SurfaceCells::find(const Volume& volume, float isovalue) {
   Densities densities(volume, isovalue);
   const Vec3i counts = volume.brickCount();
-  const auto visit = [&](const Vec3i& at) {
-    SurfaceCell cell;
-    cell.at = at;
-    for (int corner = 0; corner < 8; ++corner) {
-      const Vec3i voxel = at + Vec3i(corner & 1, corner >> 1 & 1, corner >> 2);
-      if (!densities.holds(voxel)) continue;
-      const float density = densities.at(voxel);
-      cell.densities[static_cast<std::size_t>(corner)] = density;
-      if (density > isovalue) cell.inside = static_cast<std::uint8_t>(cell.inside | 1U << corner);
-    }
-    if (cell.inside == 0 || cell.inside == 0xff) return;
-    cell.joined = joinedFaces(cell, isovalue);
-    cell.loops = loopsOf(cell.inside, cell.joined);
-    cells_.push_back(cell);
-  };
+  Block block(densities, isovalue);
   for (int bk = -1; bk < counts.z(); ++bk) {
     for (int bj = -1; bj < counts.y(); ++bj) {
       for (int bi = -1; bi < counts.x(); ++bi) {
@@ -106,9 +147,13 @@ void SurfaceCells::find(const Volume& volume, float isovalue) {
         // Of the bricks before the domain the last cells alone reach into it.
         const Vec3i first = (brick * kBrickSize).cwiseMax(-1);
         const Vec3i last = (brick * kBrickSize + Vec3i::Constant(kBrickSize - 1)).cwiseMin(size_ - Vec3i::Ones());
+        block.read(first, last);
         for (int k = first.z(); k <= last.z(); ++k) {
           for (int j = first.y(); j <= last.y(); ++j) {
-            for (int i = first.x(); i <= last.x(); ++i) visit({i, j, k});
+            for (int i = first.x(); i <= last.x(); ++i) {
+              const std::uint8_t inside = block.insideOf({i, j, k});
+              if (inside != 0 && inside != 0xff) cells_.push_back(block.cell({i, j, k}, inside));
+            }
           }
         }
       }
