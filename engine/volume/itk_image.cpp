@@ -60,24 +60,27 @@ std::unique_ptr<Volume::Grid> readRaw(const ItkRequest& request, ValueType type,
 
 Volume read(ItkRequest& request) {
   const std::string& source = request.facts.source;
-  ItkFile file(request.reader, request.path);
-  const ItkHeader& header = file.header();
+  std::optional<ItkFile> file;
+  if (!request.header) file.emplace(request.reader, request.path);
+  const ItkHeader header = request.header ? *request.header : file->header();
   checkShape(header, source);
   const ValueType type = *header.type;
   const auto& n = header.dimensions;
   checkMemory(source, n[0], n[1], n[2], static_cast<double>(byteSize(type)), request.memory_budget_bytes);
   const Vec3i size(static_cast<int>(n[0]), static_cast<int>(n[1]), static_cast<int>(n[2]));
-  Lattice claimed = request.lattice ? *request.lattice : latticeOf(header, request.metres_per_unit);
-  claimed.origin_W *= request.origin_scale;
+  const Lattice claimed = request.lattice ? *request.lattice : latticeOf(header, request.metres_per_unit);
   const Lattice lattice = orthonormalised(claimed, source);
   if (request.facts.value_type.empty()) request.facts.value_type = nameOf(type);
   if (request.raw) {
     if (auto grid = readRaw(request, type, size, lattice)) return Volume(std::move(grid));
   }
   const auto count = static_cast<std::size_t>(size.cast<long long>().prod());
-  LargeBuffer raw(count * byteSize(type));
-  file.read(raw.data());
-  const BrickSource bricks = rawBricks({raw.data(), raw.size()}, type, size, request.slope, request.intercept);
+  if (!file) file.emplace(request.reader, request.path);
+  checkShape(file->header(), source);
+  const ValueType delivered = *file->header().type;  // not the file's where ITK applies a slope
+  LargeBuffer raw(count * byteSize(delivered));
+  file->read(raw.data());
+  const BrickSource bricks = rawBricks({raw.data(), raw.size()}, delivered, size, request.slope, request.intercept);
   return Volume(buildGridByLayers(size, lattice, std::move(request.facts), [&](int) { return bricks; }));
 }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // NIfTI-1: .nii, .nii.gz and .hdr/.img pairs. Source of the format: nifti1.h, https://nifti.nimh.nih.gov/nifti-1
 //
-// ITK reads it, but for values that lie there as they are, turns RAS to LPS and applies scl_slope and scl_inter. Looked
-// at before: dimensions, voxel sizes (ITK takes the size of a negative one), value type, the stored size. Analyze 7.5
+// ITK reads it, but for values that lie there as they are, and applies scl_slope and scl_inter. Where the voxels lie is
+// found here (nifti_form.hpp). Looked at before: dimensions, voxel sizes, value type, the stored size. Analyze 7.5
 // files are refused: they do not say left from right.
 #include <algorithm>
 #include <array>
@@ -18,6 +18,7 @@
 #include "engine/volume/itk_image.hpp"
 #include "engine/volume/magic.hpp"
 #include "engine/volume/memory_budget.hpp"
+#include "engine/volume/nifti_form.hpp"
 #include "engine/volume/readers.hpp"
 #include "engine/volume/text_header.hpp"
 
@@ -59,7 +60,20 @@ class RawHeader {
   }
   [[nodiscard]] bool swapped() const { return swapped_; }  // against the machine's byte order
   [[nodiscard]] bool oneFile() const { return bytes_[345] == '+'; }
-  [[nodiscard]] bool hasOrientation() const { return get<std::int16_t>(252) > 0 || get<std::int16_t>(254) > 0; }
+  [[nodiscard]] NiftiForms forms() const {
+    NiftiForms forms;
+    forms.qform_code = get<std::int16_t>(252);
+    forms.sform_code = get<std::int16_t>(254);
+    forms.qfac = get<float>(76);
+    forms.millimetres_per_unit = millimetresPerUnit();
+    for (std::size_t n = 0; n < 3; ++n) {
+      forms.voxel_size[n] = voxelSize(n + 1);
+      forms.quaternion[n] = get<float>(256 + 4 * n);
+      forms.offset[n] = get<float>(268 + 4 * n);
+      for (std::size_t column = 0; column < 4; ++column) forms.sform[n][column] = get<float>(280 + 16 * n + 4 * column);
+    }
+    return forms;
+  }
 
  private:
   template <class T>
@@ -177,12 +191,17 @@ Volume readNifti(const std::string& name, std::size_t memory_budget_bytes) {
   request.path = path;
   request.memory_budget_bytes = memory_budget_bytes;
   request.raw = rawBlockOf(header, path);
-  request.origin_scale = header.millimetresPerUnit();
+  const Vec3 last(header.dimension(1) - 1, header.dimension(2) - 1, header.dimension(3) - 1);
+  const NiftiPlacing placing = placingOf(header.forms(), last, name);
+  request.lattice = placing.lattice;
   request.facts.source = name;
   request.facts.format = "NIfTI";
   request.facts.value_type = nameOf(valueTypeOf(header, name));
-  request.facts.orientation =
-      header.hasOrientation() ? "RAS file turned to LPS" : "no orientation in the file: taken as RAS";
+  request.facts.orientation = placing.orientation;
+  request.facts.remark = placing.remark;
+  request.header = ItkHeader{};
+  request.header->type = valueTypeOf(header, name);
+  for (std::size_t axis = 1; axis <= 3; ++axis) request.header->dimensions.push_back(header.dimension(axis));
   if (header.slope() != 0) {  // 0 means none
     request.facts.rescale_slope = header.slope();
     request.facts.rescale_intercept = header.intercept();
