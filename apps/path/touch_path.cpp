@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -22,8 +23,9 @@ constexpr std::array<const char*, 4> kPhaseNames = {"approach", "press", "slide"
 constexpr std::array<double, 5> kPhaseShares = {0, 0.15, 0.30, 0.85, 1};  // of the duration
 constexpr int kSlideDirections = 8;                                       // tried when no direction is wished
 constexpr double kMostPoints = 1e6;
-constexpr double kFreeShare = 0.8;  // of the room in front of an obstacle that is used
-constexpr double kGrazing = 1e-3;   // sine below which a direction counts as along the normal
+constexpr double kFreeShare = 0.8;     // of the room in front of an obstacle that is used
+constexpr double kMostVoxels = 16000;  // that a path goes along or away from the surface
+constexpr double kGrazing = 1e-3;      // sine below which a direction counts as along the normal
 
 [[noreturn]] void refuse(const std::string& input, const std::string& reason, const std::string& remedy) {
   throw Error(Error::Code::kBadInput, input, reason, remedy);
@@ -49,6 +51,24 @@ void checkRequest(const PathRequest& request) {
   checkDirection("path slide", request.slide_W);
   if (request.start_W && !request.start_W->allFinite())
     refuse("path start", "it is not a point", "give three finite numbers");
+}
+
+// A path is followed in steps of a voxel or less, so one of very many voxels would take minutes. So small voxels are
+// most often a mistake of the unit.
+void checkAgainstVoxels(const SurfaceField& field, const PathRequest& request) {
+  const double spacing_m = field.lattice().smallestSpacing();
+  const std::array<std::pair<const char*, double>, 3> lengths = {std::pair("path slide length", request.slide_length_m),
+                                                                 std::pair("path approach", request.approach_m),
+                                                                 std::pair("path press depth", request.press_depth_m)};
+  for (const auto& [name, length_m] : lengths) {
+    if (length_m <= kMostVoxels * spacing_m) continue;
+    const double longest_m = field.size().cast<double>().cwiseProduct(field.lattice().spacing_m).maxCoeff();
+    refuse(name,
+           fmt::format("{:g} mm are {:.3g} voxels of {:g} mm, and the whole volume is {:.3g} mm long",
+                       length_m * kMillimetresPerMetre, length_m / spacing_m, spacing_m * kMillimetresPerMetre,
+                       longest_m * kMillimetresPerMetre),
+           "make it shorter; or, if metres were taken for millimetres, write the true voxel size into the file");
+  }
 }
 
 // Sum of the angles between neighbouring normals: how much a curve bends [rad].
@@ -140,6 +160,7 @@ std::vector<TimedPoint> samplePhases(const std::vector<PathPhase>& phases, const
 
 TouchPath buildTouchPath(const SurfaceField& field, const PathRequest& request) {
   checkRequest(request);
+  checkAgainstVoxels(field, request);
   TouchPath path;
   path.start = chooseStart(field, request);
   const Vec3 from_W = comesFrom(path.start, request);

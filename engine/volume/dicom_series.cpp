@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// A folder of DICOM slices: "folder", or "folder#1.2.3" for one series by its UID; the series with most slices
-// otherwise. Source of the format: DICOM PS3.3, C.7.6.2 (Image Plane): positions and directions are LPS millimetres.
+// A folder of DICOM slices: "folder", or "folder#2" or "folder#1.2.3" for one series by its number in the order of
+// UIDs, or by its UID; of several one must be named. Source of the format: DICOM PS3.3, C.7.6.2 (Image Plane):
+// positions and directions are LPS millimetres.
 //
 // GDCM under ITK, in a child process (itk_child.hpp), reads each slice and applies its slope and intercept.
 // The order and spacing of slices come from their positions, never from file names or slice thickness.
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <map>
@@ -76,19 +78,34 @@ std::map<std::string, Series> readFolder(const std::string& folder, const std::s
   return all;
 }
 
-// Returns the series' UID.
+// For people: which series there are, by number.
+std::string listOf(const std::map<std::string, Series>& all) {
+  std::string list;
+  for (const auto& [uid, series] : all) {
+    const std::string description = series[0].file->tag("0008|103e");
+    list +=
+        fmt::format("{}{}: {}{} ({} slices)", list.empty() ? "" : ", ", std::distance(all.begin(), all.find(uid)) + 1,
+                    description.empty() ? "" : "\"" + description + "\" ", uid, series.size());
+  }
+  return list;
+}
+
+// Returns the series' UID. `wanted`: its number, or its UID; empty: the only one.
 std::string chooseSeries(const std::map<std::string, Series>& all, const std::string& wanted,
                          const std::string& source) {
   if (wanted.empty()) {
-    return std::max_element(all.begin(), all.end(),
-                            [](const auto& a, const auto& b) { return a.second.size() < b.second.size(); })
-        ->first;
+    if (all.size() == 1) return all.begin()->first;
+    refuse(source, fmt::format("the folder holds {} series: {}", all.size(), listOf(all)),
+           fmt::format("choose one: --series 1, or {}#1 as its name", source));
   }
   if (all.contains(wanted)) return wanted;
-  std::string known;
-  for (const auto& [uid, series] : all)
-    known += fmt::format("{}{} ({} slices)", known.empty() ? "" : ", ", uid, series.size());
-  refuse(source, fmt::format("the folder has no series {}", wanted), "choose one of " + known);
+  std::size_t number = 0;
+  const auto [end, failure] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), number);
+  const bool is_number = failure == std::errc() && end == wanted.data() + wanted.size();
+  if (is_number && number >= 1 && number <= all.size()) {
+    return std::next(all.begin(), static_cast<std::ptrdiff_t>(number) - 1)->first;
+  }
+  refuse(source, fmt::format("the folder has no series {}", wanted), "choose one of " + listOf(all));
 }
 
 // Sorts along the normal, which is chosen so that the slices' first axis, second axis and normal are right-handed.
@@ -200,8 +217,11 @@ VolumeFacts factsOf(const std::map<std::string, Series>& all, const std::string&
   const std::vector<double> intercept = dicomNumbers(first.tag("0028|1052"));
   if (!slope.empty()) facts.rescale_slope = slope[0];
   if (!intercept.empty()) facts.rescale_intercept = intercept[0];
-  facts.remark = fmt::format("series {}", uid);
-  if (all.size() > 1) facts.remark = fmt::format("series {}, the largest of {} in the folder", uid, all.size());
+  const std::string description = first.file->tag("0008|103e");
+  const std::string words = description.empty() ? uid : fmt::format("{} \"{}\"", uid, description);
+  facts.part = all.size() == 1 ? "series " + words
+                               : fmt::format("series {} of {}: {}", std::distance(all.begin(), all.find(uid)) + 1,
+                                             all.size(), words);
   return facts;
 }
 
@@ -222,7 +242,6 @@ Volume readDicom(const std::string& name, std::size_t memory_budget_bytes) {
   checkMemory(name, n[0], n[1], count, 0, memory_budget_bytes);
   const Vec3i size(static_cast<int>(n[0]), static_cast<int>(n[1]), static_cast<int>(count));
   VolumeFacts facts = factsOf(all, uid, name);
-  if (!wanted.empty()) facts.remark = fmt::format("series {}", uid);
   const Lattice lattice = latticeOf(series, gap_mm, name);
   return Volume::fromDense(size, lattice, readPixels(series, name), std::move(facts));
 }

@@ -2,8 +2,11 @@
 #include "engine/volume/dicom_slice.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <fstream>
+#include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -22,6 +25,11 @@ namespace fs = std::filesystem;
 std::string bytesOf(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(file), {}};
+}
+
+// A decimal string as DICOM has it: no "inf", no "nan", no hexadecimal.
+bool isDecimal(const std::string& text) {
+  return text.find_first_not_of("0123456789+-.eE ") == std::string::npos;
 }
 
 }  // namespace
@@ -49,6 +57,16 @@ void checkDicomSlice(DicomSlice& slice, const std::string& source) {
   }
   if (header.dimensions.size() > 2 && header.dimensions[2] > 1) {
     refuse(source, fmt::format("{} holds several frames", slice.name()), "convert it to NIfTI or NRRD");
+  }
+  // A slope or intercept that is there and no number would make every density one, or be passed over by GDCM.
+  for (const auto& [key, name] : {std::pair("0028|1053", "RescaleSlope"), std::pair("0028|1052", "RescaleIntercept")}) {
+    const std::string text = slice.tag(key);
+    if (text.empty()) continue;
+    const std::vector<double> numbers = dicomNumbers(text);
+    const bool good = numbers.size() == 1 && std::isfinite(numbers[0]) && isDecimal(text);
+    if (good && (numbers[0] != 0 || key == std::string_view("0028|1052"))) continue;
+    refuse(source, fmt::format("the {} \"{}\" of slice {} is no number to scale by", name, text, slice.name()),
+           "copy the series again");
   }
   const std::vector<double> spacing = dicomNumbers(slice.tag("0028|0030"));
   if (spacing.size() != 2 || !(spacing[0] > 0) || !(spacing[1] > 0)) {

@@ -2,7 +2,9 @@
 #include "engine/volume/dicom_structure.hpp"
 
 #include <cstdint>
+#include <cstdlib>
 #include <cstring>
+#include <string>
 
 namespace palpate {
 namespace {
@@ -15,6 +17,12 @@ constexpr std::uint32_t kItem = 0xfffee000U;
 constexpr std::uint32_t kItemEnd = 0xfffee00dU;
 constexpr std::uint32_t kSequenceEnd = 0xfffee0ddU;
 constexpr std::uint32_t kTransferSyntax = 0x00020010U;
+constexpr std::uint32_t kSamples = 0x00280002U;
+constexpr std::uint32_t kFrames = 0x00280008U;
+constexpr std::uint32_t kRows = 0x00280010U;
+constexpr std::uint32_t kColumns = 0x00280011U;
+constexpr std::uint32_t kBitsAllocated = 0x00280100U;
+constexpr std::uint32_t kPixels = 0x7fe00010U;
 constexpr int kDeepest = 32;  // nested sequences
 
 struct Element {
@@ -68,9 +76,25 @@ class Walk {
   bool value(const Element& element, int depth) {
     if (element.length == kUndefined) return items(file_.size(), true, depth + 1);
     if (element.length > left()) return false;
+    if (depth == 0 && !pixelsFit(element)) return false;
     if (element.type == "SQ") return items(at_ + element.length, false, depth + 1);
     at_ += element.length;
     return true;
+  }
+
+  // Pixels that are not packed are as many as rows, columns, samples and bits ask for; GDCM takes what is missing for
+  // 0. They come last, so the numbers are known then.
+  bool pixelsFit(const Element& element) {
+    const auto keep = [&](double& number) {
+      if (element.length >= 2) number = this->number<std::uint16_t>(at_);
+    };
+    if (element.tag == kSamples) keep(samples_);
+    if (element.tag == kRows) keep(rows_);
+    if (element.tag == kColumns) keep(columns_);
+    if (element.tag == kBitsAllocated) keep(bits_);
+    if (element.tag == kFrames) frames_ = std::atof(std::string(file_.substr(at_, element.length)).c_str());
+    if (element.tag != kPixels) return true;
+    return static_cast<double>(element.length) * 8 >= rows_ * columns_ * samples_ * frames_ * bits_;
   }
 
   // Items of a sequence, or fragments of packed pixels, which are items that hold no elements. `delimited`: they end
@@ -130,6 +154,7 @@ class Walk {
   std::string_view file_;
   std::size_t at_ = 0;
   bool explicit_ = true;
+  double rows_ = 0, columns_ = 0, samples_ = 1, frames_ = 1, bits_ = 8;
 };
 
 }  // namespace

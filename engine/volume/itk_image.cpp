@@ -52,7 +52,9 @@ Grid build(const ItkRequest& request, const Vec3i& size, const Lattice& lattice,
   FiniteValues finite(size);
   Grid grid = buildGridByLayers(size, lattice, request.facts, finite.of(layers));
   finite.check(request.facts.source);
-  if (!finite.remark().empty()) grid->facts.remark = finite.remark();
+  if (const std::string remark = finite.remark(); !remark.empty()) {
+    grid->facts.remark += (grid->facts.remark.empty() ? "" : "; ") + remark;
+  }
   return grid;
 }
 
@@ -80,14 +82,13 @@ Grid readValues(const ItkRequest& request, ValueType type, const Vec3i& size, co
 
 Volume read(ItkRequest& request) {
   const std::string& source = request.facts.source;
-  const ItkHeader header = readItkHeader(request.reader, request.path, source);
+  const ItkHeader header = request.header ? *request.header : readItkHeader(request.reader, request.path, source);
   checkShape(header, source);
   const ValueType type = request.stored_type.value_or(*header.type);
   const auto& n = header.dimensions;
   checkMemory(source, n[0], n[1], n[2], static_cast<double>(byteSize(type)), request.memory_budget_bytes);
   const Vec3i size(static_cast<int>(n[0]), static_cast<int>(n[1]), static_cast<int>(n[2]));
-  Lattice claimed = request.lattice ? *request.lattice : latticeOf(header, request.metres_per_unit);
-  claimed.origin_W *= request.origin_scale;
+  const Lattice claimed = request.lattice ? *request.lattice : latticeOf(header, request.metres_per_unit);
   const Lattice lattice = orthonormalised(claimed, source);
   if (request.facts.value_type.empty()) request.facts.value_type = nameOf(type);
   return Volume(readValues(request, type, size, lattice));

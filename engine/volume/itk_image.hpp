@@ -21,7 +21,7 @@ struct ItkRequest {
   VolumeFacts facts;                // source is the name in messages; value_type is filled where it is empty
   double metres_per_unit = 1.0e-3;  // of the file's lengths
   std::optional<Lattice> lattice;   // where the reader knows better than ITK
-  double origin_scale = 1;          // ITK applies NIfTI's unit of length to the voxel size, not to the origin
+  std::optional<ItkHeader> header;  // likewise: ITK, which may take offence at it, is not asked for it
   double slope = 1;                 // applied here, for formats in which ITK does not
   double intercept = 0;
   std::size_t memory_budget_bytes = 0;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // NIfTI-1: .nii, .nii.gz and .hdr/.img pairs. Source of the format: nifti1.h, https://nifti.nimh.nih.gov/nifti-1
 //
-// ITK reads the header and turns RAS to LPS; the values are read here. Looked at before: dimensions, voxel sizes (ITK
-// takes the size of a negative one), value type. Analyze 7.5 files are refused: they do not say left from right.
+// Nothing of it is ITK's: where the voxels lie is found in nifti_form.hpp, the values are read where they lie, and
+// scl_slope and scl_inter applied. Analyze 7.5 files are refused: they do not say left from right.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -17,6 +17,7 @@
 #include "engine/volume/itk_image.hpp"
 #include "engine/volume/magic.hpp"
 #include "engine/volume/memory_budget.hpp"
+#include "engine/volume/nifti_form.hpp"
 #include "engine/volume/readers.hpp"
 #include "engine/volume/text_header.hpp"
 
@@ -56,14 +57,22 @@ class RawHeader {
     if (unit == 1) return 1e3;
     return unit == 3 ? 1e-3 : 1;
   }
-  // Number n of the 18 that place the voxels: quaternion, its offset, the matrix.
-  // 0 where its form is not in use.
-  [[nodiscard]] double placing(std::size_t n) const {
-    return get<std::int16_t>(n < 6 ? 252 : 254) > 0 ? get<float>(256 + 4 * n) : 0;
-  }
   [[nodiscard]] bool swapped() const { return swapped_; }  // against the machine's byte order
   [[nodiscard]] bool oneFile() const { return bytes_[345] == '+'; }
-  [[nodiscard]] bool hasOrientation() const { return get<std::int16_t>(252) > 0 || get<std::int16_t>(254) > 0; }
+  [[nodiscard]] NiftiForms forms() const {
+    NiftiForms forms;
+    forms.qform_code = get<std::int16_t>(252);
+    forms.sform_code = get<std::int16_t>(254);
+    forms.qfac = get<float>(76);
+    forms.millimetres_per_unit = millimetresPerUnit();
+    for (std::size_t n = 0; n < 3; ++n) {
+      forms.voxel_size[n] = voxelSize(n + 1);
+      forms.quaternion[n] = get<float>(256 + 4 * n);
+      forms.offset[n] = get<float>(268 + 4 * n);
+      for (std::size_t column = 0; column < 4; ++column) forms.sform[n][column] = get<float>(280 + 16 * n + 4 * column);
+    }
+    return forms;
+  }
 
  private:
   template <class T>
@@ -131,16 +140,6 @@ void checkVoxelSize(const RawHeader& header, const std::string& source) {
   }
 }
 
-// ITK's library aborts or loops for ever where these are NaN, infinite or too large to be squared.
-void checkPlacing(const RawHeader& header, const std::string& source) {
-  constexpr double kFarthest = 1e12;  // in any unit
-  for (std::size_t n = 0; n < 18; ++n) {
-    if (std::abs(header.placing(n)) < kFarthest) continue;
-    refuse(source, fmt::format("its quaternion or matrix, which place the voxels, hold {:g}", header.placing(n)),
-           "the file may be damaged: copy or write it again");
-  }
-}
-
 // "scan.hdr" and "scan.img" are one volume; the header is in the former.
 std::string headerPath(const std::string& name) {
   const std::string lower = lowerCase(name);
@@ -194,7 +193,6 @@ Volume readNifti(const std::string& name, std::size_t memory_budget_bytes) {
   if (path != name) static_cast<void>(fileBytes(path, name));  // an .img without its .hdr
   const RawHeader header(headOf(path, kHeaderBytes), name);
   checkVoxelSize(header, name);
-  checkPlacing(header, name);
   checkSizes(header, name, memory_budget_bytes);
   ItkRequest request;
   request.reader = ItkReader::kNifti;
@@ -203,12 +201,17 @@ Volume readNifti(const std::string& name, std::size_t memory_budget_bytes) {
   request.stored_type = valueTypeOf(header, name);
   request.stored = storedValuesOf(header, path, name);
   request.nan_becomes_zero = true;
-  request.origin_scale = header.millimetresPerUnit();
+  const Vec3 last(header.dimension(1) - 1, header.dimension(2) - 1, header.dimension(3) - 1);
+  const NiftiPlacing placing = placingOf(header.forms(), last, name);
+  request.lattice = placing.lattice;
   request.facts.source = name;
   request.facts.format = "NIfTI";
   request.facts.value_type = nameOf(valueTypeOf(header, name));
-  request.facts.orientation =
-      header.hasOrientation() ? "RAS file turned to LPS" : "no orientation in the file: taken as RAS";
+  request.facts.orientation = placing.orientation;
+  request.facts.remark = placing.remark;
+  request.header = ItkHeader{};
+  request.header->type = request.stored_type;
+  for (std::size_t axis = 1; axis <= 3; ++axis) request.header->dimensions.push_back(header.dimension(axis));
   applyScale(header, request);
   return readItkImage(std::move(request));
 }

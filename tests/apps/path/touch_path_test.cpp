@@ -254,5 +254,21 @@ TEST(TouchPath, RefusesImpossibleNumbers) {
   expectRefusal(sphere(), request, "path start");
 }
 
+// A scan in metres that is read as millimetres: a path of 20 mm would be followed for minutes, or for days.
+TEST(TouchPath, RefusesLengthsOfVeryManyVoxels) {
+  for (const double voxel_m : {1e-6, 1e-9}) {
+    const AnalyticField tiny = {[&](const Vec3& p) { return sphereDistance(p, 30 * voxel_m); }, 60 * voxel_m, voxel_m};
+    expectRefusal(tiny, {}, "metres were taken for millimetres");
+    PathRequest request;
+    request.slide_length_m = 10 * voxel_m;
+    request.press_depth_m = voxel_m;
+    expectRefusal(tiny, request, "path approach");
+    request.approach_m = 5 * voxel_m;
+    EXPECT_NEAR(buildTouchPath(tiny, request).slid_m, 10 * voxel_m, 1e-9 * voxel_m);
+    request.start_W = Vec3(0, 0, 31 * voxel_m);
+    EXPECT_NEAR(buildTouchPath(tiny, request).start.p_W.norm(), 30 * voxel_m, 1e-3 * voxel_m);
+  }
+}
+
 }  // namespace
 }  // namespace palpate

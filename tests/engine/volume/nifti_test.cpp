@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <map>
+
 #include "engine/volume/volume_file.hpp"
 #include "tests/engine/volume/known_leaks.hpp"
 #include "tests/engine/volume/samples.hpp"
@@ -136,6 +138,95 @@ TEST_F(Nifti, HonoursUnitsOfLength) {
   lattice.origin_W *= 1e-6;
   lattice.spacing_m *= 1e-6;
   expectVolume(load(fields, data_), lattice, rampValues(-30), 1e-12);
+}
+
+// The matrix is in the file's unit as the quaternion's offset is; pixdim is not asked for voxel sizes.
+TEST_F(Nifti, HonoursUnitsOfLengthInMatrices) {
+  for (const auto& [units, metres] : std::map<int, double>{{1, 1.0}, {2, 1e-3}, {3, 1e-6}, {0, 1e-3}}) {
+    NiftiFields fields;
+    fields.units = units;
+    fields.qform_code = 0;
+    fields.sform_code = 1;
+    fields.sform = {0, -0.75F, 0, 10, 0.5F, 0, 0, 20, 0, 0, 2, 30};
+    Mat3 R_WL;
+    R_WL << 0, 1, 0, -1, 0, 0, 0, 0, 1;
+    const Lattice lattice = {Vec3(-10, -20, 30) * metres, R_WL, kSpacing_mm * metres};
+    const Volume volume = load(fields, data_);
+    expectVolume(volume, lattice, rampValues(-30), 30 * metres * 1e-6);
+    EXPECT_EQ(volume.facts().remark, "");
+    EXPECT_THAT(volume.facts().orientation, testing::HasSubstr("sform"));
+  }
+}
+
+// Without a form the axes are right, anterior, superior, as the words say.
+TEST_F(Nifti, TakesAFileWithoutAFormAsRas) {
+  NiftiFields fields;
+  fields.qform_code = 0;
+  fields.offset = {10, 20, 30};  // of no meaning
+  const Volume volume = load(fields, data_);
+  expectVolume(volume, rasLattice(), rampValues(-30));
+  EXPECT_THAT(volume.facts().orientation, testing::HasSubstr("taken as RAS"));
+}
+
+// i and j meet at 84 degrees: cos is 0.1045.
+TEST_F(Nifti, SaysThatAMatrixIsSheared) {
+  NiftiFields fields;
+  fields.qform_code = 0;
+  fields.sform_code = 1;
+  fields.sform = {0.5F, 0.75F * 0.1045F, 0, 0, 0, 0.75F * 0.9945F, 0, 0, 0, 0, 2, 0};
+  refuses(fields, "sheared: two of its axes meet at 84");
+  fields.qform_code = 1;  // which is not
+  const Volume volume = load(fields, data_);
+  expectVolume(volume, rasLattice(), rampValues(-30));
+  EXPECT_THAT(volume.facts().remark, testing::HasSubstr("sheared"));
+  EXPECT_THAT(volume.facts().remark, testing::HasSubstr("qform is taken"));
+}
+
+// The sform, but where the qform alone is in the scanner's frame. The two are 5 mm apart.
+TEST_F(Nifti, SaysWhichOfTwoFormsItTakes) {
+  for (const auto& [qform, sform, takes_sform] :
+       {std::tuple{1, 1, true}, std::tuple{1, 4, false}, std::tuple{2, 4, true}}) {
+    NiftiFields fields;
+    fields.qform_code = qform;
+    fields.sform_code = sform;
+    fields.sform = {0.5F, 0, 0, 3, 0, 0.75F, 0, 4, 0, 0, 2, 0};
+    Lattice lattice = rasLattice();
+    if (takes_sform) lattice.origin_W = Vec3(-3e-3, -4e-3, 0);
+    const Volume volume = load(fields, data_);
+    expectVolume(volume, lattice, rampValues(-30), 1e-9);
+    EXPECT_THAT(volume.facts().remark, testing::HasSubstr("5 mm apart"));
+    EXPECT_THAT(volume.facts().remark, testing::HasSubstr(takes_sform ? "the sform is taken" : "the qform is taken"));
+    fields.offset = {3, 4, 0};
+    EXPECT_EQ(load(fields, data_).facts().remark, "");
+  }
+}
+
+TEST_F(Nifti, SaysThatMatrixAndVoxelSizesDisagree) {
+  NiftiFields fields;
+  fields.qform_code = 0;
+  fields.sform_code = 1;
+  fields.sform = {0.6F, 0, 0, 0, 0, 0.75F, 0, 0, 0, 0, 2, 0};
+  const Volume volume = load(fields, data_);
+  EXPECT_NEAR(volume.lattice().spacing_m.x(), 0.6e-3, 1e-9);
+  EXPECT_THAT(volume.facts().remark, testing::HasSubstr("0.6 mm long along i, its pixdim 0.5 mm"));
+}
+
+TEST_F(Nifti, RefusesFormsThatPlaceNothing) {
+  const float nan = std::nanf("");
+  const float infinity = std::numeric_limits<float>::infinity();
+  for (const float bad : {nan, infinity, 3e38F}) {
+    NiftiFields fields;
+    fields.sform_code = 1;
+    fields.sform = {0.5F, 0, 0, bad, 0, 0.75F, 0, 0, 0, 0, 2, 0};
+    refuses(fields, "no place of a voxel");
+    fields = {};
+    fields.offset[1] = bad;
+    refuses(fields, "no place of a voxel");
+  }
+  NiftiFields flat;
+  flat.sform_code = 1;
+  flat.sform = {0.5F, 0, 0, 0, 0, 0.75F, 0, 0, 0, 0, 0, 0};
+  refuses(flat, "no length along axis k");
 }
 
 TEST_F(Nifti, RefusesBadVoxelSizes) {
