@@ -82,7 +82,7 @@ std::map<std::string, Series> readFolder(const std::string& folder, const std::s
 std::string listOf(const std::map<std::string, Series>& all) {
   std::string list;
   for (const auto& [uid, series] : all) {
-    const std::string description = series[0].file->tag("0008|103e");
+    const std::string description = series[0].tag("0008|103e");
     list +=
         fmt::format("{}{}: {}{} ({} slices)", list.empty() ? "" : ", ", std::distance(all.begin(), all.find(uid)) + 1,
                     description.empty() ? "" : "\"" + description + "\" ", uid, series.size());
@@ -217,7 +217,7 @@ VolumeFacts factsOf(const std::map<std::string, Series>& all, const std::string&
   const std::vector<double> intercept = dicomNumbers(first.tag("0028|1052"));
   if (!slope.empty()) facts.rescale_slope = slope[0];
   if (!intercept.empty()) facts.rescale_intercept = intercept[0];
-  const std::string description = first.file->tag("0008|103e");
+  const std::string description = first.tag("0008|103e");
   const std::string words = description.empty() ? uid : fmt::format("{} \"{}\"", uid, description);
   facts.part = all.size() == 1 ? "series " + words
                                : fmt::format("series {} of {}: {}", std::distance(all.begin(), all.find(uid)) + 1,
