@@ -169,7 +169,7 @@ StoredValues storedValuesOf(const RawHeader& header, const std::string& header_p
   StoredValues values;
   values.parts = {{path, 0}};
   values.skip_bytes = static_cast<std::uint64_t>(offset);
-  if (isGzip(path)) values.packing = Packing::kGzip;
+  if (isGzip(path) || lowerCase(path).ends_with(".gz")) values.packing = Packing::kGzip;
   values.swapped = header.swapped();
   return values;
 }

@@ -285,10 +285,19 @@ Volume readGrid(const std::string& name, std::size_t memory_budget_bytes) {
   return convert<openvdb::Int32Grid>(grid, lattice, domain, scale, std::move(facts));
 }
 
+// OpenVDB looks at a transform when it is asked for it, not when it reads it.
+Volume readOrRefuse(const std::string& name, std::size_t memory_budget_bytes) {
+  try {
+    return readGrid(name, memory_budget_bytes);
+  } catch (const openvdb::Exception& failure) {
+    refuse(name, fmt::format("it is damaged ({})", oneLine(failure.what())), "copy or write it again");
+  }
+}
+
 }  // namespace
 
 Volume readVdb(const std::string& name, std::size_t memory_budget_bytes) {
-  Volume volume = readGrid(name, memory_budget_bytes);
+  Volume volume = readOrRefuse(name, memory_budget_bytes);
   // The file's own grid is gone, but the leaves of it that were copied, 2 KiB each, and the nodes of those that were
   // taken over lie in the heap where it does not end: back to the system.
   malloc_trim(0);

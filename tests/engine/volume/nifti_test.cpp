@@ -338,6 +338,15 @@ TEST_F(Nifti, RefusesGzipThatIsCutOrChanged) {
   expectLoadRefusal(name, "fewer voxels");
 }
 
+// A damaged gzip of as many bytes as the values need is not taken for the values.
+TEST_F(Nifti, RefusesPlainBytesNamedAsGzip) {
+  NiftiFields pair;
+  pair.one_file = false;
+  writeFile(folder_.file("c.hdr"), niftiHeader(pair));
+  writeFile(folder_.file("c.img.gz"), data_);
+  expectLoadRefusal(folder_.file("c.hdr"), "compressed data are damaged");
+}
+
 TEST_F(Nifti, RefusesShortData) {
   writeFile(path_, niftiHeader({}) + data_.substr(2));
   expectLoadRefusal(path_, "cannot hold");

@@ -227,6 +227,28 @@ TEST_F(Vdb, RefusesLengthsThatCannotBe) {
   EXPECT_GT(refused, 10);
 }
 
+// OpenVDB reads such a transform, and throws when it is used.
+TEST_F(Vdb, RefusesATransformThatIsDamaged) {
+  write({makeGrid<openvdb::FloatGrid>()});
+  const std::string whole = readFile(path_);
+  int refused = 0;
+  for (const double damaged : {0.0, std::nan(""), 1e300}) {
+    const std::string scale = bytesOf<double>({0.75});
+    for (std::size_t at = whole.find(scale); at != std::string::npos; at = whole.find(scale, at + 1)) {
+      std::string bytes = whole;
+      bytes.replace(at, scale.size(), bytesOf<double>({damaged}));
+      writeFile(path_, bytes);
+      try {
+        EXPECT_GT(loadVolume(path_).size().minCoeff(), 0);
+      } catch (const Error& error) {
+        EXPECT_THAT(error.what(), testing::StartsWith(path_));
+        ++refused;
+      }
+    }
+  }
+  EXPECT_GT(refused, 0);
+}
+
 // Written as it lies in memory, from a copy, and as a level set; a copy of the file keeps it, and a file in which
 // nobody sculpted has none.
 TEST_F(Vdb, KeepsTheIsovalue) {
