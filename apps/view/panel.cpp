@@ -11,6 +11,7 @@
 namespace palpate {
 namespace {
 
+constexpr double kOnePlace_px = 20;    // start and end nearer to each other have one label
 constexpr double kLeastStep_px = 1.5;  // points nearer to each other are left out
 constexpr double kHiddenShare = 0.55;  // how much of its colour remains to a hidden line
 constexpr Color kWhite = {1, 1, 1};
@@ -158,9 +159,16 @@ void Panel::drawEnds(const std::vector<TickRecord>& records) {
   mark(*first, kStartColor, first == records.begin() ? "start" : "from start");
   mark(*last, kEndColor, last == records.rbegin() ? "end" : "to end");
   const double radius = 6 * scale_;
+  const bool is_one_place = marks.size() == 2 && std::hypot(marks[0].at.x - marks[1].at.x,
+                                                            marks[0].at.y - marks[1].at.y) < kOnePlace_px * scale_;
   for (const Mark& m : marks) {
     canvas_.disc(m.at, radius, m.color, kWhite);
+    labels_.addMark(m.at);
     labels_.avoid({m.at.x - radius, m.at.y - radius, m.at.x + radius, m.at.y + radius});
+  }
+  if (is_one_place) {  // words of one dot would stand at the other's too
+    drawWords(marks[1].at, 10 * scale_, fmt::format("{} and {}", marks[0].word, marks[1].word), 14 * scale_, kInk);
+    return;
   }
   for (const Mark& m : marks) drawWords(m.at, 10 * scale_, m.word, 14 * scale_, m.color);
 }
