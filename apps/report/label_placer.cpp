@@ -41,14 +41,15 @@ void LabelPlacer::avoidLine(const std::vector<Pixel>& points) {
   }
 }
 
-double LabelPlacer::cost(const LabelBox& box, const Pixel& own) const {
+double LabelPlacer::cost(const LabelBox& words, const Pixel& own) const {
   double cost = 0;
   for (const Pixel& mark : marks_) {
     const bool is_own = std::hypot(mark.x - own.x, mark.y - own.y) < kSameMark_px;
     if (is_own) continue;
-    const double farther = distance(box, mark) / std::max(distance(box, own), 1e-9);
+    const double farther = distance(words, mark) / std::max(distance(words, own), 1e-9);
     cost += farther <= 1 ? kWrongMark : farther < kClearlyFarther ? kDoubtful : 0;
   }
+  const LabelBox box = {words.left - kRoom_px, words.top - kRoom_px, words.right + kRoom_px, words.bottom + kRoom_px};
   if (box.left < 0 || box.top < 0 || box.right > width_ || box.bottom > height_) cost += kOutside;
   for (const LabelBox& other : boxes_) cost += overlap(box, other) ? kCovered : 0;
   for (const Pixel& p : points_) {
@@ -67,6 +68,12 @@ LabelBox LabelPlacer::moved(double x, double y, double width, double height) con
   return {x - width / 2, y - height / 2, x + width / 2, y + height / 2};
 }
 
+bool LabelPlacer::isAtAnother(const LabelBox& words, const Pixel& own) const {
+  return std::any_of(marks_.begin(), marks_.end(), [&](const Pixel& mark) {
+    return std::hypot(mark.x - own.x, mark.y - own.y) >= kSameMark_px && distance(words, mark) <= distance(words, own);
+  });
+}
+
 LabelBox LabelPlacer::place(const Pixel& at, double gap, double width, double height) {
   struct Side {
     double x, y;  // -1, 0 or 1
@@ -80,9 +87,7 @@ LabelBox LabelPlacer::place(const Pixel& at, double gap, double width, double he
       const LabelBox box = moved(at.x + side.x * (further * gap + width / 2),
                                  at.y + side.y * (further * gap + height / 2), width, height);
       const double covers_own = distance(box, at) < kLeastGap * gap ? kWrongMark : 0;
-      const double its_cost =
-          kFurther * (further - 1) + covers_own +
-          cost({box.left - kRoom_px, box.top - kRoom_px, box.right + kRoom_px, box.bottom + kRoom_px}, at);
+      const double its_cost = kFurther * (further - 1) + covers_own + cost(box, at);
       if (least >= 0 && its_cost >= least) continue;
       best = box;
       least = its_cost;

@@ -86,9 +86,9 @@ TEST_F(FilterFile, TellsWhatItMade) {
 // What a file says of its surface, without noise: sparse, so that bricks are left out, before and after differently.
 TEST_F(FilterFile, CountsTheBricksThatAreStored) {
   Progress progress;
-  const FilterRequest request{"phantom:sphere?size=64", file("out.vdb"), "gaussian:3", ""};
+  const FilterRequest request{"phantom:sphere?size=96", file("out.vdb"), "gaussian:1.2", ""};
   const FilterResult result = filterFile(request, progress);
-  EXPECT_EQ(result.bricks, 512U);
+  EXPECT_EQ(result.bricks, 1728U);
   EXPECT_EQ(result.stored_before, loadVolume(request.in).storedBricks());
   EXPECT_GT(result.stored_after, result.stored_before);
   EXPECT_LT(result.stored_after, result.bricks);

@@ -85,6 +85,7 @@ double distance(const LabelBox& box, const Pixel& p) {
 // to the other, whichever was placed first. The sizes are those of panel.cpp at scale 1.
 TEST(LabelPlacer, WordsNeverStandAtAnothersMark) {
   std::mt19937 random(11);
+  int impossible = 0;
   for (int trial = 0; trial < 20000; ++trial) {
     const auto between = [&](double low, double high) {
       return std::uniform_real_distribution<double>(low, high)(random);
@@ -104,6 +105,13 @@ TEST(LabelPlacer, WordsNeverStandAtAnothersMark) {
       placer.addMark(mark);
     }
     const LabelBox first = placer.place(start, 10, 38, 14), second = placer.place(end, 10, 30, 14);
+    // Or it says that it cannot, which may be near a border only, and panel.cpp writes one label for both.
+    if (placer.isAtAnother(first, start) || placer.isAtAnother(second, end)) {
+      const auto fromEdge = [&](const Pixel& p) { return std::min({p.x, p.y, width - p.x, height - p.y}); };
+      ASSERT_LT(std::min(fromEdge(start), fromEdge(end)), 40) << "trial " << trial;
+      ++impossible;
+      continue;
+    }
     ASSERT_LT(distance(first, start), distance(first, end)) << "trial " << trial;
     ASSERT_LT(distance(second, end), distance(second, start)) << "trial " << trial;
     ASSERT_FALSE(overlap(first, second)) << "trial " << trial;
@@ -111,6 +119,7 @@ TEST(LabelPlacer, WordsNeverStandAtAnothersMark) {
       ASSERT_TRUE(box.left >= 0 && box.top >= 0 && box.right <= width && box.bottom <= height) << "trial " << trial;
     }
   }
+  EXPECT_LT(impossible, 100);
 }
 
 }  // namespace
