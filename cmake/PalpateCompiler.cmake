@@ -14,6 +14,7 @@ if(PALPATE_CCACHE)
 endif()
 
 set(PALPATE_SANITIZE "" CACHE STRING "Sanitizers, as in -fsanitize=")
+option(PALPATE_LIBFUZZER "Fuzz targets are libFuzzer programs; needs clang" OFF)
 
 add_library(palpate_compiler INTERFACE)
 target_compile_options(palpate_compiler INTERFACE
@@ -29,6 +30,9 @@ endif()
 if(PALPATE_SANITIZE)
   target_compile_options(palpate_compiler INTERFACE ${PALPATE_LOW_OPTIMISATION_OPTIONS} -fsanitize=${PALPATE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   target_link_options(palpate_compiler INTERFACE -fsanitize=${PALPATE_SANITIZE})
+endif()
+if(PALPATE_LIBFUZZER)
+  target_compile_options(palpate_compiler INTERFACE -fsanitize=fuzzer-no-link)
 endif()
 find_program(PALPATE_LLD ld.lld)
 if(PALPATE_LLD)

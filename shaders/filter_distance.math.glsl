@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // shaders/filter_distance.math.glsl: arithmetic of the signed distance: where a line between two voxels meets the
-// surface, the word that keeps such a point, which of two is nearer, and the distance from the surface near it. Lengths
-// are in units of the smallest spacing. Densities are halved or quartered before they are subtracted, which loses nothing
+// surface, the word that keeps such a point and the nearest voxel across, which of two is nearer, and the distance from
+// the surface near it, held to what the voxel across allows. Lengths are in units of the smallest spacing. Densities are halved or quartered before they are subtracted, which loses nothing
 // but of denormals, so that no difference overflows. Read by GLSL and by C++ (shaders/kernel_text.hpp).
 
 // ---- Seed: of the lines to a voxel's 26 neighbours, the one that meets the surface nearest.
@@ -57,58 +57,105 @@ PALPATE_TEXT int steppedOffset(float voxels) {
   return int(floor(steps + 0.5f));
 }
 
-PALPATE_TEXT uint wordOf(int x, int y, int z) {
-  return DISTANCE_KNOWN | uint(x + DISTANCE_MIDDLE) | (uint(y + DISTANCE_MIDDLE) << DISTANCE_FIELD) |
-         (uint(z + DISTANCE_MIDDLE) << (2 * DISTANCE_FIELD));
+// A word of its surface point's and its voxel across's bits; the bit but one follows from the one before it.
+PALPATE_TEXT uint wordWith(bool inside, uint point, uint across) {
+  return (inside ? DISTANCE_INSIDE : 0u) | ((~across & 0x20000000u) << 1) | across | point;
 }
 
-// Offset along an axis, in steps.
+PALPATE_TEXT uint pointBits(int x, int y, int z) {
+  return uint(x + DISTANCE_POINT_MIDDLE) | (uint(y + DISTANCE_POINT_MIDDLE) << DISTANCE_POINT_BITS) |
+         (uint(z + DISTANCE_POINT_MIDDLE) << (2 * DISTANCE_POINT_BITS));
+}
+
+PALPATE_TEXT bool knowsPoint(uint word) { return (word & DISTANCE_POINT) != 0u; }
+PALPATE_TEXT bool knowsAcross(uint word) { return (word & DISTANCE_ACROSS) != 0u; }
+PALPATE_TEXT bool isInside(uint word) { return (word & DISTANCE_INSIDE) != 0u; }
+
+// Offset of the surface point along an axis, in steps.
 PALPATE_TEXT int offsetOf(uint word, int axis) {
-  return int((word >> uint(axis * DISTANCE_FIELD)) & DISTANCE_MASK) - DISTANCE_MIDDLE;
+  return int((word >> uint(axis * DISTANCE_POINT_BITS)) & 127u) - DISTANCE_POINT_MIDDLE;
 }
 
-PALPATE_TEXT uint crossingWord(Crossing crossing) {
+// How far the voxel across lies along an axis, either way [voxel].
+PALPATE_TEXT int acrossOf(uint word, int axis) {
+  return int((word >> uint(DISTANCE_ACROSS_FIRST + axis * DISTANCE_ACROSS_BITS)) & 7u);
+}
+PALPATE_TEXT uint acrossBits(int steps, int axis) {
+  return uint(steps < 0 ? -steps : steps) << uint(DISTANCE_ACROSS_FIRST + axis * DISTANCE_ACROSS_BITS);
+}
+
+// What a voxel knows of itself and its neighbours: its side, and a surface point if there is one.
+PALPATE_TEXT uint seedWord(Crossing crossing, bool inside) {
   precise float x = crossing.share * float(crossing.way % 3 - 1);
   precise float y = crossing.share * float(crossing.way / 3 % 3 - 1);
   precise float z = crossing.share * float(crossing.way / 9 - 1);
-  const uint word = wordOf(steppedOffset(x), steppedOffset(y), steppedOffset(z));
-  return crossing.square < DISTANCE_NOWHERE ? word : DISTANCE_NONE;
+  const uint point = pointBits(steppedOffset(x), steppedOffset(y), steppedOffset(z));
+  return wordWith(inside, crossing.square < DISTANCE_NOWHERE ? point : 0u, 0u);
 }
 
-// ---- Spread: of the surface points that voxels on a line know, the nearest.
+// ---- Spread: of what the voxels on a line know, the nearest surface point and the nearest voxel across.
+//
+// A voxel across along the first axis lies on the line itself. Along the second, each voxel of the same side knows the
+// nearest on its own line, and one of the other side is one; along the third likewise. So the nearest in the box is found
+// exactly: squares are added up one axis after another, and rounding keeps their order. A voxel that knows nothing may
+// be passed over: if it lay across, the first voxel across on the way to it would know its side and be nearer.
 
-struct KnownPoint {
-  float square;  // of the way to it [step^2]
-  uint word;
+struct Nearest {
+  float square;  // of the way to it
+  uint bits;     // of a word, in their place
 };
 
-PALPATE_TEXT KnownPoint nothingKnown() {
-  KnownPoint none;
-  none.square = DISTANCE_FARTHEST;
-  none.word = DISTANCE_NONE;
+PALPATE_TEXT Nearest nothingWithin(float square, uint bits) {
+  Nearest none;
+  none.square = square;
+  none.bits = bits;
   return none;
 }
+PALPATE_TEXT Nearest noPoint() { return nothingWithin(DISTANCE_FARTHEST, 0u); }
+PALPATE_TEXT Nearest noAcross() { return nothingWithin(DISTANCE_NOWHERE, 0u); }
 
 PALPATE_TEXT float squareAlong(float steps, float edge_square) {
   precise float square = (steps * steps) * edge_square;
   return square;
 }
 
-// Square of the way to a word's point across an axis, along the other two. `known`: there is such a point.
+// Square of the way to a word's point across an axis, along the other two [step^2]. `known`: there is such a word.
 PALPATE_TEXT float pointAcross(uint word, bool known, int axis_1, int axis_2, float edge_1, float edge_2) {
   precise float across = squareAlong(float(offsetOf(word, axis_1)), edge_1) +
                          squareAlong(float(offsetOf(word, axis_2)), edge_2);
-  return known ? across : DISTANCE_FARTHEST;
+  return known && knowsPoint(word) ? across : DISTANCE_FARTHEST;
 }
 
 // `offset`: the word's along the axis, from its own voxel; `shift`: of that voxel from this one, both in steps.
-PALPATE_TEXT KnownPoint nearerPoint(KnownPoint best, uint word, float offset, float across, int shift, int axis,
-                                    float edge_square) {
+PALPATE_TEXT Nearest nearerPoint(Nearest best, uint word, float offset, float across, int shift, int axis,
+                                 float edge_square) {
   precise float square = squareAlong(offset + float(shift), edge_square) + across;
+  const uint bits = (word & DISTANCE_POINT) + uint(shift * (1 << (axis * DISTANCE_POINT_BITS)));
   const bool nearer = square < best.square;
-  KnownPoint nearest;
+  Nearest nearest;
   nearest.square = nearer ? square : best.square;
-  nearest.word = nearer ? word + uint(shift * (1 << (axis * DISTANCE_FIELD))) : best.word;
+  nearest.bits = nearer ? bits : best.bits;
+  return nearest;
+}
+
+// Square of the way from a voxel on the line to the nearest voxel across from it, along the axes before [unit^2].
+PALPATE_TEXT float acrossBefore(uint word, int axis, float edge_0, float edge_1) {
+  const float first = axis > 0 ? squareAlong(float(acrossOf(word, 0)), edge_0) : 0.0f;
+  precise float both = first + (axis > 1 ? squareAlong(float(acrossOf(word, 1)), edge_1) : 0.0f);
+  return knowsAcross(word) ? both : DISTANCE_NOWHERE;
+}
+
+// `before`: acrossBefore of the word; `known`: there is such a word; `shift`: of its voxel from this one [voxel];
+// `along`: the square of that [unit^2].
+PALPATE_TEXT Nearest nearerAcross(Nearest best, uint word, bool known, bool inside, float before, float along,
+                                  int shift, int axis) {
+  const bool same_side = isInside(word) == inside;
+  precise float square = along + (same_side ? before : 0.0f);
+  const uint before_bits = same_side ? word & DISTANCE_ACROSS : 0u;
+  const bool nearer = known && square < best.square;
+  Nearest nearest;
+  nearest.square = nearer ? square : best.square;
+  nearest.bits = nearer ? before_bits | acrossBits(shift, axis) : best.bits;
   return nearest;
 }
 
@@ -187,12 +234,13 @@ PALPATE_TEXT Tangent tangentOf(vec4 field, vec4 edge, float isovalue, vec4 away,
   const float low_left = believed && left > DISTANCE_LEFT ? DISTANCE_LEFT : left;
   Tangent tangent;
   tangent.left = believed && low_left < -DISTANCE_LEFT ? -DISTANCE_LEFT : low_left;
-  precise float rise = dotOfThree(normal, away) + tangent.left;
+  const float along = dotOfThree(normal, away);
+  precise float rise = along + tangent.left;
   tangent.normal = normal;
   tangent.rise = rise;
   tangent.height = inside ? rise : -rise;
   tangent.away_square = dotOfThree(away, away);
-  precise float side_square = tangent.away_square - tangent.height * tangent.height;
+  precise float side_square = tangent.away_square - along * along;
   tangent.side = sqrt(side_square > 0.0f ? side_square : 0.0f);
   return tangent;
 }
@@ -234,15 +282,33 @@ PALPATE_TEXT bool isBetter(Tangent landed, Tangent before, float slack) {
 
 // Distance from the surface, of a voxel over a tangent plane. The plane stands for the surface as far as `slack` beside
 // the surface point; beyond twice that the distance is that of the point itself, in between it goes over from one to the
-// other. Without a gradient, or where the plane has the voxel on the other side, it is the point's too. Cut off at the
-// band.
-PALPATE_TEXT float distanceOver(Tangent tangent, float slack, float band) {
+// other. Without a gradient, or where the plane has the voxel on the other side, it is the point's too.
+PALPATE_TEXT float distanceOver(Tangent tangent, float slack) {
   precise float partly = 2.0f * (tangent.side - slack);
   const float beside = partly < tangent.side ? partly : tangent.side;
   precise float slanted = sqrt(tangent.height * tangent.height + beside * beside);
   const float over = tangent.side > slack ? slanted : tangent.height;
-  const float distance = tangent.height >= 0.0f ? over : sqrt(tangent.away_square);
-  return distance < band ? distance : band;
+  return tangent.height >= 0.0f ? over : sqrt(tangent.away_square);
+}
+
+// Square of the way to the voxel across [unit^2], added up as the spread did. Edges: squared.
+PALPATE_TEXT float acrossSquare(uint word, float edge_x, float edge_y, float edge_z) {
+  precise float square = squareAlong(float(acrossOf(word, 2)), edge_z) +
+                         (squareAlong(float(acrossOf(word, 0)), edge_x) + squareAlong(float(acrossOf(word, 1)), edge_y));
+  return square;
+}
+
+// A distance, held to what the nearest voxel across allows. The surface crosses the way to it, so it is no farther. And
+// from a point of the surface a voxel across lies one diagonal away at most, two slacks, so it is no nearer than that
+// voxel less a diagonal. A tangent plane that says so is not one of the surface; `point`: how far the surface point is
+// that was known. No voxel across within reach: the surface is beyond the band.
+PALPATE_TEXT float heldDistance(float distance, float point, uint word, float across_square, float slack, float band) {
+  const float farthest = sqrt(across_square);
+  precise float nearest = farthest - 2.0f * slack;
+  const float believed = distance >= nearest ? distance : point;
+  const float raised = believed >= nearest ? believed : nearest;
+  const float held = raised <= farthest ? raised : farthest;
+  return knowsAcross(word) && held < band ? held : band;
 }
 
 // Inside it is positive, however close. (Not 0 - x for -x: compilers make one of the other, and -0 of 0.)

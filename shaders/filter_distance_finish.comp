@@ -2,7 +2,7 @@
 // shaders/filter_distance_finish.comp: signed distance in the place of the word of the surface point that a voxel knows:
 // reads the densities, rewrites the result. From that point the voxel is projected onto the trilinear field's tangent
 // plane, and again at the place where it came to lie, as long as that brings the normal nearer to the voxel; the
-// distance is that from the last plane. An invocation is a row of eight voxels.
+// distance is that from the last plane, held to what the nearest voxel across allows. An invocation is a row of eight voxels.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "filter.layout.h"
@@ -53,16 +53,17 @@ vec4 fieldAt(ivec3 voxel, vec4 shift) {
 
 // The step's numbers, read once.
 float isovalue, band, unit, slack;
-vec4 edge;
+vec4 edge, edge_square;
 
 float distanceOf(ivec3 voxel, float density, uint word) {
   const bool inside = density > isovalue;
   const ivec3 size = ivec3(domainSize());
-  float distance = band;
+  float distance = band, point = band;
   // A loop of one round, since lavapipe goes through a branch that no invocation takes, but not through such a loop.
-  for (uint known = min(word, 1u); known > 0; --known) {
+  for (uint known = min(word & DISTANCE_POINT, 1u); known > 0; --known) {
     const vec4 foot = pointShift(word);
     Tangent tangent = tangentOf(fieldAt(voxel, foot), edge, isovalue, awayFrom(foot, edge), inside, true);
+    point = sqrt(tangent.away_square);
     bool better = true;
     for (int projection = 0; projection < kProjections && better; ++projection) {
       const vec4 away = risenBy(tangent);
@@ -74,8 +75,10 @@ float distanceOf(ivec3 voxel, float density, uint word) {
       better = possible && isBetter(landed, tangent, slack);
       if (better) tangent = landed;
     }
-    distance = distanceOver(tangent, slack, band);
+    distance = distanceOver(tangent, slack);
   }
+  distance = heldDistance(distance, point, word, acrossSquare(word, edge_square[0], edge_square[1], edge_square[2]),
+                          slack, band);
   return signedDistance(distance, unit, inside);
 }
 
@@ -94,6 +97,7 @@ void main() {
   unit = taps[DISTANCE_UNIT];
   slack = taps[DISTANCE_SLACK];
   edge = vec4(taps[DISTANCE_EDGE], taps[DISTANCE_EDGE + 1], taps[DISTANCE_EDGE + 2], 1);
+  edge_square = vec4(taps[DISTANCE_EDGE_SQUARE], taps[DISTANCE_EDGE_SQUARE + 1], taps[DISTANCE_EDGE_SQUARE + 2], 1);
   for (int q = 0; q < 2; ++q) {
     const vec4 words = result[out_quad + q];
     vec4 distances;

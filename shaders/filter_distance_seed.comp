@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/filter_distance_seed.comp: for each voxel the nearest of the points at which the lines to its 26 neighbours
-// cross the isosurface, if one does; no line leads out of the domain. An invocation is a row of eight voxels.
+// shaders/filter_distance_seed.comp: for each voxel its side, and the nearest of the points at which the lines to its 26
+// neighbours cross the isosurface, if one does; no line leads out of the domain. An invocation is a row of eight voxels.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "filter.layout.h"
@@ -50,7 +50,7 @@ void main() {
   }
   float words[kEnd];
   for (int o = 0; o < kEnd; ++o) {
-    words[o] = uintBitsToFloat(crossingWord(nearest[o]));
+    words[o] = uintBitsToFloat(seedWord(nearest[o], here[o + 1] > isovalue));
     if (o > 0 && first.x + o > last.x) words[o] = words[o - 1];
   }
   const uint out_quad = task.slot * BRICK_QUADS + row * 2;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/filter_distance_spread.comp: along one axis, the nearest of the surface points that the voxels within reach
-// know; of equally near ones the first. One pass along each axis takes every voxel's point to all in a box around it. An
-// invocation is a line of eight voxels along the axis.
+// shaders/filter_distance_spread.comp: along one axis, the nearest of the surface points, and of the voxels across, that
+// the voxels within reach know; of equally near ones the first. One pass along each axis takes every voxel's point to all
+// in a box around it, and finds the nearest voxel across in that box. An invocation is a line of eight voxels along the
+// axis.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -39,8 +40,17 @@ void main() {
   const float edge = taps[DISTANCE_EDGE_SQUARE + along];
   const float edge_1 = taps[DISTANCE_EDGE_SQUARE + axis_1], edge_2 = taps[DISTANCE_EDGE_SQUARE + axis_2];
 
-  KnownPoint nearest[kEnd];
-  [[unroll]] for (int o = 0; o < kEnd; ++o) nearest[o] = nothingKnown();
+  const float edge_x = taps[DISTANCE_EDGE_SQUARE], edge_y = taps[DISTANCE_EDGE_SQUARE + 1];
+
+  Nearest point[kEnd], across[kEnd];
+  bool inside[kEnd];
+  const BrickPage own_page = pages[task.brick];
+  [[unroll]] for (int o = 0; o < kEnd; ++o) {
+    const uint in_brick = inBrick(line, uint(o));
+    inside[o] = isInside(floatBitsToUint(pageQuad(own_page, in_brick / 4)[in_brick % 4]));
+    point[o] = noPoint();
+    across[o] = noAcross();
+  }
   [[unroll]] for (int b = -1; b <= 1; ++b) {
     const int there = int(brick[along]) + b;
     const bool exists = there >= 0 && there * kEnd <= last;
@@ -51,19 +61,24 @@ void main() {
       const uint in_brick = inBrick(line, uint(t));
       const uint word = floatBitsToUint(pageQuad(page, in_brick / 4)[in_brick % 4]);
       const bool known = exists && first + at <= last && word != DISTANCE_NONE;
-      const float across = pointAcross(word, known, axis_1, axis_2, edge_1, edge_2);
+      const float beside = pointAcross(word, known, axis_1, axis_2, edge_1, edge_2);
       const float offset = float(offsetOf(word, along));
+      const float before = acrossBefore(word, along, edge_x, edge_y);
       [[unroll]] for (int o = 0; o < kEnd; ++o) {
         if (at - o < -kReach || at - o > kReach) continue;
         const int shift = (at - o) * DISTANCE_PARTS;
-        nearest[o] = nearerPoint(nearest[o], word, offset, across, shift, along, edge);
+        point[o] = nearerPoint(point[o], word, offset, beside, shift, along, edge);
+        across[o] = nearerAcross(across[o], word, known, inside[o], before, squareAlong(float(at - o), edge), at - o,
+                                 along);
       }
     }
   }
-  [[unroll]] for (int o = 1; o < kEnd; ++o) {
-    if (first + o > last) nearest[o].word = nearest[o - 1].word;
+  uint words[kEnd];
+  [[unroll]] for (int o = 0; o < kEnd; ++o) {
+    words[o] = wordWith(inside[o], point[o].bits, across[o].bits);
+    if (o > 0 && first + o > last) words[o] = words[o - 1];
   }
   const uint out_first = task.slot * (BRICK_QUADS * 4);
   [[unroll]] for (int o = 0; o < kEnd; ++o)
-    result_float[out_first + inBrick(line, uint(o))] = uintBitsToFloat(nearest[o].word);
+    result_float[out_first + inBrick(line, uint(o))] = uintBitsToFloat(words[o]);
 }

@@ -111,7 +111,7 @@ std::string loadIntroduction() {
   return "A file of random floats read from the system's cache: by its format's library alone (ITK into plain memory, "
          "OpenVDB into its grid), and by Palpate into its bricks. Both in turns, in one process; medians. `first` is "
          "the first load, which meets memory that the process never had. Values that lie in a file as they lie in "
-         "memory go from the file into the bricks; what is packed, scaled or turned ITK reads first.";
+         "memory go from the file into the bricks; what is packed is unpacked first.";
 }
 
 std::string loadTable(const BenchResult& result) {

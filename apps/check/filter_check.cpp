@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "apps/check/distance_bounds.hpp"
 #include "apps/check/rounding_bound.hpp"
 #include "base/stopwatch.hpp"
 #include "base/units.hpp"
@@ -55,6 +56,16 @@ std::vector<std::vector<FilterStep>> grouped(const std::vector<FilterStep>& step
   return groups;
 }
 
+bool isDistance(const std::vector<FilterStep>& group) {
+  return group[0].kind == StepKind::kDistanceSeed;
+}
+
+// How many checks a chain of these groups is: each; a distance once more, against brute force; and the whole chain.
+std::size_t checksOf(const std::vector<std::vector<FilterStep>>& groups) {
+  const auto distances = static_cast<std::size_t>(std::count_if(groups.begin(), groups.end(), isDistance));
+  return groups.size() + distances + (groups.size() < 2 ? 0 : 1);
+}
+
 class Checker {
  public:
   Checker(const Volume& volume, const DenseField& field, const FilterCheckRequest& request)
@@ -79,7 +90,7 @@ class Checker {
     DenseField stepwise = field_;
     std::unique_ptr<FilterChain> last;  // holds what the next step reads
     for (std::size_t g = 0; g < groups.size(); ++g) {
-      progress(static_cast<double>(g));
+      progress(static_cast<double>(checks.size()));
       const FilterStep& step = groups[g][0];
       Check check = named(chain, groups.size() == 1 ? "" : fmt::format("step {} of {}", g + 1, groups.size()));
       auto next = std::make_unique<FilterChain>(gpu_, transfer_, last ? last->result() : pool_, groups[g]);
@@ -93,6 +104,9 @@ class Checker {
       if (hasExponential(step)) check.reason = boundReason(step);
       compareFields(check, stepwise, cpu, before, hasExponential(step) ? &step : nullptr, part(0.7, 1));
       checks.push_back(std::move(check));
+      if (isDistance(groups[g])) {
+        checks.push_back(heldToVoxelsAcross(chain, stepwise, before, groups[g], part(0, 1)));
+      }
       before = stepwise;
       last = std::move(next);
     }
@@ -109,6 +123,20 @@ class Checker {
   }
 
  private:
+  [[nodiscard]] Check heldToVoxelsAcross(const std::string& chain, const DenseField& distance,
+                                         const DenseField& densities, const std::vector<FilterStep>& steps,
+                                         const std::function<void(double)>& progress) const {
+    Check check = named(chain, "");
+    check.name = "distance";
+    check.reason =
+        "distance: on its voxel's side, no farther than the nearest voxel across, and no nearer than that less a "
+        "diagonal";
+    const Stopwatch watch;
+    compareWithNearestAcross(check, distance, densities, steps, progress);
+    check.cpu_seconds = watch.seconds();
+    return check;
+  }
+
   [[nodiscard]] Check named(const std::string& what, const std::string& part) const {
     Check check;
     check.name = "filter";
@@ -172,8 +200,7 @@ std::vector<Check> checkFilters(const Volume& volume, const DenseField& field, c
     std::optional<float> isovalue = request.isovalue;
     if (hasDistance(filters) && !isovalue) isovalue = static_cast<float>(defaultIsovalue(volume));
     lowered.push_back(lowerFilters(filters, volume.lattice().spacing_m, isovalue));
-    const std::size_t groups = grouped(lowered.back()).size();
-    parts += groups < 2 ? groups : groups + 1;
+    parts += checksOf(grouped(lowered.back()));
   }
   Checker checker(volume, field, request);
   std::vector<Check> checks;

@@ -30,8 +30,9 @@ struct FilterCheckRequest {
 // Takes the chains with a distance out, for a volume without a surface.
 void dropDistances(std::vector<std::string>& chains);
 
-// A check a step, and one for each chain of several. Steps of a distance count as one. `progress` gets the fraction
-// done, and may throw to cancel: asked often. Throws Error as lowerFilters and FilterChain do.
+// A check a step, and one for each chain of several. Steps of a distance count as one, and a distance has a check of
+// its own besides, named "distance": against brute force (distance_bounds.hpp). `progress` gets the fraction done, and
+// may throw to cancel: asked often. Throws Error as lowerFilters and FilterChain do.
 [[nodiscard]] std::vector<Check> checkFilters(const Volume& volume, const FilterCheckRequest& request,
                                               const std::function<void(double)>& progress);
 

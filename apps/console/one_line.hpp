@@ -1,17 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/console/one_line.hpp: text that came from outside (a file's name, a key) made fit for one line of a terminal.
+// apps/console/one_line.hpp: the same as base/one_line.hpp, beside what it is for here.
 #pragma once
 
-#include <string>
-
-namespace palpate {
-
-// Every control character becomes '?', so that a name can neither break the line nor steer the terminal.
-[[nodiscard]] inline std::string oneLine(std::string text) {
-  for (char& c : text) {
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
-  }
-  return text;
-}
-
-}  // namespace palpate
+#include "base/one_line.hpp"

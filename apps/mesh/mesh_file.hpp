@@ -2,7 +2,7 @@
 // apps/mesh/mesh_file.hpp: reads a triangle mesh from an OBJ, STL or PLY file, through Assimp. Set-up only, any thread.
 //
 // Coordinates are the file's own, polygons (convex ones) are cut into triangles, points and lines are left out, the
-// parts of a file become one mesh. Assimp stays inside the .cpp.
+// parts of a file become one mesh. Assimp stays inside the .cpp, and reads in a child process (base/child_process.hpp).
 #pragma once
 
 #include <string>

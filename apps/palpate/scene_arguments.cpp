@@ -7,6 +7,7 @@
 #include "apps/scene/option_table.hpp"
 #include "apps/scene/scene_file.hpp"
 #include "base/error.hpp"
+#include "engine/volume/volume.hpp"
 
 namespace palpate {
 std::string shellWord(const std::string& word) {
@@ -43,6 +44,7 @@ Scene SceneArguments::scene() const {
     throw Error(Error::Code::kBadInput, source_.empty() ? "VOLUME" : source_, "no volume is given",
                 "name a file, a DICOM folder or a phantom, for example phantom:sphere?size=64");
   }
+  if (!scene.series.empty()) scene.volume = withSeries(scene.volume, scene.series);
   return scene;
 }
 

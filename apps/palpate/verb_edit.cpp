@@ -8,6 +8,7 @@
 #include "base/error.hpp"
 #include "engine/edit/edit_keys.hpp"
 #include "engine/volume/volume_file.hpp"
+#include "series_option.hpp"
 #include "verbs.hpp"
 
 namespace palpate {
@@ -82,6 +83,7 @@ void addEditVerb(CLI::App& app) {
           },
           "list the kinds of edits and their keys")
       ->trigger_on_parse();
+  addSeriesOption(*verb, request.in);
   verb->callback([arguments] { edit(*arguments); });
 }
 

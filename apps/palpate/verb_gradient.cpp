@@ -4,6 +4,7 @@
 
 #include "apps/gradient/gradient_job.hpp"
 #include "engine/gradient/gradient_operator.hpp"
+#include "series_option.hpp"
 #include "verbs.hpp"
 
 namespace palpate {
@@ -18,6 +19,7 @@ void addGradientVerb(CLI::App& app) {
   verb->add_flag("--all", request->all, "of every brick, not of those alone that the isosurface needs");
   verb->add_option("--iso", request->isovalue, "isovalue [density]; as `palpate touch` chooses it if not given");
   verb->add_option("--gpu", request->gpu, "part of the Vulkan device's name; the best one if not given");
+  addSeriesOption(*verb, request->in);
   verb->callback([request] {
     Progress progress;
     const GradientResult result = gradientFile(*request, progress);

@@ -10,6 +10,7 @@
 #include "base/byte_size.hpp"
 #include "base/units.hpp"
 #include "engine/volume/statistics.hpp"
+#include "series_option.hpp"
 #include "verbs.hpp"
 
 namespace palpate {
@@ -45,6 +46,7 @@ void printFacts(const Volume& volume) {
   const Mat3& axes = volume.lattice().R_WL;
   fmt::print("{}\n", facts.source);
   fmt::print("  format       {} ({})\n", facts.format, facts.value_type);
+  if (!facts.part.empty()) fmt::print("  part         {}\n", facts.part);
   fmt::print("  size         {} x {} x {} voxels\n", volume.size().x(), volume.size().y(), volume.size().z());
   fmt::print("  spacing      {:.6g} x {:.6g} x {:.6g} mm\n", spacing_mm.x(), spacing_mm.y(), spacing_mm.z());
   fmt::print("  extent       {:.4g} x {:.4g} x {:.4g} mm\n", extent_mm.x(), extent_mm.y(), extent_mm.z());
@@ -54,6 +56,7 @@ void printFacts(const Volume& volume) {
              axes(0, 0), axes(1, 0), axes(2, 0), axes(0, 1), axes(1, 1), axes(2, 1), axes(0, 2), axes(1, 2),
              axes(2, 2));
   if (!facts.orientation.empty()) fmt::print("  orientation  {}\n", facts.orientation);
+  if (!facts.remark.empty()) fmt::print("  note         {}\n", facts.remark);
   if (facts.rescale_slope != 1 || facts.rescale_intercept != 0) {
     fmt::print("  rescale      density = {:g} * stored + {:g}\n", facts.rescale_slope, facts.rescale_intercept);
   }
@@ -100,6 +103,7 @@ void addInfoVerb(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("info", "say what a volume is: size, spacing, type, range, histogram, isovalues");
   auto name = std::make_shared<std::string>();
   verb->add_option("volume", *name, "file, DICOM folder or phantom:NAME?size=64")->required();
+  addSeriesOption(*verb, *name);
   verb->callback([name] {
     Progress progress;
     progress.stage("loading " + *name);

@@ -10,6 +10,7 @@
 #include "base/error.hpp"
 #include "engine/journal/replay.hpp"
 #include "engine/volume/volume_file.hpp"
+#include "series_option.hpp"
 #include "verbs.hpp"
 
 namespace palpate {
@@ -97,6 +98,7 @@ void addRecoverVerb(CLI::App& app) {
   verb->add_option("--volume", arguments->volume, "where the session's volume lies now, if it has moved")
       ->type_name("VOLUME")
       ->check(notEmpty);
+  addSeriesOption(*verb, arguments->volume);
   verb->callback([arguments] { recover(*arguments); });
 }
 

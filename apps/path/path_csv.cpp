@@ -102,6 +102,14 @@ void checkTimesRise(const std::vector<NumberedPoint>& rows, const std::string& f
   }
 }
 
+void checkLength(const std::vector<NumberedPoint>& rows, const std::string& file) {
+  const double first_s = rows.front().point.time_s, last_s = rows.back().point.time_s;
+  if (std::isfinite(last_s - first_s)) return;
+  refuseLine(file, rows.back().line,
+             fmt::format("the time from {} s to {} s is longer than a number can say", first_s, last_s),
+             "give times in seconds");
+}
+
 void checkNoHole(const std::vector<NumberedPoint>& rows, const std::string& file) {
   std::vector<double> gaps_s;
   for (std::size_t i = 1; i < rows.size(); ++i) gaps_s.push_back(rows[i].point.time_s - rows[i - 1].point.time_s);
@@ -133,6 +141,7 @@ std::vector<TimedPoint> readPathCsv(const std::filesystem::path& file) {
                 "add rows of time and position");
   }
   checkTimesRise(rows, name);
+  checkLength(rows, name);
   checkNoHole(rows, name);
 
   std::vector<TimedPoint> points;

@@ -13,8 +13,8 @@ namespace palpate {
 
 // The rows of `file`, in order. Lines may end in CR LF; empty lines are skipped; numbers use '.' in every locale.
 // Refuses, with file and line: a file that is missing (Error kNotFound) or cannot be read (kIo); and as kBadInput
-// another header, fewer than two rows, a row that is not four numbers, NaN or infinity, time that repeats or goes back,
-// and a hole: a gap of more than ten times the median interval.
+// another header, fewer than two rows, a row that is not four numbers, NaN or infinity (of the whole time too), time
+// that repeats or goes back, and a hole: a gap of more than ten times the median interval.
 [[nodiscard]] std::vector<TimedPoint> readPathCsv(const std::filesystem::path& file);
 
 }  // namespace palpate

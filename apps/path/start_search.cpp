@@ -138,7 +138,9 @@ std::optional<SurfaceHit> bestOf(const SurfaceField& field, const ObjectPieces& 
 }  // namespace
 
 SurfaceHit startNear(const SurfaceField& field, const Vec3& start_W) {
-  const double reach_m = std::max(kStartReach_m, kStartReachVoxels * field.lattice().smallestSpacing());
+  // No farther than the volume is long: a search by voxels of a micrometre would never end.
+  const double reach_m =
+      std::min(std::max(kStartReach_m, kStartReachVoxels * field.lattice().smallestSpacing()), diagonal(field));
   if (const auto point = nearestSurfacePoint(field, start_W, reach_m)) return *point;
   const Vec3 start_mm = start_W * kMillimetresPerMetre;
   throw Error(Error::Code::kBadInput, "path start",

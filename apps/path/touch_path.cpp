@@ -25,7 +25,7 @@ constexpr std::array<const char*, 4> kPhaseNames = {"approach", "press", "slide"
 constexpr std::array<double, 5> kPhaseShares = {0, 0.15, 0.30, 0.85, 1};  // of the duration
 constexpr int kSlideDirections = 8;                                       // tried when no direction is wished
 constexpr double kMostPoints = 1e6;
-constexpr double kMostDiagonals = 20;                            // that a slide may be long
+constexpr double kMostVoxels = 16000;                            // that a path goes along or away from the surface
 constexpr double kFreeShare = 0.8;                               // of the room in front of an obstacle that is used
 constexpr std::array<double, 4> kTilts = {0.35, 0.7, 1.0, 1.2};  // from the normal, where that is not free [rad]
 constexpr int kTurns = 12;                                       // around it
@@ -59,15 +59,23 @@ void checkRequest(const PathRequest& request) {
     refuse("path start", "it is not a point", "give three finite numbers");
 }
 
-// A wish in millimetres for a volume of micrometres would be followed voxel by voxel for hours.
-void checkScale(const SurfaceField& field, const PathRequest& request) {
-  const double diagonal_m = field.size().cast<double>().cwiseProduct(field.lattice().spacing_m).norm();
-  if (request.slide_length_m.value_or(0) <= kMostDiagonals * diagonal_m) return;
-  refuse("path slide length",
-         fmt::format("{:g} mm is more than {:g} times the diagonal of the volume, {:.3g} mm",
-                     *request.slide_length_m * kMillimetresPerMetre, kMostDiagonals, diagonal_m * kMillimetresPerMetre),
-         "give a shorter one, or none; if the volume is not that small, its spacing was given in metres and taken for "
-         "millimetres");
+// A path is followed in steps of a voxel or less, so one of very many voxels would take minutes. So small voxels are
+// most often a mistake of the unit.
+void checkAgainstVoxels(const SurfaceField& field, const PathRequest& request) {
+  const double spacing_m = field.lattice().smallestSpacing();
+  const std::array<std::pair<const char*, std::optional<double>>, 3> lengths = {
+      std::pair("path slide length", request.slide_length_m), std::pair("path approach", request.approach_m),
+      std::pair("path press depth", request.press_depth_m)};
+  for (const auto& [name, wish_m] : lengths) {
+    const double length_m = wish_m.value_or(0);
+    if (length_m <= kMostVoxels * spacing_m) continue;
+    const double longest_m = field.size().cast<double>().cwiseProduct(field.lattice().spacing_m).maxCoeff();
+    refuse(name,
+           fmt::format("{:g} mm are {:.3g} voxels of {:g} mm, and the whole volume is {:.3g} mm long",
+                       length_m * kMillimetresPerMetre, length_m / spacing_m, spacing_m * kMillimetresPerMetre,
+                       longest_m * kMillimetresPerMetre),
+           "make it shorter; or, if metres were taken for millimetres, write the true voxel size into the file");
+  }
 }
 
 // Sum of the angles between neighbouring normals: how much a curve bends [rad].
@@ -230,7 +238,7 @@ void noteSlide(const SurfaceCurve& surface, const PathRequest& request, std::vec
 
 TouchPath buildTouchPath(const SurfaceField& field, const PathRequest& request) {
   checkRequest(request);
-  checkScale(field, request);
+  checkAgainstVoxels(field, request);
   TouchPath path;
   const auto [start, fit] = startAndFit(field, request);
   path.start = start;

@@ -48,12 +48,14 @@ std::string servoFigures(const TouchRun& run, const RunFigures& f) {
 
 std::string exactFigures(const std::optional<ExactErrors>& e) {
   if (!e) return "";
-  return figure(shortNumber(e->vhip_median_voxel), "voxel",
-                fmt::format("tool point off the exact surface, median; 99 % within {} voxel",
-                            shortNumber(e->vhip_p99_voxel))) +
-         figure(shortNumber(e->force_angle_median_deg), "degrees",
-                fmt::format("force off the exact normal, median; 99 % within {} degrees",
-                            shortNumber(e->force_angle_p99_deg)));
+  const std::string surface = e->vhip_median_voxel
+                                  ? figure(shortNumber(*e->vhip_median_voxel), "voxel",
+                                           fmt::format("tool point off the exact surface, median; 99 % within {} voxel",
+                                                       shortNumber(*e->vhip_p99_voxel)))
+                                  : "";
+  return surface + figure(shortNumber(e->force_angle_median_deg), "degrees",
+                          fmt::format("force off the exact normal, median; 99 % within {} degrees",
+                                      shortNumber(e->force_angle_p99_deg)));
 }
 
 std::string editFigures(const std::optional<RunEdits>& e) {
@@ -90,7 +92,7 @@ std::string keyFigures(const TouchRun& run, const RunFigures& f) {
   out += figure(shortNumber(f.contact_s), "s", fmt::format("in contact, of {} s", shortNumber(f.time_s)));
   out += figure(shortNumber(f.force_N.max), "N", fmt::format("largest force; median {} N", shortNumber(f.force_N.p50)));
   out += figure(mm(f.depth_m.max), "mm", fmt::format("deepest press; median {} mm", mm(f.depth_m.p50)));
-  out += figure(mm(f.vhip_way_m), "mm", "of surface followed");
+  out += figure(mm(f.surface_way_m), "mm", "of surface followed");
   if (f.contact_ticks > 0) out += figure(shortNumber(f.energy_end_J * 1e3), "mJ", stabilityWords(run.stability, f));
   out += editFigures(run.edits) + exactFigures(run.exact) + servoFigures(run, f);
   return section("figures", "Key figures", out + "</div>\n");

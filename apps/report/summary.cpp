@@ -120,7 +120,7 @@ Json sceneJson(const Scene& s) {
 Json contactJson(const RunFigures& f) {
   return {{"ticks", f.contact_ticks},     {"time_s", f.contact_s},
           {"touches", f.touches},         {"first_s", f.first_contact_s >= 0 ? Json(f.first_contact_s) : Json(nullptr)},
-          {"way_m", f.vhip_way_m},        {"force_N", toJson(f.force_N)},
+          {"way_m", f.surface_way_m},     {"force_N", toJson(f.force_N)},
           {"depth_m", toJson(f.depth_m)}, {"force_step_max_N", f.force_step_max_N}};
 }
 
@@ -156,6 +156,7 @@ Json energyJson(const RunFigures& f) {
 Json stabilityJson(const ContactStability& s) {
   const bool unstable = s.verdict == ContactVerdict::kUnstable;
   return {{"verdict", name(s.verdict)},
+          {"source", name(s.source)},
           {"given_J", s.given_J},
           {"stored_J", s.stored_J},
           {"share", s.share},
@@ -170,8 +171,11 @@ Json stabilityJson(const ContactStability& s) {
 
 Json exactJson(const std::optional<ExactErrors>& e) {
   if (!e) return nullptr;
-  return {{"vhip_median_voxel", e->vhip_median_voxel},
-          {"vhip_p99_voxel", e->vhip_p99_voxel},
+  const auto orNull = [](const std::optional<double>& v) { return v ? Json(*v) : Json(nullptr); };
+  return {{"ticks", e->ticks},
+          {"slide_only", e->slide_only},
+          {"vhip_median_voxel", orNull(e->vhip_median_voxel)},
+          {"vhip_p99_voxel", orNull(e->vhip_p99_voxel)},
           {"force_angle_median_deg", e->force_angle_median_deg},
           {"force_angle_p99_deg", e->force_angle_p99_deg}};
 }

@@ -44,8 +44,11 @@ struct RunFault {
 
 // How far the haptic algorithm was from the exact surface, where one is known (phantoms).
 struct ExactErrors {
-  double vhip_median_voxel = 0, vhip_p99_voxel = 0;            // distance of the VHIP from the surface [voxel]
+  // Distance of the surface that was found, the VHIP before effects, from the exact one; none without a VHIP [voxel].
+  std::optional<double> vhip_median_voxel, vhip_p99_voxel;
   double force_angle_median_deg = 0, force_angle_p99_deg = 0;  // force against the exact normal [deg]
+  std::int64_t ticks = 0;                                      // that this is over
+  bool slide_only = false;                                     // all of them of the slide
 };
 
 // What the tool changed, in a run with a brush.

@@ -27,13 +27,16 @@ std::string contactLine(const RunFigures& f) {
   if (f.contact_ticks == 0) return fmt::format("Contact   none in {} s\n", shortNumber(f.time_s));
   return fmt::format("Contact   {} s of {} s, {}, over {} of surface\n", shortNumber(f.contact_s),
                      shortNumber(f.time_s), f.touches == 1 ? "one touch" : fmt::format("{} touches", f.touches),
-                     mm(f.vhip_way_m));
+                     mm(f.surface_way_m));
 }
 
 std::string feelLine(const RunFigures& f) {
   if (f.contact_ticks == 0) return "";
-  return fmt::format("Felt      force median {} N, at most {} N; depth median {}, at most {}\n",
-                     shortNumber(f.force_N.p50), shortNumber(f.force_N.max), mm(f.depth_m.p50), mm(f.depth_m.max));
+  const std::string depth = f.depth_m.count == 0
+                                ? "no depth, for it knows no surface"
+                                : fmt::format("depth median {}, at most {}", mm(f.depth_m.p50), mm(f.depth_m.max));
+  return fmt::format("Felt      force median {} N, at most {} N; {}\n", shortNumber(f.force_N.p50),
+                     shortNumber(f.force_N.max), depth);
 }
 
 std::string mJ(double joules) {
@@ -45,14 +48,39 @@ std::string contactVerdictLine(const TouchRun& run, const RunFigures& f) {
   return "Energy    " + stabilityWords(run.stability, f) + "\n";
 }
 
-// Little enough to be none: what the encoders and the quiet share leave open.
-std::string balanceWords(const ContactStability& s, const RunFigures& f) {
-  if (f.energy_end_J >= 0) return fmt::format("the surface took {} from the hand", mJ(f.energy_end_J));
-  return fmt::format("what the surface took from the hand and what it gave are the same within {}", mJ(s.allowed_J));
-}
-
 std::string errorWords(const ContactStability& s) {
   return s.error_J == 0 ? "" : fmt::format(" (the encoders leave {} open)", mJ(s.error_J));
+}
+
+// An end below zero is within what the encoders and the quiet share leave open, or the verdict would be another.
+std::string quietWords(const ContactStability& s, const RunFigures& f) {
+  if (s.error_J > s.stored_J) {
+    return fmt::format(
+        "quiet as far as the encoders can tell: they leave {} open in one contact, and at most {} was stored; finer "
+        "encoders would tell more",
+        mJ(s.error_J), mJ(s.stored_J));
+  }
+  const std::string balance =
+      f.energy_end_J >= 0
+          ? fmt::format("the surface took {} from the hand", mJ(f.energy_end_J))
+          : fmt::format("the surface gave the hand {}, which is within the {} that are left open over all contacts",
+                        mJ(-f.energy_end_J), mJ(s.allowed_J));
+  return fmt::format("quiet: {}, and no contact gave more than it had taken{}", balance, errorWords(s));
+}
+
+// Where it came from, and what lessens that.
+std::string sourceWords(const ContactStability& s, const RunFigures& f) {
+  switch (s.source) {
+    case ActivitySource::kEdits:
+      return "the volume was edited under the tool, which moves the surface against the hand";
+    case ActivitySource::kSampledWall:
+      return std::string("a sampled wall with less damping than K T / 2 does so; more --damping or a higher --rate") +
+             (f.damped_ticks > 0 ? "" : ", or --passivity control,") + " lessens it";
+    default:
+      return std::string("the damping is enough for this stiffness and rate, so it is the field: where samples are ") +
+             "few or noisy its normals are not those of its surface; --gradient-operator sobel or --algorithm " +
+             "god-object" + (f.damped_ticks > 0 ? "" : ", or --passivity control,") + " lessens it";
+  }
 }
 
 // What the heading says of the contact.
@@ -83,9 +111,14 @@ std::string servoLine(const TouchRun& run, const RunFigures& f) {
 
 std::string exactLine(const TouchRun& run) {
   if (!run.exact) return "";
-  return fmt::format("Truth     VHIP off by {} voxel median, {} p99; force off by {} degrees median, {} p99\n",
-                     shortNumber(run.exact->vhip_median_voxel), shortNumber(run.exact->vhip_p99_voxel),
-                     shortNumber(run.exact->force_angle_median_deg), shortNumber(run.exact->force_angle_p99_deg));
+  const ExactErrors& e = *run.exact;
+  const std::string surface = e.vhip_median_voxel
+                                  ? fmt::format("VHIP off by {} voxel median, {} p99; ",
+                                                shortNumber(*e.vhip_median_voxel), shortNumber(*e.vhip_p99_voxel))
+                                  : "";
+  return fmt::format("Truth     {}force off by {} degrees median, {} p99; over {} in contact{}\n", surface,
+                     shortNumber(e.force_angle_median_deg), shortNumber(e.force_angle_p99_deg),
+                     counted(static_cast<std::uint64_t>(e.ticks), "tick"), e.slide_only ? " of the slide" : "");
 }
 
 std::string editLine(const TouchRun& run) {
@@ -186,14 +219,12 @@ std::string faultWord(std::size_t count) {
 std::string stabilityWords(const ContactStability& s, const RunFigures& f) {
   std::string text = "no contact";
   if (s.verdict == ContactVerdict::kQuiet) {
-    text = fmt::format("quiet: {}, and no contact gave more than it had taken{}", balanceWords(s, f), errorWords(s));
+    text = quietWords(s, f);
   } else if (s.verdict == ContactVerdict::kSlightlyActive) {
     text = fmt::format(
-        "slightly active: a contact gave the hand {} more than it had taken, {} % of the most that was stored{}, and "
-        "the tool did not keep swinging; a sampled wall with less damping than K T / 2 does so (more --damping, a "
-        "higher "
-        "--rate or --passivity control lessen it)",
-        mJ(s.given_J), shortNumber(s.share * 100), errorWords(s));
+        "slightly active: a contact gave the hand {} more than it had taken{}, where at most {} was stored at once, "
+        "and the tool did not keep swinging; {}",
+        mJ(s.given_J), errorWords(s), mJ(s.stored_J), sourceWords(s, f));
   } else if (s.verdict == ContactVerdict::kUnstable) {
     text = fmt::format(
         "unstable: from {} s to {} s the tool swung against the surface by {} at {} Hz without settling, {} in all, "
@@ -214,9 +245,9 @@ std::string verdict(const TouchRun& run, const RunFigures& f) {
                           ".";
   if (f.contact_ticks == 0)
     return fmt::format("The tool never touched the surface in {} s{}", shortNumber(f.time_s), end);
-  return fmt::format("The tool touched the surface for {} s of {} s, pressed at most {} deep and felt at most {} N{}",
-                     shortNumber(f.contact_s), shortNumber(f.time_s), mm(f.depth_m.max), shortNumber(f.force_N.max),
-                     end);
+  const std::string depth = f.depth_m.count == 0 ? "" : fmt::format(", pressed at most {} deep", mm(f.depth_m.max));
+  return fmt::format("The tool touched the surface for {} s of {} s{} and felt at most {} N{}",
+                     shortNumber(f.contact_s), shortNumber(f.time_s), depth, shortNumber(f.force_N.max), end);
 }
 
 std::string closingSummary(const TouchRun& run) {

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "servo/algorithms/registry.hpp"
+
 namespace palpate {
 namespace {
 
@@ -23,16 +25,32 @@ bool buildsPath(const Scene& scene) {
 bool usesHaptization(const Scene& scene) {
   return scene.algorithm == "haptization";
 }
+// An unknown algorithm is refused elsewhere.
+const AlgorithmEntry* entryOf(const Scene& scene) {
+  const auto all = algorithms();
+  const auto entry = std::find_if(all.begin(), all.end(), [&](const auto& e) { return e.name == scene.algorithm; });
+  return entry == all.end() ? nullptr : &*entry;
+}
+bool hasStiffness(const Scene& scene) {
+  return entryOf(scene) == nullptr || entryOf(scene)->traits.shows_surface;
+}
+bool renewsPlanes(const Scene& scene) {
+  return entryOf(scene) == nullptr || entryOf(scene)->traits.renews_planes;
+}
 bool draws(const Scene& scene) {
   return scene.picture;
 }
 
 constexpr const char* kSpringOnly = "with --hand rigid the tool is on its path whatever it feels; give --hand spring";
+constexpr const char* kNoSurface = "this --algorithm has no surface to be stiff; its tables say how hard it pushes";
 constexpr const char* kNoBuiltPath = "the tool's way is that of --path";
 constexpr const char* kHaptizationOnly = "only --algorithm haptization uses it";
 constexpr const char* kNoPicture = "nothing is drawn with --picture off";
 
 const IdleOption kIdleOptions[] = {
+    {"--stiffness", hasStiffness, kNoSurface},
+    {"--damping", hasStiffness, kNoSurface},
+    {"--n", renewsPlanes, "this --algorithm finds the surface anew in every tick"},
     {"--haptization-density", usesHaptization, kHaptizationOnly},
     {"--haptization-gradient", usesHaptization, kHaptizationOnly},
     {"--velocity-cutoff", [](const Scene& s) { return s.velocity == "filter"; }, "only --velocity filter uses it"},

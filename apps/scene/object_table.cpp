@@ -87,13 +87,8 @@ struct Setter {
 struct Writer {
   const ObjectSpec& spec;
 
-  std::string operator()(const ObjectVector& value) const {
-    const Vec3 v = spec.*value.member / value.scale;
-    return fmt::format("{:.10g},{:.10g},{:.10g}", v.x(), v.y(), v.z());
-  }
-  std::string operator()(const ObjectNumber& value) const {
-    return fmt::format("{:.10g}", spec.*value.member / value.scale);
-  }
+  std::string operator()(const ObjectVector& value) const { return screenText(spec.*value.member, value.scale); }
+  std::string operator()(const ObjectNumber& value) const { return screenText(spec.*value.member, value.scale); }
   std::string operator()(const ObjectText& value) const { return spec.*value.member; }
 };
 

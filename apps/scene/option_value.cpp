@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -113,7 +114,10 @@ struct Setter {
   void operator()(const TableOption& option) const {
     auto table = parseTable(text, split(option.row, ':').size());
     if (!table) refuse(where, text, value);
-    for (std::vector<double>& row : *table) row.front() *= option.first_scale;
+    for (std::vector<double>& row : *table) {
+      row.front() *= option.first_scale;
+      if (!std::isfinite(row.front())) refuse(where, text, value);
+    }
     scene.*option.member = std::move(*table);
   }
 };
@@ -122,10 +126,10 @@ struct Writer {
   const Scene& scene;
 
   std::string operator()(const NumberOption& option) const {
-    const auto text = [&](double si) { return fmt::format("{:.10g}", si / option.scale); };
-    if (const auto* plain = std::get_if<double Scene::*>(&option.member)) return text(scene.**plain);
+    if (const auto* plain = std::get_if<double Scene::*>(&option.member))
+      return screenText(scene.**plain, option.scale);
     const auto& chosen = scene.*std::get<std::optional<double> Scene::*>(option.member);
-    return chosen ? text(*chosen) : std::string();
+    return chosen ? screenText(*chosen, option.scale) : std::string();
   }
   std::string operator()(const IntegerOption& option) const {
     return std::visit([&](auto member) { return std::to_string(scene.*member); }, option.member);
@@ -142,14 +146,13 @@ struct Writer {
   std::string operator()(const VectorOption& option) const {
     const std::optional<Vec3>& vector = scene.*option.member;
     if (!vector) return {};
-    const Vec3 shown = option.direction ? *vector : Vec3(*vector / option.scale);
-    return fmt::format("{:.10g},{:.10g},{:.10g}", shown.x(), shown.y(), shown.z());
+    return screenText(*vector, option.direction ? 1 : option.scale);
   }
   std::string operator()(const TableOption& option) const {
     std::string text;
     for (const std::vector<double>& row : scene.*option.member) {
-      text += fmt::format("{}{:.10g}", text.empty() ? "" : ",", row.front() / option.first_scale);
-      for (std::size_t i = 1; i < row.size(); ++i) text += fmt::format(":{:.10g}", row[i]);
+      text += (text.empty() ? "" : ",") + screenText(row.front(), option.first_scale);
+      for (std::size_t i = 1; i < row.size(); ++i) text += ":" + screenText(row[i], 1);
     }
     return text;
   }
@@ -196,6 +199,23 @@ std::string optionText(const OptionValue& value, const Scene& scene) {
 
 std::string optionForm(const OptionValue& value) {
   return std::visit(Form{}, value);
+}
+
+// The quotient may be a rounding or two beside the number that was given.
+std::string screenText(double si, double scale) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const double shown = si / scale;
+  const double above = std::nextafter(shown, kInfinity), below = std::nextafter(shown, -kInfinity);
+  for (const double near : {shown, above, below, std::nextafter(above, kInfinity), std::nextafter(below, -kInfinity)}) {
+    for (int digits = 10; digits <= 17; ++digits) {
+      std::string text = fmt::format("{:.{}g}", near, digits);
+      if (const auto read = parseNumber<double>(text); read && *read * scale == si) return text;
+    }
+  }
+  return fmt::format("{:.17g}", shown);
+}
+std::string screenText(const Vec3& si, double scale) {
+  return screenText(si.x(), scale) + "," + screenText(si.y(), scale) + "," + screenText(si.z(), scale);
 }
 
 std::optional<double> numberOf(std::string_view text) {

@@ -79,6 +79,11 @@ void setOption(const OptionValue& value, const std::string& text, const std::str
 // The member's value in the form that setOption() takes; empty for a value that the program chooses.
 [[nodiscard]] std::string optionText(const OptionValue& value, const Scene& scene);
 
+// An SI value in screen units, with the fewest digits from ten on that give exactly it when they are read and scaled;
+// of three with commas between.
+[[nodiscard]] std::string screenText(double si, double scale);
+[[nodiscard]] std::string screenText(const Vec3& si, double scale);
+
 // A whole text as a number, or as three finite ones with commas between; nothing for any other text.
 [[nodiscard]] std::optional<double> numberOf(std::string_view text);
 [[nodiscard]] std::optional<Vec3> vectorOf(std::string_view text);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/touch/algorithm_setup.hpp"
 
+#include <algorithm>
+
 #include "servo/contact/effects.hpp"
 
 namespace palpate {
@@ -41,6 +43,14 @@ AlgorithmSetup algorithmSetup(const Scene& scene, double isovalue, const Density
   setup.effects = makeContactEffects(effectParameters(scene), scene.stiffness_N_per_m, scene.rate_hz);
   setup.objects = objects;
   return setup;
+}
+
+double lackingDamping(const Scene& scene) {
+  if (!algorithmEntry(scene.algorithm).traits.shows_surface) return 0;
+  double factor = scene.stiffness_density.empty() ? 1 : 0;
+  for (const std::vector<double>& row : scene.stiffness_density) factor = std::max(factor, row.at(1));
+  const double needed_Ns_per_m = scene.stiffness_N_per_m * factor * (0.5 + scene.device_delay_ticks) / scene.rate_hz;
+  return std::max(0.0, needed_Ns_per_m - scene.damping_Ns_per_m);
 }
 
 Plan planFor(const Scene& scene) {

@@ -5,22 +5,26 @@
 #include <cmath>
 
 #include "base/units.hpp"
-#include "servo/loop/quantile.hpp"
+#include "servo/loop/run_figures.hpp"
 
 namespace palpate {
 namespace {
 
-bool inSlide(double time_s, const std::vector<PathPhase>& phases) {
-  if (phases.empty()) return true;
+bool inSlide(const TickRecord& record, const std::vector<PathPhase>& phases) {
   return std::any_of(phases.begin(), phases.end(), [&](const PathPhase& phase) {
-    return phase.name == "slide" && time_s >= phase.begin_s && time_s <= phase.end_s;
+    return phase.name == "slide" && record.time_s >= phase.begin_s && record.time_s <= phase.end_s;
   });
+}
+
+// What the passivity controller adds is no error of the surface's force.
+bool isSurfaceForce(const TickRecord& record) {
+  return record.in_contact && !record.damped && Vec3(record.force_W).norm() > 0;
 }
 
 // At the surface point nearest to the HIP; in a thin wall that may lie on the far side, which is not the one in touch.
 Vec3 exactNormal(const Phantom& phantom, const TickRecord& record) {
   const Vec3 at_hip_W = phantom.normal(Vec3(record.hip_W));
-  const Vec3 at_vhip_W = phantom.normal(Vec3(record.vhip_W));
+  const Vec3 at_vhip_W = phantom.normal(surfacePointOf(record));
   return at_hip_W.dot(at_vhip_W) < 0 ? at_vhip_W : at_hip_W;
 }
 
@@ -30,20 +34,33 @@ std::optional<ExactErrors> exactErrors(const Phantom& phantom, const std::vector
                                        const std::vector<PathPhase>& phases) {
   if (!phantom.hasSurface()) return std::nullopt;
   const double voxel_m = phantom.lattice().smallestSpacing();
+  ExactErrors errors;
+  errors.slide_only = std::any_of(records.begin(), records.end(), [&](const TickRecord& record) {
+    return isSurfaceForce(record) && inSlide(record, phases);
+  });
   std::vector<double> distance_voxel;
   std::vector<double> angle_deg;
   for (const TickRecord& record : records) {
+    if (!isSurfaceForce(record) || (errors.slide_only && !inSlide(record, phases))) continue;
     const Vec3 force_W(record.force_W);
-    if (!record.in_contact || force_W.norm() == 0 || !inSlide(record.time_s, phases)) continue;
     const Vec3 normal_W = exactNormal(phantom, record);
-    distance_voxel.push_back(std::abs(phantom.signedDistance_m(Vec3(record.vhip_W))) / voxel_m);
+    if (!std::isnan(record.depth_m)) {
+      distance_voxel.push_back(std::abs(phantom.signedDistance_m(surfacePointOf(record))) / voxel_m);
+    }
     // By the cross product too: acos alone loses small angles.
     angle_deg.push_back(std::atan2(force_W.cross(normal_W).norm(), force_W.dot(normal_W)) * kDegreesPerRadian);
   }
-  if (distance_voxel.empty()) return std::nullopt;
-  const Percentiles distance = percentiles(std::move(distance_voxel));
+  if (angle_deg.empty()) return std::nullopt;
+  errors.ticks = static_cast<std::int64_t>(angle_deg.size());
   const Percentiles angle = percentiles(std::move(angle_deg));
-  return ExactErrors{distance.p50, distance.p99, angle.p50, angle.p99};
+  errors.force_angle_median_deg = angle.p50;
+  errors.force_angle_p99_deg = angle.p99;
+  if (!distance_voxel.empty()) {
+    const Percentiles distance = percentiles(std::move(distance_voxel));
+    errors.vhip_median_voxel = distance.p50;
+    errors.vhip_p99_voxel = distance.p99;
+  }
+  return errors;
 }
 
 }  // namespace palpate

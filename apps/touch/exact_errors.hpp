@@ -12,9 +12,10 @@
 
 namespace palpate {
 
-// Over the ticks in steady contact: in contact, with a force, within the phase "slide" (all ticks in contact for a path
-// without phases). The VHIP's distance from the exact surface in units of the smallest voxel edge, and the angle
-// between the force and the exact normal at the surface point nearest to the HIP. Empty where there was no such tick.
+// Over the ticks in steady contact: in contact, with a force that is the surface's alone, within the phase "slide"; all
+// such ticks for a path without phases and in a run without one in the slide. The distance of the surface point that
+// was found from the exact surface in units of the smallest voxel edge, and the angle between the force and the exact
+// normal at the surface point nearest to the HIP. Empty where there was no such tick.
 [[nodiscard]] std::optional<ExactErrors> exactErrors(const Phantom& phantom, const std::vector<TickRecord>& records,
                                                      const std::vector<PathPhase>& phases);
 

@@ -19,6 +19,7 @@
 #include "apps/touch/output_folder.hpp"
 #include "apps/touch/picture.hpp"
 #include "apps/touch/run_length.hpp"
+#include "apps/touch/run_notes.hpp"
 #include "apps/touch/run_results.hpp"
 #include "apps/touch/scene_objects.hpp"
 #include "apps/touch/scripted_path.hpp"
@@ -258,7 +259,12 @@ TouchRun runTouchJob(const Scene& scene, const std::string& command, const std::
   run.realtime = realTimeWords(scene, result);
   run.stability = assessContact(run.records, {.resolution_m = run.scene.encoder_resolution_m,
                                               .delay_ticks = run.scene.device_delay_ticks,
+                                              .lacking_Ns_per_m = lackingDamping(run.scene),
                                               .path = &path.path});
+  for (const auto& note : {noteOnSilence(run.records, felt_isovalue, run.scene.rate_hz, scene.algorithm),
+                           noteOnEncoders(run.scene), noteOnTexture(run.scene)}) {
+    if (note) run.notes.push_back(*note);
+  }
   run.faults = faultsOf(run);
   if (std::none_of(run.records.begin(), run.records.end(), [](const TickRecord& r) { return r.in_contact; })) {
     run.notes.emplace_back(

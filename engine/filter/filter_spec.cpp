@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 #include <sstream>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -66,16 +67,19 @@ std::pair<double, std::string_view> numberOf(std::string_view filter, std::strin
 }
 
 Extent extentOf(std::string_view filter, std::string_view what, std::string_view text) {
+  constexpr std::pair<std::string_view, double> kUnits[] = {
+      {"mm", kMetresPerMillimetre}, {"um", 1e-6}, {"cm", 1e-2}, {"m", 1}};
   const auto [number, unit] = numberOf(filter, what, text);
-  if (!(number > 0)) {
-    refuse(filter, fmt::format("its {} is {:g}", what, number), "give a number above 0");
+  Extent extent{number, false};
+  for (const auto& [name, metres] : kUnits) {
+    if (unit == name) extent = {number * metres, true};
   }
-  if (unit.empty()) return {number, false};
-  if (unit == "mm") return {number * kMetresPerMillimetre, true};
-  if (unit == "um") return {number * 1e-6, true};
-  if (unit == "cm") return {number * 1e-2, true};
-  if (unit == "m") return {number, true};
-  refuse(filter, fmt::format("there is no unit '{}'", unit), "give voxels without a unit, or mm, um, cm, m");
+  if (!unit.empty() && !extent.in_metres) {
+    refuse(filter, fmt::format("there is no unit '{}'", unit), "give voxels without a unit, or mm, um, cm, m");
+  }
+  // Of the length itself: a number above 0 may be too small for one in metres.
+  if (!(extent.value > 0)) refuse(filter, fmt::format("its {} is {:g}", what, number), "give a number above 0");
+  return extent;
 }
 
 double plain(std::string_view filter, std::string_view key, std::string_view text, double lowest, double highest) {

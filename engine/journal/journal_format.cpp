@@ -8,7 +8,7 @@
 #include "base/error.hpp"
 #include "engine/edit/lower_edit.hpp"
 #include "engine/journal/byte_stream.hpp"
-#include "engine/journal/crc32c.hpp"
+#include "base/crc32c.hpp"
 
 namespace palpate {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "base/error.hpp"
 #include "engine/journal/byte_stream.hpp"
-#include "engine/journal/crc32c.hpp"
+#include "base/crc32c.hpp"
 
 namespace palpate {
 namespace {
@@ -79,11 +79,13 @@ class Reading {
         break;
       }
       case RecordKind::kUndo:
+        if (!frame.content.empty()) return "holds more than an undo has";
         if (done_ == 0) return "undoes what was not done";
         --done_;
         ++undone_;
         break;
       case RecordKind::kRedo:
+        if (!frame.content.empty()) return "holds more than a redo has";
         if (undone_ == 0) return "does again what was not undone";
         ++done_;
         --undone_;

@@ -7,12 +7,13 @@
 #include <functional>
 #include <optional>
 
+#include "engine/reference/nearest_across.hpp"
 #include "shaders/filter_distance.layout.h"
 
 namespace palpate::reference {
 namespace {
 
-// Offset of a surface point from a voxel, in steps of 1/32 voxel.
+// Offset of a surface point from a voxel, in steps of 1/8 voxel.
 using Foot = std::optional<Vec3i>;
 
 // The numbers of a distance.
@@ -69,7 +70,7 @@ Foot seedOf(const DenseField& field, const Vec3i& voxel, const Given& given) {
     best = square;
     foot.emplace();
     for (int axis = 0; axis < 3; ++axis) {
-      const float steps = (share * static_cast<float>(way[axis])) * 32.0F;
+      const float steps = (share * static_cast<float>(way[axis])) * 8.0F;
       (*foot)[axis] = static_cast<int>(std::floor(steps + 0.5F));
     }
   }
@@ -87,13 +88,13 @@ std::vector<Foot> spread(const DenseField& field, const std::vector<Foot>& feet,
   };
   std::vector<Foot> after(feet.size());
   forEachVoxel(field, after_slice, [&](const Vec3i& voxel, std::size_t offset) {
-    float best = 65536.0F;  // eight voxels of the smallest spacing, beyond any band
+    float best = 4096.0F;  // eight voxels of the smallest spacing, beyond any band
     for (int shift = -reach; shift <= reach; ++shift) {
       const Vec3i other = voxel + shift * Vec3i::Unit(step.axis);
       if (!within(field, other)) continue;
       Foot foot = feet[field.offset(other.x(), other.y(), other.z())];
       if (!foot) continue;
-      *foot += 32 * shift * Vec3i::Unit(step.axis);
+      *foot += 8 * shift * Vec3i::Unit(step.axis);
       const int first = step.axis == 0 ? 1 : 0;
       const int second = step.axis == 2 ? 1 : 2;
       const float distance = square(*foot, step.axis) + (square(*foot, first) + square(*foot, second));
@@ -173,22 +174,33 @@ Tangent tangentAt(const DenseField& field, const Vec3i& voxel, const std::array<
   tangent.left = (there.value - given.isovalue / 4) / (length * largest);
   if (clamp_left && tangent.left > DISTANCE_LEFT) tangent.left = DISTANCE_LEFT;
   if (clamp_left && tangent.left < -DISTANCE_LEFT) tangent.left = -DISTANCE_LEFT;
-  tangent.rise = sum(tangent.normal, away) + tangent.left;
+  const float along = sum(tangent.normal, away);
+  tangent.rise = along + tangent.left;
   tangent.height = at(field, voxel) > given.isovalue ? tangent.rise : -tangent.rise;
   tangent.away_square = sum(away, away);
-  const float side_square = tangent.away_square - tangent.height * tangent.height;
+  const float side_square = tangent.away_square - along * along;
   tangent.side = side_square > 0 ? std::sqrt(side_square) : 0.0F;
   return tangent;
 }
 
-// How far the voxel lies from the surface, in units, without its sign.
-float distanceFrom(const DenseField& field, const Vec3i& voxel, const Vec3i& foot, const Given& given) {
-  std::array<float, 3> shift{};
-  std::array<float, 3> away{};
+// From a voxel to a surface point.
+struct Ways {
+  std::array<float, 3> shift{};  // [voxel]
+  std::array<float, 3> away{};   // the way back [unit]
+};
+
+Ways waysTo(const Vec3i& foot, const Given& given) {
+  Ways ways;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    shift[axis] = static_cast<float>(foot[static_cast<int>(axis)]) / 32.0F;
-    away[axis] = -shift[axis] * given.edge[axis];
+    ways.shift[axis] = static_cast<float>(foot[static_cast<int>(axis)]) / 8.0F;
+    ways.away[axis] = -ways.shift[axis] * given.edge[axis];
   }
+  return ways;
+}
+
+// How far the voxel lies from the surface by the tangent planes there, in units, without its sign.
+float distanceFrom(const DenseField& field, const Vec3i& voxel, const Vec3i& foot, const Given& given) {
+  auto [shift, away] = waysTo(foot, given);
   Tangent tangent = tangentAt(field, voxel, shift, away, given, true);
   for (int projection = 0; projection < 2; ++projection) {
     if (!(tangent.height >= 0 && tangent.height < given.band + 1)) break;
@@ -215,28 +227,54 @@ float distanceFrom(const DenseField& field, const Vec3i& voxel, const Vec3i& foo
   return std::sqrt(height * height + beside * beside);
 }
 
+// A distance, held between the nearest voxel across and that less a diagonal.
+float held(float distance, float point, const std::optional<float>& across_square, const Given& given) {
+  if (!across_square) return given.band;
+  const float farthest = std::sqrt(*across_square);
+  const float nearest = farthest - 2.0F * given.slack;
+  if (!(distance >= nearest)) distance = point;
+  if (!(distance >= nearest)) distance = nearest;
+  if (!(distance <= farthest)) distance = farthest;
+  return distance < given.band ? distance : given.band;
+}
+
+std::vector<std::optional<float>> squaresAcross(const DenseField& field, std::span<const FilterStep> steps,
+                                                const Given& given, std::function<void()> after_slice) {
+  AcrossSearch search{given.isovalue, Vec3::Ones(), Vec3i::Zero(), std::move(after_slice)};
+  for (int axis = 0; axis < 3; ++axis) search.edge_square[axis] = given.edge_square[static_cast<std::size_t>(axis)];
+  for (const FilterStep& step : steps) {
+    if (step.kind == StepKind::kDistanceSpread) search.reach[step.axis] = step.reach[step.axis];
+  }
+  return squaresAcross(field, search);
+}
+
 }  // namespace
 
 DenseField signedDistance(const DenseField& field, std::span<const FilterStep> steps,
                           const std::function<void(double)>& progress) {
   const Given given(steps[0]);
-  const double slices = static_cast<double>(steps.size()) * field.size.z();
+  const double slices =
+      static_cast<double>(steps.size() + 1) * field.size.z();  // voxels across are a round of their own
   auto after_slice = [&, done = 0.0]() mutable {
     if (progress) progress(++done / slices);
   };
   std::vector<Foot> feet(field.values.size());
   forEachVoxel(field, std::ref(after_slice),
                [&](const Vec3i& voxel, std::size_t offset) { feet[offset] = seedOf(field, voxel, given); });
+  const std::vector<std::optional<float>> across = squaresAcross(field, steps, given, std::ref(after_slice));
   for (const FilterStep& step : steps) {
     if (step.kind == StepKind::kDistanceSpread) feet = spread(field, feet, step, std::ref(after_slice));
   }
   DenseField after = field;
   forEachVoxel(field, std::ref(after_slice), [&](const Vec3i& voxel, std::size_t offset) {
     float distance = given.band;
+    float point = given.band;
     if (feet[offset]) {
-      const float found = distanceFrom(field, voxel, *feet[offset], given);
-      if (found < distance) distance = found;
+      distance = distanceFrom(field, voxel, *feet[offset], given);
+      const Ways ways = waysTo(*feet[offset], given);
+      point = std::sqrt(sum(ways.away, ways.away));
     }
+    distance = held(distance, point, across[offset], given);
     const bool inside = at(field, voxel) > given.isovalue;
     if (inside && !(distance > 1e-6F)) distance = 1e-6F;
     after.values[offset] = distance * given.unit;

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// A folder of DICOM slices: "folder", or "folder#1.2.3" for one series by its UID; the series with most slices
-// otherwise. Source of the format: DICOM PS3.3, C.7.6.2 (Image Plane): positions and directions are LPS millimetres.
+// A folder of DICOM slices: "folder", or "folder#2" or "folder#1.2.3" for one series by its number in the order of
+// UIDs, or by its UID; of several one must be named. Source of the format: DICOM PS3.3, C.7.6.2 (Image Plane):
+// positions and directions are LPS millimetres.
 //
-// GDCM under ITK, after a trial in a child process (trial.hpp), reads each slice and applies its slope and intercept.
+// GDCM under ITK, in a child process (itk_child.hpp), reads each slice and applies its slope and intercept.
 // The order and spacing of slices come from their positions, never from file names or slice thickness.
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <map>
@@ -12,6 +14,7 @@
 #include <fmt/format.h>
 
 #include "base/error.hpp"
+#include "base/shared_buffer.hpp"
 #include "base/units.hpp"
 #include "engine/volume/dicom_slice.hpp"
 #include "engine/volume/magic.hpp"
@@ -19,7 +22,6 @@
 #include "engine/volume/raw_values.hpp"
 #include "engine/volume/readers.hpp"
 #include "engine/volume/text_header.hpp"
-#include "engine/volume/trial.hpp"
 
 namespace palpate {
 namespace {
@@ -41,11 +43,12 @@ void checkIsDicom(const fs::path& path, const std::string& source) {
          "copy the series again or take the file away");
 }
 
-// A file that kills GDCM in a trial must not be given to it here.
-void refuseFatal(const std::vector<fs::path>& files, const std::optional<std::size_t>& fatal,
-                 const std::string& source) {
-  if (!fatal) return;
-  refuse(source, fmt::format("slice {} is damaged", files[*fatal].filename().string()), "copy the series again");
+// Names the file that ITK cannot read.
+RefuseFile refuseSlice(const std::vector<fs::path>& files, const std::string& source) {
+  return [&files, &source](std::size_t n, const std::string& words) {
+    refuse(source, fmt::format("slice {} is damaged ({})", files[n].filename().string(), words),
+           "copy the series again");
+  };
 }
 
 // Every series of a folder by its UID. Files that are no DICOM slices are passed over, unless their names say they are.
@@ -62,31 +65,47 @@ std::map<std::string, Series> readFolder(const std::string& folder, const std::s
   if (files.empty()) refuse(source, "the folder holds no DICOM slices", "give the folder in which the slices are");
   std::sort(files.begin(), files.end());
   for (const fs::path& file : files) checkDicomFile(file, source);
-  refuseFatal(files,
-              firstFatal(files.size(), [&](std::size_t n) { static_cast<void>(readDicomSlice(files[n], source)); }),
-              source);
+  std::vector<ItkFacts> facts =
+      readItkSeries(ItkReader::kDicomSlice, {files.begin(), files.end()}, source, refuseSlice(files, source));
   std::map<std::string, Series> all;
-  for (const fs::path& file : files) {
-    DicomSlice slice = readDicomSlice(file, source);
-    const std::string uid = slice.file->tag("0020|000e");
+  for (std::size_t n = 0; n < files.size(); ++n) {
+    DicomSlice slice;
+    slice.path = files[n];
+    slice.file = std::move(facts[n]);
+    const std::string uid = slice.tag("0020|000e");
     all[uid].push_back(std::move(slice));
   }
   return all;
 }
 
-// Returns the series' UID.
+// For people: which series there are, by number.
+std::string listOf(const std::map<std::string, Series>& all) {
+  std::string list;
+  for (const auto& [uid, series] : all) {
+    const std::string description = series[0].file->tag("0008|103e");
+    list +=
+        fmt::format("{}{}: {}{} ({} slices)", list.empty() ? "" : ", ", std::distance(all.begin(), all.find(uid)) + 1,
+                    description.empty() ? "" : "\"" + description + "\" ", uid, series.size());
+  }
+  return list;
+}
+
+// Returns the series' UID. `wanted`: its number, or its UID; empty: the only one.
 std::string chooseSeries(const std::map<std::string, Series>& all, const std::string& wanted,
                          const std::string& source) {
   if (wanted.empty()) {
-    return std::max_element(all.begin(), all.end(),
-                            [](const auto& a, const auto& b) { return a.second.size() < b.second.size(); })
-        ->first;
+    if (all.size() == 1) return all.begin()->first;
+    refuse(source, fmt::format("the folder holds {} series: {}", all.size(), listOf(all)),
+           fmt::format("choose one: --series 1, or {}#1 as its name", source));
   }
   if (all.contains(wanted)) return wanted;
-  std::string known;
-  for (const auto& [uid, series] : all)
-    known += fmt::format("{}{} ({} slices)", known.empty() ? "" : ", ", uid, series.size());
-  refuse(source, fmt::format("the folder has no series {}", wanted), "choose one of " + known);
+  std::size_t number = 0;
+  const auto [end, failure] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), number);
+  const bool is_number = failure == std::errc() && end == wanted.data() + wanted.size();
+  if (is_number && number >= 1 && number <= all.size()) {
+    return std::next(all.begin(), static_cast<std::ptrdiff_t>(number) - 1)->first;
+  }
+  refuse(source, fmt::format("the folder has no series {}", wanted), "choose one of " + listOf(all));
 }
 
 // Sorts along the normal, which is chosen so that the slices' first axis, second axis and normal are right-handed.
@@ -99,9 +118,9 @@ void sortSlices(Series& series, const std::string& source) {
 }
 
 void checkAlike(const Series& series, const std::string& source) {
-  const ItkHeader& first = series[0].file->header();
+  const ItkHeader& first = series[0].file.header;
   for (const DicomSlice& slice : series) {
-    const ItkHeader& header = slice.file->header();
+    const ItkHeader& header = slice.file.header;
     const bool same_size = header.dimensions[0] == first.dimensions[0] && header.dimensions[1] == first.dimensions[1];
     const bool same_spacing = std::abs(header.spacing[0] - first.spacing[0]) <= 1e-4 * first.spacing[0] &&
                               std::abs(header.spacing[1] - first.spacing[1]) <= 1e-4 * first.spacing[1];
@@ -139,7 +158,7 @@ double checkGaps(const Series& series, const std::string& source) {
              "resample the series evenly");
     }
     const Vec3 step = series[n].position_mm - series[n - 1].position_mm;
-    if ((step - gap * normal).norm() > kLateralTolerance * series[0].file->header().spacing[0]) {
+    if ((step - gap * normal).norm() > kLateralTolerance * series[0].file.header.spacing[0]) {
       refuse(source, fmt::format("slices {} are shifted sideways, as under a tilted gantry", pair),
              "resample the series upright");
     }
@@ -148,7 +167,7 @@ double checkGaps(const Series& series, const std::string& source) {
 }
 
 Lattice latticeOf(const Series& series, double gap_mm, const std::string& source) {
-  const ItkHeader& first = series[0].file->header();
+  const ItkHeader& first = series[0].file.header;
   Lattice lattice;
   lattice.origin_W = series[0].position_mm * kMetresPerMillimetre;
   lattice.spacing_m = Vec3(first.spacing[0], first.spacing[1], gap_mm) * kMetresPerMillimetre;
@@ -157,27 +176,28 @@ Lattice latticeOf(const Series& series, double gap_mm, const std::string& source
 }
 
 std::vector<float> readPixels(const Series& series, const std::string& source) {
-  std::vector<float> values;
-  const auto& n = series[0].file->header().dimensions;
+  const auto& n = series[0].file.header.dimensions;
   const auto pixels = static_cast<std::size_t>(n[0] * n[1]);
   std::vector<fs::path> files;
-  for (const DicomSlice& slice : series) files.push_back(slice.path);
-  const auto tryPixels = [&](std::size_t slice) {
-    std::vector<char> raw(pixels * byteSize(*series[slice].file->header().type));
-    series[slice].file->read(raw.data());
-  };
-  refuseFatal(files, firstFatal(files.size(), tryPixels), source);
-  values.reserve(pixels * series.size());
+  std::vector<std::string> paths;
+  std::size_t bytes = 0;
   for (const DicomSlice& slice : series) {
-    const ValueType type = *slice.file->header().type;
-    std::vector<char> raw(pixels * byteSize(type));
-    try {
-      slice.file->read(raw.data());
-    } catch (const std::runtime_error& failure) {
-      refuse(source, fmt::format("slice {} cannot be read ({})", slice.name(), failure.what()),
-             "copy the series again");
-    }
-    const std::vector<float> converted = toFloats(raw, type);
+    files.push_back(slice.path);
+    paths.push_back(slice.path.string());
+    bytes += pixels * byteSize(*slice.file.header.type);
+  }
+  const SharedBuffer raw(bytes);
+  std::vector<std::span<char>> parts;
+  std::size_t at = 0;
+  for (const DicomSlice& slice : series) {
+    parts.push_back(raw.bytes().subspan(at, pixels * byteSize(*slice.file.header.type)));
+    at += parts.back().size();
+  }
+  readItkSeriesValues(ItkReader::kDicomSlice, paths, parts, source, refuseSlice(files, source));
+  std::vector<float> values;
+  values.reserve(pixels * series.size());
+  for (std::size_t slice = 0; slice < series.size(); ++slice) {
+    const std::vector<float> converted = toFloats(parts[slice], *series[slice].file.header.type);
     values.insert(values.end(), converted.begin(), converted.end());
   }
   return values;
@@ -188,17 +208,20 @@ VolumeFacts factsOf(const std::map<std::string, Series>& all, const std::string&
   VolumeFacts facts;
   facts.source = source;
   facts.format = "DICOM series";
-  const std::vector<double> stored_bits = dicomNumbers(first.file->tag("0028|0100"));
-  const std::vector<double> is_signed = dicomNumbers(first.file->tag("0028|0103"));
+  const std::vector<double> stored_bits = dicomNumbers(first.tag("0028|0100"));
+  const std::vector<double> is_signed = dicomNumbers(first.tag("0028|0103"));
   facts.value_type = fmt::format("{}int{:.0f}", is_signed == std::vector<double>{1} ? "" : "u",
                                  stored_bits.empty() ? 16 : stored_bits[0]);
   facts.orientation = "LPS, from the slices' positions";
-  const std::vector<double> slope = dicomNumbers(first.file->tag("0028|1053"));
-  const std::vector<double> intercept = dicomNumbers(first.file->tag("0028|1052"));
+  const std::vector<double> slope = dicomNumbers(first.tag("0028|1053"));
+  const std::vector<double> intercept = dicomNumbers(first.tag("0028|1052"));
   if (!slope.empty()) facts.rescale_slope = slope[0];
   if (!intercept.empty()) facts.rescale_intercept = intercept[0];
-  facts.remark = fmt::format("series {}", uid);
-  if (all.size() > 1) facts.remark = fmt::format("series {}, the largest of {} in the folder", uid, all.size());
+  const std::string description = first.file->tag("0008|103e");
+  const std::string words = description.empty() ? uid : fmt::format("{} \"{}\"", uid, description);
+  facts.part = all.size() == 1 ? "series " + words
+                               : fmt::format("series {} of {}: {}", std::distance(all.begin(), all.find(uid)) + 1,
+                                             all.size(), words);
   return facts;
 }
 
@@ -214,12 +237,11 @@ Volume readDicom(const std::string& name, std::size_t memory_budget_bytes) {
   sortSlices(series, name);
   checkAlike(series, name);
   const double gap_mm = checkGaps(series, name);
-  const auto& n = series[0].file->header().dimensions;
+  const auto& n = series[0].file.header.dimensions;
   const auto count = static_cast<std::int64_t>(series.size());
   checkMemory(name, n[0], n[1], count, 0, memory_budget_bytes);
   const Vec3i size(static_cast<int>(n[0]), static_cast<int>(n[1]), static_cast<int>(count));
   VolumeFacts facts = factsOf(all, uid, name);
-  if (!wanted.empty()) facts.remark = fmt::format("series {}", uid);
   const Lattice lattice = latticeOf(series, gap_mm, name);
   return Volume::fromDense(size, lattice, readPixels(series, name), std::move(facts));
 }

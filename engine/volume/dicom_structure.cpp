@@ -2,7 +2,9 @@
 #include "engine/volume/dicom_structure.hpp"
 
 #include <cstdint>
+#include <cstdlib>
 #include <cstring>
+#include <string>
 
 namespace palpate {
 namespace {
@@ -15,6 +17,12 @@ constexpr std::uint32_t kItem = 0xfffee000U;
 constexpr std::uint32_t kItemEnd = 0xfffee00dU;
 constexpr std::uint32_t kSequenceEnd = 0xfffee0ddU;
 constexpr std::uint32_t kTransferSyntax = 0x00020010U;
+constexpr std::uint32_t kSamples = 0x00280002U;
+constexpr std::uint32_t kFrames = 0x00280008U;
+constexpr std::uint32_t kRows = 0x00280010U;
+constexpr std::uint32_t kColumns = 0x00280011U;
+constexpr std::uint32_t kBitsAllocated = 0x00280100U;
+constexpr std::uint32_t kPixels = 0x7fe00010U;
 constexpr int kDeepest = 32;  // nested sequences
 
 struct Element {
@@ -47,48 +55,65 @@ class Walk {
     while (!syntax.empty() && (syntax.back() == '\0' || syntax.back() == ' ')) syntax.remove_suffix(1);
     if (syntax == "1.2.840.10008.1.2.1.99" || syntax == "1.2.840.10008.1.2.2") return true;
     explicit_ = syntax != "1.2.840.10008.1.2";
-    return elements(file_.size(), 0);
+    return elements(0);
   }
 
  private:
-  // Elements up to `end`, or to a delimiter of items.
-  bool elements(std::size_t end, int depth) {
+  // Elements up to the file's end; those of an item up to its delimiter.
+  bool elements(int depth) {
     std::uint32_t last_tag = 0;
-    while (at_ < end) {
+    while (at_ < file_.size()) {
       Element element;
       if (!readHead(element)) return false;
-      if (element.tag == kItemEnd) return true;
+      if (element.tag == kItemEnd) return depth > 0;
       if (element.tag <= last_tag) return false;  // tags ascend
       last_tag = element.tag;
       if (!value(element, depth)) return false;
     }
-    return at_ == end;
+    return depth == 0;
   }
 
   bool value(const Element& element, int depth) {
-    if (element.length == kUndefined) return items(file_.size(), depth + 1);
+    if (element.length == kUndefined) return items(file_.size(), true, depth + 1);
     if (element.length > left()) return false;
-    if (element.type == "SQ") return items(at_ + element.length, depth + 1);
+    if (depth == 0 && !pixelsFit(element)) return false;
+    if (element.type == "SQ") return items(at_ + element.length, false, depth + 1);
     at_ += element.length;
     return true;
   }
 
-  // Items of a sequence, or fragments of packed pixels, which are items that hold no elements.
-  bool items(std::size_t end, int depth) {
+  // Pixels that are not packed are as many as rows, columns, samples and bits ask for; GDCM takes what is missing for
+  // 0. They come last, so the numbers are known then.
+  bool pixelsFit(const Element& element) {
+    const auto keep = [&](double& number) {
+      if (element.length >= 2) number = this->number<std::uint16_t>(at_);
+    };
+    if (element.tag == kSamples) keep(samples_);
+    if (element.tag == kRows) keep(rows_);
+    if (element.tag == kColumns) keep(columns_);
+    if (element.tag == kBitsAllocated) keep(bits_);
+    if (element.tag == kFrames) frames_ = std::atof(std::string(file_.substr(at_, element.length)).c_str());
+    if (element.tag != kPixels) return true;
+    return static_cast<double>(element.length) * 8 >= rows_ * columns_ * samples_ * frames_ * bits_;
+  }
+
+  // Items of a sequence, or fragments of packed pixels, which are items that hold no elements. `delimited`: they end
+  // with a delimiter, else at `end`.
+  bool items(std::size_t end, bool delimited, int depth) {
     if (depth > kDeepest) return false;
     while (at_ < end) {
       Element item;
       if (!readHead(item)) return false;
-      if (item.tag == kSequenceEnd) return true;
+      if (item.tag == kSequenceEnd) return delimited || at_ == end;
       if (item.tag != kItem) return false;
       if (item.length == kUndefined) {
-        if (!elements(file_.size(), depth)) return false;
+        if (!elements(depth)) return false;
       } else {
         if (item.length > left()) return false;
         at_ += item.length;
       }
     }
-    return at_ == end && end != file_.size();
+    return at_ == end && !delimited;
   }
 
   bool readHead(Element& element) {
@@ -129,6 +154,7 @@ class Walk {
   std::string_view file_;
   std::size_t at_ = 0;
   bool explicit_ = true;
+  double rows_ = 0, columns_ = 0, samples_ = 1, frames_ = 1, bits_ = 8;
 };
 
 }  // namespace

@@ -87,7 +87,7 @@ const std::vector<VolumeFormat>& volumeFormats() {
       {"MetaImage", {".mha", ".mhd"}, "MetaImage, one file or header and data", readMeta},
       {"OpenVDB", {".vdb"}, "OpenVDB density or level set; file.vdb#grid names a grid", readVdb},
       {"InVesalius", {".inv3"}, "InVesalius project", readInvesalius},
-      {"DICOM series", {}, "folder of DICOM slices; folder#UID names a series", readDicom},
+      {"DICOM series", {}, "folder of DICOM slices; folder#2 or folder#UID names one of several series", readDicom},
       {"phantom", {}, "phantom:NAME?size=64&spacing=1mm&noise=0&seed=1: a surface known exactly", readPhantom},
   };
   return kFormats;
@@ -101,6 +101,19 @@ Volume loadVolume(const std::string& name, std::size_t memory_budget_bytes) {
   } catch (const fs::filesystem_error& failure) {
     throw Error(Error::Code::kIo, name, failure.code().message(), "check the permissions of the file or folder");
   }
+}
+
+std::string withSeries(const std::string& folder, const std::string& series) {
+  if (series.empty()) {
+    throw Error(Error::Code::kBadInput, "--series", "it is empty", "give the number or the UID of a series");
+  }
+  std::error_code failure;
+  if (fs::is_directory(folder, failure)) return folder + "#" + series;
+  if (fs::is_directory(withoutPart(folder), failure)) {
+    throw Error(Error::Code::kBadInput, folder, "it names a series, and so does --series", "leave one of them out");
+  }
+  throw Error(Error::Code::kBadInput, folder, "it is no folder of DICOM slices, so it has no series",
+              "leave --series out");
 }
 
 }  // namespace palpate

@@ -3,22 +3,36 @@
 // z, y, x). Source of the format: InVesalius 3, invesalius/project.py, Project.SavePlistProject.
 //
 // InVesalius keeps its slices flipped in y against DICOM: index j runs anterior. It keeps no position, so the world's
-// origin is the centre of voxel (0, 0, 0).
+// origin is the centre of voxel (0, 0, 0). Archive and property list are read in a child process.
 #include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
 #include <filesystem>
+#include <functional>
 #include <memory>
+#include <new>
 #include <optional>
+#include <span>
+#include <stdexcept>
+#include <vector>
 
 #include <archive.h>
 #include <archive_entry.h>
 #include <fmt/format.h>
 #include <plist/plist.h>
 
+#include "base/child_process.hpp"
 #include "base/error.hpp"
+#include "base/shared_buffer.hpp"
 #include "base/units.hpp"
+#include "engine/volume/grid.hpp"
 #include "engine/volume/memory_budget.hpp"
 #include "engine/volume/raw_values.hpp"
 #include "engine/volume/readers.hpp"
+#include "engine/volume/text_header.hpp"
+#include "engine/volume/unpacker.hpp"
 
 namespace palpate {
 namespace {
@@ -30,44 +44,80 @@ constexpr std::size_t kBlockBytes = 1U << 16U;
   throw Error(Error::Code::kBadInput, source, reason, "save the project again in InVesalius");
 }
 
-// Walks through the archive to one member and reads from it. Members before it are unpacked and dropped.
+// Walks through the archive to one member and reads from it. Members before it are unpacked and dropped. The gzip
+// stream is unpacked here: libarchive does not look at its checksum.
 class ArchiveMember {
  public:
   ArchiveMember(const std::string& path, const std::string& wanted, const std::string& source)
-      : reader_(archive_read_new(), archive_read_free), source_(source) {
-    archive_read_support_filter_gzip(reader_.get());
+      : stream_(path, 0, isGzip(path) ? Packing::kGzip : Packing::kNone),
+        block_(kBlockBytes),
+        reader_(archive_read_new(), archive_read_free),
+        source_(source) {
     archive_read_support_format_tar(reader_.get());
-    check(archive_read_open_filename(reader_.get(), path.c_str(), kBlockBytes));
+    check(archive_read_open(reader_.get(), this, nullptr, readBlock, nullptr));
     archive_entry* entry = nullptr;
-    for (;;) {
-      const int result = archive_read_next_header(reader_.get(), &entry);
-      if (result == ARCHIVE_EOF) refuse(source_, fmt::format("the archive has no {}", wanted));
-      check(result);
+    while (next(entry)) {
       const char* name = archive_entry_pathname(entry);
-      if (name != nullptr && std::filesystem::path(name).filename() == wanted) break;
+      if (name == nullptr || std::filesystem::path(name).filename() != wanted) continue;
+      bytes_ = archive_entry_size_is_set(entry) != 0 ? archive_entry_size(entry) : 0;
+      return;
     }
-    bytes_ = archive_entry_size_is_set(entry) != 0 ? archive_entry_size(entry) : 0;
+    refuse(source_, fmt::format("the archive has no {}", wanted));
   }
+  ArchiveMember(const ArchiveMember&) = delete;
+  ArchiveMember& operator=(const ArchiveMember&) = delete;
 
   [[nodiscard]] std::int64_t bytes() const noexcept { return bytes_; }
 
-  void read(char* to, std::size_t count) {
-    while (count > 0) {
-      const la_ssize_t got = archive_read_data(reader_.get(), to, count);
+  void read(std::span<char> to) {
+    while (!to.empty()) {
+      const la_ssize_t got = archive_read_data(reader_.get(), to.data(), to.size());
       if (got == 0) refuse(source_, "the archive is cut short");
       if (got < 0) check(static_cast<int>(got));
-      to += got;
-      count -= static_cast<std::size_t>(got);
+      to = to.subspan(static_cast<std::size_t>(got));
     }
   }
 
+  // All members and bytes that follow, so that every checksum has been looked at.
+  void readToEnd() {
+    archive_entry* entry = nullptr;
+    while (next(entry)) {
+    }
+    static_cast<void>(stream_.drain());
+  }
+
  private:
+  bool next(archive_entry*& entry) {
+    const int result = archive_read_next_header(reader_.get(), &entry);
+    if (result == ARCHIVE_EOF) return false;
+    check(result);
+    return true;
+  }
+
+  // What is thrown must not pass through C: it waits in trouble_.
+  static la_ssize_t readBlock(archive* reader, void* self, const void** block) {
+    auto& member = *static_cast<ArchiveMember*>(self);
+    *block = member.block_.data();
+    try {
+      return static_cast<la_ssize_t>(member.stream_.read(member.block_.data(), member.block_.size()));
+    } catch (const std::runtime_error& failure) {
+      member.trouble_ = failure.what();
+    } catch (const std::bad_alloc&) {
+      member.trouble_ = "no memory";
+    }
+    archive_set_error(reader, EIO, "%s", member.trouble_.c_str());
+    return ARCHIVE_FATAL;
+  }
+
   void check(int result) const {
     if (result == ARCHIVE_OK || result == ARCHIVE_WARN) return;
     const char* reason = archive_error_string(reader_.get());
     refuse(source_, fmt::format("the archive cannot be read ({})", reason != nullptr ? reason : "unknown fault"));
   }
 
+  Unpacker stream_;
+  std::vector<char> block_;
+  std::string trouble_;
   std::unique_ptr<archive, int (*)(archive*)> reader_;
   std::string source_;
   std::int64_t bytes_ = 0;
@@ -84,7 +134,7 @@ Plist readPlist(const std::string& path, const std::string& source) {
     refuse(source, fmt::format("its main.plist has {} bytes", member.bytes()));
   }
   std::string text(static_cast<std::size_t>(member.bytes()), '\0');
-  member.read(text.data(), text.size());
+  member.read(text);
   plist_t root = nullptr;
   plist_from_memory(text.data(), static_cast<std::uint32_t>(text.size()), &root);
   if (root == nullptr || plist_get_node_type(root) != PLIST_DICT) refuse(source, "its main.plist cannot be read");
@@ -129,40 +179,79 @@ ValueType valueTypeOf(plist_t matrix, const std::string& source) {
   refuse(source, fmt::format("its values are of the type \"{}\"", name));
 }
 
-}  // namespace
+// What main.plist says: plain, so that a child can hand it over.
+struct Project {
+  Vec3i size = Vec3i::Zero();
+  ValueType type = ValueType::kInt16;
+  std::array<double, 3> spacing_mm = {0, 0, 0};
+};
 
-Volume readInvesalius(const std::string& name, std::size_t memory_budget_bytes) {
+Project readProject(const std::string& name, std::size_t memory_budget_bytes) {
   const Plist root = readPlist(name, name);
   plist_t matrix = plist_dict_get_item(root.get(), "matrix");
   if (matrix == nullptr || plist_get_node_type(matrix) != PLIST_DICT)
     refuse(name, "its main.plist describes no matrix");
   const Vec3 shape = triple(matrix, "shape", name);  // z, y, x
   if (!(shape.minCoeff() >= 1 && shape.maxCoeff() < 1e15)) refuse(name, "its matrix has no size");
-  const ValueType type = valueTypeOf(matrix, name);
+  Project project;
+  project.type = valueTypeOf(matrix, name);
   checkMemory(name, static_cast<std::int64_t>(shape[2]), static_cast<std::int64_t>(shape[1]),
-              static_cast<std::int64_t>(shape[0]), static_cast<double>(byteSize(type)), memory_budget_bytes);
-  const Vec3i size = shape.reverse().cast<int>();
+              static_cast<std::int64_t>(shape[0]), static_cast<double>(byteSize(project.type)), memory_budget_bytes);
+  project.size = shape.reverse().cast<int>();
+  const Vec3 spacing_mm = triple(root.get(), "spacing", name);
+  std::copy_n(spacing_mm.data(), 3, project.spacing_mm.begin());
+  return project;
+}
+
+void readMatrix(const std::string& name, const Project& project, std::span<char> raw) {
+  ArchiveMember member(name, "matrix.dat", name);
+  if (member.bytes() != static_cast<std::int64_t>(raw.size())) {
+    refuse(name, fmt::format("its matrix.dat has {} bytes, and {} x {} x {} voxels of {} need {}", member.bytes(),
+                             project.size.x(), project.size.y(), project.size.z(), nameOf(project.type), raw.size()));
+  }
+  member.read(raw);
+  member.readToEnd();
+}
+
+// Runs `work` in a child: property lists and archives are read by libraries too.
+std::string inChild(const std::string& name, double raw_bytes, const std::function<std::string()>& work) {
+  constexpr double kMostUnpacked = 1032;  // bytes of a packed one
+  const auto file_bytes = static_cast<double>(fileBytes(name, name));
+  ChildLimits limits = limitsForFile(file_bytes, raw_bytes);
+  // All of the archive is unpacked, at 100 MiB a second or more, the longest that a small file may take being 4 s.
+  limits.cpu_s += std::floor(file_bytes * kMostUnpacked / (1024.0 * (1 << 20)));
+  ChildOutcome outcome = runInChild(name, 1, limits, [&](std::size_t) { return work(); });
+  if (!outcome.trouble) return std::move(outcome.results[0]);
+  if (outcome.trouble->error) throw Error(*outcome.trouble->error);
+  refuse(name, fmt::format("it cannot be read ({})", outcome.trouble->words));
+}
+
+}  // namespace
+
+Volume readInvesalius(const std::string& name, std::size_t memory_budget_bytes) {
+  Project project;
+  const std::string facts_bytes = inChild(name, 0, [&] {
+    const Project read = readProject(name, memory_budget_bytes);
+    return std::string(reinterpret_cast<const char*>(&read), sizeof read);
+  });
+  std::memcpy(static_cast<void*>(&project), facts_bytes.data(), sizeof project);
   Lattice lattice;
-  lattice.spacing_m = triple(root.get(), "spacing", name) * kMetresPerMillimetre;
+  lattice.spacing_m = Vec3(project.spacing_mm.data()) * kMetresPerMillimetre;
   lattice.R_WL = Vec3(1, -1, 1).asDiagonal();
   checkLattice(lattice, name);
 
-  ArchiveMember member(name, "matrix.dat", name);
-  const std::size_t wanted = static_cast<std::size_t>(size.cast<long long>().prod()) * byteSize(type);
-  if (member.bytes() != static_cast<std::int64_t>(wanted)) {
-    refuse(name, fmt::format("its matrix.dat has {} bytes, and {} x {} x {} voxels of {} need {}", member.bytes(),
-                             size.x(), size.y(), size.z(), nameOf(type), wanted));
-  }
-  std::vector<char> raw(wanted);
-  member.read(raw.data(), raw.size());
+  const SharedBuffer raw(static_cast<std::size_t>(project.size.cast<long long>().prod()) * byteSize(project.type));
+  static_cast<void>(inChild(name, static_cast<double>(raw.bytes().size()), [&] {
+    readMatrix(name, project, raw.bytes());
+    return std::string();
+  }));
   VolumeFacts facts;
   facts.source = name;
   facts.format = "InVesalius";
-  facts.value_type = nameOf(type);
+  facts.value_type = nameOf(project.type);
   facts.orientation = "InVesalius axes: left, anterior, superior";
-  const std::vector<float> values = toFloats(raw, type);
-  std::vector<char>().swap(raw);
-  return Volume::fromDense(size, lattice, values, std::move(facts));
+  const BrickSource bricks = rawBricks(raw.bytes(), project.type, project.size);
+  return Volume(buildGridByLayers(project.size, lattice, std::move(facts), [&](int) { return bricks; }));
 }
 
 }  // namespace palpate

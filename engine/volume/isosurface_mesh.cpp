@@ -2,74 +2,106 @@
 #include "engine/volume/isosurface_mesh.hpp"
 
 #include <algorithm>
-#include <limits>
 
-#include <openvdb/openvdb.h>
-#include <openvdb/tools/ChangeBackground.h>
-#include <openvdb/tools/VolumeToMesh.h>
-
-#include "engine/volume/grid.hpp"
+#include "engine/volume/join_triangles.hpp"
+#include "engine/volume/surface_cells.hpp"
 
 namespace palpate {
 namespace {
 
-// The volume with background all around it, so far below the isovalue that every crossing between a border voxel and it
-// is at the voxel (to 1e-6 of a voxel).
-ScalarGrid::Ptr padded(const Volume& volume, float isovalue) {
-  ScalarGrid::Ptr field = volume.grid().field->deepCopy();
-  const float above = std::max(volume.maximum() - isovalue, 1e-30F);
-  // Not beyond the largest float, which densities may come near: then crossings lie elsewhere between a border voxel
-  // and the background, outside of the volume, and are put onto its border like all others.
-  const float below = std::max(isovalue - 1e6F * above, std::numeric_limits<float>::lowest());
-  openvdb::tools::changeBackground(field->tree(), below);
-  const Vec3i last = volume.size() - Vec3i::Ones();
-  field->clip(openvdb::CoordBBox(openvdb::Coord(0, 0, 0), openvdb::Coord(last.x(), last.y(), last.z())));
-  return field;
+constexpr double kLeastShare = 1.0 / 256;  // of an edge, between a crossing and either end
+
+Vec3i cornerOf(int corner) {
+  return {corner & 1, corner >> 1 & 1, corner >> 2};
 }
 
-// Triangles whose corners go around the outward normal counter-clockwise. The mesher's go the other way around for
-// density above the isovalue, seen in index space; a left-handed lattice mirrors them once more.
-class Triangles {
- public:
-  Triangles(TriangleMesh& mesh, bool turned) : mesh_(mesh), turned_(turned) {}
+// Where the surface crosses an edge of a cell, from its first corner, index space.
+Vec3 crossingOf(const SurfaceCell& cell, int edge, double isovalue) {
+  const EdgeEnds ends = edgeEnds(edge);
+  const double first = cell.densities[static_cast<std::size_t>(ends.first)];
+  const double last = cell.densities[static_cast<std::size_t>(ends.last)];
+  const double share = std::clamp((first - isovalue) / (first - last), kLeastShare, 1 - kLeastShare);
+  return cornerOf(ends.first).cast<double>() + share * (cornerOf(ends.last) - cornerOf(ends.first)).cast<double>();
+}
 
-  void add(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-    mesh_.triangles.push_back(turned_ ? std::array{a, c, b} : std::array{a, b, c});
+class Mesher {
+ public:
+  Mesher(const Volume& volume, float isovalue)
+      : lattice_(volume.lattice()),
+        last_I_(volume.size().cast<double>().array() - 1),
+        turned_(lattice_.R_WL.determinant() < 0),
+        cells_(volume, isovalue) {
+    mesh_.vertices_W.reserve(cells_.vertexCount());
+    mesh_.triangles.reserve(2 * std::size_t{cells_.vertexCount()});
+    for (const SurfaceCell& cell : cells_.all()) addVertices(cell, isovalue);
+    for (const SurfaceCell& cell : cells_.all()) {
+      for (int axis = 0; axis < 3; ++axis) addQuad(cell, axis);
+    }
   }
-  void add(const openvdb::Vec4I& q) {
-    const bool first_is_shorter = length(q[0], q[2]) <= length(q[1], q[3]);
-    add(q[0], q[1], first_is_shorter ? q[2] : q[3]);
-    add(first_is_shorter ? q[0] : q[1], q[2], q[3]);
-  }
+
+  [[nodiscard]] TriangleMesh take() { return std::move(mesh_); }
 
  private:
-  [[nodiscard]] double length(std::uint32_t a, std::uint32_t b) const {
-    return (mesh_.vertices_W[a] - mesh_.vertices_W[b]).squaredNorm();
+  // An edge that leaves the domain is crossed at the voxel: with the clamp, wherever on it.
+  void addVertices(const SurfaceCell& cell, double isovalue) {
+    std::array<Vec3, 4> sums;
+    std::array<int, 4> counts{};
+    sums.fill(Vec3::Zero());
+    for (int edge = 0; edge < kCellEdges; ++edge) {
+      const std::size_t loop = cell.loops.of_edge[static_cast<std::size_t>(edge)];
+      if (loop == kNoLoop) continue;
+      sums[loop] += crossingOf(cell, edge, isovalue);
+      ++counts[loop];
+    }
+    for (std::size_t loop = 0; loop < static_cast<std::size_t>(cell.loops.count); ++loop) {
+      const Vec3 p_I = cell.at.cast<double>() + sums[loop] / counts[loop];
+      mesh_.vertices_W.push_back(lattice_.toWorld(p_I.cwiseMax(0.0).cwiseMin(last_I_)));
+    }
   }
-  TriangleMesh& mesh_;
+
+  // Around the edge along an axis that begins at the cell's first corner, if it is crossed.
+  void addQuad(const SurfaceCell& cell, int axis) {
+    if (cell.loops.of_edge[static_cast<std::size_t>(edgeFrom(0, axis))] == kNoLoop) return;
+    const int u = (axis + 1) % 3;
+    const int v = (axis + 2) % 3;
+    // Counter-clockwise, seen against the axis: the cells below along u and v first.
+    std::array<std::uint32_t, 4> quad{};
+    for (std::size_t n = 0; n < 4; ++n) {
+      const int below_u = n == 0 || n == 3 ? 1 : 0;
+      const int below_v = n < 2 ? 1 : 0;
+      const SurfaceCell& around = cells_.at(cell.at - below_u * Vec3i::Unit(u) - below_v * Vec3i::Unit(v));
+      const int edge = edgeFrom(below_u << u | below_v << v, axis);
+      quad[n] = around.first_vertex + around.loops.of_edge[static_cast<std::size_t>(edge)];
+    }
+    const bool leaves = (cell.inside & 1) != 0;  // the object, along the axis
+    if (leaves == turned_) std::swap(quad[1], quad[3]);
+    // The diagonal with the larger smaller triangle.
+    const double first = std::min(area(quad[0], quad[1], quad[2]), area(quad[0], quad[2], quad[3]));
+    const double second = std::min(area(quad[0], quad[1], quad[3]), area(quad[1], quad[2], quad[3]));
+    const std::size_t start = first >= second ? 0 : 1;
+    mesh_.triangles.push_back({quad[start], quad[start + 1], quad[start + 2]});
+    mesh_.triangles.push_back({quad[start], quad[start + 2], quad[(start + 3) % 4]});
+  }
+
+  [[nodiscard]] double area(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
+    const Vec3& corner_W = mesh_.vertices_W[a];
+    return (mesh_.vertices_W[b] - corner_W).cross(mesh_.vertices_W[c] - corner_W).norm();
+  }
+
+  const Lattice& lattice_;
+  Vec3 last_I_;
   bool turned_;
+  SurfaceCells cells_;
+  TriangleMesh mesh_;
 };
 
 }  // namespace
 
 TriangleMesh isosurfaceMesh(const Volume& volume, double isovalue, double adaptivity) {
-  TriangleMesh mesh;
   const auto level = static_cast<float>(isovalue);
-  if (!(volume.maximum() > level)) return mesh;
-  std::vector<openvdb::Vec3s> points_I;  // the grid's transform is the identity: index space
-  std::vector<openvdb::Vec3I> triangles;
-  std::vector<openvdb::Vec4I> quads;
-  openvdb::tools::volumeToMesh(*padded(volume, level), points_I, triangles, quads, isovalue, adaptivity);
-  const Vec3 last_I = volume.size().cast<double>().array() - 1;
-  mesh.vertices_W.reserve(points_I.size());
-  for (const openvdb::Vec3s& p : points_I) {
-    const Vec3 p_I = Vec3(p.x(), p.y(), p.z()).cwiseMax(0.0).cwiseMin(last_I);
-    mesh.vertices_W.push_back(volume.lattice().toWorld(p_I));
-  }
-  mesh.triangles.reserve(triangles.size() + 2 * quads.size());
-  Triangles made(mesh, volume.lattice().R_WL.determinant() > 0);
-  for (const openvdb::Vec3I& t : triangles) made.add(t[0], t[1], t[2]);
-  for (const openvdb::Vec4I& q : quads) made.add(q);
+  if (!(volume.maximum() > level) || volume.size().minCoeff() < 2) return {};
+  TriangleMesh mesh = Mesher(volume, level).take();
+  if (adaptivity > 0) joinFlatTriangles(mesh, adaptivity, 8 * volume.lattice().spacing_m.maxCoeff());
   return mesh;
 }
 

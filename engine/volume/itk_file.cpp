@@ -114,19 +114,27 @@ ItkFile::ItkFile(ItkReader reader, const std::string& path) : io_(std::make_uniq
 
 ItkFile::~ItkFile() = default;
 
-void ItkFile::read(char* values) {
+void ItkFile::read(std::span<char> values) {
   quietly([&] {
+    std::size_t bytes = header_.type ? byteSize(*header_.type) * header_.components : 0;
+    for (const std::int64_t size : header_.dimensions) bytes *= static_cast<std::size_t>(size);
+    if (bytes != values.size()) throw std::runtime_error("its header has changed since it was read");
     io_->image->SetIORegion(wholeRegion(*io_->image));
-    io_->image->Read(values);
+    io_->image->Read(values.data());
   });
 }
 
-std::string ItkFile::tag(const std::string& key) const {
-  std::string value;
-  itk::ExposeMetaData<std::string>(io_->image->GetMetaDataDictionary(), key, value);
-  while (!value.empty() && (value.back() == ' ' || value.back() == '\0')) value.pop_back();
-  value.erase(0, value.find_first_not_of(' '));
-  return value;
+std::map<std::string, std::string> ItkFile::tags() const {
+  std::map<std::string, std::string> all;
+  const itk::MetaDataDictionary& dictionary = io_->image->GetMetaDataDictionary();
+  for (const std::string& key : dictionary.GetKeys()) {
+    std::string value;
+    if (!itk::ExposeMetaData<std::string>(dictionary, key, value)) continue;
+    while (!value.empty() && (value.back() == ' ' || value.back() == '\0')) value.pop_back();
+    value.erase(0, value.find_first_not_of(' '));
+    all.emplace(key, std::move(value));
+  }
+  return all;
 }
 
 }  // namespace palpate

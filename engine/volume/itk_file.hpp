@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/volume/itk_file.hpp: one image file open in ITK. Private to engine/volume.
+// engine/volume/itk_file.hpp: one image file open in ITK. Private to engine/volume. A damaged file may end the process:
+// only itk_child.cpp and library_read.cpp, which measures ITK, may open one.
 //
 // Neither this header nor its .cpp may include Eigen (so no lattice and no volume): ITK brings an older copy of its
 // own, and the two do not go together in one source file. ITK's images are LPS millimetres.
@@ -7,8 +8,10 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -35,10 +38,11 @@ class ItkFile {
   ~ItkFile();
 
   [[nodiscard]] const ItkHeader& header() const noexcept { return header_; }
-  // Fills `values`, which holds all dimensions' voxels of header().type. Throws as the constructor does.
-  void read(char* values);
-  // A DICOM value by "0020|000e", trimmed; "" where it is missing.
-  [[nodiscard]] std::string tag(const std::string& key) const;
+  // Fills `values`, which must hold all dimensions' voxels of header().type. Throws as the constructor does, and where
+  // it holds more or less.
+  void read(std::span<char> values);
+  // Every DICOM value by its "0020|000e", trimmed; other formats may have some as well.
+  [[nodiscard]] std::map<std::string, std::string> tags() const;
 
  private:
   struct Io;

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/volume/itk_image.hpp"
 
-#include <system_error>
-
 #include <fmt/format.h>
 
 #include "base/error.hpp"
+#include "base/shared_buffer.hpp"
+#include "engine/volume/finite_values.hpp"
 #include "engine/volume/grid.hpp"
+#include "engine/volume/itk_child.hpp"
 #include "engine/volume/large_buffer.hpp"
 #include "engine/volume/memory_budget.hpp"
 #include "engine/volume/raw_values.hpp"
@@ -44,41 +45,53 @@ Lattice latticeOf(const ItkHeader& header, double metres_per_unit) {
   return lattice;
 }
 
-// Without ITK. Nothing if that fails or there are voxels that are no numbers: ITK then reads the file, to refuse it in
-// its own words or to replace such voxels, as it does in NIfTI.
-std::unique_ptr<Volume::Grid> readRaw(const ItkRequest& request, ValueType type, const Vec3i& size,
-                                      const Lattice& lattice) {
-  try {
-    const LayerSource layers = layersOf(*request.raw, type, size, request.slope, request.intercept);
-    return buildGridByLayers(size, lattice, request.facts, layers);
-  } catch (const Error&) {
-    return nullptr;
-  } catch (const std::system_error&) {
-    return nullptr;
+using Grid = std::unique_ptr<Volume::Grid>;
+
+Grid build(const ItkRequest& request, const Vec3i& size, const Lattice& lattice, const LayerSource& layers) {
+  if (!request.nan_becomes_zero) return buildGridByLayers(size, lattice, request.facts, layers);
+  FiniteValues finite(size);
+  Grid grid = buildGridByLayers(size, lattice, request.facts, finite.of(layers));
+  finite.check(request.facts.source);
+  if (const std::string remark = finite.remark(); !remark.empty()) {
+    grid->facts.remark += (grid->facts.remark.empty() ? "" : "; ") + remark;
   }
+  return grid;
+}
+
+Grid buildOf(const ItkRequest& request, std::span<const char> raw, ValueType type, const Vec3i& size,
+             const Lattice& lattice) {
+  const BrickSource bricks = rawBricks(raw, type, size, request.slope, request.intercept);
+  return build(request, size, lattice, [&](int) { return bricks; });
+}
+
+Grid readValues(const ItkRequest& request, ValueType type, const Vec3i& size, const Lattice& lattice) {
+  const std::size_t bytes = static_cast<std::size_t>(size.cast<long long>().prod()) * byteSize(type);
+  if (!request.stored) {
+    const SharedBuffer raw(bytes);
+    readItkValues(request.reader, request.path, request.facts.source, raw.bytes());
+    return buildOf(request, raw.bytes(), type, size, lattice);
+  }
+  const StoredValues stored = checkedBySize(*request.stored, static_cast<double>(bytes), request.facts.source);
+  if (const auto block = rawBlockOf(stored)) {
+    return build(request, size, lattice, layersOf(*block, type, size, request.slope, request.intercept));
+  }
+  LargeBuffer raw(bytes);
+  readStored(stored, type, {raw.data(), raw.size()});
+  return buildOf(request, {raw.data(), raw.size()}, type, size, lattice);
 }
 
 Volume read(ItkRequest& request) {
   const std::string& source = request.facts.source;
-  ItkFile file(request.reader, request.path);
-  const ItkHeader& header = file.header();
+  const ItkHeader header = request.header ? *request.header : readItkHeader(request.reader, request.path, source);
   checkShape(header, source);
-  const ValueType type = *header.type;
+  const ValueType type = request.stored_type.value_or(*header.type);
   const auto& n = header.dimensions;
   checkMemory(source, n[0], n[1], n[2], static_cast<double>(byteSize(type)), request.memory_budget_bytes);
   const Vec3i size(static_cast<int>(n[0]), static_cast<int>(n[1]), static_cast<int>(n[2]));
-  Lattice claimed = request.lattice ? *request.lattice : latticeOf(header, request.metres_per_unit);
-  claimed.origin_W *= request.origin_scale;
+  const Lattice claimed = request.lattice ? *request.lattice : latticeOf(header, request.metres_per_unit);
   const Lattice lattice = orthonormalised(claimed, source);
   if (request.facts.value_type.empty()) request.facts.value_type = nameOf(type);
-  if (request.raw) {
-    if (auto grid = readRaw(request, type, size, lattice)) return Volume(std::move(grid));
-  }
-  const auto count = static_cast<std::size_t>(size.cast<long long>().prod());
-  LargeBuffer raw(count * byteSize(type));
-  file.read(raw.data());
-  const BrickSource bricks = rawBricks({raw.data(), raw.size()}, type, size, request.slope, request.intercept);
-  return Volume(buildGridByLayers(size, lattice, std::move(request.facts), [&](int) { return bricks; }));
+  return Volume(readValues(request, type, size, lattice));
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/volume/itk_image.hpp: reads one image file through ITK. Private to engine/volume.
+// engine/volume/itk_image.hpp: reads one image file: its header by ITK, in a child process, its values from where the
+// format's own file says that they lie. Private to engine/volume.
 //
 // ITK gives LPS millimetres; the lattice that comes back is in metres. ITK hides some faults of a header (it takes the
 // size of a negative spacing, puts 1 for 0), so each format's own file looks at the raw header first.
@@ -9,7 +10,7 @@
 #include <string>
 
 #include "engine/volume/itk_file.hpp"
-#include "engine/volume/raw_block.hpp"
+#include "engine/volume/stored_values.hpp"
 #include "engine/volume/volume.hpp"
 
 namespace palpate {
@@ -20,15 +21,17 @@ struct ItkRequest {
   VolumeFacts facts;                // source is the name in messages; value_type is filled where it is empty
   double metres_per_unit = 1.0e-3;  // of the file's lengths
   std::optional<Lattice> lattice;   // where the reader knows better than ITK
-  double origin_scale = 1;          // ITK applies NIfTI's unit of length to the voxel size, not to the origin
+  std::optional<ItkHeader> header;  // likewise: ITK, which may take offence at it, is not asked for it
   double slope = 1;                 // applied here, for formats in which ITK does not
   double intercept = 0;
   std::size_t memory_budget_bytes = 0;
-  std::optional<RawBlock> raw;  // where the values can be had without ITK, which then reads the header only
+  std::optional<ValueType> stored_type;  // of the values where they lie; without it ITK's
+  std::optional<StoredValues> stored;    // where they lie; without it ITK reads them too
+  bool nan_becomes_zero = false;         // voxels that are no numbers; refused otherwise, or where all are none
 };
 
 // Refuses several components, fewer than three dimensions, more than one time point, what exceeds the memory budget,
-// and what ITK cannot read. Set-up thread.
+// values that are not all there, and what ITK cannot read. Set-up thread.
 [[nodiscard]] Volume readItkImage(ItkRequest request);
 
 }  // namespace palpate

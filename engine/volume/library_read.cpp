@@ -48,7 +48,7 @@ std::size_t readWithLibraryAlone(const std::string& name) {
     std::size_t bytes = byteSize(*file.header().type);
     for (const std::int64_t size : file.header().dimensions) bytes *= static_cast<std::size_t>(size);
     const std::unique_ptr<char[]> raw(new char[bytes]);  // not filled, as ITK's own images are not
-    file.read(raw.get());
+    file.read({raw.get(), bytes});
     return bytes;
   } catch (const std::runtime_error& failure) {
     throw Error(Error::Code::kBadInput, name, failure.what(), "give another file");

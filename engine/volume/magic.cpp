@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/volume/magic.hpp"
 
-#include <algorithm>
-#include <memory>
+#include <stdexcept>
 #include <string_view>
 
-#include <archive.h>
+#include "engine/volume/unpacker.hpp"
 
 namespace palpate {
 namespace {
@@ -18,17 +17,13 @@ std::string_view at(const std::string& head, std::size_t offset, std::size_t cou
 
 }  // namespace
 
-// "raw" is libarchive's name for any content.
 std::string headOf(const std::string& path, std::size_t count) {
-  const std::unique_ptr<archive, int (*)(archive*)> reader(archive_read_new(), archive_read_free);
-  archive_read_support_filter_gzip(reader.get());
-  archive_read_support_format_raw(reader.get());
-  archive_entry* entry = nullptr;
-  if (archive_read_open_filename(reader.get(), path.c_str(), kHeadBytes) != ARCHIVE_OK) return {};
-  if (archive_read_next_header(reader.get(), &entry) != ARCHIVE_OK) return {};
   std::string head(count, '\0');
-  const la_ssize_t got = archive_read_data(reader.get(), head.data(), head.size());
-  head.resize(got > 0 ? static_cast<std::size_t>(got) : 0);
+  try {
+    head.resize(Unpacker(path, 0, isGzip(path) ? Packing::kGzip : Packing::kNone).read(head.data(), head.size()));
+  } catch (const std::runtime_error&) {
+    return {};
+  }
   return head;
 }
 

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // MetaImage: .mha, and .mhd with its data in a second file. Source of the format: https://itk.org/Wiki/ITK/MetaIO
 //
-// ITK reads it, but for values that lie there as they are; its frame is LPS. Looked at before: spacing (MetaIO takes
-// the size of a negative one), channels, the stored size. The slope from elements to intensities, which ITK leaves out,
-// is applied here.
+// ITK reads the header; its frame is LPS. Looked at before: spacing (MetaIO takes the size of a negative one),
+// channels. The values are read here, and the slope from elements to intensities, which ITK leaves out, is applied.
 #include <cmath>
-#include <filesystem>
 
 #include <fmt/format.h>
 
@@ -14,7 +12,7 @@
 #include "engine/volume/memory_budget.hpp"
 #include "engine/volume/readers.hpp"
 #include "engine/volume/text_header.hpp"
-#include "engine/volume/text_raw_block.hpp"
+#include "engine/volume/text_stored.hpp"
 
 namespace palpate {
 namespace {
@@ -30,7 +28,7 @@ double bytesOfType(const std::string& type) {
   return 4;
 }
 
-double claimedBytes(const TextHeader& header, const std::string& source, std::size_t memory_budget_bytes) {
+void checkSizes(const TextHeader& header, const std::string& source, std::size_t memory_budget_bytes) {
   const std::vector<double> sizes = header.numbers("dimsize");
   if (sizes.size() < 3) refuse(source, fmt::format("it has {} dimensions", sizes.size()), "give a volume");
   // MetaIO trusts NDims: it reads that many numbers into arrays of ten.
@@ -49,7 +47,6 @@ double claimedBytes(const TextHeader& header, const std::string& source, std::si
   const double bytes = bytesOfType(header.text("elementtype"));
   checkMemory(source, voxels * (bytes + kDenseBytesPerVoxel + kGridBytesPerVoxel + kGpuBytesPerVoxel),
               memory_budget_bytes);
-  return voxels * bytes;
 }
 
 // One channel is one component; MetaIO itself turns a channel count that is no number into 1.
@@ -72,29 +69,6 @@ void checkSpacing(const TextHeader& header, const std::string& source) {
   }
 }
 
-bool isTrue(const TextHeader& header, const std::string& key) {
-  const std::string value = lowerCase(header.text(key));
-  return value == "true" || value == "1" || value == "t";
-}
-
-// Where the data lie: after the header, or in a file beside it; lists and patterns of files are left to ITK.
-void checkData(const TextHeader& header, const std::string& path, const std::string& source, double wanted) {
-  const std::string data = header.text("elementdatafile");
-  if (data.empty()) refuse(source, "its header has no ElementDataFile", "write the file again");
-  const bool compressed = isTrue(header, "compresseddata");
-  if (data.find('%') != std::string::npos || lowerCase(data).starts_with("list")) return;
-  double stored = static_cast<double>(fileBytes(path, source) - header.data_offset);
-  if (lowerCase(data) != "local") {
-    stored = static_cast<double>(fileBytes((std::filesystem::path(path).parent_path() / data).string(), source));
-  }
-  const std::vector<double> packed = header.numbers("compresseddatasize");
-  if (compressed && !packed.empty() && !(packed[0] >= 0)) {
-    refuse(source, "its CompressedDataSize is no count of bytes", "write the file again");
-  }
-  if (compressed && !packed.empty()) checkStoredBytes(source, stored, packed[0], false);
-  if (lowerCase(header.text("binarydata")) != "false") checkStoredBytes(source, stored, wanted, compressed);
-}
-
 double numberOr(const TextHeader& header, const std::string& key, double otherwise) {
   const std::vector<double> numbers = header.numbers(key);
   return numbers.empty() ? otherwise : numbers[0];
@@ -103,16 +77,15 @@ double numberOr(const TextHeader& header, const std::string& key, double otherwi
 }  // namespace
 
 Volume readMeta(const std::string& name, std::size_t memory_budget_bytes) {
-  const TextHeader header = readTextHeader(name, name, '=', "elementdatafile");
+  const TextHeader header = readTextHeader(name, name, TextFormat::kMeta);
   checkChannels(header, name);
-  const double wanted = claimedBytes(header, name, memory_budget_bytes);
+  checkSizes(header, name, memory_budget_bytes);
   checkSpacing(header, name);
-  checkData(header, name, name, wanted);
   ItkRequest request;
   request.reader = ItkReader::kMeta;
   request.path = name;
   request.memory_budget_bytes = memory_budget_bytes;
-  request.raw = metaRawBlock(header, name);
+  request.stored = metaStored(header, name, name);
   request.slope = numberOr(header, "elementtointensityfunctionslope", 1);
   request.intercept = numberOr(header, "elementtointensityfunctionoffset", 0);
   request.facts.source = name;

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // NIfTI-1: .nii, .nii.gz and .hdr/.img pairs. Source of the format: nifti1.h, https://nifti.nimh.nih.gov/nifti-1
 //
-// ITK reads it, but for values that lie there as they are, turns RAS to LPS and applies scl_slope and scl_inter. Looked
-// at before: dimensions, voxel sizes (ITK takes the size of a negative one), value type, the stored size. Analyze 7.5
-// files are refused: they do not say left from right.
+// Nothing of it is ITK's: where the voxels lie is found in nifti_form.hpp, the values are read where they lie, and
+// scl_slope and scl_inter applied. Analyze 7.5 files are refused: they do not say left from right.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -18,6 +17,7 @@
 #include "engine/volume/itk_image.hpp"
 #include "engine/volume/magic.hpp"
 #include "engine/volume/memory_budget.hpp"
+#include "engine/volume/nifti_form.hpp"
 #include "engine/volume/readers.hpp"
 #include "engine/volume/text_header.hpp"
 
@@ -59,7 +59,20 @@ class RawHeader {
   }
   [[nodiscard]] bool swapped() const { return swapped_; }  // against the machine's byte order
   [[nodiscard]] bool oneFile() const { return bytes_[345] == '+'; }
-  [[nodiscard]] bool hasOrientation() const { return get<std::int16_t>(252) > 0 || get<std::int16_t>(254) > 0; }
+  [[nodiscard]] NiftiForms forms() const {
+    NiftiForms forms;
+    forms.qform_code = get<std::int16_t>(252);
+    forms.sform_code = get<std::int16_t>(254);
+    forms.qfac = get<float>(76);
+    forms.millimetres_per_unit = millimetresPerUnit();
+    for (std::size_t n = 0; n < 3; ++n) {
+      forms.voxel_size[n] = voxelSize(n + 1);
+      forms.quaternion[n] = get<float>(256 + 4 * n);
+      forms.offset[n] = get<float>(268 + 4 * n);
+      for (std::size_t column = 0; column < 4; ++column) forms.sform[n][column] = get<float>(280 + 16 * n + 4 * column);
+    }
+    return forms;
+  }
 
  private:
   template <class T>
@@ -106,7 +119,8 @@ ValueType valueTypeOf(const RawHeader& header, const std::string& source) {
   }
 }
 
-double claimedBytes(const RawHeader& header, const std::string& source, std::size_t memory_budget_bytes) {
+// Before ITK sees the file, which may allocate while it reads a header.
+void checkSizes(const RawHeader& header, const std::string& source, std::size_t memory_budget_bytes) {
   const int axes = header.dimension(0);
   if (axes < 3 || axes > 7) refuse(source, fmt::format("it has {} dimensions", axes), "give a volume");
   for (std::size_t axis = 4; axis <= static_cast<std::size_t>(axes); ++axis) {
@@ -116,7 +130,6 @@ double claimedBytes(const RawHeader& header, const std::string& source, std::siz
   }
   const double bytes = static_cast<double>(byteSize(valueTypeOf(header, source)));
   checkMemory(source, header.dimension(1), header.dimension(2), header.dimension(3), bytes, memory_budget_bytes);
-  return bytes * header.dimension(1) * header.dimension(2) * header.dimension(3);
 }
 
 void checkVoxelSize(const RawHeader& header, const std::string& source) {
@@ -145,23 +158,32 @@ std::string dataPath(const RawHeader& header, const std::string& header_path) {
   return stem + ".img";
 }
 
-// ITK fills what is missing of a short .img with zeros.
-void checkData(const RawHeader& header, const std::string& header_path, const std::string& source, double wanted) {
+// Where the values lie. A gzipped pair has its offset in what comes out, one file too.
+StoredValues storedValuesOf(const RawHeader& header, const std::string& header_path, const std::string& source) {
   const std::string path = dataPath(header, header_path);
-  const bool compressed = lowerCase(path).ends_with(".gz");
-  const double offset = compressed ? 0 : header.dataOffset();
-  if (!(offset >= 0 && offset < 1e12)) refuse(source, "its data offset is no place in a file", "write the file again");
-  checkStoredBytes(source, static_cast<double>(fileBytes(path, source)) - offset, wanted, compressed);
+  double offset = header.dataOffset();
+  if (header.oneFile() && offset == 0) offset = kOneFileHeaderBytes;  // left out by its writer
+  if (!(offset >= (header.oneFile() ? kHeaderBytes : 0) && offset < 1e12) || offset != std::floor(offset)) {
+    refuse(source, fmt::format("its data offset {:g} is no place in a file", offset), "write the file again");
+  }
+  StoredValues values;
+  values.parts = {{path, 0}};
+  values.skip_bytes = static_cast<std::uint64_t>(offset);
+  if (isGzip(path)) values.packing = Packing::kGzip;
+  values.swapped = header.swapped();
+  return values;
 }
 
-// The values, if they are in the machine's byte order and neither packed nor scaled.
-std::optional<RawBlock> rawBlockOf(const RawHeader& header, const std::string& header_path) {
-  const std::string path = dataPath(header, header_path);
-  const double offset = header.dataOffset(), least = header.oneFile() ? kOneFileHeaderBytes : 0;
-  const bool moved = !(offset >= least) || offset != std::floor(offset);
-  const bool scaled = (header.slope() != 0 && header.slope() != 1) || header.intercept() != 0;
-  if (header.swapped() || moved || scaled || lowerCase(path).ends_with(".gz")) return {};
-  return RawBlock{path, static_cast<std::uint64_t>(offset)};
+// Where the slope is 0 the values are what they are.
+void applyScale(const RawHeader& header, ItkRequest& request) {
+  if (header.slope() == 0) return;
+  if (!std::isfinite(header.slope()) || !std::isfinite(header.intercept())) {
+    refuse(request.facts.source,
+           fmt::format("its scl_slope {:g} or scl_inter {:g} is no number", header.slope(), header.intercept()),
+           "write the file again");
+  }
+  request.slope = request.facts.rescale_slope = header.slope();
+  request.intercept = request.facts.rescale_intercept = header.intercept();
 }
 
 }  // namespace
@@ -171,22 +193,26 @@ Volume readNifti(const std::string& name, std::size_t memory_budget_bytes) {
   if (path != name) static_cast<void>(fileBytes(path, name));  // an .img without its .hdr
   const RawHeader header(headOf(path, kHeaderBytes), name);
   checkVoxelSize(header, name);
-  checkData(header, path, name, claimedBytes(header, name, memory_budget_bytes));
+  checkSizes(header, name, memory_budget_bytes);
   ItkRequest request;
   request.reader = ItkReader::kNifti;
   request.path = path;
   request.memory_budget_bytes = memory_budget_bytes;
-  request.raw = rawBlockOf(header, path);
-  request.origin_scale = header.millimetresPerUnit();
+  request.stored_type = valueTypeOf(header, name);
+  request.stored = storedValuesOf(header, path, name);
+  request.nan_becomes_zero = true;
+  const Vec3 last(header.dimension(1) - 1, header.dimension(2) - 1, header.dimension(3) - 1);
+  const NiftiPlacing placing = placingOf(header.forms(), last, name);
+  request.lattice = placing.lattice;
   request.facts.source = name;
   request.facts.format = "NIfTI";
   request.facts.value_type = nameOf(valueTypeOf(header, name));
-  request.facts.orientation =
-      header.hasOrientation() ? "RAS file turned to LPS" : "no orientation in the file: taken as RAS";
-  if (header.slope() != 0) {  // 0 means none
-    request.facts.rescale_slope = header.slope();
-    request.facts.rescale_intercept = header.intercept();
-  }
+  request.facts.orientation = placing.orientation;
+  request.facts.remark = placing.remark;
+  request.header = ItkHeader{};
+  request.header->type = request.stored_type;
+  for (std::size_t axis = 1; axis <= 3; ++axis) request.header->dimensions.push_back(header.dimension(axis));
+  applyScale(header, request);
   return readItkImage(std::move(request));
 }
 

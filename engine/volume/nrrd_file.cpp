@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // NRRD, attached (.nrrd) and detached (.nhdr). Source of the format: https://teem.sourceforge.net/nrrd/format.html
 //
-// ITK reads the values, unless they lie there as they are. The lattice is made here from "space directions", because
+// ITK reads the header, and values that are hexadecimal. The lattice is made here from "space directions", because
 // ITK 5.2 turns LAS files to LPS but not RAS ones. Looked at before: spacings (ITK takes the size of a negative one),
-// units of length (ITK ignores them), the stored size of raw and gzip data.
+// units of length (ITK ignores them).
 #include <cmath>
-#include <filesystem>
 #include <optional>
 
 #include <fmt/format.h>
@@ -15,7 +14,7 @@
 #include "engine/volume/memory_budget.hpp"
 #include "engine/volume/readers.hpp"
 #include "engine/volume/text_header.hpp"
-#include "engine/volume/text_raw_block.hpp"
+#include "engine/volume/text_stored.hpp"
 
 namespace palpate {
 namespace {
@@ -25,7 +24,7 @@ namespace {
 }
 
 // The sizes of the header; memory is checked here too, because ITK may allocate while it reads a header.
-double claimedVoxels(const TextHeader& header, const std::string& source, std::size_t memory_budget_bytes) {
+void checkSizes(const TextHeader& header, const std::string& source, std::size_t memory_budget_bytes) {
   const std::vector<double> sizes = header.numbers("sizes");
   double voxels = 1;
   for (const double size : sizes) {
@@ -36,7 +35,6 @@ double claimedVoxels(const TextHeader& header, const std::string& source, std::s
   }
   if (sizes.size() < 3) refuse(source, fmt::format("it has {} dimensions", sizes.size()), "give a volume");
   checkMemory(source, voxels * (kDenseBytesPerVoxel + kGridBytesPerVoxel + kGpuBytesPerVoxel), memory_budget_bytes);
-  return voxels;
 }
 
 // Spacings of axes that are not in space may be NaN; those that are numbers must be above 0.
@@ -70,7 +68,7 @@ double metresPerUnit(const TextHeader& header, const std::string& source) {
   refuse(source, fmt::format("its unit of length \"{}\" is not known", unit), "use mm, um, cm or m");
 }
 
-double bytesOfType(const std::string& type) {
+std::size_t bytesOfType(const std::string& type) {
   if (type.find("64") != std::string::npos || type.find("long long") != std::string::npos) return 8;
   if (type == "double" || type == "longlong" || type == "ulonglong") return 8;
   if (type.find("16") != std::string::npos || type.find("short") != std::string::npos) return 2;
@@ -79,22 +77,6 @@ double bytesOfType(const std::string& type) {
     return 1;
   }
   return 4;
-}
-
-// Where the data lie; "LIST" and numbered patterns are left to ITK.
-void checkData(const TextHeader& header, const std::string& path, const std::string& source, double voxels) {
-  const std::string encoding = lowerCase(header.text("encoding"));
-  const bool compressed = encoding == "gzip" || encoding == "gz";
-  if (encoding != "raw" && !compressed) return;
-  std::string data = header.text("data file");
-  if (data.empty()) data = header.text("datafile");
-  double stored = static_cast<double>(fileBytes(path, source) - header.data_offset);
-  if (!data.empty()) {
-    if (data.find('%') != std::string::npos || lowerCase(data).starts_with("list")) return;
-    const std::filesystem::path file = std::filesystem::path(path).parent_path() / data;
-    stored = static_cast<double>(fileBytes(file.string(), source));
-  }
-  checkStoredBytes(source, stored, voxels * bytesOfType(lowerCase(header.text("type"))), compressed);
 }
 
 // "(1,2,3) none (4,5,6)": the vectors, without what is not one.
@@ -146,17 +128,16 @@ std::string orientationOf(const TextHeader& header) {
 }  // namespace
 
 Volume readNrrd(const std::string& name, std::size_t memory_budget_bytes) {
-  const TextHeader header = readTextHeader(name, name, ':', "");
-  const double voxels = claimedVoxels(header, name, memory_budget_bytes);
+  const TextHeader header = readTextHeader(name, name, TextFormat::kNrrd);
+  checkSizes(header, name, memory_budget_bytes);
   checkSpacings(header, name);
-  checkData(header, name, name, voxels);
   ItkRequest request;
   request.reader = ItkReader::kNrrd;
   request.path = name;
   request.metres_per_unit = metresPerUnit(header, name);
   request.lattice = latticeOf(header, request.metres_per_unit);
   request.memory_budget_bytes = memory_budget_bytes;
-  request.raw = nrrdRawBlock(header, name);
+  request.stored = nrrdStored(header, name, bytesOfType(lowerCase(header.text("type"))), name);
   request.facts.source = name;
   request.facts.format = "NRRD";
   request.facts.orientation = orientationOf(header);

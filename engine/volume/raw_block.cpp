@@ -41,9 +41,16 @@ class File {
 
 struct Block {
   Block(const RawBlock& raw, ValueType type_in, const Vec3i& size_in, double slope_in, double intercept_in)
-      : file(raw.path), offset(raw.offset), type(type_in), size(size_in), slope(slope_in), intercept(intercept_in) {}
+      : file(raw.path),
+        offset(raw.offset),
+        swapped(raw.swapped),
+        type(type_in),
+        size(size_in),
+        slope(slope_in),
+        intercept(intercept_in) {}
   File file;
   std::uint64_t offset;
+  bool swapped;
   ValueType type;
   Vec3i size;
   double slope, intercept;
@@ -73,6 +80,7 @@ class Layer {
       block_->file.read(block_->offset + line * line_bytes,
                         std::span(raw_).subspan(static_cast<std::size_t>(k) * slice_bytes, slice_bytes));
     }
+    if (block_->swapped) swapBytes(raw_, block_->type);
     bricks_ = rawBricks(raw_, block_->type, size, block_->slope, block_->intercept);
     row_ = bj;
   }

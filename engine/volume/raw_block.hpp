@@ -12,10 +12,11 @@
 
 namespace palpate {
 
-// Where the first value lies; the others follow, i fastest, in the machine's byte order.
+// Where the first value lies; the others follow, i fastest.
 struct RawBlock {
   std::string path;
   std::uint64_t offset = 0;  // [byte]
+  bool swapped = false;      // against the machine's byte order
 };
 
 // The layers of a volume of `size` such values, for buildGridByLayers, each value made float(value * slope + intercept)

@@ -46,7 +46,7 @@ class Conversion {
 };
 
 template <class T>
-std::vector<float> convert(const std::vector<char>& raw, double slope, double intercept) {
+std::vector<float> convert(std::span<const char> raw, double slope, double intercept) {
   const Conversion<T> conversion(raw.data(), slope, intercept);
   std::vector<float> values(raw.size() / sizeof(T));
   for (std::size_t n = 0; n < values.size(); ++n) values[n] = conversion.at(n);
@@ -79,34 +79,6 @@ Volume::BrickSource bricks(const Conversion<T>& conversion, const Vec3i& size) {
   };
 }
 
-// Calls `work` with a number of the type.
-template <class Work>
-auto withType(ValueType type, const Work& work) {
-  switch (type) {
-    case ValueType::kUint8:
-      return work(std::uint8_t{});
-    case ValueType::kInt8:
-      return work(std::int8_t{});
-    case ValueType::kUint16:
-      return work(std::uint16_t{});
-    case ValueType::kInt16:
-      return work(std::int16_t{});
-    case ValueType::kUint32:
-      return work(std::uint32_t{});
-    case ValueType::kInt32:
-      return work(std::int32_t{});
-    case ValueType::kUint64:
-      return work(std::uint64_t{});
-    case ValueType::kInt64:
-      return work(std::int64_t{});
-    case ValueType::kFloat64:
-      return work(double{});
-    case ValueType::kFloat32:
-      break;
-  }
-  return work(float{});
-}
-
 }  // namespace
 
 std::size_t byteSize(ValueType type) noexcept {
@@ -116,7 +88,7 @@ std::string nameOf(ValueType type) {
   return kTypes[static_cast<std::size_t>(type)].name;
 }
 
-std::vector<float> toFloats(const std::vector<char>& raw, ValueType type, double slope, double intercept) {
+std::vector<float> toFloats(std::span<const char> raw, ValueType type, double slope, double intercept) {
   return withType(type, [&](auto number) { return convert<decltype(number)>(raw, slope, intercept); });
 }
 
@@ -124,6 +96,15 @@ Volume::BrickSource rawBricks(std::span<const char> raw, ValueType type, const V
                               double intercept) {
   return withType(
       type, [&](auto number) { return bricks(Conversion<decltype(number)>(raw.data(), slope, intercept), size); });
+}
+
+void swapBytes(std::span<char> raw, ValueType type) {
+  withType(type, [&](auto number) {
+    constexpr std::size_t kBytes = sizeof number;
+    for (std::size_t at = 0; at + kBytes <= raw.size(); at += kBytes) {
+      std::reverse(raw.data() + at, raw.data() + at + kBytes);
+    }
+  });
 }
 
 Lattice orthonormalised(Lattice lattice, const std::string& input) {

@@ -32,6 +32,33 @@ double toNumber(const std::string& word) {
   return all ? number : std::numeric_limits<double>::quiet_NaN();
 }
 
+// One line of a header.
+struct Line {
+  enum Kind { kField, kComment, kEnd, kOdd };
+  Kind kind = kOdd;
+  std::string key, value;
+};
+
+Line lineOf(const std::string& text, TextFormat format, bool is_first) {
+  const bool nrrd = format == TextFormat::kNrrd;
+  if (nrrd && text.empty()) return {Line::kEnd, "", ""};
+  if (nrrd && (is_first || text.starts_with('#'))) return {Line::kComment, "", ""};
+  const std::size_t at = text.find_first_of(nrrd ? ":" : "=:");
+  if (at == std::string::npos) return {};
+  if (nrrd && text.substr(at, 2) == ":=") return {Line::kComment, "", ""};  // a pair of the writer's own
+  return {Line::kField, lowerCase(trimmed(text.substr(0, at))), trimmed(text.substr(at + 1))};
+}
+
+// Whether the data, or the names of their files, follow this line.
+bool namesData(const Line& line, TextFormat format) {
+  if (format == TextFormat::kMeta) return line.key == "elementdatafile";
+  return (line.key == "data file" || line.key == "datafile") && line.value.starts_with("LIST");
+}
+
+void note(TextHeader& header, const std::string& fault) {
+  if (header.fault.empty()) header.fault = fault;
+}
+
 }  // namespace
 
 std::string lowerCase(std::string text) {
@@ -58,33 +85,28 @@ std::vector<double> TextHeader::numbers(const std::string& key) const {
   return result;
 }
 
-TextHeader readTextHeader(const std::string& path, const std::string& source, char separator,
-                          const std::string& last_key) {
+TextHeader readTextHeader(const std::string& path, const std::string& source, TextFormat format) {
   std::ifstream file(path, std::ios::binary);
   if (!file) throw Error(Error::Code::kIo, source, "it cannot be opened", "check its permissions");
   std::string head(kMostHeaderBytes, '\0');
   file.read(head.data(), static_cast<std::streamsize>(head.size()));
   head.resize(static_cast<std::size_t>(file.gcount()));
   TextHeader header;
-  bool all_plain = true, is_first = true;
-  std::size_t begin = 0;
-  while (begin < head.size()) {
+  int line_number = 0;
+  while (header.data_offset < head.size()) {
+    const std::size_t begin = header.data_offset;
     const std::size_t end = std::min(head.find('\n', begin), head.size());
-    const std::string line = trimmed(head.substr(begin, end - begin));
-    begin = std::min(end + 1, head.size());
-    header.data_offset = begin;
-    const std::size_t colon = line.starts_with('#') ? std::string::npos : line.find(separator);
-    const std::string key = colon == std::string::npos ? "" : lowerCase(trimmed(line.substr(0, colon)));
-    const bool is_last = last_key.empty() ? line.empty() : key == last_key;
-    if (colon != std::string::npos) {
-      all_plain = header.fields.emplace(key, trimmed(line.substr(colon + 1))).second && all_plain;
-    } else if (!is_last && !is_first && !line.starts_with('#')) {
-      all_plain = false;
-    }
-    header.plain = is_last && all_plain;
-    if (is_last) break;
-    is_first = false;
+    header.data_offset = std::min(end + 1, head.size());
+    const Line line = lineOf(trimmed(head.substr(begin, end - begin)), format, ++line_number == 1);
+    if (line.kind == Line::kEnd) return header;
+    if (line.kind == Line::kOdd) note(header, fmt::format("line {} of it is no field", line_number));
+    if (line.kind != Line::kField) continue;
+    if (!header.fields.emplace(line.key, line.value).second) note(header, fmt::format("\"{}\" comes twice", line.key));
+    if (namesData(line, format)) return header;
   }
+  const bool is_detached = header.fields.contains("data file") || header.fields.contains("datafile");
+  const bool is_all = head.size() < kMostHeaderBytes;
+  if (format != TextFormat::kNrrd || !is_detached || !is_all) note(header, "it has no end");
   return header;
 }
 

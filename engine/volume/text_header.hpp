@@ -14,17 +14,20 @@ namespace palpate {
 struct TextHeader {
   std::map<std::string, std::string> fields;  // lower-case keys, trimmed values; the first of a key counts
   std::uint64_t data_offset = 0;              // first byte after the header [byte]
-  bool plain = false;  // that end was seen, every line but the first is such a line or a comment, no key comes twice
+  std::string fault;  // why a library may take it for another than this one does: "it has no end"; "": it may not
 
   [[nodiscard]] std::string text(const std::string& key) const;  // "" where it is missing
   // Every number of a value, brackets and commas being blanks; words that are no number become NaN.
   [[nodiscard]] std::vector<double> numbers(const std::string& key) const;
 };
 
-// Reads lines until one is empty (NRRD), or starts with `last_key` (MetaImage), or the file ends. At most 1 MiB is
-// read. Throws Error(kIo) if the file cannot be read.
-[[nodiscard]] TextHeader readTextHeader(const std::string& path, const std::string& source, char separator,
-                                        const std::string& last_key);
+enum class TextFormat { kNrrd, kMeta };
+
+// Reads lines until one is empty (NRRD), or says where the data are (MetaImage), or says "data file: LIST" (NRRD; names
+// follow), or the file ends. At most 1 MiB is read. The header has a fault if a line is neither a field nor a comment,
+// a key comes twice, or no such end was seen; a NRRD header whose data are elsewhere may end with the file. Throws
+// Error(kIo) if the file cannot be read.
+[[nodiscard]] TextHeader readTextHeader(const std::string& path, const std::string& source, TextFormat format);
 
 [[nodiscard]] std::string lowerCase(std::string text);
 

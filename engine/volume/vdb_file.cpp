@@ -8,6 +8,7 @@
 //
 // Leaves that are bricks of the volume (all but the border's in a file that Palpate wrote) are taken over: their memory
 // becomes the volume's. All others are copied.
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -20,6 +21,7 @@
 #include <openvdb/io/Stream.h>
 #include <openvdb/openvdb.h>
 
+#include "base/child_process.hpp"
 #include "base/error.hpp"
 #include "base/units.hpp"
 #include "engine/volume/brick_values.hpp"
@@ -29,6 +31,7 @@
 #include "engine/volume/raw_values.hpp"
 #include "engine/volume/readers.hpp"
 #include "engine/volume/text_header.hpp"
+#include "engine/volume/vdb_checksum.hpp"
 
 namespace palpate {
 namespace {
@@ -55,6 +58,30 @@ openvdb::GridPtrVecPtr readGrids(const std::string& path, const std::string& sou
   } catch (const std::exception&) {
     refuse(source, "it is no OpenVDB file, or it is cut short or damaged", "copy or write it again");
   }
+}
+
+// A damaged length in the file makes OpenVDB write beyond a buffer. So it may read here what a checksum vouches for, or
+// what it has read in a child process without harm: whatever corrupts memory is found in that, too, at the latest when
+// the sizes do not fit.
+void checkReadable(const std::string& path, const std::string& source) {
+  constexpr double kMostInMemory = 64;  // bytes of a node for one in the file
+  switch (checkVdbChecksum(path, source)) {
+    case VdbChecksum::kHolds:
+      return;
+    case VdbChecksum::kFails:
+      refuse(source, "its checksum is not that of its bytes: it is damaged", "copy or write it again");
+    case VdbChecksum::kMissing:
+      break;
+  }
+  const auto bytes = static_cast<double>(fileBytes(path, source));
+  const double memory = std::min(kMostInMemory * bytes, static_cast<double>(availableMemoryBytes()));
+  const ChildOutcome trial = runInChild(source, 1, limitsForFile(bytes, memory), [&](std::size_t) {
+    new openvdb::GridPtrVecPtr(readGrids(path, source));  // given back with the process
+    return std::string();
+  });
+  if (!trial.trouble) return;
+  if (trial.trouble->error) throw Error(*trial.trouble->error);
+  refuse(source, fmt::format("it is damaged ({})", trial.trouble->words), "copy or write it again");
 }
 
 bool isScalar(const openvdb::GridBase& grid) {
@@ -237,6 +264,7 @@ Volume readGrid(const std::string& name, std::size_t memory_budget_bytes) {
   const std::string path = whole ? name : name.substr(0, name.rfind('#'));
   const std::string wanted = whole ? "" : name.substr(name.rfind('#') + 1);
   checkMemory(name, static_cast<double>(fileBytes(path, name)), memory_budget_bytes);
+  checkReadable(path, name);
   const openvdb::GridPtrVecPtr grids = readGrids(path, name);
   openvdb::GridBase& grid = chooseGrid(*grids, wanted, name);
   const openvdb::CoordBBox domain = domainOf(grid, name);

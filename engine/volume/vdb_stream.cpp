@@ -6,8 +6,10 @@
 
 #include <openvdb/io/Stream.h>
 
+#include "base/crc32c.hpp"
 #include "base/error.hpp"
 #include "engine/volume/quiet.hpp"
+#include "engine/volume/vdb_checksum.hpp"
 
 namespace palpate {
 namespace {
@@ -46,11 +48,17 @@ openvdb::math::Transform::Ptr vdbTransform(const Lattice& lattice, double units_
 }
 
 void streamGrid(const openvdb::GridBase::ConstPtr& grid, const ByteSink& sink) {
-  SinkBuffer buffer(sink);
+  std::uint32_t crc = 0;
+  const ByteSink counted = [&](std::string_view bytes) {
+    crc = crc32c(bytes, crc);
+    sink(bytes);
+  };
+  SinkBuffer buffer(counted);
   std::ostream out(&buffer);
   out.exceptions(std::ios::badbit);  // so that what the sink throws comes through
   const Quiet quiet;
   openvdb::io::Stream(out).write(openvdb::GridCPtrVec{grid});
+  sink(vdbChecksumBytes(crc));
 }
 
 }  // namespace palpate

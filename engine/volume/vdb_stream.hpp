@@ -16,7 +16,7 @@ namespace palpate {
 [[nodiscard]] openvdb::math::Transform::Ptr vdbTransform(const Lattice& lattice, double units_per_metre,
                                                          const std::string& name);
 
-// Writes a file of one grid; throws what the sink throws.
+// Writes a file of one grid, and its checksum (vdb_checksum.hpp); throws what the sink throws.
 void streamGrid(const openvdb::GridBase::ConstPtr& grid, const ByteSink& sink);
 
 }  // namespace palpate

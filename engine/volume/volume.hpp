@@ -32,7 +32,8 @@ struct VolumeFacts {
   bool is_level_set = false;                // a VDB level set: density is minus the signed distance [m], isovalue 0
   std::optional<double> declared_isovalue;  // of a phantom: the density of its exact surface
   std::optional<double> kept_isovalue;      // at which its file says it was sculpted; damaged: any double, NaN too
-  std::string remark;                       // what a user should know: "largest of 3 series", ...; empty: nothing
+  std::string part;                         // which of a folder's: "series 2 of 3: 1.2.3"; empty: all there is
+  std::string remark;                       // what a user should know: what was replaced or chosen; empty: nothing
 };
 
 class Volume {
@@ -104,5 +105,10 @@ void checkTouchable(const Volume& volume);
 // Loads any volume that Palpate knows: a file, a DICOM folder, or "phantom:NAME?key=value&...". Throws Error with the
 // input, the reason and the remedy. `memory_budget_bytes`: refuse what would need more (0: what the machine has free).
 [[nodiscard]] Volume loadVolume(const std::string& name, std::size_t memory_budget_bytes = 0);
+
+// The name under which loadVolume takes one series of a DICOM folder: "folder#2" or "folder#1.2.3". `series`: its number
+// in the list that loadVolume prints where it is not given, or its UID. Throws Error(kBadInput) if there is no such
+// folder, or the name names a series already.
+[[nodiscard]] std::string withSeries(const std::string& folder, const std::string& series);
 
 }  // namespace palpate

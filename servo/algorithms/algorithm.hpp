@@ -36,6 +36,9 @@ struct TickOutput {
   Vec3 vhip_W = Vec3::Zero();    // virtual haptic interface point [m]
   Vec3 normal_W = Vec3::Zero();  // of the plane in contact; zero without contact [-]
   Vec3 force_W = Vec3::Zero();   // before the safety gate [N]
+  // Of the HIP below the surface, along the normal, before effects move the VHIP; NaN for an algorithm that knows no
+  // surface; 0 without contact [m].
+  double depth_m = 0;
   bool in_contact = false;
   std::int32_t plane_age_ticks = 0;  // ticks since the plane was found; 0 without a plane
   std::uint32_t faults = 0;          // bits of ServoFault (servo/safety/faults.hpp)

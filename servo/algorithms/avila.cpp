@@ -71,6 +71,7 @@ void Avila::tick(const TickInput& in, TickOutput& out) noexcept {
   out.normal_W = push.normal_W;
   out.vhip_W = in.hip_W + push.way_W;
   out.force_W = stiffness_N_per_m_ * push.way_W - damping_Ns_per_m_ * in.hip_velocity_W;
+  out.depth_m = push.way_W.norm();
   out.in_contact = true;
 }
 

@@ -133,7 +133,6 @@ Entry IsoField::refined(Probe outside, Probe inside) const noexcept {
   double f_out = outside.density - isovalue_;  // <= 0
   double f_in = inside.density - isovalue_;    // > 0
   const double close = 1e-4 * std::max(f_in, -f_out);
-  entry.p_W = outside.p_W;
   int last_moved = 0;
   for (int i = 0; i < kMaxRefineSteps; ++i) {
     const double share = f_out / (f_out - f_in);

@@ -181,6 +181,7 @@ class VhipAlgorithm final : public Algorithm {
     }
     touching_ = true;
     out.normal_W = plane.normal_W;
+    out.depth_m = depth_m;
     out.in_contact = true;
     out.plane_age_ticks = plane.age_ticks;
   }

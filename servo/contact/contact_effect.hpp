@@ -27,11 +27,11 @@ namespace palpate {
 
 // A tool that went farther in a tick did not: one of the two positions is a wrong reading, and sums over the way begin
 // anew [m].
-inline constexpr double kLongestWay_m = 0.1;
+inline constexpr double kLongestTickWay_m = 0.1;
 
 // False for what is not a number, too.
 [[nodiscard]] inline bool isAWay(const Vec3& way_W) noexcept {
-  return way_W.cwiseAbs().maxCoeff() <= kLongestWay_m && way_W.allFinite();
+  return way_W.cwiseAbs().maxCoeff() <= kLongestTickWay_m && way_W.allFinite();
 }
 
 struct ContactState {

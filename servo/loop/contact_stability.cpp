@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <utility>
 #include <vector>
 
 #include "base/vec.hpp"
+#include "servo/loop/run_figures.hpp"
 #include "servo/safety/faults.hpp"
 #include "servo/safety/passivity.hpp"
 
@@ -21,6 +23,7 @@ Vec3 vec(const double (&v)[3]) {
 
 struct ContactEnergy {
   double given_J = 0, stored_J = 0, error_J = 0;
+  bool edited = false;  // the volume, meanwhile
 };
 
 std::vector<ContactEnergy> contactEnergies(std::span<const TickRecord> records, const ContactConditions& conditions) {
@@ -28,10 +31,12 @@ std::vector<ContactEnergy> contactEnergies(std::span<const TickRecord> records, 
   bool open = false;
   double begin_J = 0;
   int idle_ticks = 0;
+  std::uint64_t edit_version = records.empty() ? 0 : records.front().edit_version;
   Vec3 last_W = Vec3::Zero();
   for (const TickRecord& record : records) {
     const Vec3 force_W = vec(record.force_W);
     const bool acts = record.in_contact || !force_W.isZero(0);
+    const bool edited = std::exchange(edit_version, record.edit_version) != record.edit_version;
     if (acts && !open) {
       contacts.emplace_back();
       begin_J = record.energy_J;
@@ -40,6 +45,7 @@ std::vector<ContactEnergy> contactEnergies(std::span<const TickRecord> records, 
     open = acts || open;
     if (!open) continue;
     ContactEnergy& contact = contacts.back();
+    contact.edited = contact.edited || edited;
     contact.given_J = std::max(contact.given_J, begin_J - record.energy_J);
     contact.stored_J = std::max(contact.stored_J, record.energy_J - begin_J);
     contact.error_J += conditions.resolution_m * (force_W - last_W).lpNorm<1>();
@@ -49,6 +55,11 @@ std::vector<ContactEnergy> contactEnergies(std::span<const TickRecord> records, 
     open = idle_ticks <= conditions.delay_ticks;
   }
   return contacts;
+}
+
+ActivitySource sourceOf(const ContactEnergy& contact, const ContactConditions& conditions) {
+  if (contact.edited) return ActivitySource::kEdits;
+  return conditions.lacking_Ns_per_m > 0 ? ActivitySource::kSampledWall : ActivitySource::kField;
 }
 
 void addEnergy(std::span<const TickRecord> records, const ContactConditions& conditions, ContactStability& out) {
@@ -61,10 +72,15 @@ void addEnergy(std::span<const TickRecord> records, const ContactConditions& con
     out.allowed_J += quiet_J + contact.error_J;
     if (contact.given_J - contact.error_J > worst->given_J - worst->error_J) worst = &contact;
   }
+  if (worst->given_J <= quiet_J + worst->error_J) {
+    worst = &*std::max_element(contacts.begin(), contacts.end(),
+                               [](const auto& a, const auto& b) { return a.given_J < b.given_J; });
+  }
   out.given_J = worst->given_J;
   out.error_J = worst->error_J;
   out.share = out.stored_J > 0 ? out.given_J / out.stored_J : 0;
   out.verdict = out.given_J > quiet_J + out.error_J ? ContactVerdict::kSlightlyActive : ContactVerdict::kQuiet;
+  if (out.verdict == ContactVerdict::kSlightlyActive) out.source = sourceOf(*worst, conditions);
 }
 
 // ---- swings ----
@@ -72,7 +88,9 @@ void addEnergy(std::span<const TickRecord> records, const ContactConditions& con
 // Sums up to one turn of the height.
 struct Turn {
   double time_s = 0, height_m = 0, energy_J = 0;
-  double asked_m = 0;  // way of the path and of the surface along the normal
+  double path_m = 0;   // way of the path along the normal
+  double asked_m = 0;  // and of the surface
+  int bounces = 0;
 };
 
 class Swings {
@@ -84,18 +102,22 @@ class Swings {
             std::max(ContactStability::kLeastSwing_m, ContactStability::kLeastSwing_steps * conditions.resolution_m)) {}
 
   void add(const TickRecord& now) {
-    const Vec3 hip_W = vec(now.hip_W), vhip_W = vec(now.vhip_W), normal_W = vec(now.normal_W);
+    const Vec3 hip_W = vec(now.hip_W), surface_W = surfacePointOf(now), normal_W = vec(now.normal_W);
     const Vec3 path_W = conditions_.path != nullptr ? conditions_.path->position(now.time_s) : hip_W;
     const bool contact = now.in_contact && !normal_W.isZero(0);
     if (has_plane_) {
-      asked_m_ += conditions_.path != nullptr ? std::abs(normal_W_.dot(path_W - path_before_W_)) : 0;
-      if (contact) asked_m_ += std::abs(normal_W_.dot(vhip_W - plane_W_));
+      const double path_m = conditions_.path != nullptr ? std::abs(normal_W_.dot(path_W - path_before_W_)) : 0;
+      path_m_ += path_m;
+      asked_m_ += path_m;
+      if (contact) asked_m_ += std::abs(normal_W_.dot(surface_W - plane_W_)) + effectsWay(now);
     }
     path_before_W_ = path_W;
     if ((now.faults & kFadingFaults) != 0) return forget();
     if (contact) {
-      plane_W_ = vhip_W;
+      plane_W_ = surface_W;
       normal_W_ = normal_W;
+      put_on_m_ = putOn(now);
+      depth_m_ = now.depth_m;
       has_plane_ = true;
       left_s_ = now.time_s;
     }
@@ -105,10 +127,21 @@ class Swings {
     in_contact_ = contact;
     const bool surface_ended = !contact && height_m < -least_m_;
     if (surface_ended || now.time_s - left_s_ > ContactStability::kLongestFlight_s) return forget();
-    follow({now.time_s, height_m, now.energy_J, asked_m_});
+    follow({now.time_s, height_m, now.energy_J, path_m_, asked_m_, out_.bounces});
   }
 
  private:
+  // How far effects put the VHIP over the surface.
+  static double putOn(const TickRecord& record) {
+    return vec(record.normal_W).dot(vec(record.vhip_W) - surfacePointOf(record));
+  }
+
+  // The part of its change since the last contact that the depth does not explain.
+  [[nodiscard]] double effectsWay(const TickRecord& now) const {
+    const double in_proportion_m = depth_m_ > 0 ? put_on_m_ * now.depth_m / depth_m_ : 0;
+    return std::min(std::abs(putOn(now) - put_on_m_), std::abs(putOn(now) - in_proportion_m));
+  }
+
   void forget() {
     has_plane_ = in_contact_ = turned_ = false;
     direction_ = 0;
@@ -147,10 +180,12 @@ class Swings {
     const Turn &begin = turns_.front(), &end = turns_.back();
     const double hz = kSwings / 2 / (end.time_s - begin.time_s);
     const bool sustained = last_m >= ContactStability::kSustained * first_m;
-    const bool unasked = first_m + last_m > ContactStability::kUnasked * (end.asked_m - begin.asked_m) &&
-                         (conditions_.path != nullptr || hz > ContactStability::kHand_hz);
+    const double unasked_m = (first_m + last_m) / ContactStability::kUnasked;
+    const bool unasked =
+        unasked_m > end.asked_m - begin.asked_m && (conditions_.path != nullptr || hz > ContactStability::kHand_hz);
+    const bool bounced = end.bounces - begin.bounces >= kSwings / 2 && unasked_m > end.path_m - begin.path_m;
     const bool fed = end.energy_J < begin.energy_J - Passivity::kRounding_J;
-    if (!sustained || !unasked || !fed) return;
+    if (!sustained || !(unasked || bounced) || !fed) return;
     if (out_.verdict != ContactVerdict::kUnstable) out_.unstable_from_s = begin.time_s;
     out_.verdict = ContactVerdict::kUnstable;
     out_.unstable_to_s = end.time_s;
@@ -166,8 +201,9 @@ class Swings {
   Vec3 plane_W_ = Vec3::Zero(), normal_W_ = Vec3::Zero();  // of the last tick in contact
   Vec3 path_before_W_ = Vec3::Zero();
   bool has_plane_ = false, in_contact_ = false;
-  double left_s_ = 0;  // last tick in contact
-  double asked_m_ = 0;
+  double put_on_m_ = 0, depth_m_ = 0;  // of the last tick in contact
+  double left_s_ = 0;                  // its time
+  double path_m_ = 0, asked_m_ = 0;
   bool turned_ = false;
   int direction_ = 0;  // of the swing that is under way: 1 up, -1 down, 0 none yet
   Turn farthest_;      // of it
@@ -182,6 +218,19 @@ ContactStability assessContact(std::span<const TickRecord> records, const Contac
   Swings swings(conditions, out);
   for (const TickRecord& record : records) swings.add(record);
   return out;
+}
+
+const char* name(ActivitySource source) noexcept {
+  switch (source) {
+    case ActivitySource::kEdits:
+      return "edits";
+    case ActivitySource::kSampledWall:
+      return "sampled-wall";
+    case ActivitySource::kField:
+      return "field";
+    default:
+      return "none";
+  }
 }
 
 const char* name(ContactVerdict verdict) noexcept {

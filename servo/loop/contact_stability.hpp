@@ -4,7 +4,8 @@
 // Three things can be true of a sampled wall, and only the last is a fault:
 //  quiet            no contact gave more energy than it had taken.
 //  slightly active  some did, by a bounded amount, and the tool came to rest. Every sampled wall with less damping than
-//                   K T / 2 does so (Colgate and Schenkel 1997), and the hand and the device take it up.
+//                   K T / 2 does so (Colgate and Schenkel 1997), and the hand and the device take it up. So does an
+//                   edit under the tool, and a field whose normals are not those of its surface.
 //  unstable         the tool swings against the surface and does not settle, fed by it: a limit cycle or growth.
 //
 // Energy, by contact. A contact goes from the first tick with contact or force to where both are over. What it gave is
@@ -19,9 +20,11 @@
 //  - the last half is not smaller than kSustained of the first half, so they do not die away. At kSwings = 20 a swing
 //    that loses 5.6 % a period, a damping ratio of 0.009, is on the border;
 //  - neither the hand nor the surface asks for them: the heights of the swings add up to more than kUnasked times the
-//    ways of the hand's path and of the VHIP along the normal in the same time. So a path that taps, a texture and a
-//    noisy surface are none, unless the contact answers them with a resonance of more than that. Where the path is not
-//    known, swings slower than kHand_hz are left out instead, for a hand can make them;
+//    ways of the hand's path, of the surface and of what effects put on it, along the normal in the same time. So a
+//    path that taps, a texture and a noisy surface are none, unless the contact answers them with a resonance of more
+//    than that. What an effect adds in proportion to the depth is stiffness and asks for nothing. Where the path is not
+//    known, swings slower than kHand_hz are left out instead, for a hand can make them. Or, whatever the surface asks
+//    for, the path asks for none and the tool left the surface in each period while the hand wanted it inside;
 //  - the surface fed them: E fell from the first to the last. So stick-slip, which friction takes energy from, is none.
 // A contact that is lost because the surface ends under the tool (the HIP is still below the plane) starts the count
 // anew, and so do a fading fault and half a second out of contact. A hand that is exactly on its path cannot bounce:
@@ -40,15 +43,20 @@ namespace palpate {
 
 enum class ContactVerdict { kNoContact, kQuiet, kSlightlyActive, kUnstable };
 
+// What a slightly active contact has its energy from, as far as the conditions of the run say.
+enum class ActivitySource { kNone, kEdits, kSampledWall, kField };
+
 struct ContactConditions {
-  double resolution_m = 0;     // of the device's encoders [m]
-  int delay_ticks = 0;         // of the device's force
-  const Path* path = nullptr;  // where the hand wanted the tool; null: not known
+  double resolution_m = 0;      // of the device's encoders [m]
+  int delay_ticks = 0;          // of the device's force
+  double lacking_Ns_per_m = 0;  // what the wall's damping is below K T / 2 + K T delay; at most 0: it is not [N s/m]
+  const Path* path = nullptr;   // where the hand wanted the tool; null: not known
 };
 
 struct ContactStability {
   ContactVerdict verdict = ContactVerdict::kNoContact;
-  // Of the contact that gave most beyond its error:
+  ActivitySource source = ActivitySource::kNone;  // of what given_J says, where the verdict is not quiet
+  // Of the contact that gave most beyond its error, or, where none did, that gave most:
   double given_J = 0;    // more than it had taken
   double error_J = 0;    // bound of what the encoders put into that
   double stored_J = 0;   // the most that any contact of the run had taken at once
@@ -75,5 +83,7 @@ struct ContactStability {
 
 // "no-contact", "quiet", "slightly-active", "unstable".
 [[nodiscard]] const char* name(ContactVerdict verdict) noexcept;
+// "none", "edits", "sampled-wall", "field".
+[[nodiscard]] const char* name(ActivitySource source) noexcept;
 
 }  // namespace palpate

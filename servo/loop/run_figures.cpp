@@ -41,7 +41,7 @@ void addContact(std::span<const TickRecord> records, RunFigures& figures) {
     ++figures.contact_ticks;
     if (figures.first_contact_s < 0) figures.first_contact_s = now.time_s;
     if (before && before->in_contact) {
-      figures.vhip_way_m += (vec(now.vhip_W) - vec(before->vhip_W)).norm();
+      figures.surface_way_m += (surfacePointOf(now) - surfacePointOf(*before)).norm();
     } else {
       ++figures.touches;
     }
@@ -101,8 +101,12 @@ double forceOf(const TickRecord& record) noexcept {
 }
 
 double depthOf(const TickRecord& record) noexcept {
-  if (!record.in_contact) return 0;
-  return std::max(0.0, (vec(record.vhip_W) - vec(record.hip_W)).dot(vec(record.normal_W)));
+  return record.in_contact ? record.depth_m : 0;
+}
+
+Vec3 surfacePointOf(const TickRecord& record) noexcept {
+  if (!record.in_contact || std::isnan(record.depth_m)) return vec(record.vhip_W);
+  return vec(record.hip_W) + record.depth_m * vec(record.normal_W);
 }
 
 RunFigures computeFigures(std::span<const TickRecord> records, double rate_hz, std::int64_t grid_points) {

@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "base/vec.hpp"
 #include "servo/loop/quantile.hpp"
 #include "servo/loop/tick_record.hpp"
 #include "servo/safety/faults.hpp"
@@ -29,9 +30,9 @@ struct RunFigures {
   int touches = 0;              // how often contact began
   double first_contact_s = -1;  // when it first began [s]; -1: never
   Percentiles force_N;          // magnitude, over ticks in contact [N]
-  Percentiles depth_m;          // of the HIP below the VHIP along the plane's normal, over ticks in contact [m]
+  Percentiles depth_m;          // of the HIP below the surface, over ticks in contact that know one [m]
   double force_step_max_N = 0;  // largest change of the force from one tick to the next [N]
-  double vhip_way_m = 0;        // length of the VHIP's way while in contact [m]
+  double surface_way_m = 0;     // length of the surface point's way while in contact [m]
   Percentiles tick_cost_us;     // [us]
   Percentiles lateness_us;      // wake-up after the due time [us]
   Percentiles window_age_ms;    // [ms]
@@ -52,8 +53,13 @@ struct RunFigures {
 [[nodiscard]] RunFigures computeFigures(std::span<const TickRecord> records, double rate_hz,
                                         std::int64_t grid_points = 0);
 
-// Magnitude of the force [N] and depth [m] of one tick; depth is 0 without contact.
+// Magnitude of the force [N] and depth [m] of one tick; depth is 0 without contact, NaN for an algorithm without a
+// surface.
 [[nodiscard]] double forceOf(const TickRecord& record) noexcept;
 [[nodiscard]] double depthOf(const TickRecord& record) noexcept;
+
+// The surface over the HIP, along its normal: where the VHIP is unless an effect moves it. The VHIP where there is no
+// contact or no surface [m].
+[[nodiscard]] Vec3 surfacePointOf(const TickRecord& record) noexcept;
 
 }  // namespace palpate

@@ -215,6 +215,7 @@ const SampleWindow& ServoLoop::runTick(const Due& due, std::int64_t now_ns, Tick
   copy(out.vhip_W, record.vhip_W);
   copy(out.normal_W, record.normal_W);
   copy(held_W, record.force_W);
+  record.depth_m = out.depth_m;
   record.plane_age_ticks = out.plane_age_ticks;
   record.window_version = window.version;
   record.edit_version = window.edit_version;

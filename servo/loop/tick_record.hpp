@@ -21,6 +21,7 @@ struct TickRecord {
   std::int32_t tick_cost_ns = 0;   // compute time of the tick, without sleep; 0 with the simulated clock [ns]
   std::int64_t lateness_ns = 0;    // wake-up after the due time; 0 with the simulated clock [ns]
   std::int64_t window_age_ns = 0;  // since the window in use was published [ns]
+  double depth_m = 0;              // of the HIP below the surface, as TickOutput says [m]
   double energy_J = 0;  // that the environment has taken from the hand so far (servo/safety/passivity.hpp) [J]
   std::uint64_t edit_version = 0;  // the volume edit that the window in use held
   bool in_contact = false;

@@ -30,7 +30,7 @@ TEST(CheckAll, QuickHolds) {
   EXPECT_EQ(last, 1);
   std::set<std::string> names;
   for (const Check& check : all.checks) names.insert(check.name);
-  EXPECT_EQ(names, (std::set<std::string>{"edits", "filter", "gradient"}));
+  EXPECT_EQ(names, (std::set<std::string>{"distance", "edits", "filter", "gradient"}));
 }
 
 TEST(CheckAll, ListHasEveryPhantomAndThinVolumes) {

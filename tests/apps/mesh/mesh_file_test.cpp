@@ -130,6 +130,16 @@ TEST_F(MeshFile, Refuses) {
             "nothing");
 }
 
+// Assimp itself is content with what there is.
+TEST_F(MeshFile, FewerFacesThanTheHeaderSaysAreRefused) {
+  const std::string whole = plyText();
+  const std::size_t last = whole.rfind('\n', whole.size() - 2) + 1;
+  EXPECT_NE(refusal(write("short.ply", whole.substr(0, last))), "nothing");
+  std::string more = whole;
+  more.replace(more.find("element face 12"), 15, "element face 11");
+  EXPECT_NE(refusal(write("more.ply", more)), "nothing");
+}
+
 // A count of four thousand million in a header of a hundred bytes neither fills the memory nor ends the program.
 TEST_F(MeshFile, AbsurdCountsAreRefused) {
   std::string stl = binaryStl();

@@ -51,6 +51,7 @@ TEST_F(Energy, TheControllerTakesItBack) {
   EXPECT_EQ(observed["energy"]["damped_ticks"], 0);
   EXPECT_THAT(words, testing::HasSubstr("Energy    slightly active: "));
   EXPECT_EQ(observed["stability"]["verdict"], "slightly-active");
+  EXPECT_EQ(observed["stability"]["source"], "sampled-wall");
   EXPECT_GT(observed["stability"]["given_J"], 0);
   const Json controlled = touch(active + Words{"--passivity", "control"});
   EXPECT_GT(controlled["energy"]["damped_ticks"], 0);
@@ -82,6 +83,13 @@ TEST_F(Energy, ABouncingRunIsCalledUnstable) {
   EXPECT_GT(summary["stability"]["swing_m"], 20e-6);
   EXPECT_THAT(summary["verdict"].get<std::string>(), testing::HasSubstr("the contact was unstable: lower --stiffness"));
   EXPECT_THAT(words, testing::HasSubstr("Energy    unstable: "));
+  // The same stiffness, half of it by an effect: the surface, its depth and the verdict are the same.
+  Words half = bouncing;
+  half.back() = "5000";
+  const Json by_effect = touched(half + Words{"--stiffness-density", "0:2"});
+  EXPECT_EQ(by_effect["stability"]["verdict"], "unstable");
+  EXPECT_NEAR(by_effect["contact"]["depth_m"]["max"].get<double>(), summary["contact"]["depth_m"]["max"].get<double>(),
+              0.05e-3);
   const Json fast = touched(bouncing + Words{"--rate", "20000"});
   EXPECT_NE(fast["stability"]["verdict"], "unstable");
   EXPECT_TRUE(fast["stability"]["swing_m"].is_null());

@@ -106,6 +106,10 @@ TEST_F(PathCsv, RefusesTimeGoingBack) {
 TEST_F(PathCsv, RefusesRepeatedTime) {
   expectRefusal(std::string(kHeader) + "0,0,0,0\n1,0,0,0\n1,0,0,0\n", "line 4: time does not move on from 1 s to 1 s");
 }
+TEST_F(PathCsv, RefusesATimeWithoutEnd) {
+  expectRefusal(std::string(kHeader) + "-1e308,0,0,0\n1e308,0,0,0\n",
+                "line 3: the time from -1e+308 s to 1e+308 s is longer");
+}
 TEST_F(PathCsv, RefusesAHole) {
   expectRefusal(std::string(kHeader) + "0,0,0,0\n1,0,0,0\n2,0,0,0\n12.5,0,0,0\n13.5,0,0,0\n",
                 "line 5: a hole in the path: nothing between 2 s and 12.5 s");

@@ -311,11 +311,6 @@ TEST(TouchPath, RefusesImpossibleNumbers) {
   request.slide_length_m = -1e-3;
   expectRefusal(sphere(), request, "path slide length");
   request = {};
-  request.slide_length_m = 3;  // 20 times the diagonal of 60.5 mm along each edge is 2.1 m
-  expectRefusal(
-      sphere(), request,
-      "path slide length: 3000 mm is more than 20 times the diagonal of the volume, 105 mm; give a shorter one");
-  request = {};
   request.toward_W = Vec3::Zero();
   expectRefusal(sphere(), request, "path toward");
   request = {};
@@ -324,6 +319,24 @@ TEST(TouchPath, RefusesImpossibleNumbers) {
   request = {};
   request.start_W = Vec3(nan, 0, 0);
   expectRefusal(sphere(), request, "path start");
+}
+
+// A scan in metres that is read as millimetres: a path of 20 mm would be followed for minutes, or for days.
+TEST(TouchPath, RefusesLengthsOfVeryManyVoxels) {
+  for (const double voxel_m : {1e-6, 1e-9}) {
+    const AnalyticField tiny = {[&](const Vec3& p) { return sphereDistance(p, 30 * voxel_m); }, 60 * voxel_m, voxel_m};
+    PathRequest request;
+    request.slide_length_m = 20e-3;
+    expectRefusal(tiny, request, "metres were taken for millimetres");
+    request.slide_length_m = 10 * voxel_m;
+    request.press_depth_m = voxel_m;
+    request.approach_m = 16001 * voxel_m;
+    expectRefusal(tiny, request, "path approach");
+    request.approach_m = 5 * voxel_m;
+    EXPECT_NEAR(buildTouchPath(tiny, request).slid_m, 10 * voxel_m, 1e-9 * voxel_m);
+    request.start_W = Vec3(0, 0, 31 * voxel_m);
+    EXPECT_NEAR(buildTouchPath(tiny, request).start.p_W.norm(), 30 * voxel_m, 1e-3 * voxel_m);
+  }
 }
 
 }  // namespace

@@ -20,6 +20,7 @@ inline TickRecord pressedTick(std::int64_t tick, double rate_hz, double x_m, dou
   r.in_contact = depth_m > 0;
   r.vhip_W[2] = r.in_contact ? 0 : -depth_m;
   if (r.in_contact) r.normal_W[2] = 1;
+  if (r.in_contact) r.depth_m = depth_m;
   if (r.in_contact) r.force_W[2] = 500 * depth_m;
   r.density = static_cast<float>(depth_m);
   r.plane_age_ticks = r.in_contact ? static_cast<std::int32_t>(tick % 5) : 0;
@@ -69,7 +70,7 @@ inline TouchRun sampleRun() {
   run.edits->save_bytes = 2048;
   run.edits->save_version = 3;
   run.edits->save_s = {0.25, 0.5};
-  run.exact = ExactErrors{0.01, 0.05, 0.3, 1.2};
+  run.exact = ExactErrors{0.01, 0.05, 0.3, 1.2, 2000, true};
   return run;
 }
 

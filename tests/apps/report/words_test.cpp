@@ -68,7 +68,8 @@ TEST(Words, ClosingSummaryNamesWhatMatters) {
   for (const char* words :
        {"phantom:sphere?size=64", "3 s of 5 s, one touch", "at most 0.5 N", "hri at 1000 Hz, 5000 ticks, 0 late",
         "stale_window in 12 of 5000 ticks, first at tick 300", "the force falls to zero; make the window larger",
-        "quiet: the surface took", "the slide is 12 mm", "out/trace.csv", "0.01 voxel",
+        "quiet: the surface took", "the slide is 12 mm", "out/trace.csv", "VHIP off by 0.01 voxel",
+        "over 2000 ticks in contact of the slide",
         "Edited    3 times; from edit to window 1.5 ms median, 2.5 ms p99"}) {
     EXPECT_THAT(text, HasSubstr(words));
   }
@@ -98,22 +99,51 @@ TEST(Words, QuietSaysWhatWasTakenAndNeverContradictsItself) {
   // Encoders may leave a little less than nothing.
   figures.energy_end_J = -0.01e-3;
   quiet.error_J = 0.015e-3;
+  quiet.stored_J = 3e-3;
   EXPECT_EQ(stabilityWords(quiet, figures),
-            "quiet: what the surface took from the hand and what it gave are the same within 0.02 mJ, and no contact "
-            "gave more than it had taken (the encoders leave 0.015 mJ open)");
+            "quiet: the surface gave the hand 0.01 mJ, which is within the 0.02 mJ that are left open over all "
+            "contacts, and no contact gave more than it had taken (the encoders leave 0.015 mJ open)");
+}
+
+TEST(Words, QuietSaysWhereTheEncodersAreTooCoarseToTell) {
+  ContactStability quiet;
+  quiet.verdict = ContactVerdict::kQuiet;
+  quiet.stored_J = 0.1e-3;
+  quiet.error_J = 0.2e-3;
+  EXPECT_EQ(stabilityWords(quiet, RunFigures{}),
+            "quiet as far as the encoders can tell: they leave 0.2 mJ open in one contact, and at most 0.1 mJ was "
+            "stored; finer encoders would tell more");
+}
+
+TEST(Words, SlightlyActiveNamesTheSource) {
+  ContactStability active;
+  active.verdict = ContactVerdict::kSlightlyActive;
+  active.source = ActivitySource::kSampledWall;
+  EXPECT_THAT(stabilityWords(active, {}), HasSubstr("K T / 2 does so; more --damping"));
+  active.source = ActivitySource::kField;
+  EXPECT_THAT(stabilityWords(active, {}), HasSubstr("it is the field"));
+  EXPECT_THAT(stabilityWords(active, {}), HasSubstr(", or --passivity control, lessens it"));
+  active.source = ActivitySource::kEdits;
+  EXPECT_THAT(stabilityWords(active, {}), HasSubstr("; the volume was edited under the tool"));
+  RunFigures controlled;
+  controlled.damped_ticks = 1;
+  for (const auto source : {ActivitySource::kSampledWall, ActivitySource::kField}) {
+    active.source = source;
+    EXPECT_THAT(stabilityWords(active, controlled), Not(HasSubstr("--passivity")));  // followed already
+  }
 }
 
 TEST(Words, SlightlyActiveSaysByHowMuchAndThatItSettled) {
   ContactStability active;
   active.verdict = ContactVerdict::kSlightlyActive;
   active.given_J = 0.2e-3;
-  active.share = 0.12;
+  active.stored_J = 1.5e-3;
   RunFigures figures;
   figures.damped_ticks = 34;
   const std::string text = stabilityWords(active, figures);
   EXPECT_THAT(text,
-              ::testing::StartsWith("slightly active: a contact gave the hand 0.2 mJ more than it had taken, 12 % "
-                                    "of the most that was stored, and the tool did not keep swinging; "));
+              ::testing::StartsWith("slightly active: a contact gave the hand 0.2 mJ more than it had taken, where "
+                                    "at most 1.5 mJ was stored at once, and the tool did not keep swinging; "));
   EXPECT_THAT(text, ::testing::EndsWith("; the controller acted in 34 ticks"));
   TouchRun run = sampleRun();
   run.stability = active;

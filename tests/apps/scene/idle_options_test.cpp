@@ -53,6 +53,8 @@ TEST(IdleOptions, EachIsToldWhereNothingUsesItAndNowhereElse) {
       {standard, [](Scene& s) { s.algorithm = "haptization"; }, {"--haptization-density", "--haptization-gradient"}},
       {standard, [](Scene& s) { s.velocity = "foaw"; }, {"--velocity-noise"}},
       {[](Scene& s) { s.velocity = "foaw"; }, standard, {"--velocity-cutoff"}},
+      {[](Scene& s) { s.algorithm = "haptization"; }, standard, {"--stiffness", "--damping", "--n"}},
+      {[](Scene& s) { s.algorithm = "blezek"; }, standard, {"--n"}},
       {[](Scene& s) { s.path_file = "a.csv"; },
        standard,
        {"--toward", "--start", "--slide-toward", "--edges", "--depth", "--slide", "--approach"}},

@@ -43,7 +43,8 @@ TEST(ObjectTable, ReadsEveryKind) {
 TEST(ObjectTable, TextsComeBack) {
   for (const char* text : {"plane:point=1,2,3:normal=0,0.6,0.8", "sphere:centre=0,0,30:radius=5",
                            "box:centre=1,2,3:size=4,5,6:rotation=7,8,9",
-                           "mesh:position=1,2,3:rotation=0,0,45:scale=0.5:unit=cm:file=a:b.ply"}) {
+                           "mesh:position=1,2,3:rotation=0,0,45:scale=0.5:unit=cm:file=a:b.ply",
+                           "sphere:centre=0.1,0.2,1.2345678901234567:radius=1e+300"}) {
     EXPECT_EQ(objectText(parseObject(text)), text);
   }
 }

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/scene/option_value.hpp"
 
+#include <cmath>
+#include <random>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -72,6 +75,40 @@ TEST(OptionValue, NumbersKeepTheirRange) {
     expectRefused(*option, fmt::format("{:.17g}", range.lowest - std::max(1e-9, std::abs(range.lowest) * 1e-6)));
     expectRefused(*option, fmt::format("{:.17g}", range.highest * 1.000001));
   }
+}
+
+// A run can be repeated from its own words: they give the same number, bit for bit, and are short where that is.
+TEST(OptionValue, WordsGiveTheNumberBack) {
+  std::mt19937_64 random(4);
+  const auto share = [&] { return static_cast<double>(random() >> 11U) * 0x1p-53; };  // [0, 1), every bit of a double
+  const auto back = [](double number, double scale) {
+    const double si = number * scale;
+    EXPECT_EQ(numberOf(screenText(si, scale)).value_or(0) * scale, si) << fmt::format("{:.17g} {}", number, screenText(si, scale));
+  };
+  for (const double scale : {1.0, 1e-3, 1e3}) {
+    EXPECT_EQ(screenText(0.1 * scale, scale), "0.1");
+    EXPECT_EQ(screenText(123.456789 * scale, scale), "123.456789");
+    for (int n = 0; n < 20000; ++n) back((share() - 0.5) * std::pow(10, 20 * share() - 10), scale);
+    for (const double number : {0.0, 5e-324, 1e-310, 1e-300, 1.7e305, -1.7e305}) back(number, scale);
+  }
+  for (const SceneOption* option : optionsOfKind<NumberOption>()) {
+    const auto& range = std::get<NumberOption>(option->value);
+    for (int n = 0; n < 50; ++n) {
+      const double number =
+          std::clamp(range.lowest + share() * (range.highest - range.lowest), range.lowest, range.highest);
+      Scene scene, again;
+      setOption(option->value, fmt::format("{:.17g}", number), option->flag, scene);
+      setOption(option->value, optionText(option->value, scene), option->flag, again);
+      const auto value = [&](const Scene& of) {
+        return std::visit([&](auto member) { return std::optional<double>(of.*member); }, range.member);
+      };
+      EXPECT_EQ(value(again), value(scene)) << option->flag;
+    }
+  }
+}
+
+TEST(OptionValue, TablesRefuseWhatIsTooLargeInTheirUnit) {
+  expectRefused(*optionOfKey("haptization.gradient"), "1e308:1");
 }
 
 TEST(OptionValue, WholeNumbersKeepTheirRange) {

@@ -51,6 +51,24 @@ TEST(AlgorithmSetup, CarriesWhatTheSceneAsks) {
   EXPECT_EQ(setup.scale.voxel_m, 2e-3);
 }
 
+// K T / 2 + K T d of the stiffest that it may be.
+TEST(AlgorithmSetup, SaysWhatTheWallLacksInDamping) {
+  Scene scene;
+  scene.stiffness_N_per_m = 2000;
+  scene.damping_Ns_per_m = 0.25;
+  scene.rate_hz = 4000;
+  EXPECT_DOUBLE_EQ(lackingDamping(scene), 0);
+  scene.damping_Ns_per_m = 0.125;
+  EXPECT_DOUBLE_EQ(lackingDamping(scene), 0.125);
+  scene.device_delay_ticks = 3;
+  EXPECT_DOUBLE_EQ(lackingDamping(scene), 0.125 + 1.5);
+  scene.device_delay_ticks = 0;
+  scene.stiffness_density = {{0, 0.5}, {10, 3}, {20, 1}};
+  EXPECT_DOUBLE_EQ(lackingDamping(scene), 0.75 - 0.125);
+  scene.algorithm = "haptization";
+  EXPECT_EQ(lackingDamping(scene), 0);
+}
+
 // Gradients are computed where the isosurface is; what feels elsewhere needs them there, or it would feel nothing.
 TEST(AlgorithmSetup, AlgorithmsThatFeelAwayFromTheSurfaceGetGradientsThere) {
   Scene scene;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include <gtest/gtest.h>
@@ -16,14 +17,16 @@ double radius_m(const Phantom& sphere) {
   return -sphere.signedDistance_m(Vec3::Zero());
 }
 
-// The HIP below the surface on the x axis, the VHIP `off_m` outside it, the force turned by `angle_deg` from the
-// normal.
+// The HIP below the surface on the x axis, the surface that was found `off_m` outside it, the force turned by
+// `angle_deg` from the normal.
 TickRecord touching(const Phantom& sphere, double time_s, double off_m, double angle_deg) {
   TickRecord record;
   record.time_s = time_s;
   record.in_contact = true;
   record.hip_W[0] = radius_m(sphere) - 1e-3;
-  record.vhip_W[0] = radius_m(sphere) + off_m;
+  record.depth_m = 1e-3 + off_m;
+  record.normal_W[0] = 1;
+  record.vhip_W[0] = radius_m(sphere) + 7e-3;  // an effect has moved it
   record.force_W[0] = std::cos(angle_deg * std::numbers::pi / 180);
   record.force_W[2] = std::sin(angle_deg * std::numbers::pi / 180);
   return record;
@@ -37,12 +40,13 @@ class ExactErrorsTest : public testing::Test {
 TEST_F(ExactErrorsTest, AreDistanceInVoxelsAndAngleInDegrees) {
   const auto errors = exactErrors(*sphere_, {touching(*sphere_, 0, 0.25 * kVoxel_m, 3)}, {});
   ASSERT_TRUE(errors);
-  EXPECT_NEAR(errors->vhip_median_voxel, 0.25, 1e-9);
+  EXPECT_NEAR(errors->vhip_median_voxel.value_or(-1), 0.25, 1e-9);
   EXPECT_NEAR(errors->force_angle_median_deg, 3, 1e-9);
 }
 
 TEST_F(ExactErrorsTest, InsideCountsAsOutside) {
-  EXPECT_NEAR(exactErrors(*sphere_, {touching(*sphere_, 0, -0.5 * kVoxel_m, -10)}, {})->vhip_median_voxel, 0.5, 1e-9);
+  EXPECT_NEAR(exactErrors(*sphere_, {touching(*sphere_, 0, -0.5 * kVoxel_m, -10)}, {})->vhip_median_voxel.value_or(-1),
+              0.5, 1e-9);
   EXPECT_NEAR(exactErrors(*sphere_, {touching(*sphere_, 0, -0.5 * kVoxel_m, -10)}, {})->force_angle_median_deg, 10,
               1e-9);
 }
@@ -55,16 +59,44 @@ TEST_F(ExactErrorsTest, SmallAnglesAreKept) {
 
 TEST_F(ExactErrorsTest, VoxelsAreTheSmallestEdge) {
   const auto flat = makePhantom("phantom:sphere?size=32&spacing=1x1x4mm");
-  EXPECT_NEAR(exactErrors(*flat, {touching(*flat, 0, 0.25e-3, 0)}, {})->vhip_median_voxel, 0.25, 1e-9);
+  EXPECT_NEAR(exactErrors(*flat, {touching(*flat, 0, 0.25e-3, 0)}, {})->vhip_median_voxel.value_or(-1), 0.25, 1e-9);
 }
 
 TEST_F(ExactErrorsTest, CountTheSlideOnly) {
   const std::vector<PathPhase> phases = {{"approach", 0, 1}, {"slide", 1, 2}, {"retreat", 2, 3}};
   const std::vector<TickRecord> records = {touching(*sphere_, 0.5, 5e-3, 90), touching(*sphere_, 1.5, 0, 1),
                                            touching(*sphere_, 2.5, 5e-3, 90)};
-  EXPECT_NEAR(exactErrors(*sphere_, records, phases)->vhip_p99_voxel, 0, 1e-9);
+  EXPECT_NEAR(exactErrors(*sphere_, records, phases)->vhip_p99_voxel.value_or(-1), 0, 1e-9);
   EXPECT_NEAR(exactErrors(*sphere_, records, phases)->force_angle_p99_deg, 1, 1e-9);
-  EXPECT_NEAR(exactErrors(*sphere_, records, {})->vhip_p99_voxel, 5, 1e-9);  // a path of no phases: all of it
+  EXPECT_NEAR(exactErrors(*sphere_, records, {})->vhip_p99_voxel.value_or(-1), 5,
+              1e-9);  // a path of no phases: all of it
+}
+
+TEST_F(ExactErrorsTest, CountAllContactWhereTheSlideHasNone) {
+  const std::vector<PathPhase> phases = {{"press", 0, 1}, {"slide", 1, 2}};
+  const auto errors = exactErrors(*sphere_, {touching(*sphere_, 0.4, 0, 2), touching(*sphere_, 0.5, 0, 2)}, phases);
+  ASSERT_TRUE(errors);
+  EXPECT_FALSE(errors->slide_only);
+  EXPECT_EQ(errors->ticks, 2);
+  EXPECT_TRUE(exactErrors(*sphere_, {touching(*sphere_, 1.4, 0, 2)}, phases)->slide_only);
+}
+
+TEST_F(ExactErrorsTest, LeaveOutWhatThePassivityControllerAdds) {
+  TickRecord damped = touching(*sphere_, 0, 0, 60);
+  damped.damped = true;
+  EXPECT_FALSE(exactErrors(*sphere_, {damped}, {}));
+  EXPECT_NEAR(exactErrors(*sphere_, {damped, touching(*sphere_, 0, 0, 2)}, {})->force_angle_p99_deg, 2, 1e-9);
+}
+
+// The force is known, a surface is not.
+TEST_F(ExactErrorsTest, HaveNoDistanceForAnAlgorithmWithoutASurface) {
+  TickRecord record = touching(*sphere_, 0, 0, 2);
+  record.depth_m = std::numeric_limits<double>::quiet_NaN();
+  record.vhip_W[0] = record.hip_W[0];
+  const auto errors = exactErrors(*sphere_, {record}, {});
+  ASSERT_TRUE(errors);
+  EXPECT_FALSE(errors->vhip_median_voxel || errors->vhip_p99_voxel);
+  EXPECT_NEAR(errors->force_angle_median_deg, 2, 1e-9);
 }
 
 // A wall of 4 mm, pressed from outside beyond its middle: the surface nearest to the HIP is the inner one, whose normal
@@ -78,6 +110,8 @@ TEST_F(ExactErrorsTest, OfAThinWallAreOfTheSideInTouch) {
     record.in_contact = true;
     record.hip_W[0] = outer_m - depth_m;
     record.vhip_W[0] = outer_m;
+    record.normal_W[0] = 1;
+    record.depth_m = depth_m;
     record.force_W[0] = 1;
     EXPECT_NEAR(exactErrors(*shell, {record}, {})->force_angle_median_deg, 0, 1e-6) << depth_m;
     record.force_W[0] = -1;

@@ -84,6 +84,7 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         Refused{"", "names no filter"}, Refused{"blur:1", "there is no filter 'blur'"},
         Refused{"gaussian", "it has no sigma"}, Refused{"gaussian:0", "is 0"}, Refused{"gaussian:-1mm", "is -1"},
+        Refused{"gaussian:5e-324mm", "its sigma is 4.94066e-324; give a number above 0"},
         Refused{"gaussian:nan", "is no number"}, Refused{"gaussian:inf", "is no number"},
         Refused{"gaussian:x", "is no number"}, Refused{"gaussian:1in", "there is no unit 'in'"},
         Refused{"gaussian:1:border=wrap", "there is no border 'wrap'"},

@@ -2,10 +2,13 @@
 // Damage at every byte: what lies before it is read, what is lost is named.
 #include "engine/journal/journal_reader.hpp"
 
+#include <array>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "base/error.hpp"
+#include "engine/journal/replay.hpp"
 #include "journal_samples.hpp"
 
 namespace palpate {
@@ -96,9 +99,56 @@ TEST(JournalReader, RecordsThatMakeNoSenseEndTheJournal) {
   };
   EXPECT_THAT(reasonWith(recordBytes(RecordKind::kUndo, 1, "")), HasSubstr("undoes what was not done"));
   EXPECT_THAT(reasonWith(recordBytes(RecordKind::kRedo, 1, "")), HasSubstr("was not undone"));
+  EXPECT_THAT(reasonWith(recordBytes(RecordKind::kUndo, 1, "x")), HasSubstr("more than an undo has"));
+  EXPECT_THAT(reasonWith(recordBytes(RecordKind::kRedo, 1, "x")), HasSubstr("more than a redo has"));
   EXPECT_THAT(reasonWith(recordBytes(RecordKind::kEdit, 1, "")), HasSubstr("no commands"));
   EXPECT_THAT(reasonWith(recordBytes(RecordKind::kStamp, 1, "xyz")), HasSubstr("no stamp"));
   EXPECT_THAT(reasonWith(recordBytes(static_cast<RecordKind>(99), 1, "")), HasSubstr("kind 99"));
+}
+
+// Every order of up to six edits, undos and redos against the obvious history: two stacks. What a session cannot have
+// done is damage from there on, and what lasts of the rest is what lies on the stack of what is done.
+TEST(JournalReader, TakesTheOrdersThatASessionCanHave) {
+  const TemporaryFolder folder;
+  const std::string header = headerBytes(sampleHeader(sampleVolume()));
+  constexpr std::array kKinds = {RecordKind::kEdit, RecordKind::kUndo, RecordKind::kRedo};
+  constexpr std::size_t kLength = 6;
+  int damaged = 0;
+  for (int order = 0; order < 729; ++order) {  // 3^6
+    std::string bytes = header, words;
+    std::vector<double> done, undone;
+    std::size_t sound = 0;
+    for (std::size_t n = 0, rest = static_cast<std::size_t>(order); n < kLength; ++n, rest /= 3) {
+      const RecordKind kind = kKinds[rest % 3];
+      const EditCommand command = dab(static_cast<double>(n));
+      const std::uint32_t no_stamp = 0;
+      bytes += recordBytes(kind, n + 1, kind == RecordKind::kEdit ? editContent({&command, 1}, {&no_stamp, 1}) : "");
+      words += "eur"[rest % 3];
+      if (sound < n) continue;  // behind the damage
+      std::vector<double>& from = kind == RecordKind::kUndo ? done : undone;
+      std::vector<double>& to = kind == RecordKind::kUndo ? undone : done;
+      if (kind == RecordKind::kEdit) {
+        done.push_back(static_cast<double>(n));
+        undone.clear();
+      } else if (!from.empty()) {
+        to.push_back(from.back());
+        from.pop_back();
+      } else {
+        continue;
+      }
+      ++sound;
+    }
+    setBytes(folder.path(), bytes);
+    const Journal journal = readJournal(folder.path());
+    ASSERT_EQ(journal.records.size(), sound) << words;
+    ASSERT_EQ(journal.damage.has_value(), sound < kLength) << words;
+    std::vector<double> lasting;
+    for (const auto& commands : lastingEdits(journal)) lasting.push_back(commands.at(0).from_W.x());
+    ASSERT_EQ(lasting, done) << words;
+    damaged += journal.damage ? 1 : 0;
+  }
+  EXPECT_GT(damaged, 300);
+  EXPECT_LT(damaged, 729);
 }
 
 TEST(JournalReader, RefusesAFolderWithoutAJournal) {

@@ -46,7 +46,9 @@ inline JournalHeader sampleHeader(const Volume& volume) {
 inline std::string bytesOf(const std::filesystem::path& folder) {
   return contentsOf(journalFile(folder));
 }
+// A new file each time: some file systems bring one that is cut and written again to the disk at once.
 inline void setBytes(const std::filesystem::path& folder, const std::string& bytes) {
+  std::filesystem::remove(journalFile(folder));
   std::ofstream(journalFile(folder), std::ios::binary | std::ios::trunc) << bytes;
 }
 

@@ -170,7 +170,7 @@ inline std::uint32_t seedAt(const DenseField& field, const Vec3i& voxel, const F
         kernel_text::nearerCrossing(nearest, at(field, voxel), at(field, voxel + d), step.taps[DISTANCE_ISOVALUE],
                                     kernel_text::waySquare(d.x(), edge[0], across), way, isInside(field, voxel + d));
   }
-  return kernel_text::crossingWord(nearest);
+  return kernel_text::seedWord(nearest, at(field, voxel) > step.taps[DISTANCE_ISOVALUE]);
 }
 
 inline std::uint32_t spreadAt(const DenseField& field, std::span<const std::uint32_t> words, const Vec3i& voxel,
@@ -178,17 +178,22 @@ inline std::uint32_t spreadAt(const DenseField& field, std::span<const std::uint
   const float* edge = step.taps.data() + DISTANCE_EDGE_SQUARE;
   const int axis_1 = step.axis == 0 ? 1 : 0;
   const int axis_2 = step.axis == 2 ? 1 : 2;
-  kernel_text::KnownPoint nearest = kernel_text::nothingKnown();
+  kernel_text::Nearest point = kernel_text::noPoint();
+  kernel_text::Nearest across = kernel_text::noAcross();
+  const bool inside = kernel_text::isInside(words[field.offset(voxel.x(), voxel.y(), voxel.z())]);
   for (int t = -step.reach[step.axis]; t <= step.reach[step.axis]; ++t) {
     const Vec3i other = voxel + t * Vec3i::Unit(step.axis);
     const std::uint32_t word =
         isInside(field, other) ? words[field.offset(other.x(), other.y(), other.z())] : DISTANCE_NONE;
-    const float across =
-        kernel_text::pointAcross(word, word != DISTANCE_NONE, axis_1, axis_2, edge[axis_1], edge[axis_2]);
-    nearest = kernel_text::nearerPoint(nearest, word, static_cast<float>(kernel_text::offsetOf(word, step.axis)),
-                                       across, t * DISTANCE_PARTS, step.axis, edge[step.axis]);
+    const bool known = word != DISTANCE_NONE;
+    const float beside = kernel_text::pointAcross(word, known, axis_1, axis_2, edge[axis_1], edge[axis_2]);
+    point = kernel_text::nearerPoint(point, word, static_cast<float>(kernel_text::offsetOf(word, step.axis)), beside,
+                                     t * DISTANCE_PARTS, step.axis, edge[step.axis]);
+    across = kernel_text::nearerAcross(across, word, known, inside,
+                                       kernel_text::acrossBefore(word, step.axis, edge[0], edge[1]),
+                                       kernel_text::squareAlong(static_cast<float>(t), edge[step.axis]), t, step.axis);
   }
-  return nearest.word;
+  return kernel_text::wordWith(inside, point.bits, across.bits);
 }
 
 inline kernel_text::vec4 fieldAt(const DenseField& field, const Vec3i& voxel, const kernel_text::vec4& shift) {
@@ -211,10 +216,12 @@ inline float distanceAt(const DenseField& field, const Vec3i& voxel, std::uint32
   const kernel_text::vec4 edge(e[0], e[1], e[2], 1);
   const bool inside = at(field, voxel) > isovalue;
   float distance = band;
-  if (word != DISTANCE_NONE) {
+  float point = band;
+  if (kernel_text::knowsPoint(word)) {
     const kernel_text::vec4 foot = kernel_text::pointShift(word);
     kernel_text::Tangent tangent = kernel_text::tangentOf(fieldAt(field, voxel, foot), edge, isovalue,
                                                           kernel_text::awayFrom(foot, edge), inside, true);
+    point = std::sqrt(tangent.away_square);
     for (int projection = 0; projection < 2 && kernel_text::isOver(tangent, band); ++projection) {
       const kernel_text::vec4 away = kernel_text::risenBy(tangent);
       const kernel_text::vec4 shift = kernel_text::landingShift(away, edge);
@@ -227,8 +234,11 @@ inline float distanceAt(const DenseField& field, const Vec3i& voxel, std::uint32
       if (!kernel_text::isBetter(landed, tangent, slack)) break;
       tangent = landed;
     }
-    distance = kernel_text::distanceOver(tangent, slack, band);
+    distance = kernel_text::distanceOver(tangent, slack);
   }
+  const float* square = step.taps.data() + DISTANCE_EDGE_SQUARE;
+  distance = kernel_text::heldDistance(distance, point, word,
+                                       kernel_text::acrossSquare(word, square[0], square[1], square[2]), slack, band);
   return kernel_text::signedDistance(distance, step.taps[DISTANCE_UNIT], inside);
 }
 

@@ -240,16 +240,28 @@ TEST(Distance, ReachesAsFarAsItSays) {
   }
 }
 
-// The word of the kernel's text.
-TEST(FilterText, KeepsASurfacePointInAWord) {
-  for (const int x : {-256, -33, -1, 0, 1, 32, 255}) {
-    for (const int y : {-256, -5, 0, 17, 255}) {
-      for (const int z : {-256, -5, 0, 17, 255}) {
-        const std::uint32_t word = kernel_text::wordOf(x, y, z);
-        EXPECT_EQ(kernel_text::offsetOf(word, 0), x);
-        EXPECT_EQ(kernel_text::offsetOf(word, 1), y);
-        EXPECT_EQ(kernel_text::offsetOf(word, 2), z);
-        EXPECT_TRUE(std::isnormal(std::bit_cast<float>(word)));
+// The word of the kernel's text. No surface point lies eight voxels away on all three axes, and no voxel lies across
+// from itself: these two stand for "none".
+TEST(FilterText, KeepsASurfacePointAndAVoxelAcrossInAWord) {
+  for (const int x : {-64, -63, -1, 0, 1, 17, 63}) {
+    for (const int y : {-64, -5, 0, 17, 63}) {
+      for (const int z : {-64, -5, 0, 17, 63}) {
+        const std::array<int, 3> point = {x, y, z};
+        const std::array<int, 3> across = {x / 9, -y / 9, z / 9};
+        for (const bool inside : {false, true}) {
+          std::uint32_t across_bits = 0;
+          for (int axis = 0; axis < 3; ++axis)
+            across_bits |= kernel_text::acrossBits(across[static_cast<std::size_t>(axis)], axis);
+          const std::uint32_t word = kernel_text::wordWith(inside, kernel_text::pointBits(x, y, z), across_bits);
+          for (int axis = 0; axis < 3; ++axis) {
+            EXPECT_EQ(kernel_text::offsetOf(word, axis), point[static_cast<std::size_t>(axis)]);
+            EXPECT_EQ(kernel_text::acrossOf(word, axis), std::abs(across[static_cast<std::size_t>(axis)]));
+          }
+          EXPECT_EQ(kernel_text::isInside(word), inside);
+          EXPECT_EQ(kernel_text::knowsPoint(word), x > -64 || y > -64 || z > -64);
+          EXPECT_EQ(kernel_text::knowsAcross(word), across != (std::array<int, 3>{0, 0, 0}));
+          EXPECT_TRUE(std::isnormal(std::bit_cast<float>(word)));
+        }
       }
     }
   }

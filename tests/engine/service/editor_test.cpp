@@ -592,6 +592,72 @@ TEST_P(EveryField, GathersTheWindowThatANewGatherGives) {
   EXPECT_FALSE(editor.apply(std::span(&far, 1), &target).window_gathered);
 }
 
+// The inside of a large object, painted and put back: bricks go from one density to another on the same side of the
+// isovalue, far from any surface. They have no samples and get none; the window shows their new densities all the same.
+TEST_P(EveryField, GathersDensitiesThatChangeFarFromTheSurface) {
+  Volume volume = Volume::fromBricks({96, 96, 96}, lattice(), {}, [](const Vec3i& brick, float* values) {
+    values[0] = brick.x() < 11 ? 200.0F : -100.0F;
+    return true;
+  });
+  gpu::Gpu gpu({});
+  State state(gpu, volume, false, 0, true, chain_, way_);
+  Editor editor(state.parts(gpu), profileOf(volume), false);
+  const WindowBox box{{25, 29, 33}, {32, 32, 32}};
+  const std::size_t bytes = 32768 * sizeof(Sample);
+  const gpu::Buffer first(gpu, "window", bytes, gpu::MemoryKind::kHost);
+  const gpu::Buffer second(gpu, "window", bytes, gpu::MemoryKind::kHost);
+  const gpu::Buffer anew(gpu, "window", bytes, gpu::MemoryKind::kHost);
+  const auto middle = [](const gpu::Buffer& window) {
+    return static_cast<const Sample*>(window.mapped())[(16 * 32 + 16) * 32 + 16].density;
+  };
+  state.window.run(box, first);
+  ASSERT_EQ(middle(first), 200);
+  EditCommand paint = brush(EditKind::kPaint, volume, {41, 45, 49}, 35e-3);
+  paint.value = 150;
+  std::vector<BrickContent> kept;
+  for (const std::uint32_t brick : editor.bricksToChange(std::span(&paint, 1))) kept.push_back(editor.content(brick));
+
+  const auto expectAsAnew = [&](const gpu::Buffer& window, const Editor::Outcome& outcome, float density) {
+    EXPECT_TRUE(outcome.window_gathered);
+    editor.settle();
+    state.window.run(box, anew);
+    EXPECT_EQ(std::memcmp(window.mapped(), anew.mapped(), bytes), 0);
+    EXPECT_FLOAT_EQ(middle(window), density);  // a Gaussian's taps sum to one but for rounding
+  };
+  const Editor::WindowTarget painted{box, &second, &first};
+  expectAsAnew(second, editor.apply(std::span(&paint, 1), &painted), 150);
+  const Editor::WindowTarget undone{box, &first, &second};
+  expectAsAnew(first, editor.replace(kept, &undone), 200);
+}
+
+// What undo makes constant again in the filtered field gives its storage back, as often as that is done.
+TEST_P(EveryField, PutsBricksBackWhereNothingIsStored) {
+  Volume volume = Volume::fromBricks({80, 72, 64}, lattice(), {}, [](const Vec3i&, float* values) {
+    values[0] = 200;
+    return true;
+  });
+  gpu::Gpu gpu({});
+  State state(gpu, volume, false, 0, true, chain_, way_);
+  State before(gpu, volume, false, 0, true, chain_, way_);
+  Editor editor(state.parts(gpu), profileOf(volume), false);
+  const EditCommand hole = brush(EditKind::kRemove, volume, {40, 36, 32}, 6e-3);
+  std::vector<BrickContent> kept;
+  for (const std::uint32_t brick : editor.bricksToChange(std::span(&hole, 1))) kept.push_back(editor.content(brick));
+  for (int n = 0; n < 3; ++n) {
+    editor.apply(std::span(&hole, 1), nullptr);
+    editor.settle();
+    ASSERT_GT(state.field.storedBricks(), 8U);
+    editor.replace(kept, nullptr);
+    editor.settle();
+    EXPECT_EQ(state.pool.storedBricks(), 0U);
+    EXPECT_EQ(state.field.storedBricks(), 0U);
+    if (state.smoothing) {
+      EXPECT_EQ(state.smoothing->result().storedBricks(), 0U);
+    }
+    expectSame(state, before);
+  }
+}
+
 // Undo: the bricks that an edit will change are kept, and put back afterwards. All is as it was, storage included.
 TEST_P(EveryField, PutsBricksBack) {
   Volume volume = ball({53, 41, 37}, 12);

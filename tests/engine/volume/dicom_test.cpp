@@ -60,15 +60,58 @@ TEST_F(Dicom, KeepsObliqueOrientation) {
   EXPECT_EQ(volume.value({0, 0, 2}), 2 * 2 - 100);
 }
 
-TEST_F(Dicom, TakesTheLargestSeriesOrTheOneThatIsNamed) {
+TEST_F(Dicom, TakesTheSeriesThatIsNamed) {
   writeSeries({}, {0, 2, 4}, "a");
   DicomFields other;
   other.series = "1.2.3.9";
   writeSeries(other, {0, 1}, "b");
-  EXPECT_EQ(loadVolume(folder_.path()).size().z(), 3);
-  EXPECT_THAT(loadVolume(folder_.path()).facts().remark, testing::HasSubstr("1.2.3.4.5, the largest of 2"));
-  EXPECT_EQ(loadVolume(folder_.path() + "#1.2.3.9").size().z(), 2);
-  expectLoadRefusal(folder_.path() + "#1.1", "1.2.3.9 (2 slices)");
+  refuses("the folder holds 2 series: 1: 1.2.3.4.5 (3 slices), 2: 1.2.3.9 (2 slices)");
+  for (const char* name : {"1.2.3.9", "2"}) {
+    const Volume volume = loadVolume(withSeries(folder_.path(), name));
+    EXPECT_EQ(volume.size().z(), 2);
+    EXPECT_EQ(volume.facts().part, "series 2 of 2: 1.2.3.9");
+  }
+  EXPECT_EQ(loadVolume(folder_.path() + "#1").size().z(), 3);
+  for (const char* none : {"1.1", "0", "3", "-1", "1x", "99999999999999999999"}) {
+    expectLoadRefusal(folder_.path() + "#" + none, "no series");
+  }
+  EXPECT_THROW((void)withSeries(folder_.path() + "#1", "2"), Error);
+  EXPECT_THROW((void)withSeries(folder_.file("a1.dcm"), "2"), Error);
+}
+
+// A folder of one series needs no number, and says which it is.
+TEST_F(Dicom, SaysWhichSeriesItIs) {
+  writeSeries({}, {0, 2, 4});
+  EXPECT_EQ(loadVolume(folder_.path()).facts().part, "series 1.2.3.4.5");
+  EXPECT_EQ(loadVolume(folder_.path() + "#1").facts().part, "series 1.2.3.4.5");
+}
+
+TEST_F(Dicom, RefusesSlopesAndInterceptsThatAreNoNumbers) {
+  for (const char* bad : {"inf", "nan", "1e999", "0x10", "two", "1\\2"}) {
+    DicomFields fields;
+    fields.slope = bad;
+    writeSeries(fields, {0, 2, 4});
+    refuses("RescaleSlope");
+    fields = {};
+    fields.intercept = bad;
+    writeSeries(fields, {0, 2, 4});
+    refuses("RescaleIntercept");
+  }
+  DicomFields flat;
+  flat.slope = "0";  // every density would be the intercept
+  writeSeries(flat, {0, 2, 4});
+  refuses("RescaleSlope");
+}
+
+// Pixels that are not there are no zeros.
+TEST_F(Dicom, RefusesRowsAndColumnsBeyondThePixels) {
+  for (const auto& [rows, columns] : {std::pair{5, 5}, std::pair{4, 6}, std::pair{4000, 5}, std::pair{65535, 65535}}) {
+    DicomFields fields;
+    fields.rows = rows;
+    fields.columns = columns;
+    writeSeries(fields, {0, 2, 4});
+    refuses("cut short or damaged");
+  }
 }
 
 TEST_F(Dicom, RefusesMissingSlices) {

@@ -135,6 +135,18 @@ TEST_F(Nrrd, RefusesMoreThanMemoryBeforeReadingIt) {
   refuses(huge + "\n", "GiB", Error::Code::kOutOfMemory);
 }
 
+// ITK's NRRD library writes such a value into a buffer of its own and aborts.
+TEST_F(Nrrd, RefusesALongValueThatIsNoNumber) {
+  for (const std::string key : {"sizes", "spacings", "space directions", "kinds", "type", "encoding"}) {
+    std::string header = nrrdHeader("int16", "raw");
+    const std::size_t at = header.find("\n" + key + ":");
+    if (at != std::string::npos) header.erase(at + 1, header.find('\n', at + 1) - at);
+    header += key + ": " + std::string(1000, 'x') + "\n\n";
+    writeFile(path_, header + data_);
+    EXPECT_THROW(static_cast<void>(loadVolume(path_)), Error) << key;
+  }
+}
+
 TEST_F(Nrrd, RefusesGzipThatCannotHoldTheVoxels) {
   std::string lie = nrrdHeader("int16", "gzip");
   lie.replace(lie.find("5 4 3"), 5, "500 400 300");

@@ -4,41 +4,17 @@
 #include <algorithm>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
-#include "base/units.hpp"
+#include "ball_slide.hpp"
 #include "servo/safety/faults.hpp"
-#include "support/algorithm_driver.hpp"
 
 namespace palpate {
 namespace {
-
-constexpr double kVoxel = 1e-3;  // [m]
-constexpr int kEaseTicks = 500;  // EditEase at 1 kHz
-const Vec3 kCentre = Vec3::Constant(31.3e-3);
-constexpr double kRadius = 24e-3;
 
 double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
-}
-
-double degreesBetween(const Vec3& a, const Vec3& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b)) * kDegreesPerRadian;
-}
-
-AlgorithmParameters everyTick() {
-  AlgorithmParameters p;
-  p.plane_renewal_ticks = 1;
-  return p;
-}
-
-// A slide over a quarter of the ball, 1 mm deep, at 0.2 m/s: angles in radians about a tilted axis.
-Vec3 slidePoint(double angle, double radius_m) {
-  const Vec3 u = Vec3(1, 0.3, 0.2).normalized();
-  const Vec3 v = u.cross(Vec3(0.1, -0.4, 1)).normalized();
-  return kCentre + (u * std::cos(angle) + v * std::sin(angle)) * radius_m;
 }
 
 struct Slide {
@@ -103,29 +79,6 @@ TEST(Hri, RenewsEveryNTicks) {
   std::vector<int> ages;
   for (int i = 0; i < 8; ++i) ages.push_back(driver.at(slidePoint(0, kRadius - 1e-3)).plane_age_ticks);
   EXPECT_THAT(ages, testing::ElementsAre(0, 1, 2, 0, 1, 2, 0, 1));
-}
-
-// Windows of another run may have the versions and the storage of the last one's: after a reset nothing is known of
-// them.
-TEST(Hri, AResetForgetsTheWindow) {
-  const AnalyticVolume volume = millimetreVolume(ball(kCentre, kRadius));
-  AnalyticVolume larger = millimetreVolume(ball(kCentre, kRadius));
-  larger.lattice.spacing_m *= 2;  // the same samples, twice as far apart
-  HeldWindow held;
-  volume.hold(held, Vec3i::Zero(), Vec3i::Constant(64));
-  SampleWindow second = held.window;
-  second.lattice = larger.lattice;
-  Hri hri(everyTick());
-  hri.reset(slidePoint(0, kRadius + 1e-3));
-  TickOutput out;
-  hri.tick({slidePoint(0, kRadius + 1e-3), Vec3::Zero(), &held.window}, out);
-  const Vec3 out_W = (slidePoint(0, 1) - kCentre).normalized();
-  const auto at = [&](double radius_m) { return Vec3(2 * kCentre + radius_m * out_W); };
-  hri.reset(at(2 * kRadius + 1e-3));
-  hri.tick({at(2 * kRadius + 1e-3), Vec3::Zero(), &second}, out);
-  hri.tick({at(2 * kRadius - 1e-3), Vec3::Zero(), &second}, out);
-  ASSERT_TRUE(out.in_contact);
-  EXPECT_NEAR(out.force_W.norm(), 500 * 1e-3, 500 * 0.03 * kVoxel);  // the sag of samples of 2 mm: h^2 / (4 R)
 }
 
 // A parabolic roof, z = -x^2 / (2 R): its gradients are linear, so samples and their interpolation hold them exactly.
@@ -207,66 +160,6 @@ TEST(Hri, SlidesAlongAThinShell) {
   }
 }
 
-// Holds the tool where it is until what an edit has added is taken in; the force must rise evenly, from what it was.
-TickOutput holdUntilEased(AlgorithmDriver& driver, const Vec3& hip_W, const TickOutput& first, double depth_m) {
-  const double stiffness = AlgorithmParameters{}.stiffness_N_per_m;
-  const double step_N = stiffness * depth_m / kEaseTicks;
-  // Planes of one surface, found anew for one HIP, agree to a hundredth of a voxel.
-  const double rounding_N = stiffness * 0.01 * kVoxel;
-  TickOutput before = first;
-  TickOutput out = first;
-  for (int i = 0; i < kEaseTicks; ++i) {
-    out = driver.at(hip_W);
-    EXPECT_LE((out.force_W - before.force_W).norm(), step_N + rounding_N);
-    EXPECT_GE(out.force_W.norm(), before.force_W.norm() - rounding_N);
-    before = out;
-  }
-  return out;
-}
-
-// The surface moves out over VHIP and HIP: the force stays outward, is at first what it was, and has the new depth when
-// that is taken in.
-TEST(Hri, FindsTheSurfaceWhenVhipAndHipAreBothInside) {
-  const AnalyticVolume before = millimetreVolume(ball(kCentre, 18e-3));
-  const AnalyticVolume after = millimetreVolume(ball(kCentre, 25e-3));
-  Hri hri(AlgorithmParameters{});
-  AlgorithmDriver driver(hri, before, slidePoint(0, 19e-3));
-  driver.at(slidePoint(0, 19e-3));
-  const Vec3 hip_W = slidePoint(0, 17e-3);
-  ASSERT_NEAR(driver.at(hip_W).force_W.norm(), 500 * 1e-3, 1.1);  // with the damping of the approach
-  driver.edit(after);
-  const TickOutput first = driver.at(hip_W);
-  ASSERT_TRUE(first.in_contact);
-  EXPECT_EQ(first.plane_age_ticks, 0);
-  // A tick's share of what the edit added is there already: 500 N/m of 7 mm / 500.
-  EXPECT_NEAR((first.vhip_W - hip_W).norm(), 1e-3 + 7e-3 / kEaseTicks, 0.02 * kVoxel);
-  const TickOutput out = holdUntilEased(driver, hip_W, first, 7e-3);
-  EXPECT_NEAR((out.vhip_W - hip_W).norm(), 8e-3, 0.02 * kVoxel);
-  EXPECT_LT(degreesBetween(out.force_W, hip_W - kCentre), 0.5);
-}
-
-// A plateau 20 voxels deep is put over the tool. Newton has no gradient to follow, so the search along N must find the
-// new surface.
-TEST(Hri, SearchesAlongTheNormalWhereTheFieldIsFlat) {
-  const auto plateau = [](double top_m) {
-    return [=](const Vec3& p_W) { return std::clamp(top_m - p_W.z(), -1.5e-3, 1.5e-3); };
-  };
-  const AnalyticVolume before = millimetreVolume(plateau(25e-3));
-  const AnalyticVolume after = millimetreVolume(plateau(37e-3));
-  Hri hri(AlgorithmParameters{});
-  AlgorithmDriver driver(hri, before, Vec3(30e-3, 30e-3, 25.5e-3));
-  driver.at(Vec3(30e-3, 30e-3, 25.5e-3));
-  const Vec3 hip_W(30e-3, 30e-3, 24.5e-3);
-  ASSERT_TRUE(driver.at(hip_W).in_contact);
-  driver.edit(after);
-  const TickOutput first = driver.at(hip_W);
-  ASSERT_TRUE(first.in_contact);
-  EXPECT_NEAR(first.vhip_W.z(), 25e-3, 12e-3 / kEaseTicks + 0.01 * kVoxel);
-  const TickOutput out = holdUntilEased(driver, hip_W, first, 12e-3);
-  EXPECT_NEAR(out.vhip_W.z(), 37e-3, 0.01 * kVoxel);
-  EXPECT_LT(degreesBetween(out.force_W, Vec3::UnitZ()), 0.1);
-}
-
 // Two constants with a jump of one voxel between; every gradient that the servo could use is set to zero.
 TEST(Hri, ZeroGradientFacesTheWayTheToolCame) {
   const AnalyticVolume volume = millimetreVolume([](const Vec3& p_W) { return p_W.z() < 30e-3 ? 1.0 : -1.0; });
@@ -285,141 +178,6 @@ TEST(Hri, ZeroGradientFacesTheWayTheToolCame) {
     ASSERT_TRUE(out.in_contact);
     EXPECT_TRUE(has(out.faults, ServoFault::kZeroGradient));
     EXPECT_LT(degreesBetween(out.force_W, Vec3::UnitZ()), 1e-6);
-  }
-}
-
-TEST(Hri, NoForceWithoutAWindow) {
-  Hri hri(AlgorithmParameters{});
-  hri.reset(Vec3::Zero());
-  SampleWindow nothing;
-  TickOutput out;
-  hri.tick({Vec3::Zero(), Vec3::Zero(), &nothing}, out);
-  EXPECT_EQ(out.faults, bit(ServoFault::kNoWindow));
-  EXPECT_TRUE(out.force_W.isZero(0));
-}
-
-// The window stays behind: no force and a fault. It catches up: contact again, on the same side, without falling in.
-TEST(Hri, BeyondTheWindowThereIsNoForceAndTheContactIsRemembered) {
-  const AnalyticVolume volume = millimetreVolume([](const Vec3& p_W) { return 30.4e-3 - p_W.z(); });
-  for (int n : {1, 5}) {
-    AlgorithmParameters p;
-    p.plane_renewal_ticks = n;
-    Hri hri(p);
-    AlgorithmDriver driver(hri, volume, Vec3(30e-3, 30e-3, 31e-3), 16);
-    driver.follow = false;
-    driver.at(Vec3(30e-3, 30e-3, 31e-3));
-    ASSERT_TRUE(driver.at(Vec3(30e-3, 30e-3, 29e-3)).in_contact);
-    TickOutput out;
-    for (int i = 0; i < n; ++i) out = driver.at(Vec3(45e-3, 30e-3, 29e-3));
-    EXPECT_TRUE(has(out.faults, ServoFault::kBeyondWindow));
-    EXPECT_FALSE(out.in_contact);
-    EXPECT_TRUE(out.force_W.isZero(0));
-    driver.publish(Vec3(45e-3, 30e-3, 29e-3));
-    for (int i = 0; i < 3; ++i) out = driver.at(Vec3(45e-3, 30e-3, 29e-3));
-    EXPECT_TRUE(out.in_contact);
-    EXPECT_EQ(out.faults, 0u);
-    EXPECT_NEAR(out.vhip_W.z(), 30.4e-3, 0.01 * kVoxel);
-  }
-}
-
-// Free at one place, then for a tick beyond the window, then in the object under a window that holds both places.
-struct Gap {
-  static inline const Vec3 kFree_W{30e-3, 30e-3, 40e-3};
-  static inline const Vec3 kHip_W{30e-3, 30e-3, 28e-3};
-  static inline const Vec3 kBoth_W{30e-3, 30e-3, 35e-3};       // middle of a window that holds both
-  static inline const Vec3 kElsewhere_W{52e-3, 50e-3, 12e-3};  // of one that holds neither
-
-  AnalyticVolume before = millimetreVolume([](const Vec3& p_W) { return 30.4e-3 - p_W.z(); });
-  Hri hri{{.damping_Ns_per_m = 0}};
-  AlgorithmDriver driver{hri, before, kFree_W, 16};
-
-  Gap() {
-    driver.follow = false;
-    EXPECT_EQ(driver.at(kFree_W).faults, 0U);
-  }
-  void hide(const Vec3& window_W, const Vec3& hip_W = kHip_W) {
-    driver.publish(window_W);
-    const TickOutput out = driver.at(hip_W);
-    EXPECT_EQ(out.faults, bit(ServoFault::kBeyondWindow));
-    EXPECT_FALSE(out.in_contact);
-  }
-  TickOutput catchUp(const Vec3& window_W = kBoth_W, const Vec3& hip_W = kHip_W) {
-    driver.publish(window_W);
-    return driver.at(hip_W);
-  }
-};
-
-TEST(Hri, AGapInFreeMotionIsSearchedAfterwards) {
-  Gap gap;
-  gap.hide(Gap::kElsewhere_W);
-  const TickOutput out = gap.catchUp();
-  EXPECT_TRUE(out.in_contact);
-  EXPECT_EQ(out.faults, 0U);
-  EXPECT_NEAR(out.vhip_W.z(), 30.4e-3, 0.01 * kVoxel);
-}
-
-TEST(Hri, AGapThatIsTooLongIsNotSearched) {
-  static_assert(HriSurface::kLongestGap == 16);
-  for (const double gap_m : {15.9e-3, 16.1e-3}) {
-    Gap gap;
-    const Vec3 hip_W = Gap::kFree_W - Vec3(0, 0, gap_m);
-    gap.hide(Gap::kElsewhere_W, hip_W);
-    const TickOutput out = gap.catchUp(Gap::kBoth_W - Vec3(0, 0, 4e-3), hip_W);
-    EXPECT_EQ(out.in_contact, gap_m < 16e-3);
-    EXPECT_EQ(out.faults, gap_m < 16e-3 ? 0U : bit(ServoFault::kInsideObject));
-  }
-}
-
-// The edit comes in a window that holds neither place, and buries none: the way is searched in the volume as it is now.
-TEST(Hri, AfterAnEditDuringAGapTheWayIsSearchedInTheNewVolume) {
-  const AnalyticVolume after = millimetreVolume([](const Vec3& p_W) { return 29.4e-3 - p_W.z(); });
-  Gap gap;
-  gap.hide(Gap::kElsewhere_W);
-  gap.driver.edit(after);
-  gap.hide(Gap::kElsewhere_W);
-  const TickOutput first = gap.catchUp();
-  EXPECT_EQ(first.faults, 0U);
-  const TickOutput out = holdUntilEased(gap.driver, Gap::kHip_W, first, 1.4e-3);
-  ASSERT_TRUE(out.in_contact);
-  EXPECT_NEAR(out.vhip_W.z(), 29.4e-3, 0.01 * kVoxel);
-}
-
-// The edit buries both places. Between them is nothing but object, flat, so the free point is no place to come from;
-// the nearest way out is aside. Where the window of the edit holds the free point, it is known at once, else
-// afterwards.
-TEST(Hri, AnEditDuringAGapThatBuriesTheFreePointPushesTheToolOutGently) {
-  const AnalyticVolume after =
-      millimetreVolume([](const Vec3& p_W) { return std::clamp(p_W.x() - 25.6e-3, -1.5e-3, 1.5e-3); });
-  for (const Vec3& window_W : {Gap::kElsewhere_W, Gap::kFree_W}) {
-    SCOPED_TRACE(testing::Message() << "window of the edit around " << window_W.transpose());
-    Gap gap;
-    gap.hide(Gap::kElsewhere_W);
-    gap.driver.publish(window_W);
-    gap.driver.edit(after);
-    gap.hide(window_W);
-    const TickOutput first = gap.catchUp();
-    ASSERT_TRUE(first.in_contact) << faultNames(first.faults);
-    EXPECT_FALSE(has(first.faults, ServoFault::kInsideObject));
-    EXPECT_LE(first.force_W.norm(), 500 * 4.4e-3 / kEaseTicks + 1e-9);
-    const TickOutput out = holdUntilEased(gap.driver, Gap::kHip_W, first, 4.4e-3);
-    EXPECT_LT((out.force_W - Vec3(-500 * 4.4e-3, 0, 0)).norm(), 500 * 0.02 * kVoxel);
-  }
-}
-
-// Buried during a gap, with no way out in reach: no force until the tool has been outside.
-TEST(Hri, AnEditDuringAGapThatLeavesNoWayOutGivesNoForce) {
-  const AnalyticVolume after = millimetreVolume([](const Vec3&) { return 1.0; });
-  for (const Vec3& window_W : {Gap::kElsewhere_W, Gap::kFree_W}) {
-    Gap gap;
-    gap.hide(Gap::kElsewhere_W);
-    gap.driver.publish(window_W);
-    gap.driver.edit(after);
-    gap.hide(window_W);
-    for (int tick = 0; tick < 5; ++tick) {
-      const TickOutput out = gap.catchUp();
-      ASSERT_FALSE(out.in_contact);
-      ASSERT_EQ(out.faults, bit(ServoFault::kInsideObject)) << faultNames(out.faults);
-    }
   }
 }
 
@@ -462,115 +220,6 @@ TEST(Hri, TheIsosurfaceTakesOverWhereACutFaceEnds) {
     ASSERT_TRUE(out.normal_W.isZero(0) || out.normal_W.isApprox(Vec3::UnitX()) || out.normal_W.isApprox(Vec3::UnitZ()));
   }
   EXPECT_FALSE(driver.at(Vec3(61e-3, 30e-3, 45e-3)).in_contact);
-}
-
-TEST(Hri, AnEditThatRemovesTheSurfaceLetsGoAtOnce) {
-  const AnalyticVolume before = millimetreVolume(ball(kCentre, kRadius));
-  const AnalyticVolume after = millimetreVolume([](const Vec3&) { return -1.0; });
-  AlgorithmParameters p;
-  p.plane_renewal_ticks = 1000;
-  Hri hri(p);
-  AlgorithmDriver driver(hri, before, slidePoint(0, 25e-3));
-  driver.at(slidePoint(0, 25e-3));
-  ASSERT_TRUE(driver.at(slidePoint(0, 23e-3)).in_contact);
-  driver.edit(after);
-  const TickOutput out = driver.at(slidePoint(0, 23e-3));
-  EXPECT_FALSE(out.in_contact);
-  EXPECT_TRUE(out.force_W.isZero(0));
-  EXPECT_EQ(out.faults, 0u);
-}
-
-// Drilled half a millimetre under the tool: the plane follows although n is far off.
-TEST(Hri, AnEditThatLowersTheSurfaceRenewsThePlaneNow) {
-  const AnalyticVolume before = millimetreVolume(ball(kCentre, kRadius));
-  const AnalyticVolume after = millimetreVolume(ball(kCentre, kRadius - 0.5e-3));
-  AlgorithmParameters p;
-  p.plane_renewal_ticks = 1000;
-  Hri hri(p);
-  AlgorithmDriver driver(hri, before, slidePoint(0, 25e-3));
-  driver.at(slidePoint(0, 25e-3));
-  driver.at(slidePoint(0, 23e-3));
-  driver.edit(after);
-  const TickOutput out = driver.at(slidePoint(0, 23e-3));
-  ASSERT_TRUE(out.in_contact);
-  EXPECT_NEAR((out.vhip_W - kCentre).norm(), kRadius - 0.5e-3, 0.02 * kVoxel);
-}
-
-// Material put over a free tool pushes it out by the nearest way, from no force on.
-TEST(Hri, BuriedByAnEditIsPushedOutGently) {
-  const AnalyticVolume before = millimetreVolume([](const Vec3&) { return -1.0; });
-  const AnalyticVolume after = millimetreVolume(ball(kCentre, kRadius));
-  Hri hri(AlgorithmParameters{});
-  const Vec3 hip_W = slidePoint(0, 15e-3);
-  AlgorithmDriver driver(hri, before, hip_W);
-  driver.at(hip_W);
-  driver.edit(after);
-  const TickOutput first = driver.at(hip_W);
-  ASSERT_TRUE(first.in_contact);
-  EXPECT_FALSE(has(first.faults, ServoFault::kInsideObject));
-  EXPECT_LE(first.force_W.norm(), 500 * 9e-3 / kEaseTicks + 1e-9);
-  const TickOutput out = holdUntilEased(driver, hip_W, first, 9e-3);
-  EXPECT_NEAR(out.force_W.norm(), 500 * 9e-3, 500 * 0.02 * kVoxel);
-  EXPECT_LT(degreesBetween(out.force_W, hip_W - kCentre), 0.5);
-  // Once out, the tool is free, and touches the new surface as any.
-  driver.stroke(slidePoint(0, 25e-3), 50);
-  EXPECT_FALSE(driver.at(slidePoint(0, 25e-3)).in_contact);
-  driver.stroke(slidePoint(0, 23e-3), 50);
-  EXPECT_NEAR(driver.at(slidePoint(0, 23e-3)).force_W.norm(), 500 * 1e-3, 500 * 0.02 * kVoxel);
-}
-
-// The edit comes while the window does not reach the tool: what it added is not there at once when the window has
-// caught up, though that window's version is no news any more.
-TEST(Hri, AnEditDuringALateWindowIsTakenInAfterwards) {
-  const AnalyticVolume before = millimetreVolume([](const Vec3& p_W) { return 30.4e-3 - p_W.z(); });
-  const AnalyticVolume after = millimetreVolume([](const Vec3& p_W) { return 34.4e-3 - p_W.z(); });
-  Hri hri({.damping_Ns_per_m = 0, .plane_renewal_ticks = 1});
-  AlgorithmDriver driver(hri, before, Vec3(30e-3, 30e-3, 31e-3), 16);
-  driver.follow = false;
-  driver.at(Vec3(30e-3, 30e-3, 31e-3));
-  ASSERT_TRUE(driver.at(Vec3(30e-3, 30e-3, 29e-3)).in_contact);
-  const Vec3 hip_W(45e-3, 30e-3, 29e-3);
-  driver.at(hip_W);
-  driver.edit(after);
-  EXPECT_TRUE(has(driver.at(hip_W).faults, ServoFault::kBeyondWindow));
-  driver.publish(hip_W);
-  double last_N = 0;
-  for (int i = 0; i < kEaseTicks + 1; ++i) {
-    const TickOutput out = driver.at(hip_W);
-    ASSERT_TRUE(out.in_contact) << i;
-    ASSERT_LE(out.force_W.norm() - last_N, 500 * 5.4e-3 / kEaseTicks + 1e-6) << i;
-    last_N = out.force_W.norm();
-  }
-  EXPECT_NEAR(last_N, 500 * 5.4e-3, 500 * 0.01 * kVoxel);
-}
-
-// A tool that pulls out before the depth is taken in feels no pull, and nothing once it is out.
-TEST(Hri, LeavingWhileItIsPushedOutNeverPulls) {
-  const AnalyticVolume before = millimetreVolume([](const Vec3&) { return -1.0; });
-  const AnalyticVolume after = millimetreVolume(ball(kCentre, kRadius));
-  Hri hri(AlgorithmParameters{});
-  AlgorithmDriver driver(hri, before, slidePoint(0, 20e-3));
-  driver.at(slidePoint(0, 20e-3));
-  driver.edit(after);
-  for (const TickOutput& out : driver.stroke(slidePoint(0, 25e-3), 100)) {
-    EXPECT_GE(out.force_W.dot(slidePoint(0, 1) - kCentre), 0);
-    EXPECT_LE(out.force_W.norm(), 500 * 4e-3);
-  }
-  EXPECT_FALSE(driver.at(slidePoint(0, 25e-3)).in_contact);
-}
-
-// Everything within reach is object: no way out, no force, and nothing is thrown.
-TEST(Hri, BuriedWithoutAWayOutFeelsNothing) {
-  const AnalyticVolume before = millimetreVolume([](const Vec3&) { return -1.0; });
-  const AnalyticVolume after = millimetreVolume([](const Vec3&) { return 1.0; });
-  Hri hri(AlgorithmParameters{});
-  AlgorithmDriver driver(hri, before, kCentre);
-  driver.at(kCentre);
-  driver.edit(after);
-  const TickOutput out = driver.at(kCentre);
-  EXPECT_FALSE(out.in_contact);
-  EXPECT_TRUE(out.force_W.isZero(0));
-  EXPECT_TRUE(has(out.faults, ServoFault::kInsideObject));
 }
 
 // Pulled out at 1 m/s from 0.1 mm: B v = 0.5 N is more than K d = 0.05 N; the sum would pull.

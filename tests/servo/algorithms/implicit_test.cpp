@@ -87,21 +87,39 @@ TEST(Implicit, GivesNoForceWhenItHasLostTheSurface) {
   EXPECT_TRUE(driver.at(onBall(0, 19e-3)).in_contact);
 }
 
-// An edit moves the surface by 6 voxels, too far to follow: the tool is pushed towards the new one, gently.
+// An edit moves the surface by 6 voxels, which the contact point follows, or by 16, which is too far for its steps: the
+// tool is pushed towards the new one, gently.
 TEST(Implicit, FindsASurfaceThatAnEditMovedByTheNearestWayOut) {
-  const AnalyticVolume before = millimetreVolume(ball(kCentre, 20e-3));
-  const AnalyticVolume after = millimetreVolume(ball(kCentre, 26e-3));
+  for (const double added_m : {6e-3, 16e-3}) {
+    const AnalyticVolume before = millimetreVolume(ball(kCentre, 12e-3));
+    const AnalyticVolume after = millimetreVolume(ball(kCentre, 12e-3 + added_m));
+    Implicit implicit(kNoDamping);
+    AlgorithmDriver driver(implicit, before, onBall(0, 13e-3), 64);
+    driver.follow = false;
+    driver.at(onBall(0, 13e-3));
+    const double before_N = driver.at(onBall(0, 11e-3)).force_W.norm();
+    driver.edit(after);
+    TickOutput out = driver.at(onBall(0, 11e-3));
+    EXPECT_EQ(out.faults, 0u);
+    EXPECT_NEAR(out.force_W.norm(), before_N + 500 * added_m / 500, 500 * 0.02 * kVoxel);
+    for (int i = 0; i < 500; ++i) out = driver.at(onBall(0, 11e-3));
+    EXPECT_LT((out.vhip_W - onBall(0, 12e-3 + added_m)).norm(), 0.02 * kVoxel);
+  }
+}
+
+// After the edit the surface is 31 voxels away and a cut face of the volume 12; this algorithm does not feel cut faces.
+TEST(Implicit, ACutFaceIsNoWayOut) {
+  const AnalyticVolume before = millimetreVolume([](const Vec3& p_W) { return p_W.x() - 50e-3; });
+  const AnalyticVolume after = millimetreVolume([](const Vec3& p_W) { return p_W.x() - 20e-3; });
+  const auto at = [](double x_m) { return Vec3(x_m, 30e-3, 30e-3); };
   Implicit implicit(kNoDamping);
-  AlgorithmDriver driver(implicit, before, onBall(0, 21e-3), 64);
+  AlgorithmDriver driver(implicit, before, at(49e-3), 64);
   driver.follow = false;
-  driver.at(onBall(0, 21e-3));
-  const double before_N = driver.at(onBall(0, 19e-3)).force_W.norm();
+  driver.at(at(49e-3));
+  ASSERT_TRUE(driver.at(at(51e-3)).in_contact);
   driver.edit(after);
-  TickOutput out = driver.at(onBall(0, 19e-3));
-  EXPECT_EQ(out.faults, 0u);
-  EXPECT_NEAR(out.force_W.norm(), before_N + 500 * 6e-3 / 500, 500 * 0.02 * kVoxel);
-  for (int i = 0; i < 500; ++i) out = driver.at(onBall(0, 19e-3));
-  EXPECT_LT((out.vhip_W - onBall(0, 26e-3)).norm(), 0.02 * kVoxel);
+  EXPECT_EQ(driver.at(at(51e-3)).faults, bit(ServoFault::kSurfaceLost));
+  EXPECT_FALSE(driver.at(at(51e-3)).in_contact);
 }
 
 TEST(Implicit, AFlatFieldIsLostWithItsReason) {

@@ -36,6 +36,7 @@ class GroundAlgorithm final : public Algorithm {
     const double depth_m = (ground_.height(x_m) - in.hip_W.z()) * normal_W.z();
     if (depth_m <= 0) return;
     out.vhip_W += depth_m * normal_W;
+    out.depth_m = depth_m;
     out.normal_W = normal_W;
     out.force_W = std::max(0.0, stiffness_ * depth_m - damping_ * in.hip_velocity_W.dot(normal_W)) * normal_W;
     out.in_contact = true;
@@ -399,6 +400,37 @@ TEST(ContactStability, CountsWhatTheWorstContactGave) {
   EXPECT_EQ(assessContact(records, {.resolution_m = 1e-6}).verdict, ContactVerdict::kQuiet);
 }
 
+// Where no contact gave more than its error, the figures are those of the one that gave most, not of the one that the
+// encoders knew best.
+TEST(ContactStability, QuietFiguresAreThoseOfTheContactThatGaveMost) {
+  std::vector<TickRecord> records(7);
+  const double force_N[] = {0, 0.01, 0, 0, 3, 0, 0}, energy_mJ[] = {0, 0, -1e-6, 0, 0, -20e-3, -20e-3};
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    records[i].force_W[1] = force_N[i];
+    records[i].energy_J = energy_mJ[i] * 1e-3;
+  }
+  const ContactStability s = assessContact(records, {.resolution_m = 10e-6});
+  EXPECT_EQ(s.verdict, ContactVerdict::kQuiet);
+  EXPECT_EQ(s.source, ActivitySource::kNone);
+  EXPECT_NEAR(s.given_J, 20e-6, 1e-15);
+  EXPECT_NEAR(s.error_J, 60e-6, 1e-15);
+}
+
+TEST(ContactStability, NamesWhereTheEnergyOfASlightlyActiveContactIsFrom) {
+  std::vector<TickRecord> records(6);
+  for (std::size_t i = 1; i < 4; ++i) records[i].force_W[1] = 1;
+  for (std::size_t i = 2; i < 6; ++i) records[i].energy_J = -1e-3;
+  for (TickRecord& r : records) r.edit_version = 7;
+  EXPECT_EQ(assessContact(records, {}).source, ActivitySource::kField);
+  EXPECT_EQ(assessContact(records, {.lacking_Ns_per_m = 0.1}).source, ActivitySource::kSampledWall);
+  for (std::size_t i = 5; i < 6; ++i) records[i].edit_version = 8;  // after it
+  EXPECT_EQ(assessContact(records, {.lacking_Ns_per_m = 0.1}).source, ActivitySource::kSampledWall);
+  for (std::size_t i = 3; i < 6; ++i) records[i].edit_version = 8;
+  EXPECT_EQ(assessContact(records, {.lacking_Ns_per_m = 0.1}).source, ActivitySource::kEdits);
+  for (std::size_t i = 1; i < 6; ++i) records[i].edit_version = 8;  // it made the contact
+  EXPECT_EQ(assessContact(records, {}).source, ActivitySource::kEdits);
+}
+
 // ---- each clause of the criterion, on records made by hand ----
 
 // A tool that swings to and fro through the plane z = 0 while the hand wants it 1 mm below; 1 mJ is given a second.
@@ -407,6 +439,7 @@ struct HandMade {
   double keeps_a_second = 1;  // of the amplitude
   double given_J_per_s = 1e-3;
   double path_at_m = -1e-3;
+  double rest_m = 0;     // about which the tool swings
   double path_m = 0;     // the path swings too, by this
   double surface_m = 0;  // and the surface
   double resolution_m = 0;
@@ -421,11 +454,12 @@ ContactStability assess(const HandMade& made) {
     r.tick = static_cast<std::int64_t>(i);
     r.time_s = static_cast<double>(i) / 1000;
     const double wave = std::sin(2 * M_PI * made.hz * (r.time_s + 1e-5));
-    r.hip_W[2] = made.amplitude_m * std::pow(made.keeps_a_second, r.time_s) * -wave;
+    r.hip_W[2] = made.rest_m + made.amplitude_m * std::pow(made.keeps_a_second, r.time_s) * -wave;
     r.in_contact = r.hip_W[2] < 0;
     const double surface_m = -made.surface_m * wave;  // down where the tool presses
     r.vhip_W[2] = r.in_contact ? surface_m : r.hip_W[2];
     if (r.in_contact) r.normal_W[2] = 1;
+    if (r.in_contact) r.depth_m = surface_m - r.hip_W[2];
     r.energy_J = -made.given_J_per_s * r.time_s;
     made.change(r);
   }
@@ -470,9 +504,28 @@ TEST(StabilityCriterion, SwingsThatTheSurfaceDoesNotFeedAreNone) {
 TEST(StabilityCriterion, SwingsThatPathOrSurfaceAskForAreNone) {
   EXPECT_TRUE(unstable({.path_m = 0.08 * 0.1e-3}));
   EXPECT_FALSE(unstable({.path_m = 0.12 * 0.1e-3}));
-  // The surface is seen while in contact, where it goes up and down by its amplitude: half of the path's way.
-  EXPECT_TRUE(unstable({.surface_m = 0.1 * 0.1e-3}));
-  EXPECT_FALSE(unstable({.surface_m = 0.4 * 0.1e-3}));
+  EXPECT_TRUE(unstable({.rest_m = -1e-3, .surface_m = 0.08 * 0.1e-3}));
+  EXPECT_FALSE(unstable({.rest_m = -1e-3, .surface_m = 0.12 * 0.1e-3}));
+}
+
+// A tool that leaves the surface in every period against the hand's wish bounces, whatever the surface is like; where
+// the hand asks for it, it taps.
+TEST(StabilityCriterion, BouncesThatTheHandDoesNotAskForAreUnstable) {
+  EXPECT_TRUE(unstable({.surface_m = 0.4 * 0.1e-3}));
+  EXPECT_FALSE(unstable({.path_m = 0.12 * 0.1e-3, .surface_m = 0.4 * 0.1e-3}));
+}
+
+// What an effect puts on the surface asks for swings of its own; what is in proportion to the depth is stiffness.
+TEST(StabilityCriterion, WhatEffectsPutOnTheSurfaceCountsUnlessItIsStiffness) {
+  const auto put_on = [](double share, double height_m) {
+    return HandMade{.rest_m = -1e-3, .change = [=](TickRecord& r) {
+                      r.vhip_W[2] += share * r.depth_m + height_m * std::sin(2 * M_PI * 30 * r.time_s);
+                    }};
+  };
+  EXPECT_TRUE(unstable(put_on(0, 0)));
+  EXPECT_TRUE(unstable(put_on(19, 0)));
+  EXPECT_TRUE(unstable(put_on(0, 0.08 * 0.1e-3)));
+  EXPECT_FALSE(unstable(put_on(0, 0.13 * 0.1e-3)));
 }
 
 TEST(StabilityCriterion, SwingsOfTwoEncoderStepsAreRoundings) {

@@ -2,6 +2,7 @@
 #include "servo/loop/run_figures.hpp"
 
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -16,8 +17,9 @@ TickRecord record(std::int64_t tick, bool contact, double force_N, double depth_
   r.in_contact = contact;
   r.force_W[2] = force_N;
   r.normal_W[2] = contact ? 1 : 0;
-  r.vhip_W[0] = static_cast<double>(tick) * 1e-3;  // a millimetre sideways a tick
-  r.vhip_W[2] = depth_m;
+  r.hip_W[0] = static_cast<double>(tick) * 1e-3;  // a millimetre sideways a tick
+  r.depth_m = contact ? depth_m : 0;
+  r.vhip_W[2] = 3 * depth_m;  // an effect makes the contact three times as stiff
   r.faults = faults;
   r.tick_cost_ns = static_cast<std::int32_t>(100 * tick);
   r.lateness_ns = 10'000 * tick;
@@ -48,7 +50,7 @@ TEST(RunFigures, CountContactForceAndDepth) {
   EXPECT_DOUBLE_EQ(f.force_N.max, 4);
   EXPECT_DOUBLE_EQ(f.force_step_max_N, 4.5);  // from 0.5 to -4
   // Within the first touch only: 1 mm sideways and 4 mm down.
-  EXPECT_DOUBLE_EQ(f.vhip_way_m, std::hypot(1e-3, 4e-3));
+  EXPECT_DOUBLE_EQ(f.surface_way_m, std::hypot(1e-3, 4e-3));
 }
 
 TEST(RunFigures, CountLateSkippedAndFaultyTicks) {
@@ -91,10 +93,27 @@ TEST(RunFigures, SumUpTheEnergy) {
   EXPECT_EQ(f.damped_ticks, 1);
 }
 
-TEST(RunFigures, DepthIsMeasuredAlongTheNormal) {
-  TickRecord r = record(0, true, 1, 2e-3);
+TEST(RunFigures, DepthAndSurfaceAreThoseBeforeEffects) {
+  TickRecord r = record(1, true, 1, 2e-3);
   r.vhip_W[0] = 5e-3;  // friction has left the VHIP behind
   EXPECT_DOUBLE_EQ(depthOf(r), 2e-3);
+  EXPECT_EQ(surfacePointOf(r), Vec3(1e-3, 0, 2e-3));
+  r.in_contact = false;
+  EXPECT_EQ(depthOf(r), 0);
+  EXPECT_EQ(surfacePointOf(r), Vec3(5e-3, 0, 6e-3));
+}
+
+// An algorithm without a surface: no depth, and the way is the VHIP's, which is the HIP.
+TEST(RunFigures, WithoutASurfaceThereIsNoDepth) {
+  std::vector<TickRecord> records = {record(0, true, 1, 0), record(1, true, 1, 0)};
+  for (TickRecord& r : records) {
+    r.depth_m = std::numeric_limits<double>::quiet_NaN();
+    r.vhip_W[0] = r.hip_W[0];
+  }
+  const RunFigures f = computeFigures(records, 1000);
+  EXPECT_EQ(f.depth_m.count, 0U);
+  EXPECT_EQ(f.force_N.count, 2U);
+  EXPECT_DOUBLE_EQ(f.surface_way_m, 1e-3);
 }
 
 TEST(RunFigures, OfNothingAreZero) {

@@ -73,7 +73,6 @@ TEST(MeshPreparation, AnOpenMeshAndAMuddledOneAreSheets) {
   }
 }
 
-// Two boxes, one the other's neighbour with a face in common, stay closed although four triangles meet in an edge.
 // A box, and beside it two triangles whose rim goes up and down at every corner by turns: each edge of the rim has one
 // triangle all the same.
 TEST(MeshPreparation, ASheetIsOpenHoweverItsCornersAreNumbered) {
@@ -87,6 +86,15 @@ TEST(MeshPreparation, ASheetIsOpenHoweverItsCornersAreNumbered) {
   EXPECT_FALSE(prepareMesh(mesh, "box and sheet").closed);
 }
 
+// Every edge of a triangle and its own back side is balanced, but there is nothing between them to be inside of.
+TEST(MeshPreparation, ASheetWithABackIsASheet) {
+  const TriangleMesh sheet{{{0, 0, 0}, {1e-2, 0, 0}, {0, 1e-2, 0}}, {{0, 1, 2}, {0, 2, 1}}};
+  const PreparedMesh prepared = prepareMesh(sheet, "sheet");
+  EXPECT_FALSE(prepared.closed);
+  EXPECT_THAT(prepared.notes, ElementsAre("sheet: the mesh is not closed, so it is touched from both sides"));
+}
+
+// Two boxes, one the other's neighbour with a face in common, stay closed although four triangles meet in an edge.
 TEST(MeshPreparation, BodiesThatTouchAreClosed) {
   TriangleMesh two = kBox;
   const TriangleMesh second = boxMesh({3e-3, 2e-3, 3e-3}, {2e-3, 4e-3, 6e-3});

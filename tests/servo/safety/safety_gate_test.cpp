@@ -318,6 +318,11 @@ TEST(SafetyGate, RefusesLimitsThatAreNone) {
   refused(parameters(), kNaN);
 }
 
+TEST(SafetyGate, TakesTheEndsOfTheRanges) {
+  EXPECT_NO_THROW(SafetyGate({8, 1, 0, 0, 0, 0}, 1000));
+  EXPECT_NO_THROW(SafetyGate({8, 1, 60, 1e6, 1e6, 1e6}, 1000));
+}
+
 // A slew so small that no count of ticks holds the fade: it is as long as can be said.
 TEST(SafetyGate, ASlewOfNextToNothingStillHasAFade) {
   SafetyParameters p = parameters();

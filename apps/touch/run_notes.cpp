@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/touch/run_notes.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "apps/report/words.hpp"
+#include "base/units.hpp"
+#include "servo/algorithms/registry.hpp"
+#include "servo/contact/texture.hpp"
+
+namespace palpate {
+namespace {
+
+bool isSilent(const TickRecord& record, double isovalue) {
+  return !record.in_contact && record.faults == 0 && static_cast<double>(record.density) > isovalue;
+}
+
+}  // namespace
+
+std::optional<std::string> noteOnSilence(std::span<const TickRecord> records, double isovalue, double rate_hz,
+                                         const std::string& algorithm) {
+  std::size_t all = 0;
+  double from_s = 0;
+  for (auto begin = records.begin(); begin != records.end();) {
+    begin = std::find_if(begin, records.end(), [&](const TickRecord& r) { return isSilent(r, isovalue); });
+    const auto end = std::find_if(begin, records.end(), [&](const TickRecord& r) { return !isSilent(r, isovalue); });
+    const auto ticks = static_cast<std::size_t>(end - begin);
+    if (static_cast<double>(ticks) >= kShortestSilence_s * rate_hz) {
+      if (all == 0) from_s = begin->time_s;
+      all += ticks;
+    }
+    begin = end;
+  }
+  if (all == 0) return {};
+  return fmt::format(
+      "for {} s, from {} s on, the tool was in the object and {} gave neither a force nor a reason: it began there or "
+      "lost the surface; hri keeps such contacts or says why not",
+      shortNumber(static_cast<double>(all) / rate_hz), shortNumber(from_s), algorithm);
+}
+
+std::optional<std::string> noteOnEncoders(const Scene& scene) {
+  if (!algorithmEntry(scene.algorithm).traits.shows_surface) return {};
+  const double step_N = scene.stiffness_N_per_m * scene.encoder_resolution_m;
+  if (step_N < kFeltStep_N) return {};
+  return fmt::format(
+      "each step of the encoders, {} mm, changes the force by {} N, which is felt as roughness; lower --stiffness",
+      shortNumber(scene.encoder_resolution_m * kMillimetresPerMetre), shortNumber(step_N));
+}
+
+std::optional<std::string> noteOnTexture(const Scene& scene) {
+  if (scene.texture != "procedural") return {};
+  const double used_m = ProceduralTexture(scene.texture_amplitude_m, scene.texture_wavelength_m).amplitude();
+  if (used_m >= scene.texture_amplitude_m) return {};
+  return fmt::format(
+      "the texture's amplitude is {} mm instead of {} mm: a wavelength of {} mm holds no more; raise "
+      "--texture-wavelength",
+      shortNumber(used_m * kMillimetresPerMetre), shortNumber(scene.texture_amplitude_m * kMillimetresPerMetre),
+      shortNumber(scene.texture_wavelength_m * kMillimetresPerMetre));
+}
+
+}  // namespace palpate

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// engine/volume/finite_values.hpp: makes voxels that are NaN or infinite 0, and counts them. Private to engine/volume.
+#pragma once
+
+#include <atomic>
+#include <string>
+
+#include "engine/volume/grid.hpp"
+
+namespace palpate {
+
+class FiniteValues {
+ public:
+  explicit FiniteValues(const Vec3i& size) : size_(size) {}
+
+  // The same layers with such voxels 0. They may be asked for by several threads, while this lives.
+  [[nodiscard]] LayerSource of(const LayerSource& layers);
+  // After all of them: throws Error(kBadInput) if no voxel was a number.
+  void check(const std::string& source) const;
+  [[nodiscard]] std::string remark() const;  // how many; "" where there was none
+
+ private:
+  void mend(const Vec3i& brick, float* values);
+
+  Vec3i size_;
+  std::atomic<long long> replaced_ = 0;
+};
+
+}  // namespace palpate

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+// Distances held to the nearest voxel across: on random fields, on every band and all sorts of voxels, and on real
+// scans. Noise is the hardest: no surface point is like its neighbour, and no tangent plane stands for anything.
+#include "apps/check/distance_bounds.hpp"
+
+#include <cstdlib>
+#include <filesystem>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "apps/check/check_all.hpp"
+#include "apps/check/filter_check.hpp"
+#include "engine/reference/filter.hpp"
+#include "engine/volume/volume_file.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr auto kQuiet = [](double) {};
+
+Volume noise(const Vec3i& size, const Vec3& spacing_m, double inside_share, std::mt19937& random) {
+  std::vector<float> values(static_cast<std::size_t>(size.prod()));
+  std::uniform_real_distribution<float> uniform(0, 1);
+  const auto share = static_cast<float>(inside_share);
+  // Values next to the isovalue, which is 1 - share, and values far above and below.
+  for (float& value : values) {
+    const float place = uniform(random);
+    value = uniform(random) < 0.3F ? (place > 1 - share ? 50.0F : -50.0F) : place;
+  }
+  return Volume::fromDense(size, {Vec3::Zero(), Mat3::Identity(), spacing_m}, values, {});
+}
+
+Check boundsOf(const std::vector<Check>& checks) {
+  for (const Check& check : checks) {
+    if (check.name == "distance") return check;
+  }
+  ADD_FAILURE() << "no check of the distance itself";
+  return {};
+}
+
+TEST(DistanceBounds, HoldOnNoise) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> stretch(1, 4);
+  for (int round = 0; round < 6; ++round) {
+    const Vec3 spacing_m = 0.4e-3 * Vec3(round % 3 == 0 ? 1 : stretch(random), round % 3 == 1 ? 1 : stretch(random),
+                                         round % 3 == 2 ? 1 : stretch(random));
+    const double share = round % 2 == 0 ? 0.004 : 0.2;
+    const Vec3i size(20 + round % 5, 27 - 3 * round, 11 + 3 * round);
+    const Volume volume = noise(size, spacing_m, share, random);
+    const std::string chain = "distance:" + std::to_string(1 + round % 6);
+    const auto checks = checkFilters(volume, {"", {chain}, static_cast<float>(1 - share)}, kQuiet);
+    EXPECT_TRUE(allHold(checks)) << spacing_m.transpose() << "\n" << checkTable(checks);
+    EXPECT_EQ(boundsOf(checks).compared, static_cast<std::uint64_t>(size.prod()));
+  }
+}
+
+// Whole where it is small, else its middle.
+TEST(DistanceBounds, HoldOnScans) {
+  const char* folder = std::getenv("PALPATE_DATA");
+  if (folder == nullptr) GTEST_SKIP() << "set PALPATE_DATA to the folder of the scans";
+  int scans = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    if (!name.ends_with(".nrrd") && !name.ends_with(".nii.gz")) continue;
+    ++scans;
+    const bool small = std::filesystem::file_size(entry.path()) < 500000;
+    const Volume volume = cropped(loadVolume(entry.path().string()), small ? 1000 : 40);
+    const auto checks = checkFilters(volume, {"", {"distance:6"}, {}}, kQuiet);
+    EXPECT_TRUE(allHold(checks)) << checkTable(checks);
+  }
+  if (scans == 0) GTEST_SKIP() << "no scan in " << folder;
+}
+
+// A voxel moved beyond either bound, or to the other side, is seen; within them nothing is.
+TEST(DistanceBounds, SeeOneVoxelBeyondThem) {
+  std::mt19937 random(6);
+  const Volume volume = noise({14, 12, 13}, Vec3(1e-3, 1.5e-3, 1.2e-3), 0.01, random);
+  const auto steps = lowerFilters(filterChain("distance:5"), volume.lattice().spacing_m, 0.99F);
+  const reference::DenseField densities = reference::denseField(volume);
+  reference::DenseField distance = reference::applyFilters(densities, steps);
+  const auto holds = [&] {
+    Check check;
+    compareWithNearestAcross(check, distance, densities, steps, kQuiet);
+    return check.holds();
+  };
+  EXPECT_TRUE(holds());
+  const double diagonal_m = volume.lattice().spacing_m.norm();
+  for (const std::size_t n : {0UL, 800UL, 1500UL}) {
+    const float before = distance.values[n];
+    const float sign = densities.values[n] > 0.99F ? 1.0F : -1.0F;
+    distance.values[n] = -sign * 1e-3F;
+    EXPECT_FALSE(holds()) << n;
+    distance.values[n] = before + sign * static_cast<float>(1.001 * diagonal_m);
+    EXPECT_FALSE(holds()) << n;
+    distance.values[n] = before - sign * static_cast<float>(1.001 * diagonal_m);
+    EXPECT_FALSE(holds()) << n;
+    distance.values[n] = before;
+  }
+  EXPECT_TRUE(holds());
+}
+
+}  // namespace
+}  // namespace palpate

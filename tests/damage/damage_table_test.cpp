@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// Files of every format, damaged: none crashes or hangs or fills the memory, nothing damaged is accepted where the
+// format has a checksum or a length, and docs/volumes.md says what each format can tell. Some 1,900 files, each read in
+// a process of its own, take some 15 s. `damaged_files` does the same with more of them.
+#include <gtest/gtest.h>
+
+#include "tests/damage/campaign.hpp"
+#include "tests/engine/volume/files.hpp"
+
+namespace palpate::damage {
+namespace {
+
+class Campaign : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    Plan plan;
+    plan.per_cell = 8;
+    plan.many = 12;
+    result_ = run(plan);
+  }
+  inline static Result result_;
+};
+
+TEST_F(Campaign, NothingFails) {
+  for (const std::string& failure : result_.failures) ADD_FAILURE() << failure;
+  EXPECT_GT(result_.files, 1000U);
+}
+
+// The most that a promise is worth is that it is kept in a file that would otherwise pass: each kind of damage passes
+// in some format, so the judge can tell.
+TEST_F(Campaign, DamageThatNoFormatTellsIsSeenToPass) {
+  for (const Damage damage : {Damage::kValueByte, Damage::kHeaderByte, Damage::kHeaderValue, Damage::kLineLost}) {
+    std::size_t changed = 0;
+    for (const auto& [key, cell] : result_.cells) changed += key.second == damage ? cell.changed : 0;
+    EXPECT_GT(changed, 0U) << nameOf(damage);
+  }
+}
+
+TEST_F(Campaign, TheTableIsInTheDocumentation) {
+  const std::string page = readFile(PALPATE_DOCS "/volumes.md");
+  EXPECT_NE(page.find(table(result_)), std::string::npos) << "docs/volumes.md must hold:\n" << table(result_);
+}
+
+// Damage that changes nothing would be told from none by nobody.
+TEST(WholeFiles, AreDamagedInEveryWay) {
+  std::mt19937_64 random(1);
+  for (const WholeFile& file : wholeFiles()) {
+    const std::string whole = "key" + std::string(1, file.separator) + "1 2 3\nother\n" + std::string(2000, 'v');
+    for (const Damage damage : kDamages) {
+      if (!applies(damage, file)) continue;
+      EXPECT_NE(damaged(whole, damage, file, random), whole) << file.name;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace palpate::damage

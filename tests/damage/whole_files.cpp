@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/damage/whole_files.hpp"
+
+#include <fmt/format.h>
+
+#include "apps/mesh/mesh_writer.hpp"
+#include "engine/volume/isosurface_mesh.hpp"
+#include "engine/volume/volume_file.hpp"
+#include "tests/engine/volume/samples.hpp"
+
+namespace palpate::damage {
+namespace {
+
+// A small head of noise: values that differ, so that bricks are stored and streams are not all zeros.
+Volume sample() {
+  return loadVolume("phantom:sphere?size=20&spacing=1mm&noise=0.1&seed=3");
+}
+
+std::string in(const std::string& folder, const std::string& name) {
+  return folder + "/" + name;
+}
+
+std::vector<double> shorts() {
+  std::vector<double> values;
+  std::uint32_t random = 5;
+  for (int n = 0; n < 60; ++n) values.push_back(static_cast<double>((random = random * 1664525U + 1013904223U) >> 22));
+  return values;
+}
+
+std::string data() {
+  return bytesOf<std::int16_t>(shorts());
+}
+
+std::string gzipped(const std::string& folder, const std::string& bytes) {
+  writeGzip(in(folder, "gz.tmp"), bytes);
+  std::string packed = readFile(in(folder, "gz.tmp"));
+  std::filesystem::remove(in(folder, "gz.tmp"));
+  return packed;
+}
+
+void writeSlices(const std::string& folder) {
+  for (int n = 0; n < 3; ++n) {
+    writeFile(in(folder, fmt::format("s{}.raw", n)), data().substr(static_cast<std::size_t>(n) * 40, 40));
+  }
+}
+
+std::string dicomSlice(int n) {
+  const std::vector<double> values = shorts();
+  DicomFields fields;
+  fields.position = fmt::format("0\\0\\{}", 2 * n);
+  fields.sop += std::to_string(n);
+  fields.pixels = std::vector<double>(values.begin() + 20 * n, values.begin() + 20 * n + 20);
+  return dicomBytes(fields);
+}
+
+void writeDicom(const std::string& folder) {
+  for (int n = 0; n < 3; ++n) writeFile(in(folder, fmt::format("s{}.dcm", n)), dicomSlice(n));
+}
+
+void writeMeshTo(const std::string& path) {
+  const TriangleMesh mesh = isosurfaceMesh(loadVolume("phantom:sphere?size=12&spacing=1mm"), 0, 0);
+  std::string bytes;
+  writeMesh(mesh, path, 1000, [&](std::string_view piece) { bytes += piece; });
+  writeFile(path, bytes);
+}
+
+std::string plyText() {
+  return "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+         "element face 4\nproperty list uchar int vertex_indices\nend_header\n"
+         "0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
+}
+
+std::string stlText() {
+  std::string text = "solid tetrahedron\n";
+  for (const char* const corners : {"0 0 0\nvertex 0 1 0\nvertex 1 0 0", "0 0 0\nvertex 1 0 0\nvertex 0 0 1",
+                                    "0 0 0\nvertex 0 0 1\nvertex 0 1 0", "1 0 0\nvertex 0 1 0\nvertex 0 0 1"}) {
+    text += fmt::format("facet normal 0 0 0\nouter loop\nvertex {}\nendloop\nendfacet\n", corners);
+  }
+  return text + "endsolid tetrahedron\n";
+}
+
+std::size_t after(const std::string& bytes, const std::string& mark) {
+  const std::size_t at = bytes.find(mark);
+  return at == std::string::npos ? 0 : at + mark.size();
+}
+
+WholeFile nrrd(const std::string& name, const std::string& encoding,
+               const std::function<std::string(const std::string&)>& values, Promise promise) {
+  promise.lines_once = true;
+  const std::string header = nrrdHeader("int16", encoding) + "\n";
+  return {name,    "a.nrrd",      "a.nrrd",
+          false,   true,          ':',
+          promise, header.size(), [=](const std::string& f) { writeFile(in(f, "a.nrrd"), header + values(f)); }};
+}
+
+WholeFile saved(const std::string& name, const std::string& file, Promise promise, std::size_t header_bytes) {
+  return {name,    file,         file,
+          false,   false,        ':',
+          promise, header_bytes, [file](const std::string& f) { saveVolume(sample(), in(f, file)); }};
+}
+
+std::vector<WholeFile> volumes() {
+  const Promise length = {.length = true};
+  const Promise all = {.header = true, .values = true, .length = true};
+  const Promise values = {.values = true, .length = true};
+  Promise meta = length, packed_meta = values;
+  meta.lines_once = packed_meta.lines_once = true;
+  Promise own = all;
+  own.can_be_lost = true;
+  const std::string list_nrrd = nrrdHeader("int16", "raw", "data file: LIST\n");
+  const std::string list_meta = metaHeader("MET_SHORT", "ElementSpacing = 0.5 0.75 2\n", "LIST");
+  return {
+      nrrd(
+          "NRRD, raw", "raw", [](const std::string&) { return data(); }, length),
+      nrrd(
+          "NRRD, gzip", "gzip", [](const std::string& f) { return gzipped(f, data()); }, values),
+      nrrd("NRRD, text", "text",
+           [](const std::string&) {
+             std::string text;
+             for (const double value : shorts()) text += fmt::format("{}\n", value);
+             return text;
+           },
+           {}),
+      {"NRRD, list of files",
+       "a.nhdr",
+       "a.nhdr",
+       false,
+       true,
+       ':',
+       {.lines_once = true},
+       list_nrrd.size(),
+       [=](const std::string& f) {
+         writeSlices(f);
+         writeFile(in(f, "a.nhdr"), list_nrrd + "s0.raw\ns1.raw\ns2.raw\n");
+       }},
+      {"MetaImage, raw", "a.mha", "a.mha", false, true, '=', meta, metaHeader("MET_SHORT").size(),
+       [](const std::string& f) { writeFile(in(f, "a.mha"), metaHeader("MET_SHORT") + data()); }},
+      {"MetaImage, zlib", "a.mha", "a.mha", false, true, '=', packed_meta, 0,
+       [](const std::string& f) {
+         ItkImage image = itkImageOf(plainLattice(), shorts());
+         writeWithItk(ItkWriter::kMeta, in(f, "a.mha"), image, true);
+       }},
+      {"MetaImage, list of files",
+       "a.mhd",
+       "a.mhd",
+       false,
+       true,
+       '=',
+       {.lines_once = true},
+       list_meta.size(),
+       [=](const std::string& f) {
+         writeSlices(f);
+         writeFile(in(f, "a.mhd"), list_meta + "s0.raw\ns1.raw\ns2.raw\n");
+       }},
+      saved("NIfTI", "a.nii", length, 352),
+      saved("NIfTI, gzip", "a.nii.gz", all, 0),
+      {"NIfTI, pair: header", "a.hdr", "a.hdr", false, false, ':', length, 348,
+       [](const std::string& f) {
+         NiftiFields pair;
+         pair.one_file = false;
+         writeFile(in(f, "a.hdr"), niftiHeader(pair));
+         writeFile(in(f, "a.img"), data());
+       },
+       false},
+      {"NIfTI, pair: gzip values", "a.img.gz", "a.hdr", false, false, ':', all, 0,
+       [](const std::string& f) {
+         NiftiFields pair;
+         pair.one_file = false;
+         writeFile(in(f, "a.hdr"), niftiHeader(pair));
+         writeGzip(in(f, "a.img.gz"), data());
+       }},
+      saved("OpenVDB by Palpate", "a.vdb", own, 0),
+      {"OpenVDB without checksum",
+       "a.vdb",
+       "a.vdb",
+       false,
+       false,
+       ':',
+       {},
+       900,
+       [](const std::string& f) {
+         saveVolume(sample(), in(f, "a.vdb"));
+         const std::string bytes = readFile(in(f, "a.vdb"));
+         writeFile(in(f, "a.vdb"), bytes.substr(0, bytes.size() - 16));
+       }},
+      {"InVesalius", "a.inv3", "a.inv3", false, false, ':', all, 0,
+       [](const std::string& f) {
+         writeTarGz(in(f, "a.inv3"), {{"main.plist", invesaliusPlist()}, {"matrix.dat", data()}});
+       }},
+      {"DICOM slice", "s1.dcm", "", false, false, ':', {}, dicomSlice(1).size() - 40, writeDicom},
+  };
+}
+
+WholeFile mesh(const std::string& name, const std::string& file, bool text, Promise promise, const std::string& bytes) {
+  return {name, file, file, true, text, ' ', promise, after(bytes, "end_header\n"), [=](const std::string& f) {
+            bytes.empty() ? writeMeshTo(in(f, file)) : writeFile(in(f, file), bytes);
+          }};
+}
+
+}  // namespace
+
+std::vector<WholeFile> wholeFiles() {
+  std::vector<WholeFile> all = volumes();
+  all.push_back(mesh("OBJ", "a.obj", false, {}, ""));
+  all.push_back(mesh("STL, binary", "a.stl", false, {.length = true}, ""));
+  all.push_back(mesh("STL, text", "a.stl", false, {}, stlText()));
+  all.push_back(mesh("PLY, binary", "a.ply", true, {}, ""));
+  all.push_back(mesh("PLY, text", "a.ply", true, {}, plyText()));
+  return all;
+}
+
+}  // namespace palpate::damage
