@@ -12,15 +12,17 @@
 #include "apps/rivals/rival.hpp"
 #include "engine/gpu/buffer.hpp"
 #include "engine/gpu/commands.hpp"
+#include "engine/gpu/transfer.hpp"
 
 namespace palpate {
 
 class CopySpeed {
  public:
   CopySpeed(gpu::Gpu& gpu, std::size_t bytes, unsigned threads);
+  CopySpeed(gpu::Gpu& gpu, std::size_t bytes, unsigned threads, bool on_host);  // for tests: either way on any device
 
   RunCost run();
-  [[nodiscard]] bool isDone() const { return commands_ || from_ == to_; }  // on the host, whether every byte is there
+  [[nodiscard]] bool isDone();  // whether every byte is there; fetches them from a device
   [[nodiscard]] double movedBytes() const noexcept { return 2.0 * static_cast<double>(bytes_); }  // read and written
   [[nodiscard]] const std::string& way() const noexcept { return way_; }                          // in words
 
@@ -31,6 +33,7 @@ class CopySpeed {
   unsigned threads_;
   std::string way_;
   std::vector<std::byte> from_, to_;
+  std::optional<gpu::Transfer> transfer_;  // of a device's copy
   std::optional<gpu::Buffer> device_from_, device_to_;
   std::optional<gpu::Commands> commands_;
 };

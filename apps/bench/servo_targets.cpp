@@ -74,15 +74,17 @@ void addCosts(BenchResult& result) {
           [](const Rows& r) { return middle(figures(r, "cost_ns")); });
 }
 
-// The largest ratio over the volumes: on none may it be above 1.
+// The largest ratio over the volumes that both have: on none may it be above 1.
 void addErrorAgainstBlezek(BenchResult& result) {
   const Rows ours = selectAlgorithm(result, "tick", "hri", 5);
   const Rows theirs = selectAlgorithm(result, "tick", "blezek", 5);
   addOver(result, "hri / blezek, median VHIP error at n=5, worst volume [-]", theirs, 1, [&](const Rows& r) {
     double worst = 0;
-    for (std::size_t i = 0; i < std::min(r.size(), ours.size()); ++i) {
-      worst =
-          std::max(worst, figureOf(*ours[i], "vhip_error_median_voxel") / figureOf(*r[i], "vhip_error_median_voxel"));
+    for (const BenchRow* its : r) {
+      for (const BenchRow* own : ours) {
+        if (textOf(*own, "volume") != textOf(*its, "volume")) continue;
+        worst = std::max(worst, figureOf(*own, "vhip_error_median_voxel") / figureOf(*its, "vhip_error_median_voxel"));
+      }
     }
     return worst;
   });

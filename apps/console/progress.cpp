@@ -8,7 +8,8 @@
 
 namespace palpate {
 
-Progress::Progress(std::FILE* stream) : stream_(stream), terminal_(isatty(fileno(stream)) == 1) {}
+Progress::Progress(std::FILE* stream, double every_s)
+    : stream_(stream), terminal_(isatty(fileno(stream)) == 1), every_s_(every_s) {}
 
 Progress::~Progress() {
   done();
@@ -23,6 +24,7 @@ void Progress::show(const std::string& text) {
 
 void Progress::stage(const std::string& what) {
   stage_ = oneLine(what);
+  since_ = Stopwatch();
   if (terminal_) {
     show(stage_ + " ...");
   } else {
@@ -31,7 +33,13 @@ void Progress::stage(const std::string& what) {
 }
 
 void Progress::fraction(double done) {
-  if (terminal_) show(fmt::format("{} ... {:3.0f} %", stage_, 100 * done));
+  if (terminal_) {
+    show(fmt::format("{} ... {:3.0f} %", stage_, 100 * done));
+  } else if (since_.seconds() >= every_s_) {
+    fmt::print(stream_, "{}: {:.0f} % ...\n", stage_, 100 * done);
+    std::fflush(stream_);
+    since_ = Stopwatch();
+  }
 }
 
 void Progress::done() {

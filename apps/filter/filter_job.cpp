@@ -6,6 +6,7 @@
 #include "apps/console/interrupt.hpp"
 #include "apps/convert/convert_job.hpp"
 #include "base/atomic_file.hpp"
+#include "base/byte_size.hpp"
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
 #include "engine/passes/filter_chain.hpp"
@@ -58,6 +59,7 @@ FilterResult filterFile(const FilterRequest& request, Progress& progress) {
   });
   if (filters) result.stored_after = filters->result().storedBricks();
   result.filter_s = filtering.seconds();
+  progress.stage("bringing the result back");
   VolumeFacts facts = volume.facts();
   const std::optional<double> known = facts.kept_isovalue ? facts.kept_isovalue : facts.declared_isovalue;
   if (known || isovalue) facts.kept_isovalue = isovalueAfter(chain, known ? static_cast<float>(*known) : *isovalue);
@@ -85,11 +87,11 @@ std::string filterWords(const FilterRequest& request, const FilterResult& result
                         result.reach.x(), result.reach.y(), result.reach.z());
   const std::string surface = result.surface ? surfaceWords(request.out, *result.surface) : "";
   return fmt::format(
-      "{}: {} x {} x {} voxels, densities {:g} to {:g}, {:.1f} MB\n"
+      "{}: {} x {} x {} voxels, densities {:g} to {:g}, {}\n"
       "{}: {}, {} of {} bricks stored before and {} after; {:.3f} s filtering, {:.2f} s in all\n{}",
       request.out, result.size.x(), result.size.y(), result.size.z(), result.lowest, result.highest,
-      static_cast<double>(result.bytes) * 1e-6, result.device, passes, result.stored_before, result.bricks,
-      result.stored_after, result.filter_s, result.seconds, surface);
+      bytesInWords(result.bytes), result.device, passes, result.stored_before, result.bricks, result.stored_after,
+      result.filter_s, result.seconds, surface);
 }
 
 }  // namespace palpate

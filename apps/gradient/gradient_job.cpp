@@ -133,8 +133,8 @@ GradientResult gradientFile(const GradientRequest& request, Progress& progress) 
 
 std::string gradientWords(const GradientRequest& request, const GradientResult& result) {
   const std::string which = request.all ? std::string() : fmt::format(", isovalue {:g}", result.isovalue);
-  return fmt::format("{}: {} gradient of {} of {} bricks{}, {:.1f} MB; {:.3f} s on {}, {:.2f} s in all", request.out,
-                     request.gradient, result.written, result.bricks, which, static_cast<double>(result.bytes) * 1e-6,
+  return fmt::format("{}: {} gradient of {} of {} bricks{}, {}; {:.3f} s on {}, {:.2f} s in all", request.out,
+                     request.gradient, result.written, result.bricks, which, bytesInWords(result.bytes),
                      result.gradient_s, result.device, result.seconds);
 }
 

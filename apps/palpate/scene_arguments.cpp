@@ -56,11 +56,33 @@ std::vector<std::string> SceneArguments::givenFlags() const {
   return flags;
 }
 
-std::string SceneArguments::commandLine(const std::string& verb) const {
+std::string nextFreeName(const std::string& name) {
+  std::string stem = name;
+  while (stem.size() > 1 && stem.back() == '/') stem.pop_back();
+  long number = 1;
+  if (const auto dash = stem.rfind('-'); dash != std::string::npos && dash + 1 < stem.size() &&
+                                         stem.size() - dash < 8 &&
+                                         stem.find_first_not_of("0123456789", dash + 1) == std::string::npos) {
+    number = std::stol(stem.substr(dash + 1));
+    stem.resize(dash);
+  }
+  std::error_code ignored;
+  std::string next;
+  do next = stem + "-" + std::to_string(++number);
+  while (std::filesystem::exists(std::filesystem::symlink_status(next, ignored)));
+  return next;
+}
+
+std::string SceneArguments::commandLine(const std::string& verb, const Scene& scene) const {
   std::string line = "palpate " + verb;
   if (!source_.empty()) line += " " + shellWord(source_);
   for (std::size_t i = 0; i < values_.size(); ++i) {
-    if (options_[i]->count() > 0) line += std::string(" ") + sceneOptions()[i].flag + " " + shellWord(values_[i]);
+    const bool is_journal = optionOfKey("edit.journal") == &sceneOptions()[i];
+    if (is_journal && !scene.journal.empty()) {
+      line += " --journal " + shellWord(nextFreeName(scene.journal));
+    } else if (options_[i]->count() > 0) {
+      line += std::string(" ") + sceneOptions()[i].flag + " " + shellWord(values_[i]);
+    }
   }
   for (const std::string& object : objects_) line += " --object " + shellWord(object);
   return line;

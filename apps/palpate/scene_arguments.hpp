@@ -14,6 +14,9 @@ namespace palpate {
 // Quotes what a shell would take apart.
 [[nodiscard]] std::string shellWord(const std::string& word);
 
+// A name like this one that nothing has: "kept" gives "kept-2", and "kept-3" where that is there too.
+[[nodiscard]] std::string nextFreeName(const std::string& name);
+
 class SceneArguments {
  public:
   // Adds the positional argument and all scene flags to the verb. This object must outlive the parsing.
@@ -25,8 +28,9 @@ class SceneArguments {
   // The scene's flags that the command line has, without their values.
   [[nodiscard]] std::vector<std::string> givenFlags() const;
 
-  // A line that repeats the run: the verb, the positional argument and the flags as given.
-  [[nodiscard]] std::string commandLine(const std::string& verb) const;
+  // A line that repeats the run: the verb, the positional argument and the flags as given, but for a journal another
+  // folder, as the run's own holds its edits then.
+  [[nodiscard]] std::string commandLine(const std::string& verb, const Scene& scene) const;
 
  private:
   std::string source_;               // volume, or scene file if it ends in .toml

@@ -23,7 +23,7 @@ void addTouchVerb(CLI::App& app) {
     const Scene scene = arguments->scene();
     for (const std::string& idle : idleOptions(scene, arguments->givenFlags()))
       fmt::print(stderr, "palpate: {}\n", idle);
-    const TouchRun run = runTouchJob(scene, arguments->commandLine("touch"), programCommit(), progress);
+    const TouchRun run = runTouchJob(scene, arguments->commandLine("touch", scene), programCommit(), progress);
     fmt::print("{}", closingSummary(run));
   });
 }

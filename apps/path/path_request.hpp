@@ -10,10 +10,10 @@
 namespace palpate {
 
 struct PathRequest {
-  double duration_s = 5;            // of the whole path [s]
-  double approach_m = 10.0e-3;      // how far from the surface it begins [m]
-  double press_depth_m = 1.0e-3;    // below the surface while sliding [m]
-  double slide_length_m = 20.0e-3;  // along the surface [m]
+  double duration_s = 5;                // of the whole path [s]
+  std::optional<double> approach_m;     // how far from the surface it begins [m]; empty: fits the object (path_fit.hpp)
+  std::optional<double> press_depth_m;  // below the surface while sliding [m]; empty: fits the object
+  std::optional<double> slide_length_m;  // along the surface [m]; empty: fits the object
   OverEdges over_edges = OverEdges::kFollow;
   std::optional<Vec3> toward_W;  // direction in which the tool approaches; empty: chosen
   std::optional<Vec3> start_W;   // a point near the surface where the press begins [m]; empty: chosen

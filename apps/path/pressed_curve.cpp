@@ -53,6 +53,12 @@ PressedCurve::PressedCurve(const SurfaceCurve& surface, double depth_m, double v
   for (std::size_t i = 0; i < points_W_.size(); ++i) points_W_[i] -= depth_m * normals_W[i];
 }
 
+double PressedCurve::shareOutside(const SurfaceField& field) const {
+  const auto outside = std::count_if(points_W_.begin(), points_W_.end(),
+                                     [&](const Vec3& p_W) { return heightAt(field, p_W).value_or(1) <= 0; });
+  return static_cast<double>(outside) / static_cast<double>(points_W_.size());
+}
+
 Vec3 PressedCurve::at(double share) const {
   if (points_W_.size() == 1) return points_W_.front();
   const Index last = static_cast<Index>(points_W_.size()) - 1;

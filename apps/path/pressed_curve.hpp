@@ -24,6 +24,8 @@ class PressedCurve {
   PressedCurve(const SurfaceCurve& surface, double depth_m, double voxel_m);
   // Tool position at a share 0..1 of the slide [m].
   [[nodiscard]] Vec3 at(double share) const;
+  // Of its points: those that are not in the object. Beyond the volume counts as inside.
+  [[nodiscard]] double shareOutside(const SurfaceField& field) const;
 
  private:
   std::vector<Vec3> points_W_;

@@ -18,19 +18,24 @@ constexpr double kStartReachVoxels = 20;   // a wished start may be this far fro
 constexpr double kStartReach_m = 20.0e-3;  // or this far, whichever is more
 constexpr double kRingVoxels = 3;          // radius of the surroundings whose normals are compared
 constexpr int kRingPoints = 8;
-constexpr double kClearlyBetter = 0.01;  // of score, so that rounding does not choose between equal places
+constexpr std::size_t kSampleRays = 64;
+constexpr double kPastEntryVoxels = 0.01;  // beyond an entry the search goes on
+constexpr double kClearlyBetter = 0.01;    // of score, so that rounding does not choose between equal places
 
 struct Ray {
   Vec3 origin_W, direction_W;
   double reach_m;
 };
 
-Vec3 middle(const SurfaceField& field) {
-  return field.lattice().toWorld((field.size().cast<double>() - Vec3::Ones()) / 2);
-}
+// What rays are sent through: the box around a piece.
+struct Target {
+  Vec3 middle_W;
+  double diagonal_m;
+};
 
-double diagonal(const SurfaceField& field) {
-  return field.size().cast<double>().cwiseProduct(field.lattice().spacing_m).norm();
+Target targetOf(const SurfaceField& field, const ObjectPiece& piece) {
+  return {field.lattice().toWorld((piece.first + piece.last).cast<double>() / 2),
+          (piece.last - piece.first + Vec3i::Ones()).cast<double>().cwiseProduct(field.lattice().spacing_m).norm()};
 }
 
 // The axes and corners of the world, most natural first: from above, from the front, from the sides.
@@ -43,28 +48,56 @@ std::vector<Vec3> naturalDirections() {
 }
 
 // Parallel rays through the middle and through a square grid around it, nearest to the middle first.
-void addRays(const SurfaceField& field, const Vec3& direction_W, int rings, std::vector<Ray>& rays) {
+void addRays(const SurfaceField& field, const Target& target, const Vec3& direction_W, int rings,
+             std::vector<Ray>& rays) {
   const Vec3 side_W = direction_W.unitOrthogonal(), other_W = direction_W.cross(side_W);
-  const double reach_m = diagonal(field), step_m = 0.35 * reach_m / 2 / rings;
+  const double step_m = 0.35 * target.diagonal_m / 2 / rings;
+  const double reach_m = target.diagonal_m + 2 * field.lattice().spacing_m.maxCoeff();
   for (int ring = 0; ring <= rings; ++ring) {
     for (int i = -ring; i <= ring; ++i) {
       for (int j = -ring; j <= ring; ++j) {
         if (std::max(std::abs(i), std::abs(j)) != ring) continue;
-        const Vec3 through_W = middle(field) + step_m * (i * side_W + j * other_W);
+        const Vec3 through_W = target.middle_W + step_m * (i * side_W + j * other_W);
         rays.push_back({through_W - reach_m / 2 * direction_W, direction_W, reach_m});
       }
     }
   }
 }
 
-std::vector<Ray> raysFor(const SurfaceField& field, const PathRequest& request) {
+std::vector<Ray> raysFor(const SurfaceField& field, const Target& target, const std::optional<Vec3>& toward_W) {
   std::vector<Ray> rays;
-  if (request.toward_W) {
-    addRays(field, request.toward_W->normalized(), 3, rays);
+  if (toward_W) {
+    addRays(field, target, toward_W->normalized(), 3, rays);
   } else {
-    for (const Vec3& direction_W : naturalDirections()) addRays(field, direction_W, 1, rays);
+    for (const Vec3& direction_W : naturalDirections()) addRays(field, target, direction_W, 1, rays);
   }
   return rays;
+}
+
+// From the neighbours of its samples, where no ray of the grid meets the piece: it is thin, or curled up.
+std::vector<Ray> raysAtSamples(const SurfaceField& field, const ObjectPieces& pieces, std::size_t piece) {
+  std::vector<Ray> rays;
+  for (const ObjectPieces::Entry& entry : pieces.entries(piece, kSampleRays)) {
+    const Vec3 from_W = field.lattice().toWorld(entry.outside.cast<double>());
+    const Vec3 to_W = field.lattice().toWorld((entry.outside + entry.sense * Vec3i::UnitX()).cast<double>());
+    rays.push_back({from_W, (to_W - from_W).normalized(), (to_W - from_W).norm()});
+  }
+  return rays;
+}
+
+// Where a ray first enters this piece: others in front of it are passed through.
+std::optional<SurfaceHit> firstEntryInto(const SurfaceField& field, const ObjectPieces& pieces, std::size_t piece,
+                                         const Ray& ray) {
+  Vec3 from_W = ray.origin_W;
+  for (double left_m = ray.reach_m; left_m > 0;) {
+    const auto point = firstEntry(field, from_W, ray.direction_W, left_m);
+    if (!point || pieces.pieceAt(point->p_W) == piece) return point;
+    const double way_m =
+        (point->p_W - from_W).dot(ray.direction_W) + kPastEntryVoxels * field.lattice().smallestSpacing();
+    from_W += way_m * ray.direction_W;
+    left_m -= way_m;
+  }
+  return std::nullopt;
 }
 
 // Mean cosine between the normal at a point and those around it: 1 on a plane, less on edges, ridges and noise.
@@ -87,6 +120,23 @@ double score(const SurfaceField& field, const SurfaceHit& at, const Vec3& direct
   return calmness(field, at) + 0.2 * facing + 0.5 * (room - 1);
 }
 
+std::optional<SurfaceHit> bestOf(const SurfaceField& field, const ObjectPieces& pieces, std::size_t piece,
+                                 const std::vector<Ray>& rays, double approach_m) {
+  std::optional<SurfaceHit> best;
+  double best_score = 0;
+  for (const Ray& ray : rays) {
+    const auto point = firstEntryInto(field, pieces, piece, ray);
+    if (!point || point->normal_W.dot(ray.direction_W) >= 0) continue;
+    const double now = score(field, *point, ray.direction_W, approach_m);
+    if (best && now <= best_score + kClearlyBetter) continue;
+    best = point;
+    best_score = now;
+  }
+  return best;
+}
+
+}  // namespace
+
 SurfaceHit startNear(const SurfaceField& field, const Vec3& start_W) {
   // No farther than the volume is long: a search by voxels of a micrometre would never end.
   const double reach_m =
@@ -99,24 +149,13 @@ SurfaceHit startNear(const SurfaceField& field, const Vec3& start_W) {
               "give a point nearer to the surface or another isovalue");
 }
 
-}  // namespace
-
-SurfaceHit chooseStart(const SurfaceField& field, const PathRequest& request) {
-  if (request.start_W) return startNear(field, *request.start_W);
-  std::optional<SurfaceHit> best;
-  double best_score = 0;
-  for (const Ray& ray : raysFor(field, request)) {
-    const auto point = firstEntry(field, ray.origin_W, ray.direction_W, ray.reach_m);
-    if (!point || point->normal_W.dot(ray.direction_W) >= 0) continue;
-    const double now = score(field, *point, ray.direction_W, request.approach_m);
-    if (best && now <= best_score + kClearlyBetter) continue;
-    best = point;
-    best_score = now;
-  }
-  if (best) return *best;
-  throw Error(Error::Code::kBadInput, "path",
-              fmt::format("no ray into the volume meets a surface at isovalue {:g}", field.isovalue()),
-              "the isovalue may be wrong: choose another, or give a path start near the surface");
+std::optional<SurfaceHit> startOn(const SurfaceField& field, const ObjectPieces& pieces, std::size_t piece,
+                                  const std::optional<Vec3>& toward_W, double approach_m) {
+  const Target target = targetOf(field, pieces.all()[piece]);
+  if (const auto best = bestOf(field, pieces, piece, raysFor(field, target, toward_W), approach_m)) return best;
+  // From the wished direction there is nothing to be met, and no other was asked for.
+  if (toward_W) return std::nullopt;
+  return bestOf(field, pieces, piece, raysAtSamples(field, pieces, piece), approach_m);
 }
 
 }  // namespace palpate

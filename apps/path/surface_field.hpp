@@ -9,6 +9,10 @@
 
 namespace palpate {
 
+// Samples along the edge of the blocks in which a field is read as a whole: those of a volume's bricks.
+inline constexpr int kFieldBlock = 8;
+inline constexpr int kFieldBlockSamples = kFieldBlock * kFieldBlock * kFieldBlock;
+
 class SurfaceField {
  public:
   virtual ~SurfaceField() = default;
@@ -17,6 +21,9 @@ class SurfaceField {
   [[nodiscard]] virtual double isovalue() const = 0;         // tau [density]
   [[nodiscard]] virtual const Lattice& lattice() const = 0;  // where the samples lie
   [[nodiscard]] virtual Vec3i size() const = 0;              // samples along the lattice's axes [voxel]
+  // Fills `values` with the densities of the samples from kFieldBlock * block on, i fastest, and returns false; or sets
+  // values[0] only and returns true where all are equal. What lies outside size() may hold anything.
+  virtual bool readBlock(const Vec3i& block, float* values) const = 0;
 };
 
 }  // namespace palpate

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace palpate {
@@ -38,12 +39,38 @@ Vec3 spreadDirection(int i, int count) {
   return {radius * std::cos(turn), radius * std::sin(turn), z};
 }
 
+// The part of a ray, as distances from its origin, that lies in the volume: nothing is known beyond, and a reach in
+// millimetres may be many volumes long. Half a step more on either side, for rounding. Empty (begin > end): none.
+struct Stretch {
+  double begin_m, end_m;
+};
+
+Stretch insideVolume(const SurfaceField& field, const Vec3& origin_W, const Vec3& direction_W, double reach_m) {
+  const Vec3 from_L = field.lattice().toIndex(origin_W);
+  const Vec3 along_L = field.lattice().toIndex(origin_W + voxel(field) * direction_W) - from_L;  // of one voxel's way
+  const Vec3 last_L = field.size().cast<double>().array() - 1;
+  double begin = -std::numeric_limits<double>::infinity(), end = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < 3; ++i) {
+    if (std::abs(along_L[i]) < 1e-12) {
+      if (from_L[i] < -1e-6 || from_L[i] > last_L[i] + 1e-6) return {1, 0};
+      continue;
+    }
+    const double a = -from_L[i] / along_L[i], b = (last_L[i] - from_L[i]) / along_L[i];
+    begin = std::max(begin, std::min(a, b));
+    end = std::min(end, std::max(a, b));
+  }
+  return {std::max(0.0, (begin - 0.5) * voxel(field)), std::min(reach_m, (end + 0.5) * voxel(field))};
+}
+
 // Where the side changes first along a ray, in either sense, as a distance from its origin [m].
 std::optional<double> firstChange(const SurfaceField& field, const Vec3& origin_W, const Vec3& direction_W,
                                   double reach_m) {
   const double step_m = 0.5 * voxel(field);
-  auto before = heightAt(field, origin_W);
-  for (double s = step_m; s <= reach_m; s += step_m) {
+  const Stretch inside = insideVolume(field, origin_W, direction_W, reach_m);
+  const double first = std::floor(inside.begin_m / step_m);
+  auto before = heightAt(field, origin_W + first * step_m * direction_W);
+  for (double n = first + 1; n * step_m <= inside.end_m; ++n) {
+    const double s = n * step_m;
     const auto now = heightAt(field, origin_W + s * direction_W);
     if (before && now && (*before > 0) != (*now > 0)) return s;
     before = now;
@@ -72,9 +99,9 @@ std::optional<Vec3> normalAt(const SurfaceField& field, const Vec3& p_W) {
 std::optional<SurfaceHit> firstEntry(const SurfaceField& field, const Vec3& origin_W, const Vec3& direction_W,
                                      double reach_m) {
   const double step_m = 0.5 * voxel(field);
-  const int steps = static_cast<int>(std::ceil(reach_m / step_m));
+  const Stretch inside = insideVolume(field, origin_W, direction_W, reach_m);
   bool outside_before = false;  // unknown space is not background: a volume cut through the object has no surface there
-  for (int i = 0; i <= steps; ++i) {
+  for (double i = std::floor(inside.begin_m / step_m); i <= std::ceil(inside.end_m / step_m); ++i) {
     const Vec3 p_W = origin_W + std::min(i * step_m, reach_m) * direction_W;
     const auto height = heightAt(field, p_W);
     if (height && *height > 0 && outside_before) {
@@ -87,7 +114,8 @@ std::optional<SurfaceHit> firstEntry(const SurfaceField& field, const Vec3& orig
 
 double freeDistance(const SurfaceField& field, const SurfaceHit& from, const Vec3& direction_W, double reach_m) {
   const double step_m = 0.5 * voxel(field);
-  for (double s = step_m; s < reach_m; s += step_m) {
+  const double end_m = insideVolume(field, from.p_W, direction_W, reach_m).end_m;
+  for (double s = step_m; s < end_m; s += step_m) {
     if (heightAt(field, from.p_W + s * direction_W).value_or(0) > 0) return s - step_m;
   }
   return reach_m;

@@ -86,7 +86,7 @@ std::string scripts(const std::vector<ReportPlot>& plots, const TouchRun& run) {
 }  // namespace
 
 std::string makeReport(const TouchRun& run, std::string_view view_png) {
-  const RunFigures figures = computeFigures(run.records, run.scene.rate_hz);
+  const RunFigures figures = figuresOf(run);
   const std::vector<ReportPlot> plots = makePlots(run);
   return head(run) + header(run, figures) + picture(view_png) + keyFigures(run, figures) + faultSection(run) +
          plotSection(plots, run.scene.simulated_clock) + histograms(run) + editSection(run) + workSection(run) +

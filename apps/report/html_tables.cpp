@@ -43,7 +43,7 @@ std::string servoFigures(const TouchRun& run, const RunFigures& f) {
                 fmt::format("tick cost, median; 99 % within {} us", shortNumber(f.tick_cost_us.p99))) +
          figure(shortNumber(f.lateness_us.p99), "us",
                 fmt::format("wake-up after the due time, 99 %; worst {} us", shortNumber(f.lateness_us.max))) +
-         figure(std::to_string(f.late_ticks), "late", fmt::format("of {} ticks", f.ticks));
+         figure(std::to_string(f.late_ticks), "late", fmt::format("of {} ticks{}", f.ticks, leftOutWords(f)));
 }
 
 std::string exactFigures(const std::optional<ExactErrors>& e) {

@@ -23,16 +23,22 @@ class LabelPlacer {
   LabelPlacer(double width, double height) : width_(width), height_(height) {}
 
   void avoid(const LabelBox& box) { boxes_.push_back(box); }  // nothing goes over it, if there is any room
-  void avoidLine(const std::vector<Pixel>& points);           // better not crossed
+  // A mark of its own: words of another mark stand nearer to theirs than to it, if there is any such place.
+  void addMark(const Pixel& at) { marks_.push_back(at); }
+  void avoidLine(const std::vector<Pixel>& points);  // better not crossed
 
   // A box of this size beside `at`, `gap` away from it: to the right, if that is as good as any other side. It is
   // avoided from then on.
   LabelBox place(const Pixel& at, double gap, double width, double height);
+  // Whether the words of the mark `own` would be taken for those of another mark.
+  [[nodiscard]] bool isAtAnother(const LabelBox& words, const Pixel& own) const;
 
  private:
-  [[nodiscard]] double cost(const LabelBox& box) const;
+  [[nodiscard]] double cost(const LabelBox& words, const Pixel& own) const;
+  [[nodiscard]] LabelBox moved(double x, double y, double width, double height) const;
   double width_, height_;
   std::vector<LabelBox> boxes_;
+  std::vector<Pixel> marks_;
   std::vector<Pixel> points_;  // of lines, close together
 };
 

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "apps/report/path_outcome.hpp"
 #include "apps/report/words.hpp"
 #include "apps/scene/object_table.hpp"
 #include "base/atomic_file.hpp"
@@ -18,6 +19,10 @@ Json toJson(const Vec3& v) {
 }
 Json toJson(const std::optional<Vec3>& v) {
   return v ? toJson(*v) : Json(nullptr);
+}
+
+Json toJson(const std::optional<double>& v) {
+  return v ? Json(*v) : Json(nullptr);
 }
 
 Json toJson(const Percentiles& p) {
@@ -47,7 +52,7 @@ Json machineJson(const MachineFacts& m) {
 
 Json sceneJson(const Scene& s) {
   return {{"volume", s.volume},
-          {"isovalue_density", s.isovalue ? Json(*s.isovalue) : Json(nullptr)},
+          {"isovalue_density", toJson(s.isovalue)},
           {"objects", listOf(s.objects, objectText)},
           {"gpu", s.gpu},
           {"gpu_memory_bytes", s.gpu_memory_bytes},
@@ -65,7 +70,7 @@ Json sceneJson(const Scene& s) {
           {"simulated_clock", s.simulated_clock},
           {"velocity", s.velocity},
           {"velocity_cutoff_hz", s.velocity_cutoff_hz},
-          {"velocity_noise_m", s.velocity_noise_m ? Json(*s.velocity_noise_m) : Json(nullptr)},
+          {"velocity_noise_m", toJson(s.velocity_noise_m)},
           {"haptization_density", s.haptization_density},
           {"haptization_gradient", s.haptization_gradient},
           {"force_limit_N", s.force_limit_N},
@@ -98,9 +103,9 @@ Json sceneJson(const Scene& s) {
           {"path_start_m", toJson(s.path_start_W)},
           {"path_slide", toJson(s.path_slide)},
           {"straight_over_edges", s.straight_over_edges},
-          {"press_depth_m", s.press_depth_m},
-          {"slide_length_m", s.slide_length_m},
-          {"approach_m", s.approach_m},
+          {"press_depth_m", toJson(s.press_depth_m)},
+          {"slide_length_m", toJson(s.slide_length_m)},
+          {"approach_m", toJson(s.approach_m)},
           {"edit", s.edit},
           {"journal", s.journal},
           {"save", s.save},
@@ -117,6 +122,13 @@ Json contactJson(const RunFigures& f) {
           {"touches", f.touches},         {"first_s", f.first_contact_s >= 0 ? Json(f.first_contact_s) : Json(nullptr)},
           {"way_m", f.surface_way_m},     {"force_N", toJson(f.force_N)},
           {"depth_m", toJson(f.depth_m)}, {"force_step_max_N", f.force_step_max_N}};
+}
+
+Json pathJson(const TouchRun& run) {
+  const PathOutcome outcome = pathOutcome(run.records, run.phases, run.scene.rate_hz);
+  return {{"slide_lost_s", outcome.lost_s},
+          {"retreat_touches", outcome.retreat_touches},
+          {"retreat_ends_in_contact", outcome.ends_in_contact}};
 }
 
 Json servoJson(const TouchRun& run, const RunFigures& f) {
@@ -196,7 +208,7 @@ Json faultJson(const RunFault& f) {
 }  // namespace
 
 Json makeSummary(const TouchRun& run) {
-  const RunFigures figures = computeFigures(run.records, run.scene.rate_hz);
+  const RunFigures figures = figuresOf(run);
   const auto stage = [](const StageTime& s) { return Json{{"name", s.name}, {"seconds", s.seconds}}; };
   const auto memory = [](const MemoryFigure& m) { return Json{{"name", m.name}, {"bytes", m.bytes}}; };
   const auto phase = [](const PathPhase& p) {
@@ -208,6 +220,7 @@ Json makeSummary(const TouchRun& run) {
           {"command", run.command},
           {"volume", volumeJson(run.volume)},
           {"contact", contactJson(figures)},
+          {"path", pathJson(run)},
           {"servo", servoJson(run, figures)},
           {"energy", energyJson(figures)},
           {"stability", stabilityJson(run.stability)},

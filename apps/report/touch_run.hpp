@@ -15,6 +15,7 @@
 #include "base/measured.hpp"
 #include "engine/plan/scene.hpp"
 #include "servo/loop/contact_stability.hpp"
+#include "servo/loop/run_figures.hpp"
 #include "servo/loop/tick_record.hpp"
 
 namespace palpate {
@@ -86,11 +87,16 @@ struct TouchRun {
   std::vector<std::vector<Vec3>> object_outlines;  // lines that show the objects on the picture [m]
   std::vector<PathPhase> phases;                   // of the path; empty for a path from a file
   std::vector<TickRecord> records;                 // one a tick, in order
+  std::int64_t grid_points = 0;                    // ticks that were run or left out; 0: as the records say
   ContactStability stability;                      // of the contact in them
   std::vector<RunFault> faults;
   std::vector<std::string> files;  // written or to be written, as shown to the user
   std::optional<ExactErrors> exact;
   std::optional<RunEdits> edits;
 };
+
+[[nodiscard]] inline RunFigures figuresOf(const TouchRun& run) {
+  return computeFigures(run.records, run.scene.rate_hz, run.grid_points);
+}
 
 }  // namespace palpate

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "apps/report/path_outcome.hpp"
 #include "base/byte_size.hpp"
 #include "base/units.hpp"
 
@@ -102,9 +103,10 @@ std::string servoLine(const TouchRun& run, const RunFigures& f) {
     return fmt::format("Servo     {} at {} Hz, {} ticks, simulated clock (no times measured)\n", run.scene.algorithm,
                        shortNumber(run.scene.rate_hz), f.ticks);
   }
-  return fmt::format("Servo     {} at {} Hz, {} ticks, {} late; tick {} us median, {} us p99; wake-up {} us p99 late\n",
-                     run.scene.algorithm, shortNumber(run.scene.rate_hz), f.ticks, f.late_ticks,
-                     shortNumber(f.tick_cost_us.p50), shortNumber(f.tick_cost_us.p99), shortNumber(f.lateness_us.p99));
+  return fmt::format(
+      "Servo     {} at {} Hz, {} ticks, {} late{}; tick {} us median, {} us p99; wake-up {} us p99 late\n",
+      run.scene.algorithm, shortNumber(run.scene.rate_hz), f.ticks, f.late_ticks, leftOutWords(f),
+      shortNumber(f.tick_cost_us.p50), shortNumber(f.tick_cost_us.p99), shortNumber(f.lateness_us.p99));
 }
 
 std::string exactLine(const TouchRun& run) {
@@ -176,8 +178,17 @@ std::string filesLine(const TouchRun& run) {
 }  // namespace
 
 std::string shortNumber(double value) {
-  if (value != 0 && std::abs(value) >= 100 && std::abs(value) < 1e7) return fmt::format("{:.0f}", value);
-  return fmt::format("{:.3g}", value);
+  const double size = std::abs(value);
+  if (!(size > 0) || !std::isfinite(value)) return fmt::format("{:.3g}", value);
+  if (size >= 100 && size < 1e7) return fmt::format("{:.0f}", std::round(value));
+  // Halves go away from zero, as people round; {fmt} alone would take the digit that is even.
+  const double scale = std::pow(10.0, 2 - std::floor(std::log10(size)));
+  const double rounded = std::round(value * scale) / scale;
+  return fmt::format("{:.3g}", std::isfinite(rounded) ? rounded : value);
+}
+
+std::string leftOutWords(const RunFigures& f) {
+  return f.skipped_ticks == 0 ? "" : fmt::format(", {} left out", f.skipped_ticks);
 }
 
 std::string saveWords(const TouchRun& run) {
@@ -229,8 +240,9 @@ std::string stabilityWords(const ContactStability& s, const RunFigures& f) {
 }
 
 std::string verdict(const TouchRun& run, const RunFigures& f) {
-  const std::string end =
-      stabilityClause(run.stability, f) + editClause(run) + "; " + faultWord(run.faults.size()) + ".";
+  const std::string end = pathClause(pathOutcome(run.records, run.phases, run.scene.rate_hz)) +
+                          stabilityClause(run.stability, f) + editClause(run) + "; " + faultWord(run.faults.size()) +
+                          ".";
   if (f.contact_ticks == 0)
     return fmt::format("The tool never touched the surface in {} s{}", shortNumber(f.time_s), end);
   const std::string depth = f.depth_m.count == 0 ? "" : fmt::format(", pressed at most {} deep", mm(f.depth_m.max));
@@ -239,7 +251,7 @@ std::string verdict(const TouchRun& run, const RunFigures& f) {
 }
 
 std::string closingSummary(const TouchRun& run) {
-  const RunFigures figures = computeFigures(run.records, run.scene.rate_hz);
+  const RunFigures figures = figuresOf(run);
   return touchedLine(run) + contactLine(figures) + feelLine(figures) + contactVerdictLine(run, figures) +
          servoLine(run, figures) + editLine(run) + volumeLine(run) + exactLine(run) + faultLines(run) +
          listLines("Note", run.notes) + filesLine(run);

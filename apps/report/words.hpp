@@ -33,7 +33,11 @@ namespace palpate {
 // "1 edit", "3 edits"
 [[nodiscard]] std::string counted(std::uint64_t count, const std::string& word);
 
-// Three significant digits: 0.123, 12.3, 123, 1234 (never fewer than the integer has).
+// Of grid points that the servo left out after late ticks: ", 12 left out"; empty: none.
+[[nodiscard]] std::string leftOutWords(const RunFigures& figures);
+
+// Three significant digits: 0.123, 12.3, 123, 1234 (never fewer than the integer has). Halves are rounded away from
+// zero.
 [[nodiscard]] std::string shortNumber(double value);
 [[nodiscard]] std::string faultWord(std::size_t count);  // "no fault", "1 kind of fault", "3 kinds of fault"
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/touch/output_folder.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdlib>
 #include <system_error>
@@ -65,7 +66,7 @@ OutputFolder::~OutputFolder() {
   fs::remove_all(drafts_, ignored);
 }
 
-void OutputFolder::publish() {
+void OutputFolder::publish(const char* first) {
   std::vector<fs::path> names;
   for (const auto& entry : fs::directory_iterator(drafts_)) {
     names.push_back(entry.path().filename());
@@ -77,6 +78,7 @@ void OutputFolder::publish() {
                   "move it away or choose another folder with --out");
     }
   }
+  std::stable_partition(names.begin(), names.end(), [&](const fs::path& name) { return name == first; });
   for (const fs::path& name : names) {
     std::error_code error;
     fs::rename(drafts_ / name, path_ / name, error);

@@ -34,9 +34,9 @@ class OutputFolder {
   [[nodiscard]] std::filesystem::path file(const char* name) const { return path_ / name; }
   [[nodiscard]] std::filesystem::path draft(const char* name) const { return drafts_ / name; }
 
-  // Moves every draft into place. Throws Error(kIo), having moved none, where something that is no plain file is in the
-  // way.
-  void publish();
+  // Moves every draft into place, that called `first` before the others. Throws Error(kIo), having moved none, where
+  // something that is no plain file is in the way.
+  void publish(const char* first = "");
 
   // publish() then removes an older result of this name, which would not belong to the run beside it.
   void leaveOut(const char* name) { left_out_.emplace_back(name); }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/touch/picture.hpp"
 
+#include <algorithm>
+
 #include "apps/view/compose_view.hpp"
 #include "apps/view/contact_region.hpp"
 #include "apps/view/framing.hpp"
@@ -10,16 +12,19 @@ namespace {
 
 // A region of contact is shown with at least this much around it. [voxel]
 constexpr double kLeastRegionVoxels = 10;
+constexpr double kMostRegionShare = 0.6;  // of the object, where that is only some voxels large
 
 }  // namespace
 
 std::string drawPicture(const TouchRun& run, const SurfaceField& surface, Engine& engine) {
   const ViewLayout layout = layOutView(run.scene.image_width, run.scene.image_height);
-  ContactRegion region = findContactRegion(run.records, kLeastRegionVoxels * surface.lattice().spacing_m.maxCoeff());
+  const ObjectBounds object = findObjectBounds(surface);
+  ContactRegion region = findContactRegion(
+      run.records,
+      std::min(kLeastRegionVoxels * surface.lattice().spacing_m.maxCoeff(), kMostRegionShare * object.radius_m));
   if (run.edits && run.edits->count > 0) turnToTheOpen(region, surface);
   ViewPictures pictures;
-  pictures.overview_camera =
-      overviewCamera(findObjectBounds(surface), region, layout.overview.width, layout.overview.height);
+  pictures.overview_camera = overviewCamera(object, region, layout.overview.width, layout.overview.height);
   pictures.close_up_camera = closeUpCamera(surface, region, layout.close_up.width, layout.close_up.height);
   pictures.overview = engine.draw(pictures.overview_camera);
   pictures.close_up = engine.draw(pictures.close_up_camera);

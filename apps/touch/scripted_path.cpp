@@ -61,7 +61,8 @@ ScriptedPath scriptedPath(const Scene& scene, const SurfaceField& surface) {
     return {sampled(points), {}, notesOnReach(surface, points)};
   }
   TouchPath built = buildTouchPath(surface, requestOf(scene));
-  return {sampled(built.points), std::move(built.phases), std::move(built.notes)};
+  return {sampled(built.points), std::move(built.phases), std::move(built.notes), built.depth_m,
+          built.slid_m,          built.approach_m};
 }
 
 }  // namespace palpate

@@ -2,6 +2,7 @@
 // apps/touch/scripted_path.hpp: the path of a scene: read from its CSV file, or built from the surface. Set-up code.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,8 @@ struct ScriptedPath {
   SampledPath path;
   std::vector<PathPhase> phases;   // empty for a path from a file
   std::vector<std::string> notes;  // in words: what is not as asked
+  // Of a built path, in metres: what it has, asked for or chosen.
+  std::optional<double> depth_m = {}, slide_m = {}, approach_m = {};
 };
 
 [[nodiscard]] ScriptedPath scriptedPath(const Scene& scene, const SurfaceField& surface);

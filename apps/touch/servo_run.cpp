@@ -2,52 +2,14 @@
 #include "apps/touch/servo_run.hpp"
 
 #include <chrono>
-#include <cmath>
 #include <thread>
 
 #include "apps/console/interrupt.hpp"
+#include "apps/touch/servo_setup.hpp"
 #include "engine/service/engine_thread.hpp"
-#include "servo/devices/simulated_device.hpp"
 
 namespace palpate {
 namespace {
-
-VelocityParameters velocityParameters(const Scene& scene) {
-  VelocityParameters velocity;
-  velocity.name = scene.velocity;
-  velocity.cutoff_hz = scene.velocity_cutoff_hz;
-  velocity.noise_m = scene.velocity_noise_m;
-  return velocity;
-}
-
-LoopParameters loopParameters(const Scene& scene) {
-  LoopParameters loop;
-  loop.rate_hz = scene.rate_hz;
-  loop.ticks = std::llround(scene.duration_s * scene.rate_hz);
-  loop.safety = {.force_limit_N = scene.force_limit_N,
-                 .slew_limit_N_per_s = scene.slew_limit_N_per_s,
-                 .fade_s = scene.fade_s,
-                 .stale_window_s = scene.stale_window_s,
-                 .stall_s = scene.stall_s,
-                 .report_timeout_s = scene.report_timeout_s};
-  loop.velocity = velocityParameters(scene);
-  loop.passivity.control = scene.passivity_control;
-  return loop;
-}
-
-SimulatedDeviceParameters deviceParameters(const Scene& scene) {
-  SimulatedDeviceParameters device;
-  device.hand = scene.spring_hand ? Hand::kSpring : Hand::kRigid;
-  device.dynamics = {.hand_mass_kg = scene.hand_mass_kg,
-                     .hand_damping_Ns_per_m = scene.hand_damping_Ns_per_m,
-                     .hand_stiffness_N_per_m = scene.hand_stiffness_N_per_m,
-                     .device_mass_kg = scene.device_mass_kg,
-                     .device_damping_Ns_per_m = scene.device_damping_Ns_per_m};
-  device.force_limit_N = scene.force_limit_N;
-  device.encoder_resolution_m = scene.encoder_resolution_m;
-  device.delay_ticks = scene.device_delay_ticks;
-  return device;
-}
 
 // The engine publishes in step with the servo, so that the same scene gives the same trace, bit for bit.
 LoopResult runSimulated(ServoLoop& loop, ToolPoseMailbox& tool, Engine& engine, LiveEdits* edits, double ticks,

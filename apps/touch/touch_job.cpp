@@ -2,7 +2,6 @@
 #include "apps/touch/touch_job.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 
 #include <fmt/format.h>
@@ -19,7 +18,9 @@
 #include "apps/touch/object_volume.hpp"
 #include "apps/touch/output_folder.hpp"
 #include "apps/touch/picture.hpp"
+#include "apps/touch/run_length.hpp"
 #include "apps/touch/run_notes.hpp"
+#include "apps/touch/run_results.hpp"
 #include "apps/touch/scene_objects.hpp"
 #include "apps/touch/scripted_path.hpp"
 #include "apps/touch/servo_run.hpp"
@@ -67,25 +68,6 @@ class Stages {
   std::string kept_ = "nothing was written; start it again";
 };
 
-// A run has a tick at least, and the record of every tick fits into memory (twice: it is worked on for the report).
-void checkTicks(const Scene& scene) {
-  const double ticks = std::round(scene.duration_s * scene.rate_hz);
-  const std::string input = scene.path_file.empty()
-                                ? fmt::format("--seconds {:g} at --rate {:g}", scene.duration_s, scene.rate_hz)
-                                : fmt::format("{} at --rate {:g}", scene.path_file, scene.rate_hz);
-  if (!(ticks >= 1)) {
-    throw Error(Error::Code::kBadInput, input, "the run has no tick", "make it longer or the rate higher");
-  }
-  const double bytes = 2 * ticks * sizeof(TickRecord);
-  const auto available = static_cast<double>(availableMemoryBytes());
-  if (bytes <= available) return;
-  constexpr double kBytesPerGiB = 1073741824.0;
-  throw Error(Error::Code::kOutOfMemory, input,
-              fmt::format("a run of {:.3g} s records {:.3g} ticks, which need {:.3g} GiB, and {:.3g} GiB are free",
-                          scene.duration_s, ticks, bytes / kBytesPerGiB, available / kBytesPerGiB),
-              "make it shorter or the rate lower");
-}
-
 // Faults of the command line are found before a volume is loaded for them.
 void checkEarly(const Scene& scene, const ContactObjects& objects) {
   if (scene.volume.empty()) {
@@ -100,7 +82,7 @@ void checkEarly(const Scene& scene, const ContactObjects& objects) {
   velocity.name = scene.velocity;
   (void)VelocityEstimate(velocity, scene.rate_hz);
   checkEditOptions(scene);
-  if (scene.path_file.empty()) checkTicks(scene);
+  if (scene.path_file.empty()) checkRunLength(scene, availableMemoryBytes());
 }
 
 // The phantom's exact surface lies at its own isovalue; at another one, where the tool may be on an object, and where
@@ -141,7 +123,7 @@ std::vector<std::string> planWords(const Plan& plan, const PlanFacts& facts) {
 
 std::vector<RunFault> faultsOf(const TouchRun& run) {
   std::vector<RunFault> faults;
-  for (const FaultCount& count : computeFigures(run.records, run.scene.rate_hz).faults) {
+  for (const FaultCount& count : figuresOf(run).faults) {
     const auto table = faultTable();
     const auto row =
         std::find_if(table.begin(), table.end(), [&](const FaultText& r) { return r.fault == count.fault; });
@@ -182,7 +164,8 @@ void writeOutputs(const TouchRun& run, const std::string& picture, OutputFolder&
   }
   writeReport(folder.draft("report.html"), run, picture);
   writeSummary(folder.draft("summary.json"), run);
-  folder.publish();
+  refuseForeignResults(run.scene.out);  // that came there meanwhile
+  folder.publish("summary.json");       // which tells the next run that the others are replaceable
 }
 
 std::vector<std::string> outputFiles(const Scene& scene, const OutputFolder& folder) {
@@ -199,6 +182,7 @@ std::vector<std::string> outputFiles(const Scene& scene, const OutputFolder& fol
 TouchRun runTouchJob(const Scene& scene, const std::string& command, const std::string& commit, Progress& progress) {
   const SceneObjects objects = makeSceneObjects(scene.objects);
   checkEarly(scene, objects.objects);
+  refuseForeignResults(scene.out);
   OutputFolder folder(scene.out);
   TouchRun run;
   run.scene = scene;
@@ -232,7 +216,10 @@ TouchRun runTouchJob(const Scene& scene, const std::string& command, const std::
 
   const ScriptedPath path = stages.run("path", "building the path", [&] { return scriptedPath(scene, surface); });
   run.scene.duration_s = scene.path_file.empty() ? scene.duration_s : path.path.duration_s();
-  checkTicks(run.scene);
+  checkRunLength(run.scene, availableMemoryBytes());
+  if (!run.scene.press_depth_m) run.scene.press_depth_m = path.depth_m;
+  if (!run.scene.slide_length_m) run.scene.slide_length_m = path.slide_m;
+  if (!run.scene.approach_m) run.scene.approach_m = path.approach_m;
   run.phases = path.phases;
   run.notes = path.notes;
   run.notes.insert(run.notes.end(), objects.notes.begin(), objects.notes.end());
@@ -268,6 +255,7 @@ TouchRun runTouchJob(const Scene& scene, const std::string& command, const std::
         return loop;
       });
   run.records = std::move(result.records);
+  run.grid_points = result.ticks_run + result.ticks_skipped;
   run.realtime = realTimeWords(scene, result);
   run.stability = assessContact(run.records, {.resolution_m = run.scene.encoder_resolution_m,
                                               .delay_ticks = run.scene.device_delay_ticks,

@@ -7,6 +7,8 @@
 
 namespace palpate {
 
+static_assert(kFieldBlock == kBrickSize);
+
 class VolumeSurface final : public SurfaceField {
  public:
   VolumeSurface(const Volume& volume, double isovalue) : volume_(volume), isovalue_(isovalue) {}
@@ -15,6 +17,7 @@ class VolumeSurface final : public SurfaceField {
   [[nodiscard]] double isovalue() const override { return isovalue_; }
   [[nodiscard]] const Lattice& lattice() const override { return volume_.lattice(); }
   [[nodiscard]] Vec3i size() const override { return volume_.size(); }
+  bool readBlock(const Vec3i& block, float* values) const override { return volume_.readBrick(block, values); }
 
  private:
   const Volume& volume_;

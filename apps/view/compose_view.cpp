@@ -89,7 +89,7 @@ std::string composeView(const ViewLayout& layout, const ViewPictures& pictures, 
                         const TouchRun& run) {
   checkPicture(pictures.overview, pictures.overview_camera, layout.overview, "overview");
   checkPicture(pictures.close_up, pictures.close_up_camera, layout.close_up, "close-up");
-  const RunFigures figures = computeFigures(run.records, run.scene.rate_hz);
+  const RunFigures figures = figuresOf(run);
   const ForceArrows forces = chooseForceArrows(run.records, kArrows);
   Canvas canvas(layout.width, layout.height);
   const auto within = [&](const PanelBox& box, const auto& draw) {

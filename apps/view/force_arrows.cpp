@@ -5,6 +5,9 @@
 #include <array>
 #include <cmath>
 
+#include <fmt/format.h>
+
+#include "base/units.hpp"
 #include "servo/loop/run_figures.hpp"
 
 namespace palpate {
@@ -23,7 +26,8 @@ double wayInContact(const std::vector<TickRecord>& records) {
   return way_m;
 }
 
-constexpr double kPeak = 1.05;  // above this many times the middle's force the largest is shown
+constexpr double kLeastWay_m = 1e-12;  // so that a tap has one arrow
+constexpr double kPeak = 1.05;         // above this many times the middle's force the largest is shown
 
 // A stretch of the way while it is walked: the ticks nearest to its middle and with the largest force.
 struct Stretch {
@@ -61,7 +65,7 @@ double roundDown(double value) {
 
 ForceArrows chooseForceArrows(const std::vector<TickRecord>& records, int wanted) {
   ForceArrows out;
-  out.every_m = roundDown(std::max(wayInContact(records) / wanted * 1.5, 1e-6));
+  out.every_m = roundDown(std::max(wayInContact(records) / wanted * 1.5, kLeastWay_m));
   double way_m = 0;
   Stretch stretch;
   for (std::size_t i = 0; i < records.size(); ++i) {
@@ -75,6 +79,20 @@ ForceArrows chooseForceArrows(const std::vector<TickRecord>& records, int wanted
   }
   stretch.moveOn(-1, out.arrows);
   return out;
+}
+
+std::string arrowWords(const ForceArrows& forces) {
+  const std::size_t count = forces.arrows.size();
+  if (count < 2) return "the arrow";
+  std::vector<double> apart_m;
+  for (std::size_t i = 1; i < count; ++i)
+    apart_m.push_back((forces.arrows[i].vhip_W - forces.arrows[i - 1].vhip_W).norm());
+  // An arrow may stand at a peak, up to half a stretch off its middle, and the way bends: nearly all must be near.
+  const auto near = std::count_if(apart_m.begin(), apart_m.end(),
+                                  [&](double m) { return m >= 0.5 * forces.every_m && m <= 1.5 * forces.every_m; });
+  if (static_cast<double>(near) < 0.75 * static_cast<double>(apart_m.size()))
+    return fmt::format("{} arrows along the way", count);
+  return fmt::format("an arrow every {:g} mm", forces.every_m * kMillimetresPerMetre);
 }
 
 Color forceColor(double share) {

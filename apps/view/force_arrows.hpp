@@ -4,6 +4,7 @@
 // World frame [m, N]. Any thread. Cost: two passes over the records.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "apps/view/canvas.hpp"
@@ -20,13 +21,17 @@ struct ForceArrow {
 
 struct ForceArrows {
   std::vector<ForceArrow> arrows;
-  double every_m = 0;  // of the VHIP's way: 1, 2 or 5 times a power of ten [m]
+  double every_m = 0;  // of the VHIP's way in contact: 1, 2 or 5 times a power of ten [m]
   double most_N = 0;   // largest force of the run in contact [N]
 };
 
 // One arrow for each stretch of the VHIP's way, about `wanted` in all: at its middle, or, where the force there is
 // clearly below the stretch's largest, at that largest one, so that a peak is not left out.
 [[nodiscard]] ForceArrows chooseForceArrows(const std::vector<TickRecord>& records, int wanted);
+
+// How the arrows stand, for the legend: "an arrow every 2 mm" where neighbours are that far apart, give or take half;
+// "11 arrows along the way" where they are not, as when the tool taps here and there.
+[[nodiscard]] std::string arrowWords(const ForceArrows& forces);
 
 // From yellow (no force) over red to violet (the largest); share 0..1.
 [[nodiscard]] Color forceColor(double share);

@@ -44,8 +44,8 @@ void forceItem(Canvas& canvas, Pixel& at, double scale, const ForceArrows& force
     canvas.fillRectangle(at.x + i * step, at.y - 11 * scale, step + 0.5, 12 * scale, forceColor((i + 0.5) / kSteps));
   }
   at.x += kSteps * step + 8 * scale;
-  const std::string words = fmt::format("{} N; an arrow every {:g} mm, the longest is {} N", shortNumber(forces.most_N),
-                                        forces.every_m * kMillimetresPerMetre, shortNumber(forces.most_N));
+  const std::string words = fmt::format("{} N; {}, the longest is {} N", shortNumber(forces.most_N), arrowWords(forces),
+                                        shortNumber(forces.most_N));
   at.x += canvas.text(at, words, kText * scale, kInk) + kGap * scale;
 }
 

@@ -11,6 +11,7 @@
 namespace palpate {
 namespace {
 
+constexpr double kOnePlace_px = 20;    // start and end nearer to each other have one label
 constexpr double kLeastStep_px = 1.5;  // points nearer to each other are left out
 constexpr double kHiddenShare = 0.55;  // how much of its colour remains to a hidden line
 constexpr Color kWhite = {1, 1, 1};
@@ -117,9 +118,12 @@ bool Panel::isInside(const Vec3& p_W) const {
 }
 
 // Ascenders and descenders of DejaVu Sans take 0.76 and 0.24 of its size.
-void Panel::drawWords(const Pixel& at, double gap, const std::string& words, double size, const Color& color) {
-  const LabelBox box = labels_.place(at, gap, canvas_.textWidth(words, size, true), size);
+void Panel::writeInto(const LabelBox& box, const std::string& words, double size, const Color& color) {
   canvas_.text({box.left, box.bottom - 0.24 * size}, words, size, color, Align::kLeft, true, true);
+}
+
+void Panel::drawWords(const Pixel& at, double gap, const std::string& words, double size, const Color& color) {
+  writeInto(labels_.place(at, gap, canvas_.textWidth(words, size, true), size), words, size, color);
 }
 
 void Panel::drawBox(const ContactRegion& region, const std::string& words) {
@@ -160,9 +164,24 @@ void Panel::drawEnds(const std::vector<TickRecord>& records) {
   const double radius = 6 * scale_;
   for (const Mark& m : marks) {
     canvas_.disc(m.at, radius, m.color, kWhite);
+    labels_.addMark(m.at);
     labels_.avoid({m.at.x - radius, m.at.y - radius, m.at.x + radius, m.at.y + radius});
   }
-  for (const Mark& m : marks) drawWords(m.at, 10 * scale_, m.word, 14 * scale_, m.color);
+  constexpr double kSize = 14, kGap = 10;
+  std::vector<LabelBox> boxes;
+  for (const Mark& m : marks) {
+    boxes.push_back(
+        labels_.place(m.at, kGap * scale_, canvas_.textWidth(m.word, kSize * scale_, true), kSize * scale_));
+  }
+  const bool is_one_place =
+      marks.size() == 2 &&
+      (std::hypot(marks[0].at.x - marks[1].at.x, marks[0].at.y - marks[1].at.y) < kOnePlace_px * scale_ ||
+       labels_.isAtAnother(boxes[0], marks[0].at) || labels_.isAtAnother(boxes[1], marks[1].at));
+  if (is_one_place) {  // words of one dot would stand at the other's too
+    drawWords(marks[1].at, kGap * scale_, fmt::format("{} and {}", marks[0].word, marks[1].word), kSize * scale_, kInk);
+    return;
+  }
+  for (std::size_t i = 0; i < marks.size(); ++i) writeInto(boxes[i], marks[i].word, kSize * scale_, marks[i].color);
 }
 
 void Panel::drawScaleBar(const Vec3& at_W) {

@@ -51,6 +51,7 @@ class Panel {
   [[nodiscard]] std::vector<Place> places(const std::vector<Vec3>& points_W) const;
   void drawPlaces(const std::vector<Place>& places, const Color& color, double line);
   [[nodiscard]] bool isInside(const Vec3& p_W) const;
+  void writeInto(const LabelBox& box, const std::string& words, double size, const Color& color);
   void drawWords(const Pixel& at, double gap, const std::string& words, double size, const Color& color);
   Canvas& canvas_;
   const Camera& camera_;

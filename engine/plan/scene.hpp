@@ -79,9 +79,9 @@ struct Scene {
   std::optional<Vec3> path_start_W;  // a point near the surface where the press begins [m]; empty: chosen
   std::optional<Vec3> path_slide;    // direction of the slide (world); empty: chosen
   bool straight_over_edges = false;  // false: the slide follows the surface around every edge
-  double press_depth_m = 1.0e-3;
-  double slide_length_m = 20.0e-3;
-  double approach_m = 10.0e-3;
+  std::optional<double> press_depth_m;  // of a built path, like the next two; empty: fits the object [m]
+  std::optional<double> slide_length_m;
+  std::optional<double> approach_m;
   // edits
   std::string edit;         // brush that the tool drives: "remove:radius=2mm"; empty: none
   std::string journal;      // folder in which edits are kept as they go; empty: nowhere

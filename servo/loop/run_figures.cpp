@@ -57,7 +57,21 @@ void addLoop(std::span<const TickRecord> records, RunFigures& figures) {
     if (versions.empty() || versions.back() != record.window_version) versions.push_back(record.window_version);
   }
   figures.windows_used = versions.size();
-  for (std::size_t i = 1; i < records.size(); ++i) figures.skipped_ticks += records[i].tick - records[i - 1].tick - 1;
+}
+
+// On the grid, not by ticks that were run: left out ones took their time too.
+void addTimes(std::span<const TickRecord> records, double rate_hz, std::int64_t grid_points, RunFigures& figures) {
+  if (records.empty()) return;
+  const std::int64_t first = records.front().tick;
+  const std::int64_t points = std::max(grid_points, records.back().tick + 1 - first);
+  std::int64_t in_contact = 0;
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    const std::int64_t next = i + 1 < records.size() ? records[i + 1].tick : first + points;
+    if (records[i].in_contact) in_contact += next - records[i].tick;
+  }
+  figures.skipped_ticks = points - figures.ticks;
+  figures.time_s = static_cast<double>(points) / rate_hz;
+  figures.contact_s = static_cast<double>(in_contact) / rate_hz;
 }
 
 void addEnergy(std::span<const TickRecord> records, RunFigures& figures) {
@@ -95,15 +109,14 @@ Vec3 surfacePointOf(const TickRecord& record) noexcept {
   return vec(record.hip_W) + record.depth_m * vec(record.normal_W);
 }
 
-RunFigures computeFigures(std::span<const TickRecord> records, double rate_hz) {
+RunFigures computeFigures(std::span<const TickRecord> records, double rate_hz, std::int64_t grid_points) {
   RunFigures figures;
   figures.ticks = static_cast<std::int64_t>(records.size());
+  addTimes(records, rate_hz, grid_points, figures);
   addContact(records, figures);
   addLoop(records, figures);
   addEnergy(records, figures);
   addFaults(records, figures);
-  figures.time_s = static_cast<double>(figures.ticks) / rate_hz;
-  figures.contact_s = static_cast<double>(figures.contact_ticks) / rate_hz;
   figures.force_N = over(records, true, forceOf);
   figures.depth_m = over(records, true, depthOf);
   figures.tick_cost_us =

@@ -24,9 +24,9 @@ struct FaultCount {
 
 struct RunFigures {
   std::int64_t ticks = 0;
-  double time_s = 0;  // that the ticks cover: ticks / rate [s]
+  double time_s = 0;  // of the run: ticks and those left out, over the rate [s]
   std::int64_t contact_ticks = 0;
-  double contact_s = 0;         // [s]
+  double contact_s = 0;         // a tick in contact lasts until the next one that was run [s]
   int touches = 0;              // how often contact began
   double first_contact_s = -1;  // when it first began [s]; -1: never
   Percentiles force_N;          // magnitude, over ticks in contact [N]
@@ -38,7 +38,7 @@ struct RunFigures {
   Percentiles window_age_ms;    // [ms]
   std::int32_t plane_age_max_ticks = 0;
   std::int64_t late_ticks = 0;     // not done when the next tick was due (kOverrun)
-  std::int64_t skipped_ticks = 0;  // gaps in the tick numbers: grid points left out after late ticks
+  std::int64_t skipped_ticks = 0;  // grid points left out after late ticks
   std::int64_t faulty_ticks = 0;   // with any fault flag
   std::uint64_t windows_used = 0;  // different window versions
   double energy_min_J = 0;         // least energy that the environment had taken from the hand, 0 before the run [J]
@@ -48,8 +48,10 @@ struct RunFigures {
   std::vector<FaultCount> faults;  // those that occurred, lowest bit first
 };
 
-// `rate_hz` of the servo [1/s]. No records give all zeros.
-[[nodiscard]] RunFigures computeFigures(std::span<const TickRecord> records, double rate_hz);
+// `rate_hz` of the servo [1/s]. `grid_points`: how many ticks were run or left out; 0: as far as the records' numbers
+// go, which says nothing of points left out behind the last. No records give all zeros.
+[[nodiscard]] RunFigures computeFigures(std::span<const TickRecord> records, double rate_hz,
+                                        std::int64_t grid_points = 0);
 
 // Magnitude of the force [N] and depth [m] of one tick; depth is 0 without contact, NaN for an algorithm without a
 // surface.

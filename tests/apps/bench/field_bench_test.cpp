@@ -186,10 +186,14 @@ TEST(FieldBench, LosesOnlyTheRivalsWhoseChildDied) {
 
 TEST(CopySpeed, CopiesEveryByte) {
   gpu::Gpu gpu({});
-  CopySpeed copy(gpu, 1000003, 3);  // shared out unevenly
-  EXPECT_EQ(copy.movedBytes(), 2000006);
-  EXPECT_GT(copy.run().wall_ms, 0);
-  EXPECT_TRUE(copy.isDone());
+  for (const bool on_host : {true, false}) {
+    CopySpeed copy(gpu, 1000004, 3, on_host);  // shared out unevenly
+    EXPECT_EQ(copy.movedBytes(), 2000008);
+    EXPECT_FALSE(copy.isDone());
+    EXPECT_GT(copy.run().wall_ms, 0);
+    EXPECT_TRUE(copy.isDone());
+    EXPECT_THAT(copy.way(), HasSubstr(on_host ? "by 3 threads" : "the device's copy"));
+  }
 }
 
 TEST(FieldBench, RefusesADeviceThatIsNotThere) {

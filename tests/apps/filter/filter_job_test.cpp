@@ -3,11 +3,14 @@
 #include "apps/filter/filter_job.hpp"
 
 #include <csignal>
+#include <cstdio>
 #include <fstream>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include "apps/console/interrupt.hpp"
+#include "base/byte_size.hpp"
 #include "base/error.hpp"
 #include "engine/filter/filter_step.hpp"
 #include "engine/reference/filter.hpp"
@@ -54,6 +57,57 @@ TEST_F(FilterFile, HoldsWhatTheTwinMakes) {
     EXPECT_EQ(result.steps, steps.size());
     EXPECT_EQ(result.surface, 0);
   }
+}
+
+// Each figure of the result against what is in the file, and the words that tell them.
+TEST_F(FilterFile, TellsWhatItMade) {
+  Progress progress;
+  const FilterRequest request{kKnot, file("out.vdb"), "gaussian:1.2", ""};
+  const FilterResult result = filterFile(request, progress);
+  const Volume before = loadVolume(kKnot), after = loadVolume(file("out.vdb"));
+  EXPECT_EQ(result.size, before.size());
+  EXPECT_EQ(result.lowest, after.minimum());
+  EXPECT_EQ(result.highest, after.maximum());
+  EXPECT_NE(result.lowest, before.minimum());
+  EXPECT_EQ(result.bricks, 27U);
+  EXPECT_EQ(result.stored_before, before.storedBricks());
+  EXPECT_EQ(result.stored_after, after.storedBricks());
+  ASSERT_TRUE(before.facts().declared_isovalue);
+  EXPECT_EQ(after.facts().kept_isovalue, before.facts().declared_isovalue);  // a smoothing leaves it where it is
+  EXPECT_EQ(result.surface, after.facts().kept_isovalue);
+  EXPECT_GT(result.filter_s, 0);
+  EXPECT_GE(result.seconds, result.filter_s);
+  const std::string words = filterWords(request, result);
+  EXPECT_THAT(words, HasSubstr(": 21 x 17 x 19 voxels, densities"));
+  EXPECT_THAT(words, HasSubstr(fmt::format(", {}\n", bytesInWords(result.bytes))));
+  EXPECT_THAT(words, HasSubstr("27 of 27 bricks stored before and 27 after"));
+}
+
+// What a file says of its surface, without noise: sparse, so that bricks are left out, before and after differently.
+TEST_F(FilterFile, CountsTheBricksThatAreStored) {
+  Progress progress;
+  const FilterRequest request{"phantom:sphere?size=96", file("out.vdb"), "gaussian:1.2", ""};
+  const FilterResult result = filterFile(request, progress);
+  EXPECT_EQ(result.bricks, 1728U);
+  EXPECT_EQ(result.stored_before, loadVolume(request.in).storedBricks());
+  EXPECT_GT(result.stored_after, result.stored_before);
+  EXPECT_LT(result.stored_after, result.bricks);
+}
+
+// A stream that is no terminal: each stage has its line.
+TEST_F(FilterFile, TellsItsStages) {
+  std::FILE* stream = std::tmpfile();
+  {
+    Progress progress(stream, 0);
+    (void)filterFile({kKnot, file("out.vdb"), "median:1", ""}, progress);
+  }
+  std::rewind(stream);
+  std::string text(4096, '\0');
+  text.resize(std::fread(text.data(), 1, text.size(), stream));
+  std::fclose(stream);
+  for (const char* stage : {"loading phantom:knot", "filtering on Vulkan ...", "filtering on Vulkan: 100 % ...",
+                            "bringing the result back ...", "writing "})
+    EXPECT_THAT(text, HasSubstr(stage));
 }
 
 TEST_F(FilterFile, RefusesWhatItCannotDo) {

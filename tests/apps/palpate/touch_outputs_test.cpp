@@ -112,7 +112,11 @@ TEST_F(TouchOutputs, SummaryAgreesWithTheTrace) {
   EXPECT_THAT(summary["command"].get<std::string>(), testing::HasSubstr("--n 1"));
 }
 
+// Those of an earlier run in the same folder too, which would pass for this run's.
 TEST_F(TouchOutputs, TraceOffAndPictureOffLeaveTheirFilesOut) {
+  expectSuccess(run({"touch", "phantom:sphere?size=24", "--seconds", "0.1", "--clock", "simulated", "--width", "480",
+                     "--height", "270", "--out", "out"}));
+  ASSERT_EQ(outputs().size(), 4U);
   expectSuccess(run(quickTouch("phantom:sphere?size=24", {"--trace", "off"})));
   EXPECT_THAT(outputs(), testing::ElementsAre("report.html", "summary.json"));
   EXPECT_EQ(summary()["files"].size(), 2U);
@@ -137,6 +141,41 @@ TEST_F(TouchOutputs, CommandOfTheSummaryRepeatsTheRun) {
   const std::string line = "cd '" + folder().string() + "' && '" PALPATE_PROGRAM "'" + command.substr(7) + " >log 2>&1";
   ASSERT_EQ(std::system(line.c_str()), 0) << line;
   EXPECT_EQ(contentsOf(file(out) / "trace.csv"), first);
+}
+
+// A journal is of one run: the line names another folder, though the scene file or the flag names this one.
+TEST_F(TouchOutputs, CommandOfARunWithAJournalRepeatsIt) {
+  write("s.toml", "[edit]\njournal = \"kept\"\nbrush = \"remove:radius=2mm\"\n");
+  for (const Words& journal : {Words{"--journal", "my journal/", "--edit", "remove:radius=2mm"}, Words{"s.toml"}}) {
+    Words words = {
+        "touch", "phantom:sphere?size=24", "--seconds", "0.2", "--clock", "simulated", "--picture", "off", "--out",
+        "out"};
+    if (journal.size() == 1) words = Words{"touch", "s.toml", "--volume"} + Words(words.begin() + 1, words.end());
+    expectSuccess(run(journal.size() == 1 ? words : words + journal));
+    const std::string first = contentsOf(file("out/trace.csv"));
+    for (int again = 0; again < 2; ++again) {
+      const std::string command = summary()["command"];
+      const std::string line =
+          "cd '" + folder().string() + "' && '" PALPATE_PROGRAM "'" + command.substr(7) + " >log 2>&1";
+      ASSERT_EQ(std::system(line.c_str()), 0) << line << "\n" << contentsOf(file("log"));
+      EXPECT_EQ(contentsOf(file("out/trace.csv")), first);
+    }
+    EXPECT_TRUE(exists(journal.size() == 1 ? "kept-3" : "my journal-3"));
+  }
+}
+
+// What somebody else put there is not replaced, and found before the volume is loaded.
+TEST_F(TouchOutputs, ForeignFilesAreLeftAlone) {
+  std::filesystem::create_directory(file("out"));
+  write("out/report.html", "mine");
+  expectRefusal(run(quickTouch("phantom:sphere?size=24")), "out/report.html", "it is not a result of palpate", 2);
+  EXPECT_EQ(contentsOf(file("out/report.html")), "mine");
+  EXPECT_THAT(outputs(), testing::ElementsAre("report.html"));
+  std::filesystem::remove(file("out/report.html"));
+  write("out/notes.txt", "mine");
+  expectSuccess(run(quickTouch("phantom:sphere?size=24")));
+  expectSuccess(run(quickTouch("phantom:sphere?size=24")));
+  EXPECT_EQ(contentsOf(file("out/notes.txt")), "mine");
 }
 
 // Errors against a surface that the run did not touch would be no errors: only the phantom's own isovalue is exact.

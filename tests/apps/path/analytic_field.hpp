@@ -12,6 +12,17 @@
 
 namespace palpate {
 
+// A block of samples, one by one: never told to be constant.
+template <typename Sample>
+bool readSamples(const Vec3i& block, const Vec3i& size, float* values, Sample sample) {
+  for (int n = 0; n < kFieldBlockSamples; ++n) {
+    const Vec3i i =
+        kFieldBlock * block + Vec3i(n % kFieldBlock, n / kFieldBlock % kFieldBlock, n / kFieldBlock / kFieldBlock);
+    values[n] = (i.array() < size.array()).all() ? static_cast<float>(sample(i)) : 0;
+  }
+  return false;
+}
+
 class AnalyticField : public SurfaceField {
  public:
   using Formula = std::function<double(const Vec3&)>;
@@ -34,6 +45,10 @@ class AnalyticField : public SurfaceField {
   [[nodiscard]] double isovalue() const override { return isovalue_; }
   [[nodiscard]] const Lattice& lattice() const override { return lattice_; }
   [[nodiscard]] Vec3i size() const override { return size_; }
+  bool readBlock(const Vec3i& block, float* values) const override {
+    return readSamples(block, size_, values,
+                       [this](const Vec3i& i) { return formula_(lattice_.toWorld(i.cast<double>())); });
+  }
   void setIsovalue(double isovalue) { isovalue_ = isovalue; }
 
  private:
@@ -69,6 +84,9 @@ class SampledField : public SurfaceField {
   [[nodiscard]] double isovalue() const override { return isovalue_; }
   [[nodiscard]] const Lattice& lattice() const override { return lattice_; }
   [[nodiscard]] Vec3i size() const override { return size_; }
+  bool readBlock(const Vec3i& block, float* values) const override {
+    return readSamples(block, size_, values, [this](const Vec3i& i) { return value(i); });
+  }
   void setIsovalue(double isovalue) { isovalue_ = isovalue; }
 
  private:

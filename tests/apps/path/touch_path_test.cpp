@@ -186,23 +186,90 @@ TEST(TouchPath, SlidesInTheWishedDirection) {
   EXPECT_GT(path.slide_W.y(), 0.99);
 }
 
+// In the corner of the volume only the direction away from it is as long as was asked for.
+TEST(TouchPath, SlidesWhereThereIsMostRoom) {
+  PathRequest request;
+  request.start_W = Vec3(-10e-3, -10e-3, 1e-3);
+  request.slide_length_m = 26e-3;  // along an edge there are 22 mm
+  const TouchPath path = buildTouchPath(plane(), request);
+  EXPECT_NEAR(path.slid_m, 26e-3, 1e-12);
+  EXPECT_GT(path.slide_W.dot(Vec3(1, 1, 0).normalized()), 0.99);
+  EXPECT_TRUE(path.notes.empty());
+}
+
+// On a cylinder every direction is as long as any other, and that along the axis does not bend.
+TEST(TouchPath, SlidesWhereTheSurfaceBendsLeast) {
+  for (const int axis : {0, 1}) {
+    const AnalyticField cylinder([&](const Vec3& p) { return 8e-3 - std::hypot(p[1 - axis], p.z()); }, 25e-3, kVoxel_m);
+    PathRequest request;
+    request.start_W = Vec3(0, 0, 8e-3);
+    request.slide_length_m = 20e-3;
+    EXPECT_GT(std::abs(buildTouchPath(cylinder, request).slide_W[axis]), 0.99);
+  }
+}
+
+// Over the middle of a wide plate hangs a smaller one: under it there is no room to come from, beside it there is.
+TEST(TouchPath, StartsWhereThereIsRoomToComeFrom) {
+  const AnalyticField field(
+      [](const Vec3& p) {
+        const double plate = boxDistance(p - Vec3(0, 0, -5e-3), Vec3(20e-3, 20e-3, 5e-3));
+        return std::max(plate, boxDistance(p - Vec3(0, 0, 6e-3), Vec3(4e-3, 4e-3, 1e-3)));
+      },
+      25e-3, kVoxel_m);
+  PathRequest request;
+  request.toward_W = -Vec3::UnitZ();
+  const TouchPath path = buildTouchPath(field, request);
+  EXPECT_NEAR(path.start.p_W.z(), 0, 1e-6);
+  EXPECT_GT(path.start.p_W.head<2>().cwiseAbs().maxCoeff(), 4e-3);
+  EXPECT_TRUE(path.notes.empty());
+}
+
+// A roof that slopes in the middle and is level beside it, both as calm: the level place faces the tool.
+TEST(TouchPath, StartsWhereTheSurfaceFacesTheTool) {
+  const AnalyticField field(
+      [](const Vec3& p) {
+        return std::min(0.7 * std::clamp(p.x(), -4e-3, 4e-3) - p.z(), 20e-3 - p.cwiseAbs().maxCoeff());
+      },
+      25e-3, kVoxel_m);
+  PathRequest request;
+  request.toward_W = -Vec3::UnitZ();
+  EXPECT_GT(buildTouchPath(field, request).start.normal_W.z(), 0.999);
+}
+
+// Of a rough place in the middle and a smooth one beside it the smooth one is chosen.
+TEST(TouchPath, StartsWhereTheSurfaceIsCalm) {
+  const AnalyticField field(
+      [](const Vec3& p) {
+        const double rough = std::max(0.0, 1 - p.head<2>().norm() / 5e-3);
+        const double waves = 0.6e-3 * rough * std::sin(2500 * p.x()) * std::cos(2500 * p.y());
+        return std::min(waves - p.z(), 20e-3 - p.cwiseAbs().maxCoeff());
+      },
+      25e-3, kVoxel_m);
+  PathRequest request;
+  request.toward_W = -Vec3::UnitZ();
+  EXPECT_GT(buildTouchPath(field, request).start.p_W.head<2>().norm(), 4e-3);
+}
+
 TEST(TouchPath, SaysHowMuchOfTheSlideIsMissing) {
   PathRequest request;
   request.start_W = Vec3(0, 0, 1e-3);
   request.slide_W = Vec3::UnitX();
   request.approach_m = 5e-3;
+  request.slide_length_m = 20e-3;
   const TouchPath path = buildTouchPath(plane(), request);
   EXPECT_NEAR(path.slid_m, 12e-3, 0.5e-3);
   ASSERT_EQ(path.notes.size(), 1U);
   EXPECT_THAT(path.notes[0], HasSubstr("instead of 20 mm: the surface ends at the border"));
 }
 
+// In a closed hollow of radius 5 mm the longest way is across, 10 mm.
 TEST(TouchPath, ShortensAnApproachThatTheObjectBlocks) {
+  const AnalyticField hollow([](const Vec3& p) { return p.norm() - 5e-3; }, 20e-3, kVoxel_m);
   PathRequest request;
-  request.start_W = Vec3(5e-3, 0, 5e-3);  // the wall of the hole; the other wall is 10 mm away
+  request.start_W = Vec3(5e-3, 0, 0);
   request.slide_length_m = 0;
   request.approach_m = 12e-3;
-  const TouchPath path = buildTouchPath(slab(), request);
+  const TouchPath path = buildTouchPath(hollow, request);
   EXPECT_NEAR((path.points.front().p_W - path.start.p_W).norm(), 8e-3, kVoxel_m);
   EXPECT_EQ(path.notes.size(), 2U);  // approach and retreat
 }
@@ -258,10 +325,12 @@ TEST(TouchPath, RefusesImpossibleNumbers) {
 TEST(TouchPath, RefusesLengthsOfVeryManyVoxels) {
   for (const double voxel_m : {1e-6, 1e-9}) {
     const AnalyticField tiny = {[&](const Vec3& p) { return sphereDistance(p, 30 * voxel_m); }, 60 * voxel_m, voxel_m};
-    expectRefusal(tiny, {}, "metres were taken for millimetres");
     PathRequest request;
+    request.slide_length_m = 20e-3;
+    expectRefusal(tiny, request, "metres were taken for millimetres");
     request.slide_length_m = 10 * voxel_m;
     request.press_depth_m = voxel_m;
+    request.approach_m = 16001 * voxel_m;
     expectRefusal(tiny, request, "path approach");
     request.approach_m = 5 * voxel_m;
     EXPECT_NEAR(buildTouchPath(tiny, request).slid_m, 10 * voxel_m, 1e-9 * voxel_m);

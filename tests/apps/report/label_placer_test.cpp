@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/report/label_placer.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <random>
+
 #include <gtest/gtest.h>
 
 namespace palpate {
@@ -71,6 +75,51 @@ TEST(LabelPlacer, CoversALineRatherThanWords) {
   const LabelBox box = placer.place({30, 20}, 2, 40, 14);
   EXPECT_GE(box.top, 20);
   EXPECT_LE(box.bottom, 40);
+}
+
+double distance(const LabelBox& box, const Pixel& p) {
+  return std::hypot(std::max({box.left - p.x, 0.0, p.x - box.right}), std::max({box.top - p.y, 0.0, p.y - box.bottom}));
+}
+
+// "start" and "end" of a path, anywhere in a picture, on a scribble of lines: a word stands nearer to its own mark than
+// to the other, whichever was placed first. The sizes are those of panel.cpp at scale 1.
+TEST(LabelPlacer, WordsNeverStandAtAnothersMark) {
+  std::mt19937 random(11);
+  int impossible = 0;
+  for (int trial = 0; trial < 20000; ++trial) {
+    const auto between = [&](double low, double high) {
+      return std::uniform_real_distribution<double>(low, high)(random);
+    };
+    const double width = between(300, 760), height = between(250, 600);
+    LabelPlacer placer(width, height);
+    for (int line = 0; line < 3; ++line) {
+      placer.avoidLine({{between(0, width), between(0, height)}, {between(0, width), between(0, height)}});
+    }
+    const Pixel start = {between(14, width - 14), between(14, height - 14)};
+    const double apart = between(20, 300), turn = between(0, 6.2832);
+    const Pixel end = {std::clamp(start.x + apart * std::cos(turn), 14.0, width - 14),
+                       std::clamp(start.y + apart * std::sin(turn), 14.0, height - 14)};
+    if (std::hypot(end.x - start.x, end.y - start.y) < 20) continue;  // they have one label: panel.cpp
+    for (const Pixel& mark : {start, end}) {
+      placer.avoid({mark.x - 6, mark.y - 6, mark.x + 6, mark.y + 6});
+      placer.addMark(mark);
+    }
+    const LabelBox first = placer.place(start, 10, 38, 14), second = placer.place(end, 10, 30, 14);
+    // Or it says that it cannot, which may be near a border only, and panel.cpp writes one label for both.
+    if (placer.isAtAnother(first, start) || placer.isAtAnother(second, end)) {
+      const auto fromEdge = [&](const Pixel& p) { return std::min({p.x, p.y, width - p.x, height - p.y}); };
+      ASSERT_LT(std::min(fromEdge(start), fromEdge(end)), 40) << "trial " << trial;
+      ++impossible;
+      continue;
+    }
+    ASSERT_LT(distance(first, start), distance(first, end)) << "trial " << trial;
+    ASSERT_LT(distance(second, end), distance(second, start)) << "trial " << trial;
+    ASSERT_FALSE(overlap(first, second)) << "trial " << trial;
+    for (const LabelBox& box : {first, second}) {
+      ASSERT_TRUE(box.left >= 0 && box.top >= 0 && box.right <= width && box.bottom <= height) << "trial " << trial;
+    }
+  }
+  EXPECT_LT(impossible, 100);
 }
 
 }  // namespace

@@ -54,6 +54,20 @@ TEST(Summary, HoldsTheFiguresOfTheRun) {
   EXPECT_EQ(s["scene"]["path_toward"], Json({0, 0, -1}));
 }
 
+// Every figure of the servo under its own name: all differ.
+TEST(Summary, TellsLateFromSkippedTicks) {
+  TouchRun run = sampleRun();
+  run.records.erase(run.records.begin() + 100, run.records.begin() + 107);
+  for (const std::size_t i : {50U, 99U, 300U}) run.records[i].faults |= bit(ServoFault::kOverrun);
+  run.records[400].faults |= bit(ServoFault::kBeyondWindow);
+  const Json servo = makeSummary(run)["servo"];
+  EXPECT_EQ(servo["ticks"], 4993);
+  EXPECT_EQ(servo["time_s"], 5.0);
+  EXPECT_EQ(servo["late_ticks"], 3);
+  EXPECT_EQ(servo["skipped_ticks"], 7);
+  EXPECT_EQ(servo["faulty_ticks"], 4);
+}
+
 TEST(Summary, IsNullWhereNothingIsKnown) {
   TouchRun run = sampleRun();
   run.exact.reset();

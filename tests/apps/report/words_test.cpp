@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/report/words.hpp"
 
+#include <cmath>
+#include <random>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -13,7 +16,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 std::string verdictOf(const TouchRun& run) {
-  return verdict(run, computeFigures(run.records, run.scene.rate_hz));
+  return verdict(run, figuresOf(run));
 }
 
 TEST(Words, VerdictIsOneSentence) {
@@ -180,8 +183,60 @@ TEST(Words, ClosingSummarySaysThatTheClockWasSimulated) {
 
 TEST(Words, NumbersAndBytes) {
   EXPECT_EQ(shortNumber(0.12345), "0.123");
-  EXPECT_EQ(shortNumber(1234.5), "1234");
+  EXPECT_EQ(shortNumber(1234.5), "1235");
   EXPECT_EQ(shortNumber(0), "0");
+}
+
+// Halves go up, as people round, and not to the digit that is even.
+TEST(Words, NumbersRoundHalvesAwayFromZero) {
+  for (const auto& [value, text] : {std::pair(114.5, "115"),
+                                    {115.5, "116"},
+                                    {-114.5, "-115"},
+                                    {12.25, "12.3"},
+                                    {12.35, "12.4"},
+                                    {1.125, "1.13"},
+                                    {0.0625, "0.0625"},
+                                    {0.00012345, "0.000123"},
+                                    {99.95, "100"},
+                                    {99.94, "99.9"},
+                                    {999.5, "1000"},
+                                    {1e-9, "1e-09"}})
+    EXPECT_EQ(shortNumber(value), text) << value;
+}
+
+// To three digits, whatever the number: within half a unit of the third.
+TEST(Words, NumbersKeepThreeDigits) {
+  std::mt19937 random(5);
+  for (int i = 0; i < 20000; ++i) {
+    const double value = std::pow(10.0, std::uniform_real_distribution<double>(-12, 6.9)(random));
+    const double unit = value >= 100 ? 1 : std::pow(10.0, std::floor(std::log10(value)) - 2);
+    EXPECT_NEAR(std::stod(shortNumber(value)), value, 0.5 * unit * (1 + 1e-9)) << value;
+  }
+  EXPECT_EQ(shortNumber(std::nan("")), "nan");
+  EXPECT_EQ(shortNumber(1e-320), "1e-320");
+}
+
+// A run of 5 s of which 206 grid points were left out is still one of 5 s, and the words say how many were.
+TEST(Words, TimesAndTicksLeftOutAgree) {
+  TouchRun run = sampleRun();
+  run.records.erase(run.records.begin() + 2000, run.records.begin() + 2200);
+  run.records.resize(run.records.size() - 6);  // behind the last record
+  run.grid_points = 5000;
+  run.faults.clear();
+  run.edits.reset();
+  EXPECT_THAT(verdictOf(run), ::testing::StartsWith("The tool touched the surface for 3 s of 5 s, "));
+  EXPECT_THAT(closingSummary(run), HasSubstr("4794 ticks, 0 late, 206 left out; "));
+}
+
+TEST(Words, VerdictTellsWhatThePathDidNotKeep) {
+  TouchRun run = sampleRun();
+  run.edits.reset();
+  run.faults.clear();
+  for (std::size_t i = 2500; i < 2800; ++i) run.records[i].in_contact = false;
+  run.records.back().in_contact = true;
+  run.stability = {};
+  EXPECT_THAT(verdictOf(run), HasSubstr("felt at most 0.5 N; it left the surface for 0.3 s of the slide; the retreat "
+                                        "touched the object again; the retreat ended in contact; "));
 }
 
 }  // namespace

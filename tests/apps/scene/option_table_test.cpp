@@ -3,6 +3,7 @@
 
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <set>
 
 #include <gmock/gmock.h>
@@ -64,6 +65,73 @@ TEST(OptionTable, UnitsOfKeysAreThoseOnTheScreen) {
       EXPECT_STREQ(option.unit, unit) << option.key;
       break;
     }
+  }
+}
+
+// What a number on the screen is worth in the code, by its unit: of every option, so that no millimetre is taken for a
+// metre.
+TEST(OptionTable, ScalesAreThoseOfTheUnits) {
+  const std::map<std::string, double> kScales = {{"mm", 1e-3},
+                                                 {"ms", 1e-3},
+                                                 {"", 1},
+                                                 {"N/m", 1},
+                                                 {"N s/m", 1},
+                                                 {"N/s", 1},
+                                                 {"N", 1},
+                                                 {"Hz", 1},
+                                                 {"s", 1},
+                                                 {"kg", 1},
+                                                 {"density", 1},
+                                                 {"density, N, N s/m", 1},
+                                                 {"density/mm, -", 1e3}};
+  for (const SceneOption& option : sceneOptions()) {
+    double scale = 0;
+    if (const auto* number = std::get_if<NumberOption>(&option.value))
+      scale = number->scale;
+    else if (const auto* vector = std::get_if<VectorOption>(&option.value))
+      scale = vector->scale;
+    else if (const auto* table = std::get_if<TableOption>(&option.value))
+      scale = table->first_scale;
+    else
+      continue;
+    ASSERT_TRUE(kScales.contains(option.unit)) << option.flag << " [" << option.unit << "]";
+    EXPECT_EQ(scale, kScales.at(option.unit)) << option.flag;
+  }
+}
+
+// A flag without a unit in its key has the one that its help says: lengths are millimetres, times seconds, ticks whole.
+TEST(OptionTable, UnitsAreThoseOfTheMeaning) {
+  for (const auto& [flag, unit] : std::map<std::string, std::string>{{"--iso", "density"},
+                                                                     {"--n", "ticks"},
+                                                                     {"--seconds", "s"},
+                                                                     {"--rate", "Hz"},
+                                                                     {"--fade", "s"},
+                                                                     {"--stale", "s"},
+                                                                     {"--stall", "s"},
+                                                                     {"--report-timeout", "s"},
+                                                                     {"--velocity-noise", "mm"},
+                                                                     {"--velocity-cutoff", "Hz"},
+                                                                     {"--recovery", "ms"},
+                                                                     {"--texture-amplitude", "mm"},
+                                                                     {"--texture-wavelength", "mm"},
+                                                                     {"--encoder", "mm"},
+                                                                     {"--delay", "ticks"},
+                                                                     {"--start", "mm"},
+                                                                     {"--depth", "mm"},
+                                                                     {"--slide", "mm"},
+                                                                     {"--approach", "mm"},
+                                                                     {"--save-every", "s"},
+                                                                     {"--width", "pixel"},
+                                                                     {"--height", "pixel"},
+                                                                     {"--force-limit", "N"},
+                                                                     {"--slew-limit", "N/s"},
+                                                                     {"--hand-mass", "kg"},
+                                                                     {"--stiffness", "N/m"},
+                                                                     {"--damping", "N s/m"}}) {
+    const auto options = sceneOptions();
+    const auto found = std::find_if(options.begin(), options.end(), [&](const auto& o) { return flag == o.flag; });
+    ASSERT_NE(found, options.end()) << flag;
+    EXPECT_EQ(found->unit, unit) << flag;
   }
 }
 

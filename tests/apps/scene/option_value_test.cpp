@@ -180,7 +180,7 @@ TEST(OptionValue, ScreenUnitsBecomeTheCodesUnits) {
   set("path.depth_mm", "2.5", scene);
   set("path.start_mm", "1,-2,3", scene);
   set("device.encoder_resolution_mm", "0.01", scene);
-  EXPECT_DOUBLE_EQ(scene.press_depth_m, 2.5e-3);
+  EXPECT_DOUBLE_EQ(scene.press_depth_m.value(), 2.5e-3);
   EXPECT_DOUBLE_EQ(scene.encoder_resolution_m, 1e-5);
   EXPECT_NEAR((*scene.path_start_W - Vec3(1e-3, -2e-3, 3e-3)).norm(), 0, 1e-18);
   EXPECT_EQ(optionText(optionOfKey("path.depth_mm")->value, scene), "2.5");

@@ -99,6 +99,35 @@ TEST_F(ExactErrorsTest, HaveNoDistanceForAnAlgorithmWithoutASurface) {
   EXPECT_NEAR(errors->force_angle_median_deg, 2, 1e-9);
 }
 
+// A wall of 4 mm, pressed from outside beyond its middle: the surface nearest to the HIP is the inner one, whose normal
+// is the opposite. The force is right by the one that is touched.
+TEST_F(ExactErrorsTest, OfAThinWallAreOfTheSideInTouch) {
+  const auto shell = makePhantom("phantom:shell?size=64&thickness=4");
+  double outer_m = 32e-3;
+  while (shell->signedDistance_m(Vec3(outer_m, 0, 0)) > 0) outer_m -= 1e-5;
+  for (const double depth_m : {1e-3, 1.9e-3, 2.1e-3, 3e-3}) {
+    TickRecord record;
+    record.in_contact = true;
+    record.hip_W[0] = outer_m - depth_m;
+    record.vhip_W[0] = outer_m;
+    record.normal_W[0] = 1;
+    record.depth_m = depth_m;
+    record.force_W[0] = 1;
+    EXPECT_NEAR(exactErrors(*shell, {record}, {})->force_angle_median_deg, 0, 1e-6) << depth_m;
+    record.force_W[0] = -1;
+    EXPECT_NEAR(exactErrors(*shell, {record}, {})->force_angle_median_deg, 180, 1e-6) << depth_m;
+  }
+}
+
+// Friction may hold the VHIP back: the normal is that under the HIP, here 20 degrees further on the ball.
+TEST_F(ExactErrorsTest, AnglesAreToTheNormalAtTheHip) {
+  TickRecord record = touching(*sphere_, 0, 0, 0);
+  const double turn = 20 * std::numbers::pi / 180;
+  record.hip_W[0] = (radius_m(*sphere_) - 1e-3) * std::cos(turn);
+  record.hip_W[1] = (radius_m(*sphere_) - 1e-3) * std::sin(turn);
+  EXPECT_NEAR(exactErrors(*sphere_, {record}, {})->force_angle_median_deg, 20, 1e-9);
+}
+
 TEST_F(ExactErrorsTest, LeaveOutWhatIsNoContact) {
   TickRecord free = touching(*sphere_, 0, 5e-3, 90);
   free.in_contact = false;

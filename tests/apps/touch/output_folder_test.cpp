@@ -70,6 +70,32 @@ TEST_F(OutputFolderTest, KeepsOlderFilesUntilNewOnesArePublished) {
   EXPECT_EQ(contentsOf(path("a/x")), "new");
 }
 
+// A kind of file that a run leaves out would otherwise stay from the one before and pass for its own.
+TEST_F(OutputFolderTest, RemovesAnOlderFileThatIsLeftOut) {
+  fs::create_directories(path("a/z"));
+  save(path("a/x"), "old");
+  save(path("a/other"), "mine");
+  {
+    OutputFolder out(path("a"));
+    save(out.draft("y"), "new");
+    out.leaveOut("x");
+    out.leaveOut("z");  // no file
+    EXPECT_TRUE(exists("a/x"));
+    out.publish();
+  }
+  EXPECT_FALSE(exists("a/x"));
+  EXPECT_TRUE(exists("a/z"));
+  EXPECT_EQ(contentsOf(path("a/y")), "new");
+  EXPECT_EQ(contentsOf(path("a/other")), "mine");
+}
+
+TEST_F(OutputFolderTest, WhatWasLeftOutStaysIfNothingIsPublished) {
+  fs::create_directory(path("a"));
+  save(path("a/x"), "old");
+  OutputFolder(path("a")).leaveOut("x");
+  EXPECT_EQ(contentsOf(path("a/x")), "old");
+}
+
 TEST_F(OutputFolderTest, PublishesNothingWhereAFolderIsInTheWay) {
   fs::create_directories(path("a/y"));
   OutputFolder out(path("a"));

@@ -56,6 +56,27 @@ TEST_F(ScriptedPathTest, SaysThatAFileInMillimetresNeverEntersTheVolume) {
   EXPECT_NE(read.notes[0].find("988 mm away; are its coordinates in metres"), std::string::npos) << read.notes[0];
 }
 
+// Voxels of 4 mm along z: the box ends 46 mm from the origin there.
+TEST_F(ScriptedPathTest, MeasuresTheWayToAVolumeOfFlatVoxels) {
+  std::ofstream(folder_.path() / "mm.csv") << "time_s,x_m,y_m,z_m\n0,0,0,5\n1,0,0,1\n";
+  Scene scene;
+  scene.path_file = (folder_.path() / "mm.csv").string();
+  const Volume flat = loadVolume("phantom:sphere?size=24&spacing=1x2x4mm");
+  const ScriptedPath read = scriptedPath(scene, VolumeSurface(flat, 0));
+  ASSERT_EQ(read.notes.size(), 1U);
+  EXPECT_NE(read.notes[0].find("its nearest point is 954 mm away"), std::string::npos) << read.notes[0];
+}
+
+// The ball's radius is 0.4 of 24 mm at most; nothing was asked for, so all three fit it (path_fit.hpp).
+TEST_F(ScriptedPathTest, SaysWhatItChose) {
+  const ScriptedPath built = path({});
+  EXPECT_EQ(built.depth_m, 1e-3);
+  EXPECT_GT(built.slide_m.value_or(0), 8e-3);
+  EXPECT_LT(built.slide_m.value_or(1), 20e-3);
+  EXPECT_GT(built.approach_m.value_or(0), 7e-3);
+  EXPECT_LT(built.approach_m.value_or(1), 10e-3);
+}
+
 TEST_F(ScriptedPathTest, OfAFileThroughTheVolumeNeedsNoNote) {
   std::ofstream(folder_.path() / "way.csv") << "time_s,x_m,y_m,z_m\n0,0,0,0.02\n1,0,0,0.005\n";
   Scene scene;

@@ -111,6 +111,62 @@ TEST_F(ComposeView, ShowsPathForcesMarksAndWords) {
   }
 }
 
+// What every panel has, where it belongs: captions at the top left, scale bars at the bottom left, marks, outlines, and
+// the square around the close-up in the overview alone.
+TEST_F(ComposeView, EveryPanelHasItsParts) {
+  TouchRun run = *run_;
+  run.object_outlines = {{}};
+  for (int i = 0; i <= 100; ++i) run.object_outlines[0].push_back(Vec3(-15e-3 + 0.3e-3 * i, 0, 18e-3));
+  const Decoded image = decode(composeView(view_->layout, view_->pictures, view_->region, run));
+  const Decoded plain = decode(*png_);
+  for (const PanelBox& box : {view_->layout.overview, view_->layout.close_up}) {
+    SCOPED_TRACE(box.x);
+    const PanelBox caption = {box.x + 14, box.y + 10, 120, 22};
+    const PanelBox bar = {box.x + 14, box.y + box.height - 40, 160, 30};
+    EXPECT_GT(countNear(image, caption, 28, 33, 41), 60);
+    EXPECT_GT(countNear(image, bar, 28, 33, 41), 60);
+    EXPECT_GT(countNear(image, box, 26, 153, 64), 40);   // start
+    EXPECT_GT(countNear(image, box, 217, 38, 38), 40);   // end
+    EXPECT_GT(countChanged(image, plain, box), 50);      // the outline
+    EXPECT_GT(countNear(image, box, 115, 77, 158), 20);  // in its colour
+  }
+  EXPECT_GT(countNear(image, view_->layout.overview, 217, 89, 13), 60);
+  EXPECT_LT(countNear(image, view_->layout.close_up, 217, 89, 13),
+            countNear(image, view_->layout.overview, 217, 89, 13));
+}
+
+// A point counts as on the surface if it lies no more below it than two pixels, seen from the contact's distance, or
+// half of the smallest voxel edge. The picture's surface is put that much in front of the tool's way, and a little less
+// or more.
+TEST_F(ComposeView, HidesWhatIsDeeperThanItsTolerance) {
+  const Camera& camera = view_->pictures.close_up_camera;
+  const double depth_m = (view_->region.centre_W - camera.position_W).dot(camera.forward_W);
+  const double two_pixels_m = 2 * camera.pixelSize(depth_m);
+  for (const Vec3& spacing_m : {Vec3(1e-6, 1e-6, 1e-6), Vec3(Vec3(40, 8, 20) * two_pixels_m)}) {
+    TouchRun run = *run_;
+    run.volume.spacing_m = spacing_m;
+    for (TickRecord& r : run.records) r.in_contact = false;  // the HIP's way alone
+    const double tolerance_m = std::max(two_pixels_m, 0.5 * spacing_m.minCoeff());
+    const auto fullyBlue = [&](double above_m) {
+      ViewPictures pictures = view_->pictures;
+      std::vector<float>& distance_m = pictures.close_up.distance_m;
+      std::fill(distance_m.begin(), distance_m.end(), std::numeric_limits<float>::infinity());
+      for (const TickRecord& r : run.records) {
+        const auto p = camera.project(Vec3(r.hip_W));
+        if (!p || p->x < 0 || p->y < 0 || p->x >= camera.width || p->y >= camera.height) continue;
+        float& its = distance_m[static_cast<std::size_t>(p->y) * static_cast<std::size_t>(camera.width) +
+                                static_cast<std::size_t>(p->x)];
+        its = std::min(its, static_cast<float>(p->distance_m - above_m));
+      }
+      return countNear(decode(composeView(view_->layout, pictures, view_->region, run)), view_->layout.close_up, 18, 92,
+                       199);
+    };
+    const int open = fullyBlue(-1), just = fullyBlue(0.6 * tolerance_m), hidden = fullyBlue(1.6 * tolerance_m);
+    EXPECT_GT(just, 0.9 * open) << spacing_m.transpose();
+    EXPECT_LT(hidden, 0.7 * open) << spacing_m.transpose();
+  }
+}
+
 // The same path before a picture in which nothing hides it is drawn solid: more of the full colour.
 TEST_F(ComposeView, DrawsHiddenPartsFainter) {
   ViewPictures clear = view_->pictures;

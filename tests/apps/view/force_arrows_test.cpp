@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/view/force_arrows.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 namespace palpate {
@@ -38,6 +43,58 @@ TEST(ForceArrows, ATapHasOne) {
   for (TickRecord& r : tap) r.in_contact = true;
   tap[2].force_W[0] = 1;
   EXPECT_EQ(chooseForceArrows(tap, 14).arrows.size(), 1U);
+}
+
+TEST(ForceArrows, AreToldAsTheyStand) {
+  EXPECT_EQ(arrowWords(chooseForceArrows(slide(), 14)), "an arrow every 2 mm");
+  std::vector<TickRecord> tap(5);
+  for (TickRecord& r : tap) r.in_contact = true;
+  EXPECT_EQ(arrowWords(chooseForceArrows(tap, 14)), "the arrow");
+}
+
+// Taps 2 mm apart, each of some micrometres on the surface: the way in contact is short, the arrows are not.
+TEST(ForceArrows, OfTapsAreNotEveryFewMicrometres) {
+  std::vector<TickRecord> records;
+  for (int tap = 0; tap < 12; ++tap) {
+    for (int i = 0; i < 10; ++i) {
+      TickRecord r;
+      r.in_contact = i > 2;
+      r.vhip_W[0] = 2e-3 * tap + 2e-6 * i;
+      r.force_W[2] = r.in_contact ? 1 : 0;
+      records.push_back(r);
+    }
+  }
+  const ForceArrows forces = chooseForceArrows(records, 14);
+  EXPECT_EQ(arrowWords(forces), fmt::format("{} arrows along the way", forces.arrows.size()));
+}
+
+// Ways of every size and shape: what the words say is what the arrows do. Half of the distance between neighbours is
+// given to arrows that stand at a peak, and a quarter of them to bends and gaps.
+TEST(ForceArrows, WordsHoldForEveryWay) {
+  std::mt19937 random(2);
+  for (int trial = 0; trial < 300; ++trial) {
+    const double step_m = std::pow(10.0, std::uniform_real_distribution<double>(-9, -2)(random));
+    std::vector<TickRecord> records(1 + random() % 400);
+    Vec3 at = Vec3::Zero();
+    for (TickRecord& r : records) {
+      r.in_contact = random() % 50 != 0;
+      at += step_m * Vec3(1, std::uniform_real_distribution<double>(-1, 1)(random), 0);
+      if (trial % 3 == 0 && random() % 30 == 0) at += 100 * step_m * Vec3::UnitZ();
+      Eigen::Map<Vec3>(r.vhip_W) = at;
+      r.force_W[2] = std::uniform_real_distribution<double>(0, 2)(random);
+    }
+    const ForceArrows forces = chooseForceArrows(records, 14);
+    const std::string words = arrowWords(forces);
+    if (!words.starts_with("an arrow every ")) continue;
+    const double said_m = std::stod(words.substr(15)) * 1e-3;
+    std::vector<double> apart_m;
+    for (std::size_t i = 1; i < forces.arrows.size(); ++i)
+      apart_m.push_back((forces.arrows[i].vhip_W - forces.arrows[i - 1].vhip_W).norm());
+    std::sort(apart_m.begin(), apart_m.end());
+    const double median_m = apart_m[apart_m.size() / 2];
+    EXPECT_GT(median_m, 0.5 * said_m * (1 - 1e-9)) << trial;
+    EXPECT_LT(median_m, 1.5 * said_m * (1 + 1e-9)) << trial;
+  }
 }
 
 TEST(RoundDown, GivesOneTwoOrFive) {

@@ -41,7 +41,8 @@ TEST(RunFigures, CountContactForceAndDepth) {
   EXPECT_EQ(f.ticks, 5);
   EXPECT_EQ(f.contact_ticks, 3);
   EXPECT_EQ(f.touches, 2);
-  EXPECT_DOUBLE_EQ(f.contact_s, 3e-3);
+  EXPECT_DOUBLE_EQ(f.contact_s, 5e-3);  // tick 2 until tick 5
+  EXPECT_DOUBLE_EQ(f.time_s, 7e-3);     // grid points 0 to 6
   EXPECT_DOUBLE_EQ(f.first_contact_s, 1e-3);
   EXPECT_DOUBLE_EQ(f.depth_m.p50, 0.004);
   EXPECT_DOUBLE_EQ(f.depth_m.max, 0.006);
@@ -66,6 +67,18 @@ TEST(RunFigures, CountLateSkippedAndFaultyTicks) {
   EXPECT_EQ(f.faults[0].ticks, 2);
   EXPECT_EQ(f.faults[0].first_tick, 5);
   EXPECT_EQ(f.faults[1].fault, ServoFault::kOverrun);
+}
+
+// Points left out behind the last record are in no gap: the loop knows of them. A contact lasts through them.
+TEST(RunFigures, TimesCoverWhatWasLeftOut) {
+  const RunFigures f = computeFigures(twoTouches(), 1000, 10);
+  EXPECT_EQ(f.ticks + f.skipped_ticks, 10);
+  EXPECT_DOUBLE_EQ(f.time_s, 10e-3);
+  EXPECT_DOUBLE_EQ(f.contact_s, 8e-3);
+  std::vector<TickRecord> later = twoTouches();  // of a part of a run
+  for (TickRecord& r : later) r.tick += 1000;
+  EXPECT_DOUBLE_EQ(computeFigures(later, 1000).time_s, 7e-3);
+  EXPECT_EQ(computeFigures(later, 1000).skipped_ticks, 2);
 }
 
 TEST(RunFigures, SumUpTheEnergy) {

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+// apps/touch/servo_setup.hpp: from what a scene asks of loop and device to what they are made from. Set-up code.
+#pragma once
+
+#include "engine/plan/scene.hpp"
+#include "servo/devices/simulated_device.hpp"
+#include "servo/loop/servo_loop.hpp"
+
+namespace palpate {
+
+[[nodiscard]] LoopParameters loopParameters(const Scene& scene);
+[[nodiscard]] SimulatedDeviceParameters deviceParameters(const Scene& scene);
+
+}  // namespace palpate

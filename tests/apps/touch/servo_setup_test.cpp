@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// Every member of a scene that loop and device take, each with a value of its own.
+#include "apps/touch/servo_setup.hpp"
+
+#include <gtest/gtest.h>
+
+namespace palpate {
+namespace {
+
+TEST(ServoSetup, LoopTakesWhatTheSceneAsksFor) {
+  Scene scene;
+  scene.rate_hz = 1234;
+  scene.duration_s = 2.5;
+  scene.force_limit_N = 1.5;
+  scene.slew_limit_N_per_s = 2.5;
+  scene.fade_s = 3.5;
+  scene.stale_window_s = 4.5;
+  scene.stall_s = 5.5;
+  scene.report_timeout_s = 6.5;
+  scene.velocity = "foaw";
+  scene.velocity_cutoff_hz = 7.5;
+  scene.velocity_noise_m = 8.5;
+  scene.passivity_control = true;
+  const LoopParameters loop = loopParameters(scene);
+  EXPECT_EQ(loop.rate_hz, 1234);
+  EXPECT_EQ(loop.ticks, 3085);
+  EXPECT_EQ(loop.safety.force_limit_N, 1.5);
+  EXPECT_EQ(loop.safety.slew_limit_N_per_s, 2.5);
+  EXPECT_EQ(loop.safety.fade_s, 3.5);
+  EXPECT_EQ(loop.safety.stale_window_s, 4.5);
+  EXPECT_EQ(loop.safety.stall_s, 5.5);
+  EXPECT_EQ(loop.safety.report_timeout_s, 6.5);
+  EXPECT_EQ(loop.velocity.name, "foaw");
+  EXPECT_EQ(loop.velocity.cutoff_hz, 7.5);
+  EXPECT_EQ(loop.velocity.noise_m, 8.5);
+  EXPECT_TRUE(loop.passivity.control);
+  EXPECT_TRUE(loop.real_time);
+  EXPECT_FALSE(loopParameters(Scene{}).passivity.control);
+  EXPECT_FALSE(loopParameters(Scene{}).velocity.noise_m.has_value());
+}
+
+TEST(ServoSetup, DeviceTakesWhatTheSceneAsksFor) {
+  Scene scene;
+  scene.spring_hand = true;
+  scene.hand_mass_kg = 1.5;
+  scene.hand_damping_Ns_per_m = 2.5;
+  scene.hand_stiffness_N_per_m = 3.5;
+  scene.device_mass_kg = 4.5;
+  scene.device_damping_Ns_per_m = 5.5;
+  scene.force_limit_N = 6.5;
+  scene.encoder_resolution_m = 7.5;
+  scene.device_delay_ticks = 8;
+  const SimulatedDeviceParameters device = deviceParameters(scene);
+  EXPECT_EQ(device.hand, Hand::kSpring);
+  EXPECT_EQ(device.dynamics.hand_mass_kg, 1.5);
+  EXPECT_EQ(device.dynamics.hand_damping_Ns_per_m, 2.5);
+  EXPECT_EQ(device.dynamics.hand_stiffness_N_per_m, 3.5);
+  EXPECT_EQ(device.dynamics.device_mass_kg, 4.5);
+  EXPECT_EQ(device.dynamics.device_damping_Ns_per_m, 5.5);
+  EXPECT_EQ(device.force_limit_N, 6.5);
+  EXPECT_EQ(device.encoder_resolution_m, 7.5);
+  EXPECT_EQ(device.delay_ticks, 8);
+  EXPECT_EQ(deviceParameters(Scene{}).hand, Hand::kRigid);
+}
+
+}  // namespace
+}  // namespace palpate
