@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "apps/console/message.hpp"
 #include "apps/console/one_line.hpp"
 
 namespace palpate {
@@ -16,8 +17,7 @@ Progress::~Progress() {
 
 void Progress::show(const std::string& text) {
   if (text == shown_) return;
-  fmt::print(stream_, "\r\033[K{}", text);
-  std::fflush(stream_);
+  writeMessage(stream_, "\r\033[K" + text);
   shown_ = text;
 }
 
@@ -26,7 +26,7 @@ void Progress::stage(const std::string& what) {
   if (terminal_) {
     show(stage_ + " ...");
   } else {
-    fmt::print(stream_, "{} ...\n", stage_);
+    writeMessage(stream_, stage_ + " ...\n");
   }
 }
 
@@ -36,8 +36,7 @@ void Progress::fraction(double done) {
 
 void Progress::done() {
   if (terminal_ && !shown_.empty()) {
-    fmt::print(stream_, "\r\033[K");
-    std::fflush(stream_);
+    writeMessage(stream_, "\r\033[K");
   }
   shown_.clear();
 }
