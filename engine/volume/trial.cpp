@@ -9,6 +9,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "base/leftover.hpp"
+
 namespace palpate {
 namespace {
 
@@ -55,9 +57,11 @@ std::optional<std::size_t> firstFatal(std::size_t count, const std::function<voi
   if (pipe2(ends.data(), O_CLOEXEC) != 0) return {};
   const pid_t child = fork();
   if (child == 0) runChild(ends[1], count, work);
+  Leftover leftover = child > 0 ? Leftover::process(child) : Leftover();
   close(ends[1]);
   const std::size_t survived = child > 0 ? countBytes(ends[0]) : count;
   close(ends[0]);
+  leftover.release();  // its number may be another's once it is waited for
   while (child > 0 && waitpid(child, nullptr, 0) < 0 && errno == EINTR) {
   }
   if (survived >= count) return {};
