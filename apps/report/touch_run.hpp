@@ -85,6 +85,7 @@ struct TouchRun {
   std::vector<TickRecord> records;                 // one a tick, in order
   ContactStability stability;                      // of the contact in them
   std::vector<RunFault> faults;
+  std::string ended_early;         // how: "stopped by the user after 1.2 s of 5 s"; empty: all was done
   std::vector<std::string> files;  // written or to be written, as shown to the user
   std::optional<ExactErrors> exact;
   std::optional<RunEdits> edits;

@@ -198,18 +198,21 @@ std::string stabilityWords(const ContactStability& s, const RunFigures& f) {
 }
 
 std::string verdict(const TouchRun& run, const RunFigures& f) {
+  const std::string begin = run.ended_early.empty() ? "" : "Ended early: " + run.ended_early + ". ";
   const std::string end =
       stabilityClause(run.stability, f) + editClause(run) + "; " + faultWord(run.faults.size()) + ".";
   if (f.contact_ticks == 0)
-    return fmt::format("The tool never touched the surface in {} s{}", shortNumber(f.time_s), end);
-  return fmt::format("The tool touched the surface for {} s of {} s, pressed at most {} deep and felt at most {} N{}",
+    return begin + fmt::format("The tool never touched the surface in {} s{}", shortNumber(f.time_s), end);
+  return begin +
+         fmt::format("The tool touched the surface for {} s of {} s, pressed at most {} deep and felt at most {} N{}",
                      shortNumber(f.contact_s), shortNumber(f.time_s), mm(f.depth_m.max), shortNumber(f.force_N.max),
                      end);
 }
 
 std::string closingSummary(const TouchRun& run) {
   const RunFigures figures = computeFigures(run.records, run.scene.rate_hz);
-  return touchedLine(run) + contactLine(figures) + feelLine(figures) + contactVerdictLine(run, figures) +
+  const std::string ended = run.ended_early.empty() ? "" : "Ended     early: " + run.ended_early + "\n";
+  return touchedLine(run) + ended + contactLine(figures) + feelLine(figures) + contactVerdictLine(run, figures) +
          servoLine(run, figures) + editLine(run) + volumeLine(run) + exactLine(run) + faultLines(run) +
          listLines("Note", run.notes) + filesLine(run);
 }

@@ -13,7 +13,8 @@ constexpr double kLeastRegionVoxels = 10;
 
 }  // namespace
 
-std::string drawPicture(const TouchRun& run, const SurfaceField& surface, Engine& engine) {
+std::string drawPicture(const TouchRun& run, const SurfaceField& surface, Engine& engine,
+                        const std::function<void()>& between) {
   const ViewLayout layout = layOutView(run.scene.image_width, run.scene.image_height);
   ContactRegion region = findContactRegion(run.records, kLeastRegionVoxels * surface.lattice().spacing_m.maxCoeff());
   if (run.edits && run.edits->count > 0) turnToTheOpen(region, surface);
@@ -21,8 +22,8 @@ std::string drawPicture(const TouchRun& run, const SurfaceField& surface, Engine
   pictures.overview_camera =
       overviewCamera(findObjectBounds(surface), region, layout.overview.width, layout.overview.height);
   pictures.close_up_camera = closeUpCamera(surface, region, layout.close_up.width, layout.close_up.height);
-  pictures.overview = engine.draw(pictures.overview_camera);
-  pictures.close_up = engine.draw(pictures.close_up_camera);
+  pictures.overview = engine.draw(pictures.overview_camera, between);
+  pictures.close_up = engine.draw(pictures.close_up_camera, between);
   return composeView(layout, pictures, region, run);
 }
 
