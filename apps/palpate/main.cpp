@@ -5,6 +5,7 @@
 #include <exception>
 #include <filesystem>
 #include <new>
+#include <sstream>
 
 #include <fmt/format.h>
 
@@ -54,7 +55,9 @@ Ending runVerb(CLI::App& app, const Addressed& addressed, int argc, char** argv)
   } catch (const CLI::RuntimeError& verdict) {
     return {verdict.get_exit_code(), ""};
   } catch (const CLI::Success& asked) {  // --help, --version
-    static_cast<void>(app.exit(asked));
+    std::ostringstream text;
+    static_cast<void>(app.exit(asked, text, text));
+    palpate::printText(text.str());
     return {};
   } catch (const CLI::ParseError& error) {
     return {exitStatus(Error::Code::kBadInput), palpate::parseMessage(*addressed.verb, addressed.command, error)};

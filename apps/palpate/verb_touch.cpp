@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // palpate touch VOLUME|SCENE: the main job.
+#include <optional>
+
 #include <fmt/format.h>
 
+#include "apps/console/interrupt.hpp"
 #include "apps/console/message.hpp"
 #include "apps/console/progress.hpp"
 #include "apps/report/words.hpp"
@@ -43,8 +46,10 @@ void addTouchVerb(CLI::App& app) {
     Progress progress;
     const Scene scene = arguments->scene();
     for (const std::string& idle : idleOptions(scene, arguments->givenFlags())) tellUser(idle);
+    std::optional<KeptWork> telling;  // outlives the run, whose memory may take long to give back
     try {
       const TouchRun run = runTouchJob(scene, arguments->commandLine("touch"), programCommit(), progress);
+      telling.emplace();
       printText(closingSummary(run));
       endWith(run);
     } catch (const Error& error) {

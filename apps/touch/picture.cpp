@@ -24,7 +24,7 @@ std::string drawPicture(const TouchRun& run, const SurfaceField& surface, Engine
   pictures.close_up_camera = closeUpCamera(surface, region, layout.close_up.width, layout.close_up.height);
   pictures.overview = engine.draw(pictures.overview_camera, between);
   pictures.close_up = engine.draw(pictures.close_up_camera, between);
-  return composeView(layout, pictures, region, run);
+  return composeView(layout, pictures, region, run, between);
 }
 
 }  // namespace palpate
