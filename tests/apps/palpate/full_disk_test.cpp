@@ -127,19 +127,6 @@ TEST_F(FullDisk, WithALogThatIsFullTheSessionGoesOn) {
   EXPECT_EQ(nlohmann::json::parse(contentsOf(file("out") / "summary.json"))["servo"]["ticks"], 9000);
 }
 
-// `edit` writes its volume and says with its status that the journal has not all of it.
-TEST_F(FullDisk, AnEditWhoseJournalLostRecordsIsNotASuccess) {
-  std::string script;
-  for (int i = 0; i < 3000; ++i) script += "paint:value=1:radius=1:at=0,0,0\n";
-  write("edits.txt", script);
-  const Words edit = {"edit", "phantom:sphere?size=16", "out.nrrd", "--script", "edits.txt", "--journal", "journal"};
-  const Outcome outcome = runPalpate({.arguments = edit, .folder = folder(), .file_size_limit = 100'000});
-  EXPECT_EQ(outcome.status, 4) << outcome.err;
-  EXPECT_THAT(outcome.err, HasSubstr("are not saved"));
-  EXPECT_THAT(outcome.out, HasSubstr("Commands  3000 applied"));
-  EXPECT_TRUE(exists("out.nrrd"));
-}
-
 TEST_F(FullDisk, NotEvenAJournalsBeginningIsARefusal) {
   const Outcome outcome = runPalpate({.arguments = session(""), .folder = folder(), .file_size_limit = 100});
   expectRefusal(outcome, "journal", "no journal can be kept there", 4);
