@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "base/atomic_file.hpp"
 
+#include <atomic>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -16,7 +17,11 @@
 namespace palpate {
 namespace {
 
+namespace fs = std::filesystem;
+
 constexpr std::size_t kBufferBytes = 64 * 1024;
+
+std::atomic<std::uint64_t> files_written = 0;
 
 const char* remedyFor(int error) {
   switch (error) {
@@ -24,6 +29,8 @@ const char* remedyFor(int error) {
     case EDQUOT:
     case EFBIG:
       return "make room or write elsewhere";
+    case ELOOP:
+      return "mend the links or write to another name";
     case ENOENT:
     case ENOTDIR:
       return "make the folder first or write elsewhere";
@@ -32,19 +39,34 @@ const char* remedyFor(int error) {
   }
 }
 
+// The file that a name stands for behind symbolic links, whether it is there or not.
+fs::path throughLinks(fs::path name) {
+  constexpr int kMostLinks = 40;  // as Linux has it
+  std::error_code error;
+  for (int i = 0; i < kMostLinks && fs::is_symlink(fs::symlink_status(name, error)); ++i) {
+    const fs::path meant = fs::read_symlink(name, error);
+    if (error) break;
+    name = name.parent_path() / meant;  // an absolute one stays
+  }
+  return name;
+}
+
 }  // namespace
 
-AtomicFile::AtomicFile(std::filesystem::path target) : target_(std::move(target)) {
-  std::error_code ignored;
-  const auto status = std::filesystem::status(target_, ignored);
-  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
-    throw Error(Error::Code::kIo, target_.string(), "it is not a plain file and will not be replaced",
+AtomicFile::AtomicFile(fs::path target) : name_(std::move(target)) {
+  std::error_code error;
+  const auto status = fs::status(name_, error);
+  if (error.value() == ELOOP) fail("its symbolic links go round in a circle", ELOOP);
+  if (fs::exists(status) && !fs::is_regular_file(status)) {
+    throw Error(Error::Code::kIo, name_.string(), "it is not a plain file and will not be replaced",
                 "write to another name");
   }
+  target_ = throughLinks(name_);
   PartFile part = openPartFile(target_);
   if (part.descriptor < 0) fail("cannot be created", part.error);
   temporary_ = std::move(part.name);
   descriptor_ = part.descriptor;
+  leftover_ = Leftover::file(temporary_);
 }
 
 AtomicFile::~AtomicFile() {
@@ -53,7 +75,7 @@ AtomicFile::~AtomicFile() {
 }
 
 void AtomicFile::fail(const std::string& what, int error) const {
-  throw Error(Error::Code::kIo, target_.string(), what + " (" + std::strerror(error) + ")", remedyFor(error));
+  throw Error(Error::Code::kIo, name_.string(), what + " (" + std::strerror(error) + ")", remedyFor(error));
 }
 
 void AtomicFile::drain() {
@@ -71,12 +93,18 @@ void AtomicFile::commit() {
   if (fsync(descriptor_) != 0) fail("cannot be written", errno);
   if (std::rename(temporary_.c_str(), target_.c_str()) != 0) fail("cannot be renamed into place", errno);
   temporary_.clear();
+  ++files_written;
+  leftover_.release();
   close(std::exchange(descriptor_, -1));  // not before: its lock says that the temporary file is in use
   const int error = flushFolder(target_.has_parent_path() ? target_.parent_path() : ".");
   if (error != 0) fail("its folder cannot be flushed", error);
 }
 
-void writeFileAtomically(const std::filesystem::path& target, std::string_view text) {
+std::uint64_t filesWritten() noexcept {
+  return files_written;
+}
+
+void writeFileAtomically(const fs::path& target, std::string_view text) {
   AtomicFile file(target);
   file.write(text);
   file.commit();

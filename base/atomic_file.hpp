@@ -2,21 +2,26 @@
 // base/atomic_file.hpp: writes a file so that it is there whole or not at all.
 //
 // The text goes to a temporary file beside the target; commit() flushes it to the disk, checks every step, renames
-// it and flushes the folder. Without commit (an exception on the way) the temporary file is removed and an older target
-// stays as it was; what a killed process left of it goes when the target is written next (base/part_file.hpp). Set-up
-// code, one thread per object. Cost: reading the folder's names, a system call for each 64 KiB, and waiting for the
-// disk at commit. A process that wants an error instead of its death at a file size limit must ignore SIGXFSZ.
+// it and flushes the folder. A target that is a symbolic link stays one: the file that it points at is written, and
+// made where it is not there. Without commit (an exception on the way) the temporary file is removed and an older
+// target stays as it was; what a killed process left of it goes when the target is written next (base/part_file.hpp).
+// Set-up code, one thread per object. Cost: reading the folder's names, a system call for each 64 KiB, and waiting for
+// the disk at commit. A process that wants an error instead of its death at a file size limit must ignore SIGXFSZ.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
+
+#include "base/leftover.hpp"
 
 namespace palpate {
 
 class AtomicFile {
  public:
-  // Refuses (Error kIo): a folder that is missing or may not be written; a target that is there but is no plain file.
+  // Refuses (Error kIo): a folder that is missing or may not be written; a target that is there but is no plain file;
+  // links that go round in a circle.
   explicit AtomicFile(std::filesystem::path target);
   ~AtomicFile();
   AtomicFile(const AtomicFile&) = delete;
@@ -28,10 +33,16 @@ class AtomicFile {
  private:
   void drain();
   [[noreturn]] void fail(const std::string& what, int error) const;
-  std::filesystem::path target_, temporary_;
+  std::filesystem::path name_;    // as it was given
+  std::filesystem::path target_;  // what that stands for
+  std::filesystem::path temporary_;
   std::string buffer_;
   int descriptor_ = -1;
+  Leftover leftover_;  // the temporary file
 };
+
+// How many files this process has committed so far. Any thread.
+[[nodiscard]] std::uint64_t filesWritten() noexcept;
 
 // The whole of `text` in one go.
 void writeFileAtomically(const std::filesystem::path& target, std::string_view text);

@@ -7,9 +7,10 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+#include "base/file_lock.hpp"
 
 namespace palpate {
 namespace {
@@ -18,52 +19,45 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kSuffix = ".part";
 
-// "FILE.123.part", "FILE.123-4.part" of target "FILE".
-bool isPartOf(const std::string& target, std::string_view name) {
-  if (!name.starts_with(target + ".") || !name.ends_with(kSuffix)) return false;
-  name.remove_prefix(target.size() + 1);
-  if (name.size() <= kSuffix.size()) return false;
+// The target of "FILE.123.part", "FILE.123-4.part": "FILE"; empty: it is no such name.
+std::string_view targetOf(std::string_view name) {
+  if (!name.ends_with(kSuffix)) return {};
   name.remove_suffix(kSuffix.size());
-  return std::all_of(name.begin(), name.end(), [](char c) { return (c >= '0' && c <= '9') || c == '-'; });
+  const std::size_t dot = name.rfind('.');
+  if (dot == std::string_view::npos || dot + 1 == name.size()) return {};
+  const std::string_view number = name.substr(dot + 1);
+  const bool is_number =
+      std::all_of(number.begin(), number.end(), [](char c) { return (c >= '0' && c <= '9') || c == '-'; });
+  return is_number ? name.substr(0, dot) : std::string_view();
 }
 
-// Whether `name` is still that of the open file, a plain one.
-bool isNameOf(const fs::path& name, int descriptor) {
-  struct stat opened {};
-  struct stat named {};
-  return fstat(descriptor, &opened) == 0 && S_ISREG(opened.st_mode) && lstat(name.c_str(), &named) == 0 &&
-         named.st_dev == opened.st_dev && named.st_ino == opened.st_ino;
+bool isPlainFile(int descriptor) {
+  struct stat facts {};
+  return fstat(descriptor, &facts) == 0 && S_ISREG(facts.st_mode);
 }
 
-// Under its lock, so its writer is gone; and only by its own name, which a writer may have given to the next file while
-// this one was opened here.
 void removeIfLeft(const fs::path& name) {
   const int descriptor = open(name.c_str(), O_RDWR | O_NONBLOCK | O_NOFOLLOW | O_CLOEXEC);
   if (descriptor < 0) return;
-  if (flock(descriptor, LOCK_EX | LOCK_NB) == 0 && isNameOf(name, descriptor)) unlink(name.c_str());
+  if (isPlainFile(descriptor) && isAbandoned(name, descriptor)) unlink(name.c_str());
   close(descriptor);
-}
-
-void removeLeftParts(const fs::path& target) {
-  const std::string name = target.filename();
-  std::error_code error;
-  fs::directory_iterator entry(target.has_parent_path() ? target.parent_path() : ".", error);
-  for (; !error && entry != fs::directory_iterator(); entry.increment(error)) {
-    if (isPartOf(name, entry->path().filename().native())) removeIfLeft(entry->path());
-  }
-}
-
-// Whether the file is this writer's alone. Another one may have come between its making and its lock: then it holds the
-// lock, or has removed the file. Where there are no locks nobody removes any.
-bool isOurs(const PartFile& part) {
-  if (flock(part.descriptor, LOCK_EX | LOCK_NB) != 0) return errno != EWOULDBLOCK;
-  return isNameOf(part.name, part.descriptor);
 }
 
 }  // namespace
 
+void sweepPartFiles(const fs::path& folder, const std::function<bool(std::string_view target)>& is_meant) {
+  std::error_code error;
+  fs::directory_iterator entry(folder.empty() ? "." : folder, error);
+  for (; !error && entry != fs::directory_iterator(); entry.increment(error)) {
+    const std::string name = entry->path().filename().native();
+    const std::string_view target = targetOf(name);
+    if (!target.empty() && is_meant(target)) removeIfLeft(entry->path());
+  }
+}
+
 PartFile openPartFile(const fs::path& target) {
-  removeLeftParts(target);
+  const std::string name = target.filename();
+  sweepPartFiles(target.parent_path(), [&](std::string_view of) { return of == name; });
   constexpr int kTries = 100;
   PartFile part;
   for (int i = 0; i < kTries; ++i) {
@@ -72,7 +66,7 @@ PartFile openPartFile(const fs::path& target) {
     part.descriptor = open(part.name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     part.error = part.descriptor < 0 ? errno : 0;
     if (part.error == EEXIST) continue;
-    if (part.error != 0 || isOurs(part)) return part;
+    if (part.error != 0 || isOurs(part.name, part.descriptor)) return part;
     close(part.descriptor);
     part = {-1, {}, EEXIST};
   }

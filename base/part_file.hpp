@@ -8,6 +8,8 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
+#include <string_view>
 
 namespace palpate {
 
@@ -19,5 +21,8 @@ struct PartFile {
 
 // Its lock is held until the descriptor is closed: not before the file has been renamed or removed.
 [[nodiscard]] PartFile openPartFile(const std::filesystem::path& target);
+
+// Removes what killed processes left in a folder of targets of these names ("a.vdb"). "": the working folder.
+void sweepPartFiles(const std::filesystem::path& folder, const std::function<bool(std::string_view target)>& is_meant);
 
 }  // namespace palpate

@@ -2,11 +2,18 @@
 #include "apps/bench/cyclictest.hpp"
 
 #include <array>
+#include <cerrno>
 #include <cmath>
-#include <cstdio>
+#include <csignal>
 #include <sstream>
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "base/leftover.hpp"
 
 namespace palpate {
 namespace {
@@ -23,6 +30,58 @@ std::string lastLine(const std::string& text) {
   return last;
 }
 
+// A command of the shell, both of whose streams are read. It ends with its owner: popen() would leave it running where
+// this process is stopped.
+class Shell {
+ public:
+  explicit Shell(const std::string& command) {
+    std::array<int, 2> ends{};
+    if (pipe2(ends.data(), O_CLOEXEC) != 0) return;
+    out_ = ends[0];
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
+    posix_spawn_file_actions_adddup2(&actions, ends[1], STDERR_FILENO);
+    std::string words[] = {"sh", "-c", "exec " + command};  // in the shell's place, so that it is what is ended
+    std::array<char*, 4> arguments = {words[0].data(), words[1].data(), words[2].data(), nullptr};
+    if (posix_spawn(&child_, "/bin/sh", &actions, nullptr, arguments.data(), environ) != 0) child_ = -1;
+    posix_spawn_file_actions_destroy(&actions);
+    close(ends[1]);
+    if (child_ > 0) leftover_ = Leftover::process(child_);
+  }
+  ~Shell() {
+    if (child_ > 0) kill(child_, SIGKILL);
+    static_cast<void>(wait());
+    if (out_ >= 0) close(out_);
+  }
+  Shell(const Shell&) = delete;
+  Shell& operator=(const Shell&) = delete;
+
+  [[nodiscard]] std::string readAll() const {
+    std::string text;
+    std::array<char, 4096> block{};
+    for (ssize_t got = 0; out_ >= 0 && (got = read(out_, block.data(), block.size())) != 0;) {
+      if (got > 0) text.append(block.data(), static_cast<std::size_t>(got));
+      if (got < 0 && errno != EINTR) break;
+    }
+    return text;
+  }
+  // As waitpid() gives it; -1: it was never started.
+  [[nodiscard]] int wait() {
+    leftover_.release();  // its number may be another's once it is waited for
+    int status = -1;
+    while (child_ > 0 && waitpid(child_, &status, 0) < 0 && errno == EINTR) {
+    }
+    child_ = -1;
+    return status;
+  }
+
+ private:
+  pid_t child_ = -1;
+  int out_ = -1;
+  Leftover leftover_;
+};
+
 }  // namespace
 
 std::string cyclictestCommand(const CyclictestRequest& request) {
@@ -34,17 +93,12 @@ std::string cyclictestCommand(const CyclictestRequest& request) {
 
 CyclictestOutcome runCyclictest(const CyclictestRequest& request) {
   CyclictestOutcome outcome;
-  std::FILE* pipe = popen((cyclictestCommand(request) + " 2>&1").c_str(), "r");
-  if (pipe == nullptr) {
+  Shell shell(cyclictestCommand(request));
+  const std::string text = shell.readAll();
+  const int status = shell.wait();
+  if (status < 0) {
     outcome.trouble = "no shell could be started";
-    return outcome;
-  }
-  std::string text;
-  std::array<char, 4096> block{};
-  for (std::size_t got = 0; (got = std::fread(block.data(), 1, block.size(), pipe)) > 0;)
-    text.append(block.data(), got);
-  const int status = pclose(pipe);
-  if (WIFEXITED(status) && WEXITSTATUS(status) == kShellFindsNoCommand) {
+  } else if (WIFEXITED(status) && WEXITSTATUS(status) == kShellFindsNoCommand) {
     outcome.trouble = "cyclictest is not installed; apt-get install rt-tests";
   } else if (const auto counts = parseCyclictest(text); status == 0 && counts) {
     outcome.lateness = *counts;

@@ -2,10 +2,11 @@
 // apps/bench/scratch_folder.hpp: an empty folder for what a benchmark writes, gone with its owner. Any thread.
 #pragma once
 
-#include <cstdlib>
 #include <filesystem>
-#include <string>
+#include <optional>
+#include <system_error>
 
+#include "base/draft_folder.hpp"
 #include "base/error.hpp"
 
 namespace palpate {
@@ -14,22 +15,18 @@ class ScratchFolder {
  public:
   // Throws Error(kIo) where none can be made.
   ScratchFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "palpate_bench_XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) {
-      throw Error(Error::Code::kIo, name, "no folder can be made there", "set TMPDIR to a folder that may be written");
+    const std::filesystem::path parent = std::filesystem::temp_directory_path();
+    try {
+      folder_.emplace(parent, "palpate_bench_");
+    } catch (const std::system_error& failure) {
+      throw Error(Error::Code::kIo, parent.string(), "no folder can be made there (" + failure.code().message() + ")",
+                  "set TMPDIR to a folder that may be written");
     }
-    path_ = name;
   }
-  ~ScratchFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-  [[nodiscard]] const std::filesystem::path& path() const noexcept { return path_; }
+  [[nodiscard]] const std::filesystem::path& path() const noexcept { return folder_->path(); }
 
  private:
-  std::filesystem::path path_;
+  std::optional<DraftFolder> folder_;
 };
 
 }  // namespace palpate

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "apps/console/message.hpp"
 #include "apps/console/one_line.hpp"
 
 namespace palpate {
@@ -17,8 +18,7 @@ Progress::~Progress() {
 
 void Progress::show(const std::string& text) {
   if (text == shown_) return;
-  fmt::print(stream_, "\r\033[K{}", text);
-  std::fflush(stream_);
+  writeMessage(stream_, "\r\033[K" + text);
   shown_ = text;
 }
 
@@ -28,7 +28,7 @@ void Progress::stage(const std::string& what) {
   if (terminal_) {
     show(stage_ + " ...");
   } else {
-    fmt::print(stream_, "{} ...\n", stage_);
+    writeMessage(stream_, stage_ + " ...\n");
   }
 }
 
@@ -36,16 +36,14 @@ void Progress::fraction(double done) {
   if (terminal_) {
     show(fmt::format("{} ... {:3.0f} %", stage_, 100 * done));
   } else if (since_.seconds() >= every_s_) {
-    fmt::print(stream_, "{}: {:.0f} % ...\n", stage_, 100 * done);
-    std::fflush(stream_);
+    writeMessage(stream_, fmt::format("{}: {:.0f} % ...\n", stage_, 100 * done));
     since_ = Stopwatch();
   }
 }
 
 void Progress::done() {
   if (terminal_ && !shown_.empty()) {
-    fmt::print(stream_, "\r\033[K");
-    std::fflush(stream_);
+    writeMessage(stream_, "\r\033[K");
   }
   shown_.clear();
 }

@@ -133,7 +133,12 @@ class Job {
         stamps_(volume.lattice(), profile_) {
     result_.isovalue = isovalue;
     result_.gpu = engine_.gpu().name;
-    if (!request.journal.empty()) session_.keepJournal(request.journal, identityOf(volume), watchedJournal());
+    if (request.journal.empty()) return;
+    session_.keepJournal(request.journal, identityOf(volume), watchedJournal());
+    tellWhatIsKept(
+        fmt::format("{} was not written; the journal {} holds the commands that had reached the disk: see "
+                    "'palpate recover'",
+                    request.out, request.journal));
   }
 
   EditResult run(Orders& orders, const ConvertRequest& output, AtomicFile& file) {
@@ -149,6 +154,7 @@ class Job {
       result_.content = contentHash(volume_);
       result_.file = writeOutput(volume_, output, "palpate edit", file, progress_);
       file.commit();
+      tellWhatIsKept(request_.out + " is written");
       tellOfNothing();
     } catch (const Error& error) {
       session_.close();

@@ -1,101 +1,130 @@
 // SPDX-License-Identifier: Apache-2.0
 // palpate: touch volumes. One file per verb; this one only starts them and reports what they throw.
-#include <cstdio>
+#include <cerrno>
+#include <csignal>
 #include <exception>
 #include <filesystem>
 #include <new>
+#include <sstream>
 
 #include <fmt/format.h>
 
 #include "apps/console/interrupt.hpp"
-#include "apps/console/one_line.hpp"
+#include "apps/console/message.hpp"
+#include "apps/console/standard_streams.hpp"
 #include "base/error.hpp"
+#include "command_words.hpp"
 #include "engine/gpu/validation.hpp"
 #include "verbs.hpp"
 #include "version.hpp"
 
 namespace {
 
+using palpate::Error;
+using palpate::exitStatus;
+
 constexpr int kUnexpected = 1;
 
-int report(const std::string& message, int status) {
-  fmt::print(stderr, "palpate: {}\n", palpate::oneLine(message));
-  return status;
-}
+// How a verb ended; without a message all was told.
+struct Ending {
+  int status = 0;
+  std::string message;
+};
+
+// The verb that the words before the first flag name, and the words themselves; the program itself where they name
+// none.
+struct Addressed {
+  const CLI::App* verb;
+  std::string command;
+};
 
 // CLI11 would say only that a subcommand is required.
-void checkVerb(const CLI::App& app, int argc, char** argv) {
-  const CLI::App* at = &app;
-  std::string command = app.get_name();
-  for (int i = 1; i < argc && argv[i][0] != '-' && at->get_require_subcommand_min() > 0; ++i) {
-    const auto verbs = at->get_subcommands([&](const CLI::App* verb) { return verb->check_name(argv[i]); });
-    if (verbs.empty()) {
-      throw palpate::Error(palpate::Error::Code::kBadInput, argv[i], "there is no such verb",
-                           fmt::format("'{} --help' lists them", command));
-    }
-    at = verbs.front();
-    command += " " + at->get_name();
+Addressed addressedVerb(const CLI::App& app, int argc, char** argv) {
+  Addressed at{&app, app.get_name()};
+  for (int i = 1; i < argc && argv[i][0] != '-' && at.verb->get_require_subcommand_min() > 0; ++i) {
+    at.verb = &palpate::verbNamed(*at.verb, argv[i], at.command);
+    at.command += " " + at.verb->get_name();
+  }
+  return at;
+}
+
+Ending runVerb(CLI::App& app, const Addressed& addressed, int argc, char** argv) {
+  try {
+    app.parse(argc, argv);
+    return {};
+  } catch (const CLI::RuntimeError& verdict) {
+    return {verdict.get_exit_code(), ""};
+  } catch (const CLI::Success& asked) {  // --help, --version
+    std::ostringstream text;
+    static_cast<void>(app.exit(asked, text, text));
+    palpate::printText(text.str());
+    return {};
+  } catch (const CLI::ParseError& error) {
+    return {exitStatus(Error::Code::kBadInput), palpate::parseMessage(*addressed.verb, addressed.command, error)};
+  } catch (const Error& error) {
+    return {exitStatus(error.code()), error.what()};
+  } catch (const std::bad_alloc&) {
+    return {exitStatus(Error::Code::kOutOfMemory), "out of memory; use a smaller volume or close other programs"};
+  } catch (const std::filesystem::filesystem_error& error) {
+    return {exitStatus(Error::Code::kIo),
+            fmt::format("{}: {}; check the name", error.path1().string(), error.code().message())};
+  } catch (const std::exception& error) {
+    return {kUnexpected,
+            fmt::format("unexpected: {}; please report this with the command that you gave", error.what())};
   }
 }
 
-std::string parseMessage(const CLI::App* app, const CLI::Error& error) {
-  std::string command = app->get_name();
-  for (auto verbs = app->get_subcommands(); !verbs.empty(); verbs = verbs.front()->get_subcommands()) {
-    command += " " + verbs.front()->get_name();
+// Results that did not reach their file or pipe are an error, though they were computed. Where the reader of a pipe has
+// gone, the program ends as others do then: by the signal, and without a word.
+int flushed(int status) {
+  const int error = palpate::resultError();
+  if (error == 0) return status;
+  if (error == EPIPE) {
+    std::signal(SIGPIPE, SIG_DFL);
+    std::raise(SIGPIPE);
   }
-  return fmt::format("palpate: {}; '{} --help' says what may be given\n", palpate::oneLine(error.what()), command);
-}
-
-// Results that did not reach their file or pipe are an error, though they were computed.
-int flushed() {
-  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return 0;
-  return report("standard output: it cannot be written to; make room or write elsewhere",
-                palpate::exitStatus(palpate::Error::Code::kIo));
+  palpate::tellUser("standard output: it cannot be written to; make room or write elsewhere");
+  return exitStatus(Error::Code::kIo);
 }
 
 // Under PALPATE_VALIDATION a run that the validation layer objects to has failed, whatever it printed.
 int validated(int status) {
   for (const std::string& message : palpate::gpu::validationMessages()) {
-    status = report("validation layer: " + message, kUnexpected);
+    palpate::tellUser("validation layer: " + message);
+    status = kUnexpected;
   }
   return status;
+}
+
+void addVerbs(CLI::App& app) {
+  for (const auto& add :
+       {palpate::addTouchVerb, palpate::addEditVerb, palpate::addRecoverVerb, palpate::addInfoVerb,
+        palpate::addConvertVerb, palpate::addGradientVerb, palpate::addFilterVerb, palpate::addCheckVerb,
+        palpate::addBenchVerb, palpate::addDevicesVerb, palpate::addPlanVerb, palpate::addSceneVerb,
+        palpate::addFaultsVerb, palpate::addHelpVerb, palpate::addCompletionVerb}) {
+    add(app);
+  }
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
+  palpate::openClosedStreams();
+  palpate::catchInterrupts();
   CLI::App app("Touch volumes: isosurface haptics over a Vulkan volume service.", "palpate");
-  app.set_version_flag("--version",
+  app.set_version_flag("-v,--version",
                        fmt::format("palpate {} ({})", palpate::programVersion(), palpate::programCommit()));
   app.require_subcommand(1);
-  app.failure_message(parseMessage);
-  for (const auto& add : {palpate::addTouchVerb, palpate::addEditVerb, palpate::addRecoverVerb, palpate::addInfoVerb,
-                          palpate::addConvertVerb, palpate::addGradientVerb, palpate::addFilterVerb,
-                          palpate::addCheckVerb, palpate::addBenchVerb, palpate::addDevicesVerb, palpate::addPlanVerb,
-                          palpate::addSceneVerb, palpate::addFaultsVerb}) {
-    add(app);
-  }
-  palpate::catchInterrupts();
+  addVerbs(app);
+  Ending ending;
   try {
-    checkVerb(app, argc, argv);
-    app.parse(argc, argv);
-  } catch (const CLI::RuntimeError& verdict) {
-    const int status = flushed();
-    return status != 0 ? status : verdict.get_exit_code();
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? flushed() : palpate::exitStatus(palpate::Error::Code::kBadInput);
-  } catch (const palpate::Error& error) {
-    return report(error.what(), palpate::exitStatus(error.code()));
-  } catch (const std::bad_alloc&) {
-    return report("out of memory; use a smaller volume or close other programs",
-                  palpate::exitStatus(palpate::Error::Code::kOutOfMemory));
-  } catch (const std::filesystem::filesystem_error& error) {
-    return report(fmt::format("{}: {}; check the name", error.path1().string(), error.code().message()),
-                  palpate::exitStatus(palpate::Error::Code::kIo));
-  } catch (const std::exception& error) {
-    if (std::ferror(stdout) != 0) return flushed();
-    return report(fmt::format("unexpected: {}; please report this with the command that you gave", error.what()),
-                  kUnexpected);
+    const Addressed addressed = addressedVerb(app, argc, argv);
+    palpate::nameWork(addressed.command);
+    ending = runVerb(app, addressed, argc, argv);
+  } catch (const Error& error) {
+    ending = {exitStatus(error.code()), error.what()};
   }
-  return validated(flushed());
+  palpate::endOfWork(ending.status);
+  if (!ending.message.empty()) palpate::tellUser(ending.message);
+  return validated(flushed(ending.status));
 }

@@ -23,9 +23,13 @@ SceneArguments::SceneArguments(CLI::App& verb) : values_(sceneOptions().size()) 
       ->type_name("VOLUME|SCENE.toml");
   for (std::size_t i = 0; i < values_.size(); ++i) {
     const SceneOption& option = sceneOptions()[i];
-    options_.push_back(verb.add_option(option.flag, values_[i], optionHelp(option))->type_name(" "));
+    options_.push_back(
+        verb.add_option(option.flag, values_[i], optionHelp(option))->type_name(" ")->group(optionGroup(option)));
   }
-  verb.add_option("--object", objects_, objectHelp())->type_name(" ")->allow_extra_args(false);
+  verb.add_option("--object", objects_, objectHelp())
+      ->type_name(" ")
+      ->allow_extra_args(false)
+      ->group(optionGroup(*optionOfKey("volume")));
 }
 
 Scene SceneArguments::scene() const {

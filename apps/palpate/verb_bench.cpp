@@ -16,6 +16,7 @@
 #include "apps/bench/loop_bench.hpp"
 #include "apps/bench/servo_bench.hpp"
 #include "apps/bench/table_one.hpp"
+#include "apps/console/message.hpp"
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
 #include "scene_arguments.hpp"
@@ -119,8 +120,8 @@ void conclude(BenchResult& result, const BenchArguments& arguments, PageWords wo
   result.command = commandLine(result.bench, arguments);
   words.chart = chartFromPage(arguments);
   outputs.write(result, chart, words);
-  fmt::print("{}\n{}\n{}, commit {}\n{}", words.tables, result.command, result.machine, result.commit,
-             targetTable(result));
+  printResult("{}\n{}\n{}, commit {}\n{}", words.tables, result.command, result.machine, result.commit,
+              targetTable(result));
   if (arguments.strict && !result.allHold()) throw CLI::RuntimeError(kTargetBroken);
 }
 

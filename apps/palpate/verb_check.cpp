@@ -13,6 +13,7 @@
 #include "apps/check/filter_check.hpp"
 #include "apps/check/gradient_check.hpp"
 #include "apps/console/interrupt.hpp"
+#include "apps/console/message.hpp"
 #include "apps/console/progress.hpp"
 #include "apps/filter/filter_job.hpp"
 #include "base/atomic_file.hpp"
@@ -38,17 +39,17 @@ struct CheckArguments {
 };
 
 void printCheck(const CheckArguments& arguments, const Check& check) {
-  fmt::print("gradient of {} on {}: {}, stored as {}\n", arguments.volume, check.device, arguments.gradient_operator,
-             arguments.samples);
-  fmt::print("  values compared   {:>14}\n", check.compared);
-  fmt::print("  differing values  {:>14}\n", check.differing);
-  fmt::print("  largest           {:>14} ULP", check.largest_ulp);
+  printResult("gradient of {} on {}: {}, stored as {}\n", arguments.volume, check.device, arguments.gradient_operator,
+              arguments.samples);
+  printResult("  values compared   {:>14}\n", check.compared);
+  printResult("  differing values  {:>14}\n", check.differing);
+  printResult("  largest           {:>14} ULP", check.largest_ulp);
   if (check.differing > 0) {
-    fmt::print(" at voxel {},{},{} {}: GPU {:.9g}, CPU {:.9g}", check.voxel.x(), check.voxel.y(), check.voxel.z(),
-               check.component, check.gpu_value, check.cpu_value);
+    printResult(" at voxel {},{},{} {}: GPU {:.9g}, CPU {:.9g}", check.voxel.x(), check.voxel.y(), check.voxel.z(),
+                check.component, check.gpu_value, check.cpu_value);
   }
-  fmt::print("\n  bound             {:>14} ULP: {}\n", arguments.bound_ulp, check.holds() ? "holds" : "BROKEN");
-  fmt::print("  time              {:>14.3f} s GPU, {:.3f} s CPU twin\n", check.gpu_seconds, check.cpu_seconds);
+  printResult("\n  bound             {:>14} ULP: {}\n", arguments.bound_ulp, check.holds() ? "holds" : "BROKEN");
+  printResult("  time              {:>14.3f} s GPU, {:.3f} s CPU twin\n", check.gpu_seconds, check.cpu_seconds);
 }
 
 void writeJson(const CheckArguments& arguments, const Check& check) {
@@ -85,8 +86,8 @@ void checkGradientVerb(const CheckArguments& arguments) {
     throwIfInterrupted("palpate check");
   });
   progress.done();
-  printCheck(arguments, check);
   if (!arguments.json.empty()) writeJson(arguments, check);
+  printCheck(arguments, check);
   if (!check.holds()) throw CLI::RuntimeError(kBoundBroken);
 }
 
@@ -105,9 +106,9 @@ struct TableArguments {
 };
 
 void tell(const TableArguments& arguments, const std::string& name, const std::vector<Check>& checks) {
-  if (!checks.empty()) fmt::print("{} on {}\n", name, checks[0].device);
-  fmt::print("{}", checkTable(checks));
   if (!arguments.json.empty()) writeFileAtomically(arguments.json, checkJson(checks, name, programCommit()));
+  if (!checks.empty()) printResult("{} on {}\n", name, checks[0].device);
+  printText(checkTable(checks));
   if (!allHold(checks)) throw CLI::RuntimeError(kBoundBroken);
 }
 
@@ -141,7 +142,7 @@ void checkFiltersVerb(const TableArguments& arguments) {
   if (request.chains.empty() && volume.minimum() == volume.maximum()) {
     request.chains = checkedFilters(volume);
     dropDistances(request.chains);
-    fmt::print(stderr, "{}: distances are left out, since a volume of one density has no surface\n", arguments.volume);
+    tellUser(arguments.volume + ": distances are left out, since a volume of one density has no surface");
   }
   progress.stage("comparing");
   const std::vector<Check> checks = checkFilters(volume, request, shownIn(progress));
@@ -181,11 +182,11 @@ void checkAllVerb(const TableArguments& arguments) {
       },
       shownIn(progress));
   progress.done();
-  for (const std::string& what : all.left_out) fmt::print("left out: {}\n", what);
   if (!arguments.page.empty()) {
     const CheckRun run{allCommand(arguments), programCommit(), machineInWords(), all.left_out};
     writeFileAtomically(arguments.page, checkPage(all.checks, run));
   }
+  for (const std::string& what : all.left_out) printResult("left out: {}\n", what);
   tell(arguments, "all", all.checks);
 }
 

@@ -2,6 +2,7 @@
 // palpate convert IN OUT: a volume in another format, or its isosurface as a mesh.
 #include <fmt/format.h>
 
+#include "apps/console/message.hpp"
 #include "apps/convert/convert_job.hpp"
 #include "series_option.hpp"
 #include "verbs.hpp"
@@ -27,7 +28,7 @@ void addConvertVerb(CLI::App& app) {
     if (!unit->empty()) request->unit = *unit == "m" ? LengthUnit::kMetre : LengthUnit::kMillimetre;
     Progress progress;
     const ConvertResult result = convert(*request, progress);
-    fmt::print("{}\n", convertWords(*request, result));
+    printResult("{}\n", convertWords(*request, result));
   });
 }
 

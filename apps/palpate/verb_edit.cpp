@@ -2,7 +2,7 @@
 // palpate edit IN OUT: every edit, undo and redo, from the command line or a script.
 #include <fmt/format.h>
 
-#include "apps/console/one_line.hpp"
+#include "apps/console/message.hpp"
 #include "apps/edit/edit_words.hpp"
 #include "base/byte_size.hpp"
 #include "base/error.hpp"
@@ -36,11 +36,13 @@ void edit(EditArguments& arguments) {
   Progress progress;
   const EditResult result = editVolume(request, progress, [&](const std::string& message) {
     progress.done();
-    fmt::print(stderr, "palpate: {}\n", oneLine(message));
+    tellUser(message);
   });
-  fmt::print("{}", editWords(request, result));
   if (!arguments.request.json.empty())
     writeFileAtomically(arguments.request.json, editJson(request, result).dump(2) + "\n");
+  printText(editWords(request, result));
+  // The volume is there, and what went wrong was told; who kept a journal relies on it nevertheless.
+  if (result.journal_saved < result.journal_records) throw CLI::RuntimeError(exitStatus(Error::Code::kIo));
 }
 
 }  // namespace
@@ -78,7 +80,7 @@ void addEditVerb(CLI::App& app) {
   verb->add_flag_callback(
           "--commands",
           [] {
-            fmt::print("{}", editTextTable());
+            printText(editTextTable());
             throw CLI::Success();
           },
           "list the kinds of edits and their keys")

@@ -2,6 +2,7 @@
 // palpate faults: every fault of the servo, what it does to the force and what to do, as docs/faults.md has it.
 #include <fmt/format.h>
 
+#include "apps/console/message.hpp"
 #include "servo/safety/faults.hpp"
 #include "verbs.hpp"
 
@@ -10,7 +11,7 @@ namespace palpate {
 void addFaultsVerb(CLI::App& app) {
   CLI::App* verb =
       app.add_subcommand("faults", "print every fault of the servo: what it does to the force, what to do");
-  verb->callback([] { fmt::print("{}", faultDocument()); });
+  verb->callback([] { printText(faultDocument()); });
 }
 
 }  // namespace palpate

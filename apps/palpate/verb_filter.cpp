@@ -2,6 +2,7 @@
 // palpate filter IN -o OUT --filter CHAIN: a volume through filters into another file.
 #include <fmt/format.h>
 
+#include "apps/console/message.hpp"
 #include "apps/filter/filter_job.hpp"
 #include "engine/filter/filter_spec.hpp"
 #include "series_option.hpp"
@@ -36,7 +37,7 @@ void addFilterVerb(CLI::App& app) {
   verb->callback([request] {
     Progress progress;
     const FilterResult result = filterFile(*request, progress);
-    fmt::print("{}", filterWords(*request, result));
+    printText(filterWords(*request, result));
   });
 }
 

@@ -2,6 +2,7 @@
 // palpate gradient IN -o OUT.vdb: the gradients of a volume as an OpenVDB file of vectors.
 #include <fmt/format.h>
 
+#include "apps/console/message.hpp"
 #include "apps/gradient/gradient_job.hpp"
 #include "engine/gradient/gradient_operator.hpp"
 #include "series_option.hpp"
@@ -23,7 +24,7 @@ void addGradientVerb(CLI::App& app) {
   verb->callback([request] {
     Progress progress;
     const GradientResult result = gradientFile(*request, progress);
-    fmt::print("{}\n", gradientWords(*request, result));
+    printResult("{}\n", gradientWords(*request, result));
   });
 }
 

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "apps/console/message.hpp"
 #include "apps/console/progress.hpp"
 #include "base/byte_size.hpp"
 #include "base/units.hpp"
@@ -32,7 +33,7 @@ void printPlaces(const Volume& volume) {
   const Vec3 low_mm = low_W * kMillimetresPerMetre;
   const Vec3 high_mm = high_W * kMillimetresPerMetre;
   const Vec3 middle_mm = volume.lattice().toWorld(last_L / 2) * kMillimetresPerMetre;
-  fmt::print(
+  printResult(
       "  places       x {:.6g} to {:.6g}, y {:.6g} to {:.6g}, z {:.6g} to {:.6g} mm; the middle {:.6g},{:.6g},{:.6g}\n",
       low_mm.x(), high_mm.x(), low_mm.y(), high_mm.y(), low_mm.z(), high_mm.z(), middle_mm.x(), middle_mm.y(),
       middle_mm.z());
@@ -44,42 +45,42 @@ void printFacts(const Volume& volume) {
   const Vec3 origin_mm = volume.lattice().origin_W * kMillimetresPerMetre;
   const Vec3 extent_mm = volume.size().cast<double>().cwiseProduct(spacing_mm);
   const Mat3& axes = volume.lattice().R_WL;
-  fmt::print("{}\n", facts.source);
-  fmt::print("  format       {} ({})\n", facts.format, facts.value_type);
-  if (!facts.part.empty()) fmt::print("  part         {}\n", facts.part);
-  fmt::print("  size         {} x {} x {} voxels\n", volume.size().x(), volume.size().y(), volume.size().z());
-  fmt::print("  spacing      {:.6g} x {:.6g} x {:.6g} mm\n", spacing_mm.x(), spacing_mm.y(), spacing_mm.z());
-  fmt::print("  extent       {:.4g} x {:.4g} x {:.4g} mm\n", extent_mm.x(), extent_mm.y(), extent_mm.z());
-  fmt::print("  origin       {:.6g}, {:.6g}, {:.6g} mm (LPS)\n", origin_mm.x(), origin_mm.y(), origin_mm.z());
+  printResult("{}\n", facts.source);
+  printResult("  format       {} ({})\n", facts.format, facts.value_type);
+  if (!facts.part.empty()) printResult("  part         {}\n", facts.part);
+  printResult("  size         {} x {} x {} voxels\n", volume.size().x(), volume.size().y(), volume.size().z());
+  printResult("  spacing      {:.6g} x {:.6g} x {:.6g} mm\n", spacing_mm.x(), spacing_mm.y(), spacing_mm.z());
+  printResult("  extent       {:.4g} x {:.4g} x {:.4g} mm\n", extent_mm.x(), extent_mm.y(), extent_mm.z());
+  printResult("  origin       {:.6g}, {:.6g}, {:.6g} mm (LPS)\n", origin_mm.x(), origin_mm.y(), origin_mm.z());
   printPlaces(volume);
-  fmt::print("  axes         i ({:.4g}, {:.4g}, {:.4g})  j ({:.4g}, {:.4g}, {:.4g})  k ({:.4g}, {:.4g}, {:.4g})\n",
+  printResult("  axes         i ({:.4g}, {:.4g}, {:.4g})  j ({:.4g}, {:.4g}, {:.4g})  k ({:.4g}, {:.4g}, {:.4g})\n",
              axes(0, 0), axes(1, 0), axes(2, 0), axes(0, 1), axes(1, 1), axes(2, 1), axes(0, 2), axes(1, 2),
              axes(2, 2));
-  if (!facts.orientation.empty()) fmt::print("  orientation  {}\n", facts.orientation);
-  if (!facts.remark.empty()) fmt::print("  note         {}\n", facts.remark);
+  if (!facts.orientation.empty()) printResult("  orientation  {}\n", facts.orientation);
+  if (!facts.remark.empty()) printResult("  note         {}\n", facts.remark);
   if (facts.rescale_slope != 1 || facts.rescale_intercept != 0) {
-    fmt::print("  rescale      density = {:g} * stored + {:g}\n", facts.rescale_slope, facts.rescale_intercept);
+    printResult("  rescale      density = {:g} * stored + {:g}\n", facts.rescale_slope, facts.rescale_intercept);
   }
-  if (facts.kept_isovalue) fmt::print("  surface      at isovalue {:g}, which the file keeps\n", *facts.kept_isovalue);
-  fmt::print("  bricks       {} of {} hold more than one value; {} stored\n", volume.storedBricks(),
-             volume.brickCount().prod(), inMiB(volume.storedBytes()));
+  if (facts.kept_isovalue) printResult("  surface      at isovalue {:g}, which the file keeps\n", *facts.kept_isovalue);
+  printResult("  bricks       {} of {} hold more than one value; {} stored\n", volume.storedBricks(),
+              volume.brickCount().prod(), inMiB(volume.storedBytes()));
 }
 
 void printHistogram(const Histogram& histogram) {
   const std::uint64_t most = *std::max_element(histogram.counts.begin(), histogram.counts.end());
-  fmt::print("  histogram (length of a bar: logarithm of the voxel count)\n");
+  printResult("  histogram (length of a bar: logarithm of the voxel count)\n");
   for (std::size_t bin = 0; bin < histogram.counts.size(); ++bin) {
     const std::uint64_t count = histogram.counts[bin];
     const double share = std::log1p(static_cast<double>(count)) / std::log1p(static_cast<double>(most));
-    fmt::print("  {:>12.5g}  {:<{}}  {}\n", histogram.low + static_cast<double>(bin) * histogram.bin_width,
-               std::string(static_cast<std::size_t>(std::lround(kBarLength * share)), '#'), kBarLength, count);
+    printResult("  {:>12.5g}  {:<{}}  {}\n", histogram.low + static_cast<double>(bin) * histogram.bin_width,
+                std::string(static_cast<std::size_t>(std::lround(kBarLength * share)), '#'), kBarLength, count);
   }
 }
 
 void printStatistics(const VolumeStatistics& statistics) {
-  fmt::print("  range        {:g} ... {:g}, mean {:.5g}\n", statistics.minimum, statistics.maximum, statistics.mean);
+  printResult("  range        {:g} ... {:g}, mean {:.5g}\n", statistics.minimum, statistics.maximum, statistics.mean);
   if (statistics.fill_share > 0) {
-    fmt::print(
+    printResult(
         "  no data?     {:.3g} % of the voxels hold {:g}, far below all others: if that marks what was not measured, "
         "the\n"
         "               isovalues below and edits take it for a density all the same; give --iso, or replace it in the "
@@ -88,12 +89,12 @@ void printStatistics(const VolumeStatistics& statistics) {
   }
   printHistogram(statistics.histogram);
   if (statistics.suggestions.empty()) {
-    fmt::print("  isovalues    none: every voxel holds the same value, so there is no surface\n");
+    printResult("  isovalues    none: every voxel holds the same value, so there is no surface\n");
     return;
   }
-  fmt::print("  isovalues worth trying (--iso), the default first\n");
+  printResult("  isovalues worth trying (--iso), the default first\n");
   for (const IsovalueSuggestion& suggestion : statistics.suggestions) {
-    fmt::print("  {:>12g}  {}\n", suggestion.isovalue, suggestion.reason);
+    printResult("  {:>12g}  {}\n", suggestion.isovalue, suggestion.reason);
   }
 }
 

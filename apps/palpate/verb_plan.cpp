@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "apps/console/interrupt.hpp"
+#include "apps/console/message.hpp"
 #include "apps/console/pass_progress.hpp"
 #include "apps/touch/algorithm_setup.hpp"
 #include "base/byte_size.hpp"
@@ -30,10 +31,10 @@ void addPlanVerb(CLI::App& app) {
     const Engine engine(volume, plan, isovalue, scene.gpu, 0,
                         passProgress(progress, [] { throwIfInterrupted("palpate plan"); }));
     progress.done();
-    fmt::print("{} at isovalue {:g} on {}\n", scene.volume, isovalue, engine.gpu().name);
+    printResult("{} at isovalue {:g} on {}\n", scene.volume, isovalue, engine.gpu().name);
     for (const PlanLine& line : planLines(plan, engine.planFacts())) {
-      fmt::print("  {:<8}  {:<64} {:>10}  {}\n", line.done ? "do" : "leave", line.what,
-                 line.saved_bytes > 0 ? "-" + inMiB(line.saved_bytes) : "", line.why);
+      printResult("  {:<8}  {:<64} {:>10}  {}\n", line.done ? "do" : "leave", line.what,
+                  line.saved_bytes > 0 ? "-" + inMiB(line.saved_bytes) : "", line.why);
     }
   });
 }

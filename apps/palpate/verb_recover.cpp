@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "apps/console/interrupt.hpp"
+#include "apps/console/message.hpp"
 #include "apps/convert/convert_job.hpp"
 #include "apps/mesh/mesh_writer.hpp"
 #include "base/error.hpp"
@@ -67,16 +68,16 @@ void recover(const RecoverArguments& arguments) {
   static_cast<void>(writeOutput(volume, output, "palpate recover", file, progress));
   file.commit();
   progress.done();
-  fmt::print("Journal   {}\n", editsInWords(journal));
+  printResult("Journal   {}\n", editsInWords(journal));
   if (journal.damage) {
-    fmt::print("Lost      {}\n", damageWords(*journal.damage));
+    printResult("Lost      {}\n", damageWords(*journal.damage));
     // For who looks at errors only: the status is 0, there is a volume.
-    fmt::print(stderr, "palpate: {}: it has lost {}; {} holds what is before\n", folder, damageWords(*journal.damage),
-               arguments.out);
+    tellUser(fmt::format("{}: it has lost {}; {} holds what is before", folder, damageWords(*journal.damage),
+                         arguments.out));
   }
-  fmt::print("Volume    {}, content {:016x}\nFile      {}\n", source, contentHash(volume), arguments.out);
+  printResult("Volume    {}, content {:016x}\nFile      {}\n", source, contentHash(volume), arguments.out);
   const std::string surface = surfaceWords(arguments.out, journal.header.profile.isovalue);
-  if (!surface.empty()) fmt::print("Surface   {}", surface);
+  if (!surface.empty()) printResult("Surface   {}", surface);
 }
 
 }  // namespace

@@ -1,16 +1,40 @@
 // SPDX-License-Identifier: Apache-2.0
 // palpate touch VOLUME|SCENE: the main job.
+#include <optional>
+
 #include <fmt/format.h>
 
+#include "apps/console/interrupt.hpp"
+#include "apps/console/message.hpp"
 #include "apps/console/progress.hpp"
 #include "apps/report/words.hpp"
+#include "apps/scene/flag_errors.hpp"
 #include "apps/scene/idle_options.hpp"
+#include "apps/touch/live_edits.hpp"
 #include "apps/touch/touch_job.hpp"
+#include "base/error.hpp"
 #include "scene_arguments.hpp"
 #include "verbs.hpp"
 #include "version.hpp"
 
 namespace palpate {
+
+namespace {
+
+// The run is there; whether all of it is, the status says.
+void endWith(const TouchRun& run) {
+  const bool lost = run.edits && lostEdits(*run.edits);
+  if (run.ended_early.empty() && !lost) return;
+  const std::string edits = run.edits ? keptEdits(run.scene, *run.edits) : "";
+  const Error stopped(Error::Code::kCancelled, "palpate touch", run.ended_early,
+                      fmt::format("what was felt is in {}{}{}; start it again for the rest", run.scene.out,
+                                  edits.empty() ? "" : ", ", edits));
+  if (!lost) throw stopped;
+  if (!run.ended_early.empty()) tellUser(stopped.what());
+  throw CLI::RuntimeError(exitStatus(Error::Code::kIo));  // each loss was told when it came
+}
+
+}  // namespace
 
 void addTouchVerb(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("touch", "palpate a volume along a path and report how it felt");
@@ -21,10 +45,16 @@ void addTouchVerb(CLI::App& app) {
   verb->callback([arguments] {
     Progress progress;
     const Scene scene = arguments->scene();
-    for (const std::string& idle : idleOptions(scene, arguments->givenFlags()))
-      fmt::print(stderr, "palpate: {}\n", idle);
-    const TouchRun run = runTouchJob(scene, arguments->commandLine("touch", scene), programCommit(), progress);
-    fmt::print("{}", closingSummary(run));
+    for (const std::string& idle : idleOptions(scene, arguments->givenFlags())) tellUser(idle);
+    std::optional<KeptWork> telling;  // outlives the run, whose memory may take long to give back
+    try {
+      const TouchRun run = runTouchJob(scene, arguments->commandLine("touch", scene), programCommit(), progress);
+      telling.emplace();
+      printText(closingSummary(run));
+      endWith(run);
+    } catch (const Error& error) {
+      throw withFlag(error);
+    }
   });
 }
 

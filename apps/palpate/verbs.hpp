@@ -34,5 +34,7 @@ void addDevicesVerb(CLI::App& app);
 void addPlanVerb(CLI::App& app);
 void addSceneVerb(CLI::App& app);
 void addFaultsVerb(CLI::App& app);
+void addHelpVerb(CLI::App& app);
+void addCompletionVerb(CLI::App& app);
 
 }  // namespace palpate

@@ -216,6 +216,7 @@ Json makeSummary(const TouchRun& run) {
   };
   return {{"schema", kSummarySchema},
           {"verdict", verdict(run, figures)},
+          {"ended_early", run.ended_early.empty() ? Json(nullptr) : Json(run.ended_early)},
           {"commit", run.commit},
           {"command", run.command},
           {"volume", volumeJson(run.volume)},

@@ -90,6 +90,7 @@ struct TouchRun {
   std::int64_t grid_points = 0;                    // ticks that were run or left out; 0: as the records say
   ContactStability stability;                      // of the contact in them
   std::vector<RunFault> faults;
+  std::string ended_early;         // how: "stopped by the user after 1.2 s of 5 s"; empty: all was done
   std::vector<std::string> files;  // written or to be written, as shown to the user
   std::optional<ExactErrors> exact;
   std::optional<RunEdits> edits;

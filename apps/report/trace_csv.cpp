@@ -61,11 +61,13 @@ void writeRow(const TickRecord& record, AtomicFile& out) {
 
 }  // namespace
 
-void writeTraceCsv(const std::filesystem::path& file, const std::vector<TickRecord>& records) {
+void writeTraceCsv(const std::filesystem::path& file, const std::vector<TickRecord>& records,
+                   const std::string& ended_early) {
   AtomicFile out(file);
   out.write(kTraceHeader);
   out.write("\n");
   for (const TickRecord& record : records) writeRow(record, out);
+  if (!ended_early.empty()) out.write("# " + ended_early + "\n");
   out.commit();
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -18,6 +19,9 @@ inline constexpr std::string_view kTraceHeader =
 // Numbers are the shortest that read back to the same bits, so equal records give equal bytes; density is "nan" where
 // the window did not reach. Throws Error kIo (atomic_file.hpp). Any thread. Cost: about 2 microseconds and 200 bytes a
 // row.
-void writeTraceCsv(const std::filesystem::path& file, const std::vector<TickRecord>& records);
+// `ended_early`: of a run that was not finished, as a last line "# ..."; readers that know no comments must leave it
+// out.
+void writeTraceCsv(const std::filesystem::path& file, const std::vector<TickRecord>& records,
+                   const std::string& ended_early = "");
 
 }  // namespace palpate

@@ -240,19 +240,21 @@ std::string stabilityWords(const ContactStability& s, const RunFigures& f) {
 }
 
 std::string verdict(const TouchRun& run, const RunFigures& f) {
+  const std::string begin = run.ended_early.empty() ? "" : "Ended early: " + run.ended_early + ". ";
   const std::string end = pathClause(pathOutcome(run.records, run.phases, run.scene.rate_hz)) +
                           stabilityClause(run.stability, f) + editClause(run) + "; " + faultWord(run.faults.size()) +
                           ".";
   if (f.contact_ticks == 0)
-    return fmt::format("The tool never touched the surface in {} s{}", shortNumber(f.time_s), end);
+    return begin + fmt::format("The tool never touched the surface in {} s{}", shortNumber(f.time_s), end);
   const std::string depth = f.depth_m.count == 0 ? "" : fmt::format(", pressed at most {} deep", mm(f.depth_m.max));
-  return fmt::format("The tool touched the surface for {} s of {} s{} and felt at most {} N{}",
-                     shortNumber(f.contact_s), shortNumber(f.time_s), depth, shortNumber(f.force_N.max), end);
+  return begin + fmt::format("The tool touched the surface for {} s of {} s{} and felt at most {} N{}",
+                             shortNumber(f.contact_s), shortNumber(f.time_s), depth, shortNumber(f.force_N.max), end);
 }
 
 std::string closingSummary(const TouchRun& run) {
   const RunFigures figures = figuresOf(run);
-  return touchedLine(run) + contactLine(figures) + feelLine(figures) + contactVerdictLine(run, figures) +
+  const std::string ended = run.ended_early.empty() ? "" : "Ended     early: " + run.ended_early + "\n";
+  return touchedLine(run) + ended + contactLine(figures) + feelLine(figures) + contactVerdictLine(run, figures) +
          servoLine(run, figures) + editLine(run) + volumeLine(run) + exactLine(run) + faultLines(run) +
          listLines("Note", run.notes) + filesLine(run);
 }

@@ -28,12 +28,14 @@ ChildTalk::ChildTalk(const std::vector<std::string>& words) {
   arguments.push_back(nullptr);
   if (posix_spawn(&child_, arguments[0], &actions, nullptr, arguments.data(), environ) != 0) child_ = -1;
   posix_spawn_file_actions_destroy(&actions);
+  if (child_ > 0) leftover_ = Leftover::process(child_);
   close(ends[1]);
 }
 
 ChildTalk::~ChildTalk() {
   if (socket_ >= 0) close(socket_);
   if (child_ < 0) return;
+  leftover_.release();  // its number may be another's once it is waited for
   kill(child_, SIGKILL);
   waitpid(child_, nullptr, 0);
 }

@@ -8,6 +8,8 @@
 
 #include <sys/types.h>
 
+#include "base/leftover.hpp"
+
 namespace palpate {
 
 class ChildTalk {
@@ -25,6 +27,7 @@ class ChildTalk {
 
  private:
   pid_t child_ = -1;
+  Leftover leftover_;
   int socket_ = -1;
   std::string heard_;  // the beginning of a line
 };

@@ -11,6 +11,7 @@
 
 #include "apps/rivals/child_talk.hpp"
 #include "base/error.hpp"
+#include "base/leftover.hpp"
 #include "base/units.hpp"
 
 namespace palpate {
@@ -36,6 +37,7 @@ class TemporaryFile {
       throw Error(Error::Code::kIo, name_, "no file can be made there", "set TMPDIR to a folder that may be written");
     }
     close(file);
+    leftover_ = Leftover::file(name_);
   }
   ~TemporaryFile() {
     std::error_code ignored;
@@ -64,6 +66,7 @@ class TemporaryFile {
 
  private:
   std::string name_;
+  Leftover leftover_;
 };
 
 std::vector<std::string> command(std::vector<std::string> python) {

@@ -18,16 +18,22 @@ constexpr double kMm = kMetresPerMillimetre;
 NumberOption number(double Scene::*member, double scale, double lowest, double highest) {
   return {member, scale, lowest, highest};
 }
+NumberOption numberAbove(double Scene::*member, double scale, double lowest, double highest) {
+  return {member, scale, lowest, highest, true};
+}
 // The names, from the one place that has them.
-const char* algorithmHelp() {
-  static const std::string kText = [] {
-    std::string text = "haptic algorithm: ";
-    for (const AlgorithmEntry& entry : algorithms()) {
-      text += std::string(entry.name == algorithms().front().name ? "" : ", ") + std::string(entry.name);
-    }
-    return text;
+std::span<const char* const> algorithmNames() {
+  static const std::vector<std::string> kNames = [] {
+    std::vector<std::string> names;
+    for (const AlgorithmEntry& entry : algorithms()) names.emplace_back(entry.name);
+    return names;
   }();
-  return kText.c_str();
+  static const std::vector<const char*> kWords = [] {
+    std::vector<const char*> words;
+    for (const std::string& name : kNames) words.push_back(name.c_str());
+    return words;
+  }();
+  return kWords;
 }
 IntegerOption integer(int Scene::*member, long long lowest, long long highest) {
   return {member, lowest, highest};
@@ -56,7 +62,7 @@ const SceneOption kOptions[] = {
      TextOption{&Scene::gradient_operator}},
     {"--samples", "samples", "", "gradients and densities for the tool are kept as floats, or as halves in half the memory; docs/gradients.md",
      WordOption{&Scene::samples, kSampleForms}},
-    {"--algorithm", "servo.algorithm", "", algorithmHelp(), TextOption{&Scene::algorithm}},
+    {"--algorithm", "servo.algorithm", "", "haptic algorithm", WordOption{&Scene::algorithm, algorithmNames()}},
     {"--n", "servo.n", "ticks", "the virtual plane is found again every n ticks", integer(&Scene::plane_renewal_ticks, 1, 100000)},
     {"--stiffness", "servo.stiffness_N_per_m", "N/m", "stiffness of the contact, K", number(&Scene::stiffness_N_per_m, 1, 0, 1e5)},
     {"--damping", "servo.damping_Ns_per_m", "N s/m", "damping of the contact along the normal, B", number(&Scene::damping_Ns_per_m, 1, 0, 1000)},
@@ -70,7 +76,7 @@ const SceneOption kOptions[] = {
     {"--haptization-gradient", "haptization.gradient", "density/mm, -",
      "weight of that force by the gradient's magnitude; from the volume if not given",
      TableOption{&Scene::haptization_gradient, kMillimetresPerMetre, "gradient:weight"}},
-    {"--force-limit", "safety.force_limit_N", "N", "no larger force leaves the safety gate", number(&Scene::force_limit_N, 1, 0, 1000)},
+    {"--force-limit", "safety.force_limit_N", "N", "no larger force leaves the safety gate", numberAbove(&Scene::force_limit_N, 1, 0, 1000)},
     {"--slew-limit", "safety.slew_limit_N_per_s", "N/s", "no faster change of force leaves the safety gate: it is for jumps; much below stiffness times hand speed, contacts lag and shake", number(&Scene::slew_limit_N_per_s, 1, 1, 1e7)},
     {"--fade", "safety.fade_s", "s", "time in which the force fades to zero after a fault", number(&Scene::fade_s, 1, 0, 10)},
     {"--stale", "safety.stale_window_s", "s", "a window not confirmed for so long is a fault", number(&Scene::stale_window_s, 1, 0.001, 60)},
@@ -133,6 +139,28 @@ const SceneOption* optionOfKey(std::string_view key) {
   const auto* found =
       std::find_if(std::begin(kOptions), std::end(kOptions), [&](const auto& o) { return key == o.key; });
   return found == std::end(kOptions) ? nullptr : found;
+}
+
+const char* optionGroup(const SceneOption& option) {
+  struct Group {
+    const char* table;  // of the TOML file
+    const char* title;
+  };
+  static constexpr Group kGroups[] = {{"servo", "Servo"},
+                                      {"haptization", "Force from the density (--algorithm haptization)"},
+                                      {"safety", "Safety"},
+                                      {"contact", "What the contact feels like"},
+                                      {"hand", "Hand"},
+                                      {"device", "Simulated device"},
+                                      {"path", "The tool's path"},
+                                      {"edit", "Edits"},
+                                      {"output", "Output"}};
+  const std::string_view key = option.key;
+  const std::size_t dot = key.find('.');
+  if (dot == std::string_view::npos) return "Volume and what is computed of it";
+  const auto* found = std::find_if(std::begin(kGroups), std::end(kGroups),
+                                   [&](const Group& g) { return key.substr(0, dot) == g.table; });
+  return found->title;
 }
 
 std::string optionHelp(const SceneOption& option) {

@@ -24,6 +24,9 @@ struct SceneOption {
 // The row of a key, or null.
 [[nodiscard]] const SceneOption* optionOfKey(std::string_view key);
 
+// The heading under which --help has it: one for each table of the scene file.
+[[nodiscard]] const char* optionGroup(const SceneOption& option);
+
 // "stiffness of the contact, K [N/m] (default 500; key servo.stiffness_N_per_m)"
 [[nodiscard]] std::string optionHelp(const SceneOption& option);
 

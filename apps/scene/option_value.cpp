@@ -79,8 +79,7 @@ struct Setter {
 
   void operator()(const NumberOption& option) const {
     const auto number = parseNumber<double>(text);
-    // Written so that NaN is refused too.
-    if (!number || !(*number >= option.lowest && *number <= option.highest)) refuse(where, text, value);
+    if (!number || !option.takes(*number)) refuse(where, text, value);
     std::visit([&](auto member) { scene.*member = *number * option.scale; }, option.member);
   }
   void operator()(const IntegerOption& option) const {
@@ -160,7 +159,8 @@ struct Writer {
 
 struct Form {
   std::string operator()(const NumberOption& option) const {
-    return fmt::format("a number from {:g} to {:g}", option.lowest, option.highest);
+    return option.above_lowest ? fmt::format("a number above {:g}, at most {:g}", option.lowest, option.highest)
+                               : fmt::format("a number from {:g} to {:g}", option.lowest, option.highest);
   }
   std::string operator()(const IntegerOption& option) const {
     return fmt::format("a whole number from {} to {}", option.lowest, option.highest);
@@ -216,6 +216,12 @@ std::string screenText(double si, double scale) {
 }
 std::string screenText(const Vec3& si, double scale) {
   return screenText(si.x(), scale) + "," + screenText(si.y(), scale) + "," + screenText(si.z(), scale);
+}
+
+std::vector<std::string> optionWords(const OptionValue& value) {
+  if (const auto* words = std::get_if<WordOption>(&value)) return {words->words.begin(), words->words.end()};
+  if (const auto* words = std::get_if<SwitchOption>(&value)) return {words->word_if_false, words->word_if_true};
+  return {};
 }
 
 std::optional<double> numberOf(std::string_view text) {

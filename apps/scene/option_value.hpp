@@ -13,12 +13,17 @@
 
 namespace palpate {
 
-// A number: screen unit * scale = the scene's SI value. The range is in the screen unit and closed.
+// A number: screen unit * scale = the scene's SI value. The range is in the screen unit and closed, or open below.
 struct NumberOption {
   std::variant<double Scene::*, std::optional<double> Scene::*> member;
   double scale = 1;
   double lowest = 0;
   double highest = 0;
+  bool above_lowest = false;  // the lowest itself is refused
+
+  [[nodiscard]] bool takes(double number) const noexcept {  // no NaN
+    return (above_lowest ? number > lowest : number >= lowest) && number <= highest;
+  }
 };
 
 struct IntegerOption {
@@ -87,6 +92,9 @@ void setOption(const OptionValue& value, const std::string& text, const std::str
 // A whole text as a number, or as three finite ones with commas between; nothing for any other text.
 [[nodiscard]] std::optional<double> numberOf(std::string_view text);
 [[nodiscard]] std::optional<Vec3> vectorOf(std::string_view text);
+
+// The words of which one must be given; empty where any text, number or file may be.
+[[nodiscard]] std::vector<std::string> optionWords(const OptionValue& value);
 
 // What may be given: "0 ... 20000", "rigid or spring", "none, procedural or density", "x,y,z", "rows
 // density:force:viscosity with commas between".

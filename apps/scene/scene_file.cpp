@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <fstream>
-#include <numeric>
 #include <vector>
 
 #include <fmt/format.h>
@@ -12,27 +11,14 @@
 #include "apps/scene/object_table.hpp"
 #include "apps/scene/option_table.hpp"
 #include "base/error.hpp"
+#include "base/nearest_word.hpp"
 
 namespace palpate {
 namespace {
 
-// Number of single-letter edits between two words (Levenshtein 1966).
-std::size_t editDistance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = std::exchange(row[0], i);
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t replace = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-      diagonal = std::exchange(row[j], std::min({row[j] + 1, row[j - 1] + 1, replace}));
-    }
-  }
-  return row.back();
-}
-
 // To a known key, or to what is left of it without its unit: people forget units.
 std::size_t distanceToKey(std::string_view key, std::string_view known) {
-  return std::min(editDistance(key, known), editDistance(key, known.substr(0, known.find('_'))));
+  return std::min(typingErrors(key, known), typingErrors(key, known.substr(0, known.find('_'))));
 }
 
 std::string nearestKey(std::string_view key) {

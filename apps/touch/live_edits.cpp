@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "apps/console/message.hpp"
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
 #include "engine/edit/lower_edit.hpp"
@@ -63,8 +64,7 @@ void checkEditOptions(const Scene& scene) {
 }
 
 LiveEdits::LiveEdits(const Scene& scene, Volume& volume, Engine& engine)
-    : save_(scene.save),
-      journal_(scene.journal),
+    : scene_(scene),
       brush_(toolBrushSpec(scene.edit), volume.size(), volume.lattice()),
       session_(
           engine,
@@ -98,7 +98,7 @@ void LiveEdits::tell(const std::string& text, Again again) {
     ++known->count;
     if (again == Again::kCountOnly) return;
   }
-  fmt::print(stderr, "palpate: {}\n", text);
+  tellUser(text);
 }
 
 // What the engine has no room for, or cannot be meant at that place, is refused and nothing else: a removal may follow
@@ -156,18 +156,27 @@ RunEdits LiveEdits::finish(std::vector<std::string>& notes) {
   return edits;
 }
 
-std::string LiveEdits::kept(const RunEdits& edits) {
-  session_.dropEmptyJournal();
+std::string keptEdits(const Scene& scene, const RunEdits& edits) {
   std::string words;
   if (edits.save_version)
-    words = fmt::format("{} holds the volume up to edit {} of {}", save_, *edits.save_version, edits.count);
+    words = fmt::format("{} holds the volume up to edit {} of {}", scene.save, *edits.save_version, edits.count);
   if (edits.journal_saved > 0) {
     // A tool makes edits and nothing else, so the number of a record is that of its edit.
     words += fmt::format("{}the journal {} holds edits up to number {}: see 'palpate recover'",
-                         words.empty() ? "" : ", ", journal_, edits.journal_saved);
+                         words.empty() ? "" : ", ", scene.journal, edits.journal_saved);
   }
-  if (!save_.empty() && !edits.save_failure.empty())
-    words += fmt::format("{}{} was not written anew ({})", words.empty() ? "" : ", ", save_, edits.save_failure);
+  if (!scene.save.empty() && !edits.save_failure.empty())
+    words += fmt::format("{}{} was not written anew ({})", words.empty() ? "" : ", ", scene.save, edits.save_failure);
+  return words;
+}
+
+bool lostEdits(const RunEdits& edits) {
+  return !edits.save_failure.empty() || !edits.journal_failure.empty();
+}
+
+std::string LiveEdits::kept(const RunEdits& edits) {
+  session_.dropEmptyJournal();
+  const std::string words = keptEdits(scene_, edits);
   return words.empty() ? "nothing was written; start it again" : "no report was written, but " + words;
 }
 

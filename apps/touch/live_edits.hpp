@@ -22,6 +22,11 @@ namespace palpate {
 // (kIo), before any volume is loaded.
 void checkEditOptions(const Scene& scene);
 
+// What there is of a run's edits, in words that end a message; empty: nothing. And whether not all is there: the newest
+// save failed, or the journal lost records.
+[[nodiscard]] std::string keptEdits(const Scene& scene, const RunEdits& edits);
+[[nodiscard]] bool lostEdits(const RunEdits& edits);
+
 class LiveEdits {
  public:
   // `scene.isovalue` is the one in use. With --save `volume` belongs to this until finish(): nobody else may look at
@@ -40,6 +45,7 @@ class LiveEdits {
   // After finish(), where the run ends without its reports: what there is of the edits, in words that end an error. A
   // journal without a record is gone then.
   [[nodiscard]] std::string kept(const RunEdits& edits);
+  void dropEmptyJournal() { session_.dropEmptyJournal(); }
   // Does the work in which follow() is called. Where it throws, what was edited until then is saved as by finish(), and
   // the error says so.
   void during(const std::function<void()>& work);
@@ -57,7 +63,7 @@ class LiveEdits {
   void listen();
   [[nodiscard]] std::string finishFailed() noexcept;
 
-  std::string save_, journal_;  // names, "": none
+  Scene scene_;
   ToolBrush brush_;
   EditSession session_;
   std::vector<Trouble> troubles_;

@@ -2,12 +2,13 @@
 #include "apps/touch/output_folder.hpp"
 
 #include <algorithm>
-#include <cerrno>
-#include <cstdlib>
+#include <fstream>
+#include <iterator>
 #include <system_error>
 #include <vector>
 
 #include "base/error.hpp"
+#include "base/part_file.hpp"
 
 namespace palpate {
 namespace {
@@ -31,14 +32,37 @@ fs::path plain(const fs::path& path) {
   return whole.has_filename() ? whole : whole.parent_path();
 }
 
+// Files of this program, by their names: another's NAME.123.part is not looked at.
+bool isWritten(std::string_view name) {
+  constexpr const char* kSuffixes[] = {".csv", ".json", ".html", ".png", ".svg", ".md",  ".vdb",    ".nii",
+                                       ".gz",  ".nrrd", ".mha",  ".stl", ".obj", ".ply", ".palpate"};
+  return std::any_of(std::begin(kSuffixes), std::end(kSuffixes),
+                     [&](const char* suffix) { return name.ends_with(suffix); });
+}
+
+// Not committed yet. The file that is meant may lie on another file system, where nothing can be moved from here.
+std::unique_ptr<AtomicFile> copied(const fs::path& draft, const fs::path& target) {
+  auto file = std::make_unique<AtomicFile>(target);
+  std::ifstream in(draft, std::ios::binary);
+  std::vector<char> block(std::size_t{1} << 20U);
+  while (in) {
+    in.read(block.data(), static_cast<std::streamsize>(block.size()));
+    file->write({block.data(), static_cast<std::size_t>(in.gcount())});
+  }
+  if (!in.eof()) refuse(target.string(), "its draft cannot be read");
+  return file;
+}
+
 }  // namespace
 
 MadeFolders::MadeFolders(const fs::path& path) : last_(plain(path)) {
   std::error_code ignored;
+  std::vector<fs::path> missing;  // innermost first
   for (fs::path at = last_; at.has_relative_path() && !fs::exists(fs::symlink_status(at, ignored));
        at = at.parent_path()) {
-    first_ = at;
+    missing.push_back(first_ = at);
   }
+  for (auto at = missing.rbegin(); at != missing.rend(); ++at) leftovers_.push_back(Leftover::emptyFolder(*at));
 }
 
 MadeFolders::~MadeFolders() {
@@ -56,37 +80,47 @@ OutputFolder::OutputFolder(const std::string& path) : path_(checked(path)), made
   fs::create_directories(path_, error);
   if (error) refuse(path, error.message());
   if (!fs::is_directory(path_)) refuse(path, "it is not a folder");
-  std::string drafts = (path_ / ".palpate-XXXXXX").string();
-  if (mkdtemp(drafts.data()) == nullptr) refuse(path, std::generic_category().message(errno));
-  drafts_ = drafts;
-}
-
-OutputFolder::~OutputFolder() {
-  std::error_code ignored;
-  fs::remove_all(drafts_, ignored);
-}
-
-void OutputFolder::publish(const char* first) {
-  std::vector<fs::path> names;
-  for (const auto& entry : fs::directory_iterator(drafts_)) {
-    names.push_back(entry.path().filename());
-    std::error_code ignored;
-    const fs::path target = path_ / names.back();
-    const fs::file_status status = fs::status(target, ignored);
-    if (fs::exists(status) && !fs::is_regular_file(status)) {
-      throw Error(Error::Code::kIo, target.string(), "it is not a plain file and will not be replaced",
-                  "move it away or choose another folder with --out");
-    }
+  sweepPartFiles(path_, isWritten);
+  try {
+    drafts_.emplace(path_, ".palpate-");
+  } catch (const std::system_error& failure) {
+    refuse(path, failure.code().message());
   }
-  std::stable_partition(names.begin(), names.end(), [&](const fs::path& name) { return name == first; });
-  for (const fs::path& name : names) {
+}
+
+OutputFolder::Target OutputFolder::targetOf(const fs::path& name) const {
+  const fs::path target = path_ / name;
+  std::error_code ignored;
+  const fs::file_status status = fs::status(target, ignored);
+  if (fs::exists(status) && !fs::is_regular_file(status)) {
+    throw Error(Error::Code::kIo, target.string(), "it is not a plain file and will not be replaced",
+                "move it away or choose another folder with --out");
+  }
+  Target made{target, drafts_->path() / name, nullptr};
+  if (fs::is_symlink(fs::symlink_status(target, ignored))) made.behind_link = copied(made.draft, target);
+  return made;
+}
+
+// What may fail for the most part comes before anything is moved.
+void OutputFolder::publish(const char* first) {
+  std::vector<Target> targets;
+  for (const auto& entry : fs::directory_iterator(drafts_->path()))
+    targets.push_back(targetOf(entry.path().filename()));
+  std::stable_partition(targets.begin(), targets.end(), [&](const Target& t) { return t.file.filename() == first; });
+  for (Target& target : targets) {
     std::error_code error;
-    fs::rename(drafts_ / name, path_ / name, error);
-    if (error) refuse((path_ / name).string(), error.message());
+    if (target.behind_link) {
+      target.behind_link->commit();
+    } else {
+      fs::rename(target.draft, target.file, error);
+    }
+    if (error) refuse(target.file.string(), error.message());
   }
   for (const fs::path& name : left_out_) {
     std::error_code ignored;
-    if (fs::is_regular_file(path_ / name, ignored)) fs::remove(path_ / name, ignored);
+    // Behind a link the file goes and the link stays, for the next run that has such a result.
+    const fs::path file = fs::weakly_canonical(path_ / name, ignored);
+    if (fs::is_regular_file(file, ignored)) fs::remove(file, ignored);
   }
 }
 

@@ -16,7 +16,8 @@ constexpr double kMostRegionShare = 0.6;  // of the object, where that is only s
 
 }  // namespace
 
-std::string drawPicture(const TouchRun& run, const SurfaceField& surface, Engine& engine) {
+std::string drawPicture(const TouchRun& run, const SurfaceField& surface, Engine& engine,
+                        const std::function<void()>& between) {
   const ViewLayout layout = layOutView(run.scene.image_width, run.scene.image_height);
   const ObjectBounds object = findObjectBounds(surface);
   ContactRegion region = findContactRegion(
@@ -26,9 +27,9 @@ std::string drawPicture(const TouchRun& run, const SurfaceField& surface, Engine
   ViewPictures pictures;
   pictures.overview_camera = overviewCamera(object, region, layout.overview.width, layout.overview.height);
   pictures.close_up_camera = closeUpCamera(surface, region, layout.close_up.width, layout.close_up.height);
-  pictures.overview = engine.draw(pictures.overview_camera);
-  pictures.close_up = engine.draw(pictures.close_up_camera);
-  return composeView(layout, pictures, region, run);
+  pictures.overview = engine.draw(pictures.overview_camera, between);
+  pictures.close_up = engine.draw(pictures.close_up_camera, between);
+  return composeView(layout, pictures, region, run, between);
 }
 
 }  // namespace palpate

@@ -3,6 +3,7 @@
 // annotated.
 #pragma once
 
+#include <functional>
 #include <string>
 
 #include "apps/path/surface_field.hpp"
@@ -11,7 +12,9 @@
 
 namespace palpate {
 
-// Bytes of a PNG. Thread: the engine's. Cost: two renderings; on lavapipe a second or two.
-[[nodiscard]] std::string drawPicture(const TouchRun& run, const SurfaceField& surface, Engine& engine);
+// Bytes of a PNG. Thread: the engine's. Cost: two renderings; on lavapipe a second or two. `between`: called again and
+// again; what it throws ends the drawing.
+[[nodiscard]] std::string drawPicture(const TouchRun& run, const SurfaceField& surface, Engine& engine,
+                                      const std::function<void()>& between);
 
 }  // namespace palpate

@@ -18,10 +18,8 @@ LoopResult runSimulated(ServoLoop& loop, ToolPoseMailbox& tool, Engine& engine, 
     const ToolPose& pose = tool.latest();
     engine.publishFor(pose, time_ns);
     if (edits != nullptr) edits->follow(pose, time_ns);
-    if (tick % 256 == 0) {
-      progress.fraction(static_cast<double>(tick) / ticks);
-      if (interrupted()) loop.requestStop();
-    }
+    if (interrupted()) loop.requestStop();  // at every tick: one with an edit may take long
+    if (tick % 256 == 0) progress.fraction(static_cast<double>(tick) / ticks);
   });
 }
 
@@ -47,12 +45,13 @@ LoopResult runReal(ServoLoop& loop, ToolPoseMailbox& tool, Engine& engine, LiveE
 }  // namespace
 
 LoopResult runServo(const Scene& scene, AlgorithmSetup setup, const Path& path, Engine& engine, LiveEdits* edits,
-                    Progress& progress) {
+                    Progress& progress, const std::function<void()>& before_first_tick) {
   const LoopParameters parameters = loopParameters(scene);
   const std::unique_ptr<Algorithm> algorithm = makeAlgorithm(scene.algorithm, std::move(setup));
   SimulatedDevice device(deviceParameters(scene), path, scene.rate_hz);
   ToolPoseMailbox tool;
   ServoLoop loop(parameters, *algorithm, device, engine.exchange(), tool);
+  before_first_tick();
   if (scene.simulated_clock)
     return runSimulated(loop, tool, engine, edits, static_cast<double>(parameters.ticks), progress);
   return runReal(loop, tool, engine, edits, scene.duration_s, progress);

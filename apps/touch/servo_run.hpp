@@ -2,6 +2,8 @@
 // apps/touch/servo_run.hpp: runs the servo along a path on a prepared engine, in real time or on the simulated clock.
 #pragma once
 
+#include <functional>
+
 #include "apps/console/progress.hpp"
 #include "apps/touch/live_edits.hpp"
 #include "engine/plan/scene.hpp"
@@ -12,8 +14,9 @@
 
 namespace palpate {
 
-// Blocks for the run's time. Ctrl-C ends it early, in order. `edits`: may be null.
+// Blocks for the run's time. Ctrl-C ends it early, in order. `edits`: may be null. `before_first_tick`: called once; the
+// memory for the records of all ticks, of which a long run needs much, is there by then.
 [[nodiscard]] LoopResult runServo(const Scene& scene, AlgorithmSetup setup, const Path& path, Engine& engine,
-                                  LiveEdits* edits, Progress& progress);
+                                  LiveEdits* edits, Progress& progress, const std::function<void()>& before_first_tick);
 
 }  // namespace palpate

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <optional>
 
 #include <fmt/format.h>
 #include <sys/resource.h>
@@ -43,6 +44,10 @@
 namespace palpate {
 namespace {
 
+void stopIfInterrupted() {
+  throwIfInterrupted("palpate touch");
+}
+
 // Runs the stages of a job: each is announced, timed, and not begun after Ctrl-C.
 class Stages {
  public:
@@ -58,14 +63,9 @@ class Stages {
     return result;
   }
 
-  // From here on this is there, even after Ctrl-C.
-  void keep(std::string words) { kept_ = std::move(words); }
-  void stopIfInterrupted() const { throwIfInterrupted("palpate touch", kept_); }
-
  private:
   Progress& progress_;
   std::vector<StageTime>& times_;
-  std::string kept_ = "nothing was written; start it again";
 };
 
 // Faults of the command line are found before a volume is loaded for them.
@@ -153,7 +153,7 @@ MemoryFigure residentPeak() {
 // Writes everything or nothing; `picture` may be empty.
 void writeOutputs(const TouchRun& run, const std::string& picture, OutputFolder& folder) {
   if (run.scene.trace) {
-    writeTraceCsv(folder.draft("trace.csv"), run.records);
+    writeTraceCsv(folder.draft("trace.csv"), run.records, run.ended_early);
   } else {
     folder.leaveOut("trace.csv");
   }
@@ -168,18 +168,56 @@ void writeOutputs(const TouchRun& run, const std::string& picture, OutputFolder&
   folder.publish("summary.json");       // which tells the next run that the others are replaceable
 }
 
-std::vector<std::string> outputFiles(const Scene& scene, const OutputFolder& folder) {
+std::vector<std::string> outputFiles(const Scene& scene, const OutputFolder& folder, bool has_picture) {
   std::vector<std::string> files;
-  if (scene.picture) files.push_back(folder.file("view.png").string());
+  if (has_picture) files.push_back(folder.file("view.png").string());
   files.push_back(folder.file("report.html").string());
   files.push_back(folder.file("summary.json").string());
   if (scene.trace) files.push_back(folder.file("trace.csv").string());
   return files;
 }
 
+// Of a run that is ended while it tells what was felt.
+std::string wordsOfSecondRequest(const Scene& scene) {
+  std::string places = scene.journal;
+  if (!scene.save.empty()) places += (places.empty() ? "" : " and ") + scene.save;
+  return places.empty() ? "nothing was written; start it again"
+                        : "no report was written; what was saved of the edits is in " + places;
+}
+
+// A tick that the tool did not reach has no phase.
+void endPhases(std::vector<PathPhase>& phases, double end_s) {
+  std::erase_if(phases, [&](const PathPhase& phase) { return phase.begin_s >= end_s; });
+  for (PathPhase& phase : phases) phase.end_s = std::min(phase.end_s, end_s);
+}
+
+// Where the user stopped the servo before its time: what was felt until then is told like any run. Throws
+// Error(kCancelled) where nothing was.
+void endEarly(TouchRun& run) {
+  const double wanted = std::round(run.scene.duration_s * run.scene.rate_hz);
+  if (!interrupted()) return;
+  if (run.records.empty()) stopIfInterrupted();
+  const double felt_s = static_cast<double>(run.records.back().tick + 1) / run.scene.rate_hz;
+  if (static_cast<double>(run.records.back().tick + 1) >= wanted) return;
+  run.ended_early = fmt::format("stopped by the user after {:.3g} s of {:.3g} s", felt_s, run.scene.duration_s);
+  endPhases(run.phases, felt_s);
+}
+
+// Empty where the plan has none and where the user stops it.
+std::string pictureOf(TouchRun& run, const SurfaceField& surface, Engine& engine, Stages& stages) {
+  try {
+    return stages.run("picture", "drawing", [&] { return drawPicture(run, surface, engine, stopIfInterrupted); });
+  } catch (const Error& error) {
+    if (error.code() != Error::Code::kCancelled) throw;
+  }
+  if (run.ended_early.empty()) run.ended_early = "stopped by the user after the run, before the picture";
+  return {};
+}
+
 }  // namespace
 
 TouchRun runTouchJob(const Scene& scene, const std::string& command, const std::string& commit, Progress& progress) {
+  std::optional<KeptWork> kept;  // first, so that it outlives all that takes time to give back
   const SceneObjects objects = makeSceneObjects(scene.objects);
   checkEarly(scene, objects.objects);
   refuseForeignResults(scene.out);
@@ -201,7 +239,7 @@ TouchRun runTouchJob(const Scene& scene, const std::string& command, const std::
   const Plan plan = planFor(scene);
   const auto engine = stages.run("open Vulkan device", "computing on Vulkan", [&] {
     return std::make_unique<Engine>(volume, plan, isovalue, scene.gpu, scene.gpu_memory_bytes,
-                                    passProgress(progress, [&] { stages.stopIfInterrupted(); }));
+                                    passProgress(progress, stopIfInterrupted));
   });
   run.vulkan = {engine->gpu().name, engine->gpu().driver, engine->gpu().api_version};
   // The engine's own stages come out of the time that making it took; what is left opened the device.
@@ -245,17 +283,22 @@ TouchRun runTouchJob(const Scene& scene, const std::string& command, const std::
                        [&] { return std::make_unique<LiveEdits>(run.scene, volume, *engine); });
   }
 
-  LoopResult result =
-      stages.run("servo", fmt::format("palpating with {} on {}", scene.algorithm, engine->gpu().name), [&] {
-        LoopResult loop;
-        const auto servo = [&] {
-          loop = runServo(run.scene, std::move(setup), path.path, *engine, edits.get(), progress);
-        };
-        edits ? edits->during(servo) : servo();
-        return loop;
-      });
+  const auto begin = [&] {  // from the first tick on there is something that was felt
+    kept.emplace();
+    tellWhatIsKept(wordsOfSecondRequest(scene));
+    progress.stage(fmt::format("palpating with {} on {}", scene.algorithm, engine->gpu().name));
+  };
+  LoopResult result = stages.run("servo", "making ready to palpate", [&] {
+    LoopResult loop;
+    const auto servo = [&] {
+      loop = runServo(run.scene, std::move(setup), path.path, *engine, edits.get(), progress, begin);
+    };
+    edits ? edits->during(servo) : servo();
+    return loop;
+  });
   run.records = std::move(result.records);
   run.grid_points = result.ticks_run + result.ticks_skipped;
+  endEarly(run);
   run.realtime = realTimeWords(scene, result);
   run.stability = assessContact(run.records, {.resolution_m = run.scene.encoder_resolution_m,
                                               .delay_ticks = run.scene.device_delay_ticks,
@@ -274,7 +317,7 @@ TouchRun runTouchJob(const Scene& scene, const std::string& command, const std::
   if (edits) {
     if (!scene.save.empty()) progress.stage("saving " + scene.save);  // after Ctrl-C too
     run.edits = edits->finish(run.notes);                             // from here on the volume is this thread's again
-    if (interrupted()) stages.keep(edits->kept(*run.edits));
+    if (!run.ended_early.empty()) edits->dropEmptyJournal();          // so that the same command can be given again
     if (!engine->editor().broken()) {  // for the picture; after a device error it shows what was there before
       engine->readBack(volume);
       run.edits->content = contentHash(volume);
@@ -283,16 +326,15 @@ TouchRun runTouchJob(const Scene& scene, const std::string& command, const std::
     }
   }
 
-  run.files = outputFiles(scene, folder);
+  const std::string picture = plan.draws ? pictureOf(run, surface, *engine, stages) : std::string();
+  run.files = outputFiles(scene, folder, !picture.empty());
   if (run.edits && run.edits->saves > 0) run.files.push_back(scene.save);
-  const std::string picture =
-      plan.draws ? stages.run("picture", "drawing", [&] { return drawPicture(run, surface, *engine); }) : std::string();
   run.memory = engine->memory();
   run.memory.push_back({"volume on the CPU", volume.storedBytes()});
   run.memory.push_back(residentPeak());
-  stages.stopIfInterrupted();
   progress.stage("writing " + scene.out);
   writeOutputs(run, picture, folder);
+  tellWhatIsKept("what was felt is in " + scene.out);
   progress.done();
   return run;
 }

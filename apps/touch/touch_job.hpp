@@ -11,7 +11,9 @@
 namespace palpate {
 
 // Runs the scene and writes trace.csv, summary.json, report.html and view.png into its output folder; each is there
-// whole or not at all. `command`: the line that repeats the run. Throws Error; nothing is left behind then.
+// whole or not at all. `command`: the line that repeats the run. Throws Error; nothing is left behind then. Ctrl-C
+// while the servo runs or the picture is drawn throws nothing: what was felt until then is written, without a picture,
+// and TouchRun::ended_early says so.
 TouchRun runTouchJob(const Scene& scene, const std::string& command, const std::string& commit, Progress& progress);
 
 }  // namespace palpate

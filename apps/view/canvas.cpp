@@ -4,7 +4,9 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <exception>
 #include <numbers>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -23,9 +25,23 @@ void check(cairo_status_t status) {
               "ask for a smaller picture");
 }
 
-cairo_status_t append(void* text, const unsigned char* bytes, unsigned int count) {
-  static_cast<std::string*>(text)->append(reinterpret_cast<const char*>(bytes), count);
-  return CAIRO_STATUS_SUCCESS;
+struct PngFile {
+  const std::function<void()>& between;
+  std::string bytes{};
+  std::exception_ptr failure{};
+};
+
+// Nothing may be thrown through Cairo.
+cairo_status_t append(void* file, const unsigned char* bytes, unsigned int count) {
+  auto& png = *static_cast<PngFile*>(file);
+  try {
+    if (png.between) png.between();
+    png.bytes.append(reinterpret_cast<const char*>(bytes), count);
+    return CAIRO_STATUS_SUCCESS;
+  } catch (...) {
+    png.failure = std::current_exception();
+    return CAIRO_STATUS_WRITE_ERROR;
+  }
 }
 
 // Cairo refuses text that is not UTF-8; names of files need not be. Every byte outside a whole character becomes '?'.
@@ -181,11 +197,13 @@ void Canvas::popClip() {
   cairo_restore(context_.get());
 }
 
-std::string Canvas::png() {
-  std::string bytes;
+std::string Canvas::png(const std::function<void()>& between) {
+  PngFile file{between};
   check(cairo_status(context_.get()));
-  check(cairo_surface_write_to_png_stream(surface_.get(), append, &bytes));
-  return bytes;
+  const cairo_status_t status = cairo_surface_write_to_png_stream(surface_.get(), append, &file);
+  if (file.failure) std::rethrow_exception(file.failure);
+  check(status);
+  return std::move(file.bytes);
 }
 
 }  // namespace palpate

@@ -4,6 +4,7 @@
 // Pixels from the top left. One thread per canvas. Private to apps/view: Cairo's headers do not leave it.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -43,7 +44,9 @@ class Canvas {
   void pushClip(double x, double y, double width, double height);
   void popClip();
 
-  [[nodiscard]] std::string png();  // bytes of the file; throws Error kOutOfMemory
+  // Bytes of the file; throws Error kOutOfMemory. `between`: called with every piece of it; what it throws ends the
+  // work.
+  [[nodiscard]] std::string png(const std::function<void()>& between = {});
 
  private:
   struct Close {

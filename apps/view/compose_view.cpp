@@ -86,7 +86,7 @@ ViewLayout layOutView(int width, int height) {
 }
 
 std::string composeView(const ViewLayout& layout, const ViewPictures& pictures, const ContactRegion& region,
-                        const TouchRun& run) {
+                        const TouchRun& run, const std::function<void()>& between) {
   checkPicture(pictures.overview, pictures.overview_camera, layout.overview, "overview");
   checkPicture(pictures.close_up, pictures.close_up_camera, layout.close_up, "close-up");
   const RunFigures figures = figuresOf(run);
@@ -102,7 +102,7 @@ std::string composeView(const ViewLayout& layout, const ViewPictures& pictures, 
   within(layout.close_up, [&] { drawCloseUp(canvas, layout, pictures, region, run, forces); });
   drawTitle(canvas, run, figures, layout.width, layout.scale);
   drawLegend(canvas, forces, layout.overview.y + layout.overview.height, layout.scale);
-  return canvas.png();
+  return canvas.png(between);
 }
 
 }  // namespace palpate

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 
 #include "apps/report/touch_run.hpp"
@@ -34,7 +35,9 @@ struct ViewPictures {
 [[nodiscard]] ViewLayout layOutView(int width, int height);
 
 // Bytes of a PNG of the layout's size. Refuses (Error kBadInput) pictures whose size is not that of their panel.
+// `between`: called again and again while the file is made; what it throws ends the work.
 [[nodiscard]] std::string composeView(const ViewLayout& layout, const ViewPictures& pictures,
-                                      const ContactRegion& region, const TouchRun& run);
+                                      const ContactRegion& region, const TouchRun& run,
+                                      const std::function<void()>& between = {});
 
 }  // namespace palpate

@@ -34,11 +34,14 @@ JournalWriter::JournalWriter(const fs::path& folder, const JournalHeader& header
   const PartFile draft = openPartFile(file_);
   if (draft.descriptor < 0) refuse(file_, draft.error);
   descriptor_ = draft.descriptor;
+  Leftover leftover = Leftover::file(draft.name);
   int failed = writeAll(descriptor_, bytes);
   if (failed == 0 && fsync(descriptor_) != 0) failed = errno;
   // link() never replaces a journal that is there.
   if (failed == 0 && link(draft.name.c_str(), file_.c_str()) != 0) failed = errno;
   unlink(draft.name.c_str());
+  if (failed == 0) leftover_ = Leftover::file(file_);
+  leftover.release();
   if (failed != 0) {
     ::close(descriptor_);
     if (failed != EEXIST) refuse(file_, failed);
@@ -125,6 +128,7 @@ void JournalWriter::work() {
     lock.unlock();
     const bool saved = writeGroup(group);
     if (saved) {
+      leftover_.release();  // from here on there is something in it
       bytes_ += group.size();
       acknowledged_.store(newest.record, std::memory_order_release);
       if (options_.on_acknowledged) options_.on_acknowledged(newest.record);
@@ -189,6 +193,7 @@ void JournalWriter::close() {
   }
   thread_.join();
   if (failed() && acknowledged() == 0) drop();
+  leftover_.release();
   ::close(std::exchange(descriptor_, -1));
 }
 

@@ -24,6 +24,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/leftover.hpp"
 #include "engine/journal/journal_format.hpp"
 
 namespace palpate {
@@ -89,6 +90,7 @@ class JournalWriter {
   std::filesystem::path file_;
   JournalOptions options_;
   int descriptor_ = -1;
+  Leftover leftover_;  // the journal, as long as it has no record
   bool dropped_ = false;
   std::uint64_t sequence_ = 0;
   std::map<StampKey, std::uint32_t> stamp_numbers_;  // the stamps themselves are not kept

@@ -55,7 +55,7 @@ IsosurfacePass::IsosurfacePass(gpu::Gpu& gpu, gpu::Transfer& transfer, const Bri
       kernel_(gpu, "isosurface", pool, ISOSURFACE_BINDINGS, sizeof(layout::IsosurfacePush)),
       commands_(gpu, "isosurface", 1) {}
 
-RenderedImage IsosurfacePass::draw(const Camera& camera, double isovalue) {
+RenderedImage IsosurfacePass::draw(const Camera& camera, double isovalue, const std::function<void()>& between) {
   const std::size_t count = static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
   const gpu::Buffer pixels(gpu_, "pixels", count * sizeof(layout::IsosurfacePixel), gpu::MemoryKind::kDevice);
   const auto groups = [](int length) {
@@ -68,6 +68,7 @@ RenderedImage IsosurfacePass::draw(const Camera& camera, double isovalue) {
     commands_.dispatch(kernel_.get(), poolBindings(pool_, {&bounds_.bounds(), &pixels}), gpu::pushBytes(push),
                        {groups(camera.width), groups(std::min(kBandRows, camera.height - row))});
     commands_.run();
+    if (between) between();
   }
 
   std::vector<layout::IsosurfacePixel> raw(count);

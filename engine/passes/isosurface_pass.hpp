@@ -4,6 +4,8 @@
 // megapixel.
 #pragma once
 
+#include <functional>
+
 #include "base/camera.hpp"
 #include "base/rendered_image.hpp"
 #include "engine/gpu/commands.hpp"
@@ -19,7 +21,8 @@ class IsosurfacePass {
  public:
   IsosurfacePass(gpu::Gpu& gpu, gpu::Transfer& transfer, const BrickPool& pool, const BrickBoundsPass& bounds);
 
-  [[nodiscard]] RenderedImage draw(const Camera& camera, double isovalue);
+  // `between`: called between bands of rows; what it throws ends the drawing.
+  [[nodiscard]] RenderedImage draw(const Camera& camera, double isovalue, const std::function<void()>& between = {});
 
  private:
   gpu::Gpu& gpu_;

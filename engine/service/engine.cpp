@@ -240,12 +240,12 @@ Volume Engine::filtered(const VolumeFacts& facts) {
   return volumeOf(field(), transfer_, facts);
 }
 
-RenderedImage Engine::draw(const Camera& camera) {
+RenderedImage Engine::draw(const Camera& camera, const std::function<void()>& between) {
   if (!isosurface_) {
     throw Error(Error::Code::kBadInput, "picture", "the plan has no isosurface pass", "leave --picture on");
   }
   if (editor_) editor_->refuseIfBroken();
-  return isosurface_->draw(camera, isovalue_);
+  return isosurface_->draw(camera, isovalue_, between);
 }
 
 std::vector<MemoryFigure> Engine::memory() const {

@@ -82,7 +82,8 @@ class Engine {
   // Of the field that is felt: the volume's, or 0 where that is a distance.
   [[nodiscard]] double isovalue() const noexcept { return isovalue_; }
 
-  [[nodiscard]] RenderedImage draw(const Camera& camera);  // the plan must draw
+  // The plan must draw. `between`: called between bands of rows; what it throws ends the drawing.
+  [[nodiscard]] RenderedImage draw(const Camera& camera, const std::function<void()>& between = {});
 
   [[nodiscard]] WindowExchange& exchange() noexcept { return *exchange_; }
   [[nodiscard]] const gpu::GpuInfo& gpu() const noexcept { return gpu_.info(); }

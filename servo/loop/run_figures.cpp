@@ -84,14 +84,17 @@ void addEnergy(std::span<const TickRecord> records, RunFigures& figures) {
 }
 
 void addFaults(std::span<const TickRecord> records, RunFigures& figures) {
-  for (const FaultText& row : faultTable()) {
-    FaultCount count{row.fault, 0, 0};
-    for (const TickRecord& record : records) {
-      if (!has(record.faults, row.fault)) continue;
+  std::vector<FaultCount> counts;
+  for (const FaultText& row : faultTable()) counts.push_back({row.fault, 0, 0});
+  for (const TickRecord& record : records) {
+    if (record.faults == 0) continue;  // as good as always
+    for (FaultCount& count : counts) {
+      if (!has(record.faults, count.fault)) continue;
       if (count.ticks++ == 0) count.first_tick = record.tick;
     }
-    if (count.ticks > 0) figures.faults.push_back(count);
   }
+  std::erase_if(counts, [](const FaultCount& count) { return count.ticks == 0; });
+  figures.faults = std::move(counts);
 }
 
 }  // namespace

@@ -93,6 +93,63 @@ TEST(AtomicFile, RefusesToReplaceADevice) {
   EXPECT_TRUE(std::filesystem::is_character_file("/dev/full"));
 }
 
+// Whoever made a link has the file elsewhere on purpose: on a larger disk, say.
+TEST(AtomicFile, WritesThroughSymbolicLinks) {
+  namespace fs = std::filesystem;
+  TemporaryFolder folder;
+  const fs::path real = folder.path() / "real", other = folder.path() / "other";
+  fs::create_directory(real);
+  fs::create_directory(other);
+  writeFileAtomically(real / "a.txt", "old");
+  fs::create_symlink("../real/a.txt", other / "relative.txt");  // from the link's own folder
+  fs::create_symlink(real / "a.txt", folder.path() / "absolute.txt");
+  fs::create_symlink("other/relative.txt", folder.path() / "chain.txt");
+  for (const fs::path& link : {other / "relative.txt", folder.path() / "absolute.txt", folder.path() / "chain.txt"}) {
+    writeFileAtomically(link, link.string());
+    EXPECT_TRUE(fs::is_symlink(fs::symlink_status(link))) << link;
+    EXPECT_FALSE(fs::is_symlink(fs::symlink_status(real / "a.txt")));
+    EXPECT_EQ(contentsOf(real / "a.txt"), link.string());
+  }
+  EXPECT_EQ(std::distance(fs::directory_iterator(real), {}), 1);
+  EXPECT_EQ(std::distance(fs::directory_iterator(other), {}), 1);
+}
+
+TEST(AtomicFile, MakesTheFileThatALinkPointsAt) {
+  namespace fs = std::filesystem;
+  TemporaryFolder folder;
+  fs::create_symlink("new.txt", folder.path() / "link.txt");
+  {
+    AtomicFile file(folder.path() / "link.txt");
+    file.write("text");
+  }
+  EXPECT_EQ(folder.files(), 1);  // without commit nothing is there
+  writeFileAtomically(folder.path() / "link.txt", "text");
+  EXPECT_EQ(contentsOf(folder.path() / "new.txt"), "text");
+  EXPECT_TRUE(fs::is_symlink(fs::symlink_status(folder.path() / "link.txt")));
+}
+
+TEST(AtomicFile, RefusesLinksThatLeadNowhere) {
+  namespace fs = std::filesystem;
+  TemporaryFolder folder;
+  fs::create_symlink("b.txt", folder.path() / "a.txt");
+  fs::create_symlink("a.txt", folder.path() / "b.txt");
+  fs::create_symlink("none/c.txt", folder.path() / "c.txt");
+  fs::create_symlink("/dev/full", folder.path() / "d.txt");
+  expectIoError([&] { writeFileAtomically(folder.path() / "a.txt", "x"); }, "a.txt: its symbolic links go round");
+  expectIoError([&] { writeFileAtomically(folder.path() / "c.txt", "x"); }, "c.txt: cannot be created");
+  expectIoError([&] { writeFileAtomically(folder.path() / "d.txt", "x"); }, "not a plain file");
+  EXPECT_EQ(folder.files(), 4);
+}
+
+TEST(AtomicFile, CountsWhatIsWhole) {
+  TemporaryFolder folder;
+  const std::uint64_t before = filesWritten();
+  { AtomicFile unfinished(folder.path() / "a.txt"); }
+  EXPECT_EQ(filesWritten(), before);
+  writeFileAtomically(folder.path() / "a.txt", "x");
+  EXPECT_EQ(filesWritten(), before + 1);
+}
+
 TEST(AtomicFile, RefusesToReplaceAFolder) {
   TemporaryFolder folder;
   expectIoError([&] { writeFileAtomically(folder.path(), "x"); }, "not a plain file");

@@ -42,6 +42,14 @@ TEST_F(PartFiles, OtherFilesStay) {
   EXPECT_TRUE(exists("a.vdb.3.part"));
 }
 
+TEST_F(PartFiles, AFolderIsSweptOfTheTargetsThatAreMeant) {
+  for (const char* name : {"a.vdb.1.part", "b.nrrd.2-3.part", "c.txt.4.part", "d.vdb.part", "e.vdb"}) write(name);
+  sweepPartFiles(folder_.path(), [](std::string_view target) { return !target.ends_with(".txt"); });
+  EXPECT_FALSE(exists("a.vdb.1.part"));
+  EXPECT_FALSE(exists("b.nrrd.2-3.part"));
+  EXPECT_EQ(folder_.files(), 3);
+}
+
 // Another process is killed in the middle of its write: until then its file stays, then it goes.
 TEST_F(PartFiles, WhatIsBeingWrittenStaysUntilItsWriterDies) {
   const pid_t child = fork();

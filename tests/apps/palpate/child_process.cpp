@@ -28,9 +28,18 @@ struct Pipe {
 // In the child, between fork and exec.
 [[noreturn]] void become(const Command& command, int out, int err) {
   if (!command.output_file.empty()) out = open(command.output_file.c_str(), O_WRONLY | O_CREAT, 0666);
+  if (!command.error_file.empty()) err = open(command.error_file.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0666);
   if (!command.input_file.empty()) dup2(open(command.input_file.c_str(), O_RDONLY), STDIN_FILENO);
+  if (command.output_unread) {
+    const Pipe unread;
+    close(unread.ends[0]);
+    out = unread.ends[1];
+  }
   dup2(out, STDOUT_FILENO);
   dup2(err, STDERR_FILENO);
+  for (const int descriptor : command.closed) close(descriptor);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGPIPE})
+    std::signal(signal, SIG_DFL);  // a test may run under nohup
   if (!command.folder.empty() && chdir(command.folder.c_str()) != 0) _exit(126);
   setenv("PALPATE_VALIDATION", "1", 1);  // any message of the validation layer fails the run
   for (const auto& [name, value] : command.environment) setenv(name.c_str(), value.c_str(), 1);
@@ -59,7 +68,15 @@ bool drain(int descriptor, std::string& text) {
 void listen(const Command& command, pid_t child, int out, int err, Outcome& outcome) {
   std::array<pollfd, 2> streams = {pollfd{out, POLLIN, 0}, pollfd{err, POLLIN, 0}};
   const std::array<std::string*, 2> texts = {&outcome.out, &outcome.err};
+  const auto start = Clock::now();
   bool signalled = command.signals.empty();
+  std::optional<Clock::time_point> words_at;
+  const auto isDue = [&] {
+    if (command.signal_after_s) return Clock::now() - start > std::chrono::duration<double>(*command.signal_after_s);
+    if (!words_at && outcome.err.find(command.signal_at) != std::string::npos) words_at = Clock::now();
+    return words_at && Clock::now() - *words_at >= std::chrono::duration<double>(command.signal_delay_s) &&
+           (command.signal_with.empty() || std::filesystem::exists(command.folder / command.signal_with));
+  };
   const auto end = Clock::now() + std::chrono::duration<double>(command.timeout_s);
   while (streams[0].fd >= 0 || streams[1].fd >= 0) {
     if (Clock::now() > end) {
@@ -67,12 +84,12 @@ void listen(const Command& command, pid_t child, int out, int err, Outcome& outc
       kill(child, SIGKILL);
       return;
     }
-    if (poll(streams.data(), streams.size(), 100) < 0) continue;
+    if (poll(streams.data(), streams.size(), signalled ? 100 : 5) < 0) continue;
     for (std::size_t n = 0; n < streams.size(); ++n) {
       if (streams[n].revents != 0 && !drain(streams[n].fd, *texts[n])) streams[n].fd = -1;
     }
-    if (!signalled && outcome.err.find(command.signal_at) != std::string::npos &&
-        (command.signal_with.empty() || std::filesystem::exists(command.folder / command.signal_with))) {
+    if (!signalled && isDue()) {
+      outcome.signalled_s = std::chrono::duration<double>(Clock::now() - start).count();
       for (const int signal : command.signals) kill(child, signal);
       signalled = true;
     }

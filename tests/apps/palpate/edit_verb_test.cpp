@@ -502,7 +502,7 @@ TEST_F(EditVerb, AFullDiskUnderTheJournalIsToldAndSurvived) {
       runPalpate({.arguments = {"edit", kVolume, "out.nii.gz", "--script", "script", "--journal", "j"},
                   .folder = folder(),
                   .file_size_limit = 100'000});
-  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(outcome.status, 4) << outcome.err;
   const Words told = errorLines(outcome.err);
   ASSERT_EQ(told.size(), 1U) << outcome.err;
   EXPECT_THAT(told[0], HasSubstr("are not saved: make room"));

@@ -41,7 +41,7 @@ class FullDisk : public ProgramTest {
  protected:
   // `place`: the folder that got full, where "sculpted.nrrd" holds "old".
   void expectAllIsTold(const Outcome& outcome, const std::string& place) const {
-    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    ASSERT_EQ(outcome.status, 4) << outcome.err;  // who asked for journal and file has neither whole
     const Words lines = errorLines(outcome.err);
     EXPECT_EQ(lines.size(), 2U) << outcome.err;
     const std::string journal_line = lineWith(lines, "edits after number ");
@@ -94,6 +94,37 @@ TEST_F(FullDisk, OnAFullFileSystemTheSessionGoesOn) {
   const Outcome outcome = run(session("disk/"));
   expectAllIsTold(outcome, "disk/");
   EXPECT_EQ(umount(disk.c_str()), 0);
+}
+
+// The log of the run lies there too: what cannot be told is no reason to end. The journal says less than it might.
+TEST_F(FullDisk, WithItsLogOnTheFullFileSystemTheSessionGoesOn) {
+  const std::filesystem::path disk = file("disk");
+  std::filesystem::create_directory(disk);
+  if (mount("tmpfs", disk.c_str(), "tmpfs", 0, "size=256k") != 0)
+    GTEST_SKIP() << "a file system of its own cannot be mounted here: run the test as root";
+  write("disk/sculpted.nrrd", "old");
+  write("disk/log", "");
+  const Outcome outcome =
+      runPalpate({.arguments = session("disk/"), .folder = folder(), .error_file = (disk / "log").string()});
+  EXPECT_EQ(outcome.status, 4) << "signal " << outcome.signal;
+  const auto summary = nlohmann::json::parse(contentsOf(file("out") / "summary.json"));
+  EXPECT_EQ(summary["servo"]["ticks"], 9000);
+  EXPECT_TRUE(summary["ended_early"].is_null());
+  EXPECT_GT(summary["edits"]["count"], summary["edits"]["journal_saved"]);
+  EXPECT_THAT(outcome.out, HasSubstr("Touched "));
+  EXPECT_EQ(contentsOf(disk / "sculpted.nrrd"), "old");
+  EXPECT_EQ(umount(disk.c_str()), 0);
+}
+
+// A limit of the file size, below the journal and above nothing: log and journal end, the session does not.
+TEST_F(FullDisk, WithALogThatIsFullTheSessionGoesOn) {
+  write("log", std::string(600'000, 'x'));
+  write("sculpted.nrrd", "old");
+  const Outcome outcome = runPalpate(
+      {.arguments = session(""), .folder = folder(), .file_size_limit = 560'000, .error_file = file("log").string()});
+  EXPECT_EQ(outcome.status, 4) << "signal " << outcome.signal;
+  EXPECT_EQ(contentsOf(file("log")).size(), 600'000U);
+  EXPECT_EQ(nlohmann::json::parse(contentsOf(file("out") / "summary.json"))["servo"]["ticks"], 9000);
 }
 
 TEST_F(FullDisk, NotEvenAJournalsBeginningIsARefusal) {

@@ -2,6 +2,8 @@
 // Ctrl-C, and what `kill` and `timeout` send, end a run in good order: soon, in one line, with nothing left behind.
 #include <csignal>
 
+#include <nlohmann/json.hpp>
+
 #include "engine/journal/journal_writer.hpp"
 #include "engine/volume/statistics.hpp"
 #include "engine/volume/volume_file.hpp"
@@ -9,6 +11,8 @@
 
 namespace palpate {
 namespace {
+
+using testing::HasSubstr;
 
 class Interrupt : public ProgramTest {
  protected:
@@ -19,25 +23,73 @@ class Interrupt : public ProgramTest {
          .folder = folder(),
          .signal_at = at,
          .signal_with = with,
+         .signal_delay_s = at == "palpating" ? 0.2 : 0,  // some ticks
          .signals = signals});
   }
-  void expectGoodOrder(const Outcome& outcome) const {
+  void expectNothing(const Outcome& outcome) const {
     expectRefusal(outcome, "palpate touch", "stopped by the user", 130);
     EXPECT_LT(outcome.seconds, 30);  // of a run of minutes
     EXPECT_FALSE(exists("a"));
   }
+  // What was felt is there, whole, and every file says that there might have been more.
+  void expectKept(const Outcome& outcome, double wanted_s) const {
+    expectRefusal(outcome, "palpate touch", fmt::format("s of {:g} s; what was felt is in a/out", wanted_s), 130);
+    EXPECT_THAT(outcome.err, HasSubstr("stopped by the user after"));
+    EXPECT_LT(outcome.seconds, 60);  // of a run of minutes
+    EXPECT_THAT(outcome.out, HasSubstr("\nEnded     early: stopped by the user after "));
+    const auto summary = nlohmann::json::parse(contentsOf(file("a/out/summary.json")));
+    const auto ended = summary["ended_early"].get<std::string>();
+    EXPECT_THAT(ended, testing::StartsWith("stopped by the user after "));
+    EXPECT_THAT(ended, testing::EndsWith(fmt::format(" s of {:g} s", wanted_s)));
+    EXPECT_THAT(summary["verdict"].get<std::string>(), testing::StartsWith("Ended early: " + ended + ". "));
+    EXPECT_THAT(contentsOf(file("a/out/report.html")), HasSubstr("Ended early: " + ended + ". "));
+    Words rows;
+    std::ifstream trace(file("a/out/trace.csv"));
+    for (std::string line; std::getline(trace, line);) rows.push_back(line);
+    ASSERT_GE(rows.size(), 3U);
+    EXPECT_EQ(rows.back(), "# " + ended);
+    EXPECT_EQ(rows.size() - 2, summary["servo"]["ticks"].get<std::size_t>());
+    for (const auto& phase : summary["phases"])
+      EXPECT_LE(phase["end_s"].get<double>(), summary["servo"]["time_s"].get<double>() + 1e-9);
+    const auto files = std::distance(std::filesystem::directory_iterator(file("a/out")), {});
+    EXPECT_EQ(files, 3);  // no draft, no picture
+  }
 };
 
 TEST_F(Interrupt, OfARunInRealTime) {
-  expectGoodOrder(interrupted({"--seconds", "600"}, "palpating", {SIGINT}));
+  expectKept(interrupted({"--seconds", "600"}, "palpating", {SIGINT}), 600);
 }
 
 TEST_F(Interrupt, OfARunOnTheSimulatedClock) {
-  expectGoodOrder(interrupted({"--seconds", "120", "--rate", "20000", "--clock", "simulated"}, "palpating", {SIGINT}));
+  expectKept(interrupted({"--seconds", "120", "--rate", "20000", "--clock", "simulated"}, "palpating", {SIGINT}), 120);
 }
 
 TEST_F(Interrupt, BeforeTheRunBegins) {
-  expectGoodOrder(interrupted({"--seconds", "600"}, "loading", {SIGINT}));
+  expectNothing(interrupted({"--seconds", "600"}, "loading", {SIGINT}));
+}
+
+// The run is whole, its picture is not begun or not finished: a picture of many megapixels in which nothing is skipped.
+TEST_F(Interrupt, OfThePicture) {
+  const Outcome outcome = runPalpate({.arguments = {"touch", "phantom:sphere?size=64", "--seconds", "0.3", "--clock",
+                                                    "simulated", "--width", "3840", "--height", "3840", "--out", "out"},
+                                      .folder = folder(),
+                                      .signal_at = "drawing",
+                                      .signals = {SIGINT}});
+  expectRefusal(outcome, "palpate touch",
+                "stopped by the user after the run, before the picture; what was felt is in out", 130);
+  EXPECT_FALSE(exists("out/view.png"));
+  const auto summary = nlohmann::json::parse(contentsOf(file("out/summary.json")));
+  EXPECT_EQ(summary["ended_early"], "stopped by the user after the run, before the picture");
+  EXPECT_EQ(summary["servo"]["ticks"], 300);
+  EXPECT_EQ(summary["files"].size(), 3U);
+}
+
+// A run that nobody stops says nothing of it.
+TEST_F(Interrupt, IsNotToldWhereThereWasNone) {
+  expectSuccess(run(quickTouch("phantom:sphere?size=24")));
+  EXPECT_TRUE(nlohmann::json::parse(contentsOf(file("out/summary.json")))["ended_early"].is_null());
+  EXPECT_THAT(contentsOf(file("out/trace.csv")), testing::Not(HasSubstr("#")));
+  EXPECT_THAT(contentsOf(file("out/report.html")), testing::Not(HasSubstr("Ended early")));
 }
 
 // While the engine begins: a diffusion of minutes.
@@ -48,7 +100,7 @@ TEST_F(Interrupt, OfTheFiltersOfARun) {
                   .folder = folder(),
                   .signal_at = "computing on Vulkan: filter",
                   .signals = {SIGINT}});
-  expectGoodOrder(outcome);
+  expectNothing(outcome);
 }
 
 TEST_F(Interrupt, OfACheck) {
@@ -63,7 +115,7 @@ TEST_F(Interrupt, OfACheck) {
 
 // `timeout` signals its child and then the child's group, so one request arrives twice.
 TEST_F(Interrupt, ThatArrivesTwiceAtOnce) {
-  expectGoodOrder(interrupted({"--seconds", "600"}, "palpating", {SIGTERM, SIGTERM}));
+  expectKept(interrupted({"--seconds", "600"}, "palpating", {SIGTERM, SIGTERM}), 600);
 }
 
 const Words kDrill = {"--edit", "remove:radius=1mm:period=20", "--journal", "journal", "--save", "s.vdb"};
@@ -72,10 +124,9 @@ const Words kDrill = {"--edit", "remove:radius=1mm:period=20", "--journal", "jou
 TEST_F(Interrupt, OfARunThatIsSaved) {
   const Outcome outcome =
       interrupted(kDrill + Words{"--seconds", "25", "--save-every", "0.2"}, "palpating", {SIGINT}, "s.vdb");
-  expectGoodOrder(outcome);
+  expectKept(outcome, 25);
   EXPECT_THAT(outcome.err, testing::ContainsRegex("s.vdb holds the volume up to edit [1-9][0-9]*"));
   EXPECT_THAT(outcome.err, testing::HasSubstr("the journal journal holds edits up to number"));
-  EXPECT_THAT(outcome.err, testing::Not(testing::HasSubstr("nothing was written")));
   EXPECT_TRUE(exists("s.vdb"));
   expectSuccess(run({"recover", "journal", "--out", "back.vdb"}));
 }
@@ -105,7 +156,7 @@ TEST_F(Interrupt, OfARecovery) {
 // Before the first edit nothing hinders the same command from being given again.
 TEST_F(Interrupt, BeforeTheFirstEditLeavesNoJournal) {
   const Words far = {"--seconds", "600", "--approach", "500"};
-  expectGoodOrder(interrupted(kDrill + far, "palpating", {SIGINT}));
+  expectKept(interrupted(kDrill + far, "palpating", {SIGINT}), 600);
   EXPECT_FALSE(exists("journal/journal.palpate"));
 }
 

@@ -87,6 +87,16 @@ TEST(TraceCsv, UnknownDensityIsNanWhateverItsSign) {
   EXPECT_NE(contentsOf(folder.path() / "t.csv").find(",nan,0,"), std::string::npos);
 }
 
+// Whoever reads the trace alone must not take it for the whole run.
+TEST(TraceCsv, SaysThatItWasEndedEarlyInItsLastLine) {
+  TemporaryFolder folder;
+  const auto records = sampleRecords(3, 1000);
+  writeTraceCsv(folder.path() / "whole.csv", records);
+  writeTraceCsv(folder.path() / "t.csv", records, "stopped by the user after 0.003 s of 5 s");
+  EXPECT_EQ(contentsOf(folder.path() / "t.csv"),
+            contentsOf(folder.path() / "whole.csv") + "# stopped by the user after 0.003 s of 5 s\n");
+}
+
 TEST(TraceCsv, EqualRecordsGiveEqualBytes) {
   TemporaryFolder folder;
   const auto records = sampleRecords(3000, 1000);

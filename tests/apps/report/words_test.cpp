@@ -56,6 +56,15 @@ TEST(Words, ClosingSummaryHasTheContentAsRecoverPrintsIt) {
   EXPECT_THAT(closingSummary(run), HasSubstr("; 1 of 1 journal record saved in kept"));
 }
 
+TEST(Words, ARunThatWasStoppedSaysSoFirst) {
+  TouchRun run = sampleRun();
+  const std::string verdict = verdictOf(run);
+  EXPECT_THAT(closingSummary(run), Not(HasSubstr("early")));
+  run.ended_early = "stopped by the user after 5 s of 60 s";
+  EXPECT_EQ(verdictOf(run), "Ended early: stopped by the user after 5 s of 60 s. " + verdict);
+  EXPECT_THAT(closingSummary(run), HasSubstr("\nEnded     early: stopped by the user after 5 s of 60 s\nContact "));
+}
+
 TEST(Words, VerdictOfARunWithoutContact) {
   TouchRun run = sampleRun();
   for (TickRecord& r : run.records) r.in_contact = false;

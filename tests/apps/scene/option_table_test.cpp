@@ -182,6 +182,25 @@ TEST(OptionTable, HelpAndDocumentNameEveryAlgorithm) {
   EXPECT_EQ(Scene{}.algorithm, algorithms().front().name);
 }
 
+TEST(OptionTable, EveryOptionHasAGroup) {
+  for (const SceneOption& option : sceneOptions()) EXPECT_STRNE(optionGroup(option), "") << option.key;
+  EXPECT_STREQ(optionGroup(*optionOfKey("servo.n")), "Servo");
+  EXPECT_STREQ(optionGroup(*optionOfKey("volume")), "Volume and what is computed of it");
+}
+
+TEST(OptionTable, WordsAreThoseThatAreTaken) {
+  for (const SceneOption& option : sceneOptions()) {
+    for (const std::string& word : optionWords(option.value)) {
+      Scene scene;
+      EXPECT_NO_THROW(setOption(option.value, word, option.flag, scene)) << option.flag << " " << word;
+      EXPECT_THAT(optionForm(option.value), testing::HasSubstr(word));
+    }
+  }
+  EXPECT_EQ(optionWords(optionOfKey("servo.algorithm")->value).size(), algorithms().size());
+  EXPECT_THAT(optionWords(optionOfKey("servo.clock")->value), testing::ElementsAre("real", "simulated"));
+  EXPECT_THAT(optionWords(optionOfKey("servo.n")->value), testing::IsEmpty());
+}
+
 TEST(SceneDocument, IsTheCommittedPage) {
   std::ifstream in(PALPATE_DOCS "/scene.md");
   const std::string page((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());

@@ -64,14 +64,21 @@ TEST(OptionValue, WholeNumbersRefuseWhatIsNone) {
   }
 }
 
-// The range is closed: its ends are taken, what lies beyond is not.
+// The range is closed, or open below, as the words say: ends that belong to it are taken, what lies beyond is not.
 TEST(OptionValue, NumbersKeepTheirRange) {
   for (const SceneOption* option : optionsOfKind<NumberOption>()) {
     const auto& range = std::get<NumberOption>(option->value);
     ASSERT_LT(range.lowest, range.highest) << option->flag;
     Scene scene;
-    EXPECT_NO_THROW(setOption(option->value, fmt::format("{:.17g}", range.lowest), option->flag, scene));
     EXPECT_NO_THROW(setOption(option->value, fmt::format("{:.17g}", range.highest), option->flag, scene));
+    EXPECT_EQ(range.above_lowest, optionForm(option->value) ==
+                                      fmt::format("a number above {:g}, at most {:g}", range.lowest, range.highest));
+    if (range.above_lowest) {
+      EXPECT_NO_THROW(setOption(option->value, fmt::format("{:.17g}", range.lowest + 1e-9), option->flag, scene));
+      expectRefused(*option, fmt::format("{:.17g}", range.lowest));
+      continue;
+    }
+    EXPECT_NO_THROW(setOption(option->value, fmt::format("{:.17g}", range.lowest), option->flag, scene));
     expectRefused(*option, fmt::format("{:.17g}", range.lowest - std::max(1e-9, std::abs(range.lowest) * 1e-6)));
     expectRefused(*option, fmt::format("{:.17g}", range.highest * 1.000001));
   }

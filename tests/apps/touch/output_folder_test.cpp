@@ -115,6 +115,90 @@ TEST_F(OutputFolderTest, KeepsAFolderThatSomebodyElseFilledMeanwhile) {
   EXPECT_FALSE(exists("a/b"));
 }
 
+// Behind a link lies a larger disk, say: the result goes there, and the link stays.
+TEST_F(OutputFolderTest, PublishesThroughSymbolicLinks) {
+  for (const char* folder : {"a", "elsewhere"}) fs::create_directory(path(folder));
+  save(path("elsewhere/x"), "old");
+  fs::create_symlink(path("elsewhere/x"), path("a/x"));
+  fs::create_symlink("../elsewhere/y", path("a/y"));  // not there yet
+  fs::create_directory_symlink("a", path("link"));
+  {
+    OutputFolder out(path("link"));
+    for (const char* name : {"x", "y", "z"}) save(out.draft(name), name);
+    out.publish();
+  }
+  EXPECT_TRUE(fs::is_symlink(fs::symlink_status(path("a/x"))));
+  EXPECT_EQ(contentsOf(path("elsewhere/x")), "x");
+  EXPECT_EQ(contentsOf(path("elsewhere/y")), "y");
+  EXPECT_EQ(contentsOf(path("a/z")), "z");
+  EXPECT_EQ(std::distance(fs::directory_iterator(path("a")), {}), 3);
+  EXPECT_EQ(std::distance(fs::directory_iterator(path("elsewhere")), {}), 2);
+}
+
+// More than is copied at once.
+TEST_F(OutputFolderTest, PublishesLargeFilesThroughSymbolicLinks) {
+  fs::create_directory(path("a"));
+  fs::create_symlink("../x", path("a/x"));
+  std::string text(3'000'001, ' ');
+  for (std::size_t i = 0; i < text.size(); ++i) text[i] = static_cast<char>('a' + i % 23);
+  {
+    OutputFolder out(path("a"));
+    save(out.draft("x"), text);
+    out.publish();
+  }
+  EXPECT_EQ(contentsOf(path("x")), text);
+}
+
+TEST_F(OutputFolderTest, MovesNothingWhereALinkLeadsNowhere) {
+  fs::create_directory(path("a"));
+  fs::create_symlink("none/x", path("a/x"));
+  OutputFolder out(path("a"));
+  for (const char* name : {"w", "x", "y"}) save(out.draft(name), name);
+  EXPECT_THROW(out.publish(), Error);
+  EXPECT_FALSE(exists("a/w"));
+  EXPECT_FALSE(exists("a/y"));
+}
+
+// An older result that does not belong to this run: the file goes, the link is the user's.
+TEST_F(OutputFolderTest, LeavesOutBehindALinkToo) {
+  for (const char* folder : {"a", "elsewhere"}) fs::create_directory(path(folder));
+  save(path("elsewhere/x"), "old");
+  save(path("a/y"), "old");
+  fs::create_symlink("../elsewhere/x", path("a/x"));
+  OutputFolder out(path("a"));
+  out.leaveOut("x");
+  out.leaveOut("y");
+  out.publish();
+  EXPECT_FALSE(exists("elsewhere/x"));
+  EXPECT_TRUE(fs::is_symlink(fs::symlink_status(path("a/x"))));
+  EXPECT_FALSE(exists("a/y"));
+}
+
+// Drafts that nobody holds any more, and parts of files that this program writes; nothing else.
+TEST_F(OutputFolderTest, IsSweptOfWhatKilledRunsLeft) {
+  fs::create_directories(path("a/.palpate-Ab12xY"));
+  save(path("a/.palpate-Ab12xY/trace.csv"), "half");
+  for (const char* name : {"a/s.vdb.1.part", "a/view.png.2-1.part", "a/j.palpate.3.part"}) save(path(name), "half");
+  for (const char* name : {"a/film.mkv.4.part", "a/s.vdb.part", "a/.palpate-short", "a/s.vdb"})
+    save(path(name), "mine");
+  { OutputFolder out(path("a")); }
+  EXPECT_EQ(std::distance(fs::directory_iterator(path("a")), {}), 4);
+  for (const char* name : {"a/film.mkv.4.part", "a/s.vdb.part", "a/.palpate-short", "a/s.vdb"})
+    EXPECT_TRUE(exists(name));
+}
+
+TEST_F(OutputFolderTest, IsNotSweptOfWhatLives) {
+  OutputFolder first(path("a"));
+  save(first.draft("x"), "1");
+  AtomicFile part(path("a/s.vdb"));
+  OutputFolder second(path("a"));
+  first.publish();
+  EXPECT_EQ(contentsOf(path("a/x")), "1");
+  part.write("whole");
+  part.commit();
+  EXPECT_EQ(contentsOf(path("a/s.vdb")), "whole");
+}
+
 TEST_F(OutputFolderTest, IsRefusedWhereNothingCanBeWritten) {
   save(path("file"), "mine");
   EXPECT_THAT(refusal(path("file")), testing::StartsWith(path("file") + ": nothing can be written there"));

@@ -196,6 +196,18 @@ TEST_F(ComposeView, ANameThatIsNotUtf8IsNoTrouble) {
   EXPECT_EQ(decode(composeView(view_->layout, view_->pictures, view_->region, run)).width, 1280);
 }
 
+// A large file takes seconds, and who waits may have had enough.
+TEST_F(ComposeView, IsEndedBetweenTwoPiecesOfTheFile) {
+  int pieces = 0;
+  const auto stop = [&] {
+    if (++pieces == 3) throw std::runtime_error("enough");
+  };
+  EXPECT_THROW((void)composeView(view_->layout, view_->pictures, view_->region, *run_, stop), std::runtime_error);
+  EXPECT_EQ(pieces, 3);
+  EXPECT_EQ(composeView(view_->layout, view_->pictures, view_->region, *run_, [&] { ++pieces; }), *png_);
+  EXPECT_GT(pieces, 10);
+}
+
 TEST_F(ComposeView, RefusesAPictureOfAnotherSize) {
   ViewPictures wrong = view_->pictures;
   wrong.close_up.width -= 1;

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/loop/quantile.hpp"
 
+#include <algorithm>
 #include <numeric>
+#include <random>
 
 #include <gtest/gtest.h>
 
@@ -41,6 +43,24 @@ TEST(Percentiles, OfAThousandInAnyOrder) {
   EXPECT_EQ(p.p99, 990);
   EXPECT_EQ(p.p999, 999);
   EXPECT_EQ(p.max, 1000);
+}
+
+// Any length, with values that come again and again: as if they were sorted.
+TEST(Percentiles, AreThoseOfTheSortedValues) {
+  std::mt19937 random(1);
+  for (int i = 0; i < 300; ++i) {
+    std::vector<double> values(std::uniform_int_distribution<std::size_t>(1, i < 200 ? 40 : 3000)(random));
+    for (double& value : values) value = std::uniform_int_distribution(-20, 20)(random) * 0.1;
+    const Percentiles p = percentiles(values);
+    std::sort(values.begin(), values.end());
+    EXPECT_EQ(p.count, values.size());
+    EXPECT_EQ(p.p50, quantile(values, 0.5));
+    EXPECT_EQ(p.p90, quantile(values, 0.9));
+    EXPECT_EQ(p.p99, quantile(values, 0.99));
+    EXPECT_EQ(p.p999, quantile(values, 0.999));
+    EXPECT_EQ(p.max, values.back());
+  }
+  EXPECT_EQ(percentiles({}).max, 0);
 }
 
 }  // namespace

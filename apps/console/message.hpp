@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// apps/console/message.hpp: what the program says: messages on standard error, results on standard output.
+//
+// Neither throws: a message that cannot be written (a full disk, a closed terminal) is no reason to lose the work that
+// it tells of. A result that could not be written is told by main() at the end, which asks resultError(). Any thread;
+// a message is one write.
+#pragma once
+
+#include <cstdio>
+#include <string>
+#include <string_view>
+
+#include <fmt/format.h>
+
+namespace palpate {
+
+// "palpate: TEXT" as a line of its own on standard error; control characters become '?'.
+void tellUser(std::string_view text) noexcept;
+
+// The text as it is, flushed.
+void writeMessage(std::FILE* stream, std::string_view text) noexcept;
+
+// To standard output. Set-up code, one thread.
+void printText(std::string_view text) noexcept;
+template <typename... Args>
+void printResult(fmt::format_string<Args...> format, Args&&... args) {
+  printText(fmt::format(format, std::forward<Args>(args)...));
+}
+
+// Flushes standard output. 0, or the number of the first error that kept a result from it.
+[[nodiscard]] int resultError() noexcept;
+
+}  // namespace palpate

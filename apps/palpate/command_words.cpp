@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "command_words.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/error.hpp"
+#include "base/nearest_word.hpp"
+
+namespace palpate {
+namespace {
+
+// "did you mean touch? " before what follows, or nothing.
+std::string meant(const std::string& word, const std::vector<std::string>& known) {
+  const std::string words = didYouMean(word, known);
+  return words.empty() ? "" : words + " ";
+}
+
+}  // namespace
+
+std::vector<std::string> verbsOf(const CLI::App& above) {
+  std::vector<std::string> names;
+  for (const CLI::App* verb : above.get_subcommands([](const CLI::App*) { return true; }))
+    names.push_back(verb->get_name());
+  return names;
+}
+
+const CLI::App& verbNamed(const CLI::App& above, const std::string& name, const std::string& command) {
+  const auto verbs = above.get_subcommands([&](const CLI::App* verb) { return verb->check_name(name); });
+  if (!verbs.empty()) return *verbs.front();
+  throw Error(Error::Code::kBadInput, name, "there is no such verb",
+              fmt::format("{}'{} --help' lists them", meant(name, verbsOf(above)), command));
+}
+
+std::vector<std::string> flagsOf(const CLI::App& verb) {
+  std::vector<std::string> flags;
+  for (const CLI::Option* option : verb.get_options()) {
+    for (const std::string& name : option->get_lnames()) flags.push_back("--" + name);
+    for (const std::string& name : option->get_snames()) flags.push_back("-" + name);
+  }
+  return flags;
+}
+
+// An unknown flag first: what else is wrong may follow from it.
+std::string parseMessage(const CLI::App& verb, const std::string& command, const CLI::ParseError& error) {
+  const std::string help = fmt::format("'{} --help' says what may be given", command);
+  const std::vector<std::string> unknown = verb.remaining(true);
+  const auto flag =
+      std::find_if(unknown.begin(), unknown.end(), [](const std::string& w) { return w.starts_with('-'); });
+  if (flag != unknown.end()) {
+    const std::string hint = meant(flag->substr(0, flag->find('=')), flagsOf(verb));
+    return fmt::format("{}: not expected; {}{}", fmt::join(unknown, " "), hint, help);
+  }
+  if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr && !unknown.empty())
+    return fmt::format("{}: not expected; {}", fmt::join(unknown, " "), help);
+  return fmt::format("{}; {}", error.what(), help);
+}
+
+}  // namespace palpate

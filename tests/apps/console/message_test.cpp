@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/console/message.hpp"
+
+#include <cerrno>
+
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "apps/console/progress.hpp"
+#include "in_child.hpp"
+
+namespace palpate {
+namespace {
+
+TEST(Messages, AreALineThatNoNameCanBreak) {
+  const Ended ended = inChild([] { tellUser("a\nb\033[2Kc.vdb: it is gone; look for it"); });
+  EXPECT_EQ(ended.err, "palpate: a?b?[2Kc.vdb: it is gone; look for it\n");
+}
+
+void giveStream(int stream, const char* name) {
+  const int file = open(name, O_WRONLY);
+  dup2(file, stream);
+  close(file);
+}
+
+// Progress tells from its destructor too, where an exception would end the process.
+TEST(Messages, ThatCannotBeWrittenAreNoReasonToEnd) {
+  const Ended ended = inChild([] {
+    giveStream(STDERR_FILENO, "/dev/full");
+    tellUser("on a full disk");
+    {
+      Progress progress;
+      progress.stage("loading");
+      progress.fraction(0.5);
+    }
+    _exit(7);
+  });
+  EXPECT_EQ(ended.status, 7);
+}
+
+// A disk that was full has room again: what is told then is written.
+TEST(Messages, AreTriedAgain) {
+  const Ended ended = inChild([] {
+    const int err = dup(STDERR_FILENO);
+    giveStream(STDERR_FILENO, "/dev/full");
+    tellUser("lost");
+    dup2(err, STDERR_FILENO);
+    tellUser("told");
+  });
+  EXPECT_EQ(ended.err, "palpate: told\n");
+}
+
+TEST(Results, ThatCannotBeWrittenAreRemembered) {
+  for (const std::size_t size : {std::size_t{10}, std::size_t{1} << 20U}) {  // kept in the buffer, and not
+    const Ended ended = inChild([&] {
+      giveStream(STDOUT_FILENO, "/dev/full");
+      printText(std::string(size, 'x'));
+      printResult("{}\n", "more");
+      _exit(resultError() == ENOSPC ? 0 : 1);
+    });
+    EXPECT_EQ(ended.status, 0) << size;
+  }
+}
+
+TEST(Results, ThatWereWrittenAreNoError) {
+  const Ended ended = inChild([] {
+    giveStream(STDOUT_FILENO, "/dev/null");
+    printResult("{} of {}\n", 1, 2);
+    _exit(resultError());
+  });
+  EXPECT_EQ(ended.status, 0);
+}
+
+}  // namespace
+}  // namespace palpate

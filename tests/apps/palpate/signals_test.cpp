@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+// A request to stop at any moment of any verb: it ends with its own status, and each file is whole or not there.
+//
+// PALPATE_SIGNALS: how many requests (16). PALPATE_SIGNALS_SEED: of their moments.
+#include <csignal>
+#include <cstdlib>
+#include <random>
+
+#include "program_test.hpp"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using testing::Not;
+
+int numberFrom(const char* name, int standard) {
+  const char* text = std::getenv(name);
+  return text != nullptr ? std::atoi(text) : standard;
+}
+
+// Each takes seconds, in stages of all kinds: loading, passes on Vulkan, a path, the servo, a picture, meshes, files.
+const Words kWork[] = {
+    {"touch", "phantom:knot?size=96", "--seconds", "3", "--clock", "simulated", "--rate", "5000", "--out", "out"},
+    {"touch", "phantom:knot?size=64", "--seconds", "2", "--out", "out", "--edit", "remove:radius=2mm", "--journal",
+     "journal", "--save", "s.nrrd", "--save-every", "0.2"},
+    {"touch", "phantom:sphere?size=64", "--seconds", "0.2", "--width", "3840", "--height", "2160", "--out", "out"},
+    {"touch", "phantom:knot?size=96", "--algorithm", "god-object", "--seconds", "1", "--out", "out"},
+    {"edit", "phantom:knot?size=96", "o.nrrd", "--script", "edits.txt", "--journal", "journal"},
+    {"convert", "phantom:knot?size=256", "o.ply"},
+    {"convert", "phantom:head?size=192", "o.nii.gz"},
+    {"filter", "phantom:knot?size=128", "-o", "o.nrrd", "--filter", "median:3 bilateral:1.5:range=50"},
+    {"gradient", "phantom:knot?size=192", "-o", "o.vdb", "--all", "--operator", "gaussian:1.5"},
+    {"check", "filters", "phantom:knot?size=48", "--json", "o.json"},
+    {"check", "edits", "phantom:knot?size=48", "--json", "o.json"},
+    {"bench", "servo", "--json", "o.json"},
+    {"bench", "loop", "--json", "o.json"},
+    {"bench", "load", "--json", "o.json"},
+    {"bench", "filters", "--sizes", "64", "--json", "o.json"},
+    {"info", "phantom:head?size=256"},
+};
+
+class Signals : public ProgramTest {
+ protected:
+  void makeReady() const {
+    for (const char* name : {"out", "journal", "o.nrrd", "o.ply", "o.nii.gz", "o.vdb", "o.json", "s.nrrd", "tmp"})
+      fs::remove_all(file(name));
+    fs::create_directory(file("tmp"));
+    std::string script;
+    for (int i = 0; i < 20'000; ++i) script += "inflate:radius=10:at=0,0,0\ndeflate:radius=10:at=0,0,0\n";
+    write("edits.txt", script);
+  }
+  void expectWholeOrNotThere() const {
+    for (const auto& entry : fs::recursive_directory_iterator(folder())) {
+      const std::string name = entry.path().filename().string();
+      EXPECT_THAT(name, Not(HasSubstr(".part")));
+      EXPECT_THAT(name, Not(testing::StartsWith(".palpate")));
+    }
+    EXPECT_TRUE(fs::is_empty(file("tmp"))) << "a bench left something";
+    for (const char* name : {"o.nrrd", "o.nii.gz", "o.vdb", "s.nrrd"}) {
+      if (exists(name) && std::string(name) != "o.vdb") expectSuccess(run({"info", name}));
+    }
+    const bool has_trace = exists("out/trace.csv");
+    EXPECT_EQ(exists("out"), has_trace);
+    EXPECT_EQ(exists("out/summary.json"), has_trace);
+    EXPECT_EQ(exists("out/report.html"), has_trace);
+  }
+};
+
+TEST_F(Signals, AtAnyMomentEndTheWorkInGoodOrder) {
+  std::mt19937 random(static_cast<unsigned>(numberFrom("PALPATE_SIGNALS_SEED", 1)));
+  const int requests = numberFrom("PALPATE_SIGNALS", 16);
+  for (int i = 0; i < requests; ++i) {
+    const Words& work = kWork[static_cast<std::size_t>(i) % std::size(kWork)];
+    const int signal = std::array{SIGINT, SIGTERM, SIGHUP}[static_cast<std::size_t>(i) % 3];
+    const double after_s = std::uniform_real_distribution(0.0, 1.5)(random);
+    SCOPED_TRACE(fmt::format("{} {} stopped by {} after {:.3f} s", work[0], work[1], signal, after_s));
+    makeReady();
+    const Outcome outcome = runPalpate({.arguments = work,
+                                        .folder = folder(),
+                                        .environment = {{"TMPDIR", file("tmp").string()}},
+                                        .signals = {signal},
+                                        .signal_after_s = after_s});
+    EXPECT_FALSE(outcome.timed_out);
+    // In its first milliseconds it is as any program; a verb may be done before its moment.
+    const bool ended_by_itself = outcome.status == 0 || (outcome.signal == signal && outcome.err.empty());
+    if (!ended_by_itself) expectRefusal(outcome, "palpate " + work[0], "stopped by the user", 130);
+    if (std::getenv("PALPATE_SIGNALS") != nullptr) {
+      fmt::print("{:7.0f} ms  {} {} after {:.3f} s\n", 1e3 * (outcome.seconds - outcome.signalled_s), work[0], work[1],
+                 after_s);
+    }
+    expectWholeOrNotThere();
+  }
+}
+
+}  // namespace
+}  // namespace palpate
