@@ -139,8 +139,9 @@ std::optional<SurfaceHit> bestOf(const SurfaceField& field, const ObjectPieces& 
 
 SurfaceHit startNear(const SurfaceField& field, const Vec3& start_W) {
   // No farther than the volume is long: a search by voxels of a micrometre would never end.
+  const double longest_m = field.size().cast<double>().cwiseProduct(field.lattice().spacing_m).norm();
   const double reach_m =
-      std::min(std::max(kStartReach_m, kStartReachVoxels * field.lattice().smallestSpacing()), diagonal(field));
+      std::min(std::max(kStartReach_m, kStartReachVoxels * field.lattice().smallestSpacing()), longest_m);
   if (const auto point = nearestSurfacePoint(field, start_W, reach_m)) return *point;
   const Vec3 start_mm = start_W * kMillimetresPerMetre;
   throw Error(Error::Code::kBadInput, "path start",
