@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "apps/console/interrupt.hpp"
+#include "apps/console/remark.hpp"
 #include "apps/mesh/mesh_writer.hpp"
 #include "base/byte_size.hpp"
 #include "base/error.hpp"
@@ -51,6 +52,7 @@ struct Output {
     result.isovalue = request.isovalue.value_or(0);
     if (!request.isovalue) result.isovalue = defaultIsovalue(volume);
     checkIsovalue(volume, result.isovalue);
+    checkTouchable(volume);  // one voxel thick it encloses nothing
     progress.stage("meshing");
     const TriangleMesh mesh = isosurfaceMesh(volume, result.isovalue, request.adaptivity.value_or(0));
     if (mesh.triangles.empty()) {
@@ -92,6 +94,8 @@ ConvertResult convert(const ConvertRequest& request, Progress& progress) {
   AtomicFile file(request.out);  // before the long part, so that a folder that may not be written is refused at once
   progress.stage("loading " + request.in);
   const Volume volume = loadVolume(request.in);
+  progress.done();
+  tellRemark(volume.facts().source, volume.facts().remark);
   throwIfInterrupted("palpate convert");
   ConvertResult result = writeOutput(volume, request, "palpate convert", file, progress);
   file.commit();

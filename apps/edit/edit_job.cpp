@@ -8,6 +8,7 @@
 
 #include "apps/console/interrupt.hpp"
 #include "apps/console/pass_progress.hpp"
+#include "apps/console/remark.hpp"
 #include "apps/edit/script_reader.hpp"
 #include "apps/edit/stamp_files.hpp"
 #include "apps/mesh/mesh_writer.hpp"
@@ -301,6 +302,8 @@ EditResult editVolume(const EditRequest& request, Progress& progress,
   AtomicFile file(request.out);  // before the long part, so that a folder that may not be written is refused at once
   progress.stage("loading " + request.in);
   Volume volume = loadVolume(request.in);
+  progress.done();
+  tellRemark(volume.facts().source, volume.facts().remark);
   stopIfInterrupted();
   const double isovalue = static_cast<float>(request.isovalue ? *request.isovalue : defaultIsovalue(volume));
   checkIsovalue(volume, isovalue);

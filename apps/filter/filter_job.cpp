@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "apps/console/interrupt.hpp"
+#include "apps/console/remark.hpp"
 #include "apps/convert/convert_job.hpp"
 #include "base/atomic_file.hpp"
 #include "base/byte_size.hpp"
@@ -33,6 +34,8 @@ FilterResult filterFile(const FilterRequest& request, Progress& progress) {
   AtomicFile file(request.out);  // before the long part, so that a folder that may not be written is refused at once
   progress.stage("loading " + request.in);
   const Volume volume = loadVolume(request.in);
+  progress.done();
+  tellRemark(volume.facts().source, volume.facts().remark);
   std::optional<float> isovalue;
   if (hasDistance(chain)) {
     if (request.isovalue) checkIsovalue(volume, *request.isovalue);

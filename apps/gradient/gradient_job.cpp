@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "apps/console/interrupt.hpp"
+#include "apps/console/remark.hpp"
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
@@ -115,6 +116,8 @@ GradientResult gradientFile(const GradientRequest& request, Progress& progress) 
   AtomicFile file(request.out);              // and so is a folder that may not be written
   progress.stage("loading " + request.in);
   const Volume volume = loadVolume(request.in);
+  progress.done();
+  tellRemark(volume.facts().source, volume.facts().remark);
   throwIfInterrupted(kWork);
   GradientResult result;
   VectorFile vectors(volume.size(), volume.lattice(), request.out);

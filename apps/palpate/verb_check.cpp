@@ -15,6 +15,7 @@
 #include "apps/console/interrupt.hpp"
 #include "apps/console/message.hpp"
 #include "apps/console/progress.hpp"
+#include "apps/console/remark.hpp"
 #include "apps/filter/filter_job.hpp"
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
@@ -122,6 +123,8 @@ std::function<void(double)> shownIn(Progress& progress) {
 Volume loaded(const TableArguments& arguments, Progress& progress) {
   progress.stage("loading " + arguments.volume);
   Volume volume = loadVolume(arguments.volume);
+  progress.done();
+  tellRemark(volume.facts().source, volume.facts().remark);
   throwIfInterrupted("palpate check");
   return arguments.crop > 0 ? cropped(std::move(volume), arguments.crop) : std::move(volume);
 }

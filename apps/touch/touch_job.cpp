@@ -10,6 +10,7 @@
 
 #include "apps/console/interrupt.hpp"
 #include "apps/console/pass_progress.hpp"
+#include "apps/console/remark.hpp"
 #include "apps/report/html_report.hpp"
 #include "apps/report/summary.hpp"
 #include "apps/report/trace_csv.hpp"
@@ -230,6 +231,8 @@ TouchRun runTouchJob(const Scene& scene, const std::string& command, const std::
   Stages stages(progress, run.stages);
 
   Volume volume = stages.run("load", "loading " + scene.volume, [&] { return loadVolume(scene.volume); });
+  progress.done();
+  tellRemark(volume.facts().source, volume.facts().remark);
   checkTouchable(volume);
   // Rounded to float once, as the GPU has it: servo and kernels must agree on what is object.
   const double isovalue = static_cast<float>(scene.isovalue ? *scene.isovalue : defaultIsovalue(volume));

@@ -6,12 +6,16 @@
 // GDCM under ITK, in a child process (itk_child.hpp), reads each slice and applies its slope and intercept.
 // The order and spacing of slices come from their positions, never from file names or slice thickness.
 #include <algorithm>
+#include <cerrno>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <system_error>
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include "base/error.hpp"
 #include "base/shared_buffer.hpp"
@@ -51,11 +55,27 @@ RefuseFile refuseSlice(const std::vector<fs::path>& files, const std::string& so
   };
 }
 
+// A file that cannot be opened is not a damaged one.
+void checkOpens(const fs::path& path, const std::string& source) {
+  const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  const int why = errno;
+  if (descriptor >= 0) {
+    close(descriptor);
+    return;
+  }
+  throw Error(
+      Error::Code::kIo, source,
+      fmt::format("slice {} cannot be opened: {}", path.filename().string(), std::generic_category().message(why)),
+      why == EMFILE || why == ENFILE ? "raise the limit of open files (ulimit -n), or end other programs"
+                                     : "check the permissions of the file");
+}
+
 // Every series of a folder by its UID. Files that are no DICOM slices are passed over, unless their names say they are.
 std::map<std::string, Series> readFolder(const std::string& folder, const std::string& source) {
   std::vector<fs::path> files;
   for (const auto& entry : fs::directory_iterator(folder)) {
     if (!entry.is_regular_file()) continue;
+    checkOpens(entry.path(), source);
     if (formatByContent(entry.path().string()) == "DICOM") {
       files.push_back(entry.path());
     } else {

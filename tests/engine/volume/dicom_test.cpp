@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include "tests/engine/volume/samples.hpp"
 
@@ -101,6 +103,31 @@ TEST_F(Dicom, RefusesSlopesAndInterceptsThatAreNoNumbers) {
   flat.slope = "0";  // every density would be the intercept
   writeSeries(flat, {0, 2, 4});
   refuses("RescaleSlope");
+}
+
+// With no descriptor left no slice is damaged.
+TEST_F(Dicom, SaysThatNoFileCanBeOpened) {
+  writeSeries({}, {0, 2, 4});
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &before), 0);
+  const int next = dup(0);  // the lowest that is free
+  ASSERT_GE(next, 0);
+  close(next);
+  // One more, for the folder itself.
+  const rlimit none{static_cast<rlim_t>(next) + 1, before.rlim_max};
+  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &none), 0);
+  std::string words;
+  Error::Code code = Error::Code::kBadInput;
+  try {
+    (void)loadVolume(folder_.path());
+  } catch (const Error& error) {
+    words = error.what();
+    code = error.code();
+  }
+  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &before), 0);
+  EXPECT_THAT(words, testing::HasSubstr("Too many open files"));
+  EXPECT_THAT(words, testing::HasSubstr("ulimit -n"));
+  EXPECT_EQ(code, Error::Code::kIo);
 }
 
 // Pixels that are not there are no zeros.
