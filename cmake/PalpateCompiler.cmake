@@ -18,7 +18,8 @@ option(PALPATE_LIBFUZZER "Fuzz targets are libFuzzer programs; needs clang" OFF)
 
 add_library(palpate_compiler INTERFACE)
 target_compile_options(palpate_compiler INTERFACE
-  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wold-style-cast -Werror
+  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wold-style-cast
+  $<$<CXX_COMPILER_ID:GNU>:-Werror>  # other compilers warn of other things
   # A CPU twin must round as its kernel does, so a*b+c stays two operations.
   -ffp-contract=off)
 if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
