@@ -323,7 +323,7 @@ TEST(TouchPath, RefusesImpossibleNumbers) {
 
 // A scan in metres that is read as millimetres: a path of 20 mm would be followed for minutes, or for days.
 TEST(TouchPath, RefusesLengthsOfVeryManyVoxels) {
-  for (const double voxel_m : {1e-6, 1e-9}) {
+  for (const double voxel_m : {5e-7, 2e-7}) {
     const AnalyticField tiny = {[&](const Vec3& p) { return sphereDistance(p, 30 * voxel_m); }, 60 * voxel_m, voxel_m};
     PathRequest request;
     request.slide_length_m = 20e-3;
