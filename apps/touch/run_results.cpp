@@ -16,6 +16,8 @@ namespace fs = std::filesystem;
 
 // By name only: a folder of results may have been moved.
 std::vector<std::string> listedBy(const fs::path& summary) {
+  std::error_code ignored;
+  if (!fs::is_regular_file(summary, ignored)) return {};
   std::ifstream in(summary);
   const nlohmann::json run = nlohmann::json::parse(in, nullptr, false);
   if (!run.is_object() || run.value("schema", nlohmann::json()) != kSummarySchema) return {};

@@ -40,6 +40,7 @@ bool HriSurface::find(const SampleWindow& window, const Vec3& hip_W, std::uint32
     refreshField(window);
     if (in_contact_) {
       renew(hip_W, false, faults);
+      letGoInAir(hip_W);
     } else {
       moveFreely(hip_W, faults);
     }
@@ -154,6 +155,15 @@ void HriSurface::renew(const Vec3& hip_W, bool ahead, std::uint32_t& faults) noe
       relocate(field_->probe(hip_W), true, faults);
       return;
   }
+}
+
+// An edit may have taken the object from between a plane and a HIP that is still behind it, in the hollow that it made.
+void HriSurface::letGoInAir(const Vec3& hip_W) noexcept {
+  if (!in_contact_ || held_) return;
+  const Probe hip = field_->probe(hip_W);
+  if (hip.side != Side::kOutside) return;
+  const Probe start = field_->probe(plane().nearest(hip_W) + surface_.normal_W * (kStandOff * field_->voxel()));
+  if (start.side == Side::kOutside && !field_->firstEntry(start, hip)) release(hip);
 }
 
 // The plane is new. How fast the normal turned since the last one says how far the new one holds.

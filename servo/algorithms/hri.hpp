@@ -74,6 +74,7 @@ class HriSurface {
   void comeOut(const Probe& hip, std::uint32_t& faults) noexcept;
   [[nodiscard]] bool wentFar(const Vec3& hip_W) const noexcept;
   void renew(const Vec3& hip_W, bool ahead, std::uint32_t& faults) noexcept;
+  void letGoInAir(const Vec3& hip_W) noexcept;
   void renewed(const Vec3& hip_W, const Vec3& last_normal_W) noexcept;
   void relocate(const Probe& hip, bool gone, std::uint32_t& faults) noexcept;
   void moveFreely(const Vec3& hip_W, std::uint32_t& faults) noexcept;

@@ -13,7 +13,7 @@ using namespace palpate;
 std::string textOf(const TextHeader& header, TextFormat format) {
   const char separator = format == TextFormat::kNrrd ? ':' : '=';
   const std::string last_key = format == TextFormat::kNrrd ? "" : "elementdatafile";
-  std::string text = "NRRD0004\n", last;
+  std::string text = format == TextFormat::kNrrd ? "NRRD0004\n" : "", last;
   for (const auto& [key, value] : header.fields) {
     const std::string line = key + separator + ' ' + value + '\n';
     (!key.empty() && key == last_key ? last : text) += line;

@@ -206,8 +206,9 @@ TEST_F(Verbs, CheckOfFiltersTakesAChainACropAndAnIsovalue) {
   expectSuccess(outcome);
   EXPECT_THAT(outcome.out, HasSubstr("its middle 12 x 12 x 12 voxels"));
   const auto json = nlohmann::json::parse(contentsOf(file("check.json")));
-  ASSERT_EQ(json["checks"].size(), 5U);  // three axes, the distance, and the chain
-  EXPECT_EQ(json["checks"][4]["compared"], 12 * 12 * 12);
+  // Three axes, the distance, the distance against brute force, and the chain.
+  ASSERT_EQ(json["checks"].size(), 6U);
+  EXPECT_EQ(json["checks"][5]["compared"], 12 * 12 * 12);
   expectRefusal(run({"check", "filters", "phantom:box?size=8", "--filter", "mean:1"}), "mean", "there is no filter", 2);
 }
 
