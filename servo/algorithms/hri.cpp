@@ -40,7 +40,8 @@ bool HriSurface::find(const SampleWindow& window, const Vec3& hip_W, std::uint32
     refreshField(window);
     if (in_contact_) {
       renew(hip_W, false, faults);
-      letGoInAir(hip_W);
+      const Probe hip = field_->probe(hip_W);
+      if (in_contact_ && !held_ && field_->inAirBehind(plane().nearest(hip_W), surface_.normal_W, hip)) release(hip);
     } else {
       moveFreely(hip_W, faults);
     }
@@ -157,15 +158,6 @@ void HriSurface::renew(const Vec3& hip_W, bool ahead, std::uint32_t& faults) noe
   }
 }
 
-// An edit may have taken the object from between a plane and a HIP that is still behind it, in the hollow that it made.
-void HriSurface::letGoInAir(const Vec3& hip_W) noexcept {
-  if (!in_contact_ || held_) return;
-  const Probe hip = field_->probe(hip_W);
-  if (hip.side != Side::kOutside) return;
-  const Probe start = field_->probe(plane().nearest(hip_W) + surface_.normal_W * (kStandOff * field_->voxel()));
-  if (start.side == Side::kOutside && !field_->firstEntry(start, hip)) release(hip);
-}
-
 // The plane is new. How fast the normal turned since the last one says how far the new one holds.
 void HriSurface::renewed(const Vec3& hip_W, const Vec3& last_normal_W) noexcept {
   if (renewal_ticks_ == 1) return settle(hip_W);
@@ -190,7 +182,7 @@ void HriSurface::renewed(const Vec3& hip_W, const Vec3& last_normal_W) noexcept 
 // HIP deeper than the window shows is taken to be in the object where its sheet is gone.
 void HriSurface::relocate(const Probe& hip, bool gone, std::uint32_t& faults) noexcept {
   // The VHIP may be in the object by a rounding, so the search begins a little in front of it.
-  const Probe start = field_->probe(vhip_W_ + surface_.normal_W * (kStandOff * field_->voxel()));
+  const Probe start = field_->probe(vhip_W_ + surface_.normal_W * (IsoField::kStandOff * field_->voxel()));
   const auto entry = field_->firstEntry(start, hip);
   if (entry && touch(*entry, hip, faults)) return;
   if (hip.side == Side::kInside) {  // both inside

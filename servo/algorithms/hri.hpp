@@ -42,7 +42,6 @@ class HriSurface {
   static constexpr double kLongestAim = 1;       // ahead of the HIP: jumps of the tool are no motion to go by [voxel]
   static constexpr double kAimInReach = 0.5;     // at most, of the way for which a plane holds [-]
   static constexpr double kAimTolerance = 0.05;  // the nearest point to where the HIP may be: as surface_tracker.hpp's
-  static constexpr double kStandOff = 0.25;      // in front of the VHIP, where a search from it begins [voxel]
   // How wrong a plane may be before its n ticks are over. On a surface of radius R the normal at the HIP turns by
   // w / (R - D) over a way w aside, D deep, and the depth is off by half of that times w. The rate of turning is
   // measured from one renewal to the next, within the bounds below.
@@ -74,7 +73,6 @@ class HriSurface {
   void comeOut(const Probe& hip, std::uint32_t& faults) noexcept;
   [[nodiscard]] bool wentFar(const Vec3& hip_W) const noexcept;
   void renew(const Vec3& hip_W, bool ahead, std::uint32_t& faults) noexcept;
-  void letGoInAir(const Vec3& hip_W) noexcept;
   void renewed(const Vec3& hip_W, const Vec3& last_normal_W) noexcept;
   void relocate(const Probe& hip, bool gone, std::uint32_t& faults) noexcept;
   void moveFreely(const Vec3& hip_W, std::uint32_t& faults) noexcept;

@@ -98,6 +98,12 @@ std::optional<Entry> IsoField::nearestExit(const Probe& inside) const noexcept {
   return nearest;
 }
 
+bool IsoField::inAirBehind(const Vec3& on_plane_W, const Vec3& normal_W, const Probe& hip) const noexcept {
+  if (hip.side != Side::kOutside) return false;
+  const Probe start = probe(on_plane_W + normal_W * (kStandOff * voxel()));
+  return start.side == Side::kOutside && !firstEntry(start, hip);
+}
+
 // Moves a probe beyond the volume along the line onto the face where the line comes in; the face that it passes last.
 CutFace IsoField::clipToBox(Probe& outside, const Probe& inside) const noexcept {
   const Vec3 a_L = sampler_.toIndex(outside.p_W);

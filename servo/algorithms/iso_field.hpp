@@ -42,6 +42,8 @@ class IsoField {
   static constexpr int kMaxRefineSteps = 6;
   // From a buried point to where it may come out [voxel].
   static constexpr double kLongestWayOut = 32;
+  // In front of a surface point, which may be in the object by a rounding, where a search from it begins [voxel].
+  static constexpr double kStandOff = 0.25;
 
   IsoField() = default;
   IsoField(const SampleWindow& window, double isovalue) noexcept : sampler_(window), isovalue_(isovalue) {}
@@ -71,6 +73,11 @@ class IsoField {
   // From a point inside, the nearest way out along the lattice's axes, either way, or down the gradient; none from a
   // point outside, nor where all is object for kLongestWayOut. At most seven firstExit() of that length and a fetch.
   [[nodiscard]] std::optional<Entry> nearestExit(const Probe& inside) const noexcept;
+
+  // Whether a HIP behind a plane is in the air, and nothing between the two: an edit may have taken the object from
+  // there and left the plane on the rim of the hollow that it made. One fetch for a HIP in the object, else
+  // firstEntry().
+  [[nodiscard]] bool inAirBehind(const Vec3& on_plane_W, const Vec3& normal_W, const Probe& hip) const noexcept;
 
   // The nearest point of a world position in the box of the window's samples [m].
   [[nodiscard]] Vec3 clampToBox(const Vec3& p_W) const noexcept;

@@ -16,6 +16,7 @@
 #include "servo/objects/shapes.hpp"
 #include "support/algorithm_driver.hpp"
 #include "support/algorithm_setups.hpp"
+#include "support/seeded.hpp"
 
 namespace palpate {
 namespace {
@@ -346,6 +347,40 @@ TEST_P(EditsFelt, AHundredRandomEditsStayFiniteGentleAndInLimit) {
     ASSERT_LE(gain_N, share_N(deepest_m) + unfelt_N) << edit;
   }
   EXPECT_GT(felt, 10);
+}
+
+// A ball is taken away around the HIP and the surface over it: the tool is in the air, whatever wall of the hollow is
+// nearest and whichever way that faces.
+TEST_P(EditsFelt, AHollowAroundTheToolLetsGoAtOnce) {
+  if (isPaper()) return;
+  Seeded random(21);
+  for (int trial = 0; trial < 100; ++trial) {
+    SCOPED_TRACE(trial);
+    const double depth_m = random.between(0.3e-3, 2e-3), radius_m = random.between(3e-3, 6e-3);
+    const double top_m = 20.3e-3;
+    const Vec3 hip_W(random.between(19e-3, 21e-3), random.between(19e-3, 21e-3), top_m - depth_m);
+    // HIP and surface are both a voxel and a half inside the ball, so that samples and formula agree on them.
+    Vec3 centre_W;
+    do {
+      centre_W = hip_W + Vec3(0, 0, depth_m / 2) + random.direction() * random.between(0, radius_m);
+    } while (std::max((centre_W - hip_W).norm(), (centre_W - hip_W - Vec3(0, 0, depth_m)).norm()) > radius_m - 0.4e-3);
+    const AnalyticVolume before = layer(top_m);
+    const AnalyticVolume after = millimetreVolume(
+        [=](const Vec3& p_W) { return std::min(top_m - p_W.z(), (p_W - centre_W).norm() - radius_m); }, kSide);
+    const auto algorithm = make(trial % 2 == 0 ? 1 : 1000);
+    const Vec3 above_W = hip_W + Vec3(0, 0, depth_m + 1e-3);
+    AlgorithmDriver driver(*algorithm, before, above_W, kSide);
+    driver.follow = false;
+    driver.at(above_W);
+    ASSERT_TRUE(driver.at(hip_W).in_contact);
+    driver.edit(after);
+    const TickOutput out = driver.at(hip_W);
+    EXPECT_FALSE(out.in_contact) << out.force_W.transpose();
+    EXPECT_TRUE(out.force_W.isZero(0)) << out.force_W.transpose();
+    EXPECT_EQ(out.faults, 0u);
+    // Nor does the contact come back while the tool rests there.
+    for (const TickOutput& later : driver.stroke(hip_W, 5)) ASSERT_FALSE(later.in_contact);
+  }
 }
 
 // A floor beside the volume holds the tool; an edit that puts material below the floor, and one elsewhere, changes no
