@@ -61,6 +61,23 @@ TEST(Blezek, FollowsAsFarAsTheHipWent) {
   }
 }
 
+// On a plane every inch goes straight towards the HIP. A tool that has leapt farther than the inches of a tick leaves
+// the VHIP behind by the rest.
+TEST(Blezek, GoesNoFartherInATickThanItsMostInches) {
+  const AnalyticVolume volume = millimetreVolume([](const Vec3& p_W) { return 30.3e-3 - p_W.z(); });
+  Blezek blezek(kNoDamping);
+  const Vec3 first_W(10e-3, 30e-3, 29e-3), way_W(40e-3, 0, 0);
+  AlgorithmDriver driver(blezek, volume, Vec3(10e-3, 30e-3, 32e-3), 64);
+  driver.follow = false;
+  driver.at(Vec3(10e-3, 30e-3, 32e-3));
+  ASSERT_TRUE(driver.at(first_W).in_contact);
+  const double most_m = BlezekSurface::kMaxInches * BlezekSurface::kInch * kVoxel;
+  // Float samples tilt the gradient by up to 2e-9 m / 2e-3 m, so each inch may be off by 1e-6 of the depth.
+  const double tilt_m = BlezekSurface::kMaxInches * 1e-6 * 1.3e-3;
+  EXPECT_NEAR(driver.at(first_W + way_W).vhip_W.x(), first_W.x() + most_m, tilt_m);
+  EXPECT_NEAR(driver.at(first_W + way_W).vhip_W.x(), (first_W + way_W).x(), BlezekSurface::kAlignment * 1.3e-3);
+}
+
 TEST(Blezek, HoldsAHipThatHasGoneThroughAPlate) {
   const AnalyticVolume plate = millimetreVolume([](const Vec3& p_W) { return 2e-3 - std::abs(p_W.z() - 30.3e-3); });
   Blezek blezek(kNoDamping);

@@ -249,6 +249,11 @@ TEST_F(DensityTextureTest, ThereIsNoneWhereNothingIsKnown) {
   EXPECT_NEAR(heightOf(texture, kSurface), 0, 1e-17);
   EXPECT_NEAR(height([](const Vec3&) { return 1.0; }, kSurface), 0, 1e-17);  // no gradient
   EXPECT_NEAR(height([](const Vec3& p) { return std::nan("") * p.x(); }, kSurface), 0, 1e-17);
+  // Bricks that the surface does not cross have densities in a window, and no gradients.
+  ASSERT_NE(height(steep, kSurface + Vec3(0.3e-3, 0, 0)), 0);
+  for (Sample& sample : held_.samples) sample.gradient_i = sample.gradient_j = sample.gradient_k = 0;
+  DensityTexture without_gradients(0.5e-3, 1);
+  EXPECT_NEAR(heightOf(without_gradients, kSurface + Vec3(0.3e-3, 0, 0)), 0, 1e-17);
 }
 
 // A newer window takes the old one's place at once.

@@ -49,6 +49,31 @@ TEST(SimulatedDevice, ASpringHandYieldsToTheForce) {
   EXPECT_NEAR(device.state().position_W.y(), 4 / p.dynamics.hand_stiffness_N_per_m, 1e-12);
 }
 
+// A mass on a spring, under a force that begins at once, swings about F / k: in seconds, not in ticks, so every rate
+// sees the same curve.
+TEST(SimulatedDevice, ASpringHandSwingsInItsOwnTimeAtAnyRate) {
+  SimulatedDeviceParameters p;
+  p.hand = Hand::kSpring;
+  const HandParameters& hand = p.dynamics;
+  const double mass_kg = hand.hand_mass_kg + hand.device_mass_kg;
+  const double decay_per_s = (hand.hand_damping_Ns_per_m + hand.device_damping_Ns_per_m) / (2 * mass_kg);
+  const double swing_per_s = std::sqrt(hand.hand_stiffness_N_per_m / mass_kg - decay_per_s * decay_per_s);
+  constexpr double kForce_N = 4;
+  for (const double rate_hz : {333.0, 1000.0, 8000.0}) {
+    SimulatedDevice device(p, rest(), rate_hz);
+    for (int tick = 0; tick < static_cast<int>(0.3 * rate_hz); ++tick) {
+      const double t_s = tick / rate_hz;
+      const double left = std::exp(-decay_per_s * t_s) *
+                          (std::cos(swing_per_s * t_s) + decay_per_s / swing_per_s * std::sin(swing_per_s * t_s));
+      // The exact solution at every tick, but for the roundings of so many steps of 1e-16 of 10 mm.
+      ASSERT_NEAR(device.state().position_W.z(), kForce_N / hand.hand_stiffness_N_per_m * (1 - left), 1e-13)
+          << rate_hz << " Hz, tick " << tick;
+      ASSERT_TRUE(device.write(Vec3(0, 0, kForce_N)));
+      device.elapse(1);
+    }
+  }
+}
+
 TEST(SimulatedDevice, EncodersRoundToMultiplesAndHideNoMotion) {
   SimulatedDeviceParameters p;
   p.encoder_resolution_m = 30e-6;

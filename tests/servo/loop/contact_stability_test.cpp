@@ -515,6 +515,22 @@ TEST(StabilityCriterion, BouncesThatTheHandDoesNotAskForAreUnstable) {
   EXPECT_FALSE(unstable({.path_m = 0.12 * 0.1e-3, .surface_m = 0.4 * 0.1e-3}));
 }
 
+// Every period of the ten must bounce: with nine the tool taps now and then on a surface that swings.
+TEST(StabilityCriterion, ABounceNowAndThenIsNone) {
+  const auto stays_in = [](int periods_of_ten) {
+    return HandMade{.surface_m = 0.4 * 0.1e-3, .change = [=](TickRecord& r) {
+                      if (static_cast<int>(r.time_s * 30) % 10 >= periods_of_ten) return;
+                      r.in_contact = true;
+                      r.normal_W[2] = 1;
+                      r.vhip_W[2] = 0.4 * r.hip_W[2];  // the surface, which swings with the tool
+                      r.depth_m = r.vhip_W[2] - r.hip_W[2];
+                    }};
+  };
+  EXPECT_TRUE(unstable(stays_in(0)));
+  EXPECT_FALSE(unstable(stays_in(1)));
+  EXPECT_FALSE(unstable(stays_in(3)));
+}
+
 // What an effect puts on the surface asks for swings of its own; what is in proportion to the depth is stiffness.
 TEST(StabilityCriterion, WhatEffectsPutOnTheSurfaceCountsUnlessItIsStiffness) {
   const auto put_on = [](double share, double height_m) {

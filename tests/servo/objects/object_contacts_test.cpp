@@ -301,6 +301,33 @@ TEST(ObjectContacts, TheVolumesToolIsUnderTheVhip) {
 }
 
 // The volume's plane against an object with no room between: the object wins, and the tool rests.
+// The volume's plane was found anew after the tool was asked for: the VHIP is that of the new plane, as if the old one
+// had never been.
+TEST(ObjectContacts, SettlesOnThePlaneThatItIsGivenLast) {
+  const PlaneObject wall(Vec3::Zero(), Vec3::UnitX());
+  const Vec3 start_W(2e-3, 0, 2e-3), hip_W(-1e-3, 0, -1e-3);
+  const ContactPlane old_plane{Vec3(0, 0, 1e-3), Vec3::UnitZ(), 3};
+  const ContactPlane planes[] = {{Vec3(0, 0, 0.4e-3), Vec3::UnitZ(), 0},
+                                 {Vec3(0, 0, 1e-3), Vec3(-0.3, 0, 1).normalized(), 0}};
+  for (const ContactPlane& plane : planes) {
+    ObjectContacts told(listOf(wall)), fresh(listOf(wall));
+    told.reset(start_W);
+    fresh.reset(start_W);
+    (void)told.volumeTool(hip_W, &old_plane);
+    (void)fresh.volumeTool(hip_W, &plane);
+    const auto got = told.settle(hip_W, &plane), want = fresh.settle(hip_W, &plane);
+    ASSERT_TRUE(got && want);
+    expectNear(told.vhip_W(), fresh.vhip_W(), 1e-12);
+    EXPECT_NEAR(plane.depth(told.vhip_W()), 0, 1e-9);  // kPlaneSoftness of 1.4 mm
+    EXPECT_EQ(got->age_ticks, 0);
+    // And where the volume lets go meanwhile, the wall alone holds it.
+    told.reset(start_W);
+    (void)told.volumeTool(hip_W, &old_plane);
+    ASSERT_TRUE(told.settle(hip_W, nullptr));
+    expectNear(told.vhip_W(), Vec3(0, 0, hip_W.z()), 1.01 * kOff_m);
+  }
+}
+
 TEST(ObjectContacts, WithoutRoomTheObjectWins) {
   ObjectContacts contacts(listOf(PlaneObject({0, 0, 1e-3}, -Vec3::UnitZ())));
   contacts.reset(Vec3::Zero());
