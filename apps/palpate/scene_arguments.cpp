@@ -7,7 +7,7 @@
 #include "apps/scene/option_table.hpp"
 #include "apps/scene/scene_file.hpp"
 #include "base/error.hpp"
-#include "engine/volume/volume.hpp"
+#include "engine/volume/volume_name.hpp"
 
 namespace palpate {
 std::string shellWord(const std::string& word) {
@@ -49,6 +49,7 @@ Scene SceneArguments::scene() const {
                 "name a file, a DICOM folder or a phantom, for example phantom:sphere?size=64");
   }
   if (!scene.series.empty()) scene.volume = withSeries(scene.volume, scene.series);
+  if (!scene.nan.empty()) scene.volume = withNan(scene.volume, scene.nan);
   return scene;
 }
 

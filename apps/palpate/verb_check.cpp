@@ -20,9 +20,9 @@
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
 #include "engine/volume/statistics.hpp"
-#include "series_option.hpp"
 #include "verbs.hpp"
 #include "version.hpp"
+#include "volume_options.hpp"
 
 namespace palpate {
 namespace {
@@ -215,7 +215,7 @@ void addGradientCheck(CLI::App& check) {
       ->check(CLI::IsMember({"float", "half"}));
   gradient->add_option("--bound", arguments->bound_ulp, "largest difference that is accepted [ULP] (default 0)");
   gradient->add_option("--json", arguments->json, "write the result into this file too")->each(checkWritable);
-  addSeriesOption(*gradient, arguments->volume);
+  addVolumeOptions(*gradient, arguments->volume);
   gradient->callback([arguments] { checkGradientVerb(*arguments); });
 }
 
@@ -228,7 +228,7 @@ void addFilterCheck(CLI::App& check) {
                       "this chain instead of a list in which each filter comes twice: \"gaussian:0.8mm median:1\"");
   filters->add_option("--iso", arguments->isovalue, "of distances (default: the volume's own) [density]");
   addCommonOptions(*filters, *arguments, "the whole volume");
-  addSeriesOption(*filters, arguments->volume);
+  addVolumeOptions(*filters, arguments->volume);
   filters->callback([arguments] { checkFiltersVerb(*arguments); });
 }
 
@@ -240,7 +240,7 @@ void addEditCheck(CLI::App& check) {
   edits->add_option("--seed", arguments->seed, "of their kinds, places and strengths (default 1)");
   edits->add_option("--iso", arguments->isovalue, "where the object begins (default: the volume's own) [density]");
   addCommonOptions(*edits, *arguments, "the whole volume");
-  addSeriesOption(*edits, arguments->volume);
+  addVolumeOptions(*edits, arguments->volume);
   edits->callback([arguments] { checkEditsVerb(*arguments); });
 }
 
@@ -256,7 +256,7 @@ void addAllChecks(CLI::App& check) {
   all->add_option("--page", arguments->page, "write a page (Markdown) too, a row for each filter over all volumes")
       ->each(checkWritable);
   addCommonOptions(*all, *arguments, fmt::format("the whole volume; {} for scans of the list", kScanCrop).c_str());
-  addSeriesOption(*all, arguments->volume);
+  addVolumeOptions(*all, arguments->volume);
   all->callback([arguments] { checkAllVerb(*arguments); });
 }
 

@@ -4,8 +4,8 @@
 
 #include "apps/console/message.hpp"
 #include "apps/convert/convert_job.hpp"
-#include "series_option.hpp"
 #include "verbs.hpp"
+#include "volume_options.hpp"
 
 namespace palpate {
 
@@ -23,7 +23,7 @@ void addConvertVerb(CLI::App& app) {
                    "0 to 1: larger triangles where the mesh is nearly flat (default 0: none)");
   verb->add_option("--unit", *unit, "of lengths in meshes and .vdb: mm or m (default mm; m for a level set's .vdb)")
       ->check(CLI::IsMember({"mm", "m"}));
-  addSeriesOption(*verb, request->in);
+  addVolumeOptions(*verb, request->in);
   verb->callback([request, unit] {
     if (!unit->empty()) request->unit = *unit == "m" ? LengthUnit::kMetre : LengthUnit::kMillimetre;
     Progress progress;

@@ -8,8 +8,8 @@
 #include "base/error.hpp"
 #include "engine/edit/edit_keys.hpp"
 #include "engine/volume/volume_file.hpp"
-#include "series_option.hpp"
 #include "verbs.hpp"
+#include "volume_options.hpp"
 
 namespace palpate {
 namespace {
@@ -85,7 +85,7 @@ void addEditVerb(CLI::App& app) {
           },
           "list the kinds of edits and their keys")
       ->trigger_on_parse();
-  addSeriesOption(*verb, request.in);
+  addVolumeOptions(*verb, request.in);
   verb->callback([arguments] { edit(*arguments); });
 }
 

@@ -5,8 +5,8 @@
 #include "apps/console/message.hpp"
 #include "apps/filter/filter_job.hpp"
 #include "engine/filter/filter_spec.hpp"
-#include "series_option.hpp"
 #include "verbs.hpp"
+#include "volume_options.hpp"
 
 namespace palpate {
 namespace {
@@ -33,7 +33,7 @@ void addFilterVerb(CLI::App& app) {
   verb->add_option("--iso", request->isovalue,
                    "where the object begins, for a distance (default: the volume's own) [density]");
   verb->add_option("--gpu", request->gpu, "part of the Vulkan device's name; the best one if not given");
-  addSeriesOption(*verb, request->in);
+  addVolumeOptions(*verb, request->in);
   verb->callback([request] {
     Progress progress;
     const FilterResult result = filterFile(*request, progress);

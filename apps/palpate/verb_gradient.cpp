@@ -5,8 +5,8 @@
 #include "apps/console/message.hpp"
 #include "apps/gradient/gradient_job.hpp"
 #include "engine/gradient/gradient_operator.hpp"
-#include "series_option.hpp"
 #include "verbs.hpp"
+#include "volume_options.hpp"
 
 namespace palpate {
 
@@ -20,7 +20,7 @@ void addGradientVerb(CLI::App& app) {
   verb->add_flag("--all", request->all, "of every brick, not of those alone that the isosurface needs");
   verb->add_option("--iso", request->isovalue, "isovalue [density]; as `palpate touch` chooses it if not given");
   verb->add_option("--gpu", request->gpu, "part of the Vulkan device's name; the best one if not given");
-  addSeriesOption(*verb, request->in);
+  addVolumeOptions(*verb, request->in);
   verb->callback([request] {
     Progress progress;
     const GradientResult result = gradientFile(*request, progress);

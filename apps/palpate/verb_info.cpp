@@ -11,8 +11,8 @@
 #include "base/byte_size.hpp"
 #include "base/units.hpp"
 #include "engine/volume/statistics.hpp"
-#include "series_option.hpp"
 #include "verbs.hpp"
+#include "volume_options.hpp"
 
 namespace palpate {
 namespace {
@@ -54,8 +54,8 @@ void printFacts(const Volume& volume) {
   printResult("  origin       {:.6g}, {:.6g}, {:.6g} mm (LPS)\n", origin_mm.x(), origin_mm.y(), origin_mm.z());
   printPlaces(volume);
   printResult("  axes         i ({:.4g}, {:.4g}, {:.4g})  j ({:.4g}, {:.4g}, {:.4g})  k ({:.4g}, {:.4g}, {:.4g})\n",
-             axes(0, 0), axes(1, 0), axes(2, 0), axes(0, 1), axes(1, 1), axes(2, 1), axes(0, 2), axes(1, 2),
-             axes(2, 2));
+              axes(0, 0), axes(1, 0), axes(2, 0), axes(0, 1), axes(1, 1), axes(2, 1), axes(0, 2), axes(1, 2),
+              axes(2, 2));
   if (!facts.orientation.empty()) printResult("  orientation  {}\n", facts.orientation);
   if (!facts.remark.empty()) printResult("  note         {}\n", facts.remark);
   if (facts.rescale_slope != 1 || facts.rescale_intercept != 0) {
@@ -104,7 +104,7 @@ void addInfoVerb(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("info", "say what a volume is: size, spacing, type, range, histogram, isovalues");
   auto name = std::make_shared<std::string>();
   verb->add_option("volume", *name, "file, DICOM folder or phantom:NAME?size=64")->required();
-  addSeriesOption(*verb, *name);
+  addVolumeOptions(*verb, *name);
   verb->callback([name] {
     Progress progress;
     progress.stage("loading " + *name);

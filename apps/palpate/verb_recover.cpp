@@ -11,8 +11,8 @@
 #include "base/error.hpp"
 #include "engine/journal/replay.hpp"
 #include "engine/volume/volume_file.hpp"
-#include "series_option.hpp"
 #include "verbs.hpp"
+#include "volume_options.hpp"
 
 namespace palpate {
 namespace {
@@ -99,7 +99,7 @@ void addRecoverVerb(CLI::App& app) {
   verb->add_option("--volume", arguments->volume, "where the session's volume lies now, if it has moved")
       ->type_name("VOLUME")
       ->check(notEmpty);
-  addSeriesOption(*verb, arguments->volume);
+  addVolumeOptions(*verb, arguments->volume);
   verb->callback([arguments] { recover(*arguments); });
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/palpate/series_option.hpp: --series of the verbs that take a volume. Set-up thread.
+// apps/palpate/volume_options.hpp: --series and --nan of the verbs that take a volume. Set-up thread.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace palpate {
 
-// Where --series is given, `volume`, which outlives the verb, is named by it before the verb runs (withSeries).
-void addSeriesOption(CLI::App& verb, std::string& volume);
+// Where they are given, `volume`, which outlives the verb, is named by them before the verb runs (withSeries, withNan).
+void addVolumeOptions(CLI::App& verb, std::string& volume);
 
 }  // namespace palpate

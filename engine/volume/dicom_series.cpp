@@ -26,6 +26,7 @@
 #include "engine/volume/raw_values.hpp"
 #include "engine/volume/readers.hpp"
 #include "engine/volume/text_header.hpp"
+#include "engine/volume/volume_name.hpp"
 
 namespace palpate {
 namespace {
@@ -247,19 +248,18 @@ VolumeFacts factsOf(const std::map<std::string, Series>& all, const std::string&
 
 }  // namespace
 
-Volume readDicom(const std::string& name, std::size_t memory_budget_bytes) {
-  const bool whole = fs::exists(name);
-  const std::string folder = whole ? name : name.substr(0, name.rfind('#'));
-  const std::string wanted = whole ? "" : name.substr(name.rfind('#') + 1);
-  std::map<std::string, Series> all = readFolder(folder, name);
-  const std::string uid = chooseSeries(all, wanted, name);
+Volume readDicom(const ReadRequest& wanted) {
+  const std::string& name = wanted.name;
+  const VolumeName parsed = parseVolumeName(name);
+  std::map<std::string, Series> all = readFolder(parsed.path, name);
+  const std::string uid = chooseSeries(all, parsed.part, name);
   Series& series = all.at(uid);
   sortSlices(series, name);
   checkAlike(series, name);
   const double gap_mm = checkGaps(series, name);
   const auto& n = series[0].file.header.dimensions;
   const auto count = static_cast<std::int64_t>(series.size());
-  checkMemory(name, n[0], n[1], count, 0, memory_budget_bytes);
+  checkMemory(name, n[0], n[1], count, 0, wanted.memory_budget_bytes);
   const Vec3i size(static_cast<int>(n[0]), static_cast<int>(n[1]), static_cast<int>(count));
   VolumeFacts facts = factsOf(all, uid, name);
   const Lattice lattice = latticeOf(series, gap_mm, name);

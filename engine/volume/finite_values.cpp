@@ -23,12 +23,12 @@ LayerSource FiniteValues::of(const LayerSource& layers) {
   };
 }
 
-// Voxels outside the domain repeat some inside: they are made 0 with them and not counted.
+// Voxels outside the domain repeat some inside: they are replaced with them and not counted.
 void FiniteValues::mend(const Vec3i& brick, float* values) {
   const Vec3i inside = (size_ - brick * kBrickSize).cwiseMin(kBrickSize);
   for (int n = 0; n < kBrickVoxels; ++n) {
     if (std::isfinite(values[n])) continue;
-    values[n] = 0;
+    values[n] = instead_;
     const Vec3i index(n % kBrickSize, n / kBrickSize % kBrickSize, n / (kBrickSize * kBrickSize));
     if ((index.array() < inside.array()).all()) ++replaced_;
   }
@@ -43,8 +43,8 @@ void FiniteValues::check(const std::string& source) const {
 
 std::string FiniteValues::remark() const {
   if (replaced_ == 0) return {};
-  return fmt::format("{} of {} voxels are NaN or infinite in the file, and 0 here", replaced_.load(),
-                     size_.cast<long long>().prod());
+  return fmt::format("{} of {} voxels are NaN or infinite in the file, and {} here", replaced_.load(),
+                     size_.cast<long long>().prod(), instead_);
 }
 
 }  // namespace palpate

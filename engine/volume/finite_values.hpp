@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/volume/finite_values.hpp: makes voxels that are NaN or infinite 0, and counts them. Private to engine/volume.
+// engine/volume/finite_values.hpp: puts a number in place of voxels that are NaN or infinite, and counts them. Private
+// to engine/volume.
 #pragma once
 
 #include <atomic>
@@ -11,9 +12,9 @@ namespace palpate {
 
 class FiniteValues {
  public:
-  explicit FiniteValues(const Vec3i& size) : size_(size) {}
+  FiniteValues(const Vec3i& size, float instead) : size_(size), instead_(instead) {}
 
-  // The same layers with such voxels 0. They may be asked for by several threads, while this lives.
+  // The same layers with such voxels replaced. They may be asked for by several threads, while this lives.
   [[nodiscard]] LayerSource of(const LayerSource& layers);
   // After all of them: throws Error(kBadInput) if no voxel was a number.
   void check(const std::string& source) const;
@@ -23,6 +24,7 @@ class FiniteValues {
   void mend(const Vec3i& brick, float* values);
 
   Vec3i size_;
+  float instead_;
   std::atomic<long long> replaced_ = 0;
 };
 

@@ -11,16 +11,12 @@
 #include "engine/volume/magic.hpp"
 #include "engine/volume/readers.hpp"
 #include "engine/volume/text_header.hpp"
+#include "engine/volume/volume_name.hpp"
 
 namespace palpate {
 namespace {
 
 namespace fs = std::filesystem;
-
-// "file.vdb#grid" and "folder#1.2.3" name a part of what is before the last '#'.
-std::string withoutPart(const std::string& name) {
-  return fs::exists(name) ? name : name.substr(0, name.rfind('#'));
-}
 
 bool endsWithAny(const std::string& name, const std::vector<std::string>& suffixes) {
   return std::any_of(suffixes.begin(), suffixes.end(),
@@ -66,7 +62,7 @@ const VolumeFormat& chooseByFile(const std::string& name, const std::string& pat
 
 const VolumeFormat& chooseFormat(const std::string& name) {
   if (name.starts_with("phantom:")) return formatNamed("phantom");
-  const std::string path = withoutPart(name);
+  const std::string path = parseVolumeName(name).path;
   std::error_code failure;
   const fs::file_status status = fs::status(path, failure);
   if (fs::is_directory(status)) return formatNamed("DICOM series");
@@ -94,26 +90,17 @@ const std::vector<VolumeFormat>& volumeFormats() {
 }
 
 Volume loadVolume(const std::string& name, std::size_t memory_budget_bytes) {
+  const VolumeName parsed = parseVolumeName(name);
+  const std::string plain = parsed.withPart();
   try {
-    return chooseFormat(name).read(name, memory_budget_bytes);
+    Volume volume = chooseFormat(plain).read({plain, memory_budget_bytes, parsed.instead_of_nan});
+    if (plain != name) volume.rename(name);
+    return volume;
   } catch (const std::bad_alloc&) {
     throw Error(Error::Code::kOutOfMemory, name, "there is no memory for it", "crop or resample it");
   } catch (const fs::filesystem_error& failure) {
     throw Error(Error::Code::kIo, name, failure.code().message(), "check the permissions of the file or folder");
   }
-}
-
-std::string withSeries(const std::string& folder, const std::string& series) {
-  if (series.empty()) {
-    throw Error(Error::Code::kBadInput, "--series", "it is empty", "give the number or the UID of a series");
-  }
-  std::error_code failure;
-  if (fs::is_directory(folder, failure)) return folder + "#" + series;
-  if (fs::is_directory(withoutPart(folder), failure)) {
-    throw Error(Error::Code::kBadInput, folder, "it names a series, and so does --series", "leave one of them out");
-  }
-  throw Error(Error::Code::kBadInput, folder, "it is no folder of DICOM slices, so it has no series",
-              "leave --series out");
 }
 
 }  // namespace palpate

@@ -3,6 +3,7 @@
 // line in formats.cpp.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,11 +11,18 @@
 
 namespace palpate {
 
+// What a reader is asked for.
+struct ReadRequest {
+  std::string name;  // as the user gave it, without "?nan=": "scan.nrrd", "file.vdb#density", "folder#1.2.3"
+  std::size_t memory_budget_bytes = 0;  // 0: what the machine has free
+  std::optional<float> instead_of_nan;  // VolumeFacts::instead_of_nan
+};
+
 struct VolumeFormat {
   std::string name;                   // "NRRD"
   std::vector<std::string> suffixes;  // lower case, with the dot; empty for what is chosen in another way
   std::string description;            // one line for help texts
-  Volume (*read)(const std::string& name, std::size_t memory_budget_bytes);
+  Volume (*read)(const ReadRequest& request);
 };
 
 // Every format, in the order in which help texts list them. Any thread.

@@ -16,6 +16,7 @@
 
 #include "base/error.hpp"
 #include "engine/volume/brick_values.hpp"
+#include "engine/volume/finite_values.hpp"
 
 namespace palpate {
 namespace {
@@ -51,7 +52,7 @@ class ValueSurvey {
     throw Error(Error::Code::kBadInput, input,
                 fmt::format("{} of its {} voxels are NaN or infinite, the first at index ({}, {}, {})", bad_count_,
                             size_.cast<long long>().prod(), i, j, k),
-                "replace them by numbers");
+                "replace them by numbers, or say with --nan which density they stand for");
   }
 
   // Of voxels that are all finite.
@@ -261,6 +262,7 @@ class GridMaker {
 
   [[nodiscard]] std::unique_ptr<Volume::Grid> finish(const Lattice& lattice, VolumeFacts facts) {
     survey_.check(facts.source);
+    facts.instead_of_nan.reset();  // what is computed from this volume has to be finite
     setBackground(grid_->field->tree(), survey_.minimum());
     grid_->lattice = lattice;
     grid_->facts = std::move(facts);
@@ -330,7 +332,19 @@ std::unique_ptr<Volume::Grid> buildGrid(const Vec3i& size, const Lattice& lattic
 std::unique_ptr<Volume::Grid> buildGridByLayers(const Vec3i& size, const Lattice& lattice, VolumeFacts facts,
                                                 const LayerSource& layers, const LeafSource& leaf_of) {
   GridMaker maker(size, lattice, facts.source);
-  tbb::parallel_for(0, maker.layers(), [&](int bk) { maker.add(buildLayer(size, bk, layers(bk), leaf_of)); });
+  const auto build = [&](const LayerSource& from) {
+    tbb::parallel_for(0, maker.layers(), [&](int bk) { maker.add(buildLayer(size, bk, from(bk), leaf_of)); });
+  };
+  if (facts.instead_of_nan) {
+    FiniteValues finite(size, *facts.instead_of_nan);
+    build(finite.of(layers));
+    finite.check(facts.source);
+    if (const std::string remark = finite.remark(); !remark.empty()) {
+      facts.remark += (facts.remark.empty() ? "" : "; ") + remark;
+    }
+  } else {
+    build(layers);
+  }
   return maker.finish(lattice, std::move(facts));
 }
 

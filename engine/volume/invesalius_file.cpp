@@ -228,10 +228,11 @@ std::string inChild(const std::string& name, double raw_bytes, const std::functi
 
 }  // namespace
 
-Volume readInvesalius(const std::string& name, std::size_t memory_budget_bytes) {
+Volume readInvesalius(const ReadRequest& wanted) {
+  const std::string& name = wanted.name;
   Project project;
   const std::string facts_bytes = inChild(name, 0, [&] {
-    const Project read = readProject(name, memory_budget_bytes);
+    const Project read = readProject(name, wanted.memory_budget_bytes);
     return std::string(reinterpret_cast<const char*>(&read), sizeof read);
   });
   std::memcpy(static_cast<void*>(&project), facts_bytes.data(), sizeof project);
@@ -247,6 +248,7 @@ Volume readInvesalius(const std::string& name, std::size_t memory_budget_bytes) 
   }));
   VolumeFacts facts;
   facts.source = name;
+  facts.instead_of_nan = wanted.instead_of_nan;
   facts.format = "InVesalius";
   facts.value_type = nameOf(project.type);
   facts.orientation = "InVesalius axes: left, anterior, superior";

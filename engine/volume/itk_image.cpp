@@ -5,7 +5,6 @@
 
 #include "base/error.hpp"
 #include "base/shared_buffer.hpp"
-#include "engine/volume/finite_values.hpp"
 #include "engine/volume/grid.hpp"
 #include "engine/volume/itk_child.hpp"
 #include "engine/volume/large_buffer.hpp"
@@ -47,21 +46,10 @@ Lattice latticeOf(const ItkHeader& header, double metres_per_unit) {
 
 using Grid = std::unique_ptr<Volume::Grid>;
 
-Grid build(const ItkRequest& request, const Vec3i& size, const Lattice& lattice, const LayerSource& layers) {
-  if (!request.nan_becomes_zero) return buildGridByLayers(size, lattice, request.facts, layers);
-  FiniteValues finite(size);
-  Grid grid = buildGridByLayers(size, lattice, request.facts, finite.of(layers));
-  finite.check(request.facts.source);
-  if (const std::string remark = finite.remark(); !remark.empty()) {
-    grid->facts.remark += (grid->facts.remark.empty() ? "" : "; ") + remark;
-  }
-  return grid;
-}
-
 Grid buildOf(const ItkRequest& request, std::span<const char> raw, ValueType type, const Vec3i& size,
              const Lattice& lattice) {
   const BrickSource bricks = rawBricks(raw, type, size, request.slope, request.intercept);
-  return build(request, size, lattice, [&](int) { return bricks; });
+  return buildGridByLayers(size, lattice, request.facts, [&](int) { return bricks; });
 }
 
 Grid readValues(const ItkRequest& request, ValueType type, const Vec3i& size, const Lattice& lattice) {
@@ -73,7 +61,8 @@ Grid readValues(const ItkRequest& request, ValueType type, const Vec3i& size, co
   }
   const StoredValues stored = checkedBySize(*request.stored, static_cast<double>(bytes), request.facts.source);
   if (const auto block = rawBlockOf(stored)) {
-    return build(request, size, lattice, layersOf(*block, type, size, request.slope, request.intercept));
+    return buildGridByLayers(size, lattice, request.facts,
+                             layersOf(*block, type, size, request.slope, request.intercept));
   }
   LargeBuffer raw(bytes);
   readStored(stored, type, {raw.data(), raw.size()});

@@ -27,7 +27,6 @@ struct ItkRequest {
   std::size_t memory_budget_bytes = 0;
   std::optional<ValueType> stored_type;  // of the values where they lie; without it ITK's
   std::optional<StoredValues> stored;    // where they lie; without it ITK reads them too
-  bool nan_becomes_zero = false;         // voxels that are no numbers; refused otherwise, or where all are none
 };
 
 // Refuses several components, fewer than three dimensions, more than one time point, what exceeds the memory budget,

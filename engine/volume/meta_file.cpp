@@ -76,19 +76,21 @@ double numberOr(const TextHeader& header, const std::string& key, double otherwi
 
 }  // namespace
 
-Volume readMeta(const std::string& name, std::size_t memory_budget_bytes) {
+Volume readMeta(const ReadRequest& wanted) {
+  const std::string& name = wanted.name;
   const TextHeader header = readTextHeader(name, name, TextFormat::kMeta);
   checkChannels(header, name);
-  checkSizes(header, name, memory_budget_bytes);
+  checkSizes(header, name, wanted.memory_budget_bytes);
   checkSpacing(header, name);
   ItkRequest request;
   request.reader = ItkReader::kMeta;
   request.path = name;
-  request.memory_budget_bytes = memory_budget_bytes;
+  request.memory_budget_bytes = wanted.memory_budget_bytes;
   request.stored = metaStored(header, name, name);
   request.slope = numberOr(header, "elementtointensityfunctionslope", 1);
   request.intercept = numberOr(header, "elementtointensityfunctionoffset", 0);
   request.facts.source = name;
+  request.facts.instead_of_nan = wanted.instead_of_nan;
   request.facts.format = "MetaImage";
   request.facts.orientation = "LPS file";
   request.facts.rescale_slope = request.slope;

@@ -188,19 +188,19 @@ void applyScale(const RawHeader& header, ItkRequest& request) {
 
 }  // namespace
 
-Volume readNifti(const std::string& name, std::size_t memory_budget_bytes) {
+Volume readNifti(const ReadRequest& wanted) {
+  const std::string& name = wanted.name;
   const std::string path = headerPath(name);
   if (path != name) static_cast<void>(fileBytes(path, name));  // an .img without its .hdr
   const RawHeader header(headOf(path, kHeaderBytes), name);
   checkVoxelSize(header, name);
-  checkSizes(header, name, memory_budget_bytes);
+  checkSizes(header, name, wanted.memory_budget_bytes);
   ItkRequest request;
   request.reader = ItkReader::kNifti;
   request.path = path;
-  request.memory_budget_bytes = memory_budget_bytes;
+  request.memory_budget_bytes = wanted.memory_budget_bytes;
   request.stored_type = valueTypeOf(header, name);
   request.stored = storedValuesOf(header, path, name);
-  request.nan_becomes_zero = true;
   const Vec3 last(header.dimension(1) - 1, header.dimension(2) - 1, header.dimension(3) - 1);
   const NiftiPlacing placing = placingOf(header.forms(), last, name);
   request.lattice = placing.lattice;
@@ -209,6 +209,7 @@ Volume readNifti(const std::string& name, std::size_t memory_budget_bytes) {
   request.facts.value_type = nameOf(valueTypeOf(header, name));
   request.facts.orientation = placing.orientation;
   request.facts.remark = placing.remark;
+  request.facts.instead_of_nan = wanted.instead_of_nan.value_or(0.0F);
   request.header = ItkHeader{};
   request.header->type = request.stored_type;
   for (std::size_t axis = 1; axis <= 3; ++axis) request.header->dimensions.push_back(header.dimension(axis));

@@ -127,18 +127,20 @@ std::string orientationOf(const TextHeader& header) {
 
 }  // namespace
 
-Volume readNrrd(const std::string& name, std::size_t memory_budget_bytes) {
+Volume readNrrd(const ReadRequest& wanted) {
+  const std::string& name = wanted.name;
   const TextHeader header = readTextHeader(name, name, TextFormat::kNrrd);
-  checkSizes(header, name, memory_budget_bytes);
+  checkSizes(header, name, wanted.memory_budget_bytes);
   checkSpacings(header, name);
   ItkRequest request;
   request.reader = ItkReader::kNrrd;
   request.path = name;
   request.metres_per_unit = metresPerUnit(header, name);
   request.lattice = latticeOf(header, request.metres_per_unit);
-  request.memory_budget_bytes = memory_budget_bytes;
+  request.memory_budget_bytes = wanted.memory_budget_bytes;
   request.stored = nrrdStored(header, name, bytesOfType(lowerCase(header.text("type"))), name);
   request.facts.source = name;
+  request.facts.instead_of_nan = wanted.instead_of_nan;
   request.facts.format = "NRRD";
   request.facts.orientation = orientationOf(header);
   if (header.text("spacings").empty() && header.text("space directions").empty()) {

@@ -166,13 +166,14 @@ Volume makeVolume(const Phantom& phantom) {
   return Volume::fromDense(spec.size, phantom.lattice(), values, std::move(facts));
 }
 
-Volume readPhantom(const std::string& name, std::size_t memory_budget_bytes) {
+Volume readPhantom(const ReadRequest& wanted) {
+  const std::string& name = wanted.name;
   const std::unique_ptr<Phantom> phantom = makePhantom(name);
   const Vec3i& size = phantom->size();
   if (isByBricks(*phantom)) {
-    checkSparseMemory(*phantom, name, memory_budget_bytes);
+    checkSparseMemory(*phantom, name, wanted.memory_budget_bytes);
   } else {
-    checkMemory(name, size.x(), size.y(), size.z(), 0, memory_budget_bytes);
+    checkMemory(name, size.x(), size.y(), size.z(), 0, wanted.memory_budget_bytes);
   }
   return makeVolume(*phantom);
 }

@@ -1,22 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 // engine/volume/readers.hpp: one reader per format. Private to engine/volume; loadVolume chooses among them.
 //
-// Each takes the name as the user gave it ("scan.nrrd", "file.vdb#density", "folder#1.2.3") and the memory budget
-// [byte], 0 for what the machine has free. Each throws Error and leaves nothing half done.
+// Each throws Error and leaves nothing half done.
 #pragma once
 
-#include <string>
-
-#include "engine/volume/volume.hpp"
+#include "engine/volume/formats.hpp"
 
 namespace palpate {
 
-[[nodiscard]] Volume readPhantom(const std::string& name, std::size_t memory_budget_bytes);
-[[nodiscard]] Volume readVdb(const std::string& name, std::size_t memory_budget_bytes);
-[[nodiscard]] Volume readNrrd(const std::string& name, std::size_t memory_budget_bytes);
-[[nodiscard]] Volume readNifti(const std::string& name, std::size_t memory_budget_bytes);
-[[nodiscard]] Volume readMeta(const std::string& name, std::size_t memory_budget_bytes);
-[[nodiscard]] Volume readDicom(const std::string& name, std::size_t memory_budget_bytes);
-[[nodiscard]] Volume readInvesalius(const std::string& name, std::size_t memory_budget_bytes);
+[[nodiscard]] Volume readPhantom(const ReadRequest& request);
+[[nodiscard]] Volume readVdb(const ReadRequest& request);
+[[nodiscard]] Volume readNrrd(const ReadRequest& request);
+[[nodiscard]] Volume readNifti(const ReadRequest& request);
+[[nodiscard]] Volume readMeta(const ReadRequest& request);
+[[nodiscard]] Volume readDicom(const ReadRequest& request);
+[[nodiscard]] Volume readInvesalius(const ReadRequest& request);
 
 }  // namespace palpate

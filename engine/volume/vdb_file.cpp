@@ -32,6 +32,7 @@
 #include "engine/volume/readers.hpp"
 #include "engine/volume/text_header.hpp"
 #include "engine/volume/vdb_checksum.hpp"
+#include "engine/volume/volume_name.hpp"
 
 namespace palpate {
 namespace {
@@ -259,25 +260,26 @@ void checkSparseMemory(const openvdb::GridBase& grid, const openvdb::CoordBBox& 
 
 namespace {
 
-Volume readGrid(const std::string& name, std::size_t memory_budget_bytes) {
-  const bool whole = std::filesystem::exists(name);
-  const std::string path = whole ? name : name.substr(0, name.rfind('#'));
-  const std::string wanted = whole ? "" : name.substr(name.rfind('#') + 1);
-  checkMemory(name, static_cast<double>(fileBytes(path, name)), memory_budget_bytes);
+Volume readGrid(const ReadRequest& wanted) {
+  const std::string& name = wanted.name;
+  const VolumeName parsed = parseVolumeName(name);
+  const std::string& path = parsed.path;
+  checkMemory(name, static_cast<double>(fileBytes(path, name)), wanted.memory_budget_bytes);
   checkReadable(path, name);
   const openvdb::GridPtrVecPtr grids = readGrids(path, name);
-  openvdb::GridBase& grid = chooseGrid(*grids, wanted, name);
+  openvdb::GridBase& grid = chooseGrid(*grids, parsed.part, name);
   const openvdb::CoordBBox domain = domainOf(grid, name);
   const Lattice lattice = latticeOf(grid, domain.min(), name);
   VolumeFacts facts;
   facts.source = name;
+  facts.instead_of_nan = wanted.instead_of_nan;
   facts.format = "OpenVDB";
   facts.value_type = grid.saveFloatAsHalf() ? "half" : grid.valueType();
   facts.orientation = "world axes taken as LPS";
   facts.is_level_set = grid.getGridClass() == openvdb::GRID_LEVEL_SET;
   facts.kept_isovalue = keptIsovalue(grid);
   const double scale = facts.is_level_set ? -metresPerUnit(grid, name) : 1;
-  checkSparseMemory(grid, domain, scale, name, memory_budget_bytes);
+  checkSparseMemory(grid, domain, scale, name, wanted.memory_budget_bytes);
   if (grid.isType<openvdb::FloatGrid>())
     return convert<openvdb::FloatGrid>(grid, lattice, domain, scale, std::move(facts));
   if (grid.isType<openvdb::DoubleGrid>())
@@ -286,18 +288,18 @@ Volume readGrid(const std::string& name, std::size_t memory_budget_bytes) {
 }
 
 // OpenVDB looks at a transform when it is asked for it, not when it reads it.
-Volume readOrRefuse(const std::string& name, std::size_t memory_budget_bytes) {
+Volume readOrRefuse(const ReadRequest& wanted) {
   try {
-    return readGrid(name, memory_budget_bytes);
+    return readGrid(wanted);
   } catch (const openvdb::Exception& failure) {
-    refuse(name, fmt::format("it is damaged ({})", oneLine(failure.what())), "copy or write it again");
+    refuse(wanted.name, fmt::format("it is damaged ({})", oneLine(failure.what())), "copy or write it again");
   }
 }
 
 }  // namespace
 
-Volume readVdb(const std::string& name, std::size_t memory_budget_bytes) {
-  Volume volume = readOrRefuse(name, memory_budget_bytes);
+Volume readVdb(const ReadRequest& wanted) {
+  Volume volume = readOrRefuse(wanted);
   // The file's own grid is gone, but the leaves of it that were copied, 2 KiB each, and the nodes of those that were
   // taken over lie in the heap where it does not end: back to the system.
   malloc_trim(0);

@@ -112,6 +112,10 @@ void Volume::setConstantBrick(const Vec3i& brick, float value) {
   grid_->field->tree().addTile(1, coord(brick * kBrickSize), value, true);
 }
 
+void Volume::rename(std::string source) noexcept {
+  grid_->facts.source = std::move(source);
+}
+
 void Volume::keepIsovalue(double isovalue) noexcept {
   grid_->facts.kept_isovalue = isovalue;
 }

@@ -33,7 +33,8 @@ struct VolumeFacts {
   std::optional<double> declared_isovalue;  // of a phantom: the density of its exact surface
   std::optional<double> kept_isovalue;      // at which its file says it was sculpted; damaged: any double, NaN too
   std::string part;                         // which of a folder's: "series 2 of 3: 1.2.3"; empty: all there is
-  std::string remark;                       // what a user should know: what was replaced or chosen; empty: nothing
+  std::optional<float> instead_of_nan;  // while it is read: what voxels that are NaN or infinite become; empty: refused
+  std::string remark;                   // what a user should know: what was replaced or chosen; empty: nothing
 };
 
 class Volume {
@@ -77,6 +78,8 @@ class Volume {
 
   // The isovalue at which the volume was sculpted, for files that can keep it (.vdb). Thread: as setBrick().
   void keepIsovalue(double isovalue) noexcept;
+  // The name under which loadVolume finds it again: facts().source.
+  void rename(std::string source) noexcept;
 
   // The whole domain, i fastest. Memory: 4 bytes a voxel.
   [[nodiscard]] std::vector<float> toDense() const;
@@ -102,13 +105,9 @@ class Volume {
 // of eight voxels to feel a surface in.
 void checkTouchable(const Volume& volume);
 
-// Loads any volume that Palpate knows: a file, a DICOM folder, or "phantom:NAME?key=value&...". Throws Error with the
-// input, the reason and the remedy. `memory_budget_bytes`: refuse what would need more (0: what the machine has free).
+// Loads any volume that Palpate knows: a file, a DICOM folder, or "phantom:NAME?key=value&..."; volume_name.hpp says
+// what a name may add. Throws Error with the input, the reason and the remedy. `memory_budget_bytes`: refuse what would
+// need more (0: what the machine has free).
 [[nodiscard]] Volume loadVolume(const std::string& name, std::size_t memory_budget_bytes = 0);
-
-// The name under which loadVolume takes one series of a DICOM folder: "folder#2" or "folder#1.2.3". `series`: its number
-// in the list that loadVolume prints where it is not given, or its UID. Throws Error(kBadInput) if there is no such
-// folder, or the name names a series already.
-[[nodiscard]] std::string withSeries(const std::string& folder, const std::string& series);
 
 }  // namespace palpate

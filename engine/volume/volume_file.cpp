@@ -13,6 +13,7 @@
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
 #include "engine/volume/text_header.hpp"
+#include "engine/volume/volume_name.hpp"
 #include "engine/volume/writers.hpp"
 
 namespace palpate {
@@ -136,7 +137,7 @@ void checkNotInput(const std::string& in, const std::string& out) {
   namespace fs = std::filesystem;
   std::error_code ignored;
   if (!fs::exists(out, ignored)) return;
-  const std::string path = fs::exists(in, ignored) ? in : in.substr(0, in.rfind('#'));
+  const std::string path = parseVolumeName(in).path;
   const bool same = fs::equivalent(path, out, ignored);
   const fs::path folder = fs::absolute(out, ignored).parent_path();
   if (same || (fs::is_directory(path, ignored) && fs::equivalent(path, folder, ignored))) {

@@ -3,6 +3,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include "engine/volume/volume_name.hpp"
 #include "tests/engine/volume/samples.hpp"
 
 namespace palpate {
