@@ -23,13 +23,12 @@ target_compile_options(palpate_compiler INTERFACE
   # A CPU twin must round as its kernel does, so a*b+c stays two operations.
   -ffp-contract=off)
 if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
-  # GCC 12 reports overlapping copies in std::string's operator+ that cannot happen (GCC bug 105329).
-  target_compile_options(palpate_compiler INTERFACE -Wno-restrict)
-  # The same at lower optimisation, as impossible bounds (GCC bug 105651).
-  set(PALPATE_LOW_OPTIMISATION_OPTIONS -Wno-array-bounds -Wno-stringop-overflow -Wno-stringop-overread)
+  # GCC 12 reports overlapping copies in std::string's operator+ that cannot happen (GCC bug 105329),
+  # and impossible bounds (GCC bug 105651).
+  target_compile_options(palpate_compiler INTERFACE -Wno-restrict -Wno-array-bounds -Wno-stringop-overflow -Wno-stringop-overread)
 endif()
 if(PALPATE_SANITIZE)
-  target_compile_options(palpate_compiler INTERFACE ${PALPATE_LOW_OPTIMISATION_OPTIONS} -fsanitize=${PALPATE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  target_compile_options(palpate_compiler INTERFACE -fsanitize=${PALPATE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   target_link_options(palpate_compiler INTERFACE -fsanitize=${PALPATE_SANITIZE})
 endif()
 if(PALPATE_LIBFUZZER)

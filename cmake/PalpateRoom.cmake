@@ -2,11 +2,15 @@
 #
 #   palpate_room(servo_window SOURCES x.cpp DEPENDS base LIBRARIES Eigen3::Eigen USES Vulkan)
 #
-# Two fences make the folder rule real:
-#  - A room sees only its own headers and those of the rooms it DEPENDS on: each room's include root holds one link,
-#    to that room's folder.
-#  - Headers of Vulkan, OpenVDB, ITK, Embree and Assimp lie in /usr/include, where every compiler run finds them. A room that does not
-#    say USES gets, in front of them, headers of the same name that only stop the build.
+# DEPENDS: the rooms whose headers the files of this one include. THROUGH: rooms whose headers come in with those, and
+# that no file of this room may include itself. LIBRARIES come with the room's headers, PRIVATE_LIBRARIES do not.
+#
+# Three fences make the folder rule real:
+#  - A room sees its own headers and those of the rooms that it names, DEPENDS or THROUGH, and of no others: each room's
+#    include root holds one link, to that room's folder, and nothing but linking goes further than one room.
+#  - What a file includes is DEPENDS, no more and no less (tests/architecture/arrows.cmake).
+#  - Headers of Vulkan, OpenVDB, ITK, Embree and Assimp lie in /usr/include, where every compiler run finds them. A room
+#    that does not say USES gets, in front of them, headers of the same name that only stop the build.
 
 set(PALPATE_FENCED Vulkan OpenVDB ITK Embree Assimp)
 set(PALPATE_FENCED_Vulkan /usr/include/vulkan)
@@ -35,27 +39,68 @@ function(palpate_fence target)
   endforeach()
 endfunction()
 
+# Lets `target` see the headers of the rooms, and links them. What links `target` gets no headers from it.
+function(palpate_use_rooms target)
+  foreach(room IN LISTS ARGN)
+    target_link_libraries(${target} PRIVATE palpate_${room}_headers palpate_${room})
+  endforeach()
+endfunction()
+
+# Keeps which rooms there are, and what each names, for the tests that hold them to it.
+function(palpate_note_room name folder depends through)
+  set_property(GLOBAL APPEND PROPERTY PALPATE_ROOMS ${name})
+  set_property(GLOBAL PROPERTY PALPATE_FOLDER_${name} ${folder})
+  set_property(GLOBAL PROPERTY PALPATE_DEPENDS_${name} ${depends})
+  set_property(GLOBAL PROPERTY PALPATE_THROUGH_${name} ${through})
+endfunction()
+
+# In `out`: the rooms, and all that they name, and what those name. For tests, which look into everything.
+function(palpate_all_rooms out)
+  set(todo ${ARGN})
+  set(all)
+  while(todo)
+    list(POP_FRONT todo room)
+    if(room IN_LIST all)
+      continue()
+    endif()
+    list(APPEND all ${room})
+    get_property(depends GLOBAL PROPERTY PALPATE_DEPENDS_${room})
+    get_property(through GLOBAL PROPERTY PALPATE_THROUGH_${room})
+    list(APPEND todo ${depends} ${through})
+  endwhile()
+  set(${out} ${all} PARENT_SCOPE)
+endfunction()
+
+# What nearly every file includes, parsed once for all rooms: half of the time that most files take.
+set(palpate_common_headers <Eigen/Geometry> <fmt/format.h>)
+find_package(Eigen3 REQUIRED NO_MODULE)
+find_package(fmt REQUIRED)
+file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/room_pch.cpp CONTENT "")
+add_library(palpate_room_pch OBJECT ${CMAKE_BINARY_DIR}/room_pch.cpp)
+target_link_libraries(palpate_room_pch PRIVATE palpate_compiler Eigen3::Eigen fmt::fmt)
+target_precompile_headers(palpate_room_pch PRIVATE ${palpate_common_headers})
+
+# PRECOMPILED: headers of a library that most of a room's files include, parsed once for the room.
 function(palpate_room name)
-  cmake_parse_arguments(ROOM "" "" "SOURCES;DEPENDS;LIBRARIES;PRIVATE_LIBRARIES;USES" ${ARGN})
+  cmake_parse_arguments(ROOM "" "" "SOURCES;DEPENDS;THROUGH;LIBRARIES;PRIVATE_LIBRARIES;USES;PRECOMPILED" ${ARGN})
   file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
   set(include_root ${CMAKE_BINARY_DIR}/rooms/${name})
   get_filename_component(parent ${include_root}/${folder} DIRECTORY)
   file(MAKE_DIRECTORY ${parent})
   file(CREATE_LINK ${CMAKE_CURRENT_SOURCE_DIR} ${include_root}/${folder} SYMBOLIC)
+  palpate_note_room(${name} ${folder} "${ROOM_DEPENDS}" "${ROOM_THROUGH}")
 
   set(target palpate_${name})
-  if(ROOM_SOURCES)
-    add_library(${target} STATIC ${ROOM_SOURCES})
-    target_link_libraries(${target} PRIVATE palpate_compiler ${ROOM_PRIVATE_LIBRARIES})
-    target_include_directories(${target} PUBLIC ${include_root})
-    palpate_fence(${target} ${ROOM_USES})
-    set(reach PUBLIC)
+  add_library(${target}_headers INTERFACE)
+  target_include_directories(${target}_headers INTERFACE ${include_root})
+  target_link_libraries(${target}_headers INTERFACE ${ROOM_LIBRARIES})
+  add_library(${target} STATIC ${ROOM_SOURCES})
+  target_link_libraries(${target} PRIVATE palpate_compiler ${target}_headers ${ROOM_PRIVATE_LIBRARIES})
+  palpate_use_rooms(${target} ${ROOM_DEPENDS} ${ROOM_THROUGH})
+  palpate_fence(${target} ${ROOM_USES})
+  if(ROOM_PRECOMPILED)
+    target_precompile_headers(${target} PRIVATE ${palpate_common_headers} ${ROOM_PRECOMPILED})
   else()
-    add_library(${target} INTERFACE)
-    target_include_directories(${target} INTERFACE ${include_root})
-    set(reach INTERFACE)
+    target_precompile_headers(${target} REUSE_FROM palpate_room_pch)
   endif()
-  list(TRANSFORM ROOM_DEPENDS PREPEND palpate::)
-  target_link_libraries(${target} ${reach} ${ROOM_DEPENDS} ${ROOM_LIBRARIES})
-  add_library(palpate::${name} ALIAS ${target})
 endfunction()

@@ -1,6 +1,6 @@
 # palpate_test(servo_window_exchange SOURCES exchange_test.cpp DEPENDS servo_window [LIBRARIES ...] [USES ...]
 #              [LABELS short-asan-ubsan short-tsan] [GPU])
-# One small binary per test file. GPU: runs under the Vulkan validation layer, and any message of it fails the test.
+# One small binary per test file. It sees the rooms that it names and all that those name. GPU: runs under the Vulkan validation layer, and any message of it fails the test.
 # A label short-PRESET makes the test part of the short sanitizer run of `./dev test` under that preset; the target of the
 # same name builds those tests.
 find_package(GTest REQUIRED)
@@ -13,10 +13,11 @@ add_custom_target(short-tsan)
 
 # What almost every test includes, parsed once. An executable, since its code model must be that of the tests.
 add_executable(palpate_test_pch ${PROJECT_SOURCE_DIR}/tests/support/pch.cpp)
-target_link_libraries(palpate_test_pch PRIVATE palpate_compiler palpate::base GTest::gmock)
+palpate_use_rooms(palpate_test_pch base)
+target_link_libraries(palpate_test_pch PRIVATE palpate_compiler GTest::gmock)
 target_precompile_headers(palpate_test_pch PRIVATE <gmock/gmock.h> <gtest/gtest.h> <Eigen/Geometry> <fmt/format.h>)
 # Optimising the tests themselves takes longer than it saves.
-set(PALPATE_TEST_OPTIONS $<$<CONFIG:Release>:-O1> ${PALPATE_LOW_OPTIMISATION_OPTIONS})
+set(PALPATE_TEST_OPTIONS $<$<CONFIG:Release>:-O1>)
 target_compile_options(palpate_test_pch PRIVATE ${PALPATE_TEST_OPTIONS})
 set_target_properties(palpate_test_pch PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/test-bin)
 
@@ -27,8 +28,9 @@ function(palpate_test name)
   set_target_properties(${target} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/test-bin)
   target_compile_options(${target} PRIVATE ${PALPATE_TEST_OPTIONS})
   target_precompile_headers(${target} REUSE_FROM palpate_test_pch)
-  list(TRANSFORM TEST_DEPENDS PREPEND palpate::)
-  target_link_libraries(${target} PRIVATE palpate_compiler ${TEST_DEPENDS} ${TEST_LIBRARIES} GTest::gmock)
+  palpate_all_rooms(rooms ${TEST_DEPENDS})
+  palpate_use_rooms(${target} ${rooms})
+  target_link_libraries(${target} PRIVATE palpate_compiler ${TEST_LIBRARIES} GTest::gmock)
   if(TEST_GPU)
     target_link_libraries(${target} PRIVATE palpate_gpu_test_main)
     list(APPEND TEST_LABELS gpu)

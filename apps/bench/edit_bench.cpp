@@ -15,6 +15,7 @@
 #include "apps/bench/scratch_folder.hpp"
 #include "apps/console/interrupt.hpp"
 #include "base/stopwatch.hpp"
+#include "engine/gpu/gpu_info.hpp"
 #include "engine/journal/journal_writer.hpp"
 #include "engine/service/engine.hpp"
 #include "servo/loop/quantile.hpp"
@@ -51,7 +52,7 @@ class Session {
     engine_.allowEdits(brushProfile(kIsovalue, 0, 1, Vec3::Constant(kSpacing_m)), kinds);
     static_cast<void>(engine_.publishAround(centre_W(), 1));
     const VolumeIdentity identity{volume_.facts().source, volume_.size(), volume_.lattice(), 0};
-    journal_.emplace(folder_.path(), JournalHeader{identity, engine_.editor().profile()});
+    journal_.emplace(folder_.path(), JournalHeader{identity, engine_.profile()});
   }
 
   [[nodiscard]] const gpu::GpuInfo& gpu() const { return engine_.gpu(); }
@@ -66,7 +67,7 @@ class Session {
     command.to_W = command.from_W + Vec3(kSpacing_m, 0, 0);  // a voxel on: a piece of a stroke
     command.radius_m = radius_voxel * kSpacing_m;
     const std::span<const EditCommand> commands(&command, 1);
-    const std::vector<BrickContent> before = contentOf(engine_.editor().bricksToChange(commands));
+    const std::vector<BrickContent> before = contentOf(engine_.bricksToChange(commands));
     engine_.timeKernels(time_kernels);
     const Stopwatch watch;
     const Engine::EditResult result = engine_.edit(commands, 2);
@@ -141,7 +142,7 @@ class Session {
   [[nodiscard]] Vec3 centre_W() const { return Vec3(size_ / 2, size_ / 2, size_ / 2 + kPlane_voxel) * kSpacing_m; }
   [[nodiscard]] std::vector<BrickContent> contentOf(const std::vector<std::uint32_t>& bricks) const {
     std::vector<BrickContent> contents;
-    for (const std::uint32_t brick : bricks) contents.push_back(engine_.editor().content(brick));
+    for (const std::uint32_t brick : bricks) contents.push_back(engine_.content(brick));
     return contents;
   }
 

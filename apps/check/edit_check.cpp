@@ -8,6 +8,7 @@
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
 #include "engine/edit/random_edits.hpp"
+#include "engine/gpu/gpu_info.hpp"
 #include "engine/plan/plan.hpp"
 #include "engine/reference/edit.hpp"
 #include "engine/service/engine.hpp"

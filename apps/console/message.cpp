@@ -3,7 +3,7 @@
 
 #include <cerrno>
 
-#include "apps/console/one_line.hpp"
+#include "base/one_line.hpp"
 
 namespace palpate {
 namespace {

@@ -5,7 +5,7 @@
 #include <unistd.h>
 
 #include "apps/console/message.hpp"
-#include "apps/console/one_line.hpp"
+#include "base/one_line.hpp"
 
 namespace palpate {
 

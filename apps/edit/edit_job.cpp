@@ -14,6 +14,7 @@
 #include "apps/mesh/mesh_writer.hpp"
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
+#include "engine/gpu/gpu_info.hpp"
 #include "engine/journal/acknowledged_file.hpp"
 #include "engine/journal/volume_identity.hpp"
 #include "engine/session/edit_session.hpp"

@@ -7,6 +7,7 @@
 #include "apps/console/pass_progress.hpp"
 #include "apps/touch/algorithm_setup.hpp"
 #include "base/byte_size.hpp"
+#include "engine/gpu/gpu_info.hpp"
 #include "engine/service/engine.hpp"
 #include "engine/volume/statistics.hpp"
 #include "scene_arguments.hpp"

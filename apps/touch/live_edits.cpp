@@ -74,7 +74,7 @@ LiveEdits::LiveEdits(const Scene& scene, Volume& volume, Engine& engine)
             return profile;
           }(),
           std::vector{toolBrushSpec(scene.edit).brush.kind}, kHistoryBytes) {
-  const std::string fine = fineBrushWords(toolBrushSpec(scene.edit).brush, volume.lattice(), engine.editor().profile());
+  const std::string fine = fineBrushWords(toolBrushSpec(scene.edit).brush, volume.lattice(), engine.profile());
   if (!fine.empty()) tell("--edit " + scene.edit + ": " + fine, Again::kTell);
   if (!scene.journal.empty()) session_.keepJournal(scene.journal, identityOf(volume), watchedJournal());
   if (scene.save.empty()) return;

@@ -7,6 +7,7 @@
 #include "apps/console/interrupt.hpp"
 #include "apps/touch/servo_setup.hpp"
 #include "engine/service/engine_thread.hpp"
+#include "servo/window/window_exchange.hpp"
 
 namespace palpate {
 namespace {

@@ -31,6 +31,7 @@
 #include "base/byte_size.hpp"
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
+#include "engine/gpu/gpu_info.hpp"
 #include "engine/service/engine.hpp"
 #include "engine/volume/isosurface_mesh.hpp"
 #include "engine/volume/memory_budget.hpp"
@@ -321,7 +322,7 @@ TouchRun runTouchJob(const Scene& scene, const std::string& command, const std::
     if (!scene.save.empty()) progress.stage("saving " + scene.save);  // after Ctrl-C too
     run.edits = edits->finish(run.notes);                             // from here on the volume is this thread's again
     if (!run.ended_early.empty()) edits->dropEmptyJournal();          // so that the same command can be given again
-    if (!engine->editor().broken()) {  // for the picture; after a device error it shows what was there before
+    if (!engine->broken()) {  // for the picture; after a device error it shows what was there before
       engine->readBack(volume);
       run.edits->content = contentHash(volume);
       run.edits->added_m3 = objectVolume_m3(volume, isovalue) - object_m3;

@@ -192,7 +192,7 @@ void Commands::submit() {
                                 .pCommandBuffers = &*state_->buffer,
                                 .signalSemaphoreCount = 1,
                                 .pSignalSemaphores = &*state_->gpu->timeline};
-    state_->gpu->queue.submit(submit);
+    state_->gpu->submit(submit);
     state_->ticket = value;
   });
 }

@@ -12,23 +12,26 @@ namespace {
 
 constexpr std::uint64_t kWaitLimit_ns = 60'000'000'000;
 
-void openDevice(Gpu::State& state) {
-  state.queue_family = computeQueueFamily(state.physical).value();
-  const float priority = 1.0F;
-  const vk::DeviceQueueCreateInfo queue{
-      .queueFamilyIndex = state.queue_family, .queueCount = 1, .pQueuePriorities = &priority};
-  const vk::PhysicalDeviceTimelineSemaphoreFeatures timeline{.timelineSemaphore = VK_TRUE};
-  state.device = {state.physical,
-                  vk::DeviceCreateInfo{.pNext = &timeline, .queueCreateInfoCount = 1, .pQueueCreateInfos = &queue}};
-  state.queue = {state.device, state.queue_family, 0};
-  state.command_pool = {state.device,
-                        vk::CommandPoolCreateInfo{.flags = vk::CommandPoolCreateFlagBits::eResetCommandBuffer,
-                                                  .queueFamilyIndex = state.queue_family}};
+}  // namespace
+
+Gpu::State::State(std::shared_ptr<OpenDevice> shared)
+    : opened(std::move(shared)),
+      info(opened->info),
+      physical(opened->physical),
+      device(opened->device),
+      queue_family(opened->queue_family),
+      named(opened->named) {
+  command_pool = {device, vk::CommandPoolCreateInfo{.flags = vk::CommandPoolCreateFlagBits::eResetCommandBuffer,
+                                                    .queueFamilyIndex = queue_family}};
   const vk::SemaphoreTypeCreateInfo type{.semaphoreType = vk::SemaphoreType::eTimeline, .initialValue = 0};
-  state.timeline = {state.device, vk::SemaphoreCreateInfo{.pNext = &type}};
+  timeline = {device, vk::SemaphoreCreateInfo{.pNext = &type}};
+  name(timeline, "submission timeline");
 }
 
-}  // namespace
+void Gpu::State::submit(const vk::SubmitInfo& work) {
+  const std::lock_guard lock(opened->one_at_a_time);
+  opened->queue.submit(work);
+}
 
 void Gpu::State::wait(std::uint64_t value) {
   const vk::SemaphoreWaitInfo until{.semaphoreCount = 1, .pSemaphores = &*timeline, .pValues = &value};
@@ -38,32 +41,23 @@ void Gpu::State::wait(std::uint64_t value) {
   }
 }
 
-Gpu::Gpu(const GpuRequest& request) : state_(std::make_unique<State>()) {
-  const bool validation = request.validation || validationWanted();
+Gpu::Gpu(const GpuRequest& request) {
+  const std::shared_ptr<OpenDevice> opened = openDevice(request.name, request.validation || validationWanted());
   try {
-    state_->context = openLoader();
-    state_->instance = makeInstance(state_->context, validation);
-    if (validation) state_->messenger = makeMessenger(state_->instance);
-    state_->physical = choose(state_->instance, request.name);
-    state_->info = describe(state_->physical);
-    if (!request.tuned_as.empty()) state_->info.tuned_as = request.tuned_as;
-    state_->named = validation;
-    openDevice(*state_);
-    state_->name(state_->timeline, "submission timeline");
+    state_ = std::make_unique<State>(opened);
   } catch (const vk::SystemError& error) {
-    throw Error(Error::Code::kDevice, state_->info.name.empty() ? "Vulkan" : state_->info.name,
-                fmt::format("the driver refused to open the device ({})", error.what()),
-                "try another one with --gpu; 'palpate devices' lists them");
+    throw Error(Error::Code::kDevice, opened->info.name,
+                fmt::format("the driver has nothing left for another use of the device ({})", error.what()),
+                "end other programs that use it, or choose another device with --gpu");
   }
+  if (!request.tuned_as.empty()) state_->info.tuned_as = request.tuned_as;
 }
 
 Gpu::~Gpu() {
-  // Buffers and kernels are destroyed by their owners before; only the queue may still be busy.
-  if (*state_->device) {
-    try {
-      state_->device.waitIdle();
-    } catch (const vk::SystemError&) {  // NOLINT(bugprone-empty-catch): a lost device has nothing left to wait for
-    }
+  // Buffers are destroyed by their owners before; only what was submitted may still run.
+  try {
+    state_->wait(state_->submitted);
+  } catch (const std::exception&) {  // NOLINT(bugprone-empty-catch): a lost device has nothing left to wait for
   }
 }
 

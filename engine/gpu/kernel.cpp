@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/gpu/kernel.hpp"
 
+#include <functional>
+#include <string_view>
+
 #include <fmt/format.h>
 
 #include "base/error.hpp"
@@ -48,22 +51,36 @@ vk::raii::Pipeline makePipeline(const vk::raii::Device& device, const KernelSpec
   return {device, nullptr, vk::ComputePipelineCreateInfo{.stage = stage, .layout = *layout}};
 }
 
+OpenDevice::KernelKey keyOf(const KernelSpec& spec) {
+  const std::string_view bytes(reinterpret_cast<const char*>(spec.spirv.data()), spec.spirv.size_bytes());
+  return {spec.name,           spec.bindings, spec.push_bytes,
+          spec.specialisation, bytes.size(),  std::hash<std::string_view>()(bytes)};
+}
+
 }  // namespace
 
-Kernel::Kernel(Gpu& gpu, const KernelSpec& spec) : state_(std::make_unique<State>()) {
+Kernel::Kernel(Gpu& gpu, const KernelSpec& spec) {
   Gpu::State& vulkan = gpu.state();
-  state_->name = spec.name;
-  state_->bindings = spec.bindings;
-  state_->push_bytes = spec.push_bytes;
-  try {
-    state_->set_layout = makeSetLayout(vulkan.device, spec.bindings);
-    state_->layout = makeLayout(vulkan.device, state_->set_layout, spec.push_bytes);
-    state_->pipeline = makePipeline(vulkan.device, spec, state_->layout);
-  } catch (const vk::SystemError& error) {
-    throw Error(Error::Code::kDevice, "kernel " + spec.name,
-                fmt::format("{} refused it ({})", vulkan.info.name, error.what()), "choose another device with --gpu");
+  const std::lock_guard lock(vulkan.opened->one_at_a_time);
+  std::shared_ptr<const State>& known = vulkan.opened->kernels[keyOf(spec)];
+  if (!known) {
+    auto made = std::make_shared<State>();
+    made->name = spec.name;
+    made->bindings = spec.bindings;
+    made->push_bytes = spec.push_bytes;
+    try {
+      made->set_layout = makeSetLayout(vulkan.device, spec.bindings);
+      made->layout = makeLayout(vulkan.device, made->set_layout, spec.push_bytes);
+      made->pipeline = makePipeline(vulkan.device, spec, made->layout);
+    } catch (const vk::SystemError& error) {
+      throw Error(Error::Code::kDevice, "kernel " + spec.name,
+                  fmt::format("{} refused it ({})", vulkan.info.name, error.what()),
+                  "choose another device with --gpu");
+    }
+    vulkan.name(made->pipeline, spec.name);
+    known = std::move(made);
   }
-  vulkan.name(state_->pipeline, spec.name);
+  state_ = known;
 }
 
 Kernel::~Kernel() = default;

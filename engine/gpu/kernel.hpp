@@ -22,7 +22,9 @@ struct KernelSpec {
 
 class Kernel {
  public:
-  Kernel(Gpu& gpu, const KernelSpec& spec);  // throws Error(kDevice) if the driver refuses the shader
+  // Throws Error(kDevice) if the driver refuses the shader. Cost: that of compiling it, once for every kernel of these
+  // words and this specialisation while a Gpu of the device lives.
+  Kernel(Gpu& gpu, const KernelSpec& spec);
   ~Kernel();
   Kernel(Kernel&&) noexcept;
   Kernel& operator=(Kernel&&) noexcept;
@@ -31,7 +33,7 @@ class Kernel {
   [[nodiscard]] const State& state() const noexcept { return *state_; }
 
  private:
-  std::unique_ptr<State> state_;
+  std::shared_ptr<const State> state_;
 };
 
 }  // namespace palpate::gpu

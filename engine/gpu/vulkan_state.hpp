@@ -9,28 +9,29 @@
 #include <vulkan/vulkan_raii.hpp>
 
 #include "engine/gpu/gpu.hpp"
+#include "engine/gpu/open_device.hpp"
 
 namespace palpate::gpu {
 
 inline constexpr std::uint32_t kMaxBindings = 16;  // storage buffers of one kernel; every device must allow as many
 
 struct Gpu::State {
+  explicit State(std::shared_ptr<OpenDevice> device);  // throws vk::SystemError
+
   // Parent before child: members are destroyed in the opposite order.
+  std::shared_ptr<OpenDevice> opened;
   GpuInfo info;
-  vk::raii::Context context;
-  vk::raii::Instance instance = nullptr;
-  vk::raii::DebugUtilsMessengerEXT messenger = nullptr;
-  vk::raii::PhysicalDevice physical = nullptr;
-  std::uint32_t queue_family = 0;
-  vk::raii::Device device = nullptr;
-  vk::raii::Queue queue = nullptr;
+  const vk::raii::PhysicalDevice& physical;
+  const vk::raii::Device& device;
+  std::uint32_t queue_family;
+  bool named;  // debug names are wanted
   vk::raii::CommandPool command_pool = nullptr;
   vk::raii::Semaphore timeline = nullptr;  // counts submissions
   std::uint64_t submitted = 0;             // the value of the newest submission
-  bool named = false;                      // debug names are wanted
   std::atomic<std::uint64_t> bytes_in_use = 0;
 
-  void wait(std::uint64_t value);  // until submission `value` is done; throws Error(kDevice) after 60 s
+  void submit(const vk::SubmitInfo& work);  // to the queue that all who share the device share
+  void wait(std::uint64_t value);           // until submission `value` is done; throws Error(kDevice) after 60 s
 
   template <typename Handle>
   void name(const Handle& handle, const std::string& text) {

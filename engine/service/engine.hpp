@@ -5,32 +5,30 @@
 // touches nothing here but exchange().
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "base/camera.hpp"
 #include "base/measured.hpp"
-#include "engine/gpu/gpu.hpp"
-#include "engine/gpu/transfer.hpp"
-#include "engine/passes/brick_bounds_pass.hpp"
-#include "engine/passes/brick_pool.hpp"
-#include "engine/passes/filter_chain.hpp"
-#include "engine/passes/gradient_pass.hpp"
-#include "engine/passes/isosurface_pass.hpp"
-#include "engine/passes/sample_store.hpp"
-#include "engine/passes/window_pass.hpp"
+#include "base/rendered_image.hpp"
+#include "engine/edit/brush_profile.hpp"
+#include "engine/edit/edit_command.hpp"
 #include "engine/plan/plan.hpp"
-#include "engine/service/editor.hpp"
+#include "engine/service/brick_content.hpp"
 #include "engine/volume/volume.hpp"
 #include "servo/window/tool_pose.hpp"
-#include "servo/window/window_exchange.hpp"
 
 namespace palpate {
+
+namespace gpu {
+struct GpuInfo;
+}
+class EngineParts;
+class WindowExchange;
 
 class Engine {
  public:
@@ -67,62 +65,41 @@ class Engine {
   EditResult edit(std::span<const EditCommand> commands, std::int64_t now_ns);
   // The same with whole bricks, for undo and replay (Editor::replace).
   EditResult replace(std::span<const BrickContent> bricks, std::int64_t now_ns);
-  [[nodiscard]] const Editor& editor() const noexcept { return *editor_; }  // once edits are allowed
-  void timeKernels(bool on) { editor_->timeKernels(on); }
+  void timeKernels(bool on) noexcept;  // of edits, among EditResult::stages
+  // Of the edits, once they are allowed; as Editor's of the same name.
+  [[nodiscard]] bool broken() const noexcept;
+  [[nodiscard]] const BrushProfile& profile() const noexcept;
+  [[nodiscard]] BrickContent content(std::uint32_t brick) const;
+  [[nodiscard]] bool isStored(std::uint32_t brick) const noexcept;
+  [[nodiscard]] std::vector<std::uint32_t> bricksToChange(std::span<const EditCommand> commands) const;
+  [[nodiscard]] std::size_t changedBricks() const noexcept;
   // Brings the bricks that edits changed back into the volume; returns how many of its bricks hold something else now.
   // For idle moments.
   std::size_t readBack(Volume& volume);
   // The same as copies, a part at a time (Editor::takeChanged); once edits are allowed.
-  [[nodiscard]] std::vector<BrickContent> takeChanged(std::size_t most) { return editor_->takeChanged(most); }
-  [[nodiscard]] std::uint64_t editVersion() const noexcept { return editor_ ? editor_->version() : 0; }
+  [[nodiscard]] std::vector<BrickContent> takeChanged(std::size_t most);
+  [[nodiscard]] std::uint64_t editVersion() const noexcept;
 
   // The field that is felt: the filtered one, as a volume; only where the plan filters. Cost: a copy of its bricks.
   [[nodiscard]] Volume filtered(const VolumeFacts& facts);
-  [[nodiscard]] bool filters() const noexcept { return filters_ != nullptr; }
+  [[nodiscard]] bool filters() const noexcept;
   // Of the field that is felt: the volume's, or 0 where that is a distance.
-  [[nodiscard]] double isovalue() const noexcept { return isovalue_; }
+  [[nodiscard]] double isovalue() const noexcept;
 
   // The plan must draw. `between`: called between bands of rows; what it throws ends the drawing.
   [[nodiscard]] RenderedImage draw(const Camera& camera, const std::function<void()>& between = {});
 
-  [[nodiscard]] WindowExchange& exchange() noexcept { return *exchange_; }
-  [[nodiscard]] const gpu::GpuInfo& gpu() const noexcept { return gpu_.info(); }
-  [[nodiscard]] const std::vector<StageTime>& stages() const noexcept { return stages_; }
+  [[nodiscard]] WindowExchange& exchange() noexcept;
+  [[nodiscard]] const gpu::GpuInfo& gpu() const noexcept;
+  [[nodiscard]] const std::vector<StageTime>& stages() const noexcept;
   [[nodiscard]] std::vector<MemoryFigure> memory() const;
   // Of that, what counts against `gpu_memory_bytes`: densities, filtered and smoothed ones too, and samples, with room
   // to grow.
-  [[nodiscard]] std::uint64_t budgetedBytes() const noexcept { return pool_->budget()->used_bytes; }
+  [[nodiscard]] std::uint64_t budgetedBytes() const noexcept;
   [[nodiscard]] PlanFacts planFacts() const noexcept;
 
  private:
-  template <typename Work>
-  void stage(const char* name, Work work);
-  [[nodiscard]] const BrickPool& field() const noexcept { return filters_ ? filters_->result() : *pool_; }
-  void computeGradients(const Volume& volume, const Plan& plan, const StartProgress& progress);
-  [[nodiscard]] std::pair<float, float> densityRange(const Volume& volume);
-  void makeWindows();
-  template <typename Change>
-  EditResult change(std::int64_t now_ns, const Change& change);
-  void publishBox(const WindowBox& box, std::int64_t now_ns);  // whose samples are gathered
-
-  double isovalue_;  // of the field that is felt
-  std::vector<StageTime> stages_;
-  gpu::Gpu gpu_;
-  gpu::Transfer transfer_;
-  std::unique_ptr<BrickPool> pool_;       // the volume, which edits change
-  std::unique_ptr<FilterChain> filters_;  // from it to the field that is felt; null: none
-  std::unique_ptr<BrickBoundsPass> bounds_;
-  std::unique_ptr<SampleStore> store_;
-  std::unique_ptr<FilterChain> smoothing_;  // from that field to the one whose gradients are taken; null: the same
-  std::unique_ptr<GradientPass> gradient_;  // of a smoothed field without edits both are gone once they were used
-  std::unique_ptr<WindowPass> window_;
-  std::unique_ptr<IsosurfacePass> isosurface_;
-  bool gradient_all_ = false;
-  std::vector<gpu::Buffer> window_buffers_;  // three, mapped: the exchange's storages
-  std::unique_ptr<WindowExchange> exchange_;
-  std::optional<WindowBox> published_;  // where the newest window lies
-  unsigned published_slot_ = 0;         // and in which buffer
-  std::unique_ptr<Editor> editor_;      // once edits are allowed
+  std::unique_ptr<EngineParts> parts_;
 };
 
 }  // namespace palpate

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/service/engine.hpp"
+#include "engine/service/engine_parts.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -53,14 +53,14 @@ std::function<void(double)> of(Pass pass, const Engine::StartProgress& progress)
 }  // namespace
 
 template <typename Work>
-void Engine::stage(const char* name, Work work) {
+void EngineParts::stage(const char* name, Work work) {
   const Stopwatch watch;
   work();
   stages_.push_back({name, watch.seconds()});
 }
 
-Engine::Engine(const Volume& volume, const Plan& plan, double isovalue, const std::string& gpu_name,
-               std::uint64_t gpu_memory_bytes, const StartProgress& progress)
+EngineParts::EngineParts(const Volume& volume, const Plan& plan, double isovalue, const std::string& gpu_name,
+                         std::uint64_t gpu_memory_bytes, const Engine::StartProgress& progress)
     : isovalue_(isovalue), gpu_(gpu::GpuRequest{.name = gpu_name}), transfer_(gpu_), gradient_all_(plan.gradient_all) {
   checkTouchable(volume);
   stage(passName(Pass::kUpload), [&] {
@@ -88,10 +88,8 @@ Engine::Engine(const Volume& volume, const Plan& plan, double isovalue, const st
   if (plan.draws) isosurface_ = std::make_unique<IsosurfacePass>(gpu_, transfer_, field(), *bounds_);
 }
 
-Engine::~Engine() = default;
-
 // Of the field that is felt.
-std::pair<float, float> Engine::densityRange(const Volume& volume) {
+std::pair<float, float> EngineParts::densityRange(const Volume& volume) {
   if (!filters_) return {volume.minimum(), volume.maximum()};
   BrickBoundsPass bounds(gpu_, field());
   bounds.run();
@@ -102,7 +100,7 @@ std::pair<float, float> Engine::densityRange(const Volume& volume) {
 }
 
 // The smoothed field is needed while gradients are computed, and no longer where no edit will change it.
-void Engine::computeGradients(const Volume& volume, const Plan& plan, const StartProgress& progress) {
+void EngineParts::computeGradients(const Volume& volume, const Plan& plan, const Engine::StartProgress& progress) {
   std::vector<FilterStep> steps = lowerFilters(plan.gradient.smoothing, pool_->lattice().spacing_m);
   if (!steps.empty()) {
     stage(passName(Pass::kSmoothing),
@@ -132,7 +130,7 @@ void Engine::computeGradients(const Volume& volume, const Plan& plan, const Star
   smoothing_.reset();
 }
 
-void Engine::makeWindows() {
+void EngineParts::makeWindows() {
   window_ = std::make_unique<WindowPass>(gpu_, field(), *store_);
   const auto capacity = static_cast<std::size_t>(pool_->size().cwiseMin(kWindowEdge).prod());
   std::array<Sample*, 3> storages{};
@@ -143,11 +141,11 @@ void Engine::makeWindows() {
   exchange_ = std::make_unique<WindowExchange>(storages, capacity);
 }
 
-bool Engine::publishFor(const ToolPose& tool, std::int64_t now_ns) {
+bool EngineParts::publishFor(const ToolPose& tool, std::int64_t now_ns) {
   return publishAround(windowFocus(tool, pool_->lattice().smallestSpacing()), now_ns);
 }
 
-bool Engine::publishAround(const Vec3& focus_W, std::int64_t now_ns) {
+bool EngineParts::publishAround(const Vec3& focus_W, std::int64_t now_ns) {
   if (editor_ && editor_->broken()) return false;  // the volume is not known any more: nothing is vouched for
   const WindowBox box = windowAround(pool_->lattice().toIndex(focus_W), pool_->size());
   // A box that the volume's border stops does not follow the tool any further, so it is taken all the way there.
@@ -166,7 +164,7 @@ bool Engine::publishAround(const Vec3& focus_W, std::int64_t now_ns) {
   return true;
 }
 
-void Engine::publishBox(const WindowBox& box, std::int64_t now_ns) {
+void EngineParts::publishBox(const WindowBox& box, std::int64_t now_ns) {
   SampleWindow& window = exchange_->back();
   window.lattice = pool_->lattice().shifted(box.first);
   window.size = box.size;
@@ -181,7 +179,7 @@ void Engine::publishBox(const WindowBox& box, std::int64_t now_ns) {
   published_ = box;
 }
 
-void Engine::allowEdits(const BrushProfile& profile, std::span<const EditKind> kinds) {
+void EngineParts::allowEdits(const BrushProfile& profile, std::span<const EditKind> kinds) {
   if (!gradient_) {
     throw Error(Error::Code::kBadInput, "edits", "the smoothed field, whose gradients are taken, was not kept",
                 "this is a fault of Palpate, whose plan said nothing of edits: please report it");
@@ -204,7 +202,7 @@ void Engine::allowEdits(const BrushProfile& profile, std::span<const EditKind> k
 
 // `change` gets the window to gather, or null, and returns the editor's outcome.
 template <typename Change>
-Engine::EditResult Engine::change(std::int64_t now_ns, const Change& change) {
+Engine::EditResult EngineParts::change(std::int64_t now_ns, const Change& change) {
   if (!editor_) {
     throw Error(Error::Code::kBadInput, "edit", "edits were not allowed when the engine was made",
                 "this is a fault of Palpate: please report it");
@@ -223,24 +221,24 @@ Engine::EditResult Engine::change(std::int64_t now_ns, const Change& change) {
           std::move(outcome.stages)};
 }
 
-Engine::EditResult Engine::edit(std::span<const EditCommand> commands, std::int64_t now_ns) {
+Engine::EditResult EngineParts::edit(std::span<const EditCommand> commands, std::int64_t now_ns) {
   return change(now_ns, [&](const Editor::WindowTarget* target) { return editor_->apply(commands, target); });
 }
 
-Engine::EditResult Engine::replace(std::span<const BrickContent> bricks, std::int64_t now_ns) {
+Engine::EditResult EngineParts::replace(std::span<const BrickContent> bricks, std::int64_t now_ns) {
   return change(now_ns, [&](const Editor::WindowTarget* target) { return editor_->replace(bricks, target); });
 }
 
-std::size_t Engine::readBack(Volume& volume) {
+std::size_t EngineParts::readBack(Volume& volume) {
   return editor_ ? editor_->readBack(volume) : 0;
 }
 
-Volume Engine::filtered(const VolumeFacts& facts) {
+Volume EngineParts::filtered(const VolumeFacts& facts) {
   if (editor_) editor_->refuseIfBroken();
   return volumeOf(field(), transfer_, facts);
 }
 
-RenderedImage Engine::draw(const Camera& camera, const std::function<void()>& between) {
+RenderedImage EngineParts::draw(const Camera& camera, const std::function<void()>& between) {
   if (!isosurface_) {
     throw Error(Error::Code::kBadInput, "picture", "the plan has no isosurface pass", "leave --picture on");
   }
@@ -248,7 +246,7 @@ RenderedImage Engine::draw(const Camera& camera, const std::function<void()>& be
   return isosurface_->draw(camera, isovalue_, between);
 }
 
-std::vector<MemoryFigure> Engine::memory() const {
+std::vector<MemoryFigure> EngineParts::memory() const {
   std::uint64_t windows = 0;
   for (const gpu::Buffer& buffer : window_buffers_) windows += buffer.bytes();
   return {{"gpu brick pool", pool_->bytes()},
@@ -259,7 +257,7 @@ std::vector<MemoryFigure> Engine::memory() const {
           {"gpu total", gpu_.bytesInUse()}};
 }
 
-PlanFacts Engine::planFacts() const noexcept {
+PlanFacts EngineParts::planFacts() const noexcept {
   PlanFacts facts;
   facts.bricks = pool_->brickCount();
   facts.stored_bricks = pool_->storedBricks();

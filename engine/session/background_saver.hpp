@@ -20,7 +20,8 @@
 #include <thread>
 #include <vector>
 
-#include "engine/service/editor.hpp"
+#include "engine/edit/brick_grid.hpp"
+#include "engine/service/brick_content.hpp"
 #include "engine/volume/volume.hpp"
 
 namespace palpate {

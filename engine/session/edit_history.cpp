@@ -29,7 +29,7 @@ std::size_t bytesOf(const std::vector<BrickContent>& step) {
 EditHistory::Step EditHistory::contentOf(const std::vector<std::uint32_t>& bricks) const {
   Step step;
   step.reserve(bricks.size());
-  for (const std::uint32_t brick : bricks) step.push_back(engine_.editor().content(brick));
+  for (const std::uint32_t brick : bricks) step.push_back(engine_.content(brick));
   return step;
 }
 
@@ -41,7 +41,7 @@ Engine::EditResult EditHistory::edit(std::span<const EditCommand> commands, std:
     ++forgotten_;
     return result;
   }
-  const std::vector<std::uint32_t> bricks = engine_.editor().bricksToChange(commands);
+  const std::vector<std::uint32_t> bricks = engine_.bricksToChange(commands);
   if (bytesToKeep(bricks) > budget_bytes_) {
     Engine::EditResult result = engine_.edit(commands, now_ns);
     forgetAll();
@@ -65,7 +65,7 @@ Engine::EditResult EditHistory::edit(std::span<const EditCommand> commands, std:
 
 std::size_t EditHistory::bytesToKeep(const std::vector<std::uint32_t>& bricks) const {
   std::size_t bytes = kStepBytes;
-  for (const std::uint32_t brick : bricks) bytes += bytesOfBrick(engine_.editor().isStored(brick) ? kBrickVoxels : 1);
+  for (const std::uint32_t brick : bricks) bytes += bytesOfBrick(engine_.isStored(brick) ? kBrickVoxels : 1);
   return bytes;
 }
 
@@ -112,7 +112,7 @@ Engine::EditResult EditHistory::exchange(Step& step, std::int64_t now_ns) {
   try {
     for (; first < step.size(); first += kMostAtOnce) result = engine_.replace(part(step, first), now_ns);
   } catch (...) {
-    if (engine_.editor().broken()) throw;
+    if (engine_.broken()) throw;
     // Backwards through states that there were: none of them needs room that is not there.
     while (first > 0) engine_.replace(part(replaced, first -= kMostAtOnce), now_ns);
     throw;

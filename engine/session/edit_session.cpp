@@ -20,7 +20,7 @@ EditSession::EditSession(Engine& engine, const BrushProfile& profile, std::span<
 
 void EditSession::keepJournal(const std::filesystem::path& folder, const VolumeIdentity& volume,
                               JournalOptions options) {
-  journal_.emplace(folder, JournalHeader{volume, engine_.editor().profile()}, std::move(options));
+  journal_.emplace(folder, JournalHeader{volume, engine_.profile()}, std::move(options));
 }
 
 // What comes after the window is out (settling, brick by brick) is not the edit's way to the hand. Nothing here throws
@@ -86,7 +86,7 @@ bool EditSession::isSaved() const {
 void EditSession::look(std::int64_t now_ns) {
   if (!saver_ || !saving_ || save_period_ns_ == 0 || !saver_->ready()) return;
   if (next_ns_ == kNotSet) next_ns_ = now_ns + save_period_ns_;
-  const std::size_t changed = engine_.editor().changedBricks();
+  const std::size_t changed = engine_.changedBricks();
   if (std::exchange(writing_, false)) left_ = changed;
   // Bricks that change again and again are copied once for each save, unless there are many.
   const bool due = isSaveDue(now_ns);
@@ -94,7 +94,7 @@ void EditSession::look(std::int64_t now_ns) {
   // Edits that change more between two looks than a look hands over would put a due save off for ever. As many more as
   // they changed, and the list is shorter by kBricksAtOnce each time: a save begins in the end.
   handOver(kBricksAtOnce + (due && changed > left_ ? changed - left_ : 0), due);
-  left_ = engine_.editor().changedBricks();
+  left_ = engine_.changedBricks();
   if (!due || left_ > 0) return;
   next_ns_ = now_ns + save_period_ns_;
   writing_ = true;
@@ -104,7 +104,7 @@ void EditSession::look(std::int64_t now_ns) {
 void EditSession::handOver(std::size_t most, bool save) {
   try {
     std::vector<BrickContent> bricks = engine_.takeChanged(most);
-    const bool complete = engine_.editor().changedBricks() == 0;
+    const bool complete = engine_.changedBricks() == 0;
     saver_->give(std::move(bricks), save && complete ? std::optional(engine_.editVersion()) : std::nullopt);
   } catch (const std::exception& error) {
     saving_ = false;
@@ -121,7 +121,7 @@ void EditSession::close() {
   for (bool more = true; more && saving_;) {
     handOver(kBricksAtOnce, save);
     saver_->wait();
-    more = engine_.editor().changedBricks() > 0;
+    more = engine_.changedBricks() > 0;
   }
   saver_->close();
 }

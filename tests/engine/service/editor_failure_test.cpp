@@ -9,6 +9,7 @@
 #include "engine/passes/active_bricks.hpp"
 #include "engine/service/engine.hpp"
 #include "failing_memory.hpp"
+#include "servo/window/window_exchange.hpp"
 
 namespace palpate {
 namespace {
@@ -175,7 +176,7 @@ TEST(EditorFailure, EndsWindowsAndPictures) {
   engine.allowEdits(brushProfile(0, -100, 100, Vec3::Constant(1e-3)));
   const Vec3 tool_W(16e-3, 20e-3, 20e-3);
   ASSERT_TRUE(engine.publishAround(tool_W, 1));
-  for (std::size_t n = 20; !engine.editor().broken(); n += 10) {
+  for (std::size_t n = 20; !engine.broken(); n += 10) {
     failing_memory::failAfter(n);
     EXPECT_ANY_THROW(engine.edit(commands(), 2)) << n;
     failing_memory::failNoMore();

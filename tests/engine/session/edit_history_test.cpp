@@ -63,12 +63,12 @@ EditCommand dab(const Vec3& at_m, EditKind kind = EditKind::kRemove) {
 // A copy of a constant brick takes what a constant brick needs, not what a stored one does.
 TEST(EditHistory, BricksOfOneDensityTakeLittle) {
   Edited edited(large(), std::size_t{1} << 30U);
-  const BrickContent content = edited.engine.editor().content(3);
+  const BrickContent content = edited.engine.content(3);
   EXPECT_EQ(content.values.size(), 1U);
   EXPECT_EQ(content.values.capacity(), 1U);
   const EditCommand cut = cutAt(100.5e-3);
   edited.history.edit({&cut, 1}, 0);
-  const std::size_t bricks = edited.engine.editor().changedBricks();
+  const std::size_t bricks = edited.engine.changedBricks();
   EXPECT_GT(bricks, 50'000U);
   EXPECT_LE(edited.history.bytes(), bricks * 64 + 24);
 }
@@ -162,7 +162,7 @@ TEST(EditHistory, AnUndoInPartsIsAllOrNothing) {
     failing_memory::failAfter(in_undo - from_end);
     EXPECT_THROW(edited.history.undo(0), std::bad_alloc);
     failing_memory::failNoMore();
-    ASSERT_FALSE(edited.engine.editor().broken());
+    ASSERT_FALSE(edited.engine.broken());
     ASSERT_EQ(edited.hash(), after) << from_end;
     ASSERT_EQ(edited.history.bytes(), bytes);
     ASSERT_TRUE(edited.history.canUndo());

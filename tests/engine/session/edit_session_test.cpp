@@ -255,7 +255,7 @@ TEST(EditSession, ASaveInPartsIsTheVolumeAtOneVersion) {
     reference::applyEdits(twin, lowerEdits({&command, 1}, size, twin.lattice(), header.profile));
     contents.push_back(contentHash(twin));
     session.look(now_ns += 700'000'000);
-    most_left = std::max(most_left, engine.editor().changedBricks());
+    most_left = std::max(most_left, engine.changedBricks());
     session.saver()->wait();
   }
   for (int i = 0; i < 20; ++i) {
@@ -311,7 +311,7 @@ TEST(EditSession, WhatWaitsForADueSaveIsHandedOverInParts) {
   };
   session.keepSaved(volume, write, 1);
   std::int64_t now_ns = 0;
-  const auto changed = [&] { return engine.editor().changedBricks(); };
+  const auto changed = [&] { return engine.changedBricks(); };
   const auto edit = [&](double radius_m, int i) {
     EditCommand command;
     command.kind = i % 2 == 0 ? EditKind::kAdd : EditKind::kRemove;

@@ -62,7 +62,7 @@ TEST(SessionMemory, AnEditIsJournalledOrEndsTheJournal) {
       threw = true;
     }
     failing_memory::failNoMore();
-    if (s.engine.editor().broken()) break;
+    if (s.engine.broken()) break;
     const bool failed = s.session.journal()->failed();
     if (threw) {
       EXPECT_TRUE(failed) << n;

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+// engine/service/engine_parts.hpp: what an Engine is made of, and its work; private to engine/service, so that whoever
+// uses an Engine sees no pass and no buffer. Functions without a comment are described at Engine's of the same name.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/measured.hpp"
+#include "engine/gpu/gpu.hpp"
+#include "engine/gpu/transfer.hpp"
+#include "engine/passes/brick_bounds_pass.hpp"
+#include "engine/passes/brick_pool.hpp"
+#include "engine/passes/filter_chain.hpp"
+#include "engine/passes/gradient_pass.hpp"
+#include "engine/passes/isosurface_pass.hpp"
+#include "engine/passes/sample_store.hpp"
+#include "engine/passes/window_pass.hpp"
+#include "engine/plan/plan.hpp"
+#include "engine/service/editor.hpp"
+#include "engine/service/engine.hpp"
+#include "engine/volume/volume.hpp"
+#include "servo/window/tool_pose.hpp"
+#include "servo/window/window_exchange.hpp"
+
+namespace palpate {
+
+class EngineParts {
+ public:
+  EngineParts(const Volume& volume, const Plan& plan, double isovalue, const std::string& gpu_name,
+              std::uint64_t gpu_memory_bytes, const Engine::StartProgress& progress);
+  bool publishAround(const Vec3& focus_W, std::int64_t now_ns);
+  bool publishFor(const ToolPose& tool, std::int64_t now_ns);
+  void allowEdits(const BrushProfile& profile, std::span<const EditKind> kinds);
+  Engine::EditResult edit(std::span<const EditCommand> commands, std::int64_t now_ns);
+  Engine::EditResult replace(std::span<const BrickContent> bricks, std::int64_t now_ns);
+  std::size_t readBack(Volume& volume);
+  [[nodiscard]] Volume filtered(const VolumeFacts& facts);
+  [[nodiscard]] RenderedImage draw(const Camera& camera, const std::function<void()>& between);
+  [[nodiscard]] std::vector<MemoryFigure> memory() const;
+  [[nodiscard]] PlanFacts planFacts() const noexcept;
+
+  [[nodiscard]] Editor* editor() noexcept { return editor_.get(); }  // null until edits are allowed
+  [[nodiscard]] const Editor* editor() const noexcept { return editor_.get(); }
+  [[nodiscard]] std::uint64_t editVersion() const noexcept { return editor_ ? editor_->version() : 0; }
+  [[nodiscard]] bool filters() const noexcept { return filters_ != nullptr; }
+  [[nodiscard]] double isovalue() const noexcept { return isovalue_; }
+  [[nodiscard]] WindowExchange& exchange() noexcept { return *exchange_; }
+  [[nodiscard]] const gpu::GpuInfo& gpu() const noexcept { return gpu_.info(); }
+  [[nodiscard]] const std::vector<StageTime>& stages() const noexcept { return stages_; }
+  [[nodiscard]] std::uint64_t budgetedBytes() const noexcept { return pool_->budget()->used_bytes; }
+
+ private:
+  template <typename Work>
+  void stage(const char* name, Work work);
+  [[nodiscard]] const BrickPool& field() const noexcept { return filters_ ? filters_->result() : *pool_; }
+  void computeGradients(const Volume& volume, const Plan& plan, const Engine::StartProgress& progress);
+  [[nodiscard]] std::pair<float, float> densityRange(const Volume& volume);
+  void makeWindows();
+  template <typename Change>
+  Engine::EditResult change(std::int64_t now_ns, const Change& change);
+  void publishBox(const WindowBox& box, std::int64_t now_ns);  // whose samples are gathered
+
+  double isovalue_;  // of the field that is felt
+  std::vector<StageTime> stages_;
+  gpu::Gpu gpu_;
+  gpu::Transfer transfer_;
+  std::unique_ptr<BrickPool> pool_;       // the volume, which edits change
+  std::unique_ptr<FilterChain> filters_;  // from it to the field that is felt; null: none
+  std::unique_ptr<BrickBoundsPass> bounds_;
+  std::unique_ptr<SampleStore> store_;
+  std::unique_ptr<FilterChain> smoothing_;  // from that field to the one whose gradients are taken; null: the same
+  std::unique_ptr<GradientPass> gradient_;  // of a smoothed field without edits both are gone once they were used
+  std::unique_ptr<WindowPass> window_;
+  std::unique_ptr<IsosurfacePass> isosurface_;
+  bool gradient_all_ = false;
+  std::vector<gpu::Buffer> window_buffers_;  // three, mapped: the exchange's storages
+  std::unique_ptr<WindowExchange> exchange_;
+  std::optional<WindowBox> published_;  // where the newest window lies
+  unsigned published_slot_ = 0;         // and in which buffer
+  std::unique_ptr<Editor> editor_;      // once edits are allowed
+};
+
+}  // namespace palpate
