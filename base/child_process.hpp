@@ -32,7 +32,7 @@ struct ChildTrouble {
   enum class Kind {
     kError,      // it threw an Error: `error`
     kException,  // it threw something else: `words`
-    kMemory,     // it asked for more than its limit
+    kMemory,     // it asked for more than its limit, or the system killed it for want of memory
     kTooLong,    // it took longer than its limit
     kDied        // a signal killed it, or it ended the process
   };
