@@ -57,8 +57,8 @@ struct ContactConditions {
 
 struct ContactStability {
   ContactVerdict verdict = ContactVerdict::kNoContact;
-  ActivitySource source = ActivitySource::kNone;  // of given_J, if the verdict is slightly active
-  // Of the contact that gave most beyond its error; if none gave more than its error, of the one that gave most:
+  ActivitySource source = ActivitySource::kNone;  // of given_J; kNone if its energy is quiet
+  // Of the contact that gave most beyond its error; if all are quiet by their energy, of the one that gave most:
   double given_J = 0;    // energy beyond what it had taken
   double error_J = 0;    // how much of that the encoders can account for at most
   double stored_J = 0;   // the most that any contact of the run had taken at once
