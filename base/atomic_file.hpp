@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // base/atomic_file.hpp: writes a file so that it is there whole or not at all.
 //
-// The text goes to a temporary file beside the target; commit() flushes it to the disk, checks every step, renames
-// it and flushes the folder. A target that is a symbolic link stays one: the file that it points at is written, and
-// made where it is not there. Without commit (an exception on the way) the temporary file is removed and an older
-// target stays as it was; what a killed process left of it goes when the target is written next (base/part_file.hpp).
-// Set-up code, one thread per object. Cost: reading the folder's names, a system call for each 64 KiB, and waiting for
-// the disk at commit. A process that wants an error instead of its death at a file size limit must ignore SIGXFSZ.
+// The text goes to a temporary file beside the target. commit() flushes it to the disk, checks every step, renames it
+// to the target and flushes the folder. Without commit() (an exception on the way) the temporary file is removed and an
+// older target stays as it was. A killed process leaves its temporary file behind; the next writer of the target
+// removes it (base/part_file.hpp). A target that is a symbolic link stays one: the file that it points at is written,
+// or made if it is missing.
+// Thread: set-up code, one thread per object. Cost: reading the folder's names, a system call for each 64 KiB, and
+// waiting for the disk in commit(). At a file size limit the system kills the process with SIGXFSZ. A process that
+// ignores that signal gets an Error instead.
 #pragma once
 
 #include <cstdint>
@@ -34,7 +36,7 @@ class AtomicFile {
   void drain();
   [[noreturn]] void fail(const std::string& what, int error) const;
   std::filesystem::path name_;    // as it was given
-  std::filesystem::path target_;  // what that stands for
+  std::filesystem::path target_;  // the same, symbolic links followed
   std::filesystem::path temporary_;
   std::string buffer_;
   int descriptor_ = -1;

@@ -8,16 +8,17 @@
 namespace palpate {
 
 // A whole number or a decimal fraction, and a unit: none or B; kB, MB, GB, TB (powers of 1000); KiB, MiB, GiB, TiB
-// (powers of 1024), in any case. Rounded down to whole bytes. Throws Error(kBadInput), which names `input`: no number,
-// a negative one, another unit, 2^63 bytes or more.
+// (powers of 1024). Upper and lower case are the same. The result is rounded down to whole bytes. Throws
+// Error(kBadInput), which names `input`, on text without a number, a negative number, another unit, and 2^63 bytes or
+// more.
 [[nodiscard]] std::uint64_t byteSize(const std::string& text, const std::string& input);
 
-// The same back, in the largest power of 1024 that gives a whole number: "2GiB", "1536MiB".
+// Bytes as such text, in the largest power of 1024 that gives a whole number: "2GiB", "1536MiB".
 [[nodiscard]] std::string byteSizeText(std::uint64_t bytes);
 
 // For messages and tables.
 [[nodiscard]] std::string bytesInWords(std::uint64_t bytes);  // three digits: "512 B", "1.5 MiB", "1.21 GiB"
-[[nodiscard]] std::string inMiB(std::uint64_t bytes);         // where sums are told: "1536.0 MiB"
-[[nodiscard]] std::string wholeMiB(std::uint64_t bytes);      // an option that holds so much, at least: "16MiB"
+[[nodiscard]] std::string inMiB(std::uint64_t bytes);         // for figures that are added up: "1536.0 MiB"
+[[nodiscard]] std::string wholeMiB(std::uint64_t bytes);      // as an option's value, rounded up: "16MiB"
 
 }  // namespace palpate

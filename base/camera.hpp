@@ -32,7 +32,8 @@ struct Camera {
   [[nodiscard]] double pixelSize(double depth_m) const noexcept;
 };
 
-// A camera at `distance_m` from `target_W`, on its side `from_W` (unit), with `up_W` (not along from_W) upwards.
+// A camera that looks at `target_W` from a distance of `distance_m`. `from_W` (unit) points from the target to the
+// camera. `up_W` points upwards in the picture and may not be parallel to `from_W`.
 [[nodiscard]] Camera lookAt(const Vec3& target_W, const Vec3& from_W, double distance_m, const Vec3& up_W, int width,
                             int height, double vertical_fov_rad);
 

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// base/draft_folder.hpp: a folder for what is not finished, PARENT/PREFIXxxxxxx, that goes with its owner.
+// base/draft_folder.hpp: a folder for unfinished files, PARENT/PREFIXxxxxxx, which its owner removes.
 //
-// As with files (base/part_file.hpp) its owner holds a lock on it, which ends with the process, however that ends: who
-// makes the next one with this prefix in this parent removes what killed processes left there. Where a file system has
-// no locks nothing is removed. Any thread. Cost: reading the names in the parent.
+// The owner holds a lock on the folder, as on temporary files (base/part_file.hpp). The lock ends with the process,
+// however that ends. So whoever makes the next folder with this prefix in this parent can tell what killed processes
+// left there, and removes it. Where a file system has no locks nothing is removed. Any thread. Cost: reading the names
+// in the parent.
 #pragma once
 
 #include <filesystem>
@@ -15,7 +16,7 @@ namespace palpate {
 
 class DraftFolder {
  public:
-  // Throws std::system_error, without words of its own, where none can be made.
+  // Throws std::system_error, with the system's message alone, where no folder can be made.
   DraftFolder(const std::filesystem::path& parent, const std::string& prefix);
   ~DraftFolder();  // removes it, with all that is in it
   DraftFolder(const DraftFolder&) = delete;

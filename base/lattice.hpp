@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // base/lattice.hpp: where the samples of a regular grid lie in the world.
 //
-// Frames: W is the world, the patient frame in DICOM's sense (LPS: +x left, +y posterior, +z superior), metres,
-// right-handed. L is the lattice's own frame: its axes are the grid's i, j, k directions, its unit the voxel; the
-// centre of sample (i, j, k) has the L coordinates (i, j, k). Axes are orthogonal; their order may be left-handed (det
-// R_WL = -1).
+// W is the world: the patient frame in DICOM's sense (LPS: +x left, +y posterior, +z superior), metres, right-handed.
+// L is the lattice's own frame: its axes are the grid's i, j, k directions, its unit is the voxel. The centre of sample
+// (i, j, k) has the L coordinates (i, j, k). The axes are orthogonal; their order may be left-handed (det R_WL = -1).
 #pragma once
 
 #include "base/vec.hpp"
@@ -22,10 +21,10 @@ struct Lattice {
     return (R_WL.transpose() * (p_W - origin_W)).cwiseQuotient(spacing_m);
   }
 
-  // A gradient measured along the lattice's axes per metre is turned into the world by R_WL alone.
+  // The world gradient of one measured along the lattice's axes per metre: R_WL alone turns it.
   [[nodiscard]] Vec3 gradientToWorld(const Vec3& gradient_per_m) const noexcept { return R_WL * gradient_per_m; }
 
-  // The same lattice with its sample `first` renamed (0, 0, 0): a window into a volume.
+  // The same lattice, counted from sample `first` as (0, 0, 0): a window into a volume.
   [[nodiscard]] Lattice shifted(const Vec3i& first) const noexcept {
     return {toWorld(first.cast<double>()), R_WL, spacing_m};
   }
@@ -33,8 +32,8 @@ struct Lattice {
   [[nodiscard]] double smallestSpacing() const noexcept { return spacing_m.minCoeff(); }  // [m]
 };
 
-// Throws Error(kBadInput) unless spacing is finite and positive and the axes are orthonormal within 1e-4, which is the
-// rounding that six-digit direction cosines in files need. `input` names the file in the message.
+// Throws Error(kBadInput) unless the spacing is finite and positive and the axes are orthonormal within 1e-4. Files
+// with six-digit direction cosines need that tolerance. `input` names the file in the message.
 void checkLattice(const Lattice& lattice, const std::string& input);
 
 }  // namespace palpate

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// base/make_folder.hpp: a folder that is there after a power cut, with every level above it that had to be made. Any
-// thread. Cost: waiting for the disk, once for each level that is new.
+// base/make_folder.hpp: makes a folder, with all missing levels above it, so that it survives a power cut. Any thread.
+// Cost: waiting for the disk, once for each level that is new.
 #pragma once
 
 #include <filesystem>
@@ -8,11 +8,10 @@
 
 namespace palpate {
 
-// The folders that get a new entry when `folder` is made: the parent of every level that is not there yet, outermost
-// first.
+// The folders that get a new entry when `folder` is made: the parent of each missing level, outermost first.
 [[nodiscard]] std::vector<std::filesystem::path> foldersThatGrow(const std::filesystem::path& folder);
 
-// 0, or the error's number. What is there already is left alone. Where it fails, some levels may have been made.
+// 0, or errno. Folders that are there already are left alone. After an error some levels may have been made.
 [[nodiscard]] int makeFolder(const std::filesystem::path& folder);
 
 }  // namespace palpate

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// base/measured.hpp: figures that a piece of work gives about itself, for summaries and reports.
+// base/measured.hpp: times and memory sizes that a piece of work reports of itself, for summaries and reports.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// base/one_line.hpp: text that came from outside (a file's name, a key) made fit for one line of a terminal.
+// base/one_line.hpp: makes text from outside (a file's name, a key) fit for one line of a terminal.
 #pragma once
 
 #include <string>

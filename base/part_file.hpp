@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// base/part_file.hpp: the temporary file beside a target that is being written, TARGET.PID.part.
+// base/part_file.hpp: TARGET.PID.part, the temporary file beside a target that is being written.
 //
-// Its writer holds a lock on it (flock), which ends with the process, however that ends. So what a killed process left
-// is told from what is being written by trying the lock, and not by the number of a process, which another one may
-// have by now: whoever begins to write a target removes what others left of it. Where a file system has no locks
-// nothing is removed. Any thread. Cost: reading the names in the target's folder.
+// The writer holds a lock (flock) on it, which ends with the process, however that ends. So a free lock means that a
+// killed process left the file. The process number in the name would not tell, since another process may have it by
+// now. Whoever begins to write a target removes the files that killed processes left of it. Where a file system has no
+// locks nothing is removed. Any thread. Cost: reading the names in the target's folder.
 #pragma once
 
 #include <filesystem>
@@ -14,15 +14,16 @@
 namespace palpate {
 
 struct PartFile {
-  int descriptor = -1;  // for writing, the caller's to close; -1: there is none
+  int descriptor = -1;  // open for writing, the caller closes it; -1: there is no file
   std::filesystem::path name;
-  int error = 0;  // why there is none
+  int error = 0;  // errno: why there is no file
 };
 
-// Its lock is held until the descriptor is closed: not before the file has been renamed or removed.
+// The lock is held until the descriptor is closed. Close it only after the file has been renamed or removed.
 [[nodiscard]] PartFile openPartFile(const std::filesystem::path& target);
 
-// Removes what killed processes left in a folder of targets of these names ("a.vdb"). "": the working folder.
+// Removes what killed processes left in `folder` of each target whose name ("a.vdb") `is_meant` accepts. An empty
+// `folder` is the working folder.
 void sweepPartFiles(const std::filesystem::path& folder, const std::function<bool(std::string_view target)>& is_meant);
 
 }  // namespace palpate

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// base/rendered_image.hpp: what a renderer gives for a camera: colours and how far away they are.
+// base/rendered_image.hpp: what a renderer gives for a camera: the colour and the distance of each pixel.
 #pragma once
 
 #include <cstddef>

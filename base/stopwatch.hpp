@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// base/stopwatch.hpp: seconds on the steady clock since it was made. Any thread; no cost but a look at the clock.
+// base/stopwatch.hpp: seconds on the steady clock since the stopwatch was made. Any thread. Cost: reading the clock.
 #pragma once
 
 #include <chrono>

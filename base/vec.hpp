@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// base/vec.hpp: the vector types that every room shares. Positions are double; samples are float (DESIGN: precision).
+// base/vec.hpp: the vector types that all rooms share. Positions are double; samples are float (ARCHITECTURE.md,
+// "Frames, units, precision").
 #pragma once
 
 #include <Eigen/Core>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/brick_bounds.comp: lowest and highest density of every brick, over all cells whose first corner lies in it, that
-// is over 9x9x9 voxels. One invocation walks a brick: no shared memory, no barrier.
+// shaders/brick_bounds.comp: lowest and highest density of every brick, over all cells whose first corner lies in it.
+// That is over 9x9x9 voxels. One invocation walks a brick: no shared memory, no barrier.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "brick_bounds.layout.h"
@@ -19,7 +19,7 @@ void widen(inout float lowest, inout float highest, vec4 quad) {
   highest = max(highest, max(max(quad.x, quad.y), max(quad.z, quad.w)));
 }
 
-// A brick that holds one value and whose neighbours hold one each: eight values are all that its cells have.
+// If a brick holds one value and its neighbours hold one each, its cells have eight values at most.
 bool constantBounds(uvec3 brick, uvec3 end, out BrickBounds found) {
   const uvec3 last = end / BRICK_EDGE;
   found = BrickBounds(0, 0);
@@ -64,7 +64,8 @@ void main() {
   if (index >= push.brick_count) return;
   const uint brick = push.listed == 1 ? tasks[index].brick : index;
   BrickBounds found = boundsOf(brickOfIndex(brick));
-  // Whichever zero the order of the voxels gave: bounds that were brought up to date must equal those of a new run.
+  // The order of the voxels decides between -0 and +0. Updated bounds must equal those of a new run, so +0 stands for
+  // both.
   if (found.lowest == 0.0) found.lowest = 0.0;
   if (found.highest == 0.0) found.highest = 0.0;
   bounds[brick] = found;

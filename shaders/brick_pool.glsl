@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/brick_pool.glsl: reading the brick pool. Include after the push constant that holds `PoolDomain`, with
-// POOL_DOMAIN defined to that member.
+// shaders/brick_pool.glsl: reads the brick pool. Include after the push constant that holds `PoolDomain`, with
+// POOL_DOMAIN defined as that member.
 #include "brick_pool.layout.h"
 
 // Slabs that the volume uses: the choice among the others folds away, since lavapipe takes every branch of a choice.

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // shaders/brick_pool.layout.h: the volume on the GPU: bricks of 8x8x8 densities behind a page table.
 //
-// A storage buffer binding is guaranteed 128 MiB only, so the pool is bound in slabs of that size. A brick's 64 rows of
-// eight voxels along i are stored one after another, each as two vec4; row = z * 8 + y.
+// Vulkan guarantees only 128 MiB for a storage buffer binding, so the pool is bound in slabs of that size. A brick's 64
+// rows of eight voxels along i are stored one after another, each as two vec4; row = z * 8 + y.
 #ifndef PALPATE_BRICK_POOL_LAYOUT_H
 #define PALPATE_BRICK_POOL_LAYOUT_H
 #include "layout_types.h"
@@ -10,15 +10,15 @@
 #define BRICK_EDGE 8                    // voxels along an edge
 #define BRICK_ROWS 64                   // rows of 8 voxels along i; also the invocations that share a brick
 #define BRICK_QUADS 128                 // vec4 in a brick
-#define NO_SLOT 0xffffffffu             // a page without a brick: the constant holds everywhere
+#define NO_SLOT 0xffffffffu             // a page without a brick: its constant holds everywhere
 #define DENSITY_SLABS 8                 // bound at once: 8 x 128 MiB = 1 GiB of density
 #define BRICKS_PER_DENSITY_SLAB 65536u  // x 2 KiB = 128 MiB
-#define BRICKS_PER_SAMPLE_SLAB 16384u   // x 8 KiB = 128 MiB: bricks of samples as floats; twice as many as halves
-// In BrickTask.sample_slot: the brick has samples if the isosurface needs them, which its bounds say; kernels decide.
+#define BRICKS_PER_SAMPLE_SLAB 16384u   // x 8 KiB = 128 MiB: bricks of samples as floats; as halves, twice as many
+// Flag in BrickTask.sample_slot: the kernel decides by the bounds whether the isosurface needs the brick's samples.
 #define IF_ACTIVE 0x80000000u
-#define GROUPS_PER_ROW 32768u           // a list of work groups is folded into rows of this many: x is limited to 65535
+#define GROUPS_PER_ROW 32768u           // a long list of work groups is folded into rows: x is limited to 65535
 
-// Bindings of every kernel that reads the pool; a kernel's own buffers follow from BINDING_OWN on.
+// Bindings of every kernel that reads the pool. A kernel's own buffers follow from BINDING_OWN on.
 #define BINDING_PAGES 0
 #define BINDING_SLABS 1
 #define BINDING_OWN 9  // BINDING_SLABS + DENSITY_SLABS

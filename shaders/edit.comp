@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/edit.comp: runs edit commands over listed bricks, in place. A work group is a brick, an invocation a row of eight
-// voxels, and commands follow one another for each voxel; none of them reads a neighbour, so nothing has to wait.
+// shaders/edit.comp: runs edit commands over listed bricks, in place. A work group is a brick, an invocation a row of
+// eight voxels. For each voxel the commands follow one another. None of them reads a neighbour, so nothing has to wait.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "edit.layout.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/edit.layout.h: edit commands as kernels and their CPU twin see them, and what the edit kernels bind.
+// shaders/edit.layout.h: edit commands as the edit kernels and their CPU twin see them, and what these kernels bind.
 //
-// Meaning of every kind: docs/edits.md. Positions are metres along the lattice's axes, counted from the centre of the
+// docs/edits.md says what each kind does. Positions are metres along the lattice's axes, counted from the centre of the
 // command's origin voxel, so that floats are precise wherever the brush is.
 #ifndef PALPATE_EDIT_LAYOUT_H
 #define PALPATE_EDIT_LAYOUT_H
@@ -19,7 +19,7 @@
 #define EDIT_DEFLATE 9u
 #define EDIT_KINDS 10u
 
-// edit.comp: changes bricks in place; it reads no voxel but the one that it writes.
+// edit.comp changes bricks in place; for a voxel it reads that voxel alone.
 #define EDIT_BINDING_PAGES 0
 #define EDIT_BINDING_SLAB 1  // one density slab, read and written
 #define EDIT_BINDING_TASKS 2
@@ -27,7 +27,7 @@
 #define EDIT_BINDING_STAMPS 4
 #define EDIT_BINDINGS 5
 
-// edit_stencil.comp: reads the pool, writes changed bricks aside; brick_commit.comp then puts them in their place.
+// edit_stencil.comp reads the pool and writes changed bricks aside; brick_commit.comp then copies them into the pool.
 #define STENCIL_BINDING_TASKS BINDING_OWN
 #define STENCIL_BINDING_COMMANDS (BINDING_OWN + 1)
 #define STENCIL_BINDING_ASIDE (BINDING_OWN + 2)
@@ -49,21 +49,21 @@ struct EditCommand {
   float inv_ab2;                       // 1 / |ab|^2; 0: the stroke is a point [1/m^2]
   float radius;                        // [m]
   float reach;                         // a voxel farther from the stroke keeps its density [m]
-  float strength;                      // share of the way to the target, (0, 1] [-]
-  float inv_fade;                      // 1 / width over which the strength falls to 0 at the radius; 0: it does not [1/m]
-  float value;                         // paint: the target [density]; inflate, deflate: the step [m]
+  float strength;                      // share of the way to the target, in (0, 1] [-]
+  float inv_fade;                      // 1 / width over which strength falls to 0 at the radius; 0: no fade [1/m]
+  float value;                         // paint: target [density]; inflate, deflate: step [m]
   float n_x, n_y, n_z, n_d;            // plane: n . p - n_d is the height above it [-, m]
   float isovalue, background, object;  // [density]
-  float slope;                         // of the ramp that carries a new surface [density/m]
+  float slope;                         // of the density ramp across a new surface [density/m]
   float material_low, material_inv_range, material_drop;  // remove: strength * (1 - drop * share of the range)
-  uint stamp_first;                    // its first distance in the stamp buffer
-  uint stamp_x, stamp_y, stamp_z;      // its lattice [voxel of the stamp]
+  uint stamp_first;                    // the stamp's first distance in the stamp buffer
+  uint stamp_x, stamp_y, stamp_z;      // size of the stamp's lattice [voxel of the stamp]
   float m_xx, m_xy, m_xz, m_xt;        // position [m] to the stamp's lattice [voxel of the stamp]
   float m_yx, m_yy, m_yz, m_yt;
   float m_zx, m_zy, m_zz, m_zt;
 };
 
-// A brick to edit. Without a slot only its page is written: it is `constant` from now on.
+// A brick to edit. Without a slot only its page is written: the brick is `constant` from now on.
 struct EditTask {
   uint brick;         // linear page index
   uint slot;          // in the pool, or NO_SLOT
@@ -82,7 +82,7 @@ struct EditPush {
 
 struct CommitPush {
   uint first_task, task_count;
-  uint first_aside;  // brick of the first task in what was written aside
+  uint first_aside;  // number of the first task's brick among those written aside
 };
 
 PALPATE_LAYOUT_CHECK(EditCommand, 172)

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/edit.math.glsl: what an edit command does to four voxels along i. Twin: engine/edit/edit_math.hpp, which takes
-// the same steps in the same order. Comparisons stand instead of min and max, which may differ in the sign of zero;
+// shaders/edit.math.glsl: what an edit command does to four voxels along i. Its twin, engine/edit/edit_math.hpp, takes
+// the same steps in the same order. min and max may differ in the sign of zero, so comparisons are used instead.
 // `precise` keeps every product and sum apart.
 //
-// The kernels are specialised for one kind of command: lavapipe takes every branch and masks what it stores.
+// The kernels are specialised for one kind of command, since lavapipe takes every branch and masks what it stores.
 
 const float kLargest = 3.4028234e38;  // results stay finite
 

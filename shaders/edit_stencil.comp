@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/edit_stencil.comp: runs one edit command that reads a voxel's neighbours (smooth, inflate, deflate) over listed
-// bricks. It reads the pool as it is and writes the changed bricks aside, so no voxel sees another's new density.
+// shaders/edit_stencil.comp: runs one edit command that reads a voxel's neighbours (smooth, inflate, deflate) over
+// listed bricks. It leaves the pool as it is and writes the changed bricks aside, so no voxel sees another's new
+// density.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "edit.layout.h"
@@ -21,16 +22,16 @@ Row rowAt(uint brick_x, uint y, uint z) {
   return pageRow(pages[brick], y % BRICK_EDGE, z % BRICK_EDGE);
 }
 
-// What an axis adds: both differences to the neighbours, by their share. Densities near the largest float may overflow
-// here, and two axes with different signs: a sum stays finite, so that they add up to a number.
+// What an axis adds: both differences to the neighbours, times their share. Densities near the largest float may
+// overflow, on two axes with different signs. So each sum is kept finite, and the axes add up to a number.
 vec4 blur(vec4 f, vec4 before, vec4 after, float share) {
   precise vec4 sum = finite((before - f) + (after - f)) * share;
   return sum;
 }
 
 // Square of the steepest rise (sign +1) or fall (sign -1) to a neighbour along an axis: the upwind difference of a
-// surface that moves, after Osher and Sethian (1988), which makes no new extrema. `highest`: of all neighbours so far,
-// by sign.
+// moving surface after Osher and Sethian (1988), which makes no new extrema. `highest`: the highest of sign times
+// density among the neighbours so far.
 vec4 upwindSquare(vec4 f, vec4 before, vec4 after, float sign, float inv_h, inout vec4 highest) {
   const vec4 top = greater(sign * before, sign * after);
   highest = greater(highest, top);
@@ -45,8 +46,8 @@ vec4 smoothed(vec4 f, vec4 x0, vec4 x1, vec4 y0, vec4 y1, vec4 z0, vec4 z1, vec4
   return moved;
 }
 
-// The surface moves by `way` [m]. No density passes its highest neighbour: the scheme has it so, and this keeps it where
-// squares overflow.
+// Moves the surface by `way` [m]. In this scheme no density passes its highest neighbour; the last line keeps that true
+// where squares overflow.
 vec4 inflated(vec4 f, vec4 x0, vec4 x1, vec4 y0, vec4 y1, vec4 z0, vec4 z1, vec4 way, float sign) {
   vec4 highest = sign * f;
   const vec4 x = upwindSquare(f, x0, x1, sign, push.inv_h_x, highest);

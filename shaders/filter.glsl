@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/filter.glsl: the frame of a filter kernel: its tasks, what it writes, and reading beyond a brick. Include after
-// the push constant `push`, which begins as FilterPush does.
+// shaders/filter.glsl: the common part of the filter kernels: their tasks, what they write, and reading beyond a brick.
+// Include after the push constant `push`, which begins as FilterPush does.
 //
-// A kernel that knows two kinds of bricks is built twice: those within reach of the border (kEdge == 1) find each voxel
-// by its mapped coordinates; all others take whole quads from neighbouring bricks and know nothing of borders. Diffusion
-// and distances treat all bricks alike. Voxels of a brick outside the domain repeat the nearest one inside,
-// in every pool, so only coordinates along the filter's own axes are mapped.
+// Most filter kernels are built twice. The build for bricks within reach of the border (kEdge == 1) maps each voxel's
+// coordinates. The other build takes whole quads from neighbouring bricks and knows nothing of borders. Diffusion and
+// distances treat all bricks alike. In every pool, voxels of a brick outside the domain repeat the nearest one inside,
+// so only coordinates along the filter's own axes are mapped.
 #define POOL_DOMAIN push.domain
 #include "brick_pool.glsl"
 #include "filter_border.math.glsl"

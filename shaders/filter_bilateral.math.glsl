@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // shaders/filter_bilateral.math.glsl: one neighbour's part in a bilateral mean (Tomasi and Manduchi 1998). Differences
-// are averaged rather than densities, so that a constant stays as it is, bit for bit. Read by GLSL and by C++
+// from the voxel are averaged, not densities, so that a constant stays as it is, bit for bit. Read by GLSL and by C++
 // (shaders/kernel_text.hpp); needs filter_exp.math.glsl.
 
 struct BilateralSums {
@@ -21,7 +21,7 @@ PALPATE_TEXT float placeTap(float tap, float other_tap) {
   return product;
 }
 
-// A neighbour whose difference overflows weighs nothing: a range is 1e30 at most.
+// A neighbour whose difference overflows weighs nothing; the range is 1e30 at most.
 PALPATE_TEXT BilateralSums bilateralAdded(BilateralSums sums, float place_tap, float neighbour, float density,
                                           float inv_range) {
   precise float difference = neighbour - density;

@@ -19,7 +19,7 @@ float tap_of[kReach + 1];
 #define LINE_FOUR vec4
 #define LINE_OF(density) (density)
 #define LINE_BEGIN(TYPE, sum, all) TYPE sum[kEnd];
-// The first tap of a result begins its sum.
+// The sum of a result begins with its first tap.
 #define LINE_SHOW(sum, all, at, value)                                                    \
   [[unroll]] for (int o = 0; o < kEnd; ++o) { \
     const int tap = (at) - o;                                                             \

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/filter_convolve.math.glsl: one tap of a convolution: multiply, then add. The taps sum to one, so a sum that
-// overflows is a rounding away from the largest density, which finite() makes of it. Read by GLSL and by C++
+// shaders/filter_convolve.math.glsl: one tap of a convolution: multiply, then add. The taps sum to one, so a sum can
+// only overflow if it is a rounding away from the largest density; finite() turns it into that. Read by GLSL and by C++
 // (shaders/kernel_text.hpp).
 
 PALPATE_TEXT float firstTap(float tap, float value) {

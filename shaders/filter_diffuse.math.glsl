@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/filter_diffuse.math.glsl: one time step of anisotropic diffusion at a voxel (Perona and Malik 1990, their two
-// conductances). What flows through a face enters its other voxel with the other sign, bit for bit. Read by GLSL and by
-// C++ (shaders/kernel_text.hpp); needs filter_exp.math.glsl.
+// shaders/filter_diffuse.math.glsl: one time step of anisotropic diffusion at a voxel (Perona and Malik 1990, both of
+// their conductances). What flows out of a voxel through a face flows into the other one, bit for bit. Read by GLSL and
+// by C++ (shaders/kernel_text.hpp); needs filter_exp.math.glsl.
 
-// `difference`: from the voxel to the one behind the face. One that overflows lets nothing flow: a kappa is 1e30 at most.
+// `difference`: the density behind the face less that of the voxel. If its square overflows nothing flows; kappa is
+// 1e30 at most.
 PALPATE_TEXT float faceFlow(float difference, float inv_slope, bool exponential) {
   precise float s = difference * inv_slope;
   precise float square = s * s;

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/filter_distance.math.glsl: arithmetic of the signed distance: where a line between two voxels meets the
-// surface, the word that keeps such a point and the nearest voxel across, which of two is nearer, and the distance from
-// the surface near it, held to what the voxel across allows. Lengths are in units of the smallest spacing. Densities are halved or quartered before they are subtracted, which loses nothing
-// but of denormals, so that no difference overflows. Read by GLSL and by C++ (shaders/kernel_text.hpp).
+// shaders/filter_distance.math.glsl: arithmetic of the signed distance, in three parts. Seed: where a line between two
+// voxels meets the surface, and the word that keeps such a point and the nearest voxel across
+// (filter_distance.layout.h). Spread: which of two words knows the nearer one. Finish: the distance from the surface,
+// held to what the voxel across allows.
+//
+// Lengths are in units of the smallest spacing. Densities are halved or quartered before they are subtracted, so that
+// no difference overflows; that loses bits of denormals only. Read by GLSL and by C++ (shaders/kernel_text.hpp).
 
-// ---- Seed: of the lines to a voxel's 26 neighbours, the one that meets the surface nearest.
+// ---- Seed: the nearest place at which the line to one of a voxel's 26 neighbours meets the surface.
 
 struct Crossing {
   float square;  // of the way to it [unit^2]; DISTANCE_NOWHERE: there is none
@@ -20,7 +23,7 @@ PALPATE_TEXT Crossing noCrossing() {
   return none;
 }
 
-// Where on the way from a voxel to another, across the surface, it lies.
+// The share of the way from a voxel to another at which the surface crosses it.
 PALPATE_TEXT float crossingOf(float here, float there, float isovalue) {
   precise float to_surface = 0.5f * here - 0.5f * isovalue;
   precise float to_there = 0.5f * here - 0.5f * there;
@@ -28,7 +31,7 @@ PALPATE_TEXT float crossingOf(float here, float there, float isovalue) {
   return share;
 }
 
-// Squares of the way to a neighbour: across i, then all of it. Edges: squared, along each axis.
+// Square of the way to a neighbour: wayAcross() its part across i, waySquare() all of it. Edges are given squared.
 PALPATE_TEXT float wayAcross(int dy, int dz, float edge_y, float edge_z) {
   precise float square = float(dy * dy) * edge_y + float(dz * dz) * edge_z;
   return square;
@@ -38,7 +41,7 @@ PALPATE_TEXT float waySquare(int dx, float edge_x, float across) {
   return square;
 }
 
-// `there`: the neighbour's density, of no meaning if it is not in the domain.
+// `there`: the neighbour's density, which counts only if it is in the domain.
 PALPATE_TEXT Crossing nearerCrossing(Crossing best, float here, float there, float isovalue, float way_square, int way,
                                      bool in_domain) {
   const float share = crossingOf(here, there, isovalue);
@@ -51,13 +54,14 @@ PALPATE_TEXT Crossing nearerCrossing(Crossing best, float here, float there, flo
   return nearest;
 }
 
-// In steps of a word.
+// An offset in the steps that a word counts in.
 PALPATE_TEXT int steppedOffset(float voxels) {
   precise float steps = voxels * float(DISTANCE_PARTS);
   return int(floor(steps + 0.5f));
 }
 
-// A word of its surface point's and its voxel across's bits; the bit but one follows from the one before it.
+// A word made of the bits of its surface point and its voxel across. The last bit but one is the opposite of the bit
+// before it.
 PALPATE_TEXT uint wordWith(bool inside, uint point, uint across) {
   return (inside ? DISTANCE_INSIDE : 0u) | ((~across & 0x20000000u) << 1) | across | point;
 }
@@ -84,7 +88,7 @@ PALPATE_TEXT uint acrossBits(int steps, int axis) {
   return uint(steps < 0 ? -steps : steps) << uint(DISTANCE_ACROSS_FIRST + axis * DISTANCE_ACROSS_BITS);
 }
 
-// What a voxel knows of itself and its neighbours: its side, and a surface point if there is one.
+// A voxel's first word: its side, and a surface point if there is one.
 PALPATE_TEXT uint seedWord(Crossing crossing, bool inside) {
   precise float x = crossing.share * float(crossing.way % 3 - 1);
   precise float y = crossing.share * float(crossing.way / 3 % 3 - 1);
@@ -93,16 +97,17 @@ PALPATE_TEXT uint seedWord(Crossing crossing, bool inside) {
   return wordWith(inside, crossing.square < DISTANCE_NOWHERE ? point : 0u, 0u);
 }
 
-// ---- Spread: of what the voxels on a line know, the nearest surface point and the nearest voxel across.
+// ---- Spread: the nearest surface point and the nearest voxel across that the voxels on a line know.
 //
-// A voxel across along the first axis lies on the line itself. Along the second, each voxel of the same side knows the
-// nearest on its own line, and one of the other side is one; along the third likewise. So the nearest in the box is found
-// exactly: squares are added up one axis after another, and rounding keeps their order. A voxel that knows nothing may
-// be passed over: if it lay across, the first voxel across on the way to it would know its side and be nearer.
+// The nearest voxel across in the box is found exactly, one axis after another. In the pass along the first axis it
+// lies on the line itself. In the pass along the second, a voxel on the other side is a voxel across, and a voxel on
+// the same side knows the nearest one on its own line along the first axis. The third pass works likewise. Squares are
+// added up one axis after another, and rounding keeps their order. A voxel that knows nothing may be passed over: if it
+// lay across, the first voxel across on the way to it would know its side and be nearer.
 
 struct Nearest {
   float square;  // of the way to it
-  uint bits;     // of a word, in their place
+  uint bits;     // the bits of a word for it, in their place
 };
 
 PALPATE_TEXT Nearest nothingWithin(float square, uint bits) {
@@ -119,14 +124,15 @@ PALPATE_TEXT float squareAlong(float steps, float edge_square) {
   return square;
 }
 
-// Square of the way to a word's point across an axis, along the other two [step^2]. `known`: there is such a word.
+// Square of the way to a word's surface point along the two other axes [step^2]. `known`: there is such a word.
 PALPATE_TEXT float pointAcross(uint word, bool known, int axis_1, int axis_2, float edge_1, float edge_2) {
   precise float across = squareAlong(float(offsetOf(word, axis_1)), edge_1) +
                          squareAlong(float(offsetOf(word, axis_2)), edge_2);
   return known && knowsPoint(word) ? across : DISTANCE_FARTHEST;
 }
 
-// `offset`: the word's along the axis, from its own voxel; `shift`: of that voxel from this one, both in steps.
+// `offset`: of the word's point from the word's voxel; `shift`: of that voxel from this one. Both are along the axis,
+// in steps.
 PALPATE_TEXT Nearest nearerPoint(Nearest best, uint word, float offset, float across, int shift, int axis,
                                  float edge_square) {
   precise float square = squareAlong(offset + float(shift), edge_square) + across;
@@ -138,15 +144,15 @@ PALPATE_TEXT Nearest nearerPoint(Nearest best, uint word, float offset, float ac
   return nearest;
 }
 
-// Square of the way from a voxel on the line to the nearest voxel across from it, along the axes before [unit^2].
+// Square of the way from a voxel on the line to its voxel across, along the axes of the earlier passes [unit^2].
 PALPATE_TEXT float acrossBefore(uint word, int axis, float edge_0, float edge_1) {
   const float first = axis > 0 ? squareAlong(float(acrossOf(word, 0)), edge_0) : 0.0f;
   precise float both = first + (axis > 1 ? squareAlong(float(acrossOf(word, 1)), edge_1) : 0.0f);
   return knowsAcross(word) ? both : DISTANCE_NOWHERE;
 }
 
-// `before`: acrossBefore of the word; `known`: there is such a word; `shift`: of its voxel from this one [voxel];
-// `along`: the square of that [unit^2].
+// `before`: acrossBefore() of the word; `known`: there is such a word; `shift`: of the word's voxel from this one
+// [voxel]; `along`: the square of that [unit^2].
 PALPATE_TEXT Nearest nearerAcross(Nearest best, uint word, bool known, bool inside, float before, float along,
                                   int shift, int axis) {
   const bool same_side = isInside(word) == inside;
@@ -159,10 +165,10 @@ PALPATE_TEXT Nearest nearerAcross(Nearest best, uint word, bool known, bool insi
   return nearest;
 }
 
-// ---- Finish: the distance from the trilinear surface beside a point. In vectors of three the last element is unused.
+// ---- Finish: the distance from the trilinear surface near a point. In vectors of three the last element is unused.
 
-// The cell that holds a place, along one axis, and where in it. A place on the domain's last voxel belongs to the cell
-// before it, and a domain of one voxel is half a cell: what lies behind it repeats it.
+// The cell that holds a place, along one axis, and where the place lies in it. A place on the domain's last voxel
+// belongs to the cell before it. A domain of one voxel is half a cell: the voxel is repeated behind it.
 struct CellPlace {
   int cell;
   float share;  // 0 ... 1
@@ -184,8 +190,8 @@ PALPATE_TEXT float lerped(float a, float b, float t) {
   return between;
 }
 
-// Gradient (by voxel) and value of the trilinear field in a cell, a quarter of both. low, high: its corners at k = 0 and
-// 1, i fastest.
+// A quarter of the gradient (per voxel) and of the value of the trilinear field in a cell. low, high: the corners of
+// the cell at k = 0 and 1, i fastest.
 PALPATE_TEXT vec4 fieldIn(vec4 whole_low, vec4 whole_high, float x, float y, float z) {
   precise vec4 low = 0.25f * whole_low;
   precise vec4 high = 0.25f * whole_high;
@@ -209,8 +215,8 @@ struct Tangent {
   vec4 normal;        // unit, into the object
   float left;         // from the place to the surface, along the normal [unit]
   float rise;         // from the plane to the voxel, along the normal [unit]
-  float height;       // the same, away from the surface on the voxel's own side
-  float side;         // from the normal to the voxel [unit]
+  float height;       // the same, positive away from the surface on the voxel's own side
+  float side;         // from the normal line to the voxel [unit]
   float away_square;  // from the place to the voxel [unit^2]
 };
 
@@ -219,9 +225,9 @@ PALPATE_TEXT float dotOfThree(vec4 a, vec4 b) {
   return sum;
 }
 
-// `field`: as fieldIn gives it; `away`: from the place to the voxel [unit]; `believed`: the place is known to lie next to
-// the surface, so that what is left is cut off. Squares are of a gradient over its largest component, so that none
-// overflows and they do not all vanish. No gradient: NaN.
+// `field`: from fieldIn(); `away`: from the place to the voxel [unit]; `believed`: the place is known to lie next to
+// the surface, so Tangent::left is cut to DISTANCE_LEFT. The gradient is divided by its largest component before it is
+// squared, so that no square overflows and not all of them vanish. Without a gradient the result is NaN.
 PALPATE_TEXT Tangent tangentOf(vec4 field, vec4 edge, float isovalue, vec4 away, bool inside, bool believed) {
   precise vec4 gradient = field / edge;
   const float either = abs(gradient[0]) > abs(gradient[1]) ? abs(gradient[0]) : abs(gradient[1]);
@@ -245,19 +251,20 @@ PALPATE_TEXT Tangent tangentOf(vec4 field, vec4 edge, float isovalue, vec4 away,
   return tangent;
 }
 
-// Of a word's point from its voxel [voxel].
+// The offset of a word's surface point from its voxel [voxel].
 PALPATE_TEXT vec4 pointShift(uint word) {
   return vec4(float(offsetOf(word, 0)), float(offsetOf(word, 1)), float(offsetOf(word, 2)), 0.0f) *
          (1.0f / float(DISTANCE_PARTS));
 }
 
-// From the place `shift` [voxel] away from a voxel to the voxel [unit].
+// The way to a voxel from the place that is `shift` [voxel] away from it [unit].
 PALPATE_TEXT vec4 awayFrom(vec4 shift, vec4 edge) {
   precise vec4 away = -shift * edge;
   return away;
 }
 
-// From a tangent plane to the voxel [unit], and where the voxel comes to lie on the plane, from itself [voxel].
+// risenBy(): the way from a tangent plane to the voxel [unit]. landingShift(): the same way back, from the voxel to
+// where it lands on the plane [voxel].
 PALPATE_TEXT vec4 risenBy(Tangent tangent) {
   precise vec4 away = tangent.rise * tangent.normal;
   return away;
@@ -271,18 +278,18 @@ PALPATE_TEXT bool isWithin(float shift, int voxel, int size) {
   return shift >= -float(voxel) && shift <= float(size - 1) - float(voxel);
 }
 
-// Whether a voxel over this plane may be projected onto it: it is over it, and not too far.
+// Whether the voxel may be projected onto this plane: it is over the plane, and not too far.
 PALPATE_TEXT bool isOver(Tangent tangent, float band) { return tangent.height >= 0.0f && tangent.height < band + 1.0f; }
 
-// Whether the tangent at the place where a voxel landed tells more than the one before.
+// Whether the tangent plane at the place where the voxel landed is better than the one before.
 PALPATE_TEXT bool isBetter(Tangent landed, Tangent before, float slack) {
   return abs(landed.left) <= DISTANCE_LEFT && landed.height >= 0.0f &&
          (landed.side < before.side || landed.side <= slack);
 }
 
-// Distance from the surface, of a voxel over a tangent plane. The plane stands for the surface as far as `slack` beside
-// the surface point; beyond twice that the distance is that of the point itself, in between it goes over from one to the
-// other. Without a gradient, or where the plane has the voxel on the other side, it is the point's too.
+// Distance from the surface of a voxel over a tangent plane. Up to `slack` beside the surface point the plane stands
+// for the surface. Beyond twice that the distance is that from the point itself, and in between it goes from one to the
+// other. It is that from the point, too, without a gradient or if the plane has the voxel on the other side.
 PALPATE_TEXT float distanceOver(Tangent tangent, float slack) {
   precise float partly = 2.0f * (tangent.side - slack);
   const float beside = partly < tangent.side ? partly : tangent.side;
@@ -291,17 +298,18 @@ PALPATE_TEXT float distanceOver(Tangent tangent, float slack) {
   return tangent.height >= 0.0f ? over : sqrt(tangent.away_square);
 }
 
-// Square of the way to the voxel across [unit^2], added up as the spread did. Edges: squared.
+// Square of the way to the voxel across [unit^2], added up in the order of the spread. Edges are given squared.
 PALPATE_TEXT float acrossSquare(uint word, float edge_x, float edge_y, float edge_z) {
   precise float square = squareAlong(float(acrossOf(word, 2)), edge_z) +
                          (squareAlong(float(acrossOf(word, 0)), edge_x) + squareAlong(float(acrossOf(word, 1)), edge_y));
   return square;
 }
 
-// A distance, held to what the nearest voxel across allows. The surface crosses the way to it, so it is no farther. And
-// from a point of the surface a voxel across lies one diagonal away at most, two slacks, so it is no nearer than that
-// voxel less a diagonal. A tangent plane that says so is not one of the surface; `point`: how far the surface point is
-// that was known. No voxel across within reach: the surface is beyond the band.
+// A distance, held to what the nearest voxel across allows. The surface crosses the way to that voxel, so it is no
+// farther. A point of the surface has a voxel across within one diagonal (two slacks), so the surface is no nearer than
+// that voxel less a diagonal. If the tangent plane gives a nearer distance it is not that of the surface, and `point`
+// is taken instead, the distance of the known surface point. Without a voxel across within reach the surface is beyond
+// the band.
 PALPATE_TEXT float heldDistance(float distance, float point, uint word, float across_square, float slack, float band) {
   const float farthest = sqrt(across_square);
   precise float nearest = farthest - 2.0f * slack;
@@ -311,7 +319,8 @@ PALPATE_TEXT float heldDistance(float distance, float point, uint word, float ac
   return knowsAcross(word) && held < band ? held : band;
 }
 
-// Inside it is positive, however close. (Not 0 - x for -x: compilers make one of the other, and -0 of 0.)
+// Inside the distance is positive, however close the surface. (0 - x does not replace -x: compilers make one of the
+// other, and -0 of 0.)
 PALPATE_TEXT float signedDistance(float distance, float unit, bool inside) {
   const float least = 1e-6f;
   precise float positive = (distance > least ? distance : least) * unit;

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/filter_distance_finish.comp: signed distance in the place of the word of the surface point that a voxel knows:
-// reads the densities, rewrites the result. From that point the voxel is projected onto the trilinear field's tangent
-// plane, and again at the place where it came to lie, as long as that brings the normal nearer to the voxel; the
-// distance is that from the last plane, held to what the nearest voxel across allows. An invocation is a row of eight voxels.
+// shaders/filter_distance_finish.comp: replaces each voxel's word by the signed distance. It reads the densities and
+// rewrites the result.
+//
+// From the surface point that the word holds, the voxel is projected onto the tangent plane of the trilinear field. It
+// is projected again at the place where it landed, as long as that brings the normal nearer to the voxel. The distance
+// is that from the last plane, held to what the nearest voxel across allows. An invocation is a row of eight voxels.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "filter.layout.h"
@@ -14,10 +16,10 @@ layout(push_constant) uniform Push { FilterPush push; };
 #include "filter.glsl"
 #include "filter_distance.math.glsl"
 
-const int kProjections = 2;  // of the voxel, each onto the tangent plane at the last one's place
+const int kProjections = 2;  // of the voxel, each onto the tangent plane where the last one landed
 
-// One density of a brick. Loads are what this kernel costs, so pages are read no more than needed (a branch saves the
-// loads of those that do not take it), and of a quad its one element.
+// One density of a brick. Loads are what this kernel costs. So pages are read only where needed (a branch saves the
+// loads of invocations that do not take it), and only one element of a quad.
 float densityIn(uint page, uint slot, uint at) {
   if (slot == NO_SLOT) return pages[page].constant;
   if (kSlabCount == 1) return slab0[slot * BRICK_QUADS + at / 4][at % 4];
@@ -28,7 +30,7 @@ uint placeInBrick(uint x, uint y, uint z) {
   return ((z % BRICK_EDGE) * BRICK_EDGE + y % BRICK_EDGE) * BRICK_EDGE + x % BRICK_EDGE;
 }
 
-// A cell's corner, 0 or 1 from its first along each axis; slot: of the page that holds the first.
+// A cell's corner, 0 or 1 from its first corner along each axis. slot: of the page that holds the first corner.
 float corner(uvec3 cell, uint first_page, uint slot, uint dx, uint dy, uint dz) {
   const uvec3 at = cell + uvec3(dx, dy, dz);
   const uint page = brickIndex(at / BRICK_EDGE);
@@ -36,7 +38,7 @@ float corner(uvec3 cell, uint first_page, uint slot, uint dx, uint dy, uint dz) 
   return densityIn(page, slot, placeInBrick(at.x, at.y, at.z));
 }
 
-// What the text asks for at a place `shift` voxels from a voxel, within the domain.
+// The field for filter_distance.math.glsl, at a place `shift` voxels from a voxel, within the domain.
 vec4 fieldAt(ivec3 voxel, vec4 shift) {
   const ivec3 size = ivec3(domainSize());
   const CellPlace x = cellAt(voxel.x, shift[0], size.x), y = cellAt(voxel.y, shift[1], size.y);
@@ -51,7 +53,7 @@ vec4 fieldAt(ivec3 voxel, vec4 shift) {
   return fieldIn(low, high, x.share, y.share, z.share);
 }
 
-// The step's numbers, read once.
+// The filter step's numbers, read once.
 float isovalue, band, unit, slack;
 vec4 edge, edge_square;
 
@@ -59,7 +61,7 @@ float distanceOf(ivec3 voxel, float density, uint word) {
   const bool inside = density > isovalue;
   const ivec3 size = ivec3(domainSize());
   float distance = band, point = band;
-  // A loop of one round, since lavapipe goes through a branch that no invocation takes, but not through such a loop.
+  // A loop of one round: lavapipe executes a branch that no invocation takes, but not such a loop.
   for (uint known = min(word & DISTANCE_POINT, 1u); known > 0; --known) {
     const vec4 foot = pointShift(word);
     Tangent tangent = tangentOf(fieldAt(voxel, foot), edge, isovalue, awayFrom(foot, edge), inside, true);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/filter_distance_seed.comp: for each voxel its side, and the nearest of the points at which the lines to its 26
-// neighbours cross the isosurface, if one does; no line leads out of the domain. An invocation is a row of eight voxels.
+// shaders/filter_distance_seed.comp: finds for each voxel its side and a first surface point. The lines to its 26
+// neighbours are tried; of the places where they cross the isosurface the nearest is taken, if there is one. No line
+// leads out of the domain. An invocation is a row of eight voxels.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "filter.layout.h"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/filter_distance_spread.comp: along one axis, the nearest of the surface points, and of the voxels across, that
-// the voxels within reach know; of equally near ones the first. One pass along each axis takes every voxel's point to all
-// in a box around it, and finds the nearest voxel across in that box. An invocation is a line of eight voxels along the
-// axis.
+// shaders/filter_distance_spread.comp: one pass along one axis. Each voxel takes the nearest surface point, and the
+// nearest voxel across, that the voxels within reach on its line know; of equally near ones the first. One pass along
+// each axis takes every voxel's point to all voxels in a box around it, and finds the nearest voxel across in that box.
+// An invocation is a line of eight voxels along the axis.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -19,7 +19,7 @@ layout(constant_id = FILTER_CONSTANT_OWN) const uint kAxis = 0;
 layout(constant_id = FILTER_CONSTANT_OWN + 1) const int kReach = 1;  // at most a brick's edge
 const int kEnd = int(BRICK_EDGE);
 
-// Voxel t of line `line` of a brick: floats from its first.
+// Voxel t of line `line` of a brick: its index in floats from the brick's first.
 uint inBrick(uint line, uint t) {
   const uint a = line % BRICK_EDGE, b = line / BRICK_EDGE;
   if (kAxis == 0) return line * BRICK_EDGE + t;

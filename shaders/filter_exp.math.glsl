@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/filter_exp.math.glsl: an exponential of + - * and bits alone, since a driver's own differs from device to
+// shaders/filter_exp.math.glsl: an exponential made of + - * and bits alone, since drivers' own differ from device to
 // device (by 3 ULP and more). Read by GLSL and by C++ (shaders/kernel_text.hpp).
 
-// 2^p for p <= 0, within 2 ULP; 0 below p = -125 and for NaN. p = n + r with a whole n and |r| <= 1/2, both exact; 2^r by
-// a polynomial through six Chebyshev nodes, off by 0.16 * 2^-24 of the value at most; 2^n by the exponent's bits.
+// 2^p for p <= 0, within 2 ULP; 0 below p = -125 and for NaN. p is split into a whole n and |r| <= 1/2, both exact. 2^r
+// is a polynomial through six Chebyshev nodes, off by 0.16 * 2^-24 of the value at most. 2^n goes into the exponent's
+// bits.
 PALPATE_TEXT float exp2Below(float p) {
   const float q = p >= -125.0f ? p : -125.0f;
   const float n = floor(q + 0.5f);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/filter_extreme.glsl: the highest or the lowest of two ranks, as the step asks. Include after filter.glsl.
+// shaders/filter_extreme.glsl: the highest or the lowest of two ranks, as the filter step asks. Include after
+// filter.glsl.
 #include "filter_rank.math.glsl"
 
 layout(constant_id = FILTER_CONSTANT_OWN) const uint kExtreme = EXTREME_HIGHEST;

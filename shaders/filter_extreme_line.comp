@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/filter_extreme_line.comp: highest or lowest density along one axis within reach. What stands within reach of
-// all eight results of an invocation is looked through once (the middle part of van Herk's and of Gil and Werman's
-// windows).
+// shaders/filter_extreme_line.comp: highest or lowest density along one axis within reach. The densities within reach
+// of all eight results of an invocation are looked through once (the middle part of the windows of van Herk and of Gil
+// and Werman).
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require

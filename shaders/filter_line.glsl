@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/filter_line.glsl: the frame of a filter along one axis. An invocation makes eight results along it: a row of
-// floats along i, a column of quads along j and k, so that each density that it loads serves up to eight results.
+// shaders/filter_line.glsl: the common part of filters along one axis. An invocation makes eight results along it: a
+// row of floats along i, a column of quads along j and k. So each density that it loads serves up to eight results.
 //
-// The kernel defines, and includes this after filter.glsl:
+// The kernel includes this after filter.glsl, and defines before:
 //   uint kAxis, int kReach                 its specialisation constants
 //   LINE_ONE, LINE_FOUR                    type of a result, and of four that lie in a quad
-//   LINE_OF(density)                       what it makes of a density, or a quad of them, that it has loaded
+//   LINE_OF(density)                       what it makes of a loaded density, or of a quad of them
 //   LINE_BEGIN(TYPE, found, all)           declares the eight results and what else it needs
-//   LINE_SHOW(found, all, at, value)       shows the value `at` places behind the line's first to all that it reaches
-//   LINE_END(found, all)                   the results are those that are found
-//   LINE_DENSITY(four)                     the densities of four
+//   LINE_SHOW(found, all, at, value)       gives the value `at` places behind the line's first to all that it reaches
+//   LINE_END(found, all)                   completes the results in `found`
+//   LINE_DENSITY(four)                     the densities of four results
 // They are macros, since an array that a function is handed is an array in memory.
 
 const int kRing = (kReach + 7) / 8;  // bricks on either side
 const uint kLines = kAxis == 0 ? 64 : 16;
-const uint kBricks = FILTER_GROUP / kLines;  // of a group
+const uint kBricks = FILTER_GROUP / kLines;  // in a work group
 const int kEnd = int(BRICK_EDGE);
 
 // Results behind the domain's last voxel repeat it.

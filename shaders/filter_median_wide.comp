@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/filter_median_wide.comp: median of the box that reaches two voxels along i, at most two along j and k. An
-// invocation makes a row of eight along i from twelve columns of 25 ranks across it, two columns and two results a
-// round.
-// Reading rows and making rounds stay loops: unrolled they run 1.3 times as fast, but lavapipe compiles for 10 s.
+// shaders/filter_median_wide.comp: median of the box that reaches two voxels along i, and at most two along j and k. An
+// invocation makes a row of eight results along i, from twelve columns of 25 ranks each, which lie across i. A round
+// takes two columns and makes two results.
+// Reading rows and making rounds stay loops. Unrolled they run 1.3 times as fast, but lavapipe compiles for 10 s.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "filter.layout.h"
@@ -20,7 +20,7 @@ const int kReachX = 2;
 const int kEnd = int(BRICK_EDGE);
 const int kRows = 25;
 
-// Stands for a voxel that the window does not hold: as many below every rank as above, so the middle stays.
+// They stand for voxels that the window does not hold, as many lowest as highest, so the median stays.
 const int kLowest = RANK_LOWEST, kHighest = RANK_HIGHEST;
 
 int column[kEnd + 2 * kReachX][kRows];  // from two voxels before the row to two behind it

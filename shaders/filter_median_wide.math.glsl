@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/filter_median_wide.math.glsl: the median of 125 ranks from five sorted columns of 25: as
-// filter_median.math.glsl, but what neighbouring medians share is four columns, merged by twos, and each two serve two
-// fours. Networks: Batcher's odd-even merge sort; where only some places are asked for, without the exchanges that
-// only the others need. Read by GLSL and by C++ (shaders/kernel_text.hpp).
+// shaders/filter_median_wide.math.glsl: the median of 125 ranks, from five sorted columns of 25. It works as
+// filter_median.math.glsl does, but neighbouring medians share four columns. These are merged in pairs, and each pair
+// serves two such fours. Networks: Batcher's odd-even merge sort. Where only some places of the result are asked for,
+// exchanges that only the other places need are left out. Read by GLSL and by C++ (shaders/kernel_text.hpp).
 
 #ifndef MEDIAN_RANK
-#define MEDIAN_RANK int  // tests compile the networks for a word of noughts and ones too
+#define MEDIAN_RANK int  // tests also compile the networks for words of zeros and ones
 #endif
 
 #define SORT_PAIR(a, b)                        \

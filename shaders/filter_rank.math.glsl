@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/filter_rank.math.glsl: densities as whole numbers in the same order, -0 before +0, so that picking one of
-// many needs no comparison of floats: lowest and highest are exact and do not depend on the order of picking. Read by
+// shaders/filter_rank.math.glsl: ranks: densities as whole numbers in the same order, -0 before +0. Comparing ranks
+// needs no comparison of floats, so lowest and highest are exact and do not depend on the order of picking. Read by
 // GLSL and by C++ (shaders/kernel_text.hpp).
 
 #define RANK_LOWEST int(0x80000000)
 #define RANK_HIGHEST 0x7fffffff
 
-// The bits of a float order as a signed number does but for negative ones, which run backwards. Its own inverse.
+// The bits of floats order as signed numbers, except that negative ones run backwards; this turns those. It is its own
+// inverse.
 PALPATE_TEXT int turnedBits(int bits) { return bits ^ ((bits >> 31) & 0x7fffffff); }
 
 PALPATE_TEXT int rankOf(float density) { return turnedBits(floatBitsToInt(density)); }
@@ -19,12 +20,13 @@ PALPATE_TEXT vec4 densityOf(ivec4 rank) {
   return vec4(densityOf(rank[0]), densityOf(rank[1]), densityOf(rank[2]), densityOf(rank[3]));
 }
 
-// The highest or the lowest of two, as `which` asks (EXTREME_...), and the rank that gives way to every other.
+// extremeOf(): the highest or the lowest of two, as `which` asks (EXTREME_...). noExtreme(): the rank that gives way to
+// every other.
 PALPATE_TEXT int extremeOf(uint which, int a, int b) { return which == EXTREME_HIGHEST ? max(a, b) : min(a, b); }
 PALPATE_TEXT ivec4 extremeOf(uint which, ivec4 a, ivec4 b) { return which == EXTREME_HIGHEST ? max(a, b) : min(a, b); }
 PALPATE_TEXT int noExtreme(uint which) { return which == EXTREME_HIGHEST ? RANK_LOWEST : RANK_HIGHEST; }
 
-// Where a value of a given place among many still may lie: never below lowest or above highest.
+// The range in which the sought rank (the n-th of many) still lies.
 struct RankRange {
   int lowest, highest;
 };
@@ -46,7 +48,7 @@ PALPATE_TEXT RankRange widened(RankRange range, int rank) {
 // The middle between two ranks, rounded down; their sum might not fit.
 PALPATE_TEXT int halfway(int low, int high) { return (low & high) + ((low ^ high) >> 1); }
 
-// The half that holds the value with `place - 1` at or below it, where `count` stand at or below the middle.
+// The half that holds the rank at `place` (1: the lowest), if `count` ranks are at or below the middle.
 PALPATE_TEXT RankRange halved(RankRange range, int count, int place) {
   const int middle = halfway(range.lowest, range.highest);
   RankRange half_range;

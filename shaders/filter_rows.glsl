@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/filter_rows.glsl: the rows of eight voxels around one row of a brick, and what stands before and behind them
-// along i. Include after filter.glsl.
+// shaders/filter_rows.glsl: the rows of eight voxels around one row of a brick, with the densities before and behind
+// them along i. Include after filter.glsl.
 
 // A row: the page of its brick, and its first quad in it.
 struct RowPlace {
   uint page, quad;
 };
 
-// The row (dj, dk) voxels away from row `row` of a brick. Rows outside the domain see what the nearest one inside sees.
+// The row (dj, dk) voxels away from row `row` of a brick. Rows outside the domain read what the nearest one inside
+// reads.
 RowPlace rowPlace(uvec3 brick, uint row, int dj, int dk) {
   int y = int(row % BRICK_EDGE) + dj, z = int(row / BRICK_EDGE) + dk;
   if (kEdge != 0) {
@@ -28,6 +29,6 @@ float besideRow(RowPlace place, uvec3 brick, int at) {
   return pageDensity(page, place.quad + uint((x & 7) >> 2), uint(x & 3));
 }
 
-// Whether the row's own quads hold what a filter that reaches so far along i reads there: behind the domain they repeat
-// the last voxel, which is what a mirror shows only next to it.
+// Whether a filter of this reach along i can read the row's own quads. Behind the domain they repeat the last voxel. A
+// mirrored border repeats it too, but only in the first voxel behind the domain.
 bool ownQuadsHold(int reach) { return kEdge == 0 || kBorder == BORDER_NEAREST || reach <= 1; }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/glsl.hpp: as much of GLSL as the *.math.glsl files use, for C++: their text is compiled by both (see
-// kernel_text.hpp). Vectors of four, element by element; every operation rounds as GLSL's does with `precise`.
-// Any thread.
+// shaders/glsl.hpp: the part of GLSL that the *.math.glsl files use, for C++, which compiles their text too
+// (kernel_text.hpp). Operations on vectors of four go element by element, and each rounds as GLSL's does with
+// `precise`. Any thread.
 #pragma once
 
 #include <array>

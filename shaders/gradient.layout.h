@@ -8,23 +8,23 @@
 #define GRADIENT_BINDING_SAMPLES (BINDING_OWN + 1)  // one sample slab, written
 #define GRADIENT_BINDING_BOUNDS (BINDING_OWN + 2)   // of all bricks, for tasks with IF_ACTIVE
 #define GRADIENT_BINDINGS (BINDING_OWN + 3)
-// gradient_smoothed.comp: the pool that the kernel reads is a smoothed one, and the samples' densities come from this.
+// gradient_smoothed.comp takes the gradient of a smoothed pool, and the samples' densities from this second pool.
 #define GRADIENT_BINDING_DENSITY_PAGES (BINDING_OWN + 3)
 #define GRADIENT_BINDING_DENSITY_SLABS (BINDING_OWN + 4)
 #define GRADIENT_SMOOTHED_BINDINGS (BINDING_OWN + 12)  // DENSITY_SLABS of them
 
-// Specialisation constants, after the pool's 0.
+// Specialisation constants. Constant 0 is the pool's.
 #define GRADIENT_CONSTANT_HALF 1     // 1: samples are stored as halves (sample_code.layout.h)
 #define GRADIENT_CONSTANT_STENCIL 2  // of gradient.comp: GRADIENT_CENTRAL or GRADIENT_CENTRAL4
-#define GRADIENT_CONSTANT_RUN 3      // of gradient.comp: rows along k that an invocation makes
+#define GRADIENT_CONSTANT_RUN 3      // of gradient.comp: rows along k that an invocation computes
 #define GRADIENT_CONSTANT_GROUP 4    // of gradient.comp: invocations of a brick, BRICK_ROWS / run
-#define GRADIENT_CONSTANT_DENSITY 5  // of gradient_smoothed.comp: slabs that the densities lie in, 1 to DENSITY_SLABS
+#define GRADIENT_CONSTANT_DENSITY 5  // of gradient_smoothed.comp: slabs of the densities, 1 to DENSITY_SLABS
 
 #define GRADIENT_CENTRAL 0u   // (f(1) - f(-1)) / 2h
 #define GRADIENT_CENTRAL4 1u  // (8 (f(1) - f(-1)) - (f(2) - f(-2))) / 12h
 #define GRADIENT_SOBEL 2u     // gradient_sobel.comp
 
-#define SOBEL_BRICKS 8u  // of a work group of gradient_sobel.comp: eight columns of rows each
+#define SOBEL_BRICKS 8u  // bricks in a work group of gradient_sobel.comp, eight columns of rows each
 
 PALPATE_LAYOUT_BEGIN
 

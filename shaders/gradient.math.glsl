@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // shaders/gradient.math.glsl: differences along one axis. A missing neighbour is given as the voxel at the border
-// itself. Sums and products, each rounded by itself. Read by GLSL and by C++ (shaders/kernel_text.hpp).
+// itself. Each sum and each product is rounded by itself. Read by GLSL and by C++ (shaders/kernel_text.hpp).
 
 // Whether a voxel has so many neighbours on either side along an axis; `last`: the domain's last coordinate.
 PALPATE_TEXT bool hasEitherSide(uint c, uint last, uint voxels) { return c >= voxels && c + voxels <= last; }
@@ -12,8 +12,8 @@ PALPATE_TEXT float axisGradient(float before, float after, bool two_sided, float
   return gradient;
 }
 
-// The fourth-order central difference, for voxels with two neighbours on either side. All of it over 32 until the last
-// product, which loses nothing but of denormals: no difference or sum overflows where the gradient does not.
+// The fourth-order central difference, for voxels with two neighbours on either side. Everything is divided by 32 until
+// the last product, so no difference or sum overflows where the gradient does not. That loses bits of denormals only.
 PALPATE_TEXT float axisGradient4(float before2, float before, float after, float after2, float inv_12h_per_m) {
   precise float near = 0.25f * after - 0.25f * before;
   precise float far = 0.03125f * after2 - 0.03125f * before2;
@@ -22,7 +22,8 @@ PALPATE_TEXT float axisGradient4(float before2, float before, float after, float
   return gradient;
 }
 
-// The one of these two that an operator (`fourth`: GRADIENT_CENTRAL4) takes at a voxel with so many neighbours.
+// The one of these two differences that an operator (`fourth`: GRADIENT_CENTRAL4) uses at a voxel with so many
+// neighbours.
 PALPATE_TEXT float stencilGradient(bool fourth, uint c, uint last, float before2, float before, float after,
                                    float after2, float inv_2h_per_m, float inv_h_per_m, float inv_12h_per_m) {
   const float second_order = axisGradient(before, after, hasEitherSide(c, last, 1u), inv_2h_per_m, inv_h_per_m);

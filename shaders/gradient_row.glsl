@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/gradient_row.glsl: the body of gradient.comp and gradient_smoothed.comp, which defines OWN_DENSITY.
+// shaders/gradient_row.glsl: the body of gradient.comp and of gradient_smoothed.comp; the latter defines OWN_DENSITY.
 #include "gradient_task.glsl"
 
 layout(constant_id = GRADIENT_CONSTANT_STENCIL) const uint kStencil = GRADIENT_CENTRAL;
@@ -36,8 +36,8 @@ void main() {
   const uvec3 last = domainSize() - 1;
   const uint reach = kFourth ? 2 : 1;
 
-  // Rows and columns past the domain's end repeat the last one. What is read instead of a row that the domain does not
-  // have is not used, but for one-sided differences, which take the row itself.
+  // Rows and columns past the domain's end repeat the last one. The repeated rows are used only for one-sided
+  // differences, which take the row itself.
   const uint y = min(first.y, last.y);
   const BrickPage page = pages[task.brick];
   Row behind[kRun + 2 * kFar];  // along k, from kFar before the first

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // shaders/gradient_sobel.comp: plane-ready samples by the Sobel operator of 3x3x3 voxels: along an axis the central
-// difference, across it weights 1, 2, 1, which the scale divides out. Beyond the border the outermost voxel repeats;
-// there the difference is one-sided.
+// difference, across it the weights 1, 2, 1, whose sum the scale divides out. Beyond the border the outermost voxel
+// repeats, and the difference is one-sided.
 //
-// An invocation goes through a brick along k with a row of eight voxels, so that the nine rows around a row cost three
-// new ones each time; a work group is SOBEL_BRICKS bricks.
+// An invocation goes through a brick along k with a row of eight voxels, so each new row needs only three new rows of
+// the nine around it. A work group is SOBEL_BRICKS bricks.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "gradient.layout.h"

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/gradient_sobel.math.glsl: the Sobel operator on rows of eight voxels: across the axis weights 1, 2, 1 on both
-// other axes, along it the difference. Densities are taken over 16, which the weights sum to: that loses nothing but of
-// denormals, and no sum overflows. Sums, each rounded by itself. Read by GLSL and by C++ (shaders/kernel_text.hpp).
+// shaders/gradient_sobel.math.glsl: the Sobel operator on rows of eight voxels: the difference along the axis, the
+// weights 1, 2, 1 along both other axes. The weights sum to 16, and densities are divided by 16 first, so that no sum
+// overflows; that loses bits of denormals only. Each sum is rounded by itself. Read by GLSL and by C++
+// (shaders/kernel_text.hpp).
 
 struct SobelRow {
   float left, right;  // the densities beside a row
   vec4 low, high;     // its eight
 };
 
-// Three rows one above the other along j: what of them a gradient needs.
+// What a gradient needs of three rows that are next to each other along j.
 struct SobelSlice {
   float left, right;               // smoothed along j: before the row,
   vec4 low, high;                  // its eight voxels, and behind it

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/isosurface.comp: draws the isosurface by marching a ray a pixel from brick to brick; a brick whose bounds cannot
-// hold the isovalue is crossed in one step. A ray that enters the domain inside the object hits its cut face.
+// shaders/isosurface.comp: draws the isosurface: one ray for each pixel marches from brick to brick. A brick whose
+// bounds cannot hold the isovalue is crossed in one step. A ray that enters the domain inside the object hits its cut
+// face.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "isosurface.layout.h"
@@ -83,7 +84,8 @@ void main() {
   const vec3 direction = normalize(vec3(push.corner_x, push.corner_y, push.corner_z) + (pixel.x + 0.5) * right +
                                    (pixel.y + 0.5) * down);
   const vec3 eye = vec3(push.eye_x, push.eye_y, push.eye_z);
-  // A direction of zero along an axis would divide 0 by 0 at a box face; this much does not move a pixel.
+  // A direction of zero along an axis would divide 0 by 0 at a box face. This small a direction moves nothing by a
+  // pixel.
   const vec3 per_metre = direction / spacing + vec3(equal(direction, vec3(0))) * 1e-6;
 
   const Hit hit = march(eye, per_metre);

@@ -8,7 +8,7 @@
 #define ISOSURFACE_BINDING_PIXELS (BINDING_OWN + 1)
 #define ISOSURFACE_BINDINGS (BINDING_OWN + 2)
 #define ISOSURFACE_GROUP 8       // pixels along a side of a work group
-#define ISOSURFACE_BISECTIONS 6  // after a step of half a voxel: 1/128 voxel
+#define ISOSURFACE_BISECTIONS 6  // bring a step of half a voxel to 1/128 voxel
 
 PALPATE_LAYOUT_BEGIN
 
@@ -23,7 +23,7 @@ struct IsosurfacePush {
   float corner_x, corner_y, corner_z;     // [m]
   float right_x, right_y, right_z;        // one pixel to the right [m]
   float down_x, down_y, down_z;           // one pixel down [m]
-  uint first_row;                         // of the band that is drawn [pixel]
+  uint first_row;                         // first row of the band of rows that is drawn [pixel]
 };
 
 struct IsosurfacePixel {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/kernel_text.hpp: the arithmetic of the kernels, compiled for the CPU from the very text that GLSL compiles:
-// what a fast host version is to be built from, and a second witness of what the text means. The reference twins
+// shaders/kernel_text.hpp: the kernels' arithmetic, compiled for the CPU from the same text that GLSL compiles.
+//
+// It is there for a fast host version, and as a second witness of what the text means: the reference twins
 // (engine/reference) are written apart from it. Compile with -ffp-contract=off, as the whole program is.
 #pragma once
 

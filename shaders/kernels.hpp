@@ -8,7 +8,8 @@
 
 namespace palpate {
 
-// SPIR-V of the kernel `name` ("gradient" for gradient.comp). Throws Error if there is none: a fault of ours.
+// SPIR-V of the kernel `name` ("gradient" for gradient.comp). Throws Error if there is none, which is a fault of the
+// program.
 [[nodiscard]] std::span<const std::uint32_t> kernelSpirv(std::string_view name);
 
 }  // namespace palpate

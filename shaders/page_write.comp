@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/page_write.comp: puts pages into a page table, an invocation each.
+// shaders/page_write.comp: writes entries of a page table, one per invocation.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "page_write.layout.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/sample_code.glsl: samples to two words and back. Include with SAMPLE_CODE defined to the push constant's
-// member.
+// shaders/sample_code.glsl: packs samples into two words and back. Include with SAMPLE_CODE defined as the push
+// constant's member.
 #include "sample_code.math.glsl"
 
 uvec2 packedSample(vec4 value) {

@@ -1,18 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/sample_code.layout.h: how samples (gradient, density) are stored: as four floats, a uvec4 a voxel, or as four
-// halves, a uvec4 for two voxels. A half keeps 11 bits, from 2^-14 to 65504; so the density is stored as its distance
-// from the isovalue, and both are scaled by powers of two, which costs no bits (engine/gradient/sample_format.hpp).
+// shaders/sample_code.layout.h: how samples (gradient, density) are stored: as four floats, a uvec4 per voxel, or as
+// four halves, a uvec4 for two voxels.
+//
+// A half keeps 11 bits, from 2^-14 to 65504. So the density is stored as its difference from the isovalue, and gradient
+// and density are scaled by powers of two, which costs no bits (engine/gradient/sample_format.hpp).
 #ifndef PALPATE_SAMPLE_CODE_LAYOUT_H
 #define PALPATE_SAMPLE_CODE_LAYOUT_H
 #include "brick_pool.layout.h"
 
 PALPATE_LAYOUT_BEGIN
 
-// Of samples stored as halves; unused for floats.
+// How halves are scaled; unused for floats.
 struct SampleCode {
   float zero;            // the density that is stored as 0 [density]
   float density_scale;   // stored density = (density - zero) * this; kernels that read get its inverse
-  float gradient_scale;  // stored gradient = gradient * this; likewise
+  float gradient_scale;  // stored gradient = gradient * this; readers likewise
 };
 
 PALPATE_LAYOUT_CHECK(SampleCode, 12)

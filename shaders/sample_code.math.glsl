@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/sample_code.math.glsl: halves and back, in integers: Vulkan leaves the rounding of packHalf2x16 to the device.
-// Read by GLSL and by C++ (shaders/kernel_text.hpp).
+// shaders/sample_code.math.glsl: converts floats to halves and back, in integers, since Vulkan leaves the rounding of
+// packHalf2x16 to the device. Read by GLSL and by C++ (shaders/kernel_text.hpp).
 
 // The half nearest to a float, of two the even one; beyond 65504 it stays 65504. Not for NaN.
 PALPATE_TEXT uint halfOf(float value) {

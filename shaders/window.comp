@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/window.comp: gathers the samples around the tool from bricks into one small dense box that the servo reads. A
-// work group is a brick, an invocation a row of eight voxels. Bricks without gradients give density and a zero gradient.
+// shaders/window.comp: gathers the samples around the tool from bricks into one small dense box, which the servo reads.
+// A work group is a brick, an invocation a row of eight voxels. Bricks without gradients give density and a zero
+// gradient.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "window.layout.h"

@@ -1,25 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 // servo/algorithms/avila.hpp: stiffness and motion-retarding force from the density field alone, without a VHIP.
 //
-// Source: Avila and Sobierajski, "A haptic interaction method for volume visualization" (Visualization 1996): the force
-// is a stiffness force along the normal and a retarding force against the motion, both read from the density at the
-// HIP, since "for small penetration distances, the density field itself can give a reasonable approximation of the
-// distance to an isosurface" (as the paper puts it in section 2.2). They leave the transfer functions to the user. Here
-//   depth = (rho - tau) / |grad|, F = K depth N - B v above tau, nothing at or below it:
-// the linear estimate of the distance, so that K and B mean what they mean for every other algorithm. The retarding
+// Source: Avila and Sobierajski, "A haptic interaction method for volume visualization" (Visualization 1996). Their
+// force is a stiffness force along the normal and a retarding force against the motion, both read from the density at
+// the HIP: "for small penetration distances, the density field itself can give a reasonable approximation of the
+// distance to an isosurface" (the paper, section 2.2). They leave the transfer functions to the user. Here
+//   depth = (rho - tau) / |grad|, F = K depth N - B v above tau, nothing at or below it.
+// This is the linear estimate of the distance, so K and B mean what they mean for every other algorithm. The retarding
 // force opposes motion in every direction, also on the way out, so it may pull.
-// Cap: depth counts up to kDeepest. A scanner spreads a boundary over some three voxels; beyond them the density is
+// Cap: depth counts up to kDeepest. A scanner spreads a boundary over some three voxels. Beyond them the density is
 // flat, and the quotient of two small numbers says nothing.
-// Weaknesses, which are the method's: the shell is penetrable (inside, where the field is flat, there is no force;
-// kZeroGradient); behind the middle of a thin wall the force pushes on through it; the depth is as good as the density
-// is linear; a start inside is pushed at once.
-// - What an edit adds to the depth, at the place where the tool was when it came, is taken in over time
-// (edit_ease.hpp);
-//   what it takes away is felt at once. So a tool that an edit buries where the density slopes is pushed out gently,
-//   and one in flat density is not pushed (kZeroGradient).
-// Output: VHIP = HIP + depth N, where the surface would be, so that its distance to the true one measures the estimate.
-// Frame W: world. Thread: the servo's. Cost: one fetch, one more with an
-// edit. Errors: faults.
+// The method's weaknesses:
+// - The shell is penetrable: inside, where the field is flat, there is no force (kZeroGradient).
+// - Behind the middle of a thin wall the force pushes on through it.
+// - The depth is only as good as the density is linear.
+// - A tool that starts inside is pushed at once.
+// Edits: what an edit adds to the depth, at the place where the tool was when the edit came, is taken in over time
+// (edit_ease.hpp). What it takes away is felt at once. So a tool that an edit buries where the density slopes is pushed
+// out gently, and one in flat density is not pushed (kZeroGradient).
+// Output: VHIP = HIP + depth N, the estimated surface point, so its distance to the true surface measures the estimate.
+// Frame W: world. Thread: the servo's. Cost: one fetch, one more with an edit. Errors: faults.
 #pragma once
 
 #include <optional>
@@ -44,7 +44,7 @@ class Avila final : public Algorithm {
 
  private:
   struct Push {
-    Vec3 way_W = Vec3::Zero();     // depth N: out of the object [m]
+    Vec3 way_W = Vec3::Zero();     // depth N, out of the object [m]
     Vec3 normal_W = Vec3::Zero();  // zero: no push
     std::uint32_t faults = 0;
   };
@@ -56,7 +56,7 @@ class Avila final : public Algorithm {
   EditEase ease_;  // of the depth [m]
   std::optional<std::uint64_t> edit_version_;
   Vec3 last_hip_W_ = Vec3::Zero();
-  Vec3 last_way_W_ = Vec3::Zero();  // shown there in the last tick [m]
+  Vec3 last_way_W_ = Vec3::Zero();  // depth N as shown in the last tick [m]
   FieldCache field_;
 };
 

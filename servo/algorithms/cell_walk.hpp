@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // servo/algorithms/cell_walk.hpp: where a straight way passes from cell to cell of a lattice.
 //
-// Along a line through one cell a trilinear field is a cubic, so a search that stops at every such place can be exact
-// between them. Frame L: the lattice [voxel]; places are shares t of the way, 0 to 1. Thread: any. Cost: a few
-// comparisons a step. Errors: none; beyond the lattice there are no cells, only the places where the way enters and
-// leaves it.
+// Along a line through one cell a trilinear field is a cubic. So a search that stops at every such place can be exact
+// between them. Frame L: the lattice [voxel]; places are shares t of the way, 0 to 1. Beyond the lattice there are no
+// cells, only the places where the way enters and leaves it. Thread: any. Cost: a few comparisons a step. Errors: none.
 #pragma once
 
 #include "base/vec.hpp"
@@ -16,7 +15,7 @@ class CellWalk {
   // `last_L`: the lattice's last sample along each axis.
   CellWalk(const Vec3& from_L, const Vec3& to_L, const Vec3& last_L) noexcept;
 
-  // The next place, later than the one before; 1 at the end of the way.
+  // The next place, beyond the one before; 1 at the end of the way.
   [[nodiscard]] double next() noexcept;
 
  private:
@@ -25,7 +24,7 @@ class CellWalk {
   Vec3 from_L_;
   Vec3 way_L_;
   Vec3 plane_L_ = Vec3::Zero();  // the next plane between cells along each axis
-  double enters_ = 0;            // the lattice
+  double enters_ = 0;            // where the way enters and leaves the lattice
   double leaves_ = 1;
   double t_ = -1;
 };

@@ -2,13 +2,13 @@
 // servo/algorithms/edit_ease.hpp: what an edit adds to a contact is not shown at once, but taken in evenly over
 // kTime_s.
 //
-// A quantity that pushes (the depth behind a plane [m], a force [N]) is shown less an amount. With an edit the amount
-// takes up what the edit added, so that what is shown goes on as it was: from nothing for a free tool. It drains in
-// equal steps, in kTime_s at the latest after the last addition: a later one never slows what drains already. The
-// amount never exceeds the whole, so nothing pulls, and a tool that comes out by itself needs no more easing. What an
-// edit takes away is not eased. What is shown so rises by E / ticks() a tick at most through edits, E the largest
-// amount that there was. Thread: the servo's; no heap, lock, system call or throw. Cost: a few additions, in ticks with
-// an amount only.
+// The quantity that pushes (the depth behind a plane [m], a force [N]) is the whole. What is shown is the whole less an
+// amount. An edit's addition goes into the amount, so what is shown goes on as it was; for a free tool it begins at
+// nothing. The amount drains in equal steps, within kTime_s after the last addition; a later addition never slows the
+// draining. The amount never exceeds the whole, so nothing pulls, and a tool that comes out by itself needs no more
+// easing. What an edit takes away is not eased. So through edits the shown quantity rises by at most E / ticks() a
+// tick, E being the largest amount that there was.
+// Thread: the servo's; no heap, lock, system call or throw. Cost: a few additions, only in ticks with an amount.
 #pragma once
 
 #include <algorithm>
@@ -22,15 +22,15 @@ class EditEase {
 
   explicit EditEase(double rate_hz) noexcept : ticks_(std::max(1.0, std::round(kTime_s * rate_hz))) {}
 
-  // An edit has made `shown` into `whole`, for one and the same place of the tool; up to `negligible` more is no
-  // edit's.
+  // An edit has changed `shown` into `whole`, with the tool at the same place. An addition of up to `negligible` does
+  // not count as the edit's.
   void take(double shown, double whole, double negligible = 0) noexcept {
     const double added = whole - shown - amount_;
     if (added > 0 && added <= negligible) return;
     amount_ = std::max(0.0, amount_ + added);
     step_ = amount_ > 0 ? std::max(step_, amount_ / ticks_) : 0;
   }
-  // Once a tick, after take(): the whole of this tick; 0 without contact ends the easing.
+  // Once a tick, after take(). `whole`: that of this tick; 0 (no contact) ends the easing.
   void elapse(double whole) noexcept {
     amount_ = std::max(0.0, std::min(amount_ - step_, whole));
     if (amount_ == 0) step_ = 0;
@@ -38,8 +38,8 @@ class EditEase {
   void end() noexcept { amount_ = step_ = 0; }
 
   [[nodiscard]] bool active() const noexcept { return amount_ > 0; }
-  [[nodiscard]] double amount() const noexcept { return amount_; }  // of the whole, that is not shown yet
-  [[nodiscard]] double ticks() const noexcept { return ticks_; }    // in which it drains
+  [[nodiscard]] double amount() const noexcept { return amount_; }  // part of the whole that is not shown yet
+  [[nodiscard]] double ticks() const noexcept { return ticks_; }    // ticks in which an amount drains
 
  private:
   double ticks_;

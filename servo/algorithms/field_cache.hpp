@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// servo/algorithms/field_cache.hpp: the isofield of the newest window, made again only when the window is another one.
+// servo/algorithms/field_cache.hpp: the IsoField of the newest window, made again only when the window is another one.
 //
 // Thread: the servo's. Cost: two comparisons; for a new window some 20 ns. Errors: none. The window must be usable.
 #pragma once

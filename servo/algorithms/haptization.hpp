@@ -1,22 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-// servo/algorithms/haptization.hpp: every density is felt: a force out of the dense and a viscosity, by a transfer
+// servo/algorithms/haptization.hpp: every density is felt: a force down the gradient and a viscosity, by a transfer
 // function.
 //
 // Source: Iwata and Noma, "Volume haptization" (1993); the paper, section 2.1. With rho and g the density and its
 // gradient at the HIP,
 //   F = -f(rho) w(|g|) g / |g|  -  b(rho) v
-// with f, b and w from the tables of a TransferFunction. The force points down the gradient, out of the dense, wherever
-// there is one; the viscosity acts on motion in every direction, in flat regions too, so that tissues without a
-// boundary between them still differ. K, B and n of the scene mean nothing here.
-// There is no surface: no VHIP (it is the HIP), no contact effects. in_contact: the force part, without viscosity, is
-// not zero; the normal then is -g / |g|. Where the gradient is zero or not finite there is no direction and so no
-// force part, and no fault: flat regions are ordinary here.
-// What an edit adds to force and viscosity, at the place where the tool was when it came, is taken in over time
-// (edit_ease.hpp); what it takes away is felt at once.
-// Weaknesses, which are the method's: no wall is stiffer than the table's force over the width of the boundary, and a
-// hand that pushes harder passes through; the force at a density does not know on which side of a wall the tool is.
-// Frame W: world. Thread: the servo's. Cost: one fetch, one more with an
-// edit. Errors: faults.
+// with f, b and w from the tables of a TransferFunction. The force points down the gradient, from dense to thin,
+// wherever there is a gradient. The viscosity acts on motion in every direction, in flat regions too, so that tissues
+// without a boundary between them still differ. K, B and n of the scene mean nothing here.
+// There is no surface: the VHIP is the HIP, and there are no contact effects. in_contact means that the force without
+// viscosity is not zero; the normal then is -g / |g|. If the gradient is zero or not finite there is no such force, and
+// no fault: flat regions are ordinary here.
+// What an edit adds to force and viscosity, at the place where the tool was when the edit came, is taken in over time
+// (edit_ease.hpp). What it takes away is felt at once.
+// The method's weaknesses: no wall is stiffer than the table's force over the width of the boundary, and a hand that
+// pushes harder passes through. The force at a density does not know on which side of a wall the tool is.
+// Frame W: world. Thread: the servo's. Cost: one fetch, one more with an edit. Errors: faults.
 #pragma once
 
 #include <optional>
@@ -54,7 +53,7 @@ class Haptization final : public Algorithm {
   EditEase ease_viscosity_;  // [N s/m]
   std::optional<std::uint64_t> edit_version_;
   Vec3 last_hip_W_ = Vec3::Zero();
-  Felt last_;  // shown there in the last tick
+  Felt last_;  // as shown in the last tick
   FieldCache field_;
 };
 

@@ -1,29 +1,36 @@
 // SPDX-License-Identifier: Apache-2.0
 // servo/algorithms/hri.hpp: HRI with the paper's gaps mended; the default algorithm.
 //
-// As in the paper, a virtual plane stands for the surface, F = K d - B v_d, and the plane is renewed now and then.
-// Mended:
-// - n = 1 means every tick; a plane is also renewed as soon as an edit changes the window, the HIP comes out of it, or
-//   the HIP has gone so far aside that the plane may be wrong by more than kMostTurned or kMostOff (below).
-// - The plane is at the surface point nearest to the HIP (surface_tracker.hpp), not on the line from VHIP to HIP, and,
-//   for n > 1, nearest to where the HIP will be a third of the way through the plane's life.
-// - Contact ends when the HIP is in front of the sheet that it touched, not when the density at the HIP says so; so a
-//   press through a thin wall does not lose it. Free motion is searched along its whole way: no stroke jumps a wall.
-// - A surface that cannot be found again with the HIP in the object: kSurfaceLost, which fades, until the HIP has been
-//   outside. One that could not be followed as far as the HIP went: kPlaneBehind, which fades too, until it has been
-//   followed, a search a tick.
-// - VHIP and HIP both inside (the surface moved): search outward along N, then follow the surface as always.
-// - Inside at the start: no force until the HIP has been outside once (kInsideObject).
-// - A tool that an edit buried is pushed towards the nearest way out (IsoField::nearestExit), gently, as all that an
-//   edit adds (vhip_algorithm.hpp); without a way out in reach there is no force until it has been outside
+// As in the paper, a virtual plane stands for the surface, F = K d - B v_d, and the plane is renewed every n ticks.
+// What is mended:
+// - n = 1 means every tick. A plane is also renewed as soon as an edit changes the window, the HIP comes in front of
+//   the plane, or the HIP has gone so far aside that the plane may be wrong by more than kMostTurned or kMostOff
+//   (below).
+// - The plane is at the surface point nearest to the HIP (surface_tracker.hpp), not on the line from VHIP to HIP. For n
+//   > 1 it is nearest to where the HIP will be a third of the way through the plane's life.
+// - Contact ends when the HIP is in front of the sheet that it touched, not when the density at the HIP says so. So a
+//   press through a thin wall does not lose the wall. Free motion is searched along its whole way, so no stroke jumps a
+//   wall.
+// - If the surface cannot be found again with the HIP in the object, kSurfaceLost fades the force until the HIP has
+//   been outside. If it could not be followed as far as the HIP went, kPlaneBehind fades the force until it has been
+//   followed, with one search a tick.
+// - If VHIP and HIP are both inside (the surface moved), the search goes outward along N, then follows the surface as
+//   always.
+// - A tool that starts inside feels no force until the HIP has been outside once (kInsideObject).
+// - A tool that an edit buried is pushed towards the nearest way out (IsoField::nearestExit), gently, like everything
+//   that an edit adds (vhip_algorithm.hpp). Without a way out in reach there is no force until it has been outside
 //   (kInsideObject).
-// - Surface under the HIP, or in free motion the HIP, beyond the window: no force (kBeyondWindow). What was touched is
-//   remembered; short gaps in free motion are searched along the straight line, once the window has caught up.
-// - Flat field at the surface (kZeroGradient): the plane keeps its normal, a new one faces the way the HIP came.
+// - An edit that leaves nothing between plane and HIP, and the HIP in the air, ends the contact
+//   (IsoField::inAirBehind).
+// - If the window does not reach the surface under the HIP, or in free motion the HIP, there is no force
+//   (kBeyondWindow). The contact is remembered. Short gaps in free motion are searched along the straight line once the
+//   window has caught up.
+// - Where the field at the surface is flat (kZeroGradient) the plane keeps its normal; a new plane faces the way the
+//   HIP came.
 // - Where the volume ends in the object, its face is the surface. The force never pulls: K d - B v_d is clamped at 0.
-// Frame W: world. Thread: the servo's. Cost: in contact without renewal no transform and no fetch; with renewal mostly
-// one to three fetches, deeper than 1.5 voxels seven more, at most what two SurfaceTracker::follow() take; in free
-// motion one fetch and what IsoField::firstEntry says. Searches have stated maxima. Errors: faults.
+// Frame W: world. Thread: the servo's. Cost: in contact without renewal no transform and no fetch. A renewal mostly
+// takes one to three fetches, deeper than 1.5 voxels seven more, at most what two SurfaceTracker::follow() take. Free
+// motion takes one fetch and what IsoField::firstEntry says. Searches have stated maxima. Errors: faults.
 #pragma once
 
 #include "servo/algorithms/algorithm.hpp"
@@ -36,23 +43,23 @@ namespace palpate {
 class HriSurface {
  public:
   static constexpr bool kMayPull = false;
-  static constexpr double kLongestGap = 16;  // free motion beyond the window that is searched afterwards [voxel]
+  static constexpr double kLongestGap = 16;  // longest gap of free motion beyond the window that is searched [voxel]
   static constexpr double kOutwardSearch = IsoField::kLongestWayOut;  // from a buried HIP along N [voxel]
-  static constexpr double kAim = 1.0 / 3;        // of a plane's life, that it is found ahead of the HIP [-]
-  static constexpr double kLongestAim = 1;       // ahead of the HIP: jumps of the tool are no motion to go by [voxel]
-  static constexpr double kAimInReach = 0.5;     // at most, of the way for which a plane holds [-]
-  static constexpr double kAimTolerance = 0.05;  // the nearest point to where the HIP may be: as surface_tracker.hpp's
-  // How wrong a plane may be before its n ticks are over. On a surface of radius R the normal at the HIP turns by
-  // w / (R - D) over a way w aside, D deep, and the depth is off by half of that times w. The rate of turning is
-  // measured from one renewal to the next, within the bounds below.
+  static constexpr double kAim = 1.0 / 3;     // how far ahead of the HIP a plane is found, as a share of its life [-]
+  static constexpr double kLongestAim = 1;    // the same at most; a jump of the tool predicts nothing [voxel]
+  static constexpr double kAimInReach = 0.5;  // the same at most, as a share of the way for which a plane holds [-]
+  static constexpr double kAimTolerance = 0.05;  // SurfaceTracker::Limits::line_tolerance for a predicted HIP [voxel]
+  // How wrong a plane may be before its n ticks are over. On a surface of radius R, at depth D, a way w aside turns the
+  // normal at the HIP by w / (R - D), and puts the depth off by half of that times w. The rate of turning is measured
+  // from one renewal to the next, within the bounds below.
   static constexpr double kMostTurned = 0.105;    // [rad]: 6 degrees
   static constexpr double kMostOff = 0.05;        // of the depth [-]
-  static constexpr double kLeastOff = 0.02;       // depths are off by less in any case, by sampling [voxel]
+  static constexpr double kLeastOff = 0.02;       // allowed in any case: sampling puts depths off by as much [voxel]
   static constexpr double kFirstTurn = 1.0 / 8;   // rate before it is known [rad/voxel]
   static constexpr double kLeastTurn = 1.0 / 64;  // a flat face may end anywhere [rad/voxel]
   static constexpr double kMostTurn = 1.0 / 3;    // noise turns normals faster [rad/voxel]
-  // How far the surface point may slide in a renewal with the HIP at rest; besides, so many times the HIP's own way. A
-  // convex surface needs four times where the press is three quarters of its radius deep.
+  // How far the surface point may slide in a renewal: kSlide, and kSlideByWay times the HIP's own way. A convex surface
+  // needs four times that way where the press is three quarters of its radius deep.
   static constexpr double kSlide = 0.1;     // [voxel]
   static constexpr double kSlideByWay = 4;  // [-]
 
@@ -60,7 +67,7 @@ class HriSurface {
       : renewal_ticks_(parameters.plane_renewal_ticks), cache_(parameters.isovalue) {}
   void reset(const Vec3& hip_W) noexcept;
   bool find(const SampleWindow& window, const Vec3& hip_W, std::uint32_t& faults) noexcept;
-  // Where the window has to be for the contact to go on.
+  // The point that the window has to hold for the contact to go on.
   [[nodiscard]] std::optional<Vec3> remembered(const Vec3& hip_W) const noexcept {
     return in_contact_ ? std::optional<Vec3>(plane().nearest(hip_W)) : std::nullopt;
   }
@@ -85,10 +92,10 @@ class HriSurface {
   SurfacePoint surface_;  // the plane: its point and normal
   std::int32_t age_ticks_ = 0;
   Vec3 renewed_at_W_ = Vec3::Zero();  // the HIP when the plane was found
-  Vec3 found_for_W_ = Vec3::Zero();   // where the plane is nearest to, ahead of that
+  Vec3 found_for_W_ = Vec3::Zero();   // the place, there or ahead of it, that the plane was found for
   double per_turn_squared_ = 0;       // way aside over which the normal turns by 1 rad, squared [voxel^2]
-  double reach_squared_m2_ = 0;       // of the way aside from there, within which the plane holds
-  TrackMemory memory_;                // of this contact's surface
+  double reach_squared_m2_ = 0;       // of the way aside from found_for_W_ within which the plane holds
+  TrackMemory memory_;                // what searches learnt of this contact's surface
   Vec3 vhip_W_ = Vec3::Zero();
   bool in_contact_ = false;  // there is a plane, with the HIP behind it when it was found
   bool behind_ = false;      // the HIP went farther than the plane was followed
@@ -100,7 +107,7 @@ class HriSurface {
   bool armed_ = false;  // free_ was outside, so the way from it to the HIP can be searched for an entry
   Probe free_;          // last HIP known to be outside
   FieldCache cache_;
-  const IsoField* field_ = nullptr;  // the cache's, of the window in hand
+  const IsoField* field_ = nullptr;  // the cache's field of the present window
 };
 
 using Hri = VhipAlgorithm<HriSurface>;

@@ -1,26 +1,32 @@
 // SPDX-License-Identifier: Apache-2.0
 // servo/algorithms/hri_paper.hpp: HRI as the paper's Figure 2 prints it, so that its results can be repeated.
 //
-// To the letter, with what that brings: the counter renews a plane every n + 1 ticks (it goes 0, 1 ... n and renews in
-// the tick after it has reached n) and is not reset when contact makes a plane; F = K d - B v_d may pull; an edit is
-// felt when the counter is up, and then whole at once. Density and normal come from the window's samples, whose
-// gradients are the engine's central differences (the paper takes them at p).
+// It follows the paper to the letter, with these consequences. The counter renews a plane every n + 1 ticks (it goes 0,
+// 1 ... n and renews in the tick after it has reached n), and is not reset when contact makes a plane. F = K d - B v_d
+// may pull. An edit is felt when the counter is up, and then whole at once. Density and normal come from the window's
+// samples, whose gradients are the engine's central differences (the paper takes them at p).
 //
-// Of p the paper says two things, and each is a mode:
-//   HriPaper      p = LinearInterpolation(VHIP, HIP, tau), as Figure 2 calls it: from the densities at the two ends.
-//     Where the line leaves the density's ramp (half-width w) the interpolation does not meet the surface; a VHIP that
-//     is e too deep, under a HIP at depth D > w, is put e (1 - (D - e) / (w - e)) too deep, so an error grows from
-//     renewal to renewal beyond D = 2 w (docs/hri-mends.md). Where both ends are inside, it extrapolates.
-//   HriPaperLine  "the position where v = tau" (section 3.1): where the density IS tau on the line. From a VHIP outside
-//     the first crossing on the way to the HIP, from one inside the first on the line's continuation away from the HIP,
-//     up to IsoField::kLongestWayOut; none there: no plane, kSurfaceLost.
-// Where Figure 2 says nothing: a HIP beyond the window gets no force and a fault, but the line, which needs no density
-// at the HIP, takes one behind its plane to be inside; a plane that cannot be computed (equal densities, zero gradient,
-// p beyond the window) is no plane, with kZeroGradient; a VHIP beyond the volume has density -infinity, and the
-// interpolation takes its limit, p = HIP (the line's crossing is the volume's face). Source: the paper, Figure 2,
-// equations 1 to 3. The VHIP of the line is the one on the plane, not what contact effects make of it. Sign of d as in
-// algorithm.hpp. Thread: the servo's. Cost: one fetch in free space and without renewal none; two or three with, and on
-// the line what IsoField::firstEntry and firstExit take. Errors: faults only.
+// The paper says two things of p, and each is a mode:
+// - HriPaper: p = LinearInterpolation(VHIP, HIP, tau), as Figure 2 calls it, from the densities at the two ends. Where
+//   the line leaves the density's ramp (half-width w) the interpolation does not meet the surface. A VHIP that is e too
+//   deep, under a HIP at depth D > w, is put e (1 - (D - e) / (w - e)) too deep. So beyond D = 2 w an error grows from
+//   renewal to renewal (docs/hri-mends.md). If both ends are inside, the mode extrapolates.
+// - HriPaperLine: "the position where v = tau" (section 3.1), the place on the line where the density is tau. From a
+//   VHIP outside it is the first crossing on the way to the HIP. From a VHIP inside it is the first crossing on the
+//   line's continuation away from the HIP, up to IsoField::kLongestWayOut. If there is none there is no plane, with
+//   kSurfaceLost.
+//
+// Where Figure 2 says nothing:
+// - A HIP beyond the window gets no force and a fault. HriPaperLine needs no density at the HIP, so it takes a HIP
+//   behind its plane to be inside.
+// - A plane that cannot be computed (equal densities, zero gradient, p beyond the window) is no plane, with
+//   kZeroGradient.
+// - A VHIP beyond the volume has density -infinity, and the interpolation takes its limit, p = HIP. (In HriPaperLine
+//   the crossing is the volume's face.)
+// - The VHIP of the line is the one on the plane, not the one that contact effects make of it.
+// Source: the paper, Figure 2, equations 1 to 3. Sign of d as in algorithm.hpp. Thread: the servo's. Cost: one fetch in
+// free space, none in contact without renewal, two or three with renewal; HriPaperLine also takes what
+// IsoField::firstEntry and firstExit take. Errors: faults only.
 #pragma once
 
 #include <optional>

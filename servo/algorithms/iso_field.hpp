@@ -2,8 +2,8 @@
 // servo/algorithms/iso_field.hpp: a window with an isovalue: is a point in the object, and where does a line enter it?
 //
 // Density above tau is object, at or below it background (the paper, section 3.1); beyond the volume is background.
-// Frame W: world [m]. Thread: the servo's. Cost: stated at each search, in fetches; every search has a stated maximum.
-// Errors: none; what is beyond the window is kUnknown and never taken for either side.
+// What is beyond the window is kUnknown and never taken for either side. Frame W: world [m]. Thread: the servo's. Cost:
+// stated at each search, in fetches; every search has a stated maximum. Errors: none.
 #pragma once
 
 #include <optional>
@@ -20,14 +20,14 @@ struct Probe {
   Side side = Side::kUnknown;
 };
 
-// A face of the volume, or none: where the object is cut by the end of the volume, the face is its surface.
+// A face of the volume, or none. Where the volume ends inside the object, that face is the object's surface.
 struct CutFace {
   int axis = -1;  // of the lattice; -1: none
   bool high = false;
   [[nodiscard]] bool any() const noexcept { return axis >= 0; }
 };
 
-// Where a line comes in from outside.
+// Where a line enters the object from outside.
 struct Entry {
   Vec3 p_W = Vec3::Zero();          // on the surface [m]
   Vec3 direction_W = Vec3::Zero();  // unit, from outside to inside along the line [-]
@@ -36,13 +36,14 @@ struct Entry {
 
 class IsoField {
  public:
-  // A way out is searched in steps of at most half the smallest voxel; a longer line than this many in longer steps.
+  // A way out is searched in steps of at most half the smallest voxel side. A line that needs more steps than this gets
+  // longer ones.
   static constexpr int kMaxSearchSteps = 256;
   // Regula falsi steps that bring an entry from half a voxel to about 1e-4 of one.
   static constexpr int kMaxRefineSteps = 6;
-  // From a buried point to where it may come out [voxel].
+  // How far from a buried point a way out may end [voxel].
   static constexpr double kLongestWayOut = 32;
-  // In front of a surface point, which may be in the object by a rounding, where a search from it begins [voxel].
+  // A search from a surface point begins this far in front of it, since rounding may have put it in the object [voxel].
   static constexpr double kStandOff = 0.25;
 
   IsoField() = default;
@@ -59,27 +60,27 @@ class IsoField {
     return {p_W, f.density, f.place == Place::kBeyondWindow ? Side::kUnknown : known};
   }
 
-  // The first place between `from` and `to` where the line goes from outside in; both ends may be outside. Exact: cell
-  // by cell, in each of which the density along the line is a cubic; so no wall is jumped, however thin and however
-  // slow. Of a way that begins inside, a gap of less than a third of its part in a cell may be passed over. Fetches:
-  // none for a way within one cell without object; otherwise three a cell that the line passes (at most three cells a
-  // voxel of way), kMaxRefineSteps + 1 at the entry.
+  // The first place between `from` and `to` where the line goes from outside in; both ends may be outside. The search
+  // is exact: it goes cell by cell, and in each the density along the line is a cubic. So no wall is jumped, however
+  // thin it is and however slow the way. On a way that begins inside, an air gap of less than a third of the way's part
+  // in a cell may be passed over. Fetches: none for a way within one cell without object. Otherwise three for each cell
+  // that the line passes (at most three cells a voxel of way), and kMaxRefineSteps + 1 at the entry.
   [[nodiscard]] std::optional<Entry> firstEntry(const Probe& from, const Probe& to) const noexcept;
 
-  // From a point inside, the first place on the way to `to_W` where the line comes out; as an entry seen from outside.
-  // At most kMaxSearchSteps + kMaxRefineSteps + 1 fetches.
+  // From a point inside, the first place on the way to `to_W` where the line comes out, given as an entry seen from
+  // outside. At most kMaxSearchSteps + kMaxRefineSteps + 1 fetches.
   [[nodiscard]] std::optional<Entry> firstExit(const Probe& inside, const Vec3& to_W) const noexcept;
 
-  // From a point inside, the nearest way out along the lattice's axes, either way, or down the gradient; none from a
-  // point outside, nor where all is object for kLongestWayOut. At most seven firstExit() of that length and a fetch.
+  // From a point inside, the nearest way out down the gradient or along the lattice's axes in both directions. None
+  // from a point outside, and none if all is object for kLongestWayOut. At most seven firstExit() of that length and a
+  // fetch.
   [[nodiscard]] std::optional<Entry> nearestExit(const Probe& inside) const noexcept;
 
-  // Whether a HIP behind a plane is in the air, and nothing between the two: an edit may have taken the object from
-  // there and left the plane on the rim of the hollow that it made. One fetch for a HIP in the object, else
-  // firstEntry().
+  // Whether a HIP behind a plane is in the air, with nothing between the two. An edit may have removed the object there
+  // and left the plane on the rim of the hollow. No fetch for a HIP in the object, else one and firstEntry().
   [[nodiscard]] bool inAirBehind(const Vec3& on_plane_W, const Vec3& normal_W, const Probe& hip) const noexcept;
 
-  // The nearest point of a world position in the box of the window's samples [m].
+  // The point in the box of the window's samples that is nearest to a world position [m].
   [[nodiscard]] Vec3 clampToBox(const Vec3& p_W) const noexcept;
 
  private:

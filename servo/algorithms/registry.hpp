@@ -16,7 +16,7 @@
 
 namespace palpate {
 
-// All that an algorithm is made from; each takes what it needs and refuses what it cannot use.
+// What an algorithm is made from. Each takes what it needs and refuses what it cannot use.
 struct AlgorithmSetup {
   AlgorithmParameters parameters = {};
   ContactEffects effects = {};
@@ -26,16 +26,16 @@ struct AlgorithmSetup {
   std::shared_ptr<const TriangleMesh> isosurface = nullptr;  // for an algorithm that needs it
 };
 
-// What has to be there before the algorithm is.
+// What must be there before the algorithm is made.
 struct AlgorithmNeeds {
   bool gradient_everywhere = false;  // it reads gradients away from the isosurface too
   bool isosurface_mesh = false;      // AlgorithmSetup::isosurface
 };
 
-// For those who compare algorithms.
+// Properties for comparing algorithms.
 struct AlgorithmTraits {
-  bool renews_planes = false;  // AlgorithmParameters::plane_renewal_ticks means something to it
-  bool shows_surface = true;   // its VHIP says where it takes the surface to be; otherwise the VHIP is the HIP
+  bool renews_planes = false;  // it uses AlgorithmParameters::plane_renewal_ticks
+  bool shows_surface = true;   // its VHIP is its estimate of the surface point; false: its VHIP is the HIP
 };
 
 struct AlgorithmEntry {

@@ -3,10 +3,10 @@
 //
 // Two tables, piecewise linear between their rows and constant before the first and after the last: density -> force
 // and viscosity, gradient magnitude -> weight of the force. Source of the idea: the paper, section 2.1, after Iwata and
-// Noma, "Volume haptization" (1993), and the opacity transfer functions of volume rendering, which it is meant to
-// match. Units: density; gradient [density/m]; force [N]; viscosity [N s/m]; weight [-]. Thread: made at set-up
-// (allocates, throws), evaluated in the servo. Cost of at(): some ns for tables of a few rows. Errors: Error(kBadInput)
-// when made.
+// Noma, "Volume haptization" (1993), and the opacity transfer functions of volume rendering, which the table is meant
+// to match. Units: density; gradient [density/m]; force [N]; viscosity [N s/m]; weight [-].
+// Thread: made at set-up (allocates, throws), evaluated in the servo. Cost of at(): some ns for tables of a few rows.
+// Errors: Error(kBadInput) when made.
 #pragma once
 
 #include <vector>
@@ -15,7 +15,7 @@ namespace palpate {
 
 struct DensityRow {
   double density = 0;
-  double force_N = 0;             // out of the dense; negative: into it
+  double force_N = 0;             // down the gradient; negative: up the gradient
   double viscosity_Ns_per_m = 0;  // 0 or more
 };
 
@@ -29,10 +29,10 @@ struct TransferTables {
   std::vector<GradientRow> gradient;  // empty: weight 1 everywhere
 };
 
-// How a volume's densities lie about its isovalue, for tables that nobody has written.
+// How a volume's densities lie about its isovalue; standard() makes tables from it where a scene gives none.
 struct DensityScale {
   double contrast = 1;    // from the isovalue up to the volume's highest density
-  double voxel_m = 1e-3;  // its smallest side
+  double voxel_m = 1e-3;  // smallest side of a voxel
 };
 
 class TransferFunction {
@@ -42,7 +42,7 @@ class TransferFunction {
     double viscosity_Ns_per_m = 0;
   };
 
-  // Of standard(): force and viscosity in the densest half of the contrast.
+  // The force and viscosity that standard() gives in the densest half of the contrast.
   static constexpr double kStandardForce_N = 3;
   static constexpr double kStandardViscosity_Ns_per_m = 2;
 
@@ -50,9 +50,9 @@ class TransferFunction {
   // ascend, a negative viscosity, gradient or weight.
   explicit TransferFunction(TransferTables tables);
 
-  // Felt from the isosurface on: from nothing at the isovalue to kStandardForce_N and kStandardViscosity_Ns_per_m at
-  // half the contrast above it. The force's weight grows from 0 without a gradient to 1 at a twentieth of the contrast
-  // a voxel, so that the direction of mere noise in flat regions is not felt. A contrast of 0 or less counts as 1.
+  // Force and viscosity grow from nothing at the isovalue to kStandardForce_N and kStandardViscosity_Ns_per_m at half
+  // the contrast above it. The force's weight grows from 0 without a gradient to 1 at a gradient of a twentieth of the
+  // contrast per voxel, so that noise in flat regions is not felt. A contrast of 0 or less counts as 1.
   [[nodiscard]] static TransferTables standard(double isovalue, const DensityScale& scale);
 
   [[nodiscard]] Value at(double density, double gradient_per_m) const noexcept;

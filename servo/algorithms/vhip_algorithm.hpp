@@ -1,25 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 // servo/algorithms/vhip_algorithm.hpp: what all algorithms with a VHIP share: plane -> VHIP -> effects -> force.
 //
-// An algorithm of this kind is a Surface, which finds the virtual plane under the tool by its own rule; the rest is the
-// same for all and stands here once. A Surface has
+// Such an algorithm is made from a Surface, which finds the virtual plane under the tool by its own rule. A Surface has
 //   explicit Surface(const AlgorithmParameters&);
-//   static constexpr bool kMayPull;    // K d - B v_d may pull the device in, as the paper prints it
-//   static constexpr bool kEasesEdits; // may be left out: true; false: an edit is felt whole as soon as find() sees it
-//   void reset(const Vec3& hip_W) noexcept;
-//   // True in contact: then plane() holds, with `tool_W` behind it. `tool_W`: the HIP, or, where there are objects,
+//   static constexpr bool kMayPull;     // K d - B v_d may pull the device in, as the paper prints it
+//   static constexpr bool kEasesEdits;  // optional, default true; false: an edit is felt whole as soon as find() sees
+//   it void reset(const Vec3& hip_W) noexcept;
+//   // True in contact: then plane() is valid, with `tool_W` behind it. `tool_W` is the HIP, or with objects the place
 //   // where they let the tool be (servo/objects/object_contacts.hpp).
 //   bool find(const SampleWindow& window, const Vec3& tool_W, std::uint32_t& faults) noexcept;
-//   std::optional<Vec3> remembered(const Vec3& hip_W) const noexcept;  // may be left out: where the surface of a
-//                                                                     // contact is that is held without a window
-//   ContactPlane plane() const noexcept;  // out of contact only its age says something: 0 without a plane
-// An edit that makes a contact deeper is felt gently, unless the Surface says otherwise: the depth that it added,
-// against what was shown at the same HIP, is taken in over time (edit_ease.hpp). Shown then is the plane, moved
-// inwards. Of a plane that an edit turned only the part of the old displacement along the new normal is there at once.
-// What an edit takes away is felt at once. Objects beside the volume are not eased. Frames, force convention and
-// thread: algorithm.hpp. Source: the paper, equations 2 and 3; effects move the VHIP only (section 3.1, last
-// paragraph), within their account of energy (energy_account.hpp). Cost: some 5 ns and what Surface, effects and
-// objects cost; with effects 5 ns for the account.
+//   // Optional: the surface point of a contact that is remembered while the window does not hold it.
+//   std::optional<Vec3> remembered(const Vec3& hip_W) const noexcept;
+//   ContactPlane plane() const noexcept;  // out of contact only its age counts: 0 without a plane
+// Edits. The depth that an edit adds, against what was shown at the same HIP, is taken in over time (edit_ease.hpp),
+// unless the Surface has kEasesEdits = false. Until then the plane is shown moved inwards. If an edit turned the plane,
+// only the part of the old displacement along the new normal is there at once. What an edit takes away is felt at once.
+// Objects beside the volume are not eased.
+// Frames, force convention and thread: algorithm.hpp. Source: the paper, equations 2 and 3. Effects move the VHIP only
+// (section 3.1, last paragraph), within their account of energy (energy_account.hpp). Cost: some 5 ns and what Surface,
+// effects and objects cost; with effects 5 ns for the account.
 #pragma once
 
 #include <algorithm>
@@ -38,11 +37,12 @@ namespace palpate {
 template <class Surface>
 class VhipAlgorithm final : public Algorithm {
  public:
-  // What two planes of one surface, found for one HIP, may differ by; and the tightest curve that a sheet is taken to
-  // have: a plane that was found a way w aside lies w^2 / (2 R) off it. So much is not taken for an edit's [voxel].
+  // A depth that is not taken for an edit's. Two planes of one surface, found for one HIP, may differ by kSamePlane. A
+  // plane that was found a way w aside lies w^2 / (2 R) off the sheet; kTightest is the least R that a sheet is taken
+  // to have [voxel].
   static constexpr double kSamePlane = 0.02;
   static constexpr double kTightest = 4;
-  static constexpr double kLongestAside = 1;  // that is allowed for, however old the plane [voxel]
+  static constexpr double kLongestAside = 1;  // longest w that is allowed for, however old the plane [voxel]
 
   explicit VhipAlgorithm(const AlgorithmParameters& parameters, ContactEffects effects = {},
                          ContactObjects objects = {}, const ContactObject* isosurface = nullptr)
@@ -78,7 +78,7 @@ class VhipAlgorithm final : public Algorithm {
   }
 
  private:
-  // As Surface::find(), with the easing.
+  // Surface::find(), with the easing of edits.
   [[nodiscard]] bool find(const SampleWindow& window, const Vec3& tool_W, std::uint32_t& faults) noexcept {
     if constexpr (easesEdits()) {
       if (window.edit_version != edit_version_ || unsettled_) return findEased(window, tool_W, faults);
@@ -107,7 +107,7 @@ class VhipAlgorithm final : public Algorithm {
     return on_surface_;
   }
 
-  // The plane has been found anew since the edit; `before`: what was shown in the last tick, if there was contact.
+  // The plane has been found anew since the edit. `before`: the plane shown in the last tick, null without contact.
   void takeEdit(const ContactPlane* before, const SampleWindow& window, const Vec3& tool_W) noexcept {
     edited_ = false;
     const ContactPlane plane = surface_.plane();
@@ -122,7 +122,7 @@ class VhipAlgorithm final : public Algorithm {
     ease_.take(shown_m, plane.depth(tool_W), kSamePlane * voxel_m + aside_m * aside_m / (2 * kTightest * voxel_m));
   }
 
-  // The volume's plane, less what is not taken in yet.
+  // The volume's plane, moved inwards by what is not taken in yet.
   [[nodiscard]] ContactPlane shown() const noexcept {
     ContactPlane plane = surface_.plane();
     if (unsettled_) plane.p_W -= ease_.amount() * plane.normal_W;
@@ -154,7 +154,7 @@ class VhipAlgorithm final : public Algorithm {
     for (auto& effect : effects_) effect->release();
   }
 
-  // Without effects d lies along N; what effects add to it aside is a force of K alone.
+  // Without effects d lies along N. What effects add to d along the surface gives a force of K alone, without damping.
   void push(const TickInput& in, const ContactPlane& plane, TickOutput& out) noexcept {
     const double depth_m = plane.depth(in.hip_W);
     const double damping_N = damping_Ns_per_m_ * plane.normal_W.dot(in.hip_velocity_W);
@@ -198,9 +198,9 @@ class VhipAlgorithm final : public Algorithm {
   ContactEffects effects_;
   EnergyAccount account_;  // of what the effects give
   ObjectContacts objects_;
-  std::optional<ContactPlane> volume_plane_;  // with objects: of the last tick, in contact
-  bool touching_ = false;                     // in the last tick
-  bool on_surface_ = false;                   // of them, the volume
+  std::optional<ContactPlane> volume_plane_;  // with objects: the plane of the last tick, in contact
+  bool touching_ = false;                     // there was contact in the last tick
+  bool on_surface_ = false;                   // with the volume
   bool unsettled_ = false;                    // an edit waits for a plane, or some of it is not taken in yet
   bool edited_ = false;                       // since the plane was found
   std::uint64_t edit_version_ = 0;            // of the last usable window

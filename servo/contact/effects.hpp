@@ -1,18 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// servo/contact/effects.hpp: the contact effects that a scene asks for, in the one order in which they act.
+// servo/contact/effects.hpp: makes the contact effects that a scene asks for, in the order in which they act.
 //
 // The order, and why:
 // 1. force shading   decides where on the surface the VHIP is; everything else starts from there;
-// 2. recovery time   takes the steps of plane switches out of that, and of nothing else: after friction it would smear
+// 2. recovery time   takes the steps of plane switches out of that, and of nothing else. After friction it would smear
 //                    stick-slip, after texture the grain;
-// 3. texture         is felt in full, and changes the depth that friction has for its load;
-// 4. friction        holds the tool against all of the above, and its cone is about the direction that they gave the
-//                    force;
-// 5. stiffness       scales the finished d = VHIP - HIP and the energy that all of them store: what is softer is softer
-//                    along the surface too, the friction cone keeps its angle (viscous friction scales with the rest),
-//                    and a stretched sled on soft ground costs what it gives back on hard ground.
-// After the last of them the energy account has its word (energy_account.hpp).
-// An effect that is not asked for is not made; with none the servo's tick has one comparison more. Set-up code:
+// 3. texture         is felt in full, and changes the depth from which friction takes its load;
+// 4. friction        holds the tool against all of the above; its cone is about the direction that they gave the force;
+// 5. stiffness       scales the finished d = VHIP - HIP and the energy that all of them store. What is softer is softer
+//                    along the surface too, and the friction cone keeps its angle. (Viscous friction scales as well.) A
+//                    spring of friction that was stretched on soft ground costs what it gives back on hard ground.
+// The energy account acts last (energy_account.hpp).
+// An effect that is not asked for is not made; without any the servo's tick has one comparison more. Set-up code:
 // allocates and throws.
 #pragma once
 

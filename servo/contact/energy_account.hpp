@@ -1,21 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-// servo/contact/energy_account.hpp: what the effects give must have been put in: the last word on where the VHIP is.
-//
-// An effect with a potential gives back what it took. Some cannot have one: recovery keeps an old force while the tool
-// goes on, so after a valley it pushes the hand along its way; force shading turns the force
-// without changing the depth; in noise a plane jumps and with it what lies under the tool. So the account of a contact
-// is kept, E: what the hand put in, by the effects' force over the tool's way (as a trapezoid of both ends, so that
-// holding a force over a tick, which any sampled wall does, is not the effects' fault). Where the effects hold more in
-// store than is in the account, the difference is a debt. It is paid twice over:
-// - by a drag along the surface, a sled as friction's (sliding_spring.hpp), kRepayments debt / D behind the tool, at
-//   most kMostDrag D: a way of D / kRepayments pays for most of it, and a drive along the way is cancelled;
-// - by weakening: d is multiplied by (E + kFree of the largest energy in store) / U where that is less than 1. So at
-//   the end of a contact no more than kFree of it has been given, and what the force of one tick did.
-// Both are continuous where E and U are. What friction dissipates is credit, for this contact. What the plane alone
-// gave, along the same way, times its stiffness, is not charged: effects make it no better and no worse.
-// A wrong reading (isAWay) opens a new account.
-// Source: passivity observer and controller (Hannaford and Ryu, 2002), here with the energy that a potential knows.
-// Energies are over K: [m^2]. Frame W: world [m]. Thread: the servo's. Cost: some 5 ns.
+// servo/contact/energy_account.hpp: lets the contact effects give back only energy that the hand put in. It has the
+// last word on where the VHIP is.  An effect with a potential gives back what it took. Some effects cannot have one.
+// Recovery keeps an old force while the tool goes on, so after a valley it pushes the hand along its way. Force shading
+// turns the force without changing the depth. In noise a plane jumps, and what lies under the tool jumps with it.  So
+// the account of a contact keeps E: the energy that the hand put in against the effects' force. The force over a tick
+// is the mean of its two ends (trapezoid rule). So holding a force over a tick, which any sampled wall does, is not
+// charged to the effects. What friction dissipates is credit for this contact. What the plane alone gave along the same
+// way, times its stiffness, is not charged: effects make it no better and no worse.  Where the effects store more
+// energy U than the account holds, the difference is a debt. It is paid in two ways, both continuous where E and U are:
+// - A drag along the surface: a sled as in friction (sliding_spring.hpp), kRepayments debt / D behind the tool, at most
+// kMostDrag D (D: depth). A way of D / kRepayments pays for most of the debt, and a drive along the way is cancelled. -
+// Weakening: d is multiplied by (E + kFree of the largest energy stored) / U where that is less than 1. So by the end
+// of a contact the effects have given at most that kFree part, and what the force of one tick did. A wrong reading
+// (isAWay) opens a new account.  Source: passivity observer and controller (Hannaford and Ryu, 2002), here with the
+// energy that the potentials give. Energies are over K: [m^2]. Frame W: world [m]. Thread: the servo's. Cost: some 5
+// ns.
 #pragma once
 
 #include "servo/contact/sliding_spring.hpp"
@@ -25,11 +24,12 @@ namespace palpate {
 class EnergyAccount {
  public:
   static constexpr double kFree = 0.0025;    // of the largest energy stored in this contact [-]
-  static constexpr double kRepayments = 8;   // of a debt, on a way as long as the depth [-]
-  static constexpr double kShare = 0.1;      // of a change of drag or of the plane's gift, in each tick [-]
+  static constexpr double kRepayments = 8;   // times the debt that a way as long as the depth pays back [-]
+  static constexpr double kShare = 0.1;      // of a change of the drag or of gift_m2_, taken over in each tick [-]
   static constexpr double kMostDrag = 0.25;  // of the depth [-]
 
-  // The VHIP for what the effects want. Once a tick in contact, new_contact first.
+  // Gives the VHIP that is shown, from the one that the effects want. Once per tick in contact; the first tick of a
+  // contact has new_contact set.
   [[nodiscard]] Vec3 settle(const ContactState& contact, const ContactPush& push) noexcept;
 
  private:
@@ -38,14 +38,14 @@ class EnergyAccount {
 
   SlidingSpring drag_;
   Vec3 last_hip_W_ = Vec3::Zero();
-  Vec3 last_d_W_ = Vec3::Zero();      // as it was given out
+  Vec3 last_d_W_ = Vec3::Zero();      // as settle() gave it
   Vec3 last_plane_W_ = Vec3::Zero();  // d of the plane alone
-  double put_in_m2_ = 0;              // E / K
-  double largest_m2_ = 0;             // U / K in this contact
+  double put_in_m2_ = 0;              // E / K, of the effects
+  double largest_m2_ = 0;             // largest U / K in this contact
   double debt_m2_ = 0;
   double longest_m_ = 0;        // the drag's stretch
   double plane_put_in_m2_ = 0;  // E / K of the plane alone
-  double gift_m2_ = 0;          // what it gave, and is not charged
+  double gift_m2_ = 0;          // what the plane alone gave, which is not charged
 };
 
 }  // namespace palpate

@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // servo/contact/friction.hpp: static, dynamic and viscous friction: the VHIP is held back on the plane.
 //
-// A sled without mass is drawn along the surface by the spring K whose other end is the tool (sliding_spring.hpp), a
-// distance |t| away. With the normal load K D:
-// - it sticks while |t| <= mu_s D (the spring's force within the friction cone);
-// - then it slips until the spring's force is mu_d K D + b_v m / T, m: its motion in this tick, found implicitly:
-//   K (|t| - mu_d D - m) = b_v m / T, m >= 0;
-// - it sticks again as soon as it does not move (m = 0; a sled slower than kStill stands still).
-// So slipping steadily at speed v costs mu_d K D + b_v v exactly. D is that of the VHIP that comes in, along the
-// plane's normal. The VHIP is held back by t; what the spring stores, t^2 / 2, is passed on. Slipping only shortens t,
-// so friction only takes energy. What earlier effects push along the surface is not drawn by the spring: it pushes the
-// hand, and friction holds the hand back against it.
+// The model is a sled without mass. A spring of stiffness K draws it along the surface behind the tool
+// (sliding_spring.hpp). |t| is the spring's stretch, D the depth, K D the normal load:
+// - The sled sticks while |t| <= mu_s D (the spring's force lies within the friction cone).
+// - Then it slips until the spring's force is mu_d K D + b_v m / T. m is its motion in this tick, found implicitly from
+//   K (|t| - mu_d D - m) = b_v m / T, m >= 0.
+// - It sticks again as soon as it does not move (m = 0, or slower than kStill).
+// So slipping steadily at speed v costs exactly mu_d K D + b_v v. D is the depth of the incoming VHIP, along the
+// plane's normal. The VHIP is held back by t, and the spring's energy t^2 / 2 is added to what is passed on. Slipping
+// only shortens t, so friction only takes energy. A push of earlier effects along the surface does not stretch the
+// spring: it pushes the hand, and friction holds the hand back against it.
+//
 // Sources: the paper, section 3 (friction limits the motion of the VHIP); Coulomb's law; a sled that sticks and slips
 // as in Salcudean and Vlaar (1997), Hayward and Armstrong (2000). Frame W: world [m]. Thread: move() and release() the
 // servo's. Cost: some 20 ns.
@@ -40,7 +41,7 @@ class Friction final : public ContactEffect {
  private:
   double static_ratio_, dynamic_ratio_;
   double share_;    // of the excess over mu_d D that the sled moves in a tick: K / (K + b_v / T) [-]
-  double still_m_;  // in a tick
+  double still_m_;  // kStill, per tick [m]
   SlidingSpring spring_;
   bool slipping_ = false;
 };

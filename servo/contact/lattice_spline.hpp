@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // servo/contact/lattice_spline.hpp: a smooth field in space, made from one number for each sample of a window.
 //
-// The quadratic B-spline through the numbers' lattice: value and slope are continuous everywhere, the slope is exactly
-// that of the value, and linear numbers are met exactly. The value lies between the smallest and the largest of the 27
-// numbers around the point, and so the slope along an axis is at most twice their half range a voxel: however steep a
-// table makes the numbers, the field is no steeper. Beyond the window's outermost samples the field goes on level.
-// Frames: W world [m]; L the window's lattice [voxel]. Thread: the servo's. Cost: some 25 ns, and 27 numbers when the
-// point has come nearer to another sample or the window is a new one. Errors: none.
+// The field is the quadratic B-spline with these numbers as its coefficients. Value and slope are continuous
+// everywhere, the slope is exactly that of the value, and numbers that are linear in space are met exactly. The value
+// lies between the smallest and the largest of the 27 numbers around the point. So the slope along an axis is at most
+// twice their half range per voxel, however steeply a table makes the numbers change. Beyond the window's outermost
+// samples the field is level.
+// Frames: W world [m]; L the window's lattice [voxel]. Thread: the servo's. Cost: some 25 ns, and 27 calls of number()
+// when the point has come nearer to another sample or the window is new. Errors: none.
 #pragma once
 
 #include <array>
@@ -30,7 +31,8 @@ class LatticeSpline {
     Vec3 gradient_W = Vec3::Zero();  // [1/m]
   };
 
-  // At a finite point of a usable window. `number(window, i)`: of the sample i, within the window.
+  // Value and slope at a finite point of a usable window. `number(window, i)` gives the number of sample i; i is within
+  // the window.
   template <class Number>
   [[nodiscard]] At at(const SampleWindow& window, const Vec3& p_W, const Number& number) noexcept {
     const Vec3 last = (window.size - Vec3i::Ones()).cast<double>();
@@ -41,7 +43,7 @@ class LatticeSpline {
     return weighed(window.lattice, inside_L - middle.cast<double>(), inside_L.array() == p_L.array());
   }
 
-  // Of another run: its windows may have the same versions and storage.
+  // Before another run: its windows may have the same versions and storage.
   void forget() noexcept { samples_ = nullptr; }
 
  private:

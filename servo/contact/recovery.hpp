@@ -1,28 +1,30 @@
 // SPDX-License-Identifier: Apache-2.0
 // servo/contact/recovery.hpp: recovery time: a new plane does not move the VHIP at once, but over a set time.
 //
-// When the plane is found again (age 0), the displacement d = VHIP - HIP would jump by j from what the old plane gives
-// at the present HIP. The jump is taken up into an offset that is added to d, and decays linearly to zero over exactly
-// N ticks, the recovery time. Jumps superpose. So the VHIP, depth and direction, is continuous over a switch, the force
-// steps by at most K |j| / N per tick and jump, and N ticks after the last switch d is the true one, to the bit.
-// - What the old plane gives: d moves by -N_old (N_old . motion of the HIP) there, so d_old(HIP now) is d of the last
-//   tick and that; for a plain plane that is its depth at the HIP.
-// - Where several planes hold the tool at once, the VHIP is continuous by itself (closest_in_planes.hpp), and how far
-//   the old ones would let it move is not the part along one normal: nothing is taken up, what is pending goes on
-//   decaying.
+// When the plane is found again (age 0), the displacement d = VHIP - HIP would jump. The jump j is the d that the old
+// plane gives at the present HIP, less the new d. It is added to an offset of d, and its share of the offset decays
+// linearly to zero over exactly N ticks, the recovery time. Jumps superpose. So depth and direction of the VHIP are
+// continuous over a switch, the force steps by at most K |j| / N per tick and jump, and N ticks after the last switch d
+// is the true one, to the bit.
+// - What the old plane gives: d of the last tick, less N_old (N_old . motion of the HIP since then). For a plain plane
+//   that is its depth at the HIP.
+// - If several planes hold the tool, now or in the last tick, no jump is taken up; offsets go on decaying. There the
+//   VHIP is continuous by itself (closest_in_planes.hpp), and no single normal tells how the old planes would move it.
 // - A first contact is no switch: there is no displacement to keep.
-// - The offset never makes the depth negative: the part along the normal that would do so is left out in that tick, so
-//   the VHIP then lies beside the HIP and the contact pushes no more; it does not pull.
-// What it costs: on a surface of radius R, planes n ticks apart err in depth by j = (v n T)^2 / (2 R) when they are
-// renewed (about half of that with hri, which finds them ahead of the tool), and recovery keeps each j for (N + 1) / 2
-// ticks in the mean, so the depth is off by j (N + 1) / (2 n). Where the surface curves evenly the steps can only fall
-// to j / n. The direction lags by l = (N + 1) / 2 ticks of way: where the surface is hollow along the way, the force
-// drives the tool on by l / R of itself, and after a valley for N ticks. The energy account takes that back
-// (energy_account.hpp): by friction, where there is some, else by a drag and up to 2 l / (R kRepayments) of the force.
-// Offsets are whole numbers of 1e-18 m: sums of them have no rounding, so nothing is left over and nothing drifts.
-// Source: Mark et al. (SIGGRAPH 1996), the paper, section 3.3 and Figure 6; the rule of VRPN's plane.C, which restarts
-// one ramp at every switch, where here every jump has its own. Frame W: world [m]. Thread: move() and release() the
-// servo's. Cost: some 15 ns; memory 24 bytes per tick of recovery, taken when it is made.
+// - The offset never makes the depth negative. In a tick in which it would, its part along the normal is left out as
+//   far as needed: the VHIP lies beside the HIP, and the contact does not push or pull along the normal.
+//
+// What it costs. On a surface of radius R, planes that are n ticks apart differ in depth by j = (v n T)^2 / (2 R) when
+// they are renewed (about half of that with hri, which finds them ahead of the tool). Recovery keeps each j for (N + 1)
+// / 2 ticks in the mean, so the depth is off by j (N + 1) / (2 n). On an evenly curved surface the steps cannot fall
+// below j / n. The direction lags by l = the way of (N + 1) / 2 ticks. Where the surface is hollow along the way, the
+// force drives the tool on by l / R of itself, and after a valley for N ticks. The energy account takes that back
+// (energy_account.hpp): by friction if there is some, else by a drag and by up to 2 l / (R kRepayments) of the force.
+//
+// Offsets are whole multiples of 1e-18 m, so sums of them have no rounding: nothing is left over and nothing drifts.
+// Source: Mark et al. (SIGGRAPH 1996); the paper, section 3.3 and Figure 6. VRPN's plane.C restarts one ramp at every
+// switch; here every jump has its own. Frame W: world [m]. Thread: move() and release() the servo's. Cost: some 15 ns;
+// memory 24 bytes per tick of recovery, allocated in the constructor.
 #pragma once
 
 #include <cstdint>
@@ -35,7 +37,7 @@ namespace palpate {
 class Recovery final : public ContactEffect {
  public:
   static constexpr double kUnit = 1e-18;   // of the offset [m]
-  static constexpr double kLongest = 0.1;  // [m]; a larger offset is no surface's: all is forgotten
+  static constexpr double kLongest = 0.1;  // no surface gives a larger offset: it is dropped [m]
 
   // `ticks`: N >= 1.
   explicit Recovery(int ticks);
@@ -54,11 +56,11 @@ class Recovery final : public ContactEffect {
   void takeUp(const Vec3& jump_W) noexcept;
 
   std::int64_t ticks_;
-  std::vector<Units> ending_;  // ring: what stops being taken off the offset, in the tick of this slot
+  std::vector<Units> ending_;  // ring: the shares that end in the tick of each slot
   std::size_t slot_ = 0;
   std::int64_t pending_ticks_ = 0;  // until the youngest jump has decayed
   Units offset_ = Units::Zero();
-  Units slope_ = Units::Zero();  // taken off the offset each tick: the sum of the jumps' shares
+  Units slope_ = Units::Zero();  // the sum of the jumps' shares, taken off the offset each tick
   Vec3 last_d_W_ = Vec3::Zero();
   Vec3 last_hip_W_ = Vec3::Zero();
   Vec3 last_normal_W_ = Vec3::Zero();

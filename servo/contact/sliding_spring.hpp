@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// servo/contact/sliding_spring.hpp: a spring along the surface between the tool and a sled that it draws behind it.
+// servo/contact/sliding_spring.hpp: a spring along the surface, between the tool and a sled that the tool draws behind
+// it.
 //
-// The stretch grows by the tool's own motion along the surface. So the work that the hand does against the force
-// -K stretch is exactly the energy K / 2 stretch^2 that the spring holds, whatever the surface's curvature, and however
-// its planes jump; shortening the stretch can only take energy away. Where several planes hold the tool it is drawn by
-// the motion of their VHIP instead: in a corner the tool may move behind a VHIP that stands still. When the normal
-// turns, the stretch is laid along the new surface, which makes it no longer. A motion that is none (isAWay) puts the
-// sled where the tool is.
+// The stretch grows by the tool's own motion along the surface. So the work of the hand against the force -K stretch is
+// exactly the spring's energy, K / 2 stretch^2, however the surface curves and its planes jump. Shortening the stretch
+// can only take energy away. If several planes hold the tool, the motion of their VHIP draws the spring instead: in a
+// corner the tool may move behind a VHIP that stands still. When the normal turns, the stretch is projected onto the
+// new surface, which never makes it longer. A wrong reading (isAWay) puts the sled where the tool is.
 // Frame W: world [m]. Thread: the servo's. Cost: some 5 ns.
 #pragma once
 
@@ -16,13 +16,13 @@ namespace palpate {
 
 class SlidingSpring {
  public:
-  // The sled is where the tool is.
+  // Puts the sled where the tool is.
   void start(const ContactState& contact) noexcept {
     stretch_W_.setZero();
     remember(contact);
   }
 
-  // The tool has moved.
+  // Once per tick: the tool has moved.
   void draw(const ContactState& contact) noexcept {
     const Vec3& normal_W = contact.plane.normal_W;
     const Vec3 way_W = contact.single_plane ? Vec3(contact.hip_W - last_hip_W_)
@@ -33,7 +33,7 @@ class SlidingSpring {
     remember(contact);
   }
 
-  // The sled comes nearer: `share` of the stretch is left, 0 to 1.
+  // The sled slips towards the tool: `share` of the stretch is left, 0 to 1.
   void slip(double share) noexcept { stretch_W_ *= share; }
 
   [[nodiscard]] const Vec3& stretch() const noexcept { return stretch_W_; }  // from the sled to the tool [m]

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// servo/contact/stiffness_table.hpp: how stiff what lies under the surface is, by its density: rows, linear between
-// them.
+// servo/contact/stiffness_table.hpp: a factor of the stiffness for each density; linear between the table's rows.
 //
-// Thread: factor() any; the rest set-up code, which throws.
+// Thread: factor() any; the rest is set-up code, which throws.
 #pragma once
 
 #include <vector>
@@ -23,7 +22,7 @@ class StiffnessTable {
   // factor that is negative or above kLargestFactor.
   explicit StiffnessTable(std::vector<StiffnessRow> rows);
 
-  // Linear between rows; before the first and after the last its factor. Cost: linear in the number of rows.
+  // Linear between rows; constant before the first and after the last. Cost: linear in the number of rows.
   [[nodiscard]] double factor(double density) const noexcept;
 
  private:

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // servo/contact/texture.hpp: texture: the surface goes up and down as the tool slides over it.
 //
-// Both kinds raise the depth D by a height h that depends on the surface point p under the tool alone, not on time, and
-// by no more than the amplitude A: D' = D + h(p) s(D). A share s = u (2 - u) of it, u = D / 2A, is felt until the tool
-// is 2A deep: so contact begins and ends without a step, and D' grows with D and is never negative. The energy stored
-// grows by (D'^2 - D^2) / 2, and the VHIP moves by minus its slope: D' (1 + h s') - D along the normal, and -D' s grad
-// h along the surface. So a bump is felt as one is: it holds the hand back on its way up and pushes it on down the
-// other side, and over the whole it gives nothing. Where the surface turns, see surface_turn.hpp. No bump is steeper
-// than kSteepest, whatever amplitude was asked for: the texture turns the force by 45 degrees at most on a flat
-// surface. Frame W: world [m]. Thread: move() and release() the servo's.
+// Both kinds raise the depth D by a height h. It depends on the surface point p under the tool alone, not on time, and
+// is at most the amplitude A: D' = D + h(p) s(D). The share s = u (2 - u), u = D / 2A, grows to 1 until the tool is 2A
+// deep. So contact begins and ends without a step, and D' grows with D and is never negative.
+// The stored energy grows by (D'^2 - D^2) / 2. The VHIP moves by minus the slope of that: D' (1 + h s') - D along the
+// normal, and -D' s grad h along the surface. So a bump holds the hand back on its way up and pushes it on down the
+// other side, and gives no energy over the whole. surface_turn.hpp says what changes where the surface turns. No bump
+// is steeper than kSteepestTexture, whatever the amplitude: on a flat surface the texture turns the force by 45 degrees
+// at most. Frame W: world [m]. Thread: move() and release() the servo's.
 #pragma once
 
 #include <array>
@@ -22,10 +22,10 @@ namespace palpate {
 
 inline constexpr double kSteepestTexture = 1;  // [-]
 
-// A solid texture that fills the world: the mean of kWaves plane waves of one wavelength, in the directions of a
-// regular tetrahedron turned so that none lies along an axis. On a surface each wave shows as one of at least that
-// wavelength. Root mean square: A / sqrt(2 kWaves) = 0.354 A. It is at most 2 pi / sqrt(3) A / wavelength steep, so A
-// is at most 0.276 wavelengths. Cost: some 240 ns (four sines, four cosines, four fetches).
+// A solid texture that fills the world: the mean of kWaves plane waves of one wavelength. Their directions are those of
+// a regular tetrahedron, turned so that none lies along an axis. On a surface each wave shows as a wave of at least
+// that wavelength. The root mean square is A / sqrt(2 kWaves) = 0.354 A. The slope is at most 2 pi / sqrt(3) A /
+// wavelength, so A is cut to 0.276 wavelengths. Cost: some 240 ns (four sines, four cosines, four fetches).
 class ProceduralTexture final : public ContactEffect {
  public:
   static constexpr int kWaves = 4;
@@ -39,7 +39,7 @@ class ProceduralTexture final : public ContactEffect {
   [[nodiscard]] double amplitude() const noexcept { return amplitude_m_; }  // [m]
   // Height of the texture at a point, within +-amplitude [m].
   [[nodiscard]] double height(const Vec3& p_W) const noexcept { return at(p_W).value; }
-  // Of wave i: its height is amplitude / kWaves * sin(k.p + phase) [1/m].
+  // k of wave i, whose height is amplitude / kWaves * sin(k.p + phase) [1/m].
   [[nodiscard]] const Vec3& waveVector(int i) const noexcept { return k_W_[static_cast<std::size_t>(i)]; }
 
  private:
@@ -50,20 +50,20 @@ class ProceduralTexture final : public ContactEffect {
   WindowCache window_;
 };
 
-// The volume's own fine structure. At each sample: the density less the mean of its six neighbours, divided by the
-// steepness there, is how far a surface through it departs from its trend. Neighbours are weighed by one over their
-// distance squared, as in a Laplacian, so that on voxels that are not cubes a smooth surface of radius R reads the same
-// in every direction: h^2 / (3 R), 3 / h^2 = the sum of one over each side squared; 0.017 h at 20 voxels of side h. The
-// steepness is the root mean square of the sample's and its neighbours'. The departures, times the gain and cut off at
-// +-A, are the numbers of a smooth field (lattice_spline.hpp), A at most kWidest of the smallest side. Where there is
-// no window or no steepness, there is no texture. Cost: some 260 ns, and in a tick that comes nearer to another sample
-// 250 ns more.
+// The volume's own fine structure. At each sample the density less the mean of its six neighbours, divided by the
+// steepness there, is its departure: how far a surface through it lies off its trend. Neighbours are weighted by one
+// over their distance squared, as in a Laplacian. So a smooth surface of radius R reads the same in every direction on
+// voxels that are not cubes: h^2 / (3 R), where 3 / h^2 is the sum of one over each side squared. That is 0.017 h at a
+// radius of 20 voxels of side h. The steepness is the root mean square of the gradient magnitudes of the sample and its
+// neighbours. The departures, times the gain and cut off at +-A, are the numbers of a smooth field
+// (lattice_spline.hpp). A is at most kWidest of the smallest side. Without a window or without steepness there is no
+// texture. Cost: some 260 ns, and in a tick that comes nearer to another sample 250 ns more.
 class DensityTexture final : public ContactEffect {
  public:
   // The field rises by at most 2A a voxel along each of three axes.
   static constexpr double kWidest = kSteepestTexture / (2 * 1.7320508);
 
-  // `gain`: of the departure [-]; the product is cut off at +-`amplitude_m`.
+  // `gain`: multiplies the departure [-]; the product is cut off at +-`amplitude_m`.
   DensityTexture(double amplitude_m, double gain) noexcept : amplitude_m_(amplitude_m), gain_(gain) {}
 
   void release() noexcept override {

@@ -23,7 +23,7 @@ class WindowCache {
     return sampler_;
   }
 
-  // Of another run: its windows may have the same versions and storage.
+  // Before another run: its windows may have the same versions and storage.
   void forget() noexcept { *this = WindowCache(); }
 
  private:

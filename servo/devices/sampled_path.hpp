@@ -2,8 +2,8 @@
 // servo/devices/sampled_path.hpp: a path through time-stamped points.
 //
 // kLinear: straight between the points. kCubic: cubic Hermite with the tangents of Catmull and Rom for uneven times
-// (the parabola's through three neighbours), so the velocity is continuous and a parabola is met exactly between inner
-// points. Frame W: world [m]; times [s]. Thread: const after construction. Cost: a binary search and some 30
+// (that of the parabola through three neighbours). So the velocity is continuous, and between inner points a parabola
+// is met exactly. Frame W: world [m]; times [s]. Thread: const after construction. Cost: a binary search and some 30
 // multiplications.
 #pragma once
 
@@ -17,8 +17,8 @@ class SampledPath final : public Path {
  public:
   enum class Interpolation { kLinear, kCubic };
 
-  // Throws Error(kBadInput) without points, with as many times as points not, on a value that is not finite, and unless
-  // each time is later than the one before. Times may begin anywhere; the path's own time begins at 0 with the first.
+  // Throws Error(kBadInput) without points, if there are not as many times as points, on a value that is not finite,
+  // and unless each time is later than the one before. The first time may be any; it becomes 0 of the path's own time.
   SampledPath(std::vector<double> times_s, std::vector<Vec3> points_W, Interpolation interpolation);
 
   [[nodiscard]] Vec3 position(double time_s) const noexcept override;

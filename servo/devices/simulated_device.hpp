@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// servo/devices/simulated_device.hpp: a device that needs no hardware, moved along a path by a hand.
+// servo/devices/simulated_device.hpp: a device that needs no hardware; a simulated hand moves it along a path.
 //
-// kRigid: the HIP is exactly the path, whatever the force. kSpring: the hand pulls the device along the path and feels
-// the force (hand_dynamics.hpp). Either way encoders round what is read, the force is cut to the device's maximum, and
-// it acts `delay_ticks` later than written. Time goes on by elapse() alone, so the same forces give the same motion,
-// bit for bit. Frame W: world [m, N]. Threads as in device.hpp; the path must outlive the device. Heap: in the
-// constructor only.
+// kRigid: the HIP is exactly on the path, whatever the force. kSpring: the hand pulls the device along the path and
+// feels the force (hand_dynamics.hpp). Both ways encoders round the positions that are read, the force is cut to the
+// device's maximum, and it acts `delay_ticks` after the write. Only elapse() advances time, so the same forces give the
+// same motion, bit for bit. Frame W: world [m, N]. Threads as in device.hpp; the path must outlive the device. Heap: in
+// the constructor only.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +23,7 @@ struct SimulatedDeviceParameters {
   Hand hand = Hand::kRigid;
   HandParameters dynamics;          // of kSpring
   double force_limit_N = 8;         // [N]
-  double slew_limit_N_per_s = 0;    // that it asks the servo to keep; 0: none [N/s]
+  double slew_limit_N_per_s = 0;    // stated in limits(); 0: not stated [N/s]
   double encoder_resolution_m = 0;  // positions are multiples of it along each axis; 0: not rounded [m]
   int delay_ticks = 0;              // from write() to the force that acts [tick]
 };
@@ -41,7 +41,7 @@ class SimulatedDevice final : public Device {
   [[nodiscard]] bool write(const Vec3& force_W) noexcept override;
   [[nodiscard]] Vec3 held(const Vec3& force_W) const noexcept override;
 
-  // For tests and figures: the state behind the encoders, and the force that acts in the running tick.
+  // For tests and figures: the state without rounding, and the force that acts in the present tick.
   [[nodiscard]] const HandDynamics::State& state() const noexcept { return state_; }
   [[nodiscard]] const Vec3& actingForce() const noexcept { return written_W_[next_]; }
 

@@ -1,34 +1,36 @@
 // SPDX-License-Identifier: Apache-2.0
-// servo/loop/contact_stability.hpp: was the contact quiet, slightly active, or unstable? From the records of a run.
+// servo/loop/contact_stability.hpp: was the contact quiet, slightly active or unstable? From the records of a run.
 //
-// Three things can be true of a sampled wall, and only the last is a fault:
+// Only the last of the three verdicts on a sampled wall is a fault:
 //  quiet            no contact gave more energy than it had taken.
-//  slightly active  some did, by a bounded amount, and the tool came to rest. Every sampled wall with less damping than
-//                   K T / 2 does so (Colgate and Schenkel 1997), and the hand and the device take it up. So does an
+//  slightly active  a contact did, by a bounded amount, and the tool came to rest. Every sampled wall with less damping
+//                   than K T / 2 does so (Colgate and Schenkel 1997), and the hand and the device absorb it. So does an
 //                   edit under the tool, and a field whose normals are not those of its surface.
-//  unstable         the tool swings against the surface and does not settle, fed by it: a limit cycle or growth.
+//  unstable         the tool swings against the surface and does not settle, and the surface feeds the swing: a limit
+//                   cycle or growth.
 //
-// Energy, by contact. A contact goes from the first tick with contact or force to where both are over. What it gave is
-// how far E (passivity.hpp) fell below its value at the begin; what it had stored is how far E rose. It is quiet if it
-// gave at most kQuietShare of the most that any contact of the run had stored, and the encoders' error, Delta times the
-// sum of the force's changes along each axis.
+// Energy, by contact. A contact lasts from the first tick with contact or force until both are over. What it gave is
+// how far E (passivity.hpp) fell below its value at the start. What it stored is how far E rose above it. A contact is
+// quiet if it gave no more than two parts together: kQuietShare of the most that any contact of the run stored, and the
+// encoders' error. That error is Delta times the sum of the force's changes along each axis.
 //
-// Swings. The height of the HIP over the plane in contact (over the last one, while the tool is off it) turns up and
-// down; a swing goes from one turn to the next, and counts from kLeastSwing_m and kLeastSwing_steps of the encoders:
-// from one step to the second next and back is what rounding alone can keep up in a loop that is stable without it. The
-// contact is unstable if kSwings swings follow each other of which
-//  - the last half is not smaller than kSustained of the first half, so they do not die away. At kSwings = 20 a swing
-//    that loses 5.6 % a period, a damping ratio of 0.009, is on the border;
-//  - neither the hand nor the surface asks for them: the heights of the swings add up to more than kUnasked times the
-//    ways of the hand's path, of the surface and of what effects put on it, along the normal in the same time. So a
-//    path that taps, a texture and a noisy surface are none, unless the contact answers them with a resonance of more
-//    than that. What an effect adds in proportion to the depth is stiffness and asks for nothing. Where the path is not
-//    known, swings slower than kHand_hz are left out instead, for a hand can make them. Or, whatever the surface asks
-//    for, the path asks for none and the tool left the surface in each period while the hand wanted it inside;
-//  - the surface fed them: E fell from the first to the last. So stick-slip, which friction takes energy from, is none.
-// A contact that is lost because the surface ends under the tool (the HIP is still below the plane) starts the count
-// anew, and so do a fading fault and half a second out of contact. A hand that is exactly on its path cannot bounce:
-// its height is the path's own.
+// Swings. The height of the HIP over the plane turns up and down; out of contact the last plane counts. A swing goes
+// from one turn to the next. It counts if it is at least kLeastSwing_m and kLeastSwing_steps encoder steps high.
+// (Rounding alone can keep up a swing of two steps in a loop that is stable without rounding.) The contact is unstable
+// if all of this is true of kSwings successive swings:
+// - They do not die away: the second half is at least kSustained of the first half. At kSwings = 20 a swing that loses
+//   5.6 % a period, a damping ratio of 0.009, is on the border.
+// - Neither the hand nor the surface asks for them. The heights of the swings add up to more than kUnasked times the
+//   sum of three ways along the normal in the same time: of the hand's path, of the surface, and of what effects add to
+//   it. So a path that taps, a texture and a noisy surface do not count, unless the contact answers with a resonance of
+//   more than that. What an effect adds in proportion to the depth is stiffness and asks for nothing. If the path is
+//   unknown, only swings faster than kHand_hz count, since a hand can make slower ones. It is enough instead, whatever
+//   the surface asks for, that the path alone does not ask for them and that in each period the tool left the surface
+//   while the hand wanted it inside.
+// - The surface fed them: E fell from the first to the last. So stick-slip does not count, since friction takes energy.
+// Three events start the count anew: the surface ends under the tool (contact is lost with the HIP still below the
+// plane), a fading fault, and half a second out of contact. A hand that is exactly on its path cannot bounce, since its
+// height is the path's own.
 //
 // Frame W: world [m, N]. Thread: any, after the run. Cost: one pass over the records. Errors: none.
 #pragma once
@@ -43,30 +45,30 @@ namespace palpate {
 
 enum class ContactVerdict { kNoContact, kQuiet, kSlightlyActive, kUnstable };
 
-// What a slightly active contact has its energy from, as far as the conditions of the run say.
+// Where the energy of a slightly active contact comes from, as far as the conditions of the run tell.
 enum class ActivitySource { kNone, kEdits, kSampledWall, kField };
 
 struct ContactConditions {
   double resolution_m = 0;      // of the device's encoders [m]
   int delay_ticks = 0;          // of the device's force
-  double lacking_Ns_per_m = 0;  // what the wall's damping is below K T / 2 + K T delay; at most 0: it is not [N s/m]
-  const Path* path = nullptr;   // where the hand wanted the tool; null: not known
+  double lacking_Ns_per_m = 0;  // K T / 2 + K T delay, less the wall's damping; at most 0: enough damping [N s/m]
+  const Path* path = nullptr;   // where the hand wanted the tool; null: unknown
 };
 
 struct ContactStability {
   ContactVerdict verdict = ContactVerdict::kNoContact;
-  ActivitySource source = ActivitySource::kNone;  // of what given_J says, where the verdict is not quiet
-  // Of the contact that gave most beyond its error, or, where none did, that gave most:
-  double given_J = 0;    // more than it had taken
-  double error_J = 0;    // bound of what the encoders put into that
+  ActivitySource source = ActivitySource::kNone;  // of given_J; kNone if its energy is quiet
+  // Of the contact that gave most beyond its error; if all are quiet by their energy, of the one that gave most:
+  double given_J = 0;    // energy beyond what it had taken
+  double error_J = 0;    // how much of that the encoders can account for at most
   double stored_J = 0;   // the most that any contact of the run had taken at once
   double share = 0;      // given / stored; 0 where nothing was stored [-]
-  double allowed_J = 0;  // error and quiet share of all contacts together: an end energy within it is none
+  double allowed_J = 0;  // error and quiet share of all contacts: a loss within it does not count
   // Of the swings:
-  int bounces = 0;              // contact was left outwards while the hand wanted the tool inside
-  double swing_m = 0;           // mean of the kSwings that made it unstable, of the largest such [m]
+  int bounces = 0;              // how often contact was left outwards while the hand wanted the tool inside
+  double swing_m = 0;           // mean height of the kSwings that made it unstable; of the largest such set [m]
   double swing_hz = 0;          // two swings are a period [1/s]
-  double unstable_from_s = -1;  // begin of the first of them [s]; -1: none
+  double unstable_from_s = -1;  // start of the first of them [s]; -1: none
   double unstable_to_s = -1;    // end of the last
 
   static constexpr double kQuietShare = 0.01;

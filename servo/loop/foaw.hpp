@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // servo/loop/foaw.hpp: velocity by first-order adaptive windowing, end-fit (Janabi-Sharifi, Hayward, Chen 2000).
 //
-// Along each axis: the slope of the line from a past position to the newest, with the longest window such that the line
-// passes every position between within the noise bound d,
+// Along each axis the velocity is the slope of the line from a past position to the newest one. The window is the
+// longest for which the line passes every position between within the noise bound d:
 //   v = (x_k - x_{k-n}) / (t_k - t_{k-n}),  |x_{k-i} - (x_k - v (t_k - t_{k-i}))| <= d  for 0 < i < n.
-// Slow motion gets a long window and a quiet velocity, a sudden one a window of one tick and no delay. Positions that
-// are rounded to multiples of Delta err by Delta / 2 each, so on a line d = Delta never shortens the window, and the
-// velocity errs by at most Delta / (n T). d = 0 gives the backward difference but for motion that is exactly straight.
-// The paper tests every line against every position, n^2 / 2 tests; here each position narrows the interval of slopes
+// Slow motion gets a long window and a quiet velocity; sudden motion gets a window of one tick and no delay. Positions
+// that are rounded to multiples of Delta err by Delta / 2 each. So on a straight motion d = Delta never shortens the
+// window, and the velocity errs by at most Delta / (n T). With d = 0 the result is the backward difference, except for
+// motion that is exactly straight.
+// The paper tests every line against every position, n^2 / 2 tests. Here each position narrows the interval of slopes
 // that pass it within d, and the next line's slope must lie in what is left: the same answer after n tests.
-// Ticks without a position (missed deadlines, a slow device) count as their time; the window is bounded in time.
+// Ticks without a position (missed deadlines, a slow device) count as time that passed; the window is bounded in time.
 // Frame W: world [m, m/s]. Thread: the servo's. Cost: some 2 ns for each axis and position in the window, 100 ns for 16
 // of them; no heap.
 #pragma once
@@ -31,7 +32,7 @@ class Foaw {
   Foaw(double noise_m, int window_ticks, double rate_hz) noexcept
       : noise_m_(noise_m), window_ticks_(std::clamp(window_ticks, 1, kMostTicks)), rate_hz_(rate_hz) {}
 
-  // At rest at `position_W` [m]: nothing is known of before.
+  // Starts at rest at `position_W` [m] and forgets what was before.
   void reset(const Vec3& position_W) noexcept {
     tick_ = 0;
     count_ = newest_ = 0;
@@ -60,7 +61,7 @@ class Foaw {
     if (count_ < kSize) ++count_;
   }
 
-  // Of one axis [m/tick]; 0 while there is one position only.
+  // The velocity along one axis [m/tick]; 0 while there is one position only.
   [[nodiscard]] double slope(int axis) const noexcept {
     const double now_m = entries_[static_cast<std::size_t>(newest_)].position_W[axis];
     double lowest = -std::numeric_limits<double>::infinity();

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // servo/loop/real_time.hpp: what the servo thread asks of the system before its first tick, and its clock.
 //
-// Nothing here is required: what the system refuses is noted with its reason and remedy, and the loop goes on.
-// Thread: the servo's, on itself. Cost: system calls, so before the first tick only; the clock's two are the exception.
+// Nothing here is required. What the system refuses is noted with its reason and remedy, and the loop goes on. Thread:
+// the servo's, for itself. Cost: becomeRealTime() makes system calls, so only before the first tick; the clock's two
+// functions are for every tick.
 #pragma once
 
 #include <cstdint>
@@ -12,14 +13,14 @@
 namespace palpate {
 
 struct RealTimeStatus {
-  bool asked = false;              // false with the simulated clock, or where not wanted
+  bool asked = false;              // false with the simulated clock or if not wanted
   bool fifo = false;               // runs under SCHED_FIFO
-  bool memory_locked = false;      // the process's present pages stay in memory
+  bool memory_locked = false;      // the pages that the process has now stay in memory
   std::vector<std::string> notes;  // for each thing refused: what, why, what to do
 };
 
-// Asks for SCHED_FIFO at `priority` (1 to 99) for the calling thread and for the process's present memory to stay
-// resident. Later memory is not asked for: under a limit that would make the allocations of other threads fail.
+// Asks for SCHED_FIFO at `priority` (1 to 99) for the calling thread, and locks the memory that the process has now.
+// Later memory is not locked: under a limit that would make the allocations of other threads fail.
 [[nodiscard]] RealTimeStatus becomeRealTime(int priority);
 
 // CLOCK_MONOTONIC [ns]; no system call where the vDSO serves it.

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// servo/loop/servo_loop.hpp: the haptic loop: device -> velocity -> algorithm -> safety gate -> device, tick after
-// tick.
+// servo/loop/servo_loop.hpp: the haptic loop: device -> velocity -> algorithm -> safety gate -> device, every tick.
 //
-// One object is one run. Time is a grid: tick k is due k / rate after the start. With the real clock a thread of its
-// own sleeps until each grid point; a tick that is not done when the next is due is flagged kOverrun, and the grid
-// points that have passed are left out, not made up for: tick numbers keep to the grid, so they have a gap there and
-// time_s stays tick / rate. A position that the device has reported before (device.hpp) is used, but tells nothing new
-// of the velocity. With the simulated clock the caller's thread runs the ticks as fast as it can, every grid
-// point, and cost and lateness are 0: the same inputs give the same records, bit for bit. Real-time rule: between its
-// first and last tick the servo thread allocates nothing, takes no lock, throws and prints nothing, and makes no system
-// call but its sleep and the device's I/O (tests/servo/loop proves it). Frame W: world. Times: nanoseconds of
-// CLOCK_MONOTONIC, or since the start with the simulated clock.
+// One object is one run. Time is a grid: tick k is due k / rate after the start.
+// Real clock: a thread of its own sleeps until each grid point. A tick that is not done when the next is due is flagged
+// kOverrun. Grid points that have passed by then are left out, not made up for. Tick numbers keep to the grid: they
+// have a gap there, and time_s stays tick / rate. A position that the device has reported before (device.hpp) is used
+// again, but does not update the velocity.
+// Simulated clock: the caller's thread runs every grid point, as fast as it can. Cost and lateness are 0, and the same
+// inputs give the same records, bit for bit.
+// Real-time rule: between its first and last tick the servo thread allocates nothing, takes no lock, throws and prints
+// nothing. It makes no system call but its sleep and the device's I/O (tests/servo/loop proves it).
+// Frame W: world. Times: nanoseconds of CLOCK_MONOTONIC, or since the start with the simulated clock.
 #pragma once
 
 #include <atomic>
@@ -35,7 +35,7 @@ namespace palpate {
 struct LoopParameters {
   double rate_hz = 1000;           // 1 to 20000 [Hz]
   std::int64_t ticks = 5000;       // grid points of the run; 0: until requestStop() [tick]
-  std::int64_t record_ticks = -1;  // newest ticks to keep; -1: all, which needs `ticks` [tick]
+  std::int64_t record_ticks = -1;  // newest ticks to keep; -1: all, then `ticks` may not be 0 [tick]
   bool real_time = true;           // ask for priority and locked memory (real clock)
   int priority = 80;               // of SCHED_FIFO
   VelocityParameters velocity;
@@ -43,7 +43,7 @@ struct LoopParameters {
   PassivityParameters passivity;
 };
 
-// A clock for runOn(): what the loop asks of time. Called in the loop's own thread.
+// A clock for runOn(). The loop's own thread calls it.
 class ServoClock {
  public:
   virtual ~ServoClock() = default;
@@ -55,37 +55,38 @@ struct LoopResult {
   std::vector<TickRecord> records;
   std::int64_t ticks_run = 0;      // ticks that were run [tick]
   std::int64_t ticks_skipped = 0;  // grid points left out after missed deadlines [tick]
-  bool released = false;           // at the end the device took a force of zero; false: it may still hold one
+  bool released = false;           // the device took a zero force at the end; false: it may still hold a force
   RealTimeStatus real_time;
 };
 
 class ServoLoop {
  public:
-  // All must outlive the loop; it is the reader of `windows` and the writer of `tool`. Reads the device once, puts the
-  // algorithm there, and publishes the first ToolPose (tick -1, time 0), so that the engine can place the first window.
-  // Throws Error(kBadInput) on parameters out of range, Error(kDevice) if the device cannot be read.
+  // All must outlive the loop. The loop is the reader of `windows` and the writer of `tool`. The constructor reads the
+  // device once, resets the algorithm to that position and publishes the first ToolPose (tick -1, time 0), so that the
+  // engine can place the first window. Throws Error(kBadInput) on parameters out of range, Error(kDevice) if the device
+  // cannot be read.
   ServoLoop(const LoopParameters& parameters, Algorithm& algorithm, Device& device, WindowExchange& windows,
             ToolPoseMailbox& tool);
   ~ServoLoop();  // stops and joins a running thread
 
-  // Simulated clock: the whole run, in the caller's thread. `before_tick` is called before each with its number and its
-  // time in ns, for an engine that publishes in step; it may do what it likes. It may be empty.
+  // Simulated clock: the whole run, in the caller's thread. `before_tick` is called before each tick with its number
+  // and time [ns], for an engine that publishes in step. It may allocate, lock and throw, and may be empty.
   using Hook = std::function<void(std::int64_t tick, std::int64_t time_ns)>;
   [[nodiscard]] LoopResult runSimulated(const Hook& before_tick = {});
 
-  // The real clock's loop, but in the caller's thread and on a clock that is given: stalls, missed deadlines and clock
-  // steps can be played to it.
+  // The real clock's loop, but in the caller's thread and on the given clock, which can play stalls, missed deadlines
+  // and clock steps.
   [[nodiscard]] LoopResult runOn(ServoClock& clock);
 
-  // Real clock: starts the thread; the result comes from wait(), which joins. Throws std::system_error without a
-  // thread.
+  // Real clock: start() starts the thread, wait() joins it and gives the result. Throws std::system_error if no thread
+  // can be made.
   void start();
   [[nodiscard]] LoopResult wait();
   [[nodiscard]] bool running() const noexcept { return running_.load(std::memory_order_acquire); }
 
-  // Any thread, any time: no tick begins after the servo has seen it. At the end of every run the force is brought to
-  // zero, which takes one write, and more where the slew limit asks for it or the device refuses; a device that refuses
-  // for a second is given up (LoopResult::released).
+  // Any thread, any time. No tick begins after the servo has seen the request. At the end of every run the force is
+  // brought to zero. That takes one write, or more if the slew limit asks for it or the device refuses. After a second
+  // of refusals the loop gives up (LoopResult::released).
   void requestStop() noexcept { stop_.store(true, std::memory_order_relaxed); }
 
  private:
@@ -94,7 +95,7 @@ class ServoLoop {
     std::int64_t lateness_ns = 0;
     int elapsed_ticks = 0;  // since the last tick that ran; 0 before the first
   };
-  [[nodiscard]] std::int64_t offset_ns(std::int64_t tick) const noexcept;  // of a grid point from the start [ns]
+  [[nodiscard]] std::int64_t offset_ns(std::int64_t tick) const noexcept;  // of a tick, from the start [ns]
   [[nodiscard]] std::int64_t firstTickFrom(std::int64_t tick, std::int64_t time_ns) const noexcept;
   [[nodiscard]] bool wanted(std::int64_t tick) const noexcept;
   template <typename Clock>
@@ -120,7 +121,7 @@ class ServoLoop {
   int ticks_since_report_ = 0;
   std::int64_t last_now_ns_ = 0;      // when the last tick began
   std::uint32_t carried_faults_ = 0;  // of the last tick, after its gate
-  bool at_surface_ = false;           // where samples are needed, as the algorithm said last
+  bool at_surface_ = false;           // the algorithm's last word on where samples are needed
   Vec3 surface_W_ = Vec3::Zero();
   std::int64_t ticks_run_ = 0;
   std::int64_t ticks_skipped_ = 0;

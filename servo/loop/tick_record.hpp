@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// servo/loop/tick_record.hpp: what the servo notes of one tick: a row of trace.csv and the source of every statistic.
+// servo/loop/tick_record.hpp: what the servo records of one tick: a row of trace.csv and the source of every statistic.
 #pragma once
 
 #include <cstdint>
@@ -13,8 +13,8 @@ struct TickRecord {
   double hip_W[3] = {};     // device position as the servo read it [m]
   double vhip_W[3] = {};    // virtual haptic interface point [m]
   double normal_W[3] = {};  // of the plane in contact; zero without contact [-]
-  double force_W[3] = {};  // that the device holds from this tick on: the gate's, or where that was refused the old [N]
-  float density = 0;       // at the HIP [density]; NaN where the window does not reach
+  double force_W[3] = {};   // that the device holds from this tick on: the gate's, or the old one if refused [N]
+  float density = 0;        // at the HIP [density]; NaN where the window does not reach
   std::int32_t plane_age_ticks = 0;
   std::uint64_t window_version = 0;
   std::uint32_t faults = 0;        // bits of ServoFault
@@ -22,7 +22,7 @@ struct TickRecord {
   std::int64_t lateness_ns = 0;    // wake-up after the due time; 0 with the simulated clock [ns]
   std::int64_t window_age_ns = 0;  // since the window in use was published [ns]
   double depth_m = 0;              // of the HIP below the surface, as TickOutput says [m]
-  double energy_J = 0;  // that the environment has taken from the hand so far (servo/safety/passivity.hpp) [J]
+  double energy_J = 0;             // taken from the hand by the environment so far (servo/safety/passivity.hpp) [J]
   std::uint64_t edit_version = 0;  // the volume edit that the window in use held
   bool in_contact = false;
   bool damped = false;  // the passivity controller added a force

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// servo/loop/tick_recorder.hpp: the records of a run, in memory that is there before the first tick.
+// servo/loop/tick_recorder.hpp: the records of a run, in memory that is allocated before the first tick.
 //
-// Keeps the newest `capacity` ticks; a run that is not longer is kept whole. Thread: next() by the servo, taken() after
-// the run. Cost: next() a few instructions and no heap; taken() moves the records and, where they have wrapped, rotates
-// them.
+// Keeps the newest `capacity` ticks. Thread: next() by the servo, taken() after the run. Cost: next() a few
+// instructions and no heap; taken() moves the records, and rotates them if more than `capacity` were made.
 #pragma once
 
 #include <cstddef>

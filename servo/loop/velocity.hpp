@@ -2,9 +2,9 @@
 // servo/loop/velocity.hpp: the servo's velocity estimate, chosen by name: `filter` (velocity_filter.hpp) or `foaw`
 // (foaw.hpp). A new one is a file here, an alternative of the variant and a row in velocity.cpp.
 //
-// Frame W: world [m, m/s]. Thread: the servo's; the constructor and the names before the loop. Cost: that of the
-// estimate; no heap after construction, and none in it. The estimate is always finite: positions so far off that their
-// difference is not are a jump, after which it starts from rest.
+// Frame W: world [m, m/s]. Thread: the servo's; the constructor and velocityEstimates() before the loop starts. Cost:
+// that of the chosen estimate; no heap after construction. The estimate is always finite: if the difference of two
+// positions is not, the estimate starts again from rest.
 #pragma once
 
 #include <optional>
@@ -22,7 +22,7 @@ namespace palpate {
 struct VelocityParameters {
   std::string name = "filter";                   // a row of velocityEstimates()
   double cutoff_hz = 200;                        // of filter; 0: none [Hz]
-  std::optional<double> noise_m = std::nullopt;  // of foaw; empty: the device's resolution (by the loop; else 0) [m]
+  std::optional<double> noise_m = std::nullopt;  // of foaw; empty: the loop sets the device's resolution, else 0 [m]
   int window_ticks = 16;                         // of foaw: 1 to Foaw::kMostTicks [tick]
 };
 
@@ -40,7 +40,7 @@ class VelocityEstimate {
   // noise bound that is negative or not finite, and a window outside 1 to Foaw::kMostTicks.
   VelocityEstimate(const VelocityParameters& parameters, double rate_hz);
 
-  // At rest at `position_W` [m].
+  // Starts at rest at `position_W` [m].
   void reset(const Vec3& position_W) noexcept {
     std::visit([&](auto& estimate) { estimate.reset(position_W); }, estimate_);
     velocity_W_.setZero();
@@ -56,7 +56,7 @@ class VelocityEstimate {
     if (!velocity_W_.allFinite()) reset(position_W);
   }
 
-  // Of the newest position [m/s].
+  // The velocity at the newest position [m/s].
   [[nodiscard]] const Vec3& value() const noexcept { return velocity_W_; }
 
  private:

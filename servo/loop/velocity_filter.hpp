@@ -2,8 +2,8 @@
 // servo/loop/velocity_filter.hpp: the servo's velocity: backward difference, then a first-order low-pass.
 //
 //   v += a ((x - x_last) / dt - v),  a = 1 - exp(-2 pi f_c dt),
-// the exact discretisation of the low-pass of cutoff f_c [Hz] for a held input. Its delay is dt / 2 + 1 / (2 pi f_c).
-// dt is the time since the last position: one tick, or several where deadlines were missed.
+// the exact discretisation of a low-pass of cutoff f_c [Hz] for an input that is held over a tick. Its delay is dt / 2
+// + 1 / (2 pi f_c). dt is the time since the last position: one tick, or several after missed deadlines.
 // Frame W: world [m, m/s]. Thread: the servo's. Cost: some 5 ns. Errors: none.
 #pragma once
 
@@ -19,7 +19,7 @@ class VelocityFilter {
   VelocityFilter(double cutoff_hz, double rate_hz) noexcept
       : rate_hz_(rate_hz), keep_per_tick_(cutoff_hz > 0 ? std::exp(-2 * M_PI * cutoff_hz / rate_hz) : 0.0) {}
 
-  // At rest at `position_W` [m].
+  // Starts at rest at `position_W` [m].
   void reset(const Vec3& position_W) noexcept {
     last_W_ = position_W;
     velocity_W_.setZero();

@@ -2,7 +2,7 @@
 // servo/objects/contact_object.hpp: a solid body beside the volume that the tool can touch.
 //
 // Frame W: world [m]. Normals point out of the object, as everywhere. Objects do not change once made. Thread: queries
-// are const, from any thread; no heap, lock, system call or throw. What an object refuses, its constructor throws.
+// are const, from any thread; no heap, lock, system call or throw. Constructors throw for what an object refuses.
 #pragma once
 
 #include <optional>
@@ -17,7 +17,7 @@ struct ObjectPoint {
 };
 
 struct ObjectEntry {
-  double share = 0;  // of the way that is gone when it enters, 0..1 [-]
+  double share = 0;  // of the way at which it enters, 0 to 1 [-]
   ObjectPoint at;
 };
 
@@ -25,18 +25,18 @@ class ContactObject {
  public:
   virtual ~ContactObject() = default;
 
-  // The first place on the straight way where it goes from outside in. From inside it enters only after it has been
-  // outside; along the surface it does not enter.
+  // The first place at which the straight way goes from outside in. A way that begins inside must come out first. A way
+  // along the surface does not enter.
   [[nodiscard]] virtual std::optional<ObjectEntry> firstEntry(const Vec3& from_W, const Vec3& to_W) const noexcept = 0;
 
   // The surface point nearest to x, which may be inside or outside.
   [[nodiscard]] virtual ObjectPoint nearest(const Vec3& x_W) const noexcept = 0;
 
-  // Whether the surface is smooth and curved: then the plane that stands for it is the one at the surface point nearest
-  // to the VHIP, and not at the entry.
+  // Whether the surface is smooth and curved. Then its plane is taken at the surface point nearest to the VHIP, not at
+  // the entry.
   [[nodiscard]] virtual bool curved() const noexcept { return false; }
 
-  // Whether there is an inside; false: a sheet, entered from both sides.
+  // Whether there is an inside. A sheet has none and is entered from both sides.
   [[nodiscard]] virtual bool solid() const noexcept { return true; }
 };
 

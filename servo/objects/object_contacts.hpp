@@ -1,24 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
-// servo/objects/object_contacts.hpp: where the tool is held by objects and the volume's virtual plane together.
+// servo/objects/object_contacts.hpp: where objects and the volume's virtual plane together hold the tool.
 //
-// The god-object of Zilles and Salisbury (1995), with the volume's plane as one more constraint. The VHIP stays outside
-// all objects. Towards the HIP it goes straight until it enters one; that object's plane is added, the point nearest to
-// the HIP in front of all planes is the new goal (closest_in_planes.hpp), and the way there is tried again. When a way
-// is free the VHIP goes it, and tries anew from there without the planes that it met: so it goes over an edge in the
-// tick in which it comes there. Each such slide brings it nearer to the HIP, so they end; kMaxSlides ends them sooner.
+// This is the god-object of Zilles and Salisbury (1995), with the volume's plane as one more constraint. The VHIP stays
+// outside all objects. It goes straight towards the HIP until it enters an object. Then that object's plane is added,
+// the point nearest to the HIP in front of all planes is the new goal (closest_in_planes.hpp), and the way there is
+// tried again. When a way is free the VHIP goes it, which is one slide. It then tries again from there without the
+// planes that it met, so it goes over an edge in the tick in which it reaches it. Each slide brings it nearer to the
+// HIP, so they end; kMaxSlides ends them sooner.
 //
-// The volume and the objects see each other through two questions, in this order, each tick:
-// 1. volumeTool(): where the tool of the volume is. Without objects in the way that is the HIP. Against objects it is
-//    below the place where all planes together hold the tool, as deep behind the volume's plane as the tool would be if
-//    there were only the objects: so the volume's plane follows the VHIP and not a HIP that is elsewhere. An object
-//    inside the bone is not touched while the bone's plane is in front of it.
-// 2. settle(): the VHIP with the plane that the volume found there.
-// A plane of an object lies kStandOff_m in front of its surface, so that roundings never put the VHIP inside. Ways are
-// searched from 2 kStandOff_m before their beginning, so that a VHIP that still got a little inside is not lost.
-// Where planes leave no room the objects win: the VHIP never enters one, and the volume's plane is violated.
+// Each tick the volume and the objects see each other through two calls, in this order:
+// 1. volumeTool() says which tool position the volume has to find its plane for. With no object in the way it is the
+//    HIP. Against objects it lies behind the place where all planes together hold the tool, as deep behind the volume's
+//    plane as the objects alone would let the tool be. So the volume's plane follows the VHIP, not a HIP that is
+//    elsewhere, and an object inside the bone is not touched while the bone's plane is in front of it.
+// 2. settle() gives the VHIP with the plane that the volume found for that position.
+// An object's plane lies kStandOff_m in front of its surface, so that rounding never puts the VHIP inside. Ways are
+// searched from 2 kStandOff_m before their beginning, so that a VHIP that did get a little inside is still held. If
+// planes leave no room the objects win: the VHIP never enters an object, and the volume's plane is violated.
 //
-// Frame W: world [m]. Thread: the servo's; no heap, lock, system call or throw after the constructor. Cost: one way
-// through every object without contact, three in steady contact with one, at most kMaxSlides (kMaxPlanes + 1).
+// Frame W: world [m]. Thread: the servo's; no heap, lock, system call or throw after the constructor. Cost, in searches
+// of one way through all objects: one without contact, three in steady contact with one object, at most kMaxSlides
+// (kMaxPlanes + 1).
 #pragma once
 
 #include <array>
@@ -39,25 +41,28 @@ class ObjectContacts {
   static constexpr double kStandOff_m = 1e-6;
   static constexpr int kMaxSlides = 4;
   static constexpr int kMaxPlanes = 6;  // candidates; at most three are active (closest_in_planes.hpp)
-  static constexpr int kMaxTurns = 4;   // of the planes of curved objects after the VHIP, per goal
+  static constexpr int kMaxTurns = 4;   // per goal: how often planes of curved objects are turned after the VHIP
 
   // `isosurface`: which of the objects is the volume's own surface, if any.
   explicit ObjectContacts(ContactObjects objects, const ContactObject* isosurface = nullptr)
       : objects_(std::move(objects)), isosurface_(isosurface) {}
   [[nodiscard]] bool empty() const noexcept { return objects_.empty(); }
 
-  // Puts the VHIP at the HIP. Inside an object it feels nothing of it until it has been outside once.
+  // Puts the VHIP at the HIP. A tool that starts inside an object feels nothing of it until it has been outside once.
   void reset(const Vec3& hip_W) noexcept;
 
-  // The tool that the volume shall find its plane for; `volume`: its plane of the last tick, if it was in contact.
+  // The tool position that the volume has to find its plane for. `volume`: its plane of the last tick; null without
+  // contact.
   [[nodiscard]] Vec3 volumeTool(const Vec3& hip_W, const ContactPlane* volume) noexcept;
 
-  // Moves the VHIP. The plane of all contacts together: through the VHIP, its normal from the HIP to it, its age that
-  // of the volume's plane; nothing without contact. Once after each volumeTool(), with the same HIP.
+  // Moves the VHIP. Gives one plane for all contacts together: through the VHIP, its normal from the HIP to it, its age
+  // that of the volume's plane. If the volume alone is touched it is `volume`; without contact there is none. Call it
+  // once after each volumeTool(), with the same HIP.
   [[nodiscard]] std::optional<ContactPlane> settle(const Vec3& hip_W, const ContactPlane* volume) noexcept;
 
   [[nodiscard]] const Vec3& vhip_W() const noexcept { return vhip_W_; }
-  // Of the last settle(): one plane was met alone; none of an object that is not the volume's own surface.
+  // Of the last settle(). singlePlane(): just one plane was met. onVolume(): no plane of an object other than the
+  // volume's own surface was met.
   [[nodiscard]] bool singlePlane() const noexcept { return trial_.planes.count == 1; }
   [[nodiscard]] bool onVolume() const noexcept;
   // Planes of objects that were met in the last tick.
@@ -78,7 +83,7 @@ class ObjectContacts {
   struct Trial {
     Vec3 vhip_W = Vec3::Zero();
     Planes planes;    // of the last slide
-    int objects = 0;  // of them, objects'
+    int objects = 0;  // how many of them are planes of objects
     bool has_volume = false;
     ContactPlane volume;
   };

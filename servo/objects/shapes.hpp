@@ -12,7 +12,7 @@
 
 namespace palpate {
 
-// Everything behind a plane, without end.
+// The half-space behind a plane.
 class PlaneObject final : public ContactObject {
  public:
   PlaneObject(const Vec3& p_W, const Vec3& normal_W, const std::string& name = "plane");
@@ -41,7 +41,7 @@ class BoxObject final : public ContactObject {
   BoxObject(const Vec3& centre_W, const Vec3& size_m, const Mat3& R_WB = Mat3::Identity(),
             const std::string& name = "box");
   [[nodiscard]] std::optional<ObjectEntry> firstEntry(const Vec3& from_W, const Vec3& to_W) const noexcept override;
-  // Beside an edge or corner the normal points from it to x.
+  // If the nearest point lies on an edge or corner, the normal points from it to x.
   [[nodiscard]] ObjectPoint nearest(const Vec3& x_W) const noexcept override;
 
  private:

@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// servo/safety/encoder_position.hpp: where the tool was when its encoders, which round to multiples of Delta, read
-// x_hat.
+// servo/safety/encoder_position.hpp: estimates the tool's position from encoders, which round it to multiples of Delta.
 //
-// For sums of force times way, x_hat itself is a bad answer: an encoder that goes one step on says that the tool has
-// just crossed the edge between two steps, not that it went from the middle of one to the middle of the next. A sum
-// over x_hat makes the force of the old step act over half of the new one, on the way in and on the way out, and so
-// finds K Delta^2 / 2 a step that nobody got. Here, along each axis,
-//   x~ = edge that was crossed + half of the way of a tick, but no further than the middle of the step,
-// where the way of a tick is the reading's change over the ticks since it last changed. A slow tool is at the edge, one
+// Sums of force times way must not use the reading x_hat itself. When x_hat goes one step on, the tool has just crossed
+// the edge between two steps; it did not go from the middle of one to the middle of the next. A sum over x_hat lets the
+// force of the old step act over half of the new one, on the way in and on the way out. So each step adds an energy of
+// K Delta^2 / 2 that nobody got. The estimate x~ avoids that. Along each axis
+//   x~ = edge that was crossed + half of the way of a tick, but no further than the middle of the step.
+// The way of a tick is the reading's change over the ticks since it last changed. A slow tool is at the edge. A tool
 // that crosses a step or more a tick is in the middle on average. While the reading stays, so does x~.
-// x~ and x lie in the same step, so |x~ - x| <= Delta, always. Delta = 0: x~ = x_hat.
+// x~ and the true x lie in the same step, so |x~ - x| <= Delta. With Delta = 0, x~ = x_hat.
 // Frame: that of the readings [m]. Thread: the servo's. Cost: 3 ns. Errors, heap: none.
 #pragma once
 

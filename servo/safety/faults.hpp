@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// servo/safety/faults.hpp: everything that can go wrong in a tick, as bits, with what it means, what it does to the
-// force and what to do about it.
+// servo/safety/faults.hpp: everything that can go wrong in a tick, as bits. A table says of each what it means, what it
+// does to the force and what to do about it.
 //
-// The servo raises bits and nothing else; texts are made from them after the run or by another thread.
-// Thread: bits anywhere; the text functions allocate, so not in the servo. Cost: none worth a word. Errors: none.
+// The servo only raises bits. Texts are made from them after the run or by another thread. Thread: bits anywhere; the
+// text functions allocate, so not in the servo. Errors: none.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@ namespace palpate {
 
 enum class ServoFault : std::uint32_t {
   kNone = 0,
-  // Bits keep their places, since traces hold them. Those in kFadingFaults take the force away (safety_gate.hpp); the
+  // Bits keep their places, since traces hold them. Bits in kFadingFaults take the force away (safety_gate.hpp). The
   // others are notes: the force goes on, limited where the name says so.
   kNoWindow = 1U << 0,
   kStaleWindow = 1U << 1,

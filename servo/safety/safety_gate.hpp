@@ -1,31 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
-// servo/safety/safety_gate.hpp: the one gate through which a force leaves for the device.
-//
-// A force passes if it is finite, within the maximum and the slew, and built on a fresh window and a fresh position. A
-// fault that takes the force away (kFadingFaults) makes the last healthy force fall in a straight line to zero within
-// fade_s; every tick of the fade is smaller than the one before, so the last force is never repeated. When the fault is
-// gone, the wanted force comes back as it went: multiplied by an authority that grows to 1 within fade_s. Both start
-// from where the other stopped. After a stall the force starts from nothing: the device held an old force for a while,
-// and what the algorithm wants now may be far larger than what it wanted then.
-//
-// What counts is the force that the device holds: the last that it took. pass() offers a force, taken() says that the
-// device took it. Of an offer that was refused nothing is left: the device holds the old force, and the next offer is
-// made from there. So the forces that the device takes are finite, within the maximum, and each differs from the one
-// taken before by at most the slew, however many offers were refused or ticks left out between them. While writes are
-// refused nothing here can lessen what the device holds; a device needs a watchdog of its own for that.
-//
-// So that a fade keeps within the slew too, it lasts at least force_limit / slew_limit. The invariant behind this: but
-// for a stall or refused writes, |force| <= force_limit * authority, so a fade never falls by more than force_limit /
-// fade ticks in one; after those it falls at the slew.
-//
-// The slew limit is there for jumps: of the algorithm, of a window, of an edit. A force that lags behind a spring
-// pushes the hand on its way out harder than it braked it on its way in, which gives energy (the observer counts it:
-// passivity.hpp, on the force held); a limit that acts on every hard contact shakes it, at worst to a limit cycle of
-// centimetres. The default is what a wall of 5000 N/m, the stiffest that vendors state for most of their devices
-// (omega, delta, Polhem v2), asks for where a fast tap of 0.8 m/s meets it: K v = 4000 N/s. A jump of 8 N takes 2 ms
-// with it, at any rate. In a trial of 8400 random contacts of up to 5000 N/m that settle without a limit, met at up to
-// 1 m/s, 3000 N/s lost none, 2500 N/s 14; tests/servo/loop/contact_stability_test.cpp tries such contacts at the
-// default. Frame W: world [N]. Thread: the servo's. Cost: some 10 ns. Heap, locks, throws in pass(): none.
+// servo/safety/safety_gate.hpp: the one gate through which a force leaves for the device.  A force passes if it is
+// finite, within the force limit and the slew limit, and built on a fresh window and a fresh position.  Fades. A fault
+// that takes the force away (kFadingFaults) makes the last healthy force fall in a straight line to zero within fade_s.
+// Every tick of the fade is smaller than the one before, so the last force is never repeated. When the fault is gone,
+// the wanted force comes back: it is multiplied by an authority that grows to 1 within fade_s. Fade and return each
+// start from where the other stopped. After a stall the force starts from zero. The device held an old force for a
+// while, and what the algorithm wants now may be far larger than what it wanted then.  Held and offered. What counts is
+// the force that the device holds: the last one that it took. pass() offers a force, taken() says that the device took
+// it. A refused offer leaves no trace: the device holds the old force, and the next offer starts from there. So the
+// forces that the device takes are finite and within the limit, and each differs from the one taken before by at most
+// the slew. That is true however many offers were refused or ticks left out between them. While writes are refused
+// nothing here can reduce what the device holds; that needs a watchdog in the device.  A fade must keep within the slew
+// too, so it lasts at least force_limit / slew_limit. The invariant behind this: except after a stall or refused
+// writes, |force| <= force_limit * authority. So a fade falls by at most force_limit / fade_ticks per tick. After a
+// stall or refused writes it falls at the slew.  Why the slew limit is high. It is there for jumps of the algorithm, of
+// a window, of an edit. A force that lags behind its spring pushes the hand on its way out harder than it braked it on
+// its way in, which gives energy (passivity.hpp counts it, on the force held). A limit that acts on every hard contact
+// shakes it, at worst to a limit cycle of centimetres. The default is what a wall of 5000 N/m asks for under a fast tap
+// of 0.8 m/s: K v = 4000 N/s. 5000 N/m is the stiffest that vendors state for most of their devices (omega, delta,
+// Polhem v2). A jump of 8 N takes 2 ms with it, at any rate. A trial took 8400 random contacts of up to 5000 N/m, met
+// at up to 1 m/s, that settle without a limit. With a limit of 3000 N/s all of them still settled, with 2500 N/s 14 did
+// not. tests/servo/loop/contact_stability_test.cpp tries such contacts at the default.  Frame W: world [N]. Thread: the
+// servo's. Cost: some 10 ns. Heap, locks, throws in pass(): none.
 #pragma once
 
 #include <cstdint>
@@ -40,15 +36,15 @@ struct SafetyParameters {
   double slew_limit_N_per_s = 4000;  // [N/s]
   double fade_s = 0.1;               // from full force to none, and back [s]
   double stale_window_s = 0.5;       // a window last confirmed longer ago than this is stale [s]
-  double stall_s = 0.01;             // a tick that comes later than this after it was due ends a stall [s]
-  double report_timeout_s = 0.02;    // a device position older than this is a fault; a 125 Hz device may lose one [s]
+  double stall_s = 0.01;             // a tick that is later than this ends a stall [s]
+  double report_timeout_s = 0.02;    // an older position is a fault; a 125 Hz device may lose one report [s]
 };
 
 struct GateInput {
   Vec3 wanted_W = Vec3::Zero();    // the algorithm's force [N]
   std::int64_t window_age_ns = 0;  // since the engine last confirmed the window [ns]
   std::uint32_t faults = 0;        // raised before the gate in this tick
-  std::int64_t gap_ns = 0;         // since the last tick; 0 in the first [ns]
+  std::int64_t gap_ns = 0;         // since the last tick; 0 in the first tick [ns]
   std::int64_t report_age_ns = 0;  // of the position that the force is for [ns]
 };
 
@@ -65,16 +61,16 @@ class SafetyGate {
   // The force to offer to the device. One call per tick.
   [[nodiscard]] GateOutput pass(const GateInput& in) noexcept;
 
-  // Towards zero by one slew, and no authority is left: what to offer at the end of a run, once per tick until zero is
-  // taken.
+  // At the end of a run: a force nearer to zero by one slew. The authority goes to zero. Offer it once per tick until
+  // the device takes zero.
   [[nodiscard]] Vec3 release() noexcept;
 
-  // The device took the last offer and holds `held_W` now: what was offered, or less. What is no force within the limit
-  // is not believed; then the offer counts. Not called: the offer was refused.
+  // The device took the last offer and holds `held_W` now: what was offered, or less. If `held_W` is not a force within
+  // the limit, the offer counts instead. Do not call it if the offer was refused.
   void taken(const Vec3& held_W) noexcept;
 
   [[nodiscard]] const Vec3& heldForce() const noexcept { return held_W_; }
-  // fade_s in whole ticks, at least 1 and at least what the slew limit makes it.
+  // fade_s in whole ticks, at least 1 and at least force_limit / slew_limit.
   [[nodiscard]] std::int64_t fadeTicks() const noexcept { return fade_ticks_; }
   [[nodiscard]] double slewPerTick() const noexcept { return slew_per_tick_N_; }  // [N]
 
@@ -88,13 +84,13 @@ class SafetyGate {
   double slew_per_tick_N_;
   std::int64_t fade_ticks_;
   std::int64_t stale_ns_;
-  std::int64_t stall_ns_;  // largest gap between ticks that is none [ns]
+  std::int64_t stall_ns_;  // a longer gap between ticks is a stall [ns]
   std::int64_t report_timeout_ns_;
   std::int64_t authority_ticks_;      // 0: no force, fade_ticks_: all of it
   std::int64_t fade_from_ticks_ = 0;  // authority when the fade began
   Vec3 fade_from_W_ = Vec3::Zero();   // held when the fade began [N]
-  Vec3 held_W_ = Vec3::Zero();        // by the device: the last force that it took [N]
-  Vec3 offer_W_ = Vec3::Zero();       // of the last call [N]
+  Vec3 held_W_ = Vec3::Zero();        // the last force that the device took [N]
+  Vec3 offer_W_ = Vec3::Zero();       // the last force offered [N]
   bool fading_ = false;
 };
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// servo/safety/window_clock.hpp: how long ago the window was last known to be true, and whether that can be known.
+// servo/safety/window_clock.hpp: how long ago the window was last confirmed, and whether that can be known.
 //
-// The age of a window is the servo's time less the time of the engine's last confirmation. It means nothing when one of
-// the two clocks steps: when the servo's time or the confirmation goes backwards (seen in that tick), or while the
-// confirmation lies in the servo's future (seen until time or the engine has caught up). These raise kClockStep. A
-// servo clock that steps forward cannot be told from a servo that stood still: it is a stall (safety_gate.hpp), and the
-// window is stale until the engine has confirmed it again.
-// A confirmation may be a little in the future without any step: a servo that is preempted between its look at the
-// clock and its look at the confirmation sees one from later. Up to the stall time this is taken as fresh.
+// The age of a window is the servo's time less the time of the engine's last confirmation. It means nothing if one of
+// the two clocks steps. Two signs of that raise kClockStep: the servo's time or the confirmation goes backwards (for
+// one tick), or the confirmation lies in the servo's future (until time or the engine has caught up). A servo clock
+// that steps forward looks the same as a servo that stood still. So it counts as a stall (safety_gate.hpp), and the
+// window is stale until the engine confirms it again.
+// A confirmation may be a little in the future without any step: a servo that is preempted between reading the clock
+// and reading the confirmation sees a later one. Up to the stall time this counts as fresh.
 // Thread: the servo's. Cost: a few comparisons. Errors, heap: none. Times [ns].
 #pragma once
 
@@ -29,7 +29,7 @@ class WindowClock {
   explicit WindowClock(std::int64_t future_tolerance_ns) noexcept : tolerance_ns_(future_tolerance_ns) {}
 
   // Once per tick. `confirmed_ns` was read before the window (window_exchange.hpp); `version` and `stamp_ns` are the
-  // window's, version 0 that of none.
+  // window's; version 0: there is no window.
   [[nodiscard]] Reading read(std::int64_t now_ns, std::int64_t confirmed_ns, std::uint64_t version,
                              std::int64_t stamp_ns) noexcept {
     bool step = now_ns < last_now_ns_;

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// servo/window/confirmation.hpp: when the writer last said that what it has published still holds.
+// servo/window/confirmation.hpp: the time at which the writer last said that what it has published still holds.
 //
-// Store release, load acquire: whoever has seen a time sees all that the writer did before it said so, above all the
-// publication of the window that it confirms. With relaxed order the reader could see the time and still the window
-// before, and take an old window for a fresh one. No single value tears then, so no race of the payload tells:
-// tests/servo/window reads, after a time, what was written before it, from a copy with relaxed order too, and the
-// thread sanitizer reports that one. Threads: one writer, any readers. Cost: a store, a load. Errors, heap: none. Times
-// on the servo's clock [ns].
+// Store release, load acquire: a reader that has seen a time also sees all that the writer did before it. Above all it
+// sees the window that the time confirms. With relaxed order the reader could see the time together with the window
+// before, and take an old window for a fresh one.
+// Relaxed order tears no single value, so the thread sanitizer finds nothing in this class alone. tests/servo/window
+// therefore reads data that was written before the time, also through a copy with relaxed order; the sanitizer reports
+// that copy.
+// Threads: one writer, any readers. Cost: a store, a load. Errors, heap: none. Times on the servo's clock [ns].
 #pragma once
 
 #include <atomic>

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // servo/window/fetch.hpp: density and gradient of a window at one point of the world.
 //
-// Trilinear in the window's lattice, both from the same eight samples; the gradient comes out in the world [density/m].
-// Beyond a face of the window: kBeyondWindow if any face passed is no border of the volume, else kBeyondVolume with
-// density -infinity. An unusable window and a non-finite point give kBeyondWindow. Thread: any. Cost: one WindowSampler
-// and one at() of it; to fetch often, keep the sampler. Errors: none.
+// Both are trilinear in the window's lattice, from the same eight samples; the gradient is in the world [density/m]. A
+// point outside the window may be past several of its faces. If all of these are borders of the volume, the result is
+// kBeyondVolume with density -infinity, else kBeyondWindow. An unusable window and a non-finite point give
+// kBeyondWindow.
+// Thread: any. Cost: making a WindowSampler and one at(). To fetch often, keep the sampler. Errors: none.
 #pragma once
 
 #include "servo/window/sample_window.hpp"

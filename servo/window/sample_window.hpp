@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // servo/window/sample_window.hpp: the plane-ready samples around the tool, as the engine hands them to the servo.
 //
-// A window is a box of volume samples, each with density and gradient, so that one eight-corner fetch gives both and
-// the servo never takes differences. Frames: W world [m]; L the window's lattice [voxel] (base/lattice.hpp). The volume
-// ends somewhere: a face of the window may be a face of the volume, and beyond it is free space (a cut face).
+// A window is a box of volume samples. Each has density and gradient, so one eight-corner fetch gives both and the
+// servo never takes differences. Frames: W world [m]; L the window's lattice [voxel] (base/lattice.hpp). A face of the
+// window may be a face of the volume; beyond that is free space, and an object that reaches it has a cut face.
 #pragma once
 
 #include <array>
@@ -35,7 +35,7 @@ struct Fetch {
   Place place = Place::kBeyondWindow;
 };
 
-// What a window says about itself. The samples are storage that somebody else owns (a mapped GPU buffer, or a vector).
+// A window and its placement. The samples lie in storage with another owner (a mapped GPU buffer, or a vector).
 struct SampleWindow {
   Lattice lattice;                       // its sample (0, 0, 0) is the window's first
   Vec3i size = Vec3i::Zero();            // samples along i, j, k, each >= 2 in a usable window [voxel]

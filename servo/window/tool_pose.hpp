@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// servo/window/tool_pose.hpp: where the tool is and how it presses, from the servo to the engine, which puts the next
-// window around it and lets it edit.
+// servo/window/tool_pose.hpp: position, velocity and force of the tool, from the servo to the engine.
 //
-// Frame W: world [m, m/s]. Threads: the servo publishes every tick, the engine reads; wait-free on both sides.
+// The engine puts the next window around the tool, and lets the tool edit. Frame W: world [m, m/s, N]. Threads: the
+// servo publishes every tick, the engine reads; wait-free on both sides.
 #pragma once
 
 #include <cstdint>

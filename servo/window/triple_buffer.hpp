@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // servo/window/triple_buffer.hpp: newest value from one thread to another: three slots, no lock, latest value wins.
 //
-// Threads: back() and publish() by the one writer, latest() by the one reader. Every call is wait-free on its own side:
-// one atomic exchange at most, no retry; a slow reader never holds the writer up and the other way round. Cost:
-// publish() one exchange; latest() one load, and one exchange when there is something new. Errors: none. Heap: none
-// after construction.
+// Threads: back() and publish() by the one writer, latest() by the one reader. Every call is wait-free on both sides:
+// one atomic exchange at most, no retry. Neither side ever holds the other up. Cost: publish() one exchange; latest()
+// one load, and one exchange when there is something new. Errors: none. Heap: none after construction.
 #pragma once
 
 #include <array>
@@ -13,13 +12,12 @@
 
 namespace palpate {
 
-// The slots are the back one (the writer's), the front one (the reader's) and the middle one, whose number lies in an
-// atomic together with a bit that says whether the reader has not seen it yet. Each side swaps its own slot for the
-// middle.
+// The slots are the back one (the writer's), the front one (the reader's) and the middle one. The middle slot's number
+// lies in an atomic, with a bit that is set until the reader has seen it. Each side swaps its own slot for the middle.
 //
-// kSwap: release, because what a side has written (or has finished to read) in the slot that it gives away must be done
-// before the other side gets it; acquire, because the slot that it takes was given away by the other side in the same
-// manner. Weaker orders tear: tests/servo/window instantiates a relaxed copy, and the thread sanitizer reports it.
+// kSwap is the order of that swap. Release: a side's writes to the slot that it gives away (or its reads of it) are
+// done before the other side gets the slot. Acquire: the slot that it takes was given away by the other side in the
+// same manner. Weaker orders tear: tests/servo/window instantiates a relaxed copy, and the thread sanitizer reports it.
 template <class T, std::memory_order kSwap = std::memory_order_acq_rel>
 class TripleBuffer {
  public:
@@ -30,16 +28,16 @@ class TripleBuffer {
   TripleBuffer(const TripleBuffer&) = delete;
   TripleBuffer& operator=(const TripleBuffer&) = delete;
 
-  // Writer: the slot to fill. It holds some older value; valid until publish().
+  // Writer: the slot to fill, valid until publish(). It holds an older value.
   [[nodiscard]] T& back() noexcept { return slots_[back_].value; }
-  // Writer: which of the three slots back() is: 0, 1 or 2, for storage that belongs to a slot.
+  // Writer: the number of the slot that back() is: 0, 1 or 2. For storage that belongs to a slot.
   [[nodiscard]] unsigned backIndex() const noexcept { return back_; }
   // Writer: hands back() over; back() is another slot afterwards.
   void publish() noexcept { back_ = middle_.exchange(back_ | kFresh, kSwap) & kIndex; }
 
   // Reader: the newest published value; the reference is valid, and its content constant, until the next call.
   [[nodiscard]] const T& latest() noexcept {
-    // Relaxed is enough to look: the exchange below is what orders, and a missed bit is seen at the next call.
+    // Relaxed is enough here: the exchange below gives the order, and a missed bit is seen at the next call.
     if ((middle_.load(std::memory_order_relaxed) & kFresh) != 0) front_ = middle_.exchange(front_, kSwap) & kIndex;
     return slots_[front_].value;
   }

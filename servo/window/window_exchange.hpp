@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// servo/window/window_exchange.hpp: windows from the engine to the servo, and the engine's word that they still hold.
+// servo/window/window_exchange.hpp: windows from the engine to the servo, and the engine's confirmation that they still
+// hold.
 //
-// Three windows over three sample storages that somebody else owns: the engine maps GPU buffers, tests use
-// WindowStorage. Threads: the writer's calls by the engine, the reader's by the servo; all wait-free
-// (triple_buffer.hpp). Times are on the servo's clock [ns].
+// Three windows over three sample storages with another owner: the engine maps GPU buffers, tests use WindowStorage.
+// Threads: the engine makes the writer's calls, the servo the reader's; all are wait-free (triple_buffer.hpp). Times
+// are on the servo's clock [ns].
 #pragma once
 
 #include <array>
@@ -38,7 +39,7 @@ class WindowExchange {
   // backSamples(), i fastest. Both hold the content of an older window and are valid until publish().
   [[nodiscard]] SampleWindow& back() noexcept { return buffer_.back(); }
   [[nodiscard]] Sample* backSamples() noexcept { return storages_[buffer_.backIndex()]; }
-  // Writer: which of the three storages that is: 0, 1 or 2.
+  // Writer: the number of the storage behind backSamples(): 0, 1 or 2.
   [[nodiscard]] unsigned backIndex() const noexcept { return buffer_.backIndex(); }
   [[nodiscard]] std::size_t capacity() const noexcept { return capacity_samples_; }
   // Writer: the next window to be published gets this version; the first is 1.
@@ -49,14 +50,14 @@ class WindowExchange {
   // published.
   void publish();
 
-  // Writer: the engine's heartbeat: at `now_ns` the newest published window is still what the volume holds there.
+  // Writer: the engine's heartbeat. At `now_ns` the volume still holds what the newest published window shows.
   void confirm(std::int64_t now_ns) noexcept { confirmation_.confirm(now_ns); }
 
   // Reader: the newest window; valid and constant until the next call. Version 0: nothing published yet.
   [[nodiscard]] const SampleWindow& latest() noexcept { return buffer_.latest(); }
 
-  // Reader: when the newest window was last known to be true. Call it before latest(): the order of confirmation.hpp
-  // makes sure that latest() then gives the window that was confirmed, or a newer one, never an older.
+  // Reader: when the newest window was last known to be true. Call it before latest(): then latest() gives the
+  // confirmed window or a newer one, never an older one (confirmation.hpp).
   [[nodiscard]] std::int64_t confirmedAt_ns() const noexcept { return confirmation_.at_ns(); }
 
  private:

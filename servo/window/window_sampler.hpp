@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// servo/window/window_sampler.hpp: a window made ready to be sampled many times: its affine map and strides, worked out
-// once.
+// servo/window/window_sampler.hpp: samples one window many times; its affine map and strides are worked out once.
 //
-// Frames: W world [m]; L the window's lattice [voxel]. Position math in double, weights and samples in float.
-// Thread: any; it reads the samples of the window that it was made from, so it lives no longer than they do.
-// Cost: making one some 20 ns; at() eight 16-byte loads and seven lerps of four floats, some 20 ns in a dependent
-// chain. Errors: none; a non-finite position is beyond the window.
+// Frames: W world [m]; L the window's lattice [voxel]. Positions are computed in double, weights and samples in float.
+// Thread: any. It reads the samples of its window, so it must not outlive them. Cost: some 20 ns to make one; at()
+// takes eight 16-byte loads and seven lerps of four floats, some 20 ns in a dependent chain. Errors: none; a non-finite
+// position is beyond the window.
 #pragma once
 
 #include <algorithm>
@@ -18,10 +17,11 @@ namespace palpate {
 
 class WindowSampler {
  public:
-  WindowSampler() = default;  // of no window: every place is beyond it
+  WindowSampler() = default;  // without a window: every place is beyond it
   explicit WindowSampler(const SampleWindow& window) noexcept;
 
-  // World [m] to lattice [voxel] and back; outward unit normal of the face across `axis` at its `high` or low end.
+  // toIndex(): world [m] to lattice [voxel]; toWorld(): back. faceNormal(): outward unit normal of the window's face at
+  // the high or low end of an axis.
   [[nodiscard]] Vec3 toIndex(const Vec3& p_W) const noexcept {
     const double x = p_W.x() - origin_W_.x();
     const double y = p_W.y() - origin_W_.y();
@@ -38,7 +38,7 @@ class WindowSampler {
 
   [[nodiscard]] Place place(const Vec3& p_W) const noexcept { return placeOf(toIndex(p_W)); }
 
-  // The highest density at the corners of the one cell that holds both points; infinity where no cell does. Cost: eight
+  // The highest density at the corners of the one cell that holds both points; infinity if no cell does. Cost: eight
   // loads.
   [[nodiscard]] double highestAround(const Vec3& a_L, const Vec3& b_L) const noexcept {
     constexpr double kNone = std::numeric_limits<double>::infinity();
@@ -62,7 +62,7 @@ class WindowSampler {
  private:
   using Float4 = float __attribute__((vector_size(16)));  // gradient i, j, k and density of one sample
 
-  // Rounding may put a point of a face this far out [voxel].
+  // Rounding may put a point of a face this far outside [voxel].
   static constexpr double kFaceTolerance = 1e-9;
 
   [[nodiscard]] bool holds(const Vec3& p_L) const noexcept {
@@ -79,15 +79,15 @@ class WindowSampler {
     std::memcpy(&value, sample, sizeof value);
     return value;
   }
-  // Of the lerp's two forms, this one gives a constant field back exactly, so flat background at tau stays background.
+  // This form of the lerp gives a constant field back exactly, so flat background at the isovalue stays background.
   static Float4 lerp(Float4 a, Float4 b, Float4 t) noexcept { return a + t * (b - a); }
   static Float4 broadcast(double t) noexcept {
     const auto f = static_cast<float>(t);
     return Float4{f, f, f, f};
   }
 
-  // Low corner of the cell along one axis: truncated (p >= 0 up to the tolerance), the last sample belongs to the last
-  // cell.
+  // Low corner of the cell along one axis. Truncation rounds down, since p >= 0 up to the tolerance. The last sample
+  // belongs to the last cell.
   static int cell(double p, int last_cell) noexcept {
     const int i = static_cast<int>(p);
     return i < last_cell ? i : last_cell;
