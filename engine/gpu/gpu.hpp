@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // engine/gpu/gpu.hpp: one Vulkan device, opened for compute. Knows nothing of volumes.
 //
-// Vulkan's own types stay inside this room (vulkan_state.hpp); other rooms see Buffer, Kernel and Commands.
-// Thread: one thread at a time uses a Gpu and what was made from it.
+// Vulkan's own types stay inside engine/gpu (vulkan_state.hpp); other code sees Buffer, Kernel and Commands.
+// Thread: one thread at a time uses a Gpu and everything made from it.
 #pragma once
 
 #include <cstddef>
@@ -17,11 +17,11 @@ namespace palpate::gpu {
 struct GpuInfo {
   std::string name;                     // "llvmpipe (LLVM 15.0.6, 256 bits)"
   std::string type;                     // "discrete", "integrated", "virtual", "cpu", "other"
-  std::string tuned_as;                 // the kind of device whose tuning kernels take: type, or what the request says
+  std::string tuned_as;                 // type of device that kernels are tuned for: GpuRequest::tuned_as, or `type`
   std::string driver;                   // driver name and version
   std::string api_version;              // "1.3.230"
   std::uint64_t memory_bytes = 0;       // of its largest device-local heap
-  std::uint64_t max_binding_bytes = 0;  // of a storage buffer
+  std::uint64_t max_binding_bytes = 0;  // largest storage buffer binding
   std::string unusable;                 // empty, or why Palpate cannot use it
   [[nodiscard]] bool isCpu() const noexcept { return type == "cpu"; }
 };
@@ -31,8 +31,8 @@ struct GpuInfo {
 [[nodiscard]] std::vector<GpuInfo> listGpus();
 
 struct GpuRequest {
-  std::string name{};       // part of a device's name, letter case ignored; empty: the best
-  std::string tuned_as{};   // a type: kernels are tuned as for it; empty: for what the device is
+  std::string name{};       // part of a device's name, letter case ignored; empty: the best device
+  std::string tuned_as{};   // type of device that kernels are tuned for; empty: the device's own
   bool validation = false;  // open with the Khronos validation layer, synchronisation validation included
 };
 
