@@ -27,7 +27,7 @@ struct Gpu::State {
   vk::raii::CommandPool command_pool = nullptr;
   vk::raii::Semaphore timeline = nullptr;  // counts submissions
   std::uint64_t submitted = 0;             // the value of the newest submission
-  bool named = false;                      // whether objects get debug names
+  bool named = false;                      // debug names are wanted
   std::atomic<std::uint64_t> bytes_in_use = 0;
 
   void wait(std::uint64_t value);  // until submission `value` is done; throws Error(kDevice) after 60 s

@@ -19,7 +19,7 @@ using NumberTable = std::vector<std::vector<double>>;  // rows of equal length
 struct Scene {
   // volume
   std::string volume;               // file, folder or phantom:NAME?...
-  std::string series;               // of a DICOM folder: number or UID; empty: the only one, or `volume` names it
+  std::string series;               // of a DICOM folder: number or UID; empty: the only one, or volume names it
   std::optional<double> isovalue;   // tau; empty: suggested from the histogram [density]
   std::vector<ObjectSpec> objects;  // beside the volume
   // compute
