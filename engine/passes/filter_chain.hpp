@@ -42,8 +42,8 @@ class FilterChain {
   FilterChain(const FilterChain&) = delete;
   FilterChain& operator=(const FilterChain&) = delete;
 
-  // Computes all bricks; blocks. `progress` gets the fraction done every few thousand bricks. It may throw to cancel;
-  // the result's content is then undefined. Throws Error(kOutOfMemory).
+  // Computes all bricks; blocks. `progress` gets the fraction done after every Tuning::filter_bricks bricks. It may
+  // throw to cancel; the result's content is then undefined. Throws Error(kOutOfMemory).
   void run(const std::function<void(double)>& progress = {});
 
   [[nodiscard]] const BrickPool& result() const noexcept { return *result_; }

@@ -34,8 +34,8 @@ class GradientPass {
   // How far a changed density changes gradients. For an operator that smooths: how far a changed smoothed density does.
   [[nodiscard]] Reach reach() const noexcept { return {way_.words.reach, way_.words.reach}; }
 
-  // Computes every brick of the store; blocks. `progress` gets the fraction done every few thousand bricks. It may
-  // throw to cancel; the store's content is then undefined.
+  // Computes every brick of the store; blocks. `progress` gets the fraction done after every Tuning::gradient_bricks
+  // bricks. It may throw to cancel; the store's content is then undefined.
   void run(const std::function<void(double)>& progress = {});
   // Records the bricks of `ranges` in `tasks` (layout::BrickTask).
   void record(gpu::Commands& commands, const gpu::Buffer& tasks, std::span<const TaskRange> ranges,
