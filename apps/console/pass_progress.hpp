@@ -11,8 +11,7 @@
 
 namespace palpate {
 
-// The `progress` argument of Engine's constructor. `stop` is called every few thousand bricks and throws to end the
-// work.
+// The `progress` argument of Engine's constructor. `stop` is called after every submission and throws to end the work.
 inline std::function<void(const char* pass, double done)> passProgress(Progress& progress, std::function<void()> stop) {
   return [&progress, stop = std::move(stop), shown = std::string()](const char* pass, double done) mutable {
     if (std::exchange(shown, pass) != pass) progress.stage(std::string("computing on Vulkan: ") + pass);
