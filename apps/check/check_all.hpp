@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/check/check_all.hpp: `palpate check all`: gradients, filters and edits against their twins, on one volume or on
-// a list of them that is as wide as twins are slow. Thread: one.
+// apps/check/check_all.hpp: `palpate check all`: compares gradients, filters and edits with their CPU twins, on one
+// volume or on a list of small ones, as the twins are slow. Thread: one.
 #pragma once
 
 #include <functional>
@@ -16,21 +16,22 @@ struct CheckAllRequest {
   std::string gpu = {};     // part of the device's name
   std::string volume = {};  // empty: checkedVolumes
   bool quick = false;       // fewer volumes, one set of parameters for each filter, fewer edits
-  int crop = 0;       // longest side; what is larger is cut to its middle [voxel]; 0: kScanCrop for a list's scans
+  int crop = 0;       // longest side; larger volumes are cut to their middle [voxel]; 0: kScanCrop for a list's scans
   unsigned seed = 1;  // of edits
 };
 
 inline constexpr int kScanCrop = 40;  // [voxel]
 
-// Every phantom with noise, at sizes that are no multiple of a brick, voxels that are no cubes; random bits with
-// denormals, +-1e-30, +-1e30 and both zeros; volumes one voxel thin along each axis;
-// and the scans in the folder that PALPATE_DATA names.
+// The names of the volumes in the list: every phantom, with noise, at sizes that are no multiple of a brick and with
+// voxels that are no cubes; random bits with denormals, +-1e-30, +-1e30 and both zeros; volumes one voxel thin along
+// each axis; and the scans in the folder that the environment variable PALPATE_DATA names.
 [[nodiscard]] std::vector<std::string> checkedVolumes(bool quick);
 
-// The middle of a volume, no side longer than `most`; the volume as it is if none is. Its source says so.
+// The middle of a volume, with no side longer than `most` [voxel]; the volume itself if none is longer. The source
+// of a cut volume says so.
 [[nodiscard]] Volume cropped(Volume volume, int most);
 
-// Every operator of the table, samples as floats and as halves about the volume's own isovalue.
+// Checks every gradient operator, with samples as floats and as halves, for the volume's default isovalue.
 [[nodiscard]] std::vector<Check> checkGradients(const Volume& volume, const std::string& gpu,
                                                 const std::function<void(double)>& progress);
 
@@ -39,7 +40,8 @@ struct CheckAll {
   std::vector<std::string> left_out;  // what could not be checked, and why
 };
 
-// `stage` is told each volume's turn, `progress` the fraction of it that is done; either may throw to cancel.
+// `stage` gets the name of each volume as its turn comes, `progress` the fraction of it that is done. Both may throw to
+// cancel.
 [[nodiscard]] CheckAll checkAll(const CheckAllRequest& request, const std::function<void(const std::string&)>& stage,
                                 const std::function<void(double)>& progress);
 

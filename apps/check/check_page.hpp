@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/check/check_page.hpp: checks of many volumes as a page (Markdown) that can be kept: what was compared where, and
-// what came out. Any thread.
+// apps/check/check_page.hpp: the checks of many volumes as a Markdown page: what was compared where, and the results.
+// Any thread.
 #pragma once
 
 #include <span>
@@ -11,14 +11,13 @@
 
 namespace palpate {
 
-// How the checks came about.
+// How the checks were run.
 struct CheckRun {
   std::string command, commit, machine;
-  std::vector<std::string> left_out;  // and why
+  std::vector<std::string> left_out;  // what was not checked, and why
 };
 
-// A row for each filter, operator and kind of edit, over all volumes, whatever its parameters were there. Of files the
-// name is told, not the folder.
+// A row for each filter, operator and kind of edit, over all volumes and parameters. Files have no folder here.
 [[nodiscard]] std::string checkPage(std::span<const Check> checks, const CheckRun& run);
 
 }  // namespace palpate

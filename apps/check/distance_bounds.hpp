@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/check/distance_bounds.hpp: a distance against brute force, which knows nothing of surface points and tangent
-// planes: of every voxel the nearest one across the isovalue is looked for. The surface crosses the way to it, so it is
-// no farther than that voxel, and a cell that it crosses has a voxel across at a corner, so it is no nearer than that
-// voxel less a cell's diagonal. Any thread. Cost: engine/reference/nearest_across.hpp.
+// apps/check/distance_bounds.hpp: checks a distance filter against brute force, which uses no surface points or tangent
+// planes. For every voxel it searches for the nearest voxel on the other side of the isovalue
+// (engine/reference/nearest_across.hpp, which gives the cost). The surface crosses the line to that voxel, so it is not
+// farther. A cell that the surface crosses has a corner on the other side, so the surface is not nearer than that voxel
+// less a cell's diagonal. Any thread.
 #pragma once
 
 #include <functional>
@@ -14,8 +15,8 @@
 
 namespace palpate {
 
-// Compares `distance`, what the steps of one distance made of `densities`, with these bounds, cut off at the band, on
-// the side on which the density lies. `progress`: gets the fraction done, and may throw to cancel.
+// Compares `distance`, the result of one distance filter's `steps` on `densities`, with these bounds, which are clamped
+// to the band and have the sign of the voxel's side. `progress` gets the fraction done, and may throw to cancel.
 void compareWithNearestAcross(Check& check, const reference::DenseField& distance,
                               const reference::DenseField& densities, std::span<const FilterStep> steps,
                               const std::function<void(double)>& progress);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/check/gradient_check.hpp: every gradient of the GPU against the CPU twin. Thread: one. Cost: a pass over the
-// volume on both sides, and 24 bytes a voxel of host memory; an operator that smooths: 16 more. Compared are three
-// gradient components and the density of each voxel; the GPU's time is the kernel's, first run and smoothing excluded.
+// apps/check/gradient_check.hpp: compares the gradients of the GPU with the CPU twin: three components and the density
+// of each voxel. The GPU's time is that of the kernel, without its first run and without smoothing. Thread: one. Cost:
+// a pass over the volume on both sides, and 24 bytes a voxel of host memory, 16 more for an operator that smooths.
 #pragma once
 
 #include <cstdint>
@@ -19,8 +19,8 @@ namespace palpate {
 
 struct GradientCheckRequest {
   std::string gpu = {};            // part of the device's name
-  GradientOperator gradient = {};  // how it is taken
-  SampleFormat format = {};        // in which form it is stored and compared
+  GradientOperator gradient = {};  // the operator to check
+  SampleFormat format = {};        // how samples are stored and compared
   std::uint32_t bound_ulp = 0;     // largest difference that is promised [ULP]
 };
 
@@ -28,7 +28,7 @@ struct GradientCheckRequest {
 [[nodiscard]] Check checkGradient(const Volume& volume, const GradientCheckRequest& request,
                                   const std::function<void(double)>& progress);
 
-// The same with the field that the twin reads given apart, so that a test can make the two sides differ.
+// The same, with a separate field for the twin, so that a test can make the two sides differ.
 [[nodiscard]] Check checkGradient(const Volume& volume, const reference::DenseField& field,
                                   const GradientCheckRequest& request, const std::function<void(double)>& progress);
 

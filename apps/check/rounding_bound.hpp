@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/check/rounding_bound.hpp: how far a kernel with an exponential may be off its twin, voxel by voxel, from the
-// roundings in between. Any thread.
+// apps/check/rounding_bound.hpp: a bound, for each voxel, on the difference between a filter kernel with an exponential
+// and its twin. It is derived from the rounding of each operation. Any thread.
 //
-// The twin takes exponentials in double; the kernel takes them in float by a polynomial of its own
-// (shaders/filter_exp.math.glsl), because Vulkan lets a device's exp be off by 3 + 2 |x| ULP. With u = 2^-24:
-// the exponent -s^2 is off by 7 u of itself (the difference's rounding and the product's, both squared, and three in
-// s^2 log2 e), the polynomial by 3.2 u, each operation by u, and a weight below 2^-125 counts for nothing.
+// The twin takes exponentials in double. The kernel takes them in float by its own polynomial
+// (shaders/filter_exp.math.glsl), because Vulkan lets a device's exp be off by 3 + 2 |x| ULP. With u = 2^-24, relative
+// errors are: 7 u in the exponent -s^2 (rounding of the difference and of the product, each doubled by the square, and
+// three roundings in s^2 log2 e), 3.2 u in the polynomial, u in each other operation. Weights below 2^-125 count as 0.
 #pragma once
 
 #include "engine/filter/filter_step.hpp"
@@ -16,11 +16,12 @@ namespace palpate {
 // Whether a step has such a bound; the kernels of all others agree bit for bit.
 [[nodiscard]] bool hasExponential(const FilterStep& step) noexcept;
 
-// For a result of such a step at a voxel; `twin`: the twin's result there.
+// The bound for the result of such a step at a voxel. `before`: the step's input; `twin`: the twin's result at the
+// voxel.
 [[nodiscard]] double roundingBound(const reference::DenseField& before, const Vec3i& voxel, const FilterStep& step,
                                    double twin);
 
-// For people: "bilateral: ...".
+// The reason for the bound, for people: "bilateral: ...".
 [[nodiscard]] const char* boundReason(const FilterStep& step) noexcept;
 
 }  // namespace palpate

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/console/message.hpp: what the program says: messages on standard error, results on standard output.
+// apps/console/message.hpp: the program's output: messages on standard error, results on standard output.
 //
-// Neither throws: a message that cannot be written (a full disk, a closed terminal) is no reason to lose the work that
-// it tells of. A result that could not be written is told by main() at the end, which asks resultError(). Any thread;
-// a message is one write.
+// Neither throws: a message that cannot be written (a full disk, a closed terminal) is no reason to lose the work. At
+// the end main() asks resultError() and reports a result that could not be written. Any thread; a message is one write.
 #pragma once
 
 #include <cstdio>
@@ -27,7 +26,7 @@ void printResult(fmt::format_string<Args...> format, Args&&... args) {
   printText(fmt::format(format, std::forward<Args>(args)...));
 }
 
-// Flushes standard output. 0, or the number of the first error that kept a result from it.
+// Flushes standard output. 0, or the errno value of the first error in writing a result.
 [[nodiscard]] int resultError() noexcept;
 
 }  // namespace palpate

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/console/pass_progress.hpp: shows the passes with which an engine begins, one stage each, and lets Ctrl-C end
+// apps/console/pass_progress.hpp: shows the passes that Engine's constructor runs, one stage each, and lets Ctrl-C end
 // them. One thread.
 #pragma once
 
@@ -11,7 +11,7 @@
 
 namespace palpate {
 
-// For Engine's constructor. `stop` throws where the work is to end; it is asked some thousand bricks apart.
+// The `progress` argument of Engine's constructor. `stop` is called after every submission and throws to end the work.
 inline std::function<void(const char* pass, double done)> passProgress(Progress& progress, std::function<void()> stop) {
   return [&progress, stop = std::move(stop), shown = std::string()](const char* pass, double done) mutable {
     if (std::exchange(shown, pass) != pass) progress.stage(std::string("computing on Vulkan: ") + pass);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/console/progress.hpp: tells a waiting person what is going on, on stderr: one line that is rewritten on a
-// terminal, a line a stage elsewhere, and one every few seconds of a long stage. One thread.
+// apps/console/progress.hpp: shows on stderr what the program is doing. On a terminal this is one line that is
+// rewritten; elsewhere a line for each stage, and one every few seconds of a long stage. One thread.
 #pragma once
 
 #include <cstdio>
@@ -12,13 +12,13 @@ namespace palpate {
 
 class Progress {
  public:
-  // `every_s`: where there is no terminal, how often the fraction of a long stage is told [s].
+  // `every_s`: interval between lines of a long stage where there is no terminal [s].
   explicit Progress(std::FILE* stream = stderr, double every_s = 5);
   ~Progress();  // ends the line
 
   void stage(const std::string& what);  // "loading skull.inv3"
   void fraction(double done);           // 0 ... 1 of the stage
-  void done();                          // clears the line: what follows is a result
+  void done();                          // clears the line, before a result
 
  private:
   void show(const std::string& text);
@@ -26,7 +26,7 @@ class Progress {
   std::FILE* stream_;
   bool terminal_;
   double every_s_;
-  Stopwatch since_;  // the stage's begin or its last fraction
+  Stopwatch since_;  // since the stage began or its last fraction was shown
   std::string stage_;
   std::string shown_;
 };

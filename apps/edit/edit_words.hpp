@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/edit/edit_words.hpp: what `palpate edit` did, for people and for programs. Any thread.
+// apps/edit/edit_words.hpp: the result of `palpate edit` as text and as JSON. Any thread.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -11,7 +11,7 @@ namespace palpate {
 // A table for the terminal.
 [[nodiscard]] std::string editWords(const EditRequest& request, const EditResult& result);
 
-// Keys with their units; docs/edits.md.
+// docs/edits.md lists the keys with their units.
 [[nodiscard]] nlohmann::ordered_json editJson(const EditRequest& request, const EditResult& result);
 
 }  // namespace palpate

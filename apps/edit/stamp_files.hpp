@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/edit/stamp_files.hpp: mesh files as stamps, for one volume and brush profile. Files that were used last are
-// kept, so that a script may stamp the same mesh a thousand times. Thread: one.
+// apps/edit/stamp_files.hpp: makes stamps from mesh files, for one volume and brush profile. Recently used stamps are
+// kept, so that a script can stamp the same mesh many times. Thread: one.
 #pragma once
 
 #include <list>
@@ -15,9 +15,9 @@ class StampFiles {
  public:
   StampFiles(const Lattice& lattice, const BrushProfile& profile) : lattice_(lattice), profile_(profile) {}
 
-  // Sampled at the volume's smallest spacing, coarser where that would take more than kMaxMeshVoxels along an axis; as
-  // deep as the ramp to `object` [density] or to the background needs.
-  // Throws Error: what readMeshFile() and prepareMesh() refuse; kBadInput for a mesh that is not closed.
+  // The stamp holds the distance from the mesh at the volume's smallest spacing, or coarser where that would need more
+  // than kMaxMeshVoxels along an axis. Inside, it reaches as deep as the ramp (rampDepth() for `object` [density]).
+  // Throws as readMeshFile() and prepareMesh() do, and Error(kBadInput) for a mesh that is not closed.
   [[nodiscard]] std::shared_ptr<const Stamp> stampOf(const std::string& file, double metres_per_unit, double object);
 
  private:
@@ -33,7 +33,7 @@ class StampFiles {
 
   Lattice lattice_;
   BrushProfile profile_;
-  std::list<Kept> kept_;  // the last used first
+  std::list<Kept> kept_;  // most recently used first
 };
 
 }  // namespace palpate

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // apps/mesh/mesh_file.hpp: reads a triangle mesh from an OBJ, STL or PLY file, through Assimp. Set-up only, any thread.
 //
-// Coordinates are the file's own, polygons (convex ones) are cut into triangles, points and lines are left out, the
-// parts of a file become one mesh. Assimp stays inside the .cpp, and reads in a child process (base/child_process.hpp).
+// Coordinates stay in the file's unit and frame. Convex polygons are cut into triangles, points and lines are left out,
+// and all parts of a file become one mesh. Assimp reads in a child process (base/child_process.hpp).
 #pragma once
 
 #include <string>
@@ -13,9 +13,9 @@ namespace palpate {
 
 inline constexpr std::uintmax_t kLargestMeshFile = 1ULL << 30;  // [byte]
 
-// Throws Error: kNotFound for a file that is not there; kIo for one that cannot be read; kBadInput for a folder,
-// another format, an empty, damaged or too large file, one without triangles, vertices that are not finite, and
-// triangles that name vertices which do not exist; kOutOfMemory.
+// Throws Error: kNotFound for a missing file; kIo for a file that cannot be read; kBadInput for a folder, another
+// format, an empty, damaged or too large file, no triangles, vertices that are not finite, and triangles that name
+// missing vertices; kOutOfMemory.
 [[nodiscard]] TriangleMesh readMeshFile(const std::string& file);
 
 }  // namespace palpate

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/mesh/mesh_writer.hpp: a triangle mesh written as STL (binary), PLY (binary, little-endian) or OBJ, by its
-// suffix.
+// apps/mesh/mesh_writer.hpp: writes a triangle mesh as STL (binary), PLY (binary, little-endian) or OBJ; the suffix of
+// the name decides.
 //
-// Coordinates are the mesh's times `units_per_metre`, in LPS as everywhere, as 32-bit floats (OBJ: nine digits, which
-// hold one exactly). Triangles keep their order and direction. Any thread; memory: a few KiB.
+// Coordinates are the mesh's [m] times `units_per_metre`, in the world frame (LPS), as 32-bit floats. In OBJ they have
+// nine digits, which give a float exactly. Triangles keep their order and orientation. Any thread; memory: a few KiB.
 #pragma once
 
 #include <string>
@@ -17,8 +17,8 @@ namespace palpate {
 [[nodiscard]] bool isMeshFileName(const std::string& name);
 inline constexpr const char* kMeshFileSuffixes = ".stl, .obj, .ply";
 
-// Refuses (Error kBadInput) another suffix, a mesh without triangles, and more triangles than the format can count
-// (STL: 2^32 - 1; PLY: 2^31 - 1 vertices).
+// Refuses (Error kBadInput) another suffix, a mesh without triangles, and a mesh too large for the format (STL: 2^32 -
+// 1 triangles; PLY: 2^31 - 1 vertices).
 void writeMesh(const TriangleMesh& mesh, const std::string& name, double units_per_metre, const ByteSink& sink);
 
 }  // namespace palpate

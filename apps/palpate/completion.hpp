@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/palpate/completion.hpp: what a shell offers while a command is typed: verbs, flags, and the words that a flag
-// takes; file names elsewhere. Made from CLI11's tree of verbs and the table of options, so it knows what the program
-// knows.
+// apps/palpate/completion.hpp: completion scripts for shells: they offer verbs, flags and the words that a flag takes,
+// and file names elsewhere. They are made from CLI11's tree of verbs and the table of options, so they match the
+// program.
 #pragma once
 
 #include <string>

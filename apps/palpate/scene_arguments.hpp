@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/palpate/scene_arguments.hpp: the scene on a command line: VOLUME or SCENE.toml, and a flag for every key.
+// apps/palpate/scene_arguments.hpp: a scene from the command line: VOLUME or SCENE.toml, and a flag for every key.
 #pragma once
 
 #include <string>
@@ -11,30 +11,32 @@
 
 namespace palpate {
 
-// Quotes what a shell would take apart.
+// The word, quoted if a shell would change or split it.
 [[nodiscard]] std::string shellWord(const std::string& word);
 
-// A name like this one that nothing has: "kept" gives "kept-2", and "kept-3" where that is there too.
+// The first of NAME-2, NAME-3, ... that does not exist as a file or folder; for "kept-2" the series goes on at
+// "kept-3".
 [[nodiscard]] std::string nextFreeName(const std::string& name);
 
 class SceneArguments {
  public:
-  // Adds the positional argument and all scene flags to the verb. This object must outlive the parsing.
+  // Adds the positional argument and all scene flags to the verb. This object must outlive parsing.
   explicit SceneArguments(CLI::App& verb);
 
-  // Defaults, then the scene file, then flags. Throws Error for values that do not fit and where no volume is named.
+  // Defaults, overridden by the scene file, overridden by flags. Throws Error for invalid values and if no volume is
+  // named.
   [[nodiscard]] Scene scene() const;
 
-  // The scene's flags that the command line has, without their values.
+  // The scene flags on the command line, without their values.
   [[nodiscard]] std::vector<std::string> givenFlags() const;
 
-  // A line that repeats the run: the verb, the positional argument and the flags as given, but for a journal another
-  // folder, as the run's own holds its edits then.
+  // A line that repeats the run: the verb, the positional argument and the flags as given. Only the journal gets
+  // another folder, since the given one then holds this run's edits.
   [[nodiscard]] std::string commandLine(const std::string& verb, const Scene& scene) const;
 
  private:
   std::string source_;               // volume, or scene file if it ends in .toml
-  std::vector<std::string> values_;  // by row of the option table; what was given
+  std::vector<std::string> values_;  // as given, by row of the option table
   std::vector<CLI::Option*> options_;
   std::vector<std::string> objects_;  // --object, as given
 };

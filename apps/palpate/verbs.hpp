@@ -11,12 +11,12 @@
 
 namespace palpate {
 
-// For options that mean nothing when they are empty: says so, as CLI11's checks do.
+// A CLI11 check for options that may not be empty: returns the message, or "" if the text is not empty.
 [[nodiscard]] inline std::string notEmpty(const std::string& text) {
   return text.empty() ? "'' is empty: name something, or leave the option out" : "";
 }
 
-// For a file that comes at the end of long work: throws Error(kIo) at once where it cannot be written.
+// For a file that is written at the end of long work: throws Error(kIo) now if it cannot be written.
 inline void checkWritable(const std::string& file) {
   static_cast<void>(AtomicFile(file));
 }

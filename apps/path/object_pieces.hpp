@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/path/object_pieces.hpp: the connected pieces of the object in a volume: which is the largest, how large each is.
+// apps/path/object_pieces.hpp: the connected pieces of the object in a volume, largest first, with their sizes.
 //
-// A piece is a set of samples above the isovalue, each next to another of it along an axis of the lattice. Two bodies
-// that only touch at an edge or a corner are two pieces. Set-up code, any thread while the field does not change. Cost:
-// one pass over the field's blocks, and 12 bytes for each run of object along the first axis: a second for 10^8
-// samples.
+// A piece is a set of samples above the isovalue that are connected along the axes of the lattice (6-neighbours). Two
+// bodies that only touch at an edge or a corner are two pieces. Set-up code, any thread while the field does not
+// change. Cost: one pass over the field's blocks, about a second for 10^8 samples. Memory: 12 bytes for each run of
+// object samples along the first axis.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ namespace palpate {
 
 struct ObjectPiece {
   std::int64_t voxels = 0;      // samples
-  Vec3i first = Vec3i::Zero();  // of the box around them [voxel]
+  Vec3i first = Vec3i::Zero();  // of the bounding box [voxel]
   Vec3i last = Vec3i::Zero();   // inclusive [voxel]
 };
 
@@ -25,25 +25,25 @@ class ObjectPieces {
  public:
   explicit ObjectPieces(const SurfaceField& field);
 
-  // The largest first; of two equal ones that which comes first in the volume.
+  // The largest first; pieces of equal size in the order in which they come in the volume.
   [[nodiscard]] const std::vector<ObjectPiece>& all() const noexcept { return pieces_; }
 
-  // Which of them a sample belongs to; empty: to none, or it lies outside the volume.
+  // The index of the piece that a sample belongs to; empty: background, or outside the volume.
   [[nodiscard]] std::optional<std::size_t> pieceOf(const Vec3i& voxel) const;
-  // Which of them a point of the surface belongs to: that of the nearest object sample of its cell.
+  // The index of the piece that a point of the surface belongs to: the piece of the nearest object sample of its cell.
   [[nodiscard]] std::optional<std::size_t> pieceAt(const Vec3& surface_W) const;
 
-  // Samples of background, each of which has one of the piece behind it along the first axis, in the sense that comes
-  // with it: at most `count`, spread evenly over the piece. None where the piece ends at the border of the volume only.
+  // At most `count` background samples next to samples of the piece along the first axis, spread evenly over the piece.
+  // None if the piece ends only at the volume's border.
   struct Entry {
     Vec3i outside = Vec3i::Zero();  // [voxel]
-    int sense = 1;                  // +1 or -1: where along the first axis the piece is
+    int sense = 1;                  // +1 or -1: direction to the piece along the first axis
   };
   [[nodiscard]] std::vector<Entry> entries(std::size_t piece, std::size_t count) const;
 
  private:
   struct Run {
-    std::int32_t begin = 0, end = 0;  // along the first axis, end not included [voxel]
+    std::int32_t begin = 0, end = 0;  // along the first axis, [begin, end) [voxel]
     std::uint32_t piece = 0;          // while pieces are joined: another run of the same one
   };
   void findRuns(const SurfaceField& field);

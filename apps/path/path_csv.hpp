@@ -12,9 +12,9 @@
 namespace palpate {
 
 // The rows of `file`, in order. Lines may end in CR LF; empty lines are skipped; numbers use '.' in every locale.
-// Refuses, with file and line: a file that is missing (Error kNotFound) or cannot be read (kIo); and as kBadInput
-// another header, fewer than two rows, a row that is not four numbers, NaN or infinity (of the whole time too), time
-// that repeats or goes back, and a hole: a gap of more than ten times the median interval.
+// Throws Error with file and line: kNotFound for a missing file; kIo for one that cannot be read; kBadInput for another
+// header, fewer than two rows, a row that is not four numbers, NaN or infinity (in the total time too), time that
+// repeats or goes back, and a gap of more than ten times the median interval.
 [[nodiscard]] std::vector<TimedPoint> readPathCsv(const std::filesystem::path& file);
 
 }  // namespace palpate

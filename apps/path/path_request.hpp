@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/path/path_request.hpp: what a user can ask of a path that is built from the surface; see Scene for the flags.
+// apps/path/path_request.hpp: what a user can ask of a path that is built from the surface (Scene holds the same).
 #pragma once
 
 #include <optional>
@@ -10,10 +10,10 @@
 namespace palpate {
 
 struct PathRequest {
-  double duration_s = 5;                // of the whole path [s]
-  std::optional<double> approach_m;     // how far from the surface it begins [m]; empty: fits the object (path_fit.hpp)
-  std::optional<double> press_depth_m;  // below the surface while sliding [m]; empty: fits the object
-  std::optional<double> slide_length_m;  // along the surface [m]; empty: fits the object
+  double duration_s = 5;                 // of the whole path [s]
+  std::optional<double> approach_m;      // distance from the surface at the start [m]; empty: as path_fit.hpp chooses
+  std::optional<double> press_depth_m;   // below the surface while sliding [m]; empty: likewise
+  std::optional<double> slide_length_m;  // along the surface [m]; empty: likewise
   OverEdges over_edges = OverEdges::kFollow;
   std::optional<Vec3> toward_W;  // direction in which the tool approaches; empty: chosen
   std::optional<Vec3> start_W;   // a point near the surface where the press begins [m]; empty: chosen

@@ -11,12 +11,13 @@
 
 namespace palpate {
 
-// The surface point nearest to a wished start. Refuses (Error kBadInput): no surface near it.
+// The surface point nearest to a requested start. Refuses (Error kBadInput) a start without a surface near it.
 [[nodiscard]] SurfaceHit startNear(const SurfaceField& field, const Vec3& start_W);
 
-// Rays are cast through and around the middle of the box around a piece (along `toward` if it is given), and of the
-// places where they enter the piece the one is taken whose surroundings have the calmest normals, and which has room in
-// front of it for the approach. Empty where they meet none that faces them.
+// The best place to start on a piece. Rays are cast through and around the middle of the piece's box (along `toward_W`
+// if it is given). Of the places where they enter the piece, the best one has the least varying normals around it and
+// room in front of it for the approach. If no ray meets a surface that faces it and `toward_W` is empty, short rays
+// into samples of the piece are tried. Empty if all miss.
 [[nodiscard]] std::optional<SurfaceHit> startOn(const SurfaceField& field, const ObjectPieces& pieces,
                                                 std::size_t piece, const std::optional<Vec3>& toward_W,
                                                 double approach_m);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/path/surface_field.hpp: what path building needs to know of a volume: density, gradient, isovalue, extent.
+// apps/path/surface_field.hpp: what path building reads of a volume: density, gradient, isovalue, extent.
 //
 // World frame [m]. Above the isovalue is object, at or below it background; normals point out of the object.
 #pragma once
@@ -9,7 +9,7 @@
 
 namespace palpate {
 
-// Samples along the edge of the blocks in which a field is read as a whole: those of a volume's bricks.
+// Samples along the edge of a block. A whole field is read block by block; blocks are as large as a volume's bricks.
 inline constexpr int kFieldBlock = 8;
 inline constexpr int kFieldBlockSamples = kFieldBlock * kFieldBlock * kFieldBlock;
 
@@ -21,8 +21,8 @@ class SurfaceField {
   [[nodiscard]] virtual double isovalue() const = 0;         // tau [density]
   [[nodiscard]] virtual const Lattice& lattice() const = 0;  // where the samples lie
   [[nodiscard]] virtual Vec3i size() const = 0;              // samples along the lattice's axes [voxel]
-  // Fills `values` with the densities of the samples from kFieldBlock * block on, i fastest, and returns false; or sets
-  // values[0] only and returns true where all are equal. What lies outside size() may hold anything.
+  // Reads the block whose first sample is kFieldBlock * block. If all its densities are equal, sets values[0] only and
+  // returns true. Else fills `values`, i fastest, and returns false. Values outside size() may be anything.
   virtual bool readBlock(const Vec3i& block, float* values) const = 0;
 };
 

@@ -22,12 +22,12 @@ struct SurfaceHit {
 // -grad/|grad|; empty outside the volume and where the gradient vanishes.
 [[nodiscard]] std::optional<Vec3> normalAt(const SurfaceField& field, const Vec3& p_W);
 
-// First place along origin + s * direction (unit), 0 <= s <= reach, where background turns into object. Steps of half a
+// First point on origin + s * direction (unit), 0 <= s <= reach, where background turns into object. Steps of half a
 // voxel, then bisection to 1e-6 voxel. Cost: about 2 * reach / voxel samples.
 [[nodiscard]] std::optional<SurfaceHit> firstEntry(const SurfaceField& field, const Vec3& origin_W,
                                                    const Vec3& direction_W, double reach_m);
 
-// How far one can go from a surface point along `direction` (unit) before entering the object, at most `reach_m` [m].
+// Free distance from a surface point along `direction_W` (unit) before the object is entered, at most `reach_m` [m].
 [[nodiscard]] double freeDistance(const SurfaceField& field, const SurfaceHit& from, const Vec3& direction_W,
                                   double reach_m);
 

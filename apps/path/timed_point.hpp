@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/path/timed_point.hpp: a scripted path: where the tool is at which time, and what its parts are called.
+// apps/path/timed_point.hpp: the points of a scripted path with their times, and its named phases.
 #pragma once
 
 #include <string>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/report/decimate.hpp: fewer rows for a plot, such that no peak is lost.
+// apps/report/decimate.hpp: reduces the rows of a plot without losing peaks.
 //
 // Any thread. Cost: one pass.
 #pragma once
@@ -15,8 +15,9 @@ struct PlotTable {
   std::vector<std::vector<double>> series;
 };
 
-// At most 2 * buckets rows. Each bucket of neighbouring rows becomes two: its first and last time, and per series its
-// smallest and largest value in the order in which they occurred. A table that is short enough is returned as it is.
+// At most 2 * buckets rows. Each bucket of neighbouring rows becomes two rows: with its first and its last time, and
+// for each series its smallest and largest value in the order in which they occurred. A short table is returned
+// unchanged.
 [[nodiscard]] PlotTable decimate(const PlotTable& table, std::size_t buckets);
 
 }  // namespace palpate

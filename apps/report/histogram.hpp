@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/report/histogram.hpp: counts of times in classes of equal width on a logarithmic axis.
+// apps/report/histogram.hpp: a histogram of times, with classes of equal width on a logarithmic axis.
 #pragma once
 
 #include <cstddef>
@@ -11,7 +11,7 @@ struct LogHistogram {
   double low = 0;    // lower edge of the first class; in the values' unit
   double ratio = 1;  // upper edge / lower edge of each class [-]
   std::vector<std::size_t> counts;
-  std::size_t below = 0;                           // values at or under zero, which a logarithm does not have
+  std::size_t below = 0;                           // values at or below zero, which have no logarithm
   [[nodiscard]] double edge(std::size_t i) const;  // lower edge of class i
 };
 

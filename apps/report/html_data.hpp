@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/report/html_data.hpp: the curves of report.html as data: which plots there are, and their rows.
+// apps/report/html_data.hpp: the plots of report.html as data.
 #pragma once
 
 #include <string>
@@ -13,14 +13,14 @@
 namespace palpate {
 
 struct ReportPlot {
-  std::string id;                   // of the element that it is drawn into
+  std::string id;                   // of the HTML element that it is drawn into
   std::string title;                // with the unit
   std::vector<std::string> labels;  // of the series; the last one is drawn boldest
   PlotTable table;                  // decimated
 };
 
-// Force, depth and energy; tick cost and lateness too unless the clock was simulated. Any thread; some passes over the
-// records.
+// The plots of force, depth and energy and, unless the clock was simulated, of tick cost and lateness. Any thread; some
+// passes over the records.
 [[nodiscard]] std::vector<ReportPlot> makePlots(const TouchRun& run);
 
 // {"plots": [{id, title, labels, rows: [[time, ...], ...]}], "phases": [...]}: numbers to five digits, NaN as null.

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // apps/report/html_report.hpp: report.html, the run for people: one file that needs nothing but a browser.
 //
-// Style, script, curves and picture are inside; nothing is fetched. Curves are thinned so that peaks stay and the page
-// keeps below about 3 MB plus the picture, however long the run was. Without script it still shows curves, tables and
+// Style, script, curves and picture are inside; nothing is fetched. Curves are reduced (decimate.hpp), so the page
+// stays below about 3 MB plus the picture, however long the run was. It needs no script to show curves, tables and
 // picture.
 #pragma once
 

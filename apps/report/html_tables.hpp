@@ -13,7 +13,7 @@ namespace palpate {
 
 [[nodiscard]] std::string keyFigures(const TouchRun& run, const RunFigures& figures);
 [[nodiscard]] std::string faultSection(const TouchRun& run);
-[[nodiscard]] std::string editSection(const TouchRun& run);  // empty in a run without
+[[nodiscard]] std::string editSection(const TouchRun& run);  // empty for a run without edits
 [[nodiscard]] std::string workSection(const TouchRun& run);  // stages and memory
 [[nodiscard]] std::string planSection(const TouchRun& run);
 [[nodiscard]] std::string machineSection(const TouchRun& run);

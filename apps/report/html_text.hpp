@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/report/html_text.hpp: text made safe for the places of an HTML page. Any thread; one pass each.
+// apps/report/html_text.hpp: escapes text for an HTML page. Any thread; one pass each.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace palpate {
 
-// For element content and quoted attributes: & < > " ' become entities, control characters a space.
+// For element content and quoted attributes: & < > " ' become entities, control characters become spaces.
 [[nodiscard]] std::string escapeHtml(std::string_view text);
 
 // JSON inside a script element: '<' becomes \u003c, so that no text can end the element.
@@ -15,7 +15,7 @@ namespace palpate {
 
 [[nodiscard]] std::string base64(std::string_view bytes);
 
-// "press_depth_m" -> "press depth [m]": a key of the summary as a person reads it.
+// A key of the summary for people: "press_depth_m" -> "press depth [m]".
 [[nodiscard]] std::string keyInWords(std::string_view key);
 
 }  // namespace palpate

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/report/label_placer.hpp: where words go in a picture or a chart, so that they cover neither each other nor what
+// apps/report/label_placer.hpp: places labels in a picture or a chart, so that they cover neither each other nor what
 // is drawn.
 //
-// Pixels from the top left corner of the picture's or the chart's panel. Any thread, one at a time. Cost: of a label, a
-// look at every point of the lines.
+// Pixels from the top left corner of the panel. Any thread, one at a time. Cost of a label: a look at every point of
+// the lines.
 #pragma once
 
 #include <vector>
@@ -22,15 +22,15 @@ class LabelPlacer {
  public:
   LabelPlacer(double width, double height) : width_(width), height_(height) {}
 
-  void avoid(const LabelBox& box) { boxes_.push_back(box); }  // nothing goes over it, if there is any room
-  // A mark of its own: words of another mark stand nearer to theirs than to it, if there is any such place.
+  void avoid(const LabelBox& box) { boxes_.push_back(box); }  // labels stay clear of it if there is room
+  // Adds a mark. The label of another mark is put nearer to its own mark than to this one, if possible.
   void addMark(const Pixel& at) { marks_.push_back(at); }
-  void avoidLine(const std::vector<Pixel>& points);  // better not crossed
+  void avoidLine(const std::vector<Pixel>& points);  // labels cross it only if they must
 
-  // A box of this size beside `at`, `gap` away from it: to the right, if that is as good as any other side. It is
-  // avoided from then on.
+  // A box of this size beside `at`, at the distance `gap`, on the right unless another side is better. Later labels
+  // avoid it.
   LabelBox place(const Pixel& at, double gap, double width, double height);
-  // Whether the words of the mark `own` would be taken for those of another mark.
+  // Whether the label `words` of the mark `own` could be taken for that of another mark.
   [[nodiscard]] bool isAtAnother(const LabelBox& words, const Pixel& own) const;
 
  private:

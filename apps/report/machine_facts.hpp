@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/report/machine_facts.hpp: on which machine a figure was measured.
+// apps/report/machine_facts.hpp: the machine on which figures were measured.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,8 @@ struct MachineFacts {
   std::string os;                  // "Debian GNU/Linux 12 (bookworm)"
 };
 
-// Reads /proc and /etc/os-release. What cannot be read is "unknown" or 0; refuses nothing. Any thread; some file reads.
+// Reads /proc and /etc/os-release. What cannot be read is "unknown" or 0; never throws for that. Any thread; reads
+// files.
 [[nodiscard]] MachineFacts readMachineFacts();
 
 }  // namespace palpate

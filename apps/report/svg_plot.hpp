@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/report/svg_plot.hpp: small pictures for the report that need no script: histograms, and curves for its absence.
+// apps/report/svg_plot.hpp: SVG pictures for the report that need no script: histograms, and curves for browsers
+// without script.
 //
-// Colours come from the page's style sheet by class. Any thread; cost follows the size of the text.
+// Colours come from the page's style sheet. Any thread; cost follows the size of the text.
 #pragma once
 
 #include <string>
@@ -15,7 +16,7 @@ namespace palpate {
 // Bars over a logarithmic time axis [us]; heights are logarithmic too, since one late tick in a million matters.
 [[nodiscard]] std::string histogramSvg(const LogHistogram& histogram, const std::string& label);
 
-// One polyline for the first series of the table, time along, with its range written at the axis.
+// A polyline of the table's first series over time, with its range written at the axis.
 [[nodiscard]] std::string curveSvg(const PlotTable& table, const std::string& label);
 
 }  // namespace palpate

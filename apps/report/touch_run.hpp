@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/report/touch_run.hpp: everything that a finished run knows, for the trace, the summary, the report and the
-// picture.
+// apps/report/touch_run.hpp: all data of a finished run, for the trace, the summary, the report and the picture.
 //
-// Plain data, filled by the verb that ran; SI units, world frame W. An empty string or list means: not known or none.
+// Plain data, filled by the job that ran; SI units, world frame W. An empty string or list means unknown or none.
 #pragma once
 
 #include <cstdint>
@@ -35,8 +34,8 @@ struct VulkanFacts {
 
 struct RunFault {
   std::string name;             // of the flag: "stale_window"
-  std::int64_t ticks = 0;       // in how many ticks it was raised
-  std::int64_t first_tick = 0;  // where first
+  std::int64_t ticks = 0;       // number of ticks in which it was raised
+  std::int64_t first_tick = 0;  // first tick in which it was raised
   std::string text;             // what happened, in words
   std::string effect;           // what it does to the force: "falls to zero ..."
   std::string remedy;           // what to do
@@ -44,32 +43,33 @@ struct RunFault {
 
 // How far the haptic algorithm was from the exact surface, where one is known (phantoms).
 struct ExactErrors {
-  // Distance of the surface that was found, the VHIP before effects, from the exact one; none without a VHIP [voxel].
+  // Distance of the surface point that was found (the VHIP before effects) from the exact surface [voxel]. Empty if the
+  // algorithm has no VHIP.
   std::optional<double> vhip_median_voxel, vhip_p99_voxel;
   double force_angle_median_deg = 0, force_angle_p99_deg = 0;  // force against the exact normal [deg]
-  std::int64_t ticks = 0;                                      // that this is over
-  bool slide_only = false;                                     // all of them of the slide
+  std::int64_t ticks = 0;                                      // number of ticks that count
+  bool slide_only = false;                                     // all of these ticks are in the slide
 };
 
 // What the tool changed, in a run with a brush.
 struct RunEdits {
   std::uint64_t count = 0;                         // edits
-  std::uint64_t published = 0;                     // of those, that reached the window
-  std::vector<double> edit_to_window_ms;           // of each of them: from the edit to the published window [ms]
+  std::uint64_t published = 0;                     // edits that reached the window
+  std::vector<double> edit_to_window_ms;           // for each of these, the time to the published window [ms]
   std::uint64_t journal_records = 0;               // given to the journal
-  std::uint64_t journal_saved = 0;                 // of those, on disk
+  std::uint64_t journal_saved = 0;                 // on disk
   std::uint64_t journal_bytes = 0;                 // [byte]
-  std::string journal_failure;                     // why not all are; empty: they are
+  std::string journal_failure;                     // why records are not on disk; empty: all are
   std::uint64_t refused = 0;                       // edits that the engine did not apply
-  std::uint64_t saves = 0;                         // of the volume, that are on disk
-  std::uint64_t save_failures = 0;                 // that are not
+  std::uint64_t saves = 0;                         // successful saves of the volume
+  std::uint64_t save_failures = 0;                 // failed saves
   std::uint64_t save_bytes = 0;                    // of the newest file [byte]
-  std::optional<std::uint64_t> save_version = {};  // edit version that it holds
-  std::vector<double> save_s = {};                 // of each of them [s]
-  std::string save_failure = {};                   // why the newest save is not on disk; empty: it is
-  // Of the volume, edited; empty: it is not known, as the device failed.
+  std::optional<std::uint64_t> save_version = {};  // edit version in it
+  std::vector<double> save_s = {};                 // time that each successful save took [s]
+  std::string save_failure = {};                   // why the newest save failed; empty: it did not
+  // Of the edited volume; empty if the device failed, since the volume is then unknown.
   std::optional<std::uint64_t> content = {};  // contentHash()
-  std::optional<double> added_m3 = {};        // what is object now less what was; below 0: removed [m^3]
+  std::optional<double> added_m3 = {};        // growth of the object; negative: removed [m^3]
 };
 
 struct TouchRun {
@@ -78,19 +78,19 @@ struct TouchRun {
   MachineFacts machine;
   VulkanFacts vulkan;
   std::string commit;             // of the program
-  std::string command;            // line that repeats the run
+  std::string command;            // command line that repeats the run
   std::vector<StageTime> stages;  // in order
   std::vector<MemoryFigure> memory;
   std::vector<std::string> plan;                   // what was done, what was left out and what that saved
-  std::vector<std::string> realtime;               // what of real time was allowed and what not
-  std::vector<std::string> notes;                  // of path and objects: what is not as asked
+  std::vector<std::string> realtime;               // which real-time settings the system allowed
+  std::vector<std::string> notes;                  // what differs from the request
   std::vector<std::vector<Vec3>> object_outlines;  // lines that show the objects on the picture [m]
   std::vector<PathPhase> phases;                   // of the path; empty for a path from a file
   std::vector<TickRecord> records;                 // one a tick, in order
-  std::int64_t grid_points = 0;                    // ticks that were run or left out; 0: as the records say
-  ContactStability stability;                      // of the contact in them
+  std::int64_t grid_points = 0;                    // ticks that were run or left out; 0: as many as records
+  ContactStability stability;                      // of the contact in the records
   std::vector<RunFault> faults;
-  std::string ended_early;         // how: "stopped by the user after 1.2 s of 5 s"; empty: all was done
+  std::string ended_early;         // "stopped by the user after 1.2 s of 5 s"; empty: it ended as planned
   std::vector<std::string> files;  // written or to be written, as shown to the user
   std::optional<ExactErrors> exact;
   std::optional<RunEdits> edits;

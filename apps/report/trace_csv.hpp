@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/report/trace_csv.hpp: trace.csv, one row a tick; world frame, units in the column names.
+// apps/report/trace_csv.hpp: writes trace.csv: one row a tick, world frame, units in the column names.
 #pragma once
 
 #include <filesystem>
@@ -19,8 +19,8 @@ inline constexpr std::string_view kTraceHeader =
 // Numbers are the shortest that read back to the same bits, so equal records give equal bytes; density is "nan" where
 // the window did not reach. Throws Error kIo (atomic_file.hpp). Any thread. Cost: about 2 microseconds and 200 bytes a
 // row.
-// `ended_early`: of a run that was not finished, as a last line "# ..."; readers that know no comments must leave it
-// out.
+// `ended_early`: for a run that was stopped, written as a last line "# ...". A reader that knows no comments must skip
+// it.
 void writeTraceCsv(const std::filesystem::path& file, const std::vector<TickRecord>& records,
                    const std::string& ended_early = "");
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/report/words.hpp: a run in words: one sentence for a heading, some lines for a terminal, numbers with units.
+// apps/report/words.hpp: a run in words: a sentence for a heading, some lines for a terminal, numbers with units.
 //
 // Screen units (mm, N, us, MiB). Any thread; a few microseconds once the figures are there.
 #pragma once
@@ -19,21 +19,21 @@ namespace palpate {
 // About ten lines, each ending in a newline: what was touched, how it felt, energy, how the servo did, faults, files.
 [[nodiscard]] std::string closingSummary(const TouchRun& run);
 
-// Of a run with --save: how often, up to which edit, how large, how long, what failed.
+// For a run with --save: how often the volume was saved, up to which edit, its size, the time, what failed.
 [[nodiscard]] std::string saveWords(const TouchRun& run);
 
-// "quiet: the surface took 0.3 mJ from the hand, and no contact gave more than it had taken": the verdict on the
-// contact (servo/loop/contact_stability.hpp) with its figures, and where there is something to change, what.
+// The verdict on the contact (servo/loop/contact_stability.hpp) with its figures and, if something should be changed,
+// advice: "quiet: the surface took 0.3 mJ from the hand, and no contact gave more than it had taken".
 [[nodiscard]] std::string stabilityWords(const ContactStability& stability, const RunFigures& figures);
 
-// Of a run with a brush that edited: "removed about 12.3 mm3", "added about 4.5 mm3", "moved no voxel across the
-// surface"; empty where it is not known.
+// For a run with edits: "removed about 12.3 mm3", "added about 4.5 mm3", "moved no voxel across the surface"; empty if
+// unknown.
 [[nodiscard]] std::string volumeChange(const RunEdits& edits);
 
 // "1 edit", "3 edits"
 [[nodiscard]] std::string counted(std::uint64_t count, const std::string& word);
 
-// Of grid points that the servo left out after late ticks: ", 12 left out"; empty: none.
+// Ticks that the servo left out after late ones: ", 12 left out"; empty if none.
 [[nodiscard]] std::string leftOutWords(const RunFigures& figures);
 
 // Three significant digits: 0.123, 12.3, 123, 1234 (never fewer than the integer has). Halves are rounded away from

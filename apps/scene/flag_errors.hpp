@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/scene/flag_errors.hpp: what the servo refuses, with the names that a user has for it. Any thread.
+// apps/scene/flag_errors.hpp: gives the servo's errors the names of flags and keys. Any thread.
 //
-// Ranges are the option table's. What is left are settings that do not fit together (a dynamic friction above the static
-// one); the servo finds those, and knows its parameters' names only.
+// The option table checks ranges. The servo refuses settings that do not fit together (a dynamic friction above the
+// static one), but knows only its own names for its parameters.
 #pragma once
 
 #include "base/error.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/scene/idle_options.hpp: options that were given and that nothing in the scene uses, to be told rather than
-// ignored. A row a flag, as in option_table.cpp. Any thread.
+// apps/scene/idle_options.hpp: finds options that were given although nothing in the scene uses them, so that the user
+// is told. One row for each flag, as in option_table.cpp. Any thread.
 #pragma once
 
 #include <span>
@@ -11,7 +11,7 @@
 
 namespace palpate {
 
-// Of these flags, those that change nothing in this scene, each in words: "--hand-mass has no effect: it is that of
+// A sentence for each of these flags that changes nothing in this scene: "--hand-mass has no effect: it is that of
 // --hand spring".
 [[nodiscard]] std::vector<std::string> idleOptions(const Scene& scene, std::span<const std::string> given_flags);
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // apps/scene/object_table.hpp: the objects of a scene as text: one table of keys for [[object]] and --object.
 //
-// In a scene file an object is a table, `[[object]]` with `kind = "sphere"`, `centre_mm = [0, 0, 30]`; on the command
-// line one word, "sphere:centre=0,0,30:radius=5", whose keys are the same without their unit. Any thread.
+// In a scene file an object is a table: `[[object]]` with `kind = "sphere"`, `centre_mm = [0, 0, 30]`. On the command
+// line it is one word, "sphere:centre=0,0,30:radius=5", with the same keys without their units. Any thread.
 #pragma once
 
 #include <span>
@@ -32,7 +32,7 @@ using ObjectValue = std::variant<ObjectVector, ObjectNumber, ObjectText>;
 
 struct ObjectOption {
   const char* key;   // "centre_mm"
-  const char* word;  // "centre": of --object
+  const char* word;  // "centre": the key in --object
   const char* unit;  // as on screens
   std::vector<ObjectKind> kinds;
   bool required = false;
@@ -44,8 +44,9 @@ struct ObjectOption {
 [[nodiscard]] const char* objectKindName(ObjectKind kind) noexcept;
 
 // An object from its kind and its keys with their values as text, vectors as "x,y,z". `where`: the flag, or the file
-// and line, for the message. Throws Error(kBadInput): an unknown kind, a key that the kind does not have (with those
-// that it has), one given twice, one that is missing, a value of the wrong form, a number or unit that cannot be.
+// and line, for the message. Throws Error(kBadInput): an unknown kind; a key that the kind does not take (the message
+// lists those that it takes), that is given twice or that is missing; a value of the wrong form; an invalid number or
+// unit.
 [[nodiscard]] ObjectSpec makeObjectSpec(const std::string& kind,
                                         const std::vector<std::pair<std::string, std::string>>& keys,
                                         const std::string& where);

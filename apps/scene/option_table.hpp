@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/scene/option_table.hpp: every option of a scene, once: flag, TOML key, unit, range, help. The command line, the
-// scene file, `--help`, docs/scene.md and summary.json all read this table. Any thread.
+// apps/scene/option_table.hpp: the table of every option of a scene: flag, TOML key, unit, range, help. The command
+// line, the scene file, `--help`, docs/scene.md and summary.json are all made from it. Any thread.
 #pragma once
 
 #include <span>
@@ -24,7 +24,7 @@ struct SceneOption {
 // The row of a key, or null.
 [[nodiscard]] const SceneOption* optionOfKey(std::string_view key);
 
-// The heading under which --help has it: one for each table of the scene file.
+// The heading of the option in --help: one for each table of the scene file.
 [[nodiscard]] const char* optionGroup(const SceneOption& option);
 
 // "stiffness of the contact, K [N/m] (default 500; key servo.stiffness_N_per_m)"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/scene/option_value.hpp: one value of a scene, read from text and written as text, with its range and screen
-// unit.
+// apps/scene/option_value.hpp: the kinds of values in a scene, with range and screen unit, and how they are read from
+// text and written as text.
 #pragma once
 
 #include <optional>
@@ -13,7 +13,8 @@
 
 namespace palpate {
 
-// A number: screen unit * scale = the scene's SI value. The range is in the screen unit and closed, or open below.
+// A number; its value in the screen unit times `scale` is the SI value in the scene. The range is in the screen unit.
+// It is closed, or open at its lower end.
 struct NumberOption {
   std::variant<double Scene::*, std::optional<double> Scene::*> member;
   double scale = 1;
@@ -32,17 +33,17 @@ struct IntegerOption {
   long long highest = 0;
 };
 
-// A size of memory: "512MiB". 0 in the scene, which cannot be given: not given.
+// A size of memory: "512MiB". 0 in the scene means that none was given; a user cannot give 0.
 struct BytesOption {
   std::uint64_t Scene::*member;
 };
 
 struct TextOption {
   std::string Scene::*member;
-  bool may_be_empty = true;  // false: who gives it means something by it
+  bool may_be_empty = true;  // false: an empty text is refused
 };
 
-// Words with blanks between them; in a scene file a list of texts.
+// Words, separated by blanks; in a scene file a list of texts.
 struct ListOption {
   std::string Scene::*member;
 };
@@ -64,13 +65,13 @@ struct WordOption {
 struct VectorOption {
   std::optional<Vec3> Scene::*member;
   double scale = 1;
-  bool direction = false;  // made a unit vector; zero is refused
+  bool direction = false;  // is normalised; zero is refused
 };
 
 // Rows of numbers: "a:b:c,d:e:f". At least one row, each with the numbers that `row` names.
 struct TableOption {
   NumberTable Scene::*member;
-  double first_scale;  // screen unit * first_scale = the scene's SI value, of the first number of each row
+  double first_scale;  // screen unit times this is the SI value, for the first number of each row
   const char* row;     // "density:force:viscosity"
 };
 
@@ -81,22 +82,22 @@ using OptionValue = std::variant<NumberOption, IntegerOption, BytesOption, TextO
 // of the wrong form, NaN, or a number out of range; the scene is then unchanged.
 void setOption(const OptionValue& value, const std::string& text, const std::string& where, Scene& scene);
 
-// The member's value in the form that setOption() takes; empty for a value that the program chooses.
+// The member's value in the form that setOption() takes; empty if the program chooses the value.
 [[nodiscard]] std::string optionText(const OptionValue& value, const Scene& scene);
 
-// An SI value in screen units, with the fewest digits from ten on that give exactly it when they are read and scaled;
-// of three with commas between.
+// An SI value in screen units: with ten digits, or with the fewest digits above ten that give exactly the SI value when
+// they are read and scaled. A vector is three such numbers, separated by commas.
 [[nodiscard]] std::string screenText(double si, double scale);
 [[nodiscard]] std::string screenText(const Vec3& si, double scale);
 
-// A whole text as a number, or as three finite ones with commas between; nothing for any other text.
+// The whole text as a number, or as three finite numbers separated by commas; empty for any other text.
 [[nodiscard]] std::optional<double> numberOf(std::string_view text);
 [[nodiscard]] std::optional<Vec3> vectorOf(std::string_view text);
 
-// The words of which one must be given; empty where any text, number or file may be.
+// The words from which a user must choose; empty if the option takes any text, number or file.
 [[nodiscard]] std::vector<std::string> optionWords(const OptionValue& value);
 
-// What may be given: "0 ... 20000", "rigid or spring", "none, procedural or density", "x,y,z", "rows
+// What the option takes, in words: "0 ... 20000", "rigid or spring", "none, procedural or density", "x,y,z", "rows
 // density:force:viscosity with commas between".
 [[nodiscard]] std::string optionForm(const OptionValue& value);
 

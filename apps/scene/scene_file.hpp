@@ -8,10 +8,10 @@
 
 namespace palpate {
 
-// Sets every key of the file in `scene` and adds its objects. Relative paths (volume, path.file, files of objects) are
-// taken from the file's folder. Throws Error: a missing file or a folder, text that is no TOML (with line and column),
-// a key that the table does not know (with the nearest one that it knows), a value of the wrong kind (text for a
-// number) or form. `scene` is then unchanged.
+// Sets in `scene` every key of the file and adds its objects. Relative paths (volume, path.file, files of objects) are
+// taken from the file's folder. Throws Error: a missing file or a folder; text that is no TOML (with line and column);
+// a key that is not in the option table (with the nearest one that is); a value of the wrong type or form. Then `scene`
+// is unchanged.
 void readSceneFile(const std::filesystem::path& file, Scene& scene);
 
 }  // namespace palpate

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/touch/algorithm_setup.hpp: from what a scene asks of the servo to what its algorithm is made from. Set-up code.
+// apps/touch/algorithm_setup.hpp: turns a scene into the set-up of its haptic algorithm. Set-up code.
 #pragma once
 
 #include "engine/plan/plan.hpp"
@@ -7,19 +7,19 @@
 
 namespace palpate {
 
-// `isovalue` as the volume has it [density]; `scale`: how its densities lie about it; `objects` those of the scene
-// (scene_objects.hpp). The isosurface's mesh is left out. Throws Error(kBadInput) on contact effects that cannot be
-// made.
+// `isovalue`: of the field that is felt [density]; `scale`: how its densities lie about the isovalue; `objects`: those
+// of the scene (scene_objects.hpp). The caller adds the mesh of the isosurface. Throws Error(kBadInput) for invalid
+// contact effects.
 [[nodiscard]] AlgorithmSetup algorithmSetup(const Scene& scene, double isovalue, const DensityScale& scale = {},
                                             const ContactObjects& objects = {});
 
-// What the scene's damping is below K T / 2 + K T d, which a wall of its largest stiffness, held over a tick T and d
-// ticks late, needs to be passive (Colgate and Schenkel 1997); 0 where it is not, and for an algorithm without K
-// [N s/m].
+// How much damping the scene lacks for a passive wall [N s/m]; 0 if none. A sampled wall needs K T / 2 + K T d (Colgate
+// and Schenkel 1997), with the scene's largest stiffness K, the period T of a tick and a force that is d ticks late. 0
+// for an algorithm without a stiffness.
 [[nodiscard]] double lackingDamping(const Scene& scene);
 
-// The scene's plan: an algorithm that feels away from the isosurface gets gradients there, one that touches a mesh of
-// the isosurface gets that. Throws Error(kBadInput) on an algorithm that is not known.
+// The scene's plan, with what its algorithm needs: gradients everywhere if it feels away from the isosurface, a mesh of
+// the isosurface if it touches one. Throws Error(kBadInput) for an unknown algorithm.
 [[nodiscard]] Plan planFor(const Scene& scene);
 
 }  // namespace palpate

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/touch/exact_errors.hpp: how far a run was from the exact surface, which phantoms know. After the run, any
-// thread.
+// apps/touch/exact_errors.hpp: the errors of a run against the exact surface, which is known for phantoms. After the
+// run, any thread.
 #pragma once
 
 #include <optional>
@@ -12,10 +12,10 @@
 
 namespace palpate {
 
-// Over the ticks in steady contact: in contact, with a force that is the surface's alone, within the phase "slide"; all
-// such ticks for a path without phases and in a run without one in the slide. The distance of the surface point that
-// was found from the exact surface in units of the smallest voxel edge, and the angle between the force and the exact
-// normal at the surface point nearest to the HIP. Empty where there was no such tick.
+// The errors are the distance of the surface point that the algorithm found from the exact surface, in units of the
+// smallest spacing [voxel], and the angle between the force and the exact normal at the surface point nearest to the
+// HIP. They are taken over the ticks in contact with a force of the surface alone, without the passivity controller's.
+// If such ticks exist in the phase "slide", only those count. Empty if there are none at all.
 [[nodiscard]] std::optional<ExactErrors> exactErrors(const Phantom& phantom, const std::vector<TickRecord>& records,
                                                      const std::vector<PathPhase>& phases);
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // apps/touch/live_edits.hpp: the edits of a run: the servo's tool drives a brush through an editing session.
 //
-// Thread: made and finished by the job's thread, in between the engine's. An edit that the engine refuses (no memory
-// left, say), a journal that fails and a save that fails end neither the run nor the editing. All are told at once, on
-// stderr, and in the run's notes: refusals and failures for the same reason once, with their count.
+// Thread: the job's thread makes and finishes it; in between it belongs to the engine's thread. A refused edit (out of
+// memory, for example), a failed journal and a failed save end neither the run nor the editing. Each is reported on
+// stderr at once and in the run's notes. Repeated ones with the same reason are reported once, with their count.
 #pragma once
 
 #include <functional>
@@ -18,40 +18,40 @@
 
 namespace palpate {
 
-// Throws Error on an --edit, --journal or --save that cannot be meant (kBadInput) or a file that cannot be made there
-// (kIo), before any volume is loaded.
+// Checks --edit, --journal and --save before any volume is loaded. Throws Error: kBadInput for invalid ones, kIo for a
+// place where no file can be made.
 void checkEditOptions(const Scene& scene);
 
-// What there is of a run's edits, in words that end a message; empty: nothing. And whether not all is there: the newest
-// save failed, or the journal lost records.
+// keptEdits: which of a run's edits are on disk, as the end of a message; empty: none. lostEdits: whether some are not,
+// as the newest save failed or the journal lost records.
 [[nodiscard]] std::string keptEdits(const Scene& scene, const RunEdits& edits);
 [[nodiscard]] bool lostEdits(const RunEdits& edits);
 
 class LiveEdits {
  public:
-  // `scene.isovalue` is the one in use. With --save `volume` belongs to this until finish(): nobody else may look at
-  // it. Throws Error: a brush that does not fit the volume, a journal that cannot be kept there.
+  // `scene.isovalue` is set to the one in use. With --save, `volume` belongs to this object until finish(): nobody else
+  // may look at it. Throws Error for a brush that does not fit the volume, and for a journal that cannot be made.
   LiveEdits(const Scene& scene, Volume& volume, Engine& engine);
-  ~LiveEdits();  // without finish() the run has failed: a journal without a record is gone
+  ~LiveEdits();  // without finish() the run has failed; then deletes a journal without a record
   LiveEdits(const LiveEdits&) = delete;
   LiveEdits& operator=(const LiveEdits&) = delete;
 
-  // With every look at the tool; edits when one is due, saves when that is.
+  // Called with every new pose of the tool. Makes an edit when one is due, and a save when one is due.
   void follow(const ToolPose& pose, std::int64_t now_ns);
 
-  // After the run: waits for the journal, and saves what no file holds yet; where there is a --save, `volume` is then
-  // the edited one. Adds what went wrong to `notes`.
+  // After the run: waits for the journal and saves the volume if the newest file lacks an edit. With --save, `volume`
+  // then holds every edit. Adds refusals and failures to `notes`.
   [[nodiscard]] RunEdits finish(std::vector<std::string>& notes);
-  // After finish(), where the run ends without its reports: what there is of the edits, in words that end an error. A
-  // journal without a record is gone then.
+  // After finish(), for a run that ends without its reports: which edits are on disk, as the end of an error message.
+  // Deletes a journal without a record.
   [[nodiscard]] std::string kept(const RunEdits& edits);
   void dropEmptyJournal() { session_.dropEmptyJournal(); }
-  // Does the work in which follow() is called. Where it throws, what was edited until then is saved as by finish(), and
-  // the error says so.
+  // Runs `work`, which calls follow(). If it throws, saves the edits so far as finish() does and adds that to the
+  // error.
   void during(const std::function<void()>& work);
 
  private:
-  // Something that went wrong, as it was told first, and how often.
+  // A refusal or failure: its first message, and how often it happened.
   struct Trouble {
     std::string reason;  // the text without its numbers
     std::string text;

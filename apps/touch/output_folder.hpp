@@ -14,24 +14,26 @@
 
 namespace palpate {
 
-// Folders made on the way to `path`; removed again at the end as far as they are empty.
+// The folders that a run makes on the way to `path`. The destructor removes those that are empty.
 class MadeFolders {
  public:
-  explicit MadeFolders(const std::filesystem::path& path);  // makes nothing yet
+  explicit MadeFolders(const std::filesystem::path& path);  // makes no folder yet
   ~MadeFolders();
   MadeFolders(const MadeFolders&) = delete;
   MadeFolders& operator=(const MadeFolders&) = delete;
 
  private:
   std::filesystem::path last_;
-  std::filesystem::path first_;  // that was not there; empty: all were
+  std::filesystem::path first_;  // the outermost folder that was missing; empty: none was
   std::vector<Leftover> leftovers_;
 };
 
-// Makes the folder if it is not there and proves, before any long work, that files can be written into it. Throws
-// Error(kIo). Files are written as drafts, in a hidden folder inside it, and moved into place together by publish();
-// what was not published is removed, and so are folders that were made and stayed empty, and what killed runs left in
-// the folder: their drafts and parts of files (base/draft_folder.hpp, base/part_file.hpp).
+// Makes the folder if it is not there, and checks that files can be written into it before any long work begins. Throws
+// Error(kIo).
+//
+// Files are written as drafts in a hidden folder inside it; publish() moves them into place together. The destructor
+// removes drafts that were not published, and folders that were made and stayed empty. What killed runs left in the
+// folder (drafts and part files: base/draft_folder.hpp, base/part_file.hpp) is removed too.
 class OutputFolder {
  public:
   explicit OutputFolder(const std::string& path);
@@ -41,12 +43,12 @@ class OutputFolder {
   [[nodiscard]] std::filesystem::path file(const char* name) const { return path_ / name; }
   [[nodiscard]] std::filesystem::path draft(const char* name) const { return drafts_->path() / name; }
 
-  // Moves every draft into place, that called `first` before the others; through a name that is a symbolic link into the
-  // file that it points at. Throws Error(kIo), having moved none, where something that is no plain file is in the way or
-  // a copy behind a link fails.
+  // Moves every draft into place, the one called `first` before the others. Where the name is a symbolic link, the file
+  // that it points at is replaced. Throws Error(kIo), with nothing moved, if something other than a plain file is in
+  // the way or if copying a draft behind a link fails.
   void publish(const char* first = "");
 
-  // publish() then removes an older result of this name, which would not belong to the run beside it.
+  // Makes publish() remove an older result of this name, which would not belong to this run.
   void leaveOut(const char* name) { left_out_.emplace_back(name); }
 
  private:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/touch/picture.hpp: view.png of a finished run: cameras chosen from the contact, surface drawn by the engine,
-// annotated.
+// apps/touch/picture.hpp: view.png of a finished run: chooses cameras from the contact, lets the engine draw the
+// surface and annotates it.
 #pragma once
 
 #include <functional>
@@ -12,8 +12,8 @@
 
 namespace palpate {
 
-// Bytes of a PNG. Thread: the engine's. Cost: two renderings; on lavapipe a second or two. `between`: called again and
-// again; what it throws ends the drawing.
+// Bytes of a PNG. Thread: the engine's. Cost: two renderings; on lavapipe a second or two. `between` is called again
+// and again, and may throw to cancel.
 [[nodiscard]] std::string drawPicture(const TouchRun& run, const SurfaceField& surface, Engine& engine,
                                       const std::function<void()>& between);
 

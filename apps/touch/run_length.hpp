@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/touch/run_length.hpp: whether a run is neither too short nor too long to be made. Any thread.
+// apps/touch/run_length.hpp: refuses runs that are too short, or too long for the memory. Any thread.
 #pragma once
 
 #include <cstdint>
@@ -8,10 +8,10 @@
 
 namespace palpate {
 
-// What the records of a scene's run need, twice: they are worked on for the report [byte].
+// Memory for the records of a scene's run [byte]. It counts them twice, since making the report needs a copy.
 [[nodiscard]] double recordBytes(const Scene& scene);
 
-// Throws Error, which names the flags or the path's file: kBadInput where there is no tick, kOutOfMemory where the
+// Throws Error, which names the flags or the path's file: kBadInput for a run without a tick, kOutOfMemory if the
 // records do not fit into `available_bytes`.
 void checkRunLength(const Scene& scene, std::uint64_t available_bytes);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/touch/run_notes.hpp: what a user may take for an error of the program, said in words: a force that is missing, a
-// force that the encoders make rough, a setting that is cut off. Any thread.
+// apps/touch/run_notes.hpp: notes that explain what a user may take for an error of the program: a missing force, a
+// force that the encoders make rough, a setting that is clamped. Any thread.
 #pragma once
 
 #include <optional>
@@ -13,17 +13,19 @@
 
 namespace palpate {
 
-// The time in which the tool was in the object (density above `isovalue`) with no contact and no fault that says why,
-// where it is at least kShortestSilence_s at a stretch. Of a run of records at `rate_hz`.
+// A note on the time that the tool spent inside the object (density above `isovalue`) without contact and without a
+// fault that explains it. Counts stretches of at least kShortestSilence_s; empty if there is none. `rate_hz` of the
+// records.
 inline constexpr double kShortestSilence_s = 0.02;
 [[nodiscard]] std::optional<std::string> noteOnSilence(std::span<const TickRecord> records, double isovalue,
                                                        double rate_hz, const std::string& algorithm);
 
-// Steps of the encoders that change the force by kFeltStep_N or more: some hundredths of a newton are felt.
+// A note if one step of the encoders changes the force by kFeltStep_N or more. A person feels some hundredths of a
+// newton.
 inline constexpr double kFeltStep_N = 0.1;
 [[nodiscard]] std::optional<std::string> noteOnEncoders(const Scene& scene);
 
-// A texture's amplitude that its wavelength cuts off.
+// A note if the texture's wavelength allows less than the amplitude that was asked for.
 [[nodiscard]] std::optional<std::string> noteOnTexture(const Scene& scene);
 
 }  // namespace palpate

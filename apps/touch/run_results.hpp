@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/touch/run_results.hpp: the files that a run leaves in its folder, and which of them an earlier run left there.
-// Set-up code, any thread.
+// apps/touch/run_results.hpp: the files that a run leaves in its folder, and a check that files of these names from
+// elsewhere are not replaced. Set-up code, any thread.
 #pragma once
 
 #include <array>
@@ -12,11 +12,11 @@ namespace palpate {
 
 inline constexpr std::array<const char*, 4> kRunResults = {"trace.csv", "summary.json", "report.html", "view.png"};
 
-// Those of kRunResults in the folder that are nobody's business to replace: no summary.json of a run lists them. The
-// summary of a run lists itself. Nothing that is no file: OutputFolder::publish() refuses that.
+// The files in the folder that have a name of kRunResults but are no run's result: no summary.json of a run lists them.
+// A run's summary counts as its own result. Only plain files are looked at; OutputFolder::publish() refuses all else.
 [[nodiscard]] std::vector<std::string> foreignResults(const std::filesystem::path& folder);
 
-// Throws Error(kBadInput) where there is one: a folder of results is that of one run, and what others wrote is theirs.
+// Throws Error(kBadInput) if there is such a file, so that a run never replaces what another program wrote.
 void refuseForeignResults(const std::filesystem::path& folder);
 
 }  // namespace palpate

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/touch/scripted_path.hpp: the path of a scene: read from its CSV file, or built from the surface. Set-up code.
+// apps/touch/scripted_path.hpp: a scene's path: read from its CSV file, or built from the surface. Set-up code.
 #pragma once
 
 #include <optional>
@@ -16,8 +16,8 @@ namespace palpate {
 struct ScriptedPath {
   SampledPath path;
   std::vector<PathPhase> phases;   // empty for a path from a file
-  std::vector<std::string> notes;  // in words: what is not as asked
-  // Of a built path, in metres: what it has, asked for or chosen.
+  std::vector<std::string> notes;  // how the path differs from what was asked for, in words
+  // Lengths of a built path [m], whether asked for or chosen; empty for a path from a file.
   std::optional<double> depth_m = {}, slide_m = {}, approach_m = {};
 };
 

@@ -14,8 +14,8 @@
 
 namespace palpate {
 
-// Blocks for the run's time. Ctrl-C ends it early, in order. `edits`: may be null. `before_first_tick`: called once; the
-// memory for the records of all ticks, of which a long run needs much, is there by then.
+// Blocks for the run's time. Ctrl-C ends it early, in good order. `edits` may be null. `before_first_tick` is called
+// once, after the memory for the records of all ticks has been allocated.
 [[nodiscard]] LoopResult runServo(const Scene& scene, AlgorithmSetup setup, const Path& path, Engine& engine,
                                   LiveEdits* edits, Progress& progress, const std::function<void()>& before_first_tick);
 

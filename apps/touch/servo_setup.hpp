@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/touch/servo_setup.hpp: from what a scene asks of loop and device to what they are made from. Set-up code.
+// apps/touch/servo_setup.hpp: turns a scene into the parameters of servo loop and simulated device. Set-up code.
 #pragma once
 
 #include "engine/plan/scene.hpp"

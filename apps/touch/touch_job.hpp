@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/touch/touch_job.hpp: the main job: load, plan, compute on Vulkan, publish, palpate along a path, report.
+// apps/touch/touch_job.hpp: `palpate touch`: loads a volume, plans, computes on Vulkan, runs the servo along a path,
+// reports.
 #pragma once
 
 #include <string>
@@ -11,8 +12,8 @@
 namespace palpate {
 
 // Runs the scene and writes trace.csv, summary.json, report.html and view.png into its output folder; each is there
-// whole or not at all. `command`: the line that repeats the run. Throws Error; nothing is left behind then. Ctrl-C
-// while the servo runs or the picture is drawn throws nothing: what was felt until then is written, without a picture,
+// whole or not at all. `command`: the line that repeats the run. Throws Error; then no result is left behind. Ctrl-C
+// while the servo runs or the picture is drawn throws nothing: the results up to then are written, without a picture,
 // and TouchRun::ended_early says so.
 TouchRun runTouchJob(const Scene& scene, const std::string& command, const std::string& commit, Progress& progress);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/touch/volume_surface.hpp: a volume and its isovalue as the surface that paths are built from. Any thread.
+// apps/touch/volume_surface.hpp: a volume and its isovalue as the SurfaceField that paths are built from. Any thread.
 #pragma once
 
 #include "apps/path/surface_field.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/view/canvas.hpp: a picture that is drawn on: the few Cairo calls that view.png needs, owned and checked.
+// apps/view/canvas.hpp: a picture to draw on: wraps the few Cairo calls that view.png needs, and checks their errors.
 //
 // Pixels from the top left. One thread per canvas. Private to apps/view: Cairo's headers do not leave it.
 #pragma once
@@ -25,7 +25,7 @@ enum class Align { kLeft, kCentre, kRight };
 
 class Canvas {
  public:
-  // White. Throws Error kOutOfMemory if Cairo cannot make it.
+  // A white picture [pixel]. Throws Error(kOutOfMemory) if Cairo cannot make it.
   Canvas(int width, int height);
 
   void fillRectangle(double x, double y, double width, double height, const Color& color);
@@ -35,17 +35,17 @@ class Canvas {
   void polyline(const std::vector<Pixel>& points, const Color& color, double line, double dash = 0);
   void arrow(const Pixel& from, const Pixel& to, const Color& color, double line);
   void disc(const Pixel& centre, double radius, const Color& fill, const Color& rim);
-  // `y` is the base line. `halo`: a light rim, for text over a picture. Returns the width.
+  // `at.y` is the base line. `halo`: a light rim, for text over a picture. Returns the width.
   double text(const Pixel& at, const std::string& words, double size, const Color& color, Align align = Align::kLeft,
               bool bold = false, bool halo = false);
   [[nodiscard]] double textWidth(const std::string& words, double size, bool bold = false);
 
-  // Everything until popClip() stays within the rectangle, and its corner is the origin.
+  // Until popClip(), drawing is clipped to the rectangle, whose corner is the origin.
   void pushClip(double x, double y, double width, double height);
   void popClip();
 
-  // Bytes of the file; throws Error kOutOfMemory. `between`: called with every piece of it; what it throws ends the
-  // work.
+  // Bytes of the PNG file. Throws Error(kOutOfMemory). `between` is called with every piece of the file, and may throw
+  // to cancel.
   [[nodiscard]] std::string png(const std::function<void()>& between = {});
 
  private:

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/view/compose_view.hpp: view.png: what was touched and how it felt, in two panels: whole object and contact.
+// apps/view/compose_view.hpp: view.png: a run's path, contacts and forces in two panels, the whole object and the
+// contact.
 //
-// Use: layOutView() for the sizes of the panels; cameras by framing.hpp; render both pictures; composeView().
-// Set-up code, any thread (one call at a time per picture). Cost: some ten milliseconds.
+// Use: get the panels' sizes from layOutView(), choose cameras by framing.hpp, render both pictures, call
+// composeView(). Set-up code, any thread (one call at a time per picture). Cost: some ten milliseconds.
 #pragma once
 
 #include <filesystem>
@@ -23,7 +24,7 @@ struct PanelBox {
 struct ViewLayout {
   int width = 0, height = 0;  // of the whole picture [pixel]
   PanelBox overview, close_up;
-  double scale = 1;  // of lines and letters: 1 at 1280x720
+  double scale = 1;  // of lines and letters; 1 at 1280x720
 };
 
 struct ViewPictures {
@@ -35,7 +36,7 @@ struct ViewPictures {
 [[nodiscard]] ViewLayout layOutView(int width, int height);
 
 // Bytes of a PNG of the layout's size. Refuses (Error kBadInput) pictures whose size is not that of their panel.
-// `between`: called again and again while the file is made; what it throws ends the work.
+// `between` is called again and again while the file is made, and may throw to cancel.
 [[nodiscard]] std::string composeView(const ViewLayout& layout, const ViewPictures& pictures,
                                       const ContactRegion& region, const TouchRun& run,
                                       const std::function<void()>& between = {});

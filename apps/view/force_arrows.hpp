@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/view/force_arrows.hpp: which of a run's many forces are drawn as arrows, how long and in which colour.
+// apps/view/force_arrows.hpp: chooses the forces of a run that are drawn as arrows, and their colours.
 //
 // World frame [m, N]. Any thread. Cost: two passes over the records.
 #pragma once
@@ -21,16 +21,16 @@ struct ForceArrow {
 
 struct ForceArrows {
   std::vector<ForceArrow> arrows;
-  double every_m = 0;  // of the VHIP's way in contact: 1, 2 or 5 times a power of ten [m]
-  double most_N = 0;   // largest force of the run in contact [N]
+  double every_m = 0;  // spacing along the VHIP's path in contact: 1, 2 or 5 times a power of ten [m]
+  double most_N = 0;   // largest force in contact of the run [N]
 };
 
-// One arrow for each stretch of the VHIP's way, about `wanted` in all: at its middle, or, where the force there is
-// clearly below the stretch's largest, at that largest one, so that a peak is not left out.
+// One arrow for each stretch of the VHIP's path, about `wanted` in all. It stands at the middle of the stretch or, if
+// the force there is clearly below the largest of the stretch, at the largest, so that no peak is missed.
 [[nodiscard]] ForceArrows chooseForceArrows(const std::vector<TickRecord>& records, int wanted);
 
-// How the arrows stand, for the legend: "an arrow every 2 mm" where neighbours are that far apart, give or take half;
-// "11 arrows along the way" where they are not, as when the tool taps here and there.
+// The arrows in words, for the legend: "an arrow every 2 mm" if neighbours are that far apart, within a half; else "11
+// arrows along the way", as for a tool that taps here and there.
 [[nodiscard]] std::string arrowWords(const ForceArrows& forces);
 
 // From yellow (no force) over red to violet (the largest); share 0..1.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/view/legend.hpp: the words around the pictures: what every line, colour and arrow means. Private to apps/view.
+// apps/view/legend.hpp: title and legend of view.png: what every line, colour and arrow means. Private to apps/view.
 #pragma once
 
 #include "apps/report/touch_run.hpp"
@@ -12,7 +12,7 @@ namespace palpate {
 // Two lines at the top: volume, isovalue, largest force and depth; then the run in one sentence.
 void drawTitle(Canvas& canvas, const TouchRun& run, const RunFigures& figures, double width, double scale);
 
-// A strip whose top is `y`: samples of the lines with their names, and the colours of the forces.
+// A strip with its top at `y`: samples of the lines with their names, and the colours of the forces.
 void drawLegend(Canvas& canvas, const ForceArrows& forces, double y, double scale);
 
 }  // namespace palpate

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // apps/view/panel.hpp: draws a run over one picture of the surface. Private to apps/view.
 //
-// What the surface hides (by the picture's distances) is drawn fainter and dashed: the tool is inside while in contact.
+// What the surface hides (by the picture's depths) is drawn fainter and dashed, since the tool is inside while in
+// contact.
 #pragma once
 
 #include <string>
@@ -34,10 +35,10 @@ class Panel {
   void drawVhipPath(const std::vector<TickRecord>& records);
   void drawObjects(const std::vector<std::vector<Vec3>>& outlines_W);
   void drawForces(const ForceArrows& forces, double longest_m);
-  // A square around what another panel shows, and what that is.
+  // A square around the region that another panel shows, with a caption.
   void drawBox(const ContactRegion& region, const std::string& words);
-  // Start and end of the path, or where it comes into the picture and leaves it for good. Last: their words keep clear
-  // of all that was drawn before.
+  // Start and end of the path, or where it enters the picture first and leaves it last. Call it last: the labels keep
+  // clear of all that was drawn before.
   void drawEnds(const std::vector<TickRecord>& records);
   void drawScaleBar(const Vec3& at_W);  // true at the distance of this point
   void drawCaption(const std::string& words);

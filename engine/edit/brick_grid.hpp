@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/edit/brick_grid.hpp: the bricks of a domain, as pages number them, and boxes of voxels in it. Any thread.
+// engine/edit/brick_grid.hpp: the bricks of a volume's domain, numbered as in the page table, and boxes of voxels. Any
+// thread.
 #pragma once
 
 #include <cstdint>
@@ -25,10 +26,11 @@ struct BrickGrid {
   [[nodiscard]] std::uint32_t index(const Vec3i& brick) const noexcept;
   [[nodiscard]] Vec3i brick(std::uint32_t index) const noexcept;
   [[nodiscard]] bool holds(const Vec3i& brick) const noexcept;
-  [[nodiscard]] VoxelBox box(std::uint32_t index) const noexcept;                       // its voxels in the domain
+  [[nodiscard]] VoxelBox box(std::uint32_t index) const noexcept;  // the brick's voxels in the domain
   [[nodiscard]] VoxelBox widened(const VoxelBox& box, const Vec3i& by) const noexcept;  // cut to the domain
 
-  // Visits the indices of a brick and of the seven that share its first (step -1) or last (step 1) corner.
+  // Visits the indices of a brick and of the bricks that share its first (step -1) or last (step 1) corner: seven more,
+  // fewer at the domain's border.
   template <typename Visit>
   void forEachAtCorner(const Vec3i& brick, int step, const Visit& visit) const {
     for (int corner = 0; corner < 8; ++corner) {
@@ -36,7 +38,7 @@ struct BrickGrid {
       if (holds(other)) visit(index(other));
     }
   }
-  // Those of the six that share a face with it.
+  // Visits the indices of the bricks that share a face with a brick: six, fewer at the domain's border.
   template <typename Visit>
   void forEachBeside(const Vec3i& brick, const Visit& visit) const {
     for (int side = 0; side < 6; ++side) {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/edit/edit_command.hpp: one change of a volume as a tool asks for it: a brush along a straight piece of its
-// path, a plane, or a stamp. What each kind does to the densities: docs/edits.md.
+// engine/edit/edit_command.hpp: one change of a volume as a tool asks for it: a brush along a straight piece of the
+// tool's path, a plane, or a stamp (a closed mesh). What each kind does to the densities: docs/edits.md.
 //
-// Frame W: world [m]. A brush is a capsule: all points within radius_m of the segment from from_W to to_W, so pieces
-// that follow one another leave no gap however fast the tool was. Thread: any.
+// Frame W: world [m]. A brush is a capsule: all points within radius_m of the segment from from_W to to_W. Capsules
+// that share an end leave no gap, however fast the tool moved. Thread: any.
 #pragma once
 
 #include <array>
@@ -32,46 +32,46 @@ enum class EditKind {
 };
 [[nodiscard]] const char* editName(EditKind kind) noexcept;
 
-// Removal that the material resists: at or below low_density the full strength holds, at or above high_density only
-// (1 - drop) of it, in between linearly.
+// Makes removal slower in denser material. The full strength acts at or below low_density, (1 - drop) of it at or above
+// high_density, and a linear blend in between.
 struct MaterialRate {
   double low_density = 0;   // [density]
   double high_density = 1;  // [density]
   double drop = 1;          // [0, 1]
 };
 
-inline constexpr double kLargestDensity = 1e30;  // that a command may name
+inline constexpr double kLargestDensity = 1e30;  // largest magnitude that a command may name [density]
 
-using Stamp = MeshDistance;  // in a frame of its own
+using Stamp = MeshDistance;  // in the stamp's own frame S
 
 struct EditCommand {
   EditKind kind = EditKind::kRemove;
-  Vec3 from_W = Vec3::Zero();     // [m]; where a stamp's own origin goes
-  Vec3 to_W = Vec3::Zero();       // [m]; from_W for a single dab
-  double radius_m = 0;            // of brushes
-  double strength = 1;            // share of the way to the full effect, (0, 1]; force and duration belong in here
-  double falloff = 0;             // share of the radius over which the strength fades to nothing, [0, 1]
+  Vec3 from_W = Vec3::Zero();     // start of the segment; for a stamp, where its origin goes [m]
+  Vec3 to_W = Vec3::Zero();       // end of the segment; equal to from_W for a single dab [m]
+  double radius_m = 0;            // of brushes [m]
+  double strength = 1;            // share of the full effect, (0, 1] [-]; the caller folds force and duration into it
+  double falloff = 0;             // share of the radius over which the strength fades to zero, [0, 1] [-]
   double value = 0;               // paint: target [density]
   Vec3 plane_W = Vec3::Zero();    // flatten, cut: a point of the plane [m]
-  Vec3 normal_W = Vec3::UnitZ();  // flatten, cut: out of what stays; any length but zero
-  std::optional<double> object;   // add, flatten: density of what is added; empty: the profile's
+  Vec3 normal_W = Vec3::UnitZ();  // flatten, cut: points away from what stays; any length but zero
+  std::optional<double> object;   // add, flatten: density of what is added; empty: BrushProfile::object
   std::optional<MaterialRate> material;  // remove
   std::shared_ptr<const Stamp> stamp;    // stamps
   Mat3 R_WS = Mat3::Identity();          // stamp frame S to world, a rotation or reflection
 };
 
-// The same edit on the other side of a plane. Two edits that mirror each other belong into one apply().
+// The same edit on the other side of a plane. Two edits that mirror each other belong into one Editor::apply().
 [[nodiscard]] EditCommand mirrored(const EditCommand& command, const Vec3& plane_W, const Vec3& normal_W);
 
-// Whether it uses its radius, its plane, its stamp.
+// Whether a command of this kind uses radius_m, plane_W and normal_W, or its stamp.
 [[nodiscard]] bool isBrush(EditKind kind) noexcept;
 [[nodiscard]] bool hasPlane(EditKind kind) noexcept;
 [[nodiscard]] bool isStamp(EditKind kind) noexcept;
 
 // Throws Error(kBadInput) with what is wrong and what is allowed, for a volume of `size` voxels on `lattice`: a radius
 // that is not positive or exceeds the volume's diagonal; a strength outside (0, 1] or falloff outside [0, 1]; a place
-// farther than a diagonal from the volume; a plane without direction; a value beyond 1e30; a stamp whose size, lattice
-// or distances are no good; numbers that are none.
+// farther than a diagonal from the volume; a plane with a zero normal; a density beyond kLargestDensity; a stamp whose
+// size, lattice or distances are invalid; NaN or infinity.
 void checkEdit(const EditCommand& command, const Vec3i& size, const Lattice& lattice);
 
 }  // namespace palpate

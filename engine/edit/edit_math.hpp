@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // engine/edit/edit_math.hpp: what an edit command does to one voxel, on the CPU: the twin of shaders/edit.math.glsl,
-// edit.comp, edit_stamp.glsl and edit_stencil.comp. Every step is taken in the same order, in float, with comparisons
-// for min and max, so that lavapipe agrees bit for bit. Header only: planning evaluates it for constant bricks, the
+// edit.comp, edit_stamp.glsl and edit_stencil.comp. Every operation is in float, in the kernels' order, with
+// comparisons for min and max, so that lavapipe agrees bit for bit. Planning evaluates it for constant bricks, the
 // reference for whole volumes. Any thread.
 #pragma once
 
@@ -84,7 +84,7 @@ inline float lerp(float a, float b, float t) noexcept {
   return a + t * (b - a);
 }
 
-// Distance of a stamp's surface; false where its lattice does not reach.
+// Signed distance from a stamp's surface, trilinearly interpolated; false outside the stamp's lattice.
 inline bool stampDistance(const layout::EditCommand& c, std::span<const float> stamps, const Local& p,
                           float& distance) noexcept {
   const float u = ((c.m_xx * p.x + c.m_xy * p.y) + c.m_xz * p.z) + c.m_xt;
@@ -105,7 +105,7 @@ inline bool stampDistance(const layout::EditCommand& c, std::span<const float> s
   return true;
 }
 
-// A command that reads no neighbour, at a voxel with density f.
+// The new density of a voxel with density f, for a command that does not read neighbours.
 inline float edited(const layout::EditCommand& c, std::span<const float> stamps, const Local& p, float f) noexcept {
   if (c.kind == EDIT_CUT) {
     const float height = planeHeight(c, p);
@@ -133,12 +133,12 @@ inline float edited(const layout::EditCommand& c, std::span<const float> stamps,
   return blend(f, target, amount);
 }
 
-// Densities of a voxel's neighbours, axis by axis; the voxel itself where the domain ends.
+// Densities of a voxel's six neighbours, by axis. A neighbour outside the domain has the voxel's own density.
 struct Neighbours {
   std::array<float, 3> before, after;
 };
 
-// A command that reads them.
+// The new density for a command that reads neighbours (smooth, inflate, deflate).
 inline float editedWithNeighbours(const layout::EditCommand& c, const EditScale& scale, const Local& p, float f,
                                   const Neighbours& n) noexcept {
   const float distance = strokeDistance(c, p);
@@ -150,7 +150,8 @@ inline float editedWithNeighbours(const layout::EditCommand& c, const EditScale&
     for (int a = 0; a < 3; ++a) part[a] = finite((n.before[a] - f) + (n.after[a] - f)) * scale.blur[a];
     return finite(f + amount * ((part[0] + part[1]) + part[2]));
   }
-  // Rise (inflate) or fall (deflate) to the steepest neighbour of each axis; none is passed.
+  // The steepest rise (inflate) or fall (deflate) along each axis. The result does not pass the highest or lowest
+  // neighbour, so no new extreme arises.
   const float sign = c.kind == EDIT_INFLATE ? 1.0F : -1.0F;
   float highest = sign * f;
   for (int a = 0; a < 3; ++a) {

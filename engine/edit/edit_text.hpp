@@ -2,8 +2,8 @@
 // engine/edit/edit_text.hpp: edits as text: `remove:radius=2mm:at=10,20,30mm`, `undo`, `redo`. One grammar for the
 // command line, for scripts and for the brush of the servo's tool (docs/edits.md; the keys: edit_keys.hpp). Any thread.
 //
-// A text is a kind and keys with values, colons between them. Lengths and places are in mm where no unit is given, in
-// the world's frame W. A file's name may hold colons, as long as none is followed by a key of the kind and `=`.
+// A text is a kind of edit, then `key=value` pairs, all separated by colons. Lengths and places are in the world frame
+// W, in mm where no unit is given. A file name may hold a colon, unless a key of that kind and `=` follow the colon.
 #pragma once
 
 #include <optional>
@@ -15,32 +15,32 @@
 
 namespace palpate {
 
-// Who says where the edit goes: the text, or a tool that carries the brush.
+// What says where the edit goes: the text, or the pose of the tool that carries the brush.
 enum class EditUse { kPlaced, kTool };
 
 struct EditText {
   enum class Verb { kEdit, kUndo, kRedo };
   Verb verb = Verb::kEdit;
-  EditCommand command;             // of a stamp all but the stamp itself: who applies it reads the mesh
+  EditCommand command;             // complete but for EditCommand::stamp: the caller reads mesh_file
   std::string mesh_file;           // stamps
   double metres_per_unit = 1e-3;   // of the mesh file's coordinates [m]
-  std::optional<int> mirror_axis;  // 0 to 2: the same again, mirrored across this axis of the volume's lattice
-  double rate_per_Ns = 0;          // tools: ToolBrushSpec's
-  double period_s = 4e-3;
+  std::optional<int> mirror_axis;  // 0 to 2: the edit is repeated, mirrored along this axis of the volume's lattice
+  double rate_per_Ns = 0;          // tools: ToolBrushSpec::rate_per_Ns
+  double period_s = 4e-3;          // tools: ToolBrushSpec::period_s
 };
 
-// The command and, where there is an axis, its mirror image across the middle of a volume of `size` voxels: of one
-// apply().
+// The command and, where an axis is given, its mirror image across the middle of a volume of `size` voxels. Both belong
+// into one Editor::apply().
 [[nodiscard]] std::vector<EditCommand> withMirror(const EditCommand& command, std::optional<int> mirror_axis,
                                                   const Vec3i& size, const Lattice& lattice);
 
-// `where` names the text in messages. Throws Error(kBadInput): an unknown kind, `undo` and `redo` of a tool; a key that
-// the kind does not have, comes twice or is missing; a value that is no number, length or place, or out of its range.
-// What depends on the volume (a radius or place too large for it) is checked when the edit is applied.
+// `where` names the text in messages. Throws Error(kBadInput): an unknown kind; `undo` or `redo` for a tool; a key that
+// the kind does not take, that comes twice or that is missing; a value that is no number, length or place, or is out of
+// range. What depends on the volume (a radius too large, a place too far away) is checked when the edit is applied.
 [[nodiscard]] EditText editText(std::string_view text, EditUse use, const std::string& where);
 
-// The command on a line of a script: without blanks around it and without a comment, which begins with `#` at the
-// line's beginning or behind a blank. Empty: the line has none.
+// The command on a line of a script, without the blanks around it and without a comment. A comment begins with `#` at
+// the start of the line or behind a blank. Empty: the line holds no command.
 [[nodiscard]] std::string_view scriptCommand(std::string_view line) noexcept;
 
 }  // namespace palpate

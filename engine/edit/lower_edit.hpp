@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/edit/lower_edit.hpp: edit commands in the form that kernels read (shaders/edit.layout.h): floats, in the
-// lattice's axes, counted from a voxel near the brush. Thread: any. Cost: nothing but a stamp's copy.
+// engine/edit/lower_edit.hpp: lowers edit commands to the form that kernels read (shaders/edit.layout.h): floats [m]
+// along the lattice's axes, relative to a voxel near the brush. Thread: any. Cost: next to nothing, but for copying
+// stamps.
 #pragma once
 
 #include <span>
@@ -14,21 +15,21 @@ namespace palpate {
 
 struct LoweredEdits {
   std::vector<layout::EditCommand> commands;
-  std::vector<float> stamps;  // their distances, one stamp after another; each once, however many commands use it
+  std::vector<float> stamps;  // distances of the stamps, one after another; a stamp used twice is there once
 };
 
-inline constexpr std::size_t kMaxCommands = 4096;  // in one apply()
+inline constexpr std::size_t kMaxCommands = 4096;  // in one Editor::apply()
 
-// Throws as checkEdit does, and for no commands or more than kMaxCommands.
+// Throws Error(kBadInput) as checkEdit does, for an empty list, and for more than kMaxCommands.
 [[nodiscard]] LoweredEdits lowerEdits(std::span<const EditCommand> commands, const Vec3i& size, const Lattice& lattice,
                                       const BrushProfile& profile);
 
 [[nodiscard]] layout::uint layoutKind(EditKind kind) noexcept;  // EDIT_...
 
-// What kernels and twin are handed beside the commands, rounded to float once.
+// Factors that depend on the spacing alone, rounded to float once, so that kernels and twin use the same ones.
 struct EditScale {
   std::array<float, 3> h;      // spacing [m]
-  std::array<float, 3> blur;   // share of each neighbour along an axis: heat flow's largest stable step for all axes
+  std::array<float, 3> blur;   // weight of each neighbour along an axis: the largest stable step of heat flow
   std::array<float, 3> inv_h;  // [1/m]
 };
 [[nodiscard]] EditScale editScale(const Vec3& spacing_m);

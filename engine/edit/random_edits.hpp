@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/edit/random_edits.hpp: edit commands drawn by a seed, for checks and tests: every kind, all sizes, inside the
-// volume, across its border and just outside. Any thread.
+// engine/edit/random_edits.hpp: random edit commands from a seed, for checks and tests: every kind, many sizes, inside
+// the volume, across its border and just outside. Any thread.
 #pragma once
 
 #include <random>
@@ -27,7 +27,7 @@ class RandomEdits {
     command.plane_W = place();
     command.normal_W = {between(-1, 1), between(-1, 1), between(-1, 1)};
     if (random_() % 3 == 0) command.material = MaterialRate{low_, high_, between(0, 1)};
-    // A cut takes half of all that is left: rarely, and from the rim.
+    // A cut through the middle would clear half of the volume, so cuts take a few voxels at one end of the first axis.
     if (command.kind == EditKind::kCut) {
       command.normal_W = Vec3::UnitX() * (random_() % 2 == 0 ? 1 : -1) + 0.1 * command.normal_W;
       const double i = command.normal_W.x() > 0 ? size_.x() - between(0, 6) : between(-1, 5);
@@ -40,7 +40,7 @@ class RandomEdits {
     return command;
   }
 
-  // The distance of an ellipsoid-like body, on a lattice that differs from the volume's.
+  // A stamp: the signed distance from a ball of this radius, on a lattice that differs from the volume's.
   static std::shared_ptr<const Stamp> ball(double radius_m) {
     auto stamp = std::make_shared<Stamp>();
     stamp->size = {11, 9, 10};

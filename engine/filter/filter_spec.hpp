@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // engine/filter/filter_spec.hpp: filters as a person asks for them: "median:1 gaussian:0.8mm close:1". Any thread.
 //
-// A filter is a word and a size, then keys: NAME:SIZE[:KEY=VALUE]... A size is in voxels, or a length with its unit
-// (mm, um, cm, m); where voxels are not cubes a length gives each axis its own number of voxels. Steps of a diffusion
-// and the band of a distance are whole numbers.
+// A filter is NAME:SIZE[:KEY=VALUE]... A size is in voxels, or a length with its unit (mm, um, cm, m). Where voxels are
+// not cubes, a length gives each axis its own number of voxels. For a diffusion the size is its number of steps, for a
+// distance the half width of its band; both are whole numbers.
 #pragma once
 
 #include <optional>
@@ -16,14 +16,14 @@ namespace palpate {
 
 enum class FilterKind {
   kGaussian,   // low-pass; size: sigma
-  kBilateral,  // low-pass that leaves steps of density standing; size: sigma in space
+  kBilateral,  // low-pass that keeps edges of density; size: sigma in space
   kDiffuse,    // anisotropic diffusion (Perona and Malik 1990); size: steps
   kDistance,   // signed distance from the isosurface, positive in the object [m]; size: half width of its band [voxel]
-  kMedian,     // the middle value of a box; size: how far it reaches
-  kDilate,     // the highest value of a box or ball; size: how far it reaches
-  kErode,      // the lowest
-  kOpen,       // erode, then dilate: takes away what the shape does not fit into
-  kClose       // dilate, then erode: fills what the shape does not fit into
+  kMedian,     // middle value of a box; size: its reach from the middle
+  kDilate,     // highest value of a box or ball; size: its reach from the middle
+  kErode,      // lowest value of a box or ball; size: its reach from the middle
+  kOpen,       // erode, then dilate: removes parts of the object into which the shape does not fit
+  kClose       // dilate, then erode: fills gaps into which the shape does not fit
 };
 
 // What a filter reads beyond the volume's border.
@@ -32,19 +32,20 @@ enum class Border {
   kMirror    // the volume mirrored at its border: b c d | d c b
 };
 
-// How diffusion falls off with the slope s, in multiples of kappa.
+// How the conductance of a diffusion falls off with the slope s of the density, in multiples of kappa (Perona and
+// Malik).
 enum class Conductance {
   kRational,  // 1 / (1 + s^2)
   kExp        // exp(-s^2)
 };
 
-// What a window holds, of a given size r: voxels whose centre is at most r away
+// Shape of a filter's neighbourhood of size r: it holds the voxels whose centre is at most r away
 enum class WindowShape {
   kBox,  // along each axis
-  kBall  // straight; in metres if r is a length, else in voxels
+  kBall  // in a straight line; measured in metres if r is a length, else in voxels
 };
 
-// So many voxels, or so long.
+// A number of voxels, or a length.
 struct Extent {
   double value = 0;
   bool in_metres = false;
@@ -55,31 +56,31 @@ struct FilterSpec {
   FilterKind kind = FilterKind::kGaussian;
   Extent size;
   Border border = Border::kNearest;
-  double truncate = 3;           // gaussian (3), bilateral (2): the kernel ends at so many sigmas [-]
+  double truncate = 3;           // gaussian, bilateral: the kernel ends at so many sigmas; default 3, bilateral 2 [-]
   double range = 0;              // bilateral: sigma in density [density]
-  double kappa = 0;              // diffuse: the slope at which conductance is a half, or 1/e [density / mm]
-  std::optional<double> dt_mm2;  // diffuse: time step [mm^2]; none: half of what is stable
+  double kappa = 0;              // diffuse: slope where conductance is 1/2 (rational) or 1/e (exp) [density / mm]
+  std::optional<double> dt_mm2;  // diffuse: time step [mm^2]; empty: half of stableTimeStep()
   Conductance conductance = Conductance::kRational;
   WindowShape shape = WindowShape::kBox;  // dilate, erode, open, close
 };
 
 inline constexpr int kMostDiffusionSteps = 500;
-inline constexpr int kWidestBand = 6;  // [voxel]: with what is read around it, the band stays within a brick's length
+inline constexpr int kWidestBand = 6;  // [voxel]; a distance then reads no farther than one brick's length
 
-// One row for each word: for help texts and documentation.
+// One row for each filter: for help texts and documentation.
 struct FilterWords {
   std::string_view name, size, keys, what;
 };
 [[nodiscard]] std::span<const FilterWords> filterTable() noexcept;
 
-// A chain, filters separated by blanks. Throws Error(kBadInput) with what is wrong and what may be given.
+// Parses a chain, filters separated by blanks. Throws Error(kBadInput) with what is wrong and what may be given.
 [[nodiscard]] std::vector<FilterSpec> filterChain(const std::string& text);
 
 [[nodiscard]] std::string_view filterName(FilterKind kind) noexcept;
 
-// Whether a chain needs an isovalue.
+// Whether the chain holds a distance, which needs an isovalue.
 [[nodiscard]] bool hasDistance(std::span<const FilterSpec> chain) noexcept;
-// The isovalue after a chain that began with `isovalue`: a distance moves the surface to 0.
+// The isovalue of a chain's result, where `isovalue` is that of its input: 0 after a distance, else the same.
 [[nodiscard]] float isovalueAfter(std::span<const FilterSpec> chain, float isovalue) noexcept;
 
 }  // namespace palpate

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/gpu/buffer.hpp: a storage buffer and its memory. Move-only; freed with its owner. Set-up path.
+// engine/gpu/buffer.hpp: a storage buffer and its memory. Move-only; freed with its owner. Set-up code.
 #pragma once
 
 #include <cstddef>
@@ -17,7 +17,7 @@ enum class MemoryKind {
 
 class Buffer {
  public:
-  // Throws Error(kOutOfMemory) if the device has not that much left. `name`: for messages and debuggers.
+  // Throws Error(kOutOfMemory) if the device has too little memory left. `name`: for messages and debuggers.
   Buffer(Gpu& gpu, std::string name, std::size_t bytes, MemoryKind kind);
   ~Buffer();
   Buffer(Buffer&&) noexcept;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // engine/gpu/gpu.hpp: one Vulkan device, opened for compute. Knows nothing of volumes.
 //
-// Vulkan's own types stay inside this room (vulkan_state.hpp); other rooms see Buffer, Kernel and Commands.
-// Thread: one thread at a time uses a Gpu and what was made from it.
+// Vulkan's own types stay inside engine/gpu (vulkan_state.hpp); other code sees Buffer, Kernel and Commands.
+// Thread: one thread at a time uses a Gpu and everything made from it.
 #pragma once
 
 #include <cstddef>
@@ -20,8 +20,8 @@ namespace palpate::gpu {
 [[nodiscard]] std::vector<GpuInfo> listGpus();
 
 struct GpuRequest {
-  std::string name{};       // part of a device's name, letter case ignored; empty: the best
-  std::string tuned_as{};   // a type: kernels are tuned as for it; empty: for what the device is
+  std::string name{};       // part of a device's name, letter case ignored; empty: the best device
+  std::string tuned_as{};   // type of device that kernels are tuned for; empty: the device's own
   bool validation = false;  // open with the Khronos validation layer, synchronisation validation included
 };
 

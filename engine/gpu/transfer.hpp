@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/gpu/transfer.hpp: moves bytes between the host and a buffer: in place where the buffer is mapped, else through
-// one staging buffer that is filled again and again. Blocks until the bytes are there.
+// engine/gpu/transfer.hpp: copies bytes between the host and a buffer: in place where the buffer is mapped, else piece
+// by piece through one staging buffer. Blocks until the bytes are there.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@ namespace palpate::gpu {
 
 class Transfer {
  public:
-  // `in_place` false: always through the staging buffer, which tests use to cover that way on any device.
+  // `in_place` false: always uses the staging buffer, so that tests cover it on any device.
   explicit Transfer(Gpu& gpu, bool in_place = true);
 
   // Whether the host reads and writes this buffer in place.

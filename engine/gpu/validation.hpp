@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/gpu/validation.hpp: what the validation layer said in this process. Any thread.
+// engine/gpu/validation.hpp: messages of the Khronos validation layer in this process. Any thread.
 #pragma once
 
 #include <cstddef>
@@ -8,11 +8,11 @@
 
 namespace palpate::gpu {
 
-// True where the environment variable PALPATE_VALIDATION is set to anything but "0": then every Gpu is opened with the
+// Whether the environment variable PALPATE_VALIDATION is set to anything but "0". Then every Gpu is opened with the
 // validation layer, whatever its request says.
 [[nodiscard]] bool validationWanted();
 
-// Warnings and errors so far, in order. Tests fail if there is any.
+// All warnings and errors so far, in order. Tests fail if there are any.
 [[nodiscard]] std::vector<std::string> validationMessages();
 void clearValidationMessages();
 

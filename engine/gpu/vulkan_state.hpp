@@ -13,7 +13,7 @@
 
 namespace palpate::gpu {
 
-inline constexpr std::uint32_t kMaxBindings = 16;  // storage buffers of one kernel; every device must allow as many
+inline constexpr std::uint32_t kMaxBindings = 16;  // storage buffers of one kernel; every usable device allows as many
 
 struct Gpu::State {
   explicit State(std::shared_ptr<OpenDevice> device);  // throws vk::SystemError

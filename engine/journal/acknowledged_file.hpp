@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/journal/acknowledged_file.hpp: the newest acknowledged record's number in a file, for who watches a session
-// from outside (docs/journal.md).
+// engine/journal/acknowledged_file.hpp: a file that holds the number of the newest record on disk, for a program that
+// watches a session from outside (docs/journal.md).
 #pragma once
 
 #include <cstdint>
@@ -11,19 +11,21 @@ namespace palpate {
 
 class AcknowledgedFile {
  public:
-  // A file that cannot be made is left out: it is no part of the session.
+  // A file that cannot be made is silently left out: the session does not need it.
   explicit AcknowledgedFile(const char* name);
   ~AcknowledgedFile();
   AcknowledgedFile(const AcknowledgedFile&) = delete;
   AcknowledgedFile& operator=(const AcknowledgedFile&) = delete;
-  // As text of one length, so that a reader never sees half of one. Any thread, one at a time. Cost: a system call.
+  // Writes the number as text of fixed length, so that a reader never sees half a number. Any thread, one at a time.
+  // Cost: a system call.
   void set(std::uint64_t newest) const noexcept;
 
  private:
   int descriptor_;
 };
 
-// The journal that `palpate` keeps for a user: with such a file where PALPATE_ACKNOWLEDGED names one.
+// Options of the journal that `palpate` keeps. Where the environment variable PALPATE_ACKNOWLEDGED names a file, the
+// journal writes its newest record's number there.
 [[nodiscard]] JournalOptions watchedJournal();
 
 }  // namespace palpate

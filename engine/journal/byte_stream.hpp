@@ -46,7 +46,7 @@ class ByteWriter {
   std::string bytes_;
 };
 
-// Past the end everything reads as zero and good() is false from then on.
+// Reading past the end gives zeros (or empty text), and good() is false from then on.
 class ByteReader {
  public:
   explicit ByteReader(std::string_view bytes) : rest_(bytes) {}

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/journal/journal_format.hpp: what a journal says, and how it is written as bytes: docs/journal.md. Any thread.
+// engine/journal/journal_format.hpp: the records of a journal, and how they are encoded as bytes (docs/journal.md). Any
+// thread.
 #pragma once
 
 #include <cstdint>
@@ -26,38 +27,38 @@ inline constexpr const char* kJournalName = "journal.palpate";  // in its folder
 
 struct JournalHeader {
   VolumeIdentity volume;  // before the first edit
-  BrushProfile profile;   // what every edit is lowered with
+  BrushProfile profile;   // the density profile of every edit (engine/edit/lower_edit.hpp)
 };
 
 enum class RecordKind : std::uint32_t {
-  kEdit = 1,   // commands of one apply()
-  kUndo = 2,   // of the last edit that is not undone
-  kRedo = 3,   // of the last edit that is
-  kStamp = 4,  // a mesh that later commands name by its number
+  kEdit = 1,   // the commands of one Editor::apply()
+  kUndo = 2,   // takes back the last edit that is in effect
+  kRedo = 3,   // puts back the edit that was undone last
+  kStamp = 4,  // a mesh, which later commands name by its number
 };
 
-inline constexpr std::size_t kRecordHead = 16;                // length, kind, sequence number
-inline constexpr std::size_t kRecordFrame = kRecordHead + 4;  // and checksum
-inline constexpr std::uint32_t kLongestRecord = 1U << 30U;    // of its content [byte]
+inline constexpr std::size_t kRecordHead = 16;                // length, kind, sequence number [byte]
+inline constexpr std::size_t kRecordFrame = kRecordHead + 4;  // the head and the checksum [byte]
+inline constexpr std::uint32_t kLongestRecord = 1U << 30U;    // limit of a record's content [byte]
 
-// A command's: flatten's, with all that can be set. An edit of as many as there may be is shorter than a record's most.
+// The longest encoding of a command: a flatten with everything set. kMaxCommands of them fit into one record.
 inline constexpr std::size_t kLongestCommand = 154;  // [byte]
 
 [[nodiscard]] std::string headerBytes(const JournalHeader& header);
 [[nodiscard]] std::string recordBytes(RecordKind kind, std::uint64_t sequence, std::string_view content);
 
-// A command without its stamp, which goes by `stamp_number` (0: it has none).
+// The content of an edit's record. `stamp_numbers`: of each command, the number of its stamp's record; 0: no stamp.
 [[nodiscard]] std::string editContent(std::span<const EditCommand> commands,
                                       std::span<const std::uint32_t> stamp_numbers);
 [[nodiscard]] std::string stampContent(const Stamp& stamp);
 
-// Null, or nothing, where the bytes are no such thing. `stamps`: those read so far, number 1 first.
+// Decode a record's content; empty or null where it is malformed. `stamps`: those read so far, number 1 first.
 [[nodiscard]] std::optional<std::vector<EditCommand>> editOf(std::string_view content,
                                                              std::span<const std::shared_ptr<const Stamp>> stamps);
 [[nodiscard]] std::shared_ptr<const Stamp> stampOf(std::string_view content);
 
-// Takes the header off the front of a journal's bytes; returns how many it has. Throws Error(kBadInput) naming `input`:
-// no journal, a journal of another version, a damaged header.
+// Decodes the header at the front of a journal's bytes and returns its length [byte]. Throws Error(kBadInput), naming
+// `input`, where the bytes are no journal, a journal of another version, or one with a damaged header.
 [[nodiscard]] std::size_t readHeader(std::string_view bytes, const std::string& input, JournalHeader& header);
 
 }  // namespace palpate

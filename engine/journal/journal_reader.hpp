@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/journal/journal_reader.hpp: a journal as a crash left it: everything up to the first damage, and what was
-// lost. Any thread. Cost: reads the file whole.
+// engine/journal/journal_reader.hpp: reads a journal as a crash left it: every record up to the first damage, and a
+// report of what is lost. Any thread. Cost: reads the whole file.
 #pragma once
 
 #include <cstdint>
@@ -14,31 +14,31 @@
 namespace palpate {
 
 struct JournalRecord {
-  RecordKind kind = RecordKind::kEdit;  // stamps are not listed: the commands have them
+  RecordKind kind = RecordKind::kEdit;  // never kStamp: stamps are in the commands that use them
   std::uint64_t sequence = 0;
-  std::vector<EditCommand> commands;  // of an edit
+  std::vector<EditCommand> commands;  // of a kEdit record
 };
 
-// What cannot be used. A record behind a damaged one is sound perhaps, but edits follow one another: without the one
-// before, it would give another volume.
+// The part of a journal that cannot be used: the first damaged record and everything behind it. A later record may be
+// sound, but without the edits before it, it would lead to a different volume.
 struct JournalDamage {
-  std::uint64_t first_byte = 0;  // of the file
-  std::uint64_t bytes = 0;       // from there to its end
-  std::uint64_t records = 0;     // that can be made out in them, the damaged one included
+  std::uint64_t first_byte = 0;  // offset in the file [byte]
+  std::uint64_t bytes = 0;       // from there to the end of the file
+  std::uint64_t records = 0;     // that can be recognised there, the damaged one included
   std::string reason;            // "record 7 is cut short"
 };
 
 struct Journal {
   JournalHeader header;
   std::vector<JournalRecord> records;  // in order
-  std::uint64_t last_sequence = 0;     // of the last sound record, stamps included; 0: none
+  std::uint64_t last_sequence = 0;     // of the last sound record, stamps counted; 0: none
   std::optional<JournalDamage> damage;
 };
 
-// Throws Error: kNotFound (no such folder or no journal in it), kIo, and what readHeader refuses.
+// Throws Error: kNotFound (no such folder, or no journal in it), kIo, and kBadInput as readHeader does.
 [[nodiscard]] Journal readJournal(const std::filesystem::path& folder);
 
-// What is lost: "12 records in 3456 bytes from byte 789 on, as record 7 is cut short"
+// The damage in words: "12 records in 3456 bytes from byte 789 on, as record 7 is cut short"
 [[nodiscard]] std::string damageWords(const JournalDamage& damage);
 
 }  // namespace palpate

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/journal/volume_identity.hpp: which volume a journal belongs to: where it came from, where it lies, and a hash
-// of what it holds. Any thread, while nobody changes the volume.
+// engine/journal/volume_identity.hpp: identifies the volume that a journal belongs to: its source, its place in the
+// world and a hash of its densities. Any thread, while nobody changes the volume.
 #pragma once
 
 #include <cstdint>
@@ -13,21 +13,21 @@
 namespace palpate {
 
 struct VolumeIdentity {
-  std::string source;          // as loadVolume takes it; files by their absolute path
+  std::string source;          // as loadVolume takes it, files with their absolute path
   Vec3i size = Vec3i::Zero();  // [voxel]
   Lattice lattice;
   std::uint64_t content = 0;  // contentHash()
 };
 
-// Of all densities, brick by brick; equal volumes give equal hashes however their bricks are stored. No protection
-// against somebody who wants two volumes to look alike. Cost: one pass over the stored bricks, some 0.3 us each.
+// Hash of all densities, brick by brick. Equal volumes give equal hashes, however their bricks are stored. It is not
+// cryptographic: collisions can be made on purpose. Cost: one pass over the stored bricks, some 0.3 us each.
 [[nodiscard]] std::uint64_t contentHash(const Volume& volume);
-// The same of any bytes.
+// A hash of the same kind, of any bytes.
 [[nodiscard]] std::uint64_t bytesHash(std::string_view bytes);
 
 [[nodiscard]] VolumeIdentity identityOf(const Volume& volume);
 
-// In words, what of `volume` differs from the identity; empty where nothing does. `source` may differ: files move.
+// How `volume` differs from the identity, in words; empty where it does not. Sources are not compared: files move.
 [[nodiscard]] std::string differenceFrom(const VolumeIdentity& identity, const Volume& volume);
 
 }  // namespace palpate

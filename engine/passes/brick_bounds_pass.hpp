@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/passes/brick_bounds_pass.hpp: lowest and highest density of every brick's cells (shaders/brick_bounds.comp),
-// of all bricks or of listed ones. Twin: engine/reference/brick_bounds.hpp. Thread: the Gpu's.
+// engine/passes/brick_bounds_pass.hpp: finds the lowest and highest density over the cells that begin in each brick
+// (shaders/brick_bounds.comp), for all bricks or for listed ones. Twin: engine/reference/brick_bounds.hpp. Thread: the
+// Gpu's.
 #pragma once
 
 #include <vector>
@@ -19,9 +20,10 @@ class BrickBoundsPass {
   BrickBoundsPass(gpu::Gpu& gpu, const BrickPool& pool);
 
   void run();  // all bricks; blocks
-  // The first `count` bricks of `tasks` (layout::BrickTask); `results` (layout::BrickBounds) gets their bounds too.
+  // Records the first `count` bricks of `tasks` (layout::BrickTask). Their bounds also go into `results`
+  // (layout::BrickBounds), in the order of the tasks.
   void record(gpu::Commands& commands, const gpu::Buffer& tasks, std::uint32_t count, const gpu::Buffer& results);
-  void makeKernels() { static_cast<void>(listed_.get()); }  // for the pool's slabs as they are; throws Error(kDevice)
+  void makeKernels() { static_cast<void>(listed_.get()); }  // for the pool's present slabs; throws Error(kDevice)
   [[nodiscard]] std::vector<layout::BrickBounds> read(gpu::Transfer& transfer) const;
   [[nodiscard]] const gpu::Buffer& bounds() const noexcept { return bounds_; }
 

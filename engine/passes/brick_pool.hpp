@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // engine/passes/brick_pool.hpp: a volume's densities on the GPU: bricks of 8x8x8 behind a page table, in slabs of up to
-// 128 MiB, made and freed as edits go.
+// 128 MiB. Slots for bricks are taken and freed as edits go.
 //
-// Layout: shaders/brick_pool.layout.h. A constant brick has a page and no storage. The page table is kept twice: on the
-// GPU for kernels, here for planning. This class hands out slots and keeps its own pages right; what kernels must do
-// for it (fill a new slot, write its page) is recorded by whoever took the slot. Pages of bricks that became constant
-// are written late (stalePages): until then the GPU still sees the slot, which holds the same value in every voxel and
-// is not handed out again. Memory: 8 bytes a brick of the domain here and there. Thread: the Gpu's.
+// Layout: shaders/brick_pool.layout.h. A constant brick has a page and no storage. The page table exists twice: on the
+// GPU for kernels, on the host for planning. This class hands out slots and keeps the host's pages current. Whoever
+// takes a slot records the GPU's work for it: filling the slot and writing its page.
+//
+// The page of a brick that became constant is written late (takeStalePages). Until then the GPU still reads the slot,
+// which holds the same value in every voxel and is not handed out again. Memory: 8 bytes for each brick of the domain,
+// on the GPU and on the host. Thread: the Gpu's.
 #pragma once
 
 #include <cstddef>
@@ -24,11 +26,11 @@ namespace palpate {
 
 class BrickPool {
  public:
-  // Uploads every brick. Throws Error(kOutOfMemory) where the volume needs more than DENSITY_SLABS slabs, more than the
-  // budget or more than the device has. Cost: one pass over the volume.
+  // Uploads every brick. Throws Error(kOutOfMemory) where the volume needs more than DENSITY_SLABS slabs, than the
+  // budget allows or than the device has. Cost: one pass over the volume.
   BrickPool(gpu::Gpu& gpu, gpu::Transfer& transfer, const Volume& volume,
             std::shared_ptr<GpuBudget> budget = makeGpuBudget());
-  // A pool for another field on the same domain and of the same budget; every brick is 0. `name`: for messages.
+  // A pool for another field on the domain of `like`, with the same budget; every brick is 0. `name`: for messages.
   BrickPool(gpu::Gpu& gpu, gpu::Transfer& transfer, const BrickPool& like, const std::string& name);
 
   [[nodiscard]] const layout::PoolDomain& domain() const noexcept { return domain_; }
@@ -42,7 +44,7 @@ class BrickPool {
   [[nodiscard]] const std::shared_ptr<GpuBudget>& budget() const noexcept { return budget_; }
 
   [[nodiscard]] const gpu::Buffer& pages() const noexcept { return *page_table_; }
-  // Slab `i` of DENSITY_SLABS: an unused one repeats the first, since every binding must be written.
+  // Slab `i` of DENSITY_SLABS. An unused one is the first again, since every binding must be written.
   [[nodiscard]] const gpu::Buffer& slab(std::size_t i) const noexcept {
     return slabs_->slab(i < slabs_->slabCount() ? i : 0);
   }
@@ -53,27 +55,27 @@ class BrickPool {
   [[nodiscard]] std::uint64_t bytesToReserve(std::size_t bricks) const noexcept {
     return slabs_->bytesToReserve(bricks);
   }
-  // Gives a constant brick a slot, after reserve(); its content and its page on the GPU are the caller's to write.
+  // Gives a constant brick a slot; only after reserve(). The caller writes the slot's content and the GPU's page.
   std::uint32_t store(std::size_t brick);
-  // Frees the slot of a brick, if it has one, and makes it constant; its page on the GPU is stale from then on.
+  // Makes a brick constant and frees its slot, if it has one. Its page on the GPU is stale from then on.
   void makeConstant(std::size_t brick, float value);
-  // Frees the slot of a stored brick, which is constant from then on; its page on the GPU is the caller's to write. The
-  // slot may be taken again at once, so nothing recorded before that page may read the brick.
+  // Makes a stored brick constant and frees its slot. The caller writes the GPU's page. The slot may be taken again at
+  // once, so no work recorded before that write may read the brick.
   void empty(std::size_t brick);
-  // Changes the value of a constant brick; its page on the GPU is the caller's to write.
+  // Changes the value of a constant brick. The caller writes the GPU's page.
   void setConstant(std::size_t brick, float value) noexcept { pages_[brick].constant = value; }
-  // The bricks whose pages on the GPU lag behind, since the last call. The caller records their writing before the next
-  // kernel takes a slot.
+  // The bricks whose pages on the GPU have become stale since the last call. The caller records the writing of these
+  // pages before the next kernel fills a slot.
   [[nodiscard]] std::vector<std::uint32_t> takeStalePages();
   [[nodiscard]] std::size_t stalePages() const noexcept { return stale_.size(); }
 
-  // Gives slots to the bricks of `pages` whose slot is not NO_SLOT, in that order, after freeing all; the values of the
-  // others hold. The page table is on the GPU when this returns; what the slots hold is the caller's to write. Throws
-  // as reserve() does; then every brick is 0.
+  // Replaces all pages: frees every slot, then gives new slots, in order, to the bricks whose slot in `pages` is not
+  // NO_SLOT. The others are constant, with the value in `pages`. The page table is on the GPU when this returns; the
+  // caller writes the slots' content. Throws as reserve() does; then every brick is 0.
   void assign(gpu::Transfer& transfer, std::vector<layout::BrickPage> pages);
 
-  // Reads a brick as Volume::readBrick does. Fast where slabs are mapped, else a submission each. Not while submitted
-  // work changes the pool.
+  // Reads a brick as Volume::readBrick does. Cost: a copy where slabs are mapped, else a submission for each brick. Not
+  // while submitted work changes the pool.
   bool readBrick(gpu::Transfer& transfer, std::size_t brick, float* values) const;
 
   // Where a slot's densities lie.

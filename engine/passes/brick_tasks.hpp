@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/passes/brick_tasks.hpp: lists of bricks whose samples a kernel writes or reads, one range for each sample
-// slab, since a kernel sees one slab at a time. Any thread.
+// engine/passes/brick_tasks.hpp: lists of bricks whose samples a kernel writes or reads, sorted by sample slab, since a
+// kernel sees one slab at a time. Any thread.
 #pragma once
 
 #include <cstdint>
@@ -19,9 +19,10 @@ struct TaskRange {
 
 class BrickTasks {
  public:
-  // A brick without samples goes with any slab. `if_active`: kernels ask the brick's bounds whether it has any.
+  // A brick without samples may go with any slab. `if_active`: kernels look at the brick's bounds to see whether it has
+  // samples (ActiveTest).
   void add(std::uint32_t brick, const SampleStore::Place& place, bool if_active = false);
-  // Moves all into `list`, slab by slab, and says where; nothing is left.
+  // Moves all tasks into `list`, slab by slab, and returns the range of each slab.
   [[nodiscard]] std::vector<TaskRange> moveTo(std::vector<layout::BrickTask>& list);
 
  private:

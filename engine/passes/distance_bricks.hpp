@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/passes/distance_bricks.hpp: in which bricks a distance has to be worked out, and what it is in all others. Any
-// thread; cost: a few operations a brick, 27 more for each that the isosurface crosses.
+// engine/passes/distance_bricks.hpp: in which bricks a distance must be computed, and its value in all others. Any
+// thread; cost: a few operations a brick, 27 more for each brick that the isosurface crosses.
 #pragma once
 
 #include <span>
@@ -12,9 +12,9 @@
 
 namespace palpate {
 
-// Pages of a distance's result. Slot 0: the bricks next to one whose cells the isosurface crosses, and that brick; a
-// distance reaches eight voxels at most, so a voxel of any other brick knows no surface point. NO_SLOT: the others,
-// with plus or minus the band. `bounds`: of the densities that `seed` reads.
+// Pages for a distance's result. Slot 0 marks the bricks to compute: each brick whose cells the isosurface crosses, and
+// the 26 around it. A distance reaches eight voxels at most, so no voxel of any other brick finds a surface point.
+// Those bricks have NO_SLOT and the constant plus or minus the band. `bounds`: of the densities that `seed` reads.
 [[nodiscard]] std::vector<layout::BrickPage> distanceBricks(const FilterStep& seed,
                                                             std::span<const layout::BrickBounds> bounds,
                                                             const Vec3i& brick_counts);

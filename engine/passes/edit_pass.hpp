@@ -17,13 +17,13 @@
 
 namespace palpate {
 
-// Commands that can run in one go: any number of one kind that reads no neighbours, or one command that does.
+// Commands that one dispatch can run: any number of one kind that reads no neighbours, or one command that reads them.
 struct EditPhase {
   layout::uint kind = EDIT_KINDS;  // EDIT_KINDS: no commands, only pages to write
-  bool given = false;              // no commands: the densities of the tasks' bricks are handed over
+  bool given = false;              // no commands; the densities of the bricks come from EditPass::given()
   std::uint32_t first_command = 0;
   std::uint32_t command_count = 0;
-  std::vector<layout::EditTask> tasks;  // each brick once
+  std::vector<layout::EditTask> tasks;  // one for each brick
 
   [[nodiscard]] bool stencil() const noexcept { return kind >= EDIT_SMOOTH && kind < EDIT_KINDS; }
 };
@@ -32,28 +32,28 @@ class EditPass {
  public:
   EditPass(gpu::Gpu& gpu, const BrickPool& pool);
 
-  // Makes sure that write() finds room for so much, and for `more_tasks`. Throws Error(kOutOfMemory) and changes
-  // nothing then.
+  // Makes room for write() of these arguments, and for `more_tasks` more tasks. Throws Error(kOutOfMemory); then
+  // nothing has changed.
   void fit(std::span<const EditPhase> phases, const LoweredEdits& edits, std::size_t more_tasks);
-  // Hands phases and commands to the kernels; tasks are put in the order of their slabs. Not while work is submitted.
+  // Writes phases and commands for the kernels, and sorts the tasks of each phase by slab. Not while work is submitted.
   void write(std::vector<EditPhase>& phases, const LoweredEdits& edits);
-  // The kernels that record() will want, once room is made in the pool. Throws Error(kDevice).
+  // Builds the kernels that record() will need; after the pool's reserve(). Throws Error(kDevice).
   void makeKernels(std::span<const EditPhase> phases);
-  // Room for the densities of a given phase's bricks, which the caller fills after write(), in the order of its tasks.
-  // Throws Error(kOutOfMemory) for more than fit into one binding, 65536.
+  // Makes room in given() for the densities of so many bricks. After write() the caller fills it in the order of the
+  // phase's tasks. Throws Error(kOutOfMemory) for more than one binding holds, 65536 bricks.
   void fitGiven(std::size_t bricks);
   [[nodiscard]] HostList<float>& given() noexcept { return given_; }
-  // Runs the kernel of a kind, and the one that puts bricks in place, on no brick at all: drivers compile a kernel when
-  // it first runs, which takes some 50 ms that an edit should not wait for.
+  // Records runs of a kind's kernel and of the commit kernel on no brick at all. A driver compiles a kernel when it
+  // first runs, which takes some 50 ms; so the first edit does not wait for that.
   void recordIdle(gpu::Commands& commands, layout::uint kind);
-  // What write() got last; every phase is followed by a barrier.
+  // Records the phases of the last write(), each followed by a barrier.
   void record(gpu::Commands& commands, std::span<const EditPhase> phases);
   [[nodiscard]] std::uint32_t dispatches(std::span<const EditPhase> phases) const noexcept;  // at most
 
  private:
   struct SlabRange {
     std::size_t slab = 0;
-    std::uint32_t first = 0;  // of all tasks
+    std::uint32_t first = 0;  // index among all tasks
     std::uint32_t count = 0;
   };
   void recordPointwise(gpu::Commands& commands, const EditPhase& phase, std::uint32_t first_task);
@@ -68,7 +68,7 @@ class EditPass {
   gpu::Gpu& gpu_;
   const BrickPool& pool_;
   EditScale scale_;
-  // By kind, made when first used: the driver's compiler takes some 50 ms for each that it has not seen before.
+  // By kind, built when first used: a new kernel costs some 50 ms of the driver's compiler.
   std::array<std::optional<gpu::Kernel>, EDIT_SMOOTH> pointwise_;
   std::array<std::optional<PoolKernel>, EDIT_KINDS - EDIT_SMOOTH> stencil_;
   gpu::Kernel commit_;
@@ -76,7 +76,7 @@ class EditPass {
   HostList<layout::EditCommand> commands_;
   HostList<float> stamps_;
   HostList<float> given_;
-  std::optional<gpu::Buffer> aside_;  // bricks that a stencil wrote
+  std::optional<gpu::Buffer> aside_;  // results of a stencil kernel, before the commit kernel copies them into the pool
 };
 
 }  // namespace palpate

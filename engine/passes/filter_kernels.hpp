@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/passes/filter_kernels.hpp: which kernel runs a filter step, and how it is specialised: one table. Any thread.
+// engine/passes/filter_kernels.hpp: which kernel runs a filter step, and its specialisation constants. Any thread.
 #pragma once
 
 #include <cstdint>
@@ -12,14 +12,14 @@ namespace palpate {
 
 struct FilterKernel {
   std::string name;                      // shaders/NAME.comp
-  std::uint32_t bricks_a_group = 1;      // that a work group works on
-  bool has_edge = true;                  // it is built once more for bricks within reach of the border (kEdge)
+  std::uint32_t bricks_a_group = 1;      // bricks for each work group
+  bool has_edge = true;                  // has a second variant for bricks within reach of the border (kEdge)
   std::vector<std::uint32_t> constants;  // its own specialisation constants, from FILTER_CONSTANT_OWN on
 };
 
 [[nodiscard]] FilterKernel filterKernel(const FilterStep& step);
 
-// The floats that the kernel is handed, as its own comment says; never none.
+// The floats in the kernel's taps buffer (the comment in the kernel says which); never empty.
 [[nodiscard]] std::vector<float> kernelTaps(const FilterStep& step);
 
 }  // namespace palpate

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/passes/filter_region.hpp: a chain of filter steps over those bricks alone that a change of the source can
+// engine/passes/filter_region.hpp: runs a chain of filter steps over only those bricks that a change of the source can
 // reach. Thread: the Gpu's.
 //
-// Scratch pools hold as many bricks as the largest change so far needed, slots given from the first on each time, and
-// are kept for the next change.
+// Scratch pools have room for as many bricks as the largest change so far needed, and are kept for the next change.
+// Each change takes their slots from the first one again.
 #pragma once
 
 #include <array>
@@ -29,11 +29,11 @@ namespace palpate {
 
 class FilterRegion {
  public:
-  // All outlive it. `result`: what the whole chain made of the source before the first change.
+  // All arguments outlive this. `result` holds the chain's result for the source before the first change.
   FilterRegion(gpu::Gpu& gpu, gpu::Transfer& transfer, FilterDispatch& dispatch, std::span<const FilterRoute> routes,
                const BrickPool& source, BrickPool& result);
 
-  // As filter_chain.hpp says of each.
+  // filter_chain.hpp describes these functions.
   using SourceConstant = std::function<std::optional<float>(std::uint32_t brick)>;
   void plan(std::span<const std::uint32_t> bricks, const SourceConstant& source_constant);
   [[nodiscard]] std::optional<float> constantAfter(std::uint32_t brick) const;
@@ -47,11 +47,12 @@ class FilterRegion {
   [[nodiscard]] std::size_t scratchBytes() const noexcept;
 
  private:
-  // What a step is to write.
+  // A brick that a step is to write.
   struct LevelBrick {
     std::uint32_t brick = 0;
-    std::optional<float> constant;
+    std::optional<float> constant;  // empty: it is stored
   };
+  // All that one step is to write.
   struct Level {
     std::vector<LevelBrick> bricks;  // ascending
     std::vector<FilterRange> ranges;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/passes/filter_tasks.hpp: the bricks that a filter step writes, sorted into ranges that one dispatch can do: of
-// one slab of the result, and inside the volume or at its border. Any thread.
+// engine/passes/filter_tasks.hpp: the bricks that a filter step writes, sorted into ranges. One dispatch does one
+// range: its bricks lie in one slab of the step's output, and all are inside the volume or all at its border. Any
+// thread.
 #pragma once
 
 #include <array>
@@ -16,17 +17,17 @@ namespace palpate {
 struct FilterRange {
   bool edge = false;  // the step reads beyond the volume's border
   std::size_t slab = 0;
-  std::uint32_t first = 0, count = 0;  // of a list of tasks
+  std::uint32_t first = 0, count = 0;  // in a list of tasks
 };
 
 class FilterTasks {
  public:
-  // `has_edge`: bricks at the border have a kernel of their own.
+  // `has_edge`: bricks at the border have their own kernel.
   FilterTasks(const BrickGrid& grid, const FilterStep& step, bool has_edge)
       : grid_(grid), step_(step), has_edge_(has_edge) {}
 
   void add(std::uint32_t brick, std::uint32_t slot);
-  // Appends all to `list` and says where; nothing is left.
+  // Moves all tasks to the end of `list` and returns their ranges.
   [[nodiscard]] std::vector<FilterRange> moveTo(std::vector<layout::FilterTask>& list);
 
  private:

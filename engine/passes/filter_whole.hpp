@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // engine/passes/filter_whole.hpp: a chain of filter steps over every brick of a field. Thread: the Gpu's.
 //
-// Scratch pools are made for the run and freed with it: each is as large as the field, and would be kept for edits that
-// reach a few bricks (filter_region.hpp has pools of its own for those).
+// Its scratch pools are freed at the end of the run, since each may be as large as the field. Edits, which reach a few
+// bricks only, have scratch pools of their own (filter_region.hpp).
 #pragma once
 
 #include <functional>
@@ -15,8 +15,8 @@
 
 namespace palpate {
 
-// Blocks. `progress`, if there is one, gets the fraction done, as many bricks apart as the device's tuning says, and
-// may throw to cancel: `result` then holds nothing of use. Throws Error(kOutOfMemory).
+// Blocks. `progress`, if given, gets the fraction done after every Tuning::filter_bricks bricks. It may throw to
+// cancel; the content of `result` is then undefined. Throws Error(kOutOfMemory).
 void filterWhole(gpu::Gpu& gpu, gpu::Transfer& transfer, FilterDispatch& steps, std::span<const FilterRoute> routes,
                  const BrickPool& source, BrickPool& result, const std::function<void(double)>& progress);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/passes/gpu_budget.hpp: how much GPU memory the bricks of one engine may take, density and samples together.
-// Shared by the stores that grow. Thread: the Gpu's.
+// engine/passes/gpu_budget.hpp: the GPU memory that the densities and samples of one engine may take together. Shared
+// by all its pools and stores. Thread: the Gpu's.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +21,7 @@ struct GpuBudget {
   }
 };
 
-// 0: no limit but the device's.
+// `limit_bytes` 0: the device's memory is the only limit.
 [[nodiscard]] inline std::shared_ptr<GpuBudget> makeGpuBudget(std::uint64_t limit_bytes = 0) {
   auto budget = std::make_shared<GpuBudget>();
   if (limit_bytes != 0) budget->limit_bytes = limit_bytes;

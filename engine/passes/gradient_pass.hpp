@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/passes/gradient_pass.hpp: gradients of the stored bricks by one of the operators of engine/gradient
-// (shaders/gradient*.comp): spacing aware, one-sided at the volume's border. Twin: engine/reference/gradient.hpp.
-// Thread: the Gpu's.
+// engine/passes/gradient_pass.hpp: computes the samples (gradient, density) of the bricks in a SampleStore, by one of
+// the operators of engine/gradient (shaders/gradient*.comp). Twin: engine/reference/gradient.hpp. Thread: the Gpu's.
 #pragma once
 
 #include <functional>
@@ -19,7 +18,7 @@
 
 namespace palpate {
 
-// What decides on the GPU whether a brick is active: the bounds of all bricks, and the isovalue.
+// By this a kernel decides whether a brick is active: the bounds of all bricks, and the isovalue.
 struct ActiveTest {
   const gpu::Buffer* bounds = nullptr;  // layout::BrickBounds; null: no task says IF_ACTIVE
   float isovalue = 0;                   // [density]
@@ -27,21 +26,21 @@ struct ActiveTest {
 
 class GradientPass {
  public:
-  // `smoothed`: the field whose gradient is taken, for an operator that smooths (a FilterChain of its steps makes it);
-  // null: the pool's own.
+  // `smoothed`: the field whose gradient is taken, for an operator that smooths (a FilterChain makes it); null: that of
+  // `pool`.
   GradientPass(gpu::Gpu& gpu, gpu::Transfer& transfer, const BrickPool& pool, const SampleStore& store,
                const GradientOperator& way = {}, const BrickPool* smoothed = nullptr);
 
-  // How far a changed density changes gradients; of an operator that smooths, how far a smoothed density does.
+  // How far a changed density changes gradients. For an operator that smooths: how far a changed smoothed density does.
   [[nodiscard]] Reach reach() const noexcept { return {way_.words.reach, way_.words.reach}; }
 
-  // Every brick of the store; blocks. `progress` gets the fraction done, some thousand bricks apart, and may throw to
-  // cancel: the store then holds nothing of use.
+  // Computes every brick of the store; blocks. `progress` gets the fraction done after every Tuning::gradient_bricks
+  // bricks. It may throw to cancel; the store's content is then undefined.
   void run(const std::function<void(double)>& progress = {});
-  // The bricks of `ranges` in `tasks` (layout::BrickTask).
+  // Records the bricks of `ranges` in `tasks` (layout::BrickTask).
   void record(gpu::Commands& commands, const gpu::Buffer& tasks, std::span<const TaskRange> ranges,
               const ActiveTest& test);
-  void makeKernels() { static_cast<void>(kernel_.get()); }  // for the pool's slabs as they are; throws Error(kDevice)
+  void makeKernels() { static_cast<void>(kernel_.get()); }  // for the pool's present slabs; throws Error(kDevice)
 
  private:
   gpu::Gpu& gpu_;

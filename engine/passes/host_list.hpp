@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/passes/host_list.hpp: a list that the host fills and kernels read (or the other way round): it keeps a mapped
-// buffer that grows when it must, by doubling, up to what one binding of the device may hold. Thread: the Gpu's; not
+// engine/passes/host_list.hpp: a list in a mapped buffer that the host fills and kernels read, or the other way round.
+// The buffer grows when needed, by doubling, up to what one binding of the device may hold. Thread: the Gpu's; not
 // while submitted work uses the buffer.
 #pragma once
 
@@ -25,13 +25,13 @@ class HostList {
   static_assert(std::is_trivially_copyable_v<Item>);
 
  public:
-  // `most_bytes`: that the list may take; 0: what the device allows in one binding.
+  // `most_bytes`: limit of the list; 0: what the device allows in one binding.
   HostList(gpu::Gpu& gpu, std::string name, std::size_t capacity, std::uint64_t most_bytes = 0)
       : gpu_(gpu), name_(std::move(name)), most_bytes_(most_bytes != 0 ? most_bytes : gpu.info().max_binding_bytes) {
     fit(capacity);
   }
 
-  // Makes the buffer large enough for `count` items. Throws Error(kOutOfMemory); then the old buffer stays.
+  // Makes the buffer large enough for `count` items. Throws Error(kOutOfMemory) and keeps the old buffer.
   void fit(std::size_t count) {
     const std::size_t needed = std::max<std::size_t>(count, 1) * sizeof(Item);
     if (buffer_ && needed <= buffer_->bytes()) return;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/passes/isosurface_pass.hpp: draws the isosurface (shaders/isosurface.comp), skipping bricks that cannot hold
-// it. Twin of its depth: engine/reference/isosurface.hpp. Thread: the Gpu's. Blocks; lavapipe: a second or so a
+// engine/passes/isosurface_pass.hpp: draws the isosurface (shaders/isosurface.comp) and skips bricks that cannot hold
+// it. Twin of its depth: engine/reference/isosurface.hpp. Thread: the Gpu's. Blocks; cost on lavapipe: about a second a
 // megapixel.
 #pragma once
 
@@ -21,7 +21,7 @@ class IsosurfacePass {
  public:
   IsosurfacePass(gpu::Gpu& gpu, gpu::Transfer& transfer, const BrickPool& pool, const BrickBoundsPass& bounds);
 
-  // `between`: called between bands of rows; what it throws ends the drawing.
+  // `between` is called between bands of rows and may throw to cancel.
   [[nodiscard]] RenderedImage draw(const Camera& camera, double isovalue, const std::function<void()>& between = {});
 
  private:

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/passes/pool_kernel.hpp: a kernel that reads the brick pool: the pool's bindings first, its own after.
+// engine/passes/pool_kernel.hpp: a kernel that reads a brick pool. The pool's bindings come first, the kernel's own
+// after.
 //
-// It is specialised for as many slabs as the pool has; when that gets another one the kernel is built once more, which
-// costs the driver's compiler some 50 ms. Thread: the Gpu's.
+// The kernel is specialised for the number of slabs that the pool has. When the pool gets another slab, the kernel is
+// built again, which costs some 50 ms of the driver's compiler. Thread: the Gpu's.
 #pragma once
 
 #include <cstdint>
@@ -18,12 +19,12 @@ namespace palpate {
 
 class PoolKernel {
  public:
-  // `name`: of the shader, as in shaders/NAME.comp. `more`: specialisation constants 1, 2, ... `second`: another pool
-  // that it reads; how many slabs it has, 1 to DENSITY_SLABS, is the last constant.
+  // `name`: of the shader shaders/NAME.comp. `more`: specialisation constants 1, 2, ... `second`: another pool that it
+  // reads; the last constant is then the number of that pool's slabs, 1 to DENSITY_SLABS.
   PoolKernel(gpu::Gpu& gpu, std::string name, const BrickPool& pool, std::uint32_t bindings, std::size_t push_bytes,
              std::vector<std::uint32_t> more = {}, const BrickPool* second = nullptr);
 
-  // The kernel for the pool as it is now. Not while submitted work still uses the last one.
+  // The kernel for the pool's present slabs, built if need be. Not while submitted work uses the former kernel.
   [[nodiscard]] const gpu::Kernel& get();
 
  private:
@@ -33,7 +34,7 @@ class PoolKernel {
   const BrickPool* second_;
   std::uint32_t bindings_;
   std::uint32_t push_bytes_;
-  std::vector<std::uint32_t> constants_;  // the first one: slabs
+  std::vector<std::uint32_t> constants_;  // the first one: number of slabs
   std::optional<gpu::Kernel> kernel_;
 };
 

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // engine/passes/slot_slabs.hpp: slots of one size on the GPU, taken and given back as bricks come and go.
 //
-// Slots lie in slabs, since a storage buffer binding is guaranteed 128 MiB only. The newest slab grows by doubling, up
-// to a whole one; then the next begins. Where the budget is short it grows by what is asked for. Growing copies what
-// the newest slab holds and happens in reserve() alone; the old one is there beside the new until then, which the
-// budget does not count: at most 128 MiB for a moment. Thread: the Gpu's; not while submitted work uses the slabs.
+// Slots lie in slabs (storage buffers), since Vulkan guarantees only 128 MiB for a binding. The newest slab grows by
+// doubling up to its full size; then the next slab begins. Where the budget is short, it grows only by what is asked
+// for.
+//
+// Only reserve() grows a slab. It copies the slab into a larger one, so for a moment there are both; the budget does
+// not count the old one, which has at most 128 MiB. Thread: the Gpu's; not while submitted work uses the slabs.
 #pragma once
 
 #include <cstddef>
@@ -24,8 +26,8 @@ class SlotSlabs {
   struct Shape {
     std::string name;                // "density", for messages
     std::size_t slot_bytes = 0;      // [byte]
-    std::uint32_t slots_a_slab = 0;  // of a whole slab
-    std::size_t max_slabs = 0;       // that may be; 0: no limit
+    std::uint32_t slots_a_slab = 0;  // of a slab of full size
+    std::size_t max_slabs = 0;       // 0: no limit
   };
 
   static constexpr std::size_t kAnySlab = static_cast<std::size_t>(-1);
@@ -36,16 +38,16 @@ class SlotSlabs {
   SlotSlabs(const SlotSlabs&) = delete;
   SlotSlabs& operator=(const SlotSlabs&) = delete;
 
-  // Makes sure that take() can be called `slots` times. Throws Error(kOutOfMemory) where the budget, the slabs or the
-  // device do not allow it; every slot in use then is as it was, and what could be had stays for later.
+  // Makes sure that take() can be called `slots` times. Throws Error(kOutOfMemory) where the budget, max_slabs or the
+  // device does not allow it. Then every slot in use is unchanged, and room that was gained so far is kept.
   void reserve(std::size_t slots);
 
-  // What reserve() would take out of the budget at least [byte].
+  // The least that reserve() would take out of the budget [byte].
   [[nodiscard]] std::uint64_t bytesToReserve(std::size_t slots) const noexcept {
     return slots > free() ? (slots - free()) * shape_.slot_bytes : 0;
   }
 
-  // A free slot; only after reserve(). In `slab` if there is one that was given back there.
+  // A free slot; only after reserve(). Prefers a slot in `slab`, if one was given back there.
   [[nodiscard]] std::uint32_t take(std::size_t slab = kAnySlab) noexcept;
   void release(std::uint32_t slot);                 // may be taken again at once
   void releaseAll() noexcept;                       // take() begins with slot 0 again
@@ -67,8 +69,8 @@ class SlotSlabs {
   std::shared_ptr<GpuBudget> budget_;
   std::vector<gpu::Buffer> slabs_;
   std::size_t capacity_ = 0;                      // slots of all slabs
-  std::size_t next_ = 0;                          // slots below this one have been taken at some time
-  std::vector<std::vector<std::uint32_t>> free_;  // of those, given back, by slab
+  std::size_t next_ = 0;                          // the first slot that was never taken
+  std::vector<std::vector<std::uint32_t>> free_;  // slots that were given back, by slab
   std::size_t free_count_ = 0;
   gpu::Commands commands_;
 };

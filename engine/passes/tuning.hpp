@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/passes/tuning.hpp: what kernels are specialised for on each kind of device, in one table. Results do not
-// depend on it, bit for bit; only the time they take does. Any thread; no cost.
+// engine/passes/tuning.hpp: how kernels are tuned for each type of device, in one table. Only run time depends on it;
+// results are the same, bit for bit. Any thread; no cost.
 #pragma once
 
 #include <cstdint>
@@ -12,15 +12,15 @@
 namespace palpate {
 
 struct Tuning {
-  std::string_view device;  // GpuInfo::tuned_as; the last row has "" and serves all others
+  std::string_view device;  // GpuInfo::tuned_as; the last row has "" and serves all other devices
 
-  // Rows along k that an invocation of gradient.comp makes: 1, 2, 4 or 8. They share what they read, so a CPU, for
-  // which every load is a loop over lanes, wants all eight; a GPU wants 32 invocations to a brick, so that its warps
-  // are full, and has caches for what is read again.
+  // Rows along k that one invocation of gradient.comp computes: 1, 2, 4 or 8. The rows of an invocation share what they
+  // read. On a CPU every load is a loop over lanes, so eight rows are best. A GPU needs 32 invocations for each brick
+  // to fill its warps, and its caches serve repeated reads.
   std::uint32_t gradient_run;
 
-  // Bricks of a whole field in one submission: so few that it can be stopped in between and no device gives up on a
-  // slow kernel, so many that submitting them costs next to nothing.
+  // Bricks in one submission when a whole field is computed. Few enough that work can be cancelled in between and that
+  // no driver times out; many enough that the cost of submitting is negligible.
   std::uint32_t filter_bricks;
   std::uint32_t gradient_bricks;
 };

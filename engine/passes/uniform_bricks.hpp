@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/passes/uniform_bricks.hpp: where a field holds one density all around a brick, a filter step gives that brick
-// one density too. Any thread.
+// engine/passes/uniform_bricks.hpp: finds bricks around which a field holds one density everywhere. A filter step then
+// gives such a brick one density too. Any thread.
 #pragma once
 
 #include <bit>
@@ -13,11 +13,12 @@
 
 namespace palpate {
 
-// The bricks that a step reads beside its own, along each axis, either way.
+// How many bricks beyond its own a step reads, along each axis, either way.
 [[nodiscard]] inline Vec3i ringOf(const FilterStep& step) {
   return (step.reach.array() + kBrickSize - 1) / kBrickSize;
 }
 
+// Visits the indices of the bricks within `ring` of `brick`, itself included, until `visit` returns false.
 template <typename Visit>
 void forEachAround(const BrickGrid& grid, const Vec3i& brick, const Vec3i& ring, const Visit& visit) {
   const Vec3i low = (brick - ring).cwiseMax(Vec3i::Zero());
@@ -31,7 +32,8 @@ void forEachAround(const BrickGrid& grid, const Vec3i& brick, const Vec3i& ring,
   }
 }
 
-// The density that all bricks around hold, if they hold one. `constantOf(brick)`: what a brick holds, or nothing.
+// The density that all bricks within `ring` of `brick` hold, if it is the same in all of them, bit for bit. Else empty.
+// `constantOf(brick)`: the one density that a brick holds; empty if it holds several.
 template <typename ConstantOf>
 std::optional<float> uniformAround(const BrickGrid& grid, std::uint32_t brick, const Vec3i& ring,
                                    const ConstantOf& constantOf) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/passes/window_pass.hpp: gathers the samples around the tool into a small dense box (shaders/window.comp),
-// written straight into memory that the servo reads. Twin: engine/reference/window.hpp. Thread: the Gpu's.
+// engine/passes/window_pass.hpp: gathers the samples around the tool into a small dense box, the window
+// (shaders/window.comp), in memory that the servo reads. Twin: engine/reference/window.hpp. Thread: the Gpu's.
 #pragma once
 
 #include <span>
@@ -19,27 +19,28 @@ namespace palpate {
 
 inline constexpr int kWindowEdge = 32;  // samples along an edge, fewer where the volume is thinner [voxel]
 
-// Where a window around a point lies: as near to centred as the domain lets it.
+// Where a window lies.
 struct WindowBox {
-  Vec3i first = Vec3i::Zero();  // voxel of the volume
-  Vec3i size = Vec3i::Zero();
+  Vec3i first = Vec3i::Zero();  // its first voxel in the volume
+  Vec3i size = Vec3i::Zero();   // [voxel]
 };
+// The window around a point, as near to centred on it as the domain allows.
 [[nodiscard]] WindowBox windowAround(const Vec3& p_L, const Vec3i& domain);
 
 class WindowPass {
  public:
   WindowPass(gpu::Gpu& gpu, const BrickPool& pool, const SampleStore& store);
 
-  // Fills `window` (kHost memory of at least the box's samples); blocks. Lavapipe: about half a millisecond.
+  // Fills `window`, kHost memory with room for the box's samples. Blocks; on lavapipe for about half a millisecond.
   void run(const WindowBox& box, const gpu::Buffer& window);
 
-  // The same as part of other work: the `wanted` bricks of a box, for a list of tasks; and what gathers them.
-  // `if_active` says of which bricks the kernel must ask whether they have samples.
+  // The same as part of other work: tasksOf() lists the bricks of a box for which `wanted(brick)` is true, record()
+  // gathers them. `if_active(brick)`: whether the kernel must look at the brick's bounds to see if it has samples.
   template <typename Wanted, typename IfActive>
   [[nodiscard]] BrickTasks tasksOf(const WindowBox& box, const Wanted& wanted, const IfActive& if_active) const;
   void record(gpu::Commands& commands, const WindowBox& box, const gpu::Buffer& tasks,
               std::span<const TaskRange> ranges, const ActiveTest& test, const gpu::Buffer& window);
-  void makeKernels() { static_cast<void>(kernel_.get()); }  // for the pool's slabs as they are; throws Error(kDevice)
+  void makeKernels() { static_cast<void>(kernel_.get()); }  // for the pool's present slabs; throws Error(kDevice)
 
   // A window that starts anywhere touches at most 32 / 8 + 1 bricks along each axis.
   static constexpr std::size_t kBricksAlong = kWindowEdge / kBrickSize + 1;

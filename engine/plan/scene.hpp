@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // engine/plan/scene.hpp: everything that a user can ask of a run of `palpate touch`, with its defaults.
 //
-// Values are in the code's units (SI); the table in apps/scene/ gives each its flag, TOML key, screen unit and help
-// text.
+// Values are in SI units. The table in apps/scene/ gives each its flag, TOML key, screen unit and help text.
 #pragma once
 
 #include <cstdint>
@@ -25,40 +24,40 @@ struct Scene {
   std::optional<double> isovalue;   // tau; empty: suggested from the histogram [density]
   std::vector<ObjectSpec> objects;  // beside the volume
   // compute
-  std::string gpu;                     // part of the Vulkan device's name; empty: the best one
-  std::uint64_t gpu_memory_bytes = 0;  // the most that densities and gradients may take there; 0: what it has [byte]
-  std::string filter;                  // chain that makes the field that is felt: "gaussian:0.8mm"; empty: none
-  std::string field = "density";       // what is felt: the density, or the distance from its isosurface
-  bool gradient_all = false;           // every brick instead of those that the isosurface needs
+  std::string gpu;                            // part of the Vulkan device's name; empty: the best one
+  std::uint64_t gpu_memory_bytes = 0;         // limit for densities and samples on the GPU; 0: the device's own [byte]
+  std::string filter;                         // chain that makes the field that is felt: "gaussian:0.8mm"; empty: none
+  std::string field = "density";              // the field that is felt: "density", or "distance" from the isosurface
+  bool gradient_all = false;                  // gradients of every brick, not only of those that the isosurface needs
   std::string gradient_operator = "central";  // engine/gradient/gradient_operator.hpp
-  std::string samples = "float";              // or half: how the engine stores gradients and densities
+  std::string samples = "float";              // or "half": how the GPU stores samples (gradient, density)
   // servo
   std::string algorithm = "hri";
-  int plane_renewal_ticks = 5;  // n
+  int plane_renewal_ticks = 5;  // n: the plane is found anew every n ticks
   double stiffness_N_per_m = 500;
   double damping_Ns_per_m = 0.5;
   double rate_hz = 1000;
   double duration_s = 5;
   bool simulated_clock = false;
-  std::string velocity = "filter";         // estimate of the HIP's velocity
-  double velocity_cutoff_hz = 200;         // of filter; 0: none
-  std::optional<double> velocity_noise_m;  // of foaw; empty: the encoders' resolution
+  std::string velocity = "filter";         // name of the HIP's velocity estimator
+  double velocity_cutoff_hz = 200;         // of "filter"; 0: none
+  std::optional<double> velocity_noise_m;  // of "foaw"; empty: the encoders' resolution
   // haptization's transfer function; a table without rows: chosen from the isovalue and the volume
   NumberTable haptization_density;   // rows: density, force [N], viscosity [N s/m]
   NumberTable haptization_gradient;  // rows: gradient [density/m], weight [-]
   // safety
-  double force_limit_N = 8;  // of the simulated device
+  double force_limit_N = 8;          // of the simulated device
   double slew_limit_N_per_s = 4000;  // servo/safety/safety_gate.hpp says why
-  double fade_s = 0.1;             // time in which a faulty force fades to zero
-  double stale_window_s = 0.25;    // a window that the engine has not confirmed for so long is a fault
-  double stall_s = 0.01;           // a tick later than this ends a stall
-  double report_timeout_s = 0.02;  // a device position older than this is a fault
-  bool passivity_control = false;  // false: observe only
+  double fade_s = 0.1;               // time in which a faulty force fades to zero
+  double stale_window_s = 0.25;      // a window that the engine has not confirmed for so long is a fault
+  double stall_s = 0.01;             // a tick later than this ends a stall
+  double report_timeout_s = 0.02;    // a device position older than this is a fault
+  bool passivity_control = false;    // false: observe only
   // contact effects; all off
   bool force_shading = false;
   double recovery_s = 0;                 // 0: none
   std::string texture = "none";          // none, procedural or density
-  double texture_amplitude_m = 0.1e-3;   // no texture moves the VHIP farther
+  double texture_amplitude_m = 0.1e-3;   // limit on how far a texture moves the VHIP
   double texture_wavelength_m = 1.0e-3;  // of the procedural texture
   double texture_gain = 1;               // of the density texture [-]
   double friction_static = 0;            // mu_s [-]
@@ -76,18 +75,18 @@ struct Scene {
   int device_delay_ticks = 0;
   // path: a CSV file, or built from the surface
   std::string path_file;
-  std::optional<Vec3> path_toward;   // direction in which the tool approaches (world); empty: chosen
-  std::optional<Vec3> path_start_W;  // a point near the surface where the press begins [m]; empty: chosen
-  std::optional<Vec3> path_slide;    // direction of the slide (world); empty: chosen
-  bool straight_over_edges = false;  // false: the slide follows the surface around every edge
-  std::optional<double> press_depth_m;  // of a built path, like the next two; empty: fits the object [m]
+  std::optional<Vec3> path_toward;      // direction in which the tool approaches (world); empty: chosen
+  std::optional<Vec3> path_start_W;     // a point near the surface, where the press begins [m]; empty: chosen
+  std::optional<Vec3> path_slide;       // direction of the slide (world); empty: chosen
+  bool straight_over_edges = false;     // false: the slide follows the surface around every edge
+  std::optional<double> press_depth_m;  // of a built path, as the next two; empty: chosen to fit the object [m]
   std::optional<double> slide_length_m;
   std::optional<double> approach_m;
   // edits
   std::string edit;         // brush that the tool drives: "remove:radius=2mm"; empty: none
-  std::string journal;      // folder in which edits are kept as they go; empty: nowhere
-  std::string save;         // file in which the edited volume is kept; empty: none
-  double save_every_s = 0;  // 0: at the end of the run only [s]
+  std::string journal;      // folder of the journal, which keeps edits as they are made; empty: none
+  std::string save;         // file for the edited volume; empty: none
+  double save_every_s = 0;  // interval between saves; 0: only at the end of the run [s]
   // output
   std::string out = "out";
   bool trace = true;    // write trace.csv

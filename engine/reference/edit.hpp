@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/reference/edit.hpp: the CPU twin of the edit kernels: commands one after another over the whole volume. Any
-// thread. It visits every voxel for every command, so it is slow and obvious; kernels must agree bit for bit.
+// engine/reference/edit.hpp: the CPU twin of the edit kernels. It visits every voxel for every command, in order: slow
+// and obvious. Kernels must agree bit for bit. Any thread.
 #pragma once
 
 #include "engine/edit/lower_edit.hpp"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/reference/edit_bricks.hpp: the twin of the edit kernels on a volume's bricks: only those that a command can
-// reach are visited, so that long lists of edits can be replayed. Bits: those of reference/edit.hpp and of the kernels.
-// Any thread, while nobody else uses the volume. Cost: some 10 us a brick and command.
+// engine/reference/edit_bricks.hpp: a faster CPU twin of the edit kernels, for replaying long lists of edits: it visits
+// only the bricks that a command can reach. The result is bit for bit that of reference/edit.hpp and of the kernels.
+// Any thread, while nobody else uses the volume. Cost: some 10 us for each brick and command.
 #pragma once
 
 #include "engine/edit/lower_edit.hpp"
@@ -9,7 +9,7 @@
 
 namespace palpate::reference {
 
-// Bricks that come to hold one value become constant.
+// A brick that ends with one value everywhere becomes constant.
 void applyEdits(Volume& volume, const LoweredEdits& edits);
 
 }  // namespace palpate::reference

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // engine/reference/filter.hpp: the CPU twin of the filter kernels: every step over the whole field, voxel by voxel,
-// with no bricks. Slow and obvious; any thread. Kernels must agree bit for bit, but for those with exponentials
-// (bilateral, diffuse with g=exp), which are taken in double here: tests derive how far a kernel may be off.
+// without bricks. Slow and obvious; any thread. Kernels must agree bit for bit, except for filters with exponentials
+// (bilateral, diffuse with g=exp). The twin takes those in double; apps/check/rounding_bound.hpp derives how far a
+// kernel may be off.
 #pragma once
 
 #include <functional>
@@ -12,8 +13,8 @@
 
 namespace palpate::reference {
 
-// Not one of a distance's steps, which only applyFilters takes, all of one together. `progress`, if there is one, gets
-// the fraction done after each slice, and may throw to cancel.
+// Applies one step, or a chain of steps. Only applyFilters takes the steps of a distance, all steps of one distance
+// together. `progress`, if given, gets the fraction done after each slice, and may throw to cancel.
 [[nodiscard]] DenseField applyStep(const DenseField& field, const FilterStep& step,
                                    const std::function<void(double)>& progress = {});
 [[nodiscard]] DenseField applyFilters(DenseField field, std::span<const FilterStep> steps,

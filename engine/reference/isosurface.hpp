@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/reference/isosurface.hpp: the CPU twin of shaders/isosurface.comp's depth: where a ray meets the isosurface.
-// Any thread. It steps in small steps with no skipping, so it is slow and obvious.
+// engine/reference/isosurface.hpp: the CPU twin of the depth of shaders/isosurface.comp: where a ray meets the
+// isosurface. It goes in small steps and skips nothing: slow and obvious. Any thread.
 #pragma once
 
 #include <optional>
@@ -9,7 +9,7 @@
 
 namespace palpate::reference {
 
-// Trilinear density at a point in voxels, clamped to the domain; in double.
+// Trilinear density at a point of the lattice frame L [voxel], clamped to the domain; computed in double.
 [[nodiscard]] double trilinear(const DenseField& field, const Vec3& p_L);
 
 // Distance [m] from `eye_W` along the unit direction to the first point inside the domain with density above the

@@ -8,7 +8,7 @@
 
 namespace palpate::reference {
 
-// `density(voxel)`; the voxel itself stands for those beyond the domain.
+// `density(voxel)` gives a voxel's density. A neighbour beyond the domain has the density of `voxel` itself.
 template <typename Density>
 edit_math::Neighbours neighboursOf(const Vec3i& voxel, const Vec3i& size, const Density& density) {
   edit_math::Neighbours neighbours{};

@@ -11,8 +11,8 @@
 
 namespace palpate::reference {
 
-// The samples of the box [first, first + size) of the field: density, and the gradient of every voxel by an operator,
-// as they come back from the form that they were stored in.
+// The samples of the box [first, first + size) of the field: density and gradient of every voxel, the gradient by the
+// operator `way`, both rounded as `format` stores them.
 [[nodiscard]] std::vector<Sample> windowSamples(const DenseField& field, const Vec3i& first, const Vec3i& size,
                                                 const GradientOperator& way = {}, const SampleFormat& format = {});
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/service/brick_content.hpp: what a brick holds, as undo, replay and savers keep it. Any thread.
+// engine/service/brick_content.hpp: a copy of a brick's densities, for undo, replay and savers. Any thread.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@ namespace palpate {
 
 struct BrickContent {
   std::uint32_t brick = 0;    // linear page index (BrickGrid::index)
-  std::vector<float> values;  // 512, i fastest, voxels outside the domain as Volume::readBrick gives them; or one
+  std::vector<float> values;  // 512, i fastest, outside the domain as Volume::readBrick; or 1 if constant
 };
 
 }  // namespace palpate

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/service/edit_plan.hpp: which bricks an edit can change, and all that follows from that, found on the CPU
-// before the GPU is asked for anything: what must be edited, filtered, bounded, graded and gathered anew, and what room
-// it takes. A constant brick that surely stays constant costs its page only. Changes nothing. Thread: the Gpu's. Cost:
+// engine/service/edit_plan.hpp: plans an edit on the CPU, before any work goes to the GPU: which bricks the edit can
+// change, for which bricks filters, bounds and gradients must be computed anew, and how much room that takes. A
+// constant brick that surely stays constant costs a page only. Planning changes nothing. Thread: the Gpu's. Cost:
 // follows the edit.
 #pragma once
 
@@ -24,45 +24,45 @@ namespace palpate {
 struct EditPlan {
   // A brick whose densities may change.
   struct Touched {
-    bool stored = false;     // has, or will have, a slot
-    bool is_new = false;     // will get one
-    float constant = 0;      // if it is not stored
+    bool stored = false;     // it has, or will get, a slot
+    bool is_new = false;     // it will get a slot
+    float constant = 0;      // its density after the edit, if it is not stored
     VoxelBox changed;        // voxels that may change
-    bool may_cross = false;  // some may change sides of the isovalue
+    bool may_cross = false;  // some of them may cross the isovalue
   };
   LoweredEdits edits;
   std::vector<EditPhase> phases;
   std::unordered_map<std::uint32_t, Touched> touched;
   std::vector<std::uint32_t> altered;    // bricks whose densities may change in the field that is felt
-  std::vector<std::uint32_t> smoothed;   // bricks whose smoothed densities may change, where there are such
+  std::vector<std::uint32_t> smoothed;   // bricks whose smoothed densities may change, if gradients are smoothed
   std::vector<std::uint32_t> rebounded;  // bricks whose bounds may change
-  std::vector<std::uint32_t> unsettled;  // bricks that may become active or cease to be
-  std::vector<std::uint32_t> newly;      // of those, without samples until now
+  std::vector<std::uint32_t> unsettled;  // bricks that may become active or inactive (passes/active_bricks.hpp)
+  std::vector<std::uint32_t> newly;      // of those, the bricks without samples until now
   std::vector<std::uint32_t> regraded;   // bricks with samples whose gradients may change
-  std::vector<std::uint32_t> emptied;    // stored bricks that are given one value
-  std::size_t new_bricks = 0;
+  std::vector<std::uint32_t> emptied;    // stored bricks that replace() makes constant
+  std::size_t new_bricks = 0;            // bricks that will get a slot
 };
 
 class EditPlanner {
  public:
-  // What edits meet. Pool and samples outlive the planner.
+  // What edits work on. Pool and samples outlive the planner.
   struct Scope {
     const BrickPool& pool;
     const SampleStore& store;
-    std::optional<Vec3i> filter_reach;     // of the chain between the pool and the field that is felt, if there is one
-    std::optional<Vec3i> smoothing_reach;  // of the one between that field and its gradients
+    std::optional<Vec3i> filter_reach;     // of the chain from the pool to the field that is felt; empty: no chain
+    std::optional<Vec3i> smoothing_reach;  // of the chain from that field to its gradients; empty: no chain
     Reach gradient_reach;
     float isovalue = 0;        // of the field that is felt [density]
     bool all_samples = false;  // every brick has samples, whatever its bounds
   };
   EditPlanner(const Scope& scope, const BrushProfile& profile);
 
-  // Throws as lowerEdits does.
+  // The plan for commands. Throws as lowerEdits does.
   [[nodiscard]] EditPlan plan(std::span<const EditCommand> commands) const;
-  // Of bricks that are put in place whole. Throws Error(kBadInput) as Editor::replace says.
+  // The plan for replacing whole bricks. Throws Error(kBadInput) as Editor::replace does.
   [[nodiscard]] EditPlan plan(std::span<const BrickContent> bricks) const;
 
-  // What a brick holds after what is planned so far, if it is constant then.
+  // The one density that a brick will hold after `plan`; empty if it will be stored.
   [[nodiscard]] std::optional<float> constantAfter(const EditPlan& plan, std::uint32_t brick) const;
 
  private:

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // engine/service/engine.hpp: runs a plan for one volume on one Vulkan device and publishes windows around the tool.
 //
-// Thread: one at a time: the one that made it, then the EngineThread, then the first again for the picture. The servo
-// touches nothing here but exchange().
+// Thread: one thread at a time: first the one that made it, then the EngineThread, then the first again for the
+// picture. The servo's thread uses exchange() only.
 #pragma once
 
 #include <cstdint>
@@ -32,36 +32,36 @@ class WindowExchange;
 
 class Engine {
  public:
-  // Opens the device, uploads the volume and computes what the plan asks for. Throws Error. `gpu_memory_bytes`: the
-  // most that densities and samples may take (0: what the device has); reaching it is Error(kOutOfMemory). `progress`:
-  // told the pass that is under way and the fraction of it that is done, where that may take long (filters, smoothing,
-  // gradients); may throw to cancel.
+  // Opens the device, uploads the volume and computes what the plan asks for. Throws Error. `gpu_memory_bytes`: limit
+  // for densities and samples (0: the device's memory); beyond it Error(kOutOfMemory) is thrown. `progress`: gets the
+  // pass that is under way and the fraction of it that is done, for the passes that may take long (filters, smoothing,
+  // gradients). It may throw to cancel.
   using StartProgress = std::function<void(const char* pass, double done)>;
   Engine(const Volume& volume, const Plan& plan, double isovalue, const std::string& gpu_name,
          std::uint64_t gpu_memory_bytes = 0, const StartProgress& progress = {});
   ~Engine();
 
-  // Gathers a window around the tool if there is none yet or the tool has left the middle of the last one, and
-  // publishes it; otherwise confirms the last one. Returns whether a window was published. `now_ns`: on the servo's
-  // clock.
+  // Gathers and publishes a window around `focus_W` if there is none yet, or if this point has left the middle of the
+  // last one. Otherwise confirms that the last one still holds. Returns whether a window was published. `now_ns`: on
+  // the servo's clock.
   bool publishAround(const Vec3& focus_W, std::int64_t now_ns);
-  // The same, around the place where this tool needs it (window_focus.hpp).
+  // The same, around the point where this tool needs the window (window_focus.hpp).
   bool publishFor(const ToolPose& tool, std::int64_t now_ns);
 
-  // Makes edits possible; once, before the first. Throws Error(kBadInput) where the plan's gradients are those of a
-  // smoothed field and it does not say that edits come (Plan::edits): the field is gone then. Cost: kernels, and the
-  // bounds of every brick read back. `kinds`: those whose kernels are to be ready, so that not even the first edit
-  // waits for the driver's compiler.
+  // Prepares for edits. Call it once, before the first edit. `kinds`: the kinds of edit whose kernels are compiled now,
+  // so that not even the first edit waits for the driver's compiler. Throws Error(kBadInput) if gradients are those of
+  // a smoothed field and Plan::edits is false, since that field is gone then. Cost: kernels, and reading back the
+  // bounds of every brick.
   void allowEdits(const BrushProfile& profile, std::span<const EditKind> kinds = {});
   struct EditResult {
     std::uint64_t version = 0;  // of the volume: counts edits
-    bool published = false;     // a window that holds it is out; otherwise it does not reach the last window
+    bool published = false;     // a window with the edit was published; false: the edit does not reach the last window
     std::size_t changed_bricks = 0;
     std::size_t gradient_bricks = 0;
     std::vector<StageTime> stages;  // plan, record, gpu (and of that, if timed, its kernels), publish, settle
   };
-  // Applies edit commands in their order (engine/service/editor.hpp) and publishes the last window's box anew if they
-  // reach it. Throws as Editor::apply does; then nothing has changed.
+  // Applies edit commands in their order (engine/service/editor.hpp). Publishes the last window's box anew if they
+  // reach it. Throws as Editor::apply does.
   EditResult edit(std::span<const EditCommand> commands, std::int64_t now_ns);
   // The same with whole bricks, for undo and replay (Editor::replace).
   EditResult replace(std::span<const BrickContent> bricks, std::int64_t now_ns);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/service/engine_thread.hpp: the engine's thread while the servo runs in real time: it follows the tool and
-// publishes.
+// engine/service/engine_thread.hpp: the engine's thread while the servo runs in real time. It follows the tool and
+// publishes windows.
 //
-// If it fails it stops confirming windows; the servo then fades its force out (stale window), and stop() throws what
-// happened. Made and stopped by one thread; between the two the Engine belongs to this thread.
+// If the thread fails, it stops confirming windows. The servo then fades its force out (fault: stale window), and
+// stop() rethrows the failure. One thread makes and stops it; in between, the Engine belongs to this object's thread.
 #pragma once
 
 #include <atomic>
@@ -18,15 +18,15 @@ namespace palpate {
 
 class EngineThread {
  public:
-  // Starts. `follow`, if there is one, is called in the thread with every look at the tool: it may edit.
+  // Starts the thread. `follow`, if given, is called in the thread with every pose that it reads; it may edit.
   using Follow = std::function<void(const ToolPose& pose, std::int64_t now_ns)>;
   EngineThread(Engine& engine, ToolPoseMailbox& poses, Follow follow = {});
-  ~EngineThread();  // stops; whatever went wrong is lost unless stop() was called
+  ~EngineThread();  // stops the thread; drops a failure that stop() has not rethrown
   EngineThread(const EngineThread&) = delete;
   EngineThread& operator=(const EngineThread&) = delete;
 
-  void stop();  // waits for the thread's end; rethrows what it died of
-  [[nodiscard]] bool failed() const noexcept { return failed_.load(); }  // stop() will say of what
+  void stop();  // waits for the thread's end; rethrows its failure
+  [[nodiscard]] bool failed() const noexcept { return failed_.load(); }  // stop() will rethrow the failure
   [[nodiscard]] std::uint64_t publications() const noexcept { return publications_.load(); }
 
  private:

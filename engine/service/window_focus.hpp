@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/service/window_focus.hpp: around which point the next window belongs.
+// engine/service/window_focus.hpp: the point around which the next window is gathered.
 //
-// In contact the servo works at the surface, so the window is put at the surface, however deep the tool presses. In
-// free motion it is put where the tool will be when the window arrives. Frame W [m]. Thread: any. Cost: a few
+// In contact this is the surface point, however deep the tool presses, since the servo works at the surface. In free
+// motion it is the point where the tool will be when the window arrives. Frame W [m]. Thread: any. Cost: a few
 // multiplications.
 #pragma once
 
@@ -11,7 +11,7 @@
 namespace palpate {
 
 inline constexpr double kWindowLead_s = 5e-3;      // about what a slow device needs to gather a window
-inline constexpr double kMaxWindowLead_voxel = 6;  // with a window's hysteresis the tool still stays in it
+inline constexpr double kMaxWindowLead_voxel = 6;  // small enough that the tool stays inside the window
 
 // `voxel_m`: the smallest spacing.
 [[nodiscard]] inline Vec3 windowFocus(const ToolPose& tool, double voxel_m) noexcept {

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/session/background_saver.hpp: writes the edited volume to disk beside a session that goes on.
+// engine/session/background_saver.hpp: writes the edited volume to disk while the session goes on.
 //
-// The saver's own thread has the volume on the CPU from the constructor to close(); nobody else may look at it in
-// between. The engine's thread hands over what changed, a batch of bricks at a time, and says with a batch which edit
-// version it completes and that this one is to be saved. One batch is on its way at a time: while the thread writes a
-// file it takes none (ready() is false), and what changes meanwhile waits in the editor's list. So nothing queues up,
-// and the engine's thread never waits: no lock, a store and a wake-up. A save that fails leaves the file as it was, is
-// told (takeFailures) and ends nothing. Where what changed could not be taken in (no memory), the volume is incomplete:
-// that is told once, and nothing is saved any more. The thread runs at a lower priority than the session's.
+// Threads: the saver's own thread owns the volume on the CPU from the constructor to close(); nobody else may look at
+// it in between. It runs at a lower priority than the session's threads. The engine's thread hands over the bricks that
+// changed, a batch at a time. A batch may name the edit version that it completes; then that version is saved.
+//
+// One batch is under way at a time. While the saver writes a file, ready() is false and it takes no batch; changed
+// bricks wait in the editor's list. So nothing queues up and the engine's thread never waits. Cost of a batch there: a
+// store and a wake-up, no lock.
+//
+// A save that fails leaves the file as it was and ends nothing; takeFailures() reports it. If memory for a batch runs
+// out, the saver's volume is incomplete. That is reported once, and nothing is saved any more.
 #pragma once
 
 #include <atomic>
@@ -27,45 +30,46 @@
 namespace palpate {
 
 struct SaveFigures {
-  std::vector<double> seconds;           // of each save that is on disk, in order [s]
-  std::uint64_t failures = 0;            // saves that are not
-  std::uint64_t bytes = 0;               // of the newest file [byte]
-  std::optional<std::uint64_t> version;  // edit version that the newest file holds
-  std::string failure;                   // of the newest save, in words; empty: it succeeded, or there was none
+  std::vector<double> seconds;           // how long each successful save took, in order [s]
+  std::uint64_t failures = 0;            // saves that failed
+  std::uint64_t bytes = 0;               // size of the newest file [byte]
+  std::optional<std::uint64_t> version;  // edit version in the newest file; empty: no file yet
+  std::string failure;                   // why the newest save failed, in words; empty: it did not
 };
 
 class BackgroundSaver {
  public:
-  // Writes the volume, which holds edit version `version`, whole or not at all; returns the file's size [byte]. Called
-  // in the saver's thread; throws where it fails.
+  // Writes the volume, which holds edit version `version`, whole or not at all. Returns the file's size [byte]. Called
+  // in the saver's thread; throws on failure.
   using Write = std::function<std::uint64_t(const Volume& volume, std::uint64_t version)>;
 
-  // `volume` outlives this and equals the engine's, but for what the editor still lists as changed.
+  // `volume` outlives this. It equals the engine's volume except for the bricks that the editor lists as changed.
   BackgroundSaver(Volume& volume, Write write);
   ~BackgroundSaver();  // as close()
   BackgroundSaver(const BackgroundSaver&) = delete;
   BackgroundSaver& operator=(const BackgroundSaver&) = delete;
 
-  // By the engine's thread. Whether the last batch was taken in, and its save is done.
+  // Engine's thread. Whether the last batch has been taken in and its save, if any, is done.
   [[nodiscard]] bool ready() const noexcept { return batch_.load(std::memory_order_acquire) == nullptr; }
-  // Only when ready(). `save_version`: with this batch the volume is that of this edit version; save it now.
+  // Engine's thread, only when ready(). `save_version`: the batch completes this edit version, which is then saved.
   void give(std::vector<BrickContent> bricks, std::optional<std::uint64_t> save_version);
 
-  // Only when ready(). Something that changed is lost on the way here: nothing is saved any more, and that is told.
+  // Engine's thread, only when ready(). Changed bricks could not be handed over, so nothing is saved any more; that is
+  // reported with `why`.
   void abandon(const std::string& why);
 
-  // By the engine's thread: waits until ready(). For the end of a session.
+  // Engine's thread: waits until ready(). For the end of a session.
   void wait() const noexcept;
-  // Waits for a save that is on its way and ends the thread; the volume is the caller's again.
+  // Waits for a save that is under way and ends the thread; then the volume belongs to the caller again.
   void close();
 
-  // Any thread. The edit version that the newest file holds, without a lock.
+  // The edit version in the newest file; empty: no file yet. Any thread, no lock.
   [[nodiscard]] std::optional<std::uint64_t> savedVersion() const noexcept {
     const std::uint64_t version = saved_version_.load(std::memory_order_acquire);
     return version == kNone ? std::nullopt : std::optional(version);
   }
   [[nodiscard]] SaveFigures figures() const;
-  // What failed since the last call, each in words.
+  // The failures since the last call, each in words.
   [[nodiscard]] std::vector<std::string> takeFailures();
 
  private:
@@ -85,9 +89,9 @@ class BackgroundSaver {
   Volume& volume_;
   Write write_;
   BrickGrid grid_;
-  std::atomic<Batch*> batch_ = nullptr;  // owned; null: taken in
-  bool broken_ = false;                  // the volume misses something; the thread's, and the giver's when ready()
-  mutable std::mutex mutex_;             // of the two below
+  std::atomic<Batch*> batch_ = nullptr;  // owned; null: the last batch is done
+  bool broken_ = false;                  // the volume is incomplete; used by the giver only when ready()
+  mutable std::mutex mutex_;             // guards figures_ and untold_
   SaveFigures figures_;
   std::vector<std::string> untold_;
   std::atomic<bool> has_untold_ = false;

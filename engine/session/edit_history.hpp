@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // engine/session/edit_history.hpp: undo and redo of an engine's edits, by copies of the bricks that they change.
 //
-// Limited by memory alone: where the copies exceed the budget, the oldest edits can no longer be undone. An edit whose
-// copies alone would exceed it cannot be undone at all, and neither can those before it; it is not copied in the first
-// place. While an edit, undo or redo runs, its own copies are there beside the others. Thread: the engine's. Cost of an
-// edit: a copy of what it changes, 2 KiB a brick, 64 bytes one that is constant; of undo and redo: as Engine::replace.
+// Memory is the only limit. Where the copies exceed the budget, the oldest edits can no longer be undone. An edit whose
+// copies alone would exceed it is not copied; neither it nor any edit before it can be undone. While an edit, undo or
+// redo runs, its own copies are there in addition to the budget.
+//
+// Thread: the engine's. Cost of an edit: a copy of the bricks that it changes, 2 KiB a brick, 64 bytes a constant
+// brick. Cost of undo and redo: that of Engine::replace.
 #pragma once
 
 #include <cstddef>
@@ -19,26 +21,27 @@ namespace palpate {
 
 class EditHistory {
  public:
-  // `engine` has had its edits allowed and outlives this. `budget_bytes`: of all copies.
+  // `engine` has had allowEdits() called and outlives this. `budget_bytes`: limit for all copies; 0: no undo.
   EditHistory(Engine& engine, std::size_t budget_bytes) : engine_(engine), budget_bytes_(budget_bytes) {}
 
-  // As Engine::edit, with its bricks kept. What was undone before can no longer be done again.
+  // As Engine::edit, and keeps what the changed bricks held. Edits that were undone can no longer be redone.
   Engine::EditResult edit(std::span<const EditCommand> commands, std::int64_t now_ns);
 
   [[nodiscard]] bool canUndo() const noexcept { return done_ > 0; }
   [[nodiscard]] bool canRedo() const noexcept { return done_ < steps_.size(); }
-  // Each refuses (Error kBadInput) where there is nothing to undo or to do again. Bit for bit what was there. Throws as
-  // Engine::replace does; then the volume is as before, although several versions on where parts had to be put back.
+  // The bricks get back their former densities, bit for bit. Throws Error(kBadInput) where there is nothing to undo or
+  // to redo, and as Engine::replace does. Then the volume is as before, but its version may have grown, since a large
+  // undo is made in parts and the parts done so far are put back.
   Engine::EditResult undo(std::int64_t now_ns);
   Engine::EditResult redo(std::int64_t now_ns);
 
   [[nodiscard]] std::size_t bytes() const noexcept { return bytes_; }         // of the copies
-  [[nodiscard]] std::size_t steps() const noexcept { return steps_.size(); }  // that can be undone or done again
+  [[nodiscard]] std::size_t steps() const noexcept { return steps_.size(); }  // edits that can be undone or redone
   // Edits that were made and can no longer be undone.
   [[nodiscard]] std::size_t forgotten() const noexcept { return forgotten_; }
 
  private:
-  using Step = std::vector<BrickContent>;  // what the bricks held before it; after an undo, what after
+  using Step = std::vector<BrickContent>;  // what the bricks held before the edit; once undone, after it
   [[nodiscard]] Step contentOf(const std::vector<std::uint32_t>& bricks) const;
   Engine::EditResult exchange(Step& step, std::int64_t now_ns);
   [[nodiscard]] std::size_t bytesToKeep(const std::vector<std::uint32_t>& bricks) const;
@@ -49,7 +52,7 @@ class EditHistory {
   Engine& engine_;
   std::size_t budget_bytes_;
   std::deque<Step> steps_;
-  std::size_t done_ = 0;  // of the steps; those behind it were undone
+  std::size_t done_ = 0;  // the first done_ steps are in effect; the others were undone
   std::size_t bytes_ = 0;
   std::size_t forgotten_ = 0;
 };

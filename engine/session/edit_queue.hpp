@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/session/edit_queue.hpp: the bounded queue between those who give edits and the engine's thread, which takes
-// them.
+// engine/session/edit_queue.hpp: the bounded queue of edits from the threads that give them (givers) to the engine's
+// thread, which applies them (the taker).
 //
-// Orders come out in the order in which they went in, and none is dropped: where the queue is full, who gives one
-// waits. Nobody waits for ever: a taker that goes (abandon()) wakes the givers, and a giver's end or failure reaches
-// the taker behind the last order. Threads: givers any number, one taker. Memory: `capacity` orders, some 400 bytes
-// and a short text each. Cost: a lock and a move. No part of the servo.
+// First in, first out; nothing is dropped. A giver waits while the queue is full. Nobody waits for ever: a taker that
+// stops calls abandon(), which wakes the givers. A giver that ends or fails calls close() or fail(), which the taker
+// sees behind the last order. Threads: any number of givers, one taker; not for the servo. Memory: `capacity` orders,
+// some 400 bytes and a short text each. Cost: a lock and a move.
 #pragma once
 
 #include <condition_variable>
@@ -22,32 +22,33 @@
 namespace palpate {
 
 struct EditOrder {
-  std::string where;  // it in messages: "--do 'undo'", "holes.txt line 12 'cut:point=...'"
+  std::string where;  // names the order in messages: "--do 'undo'", "holes.txt line 12 'cut:point=...'"
   EditText text;
-  std::optional<Error> refusal;  // of a text that makes no command, to be told in its turn
+  std::optional<Error> refusal;  // why the text makes no command; reported when its turn comes
 };
 
 class EditQueue {
  public:
-  // At least one order fits.
+  // `capacity`: the most orders that wait; 0 counts as 1.
   explicit EditQueue(std::size_t capacity);
 
-  // Givers. push() waits while the queue is full; false: nobody takes orders any more, or the queue was closed, and
-  // this one was not taken.
+  // Givers. push() waits while the queue is full. It returns false, and drops the order, if the queue was abandoned or
+  // closed.
   [[nodiscard]] bool push(EditOrder order);
-  void close();                          // there will be no more
-  void fail(std::exception_ptr reason);  // the same, and why: pop() throws it behind the last order
+  void close();                          // there will be no more orders
+  void fail(std::exception_ptr reason);  // close(), and pop() throws `reason` behind the last order
   [[nodiscard]] bool abandoned() const;
 
-  // The taker. pop() waits for an order; nothing: the queue was closed and is empty. Throws what fail() was given.
+  // Taker. pop() waits for an order; empty: the queue was closed and all orders are taken. Throws what fail() was
+  // given.
   [[nodiscard]] std::optional<EditOrder> pop();
-  void abandon();  // takes no more
+  void abandon();  // takes no more orders
 
  private:
   const std::size_t capacity_;
   mutable std::mutex mutex_;
-  std::condition_variable room_;    // givers: there is room, or nobody takes
-  std::condition_variable orders_;  // the taker: there is an order, or the end
+  std::condition_variable room_;    // wakes givers: there is room, or the queue was abandoned
+  std::condition_variable orders_;  // wakes the taker: there is an order, or the end
   std::deque<EditOrder> queue_;
   bool closed_ = false;
   bool abandoned_ = false;

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/session/tool_brush.hpp: the servo's tool as a brush: from where the tool was and is to edit commands.
+// engine/session/tool_brush.hpp: the servo's tool as a brush: turns the tool's poses into edit commands.
 //
-// look() takes the tool's newest pose as often as there is one; every period it gives the stroke that the tool swept
-// since the last look of the period before, if it touched the surface in it. The brush's middle is the HIP. Strokes
-// that follow one another share an end, so no gap is left however fast the tool was. A tool that stands and whose
-// brush has its full effect at once is not repeated. Flattening makes the surface the plane that the tool touched when
-// its contact began. A mirror does every stroke again on the other side of the volume's middle. Frame W: world [m].
-// Thread: one. Deterministic: the same poses give the same commands.
+// look() is called with every new pose of the tool. Once a period it gives a stroke along the tool's way in that
+// period, if the tool touched the surface meanwhile. The brush's centre is the HIP. Successive strokes share an end, so
+// they leave no gap, however fast the tool moves. A tool at rest gives one stroke only, if its brush has its full
+// effect at once. A flatten brush makes the surface the plane that the tool touched when contact began. A mirror
+// repeats every stroke on the other side of the volume's middle.
+//
+// Frame W: world [m]. Thread: one. Deterministic: the same poses give the same commands.
 #pragma once
 
 #include <cstdint>
@@ -20,14 +21,14 @@
 namespace palpate {
 
 struct ToolBrushSpec {
-  EditCommand brush;       // kind, radius, strength, falloff, value, material; its place is the tool's
-  double rate_per_Ns = 0;  // 0: the strength as it is; else 1 - exp(-rate * force * time) of it [1/(N s)]
+  EditCommand brush;       // kind, radius, strength, falloff, value, material; the tool gives the place
+  double rate_per_Ns = 0;  // multiplies the strength by 1 - exp(-rate * force * time); 0: by 1 [1/(N s)]
   double period_s = 4e-3;  // between two edits [s]
   std::optional<int> mirror_axis = std::nullopt;  // of the volume's lattice, 0 to 2
 };
 
-// "remove:radius=2mm:strength=0.5:falloff=0.3": engine/edit/edit_text.hpp, the kinds and keys that a tool has. Throws
-// Error(kBadInput) with what is wrong and what may be given; ranges that depend on the volume are checked with the
+// Parses "remove:radius=2mm:strength=0.5:falloff=0.3" (engine/edit/edit_text.hpp, with the kinds and keys for a tool).
+// Throws Error(kBadInput) with what is wrong and what may be given. Ranges that depend on the volume are checked by the
 // first edit.
 [[nodiscard]] ToolBrushSpec toolBrushSpec(const std::string& text);
 
@@ -36,10 +37,10 @@ class ToolBrush {
   // `size`, `lattice`: the volume's.
   ToolBrush(const ToolBrushSpec& spec, const Vec3i& size, const Lattice& lattice);
 
-  // The edit that is due now, if there is one: its stroke and, with a mirror, the other, for one apply(). `time_ns` on
-  // the pose's clock.
+  // The edit that is due now, or nothing: a stroke and, with a mirror, its mirror image, for one Editor::apply().
+  // `time_ns` is on the pose's clock.
   [[nodiscard]] std::vector<EditCommand> look(const ToolPose& pose, std::int64_t time_ns);
-  // The edit that look() gave last was not applied: a tool that stands gives it again.
+  // Call it if the last edit of look() was not applied; a tool at rest then gives it again.
   void refused() noexcept { last_edit_W_.reset(); }
 
  private:
@@ -51,12 +52,12 @@ class ToolBrush {
   Lattice lattice_;
   std::optional<Vec3> from_W_;  // the tool when the period began
   std::int64_t begin_ns_ = 0;   // of the period
-  double impulse_Ns_ = 0;       // of the pressing force since then
+  double impulse_Ns_ = 0;       // of the pressing force in this period
   std::int64_t last_look_ns_ = 0;
   bool touched_ = false;             // in this period
   bool touching_ = false;            // at the last look
   Vec3 plane_W_ = Vec3::Zero();      // where the contact began
-  Vec3 normal_W_ = Vec3::UnitZ();    // and its normal then
+  Vec3 normal_W_ = Vec3::UnitZ();    // the surface's normal there and then
   std::optional<Vec3> last_edit_W_;  // end of the last stroke
 };
 
