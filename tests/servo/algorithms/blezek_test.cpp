@@ -62,7 +62,7 @@ TEST(Blezek, FollowsAsFarAsTheHipWent) {
 }
 
 // On a plane every inch goes straight towards the HIP. A tool that has leapt farther than the inches of a tick leaves
-// the VHIP behind by the rest.
+// its point on the surface behind by the rest.
 TEST(Blezek, GoesNoFartherInATickThanItsMostInches) {
   const AnalyticVolume volume = millimetreVolume([](const Vec3& p_W) { return 30.3e-3 - p_W.z(); });
   Blezek blezek(kNoDamping);
@@ -74,8 +74,8 @@ TEST(Blezek, GoesNoFartherInATickThanItsMostInches) {
   const double most_m = BlezekSurface::kMaxInches * BlezekSurface::kInch * kVoxel;
   // Float samples tilt the gradient by up to 2e-9 m / 2e-3 m, so each inch may be off by 1e-6 of the depth.
   const double tilt_m = BlezekSurface::kMaxInches * 1e-6 * 1.3e-3;
-  EXPECT_NEAR(driver.at(first_W + way_W).vhip_W.x(), first_W.x() + most_m, tilt_m);
-  EXPECT_NEAR(driver.at(first_W + way_W).vhip_W.x(), (first_W + way_W).x(), BlezekSurface::kAlignment * 1.3e-3);
+  EXPECT_NEAR(driver.at(first_W + way_W).surface_W.x(), first_W.x() + most_m, tilt_m);
+  EXPECT_NEAR(driver.at(first_W + way_W).surface_W.x(), (first_W + way_W).x(), BlezekSurface::kAlignment * 1.3e-3);
 }
 
 TEST(Blezek, HoldsAHipThatHasGoneThroughAPlate) {
