@@ -2,11 +2,9 @@
 #include "apps/mesh/mesh_file.hpp"
 
 #include <algorithm>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -14,8 +12,11 @@
 #include <assimp/scene.h>
 #include <fmt/format.h>
 
+#include "apps/mesh/ply_file.hpp"
+#include "apps/mesh/stl_file.hpp"
 #include "base/child_process.hpp"
 #include "base/error.hpp"
+#include "base/one_line.hpp"
 
 namespace palpate {
 namespace {
@@ -26,59 +27,8 @@ namespace fs = std::filesystem;
   throw Error(Error::Code::kBadInput, file, reason, remedy);
 }
 
-// How many vertices and faces a PLY header says that there are; Assimp 5.2 does not mind if there are fewer or more.
-struct PlyCounts {
-  std::optional<std::uint64_t> vertices, faces;
-};
-
-std::optional<std::uint64_t> plyCount(const std::string& header, const std::string& element) {
-  const std::string line = "\nelement " + element + " ";
-  const std::size_t at = header.find(line);
-  if (at == std::string::npos) return {};
-  return std::strtoull(header.c_str() + at + line.size(), nullptr, 10);
-}
-
-// In a PLY file of text every element has a line. `text` is behind the header's end.
-void checkPlyLines(const std::string& file, const std::string& header, std::ifstream& text) {
-  std::uint64_t said = 0, there = 0;
-  for (std::size_t at = header.find("\nelement "); at != std::string::npos; at = header.find("\nelement ", at + 1)) {
-    const std::size_t number = header.find(' ', at + std::string_view("\nelement ").size());
-    said += std::strtoull(header.c_str() + std::min(number, header.size()), nullptr, 10);
-  }
-  for (std::string line; std::getline(text, line);)
-    there += line.find_first_not_of(" \t\r") != std::string::npos ? 1 : 0;
-  if (said == there) return;
-  refuse(file,
-         fmt::format("its header says that it has {} vertices, faces and the like, and there are {}", said, there),
-         "the file may be cut short: copy or write it again");
-}
-
-// Nothing for other formats. Assimp 5.2 reads a PLY header without an end for ever.
-PlyCounts checkPlyHeader(const std::string& file) {
-  constexpr std::size_t kMost = 65536;
-  std::string head(kMost, '\0');
-  std::ifstream in(file, std::ios::binary);
-  in.read(head.data(), static_cast<std::streamsize>(kMost));
-  head.resize(static_cast<std::size_t>(in.gcount()));
-  const std::size_t end = head.find("\nend_header");
-  const std::size_t after = end + std::string_view("\nend_header").size();
-  if (head.starts_with("ply") && end != std::string::npos && after < head.size() &&
-      (head[after] == '\n' || head[after] == '\r')) {
-    head.resize(end);
-    if (head.find("\nformat ascii") != std::string::npos) {
-      in.clear();
-      in.seekg(static_cast<std::streamoff>(after));
-      std::string rest_of_line;
-      std::getline(in, rest_of_line);
-      checkPlyLines(file, head, in);
-    }
-    return {plyCount(head, "vertex"), plyCount(head, "face")};
-  }
-  refuse(file, "the mesh cannot be read (its PLY header has no beginning or no end)", "check that the file is whole");
-}
-
-// What can be said before Assimp sees the file.
-PlyCounts checkFile(const std::string& file) {
+// What can be said before the file is read. Returns the ending of its name, in small letters.
+std::string checkFile(const std::string& file) {
   std::error_code error;
   const fs::file_status status = fs::status(file, error);
   if (!fs::exists(status)) throw Error(Error::Code::kNotFound, file, "there is no such file", "check the mesh's path");
@@ -95,20 +45,16 @@ PlyCounts checkFile(const std::string& file) {
            "give a mesh with fewer triangles");
   }
   if (!std::ifstream(file)) throw Error(Error::Code::kIo, file, "the file cannot be read", "check its permissions");
-  return ending == ".ply" ? checkPlyHeader(file) : PlyCounts{};
+  return ending;
 }
 
-void checkCount(const std::string& file, const char* what, std::optional<std::uint64_t> said, std::uint64_t there) {
-  if (!said || *said == there) return;
-  refuse(file, fmt::format("its header says that it has {} {}, and there are {}", *said, what, there),
-         "the file may be cut short: copy or write it again");
-}
-
-// Assimp's words may span lines.
-std::string oneLine(std::string text) {
-  std::replace_if(
-      text.begin(), text.end(), [](unsigned char c) { return std::iscntrl(c) != 0; }, ' ');
-  return text;
+std::string bytesOf(const std::string& file) {
+  std::string bytes(fs::file_size(file), '\0');
+  std::ifstream in(file, std::ios::binary);
+  if (!in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()))) {
+    throw Error(Error::Code::kIo, file, "the file cannot be read to its end", "check the disk, or copy it again");
+  }
+  return bytes;
 }
 
 void add(const aiMesh& part, const std::string& file, TriangleMesh& mesh) {
@@ -132,7 +78,7 @@ void add(const aiMesh& part, const std::string& file, TriangleMesh& mesh) {
   }
 }
 
-TriangleMesh read(const std::string& file, const PlyCounts& said) {
+TriangleMesh readObj(const std::string& file) {
   // No steps after reading: some of them stop the program at faces that damaged files have.
   Assimp::Importer importer;
   const aiScene* scene = importer.ReadFile(file, 0);
@@ -141,14 +87,7 @@ TriangleMesh read(const std::string& file, const PlyCounts& said) {
            "check that the file is whole and holds triangles");
   }
   TriangleMesh mesh;
-  std::uint64_t faces = 0;
-  for (unsigned i = 0; i < scene->mNumMeshes; ++i) {
-    add(*scene->mMeshes[i], file, mesh);
-    faces += scene->mMeshes[i]->mNumFaces;
-  }
-  checkCount(file, "vertices", said.vertices, mesh.vertices_W.size());
-  checkCount(file, "faces", said.faces, faces);
-  if (mesh.triangles.empty()) refuse(file, "the mesh has no triangles", "give a surface, not points or lines");
+  for (unsigned i = 0; i < scene->mNumMeshes; ++i) add(*scene->mMeshes[i], file, mesh);
   return mesh;
 }
 
@@ -170,14 +109,11 @@ std::vector<T> take(std::string_view& bytes) {
   return list;
 }
 
-}  // namespace
-
-TriangleMesh readMeshFile(const std::string& file) {
+TriangleMesh readObjInChild(const std::string& file) {
   constexpr double kMostInMemory = 200;  // bytes for one of a text: Assimp's and ours of a line such as "f 1 2 3"
-  const PlyCounts said = checkFile(file);
   const auto bytes = static_cast<double>(fs::file_size(file));
   const ChildOutcome outcome = runInChild(file, 1, limitsForFile(bytes, kMostInMemory * bytes), [&](std::size_t) {
-    const TriangleMesh mesh = read(file, said);
+    const TriangleMesh mesh = readObj(file);
     std::string packed;
     append(packed, mesh.vertices_W);
     append(packed, mesh.triangles);
@@ -192,6 +128,17 @@ TriangleMesh readMeshFile(const std::string& file) {
   TriangleMesh mesh;
   mesh.vertices_W = take<Vec3>(packed);
   mesh.triangles = take<decltype(mesh.triangles)::value_type>(packed);
+  return mesh;
+}
+
+}  // namespace
+
+TriangleMesh readMeshFile(const std::string& file) {
+  const std::string ending = checkFile(file);
+  TriangleMesh mesh = ending == ".ply"   ? readPly(bytesOf(file), file)
+                      : ending == ".stl" ? readStl(bytesOf(file), file)
+                                         : readObjInChild(file);
+  if (mesh.triangles.empty()) refuse(file, "the mesh has no triangles", "give a surface, not points or lines");
   return mesh;
 }
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/mesh/mesh_file.hpp: reads a triangle mesh from an OBJ, STL or PLY file, through Assimp. Set-up only, any thread.
+// apps/mesh/mesh_file.hpp: reads a triangle mesh from an OBJ, STL or PLY file. Set-up only, any thread.
 //
 // Coordinates stay in the file's unit and frame. Convex polygons are cut into triangles, points and lines are left out,
-// and all parts of a file become one mesh. Assimp reads in a child process (base/child_process.hpp).
+// and all parts of a file become one mesh. Assimp reads OBJ, in a child process (base/child_process.hpp). STL and PLY
+// say how much they hold, and their readers here hold them to it (stl_file.hpp, ply_file.hpp).
 #pragma once
 
 #include <string>

@@ -20,6 +20,7 @@ namespace fs = std::filesystem;
 
 constexpr bool kLittleEndian = std::endian::native == std::endian::little;
 constexpr std::size_t kMostFiles = 100'000;
+constexpr std::int64_t kMostNumber = 1'000'000'000;  // in a file's name
 
 [[noreturn]] void refuse(const std::string& source, const std::string& reason) {
   throw Error(Error::Code::kBadInput, source, reason, "the file may be damaged: copy or write it again");
@@ -85,13 +86,19 @@ std::string numbered(const std::string& pattern, std::int64_t number, const std:
   return pattern.substr(0, percent) + digits + pattern.substr(at + 1);
 }
 
+bool isFileNumber(std::int64_t number) {
+  return number >= -kMostNumber && number <= kMostNumber;
+}
+
 // "a%03d.raw 1 40 1": from, to, step; what follows says of which dimension each file is, and that is known.
 std::vector<StoredPart> partsOfPattern(const std::string& text, const std::string& path, const std::string& source) {
   std::istringstream words(text);
   std::string pattern;
   std::int64_t from = 0, to = 0, step = 0;
   words >> pattern >> from >> to >> step;
-  if (!words || step == 0 || (to - from) / step < 0 || (to - from) / step >= static_cast<std::int64_t>(kMostFiles)) {
+  const bool are_numbers = words && isFileNumber(from) && isFileNumber(to) && isFileNumber(step);
+  if (!are_numbers || step == 0 || (to - from) / step < 0 ||
+      (to - from) / step >= static_cast<std::int64_t>(kMostFiles)) {
     refuse(source, fmt::format("its pattern of file names \"{}\" does not say from which number to which", text));
   }
   std::vector<StoredPart> parts;

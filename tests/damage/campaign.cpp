@@ -13,6 +13,9 @@
 namespace palpate::damage {
 namespace {
 
+// Among words only the digits pass if they change, and few bytes are such digits.
+constexpr std::size_t kTimesForWords = 10;
+
 const char* wordOf(Verdict::Kind kind) {
   switch (kind) {
     case Verdict::Kind::kRead:
@@ -114,7 +117,8 @@ Result run(const Plan& plan, const std::function<void(std::size_t files)>& progr
         if (progress) progress(result.files);
       }
     };
-    for (const Damage damage : kDamages) tryAll(damage, plan.per_cell);
+    const std::size_t times = file.words ? kTimesForWords : 1;
+    for (const Damage damage : kDamages) tryAll(damage, times * plan.per_cell);
     tryAll(Damage::kMany, plan.many);
   }
   return result;

@@ -14,7 +14,7 @@
 namespace palpate::damage {
 
 struct Plan {
-  std::size_t per_cell = 10;  // files for each format and each kind of damage alone
+  std::size_t per_cell = 10;  // files for each format and each kind of damage alone; more where values are words
   std::size_t many = 0;       // files for each format with several kinds at once
   std::uint64_t seed = 1;
   std::string only;  // a part of the names of formats; "": all

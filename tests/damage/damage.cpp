@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cctype>
 #include <cstring>
 #include <limits>
 #include <stdexcept>
@@ -50,6 +51,11 @@ class Damager {
   void changeByte(std::string& bytes, std::size_t begin, std::size_t end) {
     if (begin >= end) return;
     const std::size_t at = begin + below(end - begin);
+    const bool is_digit = std::isdigit(static_cast<unsigned char>(bytes[at])) != 0;
+    if (file_.words && is_digit && below(2) == 0) {
+      bytes[at] = static_cast<char>('0' + (bytes[at] - '0' + 1 + static_cast<int>(below(9))) % 10);
+      return;
+    }
     bytes[at] = static_cast<char>(bytes[at] ^ static_cast<char>(1 + below(255)));
   }
 
@@ -62,7 +68,8 @@ class Damager {
 
   void loseMiddle(std::string& bytes, std::size_t header) {
     if (header >= bytes.size()) return;
-    bytes.erase(header + below(bytes.size() - header), 1 + below(40));
+    const std::size_t most = file_.words && below(2) == 0 ? 2 : 40;
+    bytes.erase(header + below(bytes.size() - header), 1 + below(most));
   }
 
   // Of four bytes, or two: as a float or an integer.
@@ -175,6 +182,7 @@ bool mustBeSeen(Damage damage, const WholeFile& file) {
       return promise.values;
     case Damage::kCut:
     case Damage::kSurplus:
+      return promise.length || promise.ends;
     case Damage::kMiddleLost:
       return promise.length;
     case Damage::kLineTwice:

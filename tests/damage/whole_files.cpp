@@ -67,13 +67,14 @@ void writeMeshTo(const std::string& path) {
 std::string plyText() {
   return "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
          "element face 4\nproperty list uchar int vertex_indices\nend_header\n"
-         "0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
+         "0 0 0\n12.5 0 0\n0 12.5 0\n0 0 12.5\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
 }
 
 std::string stlText() {
   std::string text = "solid tetrahedron\n";
-  for (const char* const corners : {"0 0 0\nvertex 0 1 0\nvertex 1 0 0", "0 0 0\nvertex 1 0 0\nvertex 0 0 1",
-                                    "0 0 0\nvertex 0 0 1\nvertex 0 1 0", "1 0 0\nvertex 0 1 0\nvertex 0 0 1"}) {
+  for (const char* const corners :
+       {"0 0 0\nvertex 0 12.5 0\nvertex 12.5 0 0", "0 0 0\nvertex 12.5 0 0\nvertex 0 0 12.5",
+        "0 0 0\nvertex 0 0 12.5\nvertex 0 12.5 0", "12.5 0 0\nvertex 0 12.5 0\nvertex 0 0 12.5"}) {
     text += fmt::format("facet normal 0 0 0\nouter loop\nvertex {}\nendloop\nendfacet\n", corners);
   }
   return text + "endsolid tetrahedron\n";
@@ -192,9 +193,12 @@ std::vector<WholeFile> volumes() {
 }
 
 WholeFile mesh(const std::string& name, const std::string& file, bool text, Promise promise, const std::string& bytes) {
-  return {name, file, file, true, text, ' ', promise, after(bytes, "end_header\n"), [=](const std::string& f) {
-            bytes.empty() ? writeMeshTo(in(f, file)) : writeFile(in(f, file), bytes);
-          }};
+  WholeFile mesh = {
+      name, file, file, true, text, ' ', promise, after(bytes, "end_header\n"), [=](const std::string& f) {
+        bytes.empty() ? writeMeshTo(in(f, file)) : writeFile(in(f, file), bytes);
+      }};
+  mesh.words = !bytes.empty();
+  return mesh;
 }
 
 }  // namespace
@@ -203,9 +207,9 @@ std::vector<WholeFile> wholeFiles() {
   std::vector<WholeFile> all = volumes();
   all.push_back(mesh("OBJ", "a.obj", false, {}, ""));
   all.push_back(mesh("STL, binary", "a.stl", false, {.length = true}, ""));
-  all.push_back(mesh("STL, text", "a.stl", false, {}, stlText()));
-  all.push_back(mesh("PLY, binary", "a.ply", true, {}, ""));
-  all.push_back(mesh("PLY, text", "a.ply", true, {}, plyText()));
+  all.push_back(mesh("STL, text", "a.stl", false, {.ends = true}, stlText()));
+  all.push_back(mesh("PLY, binary", "a.ply", true, {.length = true, .lines_once = true}, ""));
+  all.push_back(mesh("PLY, text", "a.ply", true, {.ends = true, .lines_once = true}, plyText()));
   return all;
 }
 

@@ -15,6 +15,7 @@ struct Promise {
   bool header = false;       // a checksum over its header
   bool values = false;       // a checksum over its values
   bool length = false;       // of its values, so that none can be missing or too many
+  bool ends = false;         // where it ends, so that nothing can be cut off there or follow
   bool can_be_lost = false;  // the checksum, and then nobody looks for it
   bool lines_once = false;   // a line of its header may not come twice
 };
@@ -30,6 +31,7 @@ struct WholeFile {
   std::size_t header_bytes = 0;  // of the damaged file, before the values
   std::function<void(const std::string& folder)> write;
   bool has_values = true;  // false: they are all in another file
+  bool words = false;      // its values are numbers in words: digits are damaged too, not bytes alone
 };
 
 // All of them, each format's variants one after another. `write` puts the same bytes there every time.

@@ -119,7 +119,7 @@ TEST_F(MeshFile, Refuses) {
   EXPECT_THAT(refusal(write("box.step", objText())), HasSubstr("convert the mesh"));
   EXPECT_THAT(refusal(write("noending", objText())), HasSubstr("ends in none of .obj, .stl and .ply"));
   EXPECT_THAT(refusal(write("empty.obj", "")), HasSubstr("the file is empty"));
-  EXPECT_THAT(refusal(write("words.ply", "once upon a time")), HasSubstr("check that the file is whole"));
+  EXPECT_THAT(refusal(write("words.ply", "once upon a time")), HasSubstr("it is no PLY file"));
   EXPECT_THAT(refusal(write("points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\np 1 2 3\n")), HasSubstr(";"));
   EXPECT_THAT(refusal(write("none.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n")), HasSubstr(";"));
   EXPECT_THAT(refusal(write("nan.obj", "v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n")), HasSubstr(";"));
@@ -130,14 +130,17 @@ TEST_F(MeshFile, Refuses) {
             "nothing");
 }
 
-// Assimp itself is content with what there is.
-TEST_F(MeshFile, FewerFacesThanTheHeaderSaysAreRefused) {
+// By readMeshFile() as by the readers, whose own tests try every place.
+TEST_F(MeshFile, FilesThatLostSomethingAreRefused) {
   const std::string whole = plyText();
   const std::size_t last = whole.rfind('\n', whole.size() - 2) + 1;
   EXPECT_NE(refusal(write("short.ply", whole.substr(0, last))), "nothing");
   std::string more = whole;
   more.replace(more.find("element face 12"), 15, "element face 11");
   EXPECT_NE(refusal(write("more.ply", more)), "nothing");
+  const std::string text = stlText();
+  EXPECT_NE(refusal(write("text.stl", text.substr(0, text.find("endsolid")))), "nothing");
+  EXPECT_NE(refusal(write("binary.stl", binaryStl() + "more")), "nothing");
 }
 
 // A count of four thousand million in a header of a hundred bytes neither fills the memory nor ends the program.

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files are read back by Assimp (apps/mesh/mesh_file.hpp).
+// Files are read back by readMeshFile(), and by Assimp, so that writer and reader cannot share a mistake.
 #include "apps/mesh/mesh_writer.hpp"
 
 #include <cstring>
 #include <fstream>
 
+#include <assimp/Importer.hpp>
+#include <assimp/scene.h>
 #include <gmock/gmock.h>
 
 #include "apps/mesh/mesh_file.hpp"
@@ -32,11 +34,20 @@ TEST_P(MeshWriter, GivesBackEveryTriangle) {
     writeMesh(mesh, path, 1000, [&](std::string_view bytes) { file << bytes; });
   }
   const TriangleMesh back = readMeshFile(path);
+  Assimp::Importer importer;
+  const aiScene* scene = importer.ReadFile(path, 0);
+  ASSERT_NE(scene, nullptr) << importer.GetErrorString();
+  ASSERT_EQ(scene->mNumMeshes, 1U);
+  const aiMesh& other = *scene->mMeshes[0];
   ASSERT_EQ(back.triangles.size(), mesh.triangles.size());
-  for (std::size_t n = 0; n < mesh.triangles.size(); ++n) {
-    for (std::size_t corner = 0; corner < 3; ++corner) {
-      const Vec3 wanted = 1000 * mesh.vertices_W[mesh.triangles[n][corner]];
-      EXPECT_EQ(back.vertices_W[back.triangles[n][corner]], wanted.cast<float>().cast<double>()) << n << ' ' << corner;
+  ASSERT_EQ(other.mNumFaces, mesh.triangles.size());
+  for (unsigned n = 0; n < other.mNumFaces; ++n) {
+    ASSERT_EQ(other.mFaces[n].mNumIndices, 3U);
+    for (unsigned corner = 0; corner < 3; ++corner) {
+      const Vec3 wanted = (1000 * mesh.vertices_W[mesh.triangles[n][corner]]).cast<float>().cast<double>();
+      const aiVector3D& v = other.mVertices[other.mFaces[n].mIndices[corner]];
+      EXPECT_EQ(back.vertices_W[back.triangles[n][corner]], wanted) << n << ' ' << corner;
+      EXPECT_EQ(Vec3(v.x, v.y, v.z), wanted) << n << ' ' << corner;
     }
   }
 }

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+// tests/fuzz/mesh_round_trip.hpp: a mesh read from a file, written and read again.
+#pragma once
+
+#include <algorithm>
+#include <string>
+#include <string_view>
+
+#include "apps/mesh/mesh_writer.hpp"
+#include "fuzz_target.hpp"
+
+namespace palpate::fuzz {
+
+using MeshReader = TriangleMesh (*)(std::string_view bytes, const std::string& file);
+
+// Whether it is accepted; the verdict of the input stays what it was.
+inline bool isRead(MeshReader read, const std::string& bytes, const std::string& name) {
+  const Verdict before = verdict;
+  const bool is_read = accepts(name, [&] { static_cast<void>(read(bytes, name)); });
+  verdict = before;
+  return is_read;
+}
+
+// Its numbers are finite, its triangles name its vertices, and written as a file (`name`, whose suffix the reader
+// reads) it is read again with every triangle where it was. A file holds floats, so the numbers are rounded first.
+inline void requireMesh(TriangleMesh mesh, MeshReader read, const std::string& name) {
+  for (Vec3& vertex : mesh.vertices_W) {
+    require(vertex.allFinite(), "a vertex is not finite");
+    vertex = vertex.cast<float>().cast<double>();
+    if (!vertex.allFinite()) return;  // a double that no float holds
+  }
+  for (const auto& triangle : mesh.triangles) {
+    for (const std::uint32_t corner : triangle) require(corner < mesh.vertices_W.size(), "a corner is no vertex");
+  }
+  if (mesh.triangles.empty()) return;
+  std::string bytes;
+  writeMesh(mesh, name, 1, [&](std::string_view piece) { bytes += piece; });
+  mustAccept("its mesh, written again, is refused", [&] {
+    const TriangleMesh again = read(bytes, name);
+    require(again.triangles.size() == mesh.triangles.size(), "it has another number of triangles when written again");
+    for (std::size_t n = 0; n < mesh.triangles.size(); ++n) {
+      for (std::size_t corner = 0; corner < 3; ++corner) {
+        require(again.vertices_W[again.triangles[n][corner]] == mesh.vertices_W[mesh.triangles[n][corner]],
+                "a corner lies elsewhere when written again");
+      }
+    }
+  });
+}
+
+}  // namespace palpate::fuzz
