@@ -156,7 +156,7 @@ class Kills : public ProgramTest {
     const Outcome again = runPalpate({.arguments = {"recover", "journal", "--out", kKilledSave}, .folder = where});
     EXPECT_EQ(again.status, 0) << again.err;
     for (const auto& entry : std::filesystem::directory_iterator(where))
-      EXPECT_NE(entry.path().extension(), ".part") << entry.path();
+      EXPECT_NE(entry.path().extension(), ".palpate-part") << entry.path();
   }
 
   void checkKilled(KillKind kind, bool real_clock, const std::filesystem::path& where, const Undisturbed& session,

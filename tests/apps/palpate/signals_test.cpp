@@ -54,7 +54,7 @@ class Signals : public ProgramTest {
   void expectWholeOrNotThere() const {
     for (const auto& entry : fs::recursive_directory_iterator(folder())) {
       const std::string name = entry.path().filename().string();
-      EXPECT_THAT(name, Not(HasSubstr(".part")));
+      EXPECT_THAT(name, Not(HasSubstr("palpate-part")));
       EXPECT_THAT(name, Not(testing::StartsWith(".palpate")));
     }
     EXPECT_TRUE(fs::is_empty(file("tmp"))) << "a bench left something";
