@@ -5,6 +5,7 @@
 #include "engine/passes/active_bricks.hpp"
 #include "engine/passes/gpu_budget.hpp"
 #include "engine/service/engine.hpp"
+#include "servo/window/sample_window.hpp"
 
 namespace palpate {
 

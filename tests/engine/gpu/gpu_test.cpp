@@ -2,16 +2,26 @@
 // Choosing and opening a device, and the refusals on the way.
 #include "engine/gpu/gpu.hpp"
 
+#include <array>
+#include <thread>
+
 #include <gmock/gmock.h>
 
 #include "base/error.hpp"
 #include "engine/gpu/buffer.hpp"
 #include "engine/gpu/kernel.hpp"
+#include "engine/gpu/transfer.hpp"
+#include "shaders/edit.layout.h"
+#include "shaders/kernels.hpp"
 
 namespace palpate::gpu {
 namespace {
 
 using testing::HasSubstr;
+
+// What every device must allow.
+constexpr std::uint32_t kMostBindings = 16;
+constexpr std::uint32_t kMostPushBytes = 128;
 
 template <typename Work>
 std::string messageOf(Work work) {
@@ -68,6 +78,78 @@ TEST(Gpu, CountsTheBytesOfItsBuffers) {
     EXPECT_NE(moved.mapped(), nullptr);
   }
   EXPECT_EQ(gpu.bytesInUse(), 0U);
+}
+
+KernelSpec commitKernel() {
+  return {.name = "brick_commit",
+          .spirv = kernelSpirv("brick_commit"),
+          .bindings = COMMIT_BINDINGS,
+          .push_bytes = sizeof(layout::CommitPush),
+          .specialisation = {}};
+}
+
+// What a driver compiled for one Gpu is there for every other of the same device, while any of them lives.
+TEST(Gpu, ThoseOfOneDeviceShareTheirKernels) {
+  auto first = std::make_unique<Gpu>(GpuRequest{});
+  Gpu second(GpuRequest{.tuned_as = "discrete"});
+  KernelSpec spec = commitKernel();
+  const Kernel a(*first, spec);
+  EXPECT_EQ(&a.state(), &Kernel(second, spec).state());
+  const Kernel::State* known = &a.state();
+  first.reset();
+  EXPECT_EQ(known, &Kernel(second, spec).state());
+  spec.specialisation = {1};
+  EXPECT_NE(known, &Kernel(second, spec).state());
+}
+
+TEST(Gpu, KernelsThatDifferInAnythingAreNotShared) {
+  Gpu gpu({});
+  const Kernel a(gpu, commitKernel());
+  const auto differs = [&](auto change) {
+    KernelSpec spec = commitKernel();
+    change(spec);
+    return &Kernel(gpu, spec).state() != &a.state();
+  };
+  EXPECT_FALSE(differs([](KernelSpec&) {}));
+  EXPECT_TRUE(differs([](KernelSpec& spec) { spec.name = "another"; }));
+  EXPECT_TRUE(differs([](KernelSpec& spec) { spec.bindings += 1; }));
+  EXPECT_TRUE(differs([](KernelSpec& spec) { spec.push_bytes += 4; }));
+  EXPECT_TRUE(differs([](KernelSpec& spec) { spec.specialisation = {7}; }));
+  // The words alone, which both fit all bindings and push constants.
+  const auto ofWords = [&](const char* words) {
+    KernelSpec spec = commitKernel();
+    spec.bindings = kMostBindings;
+    spec.push_bytes = kMostPushBytes;
+    spec.spirv = kernelSpirv(words);
+    return &Kernel(gpu, spec).state();
+  };
+  EXPECT_NE(ofWords("brick_commit"), ofWords("page_write"));
+  EXPECT_EQ(ofWords("page_write"), ofWords("page_write"));
+}
+
+// Each in a thread of its own, as two engines are: the queue is one.
+TEST(Gpu, ThoseOfOneDeviceWorkAtOnce) {
+  const auto work = [](std::byte seed, bool& same) {
+    Gpu gpu({});
+    Transfer transfer(gpu, false);
+    const Buffer buffer(gpu, "target", 1U << 20U, MemoryKind::kDevice);
+    same = true;
+    for (int i = 0; i < 50; ++i) {
+      const std::vector<std::byte> sent(1U << 20U, static_cast<std::byte>(std::to_integer<int>(seed) + i));
+      std::vector<std::byte> received(sent.size());
+      transfer.upload(sent, buffer);
+      transfer.download(buffer, received);
+      same = same && sent == received;
+    }
+  };
+  std::array<bool, 3> same = {};
+  {
+    std::vector<std::jthread> threads;
+    for (std::size_t i = 0; i < same.size(); ++i) {
+      threads.emplace_back(work, static_cast<std::byte>(70 * i), std::ref(same[i]));
+    }
+  }
+  EXPECT_EQ(same, (std::array<bool, 3>{true, true, true}));
 }
 
 // Far more than the heap holds, and than the host could overcommit.

@@ -7,6 +7,7 @@
 
 #include "base/error.hpp"
 #include "engine/passes/active_bricks.hpp"
+#include "engine/service/editor.hpp"
 #include "engine/service/engine.hpp"
 #include "failing_memory.hpp"
 #include "servo/window/window_exchange.hpp"

@@ -10,6 +10,7 @@
 #include "base/error.hpp"
 #include "engine/reference/window.hpp"
 #include "engine/volume/phantom.hpp"
+#include "servo/window/window_exchange.hpp"
 
 namespace palpate {
 namespace {

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "engine/volume/phantom.hpp"
+#include "servo/window/window_exchange.hpp"
 
 namespace palpate {
 namespace {

@@ -13,7 +13,7 @@
 namespace palpate {
 namespace {
 
-constexpr Vec3i kSize(19, 10, 11);  // bricks that end inside and outside of the domain
+const Vec3i kSize(19, 10, 11);  // bricks that end inside and outside of the domain
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
@@ -119,7 +119,7 @@ TEST_F(NanVoxels, AreRefusedWithoutIt) {
 TEST_F(NanVoxels, OfWhichAllAreAreRefusedInAnyCase) {
   for (const std::string& file : write(std::vector<float>(static_cast<std::size_t>(kSize.prod()), kNan))) {
     if (file.ends_with(".vdb")) continue;  // has its background, which is a number
-    expectLoadRefusal(file + "?nan=0", "all of its 2090 voxels are NaN or infinite");
+    expectRefusal([&] { static_cast<void>(loadVolume(file + "?nan=0")); }, file, "all of its 2090 voxels are NaN");
   }
 }
 

@@ -113,8 +113,8 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(SafetyGate, NotesDoNotTakeTheForceAway) {
   TakingGate gate(parameters(), 1000);
-  const std::uint32_t notes = bit(ServoFault::kOverrun) | bit(ServoFault::kZeroGradient) |
-                              bit(ServoFault::kInsideObject);
+  const std::uint32_t notes =
+      bit(ServoFault::kOverrun) | bit(ServoFault::kZeroGradient) | bit(ServoFault::kInsideObject);
   EXPECT_EQ(gate.pass({{0, 0, 4}, 0, notes}).force_W.z(), 4);
 }
 
