@@ -390,7 +390,10 @@ void TouchJob::finishEdits() {
   if (!edits_) return;
   if (!scene_.save.empty()) progress_.stage("saving " + scene_.save);  // after Ctrl-C too
   run_.edits = edits_->finish(run_.notes);                             // from here on the volume is this thread's again
-  if (!run_.ended_early.empty()) edits_->dropEmptyJournal();           // so that the same command can be given again
+  if (!run_.ended_early.empty()) {
+    progress_.stage(wordsOfStopping(run_));
+    edits_->dropEmptyJournal();  // so that the same command can be given again
+  }
   if (engine_->broken()) return;  // the picture shows what was there before a device error
   engine_->readBack(*volume_);
   run_.edits->content = contentHash(*volume_);
@@ -418,7 +421,7 @@ TouchRun TouchJob::tell() {
   run_.memory = engine_->memory();
   run_.memory.push_back({"volume on the CPU", volume_->storedBytes()});
   run_.memory.push_back(residentPeak());
-  progress_.stage(run_.ended_early.empty() ? "writing " + scene_.out : wordsOfStopping(run_));
+  if (run_.ended_early.empty()) progress_.stage("writing " + scene_.out);
   writeOutputs(run_, view, *folder_);
   tellWhatIsKept("what was felt is in " + scene_.out);
   progress_.done();

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/mesh/mesh_file.hpp"
+#include "base/error.hpp"
 #include "engine/volume/library_read.hpp"
 #include "program_test.hpp"
 
@@ -73,10 +74,18 @@ class Signals : public ProgramTest {
       if (exists(name)) expectSuccess(run({"info", name}));
     }
     // Vectors, which are no volume to `info`; a cut file has fewer than its header says.
-    if (exists("o.vdb")) EXPECT_GT(readWithLibraryAlone(file("o.vdb").string()), 0U);
-    if (exists("o.ply")) EXPECT_GT(readMeshFile(file("o.ply").string()).triangles.size(), 0U);
-    if (exists("o.json")) EXPECT_TRUE(nlohmann::json::accept(contentsOf(file("o.json"))));
-    if (exists("out/summary.json")) EXPECT_TRUE(nlohmann::json::accept(contentsOf(file("out/summary.json"))));
+    if (exists("o.vdb")) {
+      EXPECT_GT(readWithLibraryAlone(file("o.vdb").string()), 0U);
+    }
+    if (exists("o.ply")) {
+      EXPECT_GT(readMeshFile(file("o.ply").string()).triangles.size(), 0U);
+    }
+    if (exists("o.json")) {
+      EXPECT_TRUE(nlohmann::json::accept(contentsOf(file("o.json"))));
+    }
+    if (exists("out/summary.json")) {
+      EXPECT_TRUE(nlohmann::json::accept(contentsOf(file("out/summary.json"))));
+    }
     const bool has_trace = exists("out/trace.csv");
     EXPECT_EQ(exists("out"), has_trace);
     EXPECT_EQ(exists("out/summary.json"), has_trace);
@@ -92,7 +101,9 @@ void expectSoon(std::vector<double> ends_s) {
   const double median_s = ends_s[ends_s.size() / 2], worst_s = ends_s.back();
   fmt::print("a request ends the work in {:.0f} ms (median of {}), {:.0f} ms at most\n", 1e3 * median_s, ends_s.size(),
              1e3 * worst_s);
-  if (!kSanitized) EXPECT_LT(worst_s, 5);
+  if (!kSanitized) {
+    EXPECT_LT(worst_s, 5);
+  }
 }
 
 TEST_F(Signals, AtAnyMomentEndTheWorkInGoodOrder) {
