@@ -66,7 +66,7 @@ AtomicFile::AtomicFile(fs::path target) : name_(std::move(target)) {
   if (part.descriptor < 0) fail("cannot be created", part.error);
   temporary_ = std::move(part.name);
   descriptor_ = part.descriptor;
-  leftover_ = Leftover::file(temporary_);
+  leftover_ = std::move(part.leftover);
 }
 
 AtomicFile::~AtomicFile() {

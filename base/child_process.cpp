@@ -33,7 +33,7 @@ constexpr const char* kTooMuch = "it asks for more memory than a file of its siz
 
 // --- what goes through the pipe: a letter, a length, bytes ----------------------------------------------------------
 
-constexpr char kDone = 'd', kThrewError = 'e', kThrew = 'x', kNoMemory = 'm';
+constexpr char kDone = 'd', kThrewError = 'e', kThrew = 'x', kNoMemory = 'm', kNoDescriptor = 'f';
 
 bool writeAllBytes(int to, std::string_view bytes) {
   while (!bytes.empty()) {
@@ -94,6 +94,21 @@ void beAlone() {
   const int sink = open("/dev/null", O_WRONLY);
   dup2(sink, STDOUT_FILENO);
   dup2(sink, STDERR_FILENO);
+  if (sink > STDERR_FILENO) close(sink);
+}
+
+// 0, or why a library could not open its files. It would call that damage.
+int lackOfDescriptors(int any) {
+  std::array<int, 8> spare;  // more than a library has open at a time
+  int lack = 0;
+  for (int& one : spare) {
+    one = lack == 0 ? dup(any) : -1;
+    if (one < 0 && lack == 0) lack = errno;
+  }
+  for (const int one : spare) {
+    if (one >= 0) close(one);
+  }
+  return lack;
 }
 
 // The address space that this process has now [byte]; the first number of statm is in pages.
@@ -135,7 +150,7 @@ void limitTime(double cpu_s) {
   alarm(static_cast<unsigned>(std::ceil(10 * cpu_s)));
 }
 
-// False: the piece failed, or nobody listens.
+// False: the piece failed, or nobody listens. Throws std::bad_alloc where there is no memory for an Error's words.
 bool doPiece(int to, const std::function<std::string(std::size_t)>& work, std::size_t n) {
   try {
     return send(to, kDone, work(n));
@@ -153,13 +168,22 @@ bool doPiece(int to, const std::function<std::string(std::size_t)>& work, std::s
   return false;
 }
 
+// An exception that left the child would go on in a second copy of the program.
 [[noreturn]] void runChild(int to, std::size_t count, const ChildLimits& limits,
-                           const std::function<std::string(std::size_t)>& work) {
+                           const std::function<std::string(std::size_t)>& work) noexcept {
   beAlone();
   limitMemory(limits.memory_bytes);
-  for (std::size_t n = 0; n < count; ++n) {
-    limitTime(limits.cpu_s);
-    if (!doPiece(to, work, n)) break;
+  try {
+    if (const int lack = lackOfDescriptors(to); lack != 0) {
+      send(to, kNoDescriptor, std::to_string(lack));
+      count = 0;
+    }
+    for (std::size_t n = 0; n < count; ++n) {
+      limitTime(limits.cpu_s);
+      if (!doPiece(to, work, n)) break;
+    }
+  } catch (...) {
+    send(to, kNoMemory, {});
   }
   _exit(0);  // no destructor, no exit handler: the process is not ours to tidy
 }
@@ -238,7 +262,7 @@ class Child {
 };
 
 // What the child sends, until it stops.
-void receive(int from, std::size_t count, ChildOutcome& outcome) {
+void receive(int from, const std::string& input, std::size_t count, ChildOutcome& outcome) {
   while (outcome.results.size() < count && !outcome.trouble) {
     std::array<char, 9> head;
     std::uint64_t length = 0;
@@ -246,6 +270,7 @@ void receive(int from, std::size_t count, ChildOutcome& outcome) {
     std::memcpy(&length, head.data() + 1, sizeof length);
     std::string bytes(length, '\0');
     if (!readAllBytes(from, bytes.data(), bytes.size())) return;
+    if (head[0] == kNoDescriptor) refuseProcess(input, std::stoi(bytes));
     if (head[0] == kDone) {
       outcome.results.push_back(std::move(bytes));
     } else {
@@ -271,11 +296,14 @@ ChildOutcome runInChild(const std::string& input, std::size_t count, const Child
   Descriptor from(ends[0]), to(ends[1]);
   const pid_t id = fork();
   if (id < 0) refuseProcess(input, errno);
-  if (id == 0) runChild(to.get(), count, limits, work);
+  if (id == 0) {
+    from.close();
+    runChild(to.get(), count, limits, work);
+  }
   Child child(id);
   to.close();
   ChildOutcome outcome;
-  receive(from.get(), count, outcome);
+  receive(from.get(), input, count, outcome);
   from.close();
   const int status = child.wait();
   if (!outcome.trouble && outcome.results.size() < count) outcome.trouble = troubleOfEnd(status, input);

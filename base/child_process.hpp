@@ -47,8 +47,8 @@ struct ChildOutcome {
 };
 
 // Runs work(0) to work(count - 1) in one child. Gives what they return, up to the first that does not come to its end.
-// Throws Error, which names `input`: kIo where no process can be made; kCancelled where a signal from the user ended
-// the child.
+// Throws Error, which names `input`: kIo where no process can be made or it could open hardly a file; kCancelled where
+// a signal from the user ended the child.
 [[nodiscard]] ChildOutcome runInChild(const std::string& input, std::size_t count, const ChildLimits& limits,
                                       const std::function<std::string(std::size_t)>& work);
 

@@ -52,13 +52,13 @@ DraftFolder::DraftFolder(const fs::path& parent, const std::string& prefix) {
   constexpr int kTries = 100;
   for (int i = 0; i < kTries; ++i) {
     std::string name = (parent / (prefix + std::string(kTail))).string();
-    if (mkdtemp(name.data()) == nullptr) throw std::system_error(errno, std::generic_category());
+    leftover_ = Leftover::folder([&] {
+      if (mkdtemp(name.data()) == nullptr) throw std::system_error(errno, std::generic_category());
+      return fs::path(name);
+    });
     lock_ = openFolder(name);
     path_ = name;
-    if (lock_ < 0 || isOurs(path_, lock_)) {  // one that cannot be opened has no lock, and nobody can sweep it
-      leftover_ = Leftover::folder(path_);
-      return;
-    }
+    if (lock_ < 0 || isOurs(path_, lock_)) return;  // one that cannot be opened has no lock, and nobody can sweep it
     close(lock_);
   }
   throw std::system_error(EBUSY, std::generic_category());

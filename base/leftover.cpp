@@ -16,10 +16,10 @@ namespace fs = std::filesystem;
 enum class Kind { kFile, kFolder, kEmptyFolder, kProcess };
 
 struct Entry {
-  std::uint64_t number;
-  Kind kind;
+  std::uint64_t number = 0;
+  Kind kind = Kind::kFile;
   fs::path name;  // absolute: the process may go to another folder
-  pid_t child;
+  pid_t child = 0;
 };
 
 struct Register {
@@ -32,16 +32,6 @@ struct Register {
 Register& theRegister() {
   static auto* const all = new Register;
   return *all;
-}
-
-std::uint64_t add(Kind kind, const fs::path& name, pid_t child) {
-  std::error_code ignored;
-  Entry entry{0, kind, name.empty() ? name : fs::absolute(name, ignored), child};
-  Register& all = theRegister();
-  const std::lock_guard lock(all.mutex);
-  entry.number = ++all.last;
-  all.entries.push_back(std::move(entry));
-  return all.last;
 }
 
 void end(const Entry& entry) {
@@ -62,19 +52,48 @@ void end(const Entry& entry) {
   }
 }
 
+// The number of the new entry; 0: nothing was made.
+template <typename Make>
+std::uint64_t add(Kind kind, const Make& make) {
+  std::list<Entry> entry(1);  // its memory is there before the thing is
+  entry.front().kind = kind;
+  Register& all = theRegister();
+  const std::lock_guard lock(all.mutex);
+  if (!make(entry.front())) return 0;
+  entry.front().number = ++all.last;
+  all.entries.splice(all.entries.end(), entry);
+  return all.last;
+}
+
+std::uint64_t addNamed(Kind kind, const Leftover::MakeNamed& make) {
+  std::error_code ignored;
+  const fs::path here = fs::current_path(ignored);
+  return add(kind, [&](Entry& entry) {
+    entry.name = make();
+    if (entry.name.empty()) return false;
+    try {
+      entry.name = here / entry.name;  // an absolute one stays
+    } catch (...) {
+      end(entry);
+      throw;
+    }
+    return true;
+  });
+}
+
 }  // namespace
 
-Leftover Leftover::file(const fs::path& name) {
-  return Leftover(add(Kind::kFile, name, 0));
+Leftover Leftover::file(const MakeNamed& make) {
+  return Leftover(addNamed(Kind::kFile, make));
 }
-Leftover Leftover::folder(const fs::path& name) {
-  return Leftover(add(Kind::kFolder, name, 0));
+Leftover Leftover::folder(const MakeNamed& make) {
+  return Leftover(addNamed(Kind::kFolder, make));
 }
 Leftover Leftover::emptyFolder(const fs::path& name) {
-  return Leftover(add(Kind::kEmptyFolder, name, 0));
+  return Leftover(addNamed(Kind::kEmptyFolder, [&] { return name; }));
 }
-Leftover Leftover::process(pid_t child) {
-  return Leftover(add(Kind::kProcess, {}, child));
+Leftover Leftover::process(const std::function<pid_t()>& make) {
+  return Leftover(add(Kind::kProcess, [&](Entry& entry) { return (entry.child = make()) > 0; }));
 }
 
 Leftover::Leftover(Leftover&& other) noexcept : number_(std::exchange(other.number_, 0)) {}

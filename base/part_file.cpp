@@ -17,17 +17,22 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kSuffix = ".part";
+constexpr std::string_view kSuffix = ".palpate-part";  // a name that no other program gives
 
-// The target of "FILE.123.part", "FILE.123-4.part": "FILE"; empty: it is no such name.
+bool isNumber(std::string_view text) {
+  return !text.empty() && std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
+}
+
+// The target of "FILE.123.palpate-part", "FILE.123-4.palpate-part": "FILE"; empty: it is no such name.
 std::string_view targetOf(std::string_view name) {
   if (!name.ends_with(kSuffix)) return {};
   name.remove_suffix(kSuffix.size());
   const std::size_t dot = name.rfind('.');
-  if (dot == std::string_view::npos || dot + 1 == name.size()) return {};
+  if (dot == std::string_view::npos) return {};
   const std::string_view number = name.substr(dot + 1);
+  const std::size_t dash = number.find('-');
   const bool is_number =
-      std::all_of(number.begin(), number.end(), [](char c) { return (c >= '0' && c <= '9') || c == '-'; });
+      isNumber(number.substr(0, dash)) && (dash == std::string_view::npos || isNumber(number.substr(dash + 1)));
   return is_number ? name.substr(0, dot) : std::string_view();
 }
 
@@ -43,9 +48,8 @@ void removeIfLeft(const fs::path& name) {
   close(descriptor);
 }
 
-}  // namespace
-
-void sweepPartFiles(const fs::path& folder, const std::function<bool(std::string_view target)>& is_meant) {
+template <typename IsMeant>
+void sweep(const fs::path& folder, const IsMeant& is_meant) {
   std::error_code error;
   fs::directory_iterator entry(folder.empty() ? "." : folder, error);
   for (; !error && entry != fs::directory_iterator(); entry.increment(error)) {
@@ -55,22 +59,32 @@ void sweepPartFiles(const fs::path& folder, const std::function<bool(std::string
   }
 }
 
+}  // namespace
+
+void sweepPartFiles(const fs::path& folder) {
+  sweep(folder, [](std::string_view) { return true; });
+}
+
 PartFile openPartFile(const fs::path& target) {
   const std::string name = target.filename();
-  sweepPartFiles(target.parent_path(), [&](std::string_view of) { return of == name; });
+  sweep(target.parent_path(), [&](std::string_view of) { return of == name; });
   constexpr int kTries = 100;
-  PartFile part;
   for (int i = 0; i < kTries; ++i) {
+    PartFile part;
     part.name = target;
     part.name += i == 0 ? fmt::format(".{}{}", getpid(), kSuffix) : fmt::format(".{}-{}{}", getpid(), i, kSuffix);
-    part.descriptor = open(part.name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    part.error = part.descriptor < 0 ? errno : 0;
+    part.leftover = Leftover::file([&] {
+      part.descriptor = open(part.name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+      part.error = part.descriptor < 0 ? errno : 0;
+      return part.descriptor < 0 ? fs::path() : part.name;
+    });
     if (part.error == EEXIST) continue;
     if (part.error != 0 || isOurs(part.name, part.descriptor)) return part;
     close(part.descriptor);
-    part = {-1, {}, EEXIST};
   }
-  return part;
+  PartFile none;
+  none.error = EEXIST;
+  return none;
 }
 
 }  // namespace palpate

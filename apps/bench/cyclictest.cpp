@@ -44,10 +44,12 @@ class Shell {
     posix_spawn_file_actions_adddup2(&actions, ends[1], STDERR_FILENO);
     std::string words[] = {"sh", "-c", "exec " + command};  // in the shell's place, so that it is what is ended
     std::array<char*, 4> arguments = {words[0].data(), words[1].data(), words[2].data(), nullptr};
-    if (posix_spawn(&child_, "/bin/sh", &actions, nullptr, arguments.data(), environ) != 0) child_ = -1;
+    leftover_ = Leftover::process([&] {
+      if (posix_spawn(&child_, "/bin/sh", &actions, nullptr, arguments.data(), environ) != 0) child_ = -1;
+      return child_;
+    });
     posix_spawn_file_actions_destroy(&actions);
     close(ends[1]);
-    if (child_ > 0) leftover_ = Leftover::process(child_);
   }
   ~Shell() {
     if (child_ > 0) kill(child_, SIGKILL);

@@ -134,18 +134,18 @@ std::vector<Check> checkGradients(const Volume& volume, const std::string& gpu,
 }
 
 CheckAll checkAll(const CheckAllRequest& request, const std::function<void(const std::string&)>& stage,
-                  const std::function<void(double)>& progress) {
+                  const std::function<void(double)>& progress, const std::function<Volume(const std::string&)>& load) {
   CheckAll all;
   if (!request.volume.empty()) {
     stage("checking " + request.volume);
-    Volume volume = loadVolume(request.volume);
+    Volume volume = load(request.volume);
     checkVolume(request.crop > 0 ? cropped(std::move(volume), request.crop) : std::move(volume), request, progress,
                 all);
     return all;
   }
   for (const std::string& name : checkedVolumes(request.quick)) {
     stage("checking " + name);
-    checkVolume(cropped(loadVolume(name), request.crop > 0 ? request.crop : kScanCrop), request, progress, all);
+    checkVolume(cropped(load(name), request.crop > 0 ? request.crop : kScanCrop), request, progress, all);
   }
   if (!request.quick && scans().empty()) {
     all.left_out.emplace_back("scans, since the environment's PALPATE_DATA names no folder that holds any");

@@ -41,8 +41,9 @@ struct CheckAll {
 };
 
 // `stage` gets the name of each volume as its turn comes, `progress` the fraction of it that is done. Both may throw to
-// cancel.
+// cancel. `load` gives a volume by its name.
 [[nodiscard]] CheckAll checkAll(const CheckAllRequest& request, const std::function<void(const std::string&)>& stage,
-                                const std::function<void(double)>& progress);
+                                const std::function<void(double)>& progress,
+                                const std::function<Volume(const std::string&)>& load);
 
 }  // namespace palpate

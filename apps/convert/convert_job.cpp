@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include "apps/console/interrupt.hpp"
-#include "apps/console/remark.hpp"
+#include "apps/load/load_and_tell.hpp"
 #include "apps/mesh/mesh_writer.hpp"
 #include "base/byte_size.hpp"
 #include "base/error.hpp"
@@ -93,9 +93,7 @@ ConvertResult convert(const ConvertRequest& request, Progress& progress) {
   checkOutput(request);
   AtomicFile file(request.out);  // before the long part, so that a folder that may not be written is refused at once
   progress.stage("loading " + request.in);
-  const Volume volume = loadVolume(request.in);
-  progress.done();
-  tellRemark(volume.facts().source, volume.facts().remark);
+  const Volume volume = loadAndTell(request.in, progress);
   throwIfInterrupted("palpate convert");
   ConvertResult result = writeOutput(volume, request, "palpate convert", file, progress);
   file.commit();

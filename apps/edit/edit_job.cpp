@@ -8,9 +8,9 @@
 
 #include "apps/console/interrupt.hpp"
 #include "apps/console/pass_progress.hpp"
-#include "apps/console/remark.hpp"
 #include "apps/edit/script_reader.hpp"
 #include "apps/edit/stamp_files.hpp"
+#include "apps/load/load_and_tell.hpp"
 #include "apps/mesh/mesh_writer.hpp"
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
@@ -302,9 +302,7 @@ EditResult editVolume(const EditRequest& request, Progress& progress,
   Orders orders(request);
   AtomicFile file(request.out);  // before the long part, so that a folder that may not be written is refused at once
   progress.stage("loading " + request.in);
-  Volume volume = loadVolume(request.in);
-  progress.done();
-  tellRemark(volume.facts().source, volume.facts().remark);
+  Volume volume = loadAndTell(request.in, progress);
   stopIfInterrupted();
   const double isovalue = static_cast<float>(request.isovalue ? *request.isovalue : defaultIsovalue(volume));
   checkIsovalue(volume, isovalue);

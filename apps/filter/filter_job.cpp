@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 
 #include "apps/console/interrupt.hpp"
-#include "apps/console/remark.hpp"
 #include "apps/convert/convert_job.hpp"
+#include "apps/load/load_and_tell.hpp"
 #include "base/atomic_file.hpp"
 #include "base/byte_size.hpp"
 #include "base/error.hpp"
@@ -33,9 +33,7 @@ FilterResult filterFile(const FilterRequest& request, Progress& progress) {
   checkNotInput(request.in, request.out);
   AtomicFile file(request.out);  // before the long part, so that a folder that may not be written is refused at once
   progress.stage("loading " + request.in);
-  const Volume volume = loadVolume(request.in);
-  progress.done();
-  tellRemark(volume.facts().source, volume.facts().remark);
+  const Volume volume = loadAndTell(request.in, progress);
   std::optional<float> isovalue;
   if (hasDistance(chain)) {
     if (request.isovalue) checkIsovalue(volume, *request.isovalue);

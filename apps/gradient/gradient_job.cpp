@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "apps/console/interrupt.hpp"
-#include "apps/console/remark.hpp"
+#include "apps/load/load_and_tell.hpp"
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
@@ -115,9 +115,7 @@ GradientResult gradientFile(const GradientRequest& request, Progress& progress) 
   (void)gradientOperator(request.gradient);  // what is wrong with it is said before the long part
   AtomicFile file(request.out);              // and so is a folder that may not be written
   progress.stage("loading " + request.in);
-  const Volume volume = loadVolume(request.in);
-  progress.done();
-  tellRemark(volume.facts().source, volume.facts().remark);
+  const Volume volume = loadAndTell(request.in, progress);
   throwIfInterrupted(kWork);
   GradientResult result;
   VectorFile vectors(volume.size(), volume.lattice(), request.out);

@@ -43,6 +43,16 @@ std::vector<std::string> flagsOf(const CLI::App& verb) {
   return flags;
 }
 
+// "--clock: At Most 1 required but received 2" in plain words.
+std::string plainWords(const std::string& message) {
+  const std::string flag = message.substr(0, message.find(':'));
+  if (message.find("At Most 1 required but received") != std::string::npos)
+    return flag + ": it is given more than once; give it once";
+  if (message.find("1 required") != std::string::npos && message.ends_with("missing"))
+    return flag + ": its value is missing; give one";
+  return message;
+}
+
 // An unknown flag first: what else is wrong may follow from it.
 std::string parseMessage(const CLI::App& verb, const std::string& command, const CLI::ParseError& error) {
   const std::string help = fmt::format("'{} --help' says what may be given", command);
@@ -55,7 +65,7 @@ std::string parseMessage(const CLI::App& verb, const std::string& command, const
   }
   if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr && !unknown.empty())
     return fmt::format("{}: not expected; {}", fmt::join(unknown, " "), help);
-  return fmt::format("{}; {}", error.what(), help);
+  return fmt::format("{}; {}", plainWords(error.what()), help);
 }
 
 }  // namespace palpate

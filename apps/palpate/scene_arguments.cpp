@@ -41,7 +41,7 @@ Scene SceneArguments::scene() const {
   }
   for (std::size_t i = 0; i < values_.size(); ++i) {
     const SceneOption& option = sceneOptions()[i];
-    if (options_[i]->count() > 0) setOption(option.value, values_[i], option.flag, scene);
+    if (options_[i]->count() > 0) setOption(option.value, values_[i], option.flag, scene, option.unit);
   }
   for (const std::string& object : objects_) scene.objects.push_back(parseObject(object));
   if (scene.volume.empty()) {

@@ -15,8 +15,8 @@
 #include "apps/console/interrupt.hpp"
 #include "apps/console/message.hpp"
 #include "apps/console/progress.hpp"
-#include "apps/console/remark.hpp"
 #include "apps/filter/filter_job.hpp"
+#include "apps/load/load_and_tell.hpp"
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
 #include "engine/volume/statistics.hpp"
@@ -76,7 +76,7 @@ void checkGradientVerb(const CheckArguments& arguments) {
   GradientCheckRequest request{arguments.gpu, gradientOperator(arguments.gradient_operator), {}, arguments.bound_ulp};
   Progress progress;
   progress.stage("loading " + arguments.volume);
-  const Volume volume = loadVolume(arguments.volume);
+  const Volume volume = loadAndTell(arguments.volume, progress);
   if (arguments.samples == "half") {
     const auto isovalue = static_cast<float>(defaultIsovalue(volume));
     request.format = halfSamples(isovalue, volume.minimum(), volume.maximum(), volume.lattice().spacing_m);
@@ -122,9 +122,7 @@ std::function<void(double)> shownIn(Progress& progress) {
 
 Volume loaded(const TableArguments& arguments, Progress& progress) {
   progress.stage("loading " + arguments.volume);
-  Volume volume = loadVolume(arguments.volume);
-  progress.done();
-  tellRemark(volume.facts().source, volume.facts().remark);
+  Volume volume = loadAndTell(arguments.volume, progress);
   throwIfInterrupted("palpate check");
   return arguments.crop > 0 ? cropped(std::move(volume), arguments.crop) : std::move(volume);
 }
@@ -183,7 +181,7 @@ void checkAllVerb(const TableArguments& arguments) {
         throwIfInterrupted("palpate check");
         progress.stage(stage);
       },
-      shownIn(progress));
+      shownIn(progress), [&](const std::string& name) { return loadAndTell(name, progress); });
   progress.done();
   if (!arguments.page.empty()) {
     const CheckRun run{allCommand(arguments), programCommit(), machineInWords(), all.left_out};

@@ -5,6 +5,7 @@
 #include "apps/console/interrupt.hpp"
 #include "apps/console/message.hpp"
 #include "apps/console/pass_progress.hpp"
+#include "apps/load/load_and_tell.hpp"
 #include "apps/touch/algorithm_setup.hpp"
 #include "base/byte_size.hpp"
 #include "engine/gpu/gpu_info.hpp"
@@ -23,7 +24,7 @@ void addPlanVerb(CLI::App& app) {
     const Scene scene = arguments->scene();
     Progress progress;
     progress.stage("loading " + scene.volume);
-    const Volume volume = loadVolume(scene.volume);
+    const Volume volume = loadAndTell(scene.volume, progress);
     checkTouchable(volume);
     const double isovalue = static_cast<float>(scene.isovalue ? *scene.isovalue : defaultIsovalue(volume));
     checkIsovalue(volume, isovalue);

@@ -7,6 +7,7 @@
 #include "apps/console/interrupt.hpp"
 #include "apps/console/message.hpp"
 #include "apps/convert/convert_job.hpp"
+#include "apps/load/load_and_tell.hpp"
 #include "apps/mesh/mesh_writer.hpp"
 #include "base/error.hpp"
 #include "engine/journal/replay.hpp"
@@ -28,9 +29,9 @@ std::string journalFolder(const std::string& given) {
   return path.has_parent_path() ? path.parent_path().string() : ".";
 }
 
-Volume loadStart(const RecoverArguments& arguments, const std::string& source) {
+Volume loadStart(const RecoverArguments& arguments, const std::string& source, Progress& progress) {
   try {
-    return loadVolume(source);
+    return loadAndTell(source, progress);
   } catch (const Error& error) {
     if (!arguments.volume.empty()) throw;
     throw Error(error.code(), error.input(), error.reason(),
@@ -57,7 +58,7 @@ void recover(const RecoverArguments& arguments) {
   checkNotInput(source, arguments.out);
   AtomicFile file(arguments.out);
   progress.stage("loading " + source);
-  Volume volume = loadStart(arguments, source);
+  Volume volume = loadStart(arguments, source, progress);
   progress.stage("applying the edits");
   replay(journal, volume, [&](double done) {
     throwIfInterrupted("palpate recover");
@@ -71,13 +72,14 @@ void recover(const RecoverArguments& arguments) {
   printResult("Journal   {}\n", editsInWords(journal));
   if (journal.damage) {
     printResult("Lost      {}\n", damageWords(*journal.damage));
-    // For who looks at errors only: the status is 0, there is a volume.
     tellUser(fmt::format("{}: it has lost {}; {} holds what is before", folder, damageWords(*journal.damage),
                          arguments.out));
   }
   printResult("Volume    {}, content {:016x}\nFile      {}\n", source, contentHash(volume), arguments.out);
   const std::string surface = surfaceWords(arguments.out, journal.header.profile.isovalue);
   if (!surface.empty()) printResult("Surface   {}", surface);
+  // The volume is there; who needs every edit must hear of it too.
+  if (journal.damage) throw CLI::RuntimeError(exitStatus(Error::Code::kIo));
 }
 
 }  // namespace

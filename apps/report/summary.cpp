@@ -112,6 +112,7 @@ Json sceneJson(const Scene& s) {
           {"save_every_s", s.save_every_s},
           {"out", s.out},
           {"trace", s.trace},
+          {"stopped_trace_ticks", s.stopped_trace_ticks},
           {"picture", s.picture},
           {"image_width_px", s.image_width},
           {"image_height_px", s.image_height}};

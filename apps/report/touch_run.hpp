@@ -88,6 +88,7 @@ struct TouchRun {
   std::vector<PathPhase> phases;                   // of the path; empty for a path from a file
   std::vector<TickRecord> records;                 // one a tick, in order
   std::int64_t grid_points = 0;                    // ticks that were run or left out; 0: as many as records
+  std::optional<RunFigures> figures;               // of the records, once these are whole; see figuresOf()
   ContactStability stability;                      // of the contact in the records
   std::vector<RunFault> faults;
   std::string ended_early;         // "stopped by the user after 1.2 s of 5 s"; empty: it ended as planned
@@ -96,8 +97,15 @@ struct TouchRun {
   std::optional<RunEdits> edits;
 };
 
+// `run.figures`; computed where it is empty.
 [[nodiscard]] inline RunFigures figuresOf(const TouchRun& run) {
-  return computeFigures(run.records, run.scene.rate_hz, run.grid_points);
+  return run.figures ? *run.figures : computeFigures(run.records, run.scene.rate_hz, run.grid_points);
+}
+
+// Whether trace.csv is written. A run that was stopped leaves a long one out: its rows take seconds to write.
+[[nodiscard]] inline bool writesTrace(const TouchRun& run) {
+  const bool is_long = run.records.size() > static_cast<std::size_t>(run.scene.stopped_trace_ticks);
+  return run.scene.trace && (run.ended_early.empty() || !is_long);
 }
 
 }  // namespace palpate

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,8 +21,8 @@ inline constexpr std::string_view kTraceHeader =
 // the window did not reach. Throws Error kIo (atomic_file.hpp). Any thread. Cost: about 2 microseconds and 200 bytes a
 // row.
 // `ended_early`: for a run that was stopped, written as a last line "# ...". A reader that knows no comments must skip
-// it.
+// it. `between` is called every few thousand rows; it may throw to give the file up.
 void writeTraceCsv(const std::filesystem::path& file, const std::vector<TickRecord>& records,
-                   const std::string& ended_early = "");
+                   const std::string& ended_early = "", const std::function<void()>& between = {});
 
 }  // namespace palpate

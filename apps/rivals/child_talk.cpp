@@ -26,9 +26,11 @@ ChildTalk::ChildTalk(const std::vector<std::string>& words) {
   std::vector<char*> arguments;
   for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));  // NOLINT
   arguments.push_back(nullptr);
-  if (posix_spawn(&child_, arguments[0], &actions, nullptr, arguments.data(), environ) != 0) child_ = -1;
+  leftover_ = Leftover::process([&] {
+    if (posix_spawn(&child_, arguments[0], &actions, nullptr, arguments.data(), environ) != 0) child_ = -1;
+    return child_;
+  });
   posix_spawn_file_actions_destroy(&actions);
-  if (child_ > 0) leftover_ = Leftover::process(child_);
   close(ends[1]);
 }
 

@@ -32,12 +32,15 @@ class TemporaryFile {
  public:
   TemporaryFile() {
     name_ = (std::filesystem::temp_directory_path() / "palpate_bench_XXXXXX").string();
-    const int file = mkstemp(name_.data());
-    if (file < 0) {
+    leftover_ = Leftover::file([this]() -> std::filesystem::path {
+      const int file = mkstemp(name_.data());
+      if (file < 0) return {};
+      close(file);
+      return name_;
+    });
+    if (!leftover_) {
       throw Error(Error::Code::kIo, name_, "no file can be made there", "set TMPDIR to a folder that may be written");
     }
-    close(file);
-    leftover_ = Leftover::file(name_);
   }
   ~TemporaryFile() {
     std::error_code ignored;

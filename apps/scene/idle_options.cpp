@@ -72,6 +72,7 @@ const IdleOption kIdleOptions[] = {
     {"--depth", buildsPath, kNoBuiltPath},
     {"--slide", buildsPath, kNoBuiltPath},
     {"--approach", buildsPath, kNoBuiltPath},
+    {"--stopped-trace", [](const Scene& s) { return s.trace; }, "no trace.csv is written with --trace off"},
     {"--width", draws, kNoPicture},
     {"--height", draws, kNoPicture},
 };

@@ -124,6 +124,7 @@ const SceneOption kOptions[] = {
     {"--save-every", "edit.save_every_s", "s", "time between two saves, 0: one at the end of the run", number(&Scene::save_every_s, 1, 0, 86400)},
     {"--out", "output.folder", "", "folder for trace.csv, summary.json, report.html, view.png", TextOption{&Scene::out}},
     {"--trace", "output.trace", "", "write trace.csv", SwitchOption{&Scene::trace, "off", "on"}},
+    {"--stopped-trace", "output.stopped_trace_ticks", "ticks", "a run that is stopped leaves trace.csv out above so many", integer(&Scene::stopped_trace_ticks, 0, 1'000'000'000)},
     {"--picture", "output.picture", "", "draw view.png", SwitchOption{&Scene::picture, "off", "on"}},
     {"--width", "output.width", "pixel", "width of view.png", integer(&Scene::image_width, 480, 3840)},
     {"--height", "output.height", "pixel", "height of view.png", integer(&Scene::image_height, 270, 3840)},

@@ -15,9 +15,10 @@
 namespace palpate {
 namespace {
 
-[[noreturn]] void refuse(const std::string& where, const std::string& text, const OptionValue& value) {
+[[noreturn]] void refuse(const std::string& where, const std::string& text, const OptionValue& value,
+                         const std::string& unit) {
   throw Error(Error::Code::kBadInput, where, fmt::format("'{}' is not what it takes", text),
-              "give " + optionForm(value));
+              "give " + optionForm(value) + (unit.empty() ? "" : ", in " + unit));
 }
 
 template <typename Number>
@@ -75,16 +76,17 @@ struct Setter {
   const OptionValue& value;
   const std::string& text;
   const std::string& where;
+  const std::string& unit;
   Scene& scene;
 
   void operator()(const NumberOption& option) const {
     const auto number = parseNumber<double>(text);
-    if (!number || !option.takes(*number)) refuse(where, text, value);
+    if (!number || !option.takes(*number)) refuse(where, text, value, unit);
     std::visit([&](auto member) { scene.*member = *number * option.scale; }, option.member);
   }
   void operator()(const IntegerOption& option) const {
     const auto number = parseNumber<long long>(text);
-    if (!number || *number < option.lowest || *number > option.highest) refuse(where, text, value);
+    if (!number || *number < option.lowest || *number > option.highest) refuse(where, text, value, unit);
     std::visit(
         [&](auto member) { scene.*member = static_cast<std::remove_reference_t<decltype(scene.*member)>>(*number); },
         option.member);
@@ -97,25 +99,26 @@ struct Setter {
   }
   void operator()(const ListOption& option) const { scene.*option.member = text; }
   void operator()(const SwitchOption& option) const {
-    if (text != option.word_if_false && text != option.word_if_true) refuse(where, text, value);
+    if (text != option.word_if_false && text != option.word_if_true) refuse(where, text, value, unit);
     scene.*option.member = text == option.word_if_true;
   }
   void operator()(const WordOption& option) const {
-    if (std::find(option.words.begin(), option.words.end(), text) == option.words.end()) refuse(where, text, value);
+    if (std::find(option.words.begin(), option.words.end(), text) == option.words.end())
+      refuse(where, text, value, unit);
     scene.*option.member = text;
   }
   void operator()(const VectorOption& option) const {
     const auto vector = parseVector(text);
-    if (!vector || (option.direction && vector->isZero(0))) refuse(where, text, value);
+    if (!vector || (option.direction && vector->isZero(0))) refuse(where, text, value, unit);
     // Stable: the square of a component may be too small or too large for a double.
     scene.*option.member = option.direction ? vector->stableNormalized() : Vec3(*vector * option.scale);
   }
   void operator()(const TableOption& option) const {
     auto table = parseTable(text, split(option.row, ':').size());
-    if (!table) refuse(where, text, value);
+    if (!table) refuse(where, text, value, unit);
     for (std::vector<double>& row : *table) {
       row.front() *= option.first_scale;
-      if (!std::isfinite(row.front())) refuse(where, text, value);
+      if (!std::isfinite(row.front())) refuse(where, text, value, unit);
     }
     scene.*option.member = std::move(*table);
   }
@@ -189,8 +192,9 @@ struct Form {
 
 }  // namespace
 
-void setOption(const OptionValue& value, const std::string& text, const std::string& where, Scene& scene) {
-  std::visit(Setter{value, text, where, scene}, value);
+void setOption(const OptionValue& value, const std::string& text, const std::string& where, Scene& scene,
+               const std::string& unit) {
+  std::visit(Setter{value, text, where, unit, scene}, value);
 }
 
 std::string optionText(const OptionValue& value, const Scene& scene) {

@@ -78,9 +78,10 @@ struct TableOption {
 using OptionValue = std::variant<NumberOption, IntegerOption, BytesOption, TextOption, ListOption, SwitchOption,
                                  WordOption, VectorOption, TableOption>;
 
-// Sets the member of `scene` from `text`. `where`: the flag or key, for the message. Throws Error(kBadInput) for text
-// of the wrong form, NaN, or a number out of range; the scene is then unchanged.
-void setOption(const OptionValue& value, const std::string& text, const std::string& where, Scene& scene);
+// Sets the member of `scene` from `text`. `where`: the flag or key, `unit`: "mm", both for the message. Throws
+// Error(kBadInput) for text of the wrong form, NaN, or a number out of range; the scene is then unchanged.
+void setOption(const OptionValue& value, const std::string& text, const std::string& where, Scene& scene,
+               const std::string& unit = "");
 
 // The member's value in the form that setOption() takes; empty if the program chooses the value.
 [[nodiscard]] std::string optionText(const OptionValue& value, const Scene& scene);

@@ -164,7 +164,7 @@ void setKeys(const toml::table& table, const std::string& prefix, const std::str
       throw Error(Error::Code::kBadInput, where, "there is no such key",
                   "did you mean " + nearestKey(key) + "? 'palpate scene' lists all");
     }
-    setOption(option->value, valueText(node, option->value, where), where, scene);
+    setOption(option->value, valueText(node, option->value, where), where, scene, option->unit);
   }
 }
 

@@ -32,14 +32,6 @@ fs::path plain(const fs::path& path) {
   return whole.has_filename() ? whole : whole.parent_path();
 }
 
-// Files of this program, by their names: another's NAME.123.part is not looked at.
-bool isWritten(std::string_view name) {
-  constexpr const char* kSuffixes[] = {".csv", ".json", ".html", ".png", ".svg", ".md",  ".vdb",    ".nii",
-                                       ".gz",  ".nrrd", ".mha",  ".stl", ".obj", ".ply", ".palpate"};
-  return std::any_of(std::begin(kSuffixes), std::end(kSuffixes),
-                     [&](const char* suffix) { return name.ends_with(suffix); });
-}
-
 // Not committed yet. The file that is meant may lie on another file system, where nothing can be moved from here.
 std::unique_ptr<AtomicFile> copied(const fs::path& draft, const fs::path& target) {
   auto file = std::make_unique<AtomicFile>(target);
@@ -80,7 +72,7 @@ OutputFolder::OutputFolder(const std::string& path) : path_(checked(path)), made
   fs::create_directories(path_, error);
   if (error) refuse(path, error.message());
   if (!fs::is_directory(path_)) refuse(path, "it is not a folder");
-  sweepPartFiles(path_, isWritten);
+  sweepPartFiles(path_);
   try {
     drafts_.emplace(path_, ".palpate-");
   } catch (const std::system_error& failure) {

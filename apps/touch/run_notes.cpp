@@ -7,6 +7,7 @@
 
 #include "apps/report/words.hpp"
 #include "base/units.hpp"
+#include "engine/session/tool_brush.hpp"
 #include "servo/algorithms/registry.hpp"
 #include "servo/contact/texture.hpp"
 
@@ -47,6 +48,34 @@ std::optional<std::string> noteOnEncoders(const Scene& scene) {
   return fmt::format(
       "each step of the encoders, {} mm, changes the force by {} N, which is felt as roughness; lower --stiffness",
       shortNumber(scene.encoder_resolution_m * kMillimetresPerMetre), shortNumber(step_N));
+}
+
+std::optional<std::string> noteOnNoContact(const RunFigures& figures) {
+  const bool told = std::any_of(figures.faults.begin(), figures.faults.end(),
+                                [](const FaultCount& count) { return count.fault == ServoFault::kInsideObject; });
+  if (figures.contact_ticks > 0 || told) return {};
+  return "nothing was touched: the path meets no surface; look at --start, --toward, --depth or --path";
+}
+
+std::optional<std::string> noteOnHand(const Scene& scene, const RunFigures& figures) {
+  if (!scene.spring_hand || !scene.path_file.empty() || !scene.press_depth_m || figures.depth_m.count == 0) return {};
+  if (figures.depth_m.max >= (1 - kDepthShare) * *scene.press_depth_m) return {};
+  return fmt::format(
+      "the hand is a spring and gave way: it pressed at most {} mm deep instead of --depth {}; raise --hand-stiffness "
+      "or --depth, or give --hand rigid",
+      shortNumber(figures.depth_m.max * kMillimetresPerMetre),
+      shortNumber(*scene.press_depth_m * kMillimetresPerMetre));
+}
+
+std::optional<std::string> noteOnBrush(const Scene& scene, const RunFigures& figures) {
+  if (scene.edit.empty() || figures.contact_ticks == 0) return {};
+  const ToolBrushSpec spec = toolBrushSpec(scene.edit);
+  if (spec.brush.kind != EditKind::kRemove || spec.rate_per_Ns > 0) return {};
+  if (figures.contact_s >= 0.5 * (figures.time_s - figures.first_contact_s)) return {};
+  return fmt::format(
+      "the brush removes at once what the tool touches, so that it felt the surface for {} s only; with a rate, as in "
+      "--edit {}:rate=20, it drills by force and time",
+      shortNumber(figures.contact_s), scene.edit);
 }
 
 std::optional<std::string> noteOnTexture(const Scene& scene) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "engine/plan/scene.hpp"
+#include "servo/loop/run_figures.hpp"
 #include "servo/loop/tick_record.hpp"
 
 namespace palpate {
@@ -24,6 +25,18 @@ inline constexpr double kShortestSilence_s = 0.02;
 // newton.
 inline constexpr double kFeltStep_N = 0.1;
 [[nodiscard]] std::optional<std::string> noteOnEncoders(const Scene& scene);
+
+// A note where nothing was touched and no fault tells why.
+[[nodiscard]] std::optional<std::string> noteOnNoContact(const RunFigures& figures);
+
+// A note if a spring hand presses less deep than `scene`, as the user gave it, asks for: by more than kDepthShare of
+// that depth. Its spring and the surface's share the way.
+inline constexpr double kDepthShare = 0.1;
+[[nodiscard]] std::optional<std::string> noteOnHand(const Scene& scene, const RunFigures& figures);
+
+// A note if a brush removes at once all that it touches, so that the tool is out of contact for more than half of the
+// time after it touched first.
+[[nodiscard]] std::optional<std::string> noteOnBrush(const Scene& scene, const RunFigures& figures);
 
 // A note if the texture's wavelength allows less than the amplitude that was asked for.
 [[nodiscard]] std::optional<std::string> noteOnTexture(const Scene& scene);

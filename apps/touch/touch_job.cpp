@@ -10,10 +10,11 @@
 
 #include "apps/console/interrupt.hpp"
 #include "apps/console/pass_progress.hpp"
-#include "apps/console/remark.hpp"
+#include "apps/load/load_and_tell.hpp"
 #include "apps/report/html_report.hpp"
 #include "apps/report/summary.hpp"
 #include "apps/report/trace_csv.hpp"
+#include "apps/report/words.hpp"
 #include "apps/touch/algorithm_setup.hpp"
 #include "apps/touch/exact_errors.hpp"
 #include "apps/touch/live_edits.hpp"
@@ -125,7 +126,7 @@ std::vector<std::string> planWords(const Plan& plan, const PlanFacts& facts) {
 
 std::vector<RunFault> faultsOf(const TouchRun& run) {
   std::vector<RunFault> faults;
-  for (const FaultCount& count : figuresOf(run).faults) {
+  for (const FaultCount& count : run.figures->faults) {
     const auto table = faultTable();
     const auto row =
         std::find_if(table.begin(), table.end(), [&](const FaultText& r) { return r.fault == count.fault; });
@@ -152,30 +153,13 @@ MemoryFigure residentPeak() {
   return {"process peak", static_cast<std::uint64_t>(usage.ru_maxrss) * 1024};
 }
 
-// Writes everything or nothing; `picture` may be empty.
-void writeOutputs(const TouchRun& run, const std::string& picture, OutputFolder& folder) {
-  if (run.scene.trace) {
-    writeTraceCsv(folder.draft("trace.csv"), run.records, run.ended_early);
-  } else {
-    folder.leaveOut("trace.csv");
-  }
-  if (picture.empty()) {
-    folder.leaveOut("view.png");
-  } else {
-    writeFileAtomically(folder.draft("view.png"), picture);
-  }
-  writeReport(folder.draft("report.html"), run, picture);
-  writeSummary(folder.draft("summary.json"), run);
-  refuseForeignResults(run.scene.out);  // that came there meanwhile
-  folder.publish("summary.json");       // which tells the next run that the others are replaceable
-}
-
-std::vector<std::string> outputFiles(const Scene& scene, const OutputFolder& folder, bool has_picture) {
+std::vector<std::string> outputFiles(const TouchRun& run, const OutputFolder& folder, bool has_picture) {
   std::vector<std::string> files;
   if (has_picture) files.push_back(folder.file("view.png").string());
   files.push_back(folder.file("report.html").string());
   files.push_back(folder.file("summary.json").string());
-  if (scene.trace) files.push_back(folder.file("trace.csv").string());
+  if (writesTrace(run)) files.push_back(folder.file("trace.csv").string());
+  if (run.edits && run.edits->saves > 0) files.push_back(run.scene.save);
   return files;
 }
 
@@ -193,6 +177,14 @@ void endPhases(std::vector<PathPhase>& phases, double end_s) {
   for (PathPhase& phase : phases) phase.end_s = std::min(phase.end_s, end_s);
 }
 
+// The run is told as one that was stopped, and how to get what it then leaves out.
+void endWith(TouchRun& run, const std::string& why) {
+  run.ended_early = why;
+  if (!run.scene.trace || writesTrace(run)) return;
+  const std::size_t ticks = run.records.size();
+  run.ended_early += fmt::format(", without trace.csv (--stopped-trace {} writes it for so many ticks)", ticks);
+}
+
 // Where the user stopped the servo before its time: what was felt until then is told like any run. Throws
 // Error(kCancelled) where nothing was.
 void endEarly(TouchRun& run) {
@@ -201,146 +193,248 @@ void endEarly(TouchRun& run) {
   if (run.records.empty()) stopIfInterrupted();
   const double felt_s = static_cast<double>(run.records.back().tick + 1) / run.scene.rate_hz;
   if (static_cast<double>(run.records.back().tick + 1) >= wanted) return;
-  run.ended_early = fmt::format("stopped by the user after {:.3g} s of {:.3g} s", felt_s, run.scene.duration_s);
+  endWith(run, fmt::format("stopped by the user after {} s of {} s", shortNumber(felt_s),
+                           shortNumber(run.scene.duration_s)));
   endPhases(run.phases, felt_s);
 }
 
-// Empty where the plan has none and where the user stops it.
-std::string pictureOf(TouchRun& run, const SurfaceField& surface, Engine& engine, Stages& stages) {
+// A long trace is given up where the user stops the program meanwhile; the rest of the run is told.
+void writeTrace(TouchRun& run, OutputFolder& folder) {
+  const bool is_long = run.records.size() > static_cast<std::size_t>(run.scene.stopped_trace_ticks);
   try {
-    return stages.run("picture", "drawing", [&] { return drawPicture(run, surface, engine, stopIfInterrupted); });
+    if (writesTrace(run)) {
+      writeTraceCsv(folder.draft("trace.csv"), run.records, run.ended_early, [&] {
+        if (is_long) stopIfInterrupted();
+      });
+    }
+  } catch (const Error& error) {
+    if (error.code() != Error::Code::kCancelled) throw;
+    endWith(run, "stopped by the user after the run");
+  }
+  if (!writesTrace(run)) folder.leaveOut("trace.csv");
+}
+
+// Writes everything or nothing; `picture` may be empty.
+void writeOutputs(TouchRun& run, const std::string& picture, OutputFolder& folder) {
+  writeTrace(run, folder);  // what is told below says whether it is there
+  run.files = outputFiles(run, folder, !picture.empty());
+  if (picture.empty()) {
+    folder.leaveOut("view.png");
+  } else {
+    writeFileAtomically(folder.draft("view.png"), picture);
+  }
+  writeReport(folder.draft("report.html"), run, picture);
+  writeSummary(folder.draft("summary.json"), run);
+  refuseForeignResults(run.scene.out);  // that came there meanwhile
+  folder.publish("summary.json");       // which tells the next run that the others are replaceable
+}
+
+// For who waits after Ctrl-C.
+std::string wordsOfStopping(const TouchRun& run) {
+  return fmt::format("stopping: writing the report of {} ticks; Ctrl-C again gives it up", run.records.size());
+}
+
+// A run in three steps. What one step makes and a later one needs is a member.
+class TouchJob {
+ public:
+  // Faults of the command line throw here, before anything takes long.
+  TouchJob(const Scene& scene, const std::string& command, const std::string& commit, Progress& progress)
+      : scene_(scene), progress_(progress), objects_(makeSceneObjects(scene.objects)), stages_(progress, run_.stages) {
+    checkEarly(scene, objects_.objects);
+    refuseForeignResults(scene.out);
+    folder_.emplace(scene.out);
+    run_.scene = scene;
+    run_.machine = readMachineFacts();
+    run_.commit = commit;
+    run_.command = command;
+  }
+
+  void prepare() {
+    load();
+    compute();
+    layPath();
+    readyAlgorithm();
+    readyEdits();
+  }
+  void feel();
+  TouchRun tell();
+
+ private:
+  void load();
+  void compute();
+  void layPath();
+  void readyAlgorithm();
+  void readyEdits();
+  void assess();
+  void finishEdits();
+  [[nodiscard]] std::string picture();
+  // What is felt is what the engine made of the volume.
+  [[nodiscard]] const Volume& felt() const { return filtered_ ? *filtered_ : *volume_; }
+
+  std::optional<KeptWork> kept_;  // first, so that it outlives all that takes time to give back
+  const Scene& scene_;
+  Progress& progress_;
+  SceneObjects objects_;
+  std::optional<OutputFolder> folder_;
+  TouchRun run_;
+  Stages stages_;
+  std::optional<Volume> volume_;
+  double isovalue_ = 0;  // of the volume
+  Plan plan_;
+  std::unique_ptr<Engine> engine_;
+  std::optional<Volume> filtered_;
+  std::optional<VolumeSurface> surface_;  // of what is felt
+  std::optional<ScriptedPath> path_;
+  AlgorithmSetup setup_;
+  double object_m3_ = 0;  // before the edits
+  // With --save they own the volume while the servo runs: nobody else reads it before finish().
+  std::unique_ptr<LiveEdits> edits_;
+};
+
+void TouchJob::load() {
+  volume_ = stages_.run("load", "loading " + scene_.volume, [&] { return loadAndTell(scene_.volume, progress_); });
+  checkTouchable(*volume_);
+  // Rounded to float once, as the GPU has it: servo and kernels must agree on what is object.
+  isovalue_ = static_cast<float>(scene_.isovalue ? *scene_.isovalue : defaultIsovalue(*volume_));
+  checkIsovalue(*volume_, isovalue_);
+  run_.scene.isovalue = isovalue_;
+  run_.volume = volumeOf(*volume_, isovalue_);
+}
+
+void TouchJob::compute() {
+  plan_ = planFor(scene_);
+  engine_ = stages_.run("open Vulkan device", "computing on Vulkan", [&] {
+    return std::make_unique<Engine>(*volume_, plan_, isovalue_, scene_.gpu, scene_.gpu_memory_bytes,
+                                    passProgress(progress_, stopIfInterrupted));
+  });
+  run_.vulkan = {engine_->gpu().name, engine_->gpu().driver, engine_->gpu().api_version};
+  // The engine's own stages come out of the time that making it took; what is left opened the device.
+  for (const StageTime& inner : engine_->stages()) run_.stages.back().seconds -= inner.seconds;
+  run_.stages.insert(run_.stages.end(), engine_->stages().begin(), engine_->stages().end());
+  if (engine_->filters()) filtered_ = engine_->filtered(volume_->facts());
+  surface_.emplace(felt(), engine_->isovalue());
+}
+
+void TouchJob::layPath() {
+  path_ = stages_.run("path", "building the path", [&] { return scriptedPath(scene_, *surface_); });
+  run_.scene.duration_s = scene_.path_file.empty() ? scene_.duration_s : path_->path.duration_s();
+  checkRunLength(run_.scene, availableMemoryBytes());
+  if (!run_.scene.press_depth_m) run_.scene.press_depth_m = path_->depth_m;
+  if (!run_.scene.slide_length_m) run_.scene.slide_length_m = path_->slide_m;
+  if (!run_.scene.approach_m) run_.scene.approach_m = path_->approach_m;
+  run_.phases = path_->phases;
+  run_.notes = path_->notes;
+  run_.notes.insert(run_.notes.end(), objects_.notes.begin(), objects_.notes.end());
+  const std::vector<std::string> start_notes = notesOnStart(objects_, path_->path.position(0));
+  run_.notes.insert(run_.notes.end(), start_notes.begin(), start_notes.end());
+  run_.object_outlines = objects_.outlines;
+}
+
+void TouchJob::readyAlgorithm() {
+  const double isovalue = engine_->isovalue();
+  setup_ = algorithmSetup(scene_, isovalue, densityScale(felt(), isovalue), objects_.objects);
+  if (plan_.meshes) {
+    setup_.isosurface = stages_.run("isosurface mesh", "extracting the isosurface's mesh", [&] {
+      return std::make_shared<const TriangleMesh>(isosurfaceMesh(felt(), isovalue));
+    });
+  }
+  PlanFacts facts = engine_->planFacts();
+  if (setup_.isosurface != nullptr) facts.mesh_triangles = setup_.isosurface->triangles.size();
+  run_.plan = planWords(plan_, facts);
+}
+
+void TouchJob::readyEdits() {
+  if (scene_.edit.empty()) return;
+  object_m3_ = objectVolume_m3(*volume_, isovalue_);
+  edits_ = stages_.run("edit set-up", "making edits ready",
+                       [&] { return std::make_unique<LiveEdits>(run_.scene, *volume_, *engine_); });
+}
+
+void TouchJob::feel() {
+  const auto begin = [&] {  // from the first tick on there is something that was felt
+    kept_.emplace();
+    tellWhatIsKept(wordsOfSecondRequest(scene_));
+    progress_.stage(fmt::format("palpating with {} on {}", scene_.algorithm, engine_->gpu().name));
+  };
+  LoopResult result = stages_.run("servo", "making ready to palpate", [&] {
+    LoopResult loop;
+    const auto servo = [&] {
+      loop = runServo(run_.scene, std::move(setup_), path_->path, *engine_, edits_.get(), progress_, begin);
+    };
+    edits_ ? edits_->during(servo) : servo();
+    return loop;
+  });
+  run_.records = std::move(result.records);
+  run_.grid_points = result.ticks_run + result.ticks_skipped;
+  run_.realtime = realTimeWords(scene_, result);
+  endEarly(run_);
+  if (!run_.ended_early.empty()) progress_.stage(wordsOfStopping(run_));
+}
+
+void TouchJob::assess() {
+  run_.figures = figuresOf(run_);
+  run_.stability = assessContact(run_.records, {.resolution_m = run_.scene.encoder_resolution_m,
+                                                .delay_ticks = run_.scene.device_delay_ticks,
+                                                .lacking_Ns_per_m = lackingDamping(run_.scene),
+                                                .path = &path_->path});
+  run_.faults = faultsOf(run_);
+  run_.exact = exactErrorsOf(run_);
+  for (const auto& note : {noteOnSilence(run_.records, engine_->isovalue(), run_.scene.rate_hz, scene_.algorithm),
+                           noteOnEncoders(run_.scene), noteOnTexture(run_.scene), noteOnNoContact(*run_.figures),
+                           noteOnHand(scene_, *run_.figures), noteOnBrush(run_.scene, *run_.figures)}) {
+    if (note) run_.notes.push_back(*note);
+  }
+}
+
+void TouchJob::finishEdits() {
+  if (!edits_) return;
+  if (!scene_.save.empty()) progress_.stage("saving " + scene_.save);  // after Ctrl-C too
+  run_.edits = edits_->finish(run_.notes);                             // from here on the volume is this thread's again
+  if (!run_.ended_early.empty()) {
+    progress_.stage(wordsOfStopping(run_));
+    edits_->dropEmptyJournal();  // so that the same command can be given again
+  }
+  if (engine_->broken()) return;  // the picture shows what was there before a device error
+  engine_->readBack(*volume_);
+  run_.edits->content = contentHash(*volume_);
+  run_.edits->added_m3 = objectVolume_m3(*volume_, isovalue_) - object_m3_;
+  if (filtered_) filtered_ = engine_->filtered(volume_->facts());
+}
+
+// Empty where the plan has none and where the user stops it.
+std::string TouchJob::picture() {
+  if (!plan_.draws) return {};
+  try {
+    return stages_.run("picture", "drawing", [&] { return drawPicture(run_, *surface_, *engine_, stopIfInterrupted); });
   } catch (const Error& error) {
     if (error.code() != Error::Code::kCancelled) throw;
   }
-  if (run.ended_early.empty()) run.ended_early = "stopped by the user after the run, before the picture";
+  if (run_.ended_early.empty()) endWith(run_, "stopped by the user after the run, before the picture");
   return {};
+}
+
+TouchRun TouchJob::tell() {
+  if (run_.ended_early.empty()) progress_.stage("assessing what was felt");
+  assess();
+  finishEdits();
+  const std::string view = picture();
+  run_.memory = engine_->memory();
+  run_.memory.push_back({"volume on the CPU", volume_->storedBytes()});
+  run_.memory.push_back(residentPeak());
+  if (run_.ended_early.empty()) progress_.stage("writing " + scene_.out);
+  writeOutputs(run_, view, *folder_);
+  tellWhatIsKept("what was felt is in " + scene_.out);
+  progress_.done();
+  return std::move(run_);
 }
 
 }  // namespace
 
 TouchRun runTouchJob(const Scene& scene, const std::string& command, const std::string& commit, Progress& progress) {
-  std::optional<KeptWork> kept;  // first, so that it outlives all that takes time to give back
-  const SceneObjects objects = makeSceneObjects(scene.objects);
-  checkEarly(scene, objects.objects);
-  refuseForeignResults(scene.out);
-  OutputFolder folder(scene.out);
-  TouchRun run;
-  run.scene = scene;
-  run.machine = readMachineFacts();
-  run.commit = commit;
-  run.command = command;
-  Stages stages(progress, run.stages);
-
-  Volume volume = stages.run("load", "loading " + scene.volume, [&] { return loadVolume(scene.volume); });
-  progress.done();
-  tellRemark(volume.facts().source, volume.facts().remark);
-  checkTouchable(volume);
-  // Rounded to float once, as the GPU has it: servo and kernels must agree on what is object.
-  const double isovalue = static_cast<float>(scene.isovalue ? *scene.isovalue : defaultIsovalue(volume));
-  checkIsovalue(volume, isovalue);
-  run.scene.isovalue = isovalue;
-  run.volume = volumeOf(volume, isovalue);
-  const Plan plan = planFor(scene);
-  const auto engine = stages.run("open Vulkan device", "computing on Vulkan", [&] {
-    return std::make_unique<Engine>(volume, plan, isovalue, scene.gpu, scene.gpu_memory_bytes,
-                                    passProgress(progress, stopIfInterrupted));
-  });
-  run.vulkan = {engine->gpu().name, engine->gpu().driver, engine->gpu().api_version};
-  // The engine's own stages come out of the time that making it took; what is left opened the device.
-  for (const StageTime& inner : engine->stages()) run.stages.back().seconds -= inner.seconds;
-  run.stages.insert(run.stages.end(), engine->stages().begin(), engine->stages().end());
-  // What is felt is what the engine made of the volume.
-  std::optional<Volume> filtered;
-  if (engine->filters()) filtered = engine->filtered(volume.facts());
-  const Volume& felt = filtered ? *filtered : volume;
-  const double felt_isovalue = engine->isovalue();
-  const VolumeSurface surface(felt, felt_isovalue);
-
-  const ScriptedPath path = stages.run("path", "building the path", [&] { return scriptedPath(scene, surface); });
-  run.scene.duration_s = scene.path_file.empty() ? scene.duration_s : path.path.duration_s();
-  checkRunLength(run.scene, availableMemoryBytes());
-  if (!run.scene.press_depth_m) run.scene.press_depth_m = path.depth_m;
-  if (!run.scene.slide_length_m) run.scene.slide_length_m = path.slide_m;
-  if (!run.scene.approach_m) run.scene.approach_m = path.approach_m;
-  run.phases = path.phases;
-  run.notes = path.notes;
-  run.notes.insert(run.notes.end(), objects.notes.begin(), objects.notes.end());
-  const std::vector<std::string> start_notes = notesOnStart(objects, path.path.position(0));
-  run.notes.insert(run.notes.end(), start_notes.begin(), start_notes.end());
-  run.object_outlines = objects.outlines;
-
-  AlgorithmSetup setup = algorithmSetup(scene, felt_isovalue, densityScale(felt, felt_isovalue), objects.objects);
-  if (plan.meshes) {
-    setup.isosurface = stages.run("isosurface mesh", "extracting the isosurface's mesh", [&] {
-      return std::make_shared<const TriangleMesh>(isosurfaceMesh(felt, felt_isovalue));
-    });
-  }
-  PlanFacts facts = engine->planFacts();
-  if (setup.isosurface != nullptr) facts.mesh_triangles = setup.isosurface->triangles.size();
-  run.plan = planWords(plan, facts);
-
-  const double object_m3 = scene.edit.empty() ? 0 : objectVolume_m3(volume, isovalue);
-  // With --save the edits own the volume while the servo runs: nothing below reads it before finish().
-  std::unique_ptr<LiveEdits> edits;
-  if (!scene.edit.empty()) {
-    edits = stages.run("edit set-up", "making edits ready",
-                       [&] { return std::make_unique<LiveEdits>(run.scene, volume, *engine); });
-  }
-
-  const auto begin = [&] {  // from the first tick on there is something that was felt
-    kept.emplace();
-    tellWhatIsKept(wordsOfSecondRequest(scene));
-    progress.stage(fmt::format("palpating with {} on {}", scene.algorithm, engine->gpu().name));
-  };
-  LoopResult result = stages.run("servo", "making ready to palpate", [&] {
-    LoopResult loop;
-    const auto servo = [&] {
-      loop = runServo(run.scene, std::move(setup), path.path, *engine, edits.get(), progress, begin);
-    };
-    edits ? edits->during(servo) : servo();
-    return loop;
-  });
-  run.records = std::move(result.records);
-  run.grid_points = result.ticks_run + result.ticks_skipped;
-  endEarly(run);
-  run.realtime = realTimeWords(scene, result);
-  run.stability = assessContact(run.records, {.resolution_m = run.scene.encoder_resolution_m,
-                                              .delay_ticks = run.scene.device_delay_ticks,
-                                              .lacking_Ns_per_m = lackingDamping(run.scene),
-                                              .path = &path.path});
-  for (const auto& note : {noteOnSilence(run.records, felt_isovalue, run.scene.rate_hz, scene.algorithm),
-                           noteOnEncoders(run.scene), noteOnTexture(run.scene)}) {
-    if (note) run.notes.push_back(*note);
-  }
-  run.faults = faultsOf(run);
-  if (std::none_of(run.records.begin(), run.records.end(), [](const TickRecord& r) { return r.in_contact; })) {
-    run.notes.emplace_back(
-        "nothing was touched: the path meets no surface; look at --start, --toward, --depth or --path");
-  }
-  run.exact = exactErrorsOf(run);
-  if (edits) {
-    if (!scene.save.empty()) progress.stage("saving " + scene.save);  // after Ctrl-C too
-    run.edits = edits->finish(run.notes);                             // from here on the volume is this thread's again
-    if (!run.ended_early.empty()) edits->dropEmptyJournal();          // so that the same command can be given again
-    if (!engine->broken()) {  // for the picture; after a device error it shows what was there before
-      engine->readBack(volume);
-      run.edits->content = contentHash(volume);
-      run.edits->added_m3 = objectVolume_m3(volume, isovalue) - object_m3;
-      if (filtered) filtered = engine->filtered(volume.facts());
-    }
-  }
-
-  const std::string picture = plan.draws ? pictureOf(run, surface, *engine, stages) : std::string();
-  run.files = outputFiles(scene, folder, !picture.empty());
-  if (run.edits && run.edits->saves > 0) run.files.push_back(scene.save);
-  run.memory = engine->memory();
-  run.memory.push_back({"volume on the CPU", volume.storedBytes()});
-  run.memory.push_back(residentPeak());
-  progress.stage("writing " + scene.out);
-  writeOutputs(run, picture, folder);
-  tellWhatIsKept("what was felt is in " + scene.out);
-  progress.done();
-  return run;
+  TouchJob job(scene, command, commit, progress);
+  job.prepare();
+  job.feel();
+  return job.tell();
 }
 
 }  // namespace palpate

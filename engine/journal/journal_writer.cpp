@@ -31,17 +31,20 @@ JournalWriter::JournalWriter(const fs::path& folder, const JournalHeader& header
   if (const int unmade = makeFolder(folder); unmade != 0) refuse(folder, unmade);
   const std::string bytes = headerBytes(header);
   // The header goes to a name of its own first, so that a journal is never there without one.
-  const PartFile draft = openPartFile(file_);
+  PartFile draft = openPartFile(file_);
   if (draft.descriptor < 0) refuse(file_, draft.error);
   descriptor_ = draft.descriptor;
-  Leftover leftover = Leftover::file(draft.name);
   int failed = writeAll(descriptor_, bytes);
   if (failed == 0 && fsync(descriptor_) != 0) failed = errno;
-  // link() never replaces a journal that is there.
-  if (failed == 0 && link(draft.name.c_str(), file_.c_str()) != 0) failed = errno;
+  if (failed == 0) {
+    leftover_ = Leftover::file([&] {
+      // link() never replaces a journal that is there.
+      if (link(draft.name.c_str(), file_.c_str()) != 0) failed = errno;
+      return failed == 0 ? file_ : fs::path();
+    });
+  }
   unlink(draft.name.c_str());
-  if (failed == 0) leftover_ = Leftover::file(file_);
-  leftover.release();
+  draft.leftover.release();
   if (failed != 0) {
     ::close(descriptor_);
     if (failed != EEXIST) refuse(file_, failed);

@@ -18,8 +18,8 @@ using NumberTable = std::vector<std::vector<double>>;  // rows of equal length
 
 struct Scene {
   // volume
-  std::string volume;               // file, folder or phantom:NAME?...
-  std::string nan;                  // density of voxels that are NaN or infinite, as text; empty: NIfTI's become 0, others are refused
+  std::string volume;  // file, folder or phantom:NAME?...
+  std::string nan;  // density of voxels that are NaN or infinite, as text; empty: NIfTI's become 0, others are refused
   std::string series;               // of a DICOM folder: number or UID; empty: the only one, or volume names it
   std::optional<double> isovalue;   // tau; empty: suggested from the histogram [density]
   std::vector<ObjectSpec> objects;  // beside the volume
@@ -89,8 +89,9 @@ struct Scene {
   double save_every_s = 0;  // interval between saves; 0: only at the end of the run [s]
   // output
   std::string out = "out";
-  bool trace = true;    // write trace.csv
-  bool picture = true;  // draw view.png
+  bool trace = true;                  // write trace.csv
+  int stopped_trace_ticks = 500'000;  // a run that is stopped writes it up to so many ticks
+  bool picture = true;                // draw view.png
   int image_width = 1280;
   int image_height = 720;
 };

@@ -14,6 +14,11 @@ namespace palpate {
 namespace {
 
 constexpr int kNiceness = 10;
+constexpr const char* kNoMemory = "out of memory";  // short enough for a string to hold it without memory
+
+std::string savedNoMore(const std::string& why) {
+  return fmt::format("the volume is saved no more: the copy of it to save is incomplete ({})", why);
+}
 
 // What the work threw, in words, never none; empty: nothing.
 template <typename Work>
@@ -92,9 +97,12 @@ void BackgroundSaver::takeAndSave(const Batch& batch) noexcept {
     }
     if (batch.save_version) save(*batch.save_version);
     broken_ = false;
-  } catch (...) {  // no memory even for the words
+  } catch (...) {  // no memory even for the words; takeFailures() makes them
     const std::lock_guard lock(mutex_);
     ++figures_.failures;
+    figures_.failure = kNoMemory;
+    wordless_ = true;
+    has_untold_.store(true, std::memory_order_release);
   }
 }
 
@@ -122,7 +130,7 @@ void BackgroundSaver::save(std::uint64_t version) {
 }
 
 void BackgroundSaver::tellBroken(const std::string& why) {
-  tell(fmt::format("the volume is saved no more: the copy of it to save is incomplete ({})", why), why);
+  tell(savedNoMore(why), why);
 }
 
 void BackgroundSaver::tell(std::string text, std::string failure) {
@@ -141,6 +149,7 @@ SaveFigures BackgroundSaver::figures() const {
 std::vector<std::string> BackgroundSaver::takeFailures() {
   if (!has_untold_.exchange(false, std::memory_order_acq_rel)) return {};
   const std::lock_guard lock(mutex_);
+  if (std::exchange(wordless_, false)) untold_.push_back(savedNoMore(kNoMemory));
   return std::exchange(untold_, {});
 }
 

@@ -91,9 +91,10 @@ class BackgroundSaver {
   BrickGrid grid_;
   std::atomic<Batch*> batch_ = nullptr;  // owned; null: the last batch is done
   bool broken_ = false;                  // the volume is incomplete; used by the giver only when ready()
-  mutable std::mutex mutex_;             // guards figures_ and untold_
+  mutable std::mutex mutex_;             // guards figures_, untold_ and wordless_
   SaveFigures figures_;
   std::vector<std::string> untold_;
+  bool wordless_ = false;  // a failure for whose words there was no memory
   std::atomic<bool> has_untold_ = false;
   static constexpr std::uint64_t kNone = ~std::uint64_t{0};
   std::atomic<std::uint64_t> saved_version_ = kNone;

@@ -2,11 +2,17 @@
 #include "engine/volume/itk_child.hpp"
 
 #include <algorithm>
+#include <cerrno>
 #include <cstring>
 #include <filesystem>
 #include <stdexcept>
 #include <string_view>
+#include <system_error>
 #include <type_traits>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
 
 #include "base/child_process.hpp"
 
@@ -91,6 +97,18 @@ ItkFacts unpacked(const std::string& bytes) {
   return facts;
 }
 
+// ITK calls a file damaged that it cannot open.
+const std::string& opened(const std::string& path) {
+  const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  const int why = errno;
+  if (descriptor < 0) {
+    throw Error(Error::Code::kIo, path, fmt::format("it cannot be opened ({})", std::generic_category().message(why)),
+                "check the file and its permissions, and try again");
+  }
+  close(descriptor);
+  return path;
+}
+
 double largestFile(const std::vector<std::string>& paths) {
   double largest = 0;
   for (const std::string& path : paths) {
@@ -128,7 +146,7 @@ void readItkValues(ItkReader reader, const std::string& path, const std::string&
 std::vector<ItkFacts> readItkSeries(ItkReader reader, const std::vector<std::string>& paths, const std::string& source,
                                     const RefuseFile& refuse) {
   const ChildOutcome outcome = runInChild(source, paths.size(), limitsForFile(largestFile(paths)),
-                                          [&](std::size_t n) { return packed(ItkFile(reader, paths[n])); });
+                                          [&](std::size_t n) { return packed(ItkFile(reader, opened(paths[n]))); });
   check(outcome, refuse);
   std::vector<ItkFacts> facts;
   for (const std::string& bytes : outcome.results) facts.push_back(unpacked(bytes));
@@ -143,7 +161,7 @@ void readItkSeriesValues(ItkReader reader, const std::vector<std::string>& paths
   const ChildLimits limits = limitsForFile(largestFile(paths), 2.0 * static_cast<double>(most_bytes));
   check(runInChild(source, paths.size(), limits,
                    [&](std::size_t n) {
-                     ItkFile(reader, paths[n]).read(values[n]);
+                     ItkFile(reader, opened(paths[n])).read(values[n]);
                      return std::string();
                    }),
         refuse);

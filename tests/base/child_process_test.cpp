@@ -123,22 +123,75 @@ TEST(ChildProcess, ASignalOfTheUserIsNoDamage) {
   }
 }
 
-TEST(ChildProcess, SaysWhatIsMissingWhereThereIsNoProcess) {
-  rlimit before = {};
-  getrlimit(RLIMIT_NOFILE, &before);
-  const int next = dup(0);  // the lowest number that is free
-  close(next);
-  const rlimit none = {static_cast<rlim_t>(next), before.rlim_max};
-  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &none), 0);
-  try {
-    static_cast<void>(runInChild("scan.nii", 1, {}, [](std::size_t) { return std::string(); }));
-    ADD_FAILURE() << "no error";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), Error::Code::kIo);
-    EXPECT_THAT(error.what(), testing::StartsWith("scan.nii: "));
-    EXPECT_THAT(error.what(), testing::HasSubstr("ulimit -n"));
+// An Error that takes the last memory with it when it is thrown, so that none is left for its words.
+struct LastError : Error {
+  LastError() : Error(Code::kIo, std::string(std::size_t{64} << 20, 'x'), "", "") {
+    rlimit limit = {};
+    getrlimit(RLIMIT_AS, &limit);
+    limit.rlim_cur = 0;
+    setrlimit(RLIMIT_AS, &limit);
   }
-  setrlimit(RLIMIT_NOFILE, &before);
+};
+
+// The child would else go on as a second copy of whoever called.
+TEST(ChildProcess, NoExceptionLeavesTheChild) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "a sanitizer's shadow is larger than any limit";
+#endif
+  const SharedBuffer escaped(1);
+  escaped.bytes()[0] = 'n';
+  const pid_t parent = getpid();
+  try {
+    EXPECT_EQ(troubleIn([](std::size_t) -> std::string { throw LastError(); }).kind, Kind::kMemory);
+  } catch (...) {
+    if (getpid() == parent) throw;
+    escaped.bytes()[0] = 'y';
+    _exit(0);
+  }
+  EXPECT_EQ(escaped.bytes()[0], 'n');
+}
+
+// With `spare` descriptors that may still be opened.
+class FewDescriptors {
+ public:
+  explicit FewDescriptors(int spare) {
+    getrlimit(RLIMIT_NOFILE, &before_);
+    const int next = dup(0);  // the lowest number that is free
+    close(next);
+    const rlimit few = {static_cast<rlim_t>(next + spare), before_.rlim_max};
+    setrlimit(RLIMIT_NOFILE, &few);
+  }
+  ~FewDescriptors() { setrlimit(RLIMIT_NOFILE, &before_); }
+  FewDescriptors(const FewDescriptors&) = delete;
+  FewDescriptors& operator=(const FewDescriptors&) = delete;
+
+ private:
+  rlimit before_ = {};
+};
+
+// At every limit, up to the first that is enough. Then the work has what it needs: four files at a time.
+TEST(ChildProcess, SaysWhatIsMissingWhereTooFewFilesCanBeOpened) {
+  int spare = 0;
+  for (bool enough = false; !enough; ++spare) {
+    ASSERT_LT(spare, 100);
+    const FewDescriptors few(spare);
+    try {
+      const ChildOutcome outcome = runInChild("scan.nii", 1, {}, [](std::size_t) {
+        for (int i = 0; i < 4; ++i) {
+          if (open("/dev/null", O_RDONLY) < 0) throw std::runtime_error("a library calls this damage");
+        }
+        return std::string();
+      });
+      enough = true;
+      EXPECT_FALSE(outcome.trouble) << spare << ": " << outcome.trouble->words;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), Error::Code::kIo);
+      EXPECT_THAT(error.what(), testing::StartsWith("scan.nii: "));
+      EXPECT_THAT(error.what(), testing::HasSubstr("Too many open files"));
+      EXPECT_THAT(error.what(), testing::HasSubstr("ulimit -n"));
+    }
+  }
+  EXPECT_GT(spare, 2);  // it was not enough at first
 }
 
 TEST(ChildProcess, PrintsNothing) {

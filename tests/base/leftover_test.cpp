@@ -5,11 +5,14 @@
 #include <fstream>
 #include <functional>
 #include <thread>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "base/atomic_file.hpp"
+#include "base/draft_folder.hpp"
 #include "temporary_folder.hpp"
 
 namespace palpate {
@@ -19,6 +22,10 @@ class Leftovers : public testing::Test {
  protected:
   [[nodiscard]] std::filesystem::path file(const std::string& name) const { return folder_.path() / name; }
   void write(const std::string& name) const { std::ofstream(file(name)) << name; }
+  // A file that is there.
+  [[nodiscard]] static Leftover leftFile(const std::filesystem::path& name) {
+    return Leftover::file([&] { return name; });
+  }
   [[nodiscard]] bool exists(const std::string& name) const { return std::filesystem::exists(file(name)); }
 
   // In a process of its own, whose last moment it is.
@@ -41,8 +48,8 @@ TEST_F(Leftovers, FilesAndFoldersOfDraftsGo) {
   std::filesystem::create_directories(file("drafts/inner"));
   write("drafts/inner/b");
   inChild([&] {
-    static const Leftover a = Leftover::file(file("a"));
-    static const Leftover drafts = Leftover::folder(file("drafts"));
+    static const Leftover a = leftFile(file("a"));
+    static const Leftover drafts = Leftover::folder([&] { return file("drafts"); });
   });
   EXPECT_EQ(folder_.files(), 0);
 }
@@ -50,10 +57,10 @@ TEST_F(Leftovers, FilesAndFoldersOfDraftsGo) {
 TEST_F(Leftovers, WhatWasReleasedStays) {
   for (const char* name : {"renamed", "owned", "moved"}) write(name);
   inChild([&] {
-    static Leftover renamed = Leftover::file(file("renamed"));
+    static Leftover renamed = leftFile(file("renamed"));
     renamed.release();
-    { const Leftover owned = Leftover::file(file("owned")); }
-    Leftover from = Leftover::file(file("moved"));
+    { const Leftover owned = leftFile(file("owned")); }
+    Leftover from = leftFile(file("moved"));
     static const Leftover to = std::move(from);  // one thing, not two
   });
   EXPECT_TRUE(exists("renamed"));
@@ -69,7 +76,7 @@ TEST_F(Leftovers, FoldersThatAreEmptyThenGoWithWhatIsInThem) {
   write("c/mine");
   inChild([&] {
     static const Leftover a = Leftover::emptyFolder(file("a")), b = Leftover::emptyFolder(file("a/b"));
-    static const Leftover draft = Leftover::file(file("a/b/draft"));
+    static const Leftover draft = leftFile(file("a/b/draft"));
     static const Leftover c = Leftover::emptyFolder(file("c"));
   });
   EXPECT_FALSE(exists("a"));
@@ -80,7 +87,7 @@ TEST_F(Leftovers, ANameIsThatOfTheFolderInWhichItWasGiven) {
   write("a");
   inChild([&] {
     if (chdir(folder_.path().c_str()) != 0) return;
-    static const Leftover a = Leftover::file("a");
+    static const Leftover a = leftFile("a");
     if (chdir("/") != 0) return;
   });
   EXPECT_FALSE(exists("a"));
@@ -91,11 +98,11 @@ TEST_F(Leftovers, ProcessesAreKilled) {
   int ends[2];
   ASSERT_EQ(pipe(ends), 0);
   inChild([&] {
-    const pid_t grandchild = fork();
-    if (grandchild == 0) {
-      for (;;) pause();
-    }
-    static const Leftover process = Leftover::process(grandchild);
+    static const Leftover process = Leftover::process([] {
+      const pid_t grandchild = fork();
+      while (grandchild == 0) pause();
+      return grandchild;
+    });
   });
   close(ends[1]);
   char byte = 0;
@@ -103,18 +110,47 @@ TEST_F(Leftovers, ProcessesAreKilled) {
   close(ends[0]);
 }
 
-// A thread that would make another one after the end waits for ever: its file never comes.
+TEST_F(Leftovers, WhatWasNotMadeIsNone) {
+  EXPECT_FALSE(Leftover::file([] { return std::filesystem::path(); }));
+  EXPECT_FALSE(Leftover::process([] { return pid_t{-1}; }));
+  EXPECT_THROW(static_cast<void>(Leftover::folder([]() -> std::filesystem::path { throw 1; })), int);
+  write("a");
+  EXPECT_TRUE(leftFile(file("a")));  // and the register goes on
+}
+
+// Each of these is made by a thread while the process ends. Whatever the moment, it is removed or never there.
 TEST_F(Leftovers, NothingNewIsMadeAfterTheEnd) {
-  inChild([&] {
-    endLeftovers();
-    std::thread([&] {
-      const Leftover late = Leftover::file(file("late"));
-      write("late");
-    }).detach();
-    std::this_thread::sleep_for(std::chrono::milliseconds(50));
-    _exit(0);
-  });
-  EXPECT_FALSE(exists("late"));
+  const std::vector<std::function<void()>> makers = {
+      [&] { static_cast<void>(Leftover::file([&] { return write("late"), file("late"); })); },
+      [&] { const AtomicFile late(file("a.vdb")); },
+      [&] { const DraftFolder late(folder_.path(), ".palpate-"); },
+      [&] { static_cast<void>(Leftover::process([&] { return write("process"), pid_t{-1}; })); },
+  };
+  for (const auto& make : makers) {
+    inChild([&] {
+      endLeftovers();
+      std::thread(make).detach();
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+      _exit(0);
+    });
+    EXPECT_EQ(folder_.files(), 0) << "maker " << &make - makers.data();
+  }
+}
+
+// The same with the end at a random moment, some of them between the making and the registering of old.
+TEST_F(Leftovers, WhatIsMadeWhileTheProcessEndsIsNotLeft) {
+  for (int i = 0; i < 60; ++i) {
+    inChild([&] {
+      std::thread([&] {
+        for (;;) {
+          const AtomicFile file_of_thread(file("a.vdb"));
+          const DraftFolder drafts(folder_.path(), ".palpate-");
+        }
+      }).detach();
+      std::this_thread::sleep_for(std::chrono::microseconds(500 + 37 * i));
+    });
+    ASSERT_EQ(folder_.files(), 0) << "try " << i;
+  }
 }
 
 }  // namespace

@@ -24,30 +24,45 @@ class PartFiles : public testing::Test {
 
 // Process 1 lives, and never wrote these.
 TEST_F(PartFiles, WhatIsLeftOfTheTargetIsRemovedWhoseverNumberItBears) {
-  for (const char* name : {"a.vdb.1.part", "a.vdb.1-2.part", "a.vdb.999999999.part"}) write(name);
+  for (const char* name : {"a.vdb.1.palpate-part", "a.vdb.1-2.palpate-part", "a.vdb.999999999.palpate-part"})
+    write(name);
   writeFileAtomically(file("a.vdb"), "new");
   EXPECT_EQ(contentsOf(file("a.vdb")), "new");
   EXPECT_EQ(folder_.files(), 1);
 }
 
+// A name without "palpate-part" is some other program's, or a person's.
+const std::initializer_list<const char*> kOthers = {"a.vdb.1.part",
+                                                    "a.vdb.2024-01-02.part",
+                                                    "a.vdb.part",
+                                                    "a.vdb.palpate-part",
+                                                    "a.vdb..palpate-part",
+                                                    "a.vdb.1x.palpate-part",
+                                                    "a.vdb.-1.palpate-part",
+                                                    "a.vdb.1-.palpate-part",
+                                                    "a.vdb.2024-01-02.palpate-part",
+                                                    "a.vdb.1.palpate-part.old",
+                                                    "a.vdb.1"};
+
 TEST_F(PartFiles, OtherFilesStay) {
-  const std::initializer_list<const char*> names = {"b.vdb.1.part",     "a.vdb.part",   "a.vdb..part", "a.vdb.1x.part",
-                                                    "a.vdb.1.part.old", "x.vdb.1.part", "a.vdb.1"};
-  for (const char* name : names) write(name);
-  std::filesystem::create_directory(file("a.vdb.2.part"));
-  std::filesystem::create_symlink(file("b.vdb.1.part"), file("a.vdb.3.part"));
+  for (const char* name : kOthers) write(name);
+  write("b.vdb.1.palpate-part");
+  write("x.a.vdb.1.palpate-part");
+  std::filesystem::create_directory(file("a.vdb.2.palpate-part"));
+  std::filesystem::create_symlink(file("b.vdb.1.palpate-part"), file("a.vdb.3.palpate-part"));
   writeFileAtomically(file("a.vdb"), "new");
-  for (const char* name : names) EXPECT_EQ(contentsOf(file(name)), name);
-  EXPECT_TRUE(exists("a.vdb.2.part"));
-  EXPECT_TRUE(exists("a.vdb.3.part"));
+  for (const char* name : kOthers) EXPECT_EQ(contentsOf(file(name)), name);
+  for (const char* name :
+       {"b.vdb.1.palpate-part", "x.a.vdb.1.palpate-part", "a.vdb.2.palpate-part", "a.vdb.3.palpate-part"})
+    EXPECT_TRUE(exists(name)) << name;
 }
 
-TEST_F(PartFiles, AFolderIsSweptOfTheTargetsThatAreMeant) {
-  for (const char* name : {"a.vdb.1.part", "b.nrrd.2-3.part", "c.txt.4.part", "d.vdb.part", "e.vdb"}) write(name);
-  sweepPartFiles(folder_.path(), [](std::string_view target) { return !target.ends_with(".txt"); });
-  EXPECT_FALSE(exists("a.vdb.1.part"));
-  EXPECT_FALSE(exists("b.nrrd.2-3.part"));
-  EXPECT_EQ(folder_.files(), 3);
+TEST_F(PartFiles, AFolderIsSweptOfEveryTarget) {
+  for (const char* name : {"a.vdb.1.palpate-part", "b.nrrd.2-3.palpate-part", "c.txt.4.palpate-part"}) write(name);
+  for (const char* name : kOthers) write(name);
+  sweepPartFiles(folder_.path());
+  EXPECT_EQ(folder_.files(), static_cast<std::ptrdiff_t>(kOthers.size()));
+  for (const char* name : kOthers) EXPECT_EQ(contentsOf(file(name)), name);
 }
 
 // Another process is killed in the middle of its write: until then its file stays, then it goes.
@@ -60,7 +75,7 @@ TEST_F(PartFiles, WhatIsBeingWrittenStaysUntilItsWriterDies) {
     for (;;) pause();
   }
   while (contentsOf(file("ready")) != "ready") usleep(1000);
-  const std::string part = "a.vdb." + std::to_string(child) + ".part";
+  const std::string part = "a.vdb." + std::to_string(child) + ".palpate-part";
   writeFileAtomically(file("a.vdb"), "first");
   EXPECT_TRUE(exists(part));
   kill(child, SIGKILL);

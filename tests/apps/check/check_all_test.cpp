@@ -17,6 +17,7 @@ using testing::HasSubstr;
 
 constexpr auto kQuiet = [](double) {};
 constexpr auto kNoStage = [](const std::string&) {};
+constexpr auto kLoad = [](const std::string& name) { return loadVolume(name); };
 
 TEST(CheckAll, QuickHolds) {
   CheckAllRequest request;
@@ -24,7 +25,7 @@ TEST(CheckAll, QuickHolds) {
   std::vector<std::string> stages;
   double last = 0;
   const CheckAll all = checkAll(
-      request, [&](const std::string& stage) { stages.push_back(stage); }, [&](double done) { last = done; });
+      request, [&](const std::string& stage) { stages.push_back(stage); }, [&](double done) { last = done; }, kLoad);
   EXPECT_TRUE(allHold(all.checks)) << checkTable(all.checks);
   EXPECT_EQ(stages.size(), checkedVolumes(true).size());
   EXPECT_EQ(last, 1);
@@ -45,7 +46,7 @@ TEST(CheckAll, TakesOneVolumeAndCutsIt) {
   request.quick = true;
   request.volume = "phantom:box?size=40x12x40";
   request.crop = 11;
-  const CheckAll all = checkAll(request, kNoStage, kQuiet);
+  const CheckAll all = checkAll(request, kNoStage, kQuiet, kLoad);
   EXPECT_TRUE(allHold(all.checks)) << checkTable(all.checks);
   EXPECT_EQ(all.checks[0].compared, 4U * 11 * 11 * 11);
   EXPECT_THAT(all.checks[0].volume, HasSubstr("its middle 11 x 11 x 11 voxels"));
@@ -71,7 +72,7 @@ TEST(CheckAll, SaysWhatItLeavesOut) {
   CheckAllRequest request;
   request.quick = true;
   request.volume = "phantom:sphere?size=2";  // eight voxels at one distance from the centre
-  const CheckAll all = checkAll(request, kNoStage, kQuiet);
+  const CheckAll all = checkAll(request, kNoStage, kQuiet, kLoad);
   EXPECT_TRUE(allHold(all.checks)) << checkTable(all.checks);
   ASSERT_EQ(all.left_out.size(), 1U);
   EXPECT_THAT(all.left_out[0], HasSubstr("no surface"));
@@ -81,9 +82,9 @@ TEST(CheckAll, CanBeCancelledAndRefuses) {
   CheckAllRequest request;
   request.quick = true;
   const auto cancel = [](const std::string&) { throw Error(Error::Code::kCancelled, "x", "y", "z"); };
-  EXPECT_THROW((void)checkAll(request, cancel, kQuiet), Error);
+  EXPECT_THROW((void)checkAll(request, cancel, kQuiet, kLoad), Error);
   request.volume = "nowhere.nrrd";
-  EXPECT_THROW((void)checkAll(request, kNoStage, kQuiet), Error);
+  EXPECT_THROW((void)checkAll(request, kNoStage, kQuiet, kLoad), Error);
 }
 
 }  // namespace

@@ -66,7 +66,7 @@ class FullDisk : public ProgramTest {
 
     EXPECT_EQ(contentsOf(file(place + "sculpted.nrrd")), "old");
     for (const auto& entry : std::filesystem::recursive_directory_iterator(file(place)))
-      EXPECT_THAT(entry.path().string(), testing::Not(HasSubstr(".part")));
+      EXPECT_THAT(entry.path().string(), testing::Not(HasSubstr("palpate-part")));
     const Journal journal = readJournal(file(place + "journal"));
     EXPECT_FALSE(journal.damage);
     EXPECT_EQ(journal.last_sequence, saved);

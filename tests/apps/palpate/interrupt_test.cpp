@@ -64,6 +64,39 @@ TEST_F(Interrupt, OfARunOnTheSimulatedClock) {
   expectKept(interrupted({"--seconds", "120", "--rate", "20000", "--clock", "simulated"}, "palpating", {SIGINT}), 120);
 }
 
+// A long trace would keep the user waiting: it is left out, which is told with the flag that brings it. What goes on is
+// told at once.
+TEST_F(Interrupt, OfALongRunLeavesTheTraceOut) {
+  const Words run_of = {"--seconds", "2000", "--rate", "1000", "--clock", "simulated", "--stopped-trace", "1"};
+  const Outcome outcome = interrupted(run_of, "palpating", {SIGINT});
+  expectRefusal(outcome, "palpate touch", "s of 2000 s, without trace.csv (--stopped-trace ", 130);
+  EXPECT_THAT(outcome.err, testing::ContainsRegex("stopping: writing the report of [0-9]+ ticks; Ctrl-C again gives it "
+                                                  "up \\.\\.\\.\n"));
+  EXPECT_FALSE(exists("a/out/trace.csv"));
+  const auto summary = nlohmann::json::parse(contentsOf(file("a/out/summary.json")));
+  const auto ticks = summary["servo"]["ticks"].get<std::size_t>();
+  const std::string flag = fmt::format("(--stopped-trace {} writes it for so many ticks)", ticks);
+  EXPECT_THAT(summary["ended_early"].get<std::string>(), HasSubstr(flag));
+  EXPECT_THAT(summary["verdict"].get<std::string>(), HasSubstr(flag));
+  EXPECT_EQ(summary["files"], (nlohmann::json{"a/out/report.html", "a/out/summary.json"}));
+}
+
+// The run is whole, and its trace takes seconds to write: it is given up, at the first request.
+TEST_F(Interrupt, OfALongTrace) {
+  const Outcome outcome =
+      runPalpate({.arguments = {"touch", "phantom:sphere?size=24", "--picture", "off", "--seconds", "100", "--rate",
+                                "20000", "--clock", "simulated", "--out", "out", "--stopped-trace", "1000"},
+                  .folder = folder(),
+                  .signal_at = "writing out",
+                  .signals = {SIGINT}});
+  expectRefusal(outcome, "palpate touch",
+                "stopped by the user after the run, without trace.csv (--stopped-trace 2000000 writes it", 130);
+  EXPECT_FALSE(exists("out/trace.csv"));
+  const auto summary = nlohmann::json::parse(contentsOf(file("out/summary.json")));
+  EXPECT_EQ(summary["servo"]["ticks"], 2'000'000);
+  EXPECT_EQ(summary["files"].size(), 2U);
+}
+
 TEST_F(Interrupt, BeforeTheRunBegins) {
   expectNothing(interrupted({"--seconds", "600"}, "loading", {SIGINT}));
 }

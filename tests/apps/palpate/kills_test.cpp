@@ -48,6 +48,11 @@ std::string contentIn(const std::string& out) {
   return at == std::string::npos ? "" : out.substr(at + 8, 16);
 }
 
+// A kill in the middle of a record leaves half of it, which is lost.
+int statusOfRecover(const Journal& journal) {
+  return journal.damage ? 4 : 0;
+}
+
 std::string contentOfDenseTwin(const Journal& journal) {
   const Volume start = loadVolume(kKilledVolume);
   reference::DenseField field = reference::denseField(start);
@@ -154,9 +159,9 @@ class Kills : public ProgramTest {
       figures.other_saves += whole ? 0 : 1;
     }
     const Outcome again = runPalpate({.arguments = {"recover", "journal", "--out", kKilledSave}, .folder = where});
-    EXPECT_EQ(again.status, 0) << again.err;
+    EXPECT_EQ(again.status, statusOfRecover(readJournal(where / "journal"))) << again.err;
     for (const auto& entry : std::filesystem::directory_iterator(where))
-      EXPECT_NE(entry.path().extension(), ".part") << entry.path();
+      EXPECT_NE(entry.path().extension(), ".palpate-part") << entry.path();
   }
 
   void checkKilled(KillKind kind, bool real_clock, const std::filesystem::path& where, const Undisturbed& session,
@@ -181,7 +186,7 @@ class Kills : public ProgramTest {
       EXPECT_EQ(bytes.substr(0, sound), session.journal.substr(0, sound));
     }
     const Outcome recovered = runPalpate({.arguments = {"recover", "journal", "--out", "back.vdb"}, .folder = where});
-    EXPECT_EQ(recovered.status, 0) << recovered.err;
+    EXPECT_EQ(recovered.status, statusOfRecover(journal)) << recovered.err;
     const bool equal = contentIn(recovered.out) == contentOfDenseTwin(journal);
     EXPECT_TRUE(equal) << recovered.out;
     ++figures.volumes;

@@ -2,10 +2,16 @@
 // A request to stop at any moment of any verb: it ends with its own status, and each file is whole or not there.
 //
 // PALPATE_SIGNALS: how many requests (16). PALPATE_SIGNALS_SEED: of their moments.
+#include <algorithm>
 #include <csignal>
 #include <cstdlib>
 #include <random>
 
+#include <nlohmann/json.hpp>
+
+#include "apps/mesh/mesh_file.hpp"
+#include "base/error.hpp"
+#include "engine/volume/library_read.hpp"
 #include "program_test.hpp"
 
 namespace palpate {
@@ -14,6 +20,12 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 using testing::Not;
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool kSanitized = true;
+#else
+constexpr bool kSanitized = false;
+#endif
 
 int numberFrom(const char* name, int standard) {
   const char* text = std::getenv(name);
@@ -54,12 +66,25 @@ class Signals : public ProgramTest {
   void expectWholeOrNotThere() const {
     for (const auto& entry : fs::recursive_directory_iterator(folder())) {
       const std::string name = entry.path().filename().string();
-      EXPECT_THAT(name, Not(HasSubstr(".part")));
+      EXPECT_THAT(name, Not(HasSubstr("palpate-part")));
       EXPECT_THAT(name, Not(testing::StartsWith(".palpate")));
     }
     EXPECT_TRUE(fs::is_empty(file("tmp"))) << "a bench left something";
-    for (const char* name : {"o.nrrd", "o.nii.gz", "o.vdb", "s.nrrd"}) {
-      if (exists(name) && std::string(name) != "o.vdb") expectSuccess(run({"info", name}));
+    for (const char* name : {"o.nrrd", "o.nii.gz", "s.nrrd"}) {
+      if (exists(name)) expectSuccess(run({"info", name}));
+    }
+    // Vectors, which are no volume to `info`; a cut file has fewer than its header says.
+    if (exists("o.vdb")) {
+      EXPECT_GT(readWithLibraryAlone(file("o.vdb").string()), 0U);
+    }
+    if (exists("o.ply")) {
+      EXPECT_GT(readMeshFile(file("o.ply").string()).triangles.size(), 0U);
+    }
+    if (exists("o.json")) {
+      EXPECT_TRUE(nlohmann::json::accept(contentsOf(file("o.json"))));
+    }
+    if (exists("out/summary.json")) {
+      EXPECT_TRUE(nlohmann::json::accept(contentsOf(file("out/summary.json"))));
     }
     const bool has_trace = exists("out/trace.csv");
     EXPECT_EQ(exists("out"), has_trace);
@@ -68,9 +93,23 @@ class Signals : public ProgramTest {
   }
 };
 
+// Half a second is promised, of which 0.15 s are waited for work that cannot look. A machine that does much else, as
+// under a test run, takes a few times as long for the rest: ten times the promise is no noise.
+void expectSoon(std::vector<double> ends_s) {
+  if (ends_s.empty()) return;
+  std::sort(ends_s.begin(), ends_s.end());
+  const double median_s = ends_s[ends_s.size() / 2], worst_s = ends_s.back();
+  fmt::print("a request ends the work in {:.0f} ms (median of {}), {:.0f} ms at most\n", 1e3 * median_s, ends_s.size(),
+             1e3 * worst_s);
+  if (!kSanitized) {
+    EXPECT_LT(worst_s, 5);
+  }
+}
+
 TEST_F(Signals, AtAnyMomentEndTheWorkInGoodOrder) {
   std::mt19937 random(static_cast<unsigned>(numberFrom("PALPATE_SIGNALS_SEED", 1)));
   const int requests = numberFrom("PALPATE_SIGNALS", 16);
+  std::vector<double> ends_s;  // from request to end
   for (int i = 0; i < requests; ++i) {
     const Words& work = kWork[static_cast<std::size_t>(i) % std::size(kWork)];
     const int signal = std::array{SIGINT, SIGTERM, SIGHUP}[static_cast<std::size_t>(i) % 3];
@@ -86,12 +125,24 @@ TEST_F(Signals, AtAnyMomentEndTheWorkInGoodOrder) {
     // In its first milliseconds it is as any program; a verb may be done before its moment.
     const bool ended_by_itself = outcome.status == 0 || (outcome.signal == signal && outcome.err.empty());
     if (!ended_by_itself) expectRefusal(outcome, "palpate " + work[0], "stopped by the user", 130);
-    if (std::getenv("PALPATE_SIGNALS") != nullptr) {
-      fmt::print("{:7.0f} ms  {} {} after {:.3f} s\n", 1e3 * (outcome.seconds - outcome.signalled_s), work[0], work[1],
-                 after_s);
-    }
+    if (!ended_by_itself) ends_s.push_back(outcome.seconds - outcome.signalled_s);
     expectWholeOrNotThere();
   }
+  expectSoon(ends_s);
+}
+
+// What the test above takes for whole is whole, and half of it is not.
+TEST_F(Signals, AHalfFileWouldBeSeen) {
+  makeReady();
+  expectSuccess(run({"gradient", "phantom:knot?size=24", "-o", "o.vdb", "--all"}));
+  expectSuccess(run({"convert", "phantom:knot?size=24", "o.ply"}));
+  expectWholeOrNotThere();
+  for (const char* name : {"o.vdb", "o.ply"}) {
+    const std::string bytes = contentsOf(file(name));
+    write(name, bytes.substr(0, bytes.size() / 2));
+  }
+  EXPECT_THROW(static_cast<void>(readWithLibraryAlone(file("o.vdb").string())), Error);
+  EXPECT_THROW(static_cast<void>(readMeshFile(file("o.ply").string())), Error);
 }
 
 }  // namespace

@@ -65,7 +65,7 @@ class Streams : public ProgramTest, public testing::WithParamInterface<VerbCase>
   }
   void expectNothingElse() const {
     for (const auto& entry : fs::recursive_directory_iterator(folder())) {
-      EXPECT_THAT(entry.path().filename().string(), testing::Not(HasSubstr(".part")));
+      EXPECT_THAT(entry.path().filename().string(), testing::Not(HasSubstr("palpate-part")));
       EXPECT_THAT(entry.path().filename().string(), testing::Not(testing::StartsWith(".palpate")));
     }
   }

@@ -42,6 +42,35 @@ TEST_F(Verbs, HelpOfEachSaysWhatItDoes) {
   }
 }
 
+// A ramp of floats, two of which are no numbers.
+std::string rampWithNan() {
+  std::vector<float> values(12 * 12 * 12);
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<float>(i % 12);
+  values[7] = values[900] = std::numeric_limits<float>::quiet_NaN();
+  return "NRRD0004\ntype: float\ndimension: 3\nsizes: 12 12 12\nspacings: 1 1 1\nencoding: raw\nendian: little\n\n" +
+         std::string(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(float));
+}
+
+// What is odd about a volume is told once by every verb that loads one.
+TEST_F(Verbs, TellWhatIsOddAboutAVolume) {
+  write("a.nrrd", rampWithNan());
+  for (const Words& verb :
+       {quickTouch("a.nrrd"), Words{"plan", "a.nrrd"},
+        Words{"edit", "a.nrrd", "e.nrrd", "--do", "remove:radius=2:at=0,0,0", "--journal", "journal"},
+        Words{"recover", "journal", "--out", "r.nrrd"}, Words{"convert", "a.nrrd", "c.nrrd"},
+        Words{"filter", "a.nrrd", "-o", "f.nrrd", "--filter", "median:1"}, Words{"gradient", "a.nrrd", "-o", "g.vdb"},
+        Words{"check", "gradient", "a.nrrd"}, Words{"check", "filters", "a.nrrd", "--filter", "median:1"},
+        Words{"check", "edits", "a.nrrd", "--edits", "2"}, Words{"check", "all", "a.nrrd", "--quick"}}) {
+    const bool has_option = verb[0] != "recover";  // the journal has the name with its option
+    const Outcome outcome = run(verb + (has_option ? Words{"--nan", "3"} : Words{}));
+    EXPECT_EQ(outcome.status, 0) << verb[0] << ": " << outcome.err;
+    const Words lines = errorLines(outcome.err);
+    ASSERT_EQ(lines.size(), 1U) << verb[0] << " " << verb[1] << ": " << outcome.err;
+    EXPECT_THAT(lines[0], HasSubstr("a.nrrd?nan=3: 2 of ")) << verb[0];
+  }
+  EXPECT_THAT(run({"info", "a.nrrd", "--nan", "3"}).out, HasSubstr("note         2 of "));
+}
+
 TEST_F(Verbs, HelpOfTheProgramNamesEveryVerb) {
   const std::string help = run({"--help"}).out;
   for (const char* verb :

@@ -88,5 +88,16 @@ TEST(Summary, IsWrittenAsValidJsonEvenForABadName) {
   EXPECT_EQ(s["volume"]["name"], "scan\xEF\xBF\xBD\"\n");
 }
 
+// Figures of many records take seconds: what the run has of them is not computed again.
+TEST(Summary, TakesTheFiguresThatTheRunHas) {
+  TouchRun run = sampleRun();
+  const RunFigures computed = figuresOf(run);
+  run.figures = computed;
+  run.figures->ticks = 42;
+  EXPECT_EQ(makeSummary(run)["servo"]["ticks"], 42);
+  run.figures.reset();
+  EXPECT_EQ(makeSummary(run)["servo"]["ticks"], computed.ticks);
+}
+
 }  // namespace
 }  // namespace palpate

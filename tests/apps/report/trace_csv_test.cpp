@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <sstream>
+#include <stdexcept>
 
 #include <gtest/gtest.h>
 
@@ -105,6 +106,22 @@ TEST(TraceCsv, EqualRecordsGiveEqualBytes) {
   const std::string a = contentsOf(folder.path() / "a.csv");
   EXPECT_EQ(a, contentsOf(folder.path() / "b.csv"));
   EXPECT_EQ(std::count(a.begin(), a.end(), '\n'), 3001);
+}
+
+// A request to stop, say, in the middle of a long trace: no part of it stays.
+TEST(TraceCsv, IsGivenUpInBetween) {
+  TemporaryFolder folder;
+  const auto records = sampleRecords(30'000, 1000);
+  int calls = 0;
+  writeTraceCsv(folder.path() / "a.csv", records, "", [&] { ++calls; });
+  EXPECT_GE(calls, 5);
+  const auto third = [left = 3]() mutable {
+    if (--left == 0) throw std::runtime_error("stop");
+  };
+  EXPECT_THROW(writeTraceCsv(folder.path() / "b.csv", records, "", third), std::runtime_error);
+  EXPECT_EQ(folder.files(), 1);
+  writeTraceCsv(folder.path() / "plain.csv", records);
+  EXPECT_EQ(contentsOf(folder.path() / "a.csv"), contentsOf(folder.path() / "plain.csv"));
 }
 
 }  // namespace

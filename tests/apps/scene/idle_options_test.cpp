@@ -59,6 +59,7 @@ TEST(IdleOptions, EachIsToldWhereNothingUsesItAndNowhereElse) {
        standard,
        {"--toward", "--start", "--slide-toward", "--edges", "--depth", "--slide", "--approach"}},
       {[](Scene& s) { s.picture = false; }, standard, {"--width", "--height"}},
+      {[](Scene& s) { s.trace = false; }, standard, {"--stopped-trace"}},
   };
   std::vector<std::string> tried;
   for (const Case& c : cases) {

@@ -46,6 +46,7 @@ TEST(OptionTable, HasTheFlagsThatArePromised) {
                            "--algorithm",
                            "--out",
                            "--trace",
+                           "--stopped-trace",
                            "--gpu-memory",
                            "--journal",
                            "--save",

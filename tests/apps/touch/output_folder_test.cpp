@@ -174,17 +174,17 @@ TEST_F(OutputFolderTest, LeavesOutBehindALinkToo) {
   EXPECT_FALSE(exists("a/y"));
 }
 
-// Drafts that nobody holds any more, and parts of files that this program writes; nothing else.
+// Drafts and parts that nobody holds any more. What has another program's name stays, though it lies beside its target.
 TEST_F(OutputFolderTest, IsSweptOfWhatKilledRunsLeft) {
   fs::create_directories(path("a/.palpate-Ab12xY"));
   save(path("a/.palpate-Ab12xY/trace.csv"), "half");
-  for (const char* name : {"a/s.vdb.1.part", "a/view.png.2-1.part", "a/j.palpate.3.part"}) save(path(name), "half");
-  for (const char* name : {"a/film.mkv.4.part", "a/s.vdb.part", "a/.palpate-short", "a/s.vdb"})
-    save(path(name), "mine");
+  for (const char* name : {"a/s.vdb.1.palpate-part", "a/view.png.2-1.palpate-part"}) save(path(name), "half");
+  const auto mine = {"a/head.nii.gz.1.part", "a/head.nii.gz", "a/data.csv.2024-01-02.part",
+                     "a/film.mkv.4.part",    "a/s.vdb.part",  "a/.palpate-short"};
+  for (const char* name : mine) save(path(name), "mine");
   { OutputFolder out(path("a")); }
-  EXPECT_EQ(std::distance(fs::directory_iterator(path("a")), {}), 4);
-  for (const char* name : {"a/film.mkv.4.part", "a/s.vdb.part", "a/.palpate-short", "a/s.vdb"})
-    EXPECT_TRUE(exists(name));
+  EXPECT_EQ(std::distance(fs::directory_iterator(path("a")), {}), static_cast<std::ptrdiff_t>(mine.size()));
+  for (const char* name : mine) EXPECT_EQ(contentsOf(path(name)), "mine");
 }
 
 TEST_F(OutputFolderTest, IsNotSweptOfWhatLives) {

@@ -79,5 +79,64 @@ TEST(RunNotes, TellOfATextureThatIsCutOff) {
   EXPECT_FALSE(noteOnTexture(scene));
 }
 
+TEST(RunNotes, NothingTouchedIsToldUnlessAFaultTellsWhy) {
+  RunFigures figures;
+  EXPECT_THAT(noteOnNoContact(figures).value_or(""), HasSubstr("the path meets no surface"));
+  figures.faults = {{ServoFault::kOverrun, 3, 0}};
+  EXPECT_TRUE(noteOnNoContact(figures));
+  figures.faults.push_back({ServoFault::kInsideObject, 3, 0});
+  EXPECT_FALSE(noteOnNoContact(figures));
+  figures.faults.clear();
+  figures.contact_ticks = 1;
+  EXPECT_FALSE(noteOnNoContact(figures));
+}
+
+// A depth of 1 mm that was asked for: nine tenths of it are enough.
+TEST(RunNotes, TellOfAHandThatGaveWay) {
+  Scene scene;
+  scene.spring_hand = true;
+  scene.press_depth_m = 1e-3;
+  RunFigures figures;
+  figures.depth_m = {100, 0.5e-3, 0.5e-3, 0.5e-3, 0.5e-3, 0.6e-3};
+  EXPECT_THAT(noteOnHand(scene, figures).value_or(""), HasSubstr("at most 0.6 mm deep instead of --depth 1; raise"));
+  figures.depth_m.max = 0.91e-3;
+  EXPECT_FALSE(noteOnHand(scene, figures));
+  figures.depth_m.max = 0.89e-3;
+  EXPECT_TRUE(noteOnHand(scene, figures));
+  for (const auto change : {+[](Scene&s, RunFigures&) { s.spring_hand = false; },
+                            +[](Scene&s, RunFigures&) { s.press_depth_m.reset(); },       // as fits the object
+                            +[](Scene&s, RunFigures&) { s.path_file = "way.csv"; },       // --depth is idle
+                            +[](Scene&, RunFigures&f) { f.depth_m = Percentiles{}; }}) {  // no surface was felt
+    Scene other = scene;
+    RunFigures felt = figures;
+    change(other, felt);
+    EXPECT_FALSE(noteOnHand(other, felt));
+  }
+}
+
+// Contact from second 1 of 5 on, for so long.
+RunFigures touchedFor(double contact_s) {
+  RunFigures figures;
+  figures.time_s = 5;
+  figures.first_contact_s = 1;
+  figures.contact_s = contact_s;
+  figures.contact_ticks = static_cast<std::int64_t>(contact_s * 1000);
+  return figures;
+}
+
+TEST(RunNotes, TellOfABrushThatLeavesNothingToFeel) {
+  Scene scene;
+  EXPECT_FALSE(noteOnBrush(scene, touchedFor(0.1)));
+  scene.edit = "remove:radius=2mm";
+  EXPECT_THAT(noteOnBrush(scene, touchedFor(0.1)).value_or(""), HasSubstr("--edit remove:radius=2mm:rate=20, it"));
+  EXPECT_TRUE(noteOnBrush(scene, touchedFor(1.9)));
+  EXPECT_FALSE(noteOnBrush(scene, touchedFor(2.1)));  // more than half of the 4 s
+  EXPECT_FALSE(noteOnBrush(scene, RunFigures{}));     // nothing was touched, which has a note of its own
+  scene.edit = "remove:radius=2mm:rate=20";
+  EXPECT_FALSE(noteOnBrush(scene, touchedFor(0.1)));
+  scene.edit = "add:radius=2mm";
+  EXPECT_FALSE(noteOnBrush(scene, touchedFor(0.1)));
+}
+
 }  // namespace
 }  // namespace palpate

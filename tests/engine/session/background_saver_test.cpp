@@ -7,6 +7,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include "base/error.hpp"
 #include "engine/volume/volume_file.hpp"
@@ -216,6 +217,45 @@ TEST(BackgroundSaver, NoSaveMixesVersions) {
   saver.close();
   EXPECT_EQ(mixed, 0U);
   EXPECT_EQ(saver.figures().seconds.size(), 66U);
+}
+
+// An exception whose words need more memory than a process at its limit gets.
+struct WordyFailure : std::exception {
+  static constexpr std::size_t kBytes = std::size_t{64} << 20;
+  [[nodiscard]] const char* what() const noexcept override {
+    static const std::vector<char> words = [] {
+      std::vector<char> text(kBytes, 'x');
+      text.back() = '\0';
+      return text;
+    }();
+    return words.data();
+  }
+};
+
+// Whoever looks at the words of the newest failure must find some: an empty text would mean that all is saved.
+TEST(BackgroundSaver, AFailureWithoutMemoryForItsWordsIsTold) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "a sanitizer needs address space of its own";
+#endif
+  Volume volume = plainVolume();
+  static_cast<void>(WordyFailure().what());  // made while there is room
+  rlimit before = {};
+  getrlimit(RLIMIT_AS, &before);
+  BackgroundSaver saver(volume, [&](const Volume&, std::uint64_t) -> std::uint64_t {
+    const rlimit none = {0, before.rlim_max};
+    setrlimit(RLIMIT_AS, &none);
+    throw WordyFailure();
+  });
+  saver.give({}, 1);
+  saver.wait();
+  setrlimit(RLIMIT_AS, &before);
+  EXPECT_EQ(saver.figures().failures, 1U);
+  EXPECT_EQ(saver.figures().failure, "out of memory");
+  EXPECT_THAT(saver.takeFailures(), testing::ElementsAre(HasSubstr("saved no more")));
+  EXPECT_THAT(saver.takeFailures(), testing::IsEmpty());
+  saver.give({}, 2);  // and nothing more is tried
+  saver.close();
+  EXPECT_EQ(saver.figures().failures, 1U);
 }
 
 }  // namespace

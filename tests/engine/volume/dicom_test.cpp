@@ -106,7 +106,8 @@ TEST_F(Dicom, RefusesSlopesAndInterceptsThatAreNoNumbers) {
   refuses("RescaleSlope");
 }
 
-// With no descriptor left no slice is damaged.
+// Too few descriptors, for the program or for the child in which GDCM reads, are no damage: at every limit up to the
+// first at which the series loads.
 TEST_F(Dicom, SaysThatNoFileCanBeOpened) {
   writeSeries({}, {0, 2, 4});
   rlimit before{};
@@ -114,21 +115,28 @@ TEST_F(Dicom, SaysThatNoFileCanBeOpened) {
   const int next = dup(0);  // the lowest that is free
   ASSERT_GE(next, 0);
   close(next);
-  // One more, for the folder itself.
-  const rlimit none{static_cast<rlim_t>(next) + 1, before.rlim_max};
-  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &none), 0);
-  std::string words;
-  Error::Code code = Error::Code::kBadInput;
-  try {
-    (void)loadVolume(folder_.path());
-  } catch (const Error& error) {
-    words = error.what();
-    code = error.code();
+  int refusals = 0;
+  for (bool loads = false; !loads; ++refusals) {
+    ASSERT_LT(refusals, 100);
+    const auto spare = static_cast<rlim_t>(1 + refusals);  // one for the folder itself
+    const rlimit few{static_cast<rlim_t>(next) + spare, before.rlim_max};
+    ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &few), 0);
+    std::string words;
+    Error::Code code = Error::Code::kIo;
+    try {
+      (void)loadVolume(folder_.path());
+      loads = true;
+    } catch (const Error& error) {
+      words = error.what();
+      code = error.code();
+    }
+    ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &before), 0);
+    if (loads) break;
+    EXPECT_THAT(words, testing::HasSubstr("Too many open files")) << spare << " descriptors";
+    EXPECT_THAT(words, testing::HasSubstr("ulimit -n")) << spare << " descriptors";
+    EXPECT_EQ(code, Error::Code::kIo) << spare << " descriptors";
   }
-  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &before), 0);
-  EXPECT_THAT(words, testing::HasSubstr("Too many open files"));
-  EXPECT_THAT(words, testing::HasSubstr("ulimit -n"));
-  EXPECT_EQ(code, Error::Code::kIo);
+  EXPECT_GT(refusals, 2);
 }
 
 // Pixels that are not there are no zeros.

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/load/load_and_tell.hpp"
+
+#include "apps/console/message.hpp"
+
+namespace palpate {
+
+Volume loadAndTell(const std::string& name, Progress& progress) {
+  Volume volume = loadVolume(name);
+  progress.done();
+  const VolumeFacts& facts = volume.facts();
+  if (!facts.remark.empty()) tellUser(facts.source + ": " + facts.remark);
+  return volume;
+}
+
+}  // namespace palpate
