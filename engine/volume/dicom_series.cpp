@@ -77,7 +77,7 @@ std::map<std::string, Series> readFolder(const std::string& folder, const std::s
   for (const auto& entry : fs::directory_iterator(folder)) {
     if (!entry.is_regular_file()) continue;
     checkOpens(entry.path(), source);
-    if (formatByContent(entry.path().string()) == "DICOM") {
+    if (formatByContent(entry.path().string(), source) == "DICOM") {
       files.push_back(entry.path());
     } else {
       checkIsDicom(entry.path(), source);

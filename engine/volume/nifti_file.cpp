@@ -51,9 +51,10 @@ class RawHeader {
   [[nodiscard]] double dataOffset() const { return get<float>(108); }
   [[nodiscard]] double slope() const { return get<float>(112); }
   [[nodiscard]] double intercept() const { return get<float>(116); }
+  [[nodiscard]] int unitOfLength() const { return bytes_[123] & 7; }  // 0: not said
   // Of one unit of length [mm].
   [[nodiscard]] double millimetresPerUnit() const {
-    const int unit = bytes_[123] & 7;
+    const int unit = unitOfLength();
     if (unit == 1) return 1e3;
     return unit == 3 ? 1e-3 : 1;
   }
@@ -140,6 +141,14 @@ void checkVoxelSize(const RawHeader& header, const std::string& source) {
   }
 }
 
+void checkUnit(const RawHeader& header, const std::string& source) {
+  constexpr int kMicrometre = 3;  // the last that there is
+  if (header.unitOfLength() <= kMicrometre) return;
+  refuse(source,
+         fmt::format("its xyzt_units give lengths in unit {}, which NIfTI does not know", header.unitOfLength()),
+         "write the true unit into the header");
+}
+
 // "scan.hdr" and "scan.img" are one volume; the header is in the former.
 std::string headerPath(const std::string& name) {
   const std::string lower = lowerCase(name);
@@ -192,8 +201,9 @@ Volume readNifti(const ReadRequest& wanted) {
   const std::string& name = wanted.name;
   const std::string path = headerPath(name);
   if (path != name) static_cast<void>(fileBytes(path, name));  // an .img without its .hdr
-  const RawHeader header(headOf(path, kHeaderBytes), name);
+  const RawHeader header(headOf(path, kHeaderBytes, name), name);
   checkVoxelSize(header, name);
+  checkUnit(header, name);
   checkSizes(header, name, wanted.memory_budget_bytes);
   ItkRequest request;
   request.reader = ItkReader::kNifti;
