@@ -1,16 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/volume/dicom_structure.hpp"
 
+#include <algorithm>
+#include <bit>
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
+#include <optional>
 #include <string>
+
+#include "engine/volume/unpacker.hpp"
 
 namespace palpate {
 namespace {
 
 using namespace std::string_view_literals;
 
+constexpr bool kLittleEndian = std::endian::native == std::endian::little;
 constexpr std::size_t kPreamble = 132;  // 128 bytes of anything and "DICM"
 constexpr std::uint32_t kUndefined = 0xffffffffU;
 constexpr std::uint32_t kItem = 0xfffee000U;
@@ -24,6 +30,10 @@ constexpr std::uint32_t kColumns = 0x00280011U;
 constexpr std::uint32_t kBitsAllocated = 0x00280100U;
 constexpr std::uint32_t kPixels = 0x7fe00010U;
 constexpr int kDeepest = 32;  // nested sequences
+constexpr std::string_view kImplicit = "1.2.840.10008.1.2";
+constexpr std::string_view kDeflated = "1.2.840.10008.1.2.1.99";
+constexpr std::string_view kBigEndian = "1.2.840.10008.1.2.2";
+constexpr std::size_t kMostInflated = std::size_t{512} << 20;  // one slice of the largest detector has 60 MiB [byte]
 
 struct Element {
   std::uint32_t tag = 0;
@@ -45,7 +55,7 @@ class Walk {
 
   bool wholeFile() {
     at_ = kPreamble;
-    std::string_view syntax;
+    std::string_view syntax;  // what says so is always explicit and little-endian, and never deflated
     while (at_ + 8 <= file_.size() && peekTag() >> 16U == 2) {
       Element element;
       if (!readHead(element) || element.length > left()) return false;
@@ -53,8 +63,13 @@ class Walk {
       at_ += element.length;
     }
     while (!syntax.empty() && (syntax.back() == '\0' || syntax.back() == ' ')) syntax.remove_suffix(1);
-    if (syntax == "1.2.840.10008.1.2.1.99" || syntax == "1.2.840.10008.1.2.2") return true;
-    explicit_ = syntax != "1.2.840.10008.1.2";
+    explicit_ = syntax != kImplicit;
+    swapped_ = (syntax == kBigEndian) == kLittleEndian;
+    if (syntax != kDeflated) return elements(0);
+    const std::optional<std::string> set = inflated(file_.substr(at_), kMostInflated);
+    if (!set) return false;
+    file_ = *set;
+    at_ = 0;
     return elements(0);
   }
 
@@ -94,7 +109,9 @@ class Walk {
     if (element.tag == kBitsAllocated) keep(bits_);
     if (element.tag == kFrames) frames_ = std::atof(std::string(file_.substr(at_, element.length)).c_str());
     if (element.tag != kPixels) return true;
-    return static_cast<double>(element.length) * 8 >= rows_ * columns_ * samples_ * frames_ * bits_;
+    // There is one frame, one sample and one bit at least, whatever the file says.
+    const double values = rows_ * columns_ * std::max(samples_, 1.0) * std::max(frames_, 1.0);
+    return static_cast<double>(element.length) * 8 >= values * std::max(bits_, 1.0);
   }
 
   // Items of a sequence, or fragments of packed pixels, which are items that hold no elements. `delimited`: they end
@@ -147,13 +164,16 @@ class Walk {
   [[nodiscard]] T number(std::size_t offset) const {
     T value = 0;
     std::memcpy(&value, file_.data() + offset, sizeof value);
-    return value;
+    return swapped_ ? swapped(value) : value;
   }
+  static std::uint16_t swapped(std::uint16_t value) { return __builtin_bswap16(value); }
+  static std::uint32_t swapped(std::uint32_t value) { return __builtin_bswap32(value); }
   [[nodiscard]] std::size_t left() const { return file_.size() - at_; }
 
   std::string_view file_;
   std::size_t at_ = 0;
   bool explicit_ = true;
+  bool swapped_ = !kLittleEndian;  // numbers, against the machine's byte order
   double rows_ = 0, columns_ = 0, samples_ = 1, frames_ = 1, bits_ = 8;
 };
 

@@ -10,8 +10,9 @@
 
 namespace palpate {
 
-// True if every element, item and fragment of `file` (all its bytes) ends inside it, tags ascend and types exist. Also
-// true for what cannot be walked: deflated and big endian files. Cost: no copy; one step an element. Any thread.
+// True if every element, item and fragment of `file` (all its bytes) ends inside it, tags ascend, types exist, and
+// pixels that are not packed are all there. Cost: one step an element; no copy, but of a deflated file, whose elements
+// are unpacked, 512 MiB at most. Any thread.
 [[nodiscard]] bool dicomIsWhole(std::string_view file);
 
 }  // namespace palpate

@@ -50,7 +50,7 @@ std::string allSuffixes() {
 }
 
 const VolumeFormat& chooseByFile(const std::string& name, const std::string& path) {
-  const std::string seen = formatByContent(path);
+  const std::string seen = formatByContent(path, name);
   const std::string lower = lowerCase(path);
   for (const VolumeFormat& format : volumeFormats()) {
     if (!endsWithAny(lower, format.suffixes)) continue;
@@ -60,9 +60,7 @@ const VolumeFormat& chooseByFile(const std::string& name, const std::string& pat
   refuseSuffix(name, seen);
 }
 
-const VolumeFormat& chooseFormat(const std::string& name) {
-  if (name.starts_with("phantom:")) return formatNamed("phantom");
-  const std::string path = parseVolumeName(name).path;
+const VolumeFormat& chooseByPath(const std::string& name, const std::string& path) {
   std::error_code failure;
   const fs::file_status status = fs::status(path, failure);
   if (fs::is_directory(status)) return formatNamed("DICOM series");
@@ -74,6 +72,16 @@ const VolumeFormat& chooseFormat(const std::string& name) {
   return chooseByFile(name, path);
 }
 
+const VolumeFormat& chooseFormat(const std::string& name) {
+  if (name.starts_with("phantom:")) return formatNamed("phantom");
+  const VolumeName parsed = parseVolumeName(name);
+  const VolumeFormat& format = chooseByPath(name, parsed.path);
+  if (parsed.path == name || format.has_parts) return format;
+  throw Error(Error::Code::kBadInput, name,
+              fmt::format("it names a part, \"{}\", and {} files have none", parsed.part, format.name),
+              "leave the '#' and what follows out");
+}
+
 }  // namespace
 
 const std::vector<VolumeFormat>& volumeFormats() {
@@ -81,9 +89,13 @@ const std::vector<VolumeFormat>& volumeFormats() {
       {"NRRD", {".nrrd", ".nhdr"}, "NRRD, attached or detached: raw, gzip or text", readNrrd},
       {"NIfTI", {".nii", ".nii.gz", ".hdr", ".img"}, "NIfTI-1, one file or a pair; turned from RAS to LPS", readNifti},
       {"MetaImage", {".mha", ".mhd"}, "MetaImage, one file or header and data", readMeta},
-      {"OpenVDB", {".vdb"}, "OpenVDB density or level set; file.vdb#grid names a grid", readVdb},
+      {"OpenVDB", {".vdb"}, "OpenVDB density or level set; file.vdb#grid names a grid", readVdb, true},
       {"InVesalius", {".inv3"}, "InVesalius project", readInvesalius},
-      {"DICOM series", {}, "folder of DICOM slices; folder#2 or folder#UID names one of several series", readDicom},
+      {"DICOM series",
+       {},
+       "folder of DICOM slices; folder#2 or folder#UID names one of several series",
+       readDicom,
+       true},
       {"phantom", {}, "phantom:NAME?size=64&spacing=1mm&noise=0&seed=1: a surface known exactly", readPhantom},
   };
   return kFormats;

@@ -23,6 +23,7 @@ struct VolumeFormat {
   std::vector<std::string> suffixes;  // lower case, with the dot; empty for what is chosen in another way
   std::string description;            // one line for help texts
   Volume (*read)(const ReadRequest& request);
+  bool has_parts = false;  // so that a name may end with one: "file.vdb#density"; else loadVolume refuses it
 };
 
 // Every format, in the order in which help texts list them. Any thread.

@@ -218,7 +218,7 @@ std::string inChild(const std::string& name, double raw_bytes, const std::functi
   constexpr double kMostUnpacked = 1032;  // bytes of a packed one
   const auto file_bytes = static_cast<double>(fileBytes(name, name));
   ChildLimits limits = limitsForFile(file_bytes, raw_bytes);
-  // All of the archive is unpacked, at 100 MiB a second or more, the longest that a small file may take being 4 s.
+  // All of the archive is unpacked, at 1 GiB a second or more, the longest that a small file may take being 4 s.
   limits.cpu_s += std::floor(file_bytes * kMostUnpacked / (1024.0 * (1 << 20)));
   ChildOutcome outcome = runInChild(name, 1, limits, [&](std::size_t) { return work(); });
   if (!outcome.trouble) return std::move(outcome.results[0]);

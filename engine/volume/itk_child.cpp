@@ -139,10 +139,6 @@ ItkHeader readItkHeader(ItkReader reader, const std::string& path, const std::st
   return readItkSeries(reader, {path}, source, refusalOf(source)).at(0).header;
 }
 
-void readItkValues(ItkReader reader, const std::string& path, const std::string& source, std::span<char> values) {
-  readItkSeriesValues(reader, {path}, {values}, source, refusalOf(source));
-}
-
 std::vector<ItkFacts> readItkSeries(ItkReader reader, const std::vector<std::string>& paths, const std::string& source,
                                     const RefuseFile& refuse) {
   const ChildOutcome outcome = runInChild(source, paths.size(), limitsForFile(largestFile(paths)),

@@ -25,15 +25,13 @@ struct ItkFacts {
 // Throws Error(kBadInput) for a file that ITK cannot read, crashes on or takes too long over.
 [[nodiscard]] ItkHeader readItkHeader(ItkReader reader, const std::string& path, const std::string& source);
 
-// Fills `values`, which is shared with children (base/shared_buffer.hpp) and has the size that the header asks for.
-void readItkValues(ItkReader reader, const std::string& path, const std::string& source, std::span<char> values);
-
 // The same for a series of files, in one child. `refuse` is called with the number of the first file that cannot be
 // read, and with words for a message; it throws.
 using RefuseFile = std::function<void(std::size_t n, const std::string& words)>;
 [[nodiscard]] std::vector<ItkFacts> readItkSeries(ItkReader reader, const std::vector<std::string>& paths,
                                                   const std::string& source, const RefuseFile& refuse);
-// File n's values go into the nth of `values`.
+// File n's values go into the nth of `values`, which is shared with children (base/shared_buffer.hpp) and has the size
+// that the file's header asks for.
 void readItkSeriesValues(ItkReader reader, const std::vector<std::string>& paths,
                          const std::vector<std::span<char>>& values, const std::string& source,
                          const RefuseFile& refuse);

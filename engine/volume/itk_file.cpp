@@ -40,11 +40,11 @@ void quietly(const Work& work) {
   try {
     work();
   } catch (const itk::ExceptionObject& failure) {
-    throw std::runtime_error(oneLine(failure.GetDescription()));
+    throw std::runtime_error(shortReason(failure.GetDescription()));
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::exception& failure) {
-    throw std::runtime_error(oneLine(failure.what()));
+    throw std::runtime_error(shortReason(failure.what()));
   }
 }
 

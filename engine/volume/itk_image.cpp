@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/volume/itk_image.hpp"
 
+#include <system_error>
+
 #include <fmt/format.h>
 
 #include "base/error.hpp"
-#include "base/shared_buffer.hpp"
 #include "engine/volume/grid.hpp"
 #include "engine/volume/itk_child.hpp"
 #include "engine/volume/large_buffer.hpp"
 #include "engine/volume/memory_budget.hpp"
 #include "engine/volume/raw_values.hpp"
+#include "engine/volume/text_header.hpp"
 
 namespace palpate {
 namespace {
@@ -54,12 +56,7 @@ Grid buildOf(const ItkRequest& request, std::span<const char> raw, ValueType typ
 
 Grid readValues(const ItkRequest& request, ValueType type, const Vec3i& size, const Lattice& lattice) {
   const std::size_t bytes = static_cast<std::size_t>(size.cast<long long>().prod()) * byteSize(type);
-  if (!request.stored) {
-    const SharedBuffer raw(bytes);
-    readItkValues(request.reader, request.path, request.facts.source, raw.bytes());
-    return buildOf(request, raw.bytes(), type, size, lattice);
-  }
-  const StoredValues stored = checkedBySize(*request.stored, static_cast<double>(bytes), request.facts.source);
+  const StoredValues stored = checkedBySize(request.stored, static_cast<double>(bytes), request.facts.source);
   if (const auto block = rawBlockOf(stored)) {
     return buildGridByLayers(size, lattice, request.facts,
                              layersOf(*block, type, size, request.slope, request.intercept));
@@ -93,6 +90,8 @@ Volume readItkImage(ItkRequest request) {
     throw;
   } catch (const std::bad_alloc&) {
     throw Error(Error::Code::kOutOfMemory, source, "there is no memory for it", "crop or resample it");
+  } catch (const std::system_error& failure) {
+    throw cannotRead(source, "it", failure.code());
   } catch (const std::exception& failure) {
     throw Error(Error::Code::kBadInput, source, fmt::format("it cannot be read ({})", failure.what()),
                 "the file may be cut short or damaged: copy or write it again");

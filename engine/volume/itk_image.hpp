@@ -26,7 +26,7 @@ struct ItkRequest {
   double intercept = 0;
   std::size_t memory_budget_bytes = 0;
   std::optional<ValueType> stored_type;  // of the values where they lie; without it ITK's
-  std::optional<StoredValues> stored;    // where they lie; without it ITK reads them too
+  StoredValues stored;                   // where they lie
 };
 
 // Refuses several components, fewer than three dimensions, more than one time point, what exceeds the memory budget,

@@ -33,7 +33,7 @@ std::size_t readWithOpenVdb(const std::string& name) {
     for (const openvdb::GridBase::Ptr& grid : *grids) bytes += grid->memUsage();
     return bytes;
   } catch (const openvdb::Exception& failure) {
-    throw Error(Error::Code::kBadInput, name, oneLine(failure.what()), "give another file");
+    throw Error(Error::Code::kBadInput, name, shortReason(failure.what()), "give another file");
   }
 }
 

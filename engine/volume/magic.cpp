@@ -3,7 +3,9 @@
 
 #include <stdexcept>
 #include <string_view>
+#include <system_error>
 
+#include "engine/volume/text_header.hpp"
 #include "engine/volume/unpacker.hpp"
 
 namespace palpate {
@@ -17,19 +19,21 @@ std::string_view at(const std::string& head, std::size_t offset, std::size_t cou
 
 }  // namespace
 
-std::string headOf(const std::string& path, std::size_t count) {
+std::string headOf(const std::string& path, std::size_t count, const std::string& source) {
   std::string head(count, '\0');
   try {
     head.resize(Unpacker(path, 0, isGzip(path) ? Packing::kGzip : Packing::kNone).read(head.data(), head.size()));
+  } catch (const std::system_error& failure) {
+    throw cannotRead(source, "it", failure.code());
   } catch (const std::runtime_error&) {
     return {};
   }
   return head;
 }
 
-std::string formatByContent(const std::string& path) {
+std::string formatByContent(const std::string& path, const std::string& source) {
   using namespace std::string_view_literals;
-  const std::string head = headOf(path, kHeadBytes);
+  const std::string head = headOf(path, kHeadBytes, source);
   if (at(head, 0, 7) == "NRRD000") return "NRRD";
   if (at(head, 0, 8) == " BDV\0\0\0\0"sv) return "OpenVDB";
   if (at(head, 344, 4) == "n+1\0"sv || at(head, 344, 4) == "ni1\0"sv) return "NIfTI";

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // MetaImage: .mha, and .mhd with its data in a second file. Source of the format: https://itk.org/Wiki/ITK/MetaIO
 //
-// ITK reads the header; its frame is LPS. Looked at before: spacing (MetaIO takes the size of a negative one),
-// channels. The values are read here, and the slope from elements to intensities, which ITK leaves out, is applied.
+// ITK reads the header; its frame is LPS. Looked at before: every number that is taken from it. MetaIO takes the size
+// of a negative spacing, the first number of a word such as "1x", and of too many numbers as many as it needs. The
+// values are read here, and the slope from elements to intensities, which ITK leaves out, is applied.
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -69,9 +72,46 @@ void checkSpacing(const TextHeader& header, const std::string& source) {
   }
 }
 
-double numberOr(const TextHeader& header, const std::string& key, double otherwise) {
+// "" would be no number; a key that is missing is none.
+void checkNumbers(const TextHeader& header, const std::string& key, const char* name, std::size_t count,
+                  const std::string& source) {
+  if (!header.fields.contains(key)) return;
   const std::vector<double> numbers = header.numbers(key);
-  return numbers.empty() ? otherwise : numbers[0];
+  const bool finite = std::all_of(numbers.begin(), numbers.end(), [](double n) { return std::isfinite(n); });
+  if (finite && numbers.size() == count) return;
+  refuse(source,
+         fmt::format("its {} \"{}\" is not {}", name, header.text(key),
+                     count == 1 ? "a finite number" : fmt::format("{} finite numbers", count)),
+         "write the file again");
+}
+
+// Where the voxels lie. MetaIO knows each by several keys.
+void checkPlace(const TextHeader& header, const std::string& source) {
+  const std::size_t axes = header.numbers("dimsize").size();
+  for (const auto& [key, name] :
+       {std::pair("offset", "Offset"), std::pair("position", "Position"), std::pair("origin", "Origin"),
+        std::pair("elementspacing", "ElementSpacing"), std::pair("elementsize", "ElementSize")}) {
+    checkNumbers(header, key, name, axes, source);
+  }
+  for (const auto& [key, name] : {std::pair("transformmatrix", "TransformMatrix"), std::pair("rotation", "Rotation"),
+                                  std::pair("orientation", "Orientation")}) {
+    checkNumbers(header, key, name, axes * axes, source);
+  }
+}
+
+// From elements to intensities. A slope of 0 would make every density one.
+void applyScale(const TextHeader& header, ItkRequest& request) {
+  const std::string slope = "elementtointensityfunctionslope", offset = "elementtointensityfunctionoffset";
+  checkNumbers(header, slope, "ElementToIntensityFunctionSlope", 1, request.facts.source);
+  checkNumbers(header, offset, "ElementToIntensityFunctionOffset", 1, request.facts.source);
+  if (header.fields.contains(slope)) request.slope = header.numbers(slope)[0];
+  if (header.fields.contains(offset)) request.intercept = header.numbers(offset)[0];
+  if (request.slope == 0) {
+    refuse(request.facts.source, "its ElementToIntensityFunctionSlope is 0, which makes every density one",
+           "write the true slope into the header, or leave it out");
+  }
+  request.facts.rescale_slope = request.slope;
+  request.facts.rescale_intercept = request.intercept;
 }
 
 }  // namespace
@@ -82,19 +122,17 @@ Volume readMeta(const ReadRequest& wanted) {
   checkChannels(header, name);
   checkSizes(header, name, wanted.memory_budget_bytes);
   checkSpacing(header, name);
+  checkPlace(header, name);
   ItkRequest request;
   request.reader = ItkReader::kMeta;
   request.path = name;
   request.memory_budget_bytes = wanted.memory_budget_bytes;
   request.stored = metaStored(header, name, name);
-  request.slope = numberOr(header, "elementtointensityfunctionslope", 1);
-  request.intercept = numberOr(header, "elementtointensityfunctionoffset", 0);
   request.facts.source = name;
+  applyScale(header, request);
   request.facts.instead_of_nan = wanted.instead_of_nan;
   request.facts.format = "MetaImage";
   request.facts.orientation = "LPS file";
-  request.facts.rescale_slope = request.slope;
-  request.facts.rescale_intercept = request.intercept;
   if (header.text("elementspacing").empty() && header.text("elementsize").empty()) {
     request.facts.remark = "the file gives no voxel size; 1 mm is assumed";
   }

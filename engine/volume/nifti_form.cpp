@@ -36,7 +36,7 @@ Affine qformOf(const NiftiForms& forms) {
   const Eigen::Quaterniond q = Eigen::Quaterniond(a, b, c, d).normalized();
   Affine affine;
   affine.steps = q.toRotationMatrix();
-  affine.steps.col(2) *= forms.qfac < 0 ? -1 : 1;
+  affine.steps.col(2) *= std::isfinite(forms.qfac) ? (forms.qfac < 0 ? -1 : 1) : forms.qfac;
   for (int axis = 0; axis < 3; ++axis) {
     affine.steps.col(axis) *= forms.voxel_size[static_cast<std::size_t>(axis)];
     affine.origin[axis] = forms.offset[static_cast<std::size_t>(axis)];

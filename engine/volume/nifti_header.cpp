@@ -38,9 +38,10 @@ class RawHeader {
   [[nodiscard]] double dataOffset() const { return get<float>(108); }
   [[nodiscard]] double slope() const { return get<float>(112); }
   [[nodiscard]] double intercept() const { return get<float>(116); }
+  [[nodiscard]] int unitOfLength() const { return bytes_[123] & 7; }  // 0: not said
   // Of one unit of length [mm].
   [[nodiscard]] double millimetresPerUnit() const {
-    const int unit = bytes_[123] & 7;
+    const int unit = unitOfLength();
     if (unit == 1) return 1e3;
     return unit == 3 ? 1e-3 : 1;
   }
@@ -124,6 +125,14 @@ void checkVoxelSize(const RawHeader& header, const std::string& source) {
   }
 }
 
+void checkUnit(const RawHeader& header, const std::string& source) {
+  constexpr int kMicrometre = 3;  // the last that there is
+  if (header.unitOfLength() <= kMicrometre) return;
+  refuse(source,
+         fmt::format("its xyzt_units give lengths in unit {}, which NIfTI does not know", header.unitOfLength()),
+         "write the true unit into the header");
+}
+
 std::uint64_t dataOffsetOf(const RawHeader& header, const std::string& source) {
   double offset = header.dataOffset();
   if (header.oneFile() && offset == 0) offset = kOneFileHeaderBytes;  // left out by its writer
@@ -138,6 +147,7 @@ std::uint64_t dataOffsetOf(const RawHeader& header, const std::string& source) {
 NiftiHeader readNiftiHeader(std::string_view bytes, const std::string& source) {
   const RawHeader raw(bytes, source);
   checkVoxelSize(raw, source);
+  checkUnit(raw, source);
   checkDimensions(raw, source);
   NiftiHeader header;
   header.swapped = raw.swapped();

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // NRRD, attached (.nrrd) and detached (.nhdr). Source of the format: https://teem.sourceforge.net/nrrd/format.html
 //
-// ITK reads the header, and values that are hexadecimal. The lattice is made here from "space directions", because
+// ITK reads the header, and nothing else. The lattice is made here from "space directions", because
 // ITK 5.2 turns LAS files to LPS but not RAS ones. Looked at before: spacings (ITK takes the size of a negative one),
 // units of length (ITK ignores them).
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
@@ -37,10 +38,22 @@ void checkSizes(const TextHeader& header, const std::string& source, std::size_t
   checkMemory(source, voxels * (kDenseBytesPerVoxel + kGridBytesPerVoxel + kGpuBytesPerVoxel), memory_budget_bytes);
 }
 
-// Spacings of axes that are not in space may be NaN; those that are numbers must be above 0.
+// Whether the file says how large its voxels are; spacings that are all NaN are as good as none.
+bool givesVoxelSize(const TextHeader& header) {
+  const std::vector<double> spacings = header.numbers("spacings");
+  return !header.text("space directions").empty() ||
+         std::any_of(spacings.begin(), spacings.end(), [](double spacing) { return !std::isnan(spacing); });
+}
+
+// Spacings of axes that are not in space, or have one voxel, may be NaN; ITK would put 1 for it. Those that are numbers
+// must be above 0.
 void checkSpacings(const TextHeader& header, const std::string& source) {
-  for (const double spacing : header.numbers("spacings")) {
-    if (std::isnan(spacing) || (spacing > 0 && std::isfinite(spacing))) continue;
+  const std::vector<double> spacings = header.numbers("spacings");
+  const std::vector<double> sizes = header.numbers("sizes");
+  for (std::size_t axis = 0; axis < spacings.size() && givesVoxelSize(header); ++axis) {
+    const double spacing = spacings[axis];
+    const bool may_be_none = axis < sizes.size() && sizes[axis] == 1;
+    if ((std::isnan(spacing) && may_be_none) || (spacing > 0 && std::isfinite(spacing))) continue;
     refuse(source, fmt::format("its spacings \"{}\" are not positive", header.text("spacings")),
            "write the true voxel size into the header");
   }
@@ -100,11 +113,18 @@ Vec3 signsToLps(const TextHeader& header) {
   return {1, 1, 1};
 }
 
-// Empty where the header gives no directions: spacings alone ITK reads rightly.
-std::optional<Lattice> latticeOf(const TextHeader& header, double metres_per_unit) {
+// Empty where the header gives no directions: spacings alone ITK reads rightly. Of three axes in space each needs one;
+// ITK would make one up.
+std::optional<Lattice> latticeOf(const TextHeader& header, double metres_per_unit, const std::string& source) {
+  if (header.text("space directions").empty()) return {};
   const std::vector<Vec3> directions = vectorsOf(header, "space directions");
   const std::vector<Vec3> origin = vectorsOf(header, "space origin");
-  if (directions.size() != 3) return {};
+  if (directions.size() != 3) {
+    refuse(source,
+           fmt::format("its space directions \"{}\" are not three vectors of three numbers",
+                       header.text("space directions")),
+           "write the directions of its three axes into the header");
+  }
   const Vec3 signs = signsToLps(header);
   Lattice lattice;
   for (int axis = 0; axis < 3; ++axis) {
@@ -136,14 +156,14 @@ Volume readNrrd(const ReadRequest& wanted) {
   request.reader = ItkReader::kNrrd;
   request.path = name;
   request.metres_per_unit = metresPerUnit(header, name);
-  request.lattice = latticeOf(header, request.metres_per_unit);
+  request.lattice = latticeOf(header, request.metres_per_unit, name);
   request.memory_budget_bytes = wanted.memory_budget_bytes;
   request.stored = nrrdStored(header, name, bytesOfType(lowerCase(header.text("type"))), name);
   request.facts.source = name;
   request.facts.instead_of_nan = wanted.instead_of_nan;
   request.facts.format = "NRRD";
   request.facts.orientation = orientationOf(header);
-  if (header.text("spacings").empty() && header.text("space directions").empty()) {
+  if (!givesVoxelSize(header)) {
     request.facts.remark = "the file gives no voxel size; 1 mm is assumed";
   }
   return readItkImage(std::move(request));

@@ -28,7 +28,7 @@ Quiet::~Quiet() {
 }
 
 // "ITK ERROR: NrrdImageIO(0x55...): Read: Error reading FILE:\n [nrrd] ..." becomes what follows the object's address.
-std::string oneLine(const std::string& description) {
+std::string shortReason(const std::string& description) {
   constexpr std::size_t kLongest = 200;
   std::string text = description;
   const std::size_t address = text.find("): ");

@@ -26,6 +26,6 @@ class Quiet {
 };
 
 // ITK's several lines of description made one short line.
-[[nodiscard]] std::string oneLine(const std::string& description);
+[[nodiscard]] std::string shortReason(const std::string& description);
 
 }  // namespace palpate

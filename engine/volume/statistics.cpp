@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -98,14 +99,19 @@ bool partsVolume(const Volume& volume, double isovalue) {
   return isovalue >= static_cast<double>(volume.minimum()) && isovalue < static_cast<double>(volume.maximum());
 }
 
-[[noreturn]] void refuseIsovalue(const Volume& volume, const std::string& isovalue) {
+// `isovalue`: `value` in words.
+[[noreturn]] void refuseIsovalue(const Volume& volume, double value, const std::string& isovalue) {
   std::string suggestions;
   for (const IsovalueSuggestion& one : statisticsOf(volume).suggestions) {
     suggestions += fmt::format("{}{:g} ({})", suggestions.empty() ? "" : ", ", one.isovalue, one.reason);
   }
-  throw Error(Error::Code::kBadInput, volume.facts().source,
-              fmt::format("{} is outside its values, {:g} to {:g}", isovalue, volume.minimum(), volume.maximum()),
-              "try " + suggestions);
+  const auto [low, high] = std::pair(volume.minimum(), volume.maximum());
+  const std::string reason =
+      value == static_cast<double>(high)
+          ? fmt::format("{} is the highest of its values, {:g} to {:g}, and object is only what is denser", isovalue,
+                        low, high)
+          : fmt::format("{} is outside its values, {:g} to {:g}", isovalue, low, high);
+  throw Error(Error::Code::kBadInput, volume.facts().source, reason, "try " + suggestions);
 }
 
 }  // namespace
@@ -142,13 +148,13 @@ double defaultIsovalue(const Volume& volume) {
   // One that is damaged, or whose object is all gone, is not silently another.
   const std::optional<double>& kept = volume.facts().kept_isovalue;
   if (kept && !partsVolume(volume, *kept))
-    refuseIsovalue(volume, fmt::format("the isovalue {:g} that it keeps", *kept));
+    refuseIsovalue(volume, *kept, fmt::format("the isovalue {:g} that it keeps", *kept));
   return statisticsOf(volume).suggestions.at(0).isovalue;
 }
 
 void checkIsovalue(const Volume& volume, double isovalue) {
   if (!(volume.minimum() < volume.maximum())) refuseConstant(volume);
-  if (!partsVolume(volume, isovalue)) refuseIsovalue(volume, fmt::format("isovalue {:g}", isovalue));
+  if (!partsVolume(volume, isovalue)) refuseIsovalue(volume, isovalue, fmt::format("isovalue {:g}", isovalue));
 }
 
 }  // namespace palpate

@@ -102,6 +102,43 @@ void readWords(const StoredValues& values, const StoredPart& part, ValueType typ
   if (!words.next().empty()) throw std::runtime_error(kTooMany);
 }
 
+// -1: none.
+int hexDigit(char c) {
+  if (c >= '0' && c <= '9') return c - '0';
+  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
+  return c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
+}
+
+void readHex(const StoredValues& values, const StoredPart& part, std::span<char> to) {
+  Unpacker from = open(values, part);
+  skip(from, values.skip_bytes);
+  std::size_t digits = 0;
+  std::vector<char> block(std::size_t{1} << 16);
+  for (std::size_t got = 0; (got = from.read(block.data(), block.size())) > 0;) {
+    for (const char c : std::span(block).first(got)) {
+      if (isBlank(c) && c != ',') continue;
+      const int digit = hexDigit(c);
+      if (digit < 0) throw std::runtime_error("among its voxels is what is no hexadecimal digit");
+      if (digits / 2 == to.size()) throw std::runtime_error(kTooMany);
+      char& byte = to[digits / 2];
+      byte = static_cast<char>(digits % 2 == 0 ? digit : 16 * static_cast<unsigned char>(byte) + digit);
+      ++digits;
+    }
+  }
+  if (digits < 2 * to.size()) throw std::runtime_error(kTooFew);
+}
+
+void readPart(const StoredValues& values, const StoredPart& part, ValueType type, std::span<char> to) {
+  switch (values.coding) {
+    case Coding::kBinary:
+      return readBytes(values, part, to);
+    case Coding::kWords:
+      return readWords(values, part, type, to);
+    case Coding::kHex:
+      return readHex(values, part, to);
+  }
+}
+
 [[noreturn]] void refuse(const std::string& source, const std::string& reason) {
   throw Error(Error::Code::kBadInput, source, reason, "the file may be damaged: copy or write it again");
 }
@@ -118,7 +155,8 @@ void checkPart(const StoredValues& values, StoredPart& part, double share, const
   const double stored = static_cast<double>(fileBytes(part.path, source)) - static_cast<double>(part.offset);
   const double wanted = share + static_cast<double>(values.skip_bytes);
   if (values.packing != Packing::kNone) return checkPackedPart(values, stored, wanted, source);
-  if (values.text) {
+  if (values.coding == Coding::kHex) return checkStoredBytes(source, stored, wanted + share, false);
+  if (values.coding == Coding::kWords) {
     const double least_voxels = share / 8;                                 // of the largest type
     return checkStoredBytes(source, stored, 2 * least_voxels - 1, false);  // a digit each, and a blank between them
   }
@@ -141,7 +179,7 @@ StoredValues checkedBySize(StoredValues values, double wanted_bytes, const std::
 }
 
 std::optional<RawBlock> rawBlockOf(const StoredValues& values) {
-  if (values.parts.size() != 1 || values.packing != Packing::kNone || values.text) return {};
+  if (values.parts.size() != 1 || values.packing != Packing::kNone || values.coding != Coding::kBinary) return {};
   return RawBlock{values.parts[0].path, values.parts[0].offset + values.skip_bytes, values.swapped};
 }
 
@@ -149,10 +187,9 @@ void readStored(const StoredValues& values, ValueType type, std::span<char> to) 
   const std::size_t share = to.size() / values.parts.size();
   if (share * values.parts.size() != to.size()) throw std::runtime_error("its voxels do not fill its files evenly");
   for (std::size_t n = 0; n < values.parts.size(); ++n) {
-    const std::span<char> part = to.subspan(n * share, share);
-    values.text ? readWords(values, values.parts[n], type, part) : readBytes(values, values.parts[n], part);
+    readPart(values, values.parts[n], type, to.subspan(n * share, share));
   }
-  if (values.swapped && !values.text) swapBytes(to, type);
+  if (values.swapped && values.coding != Coding::kWords) swapBytes(to, type);
 }
 
 }  // namespace palpate

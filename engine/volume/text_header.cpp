@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cerrno>
 #include <charconv>
 #include <filesystem>
 #include <fstream>
@@ -87,7 +88,7 @@ std::vector<double> TextHeader::numbers(const std::string& key) const {
 
 TextHeader readTextHeader(const std::string& path, const std::string& source, TextFormat format) {
   std::ifstream file(path, std::ios::binary);
-  if (!file) throw Error(Error::Code::kIo, source, "it cannot be opened", "check its permissions");
+  if (!file) throw cannotRead(source, "it", {errno, std::generic_category()});
   std::string head(kMostHeaderBytes, '\0');
   file.read(head.data(), static_cast<std::streamsize>(head.size()));
   head.resize(static_cast<std::size_t>(file.gcount()));
@@ -108,6 +109,13 @@ TextHeader readTextHeader(const std::string& path, const std::string& source, Te
   const bool is_all = head.size() < kMostHeaderBytes;
   if (format != TextFormat::kNrrd || !is_detached || !is_all) note(header, "it has no end");
   return header;
+}
+
+Error cannotRead(const std::string& source, const std::string& what, const std::error_code& why) {
+  const bool no_descriptor = why == std::errc::too_many_files_open || why == std::errc::too_many_files_open_in_system;
+  return {Error::Code::kIo, source, fmt::format("{} cannot be opened or read: {}", what, why.message()),
+          no_descriptor ? "raise the limit of open files (ulimit -n), or end other programs"
+                        : "check the permissions of the file, and its disk"};
 }
 
 std::uint64_t fileBytes(const std::string& path, const std::string& source) {

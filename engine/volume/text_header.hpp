@@ -7,7 +7,10 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <vector>
+
+#include "base/error.hpp"
 
 namespace palpate {
 
@@ -30,6 +33,9 @@ enum class TextFormat { kNrrd, kMeta };
 [[nodiscard]] TextHeader readTextHeader(const std::string& path, const std::string& source, TextFormat format);
 
 [[nodiscard]] std::string lowerCase(std::string text);
+
+// The Error of a file that the system does not open or read. `what`: the file in the message: "it", "slice a.dcm".
+[[nodiscard]] Error cannotRead(const std::string& source, const std::string& what, const std::error_code& why);
 
 // Size of a file [byte]. Throws Error(kNotFound).
 [[nodiscard]] std::uint64_t fileBytes(const std::string& path, const std::string& source);

@@ -52,8 +52,17 @@ bool isTrue(const TextHeader& header, const std::string& key) {
 
 // --- names of several files -----------------------------------------------------------------------------------------
 
+// More files than rows of voxels there cannot be. `sizes_key`: of the header's sizes, whose first is a row's.
+std::size_t mostFiles(const TextHeader& header, const std::string& sizes_key) {
+  const std::vector<double> sizes = header.numbers(sizes_key);
+  double rows = 1;
+  for (std::size_t axis = 1; axis < sizes.size(); ++axis) rows *= sizes[axis];
+  return rows >= 1 && rows < static_cast<double>(kMostFiles) ? static_cast<std::size_t>(rows) : kMostFiles;
+}
+
 // The lines from `offset` on, each a name; a line that is empty counts only if a name follows, and then as damage.
-std::vector<StoredPart> partsOfList(const std::string& path, std::uint64_t offset, const std::string& source) {
+std::vector<StoredPart> partsOfList(const std::string& path, std::uint64_t offset, std::size_t most_files,
+                                    const std::string& source) {
   std::ifstream file(path, std::ios::binary);
   file.seekg(static_cast<std::streamoff>(offset));
   std::vector<StoredPart> parts;
@@ -63,7 +72,7 @@ std::vector<StoredPart> partsOfList(const std::string& path, std::uint64_t offse
     if (!line.empty() && was_empty) refuse(source, "its list of files has an empty line");
     was_empty = line.empty();
     if (!line.empty()) parts.push_back({beside(path, line), 0});
-    if (parts.size() > kMostFiles) refuse(source, fmt::format("its list names more than {} files", kMostFiles));
+    if (parts.size() > most_files) refuse(source, fmt::format("its list names more than {} files", most_files));
   }
   if (parts.empty()) refuse(source, "its list of files names none");
   return parts;
@@ -71,7 +80,7 @@ std::vector<StoredPart> partsOfList(const std::string& path, std::uint64_t offse
 
 // "a%03d.raw" with 7 is "a007.raw"; nothing but one such number is taken.
 std::string numbered(const std::string& pattern, std::int64_t number, const std::string& source) {
-  const std::size_t percent = pattern.find('%');
+  const std::size_t percent = std::min(pattern.find('%'), pattern.size());
   std::size_t at = percent + 1;
   const bool zeros = at < pattern.size() && pattern[at] == '0';
   int width = 0;
@@ -91,28 +100,33 @@ bool isFileNumber(std::int64_t number) {
 }
 
 // "a%03d.raw 1 40 1": from, to, step; what follows says of which dimension each file is, and that is known.
-std::vector<StoredPart> partsOfPattern(const std::string& text, const std::string& path, const std::string& source) {
+std::vector<StoredPart> partsOfPattern(const std::string& text, const std::string& path, std::size_t most_files,
+                                       const std::string& source) {
   std::istringstream words(text);
   std::string pattern;
   std::int64_t from = 0, to = 0, step = 0;
   words >> pattern >> from >> to >> step;
   const bool are_numbers = words && isFileNumber(from) && isFileNumber(to) && isFileNumber(step);
-  if (!are_numbers || step == 0 || (to - from) / step < 0 ||
-      (to - from) / step >= static_cast<std::int64_t>(kMostFiles)) {
+  if (!are_numbers || step == 0 || (to > from && step < 0) || (to < from && step > 0)) {
     refuse(source, fmt::format("its pattern of file names \"{}\" does not say from which number to which", text));
   }
+  const std::int64_t count = (to - from) / step + 1;
+  if (count > static_cast<std::int64_t>(most_files)) {
+    refuse(source, fmt::format("its pattern \"{}\" names {} files, and {} are the most", text, count, most_files));
+  }
   std::vector<StoredPart> parts;
-  for (std::int64_t n = from; step > 0 ? n <= to : n >= to; n += step) {
-    parts.push_back({beside(path, numbered(pattern, n, source)), 0});
+  for (std::int64_t n = 0; n < count; ++n) {
+    parts.push_back({beside(path, numbered(pattern, from + n * step, source)), 0});
   }
   return parts;
 }
 
 // Of data in files of their own; empty where `text` is one file's name.
-std::vector<StoredPart> severalParts(const std::string& text, const TextHeader& header, const std::string& path,
-                                     const std::string& source) {
-  if (text.starts_with("LIST")) return partsOfList(path, header.data_offset, source);
-  if (text.find('%') != std::string::npos) return partsOfPattern(text, path, source);
+std::vector<StoredPart> severalParts(const std::string& text, const TextHeader& header, const std::string& sizes_key,
+                                     const std::string& path, const std::string& source) {
+  const std::size_t most_files = mostFiles(header, sizes_key);
+  if (text.starts_with("LIST")) return partsOfList(path, header.data_offset, most_files, source);
+  if (text.find('%') != std::string::npos) return partsOfPattern(text, path, most_files, source);
   return {};
 }
 
@@ -121,6 +135,20 @@ void checkFiles(const StoredValues& values, const std::string& source) {
 }
 
 // --- NRRD -----------------------------------------------------------------------------------------------------------
+
+void applyEncoding(const std::string& encoding, StoredValues& values, const std::string& source) {
+  if (encoding == "raw") return;
+  if (encoding == "ascii" || encoding == "text" || encoding == "txt") {
+    values.coding = Coding::kWords;
+  } else if (encoding == "hex") {
+    values.coding = Coding::kHex;
+  } else if (encoding == "gzip" || encoding == "gz") {
+    values.packing = Packing::kGzip;
+  } else {
+    throw Error(Error::Code::kBadInput, source, fmt::format("its encoding \"{}\" cannot be read", encoding),
+                "write it raw or with gzip");
+  }
+}
 
 // The offset of what follows `lines` lines.
 std::uint64_t afterLines(const StoredPart& part, std::int64_t lines, const std::string& source) {
@@ -141,7 +169,9 @@ void applySkips(const TextHeader& header, StoredValues& values, const std::strin
   const std::int64_t lines = eitherKey(header, "line skip", "lineskip", source);
   const std::int64_t bytes = eitherKey(header, "byte skip", "byteskip", source);
   if (lines < 0 || bytes < -1) refuse(source, "its line skip or byte skip is negative");
-  if (bytes == -1 && values.packing != Packing::kNone) refuse(source, "its byte skip is -1, and its data are packed");
+  if (bytes == -1 && (values.packing != Packing::kNone || values.coding != Coding::kBinary)) {
+    refuse(source, "its byte skip is -1, and its data are not raw");
+  }
   for (StoredPart& part : values.parts) part.offset = afterLines(part, lines, source);
   values.from_end = bytes == -1;
   values.skip_bytes = static_cast<std::uint64_t>(std::max<std::int64_t>(bytes, 0));
@@ -160,21 +190,18 @@ bool isBigEndian(const TextHeader& header, const std::string& source) {
 
 }  // namespace
 
-std::optional<StoredValues> nrrdStored(const TextHeader& header, const std::string& path, std::size_t value_bytes,
-                                       const std::string& source) {
+StoredValues nrrdStored(const TextHeader& header, const std::string& path, std::size_t value_bytes,
+                        const std::string& source) {
   checkHeader(header, source);
-  const std::string encoding = lowerCase(header.text("encoding"));
   StoredValues values;
-  values.text = encoding == "ascii" || encoding == "text" || encoding == "txt";
-  if (encoding == "gzip" || encoding == "gz") values.packing = Packing::kGzip;
-  if (encoding != "raw" && !values.text && values.packing == Packing::kNone) return {};
+  applyEncoding(lowerCase(header.text("encoding")), values, source);
   const std::string endian = lowerCase(header.text("endian"));
-  if (!values.text && value_bytes > 1 && endian != "little" && endian != "big") {
+  if (values.coding != Coding::kWords && value_bytes > 1 && endian != "little" && endian != "big") {
     refuse(source, fmt::format("its endian \"{}\" is neither little nor big", endian));
   }
   values.swapped = value_bytes > 1 && (endian == "little") != kLittleEndian;
   const std::string data = header.text(header.fields.contains("data file") ? "data file" : "datafile");
-  values.parts = severalParts(data, header, path, source);
+  values.parts = severalParts(data, header, "sizes", path, source);
   if (values.parts.empty()) {
     values.parts = {data.empty() ? StoredPart{path, header.data_offset} : StoredPart{beside(path, data), 0}};
   }
@@ -188,13 +215,13 @@ StoredValues metaStored(const TextHeader& header, const std::string& path, const
   const std::string data = header.text("elementdatafile");
   if (data.empty()) refuse(source, "its header has no ElementDataFile");
   StoredValues values;
-  values.parts = severalParts(data, header, path, source);
+  values.parts = severalParts(data, header, "dimsize", path, source);
   if (values.parts.empty()) {
     values.parts = {lowerCase(data) == "local" ? StoredPart{path, header.data_offset}
                                                : StoredPart{beside(path, data), 0}};
   }
   checkFiles(values, source);
-  values.text = header.fields.contains("binarydata") && !isTrue(header, "binarydata");
+  if (header.fields.contains("binarydata") && !isTrue(header, "binarydata")) values.coding = Coding::kWords;
   values.swapped = isBigEndian(header, source) == kLittleEndian;
   if (isTrue(header, "compresseddata")) values.packing = Packing::kZlib;
   const std::int64_t packed = wholeNumber(header, "compresseddatasize", 0, source);

@@ -6,7 +6,6 @@
 // the data, or of a list of them, that is not there.
 #pragma once
 
-#include <optional>
 #include <string>
 
 #include "engine/volume/stored_values.hpp"
@@ -14,9 +13,9 @@
 
 namespace palpate {
 
-// `value_bytes`: of one value. Nothing for encodings that are left to the format's library (hex, bzip2).
-[[nodiscard]] std::optional<StoredValues> nrrdStored(const TextHeader& header, const std::string& path,
-                                                     std::size_t value_bytes, const std::string& source);
+// `value_bytes`: of one value. bzip2 is refused: ITK's NRRD library is built without it.
+[[nodiscard]] StoredValues nrrdStored(const TextHeader& header, const std::string& path, std::size_t value_bytes,
+                                      const std::string& source);
 [[nodiscard]] StoredValues metaStored(const TextHeader& header, const std::string& path, const std::string& source);
 
 }  // namespace palpate

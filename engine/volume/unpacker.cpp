@@ -46,7 +46,7 @@ class Input {
   }
 
  private:
-  [[noreturn]] static void fail(int why) { throw std::runtime_error(std::generic_category().message(why)); }
+  [[noreturn]] static void fail(int why) { throw std::system_error(why, std::generic_category()); }
 
   int descriptor_;
   std::uint64_t left_;
@@ -148,6 +148,33 @@ std::uint64_t Unpacker::drain() {
   std::uint64_t total = 0;
   for (std::size_t got = 0; (got = read(dropped.data(), dropped.size())) > 0;) total += got;
   return total;
+}
+
+std::optional<std::string> inflated(std::string_view packed, std::size_t most_bytes) {
+  z_stream stream = {};
+  if (inflateInit2(&stream, -15) != Z_OK) throw std::bad_alloc();  // the largest window; negative: no header
+  const std::unique_ptr<z_stream, int (*)(z_stream*)> owner(&stream, inflateEnd);
+  const std::unique_ptr<char[]> block = std::make_unique_for_overwrite<char[]>(kBlockBytes);
+  std::string out;
+  for (int result = Z_OK; result != Z_STREAM_END;) {
+    if (stream.avail_in == 0 && !packed.empty()) {
+      const std::string_view piece = packed.substr(0, kBlockBytes);
+      stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(piece.data()));  // zlib does not write there
+      stream.avail_in = static_cast<uInt>(piece.size());
+      packed.remove_prefix(piece.size());
+    }
+    stream.next_out = reinterpret_cast<Bytef*>(block.get());
+    stream.avail_out = kBlockBytes;
+    result = inflate(&stream, Z_NO_FLUSH);
+    if (result == Z_MEM_ERROR) throw std::bad_alloc();
+    if (result != Z_OK && result != Z_STREAM_END) return {};  // Z_BUF_ERROR: it ends early
+    const std::size_t got = kBlockBytes - stream.avail_out;
+    if (got > most_bytes - out.size()) return {};
+    out.append(block.get(), got);
+  }
+  const std::string_view rest(packed.data() - stream.avail_in, packed.size() + stream.avail_in);
+  if (!rest.empty() && rest != std::string_view("\0", 1)) return {};
+  return out;
 }
 
 bool isGzip(const std::string& path) {

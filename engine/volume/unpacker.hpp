@@ -4,13 +4,15 @@
 //
 // gzip: members one after another are one stream (RFC 1952, 2.2); zeros after the last are padding, as gzip(1) has it,
 // anything else is damage. zlib: one stream, nothing after it. Throws std::runtime_error with words for a message; the
-// bytes that came before it are then worth nothing.
+// bytes that came before it are then worth nothing. Throws std::system_error where the file cannot be opened or read.
 #pragma once
 
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
 
 namespace palpate {
 
@@ -34,6 +36,10 @@ class Unpacker {
   struct State;
   std::unique_ptr<State> state_;
 };
+
+// A stream of deflate alone (RFC 1951), which has neither length nor checksum, out of its packed bytes. Nothing where
+// it is damaged, ends early, would unpack to more than `most_bytes`, or is followed by anything but one byte of 0.
+[[nodiscard]] std::optional<std::string> inflated(std::string_view packed, std::size_t most_bytes);
 
 // Whether a file begins as gzip does.
 [[nodiscard]] bool isGzip(const std::string& path);

@@ -3,12 +3,14 @@
 
 #include <algorithm>
 #include <bit>
+#include <cerrno>
 #include <fstream>
 #include <span>
 #include <string_view>
 
 #include "base/crc32c.hpp"
 #include "base/error.hpp"
+#include "engine/volume/text_header.hpp"
 
 namespace palpate {
 namespace {
@@ -48,7 +50,7 @@ std::string vdbChecksumBytes(std::uint32_t crc) {
 
 VdbChecksum checkVdbChecksum(const std::string& path, const std::string& source) {
   std::ifstream file(path, std::ios::binary | std::ios::ate);
-  if (!file) throw Error(Error::Code::kIo, source, "it cannot be opened", "check its permissions");
+  if (!file) throw cannotRead(source, "it", {errno, std::generic_category()});
   const auto bytes = static_cast<std::uint64_t>(file.tellg());
   if (bytes < kTrailerBytes) return VdbChecksum::kMissing;
   file.seekg(static_cast<std::streamoff>(bytes - kTrailerBytes));

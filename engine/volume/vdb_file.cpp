@@ -9,6 +9,7 @@
 // Leaves that are bricks of the volume (all but the border's in a file that Palpate wrote) are taken over: their memory
 // becomes the volume's. All others are copied.
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -49,7 +50,7 @@ openvdb::GridPtrVecPtr readGrids(const std::string& path, const std::string& sou
   const Quiet quiet;
   openvdb::initialize();
   std::ifstream file(path, std::ios::binary);
-  if (!file) throw Error(Error::Code::kIo, source, "it cannot be opened", "check its permissions");
+  if (!file) throw cannotRead(source, "it", {errno, std::generic_category()});
   file.exceptions(std::ios::failbit | std::ios::badbit);
   try {
     openvdb::io::Stream stream(file, false);
@@ -256,10 +257,6 @@ void checkSparseMemory(const openvdb::GridBase& grid, const openvdb::CoordBBox& 
       memory_budget_bytes);
 }
 
-}  // namespace
-
-namespace {
-
 Volume readGrid(const ReadRequest& wanted) {
   const std::string& name = wanted.name;
   const VolumeName parsed = parseVolumeName(name);
@@ -292,7 +289,7 @@ Volume readOrRefuse(const ReadRequest& wanted) {
   try {
     return readGrid(wanted);
   } catch (const openvdb::Exception& failure) {
-    refuse(wanted.name, fmt::format("it is damaged ({})", oneLine(failure.what())), "copy or write it again");
+    refuse(wanted.name, fmt::format("it is damaged ({})", shortReason(failure.what())), "copy or write it again");
   }
 }
 

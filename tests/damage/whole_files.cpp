@@ -6,6 +6,7 @@
 #include "apps/mesh/mesh_writer.hpp"
 #include "engine/volume/isosurface_mesh.hpp"
 #include "engine/volume/volume_file.hpp"
+#include "tests/damage/vdb_grids.hpp"
 #include "tests/engine/volume/samples.hpp"
 
 namespace palpate::damage {
@@ -44,17 +45,48 @@ void writeSlices(const std::string& folder) {
   }
 }
 
-std::string dicomSlice(int n) {
+std::string hexOf(const std::string& bytes) {
+  std::string digits;
+  for (const char c : bytes) digits += fmt::format("{:02x}", static_cast<unsigned char>(c));
+  return digits;
+}
+
+// `with` in the place of `word`, which is there once.
+std::string replaced(std::string text, const std::string& word, const std::string& with) {
+  return text.replace(text.find(word), word.size(), with);
+}
+
+std::string dicomSlice(int n, const std::string& syntax) {
   const std::vector<double> values = shorts();
   DicomFields fields;
+  fields.syntax = syntax;
   fields.position = fmt::format("0\\0\\{}", 2 * n);
   fields.sop += std::to_string(n);
   fields.pixels = std::vector<double>(values.begin() + 20 * n, values.begin() + 20 * n + 20);
   return dicomBytes(fields);
 }
 
-void writeDicom(const std::string& folder) {
-  for (int n = 0; n < 3; ++n) writeFile(in(folder, fmt::format("s{}.dcm", n)), dicomSlice(n));
+// `values`: bytes at the end that are not the header's.
+WholeFile dicom(const std::string& name, const std::string& syntax, std::size_t values) {
+  return {name,
+          "s1.dcm",
+          "",
+          false,
+          false,
+          ':',
+          {.length = true},
+          dicomSlice(1, syntax).size() - values,
+          [syntax](const std::string& f) {
+            for (int n = 0; n < 3; ++n) writeFile(in(f, fmt::format("s{}.dcm", n)), dicomSlice(n, syntax));
+          }};
+}
+
+// All of it but the head is packed.
+std::size_t deflatedBytes() {
+  DicomFields fields;
+  fields.syntax = kDeflatedDicom;
+  fields.sop += "1";
+  return dicomSlice(1, kDeflatedDicom).size() - dicomHead(fields).size();
 }
 
 void writeMeshTo(const std::string& path) {
@@ -86,9 +118,10 @@ std::size_t after(const std::string& bytes, const std::string& mark) {
 }
 
 WholeFile nrrd(const std::string& name, const std::string& encoding,
-               const std::function<std::string(const std::string&)>& values, Promise promise) {
+               const std::function<std::string(const std::string&)>& values, Promise promise,
+               const std::string& endian = "little") {
   promise.lines_once = true;
-  const std::string header = nrrdHeader("int16", encoding) + "\n";
+  const std::string header = replaced(nrrdHeader("int16", encoding), "little", endian) + "\n";
   return {name,    "a.nrrd",      "a.nrrd",
           false,   true,          ':',
           promise, header.size(), [=](const std::string& f) { writeFile(in(f, "a.nrrd"), header + values(f)); }};
@@ -110,9 +143,15 @@ std::vector<WholeFile> volumes() {
   own.can_be_lost = true;
   const std::string list_nrrd = nrrdHeader("int16", "raw", "data file: LIST\n");
   const std::string list_meta = metaHeader("MET_SHORT", "ElementSpacing = 0.5 0.75 2\n", "LIST");
+  const std::string big_meta = replaced(metaHeader("MET_SHORT"), "MSB = False", "MSB = True");
   return {
       nrrd(
           "NRRD, raw", "raw", [](const std::string&) { return data(); }, length),
+      nrrd(
+          "NRRD, big-endian", "raw", [](const std::string&) { return bytesOf<std::int16_t>(shorts(), true); }, length,
+          "big"),
+      nrrd(
+          "NRRD, hex", "hex", [](const std::string&) { return hexOf(data()); }, length),
       nrrd(
           "NRRD, gzip", "gzip", [](const std::string& f) { return gzipped(f, data()); }, values),
       nrrd("NRRD, text", "text",
@@ -136,6 +175,8 @@ std::vector<WholeFile> volumes() {
        }},
       {"MetaImage, raw", "a.mha", "a.mha", false, true, '=', meta, metaHeader("MET_SHORT").size(),
        [](const std::string& f) { writeFile(in(f, "a.mha"), metaHeader("MET_SHORT") + data()); }},
+      {"MetaImage, big-endian", "a.mha", "a.mha", false, true, '=', meta, big_meta.size(),
+       [=](const std::string& f) { writeFile(in(f, "a.mha"), big_meta + bytesOf<std::int16_t>(shorts(), true)); }},
       {"MetaImage, zlib", "a.mha", "a.mha", false, true, '=', packed_meta, 0,
        [](const std::string& f) {
          ItkImage image = itkImageOf(plainLattice(), shorts());
@@ -184,11 +225,22 @@ std::vector<WholeFile> volumes() {
          const std::string bytes = readFile(in(f, "a.vdb"));
          writeFile(in(f, "a.vdb"), bytes.substr(0, bytes.size() - 16));
        }},
+      {"OpenVDB, several grids",
+       "a.vdb",
+       "a.vdb",
+       false,
+       false,
+       ':',
+       {},
+       900,
+       [](const std::string& f) { writeVdbGrids(in(f, "a.vdb")); }},
       {"InVesalius", "a.inv3", "a.inv3", false, false, ':', all, 0,
        [](const std::string& f) {
          writeTarGz(in(f, "a.inv3"), {{"main.plist", invesaliusPlist()}, {"matrix.dat", data()}});
        }},
-      {"DICOM slice", "s1.dcm", "", false, false, ':', {}, dicomSlice(1).size() - 40, writeDicom},
+      dicom("DICOM slice", kLittleEndianDicom, 40),
+      dicom("DICOM slice, big-endian", kBigEndianDicom, 40),
+      dicom("DICOM slice, deflated", kDeflatedDicom, deflatedBytes()),
   };
 }
 

@@ -46,6 +46,62 @@ TEST_F(Dicom, OrdersSlicesByPositionAndAppliesTheSlope) {
   EXPECT_EQ(volume.facts().rescale_intercept, -100);
 }
 
+TEST_F(Dicom, ReadsBigEndianAndDeflatedSlices) {
+  std::vector<double> values = rampValues(-30);
+  for (double& value : values) value = 2 * value - 100;
+  for (const char* syntax : {kBigEndianDicom, kDeflatedDicom}) {
+    DicomFields fields;
+    fields.syntax = syntax;
+    writeSeries(fields, {30, 32, 34});
+    EXPECT_EQ(loadVolume(folder_.path()).toDense(), asFloats(values)) << syntax;
+  }
+}
+
+// GDCM fills up with zeros what is missing.
+TEST_F(Dicom, RefusesLostPixelsInEverySyntax) {
+  for (const char* syntax : {kLittleEndianDicom, kBigEndianDicom, kDeflatedDicom}) {
+    DicomFields fields;
+    fields.syntax = syntax;
+    writeSeries(fields, {0, 2, 4});
+    fields.pixels = std::vector<double>(10, 1);  // of 20; the element is that short
+    fields.position = "10\\-20\\2";
+    writeSlice(fields, "s2.dcm");
+    refuses("slice s2.dcm is cut short or damaged");
+    fields.pixels = rampValues();
+    fields.pixels.resize(20);
+    const std::string whole = dicomBytes(fields);
+    for (const std::size_t lost : {1U, 2U, 8U, 20U}) {
+      writeFile(folder_.file("s2.dcm"), whole.substr(0, whole.size() - lost));
+      refuses("slice s2.dcm is cut short or damaged");
+    }
+    writeFile(folder_.file("s2.dcm"), whole + "x");
+    refuses("slice s2.dcm is cut short or damaged");
+  }
+}
+
+// A deflated data set of an odd number of bytes may have one byte of 0 behind it (PS3.5, A.5).
+TEST_F(Dicom, TakesThePaddingOfADeflatedSlice) {
+  DicomFields fields;
+  fields.syntax = kDeflatedDicom;
+  writeSeries(fields, {0, 2, 4});
+  const std::string whole = readFile(folder_.file("s2.dcm"));
+  writeFile(folder_.file("s2.dcm"), whole + std::string(1, '\0'));
+  EXPECT_NO_THROW(static_cast<void>(loadVolume(folder_.path())));
+  writeFile(folder_.file("s2.dcm"), whole + std::string(2, '\0'));
+  refuses("cut short or damaged");
+}
+
+// There is one frame at least, so its pixels must be there.
+TEST_F(Dicom, CountsPixelsWhateverTheNumberOfFramesIs) {
+  for (const char* frames : {"0", "-1"}) {
+    DicomFields fields;
+    fields.frames = frames;
+    fields.rows = 8;
+    writeSeries(fields, {0, 2, 4});
+    refuses("cut short or damaged");
+  }
+}
+
 // Coronal slices: rows run left, columns run down; the normal, row x column, is anterior to posterior.
 TEST_F(Dicom, KeepsObliqueOrientation) {
   for (int n = 0; n < 3; ++n) {
@@ -196,6 +252,52 @@ TEST_F(Dicom, RefusesBadOrMissingGeometry) {
   lost.pixels = std::vector<double>(20, 1);
   for (int n = 1; n < 4; ++n) writeSlice(lost, fmt::format("s{}.dcm", n));
   refuses("no position");
+}
+
+// GDCM puts the patient's axes and 1 mm where it understands none; a position of "nan" scrambled slices.
+TEST_F(Dicom, RefusesGeometryThatIsNoNumbers) {
+  for (const char* bad : {"nan", "inf", "-inf", "1e999", "1e300", "0x2", "2x", "2,0", "+-2", "", " "}) {
+    SCOPED_TRACE(bad);
+    DicomFields fields;
+    fields.position = fmt::format("0\\0\\{}", bad);
+    writeSeries({}, {0, 2, 4});
+    fields.pixels = std::vector<double>(20, 1);
+    writeSlice(fields, "s2.dcm");
+    refuses("ImagePositionPatient");
+    fields = {};
+    fields.orientation = fmt::format("1\\0\\0\\0\\{}\\0", bad);
+    writeSeries(fields, {0, 2, 4});
+    refuses("ImageOrientationPatient");
+    if (std::string(bad) == "1e300") continue;  // a pixel that large is refused for the memory or not at all
+    fields = {};
+    fields.pixel_spacing = fmt::format("{}\\0.5", bad);
+    writeSeries(fields, {0, 2, 4});
+    refuses("PixelSpacing");
+  }
+  for (const char* bad : {"0\\0\\0\\0\\0\\0", "1\\0\\0\\0\\2\\0", "1\\0\\0\\0\\1", "1\\0\\0\\0\\1\\0\\0"}) {
+    DicomFields fields;
+    fields.orientation = bad;
+    writeSeries(fields, {0, 2, 4});
+    refuses("ImageOrientationPatient");
+  }
+  for (const char* bad : {"nan", "two", "2\\2"}) {
+    DicomFields fields;
+    fields.spacing_between_slices = bad;
+    writeSeries(fields, {0, 2, 4});
+    refuses("SpacingBetweenSlices");
+  }
+}
+
+// As DICOM writes numbers (PS3.5, 6.2, DS): blanks around them, a sign, an exponent.
+TEST_F(Dicom, TakesDecimalStringsOfEveryForm) {
+  DicomFields fields;
+  fields.pixel_spacing = " +7.5E-1 \\ .5";
+  fields.orientation = "1.\\0\\-0\\ 0\\+1 \\0e5";
+  fields.spacing_between_slices = "-2";
+  writeSeries(fields, {0, 2, 4});
+  Lattice lattice = plainLattice();
+  lattice.origin_W = Vec3(0.010, -0.020, 0);
+  expectLattice(loadVolume(folder_.path()).lattice(), lattice, 1e-12);
 }
 
 TEST_F(Dicom, RefusesColour) {

@@ -1,7 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/volume/formats.hpp"
 
+#include <utility>
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include "engine/volume/magic.hpp"
 #include "engine/volume/memory_budget.hpp"
+#include "engine/volume/volume_file.hpp"
 #include "tests/engine/volume/files.hpp"
 
 namespace palpate {
@@ -38,6 +46,63 @@ TEST(LoadVolume, SaysWhatAFileIsWhoseSuffixLies) {
   refuses("a.dat", "NRRD0004\n", "NRRD data");
   refuses("a.stl", "solid", "use one of .nrrd");
   refuses("a.nrrd", "", "");
+}
+
+TEST(LoadVolume, RefusesAPartOfAFileThatHasNone) {
+  const TempFolder folder;
+  const Volume volume = loadVolume("phantom:sphere?size=8");
+  for (const auto& [file, format] : {std::pair("s.nrrd", "NRRD"), std::pair("s.nii", "NIfTI"),
+                                     std::pair("s.nii.gz", "NIfTI"), std::pair("s.mha", "MetaImage")}) {
+    saveVolume(volume, folder.file(file));
+    const std::string reason = fmt::format("it names a part, \"x\", and {} files have none", format);
+    expectLoadRefusal(folder.file(file) + "#x", reason);
+    expectRefusal([&] { static_cast<void>(loadVolume(folder.file(file) + "#x?nan=0")); }, folder.file(file) + "#x",
+                  reason);
+  }
+  writeFile(folder.file("a#x.nrrd"), readFile(folder.file("s.nrrd")));  // a name of its own
+  EXPECT_NO_THROW(static_cast<void>(loadVolume(folder.file("a#x.nrrd"))));
+}
+
+// What the system does not open or read is not damaged.
+TEST(LoadVolume, SaysThatAFileCannotBeOpened) {
+  const TempFolder folder;
+  std::vector<std::string> files;
+  for (const VolumeFormat& format : volumeFormats()) {
+    for (const std::string& suffix : format.suffixes) {
+      files.push_back(folder.file("a" + suffix));
+      writeFile(files.back(), "x");
+    }
+  }
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &before), 0);
+  const int next = dup(0);  // the lowest that is free
+  ASSERT_GE(next, 0);
+  close(next);
+  const rlimit none{static_cast<rlim_t>(next), before.rlim_max};
+  for (const std::string& file : files) {
+    ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &none), 0);
+    std::string words;
+    Error::Code code = Error::Code::kBadInput;
+    try {
+      static_cast<void>(loadVolume(file));
+    } catch (const Error& error) {
+      words = error.what();
+      code = error.code();
+    }
+    ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &before), 0);
+    EXPECT_THAT(words, testing::HasSubstr(": it cannot be opened or read: Too many open files; raise the limit"));
+    EXPECT_EQ(code, Error::Code::kIo) << file;
+  }
+}
+
+TEST(HeadOf, SaysThatAFileCannotBeRead) {
+  const TempFolder folder;
+  expectRefusal([&] { static_cast<void>(headOf(folder.path(), 10, "scan")); }, "scan", "Is a directory",
+                Error::Code::kIo);
+  expectRefusal([&] { static_cast<void>(headOf(folder.file("none"), 10, "scan")); }, "scan", "No such file",
+                Error::Code::kIo);
+  writeFile(folder.file("damaged"), "\x1f\x8b and no more");
+  EXPECT_EQ(headOf(folder.file("damaged"), 10, "scan"), "");
 }
 
 TEST(LoadVolume, RefusesGarbageUnderEverySuffix) {

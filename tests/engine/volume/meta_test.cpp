@@ -64,6 +64,35 @@ TEST_F(Meta, AppliesTheSlopeToIntensities) {
   EXPECT_EQ(volume.facts().rescale_slope, 0.5);
 }
 
+// Of "2 3" the first was taken, 0 made every voxel 0, and ITK has no words for the others.
+TEST_F(Meta, RefusesASlopeOrOffsetThatIsNotOneNumber) {
+  for (const std::string key : {"ElementToIntensityFunctionSlope", "ElementToIntensityFunctionOffset"}) {
+    for (const std::string bad : {"2 3", "inf", "-inf", "nan", "x", "2x", "1e999", ""}) {
+      refuses(metaHeader("MET_SHORT", key + " = " + bad + "\n") + data_,
+              key + " \"" + bad + "\" is not a finite number");
+    }
+  }
+  for (const std::string zero : {"0", "-0", "0.0"}) {
+    refuses(metaHeader("MET_SHORT", "ElementToIntensityFunctionSlope = " + zero + "\n") + data_, "Slope is 0");
+  }
+}
+
+// MetaIO takes as many as it needs, and of a word such as "1x" its first letters.
+TEST_F(Meta, RefusesAPlaceThatIsNotAllNumbers) {
+  for (const std::string key : {"Offset", "Position", "Origin", "ElementSpacing", "ElementSize"}) {
+    for (const std::string bad : {"1 2", "1 2 3 4", "1 2 3x", "1 2 nan", "1 2 inf", ""}) {
+      refuses(metaHeader("MET_SHORT", key + " = " + bad + "\n") + data_, key + " \"" + bad + "\" is not ");
+    }
+  }
+  for (const std::string key : {"TransformMatrix", "Rotation", "Orientation"}) {
+    for (const std::string bad :
+         {"1 0 0 0 1 0 0 0", "1 0 0 0 1 0 0 0 1 0", "1 0 0 0 1 0 0 0 1x", "nan 0 0 0 1 0 0 0 1"}) {
+      refuses(metaHeader("MET_SHORT", key + " = " + bad + "\n") + data_,
+              key + " \"" + bad + "\" is not 9 finite numbers");
+    }
+  }
+}
+
 TEST_F(Meta, RefusesBadSpacing) {
   for (const std::string spacing : {"0 1 1", "1 -1 1", "1 1 nan"}) {
     refuses(metaHeader("MET_SHORT", "ElementSpacing = " + spacing + "\n") + data_, "ElementSpacing");

@@ -229,6 +229,22 @@ TEST_F(Nifti, RefusesFormsThatPlaceNothing) {
   refuses(flat, "no length along axis k");
 }
 
+TEST_F(Nifti, RefusesAUnitThatThereIsNot) {
+  for (const int unit : {4, 5, 7, 8 + 6}) {
+    NiftiFields fields;
+    fields.units = unit;
+    refuses(fields, "xyzt_units");
+  }
+}
+
+TEST_F(Nifti, RefusesAHandednessThatIsNoNumber) {
+  for (const float bad : {std::nanf(""), std::numeric_limits<float>::infinity()}) {
+    NiftiFields fields;
+    fields.pixdim[0] = bad;
+    refuses(fields, "no place of a voxel");
+  }
+}
+
 TEST_F(Nifti, RefusesBadVoxelSizes) {
   for (const float size : {0.0F, -1.0F, std::numeric_limits<float>::infinity(), std::nanf("")}) {
     NiftiFields fields;

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
 #include "tests/engine/volume/samples.hpp"
 
 namespace palpate {
@@ -104,6 +106,25 @@ TEST_F(Nrrd, RefusesBadSpacing) {
   }
   refuses(nrrdHeader("int16", "raw", "", "space: LPS\nspace directions: (1,0,0) (0,0,0) (0,0,1)\n") + "\n" + data_,
           "zero vector");
+}
+
+// ITK puts 1 for what is no number.
+TEST_F(Nrrd, RefusesAnAxisThatHasNoSpacing) {
+  const auto header = [](const std::string& geometry) { return nrrdHeader("int16", "raw", "", geometry) + "\n"; };
+  refuses(header("spacings: 0.5 0.75 nan\n") + data_, "not positive");
+  refuses(header("spacings: 0.5 0.75 x\n") + data_, "not positive");
+  for (const std::string last : {"none", "(0,0)", "(0,0,1,0)"}) {
+    refuses(header("space: LPS\nspace directions: (1,0,0) (0,1,0) " + last + "\n") + data_, "not three vectors");
+  }
+  EXPECT_THAT(load(header("spacings: nan nan NaN\n") + data_).facts().remark, testing::HasSubstr("1 mm is assumed"));
+}
+
+TEST_F(Nrrd, ReadsHex) {
+  std::string digits;
+  for (const char c : data_) digits += fmt::format("{:02x}", static_cast<unsigned char>(c));
+  expectVolume(load(nrrdHeader("int16", "hex") + "\n" + digits + "\n"), plainLattice(), rampValues(-30));
+  refuses(nrrdHeader("int16", "hex") + "\n" + digits + "00", "more voxels than its header asks for");
+  refuses(nrrdHeader("int16", "hex") + "\n" + digits.substr(1) + " ", "fewer voxels than its header asks for");
 }
 
 TEST_F(Nrrd, RefusesShearedAxes) {

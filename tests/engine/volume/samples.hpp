@@ -28,6 +28,14 @@ inline void writeGzip(const std::string& path, const std::string& bytes) {
   archive_write_free(out);
 }
 
+// A stream of deflate alone: what gzip has between its header of 10 bytes and its trailer of 8.
+inline std::string deflated(const std::string& bytes) {
+  const TempFolder folder;
+  writeGzip(folder.file("gz"), bytes);
+  const std::string packed = readFile(folder.file("gz"));
+  return packed.substr(10, packed.size() - 18);
+}
+
 using Members = std::vector<std::pair<std::string, std::string>>;  // name, bytes
 
 inline void writeTarGz(const std::string& path, const Members& members) {
@@ -115,9 +123,14 @@ inline std::string metaHeader(const std::string& type, const std::string& geomet
          geometry + "DimSize = " + size + "\nElementType = " + type + "\nElementDataFile = " + data_file + "\n";
 }
 
-// --- DICOM, explicit VR little endian -------------------------------------------------------------------------------
+// --- DICOM, explicit VR ---------------------------------------------------------------------------------------------
+
+inline constexpr const char* kLittleEndianDicom = "1.2.840.10008.1.2.1";
+inline constexpr const char* kBigEndianDicom = "1.2.840.10008.1.2.2";
+inline constexpr const char* kDeflatedDicom = "1.2.840.10008.1.2.1.99";
 
 struct DicomFields {
+  std::string syntax = kLittleEndianDicom;
   std::string series = "1.2.3.4.5";
   std::string sop = "1.2.3.4.5.1";
   std::string position = "0\\0\\0";
@@ -128,51 +141,69 @@ struct DicomFields {
   int rows = 4;
   int columns = 5;
   int samples = 1;
-  std::vector<double> pixels;  // stored values, int16
+  std::string frames;                  // empty: not said
+  std::string spacing_between_slices;  // likewise
+  std::vector<double> pixels;          // stored values, int16
 };
 
-inline std::string dicomElement(int group, int element, const std::string& vr, std::string value) {
+inline std::string dicomElement(int group, int element, const std::string& vr, std::string value,
+                                bool big_endian = false) {
   if (value.size() % 2 != 0) value += vr == "UI" || vr == "OB" ? '\0' : ' ';
-  std::string bytes = bytesOf<std::uint16_t>({static_cast<double>(group), static_cast<double>(element)}) + vr;
+  const auto length = static_cast<double>(value.size());
+  std::string bytes =
+      bytesOf<std::uint16_t>({static_cast<double>(group), static_cast<double>(element)}, big_endian) + vr;
   if (vr == "OW" || vr == "OB") {
-    bytes += std::string(2, '\0') + bytesOf<std::uint32_t>({static_cast<double>(value.size())});
+    bytes += std::string(2, '\0') + bytesOf<std::uint32_t>({length}, big_endian);
   } else {
-    bytes += bytesOf<std::uint16_t>({static_cast<double>(value.size())});
+    bytes += bytesOf<std::uint16_t>({length}, big_endian);
   }
   return bytes + value;
 }
 
+// What precedes the data set; always little-endian.
+inline std::string dicomHead(const DicomFields& fields) {
+  const std::string ct = "1.2.840.10008.5.1.4.1.1.2";
+  const std::string meta = dicomElement(2, 0x0001, "OB", std::string("\0\1", 2)) + dicomElement(2, 0x0002, "UI", ct) +
+                           dicomElement(2, 0x0003, "UI", fields.sop) + dicomElement(2, 0x0010, "UI", fields.syntax) +
+                           dicomElement(2, 0x0012, "UI", "1.2.3");
+  return std::string(128, '\0') + "DICM" +
+         dicomElement(2, 0, "UL", bytesOf<std::uint32_t>({static_cast<double>(meta.size())})) + meta;
+}
+
 inline std::string dicomBytes(const DicomFields& fields) {
   const std::string ct = "1.2.840.10008.5.1.4.1.1.2";
-  const auto us = [](int value) { return bytesOf<std::uint16_t>({static_cast<double>(value)}); };
-  const std::string meta = dicomElement(2, 0x0001, "OB", std::string("\0\1", 2)) + dicomElement(2, 0x0002, "UI", ct) +
-                           dicomElement(2, 0x0003, "UI", fields.sop) +
-                           dicomElement(2, 0x0010, "UI", "1.2.840.10008.1.2.1") +
-                           dicomElement(2, 0x0012, "UI", "1.2.3");
+  const bool big_endian = fields.syntax == kBigEndianDicom;
+  const auto us = [&](int value) { return bytesOf<std::uint16_t>({static_cast<double>(value)}, big_endian); };
+  const auto element = [&](int group, int number, const std::string& vr, const std::string& value) {
+    return dicomElement(group, number, vr, value, big_endian);
+  };
   std::string set;
-  set += dicomElement(0x0008, 0x0016, "UI", ct);
-  set += dicomElement(0x0008, 0x0018, "UI", fields.sop);
-  set += dicomElement(0x0008, 0x0060, "CS", "CT");
-  set += dicomElement(0x0018, 0x0050, "DS", "9");  // slice thickness: must not be taken for the spacing
-  set += dicomElement(0x0020, 0x000d, "UI", "1.2.3.4");
-  set += dicomElement(0x0020, 0x000e, "UI", fields.series);
-  if (!fields.position.empty()) set += dicomElement(0x0020, 0x0032, "DS", fields.position);
-  set += dicomElement(0x0020, 0x0037, "DS", fields.orientation);
-  set += dicomElement(0x0028, 0x0002, "US", us(fields.samples));
-  set += dicomElement(0x0028, 0x0004, "CS", fields.samples == 1 ? "MONOCHROME2" : "RGB");
-  if (fields.samples != 1) set += dicomElement(0x0028, 0x0006, "US", us(0));
-  set += dicomElement(0x0028, 0x0010, "US", us(fields.rows));
-  set += dicomElement(0x0028, 0x0011, "US", us(fields.columns));
-  if (!fields.pixel_spacing.empty()) set += dicomElement(0x0028, 0x0030, "DS", fields.pixel_spacing);
-  set += dicomElement(0x0028, 0x0100, "US", us(16));
-  set += dicomElement(0x0028, 0x0101, "US", us(16));
-  set += dicomElement(0x0028, 0x0102, "US", us(15));
-  set += dicomElement(0x0028, 0x0103, "US", us(1));
-  set += dicomElement(0x0028, 0x1052, "DS", fields.intercept);
-  set += dicomElement(0x0028, 0x1053, "DS", fields.slope);
-  set += dicomElement(0x7fe0, 0x0010, "OW", bytesOf<std::int16_t>(fields.pixels));
-  return std::string(128, '\0') + "DICM" +
-         dicomElement(2, 0, "UL", bytesOf<std::uint32_t>({static_cast<double>(meta.size())})) + meta + set;
+  set += element(0x0008, 0x0016, "UI", ct);
+  set += element(0x0008, 0x0018, "UI", fields.sop);
+  set += element(0x0008, 0x0060, "CS", "CT");
+  set += element(0x0018, 0x0050, "DS", "9");  // slice thickness: must not be taken for the spacing
+  if (!fields.spacing_between_slices.empty()) {
+    set += element(0x0018, 0x0088, "DS", fields.spacing_between_slices);
+  }
+  set += element(0x0020, 0x000d, "UI", "1.2.3.4");
+  set += element(0x0020, 0x000e, "UI", fields.series);
+  if (!fields.position.empty()) set += element(0x0020, 0x0032, "DS", fields.position);
+  set += element(0x0020, 0x0037, "DS", fields.orientation);
+  set += element(0x0028, 0x0002, "US", us(fields.samples));
+  set += element(0x0028, 0x0004, "CS", fields.samples == 1 ? "MONOCHROME2" : "RGB");
+  if (fields.samples != 1) set += element(0x0028, 0x0006, "US", us(0));
+  if (!fields.frames.empty()) set += element(0x0028, 0x0008, "IS", fields.frames);
+  set += element(0x0028, 0x0010, "US", us(fields.rows));
+  set += element(0x0028, 0x0011, "US", us(fields.columns));
+  if (!fields.pixel_spacing.empty()) set += element(0x0028, 0x0030, "DS", fields.pixel_spacing);
+  set += element(0x0028, 0x0100, "US", us(16));
+  set += element(0x0028, 0x0101, "US", us(16));
+  set += element(0x0028, 0x0102, "US", us(15));
+  set += element(0x0028, 0x0103, "US", us(1));
+  set += element(0x0028, 0x1052, "DS", fields.intercept);
+  set += element(0x0028, 0x1053, "DS", fields.slope);
+  set += element(0x7fe0, 0x0010, "OW", bytesOf<std::int16_t>(fields.pixels, big_endian));
+  return dicomHead(fields) + (fields.syntax == kDeflatedDicom ? deflated(set) : set);
 }
 
 // --- InVesalius -----------------------------------------------------------------------------------------------------

@@ -101,7 +101,9 @@ TEST(DefaultIsovalue, RefusesAKeptOneThatPartsNothing) {
     Volume volume = halves(-1000, 2000);
     volume.keepIsovalue(kept);
     expectRefusal([&] { static_cast<void>(defaultIsovalue(volume)); }, "test",
-                  fmt::format("the isovalue {:g} that it keeps is outside its values, -1000 to 2000; try 226", kept));
+                  fmt::format("the isovalue {:g} that it keeps is {} its values, -1000 to 2000{}; try 226", kept,
+                              kept == 2000 ? "the highest of" : "outside",
+                              kept == 2000 ? ", and object is only what is denser" : ""));
     EXPECT_EQ(statisticsOf(volume).suggestions.at(0).isovalue, 226);
     EXPECT_NO_THROW(checkIsovalue(volume, 0));
   }
@@ -109,9 +111,13 @@ TEST(DefaultIsovalue, RefusesAKeptOneThatPartsNothing) {
 
 TEST(CheckIsovalue, RefusesValuesOutsideWithTheRangeAndSuggestions) {
   const Volume volume = halves(-1000, 2000);
-  for (const double isovalue : {-1000.5, 2000.0, 1e9, std::nan("")}) {
-    expectRefusal([&] { checkIsovalue(volume, isovalue); }, "test", "-1000 to 2000; try 226 (bone");
+  for (const double isovalue : {-1000.5, 1e9, std::nan("")}) {
+    expectRefusal([&] { checkIsovalue(volume, isovalue); }, "test",
+                  "is outside its values, -1000 to 2000; try 226 (bone");
   }
+  expectRefusal(
+      [&] { checkIsovalue(volume, 2000); }, "test",
+      "isovalue 2000 is the highest of its values, -1000 to 2000, and object is only what is denser; try 226");
   EXPECT_NO_THROW(checkIsovalue(volume, -1000));
   EXPECT_NO_THROW(checkIsovalue(volume, 1999.9));
 }

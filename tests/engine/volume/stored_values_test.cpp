@@ -15,8 +15,7 @@ class Stored : public testing::Test {
  protected:
   [[nodiscard]] StoredValues nrrd(const std::string& header, std::size_t value_bytes = 2) const {
     writeFile(path_, header);
-    const auto stored = nrrdStored(readTextHeader(path_, path_, TextFormat::kNrrd), path_, value_bytes, path_);
-    return stored.value_or(StoredValues{});
+    return nrrdStored(readTextHeader(path_, path_, TextFormat::kNrrd), path_, value_bytes, path_);
   }
   [[nodiscard]] StoredValues meta(const std::string& header) const {
     writeFile(path_, header);
@@ -98,12 +97,36 @@ TEST_F(Stored, OfAPatternAreAllThere) {
     return [&, text] { return readShorts(meta(metaHeader("MET_SHORT", "", text))); };
   };
   refuses(pattern("p%d 0 1 1"), "p1 is not there", Error::Code::kNotFound);
-  for (const std::string text : {"p%d", "p%d 0 1", "p%d 0 1 0", "p%d 1 0 1", "p%d 0 999999999 1", "p%d x 1 1"}) {
+  for (const std::string text :
+       {"p%d", "p%d 0 1", "p%d 0 1 0", "p%d 1 0 1", "p%d x 1 1", "p%d 0 1 -1", "p%d 0 9999999999 1"}) {
     refuses(pattern(text), "from which number to which");
   }
-  for (const std::string text : {"p%s 0 0 1", "p%n 0 0 1", "p%d%d 0 0 1", "p% 0 0 1", "p%9999d 0 0 1"}) {
+  // An image of 5 x 4 x 3 voxels has 12 rows: so many files it may have.
+  for (const std::string text : {"p%d 0 999999999 1", "p%d 0 12 1", "p%d 999999999 -999999999 -1"}) {
+    refuses(pattern(text), "12 are the most");
+  }
+  for (const std::string text :
+       {"p%s 0 0 1", "p%n 0 0 1", "p%d%d 0 0 1", "p% 0 0 1", "p%9999d 0 0 1", "data.raw 0 0 1 %"}) {
     refuses(pattern(text), "no name with one %d");
   }
+}
+
+// INT64_MIN / -1 is no number (it ended the program), and beyond INT64_MAX counting goes on for ever.
+TEST_F(Stored, OfAPatternHaveNumbersThatCanBeCounted) {
+  for (const std::string text :
+       {"a%d.raw 0 -9223372036854775808 -1", "a%d.raw 9223372036854775806 9223372036854775807 5",
+        "a%d.raw -9223372036854775807 9223372036854775807 9223372036854775807", "a%d.raw 0 1 -9223372036854775808",
+        "a%d.raw 0 99999999999999999999 1"}) {
+    refuses([&] { return meta(metaHeader("MET_SHORT", "", text)); }, "from which number to which");
+    refuses([&] { return nrrd(nrrdHeader("int16", "raw", "data file: " + text + "\n")); },
+            "from which number to which");
+  }
+}
+
+TEST_F(Stored, OfAListAreNoMoreThanRows) {
+  std::string names;
+  for (int n = 0; n < 13; ++n) names += "s\n";
+  refuses([&] { return meta(metaHeader("MET_SHORT", "", "LIST") + names); }, "more than 12 files");
 }
 
 TEST_F(Stored, SkipLinesAndBytes) {
@@ -190,9 +213,37 @@ TEST_F(Stored, FromAHeaderWithAFaultAreRefused) {
   refuses([&] { return meta(whole.substr(0, whole.find("ElementDataFile"))); }, "it has no end");
 }
 
-TEST_F(Stored, InHexAreLeftToTheLibrary) {
-  writeFile(path_, nrrdHeader("int16", "hex") + "\n00");
-  EXPECT_FALSE(nrrdStored(readTextHeader(path_, path_, TextFormat::kNrrd), path_, 2, path_));
+TEST_F(Stored, InHexAreReadToTheLastDigit) {
+  const std::string header = nrrdHeader("int16", "hex") + "\n";
+  EXPECT_EQ(readShorts(nrrd(header + "0100fEfF\n 03\t0\r\n0 00 80 \n"), 4), (std::vector<double>{1, -2, 3, -32768}));
+  std::string big = header;
+  big.replace(big.find("little"), 6, "big");
+  EXPECT_EQ(readShorts(nrrd(big + "0001fffe"), 2), (std::vector<double>{1, -2}));
+  writeFile(folder_.file("a.hex"), "xy01 00");
+  EXPECT_EQ(readShorts(nrrd(nrrdHeader("int16", "hex", "byte skip: 2\ndata file: a.hex\n")), 1),
+            (std::vector<double>{1}));
+  const auto fails = [&](const std::string& text, const std::string& why) {
+    try {
+      static_cast<void>(readShorts(nrrd(header + text), 2));
+      ADD_FAILURE() << text;
+    } catch (const std::runtime_error& error) {
+      EXPECT_THAT(error.what(), testing::HasSubstr(why)) << text;
+    }
+  };
+  fails("010002", "cannot hold");
+  fails("0100020 ", "fewer voxels");
+  fails("01000200f", "more voxels");
+  fails("01000200ff", "more voxels");
+  fails("0100020g", "no hexadecimal digit");
+  fails("0x010002", "no hexadecimal digit");
+  fails("01,000200", "no hexadecimal digit");
+  refuses([&] { return nrrd(nrrdHeader("int16", "hex", "byte skip: -1\ndata file: a.hex\n")); }, "not raw");
+}
+
+TEST_F(Stored, InAnEncodingThatNobodyReadsAreRefused) {
+  for (const std::string encoding : {"bzip2", "bz2", "gzipped", ""}) {
+    refuses([&] { return nrrd(nrrdHeader("int16", encoding) + "\n" + data_); }, "cannot be read");
+  }
 }
 
 }  // namespace

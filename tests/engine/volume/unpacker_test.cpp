@@ -3,6 +3,7 @@
 
 #include <array>
 #include <stdexcept>
+#include <system_error>
 
 #include "tests/engine/volume/samples.hpp"
 
@@ -43,6 +44,33 @@ class Unpacking : public testing::Test {
   TempFolder folder_;
   std::string path_ = folder_.file("a");
 };
+
+TEST_F(Unpacking, SaysWhatTheSystemSays) {
+  char byte = 0;
+  EXPECT_THROW(Unpacker(folder_.file("none"), 0, Packing::kNone), std::system_error);
+  EXPECT_THROW(static_cast<void>(Unpacker(folder_.path(), 0, Packing::kNone).read(&byte, 1)), std::system_error);
+}
+
+// The last block of the first stream unpacks to far more than it takes, so that nothing is left to read long before
+// all has come out.
+TEST(Inflated, IsAllOrNothing) {
+  for (const std::string& bytes : {content(1'000'000), std::string(3'000'000, 'a'), std::string()}) {
+    const std::string packed = deflated(bytes);
+    EXPECT_EQ(inflated(packed, bytes.size()), bytes);
+    EXPECT_EQ(inflated(packed + std::string(1, '\0'), bytes.size()), bytes);
+    for (const std::string& more : {std::string("x"), std::string(2, '\0'), packed}) {
+      EXPECT_FALSE(inflated(packed + more, bytes.size()));
+    }
+    for (const std::size_t lost : {std::size_t{1}, std::size_t{2}, packed.size() / 2, packed.size()}) {
+      EXPECT_FALSE(
+          inflated(std::string_view(packed).substr(0, packed.size() - std::min(lost, packed.size())), bytes.size()));
+    }
+    if (!bytes.empty()) {
+      EXPECT_FALSE(inflated(packed, bytes.size() - 1));
+    }
+  }
+  EXPECT_FALSE(inflated("no stream", 100));
+}
 
 TEST_F(Unpacking, GivesWhatWasPacked) {
   const std::string bytes = content(1'000'000);
