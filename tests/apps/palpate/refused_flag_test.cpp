@@ -67,7 +67,6 @@ const BadFlags kBadFlags[] = {
     {"FlagGivenTwice", {"--n", "1", "--n", "2"}, "--n: ", "it is given more than once; give it once; "},
     {"OtherUnit", {"--depth", "5um"}, "--depth", "'5um' is not what it takes; give a number from 0 to 100, in mm"},
     {"PlaceWithUnit", {"--start", "1cm,0,0"}, "--start", "give x,y,z, in mm"},
-    {"WithoutAUnit", {"--friction-static", "much"}, "--friction-static", "at most"},
     {"SecondVolume", {"phantom:box"}, "phantom:box", "not expected"},
 };
 
