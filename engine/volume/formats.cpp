@@ -63,6 +63,7 @@ const VolumeFormat& chooseByFile(const std::string& name, const std::string& pat
 const VolumeFormat& chooseByPath(const std::string& name, const std::string& path) {
   std::error_code failure;
   const fs::file_status status = fs::status(path, failure);
+  if (status.type() == fs::file_type::none) throw fs::filesystem_error(path, failure);  // it cannot be told
   if (fs::is_directory(status)) return formatNamed("DICOM series");
   if (!fs::exists(status)) {
     throw Error(Error::Code::kNotFound, name, "there is no such file or folder",

@@ -71,7 +71,7 @@ const Refusal kRefusals[] = {
     {"NotANumber", {"bench", "loop", "--seconds", "nan"}, "--seconds", "nan"},
     {"NegativeSeed", {"bench", "servo", "--seed", "-1"}, "--seed", "-1"},
     {"SeedThatIsNoNumber", {"bench", "servo", "--seed", "one"}, "--seed", "one"},
-    {"FileWithoutName", {"bench", "servo", "--json"}, "--json", "required"},
+    {"FileWithoutName", {"bench", "servo", "--json"}, "--json", "value is missing"},
     {"NoSuchFolder", {"bench", "servo", "--json", "nowhere/s.json"}, "nowhere/s.json", "cannot be created", 4},
     {"NoSuchFolderForTheChart", {"bench", "loop", "--chart", "nowhere/l.svg"}, "nowhere/l.svg", "cannot be created", 4},
     {"OneFileForTwo", {"bench", "servo", "--json", "a.out", "--csv", "./a.out"}, "./a.out", "two of the outputs"},

@@ -70,7 +70,7 @@ TEST_F(Objects, RefusalsNameTheObject) {
   expectRefusal(refused("ball:radius=5"), "--object 'ball:radius=5'", "no object of kind 'ball'", 2);
   expectRefusal(refused("mesh:file=none.stl"), "none.stl", "there is no such file", 3);
   write("words.stl", "these are words");
-  expectRefusal(refused("mesh:file=words.stl"), "words.stl", "cannot be read", 2);
+  expectRefusal(refused("mesh:file=words.stl"), "words.stl", "no STL file", 2);
   write("wide.obj", "v 0 0 0\nv 3000 0 0\nv 0 3000 0\nf 1 2 3\n");
   expectRefusal(refused("mesh:file=wide.obj"), "wide.obj", "the mesh is 3000 mm wide", 2);
 }
