@@ -55,7 +55,7 @@ std::vector<double> numbersOf(const DicomSlice& slice, const char* key, const ch
   if (good && numbers.size() == count) return numbers;
   refuse(source,
          fmt::format("the {} \"{}\" of slice {} is not {}", name, slice.tag(key), slice.name(),
-                     count == 1 ? "a number" : fmt::format("{} numbers of millimetres", count)),
+                     count == 1 ? "a finite number" : fmt::format("{} finite numbers", count)),
          "copy the series again");
 }
 

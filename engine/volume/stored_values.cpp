@@ -155,7 +155,13 @@ void checkPart(const StoredValues& values, StoredPart& part, double share, const
   const double stored = static_cast<double>(fileBytes(part.path, source)) - static_cast<double>(part.offset);
   const double wanted = share + static_cast<double>(values.skip_bytes);
   if (values.packing != Packing::kNone) return checkPackedPart(values, stored, wanted, source);
-  if (values.coding == Coding::kHex) return checkStoredBytes(source, stored, wanted + share, false);
+  if (values.coding == Coding::kHex) {  // blanks may stand between
+    if (stored >= wanted + share) return;
+    refuse(source,
+           fmt::format("its header asks for {:.0f} bytes of voxels, two digits each, and {:.0f} bytes cannot hold "
+                       "them",
+                       share, stored));
+  }
   if (values.coding == Coding::kWords) {
     const double least_voxels = share / 8;                                 // of the largest type
     return checkStoredBytes(source, stored, 2 * least_voxels - 1, false);  // a digit each, and a blank between them
