@@ -132,14 +132,21 @@ TEST_P(VolumeFile, IntegersStayWhatTheyWere) {
   }
 }
 
+// OpenVDB gives every file a new identity, 36 letters behind magic number, versions and a flag of 21 bytes in all; our
+// checksum, the last 16 bytes, covers it.
 TEST_P(VolumeFile, WritesTheSameBytesEveryTime) {
-  if (std::string(GetParam().file).ends_with(".vdb")) GTEST_SKIP() << "OpenVDB gives every file a new identity";
+  constexpr std::size_t kVdbHead = 21 + 36, kChecksum = 16;
+  const bool is_vdb = std::string(GetParam().file).ends_with(".vdb");
   const TempFolder folder;
   const Volume volume = awkward({9, 10, 11}, crooked(false));
-  save(volume, folder.file(GetParam().file));
-  const std::string first = readFile(folder.file(GetParam().file));
-  save(volume, folder.file(GetParam().file));
-  EXPECT_EQ(first, readFile(folder.file(GetParam().file)));
+  const auto bytes = [&] {
+    save(volume, folder.file(GetParam().file));
+    const std::string all = readFile(folder.file(GetParam().file));
+    return is_vdb ? all.substr(kVdbHead, all.size() - kVdbHead - kChecksum) : all;
+  };
+  const std::string first = bytes();
+  EXPECT_GT(first.size(), 1000U);
+  EXPECT_EQ(first, bytes());
 }
 
 // A sink that throws, as a full disk does, ends the writing with what it threw.
