@@ -9,6 +9,7 @@
 
 #include "base/error.hpp"
 #include "servo/objects/mesh_preparation.hpp"
+#include "stl_bytes.hpp"
 #include "support/test_meshes.hpp"
 #include "temporary_folder.hpp"
 
@@ -45,33 +46,6 @@ std::string plyText() {
   return text;
 }
 
-std::string stlText() {
-  std::string text = "solid box\n";
-  for (const auto& t : kBox.triangles) {
-    text += "facet normal 0 0 0\nouter loop\n";
-    for (const std::uint32_t c : t) {
-      const Vec3& v = kBox.vertices_W[c];
-      text += fmt::format("vertex {} {} {}\n", v.x(), v.y(), v.z());
-    }
-    text += "endloop\nendfacet\n";
-  }
-  return text + "endsolid box\n";
-}
-
-std::string binaryStl() {
-  std::string bytes(80, ' ');
-  const auto add = [&](auto value) { bytes.append(reinterpret_cast<const char*>(&value), sizeof value); };
-  add(static_cast<std::uint32_t>(kBox.triangles.size()));
-  for (const auto& t : kBox.triangles) {
-    for (int i = 0; i < 3; ++i) add(0.0F);
-    for (const std::uint32_t c : t) {
-      for (const double x : kBox.vertices_W[c]) add(static_cast<float>(x));
-    }
-    add(std::uint16_t{0});
-  }
-  return bytes;
-}
-
 class MeshFile : public testing::Test {
  protected:
   [[nodiscard]] std::string write(const std::string& name, const std::string& bytes) const {
@@ -95,8 +69,8 @@ class MeshFile : public testing::Test {
 };
 
 TEST_F(MeshFile, EveryFormatGivesTheBox) {
-  for (const std::string& file :
-       {write("a.obj", objText()), write("b.ply", plyText()), write("c.stl", stlText()), write("d.STL", binaryStl())}) {
+  for (const std::string& file : {write("a.obj", objText()), write("b.ply", plyText()), write("c.stl", stlText(kBox)),
+                                  write("d.STL", binaryStl(kBox))}) {
     TriangleMesh mesh = readMeshFile(file);
     for (Vec3& v : mesh.vertices_W) v *= 1e-3;
     const PreparedMesh prepared = prepareMesh(mesh, "box");
@@ -138,14 +112,14 @@ TEST_F(MeshFile, FilesThatLostSomethingAreRefused) {
   std::string more = whole;
   more.replace(more.find("element face 12"), 15, "element face 11");
   EXPECT_NE(refusal(write("more.ply", more)), "nothing");
-  const std::string text = stlText();
+  const std::string text = stlText(kBox);
   EXPECT_NE(refusal(write("text.stl", text.substr(0, text.find("endsolid")))), "nothing");
-  EXPECT_NE(refusal(write("binary.stl", binaryStl() + "more")), "nothing");
+  EXPECT_NE(refusal(write("binary.stl", binaryStl(kBox) + "more")), "nothing");
 }
 
 // A count of four thousand million in a header of a hundred bytes neither fills the memory nor ends the program.
 TEST_F(MeshFile, AbsurdCountsAreRefused) {
-  std::string stl = binaryStl();
+  std::string stl = binaryStl(kBox);
   const std::uint32_t many = 0xFFFFFFF0U;
   std::memcpy(stl.data() + 80, &many, sizeof many);
   EXPECT_NE(refusal(write("many.stl", stl)), "nothing");
@@ -155,7 +129,7 @@ TEST_F(MeshFile, AbsurdCountsAreRefused) {
 TEST_F(MeshFile, DamagedFilesAreReadOrRefused) {
   std::mt19937 random(5);
   const std::pair<const char*, std::string> files[] = {
-      {"a.obj", objText()}, {"b.ply", plyText()}, {"c.stl", stlText()}, {"d.stl", binaryStl()}};
+      {"a.obj", objText()}, {"b.ply", plyText()}, {"c.stl", stlText(kBox)}, {"d.stl", binaryStl(kBox)}};
   for (const auto& [name, whole] : files) {
     for (int i = 0; i < 40; ++i) {
       std::string bytes = whole;

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "refusal.hpp"
+#include "stl_bytes.hpp"
 
 namespace palpate {
 namespace {
@@ -29,33 +30,6 @@ TriangleMesh soup(std::uint32_t triangles) {
   return mesh;
 }
 
-std::string textOf(const TriangleMesh& mesh, const std::string& name = "a b c") {
-  std::string text = "solid " + name + "\n";
-  for (const auto& triangle : mesh.triangles) {
-    text += "  facet normal 0 0 1\n    outer loop\n";
-    for (const std::uint32_t corner : triangle) {
-      const Vec3& v = mesh.vertices_W[corner];
-      text += fmt::format("      vertex {} {} {}\n", v.x(), v.y(), v.z());
-    }
-    text += "    endloop\n  endfacet\n";
-  }
-  return text + "endsolid " + name + "\n";
-}
-
-std::string binaryOf(const TriangleMesh& mesh, std::string title = "solid") {
-  title.resize(80, ' ');
-  const auto add = [&](auto value) { title.append(reinterpret_cast<const char*>(&value), sizeof value); };
-  add(static_cast<std::uint32_t>(mesh.triangles.size()));
-  for (const auto& triangle : mesh.triangles) {
-    for (int n = 0; n < 3; ++n) add(0.0F);
-    for (const std::uint32_t corner : triangle) {
-      for (const double x : mesh.vertices_W[corner]) add(static_cast<float>(x));
-    }
-    add(std::uint16_t{0});
-  }
-  return title;
-}
-
 void expectSame(const TriangleMesh& mesh, const TriangleMesh& wanted) {
   EXPECT_EQ(mesh.vertices_W, wanted.vertices_W);
   EXPECT_EQ(mesh.triangles, wanted.triangles);
@@ -64,31 +38,31 @@ void expectSame(const TriangleMesh& mesh, const TriangleMesh& wanted) {
 TEST(StlFile, TextAndBinaryGiveTheirMesh) {
   for (const std::uint32_t triangles : {1U, 2U, 7U, 100U}) {
     const TriangleMesh mesh = soup(triangles);
-    expectSame(readStl(textOf(mesh), "some.file"), mesh);
-    expectSame(readStl(textOf(mesh, ""), "some.file"), mesh);
-    expectSame(readStl(binaryOf(mesh), "some.file"), mesh);
-    expectSame(readStl(binaryOf(mesh, "made by somebody"), "some.file"), mesh);
+    expectSame(readStl(stlText(mesh), "some.file"), mesh);
+    expectSame(readStl(stlText(mesh, ""), "some.file"), mesh);
+    expectSame(readStl(binaryStl(mesh), "some.file"), mesh);
+    expectSame(readStl(binaryStl(mesh, "made by somebody"), "some.file"), mesh);
   }
   EXPECT_TRUE(readStl("solid\nendsolid", "some.file").triangles.empty());
 }
 
 // Upper case, all line ends, several solids, and what some writers have for the normal of a triangle without area.
 TEST(StlFile, TextInAnyGuise) {
-  std::string text = textOf(soup(2), "");
+  std::string text = stlText(soup(2), "");
   text.replace(text.find("0 0 1"), 5, "-nan(ind) -1.#IND nan");
   for (char& c : text) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
   expectSame(readStl("\n " + text + "\n\n", "some.file"), soup(2));
   for (const std::string line_end : {"\r", "\r\n"}) {
     std::string other;
-    for (const char c : textOf(soup(3))) other += c == '\n' ? line_end : std::string(1, c);
+    for (const char c : stlText(soup(3))) other += c == '\n' ? line_end : std::string(1, c);
     expectSame(readStl(other, "some.file"), soup(3));
   }
-  EXPECT_EQ(readStl(textOf(soup(2)) + textOf(soup(3)), "some.file").triangles.size(), 5U);
+  EXPECT_EQ(readStl(stlText(soup(2)) + stlText(soup(3)), "some.file").triangles.size(), 5U);
 }
 
 // Wherever the text is cut before `endsolid` is whole. After it only the name is shorter.
 TEST(StlFile, TextWithoutItsEndIsRefused) {
-  const std::string text = textOf(soup(3));
+  const std::string text = stlText(soup(3));
   const std::size_t end = text.find("endsolid") + 8;
   for (std::size_t length = 0; length < end; ++length) {
     ASSERT_NE(refusal(text.substr(0, length)), "") << text.substr(0, length);
@@ -102,7 +76,7 @@ TEST(StlFile, TextWithoutItsEndIsRefused) {
 
 // Every word has its place: without any one of them another stands there.
 TEST(StlFile, AWordLostIsSeen) {
-  const std::string text = textOf(soup(2), "");
+  const std::string text = stlText(soup(2), "");
   for (std::size_t at = 0; (at = text.find_first_not_of(" \n", at)) != std::string::npos;) {
     const std::size_t end = text.find_first_of(" \n", at);
     std::string lost = text;
@@ -113,10 +87,10 @@ TEST(StlFile, AWordLostIsSeen) {
 }
 
 TEST(StlFile, MessagesNameTheLine) {
-  std::string text = textOf(soup(2));
+  std::string text = stlText(soup(2));
   text.replace(text.find("outer"), 5, "inner");
   EXPECT_THAT(refusal(text), HasSubstr("its line 3 has \"inner\" where outer should be"));
-  std::string word = textOf(soup(1));
+  std::string word = stlText(soup(1));
   word.replace(word.find("vertex") + 7, 1, "z");
   EXPECT_THAT(refusal(word), HasSubstr("where a number should be"));
   for (const std::string value : {"nan", "inf", "-inf"}) {
@@ -127,7 +101,7 @@ TEST(StlFile, MessagesNameTheLine) {
 }
 
 TEST(StlFile, ABinaryFileOfAnotherLengthIsRefused) {
-  const std::string whole = binaryOf(soup(4));
+  const std::string whole = binaryStl(soup(4));
   for (std::size_t length = 0; length < whole.size(); ++length)
     ASSERT_NE(refusal(whole.substr(0, length)), "") << length;
   for (const std::size_t more : {1, 12, 17, 50, 1000}) {

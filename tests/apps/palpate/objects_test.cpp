@@ -53,6 +53,16 @@ TEST_F(Objects, SceneFileAndFlagsAdd) {
   EXPECT_EQ(summary["scene"]["objects"].size(), 2U);
 }
 
+// A sheet has no inside; and the tool begins within the box.
+TEST_F(Objects, WhatIsOddAboutOneIsTold) {
+  write("sheet.obj", "v 0 0 0\nv 9 0 0\nv 0 9 0\nf 1 2 3\n");
+  static_cast<void>(
+      touch({"--object", "mesh:position=200,0,0:file=sheet.obj", "--object", "box:centre=100,0,10:size=2,2,2"}));
+  const json notes = json::parse(contentsOf(file("out/summary.json")))["notes"];
+  EXPECT_THAT(notes.dump(), testing::HasSubstr("sheet.obj: the mesh is not closed, so it is touched from both sides"));
+  EXPECT_THAT(notes.dump(), testing::HasSubstr("box:centre=100,0,10:size=2,2,2"));
+}
+
 TEST_F(Objects, TheGodObjectTouchesTheIsosurfacesMesh) {
   expectSuccess(run(quickTouch("phantom:sphere?size=24", {"--algorithm", "god-object"})));
   const json summary = json::parse(contentsOf(file("out/summary.json")));
