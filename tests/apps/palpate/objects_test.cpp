@@ -60,7 +60,7 @@ TEST_F(Objects, WhatIsOddAboutOneIsTold) {
       touch({"--object", "mesh:position=200,0,0:file=sheet.obj", "--object", "box:centre=100,0,10:size=2,2,2"}));
   const json notes = json::parse(contentsOf(file("out/summary.json")))["notes"];
   EXPECT_THAT(notes.dump(), testing::HasSubstr("sheet.obj: the mesh is not closed, so it is touched from both sides"));
-  EXPECT_THAT(notes.dump(), testing::HasSubstr("box:centre=100,0,10:size=2,2,2"));
+  EXPECT_THAT(notes.dump(), testing::HasSubstr("object 2 (box): the tool starts inside it"));
 }
 
 TEST_F(Objects, TheGodObjectTouchesTheIsosurfacesMesh) {

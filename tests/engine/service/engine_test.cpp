@@ -210,6 +210,16 @@ TEST(Engine, RefusesToDrawWhatWasNotPlanned) {
   EXPECT_THROW((void)p.engine.draw({}), Error);
 }
 
+// Before edits are allowed nothing has changed, and nothing can be read back.
+TEST(Engine, WithoutEditsTheVolumeIsAtItsFirstVersion) {
+  Prepared p;
+  const std::vector<float> before = p.volume.toDense();
+  EXPECT_EQ(p.engine.editVersion(), 0U);
+  EXPECT_EQ(p.engine.readBack(p.volume), 0U);
+  EXPECT_EQ(p.volume.toDense(), before);
+  EXPECT_THROW(p.engine.edit({}, 0), Error);
+}
+
 // The window after an edit carries its version and holds the edited volume, in the box of the last one.
 TEST(Engine, PublishesTheEditedVolumeWithItsVersion) {
   Prepared p(true);
