@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "base/error.hpp"
@@ -208,6 +209,26 @@ TEST(Engine, SaysWhatItLeftOut) {
 TEST(Engine, RefusesToDrawWhatWasNotPlanned) {
   Prepared p;
   EXPECT_THROW((void)p.engine.draw({}), Error);
+}
+
+// A budget that is a byte short of the densities is refused for them, before anything is uploaded; one that holds them
+// and no sample is refused for those.
+TEST(Engine, SaysWhatExceedsTheBudget) {
+  const Volume volume = knot();
+  const std::uint64_t densities = volume.storedBricks() * kBrickVoxels * sizeof(float);
+  const auto refusal = [&](std::uint64_t budget) -> std::string {
+    try {
+      const Engine engine(volume, Prepared::plan(false, false), 0, "", budget);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), Error::Code::kOutOfMemory);
+      return error.what();
+    }
+    return "nothing";
+  };
+  EXPECT_THAT(refusal(densities - 1), testing::HasSubstr("its densities take"));
+  EXPECT_THAT(refusal(densities), testing::Not(testing::HasSubstr("its densities take")));
+  EXPECT_THAT(refusal(densities), testing::HasSubstr("samples at its surface"));
+  EXPECT_EQ(refusal(10 * densities + (std::uint64_t{1} << 30U)), "nothing");
 }
 
 // Before edits are allowed nothing has changed, and nothing can be read back.
