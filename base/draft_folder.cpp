@@ -29,7 +29,7 @@ int openFolder(const fs::path& name) {
   return open(name.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
 }
 
-void removeIfLeft(const fs::path& name) {
+void removeDraftIfLeft(const fs::path& name) {
   const int descriptor = openFolder(name);
   if (descriptor < 0) return;
   std::error_code ignored;
@@ -42,7 +42,7 @@ void removeLeftDrafts(const fs::path& parent, const std::string& prefix) {
   std::error_code error;
   for (fs::directory_iterator entry(parent, error); !error && entry != fs::directory_iterator(); entry.increment(error))
     if (isDraft(entry->path().filename().native(), prefix)) names.push_back(entry->path());
-  for (const fs::path& name : names) removeIfLeft(name);
+  for (const fs::path& name : names) removeDraftIfLeft(name);
 }
 
 }  // namespace

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "base/error.hpp"
 
+#include <cmath>
+
+#include <fmt/format.h>
+
 #include "base/one_line.hpp"
 
 namespace palpate {
@@ -10,6 +14,18 @@ Error::Error(Code code, const std::string& input, const std::string& reason, con
     : std::runtime_error(oneLine(input + ": " + reason + "; " + remedy)),
       code_(code),
       parts_(std::make_shared<const Parts>(Parts{oneLine(input), oneLine(reason), oneLine(remedy)})) {}
+
+void refuse(const std::string& input, const std::string& reason, const std::string& remedy) {
+  throw Error(Error::Code::kBadInput, input, reason, remedy);
+}
+
+void refuseDamaged(const std::string& file, const std::string& reason) {
+  refuse(file, reason, "the file may be cut short or damaged: copy or write it again");
+}
+
+void checkSetting(bool good, const std::string& name, double value, const std::string& remedy) {
+  if (!good || !std::isfinite(value)) refuse(name, fmt::format("{:g} cannot be used", value), remedy);
+}
 
 int exitStatus(Error::Code code) noexcept {
   switch (code) {

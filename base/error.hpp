@@ -38,6 +38,15 @@ class Error : public std::runtime_error {
   std::shared_ptr<const Parts> parts_;  // shared, so that a copy cannot fail
 };
 
+// Throws Error(kBadInput).
+[[noreturn]] void refuse(const std::string& input, const std::string& reason, const std::string& remedy);
+
+// The same for a file whose content cannot be right, with the remedy to copy it again.
+[[noreturn]] void refuseDamaged(const std::string& file, const std::string& reason);
+
+// Refuses the value of a parameter, "stiffness: -1 cannot be used; give 0 or more", unless it is `good` and finite.
+void checkSetting(bool good, const std::string& name, double value, const std::string& remedy);
+
 // The process's exit status for an error code: 2 bad input, 3 not found, 4 I/O, 5 memory, 6 device, 130 cancelled.
 [[nodiscard]] int exitStatus(Error::Code code) noexcept;
 

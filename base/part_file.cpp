@@ -41,7 +41,7 @@ bool isPlainFile(int descriptor) {
   return fstat(descriptor, &facts) == 0 && S_ISREG(facts.st_mode);
 }
 
-void removeIfLeft(const fs::path& name) {
+void removePartIfLeft(const fs::path& name) {
   const int descriptor = open(name.c_str(), O_RDWR | O_NONBLOCK | O_NOFOLLOW | O_CLOEXEC);
   if (descriptor < 0) return;
   if (isPlainFile(descriptor) && isAbandoned(name, descriptor)) unlink(name.c_str());
@@ -55,7 +55,7 @@ void sweep(const fs::path& folder, const IsMeant& is_meant) {
   for (; !error && entry != fs::directory_iterator(); entry.increment(error)) {
     const std::string name = entry->path().filename().native();
     const std::string_view target = targetOf(name);
-    if (!target.empty() && is_meant(target)) removeIfLeft(entry->path());
+    if (!target.empty() && is_meant(target)) removePartIfLeft(entry->path());
   }
 }
 

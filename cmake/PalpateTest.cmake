@@ -1,6 +1,13 @@
 # palpate_test(servo_window_exchange SOURCES exchange_test.cpp DEPENDS servo_window [LIBRARIES ...] [USES ...]
 #              [LABELS short-asan-ubsan short-tsan] [GPU])
-# One small binary per test file. It sees the rooms that it names and all that those name. GPU: runs under the Vulkan validation layer, and any message of it fails the test.
+# A program of its own, and one test that runs it. It sees the rooms that it names and all that those name. GPU: runs under
+# the Vulkan validation layer, and any message of it fails the test.
+#
+# palpate_tests(servo_objects TESTS shapes hybrid ... [SOURCES helper.cpp ...] and the rest as above)
+# The same for several files that need the same: one program, since most of its time goes into headers and linking, and
+# for each x of TESTS a test servo_objects_x that runs what is in x_test.cpp. Each file has a namespace of its own name, so
+# that several can be compiled at once.
+#
 # A label short-PRESET makes the test part of the short sanitizer run of `./dev test` under that preset; the target of the
 # same name builds those tests.
 find_package(GTest REQUIRED)
@@ -21,28 +28,67 @@ set(PALPATE_TEST_OPTIONS $<$<CONFIG:Release>:-O1>)
 target_compile_options(palpate_test_pch PRIVATE ${PALPATE_TEST_OPTIONS})
 set_target_properties(palpate_test_pch PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/test-bin)
 
-function(palpate_test name)
+# Helpers of tests are included by their path: "tests/engine/files/samples.hpp".
+set(PALPATE_TEST_ROOT ${CMAKE_BINARY_DIR}/test-root)
+file(MAKE_DIRECTORY ${PALPATE_TEST_ROOT})
+file(CREATE_LINK ${PROJECT_SOURCE_DIR}/tests ${PALPATE_TEST_ROOT}/tests SYMBOLIC)
+
+# The program `target` from `SOURCES`.
+function(palpate_test_program target)
   cmake_parse_arguments(TEST "GPU" "" "SOURCES;DEPENDS;LIBRARIES;USES;LABELS" ${ARGN})
-  set(target test_${name})
   add_executable(${target} ${TEST_SOURCES})
   set_target_properties(${target} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/test-bin)
   target_compile_options(${target} PRIVATE ${PALPATE_TEST_OPTIONS})
   target_precompile_headers(${target} REUSE_FROM palpate_test_pch)
+  target_include_directories(${target} PRIVATE ${CMAKE_CURRENT_SOURCE_DIR} ${PALPATE_TEST_ROOT})
   palpate_all_rooms(rooms ${TEST_DEPENDS})
   palpate_use_rooms(${target} ${rooms})
-  target_link_libraries(${target} PRIVATE palpate_compiler ${TEST_LIBRARIES} GTest::gmock)
+  target_link_libraries(${target} PRIVATE palpate_compiler Eigen3::Eigen fmt::fmt ${TEST_LIBRARIES} GTest::gmock)
   if(TEST_GPU)
     target_link_libraries(${target} PRIVATE palpate_gpu_test_main)
-    list(APPEND TEST_LABELS gpu)
   else()
-    target_link_libraries(${target} PRIVATE GTest::gtest_main)
+    target_link_libraries(${target} PRIVATE palpate_test_main)
   endif()
   palpate_fence(${target} ${TEST_USES})
-  add_test(NAME ${name} COMMAND ${target})
-  set_tests_properties(${name} PROPERTIES LABELS "${TEST_LABELS}" TIMEOUT ${PALPATE_TEST_TIMEOUT})
   foreach(label IN LISTS TEST_LABELS)
     if(label MATCHES "^short-")
       add_dependencies(${label} ${target})
     endif()
+  endforeach()
+endfunction()
+
+function(palpate_test name)
+  cmake_parse_arguments(TEST "GPU" "" "SOURCES;DEPENDS;LIBRARIES;USES;LABELS" ${ARGN})
+  palpate_test_program(test_${name} ${ARGN})
+  if(TEST_GPU)
+    list(APPEND TEST_LABELS gpu)
+  endif()
+  add_test(NAME ${name} COMMAND test_${name})
+  set_tests_properties(${name} PROPERTIES LABELS "${TEST_LABELS}" TIMEOUT ${PALPATE_TEST_TIMEOUT})
+endfunction()
+
+# PROGRAM: the target's name without "test_", where it is not the room's; APART: files that are compiled alone.
+function(palpate_tests room)
+  cmake_parse_arguments(TEST "GPU" "PROGRAM" "TESTS;SOURCES;APART;DEPENDS;LIBRARIES;USES;LABELS" ${ARGN})
+  if(NOT TEST_PROGRAM)
+    set(TEST_PROGRAM ${room})
+  endif()
+  set(sources ${TEST_TESTS})
+  list(TRANSFORM sources APPEND _test.cpp)
+  if(PALPATE_JOIN)
+    palpate_join(test_${TEST_PROGRAM} sources SOURCES ${sources} APART ${TEST_APART})
+  endif()
+  set(gpu "")
+  if(TEST_GPU)
+    set(gpu GPU)
+  endif()
+  palpate_test_program(test_${TEST_PROGRAM} ${gpu} SOURCES ${sources} ${TEST_SOURCES} DEPENDS ${TEST_DEPENDS}
+    LIBRARIES ${TEST_LIBRARIES} USES ${TEST_USES} LABELS ${TEST_LABELS})
+  if(TEST_GPU)
+    list(APPEND TEST_LABELS gpu)
+  endif()
+  foreach(test IN LISTS TEST_TESTS)
+    add_test(NAME ${room}_${test} COMMAND test_${TEST_PROGRAM} --only ${test}_test.cpp)
+    set_tests_properties(${room}_${test} PROPERTIES LABELS "${TEST_LABELS}" TIMEOUT ${PALPATE_TEST_TIMEOUT})
   endforeach()
 endfunction()

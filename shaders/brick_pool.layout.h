@@ -16,7 +16,7 @@
 #define BRICKS_PER_SAMPLE_SLAB 16384u   // x 8 KiB = 128 MiB: bricks of samples as floats; as halves, twice as many
 // Flag in BrickTask.sample_slot: the kernel decides by the bounds whether the isosurface needs the brick's samples.
 #define IF_ACTIVE 0x80000000u
-#define GROUPS_PER_ROW 32768u           // a long list of work groups is folded into rows: x is limited to 65535
+#define GROUPS_PER_ROW 32768u  // a long list of work groups is folded into rows: x is limited to 65535
 
 // Bindings of every kernel that reads the pool. A kernel's own buffers follow from BINDING_OWN on.
 #define BINDING_PAGES 0

@@ -14,7 +14,7 @@
 #define EDIT_CUT 4u
 #define EDIT_STAMP_ADD 5u
 #define EDIT_STAMP_REMOVE 6u
-#define EDIT_SMOOTH 7u   // this kind and those after it read a voxel's neighbours
+#define EDIT_SMOOTH 7u  // this kind and those after it read a voxel's neighbours
 #define EDIT_INFLATE 8u
 #define EDIT_DEFLATE 9u
 #define EDIT_KINDS 10u
@@ -56,9 +56,9 @@ struct EditCommand {
   float isovalue, background, object;  // [density]
   float slope;                         // of the density ramp across a new surface [density/m]
   float material_low, material_inv_range, material_drop;  // remove: strength * (1 - drop * share of the range)
-  uint stamp_first;                    // the stamp's first distance in the stamp buffer
-  uint stamp_x, stamp_y, stamp_z;      // size of the stamp's lattice [voxel of the stamp]
-  float m_xx, m_xy, m_xz, m_xt;        // position [m] to the stamp's lattice [voxel of the stamp]
+  uint stamp_first;                                       // the stamp's first distance in the stamp buffer
+  uint stamp_x, stamp_y, stamp_z;                         // size of the stamp's lattice [voxel of the stamp]
+  float m_xx, m_xy, m_xz, m_xt;                           // position [m] to the stamp's lattice [voxel of the stamp]
   float m_yx, m_yy, m_yz, m_yt;
   float m_zx, m_zy, m_zz, m_zt;
 };

@@ -28,17 +28,17 @@
 #define DISTANCE_EDGE_SQUARE 7  // their squares
 #define DISTANCE_TAPS 10
 
-#define DISTANCE_NONE 0u             // in place of a word: nothing is known, not even the voxel's side
-#define DISTANCE_PARTS 8             // steps of an offset per voxel
-#define DISTANCE_POINT_BITS 7        // bits of each component of the surface point
+#define DISTANCE_NONE 0u       // in place of a word: nothing is known, not even the voxel's side
+#define DISTANCE_PARTS 8       // steps of an offset per voxel
+#define DISTANCE_POINT_BITS 7  // bits of each component of the surface point
 #define DISTANCE_POINT_MIDDLE 64
-#define DISTANCE_POINT 0x1fffffu     // mask of the surface point
-#define DISTANCE_ACROSS_BITS 3       // bits of each component of the voxel across
+#define DISTANCE_POINT 0x1fffffu  // mask of the surface point
+#define DISTANCE_ACROSS_BITS 3    // bits of each component of the voxel across
 #define DISTANCE_ACROSS_FIRST 21
 #define DISTANCE_ACROSS 0x3fe00000u  // mask of the voxel across
 #define DISTANCE_INSIDE 0x80000000u
-#define DISTANCE_LEFT 0.5f           // a surface point is taken to lie this far off the surface at most [unit]
-#define DISTANCE_FARTHEST 4096.0f    // squared [1/8 unit]: eight units; no band reaches farther
-#define DISTANCE_NOWHERE 1e38f       // squared: above every true distance
+#define DISTANCE_LEFT 0.5f         // a surface point is taken to lie this far off the surface at most [unit]
+#define DISTANCE_FARTHEST 4096.0f  // squared [1/8 unit]: eight units; no band reaches farther
+#define DISTANCE_NOWHERE 1e38f     // squared: above every true distance
 
 #endif

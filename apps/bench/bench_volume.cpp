@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "engine/field/isosurface_mesh.hpp"
 #include "engine/reference/window.hpp"
-#include "engine/volume/isosurface_mesh.hpp"
 
 namespace palpate {
 namespace {

@@ -15,8 +15,8 @@
 
 #include "base/triangle_mesh.hpp"
 #include "engine/passes/window_pass.hpp"
+#include "engine/phantoms/phantom.hpp"
 #include "engine/reference/dense_field.hpp"
-#include "engine/volume/phantom.hpp"
 #include "servo/algorithms/algorithm.hpp"
 #include "servo/window/sample_window.hpp"
 
@@ -34,7 +34,7 @@ class BenchVolume {
   [[nodiscard]] double voxel_m() const noexcept { return phantom_->lattice().smallestSpacing(); }
   [[nodiscard]] const Vec3i& size() const noexcept { return phantom_->size(); }
 
-  // For algorithms that touch a mesh (engine/volume/isosurface_mesh.hpp).
+  // For algorithms that touch a mesh (engine/field/isosurface_mesh.hpp).
   [[nodiscard]] const std::shared_ptr<const TriangleMesh>& isosurface() const noexcept { return isosurface_; }
 
   // The least number of voxels between the point and a face of the volume; negative outside [voxel].

@@ -14,16 +14,16 @@
 #include "apps/bench/random.hpp"
 #include "apps/bench/scratch_folder.hpp"
 #include "apps/console/interrupt.hpp"
+#include "base/quantile.hpp"
 #include "base/stopwatch.hpp"
 #include "engine/gpu/gpu_info.hpp"
 #include "engine/journal/journal_writer.hpp"
 #include "engine/service/engine.hpp"
-#include "servo/loop/quantile.hpp"
 
 namespace palpate {
 namespace {
 
-constexpr const char* kWork = "palpate bench edit";
+constexpr const char* kEditBench = "palpate bench edit";
 constexpr double kTargetRadius_voxel = 8;
 constexpr std::size_t kRecomputes = 3;  // of each volume and radius; more of what the target is about
 constexpr std::size_t kTurn = 8;  // edits of one volume before the next has its turn, as a stroke's follow one another
@@ -31,10 +31,6 @@ constexpr std::size_t kTurn = 8;  // edits of one volume before the next has its
 using flat_volume::kIsovalue;
 using flat_volume::kPlane_voxel;
 using flat_volume::kSpacing_m;
-
-double median(std::vector<double> values) {
-  return percentiles(std::move(values)).p50;
-}
 
 // Milliseconds of every edit, by stage.
 using Times = std::map<std::string, std::vector<double>>;
@@ -133,12 +129,7 @@ class Session {
   }
 
  private:
-  [[nodiscard]] Plan plan() const {
-    Scene scene;
-    scene.picture = false;
-    scene.gradient_all = all_;
-    return makePlan(scene);
-  }
+  [[nodiscard]] Plan plan() const { return makePlan({.gradient_all = all_}); }
   [[nodiscard]] Vec3 centre_W() const { return Vec3(size_ / 2, size_ / 2, size_ / 2 + kPlane_voxel) * kSpacing_m; }
   [[nodiscard]] std::vector<BrickContent> contentOf(const std::vector<std::uint32_t>& bricks) const {
     std::vector<BrickContent> contents;
@@ -230,7 +221,7 @@ class EditBench {
 
  private:
   void open(int size, bool all) {
-    throwIfInterrupted(kWork);
+    throwIfInterrupted(kEditBench);
     progress_.stage(fmt::format("preparing {0} x {0} x {0} voxels", size));
     sessions_.push_back(std::make_unique<Session>(size, all, request_.gpu));
   }
@@ -245,7 +236,7 @@ class EditBench {
       edits.emplace_back(n % 4 < 2 ? EditKind::kRemove : EditKind::kAdd, offset);
     }
     const auto one = [&](Session& session, std::size_t n) {
-      throwIfInterrupted(kWork);
+      throwIfInterrupted(kEditBench);
       session.edit(edits[n].first, edits[n].second, radius, n % 2 != 0);
     };
     for (const auto& session : sessions_) {  // warms up

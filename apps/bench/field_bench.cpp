@@ -11,7 +11,8 @@
 #include "apps/bench/failure.hpp"
 #include "apps/console/interrupt.hpp"
 #include "apps/rivals/itk_rivals.hpp"
-#include "servo/loop/quantile.hpp"
+#include "base/quantile.hpp"
+#include "engine/files/volume_file.hpp"
 
 namespace palpate {
 namespace {
@@ -19,10 +20,6 @@ namespace {
 constexpr const char* kOwn = "Palpate";
 constexpr const char* kCopy = "copy";
 constexpr double kNoise = 0.05;  // standard deviation, as a share of the phantom's contrast
-
-double median(std::vector<double> values) {
-  return percentiles(std::move(values)).p50;
-}
 
 }  // namespace
 

@@ -20,10 +20,10 @@
 #include "apps/console/progress.hpp"
 #include "apps/rivals/openvdb_rivals.hpp"
 #include "apps/rivals/python_rivals.hpp"
+#include "engine/field/volume.hpp"
 #include "engine/gpu/gpu.hpp"
 #include "engine/gpu/transfer.hpp"
 #include "engine/passes/brick_pool.hpp"
-#include "engine/volume/volume.hpp"
 
 namespace palpate {
 

@@ -2,7 +2,7 @@
 // apps/bench/flat_volume.hpp: what the edit bench edits: the same surface in volumes of any size. Any thread.
 #pragma once
 
-#include "engine/volume/volume.hpp"
+#include "engine/field/volume.hpp"
 
 namespace palpate::flat_volume {
 

@@ -7,12 +7,12 @@
 #include <string>
 #include <vector>
 
+#include "engine/field/volume.hpp"
 #include "engine/passes/brick_bounds_pass.hpp"
 #include "engine/passes/brick_pool.hpp"
 #include "engine/passes/gradient_pass.hpp"
 #include "engine/passes/sample_store.hpp"
 #include "engine/passes/window_pass.hpp"
-#include "engine/volume/volume.hpp"
 
 namespace palpate {
 

@@ -8,12 +8,13 @@
 #include <fmt/format.h>
 
 #include "apps/bench/resident_chain.hpp"
+#include "engine/field/statistics.hpp"
+#include "engine/files/volume_file.hpp"
 #include "engine/gradient/gradient_operator.hpp"
 #include "engine/passes/active_bricks.hpp"
 #include "engine/passes/brick_bounds_pass.hpp"
 #include "engine/passes/brick_tasks.hpp"
 #include "engine/passes/gradient_pass.hpp"
-#include "engine/volume/statistics.hpp"
 
 namespace palpate {
 namespace {

@@ -18,7 +18,7 @@ class LatenessCounts {
   void add(const LatenessCounts& other);
 
   [[nodiscard]] std::int64_t total() const noexcept { return total_; }
-  // As in servo/loop/quantile.hpp: the class that at least the share q (0..1) of all does not exceed [us].
+  // As in base/quantile.hpp: the class that at least the share q (0..1) of all does not exceed [us].
   [[nodiscard]] double quantile_us(double q) const;
   // In classes that begin at or behind `us`.
   [[nodiscard]] std::int64_t atLeast(std::int64_t us) const;

@@ -13,15 +13,15 @@
 #include "apps/console/interrupt.hpp"
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
+#include "base/quantile.hpp"
 #include "base/stopwatch.hpp"
-#include "engine/volume/library_read.hpp"
-#include "engine/volume/volume_file.hpp"
-#include "servo/loop/quantile.hpp"
+#include "engine/files/library_read.hpp"
+#include "engine/files/volume_file.hpp"
 
 namespace palpate {
 namespace {
 
-constexpr const char* kWork = "palpate bench load";
+constexpr const char* kLoadBench = "palpate bench load";
 constexpr double kMostOverLibrary = 1.5;
 
 Volume randomVolume(int size, std::uint64_t seed) {
@@ -36,7 +36,7 @@ Volume randomVolume(int size, std::uint64_t seed) {
 
 template <class Work>
 double secondsOf(const Work& work) {
-  throwIfInterrupted(kWork);
+  throwIfInterrupted(kLoadBench);
   const Stopwatch watch;
   work();
   return watch.seconds();
@@ -96,7 +96,7 @@ BenchResult runLoadBench(const LoadBenchRequest& request, Progress& progress) {
     {
       AtomicFile out(file);
       writeVolume(randomVolume(request.size, request.seed), file, {}, [&](std::string_view bytes) {
-        throwIfInterrupted(kWork);
+        throwIfInterrupted(kLoadBench);
         out.write(bytes);
       });
       out.commit();

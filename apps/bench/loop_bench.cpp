@@ -25,7 +25,7 @@
 namespace palpate {
 namespace {
 
-constexpr const char* kWork = "palpate bench loop";
+constexpr const char* kLoopBench = "palpate bench loop";
 constexpr int kRenewal = 5;
 // Lower edges of the classes in which histograms are given [us].
 constexpr std::array<std::int64_t, 26> kEdges_us = {0,    1,    2,    3,    5,    7,     10,    15,    20,
@@ -144,10 +144,7 @@ class LoopBench {
   }
 
   [[nodiscard]] std::unique_ptr<Engine> makeEngine() const {
-    Scene scene;
-    scene.volume = request_.volume;
-    scene.picture = false;
-    return std::make_unique<Engine>(makeVolume(volume_.phantom()), makePlan(scene), volume_.isovalue(), request_.gpu);
+    return std::make_unique<Engine>(makeVolume(volume_.phantom()), makePlan({}), volume_.isovalue(), request_.gpu);
   }
 
   void atRate(double rate_hz) {
@@ -166,7 +163,7 @@ class LoopBench {
   }
 
   void loopTurn(double rate_hz, LoopSide& side) {
-    throwIfInterrupted(kWork);
+    throwIfInterrupted(kLoopBench);
     const auto algorithm = makeAlgorithm("hri", {.parameters = {.isovalue = volume_.isovalue(),
                                                                 .stiffness_N_per_m = kBenchStiffness_N_per_m,
                                                                 .plane_renewal_ticks = kRenewal},
@@ -211,7 +208,7 @@ class LoopBench {
   }
 
   void cyclicTurn(double rate_hz, Side& side) {
-    throwIfInterrupted(kWork);
+    throwIfInterrupted(kLoopBench);
     if (no_cyclictest_) return;
     ToolPoseMailbox tool;
     EngineThread publisher(*engine_, tool);
@@ -228,7 +225,7 @@ class LoopBench {
       side.add(outcome.lateness);
       return;
     }
-    throwIfInterrupted(kWork);  // Ctrl-C ends cyclictest too
+    throwIfInterrupted(kLoopBench);  // Ctrl-C ends cyclictest too
     no_cyclictest_ = true;
     result_.note("no comparison: " + outcome.trouble);
   }

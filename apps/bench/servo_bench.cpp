@@ -17,13 +17,13 @@
 #include "apps/bench/table_one.hpp"
 #include "apps/bench/tick_cost.hpp"
 #include "apps/console/interrupt.hpp"
+#include "base/quantile.hpp"
 #include "servo/loop/real_time.hpp"
 
 namespace palpate {
 namespace {
 
-constexpr int kTableRenewal = 5;  // n of the paper's Table 1
-constexpr const char* kWork = "palpate bench servo";
+constexpr const char* kServoBench = "palpate bench servo";
 
 BenchRow rowOf(const char* part, const BenchVolume& volume, const Entrant& entrant, std::uint64_t seed) {
   return {{"part", part},
@@ -100,7 +100,7 @@ class ServoBench {
   [[nodiscard]] BenchProgress step() {
     return [this](double share) {
       progress_.fraction(share);
-      throwIfInterrupted(kWork);
+      throwIfInterrupted(kServoBench);
     };
   }
 
@@ -241,12 +241,6 @@ class ServoBench {
   std::set<std::string> noted_;
 };
 
-double middle(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const std::size_t half = values.size() / 2;
-  return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
-}
-
 // Medians over the volumes, of the cost and of the error each.
 ChartPanel panel(const BenchResult& result, const std::string& title, const char* key, const std::string& label) {
   struct Values {
@@ -267,14 +261,14 @@ ChartPanel panel(const BenchResult& result, const std::string& title, const char
     ChartSeries& series = panel.series.emplace_back(ChartSeries{algorithm, {}});
     for (const auto& [which, v] : values) {
       if (which.first != algorithm) continue;
-      series.points.push_back({middle(v.cost_ns), middle(v.error), fmt::format("n={:g}", which.second)});
+      series.points.push_back({median(v.cost_ns), median(v.error), fmt::format("n={:g}", which.second)});
     }
     // An algorithm that keeps no plane has the same errors, bit for bit, whatever n is: one point, at its middle cost.
     const auto differs = [&](const ChartPoint& point) { return point.y != series.points.front().y; };
     if (series.points.size() < 2 || std::any_of(series.points.begin(), series.points.end(), differs)) continue;
     std::vector<double> costs_ns;
     for (const ChartPoint& point : series.points) costs_ns.push_back(point.x);
-    series.points = {{middle(std::move(costs_ns)), series.points.front().y, "any n"}};
+    series.points = {{median(std::move(costs_ns)), series.points.front().y, "any n"}};
   }
   return panel;
 }

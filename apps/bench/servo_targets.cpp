@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "apps/bench/press_rows.hpp"
+#include "base/quantile.hpp"
 
 namespace palpate {
 namespace {
@@ -30,12 +31,6 @@ Rows selectAlgorithm(const BenchResult& result, const char* part, const std::str
   });
 }
 
-double middle(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const std::size_t half = values.size() / 2;
-  return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
-}
-
 std::vector<double> figures(const Rows& rows, const char* key) {
   std::vector<double> values;
   for (const BenchRow* row : rows) values.push_back(figureOf(*row, key));
@@ -55,7 +50,7 @@ void addOver(BenchResult& result, const std::string& name, const Rows& rows, dou
 void addRatio(BenchResult& result, const std::string& rival, double bound) {
   const Rows rows = select(result, "ratio", [&](const BenchRow& row) { return textOf(row, "algorithm") == rival; });
   addOver(result, fmt::format("hri / {}, cost of a tick at n=5, median of the volumes [-]", rival), rows, bound,
-          [](const Rows& r) { return middle(figures(r, "hri_over_it")); });
+          [](const Rows& r) { return median(figures(r, "hri_over_it")); });
   const std::vector<double> ratios = figures(rows, "hri_over_it");
   if (!ratios.empty()) {
     result.note(fmt::format("hri / {}, cost of a tick at n=5: {:.2f} on the worst of the volumes, {:.2f} on the best",
@@ -69,9 +64,9 @@ void addCosts(BenchResult& result) {
   addOver(result, "hri, tick without renewal [ns]", select(result, "harness", harness), 15,
           [](const Rows& r) { return figureOf(*r.front(), "hri_without_renewal_ns"); });
   addOver(result, "hri, renewal every tick (n=1), median of the volumes [ns]",
-          selectAlgorithm(result, "tick", "hri", 1), 100, [](const Rows& r) { return middle(figures(r, "cost_ns")); });
+          selectAlgorithm(result, "tick", "hri", 1), 100, [](const Rows& r) { return median(figures(r, "cost_ns")); });
   addOver(result, "hri, mean at n=5, median of the volumes [ns]", selectAlgorithm(result, "tick", "hri", 5), 35,
-          [](const Rows& r) { return middle(figures(r, "cost_ns")); });
+          [](const Rows& r) { return median(figures(r, "cost_ns")); });
 }
 
 // The largest ratio over the volumes that both have: on none may it be above 1.

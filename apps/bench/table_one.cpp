@@ -14,8 +14,6 @@
 namespace palpate {
 namespace {
 
-constexpr int kTableRenewal = 5;
-
 struct PaperRow {
   const char* name;     // as the paper prints it
   const char* phantom;  // part of our volume's name

@@ -16,6 +16,8 @@
 
 namespace palpate {
 
+inline constexpr int kTableRenewal = 5;  // n of the paper's Table 1
+
 // Made from rows of part "tick" with n = 5; a dash for an algorithm that took no part.
 [[nodiscard]] std::string tableOne(const BenchResult& result);
 

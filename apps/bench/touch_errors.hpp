@@ -23,7 +23,7 @@
 
 #include "apps/bench/contact_path.hpp"
 #include "apps/bench/entrants.hpp"
-#include "servo/loop/quantile.hpp"
+#include "base/quantile.hpp"
 
 namespace palpate {
 

@@ -12,7 +12,7 @@
 namespace palpate {
 namespace {
 
-constexpr const char* kWork = "palpate bench";
+constexpr const char* kTurns = "palpate bench";
 constexpr double kNeedsNoWarmUp_ms = 1000;
 
 // One run; nothing: it failed and says so in `outcome`.
@@ -28,7 +28,7 @@ std::vector<TurnsOutcome> Turns::take(const std::string& job, double voxels, con
   std::vector<TurnsOutcome> outcomes;
   std::vector<int> rounds;
   for (const Contender& entrant : entrants) {
-    throwIfInterrupted(kWork);
+    throwIfInterrupted(kTurns);
     TurnsOutcome& outcome = outcomes.emplace_back(TurnsOutcome{entrant.library, entrant.way, {}, {}, {}});
     double& known = cpu_ms_per_voxel_[fmt::format("{}|{}|{}", job, entrant.library, entrant.way)];
     rounds.push_back(0);
@@ -46,7 +46,7 @@ std::vector<TurnsOutcome> Turns::take(const std::string& job, double voxels, con
   const int most = rounds.empty() ? 0 : *std::max_element(rounds.begin(), rounds.end());
   for (int round = 0; round < most; ++round) {
     for (std::size_t n = 0; n < entrants.size(); ++n) {
-      throwIfInterrupted(kWork);
+      throwIfInterrupted(kTurns);
       const std::size_t who = (n + static_cast<std::size_t>(round)) % entrants.size();
       TurnsOutcome& outcome = outcomes[who];
       if (!outcome.left_out.empty() || static_cast<int>(outcome.wall_ms.size()) >= rounds[who]) continue;

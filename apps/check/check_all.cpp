@@ -12,8 +12,8 @@
 #include "apps/check/filter_check.hpp"
 #include "apps/check/gradient_check.hpp"
 #include "base/error.hpp"
-#include "engine/volume/phantom_spec.hpp"
-#include "engine/volume/statistics.hpp"
+#include "engine/field/statistics.hpp"
+#include "engine/phantoms/phantom_spec.hpp"
 
 namespace palpate {
 namespace {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "apps/check/check.hpp"
-#include "engine/volume/volume.hpp"
+#include "engine/field/volume.hpp"
 
 namespace palpate {
 

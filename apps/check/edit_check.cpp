@@ -8,11 +8,11 @@
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
 #include "engine/edit/random_edits.hpp"
+#include "engine/field/statistics.hpp"
 #include "engine/gpu/gpu_info.hpp"
 #include "engine/plan/plan.hpp"
 #include "engine/reference/edit.hpp"
 #include "engine/service/engine.hpp"
-#include "engine/volume/statistics.hpp"
 
 namespace palpate {
 namespace {
@@ -48,7 +48,7 @@ Check checkEdits(const Volume& volume, reference::DenseField field, const EditCh
   check.volume = volume.facts().source;
   check.finite = true;
   const BrushProfile profile = brushProfile(volume, isovalue);
-  Engine engine(volume, makePlan(Scene{}), isovalue, request.gpu);
+  Engine engine(volume, makePlan({}), isovalue, request.gpu);
   engine.allowEdits(profile);
   check.device = engine.gpu().name;
 

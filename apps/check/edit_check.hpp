@@ -11,8 +11,8 @@
 #include <string>
 
 #include "apps/check/check.hpp"
+#include "engine/field/volume.hpp"
 #include "engine/reference/dense_field.hpp"
-#include "engine/volume/volume.hpp"
 
 namespace palpate {
 

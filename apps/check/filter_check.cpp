@@ -10,12 +10,12 @@
 #include "apps/check/rounding_bound.hpp"
 #include "base/stopwatch.hpp"
 #include "base/units.hpp"
+#include "engine/field/statistics.hpp"
 #include "engine/gpu/gpu.hpp"
 #include "engine/gpu/transfer.hpp"
 #include "engine/passes/filter_chain.hpp"
 #include "engine/passes/pool_volume.hpp"
 #include "engine/reference/filter.hpp"
-#include "engine/volume/statistics.hpp"
 
 namespace palpate {
 namespace {

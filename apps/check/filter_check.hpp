@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "apps/check/check.hpp"
+#include "engine/field/volume.hpp"
 #include "engine/reference/dense_field.hpp"
-#include "engine/volume/volume.hpp"
 
 namespace palpate {
 

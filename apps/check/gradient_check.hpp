@@ -9,11 +9,11 @@
 #include <string>
 
 #include "apps/check/check.hpp"
+#include "engine/field/volume.hpp"
 #include "engine/gpu/gpu.hpp"
 #include "engine/gradient/gradient_operator.hpp"
 #include "engine/gradient/sample_format.hpp"
 #include "engine/reference/dense_field.hpp"
-#include "engine/volume/volume.hpp"
 
 namespace palpate {
 

@@ -10,15 +10,11 @@
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
 #include "base/units.hpp"
-#include "engine/volume/isosurface_mesh.hpp"
-#include "engine/volume/statistics.hpp"
+#include "engine/field/isosurface_mesh.hpp"
+#include "engine/field/statistics.hpp"
 
 namespace palpate {
 namespace {
-
-[[noreturn]] void refuse(const std::string& input, const std::string& reason, const std::string& remedy) {
-  throw Error(Error::Code::kBadInput, input, reason, remedy);
-}
 
 void checkOptions(const ConvertRequest& request) {
   const bool mesh = isMeshFileName(request.out);

@@ -14,11 +14,11 @@
 #include "apps/mesh/mesh_writer.hpp"
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
+#include "engine/field/statistics.hpp"
 #include "engine/gpu/gpu_info.hpp"
 #include "engine/journal/acknowledged_file.hpp"
 #include "engine/journal/volume_identity.hpp"
 #include "engine/session/edit_session.hpp"
-#include "engine/volume/statistics.hpp"
 
 namespace palpate {
 namespace {
@@ -114,12 +114,6 @@ class Giver {
   std::jthread thread_;
 };
 
-Plan planOf() {
-  Scene scene;
-  scene.picture = false;
-  return makePlan(scene);
-}
-
 class Job {
  public:
   Job(const EditRequest& request, double isovalue, Volume& volume, Progress& progress,
@@ -129,7 +123,7 @@ class Job {
         progress_(progress),
         tell_(tell),
         profile_(brushProfile(volume, isovalue)),
-        engine_(volume, planOf(), isovalue, request.gpu, request.gpu_memory_bytes,
+        engine_(volume, makePlan({}), isovalue, request.gpu, request.gpu_memory_bytes,
                 passProgress(progress, stopIfInterrupted)),
         session_(engine_, profile_, {}, request.history_bytes),
         stamps_(volume.lattice(), profile_) {

@@ -16,7 +16,7 @@
 
 #include "apps/console/progress.hpp"
 #include "apps/convert/convert_job.hpp"
-#include "servo/loop/quantile.hpp"
+#include "base/quantile.hpp"
 
 namespace palpate {
 

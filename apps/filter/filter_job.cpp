@@ -10,10 +10,10 @@
 #include "base/byte_size.hpp"
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
+#include "engine/field/statistics.hpp"
+#include "engine/files/volume_file.hpp"
 #include "engine/passes/filter_chain.hpp"
 #include "engine/passes/pool_volume.hpp"
-#include "engine/volume/statistics.hpp"
-#include "engine/volume/volume_file.hpp"
 
 namespace palpate {
 void checkIsovalueIsUsed(std::span<const FilterSpec> chain, const std::string& text) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // apps/filter/filter_job.hpp: `palpate filter`: applies a chain of filters to a volume and writes the result.
 //
-// The file is there whole or not at all. Formats: engine/volume/volume_file.hpp. One thread. Cost: loading, the filters
+// The file is there whole or not at all. Formats: engine/files/volume_file.hpp. One thread. Cost: loading, the filters
 // (docs/filters.md), and writing.
 #pragma once
 

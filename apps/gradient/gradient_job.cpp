@@ -13,6 +13,9 @@
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
 #include "engine/edit/edit_reach.hpp"
+#include "engine/field/statistics.hpp"
+#include "engine/files/vector_file.hpp"
+#include "engine/files/volume_file.hpp"
 #include "engine/gpu/gpu.hpp"
 #include "engine/gpu/transfer.hpp"
 #include "engine/gradient/gradient_operator.hpp"
@@ -20,9 +23,6 @@
 #include "engine/passes/brick_bounds_pass.hpp"
 #include "engine/passes/filter_chain.hpp"
 #include "engine/passes/gradient_pass.hpp"
-#include "engine/volume/statistics.hpp"
-#include "engine/volume/vector_file.hpp"
-#include "engine/volume/volume_file.hpp"
 #include "servo/window/sample_window.hpp"
 
 namespace palpate {

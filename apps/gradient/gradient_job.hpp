@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // apps/gradient/gradient_job.hpp: `palpate gradient`: computes the gradients of a volume on Vulkan, for the bricks that
-// the isosurface needs or for all, and writes them as an OpenVDB file of vectors (engine/volume/vector_file.hpp).
+// the isosurface needs or for all, and writes them as an OpenVDB file of vectors (engine/files/vector_file.hpp).
 //
 // The file is there whole or not at all. One thread. Cost: loading, the gradients (docs/gradients.md), 12 bytes of
 // memory a voxel with a gradient, and writing.

@@ -2,6 +2,7 @@
 #include "apps/load/load_and_tell.hpp"
 
 #include "apps/console/message.hpp"
+#include "engine/files/volume_file.hpp"
 
 namespace palpate {
 

@@ -6,7 +6,8 @@
 #include <string>
 
 #include "apps/console/progress.hpp"
-#include "engine/volume/volume.hpp"
+#include "engine/field/volume.hpp"
+#include "engine/files/volume_file.hpp"
 
 namespace palpate {
 

@@ -23,10 +23,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-[[noreturn]] void refuse(const std::string& file, const std::string& reason, const std::string& remedy) {
-  throw Error(Error::Code::kBadInput, file, reason, remedy);
-}
-
 // What can be said before the file is read. Returns the ending of its name, in small letters.
 std::string checkFile(const std::string& file) {
   std::error_code error;

@@ -16,22 +16,19 @@
 namespace palpate {
 namespace {
 
-constexpr const char* kCopy = "the file may be cut short or damaged: copy or write it again";
-
-[[noreturn]] void refuse(const std::string& file, const std::string& reason, const std::string& remedy = kCopy) {
-  throw Error(Error::Code::kBadInput, file, reason, remedy);
-}
-
 // Where in the file the reader is, for messages.
 struct Place {
   const std::string& file;
   const PlyElement* element = nullptr;
   std::uint64_t number = 0;
 
-  [[noreturn]] void refuse(const std::string& reason, const std::string& remedy = kCopy) const {
-    palpate::refuse(file, fmt::format("of its {} {}, number {} {}", element->count, element->name, number, reason),
-                    remedy);
+  [[nodiscard]] std::string says(const std::string& reason) const {
+    return fmt::format("of its {} {}, number {} {}", element->count, element->name, number, reason);
   }
+  [[noreturn]] void refuse(const std::string& reason, const std::string& remedy) const {
+    palpate::refuse(file, says(reason), remedy);
+  }
+  [[noreturn]] void refuse(const std::string& reason) const { refuseDamaged(file, says(reason)); }
 };
 
 // Both sources give the numbers of the elements one after another. A PLY number of any type is exact as a double.
@@ -63,7 +60,7 @@ class BinarySource {
   }
   void end(const Place&) {}
   void finish(const std::string& file) {
-    if (!left_.empty()) refuse(file, fmt::format("{} bytes follow all that its header announces", left_.size()));
+    if (!left_.empty()) refuseDamaged(file, fmt::format("{} bytes follow all that its header announces", left_.size()));
   }
 
  private:
@@ -102,7 +99,7 @@ class TextSource {
     const std::string_view word = line_.next();
     if (word.empty()) place.refuse("has too few numbers on its line");
     const auto number = numberOf<double>(word);
-    if (!number) place.refuse(fmt::format("has {} where a number should be", quoted(word)));
+    if (!number) place.refuse(fmt::format("has {} where a number should be", inQuotes(word)));
     return *number;
   }
   void end(const Place& place) {
@@ -110,7 +107,7 @@ class TextSource {
   }
   void finish(const std::string& file) {
     const std::string_view word = Words(left_).next();
-    if (!word.empty()) refuse(file, fmt::format("{} follows all that its header announces", quoted(word)));
+    if (!word.empty()) refuseDamaged(file, fmt::format("{} follows all that its header announces", inQuotes(word)));
   }
 
  private:
@@ -158,9 +155,9 @@ std::uint64_t countOf(const PlyHeader& header, const char* name) {
 }
 
 template <class Source>
-class Reader {
+class BodyReader {
  public:
-  Reader(const PlyHeader& header, Source source, const std::string& file)
+  BodyReader(const PlyHeader& header, Source source, const std::string& file)
       : header_(header), source_(source), file_(file), vertices_(countOf(header, "vertex")) {}
 
   TriangleMesh read() {
@@ -261,9 +258,9 @@ class Reader {
 TriangleMesh readPly(std::string_view bytes, const std::string& file) {
   const PlyHeader header = plyHeader(bytes, file);
   const std::string_view values = bytes.substr(header.bytes);
-  if (header.form == PlyForm::kText) return Reader(header, TextSource(values, header.line_end), file).read();
+  if (header.form == PlyForm::kText) return BodyReader(header, TextSource(values, header.line_end), file).read();
   const bool swapped = (header.form == PlyForm::kLittleEndian) != (std::endian::native == std::endian::little);
-  return Reader(header, BinarySource(values, swapped), file).read();
+  return BodyReader(header, BinarySource(values, swapped), file).read();
 }
 
 }  // namespace palpate

@@ -40,9 +40,10 @@ bool isReal(PlyType type) {
   return type == PlyType::kFloat32 || type == PlyType::kFloat64;
 }
 
-class Reader {
+class HeaderReader {
  public:
-  Reader(std::string_view bytes, const std::string& file) : text_(bytes.substr(0, kLongestPlyHeader)), file_(file) {}
+  HeaderReader(std::string_view bytes, const std::string& file)
+      : text_(bytes.substr(0, kLongestPlyHeader)), file_(file) {}
 
   PlyHeader read() {
     if (!text_.starts_with("ply") || nextLine() != "ply") {
@@ -70,7 +71,7 @@ class Reader {
     }
     for (const PlyElement& element : header_.elements) {
       if (element.count == 0 || !element.properties.empty()) continue;
-      refuse(fmt::format("its PLY header gives the element {} no property", quoted(element.name)));
+      refuse(fmt::format("its PLY header gives the element {} no property", inQuotes(element.name)));
     }
     header_.bytes = at_;
     return header_;
@@ -81,7 +82,7 @@ class Reader {
                            const std::string& remedy = "the file may be damaged: copy or write it again") const {
     throw Error(Error::Code::kBadInput, file_, reason, remedy);
   }
-  [[noreturn]] void refuseLine() const { refuse(fmt::format("its PLY header has the line {}", quoted(line_))); }
+  [[noreturn]] void refuseLine() const { refuse(fmt::format("its PLY header has the line {}", inQuotes(line_))); }
 
   // Without blanks at its end.
   std::string_view nextLine() {
@@ -124,7 +125,7 @@ class Reader {
     if (!count) refuseLine();
     expectEnd(words);
     for (const PlyElement& other : header_.elements) {
-      if (other.name == element.name) refuse(fmt::format("its PLY header has two elements {}", quoted(element.name)));
+      if (other.name == element.name) refuse(fmt::format("its PLY header has two elements {}", inQuotes(element.name)));
     }
     element.count = *count;
     header_.elements.push_back(element);
@@ -146,8 +147,8 @@ class Reader {
     expectEnd(words);
     PlyElement& element = header_.elements.back();
     if (element.find(property.name)) {
-      refuse(fmt::format("its PLY header gives the element {} two properties {}", quoted(element.name),
-                         quoted(property.name)));
+      refuse(fmt::format("its PLY header gives the element {} two properties {}", inQuotes(element.name),
+                         inQuotes(property.name)));
     }
     element.properties.push_back(property);
   }
@@ -168,7 +169,7 @@ std::optional<std::size_t> PlyElement::find(std::string_view property) const {
 }
 
 PlyHeader plyHeader(std::string_view bytes, const std::string& file) {
-  return Reader(bytes, file).read();
+  return HeaderReader(bytes, file).read();
 }
 
 }  // namespace palpate

@@ -19,11 +19,6 @@ static_assert(std::endian::native == std::endian::little, "numbers are read as t
 
 constexpr std::size_t kHead = 84;  // 80 bytes of anything and a count
 constexpr std::size_t kTriangle = 50;
-constexpr const char* kCopy = "the file may be cut short or damaged: copy or write it again";
-
-[[noreturn]] void refuse(const std::string& file, const std::string& reason, const std::string& remedy = kCopy) {
-  throw Error(Error::Code::kBadInput, file, reason, remedy);
-}
 
 bool equalInAnyCase(std::string_view word, std::string_view keyword) {
   return std::equal(word.begin(), word.end(), keyword.begin(), keyword.end(),
@@ -81,11 +76,11 @@ class TextReader {
 
  private:
   [[noreturn]] void refuseWord(std::string_view word, std::string_view wanted) const {
-    if (word.empty()) refuse(file_, fmt::format("it ends where {} should be", wanted));
+    if (word.empty()) refuseDamaged(file_, fmt::format("it ends where {} should be", wanted));
     const std::string_view before = text_.substr(0, text_.size() - words_.rest().size());
     const char line_end = text_.find('\n') == std::string_view::npos ? '\r' : '\n';
-    refuse(file_, fmt::format("its line {} has {} where {} should be",
-                              1 + std::count(before.begin(), before.end(), line_end), quoted(word), wanted));
+    refuseDamaged(file_, fmt::format("its line {} has {} where {} should be",
+                                     1 + std::count(before.begin(), before.end(), line_end), inQuotes(word), wanted));
   }
 
   void expect(std::string_view keyword) {
@@ -129,9 +124,10 @@ bool isText(std::string_view bytes) {
 TriangleMesh readStl(std::string_view bytes, const std::string& file) {
   if (bytes.size() >= kHead && bytes.size() == kHead + kTriangle * countIn(bytes)) return readBinary(bytes, file);
   if (isText(bytes)) return TextReader(bytes, file).read();
-  if (bytes.size() < kHead) refuse(file, "it is no STL file: it is shorter than a binary one's head and no text");
-  refuse(file, fmt::format("it counts {} triangles, which take {} bytes, and it has {}", countIn(bytes),
-                           kHead + kTriangle * countIn(bytes), bytes.size()));
+  if (bytes.size() < kHead)
+    refuseDamaged(file, "it is no STL file: it is shorter than a binary one's head and no text");
+  refuseDamaged(file, fmt::format("it counts {} triangles, which take {} bytes, and it has {}", countIn(bytes),
+                                  kHead + kTriangle * countIn(bytes), bytes.size()));
 }
 
 }  // namespace palpate

@@ -47,7 +47,7 @@ std::optional<T> numberOf(std::string_view word) {
 }
 
 // Fit for a message.
-inline std::string quoted(std::string_view words) {
+inline std::string inQuotes(std::string_view words) {
   constexpr std::size_t kMost = 40;
   return '"' + oneLine(std::string(words.substr(0, kMost))) + (words.size() > kMost ? "...\"" : "\"");
 }

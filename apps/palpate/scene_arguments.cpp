@@ -7,7 +7,7 @@
 #include "apps/scene/option_table.hpp"
 #include "apps/scene/scene_file.hpp"
 #include "base/error.hpp"
-#include "engine/volume/volume_name.hpp"
+#include "engine/files/volume_name.hpp"
 
 namespace palpate {
 std::string shellWord(const std::string& word) {

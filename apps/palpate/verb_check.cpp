@@ -19,7 +19,7 @@
 #include "apps/load/load_and_tell.hpp"
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
-#include "engine/volume/statistics.hpp"
+#include "engine/field/statistics.hpp"
 #include "verbs.hpp"
 #include "version.hpp"
 #include "volume_options.hpp"

@@ -7,7 +7,7 @@
 #include "base/byte_size.hpp"
 #include "base/error.hpp"
 #include "engine/edit/edit_keys.hpp"
-#include "engine/volume/volume_file.hpp"
+#include "engine/files/volume_file.hpp"
 #include "verbs.hpp"
 #include "volume_options.hpp"
 

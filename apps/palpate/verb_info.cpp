@@ -10,7 +10,8 @@
 #include "apps/console/progress.hpp"
 #include "base/byte_size.hpp"
 #include "base/units.hpp"
-#include "engine/volume/statistics.hpp"
+#include "engine/field/statistics.hpp"
+#include "engine/files/volume_file.hpp"
 #include "verbs.hpp"
 #include "volume_options.hpp"
 

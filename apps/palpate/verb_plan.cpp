@@ -6,13 +6,12 @@
 #include "apps/console/message.hpp"
 #include "apps/console/pass_progress.hpp"
 #include "apps/load/load_and_tell.hpp"
-#include "apps/touch/algorithm_setup.hpp"
+#include "apps/touch/scene_plan.hpp"
 #include "base/byte_size.hpp"
+#include "engine/field/statistics.hpp"
 #include "engine/gpu/gpu_info.hpp"
 #include "engine/service/engine.hpp"
-#include "engine/volume/statistics.hpp"
 #include "scene_arguments.hpp"
-#include "servo/algorithms/registry.hpp"
 #include "verbs.hpp"
 
 namespace palpate {
@@ -34,7 +33,7 @@ void addPlanVerb(CLI::App& app) {
                         passProgress(progress, [] { throwIfInterrupted("palpate plan"); }));
     progress.done();
     printResult("{} at isovalue {:g} on {}\n", scene.volume, isovalue, engine.gpu().name);
-    for (const PlanLine& line : planLines(plan, engine.planFacts())) {
+    for (const PlanLine& line : scenePlanLines(scene, plan, engine.planFacts())) {
       printResult("  {:<8}  {:<64} {:>10}  {}\n", line.done ? "do" : "leave", line.what,
                   line.saved_bytes > 0 ? "-" + inMiB(line.saved_bytes) : "", line.why);
     }

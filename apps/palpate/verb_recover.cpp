@@ -10,8 +10,8 @@
 #include "apps/load/load_and_tell.hpp"
 #include "apps/mesh/mesh_writer.hpp"
 #include "base/error.hpp"
+#include "engine/files/volume_file.hpp"
 #include "engine/journal/replay.hpp"
-#include "engine/volume/volume_file.hpp"
 #include "verbs.hpp"
 #include "volume_options.hpp"
 

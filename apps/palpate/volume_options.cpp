@@ -5,7 +5,7 @@
 
 #include "apps/scene/option_table.hpp"
 #include "base/error.hpp"
-#include "engine/volume/volume_name.hpp"
+#include "engine/files/volume_name.hpp"
 
 namespace palpate {
 

@@ -11,7 +11,7 @@ namespace {
 constexpr double kStepVoxels = 0.25;
 constexpr double kScan = std::numbers::pi / 16;  // angle between the directions that are tried [rad]
 constexpr double kSkip = std::numbers::pi / 24;  // the way back itself lies on the surface: begin a little beside it
-constexpr int kBisections = 24;
+constexpr int kMarchBisections = 24;
 constexpr double kLevelling = 0.9;  // of a heading, in each step beyond an edge
 constexpr double kSteepestFall =
     -40 * std::numbers::pi / 180;  // heading below which kStraight leaves the surface [rad]
@@ -40,7 +40,7 @@ Turn nextHeading(const SurfaceField& field, const Vec3& p_W, const Plane& plane,
       continue;
     }
     double inside = angle;
-    for (int i = 0; i < kBisections; ++i) {
+    for (int i = 0; i < kMarchBisections; ++i) {
       const double middle = (outside + inside) / 2;
       (height(middle).value_or(0) > 0 ? inside : outside) = middle;
     }

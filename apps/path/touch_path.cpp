@@ -33,10 +33,6 @@ constexpr double kClearlyFreer = 1.2;
 constexpr std::size_t kMostPieces = 16;  // that are tried, the largest first
 constexpr double kGrazing = 1e-3;        // sine below which a direction counts as along the normal
 
-[[noreturn]] void refuse(const std::string& input, const std::string& reason, const std::string& remedy) {
-  throw Error(Error::Code::kBadInput, input, reason, remedy);
-}
-
 void checkLength(const char* name, const std::optional<double>& value, const char* unit, bool may_be_zero) {
   if (!value || (std::isfinite(*value) && (may_be_zero ? *value >= 0 : *value > 0))) return;
   refuse(name, fmt::format("{:g} {} is not possible", *value, unit),

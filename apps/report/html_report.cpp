@@ -90,7 +90,7 @@ std::string makeReport(const TouchRun& run, std::string_view view_png) {
   const std::vector<ReportPlot> plots = makePlots(run);
   return head(run) + header(run, figures) + picture(view_png) + keyFigures(run, figures) + faultSection(run) +
          plotSection(plots, run.scene.simulated_clock) + histograms(run) + editSection(run) + workSection(run) +
-         planSection(run) + parameterSection(makeSummary(run)) + machineSection(run) + repeatSection(run) +
+         planSection(run) + parameterSection(run, makeSummary(run)) + machineSection(run) + repeatSection(run) +
          "</main>\n" + scripts(plots, run) + "</body>\n</html>\n";
 }
 

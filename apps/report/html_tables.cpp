@@ -7,6 +7,8 @@
 #include "apps/report/html_text.hpp"
 #include "apps/report/svg_plot.hpp"
 #include "apps/report/words.hpp"
+#include "apps/scene/object_table.hpp"
+#include "apps/scene/option_table.hpp"
 #include "base/byte_size.hpp"
 #include "base/units.hpp"
 
@@ -166,10 +168,16 @@ std::string machineSection(const TouchRun& run) {
                      (run.realtime.empty() ? "" : "<p>Real time:</p>\n" + list(run.realtime)));
 }
 
-std::string parameterSection(const nlohmann::ordered_json& summary) {
+// Every option with its flag, and its value as the command line takes it.
+std::string parameterSection(const TouchRun& run, const nlohmann::ordered_json& summary) {
   std::string volume, scene;
   for (const auto& [key, value] : summary.at("volume").items()) volume += row(keyInWords(key), jsonValue(value));
-  for (const auto& [key, value] : summary.at("scene").items()) scene += row(keyInWords(key), jsonValue(value));
+  for (const SceneOption& option : sceneOptions()) {
+    const std::string value = optionText(option.value, run.scene);
+    const bool has_unit = !value.empty() && *option.unit != '\0';
+    scene += row(option.flag, has_unit ? value + " " + option.unit : value);
+  }
+  for (const ObjectSpec& object : run.scene.objects) scene += row("--object", objectText(object));
   return section("parameters", "Volume and parameters",
                  "<table><caption>Volume</caption>\n" + volume +
                      "</table>\n<details><summary>All parameters of the run</summary>\n<table>\n" + scene +

@@ -17,7 +17,7 @@ namespace palpate {
 [[nodiscard]] std::string workSection(const TouchRun& run);  // stages and memory
 [[nodiscard]] std::string planSection(const TouchRun& run);
 [[nodiscard]] std::string machineSection(const TouchRun& run);
-[[nodiscard]] std::string parameterSection(const nlohmann::ordered_json& summary);
+[[nodiscard]] std::string parameterSection(const TouchRun& run, const nlohmann::ordered_json& summary);
 [[nodiscard]] std::string repeatSection(const TouchRun& run);
 
 }  // namespace palpate

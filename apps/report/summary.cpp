@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 
 #include "apps/report/path_outcome.hpp"
+#include "apps/report/scene_json.hpp"
 #include "apps/report/words.hpp"
-#include "apps/scene/object_table.hpp"
 #include "base/atomic_file.hpp"
 #include "servo/loop/run_figures.hpp"
 
@@ -17,14 +17,6 @@ using Json = nlohmann::ordered_json;
 Json toJson(const Vec3& v) {
   return {v.x(), v.y(), v.z()};
 }
-Json toJson(const std::optional<Vec3>& v) {
-  return v ? toJson(*v) : Json(nullptr);
-}
-
-Json toJson(const std::optional<double>& v) {
-  return v ? Json(*v) : Json(nullptr);
-}
-
 Json toJson(const Percentiles& p) {
   return {{"count", p.count}, {"p50", p.p50}, {"p90", p.p90}, {"p99", p.p99}, {"p99_9", p.p999}, {"max", p.max}};
 }
@@ -48,74 +40,6 @@ Json volumeJson(const RunVolume& v) {
 
 Json machineJson(const MachineFacts& m) {
   return {{"cpu", m.cpu}, {"cores", m.cores}, {"memory_bytes", m.memory_bytes}, {"kernel", m.kernel}, {"os", m.os}};
-}
-
-Json sceneJson(const Scene& s) {
-  return {{"volume", s.volume},
-          {"isovalue_density", toJson(s.isovalue)},
-          {"objects", listOf(s.objects, objectText)},
-          {"gpu", s.gpu},
-          {"gpu_memory_bytes", s.gpu_memory_bytes},
-          {"filter", s.filter},
-          {"field", s.field},
-          {"gradient_all", s.gradient_all},
-          {"gradient_operator", s.gradient_operator},
-          {"samples", s.samples},
-          {"algorithm", s.algorithm},
-          {"plane_renewal_ticks", s.plane_renewal_ticks},
-          {"stiffness_N_per_m", s.stiffness_N_per_m},
-          {"damping_Ns_per_m", s.damping_Ns_per_m},
-          {"rate_hz", s.rate_hz},
-          {"duration_s", s.duration_s},
-          {"simulated_clock", s.simulated_clock},
-          {"velocity", s.velocity},
-          {"velocity_cutoff_hz", s.velocity_cutoff_hz},
-          {"velocity_noise_m", toJson(s.velocity_noise_m)},
-          {"haptization_density", s.haptization_density},
-          {"haptization_gradient", s.haptization_gradient},
-          {"force_limit_N", s.force_limit_N},
-          {"slew_limit_N_per_s", s.slew_limit_N_per_s},
-          {"fade_s", s.fade_s},
-          {"stale_window_s", s.stale_window_s},
-          {"stall_s", s.stall_s},
-          {"report_timeout_s", s.report_timeout_s},
-          {"passivity_control", s.passivity_control},
-          {"force_shading", s.force_shading},
-          {"recovery_s", s.recovery_s},
-          {"texture", s.texture},
-          {"texture_amplitude_m", s.texture_amplitude_m},
-          {"texture_wavelength_m", s.texture_wavelength_m},
-          {"texture_gain", s.texture_gain},
-          {"friction_static", s.friction_static},
-          {"friction_dynamic", s.friction_dynamic},
-          {"friction_viscous_Ns_per_m", s.friction_viscous_Ns_per_m},
-          {"stiffness_density", s.stiffness_density},
-          {"spring_hand", s.spring_hand},
-          {"hand_mass_kg", s.hand_mass_kg},
-          {"hand_damping_Ns_per_m", s.hand_damping_Ns_per_m},
-          {"hand_stiffness_N_per_m", s.hand_stiffness_N_per_m},
-          {"device_mass_kg", s.device_mass_kg},
-          {"device_damping_Ns_per_m", s.device_damping_Ns_per_m},
-          {"encoder_resolution_m", s.encoder_resolution_m},
-          {"device_delay_ticks", s.device_delay_ticks},
-          {"path_file", s.path_file},
-          {"path_toward", toJson(s.path_toward)},
-          {"path_start_m", toJson(s.path_start_W)},
-          {"path_slide", toJson(s.path_slide)},
-          {"straight_over_edges", s.straight_over_edges},
-          {"press_depth_m", toJson(s.press_depth_m)},
-          {"slide_length_m", toJson(s.slide_length_m)},
-          {"approach_m", toJson(s.approach_m)},
-          {"edit", s.edit},
-          {"journal", s.journal},
-          {"save", s.save},
-          {"save_every_s", s.save_every_s},
-          {"out", s.out},
-          {"trace", s.trace},
-          {"stopped_trace_ticks", s.stopped_trace_ticks},
-          {"picture", s.picture},
-          {"image_width_px", s.image_width},
-          {"image_height_px", s.image_height}};
 }
 
 Json contactJson(const RunFigures& f) {

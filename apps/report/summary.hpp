@@ -11,7 +11,8 @@
 
 namespace palpate {
 
-inline constexpr std::string_view kSummarySchema = "palpate.touch.summary/1";
+inline constexpr std::string_view kSummaryName = "palpate.touch.summary/";  // of every version
+inline constexpr std::string_view kSummarySchema = "palpate.touch.summary/2";
 
 // Any thread. Cost: that of computeFigures. NaN and infinity become null.
 [[nodiscard]] nlohmann::ordered_json makeSummary(const TouchRun& run);

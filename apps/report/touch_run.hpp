@@ -11,8 +11,8 @@
 
 #include "apps/path/timed_point.hpp"
 #include "apps/report/machine_facts.hpp"
+#include "apps/scene/scene.hpp"
 #include "base/measured.hpp"
-#include "engine/plan/scene.hpp"
 #include "servo/loop/contact_stability.hpp"
 #include "servo/loop/run_figures.hpp"
 #include "servo/loop/tick_record.hpp"

@@ -13,7 +13,7 @@
 namespace palpate {
 namespace {
 
-std::string mm(double metres) {
+std::string withMm(double metres) {
   return shortNumber(metres * kMillimetresPerMetre) + " mm";
 }
 
@@ -27,14 +27,14 @@ std::string contactLine(const RunFigures& f) {
   if (f.contact_ticks == 0) return fmt::format("Contact   none in {} s\n", shortNumber(f.time_s));
   return fmt::format("Contact   {} s of {} s, {}, over {} of surface\n", shortNumber(f.contact_s),
                      shortNumber(f.time_s), f.touches == 1 ? "one touch" : fmt::format("{} touches", f.touches),
-                     mm(f.surface_way_m));
+                     withMm(f.surface_way_m));
 }
 
 std::string feelLine(const RunFigures& f) {
   if (f.contact_ticks == 0) return "";
-  const std::string depth = f.depth_m.count == 0
-                                ? "no depth, for it knows no surface"
-                                : fmt::format("depth median {}, at most {}", mm(f.depth_m.p50), mm(f.depth_m.max));
+  const std::string depth =
+      f.depth_m.count == 0 ? "no depth, for it knows no surface"
+                           : fmt::format("depth median {}, at most {}", withMm(f.depth_m.p50), withMm(f.depth_m.max));
   return fmt::format("Felt      force median {} N, at most {} N; {}\n", shortNumber(f.force_N.p50),
                      shortNumber(f.force_N.max), depth);
 }
@@ -230,7 +230,7 @@ std::string stabilityWords(const ContactStability& s, const RunFigures& f) {
         "unstable: from {} s to {} s the tool swung against the surface by {} at {} Hz without settling, {} in all, "
         "and the surface fed it; lower --stiffness, raise --rate, or raise --damping (up to about the moved mass over "
         "the tick and the velocity's delay; more shakes by itself){}",
-        shortNumber(s.unstable_from_s), shortNumber(s.unstable_to_s), mm(s.swing_m), shortNumber(s.swing_hz),
+        shortNumber(s.unstable_from_s), shortNumber(s.unstable_to_s), withMm(s.swing_m), shortNumber(s.swing_hz),
         counted(static_cast<std::uint64_t>(s.bounces), "bounce"),
         f.damped_ticks > 0 ? "" : "; --passivity control lessens it");
   }
@@ -246,7 +246,7 @@ std::string verdict(const TouchRun& run, const RunFigures& f) {
                           ".";
   if (f.contact_ticks == 0)
     return begin + fmt::format("The tool never touched the surface in {} s{}", shortNumber(f.time_s), end);
-  const std::string depth = f.depth_m.count == 0 ? "" : fmt::format(", pressed at most {} deep", mm(f.depth_m.max));
+  const std::string depth = f.depth_m.count == 0 ? "" : fmt::format(", pressed at most {} deep", withMm(f.depth_m.max));
   return begin + fmt::format("The tool touched the surface for {} s of {} s{} and felt at most {} N{}",
                              shortNumber(f.contact_s), shortNumber(f.time_s), depth, shortNumber(f.force_N.max), end);
 }

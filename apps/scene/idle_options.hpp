@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/plan/scene.hpp"
+#include "apps/scene/scene.hpp"
 
 namespace palpate {
 

@@ -13,30 +13,25 @@
 namespace palpate {
 namespace {
 
-constexpr double kMm = kMetresPerMillimetre;
 constexpr std::pair<ObjectKind, const char*> kKinds[] = {{ObjectKind::kPlane, "plane"},
                                                          {ObjectKind::kSphere, "sphere"},
                                                          {ObjectKind::kBox, "box"},
                                                          {ObjectKind::kMesh, "mesh"}};
 
 // clang-format off
-const std::vector<ObjectOption> kOptions = {
-    {"point_mm", "point", "mm", {ObjectKind::kPlane}, false, "a point of the plane", ObjectVector{&ObjectSpec::position_W, kMm}},
+const std::vector<ObjectOption> kObjectOptions = {
+    {"point_mm", "point", "mm", {ObjectKind::kPlane}, false, "a point of the plane", ObjectVector{&ObjectSpec::position_W, kMetresPerMillimetre}},
     {"normal", "normal", "", {ObjectKind::kPlane}, true, "out of the half-space that is object; any length", ObjectVector{&ObjectSpec::normal_W, 1}},
-    {"centre_mm", "centre", "mm", {ObjectKind::kSphere, ObjectKind::kBox}, false, "the centre", ObjectVector{&ObjectSpec::position_W, kMm}},
-    {"radius_mm", "radius", "mm", {ObjectKind::kSphere}, true, "the radius", ObjectNumber{&ObjectSpec::radius_m, kMm}},
-    {"size_mm", "size", "mm", {ObjectKind::kBox}, true, "lengths of the edges", ObjectVector{&ObjectSpec::size_m, kMm}},
-    {"position_mm", "position", "mm", {ObjectKind::kMesh}, false, "where the file's origin comes to lie", ObjectVector{&ObjectSpec::position_W, kMm}},
+    {"centre_mm", "centre", "mm", {ObjectKind::kSphere, ObjectKind::kBox}, false, "the centre", ObjectVector{&ObjectSpec::position_W, kMetresPerMillimetre}},
+    {"radius_mm", "radius", "mm", {ObjectKind::kSphere}, true, "the radius", ObjectNumber{&ObjectSpec::radius_m, kMetresPerMillimetre}},
+    {"size_mm", "size", "mm", {ObjectKind::kBox}, true, "lengths of the edges", ObjectVector{&ObjectSpec::size_m, kMetresPerMillimetre}},
+    {"position_mm", "position", "mm", {ObjectKind::kMesh}, false, "where the file's origin comes to lie", ObjectVector{&ObjectSpec::position_W, kMetresPerMillimetre}},
     {"rotation_deg", "rotation", "degree", {ObjectKind::kBox, ObjectKind::kMesh}, false, "turns about the world's x axis, then its y axis, then its z axis, around centre or origin", ObjectVector{&ObjectSpec::rotation_deg, 1}},
     {"scale", "scale", "", {ObjectKind::kMesh}, false, "factor besides the unit", ObjectNumber{&ObjectSpec::scale, 1}},
     {"unit", "unit", "", {ObjectKind::kMesh}, false, "of the file's coordinates: mm, cm, m or in", ObjectText{&ObjectSpec::unit}},
     {"file", "file", "", {ObjectKind::kMesh}, true, "OBJ, STL or PLY; in --object the last key", ObjectText{&ObjectSpec::file}},
 };
 // clang-format on
-
-[[noreturn]] void refuse(const std::string& where, const std::string& reason, const std::string& remedy) {
-  throw Error(Error::Code::kBadInput, where, reason, remedy);
-}
 
 bool has(const ObjectOption& option, ObjectKind kind) {
   return std::find(option.kinds.begin(), option.kinds.end(), kind) != option.kinds.end();
@@ -45,7 +40,7 @@ bool has(const ObjectOption& option, ObjectKind kind) {
 template <typename Name>
 std::string namesOf(ObjectKind kind, Name name) {
   std::string names;
-  for (const ObjectOption& option : kOptions) {
+  for (const ObjectOption& option : kObjectOptions) {
     if (has(option, kind)) names += (names.empty() ? "" : ", ") + std::string(name(option));
   }
   return names;
@@ -58,13 +53,13 @@ ObjectKind kindOf(const std::string& name, const std::string& where) {
   refuse(where, fmt::format("there is no object of kind '{}'", name), "use plane, sphere, box or mesh");
 }
 
-struct Form {
+struct ObjectForm {
   const char* operator()(const ObjectVector&) const { return "x,y,z"; }
   const char* operator()(const ObjectNumber&) const { return "a number"; }
   const char* operator()(const ObjectText&) const { return "text"; }
 };
 
-struct Setter {
+struct ObjectSetter {
   const std::string& text;
   ObjectSpec& spec;
 
@@ -84,7 +79,7 @@ struct Setter {
   }
 };
 
-struct Writer {
+struct ObjectWriter {
   const ObjectSpec& spec;
 
   std::string operator()(const ObjectVector& value) const { return screenText(spec.*value.member, value.scale); }
@@ -107,7 +102,7 @@ void checkSpec(const ObjectSpec& spec, const std::string& where) {
 }  // namespace
 
 std::span<const ObjectOption> objectOptions() {
-  return kOptions;
+  return kObjectOptions;
 }
 
 const char* objectKindName(ObjectKind kind) noexcept {
@@ -125,8 +120,8 @@ ObjectSpec makeObjectSpec(const std::string& kind, const std::vector<std::pair<s
     const auto known = [&, key = name](const ObjectOption& option) {
       return has(option, spec.kind) && (key == option.key || key == option.word);
     };
-    const auto option = std::find_if(kOptions.begin(), kOptions.end(), known);
-    if (option == kOptions.end()) {
+    const auto option = std::find_if(kObjectOptions.begin(), kObjectOptions.end(), known);
+    if (option == kObjectOptions.end()) {
       refuse(where, fmt::format("a {} has no '{}'", kind, name),
              "it takes " + namesOf(spec.kind, [](const ObjectOption& o) { return o.key; }));
     }
@@ -134,16 +129,16 @@ ObjectSpec makeObjectSpec(const std::string& kind, const std::vector<std::pair<s
       refuse(where, fmt::format("'{}' is given twice", name), "give it once");
     }
     given.push_back(&*option);
-    if (!std::visit(Setter{text, spec}, option->value)) {
+    if (!std::visit(ObjectSetter{text, spec}, option->value)) {
       refuse(where, fmt::format("{} '{}' is not what it takes", name, text),
-             fmt::format("give {}", std::visit(Form{}, option->value)));
+             fmt::format("give {}", std::visit(ObjectForm{}, option->value)));
     }
   }
-  for (const ObjectOption& option : kOptions) {
+  for (const ObjectOption& option : kObjectOptions) {
     if (!option.required || !has(option, spec.kind)) continue;
     if (std::find(given.begin(), given.end(), &option) == given.end()) {
       refuse(where, fmt::format("a {} needs '{}'", kind, option.key),
-             fmt::format("give {}", std::visit(Form{}, option.value)));
+             fmt::format("give {}", std::visit(ObjectForm{}, option.value)));
     }
   }
   checkSpec(spec, where);
@@ -172,8 +167,9 @@ ObjectSpec parseObject(const std::string& text) {
 
 std::string objectText(const ObjectSpec& spec) {
   std::string text = objectKindName(spec.kind);
-  for (const ObjectOption& option : kOptions) {
-    if (has(option, spec.kind)) text += fmt::format(":{}={}", option.word, std::visit(Writer{spec}, option.value));
+  for (const ObjectOption& option : kObjectOptions) {
+    if (has(option, spec.kind))
+      text += fmt::format(":{}={}", option.word, std::visit(ObjectWriter{spec}, option.value));
   }
   return text;
 }
@@ -196,12 +192,13 @@ std::string objectDocument() {
       "starts at the\nscene's folder. A mesh is scaled, turned, then moved. A mesh that is not closed is touched from "
       "both "
       "sides.\n\n| key | `--object` | kind | unit | takes | default | meaning |\n|---|---|---|---|---|---|---|\n";
-  for (const ObjectOption& option : kOptions) {
+  for (const ObjectOption& option : kObjectOptions) {
     std::string kinds;
     for (const ObjectKind kind : option.kinds) kinds += (kinds.empty() ? "" : ", ") + std::string(objectKindName(kind));
-    const std::string standard = option.required ? "must be given" : std::visit(Writer{ObjectSpec{}}, option.value);
+    const std::string standard =
+        option.required ? "must be given" : std::visit(ObjectWriter{ObjectSpec{}}, option.value);
     text += fmt::format("| `{}` | `{}` | {} | {} | {} | {} | {} |\n", option.key, option.word, kinds, option.unit,
-                        std::visit(Form{}, option.value), standard, option.help);
+                        std::visit(ObjectForm{}, option.value), standard, option.help);
   }
   return text;
 }

@@ -12,7 +12,7 @@
 #include <variant>
 #include <vector>
 
-#include "engine/plan/object_spec.hpp"
+#include "apps/scene/object_spec.hpp"
 
 namespace palpate {
 

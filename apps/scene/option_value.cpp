@@ -15,8 +15,8 @@
 namespace palpate {
 namespace {
 
-[[noreturn]] void refuse(const std::string& where, const std::string& text, const OptionValue& value,
-                         const std::string& unit) {
+[[noreturn]] void refuseText(const std::string& where, const std::string& text, const OptionValue& value,
+                             const std::string& unit) {
   throw Error(Error::Code::kBadInput, where, fmt::format("'{}' is not what it takes", text),
               "give " + optionForm(value) + (unit.empty() ? "" : ", in " + unit));
 }
@@ -81,12 +81,12 @@ struct Setter {
 
   void operator()(const NumberOption& option) const {
     const auto number = parseNumber<double>(text);
-    if (!number || !option.takes(*number)) refuse(where, text, value, unit);
+    if (!number || !option.takes(*number)) refuseText(where, text, value, unit);
     std::visit([&](auto member) { scene.*member = *number * option.scale; }, option.member);
   }
   void operator()(const IntegerOption& option) const {
     const auto number = parseNumber<long long>(text);
-    if (!number || *number < option.lowest || *number > option.highest) refuse(where, text, value, unit);
+    if (!number || *number < option.lowest || *number > option.highest) refuseText(where, text, value, unit);
     std::visit(
         [&](auto member) { scene.*member = static_cast<std::remove_reference_t<decltype(scene.*member)>>(*number); },
         option.member);
@@ -99,26 +99,26 @@ struct Setter {
   }
   void operator()(const ListOption& option) const { scene.*option.member = text; }
   void operator()(const SwitchOption& option) const {
-    if (text != option.word_if_false && text != option.word_if_true) refuse(where, text, value, unit);
+    if (text != option.word_if_false && text != option.word_if_true) refuseText(where, text, value, unit);
     scene.*option.member = text == option.word_if_true;
   }
   void operator()(const WordOption& option) const {
     if (std::find(option.words.begin(), option.words.end(), text) == option.words.end())
-      refuse(where, text, value, unit);
+      refuseText(where, text, value, unit);
     scene.*option.member = text;
   }
   void operator()(const VectorOption& option) const {
     const auto vector = parseVector(text);
-    if (!vector || (option.direction && vector->isZero(0))) refuse(where, text, value, unit);
+    if (!vector || (option.direction && vector->isZero(0))) refuseText(where, text, value, unit);
     // Stable: the square of a component may be too small or too large for a double.
     scene.*option.member = option.direction ? vector->stableNormalized() : Vec3(*vector * option.scale);
   }
   void operator()(const TableOption& option) const {
     auto table = parseTable(text, split(option.row, ':').size());
-    if (!table) refuse(where, text, value, unit);
+    if (!table) refuseText(where, text, value, unit);
     for (std::vector<double>& row : *table) {
       row.front() *= option.first_scale;
-      if (!std::isfinite(row.front())) refuse(where, text, value, unit);
+      if (!std::isfinite(row.front())) refuseText(where, text, value, unit);
     }
     scene.*option.member = std::move(*table);
   }

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <variant>
 
-#include "engine/plan/scene.hpp"
+#include "apps/scene/scene.hpp"
 
 namespace palpate {
 

@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-#include "engine/plan/scene.hpp"
+#include "apps/scene/scene.hpp"
 
 namespace palpate {
 

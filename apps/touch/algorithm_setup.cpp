@@ -6,7 +6,6 @@
 #include "servo/contact/effects.hpp"
 
 namespace palpate {
-namespace {
 
 EffectParameters effectParameters(const Scene& scene) {
   std::vector<StiffnessRow> stiffness_rows;
@@ -22,8 +21,6 @@ EffectParameters effectParameters(const Scene& scene) {
                        .viscous_Ns_per_m = scene.friction_viscous_Ns_per_m},
           .stiffness_by_density = std::move(stiffness_rows)};
 }
-
-}  // namespace
 
 AlgorithmSetup algorithmSetup(const Scene& scene, double isovalue, const DensityScale& scale,
                               const ContactObjects& objects) {
@@ -51,13 +48,6 @@ double lackingDamping(const Scene& scene) {
   for (const std::vector<double>& row : scene.stiffness_density) factor = std::max(factor, row.at(1));
   const double needed_Ns_per_m = scene.stiffness_N_per_m * factor * (0.5 + scene.device_delay_ticks) / scene.rate_hz;
   return std::max(0.0, needed_Ns_per_m - scene.damping_Ns_per_m);
-}
-
-Plan planFor(const Scene& scene) {
-  const AlgorithmNeeds& needs = algorithmEntry(scene.algorithm).needs;
-  Scene planned = scene;
-  planned.gradient_all = scene.gradient_all || needs.gradient_everywhere;
-  return makePlan(planned, needs.isosurface_mesh);
 }
 
 }  // namespace palpate

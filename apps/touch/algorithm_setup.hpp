@@ -2,10 +2,14 @@
 // apps/touch/algorithm_setup.hpp: turns a scene into the set-up of its haptic algorithm. Set-up code.
 #pragma once
 
-#include "engine/plan/plan.hpp"
+#include "apps/scene/scene.hpp"
 #include "servo/algorithms/registry.hpp"
+#include "servo/contact/effects.hpp"
 
 namespace palpate {
+
+// The contact effects of a scene. Throws Error(kBadInput) for an unknown texture.
+[[nodiscard]] EffectParameters effectParameters(const Scene& scene);
 
 // `isovalue`: of the field that is felt [density]; `scale`: how its densities lie about the isovalue; `objects`: those
 // of the scene (scene_objects.hpp). The caller adds the mesh of the isosurface. Throws Error(kBadInput) for invalid
@@ -17,9 +21,5 @@ namespace palpate {
 // and Schenkel 1997), with the scene's largest stiffness K, the period T of a tick and a force that is d ticks late. 0
 // for an algorithm without a stiffness.
 [[nodiscard]] double lackingDamping(const Scene& scene);
-
-// The scene's plan, with what its algorithm needs: gradients everywhere if it feels away from the isosurface, a mesh of
-// the isosurface if it touches one. Throws Error(kBadInput) for an unknown algorithm.
-[[nodiscard]] Plan planFor(const Scene& scene);
 
 }  // namespace palpate

@@ -8,7 +8,7 @@
 
 #include "apps/path/timed_point.hpp"
 #include "apps/report/touch_run.hpp"
-#include "engine/volume/phantom.hpp"
+#include "engine/phantoms/phantom.hpp"
 
 namespace palpate {
 

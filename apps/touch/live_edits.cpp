@@ -10,9 +10,9 @@
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
 #include "engine/edit/lower_edit.hpp"
+#include "engine/files/volume_file.hpp"
 #include "engine/journal/acknowledged_file.hpp"
 #include "engine/journal/volume_identity.hpp"
-#include "engine/volume/volume_file.hpp"
 #include "servo/algorithms/registry.hpp"
 
 namespace palpate {

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "apps/report/touch_run.hpp"
-#include "engine/plan/scene.hpp"
+#include "apps/scene/scene.hpp"
 #include "engine/session/edit_session.hpp"
 #include "engine/session/tool_brush.hpp"
 

@@ -2,7 +2,7 @@
 // apps/touch/object_volume.hpp: how much of a volume is object, to report how much a run's edits removed or added.
 #pragma once
 
-#include "engine/volume/volume.hpp"
+#include "engine/field/volume.hpp"
 
 namespace palpate {
 

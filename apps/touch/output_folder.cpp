@@ -15,13 +15,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-[[noreturn]] void refuse(const std::string& path, const std::string& reason) {
+[[noreturn]] void refuseFolder(const std::string& path, const std::string& reason) {
   throw Error(Error::Code::kIo, path, "nothing can be written there (" + reason + ")",
               "choose another folder with --out");
 }
 
 const std::string& checked(const std::string& path) {
-  if (path.empty()) refuse("--out ''", "it names no folder");
+  if (path.empty()) refuseFolder("--out ''", "it names no folder");
   return path;
 }
 
@@ -41,7 +41,7 @@ std::unique_ptr<AtomicFile> copied(const fs::path& draft, const fs::path& target
     in.read(block.data(), static_cast<std::streamsize>(block.size()));
     file->write({block.data(), static_cast<std::size_t>(in.gcount())});
   }
-  if (!in.eof()) refuse(target.string(), "its draft cannot be read");
+  if (!in.eof()) refuseFolder(target.string(), "its draft cannot be read");
   return file;
 }
 
@@ -70,13 +70,13 @@ MadeFolders::~MadeFolders() {
 OutputFolder::OutputFolder(const std::string& path) : path_(checked(path)), made_(path_) {
   std::error_code error;
   fs::create_directories(path_, error);
-  if (error) refuse(path, error.message());
-  if (!fs::is_directory(path_)) refuse(path, "it is not a folder");
+  if (error) refuseFolder(path, error.message());
+  if (!fs::is_directory(path_)) refuseFolder(path, "it is not a folder");
   sweepPartFiles(path_);
   try {
     drafts_.emplace(path_, ".palpate-");
   } catch (const std::system_error& failure) {
-    refuse(path, failure.code().message());
+    refuseFolder(path, failure.code().message());
   }
 }
 
@@ -106,7 +106,7 @@ void OutputFolder::publish(const char* first) {
     } else {
       fs::rename(target.draft, target.file, error);
     }
-    if (error) refuse(target.file.string(), error.message());
+    if (error) refuseFolder(target.file.string(), error.message());
   }
   for (const fs::path& name : left_out_) {
     std::error_code ignored;

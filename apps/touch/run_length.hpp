@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "engine/plan/scene.hpp"
+#include "apps/scene/scene.hpp"
 
 namespace palpate {
 

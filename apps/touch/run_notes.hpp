@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/plan/scene.hpp"
+#include "apps/scene/scene.hpp"
 #include "servo/loop/run_figures.hpp"
 #include "servo/loop/tick_record.hpp"
 

@@ -20,7 +20,9 @@ std::vector<std::string> listedBy(const fs::path& summary) {
   if (!fs::is_regular_file(summary, ignored)) return {};
   std::ifstream in(summary);
   const nlohmann::json run = nlohmann::json::parse(in, nullptr, false);
-  if (!run.is_object() || run.value("schema", nlohmann::json()) != kSummarySchema) return {};
+  if (!run.is_object()) return {};
+  const nlohmann::json schema = run.value("schema", nlohmann::json());
+  if (!schema.is_string() || !schema.get<std::string>().starts_with(kSummaryName)) return {};
   std::vector<std::string> names = {summary.filename().string()};
   if (const auto files = run.find("files"); files != run.end() && files->is_array()) {
     for (const auto& file : *files) {

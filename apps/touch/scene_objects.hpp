@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/plan/object_spec.hpp"
+#include "apps/scene/object_spec.hpp"
 #include "servo/objects/object_contacts.hpp"
 
 namespace palpate {

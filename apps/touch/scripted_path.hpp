@@ -8,7 +8,7 @@
 
 #include "apps/path/surface_field.hpp"
 #include "apps/path/timed_point.hpp"
-#include "engine/plan/scene.hpp"
+#include "apps/scene/scene.hpp"
 #include "servo/devices/sampled_path.hpp"
 
 namespace palpate {

@@ -5,8 +5,8 @@
 #include <functional>
 
 #include "apps/console/progress.hpp"
+#include "apps/scene/scene.hpp"
 #include "apps/touch/live_edits.hpp"
-#include "engine/plan/scene.hpp"
 #include "engine/service/engine.hpp"
 #include "servo/algorithms/registry.hpp"
 #include "servo/devices/path.hpp"

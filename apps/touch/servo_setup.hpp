@@ -2,7 +2,7 @@
 // apps/touch/servo_setup.hpp: turns a scene into the parameters of servo loop and simulated device. Set-up code.
 #pragma once
 
-#include "engine/plan/scene.hpp"
+#include "apps/scene/scene.hpp"
 #include "servo/devices/simulated_device.hpp"
 #include "servo/loop/servo_loop.hpp"
 

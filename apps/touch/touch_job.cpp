@@ -25,6 +25,7 @@
 #include "apps/touch/run_notes.hpp"
 #include "apps/touch/run_results.hpp"
 #include "apps/touch/scene_objects.hpp"
+#include "apps/touch/scene_plan.hpp"
 #include "apps/touch/scripted_path.hpp"
 #include "apps/touch/servo_run.hpp"
 #include "apps/touch/volume_surface.hpp"
@@ -32,12 +33,12 @@
 #include "base/byte_size.hpp"
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
+#include "engine/field/isosurface_mesh.hpp"
+#include "engine/field/memory_budget.hpp"
+#include "engine/field/statistics.hpp"
 #include "engine/gpu/gpu_info.hpp"
+#include "engine/phantoms/phantom.hpp"
 #include "engine/service/engine.hpp"
-#include "engine/volume/isosurface_mesh.hpp"
-#include "engine/volume/memory_budget.hpp"
-#include "engine/volume/phantom.hpp"
-#include "engine/volume/statistics.hpp"
 #include "servo/algorithms/registry.hpp"
 #include "servo/loop/contact_stability.hpp"
 #include "servo/loop/run_figures.hpp"
@@ -114,9 +115,9 @@ DensityScale densityScale(const Volume& volume, double isovalue) {
   return {.contrast = volume.maximum() - isovalue, .voxel_m = volume.lattice().smallestSpacing()};
 }
 
-std::vector<std::string> planWords(const Plan& plan, const PlanFacts& facts) {
+std::vector<std::string> planWords(const std::vector<PlanLine>& lines) {
   std::vector<std::string> words;
-  for (const PlanLine& line : planLines(plan, facts)) {
+  for (const PlanLine& line : lines) {
     std::string text = fmt::format("{}: {} ({})", line.done ? "done" : "left out", line.what, line.why);
     if (line.saved_bytes > 0) text += "; saves " + inMiB(line.saved_bytes);
     words.push_back(std::move(text));
@@ -333,14 +334,13 @@ void TouchJob::layPath() {
 void TouchJob::readyAlgorithm() {
   const double isovalue = engine_->isovalue();
   setup_ = algorithmSetup(scene_, isovalue, densityScale(felt(), isovalue), objects_.objects);
-  if (plan_.meshes) {
+  if (algorithmEntry(scene_.algorithm).needs.isosurface_mesh) {
     setup_.isosurface = stages_.run("isosurface mesh", "extracting the isosurface's mesh", [&] {
       return std::make_shared<const TriangleMesh>(isosurfaceMesh(felt(), isovalue));
     });
   }
-  PlanFacts facts = engine_->planFacts();
-  if (setup_.isosurface != nullptr) facts.mesh_triangles = setup_.isosurface->triangles.size();
-  run_.plan = planWords(plan_, facts);
+  const std::size_t triangles = setup_.isosurface != nullptr ? setup_.isosurface->triangles.size() : 0;
+  run_.plan = planWords(scenePlanLines(scene_, plan_, engine_->planFacts(), triangles));
 }
 
 void TouchJob::readyEdits() {
@@ -403,7 +403,7 @@ void TouchJob::finishEdits() {
 
 // Empty where the plan has none and where the user stops it.
 std::string TouchJob::picture() {
-  if (!plan_.draws) return {};
+  if (!plan_.request.draws) return {};
   try {
     return stages_.run("picture", "drawing", [&] { return drawPicture(run_, *surface_, *engine_, stopIfInterrupted); });
   } catch (const Error& error) {

@@ -7,7 +7,7 @@
 
 #include "apps/console/progress.hpp"
 #include "apps/report/touch_run.hpp"
-#include "engine/plan/scene.hpp"
+#include "apps/scene/scene.hpp"
 
 namespace palpate {
 

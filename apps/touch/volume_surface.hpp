@@ -3,7 +3,7 @@
 #pragma once
 
 #include "apps/path/surface_field.hpp"
-#include "engine/volume/volume.hpp"
+#include "engine/field/volume.hpp"
 
 namespace palpate {
 

@@ -9,10 +9,6 @@ namespace {
 constexpr std::size_t kMostPoints = 40;
 constexpr double kRoom = 1.25;
 
-Vec3 vec(const double (&v)[3]) {
-  return {v[0], v[1], v[2]};
-}
-
 // A unit vector across `normal`, as near to `wish` as can be.
 Vec3 across(const Vec3& normal, const Vec3& wish) {
   const Vec3 rest = wish - wish.dot(normal) * normal;
@@ -29,8 +25,8 @@ ContactRegion findContactRegion(const std::vector<TickRecord>& records, double l
   Vec3 normals = Vec3::Zero();
   for (const TickRecord& record : records) {
     if (region.touched && !record.in_contact) continue;
-    points_W.push_back(vec(region.touched ? record.vhip_W : record.hip_W));
-    normals += vec(record.normal_W);
+    points_W.push_back(asVec3(region.touched ? record.vhip_W : record.hip_W));
+    normals += asVec3(record.normal_W);
   }
   if (points_W.empty()) return region;
 

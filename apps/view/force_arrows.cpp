@@ -13,15 +13,11 @@
 namespace palpate {
 namespace {
 
-Vec3 vec(const double (&v)[3]) {
-  return {v[0], v[1], v[2]};
-}
-
 double wayInContact(const std::vector<TickRecord>& records) {
   double way_m = 0;
   for (std::size_t i = 1; i < records.size(); ++i) {
     if (records[i].in_contact && records[i - 1].in_contact)
-      way_m += (vec(records[i].vhip_W) - vec(records[i - 1].vhip_W)).norm();
+      way_m += (asVec3(records[i].vhip_W) - asVec3(records[i - 1].vhip_W)).norm();
   }
   return way_m;
 }
@@ -48,7 +44,7 @@ struct Stretch {
   void moveOn(std::int64_t next, std::vector<ForceArrow>& arrows) {
     if (middle) {
       const TickRecord& r = forceOf(*largest) > kPeak * forceOf(*middle) ? *largest : *middle;
-      arrows.push_back({vec(r.hip_W), vec(r.vhip_W), vec(r.force_W)});
+      arrows.push_back({asVec3(r.hip_W), asVec3(r.vhip_W), asVec3(r.force_W)});
     }
     *this = {};
     number = next;
@@ -71,7 +67,7 @@ ForceArrows chooseForceArrows(const std::vector<TickRecord>& records, int wanted
   for (std::size_t i = 0; i < records.size(); ++i) {
     const TickRecord& now = records[i];
     if (!now.in_contact) continue;
-    if (i > 0 && records[i - 1].in_contact) way_m += (vec(now.vhip_W) - vec(records[i - 1].vhip_W)).norm();
+    if (i > 0 && records[i - 1].in_contact) way_m += (asVec3(now.vhip_W) - asVec3(records[i - 1].vhip_W)).norm();
     const auto number = static_cast<std::int64_t>(way_m / out.every_m);
     if (number != stretch.number) stretch.moveOn(number, out.arrows);
     stretch.consider(now, way_m / out.every_m);

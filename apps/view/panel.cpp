@@ -17,10 +17,6 @@ constexpr double kHiddenShare = 0.55;  // how much of its colour remains to a hi
 constexpr Color kWhite = {1, 1, 1};
 constexpr Color kBoxColor = {0.85, 0.35, 0.05};
 
-Vec3 vec(const double (&v)[3]) {
-  return {v[0], v[1], v[2]};
-}
-
 }  // namespace
 
 Panel::Panel(Canvas& canvas, const Camera& camera, const RenderedImage& image, double tolerance_m, double scale)
@@ -74,7 +70,7 @@ void Panel::drawPlaces(const std::vector<Place>& places, const Color& color, dou
 
 void Panel::drawHipPath(const std::vector<TickRecord>& records) {
   std::vector<Vec3> points_W;
-  for (const TickRecord& record : records) points_W.push_back(vec(record.hip_W));
+  for (const TickRecord& record : records) points_W.push_back(asVec3(record.hip_W));
   drawPlaces(places(points_W), kHipColor, 2.4 * scale_);
 }
 
@@ -82,7 +78,7 @@ void Panel::drawVhipPath(const std::vector<TickRecord>& records) {
   std::vector<Vec3> points_W;
   for (std::size_t i = 0; i <= records.size(); ++i) {
     if (i < records.size() && records[i].in_contact) {
-      points_W.push_back(vec(records[i].vhip_W));
+      points_W.push_back(asVec3(records[i].vhip_W));
     } else if (!points_W.empty()) {
       drawPlaces(places(points_W), kVhipColor, 2.6 * scale_);
       points_W.clear();
@@ -146,7 +142,7 @@ void Panel::drawBox(const ContactRegion& region, const std::string& words) {
 }
 
 void Panel::drawEnds(const std::vector<TickRecord>& records) {
-  const auto inside = [this](const TickRecord& r) { return isInside(vec(r.hip_W)); };
+  const auto inside = [this](const TickRecord& r) { return isInside(asVec3(r.hip_W)); };
   const auto first = std::find_if(records.begin(), records.end(), inside);
   if (first == records.end()) return;
   const auto last = std::find_if(records.rbegin(), records.rend(), inside);
@@ -157,7 +153,7 @@ void Panel::drawEnds(const std::vector<TickRecord>& records) {
   };
   std::vector<Mark> marks;
   const auto mark = [&](const TickRecord& r, const Color& color, const char* word) {
-    if (const auto p = camera_.project(vec(r.hip_W))) marks.push_back({{p->x, p->y}, color, word});
+    if (const auto p = camera_.project(asVec3(r.hip_W))) marks.push_back({{p->x, p->y}, color, word});
   };
   mark(*first, kStartColor, first == records.begin() ? "start" : "from start");
   mark(*last, kEndColor, last == records.rbegin() ? "end" : "to end");

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/edit/brick_grid.hpp"
 
-#include "engine/volume/volume.hpp"
+#include "engine/field/volume.hpp"
 
 namespace palpate {
 

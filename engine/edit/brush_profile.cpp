@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/units.hpp"
-#include "engine/volume/statistics.hpp"
+#include "engine/field/statistics.hpp"
 
 namespace palpate {
 

@@ -10,7 +10,7 @@
 #include <string>
 
 #include "engine/edit/edit_command.hpp"
-#include "engine/volume/volume.hpp"
+#include "engine/field/volume.hpp"
 
 namespace palpate {
 

@@ -14,7 +14,7 @@
 
 #include "base/lattice.hpp"
 #include "base/vec.hpp"
-#include "engine/volume/mesh_distance.hpp"
+#include "engine/field/mesh_distance.hpp"
 
 namespace palpate {
 

@@ -11,7 +11,7 @@
 namespace palpate {
 namespace {
 
-constexpr double kLeast = 1e-6;    // of what must be above 0
+constexpr double kLeast = 1e-6;  // of what must be above 0
 
 template <typename... Kinds>
 constexpr std::uint32_t bits(Kinds... kinds) {

@@ -14,7 +14,7 @@
 namespace palpate {
 namespace {
 
-[[noreturn]] void refuse(const EditValue& value, const std::string& what, const std::string& remedy) {
+[[noreturn]] void refuseValue(const EditValue& value, const std::string& what, const std::string& remedy) {
   throw Error(Error::Code::kBadInput, value.where, fmt::format("'{}' of {} is {}", value.text, value.key, what),
               remedy);
 }
@@ -23,7 +23,7 @@ namespace {
 double numberFrom(const EditValue& value, std::string_view& rest, const char* remedy) {
   double number = 0;
   const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), number);
-  if (error != std::errc{} || !std::isfinite(number)) refuse(value, "no number", remedy);
+  if (error != std::errc{} || !std::isfinite(number)) refuseValue(value, "no number", remedy);
   rest.remove_prefix(static_cast<std::size_t>(end - rest.data()));
   return number;
 }
@@ -43,7 +43,7 @@ Vec3 threeFrom(const EditValue& value, std::string_view& rest, const char* remed
   for (int axis = 0; axis < 3; ++axis) {
     numbers[axis] = numberFrom(value, rest, remedy);
     if (axis == 2) break;
-    if (!rest.starts_with(',')) refuse(value, "not three numbers", remedy);
+    if (!rest.starts_with(',')) refuseValue(value, "not three numbers", remedy);
     rest.remove_prefix(1);
   }
   return numbers;
@@ -55,7 +55,7 @@ double EditValue::number(double lowest, double highest) const {
   std::string_view rest = text;
   const std::string range = fmt::format("give {:g} to {:g}", lowest, highest);
   const double number = numberFrom(*this, rest, range.c_str());
-  if (!rest.empty()) refuse(*this, "no number", range);
+  if (!rest.empty()) refuseValue(*this, "no number", range);
   if (number < lowest || number > highest)
     throw Error(Error::Code::kBadInput, where, fmt::format("{} is {:g}", key, number), range);
   return number;
@@ -66,7 +66,7 @@ double EditValue::length() const {
   std::string_view rest = text;
   const double number = numberFrom(*this, rest, kRemedy);
   const std::optional<double> metres = metresPer(rest);
-  if (!metres || !(number * *metres > 0)) refuse(*this, "no length above 0", kRemedy);
+  if (!metres || !(number * *metres > 0)) refuseValue(*this, "no length above 0", kRemedy);
   return number * *metres;
 }
 
@@ -75,7 +75,7 @@ Vec3 EditValue::place() const {
   std::string_view rest = text;
   const Vec3 numbers = threeFrom(*this, rest, kRemedy);
   const std::optional<double> metres = metresPer(rest);
-  if (!metres) refuse(*this, "no place", kRemedy);
+  if (!metres) refuseValue(*this, "no place", kRemedy);
   return numbers * *metres;
 }
 
@@ -83,7 +83,7 @@ Vec3 EditValue::numbers() const {
   constexpr const char* kRemedy = "give three numbers: 0,0,1";
   std::string_view rest = text;
   const Vec3 numbers = threeFrom(*this, rest, kRemedy);
-  if (!rest.empty()) refuse(*this, "not three numbers", kRemedy);
+  if (!rest.empty()) refuseValue(*this, "not three numbers", kRemedy);
   return numbers;
 }
 

@@ -46,7 +46,7 @@ constexpr FilterRow kFilters[] = {
       "dilate, then erode: gaps that are thinner are filled"}},
 };
 
-[[noreturn]] void refuse(std::string_view filter, const std::string& reason, const std::string& remedy) {
+[[noreturn]] void refuseFilter(std::string_view filter, const std::string& reason, const std::string& remedy) {
   throw Error(Error::Code::kBadInput, fmt::format("filter {}", filter), reason, remedy);
 }
 
@@ -61,7 +61,8 @@ std::pair<double, std::string_view> numberOf(std::string_view filter, std::strin
   double number = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (error != std::errc{} || !std::isfinite(number)) {
-    refuse(filter, fmt::format("its {} '{}' is no number", what, text), "give for example gaussian:0.8mm or median:1");
+    refuseFilter(filter, fmt::format("its {} '{}' is no number", what, text),
+                 "give for example gaussian:0.8mm or median:1");
   }
   return {number, text.substr(static_cast<std::size_t>(end - text.data()))};
 }
@@ -75,17 +76,17 @@ Extent extentOf(std::string_view filter, std::string_view what, std::string_view
     if (unit == name) extent = {number * metres, true};
   }
   if (!unit.empty() && !extent.in_metres) {
-    refuse(filter, fmt::format("there is no unit '{}'", unit), "give voxels without a unit, or mm, um, cm, m");
+    refuseFilter(filter, fmt::format("there is no unit '{}'", unit), "give voxels without a unit, or mm, um, cm, m");
   }
   // Of the length itself: a number above 0 may be too small for one in metres.
-  if (!(extent.value > 0)) refuse(filter, fmt::format("its {} is {:g}", what, number), "give a number above 0");
+  if (!(extent.value > 0)) refuseFilter(filter, fmt::format("its {} is {:g}", what, number), "give a number above 0");
   return extent;
 }
 
 double plain(std::string_view filter, std::string_view key, std::string_view text, double lowest, double highest) {
   const auto [number, rest] = numberOf(filter, key, text);
   if (!rest.empty() || number < lowest || number > highest) {
-    refuse(filter, fmt::format("its {} is '{}'", key, text), fmt::format("give {:g} to {:g}", lowest, highest));
+    refuseFilter(filter, fmt::format("its {} is '{}'", key, text), fmt::format("give {:g} to {:g}", lowest, highest));
   }
   return number;
 }
@@ -114,7 +115,7 @@ bool setOwnKey(std::string_view filter, std::string_view key, std::string_view v
         spec.dt_mm2 = positive(filter, key, value);
       } else if (key == "g") {
         if (value != "rational" && value != "exp") {
-          refuse(filter, fmt::format("there is no conductance '{}'", value), "use g=rational or g=exp");
+          refuseFilter(filter, fmt::format("there is no conductance '{}'", value), "use g=rational or g=exp");
         }
         spec.conductance = value == "exp" ? Conductance::kExp : Conductance::kRational;
       } else {
@@ -127,7 +128,7 @@ bool setOwnKey(std::string_view filter, std::string_view key, std::string_view v
     case FilterKind::kClose:
       if (key != "shape") return false;
       if (value != "box" && value != "ball") {
-        refuse(filter, fmt::format("there is no shape '{}'", value), "use shape=box or shape=ball");
+        refuseFilter(filter, fmt::format("there is no shape '{}'", value), "use shape=box or shape=ball");
       }
       spec.shape = value == "ball" ? WindowShape::kBall : WindowShape::kBox;
       return true;
@@ -146,18 +147,18 @@ bool hasBorder(FilterKind kind) {
 void checkWhole(std::string_view filter, const FilterSpec& spec, int most, std::string_view what) {
   const double size = spec.size.value;
   if (!spec.size.in_metres && size == std::floor(size) && size <= most) return;
-  refuse(filter, fmt::format("its {} must be a whole number from 1 to {}, without a unit", what, most),
-         "give such a number");
+  refuseFilter(filter, fmt::format("its {} must be a whole number from 1 to {}, without a unit", what, most),
+               "give such a number");
 }
 
 // What a filter needs beyond its size.
 void checkComplete(std::string_view filter, const FilterSpec& spec) {
   if (spec.kind == FilterKind::kBilateral && spec.range == 0) {
-    refuse(filter, "it has no range", "give the densities that it may mix, for example range=50");
+    refuseFilter(filter, "it has no range", "give the densities that it may mix, for example range=50");
   }
   if (spec.kind == FilterKind::kDiffuse) {
     checkWhole(filter, spec, kMostDiffusionSteps, "number of steps");
-    if (spec.kappa == 0) refuse(filter, "it has no kappa", "give the slope to keep, for example kappa=100");
+    if (spec.kappa == 0) refuseFilter(filter, "it has no kappa", "give the slope to keep, for example kappa=100");
   }
   if (spec.kind == FilterKind::kDistance) checkWhole(filter, spec, kWidestBand, "band in voxels");
 }
@@ -165,13 +166,13 @@ void checkComplete(std::string_view filter, const FilterSpec& spec) {
 void setKey(std::string_view filter, std::string_view key, std::string_view value, FilterSpec& spec) {
   if (key == "border" && hasBorder(spec.kind)) {
     if (value != "nearest" && value != "mirror") {
-      refuse(filter, fmt::format("there is no border '{}'", value), "use border=nearest or border=mirror");
+      refuseFilter(filter, fmt::format("there is no border '{}'", value), "use border=nearest or border=mirror");
     }
     spec.border = value == "mirror" ? Border::kMirror : Border::kNearest;
   } else if (!setOwnKey(filter, key, value, spec)) {
     std::string_view keys;
     for (const FilterRow& row : kFilters) keys = row.kind == spec.kind ? row.words.keys : keys;
-    refuse(filter, fmt::format("it has no '{}'", key), fmt::format("its keys: {}", keys));
+    refuseFilter(filter, fmt::format("it has no '{}'", key), fmt::format("its keys: {}", keys));
   }
 }
 
@@ -188,25 +189,25 @@ FilterSpec filterOf(std::string_view text) {
   const FilterRow* found = nullptr;
   for (const FilterRow& row : kFilters) found = row.words.name == name ? &row : found;
   if (found == nullptr && (name == "mm" || name == "um" || name == "cm" || name == "m")) {
-    refuse(text, "there is a blank before this unit", "write it without: gaussian:1mm");
+    refuseFilter(text, "there is a blank before this unit", "write it without: gaussian:1mm");
   }
-  if (found == nullptr) refuse(text, fmt::format("there is no filter '{}'", name), "use " + names());
-  if (text.ends_with(':')) refuse(text, "nothing follows its last colon", "leave that out, or give a key");
+  if (found == nullptr) refuseFilter(text, fmt::format("there is no filter '{}'", name), "use " + names());
+  if (text.ends_with(':')) refuseFilter(text, "nothing follows its last colon", "leave that out, or give a key");
   spec.kind = found->kind;
   if (spec.kind == FilterKind::kBilateral) spec.truncate = 2;
   if (rest.empty())
-    refuse(text, fmt::format("it has no {}", found->words.size), fmt::format("give for example {}:1", name));
+    refuseFilter(text, fmt::format("it has no {}", found->words.size), fmt::format("give for example {}:1", name));
   spec.size = extentOf(text, found->words.size, next());
   std::vector<std::string_view> seen;
   while (!rest.empty()) {
     const std::string_view word = next();
     const std::size_t equals = word.find('=');
     if (equals == std::string_view::npos) {
-      refuse(text, fmt::format("'{}' has no value", word), fmt::format("its keys: {}", found->words.keys));
+      refuseFilter(text, fmt::format("'{}' has no value", word), fmt::format("its keys: {}", found->words.keys));
     }
     const std::string_view key = word.substr(0, equals);
     if (std::find(seen.begin(), seen.end(), key) != seen.end())
-      refuse(text, fmt::format("'{}' stands there twice", key), "give it once");
+      refuseFilter(text, fmt::format("'{}' stands there twice", key), "give it once");
     seen.push_back(key);
     setKey(text, key, word.substr(equals + 1), spec);
   }
@@ -227,12 +228,13 @@ std::span<const FilterWords> filterTable() noexcept {
 
 std::vector<FilterSpec> filterChain(const std::string& text) {
   if (text.find(',') != std::string::npos) {
-    refuse(text, "it has a comma", "part filters by blanks, and decimals by a point: \"gaussian:0.8mm median:1\"");
+    refuseFilter(text, "it has a comma",
+                 "part filters by blanks, and decimals by a point: \"gaussian:0.8mm median:1\"");
   }
   std::vector<FilterSpec> chain;
   std::istringstream words(text);
   for (std::string word; words >> word;) chain.push_back(filterOf(word));
-  if (chain.empty()) refuse(text, "it names no filter", "use " + names() + ", for example \"gaussian:0.8mm\"");
+  if (chain.empty()) refuseFilter(text, "it names no filter", "use " + names() + ", for example \"gaussian:0.8mm\"");
   return chain;
 }
 

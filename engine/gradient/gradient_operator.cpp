@@ -17,7 +17,7 @@ constexpr GradientWords kOperators[] = {
     {"gaussian", "sigma", GRADIENT_CENTRAL, 1, "central difference of the Gaussian-smoothed field"},
 };
 
-[[noreturn]] void refuse(const std::string& text, const std::string& reason) {
+[[noreturn]] void refuseOperator(const std::string& text, const std::string& reason) {
   throw Error(Error::Code::kBadInput, fmt::format("gradient operator '{}'", text), reason, "use " + gradientNames());
 }
 
@@ -34,13 +34,13 @@ GradientOperator gradientOperator(const std::string& text) {
   const std::string_view name = std::string_view(text).substr(0, colon);
   const auto* found = std::find_if(std::begin(kOperators), std::end(kOperators),
                                    [&](const GradientWords& row) { return row.name == name; });
-  if (found == std::end(kOperators)) refuse(text, "there is none of this name");
+  if (found == std::end(kOperators)) refuseOperator(text, "there is none of this name");
   GradientOperator made(*found);
   if (found->takes.empty()) {
-    if (colon != text.size()) refuse(text, fmt::format("{} takes nothing behind its name", name));
+    if (colon != text.size()) refuseOperator(text, fmt::format("{} takes nothing behind its name", name));
     return made;
   }
-  if (text.find_first_of(" \t") != std::string::npos) refuse(text, "it is more than one word");
+  if (text.find_first_of(" \t") != std::string::npos) refuseOperator(text, "it is more than one word");
   made.smoothing = filterChain(text);  // the smoothing filter has the operator's name and says what is wrong
   return made;
 }

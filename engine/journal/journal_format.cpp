@@ -5,10 +5,10 @@
 
 #include <fmt/format.h>
 
+#include "base/crc32c.hpp"
 #include "base/error.hpp"
 #include "engine/edit/lower_edit.hpp"
 #include "engine/journal/byte_stream.hpp"
-#include "base/crc32c.hpp"
 
 namespace palpate {
 namespace {

@@ -8,9 +8,9 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "base/crc32c.hpp"
 #include "base/error.hpp"
 #include "engine/journal/byte_stream.hpp"
-#include "base/crc32c.hpp"
 
 namespace palpate {
 namespace {

@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-[[noreturn]] void refuse(const fs::path& file, int error) {
+[[noreturn]] void refuseFile(const fs::path& file, int error) {
   throw Error(Error::Code::kIo, file.string(), fmt::format("no journal can be kept there ({})", std::strerror(error)),
               "make room or choose another folder with --journal");
 }
@@ -28,11 +28,11 @@ namespace fs = std::filesystem;
 
 JournalWriter::JournalWriter(const fs::path& folder, const JournalHeader& header, JournalOptions options)
     : file_(journalFile(folder)), options_(std::move(options)) {
-  if (const int unmade = makeFolder(folder); unmade != 0) refuse(folder, unmade);
+  if (const int unmade = makeFolder(folder); unmade != 0) refuseFile(folder, unmade);
   const std::string bytes = headerBytes(header);
   // The header goes to a name of its own first, so that a journal is never there without one.
   PartFile draft = openPartFile(file_);
-  if (draft.descriptor < 0) refuse(file_, draft.error);
+  if (draft.descriptor < 0) refuseFile(file_, draft.error);
   descriptor_ = draft.descriptor;
   int failed = writeAll(descriptor_, bytes);
   if (failed == 0 && fsync(descriptor_) != 0) failed = errno;
@@ -47,14 +47,14 @@ JournalWriter::JournalWriter(const fs::path& folder, const JournalHeader& header
   draft.leftover.release();
   if (failed != 0) {
     ::close(descriptor_);
-    if (failed != EEXIST) refuse(file_, failed);
+    if (failed != EEXIST) refuseFile(file_, failed);
     throw Error(Error::Code::kBadInput, folder.string(), "it holds the journal of another session",
                 "recover that with 'palpate recover', or choose another folder with --journal");
   }
   if (const int unflushed = flushFolder(folder); unflushed != 0) {
     ::close(descriptor_);
     unlink(file_.c_str());
-    refuse(folder, unflushed);
+    refuseFile(folder, unflushed);
   }
   bytes_ = bytes.size();
   thread_ = std::thread([this] { work(); });

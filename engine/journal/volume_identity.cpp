@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "engine/volume/brick_values.hpp"
+#include "engine/field/brick_values.hpp"
 
 namespace palpate {
 namespace {

@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "base/lattice.hpp"
-#include "engine/volume/volume.hpp"
+#include "engine/field/volume.hpp"
 
 namespace palpate {
 

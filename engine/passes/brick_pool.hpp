@@ -16,10 +16,10 @@
 #include <optional>
 #include <vector>
 
+#include "engine/field/volume.hpp"
 #include "engine/gpu/buffer.hpp"
 #include "engine/gpu/transfer.hpp"
 #include "engine/passes/slot_slabs.hpp"
-#include "engine/volume/volume.hpp"
 #include "shaders/brick_pool.layout.h"
 
 namespace palpate {

@@ -5,9 +5,9 @@
 
 #include <vector>
 
+#include "engine/field/volume.hpp"
 #include "engine/gpu/transfer.hpp"
 #include "engine/passes/brick_pool.hpp"
-#include "engine/volume/volume.hpp"
 
 namespace palpate {
 

@@ -2,7 +2,7 @@
 #include "engine/passes/sample_store.hpp"
 
 #include "base/error.hpp"
-#include "engine/volume/volume.hpp"
+#include "engine/field/volume.hpp"
 #include "servo/window/sample_window.hpp"  // the size of a sample as floats
 
 namespace palpate {

@@ -8,8 +8,8 @@
 #include <optional>
 
 #include "engine/edit/edit_reach.hpp"
+#include "engine/field/volume.hpp"
 #include "engine/filter/filter_step.hpp"
-#include "engine/volume/volume.hpp"
 
 namespace palpate {
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/plan/plan.hpp: turns a scene into the passes and buffers that it needs, and no others. Any thread; no cost.
+// engine/plan/plan.hpp: turns what is asked of the engine into the passes and buffers that it needs, and no others. Any
+// thread; no cost.
 //
-// The plan also says what was left out and, once the volume is known, how much memory that saved. `palpate plan SCENE`
-// prints it; `palpate touch` keeps it in summary.json.
+// The plan also says what was left out and, once the volume is known, how much memory that saved.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,6 @@
 
 #include "engine/filter/filter_spec.hpp"
 #include "engine/gradient/gradient_operator.hpp"
-#include "engine/plan/scene.hpp"
 
 namespace palpate {
 
@@ -19,25 +18,29 @@ enum class Pass { kUpload, kFilter, kBrickBounds, kSmoothing, kGradient, kWindow
 
 [[nodiscard]] const char* passName(Pass pass) noexcept;
 
+// What an engine is asked for; nothing that is not named is computed or kept.
+struct EngineRequest {
+  std::string filter = {};                    // chain that makes the field that is felt: "gaussian:0.8mm"; empty: none
+  bool distance = false;                      // the signed distance from that field's isosurface is felt
+  bool gradient_all = false;                  // gradients of every brick, not only of those that the isosurface needs
+  std::string gradient_operator = "central";  // engine/gradient/gradient_operator.hpp
+  bool half_samples = false;                  // samples are stored as halves, not as floats
+  bool edits = false;                         // the volume will be edited, so what edits need is kept
+  bool draws = false;                         // the isosurface will be drawn
+};
+
 struct Plan {
+  EngineRequest request;
   std::vector<Pass> passes;         // in order of execution
   std::vector<FilterSpec> filters;  // make the field that is felt from the volume; empty: the volume itself is felt
   std::string filter_words;         // the same in words
-  bool gradient_all = false;        // gradients of every brick, not only of those that the isosurface needs
   GradientOperator gradient;
-  bool half_samples = false;  // samples are stored as halves, not as floats
-  bool edits = false;         // the tool edits, so the engine keeps what edits need
-  bool draws = false;         // view.png is drawn
-  bool meshes = false;        // a triangle mesh of the isosurface is made, for an algorithm that touches one
-  std::size_t objects = 0;    // solid objects beside the volume
-  std::string effects;        // names of the contact effects; empty: none
 
   [[nodiscard]] bool has(Pass pass) const noexcept;
 };
 
 // Throws Error(kBadInput) for invalid filters or an unknown gradient operator.
-// `needs_mesh`: the scene's algorithm touches a mesh of the isosurface (AlgorithmNeeds::isosurface_mesh).
-[[nodiscard]] Plan makePlan(const Scene& scene, bool needs_mesh = false);
+[[nodiscard]] Plan makePlan(const EngineRequest& request);
 
 // Figures for planLines(), known once the engine has computed the bounds of every brick.
 struct PlanFacts {
@@ -45,7 +48,6 @@ struct PlanFacts {
   std::size_t stored_bricks = 0;    // bricks of the volume that are not constant
   std::size_t filtered_bricks = 0;  // bricks of the filtered field that are not constant
   std::size_t gradient_bricks = 0;  // bricks with gradients
-  std::size_t mesh_triangles = 0;   // of the isosurface; 0: not extracted (yet)
 };
 
 struct PlanLine {
@@ -55,6 +57,7 @@ struct PlanLine {
   std::uint64_t saved_bytes = 0;
 };
 
+// A line for each pass and buffer, done or left out.
 [[nodiscard]] std::vector<PlanLine> planLines(const Plan& plan, const PlanFacts& facts);
 
 }  // namespace palpate

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/lattice.hpp"
-#include "engine/volume/volume.hpp"
+#include "engine/field/volume.hpp"
 
 namespace palpate::reference {
 

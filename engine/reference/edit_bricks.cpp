@@ -9,8 +9,8 @@
 
 #include "engine/edit/edit_math.hpp"
 #include "engine/edit/edit_reach.hpp"
+#include "engine/field/brick_values.hpp"
 #include "engine/reference/neighbours.hpp"
-#include "engine/volume/brick_values.hpp"
 
 namespace palpate::reference {
 namespace {

@@ -5,7 +5,7 @@
 #pragma once
 
 #include "engine/edit/lower_edit.hpp"
-#include "engine/volume/volume.hpp"
+#include "engine/field/volume.hpp"
 
 namespace palpate::reference {
 

@@ -13,7 +13,7 @@
 #include "base/byte_size.hpp"
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
-#include "engine/volume/brick_values.hpp"
+#include "engine/field/brick_values.hpp"
 #include "servo/window/sample_window.hpp"
 
 namespace palpate {

@@ -17,9 +17,9 @@
 #include "base/rendered_image.hpp"
 #include "engine/edit/brush_profile.hpp"
 #include "engine/edit/edit_command.hpp"
+#include "engine/field/volume.hpp"
 #include "engine/plan/plan.hpp"
 #include "engine/service/brick_content.hpp"
-#include "engine/volume/volume.hpp"
 #include "servo/window/tool_pose.hpp"
 
 namespace palpate {

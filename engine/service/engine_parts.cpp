@@ -9,11 +9,11 @@
 #include "base/byte_size.hpp"
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
+#include "engine/field/statistics.hpp"
 #include "engine/passes/active_bricks.hpp"
 #include "engine/passes/filter_chain.hpp"
 #include "engine/passes/pool_volume.hpp"
 #include "engine/service/window_focus.hpp"
-#include "engine/volume/statistics.hpp"
 
 namespace palpate {
 namespace {
@@ -61,7 +61,10 @@ void EngineParts::stage(const char* name, Work work) {
 
 EngineParts::EngineParts(const Volume& volume, const Plan& plan, double isovalue, const std::string& gpu_name,
                          std::uint64_t gpu_memory_bytes, const Engine::StartProgress& progress)
-    : isovalue_(isovalue), gpu_(gpu::GpuRequest{.name = gpu_name}), transfer_(gpu_), gradient_all_(plan.gradient_all) {
+    : isovalue_(isovalue),
+      gpu_(gpu::GpuRequest{.name = gpu_name}),
+      transfer_(gpu_),
+      gradient_all_(plan.request.gradient_all) {
   checkTouchable(volume);
   stage(passName(Pass::kUpload), [&] {
     auto budget = makeGpuBudget(gpu_memory_bytes);
@@ -85,7 +88,7 @@ EngineParts::EngineParts(const Volume& volume, const Plan& plan, double isovalue
   }
   computeGradients(volume, plan, progress);
   stage(passName(Pass::kWindow), [&] { makeWindows(); });
-  if (plan.draws) isosurface_ = std::make_unique<IsosurfacePass>(gpu_, transfer_, field(), *bounds_);
+  if (plan.request.draws) isosurface_ = std::make_unique<IsosurfacePass>(gpu_, transfer_, field(), *bounds_);
 }
 
 // Of the field that is felt.
@@ -109,14 +112,14 @@ void EngineParts::computeGradients(const Volume& volume, const Plan& plan, const
   stage(passName(Pass::kGradient), [&] {
     const auto isovalue = static_cast<float>(isovalue_);
     const std::vector<std::uint32_t> bricks =
-        plan.gradient_all ? allBricks(pool_->brickCounts())
-                          : activeBricks(bounds_->read(transfer_), pool_->brickCounts(), isovalue);
-    const auto range = plan.half_samples ? densityRange(volume) : std::pair(0.0F, 0.0F);
-    const SampleFormat format = plan.half_samples
+        plan.request.gradient_all ? allBricks(pool_->brickCounts())
+                                  : activeBricks(bounds_->read(transfer_), pool_->brickCounts(), isovalue);
+    const auto range = plan.request.half_samples ? densityRange(volume) : std::pair(0.0F, 0.0F);
+    const SampleFormat format = plan.request.half_samples
                                     ? halfSamples(isovalue, range.first, range.second, pool_->lattice().spacing_m)
                                     : SampleFormat{};
     // Filters may leave less of the contrast, and a distance has one of its own: then none is known here.
-    if (plan.half_samples && !filters_)
+    if (plan.request.half_samples && !filters_)
       checkHalfSamples(format, range.first, range.second, meanAbove(volume, isovalue_) - isovalue_);
     checkSampleRoom(*pool_->budget(), bricks.size() * kBrickVoxels * format.bytesAVoxel());
     store_ = std::make_unique<SampleStore>(gpu_, pool_->brickCount(), inBlocks(bricks, pool_->brickCounts()),
@@ -125,7 +128,7 @@ void EngineParts::computeGradients(const Volume& volume, const Plan& plan, const
                                                smoothing_ ? &smoothing_->result() : nullptr);
     gradient_->run(of(Pass::kGradient, progress));
   });
-  if (!smoothing_ || plan.edits) return;
+  if (!smoothing_ || plan.request.edits) return;
   gradient_.reset();
   smoothing_.reset();
 }

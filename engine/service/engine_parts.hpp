@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "base/measured.hpp"
+#include "engine/field/volume.hpp"
 #include "engine/gpu/gpu.hpp"
 #include "engine/gpu/transfer.hpp"
 #include "engine/passes/brick_bounds_pass.hpp"
@@ -25,7 +26,6 @@
 #include "engine/plan/plan.hpp"
 #include "engine/service/editor.hpp"
 #include "engine/service/engine.hpp"
-#include "engine/volume/volume.hpp"
 #include "servo/window/tool_pose.hpp"
 #include "servo/window/window_exchange.hpp"
 

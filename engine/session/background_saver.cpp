@@ -8,7 +8,7 @@
 #include <sys/resource.h>
 
 #include "base/stopwatch.hpp"
-#include "engine/volume/brick_values.hpp"
+#include "engine/field/brick_values.hpp"
 
 namespace palpate {
 namespace {

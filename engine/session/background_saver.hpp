@@ -24,8 +24,8 @@
 #include <vector>
 
 #include "engine/edit/brick_grid.hpp"
+#include "engine/field/volume.hpp"
 #include "engine/service/brick_content.hpp"
-#include "engine/volume/volume.hpp"
 
 namespace palpate {
 

@@ -92,18 +92,12 @@ constexpr AlgorithmEntry kEntries[] = {
      {.shows_surface = false}},
 };
 
-void check(bool good, const char* key, double value, const char* remedy) {
-  if (!good) throw Error(Error::Code::kBadInput, key, fmt::format("{:g} cannot be used", value), remedy);
-}
-
 void checkParameters(const AlgorithmParameters& p) {
-  check(std::isfinite(p.isovalue), "isovalue", p.isovalue, "give a finite density");
-  check(std::isfinite(p.stiffness_N_per_m) && p.stiffness_N_per_m >= 0, "stiffness", p.stiffness_N_per_m,
-        "give 0 N/m or more");
-  check(std::isfinite(p.damping_Ns_per_m) && p.damping_Ns_per_m >= 0, "damping", p.damping_Ns_per_m,
-        "give 0 N s/m or more");
-  check(p.plane_renewal_ticks >= 1, "plane renewal", p.plane_renewal_ticks, "give 1 tick or more");
-  check(std::isfinite(p.rate_hz) && p.rate_hz > 0, "rate", p.rate_hz, "give more than 0 Hz");
+  checkSetting(true, "isovalue", p.isovalue, "give a finite density");
+  checkSetting(p.stiffness_N_per_m >= 0, "stiffness", p.stiffness_N_per_m, "give 0 N/m or more");
+  checkSetting(p.damping_Ns_per_m >= 0, "damping", p.damping_Ns_per_m, "give 0 N s/m or more");
+  checkSetting(p.plane_renewal_ticks >= 1, "plane renewal", p.plane_renewal_ticks, "give 1 tick or more");
+  checkSetting(p.rate_hz > 0, "rate", p.rate_hz, "give more than 0 Hz");
 }
 
 }  // namespace

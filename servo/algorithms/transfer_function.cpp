@@ -11,16 +11,16 @@
 namespace palpate {
 namespace {
 
-[[noreturn]] void refuse(const char* table, std::size_t row, const char* reason, const char* remedy) {
+[[noreturn]] void refuseRow(const char* table, std::size_t row, const char* reason, const char* remedy) {
   throw Error(Error::Code::kBadInput, table, fmt::format("row {}: {}", row + 1, reason), remedy);
 }
 
 template <class Row, class Finite, class Key>
 void checkRows(const char* table, const std::vector<Row>& rows, Finite finite, Key key) {
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    if (!finite(rows[i])) refuse(table, i, "a number is not finite", "give finite numbers");
+    if (!finite(rows[i])) refuseRow(table, i, "a number is not finite", "give finite numbers");
     if (i > 0 && !(key(rows[i - 1]) < key(rows[i]))) {
-      refuse(table, i, "its first number is not above that of the row before", "sort the rows, each once");
+      refuseRow(table, i, "its first number is not above that of the row before", "sort the rows, each once");
     }
   }
 }
@@ -69,11 +69,12 @@ TransferFunction::TransferFunction(TransferTables tables)
       kGradient, gradient_,
       [](const GradientRow& r) { return std::isfinite(r.gradient_per_m) && std::isfinite(r.weight); }, gradientOf);
   for (std::size_t i = 0; i < density_.size(); ++i) {
-    if (density_[i].viscosity_Ns_per_m < 0) refuse(kDensity, i, "its viscosity is negative", "give 0 N s/m or more");
+    if (density_[i].viscosity_Ns_per_m < 0) refuseRow(kDensity, i, "its viscosity is negative", "give 0 N s/m or more");
   }
   for (std::size_t i = 0; i < gradient_.size(); ++i) {
-    if (gradient_[i].gradient_per_m < 0) refuse(kGradient, i, "its gradient is negative", "a magnitude is 0 or more");
-    if (gradient_[i].weight < 0) refuse(kGradient, i, "its weight is negative", "give 0 or more");
+    if (gradient_[i].gradient_per_m < 0)
+      refuseRow(kGradient, i, "its gradient is negative", "a magnitude is 0 or more");
+    if (gradient_[i].weight < 0) refuseRow(kGradient, i, "its weight is negative", "give 0 or more");
   }
   if (gradient_.empty()) gradient_.push_back({0, 1});
 }

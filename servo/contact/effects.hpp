@@ -15,6 +15,7 @@
 // allocates and throws.
 #pragma once
 
+#include <string>
 #include <string_view>
 
 #include "servo/contact/contact_effect.hpp"
@@ -38,6 +39,10 @@ struct EffectParameters {
   FrictionParameters friction = {};                     // all 0: none
   std::vector<StiffnessRow> stiffness_by_density = {};  // empty: none
 };
+
+// The names of the effects that makeContactEffects() makes of them, in the same order: "texture, friction"; empty:
+// none.
+[[nodiscard]] std::string contactEffectNames(const EffectParameters& parameters);
 
 // `stiffness_N_per_m`: K of the contact; `rate_hz`: ticks a second. Throws Error(kBadInput) on a negative or non-finite
 // value, a rate or wavelength of 0, a recovery of more than kLongestRecovery ticks, a dynamic friction above the static

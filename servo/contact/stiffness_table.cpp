@@ -12,23 +12,23 @@ namespace {
 
 constexpr const char* kInput = "stiffness by density";
 
-[[noreturn]] void refuse(const std::string& reason, const char* remedy) {
+[[noreturn]] void refuseTable(const std::string& reason, const char* remedy) {
   throw Error(Error::Code::kBadInput, kInput, reason, remedy);
 }
 
 }  // namespace
 
 StiffnessTable::StiffnessTable(std::vector<StiffnessRow> rows) : rows_(std::move(rows)) {
-  if (rows_.empty()) refuse("the table has no row", "give one or more");
+  if (rows_.empty()) refuseTable("the table has no row", "give one or more");
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     const StiffnessRow& row = rows_[i];
-    if (!std::isfinite(row.density)) refuse(fmt::format("density {:g}", row.density), "give a finite number");
+    if (!std::isfinite(row.density)) refuseTable(fmt::format("density {:g}", row.density), "give a finite number");
     if (!(row.factor >= 0 && row.factor <= kLargestFactor)) {
-      refuse(fmt::format("factor {:g} cannot be used", row.factor), "give one from 0 to 100");
+      refuseTable(fmt::format("factor {:g} cannot be used", row.factor), "give one from 0 to 100");
     }
     if (i > 0 && !(row.density > rows_[i - 1].density)) {
-      refuse(fmt::format("density {:g} comes after {:g}", row.density, rows_[i - 1].density),
-             "give the rows in rising order");
+      refuseTable(fmt::format("density {:g} comes after {:g}", row.density, rows_[i - 1].density),
+                  "give the rows in rising order");
     }
   }
 }

@@ -9,25 +9,15 @@
 #include "base/error.hpp"
 
 namespace palpate {
-namespace {
-
-void check(bool good, const char* key, double value, const char* remedy) {
-  if (!good || !std::isfinite(value)) {
-    throw Error(Error::Code::kBadInput, key, fmt::format("{:g} cannot be used", value), remedy);
-  }
-}
-
-}  // namespace
-
 HandDynamics::HandDynamics(const HandParameters& p, double tick_s) : tick_s_(tick_s) {
-  check(p.hand_mass_kg >= 0, "hand mass", p.hand_mass_kg, "give 0 kg or more");
-  check(p.device_mass_kg >= 0, "device mass", p.device_mass_kg, "give 0 kg or more");
-  check(p.hand_damping_Ns_per_m >= 0, "hand damping", p.hand_damping_Ns_per_m, "give 0 N s/m or more");
-  check(p.device_damping_Ns_per_m >= 0, "device damping", p.device_damping_Ns_per_m, "give 0 N s/m or more");
-  check(p.hand_stiffness_N_per_m >= 0, "hand stiffness", p.hand_stiffness_N_per_m, "give 0 N/m or more");
+  checkSetting(p.hand_mass_kg >= 0, "hand mass", p.hand_mass_kg, "give 0 kg or more");
+  checkSetting(p.device_mass_kg >= 0, "device mass", p.device_mass_kg, "give 0 kg or more");
+  checkSetting(p.hand_damping_Ns_per_m >= 0, "hand damping", p.hand_damping_Ns_per_m, "give 0 N s/m or more");
+  checkSetting(p.device_damping_Ns_per_m >= 0, "device damping", p.device_damping_Ns_per_m, "give 0 N s/m or more");
+  checkSetting(p.hand_stiffness_N_per_m >= 0, "hand stiffness", p.hand_stiffness_N_per_m, "give 0 N/m or more");
   const double mass_kg = p.hand_mass_kg + p.device_mass_kg;
-  check(mass_kg > 0, "mass of hand and device", mass_kg, "give one of them more than 0 kg");
-  check(tick_s > 0, "tick", tick_s, "give a positive time in s");
+  checkSetting(mass_kg > 0, "mass of hand and device", mass_kg, "give one of them more than 0 kg");
+  checkSetting(tick_s > 0, "tick", tick_s, "give a positive time in s");
 
   // States x, x', r, r', F; the last two are constant over a tick.
   Eigen::Matrix<double, 5, 5> rate = Eigen::Matrix<double, 5, 5>::Zero();  // [1/s]

@@ -11,21 +11,21 @@
 namespace palpate {
 namespace {
 
-[[noreturn]] void refuse(const std::string& reason, const std::string& remedy) {
+[[noreturn]] void refusePath(const std::string& reason, const std::string& remedy) {
   throw Error(Error::Code::kBadInput, "path", reason, remedy);
 }
 
 void check(const std::vector<double>& times_s, const std::vector<Vec3>& points_W) {
   if (points_W.empty() || times_s.size() != points_W.size()) {
-    refuse(fmt::format("{} times for {} points", times_s.size(), points_W.size()), "give one time for each point");
+    refusePath(fmt::format("{} times for {} points", times_s.size(), points_W.size()), "give one time for each point");
   }
   for (std::size_t i = 0; i < times_s.size(); ++i) {
     if (!std::isfinite(times_s[i]) || !points_W[i].allFinite()) {
-      refuse(fmt::format("point {} is not a number", i), "correct or remove it");
+      refusePath(fmt::format("point {} is not a number", i), "correct or remove it");
     }
     if (i > 0 && times_s[i] <= times_s[i - 1]) {
-      refuse(fmt::format("time {:g} s of point {} is not after {:g} s", times_s[i], i, times_s[i - 1]),
-             "sort the points by time and remove repeated times");
+      refusePath(fmt::format("time {:g} s of point {} is not after {:g} s", times_s[i], i, times_s[i - 1]),
+                 "sort the points by time and remove repeated times");
     }
   }
 }

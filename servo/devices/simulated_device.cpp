@@ -10,18 +10,12 @@
 namespace palpate {
 namespace {
 
-void check(bool good, const char* key, double value, const char* remedy) {
-  if (!good || !std::isfinite(value)) {
-    throw Error(Error::Code::kBadInput, key, fmt::format("{:g} cannot be used", value), remedy);
-  }
-}
-
 const SimulatedDeviceParameters& checked(const SimulatedDeviceParameters& p, double rate_hz) {
-  check(rate_hz > 0, "rate", rate_hz, "give a positive rate in Hz");
-  check(p.force_limit_N > 0, "device force limit", p.force_limit_N, "give newtons above 0");
-  check(p.slew_limit_N_per_s >= 0, "device slew limit", p.slew_limit_N_per_s, "give 0 N/s (none) or more");
-  check(p.encoder_resolution_m >= 0, "encoder resolution", p.encoder_resolution_m, "give 0 m or more");
-  check(p.delay_ticks >= 0 && p.delay_ticks <= 10000, "device delay", p.delay_ticks, "give 0 to 10000 ticks");
+  checkSetting(rate_hz > 0, "rate", rate_hz, "give a positive rate in Hz");
+  checkSetting(p.force_limit_N > 0, "device force limit", p.force_limit_N, "give newtons above 0");
+  checkSetting(p.slew_limit_N_per_s >= 0, "device slew limit", p.slew_limit_N_per_s, "give 0 N/s (none) or more");
+  checkSetting(p.encoder_resolution_m >= 0, "encoder resolution", p.encoder_resolution_m, "give 0 m or more");
+  checkSetting(p.delay_ticks >= 0 && p.delay_ticks <= 10000, "device delay", p.delay_ticks, "give 0 to 10000 ticks");
   return p;
 }
 

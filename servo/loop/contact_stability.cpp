@@ -15,10 +15,6 @@
 namespace palpate {
 namespace {
 
-Vec3 vec(const double (&v)[3]) {
-  return {v[0], v[1], v[2]};
-}
-
 // ---- energy ----
 
 struct ContactEnergy {
@@ -34,7 +30,7 @@ std::vector<ContactEnergy> contactEnergies(std::span<const TickRecord> records, 
   std::uint64_t edit_version = records.empty() ? 0 : records.front().edit_version;
   Vec3 last_W = Vec3::Zero();
   for (const TickRecord& record : records) {
-    const Vec3 force_W = vec(record.force_W);
+    const Vec3 force_W = asVec3(record.force_W);
     const bool acts = record.in_contact || !force_W.isZero(0);
     const bool edited = std::exchange(edit_version, record.edit_version) != record.edit_version;
     if (acts && !open) {
@@ -102,7 +98,7 @@ class Swings {
             std::max(ContactStability::kLeastSwing_m, ContactStability::kLeastSwing_steps * conditions.resolution_m)) {}
 
   void add(const TickRecord& now) {
-    const Vec3 hip_W = vec(now.hip_W), surface_W = surfacePointOf(now), normal_W = vec(now.normal_W);
+    const Vec3 hip_W = asVec3(now.hip_W), surface_W = surfacePointOf(now), normal_W = asVec3(now.normal_W);
     const Vec3 path_W = conditions_.path != nullptr ? conditions_.path->position(now.time_s) : hip_W;
     const bool contact = now.in_contact && !normal_W.isZero(0);
     if (has_plane_) {
@@ -133,7 +129,7 @@ class Swings {
  private:
   // How far effects put the VHIP over the surface.
   static double putOn(const TickRecord& record) {
-    return vec(record.normal_W).dot(vec(record.vhip_W) - surfacePointOf(record));
+    return asVec3(record.normal_W).dot(asVec3(record.vhip_W) - surfacePointOf(record));
   }
 
   // The part of its change since the last contact that the depth does not explain.

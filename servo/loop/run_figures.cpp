@@ -14,10 +14,6 @@ namespace {
 constexpr double kMicrosecondsPerNanosecond = 1e-3;
 constexpr double kMillisecondsPerNanosecond = 1e-6;
 
-Vec3 vec(const double (&v)[3]) {
-  return {v[0], v[1], v[2]};
-}
-
 template <typename Value>
 Percentiles over(std::span<const TickRecord> records, bool contact_only, Value value) {
   std::vector<double> values;
@@ -34,7 +30,7 @@ void addContact(std::span<const TickRecord> records, RunFigures& figures) {
     const TickRecord& now = records[i];
     const TickRecord* before = i > 0 ? &records[i - 1] : nullptr;
     if (before) {
-      const double step_N = (vec(now.force_W) - vec(before->force_W)).norm();
+      const double step_N = (asVec3(now.force_W) - asVec3(before->force_W)).norm();
       figures.force_step_max_N = std::max(figures.force_step_max_N, step_N);
     }
     if (!now.in_contact) continue;
@@ -100,7 +96,7 @@ void addFaults(std::span<const TickRecord> records, RunFigures& figures) {
 }  // namespace
 
 double forceOf(const TickRecord& record) noexcept {
-  return vec(record.force_W).norm();
+  return asVec3(record.force_W).norm();
 }
 
 double depthOf(const TickRecord& record) noexcept {
@@ -108,8 +104,8 @@ double depthOf(const TickRecord& record) noexcept {
 }
 
 Vec3 surfacePointOf(const TickRecord& record) noexcept {
-  if (!record.in_contact || std::isnan(record.depth_m)) return vec(record.vhip_W);
-  return vec(record.hip_W) + record.depth_m * vec(record.normal_W);
+  if (!record.in_contact || std::isnan(record.depth_m)) return asVec3(record.vhip_W);
+  return asVec3(record.hip_W) + record.depth_m * asVec3(record.normal_W);
 }
 
 RunFigures computeFigures(std::span<const TickRecord> records, double rate_hz, std::int64_t grid_points) {

@@ -9,8 +9,8 @@
 #include <span>
 #include <vector>
 
+#include "base/quantile.hpp"
 #include "base/vec.hpp"
-#include "servo/loop/quantile.hpp"
 #include "servo/loop/tick_record.hpp"
 #include "servo/safety/faults.hpp"
 

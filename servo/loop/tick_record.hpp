@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <type_traits>
 
+#include "base/vec.hpp"
+
 namespace palpate {
 
 struct TickRecord {
@@ -28,5 +30,9 @@ struct TickRecord {
   bool damped = false;  // the passivity controller added a force
 };
 static_assert(std::is_trivially_copyable_v<TickRecord>);
+
+[[nodiscard]] inline Vec3 asVec3(const double (&v)[3]) noexcept {
+  return {v[0], v[1], v[2]};
+}
 
 }  // namespace palpate

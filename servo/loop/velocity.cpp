@@ -25,16 +25,12 @@ constexpr std::array<Maker, kEntries.size()> kMakers = {
     },
 };
 
-void check(bool good, const char* key, double value, const char* remedy) {
-  if (!good) throw Error(Error::Code::kBadInput, key, fmt::format("{:g} cannot be used", value), remedy);
-}
-
 Estimate make(const VelocityParameters& p, double rate_hz) {
-  check(std::isfinite(p.cutoff_hz), "velocity cutoff", p.cutoff_hz, "give Hz, or 0 for none");
+  checkSetting(true, "velocity cutoff", p.cutoff_hz, "give Hz, or 0 for none");
   const double noise_m = p.noise_m.value_or(0);
-  check(std::isfinite(noise_m) && noise_m >= 0, "velocity noise bound", noise_m, "give 0 m or more");
-  check(p.window_ticks >= 1 && p.window_ticks <= Foaw::kMostTicks, "velocity window", p.window_ticks,
-        "give 1 to 32 ticks");
+  checkSetting(noise_m >= 0, "velocity noise bound", noise_m, "give 0 m or more");
+  checkSetting(p.window_ticks >= 1 && p.window_ticks <= Foaw::kMostTicks, "velocity window", p.window_ticks,
+               "give 1 to 32 ticks");
   std::string known;
   for (std::size_t i = 0; i < kEntries.size(); ++i) {
     if (kEntries[i].name == p.name) return kMakers[i](p, rate_hz);

@@ -14,14 +14,6 @@ namespace {
 
 constexpr double kMargin_m = 1e-3;  // that a way reaches beyond the box of the mesh
 
-struct Release {
-  void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
-  void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
-  void operator()(RTCGeometry geometry) const { rtcReleaseGeometry(geometry); }
-};
-template <class Handle>
-using Owned = std::unique_ptr<std::remove_pointer_t<Handle>, Release>;
-
 void check(RTCDevice device, const std::string& name) {
   if (device != nullptr && rtcGetDeviceError(device) == RTC_ERROR_NONE) return;
   throw Error(Error::Code::kOutOfMemory, name, "Embree could not build the mesh's search tree",
@@ -50,7 +42,16 @@ Vec3 nearestInTriangle(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& 
 
 }  // namespace
 
+struct MeshObject::Release {
+  void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
+  void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
+  void operator()(RTCGeometry geometry) const { rtcReleaseGeometry(geometry); }
+};
+
 struct MeshObject::State {
+  template <class Handle>
+  using Owned = std::unique_ptr<std::remove_pointer_t<Handle>, Release>;
+
   PreparedMesh prepared;
   Vec3 middle_W = Vec3::Zero();  // origin of Embree's coordinates
   Vec3 half_m = Vec3::Zero();    // of the box around the mesh, with a margin [m]
@@ -91,7 +92,8 @@ void MeshObject::State::build(const std::string& name) {
   rtcSetSceneFlags(scene.get(),
                    static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION));
   rtcSetSceneBuildQuality(scene.get(), RTC_BUILD_QUALITY_HIGH);
-  const Owned<RTCGeometry> geometry(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_TRIANGLE));
+  const std::unique_ptr<std::remove_pointer_t<RTCGeometry>, Release> geometry(
+      rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_TRIANGLE));
   auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(
       geometry.get(), RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), mesh.vertices_W.size()));
   auto* triangles = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(

@@ -34,6 +34,7 @@ class MeshObject final : public ContactObject {
   [[nodiscard]] const TriangleMesh& mesh() const noexcept;               // as prepared
 
  private:
+  struct Release;
   struct State;
   std::unique_ptr<State> state_;
 };

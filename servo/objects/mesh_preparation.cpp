@@ -14,10 +14,6 @@ namespace {
 
 using Triangle = std::array<std::uint32_t, 3>;
 
-[[noreturn]] void refuse(const std::string& name, const std::string& reason, const std::string& remedy) {
-  throw Error(Error::Code::kBadInput, name, reason, remedy);
-}
-
 void checkMesh(const TriangleMesh& mesh, const std::string& name) {
   if (mesh.triangles.empty()) refuse(name, "the mesh has no triangles", "give a surface made of triangles");
   for (const Triangle& triangle : mesh.triangles) {

@@ -6,14 +6,6 @@
 #include "base/error.hpp"
 
 namespace palpate {
-namespace {
-
-void check(bool good, const char* key, double value, const char* remedy) {
-  if (!good) throw Error(Error::Code::kBadInput, key, fmt::format("{:g} cannot be used", value), remedy);
-}
-
-}  // namespace
-
 Passivity::Passivity(const PassivityParameters& p, double force_limit_N, double rate_hz, int delay_ticks,
                      double resolution_m)
     : control_(p.control),
@@ -22,11 +14,11 @@ Passivity::Passivity(const PassivityParameters& p, double force_limit_N, double 
       damping_limit_(p.damping_limit_Ns_per_m),
       rate_hz_(rate_hz),
       position_(resolution_m) {
-  check(p.force_share >= 0 && p.force_share <= 1, "passivity force share", p.force_share, "give 0 to 1");
-  check(std::isfinite(p.damping_limit_Ns_per_m) && p.damping_limit_Ns_per_m >= 0, "passivity damping limit",
-        p.damping_limit_Ns_per_m, "give 0 N s/m or more");
-  check(delay_ticks >= 0, "device delay", delay_ticks, "give 0 ticks or more");
-  check(std::isfinite(resolution_m) && resolution_m >= 0, "encoder resolution", resolution_m, "give 0 m or more");
+  checkSetting(p.force_share >= 0 && p.force_share <= 1, "passivity force share", p.force_share, "give 0 to 1");
+  checkSetting(p.damping_limit_Ns_per_m >= 0, "passivity damping limit", p.damping_limit_Ns_per_m,
+               "give 0 N s/m or more");
+  checkSetting(delay_ticks >= 0, "device delay", delay_ticks, "give 0 ticks or more");
+  checkSetting(resolution_m >= 0, "encoder resolution", resolution_m, "give 0 m or more");
   under_way_W_.assign(static_cast<std::size_t>(delay_ticks), Vec3::Zero());
 }
 

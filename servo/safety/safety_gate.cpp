@@ -12,10 +12,6 @@
 namespace palpate {
 namespace {
 
-void check(bool good, const char* key, double value, const char* remedy) {
-  if (!good) throw Error(Error::Code::kBadInput, key, fmt::format("{:g} cannot be used", value), remedy);
-}
-
 std::int64_t nanoseconds(double time_s) {
   return std::llround(time_s * kNanosecondsPerSecond);
 }
@@ -33,16 +29,15 @@ std::int64_t fadeTicksOf(const SafetyParameters& p, double rate_hz) {
 
 SafetyGate::SafetyGate(const SafetyParameters& p, double rate_hz)
     : force_limit_N_(p.force_limit_N), slew_per_tick_N_(p.slew_limit_N_per_s / rate_hz) {
-  check(std::isfinite(rate_hz) && rate_hz > 0, "rate", rate_hz, "give a positive rate in Hz");
-  check(std::isfinite(p.force_limit_N) && p.force_limit_N > 0, "force limit", p.force_limit_N, "give newtons above 0");
-  check(std::isfinite(p.slew_limit_N_per_s) && p.slew_limit_N_per_s > 0, "slew limit", p.slew_limit_N_per_s,
-        "give newtons per second above 0");
-  check(p.fade_s >= 0 && p.fade_s <= 60, "fade time", p.fade_s, "give 0 to 60 seconds");
-  check(p.stale_window_s >= 0 && p.stale_window_s <= 1e6, "stale window time", p.stale_window_s,
-        "give 0 to 1e6 seconds");
-  check(p.stall_s >= 0 && p.stall_s <= 1e6, "stall time", p.stall_s, "give 0 to 1e6 seconds");
-  check(p.report_timeout_s >= 0 && p.report_timeout_s <= 1e6, "report timeout", p.report_timeout_s,
-        "give 0 to 1e6 seconds");
+  checkSetting(rate_hz > 0, "rate", rate_hz, "give a positive rate in Hz");
+  checkSetting(p.force_limit_N > 0, "force limit", p.force_limit_N, "give newtons above 0");
+  checkSetting(p.slew_limit_N_per_s > 0, "slew limit", p.slew_limit_N_per_s, "give newtons per second above 0");
+  checkSetting(p.fade_s >= 0 && p.fade_s <= 60, "fade time", p.fade_s, "give 0 to 60 seconds");
+  checkSetting(p.stale_window_s >= 0 && p.stale_window_s <= 1e6, "stale window time", p.stale_window_s,
+               "give 0 to 1e6 seconds");
+  checkSetting(p.stall_s >= 0 && p.stall_s <= 1e6, "stall time", p.stall_s, "give 0 to 1e6 seconds");
+  checkSetting(p.report_timeout_s >= 0 && p.report_timeout_s <= 1e6, "report timeout", p.report_timeout_s,
+               "give 0 to 1e6 seconds");
   fade_ticks_ = fadeTicksOf(p, rate_hz);
   stale_ns_ = nanoseconds(p.stale_window_s);
   stall_ns_ = nanoseconds(p.stall_s + 1 / rate_hz);

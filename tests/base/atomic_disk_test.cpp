@@ -9,7 +9,7 @@
 #include "temporary_folder.hpp"
 
 namespace palpate {
-namespace {
+namespace atomic_disk_test {
 
 using ::testing::HasSubstr;
 
@@ -41,5 +41,5 @@ TEST(AtomicDisk, ADiskThatFailsLeavesTheOlderFile) {
   EXPECT_EQ(folder.files(), 1);
 }
 
-}  // namespace
+}  // namespace atomic_disk_test
 }  // namespace palpate

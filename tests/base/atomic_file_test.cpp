@@ -12,7 +12,7 @@
 #include "temporary_folder.hpp"
 
 namespace palpate {
-namespace {
+namespace atomic_file_test {
 
 using ::testing::HasSubstr;
 
@@ -155,5 +155,5 @@ TEST(AtomicFile, RefusesToReplaceAFolder) {
   expectIoError([&] { writeFileAtomically(folder.path(), "x"); }, "not a plain file");
 }
 
-}  // namespace
+}  // namespace atomic_file_test
 }  // namespace palpate

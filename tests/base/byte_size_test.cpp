@@ -7,7 +7,7 @@
 #include "base/error.hpp"
 
 namespace palpate {
-namespace {
+namespace byte_size_test {
 
 TEST(ByteSize, ReadsNumbersAndUnits) {
   const std::pair<const char*, std::uint64_t> cases[] = {{"0", 0},
@@ -65,5 +65,5 @@ TEST(ByteSize, WholeIsNeverLess) {
   EXPECT_GE(byteSize(wholeMiB(123456789), ""), 123456789U);
 }
 
-}  // namespace
+}  // namespace byte_size_test
 }  // namespace palpate

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 namespace palpate {
-namespace {
+namespace camera_test {
 
 // At 1 m above the origin, looking down -z with +y up: fov 90 degrees over 100 pixels, so 1 m below lies 1 m per 50
 // pixels.
@@ -53,5 +53,5 @@ TEST(Camera, LookAtGivesARightHandedFrame) {
   EXPECT_GT(camera.up_W.z(), 0);
 }
 
-}  // namespace
+}  // namespace camera_test
 }  // namespace palpate

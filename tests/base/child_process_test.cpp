@@ -15,7 +15,7 @@
 #include "base/shared_buffer.hpp"
 
 namespace palpate {
-namespace {
+namespace child_process_test {
 
 using Kind = ChildTrouble::Kind;
 
@@ -214,5 +214,5 @@ TEST(ChildProcess, LimitsGrowWithTheFile) {
   EXPECT_GE(large.cpu_s, 400);
 }
 
-}  // namespace
+}  // namespace child_process_test
 }  // namespace palpate

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 namespace palpate {
-namespace {
+namespace crc32c_test {
 
 // RFC 3720, B.4, and the check value of the catalogue of CRCs.
 TEST(Crc32c, KnowsThePublishedValues) {
@@ -33,5 +33,5 @@ TEST(Crc32c, IsTheSameByTableAndByInstruction) {
   }
 }
 
-}  // namespace
+}  // namespace crc32c_test
 }  // namespace palpate

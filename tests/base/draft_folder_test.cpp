@@ -13,7 +13,7 @@
 #include "temporary_folder.hpp"
 
 namespace palpate {
-namespace {
+namespace draft_folder_test {
 
 class DraftFolders : public testing::Test {
  protected:
@@ -81,5 +81,5 @@ TEST_F(DraftFolders, WhereNoneCanBeMadeIsAnError) {
   }
 }
 
-}  // namespace
+}  // namespace draft_folder_test
 }  // namespace palpate

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 namespace palpate {
-namespace {
+namespace error_test {
 
 TEST(Error, IsOneLineOfInputReasonAndRemedy) {
   const Error error(Error::Code::kIo, "scan.nrrd", "the disk is full", "free some space");
@@ -32,5 +32,5 @@ TEST(Error, EveryCodeHasItsOwnExitStatus) {
   }
 }
 
-}  // namespace
+}  // namespace error_test
 }  // namespace palpate

@@ -8,7 +8,7 @@
 #include "temporary_folder.hpp"
 
 namespace palpate {
-namespace {
+namespace flush_folder_test {
 
 TEST(FlushFolder, FlushesOneAndNamesTheErrorOfWhatIsNone) {
   const TemporaryFolder folder;
@@ -21,5 +21,5 @@ TEST(FlushFolder, AFileSystemThatDoesNotFlushFoldersIsNoError) {
   EXPECT_EQ(flushFolder("/proc/self"), 0);
 }
 
-}  // namespace
+}  // namespace flush_folder_test
 }  // namespace palpate

@@ -8,7 +8,7 @@
 #include "base/error.hpp"
 
 namespace palpate {
-namespace {
+namespace lattice_test {
 
 Lattice oblique() {
   Lattice lattice;
@@ -75,5 +75,5 @@ TEST(Lattice, AcceptsTheRoundingOfSixDigitDirections) {
   EXPECT_NO_THROW(checkLattice(lattice, "scan"));
 }
 
-}  // namespace
+}  // namespace lattice_test
 }  // namespace palpate

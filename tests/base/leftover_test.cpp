@@ -16,7 +16,7 @@
 #include "temporary_folder.hpp"
 
 namespace palpate {
-namespace {
+namespace leftover_test {
 
 class Leftovers : public testing::Test {
  protected:
@@ -153,5 +153,5 @@ TEST_F(Leftovers, WhatIsMadeWhileTheProcessEndsIsNotLeft) {
   }
 }
 
-}  // namespace
+}  // namespace leftover_test
 }  // namespace palpate

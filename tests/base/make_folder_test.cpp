@@ -12,7 +12,7 @@
 #include "temporary_folder.hpp"
 
 namespace palpate {
-namespace {
+namespace make_folder_test {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
@@ -57,5 +57,5 @@ TEST(MakeFolder, SaysWhyItCannot) {
   EXPECT_EQ(makeFolder(folder.path() / "file" / "a"), ENOTDIR);
 }
 
-}  // namespace
+}  // namespace make_folder_test
 }  // namespace palpate

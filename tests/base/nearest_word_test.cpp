@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 namespace palpate {
-namespace {
+namespace nearest_word_test {
 
 using testing::ElementsAre;
 using testing::IsEmpty;
@@ -75,5 +75,5 @@ TEST(DidYouMean, IsAQuestionOrNothing) {
   EXPECT_EQ(didYouMean("--wrong", kFlags), "");
 }
 
-}  // namespace
+}  // namespace nearest_word_test
 }  // namespace palpate

@@ -12,7 +12,7 @@
 #include "temporary_folder.hpp"
 
 namespace palpate {
-namespace {
+namespace part_file_test {
 
 class PartFiles : public testing::Test {
  protected:
@@ -97,5 +97,5 @@ TEST_F(PartFiles, TwoWritersOfOneTargetDoNotMix) {
   EXPECT_EQ(folder_.files(), 1);
 }
 
-}  // namespace
+}  // namespace part_file_test
 }  // namespace palpate

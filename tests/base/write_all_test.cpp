@@ -12,7 +12,7 @@
 #include "temporary_folder.hpp"
 
 namespace palpate {
-namespace {
+namespace write_all_test {
 
 // At the limit the system writes a part and says how much; only the call after that one fails.
 TEST(WriteAll, APartIsNotTheWhole) {
@@ -34,5 +34,5 @@ TEST(WriteAll, SaysWhatFailed) {
   EXPECT_EQ(writeAll(-1, ""), 0);
 }
 
-}  // namespace
+}  // namespace write_all_test
 }  // namespace palpate

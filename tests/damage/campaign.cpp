@@ -8,7 +8,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "tests/engine/volume/files.hpp"
+#include "tests/engine/files/files.hpp"
 
 namespace palpate::damage {
 namespace {

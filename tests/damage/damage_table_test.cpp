@@ -5,10 +5,10 @@
 #include <gtest/gtest.h>
 
 #include "tests/damage/campaign.hpp"
-#include "tests/engine/volume/files.hpp"
+#include "tests/engine/files/files.hpp"
 
 namespace palpate::damage {
-namespace {
+namespace damage_table_test {
 
 class Campaign : public testing::Test {
  protected:
@@ -53,5 +53,5 @@ TEST(WholeFiles, AreDamagedInEveryWay) {
   }
 }
 
-}  // namespace
+}  // namespace damage_table_test
 }  // namespace palpate::damage

@@ -17,7 +17,8 @@
 #include "apps/mesh/mesh_file.hpp"
 #include "base/crc32c.hpp"
 #include "base/error.hpp"
-#include "engine/volume/volume.hpp"
+#include "engine/field/volume.hpp"
+#include "engine/files/volume_file.hpp"
 
 namespace palpate::damage {
 namespace {

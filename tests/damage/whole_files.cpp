@@ -4,10 +4,10 @@
 #include <fmt/format.h>
 
 #include "apps/mesh/mesh_writer.hpp"
-#include "engine/volume/isosurface_mesh.hpp"
-#include "engine/volume/volume_file.hpp"
+#include "engine/field/isosurface_mesh.hpp"
+#include "engine/files/volume_file.hpp"
 #include "tests/damage/vdb_grids.hpp"
-#include "tests/engine/volume/samples.hpp"
+#include "tests/engine/files/samples.hpp"
 
 namespace palpate::damage {
 namespace {

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "engine/files/volume_file.hpp"
+
 namespace palpate::damage {
 
 // What a format has to tell damage by.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The walk over a DICOM file's elements: what is called whole is not whole any more without its last byte, nor with
 // bytes behind it.
-#include "engine/volume/dicom_structure.hpp"
+#include "engine/files/dicom_structure.hpp"
 
 #include "fuzz_target.hpp"
 

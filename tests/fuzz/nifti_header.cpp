@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The header of a NIfTI file, and where it places the voxels. The same header in the other byte order says the same,
 // and voxels lie where the formulas of nifti1.h put them.
-#include "engine/volume/nifti_header.hpp"
+#include "engine/files/nifti_header.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A phantom's words: what is accepted is within its bounds and comes back from all that was understood of it.
-#include "engine/volume/phantom_spec.hpp"
+#include "engine/phantoms/phantom_spec.hpp"
 
 #include <algorithm>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The text headers of NRRD and MetaImage, as they are read before a library sees them: what was understood, written
 // again, is understood again.
-#include "engine/volume/text_header.hpp"
+#include "engine/files/text_header.hpp"
 
 #include "fuzz_target.hpp"
 #include "scratch_file.hpp"

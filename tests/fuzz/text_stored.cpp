@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Where the headers of NRRD and MetaImage say that the values lie, and reading them there. What is accepted names files
 // that are there; from them come exactly the values, or words that say why not.
-#include "engine/volume/text_stored.hpp"
+#include "engine/files/text_stored.hpp"
 
 #include <fstream>
 #include <optional>

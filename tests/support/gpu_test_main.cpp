@@ -9,6 +9,7 @@
 #include "base/error.hpp"
 #include "engine/gpu/gpu.hpp"
 #include "engine/gpu/validation.hpp"
+#include "tests/support/only_file.hpp"
 
 namespace {
 
@@ -44,6 +45,7 @@ class OpenGpu : public testing::Environment {
 int main(int argc, char** argv) {
   setenv("PALPATE_VALIDATION", "1", 1);
   testing::InitGoogleTest(&argc, argv);
+  if (!palpate::takeOnlyFile(argc, argv)) return 1;
   testing::UnitTest::GetInstance()->listeners().Append(new ValidationListener);
   testing::AddGlobalTestEnvironment(new OpenGpu);
   return RUN_ALL_TESTS();

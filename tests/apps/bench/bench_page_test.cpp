@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 
 namespace palpate {
-namespace {
+namespace bench_page_test {
 
 using testing::HasSubstr;
 
@@ -33,5 +33,5 @@ TEST(BenchPage, HasNoPictureWithoutAChart) {
   EXPECT_THAT(benchPage(sample(), {"Title", "As follows.", "a b\n", ""}), testing::Not(HasSubstr("![")));
 }
 
-}  // namespace
+}  // namespace bench_page_test
 }  // namespace palpate

@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 namespace palpate {
-namespace {
+namespace bench_result_test {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -110,5 +110,5 @@ TEST(BenchResult, TheMachineIsNamedInALine) {
   EXPECT_THAT(machineInWords(), testing::ContainsRegex("[0-9]+ cores, [0-9.]+ GiB, Linux "));
 }
 
-}  // namespace
+}  // namespace bench_result_test
 }  // namespace palpate

@@ -10,7 +10,7 @@
 #include "engine/reference/window.hpp"
 
 namespace palpate {
-namespace {
+namespace bench_volume_test {
 
 // The window must be the one that the twin of the engine's kernel gathers, sample by sample.
 TEST(BenchVolume, GathersWhatTheEngineWould) {
@@ -96,5 +96,5 @@ TEST(BenchVolume, RefusesWhatIsNoPhantom) {
   EXPECT_THROW(BenchVolume("phantom:cube"), Error);
 }
 
-}  // namespace
+}  // namespace bench_volume_test
 }  // namespace palpate

@@ -6,7 +6,7 @@
 #include "base/error.hpp"
 
 namespace palpate {
-namespace {
+namespace contact_path_test {
 
 class ContactPathOf : public testing::TestWithParam<const char*> {};
 
@@ -62,5 +62,5 @@ TEST(ContactPath, RefusesAPhantomWithoutASurface) {
   EXPECT_THROW(static_cast<void>(contactPath(BenchVolume("phantom:random?size=16"), {})), Error);
 }
 
-}  // namespace
+}  // namespace contact_path_test
 }  // namespace palpate

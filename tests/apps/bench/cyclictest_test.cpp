@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 
 namespace palpate {
-namespace {
+namespace cyclictest_test {
 
 using testing::HasSubstr;
 
@@ -51,5 +51,5 @@ TEST(Cyclictest, IsAskedForWhatTheServoDoes) {
   EXPECT_THAT(cyclictestCommand({.fifo = false}), HasSubstr("--policy=other"));
 }
 
-}  // namespace
+}  // namespace cyclictest_test
 }  // namespace palpate

@@ -9,7 +9,7 @@
 #include "base/error.hpp"
 
 namespace palpate {
-namespace {
+namespace edit_bench_test {
 
 using testing::HasSubstr;
 
@@ -98,5 +98,5 @@ TEST(EditBench, RefusesADeviceThatIsNotThere) {
   EXPECT_THROW(static_cast<void>(runEditBench(request, progress)), Error);
 }
 
-}  // namespace
+}  // namespace edit_bench_test
 }  // namespace palpate

@@ -9,11 +9,12 @@
 #include "apps/bench/gradient_bench.hpp"
 #include "apps/bench/resident_chain.hpp"
 #include "base/error.hpp"
+#include "engine/files/volume_file.hpp"
 #include "engine/filter/filter_spec.hpp"
 #include "engine/gradient/gradient_operator.hpp"
 
 namespace palpate {
-namespace {
+namespace field_bench_test {
 
 using testing::HasSubstr;
 
@@ -203,5 +204,5 @@ TEST(FieldBench, RefusesADeviceThatIsNotThere) {
   EXPECT_THROW(static_cast<void>(runFilterBench(request, progress)), Error);
 }
 
-}  // namespace
+}  // namespace field_bench_test
 }  // namespace palpate

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 namespace palpate {
-namespace {
+namespace lateness_test {
 
 TEST(LatenessCounts, QuantilesAreClassesThatWereSeen) {
   LatenessCounts counts;
@@ -49,5 +49,5 @@ TEST(LatenessCounts, OfNothingAreZero) {
   EXPECT_EQ(LatenessCounts{}.misses(1000), 0);
 }
 
-}  // namespace
+}  // namespace lateness_test
 }  // namespace palpate

@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 
 namespace palpate {
-namespace {
+namespace load_bench_test {
 
 TEST(LoadBench, HasARowAndATargetForEveryFormat) {
   Progress progress;
@@ -28,5 +28,5 @@ TEST(LoadBench, HasARowAndATargetForEveryFormat) {
   EXPECT_THAT(loadTable(result), testing::HasSubstr(".nii.gz"));
 }
 
-}  // namespace
+}  // namespace load_bench_test
 }  // namespace palpate

@@ -8,7 +8,7 @@
 #include <gmock/gmock.h>
 
 namespace palpate {
-namespace {
+namespace log_chart_test {
 
 using testing::HasSubstr;
 
@@ -88,5 +88,5 @@ TEST(LogChart, ASeriesHasTheSameMarkInEveryPanel) {
   EXPECT_EQ(centresX(svg).size(), 4U);  // hri: one, two, and the legend's
 }
 
-}  // namespace
+}  // namespace log_chart_test
 }  // namespace palpate

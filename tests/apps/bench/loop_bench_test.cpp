@@ -8,7 +8,7 @@
 #include "base/error.hpp"
 
 namespace palpate {
-namespace {
+namespace loop_bench_test {
 
 using testing::HasSubstr;
 
@@ -83,5 +83,5 @@ TEST(LoopBench, RefusesADeviceThatIsNotThere) {
   EXPECT_THROW(static_cast<void>(runLoopBench(request, progress)), Error);
 }
 
-}  // namespace
+}  // namespace loop_bench_test
 }  // namespace palpate

@@ -13,7 +13,7 @@
 #include "servo/algorithms/registry.hpp"
 
 namespace palpate {
-namespace {
+namespace servo_bench_test {
 
 using testing::HasSubstr;
 
@@ -205,5 +205,5 @@ TEST_F(ServoBench, EffectsAreComparedWhereThereAreAny) {
   EXPECT_EQ(any, effectChoices().size() > 1);
 }
 
-}  // namespace
+}  // namespace servo_bench_test
 }  // namespace palpate

@@ -8,7 +8,7 @@
 #include "apps/bench/table_one.hpp"
 
 namespace palpate {
-namespace {
+namespace servo_targets_test {
 
 using testing::HasSubstr;
 
@@ -183,5 +183,5 @@ TEST(TableOne, HasThePapersFormAndFigures) {
   }
 }
 
-}  // namespace
+}  // namespace servo_targets_test
 }  // namespace palpate

@@ -6,7 +6,7 @@
 #include "oracle.hpp"
 
 namespace palpate {
-namespace {
+namespace strokes_test {
 
 constexpr int kStrokes = 12;
 
@@ -83,5 +83,5 @@ TEST(Strokes, OfTheDefaultAlgorithmIntoTwoVoxelsAreHeld) {
   EXPECT_EQ(figures.front().front().missed + figures.front().front().lost, 0);
 }
 
-}  // namespace
+}  // namespace strokes_test
 }  // namespace palpate

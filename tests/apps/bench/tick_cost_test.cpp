@@ -9,7 +9,7 @@
 #include <gmock/gmock.h>
 
 namespace palpate {
-namespace {
+namespace tick_cost_test {
 
 using testing::ElementsAre;
 
@@ -102,5 +102,5 @@ TEST(Spread, IsMedianAndQuartilesThatWereMeasured) {
   EXPECT_EQ(spread.high, 6);
 }
 
-}  // namespace
+}  // namespace tick_cost_test
 }  // namespace palpate

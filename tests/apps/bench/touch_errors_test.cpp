@@ -9,7 +9,7 @@
 #include "oracle.hpp"
 
 namespace palpate {
-namespace {
+namespace touch_errors_test {
 
 class TouchErrorsOf : public testing::Test {
  protected:
@@ -130,5 +130,5 @@ TEST_F(TouchErrorsOf, AnAlgorithmThatNeverTouchesHasNoErrorsButMisses) {
   EXPECT_GE(errors.missed_ticks, 470);
 }
 
-}  // namespace
+}  // namespace touch_errors_test
 }  // namespace palpate

@@ -7,7 +7,7 @@
 #include "base/error.hpp"
 
 namespace palpate {
-namespace {
+namespace turns_test {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -84,5 +84,5 @@ TEST_F(TurnsTest, EndsWhenThePersonSaysSo) {
   EXPECT_THROW(static_cast<void>(turns.take("job", 10, entrants)), Error);
 }
 
-}  // namespace
+}  // namespace turns_test
 }  // namespace palpate

@@ -7,10 +7,11 @@
 #include <gmock/gmock.h>
 
 #include "base/error.hpp"
-#include "engine/volume/phantom_spec.hpp"
+#include "engine/files/volume_file.hpp"
+#include "engine/phantoms/phantom_spec.hpp"
 
 namespace palpate {
-namespace {
+namespace check_all_test {
 
 using testing::Contains;
 using testing::HasSubstr;
@@ -87,5 +88,5 @@ TEST(CheckAll, CanBeCancelledAndRefuses) {
   EXPECT_THROW((void)checkAll(request, kNoStage, kQuiet, kLoad), Error);
 }
 
-}  // namespace
+}  // namespace check_all_test
 }  // namespace palpate

@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 
 namespace palpate {
-namespace {
+namespace check_page_test {
 
 using testing::HasSubstr;
 using testing::Not;
@@ -64,5 +64,5 @@ TEST(CheckPage, LeavesFoldersOut) {
   EXPECT_THAT(page, Not(HasSubstr("folder")));
 }
 
-}  // namespace
+}  // namespace check_page_test
 }  // namespace palpate

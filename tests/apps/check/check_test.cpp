@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 
 namespace palpate {
-namespace {
+namespace check_test {
 
 using testing::HasSubstr;
 using testing::Not;
@@ -155,5 +155,5 @@ TEST(Check, JsonHasEveryCheck) {
   EXPECT_EQ(json["checks"][1]["worst_gpu"], "inf");
 }
 
-}  // namespace
+}  // namespace check_test
 }  // namespace palpate

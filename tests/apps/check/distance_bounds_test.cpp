@@ -11,11 +11,11 @@
 
 #include "apps/check/check_all.hpp"
 #include "apps/check/filter_check.hpp"
+#include "engine/files/volume_file.hpp"
 #include "engine/reference/filter.hpp"
-#include "engine/volume/volume_file.hpp"
 
 namespace palpate {
-namespace {
+namespace distance_bounds_test {
 
 constexpr auto kQuiet = [](double) {};
 
@@ -100,5 +100,5 @@ TEST(DistanceBounds, SeeOneVoxelBeyondThem) {
   EXPECT_TRUE(holds());
 }
 
-}  // namespace
+}  // namespace distance_bounds_test
 }  // namespace palpate

@@ -9,9 +9,10 @@
 #include <gtest/gtest.h>
 
 #include "base/error.hpp"
+#include "engine/files/volume_file.hpp"
 
 namespace palpate {
-namespace {
+namespace edit_check_test {
 
 constexpr auto kQuiet = [](double) {};
 
@@ -82,5 +83,5 @@ TEST(EditCheck, RefusesAndIsCancelled) {
       Error);
 }
 
-}  // namespace
+}  // namespace edit_check_test
 }  // namespace palpate

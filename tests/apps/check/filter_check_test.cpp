@@ -10,12 +10,13 @@
 
 #include "apps/check/rounding_bound.hpp"
 #include "base/error.hpp"
+#include "engine/files/volume_file.hpp"
 #include "engine/filter/filter_spec.hpp"
 #include "engine/filter/filter_step.hpp"
 #include "engine/reference/filter.hpp"
 
 namespace palpate {
-namespace {
+namespace filter_check_test {
 
 constexpr auto kQuiet = [](double) {};
 
@@ -176,5 +177,5 @@ TEST(FilterCheck, RefusesWhatCannotBe) {
   EXPECT_THROW((void)checkFilters(volume, {"", {"mean:1"}, {}}, kQuiet), Error);
 }
 
-}  // namespace
+}  // namespace filter_check_test
 }  // namespace palpate

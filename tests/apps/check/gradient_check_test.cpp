@@ -10,10 +10,11 @@
 #include <gtest/gtest.h>
 
 #include "base/error.hpp"
-#include "engine/volume/phantom_spec.hpp"
+#include "engine/files/volume_file.hpp"
+#include "engine/phantoms/phantom_spec.hpp"
 
 namespace palpate {
-namespace {
+namespace gradient_check_test {
 
 void expectEqualBits(const Volume& volume) {
   const Check check = checkGradient(volume, GradientCheckRequest{}, [](double) {});
@@ -129,5 +130,5 @@ TEST(GradientCheck, RefusesADeviceThatIsNotThere) {
   EXPECT_THROW((void)checkGradient(loadVolume("phantom:box?size=8"), {.gpu = "Voodoo"}, [](double) {}), Error);
 }
 
-}  // namespace
+}  // namespace gradient_check_test
 }  // namespace palpate

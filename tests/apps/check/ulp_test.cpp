@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 namespace palpate {
-namespace {
+namespace ulp_test {
 
 using Limits = std::numeric_limits<float>;
 constexpr std::uint32_t kNeverEqual = 0xFFFFFFFFU;
@@ -57,5 +57,5 @@ TEST(UlpDistance, ToAnotherNanIsTheLargest) {
   }
 }
 
-}  // namespace
+}  // namespace ulp_test
 }  // namespace palpate

@@ -13,7 +13,7 @@
 #include "temporary_folder.hpp"
 
 namespace palpate {
-namespace {
+namespace interrupt_test {
 
 constexpr useconds_t kMoreThanPatience_us = 400'000;
 constexpr useconds_t kMoreThanOneRequest_us = 600'000;
@@ -197,5 +197,5 @@ TEST_F(Interrupts, AClosedPipeIsAnErrorOfItsWriter) {
   EXPECT_EQ(ended.status, 0);
 }
 
-}  // namespace
+}  // namespace interrupt_test
 }  // namespace palpate

@@ -11,7 +11,7 @@
 #include "in_child.hpp"
 
 namespace palpate {
-namespace {
+namespace message_test {
 
 TEST(Messages, AreALineThatNoNameCanBreak) {
   const Ended ended = inChild([] { tellUser("a\nb\033[2Kc.vdb: it is gone; look for it"); });
@@ -72,5 +72,5 @@ TEST(Results, ThatWereWrittenAreNoError) {
   EXPECT_EQ(ended.status, 0);
 }
 
-}  // namespace
+}  // namespace message_test
 }  // namespace palpate

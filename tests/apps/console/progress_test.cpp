@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 namespace palpate {
-namespace {
+namespace progress_test {
 
 // What a progress writes to a file, which is no terminal.
 std::string written(double every_s, const std::function<void(Progress&)>& work) {
@@ -57,5 +57,5 @@ TEST(Progress, TellsNoMoreThanWasAskedFor) {
   EXPECT_LE(lines, 5);  // and 0.22 / 0.05 = 4
 }
 
-}  // namespace
+}  // namespace progress_test
 }  // namespace palpate

@@ -9,7 +9,7 @@
 #include "in_child.hpp"
 
 namespace palpate {
-namespace {
+namespace standard_streams_test {
 
 // Every combination: afterwards all three are open, so no file takes their place, and those that were open are as they
 // were.
@@ -41,5 +41,5 @@ TEST(StandardStreams, AreOpenWhateverWasClosed) {
   }
 }
 
-}  // namespace
+}  // namespace standard_streams_test
 }  // namespace palpate

@@ -10,11 +10,12 @@
 
 #include "apps/mesh/mesh_file.hpp"
 #include "base/error.hpp"
-#include "engine/volume/volume.hpp"
+#include "engine/field/volume.hpp"
+#include "engine/files/volume_file.hpp"
 #include "temporary_folder.hpp"
 
 namespace palpate {
-namespace {
+namespace convert_job_test {
 
 using ::testing::HasSubstr;
 constexpr const char* kBall = "phantom:sphere?size=24&spacing=0.5mm";
@@ -143,5 +144,5 @@ TEST_F(Convert, RefusesFoldersThatMayNotBeWritten) {
   expectRefused({.in = kBall, .out = "/proc/a.vdb"}, Error::Code::kIo, "cannot be created");
 }
 
-}  // namespace
+}  // namespace convert_job_test
 }  // namespace palpate

@@ -12,13 +12,13 @@
 #include "apps/console/interrupt.hpp"
 #include "base/byte_size.hpp"
 #include "base/error.hpp"
+#include "engine/files/volume_file.hpp"
 #include "engine/filter/filter_step.hpp"
 #include "engine/reference/filter.hpp"
-#include "engine/volume/volume_file.hpp"
 #include "temporary_folder.hpp"
 
 namespace palpate {
-namespace {
+namespace filter_job_test {
 
 using ::testing::HasSubstr;
 constexpr const char* kKnot = "phantom:knot?size=21x17x19&spacing=0.5x0.7x0.8mm&noise=0.05";
@@ -158,5 +158,5 @@ TEST_F(FilterFile, ZStoppedLeavesTheOlderFile) {
   EXPECT_EQ(folder_.files(), 1);
 }
 
-}  // namespace
+}  // namespace filter_job_test
 }  // namespace palpate

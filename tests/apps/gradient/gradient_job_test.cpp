@@ -11,13 +11,14 @@
 
 #include "apps/console/interrupt.hpp"
 #include "base/error.hpp"
+#include "engine/files/volume_file.hpp"
 #include "engine/passes/active_bricks.hpp"
 #include "engine/reference/brick_bounds.hpp"
 #include "engine/reference/gradient.hpp"
 #include "temporary_folder.hpp"
 
 namespace palpate {
-namespace {
+namespace gradient_job_test {
 
 using openvdb::Coord;
 using ::testing::HasSubstr;
@@ -195,5 +196,5 @@ TEST_F(GradientFile, ZStoppedLeavesTheOlderFile) {
   EXPECT_EQ(folder_.files(), 1);
 }
 
-}  // namespace
+}  // namespace gradient_job_test
 }  // namespace palpate

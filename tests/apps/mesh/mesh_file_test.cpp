@@ -21,7 +21,7 @@ extern "C" const char* __lsan_default_suppressions() {
 }
 
 namespace palpate {
-namespace {
+namespace mesh_file_test {
 
 using testing::HasSubstr;
 
@@ -152,5 +152,5 @@ TEST_F(MeshFile, DamagedFilesAreReadOrRefused) {
   }
 }
 
-}  // namespace
+}  // namespace mesh_file_test
 }  // namespace palpate

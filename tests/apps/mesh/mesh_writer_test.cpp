@@ -14,7 +14,7 @@
 #include "temporary_folder.hpp"
 
 namespace palpate {
-namespace {
+namespace mesh_writer_test {
 
 using ::testing::HasSubstr;
 
@@ -85,5 +85,5 @@ TEST(MeshWriterRefusals, NameWhatToDo) {
   expectRefused({}, "a.stl", "choose another isovalue");
 }
 
-}  // namespace
+}  // namespace mesh_writer_test
 }  // namespace palpate

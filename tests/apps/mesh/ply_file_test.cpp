@@ -5,7 +5,7 @@
 #include "refusal.hpp"
 
 namespace palpate {
-namespace {
+namespace ply_file_test {
 
 using testing::HasSubstr;
 
@@ -166,5 +166,5 @@ TEST(PlyFile, ValuesThatCannotBeAreRefused) {
   EXPECT_THAT(refusal(no_list), HasSubstr("\"face\" has no list vertex_indices"));
 }
 
-}  // namespace
+}  // namespace ply_file_test
 }  // namespace palpate

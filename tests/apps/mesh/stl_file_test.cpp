@@ -10,7 +10,7 @@
 #include "stl_bytes.hpp"
 
 namespace palpate {
-namespace {
+namespace stl_file_test {
 
 using testing::HasSubstr;
 
@@ -119,5 +119,5 @@ TEST(StlFile, ABinaryFileOfAnotherLengthIsRefused) {
   EXPECT_THAT(refusal(endless), HasSubstr("triangle 1 has a vertex that is not finite"));
 }
 
-}  // namespace
+}  // namespace stl_file_test
 }  // namespace palpate

@@ -7,7 +7,7 @@
 #include "program_test.hpp"
 
 namespace palpate {
-namespace {
+namespace bench_test {
 
 using testing::HasSubstr;
 
@@ -111,5 +111,5 @@ TEST_F(Bench, StopsInGoodOrderAndLeavesNoFile) {
   }
 }
 
-}  // namespace
+}  // namespace bench_test
 }  // namespace palpate

@@ -8,7 +8,7 @@
 #include "program_test.hpp"
 
 namespace palpate {
-namespace {
+namespace command_line_test {
 
 using testing::HasSubstr;
 using testing::Not;
@@ -209,5 +209,5 @@ TEST_F(CommandLine, EveryEndOfARangeMakesARun) {
   }
 }
 
-}  // namespace
+}  // namespace command_line_test
 }  // namespace palpate

@@ -3,7 +3,7 @@
 #include "program_test.hpp"
 
 namespace palpate {
-namespace {
+namespace determinism_test {
 
 class Determinism : public ProgramTest, public testing::WithParamInterface<Words> {};
 
@@ -34,5 +34,5 @@ TEST_F(DeterminismOfWork, GradientsOfAllBricksChangeNothing) {
   EXPECT_TRUE(active == contentsOf(file("out/trace.csv")));
 }
 
-}  // namespace
+}  // namespace determinism_test
 }  // namespace palpate

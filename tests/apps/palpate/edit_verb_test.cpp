@@ -12,12 +12,13 @@
 #include "base/rotation.hpp"
 #include "engine/edit/brush_profile.hpp"
 #include "engine/edit/edit_keys.hpp"
+#include "engine/files/volume_file.hpp"
 #include "engine/journal/journal_reader.hpp"
 #include "engine/reference/edit_bricks.hpp"
 #include "program_test.hpp"
 
 namespace palpate {
-namespace {
+namespace edit_verb_test {
 
 using ::testing::HasSubstr;
 using ::testing::MatchesRegex;
@@ -534,5 +535,5 @@ TEST_F(EditVerb, CommandsIsTheDocumentedTable) {
   EXPECT_THAT(contentsOf(PALPATE_DOCS "/edits.md"), HasSubstr(outcome.out));
 }
 
-}  // namespace
+}  // namespace edit_verb_test
 }  // namespace palpate

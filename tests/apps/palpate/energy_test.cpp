@@ -8,7 +8,7 @@
 #include "trace.hpp"
 
 namespace palpate {
-namespace {
+namespace energy_test {
 
 using Json = nlohmann::json;
 
@@ -95,5 +95,5 @@ TEST_F(Energy, ABouncingRunIsCalledUnstable) {
   EXPECT_TRUE(fast["stability"]["swing_m"].is_null());
 }
 
-}  // namespace
+}  // namespace energy_test
 }  // namespace palpate

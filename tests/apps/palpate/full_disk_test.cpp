@@ -10,7 +10,7 @@
 #include "program_test.hpp"
 
 namespace palpate {
-namespace {
+namespace full_disk_test {
 
 using ::testing::HasSubstr;
 
@@ -134,5 +134,5 @@ TEST_F(FullDisk, NotEvenAJournalsBeginningIsARefusal) {
   EXPECT_FALSE(exists("journal/journal.palpate"));
 }
 
-}  // namespace
+}  // namespace full_disk_test
 }  // namespace palpate

@@ -6,7 +6,7 @@
 #include "trace.hpp"
 
 namespace palpate {
-namespace {
+namespace hand_and_path_test {
 
 class HandAndPath : public ProgramTest {
  protected:
@@ -107,5 +107,5 @@ TEST_F(HandAndPath, FlagsThatNothingUsesAreTold) {
   EXPECT_THAT(told[1], testing::StartsWith("palpate: --hand-mass has no effect: "));
 }
 
-}  // namespace
+}  // namespace hand_and_path_test
 }  // namespace palpate

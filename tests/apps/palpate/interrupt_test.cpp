@@ -4,13 +4,13 @@
 
 #include <nlohmann/json.hpp>
 
+#include "engine/field/statistics.hpp"
+#include "engine/files/volume_file.hpp"
 #include "engine/journal/journal_writer.hpp"
-#include "engine/volume/statistics.hpp"
-#include "engine/volume/volume_file.hpp"
 #include "program_test.hpp"
 
 namespace palpate {
-namespace {
+namespace interrupt_test {
 
 using testing::HasSubstr;
 
@@ -193,5 +193,5 @@ TEST_F(Interrupt, BeforeTheFirstEditLeavesNoJournal) {
   EXPECT_FALSE(exists("journal/journal.palpate"));
 }
 
-}  // namespace
+}  // namespace interrupt_test
 }  // namespace palpate

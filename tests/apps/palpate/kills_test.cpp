@@ -18,6 +18,7 @@
 #include <sys/wait.h>
 
 #include "base/error.hpp"
+#include "engine/files/volume_file.hpp"
 #include "engine/journal/replay.hpp"
 #include "engine/reference/edit.hpp"
 #include "engine/reference/edit_bricks.hpp"
@@ -28,7 +29,7 @@
 extern char** environ;
 
 namespace palpate {
-namespace {
+namespace kills_test {
 
 using Clock = std::chrono::steady_clock;
 using std::chrono::microseconds;
@@ -251,5 +252,5 @@ TEST_F(Kills, LoseNoAcknowledgedEdit) {
   }
 }
 
-}  // namespace
+}  // namespace kills_test
 }  // namespace palpate

@@ -10,12 +10,12 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "engine/files/volume_file.hpp"
 #include "engine/journal/volume_identity.hpp"
-#include "engine/volume/volume_file.hpp"
 #include "program_test.hpp"
 
 namespace palpate {
-namespace {
+namespace large_volume_test {
 
 constexpr double kGiB = 1024.0 * 1024 * 1024;
 constexpr double kMostGiB = 8;  // promised of 2048^3 with a few per cent stored, the device's memory included
@@ -62,5 +62,5 @@ TEST_F(LargeVolume, IsEditedSavedAndRecoveredInBoundedMemory) {
              peak_GiB);
 }
 
-}  // namespace
+}  // namespace large_volume_test
 }  // namespace palpate

@@ -2,13 +2,14 @@
 // palpate touch --edit, --journal and palpate recover, as a user gives them.
 #include <nlohmann/json.hpp>
 
+#include "engine/files/volume_file.hpp"
 #include "engine/journal/journal_reader.hpp"
 #include "engine/journal/volume_identity.hpp"
 #include "program_test.hpp"
 #include "trace.hpp"
 
 namespace palpate {
-namespace {
+namespace live_edits_test {
 
 using ::testing::HasSubstr;
 
@@ -331,5 +332,5 @@ TEST_F(LiveEdits, AnEditBeyondTheGpuBudgetIsRefusedAndTheSessionGoesOn) {
   EXPECT_EQ(contentIn(recovered.out), contentOf(file("sculpted.vdb")));
 }
 
-}  // namespace
+}  // namespace live_edits_test
 }  // namespace palpate

@@ -3,7 +3,7 @@
 #include "program_test.hpp"
 
 namespace palpate {
-namespace {
+namespace missing_driver_test {
 
 class MissingDriver : public ProgramTest {
  protected:
@@ -30,5 +30,5 @@ TEST_F(MissingDriver, DoesNotStopWhatNeedsNone) {
   expectSuccess(withoutDriver({"scene"}));
 }
 
-}  // namespace
+}  // namespace missing_driver_test
 }  // namespace palpate

@@ -6,7 +6,7 @@
 #include "trace.hpp"
 
 namespace palpate {
-namespace {
+namespace objects_test {
 
 using nlohmann::json;
 
@@ -85,5 +85,5 @@ TEST_F(Objects, RefusalsNameTheObject) {
   expectRefusal(refused("mesh:file=wide.obj"), "wide.obj", "the mesh is 3000 mm wide", 2);
 }
 
-}  // namespace
+}  // namespace objects_test
 }  // namespace palpate

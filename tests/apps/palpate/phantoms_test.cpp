@@ -6,11 +6,11 @@
 
 #include <nlohmann/json.hpp>
 
-#include "engine/volume/phantom_spec.hpp"
+#include "engine/phantoms/phantom_spec.hpp"
 #include "program_test.hpp"
 
 namespace palpate {
-namespace {
+namespace phantoms_test {
 
 using Json = nlohmann::json;
 
@@ -73,5 +73,5 @@ TEST_F(Phantoms, SphereKeepsThePromisedAccuracy) {
   EXPECT_LE(exact["force_angle_median_deg"], 0.2);
 }
 
-}  // namespace
+}  // namespace phantoms_test
 }  // namespace palpate

@@ -3,7 +3,7 @@
 #include "program_test.hpp"
 
 namespace palpate {
-namespace {
+namespace refused_flag_test {
 
 struct BadFlags {
   const char* name;
@@ -113,5 +113,5 @@ TEST_F(RefusedWords, BoundThatIsNoCount) {
   expectRefusal(run({"check", "gradient", "phantom:box?size=8", "--bound", "some"}), "--bound", "some", 2);
 }
 
-}  // namespace
+}  // namespace refused_flag_test
 }  // namespace palpate

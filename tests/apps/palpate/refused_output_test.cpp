@@ -7,7 +7,7 @@
 #include "program_test.hpp"
 
 namespace palpate {
-namespace {
+namespace refused_output_test {
 
 namespace fs = std::filesystem;
 
@@ -104,5 +104,5 @@ TEST_F(RefusedOutput, StandardOutputThatIsFull) {
   }
 }
 
-}  // namespace
+}  // namespace refused_output_test
 }  // namespace palpate

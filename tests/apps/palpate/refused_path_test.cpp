@@ -3,7 +3,7 @@
 #include "program_test.hpp"
 
 namespace palpate {
-namespace {
+namespace refused_path_test {
 
 struct BadPath {
   const char* name;
@@ -65,5 +65,5 @@ TEST_F(RefusedPathFile, FarAwayPointsAreFollowedWithoutAForce) {
   expectSuccess(run(quickTouch("phantom:sphere?size=16", {"--path", "way.csv"})));
 }
 
-}  // namespace
+}  // namespace refused_path_test
 }  // namespace palpate

@@ -8,7 +8,7 @@
 #include "program_test.hpp"
 
 namespace palpate {
-namespace {
+namespace refused_volume_test {
 
 namespace fs = std::filesystem;
 
@@ -129,5 +129,5 @@ TEST_F(AcceptedVolume, NameWithALineBreakStaysOneLine) {
   expectRefusal(outcome, "no?such?[2Jfile", "no such file", 3);
 }
 
-}  // namespace
+}  // namespace refused_volume_test
 }  // namespace palpate

@@ -7,7 +7,7 @@
 #include "program_test.hpp"
 
 namespace palpate {
-namespace {
+namespace scans_test {
 
 class Scans : public ProgramTest {
  protected:
@@ -50,5 +50,5 @@ TEST_F(Scans, AllChecksHoldInTheMiddle) {
   }
 }
 
-}  // namespace
+}  // namespace scans_test
 }  // namespace palpate

@@ -5,7 +5,7 @@
 #include "program_test.hpp"
 
 namespace palpate {
-namespace {
+namespace scene_test {
 
 using Json = nlohmann::json;
 
@@ -26,10 +26,10 @@ class SceneOnCommandLine : public ProgramTest {
 TEST_F(SceneOnCommandLine, FileIsFollowed) {
   writeScene("[path]\ndepth_mm = 2\n[hand]\nkind = \"spring\"\n");
   const Json scene = sceneOf({"touch", "s.toml"});
-  EXPECT_EQ(scene["duration_s"], 0.2);
-  EXPECT_EQ(scene["press_depth_m"], 2e-3);
-  EXPECT_EQ(scene["spring_hand"], true);
-  EXPECT_EQ(scene["simulated_clock"], true);
+  EXPECT_EQ(scene["servo"]["seconds"], 0.2);
+  EXPECT_EQ(scene["path"]["depth_mm"], 2);
+  EXPECT_EQ(scene["hand"]["kind"], "spring");
+  EXPECT_EQ(scene["servo"]["clock"], "simulated");
 }
 
 TEST_F(SceneOnCommandLine, FlagsOverrideKeys) {
@@ -37,9 +37,9 @@ TEST_F(SceneOnCommandLine, FlagsOverrideKeys) {
   const Json scene =
       sceneOf({"touch", "s.toml", "--volume", "phantom:box?size=24", "--depth", "0.5", "--hand", "rigid"});
   EXPECT_EQ(scene["volume"], "phantom:box?size=24");
-  EXPECT_EQ(scene["press_depth_m"], 0.5e-3);
-  EXPECT_EQ(scene["spring_hand"], false);
-  EXPECT_EQ(scene["duration_s"], 0.2);
+  EXPECT_EQ(scene["path"]["depth_mm"], 0.5);
+  EXPECT_EQ(scene["hand"]["kind"], "rigid");
+  EXPECT_EQ(scene["servo"]["seconds"], 0.2);
 }
 
 TEST_F(SceneOnCommandLine, UnknownKeyIsRefusedWithTheNearest) {
@@ -73,5 +73,5 @@ TEST_F(SceneOnCommandLine, SkullSceneIsUnderstood) {
   }
 }
 
-}  // namespace
+}  // namespace scene_test
 }  // namespace palpate

@@ -8,11 +8,12 @@
 
 #include <fmt/format.h>
 
+#include "engine/files/volume_file.hpp"
 #include "engine/reference/gradient.hpp"
 #include "program_test.hpp"
 
 namespace palpate {
-namespace {
+namespace scipy_test {
 
 constexpr const char* kPython = "/usr/bin/python3";
 constexpr std::string_view kGradient = "gradient/";
@@ -154,5 +155,5 @@ TEST_F(SciPy, DistancesAreAsFarApartAsAVoxelIsLong) {
   }
 }
 
-}  // namespace
+}  // namespace scipy_test
 }  // namespace palpate

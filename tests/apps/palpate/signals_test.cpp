@@ -11,11 +11,11 @@
 
 #include "apps/mesh/mesh_file.hpp"
 #include "base/error.hpp"
-#include "engine/volume/library_read.hpp"
+#include "engine/files/library_read.hpp"
 #include "program_test.hpp"
 
 namespace palpate {
-namespace {
+namespace signals_test {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
@@ -145,5 +145,5 @@ TEST_F(Signals, AHalfFileWouldBeSeen) {
   EXPECT_THROW(static_cast<void>(readMeshFile(file("o.ply").string())), Error);
 }
 
-}  // namespace
+}  // namespace signals_test
 }  // namespace palpate

@@ -3,13 +3,13 @@
 // by the status. Every verb but bench, whose shortest takes seconds: so this takes a while.
 #include <csignal>
 
+#include "engine/field/statistics.hpp"
+#include "engine/files/volume_file.hpp"
 #include "engine/journal/journal_writer.hpp"
-#include "engine/volume/statistics.hpp"
-#include "engine/volume/volume_file.hpp"
 #include "program_test.hpp"
 
 namespace palpate {
-namespace {
+namespace streams_test {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
@@ -123,5 +123,5 @@ TEST_F(ClosedInput, IsNoEmptyScript) {
   EXPECT_FALSE(exists("o.nrrd"));
 }
 
-}  // namespace
+}  // namespace streams_test
 }  // namespace palpate

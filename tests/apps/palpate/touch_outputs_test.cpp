@@ -9,7 +9,7 @@
 #include "trace.hpp"
 
 namespace palpate {
-namespace {
+namespace touch_outputs_test {
 
 using Json = nlohmann::json;
 
@@ -108,7 +108,7 @@ TEST_F(TouchOutputs, SummaryAgreesWithTheTrace) {
   EXPECT_NEAR(summary["contact"]["force_N"]["max"].get<double>(), largest_N, 1e-9);
   EXPECT_EQ(summary["servo"]["times_measured"], false);
   EXPECT_EQ(summary["volume"]["name"], "phantom:sphere?size=24");
-  EXPECT_EQ(summary["scene"]["plane_renewal_ticks"], 1);
+  EXPECT_EQ(summary["scene"]["servo"]["n"], 1);
   EXPECT_THAT(summary["command"].get<std::string>(), testing::HasSubstr("--n 1"));
 }
 
@@ -197,5 +197,5 @@ TEST_F(TouchOutputs, RealClockMeasuresItsTicks) {
   EXPECT_EQ(summary()["servo"]["times_measured"], true);
 }
 
-}  // namespace
+}  // namespace touch_outputs_test
 }  // namespace palpate

@@ -7,7 +7,7 @@
 #include "program_test.hpp"
 
 namespace palpate {
-namespace {
+namespace verbs_test {
 
 using testing::HasSubstr;
 
@@ -322,5 +322,5 @@ TEST_F(Verbs, CheckRefusesAResultFileThatCannotBeWritten) {
                 "cannot be created", 4);
 }
 
-}  // namespace
+}  // namespace verbs_test
 }  // namespace palpate

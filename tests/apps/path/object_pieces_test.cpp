@@ -11,7 +11,7 @@
 #include "grid_field.hpp"
 
 namespace palpate {
-namespace {
+namespace object_pieces_test {
 
 // A number for each sample: that of the piece in order of discovery, -1 for background.
 std::vector<int> flooded(const GridField& field) {
@@ -117,5 +117,5 @@ TEST(ObjectPieces, OfAnEmptyVolumeAreNone) {
   EXPECT_TRUE(ObjectPieces(GridField(Vec3i(3, 3, 3), Vec3::Constant(1e-3))).all().empty());
 }
 
-}  // namespace
+}  // namespace object_pieces_test
 }  // namespace palpate

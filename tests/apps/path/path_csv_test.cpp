@@ -10,7 +10,7 @@
 #include "base/error.hpp"
 
 namespace palpate {
-namespace {
+namespace path_csv_test {
 
 using ::testing::HasSubstr;
 
@@ -118,5 +118,5 @@ TEST_F(PathCsv, AcceptsAGapOfTenIntervals) {
   EXPECT_EQ(read(std::string(kHeader) + "0,0,0,0\n1,0,0,0\n2,0,0,0\n12,0,0,0\n").size(), 4U);
 }
 
-}  // namespace
+}  // namespace path_csv_test
 }  // namespace palpate

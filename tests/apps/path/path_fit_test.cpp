@@ -13,7 +13,7 @@
 #include "grid_field.hpp"
 
 namespace palpate {
-namespace {
+namespace path_fit_test {
 
 using Formula = std::function<double(const Vec3&)>;
 
@@ -229,5 +229,5 @@ TEST(PathFit, TellsThatAPressComesOutOnTheOtherSide) {
                                  "mm it comes out on another side; press less deep"));
 }
 
-}  // namespace
+}  // namespace path_fit_test
 }  // namespace palpate

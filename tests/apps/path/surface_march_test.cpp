@@ -8,7 +8,7 @@
 #include "analytic_field.hpp"
 
 namespace palpate {
-namespace {
+namespace surface_march_test {
 
 constexpr double kVoxel_m = 0.5e-3;
 
@@ -65,5 +65,5 @@ TEST(SurfaceMarch, NoLengthIsOnePoint) {
   EXPECT_EQ(marchSurface(plane, {Vec3::Zero(), Vec3::UnitZ()}, Vec3::UnitX(), 0).points.size(), 1U);
 }
 
-}  // namespace
+}  // namespace surface_march_test
 }  // namespace palpate

@@ -6,7 +6,7 @@
 #include "analytic_field.hpp"
 
 namespace palpate {
-namespace {
+namespace surface_search_test {
 
 constexpr double kVoxel_m = 0.5e-3;
 const AnalyticField kSphere([](const Vec3& p) { return sphereDistance(p, 10e-3); }, 16e-3, kVoxel_m);
@@ -51,5 +51,5 @@ TEST(SurfaceSearch, FreeDistanceEndsAtTheNextWall) {
   EXPECT_EQ(freeDistance(hole, wall, -Vec3::UnitX(), 6e-3), 6e-3);
 }
 
-}  // namespace
+}  // namespace surface_search_test
 }  // namespace palpate

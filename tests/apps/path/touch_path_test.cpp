@@ -8,7 +8,7 @@
 #include "base/error.hpp"
 
 namespace palpate {
-namespace {
+namespace touch_path_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -339,5 +339,5 @@ TEST(TouchPath, RefusesLengthsOfVeryManyVoxels) {
   }
 }
 
-}  // namespace
+}  // namespace touch_path_test
 }  // namespace palpate

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 namespace palpate {
-namespace {
+namespace decimate_test {
 
 PlotTable noisyTable(std::size_t rows) {
   PlotTable table;
@@ -53,5 +53,5 @@ TEST(Decimate, ABucketOfGapsIsAGap) {
   EXPECT_EQ(few.series[0][3], 3);
 }
 
-}  // namespace
+}  // namespace decimate_test
 }  // namespace palpate

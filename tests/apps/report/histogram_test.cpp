@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 namespace palpate {
-namespace {
+namespace histogram_test {
 
 TEST(LogHistogram, PutsValuesIntoClassesByDecade) {
   const LogHistogram h = logHistogram({0, -1, 1, 2, 9.99, 10, 50, 999}, 1);
@@ -30,5 +30,5 @@ TEST(LogHistogram, OfZerosHasNoClass) {
   EXPECT_EQ(h.below, 2U);
 }
 
-}  // namespace
+}  // namespace histogram_test
 }  // namespace palpate

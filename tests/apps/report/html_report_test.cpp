@@ -11,7 +11,7 @@
 #include "temporary_folder.hpp"
 
 namespace palpate {
-namespace {
+namespace html_report_test {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -127,7 +127,7 @@ TEST(Report, ContainsEverySection) {
                             "approach",
                             "retreat",
                             "0123abc",
-                            "stiffness [N/m]",
+                            ">--stiffness</th><td>500 N/m</td>",
                             "<noscript>"}) {
     EXPECT_THAT(page, HasSubstr(words));
   }
@@ -186,5 +186,5 @@ TEST(HtmlText, EscapesAndEncodes) {
   EXPECT_EQ(keyInWords("algorithm"), "algorithm");
 }
 
-}  // namespace
+}  // namespace html_report_test
 }  // namespace palpate

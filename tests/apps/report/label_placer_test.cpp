@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 namespace palpate {
-namespace {
+namespace label_placer_test {
 
 bool overlap(const LabelBox& a, const LabelBox& b) {
   return a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
@@ -122,5 +122,5 @@ TEST(LabelPlacer, WordsNeverStandAtAnothersMark) {
   EXPECT_LT(impossible, 100);
 }
 
-}  // namespace
+}  // namespace label_placer_test
 }  // namespace palpate

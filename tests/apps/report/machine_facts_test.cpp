@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 namespace palpate {
-namespace {
+namespace machine_facts_test {
 
 TEST(MachineFacts, AreReadOnThisMachine) {
   const MachineFacts m = readMachineFacts();
@@ -15,5 +15,5 @@ TEST(MachineFacts, AreReadOnThisMachine) {
   EXPECT_EQ(m.os.find('"'), std::string::npos);
 }
 
-}  // namespace
+}  // namespace machine_facts_test
 }  // namespace palpate

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 namespace palpate {
-namespace {
+namespace path_outcome_test {
 
 constexpr double kRate_hz = 1000;
 const std::vector<PathPhase> kPhases = {{"approach", 0, 1}, {"press", 1, 2}, {"slide", 2, 4}, {"retreat", 4, 5}};
@@ -87,5 +87,5 @@ TEST(PathOutcome, OfAPathFromAFileOrARunThatWasStoppedIsNothing) {
   EXPECT_EQ(pathClause(pathOutcome({}, kPhases, kRate_hz)), "");
 }
 
-}  // namespace
+}  // namespace path_outcome_test
 }  // namespace palpate

@@ -8,11 +8,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "apps/scene/option_table.hpp"
 #include "sample_run.hpp"
 #include "temporary_folder.hpp"
 
 namespace palpate {
-namespace {
+namespace summary_test {
 
 using Json = nlohmann::ordered_json;
 
@@ -39,19 +40,40 @@ std::set<std::string> documentedKeys() {
 TEST(Summary, HasExactlyTheDocumentedKeys) {
   std::set<std::string> keys;
   collect(makeSummary(sampleRun()), "", keys);
-  EXPECT_THAT(keys, ::testing::ContainerEq(documentedKeys()));
+  std::set<std::string> documented = documentedKeys();
+  for (const SceneOption& option : sceneOptions()) documented.insert(std::string("scene.") + option.key);
+  EXPECT_THAT(keys, ::testing::ContainerEq(documented));
 }
 
 TEST(Summary, HoldsTheFiguresOfTheRun) {
   const Json s = makeSummary(sampleRun());
   EXPECT_EQ(s.begin().key(), "schema");
-  EXPECT_EQ(s["schema"], "palpate.touch.summary/1");
+  EXPECT_EQ(s["schema"], "palpate.touch.summary/2");
   EXPECT_EQ(s["contact"]["ticks"], 3000);
   EXPECT_EQ(s["contact"]["time_s"], 3.0);
   EXPECT_NEAR(s["contact"]["depth_m"]["max"].get<double>(), 1.001e-3, 1e-9);
   EXPECT_EQ(s["servo"]["times_measured"], true);
-  EXPECT_EQ(s["scene"]["path_slide"], nullptr);
-  EXPECT_EQ(s["scene"]["path_toward"], Json({0, 0, -1}));
+}
+
+// As a scene file has it: nested, in the units of screens, null where nothing was given.
+TEST(Summary, HoldsTheSceneAsASceneFileHasIt) {
+  TouchRun run = sampleRun();
+  run.scene.plane_renewal_ticks = 7;
+  run.scene.simulated_clock = true;
+  run.scene.press_depth_m = 1.5e-3;
+  run.scene.gpu_memory_bytes = std::uint64_t{512} << 20U;
+  run.scene.stiffness_density = {{200, 0.3}, {700.5, 1}};
+  const Json scene = makeSummary(run)["scene"];
+  EXPECT_EQ(scene["servo"]["n"], 7);
+  EXPECT_EQ(scene["servo"]["clock"], "simulated");
+  EXPECT_EQ(scene["path"]["depth_mm"], 1.5);
+  EXPECT_EQ(scene["gpu_memory"], "512MiB");
+  EXPECT_EQ(scene["contact"]["stiffness_density"], Json({{200, 0.3}, {700.5, 1}}));
+  EXPECT_EQ(scene["contact"]["texture"], "none");
+  EXPECT_EQ(scene["path"]["slide_toward"], nullptr);
+  EXPECT_EQ(scene["path"]["toward"], Json({0, 0, -1}));
+  EXPECT_EQ(scene["haptization"]["density"], nullptr);
+  EXPECT_EQ(makeSummary(sampleRun())["scene"]["gpu_memory"], nullptr);
 }
 
 // Every figure of the servo under its own name: all differ.
@@ -99,5 +121,5 @@ TEST(Summary, TakesTheFiguresThatTheRunHas) {
   EXPECT_EQ(makeSummary(run)["servo"]["ticks"], computed.ticks);
 }
 
-}  // namespace
+}  // namespace summary_test
 }  // namespace palpate

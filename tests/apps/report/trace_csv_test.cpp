@@ -12,7 +12,7 @@
 #include "temporary_folder.hpp"
 
 namespace palpate {
-namespace {
+namespace trace_csv_test {
 
 std::vector<std::string> split(const std::string& line) {
   std::vector<std::string> parts;
@@ -124,5 +124,5 @@ TEST(TraceCsv, IsGivenUpInBetween) {
   EXPECT_EQ(contentsOf(folder.path() / "a.csv"), contentsOf(folder.path() / "plain.csv"));
 }
 
-}  // namespace
+}  // namespace trace_csv_test
 }  // namespace palpate

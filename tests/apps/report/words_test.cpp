@@ -10,7 +10,7 @@
 #include "sample_run.hpp"
 
 namespace palpate {
-namespace {
+namespace words_test {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -248,5 +248,5 @@ TEST(Words, VerdictTellsWhatThePathDidNotKeep) {
                                         "touched the object again; the retreat ended in contact; "));
 }
 
-}  // namespace
+}  // namespace words_test
 }  // namespace palpate

@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 
 namespace palpate {
-namespace {
+namespace child_talk_test {
 
 TEST(ChildTalk, HearsLineByLine) {
   ChildTalk cat({"/bin/cat"});
@@ -26,5 +26,5 @@ TEST(ChildTalk, KnowsThatItIsGone) {
   EXPECT_EQ(never.hear(), std::nullopt);
 }
 
-}  // namespace
+}  // namespace child_talk_test
 }  // namespace palpate

@@ -7,7 +7,7 @@
 #include <gmock/gmock.h>
 
 namespace palpate {
-namespace {
+namespace python_rivals_test {
 
 using testing::HasSubstr;
 
@@ -66,5 +66,5 @@ TEST(PythonRivals, AreGoneWhereTheVolumeHasNoRoom) {
   EXPECT_TRUE(rivals.rivalsOf("median:1").empty());
 }
 
-}  // namespace
+}  // namespace python_rivals_test
 }  // namespace palpate

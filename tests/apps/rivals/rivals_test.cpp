@@ -12,7 +12,7 @@
 #include "apps/rivals/python_rivals.hpp"
 
 namespace palpate {
-namespace {
+namespace rivals_test {
 
 constexpr int kMargin = 6;  // farther than any of the jobs reaches
 
@@ -201,5 +201,5 @@ TEST_F(Rivals, RunWhatTheyOfferBesides) {
   EXPECT_TRUE(itkRivals("distance:3", {size_, Vec3::Constant(1e-3), densities_}, 2).empty());
 }
 
-}  // namespace
+}  // namespace rivals_test
 }  // namespace palpate

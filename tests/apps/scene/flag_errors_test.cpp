@@ -8,7 +8,7 @@
 #include "servo/safety/safety_gate.hpp"
 
 namespace palpate {
-namespace {
+namespace flag_errors_test {
 
 // What the servo itself throws.
 template <typename Work>
@@ -37,5 +37,5 @@ TEST(FlagErrors, LeaveOthersAsTheyAre) {
   EXPECT_EQ(withFlag(other).code(), other.code());
 }
 
-}  // namespace
+}  // namespace flag_errors_test
 }  // namespace palpate

@@ -9,7 +9,7 @@
 #include "apps/scene/option_table.hpp"
 
 namespace palpate {
-namespace {
+namespace idle_options_test {
 
 using testing::ElementsAre;
 using testing::IsEmpty;
@@ -73,5 +73,5 @@ TEST(IdleOptions, EachIsToldWhereNothingUsesItAndNowhereElse) {
   for (const std::string& flag : flagsThatMayBeIdle()) EXPECT_THAT(tried, testing::Contains(flag));
 }
 
-}  // namespace
+}  // namespace idle_options_test
 }  // namespace palpate

@@ -7,7 +7,7 @@
 #include "base/error.hpp"
 
 namespace palpate {
-namespace {
+namespace object_table_test {
 
 using testing::HasSubstr;
 
@@ -78,5 +78,5 @@ TEST(ObjectTable, TheDocumentHasARowForEachKey) {
   }
 }
 
-}  // namespace
+}  // namespace object_table_test
 }  // namespace palpate

@@ -12,7 +12,7 @@
 #include "servo/algorithms/registry.hpp"
 
 namespace palpate {
-namespace {
+namespace option_table_test {
 
 TEST(OptionTable, FlagsAndKeysAreUnique) {
   std::set<std::string> flags, keys;
@@ -215,5 +215,5 @@ TEST(SceneDocument, HasARowForEachOption) {
   }
 }
 
-}  // namespace
+}  // namespace option_table_test
 }  // namespace palpate

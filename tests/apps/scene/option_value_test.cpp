@@ -11,7 +11,7 @@
 #include "base/error.hpp"
 
 namespace palpate {
-namespace {
+namespace option_value_test {
 
 // Every option of a scene as text, to see that nothing changed.
 std::string everything(const Scene& scene) {
@@ -90,7 +90,8 @@ TEST(OptionValue, WordsGiveTheNumberBack) {
   const auto share = [&] { return static_cast<double>(random() >> 11U) * 0x1p-53; };  // [0, 1), every bit of a double
   const auto back = [](double number, double scale) {
     const double si = number * scale;
-    EXPECT_EQ(numberOf(screenText(si, scale)).value_or(0) * scale, si) << fmt::format("{:.17g} {}", number, screenText(si, scale));
+    EXPECT_EQ(numberOf(screenText(si, scale)).value_or(0) * scale, si)
+        << fmt::format("{:.17g} {}", number, screenText(si, scale));
   };
   for (const double scale : {1.0, 1e-3, 1e3}) {
     EXPECT_EQ(screenText(0.1 * scale, scale), "0.1");
@@ -221,5 +222,5 @@ TEST(OptionValue, ChosenValuesAreEmptyUntilGiven) {
   EXPECT_EQ(optionText(optionOfKey("isovalue")->value, scene), "-300");
 }
 
-}  // namespace
+}  // namespace option_value_test
 }  // namespace palpate

@@ -8,7 +8,7 @@
 #include "temporary_folder.hpp"
 
 namespace palpate {
-namespace {
+namespace scene_file_test {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
@@ -234,5 +234,5 @@ TEST_F(SceneFile, MissingFilesAndFoldersAreRefused) {
   EXPECT_THAT(refusal(folder_.path()), HasSubstr("it is a folder"));
 }
 
-}  // namespace
+}  // namespace scene_file_test
 }  // namespace palpate

@@ -8,7 +8,7 @@
 #include "base/error.hpp"
 
 namespace palpate {
-namespace {
+namespace algorithm_setup_test {
 
 Scene with(const std::vector<std::pair<const char*, std::string>>& values) {
   Scene scene;
@@ -69,18 +69,6 @@ TEST(AlgorithmSetup, SaysWhatTheWallLacksInDamping) {
   EXPECT_EQ(lackingDamping(scene), 0);
 }
 
-// Gradients are computed where the isosurface is; what feels elsewhere needs them there, or it would feel nothing.
-TEST(AlgorithmSetup, AlgorithmsThatFeelAwayFromTheSurfaceGetGradientsThere) {
-  Scene scene;
-  for (const AlgorithmEntry& entry : algorithms()) {
-    scene.algorithm = entry.name;
-    EXPECT_EQ(planFor(scene).gradient_all, entry.name == "avila" || entry.name == "haptization") << entry.name;
-  }
-  scene.algorithm = "hri";
-  scene.gradient_all = true;
-  EXPECT_TRUE(planFor(scene).gradient_all);
-}
-
 TEST(AlgorithmSetup, ASceneThatAsksForNoEffectGetsNone) {
   EXPECT_TRUE(algorithmSetup(Scene{}, 0).effects.empty());
 }
@@ -109,5 +97,5 @@ TEST(AlgorithmSetup, EffectsThatCannotBeMadeAreRefused) {
   EXPECT_THAT(refusal(with({{"contact.stiffness_density", "5:1,4:1"}})), testing::HasSubstr("rising order"));
 }
 
-}  // namespace
+}  // namespace algorithm_setup_test
 }  // namespace palpate

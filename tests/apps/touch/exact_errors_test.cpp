@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 namespace palpate {
-namespace {
+namespace exact_errors_test {
 
 constexpr double kVoxel_m = 1e-3;  // the sphere's voxels; its centre is the world's origin
 
@@ -142,5 +142,5 @@ TEST_F(ExactErrorsTest, DoNotExistWithoutASurface) {
   EXPECT_FALSE(exactErrors(*makePhantom("phantom:random?size=8"), {touching(*sphere_, 0, 0, 0)}, {}));
 }
 
-}  // namespace
+}  // namespace exact_errors_test
 }  // namespace palpate

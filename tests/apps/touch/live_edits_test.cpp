@@ -9,14 +9,14 @@
 #include <gtest/gtest.h>
 
 #include "base/error.hpp"
+#include "engine/field/statistics.hpp"
+#include "engine/files/volume_file.hpp"
 #include "engine/journal/journal_reader.hpp"
 #include "engine/journal/volume_identity.hpp"
-#include "engine/volume/statistics.hpp"
-#include "engine/volume/volume_file.hpp"
 #include "temporary_folder.hpp"
 
 namespace palpate {
-namespace {
+namespace live_edits_test {
 
 using ::testing::HasSubstr;
 
@@ -31,7 +31,7 @@ class FailingRun : public testing::Test {
   // `looks` at a tool that sinks in from the sphere's outside, a period each, and then `failure`.
   template <typename Failure>
   void run(int looks, const Failure& failure) {
-    Engine engine(volume, makePlan(Scene{}, false), *scene.isovalue, "");
+    Engine engine(volume, makePlan({}), *scene.isovalue, "");
     LiveEdits edits(scene, volume, engine);
     edits.during([&] {
       for (int i = 0; i < looks; ++i) {
@@ -80,7 +80,7 @@ TEST_F(FailingRun, WithoutAnEditLeavesNoJournal) {
 // A brush with which every edit would be refused is refused before the run.
 TEST_F(FailingRun, DoesNotBeginWithAFaintFilling) {
   scene.edit = "add:radius=2mm:density=-5000";
-  Engine engine(volume, makePlan(Scene{}, false), *scene.isovalue, "");
+  Engine engine(volume, makePlan({}), *scene.isovalue, "");
   try {
     const LiveEdits edits(scene, volume, engine);
     FAIL() << "no error";
@@ -94,7 +94,7 @@ TEST_F(FailingRun, DoesNotBeginWithAFaintFilling) {
 // What fails between the set-up and the servo finds nothing to save.
 TEST_F(FailingRun, BeforeItBeginsLeavesNothing) {
   {
-    Engine engine(volume, makePlan(Scene{}, false), *scene.isovalue, "");
+    Engine engine(volume, makePlan({}), *scene.isovalue, "");
     const LiveEdits edits(scene, volume, engine);
     EXPECT_TRUE(std::filesystem::exists(journalFile(journal)));
   }
@@ -102,5 +102,5 @@ TEST_F(FailingRun, BeforeItBeginsLeavesNothing) {
   EXPECT_FALSE(std::filesystem::exists(file));
 }
 
-}  // namespace
+}  // namespace live_edits_test
 }  // namespace palpate

@@ -5,10 +5,10 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/volume/volume_file.hpp"
+#include "engine/files/volume_file.hpp"
 
 namespace palpate {
-namespace {
+namespace object_volume_test {
 
 Lattice lattice() {
   Lattice lattice;
@@ -52,5 +52,5 @@ TEST(ObjectVolume, OfABallIsItsFormula) {
   EXPECT_NEAR(objectVolume_m3(Volume::fromDense(size, lattice(), values, {}), 0), expected_m3, 32e-9);
 }
 
-}  // namespace
+}  // namespace object_volume_test
 }  // namespace palpate

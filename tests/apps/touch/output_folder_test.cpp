@@ -8,7 +8,7 @@
 #include "temporary_folder.hpp"
 
 namespace palpate {
-namespace {
+namespace output_folder_test {
 
 namespace fs = std::filesystem;
 
@@ -210,5 +210,5 @@ TEST_F(OutputFolderTest, IsRefusedWhereNothingCanBeWritten) {
   EXPECT_EQ(contentsOf(path("file")), "mine");
 }
 
-}  // namespace
+}  // namespace output_folder_test
 }  // namespace palpate

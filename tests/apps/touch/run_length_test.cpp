@@ -8,7 +8,7 @@
 #include "servo/loop/tick_record.hpp"
 
 namespace palpate {
-namespace {
+namespace run_length_test {
 
 std::string refusal(const Scene& scene, std::uint64_t available_bytes) {
   try {
@@ -42,5 +42,5 @@ TEST(RunLength, HasATickAtLeast) {
   EXPECT_THAT(refusal(scene, 1U << 30U), testing::StartsWith("way.csv at --rate 10: the run has no tick"));
 }
 
-}  // namespace
+}  // namespace run_length_test
 }  // namespace palpate

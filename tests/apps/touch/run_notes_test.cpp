@@ -7,7 +7,7 @@
 #include "servo/safety/faults.hpp"
 
 namespace palpate {
-namespace {
+namespace run_notes_test {
 
 using testing::HasSubstr;
 
@@ -138,5 +138,5 @@ TEST(RunNotes, TellOfABrushThatLeavesNothingToFeel) {
   EXPECT_FALSE(noteOnBrush(scene, touchedFor(0.1)));
 }
 
-}  // namespace
+}  // namespace run_notes_test
 }  // namespace palpate

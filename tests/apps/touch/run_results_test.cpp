@@ -8,7 +8,7 @@
 #include "temporary_folder.hpp"
 
 namespace palpate {
-namespace {
+namespace run_results_test {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
@@ -22,7 +22,7 @@ class RunResults : public testing::Test {
 
 TEST_F(RunResults, OfAnEarlierRunMayBeReplaced) {
   save("summary.json",
-       R"({"schema": "palpate.touch.summary/1", "files": ["x/report.html", "x/summary.json", "x/trace.csv"]})");
+       R"({"schema": "palpate.touch.summary/2", "files": ["x/report.html", "x/summary.json", "x/trace.csv"]})");
   save("trace.csv", "");
   save("report.html", "");
   save("notes.txt", "anything else in the folder is nobody's business");
@@ -30,6 +30,12 @@ TEST_F(RunResults, OfAnEarlierRunMayBeReplaced) {
   EXPECT_NO_THROW(refuseForeignResults(folder_.path()));
   save("view.png", "a picture that that run did not draw");
   EXPECT_THAT(foreign(), ElementsAre("view.png"));
+}
+
+TEST_F(RunResults, OfAnEarlierVersionMayBeReplaced) {
+  save("summary.json", R"({"schema": "palpate.touch.summary/1", "files": ["trace.csv"]})");
+  save("trace.csv", "");
+  EXPECT_THAT(foreign(), IsEmpty());
 }
 
 TEST_F(RunResults, ThatNobodyListsAreForeign) {
@@ -58,10 +64,10 @@ TEST_F(RunResults, ASummaryOfAnotherKindIsForeign) {
     EXPECT_THAT(foreign(), ElementsAre("trace.csv", "summary.json")) << text;
   }
   for (const char* files : {"7", "[7]", "{}", "null"}) {
-    save("summary.json", std::string(R"({"schema": "palpate.touch.summary/1", "files": )") + files + "}");
+    save("summary.json", std::string(R"({"schema": "palpate.touch.summary/2", "files": )") + files + "}");
     EXPECT_THAT(foreign(), ElementsAre("trace.csv")) << files;
   }
 }
 
-}  // namespace
+}  // namespace run_results_test
 }  // namespace palpate

@@ -12,7 +12,7 @@
 #include "temporary_folder.hpp"
 
 namespace palpate {
-namespace {
+namespace scene_objects_test {
 
 // About x first: y goes to z; then about y: z goes to x; then about z: x goes to y.
 TEST(SceneObjects, RotationsAreAboutTheWorldsXThenYThenZ) {
@@ -66,5 +66,5 @@ TEST(SceneObjects, AToolThatStartsInsideOneIsToldSo) {
   EXPECT_TRUE(notesOnStart(objects, Vec3(0, 0, 36e-3)).empty());
 }
 
-}  // namespace
+}  // namespace scene_objects_test
 }  // namespace palpate

@@ -5,11 +5,12 @@
 
 #include "apps/touch/volume_surface.hpp"
 #include "base/error.hpp"
-#include "engine/volume/phantom.hpp"
+#include "engine/files/volume_file.hpp"
+#include "engine/phantoms/phantom.hpp"
 #include "temporary_folder.hpp"
 
 namespace palpate {
-namespace {
+namespace scripted_path_test {
 
 class ScriptedPathTest : public testing::Test {
  protected:
@@ -90,5 +91,5 @@ TEST_F(ScriptedPathTest, OfAMissingFileIsRefused) {
   EXPECT_THROW((void)path(scene), Error);
 }
 
-}  // namespace
+}  // namespace scripted_path_test
 }  // namespace palpate

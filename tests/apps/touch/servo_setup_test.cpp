@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 namespace palpate {
-namespace {
+namespace servo_setup_test {
 
 TEST(ServoSetup, LoopTakesWhatTheSceneAsksFor) {
   Scene scene;
@@ -63,5 +63,5 @@ TEST(ServoSetup, DeviceTakesWhatTheSceneAsksFor) {
   EXPECT_EQ(deviceParameters(Scene{}).hand, Hand::kRigid);
 }
 
-}  // namespace
+}  // namespace servo_setup_test
 }  // namespace palpate

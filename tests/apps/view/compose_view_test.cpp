@@ -16,7 +16,7 @@
 #include "synthetic_run.hpp"
 
 namespace palpate {
-namespace {
+namespace compose_view_test {
 
 struct Decoded {
   int width = 0, height = 0;
@@ -232,5 +232,5 @@ TEST(LayOutView, RefusesImpossibleSizes) {
   EXPECT_THROW((void)layOutView(1280, 20000), Error);
 }
 
-}  // namespace
+}  // namespace compose_view_test
 }  // namespace palpate

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 namespace palpate {
-namespace {
+namespace contact_region_test {
 
 TickRecord contactAt(double x_m) {
   TickRecord r;
@@ -45,5 +45,5 @@ TEST(ContactRegion, OfNothingIsThere) {
   EXPECT_EQ(findContactRegion({}, 2e-3).radius_m, 2e-3);
 }
 
-}  // namespace
+}  // namespace contact_region_test
 }  // namespace palpate

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 namespace palpate {
-namespace {
+namespace force_arrows_test {
 
 // A slide of 20 mm in 200 ticks with one peak of force.
 std::vector<TickRecord> slide() {
@@ -104,5 +104,5 @@ TEST(RoundDown, GivesOneTwoOrFive) {
   EXPECT_DOUBLE_EQ(roundDown(10), 10);
 }
 
-}  // namespace
+}  // namespace force_arrows_test
 }  // namespace palpate

@@ -6,7 +6,7 @@
 #include "analytic_field.hpp"
 
 namespace palpate {
-namespace {
+namespace framing_test {
 
 ContactRegion regionOnTop(double height_m) {
   ContactRegion region;
@@ -114,5 +114,5 @@ TEST(Framing, CloseUpAvoidsTheSideThatTheObjectHides) {
   }
 }
 
-}  // namespace
+}  // namespace framing_test
 }  // namespace palpate

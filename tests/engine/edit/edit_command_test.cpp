@@ -12,7 +12,7 @@
 #include "engine/edit/lower_edit.hpp"
 
 namespace palpate {
-namespace {
+namespace edit_command_test {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -185,5 +185,5 @@ TEST(LowerEdits, HandsAStampOverOnce) {
   EXPECT_EQ(lowered.commands[3].stamp_first, 0U);
 }
 
-}  // namespace
+}  // namespace edit_command_test
 }  // namespace palpate

@@ -10,7 +10,7 @@
 #include "engine/edit/edit_math.hpp"
 
 namespace palpate {
-namespace {
+namespace edit_reach_test {
 
 const Vec3i kSize(45, 38, 29);
 
@@ -107,5 +107,5 @@ TEST(EditReach, DilatesByAPassesReach) {
   EXPECT_EQ(bricks.size(), 1U * 2U * 1U);
 }
 
-}  // namespace
+}  // namespace edit_reach_test
 }  // namespace palpate

@@ -13,7 +13,7 @@
 #include "engine/edit/edit_keys.hpp"
 
 namespace palpate {
-namespace {
+namespace edit_text_test {
 
 using ::testing::HasSubstr;
 
@@ -290,5 +290,5 @@ TEST(EditText, TheDocumentHasTheTable) {
   EXPECT_THAT(document.str(), HasSubstr(editTextTable())) << "copy the output of `palpate edit --commands` there";
 }
 
-}  // namespace
+}  // namespace edit_text_test
 }  // namespace palpate

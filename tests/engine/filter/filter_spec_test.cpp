@@ -7,7 +7,7 @@
 #include "base/error.hpp"
 
 namespace palpate {
-namespace {
+namespace filter_spec_test {
 
 using ::testing::HasSubstr;
 
@@ -109,5 +109,5 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"gaussian:1 mm", "a blank before this unit"}, Refused{"gaussian:1:", "nothing follows its last colon"},
         Refused{"gaussian:1:truncate=2:truncate=4", "'truncate' stands there twice"}));
 
-}  // namespace
+}  // namespace filter_spec_test
 }  // namespace palpate

@@ -9,7 +9,7 @@
 #include "base/error.hpp"
 
 namespace palpate {
-namespace {
+namespace filter_step_test {
 
 double sumOf(const FilterStep& step) {
   double sum = step.taps[0];
@@ -116,5 +116,5 @@ TEST(UniformResult, OfFiltersThatKeepEdgesIsTheDensity) {
   }
 }
 
-}  // namespace
+}  // namespace filter_step_test
 }  // namespace palpate

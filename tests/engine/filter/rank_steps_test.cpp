@@ -12,7 +12,7 @@
 #include "base/error.hpp"
 
 namespace palpate {
-namespace {
+namespace rank_steps_test {
 
 using ::testing::HasSubstr;
 
@@ -130,5 +130,5 @@ TEST(RankSteps, KeepAConstantAsItIs) {
   }
 }
 
-}  // namespace
+}  // namespace rank_steps_test
 }  // namespace palpate

@@ -15,7 +15,7 @@
 #include "shaders/kernels.hpp"
 
 namespace palpate::gpu {
-namespace {
+namespace gpu_test {
 
 using testing::HasSubstr;
 
@@ -161,5 +161,5 @@ TEST(Buffer, RefusesMoreThanTheDeviceHas) {
   EXPECT_THAT(message, HasSubstr("MiB"));
 }
 
-}  // namespace
+}  // namespace gpu_test
 }  // namespace palpate::gpu

@@ -8,7 +8,7 @@
 #include "engine/gpu/gpu.hpp"
 
 namespace palpate::gpu {
-namespace {
+namespace missing_driver_test {
 
 TEST(MissingDriver, IsSaidWithThePackageToInstall) {
   // The loader then finds no driver manifest, as on a machine without any.
@@ -25,5 +25,5 @@ TEST(MissingDriver, IsSaidWithThePackageToInstall) {
   }
 }
 
-}  // namespace
+}  // namespace missing_driver_test
 }  // namespace palpate::gpu

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 namespace palpate::gpu {
-namespace {
+namespace transfer_test {
 
 std::vector<std::byte> randomBytes(std::size_t count) {
   std::mt19937 random(7);
@@ -41,5 +41,5 @@ TEST_P(TransferTest, NothingIsNothing) {
 
 INSTANTIATE_TEST_SUITE_P(InPlaceAndStaged, TransferTest, testing::Values(true, false));
 
-}  // namespace
+}  // namespace transfer_test
 }  // namespace palpate::gpu

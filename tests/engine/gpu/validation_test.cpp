@@ -8,7 +8,7 @@
 #include "engine/gpu/commands.hpp"
 
 namespace palpate::gpu {
-namespace {
+namespace validation_test {
 
 TEST(Validation, ReportsACopyPastTheEndOfABuffer) {
   clearValidationMessages();
@@ -48,5 +48,5 @@ TEST(Validation, IsSilentOnAProperCopy) {
   EXPECT_TRUE(validationMessages().empty());
 }
 
-}  // namespace
+}  // namespace validation_test
 }  // namespace palpate::gpu

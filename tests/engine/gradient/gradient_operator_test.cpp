@@ -6,7 +6,7 @@
 #include "base/error.hpp"
 
 namespace palpate {
-namespace {
+namespace gradient_operator_test {
 
 using testing::HasSubstr;
 
@@ -49,5 +49,5 @@ TEST(GradientOperator, RefusesWhatIsNone) {
   }
 }
 
-}  // namespace
+}  // namespace gradient_operator_test
 }  // namespace palpate

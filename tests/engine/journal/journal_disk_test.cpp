@@ -9,7 +9,7 @@
 #include "journal_samples.hpp"
 
 namespace palpate {
-namespace {
+namespace journal_disk_test {
 
 using ::testing::HasSubstr;
 
@@ -70,5 +70,5 @@ TEST(JournalDisk, ADiskThatFailsEndsTheJournal) {
   EXPECT_FALSE(journal.damage);
 }
 
-}  // namespace
+}  // namespace journal_disk_test
 }  // namespace palpate

@@ -13,7 +13,7 @@
 #include "journal_samples.hpp"
 
 namespace palpate {
-namespace {
+namespace journal_format_test {
 
 using ::testing::HasSubstr;
 
@@ -181,5 +181,5 @@ TEST(JournalFormat, AStampThatWasNeverWrittenIsRefused) {
   EXPECT_FALSE(editOf(editContent({&command, 1}, numbers), {}));
 }
 
-}  // namespace
+}  // namespace journal_format_test
 }  // namespace palpate

@@ -11,7 +11,7 @@
 #include "journal_samples.hpp"
 
 namespace palpate {
-namespace {
+namespace journal_memory_test {
 
 using ::testing::HasSubstr;
 
@@ -68,5 +68,5 @@ TEST(JournalMemory, UndoAndRedoEndItToo) {
   }
 }
 
-}  // namespace
+}  // namespace journal_memory_test
 }  // namespace palpate

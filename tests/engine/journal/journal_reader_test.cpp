@@ -12,7 +12,7 @@
 #include "journal_samples.hpp"
 
 namespace palpate {
-namespace {
+namespace journal_reader_test {
 
 using ::testing::HasSubstr;
 
@@ -181,5 +181,5 @@ TEST(JournalReader, SaysThatTheFileCannotBeRead) {
   EXPECT_THAT(refusalOf(damaged.path()), HasSubstr("it cannot be read (Input/output error); check the disk"));
 }
 
-}  // namespace
+}  // namespace journal_reader_test
 }  // namespace palpate

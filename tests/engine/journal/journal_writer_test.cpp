@@ -11,7 +11,7 @@
 #include "journal_samples.hpp"
 
 namespace palpate {
-namespace {
+namespace journal_writer_test {
 
 using ::testing::HasSubstr;
 
@@ -283,5 +283,5 @@ TEST(JournalWriter, RefusesAPlaceThatIsNoFolder) {
   EXPECT_THROW(JournalWriter(folder.path() / "file", header()), Error);
 }
 
-}  // namespace
+}  // namespace journal_writer_test
 }  // namespace palpate

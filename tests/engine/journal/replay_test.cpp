@@ -12,7 +12,7 @@
 #include "journal_samples.hpp"
 
 namespace palpate {
-namespace {
+namespace replay_test {
 
 using ::testing::HasSubstr;
 
@@ -90,5 +90,5 @@ TEST(Replay, RefusesAnotherVolume) {
   }
 }
 
-}  // namespace
+}  // namespace replay_test
 }  // namespace palpate

@@ -7,7 +7,7 @@
 #include "journal_samples.hpp"
 
 namespace palpate {
-namespace {
+namespace volume_identity_test {
 
 using ::testing::HasSubstr;
 
@@ -53,5 +53,5 @@ TEST(VolumeIdentity, SaysWhatDiffers) {
   EXPECT_THAT(differenceFrom(other, volume), HasSubstr("elsewhere"));
 }
 
-}  // namespace
+}  // namespace volume_identity_test
 }  // namespace palpate

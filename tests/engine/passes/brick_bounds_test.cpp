@@ -10,7 +10,7 @@
 #include "test_fields.hpp"
 
 namespace palpate {
-namespace {
+namespace brick_bounds_test {
 
 struct Computed {
   gpu::Gpu gpu{{}};
@@ -98,5 +98,5 @@ TEST(ActiveBricks, InBlocksAreTheSameBricksCloserTogether) {
   }
 }
 
-}  // namespace
+}  // namespace brick_bounds_test
 }  // namespace palpate

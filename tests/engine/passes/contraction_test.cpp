@@ -10,7 +10,7 @@
 #include "shaders/kernels.hpp"
 
 namespace palpate {
-namespace {
+namespace contraction_test {
 
 // Of the SPIR-V specification, 3.52 and of GLSL.std.450.
 constexpr std::uint32_t kHeaderWords = 5;
@@ -69,5 +69,5 @@ INSTANTIATE_TEST_SUITE_P(Kernels, Contraction,
                                          "filter_distance_seed", "filter_distance_spread", "filter_distance_finish"),
                          [](const auto& kernel) { return std::string(kernel.param); });
 
-}  // namespace
+}  // namespace contraction_test
 }  // namespace palpate

@@ -12,7 +12,7 @@
 #include "servo/window/sample_window.hpp"
 
 namespace palpate {
-namespace {
+namespace extreme_field_test {
 
 using reference::DenseField;
 
@@ -174,5 +174,5 @@ TEST(ExtremeGradients, AreRightWhereTheyFit) {
   }
 }
 
-}  // namespace
+}  // namespace extreme_field_test
 }  // namespace palpate

@@ -7,7 +7,7 @@
 #include "shaders/kernel_text.hpp"
 
 namespace palpate {
-namespace {
+namespace filter_distance_test {
 
 using reference::DenseField;
 
@@ -267,5 +267,5 @@ TEST(FilterText, KeepsASurfacePointAndAVoxelAcrossInAWord) {
   }
 }
 
-}  // namespace
+}  // namespace filter_distance_test
 }  // namespace palpate

@@ -10,7 +10,7 @@
 #include "shaders/kernel_text.hpp"
 
 namespace palpate {
-namespace {
+namespace filter_edge_test {
 
 using reference::DenseField;
 
@@ -226,5 +226,5 @@ TEST(Diffusion, MakesNoNewExtremes) {
   }
 }
 
-}  // namespace
+}  // namespace filter_edge_test
 }  // namespace palpate

@@ -10,7 +10,7 @@
 #include "shaders/kernels.hpp"
 
 namespace palpate {
-namespace {
+namespace filter_kernels_test {
 
 // The specialisation constants that a kernel's SPIR-V has. The optimiser has taken away those that nothing reads.
 std::set<std::uint32_t> constantsOf(const std::string& kernel) {
@@ -38,5 +38,5 @@ TEST(FilterKernels, HaveAnEdgeWhereTheKernelReadsIt) {
   EXPECT_EQ(seen.size(), 11U);  // all of shaders/filter_*.comp
 }
 
-}  // namespace
+}  // namespace filter_kernels_test
 }  // namespace palpate

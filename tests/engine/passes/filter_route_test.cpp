@@ -14,7 +14,7 @@
 #include "test_fields.hpp"
 
 namespace palpate {
-namespace {
+namespace filter_route_test {
 
 std::vector<FilterStep> stepsOf(const std::string& chain) {
   return lowerFilters(filterChain(chain), Vec3::Constant(1e-3), 0.5F);
@@ -138,5 +138,5 @@ TEST_F(ScratchOfChains, RefusesAChainOfTooManySteps) {
   }
 }
 
-}  // namespace
+}  // namespace filter_route_test
 }  // namespace palpate

@@ -7,7 +7,7 @@
 #include "filtered_fields.hpp"
 
 namespace palpate {
-namespace {
+namespace filter_test {
 
 struct Case {
   const char* chain;
@@ -101,5 +101,5 @@ TEST(FilterChain, TellsHowFarItIsWithinAStepAndStopsThere) {
   EXPECT_EQ(calls, 2);
 }
 
-}  // namespace
+}  // namespace filter_test
 }  // namespace palpate

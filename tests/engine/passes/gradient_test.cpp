@@ -19,7 +19,7 @@
 #include "test_fields.hpp"
 
 namespace palpate {
-namespace {
+namespace gradient_test {
 
 // Samples of every voxel of the listed bricks; the others have none.
 struct Computed {
@@ -293,5 +293,5 @@ TEST(SampleStore, TakesHalfTheMemoryForHalves) {
   EXPECT_EQ(run.store.bytes(), 2U * 512U * 8U);
 }
 
-}  // namespace
+}  // namespace gradient_test
 }  // namespace palpate

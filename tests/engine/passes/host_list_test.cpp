@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 namespace palpate {
-namespace {
+namespace host_list_test {
 
 TEST(HostList, DoublesUpToWhatItMayTakeAndNoFurther) {
   gpu::Gpu gpu({});
@@ -34,5 +34,5 @@ TEST(HostList, MayTakeOneBindingWhereNothingElseIsSaid) {
   EXPECT_THROW(list.fit(gpu.info().max_binding_bytes / sizeof(float) + 1), Error);
 }
 
-}  // namespace
+}  // namespace host_list_test
 }  // namespace palpate

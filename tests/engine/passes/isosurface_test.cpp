@@ -10,7 +10,7 @@
 #include "test_fields.hpp"
 
 namespace palpate {
-namespace {
+namespace isosurface_test {
 
 RenderedImage drawFrom(const Volume& volume, const Camera& camera, double isovalue) {
   gpu::Gpu gpu({});
@@ -96,5 +96,5 @@ TEST(Isosurface, SeesNothingWhereThereIsNothing) {
   for (const float depth : image.distance_m) EXPECT_TRUE(std::isinf(depth));
 }
 
-}  // namespace
+}  // namespace isosurface_test
 }  // namespace palpate

@@ -22,7 +22,7 @@
 #include "filtered_fields.hpp"
 
 namespace palpate {
-namespace {
+namespace itk_filter_test {
 
 using reference::DenseField;
 using Image = itk::Image<float, 3>;
@@ -315,5 +315,5 @@ TEST(Itk, DistancesDifferByLessThanAVoxelsDiagonal) {
   RecordProperty("mean_difference_mm", std::to_string(sum / count));
 }
 
-}  // namespace
+}  // namespace itk_filter_test
 }  // namespace palpate

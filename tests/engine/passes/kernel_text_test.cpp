@@ -10,7 +10,7 @@
 #include "test_fields.hpp"
 
 namespace palpate {
-namespace {
+namespace kernel_text_test {
 
 using reference::DenseField;
 
@@ -75,5 +75,5 @@ TEST(BorderText, WalksThereAndBack) {
   }
 }
 
-}  // namespace
+}  // namespace kernel_text_test
 }  // namespace palpate

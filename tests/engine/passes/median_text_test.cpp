@@ -11,7 +11,7 @@
 #include "shaders/kernel_text.hpp"
 
 namespace palpate {
-namespace {
+namespace median_text_test {
 
 // The networks once more, for a word of noughts and ones: the lowest of two is 1 where both are, the highest where one
 // is.
@@ -140,5 +140,5 @@ TEST(RankText, HalfwayRoundsDownAndDoesNotOverflow) {
   EXPECT_EQ(kernel_text::halfway(-kMost - 1, kMost), -1);
 }
 
-}  // namespace
+}  // namespace median_text_test
 }  // namespace palpate

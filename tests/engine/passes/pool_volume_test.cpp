@@ -10,7 +10,7 @@
 #include "test_fields.hpp"
 
 namespace palpate {
-namespace {
+namespace pool_volume_test {
 
 using testing::HasSubstr;
 
@@ -55,5 +55,5 @@ TEST_F(PoolVolume, SaysThatWhatWasComputedIsNotFinite) {
   }
 }
 
-}  // namespace
+}  // namespace pool_volume_test
 }  // namespace palpate

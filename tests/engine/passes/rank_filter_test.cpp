@@ -11,7 +11,7 @@
 #include "filtered_fields.hpp"
 
 namespace palpate {
-namespace {
+namespace rank_filter_test {
 
 using reference::DenseField;
 
@@ -191,5 +191,5 @@ TEST(RankTwin, BordersShowNoNewExtremes) {
   }
 }
 
-}  // namespace
+}  // namespace rank_filter_test
 }  // namespace palpate

@@ -10,12 +10,12 @@
 #include <gtest/gtest.h>
 
 #include "base/error.hpp"
+#include "engine/field/volume.hpp"
 #include "engine/gpu/transfer.hpp"
 #include "engine/passes/sample_store.hpp"
-#include "engine/volume/volume.hpp"
 
 namespace palpate {
-namespace {
+namespace slot_slabs_test {
 
 constexpr std::size_t kSlotBytes = 64;
 
@@ -137,5 +137,5 @@ TEST(SlotSlabs, RefusesMoreThanItsSlabs) {
   EXPECT_EQ(slabs.free(), 32U);
 }
 
-}  // namespace
+}  // namespace slot_slabs_test
 }  // namespace palpate

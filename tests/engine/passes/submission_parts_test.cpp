@@ -11,7 +11,7 @@
 #include "servo/window/sample_window.hpp"
 
 namespace palpate {
-namespace {
+namespace submission_parts_test {
 
 std::string kindOf(const Tuning& row) {
   return row.device.empty() ? "discrete" : std::string(row.device);
@@ -57,7 +57,8 @@ TEST_P(InParts, GradientsAreAllThere) {
       }
       // A voxel of the middle of each brick. One rounding of the scale, one of the product.
       const Sample& sample = samples[std::size_t{place.slot} * kBrickVoxels + (4 * 8 + 3) * 8 + 2];
-      wrong += std::abs(static_cast<double>(sample.gradient_i) * testLattice().spacing_m.x() / 3 - 1) > 1.2e-7 ? 1U : 0U;
+      wrong +=
+          std::abs(static_cast<double>(sample.gradient_i) * testLattice().spacing_m.x() / 3 - 1) > 1.2e-7 ? 1U : 0U;
     }
     EXPECT_EQ(wrong, 0U) << way;
   }
@@ -77,5 +78,5 @@ TEST_P(InParts, GradientsCanBeCancelled) {
 INSTANTIATE_TEST_SUITE_P(Devices, InParts, testing::ValuesIn(tunings().begin(), tunings().end()),
                          [](const auto& row) { return kindOf(row.param); });
 
-}  // namespace
+}  // namespace submission_parts_test
 }  // namespace palpate

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/volume/volume.hpp"
+#include "engine/field/volume.hpp"
 
 namespace palpate {
 

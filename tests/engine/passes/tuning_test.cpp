@@ -8,7 +8,7 @@
 #include "shaders/brick_pool.layout.h"
 
 namespace palpate {
-namespace {
+namespace tuning_test {
 
 TEST(Tuning, IsFoundByKindOfDevice) {
   gpu::GpuInfo info;
@@ -47,5 +47,5 @@ TEST(Tuning, OfADeviceIsWhatItIsUnlessAskedOtherwise) {
   EXPECT_EQ(gpu::Gpu({.tuned_as = "discrete"}).info().tuned_as, "discrete");
 }
 
-}  // namespace
+}  // namespace tuning_test
 }  // namespace palpate

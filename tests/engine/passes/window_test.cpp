@@ -11,7 +11,7 @@
 #include "test_fields.hpp"
 
 namespace palpate {
-namespace {
+namespace window_test {
 
 std::vector<Sample> gather(const Volume& volume, const std::vector<std::uint32_t>& bricks, const WindowBox& box,
                            const GradientOperator& way = {}, const SampleFormat& format = {}) {
@@ -77,5 +77,5 @@ TEST(WindowAround, IsCentredAndStaysInTheDomain) {
   EXPECT_EQ(windowAround({99, 0, 0}, domain).first, Vec3i(68, 0, 0));
 }
 
-}  // namespace
+}  // namespace window_test
 }  // namespace palpate

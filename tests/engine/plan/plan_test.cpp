@@ -8,7 +8,7 @@
 #include "base/error.hpp"
 
 namespace palpate {
-namespace {
+namespace plan_test {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -20,31 +20,39 @@ std::vector<PlanLine> linesNaming(const std::vector<PlanLine>& lines, const std:
   return found;
 }
 
-TEST(Plan, OfAnOrdinarySceneHasEveryPassInOrder) {
-  EXPECT_THAT(makePlan(Scene{}).passes,
+TEST(Plan, WithEverythingOrdinaryHasEveryPassInOrder) {
+  EXPECT_THAT(makePlan({.draws = true}).passes,
               ElementsAre(Pass::kUpload, Pass::kBrickBounds, Pass::kGradient, Pass::kWindow, Pass::kIsosurface));
 }
 
 TEST(Plan, WithoutAPictureHasNoRenderer) {
-  Scene scene;
-  scene.picture = false;
-  const Plan plan = makePlan(scene);
+  const Plan plan = makePlan({});
   EXPECT_FALSE(plan.has(Pass::kIsosurface));
   EXPECT_TRUE(plan.has(Pass::kBrickBounds));  // it still chooses the bricks
 }
 
 // All bricks have gradients and nothing is drawn: nobody would read the bounds.
 TEST(Plan, LeavesOutBoundsThatNobodyReads) {
-  Scene scene;
-  scene.gradient_all = true;
-  EXPECT_TRUE(makePlan(scene).has(Pass::kBrickBounds));  // the renderer skips by them
-  scene.picture = false;
-  EXPECT_THAT(makePlan(scene).passes, ElementsAre(Pass::kUpload, Pass::kGradient, Pass::kWindow));
+  EXPECT_TRUE(makePlan({.gradient_all = true, .draws = true}).has(Pass::kBrickBounds));  // the renderer skips by them
+  EXPECT_THAT(makePlan({.gradient_all = true}).passes, ElementsAre(Pass::kUpload, Pass::kGradient, Pass::kWindow));
+}
+
+// The distance comes after the filters.
+TEST(Plan, FiltersMakeTheFieldThatIsFelt) {
+  EXPECT_TRUE(makePlan({}).filters.empty());
+  EXPECT_EQ(makePlan({.filter = "median:1"}).filter_words, "median:1");
+  EXPECT_EQ(makePlan({.distance = true}).filter_words, "distance:4");
+  const Plan both = makePlan({.filter = "median:1", .distance = true});
+  EXPECT_EQ(both.filter_words, "median:1 distance:4");
+  EXPECT_EQ(both.filters.size(), 2U);
+  EXPECT_THAT(both.passes,
+              ElementsAre(Pass::kUpload, Pass::kFilter, Pass::kBrickBounds, Pass::kGradient, Pass::kWindow));
+  EXPECT_THROW((void)makePlan({.filter = "sharpen"}), Error);
 }
 
 // 100 bricks: 60 stored leave out 40 x 2 KiB of density, 25 with gradients leave out 75 x 8 KiB of samples.
 TEST(PlanLines, SayWhatWasSaved) {
-  const auto lines = planLines(makePlan(Scene{}), {.bricks = 100, .stored_bricks = 60, .gradient_bricks = 25});
+  const auto lines = planLines(makePlan({}), {.bricks = 100, .stored_bricks = 60, .gradient_bricks = 25});
   const auto density = linesNaming(lines, "density");
   ASSERT_EQ(density.size(), 1U);
   EXPECT_THAT(density[0].what, HasSubstr("60 of 100"));
@@ -57,11 +65,8 @@ TEST(PlanLines, SayWhatWasSaved) {
 
 // Halves: the bricks that are left out would have taken 4 KiB each, and those that are there take that much less.
 TEST(PlanLines, SayHowGradientsAreTakenAndStored) {
-  Scene scene;
-  scene.samples = "half";
-  scene.gradient_operator = "sobel";
-  const Plan plan = makePlan(scene);
-  EXPECT_TRUE(plan.half_samples);
+  const Plan plan = makePlan({.gradient_operator = "sobel", .half_samples = true});
+  EXPECT_TRUE(plan.request.half_samples);
   EXPECT_EQ(plan.gradient.words.name, "sobel");
   EXPECT_FALSE(plan.has(Pass::kSmoothing));
   const auto lines = planLines(plan, {.bricks = 100, .stored_bricks = 60, .gradient_bricks = 25});
@@ -74,48 +79,26 @@ TEST(PlanLines, SayHowGradientsAreTakenAndStored) {
 
 // The smoothed field stays where edits will change it.
 TEST(Plan, OfASmoothingOperatorSmoothsFirstAndSaysWhetherThatStays) {
-  Scene scene;
-  scene.gradient_operator = "gaussian:0.8mm";
-  EXPECT_THAT(makePlan(scene).passes, ElementsAre(Pass::kUpload, Pass::kBrickBounds, Pass::kSmoothing, Pass::kGradient,
-                                                  Pass::kWindow, Pass::kIsosurface));
-  const auto once = linesNaming(planLines(makePlan(scene), {}), "smoothing");
+  EngineRequest request{.gradient_operator = "gaussian:0.8mm"};
+  EXPECT_THAT(makePlan(request).passes,
+              ElementsAre(Pass::kUpload, Pass::kBrickBounds, Pass::kSmoothing, Pass::kGradient, Pass::kWindow));
+  const auto once = linesNaming(planLines(makePlan(request), {}), "smoothing");
   ASSERT_EQ(once.size(), 1U);
   EXPECT_THAT(once[0].why, HasSubstr("freed"));
-  EXPECT_FALSE(makePlan(scene).edits);
-  scene.edit = "remove:radius=2mm";
-  EXPECT_TRUE(makePlan(scene).edits);
-  const auto kept = linesNaming(planLines(makePlan(scene), {}), "smoothing");
+  request.edits = true;
+  const auto kept = linesNaming(planLines(makePlan(request), {}), "smoothing");
   ASSERT_EQ(kept.size(), 1U);
   EXPECT_THAT(kept[0].why, HasSubstr("kept"));
-  scene.gradient_operator = "prewitt";
-  EXPECT_THROW((void)makePlan(scene), Error);
+  request.gradient_operator = "prewitt";
+  EXPECT_THROW((void)makePlan(request), Error);
 }
 
 TEST(PlanLines, NameWhatWasLeftOut) {
-  Scene scene;
-  scene.picture = false;
-  for (const char* word : {"picture", "contact effects"}) {
-    const auto lines = linesNaming(planLines(makePlan(scene), {}), word);
-    ASSERT_EQ(lines.size(), 1U) << word;
-    EXPECT_FALSE(lines[0].done) << word;
-    EXPECT_FALSE(lines[0].why.empty()) << word;
-  }
+  const auto lines = linesNaming(planLines(makePlan({}), {}), "picture");
+  ASSERT_EQ(lines.size(), 1U);
+  EXPECT_FALSE(lines[0].done);
+  EXPECT_FALSE(lines[0].why.empty());
 }
 
-TEST(Plan, SaysWhetherAMeshIsExtractedAndObjectsAreThere) {
-  const auto without = planLines(makePlan(Scene{}), {});
-  ASSERT_EQ(linesNaming(without, "mesh").size(), 1U);
-  EXPECT_FALSE(linesNaming(without, "mesh")[0].done);
-  EXPECT_FALSE(linesNaming(without, "objects")[0].done);
-  Scene scene;
-  scene.objects.resize(2);
-  const Plan plan = makePlan(scene, true);
-  EXPECT_TRUE(plan.meshes);
-  const auto with = planLines(plan, {.mesh_triangles = 1234});
-  EXPECT_TRUE(linesNaming(with, "mesh")[0].done);
-  EXPECT_EQ(linesNaming(with, "mesh")[0].what, "mesh of the isosurface, 1234 triangles");
-  EXPECT_EQ(linesNaming(with, "objects")[0].what, "2 objects beside the volume");
-}
-
-}  // namespace
+}  // namespace plan_test
 }  // namespace palpate

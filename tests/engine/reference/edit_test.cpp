@@ -19,11 +19,11 @@
 
 #include "base/error.hpp"
 #include "engine/edit/random_edits.hpp"
+#include "engine/field/mesh_distance.hpp"
 #include "engine/reference/isosurface.hpp"
-#include "engine/volume/mesh_distance.hpp"
 
 namespace palpate {
-namespace {
+namespace edit_test {
 
 using reference::DenseField;
 
@@ -400,5 +400,5 @@ TEST(MeshDistance, RefusesWhatIsNoMesh) {
   EXPECT_THROW((void)meshDistance(points, {{0, 1, 2}}, 0.1, 0.2, 0), Error);
 }
 
-}  // namespace
+}  // namespace edit_test
 }  // namespace palpate

@@ -10,7 +10,7 @@
 #include "engine/reference/filter.hpp"
 
 namespace palpate {
-namespace {
+namespace gaussian_test {
 
 constexpr double kUlp = 0x1p-24;  // half the distance of floats at 1: what one rounding may add, relative
 
@@ -86,5 +86,5 @@ TEST(Gaussian, TwoMakeALargerOne) {
   for (int i = 25; i < 55; ++i) EXPECT_NEAR(two.at(i, 1, 1), one.at(i, 1, 1), 1e-5) << i;
 }
 
-}  // namespace
+}  // namespace gaussian_test
 }  // namespace palpate

@@ -10,7 +10,7 @@
 #include "engine/filter/filter_step.hpp"
 
 namespace palpate {
-namespace {
+namespace gradient_test {
 
 // The wave sin(k.x + 0.3) with k in 1/m, on voxels that differ by axis, `times` as fine as the coarsest: its phase
 // advances by 0.8, 0.744 and 0.72 a voxel there.
@@ -127,5 +127,5 @@ TEST(GradientOperators, ConvergeWithTheirOrder) {
   }
 }
 
-}  // namespace
+}  // namespace gradient_test
 }  // namespace palpate

@@ -13,7 +13,7 @@
 #include "shaders/kernel_text.hpp"
 
 namespace palpate {
-namespace {
+namespace half_test {
 
 // The bits of known numbers (IEEE 754 binary16).
 TEST(Half, HasTheBitsOfTheStandard) {
@@ -164,5 +164,5 @@ TEST(HalfSamples, AreRefusedWhereTheyLoseTheSurface) {
   }
 }
 
-}  // namespace
+}  // namespace half_test
 }  // namespace palpate

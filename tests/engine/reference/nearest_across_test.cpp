@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 namespace palpate::reference {
-namespace {
+namespace nearest_across_test {
 
 DenseField randomField(const Vec3i& size, double inside_share, std::mt19937& random) {
   DenseField field{size, {}, std::vector<float>(static_cast<std::size_t>(size.prod()))};
@@ -54,5 +54,5 @@ TEST(NearestAcross, IsThatOfAllPairs) {
   }
 }
 
-}  // namespace
+}  // namespace nearest_across_test
 }  // namespace palpate::reference

@@ -13,7 +13,7 @@
 #include "servo/window/window_exchange.hpp"
 
 namespace palpate {
-namespace {
+namespace editor_failure_test {
 
 using ::testing::HasSubstr;
 
@@ -173,7 +173,7 @@ TEST_P(FailingEdit, ChangesNothingOrIsTheLast) {
 // The engine around it vouches for nothing any more, so the servo lets go; it draws and hands out nothing.
 TEST(EditorFailure, EndsWindowsAndPictures) {
   const Volume volume = halves();
-  Engine engine(volume, makePlan(Scene{}), 0, {});
+  Engine engine(volume, makePlan({.draws = true}), 0, {});
   engine.allowEdits(brushProfile(0, -100, 100, Vec3::Constant(1e-3)));
   const Vec3 tool_W(16e-3, 20e-3, 20e-3);
   ASSERT_TRUE(engine.publishAround(tool_W, 1));
@@ -209,5 +209,5 @@ TEST(EditorFailure, BricksThatWereTakenAndLostEndItToo) {
   expectGivesNothingAway(edited);
 }
 
-}  // namespace
+}  // namespace editor_failure_test
 }  // namespace palpate

@@ -6,7 +6,7 @@
 #include "engine/reference/edit.hpp"
 
 namespace palpate {
-namespace {
+namespace editor_many_edits_test {
 
 struct Case {
   Vec3i size;
@@ -102,5 +102,5 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{{41, 33, 37}, false, 17, 120, true, "distance:2", "gaussian:1"},
                     Case{{41, 35, 38}, false, 18, 80, true, "median:1 close:2", "gaussian:1:truncate=4", true}));
 
-}  // namespace
+}  // namespace editor_many_edits_test
 }  // namespace palpate

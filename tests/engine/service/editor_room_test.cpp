@@ -6,7 +6,7 @@
 #include "editor_state.hpp"
 
 namespace palpate {
-namespace {
+namespace editor_room_test {
 
 INSTANTIATE_TEST_SUITE_P(Fields, EveryField,
                          testing::Values(Field{"", "central"}, Field{"", "gaussian:1.5"},
@@ -178,5 +178,5 @@ TEST(Editor, RefusesAStartThatExceedsTheBudget) {
   }
 }
 
-}  // namespace
+}  // namespace editor_room_test
 }  // namespace palpate

@@ -14,7 +14,7 @@
 #include "servo/window/sample_window.hpp"
 
 namespace palpate {
-namespace {
+namespace editor_test {
 
 INSTANTIATE_TEST_SUITE_P(Fields, EveryField,
                          testing::Values(Field{"", "central"}, Field{"", "gaussian:1.5"},
@@ -356,5 +356,5 @@ TEST(Editor, KeepsASparseVolumeSparse) {
   EXPECT_EQ(volume.storedBricks(), state.pool.storedBricks());
 }
 
-}  // namespace
+}  // namespace editor_test
 }  // namespace palpate

@@ -9,12 +9,12 @@
 #include <gtest/gtest.h>
 
 #include "base/error.hpp"
+#include "engine/phantoms/phantom.hpp"
 #include "engine/reference/window.hpp"
-#include "engine/volume/phantom.hpp"
 #include "servo/window/window_exchange.hpp"
 
 namespace palpate {
-namespace {
+namespace engine_test {
 
 Volume knot() {
   return makeVolume(*makePhantom("phantom:knot?size=61x53x47&spacing=0.8x1x1.2mm"));
@@ -22,16 +22,12 @@ Volume knot() {
 
 struct Prepared {
   Volume volume = knot();
-  Scene scene;
   Engine engine;
   explicit Prepared(bool gradient_all = false, bool picture = false)
       : engine(volume, plan(gradient_all, picture), 0, "") {}
 
   static Plan plan(bool gradient_all, bool picture) {
-    Scene scene;
-    scene.gradient_all = gradient_all;
-    scene.picture = picture;
-    return makePlan(scene);
+    return makePlan({.gradient_all = gradient_all, .draws = picture});
   }
   Vec3 at(double i, double j, double k) const { return volume.lattice().toWorld({i, j, k}); }
 };
@@ -122,20 +118,14 @@ void expectTheTwinsWindow(Engine& engine, const Volume& volume, const char* way,
 // after it. A smoothed gradient comes with the density as it is.
 TEST(Engine, WindowsHoldTheTwinsSamplesOfEveryOperatorAndForm) {
   for (const char* name : {"central", "sobel", "central4", "gaussian:1.5mm"}) {
-    for (const char* samples : {"float", "half"}) {
-      SCOPED_TRACE(fmt::format("{} {}", name, samples));
+    for (const bool half : {false, true}) {
+      SCOPED_TRACE(fmt::format("{} {}", name, half ? "half" : "float"));
       Volume volume = knot();
-      Scene scene;
-      scene.picture = false;
-      scene.gradient_all = true;
-      scene.gradient_operator = name;
-      scene.samples = samples;
-      scene.edit = "remove:radius=2mm";
-      Engine engine(volume, makePlan(scene), 0, "");
+      const EngineRequest request{.gradient_all = true, .gradient_operator = name, .half_samples = half, .edits = true};
+      Engine engine(volume, makePlan(request), 0, "");
       engine.publishAround(volume.lattice().toWorld({20, 30, 25}), 1);
-      const SampleFormat format = scene.samples == "half"
-                                      ? halfSamples(0, volume.minimum(), volume.maximum(), volume.lattice().spacing_m)
-                                      : SampleFormat{};
+      const SampleFormat format =
+          half ? halfSamples(0, volume.minimum(), volume.maximum(), volume.lattice().spacing_m) : SampleFormat{};
       expectTheTwinsWindow(engine, volume, name, format);
       engine.allowEdits(brushProfile(volume, 0));
       EditCommand hole;
@@ -151,13 +141,10 @@ TEST(Engine, WindowsHoldTheTwinsSamplesOfEveryOperatorAndForm) {
 // Filters, smoothing and gradients tell how far they are, in this order, and end where what they tell throws.
 TEST(Engine, TellsHowFarItsStartIsAndCanBeCancelledInEachPass) {
   const Volume volume = knot();
-  Scene scene;
-  scene.picture = false;
-  scene.filter = "diffuse:3:kappa=100";
-  scene.gradient_operator = "gaussian:1";
+  const EngineRequest request{.filter = "diffuse:3:kappa=100", .gradient_operator = "gaussian:1"};
   std::vector<std::string> passes;
   double last = 0;
-  const Engine engine(volume, makePlan(scene), 0, "", 0, [&](const char* pass, double done) {
+  const Engine engine(volume, makePlan(request), 0, "", 0, [&](const char* pass, double done) {
     if (passes.empty() || passes.back() != pass) {
       passes.emplace_back(pass);
       last = 0;
@@ -173,7 +160,7 @@ TEST(Engine, TellsHowFarItsStartIsAndCanBeCancelledInEachPass) {
       if (pass == cancelled) throw Error(Error::Code::kCancelled, pass, "stopped", "start it again");
     };
     try {
-      const Engine never(volume, makePlan(scene), 0, "", 0, stop);
+      const Engine never(volume, makePlan(request), 0, "", 0, stop);
       ADD_FAILURE() << cancelled << " went on";
     } catch (const Error& error) {
       EXPECT_EQ(error.input(), cancelled);
@@ -184,12 +171,11 @@ TEST(Engine, TellsHowFarItsStartIsAndCanBeCancelledInEachPass) {
 // A smoothed field is kept for a plan with edits only.
 TEST(Engine, RefusesEditsOfAPlanThatKeptNoSmoothedField) {
   const Volume volume = knot();
-  Scene scene;
-  scene.gradient_operator = "gaussian:1";
-  Engine without(volume, makePlan(scene), 0, "");
+  EngineRequest request{.gradient_operator = "gaussian:1"};
+  Engine without(volume, makePlan(request), 0, "");
   EXPECT_THROW(without.allowEdits(brushProfile(volume, 0)), Error);
-  scene.edit = "remove:radius=2mm";
-  Engine with(volume, makePlan(scene), 0, "");
+  request.edits = true;
+  Engine with(volume, makePlan(request), 0, "");
   const auto smoothedBytes = [](const Engine& engine) {
     for (const MemoryFigure& figure : engine.memory())
       if (figure.name == "gpu smoothed") return figure.bytes;
@@ -269,5 +255,5 @@ TEST(Engine, PublishesTheEditedVolumeWithItsVersion) {
   EXPECT_EQ(p.engine.exchange().latest().edit_version, 1U);
 }
 
-}  // namespace
+}  // namespace engine_test
 }  // namespace palpate

@@ -8,11 +8,11 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/volume/phantom.hpp"
+#include "engine/phantoms/phantom.hpp"
 #include "servo/window/window_exchange.hpp"
 
 namespace palpate {
-namespace {
+namespace engine_thread_test {
 
 template <typename Condition>
 bool comes(Condition condition) {
@@ -30,9 +30,7 @@ void putTool(ToolPoseMailbox& poses, const Vec3& p_W, std::int64_t tick) {
 
 TEST(EngineThread, FollowsTheTool) {
   const Volume volume = makeVolume(*makePhantom("phantom:sphere?size=64"));
-  Scene scene;
-  scene.picture = false;
-  Engine engine(volume, makePlan(scene), 0, "");
+  Engine engine(volume, makePlan({}), 0, "");
   ToolPoseMailbox poses;
   EngineThread thread(engine, poses);
   WindowExchange& windows = engine.exchange();
@@ -54,9 +52,7 @@ TEST(EngineThread, FollowsTheTool) {
 // thread's.
 TEST(EngineThread, CallsWhoFollows) {
   const Volume volume = makeVolume(*makePhantom("phantom:sphere?size=32"));
-  Scene scene;
-  scene.picture = false;
-  Engine engine(volume, makePlan(scene), 0, "");
+  Engine engine(volume, makePlan({}), 0, "");
   ToolPoseMailbox poses;
   std::atomic<std::int64_t> seen = -2;
   EngineThread thread(engine, poses, [&](const ToolPose& pose, std::int64_t) {
@@ -76,9 +72,7 @@ TEST(EngineThread, CallsWhoFollows) {
 
 TEST(EngineThread, WaitsForTheFirstTick) {
   const Volume volume = makeVolume(*makePhantom("phantom:sphere?size=32"));
-  Scene scene;
-  scene.picture = false;
-  Engine engine(volume, makePlan(scene), 0, "");
+  Engine engine(volume, makePlan({}), 0, "");
   ToolPoseMailbox poses;
   EngineThread thread(engine, poses);
   std::this_thread::sleep_for(std::chrono::milliseconds(20));
@@ -86,5 +80,5 @@ TEST(EngineThread, WaitsForTheFirstTick) {
   EXPECT_EQ(thread.publications(), 0U);
 }
 
-}  // namespace
+}  // namespace engine_thread_test
 }  // namespace palpate

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 namespace palpate {
-namespace {
+namespace window_focus_test {
 
 TEST(WindowFocus, AToolAtRestIsTheFocus) {
   const ToolPose tool{Vec3(0.1, 0.2, 0.3), Vec3::Zero(), 7, 7};
@@ -23,5 +23,5 @@ TEST(WindowFocus, InContactItIsTheSurfacePoint) {
   EXPECT_EQ(windowFocus(deep, 1e-3), deep.surface_W);
 }
 
-}  // namespace
+}  // namespace window_focus_test
 }  // namespace palpate

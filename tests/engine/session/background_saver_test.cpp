@@ -10,11 +10,11 @@
 #include <sys/resource.h>
 
 #include "base/error.hpp"
-#include "engine/volume/volume_file.hpp"
+#include "engine/files/volume_file.hpp"
 #include "journal_samples.hpp"
 
 namespace palpate {
-namespace {
+namespace background_saver_test {
 
 using ::testing::HasSubstr;
 
@@ -258,5 +258,5 @@ TEST(BackgroundSaver, AFailureWithoutMemoryForItsWordsIsTold) {
   EXPECT_EQ(saver.figures().failures, 1U);
 }
 
-}  // namespace
+}  // namespace background_saver_test
 }  // namespace palpate

@@ -11,7 +11,7 @@
 #include "failing_memory.hpp"
 
 namespace palpate {
-namespace {
+namespace edit_history_test {
 
 Lattice millimetres() {
   Lattice lattice;
@@ -33,9 +33,7 @@ struct Edited {
   EditHistory history;
 
   Edited(Volume of, std::size_t budget_bytes, std::uint64_t gpu_memory_bytes = 0)
-      : volume(std::move(of)),
-        engine(volume, makePlan(Scene{}, false), 30, "", gpu_memory_bytes),
-        history(engine, budget_bytes) {
+      : volume(std::move(of)), engine(volume, makePlan({}), 30, "", gpu_memory_bytes), history(engine, budget_bytes) {
     engine.allowEdits(brushProfile(30, -100, 100, Vec3::Constant(1e-3)));
   }
   std::uint64_t hash() {
@@ -171,5 +169,5 @@ TEST(EditHistory, AnUndoInPartsIsAllOrNothing) {
   EXPECT_TRUE(in_second_part);
 }
 
-}  // namespace
+}  // namespace edit_history_test
 }  // namespace palpate

@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 
 namespace palpate {
-namespace {
+namespace edit_queue_test {
 
 using std::chrono::milliseconds;
 
@@ -122,5 +122,5 @@ TEST(EditQueue, HoldsOneOrderAtLeast) {
   EXPECT_EQ(numberOf(queue.pop().value()), 7U);
 }
 
-}  // namespace
+}  // namespace edit_queue_test
 }  // namespace palpate

@@ -16,7 +16,7 @@
 #include "journal_samples.hpp"
 
 namespace palpate {
-namespace {
+namespace edit_session_test {
 
 using ::testing::HasSubstr;
 
@@ -29,7 +29,7 @@ struct Session {
   EditSession session;
 
   explicit Session(std::size_t history_bytes = kMuch)
-      : engine(volume, makePlan(Scene{}, false), 30, ""), session(engine, header.profile, {}, history_bytes) {
+      : engine(volume, makePlan({}), 30, ""), session(engine, header.profile, {}, history_bytes) {
     engine.publishAround(volume.lattice().toWorld({13, 10, 9}), 0);
   }
   std::uint64_t hash() {
@@ -238,7 +238,7 @@ TEST(EditSession, ASaveInPartsIsTheVolumeAtOneVersion) {
   const Vec3i size(96, 96, 96);
   Volume volume = sampleVolume(8, size), twin = sampleVolume(8, size);
   const JournalHeader header = sampleHeader(volume);
-  Engine engine(volume, makePlan(Scene{}, false), 30, "");
+  Engine engine(volume, makePlan({}), 30, "");
   EditSession session(engine, header.profile, {}, 0);
   std::vector<std::pair<std::uint64_t, std::uint64_t>> saved;
   const auto write = [&](const Volume& now, std::uint64_t version) {
@@ -279,7 +279,7 @@ TEST(EditSession, EditsWithoutEndDoNotPutASaveOff) {
   const Vec3i size(96, 96, 96);
   Volume volume = sampleVolume(8, size);
   const JournalHeader header = sampleHeader(volume);
-  Engine engine(volume, makePlan(Scene{}, false), 30, "");
+  Engine engine(volume, makePlan({}), 30, "");
   EditSession session(engine, header.profile, {}, 0);
   int saves = 0;
   session.keepSaved(
@@ -302,7 +302,7 @@ TEST(EditSession, EditsWithoutEndDoNotPutASaveOff) {
 TEST(EditSession, WhatWaitsForADueSaveIsHandedOverInParts) {
   Volume volume = sampleVolume(8, {96, 96, 96});
   const JournalHeader header = sampleHeader(volume);
-  Engine engine(volume, makePlan(Scene{}, false), 30, "");
+  Engine engine(volume, makePlan({}), 30, "");
   EditSession session(engine, header.profile, {}, 0);
   std::mutex door;
   std::atomic<int> begun = 0;
@@ -447,7 +447,7 @@ TEST(EditSession, AfterAnEditThatMemoryRefusesOthersGoOn) {
   const Vec3i size(96, 96, 96);
   Volume volume = sampleVolume(8, size);
   const JournalHeader header = sampleHeader(volume);
-  Engine engine(volume, makePlan(Scene{}, false), 30, "", std::uint64_t{3} << 20U);
+  Engine engine(volume, makePlan({}), 30, "", std::uint64_t{3} << 20U);
   EditSession session(engine, header.profile, {}, 0);
   session.keepJournal(folder.path(), header.volume);
   EditCommand add;
@@ -479,5 +479,5 @@ TEST(EditSession, AfterAnEditThatMemoryRefusesOthersGoOn) {
   EXPECT_EQ(contentHash(replayed), contentHash(volume));
 }
 
-}  // namespace
+}  // namespace edit_session_test
 }  // namespace palpate

@@ -11,7 +11,7 @@
 #include "journal_samples.hpp"
 
 namespace palpate {
-namespace {
+namespace session_memory_test {
 
 constexpr std::size_t kHistoryBytes = std::size_t{1} << 24U;
 
@@ -22,7 +22,7 @@ struct Journalled {
   Engine engine;
   EditSession session;
 
-  Journalled() : engine(volume, makePlan(Scene{}, false), 30, ""), session(engine, header.profile, {}, kHistoryBytes) {
+  Journalled() : engine(volume, makePlan({}), 30, ""), session(engine, header.profile, {}, kHistoryBytes) {
     engine.publishAround(volume.lattice().toWorld({13, 10, 9}), 0);
     session.keepJournal(folder.path(), header.volume);
   }
@@ -84,5 +84,5 @@ TEST(SessionMemory, AnEditIsJournalledOrEndsTheJournal) {
   EXPECT_GE(ended, 1);
 }
 
-}  // namespace
+}  // namespace session_memory_test
 }  // namespace palpate

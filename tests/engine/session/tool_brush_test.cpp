@@ -9,7 +9,7 @@
 #include "base/error.hpp"
 
 namespace palpate {
-namespace {
+namespace tool_brush_test {
 
 using ::testing::HasSubstr;
 
@@ -205,5 +205,5 @@ TEST(ToolBrush, RefusesTextsThatMakeNoBrush) {
   }
 }
 
-}  // namespace
+}  // namespace tool_brush_test
 }  // namespace palpate

@@ -12,7 +12,7 @@
 #include "support/analytic_surface.hpp"
 
 namespace palpate {
-namespace {
+namespace accuracy_test {
 
 constexpr double kVoxel = 1e-3;      // [m]
 constexpr double kDepth = 1e-3;      // [m]
@@ -190,5 +190,5 @@ TEST_P(Accuracy, OfHaptizationIsThatOfTheSampledField) {
 INSTANTIATE_TEST_SUITE_P(Each, Accuracy, testing::Values(&plane, &sphere, &box, &torus, &knot),
                          [](const auto& test) { return std::string(test.param().name); });
 
-}  // namespace
+}  // namespace accuracy_test
 }  // namespace palpate

@@ -11,7 +11,7 @@
 #include "support/algorithm_driver.hpp"
 
 namespace palpate {
-namespace {
+namespace avila_test {
 
 // Density 200 per mm below z = 20 mm, flat from 6 mm below on: the linear estimate is the depth itself.
 constexpr double kSurface = 20e-3;
@@ -138,5 +138,5 @@ TEST(Avila, RefusesContactEffects) {
   EXPECT_THROW(static_cast<void>(makeAlgorithm("avila", std::move(setup))), Error);
 }
 
-}  // namespace
+}  // namespace avila_test
 }  // namespace palpate

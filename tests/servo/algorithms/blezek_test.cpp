@@ -9,7 +9,7 @@
 #include "support/analytic_surface.hpp"
 
 namespace palpate {
-namespace {
+namespace blezek_test {
 
 constexpr double kVoxel = 1e-3;
 const Vec3 kCentre = Vec3::Constant(31.3e-3);
@@ -214,5 +214,5 @@ TEST(Blezek, NoWindow) {
   EXPECT_EQ(out.faults, bit(ServoFault::kNoWindow));
 }
 
-}  // namespace
+}  // namespace blezek_test
 }  // namespace palpate

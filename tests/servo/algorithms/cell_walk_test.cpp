@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 namespace palpate {
-namespace {
+namespace cell_walk_test {
 
 using testing::DoubleNear;
 using testing::ElementsAre;
@@ -74,5 +74,5 @@ TEST(CellWalk, BetweenTwoPlacesLiesOneCell) {
   EXPECT_GT(checked, 5000);
 }
 
-}  // namespace
+}  // namespace cell_walk_test
 }  // namespace palpate

@@ -19,7 +19,7 @@
 #include "support/seeded.hpp"
 
 namespace palpate {
-namespace {
+namespace edits_felt_test {
 
 constexpr double kVoxel = 1e-3;
 constexpr int kSide = 40;
@@ -475,5 +475,5 @@ TEST(EditEase, NeverMoreThanTheWholeAndNothingForWhatIsTakenAway) {
   EXPECT_FALSE(ease.active());
 }
 
-}  // namespace
+}  // namespace edits_felt_test
 }  // namespace palpate

@@ -11,7 +11,7 @@
 #include "support/algorithm_driver.hpp"
 
 namespace palpate {
-namespace {
+namespace haptization_test {
 
 // Density 100 per mm below z = 20 mm, and flat from 5 mm below on.
 AnalyticVolume ramp() {
@@ -148,5 +148,5 @@ TEST(Haptization, RefusesEffectsAndBadTables) {
   EXPECT_THROW(static_cast<void>(makeAlgorithm("haptization", std::move(unsorted))), Error);
 }
 
-}  // namespace
+}  // namespace haptization_test
 }  // namespace palpate

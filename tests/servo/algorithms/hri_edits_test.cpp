@@ -5,7 +5,7 @@
 #include "servo/safety/faults.hpp"
 
 namespace palpate {
-namespace {
+namespace hri_edits_test {
 
 // The surface moves out over VHIP and HIP: the force stays outward, is at first what it was, and has the new depth when
 // that is taken in.
@@ -134,5 +134,5 @@ TEST(Hri, BuriedWithoutAWayOutFeelsNothing) {
   EXPECT_TRUE(has(out.faults, ServoFault::kInsideObject));
 }
 
-}  // namespace
+}  // namespace hri_edits_test
 }  // namespace palpate

@@ -7,7 +7,7 @@
 #include "support/analytic_volume.hpp"
 
 namespace palpate {
-namespace {
+namespace hri_paper_test {
 
 // Density 10 mm - z above z = 0: background above 10 mm, gradient (0, 0, -1), so p is exact wherever the ray crosses.
 // A kink makes the plane's age visible: for x > 10 mm the surface is 1 mm lower (the step lies between two samples).
@@ -122,5 +122,5 @@ TEST_F(HriPaperTable, NoWindow) {
   EXPECT_EQ(at(hri, 5, 9).faults, bit(ServoFault::kNoWindow));
 }
 
-}  // namespace
+}  // namespace hri_paper_test
 }  // namespace palpate

@@ -9,7 +9,7 @@
 #include "servo/safety/faults.hpp"
 
 namespace palpate {
-namespace {
+namespace hri_test {
 
 double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -263,5 +263,5 @@ TEST(Hri, EffectsMoveTheVhip) {
   EXPECT_EQ(aside.released, released + 1);
 }
 
-}  // namespace
+}  // namespace hri_test
 }  // namespace palpate

@@ -5,7 +5,7 @@
 #include "servo/safety/faults.hpp"
 
 namespace palpate {
-namespace {
+namespace hri_windows_test {
 
 // Windows of another run may have the versions and the storage of the last one's: after a reset nothing is known of
 // them.
@@ -190,5 +190,5 @@ TEST(Hri, AnEditDuringALateWindowIsTakenInAfterwards) {
   EXPECT_NEAR(last_N, 500 * 5.4e-3, 500 * 0.01 * kVoxel);
 }
 
-}  // namespace
+}  // namespace hri_windows_test
 }  // namespace palpate

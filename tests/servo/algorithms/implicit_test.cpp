@@ -8,7 +8,7 @@
 #include "support/analytic_surface.hpp"
 
 namespace palpate {
-namespace {
+namespace implicit_test {
 
 constexpr double kVoxel = 1e-3;
 const Vec3 kCentre = Vec3::Constant(31.3e-3);
@@ -175,5 +175,5 @@ TEST(Implicit, ACutFaceOfTheVolumeIsNotFelt) {
   EXPECT_FALSE(driver.at(Vec3(61e-3, 30e-3, 20e-3)).in_contact);
 }
 
-}  // namespace
+}  // namespace implicit_test
 }  // namespace palpate

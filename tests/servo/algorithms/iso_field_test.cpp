@@ -8,7 +8,7 @@
 #include "support/sampled_volume.hpp"
 
 namespace palpate {
-namespace {
+namespace iso_field_test {
 
 // Random densities: every cell holds a cubic of its own along a line, with walls of every thickness.
 class RandomWindow {
@@ -281,5 +281,5 @@ TEST(IsoField, ThereIsNoWayOutOfAWindowThatIsAllObject) {
   EXPECT_FALSE(field.nearestExit(field.probe(Vec3::Constant(20e-3))));
 }
 
-}  // namespace
+}  // namespace iso_field_test
 }  // namespace palpate

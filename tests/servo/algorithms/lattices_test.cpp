@@ -14,7 +14,7 @@
 #include "support/sampled_volume.hpp"
 
 namespace palpate {
-namespace {
+namespace lattices_test {
 
 constexpr double kStiffness = 500;  // [N/m]
 
@@ -237,5 +237,5 @@ INSTANTIATE_TEST_SUITE_P(Each, Lattices, testing::Combine(testing::ValuesIn(name
 INSTANTIATE_TEST_SUITE_P(Each, FieldLattices,
                          testing::Combine(testing::ValuesIn(names(false)), testing::ValuesIn(kVoxels)), word);
 
-}  // namespace
+}  // namespace lattices_test
 }  // namespace palpate

@@ -8,7 +8,7 @@
 #include "support/algorithm_driver.hpp"
 
 namespace palpate {
-namespace {
+namespace lost_contact_test {
 
 constexpr int kSide = 160;  // more than a window, and than IsoField::kLongestWayOut, reaches
 const Vec3 kOnSurface_W = Vec3::Constant(80.3e-3);
@@ -135,5 +135,5 @@ TEST_P(LostContact, IsForgottenByAReset) {
 
 INSTANTIATE_TEST_SUITE_P(Ticks, LostContact, testing::Values(1, 5, 1000));
 
-}  // namespace
+}  // namespace lost_contact_test
 }  // namespace palpate

@@ -15,7 +15,7 @@
 #include "support/analytic_surface.hpp"
 
 namespace palpate {
-namespace {
+namespace mends_test {
 
 constexpr double kVoxel = 1e-3;
 constexpr int kEaseTicks = 500;  // EditEase at 1 kHz
@@ -354,5 +354,5 @@ TEST_F(Mend, InsideAtTheStartIsSaid) {
   EXPECT_EQ(said.paper, 0);
 }
 
-}  // namespace
+}  // namespace mends_test
 }  // namespace palpate

@@ -17,7 +17,7 @@
 #include "support/analytic_surface.hpp"
 
 namespace palpate {
-namespace {
+namespace paper_point_test {
 
 constexpr double kVoxel = 1e-3;      // [m]
 constexpr double kHalfWidth = 3e-3;  // w: that of the phantoms [m]
@@ -204,5 +204,5 @@ TEST(PaperPoint, InASlideTheEndsFailBeyondTwiceTheHalfWidthAndTheLineDoesNot) {
   }
 }
 
-}  // namespace
+}  // namespace paper_point_test
 }  // namespace palpate

@@ -16,7 +16,7 @@
 #include "support/analytic_volume.hpp"
 
 namespace palpate {
-namespace {
+namespace properties_test {
 
 constexpr double kVoxel = 1e-3;
 constexpr int kSide = 40;
@@ -279,5 +279,5 @@ std::string asWord(const testing::TestParamInfo<std::string>& name) {
 INSTANTIATE_TEST_SUITE_P(Each, Properties, testing::ValuesIn(names(true)), asWord);
 INSTANTIATE_TEST_SUITE_P(Each, FieldProperties, testing::ValuesIn(names(false)), asWord);
 
-}  // namespace
+}  // namespace properties_test
 }  // namespace palpate

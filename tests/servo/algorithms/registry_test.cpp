@@ -10,7 +10,7 @@
 #include "support/test_meshes.hpp"
 
 namespace palpate {
-namespace {
+namespace registry_test {
 
 TEST(AlgorithmRegistry, MakesEveryAlgorithmItLists) {
   ASSERT_FALSE(algorithms().empty());
@@ -51,5 +51,5 @@ TEST(AlgorithmRegistry, RefusesParametersThatCannotBeUsed) {
   refused([](AlgorithmParameters& p) { p.rate_hz = NAN; });
 }
 
-}  // namespace
+}  // namespace registry_test
 }  // namespace palpate

@@ -14,7 +14,7 @@
 #include "support/analytic_volume.hpp"
 
 namespace palpate {
-namespace {
+namespace rivals_test {
 
 constexpr double kStiffness = 500;
 constexpr int kSide = 32;  // of a window, as the program's [voxel]
@@ -278,5 +278,5 @@ TEST_P(Rivals, AHipInFrontOfItsPlaneButInsideHasNotComeOut) {
 INSTANTIATE_TEST_SUITE_P(Each, Rivals, testing::Values("blezek", "implicit"),
                          [](const testing::TestParamInfo<std::string>& name) { return name.param; });
 
-}  // namespace
+}  // namespace rivals_test
 }  // namespace palpate

@@ -14,7 +14,7 @@
 #include "support/sampled_volume.hpp"
 
 namespace palpate {
-namespace {
+namespace rough_surface_test {
 
 constexpr double kVoxel = 1e-3;
 constexpr double kStep = 0.1e-3;    // a tick [m]
@@ -226,5 +226,5 @@ TEST(RoughSurfaces, TheSurfacePointKeepsUpAllTheWayRound) {
   }
 }
 
-}  // namespace
+}  // namespace rough_surface_test
 }  // namespace palpate

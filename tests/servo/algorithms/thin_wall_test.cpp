@@ -15,7 +15,7 @@
 #include "support/sampled_volume.hpp"
 
 namespace palpate {
-namespace {
+namespace thin_wall_test {
 
 constexpr double kVoxel = 1e-3;    // [m]
 constexpr double kRadius = 20e-3;  // [m]
@@ -181,5 +181,5 @@ TEST(DeepPress, IsHeldWhereTheWindowHoldsTheSurface) {
   EXPECT_NEAR(out.force_W.z(), 500 * 30.4e-3, 500 * 1e-7);
 }
 
-}  // namespace
+}  // namespace thin_wall_test
 }  // namespace palpate

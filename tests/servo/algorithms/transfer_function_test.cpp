@@ -10,7 +10,7 @@
 #include "base/error.hpp"
 
 namespace palpate {
-namespace {
+namespace transfer_function_test {
 
 const TransferTables kTables{{{-1000, 0, 0}, {0, 1, 4}, {100, 3, 2}}, {{10, 0}, {30, 1}}};
 
@@ -83,5 +83,5 @@ TEST(TransferFunction, RefusesTablesThatCannotBeUsed) {
   expectRefused({{{0, 0, 0}}, {{0, -1}}}, gradient, "row 1: its weight is negative");
 }
 
-}  // namespace
+}  // namespace transfer_function_test
 }  // namespace palpate

@@ -12,7 +12,7 @@
 #include "support/sampled_volume.hpp"
 
 namespace palpate {
-namespace {
+namespace way_and_age_test {
 
 constexpr double kStiffness = 500;  // [N/m]
 constexpr double kTick_s = 1e-3;
@@ -395,5 +395,5 @@ TEST(WayAndAge, BehindACurvePlanesHoldForLongerStepByStep) {
   EXPECT_GT(ways.back(), 2.5 * ways.front());
 }
 
-}  // namespace
+}  // namespace way_and_age_test
 }  // namespace palpate

@@ -10,7 +10,7 @@
 #include "contact/energy_cycles.hpp"
 
 namespace palpate {
-namespace {
+namespace effects_energy_test {
 
 enum Effect { kShading, kRecovery, kProcedural, kDensity, kFriction, kStiffness, kEffects };
 constexpr const char* kNames[] = {"shading",         "recovery", "procedural texture",
@@ -173,5 +173,5 @@ TEST(EffectsEnergy, TheForceIsContinuous) {
   }
 }
 
-}  // namespace
+}  // namespace effects_energy_test
 }  // namespace palpate

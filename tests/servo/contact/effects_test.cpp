@@ -19,7 +19,7 @@
 #include "support/algorithm_driver.hpp"
 
 namespace palpate {
-namespace {
+namespace effects_test {
 
 constexpr double kStiffness = 500;
 constexpr double kRate = 1000;
@@ -349,6 +349,21 @@ TEST(Effects, RefuseWhatCannotBeUsed) {
             "stiffness by density: factor -1 cannot be used; give one from 0 to 100");
 }
 
+// The names say what is made, in the same order.
+TEST(Effects, NamesAreThoseOfTheEffectsThatAreMade) {
+  EffectParameters p;
+  EXPECT_EQ(contactEffectNames(p), "");
+  p.friction.viscous_Ns_per_m = 1;
+  EXPECT_EQ(contactEffectNames(p), "friction");
+  p.friction = {0.3, 0.2, 0};
+  p.texture = TextureKind::kDensity;
+  p.recovery_s = 0.02;
+  p.stiffness_by_density = {{0, 1}, {1, 2}};
+  p.force_shading = true;
+  EXPECT_EQ(contactEffectNames(p), "force shading, recovery time, texture, friction, stiffness by density");
+  EXPECT_EQ(makeContactEffects(p, kStiffness, kRate).size(), 5U);
+}
+
 TEST(Effects, TexturesByName) {
   EXPECT_EQ(textureOfName("none"), TextureKind::kNone);
   EXPECT_EQ(textureOfName("procedural"), TextureKind::kProcedural);
@@ -356,5 +371,5 @@ TEST(Effects, TexturesByName) {
   EXPECT_THROW(static_cast<void>(textureOfName("velvet")), Error);
 }
 
-}  // namespace
+}  // namespace effects_test
 }  // namespace palpate

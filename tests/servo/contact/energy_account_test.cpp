@@ -8,7 +8,7 @@
 #include "contact/plane_contact.hpp"
 
 namespace palpate {
-namespace {
+namespace energy_account_test {
 
 // The plane z = 0, and what effects are said to want there.
 class Account {
@@ -161,5 +161,5 @@ TEST(EnergyAccount, HoldsForAnythingThatEffectsWant) {
   }
 }
 
-}  // namespace
+}  // namespace energy_account_test
 }  // namespace palpate

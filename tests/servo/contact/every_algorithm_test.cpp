@@ -8,7 +8,7 @@
 #include "support/algorithm_setups.hpp"
 
 namespace palpate {
-namespace {
+namespace every_algorithm_test {
 
 const std::string_view kWithoutVhip[] = {"avila", "haptization"};
 
@@ -109,5 +109,5 @@ TEST(EffectsOnEveryAlgorithm, WhatHasNoVhipRefusesThem) {
   }
 }
 
-}  // namespace
+}  // namespace every_algorithm_test
 }  // namespace palpate

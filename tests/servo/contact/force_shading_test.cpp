@@ -13,7 +13,7 @@
 #include "support/analytic_volume.hpp"
 
 namespace palpate {
-namespace {
+namespace force_shading_test {
 
 constexpr double kVoxel = 1e-3;
 constexpr double kDepth = 1e-3;
@@ -213,5 +213,5 @@ TEST(ForceShadingInAGroove, DoesNotRunAway) {
   EXPECT_GT(in_contact, 300);
 }
 
-}  // namespace
+}  // namespace force_shading_test
 }  // namespace palpate

@@ -10,7 +10,7 @@
 #include "contact/plane_contact.hpp"
 
 namespace palpate {
-namespace {
+namespace friction_test {
 
 constexpr double kStiffness = 500;  // [N/m]
 constexpr double kRate = 1000;      // [Hz]
@@ -260,5 +260,5 @@ TEST(Friction, IsHarmlessWithoutStiffness) {
   }
 }
 
-}  // namespace
+}  // namespace friction_test
 }  // namespace palpate

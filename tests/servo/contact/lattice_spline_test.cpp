@@ -8,7 +8,7 @@
 #include "support/analytic_volume.hpp"
 
 namespace palpate {
-namespace {
+namespace lattice_spline_test {
 
 AnalyticVolume slices(bool left_handed, std::function<double(const Vec3&)> density) {
   AnalyticVolume volume;
@@ -136,5 +136,5 @@ TEST(VoxelAcross, IsASideAlongAnAxisAndBetweenThemElsewhere) {
   EXPECT_NEAR(voxelAcross(lattice, between), std::sqrt((0.25e-6 + 9e-6) / 2), 1e-15);
 }
 
-}  // namespace
+}  // namespace lattice_spline_test
 }  // namespace palpate

@@ -15,7 +15,7 @@
 #include "support/algorithm_driver.hpp"
 
 namespace palpate {
-namespace {
+namespace recovery_on_hri_test {
 
 constexpr double kRadius = 20e-3;
 constexpr double kDepth = 3e-3;
@@ -149,5 +149,5 @@ TEST(RecoveryOnHri, CostsTheDepthThatItsLagSays) {
   }
 }
 
-}  // namespace
+}  // namespace recovery_on_hri_test
 }  // namespace palpate

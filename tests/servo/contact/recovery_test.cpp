@@ -10,7 +10,7 @@
 #include "contact/plane_contact.hpp"
 
 namespace palpate {
-namespace {
+namespace recovery_test {
 
 constexpr int kTicks = 10;       // N
 constexpr double kDepth = 1e-3;  // [m]
@@ -196,5 +196,5 @@ TEST(Recovery, OfOneTickIsOverAfterOne) {
   EXPECT_EQ(contact.at(hip).z(), 1e-3);
 }
 
-}  // namespace
+}  // namespace recovery_test
 }  // namespace palpate

@@ -11,7 +11,7 @@
 #include "support/analytic_volume.hpp"
 
 namespace palpate {
-namespace {
+namespace stiffness_by_density_test {
 
 constexpr double kVoxel = 1e-3;
 constexpr double kDepth = 0.5e-3;
@@ -155,5 +155,5 @@ TEST_F(StiffnessByDensityTest, ForcesOfTwoMaterialsAreAsTheirFactors) {
   EXPECT_NEAR(force_N(20e-3), 0.25 * 500 * kDepth, 0.04 * 0.25 * 500 * kDepth);
 }
 
-}  // namespace
+}  // namespace stiffness_by_density_test
 }  // namespace palpate

@@ -9,7 +9,7 @@
 #include "base/error.hpp"
 
 namespace palpate {
-namespace {
+namespace stiffness_table_test {
 
 using testing::ElementsAre;
 
@@ -52,5 +52,5 @@ TEST(StiffnessTable, RefusesWhatCannotBeUsed) {
   }
 }
 
-}  // namespace
+}  // namespace stiffness_table_test
 }  // namespace palpate

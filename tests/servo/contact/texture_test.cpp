@@ -12,7 +12,7 @@
 #include "support/analytic_volume.hpp"
 
 namespace palpate {
-namespace {
+namespace texture_test {
 
 constexpr double kAmplitude = 0.1e-3;
 constexpr double kWavelength = 1.3e-3;
@@ -267,5 +267,5 @@ TEST_F(DensityTextureTest, ReadsTheWindowOfTheTick) {
   EXPECT_GT(heightOf(texture, kSurface), 0.05e-3);
 }
 
-}  // namespace
+}  // namespace texture_test
 }  // namespace palpate

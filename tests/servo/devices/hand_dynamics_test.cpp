@@ -8,7 +8,7 @@
 #include "base/error.hpp"
 
 namespace palpate {
-namespace {
+namespace hand_dynamics_test {
 
 // Free oscillation about `rest`: x = rest + e^(-s t) (A cos w t + B sin w t), s = b / 2m, w^2 = k / m - s^2.
 struct Oscillator {
@@ -95,5 +95,5 @@ TEST(HandDynamics, RefusesWhatCannotMove) {
   EXPECT_THROW(HandDynamics({}, 0), Error);
 }
 
-}  // namespace
+}  // namespace hand_dynamics_test
 }  // namespace palpate

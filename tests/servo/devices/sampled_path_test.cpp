@@ -8,7 +8,7 @@
 #include "base/error.hpp"
 
 namespace palpate {
-namespace {
+namespace sampled_path_test {
 
 using Interpolation = SampledPath::Interpolation;
 
@@ -78,5 +78,5 @@ TEST(SampledPath, CubicHasNoCorners) {
   }
 }
 
-}  // namespace
+}  // namespace sampled_path_test
 }  // namespace palpate

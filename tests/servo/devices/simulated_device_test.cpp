@@ -9,7 +9,7 @@
 #include "servo/devices/sampled_path.hpp"
 
 namespace palpate {
-namespace {
+namespace simulated_device_test {
 
 const SampledPath& ramp() {
   static const SampledPath path({0, 1}, {Vec3(0, 0, 0), Vec3(0.1, -0.05, 0.02)}, SampledPath::Interpolation::kLinear);
@@ -165,5 +165,5 @@ TEST(SimulatedDevice, Refuses) {
   refused(p, 1000);
 }
 
-}  // namespace
+}  // namespace simulated_device_test
 }  // namespace palpate

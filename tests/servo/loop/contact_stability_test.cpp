@@ -16,7 +16,7 @@
 #include "wanted_path.hpp"
 
 namespace palpate {
-namespace {
+namespace contact_stability_test {
 
 // Any surface z = height(x), pushed out of along its normal as the algorithms do it: K depth - B v, never pulling.
 struct Ground {
@@ -489,5 +489,5 @@ TEST(ContactStability, ASlewLimitFarTooLowShakesAndIsToldOf) {
   EXPECT_EQ(assess(run).verdict, ContactVerdict::kUnstable);
 }
 
-}  // namespace
+}  // namespace contact_stability_test
 }  // namespace palpate

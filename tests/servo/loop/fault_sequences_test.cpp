@@ -17,7 +17,7 @@
 #include "support/isosurface_mesh.hpp"
 
 namespace palpate {
-namespace {
+namespace fault_sequences_test {
 
 #if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
 constexpr int kSequences = 500;
@@ -284,5 +284,5 @@ TEST(FaultSequences, NoneLetsOutAForceThatIsNotWithinTheLimits) {
   EXPECT_EQ(seen.algorithms.size(), algorithms().size());
 }
 
-}  // namespace
+}  // namespace fault_sequences_test
 }  // namespace palpate

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 namespace palpate {
-namespace {
+namespace foaw_test {
 
 constexpr double kRate_hz = 1000;
 constexpr double kDelta_m = 1e-6;  // of the encoders
@@ -132,5 +132,5 @@ TEST(Foaw, ResetForgets) {
   EXPECT_TRUE(foaw.update(Vec3(1, 0, 0), 1).isZero(0));
 }
 
-}  // namespace
+}  // namespace foaw_test
 }  // namespace palpate

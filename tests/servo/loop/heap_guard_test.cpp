@@ -12,7 +12,7 @@
 #include "support/troubled.hpp"
 
 namespace palpate {
-namespace {
+namespace heap_guard_test {
 
 constexpr int kTicks = 300;
 
@@ -139,5 +139,5 @@ TEST(HeapGuard, ADeliberateAllocationIsSeen) {
   EXPECT_EQ(watch("hri", true).allocations, 1);
 }
 
-}  // namespace
+}  // namespace heap_guard_test
 }  // namespace palpate

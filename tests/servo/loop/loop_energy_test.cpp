@@ -12,7 +12,7 @@
 #include "servo/loop/servo_loop.hpp"
 
 namespace palpate {
-namespace {
+namespace loop_energy_test {
 
 constexpr double kStiffness = 2000;  // of the wall x < 0 [N/m]
 constexpr double kRate_hz = 1000;
@@ -111,5 +111,5 @@ TEST(LoopEnergy, TheControllerBringsAnActiveWallToRest) {
   }
 }
 
-}  // namespace
+}  // namespace loop_energy_test
 }  // namespace palpate

@@ -8,7 +8,7 @@
 #include "support/touch_scene.hpp"
 
 namespace palpate {
-namespace {
+namespace loop_faults_test {
 
 class LoopFaults : public testing::Test {
  protected:
@@ -431,5 +431,5 @@ TEST(LoopReports, ARepeatedPositionTellsNothingOfTheVelocity) {
   static_cast<void>(loop.runOn(clock));
 }
 
-}  // namespace
+}  // namespace loop_faults_test
 }  // namespace palpate

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 namespace palpate {
-namespace {
+namespace run_figures_test {
 
 TickRecord record(std::int64_t tick, bool contact, double force_N, double depth_m, std::uint32_t faults = 0) {
   TickRecord r;
@@ -125,5 +125,5 @@ TEST(RunFigures, OfNothingAreZero) {
   EXPECT_TRUE(f.faults.empty());
 }
 
-}  // namespace
+}  // namespace run_figures_test
 }  // namespace palpate

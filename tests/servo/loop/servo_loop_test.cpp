@@ -11,7 +11,7 @@
 #include "support/touch_scene.hpp"
 
 namespace palpate {
-namespace {
+namespace servo_loop_test {
 
 LoopParameters simulated(std::int64_t ticks, double rate_hz = 1000) {
   LoopParameters p;
@@ -313,5 +313,5 @@ TEST(ServoLoopReal, RunsAtTwentyKilohertz) {
   EXPECT_EQ(run.ticks_run + run.ticks_skipped, 2000);
 }
 
-}  // namespace
+}  // namespace servo_loop_test
 }  // namespace palpate

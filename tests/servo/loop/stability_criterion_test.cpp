@@ -10,7 +10,7 @@
 #include "wanted_path.hpp"
 
 namespace palpate {
-namespace {
+namespace stability_criterion_test {
 
 // A tool that swings to and fro through the plane z = 0 while the hand wants it 1 mm below; 1 mJ is given a second.
 struct HandMade {
@@ -173,5 +173,5 @@ TEST(StabilityCriterion, ABounceIsOutwardsAgainstTheHand) {
   EXPECT_EQ(assess(HandMade{.path_known = false}).bounces, 0);
 }
 
-}  // namespace
+}  // namespace stability_criterion_test
 }  // namespace palpate

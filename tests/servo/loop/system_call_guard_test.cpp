@@ -19,7 +19,7 @@
 #include "support/troubled.hpp"
 
 namespace palpate {
-namespace {
+namespace system_call_guard_test {
 
 constexpr int kTicks = 200;
 constexpr int kClean = 0;
@@ -120,5 +120,5 @@ TEST_F(SystemCallGuard, ADeliberateCallIsCaught) {
   EXPECT_EQ(WTERMSIG(status), SIGSYS);
 }
 
-}  // namespace
+}  // namespace system_call_guard_test
 }  // namespace palpate

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 namespace palpate {
-namespace {
+namespace velocity_filter_test {
 
 TEST(VelocityFilter, WithoutCutoffIsTheBackwardDifference) {
   VelocityFilter filter(0, 1000);
@@ -36,5 +36,5 @@ TEST(VelocityFilter, MissedTicksCountAsTheirTime) {
   EXPECT_NEAR(gap.update(Vec3(3e-3, 0, 0), 3).x(), v_W.x(), 1e-12);
 }
 
-}  // namespace
+}  // namespace velocity_filter_test
 }  // namespace palpate

@@ -9,7 +9,7 @@
 #include "base/error.hpp"
 
 namespace palpate {
-namespace {
+namespace velocity_test {
 
 TEST(VelocityEstimate, EachNameIsMadeAndMeasuresARamp) {
   for (const VelocityEntry& entry : velocityEstimates()) {
@@ -66,5 +66,5 @@ TEST(VelocityEstimate, RefusesWhatIsNotKnownOrNoNumber) {
   EXPECT_THAT(refusal({.window_ticks = 33}), testing::HasSubstr("window"));
 }
 
-}  // namespace
+}  // namespace velocity_test
 }  // namespace palpate

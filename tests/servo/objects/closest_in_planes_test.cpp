@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 
 namespace palpate {
-namespace {
+namespace closest_in_planes_test {
 
 constexpr double kTolerance_m = 1e-9;
 constexpr double kNoRoom_m = 1e-8;
@@ -126,5 +126,5 @@ TEST(ClosestInPlanes, ManyPlanesOfAPit) {
   expectNear(closestInPlanes(planes, {1.2e-3, 2.1e-3, 1e-3}), {1e-3, 2e-3, 3e-3});
 }
 
-}  // namespace
+}  // namespace closest_in_planes_test
 }  // namespace palpate

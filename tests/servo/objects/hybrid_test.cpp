@@ -15,7 +15,7 @@
 #include "support/test_meshes.hpp"
 
 namespace palpate {
-namespace {
+namespace hybrid_test {
 
 constexpr double kRadius_m = 20e-3;
 constexpr double kFieldError_m = 12.5e-6;
@@ -341,5 +341,5 @@ TEST(GodObject, NeedsAMesh) {
   EXPECT_THROW((void)makeAlgorithm("god-object", std::move(empty)), Error);
 }
 
-}  // namespace
+}  // namespace hybrid_test
 }  // namespace palpate

@@ -10,7 +10,7 @@
 #include "support/test_meshes.hpp"
 
 namespace palpate {
-namespace {
+namespace mesh_object_test {
 
 // Embree chooses the triangle in float: near an edge, within some 2e-7 of the size, it may choose the other one.
 constexpr double kFloat_m = 2e-7 * 0.01;
@@ -133,5 +133,5 @@ TEST(MeshObject, WaysOfAnyLengthAreSearched) {
   EXPECT_FALSE(mesh.firstEntry(Vec3(0, 0, std::nan("")), Vec3(0, 0, -1)));
 }
 
-}  // namespace
+}  // namespace mesh_object_test
 }  // namespace palpate

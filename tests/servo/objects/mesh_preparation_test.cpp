@@ -8,7 +8,7 @@
 #include "support/test_meshes.hpp"
 
 namespace palpate {
-namespace {
+namespace mesh_preparation_test {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -134,5 +134,5 @@ TEST(MeshPreparation, RefusesWhatCannotBeTouched) {
   EXPECT_THAT(refusal(mesh), HasSubstr("all its triangles are degenerate"));
 }
 
-}  // namespace
+}  // namespace mesh_preparation_test
 }  // namespace palpate

@@ -12,7 +12,7 @@
 #include "support/test_meshes.hpp"
 
 namespace palpate {
-namespace {
+namespace object_contacts_test {
 
 constexpr double kOff_m = ObjectContacts::kStandOff_m;
 
@@ -371,5 +371,5 @@ TEST(ObjectContacts, TurningAndMovingTheWorldTurnsAndMovesTheTrace) {
   }
 }
 
-}  // namespace
+}  // namespace object_contacts_test
 }  // namespace palpate

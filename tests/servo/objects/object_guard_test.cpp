@@ -20,7 +20,7 @@
 #include "support/test_meshes.hpp"
 
 namespace palpate {
-namespace {
+namespace object_guard_test {
 
 constexpr int kNoSeccomp = 77;
 
@@ -117,5 +117,5 @@ TEST(ObjectGuard, TicksMakeNoSystemCall) {
   EXPECT_EQ(WTERMSIG(caught), SIGSYS);
 }
 
-}  // namespace
+}  // namespace object_guard_test
 }  // namespace palpate

@@ -7,7 +7,7 @@
 #include "base/error.hpp"
 
 namespace palpate {
-namespace {
+namespace shapes_test {
 
 constexpr double kTolerance_m = 1e-15;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -85,5 +85,5 @@ TEST(Shapes, RefuseWhatIsNoShape) {
   }
 }
 
-}  // namespace
+}  // namespace shapes_test
 }  // namespace palpate

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 namespace palpate {
-namespace {
+namespace encoder_position_test {
 
 Vec3 rounded(const Vec3& x, double step) {
   return Vec3((x.array() / step).round() * step);
@@ -99,5 +99,5 @@ TEST(EncoderPosition, MakesTheEnergyOfAPressTrue) {
   EXPECT_LT(sum, bare_sum / 5);
 }
 
-}  // namespace
+}  // namespace encoder_position_test
 }  // namespace palpate

@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 namespace palpate {
-namespace {
+namespace faults_test {
 
 TEST(Faults, EveryRowIsOneBitInOrderWithTexts) {
   std::uint32_t seen = 0;
@@ -56,5 +56,5 @@ TEST(FaultDocument, HasARowForEachFault) {
   }
 }
 
-}  // namespace
+}  // namespace faults_test
 }  // namespace palpate

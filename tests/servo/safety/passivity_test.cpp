@@ -16,7 +16,7 @@
 #include "servo/devices/hand_dynamics.hpp"
 
 namespace palpate {
-namespace {
+namespace passivity_test {
 
 constexpr double kTick_s = 1e-3;
 constexpr double kStep_m = 20e-6;
@@ -324,5 +324,5 @@ TEST(PassivityController, RefusesBoundsThatAreNone) {
   EXPECT_THROW(Passivity({}, 8, 1000, 0, kNaN), Error);
 }
 
-}  // namespace
+}  // namespace passivity_test
 }  // namespace palpate

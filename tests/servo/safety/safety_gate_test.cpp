@@ -9,7 +9,7 @@
 #include "base/error.hpp"
 
 namespace palpate {
-namespace {
+namespace safety_gate_test {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
@@ -332,5 +332,5 @@ TEST(SafetyGate, ASlewOfNextToNothingStillHasAFade) {
   EXPECT_LE(gate.pass(healthy({0, 0, 4})).force_W.norm(), gate.slewPerTick());
 }
 
-}  // namespace
+}  // namespace safety_gate_test
 }  // namespace palpate

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 namespace palpate {
-namespace {
+namespace window_clock_test {
 
 constexpr std::int64_t kTolerance_ns = 10'000'000;
 constexpr std::uint32_t kStep = bit(ServoFault::kClockStep);
@@ -69,5 +69,5 @@ TEST_F(WindowClockTest, TimesThatNoSubtractionHoldsAreAStep) {
   expect(clock.read(1001, std::numeric_limits<std::int64_t>::max(), 1, 0), 0, kStep);
 }
 
-}  // namespace
+}  // namespace window_clock_test
 }  // namespace palpate

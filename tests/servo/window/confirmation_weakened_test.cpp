@@ -7,7 +7,7 @@
 #include "servo/window/confirmation.hpp"
 
 namespace palpate {
-namespace {
+namespace confirmation_weakened_test {
 
 template <class Confirmed>
 void raceOf() {
@@ -23,5 +23,5 @@ TEST(WeakenedConfirmation, LoadIsReportedByTheThreadSanitizer) {
   raceOf<Confirmation<std::memory_order_release, std::memory_order_relaxed>>();
 }
 
-}  // namespace
+}  // namespace confirmation_weakened_test
 }  // namespace palpate

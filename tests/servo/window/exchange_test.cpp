@@ -10,7 +10,7 @@
 #include "servo/window/window_exchange.hpp"
 
 namespace palpate {
-namespace {
+namespace exchange_test {
 
 #ifdef __SANITIZE_THREAD__
 constexpr std::uint64_t kPublications = 200'000;
@@ -131,5 +131,5 @@ TEST(WindowExchange, ServoSeesWholeWindowsAndAtLeastTheConfirmedOne) {
   EXPECT_EQ(exchange.latest().version, static_cast<std::uint64_t>(publications));
 }
 
-}  // namespace
+}  // namespace exchange_test
 }  // namespace palpate

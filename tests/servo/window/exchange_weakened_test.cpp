@@ -6,7 +6,7 @@
 #include "servo/window/triple_buffer.hpp"
 
 namespace palpate {
-namespace {
+namespace exchange_weakened_test {
 
 TEST(WeakenedTripleBuffer, IsReportedByTheThreadSanitizer) {
   TripleBuffer<Payload, std::memory_order_relaxed> buffer;
@@ -14,5 +14,5 @@ TEST(WeakenedTripleBuffer, IsReportedByTheThreadSanitizer) {
   EXPECT_EQ(outcome.torn, 0u);
 }
 
-}  // namespace
+}  // namespace exchange_weakened_test
 }  // namespace palpate

@@ -10,7 +10,7 @@
 #include "support/analytic_volume.hpp"
 
 namespace palpate {
-namespace {
+namespace fetch_test {
 
 // Turned, mirrored and with voxels of three sizes, so that no axis can stand for another.
 Lattice turnedLattice() {
@@ -122,5 +122,5 @@ TEST(Fetch, BeyondTheVolumeOrBeyondTheWindow) {
   EXPECT_EQ(at(1, 1, 1).place, Place::kBeyondWindow);
 }
 
-}  // namespace
+}  // namespace fetch_test
 }  // namespace palpate

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+// apps/scene/scene.hpp: everything that a user can ask of a run of `palpate touch`, with its defaults.
+//
+// Values are in SI units. The table in apps/scene/ gives each its flag, TOML key, screen unit and help text.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/scene/object_spec.hpp"
+#include "base/vec.hpp"
+
+namespace palpate {
+
+using NumberTable = std::vector<std::vector<double>>;  // rows of equal length
+
+struct Scene {
+  // volume
+  std::string volume;  // file, folder or phantom:NAME?...
+  std::string nan;  // density of voxels that are NaN or infinite, as text; empty: NIfTI's become 0, others are refused
+  std::string series;               // of a DICOM folder: number or UID; empty: the only one, or volume names it
+  std::optional<double> isovalue;   // tau; empty: suggested from the histogram [density]
+  std::vector<ObjectSpec> objects;  // beside the volume
+  // compute
+  std::string gpu;                            // part of the Vulkan device's name; empty: the best one
+  std::uint64_t gpu_memory_bytes = 0;         // limit for densities and samples on the GPU; 0: the device's own [byte]
+  std::string filter;                         // chain that makes the field that is felt: "gaussian:0.8mm"; empty: none
+  std::string field = "density";              // the field that is felt: "density", or "distance" from the isosurface
+  bool gradient_all = false;                  // gradients of every brick, not only of those that the isosurface needs
+  std::string gradient_operator = "central";  // engine/gradient/gradient_operator.hpp
+  std::string samples = "float";              // or "half": how the GPU stores samples (gradient, density)
+  // servo
+  std::string algorithm = "hri";
+  int plane_renewal_ticks = 5;  // n: the plane is found anew every n ticks
+  double stiffness_N_per_m = 500;
+  double damping_Ns_per_m = 0.5;
+  double rate_hz = 1000;
+  double duration_s = 5;
+  bool simulated_clock = false;
+  std::string velocity = "filter";         // name of the HIP's velocity estimator
+  double velocity_cutoff_hz = 200;         // of "filter"; 0: none
+  std::optional<double> velocity_noise_m;  // of "foaw"; empty: the encoders' resolution
+  // haptization's transfer function; a table without rows: chosen from the isovalue and the volume
+  NumberTable haptization_density;   // rows: density, force [N], viscosity [N s/m]
+  NumberTable haptization_gradient;  // rows: gradient [density/m], weight [-]
+  // safety
+  double force_limit_N = 8;          // of the simulated device
+  double slew_limit_N_per_s = 4000;  // servo/safety/safety_gate.hpp says why
+  double fade_s = 0.1;               // time in which a faulty force fades to zero
+  double stale_window_s = 0.25;      // a window that the engine has not confirmed for so long is a fault
+  double stall_s = 0.01;             // a tick later than this ends a stall
+  double report_timeout_s = 0.02;    // a device position older than this is a fault
+  bool passivity_control = false;    // false: observe only
+  // contact effects; all off
+  bool force_shading = false;
+  double recovery_s = 0;                 // 0: none
+  std::string texture = "none";          // none, procedural or density
+  double texture_amplitude_m = 0.1e-3;   // limit on how far a texture moves the VHIP
+  double texture_wavelength_m = 1.0e-3;  // of the procedural texture
+  double texture_gain = 1;               // of the density texture [-]
+  double friction_static = 0;            // mu_s [-]
+  double friction_dynamic = 0;           // mu_d, at most mu_s [-]
+  double friction_viscous_Ns_per_m = 0;
+  NumberTable stiffness_density;  // rows of density, factor [-]; empty: none
+  // hand and simulated device
+  bool spring_hand = false;  // false: the HIP is exactly the path
+  double hand_mass_kg = 0.1;
+  double hand_damping_Ns_per_m = 3.0;
+  double hand_stiffness_N_per_m = 400;
+  double device_mass_kg = 0.05;
+  double device_damping_Ns_per_m = 0.1;
+  double encoder_resolution_m = 0;  // 0: none
+  int device_delay_ticks = 0;
+  // path: a CSV file, or built from the surface
+  std::string path_file;
+  std::optional<Vec3> path_toward;      // direction in which the tool approaches (world); empty: chosen
+  std::optional<Vec3> path_start_W;     // a point near the surface, where the press begins [m]; empty: chosen
+  std::optional<Vec3> path_slide;       // direction of the slide (world); empty: chosen
+  bool straight_over_edges = false;     // false: the slide follows the surface around every edge
+  std::optional<double> press_depth_m;  // of a built path, as the next two; empty: chosen to fit the object [m]
+  std::optional<double> slide_length_m;
+  std::optional<double> approach_m;
+  // edits
+  std::string edit;         // brush that the tool drives: "remove:radius=2mm"; empty: none
+  std::string journal;      // folder of the journal, which keeps edits as they are made; empty: none
+  std::string save;         // file for the edited volume; empty: none
+  double save_every_s = 0;  // interval between saves; 0: only at the end of the run [s]
+  // output
+  std::string out = "out";
+  bool trace = true;                  // write trace.csv
+  int stopped_trace_ticks = 500'000;  // a run that is stopped writes it up to so many ticks
+  bool picture = true;                // draw view.png
+  int image_width = 1280;
+  int image_height = 720;
+};
+
+}  // namespace palpate

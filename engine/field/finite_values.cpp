@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/field/finite_values.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "base/error.hpp"
+
+namespace palpate {
+
+Volume::LayerSource FiniteValues::of(const Volume::LayerSource& layers) {
+  return [this, layers](int bk) -> Volume::BrickSource {
+    return [this, bricks = layers(bk)](const Vec3i& brick, float* values) {
+      const bool constant = bricks(brick, values);
+      if (constant) std::fill(values + 1, values + kBrickVoxels, values[0]);
+      const bool finite = std::all_of(values, values + kBrickVoxels, [](float value) { return std::isfinite(value); });
+      if (finite) return constant;
+      mend(brick, values);
+      return false;
+    };
+  };
+}
+
+// Voxels outside the domain repeat some inside: they are replaced with them and not counted.
+void FiniteValues::mend(const Vec3i& brick, float* values) {
+  const Vec3i inside = (size_ - brick * kBrickSize).cwiseMin(kBrickSize);
+  for (int n = 0; n < kBrickVoxels; ++n) {
+    if (std::isfinite(values[n])) continue;
+    values[n] = instead_;
+    const Vec3i index(n % kBrickSize, n / kBrickSize % kBrickSize, n / (kBrickSize * kBrickSize));
+    if ((index.array() < inside.array()).all()) ++replaced_;
+  }
+}
+
+void FiniteValues::check(const std::string& source) const {
+  const long long all = size_.cast<long long>().prod();
+  if (replaced_ < all) return;
+  throw Error(Error::Code::kBadInput, source, fmt::format("all of its {} voxels are NaN or infinite", all),
+              "the file may be damaged: copy or write it again");
+}
+
+std::string FiniteValues::remark() const {
+  if (replaced_ == 0) return {};
+  return fmt::format("{} of {} voxels are NaN or infinite in the file, and {} here", replaced_.load(),
+                     size_.cast<long long>().prod(), instead_);
+}
+
+}  // namespace palpate

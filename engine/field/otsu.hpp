@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+// engine/field/otsu.hpp: thresholds that part a histogram into classes with the largest variance between them.
+// Private to engine/field. Source: Otsu, "A threshold selection method from gray-level histograms" (IEEE SMC 9, 1979).
+#pragma once
+
+#include <utility>
+
+#include "engine/field/statistics.hpp"
+
+namespace palpate {
+
+// Upper edge of the last bin of the lower class [density]. Cost: one pass over the bins.
+[[nodiscard]] double otsuThreshold(const Histogram& histogram);
+
+// Two thresholds for three classes, the lower first. Cost: bins^2.
+[[nodiscard]] std::pair<double, double> otsuThresholds(const Histogram& histogram);
+
+}  // namespace palpate

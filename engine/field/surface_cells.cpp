@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/field/surface_cells.hpp"
+
+#include <optional>
+
+#include "engine/field/grid.hpp"
+
+namespace palpate {
+namespace {
+
+// On ambiguous faces inside corners are joined where the trilinear field's saddle lies above the isovalue (Nielson and
+// Hamann, IEEE Visualization 1991). Both cells of a face ask the same four densities.
+std::uint8_t joinedFaces(const SurfaceCell& cell, float isovalue) {
+  unsigned joined = 0;
+  for (int face = 0; face < 6; ++face) {
+    if (!isAmbiguous(cell.inside, face)) continue;
+    const auto corners = faceCorners(face);
+    const auto above = [&](std::size_t n) {
+      return static_cast<double>(cell.densities[static_cast<std::size_t>(corners[n])]) - isovalue;
+    };
+    const double first = above(0) * above(2);
+    const double second = above(1) * above(3);
+    if (above(0) > 0 ? first > second : second > first) joined |= 1U << face;
+  }
+  return static_cast<std::uint8_t>(joined);
+}
+
+// What a volume holds, brick by brick, and background around it.
+class Densities {
+ public:
+  Densities(const Volume& volume, float isovalue)
+      : size_(volume.size()), isovalue_(isovalue), values_(volume.grid().field->getConstAccessor()) {}
+
+  // Whether the voxels of a brick, inside the domain or not, all lie on one side: which.
+  [[nodiscard]] std::optional<bool> sideOf(const Vec3i& brick) {
+    const Vec3i first = brick * kBrickSize;
+    if ((first.array() < 0).any() || (first.array() >= size_.array()).any()) return false;
+    const openvdb::Coord at(first.x(), first.y(), first.z());
+    if (values_.probeConstLeaf(at) != nullptr) return std::nullopt;
+    return values_.getValue(at) > isovalue_;
+  }
+
+  [[nodiscard]] bool holds(const Vec3i& voxel) const {
+    return (voxel.array() >= 0).all() && (voxel.array() < size_.array()).all();
+  }
+  [[nodiscard]] float at(const Vec3i& voxel) { return values_.getValue({voxel.x(), voxel.y(), voxel.z()}); }
+
+ private:
+  Vec3i size_;
+  float isovalue_;
+  ScalarGrid::ConstAccessor values_;
+};
+
+// Cells begin in a brick and reach into those behind it.
+bool mayBeCrossed(Densities& densities, const Vec3i& brick) {
+  std::optional<bool> side = densities.sideOf(brick);
+  if (!side) return true;
+  for (int n = 1; n < 8; ++n) {
+    if (densities.sideOf(brick + Vec3i(n & 1, n >> 1 & 1, n >> 2)) != side) return true;
+  }
+  return false;
+}
+
+// The densities at the corners of a brick's cells, read once.
+class Block {
+ public:
+  Block(Densities& densities, float isovalue) : densities_(densities), isovalue_(isovalue) {}
+
+  void read(const Vec3i& first, const Vec3i& last) {
+    first_ = first;
+    for (int k = first.z(); k <= last.z() + 1; ++k) {
+      for (int j = first.y(); j <= last.y() + 1; ++j) {
+        for (int i = first.x(); i <= last.x() + 1; ++i) {
+          const std::size_t n = place({i, j, k});
+          const bool holds = densities_.holds({i, j, k});
+          values_[n] = holds ? densities_.at({i, j, k}) : 0.0F;
+          inside_[n] = holds && values_[n] > isovalue_ ? 1 : 0;
+        }
+      }
+    }
+  }
+
+  [[nodiscard]] std::uint8_t insideOf(const Vec3i& at) const {
+    const std::size_t n = place(at);
+    unsigned inside = 0;
+    for (std::size_t corner = 0; corner < 8; ++corner)
+      inside |= static_cast<unsigned>(inside_[n + kCorners[corner]]) << corner;
+    return static_cast<std::uint8_t>(inside);
+  }
+
+  [[nodiscard]] SurfaceCell cell(const Vec3i& at, std::uint8_t inside) const {
+    SurfaceCell cell;
+    cell.at = at;
+    cell.inside = inside;
+    const std::size_t n = place(at);
+    for (std::size_t corner = 0; corner < 8; ++corner) cell.densities[corner] = values_[n + kCorners[corner]];
+    cell.joined = joinedFaces(cell, isovalue_);
+    cell.loops = loopsOf(cell.inside, cell.joined);
+    return cell;
+  }
+
+ private:
+  static constexpr std::size_t kWide = kBrickSize + 1;
+  static constexpr std::array<std::size_t, 8> kCorners = {
+      0, 1, kWide, kWide + 1, kWide* kWide, kWide* kWide + 1, kWide* kWide + kWide, kWide* kWide + kWide + 1};
+
+  [[nodiscard]] std::size_t place(const Vec3i& voxel) const {
+    const auto at = (voxel - first_).cast<std::size_t>();
+    return (at.z() * kWide + at.y()) * kWide + at.x();
+  }
+
+  Densities& densities_;
+  float isovalue_;
+  Vec3i first_ = Vec3i::Zero();
+  std::array<float, kWide * kWide * kWide> values_{};
+  std::array<std::uint8_t, kWide * kWide * kWide> inside_{};
+};
+
+}  // namespace
+
+std::uint64_t SurfaceCells::key(const Vec3i& cell) const noexcept {
+  const Eigen::Matrix<std::uint64_t, 3, 1> at = (cell + Vec3i::Ones()).cast<std::uint64_t>();
+  const Eigen::Matrix<std::uint64_t, 3, 1> counts = (size_ + Vec3i::Ones()).cast<std::uint64_t>();
+  return (at.z() * counts.y() + at.y()) * counts.x() + at.x();
+}
+
+SurfaceCells::SurfaceCells(const Volume& volume, float isovalue) : size_(volume.size()) {
+  find(volume, isovalue);
+  by_place_.reserve(cells_.size());
+  for (std::size_t n = 0; n < cells_.size(); ++n) by_place_.emplace(key(cells_[n].at), static_cast<std::uint32_t>(n));
+  partDoubleLoops();
+  for (SurfaceCell& cell : cells_) {
+    cell.first_vertex = vertex_count_;
+    vertex_count_ += static_cast<std::uint32_t>(cell.loops.count);
+  }
+}
+
+void SurfaceCells::find(const Volume& volume, float isovalue) {
+  Densities densities(volume, isovalue);
+  const Vec3i counts = volume.brickCount();
+  Block block(densities, isovalue);
+  for (int bk = -1; bk < counts.z(); ++bk) {
+    for (int bj = -1; bj < counts.y(); ++bj) {
+      for (int bi = -1; bi < counts.x(); ++bi) {
+        const Vec3i brick(bi, bj, bk);
+        if (!mayBeCrossed(densities, brick)) continue;
+        // Of the bricks before the domain the last cells alone reach into it.
+        const Vec3i first = (brick * kBrickSize).cwiseMax(-1);
+        const Vec3i last = (brick * kBrickSize + Vec3i::Constant(kBrickSize - 1)).cwiseMin(size_ - Vec3i::Ones());
+        block.read(first, last);
+        for (int k = first.z(); k <= last.z(); ++k) {
+          for (int j = first.y(); j <= last.y(); ++j) {
+            for (int i = first.x(); i <= last.x(); ++i) {
+              const std::uint8_t inside = block.insideOf({i, j, k});
+              if (inside != 0 && inside != 0xff) cells_.push_back(block.cell({i, j, k}, inside));
+            }
+          }
+        }
+      }
+    }
+  }
+}
+
+// Where one loop on either side of a face passes it twice, the two vertices would be joined by two edges of the mesh,
+// one on top of the other. Joining the face's corners the other way parts both loops: each goes along the face's ways
+// in one sense, so it falls apart. No loop grows, so no such face arises anew.
+void SurfaceCells::partDoubleLoops() {
+  const auto passesTwice = [](const SurfaceCell& cell, int face) {
+    const auto pairs = facePairs(cell.inside, cell.joined, face);
+    return cell.loops.of_edge[static_cast<std::size_t>(pairs[0])] ==
+           cell.loops.of_edge[static_cast<std::size_t>(pairs[2])];
+  };
+  const auto joinOtherwise = [](SurfaceCell& cell, int face) {
+    cell.joined = static_cast<std::uint8_t>(cell.joined ^ 1U << face);
+    cell.loops = loopsOf(cell.inside, cell.joined);
+  };
+  for (SurfaceCell& cell : cells_) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const int face = 2 * axis + 1;
+      if (!isAmbiguous(cell.inside, face) || !passesTwice(cell, face)) continue;
+      SurfaceCell& behind = cells_[index(cell.at + Vec3i::Unit(axis))];
+      if (!passesTwice(behind, face - 1)) continue;
+      joinOtherwise(cell, face);
+      joinOtherwise(behind, face - 1);
+    }
+  }
+}
+
+}  // namespace palpate

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/field/volume.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "base/error.hpp"
+#include "engine/field/grid.hpp"
+#include "engine/field/raw_values.hpp"
+
+namespace palpate {
+namespace {
+
+openvdb::Coord coord(const Vec3i& index) {
+  return {index.x(), index.y(), index.z()};
+}
+
+// A cell of eight voxels and the place in it.
+struct Cell {
+  Vec3i first;
+  Vec3 fraction;  // in [0, 1]
+};
+
+// The cell that holds a point of index space; the domain's last face belongs to the last cell.
+Cell cellAt(const Vec3& p_L, const Vec3i& size) {
+  const Vec3i first = p_L.array().floor().cast<int>().matrix().cwiseMin(size - Vec3i::Constant(2)).cwiseMax(0);
+  return {first, p_L - first.cast<double>()};
+}
+
+double cornerWeight(const Vec3& fraction, int corner) {
+  double weight = 1;
+  for (int axis = 0; axis < 3; ++axis) weight *= (corner >> axis & 1) != 0 ? fraction[axis] : 1 - fraction[axis];
+  return weight;
+}
+
+}  // namespace
+
+Volume::Volume(std::unique_ptr<Grid> grid) : grid_(std::move(grid)) {}
+Volume::Volume(Volume&&) noexcept = default;
+Volume& Volume::operator=(Volume&&) noexcept = default;
+Volume::~Volume() = default;
+
+Volume Volume::fromDense(const Vec3i& size, const Lattice& lattice, const std::vector<float>& values,
+                         VolumeFacts facts) {
+  if (size.minCoeff() > 0 && values.size() != static_cast<std::size_t>(size.cast<long long>().prod())) {
+    throw Error(
+        Error::Code::kBadInput, facts.source,
+        fmt::format("{} values were given for {} x {} x {} voxels", values.size(), size.x(), size.y(), size.z()),
+        "give one value a voxel");
+  }
+  const std::span<const char> raw(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(float));
+  const BrickSource source = rawBricks(raw, ValueType::kFloat32, size);
+  return Volume(buildGridByLayers(size, lattice, std::move(facts), [&](int) { return source; }));
+}
+
+Volume Volume::fromBricks(const Vec3i& size, const Lattice& lattice, VolumeFacts facts, const BrickSource& source) {
+  return Volume(buildGrid(size, lattice, std::move(facts), source));
+}
+
+Volume Volume::fromLayers(const Vec3i& size, const Lattice& lattice, VolumeFacts facts, const LayerSource& layers) {
+  return Volume(buildGridByLayers(size, lattice, std::move(facts), layers));
+}
+
+const Vec3i& Volume::size() const noexcept {
+  return grid_->size;
+}
+const Lattice& Volume::lattice() const noexcept {
+  return grid_->lattice;
+}
+const VolumeFacts& Volume::facts() const noexcept {
+  return grid_->facts;
+}
+float Volume::minimum() const noexcept {
+  return grid_->minimum;
+}
+float Volume::maximum() const noexcept {
+  return grid_->maximum;
+}
+const Volume::Grid& Volume::grid() const noexcept {
+  return *grid_;
+}
+
+float Volume::value(const Vec3i& index) const {
+  const Vec3i inside = index.cwiseMin(size() - Vec3i::Ones()).cwiseMax(0);
+  return grid_->field->constTree().getValue(coord(inside));
+}
+
+Vec3i Volume::brickCount() const noexcept {
+  return (size() + Vec3i::Constant(kBrickSize - 1)) / kBrickSize;
+}
+
+bool Volume::readBrick(const Vec3i& brick, float* values) const {
+  const openvdb::Coord first = coord(brick * kBrickSize);
+  const ScalarTree& tree = grid_->field->constTree();
+  const auto* leaf = tree.probeConstLeaf(first);
+  if (leaf == nullptr) {
+    values[0] = tree.getValue(first);
+    return true;
+  }
+  turnBrick(leaf->buffer().data(), values);
+  return false;
+}
+
+void Volume::setBrick(const Vec3i& brick, const float* values) {
+  const auto [lowest, highest] = std::minmax_element(values, values + kBrickVoxels);
+  grid_->minimum = std::min(grid_->minimum, *lowest);
+  grid_->maximum = std::max(grid_->maximum, *highest);
+  grid_->field->tree().addLeaf(makeLeaf(size(), brick, values).release());  // in place of what was there
+}
+
+void Volume::setConstantBrick(const Vec3i& brick, float value) {
+  grid_->minimum = std::min(grid_->minimum, value);
+  grid_->maximum = std::max(grid_->maximum, value);
+  grid_->field->tree().addTile(1, coord(brick * kBrickSize), value, true);
+}
+
+void Volume::rename(std::string source) noexcept {
+  grid_->facts.source = std::move(source);
+}
+
+void Volume::keepIsovalue(double isovalue) noexcept {
+  grid_->facts.kept_isovalue = isovalue;
+}
+
+std::vector<float> Volume::toDense() const {
+  std::vector<float> dense(static_cast<std::size_t>(size().cast<long long>().prod()));
+  std::vector<float> brick_values(kBrickVoxels);
+  const Vec3i bricks = brickCount();
+  for (int n = 0; n < bricks.prod(); ++n) {
+    const Vec3i brick(n % bricks.x(), n / bricks.x() % bricks.y(), n / bricks.x() / bricks.y());
+    if (readBrick(brick, brick_values.data())) std::fill(brick_values.begin(), brick_values.end(), brick_values[0]);
+    const Vec3i first = brick * kBrickSize;
+    const Vec3i inside = (size() - first).cwiseMin(Vec3i::Constant(kBrickSize));
+    for (int k = 0; k < inside.z(); ++k) {
+      for (int j = 0; j < inside.y(); ++j) {
+        const float* from = brick_values.data() + (k * kBrickSize + j) * kBrickSize;
+        const std::size_t row = static_cast<std::size_t>(first.z() + k) * static_cast<std::size_t>(size().y()) +
+                                static_cast<std::size_t>(first.y() + j);
+        std::copy_n(from, inside.x(), dense.data() + row * static_cast<std::size_t>(size().x()) + first.x());
+      }
+    }
+  }
+  return dense;
+}
+
+bool Volume::sample(const Vec3& p_W, double& density, Vec3& gradient_W) const {
+  const Vec3 p_L = lattice().toIndex(p_W);
+  const Vec3i last = size() - Vec3i::Ones();
+  if (!((p_L.array() >= 0).all() && (p_L.array() <= last.cast<double>().array()).all())) return false;  // also NaN
+  const Cell cell = cellAt(p_L, size());
+  density = 0;
+  Vec3 gradient_L = Vec3::Zero();  // [density/m], along the lattice's axes
+  for (int corner = 0; corner < 8; ++corner) {
+    const double weight = cornerWeight(cell.fraction, corner);
+    const Vec3i at = cell.first + Vec3i(corner & 1, corner >> 1 & 1, corner >> 2 & 1);
+    density += weight * static_cast<double>(value(at));
+    for (int axis = 0; axis < 3; ++axis) {
+      Vec3i before = at;
+      Vec3i after = at;
+      before[axis] = std::max(at[axis] - 1, 0);
+      after[axis] = std::min(at[axis] + 1, last[axis]);
+      if (before == after) continue;
+      const double run_m = (after[axis] - before[axis]) * lattice().spacing_m[axis];
+      gradient_L[axis] += weight * (static_cast<double>(value(after)) - static_cast<double>(value(before))) / run_m;
+    }
+  }
+  gradient_W = lattice().gradientToWorld(gradient_L);
+  return true;
+}
+
+void checkTouchable(const Volume& volume) {
+  const Vec3i& size = volume.size();
+  if (size.minCoeff() >= 2) return;
+  throw Error(
+      Error::Code::kBadInput, volume.facts().source,
+      fmt::format("it has {} x {} x {} voxels, and touch needs two along every axis", size.x(), size.y(), size.z()),
+      "give a volume of more slices");
+}
+
+std::size_t Volume::storedBytes() const {
+  return grid_->field->constTree().memUsage();
+}
+std::size_t Volume::storedBricks() const {
+  return grid_->field->constTree().leafCount();
+}
+
+}  // namespace palpate

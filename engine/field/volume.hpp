@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+// engine/field/volume.hpp: a scalar field in space: the truth on the CPU, an OpenVDB grid behind a narrow door.
+//
+// Frames: I is the volume's index space [voxel]: voxel (0,0,0) is the domain's first; lattice() takes I to the world W
+// [m]. The field is defined on the domain box [0, size) only. Bricks of 8x8x8 voxels (a VDB leaf each) tile it from
+// (0,0,0); a brick whose voxels all hold one value is constant and has no storage. Thread: const functions from any
+// thread while nobody changes the volume. OpenVDB is seen by those alone who include grid.hpp.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/lattice.hpp"
+
+namespace palpate {
+
+inline constexpr int kBrickSize = 8;                                       // voxels along a brick's edge
+inline constexpr int kBrickVoxels = kBrickSize * kBrickSize * kBrickSize;  // 512
+
+// Where a volume came from and what its numbers mean; shown by `palpate info` and kept in summaries.
+struct VolumeFacts {
+  std::string source;        // file or phantom name as the user gave it
+  std::string format;        // "NRRD", "DICOM series", "phantom", ...
+  std::string value_type;    // of the file: "int16", "float32", ...
+  std::string orientation;   // words: "LPS axes", "RAS file turned to LPS", ...
+  double rescale_slope = 1;  // file value * slope + intercept = density
+  double rescale_intercept = 0;
+  bool is_level_set = false;                // a VDB level set: density is minus the signed distance [m], isovalue 0
+  std::optional<double> declared_isovalue;  // of a phantom: the density of its exact surface
+  std::optional<double> kept_isovalue;      // at which its file says it was sculpted; damaged: any double, NaN too
+  std::string part;                         // which of a folder's: "series 2 of 3: 1.2.3"; empty: all there is
+  std::optional<float> instead_of_nan;  // while it is read: what voxels that are NaN or infinite become; empty: refused
+  std::string remark;                   // what a user should know: what was replaced or chosen; empty: nothing
+};
+
+class Volume {
+ public:
+  // Makes a volume from dense values, i fastest, size.x*size.y*size.z of them. Refuses (Error kBadInput): a dimension
+  // below 1, NaN or infinite values, a bad lattice. Bricks that hold one value become constant. Cost: one pass
+  // by all processors.
+  static Volume fromDense(const Vec3i& size, const Lattice& lattice, const std::vector<float>& values,
+                          VolumeFacts facts);
+
+  // The same brick by brick, for volumes too large to be dense: `source` fills a brick's 512 densities (i fastest) and
+  // returns false, or sets values[0] only and returns true where the brick is constant. It is called once for every
+  // brick of the domain, i fastest. Memory: the bricks that are not constant, and 8 bytes for each that is.
+  using BrickSource = std::function<bool(const Vec3i& brick, float* values)>;
+  static Volume fromBricks(const Vec3i& size, const Lattice& lattice, VolumeFacts facts, const BrickSource& source);
+
+  // The same by all processors: gives the source of the bricks (i, j, bk), which are asked for i fastest, by one
+  // thread; called for several layers at once.
+  using LayerSource = std::function<BrickSource(int bk)>;
+  static Volume fromLayers(const Vec3i& size, const Lattice& lattice, VolumeFacts facts, const LayerSource& layers);
+
+  Volume(Volume&&) noexcept;
+  Volume& operator=(Volume&&) noexcept;
+  ~Volume();
+
+  [[nodiscard]] const Vec3i& size() const noexcept;       // domain [voxel]
+  [[nodiscard]] const Lattice& lattice() const noexcept;  // index space to world
+  [[nodiscard]] const VolumeFacts& facts() const noexcept;
+  [[nodiscard]] float minimum() const noexcept;  // over the domain [density]
+  [[nodiscard]] float maximum() const noexcept;
+
+  // One voxel; outside the domain the nearest voxel of it. Slow (tree walk): reference code and tests.
+  [[nodiscard]] float value(const Vec3i& index) const;
+
+  // Bricks along each axis: ceil(size / 8).
+  [[nodiscard]] Vec3i brickCount() const noexcept;
+  // Fills `values` with a brick's 512 densities (i fastest) and returns false, or, when the brick is constant, sets
+  // values[0] only and returns true. Voxels of the brick outside the domain repeat the nearest voxel inside.
+  bool readBrick(const Vec3i& brick, float* values) const;
+
+  // Changes one brick: 512 densities (i fastest, voxels outside the domain as readBrick gives them), or one that holds
+  // everywhere. minimum() and maximum() are widened where they must be, never narrowed. Values must be finite. Cost: a
+  // tree walk and 2 KiB. Thread: while nobody reads the volume.
+  void setBrick(const Vec3i& brick, const float* values);
+  void setConstantBrick(const Vec3i& brick, float value);
+
+  // The isovalue at which the volume was sculpted, for files that can keep it (.vdb). Thread: as setBrick().
+  void keepIsovalue(double isovalue) noexcept;
+  // The name under which loadVolume finds it again: facts().source.
+  void rename(std::string source) noexcept;
+
+  // The whole domain, i fastest. Memory: 4 bytes a voxel.
+  [[nodiscard]] std::vector<float> toDense() const;
+
+  // Trilinear density and central-difference gradient [density/m, world] at a world point, for set-up code such as path
+  // building. The gradient is interpolated between voxels as the density is; on the domain's faces its difference is
+  // one-sided, and 0 along an axis of one voxel. Returns false outside the box between the first and the last voxel's
+  // centre.
+  bool sample(const Vec3& p_W, double& density, Vec3& gradient_W) const;
+
+  [[nodiscard]] std::size_t storedBytes() const;   // of the grid on the CPU [byte]
+  [[nodiscard]] std::size_t storedBricks() const;  // that are not constant
+
+  struct Grid;                                      // holds the OpenVDB grid; engine/field/grid.hpp
+  [[nodiscard]] const Grid& grid() const noexcept;  // for who includes grid.hpp
+  explicit Volume(std::unique_ptr<Grid> grid);
+
+ private:
+  std::unique_ptr<Grid> grid_;
+};
+
+// Throws Error(kBadInput) if a volume is one voxel thick: it can be filtered, and has gradients, but there is no cell
+// of eight voxels to feel a surface in.
+void checkTouchable(const Volume& volume);
+
+}  // namespace palpate

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/files/itk_file.hpp"
+
+#include <stdexcept>
+
+#include <itkGDCMImageIO.h>
+#include <itkMetaDataObject.h>
+#include <itkMetaImageIO.h>
+#include <itkNiftiImageIO.h>
+#include <itkNrrdImageIO.h>
+
+#include "engine/files/quiet.hpp"
+
+namespace palpate {
+
+struct ItkFile::Io {
+  itk::ImageIOBase::Pointer image;
+};
+
+namespace {
+
+itk::ImageIOBase::Pointer makeIo(ItkReader reader) {
+  switch (reader) {
+    case ItkReader::kNrrd:
+      return itk::NrrdImageIO::New().GetPointer();
+    case ItkReader::kNifti:
+      return itk::NiftiImageIO::New().GetPointer();
+    case ItkReader::kMeta:
+      return itk::MetaImageIO::New().GetPointer();
+    case ItkReader::kDicomSlice:
+      return itk::GDCMImageIO::New().GetPointer();
+  }
+  return nullptr;
+}
+
+// Runs `work` with the screen caught and ITK's exceptions turned into one line.
+template <class Work>
+void quietly(const Work& work) {
+  const Quiet quiet;
+  try {
+    work();
+  } catch (const itk::ExceptionObject& failure) {
+    throw std::runtime_error(shortReason(failure.GetDescription()));
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception& failure) {
+    throw std::runtime_error(shortReason(failure.what()));
+  }
+}
+
+std::optional<ValueType> valueTypeOf(itk::IOComponentEnum component) {
+  using Component = itk::IOComponentEnum;
+  switch (component) {
+    case Component::UCHAR:
+      return ValueType::kUint8;
+    case Component::CHAR:
+      return ValueType::kInt8;
+    case Component::USHORT:
+      return ValueType::kUint16;
+    case Component::SHORT:
+      return ValueType::kInt16;
+    case Component::UINT:
+      return ValueType::kUint32;
+    case Component::INT:
+      return ValueType::kInt32;
+    case Component::ULONG:
+    case Component::ULONGLONG:
+      return ValueType::kUint64;
+    case Component::LONG:
+    case Component::LONGLONG:
+      return ValueType::kInt64;
+    case Component::FLOAT:
+      return ValueType::kFloat32;
+    case Component::DOUBLE:
+      return ValueType::kFloat64;
+    default:
+      return {};
+  }
+}
+
+ItkHeader headerOf(const itk::ImageIOBase& image) {
+  ItkHeader header;
+  header.components = image.GetNumberOfComponents();
+  header.type = valueTypeOf(image.GetComponentType());
+  const unsigned axes = image.GetNumberOfDimensions();
+  for (unsigned axis = 0; axis < axes; ++axis) {
+    header.dimensions.push_back(static_cast<std::int64_t>(image.GetDimensions(axis)));
+    if (axis >= 3) continue;
+    header.origin[axis] = image.GetOrigin(axis);
+    header.spacing[axis] = image.GetSpacing(axis);
+    const std::vector<double> direction = image.GetDirection(axis);
+    for (std::size_t row = 0; row < 3 && row < direction.size(); ++row) header.direction[axis][row] = direction[row];
+  }
+  return header;
+}
+
+itk::ImageIORegion wholeRegion(const itk::ImageIOBase& image) {
+  const unsigned axes = image.GetNumberOfDimensions();
+  itk::ImageIORegion region(axes);
+  for (unsigned axis = 0; axis < axes; ++axis) region.SetSize(axis, image.GetDimensions(axis));
+  return region;
+}
+
+}  // namespace
+
+ItkFile::ItkFile(ItkReader reader, const std::string& path) : io_(std::make_unique<Io>()) {
+  quietly([&] {
+    io_->image = makeIo(reader);
+    io_->image->SetFileName(path);
+    io_->image->ReadImageInformation();
+    header_ = headerOf(*io_->image);
+  });
+}
+
+ItkFile::~ItkFile() = default;
+
+void ItkFile::read(std::span<char> values) {
+  quietly([&] {
+    std::size_t bytes = header_.type ? byteSize(*header_.type) * header_.components : 0;
+    for (const std::int64_t size : header_.dimensions) bytes *= static_cast<std::size_t>(size);
+    if (bytes != values.size()) throw std::runtime_error("its header has changed since it was read");
+    io_->image->SetIORegion(wholeRegion(*io_->image));
+    io_->image->Read(values.data());
+  });
+}
+
+std::map<std::string, std::string> ItkFile::tags() const {
+  std::map<std::string, std::string> all;
+  const itk::MetaDataDictionary& dictionary = io_->image->GetMetaDataDictionary();
+  for (const std::string& key : dictionary.GetKeys()) {
+    std::string value;
+    if (!itk::ExposeMetaData<std::string>(dictionary, key, value)) continue;
+    while (!value.empty() && (value.back() == ' ' || value.back() == '\0')) value.pop_back();
+    value.erase(0, value.find_first_not_of(' '));
+    all.emplace(key, std::move(value));
+  }
+  return all;
+}
+
+}  // namespace palpate

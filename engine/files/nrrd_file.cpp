@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+// NRRD, attached (.nrrd) and detached (.nhdr). Source of the format: https://teem.sourceforge.net/nrrd/format.html
+//
+// ITK reads the header, and nothing else. The lattice is made here from "space directions", because
+// ITK 5.2 turns LAS files to LPS but not RAS ones. Looked at before: spacings (ITK takes the size of a negative one),
+// units of length (ITK ignores them).
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "base/error.hpp"
+#include "engine/field/memory_budget.hpp"
+#include "engine/files/itk_image.hpp"
+#include "engine/files/readers.hpp"
+#include "engine/files/text_header.hpp"
+#include "engine/files/text_stored.hpp"
+
+namespace palpate {
+namespace {
+
+// The sizes of the header; memory is checked here too, because ITK may allocate while it reads a header.
+void checkNrrdSizes(const TextHeader& header, const std::string& source, std::size_t memory_budget_bytes) {
+  const std::vector<double> sizes = header.numbers("sizes");
+  double voxels = 1;
+  for (const double size : sizes) {
+    if (!(size >= 1 && size <= 1e15) || size != std::floor(size)) {
+      refuse(source, fmt::format("its sizes \"{}\" are not counts", header.text("sizes")), "write the file again");
+    }
+    voxels *= size;
+  }
+  if (sizes.size() < 3) refuse(source, fmt::format("it has {} dimensions", sizes.size()), "give a volume");
+  checkMemory(source, voxels * (kDenseBytesPerVoxel + kGridBytesPerVoxel + kGpuBytesPerVoxel), memory_budget_bytes);
+}
+
+// Whether the file says how large its voxels are; spacings that are all NaN are as good as none.
+bool givesVoxelSize(const TextHeader& header) {
+  const std::vector<double> spacings = header.numbers("spacings");
+  return !header.text("space directions").empty() ||
+         std::any_of(spacings.begin(), spacings.end(), [](double spacing) { return !std::isnan(spacing); });
+}
+
+// Spacings of axes that are not in space, or have one voxel, may be NaN; ITK would put 1 for it. Those that are numbers
+// must be above 0.
+void checkSpacings(const TextHeader& header, const std::string& source) {
+  const std::vector<double> spacings = header.numbers("spacings");
+  const std::vector<double> sizes = header.numbers("sizes");
+  for (std::size_t axis = 0; axis < spacings.size() && givesVoxelSize(header); ++axis) {
+    const double spacing = spacings[axis];
+    const bool may_be_none = axis < sizes.size() && sizes[axis] == 1;
+    if ((std::isnan(spacing) && may_be_none) || (spacing > 0 && std::isfinite(spacing))) continue;
+    refuse(source, fmt::format("its spacings \"{}\" are not positive", header.text("spacings")),
+           "write the true voxel size into the header");
+  }
+  const std::vector<double> directions = header.numbers("space directions");
+  for (std::size_t n = 0; n + 2 < directions.size(); n += 3) {
+    const double length = std::hypot(directions[n], directions[n + 1], directions[n + 2]);
+    if (!(length > 0) && !std::isnan(length)) {
+      refuse(source, fmt::format("its space directions \"{}\" hold a zero vector", header.text("space directions")),
+             "write the true voxel size into the header");
+    }
+  }
+}
+
+// Millimetres unless "space units" or "units" says otherwise of the first axis.
+double metresPerUnit(const TextHeader& header, const std::string& source) {
+  std::string units = header.text("space units");
+  if (units.empty()) units = header.text("units");
+  const std::size_t first = units.find('"');
+  if (first == std::string::npos) return 1e-3;
+  const std::string unit = units.substr(first + 1, units.find('"', first + 1) - first - 1);
+  if (unit.empty() || unit == "mm" || unit == "millimeter" || unit == "millimeters" || unit == "???") return 1e-3;
+  if (unit == "um" || unit == "micrometer" || unit == "microns" || unit == "micron") return 1e-6;
+  if (unit == "cm" || unit == "centimeter") return 1e-2;
+  if (unit == "m" || unit == "meter") return 1;
+  refuse(source, fmt::format("its unit of length \"{}\" is not known", unit), "use mm, um, cm or m");
+}
+
+std::size_t nrrdTypeBytes(const std::string& type) {
+  if (type.find("64") != std::string::npos || type.find("long long") != std::string::npos) return 8;
+  if (type == "double" || type == "longlong" || type == "ulonglong") return 8;
+  if (type.find("16") != std::string::npos || type.find("short") != std::string::npos) return 2;
+  if (type.find("char") != std::string::npos || type == "int8" || type == "uint8" || type == "int8_t" ||
+      type == "uint8_t") {
+    return 1;
+  }
+  return 4;
+}
+
+// "(1,2,3) none (4,5,6)": the vectors, without what is not one.
+std::vector<Vec3> vectorsOf(const TextHeader& header, const std::string& key) {
+  const std::string text = header.text(key);
+  std::vector<Vec3> vectors;
+  for (std::size_t open = text.find('('); open != std::string::npos; open = text.find('(', open + 1)) {
+    TextHeader one;
+    one.fields[key] = text.substr(open, text.find(')', open) - open);
+    const std::vector<double> numbers = one.numbers(key);
+    if (numbers.size() == 3) vectors.emplace_back(numbers[0], numbers[1], numbers[2]);
+  }
+  return vectors;
+}
+
+// The file's frame to LPS; the identity for frames that have no anatomy.
+Vec3 signsToLps(const TextHeader& header) {
+  const std::string space = lowerCase(header.text("space"));
+  if (space == "right-anterior-superior" || space == "ras") return {-1, -1, 1};
+  if (space == "left-anterior-superior" || space == "las") return {1, -1, 1};
+  return {1, 1, 1};
+}
+
+// Empty where the header gives no directions: spacings alone ITK reads rightly. Of three axes in space each needs one;
+// ITK would make one up.
+std::optional<Lattice> latticeOf(const TextHeader& header, double metres_per_unit, const std::string& source) {
+  if (header.text("space directions").empty()) return {};
+  const std::vector<Vec3> directions = vectorsOf(header, "space directions");
+  const std::vector<Vec3> origin = vectorsOf(header, "space origin");
+  if (directions.size() != 3) {
+    refuse(source,
+           fmt::format("its space directions \"{}\" are not three vectors of three numbers",
+                       header.text("space directions")),
+           "write the directions of its three axes into the header");
+  }
+  const Vec3 signs = signsToLps(header);
+  Lattice lattice;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Vec3 step = directions[static_cast<std::size_t>(axis)].cwiseProduct(signs) * metres_per_unit;
+    lattice.spacing_m[axis] = step.norm();
+    lattice.R_WL.col(axis) = step.normalized();
+  }
+  if (origin.size() == 1) lattice.origin_W = origin[0].cwiseProduct(signs) * metres_per_unit;
+  return lattice;
+}
+
+std::string orientationOf(const TextHeader& header) {
+  const std::string space = lowerCase(header.text("space"));
+  if (space.empty()) return "no space in the file: axes taken as LPS";
+  if (space == "left-posterior-superior" || space == "lps") return "LPS file";
+  if (space == "right-anterior-superior" || space == "ras") return "RAS file turned to LPS";
+  if (space == "left-anterior-superior" || space == "las") return "LAS file turned to LPS";
+  return fmt::format("space \"{}\" taken as LPS", space);
+}
+
+}  // namespace
+
+Volume readNrrd(const ReadRequest& wanted) {
+  const std::string& name = wanted.name;
+  const TextHeader header = readTextHeader(name, name, TextFormat::kNrrd);
+  checkNrrdSizes(header, name, wanted.memory_budget_bytes);
+  checkSpacings(header, name);
+  ItkRequest request;
+  request.reader = ItkReader::kNrrd;
+  request.path = name;
+  request.metres_per_unit = metresPerUnit(header, name);
+  request.lattice = latticeOf(header, request.metres_per_unit, name);
+  request.memory_budget_bytes = wanted.memory_budget_bytes;
+  request.stored = nrrdStored(header, name, nrrdTypeBytes(lowerCase(header.text("type"))), name);
+  request.facts.source = name;
+  request.facts.instead_of_nan = wanted.instead_of_nan;
+  request.facts.format = "NRRD";
+  request.facts.orientation = orientationOf(header);
+  if (!givesVoxelSize(header)) {
+    request.facts.remark = "the file gives no voxel size; 1 mm is assumed";
+  }
+  return readItkImage(std::move(request));
+}
+
+}  // namespace palpate

@@ -1,0 +1,302 @@
+// SPDX-License-Identifier: Apache-2.0
+// OpenVDB files: the first float, half, double or integer grid, or the one that "file.vdb#name" names.
+//
+// The domain is the one that the metadata "palpate_domain" names, or else the box of active voxels, padded by two
+// voxels on every side, which are background wherever the grid has nothing else. Lengths are metres unless the grid's
+// or the file's metadata "unit" says mm, um or cm; a level set becomes density = -distance [m], so that density above 0
+// is inside. World axes are taken as LPS.
+//
+// Leaves that are bricks of the volume (all but the border's in a file that Palpate wrote) are taken over: their memory
+// becomes the volume's. All others are copied.
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <optional>
+#include <type_traits>
+
+#include <fmt/format.h>
+#include <malloc.h>
+#include <openvdb/io/Stream.h>
+#include <openvdb/openvdb.h>
+
+#include "base/child_process.hpp"
+#include "base/error.hpp"
+#include "base/units.hpp"
+#include "engine/field/brick_values.hpp"
+#include "engine/field/grid.hpp"
+#include "engine/field/memory_budget.hpp"
+#include "engine/field/raw_values.hpp"
+#include "engine/files/quiet.hpp"
+#include "engine/files/readers.hpp"
+#include "engine/files/text_header.hpp"
+#include "engine/files/vdb_checksum.hpp"
+#include "engine/files/volume_name.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr int kPadding = 2;  // [voxel]
+
+// Reads every grid. Unlike io::File, a stream can be told to throw where it ends, so a header that lies about a count
+// cannot keep the reader busy with bytes that are not there.
+openvdb::GridPtrVecPtr readGrids(const std::string& path, const std::string& source) {
+  const Quiet quiet;
+  openvdb::initialize();
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw cannotRead(source, "it", {errno, std::generic_category()});
+  file.exceptions(std::ios::failbit | std::ios::badbit);
+  try {
+    openvdb::io::Stream stream(file, false);
+    return stream.getGrids();
+  } catch (const std::bad_alloc&) {
+    refuse(source, "it asks for more memory than there is", "the file may be damaged: copy or write it again");
+  } catch (const std::exception&) {
+    refuse(source, "it is no OpenVDB file, or it is cut short or damaged", "copy or write it again");
+  }
+}
+
+// A damaged length in the file makes OpenVDB write beyond a buffer. So it may read here what a checksum vouches for, or
+// what it has read in a child process without harm: whatever corrupts memory is found in that, too, at the latest when
+// the sizes do not fit.
+void checkReadable(const std::string& path, const std::string& source) {
+  constexpr double kMostInMemory = 64;  // bytes of a node for one in the file
+  switch (checkVdbChecksum(path, source)) {
+    case VdbChecksum::kHolds:
+      return;
+    case VdbChecksum::kFails:
+      refuse(source, "its checksum is not that of its bytes: it is damaged", "copy or write it again");
+    case VdbChecksum::kMissing:
+      break;
+  }
+  const auto bytes = static_cast<double>(fileBytes(path, source));
+  const double memory = std::min(kMostInMemory * bytes, static_cast<double>(availableMemoryBytes()));
+  const ChildOutcome trial = runInChild(source, 1, limitsForFile(bytes, memory), [&](std::size_t) {
+    new openvdb::GridPtrVecPtr(readGrids(path, source));  // given back with the process
+    return std::string();
+  });
+  if (!trial.trouble) return;
+  if (trial.trouble->error) throw Error(*trial.trouble->error);
+  refuse(source, fmt::format("it is damaged ({})", trial.trouble->words), "copy or write it again");
+}
+
+bool isScalar(const openvdb::GridBase& grid) {
+  return grid.isType<openvdb::FloatGrid>() || grid.isType<openvdb::DoubleGrid>() || grid.isType<openvdb::Int32Grid>();
+}
+
+openvdb::GridBase& chooseGrid(const openvdb::GridPtrVec& grids, const std::string& wanted, const std::string& source) {
+  std::string names;
+  for (const auto& grid : grids) {
+    if (isScalar(*grid) && (wanted.empty() || grid->getName() == wanted)) return *grid;
+    names += fmt::format("{}\"{}\" ({})", names.empty() ? "" : ", ", grid->getName(), grid->valueType());
+  }
+  if (names.empty()) refuse(source, "it has no grids", "write the file again");
+  if (wanted.empty()) refuse(source, "it has no grid of numbers, only " + names, "give a density or a level set");
+  refuse(source, fmt::format("it has no grid of numbers named \"{}\"; there are {}", wanted, names),
+         "name one of them");
+}
+
+double metresPerUnit(const openvdb::GridBase& grid, const std::string& source) {
+  const auto unit = grid.getMetadata<openvdb::StringMetadata>("unit");
+  if (!unit || unit->value() == "m") return 1;
+  if (unit->value() == "mm") return kMetresPerMillimetre;
+  if (unit->value() == "cm") return 1e-2;
+  if (unit->value() == "um") return 1e-6;
+  refuse(source, fmt::format("its unit of length \"{}\" is not known", unit->value()), "use m, cm, mm or um");
+}
+
+// The lattice whose voxel (0,0,0) is the grid's voxel `first`. VDB multiplies row vectors: rows 0 to 2 are the axes.
+Lattice latticeOf(const openvdb::GridBase& grid, const openvdb::Coord& first, const std::string& source) {
+  if (!grid.transform().isLinear())
+    refuse(source, "its transform is not linear", "resample the volume onto a regular grid");
+  const openvdb::Mat4R matrix = grid.transform().baseMap()->getAffineMap()->getMat4();
+  const double metres = metresPerUnit(grid, source);
+  const openvdb::Vec3d origin = grid.transform().indexToWorld(first);
+  Lattice lattice;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Vec3 step = Vec3(matrix(axis, 0), matrix(axis, 1), matrix(axis, 2)) * metres;
+    lattice.spacing_m[axis] = step.norm();
+    lattice.R_WL.col(axis) = step / step.norm();
+    lattice.origin_W[axis] = origin[axis] * metres;
+  }
+  return orthonormalised(lattice, source);
+}
+
+// The domain that a file of Palpate's names; nothing if it does not, or its active voxels say otherwise.
+std::optional<openvdb::CoordBBox> namedDomain(const openvdb::GridBase& grid) {
+  const auto size = grid.getMetadata<openvdb::Vec3IMetadata>(kVdbDomainKey);
+  if (!size) return {};
+  const openvdb::Vec3i n = size->value();
+  for (int axis = 0; axis < 3; ++axis) {
+    if (n[axis] < 1 || n[axis] > kMaxDimension) return {};
+  }
+  const openvdb::CoordBBox domain(openvdb::Coord(0, 0, 0), openvdb::Coord(n[0] - 1, n[1] - 1, n[2] - 1));
+  const openvdb::CoordBBox active = grid.evalActiveVoxelBoundingBox();
+  if (!active.empty() && !domain.isInside(active)) return {};
+  return domain;
+}
+
+// Whatever else there may be under the key is no number.
+std::optional<double> keptIsovalue(const openvdb::GridBase& grid) {
+  if (!grid[kVdbIsovalueKey]) return {};
+  const auto kept = grid.getMetadata<openvdb::DoubleMetadata>(kVdbIsovalueKey);
+  return kept ? kept->value() : std::numeric_limits<double>::quiet_NaN();
+}
+
+openvdb::CoordBBox domainOf(const openvdb::GridBase& grid, const std::string& source) {
+  if (const auto named = namedDomain(grid)) return *named;
+  openvdb::CoordBBox box = grid.evalActiveVoxelBoundingBox();
+  if (box.empty())
+    refuse(source, fmt::format("its grid \"{}\" has no active voxels", grid.getName()), "give another grid");
+  for (int axis = 0; axis < 3; ++axis) {
+    const double length = static_cast<double>(box.max()[axis]) - static_cast<double>(box.min()[axis]);
+    if (length < kMaxDimension - 2 * kPadding && std::abs(static_cast<double>(box.min()[axis])) < 1e9) continue;
+    refuse(source,
+           fmt::format("its active voxels span {:.0f} along an axis, and {} are the most", length + 1, kMaxDimension),
+           "crop or resample it");
+  }
+  box.expand(kPadding);
+  return box;
+}
+
+// Reads bricks out of a grid of any value type; where no leaf reaches into a brick only its corners are looked at. A
+// layer of bricks has one of its own.
+template <class Tree>
+class TreeBricks {
+ public:
+  TreeBricks(const Tree& tree, const openvdb::CoordBBox& domain, double scale)
+      : values_(tree), domain_(domain), scale_(scale) {}
+
+  bool operator()(const Vec3i& brick, float* out) {
+    const openvdb::Coord first =
+        domain_.min().offsetBy(brick.x() * kBrickSize, brick.y() * kBrickSize, brick.z() * kBrickSize);
+    if (constantFrom(first, out)) return true;
+    for (int k = 0; k < kBrickSize; ++k) {
+      for (int j = 0; j < kBrickSize; ++j) {
+        for (int i = 0; i < kBrickSize; ++i) *out++ = at(first.offsetBy(i, j, k));
+      }
+    }
+    return false;
+  }
+
+ private:
+  float at(openvdb::Coord voxel) const {
+    voxel.minComponent(domain_.max());
+    return static_cast<float>(scale_ * static_cast<double>(values_.getValue(voxel)));
+  }
+
+  // A brick reaches into at most two leaf cells along an axis, and each of its eight corners lies in another of them.
+  bool constantFrom(const openvdb::Coord& first, float* out) const {
+    out[0] = at(first);
+    for (int corner = 0; corner < 8; ++corner) {
+      const int last = kBrickSize - 1;
+      const openvdb::Coord voxel =
+          first.offsetBy((corner & 1) * last, (corner >> 1 & 1) * last, (corner >> 2 & 1) * last);
+      const float value = at(voxel);
+      if (values_.probeConstLeaf(voxel) != nullptr || !sameBits(value, out[0])) return false;
+    }
+    return true;
+  }
+
+  openvdb::tree::ValueAccessor<const Tree, false> values_;  // unknown to the tree, which does not change
+  openvdb::CoordBBox domain_;
+  double scale_;
+};
+
+// Whether leaves of the file lie where the volume's bricks will, and hold what they will.
+bool leavesAreBricks(const openvdb::GridBase& grid, const openvdb::CoordBBox& domain, double scale) {
+  const openvdb::Coord& first = domain.min();
+  const bool is_aligned = ((first.x() | first.y() | first.z()) & (kBrickSize - 1)) == 0;
+  return grid.isType<ScalarGrid>() && scale == 1 && is_aligned;
+}
+
+// Of such a grid; a leaf that reaches out of the domain is none.
+LeafSource leavesOf(ScalarTree& tree, const openvdb::CoordBBox& domain) {
+  return [&tree, domain](const Vec3i& brick) -> ScalarTree::LeafNodeType* {
+    const openvdb::Coord first =
+        domain.min().offsetBy(brick.x() * kBrickSize, brick.y() * kBrickSize, brick.z() * kBrickSize);
+    return domain.isInside(first.offsetBy(kBrickSize - 1)) ? tree.probeLeaf(first) : nullptr;
+  };
+}
+
+// Leaves of the grid may be empty afterwards.
+template <class GridType>
+Volume convert(openvdb::GridBase& base, const Lattice& lattice, const openvdb::CoordBBox& domain, double scale,
+               VolumeFacts facts) {
+  auto& tree = static_cast<GridType&>(base).tree();
+  const openvdb::Coord dim = domain.dim();
+  LeafSource leaf_of;
+  if constexpr (std::is_same_v<GridType, ScalarGrid>) {
+    if (leavesAreBricks(base, domain, scale)) leaf_of = leavesOf(tree, domain);
+  }
+  using Bricks = TreeBricks<typename GridType::TreeType>;
+  return Volume(buildGridByLayers(
+      Vec3i(dim.x(), dim.y(), dim.z()), lattice, std::move(facts), [&](int) { return Bricks(tree, domain, scale); },
+      leaf_of));
+}
+
+// Leaves count once, and with what the GPU needs; every brick of the domain costs a tile. Those that are taken over
+// have their memory already, so it is no part of what is free; others are copied while the file's own are still there.
+void checkSparseMemory(const openvdb::GridBase& grid, const openvdb::CoordBBox& domain, double scale,
+                       const std::string& source, std::size_t memory_budget_bytes) {
+  constexpr double kTileBytes = 8;
+  const openvdb::Coord dim = domain.dim();
+  const double box = static_cast<double>(dim.x()) * static_cast<double>(dim.y()) * static_cast<double>(dim.z());
+  checkBricks(source, dim.x(), dim.y(), dim.z());
+  const auto leaves = static_cast<double>(grid.memUsage());
+  const bool free_only = memory_budget_bytes == 0 && leavesAreBricks(grid, domain, scale);
+  checkMemory(
+      source,
+      leaves * ((free_only ? 0 : 1) + kGpuBytesPerVoxel / kDenseBytesPerVoxel) + box / kBrickVoxels * kTileBytes,
+      memory_budget_bytes);
+}
+
+Volume readGrid(const ReadRequest& wanted) {
+  const std::string& name = wanted.name;
+  const VolumeName parsed = parseVolumeName(name);
+  const std::string& path = parsed.path;
+  checkMemory(name, static_cast<double>(fileBytes(path, name)), wanted.memory_budget_bytes);
+  checkReadable(path, name);
+  const openvdb::GridPtrVecPtr grids = readGrids(path, name);
+  openvdb::GridBase& grid = chooseGrid(*grids, parsed.part, name);
+  const openvdb::CoordBBox domain = domainOf(grid, name);
+  const Lattice lattice = latticeOf(grid, domain.min(), name);
+  VolumeFacts facts;
+  facts.source = name;
+  facts.instead_of_nan = wanted.instead_of_nan;
+  facts.format = "OpenVDB";
+  facts.value_type = grid.saveFloatAsHalf() ? "half" : grid.valueType();
+  facts.orientation = "world axes taken as LPS";
+  facts.is_level_set = grid.getGridClass() == openvdb::GRID_LEVEL_SET;
+  facts.kept_isovalue = keptIsovalue(grid);
+  const double scale = facts.is_level_set ? -metresPerUnit(grid, name) : 1;
+  checkSparseMemory(grid, domain, scale, name, wanted.memory_budget_bytes);
+  if (grid.isType<openvdb::FloatGrid>())
+    return convert<openvdb::FloatGrid>(grid, lattice, domain, scale, std::move(facts));
+  if (grid.isType<openvdb::DoubleGrid>())
+    return convert<openvdb::DoubleGrid>(grid, lattice, domain, scale, std::move(facts));
+  return convert<openvdb::Int32Grid>(grid, lattice, domain, scale, std::move(facts));
+}
+
+// OpenVDB looks at a transform when it is asked for it, not when it reads it.
+Volume readOrRefuse(const ReadRequest& wanted) {
+  try {
+    return readGrid(wanted);
+  } catch (const openvdb::Exception& failure) {
+    refuse(wanted.name, fmt::format("it is damaged ({})", shortReason(failure.what())), "copy or write it again");
+  }
+}
+
+}  // namespace
+
+Volume readVdb(const ReadRequest& wanted) {
+  Volume volume = readOrRefuse(wanted);
+  // The file's own grid is gone, but the leaves of it that were copied, 2 KiB each, and the nodes of those that were
+  // taken over lie in the heap where it does not end: back to the system.
+  malloc_trim(0);
+  return volume;
+}
+
+}  // namespace palpate

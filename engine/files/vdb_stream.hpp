@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+// engine/files/vdb_stream.hpp: what all writers of OpenVDB files share. Private to engine/files.
+#pragma once
+
+#include <string>
+
+#include <openvdb/openvdb.h>
+
+#include "base/byte_sink.hpp"
+#include "base/lattice.hpp"
+
+namespace palpate {
+
+// A lattice as OpenVDB's transform from voxels to the world, in units of which a metre has so many. Throws
+// Error(kBadInput, `name`) where voxels are too small for OpenVDB.
+[[nodiscard]] openvdb::math::Transform::Ptr vdbTransform(const Lattice& lattice, double units_per_metre,
+                                                         const std::string& name);
+
+// Writes a file of one grid, and its checksum (vdb_checksum.hpp); throws what the sink throws.
+void streamGrid(const openvdb::GridBase::ConstPtr& grid, const ByteSink& sink);
+
+}  // namespace palpate

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/files/volume_file.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <filesystem>
+#include <span>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "base/atomic_file.hpp"
+#include "base/error.hpp"
+#include "engine/files/text_header.hpp"
+#include "engine/files/volume_name.hpp"
+#include "engine/files/writers.hpp"
+
+namespace palpate {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "values are written as they lie in memory");
+
+// Eight slices of the domain, i fastest, one layer of bricks after another.
+template <class Visit>
+void forEachLayer(const Volume& volume, const Visit& visit) {
+  const Vec3i size = volume.size();
+  const Vec3i bricks = volume.brickCount();
+  const auto row = static_cast<std::size_t>(size.x());
+  const std::size_t slice = row * static_cast<std::size_t>(size.y());
+  std::vector<float> layer(slice * kBrickSize);
+  std::array<float, kBrickVoxels> values = {};
+  for (int bk = 0; bk < bricks.z(); ++bk) {
+    const int deep = std::min(kBrickSize, size.z() - bk * kBrickSize);
+    for (int bj = 0; bj < bricks.y(); ++bj) {
+      for (int bi = 0; bi < bricks.x(); ++bi) {
+        if (volume.readBrick({bi, bj, bk}, values.data())) values.fill(values[0]);
+        const int wide = std::min(kBrickSize, size.x() - bi * kBrickSize);
+        const int high = std::min(kBrickSize, size.y() - bj * kBrickSize);
+        for (int k = 0; k < deep; ++k) {
+          for (int j = 0; j < high; ++j) {
+            float* to = layer.data() + static_cast<std::size_t>(k) * slice +
+                        static_cast<std::size_t>(bj * kBrickSize + j) * row + bi * kBrickSize;
+            std::copy_n(values.data() + (k * kBrickSize + j) * kBrickSize, wide, to);
+          }
+        }
+      }
+    }
+    visit(std::span<const float>(layer.data(), slice * static_cast<std::size_t>(deep)));
+  }
+}
+
+// Compared by bits: -0 is no whole number here.
+bool fitsInt16(float value) {
+  if (!(value >= -32768.0F && value <= 32767.0F)) return false;
+  return std::bit_cast<std::uint32_t>(static_cast<float>(static_cast<std::int16_t>(value))) ==
+         std::bit_cast<std::uint32_t>(value);
+}
+
+template <class T>
+std::string_view bytesOf(std::span<const T> values) {
+  return {reinterpret_cast<const char*>(values.data()), values.size_bytes()};
+}
+
+void refuseUnit(const std::string& name, std::optional<LengthUnit> unit) {
+  if (unit != LengthUnit::kMetre) return;
+  throw Error(Error::Code::kBadInput, name, "files of this format are in millimetres",
+              "leave --unit out; .vdb and meshes can have metres");
+}
+
+}  // namespace
+
+ValueType typeToWrite(const Volume& volume) {
+  const std::string& type = volume.facts().value_type;
+  if (!type.starts_with("int") && !type.starts_with("uint")) return ValueType::kFloat32;
+  if (!fitsInt16(volume.minimum()) || !fitsInt16(volume.maximum())) return ValueType::kFloat32;
+  std::array<float, kBrickVoxels> values = {};
+  const Vec3i bricks = volume.brickCount();
+  for (int bk = 0; bk < bricks.z(); ++bk) {
+    for (int bj = 0; bj < bricks.y(); ++bj) {
+      for (int bi = 0; bi < bricks.x(); ++bi) {
+        const std::size_t count = volume.readBrick({bi, bj, bk}, values.data()) ? 1 : kBrickVoxels;
+        if (!std::all_of(values.begin(), values.begin() + count, fitsInt16)) return ValueType::kFloat32;
+      }
+    }
+  }
+  return ValueType::kInt16;
+}
+
+void writeValues(const Volume& volume, ValueType type, const ByteSink& sink) {
+  std::vector<std::int16_t> whole;
+  forEachLayer(volume, [&](std::span<const float> values) {
+    if (type == ValueType::kFloat32) return sink(bytesOf(values));
+    whole.resize(values.size());
+    std::transform(values.begin(), values.end(), whole.begin(), [](float v) { return static_cast<std::int16_t>(v); });
+    sink(bytesOf(std::span<const std::int16_t>(whole)));
+  });
+}
+
+bool isVolumeFileName(const std::string& name) {
+  const std::string lower = lowerCase(name);
+  return lower.ends_with(".nrrd") || lower.ends_with(".nii") || lower.ends_with(".nii.gz") || lower.ends_with(".mha") ||
+         lower.ends_with(".vdb");
+}
+
+void writeVolume(const Volume& volume, const std::string& name, std::optional<LengthUnit> unit, const ByteSink& sink) {
+  const std::string lower = lowerCase(name);
+  if (lower.ends_with(".vdb")) {
+    const LengthUnit usual = volume.facts().is_level_set ? LengthUnit::kMetre : LengthUnit::kMillimetre;
+    return writeVdb(volume, name, unit.value_or(usual), sink);
+  }
+  if (!isVolumeFileName(name)) {
+    throw Error(Error::Code::kBadInput, name, "its suffix names no format that volumes are written in",
+                fmt::format("use one of {}", kVolumeFileSuffixes));
+  }
+  refuseUnit(name, unit);
+  if (lower.ends_with(".nrrd")) return writeNrrd(volume, sink);
+  if (lower.ends_with(".mha")) return writeMeta(volume, sink);
+  if (!lower.ends_with(".gz")) return writeNifti(volume, name, sink);
+  GzipSink packed(sink);
+  writeNifti(volume, name, [&](std::string_view bytes) { packed.write(bytes); });
+  packed.finish();
+}
+
+std::uint64_t saveVolume(const Volume& volume, const std::string& name) {
+  AtomicFile file(name);
+  std::uint64_t bytes = 0;
+  writeVolume(volume, name, {}, [&](std::string_view piece) {
+    bytes += piece.size();
+    file.write(piece);
+  });
+  file.commit();
+  return bytes;
+}
+
+void checkNotInput(const std::string& in, const std::string& out) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  if (!fs::exists(out, ignored)) return;
+  const std::string path = parseVolumeName(in).path;
+  const bool same = fs::equivalent(path, out, ignored);
+  const fs::path folder = fs::absolute(out, ignored).parent_path();
+  if (same || (fs::is_directory(path, ignored) && fs::equivalent(path, folder, ignored))) {
+    throw Error(Error::Code::kBadInput, out, same ? "it is the input" : "it is a file of the input's folder",
+                "write to another name");
+  }
+}
+
+}  // namespace palpate

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/files/volume_name.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "base/error.hpp"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kNan = "?nan=";
+
+bool isThere(const std::string& path) {
+  std::error_code failure;
+  return fs::exists(path, failure);
+}
+
+bool isPhantom(const std::string& name) {
+  return name.starts_with("phantom:");
+}
+
+float nanValue(const std::string& name, std::string_view text) {
+  float value = 0;
+  const auto [stop, code] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (code == std::errc() && stop == text.data() + text.size() && std::isfinite(value)) return value;
+  refuse(name, fmt::format("\"{}\" is no density for voxels that are no numbers", text),
+         "give a number, for example --nan -1024");
+}
+
+}  // namespace
+
+VolumeName parseVolumeName(const std::string& name) {
+  VolumeName parsed{name, "", {}};
+  if (isPhantom(name) || isThere(name)) return parsed;
+  if (const std::size_t at = name.rfind(kNan); at != std::string::npos) {
+    parsed.instead_of_nan = nanValue(name, std::string_view(name).substr(at + kNan.size()));
+    parsed.path.resize(at);
+    if (isThere(parsed.path)) return parsed;
+  }
+  if (const std::size_t at = parsed.path.rfind('#'); at != std::string::npos) {
+    parsed.part = parsed.path.substr(at + 1);
+    parsed.path.resize(at);
+  }
+  return parsed;
+}
+
+std::string withSeries(const std::string& folder, const std::string& series) {
+  if (series.empty()) refuse("--series", "it is empty", "give the number or the UID of a series");
+  const VolumeName name = parseVolumeName(folder);
+  std::error_code failure;
+  if (!fs::is_directory(name.path, failure)) {
+    refuse(folder, "it is no folder of DICOM slices, so it has no series", "leave --series out");
+  }
+  if (!name.part.empty()) refuse(folder, "it names a series, and so does --series", "leave one of them out");
+  return fmt::format("{}#{}{}", name.path, series, folder.substr(name.path.size()));
+}
+
+std::string withNan(const std::string& name, const std::string& value) {
+  if (isPhantom(name)) refuse(name, "a phantom has no voxels that are no numbers", "leave --nan out");
+  if (parseVolumeName(name).instead_of_nan) {
+    refuse(name, "it says what voxels that are no numbers become, and so does --nan", "leave one of them out");
+  }
+  static_cast<void>(nanValue("--nan", value));
+  return name + std::string(kNan) + value;
+}
+
+}  // namespace palpate

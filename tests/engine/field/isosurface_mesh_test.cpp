@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/field/isosurface_mesh.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <map>
+
+#include <gtest/gtest.h>
+
+#include "engine/files/volume_file.hpp"
+#include "engine/phantoms/phantom.hpp"
+#include "tests/engine/files/files.hpp"
+
+namespace palpate {
+namespace isosurface_mesh_test {
+
+// How often an edge is gone along in one direction more than in the other; 0 for every edge of a closed mesh.
+int unbalancedEdges(const TriangleMesh& mesh) {
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
+  for (const auto& t : mesh.triangles) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::uint32_t a = t[i], b = t[(i + 1) % 3];
+      edges[std::minmax(a, b)] += a < b ? 1 : -1;
+    }
+  }
+  int unbalanced = 0;
+  for (const auto& [edge, sum] : edges) unbalanced += sum != 0 ? 1 : 0;
+  return unbalanced;
+}
+
+double volumeOf(const TriangleMesh& mesh) {
+  double sum = 0;
+  for (const auto& t : mesh.triangles) {
+    sum += mesh.vertices_W[t[0]].dot(mesh.vertices_W[t[1]].cross(mesh.vertices_W[t[2]])) / 6;
+  }
+  return sum;
+}
+
+// Where noise, tiles and thin walls make every kind of cell: still closed.
+TEST(IsosurfaceMesh, IsClosedForEveryPhantom) {
+  for (const char* name :
+       {"phantom:sphere?size=24", "phantom:knot?size=40", "phantom:spheres?size=33", "phantom:shell?size=41",
+        "phantom:gyroid?size=40", "phantom:box?size=20", "phantom:head?size=48&noise=0.1", "phantom:random?size=17"}) {
+    const Volume volume = loadVolume(name);
+    const double isovalue = volume.facts().declared_isovalue.value_or(0.5 * (volume.minimum() + volume.maximum()));
+    const TriangleMesh mesh = isosurfaceMesh(volume, isovalue);
+    EXPECT_GT(mesh.triangles.size(), 100U) << name;
+    EXPECT_EQ(unbalancedEdges(mesh), 0) << name;
+    EXPECT_GT(volumeOf(mesh), 0) << name << ": normals point inwards";
+  }
+}
+
+// Beside what marks no data, and between the largest floats, where differences of densities overflow.
+TEST(IsosurfaceMesh, IsClosedWhereDensitiesAreExtreme) {
+  constexpr float kLargest = std::numeric_limits<float>::max();
+  const Volume ball = loadVolume("phantom:sphere?size=24");
+  for (const bool both : {false, true}) {
+    std::vector<float> values = ball.toDense();
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      if (both)
+        values[i] = std::copysign(kLargest, values[i]);
+      else if (i < 24 * 24 * 6)
+        values[i] = -kLargest;
+    }
+    const Volume volume = Volume::fromDense(ball.size(), ball.lattice(), values, ball.facts());
+    for (const double isovalue : {0.0, -1e38, static_cast<double>(std::nextafter(-kLargest, 0.0F))}) {
+      const TriangleMesh mesh = isosurfaceMesh(volume, isovalue);
+      EXPECT_GT(mesh.triangles.size(), 100U) << isovalue;
+      EXPECT_EQ(unbalancedEdges(mesh), 0) << isovalue;
+      for (const Vec3& vertex_W : mesh.vertices_W) ASSERT_TRUE(vertex_W.allFinite());
+    }
+  }
+}
+
+// The mean of a cell's edge crossings lies inside a ball of radius R by no more than the cell's half diagonal's
+// sagitta, (0.87 h)^2 / 2R, and every crossing is off by the interpolation's h^2 / 8R.
+TEST(IsosurfaceMesh, VerticesLieOnTheBall) {
+  const std::unique_ptr<Phantom> phantom = makePhantom("phantom:sphere?size=64");
+  const Volume volume = loadVolume("phantom:sphere?size=64");
+  const TriangleMesh mesh = isosurfaceMesh(volume, *volume.facts().declared_isovalue);
+  const double h_m = volume.lattice().smallestSpacing();
+  double radius_m = 0;  // of the ball: from the centre of its vertices
+  Vec3 centre_W = Vec3::Zero();
+  for (const Vec3& v : mesh.vertices_W) centre_W += v / static_cast<double>(mesh.vertices_W.size());
+  for (const Vec3& v : mesh.vertices_W) radius_m = std::max(radius_m, (v - centre_W).norm());
+  const double bound_m = (0.75 / 2 + 1.0 / 8) * h_m * h_m / radius_m;
+  for (const Vec3& v : mesh.vertices_W)
+    ASSERT_LE(std::abs(phantom->signedDistance_m(v)), 1.05 * bound_m) << v.transpose();
+  for (const auto& t : mesh.triangles) {
+    const Vec3 a = mesh.vertices_W[t[0]], b = mesh.vertices_W[t[1]], c = mesh.vertices_W[t[2]];
+    ASSERT_GT((b - a).cross(c - a).dot((a + b + c) / 3 - centre_W), 0) << "a normal points inwards";
+  }
+}
+
+// All object: the mesh is the box of voxel centres, whatever the voxels' shape and the axes' handedness. One vertex
+// lies in each border cell, which is half cut off at edges and corners: the box's edges are chamfered by half a cell at
+// most.
+TEST(IsosurfaceMesh, AFullVolumeIsItsBoxAndTurnedAxesStayOutward) {
+  VolumeFacts facts;
+  facts.source = "test";
+  for (const double sign : {1.0, -1.0}) {
+    Lattice lattice;
+    lattice.origin_W = {1e-3, 2e-3, 3e-3};
+    lattice.spacing_m = {1e-3, 0.5e-3, 2e-3};
+    lattice.R_WL.col(2) *= sign;
+    const Vec3i size(9, 16, 5);
+    const Volume volume =
+        Volume::fromDense(size, lattice, std::vector<float>(static_cast<std::size_t>(size.prod()), 7), facts);
+    const TriangleMesh mesh = isosurfaceMesh(volume, 1);
+    ASSERT_EQ(unbalancedEdges(mesh), 0);
+    Vec3 low_I = Vec3::Constant(1e9), high_I = -low_I;
+    for (const Vec3& v : mesh.vertices_W) {
+      low_I = low_I.cwiseMin(lattice.toIndex(v));
+      high_I = high_I.cwiseMax(lattice.toIndex(v));
+    }
+    EXPECT_LE(low_I.norm(), 1e-5);
+    EXPECT_LE((high_I - Vec3(8, 15, 4)).norm(), 1e-5);
+    const double whole_m3 = 8e-3 * 7.5e-3 * 8e-3;
+    EXPECT_NEAR(volumeOf(mesh), whole_m3, 1e-5 * whole_m3) << sign;
+  }
+}
+
+// Edges that do not belong to exactly two triangles.
+int edgesNotShared(const TriangleMesh& mesh) {
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
+  for (const auto& t : mesh.triangles) {
+    for (std::size_t i = 0; i < 3; ++i) ++edges[std::minmax(t[i], t[(i + 1) % 3])];
+  }
+  return static_cast<int>(std::count_if(edges.begin(), edges.end(), [](const auto& e) { return e.second != 2; }));
+}
+
+// Every point of the mesh is within d of the ball's surface, so its volume is within 4 pi R^2 d (1 + d/R + ..) of the
+// ball's. Without adaptivity d is a vertex' error, bounded as above, and a triangle's sagitta: edges are up to
+// 2 sqrt(3) h long (vertices of two neighbouring cells), so (sqrt(3) h)^2 / 2R, 1.5 h^2 / R: 2 h^2 / R in all. Joined
+// cells stay within a leaf of 8 voxels: edges are up to 2 sqrt(3) 8 h long, which gives no useful bound; the mesher
+// joins cells whose normals n fulfil n.n' > 1 - adaptivity, so a joined face turns by less than acos(1 - a) to either
+// side of its mean and its sagitta is below R (1 - cos(2 acos(1 - a))) at most; for a = 0.01 that is 0.04 R.
+TEST(IsosurfaceMesh, VolumeOfTheBallAndEdgesSharedByTwo) {
+  const std::unique_ptr<Phantom> phantom = makePhantom("phantom:sphere?size=64");
+  const Volume volume = loadVolume("phantom:sphere?size=64");
+  const double h_m = volume.lattice().smallestSpacing();
+  std::size_t before = std::numeric_limits<std::size_t>::max();
+  for (const double adaptivity : {0.0, 0.01, 0.2}) {
+    const TriangleMesh mesh = isosurfaceMesh(volume, *volume.facts().declared_isovalue, adaptivity);
+    EXPECT_EQ(edgesNotShared(mesh), 0) << adaptivity;
+    EXPECT_EQ(unbalancedEdges(mesh), 0) << adaptivity;
+    EXPECT_GT(volumeOf(mesh), 0) << adaptivity;
+    EXPECT_LT(mesh.triangles.size(), before) << adaptivity;
+    before = mesh.triangles.size();
+    if (adaptivity > 0.01) continue;
+    const Vec3 centre_W = phantom->lattice().toWorld((volume.size().cast<double>().array() - 1).matrix() / 2);
+    const double R_m = -phantom->signedDistance_m(centre_W);
+    const double d_m = adaptivity > 0 ? 0.04 * R_m : 2 * h_m * h_m / R_m;
+    constexpr double kPi = 3.14159265358979;
+    EXPECT_NEAR(volumeOf(mesh), 4.0 / 3 * kPi * R_m * R_m * R_m, 4 * kPi * R_m * R_m * d_m * (1 + 2 * d_m / R_m));
+  }
+}
+
+// As without adaptivity, for every kind of cell.
+TEST(IsosurfaceMesh, IsClosedForEveryPhantomWhenAdaptive) {
+  for (const char* name : {"phantom:knot?size=40", "phantom:spheres?size=33", "phantom:shell?size=41",
+                           "phantom:gyroid?size=40", "phantom:box?size=20", "phantom:head?size=48&noise=0.1"}) {
+    const Volume volume = loadVolume(name);
+    const double isovalue = volume.facts().declared_isovalue.value_or(0.5 * (volume.minimum() + volume.maximum()));
+    for (const double adaptivity : {0.05, 1.0}) {
+      const TriangleMesh mesh = isosurfaceMesh(volume, isovalue, adaptivity);
+      EXPECT_GT(mesh.triangles.size(), 10U) << name;
+      EXPECT_EQ(unbalancedEdges(mesh), 0) << name << ' ' << adaptivity;
+      EXPECT_GT(volumeOf(mesh), 0) << name << ": normals point inwards";
+    }
+  }
+}
+
+TEST(IsosurfaceMesh, AnIsovalueThatIsNotReachedGivesNoTriangles) {
+  const Volume volume = loadVolume("phantom:sphere?size=16");
+  EXPECT_TRUE(isosurfaceMesh(volume, 1e6).triangles.empty());
+}
+
+}  // namespace isosurface_mesh_test
+}  // namespace palpate

@@ -1,0 +1,329 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include "engine/files/volume_file.hpp"
+#include "engine/files/volume_name.hpp"
+#include "tests/engine/files/samples.hpp"
+
+namespace palpate {
+namespace dicom_test {
+
+class Dicom : public testing::Test {
+ protected:
+  // Slices whose file names run against their order in space.
+  void writeSeries(const DicomFields& common, const std::vector<double>& z_mm, const std::string& prefix = "s") const {
+    const std::vector<double> ramp = rampValues(-30);
+    for (std::size_t n = 0; n < z_mm.size(); ++n) {
+      DicomFields fields = common;
+      fields.sop = fmt::format("{}.{}", common.series, n + 1);
+      fields.position = fmt::format("10\\-20\\{}", z_mm[n]);
+      const auto first = ramp.begin() + static_cast<std::ptrdiff_t>(n % 3 * 20);
+      fields.pixels.assign(first, first + 20);
+      writeSlice(fields, fmt::format("{}{}.dcm", prefix, z_mm.size() - n));
+    }
+  }
+  void writeSlice(const DicomFields& fields, const std::string& name) const {
+    writeFile(folder_.file(name), dicomBytes(fields));
+  }
+  void refuses(const std::string& reason) const { expectLoadRefusal(folder_.path(), reason); }
+
+  TempFolder folder_;
+};
+
+TEST_F(Dicom, OrdersSlicesByPositionAndAppliesTheSlope) {
+  writeSeries({}, {30, 32, 34});
+  writeFile(folder_.file("readme.txt"), "no slice");
+  const Volume volume = loadVolume(folder_.path());
+  std::vector<double> values = rampValues(-30);
+  for (double& value : values) value = 2 * value - 100;
+  Lattice lattice = plainLattice();
+  lattice.origin_W = Vec3(0.010, -0.020, 0.030);
+  expectVolume(volume, lattice, values, 1e-9);
+  EXPECT_EQ(volume.facts().format, "DICOM series");
+  EXPECT_EQ(volume.facts().value_type, "int16");
+  EXPECT_EQ(volume.facts().rescale_slope, 2);
+  EXPECT_EQ(volume.facts().rescale_intercept, -100);
+}
+
+TEST_F(Dicom, ReadsBigEndianAndDeflatedSlices) {
+  std::vector<double> values = rampValues(-30);
+  for (double& value : values) value = 2 * value - 100;
+  for (const char* syntax : {kBigEndianDicom, kDeflatedDicom}) {
+    DicomFields fields;
+    fields.syntax = syntax;
+    writeSeries(fields, {30, 32, 34});
+    EXPECT_EQ(loadVolume(folder_.path()).toDense(), asFloats(values)) << syntax;
+  }
+}
+
+// GDCM fills up with zeros what is missing.
+TEST_F(Dicom, RefusesLostPixelsInEverySyntax) {
+  for (const char* syntax : {kLittleEndianDicom, kBigEndianDicom, kDeflatedDicom}) {
+    DicomFields fields;
+    fields.syntax = syntax;
+    writeSeries(fields, {0, 2, 4});
+    fields.pixels = std::vector<double>(10, 1);  // of 20; the element is that short
+    fields.position = "10\\-20\\2";
+    writeSlice(fields, "s2.dcm");
+    refuses("slice s2.dcm is cut short or damaged");
+    fields.pixels = rampValues();
+    fields.pixels.resize(20);
+    const std::string whole = dicomBytes(fields);
+    for (const std::size_t lost : {1U, 2U, 8U, 20U}) {
+      writeFile(folder_.file("s2.dcm"), whole.substr(0, whole.size() - lost));
+      refuses("slice s2.dcm is cut short or damaged");
+    }
+    writeFile(folder_.file("s2.dcm"), whole + "x");
+    refuses("slice s2.dcm is cut short or damaged");
+  }
+}
+
+// A deflated data set of an odd number of bytes may have one byte of 0 behind it (PS3.5, A.5).
+TEST_F(Dicom, TakesThePaddingOfADeflatedSlice) {
+  DicomFields fields;
+  fields.syntax = kDeflatedDicom;
+  writeSeries(fields, {0, 2, 4});
+  const std::string whole = readFile(folder_.file("s2.dcm"));
+  writeFile(folder_.file("s2.dcm"), whole + std::string(1, '\0'));
+  EXPECT_NO_THROW(static_cast<void>(loadVolume(folder_.path())));
+  writeFile(folder_.file("s2.dcm"), whole + std::string(2, '\0'));
+  refuses("cut short or damaged");
+}
+
+// There is one frame at least, so its pixels must be there.
+TEST_F(Dicom, CountsPixelsWhateverTheNumberOfFramesIs) {
+  for (const char* frames : {"0", "-1"}) {
+    DicomFields fields;
+    fields.frames = frames;
+    fields.rows = 8;
+    writeSeries(fields, {0, 2, 4});
+    refuses("cut short or damaged");
+  }
+}
+
+// Coronal slices: rows run left, columns run down; the normal, row x column, is anterior to posterior.
+TEST_F(Dicom, KeepsObliqueOrientation) {
+  for (int n = 0; n < 3; ++n) {
+    DicomFields fields;
+    fields.orientation = "1\\0\\0\\0\\0\\-1";
+    fields.position = fmt::format("0\\{}\\0", 2 * n);
+    fields.sop += std::to_string(n);
+    fields.pixels = std::vector<double>(20, n);
+    writeSlice(fields, fmt::format("{}.dcm", n));
+  }
+  const Volume volume = loadVolume(folder_.path());
+  Mat3 R_WL;
+  R_WL << 1, 0, 0, 0, 0, 1, 0, -1, 0;
+  expectLattice(volume.lattice(), {Vec3::Zero(), R_WL, kSpacing_mm * 1e-3}, 1e-9);
+  EXPECT_EQ(volume.value({0, 0, 2}), 2 * 2 - 100);
+}
+
+TEST_F(Dicom, TakesTheSeriesThatIsNamed) {
+  writeSeries({}, {0, 2, 4}, "a");
+  DicomFields other;
+  other.series = "1.2.3.9";
+  writeSeries(other, {0, 1}, "b");
+  refuses("the folder holds 2 series: 1: 1.2.3.4.5 (3 slices), 2: 1.2.3.9 (2 slices)");
+  for (const char* name : {"1.2.3.9", "2"}) {
+    const Volume volume = loadVolume(withSeries(folder_.path(), name));
+    EXPECT_EQ(volume.size().z(), 2);
+    EXPECT_EQ(volume.facts().part, "series 2 of 2: 1.2.3.9");
+  }
+  EXPECT_EQ(loadVolume(folder_.path() + "#1").size().z(), 3);
+  for (const char* none : {"1.1", "0", "3", "-1", "1x", "99999999999999999999"}) {
+    expectLoadRefusal(folder_.path() + "#" + none, "no series");
+  }
+  EXPECT_THROW((void)withSeries(folder_.path() + "#1", "2"), Error);
+  EXPECT_THROW((void)withSeries(folder_.file("a1.dcm"), "2"), Error);
+}
+
+// A folder of one series needs no number, and says which it is.
+TEST_F(Dicom, SaysWhichSeriesItIs) {
+  writeSeries({}, {0, 2, 4});
+  EXPECT_EQ(loadVolume(folder_.path()).facts().part, "series 1.2.3.4.5");
+  EXPECT_EQ(loadVolume(folder_.path() + "#1").facts().part, "series 1.2.3.4.5");
+}
+
+TEST_F(Dicom, RefusesSlopesAndInterceptsThatAreNoNumbers) {
+  for (const char* bad : {"inf", "nan", "1e999", "0x10", "two", "1\\2"}) {
+    DicomFields fields;
+    fields.slope = bad;
+    writeSeries(fields, {0, 2, 4});
+    refuses("RescaleSlope");
+    fields = {};
+    fields.intercept = bad;
+    writeSeries(fields, {0, 2, 4});
+    refuses("RescaleIntercept");
+  }
+  DicomFields flat;
+  flat.slope = "0";  // every density would be the intercept
+  writeSeries(flat, {0, 2, 4});
+  refuses("RescaleSlope");
+}
+
+// Too few descriptors, for the program or for the child in which GDCM reads, are no damage: at every limit up to the
+// first at which the series loads.
+TEST_F(Dicom, SaysThatNoFileCanBeOpened) {
+  writeSeries({}, {0, 2, 4});
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &before), 0);
+  const int next = dup(0);  // the lowest that is free
+  ASSERT_GE(next, 0);
+  close(next);
+  int refusals = 0;
+  for (bool loads = false; !loads; ++refusals) {
+    ASSERT_LT(refusals, 100);
+    const auto spare = static_cast<rlim_t>(1 + refusals);  // one for the folder itself
+    const rlimit few{static_cast<rlim_t>(next) + spare, before.rlim_max};
+    ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &few), 0);
+    std::string words;
+    Error::Code code = Error::Code::kIo;
+    try {
+      (void)loadVolume(folder_.path());
+      loads = true;
+    } catch (const Error& error) {
+      words = error.what();
+      code = error.code();
+    }
+    ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &before), 0);
+    if (loads) break;
+    EXPECT_THAT(words, testing::HasSubstr("Too many open files")) << spare << " descriptors";
+    EXPECT_THAT(words, testing::HasSubstr("ulimit -n")) << spare << " descriptors";
+    EXPECT_EQ(code, Error::Code::kIo) << spare << " descriptors";
+  }
+  EXPECT_GT(refusals, 2);
+}
+
+// Pixels that are not there are no zeros.
+TEST_F(Dicom, RefusesRowsAndColumnsBeyondThePixels) {
+  for (const auto& [rows, columns] : {std::pair{5, 5}, std::pair{4, 6}, std::pair{4000, 5}, std::pair{65535, 65535}}) {
+    DicomFields fields;
+    fields.rows = rows;
+    fields.columns = columns;
+    writeSeries(fields, {0, 2, 4});
+    refuses("cut short or damaged");
+  }
+}
+
+TEST_F(Dicom, RefusesMissingSlices) {
+  writeSeries({}, {0, 2, 4, 10, 12, 14});
+  refuses("2 slices are missing between s4.dcm and s3.dcm");  // names run backwards, positions do not
+}
+
+TEST_F(Dicom, RefusesUnevenSlices) {
+  writeSeries({}, {0, 2, 4, 6.5, 8.5, 10.5});
+  refuses("2.5 mm apart, others 2 mm");
+}
+
+TEST_F(Dicom, RefusesTwoSlicesAtOnePlace) {
+  writeSeries({}, {0, 2, 2, 4});
+  refuses("lie at one place");
+}
+
+TEST_F(Dicom, RefusesATiltedGantry) {
+  for (int n = 0; n < 4; ++n) {
+    DicomFields fields;
+    fields.position = fmt::format("0\\{}\\{}", n, 2 * n);
+    fields.pixels = std::vector<double>(20, n);
+    writeSlice(fields, fmt::format("{}.dcm", n));
+  }
+  refuses("tilted gantry");
+}
+
+TEST_F(Dicom, RefusesSlicesThatDiffer) {
+  writeSeries({}, {0, 2});
+  DicomFields wide;
+  wide.columns = 10;
+  wide.rows = 2;
+  writeSeries(wide, {4}, "w");
+  refuses("differ in size");
+}
+
+TEST_F(Dicom, RefusesBadOrMissingGeometry) {
+  for (const std::string spacing : {"0\\1", "-1\\1", ""}) {
+    DicomFields fields;
+    fields.pixel_spacing = spacing;
+    writeSeries(fields, {0, 2, 4});
+    refuses("PixelSpacing");
+  }
+  DicomFields lost;
+  lost.position = "";
+  lost.pixels = std::vector<double>(20, 1);
+  for (int n = 1; n < 4; ++n) writeSlice(lost, fmt::format("s{}.dcm", n));
+  refuses("no position");
+}
+
+// GDCM puts the patient's axes and 1 mm where it understands none; a position of "nan" scrambled slices.
+TEST_F(Dicom, RefusesGeometryThatIsNoNumbers) {
+  for (const char* bad : {"nan", "inf", "-inf", "1e999", "1e300", "0x2", "2x", "2,0", "+-2", "", " "}) {
+    SCOPED_TRACE(bad);
+    DicomFields fields;
+    fields.position = fmt::format("0\\0\\{}", bad);
+    writeSeries({}, {0, 2, 4});
+    fields.pixels = std::vector<double>(20, 1);
+    writeSlice(fields, "s2.dcm");
+    refuses("ImagePositionPatient");
+    fields = {};
+    fields.orientation = fmt::format("1\\0\\0\\0\\{}\\0", bad);
+    writeSeries(fields, {0, 2, 4});
+    refuses("ImageOrientationPatient");
+    if (std::string(bad) == "1e300") continue;  // a pixel that large is refused for the memory or not at all
+    fields = {};
+    fields.pixel_spacing = fmt::format("{}\\0.5", bad);
+    writeSeries(fields, {0, 2, 4});
+    refuses("PixelSpacing");
+  }
+  for (const char* bad : {"0\\0\\0\\0\\0\\0", "1\\0\\0\\0\\2\\0", "1\\0\\0\\0\\1", "1\\0\\0\\0\\1\\0\\0"}) {
+    DicomFields fields;
+    fields.orientation = bad;
+    writeSeries(fields, {0, 2, 4});
+    refuses("ImageOrientationPatient");
+  }
+  for (const char* bad : {"nan", "two", "2\\2"}) {
+    DicomFields fields;
+    fields.spacing_between_slices = bad;
+    writeSeries(fields, {0, 2, 4});
+    refuses("SpacingBetweenSlices");
+  }
+}
+
+// As DICOM writes numbers (PS3.5, 6.2, DS): blanks around them, a sign, an exponent.
+TEST_F(Dicom, TakesDecimalStringsOfEveryForm) {
+  DicomFields fields;
+  fields.pixel_spacing = " +7.5E-1 \\ .5";
+  fields.orientation = "1.\\0\\-0\\ 0\\+1 \\0e5";
+  fields.spacing_between_slices = "-2";
+  writeSeries(fields, {0, 2, 4});
+  Lattice lattice = plainLattice();
+  lattice.origin_W = Vec3(0.010, -0.020, 0);
+  expectLattice(loadVolume(folder_.path()).lattice(), lattice, 1e-12);
+}
+
+TEST_F(Dicom, RefusesColour) {
+  DicomFields fields;
+  fields.samples = 3;
+  for (int n = 0; n < 2; ++n) {
+    fields.position = fmt::format("0\\0\\{}", n);
+    fields.pixels = std::vector<double>(60, 1);
+    writeSlice(fields, fmt::format("{}.dcm", n));
+  }
+  refuses("3 components");
+}
+
+TEST_F(Dicom, RefusesOneSliceAndFoldersWithout) {
+  refuses("no DICOM slices");
+  writeSeries({}, {0});
+  refuses("one slice");
+  expectLoadRefusal(folder_.file("s1.dcm"), "give the folder");
+}
+
+TEST_F(Dicom, RefusesMoreThanTheBudget) {
+  writeSeries({}, {0, 2, 4});
+  expectRefusal([&] { static_cast<void>(loadVolume(folder_.path(), 100)); }, folder_.path(), "GiB",
+                Error::Code::kOutOfMemory);
+}
+
+}  // namespace dicom_test
+}  // namespace palpate

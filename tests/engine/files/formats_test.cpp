@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/files/formats.hpp"
+
+#include <utility>
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include "engine/field/memory_budget.hpp"
+#include "engine/files/magic.hpp"
+#include "engine/files/volume_file.hpp"
+#include "tests/engine/files/files.hpp"
+
+namespace palpate {
+namespace formats_test {
+
+TEST(Formats, AreAllNamedOnce) {
+  std::vector<std::string> names;
+  for (const VolumeFormat& format : volumeFormats()) {
+    names.push_back(format.name);
+    EXPECT_FALSE(format.description.empty());
+    EXPECT_NE(format.read, nullptr);
+  }
+  EXPECT_THAT(names, testing::UnorderedElementsAre("NRRD", "NIfTI", "MetaImage", "OpenVDB", "InVesalius",
+                                                   "DICOM series", "phantom"));
+}
+
+TEST(LoadVolume, RefusesWhatIsNotThere) {
+  expectLoadRefusal("/nowhere/a.nrrd", "no such file", Error::Code::kNotFound);
+  expectLoadRefusal("", "no such file", Error::Code::kNotFound);
+}
+
+TEST(LoadVolume, SaysWhatAFileIsWhoseSuffixLies) {
+  const TempFolder folder;
+  const auto refuses = [&](const std::string& name, const std::string& bytes, const std::string& reason) {
+    writeFile(folder.file(name), bytes);
+    expectLoadRefusal(folder.file(name), reason);
+  };
+  refuses("a.nii", "NRRD0004\ntype: float\n", "NRRD data");
+  refuses("a.nrrd", std::string(" BDV\0\0\0\0", 8) + std::string(100, 'x'), "OpenVDB data");
+  refuses("a.mha", std::string(344, '\0') + std::string("n+1\0", 4), "NIfTI data");
+  refuses("a.vdb", "ObjectType = Image\n", "MetaImage data");
+  refuses("a.nrrd", std::string(128, '\0') + "DICM", "give the folder");
+  refuses("a.inv3", "NRRD0004\n", "rename it to .nrrd");
+  refuses("a.dat", "NRRD0004\n", "NRRD data");
+  refuses("a.stl", "solid", "use one of .nrrd");
+  refuses("a.nrrd", "", "");
+}
+
+TEST(LoadVolume, RefusesAPartOfAFileThatHasNone) {
+  const TempFolder folder;
+  const Volume volume = loadVolume("phantom:sphere?size=8");
+  for (const auto& [file, format] : {std::pair("s.nrrd", "NRRD"), std::pair("s.nii", "NIfTI"),
+                                     std::pair("s.nii.gz", "NIfTI"), std::pair("s.mha", "MetaImage")}) {
+    saveVolume(volume, folder.file(file));
+    const std::string reason = fmt::format("it names a part, \"x\", and {} files have none", format);
+    expectLoadRefusal(folder.file(file) + "#x", reason);
+    expectRefusal([&] { static_cast<void>(loadVolume(folder.file(file) + "#x?nan=0")); }, folder.file(file) + "#x",
+                  reason);
+  }
+  writeFile(folder.file("a#x.nrrd"), readFile(folder.file("s.nrrd")));  // a name of its own
+  EXPECT_NO_THROW(static_cast<void>(loadVolume(folder.file("a#x.nrrd"))));
+}
+
+// What the system does not open or read is not damaged.
+TEST(LoadVolume, SaysThatAFileCannotBeOpened) {
+  const TempFolder folder;
+  std::vector<std::string> files;
+  for (const VolumeFormat& format : volumeFormats()) {
+    for (const std::string& suffix : format.suffixes) {
+      files.push_back(folder.file("a" + suffix));
+      writeFile(files.back(), "x");
+    }
+  }
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &before), 0);
+  const int next = dup(0);  // the lowest that is free
+  ASSERT_GE(next, 0);
+  close(next);
+  const rlimit none{static_cast<rlim_t>(next), before.rlim_max};
+  for (const std::string& file : files) {
+    ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &none), 0);
+    std::string words;
+    Error::Code code = Error::Code::kBadInput;
+    try {
+      static_cast<void>(loadVolume(file));
+    } catch (const Error& error) {
+      words = error.what();
+      code = error.code();
+    }
+    ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &before), 0);
+    EXPECT_THAT(words, testing::HasSubstr(": it cannot be opened or read: Too many open files; raise the limit"));
+    EXPECT_EQ(code, Error::Code::kIo) << file;
+  }
+}
+
+TEST(HeadOf, SaysThatAFileCannotBeRead) {
+  const TempFolder folder;
+  expectRefusal([&] { static_cast<void>(headOf(folder.path(), 10, "scan")); }, "scan", "Is a directory",
+                Error::Code::kIo);
+  expectRefusal([&] { static_cast<void>(headOf(folder.file("none"), 10, "scan")); }, "scan", "No such file",
+                Error::Code::kIo);
+  writeFile(folder.file("damaged"), "\x1f\x8b and no more");
+  EXPECT_EQ(headOf(folder.file("damaged"), 10, "scan"), "");
+}
+
+TEST(LoadVolume, RefusesGarbageUnderEverySuffix) {
+  const TempFolder folder;
+  for (const VolumeFormat& format : volumeFormats()) {
+    for (const std::string& suffix : format.suffixes) {
+      for (const std::string& bytes : {std::string(), std::string("x"), std::string(5000, '\377')}) {
+        writeFile(folder.file("a" + suffix), bytes);
+        EXPECT_THROW(static_cast<void>(loadVolume(folder.file("a" + suffix))), Error) << suffix;
+      }
+    }
+  }
+}
+
+TEST(MemoryBudget, CountsEveryCopyOfAVoxel) {
+  const double per_voxel = 2 + kDenseBytesPerVoxel + kGridBytesPerVoxel + kGpuBytesPerVoxel;
+  const auto need = static_cast<std::size_t>(per_voxel * 1000);
+  EXPECT_NO_THROW(checkMemory("a", 10, 10, 10, 2, need + 1));
+  expectRefusal([&] { checkMemory("a", 10, 10, 10, 2, need - 1); }, "a", "GiB", Error::Code::kOutOfMemory);
+}
+
+TEST(MemoryBudget, RefusesAbsurdDimensions) {
+  expectRefusal([] { checkMemory("a", 100000, 100000, 100000, 2, 0); }, "a", "GiB", Error::Code::kOutOfMemory);
+  expectRefusal([] { checkMemory("a", 20000, 2, 2, 2, 0); }, "a", "16384");
+  expectRefusal([] { checkMemory("a", 0, 2, 2, 2, 0); }, "a", "0 x 2 x 2");
+  expectRefusal([] { checkMemory("a", -1, 2, 2, 2, 0); }, "a", "-1 x 2 x 2");
+}
+
+TEST(MemoryBudget, KnowsWhatTheMachineHas) {
+  EXPECT_GT(availableMemoryBytes(), std::size_t{1} << 20U);
+}
+
+}  // namespace formats_test
+}  // namespace palpate

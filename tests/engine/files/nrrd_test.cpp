@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include "engine/files/volume_file.hpp"
+#include "tests/engine/files/samples.hpp"
+
+namespace palpate {
+namespace nrrd_test {
+
+class Nrrd : public testing::Test {
+ protected:
+  [[nodiscard]] Volume load(const std::string& bytes) const {
+    writeFile(path_, bytes);
+    return loadVolume(path_);
+  }
+  void refuses(const std::string& bytes, const std::string& reason, Error::Code code = Error::Code::kBadInput) const {
+    writeFile(path_, bytes);
+    expectLoadRefusal(path_, reason, code);
+  }
+
+  TempFolder folder_;
+  std::string path_ = folder_.file("a.nrrd");
+  std::string data_ = bytesOf<std::int16_t>(rampValues(-30));
+};
+
+TEST_F(Nrrd, ReadsEveryNumberType) {
+  const std::vector<double> values = rampValues(20);
+  const auto check = [&](const std::string& type, const std::string& bytes, const std::string& name) {
+    const Volume volume = load(nrrdHeader(type, "raw") + "\n" + bytes);
+    expectVolume(volume, plainLattice(), values);
+    EXPECT_EQ(volume.facts().value_type, name);
+    EXPECT_EQ(volume.facts().format, "NRRD");
+  };
+  check("uint8", bytesOf<std::uint8_t>(values), "uint8");
+  check("signed char", bytesOf<std::int8_t>(values), "int8");
+  check("ushort", bytesOf<std::uint16_t>(values), "uint16");
+  check("short", bytesOf<std::int16_t>(values), "int16");
+  check("uint32", bytesOf<std::uint32_t>(values), "uint32");
+  check("int", bytesOf<std::int32_t>(values), "int32");
+  check("int64", bytesOf<std::int64_t>(values), "int64");
+  check("float", bytesOf<float>(values), "float32");
+  check("double", bytesOf<double>(values), "float64");
+}
+
+TEST_F(Nrrd, ReadsBigEndianGzipAndText) {
+  const std::vector<double> values = rampValues(-30);
+  std::string big = nrrdHeader("int16", "raw");
+  big.replace(big.find("little"), 6, "big");
+  expectVolume(load(big + "\n" + bytesOf<std::int16_t>(values, true)), plainLattice(), values);
+  writeGzip(folder_.file("data.gz"), data_);
+  expectVolume(load(nrrdHeader("int16", "gzip") + "\n" + readFile(folder_.file("data.gz"))), plainLattice(), values);
+  std::string text;
+  for (const double value : values) text += std::to_string(static_cast<int>(value)) + " ";
+  expectVolume(load(nrrdHeader("int16", "ascii") + "\n" + text + "\n"), plainLattice(), values);
+}
+
+TEST_F(Nrrd, ReadsDetachedData) {
+  const std::vector<double> values = rampValues(-30);
+  path_ = folder_.file("a.nhdr");
+  writeFile(folder_.file("a.raw"), data_);
+  expectVolume(load(nrrdHeader("int16", "raw", "data file: a.raw\n")), plainLattice(), values);
+  writeGzip(folder_.file("a.raw.gz"), data_);
+  expectVolume(load(nrrdHeader("int16", "gzip", "data file: a.raw.gz\n")), plainLattice(), values);
+  refuses(nrrdHeader("int16", "raw", "data file: missing.raw\n"), "not there", Error::Code::kNotFound);
+  writeFile(folder_.file("a.raw"), data_.substr(1));
+  refuses(nrrdHeader("int16", "raw", "data file: a.raw\n"), "cannot hold");
+}
+
+TEST_F(Nrrd, KeepsAnObliqueLattice) {
+  writeWithItk(ItkWriter::kNrrd, path_, itkImageOf(obliqueLattice(), rampValues()), true);
+  expectVolume(loadVolume(path_), obliqueLattice(), rampValues(), 1e-9);
+}
+
+// i runs right, j anterior, k superior in both; only the frame in which the file says so differs.
+TEST_F(Nrrd, TurnsRasAndLasToLps) {
+  const auto geometry = [](const std::string& space, const std::string& i, const std::string& j,
+                           const std::string& origin) {
+    return "space: " + space + "\nspace directions: " + i + " " + j + " (0,0,2)\nspace origin: " + origin + "\n";
+  };
+  const Lattice lattice = {Vec3(-0.010, 0.020, 0.030), Vec3(-1, -1, 1).asDiagonal(), kSpacing_mm * 1e-3};
+  const auto check = [&](const std::string& text) {
+    expectVolume(load(nrrdHeader("int16", "raw", "", text) + "\n" + data_), lattice, rampValues(-30));
+  };
+  check(geometry("right-anterior-superior", "(0.5,0,0)", "(0,0.75,0)", "(10,-20,30)"));
+  check(geometry("RAS", "(0.5,0,0)", "(0,0.75,0)", "(10,-20,30)"));
+  check(geometry("left-anterior-superior", "(-0.5,0,0)", "(0,0.75,0)", "(-10,-20,30)"));
+  check(geometry("LAS", "(-0.5,0,0)", "(0,0.75,0)", "(-10,-20,30)"));
+  check(geometry("left-posterior-superior", "(-0.5,0,0)", "(0,-0.75,0)", "(-10,20,30)"));
+}
+
+TEST_F(Nrrd, HonoursUnitsOfLength) {
+  Lattice lattice = plainLattice();
+  lattice.spacing_m *= 1e-3;
+  const std::string geometry = "spacings: 0.5 0.75 2\nunits: \"um\" \"um\" \"um\"\n";
+  expectVolume(load(nrrdHeader("int16", "raw", "", geometry) + "\n" + data_), lattice, rampValues(-30));
+  refuses(nrrdHeader("int16", "raw", "", "spacings: 1 1 1\nunits: \"ell\" \"ell\" \"ell\"\n") + "\n" + data_,
+          "\"ell\"");
+}
+
+TEST_F(Nrrd, SaysWhenTheVoxelSizeIsMissing) {
+  EXPECT_THAT(load(nrrdHeader("int16", "raw", "", "") + "\n" + data_).facts().remark, testing::HasSubstr("1 mm"));
+}
+
+TEST_F(Nrrd, RefusesBadSpacing) {
+  for (const std::string spacing : {"0 1 1", "1 -1 1", "1 1 inf"}) {
+    refuses(nrrdHeader("int16", "raw", "", "spacings: " + spacing + "\n") + "\n" + data_, "not positive");
+  }
+  refuses(nrrdHeader("int16", "raw", "", "space: LPS\nspace directions: (1,0,0) (0,0,0) (0,0,1)\n") + "\n" + data_,
+          "zero vector");
+}
+
+// ITK puts 1 for what is no number.
+TEST_F(Nrrd, RefusesAnAxisThatHasNoSpacing) {
+  const auto header = [](const std::string& geometry) { return nrrdHeader("int16", "raw", "", geometry) + "\n"; };
+  refuses(header("spacings: 0.5 0.75 nan\n") + data_, "not positive");
+  refuses(header("spacings: 0.5 0.75 x\n") + data_, "not positive");
+  for (const std::string last : {"none", "(0,0)", "(0,0,1,0)"}) {
+    refuses(header("space: LPS\nspace directions: (1,0,0) (0,1,0) " + last + "\n") + data_, "not three vectors");
+  }
+  EXPECT_THAT(load(header("spacings: nan nan NaN\n") + data_).facts().remark, testing::HasSubstr("1 mm is assumed"));
+}
+
+TEST_F(Nrrd, ReadsHex) {
+  std::string digits;
+  for (const char c : data_) digits += fmt::format("{:02x}", static_cast<unsigned char>(c));
+  expectVolume(load(nrrdHeader("int16", "hex") + "\n" + digits + "\n"), plainLattice(), rampValues(-30));
+  refuses(nrrdHeader("int16", "hex") + "\n" + digits + "00", "more voxels than its header asks for");
+  refuses(nrrdHeader("int16", "hex") + "\n" + digits.substr(1) + " ", "fewer voxels than its header asks for");
+}
+
+TEST_F(Nrrd, RefusesShearedAxes) {
+  refuses(nrrdHeader("int16", "raw", "", "space: LPS\nspace directions: (1,0,0) (0.5,1,0) (0,0,1)\n") + "\n" + data_,
+          "sheared");
+}
+
+TEST_F(Nrrd, RefusesWhatIsNoVolume) {
+  std::string flat = nrrdHeader("int16", "raw", "", "");
+  flat.replace(flat.find("dimension: 3\nsizes: 5 4 3"), 25, "dimension: 2\nsizes: 5 12");
+  refuses(flat + "\n" + data_, "2 dimensions");
+  std::string vectors = nrrdHeader("int16", "raw", "", "kinds: vector domain domain domain\n");
+  vectors.replace(vectors.find("dimension: 3\nsizes: 5 4 3"), 25, "dimension: 4\nsizes: 5 2 2 3");
+  refuses(vectors + "\n" + data_, "5 components");
+  std::string series = nrrdHeader("int16", "raw", "", "kinds: domain domain domain domain\n");
+  series.replace(series.find("dimension: 3\nsizes: 5 4 3"), 25, "dimension: 4\nsizes: 5 2 2 3");
+  refuses(series + "\n" + data_, "series of 3");
+}
+
+TEST_F(Nrrd, ReadsOneTimePoint) {
+  std::string series = nrrdHeader("int16", "raw", "", "spacings: 0.5 0.75 2 nan\nkinds: domain domain domain domain\n");
+  series.replace(series.find("dimension: 3\nsizes: 5 4 3"), 25, "dimension: 4\nsizes: 5 4 3 1");
+  expectVolume(load(series + "\n" + data_), plainLattice(), rampValues(-30));
+}
+
+TEST_F(Nrrd, RefusesMoreThanMemoryBeforeReadingIt) {
+  std::string huge = nrrdHeader("int16", "raw");
+  huge.replace(huge.find("5 4 3"), 5, "100000 100000 100000");
+  refuses(huge + "\n", "GiB", Error::Code::kOutOfMemory);
+}
+
+// ITK's NRRD library writes such a value into a buffer of its own and aborts.
+TEST_F(Nrrd, RefusesALongValueThatIsNoNumber) {
+  for (const std::string key : {"sizes", "spacings", "space directions", "kinds", "type", "encoding"}) {
+    std::string header = nrrdHeader("int16", "raw");
+    const std::size_t at = header.find("\n" + key + ":");
+    if (at != std::string::npos) header.erase(at + 1, header.find('\n', at + 1) - at);
+    header += key + ": " + std::string(1000, 'x') + "\n\n";
+    writeFile(path_, header + data_);
+    EXPECT_THROW(static_cast<void>(loadVolume(path_)), Error) << key;
+  }
+}
+
+TEST_F(Nrrd, RefusesGzipThatCannotHoldTheVoxels) {
+  std::string lie = nrrdHeader("int16", "gzip");
+  lie.replace(lie.find("5 4 3"), 5, "500 400 300");
+  refuses(lie + "\n0123456789", "compressed");
+}
+
+}  // namespace nrrd_test
+}  // namespace palpate

@@ -1,0 +1,316 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/phantoms/phantom.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <random>
+#include <set>
+
+#include "engine/files/volume_file.hpp"
+#include "tests/engine/files/files.hpp"
+
+namespace palpate {
+namespace phantom_test {
+
+// Points of the lattice's box, the same on every machine.
+class Points {
+ public:
+  explicit Points(const Phantom& phantom) : half_m_(-phantom.lattice().origin_W) {}
+
+  Vec3 next() { return half_m_.cwiseProduct(Vec3(unit(), unit(), unit())); }
+  Vec3 direction() {
+    Vec3 v(unit(), unit(), unit());
+    while (v.norm() > 1 || v.norm() < 0.1) v = Vec3(unit(), unit(), unit());
+    return v.normalized();
+  }
+  double unit() { return static_cast<double>(bits_() >> 11U) * 0x1p-52 - 1; }  // in [-1, 1)
+
+ private:
+  std::mt19937_64 bits_{7};
+  Vec3 half_m_;
+};
+
+double halfDiagonal_m(const Phantom& phantom) {
+  return phantom.lattice().origin_W.norm();
+}
+
+class Surface : public testing::TestWithParam<std::string> {
+ protected:
+  std::unique_ptr<Phantom> phantom_ = makePhantom(GetParam());
+};
+
+// A distance cannot change faster than the point moves.
+TEST_P(Surface, DistanceIsLipschitz) {
+  Points points(*phantom_);
+  for (int n = 0; n < 4000; ++n) {
+    const Vec3 a = points.next();
+    const Vec3 b = n % 2 == 0 ? points.next() : Vec3(a + points.direction() * 1e-3 * halfDiagonal_m(*phantom_));
+    const double change = std::abs(phantom_->signedDistance_m(a) - phantom_->signedDistance_m(b));
+    ASSERT_LE(change, (a - b).norm() * (1 + 1e-9) + 1e-12) << a.transpose() << " to " << b.transpose();
+  }
+}
+
+// Central differences of step h err by h^2 / (6 r^2) from curvature 1/r, here below 1e-8, and by rounding, 1e-16 /
+// 1e-6. A point within h of the medial axis would fail, but none of these is.
+TEST_P(Surface, GradientIsOneAndIsTheNormal) {
+  Points points(*phantom_);
+  const double h_m = 1e-6 * halfDiagonal_m(*phantom_);
+  const double near_m = 3 * phantom_->lattice().spacing_m.maxCoeff();
+  int checked = 0;
+  for (int n = 0; n < 20000 && checked < 500; ++n) {
+    const Vec3 p_W = points.next();
+    const SurfaceOffset offset = phantom_->offset(p_W);
+    if (std::abs(offset.distance_m) > near_m) continue;
+    ++checked;
+    Vec3 gradient;
+    for (int axis = 0; axis < 3; ++axis) {
+      const Vec3 step = Vec3::Unit(axis) * h_m;
+      gradient[axis] = (phantom_->signedDistance_m(p_W + step) - phantom_->signedDistance_m(p_W - step)) / (2 * h_m);
+    }
+    ASSERT_NEAR(gradient.norm(), 1, 1e-6) << p_W.transpose();
+    ASSERT_LE((gradient - offset.normal).norm(), 1e-6) << p_W.transpose();
+    ASSERT_NEAR(offset.normal.norm(), 1, 1e-12);
+  }
+  EXPECT_GE(checked, 100);
+}
+
+// No point of the open ball of that radius has the other sign: the distance is not too large.
+TEST_P(Surface, BallOfTheDistanceHoldsNoSurface) {
+  Points points(*phantom_);
+  for (int n = 0; n < 1000; ++n) {
+    const Vec3 p_W = points.next();
+    const double distance_m = phantom_->signedDistance_m(p_W);
+    for (int probe = 0; probe < 20; ++probe) {
+      const Vec3 q_W = p_W + points.direction() * std::abs(distance_m) * (1 - 1e-9);
+      ASSERT_GE(phantom_->signedDistance_m(q_W) * std::copysign(1.0, distance_m), -1e-12) << p_W.transpose();
+    }
+  }
+}
+
+// Walks from random points to the surface; there the density is the isovalue.
+TEST_P(Surface, DensityOnTheSurfaceIsTheIsovalue) {
+  Points points(*phantom_);
+  for (int n = 0; n < 500; ++n) {
+    Vec3 p_W = points.next();
+    for (int step = 0; step < 50; ++step) {
+      const SurfaceOffset offset = phantom_->offset(p_W);
+      p_W -= offset.distance_m * offset.normal;
+    }
+    const double distance_m = phantom_->signedDistance_m(p_W);
+    if (std::abs(distance_m) > 1e-12) continue;  // caught at an inner edge of two bodies
+    ASSERT_NEAR(phantom_->density(p_W), phantom_->isovalue(), 1e-6) << p_W.transpose();
+  }
+}
+
+// Blocks that are skipped as constant hold what the density function says, at odd sizes too.
+TEST_P(Surface, VoxelsAreTheDensity) {
+  std::string small = GetParam().substr(0, GetParam().find('?')) + "?size=21x30x17&spacing=2x1.5x2.5mm";
+  const auto phantom = makePhantom(small);
+  const Volume volume = makeVolume(*phantom);
+  EXPECT_EQ(volume.size(), Vec3i(21, 30, 17));
+  for (int n = 0; n < 21 * 30 * 17; ++n) {
+    const Vec3i index(n % 21, n / 21 % 30, n / 630);
+    const Vec3 p_W = phantom->lattice().toWorld(index.cast<double>());
+    ASSERT_EQ(volume.value(index), static_cast<float>(phantom->density(p_W))) << index.transpose();
+  }
+}
+
+TEST_P(Surface, HasBothSidesInTheLattice) {
+  const Volume volume = makeVolume(*phantom_);
+  EXPECT_LT(volume.minimum(), phantom_->isovalue());
+  EXPECT_GT(volume.maximum(), phantom_->isovalue());
+  EXPECT_EQ(volume.facts().declared_isovalue, phantom_->isovalue());
+  EXPECT_LE((volume.lattice().toWorld((volume.size() - Vec3i::Ones()).cast<double>() / 2)).norm(), 1e-12);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Surface,
+                         testing::Values("phantom:sphere", "phantom:sphere?size=33x40x51&spacing=0.5x0.5x1.2mm",
+                                         "phantom:box", "phantom:spheres", "phantom:knot", "phantom:shell?thickness=3",
+                                         "phantom:gyroid", "phantom:head", "phantom:lung"),
+                         [](const auto& spec) {
+                           std::string name = spec.param.substr(8, spec.param.find('?') - 8);
+                           return name + std::to_string(spec.index);
+                         });
+
+// Where the distance is exact everywhere, the foot point p - d n lies on the surface: the distance is not too small.
+class ExactSurface : public testing::TestWithParam<std::string> {};
+
+TEST_P(ExactSurface, FootPointsLieOnTheSurface) {
+  const auto phantom = makePhantom(GetParam());
+  Points points(*phantom);
+  for (int n = 0; n < 2000; ++n) {
+    const Vec3 p_W = points.next();
+    const SurfaceOffset offset = phantom->offset(p_W);
+    ASSERT_NEAR(phantom->signedDistance_m(p_W - offset.distance_m * offset.normal), 0, 1e-12) << p_W.transpose();
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Exact, ExactSurface,
+                         testing::Values("phantom:sphere", "phantom:box", "phantom:spheres", "phantom:knot",
+                                         "phantom:shell", "phantom:gyroid"));
+
+// The knot's centre curve, sampled finely: the nearest sample is at most (arc / 2)^2 / (2 d) farther than the curve.
+TEST(Knot, DistanceAgreesWithAFineSampling) {
+  const auto phantom = makePhantom("phantom:knot");
+  constexpr double kScale_m = 0.0315;
+  constexpr int kSamples = 20000;
+  Points points(*phantom);
+  for (int n = 0; n < 100; ++n) {
+    const Vec3 p_W = points.next();
+    double nearest_m = 1;
+    for (int sample = 0; sample < kSamples; ++sample) {
+      const double t = sample * 2 * M_PI / kSamples;
+      const double r = 0.55 + 0.25 * std::cos(3 * t);
+      const Vec3 c = kScale_m * Vec3(r * std::cos(2 * t), r * std::sin(2 * t), 0.25 * std::sin(3 * t));
+      nearest_m = std::min(nearest_m, (p_W - c).norm());
+    }
+    const double arc_m = 2.35 * kScale_m * 2 * M_PI / kSamples;
+    const double exact_m = phantom->signedDistance_m(p_W) + 0.13 * kScale_m;
+    ASSERT_LE(exact_m, nearest_m + 1e-15);
+    ASSERT_GE(exact_m, nearest_m - std::min(arc_m, arc_m * arc_m / 8 / std::max(exact_m, 1e-9)) * 1.5);
+  }
+}
+
+// In a flat lattice it is as wide as the lattice, not as a cube of its height; in one flatter still its height decides.
+TEST(Knot, FillsAFlatLattice) {
+  const auto gap_m = [](const char* name) { return makePhantom(name)->signedDistance_m(Vec3::Zero()); };
+  // At the centre the distance is that of the nearest point of the centre curve (A - B) less the tube: 0.17 scales.
+  EXPECT_NEAR(gap_m("phantom:knot?size=128x128x64"), 0.17 * 0.0635, 1e-12);
+  EXPECT_NEAR(gap_m("phantom:knot?size=128x128x128"), 0.17 * 0.0635, 1e-12);
+  EXPECT_NEAR(gap_m("phantom:knot?size=128x128x33"), 0.17 * 0.016 * (0.93 / 0.38), 1e-12);
+}
+
+// Trilinear interpolation errs by at most sum h^2 / 8 times the second derivative, here the slope times the curvature
+// 1 / r of the distance's level sets within a voxel's diagonal of the surface.
+TEST(Sphere, VoxelsInterpolateToTheIsovalueOnTheSurface) {
+  const auto phantom = makePhantom("phantom:sphere");
+  const Volume volume = makeVolume(*phantom);
+  const double h_m = 1e-3;
+  const double radius_m = 0.7 * 0.0315;
+  const double bound = phantom->profile().slope_per_m * 2 * h_m * h_m / 8 / (radius_m - std::sqrt(3.0) * h_m);
+  Points points(*phantom);
+  double worst = 0;
+  for (int n = 0; n < 2000; ++n) {
+    double density = 0;
+    Vec3 gradient;
+    const Vec3 direction = points.direction();
+    ASSERT_TRUE(volume.sample(direction * radius_m, density, gradient));
+    worst = std::max(worst, std::abs(density - phantom->isovalue()));
+    EXPECT_GT(-gradient.normalized().dot(direction), 0.999);
+  }
+  EXPECT_LE(worst, bound);
+  EXPECT_GE(worst, bound / 100);  // the bound is not loose by orders
+}
+
+TEST(Noise, HasItsDeviationAndIsSeeded) {
+  const auto clean = makePhantom("phantom:sphere");
+  const auto noisy = makePhantom("phantom:sphere?noise=0.05&seed=3");
+  const std::vector<float> want = makeVolume(*clean).toDense();
+  const std::vector<float> got = makeVolume(*noisy).toDense();
+  double sum = 0;
+  double squares = 0;
+  for (std::size_t n = 0; n < want.size(); ++n) {
+    const double noise = static_cast<double>(got[n]) - static_cast<double>(want[n]);
+    sum += noise;
+    squares += noise * noise;
+  }
+  const auto count = static_cast<double>(want.size());  // 262144: the deviation's own error is 1 / sqrt(2 n) = 0.14 %
+  EXPECT_NEAR(sum / count, 0, 100 * 4 / std::sqrt(count));
+  EXPECT_NEAR(std::sqrt(squares / count), 100, 100 * 4 / std::sqrt(2 * count));
+  EXPECT_EQ(got, makeVolume(*noisy).toDense());
+  EXPECT_NE(got, loadVolume("phantom:sphere?noise=0.05&seed=4").toDense());
+}
+
+TEST(Random, HoldsEveryKindOfValueAndHasNoSurface) {
+  const auto phantom = makePhantom("phantom:random?size=16");
+  EXPECT_FALSE(phantom->hasSurface());
+  EXPECT_TRUE(std::isnan(phantom->signedDistance_m(Vec3::Zero())));
+  std::set<std::string> kinds;
+  for (const float value : makeVolume(*phantom).toDense()) {
+    if (value == 0) kinds.insert(std::signbit(value) ? "-0" : "+0");
+    if (std::fpclassify(value) == FP_SUBNORMAL) kinds.insert(value < 0 ? "-denormal" : "+denormal");
+    if (std::abs(value) == 1e-30F) kinds.insert(value < 0 ? "-tiny" : "+tiny");
+    if (std::abs(value) == 1e30F) kinds.insert(value < 0 ? "-huge" : "+huge");
+    if (std::abs(value) > 1 && std::abs(value) <= 1024) kinds.insert("ordinary");
+  }
+  EXPECT_EQ(kinds.size(), 9U);
+}
+
+TEST(PhantomSpec, ReadsEveryKey) {
+  const PhantomSpec spec =
+      parsePhantomSpec("phantom:shell?size=128x64x32&spacing=0.5x500x1.2um&noise=0.05&seed=9&thickness=1.5");
+  EXPECT_EQ(spec.size, Vec3i(128, 64, 32));
+  EXPECT_LE((spec.spacing_m - Vec3(0.5e-6, 5e-4, 1.2e-6)).norm(), 1e-18);
+  EXPECT_EQ(spec.noise, 0.05);
+  EXPECT_EQ(spec.seed, 9U);
+  EXPECT_EQ(spec.thickness_voxels, 1.5);
+  EXPECT_EQ(parsePhantomSpec("phantom:sphere?size=32").spacing_m, Vec3::Constant(1e-3));
+  EXPECT_EQ(parsePhantomSpec("phantom:head").size, Vec3i(128, 128, 64));
+  EXPECT_NEAR(parsePhantomSpec("phantom:head?size=64").spacing_m.x(), 0.0032, 1e-12);  // the same head, coarser
+}
+
+TEST(PhantomSpec, RefusesWhatItDoesNotKnow) {
+  const auto refuses = [](const std::string& text, const std::string& reason) { expectLoadRefusal(text, reason); };
+  refuses("phantom:cube", "choose one of sphere, box, spheres, knot, shell, gyroid, head, lung, random");
+  refuses("phantom:", "choose one of");
+  refuses("phantom:sphere?colour=red", "its keys are size, spacing, noise, seed");
+  refuses("phantom:sphere?thickness=2", "its keys are size, spacing, noise, seed");
+  refuses("phantom:sphere?size", "key=value");
+  refuses("phantom:sphere?", "key=value");
+  refuses("phantom:sphere?size=0", "1 to");
+  refuses("phantom:sphere?size=100000", "1 to");
+  refuses("phantom:sphere?size=64.5", "not a number");
+  refuses("phantom:sphere?size=64x64", "one or three");
+  refuses("phantom:sphere?size=99999999999", "not a number");
+  refuses("phantom:sphere?spacing=1", "no unit");
+  refuses("phantom:sphere?spacing=0mm", "not positive");
+  refuses("phantom:sphere?spacing=-1mm", "not positive");
+  refuses("phantom:sphere?spacing=nanmm", "not positive");
+  refuses("phantom:sphere?noise=nan", "out of range");
+  refuses("phantom:sphere?noise=-1", "out of range");
+  refuses("phantom:sphere?seed=-1", "not a number");
+  refuses("phantom:shell?thickness=0", "out of range");
+}
+
+TEST(PhantomSpec, RefusesMoreThanMemory) {
+  expectLoadRefusal("phantom:random?size=16384", "GiB", Error::Code::kOutOfMemory);
+  expectLoadRefusal("phantom:sphere?size=16384", "bricks of 8 x 8 x 8", Error::Code::kOutOfMemory);
+}
+
+// What is made brick by brick is what the dense field says, to the bit; 27 is no multiple of a brick's edge.
+TEST(PhantomVolume, ByBricksEqualsDense) {
+  for (const PhantomKind& kind : phantomKinds()) {
+    const auto phantom = makePhantom("phantom:" + kind.name + "?size=27x34x40&spacing=0.4x0.5x0.3mm");
+    if (!phantom->isByPlace()) continue;
+    const Volume dense =
+        Volume::fromDense(phantom->size(), phantom->lattice(), phantom->densities(), makeVolume(*phantom).facts());
+    const Volume bricks = makeVolume(*phantom);
+    const std::vector<float> a = dense.toDense(), b = bricks.toDense();
+    ASSERT_EQ(a.size(), b.size());
+    EXPECT_EQ(std::memcmp(a.data(), b.data(), a.size() * sizeof(float)), 0) << kind.name;
+    EXPECT_EQ(bricks.minimum(), dense.minimum()) << kind.name;
+    EXPECT_EQ(bricks.maximum(), dense.maximum()) << kind.name;
+    EXPECT_EQ(bricks.storedBricks(), dense.storedBricks()) << kind.name;
+  }
+}
+
+// 1024^3 voxels are 4 GiB when dense; the ball's surface crosses about 4 pi (0.7 * 64)^2 * 1.5 bricks, times their
+// thickness of a brick and a ramp: some 52,000 of 6.2 KiB, so 1 GiB holds it, and 200 MiB do not.
+TEST(PhantomVolume, ALargeOneNeedsMemoryForItsSurfaceOnly) {
+  constexpr const char* kLarge = "phantom:sphere?size=1024";
+  const Volume volume = loadVolume(kLarge, std::size_t{1} << 30U);
+  EXPECT_LT(volume.storedBricks(), 70'000U);
+  for (const auto& [name, budget] :
+       {std::pair(kLarge, std::size_t{200} << 20U), std::pair("phantom:random?size=1024", std::size_t{1} << 30U)}) {
+    try {
+      static_cast<void>(loadVolume(name, budget));
+      ADD_FAILURE() << "no error: " << name;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), Error::Code::kOutOfMemory);
+    }
+  }
+}
+
+}  // namespace phantom_test
+}  // namespace palpate
