@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// base/leftover.hpp: temporary files, draft folders and child processes that must not outlive the process.  Whoever
-// makes such a thing makes it through a Leftover, keeps that beside it, and removes the thing as usual. Some work
-// cannot be stopped (a library that reads a file), so the process may have to end in the middle of it. Then
+// base/leftover.hpp: temporary files, draft folders and child processes that must not outlive the process.
+// Whoever makes such a thing makes it through a Leftover, keeps that beside it, and removes the thing as usual. Some
+// work cannot be stopped (a library that reads a file), so the process may have to end in the middle of it. Then
 // endLeftovers() removes what is left. Any thread. Cost: a lock and a short text.
-//
 // A thing is made under the lock that endLeftovers() takes for good. So it is either registered by then or never made.
 #pragma once
 
