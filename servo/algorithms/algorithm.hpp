@@ -5,7 +5,8 @@
 // Frames: everything is in the world W [m, m/s, N]. Normals point out of the object: N = -grad / |grad|.
 // Force convention, stated once: d = VHIP - HIP points out of the object, and F = K d - B v_d, where v_d is the part of
 // the HIP's velocity along N. So F pushes the device out and damps its motion along N.
-// Thread: only the servo calls tick(); no heap, lock, system call or throw. reset() is called before the loop starts.
+// Thread: only the servo calls tick() and resume(); no heap, lock, system call or throw. reset() is called before the
+// loop starts.
 #pragma once
 
 #include <cstdint>
@@ -54,6 +55,12 @@ class Algorithm {
   virtual ~Algorithm() = default;
   // Forgets all state and puts the VHIP at `hip_W`. Not in the loop.
   virtual void reset(const Vec3& hip_W) noexcept = 0;
+  // Forgets all state, as one that takes over from another in the loop: the tool was last known to be outside at
+  // `free_W`, and the next tick searches the way from there to the HIP, so that a contact goes on.
+  virtual void resume(const Vec3& free_W, const Vec3& hip_W) noexcept {
+    static_cast<void>(free_W);
+    reset(hip_W);
+  }
   virtual void tick(const TickInput& in, TickOutput& out) noexcept = 0;
 };
 

@@ -19,6 +19,12 @@ namespace palpate {
 class FreeMotion {
  public:
   void reset() noexcept { *this = FreeMotion(); }
+  // The HIP was last outside at `free_W`; the next move() looks whether that still is outside, as after an edit.
+  void resume(const Vec3& free_W) noexcept {
+    reset();
+    free_.p_W = free_W;
+    armed_ = edited_ = true;
+  }
 
   // Call it every tick that can see the HIP, in contact too, with the edit that the window holds. True if it is another
   // edit than in the last call.

@@ -25,9 +25,15 @@ void HriSurface::reset(const Vec3& hip_W) noexcept {
   surface_ = {};
   age_ticks_ = 0;
   vhip_W_ = hip_W;
-  in_contact_ = held_ = armed_ = lost_ = behind_ = buried_ = false;
+  in_contact_ = held_ = armed_ = lost_ = behind_ = buried_ = resumed_ = false;
   edit_version_ = 0;
   cache_.forget();
+}
+
+// As after ticks that could not see the HIP.
+void HriSurface::resume(const Vec3& free_W) noexcept {
+  free_.p_W = free_W;
+  armed_ = held_ = resumed_ = true;
 }
 
 bool HriSurface::find(const SampleWindow& window, const Vec3& hip_W, std::uint32_t& faults) noexcept {
@@ -223,7 +229,7 @@ void HriSurface::moveFreely(const Vec3& hip_W, std::uint32_t& faults) noexcept {
   bool buried = std::exchange(buried_, false);
   if (after_gap && (armed_ || buried)) {
     const double longest_m = kLongestGap * field_->voxel();
-    const bool near = (hip_W - free_.p_W).squaredNorm() <= longest_m * longest_m;
+    const bool near = std::exchange(resumed_, false) || (hip_W - free_.p_W).squaredNorm() <= longest_m * longest_m;
     // An edit may have come where no window showed the free point.
     if (near && armed_) free_ = field_->probe(free_.p_W);
     buried = near && (buried || free_.side == Side::kInside);

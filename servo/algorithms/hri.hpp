@@ -66,6 +66,7 @@ class HriSurface {
   explicit HriSurface(const AlgorithmParameters& parameters) noexcept
       : renewal_ticks_(parameters.plane_renewal_ticks), cache_(parameters.isovalue) {}
   void reset(const Vec3& hip_W) noexcept;
+  void resume(const Vec3& free_W) noexcept;
   bool find(const SampleWindow& window, const Vec3& hip_W, std::uint32_t& faults) noexcept;
   // The point that the window has to hold for the contact to go on.
   [[nodiscard]] std::optional<Vec3> remembered(const Vec3& hip_W) const noexcept {
@@ -101,6 +102,7 @@ class HriSurface {
   bool behind_ = false;      // the HIP went farther than the plane was followed
   bool held_ = false;        // the last tick could not see the HIP; no force until one can
   bool buried_ = false;      // an edit covered free_ while the HIP could not be seen
+  bool resumed_ = false;     // free_ is where another algorithm knew the tool to be outside, however far from here
   bool lost_ = false;        // the contact was lost with the HIP in the object, where it still is
   std::uint64_t edit_version_ = 0;
 

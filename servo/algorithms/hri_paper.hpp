@@ -47,6 +47,7 @@ class HriPaperSurface {
   explicit HriPaperSurface(const AlgorithmParameters& parameters, PaperPoint point = PaperPoint::kFromTheEnds) noexcept
       : point_(point), n_(parameters.plane_renewal_ticks), cache_(parameters.isovalue) {}
   void reset(const Vec3& hip_W) noexcept;
+  void resume(const Vec3& free_W) noexcept { vhip_W_ = free_W; }
   bool find(const SampleWindow& window, const Vec3& hip_W, std::uint32_t& faults) noexcept;
   [[nodiscard]] ContactPlane plane() const noexcept { return {p_W_, normal_W_, has_plane_ ? age_ticks_ : 0}; }
 

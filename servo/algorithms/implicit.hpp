@@ -41,6 +41,7 @@ class ImplicitSurface {
 
   explicit ImplicitSurface(const AlgorithmParameters& parameters) noexcept : field_(parameters.isovalue) {}
   void reset(const Vec3& hip_W) noexcept;
+  void resume(const Vec3& free_W) noexcept { free_.resume(free_W); }
   bool find(const SampleWindow& window, const Vec3& hip_W, std::uint32_t& faults) noexcept;
   // The point that the window has to hold for the contact to go on.
   [[nodiscard]] std::optional<Vec3> remembered(const Vec3&) const noexcept {

@@ -5,7 +5,9 @@
 //   explicit Surface(const AlgorithmParameters&);
 //   static constexpr bool kMayPull;     // K d - B v_d may pull the device in, as the paper prints it
 //   static constexpr bool kEasesEdits;  // optional, default true; false: an edit is felt whole as soon as find() sees
-//   it void reset(const Vec3& hip_W) noexcept;
+//   void reset(const Vec3& hip_W) noexcept;
+//   // Optional: as Algorithm::resume(); comes after a reset().
+//   void resume(const Vec3& free_W) noexcept;
 //   // True in contact: then plane() is valid, with `tool_W` behind it. `tool_W` is the HIP, or with objects the place
 //   // where they let the tool be (servo/objects/object_contacts.hpp).
 //   bool find(const SampleWindow& window, const Vec3& tool_W, std::uint32_t& faults) noexcept;
@@ -62,8 +64,19 @@ class VhipAlgorithm final : public Algorithm {
     release();
   }
 
+  void resume(const Vec3& free_W, const Vec3& hip_W) noexcept override {
+    reset(hip_W);
+    if constexpr (requires { surface_.resume(free_W); }) surface_.resume(free_W);
+    objects_.reset(free_W);
+    resumed_ = true;
+  }
+
   void tick(const TickInput& in, TickOutput& out) noexcept override {
     out = TickOutput{};
+    if (resumed_ && in.window->usable()) {  // what its edits added was felt before
+      edit_version_ = in.window->edit_version;
+      resumed_ = false;
+    }
     if (objects_.empty()) {
       if (find(*in.window, in.hip_W, out.faults)) {
         push(in, shown(), out);
@@ -203,6 +216,7 @@ class VhipAlgorithm final : public Algorithm {
   bool on_surface_ = false;                   // with the volume
   bool unsettled_ = false;                    // an edit waits for a plane, or some of it is not taken in yet
   bool edited_ = false;                       // since the plane was found
+  bool resumed_ = false;                      // since the last usable window
   std::uint64_t edit_version_ = 0;            // of the last usable window
   EditEase ease_;                             // of the depth behind the volume's plane [m]
 };

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -49,6 +50,12 @@ void copy(const Vec3& from, double (&to)[3]) noexcept {
   std::copy(from.begin(), from.end(), to);
 }
 
+// The largest force limit that a change may set.
+double mostForce(const Device& device) {
+  const double limit_N = device.limits().force_limit_N;
+  return limit_N > 0 ? limit_N : std::numeric_limits<double>::max();
+}
+
 // An estimate that is to know the device's noise and was not told takes its resolution.
 VelocityParameters velocityFor(const Device& device, VelocityParameters velocity) {
   if (!velocity.noise_m) velocity.noise_m = device.limits().position_resolution_m;
@@ -74,7 +81,7 @@ float densityAt(const SampleWindow& window, const Vec3& p_W) noexcept {
 ServoLoop::ServoLoop(const LoopParameters& parameters, Algorithm& algorithm, Device& device, WindowExchange& windows,
                      ToolPoseMailbox& tool)
     : parameters_(checked(parameters)),
-      algorithm_(algorithm),
+      algorithm_(&algorithm),
       device_(device),
       windows_(windows),
       tool_(tool),
@@ -83,11 +90,13 @@ ServoLoop::ServoLoop(const LoopParameters& parameters, Algorithm& algorithm, Dev
       passivity_(parameters.passivity, withinDevice(parameters.safety, device).force_limit_N, parameters.rate_hz,
                  device.limits().force_delay_ticks, device.limits().position_resolution_m),
       velocity_(velocityFor(device, parameters.velocity), parameters.rate_hz),
-      recorder_(recordCapacity(parameters)) {
+      recorder_(recordCapacity(parameters)),
+      most_force_N_(mostForce(device)),
+      change_ticks_(std::max<std::int64_t>(1, std::llround(kChangeOver_s * parameters.rate_hz))) {
   if (!device_.read(hip_W_) || !hip_W_.allFinite()) {
     throw Error(Error::Code::kDevice, std::string(device_.name()), "gives no position", "check its cable and power");
   }
-  algorithm_.reset(hip_W_);
+  algorithm_->reset(hip_W_);
   velocity_.reset(hip_W_);
   passivity_.reset(hip_W_);
   tool_.back() = ToolPose{hip_W_, Vec3::Zero(), -1, 0};
@@ -96,6 +105,8 @@ ServoLoop::ServoLoop(const LoopParameters& parameters, Algorithm& algorithm, Dev
 
 ServoLoop::~ServoLoop() {
   requestStop();
+  if (thread_.joinable()) thread_.join();
+  if (change_ != nullptr) endChange();
 }
 
 // A multiple of the period would drift at rates whose period is no whole number of nanoseconds.
@@ -125,6 +136,7 @@ LoopResult ServoLoop::runSimulated(const Hook& before_tick) {
     TickRecord& record = kept != nullptr ? *kept : unkept;
     const SampleWindow& window = runTick({tick, 0, tick == 0 ? 0 : 1}, now_ns, record);
     record.density = densityAt(window, hip_W_);
+    if (live_ != nullptr) live_->add(record);
   }
   endForce([] {});
   return result();
@@ -169,8 +181,10 @@ void ServoLoop::runOnGrid(Clock& clock) {
     record.density = densityAt(window, hip_W_);
 
     last_tick = tick++;
-    if (done_ns <= start_ns + offset_ns(tick)) continue;
-    record.faults |= bit(ServoFault::kOverrun);
+    const bool overrun = done_ns > start_ns + offset_ns(tick);
+    if (overrun) record.faults |= bit(ServoFault::kOverrun);
+    if (live_ != nullptr) live_->add(record);
+    if (!overrun) continue;
     const std::int64_t next = firstTickFrom(tick, done_ns - start_ns);
     ticks_skipped_ += next - tick;
     tick = next;
@@ -192,9 +206,9 @@ const SampleWindow& ServoLoop::runTick(const Due& due, std::int64_t now_ns, Tick
   TickOutput out;
   std::int64_t report_age_ns = 0;
   if (readDevice(due.elapsed_ticks, gap_ns, report_age_ns)) {
-    algorithm_.tick({hip_W_, velocity_.value(), &window}, out);
-    at_surface_ = out.at_surface;
-    surface_W_ = out.surface_W;
+    if (changes_ != nullptr && change_ == nullptr) beginChange(window);
+    tickAlgorithm({hip_W_, velocity_.value(), &window}, out);
+    last_ = out;
   } else {
     faults |= bit(ServoFault::kDeviceError);
     out.vhip_W = hip_W_;
@@ -205,7 +219,8 @@ const SampleWindow& ServoLoop::runTick(const Due& due, std::int64_t now_ns, Tick
   carried_faults_ = offer(gated.force_W) ? 0 : bit(ServoFault::kDeviceError);
   const Vec3& held_W = gate_.heldForce();
   passivity_.hold(held_W);
-  tool_.back() = ToolPose{hip_W_, velocity_.value(), due.tick, now_ns, at_surface_, surface_W_, out.normal_W, held_W};
+  tool_.back() =
+      ToolPose{hip_W_, velocity_.value(), due.tick, now_ns, last_.at_surface, last_.surface_W, out.normal_W, held_W};
   tool_.publish();
   ++ticks_run_;
 
@@ -226,6 +241,45 @@ const SampleWindow& ServoLoop::runTick(const Due& due, std::int64_t now_ns, Tick
   record.in_contact = out.in_contact;
   record.damped = !damping_W.isZero(0) && (gated.faults & kFadingFaults) == 0;
   return window;
+}
+
+// A contact goes on from a point in front of its surface.
+void ServoLoop::beginChange(const SampleWindow& window) noexcept {
+  if ((last_.at_surface && !last_.in_contact) || !window.usable()) return;
+  change_ = changes_->take();
+  if (change_ == nullptr) return;
+  change_tick_ = 0;
+  limit_from_N_ = gate_.forceLimit();
+  if (!change_->algorithm) return;
+  constexpr double kInFront = 0.25;  // [voxel]
+  Vec3 free_W = hip_W_;
+  if (last_.in_contact) free_W = last_.surface_W + last_.normal_W * (kInFront * window.lattice.smallestSpacing());
+  leaving_ = algorithm_;
+  algorithm_ = change_->algorithm.get();
+  std::swap(given_algorithm_, change_->algorithm);
+  algorithm_->resume(free_W, hip_W_);
+}
+
+// While a change is under way the force goes over from the algorithm that leaves to the new one.
+void ServoLoop::tickAlgorithm(const TickInput& in, TickOutput& out) noexcept {
+  algorithm_->tick(in, out);
+  if (change_ == nullptr) return;
+  const double share = static_cast<double>(++change_tick_) / static_cast<double>(change_ticks_);
+  if (leaving_ != nullptr) {
+    TickOutput left;
+    leaving_->tick(in, left);
+    out.force_W = (1 - share) * left.force_W + share * out.force_W;
+  }
+  if (change_->force_limit_N) {
+    const double limit_N = std::min(*change_->force_limit_N, most_force_N_);
+    gate_.setForceLimit(limit_from_N_ + share * (limit_N - limit_from_N_));
+  }
+  if (change_tick_ == change_ticks_) endChange();
+}
+
+void ServoLoop::endChange() noexcept {
+  leaving_ = nullptr;
+  changes_->done(std::exchange(change_, nullptr));
 }
 
 // Where the tool is. Velocity and energy go on only with a report that has not been read before. False: no answer.

@@ -21,7 +21,9 @@
 
 #include "servo/algorithms/algorithm.hpp"
 #include "servo/devices/device.hpp"
+#include "servo/loop/live_ticks.hpp"
 #include "servo/loop/real_time.hpp"
+#include "servo/loop/servo_changes.hpp"
 #include "servo/loop/tick_recorder.hpp"
 #include "servo/loop/velocity.hpp"
 #include "servo/safety/passivity.hpp"
@@ -69,6 +71,14 @@ class ServoLoop {
             ToolPoseMailbox& tool);
   ~ServoLoop();  // stops and joins a running thread
 
+  // Before a run: where changes come from, and who else sees each tick. Both must outlive the loop. A change is made
+  // between two ticks. Another algorithm takes over a contact where it is (Algorithm::resume()), and for kChangeOver_s
+  // both run, while the force goes from the one's to the other's. So does a force limit, within the device's own. While
+  // a contact is only remembered (TickOutput::at_surface without contact), changes wait.
+  static constexpr double kChangeOver_s = 0.1;  // [s]
+  void takeChangesFrom(ServoChanges& changes) noexcept { changes_ = &changes; }
+  void tellTicksTo(LiveTicks& live) noexcept { live_ = &live; }
+
   // Simulated clock: the whole run, in the caller's thread. `before_tick` is called before each tick with its number
   // and time [ns], for an engine that publishes in step. It may allocate, lock and throw, and may be empty.
   using Hook = std::function<void(std::int64_t tick, std::int64_t time_ns)>;
@@ -100,6 +110,9 @@ class ServoLoop {
   [[nodiscard]] bool wanted(std::int64_t tick) const noexcept;
   template <typename Clock>
   void runOnGrid(Clock& clock);
+  void beginChange(const SampleWindow& window) noexcept;
+  void tickAlgorithm(const TickInput& in, TickOutput& out) noexcept;
+  void endChange() noexcept;
   const SampleWindow& runTick(const Due& due, std::int64_t now_ns, TickRecord& record) noexcept;
   [[nodiscard]] bool readDevice(int elapsed_ticks, std::int64_t gap_ns, std::int64_t& report_age_ns) noexcept;
   [[nodiscard]] bool offer(const Vec3& force_W) noexcept;
@@ -108,7 +121,7 @@ class ServoLoop {
   [[nodiscard]] LoopResult result();
 
   LoopParameters parameters_;
-  Algorithm& algorithm_;
+  Algorithm* algorithm_;
   Device& device_;
   WindowExchange& windows_;
   ToolPoseMailbox& tool_;
@@ -121,8 +134,16 @@ class ServoLoop {
   int ticks_since_report_ = 0;
   std::int64_t last_now_ns_ = 0;      // when the last tick began
   std::uint32_t carried_faults_ = 0;  // of the last tick, after its gate
-  bool at_surface_ = false;           // the algorithm's last word on where samples are needed
-  Vec3 surface_W_ = Vec3::Zero();
+  TickOutput last_;                   // the algorithm's last word
+  ServoChanges* changes_ = nullptr;
+  LiveTicks* live_ = nullptr;
+  ServoChange* change_ = nullptr;               // under way
+  Algorithm* leaving_ = nullptr;                // the one that it replaces; null: it replaces none
+  std::unique_ptr<Algorithm> given_algorithm_;  // algorithm_, where it came with a change
+  double most_force_N_;                         // the device's own limit [N]
+  double limit_from_N_ = 0;
+  std::int64_t change_tick_ = 0;  // of change_ticks_
+  std::int64_t change_ticks_;
   std::int64_t ticks_run_ = 0;
   std::int64_t ticks_skipped_ = 0;
   bool released_ = false;

@@ -28,7 +28,7 @@ std::int64_t fadeTicksOf(const SafetyParameters& p, double rate_hz) {
 }  // namespace
 
 SafetyGate::SafetyGate(const SafetyParameters& p, double rate_hz)
-    : force_limit_N_(p.force_limit_N), slew_per_tick_N_(p.slew_limit_N_per_s / rate_hz) {
+    : parameters_(p), rate_hz_(rate_hz), slew_per_tick_N_(p.slew_limit_N_per_s / rate_hz) {
   checkSetting(rate_hz > 0, "rate", rate_hz, "give a positive rate in Hz");
   checkSetting(p.force_limit_N > 0, "force limit", p.force_limit_N, "give newtons above 0");
   checkSetting(p.slew_limit_N_per_s > 0, "slew limit", p.slew_limit_N_per_s, "give newtons per second above 0");
@@ -43,6 +43,21 @@ SafetyGate::SafetyGate(const SafetyParameters& p, double rate_hz)
   stall_ns_ = nanoseconds(p.stall_s + 1 / rate_hz);
   report_timeout_ns_ = nanoseconds(p.report_timeout_s);
   authority_ticks_ = fade_ticks_;
+}
+
+// The authority stays the same share of the whole.
+void SafetyGate::setForceLimit(double force_limit_N) noexcept {
+  parameters_.force_limit_N = force_limit_N;
+  const std::int64_t before = fade_ticks_;
+  fade_ticks_ = fadeTicksOf(parameters_, rate_hz_);
+  const auto rescaled = [&](std::int64_t ticks) {
+    return ticks == before ? fade_ticks_
+                           : static_cast<std::int64_t>(static_cast<double>(ticks) * static_cast<double>(fade_ticks_) /
+                                                       static_cast<double>(before));
+  };
+  if (fade_ticks_ == before) return;
+  authority_ticks_ = rescaled(authority_ticks_);
+  fade_from_ticks_ = std::max(authority_ticks_, rescaled(fade_from_ticks_));
 }
 
 std::uint32_t SafetyGate::faultsOf(const GateInput& in) const noexcept {
@@ -80,7 +95,7 @@ Vec3 SafetyGate::release() noexcept {
 }
 
 void SafetyGate::taken(const Vec3& held_W) noexcept {
-  const bool within = held_W.allFinite() && held_W.stableNorm() <= force_limit_N_;
+  const bool within = held_W.allFinite() && held_W.stableNorm() <= parameters_.force_limit_N;
   held_W_ = within ? held_W : offer_W_;
 }
 
@@ -94,9 +109,9 @@ Vec3 SafetyGate::limited(const Vec3& wanted_W, std::uint32_t& faults) noexcept {
   if (authority_ticks_ < fade_ticks_) ++authority_ticks_;
   Vec3 target_W = wanted_W;
   const double size_N = wanted_W.stableNorm();
-  if (size_N > force_limit_N_) {
+  if (size_N > parameters_.force_limit_N) {
     // Divided first: a huge force times the limit would overflow.
-    target_W = wanted_W / size_N * force_limit_N_;
+    target_W = wanted_W / size_N * parameters_.force_limit_N;
     faults |= bit(ServoFault::kForceLimited);
   }
   if (authority_ticks_ < fade_ticks_)

@@ -63,6 +63,10 @@ class SafetyGate {
   // The force to offer to the device. One call per tick.
   [[nodiscard]] GateOutput pass(const GateInput& in) noexcept;
 
+  // Another force limit from the next pass() on, above 0 and finite [N]. What is held above it comes down by the slew.
+  void setForceLimit(double force_limit_N) noexcept;
+  [[nodiscard]] double forceLimit() const noexcept { return parameters_.force_limit_N; }  // [N]
+
   // At the end of a run: a force nearer to zero by one slew. The authority goes to zero. Offer it once per tick until
   // the device takes zero.
   [[nodiscard]] Vec3 release() noexcept;
@@ -82,7 +86,8 @@ class SafetyGate {
   [[nodiscard]] Vec3 limited(const Vec3& wanted_W, std::uint32_t& faults) noexcept;
   [[nodiscard]] bool offerTowards(const Vec3& target_W) noexcept;  // false: the slew limit held it back
 
-  double force_limit_N_;
+  SafetyParameters parameters_;
+  double rate_hz_;
   double slew_per_tick_N_;
   std::int64_t fade_ticks_;
   std::int64_t stale_ns_;

@@ -54,14 +54,18 @@ std::uint32_t faultsOf(const LoopResult& run) {
 }
 
 // Ticks without end, so that missed deadlines do not shorten the watch; stopped once it is over.
-Watched watch(std::string_view algorithm, bool device_allocates, bool troubled = false) {
+Watched watch(std::string_view algorithm, bool device_allocates, bool troubled = false, bool changing = false) {
   TouchScene scene(0.2, algorithm);
   WatchingDevice device(scene.path, troubled, device_allocates);
   TroubledAlgorithm troubled_algorithm(*scene.algorithm, troubled);
   LoopParameters p = troubled ? troubledParameters() : LoopParameters{};
   p.ticks = 0;
   p.record_ticks = 10 * kTicks;
+  ServoChanges changes;
+  LiveTicks live(256);
   ServoLoop loop(p, troubled_algorithm, device, scene.windows, scene.tool);
+  if (changing) loop.takeChangesFrom(changes);
+  if (changing) loop.tellTicksTo(live);
   loop.start();
   std::int64_t ticks = 0;
   for (std::int64_t seen = -1, looks = 0; ticks < 2 * kTicks; ++looks) {
@@ -69,6 +73,9 @@ Watched watch(std::string_view algorithm, bool device_allocates, bool troubled =
     const bool new_pose = pose.tick != seen;
     seen = pose.tick;
     if (new_pose && ++ticks % 32 == 1) scene.publish(pose.position_W, monotonicNow_ns());
+    if (changing && new_pose && ticks % 40 == 0)
+      changes.give({.algorithm = makeFor(algorithm, {}, scene.volume, 4e-3),
+                    .force_limit_N = static_cast<double>(1 + ticks % 7)});
     confirmWithTrouble(scene.windows, looks, troubled);
     sleepUntil(monotonicNow_ns() + 300'000);
   }
@@ -82,6 +89,12 @@ TEST(HeapGuard, TheServoThreadTakesNothing) {
   for (const AlgorithmEntry& entry : algorithms()) {
     EXPECT_EQ(watch(entry.name, false).allocations, 0) << entry.name;
   }
+}
+
+// What is replaced meanwhile is freed by who gives the next change.
+TEST(HeapGuard, TheServoThreadTakesNothingForAChange) {
+  for (const char* name : {"hri", "blezek", "implicit", "hri-paper"})
+    EXPECT_EQ(watch(name, false, false, true).allocations, 0) << name;
 }
 
 // Adaptive windowing, the passivity controller, and a gate that has always something to do. Which of the faults that

@@ -63,7 +63,7 @@ class GuardedDevice final : public Device {
 };
 
 // The wait status of a child that runs the loop.
-int runChild(std::string_view algorithm, bool device_calls, bool troubled = false) {
+int runChild(std::string_view algorithm, bool device_calls, bool troubled = false, bool changing = false) {
   const pid_t child = fork();
   if (child == 0) {
     TouchScene scene(0.2, algorithm);
@@ -72,11 +72,16 @@ int runChild(std::string_view algorithm, bool device_calls, bool troubled = fals
     LoopParameters p = troubled ? troubledParameters() : LoopParameters{};
     p.ticks = 0;
     p.record_ticks = kTicks;
+    ServoChanges changes;
+    LiveTicks live(256);
     ServoLoop loop(p, troubled_algorithm, device, scene.windows, scene.tool);
+    if (changing) loop.takeChangesFrom(changes);
+    if (changing) loop.tellTicksTo(live);
     scene.publish(TouchScene::above(0), monotonicNow_ns());
     loop.start();
     for (std::int64_t look = 0; loop.running(); ++look) {
       confirmWithTrouble(scene.windows, look, troubled);
+      if (changing) changes.give({.algorithm = makeFor(algorithm, {}, scene.volume, 4e-3), .force_limit_N = 3.0});
       sleepUntil(monotonicNow_ns() + 300'000);
     }
     _exit(1);
@@ -110,6 +115,12 @@ TEST_F(SystemCallGuard, TheServoThreadOnlySleeps) {
 // them).
 TEST_F(SystemCallGuard, TheServoThreadOnlySleepsInTrouble) {
   const int status = runChild("hri", false, true);
+  ASSERT_TRUE(WIFEXITED(status)) << "killed by signal " << WTERMSIG(status);
+  EXPECT_EQ(WEXITSTATUS(status), kClean);
+}
+
+TEST_F(SystemCallGuard, TheServoThreadOnlySleepsWhileItIsChanged) {
+  const int status = runChild("hri", false, false, true);
   ASSERT_TRUE(WIFEXITED(status)) << "killed by signal " << WTERMSIG(status);
   EXPECT_EQ(WEXITSTATUS(status), kClean);
 }

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/loop/servo_changes.hpp"
+
+#include <utility>
+
+namespace palpate {
+
+ServoChanges::~ServoChanges() {
+  delete given_.load();
+  for (const auto& slot : done_) delete slot.load();
+}
+
+void ServoChanges::give(ServoChange change) {
+  auto next = std::make_unique<ServoChange>(std::move(change));
+  const std::lock_guard lock(givers_);
+  for (auto& slot : done_) delete slot.exchange(nullptr, std::memory_order_acquire);
+  const std::unique_ptr<ServoChange> untaken(given_.exchange(nullptr, std::memory_order_acquire));
+  if (untaken) {
+    if (!next->algorithm) next->algorithm = std::move(untaken->algorithm);
+    if (!next->force_limit_N) next->force_limit_N = untaken->force_limit_N;
+  }
+  given_.store(next.release(), std::memory_order_release);
+}
+
+ServoChange* ServoChanges::take() noexcept {
+  if (given_.load(std::memory_order_relaxed) == nullptr) return nullptr;
+  return given_.exchange(nullptr, std::memory_order_acquire);
+}
+
+void ServoChanges::done(ServoChange* change) noexcept {
+  for (auto& slot : done_) {
+    if (slot.load(std::memory_order_relaxed) != nullptr) continue;
+    slot.store(change, std::memory_order_release);
+    return;
+  }
+}
+
+}  // namespace palpate

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// servo/loop/servo_changes.hpp: what another thread wants the running servo to do differently, handed over without a
+// wait.
+//
+// The servo looks once a tick and takes the newest change, or none. What it no longer needs it hands back, so that it
+// never frees memory. Threads: give() by any thread; take() and done() by the servo's. Cost: take() one load, and one
+// exchange where there is a change; done() one store. Wait-free on the servo's side, a lock on the other.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <optional>
+
+#include "servo/algorithms/algorithm.hpp"
+
+namespace palpate {
+
+struct ServoChange {
+  std::unique_ptr<Algorithm> algorithm = {};  // runs from now on; null: the one that runs
+  std::optional<double> force_limit_N = {};   // above 0; empty: as it is [N]
+};
+
+class ServoChanges {
+ public:
+  ServoChanges() = default;
+  ~ServoChanges();
+  ServoChanges(const ServoChanges&) = delete;
+  ServoChanges& operator=(const ServoChanges&) = delete;
+
+  // A change that the servo has not taken yet is made part of this one. Frees what the servo has handed back.
+  void give(ServoChange change);
+
+  // Servo: the change to make, which stays the servo's until done(); null: none. One at a time.
+  [[nodiscard]] ServoChange* take() noexcept;
+  // Servo: hands back what take() gave; it may hold the algorithm that was replaced.
+  void done(ServoChange* change) noexcept;
+
+ private:
+  std::mutex givers_;
+  std::atomic<ServoChange*> given_{nullptr};
+  // Every take() follows a give(), which empties these. So there are at most two: what the servo had in hand then, and
+  // what it took since.
+  std::array<std::atomic<ServoChange*>, 2> done_{};
+};
+
+}  // namespace palpate
