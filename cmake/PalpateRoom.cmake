@@ -111,9 +111,11 @@ function(palpate_join name out)
   set(${out} ${joined} PARENT_SCOPE)
 endfunction()
 
-# TOGETHER, APART: as palpate_join() takes them. GENERATED: sources that the build writes.
+# TOGETHER, APART: as palpate_join() takes them. GENERATED: sources that the build writes. COLD: nothing in the room takes
+# time, so that optimising it would only make the build longer.
+set(PALPATE_COLD $<$<CONFIG:Release>:-O1>)
 function(palpate_room name)
-  cmake_parse_arguments(ROOM "" "" "SOURCES;TOGETHER;APART;GENERATED;DEPENDS;THROUGH;LIBRARIES;PRIVATE_LIBRARIES;USES" ${ARGN})
+  cmake_parse_arguments(ROOM "COLD" "" "SOURCES;TOGETHER;APART;GENERATED;DEPENDS;THROUGH;LIBRARIES;PRIVATE_LIBRARIES;USES" ${ARGN})
   file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
   set(include_root ${CMAKE_BINARY_DIR}/rooms/${name})
   get_filename_component(parent ${include_root}/${folder} DIRECTORY)
@@ -133,4 +135,7 @@ function(palpate_room name)
   palpate_use_rooms(${target} ${ROOM_DEPENDS} ${ROOM_THROUGH})
   palpate_fence(${target} ${ROOM_USES})
   target_precompile_headers(${target} REUSE_FROM palpate_room_pch)
+  if(ROOM_COLD)
+    target_compile_options(${target} PRIVATE ${PALPATE_COLD})
+  endif()
 endfunction()
