@@ -30,7 +30,8 @@ struct Verb {
 // Of a scene's flag from its table; of another from its check, which CLI11 describes as "{float,half}".
 std::vector<std::string> wordsOf(const CLI::Option& option) {
   for (const SceneOption& row : sceneOptions()) {
-    if (option.check_lname(std::string(row.flag).substr(2))) return optionWords(row.value);
+    if (option.check_lname(std::string(row.flag).substr(2)))
+      return isBare(row.value) ? std::vector<std::string>() : optionWords(row.value);
   }
   const std::string type = option.get_type_name();
   const std::size_t open = type.find('{'), close = type.find('}');

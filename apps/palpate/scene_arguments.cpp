@@ -23,8 +23,11 @@ SceneArguments::SceneArguments(CLI::App& verb) : values_(sceneOptions().size()) 
       ->type_name("VOLUME|SCENE.toml");
   for (std::size_t i = 0; i < values_.size(); ++i) {
     const SceneOption& option = sceneOptions()[i];
-    options_.push_back(
-        verb.add_option(option.flag, values_[i], optionHelp(option))->type_name(" ")->group(optionGroup(option)));
+    CLI::Option* added = isBare(option.value) ? verb.add_flag_callback(
+                                                    option.flag, [] {}, optionHelp(option))
+                                              : verb.add_option(option.flag, values_[i], optionHelp(option));
+    options_.push_back(added->type_name(" ")->group(optionGroup(option)));
+    if (isBare(option.value)) values_[i] = std::get<SwitchOption>(option.value).word_if_true;
   }
   verb.add_option("--object", objects_, objectHelp())
       ->type_name(" ")
@@ -86,7 +89,8 @@ std::string SceneArguments::commandLine(const std::string& verb, const Scene& sc
     if (is_journal && !scene.journal.empty()) {
       line += " --journal " + shellWord(nextFreeName(scene.journal));
     } else if (options_[i]->count() > 0) {
-      line += std::string(" ") + sceneOptions()[i].flag + " " + shellWord(values_[i]);
+      line += std::string(" ") + sceneOptions()[i].flag;
+      if (!isBare(sceneOptions()[i].value)) line += " " + shellWord(values_[i]);
     }
   }
   for (const std::string& object : objects_) line += " --object " + shellWord(object);

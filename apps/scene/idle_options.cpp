@@ -53,6 +53,7 @@ const IdleOption kIdleOptions[] = {
     {"--n", renewsPlanes, "this --algorithm finds the surface anew in every tick"},
     {"--haptization-density", usesHaptization, kHaptizationOnly},
     {"--haptization-gradient", usesHaptization, kHaptizationOnly},
+    {"--require-real-time", [](const Scene& s) { return !s.simulated_clock; }, "only --clock real is in real time"},
     {"--velocity-cutoff", [](const Scene& s) { return s.velocity == "filter"; }, "only --velocity filter uses it"},
     {"--velocity-noise", [](const Scene& s) { return s.velocity == "foaw"; }, "only --velocity foaw uses it"},
     {"--texture-amplitude", [](const Scene& s) { return s.texture != "none"; },

@@ -71,6 +71,8 @@ const SceneOption kOptions[] = {
     {"--seconds", "servo.seconds", "s", "how long the servo runs; with --path as long as the path", number(&Scene::duration_s, 1, 0.01, 3600)},
     {"--clock", "servo.clock", "", "real: keeps time; simulated: as fast as it can, the same trace on every run",
      SwitchOption{&Scene::simulated_clock, "real", "simulated"}},
+    {"--require-real-time", "servo.require_real_time", "", "refuse to start where the system gives no real-time priority or locks no memory",
+     SwitchOption{&Scene::require_real_time, "off", "on", true}},
     {"--haptization-density", "haptization.density", "density, N, N s/m",
      "force out of the dense and viscosity by density, linear between rows; from the isovalue and the volume if not given",
      TableOption{&Scene::haptization_density, 1, "density:force:viscosity"}},

@@ -201,6 +201,11 @@ std::string optionText(const OptionValue& value, const Scene& scene) {
   return std::visit(Writer{scene}, value);
 }
 
+bool isBare(const OptionValue& value) noexcept {
+  const auto* option = std::get_if<SwitchOption>(&value);
+  return option != nullptr && option->bare;
+}
+
 std::string optionForm(const OptionValue& value) {
   return std::visit(Form{}, value);
 }

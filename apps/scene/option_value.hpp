@@ -48,11 +48,12 @@ struct ListOption {
   std::string Scene::*member;
 };
 
-// One of two words.
+// One of two words. Bare: on the command line the flag has no value and stands for the second.
 struct SwitchOption {
   bool Scene::*member;
   const char* word_if_false;
   const char* word_if_true;
+  bool bare = false;
 };
 
 // One of several words, the first of which is the default.
@@ -94,6 +95,8 @@ void setOption(const OptionValue& value, const std::string& text, const std::str
 // The whole text as a number, or as three finite numbers separated by commas; empty for any other text.
 [[nodiscard]] std::optional<double> numberOf(std::string_view text);
 [[nodiscard]] std::optional<Vec3> vectorOf(std::string_view text);
+
+[[nodiscard]] bool isBare(const OptionValue& value) noexcept;
 
 // The words from which a user must choose; empty if the option takes any text, number or file.
 [[nodiscard]] std::vector<std::string> optionWords(const OptionValue& value);

@@ -39,6 +39,7 @@ struct Scene {
   double rate_hz = 1000;
   double duration_s = 5;
   bool simulated_clock = false;
+  bool require_real_time = false;          // refuse to run without real-time priority and locked memory
   std::string velocity = "filter";         // name of the HIP's velocity estimator
   double velocity_cutoff_hz = 200;         // of "filter"; 0: none
   std::optional<double> velocity_noise_m;  // of "foaw"; empty: the encoders' resolution

@@ -19,6 +19,7 @@ VelocityParameters velocityParameters(const Scene& scene) {
 LoopParameters loopParameters(const Scene& scene) {
   LoopParameters loop;
   loop.rate_hz = scene.rate_hz;
+  loop.require_real_time = scene.require_real_time;
   loop.ticks = std::llround(scene.duration_s * scene.rate_hz);
   loop.safety = {.force_limit_N = scene.force_limit_N,
                  .slew_limit_N_per_s = scene.slew_limit_N_per_s,

@@ -40,12 +40,13 @@ SampleFormat halfSamples(float isovalue, float lowest, float highest, const Vec3
 }
 
 void checkHalfSamples(const SampleFormat& format, float lowest, float highest, double contrast) {
-  const double step = std::ldexp(1.0, -25) / static_cast<double>(format.code.density_scale);
-  if (step <= std::ldexp(contrast, -11)) return;
+  // Near the isovalue halves lie 2^-24 apart, so they are rounded by up to half of that.
+  const double rounding = std::ldexp(1.0, -25) / static_cast<double>(format.code.density_scale);
+  if (rounding <= std::ldexp(contrast, -11)) return;
   throw Error(Error::Code::kBadInput, "--samples half",
-              fmt::format("densities from {:g} to {:g} are too far apart for halves: their smallest step, {:g}, is too "
+              fmt::format("densities from {:g} to {:g} are too far apart for halves: rounding by up to {:g} is too "
                           "coarse for a surface whose object lies {:g} above the isovalue",
-                          lowest, highest, step, contrast),
+                          lowest, highest, rounding, contrast),
               "use --samples float; if the farthest density marks what was not measured, replace it in the file");
 }
 

@@ -42,7 +42,7 @@ class FilterChain {
   FilterChain(const FilterChain&) = delete;
   FilterChain& operator=(const FilterChain&) = delete;
 
-  // Computes all bricks; blocks. `progress` gets the fraction done after every Tuning::filter_bricks bricks. It may
+  // Computes all bricks; blocks. `progress` gets the fraction done after every submission (submission_size.hpp). It may
   // throw to cancel; the result's content is then undefined. Throws Error(kOutOfMemory).
   void run(const std::function<void(double)>& progress = {});
 

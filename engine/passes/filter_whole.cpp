@@ -9,8 +9,10 @@
 #include <utility>
 #include <vector>
 
+#include "base/stopwatch.hpp"
 #include "engine/passes/brick_bounds_pass.hpp"
 #include "engine/passes/distance_bricks.hpp"
+#include "engine/passes/submission_size.hpp"
 #include "engine/passes/tuning.hpp"
 #include "engine/passes/uniform_bricks.hpp"
 
@@ -24,7 +26,7 @@ class Run {
         transfer_(transfer),
         steps_(steps),
         grid_{source.size(), source.lattice().spacing_m},
-        bricks_a_submission_(tuningFor(gpu.info()).filter_bricks) {}
+        most_bricks_(tuningFor(gpu.info()).filter_bricks) {}
 
   void step(std::size_t step, const BrickPool& from, BrickPool& to, const std::function<void(double)>& progress) {
     progress(0);
@@ -41,14 +43,17 @@ class Run {
     transfer_.upload(std::as_bytes(std::span(list)), tasks);
     gpu::Commands commands(gpu_, "filter", 1);
     std::uint32_t done = 0;
+    SubmissionSize size(most_bricks_);
     for (const FilterRange& range : ranges) {
-      for (std::uint32_t first = 0; first < range.count; first += bricks_a_submission_) {
-        FilterRange part = range;
-        part.first += first;
-        part.count = std::min(range.count - first, bricks_a_submission_);
+      FilterRange part = range;
+      for (std::uint32_t first = 0; first < range.count; first += part.count) {
+        part.first = range.first + first;
+        part.count = std::min(range.count - first, size.bricks());
+        const Stopwatch watch;
         commands.begin();
         steps_.record(commands, step, from, to, tasks, {&part, 1});
         commands.run();
+        size.took(part.count, watch.seconds());
         done += part.count;
         progress(static_cast<double>(done) / static_cast<double>(list.size()));
       }
@@ -90,7 +95,7 @@ class Run {
   gpu::Transfer& transfer_;
   FilterDispatch& steps_;
   BrickGrid grid_;
-  std::uint32_t bricks_a_submission_;
+  std::uint32_t most_bricks_;            // of a submission
   std::vector<layout::BrickPage> band_;  // pages of the distance that is under way: distanceBricks
 };
 

@@ -15,7 +15,7 @@
 
 namespace palpate {
 
-// Blocks. `progress`, if given, gets the fraction done after every Tuning::filter_bricks bricks. It may throw to
+// Blocks. `progress`, if given, gets the fraction done after every submission (submission_size.hpp). It may throw to
 // cancel; the content of `result` is then undefined. Throws Error(kOutOfMemory).
 void filterWhole(gpu::Gpu& gpu, gpu::Transfer& transfer, FilterDispatch& steps, std::span<const FilterRoute> routes,
                  const BrickPool& source, BrickPool& result, const std::function<void(double)>& progress);

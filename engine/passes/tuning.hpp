@@ -19,8 +19,8 @@ struct Tuning {
   // to fill its warps, and its caches serve repeated reads.
   std::uint32_t gradient_run;
 
-  // Bricks in one submission when a whole field is computed. Few enough that work can be cancelled in between and that
-  // no driver times out; many enough that the cost of submitting is negligible.
+  // Most bricks in one submission when a whole field is computed. For filters, whose bricks may take long, it is fewer
+  // where that takes more than a tenth of a second (submission_size.hpp).
   std::uint32_t filter_bricks;
   std::uint32_t gradient_bricks;
 };

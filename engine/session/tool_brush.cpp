@@ -48,7 +48,7 @@ std::vector<EditCommand> ToolBrush::look(const ToolPose& pose, std::int64_t time
   touch(pose, time_ns);
   last_look_ns_ = time_ns;
   const double seconds = static_cast<double>(time_ns - begin_ns_) / kNanosecondsPerSecond;
-  // Half a nanosecond, since ticks are rounded to whole ones.
+  // Up to a nanosecond less: both ends are rounded to whole ones.
   if (seconds < spec_.period_s - 1e-9) return {};
 
   EditCommand command = spec_.brush;

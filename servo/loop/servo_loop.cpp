@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <future>
 #include <limits>
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "base/error.hpp"
 #include "base/units.hpp"
@@ -149,12 +151,22 @@ LoopResult ServoLoop::runOn(ServoClock& clock) {
 
 void ServoLoop::start() {
   running_.store(true, std::memory_order_release);
-  thread_ = std::jthread([this] {
+  std::promise<bool> may_run;
+  std::future<bool> allowed = may_run.get_future();
+  thread_ = std::jthread([this, may_run = std::move(may_run)]() mutable {
     if (parameters_.real_time) real_time_ = becomeRealTime(parameters_.priority);
-    RealClock clock;
-    runOnGrid(clock);
+    const bool runs = !parameters_.require_real_time || (real_time_.fifo && real_time_.memory_locked);
+    may_run.set_value(runs);
+    if (runs) {
+      RealClock clock;
+      runOnGrid(clock);
+    }
     running_.store(false, std::memory_order_release);
   });
+  if (allowed.get()) return;
+  thread_.join();
+  throw Error(Error::Code::kDevice, "real time", fmt::format("{}", fmt::join(real_time_.notes, "; ")),
+              "allow it, or leave --require-real-time out");
 }
 
 LoopResult ServoLoop::wait() {

@@ -39,6 +39,7 @@ struct LoopParameters {
   std::int64_t ticks = 5000;       // grid points of the run; 0: until requestStop() [tick]
   std::int64_t record_ticks = -1;  // newest ticks to keep; -1: all, then `ticks` may not be 0 [tick]
   bool real_time = true;           // ask for priority and locked memory (real clock)
+  bool require_real_time = false;  // and refuse to run without either
   int priority = 80;               // of SCHED_FIFO
   VelocityParameters velocity;
   SafetyParameters safety;
@@ -89,7 +90,8 @@ class ServoLoop {
   [[nodiscard]] LoopResult runOn(ServoClock& clock);
 
   // Real clock: start() starts the thread, wait() joins it and gives the result. Throws std::system_error if no thread
-  // can be made.
+  // can be made, and Error(kDevice) if priority or locked memory are required and the system refuses one; then no tick
+  // has begun.
   void start();
   [[nodiscard]] LoopResult wait();
   [[nodiscard]] bool running() const noexcept { return running_.load(std::memory_order_acquire); }

@@ -115,7 +115,7 @@ TEST_F(CommandLine, BashCompletesEveryFlagAndItsWords) {
   const Words flags = offered({"touch", "phantom:sphere", "--"});
   for (const SceneOption& option : sceneOptions()) {
     EXPECT_THAT(flags, testing::Contains(option.flag));
-    const Words words = optionWords(option.value);
+    if (words.empty() || isBare(option.value)) continue;
     if (words.empty()) continue;
     EXPECT_THAT(offered({"touch", option.flag, ""}), testing::UnorderedElementsAreArray(words)) << option.flag;
   }
@@ -176,6 +176,20 @@ TEST_F(CommandLine, SettingsThatDoNotFitAreToldTheirFlags) {
 
 // The ends of every range that the help gives make a run, or are refused by the flag. Two options at a time, one at its
 // lowest, the next at its highest: a run for each.
+// Whether the system allows it or not; the flag has no value, so the volume may follow it.
+TEST_F(CommandLine, RealTimeMayBeRequired) {
+  const Words words = {"touch", "--require-real-time", "phantom:sphere?size=16", "--picture", "off", "--seconds",
+                       "0.1"};
+  const Outcome outcome = run(words);
+  if (outcome.status == 0) {
+    EXPECT_THAT(contentsOf(file("out/summary.json")), testing::HasSubstr("\"require_real_time\": \"on\""));
+    EXPECT_THAT(contentsOf(file("out/summary.json")), testing::HasSubstr("SCHED_FIFO priority"));
+  } else {
+    expectRefusal(outcome, "real time", "leave --require-real-time out", 6);
+  }
+  EXPECT_THAT(run(words + Words{"--clock", "simulated"}).err, testing::HasSubstr("--require-real-time has no effect"));
+}
+
 TEST_F(CommandLine, EveryEndOfARangeMakesARun) {
   struct Ends {
     std::string flag, lowest, highest;

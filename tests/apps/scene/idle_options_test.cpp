@@ -52,6 +52,7 @@ TEST(IdleOptions, EachIsToldWhereNothingUsesItAndNowhereElse) {
       {[](Scene& s) { s.texture = "procedural"; }, [](Scene& s) { s.texture = "density"; }, {"--texture-gain"}},
       {standard, [](Scene& s) { s.algorithm = "haptization"; }, {"--haptization-density", "--haptization-gradient"}},
       {standard, [](Scene& s) { s.velocity = "foaw"; }, {"--velocity-noise"}},
+      {[](Scene& s) { s.simulated_clock = true; }, standard, {"--require-real-time"}},
       {[](Scene& s) { s.velocity = "foaw"; }, standard, {"--velocity-cutoff"}},
       {[](Scene& s) { s.algorithm = "haptization"; }, standard, {"--stiffness", "--damping", "--n"}},
       {[](Scene& s) { s.algorithm = "blezek"; }, standard, {"--n"}},

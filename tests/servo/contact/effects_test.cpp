@@ -9,7 +9,6 @@
 
 #include "base/error.hpp"
 #include "contact/plane_contact.hpp"
-#include "loop/heap_watch.hpp"
 #include "servo/algorithms/registry.hpp"
 #include "servo/contact/energy_account.hpp"
 #include "servo/contact/force_shading.hpp"
@@ -17,6 +16,7 @@
 #include "servo/contact/stiffness_by_density.hpp"
 #include "servo/contact/texture.hpp"
 #include "support/algorithm_driver.hpp"
+#include "support/tick_watch.hpp"
 
 namespace palpate {
 namespace effects_test {
@@ -232,7 +232,7 @@ TEST(Effects, TakeNothingFromTheHeap) {
   effects.push_back(std::move(more[2]));
   EnergyAccount account;
   Vec3 sum = Vec3::Zero();
-  HeapWatch::begin();
+  TickWatch::begin();
   for (int i = 0; i < 1000; ++i) {
     held.window.version += i % 100 == 0 ? 1 : 0;
     ContactState contact;
@@ -248,13 +248,13 @@ TEST(Effects, TakeNothingFromTheHeap) {
     }
     sum += push.vhip_W;
   }
-  HeapWatch::end();
-  EXPECT_EQ(HeapWatch::count(), 0);
+  TickWatch::end();
+  EXPECT_EQ(TickWatch::seen().all(), 0);
   EXPECT_TRUE(sum.allFinite());
-  HeapWatch::begin();
+  TickWatch::begin();
   const auto deliberate = std::make_unique<Vec3>(sum);
-  HeapWatch::end();
-  EXPECT_EQ(HeapWatch::count(), 1);
+  TickWatch::end();
+  EXPECT_EQ(TickWatch::seen().allocations, 1);
   EXPECT_EQ(*deliberate, sum);
 }
 

@@ -5,6 +5,9 @@
 #include <cstring>
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "base/error.hpp"
 #include "servo/loop/run_figures.hpp"
@@ -273,6 +276,52 @@ class SlowOnce final : public Device {
   [[nodiscard]] bool write(const Vec3&) noexcept override { return true; }
   int reads = 0, elapsed = 0;
 };
+
+// In a child that is nobody and may have no priority.
+TEST(ServoLoopReal, WithoutPriorityItRefusesToStartWhereThatIsRequired) {
+#if defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "a fork has no thread sanitizer";
+#endif
+  const pid_t child = fork();
+  if (child == 0) {
+    const rlimit none = {0, 0};
+    setrlimit(RLIMIT_RTPRIO, &none);
+    if (geteuid() == 0 && setuid(65534) != 0) _exit(3);
+    TouchScene scene;
+    SimulatedDevice device({}, scene.path, 1000);
+    LoopParameters p = simulated(20);
+    p.require_real_time = true;
+    ServoLoop loop(p, *scene.algorithm, device, scene.windows, scene.tool);
+    try {
+      loop.start();
+    } catch (const Error& error) {
+      const bool told = std::string(error.what()).find("SCHED_FIFO 80") != std::string::npos;
+      _exit(error.code() == Error::Code::kDevice && told && !loop.running() && loop.wait().ticks_run == 0 ? 0 : 2);
+    }
+    _exit(1);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 0);
+}
+
+TEST(ServoLoopReal, WhatIsAllowedIsNoReasonToRefuse) {
+  TouchScene scene;
+  SimulatedDevice device({}, scene.path, 1000);
+  LoopParameters p = simulated(20);
+  const bool allowed = [&] {
+    ServoLoop asks(p, *scene.algorithm, device, scene.windows, scene.tool);
+    asks.start();
+    const LoopResult run = asks.wait();
+    return run.real_time.fifo && run.real_time.memory_locked;
+  }();
+  if (!allowed) GTEST_SKIP() << "this system gives no real-time priority or locks no memory";
+  p.require_real_time = true;
+  ServoLoop loop(p, *scene.algorithm, device, scene.windows, scene.tool);
+  EXPECT_NO_THROW(loop.start());
+  EXPECT_GT(loop.wait().ticks_run, 0);
+}
 
 TEST(ServoLoopReal, AMissedDeadlineIsFlaggedAndTheGridKept) {
   TouchScene scene;

@@ -13,11 +13,11 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "loop/heap_watch.hpp"
 #include "servo/algorithms/registry.hpp"
 #include "servo/objects/mesh_object.hpp"
 #include "servo/objects/shapes.hpp"
 #include "support/test_meshes.hpp"
+#include "support/tick_watch.hpp"
 
 namespace palpate {
 namespace object_guard_test {
@@ -61,19 +61,19 @@ class Among {
 TEST(ObjectGuard, TicksTakeNothingFromTheHeap) {
   for (const char* algorithm : {"hri", "god-object"}) {
     Among among(algorithm);
-    HeapWatch::begin();
+    TickWatch::begin();
     const int touching = among.ticks();
-    HeapWatch::end();
-    EXPECT_EQ(HeapWatch::count(), 0) << algorithm;
+    TickWatch::end();
+    EXPECT_EQ(TickWatch::seen().all(), 0) << algorithm;
     EXPECT_GT(touching, 300) << algorithm;
   }
 }
 
 TEST(ObjectGuard, ADeliberateAllocationIsSeen) {
-  HeapWatch::begin();
+  TickWatch::begin();
   const auto taken = std::make_unique<double>(1);
-  HeapWatch::end();
-  EXPECT_EQ(HeapWatch::count(), 1);
+  TickWatch::end();
+  EXPECT_EQ(TickWatch::seen().allocations, 1);
 }
 
 bool allowOnlyExit() {

@@ -1,49 +1,60 @@
 // SPDX-License-Identifier: Apache-2.0
-// The servo thread takes nothing from the heap between its first and its last tick.
+// Between its first and its last tick the servo thread takes nothing from the heap, gives nothing back to it, and takes
+// no lock.
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 
 #include <gtest/gtest.h>
 
-#include "heap_watch.hpp"
 #include "servo/loop/servo_loop.hpp"
 #include "support/fault_injection.hpp"
+#include "support/tick_watch.hpp"
 #include "support/touch_scene.hpp"
 #include "support/troubled.hpp"
 
 namespace palpate {
-namespace heap_guard_test {
+namespace tick_guard_test {
 
 constexpr int kTicks = 300;
 
+enum class Misdeed { kNone, kAllocate, kFree, kLock };
+
 // A simulated device, read for the first time in the loop's first tick and written to for the last time in its last:
-// the watch is over everything between. It can be told to take memory in the middle.
+// the watch is over everything between. It can be told to do what it may not in the middle.
 class WatchingDevice final : public Device {
  public:
-  WatchingDevice(const Path& path, bool troubled, bool allocates) : inner_(path, troubled), allocates_(allocates) {}
+  WatchingDevice(const Path& path, bool troubled, Misdeed misdeed) : inner_(path, troubled), misdeed_(misdeed) {}
   [[nodiscard]] std::string_view name() const noexcept override { return "watching"; }
   [[nodiscard]] DeviceLimits limits() const noexcept override { return inner_.limits(); }
   void elapse(int ticks) noexcept override { inner_.elapse(ticks); }
   [[nodiscard]] bool read(Vec3& position_W) noexcept override {
-    if (++reads_ == 2) HeapWatch::begin();  // the first is the constructor's
-    if (allocates_ && reads_ == kTicks / 2) taken_ = std::make_unique<int>(reads_);
+    if (++reads_ == 2) TickWatch::begin();  // the first is the constructor's
+    if (reads_ == kTicks / 2) misbehave();
     return inner_.read(position_W);
   }
   [[nodiscard]] std::int64_t reportAge_ns() const noexcept override { return inner_.reportAge_ns(); }
   [[nodiscard]] bool write(const Vec3& force_W) noexcept override {
-    if (reads_ == kTicks + 1) HeapWatch::end();
+    if (reads_ == kTicks + 1) TickWatch::end();
     return inner_.write(force_W);
   }
 
  private:
+  void misbehave() noexcept {
+    if (misdeed_ == Misdeed::kAllocate) taken_ = std::make_unique<int>(reads_);
+    if (misdeed_ == Misdeed::kFree) spare_.reset();
+    if (misdeed_ == Misdeed::kLock) const std::lock_guard lock(mutex_);
+  }
+
   TroubledDevice inner_;
-  bool allocates_;
-  std::unique_ptr<int> taken_;
+  Misdeed misdeed_;
+  std::unique_ptr<int> taken_, spare_ = std::make_unique<int>(0);
+  std::mutex mutex_;
   int reads_ = 0;
 };
 
 struct Watched {
-  long allocations = 0;
+  TickWatch::Seen seen;
   std::uint32_t faults = 0;  // raised in any tick
 };
 
@@ -54,9 +65,10 @@ std::uint32_t faultsOf(const LoopResult& run) {
 }
 
 // Ticks without end, so that missed deadlines do not shorten the watch; stopped once it is over.
-Watched watch(std::string_view algorithm, bool device_allocates, bool troubled = false, bool changing = false) {
+Watched watch(std::string_view algorithm, Misdeed misdeed = Misdeed::kNone, bool troubled = false,
+              bool changing = false) {
   TouchScene scene(0.2, algorithm);
-  WatchingDevice device(scene.path, troubled, device_allocates);
+  WatchingDevice device(scene.path, troubled, misdeed);
   TroubledAlgorithm troubled_algorithm(*scene.algorithm, troubled);
   LoopParameters p = troubled ? troubledParameters() : LoopParameters{};
   p.ticks = 0;
@@ -82,34 +94,34 @@ Watched watch(std::string_view algorithm, bool device_allocates, bool troubled =
   loop.requestStop();
   const LoopResult run = loop.wait();
   EXPECT_GT(run.ticks_run, kTicks);
-  return {HeapWatch::count(), faultsOf(run)};
+  return {TickWatch::seen(), faultsOf(run)};
 }
 
-TEST(HeapGuard, TheServoThreadTakesNothing) {
+TEST(TickGuard, TheServoThreadTakesNothing) {
   for (const AlgorithmEntry& entry : algorithms()) {
-    EXPECT_EQ(watch(entry.name, false).allocations, 0) << entry.name;
+    EXPECT_EQ(watch(entry.name).seen.all(), 0) << entry.name;
   }
 }
 
 // What is replaced meanwhile is freed by who gives the next change.
-TEST(HeapGuard, TheServoThreadTakesNothingForAChange) {
+TEST(TickGuard, TheServoThreadTakesNothingForAChange) {
   for (const char* name : {"hri", "blezek", "implicit", "hri-paper"})
-    EXPECT_EQ(watch(name, false, false, true).allocations, 0) << name;
+    EXPECT_EQ(watch(name, Misdeed::kNone, false, true).seen.all(), 0) << name;
 }
 
 // Adaptive windowing, the passivity controller, and a gate that has always something to do. Which of the faults that
 // come from the engine's side it meets depends on how busy the machine is; those of device and algorithm come by
 // themselves.
-TEST(HeapGuard, TheServoThreadTakesNothingInTrouble) {
-  const Watched watched = watch("hri", false, true);
-  EXPECT_EQ(watched.allocations, 0);
+TEST(TickGuard, TheServoThreadTakesNothingInTrouble) {
+  const Watched watched = watch("hri", Misdeed::kNone, true);
+  EXPECT_EQ(watched.seen.all(), 0);
   const std::uint32_t certain = bit(ServoFault::kNonFiniteForce) | bit(ServoFault::kDeviceError) |
                                 bit(ServoFault::kStall) | bit(ServoFault::kDroppedReports);
   EXPECT_EQ(watched.faults & certain, certain) << faultNames(watched.faults);
 }
 
 // The same on the scripted clock, where every fault comes for certain. The script's own notes have their memory before.
-TEST(HeapGuard, TheLoopTakesNothingInAnyFault) {
+TEST(TickGuard, TheLoopTakesNothingInAnyFault) {
   constexpr int kKinds = static_cast<int>(Injected::kCount);
   constexpr int kEach = 60;
   constexpr int kAll = kEach * (kKinds + 1);
@@ -134,10 +146,10 @@ TEST(HeapGuard, TheLoopTakesNothingInAnyFault) {
     if (script.tick >= 5 && script.tick < kAll) engine.beforeTick(windows, clock.time_ns);
     if (script.tick == kAll - 1) loop.requestStop();
   };
-  HeapWatch::begin();
+  TickWatch::begin();
   const LoopResult run = loop.runOn(clock);
-  HeapWatch::end();
-  EXPECT_EQ(HeapWatch::count(), 0);
+  TickWatch::end();
+  EXPECT_EQ(TickWatch::seen().all(), 0);
   ASSERT_EQ(run.records.size(), static_cast<std::size_t>(kAll));
   // This push does not look where the tool is, so it is never beyond the window and loses no surface.
   constexpr std::uint32_t kOfASurface =
@@ -148,9 +160,18 @@ TEST(HeapGuard, TheLoopTakesNothingInAnyFault) {
   EXPECT_TRUE(std::any_of(run.records.begin(), run.records.end(), [](const TickRecord& r) { return r.damped; }));
 }
 
-TEST(HeapGuard, ADeliberateAllocationIsSeen) {
-  EXPECT_EQ(watch("hri", true).allocations, 1);
+TEST(TickGuard, WhatADeviceMayNotDoIsSeen) {
+  const TickWatch::Seen allocation = watch("hri", Misdeed::kAllocate).seen;
+  EXPECT_EQ(allocation.allocations, 1);
+  EXPECT_EQ(allocation.all(), 1);
+  const TickWatch::Seen given_back = watch("hri", Misdeed::kFree).seen;
+  EXPECT_EQ(given_back.frees, 1);
+  EXPECT_EQ(given_back.all(), 1);
+  if (!TickWatch::seesLocks()) GTEST_SKIP() << "a sanitizer stands before the locks";
+  const TickWatch::Seen lock = watch("hri", Misdeed::kLock).seen;
+  EXPECT_EQ(lock.locks, 1);
+  EXPECT_EQ(lock.all(), 1);
 }
 
-}  // namespace heap_guard_test
+}  // namespace tick_guard_test
 }  // namespace palpate
