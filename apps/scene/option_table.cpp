@@ -171,6 +171,8 @@ std::string optionHelp(const SceneOption& option) {
   const std::string standard = optionText(option.value, Scene{});
   std::string text = option.help;
   if (*option.unit != '\0') text += fmt::format(" [{}]", option.unit);
+  if (isBare(option.value))
+    return text + fmt::format(" (no value; key {}: {}; default {})", option.key, optionForm(option.value), standard);
   text += " (";
   if (!std::holds_alternative<TextOption>(option.value)) text += optionForm(option.value) + "; ";
   if (!standard.empty()) text += fmt::format("default {}; ", standard);

@@ -41,6 +41,7 @@
 #include "engine/service/engine.hpp"
 #include "servo/algorithms/registry.hpp"
 #include "servo/loop/contact_stability.hpp"
+#include "servo/loop/real_time.hpp"
 #include "servo/loop/run_figures.hpp"
 #include "servo/loop/velocity.hpp"
 #include "servo/safety/faults.hpp"
@@ -86,6 +87,7 @@ void checkEarly(const Scene& scene, const ContactObjects& objects) {
   velocity.name = scene.velocity;
   (void)VelocityEstimate(velocity, scene.rate_hz);
   checkEditOptions(scene);
+  if (scene.require_real_time && !scene.simulated_clock) checkRealTime(LoopParameters{}.priority);
   if (scene.path_file.empty()) checkRunLength(scene, availableMemoryBytes());
 }
 

@@ -3,11 +3,15 @@
 
 #include <cerrno>
 #include <system_error>
+#include <thread>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <pthread.h>
 #include <sys/mman.h>
 #include <time.h>
+
+#include "base/error.hpp"
 
 namespace palpate {
 namespace {
@@ -42,6 +46,19 @@ RealTimeStatus becomeRealTime(int priority) {
                     reason(errno)));
   }
   return status;
+}
+
+void refuseWithoutRealTime(const RealTimeStatus& status) {
+  if (status.granted()) return;
+  throw Error(Error::Code::kDevice, "real time", fmt::format("{}", fmt::join(status.notes, "; ")),
+              "or leave --require-real-time out");
+}
+
+void checkRealTime(int priority) {
+  RealTimeStatus status;
+  std::thread([&] { status = becomeRealTime(priority); }).join();
+  munlockall();
+  refuseWithoutRealTime(status);
 }
 
 std::int64_t monotonicNow_ns() noexcept {

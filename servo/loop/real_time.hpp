@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // servo/loop/real_time.hpp: what the servo thread asks of the system before its first tick, and its clock.
 //
-// Nothing here is required. What the system refuses is noted with its reason and remedy, and the loop goes on. Thread:
+// What the system refuses is noted with its reason and remedy, and the loop goes on. Thread:
 // the servo's, for itself. Cost: becomeRealTime() makes system calls, so only before the first tick; the clock's two
 // functions are for every tick.
 #pragma once
@@ -17,11 +17,18 @@ struct RealTimeStatus {
   bool fifo = false;               // runs under SCHED_FIFO
   bool memory_locked = false;      // the pages that the process has now stay in memory
   std::vector<std::string> notes;  // for each thing refused: what, why, what to do
+  [[nodiscard]] bool granted() const noexcept { return fifo && memory_locked; }
 };
 
 // Asks for SCHED_FIFO at `priority` (1 to 99) for the calling thread, and locks the memory that the process has now.
 // Later memory is not locked: under a limit that would make the allocations of other threads fail.
 [[nodiscard]] RealTimeStatus becomeRealTime(int priority);
+
+// Throws Error(kDevice) with the notes unless all was granted.
+void refuseWithoutRealTime(const RealTimeStatus& status);
+// The same, of a thread that asks and ends; for a job that would begin with minutes of other work. Locks no memory for
+// good.
+void checkRealTime(int priority);
 
 // CLOCK_MONOTONIC [ns]; no system call where the vDSO serves it.
 [[nodiscard]] std::int64_t monotonicNow_ns() noexcept;

@@ -3,6 +3,8 @@
 
 #include <utility>
 
+#include "base/error.hpp"
+
 namespace palpate {
 
 ServoChanges::~ServoChanges() {
@@ -11,6 +13,8 @@ ServoChanges::~ServoChanges() {
 }
 
 void ServoChanges::give(ServoChange change) {
+  if (change.force_limit_N)
+    checkSetting(*change.force_limit_N > 0, "force limit", *change.force_limit_N, "give newtons above 0");
   auto next = std::make_unique<ServoChange>(std::move(change));
   const std::lock_guard lock(givers_);
   for (auto& slot : done_) delete slot.exchange(nullptr, std::memory_order_acquire);

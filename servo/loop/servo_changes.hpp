@@ -29,7 +29,8 @@ class ServoChanges {
   ServoChanges(const ServoChanges&) = delete;
   ServoChanges& operator=(const ServoChanges&) = delete;
 
-  // A change that the servo has not taken yet is made part of this one. Frees what the servo has handed back.
+  // A change that the servo has not taken yet is made part of this one. Frees what the servo has handed back. Throws
+  // Error(kBadInput) for a force limit that is none; then nothing changes.
   void give(ServoChange change);
 
   // Servo: the change to make, which stays the servo's until done(); null: none. One at a time.

@@ -8,10 +8,10 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "base/error.hpp"
 #include "base/units.hpp"
+#include "servo/algorithms/iso_field.hpp"
 #include "servo/window/fetch.hpp"
 
 namespace palpate {
@@ -155,7 +155,7 @@ void ServoLoop::start() {
   std::future<bool> allowed = may_run.get_future();
   thread_ = std::jthread([this, may_run = std::move(may_run)]() mutable {
     if (parameters_.real_time) real_time_ = becomeRealTime(parameters_.priority);
-    const bool runs = !parameters_.require_real_time || (real_time_.fifo && real_time_.memory_locked);
+    const bool runs = !parameters_.require_real_time || real_time_.granted();
     may_run.set_value(runs);
     if (runs) {
       RealClock clock;
@@ -165,8 +165,7 @@ void ServoLoop::start() {
   });
   if (allowed.get()) return;
   thread_.join();
-  throw Error(Error::Code::kDevice, "real time", fmt::format("{}", fmt::join(real_time_.notes, "; ")),
-              "allow it, or leave --require-real-time out");
+  refuseWithoutRealTime(real_time_);
 }
 
 LoopResult ServoLoop::wait() {
@@ -263,9 +262,9 @@ void ServoLoop::beginChange(const SampleWindow& window) noexcept {
   change_tick_ = 0;
   limit_from_N_ = gate_.forceLimit();
   if (!change_->algorithm) return;
-  constexpr double kInFront = 0.25;  // [voxel]
   Vec3 free_W = hip_W_;
-  if (last_.in_contact) free_W = last_.surface_W + last_.normal_W * (kInFront * window.lattice.smallestSpacing());
+  if (last_.in_contact)
+    free_W = last_.surface_W + last_.normal_W * (IsoField::kStandOff * window.lattice.smallestSpacing());
   leaving_ = algorithm_;
   algorithm_ = change_->algorithm.get();
   std::swap(given_algorithm_, change_->algorithm);

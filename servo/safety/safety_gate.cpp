@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -45,19 +46,19 @@ SafetyGate::SafetyGate(const SafetyParameters& p, double rate_hz)
   authority_ticks_ = fade_ticks_;
 }
 
-// The authority stays the same share of the whole.
+// The authority stays the same share of the whole. A fade under way goes on from the force held: it would grow again
+// if a lower limit cut it and a higher one let it go.
 void SafetyGate::setForceLimit(double force_limit_N) noexcept {
   parameters_.force_limit_N = force_limit_N;
-  const std::int64_t before = fade_ticks_;
-  fade_ticks_ = fadeTicksOf(parameters_, rate_hz_);
-  const auto rescaled = [&](std::int64_t ticks) {
-    return ticks == before ? fade_ticks_
-                           : static_cast<std::int64_t>(static_cast<double>(ticks) * static_cast<double>(fade_ticks_) /
-                                                       static_cast<double>(before));
-  };
-  if (fade_ticks_ == before) return;
-  authority_ticks_ = rescaled(authority_ticks_);
-  fade_from_ticks_ = std::max(authority_ticks_, rescaled(fade_from_ticks_));
+  const std::int64_t before = std::exchange(fade_ticks_, fadeTicksOf(parameters_, rate_hz_));
+  if (authority_ticks_ == before) {
+    authority_ticks_ = fade_ticks_;
+  } else {
+    const double scale = static_cast<double>(fade_ticks_) / static_cast<double>(before);
+    authority_ticks_ = static_cast<std::int64_t>(std::floor(static_cast<double>(authority_ticks_) * scale));
+  }
+  fade_from_W_ = held_W_;
+  fade_from_ticks_ = authority_ticks_;
 }
 
 std::uint32_t SafetyGate::faultsOf(const GateInput& in) const noexcept {
@@ -81,7 +82,7 @@ GateOutput SafetyGate::pass(const GateInput& in) noexcept {
   if (faulty) {
     // No note of the slew limit: it is part of the fade here (only after a stall or refused writes does it hold
     // anything back).
-    static_cast<void>(offerTowards(faded()));
+    static_cast<void>(offerTowards(withinLimit(faded())));
   } else if (!offerTowards(limited(in.wanted_W, faults))) {
     faults |= bit(ServoFault::kSlewLimited);
   }
@@ -99,6 +100,12 @@ void SafetyGate::taken(const Vec3& held_W) noexcept {
   held_W_ = within ? held_W : offer_W_;
 }
 
+Vec3 SafetyGate::withinLimit(const Vec3& force_W) const noexcept {
+  const double size_N = force_W.stableNorm();
+  // Divided first: a huge force times the limit would overflow.
+  return size_N > parameters_.force_limit_N ? Vec3(force_W / size_N * parameters_.force_limit_N) : force_W;
+}
+
 Vec3 SafetyGate::faded() noexcept {
   if (authority_ticks_ > 0) --authority_ticks_;
   if (authority_ticks_ == 0) return Vec3::Zero();
@@ -107,13 +114,8 @@ Vec3 SafetyGate::faded() noexcept {
 
 Vec3 SafetyGate::limited(const Vec3& wanted_W, std::uint32_t& faults) noexcept {
   if (authority_ticks_ < fade_ticks_) ++authority_ticks_;
-  Vec3 target_W = wanted_W;
-  const double size_N = wanted_W.stableNorm();
-  if (size_N > parameters_.force_limit_N) {
-    // Divided first: a huge force times the limit would overflow.
-    target_W = wanted_W / size_N * parameters_.force_limit_N;
-    faults |= bit(ServoFault::kForceLimited);
-  }
+  Vec3 target_W = withinLimit(wanted_W);
+  if (target_W != wanted_W) faults |= bit(ServoFault::kForceLimited);
   if (authority_ticks_ < fade_ticks_)
     target_W *= static_cast<double>(authority_ticks_) / static_cast<double>(fade_ticks_);
   return target_W;

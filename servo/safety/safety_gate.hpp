@@ -82,6 +82,7 @@ class SafetyGate {
 
  private:
   [[nodiscard]] std::uint32_t faultsOf(const GateInput& in) const noexcept;
+  [[nodiscard]] Vec3 withinLimit(const Vec3& force_W) const noexcept;
   [[nodiscard]] Vec3 faded() noexcept;
   [[nodiscard]] Vec3 limited(const Vec3& wanted_W, std::uint32_t& faults) noexcept;
   [[nodiscard]] bool offerTowards(const Vec3& target_W) noexcept;  // false: the slew limit held it back

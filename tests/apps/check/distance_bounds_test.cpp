@@ -13,6 +13,7 @@
 #include "apps/check/filter_check.hpp"
 #include "engine/files/volume_file.hpp"
 #include "engine/reference/filter.hpp"
+#include "tests/support/scans.hpp"
 
 namespace palpate {
 namespace distance_bounds_test {
@@ -57,19 +58,14 @@ TEST(DistanceBounds, HoldOnNoise) {
 
 // Whole where it is small, else its middle.
 TEST(DistanceBounds, HoldOnScans) {
-  const char* folder = std::getenv("PALPATE_DATA");
-  if (folder == nullptr) GTEST_SKIP() << "set PALPATE_DATA to the folder of the scans";
-  int scans = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-    const std::string name = entry.path().filename().string();
-    if (!name.ends_with(".nrrd") && !name.ends_with(".nii.gz")) continue;
-    ++scans;
-    const bool small = std::filesystem::file_size(entry.path()) < 500000;
-    const Volume volume = cropped(loadVolume(entry.path().string()), small ? 1000 : 40);
+  const auto scans = realScans();
+  if (scans.empty()) GTEST_SKIP() << kNoScans;
+  for (const auto& scan : scans) {
+    const bool small = std::filesystem::file_size(scan) < 500000;
+    const Volume volume = cropped(loadVolume(scan.string()), small ? 1000 : 40);
     const auto checks = checkFilters(volume, {"", {"distance:6"}, {}}, kQuiet);
     EXPECT_TRUE(allHold(checks)) << checkTable(checks);
   }
-  if (scans == 0) GTEST_SKIP() << "no scan in " << folder;
 }
 
 // A voxel moved beyond either bound, or to the other side, is seen; within them nothing is.

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The whole program on a real scan, where one is at hand (PALPATE_DATA).
+#include "tests/support/scans.hpp"
+
 #include <cstdlib>
 
 #include <nlohmann/json.hpp>
@@ -13,7 +15,7 @@ class Scans : public ProgramTest {
  protected:
   void SetUp() override {
     const char* data = std::getenv("PALPATE_DATA");
-    if (data == nullptr) GTEST_SKIP() << "PALPATE_DATA names no folder of scans";
+    if (data == nullptr) GTEST_SKIP() << kNoScans;
     scan_ = std::string(data) + "/ct_head_headsq.nrrd";
     if (!std::filesystem::exists(scan_)) GTEST_SKIP() << scan_ << " is not there";
   }
@@ -40,10 +42,8 @@ TEST_F(Scans, GradientsOfHeadsAgreeBitForBit) {
 
 // Gradients, filters and edits of every scan; the middle alone, since the twins go voxel by voxel.
 TEST_F(Scans, AllChecksHoldInTheMiddle) {
-  for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(scan_).parent_path())) {
-    const std::string scan = entry.path().string();
-    if (!scan.ends_with(".nrrd") && !scan.ends_with(".nii.gz")) continue;
-    const Outcome outcome = run({"check", "all", scan, "--quick", "--crop", "32"});
+  for (const auto& scan : realScans()) {
+    const Outcome outcome = run({"check", "all", scan.string(), "--quick", "--crop", "32"});
     expectSuccess(outcome);
     EXPECT_THAT(outcome.out, testing::HasSubstr("its middle 32 x 32 x 32 voxels"));
     EXPECT_THAT(outcome.out, testing::Not(testing::HasSubstr("BROKEN")));

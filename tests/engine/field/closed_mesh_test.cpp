@@ -12,6 +12,7 @@
 #include "engine/field/isosurface_mesh.hpp"
 #include "engine/field/statistics.hpp"
 #include "engine/files/volume_file.hpp"
+#include "tests/support/scans.hpp"
 
 namespace palpate {
 namespace closed_mesh_test {
@@ -153,18 +154,14 @@ Volume middleOf(const Volume& volume, int most) {
 // Every scan at whole numbers: what Otsu finds, and a quarter of the largest density. (Whole scans take the mesher some
 // seconds each, so of large ones the middle.)
 TEST(ClosedMesh, OfScansAtWholeNumbers) {
-  const char* folder = std::getenv("PALPATE_DATA");
-  if (folder == nullptr) GTEST_SKIP() << "set PALPATE_DATA to the folder of the scans";
-  int scans = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-    const std::string name = entry.path().filename().string();
-    if (!name.ends_with(".nrrd") && !name.ends_with(".nii.gz")) continue;
-    ++scans;
-    const Volume volume = middleOf(loadVolume(entry.path().string()), 72);
+  const auto scans = realScans();
+  if (scans.empty()) GTEST_SKIP() << kNoScans;
+  for (const auto& scan : scans) {
+    const std::string name = scan.filename().string();
+    const Volume volume = middleOf(loadVolume(scan.string()), 72);
     expectClosed(volume, std::round(defaultIsovalue(volume)), name);
     expectClosed(volume, std::round(volume.maximum() / 4), name, false);
   }
-  if (scans == 0) GTEST_SKIP() << "no scan in " << folder;
 }
 
 }  // namespace closed_mesh_test

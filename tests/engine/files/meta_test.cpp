@@ -5,20 +5,9 @@
 namespace palpate {
 namespace meta_test {
 
-class Meta : public testing::Test {
+class Meta : public OneFile {
  protected:
-  [[nodiscard]] Volume load(const std::string& bytes) const {
-    writeFile(path_, bytes);
-    return loadVolume(path_);
-  }
-  void refuses(const std::string& bytes, const std::string& reason, Error::Code code = Error::Code::kBadInput) const {
-    writeFile(path_, bytes);
-    expectLoadRefusal(path_, reason, code);
-  }
-
-  TempFolder folder_;
-  std::string path_ = folder_.file("a.mha");
-  std::string data_ = bytesOf<std::int16_t>(rampValues(-30));
+  Meta() : OneFile("a.mha") {}
 };
 
 TEST_F(Meta, ReadsEveryNumberType) {

@@ -7,20 +7,9 @@
 namespace palpate {
 namespace nrrd_test {
 
-class Nrrd : public testing::Test {
+class Nrrd : public OneFile {
  protected:
-  [[nodiscard]] Volume load(const std::string& bytes) const {
-    writeFile(path_, bytes);
-    return loadVolume(path_);
-  }
-  void refuses(const std::string& bytes, const std::string& reason, Error::Code code = Error::Code::kBadInput) const {
-    writeFile(path_, bytes);
-    expectLoadRefusal(path_, reason, code);
-  }
-
-  TempFolder folder_;
-  std::string path_ = folder_.file("a.nrrd");
-  std::string data_ = bytesOf<std::int16_t>(rampValues(-30));
+  Nrrd() : OneFile("a.nrrd") {}
 };
 
 TEST_F(Nrrd, ReadsEveryNumberType) {

@@ -235,4 +235,23 @@ inline ItkImage itkImageOf(const Lattice& lattice, const std::vector<double>& va
   return image;
 }
 
+// --- one file, written and loaded again and again ------------------------------------------------------------------
+
+class OneFile : public testing::Test {
+ protected:
+  explicit OneFile(const char* name) : path_(folder_.file(name)) {}
+  [[nodiscard]] Volume load(const std::string& bytes) const {
+    writeFile(path_, bytes);
+    return loadVolume(path_);
+  }
+  void refuses(const std::string& bytes, const std::string& reason, Error::Code code = Error::Code::kBadInput) const {
+    writeFile(path_, bytes);
+    expectLoadRefusal(path_, reason, code);
+  }
+
+  TempFolder folder_;
+  std::string path_;
+  std::string data_ = bytesOf<std::int16_t>(rampValues(-30));
+};
+
 }  // namespace palpate

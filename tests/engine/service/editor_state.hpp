@@ -152,6 +152,11 @@ class EveryField : public testing::TestWithParam<Field> {
   const char* chain_ = GetParam().chain;
 };
 
+// With and without filters and smoothing, for EveryField and what is made from it.
+inline auto everyField() {
+  return testing::Values(Field{"", "central"}, Field{"", "gaussian:1.5"}, Field{"gaussian:0.8", "gaussian:1"});
+}
+
 inline EditCommand brush(EditKind kind, const Volume& volume, const Vec3& p_L, double radius_m) {
   EditCommand command;
   command.kind = kind;

@@ -16,9 +16,7 @@
 namespace palpate {
 namespace editor_test {
 
-INSTANTIATE_TEST_SUITE_P(Fields, EveryField,
-                         testing::Values(Field{"", "central"}, Field{"", "gaussian:1.5"},
-                                         Field{"gaussian:0.8", "gaussian:1"}));
+INSTANTIATE_TEST_SUITE_P(Fields, EveryField, everyField());
 
 // Every kind's kernel runs once before the first edit and changes nothing.
 TEST(Editor, MakesKernelsReadyWithoutChangingAnything) {

@@ -2,10 +2,12 @@
 // Changes from one thread to another: taken once, freed by who gives the next.
 #include "servo/loop/servo_changes.hpp"
 
+#include <limits>
 #include <thread>
 
 #include <gtest/gtest.h>
 
+#include "base/error.hpp"
 #include "changing_press.hpp"
 
 namespace palpate {
@@ -57,6 +59,15 @@ TEST(ServoChanges, ThatWereNotTakenAreMadePartOfTheNext) {
   EXPECT_NE(taken->algorithm, nullptr);
   EXPECT_EQ(taken->force_limit_N, 2.0);
   changes.done(taken);
+  EXPECT_EQ(changes.take(), nullptr);
+}
+
+// The servo can refuse nothing, so it is refused here.
+TEST(ServoChanges, NoForceLimitThatIsNoneComesThrough) {
+  ServoChanges changes;
+  for (const double limit_N :
+       {0.0, -1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()})
+    EXPECT_THROW(changes.give({.force_limit_N = limit_N}), Error) << limit_N;
   EXPECT_EQ(changes.take(), nullptr);
 }
 

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "base/error.hpp"
+#include "support/seeded.hpp"
 
 namespace palpate {
 namespace safety_gate_test {
@@ -30,6 +31,7 @@ class TakingGate {
     gate_.taken(gate_.release());
     return gate_.heldForce();
   }
+  void setForceLimit(double force_limit_N) { gate_.setForceLimit(force_limit_N); }
   [[nodiscard]] const Vec3& heldForce() const { return gate_.heldForce(); }
   [[nodiscard]] std::int64_t fadeTicks() const { return gate_.fadeTicks(); }
 
@@ -293,6 +295,66 @@ TEST(SafetyGate, DoesNotBelieveADeviceThatHoldsNoForceWithinTheLimit) {
     gate.taken(nonsense);
     EXPECT_EQ(gate.heldForce(), Vec3(1, 2, 2));
   }
+}
+
+// Limits that change at random, in health, in fades, while the device refuses: no step is longer than the slew, no
+// force grows beyond the limit of its tick, what is above a new limit only comes down, and a fade never grows.
+TEST(SafetyGate, AnotherForceLimitAtAnyMomentKeepsEveryPromise) {
+  for (unsigned seed = 0; seed < 400; ++seed) {
+    SCOPED_TRACE(seed);
+    Seeded random(seed);
+    SafetyParameters p = parameters();
+    p.force_limit_N = random.logBetween(0.01, 50);
+    p.slew_limit_N_per_s = random.logBetween(5, 1e6);
+    p.fade_s = random.pick(3) == 0 ? 0 : random.between(0, 0.2);
+    SafetyGate gate(p, 1000);
+    const double slew_N = p.slew_limit_N_per_s / 1000;
+    bool was_faulty = false;
+    int spell = 0;
+    for (int tick = 0; tick < 600; ++tick) {
+      if (random.pick(25) == 0) {
+        gate.setForceLimit(random.logBetween(0.01, 50));
+        EXPECT_GE(gate.fadeTicks(), 1);
+      }
+      if (spell-- <= 0) spell = random.pick(60);
+      const bool faulty = spell < 20;
+      GateInput in = healthy(random.inCube(30));
+      if (faulty) in.faults = bit(ServoFault::kDeviceError);
+      const Vec3 held_W = gate.heldForce();
+      const Vec3 offer_W = gate.pass(in).force_W;
+      ASSERT_TRUE(offer_W.allFinite());
+      ASSERT_LE((offer_W - held_W).norm(), slew_N * (1 + 1e-9));
+      ASSERT_LE(offer_W.norm(), std::max(gate.forceLimit(), held_W.norm()) * (1 + 1e-9));
+      ASSERT_TRUE(!faulty || !was_faulty || offer_W.norm() <= held_W.norm() * (1 + 1e-9)) << tick;
+      was_faulty = faulty;
+      if (random.pick(5) != 0) gate.taken(offer_W);
+    }
+  }
+}
+
+// From 8 N to 2 N the authority of a fade stays its share, and comes back to the whole of the new limit.
+TEST(SafetyGate, AnotherForceLimitIsReachedAndComesBack) {
+  TakingGate gate(parameters(), 1000);
+  EXPECT_NEAR(gate.pass(healthy({0, 0, 20})).force_W.z(), 8, 1e-12);
+  gate.setForceLimit(2);
+  const GateOutput lower = gate.pass(healthy({0, 0, 20}));
+  EXPECT_NEAR(lower.force_W.z(), 2, 1e-12);
+  EXPECT_EQ(lower.faults, bit(ServoFault::kForceLimited));
+  gate.setForceLimit(5);
+  EXPECT_NEAR(gate.pass(healthy({0, 0, 20})).force_W.z(), 5, 1e-12);
+  EXPECT_EQ(gate.pass(healthy({0, 0, 5})).faults, 0U);
+}
+
+// A fade that must take longer under a higher limit does so from where it is.
+TEST(SafetyGate, AHigherLimitMakesAFadeAsLongAsItsSlewAsks) {
+  SafetyParameters p = parameters();  // 10 ticks by time
+  p.slew_limit_N_per_s = 500;         // 0.5 N a tick: 8 N in 17 ticks, 16 N in 33
+  SafetyGate gate(p, 1000);
+  EXPECT_EQ(gate.fadeTicks(), 17);
+  gate.setForceLimit(16);
+  EXPECT_EQ(gate.fadeTicks(), 33);
+  gate.setForceLimit(1);
+  EXPECT_EQ(gate.fadeTicks(), 10);
 }
 
 TEST(SafetyGate, RefusesLimitsThatAreNone) {
