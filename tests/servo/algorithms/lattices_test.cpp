@@ -154,6 +154,7 @@ TEST_P(Lattices, VhipAndForceAreAsTrueAsTheSamplesAre) {
 // is left-handed where it was right-handed. The trace is the same, but for roundings (properties_test.cpp).
 AnalyticVolume otherHanded(const AnalyticVolume& volume, int way) {
   AnalyticVolume other = volume;
+  other.samples = nullptr;  // found by their places
   if (way < 3) {
     other.lattice.origin_W = volume.lattice.toWorld((volume.size[way] - 1) * Vec3::Unit(way));
     other.lattice.R_WL.col(way) *= -1;

@@ -178,6 +178,7 @@ TEST(PaperPoint, InASlideTheEndsFailBeyondTwiceTheHalfWidthAndTheLineDoesNot) {
   const AnalyticSurface ball = ballSurface(Vec3::Constant(31.3e-3), 20e-3);
   AnalyticVolume volume = sampledVolume(ball);
   const auto wide = volume.density;
+  volume.samples = nullptr;
   volume.density = [wide](const Vec3& p_W) { return std::clamp(wide(p_W), -kHalfWidth, kHalfWidth); };
   for (const double ratio : {0.25, 0.5, 1.0, 1.5, 1.75, 1.9, 2.0, 2.1, 2.2, 2.35, 2.5, 3.0, 3.5, 4.0}) {
     const Slide ends = slide(volume, "hri-paper", ratio * kHalfWidth);

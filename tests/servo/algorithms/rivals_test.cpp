@@ -185,21 +185,18 @@ class NoisyBall {
     volume_.lattice.spacing_m = spacing_m;
     centre_W_ = 0.5 * volume_.lattice.toWorld(volume_.size.cast<double>());
     const double linear_m = 3 * spacing_m.maxCoeff();
-    const auto values = std::make_shared<std::vector<double>>();
+    std::vector<double> values;
     for (int k = 0; k < volume_.size.z(); ++k) {
       for (int j = 0; j < volume_.size.y(); ++j) {
         for (int i = 0; i < volume_.size.x(); ++i) {
           const double r_m = (volume_.lattice.toWorld(Vec3(i, j, k)) - centre_W_).norm();
           double sum = -6;  // of twelve uniforms: nearly Gauss, deviation 1
           for (int u = 0; u < 12; ++u) sum += random.between(0, 1);
-          values->push_back(std::clamp(kRadius - r_m, -linear_m, linear_m) + noise_voxel * spacing_m.minCoeff() * sum);
+          values.push_back(std::clamp(kRadius - r_m, -linear_m, linear_m) + noise_voxel * spacing_m.minCoeff() * sum);
         }
       }
     }
-    volume_.density = [=, lattice = volume_.lattice, size = volume_.size](const Vec3& p_W) {
-      const Vec3i at = lattice.toIndex(p_W).array().round().cast<int>().matrix();
-      return (*values)[static_cast<std::size_t>(at.x() + size.x() * (at.y() + size.y() * at.z()))];
-    };
+    volume_ = withSamples(volume_, std::move(values));
     aim(random);
   }
   // The slide that at() describes is another one.

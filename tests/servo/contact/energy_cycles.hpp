@@ -100,22 +100,18 @@ class EnergyVolume {
     volume.lattice.origin_W = -volume.lattice.R_WL * Vec3::Constant(0.5 * kSide_m);
     Dice dice(seed);
     const Vec3 wave = 2 * std::numbers::pi / 9e-3 * Vec3(dice.between(-1, 1), dice.between(-1, 1), 1).normalized();
-    const auto values = std::make_shared<std::vector<double>>();
+    std::vector<double> values;
     const Vec3i size = volume.size;
     for (int k = 0; k < size.z(); ++k) {
       for (int j = 0; j < size.y(); ++j) {
         for (int i = 0; i < size.x(); ++i) {
           const Vec3 p = volume.lattice.toWorld(Vec3(i, j, k));
           const double inward_m = -body.surface.distance_m(p) + noise_m * dice.between(-1, 1);
-          values->push_back(kSteepness * (inward_m + materialAt(body, p, inward_m, wave)));
+          values.push_back(kSteepness * (inward_m + materialAt(body, p, inward_m, wave)));
         }
       }
     }
-    const Lattice lattice = volume.lattice;
-    volume.density = [=](const Vec3& p_W) {
-      const Vec3i at = lattice.toIndex(p_W).array().round().cast<int>();
-      return (*values)[static_cast<std::size_t>(at.x() + size.x() * (at.y() + size.y() * at.z()))];
-    };
+    volume = withSamples(volume, std::move(values));
     volume.hold(held_, Vec3i::Zero(), size);
   }
 

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <numbers>
 #include <random>
@@ -67,6 +68,11 @@ class TorusKnot {
   TorusKnot(const Vec3& centre_W, double scale_m, double tube_m)
       : centre_W_(centre_W), scale_m_(scale_m), tube_m_(tube_m) {
     for (int i = 0; i < kSamples; ++i) samples_[static_cast<std::size_t>(i)] = at(i * kStep);
+    for (std::size_t group = 0; group < kGroups; ++group) {
+      for (std::size_t i = group * kGroup; i < (group + 1) * kGroup; ++i) {
+        group_radii_[group] = std::max(group_radii_[group], (samples_[i] - middleOf(group)).norm());
+      }
+    }
   }
 
   static Vec3 at(double t) {
@@ -88,6 +94,7 @@ class TorusKnot {
 
  private:
   static constexpr int kSamples = 512;
+  static constexpr std::size_t kGroup = 16, kGroups = kSamples / kGroup;
   static constexpr double kStep = 2 * std::numbers::pi / kSamples;
 
   static Vec3 velocity(double t) {
@@ -96,26 +103,47 @@ class TorusKnot {
     return {dr * std::cos(2 * t) - 2 * r * std::sin(2 * t), dr * std::sin(2 * t) + 2 * r * std::cos(2 * t),
             0.75 * std::cos(3 * t)};
   }
+  [[nodiscard]] const Vec3& middleOf(std::size_t group) const { return samples_[group * kGroup + kGroup / 2]; }
+
   // The best sample, then Gauss-Newton on (c(t) - p) . c'(t) = 0: near the tube's surface c'' matters little.
   [[nodiscard]] Vec3 nearestOnCurve(const Vec3& x_W) const {
     const Vec3 p = (x_W - centre_W_) / scale_m_;
-    int best = 0;
-    for (int i = 1; i < kSamples; ++i) {
-      const auto a = static_cast<std::size_t>(i);
-      if ((samples_[a] - p).squaredNorm() < (samples_[static_cast<std::size_t>(best)] - p).squaredNorm()) best = i;
-    }
-    double t = best * kStep;
+    double t = static_cast<double>(nearestSample(p)) * kStep;
     for (int i = 0; i < 12; ++i) {
       const Vec3 v = velocity(t);
-      t -= std::clamp((at(t) - p).dot(v) / v.squaredNorm(), -kStep, kStep);
+      const double step = std::clamp((at(t) - p).dot(v) / v.squaredNorm(), -kStep, kStep);
+      if (step == 0) break;
+      t -= step;
     }
     return centre_W_ + scale_m_ * at(t);
+  }
+  // Groups whose nearest place is farther than some sample are left out: knots are half of what the tests sample.
+  [[nodiscard]] std::size_t nearestSample(const Vec3& p) const {
+    std::array<double, kGroups> distances;
+    double limit = std::numeric_limits<double>::infinity();
+    for (std::size_t group = 0; group < kGroups; ++group) {
+      distances[group] = (middleOf(group) - p).norm();
+      limit = std::min(limit, distances[group]);
+    }
+    std::size_t best = 0;
+    double best_squared = std::numeric_limits<double>::infinity();
+    for (std::size_t group = 0; group < kGroups; ++group) {
+      if (distances[group] - group_radii_[group] > limit) continue;
+      for (std::size_t i = group * kGroup; i < (group + 1) * kGroup; ++i) {
+        const double squared = (samples_[i] - p).squaredNorm();
+        if (squared >= best_squared) continue;
+        best_squared = squared;
+        best = i;
+      }
+    }
+    return best;
   }
 
   Vec3 centre_W_;
   double scale_m_;
   double tube_m_;
   std::array<Vec3, kSamples> samples_;
+  std::array<double, kGroups> group_radii_{};
 };
 
 // Millimetre voxels; the formula is worked out once for each sample. Beyond 4 voxels from the surface the density is
@@ -127,20 +155,15 @@ inline AnalyticVolume sampledVolume(const AnalyticSurface& surface, int side = 6
 
 // The same with noise: each sample has one value of a normal distribution added.
 inline AnalyticVolume noisy(const AnalyticVolume& volume, double sigma, unsigned seed) {
-  const auto values = std::make_shared<std::vector<double>>();
+  std::vector<double> values;
   std::mt19937 random(seed);
   std::normal_distribution<double> normal(0, sigma);
   for (int k = 0; k < volume.size.z(); ++k) {
     for (int j = 0; j < volume.size.y(); ++j) {
-      for (int i = 0; i < volume.size.x(); ++i) values->push_back(volume.sample({i, j, k}) + normal(random));
+      for (int i = 0; i < volume.size.x(); ++i) values.push_back(volume.sample({i, j, k}) + normal(random));
     }
   }
-  AnalyticVolume noise = volume;
-  noise.density = [values, lattice = volume.lattice, size = volume.size](const Vec3& p_W) {
-    const Vec3i at = lattice.toIndex(p_W).array().round().cast<int>();
-    return (*values)[static_cast<std::size_t>(at.x() + size.x() * (at.y() + size.y() * at.z()))];
-  };
-  return noise;
+  return withSamples(volume, std::move(values));
 }
 
 // What millimetre samples do to a distance field whose curvatures are at most 1 / R, R in voxels; second derivatives

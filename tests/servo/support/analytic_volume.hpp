@@ -24,11 +24,15 @@ struct AnalyticVolume {
   Lattice lattice;
   Vec3i size = Vec3i::Constant(64);
   std::function<double(const Vec3& p_W)> density;
+  std::shared_ptr<const std::vector<double>> samples;  // where they are not worked out anew each time
 
-  [[nodiscard]] double sample(const Vec3i& at) const { return density(lattice.toWorld(at.cast<double>())); }
+  [[nodiscard]] double sample(const Vec3i& at) const {
+    if (samples) return (*samples)[static_cast<std::size_t>(at.x() + size.x() * (at.y() + size.y() * at.z()))];
+    return density(lattice.toWorld(at.cast<double>()));
+  }
 
   // Fills the samples [first, first + count) and what the window says of itself, but for version and stamp.
-  void fill(SampleWindow& window, Sample* samples, const Vec3i& first, const Vec3i& count) const {
+  void fill(SampleWindow& window, Sample* out, const Vec3i& first, const Vec3i& count) const {
     window.lattice = lattice.shifted(first);
     window.size = count;
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -60,7 +64,7 @@ struct AnalyticVolume {
             const double rise = here[above * strides[axis]] - here[-below * strides[axis]];
             gradient[axis] = static_cast<float>(rise / ((below + above) * lattice.spacing_m[axis]));
           }
-          *samples++ = {gradient[0], gradient[1], gradient[2], static_cast<float>(*here)};
+          *out++ = {gradient[0], gradient[1], gradient[2], static_cast<float>(*here)};
         }
       }
     }
@@ -80,21 +84,26 @@ struct AnalyticVolume {
   }
 };
 
-// Each formula worked out once.
-inline AnalyticVolume stored(const AnalyticVolume& formula) {
-  const auto values = std::make_shared<std::vector<double>>();
-  values->reserve(static_cast<std::size_t>(formula.size.prod()));
-  for (int k = 0; k < formula.size.z(); ++k) {
-    for (int j = 0; j < formula.size.y(); ++j) {
-      for (int i = 0; i < formula.size.x(); ++i) values->push_back(formula.sample(Vec3i(i, j, k)));
-    }
-  }
-  AnalyticVolume volume = formula;
-  volume.density = [values, lattice = formula.lattice, size = formula.size](const Vec3& p_W) {
-    const Vec3i at = lattice.toIndex(p_W).array().round().cast<int>();
-    return (*values)[static_cast<std::size_t>(at.x() + size.x() * (at.y() + size.y() * at.z()))];
+// The same lattice with other samples, x fastest; between them the nearest one is taken.
+inline AnalyticVolume withSamples(const AnalyticVolume& like, std::vector<double> samples) {
+  AnalyticVolume volume{like.lattice, like.size, nullptr,
+                        std::make_shared<const std::vector<double>>(std::move(samples))};
+  volume.density = [volume](const Vec3& p_W) {
+    return volume.sample(volume.lattice.toIndex(p_W).array().round().cast<int>());
   };
   return volume;
+}
+
+// Each formula worked out once.
+inline AnalyticVolume stored(const AnalyticVolume& formula) {
+  std::vector<double> values;
+  values.reserve(static_cast<std::size_t>(formula.size.prod()));
+  for (int k = 0; k < formula.size.z(); ++k) {
+    for (int j = 0; j < formula.size.y(); ++j) {
+      for (int i = 0; i < formula.size.x(); ++i) values.push_back(formula.sample(Vec3i(i, j, k)));
+    }
+  }
+  return withSamples(formula, std::move(values));
 }
 
 // R - |x - c|: positive inside, gradient of length 1 inwards [m].
