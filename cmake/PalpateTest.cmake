@@ -24,7 +24,7 @@ palpate_use_rooms(palpate_test_pch base)
 target_link_libraries(palpate_test_pch PRIVATE palpate_compiler GTest::gmock)
 target_precompile_headers(palpate_test_pch PRIVATE <gmock/gmock.h> <gtest/gtest.h> <Eigen/Geometry> <fmt/format.h>)
 # Optimising the tests themselves takes longer than it saves.
-set(PALPATE_TEST_OPTIONS $<$<CONFIG:Release>:-O1>)
+set(PALPATE_TEST_OPTIONS $<$<CONFIG:Release>:-O2>)
 target_compile_options(palpate_test_pch PRIVATE ${PALPATE_TEST_OPTIONS})
 set_target_properties(palpate_test_pch PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/test-bin)
 

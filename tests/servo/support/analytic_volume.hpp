@@ -24,7 +24,7 @@ struct AnalyticVolume {
   Lattice lattice;
   Vec3i size = Vec3i::Constant(64);
   std::function<double(const Vec3& p_W)> density;
-  std::shared_ptr<const std::vector<double>> samples;  // where they are not worked out anew each time
+  std::shared_ptr<const std::vector<double>> samples = nullptr;  // where they are not worked out anew each time
 
   [[nodiscard]] double sample(const Vec3i& at) const {
     if (samples) return (*samples)[static_cast<std::size_t>(at.x() + size.x() * (at.y() + size.y() * at.z()))];
