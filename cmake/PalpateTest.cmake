@@ -1,5 +1,5 @@
 # palpate_test(servo_window_exchange SOURCES exchange_test.cpp DEPENDS servo_window [LIBRARIES ...] [USES ...]
-#              [LABELS short-asan-ubsan short-tsan] [GPU])
+#              [LABELS short-asan-ubsan short-tsan] [GPU] [FAST])
 # A program of its own, and one test that runs it. It sees the rooms that it names and all that those name. GPU: runs under
 # the Vulkan validation layer, and any message of it fails the test.
 #
@@ -18,15 +18,22 @@ endif()
 add_custom_target(short-asan-ubsan)
 add_custom_target(short-tsan)
 
-# What almost every test includes, parsed once. An executable, since its code model must be that of the tests.
-add_executable(palpate_test_pch ${PROJECT_SOURCE_DIR}/tests/support/pch.cpp)
-palpate_use_rooms(palpate_test_pch base)
-target_link_libraries(palpate_test_pch PRIVATE palpate_compiler GTest::gmock)
-target_precompile_headers(palpate_test_pch PRIVATE <gmock/gmock.h> <gtest/gtest.h> <Eigen/Geometry> <fmt/format.h>)
-# Optimising the tests themselves takes longer than it saves.
-set(PALPATE_TEST_OPTIONS $<$<CONFIG:Release>:-O2>)
-target_compile_options(palpate_test_pch PRIVATE ${PALPATE_TEST_OPTIONS})
-set_target_properties(palpate_test_pch PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/test-bin)
+# Most tests compute next to nothing themselves: not optimising them halves their compile time. FAST: those that sample
+# formulas by the million.
+set(PALPATE_TEST_OPTIONS -O0)
+set(PALPATE_FAST_TEST_OPTIONS $<$<CONFIG:Release>:-O2>)
+
+# What almost every test includes, parsed once for each. Executables, since the code model must be that of the tests.
+function(palpate_test_pch target)
+  add_executable(${target} ${PROJECT_SOURCE_DIR}/tests/support/pch.cpp)
+  palpate_use_rooms(${target} base)
+  target_link_libraries(${target} PRIVATE palpate_compiler GTest::gmock)
+  target_precompile_headers(${target} PRIVATE <gmock/gmock.h> <gtest/gtest.h> <Eigen/Geometry> <fmt/format.h>)
+  target_compile_options(${target} PRIVATE ${ARGN})
+  set_target_properties(${target} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/test-bin EXCLUDE_FROM_ALL ON)
+endfunction()
+palpate_test_pch(palpate_test_pch ${PALPATE_TEST_OPTIONS})
+palpate_test_pch(palpate_fast_test_pch ${PALPATE_FAST_TEST_OPTIONS})
 
 # Helpers of tests are included by their path: "tests/engine/files/samples.hpp".
 set(PALPATE_TEST_ROOT ${CMAKE_BINARY_DIR}/test-root)
@@ -35,11 +42,16 @@ file(CREATE_LINK ${PROJECT_SOURCE_DIR}/tests ${PALPATE_TEST_ROOT}/tests SYMBOLIC
 
 # The program `target` from `SOURCES`.
 function(palpate_test_program target)
-  cmake_parse_arguments(TEST "GPU" "" "SOURCES;DEPENDS;LIBRARIES;USES;LABELS" ${ARGN})
+  cmake_parse_arguments(TEST "GPU;FAST" "" "SOURCES;DEPENDS;LIBRARIES;USES;LABELS" ${ARGN})
+  set(fast "")
+  if(TEST_FAST)
+    set(fast FAST_)
+  endif()
+  string(TOLOWER "palpate_${fast}test_pch" pch)
   add_executable(${target} ${TEST_SOURCES})
   set_target_properties(${target} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/test-bin)
-  target_compile_options(${target} PRIVATE ${PALPATE_TEST_OPTIONS})
-  target_precompile_headers(${target} REUSE_FROM palpate_test_pch)
+  target_compile_options(${target} PRIVATE ${PALPATE_${fast}TEST_OPTIONS})
+  target_precompile_headers(${target} REUSE_FROM ${pch})
   target_include_directories(${target} PRIVATE ${CMAKE_CURRENT_SOURCE_DIR} ${PALPATE_TEST_ROOT})
   palpate_all_rooms(rooms ${TEST_DEPENDS})
   palpate_use_rooms(${target} ${rooms})
@@ -58,7 +70,7 @@ function(palpate_test_program target)
 endfunction()
 
 function(palpate_test name)
-  cmake_parse_arguments(TEST "GPU" "" "SOURCES;DEPENDS;LIBRARIES;USES;LABELS" ${ARGN})
+  cmake_parse_arguments(TEST "GPU;FAST" "" "SOURCES;DEPENDS;LIBRARIES;USES;LABELS" ${ARGN})
   palpate_test_program(test_${name} ${ARGN})
   if(TEST_GPU)
     list(APPEND TEST_LABELS gpu)
@@ -69,7 +81,7 @@ endfunction()
 
 # PROGRAM: the target's name without "test_", where it is not the room's; APART: files that are compiled alone.
 function(palpate_tests room)
-  cmake_parse_arguments(TEST "GPU" "PROGRAM" "TESTS;SOURCES;APART;DEPENDS;LIBRARIES;USES;LABELS" ${ARGN})
+  cmake_parse_arguments(TEST "GPU;FAST" "PROGRAM" "TESTS;SOURCES;APART;DEPENDS;LIBRARIES;USES;LABELS" ${ARGN})
   if(NOT TEST_PROGRAM)
     set(TEST_PROGRAM ${room})
   endif()
@@ -78,11 +90,13 @@ function(palpate_tests room)
   if(PALPATE_JOIN)
     palpate_join(test_${TEST_PROGRAM} sources SOURCES ${sources} APART ${TEST_APART})
   endif()
-  set(gpu "")
-  if(TEST_GPU)
-    set(gpu GPU)
-  endif()
-  palpate_test_program(test_${TEST_PROGRAM} ${gpu} SOURCES ${sources} ${TEST_SOURCES} DEPENDS ${TEST_DEPENDS}
+  set(flags "")
+  foreach(flag GPU FAST)
+    if(TEST_${flag})
+      list(APPEND flags ${flag})
+    endif()
+  endforeach()
+  palpate_test_program(test_${TEST_PROGRAM} ${flags} SOURCES ${sources} ${TEST_SOURCES} DEPENDS ${TEST_DEPENDS}
     LIBRARIES ${TEST_LIBRARIES} USES ${TEST_USES} LABELS ${TEST_LABELS})
   if(TEST_GPU)
     list(APPEND TEST_LABELS gpu)

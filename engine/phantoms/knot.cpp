@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "engine/phantoms/kinds.hpp"
@@ -14,6 +15,8 @@ namespace palpate {
 namespace {
 
 constexpr int kSamples = 512;
+constexpr int kGroup = 16;  // samples that are looked at together
+constexpr int kGroups = kSamples / kGroup;
 constexpr double kStep = 2 * std::numbers::pi / kSamples;  // of the curve's parameter
 
 // c(t) = ((A + B cos 3t) cos 2t, (A + B cos 3t) sin 2t, B sin 3t), lengths as parts of the scale: the half extent of a
@@ -69,6 +72,11 @@ class Knot : public Phantom {
  public:
   explicit Knot(const PhantomSpec& spec) : Phantom(spec, simpleProfile(spec)), scale_m_(scaleThatFits_m(spec)) {
     for (int n = 0; n < kSamples; ++n) samples_[n] = curveAt(n * kStep).position;
+    for (int group = 0; group < kGroups; ++group) {
+      for (int n = group * kGroup; n < (group + 1) * kGroup; ++n) {
+        group_radii_[group] = std::max(group_radii_[group], (samples_[n] - middleOf(group)).norm());
+      }
+    }
   }
 
   [[nodiscard]] SurfaceOffset offset(const Vec3& p_W) const override {
@@ -76,10 +84,25 @@ class Knot : public Phantom {
   }
 
  private:
+  [[nodiscard]] const Vec3& middleOf(int group) const { return samples_[group * kGroup + kGroup / 2]; }
+
+  // Squares of the samples' distances, infinite for groups of which none is near enough to matter below.
+  [[nodiscard]] std::array<double, kSamples> squaredDistances(const Vec3& p) const {
+    std::array<double, kGroups> to_middle;
+    for (int group = 0; group < kGroups; ++group) to_middle[group] = (middleOf(group) - p).norm();
+    const double enough = *std::min_element(to_middle.begin(), to_middle.end()) + 1.01 * kMaxSpeed * kStep;
+    std::array<double, kSamples> squared;
+    squared.fill(std::numeric_limits<double>::infinity());
+    for (int group = 0; group < kGroups; ++group) {
+      if (to_middle[group] - group_radii_[group] > enough) continue;
+      for (int n = group * kGroup; n < (group + 1) * kGroup; ++n) squared[n] = (samples_[n] - p).squaredNorm();
+    }
+    return squared;
+  }
+
   // Every local minimum among the samples that could hold the global one is refined.
   [[nodiscard]] Vec3 nearestOnCurve(const Vec3& p) const {
-    std::array<double, kSamples> distance;
-    for (int n = 0; n < kSamples; ++n) distance[n] = (samples_[n] - p).squaredNorm();
+    const std::array<double, kSamples> distance = squaredDistances(p);
     const double coarse = std::sqrt(*std::min_element(distance.begin(), distance.end()));
     const double limit = (coarse + kMaxSpeed * kStep) * (coarse + kMaxSpeed * kStep);
     Vec3 best = Vec3::Zero();
@@ -97,6 +120,7 @@ class Knot : public Phantom {
 
   double scale_m_;
   std::array<Vec3, kSamples> samples_;
+  std::array<double, kGroups> group_radii_{};  // from the middle sample of each
 };
 
 }  // namespace
