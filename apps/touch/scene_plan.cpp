@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "apps/touch/algorithm_setup.hpp"
+#include "apps/touch/rig_settings.hpp"
 #include "servo/algorithms/registry.hpp"
 
 namespace palpate {

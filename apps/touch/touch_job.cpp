@@ -15,12 +15,12 @@
 #include "apps/report/summary.hpp"
 #include "apps/report/trace_csv.hpp"
 #include "apps/report/words.hpp"
-#include "apps/touch/algorithm_setup.hpp"
 #include "apps/touch/exact_errors.hpp"
 #include "apps/touch/live_edits.hpp"
 #include "apps/touch/object_volume.hpp"
 #include "apps/touch/output_folder.hpp"
 #include "apps/touch/picture.hpp"
+#include "apps/touch/rig_settings.hpp"
 #include "apps/touch/run_length.hpp"
 #include "apps/touch/run_notes.hpp"
 #include "apps/touch/run_results.hpp"
@@ -81,7 +81,7 @@ void checkEarly(const Scene& scene, const ContactObjects& objects) {
   }
   // An algorithm that touches a mesh can be made only from the volume's.
   if (!algorithmEntry(scene.algorithm).needs.isosurface_mesh) {
-    (void)makeAlgorithm(scene.algorithm, algorithmSetup(scene, scene.isovalue.value_or(0.0), {}, objects));
+    (void)makeAlgorithm(rigSettings(scene, scene.isovalue.value_or(0.0)), {.objects = objects});
   }
   VelocityParameters velocity;
   velocity.name = scene.velocity;
@@ -288,7 +288,7 @@ class TouchJob {
   std::optional<Volume> filtered_;
   std::optional<VolumeSurface> surface_;  // of what is felt
   std::optional<ScriptedPath> path_;
-  AlgorithmSetup setup_;
+  RigVolume rig_volume_;
   double object_m3_ = 0;  // before the edits
   // With --save they own the volume while the servo runs: nobody else reads it before finish().
   std::unique_ptr<LiveEdits> edits_;
@@ -335,13 +335,13 @@ void TouchJob::layPath() {
 
 void TouchJob::readyAlgorithm() {
   const double isovalue = engine_->isovalue();
-  setup_ = algorithmSetup(scene_, isovalue, densityScale(felt(), isovalue), objects_.objects);
+  rig_volume_ = {.scale = densityScale(felt(), isovalue), .objects = objects_.objects};
   if (algorithmEntry(scene_.algorithm).needs.isosurface_mesh) {
-    setup_.isosurface = stages_.run("isosurface mesh", "extracting the isosurface's mesh", [&] {
+    rig_volume_.isosurface = stages_.run("isosurface mesh", "extracting the isosurface's mesh", [&] {
       return std::make_shared<const TriangleMesh>(isosurfaceMesh(felt(), isovalue));
     });
   }
-  const std::size_t triangles = setup_.isosurface != nullptr ? setup_.isosurface->triangles.size() : 0;
+  const std::size_t triangles = rig_volume_.isosurface != nullptr ? rig_volume_.isosurface->triangles.size() : 0;
   run_.plan = planWords(scenePlanLines(scene_, plan_, engine_->planFacts(), triangles));
 }
 
@@ -361,7 +361,7 @@ void TouchJob::feel() {
   LoopResult result = stages_.run("servo", "making ready to palpate", [&] {
     LoopResult loop;
     const auto servo = [&] {
-      loop = runServo(run_.scene, std::move(setup_), path_->path, *engine_, edits_.get(), progress_, begin);
+      loop = runServo(run_.scene, std::move(rig_volume_), path_->path, *engine_, edits_.get(), progress_, begin);
     };
     edits_ ? edits_->during(servo) : servo();
     return loop;

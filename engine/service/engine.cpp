@@ -67,6 +67,10 @@ bool Engine::filters() const noexcept {
 double Engine::isovalue() const noexcept {
   return parts_->isovalue();
 }
+
+bool Engine::gradientEverywhere() const noexcept {
+  return parts_->gradientEverywhere();
+}
 RenderedImage Engine::draw(const Camera& camera, const std::function<void()>& between) {
   return parts_->draw(camera, between);
 }

@@ -85,6 +85,8 @@ class Engine {
   [[nodiscard]] bool filters() const noexcept;
   // Of the field that is felt: the volume's, or 0 where that is a distance.
   [[nodiscard]] double isovalue() const noexcept;
+  // Gradients are everywhere, not only around the isosurface.
+  [[nodiscard]] bool gradientEverywhere() const noexcept;
 
   // The plan must draw. `between`: called between bands of rows; what it throws ends the drawing.
   [[nodiscard]] RenderedImage draw(const Camera& camera, const std::function<void()>& between = {});

@@ -51,6 +51,7 @@ class EngineParts {
   [[nodiscard]] std::uint64_t editVersion() const noexcept { return editor_ ? editor_->version() : 0; }
   [[nodiscard]] bool filters() const noexcept { return filters_ != nullptr; }
   [[nodiscard]] double isovalue() const noexcept { return isovalue_; }
+  [[nodiscard]] bool gradientEverywhere() const noexcept { return gradient_all_; }
   [[nodiscard]] WindowExchange& exchange() noexcept { return *exchange_; }
   [[nodiscard]] const gpu::GpuInfo& gpu() const noexcept { return gpu_.info(); }
   [[nodiscard]] const std::vector<StageTime>& stages() const noexcept { return stages_; }

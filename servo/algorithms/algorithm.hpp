@@ -26,6 +26,8 @@ struct AlgorithmParameters {
   double damping_Ns_per_m = 0.5;   // B [N s/m]
   int plane_renewal_ticks = 5;     // n: the plane is renewed every n ticks; 1: every tick [tick]
   double rate_hz = 1000;           // ticks per second, for what lasts a set time (edit_ease.hpp) [Hz]
+
+  [[nodiscard]] bool operator==(const AlgorithmParameters&) const = default;
 };
 
 struct TickInput {

@@ -25,7 +25,8 @@ void HriSurface::reset(const Vec3& hip_W) noexcept {
   surface_ = {};
   age_ticks_ = 0;
   vhip_W_ = hip_W;
-  in_contact_ = held_ = armed_ = lost_ = behind_ = buried_ = resumed_ = false;
+  tool_ = Tool::kInside;
+  held_ = behind_ = buried_ = resumed_ = false;
   edit_version_ = 0;
   cache_.forget();
 }
@@ -33,7 +34,8 @@ void HriSurface::reset(const Vec3& hip_W) noexcept {
 // As after ticks that could not see the HIP.
 void HriSurface::resume(const Vec3& free_W) noexcept {
   free_.p_W = free_W;
-  armed_ = held_ = resumed_ = true;
+  tool_ = Tool::kFree;
+  held_ = resumed_ = true;
 }
 
 bool HriSurface::find(const SampleWindow& window, const Vec3& hip_W, std::uint32_t& faults) noexcept {
@@ -41,22 +43,22 @@ bool HriSurface::find(const SampleWindow& window, const Vec3& hip_W, std::uint32
     held_ = true;
     faults |= bit(ServoFault::kNoWindow);
   } else if (window.edit_version != edit_version_) {
-    if (in_contact_) ++age_ticks_;
-    const bool was_outside = in_contact_ || armed_;
+    if (inContact()) ++age_ticks_;
+    const bool was_outside = inContact() || tool_ == Tool::kFree;
     refreshField(window);
-    if (in_contact_) {
+    if (inContact()) {
       renew(hip_W, false, faults);
       const Probe hip = field_->probe(hip_W);
-      if (in_contact_ && !held_ && field_->inAirBehind(plane().nearest(hip_W), surface_.normal_W, hip)) release(hip);
+      if (inContact() && !held_ && field_->inAirBehind(plane().nearest(hip_W), surface_.normal_W, hip)) release(hip);
     } else {
       moveFreely(hip_W, faults);
     }
-    if (was_outside && !in_contact_ && !armed_) {
+    if (was_outside && !inContact() && tool_ != Tool::kFree) {
       const Probe hip = field_->probe(hip_W);
       buried_ = hip.side == Side::kUnknown;  // by the edit, where the HIP cannot be seen: later
       if (!buried_) comeOut(hip, faults);
     }
-  } else if (!in_contact_) {
+  } else if (!inContact()) {
     refreshField(window);
     moveFreely(hip_W, faults);
   } else {
@@ -68,9 +70,9 @@ bool HriSurface::find(const SampleWindow& window, const Vec3& hip_W, std::uint32
       renew(hip_W, !in_front && !held_ && !memory_.short_of_way, faults);
     }
   }
-  const bool touching = in_contact_ && !held_;
+  const bool touching = inContact() && !held_;
   if (touching) vhip_W_ = plane().nearest(hip_W);
-  if (!in_contact_) vhip_W_ = hip_W;
+  if (!inContact()) vhip_W_ = hip_W;
   return touching;
 }
 
@@ -78,10 +80,10 @@ void HriSurface::refreshField(const SampleWindow& window) noexcept {
   field_ = &cache_.of(window);
   if (window.edit_version == edit_version_) return;
   edit_version_ = window.edit_version;
-  if (in_contact_ || !armed_) return;
+  if (tool_ != Tool::kFree) return;
   // Material that an edit put over the last free point is no entry.
   const Probe again = field_->probe(free_.p_W);
-  if (again.side == Side::kInside) armed_ = false;
+  if (again.side == Side::kInside) tool_ = Tool::kInside;
   if (again.side == Side::kOutside) free_ = again;
 }
 
@@ -196,8 +198,10 @@ void HriSurface::relocate(const Probe& hip, bool gone, std::uint32_t& faults) no
     if (way_out && touch(*way_out, hip, faults)) return;
   }
   release(hip);
-  lost_ = hip.side == Side::kInside || (gone && hip.side == Side::kUnknown);
-  if (lost_) faults |= bit(ServoFault::kSurfaceLost);
+  if (hip.side == Side::kInside || (gone && hip.side == Side::kUnknown)) {
+    tool_ = Tool::kLost;
+    faults |= bit(ServoFault::kSurfaceLost);
+  }
 }
 
 // Buried by an edit.
@@ -208,10 +212,8 @@ void HriSurface::comeOut(const Probe& hip, std::uint32_t& faults) noexcept {
 }
 
 void HriSurface::release(const Probe& hip) noexcept {
-  in_contact_ = false;
+  tool_ = hip.side == Side::kOutside ? Tool::kFree : Tool::kInside;
   age_ticks_ = 0;
-  armed_ = hip.side == Side::kOutside;
-  lost_ = false;
   free_ = hip;
 }
 
@@ -227,28 +229,27 @@ void HriSurface::moveFreely(const Vec3& hip_W, std::uint32_t& faults) noexcept {
   const bool after_gap = held_;
   held_ = false;
   bool buried = std::exchange(buried_, false);
-  if (after_gap && (armed_ || buried)) {
+  if (after_gap && (tool_ == Tool::kFree || buried)) {
     const double longest_m = kLongestGap * field_->voxel();
     const bool near = std::exchange(resumed_, false) || (hip_W - free_.p_W).squaredNorm() <= longest_m * longest_m;
     // An edit may have come where no window showed the free point.
-    if (near && armed_) free_ = field_->probe(free_.p_W);
+    if (near && tool_ == Tool::kFree) free_ = field_->probe(free_.p_W);
     buried = near && (buried || free_.side == Side::kInside);
-    armed_ = near && !buried;
+    if (tool_ == Tool::kFree && (!near || buried)) tool_ = Tool::kInside;
   }
   if (buried && hip.side == Side::kInside) {
-    faults |= bit(lost_ ? ServoFault::kSurfaceLost : ServoFault::kInsideObject);
+    faults |= bit(tool_ == Tool::kLost ? ServoFault::kSurfaceLost : ServoFault::kInsideObject);
     return comeOut(hip, faults);
   }
-  if (armed_) {
+  if (tool_ == Tool::kFree) {
     const auto entry = field_->firstEntry(free_, hip);
     if (entry && touch(*entry, hip, faults)) return;
   }
   if (hip.side == Side::kOutside) {
-    armed_ = true;
-    lost_ = false;
+    tool_ = Tool::kFree;
     free_ = hip;
-  } else if (!armed_) {
-    faults |= bit(lost_ ? ServoFault::kSurfaceLost : ServoFault::kInsideObject);
+  } else if (tool_ != Tool::kFree) {
+    faults |= bit(tool_ == Tool::kLost ? ServoFault::kSurfaceLost : ServoFault::kInsideObject);
   }
 }
 
@@ -286,8 +287,8 @@ bool HriSurface::touch(const Entry& entry, const Probe& hip, std::uint32_t& faul
 }
 
 void HriSurface::begin(const SurfacePoint& surface, const Vec3& hip_W) noexcept {
-  in_contact_ = true;
-  lost_ = behind_ = false;
+  tool_ = Tool::kTouching;
+  behind_ = false;
   per_turn_squared_ = 1 / (kFirstTurn * kFirstTurn);
   found_for_W_ = hip_W;
   surface_ = surface;

@@ -70,11 +70,23 @@ class HriSurface {
   bool find(const SampleWindow& window, const Vec3& hip_W, std::uint32_t& faults) noexcept;
   // The point that the window has to hold for the contact to go on.
   [[nodiscard]] std::optional<Vec3> remembered(const Vec3& hip_W) const noexcept {
-    return in_contact_ ? std::optional<Vec3>(plane().nearest(hip_W)) : std::nullopt;
+    return inContact() ? std::optional<Vec3>(plane().nearest(hip_W)) : std::nullopt;
   }
   [[nodiscard]] ContactPlane plane() const noexcept { return {surface_.p_W, surface_.normal_W, age_ticks_}; }
 
  private:
+  // Where the tool is. kInside and kLost end in kFree, when the tool is seen outside; where an edit buried it, in
+  // kTouching, by the edit's way out. kFree ends in kTouching, by an entry on the tool's way, or in kInside, by
+  // material that an edit put over it. kTouching ends in kFree with the HIP outside, in kLost with the HIP in the
+  // object and no surface to be found, else in kInside.
+  enum class Tool : std::uint8_t {
+    kInside,    // in the object since it started there, or not known to be outside: no force
+    kFree,      // free_ was outside, so the way from it to the HIP can be searched for an entry
+    kTouching,  // there is a plane, with the HIP behind it when it was found
+    kLost,      // in the object, where its contact was lost: no force, and a fault
+  };
+
+  [[nodiscard]] bool inContact() const noexcept { return tool_ == Tool::kTouching; }
   void refreshField(const SampleWindow& window) noexcept;
   [[nodiscard]] Vec3 aim(const Vec3& hip_W) const noexcept;
   [[nodiscard]] Track follow(const Vec3& hip_W, bool ahead) noexcept;
@@ -98,16 +110,14 @@ class HriSurface {
   double reach_squared_m2_ = 0;       // of the way aside from found_for_W_ within which the plane holds
   TrackMemory memory_;                // what searches learnt of this contact's surface
   Vec3 vhip_W_ = Vec3::Zero();
-  bool in_contact_ = false;  // there is a plane, with the HIP behind it when it was found
-  bool behind_ = false;      // the HIP went farther than the plane was followed
-  bool held_ = false;        // the last tick could not see the HIP; no force until one can
-  bool buried_ = false;      // an edit covered free_ while the HIP could not be seen
-  bool resumed_ = false;     // free_ is where another algorithm knew the tool to be outside, however far from here
-  bool lost_ = false;        // the contact was lost with the HIP in the object, where it still is
+  Tool tool_ = Tool::kInside;
+  bool behind_ = false;   // the HIP went farther than the plane was followed
+  bool held_ = false;     // the last tick could not see the HIP; no force until one can
+  bool buried_ = false;   // an edit covered free_ while the HIP could not be seen
+  bool resumed_ = false;  // free_ is where another algorithm knew the tool to be outside, however far from here
   std::uint64_t edit_version_ = 0;
 
-  bool armed_ = false;  // free_ was outside, so the way from it to the HIP can be searched for an entry
-  Probe free_;          // last HIP known to be outside
+  Probe free_;  // last HIP known to be outside
   FieldCache cache_;
   const IsoField* field_ = nullptr;  // the cache's field of the present window
 };

@@ -17,16 +17,22 @@ struct DensityRow {
   double density = 0;
   double force_N = 0;             // down the gradient; negative: up the gradient
   double viscosity_Ns_per_m = 0;  // 0 or more
+
+  [[nodiscard]] bool operator==(const DensityRow&) const = default;
 };
 
 struct GradientRow {
   double gradient_per_m = 0;  // magnitude [density/m]
   double weight = 1;          // of the force, 0 or more
+
+  [[nodiscard]] bool operator==(const GradientRow&) const = default;
 };
 
 struct TransferTables {
   std::vector<DensityRow> density;
   std::vector<GradientRow> gradient;  // empty: weight 1 everywhere
+
+  [[nodiscard]] bool operator==(const TransferTables&) const = default;
 };
 
 // How a volume's densities lie about its isovalue; standard() makes tables from it where a scene gives none.

@@ -60,7 +60,8 @@ class VhipAlgorithm final : public Algorithm {
     objects_.reset(hip_W);
     volume_plane_.reset();
     ease_.end();
-    on_surface_ = unsettled_ = false;
+    on_surface_ = false;
+    edit_ = Edit::kSettled;
     release();
   }
 
@@ -91,10 +92,14 @@ class VhipAlgorithm final : public Algorithm {
   }
 
  private:
+  // kAwaited comes with every edit, and ends in kEasing with the first plane that was found since, or in kSettled where
+  // the contact ends. Of earlier edits there may be some left to ease in kAwaited too.
+  enum class Edit : std::uint8_t { kSettled, kAwaited, kEasing };
+
   // Surface::find(), with the easing of edits.
   [[nodiscard]] bool find(const SampleWindow& window, const Vec3& tool_W, std::uint32_t& faults) noexcept {
     if constexpr (easesEdits()) {
-      if (window.edit_version != edit_version_ || unsettled_) return findEased(window, tool_W, faults);
+      if (window.edit_version != edit_version_ || edit_ != Edit::kSettled) return findEased(window, tool_W, faults);
     }
     return on_surface_ = surface_.find(window, tool_W, faults);
   }
@@ -104,25 +109,27 @@ class VhipAlgorithm final : public Algorithm {
     const bool was_on_surface = on_surface_;
     if (window.usable() && window.edit_version != edit_version_) {
       edit_version_ = window.edit_version;
-      edited_ = true;
+      edit_ = Edit::kAwaited;
     }
     on_surface_ = surface_.find(window, tool_W, faults);
     const ContactPlane plane = surface_.plane();
     const double depth_m = plane.depth(tool_W);
     if (on_surface_) {
-      if (edited_ && plane.age_ticks == 0) takeEdit(was_on_surface ? &before : nullptr, window, tool_W);
+      if (edit_ == Edit::kAwaited && plane.age_ticks == 0) {
+        takeEdit(was_on_surface ? &before : nullptr, window, tool_W);
+        edit_ = Edit::kEasing;
+      }
       ease_.elapse(depth_m);
     } else if ((faults & (bit(ServoFault::kNoWindow) | bit(ServoFault::kBeyondWindow))) == 0) {
-      edited_ = false;
+      edit_ = Edit::kSettled;
       ease_.end();
     }
-    unsettled_ = edited_ || ease_.active();
+    if (edit_ == Edit::kEasing && !ease_.active()) edit_ = Edit::kSettled;
     return on_surface_;
   }
 
   // The plane has been found anew since the edit. `before`: the plane shown in the last tick, null without contact.
   void takeEdit(const ContactPlane* before, const SampleWindow& window, const Vec3& tool_W) noexcept {
-    edited_ = false;
     const ContactPlane plane = surface_.plane();
     if (before == nullptr) {
       ease_.end();
@@ -138,7 +145,7 @@ class VhipAlgorithm final : public Algorithm {
   // The volume's plane, moved inwards by what is not taken in yet.
   [[nodiscard]] ContactPlane shown() const noexcept {
     ContactPlane plane = surface_.plane();
-    if (unsettled_) plane.p_W -= ease_.amount() * plane.normal_W;
+    if (edit_ != Edit::kSettled) plane.p_W -= ease_.amount() * plane.normal_W;
     return plane;
   }
 
@@ -174,7 +181,7 @@ class VhipAlgorithm final : public Algorithm {
     out.vhip_W = in.hip_W + depth_m * plane.normal_W;
     out.at_surface = true;
     out.surface_W = out.vhip_W;
-    if (unsettled_) out.surface_W += ease_.amount() * surface_.plane().normal_W;
+    if (edit_ != Edit::kSettled) out.surface_W += ease_.amount() * surface_.plane().normal_W;
     if (effects_.empty()) {
       out.force_W = pushing(stiffness_N_per_m_ * depth_m - damping_N) * plane.normal_W;
     } else {
@@ -214,11 +221,10 @@ class VhipAlgorithm final : public Algorithm {
   std::optional<ContactPlane> volume_plane_;  // with objects: the plane of the last tick, in contact
   bool touching_ = false;                     // there was contact in the last tick
   bool on_surface_ = false;                   // with the volume
-  bool unsettled_ = false;                    // an edit waits for a plane, or some of it is not taken in yet
-  bool edited_ = false;                       // since the plane was found
-  bool resumed_ = false;                      // since the last usable window
-  std::uint64_t edit_version_ = 0;            // of the last usable window
-  EditEase ease_;                             // of the depth behind the volume's plane [m]
+  Edit edit_ = Edit::kSettled;
+  bool resumed_ = false;            // since the last usable window
+  std::uint64_t edit_version_ = 0;  // of the last usable window
+  EditEase ease_;                   // of the depth behind the volume's plane [m]
 };
 
 }  // namespace palpate

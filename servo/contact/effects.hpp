@@ -38,6 +38,8 @@ struct EffectParameters {
   double texture_gain = 1;                              // of the density texture [-]
   FrictionParameters friction = {};                     // all 0: none
   std::vector<StiffnessRow> stiffness_by_density = {};  // empty: none
+
+  [[nodiscard]] bool operator==(const EffectParameters&) const = default;
 };
 
 // The names of the effects that makeContactEffects() makes of them, in the same order: "texture, friction"; empty:

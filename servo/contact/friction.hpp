@@ -26,6 +26,8 @@ struct FrictionParameters {
   double static_ratio = 0;      // mu_s [-]
   double dynamic_ratio = 0;     // mu_d, at most mu_s [-]
   double viscous_Ns_per_m = 0;  // b_v, only while slipping
+
+  [[nodiscard]] bool operator==(const FrictionParameters&) const = default;
 };
 
 class Friction final : public ContactEffect {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/touch/algorithm_setup.hpp"
+#include "apps/touch/rig_settings.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 #include "base/error.hpp"
 
 namespace palpate {
-namespace algorithm_setup_test {
+namespace rig_settings_test {
 
 Scene with(const std::vector<std::pair<const char*, std::string>>& values) {
   Scene scene;
@@ -16,9 +16,14 @@ Scene with(const std::vector<std::pair<const char*, std::string>>& values) {
   return scene;
 }
 
+ContactEffects effectsOf(const Scene& scene) {
+  const RigSettings settings = rigSettings(scene, 0);
+  return makeContactEffects(settings.effects, settings.parameters.stiffness_N_per_m, settings.parameters.rate_hz);
+}
+
 std::string refusal(const Scene& scene) {
   try {
-    static_cast<void>(algorithmSetup(scene, 0));
+    static_cast<void>(effectsOf(scene));
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), Error::Code::kBadInput);
     return error.what();
@@ -26,7 +31,7 @@ std::string refusal(const Scene& scene) {
   return "accepted";
 }
 
-TEST(AlgorithmSetup, CarriesWhatTheSceneAsks) {
+TEST(RigSettingsOfScene, CarriesWhatTheSceneAsks) {
   Scene scene;
   scene.stiffness_N_per_m = 7;
   scene.damping_Ns_per_m = 3;
@@ -34,7 +39,11 @@ TEST(AlgorithmSetup, CarriesWhatTheSceneAsks) {
   scene.rate_hz = 4000;
   scene.haptization_density = {{-1000, 0.5, 1}, {200, 2, 3}};
   scene.haptization_gradient = {{0, 0}, {5e4, 1}};
-  const AlgorithmSetup setup = algorithmSetup(scene, 42, {.contrast = 11, .voxel_m = 2e-3});
+  scene.algorithm = "avila";
+  scene.force_limit_N = 3.5;
+  const RigSettings setup = rigSettings(scene, 42);
+  EXPECT_EQ(setup.algorithm, "avila");
+  EXPECT_EQ(setup.force_limit_N, 3.5);
   EXPECT_EQ(setup.parameters.isovalue, 42);
   EXPECT_EQ(setup.parameters.stiffness_N_per_m, 7);
   EXPECT_EQ(setup.parameters.damping_Ns_per_m, 3);
@@ -47,12 +56,10 @@ TEST(AlgorithmSetup, CarriesWhatTheSceneAsks) {
   ASSERT_EQ(setup.haptization.gradient.size(), 2u);
   EXPECT_EQ(setup.haptization.gradient[1].gradient_per_m, 5e4);
   EXPECT_EQ(setup.haptization.gradient[1].weight, 1);
-  EXPECT_EQ(setup.scale.contrast, 11);
-  EXPECT_EQ(setup.scale.voxel_m, 2e-3);
 }
 
 // K T / 2 + K T d of the stiffest that it may be.
-TEST(AlgorithmSetup, SaysWhatTheWallLacksInDamping) {
+TEST(RigSettingsOfScene, SaysWhatTheWallLacksInDamping) {
   Scene scene;
   scene.stiffness_N_per_m = 2000;
   scene.damping_Ns_per_m = 0.25;
@@ -69,11 +76,11 @@ TEST(AlgorithmSetup, SaysWhatTheWallLacksInDamping) {
   EXPECT_EQ(lackingDamping(scene), 0);
 }
 
-TEST(AlgorithmSetup, ASceneThatAsksForNoEffectGetsNone) {
-  EXPECT_TRUE(algorithmSetup(Scene{}, 0).effects.empty());
+TEST(RigSettingsOfScene, ASceneThatAsksForNoEffectGetsNone) {
+  EXPECT_TRUE(effectsOf(Scene{}).empty());
 }
 
-TEST(AlgorithmSetup, EachEffectComesFromItsOption) {
+TEST(RigSettingsOfScene, EachEffectComesFromItsOption) {
   for (const auto& [key, text] :
        std::initializer_list<std::pair<const char*, const char*>>{{"contact.force_shading", "on"},
                                                                   {"contact.recovery_ms", "20"},
@@ -82,20 +89,20 @@ TEST(AlgorithmSetup, EachEffectComesFromItsOption) {
                                                                   {"contact.friction_static", "0.5"},
                                                                   {"contact.friction_viscous_Ns_per_m", "1"},
                                                                   {"contact.stiffness_density", "200:0.3,700:1"}}) {
-    EXPECT_EQ(algorithmSetup(with({{key, text}}), 0).effects.size(), 1u) << key;
+    EXPECT_EQ(effectsOf(with({{key, text}})).size(), 1u) << key;
   }
 }
 
-TEST(AlgorithmSetup, EveryTextureOfTheTableIsKnown) {
+TEST(RigSettingsOfScene, EveryTextureOfTheTableIsKnown) {
   for (const char* word : std::get<WordOption>(optionOfKey("contact.texture")->value).words) {
     EXPECT_EQ(refusal(with({{"contact.texture", word}})), "accepted") << word;
   }
 }
 
-TEST(AlgorithmSetup, EffectsThatCannotBeMadeAreRefused) {
+TEST(RigSettingsOfScene, EffectsThatCannotBeMadeAreRefused) {
   EXPECT_THAT(refusal(with({{"contact.friction_dynamic", "0.3"}})), testing::HasSubstr("dynamic friction: 0.3"));
   EXPECT_THAT(refusal(with({{"contact.stiffness_density", "5:1,4:1"}})), testing::HasSubstr("rising order"));
 }
 
-}  // namespace algorithm_setup_test
+}  // namespace rig_settings_test
 }  // namespace palpate

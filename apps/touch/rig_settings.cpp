@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/touch/algorithm_setup.hpp"
+#include "apps/touch/rig_settings.hpp"
 
 #include <algorithm>
 
@@ -22,24 +22,22 @@ EffectParameters effectParameters(const Scene& scene) {
           .stiffness_by_density = std::move(stiffness_rows)};
 }
 
-AlgorithmSetup algorithmSetup(const Scene& scene, double isovalue, const DensityScale& scale,
-                              const ContactObjects& objects) {
-  AlgorithmSetup setup;
-  setup.parameters = {.isovalue = isovalue,
-                      .stiffness_N_per_m = scene.stiffness_N_per_m,
-                      .damping_Ns_per_m = scene.damping_Ns_per_m,
-                      .plane_renewal_ticks = scene.plane_renewal_ticks,
-                      .rate_hz = scene.rate_hz};
+RigSettings rigSettings(const Scene& scene, double isovalue) {
+  RigSettings settings{.algorithm = scene.algorithm,
+                       .parameters = {.isovalue = isovalue,
+                                      .stiffness_N_per_m = scene.stiffness_N_per_m,
+                                      .damping_Ns_per_m = scene.damping_Ns_per_m,
+                                      .plane_renewal_ticks = scene.plane_renewal_ticks,
+                                      .rate_hz = scene.rate_hz},
+                       .effects = effectParameters(scene),
+                       .force_limit_N = scene.force_limit_N};
   for (const std::vector<double>& row : scene.haptization_density) {
-    setup.haptization.density.push_back({row.at(0), row.at(1), row.at(2)});
+    settings.haptization.density.push_back({row.at(0), row.at(1), row.at(2)});
   }
   for (const std::vector<double>& row : scene.haptization_gradient) {
-    setup.haptization.gradient.push_back({row.at(0), row.at(1)});
+    settings.haptization.gradient.push_back({row.at(0), row.at(1)});
   }
-  setup.scale = scale;
-  setup.effects = makeContactEffects(effectParameters(scene), scene.stiffness_N_per_m, scene.rate_hz);
-  setup.objects = objects;
-  return setup;
+  return settings;
 }
 
 double lackingDamping(const Scene& scene) {

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+// apps/rig/touch_rig.hpp: engine, algorithm, device and servo put together: what palpates a volume, whoever asks for
+// it.
+//
+// The maker gives an engine that is ready, a device and settings. The rig runs the servo and the engine's work beside
+// it, by the real or the simulated clock. Settings may be changed while it runs; the servo takes them between two ticks
+// without a wait, and the force goes over evenly (servo/loop/servo_loop.hpp). Another isovalue is refused: the engine
+// holds the gradients around one.
+// Threads: one thread makes the rig, runs it and waits for its end; change(), settings(), requestStop() and running()
+// are any thread's; ticks() is one reader's. `follow` is called by the engine's thread (real clock) or the caller's
+// (simulated clock) with every pose of the tool; between start() and wait() the engine is that thread's alone.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "engine/service/engine_thread.hpp"
+#include "servo/algorithms/registry.hpp"
+#include "servo/contact/effects.hpp"
+#include "servo/loop/servo_loop.hpp"
+
+namespace palpate {
+
+// What may be changed while the rig runs.
+struct RigSettings {
+  std::string algorithm = std::string(algorithms().front().name);
+  AlgorithmParameters parameters = {};  // the isovalue is the engine's, the rate the loop's
+  TransferTables haptization = {};
+  EffectParameters effects = {};
+  double force_limit_N = SafetyParameters{}.force_limit_N;  // at most the device's own counts [N]
+
+  bool operator==(const RigSettings&) const = default;
+};
+
+// What is touched, beside the engine's samples. It stays.
+struct RigVolume {
+  DensityScale scale = {};
+  ContactObjects objects = {};
+  std::shared_ptr<const TriangleMesh> isosurface = nullptr;  // for an algorithm that needs it
+};
+
+// Throws Error(kBadInput) as makeAlgorithm() and makeContactEffects() do.
+[[nodiscard]] std::unique_ptr<Algorithm> makeAlgorithm(const RigSettings& settings, const RigVolume& volume);
+
+class TouchRig {
+ public:
+  using Follow = EngineThread::Follow;
+
+  // Engine and device must outlive the rig. `loop`: its force limit is the settings'. Throws Error: as makeAlgorithm()
+  // for the settings, as ServoLoop for the rest; kBadInput for an isovalue or a rate that is not the engine's or
+  // loop's, and for an algorithm that reads gradients which the engine has not.
+  TouchRig(Engine& engine, Device& device, const LoopParameters& loop, RigVolume volume, RigSettings settings);
+  ~TouchRig();  // stops a run
+
+  // Simulated clock: the whole run in the caller's thread; the engine publishes in step, so that the same inputs give
+  // the same records, bit for bit. `before_tick` is called after the engine's work for each tick.
+  [[nodiscard]] LoopResult runSimulated(const Follow& follow = {}, const ServoLoop::Hook& before_tick = {});
+
+  // Real clock: start() begins the run, wait() ends when it does and rethrows a failure of the engine's thread, after
+  // which the servo has let go of the tool.
+  void start(Follow follow = {});
+  [[nodiscard]] bool running();
+  [[nodiscard]] LoopResult wait();
+  void requestStop() noexcept { loop_.requestStop(); }
+
+  // The new settings are what settings() gives from then on; the servo takes them with its next tick, unless a contact
+  // is only remembered just then. Another force limit alone leaves the algorithm as it is. Throws Error(kBadInput) as
+  // the constructor, and then nothing changes.
+  void change(const RigSettings& settings);
+  [[nodiscard]] RigSettings settings() const;
+
+  // Before a run: keeps up to `most` ticks for ticks().
+  void keepTicks(std::size_t most);
+  // Pose, forces, faults, timing of each tick since the last look. Only after keepTicks().
+  [[nodiscard]] LiveTicks& ticks() { return *ticks_; }
+
+ private:
+  void check(const RigSettings& settings) const;
+
+  Engine& engine_;
+  const double rate_hz_;
+  const double isovalue_;
+  const RigVolume volume_;
+  mutable std::mutex changing_;  // guards settings_, and keeps the order of changes
+  RigSettings settings_;
+  std::unique_ptr<Algorithm> algorithm_;  // the first one
+  ServoChanges changes_;
+  ToolPoseMailbox tool_;
+  std::optional<LiveTicks> ticks_;
+  ServoLoop loop_;
+  std::optional<EngineThread> publisher_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: Apache-2.0
+// The rig on a phantom's ball, by both clocks: what it feels is what its parts feel, and settings change while it runs.
+#include "apps/rig/touch_rig.hpp"
+
+#include <cstring>
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "base/error.hpp"
+#include "engine/phantoms/phantom.hpp"
+#include "servo/devices/sampled_path.hpp"
+#include "servo/devices/simulated_device.hpp"
+
+namespace palpate {
+namespace touch_rig_test {
+
+using testing::HasSubstr;
+
+constexpr double kDepth_m = 1e-3;
+
+// A tool that comes from outside within 0.1 s and stays a millimetre below the surface of a ball.
+class Rig : public testing::Test {
+ protected:
+  explicit Rig(const EngineRequest& request = {})
+      : phantom(makePhantom("phantom:sphere?size=48")),
+        volume(makeVolume(*phantom)),
+        engine(volume, makePlan(request), phantom->isovalue(), "") {
+    const Vec3 centre_W = volume.lattice().toWorld(0.5 * (volume.size() - Vec3i::Ones()).cast<double>());
+    // Along +x from the middle, to where the phantom says that its surface is.
+    double radius_m = 0;
+    while (phantom->offset(centre_W + radius_m * Vec3::UnitX()).distance_m < 0) radius_m += 1e-6;
+    const auto below = [&](double depth_m) { return Vec3(centre_W + (radius_m - depth_m) * Vec3::UnitX()); };
+    path.emplace(std::vector<double>{0, 0.1, 1.0}, std::vector<Vec3>{below(-1e-3), below(kDepth_m), below(kDepth_m)},
+                 SampledPath::Interpolation::kLinear);
+    settings.parameters = {.isovalue = phantom->isovalue(), .stiffness_N_per_m = 500, .damping_Ns_per_m = 0};
+    loop.ticks = 900;
+    loop.real_time = false;
+  }
+
+  [[nodiscard]] TouchRig rig() { return {engine, device(), loop, {}, settings}; }
+  SimulatedDevice& device() { return device_.emplace(SimulatedDeviceParameters{}, *path, loop.rate_hz); }
+  // Of an algorithm that finds the surface: K D, within the 2 % that sampling of a ball of 40 voxels allows.
+  static double newtons(const TickRecord& record) { return asVec3(record.force_W).norm(); }
+
+  std::unique_ptr<Phantom> phantom;
+  Volume volume;
+  Engine engine;
+  std::optional<SampledPath> path;
+  RigSettings settings;
+  LoopParameters loop;
+
+ private:
+  std::optional<SimulatedDevice> device_;
+};
+
+std::string refusalOf(const std::function<void()>& work) {
+  try {
+    work();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), Error::Code::kBadInput);
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST_F(Rig, FeelsWhatItsPartsFeelBitForBit) {
+  TouchRig whole = rig();
+  const std::vector<TickRecord> records = whole.runSimulated().records;
+  Engine other(volume, makePlan({}), phantom->isovalue(), "");
+  const auto algorithm = makeAlgorithm("hri", {.parameters = settings.parameters});
+  ToolPoseMailbox tool;
+  ServoLoop servo(loop, *algorithm, device(), other.exchange(), tool);
+  const std::vector<TickRecord> parts =
+      servo.runSimulated([&](std::int64_t, std::int64_t now_ns) { other.publishFor(tool.latest(), now_ns); }).records;
+  ASSERT_EQ(records.size(), 900U);
+  ASSERT_EQ(parts.size(), 900U);
+  EXPECT_EQ(std::memcmp(records.data(), parts.data(), parts.size() * sizeof(TickRecord)), 0);
+  EXPECT_NEAR(newtons(records.back()), 500 * kDepth_m, 0.02 * 500 * kDepth_m);
+}
+
+TEST_F(Rig, CallsFollowAndThenTheTickWithEachPose) {
+  TouchRig one = rig();
+  std::vector<std::int64_t> poses, ticks;
+  const LoopResult result = one.runSimulated([&](const ToolPose& pose, std::int64_t) { poses.push_back(pose.tick); },
+                                             [&](std::int64_t tick, std::int64_t) {
+                                               ticks.push_back(tick);
+                                               EXPECT_EQ(poses.size(), ticks.size());
+                                               if (tick == 99) one.requestStop();
+                                             });
+  EXPECT_EQ(result.ticks_run, 100);  // the one before which it was asked for is the last
+  ASSERT_EQ(poses.size(), 100U);
+  ASSERT_EQ(ticks.size(), 100U);
+  for (std::size_t i = 0; i < ticks.size(); ++i) EXPECT_EQ(ticks[i], static_cast<std::int64_t>(i));
+  EXPECT_EQ(poses.front(), -1);
+  EXPECT_EQ(poses.back(), 98);
+}
+
+// Each setting at tick 300. Within 0.1 s it is the new one, on a line: `most_N` of force in a tick.
+TEST_F(Rig, TakesEverySettingWhileItRuns) {
+  const auto endsWith = [&](double most_N, const std::function<void(RigSettings&)>& change) {
+    TouchRig one = rig();
+    const auto records = one.runSimulated({},
+                                          [&](std::int64_t tick, std::int64_t) {
+                                            if (tick != 300) return;
+                                            RigSettings next = one.settings();
+                                            change(next);
+                                            one.change(next);
+                                            EXPECT_EQ(one.settings(), next);
+                                          })
+                             .records;
+    EXPECT_NEAR(newtons(records[299]), 0.5, 0.01);
+    for (std::size_t i = 301; i < records.size(); ++i) {
+      EXPECT_TRUE(records[i].in_contact) << i;
+      EXPECT_LE(std::abs(newtons(records[i]) - newtons(records[i - 1])), most_N) << i;
+    }
+    return newtons(records.back());
+  };
+  EXPECT_NEAR(endsWith(0.0105, [](RigSettings& s) { s.parameters.stiffness_N_per_m = 1500; }), 1.5, 0.03);
+  EXPECT_NEAR(endsWith((8 - 0.2) / 100 + 1e-9, [](RigSettings& s) { s.force_limit_N = 0.2; }), 0.2, 1e-9);
+  EXPECT_NEAR(endsWith(0.001, [](RigSettings& s) { s.algorithm = "blezek"; }), 0.5, 0.01);
+  // Half of K below a density that the phantom has nowhere above its isovalue, so everywhere.
+  const double some = phantom->isovalue();
+  EXPECT_NEAR(endsWith(0.003,
+                       [&](RigSettings& s) {
+                         s.effects.stiffness_by_density = {{some - 1e6, 0.5}, {some + 1e6, 0.5}};
+                       }),
+              0.25, 0.01);
+}
+
+TEST_F(Rig, RefusesWhatItCannotTakeAndChangesNothing) {
+  TouchRig one = rig();
+  const auto refusal = [&](const std::function<void(RigSettings&)>& change) {
+    RigSettings next = one.settings();
+    change(next);
+    const std::string words = refusalOf([&] { one.change(next); });
+    EXPECT_EQ(one.settings(), settings);
+    EXPECT_EQ(words, refusalOf([&] { TouchRig(engine, device(), loop, {}, next); }));
+    return words;
+  };
+  EXPECT_THAT(refusal([](RigSettings& s) { s.algorithm = "hapi"; }), HasSubstr("hapi"));
+  EXPECT_THAT(refusal([](RigSettings& s) { s.algorithm = "haptization"; }), HasSubstr("gradients everywhere"));
+  EXPECT_THAT(refusal([](RigSettings& s) { s.algorithm = "god-object"; }), HasSubstr("mesh"));
+  EXPECT_THAT(refusal([](RigSettings& s) { s.parameters.isovalue += 1; }), HasSubstr("isovalue"));
+  EXPECT_THAT(refusal([](RigSettings& s) { s.parameters.rate_hz = 2000; }), HasSubstr("rate 2000 Hz"));
+  EXPECT_THAT(refusal([](RigSettings& s) { s.parameters.stiffness_N_per_m = -1; }), HasSubstr("stiffness"));
+  EXPECT_THAT(refusal([](RigSettings& s) { s.effects.friction.dynamic_ratio = 0.3; }), HasSubstr("friction"));
+  EXPECT_THAT(refusal([](RigSettings& s) { s.force_limit_N = 0; }), HasSubstr("force limit"));
+  const auto records = one.runSimulated().records;
+  EXPECT_NEAR(newtons(records.back()), 0.5, 0.01);
+}
+
+TEST_F(Rig, ByTheRealClockItFeelsChangesAndTellsItsTicks) {
+  loop.ticks = 0;
+  loop.record_ticks = 1;
+  TouchRig one = rig();
+  one.keepTicks(4096);
+  std::atomic<int> follows = 0;
+  one.start([&](const ToolPose&, std::int64_t) { ++follows; });
+  const auto waitFor = [&](const std::function<bool(const TickRecord&)>& seen) {
+    for (int i = 0; i < 2000 && !seen(one.ticks().latest()); ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    EXPECT_TRUE(seen(one.ticks().latest()));
+  };
+  waitFor([](const TickRecord& r) { return r.in_contact && std::abs(newtons(r) - 0.5) < 0.01; });
+  RigSettings next = settings;
+  next.parameters.stiffness_N_per_m = 1000;
+  one.change(next);
+  waitFor([](const TickRecord& r) { return std::abs(newtons(r) - 1) < 0.02; });
+  next.force_limit_N = 0.3;
+  one.change(next);
+  waitFor([](const TickRecord& r) { return std::abs(newtons(r) - 0.3) < 1e-9; });
+  EXPECT_TRUE(one.running());
+  one.requestStop();
+  const LoopResult result = one.wait();
+  EXPECT_FALSE(one.running());
+  EXPECT_TRUE(result.released);
+  EXPECT_GT(follows, 10);
+  std::vector<TickRecord> ticks;
+  one.ticks().take(ticks);
+  EXPECT_GT(ticks.size(), 100U);
+}
+
+// The engine's thread ends with an error: the run ends, and the error is the run's.
+TEST_F(Rig, AFailureBesideTheServoEndsTheRun) {
+  loop.ticks = 0;
+  loop.record_ticks = 1;
+  TouchRig one = rig();
+  one.start(
+      [](const ToolPose&, std::int64_t) { throw Error(Error::Code::kDevice, "GPU", "it is lost", "start again"); });
+  for (int i = 0; i < 2000 && one.running(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  EXPECT_FALSE(one.running());
+  EXPECT_THROW(static_cast<void>(one.wait()), Error);
+}
+
+TEST_F(Rig, ThatIsDroppedWhileItRunsLetsGo) {
+  loop.ticks = 0;
+  loop.record_ticks = 1;
+  std::optional<TouchRig> one;
+  SimulatedDevice& hand = device();
+  one.emplace(engine, hand, loop, RigVolume{}, settings);
+  one->start();
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  one.reset();
+  EXPECT_EQ(hand.actingForce(), Vec3::Zero());
+}
+
+class RigWithAllGradients : public Rig {
+ protected:
+  RigWithAllGradients() : Rig({.gradient_all = true}) {}
+};
+
+TEST_F(RigWithAllGradients, GoesOverToAnAlgorithmThatReadsThemEverywhere) {
+  TouchRig one = rig();
+  const auto records = one.runSimulated({},
+                                        [&](std::int64_t tick, std::int64_t) {
+                                          RigSettings next = one.settings();
+                                          next.algorithm = "haptization";
+                                          if (tick == 300) one.change(next);
+                                        })
+                           .records;
+  EXPECT_NEAR(newtons(records[299]), 0.5, 0.01);
+  EXPECT_GT(newtons(records.back()), 0);
+  EXPECT_EQ(asVec3(records.back().vhip_W), asVec3(records.back().hip_W));  // it shows no surface
+}
+
+}  // namespace touch_rig_test
+}  // namespace palpate
