@@ -71,18 +71,13 @@ LoopResult TouchRig::runSimulated(const Follow& follow, const ServoLoop::Hook& b
 
 void TouchRig::start(Follow follow) {
   engine_.publishFor(tool_.latest(), monotonicNow_ns());
-  publisher_.emplace(engine_, tool_, std::move(follow));
+  publisher_.emplace(engine_, tool_, std::move(follow), [this] { requestStop(); });
   try {
     loop_.start();
   } catch (...) {
     publisher_.reset();
     throw;
   }
-}
-
-bool TouchRig::running() {
-  if (publisher_ && publisher_->failed()) requestStop();
-  return loop_.running();
 }
 
 LoopResult TouchRig::wait() {

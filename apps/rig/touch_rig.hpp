@@ -11,7 +11,6 @@
 // (simulated clock) with every pose of the tool; between start() and wait() the engine is that thread's alone.
 #pragma once
 
-#include <atomic>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -60,10 +59,10 @@ class TouchRig {
   // the same records, bit for bit. `before_tick` is called after the engine's work for each tick.
   [[nodiscard]] LoopResult runSimulated(const Follow& follow = {}, const ServoLoop::Hook& before_tick = {});
 
-  // Real clock: start() begins the run, wait() ends when it does and rethrows a failure of the engine's thread, after
-  // which the servo has let go of the tool.
+  // Real clock: start() begins the run, once. wait() ends when it does, and rethrows a failure of the engine's thread,
+  // which ends the run too. Throws as ServoLoop::start().
   void start(Follow follow = {});
-  [[nodiscard]] bool running();
+  [[nodiscard]] bool running() const noexcept { return loop_.running(); }
   [[nodiscard]] LoopResult wait();
   void requestStop() noexcept { loop_.requestStop(); }
 

@@ -18,8 +18,10 @@ std::int64_t now_ns() {
 
 }  // namespace
 
-EngineThread::EngineThread(Engine& engine, ToolPoseMailbox& poses, Follow follow)
-    : engine_(engine), poses_(poses), follow_(std::move(follow)), thread_([this] { run(); }) {}
+EngineThread::EngineThread(Engine& engine, ToolPoseMailbox& poses, Follow follow, std::function<void()> failed)
+    : engine_(engine), poses_(poses), follow_(std::move(follow)), tell_failure_(std::move(failed)), thread_([this] {
+        run();
+      }) {}
 
 EngineThread::~EngineThread() {
   stopping_ = true;
@@ -44,7 +46,7 @@ void EngineThread::run() {
     }
   } catch (...) {
     failure_ = std::current_exception();
-    failed_ = true;
+    if (tell_failure_) tell_failure_();
   }
 }
 

@@ -18,15 +18,15 @@ namespace palpate {
 
 class EngineThread {
  public:
-  // Starts the thread. `follow`, if given, is called in the thread with every pose that it reads; it may edit.
+  // Starts the thread. `follow`, if given, is called in the thread with every pose that it reads; it may edit. `failed`
+  // is called there if it fails, when it publishes no more, and may not throw; stop() then rethrows the failure.
   using Follow = std::function<void(const ToolPose& pose, std::int64_t now_ns)>;
-  EngineThread(Engine& engine, ToolPoseMailbox& poses, Follow follow = {});
+  EngineThread(Engine& engine, ToolPoseMailbox& poses, Follow follow = {}, std::function<void()> failed = {});
   ~EngineThread();  // stops the thread; drops a failure that stop() has not rethrown
   EngineThread(const EngineThread&) = delete;
   EngineThread& operator=(const EngineThread&) = delete;
 
   void stop();  // waits for the thread's end; rethrows its failure
-  [[nodiscard]] bool failed() const noexcept { return failed_.load(); }  // stop() will rethrow the failure
   [[nodiscard]] std::uint64_t publications() const noexcept { return publications_.load(); }
 
  private:
@@ -35,9 +35,9 @@ class EngineThread {
   Engine& engine_;
   ToolPoseMailbox& poses_;
   Follow follow_;
+  std::function<void()> tell_failure_;
   std::atomic<bool> stopping_ = false;
   std::atomic<std::uint64_t> publications_ = 0;
-  std::atomic<bool> failed_ = false;
   std::exception_ptr failure_;
   std::thread thread_;  // last: it uses all of the above
 };

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "apps/scene/option_table.hpp"
-#include "base/error.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace palpate {
 namespace rig_settings_test {
@@ -22,13 +22,7 @@ ContactEffects effectsOf(const Scene& scene) {
 }
 
 std::string refusal(const Scene& scene) {
-  try {
-    static_cast<void>(effectsOf(scene));
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), Error::Code::kBadInput);
-    return error.what();
-  }
-  return "accepted";
+  return refusalOf([&] { static_cast<void>(effectsOf(scene)); });
 }
 
 TEST(RigSettingsOfScene, CarriesWhatTheSceneAsks) {
@@ -95,7 +89,7 @@ TEST(RigSettingsOfScene, EachEffectComesFromItsOption) {
 
 TEST(RigSettingsOfScene, EveryTextureOfTheTableIsKnown) {
   for (const char* word : std::get<WordOption>(optionOfKey("contact.texture")->value).words) {
-    EXPECT_EQ(refusal(with({{"contact.texture", word}})), "accepted") << word;
+    EXPECT_EQ(refusal(with({{"contact.texture", word}})), kNoRefusal) << word;
   }
 }
 

@@ -11,6 +11,7 @@
 #include "base/error.hpp"
 #include "engine/journal/byte_stream.hpp"
 #include "journal_samples.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace palpate {
 namespace journal_format_test {
@@ -21,15 +22,9 @@ JournalHeader header() {
   return sampleHeader(sampleVolume());
 }
 
-std::string refusalOf(const std::string& bytes) {
+std::string refusal(const std::string& bytes) {
   JournalHeader read;
-  try {
-    static_cast<void>(readHeader(bytes, "FILE", read));
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), Error::Code::kBadInput);
-    return error.what();
-  }
-  return "";
+  return refusalOf([&] { static_cast<void>(readHeader(bytes, "FILE", read)); });
 }
 
 TEST(JournalFormat, HeaderComesBack) {
@@ -94,17 +89,17 @@ TEST(JournalFormat, KnowsItsLongestCommand) {
 }
 
 TEST(JournalFormat, RefusesWhatIsNoJournal) {
-  EXPECT_THAT(refusalOf(""), HasSubstr("no journal"));
-  EXPECT_THAT(refusalOf("not at all a journal, but long enough"), HasSubstr("--journal"));
+  EXPECT_THAT(refusal(""), HasSubstr("no journal"));
+  EXPECT_THAT(refusal("not at all a journal, but long enough"), HasSubstr("--journal"));
 }
 
 TEST(JournalFormat, RefusesAnotherVersionAndSaysWhatToDo) {
   std::string bytes = headerBytes(header());
   for (const char version : {char{1}, char{3}}) {
     bytes[kJournalMagic.size()] = version;
-    EXPECT_THAT(refusalOf(bytes), HasSubstr(fmt::format("format version {}, and this program knows version 2; recover "
-                                                        "it with",
-                                                        int{version})));
+    EXPECT_THAT(refusal(bytes), HasSubstr(fmt::format("format version {}, and this program knows version 2; recover "
+                                                      "it with",
+                                                      int{version})));
   }
 }
 
@@ -113,8 +108,8 @@ TEST(JournalFormat, RefusesADamagedHeaderWhereverItIsDamaged) {
   for (std::size_t at = kJournalMagic.size() + 4; at < sound.size(); ++at) {
     std::string bytes = sound;
     bytes[at] = static_cast<char>(bytes[at] ^ 0x10);
-    EXPECT_THAT(refusalOf(bytes), HasSubstr("header is damaged")) << at;
-    EXPECT_THAT(refusalOf(sound.substr(0, at)), HasSubstr("header is damaged")) << at;
+    EXPECT_THAT(refusal(bytes), HasSubstr("header is damaged")) << at;
+    EXPECT_THAT(refusal(sound.substr(0, at)), HasSubstr("header is damaged")) << at;
   }
 }
 

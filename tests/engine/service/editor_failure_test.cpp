@@ -11,6 +11,7 @@
 #include "engine/service/engine.hpp"
 #include "failing_memory.hpp"
 #include "servo/window/window_exchange.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace palpate {
 namespace editor_failure_test {
@@ -93,13 +94,7 @@ std::vector<EditCommand> commands() {
 
 template <typename Work>
 std::string refusal(const Work& work) {
-  try {
-    work();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), Error::Code::kDevice);
-    return error.what();
-  }
-  return "none";
+  return refusalOf(work, Error::Code::kDevice);
 }
 
 void expectGivesNothingAway(Edited& edited) {

@@ -55,17 +55,19 @@ TEST(EngineThread, CallsWhoFollows) {
   Engine engine(volume, makePlan({}), 0, "");
   ToolPoseMailbox poses;
   std::atomic<std::int64_t> seen = -2;
-  EngineThread thread(engine, poses, [&](const ToolPose& pose, std::int64_t) {
+  std::atomic<bool> failed = false;
+  const auto follow = [&](const ToolPose& pose, std::int64_t) {
     seen = pose.tick;
     if (pose.tick == 7) throw std::runtime_error("enough");
-  });
+  };
+  EngineThread thread(engine, poses, follow, [&] { failed = true; });
   std::this_thread::sleep_for(std::chrono::milliseconds(20));
   EXPECT_EQ(seen, -2);
   putTool(poses, volume.lattice().toWorld({16, 16, 16}), 3);
   ASSERT_TRUE(comes([&] { return seen == 3; }));
-  EXPECT_FALSE(thread.failed());
+  EXPECT_FALSE(failed);
   putTool(poses, volume.lattice().toWorld({16, 16, 16}), 7);
-  ASSERT_TRUE(comes([&] { return thread.failed(); }));  // at once, so that a run need not go on to its end
+  ASSERT_TRUE(comes([&] { return failed.load(); }));  // at once, so that a run need not go on to its end
   EXPECT_EQ(seen, 7);
   EXPECT_THROW(thread.stop(), std::runtime_error);
 }

@@ -17,6 +17,7 @@
 #include "servo/contact/texture.hpp"
 #include "support/algorithm_driver.hpp"
 #include "support/tick_watch.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace palpate {
 namespace effects_test {
@@ -313,13 +314,7 @@ TEST(Effects, FrictionDissipatesOverALoopOnABall) {
 std::string refusal(void (*change)(EffectParameters&), double stiffness_N_per_m = kStiffness, double rate_hz = kRate) {
   EffectParameters p;
   change(p);
-  try {
-    static_cast<void>(makeContactEffects(p, stiffness_N_per_m, rate_hz));
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), Error::Code::kBadInput);
-    return error.what();
-  }
-  return "accepted";
+  return refusalOf([&] { static_cast<void>(makeContactEffects(p, stiffness_N_per_m, rate_hz)); });
 }
 
 TEST(Effects, RefuseWhatCannotBeUsed) {

@@ -6,6 +6,7 @@
 
 #include "base/error.hpp"
 #include "support/test_meshes.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace palpate {
 namespace mesh_preparation_test {
@@ -17,12 +18,7 @@ using testing::IsEmpty;
 const TriangleMesh kBox = boxMesh({1e-3, 2e-3, 3e-3}, {2e-3, 4e-3, 6e-3});
 
 std::string refusal(TriangleMesh mesh) {
-  try {
-    (void)prepareMesh(std::move(mesh), "plate.stl");
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "nothing";
+  return refusalOf([&] { (void)prepareMesh(std::move(mesh), "plate.stl"); });
 }
 
 TEST(MeshPreparation, AGoodMeshStaysAsItIs) {
