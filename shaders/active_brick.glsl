@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // shaders/active_brick.glsl: does the isosurface need a brick's samples? The rule is that of
 // engine/passes/active_bricks.hpp: it does if it crosses cells of this brick or of one that shares its low faces.
-// Include after brick_pool.glsl, with `bounds` and ACTIVE_ISOVALUE defined.
+// Include after brick_pool.glsl, with `bounds` and ACTIVE_ISOVALUES defined.
 bool brickIsActive(uvec3 brick) {
   const uvec3 low = brick - min(brick, uvec3(1));
   for (uint z = low.z; z <= brick.z; ++z) {
     for (uint y = low.y; y <= brick.y; ++y) {
       for (uint x = low.x; x <= brick.x; ++x) {
-        const BrickBounds bound = bounds[brickIndex(uvec3(x, y, z))];
-        if (bound.lowest <= ACTIVE_ISOVALUE && bound.highest > ACTIVE_ISOVALUE) return true;
+        if (eitherCrosses(ACTIVE_ISOVALUES, bounds[brickIndex(uvec3(x, y, z))])) return true;
       }
     }
   }

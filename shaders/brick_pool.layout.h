@@ -46,10 +46,24 @@ struct BrickBounds {
   float lowest, highest;  // over the voxels of all cells whose first corner lies in the brick [density]
 };
 
+// The isovalues whose isosurfaces need samples: one, given twice, or two while the servo goes over to another.
+struct IsovaluePair {
+  float felt, other;  // [density]
+};
+
+// Whether an isosurface crosses cells with these bounds. Density above the isovalue is object, at or below it not.
+PALPATE_TEXT bool crosses(float isovalue, BrickBounds bounds) {
+  return bounds.lowest <= isovalue && bounds.highest > isovalue;
+}
+PALPATE_TEXT bool eitherCrosses(IsovaluePair isovalues, BrickBounds bounds) {
+  return crosses(isovalues.felt, bounds) || crosses(isovalues.other, bounds);
+}
+
 PALPATE_LAYOUT_CHECK(BrickPage, 8)
 PALPATE_LAYOUT_CHECK(PoolDomain, 24)
 PALPATE_LAYOUT_CHECK(BrickTask, 8)
 PALPATE_LAYOUT_CHECK(BrickBounds, 8)
+PALPATE_LAYOUT_CHECK(IsovaluePair, 8)
 
 PALPATE_LAYOUT_END
 #endif

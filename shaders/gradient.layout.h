@@ -34,11 +34,11 @@ struct GradientPush {
   float inv_2h_x, inv_2h_y, inv_2h_z;     // 1 / (2 * spacing), for the two-sided difference [1/m]
   float inv_h_x, inv_h_y, inv_h_z;        // 1 / spacing, for the one-sided difference at the border [1/m]
   float inv_12h_x, inv_12h_y, inv_12h_z;  // 1 / (12 * spacing), for the fourth-order difference [1/m]
-  float isovalue;                         // [density]
+  IsovaluePair isovalues;                 // by which a brick is active
   SampleCode code;
 };
 
-PALPATE_LAYOUT_CHECK(GradientPush, 84)
+PALPATE_LAYOUT_CHECK(GradientPush, 88)
 PALPATE_PUSH_CHECK(GradientPush)
 
 PALPATE_LAYOUT_END

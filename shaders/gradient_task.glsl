@@ -8,7 +8,7 @@ layout(constant_id = GRADIENT_CONSTANT_HALF) const uint kHalf = 0;
 layout(std430, binding = GRADIENT_BINDING_TASKS) readonly buffer Tasks { BrickTask tasks[]; };
 layout(std430, binding = GRADIENT_BINDING_SAMPLES) writeonly buffer Samples { uvec4 samples[]; };
 layout(std430, binding = GRADIENT_BINDING_BOUNDS) readonly buffer Bounds { BrickBounds bounds[]; };
-#define ACTIVE_ISOVALUE push.isovalue
+#define ACTIVE_ISOVALUES push.isovalues
 #include "active_brick.glsl"
 #define SAMPLE_CODE push.code
 #include "sample_code.glsl"

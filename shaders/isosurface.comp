@@ -31,8 +31,7 @@ vec2 boxSpan(vec3 eye, vec3 per_metre, vec3 low, vec3 high) {
 }
 
 bool brickMayHoldSurface(uvec3 brick) {
-  const BrickBounds bound = bounds[brickIndex(brick)];
-  return bound.lowest <= push.isovalue && bound.highest > push.isovalue;
+  return crosses(push.isovalue, bounds[brickIndex(brick)]);
 }
 
 Hit march(vec3 eye, vec3 per_metre) {

@@ -15,7 +15,7 @@ layout(std430, binding = WINDOW_BINDING_TASKS) readonly buffer Tasks { BrickTask
 layout(std430, binding = WINDOW_BINDING_SAMPLES) readonly buffer Samples { uvec4 samples[]; };
 layout(std430, binding = WINDOW_BINDING_WINDOW) writeonly buffer Window { vec4 window[]; };
 layout(std430, binding = WINDOW_BINDING_BOUNDS) readonly buffer Bounds { BrickBounds bounds[]; };
-#define ACTIVE_ISOVALUE push.isovalue
+#define ACTIVE_ISOVALUES push.isovalues
 #include "active_brick.glsl"
 #define SAMPLE_CODE push.code  // with the inverse scales
 #include "sample_code.glsl"

@@ -19,11 +19,11 @@ struct WindowPush {
   uint first_task, task_count;
   uint first_x, first_y, first_z;     // the window's first voxel in the volume
   uint window_x, window_y, window_z;  // its size [voxel]
-  float isovalue;                     // [density]
+  IsovaluePair isovalues;             // by which a brick is active
   SampleCode code;
 };
 
-PALPATE_LAYOUT_CHECK(WindowPush, 72)
+PALPATE_LAYOUT_CHECK(WindowPush, 76)
 PALPATE_PUSH_CHECK(WindowPush)
 
 PALPATE_LAYOUT_END

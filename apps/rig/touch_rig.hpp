@@ -4,8 +4,8 @@
 //
 // The maker gives an engine that is ready, a device and settings. The rig runs the servo and the engine's work beside
 // it, by the real or the simulated clock. Settings may be changed while it runs; the servo takes them between two ticks
-// without a wait, and the force goes over evenly (servo/loop/servo_loop.hpp). Another isovalue is refused: the engine
-// holds the gradients around one.
+// without a wait, and the force goes over evenly (servo/loop/servo_loop.hpp). Another isovalue needs other gradients:
+// the servo goes over to it once the engine has computed them, a portion between two looks at the tool.
 // Threads: one thread makes the rig, runs it and waits for its end; change(), settings(), requestStop() and running()
 // are any thread's; ticks() is one reader's. `follow` is called by the engine's thread (real clock) or the caller's
 // (simulated clock) with every pose of the tool; between start() and wait() the engine is that thread's alone.
@@ -17,6 +17,9 @@
 #include <optional>
 #include <string>
 
+#include "apps/rig/isovalue_way.hpp"
+#include "apps/rig/rig_edits.hpp"
+#include "base/error.hpp"
 #include "engine/service/engine_thread.hpp"
 #include "servo/algorithms/registry.hpp"
 #include "servo/contact/effects.hpp"
@@ -27,7 +30,7 @@ namespace palpate {
 // What may be changed while the rig runs.
 struct RigSettings {
   std::string algorithm = std::string(algorithms().front().name);
-  AlgorithmParameters parameters = {};  // the isovalue is the engine's, the rate the loop's
+  AlgorithmParameters parameters = {};  // the rate is the loop's, the isovalue a float, as the GPU has it
   TransferTables haptization = {};
   EffectParameters effects = {};
   double force_limit_N = SafetyParameters{}.force_limit_N;  // at most the device's own counts [N]
@@ -39,7 +42,7 @@ struct RigSettings {
 struct RigVolume {
   DensityScale scale = {};
   ContactObjects objects = {};
-  std::shared_ptr<const TriangleMesh> isosurface = nullptr;  // for an algorithm that needs it
+  std::shared_ptr<const TriangleMesh> isosurface = nullptr;  // of the first isovalue, for an algorithm that needs it
 };
 
 // Throws Error(kBadInput) as makeAlgorithm() and makeContactEffects() do.
@@ -51,8 +54,10 @@ class TouchRig {
 
   // Engine and device must outlive the rig. `loop`: its force limit is the settings'. Throws Error: as makeAlgorithm()
   // for the settings, as ServoLoop for the rest; kBadInput for an isovalue or a rate that is not the engine's or
-  // loop's, and for an algorithm that reads gradients which the engine has not.
-  TouchRig(Engine& engine, Device& device, const LoopParameters& loop, RigVolume volume, RigSettings settings);
+  // loop's, and for an algorithm that reads gradients or a mesh that are not there.
+  // `edits`, if given, outlives the rig too; the rig does what it is asked for.
+  TouchRig(Engine& engine, Device& device, const LoopParameters& loop, RigVolume volume, RigSettings settings,
+           RigEdits* edits = nullptr);
   ~TouchRig();  // stops a run
 
   // Simulated clock: the whole run in the caller's thread; the engine publishes in step, so that the same inputs give
@@ -67,10 +72,14 @@ class TouchRig {
   void requestStop() noexcept { loop_.requestStop(); }
 
   // The new settings are what settings() gives from then on; the servo takes them with its next tick, unless a contact
-  // is only remembered just then. Another force limit alone leaves the algorithm as it is. Throws Error(kBadInput) as
-  // the constructor, and then nothing changes.
+  // is only remembered just then. Another force limit alone leaves the algorithm as it is. With another isovalue all
+  // but the force limit waits for its gradients; of several the newest counts. Throws Error(kBadInput) as the
+  // constructor, and then nothing changes.
   void change(const RigSettings& settings);
   [[nodiscard]] RigSettings settings() const;
+  // Why the engine has refused an isovalue (Engine::beginIsovalue); settings() has the last one again. Empty: it has
+  // not since the last call.
+  [[nodiscard]] std::optional<Error> takeRefusal();
 
   // Before a run: keeps up to `most` ticks for ticks().
   void keepTicks(std::size_t most);
@@ -78,14 +87,21 @@ class TouchRig {
   [[nodiscard]] LiveTicks& ticks() { return *ticks_; }
 
  private:
-  void check(const RigSettings& settings) const;
+  [[nodiscard]] const RigSettings& checked(const RigSettings& settings) const;
+  void look(const ToolPose& pose, std::int64_t now_ns, bool all_at_once);
+  void lookForIsovalue(const ToolPose& pose, std::int64_t now_ns, bool all_at_once);
+  void give(const RigSettings& settings);
 
   Engine& engine_;
   const double rate_hz_;
-  const double isovalue_;
+  const double first_isovalue_;
   const RigVolume volume_;
-  mutable std::mutex changing_;  // guards settings_, and keeps the order of changes
-  RigSettings settings_;
+  RigEdits* const edits_;
+  mutable std::mutex changing_;  // guards settings_, given_ and refusal_, and keeps the order of changes
+  RigSettings settings_;         // what is wanted
+  RigSettings given_;            // what the servo was given: the same but while it waits for an isovalue
+  std::optional<Error> refusal_;
+  IsovalueWay isovalue_way_;
   std::unique_ptr<Algorithm> algorithm_;  // the first one
   ServoChanges changes_;
   ToolPoseMailbox tool_;

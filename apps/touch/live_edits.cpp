@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/touch/live_edits.hpp"
 
-#include <algorithm>
-#include <iterator>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -65,7 +64,6 @@ void checkEditOptions(const Scene& scene) {
 
 LiveEdits::LiveEdits(const Scene& scene, Volume& volume, Engine& engine)
     : scene_(scene),
-      brush_(toolBrushSpec(scene.edit), volume.size(), volume.lattice()),
       session_(
           engine,
           [&] {
@@ -73,9 +71,11 @@ LiveEdits::LiveEdits(const Scene& scene, Volume& volume, Engine& engine)
             checkBrush(toolBrushSpec(scene.edit).brush, scene.edit, volume, profile);
             return profile;
           }(),
-          std::vector{toolBrushSpec(scene.edit).brush.kind}, kHistoryBytes) {
+          std::vector{toolBrushSpec(scene.edit).brush.kind}, kHistoryBytes),
+      edits_(session_, volume.size(), volume.lattice(), tellUser) {
+  edits_.setBrush(toolBrushSpec(scene.edit));
   const std::string fine = fineBrushWords(toolBrushSpec(scene.edit).brush, volume.lattice(), engine.profile());
-  if (!fine.empty()) tell("--edit " + scene.edit + ": " + fine, Again::kTell);
+  if (!fine.empty()) edits_.tell("--edit " + scene.edit + ": " + fine);
   if (!scene.journal.empty()) session_.keepJournal(scene.journal, identityOf(volume), watchedJournal());
   if (scene.save.empty()) return;
   volume.keepIsovalue(*scene.isovalue);
@@ -87,66 +87,16 @@ LiveEdits::~LiveEdits() {
   if (!finished_) session_.dropEmptyJournal();
 }
 
-void LiveEdits::tell(const std::string& text, Again again) {
-  std::string reason;
-  std::copy_if(text.begin(), text.end(), std::back_inserter(reason), [](char c) { return c < '0' || c > '9'; });
-  const auto known =
-      std::find_if(troubles_.begin(), troubles_.end(), [&](const Trouble& t) { return t.reason == reason; });
-  if (known == troubles_.end()) {
-    troubles_.push_back({std::move(reason), text});
-  } else {
-    ++known->count;
-    if (again == Again::kCountOnly) return;
-  }
-  tellUser(text);
-}
-
-// What the engine has no room for, or cannot be meant at that place, is refused and nothing else: a removal may follow
-// for which there is room. Any other error is the device's, and there is no more to edit on.
-void LiveEdits::edit(std::span<const EditCommand> commands, std::int64_t now_ns) {
-  if (!editing_) return;
-  try {
-    session_.edit(commands, now_ns);
-  } catch (const Error& error) {
-    if (error.code() == Error::Code::kOutOfMemory || error.code() == Error::Code::kBadInput) {
-      ++refused_;
-      brush_.refused();
-      tell(fmt::format("an edit was refused: {}", error.what()), Again::kCountOnly);
-      return;
-    }
-    editing_ = false;
-    tell(fmt::format("editing has ended: {}", error.what()), Again::kTell);
-  }
-}
-
-void LiveEdits::listen() {
-  if (BackgroundSaver* saver = session_.saver(); saver != nullptr) {
-    for (const std::string& failure : saver->takeFailures()) tell(failure, Again::kTell);
-  }
-  const JournalWriter* journal = session_.journal();
-  if (journal == nullptr || journal_failed_ || !journal->failed()) return;
-  journal_failed_ = true;
-  tell(journal->failure(), Again::kTell);
-}
-
-void LiveEdits::follow(const ToolPose& pose, std::int64_t now_ns) {
-  if (const std::vector<EditCommand> commands = brush_.look(pose, now_ns); !commands.empty()) edit(commands, now_ns);
-  session_.look(now_ns);
-  listen();
-}
-
 RunEdits LiveEdits::finish(std::vector<std::string>& notes) {
   finished_ = true;
   session_.close();
-  listen();
-  for (const Trouble& trouble : troubles_) {
-    notes.push_back(trouble.count > 1 ? fmt::format("{} times, first: {}", trouble.count, trouble.text) : trouble.text);
-  }
+  edits_.listen();
+  for (std::string& trouble : edits_.troubles()) notes.push_back(std::move(trouble));
   EditFigures figures = session_.figures();
   RunEdits edits{figures.edits,         figures.windows,        {}, figures.journalled, figures.acknowledged,
                  figures.journal_bytes, figures.journal_failure};
   for (const double seconds : figures.edit_to_window_s) edits.edit_to_window_ms.push_back(seconds * 1e3);
-  edits.refused = refused_;
+  edits.refused = edits_.state().refused;
   edits.saves = figures.saves.seconds.size();
   edits.save_failures = figures.saves.failures;
   edits.save_bytes = figures.saves.bytes;
@@ -195,7 +145,7 @@ void LiveEdits::during(const std::function<void()>& work) {
   } catch (const Error& error) {
     throw Error(error.code(), error.input(), error.reason(), error.remedy() + "; " + finishFailed());
   } catch (...) {
-    tell(finishFailed(), Again::kTell);
+    edits_.tell(finishFailed());
     throw;
   }
 }

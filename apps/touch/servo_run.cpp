@@ -12,16 +12,16 @@
 namespace palpate {
 namespace {
 
-LoopResult runSimulated(TouchRig& rig, const TouchRig::Follow& follow, double ticks, Progress& progress) {
-  return rig.runSimulated(follow, [&](std::int64_t tick, std::int64_t) {
+LoopResult runSimulated(TouchRig& rig, double ticks, Progress& progress) {
+  return rig.runSimulated({}, [&](std::int64_t tick, std::int64_t) {
     if (interrupted()) rig.requestStop();  // at every tick: one with an edit may take long
     if (tick % 256 == 0) progress.fraction(static_cast<double>(tick) / ticks);
   });
 }
 
-LoopResult runReal(TouchRig& rig, TouchRig::Follow follow, double duration_s, Progress& progress) {
+LoopResult runReal(TouchRig& rig, double duration_s, Progress& progress) {
   const Stopwatch watch;
-  rig.start(std::move(follow));
+  rig.start();
   while (rig.running()) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
     progress.fraction(std::min(1.0, watch.seconds() / duration_s));
@@ -32,16 +32,14 @@ LoopResult runReal(TouchRig& rig, TouchRig::Follow follow, double duration_s, Pr
 
 }  // namespace
 
-LoopResult runServo(const Scene& scene, RigVolume volume, const Path& path, Engine& engine, LiveEdits* edits,
+LoopResult runServo(const Scene& scene, RigVolume volume, const Path& path, Engine& engine, RigEdits* edits,
                     Progress& progress, const std::function<void()>& before_first_tick) {
   const LoopParameters parameters = loopParameters(scene);
   SimulatedDevice device(deviceParameters(scene), path, scene.rate_hz);
-  TouchRig rig(engine, device, parameters, std::move(volume), rigSettings(scene, engine.isovalue()));
-  TouchRig::Follow follow;
-  if (edits != nullptr) follow = [edits](const ToolPose& pose, std::int64_t now_ns) { edits->follow(pose, now_ns); };
+  TouchRig rig(engine, device, parameters, std::move(volume), rigSettings(scene, engine.isovalue()), edits);
   before_first_tick();
-  if (scene.simulated_clock) return runSimulated(rig, follow, static_cast<double>(parameters.ticks), progress);
-  return runReal(rig, std::move(follow), scene.duration_s, progress);
+  if (scene.simulated_clock) return runSimulated(rig, static_cast<double>(parameters.ticks), progress);
+  return runReal(rig, scene.duration_s, progress);
 }
 
 }  // namespace palpate

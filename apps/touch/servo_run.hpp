@@ -8,7 +8,6 @@
 #include "apps/console/progress.hpp"
 #include "apps/rig/touch_rig.hpp"
 #include "apps/scene/scene.hpp"
-#include "apps/touch/live_edits.hpp"
 #include "servo/devices/path.hpp"
 
 namespace palpate {
@@ -16,6 +15,6 @@ namespace palpate {
 // Blocks for the run's time. Ctrl-C ends it early, in good order. `edits` may be null. `before_first_tick` is called
 // once, after the memory for the records of all ticks has been allocated.
 [[nodiscard]] LoopResult runServo(const Scene& scene, RigVolume volume, const Path& path, Engine& engine,
-                                  LiveEdits* edits, Progress& progress, const std::function<void()>& before_first_tick);
+                                  RigEdits* edits, Progress& progress, const std::function<void()>& before_first_tick);
 
 }  // namespace palpate

@@ -361,7 +361,8 @@ void TouchJob::feel() {
   LoopResult result = stages_.run("servo", "making ready to palpate", [&] {
     LoopResult loop;
     const auto servo = [&] {
-      loop = runServo(run_.scene, std::move(rig_volume_), path_->path, *engine_, edits_.get(), progress_, begin);
+      loop = runServo(run_.scene, std::move(rig_volume_), path_->path, *engine_, edits_ ? &edits_->edits() : nullptr,
+                      progress_, begin);
     };
     edits_ ? edits_->during(servo) : servo();
     return loop;

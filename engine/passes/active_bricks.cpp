@@ -22,15 +22,13 @@ void markWithHalo(std::vector<bool>& active, const Vec3i& counts, const Vec3i& b
 }  // namespace
 
 std::vector<std::uint32_t> activeBricks(std::span<const layout::BrickBounds> bounds, const Vec3i& brick_counts,
-                                        float isovalue) {
+                                        const layout::IsovaluePair& isovalues) {
   std::vector<bool> active(bounds.size());
   std::size_t index = 0;
   for (int z = 0; z < brick_counts.z(); ++z) {
     for (int y = 0; y < brick_counts.y(); ++y) {
       for (int x = 0; x < brick_counts.x(); ++x, ++index) {
-        // Density above the isovalue is object, at or below it background.
-        if (bounds[index].lowest <= isovalue && bounds[index].highest > isovalue)
-          markWithHalo(active, brick_counts, {x, y, z});
+        if (eitherCrosses(isovalues, bounds[index])) markWithHalo(active, brick_counts, {x, y, z});
       }
     }
   }

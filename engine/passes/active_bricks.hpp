@@ -8,15 +8,19 @@
 #include <vector>
 
 #include "base/vec.hpp"
-#include "shaders/brick_bounds.layout.h"
+#include "shaders/brick_pool.layout.h"
 
 namespace palpate {
 
-// The bricks whose cells the isosurface crosses, and their halo: the next bricks along +i, +j and +k, which hold the
-// far corners of such cells. So every cell on the isosurface has a gradient at all its corners. Linear page indices,
+// The bricks whose cells an isosurface crosses, and their halo: the next bricks along +i, +j and +k, which hold the far
+// corners of such cells. So every cell on the isosurface has a gradient at all its corners. Linear page indices,
 // ascending.
 [[nodiscard]] std::vector<std::uint32_t> activeBricks(std::span<const layout::BrickBounds> bounds,
-                                                      const Vec3i& brick_counts, float isovalue);
+                                                      const Vec3i& brick_counts, const layout::IsovaluePair& isovalues);
+[[nodiscard]] inline std::vector<std::uint32_t> activeBricks(std::span<const layout::BrickBounds> bounds,
+                                                             const Vec3i& brick_counts, float isovalue) {
+  return activeBricks(bounds, brick_counts, {isovalue, isovalue});
+}
 
 [[nodiscard]] std::vector<std::uint32_t> allBricks(const Vec3i& brick_counts);
 

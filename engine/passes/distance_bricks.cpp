@@ -19,7 +19,7 @@ std::vector<layout::BrickPage> distanceBricks(const FilterStep& seed, std::span<
     for (int y = 0; y < brick_counts.y(); ++y) {
       for (int x = 0; x < brick_counts.x(); ++x) {
         const layout::BrickBounds& own = bounds[index++];
-        if (own.lowest > isovalue || !(own.highest > isovalue)) continue;
+        if (!crosses(isovalue, own)) continue;
         for (int n = 0; n < 27; ++n) {
           const Vec3i at(x + n % 3 - 1, y + n / 3 % 3 - 1, z + n / 9 - 1);
           if ((at.array() < 0).any() || (at.array() >= brick_counts.array()).any()) continue;

@@ -9,10 +9,10 @@
 #include <utility>
 #include <vector>
 
+#include "base/portion_size.hpp"
 #include "base/stopwatch.hpp"
 #include "engine/passes/brick_bounds_pass.hpp"
 #include "engine/passes/distance_bricks.hpp"
-#include "engine/passes/submission_size.hpp"
 #include "engine/passes/tuning.hpp"
 #include "engine/passes/uniform_bricks.hpp"
 
@@ -43,7 +43,7 @@ class Run {
     transfer_.upload(std::as_bytes(std::span(list)), tasks);
     gpu::Commands commands(gpu_, "filter", 1);
     std::uint32_t done = 0;
-    SubmissionSize size(most_bricks_);
+    PortionSize size(most_bricks_);
     for (const FilterRange& range : ranges) {
       FilterRange part = range;
       for (std::uint32_t first = 0; first < range.count; first += part.count) {

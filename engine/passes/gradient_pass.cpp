@@ -9,12 +9,12 @@ namespace palpate {
 namespace {
 
 layout::GradientPush pushFor(const BrickPool& pool, const TaskRange& range, const SampleFormat& format,
-                             float isovalue) {
+                             const layout::IsovaluePair& isovalues) {
   const Vec3& h = pool.lattice().spacing_m;
   const auto inverse = [](double length_m) { return static_cast<float>(1.0 / length_m); };
   return {pool.domain(),         range.first,           range.count,    inverse(2.0 * h.x()), inverse(2.0 * h.y()),
           inverse(2.0 * h.z()),  inverse(h.x()),        inverse(h.y()), inverse(h.z()),       inverse(12.0 * h.x()),
-          inverse(12.0 * h.y()), inverse(12.0 * h.z()), isovalue,       format.code};
+          inverse(12.0 * h.y()), inverse(12.0 * h.z()), isovalues,      format.code};
 }
 
 // Which kernel computes an operator: a new stencil is a line here.
@@ -47,9 +47,9 @@ GradientPass::GradientPass(gpu::Gpu& gpu, gpu::Transfer& transfer, const BrickPo
               kernelOf(way, smoothed != nullptr).bindings, sizeof(layout::GradientPush),
               constantsOf(way, store.format(), tuningFor(gpu.info())), smoothed != nullptr ? &pool : nullptr) {}
 
-void GradientPass::run(const std::function<void(double)>& progress) {
+void GradientPass::run(std::span<const std::uint32_t> bricks, const std::function<void(double)>& progress) {
   BrickTasks by_slab;
-  for (const std::uint32_t brick : store_.bricks()) by_slab.add(brick, store_.place(brick));
+  for (const std::uint32_t brick : bricks) by_slab.add(brick, store_.place(brick));
   std::vector<layout::BrickTask> list;
   const std::vector<TaskRange> ranges = by_slab.moveTo(list);
   if (ranges.empty()) return;
@@ -82,7 +82,7 @@ void GradientPass::record(gpu::Commands& commands, const gpu::Buffer& tasks, std
       buffers.insert(buffers.end(), own.begin(), own.end());
     }
     const std::uint32_t groups = (range.count + bricks_a_group - 1) / bricks_a_group;
-    commands.dispatch(kernel_.get(), buffers, gpu::pushBytes(pushFor(pool_, range, store_.format(), test.isovalue)),
+    commands.dispatch(kernel_.get(), buffers, gpu::pushBytes(pushFor(pool_, range, store_.format(), test.isovalues)),
                       gpu::Groups::folded(groups, GROUPS_PER_ROW));
   }
 }

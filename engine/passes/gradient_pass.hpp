@@ -18,10 +18,10 @@
 
 namespace palpate {
 
-// By this a kernel decides whether a brick is active: the bounds of all bricks, and the isovalue.
+// By this a kernel decides whether a brick is active: the bounds of all bricks, and the isovalues.
 struct ActiveTest {
   const gpu::Buffer* bounds = nullptr;  // layout::BrickBounds; null: no task says IF_ACTIVE
-  float isovalue = 0;                   // [density]
+  layout::IsovaluePair isovalues = {};
 };
 
 class GradientPass {
@@ -34,9 +34,10 @@ class GradientPass {
   // How far a changed density changes gradients. For an operator that smooths: how far a changed smoothed density does.
   [[nodiscard]] Reach reach() const noexcept { return {way_.words.reach, way_.words.reach}; }
 
-  // Computes every brick of the store; blocks. `progress` gets the fraction done after every Tuning::gradient_bricks
-  // bricks. It may throw to cancel; the store's content is then undefined.
-  void run(const std::function<void(double)>& progress = {});
+  // Computes every brick of the store, or these, which have slots there; blocks. `progress` gets the fraction done
+  // after every Tuning::gradient_bricks bricks. It may throw to cancel; the content of these slots is then undefined.
+  void run(const std::function<void(double)>& progress = {}) { run(store_.bricks(), progress); }
+  void run(std::span<const std::uint32_t> bricks, const std::function<void(double)>& progress = {});
   // Records the bricks of `ranges` in `tasks` (layout::BrickTask).
   void record(gpu::Commands& commands, const gpu::Buffer& tasks, std::span<const TaskRange> ranges,
               const ActiveTest& test);

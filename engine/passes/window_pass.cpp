@@ -7,11 +7,11 @@ namespace palpate {
 namespace {
 
 layout::WindowPush pushFor(const BrickPool& pool, const WindowBox& box, const TaskRange& range,
-                           const SampleFormat& format, float isovalue) {
+                           const SampleFormat& format, const layout::IsovaluePair& isovalues) {
   const auto first = box.first.cast<layout::uint>().eval();
   const auto size = box.size.cast<layout::uint>().eval();
   return {pool.domain(), range.first, range.count, first.x(), first.y(),           first.z(),
-          size.x(),      size.y(),    size.z(),    isovalue,  format.readingCode()};
+          size.x(),      size.y(),    size.z(),    isovalues, format.readingCode()};
 }
 
 }  // namespace
@@ -50,7 +50,7 @@ void WindowPass::record(gpu::Commands& commands, const WindowBox& box, const gpu
   const gpu::Buffer* bounds = test.bounds != nullptr ? test.bounds : &tasks;  // unused then, but bound
   for (const TaskRange& range : ranges) {
     commands.dispatch(kernel_.get(), poolBindings(pool_, {&tasks, &store_.slab(range.slab), &window, bounds}),
-                      gpu::pushBytes(pushFor(pool_, box, range, store_.format(), test.isovalue)), {range.count, 1});
+                      gpu::pushBytes(pushFor(pool_, box, range, store_.format(), test.isovalues)), {range.count, 1});
   }
 }
 

@@ -102,8 +102,9 @@ std::vector<PlanLine> planLines(const Plan& plan, const PlanFacts& facts) {
   std::vector<PlanLine> lines = {uploadLine(facts), filterLine(plan, facts), gradientLine(plan, facts),
                                  samplesLine(plan, facts)};
   if (plan.has(Pass::kSmoothing)) {
-    const char* why = plan.request.edits ? "the operator takes its gradient; kept, since edits change it"
-                                         : "the operator takes its gradient; freed then, since nothing is edited";
+    const char* why = "the operator takes its gradient; freed then, since nothing is edited";
+    if (plan.request.other_isovalues) why = "the operator takes its gradient; kept, since the isovalue may change";
+    if (plan.request.edits) why = "the operator takes its gradient; kept, since edits change it";
     lines.insert(lines.begin() + 2, {true, "smoothing of the whole field", why, 0});
   }
   lines.push_back({true, "window of up to 32x32x32 samples around the tool, three slots", "what the servo reads", 0});

@@ -26,6 +26,7 @@ struct EngineRequest {
   std::string gradient_operator = "central";  // engine/gradient/gradient_operator.hpp
   bool half_samples = false;                  // samples are stored as halves, not as floats
   bool edits = false;                         // the volume will be edited, so what edits need is kept
+  bool other_isovalues = false;               // the isovalue may change, so what gradients need is kept
   bool draws = false;                         // the isosurface will be drawn
 };
 

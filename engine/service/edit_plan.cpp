@@ -27,6 +27,14 @@ std::vector<EditPhase> phasesOf(const LoweredEdits& edits) {
 
 }  // namespace
 
+std::optional<std::size_t> besideWithSamples(const BrickGrid& grid, const SampleStore& store, std::uint32_t brick) {
+  std::optional<std::size_t> found;
+  grid.forEachBeside(grid.brick(brick), [&](std::uint32_t other) {
+    if (!found && store.has(other)) found = other;
+  });
+  return found;
+}
+
 EditPlanner::EditPlanner(const Scope& scope, const BrushProfile& profile)
     : scope_(scope), profile_(profile), grid_{scope.pool.size(), scope.pool.lattice().spacing_m} {}
 
@@ -100,7 +108,15 @@ void EditPlanner::planPhase(EditPlan& plan, EditPhase& phase) const {
   for (const auto& [brick, state] : states) plan.touched[brick] = state;
 }
 
+// Brushes put their surface where the field has the profile's isovalue, and mayCross() is about that surface. Behind
+// filters, or where another isovalue is felt, the isosurface may come to lie anywhere in what they change.
+bool EditPlanner::isFeltWhereBrushesPut() const {
+  const auto put = static_cast<float>(profile_.isovalue);
+  return !scope_.filter_reach && scope_.isovalues.felt == put && scope_.isovalues.other == put;
+}
+
 void EditPlanner::planReach(EditPlan& plan) const {
+  const bool anywhere = !isFeltWhereBrushesPut();
   std::vector<std::uint32_t> crossable;  // bricks whose cells the isosurface may cross from now on, or no longer
   for (const auto& [brick, state] : plan.touched) {
     const VoxelBox altered = grid_.widened(state.changed, scope_.filter_reach.value_or(Vec3i::Zero()));
@@ -110,7 +126,7 @@ void EditPlanner::planReach(EditPlan& plan) const {
     if (scope_.smoothing_reach) appendReached(grid_, smoothed, Reach{}, plan.smoothed);
     appendReached(grid_, altered, kBoundsReach, plan.rebounded);
     appendReached(grid_, smoothed, scope_.gradient_reach, plan.regraded);
-    if (state.may_cross || scope_.filter_reach) appendReached(grid_, altered, kBoundsReach, crossable);
+    if (state.may_cross || anywhere) appendReached(grid_, altered, kBoundsReach, crossable);
     plan.new_bricks += state.is_new ? 1 : 0;
   }
   sortUnique(plan.altered);
@@ -158,9 +174,9 @@ EditPlan EditPlanner::plan(std::span<const BrickContent> bricks) const {
     const layout::BrickPage& page = scope_.pool.page(content.brick);
     const bool was_constant = page.slot == NO_SLOT;
     if (is_constant && was_constant && sameBits(page.constant, content.values[0])) continue;
-    // Between two constants the isovalue may lie or not; of others nothing is known.
-    const bool may_cross =
-        !is_constant || !was_constant || (page.constant > scope_.isovalue) != (content.values[0] > scope_.isovalue);
+    // Between two constants an isovalue may lie or not; of others nothing is known.
+    const auto [lowest, highest] = std::minmax(page.constant, content.values[0]);
+    const bool may_cross = !is_constant || !was_constant || eitherCrosses(scope_.isovalues, {lowest, highest});
     EditPlan::Touched state{!is_constant, !is_constant && was_constant, is_constant ? content.values[0] : 0.0F,
                             grid_.box(content.brick), may_cross};
     if (is_constant) {

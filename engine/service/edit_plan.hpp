@@ -52,10 +52,11 @@ class EditPlanner {
     std::optional<Vec3i> filter_reach;     // of the chain from the pool to the field that is felt; empty: no chain
     std::optional<Vec3i> smoothing_reach;  // of the chain from that field to its gradients; empty: no chain
     Reach gradient_reach;
-    float isovalue = 0;        // of the field that is felt [density]
-    bool all_samples = false;  // every brick has samples, whatever its bounds
+    layout::IsovaluePair isovalues = {};  // of the field that is felt
+    bool all_samples = false;             // every brick has samples, whatever its bounds
   };
   EditPlanner(const Scope& scope, const BrushProfile& profile);
+  void setIsovalues(const layout::IsovaluePair& isovalues) { scope_.isovalues = isovalues; }
 
   // The plan for commands. Throws as lowerEdits does.
   [[nodiscard]] EditPlan plan(std::span<const EditCommand> commands) const;
@@ -70,10 +71,15 @@ class EditPlanner {
   [[nodiscard]] std::optional<float> stillConstant(const EditPlan& plan, const EditPhase& phase, std::uint32_t brick,
                                                    float density) const;
   void planReach(EditPlan& plan) const;
+  [[nodiscard]] bool isFeltWhereBrushesPut() const;
 
   Scope scope_;
   BrushProfile profile_;
   BrickGrid grid_;
 };
+
+// A brick next to this one that has samples, in whose slab its own should lie; empty: there is none.
+[[nodiscard]] std::optional<std::size_t> besideWithSamples(const BrickGrid& grid, const SampleStore& store,
+                                                           std::uint32_t brick);
 
 }  // namespace palpate

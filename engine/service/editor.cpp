@@ -25,10 +25,6 @@ constexpr std::size_t kSpareBricks = 256;
 // plan, record, gpu, the kernels' own (edit, filter, smoothing, bounds, gradient, window), and what the engine adds.
 constexpr std::size_t kStagesAtMost = 11;
 
-bool crosses(const layout::BrickBounds& bounds, float isovalue) {
-  return bounds.lowest <= isovalue && bounds.highest > isovalue;
-}
-
 using BrickValues = std::array<float, kBrickVoxels>;
 
 BrickValues valuesOf(const Volume& volume, const Vec3i& brick) {
@@ -51,8 +47,13 @@ Editor::Editor(const Parts& parts, const BrushProfile& profile, bool all_samples
     : parts_(parts),
       profile_(profile),
       grid_{parts.pool.size(), parts.pool.lattice().spacing_m},
-      planner_({parts.pool, parts.store, reachOf(parts.filters), reachOf(parts.smoothing), parts.gradient.reach(),
-                parts.isovalue, all_samples},
+      planner_({parts.pool,
+                parts.store,
+                reachOf(parts.filters),
+                reachOf(parts.smoothing),
+                parts.gradient.reach(),
+                {parts.isovalue, parts.isovalue},
+                all_samples},
                profile),
       all_samples_(all_samples),
       edit_(parts.gpu, parts.pool),
@@ -61,16 +62,21 @@ Editor::Editor(const Parts& parts, const BrushProfile& profile, bool all_samples
       bound_results_(parts.gpu, "edited bounds", 1024),
       touched_values_(parts.gpu, "touched bricks", 1, std::numeric_limits<std::uint64_t>::max()),  // copied, not bound
       max_dispatches_(64),
+      isovalues_{parts.isovalue, parts.isovalue},
       is_changed_(parts.pool.brickCount()) {
   commands_.emplace(parts.gpu, "edit", max_dispatches_);
   makeSpareRoom();
-  if (all_samples) return;
-  crossed_.reserve(parts.pool.brickCount());
-  for (const layout::BrickBounds& bounds : parts.bounds->read(parts.transfer))
-    crossed_.push_back(crosses(bounds, parts.isovalue));
+  if (!all_samples) setIsovalues(isovalues_, parts.bounds->read(parts.transfer));
 }
 
 Editor::~Editor() = default;
+
+void Editor::setIsovalues(const layout::IsovaluePair& isovalues, std::span<const layout::BrickBounds> bounds) {
+  isovalues_ = isovalues;
+  planner_.setIsovalues(isovalues);
+  crossed_.assign(bounds.size(), false);
+  for (std::size_t brick = 0; brick < bounds.size(); ++brick) crossed_[brick] = eitherCrosses(isovalues, bounds[brick]);
+}
 
 // A wish: where there is no room for it, an edit that needs some says so.
 void Editor::makeSpareRoom() {
@@ -171,7 +177,7 @@ void Editor::handOutSlots(EditPlan& plan) {
       if (task.slot != NO_SLOT) task.slot = parts_.pool.page(task.brick).slot;
     }
   }
-  for (const std::uint32_t brick : plan.newly) parts_.store.add(brick, besideWithSamples(brick));
+  for (const std::uint32_t brick : plan.newly) parts_.store.add(brick, besideWithSamples(grid_, parts_.store, brick));
   if (parts_.filters != nullptr) parts_.filters->commit();
   if (parts_.smoothing != nullptr) parts_.smoothing->commit();
 }
@@ -242,7 +248,7 @@ void Editor::record(EditPlan& plan, const WindowTarget* target, Outcome& outcome
     parts_.smoothing->record(commands);
     commands.mark("smoothing");
   }
-  ActiveTest test{nullptr, parts_.isovalue};
+  ActiveTest test{nullptr, isovalues_};
   if (parts_.bounds != nullptr) {
     test.bounds = &parts_.bounds->bounds();
     parts_.bounds->record(commands, bound_tasks_.buffer(), static_cast<std::uint32_t>(bounds_list.size()),
@@ -367,15 +373,6 @@ std::vector<std::uint32_t> Editor::bricksToChange(std::span<const EditCommand> c
   return bricks;
 }
 
-// A brick next to this one, in whose slab its samples should lie.
-std::optional<std::size_t> Editor::besideWithSamples(std::uint32_t brick) const {
-  std::optional<std::size_t> found;
-  grid_.forEachBeside(grid_.brick(brick), [&](std::uint32_t other) {
-    if (!found && parts_.store.has(other)) found = other;
-  });
-  return found;
-}
-
 bool Editor::isActive(std::uint32_t brick) const {
   bool active = false;
   grid_.forEachAtCorner(grid_.brick(brick), -1, [&](std::uint32_t other) { active = active || crossed_[other]; });
@@ -399,7 +396,7 @@ void Editor::settle() {
   if (parts_.smoothing != nullptr) parts_.smoothing->settle();
   if (all_samples_) return;
   const auto bounds = bound_results_.read(rebounded_.size());
-  for (std::size_t i = 0; i < rebounded_.size(); ++i) crossed_[rebounded_[i]] = crosses(bounds[i], parts_.isovalue);
+  for (std::size_t i = 0; i < rebounded_.size(); ++i) crossed_[rebounded_[i]] = eitherCrosses(isovalues_, bounds[i]);
   for (const std::uint32_t brick : unsettled_) {
     if (parts_.store.has(brick) && !isActive(brick)) parts_.store.remove(brick);
   }

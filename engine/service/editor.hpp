@@ -101,6 +101,10 @@ class Editor {
   [[nodiscard]] std::vector<BrickContent> takeChanged(std::size_t most);
   [[nodiscard]] std::size_t changedBricks() const noexcept { return changed_.size(); }  // not read back or taken yet
 
+  // From now on bricks that either isovalue needs are active. `bounds`: of every brick, as they are. Only after
+  // settle(). Cost: a look at every brick.
+  void setIsovalues(const layout::IsovaluePair& isovalues, std::span<const layout::BrickBounds> bounds);
+
   // Adds to Outcome::stages the device's own times for the parts of "gpu": "edit", "filter", "smoothing", "bounds",
   // "gradient", "window".
   void timeKernels(bool on) noexcept { times_kernels_ = on; }
@@ -121,7 +125,6 @@ class Editor {
   void downloadTouched();
   [[nodiscard]] BrickContent read(std::uint32_t brick) const;
   [[nodiscard]] bool reachesWindow(const EditPlan& plan, const WindowBox& box) const;
-  [[nodiscard]] std::optional<std::size_t> besideWithSamples(std::uint32_t brick) const;
   [[nodiscard]] bool isActive(std::uint32_t brick) const;
   void noteChanged(std::uint32_t brick);
 
@@ -138,7 +141,8 @@ class Editor {
   std::uint32_t max_dispatches_;
   std::optional<gpu::Commands> commands_;
   bool times_kernels_ = false;
-  std::vector<bool> crossed_;     // by brick: the isosurface crosses its cells
+  layout::IsovaluePair isovalues_;
+  std::vector<bool> crossed_;     // by brick: an isosurface crosses its cells
   std::vector<bool> is_changed_;  // by brick: it is in changed_
   std::vector<std::uint32_t> changed_;
   std::uint64_t version_ = 0;

@@ -58,6 +58,16 @@ std::vector<BrickContent> Engine::takeChanged(std::size_t most) {
   return parts_->editor()->takeChanged(most);
 }
 
+void Engine::beginIsovalue(double isovalue) {
+  parts_->beginIsovalue(isovalue);
+}
+bool Engine::gatherIsovalue(std::size_t most, std::int64_t now_ns) {
+  return parts_->gatherIsovalue(most, now_ns);
+}
+void Engine::endIsovalue() {
+  parts_->endIsovalue();
+}
+
 Volume Engine::filtered(const VolumeFacts& facts) {
   return parts_->filtered(facts);
 }

@@ -50,6 +50,13 @@ std::function<void(double)> of(Pass pass, const Engine::StartProgress& progress)
   return [pass, &progress](double done) { progress(passName(pass), done); };
 }
 
+std::pair<float, float> rangeOf(std::span<const layout::BrickBounds> bounds) {
+  std::pair range(std::numeric_limits<float>::max(), std::numeric_limits<float>::lowest());
+  for (const layout::BrickBounds& brick : bounds)
+    range = {std::min(range.first, brick.lowest), std::max(range.second, brick.highest)};
+  return range;
+}
+
 }  // namespace
 
 template <typename Work>
@@ -71,10 +78,12 @@ EngineParts::EngineParts(const Volume& volume, const Plan& plan, double isovalue
     checkDensityRoom(*budget, volume.storedBricks());
     pool_ = std::make_unique<BrickPool>(gpu_, transfer_, volume, std::move(budget));
   });
+  grid_ = {pool_->size(), pool_->lattice().spacing_m};
   if (plan.has(Pass::kFilter)) {
     const auto source_isovalue = static_cast<float>(isovalue);
     std::vector<FilterStep> steps = lowerFilters(plan.filters, volume.lattice().spacing_m, source_isovalue);
     isovalue_ = isovalueAfter(plan.filters, source_isovalue);
+    distance_ = hasDistance(plan.filters);
     if (!steps.empty()) {
       stage(passName(Pass::kFilter),
             [&] { filters_ = filteredBy(gpu_, transfer_, *pool_, std::move(steps), of(Pass::kFilter, progress)); });
@@ -93,13 +102,15 @@ EngineParts::EngineParts(const Volume& volume, const Plan& plan, double isovalue
 
 // Of the field that is felt.
 std::pair<float, float> EngineParts::densityRange(const Volume& volume) {
-  if (!filters_) return {volume.minimum(), volume.maximum()};
+  return filters_ ? rangeOf(boundsNow()) : std::pair(volume.minimum(), volume.maximum());
+}
+
+// Of every brick of the field that is felt; where every brick has gradients, nobody keeps them.
+std::vector<layout::BrickBounds> EngineParts::boundsNow() {
+  if (bounds_) return bounds_->read(transfer_);
   BrickBoundsPass bounds(gpu_, field());
   bounds.run();
-  std::pair range(std::numeric_limits<float>::max(), std::numeric_limits<float>::lowest());
-  for (const layout::BrickBounds& brick : bounds.read(transfer_))
-    range = {std::min(range.first, brick.lowest), std::max(range.second, brick.highest)};
-  return range;
+  return bounds.read(transfer_);
 }
 
 // The smoothed field is needed while gradients are computed, and no longer where no edit will change it.
@@ -128,7 +139,7 @@ void EngineParts::computeGradients(const Volume& volume, const Plan& plan, const
                                                smoothing_ ? &smoothing_->result() : nullptr);
     gradient_->run(of(Pass::kGradient, progress));
   });
-  if (!smoothing_ || plan.request.edits) return;
+  if (!smoothing_ || plan.request.edits || plan.request.other_isovalues) return;
   gradient_.reset();
   smoothing_.reset();
 }
@@ -197,6 +208,7 @@ void EngineParts::allowEdits(const BrushProfile& profile, std::span<const EditKi
                             filters_.get(),
                             static_cast<float>(isovalue_),
                             smoothing_.get()};
+  if (wanted_) endIsovalue();
   stage("edit set-up", [&] {
     editor_ = std::make_unique<Editor>(parts, profile, gradient_all_);
     editor_->prepare(kinds);
@@ -234,6 +246,58 @@ Engine::EditResult EngineParts::replace(std::span<const BrickContent> bricks, st
 
 std::size_t EngineParts::readBack(Volume& volume) {
   return editor_ ? editor_->readBack(volume) : 0;
+}
+
+void EngineParts::beginIsovalue(double isovalue) {
+  if (editor_) editor_->refuseIfBroken();
+  if (wanted_) endIsovalue();
+  const std::string input = fmt::format("isovalue {:g}", isovalue);
+  const char* again = "start anew with this isovalue";
+  if (distance_) refuse(input, "what is felt is the distance from the isosurface that was there at the start", again);
+  if (store_->format().half) refuse(input, "halves hold the density's difference from the first isovalue", again);
+  if (!gradient_) refuse(input, "the smoothed field, whose gradients are taken, was not kept", again);
+  const std::vector<layout::BrickBounds> bounds = boundsNow();
+  const auto [lowest, highest] = rangeOf(bounds);
+  const auto to = static_cast<float>(isovalue);
+  if (!layout::crosses(to, {lowest, highest})) {
+    refuse(input, fmt::format("the densities lie between {:g} and {:g}, so there is no isosurface", lowest, highest),
+           fmt::format("give an isovalue from {:g} to below {:g}", lowest, highest));
+  }
+  if (!gradient_all_) change_.emplace(*store_, *gradient_, grid_, bounds, to);
+  wanted_ = to;
+  needSamples(to, bounds);
+}
+
+bool EngineParts::gatherIsovalue(std::size_t most, std::int64_t now_ns) {
+  if (!wanted_) return true;
+  if (editor_) editor_->refuseIfBroken();
+  try {
+    if (change_ && !change_->gather(most)) return false;
+  } catch (const Error&) {
+    endIsovalue();
+    throw;
+  }
+  change_.reset();
+  isovalue_ = *wanted_;
+  wanted_.reset();
+  if (published_) {
+    window_->run(*published_, window_buffers_[exchange_->backIndex()]);
+    publishBox(*published_, now_ns);
+  }
+  return true;
+}
+
+void EngineParts::endIsovalue() {
+  change_.reset();
+  wanted_.reset();
+  needSamples(isovalue_, gradient_all_ ? std::vector<layout::BrickBounds>{} : boundsNow());
+}
+
+// Of the isovalue that is felt and of this one from now on, and of no other.
+void EngineParts::needSamples(double other, std::span<const layout::BrickBounds> bounds) {
+  const layout::IsovaluePair isovalues{static_cast<float>(isovalue_), static_cast<float>(other)};
+  if (editor_) editor_->setIsovalues(isovalues, bounds);
+  if (!gradient_all_) dropInactive(*store_, grid_, bounds, isovalues);
 }
 
 Volume EngineParts::filtered(const VolumeFacts& facts) {

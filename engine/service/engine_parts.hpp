@@ -26,6 +26,7 @@
 #include "engine/plan/plan.hpp"
 #include "engine/service/editor.hpp"
 #include "engine/service/engine.hpp"
+#include "engine/service/isovalue_change.hpp"
 #include "servo/window/tool_pose.hpp"
 #include "servo/window/window_exchange.hpp"
 
@@ -41,6 +42,9 @@ class EngineParts {
   Engine::EditResult edit(std::span<const EditCommand> commands, std::int64_t now_ns);
   Engine::EditResult replace(std::span<const BrickContent> bricks, std::int64_t now_ns);
   std::size_t readBack(Volume& volume);
+  void beginIsovalue(double isovalue);
+  bool gatherIsovalue(std::size_t most, std::int64_t now_ns);
+  void endIsovalue();
   [[nodiscard]] Volume filtered(const VolumeFacts& facts);
   [[nodiscard]] RenderedImage draw(const Camera& camera, const std::function<void()>& between);
   [[nodiscard]] std::vector<MemoryFigure> memory() const;
@@ -66,12 +70,15 @@ class EngineParts {
   void makeWindows();
   template <typename Change>
   Engine::EditResult change(std::int64_t now_ns, const Change& change);
+  [[nodiscard]] std::vector<layout::BrickBounds> boundsNow();
+  void needSamples(double other, std::span<const layout::BrickBounds> bounds);
   void publishBox(const WindowBox& box, std::int64_t now_ns);  // whose samples are gathered
 
   double isovalue_;  // of the field that is felt
   std::vector<StageTime> stages_;
   gpu::Gpu gpu_;
   gpu::Transfer transfer_;
+  BrickGrid grid_;
   std::unique_ptr<BrickPool> pool_;       // the volume, which edits change
   std::unique_ptr<FilterChain> filters_;  // from it to the field that is felt; null: none
   std::unique_ptr<BrickBoundsPass> bounds_;
@@ -81,11 +88,14 @@ class EngineParts {
   std::unique_ptr<WindowPass> window_;
   std::unique_ptr<IsosurfacePass> isosurface_;
   bool gradient_all_ = false;
+  bool distance_ = false;                    // the field that is felt is a distance from the isosurface
   std::vector<gpu::Buffer> window_buffers_;  // three, mapped: the exchange's storages
   std::unique_ptr<WindowExchange> exchange_;
-  std::optional<WindowBox> published_;  // where the newest window lies
-  unsigned published_slot_ = 0;         // and in which buffer
-  std::unique_ptr<Editor> editor_;      // once edits are allowed
+  std::optional<WindowBox> published_;    // where the newest window lies
+  unsigned published_slot_ = 0;           // and in which buffer
+  std::unique_ptr<Editor> editor_;        // once edits are allowed
+  std::optional<double> wanted_;          // another isovalue, while its samples are gathered
+  std::optional<IsovalueChange> change_;  // the same, unless every brick has samples
 };
 
 }  // namespace palpate

@@ -66,6 +66,7 @@ class EditSession {
   // For a job that fails: ends the journal, and deletes it if it has no record, so that the job can be started again.
   void dropEmptyJournal();
   [[nodiscard]] EditFigures figures() const;
+  [[nodiscard]] std::uint64_t edits() const noexcept { return figures_.edits; }  // undo and redo included
   [[nodiscard]] const EditHistory& history() const noexcept { return history_; }
   [[nodiscard]] const JournalWriter* journal() const noexcept { return journal_ ? &*journal_ : nullptr; }
 

@@ -23,6 +23,7 @@ void ServoChanges::give(ServoChange change) {
     if (!next->algorithm) next->algorithm = std::move(untaken->algorithm);
     if (!next->force_limit_N) next->force_limit_N = untaken->force_limit_N;
   }
+  next->number = ++given_count_;
   given_.store(next.release(), std::memory_order_release);
 }
 
@@ -32,6 +33,7 @@ ServoChange* ServoChanges::take() noexcept {
 }
 
 void ServoChanges::done(ServoChange* change) noexcept {
+  ended_.store(change->number, std::memory_order_release);
   for (auto& slot : done_) {
     if (slot.load(std::memory_order_relaxed) != nullptr) continue;
     slot.store(change, std::memory_order_release);

@@ -9,6 +9,7 @@
 
 #include <array>
 #include <atomic>
+#include <cstdint>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -20,6 +21,7 @@ namespace palpate {
 struct ServoChange {
   std::unique_ptr<Algorithm> algorithm = {};  // runs from now on; null: the one that runs
   std::optional<double> force_limit_N = {};   // above 0; empty: as it is [N]
+  std::uint64_t number = 0;                   // set by give(): the newest has the highest
 };
 
 class ServoChanges {
@@ -32,6 +34,8 @@ class ServoChanges {
   // A change that the servo has not taken yet is made part of this one. Frees what the servo has handed back. Throws
   // Error(kBadInput) for a force limit that is none; then nothing changes.
   void give(ServoChange change);
+  // Whether the servo has taken every change and ended it: nothing that it replaced runs any more. Any thread.
+  [[nodiscard]] bool ended() const noexcept { return ended_.load(std::memory_order_acquire) == given_count_.load(); }
 
   // Servo: the change to make, which stays the servo's until done(); null: none. One at a time.
   [[nodiscard]] ServoChange* take() noexcept;
@@ -40,6 +44,8 @@ class ServoChanges {
 
  private:
   std::mutex givers_;
+  std::atomic<std::uint64_t> given_count_{0};
+  std::atomic<std::uint64_t> ended_{0};  // the number of the change that ended last
   std::atomic<ServoChange*> given_{nullptr};
   // Every take() follows a give(), which empties these. So there are at most two: what the servo had in hand then, and
   // what it took since.

@@ -13,14 +13,15 @@
 namespace palpate {
 
 struct ToolPose {
-  Vec3 position_W = Vec3::Zero();  // HIP, as the servo read it [m]
-  Vec3 velocity_W = Vec3::Zero();  // the servo's filtered estimate [m/s]
-  std::int64_t tick = -1;          // of the servo; -1: before the first tick
-  std::int64_t time_ns = 0;        // on the servo's clock [ns]
-  bool at_surface = false;         // samples are needed around `surface_W`, not around the HIP
-  Vec3 surface_W = Vec3::Zero();   // [m]
-  Vec3 normal_W = Vec3::Zero();    // of the contact, out of the object; zero without contact [-]
-  Vec3 force_W = Vec3::Zero();     // what the device was sent last, after the safety gate [N]
+  Vec3 position_W = Vec3::Zero();    // HIP, as the servo read it [m]
+  Vec3 velocity_W = Vec3::Zero();    // the servo's filtered estimate [m/s]
+  std::int64_t tick = -1;            // of the servo; -1: before the first tick
+  std::int64_t time_ns = 0;          // on the servo's clock [ns]
+  bool at_surface = false;           // samples are needed around `surface_W`, not around the HIP
+  Vec3 surface_W = Vec3::Zero();     // [m]
+  Vec3 normal_W = Vec3::Zero();      // of the contact, out of the object; zero without contact [-]
+  Vec3 force_W = Vec3::Zero();       // what the device was sent last, after the safety gate [N]
+  std::uint64_t window_version = 0;  // of the window that this tick read; 0: none
 };
 
 using ToolPoseMailbox = TripleBuffer<ToolPose>;

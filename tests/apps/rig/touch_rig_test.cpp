@@ -34,7 +34,7 @@ class Rig : public testing::Test {
     double radius_m = 0;
     while (phantom->offset(centre_W + radius_m * Vec3::UnitX()).distance_m < 0) radius_m += 1e-6;
     const auto below = [&](double depth_m) { return Vec3(centre_W + (radius_m - depth_m) * Vec3::UnitX()); };
-    path.emplace(std::vector<double>{0, 0.1, 1.0}, std::vector<Vec3>{below(-1e-3), below(kDepth_m), below(kDepth_m)},
+    path.emplace(std::vector<double>{0, 0.1, 1.0}, std::vector<Vec3>{below(-4e-3), below(kDepth_m), below(kDepth_m)},
                  SampledPath::Interpolation::kLinear);
     settings.parameters = {.isovalue = phantom->isovalue(), .stiffness_N_per_m = 500, .damping_Ns_per_m = 0};
     loop.ticks = 900;
@@ -164,13 +164,135 @@ TEST_F(Rig, RefusesWhatItCannotTakeAndChangesNothing) {
   EXPECT_THAT(refusal([](RigSettings& s) { s.algorithm = "hapi"; }), HasSubstr("hapi"));
   EXPECT_THAT(refusal([](RigSettings& s) { s.algorithm = "haptization"; }), HasSubstr("gradients everywhere"));
   EXPECT_THAT(refusal([](RigSettings& s) { s.algorithm = "god-object"; }), HasSubstr("mesh"));
-  EXPECT_THAT(refusal([](RigSettings& s) { s.parameters.isovalue += 1; }), HasSubstr("isovalue"));
+  EXPECT_THAT(refusal([](RigSettings& s) { s.parameters.isovalue = std::numeric_limits<double>::quiet_NaN(); }),
+              HasSubstr("isovalue"));
   EXPECT_THAT(refusal([](RigSettings& s) { s.parameters.rate_hz = 2000; }), HasSubstr("rate 2000 Hz"));
   EXPECT_THAT(refusal([](RigSettings& s) { s.parameters.stiffness_N_per_m = -1; }), HasSubstr("stiffness"));
   EXPECT_THAT(refusal([](RigSettings& s) { s.effects.friction.dynamic_ratio = 0.3; }), HasSubstr("friction"));
   EXPECT_THAT(refusal([](RigSettings& s) { s.force_limit_N = 0; }), HasSubstr("force limit"));
   const auto records = one.runSimulated().records;
   EXPECT_NEAR(newtons(records.back()), 0.5, 0.01);
+}
+
+// What a rig feels in the end that began with another isovalue.
+class OtherIsovalue : public Rig {
+ protected:
+  [[nodiscard]] std::vector<TickRecord> feltFromTheStart(double isovalue) {
+    Engine other(volume, makePlan({}), isovalue, "");
+    RigSettings begun = settings;
+    begun.parameters.isovalue = isovalue;
+    return TouchRig(other, device(), loop, {}, begun).runSimulated().records;
+  }
+  // `share` of the way from the isovalue to the density of the middle, or to that of the air.
+  [[nodiscard]] double at(double share) const {
+    const double to = share > 0 ? volume.maximum() : volume.minimum();
+    return static_cast<float>(phantom->isovalue() + std::abs(share) * (to - phantom->isovalue()));
+  }
+};
+
+// Outwards, inwards, and so far inwards that the tool is free: the force goes over to what it would be, a hundredth of
+// the way in a tick.
+TEST_F(OtherIsovalue, IsTakenWhileItRuns) {
+  for (const double share : {-0.6, -0.2, 0.1, 0.6}) {
+    const double isovalue = at(share);
+    const std::vector<TickRecord> wanted = feltFromTheStart(isovalue);
+    Engine own(volume, makePlan({}), phantom->isovalue(), "");
+    TouchRig one(own, device(), loop, {}, settings);
+    const auto records = one.runSimulated({},
+                                          [&](std::int64_t tick, std::int64_t) {
+                                            if (tick != 300) return;
+                                            RigSettings next = one.settings();
+                                            next.parameters.isovalue = isovalue;
+                                            one.change(next);
+                                            EXPECT_EQ(one.settings(), next);
+                                            EXPECT_EQ(own.isovalue(), phantom->isovalue());
+                                          })
+                             .records;
+    EXPECT_EQ(own.isovalue(), isovalue);
+    EXPECT_EQ(one.takeRefusal(), std::nullopt);
+    const double whole_N = newtons(wanted.back()) - newtons(records[299]);
+    EXPECT_GT(std::abs(whole_N), 0.02) << share;  // another isosurface
+    EXPECT_NEAR(newtons(records.back()), newtons(wanted.back()), 1e-3 * newtons(wanted.back())) << share;
+    EXPECT_EQ(records.back().in_contact, share < 0.5);
+    for (std::size_t i = 301; i < records.size(); ++i) {
+      EXPECT_LE(std::abs(newtons(records[i]) - newtons(records[i - 1])), 0.015 * std::abs(whole_N) + 1e-4) << i;
+    }
+    Engine fresh(volume, makePlan({}), isovalue, "");
+    EXPECT_EQ(own.planFacts().gradient_bricks, fresh.planFacts().gradient_bricks);  // the last one's are gone
+  }
+}
+
+// Sliders that are pulled about: of all isovalues the last one is felt, with the settings that came with it or later.
+TEST_F(OtherIsovalue, TheLastOfManyIsFelt) {
+  const char* const names[] = {"hri", "blezek", "implicit"};
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    Seeded random(seed);
+    Engine own(volume, makePlan({}), phantom->isovalue(), "");
+    TouchRig one(own, device(), loop, {}, settings);
+    RigSettings next = settings;
+    const auto records = one.runSimulated({},
+                                          [&](std::int64_t tick, std::int64_t) {
+                                            if (tick < 150 || tick > 500 || random.pick(25) != 0) return;
+                                            if (random.pick(4) != 0)
+                                              next.parameters.isovalue = at(random.between(-0.5, 0.5));
+                                            if (random.pick(6) == 0) next.parameters.isovalue = phantom->isovalue();
+                                            next.algorithm = names[random.pick(3)];
+                                            next.parameters.stiffness_N_per_m = random.logBetween(100, 2000);
+                                            next.force_limit_N = random.logBetween(0.1, 8);
+                                            one.change(next);
+                                          })
+                             .records;
+    EXPECT_EQ(one.settings(), next);
+    EXPECT_EQ(own.isovalue(), next.parameters.isovalue);
+    settings.algorithm = next.algorithm;
+    settings.parameters = next.parameters;
+    settings.force_limit_N = next.force_limit_N;
+    const double wanted_N = newtons(feltFromTheStart(next.parameters.isovalue).back());
+    EXPECT_NEAR(newtons(records.back()), wanted_N, 1e-3 * wanted_N) << seed;
+    for (std::size_t i = 150; i < records.size(); ++i)
+      ASSERT_EQ(records[i].faults & kFadingFaults, 0U) << seed << " " << i;
+    settings =
+        RigSettings{.parameters = {.isovalue = phantom->isovalue(), .stiffness_N_per_m = 500, .damping_Ns_per_m = 0}};
+  }
+}
+
+// The engine has no isosurface there: what came with it counts, the isovalue stays.
+TEST_F(OtherIsovalue, ThatIsRefusedLeavesTheLastOne) {
+  TouchRig one = rig();
+  const auto records = one.runSimulated({},
+                                        [&](std::int64_t tick, std::int64_t) {
+                                          RigSettings next = one.settings();
+                                          next.parameters.isovalue = volume.maximum() + 1;
+                                          next.parameters.stiffness_N_per_m = 1000;
+                                          if (tick == 300) one.change(next);
+                                        })
+                           .records;
+  const std::optional<Error> refusal = one.takeRefusal();
+  ASSERT_TRUE(refusal);
+  EXPECT_THAT(refusal->what(), HasSubstr("there is no isosurface"));
+  EXPECT_FALSE(one.takeRefusal());  // it was taken
+  EXPECT_EQ(one.settings().parameters.isovalue, phantom->isovalue());
+  EXPECT_EQ(one.settings().parameters.stiffness_N_per_m, 1000);
+  EXPECT_NEAR(newtons(records.back()), 1, 0.02);
+}
+
+// A mesh is that of one isovalue.
+TEST_F(OtherIsovalue, IsRefusedToAnAlgorithmWithAMesh) {
+  TouchRig one(engine, device(), loop,
+               {.isosurface = std::make_shared<TriangleMesh>(
+                    TriangleMesh{{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)}, {{0, 1, 2}}})},
+               settings);
+  RigSettings next = settings;
+  next.algorithm = "god-object";
+  next.parameters.isovalue = at(0.5);
+  EXPECT_THAT(refusalOf([&] { one.change(next); }), HasSubstr("its mesh is that of"));
+  EXPECT_EQ(one.settings(), settings);
+}
+
+// To begin with, the rig takes the engine's only: the gradients of another are not there.
+TEST_F(OtherIsovalue, IsRefusedAtTheStart) {
+  settings.parameters.isovalue = at(0.5);
+  EXPECT_THAT(refusalOf([&] { static_cast<void>(rig()); }), HasSubstr("begin with that"));
 }
 
 TEST_F(Rig, ByTheRealClockItFeelsChangesAndTellsItsTicks) {
@@ -193,9 +315,18 @@ TEST_F(Rig, ByTheRealClockItFeelsChangesAndTellsItsTicks) {
   next.force_limit_N = 0.3;
   one.change(next);
   waitFor([](const TickRecord& r) { return std::abs(newtons(r) - 0.3) < 1e-9; });
+  next.force_limit_N = 5;
+  one.change(next);
+  waitFor([](const TickRecord& r) { return std::abs(newtons(r) - 1) < 0.02; });
+  const auto bricks = engine.planFacts().gradient_bricks;
+  next.parameters.isovalue += 0.3 * (volume.maximum() - next.parameters.isovalue);
+  one.change(next);
+  waitFor([](const TickRecord& r) { return newtons(r) < 0.9; });  // its isosurface lies further inside
   EXPECT_TRUE(one.running());
   one.requestStop();
   const LoopResult result = one.wait();
+  EXPECT_EQ(engine.isovalue(), next.parameters.isovalue);
+  EXPECT_LE(engine.planFacts().gradient_bricks, bricks);  // the ball is smaller, and the last one's bricks are freed
   EXPECT_FALSE(one.running());
   EXPECT_TRUE(result.released);
   EXPECT_GT(follows, 10);

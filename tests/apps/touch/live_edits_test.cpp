@@ -38,7 +38,7 @@ class FailingRun : public testing::Test {
         ToolPose pose;
         pose.normal_W = Vec3::UnitX();
         pose.position_W = volume.lattice().toWorld(Vec3(28 - 2 * i, 16, 16));
-        edits.follow(pose, i * std::int64_t{10'000'000});
+        edits.edits().look(pose, i * std::int64_t{10'000'000});
       }
       throw failure;
     });

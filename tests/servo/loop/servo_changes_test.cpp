@@ -62,6 +62,22 @@ TEST(ServoChanges, ThatWereNotTakenAreMadePartOfTheNext) {
   EXPECT_EQ(changes.take(), nullptr);
 }
 
+// Until then what was replaced may still run.
+TEST(ServoChanges, HaveEndedOnceTheServoIsDoneWithTheNewest) {
+  ServoChanges changes;
+  EXPECT_TRUE(changes.ended());
+  changes.give({.force_limit_N = 2.0});
+  changes.give({.force_limit_N = 3.0});
+  EXPECT_FALSE(changes.ended());
+  ServoChange* taken = changes.take();
+  EXPECT_FALSE(changes.ended());
+  changes.give({.force_limit_N = 4.0});
+  changes.done(taken);
+  EXPECT_FALSE(changes.ended());
+  changes.done(changes.take());
+  EXPECT_TRUE(changes.ended());
+}
+
 // The servo can refuse nothing, so it is refused here.
 TEST(ServoChanges, NoForceLimitThatIsNoneComesThrough) {
   ServoChanges changes;

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/rig/isovalue_way.hpp"
+
+#include <limits>
+
+#include "base/stopwatch.hpp"
+#include "servo/window/window_exchange.hpp"
+
+namespace palpate {
+
+bool IsovalueWay::mayGive(const Look& look) noexcept {
+  if (at_ != At::kShown || look.wanted != next_ || look.window_seen < shown_) return false;
+  at_ = At::kTaking;
+  return true;
+}
+
+void IsovalueWay::work(const Look& look, std::int64_t now_ns) {
+  switch (at_) {
+    case At::kStart:
+      if (look.wanted == look.in_use) return;
+      engine_.beginIsovalue(look.wanted);
+      next_ = look.wanted;
+      return gather(look, now_ns);
+    case At::kGathering:
+      return look.wanted == next_ ? gather(look, now_ns) : end();
+    case At::kShown:
+      return look.wanted == next_ ? void() : goBack(look.in_use, now_ns);
+    case At::kTaking:
+      return look.taken ? end() : void();
+  }
+}
+
+void IsovalueWay::gather(const Look& look, std::int64_t now_ns) {
+  at_ = At::kStart;  // where the engine has no room
+  const Stopwatch watch;
+  const bool all =
+      engine_.gatherIsovalue(look.all_at_once ? std::numeric_limits<std::size_t>::max() : portion_.bricks(), now_ns);
+  at_ = all ? At::kShown : At::kGathering;
+  if (!all) portion_.took(portion_.bricks(), watch.seconds());
+  shown_ = engine_.exchange().nextVersion() - 1;
+}
+
+// The samples of the isovalue in use are all there still.
+void IsovalueWay::goBack(double in_use, std::int64_t now_ns) {
+  at_ = At::kTaking;  // where edits have left nothing at that isovalue: then there is nothing to feel, and no way back
+  engine_.beginIsovalue(in_use);
+  engine_.gatherIsovalue(std::numeric_limits<std::size_t>::max(), now_ns);
+  end();
+}
+
+void IsovalueWay::end() {
+  if (at_ != At::kStart) engine_.endIsovalue();
+  at_ = At::kStart;
+}
+
+}  // namespace palpate

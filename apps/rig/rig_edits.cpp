@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/rig/rig_edits.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/error.hpp"
+
+namespace palpate {
+
+RigEdits::RigEdits(EditSession& session, const Vec3i& size, const Lattice& lattice, Tell tell)
+    : session_(session), size_(size), lattice_(lattice), tell_(std::move(tell)) {}
+
+bool RigEdits::edit(std::vector<EditCommand> commands) {
+  return ask([this, commands = std::move(commands)](std::int64_t now_ns) {
+    tryTo("an edit", [&] { session_.edit(commands, now_ns); });
+  });
+}
+bool RigEdits::undo() {
+  return ask([this](std::int64_t now_ns) { tryTo("undo", [&] { session_.undo(now_ns); }); });
+}
+bool RigEdits::redo() {
+  return ask([this](std::int64_t now_ns) { tryTo("redo", [&] { session_.redo(now_ns); }); });
+}
+bool RigEdits::setBrush(const ToolBrushSpec& brush) {
+  return ask([this, brush](std::int64_t) { brush_.emplace(brush, size_, lattice_); });
+}
+bool RigEdits::dropBrush() {
+  return ask([this](std::int64_t) { brush_.reset(); });
+}
+
+bool RigEdits::ask(Request request) {
+  const std::lock_guard lock(mutex_);
+  if (!state_.editing || waiting_.size() >= kMostWaiting) return false;
+  waiting_.push_back(std::move(request));
+  return true;
+}
+
+RigEdits::State RigEdits::state() const {
+  const std::lock_guard lock(mutex_);
+  return state_;
+}
+
+RigEdits::Request RigEdits::next() {
+  const std::lock_guard lock(mutex_);
+  if (waiting_.empty()) return {};
+  Request request = std::move(waiting_.front());
+  waiting_.pop_front();
+  return request;
+}
+
+void RigEdits::look(const ToolPose& pose, std::int64_t now_ns) {
+  if (const Request request = next()) request(now_ns);
+  if (brush_) {
+    const std::vector<EditCommand> stroke = brush_->look(pose, now_ns);
+    if (!stroke.empty() && !tryTo("an edit", [&] { session_.edit(stroke, now_ns); })) brush_->refused();
+  }
+  session_.look(now_ns);
+  listen();
+  const std::lock_guard lock(mutex_);
+  state_.edits = session_.edits();
+  state_.can_undo = session_.history().canUndo();
+  state_.can_redo = session_.history().canRedo();
+}
+
+// What the engine has no room for, or cannot be meant at that place, is refused and nothing else: a removal may follow
+// for which there is room. Any other error is the device's, and there is no more to edit on.
+template <typename Change>
+bool RigEdits::tryTo(const char* what, const Change& change) {
+  if (!state().editing) return false;
+  try {
+    change();
+    return true;
+  } catch (const Error& error) {
+    const bool refused = error.code() == Error::Code::kOutOfMemory || error.code() == Error::Code::kBadInput;
+    {
+      const std::lock_guard lock(mutex_);
+      if (refused) {
+        ++state_.refused;
+      } else {
+        state_.editing = false;
+        waiting_.clear();
+      }
+    }
+    if (refused) {
+      tell(fmt::format("{} was refused: {}", what, error.what()), Again::kCountOnly);
+    } else {
+      tell(fmt::format("editing has ended: {}", error.what()), Again::kTell);
+    }
+    return false;
+  }
+}
+
+void RigEdits::tell(const std::string& text, Again again) {
+  std::string reason;
+  std::copy_if(text.begin(), text.end(), std::back_inserter(reason), [](char c) { return c < '0' || c > '9'; });
+  const auto known =
+      std::find_if(troubles_.begin(), troubles_.end(), [&](const Trouble& t) { return t.reason == reason; });
+  if (known == troubles_.end()) {
+    troubles_.push_back({std::move(reason), text});
+  } else {
+    ++known->count;
+    if (again == Again::kCountOnly) return;
+  }
+  tell_(text);
+}
+
+void RigEdits::listen() {
+  if (BackgroundSaver* saver = session_.saver(); saver != nullptr) {
+    for (const std::string& failure : saver->takeFailures()) tell(failure, Again::kTell);
+  }
+  const JournalWriter* journal = session_.journal();
+  if (journal == nullptr || journal_failed_ || !journal->failed()) return;
+  journal_failed_ = true;
+  tell(journal->failure(), Again::kTell);
+}
+
+std::vector<std::string> RigEdits::troubles() const {
+  std::vector<std::string> all;
+  for (const Trouble& trouble : troubles_)
+    all.push_back(trouble.count > 1 ? fmt::format("{} times, first: {}", trouble.count, trouble.text) : trouble.text);
+  return all;
+}
+
+}  // namespace palpate

@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: Apache-2.0
+// Edits, undo and redo that are asked for while a rig runs: done in their order, felt, refused without an end.
+#include "apps/rig/rig_edits.hpp"
+
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "apps/rig/touch_rig.hpp"
+#include "engine/journal/volume_identity.hpp"
+#include "engine/phantoms/phantom.hpp"
+#include "servo/devices/sampled_path.hpp"
+#include "servo/devices/simulated_device.hpp"
+
+namespace palpate {
+namespace rig_edits_test {
+
+using testing::HasSubstr;
+
+// A tool at rest a millimetre below the surface of a ball of 20 voxels of a millimetre.
+class Edits : public testing::Test {
+ protected:
+  Edits()
+      : volume(makeVolume(*makePhantom("phantom:sphere?size=48"))),
+        engine(volume, makePlan({.edits = true}), kIsovalue, ""),
+        session(engine, brushProfile(volume, kIsovalue), {}, std::size_t{1} << 30U),
+        edits(session, volume.size(), volume.lattice(), [this](const std::string& words) { told.push_back(words); }) {}
+
+  static double isovalueOf() { return makePhantom("phantom:sphere?size=48")->isovalue(); }
+  // A dab at the surface, along +x from the middle.
+  [[nodiscard]] std::vector<EditCommand> dab(EditKind kind, double radius_m = 3e-3) const {
+    EditCommand command;
+    command.kind = kind;
+    command.from_W = command.to_W = tool_W();
+    command.radius_m = radius_m;
+    return {command};
+  }
+  [[nodiscard]] Vec3 tool_W() const {
+    Vec3 at_L = 0.5 * (volume.size() - Vec3i::Ones()).cast<double>();
+    while (volume.value(at_L.array().round().cast<int>()) > kIsovalue) at_L.x() += 1;
+    return volume.lattice().toWorld(at_L - Vec3(2, 0, 0));
+  }
+  void look() { edits.look(pose_, now_ns_ += 1'000'000); }
+  [[nodiscard]] std::uint64_t hash() {
+    engine.readBack(volume);
+    return contentHash(volume);
+  }
+
+  const double kIsovalue = isovalueOf();
+  Volume volume;
+  Engine engine;
+  EditSession session;
+  std::vector<std::string> told;
+  RigEdits edits;
+  ToolPose pose_;
+  std::int64_t now_ns_ = 0;
+};
+
+TEST_F(Edits, AreMadeInTheirOrderOneALook) {
+  const std::uint64_t before = hash();
+  EXPECT_TRUE(edits.edit(dab(EditKind::kRemove)));
+  EXPECT_TRUE(edits.undo());
+  EXPECT_TRUE(edits.redo());
+  EXPECT_TRUE(edits.edit(dab(EditKind::kAdd)));
+  EXPECT_EQ(edits.state().edits, 0U);
+  look();
+  const std::uint64_t removed = hash();
+  EXPECT_NE(removed, before);
+  EXPECT_EQ(edits.state().edits, 1U);
+  EXPECT_TRUE(edits.state().can_undo);
+  EXPECT_FALSE(edits.state().can_redo);
+  look();
+  EXPECT_EQ(hash(), before);
+  EXPECT_FALSE(edits.state().can_undo);
+  EXPECT_TRUE(edits.state().can_redo);
+  look();
+  EXPECT_EQ(hash(), removed);
+  look();
+  EXPECT_NE(hash(), removed);
+  look();  // nothing waits any more
+  EXPECT_EQ(edits.state().edits, 4U);
+  EXPECT_EQ(edits.state().refused, 0U);
+  EXPECT_THAT(told, testing::IsEmpty());
+}
+
+TEST_F(Edits, ThatAreRefusedAreToldOnceAndCounted) {
+  const std::uint64_t before = hash();
+  std::vector<EditCommand> wrong = dab(EditKind::kRemove);
+  for (const double radius_m : {-1e-3, -2e-3, -3e-3}) {
+    wrong[0].radius_m = radius_m;
+    edits.edit(wrong);
+  }
+  edits.undo();
+  for (int i = 0; i < 4; ++i) look();
+  EXPECT_EQ(hash(), before);
+  EXPECT_EQ(edits.state().refused, 4U);
+  EXPECT_EQ(edits.state().edits, 0U);
+  EXPECT_TRUE(edits.state().editing);
+  ASSERT_EQ(told.size(), 2U);
+  EXPECT_THAT(told[0], HasSubstr("an edit was refused: "));
+  EXPECT_THAT(told[1], HasSubstr("undo was refused: "));
+  const std::vector<std::string> troubles = edits.troubles();
+  ASSERT_EQ(troubles.size(), 2U);
+  EXPECT_EQ(troubles[0], "3 times, first: " + told[0]);
+  EXPECT_EQ(troubles[1], told[1]);
+  edits.edit(dab(EditKind::kRemove));  // and editing goes on
+  look();
+  EXPECT_NE(hash(), before);
+}
+
+TEST_F(Edits, WaitInABoundedNumber) {
+  for (std::size_t i = 0; i < RigEdits::kMostWaiting; ++i) ASSERT_TRUE(edits.undo()) << i;
+  EXPECT_FALSE(edits.undo());
+  EXPECT_FALSE(edits.edit(dab(EditKind::kRemove)));
+  look();
+  EXPECT_TRUE(edits.edit(dab(EditKind::kRemove)));
+  EXPECT_FALSE(edits.redo());
+  for (std::size_t i = 0; i < RigEdits::kMostWaiting; ++i) look();
+  EXPECT_EQ(edits.state().refused, RigEdits::kMostWaiting);  // there was nothing to undo
+  EXPECT_EQ(edits.state().edits, 1U);
+}
+
+// The brush may change at any time, and go.
+TEST_F(Edits, OfTheToolFollowItsBrush) {
+  const auto strokes = [&](int looks) {
+    const std::uint64_t before = edits.state().edits;
+    for (int i = 0; i < looks; ++i) {
+      pose_.position_W.z() += 1e-4;
+      look();
+    }
+    return edits.state().edits - before;
+  };
+  pose_.position_W = tool_W();
+  pose_.normal_W = Vec3::UnitX();
+  pose_.at_surface = true;
+  EXPECT_EQ(strokes(20), 0U);
+  ToolBrushSpec spec = toolBrushSpec("remove:radius=1mm");
+  spec.period_s = 4e-3;
+  edits.setBrush(spec);
+  const auto slow = strokes(40);
+  EXPECT_GE(slow, 8U);
+  EXPECT_LE(slow, 10U);
+  spec.period_s = 2e-3;
+  edits.setBrush(spec);
+  const auto fast = strokes(40);
+  EXPECT_GE(fast, 16U);
+  EXPECT_LE(fast, 20U);
+  edits.dropBrush();
+  EXPECT_EQ(strokes(40), 0U);
+  EXPECT_THAT(told, testing::IsEmpty());
+}
+
+// On a running rig: what was removed under the tool lets it go, and undo holds it again.
+class RigWithEdits : public Edits {
+ protected:
+  RigWithEdits()
+      : path({0, 0.2, 100}, {tool_W() + Vec3(6e-3, 0, 0), tool_W() + Vec3(1e-3, 0, 0), tool_W() + Vec3(1e-3, 0, 0)},
+             SampledPath::Interpolation::kLinear) {
+    settings.parameters = {.isovalue = kIsovalue, .stiffness_N_per_m = 500, .damping_Ns_per_m = 0};
+    loop.real_time = false;
+  }
+  SampledPath path;
+  RigSettings settings;
+  LoopParameters loop;
+};
+
+TEST_F(RigWithEdits, FeelsThem) {
+  loop.ticks = 1400;
+  SimulatedDevice device(SimulatedDeviceParameters{}, path, loop.rate_hz);
+  TouchRig rig(engine, device, loop, {}, settings, &edits);
+  const auto records = rig.runSimulated({},
+                                        [&](std::int64_t tick, std::int64_t) {
+                                          if (tick == 400) edits.edit(dab(EditKind::kRemove, 6e-3));
+                                          if (tick == 700) edits.undo();
+                                        })
+                           .records;
+  EXPECT_TRUE(records[400].in_contact);
+  EXPECT_EQ(records[401].edit_version, 1U);  // asked for before tick 400, done before the next
+  EXPECT_FALSE(records[410].in_contact);
+  EXPECT_FALSE(records[700].in_contact);
+  EXPECT_EQ(records[701].edit_version, 2U);
+  EXPECT_TRUE(records.back().in_contact);
+  EXPECT_NEAR(asVec3(records.back().force_W).norm(), asVec3(records[399].force_W).norm(),
+              0.02 * asVec3(records[399].force_W).norm());
+}
+
+// By the real clock, from two threads at once: every request that was accepted is made or refused, and nothing else.
+TEST_F(RigWithEdits, AreAskedForByAnyThread) {
+  loop.ticks = 0;
+  loop.record_ticks = 1;
+  SimulatedDevice device(SimulatedDeviceParameters{}, path, loop.rate_hz);
+  TouchRig rig(engine, device, loop, {}, settings, &edits);
+  rig.start();
+  std::atomic<std::uint64_t> accepted = 0;
+  const auto ask = [&](int seed) {
+    for (int i = 0; i < 60; ++i) {
+      bool asked = false;
+      switch ((i + seed) % 3) {
+        case 0:
+          asked = edits.edit(dab(i % 2 == 0 ? EditKind::kRemove : EditKind::kAdd));
+          break;
+        case 1:
+          asked = edits.undo();
+          break;
+        default:
+          asked = edits.redo();
+      }
+      accepted += asked ? 1 : 0;
+      static_cast<void>(edits.state());
+    }
+  };
+  std::thread one(ask, 0), other(ask, 1);
+  one.join();
+  other.join();
+  EXPECT_EQ(accepted, 120U);
+  const auto done = [&] {
+    const RigEdits::State state = edits.state();
+    return state.edits + state.refused;
+  };
+  for (int i = 0; i < 2000 && done() < accepted; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  rig.requestStop();
+  static_cast<void>(rig.wait());
+  EXPECT_EQ(done(), accepted);
+  EXPECT_EQ(session.edits(), edits.state().edits);
+}
+
+}  // namespace rig_edits_test
+}  // namespace palpate
