@@ -24,13 +24,12 @@ std::size_t typingErrors(std::string_view a, std::string_view b) {
 }
 
 std::vector<std::string> nearestWords(std::string_view word, std::span<const std::string> known) {
-  constexpr std::size_t kLeastOfBeginning = 3;
+  constexpr std::size_t kLeastLetters = 3;
   const std::size_t dashes = std::min(word.find_first_not_of('-'), word.size());
   const std::size_t letters = word.size() - dashes;
-  const std::size_t most = std::max<std::size_t>(1, letters / 3);
   std::vector<std::string> nearest;
-  if (letters < 2) return nearest;
-  std::size_t errors = most;
+  if (letters < kLeastLetters) return nearest;
+  std::size_t errors = letters / 3;
   for (const std::string& candidate : known) {
     const std::size_t apart = typingErrors(word, candidate);
     if (apart > errors || apart >= candidate.size()) continue;
@@ -38,21 +37,29 @@ std::vector<std::string> nearestWords(std::string_view word, std::span<const std
     errors = apart;
     nearest.push_back(candidate);
   }
-  if (!nearest.empty() || letters < kLeastOfBeginning) return nearest;
+  if (!nearest.empty()) return nearest;
   std::copy_if(known.begin(), known.end(), std::back_inserter(nearest),
                [&](const std::string& candidate) { return candidate.starts_with(word); });
   return nearest;
 }
 
-std::string didYouMean(std::string_view word, std::span<const std::string> known) {
-  const std::vector<std::string> nearest = nearestWords(word, known);
-  if (nearest.empty()) return {};
+std::string didYouMean(std::span<const std::string> near) {
+  if (near.empty()) return {};
   std::string text = "did you mean ";
-  for (std::size_t i = 0; i < nearest.size(); ++i) {
-    const char* between = i + 1 < nearest.size() ? ", " : " or ";
-    text += (i == 0 ? "" : between) + nearest[i];
+  for (std::size_t i = 0; i < near.size(); ++i) {
+    const char* between = i + 1 < near.size() ? ", " : " or ";
+    text += (i == 0 ? "" : between) + near[i];
   }
   return text + "?";
+}
+
+std::string didYouMean(std::string_view word, std::span<const std::string> known) {
+  return didYouMean(nearestWords(word, known));
+}
+
+std::string withDidYouMean(std::string_view word, std::span<const std::string> known, const std::string& remedy) {
+  const std::string question = didYouMean(word, known);
+  return question.empty() ? remedy : question + " " + remedy;
 }
 
 }  // namespace palpate

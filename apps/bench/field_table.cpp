@@ -17,8 +17,10 @@ bool has(const BenchRow& row, std::string_view key) {
   return std::any_of(row.begin(), row.end(), [&](const auto& cell) { return cell.first == key; });
 }
 
-std::string cell(const BenchRow& row, const char* key, int width, int decimals) {
-  return has(row, key) ? fmt::format(" {:>{}.{}f}", figureOf(row, key), width, decimals)
+constexpr double kMiBPerMB = 1e6 / (1 << 20);
+
+std::string cell(const BenchRow& row, const char* key, int width, int decimals, double scale = 1) {
+  return has(row, key) ? fmt::format(" {:>{}.{}f}", scale * figureOf(row, key), width, decimals)
                        : fmt::format(" {:>{}}", "", width);
 }
 
@@ -49,7 +51,7 @@ std::string fieldTable(const BenchResult& result) {
       text += fmt::format("{}{}\n", text.empty() ? "" : "\n", head);
       text +=
           fmt::format("{:<{}} {:>9} {:>19} {:>9} {:>5} {:>8} {:>9} {:>7} {:>12} {:>7}\n", "", kNameWidth, "median ms",
-                      "quartiles", "cpu ms", "runs", "ns/voxel", "moved MB", "of copy", "Palpate/this", "by cpu");
+                      "quartiles", "cpu ms", "runs", "ns/voxel", "moved MiB", "of copy", "Palpate/this", "by cpu");
       last = head;
     }
     text += fmt::format("{:<{}}", fmt::format("{:<8} {}", textOf(row, "library"), textOf(row, "way")), kNameWidth);
@@ -59,7 +61,7 @@ std::string fieldTable(const BenchResult& result) {
     }
     text += cell(row, "median_ms", 9, 1) + cell(row, "lower_quartile_ms", 9, 1) + cell(row, "upper_quartile_ms", 9, 1) +
             cell(row, "cpu_median_ms", 9, 1) + cell(row, "rounds", 5, 0) + cell(row, "ns_per_voxel", 8, 2) +
-            cell(row, "moved_MB", 9, 1) + cell(row, "share_of_copy", 7, 3) + cell(row, "palpate_over_this", 12, 2) +
+            cell(row, "moved_MB", 9, 1, kMiBPerMB) + cell(row, "share_of_copy", 7, 3) + cell(row, "palpate_over_this", 12, 2) +
             cell(row, "palpate_over_this_cpu", 7, 2);
     text.erase(text.find_last_not_of(' ') + 1);
     text += "\n";

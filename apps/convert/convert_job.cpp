@@ -60,6 +60,7 @@ struct Output {
     result.vertices = mesh.vertices_W.size();
     progress.stage("writing " + request.out);
     const double units_per_metre = request.unit == LengthUnit::kMetre ? 1 : kMillimetresPerMetre;
+    result.collapsed = collapsedTriangles(mesh, units_per_metre);
     writeMesh(mesh, request.out, units_per_metre, [&](std::string_view bytes) { take(bytes); });
   }
   void writeVolumeItself() {
@@ -103,7 +104,15 @@ std::string convertWords(const ConvertRequest& request, const ConvertResult& res
   const std::string what = result.is_mesh ? fmt::format("{} triangles, {} vertices, isosurface {:g} of {}",
                                                         result.triangles, result.vertices, result.isovalue, size)
                                           : size;
-  return fmt::format("{}: {}, {}, {:.2f} s", request.out, what, bytesInWords(result.bytes), result.seconds);
+  std::string words =
+      fmt::format("{}: {}, {}, {:.2f} s", request.out, what, bytesInWords(result.bytes), result.seconds);
+  if (result.collapsed > 0) {
+    words += fmt::format(
+        "\n{} of the triangles have no area: coordinates are 32-bit floats, and so far from the origin these cannot "
+        "tell their corners apart; move the volume nearer to it",
+        result.collapsed);
+  }
+  return words;
 }
 
 std::string surfaceWords(const std::string& out, double isovalue) {

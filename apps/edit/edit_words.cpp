@@ -40,8 +40,11 @@ std::string editWords(const EditRequest& request, const EditResult& result) {
   text += fmt::format("Changed   {}\n", counted(result.changed_bricks, "brick"));
   text += fmt::format("Memory    {}; {}\n", gpuWords(request, result), historyWords(request, result));
   if (!request.journal.empty()) {
-    text += fmt::format("Journal   {} of {} saved in {}, {}\n", result.journal_saved,
-                        counted(result.journal_records, "record"), request.journal, bytesInWords(result.journal_bytes));
+    text += fmt::format("Journal   {} of {} saved", result.journal_saved, counted(result.journal_records, "record"));
+    // One that failed before its first record has been deleted.
+    if (result.journal_bytes > 0)
+      text += fmt::format(" in {}, {}", request.journal, bytesInWords(result.journal_bytes));
+    text += "\n";
   }
   text += fmt::format("Volume    {}, content {:016x}\nFile      {}, {}", request.in, result.content, request.out,
                       bytesInWords(result.file.bytes));

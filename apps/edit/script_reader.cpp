@@ -12,12 +12,13 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/byte_order_mark.hpp"
+
 namespace palpate {
 namespace {
 
 constexpr std::size_t kShown = 120;  // characters of a command in a message
 constexpr int kAskEvery_ms = 100;
-constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
 std::string shortened(std::string_view text) {
   return text.size() <= kShown ? std::string(text) : std::string(text.substr(0, kShown)) + "...";
@@ -96,9 +97,7 @@ void ScriptReader::take(char byte) {
 
 bool ScriptReader::give(EditQueue& queue) {
   ++number_;
-  std::string_view text = line_;
-  if (number_ == 1 && text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
-  const std::string_view command = scriptCommand(text);
+  const std::string_view command = scriptCommand(number_ == 1 ? withoutByteOrderMark(line_) : line_);
   const std::string place = fmt::format("{} line {}", name_, number_);
   bool taken = true;
   if (too_long_) {

@@ -93,6 +93,15 @@ bool isMeshFileName(const std::string& name) {
   return endsWith(name, ".stl") || endsWith(name, ".obj") || endsWith(name, ".ply");
 }
 
+std::size_t collapsedTriangles(const TriangleMesh& mesh, double units_per_metre) {
+  const auto at = [&](std::uint32_t vertex) -> Vec3 {
+    return (mesh.vertices_W[vertex] * units_per_metre).cast<float>().cast<double>();
+  };
+  // Differences of floats and their products are exact in double.
+  const auto collapses = [&](const auto& t) { return (at(t[1]) - at(t[0])).cross(at(t[2]) - at(t[0])).isZero(0); };
+  return static_cast<std::size_t>(std::count_if(mesh.triangles.begin(), mesh.triangles.end(), collapses));
+}
+
 void writeMesh(const TriangleMesh& mesh, const std::string& name, double units_per_metre, const ByteSink& sink) {
   const auto refuse = [&](const std::string& reason, const std::string& remedy) {
     throw Error(Error::Code::kBadInput, name, reason, remedy);

@@ -23,7 +23,8 @@ struct Place {
   std::uint64_t number = 0;
 
   [[nodiscard]] std::string says(const std::string& reason) const {
-    return fmt::format("of its {} {}, number {} {}", element->count, element->name, number, reason);
+    return fmt::format("of its {} element{} \"{}\", number {} {}", element->count, element->count == 1 ? "" : "s",
+                       element->name, number, reason);
   }
   [[noreturn]] void refuse(const std::string& reason, const std::string& remedy) const {
     palpate::refuse(file, says(reason), remedy);

@@ -10,15 +10,6 @@
 #include "base/nearest_word.hpp"
 
 namespace palpate {
-namespace {
-
-// "did you mean touch? " before what follows, or nothing.
-std::string meant(const std::string& word, const std::vector<std::string>& known) {
-  const std::string words = didYouMean(word, known);
-  return words.empty() ? "" : words + " ";
-}
-
-}  // namespace
 
 std::vector<std::string> verbsOf(const CLI::App& above) {
   std::vector<std::string> names;
@@ -31,7 +22,7 @@ const CLI::App& verbNamed(const CLI::App& above, const std::string& name, const 
   const auto verbs = above.get_subcommands([&](const CLI::App* verb) { return verb->check_name(name); });
   if (!verbs.empty()) return *verbs.front();
   throw Error(Error::Code::kBadInput, name, "there is no such verb",
-              fmt::format("{}'{} --help' lists them", meant(name, verbsOf(above)), command));
+              withDidYouMean(name, verbsOf(above), fmt::format("'{} --help' lists them", command)));
 }
 
 std::vector<std::string> flagsOf(const CLI::App& verb) {
@@ -60,8 +51,9 @@ std::string parseMessage(const CLI::App& verb, const std::string& command, const
   const auto flag =
       std::find_if(unknown.begin(), unknown.end(), [](const std::string& w) { return w.starts_with('-'); });
   if (flag != unknown.end()) {
-    const std::string hint = meant(flag->substr(0, flag->find('=')), flagsOf(verb));
-    return fmt::format("{}: not expected; {}{}", fmt::join(unknown, " "), hint, help);
+    const std::string flag_alone = flag->substr(0, flag->find('='));
+    return fmt::format("{}: not expected; {}", fmt::join(unknown, " "),
+                       withDidYouMean(flag_alone, flagsOf(verb), help));
   }
   if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr && !unknown.empty())
     return fmt::format("{}: not expected; {}", fmt::join(unknown, " "), help);

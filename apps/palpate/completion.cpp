@@ -20,10 +20,13 @@ struct Flag {
   std::vector<std::string> words;  // that it takes; empty: any
 };
 
+// A word with what it does.
+using Explained = std::pair<std::string, std::string>;
+
 // A verb by its place under the program: "" (the program itself), "touch", "bench servo".
 struct Verb {
   std::string place;
-  std::vector<std::pair<std::string, std::string>> verbs;  // under it, with what they do
+  std::vector<Explained> words;  // that may stand behind it: verbs under it, or what it takes without a flag
   std::vector<Flag> flags;
 };
 
@@ -50,11 +53,20 @@ std::vector<Flag> flagsWithWords(const CLI::App& verb) {
   return flags;
 }
 
+// Words that a verb takes without a flag: 'completion bash'.
+std::vector<Explained> wordsInPlace(const CLI::App& verb) {
+  std::vector<Explained> words;
+  for (const CLI::Option* option : verb.get_options([](const CLI::Option* o) { return !o->nonpositional(); })) {
+    for (const std::string& word : wordsOf(*option)) words.emplace_back(word, option->get_description());
+  }
+  return words;
+}
+
 std::vector<Verb> verbsUnder(const CLI::App& app, const std::string& place) {
-  Verb self{place, {}, flagsWithWords(app)};
+  Verb self{place, wordsInPlace(app), flagsWithWords(app)};
   std::vector<Verb> all;
   for (const CLI::App* verb : app.get_subcommands([](const CLI::App*) { return true; })) {
-    self.verbs.emplace_back(verb->get_name(), verb->get_description());
+    self.words.emplace_back(verb->get_name(), verb->get_description());
     const std::vector<Verb> below =
         verbsUnder(*verb, place.empty() ? verb->get_name() : place + " " + verb->get_name());
     all.insert(all.end(), below.begin(), below.end());
@@ -63,11 +75,22 @@ std::vector<Verb> verbsUnder(const CLI::App& app, const std::string& place) {
   return all;
 }
 
-// Verbs of the program stand behind 'help' too.
+// Behind 'help' stands every verb again, with the verbs under it but without its flags.
 std::vector<Verb> everyVerb(const CLI::App& app) {
   std::vector<Verb> all = verbsUnder(app, "");
   const auto help = std::find_if(all.begin(), all.end(), [](const Verb& verb) { return verb.place == "help"; });
-  if (help != all.end()) help->verbs = all.front().verbs;
+  if (help == all.end()) return all;
+  const auto isPlace = [&](const std::string& place) {
+    return std::any_of(all.begin(), all.end(), [&](const Verb& verb) { return verb.place == place; });
+  };
+  std::vector<Verb> asked;
+  for (const Verb& verb : all) {
+    if (verb.place.empty()) continue;
+    asked.push_back({"help " + verb.place, verb.words, help->flags});
+    std::erase_if(asked.back().words, [&](const Explained& word) { return !isPlace(verb.place + " " + word.first); });
+  }
+  help->words = all.front().words;
+  all.insert(all.end(), asked.begin(), asked.end());
   return all;
 }
 
@@ -115,24 +138,30 @@ std::string bashCompletion(const CLI::App& app) {
   const std::vector<Verb> verbs = everyVerb(app);
   std::string text =
       "# palpate completion bash: source <(palpate completion bash)\n_palpate() {\n"
-      "  local word=${COMP_WORDS[COMP_CWORD]} place= values= verbs= flags= i\n"
+      "  local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]}\n"
+      "  local place= values= words= flags= front= valued= i\n"
+      // --flag=val is three words where '=' breaks them, as bash does by default, else one.
+      "  if [[ $word == --*=* ]]; then valued=1 front=${word%%=*}= before=${word%%=*} word=${word#*=}\n"
+      "  elif [[ $word == = ]]; then valued=1 word=\n"
+      "  elif [[ $before == = ]]; then valued=1 before=${COMP_WORDS[COMP_CWORD - 2]}; fi\n"
       "  for ((i = 1; i < COMP_CWORD; ++i)); do\n    case \"${place:+$place }${COMP_WORDS[i]}\" in\n";
   text += fmt::format("      {}) place=${{place:+$place }}${{COMP_WORDS[i]}} ;;\n      *) break ;;\n    esac\n  done\n",
                       places(verbs));
-  text += "  case \"$place ${COMP_WORDS[COMP_CWORD - 1]}\" in\n" + valueCases(verbs, "'", "'") + "  esac\n";
+  text += "  case \"$place $before\" in\n" + valueCases(verbs, "'", "'") + "  esac\n";
   text += "  case $place in\n";
   for (const Verb& verb : verbs) {
     std::vector<std::string> names, flags;
-    for (const auto& [name, help] : verb.verbs) names.push_back(name);
+    for (const auto& [name, help] : verb.words) names.push_back(name);
     for (const Flag& flag : verb.flags) flags.insert(flags.end(), flag.names.begin(), flag.names.end());
-    text += fmt::format("    {}) verbs='{}' flags='{}' ;;\n", inQuotes(verb.place), fmt::join(names, " "),
+    text += fmt::format("    {}) words='{}' flags='{}' ;;\n", inQuotes(verb.place), fmt::join(names, " "),
                         fmt::join(flags, " "));
   }
   return text +
          "  esac\n"
-         "  if [[ -n $values ]]; then COMPREPLY=($(compgen -W \"$values\" -- \"$word\"))\n"
+         "  if [[ -n $values ]]; then COMPREPLY=($(compgen -P \"$front\" -W \"$values\" -- \"$word\"))\n"
+         "  elif [[ -n $valued ]]; then COMPREPLY=()\n"
          "  elif [[ $word == -* ]]; then COMPREPLY=($(compgen -W \"$flags\" -- \"$word\"))\n"
-         "  else COMPREPLY=($(compgen -W \"$verbs\" -- \"$word\")); fi\n"
+         "  else COMPREPLY=($(compgen -W \"$words\" -- \"$word\")); fi\n"
          "}\ncomplete -o default -F _palpate palpate\n";
 }
 
@@ -140,15 +169,17 @@ std::string zshCompletion(const CLI::App& app) {
   const std::vector<Verb> verbs = everyVerb(app);
   std::string text =
       "#compdef palpate\n# palpate completion zsh: source <(palpate completion zsh), or a file _palpate in $fpath\n"
-      "_palpate() {\n  local place= i\n  local -a values verbs flags\n"
+      "_palpate() {\n  local place= valued= before=${words[CURRENT-1]} i\n  local -a values verbs flags\n"
+      "  if [[ ${words[CURRENT]} == --*=* ]]; then\n"
+      "    valued=1 before=${words[CURRENT]%%=*}\n    compset -P '*='\n  fi\n"
       "  for ((i = 2; i < CURRENT; ++i)); do\n    case \"${place:+$place }${words[i]}\" in\n";
   text += fmt::format("      {}) place=\"${{place:+$place }}${{words[i]}}\" ;;\n      *) break ;;\n    esac\n  done\n",
                       places(verbs));
-  text += "  case \"$place ${words[CURRENT-1]}\" in\n" + valueCases(verbs, "(", ")") + "  esac\n";
+  text += "  case \"$place $before\" in\n" + valueCases(verbs, "(", ")") + "  esac\n";
   text += "  case \"$place\" in\n";
   for (const Verb& verb : verbs) {
     std::vector<std::string> names, flags;
-    for (const auto& [name, help] : verb.verbs) names.push_back(described(name, help));
+    for (const auto& [name, help] : verb.words) names.push_back(described(name, help));
     for (const Flag& flag : verb.flags) {
       for (const std::string& name : flag.names) flags.push_back(described(name, flag.help));
     }
@@ -158,6 +189,7 @@ std::string zshCompletion(const CLI::App& app) {
   return text +
          "  esac\n"
          "  if (( ${#values} )); then compadd -a values\n"
+         "  elif [[ -n $valued ]]; then _files\n"
          "  elif [[ ${words[CURRENT]} == -* ]]; then _describe -o flag flags\n"
          "  elif (( ${#verbs} )); then _describe verb verbs\n"
          "  else _files; fi\n"

@@ -6,6 +6,8 @@
 #include <filesystem>
 #include <new>
 #include <sstream>
+#include <string_view>
+#include <system_error>
 
 #include <fmt/format.h>
 
@@ -48,6 +50,13 @@ Addressed addressedVerb(const CLI::App& app, int argc, char** argv) {
   return at;
 }
 
+// What a thread cannot be started for: of ours, std::system_error; TBB, under OpenVDB, has only words.
+bool isLackOfThreads(const std::exception& error) {
+  const auto* system = dynamic_cast<const std::system_error*>(&error);
+  return (system != nullptr && system->code() == std::errc::resource_unavailable_try_again) ||
+         std::string_view(error.what()).find("pthread_create") != std::string_view::npos;
+}
+
 Ending runVerb(CLI::App& app, const Addressed& addressed, int argc, char** argv) {
   try {
     app.parse(argc, argv);
@@ -69,6 +78,10 @@ Ending runVerb(CLI::App& app, const Addressed& addressed, int argc, char** argv)
     return {exitStatus(Error::Code::kIo),
             fmt::format("{}: {}; check the name", error.path1().string(), error.code().message())};
   } catch (const std::exception& error) {
+    if (isLackOfThreads(error)) {
+      return {exitStatus(Error::Code::kIo),
+              "no thread can be started; end other programs, or raise the limit of processes (ulimit -u)"};
+    }
     return {kUnexpected,
             fmt::format("unexpected: {}; please report this with the command that you gave", error.what())};
   }

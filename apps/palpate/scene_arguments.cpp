@@ -19,7 +19,7 @@ std::string shellWord(const std::string& word) {
 }
 
 SceneArguments::SceneArguments(CLI::App& verb) : values_(sceneOptions().size()) {
-  verb.add_option("source", source_, "volume (file, DICOM folder, phantom:NAME?size=64) or scene file (.toml)")
+  verb.add_option("source", source_, "volume (file, DICOM folder, 'phantom:NAME?size=64') or scene file (.toml)")
       ->type_name("VOLUME|SCENE.toml");
   for (std::size_t i = 0; i < values_.size(); ++i) {
     const SceneOption& option = sceneOptions()[i];
@@ -49,7 +49,7 @@ Scene SceneArguments::scene() const {
   for (const std::string& object : objects_) scene.objects.push_back(parseObject(object));
   if (scene.volume.empty()) {
     throw Error(Error::Code::kBadInput, source_.empty() ? "VOLUME" : source_, "no volume is given",
-                "name a file, a DICOM folder or a phantom, for example phantom:sphere?size=64");
+                "name a file, a DICOM folder or a phantom, for example 'phantom:sphere?size=64'");
   }
   if (!scene.series.empty()) scene.volume = withSeries(scene.volume, scene.series);
   if (!scene.nan.empty()) scene.volume = withNan(scene.volume, scene.nan);

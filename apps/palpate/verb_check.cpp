@@ -28,7 +28,7 @@ namespace palpate {
 namespace {
 
 constexpr int kBoundBroken = 1;
-constexpr const char* kVolumeHelp = "file, DICOM folder or phantom:NAME?size=64";
+constexpr const char* kVolumeHelp = "file, DICOM folder or 'phantom:NAME?size=64'";
 
 struct CheckArguments {
   std::string volume;

@@ -13,7 +13,7 @@ void addConvertVerb(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("convert", "write a volume in another format, or its isosurface as a mesh");
   auto request = std::make_shared<ConvertRequest>();
   auto unit = std::make_shared<std::string>();
-  verb->add_option("in", request->in, "file, DICOM folder or phantom:NAME?size=64")->required();
+  verb->add_option("in", request->in, "file, DICOM folder or 'phantom:NAME?size=64'")->required();
   verb->add_option("out", request->out,
                    "the volume: .vdb .nii .nii.gz .nrrd .mha; a closed mesh of its isosurface: .stl .obj .ply")
       ->required();

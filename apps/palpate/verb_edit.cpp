@@ -55,7 +55,7 @@ void addEditVerb(CLI::App& app) {
       "Example: palpate edit phantom:head head.vdb --do remove:radius=12mm:at=0,-80,0 --do undo");
   auto arguments = std::make_shared<EditArguments>();
   EditRequest& request = arguments->request;
-  verb->add_option("in", request.in, "file, DICOM folder or phantom:NAME?size=64")->required();
+  verb->add_option("in", request.in, "file, DICOM folder or 'phantom:NAME?size=64'")->required();
   verb->add_option("out", request.out,
                    "the edited volume: .vdb .nii .nii.gz .nrrd .mha; or its isosurface: .stl .obj .ply")
       ->required();

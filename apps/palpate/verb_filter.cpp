@@ -27,7 +27,7 @@ void addFilterVerb(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("filter", "write a volume after smoothing it or changing its shape");
   verb->footer(filterList());
   auto request = std::make_shared<FilterRequest>();
-  verb->add_option("in", request->in, "file, DICOM folder or phantom:NAME?size=64")->required();
+  verb->add_option("in", request->in, "file, DICOM folder or 'phantom:NAME?size=64'")->required();
   verb->add_option("-o,--out", request->out, "the volume to write: .vdb .nii .nii.gz .nrrd .mha")->required();
   verb->add_option("--filter", request->filter, "chain of filters: \"gaussian:0.8mm\"")->required();
   verb->add_option("--iso", request->isovalue,

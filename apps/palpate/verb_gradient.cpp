@@ -14,7 +14,7 @@ void addGradientVerb(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("gradient", "write the gradients of a volume as an OpenVDB file of vectors");
   verb->footer("Vectors are in the world (LPS), in density/mm; docs/gradients.md compares the operators.");
   auto request = std::make_shared<GradientRequest>();
-  verb->add_option("in", request->in, "file, DICOM folder or phantom:NAME?size=64")->required();
+  verb->add_option("in", request->in, "file, DICOM folder or 'phantom:NAME?size=64'")->required();
   verb->add_option("-o,--out", request->out, "OpenVDB file to write")->required()->type_name("OUT.vdb");
   verb->add_option("--operator", request->gradient, gradientNames() + " (default central)");
   verb->add_flag("--all", request->all, "of every brick, not of those alone that the isosurface needs");

@@ -21,6 +21,12 @@ namespace {
 constexpr int kBins = 24;
 constexpr int kBarLength = 50;
 
+// A zero has no sign here: -0 + 0 is 0.
+template <typename Numbers>
+Numbers unsignedZeros(const Numbers& numbers) {
+  return numbers + Numbers::Zero();
+}
+
 // Where edits and paths may go: voxel centres, in the world's frame.
 void printPlaces(const Volume& volume) {
   const Vec3 last_L = (volume.size() - Vec3i::Ones()).cast<double>();
@@ -31,9 +37,9 @@ void printPlaces(const Volume& volume) {
     low_W = low_W.cwiseMin(p_W);
     high_W = high_W.cwiseMax(p_W);
   }
-  const Vec3 low_mm = low_W * kMillimetresPerMetre;
-  const Vec3 high_mm = high_W * kMillimetresPerMetre;
-  const Vec3 middle_mm = volume.lattice().toWorld(last_L / 2) * kMillimetresPerMetre;
+  const Vec3 low_mm = unsignedZeros<Vec3>(low_W * kMillimetresPerMetre);
+  const Vec3 high_mm = unsignedZeros<Vec3>(high_W * kMillimetresPerMetre);
+  const Vec3 middle_mm = unsignedZeros<Vec3>(volume.lattice().toWorld(last_L / 2) * kMillimetresPerMetre);
   printResult(
       "  places       x {:.6g} to {:.6g}, y {:.6g} to {:.6g}, z {:.6g} to {:.6g} mm; the middle {:.6g},{:.6g},{:.6g}\n",
       low_mm.x(), high_mm.x(), low_mm.y(), high_mm.y(), low_mm.z(), high_mm.z(), middle_mm.x(), middle_mm.y(),
@@ -43,9 +49,9 @@ void printPlaces(const Volume& volume) {
 void printFacts(const Volume& volume) {
   const VolumeFacts& facts = volume.facts();
   const Vec3 spacing_mm = volume.lattice().spacing_m * kMillimetresPerMetre;
-  const Vec3 origin_mm = volume.lattice().origin_W * kMillimetresPerMetre;
+  const Vec3 origin_mm = unsignedZeros<Vec3>(volume.lattice().origin_W * kMillimetresPerMetre);
   const Vec3 extent_mm = volume.size().cast<double>().cwiseProduct(spacing_mm);
-  const Mat3& axes = volume.lattice().R_WL;
+  const Mat3 axes = unsignedZeros<Mat3>(volume.lattice().R_WL);
   printResult("{}\n", facts.source);
   printResult("  format       {} ({})\n", facts.format, facts.value_type);
   if (!facts.part.empty()) printResult("  part         {}\n", facts.part);
@@ -79,7 +85,8 @@ void printHistogram(const Histogram& histogram) {
 }
 
 void printStatistics(const VolumeStatistics& statistics) {
-  printResult("  range        {:g} ... {:g}, mean {:.5g}\n", statistics.minimum, statistics.maximum, statistics.mean);
+  printResult("  range        {:g} ... {:g}, mean {:.5g}\n", statistics.minimum + 0.0, statistics.maximum + 0.0,
+              statistics.mean + 0.0);
   if (statistics.fill_share > 0) {
     printResult(
         "  no data?     {:.3g} % of the voxels hold {:g}, far below all others: if that marks what was not measured, "
@@ -104,7 +111,7 @@ void printStatistics(const VolumeStatistics& statistics) {
 void addInfoVerb(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("info", "say what a volume is: size, spacing, type, range, histogram, isovalues");
   auto name = std::make_shared<std::string>();
-  verb->add_option("volume", *name, "file, DICOM folder or phantom:NAME?size=64")->required();
+  verb->add_option("volume", *name, "file, DICOM folder or 'phantom:NAME?size=64'")->required();
   addVolumeOptions(*verb, *name);
   verb->callback([name] {
     Progress progress;

@@ -40,7 +40,7 @@ void addTouchVerb(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("touch", "palpate a volume along a path and report how it felt");
   verb->footer(
       "Writes trace.csv, summary.json, report.html and view.png into --out. World: LPS, metres.\n"
-      "Example: palpate touch phantom:knot?size=64 --hand spring --seconds 3 --out knot");
+      "Example: palpate touch 'phantom:knot?size=64' --hand spring --seconds 3 --out knot");
   auto arguments = std::make_shared<SceneArguments>(*verb);
   verb->callback([arguments] {
     Progress progress;

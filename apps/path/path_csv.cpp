@@ -12,6 +12,7 @@
 
 #include <fmt/format.h>
 
+#include "base/byte_order_mark.hpp"
 #include "base/error.hpp"
 
 namespace palpate {
@@ -130,7 +131,7 @@ void checkNoHole(const std::vector<NumberedPoint>& rows, const std::string& file
 
 std::vector<TimedPoint> readPathCsv(const std::filesystem::path& file) {
   const std::string name = file.string(), text = readAll(file);
-  std::string_view rest = text;
+  std::string_view rest = withoutByteOrderMark(text);
   if (const std::string_view header = takeLine(rest); header != kHeader) {
     refuseLine(name, 1, text.empty() ? "the file is empty" : fmt::format("the header is \"{}\"", header.substr(0, 80)),
                fmt::format("make the first line {}", kHeader));

@@ -24,6 +24,8 @@ constexpr Measure kDepth = {1e-3, 1.0 / 400, 1.0 / 16};
 constexpr double kDeepest_m = 4e-3;  // 2 N at the usual stiffness, however large the object is
 constexpr double kThinShare = 0.25;  // of a wall that is pressed in
 constexpr double kThinnest = 0.1;    // of the points, that may be thinner
+constexpr double kMostThicknessSteps = 4096;
+constexpr std::size_t kMostThicknessPoints = 1000;
 constexpr double kLeastApproachVoxels = 2, kLeastDepthVoxels = 0.05;
 
 }  // namespace
@@ -39,7 +41,8 @@ double sizeOf(const ObjectPiece& piece, const Lattice& lattice) {
 }
 
 double thicknessAt(const SurfaceField& field, const SurfaceHit& at, double reach_m) {
-  const double step_m = std::min(field.lattice().smallestSpacing() / 8, reach_m / 16);
+  const double step_m =
+      std::max(std::min(field.lattice().smallestSpacing() / 8, reach_m / 16), reach_m / kMostThicknessSteps);
   for (double s = step_m; s < reach_m; s += step_m) {
     if (heightAt(field, at.p_W - s * at.normal_W).value_or(1) <= 0) return s - step_m;
   }
@@ -49,8 +52,10 @@ double thicknessAt(const SurfaceField& field, const SurfaceHit& at, double reach
 double depthFor(const SurfaceField& field, const SurfaceCurve& curve, const PathFit& fit) {
   const double voxel_m = field.lattice().smallestSpacing();
   std::vector<double> thick_m;
-  for (const SurfaceHit& point : curve.points)
-    thick_m.push_back(thicknessAt(field, point, fit.most_depth_m / kThinShare));
+  // Voxels may be very fine along one axis, and then a curve has very many points.
+  const std::size_t stride = curve.points.size() / kMostThicknessPoints + 1;
+  for (std::size_t i = 0; i < curve.points.size(); i += stride)
+    thick_m.push_back(thicknessAt(field, curve.points[i], fit.most_depth_m / kThinShare));
   const auto thin = thick_m.begin() + static_cast<std::ptrdiff_t>(kThinnest * static_cast<double>(thick_m.size()));
   std::nth_element(thick_m.begin(), thin, thick_m.end());
   const double least_m = std::min(kLeastDepthVoxels * voxel_m, fit.most_depth_m);

@@ -59,18 +59,28 @@ void checkRequest(const PathRequest& request) {
 // most often a mistake of the unit.
 void checkAgainstVoxels(const SurfaceField& field, const PathRequest& request) {
   const double spacing_m = field.lattice().smallestSpacing();
-  const std::array<std::pair<const char*, std::optional<double>>, 3> lengths = {
-      std::pair("path slide length", request.slide_length_m), std::pair("path approach", request.approach_m),
-      std::pair("path press depth", request.press_depth_m)};
-  for (const auto& [name, wish_m] : lengths) {
+  const double longest_m = field.size().cast<double>().cwiseProduct(field.lattice().spacing_m).maxCoeff();
+  struct Length {
+    const char* name;
+    const char* flag;
+    std::optional<double> wish_m;
+    double most_m;
+  };
+  const double most_m = kMostVoxels * spacing_m;
+  for (const auto& [name, flag, wish_m, limit_m] :
+       {Length{"path slide length", "--slide", request.slide_length_m, most_m},
+        Length{"path approach", "--approach", request.approach_m, most_m},
+        Length{"path press depth", "--depth", request.press_depth_m, std::min(most_m, longest_m)}}) {
     const double length_m = wish_m.value_or(0);
-    if (length_m <= kMostVoxels * spacing_m) continue;
-    const double longest_m = field.size().cast<double>().cwiseProduct(field.lattice().spacing_m).maxCoeff();
+    if (length_m <= limit_m) continue;
     refuse(name,
            fmt::format("{:g} mm are {:.3g} voxels of {:g} mm, and the whole volume is {:.3g} mm long",
                        length_m * kMillimetresPerMetre, length_m / spacing_m, spacing_m * kMillimetresPerMetre,
                        longest_m * kMillimetresPerMetre),
-           "make it shorter; or, if metres were taken for millimetres, write the true voxel size into the file");
+           fmt::format(
+               "make it shorter ({}); or, if metres were taken for millimetres, write the true voxel size into the "
+               "file",
+               flag));
   }
 }
 

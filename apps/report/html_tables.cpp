@@ -122,9 +122,12 @@ std::string editSection(const TouchRun& run) {
   if (run.scene.journal.empty()) {
     rows += row("journal", "none (--journal keeps every edit on disk)");
   } else {
-    rows += row("journal", run.scene.journal) +
-            row("records acknowledged",
-                fmt::format("{} of {}, {}", e.journal_saved, e.journal_records, bytesInWords(e.journal_bytes)));
+    const bool is_there = e.journal_bytes > 0;  // it was not deleted for want of a record
+    if (is_there) rows += row("journal", run.scene.journal);
+    if (is_there || e.journal_records > 0) {
+      rows += row("records acknowledged",
+                  fmt::format("{} of {}, {}", e.journal_saved, e.journal_records, bytesInWords(e.journal_bytes)));
+    }
     if (!e.journal_failure.empty()) rows += row("why not all are", e.journal_failure);
   }
   rows += row("volume", run.scene.save.empty() ? "not saved (--save keeps it)" : saveWords(run));

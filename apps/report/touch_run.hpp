@@ -58,7 +58,7 @@ struct RunEdits {
   std::vector<double> edit_to_window_ms;           // for each of these, the time to the published window [ms]
   std::uint64_t journal_records = 0;               // given to the journal
   std::uint64_t journal_saved = 0;                 // on disk
-  std::uint64_t journal_bytes = 0;                 // [byte]
+  std::uint64_t journal_bytes = 0;                 // on disk; 0: there is no journal [byte]
   std::string journal_failure;                     // why records are not on disk; empty: all are
   std::uint64_t refused = 0;                       // edits that the engine did not apply
   std::uint64_t saves = 0;                         // successful saves of the volume

@@ -121,6 +121,16 @@ std::string exactLine(const TouchRun& run) {
                      counted(static_cast<std::uint64_t>(e.ticks), "tick"), e.slide_only ? " of the slide" : "");
 }
 
+// A journal that was deleted, as it has no record, is not named.
+std::string journalClause(const TouchRun& run) {
+  const RunEdits& e = *run.edits;
+  if (run.scene.journal.empty() || (e.journal_bytes == 0 && e.journal_records == 0)) return "";
+  const std::string saved =
+      fmt::format("; {} of {} saved", e.journal_saved, counted(e.journal_records, "journal record"));
+  if (e.journal_bytes == 0) return saved;
+  return saved + fmt::format(" in {}, {}", run.scene.journal, bytesInWords(e.journal_bytes));
+}
+
 std::string editLine(const TouchRun& run) {
   if (!run.edits) return "";
   const RunEdits& e = *run.edits;
@@ -129,10 +139,7 @@ std::string editLine(const TouchRun& run) {
     const Percentiles p = percentiles(e.edit_to_window_ms);
     text += fmt::format("; from edit to window {} ms median, {} ms p99", shortNumber(p.p50), shortNumber(p.p99));
   }
-  if (!run.scene.journal.empty()) {
-    text += fmt::format("; {} of {} saved in {}, {}", e.journal_saved, counted(e.journal_records, "journal record"),
-                        run.scene.journal, bytesInWords(e.journal_bytes));
-  }
+  text += journalClause(run);
   if (e.refused > 0) text += fmt::format("; {} refused", e.refused);
   if (!run.scene.save.empty()) text += "; " + saveWords(run);
   return text + "\n";

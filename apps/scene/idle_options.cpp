@@ -66,6 +66,7 @@ const IdleOption kIdleOptions[] = {
     {"--hand-stiffness", hasSpringHand, kSpringOnly},
     {"--device-mass", hasSpringHand, kSpringOnly},
     {"--device-damping", hasSpringHand, kSpringOnly},
+    {"--seconds", buildsPath, "the run is as long as the path of --path"},
     {"--toward", buildsPath, kNoBuiltPath},
     {"--start", buildsPath, kNoBuiltPath},
     {"--slide-toward", buildsPath, kNoBuiltPath},

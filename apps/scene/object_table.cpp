@@ -5,9 +5,11 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "apps/scene/option_value.hpp"
 #include "base/error.hpp"
+#include "base/nearest_word.hpp"
 #include "base/units.hpp"
 
 namespace palpate {
@@ -37,20 +39,25 @@ bool has(const ObjectOption& option, ObjectKind kind) {
   return std::find(option.kinds.begin(), option.kinds.end(), kind) != option.kinds.end();
 }
 
-template <typename Name>
-std::string namesOf(ObjectKind kind, Name name) {
-  std::string names;
+// The name that the user knows a key by: `key` in a scene file, `word` in --object.
+using ObjectName = const char* ObjectOption::*;
+
+std::vector<std::string> namesOf(ObjectKind kind, ObjectName name) {
+  std::vector<std::string> names;
   for (const ObjectOption& option : kObjectOptions) {
-    if (has(option, kind)) names += (names.empty() ? "" : ", ") + std::string(name(option));
+    if (has(option, kind)) names.emplace_back(option.*name);
   }
   return names;
 }
 
 ObjectKind kindOf(const std::string& name, const std::string& where) {
+  std::vector<std::string> kinds;
   for (const auto& [kind, known] : kKinds) {
     if (name == known) return kind;
+    kinds.emplace_back(known);
   }
-  refuse(where, fmt::format("there is no object of kind '{}'", name), "use plane, sphere, box or mesh");
+  refuse(where, fmt::format("there is no object of kind '{}'", name),
+         withDidYouMean(name, kinds, "use plane, sphere, box or mesh"));
 }
 
 struct ObjectForm {
@@ -99,6 +106,41 @@ void checkSpec(const ObjectSpec& spec, const std::string& where) {
   }
 }
 
+ObjectSpec specOf(const std::string& kind, const std::vector<std::pair<std::string, std::string>>& keys,
+                  const std::string& where, ObjectName shown) {
+  ObjectSpec spec;
+  spec.kind = kindOf(kind, where);
+  std::vector<const ObjectOption*> given;
+  for (const auto& [name, text] : keys) {
+    const auto known = [&, key = name](const ObjectOption& option) {
+      return has(option, spec.kind) && (key == option.key || key == option.word);
+    };
+    const auto option = std::find_if(kObjectOptions.begin(), kObjectOptions.end(), known);
+    if (option == kObjectOptions.end()) {
+      const std::vector<std::string> names = namesOf(spec.kind, shown);
+      refuse(where, fmt::format("a {} has no '{}'", kind, name),
+             withDidYouMean(name, names, fmt::format("it takes {}", fmt::join(names, ", "))));
+    }
+    if (std::find(given.begin(), given.end(), &*option) != given.end()) {
+      refuse(where, fmt::format("'{}' is given twice", name), "give it once");
+    }
+    given.push_back(&*option);
+    if (!std::visit(ObjectSetter{text, spec}, option->value)) {
+      refuse(where, fmt::format("{} '{}' is not what it takes", name, text),
+             fmt::format("give {}", std::visit(ObjectForm{}, option->value)));
+    }
+  }
+  for (const ObjectOption& option : kObjectOptions) {
+    if (!option.required || !has(option, spec.kind)) continue;
+    if (std::find(given.begin(), given.end(), &option) == given.end()) {
+      refuse(where, fmt::format("a {} needs '{}'", kind, option.*shown),
+             fmt::format("give {}", std::visit(ObjectForm{}, option.value)));
+    }
+  }
+  checkSpec(spec, where);
+  return spec;
+}
+
 }  // namespace
 
 std::span<const ObjectOption> objectOptions() {
@@ -113,36 +155,7 @@ const char* objectKindName(ObjectKind kind) noexcept {
 
 ObjectSpec makeObjectSpec(const std::string& kind, const std::vector<std::pair<std::string, std::string>>& keys,
                           const std::string& where) {
-  ObjectSpec spec;
-  spec.kind = kindOf(kind, where);
-  std::vector<const ObjectOption*> given;
-  for (const auto& [name, text] : keys) {
-    const auto known = [&, key = name](const ObjectOption& option) {
-      return has(option, spec.kind) && (key == option.key || key == option.word);
-    };
-    const auto option = std::find_if(kObjectOptions.begin(), kObjectOptions.end(), known);
-    if (option == kObjectOptions.end()) {
-      refuse(where, fmt::format("a {} has no '{}'", kind, name),
-             "it takes " + namesOf(spec.kind, [](const ObjectOption& o) { return o.key; }));
-    }
-    if (std::find(given.begin(), given.end(), &*option) != given.end()) {
-      refuse(where, fmt::format("'{}' is given twice", name), "give it once");
-    }
-    given.push_back(&*option);
-    if (!std::visit(ObjectSetter{text, spec}, option->value)) {
-      refuse(where, fmt::format("{} '{}' is not what it takes", name, text),
-             fmt::format("give {}", std::visit(ObjectForm{}, option->value)));
-    }
-  }
-  for (const ObjectOption& option : kObjectOptions) {
-    if (!option.required || !has(option, spec.kind)) continue;
-    if (std::find(given.begin(), given.end(), &option) == given.end()) {
-      refuse(where, fmt::format("a {} needs '{}'", kind, option.key),
-             fmt::format("give {}", std::visit(ObjectForm{}, option.value)));
-    }
-  }
-  checkSpec(spec, where);
-  return spec;
+  return specOf(kind, keys, where, &ObjectOption::key);
 }
 
 ObjectSpec parseObject(const std::string& text) {
@@ -162,7 +175,7 @@ ObjectSpec parseObject(const std::string& text) {
     }
     keys.emplace_back(name, text.substr(equals + 1, colon == std::string::npos ? colon : colon - equals - 1));
   }
-  return makeObjectSpec(kind, keys, where);
+  return specOf(kind, keys, where, &ObjectOption::word);
 }
 
 std::string objectText(const ObjectSpec& spec) {

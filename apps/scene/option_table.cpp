@@ -46,7 +46,7 @@ constexpr const char* kTextures[] = {"none", "procedural", "density"};
 
 // clang-format off
 const SceneOption kOptions[] = {
-    {"--volume", "volume", "", "file, DICOM folder or phantom:NAME?size=64&noise=0.05", TextOption{&Scene::volume}},
+    {"--volume", "volume", "", "file, DICOM folder or 'phantom:NAME?size=64&noise=0.05'", TextOption{&Scene::volume}},
     {"--series", "series", "", "of a DICOM folder of several: its number in the list that is printed without it, or its UID", TextOption{&Scene::series, false}},
     {"--nan", "nan", "density", "what voxels become that are NaN or infinite in the file; if not given 0 in NIfTI files, and other files are refused", TextOption{&Scene::nan, false}},
     {"--iso", "isovalue", "density", "isovalue: above it is object; if not given what a sculpted .vdb keeps, or chosen from the histogram",

@@ -11,14 +11,16 @@
 
 #include "base/byte_size.hpp"
 #include "base/error.hpp"
+#include "base/nearest_word.hpp"
 
 namespace palpate {
 namespace {
 
 [[noreturn]] void refuseText(const std::string& where, const std::string& text, const OptionValue& value,
                              const std::string& unit) {
-  throw Error(Error::Code::kBadInput, where, fmt::format("'{}' is not what it takes", text),
-              "give " + optionForm(value) + (unit.empty() ? "" : ", in " + unit));
+  throw Error(
+      Error::Code::kBadInput, where, fmt::format("'{}' is not what it takes", text),
+      withDidYouMean(text, optionWords(value), "give " + optionForm(value) + (unit.empty() ? "" : ", in " + unit)));
 }
 
 template <typename Number>

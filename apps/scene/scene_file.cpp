@@ -16,17 +16,46 @@
 namespace palpate {
 namespace {
 
-// To a known key, or to what is left of it without its unit: people forget units.
-std::size_t distanceToKey(std::string_view key, std::string_view known) {
-  return std::min(typingErrors(key, known), typingErrors(key, known.substr(0, known.find('_'))));
+using Words = std::vector<std::string>;
+
+bool isIn(const Words& words, const std::string& word) {
+  return std::find(words.begin(), words.end(), word) != words.end();
 }
 
-std::string nearestKey(std::string_view key) {
-  const auto options = sceneOptions();
-  const auto nearest = std::min_element(options.begin(), options.end(), [&](const auto& a, const auto& b) {
-    return distanceToKey(key, a.key) < distanceToKey(key, b.key);
-  });
-  return nearest->key;
+// The word itself where it is known, else the known ones that are near it.
+Words knownOrNear(const std::string& word, const Words& known) {
+  return isIn(known, word) ? Words{word} : nearestWords(word, known);
+}
+
+// A key in two parts, "servo" and "stiffness_N_per_m"; a key outside of all tables has the table "". People forget
+// units, so it has a name without one too.
+struct KeyParts {
+  explicit KeyParts(const std::string& key)
+      : table(key.substr(0, key.rfind('.') == std::string::npos ? 0 : key.rfind('.'))),
+        name(table.empty() ? key : key.substr(table.size() + 1)),
+        plain(name.substr(0, name.find('_'))) {}
+  std::string table, name, plain;
+};
+
+// What may have been meant by a key that is not known: in its table, or that with the nearest name, the nearest names.
+// Where there is none, the same name in any table.
+Words nearestKeys(const std::string& key) {
+  const KeyParts meant(key);
+  Words tables, names, in_table, elsewhere;
+  for (const SceneOption& option : sceneOptions()) tables.push_back(KeyParts(option.key).table);
+  tables = knownOrNear(meant.table, tables);
+  for (const SceneOption& option : sceneOptions()) {
+    const KeyParts known(option.key);
+    if (isIn(tables, known.table)) names.insert(names.end(), {known.name, known.plain});
+  }
+  names = knownOrNear(meant.name, names);
+  for (const SceneOption& option : sceneOptions()) {
+    const KeyParts known(option.key);
+    if (isIn(tables, known.table) && (isIn(names, known.name) || isIn(names, known.plain)))
+      in_table.emplace_back(option.key);
+    if (meant.name == known.name || meant.name == known.plain) elsewhere.emplace_back(option.key);
+  }
+  return in_table.empty() ? elsewhere : in_table;
 }
 
 std::string numberText(const toml::node& node) {
@@ -161,8 +190,9 @@ void setKeys(const toml::table& table, const std::string& prefix, const std::str
     const std::string where = fmt::format("{}:{}: {}", file, node.source().begin.line, key);
     const SceneOption* option = optionOfKey(key);
     if (option == nullptr) {
+      const std::string question = didYouMean(nearestKeys(key));
       throw Error(Error::Code::kBadInput, where, "there is no such key",
-                  "did you mean " + nearestKey(key) + "? 'palpate scene' lists all");
+                  question + (question.empty() ? "" : " ") + "'palpate scene' lists all");
     }
     setOption(option->value, valueText(node, option->value, where), where, scene, option->unit);
   }

@@ -124,6 +124,11 @@ bool lostEdits(const RunEdits& edits) {
   return !edits.save_failure.empty() || !edits.journal_failure.empty();
 }
 
+void LiveEdits::dropEmptyJournal(RunEdits& edits) {
+  session_.dropEmptyJournal();
+  if (const JournalWriter* journal = session_.journal(); journal != nullptr) edits.journal_bytes = journal->bytes();
+}
+
 std::string LiveEdits::kept(const RunEdits& edits) {
   session_.dropEmptyJournal();
   const std::string words = keptEdits(scene_, edits);

@@ -42,7 +42,8 @@ class LiveEdits {
   // After finish(), for a run that ends without its reports: which edits are on disk, as the end of an error message.
   // Deletes a journal without a record.
   [[nodiscard]] std::string kept(const RunEdits& edits);
-  void dropEmptyJournal() { session_.dropEmptyJournal(); }
+  // Likewise for a run that ended early; `edits` then knows of no journal.
+  void dropEmptyJournal(RunEdits& edits);
   // Runs `work`, the run. If it throws, saves the edits so far as finish() does and adds that to the
   // error.
   void during(const std::function<void()>& work);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "base/one_line.hpp"
 #include "base/part_file.hpp"
 
 namespace palpate {
@@ -77,6 +78,16 @@ OutputFolder::OutputFolder(const std::string& path) : path_(checked(path)), made
     drafts_.emplace(path_, ".palpate-");
   } catch (const std::system_error& failure) {
     refuseFolder(path, failure.code().message());
+  }
+}
+
+void OutputFolder::write(const char* name, const std::function<void(const fs::path&)>& work) const {
+  const fs::path path = draft(name);
+  try {
+    work(path);
+  } catch (const Error& error) {
+    if (error.input() != oneLine(path.string())) throw;
+    throw Error(error.code(), file(name).string(), error.reason(), error.remedy());
   }
 }
 

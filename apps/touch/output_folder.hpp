@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -42,6 +43,10 @@ class OutputFolder {
 
   [[nodiscard]] std::filesystem::path file(const char* name) const { return path_ / name; }
   [[nodiscard]] std::filesystem::path draft(const char* name) const { return drafts_->path() / name; }
+
+  // Calls work(draft of `name`), which writes it. An error that names the draft, which nobody knows, comes out with the
+  // file's name.
+  void write(const char* name, const std::function<void(const std::filesystem::path&)>& work) const;
 
   // Moves every draft into place, the one called `first` before the others. Where the name is a symbolic link, the file
   // that it points at is replaced. Throws Error(kIo), with nothing moved, if something other than a plain file is in

@@ -50,14 +50,17 @@ std::optional<std::string> noteOnEncoders(const Scene& scene) {
       shortNumber(scene.encoder_resolution_m * kMillimetresPerMetre), shortNumber(step_N));
 }
 
-std::optional<std::string> noteOnNoContact(const RunFigures& figures) {
+std::optional<std::string> noteOnNoContact(const RunFigures& figures, bool ended_early) {
   const bool told = std::any_of(figures.faults.begin(), figures.faults.end(),
                                 [](const FaultCount& count) { return count.fault == ServoFault::kInsideObject; });
   if (figures.contact_ticks > 0 || told) return {};
+  if (ended_early) return "nothing was touched: the run ended before the tool came to the surface";
   return "nothing was touched: the path meets no surface; look at --start, --toward, --depth or --path";
 }
 
-std::optional<std::string> noteOnHand(const Scene& scene, const RunFigures& figures) {
+std::optional<std::string> noteOnHand(const Scene& scene, const RunFigures& figures,
+                                      std::span<const PathPhase> phases) {
+  if (std::none_of(phases.begin(), phases.end(), [](const PathPhase& p) { return p.name == "slide"; })) return {};
   if (!scene.spring_hand || !scene.path_file.empty() || !scene.press_depth_m || figures.depth_m.count == 0) return {};
   if (figures.depth_m.max >= (1 - kDepthShare) * *scene.press_depth_m) return {};
   return fmt::format(

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/path/timed_point.hpp"
 #include "apps/scene/scene.hpp"
 #include "servo/loop/run_figures.hpp"
 #include "servo/loop/tick_record.hpp"
@@ -26,13 +27,15 @@ inline constexpr double kShortestSilence_s = 0.02;
 inline constexpr double kFeltStep_N = 0.1;
 [[nodiscard]] std::optional<std::string> noteOnEncoders(const Scene& scene);
 
-// A note where nothing was touched and no fault tells why.
-[[nodiscard]] std::optional<std::string> noteOnNoContact(const RunFigures& figures);
+// A note where nothing was touched and no fault tells why. A run that ended early did not see the end of its path.
+[[nodiscard]] std::optional<std::string> noteOnNoContact(const RunFigures& figures, bool ended_early);
 
 // A note if a spring hand presses less deep than `scene`, as the user gave it, asks for: by more than kDepthShare of
-// that depth. Its spring and the surface's share the way.
+// that depth. Its spring and the surface's share the way. `phases`: those that the tool came to; before the slide it
+// has not pressed as deep as it will.
 inline constexpr double kDepthShare = 0.1;
-[[nodiscard]] std::optional<std::string> noteOnHand(const Scene& scene, const RunFigures& figures);
+[[nodiscard]] std::optional<std::string> noteOnHand(const Scene& scene, const RunFigures& figures,
+                                                    std::span<const PathPhase> phases);
 
 // A note if a brush removes at once all that it touches, so that the tool is out of contact for more than half of the
 // time after it touched first.

@@ -11,6 +11,7 @@
 
 #include "apps/mesh/mesh_file.hpp"
 #include "apps/scene/object_table.hpp"
+#include "base/error.hpp"
 #include "base/rotation.hpp"
 #include "base/units.hpp"
 #include "servo/objects/mesh_object.hpp"
@@ -97,8 +98,27 @@ double metresPerUnit(const std::string& unit) {
   return kMetresPerMillimetre;
 }
 
+// Whether a file's name holds ":position=" or the like: in --object `file` was then not the last key.
+bool holdsKey(const std::string& file) {
+  const auto options = objectOptions();
+  return std::any_of(options.begin(), options.end(), [&](const ObjectOption& option) {
+    return file.find(fmt::format(":{}=", option.word)) != std::string::npos ||
+           file.find(fmt::format(":{}=", option.key)) != std::string::npos;
+  });
+}
+
+TriangleMesh readObjectFile(const std::string& file) {
+  try {
+    return readMeshFile(file);
+  } catch (const Error& error) {
+    if (error.code() != Error::Code::kNotFound || !holdsKey(file)) throw;
+    throw Error(error.code(), error.input(), error.reason(),
+                "all behind 'file=' is the file's name: give the other keys before 'file='");
+  }
+}
+
 std::shared_ptr<const MeshObject> meshObject(const ObjectSpec& spec, const std::string& name) {
-  TriangleMesh mesh = readMeshFile(spec.file);
+  TriangleMesh mesh = readObjectFile(spec.file);
   const Mat3 R_WF = rotationOf(spec.rotation_deg) * (metresPerUnit(spec.unit) * spec.scale);
   for (Vec3& vertex : mesh.vertices_W) vertex = spec.position_W + R_WF * vertex;
   return std::make_shared<const MeshObject>(std::move(mesh), name);

@@ -77,7 +77,7 @@ class Stages {
 void checkEarly(const Scene& scene, const ContactObjects& objects) {
   if (scene.volume.empty()) {
     throw Error(Error::Code::kBadInput, "palpate touch", "no volume is given",
-                "name a file, a DICOM folder or a phantom, for example phantom:sphere?size=64");
+                "name a file, a DICOM folder or a phantom, for example 'phantom:sphere?size=64'");
   }
   // An algorithm that touches a mesh can be made only from the volume's.
   if (!algorithmEntry(scene.algorithm).needs.isosurface_mesh) {
@@ -167,9 +167,9 @@ std::vector<std::string> outputFiles(const TouchRun& run, const OutputFolder& fo
 }
 
 // Of a run that is ended while it tells what was felt.
-std::string wordsOfSecondRequest(const Scene& scene) {
-  std::string places = scene.journal;
-  if (!scene.save.empty()) places += (places.empty() ? "" : " and ") + scene.save;
+std::string wordsOfSecondRequest(const std::string& journal, const std::string& save) {
+  std::string places = journal;
+  if (!save.empty()) places += (places.empty() ? "" : " and ") + save;
   return places.empty() ? "nothing was written; start it again"
                         : "no report was written; what was saved of the edits is in " + places;
 }
@@ -206,8 +206,10 @@ void writeTrace(TouchRun& run, OutputFolder& folder) {
   const bool is_long = run.records.size() > static_cast<std::size_t>(run.scene.stopped_trace_ticks);
   try {
     if (writesTrace(run)) {
-      writeTraceCsv(folder.draft("trace.csv"), run.records, run.ended_early, [&] {
-        if (is_long) stopIfInterrupted();
+      folder.write("trace.csv", [&](const std::filesystem::path& draft) {
+        writeTraceCsv(draft, run.records, run.ended_early, [&] {
+          if (is_long) stopIfInterrupted();
+        });
       });
     }
   } catch (const Error& error) {
@@ -224,10 +226,10 @@ void writeOutputs(TouchRun& run, const std::string& picture, OutputFolder& folde
   if (picture.empty()) {
     folder.leaveOut("view.png");
   } else {
-    writeFileAtomically(folder.draft("view.png"), picture);
+    folder.write("view.png", [&](const std::filesystem::path& draft) { writeFileAtomically(draft, picture); });
   }
-  writeReport(folder.draft("report.html"), run, picture);
-  writeSummary(folder.draft("summary.json"), run);
+  folder.write("report.html", [&](const std::filesystem::path& draft) { writeReport(draft, run, picture); });
+  folder.write("summary.json", [&](const std::filesystem::path& draft) { writeSummary(draft, run); });
   refuseForeignResults(run.scene.out);  // that came there meanwhile
   folder.publish("summary.json");       // which tells the next run that the others are replaceable
 }
@@ -355,7 +357,7 @@ void TouchJob::readyEdits() {
 void TouchJob::feel() {
   const auto begin = [&] {  // from the first tick on there is something that was felt
     kept_.emplace();
-    tellWhatIsKept(wordsOfSecondRequest(scene_));
+    tellWhatIsKept(wordsOfSecondRequest(scene_.journal, scene_.save));
     progress_.stage(fmt::format("palpating with {} on {}", scene_.algorithm, engine_->gpu().name));
   };
   LoopResult result = stages_.run("servo", "making ready to palpate", [&] {
@@ -383,8 +385,9 @@ void TouchJob::assess() {
   run_.faults = faultsOf(run_);
   run_.exact = exactErrorsOf(run_);
   for (const auto& note : {noteOnSilence(run_.records, engine_->isovalue(), run_.scene.rate_hz, scene_.algorithm),
-                           noteOnEncoders(run_.scene), noteOnTexture(run_.scene), noteOnNoContact(*run_.figures),
-                           noteOnHand(scene_, *run_.figures), noteOnBrush(run_.scene, *run_.figures)}) {
+                           noteOnEncoders(run_.scene), noteOnTexture(run_.scene),
+                           noteOnNoContact(*run_.figures, !run_.ended_early.empty()),
+                           noteOnHand(scene_, *run_.figures, run_.phases), noteOnBrush(run_.scene, *run_.figures)}) {
     if (note) run_.notes.push_back(*note);
   }
 }
@@ -395,7 +398,8 @@ void TouchJob::finishEdits() {
   run_.edits = edits_->finish(run_.notes);                             // from here on the volume is this thread's again
   if (!run_.ended_early.empty()) {
     progress_.stage(wordsOfStopping(run_));
-    edits_->dropEmptyJournal();  // so that the same command can be given again
+    edits_->dropEmptyJournal(*run_.edits);  // so that the same command can be given again
+    if (run_.edits->journal_bytes == 0) tellWhatIsKept(wordsOfSecondRequest("", scene_.save));
   }
   if (engine_->broken()) return;  // the picture shows what was there before a device error
   engine_->readBack(*volume_);

@@ -32,9 +32,10 @@ void markItem(Canvas& canvas, Pixel& at, double scale, const Color& fill, const 
   at.x += canvas.text(at, words, kText * scale, kInk) + kGap * scale;
 }
 
-void forceItem(Canvas& canvas, Pixel& at, double scale, const ForceArrows& forces) {
+// The colours of the arrows, and the line that goes with each. Without a force there is neither.
+void forceItems(Canvas& canvas, Pixel& at, double scale, const ForceArrows& forces) {
   if (forces.most_N <= 0) {
-    canvas.text(at, "no force", kText * scale, kInk);
+    at.x += canvas.text(at, "no force", kText * scale, kInk) + kGap * scale;
     return;
   }
   at.x += canvas.text(at, "force  0", kText * scale, kInk) + 8 * scale;
@@ -47,6 +48,7 @@ void forceItem(Canvas& canvas, Pixel& at, double scale, const ForceArrows& force
   const std::string words = fmt::format("{} N; {}, the longest is {} N", shortNumber(forces.most_N), arrowWords(forces),
                                         shortNumber(forces.most_N));
   at.x += canvas.text(at, words, kText * scale, kInk) + kGap * scale;
+  lineItem(canvas, at, scale, kHipColor.faded(0.8), 0, "thin: depth of the press");
 }
 
 }  // namespace
@@ -72,8 +74,7 @@ void drawLegend(Canvas& canvas, const ForceArrows& forces, double y, double scal
   markItem(canvas, at, scale, kStartColor, {1, 1, 1}, "start");
   markItem(canvas, at, scale, kEndColor, {1, 1, 1}, "end");
   at = {16 * scale, y + 50 * scale};
-  forceItem(canvas, at, scale, forces);
-  lineItem(canvas, at, scale, kHipColor.faded(0.8), 0, "thin: depth of the press");
+  forceItems(canvas, at, scale, forces);
 }
 
 }  // namespace palpate

@@ -5,8 +5,10 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "base/error.hpp"
+#include "base/nearest_word.hpp"
 #include "engine/edit/edit_keys.hpp"
 
 namespace palpate {
@@ -56,10 +58,10 @@ class Parser {
   [[nodiscard]] bool given(std::string_view name) const { return std::ranges::find(given_, name) != given_.end(); }
 
   void kind(std::string_view name) {
-    std::string known;
+    std::vector<std::string> known;
     for (const EditWord& word : editWords()) {
       if (use_ == EditUse::kTool && !word.tool) continue;
-      known += (known.empty() ? "" : ", ") + std::string(word.name);
+      known.emplace_back(word.name);
       if (word.name != name) continue;
       text_.command.kind = word.kind;
       kind_ = word.name;
@@ -71,25 +73,29 @@ class Parser {
     const std::string_view word = name.substr(0, name.find(' '));
     if (std::ranges::any_of(editWords(), [&](const EditWord& one) { return one.name == word; }) && word != name)
       refuse(fmt::format("there is a blank in '{}'", name), "join a kind and its keys by colons: remove:radius=2mm");
-    refuse(fmt::format("there is no {} '{}'", tool ? "brush" : "edit", name),
-           fmt::format("use {}{}", known, tool ? "" : ", undo or redo"));
+    const std::string remedy = fmt::format("use {}{}", fmt::join(known, ", "), tool ? "" : ", undo or redo");
+    if (!tool) {
+      known.emplace_back("undo");
+      known.emplace_back("redo");
+    }
+    refuse(fmt::format("there is no {} '{}'", tool ? "brush" : "edit", name), withDidYouMean(name, known, remedy));
   }
 
   void key(std::string_view piece) {
     const std::size_t equals = piece.find('=');
     const std::string_view name = piece.substr(0, equals);
-    std::string allowed;
+    std::vector<std::string> allowed;
     const EditKey* key = nullptr;
     bool elsewhere = false;
     for (const EditKey& candidate : editKeys()) {
       elsewhere = elsewhere || candidate.name == name;
       if (!has(candidate)) continue;
       if (candidate.name == name) key = &candidate;
-      allowed += (allowed.empty() ? "" : ", ") + std::string(candidate.name);
+      allowed.emplace_back(candidate.name);
     }
     if (key == nullptr) {
       refuse(elsewhere ? fmt::format("{} has no '{}'", kind_, name) : fmt::format("there is no '{}'", name),
-             fmt::format("{} takes {}", kind_, allowed));
+             withDidYouMean(name, allowed, fmt::format("{} takes {}", kind_, fmt::join(allowed, ", "))));
     }
     if (equals == std::string_view::npos || equals + 1 == piece.size())
       refuse(fmt::format("'{}' has no value", name), fmt::format("give {}=, {}", name, key->takes));

@@ -28,6 +28,12 @@ double numberFrom(const EditValue& value, std::string_view& rest, const char* re
   return number;
 }
 
+// "no length: there is no unit 'miles'", where a word stands behind the number.
+std::string withUnit(const char* what, std::string_view unit) {
+  if (unit.empty() || unit.find_first_of("0123456789.,") != std::string_view::npos) return what;
+  return fmt::format("{}: there is no unit '{}'", what, unit);
+}
+
 std::optional<double> metresPer(std::string_view unit) {
   constexpr std::pair<std::string_view, double> kUnits[] = {
       {"", kMetresPerMillimetre}, {"mm", kMetresPerMillimetre}, {"um", 1e-6}, {"cm", 1e-2}, {"m", 1}};
@@ -66,7 +72,8 @@ double EditValue::length() const {
   std::string_view rest = text;
   const double number = numberFrom(*this, rest, kRemedy);
   const std::optional<double> metres = metresPer(rest);
-  if (!metres || !(number * *metres > 0)) refuseValue(*this, "no length above 0", kRemedy);
+  if (!metres) refuseValue(*this, withUnit("no length", rest), kRemedy);
+  if (!(number * *metres > 0)) refuseValue(*this, "no length above 0", kRemedy);
   return number * *metres;
 }
 
@@ -75,7 +82,7 @@ Vec3 EditValue::place() const {
   std::string_view rest = text;
   const Vec3 numbers = threeFrom(*this, rest, kRemedy);
   const std::optional<double> metres = metresPer(rest);
-  if (!metres) refuseValue(*this, "no place", kRemedy);
+  if (!metres) refuseValue(*this, withUnit("no place", rest), kRemedy);
   return numbers * *metres;
 }
 

@@ -29,8 +29,12 @@ class ClassSums {
   std::vector<double> sum_;
 };
 
-double edge(const Histogram& histogram, std::size_t bin) {
-  return histogram.low + histogram.bin_width * static_cast<double>(bin);
+// The threshold of a cut before `bin`. Any cut within a gap parts the voxels alike, so it is the gap's middle: half-way
+// between the two values of a mask.
+double middle(const Histogram& histogram, std::size_t bin) {
+  std::size_t end = bin;
+  while (end < histogram.counts.size() && histogram.counts[end] == 0) ++end;
+  return histogram.low + histogram.bin_width * 0.5 * static_cast<double>(bin + end);
 }
 
 }  // namespace
@@ -45,7 +49,7 @@ double otsuThreshold(const Histogram& histogram) {
     best_share = share;
     best = cut;
   }
-  return edge(histogram, best);
+  return middle(histogram, best);
 }
 
 std::pair<double, double> otsuThresholds(const Histogram& histogram) {
@@ -60,7 +64,7 @@ std::pair<double, double> otsuThresholds(const Histogram& histogram) {
       best = {low, high};
     }
   }
-  return {edge(histogram, best.first), edge(histogram, best.second)};
+  return {middle(histogram, best.first), middle(histogram, best.second)};
 }
 
 }  // namespace palpate

@@ -116,6 +116,11 @@ void Volume::setConstantBrick(const Vec3i& brick, float value) {
   grid_->field->tree().addTile(1, coord(brick * kBrickSize), value, true);
 }
 
+void Volume::remark(const std::string& words) {
+  std::string& all = grid_->facts.remark;
+  all += (all.empty() ? "" : "; ") + words;
+}
+
 void Volume::rename(std::string source) noexcept {
   grid_->facts.source = std::move(source);
 }
@@ -175,7 +180,7 @@ void checkTouchable(const Volume& volume) {
   if (size.minCoeff() >= 2) return;
   throw Error(
       Error::Code::kBadInput, volume.facts().source,
-      fmt::format("it has {} x {} x {} voxels, and touch needs two along every axis", size.x(), size.y(), size.z()),
+      fmt::format("it has {} x {} x {} voxels, and a surface needs two along every axis", size.x(), size.y(), size.z()),
       "give a volume of more slices");
 }
 

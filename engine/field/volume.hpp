@@ -85,6 +85,7 @@ class Volume {
   void keepIsovalue(double isovalue) noexcept;
   // The name under which loadVolume finds it again: facts().source.
   void rename(std::string source) noexcept;
+  void remark(const std::string& words);  // added to VolumeFacts::remark
 
   // The whole domain, i fastest. Memory: 4 bytes a voxel.
   [[nodiscard]] std::vector<float> toDense() const;

@@ -41,7 +41,7 @@ std::vector<fs::path> slicesOf(const std::string& folder, const std::string& sou
     if (!entry.is_regular_file()) continue;
     checkOpens(entry.path(), source);
     if (formatByContent(entry.path().string(), source) == "DICOM") {
-      files.push_back(entry.path());
+      if (isDicomSlice(entry.path(), source)) files.push_back(entry.path());
     } else {
       checkIsDicom(entry.path(), source);
     }
@@ -56,9 +56,9 @@ std::string listOf(const DicomFolder& all) {
   std::string list;
   for (const auto& [uid, series] : all) {
     const std::string description = series[0].tag("0008|103e");
-    list +=
-        fmt::format("{}{}: {}{} ({} slices)", list.empty() ? "" : ", ", std::distance(all.begin(), all.find(uid)) + 1,
-                    description.empty() ? "" : "\"" + description + "\" ", uid, series.size());
+    list += fmt::format(
+        "{}{}: {}{} ({} slice{})", list.empty() ? "" : ", ", std::distance(all.begin(), all.find(uid)) + 1,
+        description.empty() ? "" : "\"" + description + "\" ", uid, series.size(), series.size() == 1 ? "" : "s");
   }
   return list;
 }
@@ -67,7 +67,6 @@ std::string listOf(const DicomFolder& all) {
 
 DicomFolder readDicomFolder(const std::string& folder, const std::string& source) {
   const std::vector<fs::path> files = slicesOf(folder, source);
-  for (const fs::path& file : files) checkDicomFile(file, source);
   std::vector<ItkFacts> facts =
       readItkSeries(ItkReader::kDicomSlice, {files.begin(), files.end()}, source, refuseSlice(files, source));
   DicomFolder all;

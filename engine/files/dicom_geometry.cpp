@@ -63,8 +63,10 @@ double checkGaps(const DicomSeries& series, const std::string& source) {
     const std::string pair = series[n - 1].name() + " and " + series[n].name();
     if (gap < 1e-3) refuse(source, "slices " + pair + " lie at one place", "keep one time point or echo in a folder");
     if (gap > 1.5 * usual) {
-      refuse(source, fmt::format("{:.0f} slices are missing between {}", std::round(gap / usual) - 1, pair),
-             "add them");
+      const double missing = std::round(gap / usual) - 1;
+      refuse(source,
+             fmt::format("{:.0f} {} missing between {}", missing, missing == 1 ? "slice is" : "slices are", pair),
+             "add what is missing");
     }
     if (std::abs(gap - usual) > kGapTolerance * usual) {
       refuse(source, fmt::format("slices {} are {:g} mm apart, others {:g} mm", pair, gap, usual),

@@ -109,8 +109,10 @@ std::vector<double> dicomNumbers(const std::string& text) {
   return numbers;
 }
 
-void checkDicomFile(const fs::path& path, const std::string& source) {
-  if (dicomIsWhole(bytesOf(path, source))) return;
+bool isDicomSlice(const fs::path& path, const std::string& source) {
+  const std::string bytes = bytesOf(path, source);
+  if (dicomIsNoImage(bytes)) return false;
+  if (dicomIsWhole(bytes)) return true;
   refuse(source, fmt::format("slice {} is cut short or damaged", path.filename().string()), "copy the series again");
 }
 

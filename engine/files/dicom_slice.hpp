@@ -33,8 +33,9 @@ struct DicomSlice {
 };
 using DicomSeries = std::vector<DicomSlice>;
 
-// Throws Error(kBadInput) for a file whose elements are not all there. Only what passes may be given to GDCM.
-void checkDicomFile(const std::filesystem::path& path, const std::string& source);
+// False for a DICOM file that holds no image (dicom_structure.hpp). Throws Error(kBadInput) for a slice whose elements
+// are not all there. Only a slice may be given to GDCM.
+[[nodiscard]] bool isDicomSlice(const std::filesystem::path& path, const std::string& source);
 
 // Sets position, axes and spacing. Throws Error(kBadInput) for a slice that is in colour, has several frames, or does
 // not say how large its pixels are and where it lies, in finite decimal numbers; and for a slope and an intercept that

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
@@ -22,6 +23,7 @@ constexpr std::uint32_t kUndefined = 0xffffffffU;
 constexpr std::uint32_t kItem = 0xfffee000U;
 constexpr std::uint32_t kItemEnd = 0xfffee00dU;
 constexpr std::uint32_t kSequenceEnd = 0xfffee0ddU;
+constexpr std::uint32_t kObjectClass = 0x00020002U;
 constexpr std::uint32_t kTransferSyntax = 0x00020010U;
 constexpr std::uint32_t kSamples = 0x00280002U;
 constexpr std::uint32_t kFrames = 0x00280008U;
@@ -32,6 +34,7 @@ constexpr std::uint32_t kPixels = 0x7fe00010U;
 constexpr int kDeepest = 32;  // nested sequences
 constexpr std::string_view kImplicit = "1.2.840.10008.1.2";
 constexpr std::string_view kDeflated = "1.2.840.10008.1.2.1.99";
+constexpr std::string_view kRle = "1.2.840.10008.1.2.5";
 constexpr std::string_view kBigEndian = "1.2.840.10008.1.2.2";
 constexpr std::size_t kMostInflated = std::size_t{512} << 20;  // one slice of the largest detector has 60 MiB [byte]
 
@@ -49,21 +52,74 @@ bool isOneOf(std::string_view names, std::string_view type) {
   return false;
 }
 
+std::uint32_t littleEndian(std::string_view bytes, std::size_t at) {
+  std::uint32_t value = 0;
+  for (std::size_t i = 4; i-- > 0;) value = value << 8U | static_cast<unsigned char>(bytes[at + i]);
+  return value;
+}
+
+// One byte plane of packed pixels: runs of PackBits that give exactly `bytes`, and padding (PS3.5, G.3).
+bool rleSegmentGives(std::string_view segment, double bytes) {
+  double given = 0;
+  for (std::size_t at = 0; given < bytes;) {
+    if (at >= segment.size()) return false;
+    const auto head = static_cast<unsigned char>(segment[at++]);
+    if (head == 128) continue;
+    const std::size_t count = head < 128 ? head + 1U : 257U - head;
+    at += head < 128 ? count : 1;
+    if (at > segment.size()) return false;
+    given += static_cast<double>(count);
+    if (given > bytes) return false;
+  }
+  return true;
+}
+
+// A frame that is packed as RLE: 16 words that say where each of its byte planes begins, and these (PS3.5, G.5).
+bool rleFits(std::string_view fragment, double pixels, double planes) {
+  constexpr std::size_t kHeader = 64;
+  if (fragment.size() < kHeader || littleEndian(fragment, 0) != planes) return false;
+  std::size_t begin = littleEndian(fragment, 4);
+  if (begin < kHeader) return false;
+  for (std::size_t plane = 1; static_cast<double>(plane) <= planes; ++plane) {
+    const bool last = static_cast<double>(plane) == planes;
+    const std::size_t end = last ? fragment.size() : littleEndian(fragment, 4 * (plane + 1));
+    if (end < begin || end > fragment.size()) return false;
+    if (!rleSegmentGives(fragment.substr(begin, end - begin), pixels)) return false;
+    begin = end;
+  }
+  return true;
+}
+
 class Walk {
  public:
   explicit Walk(std::string_view file) : file_(file) {}
 
-  bool wholeFile() {
+  // The head says of what class the file is and how the rest is written. It is always explicit and little-endian, and
+  // never deflated.
+  struct Head {
+    std::string_view object_class, syntax;
+  };
+  std::optional<Head> head() {
     at_ = kPreamble;
-    std::string_view syntax;  // what says so is always explicit and little-endian, and never deflated
+    Head head;
     while (at_ + 8 <= file_.size() && peekTag() >> 16U == 2) {
       Element element;
-      if (!readHead(element) || element.length > left()) return false;
-      if (element.tag == kTransferSyntax) syntax = file_.substr(at_, element.length);
+      if (!readHead(element) || element.length > left()) return std::nullopt;
+      std::string_view value = file_.substr(at_, element.length);
+      while (!value.empty() && (value.back() == '\0' || value.back() == ' ')) value.remove_suffix(1);
+      if (element.tag == kObjectClass) head.object_class = value;
+      if (element.tag == kTransferSyntax) head.syntax = value;
       at_ += element.length;
     }
-    while (!syntax.empty() && (syntax.back() == '\0' || syntax.back() == ' ')) syntax.remove_suffix(1);
+    return head;
+  }
+
+  bool wholeFile() {
+    const std::optional<Head> known = head();
+    if (!known) return false;
+    const std::string_view syntax = known->syntax;
     explicit_ = syntax != kImplicit;
+    rle_ = syntax == kRle;
     swapped_ = (syntax == kBigEndian) == kLittleEndian;
     if (syntax != kDeflated) return elements(0);
     const std::optional<std::string> set = inflated(file_.substr(at_), kMostInflated);
@@ -89,7 +145,10 @@ class Walk {
   }
 
   bool value(const Element& element, int depth) {
-    if (element.length == kUndefined) return items(file_.size(), true, depth + 1);
+    if (element.length == kUndefined) {
+      packed_ = rle_ && depth == 0 && element.tag == kPixels;
+      return items(file_.size(), true, depth + 1);
+    }
     if (element.length > left()) return false;
     if (depth == 0 && !pixelsFit(element)) return false;
     if (element.type == "SQ") return items(at_ + element.length, false, depth + 1);
@@ -127,10 +186,16 @@ class Walk {
         if (!elements(depth)) return false;
       } else {
         if (item.length > left()) return false;
+        if (packed_ && fragments_++ > 0 && !rleFits(file_.substr(at_, item.length), rows_ * columns_, rlePlanes()))
+          return false;  // the first only says where frames begin
         at_ += item.length;
       }
     }
     return at_ == end && !delimited;
+  }
+
+  [[nodiscard]] double rlePlanes() const {
+    return std::min(15.0, std::max(samples_, 1.0) * std::ceil(std::max(bits_, 1.0) / 8));
   }
 
   bool readHead(Element& element) {
@@ -174,10 +239,29 @@ class Walk {
   std::size_t at_ = 0;
   bool explicit_ = true;
   bool swapped_ = !kLittleEndian;  // numbers, against the machine's byte order
+  bool rle_ = false;               // pixels are packed so
+  bool packed_ = false;            // what follows are their fragments
+  std::size_t fragments_ = 0;      // of these, until now
   double rows_ = 0, columns_ = 0, samples_ = 1, frames_ = 1, bits_ = 8;
 };
 
 }  // namespace
+
+bool dicomIsNoImage(std::string_view file) {
+  if (file.size() <= kPreamble) return false;
+  const auto head = Walk(file).head();
+  if (!head) return false;
+  constexpr std::string_view kDirectory = "1.2.840.10008.1.3.10";
+  constexpr std::string_view kStored = "1.2.840.10008.5.1.4.1.1.";
+  if (head->object_class == kDirectory) return true;
+  if (!head->object_class.starts_with(kStored)) return false;
+  const std::string_view kind = head->object_class.substr(kStored.size());
+  // Waveforms, presentation states, registrations and raw data, reports, documents, radiotherapy's structures and
+  // plans.
+  for (const std::string_view none : {"9.", "11.", "66.", "88.", "104.", "481.3", "481.5", "481.8"})
+    if (kind.starts_with(none) || (none.back() == '.' && kind == none.substr(0, none.size() - 1))) return true;
+  return false;
+}
 
 bool dicomIsWhole(std::string_view file) {
   return file.size() > kPreamble && Walk(file).wholeFile();

@@ -11,8 +11,13 @@
 namespace palpate {
 
 // True if every element, item and fragment of `file` (all its bytes) ends inside it, tags ascend, types exist, and
-// pixels that are not packed are all there. Cost: one step an element; no copy, but of a deflated file, whose elements
-// are unpacked, 512 MiB at most. Any thread.
+// pixels that are not packed, or packed as RLE, are all there. Of other packed pixels the library that unpacks them has
+// to say it. Cost: one step an element, and one a run of RLE; no copy, but of a deflated file, whose elements are
+// unpacked, 512 MiB at most. Any thread.
 [[nodiscard]] bool dicomIsWhole(std::string_view file);
+
+// True for a file that by its class (PS3.6, annex A) holds no image: a DICOMDIR, a report, a plan, a document. Archives
+// put them beside the slices.
+[[nodiscard]] bool dicomIsNoImage(std::string_view file);
 
 }  // namespace palpate

@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "base/error.hpp"
+#include "base/units.hpp"
 #include "engine/files/magic.hpp"
 #include "engine/files/readers.hpp"
 #include "engine/files/text_header.hpp"
@@ -89,6 +90,16 @@ Volume readPhantom(const ReadRequest& request) {
   return phantomVolume(request.name, request.memory_budget_bytes);
 }
 
+// A volume that no finger could feel is most often one whose unit was mistaken.
+void remarkOnSize(Volume& volume) {
+  constexpr double kShortest_m = 1e-3;
+  const double longest_m = volume.size().cast<double>().cwiseProduct(volume.lattice().spacing_m).maxCoeff();
+  if (longest_m >= kShortest_m) return;
+  volume.remark(fmt::format(
+      "it is {:.3g} mm long; if metres were taken for millimetres, write the true voxel size into the file",
+      longest_m * kMillimetresPerMetre));
+}
+
 }  // namespace
 
 const std::vector<VolumeFormat>& volumeFormats() {
@@ -114,6 +125,7 @@ Volume loadVolume(const std::string& name, std::size_t memory_budget_bytes) {
   try {
     Volume volume = chooseFormat(plain).read({plain, memory_budget_bytes, parsed.instead_of_nan});
     if (plain != name) volume.rename(name);
+    remarkOnSize(volume);
     return volume;
   } catch (const std::bad_alloc&) {
     throw Error(Error::Code::kOutOfMemory, name, "there is no memory for it", "crop or resample it");

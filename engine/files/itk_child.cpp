@@ -2,6 +2,7 @@
 #include "engine/files/itk_child.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -12,6 +13,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
 #include "base/child_process.hpp"
@@ -133,6 +135,34 @@ RefuseFile refusalOf(const std::string& source) {
   };
 }
 
+// What C code prints to the standard error of a child process. libjpeg fills what is missing with zeros, and says so
+// there and nowhere else.
+class Printed {
+ public:
+  Printed() : file_(memfd_create("printed", MFD_CLOEXEC)) {
+    if (file_ >= 0) dup2(file_, STDERR_FILENO);
+  }
+  ~Printed() {
+    if (file_ >= 0) close(file_);
+  }
+  Printed(const Printed&) = delete;
+  Printed& operator=(const Printed&) = delete;
+  // The line in which libjpeg complains of its data; empty: there is none.
+  [[nodiscard]] std::string complaint() const {
+    std::array<char, 4096> text = {};
+    const ssize_t got = file_ < 0 ? 0 : pread(file_, text.data(), text.size(), 0);
+    const std::string_view all(text.data(), got < 0 ? 0 : static_cast<std::size_t>(got));
+    for (const std::string_view words : {"Corrupt JPEG data", "Premature end of JPEG file"}) {
+      const std::size_t at = all.find(words);
+      if (at != std::string_view::npos) return std::string(all.substr(at, all.find('\n', at) - at));
+    }
+    return {};
+  }
+
+ private:
+  int file_;
+};
+
 }  // namespace
 
 ItkHeader readItkHeader(ItkReader reader, const std::string& path, const std::string& source) {
@@ -157,7 +187,9 @@ void readItkSeriesValues(ItkReader reader, const std::vector<std::string>& paths
   const ChildLimits limits = limitsForFile(largestFile(paths), 2.0 * static_cast<double>(most_bytes));
   check(runInChild(source, paths.size(), limits,
                    [&](std::size_t n) {
+                     const Printed printed;
                      ItkFile(reader, opened(paths[n])).read(values[n]);
+                     if (const std::string words = printed.complaint(); !words.empty()) throw std::runtime_error(words);
                      return std::string();
                    }),
         refuse);

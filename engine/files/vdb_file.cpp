@@ -33,6 +33,7 @@
 #include "engine/files/readers.hpp"
 #include "engine/files/text_header.hpp"
 #include "engine/files/vdb_checksum.hpp"
+#include "engine/files/vdb_claim.hpp"
 #include "engine/files/volume_name.hpp"
 
 namespace palpate {
@@ -61,8 +62,8 @@ openvdb::GridPtrVecPtr readGrids(const std::string& path, const std::string& sou
 // A damaged length in the file makes OpenVDB write beyond a buffer. So it may read here what a checksum vouches for, or
 // what it has read in a child process without harm: whatever corrupts memory is found in that, too, at the latest when
 // the sizes do not fit.
-void checkReadable(const std::string& path, const std::string& source) {
-  constexpr double kMostInMemory = 64;  // bytes of a node for one in the file
+void checkReadable(const std::string& path, const std::string& source, double claimed_bytes) {
+  constexpr double kMostInMemory = 64;  // bytes of a node for one in the file, where it does not say
   switch (checkVdbChecksum(path, source)) {
     case VdbChecksum::kHolds:
       return;
@@ -72,7 +73,8 @@ void checkReadable(const std::string& path, const std::string& source) {
       break;
   }
   const auto bytes = static_cast<double>(fileBytes(path, source));
-  const double memory = std::min(kMostInMemory * bytes, static_cast<double>(availableMemoryBytes()));
+  const double memory =
+      std::min(std::max(kMostInMemory * bytes, 1.5 * claimed_bytes), static_cast<double>(availableMemoryBytes()));
   const ChildOutcome trial = runInChild(source, 1, limitsForFile(bytes, memory), [&](std::size_t) {
     new openvdb::GridPtrVecPtr(readGrids(path, source));  // given back with the process
     return std::string();
@@ -257,8 +259,9 @@ Volume readGrid(const ReadRequest& wanted) {
   const std::string& name = wanted.name;
   const VolumeName parsed = parseVolumeName(name);
   const std::string& path = parsed.path;
-  checkMemory(name, static_cast<double>(fileBytes(path, name)), wanted.memory_budget_bytes);
-  checkReadable(path, name);
+  const double claimed_bytes = vdbClaimedBytes(path, name);
+  checkMemory(name, std::max(claimed_bytes, static_cast<double>(fileBytes(path, name))), wanted.memory_budget_bytes);
+  checkReadable(path, name, claimed_bytes);
   const openvdb::GridPtrVecPtr grids = readGrids(path, name);
   openvdb::GridBase& grid = chooseGrid(*grids, parsed.part, name);
   const openvdb::CoordBBox domain = domainOf(grid, name);

@@ -8,6 +8,7 @@
 
 #include "base/crc32c.hpp"
 #include "base/error.hpp"
+#include "base/units.hpp"
 #include "engine/files/quiet.hpp"
 #include "engine/files/vdb_checksum.hpp"
 
@@ -43,7 +44,7 @@ openvdb::math::Transform::Ptr vdbTransform(const Lattice& lattice, double units_
     return openvdb::math::Transform::createLinearTransform(matrix);
   } catch (const openvdb::Exception&) {
     throw Error(Error::Code::kBadInput, name, "its voxels are too small for OpenVDB in this unit of length",
-                "use --unit mm, or write .nrrd");
+                units_per_metre < kMillimetresPerMetre ? "use --unit mm, or write .nrrd" : "write .nrrd");
   }
 }
 

@@ -44,7 +44,7 @@ VolumeName parseVolumeName(const std::string& name) {
     parsed.path.resize(at);
     if (isThere(parsed.path)) return parsed;
   }
-  if (const std::size_t at = parsed.path.rfind('#'); at != std::string::npos) {
+  if (const std::size_t at = parsed.path.rfind('#'); at != std::string::npos && at + 1 < parsed.path.size()) {
     parsed.part = parsed.path.substr(at + 1);
     parsed.path.resize(at);
   }

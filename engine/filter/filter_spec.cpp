@@ -8,8 +8,10 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "base/error.hpp"
+#include "base/nearest_word.hpp"
 #include "base/units.hpp"
 
 namespace palpate {
@@ -50,10 +52,14 @@ constexpr FilterRow kFilters[] = {
   throw Error(Error::Code::kBadInput, fmt::format("filter {}", filter), reason, remedy);
 }
 
-std::string names() {
-  std::string text;
-  for (const FilterRow& row : kFilters) text += fmt::format("{}{}", text.empty() ? "" : ", ", row.words.name);
-  return text;
+std::vector<std::string> names() {
+  std::vector<std::string> all;
+  for (const FilterRow& row : kFilters) all.emplace_back(row.words.name);
+  return all;
+}
+
+std::string namesInWords() {
+  return fmt::format("{}", fmt::join(names(), ", "));
 }
 
 // A number and what is behind it.
@@ -191,7 +197,10 @@ FilterSpec filterOf(std::string_view text) {
   if (found == nullptr && (name == "mm" || name == "um" || name == "cm" || name == "m")) {
     refuseFilter(text, "there is a blank before this unit", "write it without: gaussian:1mm");
   }
-  if (found == nullptr) refuseFilter(text, fmt::format("there is no filter '{}'", name), "use " + names());
+  if (found == nullptr) {
+    refuseFilter(text, fmt::format("there is no filter '{}'", name),
+                 withDidYouMean(name, names(), "use " + namesInWords()));
+  }
   if (text.ends_with(':')) refuseFilter(text, "nothing follows its last colon", "leave that out, or give a key");
   spec.kind = found->kind;
   if (spec.kind == FilterKind::kBilateral) spec.truncate = 2;
@@ -234,7 +243,8 @@ std::vector<FilterSpec> filterChain(const std::string& text) {
   std::vector<FilterSpec> chain;
   std::istringstream words(text);
   for (std::string word; words >> word;) chain.push_back(filterOf(word));
-  if (chain.empty()) refuseFilter(text, "it names no filter", "use " + names() + ", for example \"gaussian:0.8mm\"");
+  if (chain.empty())
+    refuseFilter(text, "it names no filter", "use " + namesInWords() + ", for example \"gaussian:0.8mm\"");
   return chain;
 }
 

@@ -2,10 +2,12 @@
 #include "engine/gradient/gradient_operator.hpp"
 
 #include <algorithm>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "base/error.hpp"
+#include "base/nearest_word.hpp"
 
 namespace palpate {
 namespace {
@@ -17,8 +19,17 @@ constexpr GradientWords kOperators[] = {
     {"gaussian", "sigma", GRADIENT_CENTRAL, 1, "central difference of the Gaussian-smoothed field"},
 };
 
+[[noreturn]] void refuseOperator(const std::string& text, const std::string& reason, const std::string& remedy) {
+  throw Error(Error::Code::kBadInput, fmt::format("gradient operator '{}'", text), reason, remedy);
+}
 [[noreturn]] void refuseOperator(const std::string& text, const std::string& reason) {
-  throw Error(Error::Code::kBadInput, fmt::format("gradient operator '{}'", text), reason, "use " + gradientNames());
+  refuseOperator(text, reason, "use " + gradientNames());
+}
+
+[[noreturn]] void refuseName(const std::string& text, std::string_view name) {
+  std::vector<std::string> known;
+  for (const GradientWords& row : kOperators) known.emplace_back(row.name);
+  refuseOperator(text, "there is none of this name", withDidYouMean(name, known, "use " + gradientNames()));
 }
 
 }  // namespace
@@ -34,7 +45,7 @@ GradientOperator gradientOperator(const std::string& text) {
   const std::string_view name = std::string_view(text).substr(0, colon);
   const auto* found = std::find_if(std::begin(kOperators), std::end(kOperators),
                                    [&](const GradientWords& row) { return row.name == name; });
-  if (found == std::end(kOperators)) refuseOperator(text, "there is none of this name");
+  if (found == std::end(kOperators)) refuseName(text, name);
   GradientOperator made(*found);
   if (found->takes.empty()) {
     if (colon != text.size()) refuseOperator(text, fmt::format("{} takes nothing behind its name", name));

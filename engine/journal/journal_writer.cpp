@@ -202,6 +202,7 @@ void JournalWriter::close() {
 
 void JournalWriter::drop() noexcept {
   if (!std::exchange(dropped_, true)) unlink(file_.c_str());
+  bytes_ = 0;
 }
 
 void JournalWriter::closeAndDropEmpty() {

@@ -68,7 +68,7 @@ class JournalWriter {
   // Whether the journal has failed, without a lock.
   [[nodiscard]] bool failed() const noexcept { return failed_.load(std::memory_order_acquire); }
   [[nodiscard]] std::uint64_t appended() const noexcept { return sequence_; }   // appending thread only
-  [[nodiscard]] std::uint64_t bytes() const noexcept { return bytes_.load(); }  // on disk, header included
+  [[nodiscard]] std::uint64_t bytes() const noexcept { return bytes_.load(); }  // on disk, header included; deleted: 0
 
   void flush();  // waits until everything appended is acknowledged, or the journal has failed
   // Flushes and ends; nothing may be appended afterwards. Deletes a journal that failed before anything was

@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 
 #include "base/error.hpp"
+#include "base/nearest_word.hpp"
 #include "engine/field/memory_budget.hpp"
 #include "engine/phantoms/kinds.hpp"
 #include "engine/phantoms/phantom.hpp"
@@ -35,7 +36,7 @@ Number parseNumber(const std::string& input, const std::string& key, std::string
   const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (code != std::errc() || end != text.data() + text.size()) {
     refuse(input, fmt::format("{}=\"{}\" is not a number of the kind that is needed", key, text),
-           "the form is phantom:NAME?size=64&spacing=1mm&noise=0.05&seed=1");
+           "the form is 'phantom:NAME?size=64&spacing=1mm&noise=0.05&seed=1'");
   }
   return number;
 }
@@ -69,7 +70,11 @@ Vec3 parseSpacing(const std::string& input, std::string_view text) {
     }
     return spacing_m;
   }
-  refuse(input, fmt::format("spacing=\"{}\" has no unit", text), "write mm, um or m: spacing=1mm");
+  const std::size_t number_end = text.find_last_of("0123456789.");
+  const std::string_view unit = number_end == std::string_view::npos ? text : text.substr(number_end + 1);
+  refuse(input,
+         unit.empty() ? fmt::format("spacing=\"{}\" has no unit", text) : fmt::format("there is no unit \"{}\"", unit),
+         "write mm, um or m: spacing=1mm");
 }
 
 Vec3i parseSize(const std::string& input, std::string_view text) {
@@ -97,7 +102,7 @@ const PhantomKind& findKind(const std::string& input, const std::string& name) {
   std::vector<std::string> names;
   for (const PhantomKind& kind : kinds) names.push_back(kind.name);
   refuse(input, fmt::format("there is no phantom \"{}\"", name),
-         fmt::format("choose one of {}", fmt::join(names, ", ")));
+         withDidYouMean(name, names, fmt::format("choose one of {}", fmt::join(names, ", "))));
 }
 
 // Sets one key; returns whether the spacing was given.
@@ -106,7 +111,7 @@ bool applyKey(PhantomSpec& spec, const PhantomKind& kind, const std::string& key
   known.insert(known.end(), kind.extra_keys.begin(), kind.extra_keys.end());
   if (std::find(known.begin(), known.end(), key) == known.end()) {
     refuse(spec.text, fmt::format("phantom {} has no key \"{}\"", kind.name, key),
-           fmt::format("its keys are {}", fmt::join(known, ", ")));
+           withDidYouMean(key, known, fmt::format("its keys are {}", fmt::join(known, ", "))));
   }
   if (key == "size") spec.size = parseSize(spec.text, value);
   if (key == "spacing") spec.spacing_m = parseSpacing(spec.text, value);

@@ -29,8 +29,8 @@ struct EditFigures {
   std::vector<double> edit_to_window_s;  // for each of these, the time from the call to the published window [s]
   std::uint64_t journalled = 0;          // records given to the journal
   std::uint64_t acknowledged = 0;        // records on disk
-  std::uint64_t journal_bytes = 0;
-  std::string journal_failure;  // why some records are not on disk; empty: all are, or there is no journal
+  std::uint64_t journal_bytes = 0;       // on disk; 0: there is no journal, or it was deleted because it has no record
+  std::string journal_failure;           // why some records are not on disk; empty: all are, or there is no journal
   SaveFigures saves;
 };
 

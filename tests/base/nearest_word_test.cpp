@@ -6,6 +6,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/support/typo.hpp"
+
 namespace palpate {
 namespace nearest_word_test {
 
@@ -69,10 +71,32 @@ TEST(NearestWords, GivesNoneWhereNothingIsNear) {
     EXPECT_THAT(nearestWords(word, kFlags), IsEmpty()) << word;
 }
 
+// What is suggested is the word, and with it only what is as near.
+TEST(NearestWords, FindsAWordWithOneTypo) {
+  forEachTypo(kFlags, [](const std::string& flag, const std::string& typed) {
+    const std::vector<std::string> nearest = nearestWords(typed, kFlags);
+    EXPECT_THAT(nearest, testing::Contains(flag)) << typed;
+    for (const std::string& one : nearest) EXPECT_EQ(typingErrors(one, typed), 1U) << typed;
+  });
+}
+
+// A third of its letters is none, so anything might be meant: 'nan' is not.
+TEST(NearestWords, GivesNoneForTwoLetters) {
+  const std::vector<std::string> known = {"nan", "n", "nn", "na"};
+  for (const char* word : {"nx", "an", "--nx"}) EXPECT_THAT(nearestWords(word, known), IsEmpty()) << word;
+}
+
 TEST(DidYouMean, IsAQuestionOrNothing) {
   EXPECT_EQ(didYouMean("--second", kFlags), "did you mean --seconds?");
   EXPECT_EQ(didYouMean("--fric", kFlags), "did you mean --friction-static, --friction-dynamic or --friction-viscous?");
   EXPECT_EQ(didYouMean("--wrong", kFlags), "");
+  EXPECT_EQ(didYouMean(std::vector<std::string>{"a", "b"}), "did you mean a or b?");
+  EXPECT_EQ(didYouMean(std::vector<std::string>{}), "");
+}
+
+TEST(DidYouMean, StandsBeforeTheRemedy) {
+  EXPECT_EQ(withDidYouMean("--second", kFlags, "look it up"), "did you mean --seconds? look it up");
+  EXPECT_EQ(withDidYouMean("--wrong", kFlags, "look it up"), "look it up");
 }
 
 }  // namespace nearest_word_test

@@ -66,6 +66,7 @@ class Subject {
     result_.most_seconds = std::max(result_.most_seconds, verdict.seconds);
     result_.most_memory_bytes = std::max(result_.most_memory_bytes, verdict.memory_bytes);
     Cell& cell = result_.cells[{file_.name, damage}];
+    cell.promised = mustBeSeen(damage, file_);
     const bool accepted = verdict.kind == Verdict::Kind::kRead;
     const bool changed = accepted && verdict.fingerprint != fingerprint_;
     ++(changed ? cell.changed : accepted ? cell.unchanged : cell.refused);
@@ -100,6 +101,7 @@ class Subject {
 
 const char* wordOf(const Cell& cell) {
   if (cell.changed > 0) return "may pass";
+  if (!cell.promised) return "mostly seen";
   return cell.unchanged > 0 ? "seen or harmless" : "seen";
 }
 

@@ -26,6 +26,7 @@ struct Cell {
   std::size_t refused = 0;
   std::size_t unchanged = 0;  // accepted, and what was read is what the undamaged file holds
   std::size_t changed = 0;    // accepted as something else
+  bool promised = false;      // mustBeSeen()
 };
 
 struct Result {

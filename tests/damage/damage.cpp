@@ -171,6 +171,7 @@ const char* nameOf(Damage damage) {
 
 bool applies(Damage damage, const WholeFile& file) {
   if (!file.has_values && (damage == Damage::kValueByte || damage == Damage::kMiddleLost)) return false;
+  if (!file.has_header && (damage == Damage::kHeaderByte || damage == Damage::kHeaderValue)) return false;
   const bool of_lines = damage == Damage::kLineLost || damage == Damage::kLineTwice || damage == Damage::kLineEmpty;
   return file.text || !of_lines;
 }

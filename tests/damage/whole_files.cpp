@@ -7,6 +7,7 @@
 #include "engine/field/isosurface_mesh.hpp"
 #include "engine/files/volume_file.hpp"
 #include "tests/damage/vdb_grids.hpp"
+#include "tests/engine/files/packed_dicom.hpp"
 #include "tests/engine/files/samples.hpp"
 
 namespace palpate::damage {
@@ -79,6 +80,40 @@ WholeFile dicom(const std::string& name, const std::string& syntax, std::size_t 
           [syntax](const std::string& f) {
             for (int n = 0; n < 3; ++n) writeFile(in(f, fmt::format("s{}.dcm", n)), dicomSlice(n, syntax));
           }};
+}
+
+// The same series with its pixels packed; a stretch of the frame is what is damaged.
+WholeFile packedDicomFile(const std::string& name, DicomPacking packing) {
+  const auto slice = [packing](int n) {
+    std::uint32_t random = 5;
+    DicomFields fields;
+    fields.rows = fields.columns = 32;
+    fields.position = fmt::format("0\\0\\{}", 2 * n);
+    fields.sop += std::to_string(n);
+    for (int p = 0; p < 32 * 32; ++p)
+      fields.pixels.push_back(p % 32 * 20 + static_cast<int>((random = random * 1664525U + 1013904223U) >> 27U));
+    return packedDicom(dicomBytes(fields), packing);
+  };
+  const std::string one = slice(1);
+  return {
+      name, "s1.dcm", "", false, false, ':', {.length = true}, fragmentOf(one).first, [slice](const std::string& f) {
+        for (int n = 0; n < 3; ++n) writeFile(in(f, fmt::format("s{}.dcm", n)), slice(n));
+      }};
+}
+
+// A slice of a list: its bytes are values and nothing else.
+WholeFile listedFile(const std::string& name, const std::string& header, const std::string& text) {
+  WholeFile slice;
+  slice.name = name;
+  slice.damaged = "s1.raw";
+  slice.loaded = header;
+  slice.promise.length = true;
+  slice.has_header = false;
+  slice.write = [=](const std::string& f) {
+    writeSlices(f);
+    writeFile(in(f, header), text + "s0.raw\ns1.raw\ns2.raw\n");
+  };
+  return slice;
 }
 
 // All of it but the head is packed.
@@ -161,7 +196,7 @@ std::vector<WholeFile> volumes() {
              return text;
            },
            {}),
-      {"NRRD, list of files",
+      {"NRRD, list of files: the list",
        "a.nhdr",
        "a.nhdr",
        false,
@@ -173,6 +208,7 @@ std::vector<WholeFile> volumes() {
          writeSlices(f);
          writeFile(in(f, "a.nhdr"), list_nrrd + "s0.raw\ns1.raw\ns2.raw\n");
        }},
+      listedFile("NRRD, list of files: a slice", "a.nhdr", list_nrrd),
       {"MetaImage, raw", "a.mha", "a.mha", false, true, '=', meta, metaHeader("MET_SHORT").size(),
        [](const std::string& f) { writeFile(in(f, "a.mha"), metaHeader("MET_SHORT") + data()); }},
       {"MetaImage, big-endian", "a.mha", "a.mha", false, true, '=', meta, big_meta.size(),
@@ -182,7 +218,7 @@ std::vector<WholeFile> volumes() {
          ItkImage image = itkImageOf(plainLattice(), shorts());
          writeWithItk(ItkWriter::kMeta, in(f, "a.mha"), image, true);
        }},
-      {"MetaImage, list of files",
+      {"MetaImage, list of files: the list",
        "a.mhd",
        "a.mhd",
        false,
@@ -194,6 +230,7 @@ std::vector<WholeFile> volumes() {
          writeSlices(f);
          writeFile(in(f, "a.mhd"), list_meta + "s0.raw\ns1.raw\ns2.raw\n");
        }},
+      listedFile("MetaImage, list of files: a slice", "a.mhd", list_meta),
       saved("NIfTI", "a.nii", length, 352),
       saved("NIfTI, gzip", "a.nii.gz", all, 0),
       {"NIfTI, pair: header", "a.hdr", "a.hdr", false, false, ':', length, 348,
@@ -241,6 +278,10 @@ std::vector<WholeFile> volumes() {
       dicom("DICOM slice", kLittleEndianDicom, 40),
       dicom("DICOM slice, big-endian", kBigEndianDicom, 40),
       dicom("DICOM slice, deflated", kDeflatedDicom, deflatedBytes()),
+      packedDicomFile("DICOM slice, RLE", DicomPacking::kRle),
+      packedDicomFile("DICOM slice, JPEG lossless", DicomPacking::kJpegLossless),
+      packedDicomFile("DICOM slice, JPEG-LS", DicomPacking::kJpegLs),
+      packedDicomFile("DICOM slice, JPEG 2000", DicomPacking::kJpeg2000),
   };
 }
 

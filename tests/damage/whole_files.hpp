@@ -33,6 +33,7 @@ struct WholeFile {
   std::size_t header_bytes = 0;  // of the damaged file, before the values
   std::function<void(const std::string& folder)> write;
   bool has_values = true;  // false: they are all in another file
+  bool has_header = true;  // false: it holds values and nothing else
   bool words = false;      // its values are numbers in words: digits are damaged too, not bytes alone
 };
 

@@ -95,6 +95,33 @@ TEST_F(Convert, SaysWhatItDid) {
   EXPECT_THAT(convertWords(request, result), HasSubstr(std::to_string(result.triangles) + " triangles"));
 }
 
+// A kilometre from the origin along each axis a 32-bit float of millimetres keeps 0.06: more than the ball's voxels of
+// 0.01.
+TEST_F(Convert, SaysWhichTrianglesCollapseFarFromTheOrigin) {
+  const auto convertedAt = [&](double off_m) {
+    const Volume ball = loadVolume("phantom:sphere?size=16&spacing=0.01mm");
+    Lattice lattice = ball.lattice();
+    lattice.origin_W += Vec3::Constant(off_m);
+    saveVolume(Volume::fromDense(ball.size(), lattice, ball.toDense(), {}), file("ball.vdb"));
+    const ConvertRequest request{.in = file("ball.vdb"), .out = file("ball.stl"), .isovalue = 0};
+    const ConvertResult result = run(request);
+    // Of what the file holds.
+    std::size_t collapsed = 0;
+    const TriangleMesh mesh = readMeshFile(file("ball.stl"));
+    for (const auto& t : mesh.triangles) {
+      const Vec3 &a = mesh.vertices_W[t[0]], &b = mesh.vertices_W[t[1]], &c = mesh.vertices_W[t[2]];
+      // 1e-12 of the edges is far below what a float can tell, and above the rounding of the reader's metres.
+      collapsed += (b - a).cross(c - a).norm() <= 1e-12 * (b - a).norm() * (c - a).norm() ? 1 : 0;
+    }
+    EXPECT_EQ(result.collapsed, collapsed);
+    const std::string words = convertWords(request, result);
+    EXPECT_EQ(words.find("have no area") != std::string::npos, collapsed > 0) << words;
+    return result.collapsed;
+  };
+  EXPECT_EQ(convertedAt(0), 0U);
+  EXPECT_GT(convertedAt(1000), 10U);
+}
+
 TEST_F(Convert, RefusesWhatItCannotDo) {
   const auto bad = Error::Code::kBadInput;
   expectRefused({.in = kBall, .out = file("a.tiff")}, bad, ".stl, .obj, .ply");

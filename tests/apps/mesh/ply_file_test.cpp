@@ -144,8 +144,9 @@ TEST(PlyFile, HeadersThatCannotBeAreRefused) {
 
 TEST(PlyFile, ValuesThatCannotBeAreRefused) {
   const auto text = [](const std::string& values) { return refusal(withHeader(kPlain, values)); };
-  EXPECT_THAT(text("0 0 0\n1 0 0\n0 1 0\n"), HasSubstr("of its 1 face, number 0 is beyond the file's end"));
-  EXPECT_THAT(text("0 0 0\n1 0 0\n0 1\n3 0 1 2\n"), HasSubstr("number 2 has too few numbers on its line"));
+  EXPECT_THAT(text("0 0 0\n1 0 0\n0 1 0\n"), HasSubstr("of its 1 element \"face\", number 0 is beyond the file's end"));
+  EXPECT_THAT(text("0 0 0\n1 0 0\n0 1\n3 0 1 2\n"),
+              HasSubstr("of its 3 elements \"vertex\", number 2 has too few numbers on its line"));
   EXPECT_THAT(text("0 0 0\n1 0 0\n0 1 0 0\n3 0 1 2\n"), HasSubstr("number 2 has too many numbers on its line"));
   EXPECT_THAT(text("0 0 0\n1 0 x\n0 1 0\n3 0 1 2\n"), HasSubstr("\"x\" where a number should be"));
   EXPECT_THAT(text("0 0 0\n1 0 nan\n0 1 0\n3 0 1 2\n"), HasSubstr("number 1 is not finite"));

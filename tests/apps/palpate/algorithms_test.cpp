@@ -30,9 +30,9 @@ TEST_F(Algorithms, EachGivesAForceOutwardOnceItIsInside) {
 // further out. The table pushes on its foot, at 2.5 voxels, in the first brick.
 TEST_F(Algorithms, HaptizationFeelsAwayFromTheIsosurface) {
   write("way.csv", "time_s,x_m,y_m,z_m\n0,0,0,-0.027\n0.3,0,0,-0.02455\n");
-  expectSuccess(run(
-      quickTouch("phantom:sphere?size=64", {"--algorithm", "haptization", "--path", "way.csv", "--haptization-density",
-                                            "-1000:0:0,-900:2:0", "--haptization-gradient", "0:1"})));
+  expectSuccess(run(quickTouchAlong(
+      "way.csv", "phantom:sphere?size=64",
+      {"--algorithm", "haptization", "--haptization-density", "-1000:0:0,-900:2:0", "--haptization-gradient", "0:1"})));
   const Trace trace = readTrace(file("out/trace.csv"));
   EXPECT_EQ(trace.rows.front().force_N().norm(), 0);
   EXPECT_NEAR(trace.rows.back().force_N().z(), -2, 0.01);

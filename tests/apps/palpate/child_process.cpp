@@ -47,6 +47,12 @@ struct Pipe {
     const rlimit limit = {*command.file_size_limit, *command.file_size_limit};
     setrlimit(RLIMIT_FSIZE, &limit);
   }
+  if (command.process_limit) {
+    constexpr uid_t kNobody = 65534;
+    const rlimit limit = {*command.process_limit, *command.process_limit};
+    setrlimit(RLIMIT_NPROC, &limit);
+    if (geteuid() == 0 && setuid(kNobody) != 0) _exit(126);
+  }
   std::vector<std::string> words = {PALPATE_PROGRAM};
   words.insert(words.end(), command.arguments.begin(), command.arguments.end());
   std::vector<char*> argv;

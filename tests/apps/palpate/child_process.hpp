@@ -16,14 +16,15 @@ struct Command {
   std::filesystem::path folder{};                                  // where it is started
   std::vector<std::pair<std::string, std::string>> environment{};  // in place of what this process has
   std::optional<std::uint64_t> file_size_limit{};                  // of every file that it writes [byte]
-  std::string output_file{};                                       // takes stdout, "" for Outcome::out
-  std::string error_file{};                                        // takes stderr, "" for Outcome::err
-  std::string input_file{};                                        // is stdin; "": this process's
-  bool output_unread = false;                                      // stdout is a pipe whose reader has gone
-  std::vector<int> closed{};                                       // descriptors 0 to 2 that it does not have
-  std::string signal_at{};                                         // words on stderr at which `signals` are sent
-  std::string signal_with{};                                       // a file in `folder` that must be there for it too
-  double signal_delay_s = 0;                                       // behind the words
+  std::optional<std::uint64_t> process_limit{};  // of its user, which is then nobody: the superuser has no limit
+  std::string output_file{};                     // takes stdout, "" for Outcome::out
+  std::string error_file{};                      // takes stderr, "" for Outcome::err
+  std::string input_file{};                      // is stdin; "": this process's
+  bool output_unread = false;                    // stdout is a pipe whose reader has gone
+  std::vector<int> closed{};                     // descriptors 0 to 2 that it does not have
+  std::string signal_at{};                       // words on stderr at which `signals` are sent
+  std::string signal_with{};                     // a file in `folder` that must be there for it too
+  double signal_delay_s = 0;                     // behind the words
   std::vector<int> signals{};
   std::optional<double> signal_after_s{};  // from its start, instead of at words
   double timeout_s = 120;                  // sanitizer builds included; then it is killed

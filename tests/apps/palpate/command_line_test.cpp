@@ -109,6 +109,22 @@ TEST_F(CommandLine, BashCompletesVerbs) {
   EXPECT_THAT(offered({"bench", "s"}), testing::ElementsAre("servo"));
   EXPECT_THAT(offered({"help", "con"}), testing::ElementsAre("convert"));
   EXPECT_THAT(offered({"touch", ""}), testing::IsEmpty());  // then the shell offers files
+  EXPECT_THAT(offered({"completion", ""}), testing::UnorderedElementsAre("bash", "zsh"));
+  EXPECT_THAT(offered({"help", "check", ""}), testing::UnorderedElementsAre("gradient", "filters", "edits", "all"));
+  EXPECT_THAT(offered({"help", "bench", "s"}), testing::ElementsAre("servo"));
+  for (const char* verb : {"touch", "completion", "help"})
+    EXPECT_THAT(offered({"help", verb, ""}), testing::IsEmpty()) << verb;
+}
+
+// bash splits words at '='; where COMP_WORDBREAKS has none, they stay one.
+TEST_F(CommandLine, BashCompletesAValueBehindAnEqualsSign) {
+  EXPECT_THAT(offered({"touch", "--clock", "=", "s"}), testing::ElementsAre("simulated"));
+  EXPECT_THAT(offered({"touch", "--clock", "="}), testing::UnorderedElementsAre("real", "simulated"));
+  EXPECT_THAT(offered({"touch", "--clock=s"}), testing::ElementsAre("--clock=simulated"));
+  EXPECT_THAT(offered({"touch", "--clock="}), testing::UnorderedElementsAre("--clock=real", "--clock=simulated"));
+  EXPECT_THAT(offered({"touch", "a.nrrd", "--algorithm", "=", "h"}),
+              testing::UnorderedElementsAreArray(offered({"touch", "a.nrrd", "--algorithm", "h"})));
+  EXPECT_THAT(offered({"bench", "--json", "=", ""}), testing::IsEmpty());  // then the shell offers files
 }
 
 TEST_F(CommandLine, BashCompletesEveryFlagAndItsWords) {
@@ -140,8 +156,9 @@ TEST_F(CommandLine, ZshTakesItsCompletion) {
   // The functions that a shell offers its completions with are put down as what they were given.
   write("script",
         "compdef() { :; }\nsource ./_palpate\n_describe() { local name=${@[-1]}; print -l -- ${(P)name}; }\n"
-        "compadd() { print -l -- ${(P)2}; }\n_files() { print files; }\n"
-        "for line in 'palpate ' 'palpate touch --' 'palpate touch --clock ' 'palpate bench ' 'palpate info '; do\n"
+        "compadd() { print -l -- ${(P)2}; }\n_files() { print files; }\ncompset() { print -- \"$*\"; }\n"
+        "for line in 'palpate ' 'palpate touch --' 'palpate touch --clock ' 'palpate bench ' 'palpate help bench ' "
+        "'palpate completion ' 'palpate touch --clock=s' 'palpate touch --out=s' 'palpate info '; do\n"
         "  words=(${(s: :)line}); [[ $line == *' ' ]] && words+=('')\n  CURRENT=$#words\n  print \"<$line>\"\n  "
         "_palpate\n"
         "done\n");
@@ -150,6 +167,11 @@ TEST_F(CommandLine, ZshTakesItsCompletion) {
   EXPECT_THAT(offered, HasSubstr("touch:palpate a volume along a path"));
   EXPECT_THAT(offered, HasSubstr("\n--stiffness:stiffness of the contact, K [N/m]"));
   EXPECT_THAT(offered, HasSubstr("<palpate touch --clock >\nreal\nsimulated\n<palpate bench >\nservo:"));
+  EXPECT_THAT(offered, HasSubstr("<palpate help bench >\nservo:"));
+  EXPECT_THAT(offered, HasSubstr("<palpate completion >\nbash:bash or zsh\nzsh:bash or zsh\n"));
+  // The shell offers values for what is left behind '=', of which it knows by compset.
+  EXPECT_THAT(offered, HasSubstr("<palpate touch --clock=s>\n-P *=\nreal\nsimulated\n<palpate touch --out=s>\n"));
+  EXPECT_THAT(offered, HasSubstr("<palpate touch --out=s>\n-P *=\nfiles\n"));
   EXPECT_THAT(offered, testing::EndsWith("<palpate info >\nfiles\n"));
 }
 

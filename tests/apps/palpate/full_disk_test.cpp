@@ -84,6 +84,18 @@ TEST_F(FullDisk, AtALimitOfFilesSizeTheSessionGoesOn) {
   expectAllIsTold(outcome, "");
 }
 
+// The trace of 5000 ticks takes about a MB. It is written as a draft in a hidden folder, which the message does not
+// name.
+TEST_F(FullDisk, AResultIsNamedByItsPlace) {
+  const Outcome outcome = runPalpate({.arguments = {"touch", "phantom:sphere?size=16", "--seconds", "5", "--clock",
+                                                    "simulated", "--picture", "off", "--out", "out"},
+                                      .folder = folder(),
+                                      .file_size_limit = 560'000});
+  expectRefusal(outcome, "palpate: out/trace.csv: cannot be written", "make room", 4);
+  EXPECT_THAT(outcome.err, testing::Not(HasSubstr(".palpate-")));
+  EXPECT_FALSE(exists("out"));
+}
+
 // A file system of 256 KiB that is full.
 TEST_F(FullDisk, OnAFullFileSystemTheSessionGoesOn) {
   const std::filesystem::path disk = file("disk");

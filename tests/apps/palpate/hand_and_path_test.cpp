@@ -14,6 +14,10 @@ class HandAndPath : public ProgramTest {
     expectSuccess(run(quickTouch("phantom:sphere?size=24", more)));
     return readTrace(file("out/trace.csv"));
   }
+  [[nodiscard]] Trace along(const std::string& path) const {
+    expectSuccess(run(quickTouchAlong(path, "phantom:sphere?size=24")));
+    return readTrace(file("out/trace.csv"));
+  }
   static double deepest(const Trace& trace) {
     double depth_m = 0;
     for (const TraceRow& row : trace.rows) depth_m = std::max(depth_m, (row.vhip_W() - row.hip_W()).norm());
@@ -54,9 +58,8 @@ TEST_F(HandAndPath, StifferContactIsPressedLessDeep) {
 // The device of a rigid hand is exactly where the file says, between its rows too when these lie on a straight line.
 TEST_F(HandAndPath, PathFileIsFollowed) {
   write("way.csv", "time_s,x_m,y_m,z_m\n5,0,0,0.02\n5.1,0,0,0.01\n5.2,0,0,0\n");
-  const Trace trace = touch({"--path", "way.csv"});
-  ASSERT_EQ(trace.rows.size(),
-            200U);  // the path's 0.2 s at 1 kHz, not the 0.3 s of --seconds; it begins at its first row
+  const Trace trace = along("way.csv");
+  ASSERT_EQ(trace.rows.size(), 200U);  // the path's 0.2 s at 1 kHz; it begins at its first row
   for (const TraceRow& row : trace.rows) {
     EXPECT_NEAR(row.hip_W().x(), 0, 1e-15);
     EXPECT_NEAR(row.hip_W().z(), 0.02 - 0.1 * row.time_s(), 1e-12) << row.time_s();
@@ -67,7 +70,26 @@ TEST_F(HandAndPath, PathFileIsFollowed) {
 
 TEST_F(HandAndPath, PathFileWithWindowsLineEnds) {
   write("way.csv", "time_s,x_m,y_m,z_m\r\n0,0,0,0.02\r\n0.1,0,0,0.01\r\n");
-  EXPECT_EQ(touch({"--path", "way.csv"}).rows.size(), 100U);
+  EXPECT_EQ(along("way.csv").rows.size(), 100U);
+}
+
+// Excel writes a byte order mark in front of a CSV file in UTF-8.
+TEST_F(HandAndPath, PathFileWithAByteOrderMark) {
+  write("way.csv", "\xEF\xBB\xBFtime_s,x_m,y_m,z_m\r\n0,0,0,0.02\r\n0.1,0,0,0.01\r\n");
+  EXPECT_EQ(along("way.csv").rows.size(), 100U);
+}
+
+// The 0.3 s of --seconds count for nothing, which is told: where the scene names the file too.
+TEST_F(HandAndPath, SecondsHaveNoEffectWithAPathFile) {
+  write("way.csv", "time_s,x_m,y_m,z_m\n0,0,0,0.02\n0.1,0,0,0.01\n");
+  write("s.toml", "volume = 'phantom:sphere?size=24'\npath.file = 'way.csv'\n");
+  for (const Words& words : {quickTouch("phantom:sphere?size=24", {"--path", "way.csv"}), quickTouch("s.toml")}) {
+    const Outcome outcome = run(words);
+    EXPECT_EQ(outcome.status, 0);
+    EXPECT_THAT(errorLines(outcome.err),
+                testing::ElementsAre("palpate: --seconds has no effect: the run is as long as the path of --path"));
+    EXPECT_EQ(readTrace(file("out/trace.csv")).rows.size(), 100U);
+  }
 }
 
 TEST_F(HandAndPath, ThePapersAlgorithmRuns) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Ctrl-C, and what `kill` and `timeout` send, end a run in good order: soon, in one line, with nothing left behind.
+#include <algorithm>
 #include <csignal>
 
 #include <nlohmann/json.hpp>
@@ -14,17 +15,48 @@ namespace interrupt_test {
 
 using testing::HasSubstr;
 
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool kSanitized = true;
+#else
+constexpr bool kSanitized = false;
+#endif
+
+constexpr double kPromised_s = 0.5;  // docs/command-line.md
+constexpr int kTries = 5;
+
+// Whatever else the machine does can only make the time from signal to end longer, so of several times the shortest
+// says most about the program. It is below the promise as soon as any of them is: a first one that is makes more tries
+// needless. The signal comes each time where the stage begins, so that no time is short because the work was nearly
+// done. Sanitized programs take many times as long, and promise nothing.
+void expectSoon(Command command, const Outcome& first) {
+  EXPECT_GT(first.signalled_s, 0) << "no signal was sent";
+  double shortest_s = first.seconds - first.signalled_s;
+  for (int tries = 1; tries < kTries && shortest_s >= kPromised_s && !kSanitized; ++tries) {
+    const TemporaryFolder fresh;
+    command.folder = fresh.path();
+    const Outcome again = runPalpate(command);
+    EXPECT_EQ(again.status, 130) << again.err;
+    shortest_s = std::min(shortest_s, again.seconds - again.signalled_s);
+  }
+  if (!kSanitized) {
+    EXPECT_LT(shortest_s, kPromised_s);
+  }
+}
+
 class Interrupt : public ProgramTest {
  protected:
+  [[nodiscard]] Command touching(const Words& more, const std::string& at, const std::vector<int>& signals,
+                                 const std::string& with = "") const {
+    return {.arguments = Words{"touch", "phantom:sphere?size=24", "--picture", "off", "--out", "a/out"} + more,
+            .folder = folder(),
+            .signal_at = at,
+            .signal_with = with,
+            .signal_delay_s = at == "palpating" ? 0.2 : 0,  // some ticks
+            .signals = signals};
+  }
   [[nodiscard]] Outcome interrupted(const Words& more, const std::string& at, const std::vector<int>& signals,
                                     const std::string& with = "") const {
-    return runPalpate(
-        {.arguments = Words{"touch", "phantom:sphere?size=24", "--picture", "off", "--out", "a/out"} + more,
-         .folder = folder(),
-         .signal_at = at,
-         .signal_with = with,
-         .signal_delay_s = at == "palpating" ? 0.2 : 0,  // some ticks
-         .signals = signals});
+    return runPalpate(touching(more, at, signals, with));
   }
   void expectNothing(const Outcome& outcome) const {
     expectRefusal(outcome, "palpate touch", "stopped by the user", 130);
@@ -57,20 +89,24 @@ class Interrupt : public ProgramTest {
 };
 
 TEST_F(Interrupt, OfARunInRealTime) {
-  expectKept(interrupted({"--seconds", "600"}, "palpating", {SIGINT}), 600);
+  const Command command = touching({"--seconds", "600"}, "palpating", {SIGINT});
+  const Outcome outcome = runPalpate(command);
+  expectKept(outcome, 600);
+  expectSoon(command, outcome);
 }
 
 TEST_F(Interrupt, OfARunOnTheSimulatedClock) {
-  // However many ticks the machine makes of the time until the signal.
+  // However many ticks the machine makes of the time until the signal. All are in the trace, so no time is promised.
   const Words run_of = {"--seconds", "120", "--rate", "20000", "--clock", "simulated", "--stopped-trace", "1000000000"};
   expectKept(interrupted(run_of, "palpating", {SIGINT}), 120);
 }
 
 // A long trace would keep the user waiting: it is left out, which is told with the flag that brings it. What goes on is
-// told at once.
+// told at once. So the simulated servo and the report of what it felt end within the time that is promised.
 TEST_F(Interrupt, OfALongRunLeavesTheTraceOut) {
   const Words run_of = {"--seconds", "2000", "--rate", "1000", "--clock", "simulated", "--stopped-trace", "1"};
-  const Outcome outcome = interrupted(run_of, "palpating", {SIGINT});
+  const Command command = touching(run_of, "palpating", {SIGINT});
+  const Outcome outcome = runPalpate(command);
   expectRefusal(outcome, "palpate touch", "s of 2000 s, without trace.csv (--stopped-trace ", 130);
   EXPECT_THAT(outcome.err, testing::ContainsRegex("stopping: writing the report of [0-9]+ ticks; Ctrl-C again gives it "
                                                   "up \\.\\.\\.\n"));
@@ -81,22 +117,25 @@ TEST_F(Interrupt, OfALongRunLeavesTheTraceOut) {
   EXPECT_THAT(summary["ended_early"].get<std::string>(), HasSubstr(flag));
   EXPECT_THAT(summary["verdict"].get<std::string>(), HasSubstr(flag));
   EXPECT_EQ(summary["files"], (nlohmann::json{"a/out/report.html", "a/out/summary.json"}));
+  expectSoon(command, outcome);
 }
 
-// The run is whole, and its trace takes seconds to write: it is given up, at the first request.
+// The run is whole, and its trace takes some 2 us a tick to write: it is given up, at the first request.
 TEST_F(Interrupt, OfALongTrace) {
-  const Outcome outcome =
-      runPalpate({.arguments = {"touch", "phantom:sphere?size=24", "--picture", "off", "--seconds", "100", "--rate",
-                                "20000", "--clock", "simulated", "--out", "out", "--stopped-trace", "1000"},
-                  .folder = folder(),
-                  .signal_at = "writing out",
-                  .signals = {SIGINT}});
+  const Command command = {
+      .arguments = {"touch", "phantom:sphere?size=24", "--picture", "off", "--seconds", "20", "--rate", "20000",
+                    "--clock", "simulated", "--out", "out", "--stopped-trace", "1000"},
+      .folder = folder(),
+      .signal_at = "writing out",
+      .signals = {SIGINT}};
+  const Outcome outcome = runPalpate(command);
   expectRefusal(outcome, "palpate touch",
-                "stopped by the user after the run, without trace.csv (--stopped-trace 2000000 writes it", 130);
+                "stopped by the user after the run, without trace.csv (--stopped-trace 400000 writes it", 130);
   EXPECT_FALSE(exists("out/trace.csv"));
   const auto summary = nlohmann::json::parse(contentsOf(file("out/summary.json")));
-  EXPECT_EQ(summary["servo"]["ticks"], 2'000'000);
+  EXPECT_EQ(summary["servo"]["ticks"], 400'000);
   EXPECT_EQ(summary["files"].size(), 2U);
+  expectSoon(command, outcome);
 }
 
 TEST_F(Interrupt, BeforeTheRunBegins) {
@@ -105,11 +144,12 @@ TEST_F(Interrupt, BeforeTheRunBegins) {
 
 // The run is whole, its picture is not begun or not finished: a picture of many megapixels in which nothing is skipped.
 TEST_F(Interrupt, OfThePicture) {
-  const Outcome outcome = runPalpate({.arguments = {"touch", "phantom:sphere?size=64", "--seconds", "0.3", "--clock",
-                                                    "simulated", "--width", "3840", "--height", "3840", "--out", "out"},
-                                      .folder = folder(),
-                                      .signal_at = "drawing",
-                                      .signals = {SIGINT}});
+  const Command command = {.arguments = {"touch", "phantom:sphere?size=64", "--seconds", "0.3", "--clock", "simulated",
+                                         "--width", "3840", "--height", "3840", "--out", "out"},
+                           .folder = folder(),
+                           .signal_at = "drawing",
+                           .signals = {SIGINT}};
+  const Outcome outcome = runPalpate(command);
   expectRefusal(outcome, "palpate touch",
                 "stopped by the user after the run, before the picture; what was felt is in out", 130);
   EXPECT_FALSE(exists("out/view.png"));
@@ -117,6 +157,19 @@ TEST_F(Interrupt, OfThePicture) {
   EXPECT_EQ(summary["ended_early"], "stopped by the user after the run, before the picture");
   EXPECT_EQ(summary["servo"]["ticks"], 300);
   EXPECT_EQ(summary["files"].size(), 3U);
+  expectSoon(command, outcome);
+}
+
+// Of noise, whose surface is everywhere: a mesh of seconds. The mesher does not look, so it is ended from outside.
+TEST_F(Interrupt, OfAMesh) {
+  const Command command = {.arguments = {"convert", "phantom:random?size=128", "o.ply"},
+                           .folder = folder(),
+                           .signal_at = "meshing",
+                           .signals = {SIGINT}};
+  const Outcome outcome = runPalpate(command);
+  expectRefusal(outcome, "palpate convert", "stopped by the user", 130);
+  EXPECT_FALSE(exists("o.ply"));
+  expectSoon(command, outcome);
 }
 
 // A run that nobody stops says nothing of it.
@@ -129,23 +182,26 @@ TEST_F(Interrupt, IsNotToldWhereThereWasNone) {
 
 // While the engine begins: a diffusion of minutes.
 TEST_F(Interrupt, OfTheFiltersOfARun) {
-  const Outcome outcome =
-      runPalpate({.arguments = {"touch", "phantom:knot?size=160&noise=0.05", "--picture", "off", "--filter",
-                                "diffuse:500:kappa=100 diffuse:500:kappa=100", "--out", "a/out"},
-                  .folder = folder(),
-                  .signal_at = "computing on Vulkan: filter",
-                  .signals = {SIGINT}});
+  const Command command = {.arguments = {"touch", "phantom:knot?size=160&noise=0.05", "--picture", "off", "--filter",
+                                         "diffuse:500:kappa=100 diffuse:500:kappa=100", "--out", "a/out"},
+                           .folder = folder(),
+                           .signal_at = "computing on Vulkan: filter",
+                           .signals = {SIGINT}};
+  const Outcome outcome = runPalpate(command);
   expectNothing(outcome);
+  expectSoon(command, outcome);
 }
 
 TEST_F(Interrupt, OfACheck) {
-  const Outcome outcome = runPalpate({.arguments = {"check", "all"},
-                                      .folder = folder(),
-                                      .environment = {{"PALPATE_DATA", folder().string()}},
-                                      .signal_at = "checking",
-                                      .signals = {SIGINT}});
+  const Command command = {.arguments = {"check", "all"},
+                           .folder = folder(),
+                           .environment = {{"PALPATE_DATA", folder().string()}},
+                           .signal_at = "checking",
+                           .signals = {SIGINT}};
+  const Outcome outcome = runPalpate(command);
   expectRefusal(outcome, "palpate check", "stopped by the user", 130);
   EXPECT_LT(outcome.seconds, 30);
+  expectSoon(command, outcome);
 }
 
 // `timeout` signals its child and then the child's group, so one request arrives twice.
@@ -179,13 +235,15 @@ TEST_F(Interrupt, OfARecovery) {
       writer.edit({&command, 1});
     }
   }
-  const Outcome outcome = runPalpate({.arguments = {"recover", "journal", "--out", "back.vdb"},
-                                      .folder = folder(),
-                                      .signal_at = "applying the edits",
-                                      .signals = {SIGINT},
-                                      .timeout_s = 30});
+  const Command command = {.arguments = {"recover", file("journal").string(), "--out", "back.vdb"},
+                           .folder = folder(),
+                           .signal_at = "applying the edits",
+                           .signals = {SIGINT},
+                           .timeout_s = 30};
+  const Outcome outcome = runPalpate(command);
   expectRefusal(outcome, "palpate recover", "stopped by the user", 130);
   EXPECT_FALSE(exists("back.vdb"));
+  expectSoon(command, outcome);
 }
 
 // Before the first edit nothing hinders the same command from being given again.

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // palpate touch --edit, --journal and palpate recover, as a user gives them.
+#include <csignal>
+
 #include <nlohmann/json.hpp>
 
 #include "engine/files/volume_file.hpp"
@@ -159,6 +161,32 @@ double objectVoxels(const Volume& volume) {
 
 std::string contentOf(const std::filesystem::path& volume) {
   return fmt::format("{:016x}", contentHash(loadVolume(volume.string())));
+}
+
+// Ctrl-C on the way to the surface, which takes 90 s here. The journal has no record: it is deleted and not named. Nor
+// is the path to blame.
+TEST_F(LiveEdits, ARunThatEndsBeforeTheSurfaceNamesNoJournal) {
+  Words words = touch(kDrill + Words{"--journal", "journal", "--save", "sculpted.vdb"}, "real");
+  words[3] = "600";
+  const Outcome outcome = runPalpate(
+      {.arguments = words, .folder = folder(), .signal_at = "palpating", .signal_delay_s = 0.2, .signals = {SIGINT}});
+  expectRefusal(outcome, "palpate touch", "what was felt is in out", 130);
+  EXPECT_FALSE(std::filesystem::exists(journalFile(file("journal"))));
+  EXPECT_THAT(outcome.out, testing::Not(HasSubstr("journal")));
+  EXPECT_THAT(outcome.err, testing::Not(HasSubstr("journal")));
+  EXPECT_THAT(outcome.out, HasSubstr("Note      nothing was touched: the run ended before the tool came to the"));
+  EXPECT_EQ(summary()["edits"]["journal_bytes"], 0);
+  EXPECT_THAT(contentsOf(file("out/report.html")), testing::Not(HasSubstr("records acknowledged")));
+}
+
+// In the corner of the volume, 26 mm from the middle of a ball in a volume of 32 mm.
+TEST_F(LiveEdits, AWholeRunWithoutAnEditKeepsItsJournal) {
+  write("way.csv", "time_s,x_m,y_m,z_m\n0,0.015,0.015,0.015\n0.1,0.015,0.015,0.014\n");
+  const Outcome outcome = run(quickTouchAlong("way.csv", kVolume, kDrill + Words{"--journal", "journal"}));
+  expectSuccess(outcome);
+  EXPECT_THAT(outcome.out, HasSubstr("; 0 of 0 journal records saved in journal, "));
+  EXPECT_THAT(outcome.out, HasSubstr("Note      nothing was touched: the path meets no surface"));
+  EXPECT_EQ(summary()["edits"]["journal_bytes"], std::filesystem::file_size(journalFile(file("journal"))));
 }
 
 // A run says what it made of the volume, in the words of the verbs that make the same of its journal.

@@ -16,7 +16,7 @@ class Objects : public ProgramTest {
   void writeWay() const { write("way.csv", "time_s,x_m,y_m,z_m\n0,0.1,0,0.01\n0.1,0.1,0,0\n0.2,0.1,0,-0.005\n"); }
   [[nodiscard]] Trace touch(const Words& more) const {
     writeWay();
-    expectSuccess(run(quickTouch("phantom:sphere?size=16", Words{"--path", "way.csv"} + more)));
+    expectSuccess(run(quickTouchAlong("way.csv", "phantom:sphere?size=16", more)));
     return readTrace(file("out/trace.csv"));
   }
 };

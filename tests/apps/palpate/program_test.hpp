@@ -25,6 +25,11 @@ inline Words quickTouch(const std::string& volume, const Words& more = {}) {
   return Words{"touch", volume, "--seconds", "0.3", "--clock", "simulated", "--picture", "off", "--out", "out"} + more;
 }
 
+// The same along a path file, which says how long the run is.
+inline Words quickTouchAlong(const std::string& path, const std::string& volume, const Words& more = {}) {
+  return Words{"touch", volume, "--path", path, "--clock", "simulated", "--picture", "off", "--out", "out"} + more;
+}
+
 // The lines of stderr that are no progress ("loading x ...").
 inline Words errorLines(const std::string& err) {
   Words lines;

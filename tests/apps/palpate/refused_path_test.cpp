@@ -39,7 +39,7 @@ class RefusedPath : public ProgramTest, public testing::WithParamInterface<BadPa
 
 TEST_P(RefusedPath, InOneLineAndWithoutAnOutputFolder) {
   write("way.csv", GetParam().text);
-  const Outcome outcome = run(quickTouch("phantom:sphere?size=16", {"--path", "way.csv"}));
+  const Outcome outcome = run(quickTouchAlong("way.csv", "phantom:sphere?size=16"));
   expectRefusal(outcome, GetParam().input, GetParam().reason, GetParam().status);
   EXPECT_FALSE(exists("out"));
 }
@@ -51,10 +51,9 @@ class RefusedPathFile : public ProgramTest {};
 
 TEST_F(RefusedPathFile, MissingOrNoFile) {
   std::filesystem::create_directory(file("way"));
-  expectRefusal(run(quickTouch("phantom:sphere?size=16", {"--path", "nowhere.csv"})), "nowhere.csv", "does not exist",
-                3);
-  expectRefusal(run(quickTouch("phantom:sphere?size=16", {"--path", "way"})), "way", "cannot be read", 4);
-  expectRefusal(run(quickTouch("phantom:sphere?size=16", {"--path", std::string(300, 'a')})), "aaa", "too long", 4);
+  expectRefusal(run(quickTouchAlong("nowhere.csv", "phantom:sphere?size=16")), "nowhere.csv", "does not exist", 3);
+  expectRefusal(run(quickTouchAlong("way", "phantom:sphere?size=16")), "way", "cannot be read", 4);
+  expectRefusal(run(quickTouchAlong(std::string(300, 'a'), "phantom:sphere?size=16")), "aaa", "too long", 4);
   EXPECT_FALSE(exists("out"));
 }
 
@@ -62,7 +61,7 @@ TEST_F(RefusedPathFile, MissingOrNoFile) {
 // int.
 TEST_F(RefusedPathFile, FarAwayPointsAreFollowedWithoutAForce) {
   write("way.csv", kHeader + "0,1e15,0,0\n0.1,1e15,0,0\n");
-  expectSuccess(run(quickTouch("phantom:sphere?size=16", {"--path", "way.csv"})));
+  expectSuccess(run(quickTouchAlong("way.csv", "phantom:sphere?size=16")));
 }
 
 }  // namespace refused_path_test

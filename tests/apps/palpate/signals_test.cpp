@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <csignal>
 #include <cstdlib>
+#include <optional>
 #include <random>
 
 #include <nlohmann/json.hpp>
@@ -53,8 +54,41 @@ const Words kWork[] = {
     {"info", "phantom:head?size=256"},
 };
 
+constexpr double kPromised_s = 0.5;  // docs/command-line.md
+constexpr int kTries = 5;
+
 class Signals : public ProgramTest {
  protected:
+  // From request to end [s]; nothing where the work was done before, or had not begun.
+  [[nodiscard]] std::optional<double> endAfter(const Words& work, int signal, double after_s) const {
+    makeReady();
+    const Outcome outcome = runPalpate({.arguments = work,
+                                        .folder = folder(),
+                                        .environment = {{"TMPDIR", file("tmp").string()}},
+                                        .signals = {signal},
+                                        .signal_after_s = after_s});
+    EXPECT_FALSE(outcome.timed_out);
+    // In its first milliseconds it is as any program; a verb may be done before its moment.
+    const bool ended_by_itself = outcome.status == 0 || (outcome.signal == signal && outcome.err.empty());
+    if (!ended_by_itself) expectRefusal(outcome, "palpate " + work[0], "stopped by the user", 130);
+    expectWholeOrNotThere();
+    if (ended_by_itself) return std::nullopt;
+    const double end_s = outcome.seconds - outcome.signalled_s;
+    if (!kSanitized) {
+      EXPECT_LT(end_s, 10 * kPromised_s) << "no machine does so much else";
+    }
+    return end_s;
+  }
+  // Whatever else the machine does can only make the time longer, so of several the shortest says most about the
+  // program: what took longer than is promised is tried again, a few times. Sanitized programs take many times as long.
+  [[nodiscard]] std::optional<double> shortestEndAfter(const Words& work, int signal, double after_s) const {
+    std::optional<double> shortest_s = endAfter(work, signal, after_s);
+    for (int tries = 1; tries < kTries && shortest_s && *shortest_s >= kPromised_s && !kSanitized; ++tries) {
+      const std::optional<double> again_s = endAfter(work, signal, after_s);
+      if (again_s) shortest_s = std::min(*shortest_s, *again_s);
+    }
+    return shortest_s;
+  }
   void makeReady() const {
     for (const char* name : {"out", "journal", "o.nrrd", "o.ply", "o.nii.gz", "o.vdb", "o.json", "s.nrrd", "tmp"})
       fs::remove_all(file(name));
@@ -93,17 +127,12 @@ class Signals : public ProgramTest {
   }
 };
 
-// Half a second is promised, of which 0.15 s are waited for work that cannot look. A machine that does much else, as
-// under a test run, takes a few times as long for the rest: ten times the promise is no noise.
-void expectSoon(std::vector<double> ends_s) {
+void tell(std::vector<double> ends_s) {
   if (ends_s.empty()) return;
   std::sort(ends_s.begin(), ends_s.end());
   const double median_s = ends_s[ends_s.size() / 2], worst_s = ends_s.back();
   fmt::print("a request ends the work in {:.0f} ms (median of {}), {:.0f} ms at most\n", 1e3 * median_s, ends_s.size(),
              1e3 * worst_s);
-  if (!kSanitized) {
-    EXPECT_LT(worst_s, 5);
-  }
 }
 
 TEST_F(Signals, AtAnyMomentEndTheWorkInGoodOrder) {
@@ -115,20 +144,14 @@ TEST_F(Signals, AtAnyMomentEndTheWorkInGoodOrder) {
     const int signal = std::array{SIGINT, SIGTERM, SIGHUP}[static_cast<std::size_t>(i) % 3];
     const double after_s = std::uniform_real_distribution(0.0, 1.5)(random);
     SCOPED_TRACE(fmt::format("{} {} stopped by {} after {:.3f} s", work[0], work[1], signal, after_s));
-    makeReady();
-    const Outcome outcome = runPalpate({.arguments = work,
-                                        .folder = folder(),
-                                        .environment = {{"TMPDIR", file("tmp").string()}},
-                                        .signals = {signal},
-                                        .signal_after_s = after_s});
-    EXPECT_FALSE(outcome.timed_out);
-    // In its first milliseconds it is as any program; a verb may be done before its moment.
-    const bool ended_by_itself = outcome.status == 0 || (outcome.signal == signal && outcome.err.empty());
-    if (!ended_by_itself) expectRefusal(outcome, "palpate " + work[0], "stopped by the user", 130);
-    if (!ended_by_itself) ends_s.push_back(outcome.seconds - outcome.signalled_s);
-    expectWholeOrNotThere();
+    const std::optional<double> end_s = shortestEndAfter(work, signal, after_s);
+    if (!end_s) continue;
+    if (!kSanitized) {
+      EXPECT_LT(*end_s, kPromised_s);
+    }
+    ends_s.push_back(*end_s);
   }
-  expectSoon(ends_s);
+  tell(ends_s);
 }
 
 // What the test above takes for whole is whole, and half of it is not.

@@ -42,6 +42,77 @@ TEST_F(Verbs, HelpOfEachSaysWhatItDoes) {
   }
 }
 
+// Names of phantoms with keys that stand without quotes: a shell takes '?' and '&' for itself.
+Words unquotedPhantoms(const std::string& text) {
+  Words found;
+  for (std::size_t at = text.find("phantom:"); at != std::string::npos; at = text.find("phantom:", at + 1)) {
+    const std::string name = text.substr(at, text.find_first_of(" \n,;)`'\"", at) - at);
+    if (name.find('?') != std::string::npos && (at == 0 || text[at - 1] != '\'')) found.push_back(name);
+  }
+  return found;
+}
+
+TEST_F(Verbs, ExamplesCanBeGivenToAShell) {
+  EXPECT_THAT(unquotedPhantoms("palpate touch phantom:box?size=8\npalpate info 'phantom:box?size=8'"),
+              testing::ElementsAre("phantom:box?size=8"));
+  const std::string program = run({"--help"}).out;
+  EXPECT_THAT(unquotedPhantoms(program), testing::IsEmpty());
+  for (const Words& verb : {Words{"touch"}, Words{"edit"}, Words{"recover"}, Words{"info"}, Words{"convert"},
+                            Words{"gradient"}, Words{"filter"}, Words{"check", "gradient"}, Words{"check", "filters"},
+                            Words{"check", "edits"}, Words{"check", "all"}, Words{"bench", "servo"}, Words{"plan"}}) {
+    EXPECT_THAT(unquotedPhantoms(run(verb + Words{"--help"}).out), testing::IsEmpty()) << verb.back();
+  }
+  std::vector<std::filesystem::path> pages = {std::filesystem::path(PALPATE_DOCS).parent_path() / "README.md"};
+  for (const auto& entry : std::filesystem::directory_iterator(PALPATE_DOCS)) {
+    if (entry.path().extension() == ".md") pages.push_back(entry.path());
+  }
+  ASSERT_GT(pages.size(), 10U);
+  for (const std::filesystem::path& page : pages) {
+    std::istringstream lines(contentsOf(page));
+    for (std::string line; std::getline(lines, line);) {
+      if (line.find("palpate ") == std::string::npos) continue;
+      EXPECT_THAT(unquotedPhantoms(line), testing::IsEmpty()) << page << ": " << line;
+    }
+  }
+}
+
+// Coordinates of a file in RAS are turned to LPS, which makes of its origin at 0 one at -0.
+TEST_F(Verbs, InfoHasNoMinusBeforeAZero) {
+  write("a.nrrd",
+        "NRRD0004\ntype: float\ndimension: 3\nsizes: 2 2 2\nspace: right-anterior-superior\nspace directions: (1,0,0) "
+        "(0,1,0) (0,0,1)\nspace origin: (0,0,0)\nencoding: ascii\n\n0 1 2 3 4 5 6 7\n");
+  const Outcome outcome = run({"info", "a.nrrd"});
+  expectSuccess(outcome);
+  EXPECT_THAT(outcome.out, HasSubstr("origin       0, 0, 0 mm (LPS)"));
+  EXPECT_THAT(outcome.out, HasSubstr("places       x -1 to 0, y -1 to 0, z 0 to 1 mm"));
+  EXPECT_THAT(outcome.out, HasSubstr("axes         i (-1, 0, 0)  j (0, -1, 0)"));
+}
+
+// 64 voxels with so many slices, in steps of so many millimetres.
+std::string smallNrrd(const std::string& sizes, const std::string& step_mm) {
+  std::string text = "NRRD0004\ntype: float\ndimension: 3\nsizes: " + sizes + "\nspacings: " + step_mm + " " + step_mm +
+                     " " + step_mm + "\nencoding: ascii\n\n";
+  for (int n = 0; n < 64; ++n) text += std::to_string(n) + " ";
+  return text;
+}
+
+// A remedy that is in force already is none.
+TEST_F(Verbs, ConvertNamesNoUnitThatIsInForce) {
+  write("tiny.nrrd", smallNrrd("4 4 4", "1e-7"));
+  for (const Words& unit : {Words{}, Words{"--unit", "mm"}, Words{"--unit", "m"}}) {
+    const Outcome outcome = run(Words{"convert", "tiny.nrrd", "x.vdb"} + unit);
+    EXPECT_EQ(outcome.status, 2) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr("too small for OpenVDB in this unit of length; "));
+    EXPECT_EQ(outcome.err.find("use --unit mm") != std::string::npos, unit == (Words{"--unit", "m"})) << outcome.err;
+  }
+}
+
+// What it has in common with touch is no reason to speak of that.
+TEST_F(Verbs, ConvertOfOneSliceSpeaksOfItsSurface) {
+  write("slice.nrrd", smallNrrd("8 8 1", "1"));
+  expectRefusal(run({"convert", "slice.nrrd", "x.stl"}), "slice.nrrd", "and a surface needs two along every axis", 2);
+}
+
 // A ramp of floats, two of which are no numbers.
 std::string rampWithNan() {
   std::vector<float> values(12 * 12 * 12);

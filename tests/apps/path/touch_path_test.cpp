@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/path/touch_path.hpp"
 
+#include <numbers>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -208,6 +210,25 @@ TEST(TouchPath, SlidesWhereTheSurfaceBendsLeast) {
   }
 }
 
+// The start is on the crest of a wave near the border. Across the waves there is room for 22 mm: enough for a slide of
+// 20 mm, which bends in each of them. Along the crest it would not bend at all, but there are only 12 mm, and slantwise
+// 17 mm, 18 mm up and down the waves. A slide that bends less is not taken for one that goes farther.
+TEST(TouchPath, SlidesFarRatherThanStraight) {
+  for (const int axis : {0, 1}) {
+    const AnalyticField waves(
+        [&](const Vec3& p) { return 0.5e-3 * std::cos(2 * std::numbers::pi / 6e-3 * (p[axis] + 10e-3)) - p.z(); },
+        12e-3, kVoxel_m);
+    PathRequest request;
+    request.start_W = -10e-3 * Vec3::Unit(axis) + 1e-3 * Vec3::UnitZ();
+    request.slide_length_m = 20e-3;
+    const TouchPath path = buildTouchPath(waves, request);
+    EXPECT_NEAR(path.slid_m, 20e-3, 1e-12);
+    EXPECT_GT(path.slide_W[axis], 0.99);
+    request.slide_W = Vec3::Unit(1 - axis);  // as it might have been
+    EXPECT_NEAR(buildTouchPath(waves, request).slid_m, 12e-3, kVoxel_m);
+  }
+}
+
 // Over the middle of a wide plate hangs a smaller one: under it there is no room to come from, beside it there is.
 TEST(TouchPath, StartsWhereThereIsRoomToComeFrom) {
   const AnalyticField field(
@@ -334,6 +355,9 @@ TEST(TouchPath, RefusesLengthsOfVeryManyVoxels) {
     expectRefusal(tiny, request, "path approach");
     request.approach_m = 5 * voxel_m;
     EXPECT_NEAR(buildTouchPath(tiny, request).slid_m, 10 * voxel_m, 1e-9 * voxel_m);
+    request.press_depth_m = 122 * voxel_m;  // the volume is 121 long
+    expectRefusal(tiny, request, "path press depth");
+    request.press_depth_m = voxel_m;
     request.start_W = Vec3(0, 0, 31 * voxel_m);
     EXPECT_NEAR(buildTouchPath(tiny, request).start.p_W.norm(), 30 * voxel_m, 1e-3 * voxel_m);
   }

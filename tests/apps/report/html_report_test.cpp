@@ -85,6 +85,17 @@ TEST(Report, SaysWhatTheEditsDid) {
   EXPECT_THAT(makeReport(run, "PNG"), Not(HasSubstr("<section id=\"edits\">")));
 }
 
+TEST(Report, AJournalThatIsNotThereHasNoRow) {
+  TouchRun run = sampleRun();
+  run.scene.journal = "kept";
+  const std::string row = "<th scope=\"row\">journal</th>";
+  ASSERT_THAT(makeReport(run, "PNG"), HasSubstr(row));
+  run.edits->journal_records = run.edits->journal_saved = run.edits->journal_bytes = 0;
+  const std::string page = makeReport(run, "PNG");
+  EXPECT_THAT(page, Not(HasSubstr(row)));
+  EXPECT_THAT(page, Not(HasSubstr("records acknowledged")));
+}
+
 TEST(Report, TheHeadingAndTheKeyFiguresNameTheEdits) {
   TouchRun run = sampleRun();
   run.edits->added_m3 = -12.3e-9;

@@ -56,6 +56,20 @@ TEST(Words, ClosingSummaryHasTheContentAsRecoverPrintsIt) {
   EXPECT_THAT(closingSummary(run), HasSubstr("; 1 of 1 journal record saved in kept"));
 }
 
+// One without a record is deleted where the run ends early, or where it failed.
+TEST(Words, AJournalThatIsNotThereIsNotNamed) {
+  TouchRun run = sampleRun();
+  run.scene.journal = "kept";
+  run.edits->journal_records = run.edits->journal_saved = run.edits->journal_bytes = 0;
+  EXPECT_THAT(closingSummary(run), Not(HasSubstr("journal")));
+  EXPECT_THAT(closingSummary(run), Not(HasSubstr("kept")));
+  run.edits->journal_records = 3;
+  EXPECT_THAT(closingSummary(run), HasSubstr("; 0 of 3 journal records saved\n"));
+  run.edits->journal_records = 0;
+  run.edits->journal_bytes = 241;  // nothing was edited until the end: it stays
+  EXPECT_THAT(closingSummary(run), HasSubstr("; 0 of 0 journal records saved in kept, 241 B\n"));
+}
+
 TEST(Words, ARunThatWasStoppedSaysSoFirst) {
   TouchRun run = sampleRun();
   const std::string verdict = verdictOf(run);

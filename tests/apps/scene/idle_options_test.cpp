@@ -58,7 +58,7 @@ TEST(IdleOptions, EachIsToldWhereNothingUsesItAndNowhereElse) {
       {[](Scene& s) { s.algorithm = "blezek"; }, standard, {"--n"}},
       {[](Scene& s) { s.path_file = "a.csv"; },
        standard,
-       {"--toward", "--start", "--slide-toward", "--edges", "--depth", "--slide", "--approach"}},
+       {"--seconds", "--toward", "--start", "--slide-toward", "--edges", "--depth", "--slide", "--approach"}},
       {[](Scene& s) { s.picture = false; }, standard, {"--width", "--height"}},
       {[](Scene& s) { s.trace = false; }, standard, {"--stopped-trace"}},
   };

@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "base/error.hpp"
+#include "tests/support/refusal.hpp"
+#include "tests/support/typo.hpp"
 
 namespace palpate {
 namespace object_table_test {
@@ -52,11 +54,11 @@ TEST(ObjectTable, TextsComeBack) {
 TEST(ObjectTable, SaysWhatIsWrongWithAnObject) {
   EXPECT_THAT(refusal("cone:radius=2"), HasSubstr("there is no object of kind 'cone'; use plane, sphere, box or mesh"));
   EXPECT_THAT(refusal(""), HasSubstr("there is no object of kind ''"));
-  EXPECT_THAT(refusal("sphere:size=1,1,1"), HasSubstr("a sphere has no 'size'; it takes centre_mm, radius_mm"));
+  EXPECT_THAT(refusal("sphere:size=1,1,1"), HasSubstr("a sphere has no 'size'; it takes centre, radius"));
   EXPECT_THAT(refusal("sphere:radius"), HasSubstr("'radius' has no value"));
   EXPECT_THAT(refusal("sphere:radius:centre=1,2,3"), HasSubstr("'radius' has no value"));
-  EXPECT_THAT(refusal("sphere"), HasSubstr("a sphere needs 'radius_mm'; give a number"));
-  EXPECT_THAT(refusal("box:centre=1,2,3"), HasSubstr("a box needs 'size_mm'; give x,y,z"));
+  EXPECT_THAT(refusal("sphere"), HasSubstr("a sphere needs 'radius'; give a number"));
+  EXPECT_THAT(refusal("box:centre=1,2,3"), HasSubstr("a box needs 'size'; give x,y,z"));
   EXPECT_THAT(refusal("plane:point=1,2,3"), HasSubstr("a plane needs 'normal'"));
   EXPECT_THAT(refusal("mesh:unit=mm"), HasSubstr("a mesh needs 'file'"));
   EXPECT_THAT(refusal("mesh:file="), HasSubstr("is not what it takes"));
@@ -69,6 +71,22 @@ TEST(ObjectTable, SaysWhatIsWrongWithAnObject) {
   EXPECT_THAT(refusal("plane:normal=0,0,0"), HasSubstr("the normal is zero"));
   EXPECT_THAT(refusal("mesh:scale=0:file=a.stl"), HasSubstr("the scale is not positive"));
   EXPECT_THAT(refusal("mesh:unit=ell:file=a.stl"), HasSubstr("the unit 'ell' is not known; use mm, cm, m or in"));
+}
+
+TEST(ObjectTable, AKindOrAKeyWithATypoIsRecognised) {
+  forEachTypo({"plane", "sphere", "box", "mesh"}, [](const std::string& kind, const std::string& typed) {
+    EXPECT_THAT(suggestedIn(refusal(typed + ":radius=2")), HasSubstr(kind)) << typed;
+  });
+  EXPECT_EQ(suggestedIn(refusal("sphere:radus=5")), "radius");
+}
+
+// A scene file has other names for them.
+TEST(ObjectTable, NamesKeysAsTheyAreInAFile) {
+  const auto inFile = [](const std::vector<std::pair<std::string, std::string>>& keys) {
+    return refusalOf([&] { static_cast<void>(makeObjectSpec("sphere", keys, "a.toml:1: object")); });
+  };
+  EXPECT_EQ(inFile({}), "a.toml:1: object: a sphere needs 'radius_mm'; give a number");
+  EXPECT_EQ(inFile({{"size_mm", "5"}}), "a.toml:1: object: a sphere has no 'size_mm'; it takes centre_mm, radius_mm");
 }
 
 TEST(ObjectTable, TheDocumentHasARowForEachKey) {

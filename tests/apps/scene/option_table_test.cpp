@@ -9,7 +9,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "base/nearest_word.hpp"
 #include "servo/algorithms/registry.hpp"
+#include "tests/support/typo.hpp"
 
 namespace palpate {
 namespace option_table_test {
@@ -23,6 +25,14 @@ TEST(OptionTable, FlagsAndKeysAreUnique) {
     EXPECT_THAT(option.key, testing::MatchesRegex("([a-z]+[.])?[a-z][A-Za-z_]*"));
     EXPECT_STRNE(option.help, "") << option.flag;
   }
+}
+
+TEST(OptionTable, AFlagWithATypoIsRecognised) {
+  std::vector<std::string> flags;
+  for (const SceneOption& option : sceneOptions()) flags.emplace_back(option.flag);
+  forEachTypo(flags, [&](const std::string& flag, const std::string& typed) {
+    EXPECT_THAT(nearestWords(typed, flags), testing::Contains(flag)) << typed;
+  });
 }
 
 TEST(OptionTable, HasTheFlagsThatArePromised) {

@@ -9,6 +9,8 @@
 
 #include "apps/scene/option_table.hpp"
 #include "base/error.hpp"
+#include "tests/support/refusal.hpp"
+#include "tests/support/typo.hpp"
 
 namespace palpate {
 namespace option_value_test {
@@ -35,7 +37,7 @@ void expectRefused(const SceneOption& option, const std::string& text) {
     EXPECT_EQ(error.code(), Error::Code::kBadInput);
     EXPECT_THAT(error.what(), testing::StartsWith(std::string(option.flag) + ": "));
     EXPECT_THAT(error.what(), testing::HasSubstr("'" + text + "'"));
-    EXPECT_THAT(error.what(), testing::EndsWith("; give " + optionForm(option.value)));
+    EXPECT_THAT(error.what(), testing::EndsWith(" give " + optionForm(option.value)));
   }
   EXPECT_EQ(everything(scene), before) << option.flag;
 }
@@ -160,6 +162,20 @@ TEST(OptionValue, WordsAreTakenFromTheirListOnly) {
     for (const char* text : {"", "1", "maybe"}) expectRefused(*option, text);
   }
   EXPECT_EQ(optionForm(optionOfKey("contact.texture")->value), "none, procedural or density");
+}
+
+TEST(OptionValue, AWordWithATypoIsRecognised) {
+  for (const SceneOption& option : sceneOptions()) {
+    forEachTypo(optionWords(option.value), [&](const std::string& word, const std::string& typed) {
+      Scene scene;
+      const std::string message = refusalOf([&] { setOption(option.value, typed, option.flag, scene); });
+      EXPECT_THAT(suggestedIn(message), testing::HasSubstr(word)) << message;
+    });
+  }
+  Scene scene;
+  EXPECT_EQ(refusalOf([&] { setOption(optionOfKey("servo.algorithm")->value, "blezeck", "--algorithm", scene); }),
+            "--algorithm: 'blezeck' is not what it takes; did you mean blezek? give " +
+                optionForm(optionOfKey("servo.algorithm")->value));
 }
 
 TEST(OptionValue, VectorsTakeThreeNumbers) {

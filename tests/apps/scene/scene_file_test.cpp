@@ -4,8 +4,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "apps/scene/option_table.hpp"
 #include "base/error.hpp"
 #include "temporary_folder.hpp"
+#include "tests/support/typo.hpp"
 
 namespace palpate {
 namespace scene_file_test {
@@ -47,6 +49,11 @@ class SceneFile : public testing::Test {
 
   TemporaryFolder folder_;
 };
+
+// Editors write it in front of UTF-8.
+TEST_F(SceneFile, AByteOrderMarkIsSkipped) {
+  EXPECT_EQ(read("\xEF\xBB\xBFvolume = 'phantom:box'\nisovalue = 3\n").isovalue, 3);
+}
 
 TEST_F(SceneFile, SetsKeysOfEveryKind) {
   const Scene scene = read(R"(
@@ -173,6 +180,35 @@ TEST_F(SceneFile, UnknownKeysAreRefusedWithTheNearest) {
   EXPECT_THAT(refusalOf("n = 5\n"), HasSubstr("there is no such key"));  // of [servo]
   EXPECT_THAT(refusalOf("[[servo]]\nn = 5\n"), HasSubstr("there is no such key"));
   EXPECT_THAT(refusalOf("[servo.n]\nx = 5\n"), HasSubstr("servo.n.x: there is no such key"));
+}
+
+TEST_F(SceneFile, AKeyWithATypoIsRecognised) {
+  for (const SceneOption& option : sceneOptions()) {
+    const std::string key = option.key;
+    const std::size_t name = key.rfind('.') + 1;  // 0 where there is no dot
+    forEachTypo({key.substr(name)}, [&](const std::string&, const std::string& typed) {
+      const std::string given = key.substr(0, name) + typed;
+      if (optionOfKey(given) != nullptr) return;
+      EXPECT_THAT(suggestedIn(refusalOf(given + " = 1\n")), HasSubstr(key)) << given;
+    });
+  }
+}
+
+TEST_F(SceneFile, ATableWithATypoAndAForgottenOneAreRecognised) {
+  EXPECT_EQ(suggestedIn(refusalOf("[sevro]\nn = 5\n")), "servo.n");
+  EXPECT_EQ(suggestedIn(refusalOf("n = 5\n")), "servo.n");
+  EXPECT_EQ(suggestedIn(refusalOf("servo.depth = 5\n")), "path.depth_mm");
+  EXPECT_EQ(suggestedIn(refusalOf("hand.stiffness = 5\n")), "hand.stiffness_N_per_m");
+  EXPECT_EQ(suggestedIn(refusalOf("contact.friction = 5\n")),
+            "contact.friction_static, contact.friction_dynamic or contact.friction_viscous_Ns_per_m");
+}
+
+// A suggestion that nobody can have meant is worse than none.
+TEST_F(SceneFile, NothingIsSuggestedWhereNoKeyIsNear) {
+  for (const char* key : {"nn", "servo.xyz", "colour", "sauce.n2"}) {
+    EXPECT_THAT(refusalOf(std::string(key) + " = 5\n"),
+                testing::EndsWith("there is no such key; 'palpate scene' lists all"));
+  }
 }
 
 TEST_F(SceneFile, ValuesOfAnotherKindAreRefused) {

@@ -6,6 +6,7 @@
 
 #include "base/error.hpp"
 #include "temporary_folder.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace palpate {
 namespace output_folder_test {
@@ -52,6 +53,22 @@ TEST_F(OutputFolderTest, HoldsWhatWasPublishedAndNoDrafts) {
   EXPECT_EQ(contentsOf(folder_.path() / "a/b/x"), "1");
   EXPECT_EQ(contentsOf(folder_.path() / "a/b/y"), "2");
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_.path() / "a/b"), {}), 2);
+}
+
+// A full disk, for example: the draft lies in a hidden folder that nobody knows.
+TEST_F(OutputFolderTest, AnErrorNamesTheFileAndNotItsDraft) {
+  const OutputFolder out(path("a"));
+  const auto errorOf = [&](const std::function<void(const fs::path&)>& work) {
+    return refusalOf([&] { out.write("x", work); }, Error::Code::kIo);
+  };
+  const auto full = [](const fs::path& draft) {
+    throw Error(Error::Code::kIo, draft.string(), "it cannot be written", "make room");
+  };
+  EXPECT_EQ(errorOf(full), path("a/x") + ": it cannot be written; make room");
+  const auto other = [](const fs::path&) { throw Error(Error::Code::kIo, "GPU", "it is lost", "start again"); };
+  EXPECT_EQ(errorOf(other), "GPU: it is lost; start again");
+  out.write("x", [](const fs::path& draft) { save(draft, "1"); });
+  EXPECT_TRUE(fs::exists(out.draft("x")));
 }
 
 TEST_F(OutputFolderTest, KeepsOlderFilesUntilNewOnesArePublished) {

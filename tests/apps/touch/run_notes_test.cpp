@@ -81,15 +81,26 @@ TEST(RunNotes, TellOfATextureThatIsCutOff) {
 
 TEST(RunNotes, NothingTouchedIsToldUnlessAFaultTellsWhy) {
   RunFigures figures;
-  EXPECT_THAT(noteOnNoContact(figures).value_or(""), HasSubstr("the path meets no surface"));
+  EXPECT_THAT(noteOnNoContact(figures, false).value_or(""), HasSubstr("the path meets no surface"));
   figures.faults = {{ServoFault::kOverrun, 3, 0}};
-  EXPECT_TRUE(noteOnNoContact(figures));
+  EXPECT_TRUE(noteOnNoContact(figures, false));
   figures.faults.push_back({ServoFault::kInsideObject, 3, 0});
-  EXPECT_FALSE(noteOnNoContact(figures));
+  EXPECT_FALSE(noteOnNoContact(figures, false));
   figures.faults.clear();
   figures.contact_ticks = 1;
-  EXPECT_FALSE(noteOnNoContact(figures));
+  EXPECT_FALSE(noteOnNoContact(figures, false));
 }
+
+// The path may well meet a surface further on.
+TEST(RunNotes, ARunThatEndedEarlyIsNotThePathsFault) {
+  RunFigures figures;
+  EXPECT_EQ(noteOnNoContact(figures, true).value_or(""),
+            "nothing was touched: the run ended before the tool came to the surface");
+  figures.contact_ticks = 1;
+  EXPECT_FALSE(noteOnNoContact(figures, true));
+}
+
+const std::vector<PathPhase> kPhases = {{"approach", 0, 1}, {"press", 1, 2}, {"slide", 2, 4}, {"retreat", 4, 5}};
 
 // A depth of 1 mm that was asked for: nine tenths of it are enough.
 TEST(RunNotes, TellOfAHandThatGaveWay) {
@@ -98,11 +109,12 @@ TEST(RunNotes, TellOfAHandThatGaveWay) {
   scene.press_depth_m = 1e-3;
   RunFigures figures;
   figures.depth_m = {100, 0.5e-3, 0.5e-3, 0.5e-3, 0.5e-3, 0.6e-3};
-  EXPECT_THAT(noteOnHand(scene, figures).value_or(""), HasSubstr("at most 0.6 mm deep instead of --depth 1; raise"));
+  EXPECT_THAT(noteOnHand(scene, figures, kPhases).value_or(""),
+              HasSubstr("at most 0.6 mm deep instead of --depth 1; raise"));
   figures.depth_m.max = 0.91e-3;
-  EXPECT_FALSE(noteOnHand(scene, figures));
+  EXPECT_FALSE(noteOnHand(scene, figures, kPhases));
   figures.depth_m.max = 0.89e-3;
-  EXPECT_TRUE(noteOnHand(scene, figures));
+  EXPECT_TRUE(noteOnHand(scene, figures, kPhases));
   for (const auto change : {+[](Scene&s, RunFigures&) { s.spring_hand = false; },
                             +[](Scene&s, RunFigures&) { s.press_depth_m.reset(); },       // as fits the object
                             +[](Scene&s, RunFigures&) { s.path_file = "way.csv"; },       // --depth is idle
@@ -110,8 +122,11 @@ TEST(RunNotes, TellOfAHandThatGaveWay) {
     Scene other = scene;
     RunFigures felt = figures;
     change(other, felt);
-    EXPECT_FALSE(noteOnHand(other, felt));
+    EXPECT_FALSE(noteOnHand(other, felt, kPhases));
   }
+  const auto phases = std::span(kPhases);
+  EXPECT_TRUE(noteOnHand(scene, figures, phases.first(3)));
+  EXPECT_FALSE(noteOnHand(scene, figures, phases.first(2)));  // ended in the middle of the press
 }
 
 // Contact from second 1 of 5 on, for so long.

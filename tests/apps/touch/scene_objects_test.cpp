@@ -10,6 +10,7 @@
 #include "base/error.hpp"
 #include "base/rotation.hpp"
 #include "temporary_folder.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace palpate {
 namespace scene_objects_test {
@@ -64,6 +65,19 @@ TEST(SceneObjects, AToolThatStartsInsideOneIsToldSo) {
   EXPECT_THAT(notesOnStart(objects, Vec3(0, 0, 32e-3)).front(),
               testing::StartsWith("object 1 (sphere): the tool starts inside"));
   EXPECT_TRUE(notesOnStart(objects, Vec3(0, 0, 36e-3)).empty());
+}
+
+// In --object all behind "file=" is its name.
+TEST(SceneObjects, KeysBehindTheFileAreTold) {
+  const auto refused = [](const std::string& text) {
+    return refusalOf([&] { static_cast<void>(makeSceneObjects({parseObject(text)})); }, Error::Code::kNotFound);
+  };
+  EXPECT_EQ(
+      refused("mesh:file=none.stl:position=0,0,5"),
+      "none.stl:position=0,0,5: there is no such file; all behind 'file=' is the file's name: give the other keys "
+      "before 'file='");
+  EXPECT_THAT(refused("mesh:file=none.stl:unit=cm"), testing::HasSubstr("before 'file='"));
+  EXPECT_THAT(refused("mesh:file=none:1.stl"), testing::HasSubstr("check the mesh's path"));
 }
 
 }  // namespace scene_objects_test

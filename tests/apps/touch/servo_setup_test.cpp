@@ -21,6 +21,7 @@ TEST(ServoSetup, LoopTakesWhatTheSceneAsksFor) {
   scene.velocity_cutoff_hz = 7.5;
   scene.velocity_noise_m = 8.5;
   scene.passivity_control = true;
+  scene.require_real_time = true;
   const LoopParameters loop = loopParameters(scene);
   EXPECT_EQ(loop.rate_hz, 1234);
   EXPECT_EQ(loop.ticks, 3085);
@@ -35,7 +36,9 @@ TEST(ServoSetup, LoopTakesWhatTheSceneAsksFor) {
   EXPECT_EQ(loop.velocity.noise_m, 8.5);
   EXPECT_TRUE(loop.passivity.control);
   EXPECT_TRUE(loop.real_time);
+  EXPECT_TRUE(loop.require_real_time);
   EXPECT_FALSE(loopParameters(Scene{}).passivity.control);
+  EXPECT_FALSE(loopParameters(Scene{}).require_real_time);
   EXPECT_FALSE(loopParameters(Scene{}).velocity.noise_m.has_value());
 }
 

@@ -190,6 +190,24 @@ TEST_F(ComposeView, ARunWithoutContactIsStillAPicture) {
   EXPECT_EQ(decode(composeView(view_->layout, view_->pictures, findContactRegion({}, 4e-3), run)).height, 720);
 }
 
+// The second line of the legend. Where nothing is felt it says so, and no line for the depth is drawn over the words.
+TEST_F(ComposeView, TheLegendNamesTheDepthOnlyWhereThereIsAForce) {
+  TouchRun run = *run_;
+  for (TickRecord& r : run.records) {
+    r.in_contact = false;
+    for (double& f : r.force_W) f = 0;
+  }
+  const PanelBox& panel = view_->layout.overview;
+  const PanelBox line = {16, panel.y + panel.height + 36, 1200, 18};
+  const auto thinBlue = [&](const std::string& png) {  // four fifths of the tool's blue, the rest white
+    return countNear(decode(png), line, 65, 125, 210);
+  };
+  const std::string none = composeView(view_->layout, view_->pictures, findContactRegion(run.records, 4e-3), run);
+  EXPECT_GT(thinBlue(*png_), 30);
+  EXPECT_EQ(thinBlue(none), 0);
+  EXPECT_GT(countNear(decode(none), {16, line.y, 80, line.height}, 28, 33, 41), 30);  // the words
+}
+
 TEST_F(ComposeView, ANameThatIsNotUtf8IsNoTrouble) {
   TouchRun run = *run_;
   run.volume.name = "scan\xff\xc3(\xe2\x82";

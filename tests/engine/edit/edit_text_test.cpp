@@ -11,6 +11,8 @@
 #include "base/error.hpp"
 #include "base/rotation.hpp"
 #include "engine/edit/edit_keys.hpp"
+#include "tests/support/refusal.hpp"
+#include "tests/support/typo.hpp"
 
 namespace palpate {
 namespace edit_text_test {
@@ -180,12 +182,12 @@ TEST(EditText, RefusesWithTextReasonAndRemedy) {
       {"remove:radius=nan:at=0,0,0", "'nan' of radius is no number"},
       {"remove:radius=inf:at=0,0,0", "is no number"},
       {"remove:radius=1e400:at=0,0,0", "is no number"},
-      {"remove:radius=2miles:at=0,0,0", "no length above 0"},
+      {"remove:radius=2miles:at=0,0,0", "'2miles' of radius is no length: there is no unit 'miles'; give a number"},
       {"remove:radius=2mm:at=0,0", "'0,0' of at is not three numbers"},
       {"remove:radius=2mm:at=0,0,0,0", "is no place"},
       {"remove:radius=2mm:at=0mm,0,0", "not three numbers"},
       {"remove:radius=2mm:at=0,nan,0", "is no number"},
-      {"remove:radius=2mm:at=0,0,0miles", "is no place"},
+      {"remove:radius=2mm:at=0,0,0miles", "'0,0,0miles' of at is no place: there is no unit 'miles'; give three"},
       {"remove:radius=2mm:strength=0:at=0,0,0", "strength is 0; give 1e-06 to 1"},
       {"remove:radius=2mm:strength=1.5:at=0,0,0", "strength is 1.5"},
       {"remove:radius=2mm:strength=nan:at=0,0,0", "is no number"},
@@ -231,6 +233,25 @@ TEST(EditText, RefusesWithTextReasonAndRemedy) {
       EXPECT_THAT(error.what(), ::testing::ContainsRegex("; .{8,}$"));
     }
   }
+}
+
+TEST(EditText, AKindOrAKeyWithATypoIsRecognised) {
+  std::vector<std::string> placed = {"undo", "redo"}, brushes;
+  for (const EditWord& word : editWords()) {
+    placed.emplace_back(word.name);
+    if (word.tool) brushes.emplace_back(word.name);
+  }
+  const auto suggested = [](const std::string& text, EditUse use) {
+    return suggestedIn(refusalOf([&] { static_cast<void>(parse(text, use)); }));
+  };
+  forEachTypo(placed, [&](const std::string& kind, const std::string& typed) {
+    EXPECT_THAT(suggested(typed + ":radius=2mm:at=0,0,0", EditUse::kPlaced), HasSubstr(kind)) << typed;
+  });
+  forEachTypo(brushes, [&](const std::string& kind, const std::string& typed) {
+    EXPECT_THAT(suggested(typed + ":radius=2mm", EditUse::kTool), HasSubstr(kind)) << typed;
+  });
+  EXPECT_EQ(suggested("undoo", EditUse::kTool), "");  // a tool's brush undoes nothing
+  EXPECT_EQ(suggested("remove:raduis=2mm:at=0,0,0", EditUse::kPlaced), "radius");
 }
 
 // By hand: 5 x 9 x 3 voxels of 1 x 2 x 3 mm have their middle at (2, 8, 3) mm along the axes, which a quarter about z

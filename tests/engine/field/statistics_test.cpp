@@ -45,6 +45,26 @@ TEST(Statistics, PutsValuesIntoTheirBins) {
   EXPECT_EQ(statistics.mean, 499.5);
 }
 
+// A mask's surface is half-way between its two values, whatever they are; labels part half-way between two of them.
+TEST(Statistics, OtsuLiesInTheMiddleOfAGap) {
+  const auto thresholds = [](const std::vector<float>& values) {
+    std::vector<double> all;
+    for (const IsovalueSuggestion& one :
+         statisticsOf(Volume::fromDense({static_cast<int>(values.size()), 1, 1}, {}, values, {})).suggestions)
+      all.push_back(one.isovalue);
+    return all;
+  };
+  const auto bins = [](double span) { return span / 256; };  // the highest value lies in the last bin, not behind it
+  EXPECT_NEAR(thresholds({0, 0, 0, 0, 0, 1, 1}).at(0), 0.5, bins(1));
+  EXPECT_NEAR(thresholds({0, 255, 255, 0, 0, 0}).at(0), 127.5, bins(255));
+  EXPECT_NEAR(thresholds({-3, -3, -3, 7}).at(0), 2, bins(10));
+  const std::vector<double> three = thresholds({0, 0, 0, 100, 100, 100, 300, 300, 300});
+  ASSERT_EQ(three.size(), 3U);
+  EXPECT_NEAR(three[0], 200, bins(300));
+  EXPECT_NEAR(three[1], 50, bins(300));
+  EXPECT_NEAR(three[2], 200, bins(300));
+}
+
 // Three equal peaks: any cut between two of them is Otsu's; two classes part one peak from the other two.
 TEST(Statistics, OtsuPartsPeaks) {
   std::vector<float> values;

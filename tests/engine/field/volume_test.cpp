@@ -129,7 +129,7 @@ TEST(Volume, OfOneVoxelAlongAnAxisIsKeptAndSampledButNotTouched) {
     EXPECT_EQ((volume.lattice().R_WL.transpose() * gradient)[axis], 0);
     EXPECT_TRUE(gradient.allFinite());
     EXPECT_FALSE(volume.sample(volume.lattice().toWorld(0.01 * Vec3::Unit(axis)), density, gradient));
-    expectRefusal([&] { checkTouchable(volume); }, "test", "touch needs two along every axis");
+    expectRefusal([&] { checkTouchable(volume); }, "test", "a surface needs two along every axis");
   }
   EXPECT_NO_THROW(checkTouchable(distinctVolume({2, 2, 2})));
 }

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <random>
+
 #include <fmt/format.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
 #include "engine/files/volume_file.hpp"
 #include "engine/files/volume_name.hpp"
+#include "tests/engine/files/packed_dicom.hpp"
 #include "tests/engine/files/samples.hpp"
 
 namespace palpate {
@@ -204,6 +207,94 @@ TEST_F(Dicom, RefusesRowsAndColumnsBeyondThePixels) {
     fields.columns = columns;
     writeSeries(fields, {0, 2, 4});
     refuses("cut short or damaged");
+  }
+}
+
+// As on a CD: a directory of what is there, a report, a radiotherapy plan, which hold no image.
+TEST_F(Dicom, PassesOverObjectsThatAreNoImages) {
+  writeSeries({}, {0, 2, 4});
+  const Volume alone = loadVolume(folder_.path());
+  const std::string ct = "1.2.840.10008.5.1.4.1.1.2";
+  DicomFields fields;
+  fields.pixels = std::vector<double>(20, 7);
+  for (const auto& [name, object_class] :
+       {std::pair("DICOMDIR", "1.2.840.10008.1.3.10"), std::pair("report.dcm", "1.2.840.10008.5.1.4.1.1.88.11"),
+        std::pair("plan.dcm", "1.2.840.10008.5.1.4.1.1.481.5"), std::pair("raw.dcm", "1.2.840.10008.5.1.4.1.1.66")}) {
+    std::string head = dicomHead(fields);
+    const std::string wanted = dicomElement(2, 0x0002, "UI", object_class);
+    const std::string had = dicomElement(2, 0x0002, "UI", ct);
+    head.replace(head.find(had), had.size(), wanted);
+    writeFile(folder_.file(name), head + dicomElement(8, 0x0016, "UI", object_class));
+  }
+  EXPECT_EQ(loadVolume(folder_.path()).toDense(), alone.toDense());
+  // A slice of CT that lost its pixels is no such object.
+  writeFile(folder_.file("cut.dcm"), dicomHead(fields) + dicomElement(8, 0x0016, "UI", ct));
+  refuses("slice cut.dcm");
+}
+
+// Slices of 64 x 64 pixels of noise on a ramp, as archives keep them.
+class PackedDicom : public Dicom, public testing::WithParamInterface<DicomPacking> {
+ protected:
+  PackedDicom() {
+    std::mt19937 random(11);
+    for (int n = 0; n < 3; ++n) {
+      DicomFields fields;
+      fields.rows = fields.columns = 64;
+      fields.sop = fmt::format("{}.{}", fields.series, n + 1);
+      fields.position = fmt::format("0\\0\\{}", n);
+      for (int p = 0; p < 64 * 64; ++p) fields.pixels.push_back(p % 64 * 9 + 100 * n + static_cast<int>(random() % 40));
+      for (const double stored : fields.pixels) values_.push_back(2 * stored - 100);
+      slices_.push_back(packedDicom(dicomBytes(fields), GetParam()));
+    }
+  }
+  void write(const std::string& second) {
+    for (int n = 0; n < 3; ++n) writeFile(folder_.file(fmt::format("s{}.dcm", n)), n == 1 ? second : slices_[n]);
+  }
+  // Of the second slice.
+  [[nodiscard]] std::string frame() const {
+    const Fragment at = fragmentOf(slices_[1]);
+    return slices_[1].substr(at.first, at.end - at.first);
+  }
+
+  std::vector<std::string> slices_;
+  std::vector<double> values_;
+};
+INSTANTIATE_TEST_SUITE_P(Packings, PackedDicom,
+                         testing::Values(DicomPacking::kRle, DicomPacking::kJpegLossless, DicomPacking::kJpegLs,
+                                         DicomPacking::kJpeg2000));
+
+TEST_P(PackedDicom, IsReadAsItWas) {
+  write(slices_[1]);
+  EXPECT_EQ(loadVolume(folder_.path()).toDense(), asFloats(values_));
+}
+
+// A part of the frame is gone, and the lengths say nothing of it. What comes after the last byte of data (the end
+// marker of JPEG) is kept, as by whoever mends a file.
+TEST_P(PackedDicom, IsRefusedWherePartOfAFrameIsMissing) {
+  const std::string whole = frame();
+  std::mt19937 random(12);
+  for (int n = 0; n < 20; ++n) {
+    const std::size_t head = std::min<std::size_t>(whole.size() / 3, 700);
+    const std::size_t kept = head + random() % (whole.size() - head - 200);
+    const std::string marker = GetParam() == DicomPacking::kRle ? "" : "\xff\xd9";
+    write(withFragment(slices_[1], whole.substr(0, kept) + marker));
+    refuses("slice s1.dcm");
+  }
+}
+
+// JPEG 2000 is not among these: it has neither a length nor a checksum within a frame, and OpenJPEG reads on.
+class TellingDicom : public PackedDicom {};
+INSTANTIATE_TEST_SUITE_P(Packings, TellingDicom,
+                         testing::Values(DicomPacking::kRle, DicomPacking::kJpegLossless, DicomPacking::kJpegLs));
+
+TEST_P(TellingDicom, IsRefusedWhereAStretchIsZero) {
+  const std::string whole = frame();
+  std::mt19937 random(13);
+  for (int n = 0; n < 20; ++n) {
+    std::string zeroed = whole;
+    zeroed.replace(700 + random() % (whole.size() - 1400), 512, 512, '\0');
+    write(withFragment(slices_[1], zeroed));
+    refuses("slice s1.dcm");
   }
 }
 

@@ -105,6 +105,19 @@ TEST(HeadOf, SaysThatAFileCannotBeRead) {
   EXPECT_EQ(headOf(folder.file("damaged"), 10, "scan"), "");
 }
 
+// Of every format, by its length; what a reader remarks stays.
+TEST(LoadVolume, RemarksOnWhatNoFingerCouldFeel) {
+  const TempFolder folder;
+  for (const auto& [spacing_mm, told] : {std::pair{0.0666, false}, std::pair{0.06, true}, std::pair{1e-6, true}}) {
+    const std::string name = fmt::format("phantom:sphere?size=16&spacing={}mm", spacing_mm);
+    const Volume volume = loadVolume(name);
+    const auto remark = fmt::format("it is {:.3g} mm long", 16 * spacing_mm);
+    EXPECT_EQ(volume.facts().remark.find(remark) != std::string::npos, told) << volume.facts().remark;
+    saveVolume(volume, folder.file("a.nrrd"));
+    EXPECT_EQ(loadVolume(folder.file("a.nrrd")).facts().remark, volume.facts().remark);
+  }
+}
+
 TEST(LoadVolume, RefusesGarbageUnderEverySuffix) {
   const TempFolder folder;
   for (const VolumeFormat& format : volumeFormats()) {

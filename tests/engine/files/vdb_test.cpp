@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <limits>
+#include <random>
 
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/LevelSetSphere.h>
+#include <sys/resource.h>
 
+#include "base/crc32c.hpp"
 #include "engine/field/grid.hpp"
 #include "engine/field/statistics.hpp"
 #include "engine/files/vdb_checksum.hpp"
+#include "engine/files/vdb_claim.hpp"
 #include "engine/files/volume_file.hpp"
 #include "tests/engine/files/files.hpp"
 #include "tests/engine/files/known_leaks.hpp"
@@ -155,6 +159,57 @@ TEST_F(Vdb, RefusesShearedAndEmptyGridsAndHugeOnes) {
 TEST_F(Vdb, RefusesMoreThanTheBudget) {
   write({makeGrid<openvdb::FloatGrid>()});
   expectRefusal([&] { static_cast<void>(loadVolume(path_, 1000)); }, path_, "GiB", Error::Code::kOutOfMemory);
+}
+
+// A file of some hundred KB whose grid takes 40 MiB: with room for the one and not for the other it is refused before
+// it is unpacked, whether a checksum vouches for it or not; with room it loads.
+TEST_F(Vdb, RefusesMoreThanTheBudgetBeforeItIsUnpacked) {
+  const auto grid = openvdb::FloatGrid::create(0);
+  for (int leaf = 0; leaf < 20000; ++leaf) {  // packed to next to nothing: leaves of one value
+    grid->tree()
+        .touchLeaf(Coord(8 * (leaf % 200), 8 * (leaf / 200), 0))
+        ->fill(static_cast<float>(leaf % 7) + 1, true);
+  }
+  write({grid});
+  const auto claimed = static_cast<double>(grid->memUsage());
+  const std::string other = readFile(path_);
+  ASSERT_LT(static_cast<double>(other.size()), 0.1 * claimed);
+  EXPECT_NEAR(vdbClaimedBytes(path_, path_), claimed, 0.02 * claimed);
+  const std::string own = other + vdbChecksumBytes(crc32c(other));
+  for (const std::string& bytes : {other, own}) {
+    writeFile(path_, bytes);
+    EXPECT_EQ(checkVdbChecksum(path_, path_), bytes == own ? VdbChecksum::kHolds : VdbChecksum::kMissing);
+    rusage before{}, after{};
+    getrusage(RUSAGE_SELF, &before);
+    expectRefusal([&] { static_cast<void>(loadVolume(path_, static_cast<std::size_t>(0.5 * claimed))); }, path_, "GiB",
+                  Error::Code::kOutOfMemory);
+    getrusage(RUSAGE_SELF, &after);
+    EXPECT_LT(static_cast<double>(after.ru_maxrss - before.ru_maxrss) * 1024, 0.5 * claimed);
+    EXPECT_EQ(loadVolume(path_).size(), Vec3i(1604, 804, 12));
+  }
+}
+
+// Grids that are found wherever they lie in a large file, and claims that are none.
+TEST_F(Vdb, AddsUpWhatEveryGridClaims) {
+  const std::string record("\x0e\0\0\0file_mem_bytes\x05\0\0\0int64\x08\0\0\0", 31);
+  const auto claim = [&](std::int64_t bytes) { return record + bytesOf<std::int64_t>({static_cast<double>(bytes)}); };
+  std::mt19937 random(3);
+  for (int trial = 0; trial < 30; ++trial) {
+    std::string bytes;
+    double sum = 0;
+    for (int n = 0; n < 4; ++n) {
+      bytes += std::string(random() % 700000, trial % 2 == 0 ? 'x' : '\x0e');
+      const auto one = static_cast<std::int64_t>(random() % 1000);
+      bytes += claim(one);
+      sum += static_cast<double>(one);
+    }
+    writeFile(path_, bytes + record.substr(0, random() % record.size()));
+    ASSERT_EQ(vdbClaimedBytes(path_, path_), sum) << trial;
+  }
+  writeFile(path_, claim(-5));
+  EXPECT_EQ(vdbClaimedBytes(path_, path_), 0);
+  writeFile(path_, "");
+  EXPECT_EQ(vdbClaimedBytes(path_, path_), 0);
 }
 
 // Cut at 20 places and changed at 40 (tests/damage does more): either a volume or an Error, and no hang.

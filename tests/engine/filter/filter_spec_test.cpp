@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "base/error.hpp"
+#include "tests/support/refusal.hpp"
+#include "tests/support/typo.hpp"
 
 namespace palpate {
 namespace filter_spec_test {
@@ -68,6 +70,15 @@ struct Refused {
   const char* text;
   const char* says;
 };
+TEST(FilterSpec, ANameWithATypoIsRecognised) {
+  std::vector<std::string> names;
+  for (const FilterWords& words : filterTable()) names.emplace_back(words.name);
+  forEachTypo(names, [](const std::string& name, const std::string& typed) {
+    const std::string message = refusalOf([&] { static_cast<void>(filterChain(typed + ":1")); });
+    EXPECT_THAT(suggestedIn(message), HasSubstr(name)) << message;
+  });
+}
+
 class RefusedFilter : public testing::TestWithParam<Refused> {};
 
 TEST_P(RefusedFilter, SaysWhatIsWrong) {

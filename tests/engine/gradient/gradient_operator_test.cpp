@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 
 #include "base/error.hpp"
+#include "tests/support/refusal.hpp"
+#include "tests/support/typo.hpp"
 
 namespace palpate {
 namespace gradient_operator_test {
@@ -47,6 +49,15 @@ TEST(GradientOperator, RefusesWhatIsNone) {
   } catch (const Error& error) {
     EXPECT_THAT(error.what(), HasSubstr("central4"));
   }
+}
+
+TEST(GradientOperator, ANameWithATypoIsRecognised) {
+  std::vector<std::string> names;
+  for (const GradientWords& row : gradientTable()) names.emplace_back(row.name);
+  forEachTypo(names, [](const std::string& name, const std::string& typed) {
+    const std::string message = refusalOf([&] { static_cast<void>(gradientOperator(typed + ":1")); });
+    EXPECT_THAT(suggestedIn(message), HasSubstr(name)) << message;
+  });
 }
 
 }  // namespace gradient_operator_test

@@ -259,7 +259,9 @@ TEST(JournalWriter, DropsTheFileWhereNothingWasAppended) {
   first.closeAndDropEmpty();
   second.closeAndDropEmpty();
   EXPECT_EQ(empty.files(), 0);
+  EXPECT_EQ(first.bytes(), 0U);
   EXPECT_EQ(used.files(), 1);
+  EXPECT_GT(second.bytes(), 0U);
 }
 
 TEST(JournalWriter, RefusesAFolderThatHoldsAJournal) {

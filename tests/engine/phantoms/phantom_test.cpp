@@ -9,6 +9,8 @@
 
 #include "engine/files/volume_file.hpp"
 #include "tests/engine/files/files.hpp"
+#include "tests/support/refusal.hpp"
+#include "tests/support/typo.hpp"
 
 namespace palpate {
 namespace phantom_test {
@@ -263,7 +265,10 @@ TEST(PhantomSpec, RefusesWhatItDoesNotKnow) {
   refuses("phantom:sphere?size=64.5", "not a number");
   refuses("phantom:sphere?size=64x64", "one or three");
   refuses("phantom:sphere?size=99999999999", "not a number");
-  refuses("phantom:sphere?spacing=1", "no unit");
+  refuses("phantom:sphere?spacing=1", "spacing=\"1\" has no unit");
+  refuses("phantom:sphere?spacing=1parsec", "there is no unit \"parsec\"; write mm, um or m");
+  refuses("phantom:sphere?spacing=1x1x1ell", "there is no unit \"ell\"");
+  refuses("phantom:sphere?spacing=", "has no unit");
   refuses("phantom:sphere?spacing=0mm", "not positive");
   refuses("phantom:sphere?spacing=-1mm", "not positive");
   refuses("phantom:sphere?spacing=nanmm", "not positive");
@@ -271,6 +276,16 @@ TEST(PhantomSpec, RefusesWhatItDoesNotKnow) {
   refuses("phantom:sphere?noise=-1", "out of range");
   refuses("phantom:sphere?seed=-1", "not a number");
   refuses("phantom:shell?thickness=0", "out of range");
+}
+
+TEST(PhantomSpec, ANameOrAKeyWithATypoIsRecognised) {
+  std::vector<std::string> names;
+  for (const PhantomKind& kind : phantomKinds()) names.push_back(kind.name);
+  forEachTypo(names, [](const std::string& name, const std::string& typed) {
+    const std::string message = refusalOf([&] { static_cast<void>(parsePhantomSpec("phantom:" + typed)); });
+    EXPECT_THAT(suggestedIn(message), testing::HasSubstr(name)) << message;
+  });
+  EXPECT_EQ(suggestedIn(refusalOf([] { static_cast<void>(parsePhantomSpec("phantom:box?spcing=8mm")); })), "spacing");
 }
 
 TEST(PhantomSpec, RefusesMoreThanMemory) {
