@@ -9,8 +9,8 @@
 
 namespace palpate {
 
-// Begins small, and goes for `target_s` a portion. Where a portion is a submission to a GPU, with kTarget_s work can be
-// cancelled and its progress told in time, no driver times out, and the cost of submitting (some 50 us) is negligible.
+// Begins small, and goes for `target_s` a portion [s]. kTarget_s suits a submission to a GPU: work can be cancelled and
+// its progress told in time, no driver times out, and the cost of submitting (some 50 us) is negligible.
 class PortionSize {
  public:
   static constexpr double kTarget_s = 0.1;     // [s]

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // shaders/active_brick.glsl: does the isosurface need a brick's samples? The rule is that of
-// engine/passes/active_bricks.hpp: it does if it crosses cells of this brick or of one that shares its low faces.
+// engine/bricks/active_bricks.hpp: it does if it crosses cells of this brick or of one that shares its low faces.
 // Include after brick_pool.glsl, with `bounds` and ACTIVE_ISOVALUES defined.
 bool brickIsActive(uvec3 brick) {
   const uvec3 low = brick - min(brick, uvec3(1));

@@ -2,7 +2,7 @@
 #include "apps/bench/full_recompute.hpp"
 
 #include "base/stopwatch.hpp"
-#include "engine/passes/active_bricks.hpp"
+#include "engine/bricks/active_bricks.hpp"
 #include "engine/passes/gpu_budget.hpp"
 #include "engine/service/engine.hpp"
 #include "servo/window/sample_window.hpp"
@@ -26,8 +26,8 @@ FullRecompute::FullRecompute(const Volume& volume, double isovalue, bool all_gra
 
 std::vector<std::uint32_t> FullRecompute::bricks() {
   bounds_.run();
-  if (all_) return allBricks(pool_.brickCounts());
-  return activeBricks(bounds_.read(transfer_), pool_.brickCounts(), isovalue_);
+  if (all_) return allBricks(pool_.grid());
+  return activeBricks(bounds_.read(transfer_), pool_.grid(), isovalue_);
 }
 
 // The needed bricks are found each time, as after an edit that may have changed any.

@@ -8,10 +8,10 @@
 #include <fmt/format.h>
 
 #include "apps/bench/resident_chain.hpp"
+#include "engine/bricks/active_bricks.hpp"
 #include "engine/field/statistics.hpp"
 #include "engine/files/volume_file.hpp"
 #include "engine/gradient/gradient_operator.hpp"
-#include "engine/passes/active_bricks.hpp"
 #include "engine/passes/brick_bounds_pass.hpp"
 #include "engine/passes/brick_tasks.hpp"
 #include "engine/passes/gradient_pass.hpp"
@@ -80,7 +80,7 @@ SampleFormat halves(const Volume& volume) {
 void measureOperator(FieldBench& bench, const GradientWords& words) {
   const std::string name = words.takes.empty() ? std::string(words.name) : fmt::format("{}:1.5", words.name);
   const GradientOperator way = gradientOperator(name);
-  const std::vector<std::uint32_t> bricks = allBricks(bench.pool().brickCounts());
+  const std::vector<std::uint32_t> bricks = allBricks(bench.pool().grid());
   ResidentGradient floats(bench, way, bricks, {}), half(bench, way, bricks, halves(bench.volume()));
   bench.measure("gradient " + name, "gradient " + name,
                 {{"samples as floats", floats.movedBytes(), [&] { return floats.run(); }},
@@ -95,7 +95,7 @@ void measureHead(FieldBench& bench, const std::string& name, Progress& progress)
   BrickBoundsPass bounds(bench.gpu(), bench.pool());
   bounds.run();
   const std::vector<std::uint32_t> needed =
-      activeBricks(bounds.read(bench.transfer()), bench.pool().brickCounts(), static_cast<float>(isovalue));
+      activeBricks(bounds.read(bench.transfer()), bench.pool().grid(), static_cast<float>(isovalue));
   ResidentGradient gradient(bench, {}, needed, {});
   const auto withBounds = [&] {
     const RunCost first = costOf([&] { bounds.run(); });

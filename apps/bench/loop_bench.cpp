@@ -17,8 +17,8 @@
 #include "apps/bench/lateness.hpp"
 #include "apps/console/interrupt.hpp"
 #include "engine/service/engine_thread.hpp"
+#include "servo/devices/registry.hpp"
 #include "servo/devices/sampled_path.hpp"
-#include "servo/devices/simulated_device.hpp"
 #include "servo/loop/run_figures.hpp"
 #include "servo/loop/servo_loop.hpp"
 
@@ -168,13 +168,13 @@ class LoopBench {
                                                                 .stiffness_N_per_m = kBenchStiffness_N_per_m,
                                                                 .plane_renewal_ticks = kRenewal},
                                                  .effects = {}});
-    SimulatedDevice device({}, path_, rate_hz);
+    const std::unique_ptr<Device> device = makeDevice(devices().front().name, {.path = &path_, .rate_hz = rate_hz});
     ToolPoseMailbox tool;
     LoopParameters parameters;
     parameters.rate_hz = rate_hz;
     parameters.ticks = std::llround(request_.turn_s * rate_hz);
     parameters.priority = request_.priority;
-    ServoLoop loop(parameters, *algorithm, device, engine_->exchange(), tool);
+    ServoLoop loop(parameters, *algorithm, *device, engine_->exchange(), tool);
     engine_->publishAround(tool.latest().position_W, monotonicNow_ns());
     EngineThread publisher(*engine_, tool);
     ToolPoseMailbox nobody;

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "base/stopwatch.hpp"
+#include "engine/bricks/active_bricks.hpp"
 #include "engine/gpu/transfer.hpp"
-#include "engine/passes/active_bricks.hpp"
 #include "engine/passes/filter_chain.hpp"
 #include "engine/passes/gradient_pass.hpp"
 #include "engine/reference/gradient.hpp"
@@ -114,7 +114,7 @@ Check checkGradient(const Volume& volume, const reference::DenseField& field, co
   const auto before = [&](double) { progress(0); };
   const auto smoothing =
       filteredBy(gpu, transfer, pool, lowerFilters(request.gradient.smoothing, pool.lattice().spacing_m), before);
-  const SampleStore store(gpu, pool.brickCount(), allBricks(pool.brickCounts()), makeGpuBudget(), request.format);
+  const SampleStore store(gpu, pool.brickCount(), allBricks(pool.grid()), makeGpuBudget(), request.format);
   GradientPass pass(gpu, transfer, pool, store, request.gradient, smoothing ? &smoothing->result() : nullptr);
   pass.run(before);  // the first run pays for the driver's compiler
   const Stopwatch gpu_watch;
@@ -128,7 +128,7 @@ Check checkGradient(const Volume& volume, const reference::DenseField& field, co
   for (std::size_t brick = 0; brick < pool.brickCount(); ++brick) {
     const SampleStore::Place place = store.place(brick);
     if (place.slot == 0) samples.download(transfer, store.slab(place.slab));
-    const Vec3i counts = pool.brickCounts();
+    const Vec3i counts = pool.grid().counts();
     const auto b = static_cast<int>(brick);
     const Vec3i at(b % counts.x(), b / counts.x() % counts.y(), b / (counts.x() * counts.y()));
     compareBrick(check, {field, smoothed}, request.gradient, at, samples, std::size_t{place.slot} * kBrickVoxels);

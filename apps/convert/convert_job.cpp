@@ -108,7 +108,7 @@ std::string convertWords(const ConvertRequest& request, const ConvertResult& res
       fmt::format("{}: {}, {}, {:.2f} s", request.out, what, bytesInWords(result.bytes), result.seconds);
   if (result.collapsed > 0) {
     words += fmt::format(
-        "\n{} of the triangles have no area: coordinates are 32-bit floats, and so far from the origin these cannot "
+        "\n{} of the triangles without area: coordinates are 32-bit floats, and so far from the origin these cannot "
         "tell their corners apart; move the volume nearer to it",
         result.collapsed);
   }

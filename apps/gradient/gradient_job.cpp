@@ -12,14 +12,14 @@
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
-#include "engine/edit/edit_reach.hpp"
+#include "engine/bricks/active_bricks.hpp"
+#include "engine/bricks/brick_reach.hpp"
 #include "engine/field/statistics.hpp"
 #include "engine/files/vector_file.hpp"
 #include "engine/files/volume_file.hpp"
 #include "engine/gpu/gpu.hpp"
 #include "engine/gpu/transfer.hpp"
 #include "engine/gradient/gradient_operator.hpp"
-#include "engine/passes/active_bricks.hpp"
 #include "engine/passes/brick_bounds_pass.hpp"
 #include "engine/passes/filter_chain.hpp"
 #include "engine/passes/gradient_pass.hpp"
@@ -93,12 +93,12 @@ class Computed {
  private:
   std::vector<std::uint32_t> chosenBricks(const Volume& volume, const GradientRequest& request,
                                           GradientResult& result) {
-    if (request.all) return allBricks(pool_.brickCounts());
+    if (request.all) return allBricks(pool_.grid());
     result.isovalue = request.isovalue ? *request.isovalue : defaultIsovalue(volume);
     checkIsovalue(volume, result.isovalue);
     BrickBoundsPass bounds(gpu_, pool_);
     bounds.run();
-    return activeBricks(bounds.read(transfer_), pool_.brickCounts(), static_cast<float>(result.isovalue));
+    return activeBricks(bounds.read(transfer_), pool_.grid(), static_cast<float>(result.isovalue));
   }
 
   gpu::Gpu gpu_;

@@ -97,8 +97,12 @@ std::size_t collapsedTriangles(const TriangleMesh& mesh, double units_per_metre)
   const auto at = [&](std::uint32_t vertex) -> Vec3 {
     return (mesh.vertices_W[vertex] * units_per_metre).cast<float>().cast<double>();
   };
-  // Differences of floats and their products are exact in double.
-  const auto collapses = [&](const auto& t) { return (at(t[1]) - at(t[0])).cross(at(t[2]) - at(t[0])).isZero(0); };
+  const auto collapses = [&](const auto& t) {
+    // Of floats, the cross product is off by some 1e-15 of the edges' lengths; corners that a float tells apart lie
+    // farther from a line than that, but for slivers a million times as long as wide.
+    const Vec3 ab = at(t[1]) - at(t[0]), ac = at(t[2]) - at(t[0]);
+    return ab.cross(ac).norm() <= 1e-12 * ab.norm() * ac.norm();
+  };
   return static_cast<std::size_t>(std::count_if(mesh.triangles.begin(), mesh.triangles.end(), collapses));
 }
 

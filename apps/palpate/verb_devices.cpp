@@ -1,17 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
-// palpate devices: the Vulkan devices of this machine, best first.
+// palpate devices: the haptic devices that Palpate knows, and the Vulkan devices of this machine, best first.
 #include <fmt/format.h>
 
 #include "apps/console/message.hpp"
 #include "engine/gpu/gpu.hpp"
+#include "servo/devices/registry.hpp"
 #include "verbs.hpp"
 
 namespace palpate {
 
 void addDevicesVerb(CLI::App& app) {
-  CLI::App* verb = app.add_subcommand("devices", "list the Vulkan devices of this machine, best first");
+  CLI::App* verb =
+      app.add_subcommand("devices", "list haptic devices, and the Vulkan devices of this machine, best first");
   verb->callback([] {
-    printResult("{:<44} {:<11} {:<9} {:>10}  {}\n", "device", "type", "Vulkan", "memory", "driver");
+    printResult("{:<44} {}\n", "haptic device (--device)", "what it is");
+    for (const DeviceEntry& entry : devices()) {
+      const bool is_default = &entry == &devices().front();
+      printResult("{:<44} {}{}\n", entry.name, entry.description, is_default ? "  [default]" : "");
+    }
+    printResult("\n{:<44} {:<11} {:<9} {:>10}  {}\n", "Vulkan device (--gpu)", "type", "Vulkan", "memory", "driver");
     bool chosen = false;
     for (const gpu::GpuInfo& info : gpu::listGpus()) {
       printResult("{:<44} {:<11} {:<9} {:>6.1f} GiB  {}", info.name, info.type, info.api_version,

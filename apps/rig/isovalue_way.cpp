@@ -22,11 +22,11 @@ void IsovalueWay::work(const Look& look, std::int64_t now_ns) {
       next_ = look.wanted;
       return gather(look, now_ns);
     case At::kGathering:
-      return look.wanted == next_ ? gather(look, now_ns) : end();
-    case At::kShown:
-      return look.wanted == next_ ? void() : goBack(look.in_use, now_ns);
+      return look.wanted == next_ ? gather(look, now_ns) : end(look.in_use);
+    case At::kShown:  // the samples of the isovalue in use are all there still
+      return look.wanted == next_ ? void() : end(look.in_use);
     case At::kTaking:
-      return look.taken ? end() : void();
+      return look.taken ? end(look.in_use) : void();
   }
 }
 
@@ -40,16 +40,8 @@ void IsovalueWay::gather(const Look& look, std::int64_t now_ns) {
   shown_ = engine_.exchange().nextVersion() - 1;
 }
 
-// The samples of the isovalue in use are all there still.
-void IsovalueWay::goBack(double in_use, std::int64_t now_ns) {
-  at_ = At::kTaking;  // where edits have left nothing at that isovalue: then there is nothing to feel, and no way back
-  engine_.beginIsovalue(in_use);
-  engine_.gatherIsovalue(std::numeric_limits<std::size_t>::max(), now_ns);
-  end();
-}
-
-void IsovalueWay::end() {
-  if (at_ != At::kStart) engine_.endIsovalue();
+void IsovalueWay::end(double in_use) {
+  if (at_ != At::kStart) engine_.endIsovalue(in_use);
   at_ = At::kStart;
 }
 

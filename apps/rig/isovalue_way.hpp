@@ -2,7 +2,8 @@
 // apps/rig/isovalue_way.hpp: the engine's part in going over to another isovalue while the servo runs: its samples are
 // computed, shown to the servo, and those of the last isovalue freed once the servo has gone over.
 //
-// Thread: whoever the engine belongs to.
+// Isovalues are [density], rounded to float. Thread: whoever the engine belongs to. Cost of a step: that of
+// Engine::beginIsovalue, gatherIsovalue or endIsovalue, or nothing.
 #pragma once
 
 #include <cstdint>
@@ -20,22 +21,21 @@ class IsovalueWay {
     double wanted = 0;              // the isovalue to go to; it may change at any time
     double in_use = 0;              // the isovalue that the servo was given last
     std::uint64_t window_seen = 0;  // version of the window that the servo's last tick read
-    bool taken = false;             // the servo has taken all that it was given, and ended what it had before
+    bool taken = false;             // the servo has gone over to `in_use`, and ended what it had before
     bool all_at_once = false;       // samples are computed in one go; else in portions of some kPortion_s
   };
-  // Whether the servo may be given the isovalue that is wanted now, for whose samples work() has seen. Once true, it is
-  // being given. No engine work.
+  // Whether the servo may be given the isovalue that is wanted now: it has seen a window with its samples. Once true,
+  // it is being given. Never waits.
   [[nodiscard]] bool mayGive(const Look& look) noexcept;
-  // The engine's next step. Throws Error where it refuses the isovalue; then the next call may begin anew.
+  // The next step. Throws Error as the Engine does; where it refuses the isovalue, the next call may begin anew.
   void work(const Look& look, std::int64_t now_ns);
-  // Where nobody reads samples any more.
-  void end();
+  // Where nobody reads samples any more: frees all but those of `in_use`.
+  void end(double in_use);
 
   static constexpr double kPortion_s = 2e-3;  // windows follow the tool in between [s]
 
  private:
   void gather(const Look& look, std::int64_t now_ns);
-  void goBack(double in_use, std::int64_t now_ns);
 
   enum class At {
     kStart,
@@ -47,7 +47,7 @@ class IsovalueWay {
 
   Engine& engine_;
   At at_ = At::kStart;
-  double next_ = 0;          // the isovalue on the way to which it is
+  double next_ = 0;          // the isovalue that it is on the way to
   std::uint64_t shown_ = 0;  // version of the first window with its samples
   PortionSize portion_{kMostBricks, kPortion_s};
 };

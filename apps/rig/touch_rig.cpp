@@ -16,6 +16,16 @@ LoopParameters withForceLimit(LoopParameters loop, double force_limit_N) {
   return loop;
 }
 
+RigSettings asTheGpuHasThem(RigSettings settings) {
+  settings.parameters.isovalue = static_cast<float>(settings.parameters.isovalue);
+  return settings;
+}
+
+bool differInForceLimitAlone(RigSettings a, const RigSettings& b) {
+  a.force_limit_N = b.force_limit_N;
+  return a == b;
+}
+
 }  // namespace
 
 std::unique_ptr<Algorithm> makeAlgorithm(const RigSettings& settings, const RigVolume& volume) {
@@ -33,13 +43,13 @@ TouchRig::TouchRig(Engine& engine, Device& device, const LoopParameters& loop, R
                    RigEdits* edits)
     : engine_(engine),
       rate_hz_(loop.rate_hz),
-      first_isovalue_(engine.isovalue()),
+      first_isovalue_(static_cast<float>(engine.isovalue())),
       volume_(std::move(volume)),
       edits_(edits),
-      settings_(std::move(settings)),
+      settings_(asTheGpuHasThem(std::move(settings))),
       given_(settings_),
       isovalue_way_(engine),
-      algorithm_(makeAlgorithm(checked(settings_), volume_)),
+      algorithm_(made(settings_)),
       loop_(withForceLimit(loop, settings_.force_limit_N), *algorithm_, device, engine.exchange(), tool_) {
   if (settings_.parameters.isovalue != first_isovalue_) {
     refuse(fmt::format("isovalue {:g}", settings_.parameters.isovalue),
@@ -53,7 +63,7 @@ TouchRig::~TouchRig() {
   requestStop();
 }
 
-const RigSettings& TouchRig::checked(const RigSettings& settings) const {
+std::unique_ptr<Algorithm> TouchRig::made(const RigSettings& settings) const {
   if (settings.parameters.rate_hz != rate_hz_) {
     refuse(fmt::format("rate {:g} Hz", settings.parameters.rate_hz), fmt::format("the servo runs at {:g} Hz", rate_hz_),
            "start anew with the other rate");
@@ -67,7 +77,7 @@ const RigSettings& TouchRig::checked(const RigSettings& settings) const {
     refuse(fmt::format("{} at isovalue {:g}", settings.algorithm, settings.parameters.isovalue),
            fmt::format("its mesh is that of {:g}", first_isovalue_), "start anew with the other isovalue");
   }
-  return settings;
+  return makeAlgorithm(settings, volume_);
 }
 
 LoopResult TouchRig::runSimulated(const Follow& follow, const ServoLoop::Hook& before_tick) {
@@ -78,7 +88,7 @@ LoopResult TouchRig::runSimulated(const Follow& follow, const ServoLoop::Hook& b
     look(pose, time_ns, true);
     if (before_tick) before_tick(tick, time_ns);
   });
-  isovalue_way_.end();
+  nobodyReads();
   return result;
 }
 
@@ -102,42 +112,49 @@ LoopResult TouchRig::wait() {
   if (!publisher_) return result;
   publisher_->stop();
   publisher_.reset();
-  isovalue_way_.end();
+  nobodyReads();
   return result;
 }
 
-void TouchRig::change(const RigSettings& settings) {
-  const std::lock_guard lock(changing_);
-  RigSettings next = settings;
-  next.parameters.isovalue = static_cast<float>(next.parameters.isovalue);
-  if (next.parameters.isovalue == given_.parameters.isovalue) {
-    give(next);
-  } else {
-    static_cast<void>(makeAlgorithm(checked(next), volume_));  // refuses what it would refuse later
-    RigSettings now = given_;
-    now.force_limit_N = next.force_limit_N;
-    give(now);
-  }
-  settings_ = std::move(next);
+void TouchRig::nobodyReads() {
+  std::unique_lock lock(mutex_);
+  const double in_use = given_.parameters.isovalue;
+  lock.unlock();
+  isovalue_way_.end(in_use);
 }
 
-// To the servo. Where it throws, nothing has changed.
-void TouchRig::give(const RigSettings& settings) {
-  ServoChange change{.force_limit_N = settings.force_limit_N};
-  RigSettings next = settings, same = given_;
-  same.force_limit_N = settings.force_limit_N;
-  if (same != next) change.algorithm = makeAlgorithm(checked(next), volume_);
-  changes_.give(std::move(change));
-  given_ = std::move(next);
+void TouchRig::change(const RigSettings& settings) {
+  const std::lock_guard order(callers_);
+  const RigSettings next = asTheGpuHasThem(settings);
+  std::unique_ptr<Algorithm> algorithm;
+  if (!differInForceLimitAlone(this->settings(), next)) algorithm = made(next);
+  std::unique_lock lock(mutex_);
+  if (algorithm == nullptr && !differInForceLimitAlone(settings_, next)) {  // an isovalue was refused in between
+    lock.unlock();
+    algorithm = made(next);
+    lock.lock();
+  }
+  ServoChange change;
+  if (next.force_limit_N != given_.force_limit_N) change.force_limit_N = next.force_limit_N;
+  const bool waits = next.parameters.isovalue != given_.parameters.isovalue;
+  if (!waits) change.algorithm = std::move(algorithm);
+  if (change.algorithm != nullptr || change.force_limit_N) changes_.give(std::move(change));
+  if (algorithm != nullptr) waiting_ = std::move(algorithm);
+  if (!waits) {
+    waiting_.reset();
+    given_ = next;
+  }
+  given_.force_limit_N = next.force_limit_N;
+  settings_ = next;
 }
 
 RigSettings TouchRig::settings() const {
-  const std::lock_guard lock(changing_);
+  const std::lock_guard lock(mutex_);
   return settings_;
 }
 
 std::optional<Error> TouchRig::takeRefusal() {
-  const std::lock_guard lock(changing_);
+  const std::lock_guard lock(mutex_);
   return std::exchange(refusal_, std::nullopt);
 }
 
@@ -147,21 +164,27 @@ void TouchRig::look(const ToolPose& pose, std::int64_t now_ns, bool all_at_once)
 }
 
 void TouchRig::lookForIsovalue(const ToolPose& pose, std::int64_t now_ns, bool all_at_once) {
-  IsovalueWay::Look look{.window_seen = pose.window_version, .taken = changes_.ended(), .all_at_once = all_at_once};
+  IsovalueWay::Look look{.window_seen = pose.window_version, .all_at_once = all_at_once};
   {
-    const std::lock_guard lock(changing_);
+    const std::lock_guard lock(mutex_);
     look.wanted = settings_.parameters.isovalue;
     look.in_use = given_.parameters.isovalue;
-    if (isovalue_way_.mayGive(look)) return give(settings_);
+    look.taken = changes_.ended(taking_);
+    if (isovalue_way_.mayGive(look)) {
+      taking_ = changes_.give({.algorithm = std::move(waiting_)});
+      given_ = settings_;
+      return;
+    }
   }
   try {
     isovalue_way_.work(look, now_ns);
   } catch (const Error& error) {
-    const std::lock_guard lock(changing_);
+    if (error.code() != Error::Code::kBadInput && error.code() != Error::Code::kOutOfMemory) throw;
+    const std::lock_guard lock(mutex_);
     refusal_ = error;
     if (settings_.parameters.isovalue != look.wanted) return;  // somebody wants yet another one by now
-    settings_.parameters.isovalue = given_.parameters.isovalue;
-    give(settings_);
+    settings_ = given_;
+    waiting_.reset();
   }
 }
 

@@ -6,9 +6,10 @@
 // it, by the real or the simulated clock. Settings may be changed while it runs; the servo takes them between two ticks
 // without a wait, and the force goes over evenly (servo/loop/servo_loop.hpp). Another isovalue needs other gradients:
 // the servo goes over to it once the engine has computed them, a portion between two looks at the tool.
-// Threads: one thread makes the rig, runs it and waits for its end; change(), settings(), requestStop() and running()
-// are any thread's; ticks() is one reader's. `follow` is called by the engine's thread (real clock) or the caller's
-// (simulated clock) with every pose of the tool; between start() and wait() the engine is that thread's alone.
+// Threads: one thread makes the rig, runs it and waits for its end; change(), settings(), takeRefusal(), requestStop()
+// and running() are any thread's; ticks() is one reader's. `follow` is called by the engine's thread (real clock) or
+// the caller's (simulated clock) with every pose of the tool; between start() and wait() the engine is that thread's
+// alone.
 #pragma once
 
 #include <functional>
@@ -71,14 +72,16 @@ class TouchRig {
   [[nodiscard]] LoopResult wait();
   void requestStop() noexcept { loop_.requestStop(); }
 
-  // The new settings are what settings() gives from then on; the servo takes them with its next tick, unless a contact
-  // is only remembered just then. Another force limit alone leaves the algorithm as it is. With another isovalue all
-  // but the force limit waits for its gradients; of several the newest counts. Throws Error(kBadInput) as the
-  // constructor, and then nothing changes.
+  // The new settings, their isovalue rounded to float, are what settings() gives from then on; the servo takes them
+  // with its next tick, unless a contact is only remembered just then. Another force limit alone leaves the algorithm
+  // as it is. With another isovalue all but the force limit waits for its gradients; of several the newest counts.
+  // Makes the algorithm (a mesh's search tree takes a while) in the caller's thread; others wait for that in change()
+  // alone. Throws Error(kBadInput) as makeAlgorithm(), for another rate, for an algorithm that reads gradients that are
+  // not there, and for one that needs a mesh with another isovalue than the first; then nothing changes.
   void change(const RigSettings& settings);
   [[nodiscard]] RigSettings settings() const;
-  // Why the engine has refused an isovalue (Engine::beginIsovalue); settings() has the last one again. Empty: it has
-  // not since the last call.
+  // Why the engine has refused an isovalue (Engine::beginIsovalue). Unless another one was asked for since, settings()
+  // is what the servo has again. Empty: it has refused none since the last call.
   [[nodiscard]] std::optional<Error> takeRefusal();
 
   // Before a run: keeps up to `most` ticks for ticks().
@@ -87,20 +90,23 @@ class TouchRig {
   [[nodiscard]] LiveTicks& ticks() { return *ticks_; }
 
  private:
-  [[nodiscard]] const RigSettings& checked(const RigSettings& settings) const;
+  [[nodiscard]] std::unique_ptr<Algorithm> made(const RigSettings& settings) const;
   void look(const ToolPose& pose, std::int64_t now_ns, bool all_at_once);
+  void nobodyReads();
   void lookForIsovalue(const ToolPose& pose, std::int64_t now_ns, bool all_at_once);
-  void give(const RigSettings& settings);
 
   Engine& engine_;
   const double rate_hz_;
   const double first_isovalue_;
   const RigVolume volume_;
   RigEdits* const edits_;
-  mutable std::mutex changing_;  // guards settings_, given_ and refusal_, and keeps the order of changes
-  RigSettings settings_;         // what is wanted
-  RigSettings given_;            // what the servo was given: the same but while it waits for an isovalue
+  std::mutex callers_;                  // of change(): keeps their order
+  mutable std::mutex mutex_;            // guards what follows, and is never held while something is made or computed
+  RigSettings settings_;                // what is wanted
+  RigSettings given_;                   // what the servo was given: the same but while it waits for an isovalue
+  std::unique_ptr<Algorithm> waiting_;  // for that isovalue, as settings_ say
   std::optional<Error> refusal_;
+  std::uint64_t taking_ = 0;  // number of the change to the isovalue in use
   IsovalueWay isovalue_way_;
   std::unique_ptr<Algorithm> algorithm_;  // the first one
   ServoChanges changes_;

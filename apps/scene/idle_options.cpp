@@ -22,14 +22,14 @@ bool hasSpringHand(const Scene& scene) {
 bool buildsPath(const Scene& scene) {
   return scene.path_file.empty();
 }
-bool usesHaptization(const Scene& scene) {
-  return scene.algorithm == "haptization";
-}
 // An unknown algorithm is refused elsewhere.
 const AlgorithmEntry* entryOf(const Scene& scene) {
   const auto all = algorithms();
   const auto entry = std::find_if(all.begin(), all.end(), [&](const auto& e) { return e.name == scene.algorithm; });
   return entry == all.end() ? nullptr : &*entry;
+}
+bool takesTables(const Scene& scene) {
+  return entryOf(scene) == nullptr || entryOf(scene)->traits.takes_tables;
 }
 bool hasStiffness(const Scene& scene) {
   return entryOf(scene) == nullptr || entryOf(scene)->traits.shows_surface;
@@ -51,8 +51,8 @@ const IdleOption kIdleOptions[] = {
     {"--stiffness", hasStiffness, kNoSurface},
     {"--damping", hasStiffness, kNoSurface},
     {"--n", renewsPlanes, "this --algorithm finds the surface anew in every tick"},
-    {"--haptization-density", usesHaptization, kHaptizationOnly},
-    {"--haptization-gradient", usesHaptization, kHaptizationOnly},
+    {"--haptization-density", takesTables, kHaptizationOnly},
+    {"--haptization-gradient", takesTables, kHaptizationOnly},
     {"--require-real-time", [](const Scene& s) { return !s.simulated_clock; }, "only --clock real is in real time"},
     {"--velocity-cutoff", [](const Scene& s) { return s.velocity == "filter"; }, "only --velocity filter uses it"},
     {"--velocity-noise", [](const Scene& s) { return s.velocity == "foaw"; }, "only --velocity foaw uses it"},

@@ -9,6 +9,7 @@
 #include "base/error.hpp"
 #include "base/units.hpp"
 #include "servo/algorithms/registry.hpp"
+#include "servo/devices/registry.hpp"
 
 namespace palpate {
 namespace {
@@ -21,19 +22,33 @@ NumberOption number(double Scene::*member, double scale, double lowest, double h
 NumberOption numberAbove(double Scene::*member, double scale, double lowest, double highest) {
   return {member, scale, lowest, highest, true};
 }
-// The names, from the one place that has them.
+// Names as words for a WordOption, from the one place that has them.
+class Names {
+ public:
+  template <typename Entries>
+  explicit Names(const Entries& entries) {
+    for (const auto& entry : entries) names_.emplace_back(entry.name);
+    for (const std::string& name : names_) words_.push_back(name.c_str());
+  }
+  [[nodiscard]] std::span<const char* const> words() const { return words_; }
+
+ private:
+  std::vector<std::string> names_;
+  std::vector<const char*> words_;
+};
 std::span<const char* const> algorithmNames() {
-  static const std::vector<std::string> kNames = [] {
-    std::vector<std::string> names;
-    for (const AlgorithmEntry& entry : algorithms()) names.emplace_back(entry.name);
-    return names;
-  }();
-  static const std::vector<const char*> kWords = [] {
-    std::vector<const char*> words;
-    for (const std::string& name : kNames) words.push_back(name.c_str());
-    return words;
-  }();
-  return kWords;
+  static const Names kNames(algorithms());
+  return kNames.words();
+}
+std::span<const char* const> deviceNames() {
+  static const Names kNames(devices());
+  return kNames.words();
+}
+// A parameter of the default device, with the range and the help that it has there.
+SceneOption ofDevice(const char* flag, const char* key, const char* unit, double Scene::*member, double scale,
+                     std::string_view parameter) {
+  const DeviceParameter& p = deviceParameter(devices().front().name, parameter);
+  return {flag, key, unit, p.help.data(), NumberOption{member, scale, p.lowest / scale, p.highest / scale}};
 }
 IntegerOption integer(int Scene::*member, long long lowest, long long highest) {
   return {member, lowest, highest};
@@ -103,12 +118,13 @@ const SceneOption kOptions[] = {
     {"--stiffness-density", "contact.stiffness_density", "", "stiffness by the density under the surface: factors of K, densities rising, linear between", TableOption{&Scene::stiffness_density, 1, "density:factor"}},
     {"--hand", "hand.kind", "", "rigid: the device is exactly on the path; spring: a hand pulls it and feels the force",
      SwitchOption{&Scene::spring_hand, "rigid", "spring"}},
-    {"--hand-mass", "hand.mass_kg", "kg", "mass of the spring hand", number(&Scene::hand_mass_kg, 1, 0, 100)},
-    {"--hand-damping", "hand.damping_Ns_per_m", "N s/m", "damping of the spring hand", number(&Scene::hand_damping_Ns_per_m, 1, 0, 1e4)},
-    {"--hand-stiffness", "hand.stiffness_N_per_m", "N/m", "stiffness of the spring hand", number(&Scene::hand_stiffness_N_per_m, 1, 0, 1e5)},
-    {"--device-mass", "device.mass_kg", "kg", "mass of the simulated device", number(&Scene::device_mass_kg, 1, 1e-6, 100)},
-    {"--device-damping", "device.damping_Ns_per_m", "N s/m", "viscous friction of the simulated device", number(&Scene::device_damping_Ns_per_m, 1, 0, 1e4)},
-    {"--encoder", "device.encoder_resolution_mm", "mm", "resolution of the simulated device's encoders, 0: none", number(&Scene::encoder_resolution_m, kMm, 0, 10)},
+    ofDevice("--hand-mass", "hand.mass_kg", "kg", &Scene::hand_mass_kg, 1, "hand_mass_kg"),
+    ofDevice("--hand-damping", "hand.damping_Ns_per_m", "N s/m", &Scene::hand_damping_Ns_per_m, 1, "hand_damping_Ns_per_m"),
+    ofDevice("--hand-stiffness", "hand.stiffness_N_per_m", "N/m", &Scene::hand_stiffness_N_per_m, 1, "hand_stiffness_N_per_m"),
+    {"--device", "device.name", "", "haptic device; 'palpate devices' lists them", WordOption{&Scene::device, deviceNames()}},
+    ofDevice("--device-mass", "device.mass_kg", "kg", &Scene::device_mass_kg, 1, "mass_kg"),
+    ofDevice("--device-damping", "device.damping_Ns_per_m", "N s/m", &Scene::device_damping_Ns_per_m, 1, "damping_Ns_per_m"),
+    ofDevice("--encoder", "device.encoder_resolution_mm", "mm", &Scene::encoder_resolution_m, kMm, "encoder_resolution_m"),
     {"--delay", "device.delay_ticks", "ticks", "delay of the simulated device's force", integer(&Scene::device_delay_ticks, 0, 1000)},
     {"--path", "path.file", "", "CSV file with header time_s,x_m,y_m,z_m, instead of a path built from the surface", TextOption{&Scene::path_file, false}},
     {"--toward", "path.toward", "", "world direction in which the tool approaches; chosen if not given", VectorOption{&Scene::path_toward, 1, true}},
@@ -155,7 +171,7 @@ const char* optionGroup(const SceneOption& option) {
                                       {"safety", "Safety"},
                                       {"contact", "What the contact feels like"},
                                       {"hand", "Hand"},
-                                      {"device", "Simulated device"},
+                                      {"device", "Device"},
                                       {"path", "The tool's path"},
                                       {"edit", "Edits"},
                                       {"output", "Output"}};

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "apps/scene/object_spec.hpp"
@@ -15,6 +16,11 @@
 namespace palpate {
 
 using NumberTable = std::vector<std::vector<double>>;  // rows of equal length
+
+[[nodiscard]] std::string defaultAlgorithm();  // servo/algorithms/registry.hpp
+// Of the default device (servo/devices/registry.hpp): its name, and the usual value of one of its parameters.
+[[nodiscard]] std::string defaultDevice();
+[[nodiscard]] double usualOfDevice(std::string_view key);
 
 struct Scene {
   // volume
@@ -32,7 +38,7 @@ struct Scene {
   std::string gradient_operator = "central";  // engine/gradient/gradient_operator.hpp
   std::string samples = "float";              // or "half": how the GPU stores samples (gradient, density)
   // servo
-  std::string algorithm = "hri";
+  std::string algorithm = defaultAlgorithm();
   int plane_renewal_ticks = 5;  // n: the plane is found anew every n ticks
   double stiffness_N_per_m = 500;
   double damping_Ns_per_m = 0.5;
@@ -65,15 +71,16 @@ struct Scene {
   double friction_dynamic = 0;           // mu_d, at most mu_s [-]
   double friction_viscous_Ns_per_m = 0;
   NumberTable stiffness_density;  // rows of density, factor [-]; empty: none
-  // hand and simulated device
-  bool spring_hand = false;  // false: the HIP is exactly the path
-  double hand_mass_kg = 0.1;
-  double hand_damping_Ns_per_m = 3.0;
-  double hand_stiffness_N_per_m = 400;
-  double device_mass_kg = 0.05;
-  double device_damping_Ns_per_m = 0.1;
-  double encoder_resolution_m = 0;  // 0: none
-  int device_delay_ticks = 0;
+  // device, and the hand of a simulated one; apps/touch/servo_setup.cpp hands them to the registry
+  std::string device = defaultDevice();
+  bool spring_hand = usualOfDevice("spring_hand") > 0;  // false: the HIP is exactly the path
+  double hand_mass_kg = usualOfDevice("hand_mass_kg");
+  double hand_damping_Ns_per_m = usualOfDevice("hand_damping_Ns_per_m");
+  double hand_stiffness_N_per_m = usualOfDevice("hand_stiffness_N_per_m");
+  double device_mass_kg = usualOfDevice("mass_kg");
+  double device_damping_Ns_per_m = usualOfDevice("damping_Ns_per_m");
+  double encoder_resolution_m = usualOfDevice("encoder_resolution_m");  // 0: none
+  int device_delay_ticks = static_cast<int>(usualOfDevice("delay_ticks"));
   // path: a CSV file, or built from the surface
   std::string path_file;
   std::optional<Vec3> path_toward;      // direction in which the tool approaches (world); empty: chosen

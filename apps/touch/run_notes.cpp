@@ -54,7 +54,7 @@ std::optional<std::string> noteOnNoContact(const RunFigures& figures, bool ended
   const bool told = std::any_of(figures.faults.begin(), figures.faults.end(),
                                 [](const FaultCount& count) { return count.fault == ServoFault::kInsideObject; });
   if (figures.contact_ticks > 0 || told) return {};
-  if (ended_early) return "nothing was touched: the run ended before the tool came to the surface";
+  if (ended_early) return "nothing was touched until the run was ended";
   return "nothing was touched: the path meets no surface; look at --start, --toward, --depth or --path";
 }
 

@@ -35,8 +35,8 @@ LoopResult runReal(TouchRig& rig, double duration_s, Progress& progress) {
 LoopResult runServo(const Scene& scene, RigVolume volume, const Path& path, Engine& engine, RigEdits* edits,
                     Progress& progress, const std::function<void()>& before_first_tick) {
   const LoopParameters parameters = loopParameters(scene);
-  SimulatedDevice device(deviceParameters(scene), path, scene.rate_hz);
-  TouchRig rig(engine, device, parameters, std::move(volume), rigSettings(scene, engine.isovalue()), edits);
+  const std::unique_ptr<Device> device = makeDevice(scene.device, deviceSetup(scene, path));
+  TouchRig rig(engine, *device, parameters, std::move(volume), rigSettings(scene, engine.isovalue()), edits);
   before_first_tick();
   if (scene.simulated_clock) return runSimulated(rig, static_cast<double>(parameters.ticks), progress);
   return runReal(rig, scene.duration_s, progress);

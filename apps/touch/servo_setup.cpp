@@ -32,18 +32,18 @@ LoopParameters loopParameters(const Scene& scene) {
   return loop;
 }
 
-SimulatedDeviceParameters deviceParameters(const Scene& scene) {
-  SimulatedDeviceParameters device;
-  device.hand = scene.spring_hand ? Hand::kSpring : Hand::kRigid;
-  device.dynamics = {.hand_mass_kg = scene.hand_mass_kg,
-                     .hand_damping_Ns_per_m = scene.hand_damping_Ns_per_m,
-                     .hand_stiffness_N_per_m = scene.hand_stiffness_N_per_m,
-                     .device_mass_kg = scene.device_mass_kg,
-                     .device_damping_Ns_per_m = scene.device_damping_Ns_per_m};
-  device.force_limit_N = scene.force_limit_N;
-  device.encoder_resolution_m = scene.encoder_resolution_m;
-  device.delay_ticks = scene.device_delay_ticks;
-  return device;
+DeviceSetup deviceSetup(const Scene& scene, const Path& path) {
+  return {.path = &path,
+          .rate_hz = scene.rate_hz,
+          .values = {{"spring_hand", scene.spring_hand ? 1 : 0},
+                     {"hand_mass_kg", scene.hand_mass_kg},
+                     {"hand_damping_Ns_per_m", scene.hand_damping_Ns_per_m},
+                     {"hand_stiffness_N_per_m", scene.hand_stiffness_N_per_m},
+                     {"mass_kg", scene.device_mass_kg},
+                     {"damping_Ns_per_m", scene.device_damping_Ns_per_m},
+                     {"force_limit_N", scene.force_limit_N},
+                     {"encoder_resolution_m", scene.encoder_resolution_m},
+                     {"delay_ticks", scene.device_delay_ticks}}};
 }
 
 }  // namespace palpate

@@ -94,17 +94,9 @@ VoxelBox stampBox(const layout::EditCommand& c, const BrickGrid& grid) {
 
 template <typename Test>
 void appendBricks(const BrickGrid& grid, const VoxelBox& box, std::vector<std::uint32_t>& bricks, const Test& test) {
-  if (box.empty()) return;
-  const Vec3i low = box.first / kBrickSize;
-  const Vec3i high = box.last / kBrickSize;
-  for (int z = low.z(); z <= high.z(); ++z) {
-    for (int y = low.y(); y <= high.y(); ++y) {
-      for (int x = low.x(); x <= high.x(); ++x) {
-        const Vec3i brick(x, y, z);
-        if (test(brick)) bricks.push_back(grid.index(brick));
-      }
-    }
-  }
+  grid.forEachIn(box, [&](const Vec3i& brick) {
+    if (test(brick)) bricks.push_back(grid.index(brick));
+  });
 }
 
 LocalBox boxOfBrick(const layout::EditCommand& c, const BrickGrid& grid, const Vec3i& brick) {
@@ -209,18 +201,6 @@ std::optional<float> uniformResult(const layout::EditCommand& c, const BrickGrid
   const Vec3i voxel = brick * kBrickSize;
   const edit_math::Local p = edit_math::local(c, editScale(grid.spacing_m), voxel.x(), voxel.y(), voxel.z());
   return edit_math::edited(c, {}, p, density);
-}
-
-void appendReached(const BrickGrid& grid, const VoxelBox& changed, const Reach& reach,
-                   std::vector<std::uint32_t>& bricks) {
-  const VoxelBox wide{(changed.first - Vec3i::Constant(reach.low)).cwiseMax(0),
-                      (changed.last + Vec3i::Constant(reach.high)).cwiseMin(grid.size - Vec3i::Ones())};
-  appendBricks(grid, wide, bricks, [](const Vec3i&) { return true; });
-}
-
-void sortUnique(std::vector<std::uint32_t>& bricks) {
-  std::sort(bricks.begin(), bricks.end());
-  bricks.erase(std::unique(bricks.begin(), bricks.end()), bricks.end());
 }
 
 }  // namespace palpate

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/edit/edit_reach.hpp: which bricks an edit command can change, and which bricks a pass must then compute anew.
-// Any thread. Cost: follows the command's size, not the volume's. (A cut is as large as the half space that it clears.)
+// engine/edit/edit_reach.hpp: which bricks an edit command can change. Any thread. Cost: follows the command's size,
+// not the volume's. (A cut is as large as the half space that it clears.)
 #pragma once
 
 #include <cstdint>
 #include <optional>
 #include <vector>
 
-#include "engine/edit/brick_grid.hpp"
+#include "engine/bricks/brick_reach.hpp"
 #include "engine/edit/lower_edit.hpp"
 
 namespace palpate {
@@ -26,19 +26,5 @@ namespace palpate {
 // certain.
 [[nodiscard]] std::optional<float> uniformResult(const layout::EditCommand& command, const BrickGrid& grid,
                                                  std::uint32_t brick, float density);
-
-// How far a pass carries a change [voxel]. A changed voxel c changes results at c - low ... c + high along every axis,
-// because a result at voxel v depends on densities at v - high ... v + low. Gradients: GradientPass::reach().
-struct Reach {
-  int low = 0;
-  int high = 0;
-};
-inline constexpr Reach kBoundsReach{1, 0};  // a brick's last cells end at the first voxels of the next bricks
-
-// Appends the bricks that hold a voxel within `reach` of the box `changed`.
-void appendReached(const BrickGrid& grid, const VoxelBox& changed, const Reach& reach,
-                   std::vector<std::uint32_t>& bricks);
-
-void sortUnique(std::vector<std::uint32_t>& bricks);
 
 }  // namespace palpate

@@ -9,7 +9,8 @@
 
 namespace palpate {
 
-// Upper edge of the last bin of the lower class [density]. Cost: one pass over the bins.
+// The middle of the gap between the classes: of the bins without a voxel, if there are any, or an edge [density]. Cost:
+// one pass over the bins.
 [[nodiscard]] double otsuThreshold(const Histogram& histogram);
 
 // Two thresholds for three classes, the lower first. Cost: bins^2.

@@ -180,7 +180,7 @@ class Walk {
     while (at_ < end) {
       Element item;
       if (!readHead(item)) return false;
-      if (item.tag == kSequenceEnd) return delimited || at_ == end;
+      if (item.tag == kSequenceEnd) return allFrames() && (delimited || at_ == end);
       if (item.tag != kItem) return false;
       if (item.length == kUndefined) {
         if (!elements(depth)) return false;
@@ -194,6 +194,10 @@ class Walk {
     return at_ == end && !delimited;
   }
 
+  // A packed frame of RLE is one fragment, behind the one that says where frames begin.
+  [[nodiscard]] bool allFrames() const {
+    return !packed_ || static_cast<double>(fragments_) >= 1 + std::max(frames_, 1.0);
+  }
   [[nodiscard]] double rlePlanes() const {
     return std::min(15.0, std::max(samples_, 1.0) * std::ceil(std::max(bits_, 1.0) / 8));
   }
@@ -256,10 +260,13 @@ bool dicomIsNoImage(std::string_view file) {
   if (head->object_class == kDirectory) return true;
   if (!head->object_class.starts_with(kStored)) return false;
   const std::string_view kind = head->object_class.substr(kStored.size());
-  // Waveforms, presentation states, registrations and raw data, reports, documents, radiotherapy's structures and
-  // plans.
-  for (const std::string_view none : {"9.", "11.", "66.", "88.", "104.", "481.3", "481.5", "481.8"})
-    if (kind.starts_with(none) || (none.back() == '.' && kind == none.substr(0, none.size() - 1))) return true;
+  // Waveforms, presentation states, reports, documents.
+  for (const std::string_view family : {"9.", "11.", "88.", "104."})
+    if (kind.starts_with(family)) return true;
+  // Raw data, registrations, fiducials, surfaces; radiotherapy's structures, plans and treatments. (66.4 is a
+  // segmentation, which is an image.)
+  for (const std::string_view one : {"66", "66.1", "66.2", "66.3", "66.5", "481.3", "481.5", "481.8"})
+    if (kind == one) return true;
   return false;
 }
 

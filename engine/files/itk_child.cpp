@@ -2,7 +2,6 @@
 #include "engine/files/itk_child.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -140,21 +139,20 @@ RefuseFile refusalOf(const std::string& source) {
 class Printed {
  public:
   Printed() : file_(memfd_create("printed", MFD_CLOEXEC)) {
-    if (file_ >= 0) dup2(file_, STDERR_FILENO);
+    if (file_ < 0 || dup2(file_, STDERR_FILENO) < 0)
+      throw std::runtime_error(fmt::format("no memory for messages ({})", std::generic_category().message(errno)));
   }
-  ~Printed() {
-    if (file_ >= 0) close(file_);
-  }
+  ~Printed() { close(file_); }
   Printed(const Printed&) = delete;
   Printed& operator=(const Printed&) = delete;
   // The line in which libjpeg complains of its data; empty: there is none.
   [[nodiscard]] std::string complaint() const {
-    std::array<char, 4096> text = {};
-    const ssize_t got = file_ < 0 ? 0 : pread(file_, text.data(), text.size(), 0);
-    const std::string_view all(text.data(), got < 0 ? 0 : static_cast<std::size_t>(got));
+    std::string all(static_cast<std::size_t>(std::max<off_t>(0, lseek(file_, 0, SEEK_END))), '\0');
+    const ssize_t got = pread(file_, all.data(), all.size(), 0);
+    all.resize(static_cast<std::size_t>(std::max<ssize_t>(0, got)));
     for (const std::string_view words : {"Corrupt JPEG data", "Premature end of JPEG file"}) {
       const std::size_t at = all.find(words);
-      if (at != std::string_view::npos) return std::string(all.substr(at, all.find('\n', at) - at));
+      if (at != std::string::npos) return all.substr(at, all.find('\n', at) - at);
     }
     return {};
   }

@@ -62,16 +62,8 @@ openvdb::GridPtrVecPtr readGrids(const std::string& path, const std::string& sou
 // A damaged length in the file makes OpenVDB write beyond a buffer. So it may read here what a checksum vouches for, or
 // what it has read in a child process without harm: whatever corrupts memory is found in that, too, at the latest when
 // the sizes do not fit.
-void checkReadable(const std::string& path, const std::string& source, double claimed_bytes) {
+void tryToRead(const std::string& path, const std::string& source, double claimed_bytes) {
   constexpr double kMostInMemory = 64;  // bytes of a node for one in the file, where it does not say
-  switch (checkVdbChecksum(path, source)) {
-    case VdbChecksum::kHolds:
-      return;
-    case VdbChecksum::kFails:
-      refuse(source, "its checksum is not that of its bytes: it is damaged", "copy or write it again");
-    case VdbChecksum::kMissing:
-      break;
-  }
   const auto bytes = static_cast<double>(fileBytes(path, source));
   const double memory =
       std::min(std::max(kMostInMemory * bytes, 1.5 * claimed_bytes), static_cast<double>(availableMemoryBytes()));
@@ -259,9 +251,12 @@ Volume readGrid(const ReadRequest& wanted) {
   const std::string& name = wanted.name;
   const VolumeName parsed = parseVolumeName(name);
   const std::string& path = parsed.path;
+  const VdbChecksum checksum = checkVdbChecksum(path, name);
+  if (checksum == VdbChecksum::kFails)
+    refuse(name, "its checksum is not that of its bytes: it is damaged", "copy or write it again");
   const double claimed_bytes = vdbClaimedBytes(path, name);
   checkMemory(name, std::max(claimed_bytes, static_cast<double>(fileBytes(path, name))), wanted.memory_budget_bytes);
-  checkReadable(path, name, claimed_bytes);
+  if (checksum == VdbChecksum::kMissing) tryToRead(path, name, claimed_bytes);
   const openvdb::GridPtrVecPtr grids = readGrids(path, name);
   openvdb::GridBase& grid = chooseGrid(*grids, parsed.part, name);
   const openvdb::CoordBBox domain = domainOf(grid, name);

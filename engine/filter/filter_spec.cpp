@@ -140,7 +140,7 @@ bool setOwnKey(std::string_view filter, std::string_view key, std::string_view v
       return true;
     case FilterKind::kMedian:
     case FilterKind::kDistance:
-      return false;
+      break;
   }
   return false;
 }

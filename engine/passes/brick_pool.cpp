@@ -29,28 +29,22 @@ BrickPool::BrickPool(gpu::Gpu& gpu, gpu::Transfer& transfer, const Volume& volum
     : domain_(domainOf(volume)), lattice_(volume.lattice()), budget_(std::move(budget)) {
   const SlotSlabs::Shape shape{"density", kBrickBytes, BRICKS_PER_DENSITY_SLAB, DENSITY_SLABS};
   slabs_ = std::make_unique<SlotSlabs>(gpu, shape, volume.storedBricks(), budget_);
-  const Vec3i counts = brickCounts();
   pages_.reserve(std::size_t{domain_.bricks_x} * domain_.bricks_y * domain_.bricks_z);
   std::vector<float> pending;  // densities of the slots from `first_slot` on
   std::uint32_t first_slot = 0;
   std::array<float, kBrickVoxels> brick{};
-  for (int z = 0; z < counts.z(); ++z) {
-    for (int y = 0; y < counts.y(); ++y) {
-      for (int x = 0; x < counts.x(); ++x) {
-        if (volume.readBrick({x, y, z}, brick.data())) {
-          pages_.push_back({NO_SLOT, brick[0]});
-          continue;
-        }
-        pages_.push_back({slabs_->take(), 0.0F});
-        pending.insert(pending.end(), brick.begin(), brick.end());
-        if (pending.size() == kUploadBricks * kBrickVoxels) {
-          upload(transfer, pending, first_slot);
-          first_slot += kUploadBricks;
-          pending.clear();
-        }
-      }
+  grid().forEach([&](const Vec3i& at) {
+    if (volume.readBrick(at, brick.data())) {
+      pages_.push_back({NO_SLOT, brick[0]});
+      return;
     }
-  }
+    pages_.push_back({slabs_->take(), 0.0F});
+    pending.insert(pending.end(), brick.begin(), brick.end());
+    if (pending.size() < kUploadBricks * kBrickVoxels) return;
+    upload(transfer, pending, first_slot);
+    first_slot += kUploadBricks;
+    pending.clear();
+  });
   if (!pending.empty()) upload(transfer, pending, first_slot);
   page_table_.emplace(gpu, "page table", pages_.size() * sizeof(layout::BrickPage), gpu::MemoryKind::kDevice);
   transfer.upload(std::as_bytes(std::span(pages_)), *page_table_);
@@ -87,10 +81,6 @@ void BrickPool::upload(gpu::Transfer& transfer, const std::vector<float>& values
 
 Vec3i BrickPool::size() const noexcept {
   return Eigen::Vector<layout::uint, 3>(domain_.size_x, domain_.size_y, domain_.size_z).cast<int>();
-}
-
-Vec3i BrickPool::brickCounts() const noexcept {
-  return Eigen::Vector<layout::uint, 3>(domain_.bricks_x, domain_.bricks_y, domain_.bricks_z).cast<int>();
 }
 
 BrickPool::Place BrickPool::place(std::uint32_t slot) noexcept {

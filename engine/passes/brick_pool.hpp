@@ -16,6 +16,7 @@
 #include <optional>
 #include <vector>
 
+#include "engine/bricks/brick_grid.hpp"
 #include "engine/field/volume.hpp"
 #include "engine/gpu/buffer.hpp"
 #include "engine/gpu/transfer.hpp"
@@ -35,8 +36,8 @@ class BrickPool {
 
   [[nodiscard]] const layout::PoolDomain& domain() const noexcept { return domain_; }
   [[nodiscard]] const Lattice& lattice() const noexcept { return lattice_; }
-  [[nodiscard]] Vec3i size() const noexcept;         // domain [voxel]
-  [[nodiscard]] Vec3i brickCounts() const noexcept;  // along each axis
+  [[nodiscard]] Vec3i size() const noexcept;  // domain [voxel]
+  [[nodiscard]] BrickGrid grid() const noexcept { return {size(), lattice_.spacing_m}; }
   [[nodiscard]] std::size_t brickCount() const noexcept { return pages_.size(); }
   [[nodiscard]] std::size_t storedBricks() const noexcept { return slabs_->inUse(); }
   [[nodiscard]] std::size_t slabCount() const noexcept { return slabs_->slabCount(); }

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "base/vec.hpp"
+#include "engine/bricks/brick_grid.hpp"
 #include "engine/filter/filter_step.hpp"
 #include "shaders/brick_bounds.layout.h"
 
@@ -17,6 +17,6 @@ namespace palpate {
 // Those bricks have NO_SLOT and the constant plus or minus the band. `bounds`: of the densities that `seed` reads.
 [[nodiscard]] std::vector<layout::BrickPage> distanceBricks(const FilterStep& seed,
                                                             std::span<const layout::BrickBounds> bounds,
-                                                            const Vec3i& brick_counts);
+                                                            const BrickGrid& grid);
 
 }  // namespace palpate

@@ -14,7 +14,7 @@
 #include <span>
 #include <vector>
 
-#include "engine/edit/edit_reach.hpp"
+#include "engine/bricks/brick_reach.hpp"
 #include "engine/gpu/commands.hpp"
 #include "engine/gpu/kernel.hpp"
 #include "engine/gpu/transfer.hpp"

@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "engine/edit/edit_reach.hpp"
+#include "engine/bricks/brick_reach.hpp"
 #include "engine/filter/filter_step.hpp"
 #include "shaders/filter.layout.h"
 

@@ -64,7 +64,7 @@ class Run {
   void findBand(const FilterStep& seed, const BrickPool& densities) {
     BrickBoundsPass bounds(gpu_, densities);
     bounds.run();
-    band_ = distanceBricks(seed, bounds.read(transfer_), densities.brickCounts());
+    band_ = distanceBricks(seed, bounds.read(transfer_), densities.grid());
   }
 
   [[nodiscard]] std::vector<layout::BrickPage> pagesAfter(const FilterStep& step, const BrickPool& from) const {

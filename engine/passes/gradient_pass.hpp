@@ -6,7 +6,7 @@
 #include <functional>
 #include <span>
 
-#include "engine/edit/edit_reach.hpp"
+#include "engine/bricks/brick_reach.hpp"
 #include "engine/gpu/commands.hpp"
 #include "engine/gpu/transfer.hpp"
 #include "engine/gradient/gradient_operator.hpp"

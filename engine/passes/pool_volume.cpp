@@ -5,17 +5,16 @@
 #include <array>
 
 #include "base/error.hpp"
-#include "engine/edit/edit_reach.hpp"
+#include "engine/bricks/brick_reach.hpp"
 
 namespace palpate {
 
 // The volume that was read is finite, so a density that is not comes of the computation, not of the input.
 Volume volumeOf(const BrickPool& pool, gpu::Transfer& transfer, const VolumeFacts& facts) {
-  const Vec3i counts = pool.brickCounts();
+  const BrickGrid grid = pool.grid();
   try {
     return Volume::fromBricks(pool.size(), pool.lattice(), facts, [&](const Vec3i& brick, float* values) {
-      const auto index = (static_cast<std::size_t>(brick.z()) * counts.y() + brick.y()) * counts.x() + brick.x();
-      return pool.readBrick(transfer, index, values);
+      return pool.readBrick(transfer, grid.index(brick), values);
     });
   } catch (const Error& error) {
     if (error.code() != Error::Code::kBadInput) throw;
@@ -25,7 +24,7 @@ Volume volumeOf(const BrickPool& pool, gpu::Transfer& transfer, const VolumeFact
 }
 
 std::vector<float> densitiesOf(const BrickPool& pool, gpu::Transfer& transfer) {
-  const BrickGrid grid{pool.size(), pool.lattice().spacing_m};
+  const BrickGrid grid = pool.grid();
   const Eigen::Matrix<std::size_t, 3, 1> size = pool.size().cast<std::size_t>();
   std::vector<float> densities(size.prod());
   std::array<float, kBrickVoxels> brick{};

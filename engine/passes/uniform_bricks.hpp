@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "engine/edit/edit_reach.hpp"
+#include "engine/bricks/brick_reach.hpp"
 #include "engine/field/volume.hpp"
 #include "engine/filter/filter_step.hpp"
 

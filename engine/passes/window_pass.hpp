@@ -57,18 +57,11 @@ class WindowPass {
 template <typename Wanted, typename IfActive>
 BrickTasks WindowPass::tasksOf(const WindowBox& box, const Wanted& wanted, const IfActive& if_active) const {
   BrickTasks tasks;
-  const Vec3i counts = pool_.brickCounts();
-  const Vec3i low = box.first / kBrickSize;
-  const Vec3i high = (box.first + box.size - Vec3i::Ones()) / kBrickSize;
-  for (int z = low.z(); z <= high.z(); ++z) {
-    for (int y = low.y(); y <= high.y(); ++y) {
-      for (int x = low.x(); x <= high.x(); ++x) {
-        const std::size_t brick = (static_cast<std::size_t>(z) * counts.y() + y) * counts.x() + x;
-        if (!wanted(brick)) continue;
-        tasks.add(static_cast<std::uint32_t>(brick), store_.place(brick), store_.has(brick) && if_active(brick));
-      }
-    }
-  }
+  const BrickGrid grid = pool_.grid();
+  grid.forEachIn({box.first, box.first + box.size - Vec3i::Ones()}, [&](const Vec3i& at) {
+    const std::uint32_t brick = grid.index(at);
+    if (wanted(brick)) tasks.add(brick, store_.place(brick), store_.has(brick) && if_active(brick));
+  });
   return tasks;
 }
 

@@ -36,7 +36,7 @@ struct EditPlan {
   std::vector<std::uint32_t> altered;    // bricks whose densities may change in the field that is felt
   std::vector<std::uint32_t> smoothed;   // bricks whose smoothed densities may change, if gradients are smoothed
   std::vector<std::uint32_t> rebounded;  // bricks whose bounds may change
-  std::vector<std::uint32_t> unsettled;  // bricks that may become active or inactive (passes/active_bricks.hpp)
+  std::vector<std::uint32_t> unsettled;  // bricks that may become active or inactive (bricks/active_bricks.hpp)
   std::vector<std::uint32_t> newly;      // of those, the bricks without samples until now
   std::vector<std::uint32_t> regraded;   // bricks with samples whose gradients may change
   std::vector<std::uint32_t> emptied;    // stored bricks that replace() makes constant

@@ -64,8 +64,8 @@ void Engine::beginIsovalue(double isovalue) {
 bool Engine::gatherIsovalue(std::size_t most, std::int64_t now_ns) {
   return parts_->gatherIsovalue(most, now_ns);
 }
-void Engine::endIsovalue() {
-  parts_->endIsovalue();
+void Engine::endIsovalue(double keep) {
+  parts_->endIsovalue(keep);
 }
 
 Volume Engine::filtered(const VolumeFacts& facts) {

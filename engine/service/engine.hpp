@@ -80,19 +80,21 @@ class Engine {
   [[nodiscard]] std::vector<BrickContent> takeChanged(std::size_t most);
   [[nodiscard]] std::uint64_t editVersion() const noexcept;
 
-  // Another isovalue, while the servo goes on with the present one: begin, gather until it returns true, let the servo
-  // go over, end. Edits may come in between.
-  // beginIsovalue() gives up a change that is under way, and ends one whose samples are all there. Throws Error, and
-  // then nothing has changed: kBadInput for an isovalue that no density crosses, for samples that hang on the isovalue
-  // (halves, a distance), and for a smoothed field that was not kept (EngineRequest::other_isovalues); kOutOfMemory;
-  // kDevice once edits have broken the volume. Cost: reads the bounds of every brick.
+  // Another isovalue [density], while the servo goes on with the present one: begin, gather until it returns true, let
+  // the servo go over, end. Edits may come in between. Isovalues are rounded to float, as the GPU has them.
+  // beginIsovalue() gives up a change that is under way. Throws Error, and then isovalue() is what it was: kBadInput
+  // for an isovalue that no density crosses, for samples that hang on the isovalue (halves, a distance), and for a
+  // smoothed field that was not kept (EngineRequest::other_isovalues); kOutOfMemory; kDevice, also once edits have
+  // broken the volume. Cost, as of endIsovalue(): the bounds of every brick are read and looked at; where every brick
+  // has gradients, they are computed.
   void beginIsovalue(double isovalue);
   // Computes gradients of up to `most` bricks that it needs besides. Returns true once all are there: then a window
-  // with them is published and isovalue() is the new one. Throws Error(kOutOfMemory) if edits have taken the room: then
-  // the change is given up.
+  // with them is published and isovalue() is the new one. Throws Error: kOutOfMemory if edits have taken the room, and
+  // then the change is given up; kDevice.
   bool gatherIsovalue(std::size_t most, std::int64_t now_ns);
-  // Gives up a change whose gathering has not come to its end, or frees what only the last isovalue needed.
-  void endIsovalue();
+  // Ends a change, or gives it up: `keep` is isovalue() from now on, the new one or the last, and what only the other
+  // needed is freed. Throws Error(kDevice).
+  void endIsovalue(double keep);
 
   // The field that is felt: the filtered one, as a volume; only where the plan filters. Cost: a copy of its bricks.
   [[nodiscard]] Volume filtered(const VolumeFacts& facts);

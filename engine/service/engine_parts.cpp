@@ -9,8 +9,8 @@
 #include "base/byte_size.hpp"
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
+#include "engine/bricks/active_bricks.hpp"
 #include "engine/field/statistics.hpp"
-#include "engine/passes/active_bricks.hpp"
 #include "engine/passes/filter_chain.hpp"
 #include "engine/passes/pool_volume.hpp"
 #include "engine/service/window_focus.hpp"
@@ -122,9 +122,9 @@ void EngineParts::computeGradients(const Volume& volume, const Plan& plan, const
   }
   stage(passName(Pass::kGradient), [&] {
     const auto isovalue = static_cast<float>(isovalue_);
-    const std::vector<std::uint32_t> bricks =
-        plan.request.gradient_all ? allBricks(pool_->brickCounts())
-                                  : activeBricks(bounds_->read(transfer_), pool_->brickCounts(), isovalue);
+    const std::vector<std::uint32_t> bricks = plan.request.gradient_all
+                                                  ? allBricks(pool_->grid())
+                                                  : activeBricks(bounds_->read(transfer_), pool_->grid(), isovalue);
     const auto range = plan.request.half_samples ? densityRange(volume) : std::pair(0.0F, 0.0F);
     const SampleFormat format = plan.request.half_samples
                                     ? halfSamples(isovalue, range.first, range.second, pool_->lattice().spacing_m)
@@ -133,8 +133,8 @@ void EngineParts::computeGradients(const Volume& volume, const Plan& plan, const
     if (plan.request.half_samples && !filters_)
       checkHalfSamples(format, range.first, range.second, meanAbove(volume, isovalue_) - isovalue_);
     checkSampleRoom(*pool_->budget(), bricks.size() * kBrickVoxels * format.bytesAVoxel());
-    store_ = std::make_unique<SampleStore>(gpu_, pool_->brickCount(), inBlocks(bricks, pool_->brickCounts()),
-                                           pool_->budget(), format);
+    store_ = std::make_unique<SampleStore>(gpu_, pool_->brickCount(), inBlocks(bricks, pool_->grid()), pool_->budget(),
+                                           format);
     gradient_ = std::make_unique<GradientPass>(gpu_, transfer_, field(), *store_, plan.gradient,
                                                smoothing_ ? &smoothing_->result() : nullptr);
     gradient_->run(of(Pass::kGradient, progress));
@@ -208,7 +208,7 @@ void EngineParts::allowEdits(const BrushProfile& profile, std::span<const EditKi
                             filters_.get(),
                             static_cast<float>(isovalue_),
                             smoothing_.get()};
-  if (wanted_) endIsovalue();
+  if (wanted_) endIsovalue(isovalue_);
   stage("edit set-up", [&] {
     editor_ = std::make_unique<Editor>(parts, profile, gradient_all_);
     editor_->prepare(kinds);
@@ -250,7 +250,7 @@ std::size_t EngineParts::readBack(Volume& volume) {
 
 void EngineParts::beginIsovalue(double isovalue) {
   if (editor_) editor_->refuseIfBroken();
-  if (wanted_) endIsovalue();
+  if (wanted_) endIsovalue(isovalue_);
   const std::string input = fmt::format("isovalue {:g}", isovalue);
   const char* again = "start anew with this isovalue";
   if (distance_) refuse(input, "what is felt is the distance from the isosurface that was there at the start", again);
@@ -274,22 +274,23 @@ bool EngineParts::gatherIsovalue(std::size_t most, std::int64_t now_ns) {
   try {
     if (change_ && !change_->gather(most)) return false;
   } catch (const Error&) {
-    endIsovalue();
+    endIsovalue(isovalue_);
     throw;
   }
-  change_.reset();
-  isovalue_ = *wanted_;
-  wanted_.reset();
   if (published_) {
     window_->run(*published_, window_buffers_[exchange_->backIndex()]);
     publishBox(*published_, now_ns);
   }
+  change_.reset();
+  isovalue_ = *wanted_;
+  wanted_.reset();
   return true;
 }
 
-void EngineParts::endIsovalue() {
+void EngineParts::endIsovalue(double keep) {
   change_.reset();
   wanted_.reset();
+  isovalue_ = keep;
   needSamples(isovalue_, gradient_all_ ? std::vector<layout::BrickBounds>{} : boundsNow());
 }
 

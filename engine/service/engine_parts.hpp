@@ -44,7 +44,7 @@ class EngineParts {
   std::size_t readBack(Volume& volume);
   void beginIsovalue(double isovalue);
   bool gatherIsovalue(std::size_t most, std::int64_t now_ns);
-  void endIsovalue();
+  void endIsovalue(double keep);
   [[nodiscard]] Volume filtered(const VolumeFacts& facts);
   [[nodiscard]] RenderedImage draw(const Camera& camera, const std::function<void()>& between);
   [[nodiscard]] std::vector<MemoryFigure> memory() const;

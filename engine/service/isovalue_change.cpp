@@ -3,21 +3,17 @@
 
 #include <algorithm>
 
-#include <fmt/format.h>
-
-#include "base/byte_size.hpp"
-#include "base/error.hpp"
-#include "engine/passes/active_bricks.hpp"
+#include "engine/bricks/active_bricks.hpp"
 #include "engine/service/edit_plan.hpp"
 
 namespace palpate {
 
 IsovalueChange::IsovalueChange(SampleStore& store, GradientPass& gradient, const BrickGrid& grid,
                                std::span<const layout::BrickBounds> bounds, float to)
-    : store_(store), gradient_(gradient), grid_(grid), missing_(activeBricks(bounds, grid.counts(), to)) {
+    : store_(store), gradient_(gradient), grid_(grid), missing_(activeBricks(bounds, grid, to)) {
   missing_.erase(std::remove_if(missing_.begin(), missing_.end(), [&](std::uint32_t b) { return store.has(b); }),
                  missing_.end());
-  missing_ = inBlocks(std::move(missing_), grid.counts());
+  missing_ = inBlocks(std::move(missing_), grid);
   std::reverse(missing_.begin(), missing_.end());
   store_.reserve(missing_.size());
 }
@@ -35,7 +31,7 @@ bool IsovalueChange::gather(std::size_t most) {
 
 void dropInactive(SampleStore& store, const BrickGrid& grid, std::span<const layout::BrickBounds> bounds,
                   const layout::IsovaluePair& isovalues) {
-  const std::vector<std::uint32_t> active = activeBricks(bounds, grid.counts(), isovalues);
+  const std::vector<std::uint32_t> active = activeBricks(bounds, grid, isovalues);
   for (const std::uint32_t brick : store.bricks())
     if (!std::binary_search(active.begin(), active.end(), brick)) store.remove(brick);
 }

@@ -12,7 +12,7 @@
 #include <span>
 #include <vector>
 
-#include "engine/edit/edit_reach.hpp"
+#include "engine/bricks/brick_reach.hpp"
 #include "engine/passes/gradient_pass.hpp"
 #include "engine/passes/sample_store.hpp"
 #include "shaders/brick_pool.layout.h"
@@ -29,7 +29,6 @@ class IsovalueChange {
   // Computes the samples of up to `most` bricks. Blocks. Returns whether all are there. Throws Error(kOutOfMemory) if
   // edits have taken the room since; what was computed stays until dropInactive().
   bool gather(std::size_t most);
-  [[nodiscard]] std::size_t left() const noexcept { return missing_.size(); }
 
  private:
   SampleStore& store_;

@@ -23,7 +23,7 @@
 #include <thread>
 #include <vector>
 
-#include "engine/edit/brick_grid.hpp"
+#include "engine/bricks/brick_grid.hpp"
 #include "engine/field/volume.hpp"
 #include "engine/service/brick_content.hpp"
 

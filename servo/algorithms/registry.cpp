@@ -89,7 +89,7 @@ constexpr AlgorithmEntry kEntries[] = {
      "force and viscosity from density and gradient by a transfer function (after Iwata and Noma 1993)",
      makeHaptization,
      {.gradient_everywhere = true},
-     {.shows_surface = false}},
+     {.takes_tables = true, .shows_surface = false}},
 };
 
 void checkParameters(const AlgorithmParameters& p) {

@@ -35,6 +35,7 @@ struct AlgorithmNeeds {
 // Properties for comparing algorithms.
 struct AlgorithmTraits {
   bool renews_planes = false;  // it uses AlgorithmParameters::plane_renewal_ticks
+  bool takes_tables = false;   // AlgorithmSetup::haptization
   bool shows_surface = true;   // its VHIP is its estimate of the surface point; false: its VHIP is the HIP
 };
 

@@ -12,7 +12,7 @@ ServoChanges::~ServoChanges() {
   for (const auto& slot : done_) delete slot.load();
 }
 
-void ServoChanges::give(ServoChange change) {
+std::uint64_t ServoChanges::give(ServoChange change) {
   if (change.force_limit_N)
     checkSetting(*change.force_limit_N > 0, "force limit", *change.force_limit_N, "give newtons above 0");
   auto next = std::make_unique<ServoChange>(std::move(change));
@@ -23,8 +23,10 @@ void ServoChanges::give(ServoChange change) {
     if (!next->algorithm) next->algorithm = std::move(untaken->algorithm);
     if (!next->force_limit_N) next->force_limit_N = untaken->force_limit_N;
   }
-  next->number = ++given_count_;
+  const std::uint64_t number = ++given_count_;
+  next->number = number;
   given_.store(next.release(), std::memory_order_release);
+  return number;
 }
 
 ServoChange* ServoChanges::take() noexcept {

@@ -21,7 +21,7 @@ namespace palpate {
 struct ServoChange {
   std::unique_ptr<Algorithm> algorithm = {};  // runs from now on; null: the one that runs
   std::optional<double> force_limit_N = {};   // above 0; empty: as it is [N]
-  std::uint64_t number = 0;                   // set by give(): the newest has the highest
+  std::uint64_t number = 0;                   // set by give()
 };
 
 class ServoChanges {
@@ -33,9 +33,13 @@ class ServoChanges {
 
   // A change that the servo has not taken yet is made part of this one. Frees what the servo has handed back. Throws
   // Error(kBadInput) for a force limit that is none; then nothing changes.
-  void give(ServoChange change);
-  // Whether the servo has taken every change and ended it: nothing that it replaced runs any more. Any thread.
-  [[nodiscard]] bool ended() const noexcept { return ended_.load(std::memory_order_acquire) == given_count_.load(); }
+  // Returns the change's number; the newest has the highest.
+  std::uint64_t give(ServoChange change);
+  // Whether the servo has taken the change of this number and ended it: nothing that it replaced runs any more. Any
+  // thread.
+  [[nodiscard]] bool ended(std::uint64_t number) const noexcept {
+    return ended_.load(std::memory_order_acquire) >= number;
+  }
 
   // Servo: the change to make, which stays the servo's until done(); null: none. One at a time.
   [[nodiscard]] ServoChange* take() noexcept;
@@ -44,7 +48,7 @@ class ServoChanges {
 
  private:
   std::mutex givers_;
-  std::atomic<std::uint64_t> given_count_{0};
+  std::uint64_t given_count_ = 0;        // guarded by givers_
   std::atomic<std::uint64_t> ended_{0};  // the number of the change that ended last
   std::atomic<ServoChange*> given_{nullptr};
   // Every take() follows a give(), which empties these. So there are at most two: what the servo had in hand then, and

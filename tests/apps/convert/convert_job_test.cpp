@@ -115,7 +115,7 @@ TEST_F(Convert, SaysWhichTrianglesCollapseFarFromTheOrigin) {
     }
     EXPECT_EQ(result.collapsed, collapsed);
     const std::string words = convertWords(request, result);
-    EXPECT_EQ(words.find("have no area") != std::string::npos, collapsed > 0) << words;
+    EXPECT_EQ(words.find("triangles without area") != std::string::npos, collapsed > 0) << words;
     return result.collapsed;
   };
   EXPECT_EQ(convertedAt(0), 0U);

@@ -11,8 +11,8 @@
 
 #include "apps/console/interrupt.hpp"
 #include "base/error.hpp"
+#include "engine/bricks/active_bricks.hpp"
 #include "engine/files/volume_file.hpp"
-#include "engine/passes/active_bricks.hpp"
 #include "engine/reference/brick_bounds.hpp"
 #include "engine/reference/gradient.hpp"
 #include "temporary_folder.hpp"

@@ -16,7 +16,7 @@ struct Command {
   std::filesystem::path folder{};                                  // where it is started
   std::vector<std::pair<std::string, std::string>> environment{};  // in place of what this process has
   std::optional<std::uint64_t> file_size_limit{};                  // of every file that it writes [byte]
-  std::optional<std::uint64_t> process_limit{};  // of its user, which is then nobody: the superuser has no limit
+  std::optional<std::uint64_t> process_limit{};  // of its user; the superuser, who has no limit, becomes nobody
   std::string output_file{};                     // takes stdout, "" for Outcome::out
   std::string error_file{};                      // takes stderr, "" for Outcome::err
   std::string input_file{};                      // is stdin; "": this process's

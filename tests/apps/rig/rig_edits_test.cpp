@@ -87,7 +87,7 @@ TEST_F(Edits, AreMadeInTheirOrderOneALook) {
 TEST_F(Edits, ThatAreRefusedAreToldOnceAndCounted) {
   const std::uint64_t before = hash();
   std::vector<EditCommand> wrong = dab(EditKind::kRemove);
-  for (const double radius_m : {-1e-3, -2e-3, -3e-3}) {
+  for (const double radius_m : {-1e-3, -2e-3, -10e-3}) {
     wrong[0].radius_m = radius_m;
     edits.edit(wrong);
   }

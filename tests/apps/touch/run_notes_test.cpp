@@ -95,7 +95,7 @@ TEST(RunNotes, NothingTouchedIsToldUnlessAFaultTellsWhy) {
 TEST(RunNotes, ARunThatEndedEarlyIsNotThePathsFault) {
   RunFigures figures;
   EXPECT_EQ(noteOnNoContact(figures, true).value_or(""),
-            "nothing was touched: the run ended before the tool came to the surface");
+            "nothing was touched until the run was ended");
   figures.contact_ticks = 1;
   EXPECT_FALSE(noteOnNoContact(figures, true));
 }

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "servo/devices/sampled_path.hpp"
+
 namespace palpate {
 namespace servo_setup_test {
 
@@ -53,17 +55,26 @@ TEST(ServoSetup, DeviceTakesWhatTheSceneAsksFor) {
   scene.force_limit_N = 6.5;
   scene.encoder_resolution_m = 7.5;
   scene.device_delay_ticks = 8;
-  const SimulatedDeviceParameters device = deviceParameters(scene);
-  EXPECT_EQ(device.hand, Hand::kSpring);
-  EXPECT_EQ(device.dynamics.hand_mass_kg, 1.5);
-  EXPECT_EQ(device.dynamics.hand_damping_Ns_per_m, 2.5);
-  EXPECT_EQ(device.dynamics.hand_stiffness_N_per_m, 3.5);
-  EXPECT_EQ(device.dynamics.device_mass_kg, 4.5);
-  EXPECT_EQ(device.dynamics.device_damping_Ns_per_m, 5.5);
-  EXPECT_EQ(device.force_limit_N, 6.5);
-  EXPECT_EQ(device.encoder_resolution_m, 7.5);
-  EXPECT_EQ(device.delay_ticks, 8);
-  EXPECT_EQ(deviceParameters(Scene{}).hand, Hand::kRigid);
+  scene.rate_hz = 9.5;
+  const SampledPath path({0, 1}, {Vec3::Zero(), Vec3::Zero()}, SampledPath::Interpolation::kLinear);
+  const DeviceSetup setup = deviceSetup(scene, path);
+  EXPECT_EQ(setup.path, &path);
+  EXPECT_EQ(setup.rate_hz, 9.5);
+  const DeviceValues wanted = {
+      {"spring_hand", 1}, {"hand_mass_kg", 1.5},     {"hand_damping_Ns_per_m", 2.5}, {"hand_stiffness_N_per_m", 3.5},
+      {"mass_kg", 4.5},   {"damping_Ns_per_m", 5.5}, {"force_limit_N", 6.5},         {"encoder_resolution_m", 7.5},
+      {"delay_ticks", 8}};
+  EXPECT_EQ(setup.values, wanted);
+  EXPECT_EQ(deviceSetup(Scene{}, path).values.at("spring_hand"), 0);
+}
+
+// A scene that names nothing has the default device as its registry has it.
+TEST(ServoSetup, DeviceOfAnEmptySceneHasItsUsualValues) {
+  const SampledPath path({0, 1}, {Vec3::Zero(), Vec3::Zero()}, SampledPath::Interpolation::kLinear);
+  const Scene scene;
+  const DeviceSetup setup = deviceSetup(scene, path);
+  EXPECT_EQ(setup.values.size(), deviceEntry(scene.device).parameters().size());
+  for (const auto& [key, value] : setup.values) EXPECT_EQ(value, deviceParameter(scene.device, key).usual) << key;
 }
 
 }  // namespace servo_setup_test

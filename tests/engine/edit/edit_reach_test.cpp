@@ -97,15 +97,5 @@ TEST(EditReach, FollowsTheBrush) {
   EXPECT_GE(bricks.size(), 2000U);
 }
 
-TEST(EditReach, DilatesByAPassesReach) {
-  std::vector<std::uint32_t> bricks;
-  appendReached(kGrid, {{8, 8, 8}, {14, 15, 15}}, Reach{1, 1}, bricks);
-  // One voxel around [8, 14] x [8, 15] x [8, 15]: bricks 0 to 1 along i, 0 to 2 along j and k.
-  EXPECT_EQ(bricks.size(), 2U * 3U * 3U);
-  bricks.clear();
-  appendReached(kGrid, {{9, 8, 15}, {14, 8, 15}}, kBoundsReach, bricks);
-  EXPECT_EQ(bricks.size(), 1U * 2U * 1U);
-}
-
 }  // namespace edit_reach_test
 }  // namespace palpate

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/passes/active_bricks.hpp"
+#include "engine/bricks/active_bricks.hpp"
 #include "engine/passes/brick_bounds_pass.hpp"
 #include "test_fields.hpp"
 
@@ -47,7 +47,7 @@ TEST_P(BrickBounds, EqualTheTwin) {
 TEST_P(BrickBounds, EveryCrossedCellIsActive) {
   const Volume volume = ballField(GetParam(), 9.0);
   const Computed run(volume);
-  const auto active = activeBricks(run.bounds, volume.brickCount(), 0.0F);
+  const auto active = activeBricks(run.bounds, BrickGrid{volume.size()}, 0.0F);
   for (const std::size_t needed : reference::bricksOfCrossedCells(reference::denseField(volume), 0.0F)) {
     EXPECT_TRUE(std::binary_search(active.begin(), active.end(), needed)) << "brick " << needed;
   }
@@ -60,42 +60,10 @@ INSTANTIATE_TEST_SUITE_P(Sizes, BrickBounds,
 TEST(ActiveBricks, LeaveOutWhatTheSurfaceDoesNotNeed) {
   const Volume volume = ballField({96, 96, 96}, 9.0);
   const Computed run(volume);
-  const auto active = activeBricks(run.bounds, volume.brickCount(), 0.0F);
+  const auto active = activeBricks(run.bounds, BrickGrid{volume.size()}, 0.0F);
   // A ball of radius 9 voxels spans at most 4 bricks along an axis, the halo one more.
   EXPECT_LE(active.size(), 5U * 5U * 5U);
   EXPECT_GE(active.size(), 8U);
-}
-
-// At the isovalue is background: a field that only touches it from below has no surface.
-TEST(ActiveBricks, AtTheIsovalueIsBackground) {
-  const std::vector<layout::BrickBounds> touching = {{-1.0F, 0.0F}};
-  const std::vector<layout::BrickBounds> crossing = {{0.0F, 1.0F}};
-  EXPECT_TRUE(activeBricks(touching, {1, 1, 1}, 0.0F).empty());
-  EXPECT_EQ(activeBricks(crossing, {1, 1, 1}, 0.0F).size(), 1U);
-}
-
-TEST(ActiveBricks, AllBricksAreAll) {
-  EXPECT_EQ(allBricks({3, 4, 5}).size(), 60U);
-}
-
-// Every brick once; those of a block lie together, and the middle of the volume is inside one.
-TEST(ActiveBricks, InBlocksAreTheSameBricksCloserTogether) {
-  const Vec3i counts(40, 33, 32);
-  const std::vector<std::uint32_t> all = allBricks(counts);
-  const std::vector<std::uint32_t> blocks = inBlocks(all, counts);
-  std::vector<std::uint32_t> sorted = blocks;
-  std::sort(sorted.begin(), sorted.end());
-  EXPECT_EQ(sorted, all);
-  const auto positionOf = [&](int x, int y, int z) {
-    const auto brick = static_cast<std::uint32_t>((z * counts.y() + y) * counts.x() + x);
-    return std::find(blocks.begin(), blocks.end(), brick) - blocks.begin();
-  };
-  // A block holds 4096 bricks; along i, j, k a neighbour in it is at most that far, where in one list it is 1320.
-  for (int z = 15; z <= 16; ++z) {
-    for (int y = 15; y <= 16; ++y) {
-      for (int x = 15; x <= 16; ++x) EXPECT_LT(std::abs(positionOf(x, y, z) - positionOf(15, 15, 15)), 300);
-    }
-  }
 }
 
 }  // namespace brick_bounds_test

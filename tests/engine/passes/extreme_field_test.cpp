@@ -5,7 +5,7 @@
 #include <cstring>
 
 #include "by_text.hpp"
-#include "engine/passes/active_bricks.hpp"
+#include "engine/bricks/active_bricks.hpp"
 #include "engine/passes/gradient_pass.hpp"
 #include "engine/reference/gradient.hpp"
 #include "filtered_fields.hpp"
@@ -90,7 +90,7 @@ std::vector<Sample> gradients(const Volume& volume, const GradientOperator& way)
   gpu::Gpu gpu{{}};
   gpu::Transfer transfer{gpu};
   const BrickPool pool(gpu, transfer, volume);
-  const SampleStore store(gpu, pool.brickCount(), allBricks(pool.brickCounts()), makeGpuBudget(), {});
+  const SampleStore store(gpu, pool.brickCount(), allBricks(pool.grid()), makeGpuBudget(), {});
   std::optional<FilterChain> smoothing;
   if (way.smooths()) {
     smoothing.emplace(gpu, transfer, pool, lowerFilters(way.smoothing, pool.lattice().spacing_m));
@@ -103,7 +103,7 @@ std::vector<Sample> gradients(const Volume& volume, const GradientOperator& way)
   for (int n = 0; n < kSize.prod(); ++n) {
     const Vec3i voxel(n % kSize.x(), n / kSize.x() % kSize.y(), n / kSize.x() / kSize.y());
     const Vec3i brick = voxel / 8;
-    const Vec3i counts = pool.brickCounts();
+    const Vec3i counts = pool.grid().counts();
     const auto place = store.place(static_cast<std::size_t>((brick.z() * counts.y() + brick.y()) * counts.x()) +
                                    static_cast<std::size_t>(brick.x()));
     const Vec3i in_brick = voxel - 8 * brick;

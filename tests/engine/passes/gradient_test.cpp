@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/passes/active_bricks.hpp"
+#include "engine/bricks/active_bricks.hpp"
 #include "engine/passes/filter_chain.hpp"
 #include "engine/passes/gradient_pass.hpp"
 #include "engine/passes/tuning.hpp"
@@ -41,11 +41,11 @@ struct Computed {
   }
   explicit Computed(const Volume& volume, const std::string& way = "central", const SampleFormat& format = {},
                     std::string_view tuned_as = "")
-      : Computed(volume, allBricks(volume.brickCount()), way, format, tuned_as) {}
+      : Computed(volume, allBricks(BrickGrid{volume.size()}), way, format, tuned_as) {}
 
   // As it is stored; of halves what they stand for, scales and all.
   Sample at(int i, int j, int k) {
-    const Vec3i counts = pool.brickCounts();
+    const Vec3i counts = pool.grid().counts();
     const std::size_t brick = (static_cast<std::size_t>(k / 8) * counts.y() + j / 8) * counts.x() + i / 8;
     const SampleStore::Place place = store.place(brick);
     if (slab_.empty()) {

@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "base/error.hpp"
-#include "engine/passes/active_bricks.hpp"
+#include "engine/bricks/active_bricks.hpp"
 #include "engine/passes/gradient_pass.hpp"
 #include "engine/passes/tuning.hpp"
 #include "filtered_fields.hpp"
@@ -39,7 +39,7 @@ TEST_P(InParts, GradientsAreAllThere) {
   gpu::Transfer transfer(gpu);
   const BrickPool pool(gpu, transfer, volume);
   for (const char* way : {"central", "sobel"}) {
-    const SampleStore store(gpu, pool.brickCount(), allBricks(pool.brickCounts()), makeGpuBudget());
+    const SampleStore store(gpu, pool.brickCount(), allBricks(pool.grid()), makeGpuBudget());
     GradientPass pass(gpu, transfer, pool, store, gradientOperator(way));
     std::vector<double> told;
     pass.run([&](double done) { told.push_back(done); });
@@ -69,7 +69,7 @@ TEST_P(InParts, GradientsCanBeCancelled) {
   gpu::Gpu gpu{{.tuned_as = kindOf(GetParam())}};
   gpu::Transfer transfer(gpu);
   const BrickPool pool(gpu, transfer, volume);
-  const SampleStore store(gpu, pool.brickCount(), allBricks(pool.brickCounts()), makeGpuBudget());
+  const SampleStore store(gpu, pool.brickCount(), allBricks(pool.grid()), makeGpuBudget());
   GradientPass pass(gpu, transfer, pool, store);
   EXPECT_THROW(pass.run([](double) { throw Error(Error::Code::kCancelled, "x", "y", "z"); }), Error);
   pass.run();  // and begun again

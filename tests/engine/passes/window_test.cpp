@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/passes/active_bricks.hpp"
+#include "engine/bricks/active_bricks.hpp"
 #include "engine/passes/gradient_pass.hpp"
 #include "engine/passes/window_pass.hpp"
 #include "test_fields.hpp"
@@ -32,7 +32,7 @@ class WindowGather : public testing::TestWithParam<Vec3i> {};
 TEST_P(WindowGather, EqualsTheTwinBitForBit) {
   const Volume volume = ballField({53, 41, 37}, 14.0);
   const WindowBox box{GetParam(), volume.size().cwiseMin(kWindowEdge)};
-  const std::vector<Sample> samples = gather(volume, allBricks(volume.brickCount()), box);
+  const std::vector<Sample> samples = gather(volume, allBricks(BrickGrid{volume.size()}), box);
   const std::vector<Sample> expected = reference::windowSamples(reference::denseField(volume), box.first, box.size);
   ASSERT_EQ(samples.size(), expected.size());
   EXPECT_EQ(std::memcmp(samples.data(), expected.data(), samples.size() * sizeof(Sample)), 0);
@@ -48,7 +48,7 @@ TEST_P(WindowGather, OfHalvesEqualsTheTwinBitForBit) {
   const SampleFormat format = halfSamples(0.3F, volume.minimum(), volume.maximum(), testLattice().spacing_m);
   for (const char* name : {"central", "sobel", "central4"}) {
     const GradientOperator way = gradientOperator(name);
-    const std::vector<Sample> samples = gather(volume, allBricks(volume.brickCount()), box, way, format);
+    const std::vector<Sample> samples = gather(volume, allBricks(BrickGrid{volume.size()}), box, way, format);
     const std::vector<Sample> expected =
         reference::windowSamples(reference::denseField(volume), box.first, box.size, way, format);
     ASSERT_EQ(samples.size(), expected.size());

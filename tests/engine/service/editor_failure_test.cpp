@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "base/error.hpp"
-#include "engine/passes/active_bricks.hpp"
+#include "engine/bricks/active_bricks.hpp"
 #include "engine/service/editor.hpp"
 #include "engine/service/engine.hpp"
 #include "failing_memory.hpp"
@@ -65,7 +65,7 @@ struct Edited {
   [[nodiscard]] const BrickPool& field() const { return filters ? filters->result() : pool; }
   std::vector<std::uint32_t> active() {
     bounds.run();
-    return activeBricks(bounds.read(transfer), pool.brickCounts(), 0);
+    return activeBricks(bounds.read(transfer), pool.grid(), 0);
   }
   // Of the volume, and of the fields that chains made of it.
   std::vector<BrickContent> all() {

@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
+#include "engine/bricks/active_bricks.hpp"
 #include "engine/edit/edit_command.hpp"
-#include "engine/passes/active_bricks.hpp"
 #include "engine/service/editor.hpp"
 
 namespace palpate {
@@ -81,7 +81,7 @@ struct State {
   }
   std::vector<std::uint32_t> firstBricks(bool all) {
     bounds.run();
-    return all ? allBricks(pool.brickCounts()) : activeBricks(bounds.read(transfer), pool.brickCounts(), isovalue);
+    return all ? allBricks(pool.grid()) : activeBricks(bounds.read(transfer), pool.grid(), isovalue);
   }
   Editor::Parts parts(gpu::Gpu& gpu) {
     return {gpu, transfer, pool, store, &bounds, gradient, window, filters.get(), isovalue, smoothing.get()};

@@ -131,7 +131,7 @@ TEST_P(OtherIsovalue, ShowsTheSamplesOfBothUntilTheLastOneIsEnded) {
   const auto both = allSamples(*engine, volume_);
   expectAtLeast(both, before, truth);
   expectAtLeast(both, after, truth);
-  engine->endIsovalue();
+  engine->endIsovalue(engine->isovalue());
   expectAsNew(*engine, volume_, 90);
 }
 
@@ -139,13 +139,13 @@ TEST_P(OtherIsovalue, ThatIsGivenUpLeavesNothing) {
   const auto engine = engineAt(200, volume_);
   engine->beginIsovalue(90);
   EXPECT_EQ(engine->gatherIsovalue(17, kNow), GetParam().all);
-  engine->endIsovalue();
+  engine->endIsovalue(engine->isovalue());
   expectAsNew(*engine, volume_, GetParam().all ? 90 : 200);
   engine->beginIsovalue(120);
   EXPECT_EQ(engine->gatherIsovalue(17, kNow), GetParam().all);
   engine->beginIsovalue(30);  // instead
   EXPECT_TRUE(engine->gatherIsovalue(kAll, kNow));
-  engine->endIsovalue();
+  engine->endIsovalue(engine->isovalue());
   expectAsNew(*engine, volume_, 30);
 }
 
@@ -165,7 +165,7 @@ TEST_P(OtherIsovalue, AndEditsInBetweenEndAsANewStart) {
     double next = isovalue;
     while (next == isovalue) next = std::floor(random.between(-100, 250));
     if (random.pick(4) == 0) {
-      engine->beginIsovalue(-120);  // and is given up for the next
+      engine->beginIsovalue(-120);                           // and is given up for the next
       if (engine->gatherIsovalue(2, kNow)) isovalue = -120;  // there was little to gather
       edit();
     }
@@ -178,7 +178,7 @@ TEST_P(OtherIsovalue, AndEditsInBetweenEndAsANewStart) {
       expectAtLeast(allSamples(*engine, volume_), allSamples(*engineAt(either, volume_), volume_),
                     allSamples(*engineAt(either, volume_, true), volume_));
     }
-    engine->endIsovalue();
+    engine->endIsovalue(engine->isovalue());
     isovalue = next;
     for (int n = random.pick(3); n > 0; --n) edit();
     engine->readBack(volume_);
@@ -195,7 +195,7 @@ TEST_P(OtherIsovalue, KnowsWholeBricksThatAreReplaced) {
   engine->allowEdits(brushProfile(volume_, 120));
   engine->beginIsovalue(40);
   ASSERT_TRUE(engine->gatherIsovalue(kAll, kNow));
-  engine->endIsovalue();
+  engine->endIsovalue(engine->isovalue());
   const Vec3i counts = (volume_.size().array() + kBrickSize - 1) / kBrickSize;
   for (const float density : {20.0F, 60.0F, 20.0F, 130.0F}) {
     std::vector<BrickContent> bricks;

@@ -62,20 +62,21 @@ TEST(ServoChanges, ThatWereNotTakenAreMadePartOfTheNext) {
   EXPECT_EQ(changes.take(), nullptr);
 }
 
-// Until then what was replaced may still run.
-TEST(ServoChanges, HaveEndedOnceTheServoIsDoneWithTheNewest) {
+// Until then what was replaced may still run. One that was made part of the next ends with it.
+TEST(ServoChanges, HaveEndedOnceTheServoIsDoneWithThemOrWithALaterOne) {
   ServoChanges changes;
-  EXPECT_TRUE(changes.ended());
-  changes.give({.force_limit_N = 2.0});
-  changes.give({.force_limit_N = 3.0});
-  EXPECT_FALSE(changes.ended());
+  const std::uint64_t first = changes.give({.force_limit_N = 2.0});
+  const std::uint64_t second = changes.give({.force_limit_N = 3.0});
+  EXPECT_FALSE(changes.ended(first));
   ServoChange* taken = changes.take();
-  EXPECT_FALSE(changes.ended());
-  changes.give({.force_limit_N = 4.0});
+  EXPECT_FALSE(changes.ended(second));
+  const std::uint64_t third = changes.give({.force_limit_N = 4.0});
   changes.done(taken);
-  EXPECT_FALSE(changes.ended());
+  EXPECT_TRUE(changes.ended(first));
+  EXPECT_TRUE(changes.ended(second));
+  EXPECT_FALSE(changes.ended(third));
   changes.done(changes.take());
-  EXPECT_TRUE(changes.ended());
+  EXPECT_TRUE(changes.ended(third));
 }
 
 // The servo can refuse nothing, so it is refused here.

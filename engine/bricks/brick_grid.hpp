@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/edit/brick_grid.hpp: the bricks of a volume's domain, numbered as in the page table, and boxes of voxels. Any
-// thread.
+// engine/bricks/brick_grid.hpp: the bricks of a volume's domain, numbered as in the page table, and boxes of voxels.
+// Any thread.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include "base/vec.hpp"
+#include "engine/field/volume.hpp"
 
 namespace palpate {
 
@@ -23,12 +25,36 @@ struct BrickGrid {
   Vec3 spacing_m = Vec3::Ones();
 
   [[nodiscard]] Vec3i counts() const noexcept;  // bricks along each axis
+  [[nodiscard]] std::size_t brickCount() const noexcept;
   [[nodiscard]] std::uint32_t index(const Vec3i& brick) const noexcept;
   [[nodiscard]] Vec3i brick(std::uint32_t index) const noexcept;
   [[nodiscard]] bool holds(const Vec3i& brick) const noexcept;
   [[nodiscard]] VoxelBox box(std::uint32_t index) const noexcept;  // the brick's voxels in the domain
   [[nodiscard]] VoxelBox widened(const VoxelBox& box, const Vec3i& by) const noexcept;  // cut to the domain
 
+  // Visits every brick, or those that hold a voxel of a box, in the order of their indices.
+  template <typename Visit>
+  void forEach(const Visit& visit) const {
+    forEachIn({Vec3i::Zero(), size - Vec3i::Ones()}, visit);
+  }
+  template <typename Visit>
+  void forEachIn(const VoxelBox& box, const Visit& visit) const {
+    if (box.empty()) return;
+    const Vec3i low = box.first / kBrickSize, high = box.last / kBrickSize;
+    for (int z = low.z(); z <= high.z(); ++z) {
+      for (int y = low.y(); y <= high.y(); ++y) {
+        for (int x = low.x(); x <= high.x(); ++x) visit(Vec3i(x, y, z));
+      }
+    }
+  }
+  // Visits the indices of a brick and of all that touch it: 27, fewer at the domain's border.
+  template <typename Visit>
+  void forEachAround(const Vec3i& brick, const Visit& visit) const {
+    for (int n = 0; n < 27; ++n) {
+      const Vec3i other = brick + Vec3i(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1);
+      if (holds(other)) visit(index(other));
+    }
+  }
   // Visits the indices of a brick and of the bricks that share its first (step -1) or last (step 1) corner: seven more,
   // fewer at the domain's border.
   template <typename Visit>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/edit/brick_grid.hpp"
+#include "engine/bricks/brick_grid.hpp"
 
 #include "engine/field/volume.hpp"
 
@@ -17,6 +17,10 @@ VoxelBox hull(const VoxelBox& a, const VoxelBox& b) {
 
 Vec3i BrickGrid::counts() const noexcept {
   return (size + Vec3i::Constant(kBrickSize - 1)) / kBrickSize;
+}
+std::size_t BrickGrid::brickCount() const noexcept {
+  const Vec3i n = counts();
+  return static_cast<std::size_t>(n.x()) * static_cast<std::size_t>(n.y()) * static_cast<std::size_t>(n.z());
 }
 std::uint32_t BrickGrid::index(const Vec3i& brick) const noexcept {
   const Vec3i n = counts();

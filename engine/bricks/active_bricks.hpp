@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/passes/active_bricks.hpp: which bricks are active, that is, need gradients. Any thread; cost: a few operations
+// engine/bricks/active_bricks.hpp: which bricks are active, that is, need gradients. Any thread; cost: a few operations
 // a brick.
 #pragma once
 
@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "base/vec.hpp"
+#include "engine/bricks/brick_grid.hpp"
 #include "shaders/brick_pool.layout.h"
 
 namespace palpate {
@@ -16,17 +16,17 @@ namespace palpate {
 // corners of such cells. So every cell on the isosurface has a gradient at all its corners. Linear page indices,
 // ascending.
 [[nodiscard]] std::vector<std::uint32_t> activeBricks(std::span<const layout::BrickBounds> bounds,
-                                                      const Vec3i& brick_counts, const layout::IsovaluePair& isovalues);
+                                                      const BrickGrid& grid, const layout::IsovaluePair& isovalues);
 [[nodiscard]] inline std::vector<std::uint32_t> activeBricks(std::span<const layout::BrickBounds> bounds,
-                                                             const Vec3i& brick_counts, float isovalue) {
-  return activeBricks(bounds, brick_counts, {isovalue, isovalue});
+                                                             const BrickGrid& grid, float isovalue) {
+  return activeBricks(bounds, grid, layout::IsovaluePair{isovalue, isovalue});
 }
 
-[[nodiscard]] std::vector<std::uint32_t> allBricks(const Vec3i& brick_counts);
+[[nodiscard]] std::vector<std::uint32_t> allBricks(const BrickGrid& grid);
 
 // The same bricks, ordered by blocks of 16x16x16 bricks, so that bricks near each other get slots near each other. An
 // edit or a window then meets one slab of samples, seldom two; each slab costs a dispatch. Blocks are shifted by half a
 // block, so that no border between blocks lies in the middle of a volume whose size is a power of two.
-[[nodiscard]] std::vector<std::uint32_t> inBlocks(std::vector<std::uint32_t> bricks, const Vec3i& brick_counts);
+[[nodiscard]] std::vector<std::uint32_t> inBlocks(std::vector<std::uint32_t> bricks, const BrickGrid& grid);
 
 }  // namespace palpate

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// servo/devices/registry.hpp: the haptic devices by name, with their parameters as data. A new one is a file here and a
+// row in registry.cpp; nothing outside this room names its type.
+//
+// Set-up only: allocates and throws.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "servo/devices/device.hpp"
+#include "servo/devices/path.hpp"
+
+namespace palpate {
+
+// A number that a device is made with.
+struct DeviceParameter {
+  std::string_view key;   // "hand_mass_kg": SI units
+  std::string_view unit;  // "kg"; empty: none
+  double usual = 0;       // where it is not given
+  double lowest = 0, highest = 0;
+  std::string_view help;
+};
+
+using DeviceValues = std::map<std::string, double, std::less<>>;  // by DeviceParameter::key
+
+// What a device is made from. Each takes what it needs.
+struct DeviceSetup {
+  const Path* path = nullptr;  // leads a device that has no hand of its own; outlives it
+  double rate_hz = 1000;       // of the servo [Hz]
+  DeviceValues values = {};    // of its parameters; others have their usual value
+};
+
+struct DeviceEntry {
+  std::string_view name;
+  std::string_view description;  // one line
+  bool needs_path = false;       // DeviceSetup::path
+  std::span<const DeviceParameter> (*parameters)();
+  std::unique_ptr<Device> (*make)(const DeviceSetup& setup);
+};
+
+// The first is the default.
+[[nodiscard]] std::span<const DeviceEntry> devices() noexcept;
+
+// Throws Error(kBadInput) on an unknown name (the message names the known ones).
+[[nodiscard]] const DeviceEntry& deviceEntry(std::string_view name);
+
+// Throws std::logic_error for a key that the device does not have: keys are written in code, not by users.
+[[nodiscard]] const DeviceParameter& deviceParameter(std::string_view device, std::string_view key);
+
+// Throws Error(kBadInput) on an unknown name, a value out of its range or without a parameter, a missing path, and as
+// the device itself does.
+[[nodiscard]] std::unique_ptr<Device> makeDevice(std::string_view name, const DeviceSetup& setup);
+
+}  // namespace palpate
