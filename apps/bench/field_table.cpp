@@ -61,8 +61,8 @@ std::string fieldTable(const BenchResult& result) {
     }
     text += cell(row, "median_ms", 9, 1) + cell(row, "lower_quartile_ms", 9, 1) + cell(row, "upper_quartile_ms", 9, 1) +
             cell(row, "cpu_median_ms", 9, 1) + cell(row, "rounds", 5, 0) + cell(row, "ns_per_voxel", 8, 2) +
-            cell(row, "moved_MB", 9, 1, kMiBPerMB) + cell(row, "share_of_copy", 7, 3) + cell(row, "palpate_over_this", 12, 2) +
-            cell(row, "palpate_over_this_cpu", 7, 2);
+            cell(row, "moved_MB", 9, 1, kMiBPerMB) + cell(row, "share_of_copy", 7, 3) +
+            cell(row, "palpate_over_this", 12, 2) + cell(row, "palpate_over_this_cpu", 7, 2);
     text.erase(text.find_last_not_of(' ') + 1);
     text += "\n";
   }

@@ -30,9 +30,9 @@ struct ConvertResult {
   std::size_t triangles = 0;   // of a mesh
   std::size_t vertices = 0;
   std::size_t collapsed = 0;  // triangles without area, once their corners are 32-bit floats
-  double isovalue = 0;      // of a mesh [density]
-  std::uint64_t bytes = 0;  // of the file
-  double seconds = 0;       // the whole job, loading included
+  double isovalue = 0;        // of a mesh [density]
+  std::uint64_t bytes = 0;    // of the file
+  double seconds = 0;         // the whole job, loading included
   bool is_mesh = false;
 };
 

@@ -95,9 +95,9 @@ void remarkOnSize(Volume& volume) {
   constexpr double kShortest_m = 1e-3;
   const double longest_m = volume.size().cast<double>().cwiseProduct(volume.lattice().spacing_m).maxCoeff();
   if (longest_m >= kShortest_m) return;
-  volume.remark(fmt::format(
-      "it is {:.3g} mm long; if metres were taken for millimetres, write the true voxel size into the file",
-      longest_m * kMillimetresPerMetre));
+  volume.remark(
+      fmt::format("it is {:.3g} mm long; if metres were taken for millimetres, write the true voxel size into the file",
+                  longest_m * kMillimetresPerMetre));
 }
 
 }  // namespace

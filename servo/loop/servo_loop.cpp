@@ -230,9 +230,8 @@ const SampleWindow& ServoLoop::runTick(const Due& due, std::int64_t now_ns, Tick
   carried_faults_ = offer(gated.force_W) ? 0 : bit(ServoFault::kDeviceError);
   const Vec3& held_W = gate_.heldForce();
   passivity_.hold(held_W);
-  tool_.back() =
-      ToolPose{hip_W_, velocity_.value(), due.tick, now_ns, last_.at_surface, last_.surface_W, out.normal_W, held_W,
-               window.version};
+  tool_.back() = ToolPose{hip_W_,          velocity_.value(), due.tick, now_ns,        last_.at_surface,
+                          last_.surface_W, out.normal_W,      held_W,   window.version};
   tool_.publish();
   ++ticks_run_;
 

@@ -25,8 +25,7 @@ void checkName(const std::string& text) {
   fuzz::require(!name.instead_of_nan || std::isfinite(*name.instead_of_nan), "NaN would become no finite number");
   fuzz::mustAccept("its own words are refused", [&] {
     const VolumeName again = parseVolumeName(textOf(name));
-    const bool same =
-        again.path == name.path && again.part == name.part && again.instead_of_nan == name.instead_of_nan;
+    const bool same = again.path == name.path && again.part == name.part && again.instead_of_nan == name.instead_of_nan;
     fuzz::require(same, "it reads otherwise from " + textOf(name));
   });
 }

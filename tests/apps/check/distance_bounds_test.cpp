@@ -56,6 +56,22 @@ TEST(DistanceBounds, HoldOnNoise) {
   }
 }
 
+// The longest part of the check tells how far it is, slice by slice, to its end.
+TEST(DistanceBounds, TellTheirProgress) {
+  std::mt19937 random(6);
+  const Volume volume = noise({24, 24, 24}, Vec3::Constant(1e-3), 0.2, random);
+  std::vector<double> told = {0};
+  const auto checks = checkFilters(volume, {"", {"distance:3"}, 0.8F}, [&](double done) { told.push_back(done); });
+  EXPECT_TRUE(allHold(checks));
+  double largest_step = 0;
+  for (std::size_t i = 1; i < told.size(); ++i) {
+    EXPECT_GE(told[i], told[i - 1]);
+    largest_step = std::max(largest_step, told[i] - told[i - 1]);
+  }
+  EXPECT_LT(largest_step, 0.3);
+  EXPECT_NEAR(told.back(), 1, 1e-9);
+}
+
 // Whole where it is small, else its middle.
 TEST(DistanceBounds, HoldOnScans) {
   const auto scans = realScans();

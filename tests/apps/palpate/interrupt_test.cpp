@@ -9,37 +9,26 @@
 #include "engine/files/volume_file.hpp"
 #include "engine/journal/journal_writer.hpp"
 #include "program_test.hpp"
+#include "promised_end.hpp"
 
 namespace palpate {
 namespace interrupt_test {
 
 using testing::HasSubstr;
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kSanitized = true;
-#else
-constexpr bool kSanitized = false;
-#endif
-
-constexpr double kPromised_s = 0.5;  // docs/command-line.md
-constexpr int kTries = 5;
-
-// Whatever else the machine does can only make the time from signal to end longer, so of several times the shortest
-// says most about the program. It is below the promise as soon as any of them is: a first one that is makes more tries
-// needless. The signal comes each time where the stage begins, so that no time is short because the work was nearly
-// done. Sanitized programs take many times as long, and promise nothing.
+// The signal comes each time where the stage begins, so that no time is short because the work was nearly done.
 void expectSoon(Command command, const Outcome& first) {
   EXPECT_GT(first.signalled_s, 0) << "no signal was sent";
   double shortest_s = first.seconds - first.signalled_s;
-  for (int tries = 1; tries < kTries && shortest_s >= kPromised_s && !kSanitized; ++tries) {
+  for (int tries = 1; tries < kTriesToEnd && shortest_s >= kPromisedEnd_s && kEndIsPromised; ++tries) {
     const TemporaryFolder fresh;
     command.folder = fresh.path();
     const Outcome again = runPalpate(command);
     EXPECT_EQ(again.status, 130) << again.err;
     shortest_s = std::min(shortest_s, again.seconds - again.signalled_s);
   }
-  if (!kSanitized) {
-    EXPECT_LT(shortest_s, kPromised_s);
+  if (kEndIsPromised) {
+    EXPECT_LT(shortest_s, kPromisedEnd_s);
   }
 }
 

@@ -14,6 +14,7 @@
 #include "base/error.hpp"
 #include "engine/files/library_read.hpp"
 #include "program_test.hpp"
+#include "promised_end.hpp"
 
 namespace palpate {
 namespace signals_test {
@@ -21,12 +22,6 @@ namespace signals_test {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 using testing::Not;
-
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kSanitized = true;
-#else
-constexpr bool kSanitized = false;
-#endif
 
 int numberFrom(const char* name, int standard) {
   const char* text = std::getenv(name);
@@ -54,9 +49,6 @@ const Words kWork[] = {
     {"info", "phantom:head?size=256"},
 };
 
-constexpr double kPromised_s = 0.5;  // docs/command-line.md
-constexpr int kTries = 5;
-
 class Signals : public ProgramTest {
  protected:
   // From request to end [s]; nothing where the work was done before, or had not begun.
@@ -74,8 +66,8 @@ class Signals : public ProgramTest {
     expectWholeOrNotThere();
     if (ended_by_itself) return std::nullopt;
     const double end_s = outcome.seconds - outcome.signalled_s;
-    if (!kSanitized) {
-      EXPECT_LT(end_s, 10 * kPromised_s) << "no machine does so much else";
+    if (kEndIsPromised) {
+      EXPECT_LT(end_s, 10 * kPromisedEnd_s) << "no machine does so much else";
     }
     return end_s;
   }
@@ -83,7 +75,7 @@ class Signals : public ProgramTest {
   // program: what took longer than is promised is tried again, a few times. Sanitized programs take many times as long.
   [[nodiscard]] std::optional<double> shortestEndAfter(const Words& work, int signal, double after_s) const {
     std::optional<double> shortest_s = endAfter(work, signal, after_s);
-    for (int tries = 1; tries < kTries && shortest_s && *shortest_s >= kPromised_s && !kSanitized; ++tries) {
+    for (int tries = 1; tries < kTriesToEnd && shortest_s && *shortest_s >= kPromisedEnd_s && kEndIsPromised; ++tries) {
       const std::optional<double> again_s = endAfter(work, signal, after_s);
       if (again_s) shortest_s = std::min(*shortest_s, *again_s);
     }
@@ -146,8 +138,8 @@ TEST_F(Signals, AtAnyMomentEndTheWorkInGoodOrder) {
     SCOPED_TRACE(fmt::format("{} {} stopped by {} after {:.3f} s", work[0], work[1], signal, after_s));
     const std::optional<double> end_s = shortestEndAfter(work, signal, after_s);
     if (!end_s) continue;
-    if (!kSanitized) {
-      EXPECT_LT(*end_s, kPromised_s);
+    if (kEndIsPromised) {
+      EXPECT_LT(*end_s, kPromisedEnd_s);
     }
     ends_s.push_back(*end_s);
   }

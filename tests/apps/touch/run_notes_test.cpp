@@ -94,8 +94,7 @@ TEST(RunNotes, NothingTouchedIsToldUnlessAFaultTellsWhy) {
 // The path may well meet a surface further on.
 TEST(RunNotes, ARunThatEndedEarlyIsNotThePathsFault) {
   RunFigures figures;
-  EXPECT_EQ(noteOnNoContact(figures, true).value_or(""),
-            "nothing was touched until the run was ended");
+  EXPECT_EQ(noteOnNoContact(figures, true).value_or(""), "nothing was touched until the run was ended");
   figures.contact_ticks = 1;
   EXPECT_FALSE(noteOnNoContact(figures, true));
 }

@@ -166,9 +166,7 @@ TEST_F(Vdb, RefusesMoreThanTheBudget) {
 TEST_F(Vdb, RefusesMoreThanTheBudgetBeforeItIsUnpacked) {
   const auto grid = openvdb::FloatGrid::create(0);
   for (int leaf = 0; leaf < 20000; ++leaf) {  // packed to next to nothing: leaves of one value
-    grid->tree()
-        .touchLeaf(Coord(8 * (leaf % 200), 8 * (leaf / 200), 0))
-        ->fill(static_cast<float>(leaf % 7) + 1, true);
+    grid->tree().touchLeaf(Coord(8 * (leaf % 200), 8 * (leaf / 200), 0))->fill(static_cast<float>(leaf % 7) + 1, true);
   }
   write({grid});
   const auto claimed = static_cast<double>(grid->memUsage());
