@@ -16,6 +16,7 @@
 #include "engine/field/statistics.hpp"
 #include "engine/files/volume_file.hpp"
 #include "tests/apps/report/temporary_folder.hpp"
+#include "tests/support/middle_of.hpp"
 #include "tests/support/scans.hpp"
 
 namespace palpate {
@@ -53,17 +54,6 @@ Flaws flawsOf(const TriangleMesh& mesh) {
     flaws.edges += count == 1 && back != ways.end() && back->second == 1 ? 0 : 1;
   }
   return flaws;
-}
-
-// Of a volume its middle, no side longer than `most`, where it lies in the world: the farther from the world's origin,
-// the coarser its floats.
-Volume middleOf(const Volume& volume, int most) {
-  const Vec3i size = volume.size().cwiseMin(most);
-  const Vec3i first = (volume.size() - size) / 2;
-  std::vector<float> values;
-  for (int n = 0; n < size.prod(); ++n)
-    values.push_back(volume.value(first + Vec3i(n % size.x(), n / size.x() % size.y(), n / size.x() / size.y())));
-  return Volume::fromDense(size, volume.lattice().shifted(first), values, {});
 }
 
 // That nearest to what Otsu finds; not the largest, which encloses nothing.

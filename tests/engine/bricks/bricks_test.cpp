@@ -28,6 +28,11 @@ Vec3i voxelIn(const BrickGrid& grid, std::mt19937& random) {
   return {below(grid.size.x()), below(grid.size.y()), below(grid.size.z())};
 }
 
+VoxelBox boxIn(const BrickGrid& grid, std::mt19937& random) {
+  const Vec3i a = voxelIn(grid, random), b = voxelIn(grid, random);
+  return {a.cwiseMin(b), a.cwiseMax(b)};
+}
+
 // The farthest apart that two bricks are along an axis.
 int apart(const Vec3i& a, const Vec3i& b) {
   return (a - b).cwiseAbs().maxCoeff();
@@ -54,10 +59,8 @@ TEST(BrickGrid, VisitsWhatABoxAndWhatABrickTouches) {
   std::mt19937 random(1);
   for (const BrickGrid& grid : grids()) {
     for (int trial = 0; trial < 40; ++trial) {
-      const auto voxel = [&] { return voxelIn(grid, random); };
-      const Vec3i a = voxel(), b = voxel();
-      const VoxelBox box{a.cwiseMin(b), a.cwiseMax(b)};
-      const Vec3i middle = a / kBrickSize;
+      const VoxelBox box = boxIn(grid, random);
+      const Vec3i middle = voxelIn(grid, random) / kBrickSize;
       Bricks in, around, corner, beside;
       grid.forEachIn(box, [&](const Vec3i& brick) { in.push_back(grid.index(brick)); });
       grid.forEachAround(middle, [&](std::uint32_t brick) { around.push_back(brick); });
@@ -88,9 +91,7 @@ TEST(BrickReach, IsEveryBrickWithAResultThatChanges) {
   std::mt19937 random(2);
   for (const BrickGrid& grid : grids()) {
     for (int trial = 0; trial < 40; ++trial) {
-      const auto voxel = [&] { return voxelIn(grid, random); };
-      const Vec3i a = voxel(), b = voxel();
-      const VoxelBox changed{a.cwiseMin(b), a.cwiseMax(b)};
+      const VoxelBox changed = boxIn(grid, random);
       const Reach reach{static_cast<int>(random() % 12), static_cast<int>(random() % 12)};
       Bricks want, bricks;
       for (std::uint32_t brick = 0; brick < grid.brickCount(); ++brick) {

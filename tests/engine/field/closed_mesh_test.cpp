@@ -12,6 +12,7 @@
 #include "engine/field/isosurface_mesh.hpp"
 #include "engine/field/statistics.hpp"
 #include "engine/files/volume_file.hpp"
+#include "tests/support/middle_of.hpp"
 #include "tests/support/scans.hpp"
 
 namespace palpate {
@@ -139,16 +140,6 @@ TEST(ClosedMesh, OfVoxelsJustAboveTheIsovalue) {
   const TriangleMesh mesh = isosurfaceMesh(volume, 1000);
   EXPECT_TRUE(flawsOf(mesh).none()) << flawsOf(mesh);
   EXPECT_EQ(mesh.triangles.size(), 12U);  // a cube of eight cells' vertices
-}
-
-// Of a volume its middle, no side longer than `most`.
-Volume middleOf(const Volume& volume, int most) {
-  const Vec3i size = volume.size().cwiseMin(most);
-  const Vec3i first = (volume.size() - size) / 2;
-  std::vector<float> values;
-  for (int n = 0; n < size.prod(); ++n)
-    values.push_back(volume.value(first + Vec3i(n % size.x(), n / size.x() % size.y(), n / size.x() / size.y())));
-  return volumeOf(size, values, volume.lattice().spacing_m);
 }
 
 // Every scan at whole numbers: what Otsu finds, and a quarter of the largest density. (Whole scans take the mesher some
