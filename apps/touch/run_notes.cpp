@@ -73,7 +73,7 @@ std::optional<std::string> noteOnFaintForce(const Scene& scene, const RunFigures
   const double spring_N = scene.stiffness_N_per_m * depth_m;
   if (figures.contact_ticks == 0 || figures.force_N.max >= kFaintForce_N) return {};
   if (!(depth_m > 0) || spring_N >= kFaintForce_N) return {};  // then something else holds the force back
-  const char* why = scene.press_depth_m || !scene.path_file.empty() ? "" : ", as fits so small an object";
+  const char* why = scene.press_depth_m || !scene.path_file.empty() ? "" : ", as fits so small or thin an object";
   return fmt::format(
       "no force above {} N was reached, which is too little to feel: the tool pressed at most {} mm deep{}, "
       "and --stiffness {} makes {} N of that; {}",

@@ -103,8 +103,8 @@ TEST(RunNotes, TellOfForcesThatNobodyFeels) {
   EXPECT_EQ(
       noteOnFaintForce(scene, figures).value_or(""),
       "no force above 0.05 N was reached, which is too little to feel: the tool pressed at most 0.007 mm deep, as "
-      "fits so small an object, and --stiffness 500 makes 0.0035 N of that; --stiffness 72000 would make 0.5 N of "
-      "it, and a larger --depth more");
+      "fits so small or thin an object, and --stiffness 500 makes 0.0035 N of that; --stiffness 72000 would make "
+      "0.5 N of it, and a larger --depth more");
   scene.press_depth_m = 0.007e-3;
   EXPECT_THAT(noteOnFaintForce(scene, figures).value_or(""), HasSubstr("0.007 mm deep, and --stiffness"));
   figures.depth_m.max = 0.001e-3;
