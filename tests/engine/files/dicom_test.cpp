@@ -400,7 +400,54 @@ TEST_F(Dicom, RefusesColour) {
     fields.pixels = std::vector<double>(60, 1);
     writeSlice(fields, fmt::format("{}.dcm", n));
   }
-  refuses("3 components");
+  refuses("the pixels of slice 0.dcm are colours of 3 components, and a density is one number");
+}
+
+// PET: slices of one series that are scaled each by its own slope.
+TEST_F(Dicom, TellsTheRangeOfSlopesThatDiffer) {
+  for (int n = 0; n < 3; ++n) {
+    DicomFields fields;
+    fields.sop += std::to_string(n);
+    fields.position = fmt::format("0\\0\\{}", 2 * n);
+    fields.slope = std::vector<std::string>{"2", "0.5", "4"}[static_cast<std::size_t>(n)];
+    fields.pixels = std::vector<double>(20, 100 * n);
+    writeSlice(fields, fmt::format("{}.dcm", n));
+  }
+  const Volume volume = loadVolume(folder_.path());
+  EXPECT_EQ(volume.facts().rescale_by_slice, "slope 0.5 to 4, intercept -100");
+  EXPECT_EQ(volume.facts().rescale_slope, 1);
+  EXPECT_EQ(volume.facts().rescale_intercept, 0);
+  // 0, 100 and 200, times the slope, less 100.
+  for (const auto& [k, density] : {std::pair(0, -100.0F), {1, -50.0F}, {2, 700.0F}})
+    EXPECT_EQ(volume.value({1, 2, k}), density);
+}
+
+TEST_F(Dicom, HasNoRangeOfSlopesThatAreAllTheSame) {
+  writeSeries({}, {0, 2, 4});
+  EXPECT_EQ(loadVolume(folder_.path()).facts().rescale_by_slice, "");
+}
+
+// 1e37 times 29, the highest of the ramp, is below 3.4e38; 1e38 times 4 is not: of the last slice all of 10 to 29, of
+// the middle one -10 to -4 and 4 to 9, of the first all of -30 to -11.
+TEST_F(Dicom, SlopesBeyondTheRangeOfAFloatAreToldAndMended) {
+  DicomFields fields;
+  fields.slope = "1e37";
+  fields.intercept = "0";
+  writeSeries(fields, {0, 2, 4});
+  EXPECT_NO_THROW(static_cast<void>(loadVolume(folder_.path())));
+  fields.slope = "1e38";
+  writeSeries(fields, {0, 2, 4});
+  refuses("53 of its 60 voxels are beyond the range of a float, 3.4e38, the first at index (0, 0, 0)");
+  const Volume volume = loadVolume(folder_.path() + "?nan=7");
+  EXPECT_EQ(volume.value({0, 0, 0}), 7);
+  EXPECT_EQ(volume.value({0, 2, 1}), 0);  // the tenth of the middle slice
+  EXPECT_THAT(volume.facts().remark, testing::HasSubstr("53 of 60 voxels are beyond the range of a float"));
+}
+
+TEST_F(Dicom, RefusesAnEmptySlice) {
+  writeSeries({}, {0, 2, 4});
+  writeFile(folder_.file("s2.dcm"), "");
+  refuses("slice s2.dcm is empty: a file of 0 bytes");
 }
 
 TEST_F(Dicom, RefusesOneSliceAndFoldersWithout) {

@@ -45,7 +45,24 @@ TEST(LoadVolume, SaysWhatAFileIsWhoseSuffixLies) {
   refuses("a.inv3", "NRRD0004\n", "rename it to .nrrd");
   refuses("a.dat", "NRRD0004\n", "NRRD data");
   refuses("a.stl", "solid", "use one of .nrrd");
-  refuses("a.nrrd", "", "");
+}
+
+// Of every format alike, and of what is none: nothing can be said of the content.
+TEST(LoadVolume, SaysThatAFileIsEmpty) {
+  const TempFolder folder;
+  std::vector<std::string> suffixes = {".dcm", ".stl", ""};
+  for (const VolumeFormat& format : volumeFormats()) {
+    suffixes.insert(suffixes.end(), format.suffixes.begin(), format.suffixes.end());
+  }
+  for (const std::string& suffix : suffixes) {
+    const std::string file = folder.file("empty" + suffix);
+    writeFile(file, "");
+    expectRefusal([&] { static_cast<void>(loadVolume(file)); }, file,
+                  ": it is empty: a file of 0 bytes; copy or write the file again");
+  }
+  // The data of a pair are there, and its header is empty.
+  writeFile(folder.file("empty.img"), "x");
+  expectLoadRefusal(folder.file("empty.img"), "its header empty.hdr is empty: a file of 0 bytes");
 }
 
 TEST(LoadVolume, RefusesAPartOfAFileThatHasNone) {

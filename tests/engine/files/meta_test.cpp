@@ -97,7 +97,10 @@ TEST_F(Meta, RefusesWhatIsNoVolume) {
   std::string flat = metaHeader("MET_SHORT", "", "LOCAL", "5 12");
   flat.replace(flat.find("NDims = 3"), 9, "NDims = 2");
   refuses(flat + data_, "2 dimensions");
-  refuses(metaHeader("MET_SHORT", "ElementNumberOfChannels = 3\n", "LOCAL", "5 2 2") + data_, "3 components");
+  refuses(metaHeader("MET_SHORT", "ElementNumberOfChannels = 3\n", "LOCAL", "5 2 2") + data_,
+          "its voxels are colours or vectors of 3 components, and a density is one number");
+  refuses(metaHeader("MET_SHORT", "ElementNumberOfChannels = x\n") + data_,
+          "ElementNumberOfChannels \"x\" is no count");
   std::string series = metaHeader("MET_SHORT", "", "LOCAL", "5 2 2 3");
   series.replace(series.find("NDims = 3"), 9, "NDims = 4");
   refuses(series + data_, "series of 3");

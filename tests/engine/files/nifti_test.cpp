@@ -260,9 +260,27 @@ TEST_F(Nifti, RefusesWhatIsNoVolumeOfNumbers) {
   NiftiFields series;
   series.dim = {4, 5, 4, 1, 3, 1, 1, 1};
   refuses(series, "series of 3");
-  NiftiFields colour;
-  colour.datatype = 128;
-  refuses(colour, "several components");
+  NiftiFields several;
+  for (const auto& [datatype, words] : {std::pair(128, "its voxels are colours of 3 components"),
+                                        {2304, "its voxels are colours of 4 components"},
+                                        {32, "its voxels are complex numbers of 2 components"},
+                                        {1792, "its voxels are complex numbers of 2 components"}}) {
+    several.datatype = datatype;
+    refuses(several, words);
+  }
+}
+
+// The fifth axis has the components of a voxel, whatever the fourth has.
+TEST_F(Nifti, RefusesComponentsAlongAnAxis) {
+  NiftiFields fields;
+  fields.dim = {5, 5, 2, 2, 1, 3, 1, 1};
+  refuses(fields, "its voxels are vectors of 3 components, and a density is one number");
+  fields.dim = {5, 5, 2, 1, 2, 3, 1, 1};
+  refuses(fields, "vectors of 3 components");
+  std::string bytes = niftiHeader(fields);
+  overwrite(bytes, 68, bytesOf<std::int16_t>({2003}));  // intent: RGB
+  writeFile(path_, bytes + data_);
+  expectLoadRefusal(path_, "its voxels are colours of 3 components, and a density is one number");
 }
 
 TEST_F(Nifti, ReadsOneTimePoint) {

@@ -134,6 +134,45 @@ TEST_F(Nrrd, RefusesWhatIsNoVolume) {
   refuses(series + "\n" + data_, "series of 3");
 }
 
+// Four axes; `header` says what they are, sizes included.
+std::string fourAxes(const std::string& type, const std::string& header) {
+  return "NRRD0004\ntype: " + type + "\ndimension: 4\nendian: little\nencoding: raw\n" + header + "\n";
+}
+
+// The format's page lists the kinds, and lets axes out of space have a spacing of NaN or a direction of none.
+TEST_F(Nrrd, TellsWhatVoxelsOfSeveralNumbersAre) {
+  const std::string none_first = "space: LPS\nspace directions: none (1,0,0) (0,1,0) (0,0,1)\nspace origin: (0,0,0)\n";
+  for (const auto& [header, words] : {
+           std::pair<std::string, std::string>("sizes: 3 5 4 3\nkinds: RGB-color domain domain domain\n"
+                                               "spacings: nan 1 1 1\n",
+                                               "colours of 3 components"),
+           {"sizes: 5 4 3 3\nkinds: domain domain domain RGB-color\nspacings: 1 1 1 nan\n", "colours of 3 components"},
+           {"sizes: 4 5 3 3\nkinds: 4-color space space space\n" + none_first, "colours of 4 components"},
+           {"sizes: 3 5 4 3\nkinds: vector space space space\n" + none_first, "vectors of 3 components"},
+           {"sizes: 2 5 4 3\nkinds: complex domain domain domain\n", "complex numbers of 2 components"},
+           {"sizes: 9 5 2 2\nkinds: 3D-matrix space space space\n" + none_first, "matrices of 9 components"},
+           {"sizes: 3 5 4 3\n" + none_first, "colours or vectors of 3 components"},
+           {"sizes: 7 5 4 1\n" + none_first, "vectors of 7 components"},
+           {"sizes: 3 5 4 3\nspacings: nan 1 1 1\n", "colours or vectors of 3 components"},
+       }) {
+    SCOPED_TRACE(header);
+    refuses(fourAxes("int16", header) + data_, "its voxels are " + words + ", and a density is one number");
+  }
+  // Without a word on the axes it is the type that speaks for colours.
+  refuses(fourAxes("uchar", "sizes: 3 5 4 3\nspacings: 1 1 1 1\n") + data_, "colours or vectors of 3 components");
+  refuses(fourAxes("int16", "sizes: 3 5 4 2\nspacings: 1 1 1 1\n") + data_, "series of 2 volumes");
+  refuses(fourAxes("int16", "sizes: 5 4 3 2\nspacings: 1 1 1 nan\n") + data_, "series of 2 volumes");
+  refuses(fourAxes("int16", "sizes: 2 5 4 3\nkinds: time space space space\n" + none_first) + data_,
+          "series of 2 volumes");
+  refuses(fourAxes("int16", "sizes: 5 4 3 2\nspacings: nan nan nan nan\n") + data_, "series of 2 volumes");
+}
+
+TEST_F(Nrrd, RefusesMoreAxesThanTheFormatHas) {
+  std::string sizes = "sizes: 5 4 3";
+  for (int axis = 0; axis < 14; ++axis) sizes += " 1";
+  refuses(fourAxes("int16", sizes + "\n") + data_, "17 dimensions");
+}
+
 TEST_F(Nrrd, ReadsOneTimePoint) {
   std::string series = nrrdHeader("int16", "raw", "", "spacings: 0.5 0.75 2 nan\nkinds: domain domain domain domain\n");
   series.replace(series.find("dimension: 3\nsizes: 5 4 3"), 25, "dimension: 4\nsizes: 5 4 3 1");

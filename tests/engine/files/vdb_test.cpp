@@ -12,6 +12,7 @@
 #include "engine/field/statistics.hpp"
 #include "engine/files/vdb_checksum.hpp"
 #include "engine/files/vdb_claim.hpp"
+#include "engine/files/vector_file.hpp"
 #include "engine/files/volume_file.hpp"
 #include "tests/engine/files/files.hpp"
 #include "tests/engine/files/known_leaks.hpp"
@@ -106,6 +107,41 @@ TEST_F(Vdb, ChoosesAGridByName) {
   expectLoadRefusal(path_ + "#mask", "no grid of numbers named");
   write({mask});
   expectLoadRefusal(path_, "only \"mask\" (bool)");
+}
+
+TEST_F(Vdb, SaysThatAGridHoldsVectors) {
+  const auto vectors = openvdb::Vec3DGrid::create();
+  vectors->setName("flow");
+  vectors->getAccessor().setValue(Coord(0, 0, 0), openvdb::Vec3d(1, 2, 3));
+  write({vectors});
+  const std::string words = "the voxels of its grid \"flow\" are vectors of 3 components, and a density is one number";
+  expectLoadRefusal(path_, words);
+  expectLoadRefusal(path_ + "#flow", words);
+  expectLoadRefusal(path_ + "#other", "there are \"flow\" (vec3d)");
+  const auto density = makeGrid<openvdb::FloatGrid>();
+  density->setName("density");
+  write({vectors, density});
+  expectImage(loadVolume(path_), 1);
+  expectLoadRefusal(path_ + "#flow", words);
+  const auto mask = openvdb::BoolGrid::create();
+  write({vectors, mask});
+  expectLoadRefusal(path_, "only \"flow\" (vec3d), \"\" (bool)");
+}
+
+// Two bricks wide of 2 x 3 x 1.5 mm; the first has 8 x 5 x 4 voxels in the domain.
+TEST_F(Vdb, SaysWhatAFileOfGradientsIs) {
+  const Lattice lattice = {Vec3(0.01, 0, 0), Mat3::Identity(), Vec3(2e-3, 3e-3, 1.5e-3)};
+  VectorFile gradients(Vec3i(10, 5, 4), lattice, "test");
+  gradients.setBrick(Vec3i(0, 0, 0), std::vector<Eigen::Vector3f>(kBrickVoxels, Eigen::Vector3f(1, 2, 3)));
+  std::string bytes;
+  gradients.write([&](std::string_view piece) { bytes += piece; });
+  writeFile(path_, bytes);
+  const std::string words =
+      "it holds the gradients of a volume, which palpate gradient wrote: in the grid \"gradient\" (vec3s) 160 vectors "
+      "in "
+      "density/mm, in a box of 10 x 5 x 4 voxels of 2 x 3 x 1.5 mm; give the volume itself";
+  expectLoadRefusal(path_, words);
+  expectLoadRefusal(path_ + "#gradient", words);
 }
 
 // The level set of a sphere of radius 0.1 m; half width 3 voxels of 5 mm. Interpolated linearly, its distance errs by
