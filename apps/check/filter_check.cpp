@@ -13,7 +13,7 @@
 #include "engine/field/statistics.hpp"
 #include "engine/gpu/gpu.hpp"
 #include "engine/gpu/transfer.hpp"
-#include "engine/passes/filter_chain.hpp"
+#include "engine/filter_passes/filter_chain.hpp"
 #include "engine/passes/pool_volume.hpp"
 #include "engine/reference/filter.hpp"
 

@@ -21,7 +21,7 @@
 #include "engine/gpu/transfer.hpp"
 #include "engine/gradient/gradient_operator.hpp"
 #include "engine/passes/brick_bounds_pass.hpp"
-#include "engine/passes/filter_chain.hpp"
+#include "engine/filter_passes/filter_chain.hpp"
 #include "engine/passes/gradient_pass.hpp"
 #include "servo/window/sample_window.hpp"
 

@@ -11,7 +11,7 @@
 #include "base/stopwatch.hpp"
 #include "engine/bricks/active_bricks.hpp"
 #include "engine/field/statistics.hpp"
-#include "engine/passes/filter_chain.hpp"
+#include "engine/filter_passes/filter_chain.hpp"
 #include "engine/passes/pool_volume.hpp"
 #include "engine/service/window_focus.hpp"
 

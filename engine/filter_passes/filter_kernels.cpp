@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/passes/filter_kernels.hpp"
+#include "engine/filter_passes/filter_kernels.hpp"
 
 #include <algorithm>
 

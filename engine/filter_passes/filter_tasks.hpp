@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/passes/filter_tasks.hpp: the bricks that a filter step writes, sorted into ranges. One dispatch does one
-// range: its bricks lie in one slab of the step's output, and all are inside the volume or all at its border. Any
+// engine/filter_passes/filter_tasks.hpp: the bricks that a filter step writes, sorted into ranges. One dispatch does
+// one range: its bricks lie in one slab of the step's output, and all are inside the volume or all at its border. Any
 // thread.
 #pragma once
 

@@ -4,9 +4,9 @@
 #include <numbers>
 
 #include "base/error.hpp"
-#include "by_text.hpp"
 #include "engine/reference/filter.hpp"
 #include "filtered_fields.hpp"
+#include "filters_by_text.hpp"
 #include "shaders/kernel_text.hpp"
 
 namespace palpate {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/passes/distance_bricks.hpp: in which bricks a distance must be computed, and its value in all others. Any
-// thread; cost: a few operations a brick, 27 more for each brick that the isosurface crosses.
+// engine/filter_passes/distance_bricks.hpp: in which bricks a distance must be computed, and its value in all others.
+// Any thread; cost: a few operations a brick, 27 more for each brick that the isosurface crosses.
 #pragma once
 
 #include <span>

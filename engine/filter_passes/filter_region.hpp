@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/passes/filter_region.hpp: runs a chain of filter steps over only those bricks that a change of the source can
-// reach. Thread: the Gpu's.
+// engine/filter_passes/filter_region.hpp: runs a chain of filter steps over only those bricks that a change of the
+// source can reach. Thread: the Gpu's.
 //
 // Scratch pools have room for as many bricks as the largest change so far needed, and are kept for the next change.
 // Each change takes their slots from the first one again.
@@ -15,13 +15,13 @@
 #include <vector>
 
 #include "engine/bricks/brick_reach.hpp"
+#include "engine/filter_passes/filter_dispatch.hpp"
+#include "engine/filter_passes/filter_route.hpp"
+#include "engine/filter_passes/filter_tasks.hpp"
 #include "engine/gpu/commands.hpp"
 #include "engine/gpu/kernel.hpp"
 #include "engine/gpu/transfer.hpp"
 #include "engine/passes/brick_pool.hpp"
-#include "engine/passes/filter_dispatch.hpp"
-#include "engine/passes/filter_route.hpp"
-#include "engine/passes/filter_tasks.hpp"
 #include "engine/passes/host_list.hpp"
 #include "shaders/page_write.layout.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/passes/filter_whole.hpp"
+#include "engine/filter_passes/filter_whole.hpp"
 
 #include <algorithm>
 #include <array>
@@ -11,10 +11,10 @@
 
 #include "base/portion_size.hpp"
 #include "base/stopwatch.hpp"
+#include "engine/filter_passes/distance_bricks.hpp"
+#include "engine/filter_passes/uniform_bricks.hpp"
 #include "engine/passes/brick_bounds_pass.hpp"
-#include "engine/passes/distance_bricks.hpp"
 #include "engine/passes/tuning.hpp"
-#include "engine/passes/uniform_bricks.hpp"
 
 namespace palpate {
 namespace {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/passes/filter_region.hpp"
+#include "engine/filter_passes/filter_region.hpp"
 
 #include <algorithm>
 #include <utility>
 
-#include "engine/passes/uniform_bricks.hpp"
+#include "engine/filter_passes/uniform_bricks.hpp"
 #include "shaders/kernels.hpp"
 
 namespace palpate {
@@ -65,10 +65,7 @@ std::vector<FilterRegion::Level> FilterRegion::levelsOf(std::span<const std::uin
     if (routes_[i].from == FilterRoute::kSource) continue;
     std::vector<std::uint32_t>& read = wanted[static_cast<std::size_t>(routes_[i].from)];
     for (const std::uint32_t brick : wanted[i]) {
-      forEachAround(grid_, grid_.brick(brick), ringOf(steps_[i]), [&](std::uint32_t other) {
-        read.push_back(other);
-        return true;
-      });
+      grid_.forEachWithin(grid_.brick(brick), ringOf(steps_[i]), [&](std::uint32_t other) { read.push_back(other); });
     }
   }
   for (std::size_t i = 0; i < steps_.size(); ++i) findConstants(i, levels, source_constant);

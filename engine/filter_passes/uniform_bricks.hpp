@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/passes/uniform_bricks.hpp: finds bricks around which a field holds one density everywhere. A filter step then
-// gives such a brick one density too. Any thread.
+// engine/filter_passes/uniform_bricks.hpp: finds bricks around which a field holds one density everywhere. A filter
+// step then gives such a brick one density too. Any thread.
 #pragma once
 
 #include <bit>
 #include <cstdint>
 #include <optional>
 
-#include "engine/bricks/brick_reach.hpp"
+#include "engine/bricks/brick_grid.hpp"
 #include "engine/field/volume.hpp"
 #include "engine/filter/filter_step.hpp"
 
@@ -18,20 +18,6 @@ namespace palpate {
   return (step.reach.array() + kBrickSize - 1) / kBrickSize;
 }
 
-// Visits the indices of the bricks within `ring` of `brick`, itself included, until `visit` returns false.
-template <typename Visit>
-void forEachAround(const BrickGrid& grid, const Vec3i& brick, const Vec3i& ring, const Visit& visit) {
-  const Vec3i low = (brick - ring).cwiseMax(Vec3i::Zero());
-  const Vec3i high = (brick + ring).cwiseMin(grid.counts() - Vec3i::Ones());
-  for (int z = low.z(); z <= high.z(); ++z) {
-    for (int y = low.y(); y <= high.y(); ++y) {
-      for (int x = low.x(); x <= high.x(); ++x) {
-        if (!visit(grid.index({x, y, z}))) return;
-      }
-    }
-  }
-}
-
 // The density that all bricks within `ring` of `brick` hold, if it is the same in all of them, bit for bit. Else empty.
 // `constantOf(brick)`: the one density that a brick holds; empty if it holds several.
 template <typename ConstantOf>
@@ -40,10 +26,10 @@ std::optional<float> uniformAround(const BrickGrid& grid, std::uint32_t brick, c
   std::optional<float> density = constantOf(brick);
   if (!density) return density;
   const auto bits = std::bit_cast<std::uint32_t>(*density);
-  forEachAround(grid, grid.brick(brick), ring, [&](std::uint32_t other) {
+  grid.forEachWithin(grid.brick(brick), ring, [&](std::uint32_t other) {
+    if (!density) return;
     const std::optional<float> beside = constantOf(other);
     if (!beside || std::bit_cast<std::uint32_t>(*beside) != bits) density.reset();
-    return density.has_value();
   });
   return density;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/passes/distance_bricks.hpp"
+#include "engine/filter_passes/distance_bricks.hpp"
 
 #include "engine/passes/brick_pool.hpp"
 #include "shaders/filter_distance.layout.h"

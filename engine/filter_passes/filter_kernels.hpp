@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/passes/filter_kernels.hpp: which kernel runs a filter step, and its specialisation constants. Any thread.
+// engine/filter_passes/filter_kernels.hpp: which kernel runs a filter step, and its specialisation constants. Any
+// thread.
 #pragma once
 
 #include <cstdint>

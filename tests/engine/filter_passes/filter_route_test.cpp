@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Routes of chains, followed step by step on paper: what each pool holds when a step reads it.
-#include "engine/passes/filter_route.hpp"
+#include "engine/filter_passes/filter_route.hpp"
 
 #include <array>
 #include <map>
@@ -10,8 +10,8 @@
 #include <gmock/gmock.h>
 
 #include "base/error.hpp"
-#include "engine/passes/filter_chain.hpp"
-#include "test_fields.hpp"
+#include "engine/filter_passes/filter_chain.hpp"
+#include "tests/engine/passes/test_fields.hpp"
 
 namespace palpate {
 namespace filter_route_test {

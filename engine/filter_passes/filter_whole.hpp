@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/passes/filter_whole.hpp: a chain of filter steps over every brick of a field. Thread: the Gpu's.
+// engine/filter_passes/filter_whole.hpp: a chain of filter steps over every brick of a field. Thread: the Gpu's.
 //
 // Its scratch pools are freed at the end of the run, since each may be as large as the field. Edits, which reach a few
 // bricks only, have scratch pools of their own (filter_region.hpp).
@@ -8,10 +8,10 @@
 #include <functional>
 #include <span>
 
+#include "engine/filter_passes/filter_dispatch.hpp"
+#include "engine/filter_passes/filter_route.hpp"
 #include "engine/gpu/transfer.hpp"
 #include "engine/passes/brick_pool.hpp"
-#include "engine/passes/filter_dispatch.hpp"
-#include "engine/passes/filter_route.hpp"
 
 namespace palpate {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/passes/filter_route.hpp: which pool each step of a chain reads and writes. A step writes a pool that no later
-// step reads. Two scratch pools suffice for most chains. A distance needs three, since its last step reads again the
-// densities that its first step read. The chain's last step writes the result. Any thread.
+// engine/filter_passes/filter_route.hpp: which pool each step of a chain reads and writes. A step writes a pool that no
+// later step reads. Two scratch pools suffice for most chains. A distance needs three, since its last step reads again
+// the densities that its first step read. The chain's last step writes the result. Any thread.
 #pragma once
 
 #include <cstddef>

@@ -9,11 +9,11 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/passes/filter_chain.hpp"
+#include "engine/filter_passes/filter_chain.hpp"
 #include "engine/passes/pool_volume.hpp"
 #include "engine/reference/filter.hpp"
-#include "field_bits.hpp"
-#include "test_fields.hpp"
+#include "tests/engine/passes/field_bits.hpp"
+#include "tests/engine/passes/test_fields.hpp"
 
 namespace palpate {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/passes/filter_chain.hpp: runs a chain of filter steps from one brick pool into another
+// engine/filter_passes/filter_chain.hpp: runs a chain of filter steps from one brick pool into another
 // (shaders/filter_*.comp). It computes the whole field (filter_whole.hpp) or, after an edit, only the bricks whose
 // result can have changed (filter_region.hpp). Twin: engine/reference/filter.hpp.
 //
@@ -22,12 +22,12 @@
 #include <vector>
 
 #include "engine/filter/filter_step.hpp"
+#include "engine/filter_passes/filter_dispatch.hpp"
+#include "engine/filter_passes/filter_region.hpp"
+#include "engine/filter_passes/filter_route.hpp"
 #include "engine/gpu/commands.hpp"
 #include "engine/gpu/transfer.hpp"
 #include "engine/passes/brick_pool.hpp"
-#include "engine/passes/filter_dispatch.hpp"
-#include "engine/passes/filter_region.hpp"
-#include "engine/passes/filter_route.hpp"
 
 namespace palpate {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/passes/filter_dispatch.hpp: records the steps of a filter chain as dispatches. It holds their kernels
+// engine/filter_passes/filter_dispatch.hpp: records the steps of a filter chain as dispatches. It holds their kernels
 // (shaders/filter_*.comp), each compiled when first needed, and the buffers of their taps (the weights and parameters
 // of a step). Steps with equal taps share a buffer. Thread: the Gpu's.
 #pragma once
@@ -10,12 +10,12 @@
 #include <vector>
 
 #include "engine/filter/filter_step.hpp"
+#include "engine/filter_passes/filter_kernels.hpp"
+#include "engine/filter_passes/filter_tasks.hpp"
 #include "engine/gpu/commands.hpp"
 #include "engine/gpu/kernel.hpp"
 #include "engine/gpu/transfer.hpp"
 #include "engine/passes/brick_pool.hpp"
-#include "engine/passes/filter_kernels.hpp"
-#include "engine/passes/filter_tasks.hpp"
 
 namespace palpate {
 
