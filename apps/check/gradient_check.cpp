@@ -9,8 +9,8 @@
 
 #include "base/stopwatch.hpp"
 #include "engine/bricks/active_bricks.hpp"
-#include "engine/gpu/transfer.hpp"
 #include "engine/filter_passes/filter_chain.hpp"
+#include "engine/gpu/transfer.hpp"
 #include "engine/passes/gradient_pass.hpp"
 #include "engine/reference/gradient.hpp"
 #include "engine/reference/half.hpp"

@@ -236,8 +236,9 @@ Engine::EditResult EngineParts::change(std::int64_t now_ns, const Change& change
           std::move(outcome.stages)};
 }
 
-Engine::EditResult EngineParts::edit(std::span<const EditCommand> commands, std::int64_t now_ns) {
-  return change(now_ns, [&](const Editor::WindowTarget* target) { return editor_->apply(commands, target); });
+Engine::EditResult EngineParts::edit(std::span<const EditCommand> commands, std::int64_t now_ns,
+                                     const BeforeChange& before) {
+  return change(now_ns, [&](const Editor::WindowTarget* target) { return editor_->apply(commands, target, before); });
 }
 
 Engine::EditResult EngineParts::replace(std::span<const BrickContent> bricks, std::int64_t now_ns) {
