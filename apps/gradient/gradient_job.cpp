@@ -68,7 +68,7 @@ class Computed {
 
   void copyTo(VectorFile& file, Progress& progress) {
     progress.stage("copying");
-    const BrickGrid grid{pool_.size(), pool_.lattice().spacing_m};
+    const BrickGrid grid = pool_.grid();
     std::vector<Sample> samples;
     std::vector<Eigen::Vector3f> gradients(kBrickVoxels);
     std::size_t done = 0;

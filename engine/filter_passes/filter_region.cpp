@@ -18,7 +18,7 @@ FilterRegion::FilterRegion(gpu::Gpu& gpu, gpu::Transfer& transfer, FilterDispatc
       routes_(routes),
       source_(source),
       result_(result),
-      grid_{source.size(), source.lattice().spacing_m},
+      grid_(source.grid()),
       page_kernel_(gpu, {.name = "page_write",
                          .spirv = kernelSpirv("page_write"),
                          .bindings = PAGE_WRITE_BINDINGS,
@@ -100,13 +100,12 @@ const FilterRegion::LevelBrick* FilterRegion::find(const Level& level, std::uint
 std::optional<float> FilterRegion::constantAfter(std::uint32_t brick) const {
   const LevelBrick* planned = levels_.empty() ? nullptr : find(levels_.back(), brick);
   if (planned != nullptr) return planned->constant;
-  const layout::BrickPage& page = result_.page(brick);
-  return page.slot == NO_SLOT ? std::optional(page.constant) : std::nullopt;
+  return result_.constantOf(brick);
 }
 
 std::size_t FilterRegion::newBricks(const Level& last) const {
   return static_cast<std::size_t>(std::count_if(last.bricks.begin(), last.bricks.end(), [&](const LevelBrick& entry) {
-    return !entry.constant && result_.page(entry.brick).slot == NO_SLOT;
+    return !entry.constant && !result_.isStored(entry.brick);
   }));
 }
 
@@ -177,12 +176,12 @@ void FilterRegion::handOutResult(const Level& level) {
   }
   for (const LevelBrick& entry : level.bricks) {
     if (!entry.constant) continue;
-    if (result_.page(entry.brick).slot != NO_SLOT) result_.empty(entry.brick);
+    if (result_.isStored(entry.brick)) result_.empty(entry.brick);
     result_.setConstant(entry.brick, *entry.constant);
     pages_.push_back({entry.brick, NO_SLOT, *entry.constant});
   }
   for (const LevelBrick& entry : level.bricks) {
-    if (entry.constant || result_.page(entry.brick).slot != NO_SLOT) continue;
+    if (entry.constant || result_.isStored(entry.brick)) continue;
     pages_.push_back({entry.brick, result_.store(entry.brick), 0.0F});
   }
 }
@@ -224,10 +223,7 @@ void FilterRegion::settle() {
   for (const LevelBrick& entry : levels_.back().bricks) {
     if (!entry.constant) bricks.push_back(entry.brick);
   }
-  const std::vector<Level> levels = levelsOf(bricks, [&](std::uint32_t brick) {
-    const layout::BrickPage& page = source_.page(brick);
-    return page.slot == NO_SLOT ? std::optional(page.constant) : std::nullopt;
-  });
+  const std::vector<Level> levels = levelsOf(bricks, [&](std::uint32_t brick) { return source_.constantOf(brick); });
   for (const LevelBrick& entry : levels.back().bricks) {
     if (entry.constant) result_.makeConstant(entry.brick, *entry.constant);
   }

@@ -25,7 +25,7 @@ class Run {
       : gpu_(gpu),
         transfer_(transfer),
         steps_(steps),
-        grid_{source.size(), source.lattice().spacing_m},
+        grid_(source.grid()),
         most_bricks_(tuningFor(gpu.info()).filter_bricks) {}
 
   void step(std::size_t step, const BrickPool& from, BrickPool& to, const std::function<void(double)>& progress) {
@@ -34,7 +34,7 @@ class Run {
     to.assign(transfer_, pagesAfter(steps_.steps()[step], from));
     FilterTasks by_range(grid_, steps_.steps()[step], steps_.hasEdge(step));
     for (std::uint32_t brick = 0; brick < to.brickCount(); ++brick) {
-      if (to.page(brick).slot != NO_SLOT) by_range.add(brick, to.page(brick).slot);
+      if (to.isStored(brick)) by_range.add(brick, to.page(brick).slot);
     }
     std::vector<layout::FilterTask> list;
     const std::vector<FilterRange> ranges = by_range.moveTo(list);
@@ -76,10 +76,7 @@ class Run {
     }
     std::vector<layout::BrickPage> pages(from.brickCount(), {0, 0.0F});
     const Vec3i ring = ringOf(step);
-    const auto constantOf = [&](std::uint32_t brick) {
-      const layout::BrickPage& page = from.page(brick);
-      return page.slot == NO_SLOT ? std::optional(page.constant) : std::nullopt;
-    };
+    const auto constantOf = [&](std::uint32_t brick) { return from.constantOf(brick); };
     std::optional<std::pair<std::uint32_t, float>> last;  // densities repeat from brick to brick
     for (std::uint32_t brick = 0; brick < pages.size(); ++brick) {
       const std::optional<float> density = uniformAround(grid_, brick, ring, constantOf);

@@ -57,7 +57,7 @@ Editor::Editor(const Parts& parts, const BrushProfile& profile, bool all_samples
     : parts_(parts),
       chains_(chainsOf(parts)),
       profile_(profile),
-      grid_{parts.pool.size(), parts.pool.lattice().spacing_m},
+      grid_(parts.pool.grid()),
       planner_({parts.pool,
                 parts.store,
                 reachOf(parts.filters),

@@ -86,7 +86,7 @@ class Editor {
   // What a brick holds now. After settle().
   [[nodiscard]] BrickContent content(std::uint32_t brick) const;
   // Whether content() gives 512 densities, not one.
-  [[nodiscard]] bool isStored(std::uint32_t brick) const noexcept { return parts_.pool.page(brick).slot != NO_SLOT; }
+  [[nodiscard]] bool isStored(std::uint32_t brick) const noexcept { return parts_.pool.isStored(brick); }
   // The bricks that apply() may change, ascending. Throws as lowerEdits does. Cost: that of a plan.
   [[nodiscard]] std::vector<std::uint32_t> bricksToChange(std::span<const EditCommand> commands) const;
 

@@ -78,7 +78,7 @@ EngineParts::EngineParts(const Volume& volume, const Plan& plan, double isovalue
     checkDensityRoom(*budget, volume.storedBricks());
     pool_ = std::make_unique<BrickPool>(gpu_, transfer_, volume, std::move(budget));
   });
-  grid_ = {pool_->size(), pool_->lattice().spacing_m};
+  grid_ = pool_->grid();
   if (plan.has(Pass::kFilter)) {
     const auto source_isovalue = static_cast<float>(isovalue);
     std::vector<FilterStep> steps = lowerFilters(plan.filters, volume.lattice().spacing_m, source_isovalue);

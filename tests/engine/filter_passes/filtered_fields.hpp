@@ -19,7 +19,7 @@ namespace palpate {
 
 // Voxels of bricks outside the domain are as the nearest one inside.
 inline void expectBordersRepeated(const BrickPool& pool, gpu::Transfer& transfer) {
-  const BrickGrid grid{pool.size(), pool.lattice().spacing_m};
+  const BrickGrid grid = pool.grid();
   std::array<float, kBrickVoxels> brick{};
   for (std::uint32_t b = 0; b < pool.brickCount(); ++b) {
     if (pool.readBrick(transfer, b, brick.data())) continue;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// servo/objects/mesh_object.hpp: a triangle mesh as an object, its queries on Embree.
+// servo/meshes/mesh_object.hpp: a triangle mesh as an object, its queries on Embree.
 //
 // Embree finds which triangle is met. It works in float, around the mesh's middle, in its robust mode: a ray does not
 // slip between triangles that share an edge. The point on the triangle's plane and its normal are computed from the

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Meshes against the shapes that they stand for.
-#include "servo/objects/mesh_object.hpp"
+#include "servo/meshes/mesh_object.hpp"
 
 #include <random>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// servo/objects/mesh_preparation.hpp: makes a mesh fit to be touched, or says why it cannot be.
+// base/mesh_preparation.hpp: makes a mesh fit to be touched or stamped, or says why it cannot be.
 //
 // - Vertices at one place become one, so that neighbours share edges (STL repeats every vertex).
 // - Triangles without a plane (two corners at one place, or thinner than kThinnest_m) are dropped, with a note.

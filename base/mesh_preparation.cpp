@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "servo/objects/mesh_preparation.hpp"
+#include "base/mesh_preparation.hpp"
 
 #include <algorithm>
 #include <numeric>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "servo/objects/mesh_preparation.hpp"
+#include "base/mesh_preparation.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "base/error.hpp"
-#include "support/test_meshes.hpp"
+#include "tests/servo/support/test_meshes.hpp"
 #include "tests/support/refusal.hpp"
 
 namespace palpate {

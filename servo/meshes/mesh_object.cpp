@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "servo/objects/mesh_object.hpp"
+#include "servo/meshes/mesh_object.hpp"
 
 #include <limits>
 
@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "base/error.hpp"
-#include "servo/objects/mesh_preparation.hpp"
+#include "base/mesh_preparation.hpp"
 
 namespace palpate {
 namespace {
