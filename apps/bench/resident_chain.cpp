@@ -15,10 +15,7 @@ ResidentChain::ResidentChain(gpu::Gpu& gpu, gpu::Transfer& transfer, const Brick
 }
 
 void ResidentChain::plan() {
-  chain_.plan(bricks_, [&](std::uint32_t brick) {
-    const layout::BrickPage& page = source_.page(brick);
-    return page.slot == NO_SLOT ? std::optional(page.constant) : std::nullopt;
-  });
+  chain_.plan(bricks_, [&](std::uint32_t brick) { return source_.constantOf(brick); });
   chain_.commit();
 }
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "apps/rivals/rival.hpp"
-#include "engine/passes/filter_chain.hpp"
+#include "engine/filter_passes/filter_chain.hpp"
 
 namespace palpate {
 

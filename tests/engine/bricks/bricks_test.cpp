@@ -61,21 +61,25 @@ TEST(BrickGrid, VisitsWhatABoxAndWhatABrickTouches) {
     for (int trial = 0; trial < 40; ++trial) {
       const VoxelBox box = boxIn(grid, random);
       const Vec3i middle = voxelIn(grid, random) / kBrickSize;
-      Bricks in, around, corner, beside;
+      const Vec3i ring(trial % 3, trial / 3 % 3, trial / 9 % 3);
+      Bricks in, within, around, corner, beside;
       grid.forEachIn(box, [&](const Vec3i& brick) { in.push_back(grid.index(brick)); });
+      grid.forEachWithin(middle, ring, [&](std::uint32_t brick) { within.push_back(brick); });
       grid.forEachAround(middle, [&](std::uint32_t brick) { around.push_back(brick); });
       grid.forEachAtCorner(middle, 1, [&](std::uint32_t brick) { corner.push_back(brick); });
       grid.forEachBeside(middle, [&](std::uint32_t brick) { beside.push_back(brick); });
-      Bricks want_in, want_around, want_corner, want_beside;
+      Bricks want_in, want_within, want_around, want_corner, want_beside;
       for (std::uint32_t brick = 0; brick < grid.brickCount(); ++brick) {
         const Vec3i at = grid.brick(brick);
         if (!intersection(grid.box(brick), box).empty()) want_in.push_back(brick);
+        if (((at - middle).array().abs() <= ring.array()).all()) want_within.push_back(brick);
         if (apart(at, middle) <= 1) want_around.push_back(brick);
         if (apart(at, middle) <= 1 && (at.array() >= middle.array()).all()) want_corner.push_back(brick);
         if ((at - middle).cwiseAbs().sum() == 1) want_beside.push_back(brick);
       }
       for (Bricks* bricks : {&around, &corner, &beside}) std::sort(bricks->begin(), bricks->end());
       ASSERT_EQ(in, want_in);
+      ASSERT_EQ(within, want_within);
       ASSERT_EQ(around, want_around);
       ASSERT_EQ(corner, want_corner);
       ASSERT_EQ(beside, want_beside);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The Gaussian against formulas: what it does to an impulse, a wave and a mean. The kernels agree with this twin bit
-// for bit (tests/engine/passes/filter_test.cpp), so what holds here holds there.
+// for bit (tests/engine/filter_passes/filter_test.cpp), so what holds here holds there.
 #include <cmath>
 #include <numbers>
 #include <numeric>
