@@ -114,6 +114,27 @@ TEST(MeshPreparation, TrianglesWithoutAPlaneAreLeftOut) {
   EXPECT_EQ(prepareMesh(mesh, "plate.stl").mesh.triangles.size(), 12U);
 }
 
+// A needle of 10 mm whose third corner is near one end: its height over its longest edge decides.
+TEST(MeshPreparation, ATriangleHasAPlaneIfItIsHighEnough) {
+  for (const double height_m : {0.5 * kThinnest_m, 2 * kThinnest_m}) {
+    const auto needle = [&] {
+      return TriangleMesh{{{0, 0, 0}, {1e-2, 0, 0}, {1e-6, height_m, 0}, {0, 0, 1e-2}}, {{0, 1, 3}, {0, 1, 2}}};
+    };
+    EXPECT_EQ(prepareMesh(needle(), "needle").mesh.triangles.size(), height_m > kThinnest_m ? 2U : 1U) << height_m;
+  }
+}
+
+// 2 m along each axis by turns.
+TEST(MeshPreparation, AMeshMayBeAsWideAsQueriesCanTell) {
+  for (int axis = 0; axis < 3; ++axis) {
+    TriangleMesh mesh{{{0, 0, 0}, {1e-2, 2e-2, 3e-2}, {3e-2, 1e-2, 2e-2}}, {{0, 1, 2}}};
+    mesh.vertices_W[1][axis] = 2;
+    EXPECT_EQ(refusal(mesh), kNoRefusal) << axis;
+    mesh.vertices_W[1][axis] = 2.001;
+    EXPECT_THAT(refusal(mesh), HasSubstr("the mesh is 2001 mm wide")) << axis;
+  }
+}
+
 TEST(MeshPreparation, RefusesWhatCannotBeTouched) {
   EXPECT_THAT(refusal({}), HasSubstr("plate.stl: the mesh has no triangles"));
   TriangleMesh mesh = kBox;

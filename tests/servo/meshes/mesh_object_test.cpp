@@ -43,6 +43,8 @@ TEST(MeshObject, ABoxOfTrianglesIsABox) {
     const ObjectPoint near_mesh = mesh.nearest(line.from_W);
     const ObjectPoint near_box = box.nearest(line.from_W);
     ASSERT_LE((near_mesh.p_W - near_box.p_W).norm(), 1e-15);
+    // On an edge, whose triangles are equally near, the one that faces the place most.
+    ASSERT_GE(near_mesh.normal_W.dot(near_box.normal_W), near_box.normal_W.cwiseAbs().maxCoeff() - 1e-6);
     if (!of_mesh) continue;
     ++entered;
     ASSERT_LE((of_mesh->at.p_W - of_box->at.p_W).norm(), kFloat_m);
