@@ -142,6 +142,30 @@ TEST(MemoryBudget, RefusesAbsurdDimensions) {
   expectRefusal([] { checkMemory("a", 20000, 2, 2, 2, 0); }, "a", "16384");
   expectRefusal([] { checkMemory("a", 0, 2, 2, 2, 0); }, "a", "0 x 2 x 2");
   expectRefusal([] { checkMemory("a", -1, 2, 2, 2, 0); }, "a", "-1 x 2 x 2");
+  expectRefusal([] { checkMemory("a", 2, 0, 2, 2, 0); }, "a",
+                "its header claims 2 x 0 x 2 voxels; write the file again");
+  expectRefusal([] { checkMemory("a", 2, 2, 0, 2, 0); }, "a", "its header claims 2 x 2 x 0 voxels");
+  EXPECT_NO_THROW(checkMemory("a", 1, 1, 1, 2, 0));
+  EXPECT_NO_THROW(checkMemory("a", 16384, 1, 2, 2, 0));
+  const std::string most = " voxels, and an axis may have 16384; crop or resample it";
+  expectRefusal([] { checkMemory("a", 16385, 2, 3, 2, 0); }, "a", "it has 16385 x 2 x 3" + most);
+  expectRefusal([] { checkMemory("a", 2, 16385, 3, 2, 0); }, "a", "it has 2 x 16385 x 3" + most);
+  expectRefusal([] { checkMemory("a", 2, 3, 16385, 2, 0); }, "a", "it has 2 x 3 x 16385" + most);
+}
+
+TEST(MemoryBudget, HoldsWhatIsNotMore) {
+  EXPECT_NO_THROW(checkMemory("a", 1000.0, 1000));
+  EXPECT_THROW(checkMemory("a", 1000.5, 1000), Error);
+  constexpr std::size_t kGiB = std::size_t{1} << 30U;
+  expectRefusal([] { checkMemory("a", 3.0 * kGiB, kGiB); }, "a",
+                "it needs 3 GiB with its copy for the GPU, and 1 GiB are free; crop or resample it, or use a machine "
+                "with more memory",
+                Error::Code::kOutOfMemory);
+  // 256^3 bricks are 2^24, the most.
+  EXPECT_NO_THROW(checkBricks("a", 2048, 2048, 2048));
+  expectRefusal([] { checkBricks("a", 2048, 2049, 2047); }, "a",
+                "its box of 2048 x 2049 x 2047 voxels has more than 16777216 bricks of 8 x 8 x 8; crop or resample it",
+                Error::Code::kOutOfMemory);
 }
 
 TEST(MemoryBudget, KnowsWhatTheMachineHas) {
