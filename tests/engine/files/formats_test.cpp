@@ -29,6 +29,7 @@ TEST(Formats, AreAllNamedOnce) {
 TEST(LoadVolume, RefusesWhatIsNotThere) {
   expectLoadRefusal("/nowhere/a.nrrd", "no such file", Error::Code::kNotFound);
   expectLoadRefusal("", "no such file", Error::Code::kNotFound);
+  expectLoadRefusal("/dev/null", "it is no file; give a volume's file");
 }
 
 TEST(LoadVolume, SaysWhatAFileIsWhoseSuffixLies) {
@@ -43,8 +44,14 @@ TEST(LoadVolume, SaysWhatAFileIsWhoseSuffixLies) {
   refuses("a.vdb", "ObjectType = Image\n", "MetaImage data");
   refuses("a.nrrd", std::string(128, '\0') + "DICM", "give the folder");
   refuses("a.inv3", "NRRD0004\n", "rename it to .nrrd");
-  refuses("a.dat", "NRRD0004\n", "NRRD data");
-  refuses("a.stl", "solid", "use one of .nrrd");
+  refuses("a.dat", "NRRD0004\n", "it holds NRRD data, which its suffix does not say; rename it to .nrrd or .nhdr");
+  refuses("a.nrrd", std::string(344, '\0') + std::string("ni1\0", 4), "rename it to .nii or .nii.gz or .hdr or .img");
+  refuses("a.nrrd", "NDims = 3\n", "MetaImage data");
+  refuses("a.nrrd", std::string(257, 'x') + "ustar",
+          "InVesalius data, which its suffix does not say; rename it to .inv3");
+  refuses("a.stl", "solid",
+          "its suffix names no known format and its content does not either; use one of .nrrd .nhdr .nii .nii.gz .hdr "
+          ".img .mha .mhd .vdb .inv3, a DICOM folder or phantom:NAME");
   refuses("a.nrrd", "", "");
 }
 
@@ -108,7 +115,8 @@ TEST(HeadOf, SaysThatAFileCannotBeRead) {
 // Of every format, by its length; what a reader remarks stays.
 TEST(LoadVolume, RemarksOnWhatNoFingerCouldFeel) {
   const TempFolder folder;
-  for (const auto& [spacing_mm, told] : {std::pair{0.0666, false}, std::pair{0.06, true}, std::pair{1e-6, true}}) {
+  for (const auto& [spacing_mm, told] :
+       {std::pair{0.0666, false}, std::pair{0.0625, false}, std::pair{0.06, true}, std::pair{1e-6, true}}) {
     const std::string name = fmt::format("phantom:sphere?size=16&spacing={}mm", spacing_mm);
     const Volume volume = loadVolume(name);
     const auto remark = fmt::format("it is {:.3g} mm long", 16 * spacing_mm);
