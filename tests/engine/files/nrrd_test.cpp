@@ -27,6 +27,7 @@ TEST_F(Nrrd, ReadsEveryNumberType) {
   check("uint32", bytesOf<std::uint32_t>(values), "uint32");
   check("int", bytesOf<std::int32_t>(values), "int32");
   check("int64", bytesOf<std::int64_t>(values), "int64");
+  check("uint64", bytesOf<std::uint64_t>(values), "uint64");
   check("float", bytesOf<float>(values), "float32");
   check("double", bytesOf<double>(values), "float64");
 }
@@ -67,14 +68,21 @@ TEST_F(Nrrd, TurnsRasAndLasToLps) {
     return "space: " + space + "\nspace directions: " + i + " " + j + " (0,0,2)\nspace origin: " + origin + "\n";
   };
   const Lattice lattice = {Vec3(-0.010, 0.020, 0.030), Vec3(-1, -1, 1).asDiagonal(), kSpacing_mm * 1e-3};
-  const auto check = [&](const std::string& text) {
-    expectVolume(load(nrrdHeader("int16", "raw", "", text) + "\n" + data_), lattice, rampValues(-30));
+  const auto check = [&](const std::string& text, const std::string& words) {
+    const Volume volume = load(nrrdHeader("int16", "raw", "", text) + "\n" + data_);
+    expectVolume(volume, lattice, rampValues(-30));
+    EXPECT_EQ(volume.facts().orientation, words);
   };
-  check(geometry("right-anterior-superior", "(0.5,0,0)", "(0,0.75,0)", "(10,-20,30)"));
-  check(geometry("RAS", "(0.5,0,0)", "(0,0.75,0)", "(10,-20,30)"));
-  check(geometry("left-anterior-superior", "(-0.5,0,0)", "(0,0.75,0)", "(-10,-20,30)"));
-  check(geometry("LAS", "(-0.5,0,0)", "(0,0.75,0)", "(-10,-20,30)"));
-  check(geometry("left-posterior-superior", "(-0.5,0,0)", "(0,-0.75,0)", "(-10,20,30)"));
+  const std::string ras = "RAS file turned to LPS", las = "LAS file turned to LPS", lps = "LPS file";
+  check(geometry("right-anterior-superior", "(0.5,0,0)", "(0,0.75,0)", "(10,-20,30)"), ras);
+  check(geometry("RAS", "(0.5,0,0)", "(0,0.75,0)", "(10,-20,30)"), ras);
+  check(geometry("left-anterior-superior", "(-0.5,0,0)", "(0,0.75,0)", "(-10,-20,30)"), las);
+  check(geometry("LAS", "(-0.5,0,0)", "(0,0.75,0)", "(-10,-20,30)"), las);
+  check(geometry("left-posterior-superior", "(-0.5,0,0)", "(0,-0.75,0)", "(-10,20,30)"), lps);
+  check(geometry("LPS", "(-0.5,0,0)", "(0,-0.75,0)", "(-10,20,30)"), lps);
+  check(geometry("scanner-xyz", "(-0.5,0,0)", "(0,-0.75,0)", "(-10,20,30)"), "space \"scanner-xyz\" taken as LPS");
+  EXPECT_EQ(load(nrrdHeader("int16", "raw") + "\n" + data_).facts().orientation,
+            "no space in the file: axes taken as LPS");
 }
 
 TEST_F(Nrrd, HonoursUnitsOfLength) {
@@ -83,7 +91,18 @@ TEST_F(Nrrd, HonoursUnitsOfLength) {
   const std::string geometry = "spacings: 0.5 0.75 2\nunits: \"um\" \"um\" \"um\"\n";
   expectVolume(load(nrrdHeader("int16", "raw", "", geometry) + "\n" + data_), lattice, rampValues(-30));
   refuses(nrrdHeader("int16", "raw", "", "spacings: 1 1 1\nunits: \"ell\" \"ell\" \"ell\"\n") + "\n" + data_,
-          "\"ell\"");
+          "its unit of length \"ell\" is not known; use mm, um, cm or m");
+  // Each by every name; "???" says nothing.
+  const std::string vectors = "space: LPS\nspace directions: (0.5,0,0) (0,0.75,0) (0,0,2)\nspace origin: (3,4,5)\n";
+  for (const auto& [unit, metres] :
+       {std::pair("mm", 1e-3), std::pair("millimeter", 1e-3), std::pair("millimeters", 1e-3), std::pair("???", 1e-3),
+        std::pair("um", 1e-6), std::pair("micrometer", 1e-6), std::pair("microns", 1e-6), std::pair("micron", 1e-6),
+        std::pair("cm", 1e-2), std::pair("centimeter", 1e-2), std::pair("m", 1.0), std::pair("meter", 1.0)}) {
+    SCOPED_TRACE(unit);
+    const std::string units = fmt::format("space units: \"{0}\" \"{0}\" \"{0}\"\n", unit);
+    const Volume volume = load(nrrdHeader("int16", "raw", "", vectors + units) + "\n" + data_);
+    expectLattice(volume.lattice(), {Vec3(3, 4, 5) * metres, Mat3::Identity(), kSpacing_mm * metres}, 1e-12);
+  }
 }
 
 TEST_F(Nrrd, SaysWhenTheVoxelSizeIsMissing) {

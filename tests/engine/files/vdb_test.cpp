@@ -87,9 +87,48 @@ TEST_F(Vdb, TakesTheUnitFromTheMetadata) {
   grid->insertMeta("unit", openvdb::StringMetadata("mm"));
   write({grid});
   expectImage(loadVolume(path_), 1e-3);
+  for (const auto& [unit, metres] : {std::pair("um", 1e-6), std::pair("cm", 1e-2), std::pair("m", 1.0)}) {
+    grid->insertMeta("unit", openvdb::StringMetadata(unit));
+    write({grid});
+    expectImage(loadVolume(path_), metres);
+  }
   grid->insertMeta("unit", openvdb::StringMetadata("ell"));
   write({grid});
-  expectLoadRefusal(path_, "\"ell\"");
+  expectLoadRefusal(path_, "its unit of length \"ell\" is not known; use m, cm, mm or um");
+}
+
+// A domain that is none, or that active voxels lie outside of, is the active voxels' own.
+TEST_F(Vdb, TakesANamedDomainOnlyWhereItCanBe) {
+  const auto sizeWith = [&](const openvdb::Vec3i& named, const Coord& last) {
+    const auto grid = openvdb::FloatGrid::create(0);
+    for (const Coord& voxel : {Coord(0), last}) grid->tree().setValueOn(voxel, 1);
+    grid->insertMeta(kVdbDomainKey, openvdb::Vec3IMetadata(named));
+    write({grid});
+    return loadVolume(path_).size();
+  };
+  const Coord last(9, 10, 11);
+  const Vec3i active(14, 15, 16);  // two voxels around 10 x 11 x 12
+  EXPECT_EQ(sizeWith({10, 11, 12}, last), Vec3i(10, 11, 12));
+  EXPECT_EQ(sizeWith({10, 20, 12}, last), Vec3i(10, 20, 12));
+  EXPECT_EQ(sizeWith({16384, 11, 12}, last), Vec3i(16384, 11, 12));
+  EXPECT_EQ(sizeWith({16385, 11, 12}, last), active);
+  EXPECT_EQ(sizeWith({9, 11, 12}, last), active);
+  EXPECT_EQ(sizeWith({10, 10, 12}, last), active);
+  EXPECT_EQ(sizeWith({10, 11, 11}, last), active);
+  EXPECT_EQ(sizeWith({10, 11, 0}, last), active);
+  EXPECT_EQ(sizeWith({1, 1, 1}, Coord(0)), Vec3i(1, 1, 1));
+}
+
+// With the two voxels around them, active voxels may span as many as an axis may have.
+TEST_F(Vdb, HoldsTheLongestAxis) {
+  const auto grid = openvdb::FloatGrid::create(0);
+  grid->tree().setValueOn(Coord(0), 1);
+  grid->tree().setValueOn(Coord(0, 16379, 0), 1);
+  write({grid});
+  EXPECT_EQ(loadVolume(path_).size(), Vec3i(5, 16384, 5));
+  grid->tree().setValueOn(Coord(0, 16380, 0), 1);
+  write({grid});
+  expectLoadRefusal(path_, "its active voxels span 16381 along an axis, and 16384 are the most");
 }
 
 TEST_F(Vdb, ChoosesAGridByName) {
