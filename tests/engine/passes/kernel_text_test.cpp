@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The text of every kernel, compiled for the CPU, against the twins, which were written apart: bit for bit, but where
-// exponentials enter (filter_edge_test.cpp holds that text to the library's, and the kernels to the text).
+// The text of filters and gradients, compiled for the CPU, against the twins, which were written apart: bit for bit, but
+// where exponentials enter (filter_edge_test.cpp holds that text to the library's, and the kernels to the text). That of
+// edits: tests/engine/edit/edit_math_test.cpp.
 #include <gtest/gtest.h>
 
 #include "by_text.hpp"
