@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The text of the gradient kernels, compiled for the CPU, against the twins, which were written apart: bit for bit.
-// And the border's rule, which all kernels share.
+// And the border's rule, which all kernels share. That of edits: tests/engine/edit/edit_math_test.cpp.
 #include <algorithm>
 #include <array>
 #include <bit>
