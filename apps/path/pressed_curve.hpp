@@ -16,7 +16,8 @@ namespace palpate {
 //  - c is smoothed with sigma 0.75 voxel: on a curve of radius R this moves it inward by about (0.75 voxel)^2 / (2 R).
 //  - n is smoothed with sigma s = max(1.5 voxel, depth) and not normalised again. With unsmoothed n, h would go back
 //    around a convex edge. Where the surface turns fast, the depth lessens smoothly, by exp(-s^2 / (2 R^2)).
-// Both ends are kept exactly (odd continuation), so that the press meets the slide.
+// Both ends are kept exactly (odd continuation) where the curve is longer than a kernel reaches, four standard
+// deviations, so that the press meets the surface where it was meant to.
 class PressedCurve {
  public:
   // `voxel_m`: the volume's smallest spacing [m].

@@ -71,7 +71,7 @@ std::string histograms(const TouchRun& run) {
        {std::pair(&cost_us, "tick cost [us]"), std::pair(&lateness_us, "wake-up lateness [us]")}) {
     const LogHistogram h = logHistogram(*values, kClassesPerDecade);
     out += h.counts.empty() ? fmt::format("<p>Every {} is zero.</p>\n", label)
-                            : "<div>" + histogramSvg(h, std::string("ticks by ") + label) + "</div>\n";
+                            : "<div>" + histogramSvg(h, std::string("ticks by ") + label, "us", "ticks") + "</div>\n";
   }
   return out + "</div>\n</section>\n";
 }

@@ -135,7 +135,7 @@ std::string editSection(const TouchRun& run) {
   if (!e.save_failure.empty()) rows += row("why the last save failed", e.save_failure);
   std::string drawn;
   if (const LogHistogram h = logHistogram(e.edit_to_window_ms, kClassesPerDecade); !h.counts.empty()) {
-    drawn = "<div>" + histogramSvg(h, "edits by time from edit to window [ms]") + "</div>\n";
+    drawn = "<div>" + histogramSvg(h, "edits by time from edit to window [ms]", "ms", "edits") + "</div>\n";
   }
   return section("edits", "Edits",
                  "<div class=\"figures\">\n" + editFigures(run.edits) + "</div>\n<div class=\"columns\"><table>\n" +

@@ -72,7 +72,7 @@ Range rangeOf(const std::vector<double>& v) {
 
 }  // namespace
 
-std::string histogramSvg(const LogHistogram& h, const std::string& label) {
+std::string histogramSvg(const LogHistogram& h, const std::string& label, const char* unit, const char* things) {
   std::size_t most = 1;
   for (const std::size_t count : h.counts) most = std::max(most, count);
   const double decades = std::max(1.0, std::log10(static_cast<double>(most)));
@@ -82,10 +82,10 @@ std::string histogramSvg(const LogHistogram& h, const std::string& label) {
     if (h.counts[i] == 0) continue;
     const double height = barHeight(h.counts[i], decades);
     out += fmt::format(
-        "<rect class=\"bar\" x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\"><title>{} to {} us: {} "
-        "ticks</title></rect>\n",
+        "<rect class=\"bar\" x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\"><title>{} to {} {}: {} "
+        "{}</title></rect>\n",
         kLeft + width * static_cast<double>(i) + 0.5, kTop + kInnerHeight - height, std::max(width - 1, 0.5), height,
-        shortNumber(h.edge(i)), shortNumber(h.edge(i + 1)), h.counts[i]);
+        shortNumber(h.edge(i)), shortNumber(h.edge(i + 1)), unit, h.counts[i], things);
   }
   out += line(kLeft, kTop + kInnerHeight, kWidth - kRight, kTop + kInnerHeight, "axis");
   return out + text(kLeft + kInnerWidth / 2, kHeight - 6, "middle", label) + "</svg>\n";

@@ -13,8 +13,10 @@
 
 namespace palpate {
 
-// Bars over a logarithmic time axis [us]; heights are logarithmic too, since one late tick in a million matters.
-[[nodiscard]] std::string histogramSvg(const LogHistogram& histogram, const std::string& label);
+// Bars over a logarithmic time axis; heights are logarithmic too, since one late tick in a million matters. `unit` and
+// `things` are for the words of a bar: "1 to 2 us: 9 ticks".
+[[nodiscard]] std::string histogramSvg(const LogHistogram& histogram, const std::string& label, const char* unit,
+                                       const char* things);
 
 // A polyline of the table's first series over time, with its range written at the axis.
 [[nodiscard]] std::string curveSvg(const PlotTable& table, const std::string& label);

@@ -56,11 +56,17 @@ class GridField : public SurfaceField {
   [[nodiscard]] double isovalue() const override { return 0; }
   [[nodiscard]] const Lattice& lattice() const override { return lattice_; }
   [[nodiscard]] Vec3i size() const override { return size_; }
+  // Beyond the size all is object, and a block of equal samples is told as one value at the border too.
   bool readBlock(const Vec3i& block, float* values) const override {
-    readSamples(block, size_, values, [this](const Vec3i& i) { return value(i); });
-    const Vec3i inside = (size_ - kFieldBlock * block).cwiseMin(kFieldBlock);
-    return (inside.array() == kFieldBlock).all() &&
-           std::all_of(values, values + kFieldBlockSamples, [&](float v) { return v == values[0]; });
+    const Vec3i first = kFieldBlock * block;
+    bool is_constant = true;
+    for (int n = 0; n < kFieldBlockSamples; ++n) {
+      const Vec3i i = first + Vec3i(n % kFieldBlock, n / kFieldBlock % kFieldBlock, n / kFieldBlock / kFieldBlock);
+      const bool is_inside = (i.array() < size_.array()).all();
+      values[n] = is_inside ? value(i) : 1.0F;
+      is_constant = is_constant && (!is_inside || values[n] == values[0]);
+    }
+    return is_constant;
   }
 
  private:

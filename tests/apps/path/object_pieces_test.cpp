@@ -3,6 +3,7 @@
 #include "apps/path/object_pieces.hpp"
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <random>
 
@@ -50,9 +51,17 @@ TEST(ObjectPieces, AreThoseOfAFloodFill) {
     // From specks to one porous body; around 0.31 of all samples pieces of every size are found side by side.
     const double share = 0.05 + 0.9 * static_cast<double>(trial) / 60;
     GridField field(size, Vec3::Constant(1e-3));
+    // What is at the isovalue, 0, is background. Every other volume is made of whole blocks.
+    const auto draw = [&] {
+      return std::bernoulli_distribution(share)(random) ? 1.0F : random() % 2 == 0 ? 0.0F : -1.0F;
+    };
+    std::array<float, 27> of_block{};
+    std::generate(of_block.begin(), of_block.end(), draw);
     for (int n = 0; n < size.prod(); ++n) {
-      field.set({n % size.x(), n / size.x() % size.y(), n / size.x() / size.y()},
-                std::bernoulli_distribution(share)(random) ? 1.0F : -1.0F);
+      const Vec3i i(n % size.x(), n / size.x() % size.y(), n / size.x() / size.y());
+      const Vec3i block = i / kFieldBlock;
+      const auto its = static_cast<std::size_t>(block.x() + 3 * block.y() + 9 * block.z());
+      field.set(i, trial % 2 == 1 ? of_block[its] : draw());
     }
     const std::vector<int> label = flooded(field);
     const ObjectPieces pieces(field);
@@ -71,15 +80,16 @@ TEST(ObjectPieces, AreThoseOfAFloodFill) {
       e.last = e.last.cwiseMax(i);
     }
     ASSERT_EQ(pieces.all().size(), exact.size());
-    ASSERT_EQ(piece_of.size(), exact.size());
-    for (const auto& [its, e] : exact) {
-      const ObjectPiece& piece = pieces.all()[piece_of[its]];
-      EXPECT_EQ(piece.voxels, e.voxels);
-      EXPECT_EQ(piece.first, e.first);
-      EXPECT_EQ(piece.last, e.last);
+    std::vector<int> order;  // the largest first, and of equal ones that which was discovered first
+    for (const auto& [its, e] : exact) order.push_back(its);
+    std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return exact[a].voxels > exact[b].voxels; });
+    for (std::size_t n = 0; n < order.size(); ++n) {
+      const ObjectPiece &piece = pieces.all()[n], &e = exact[order[n]];
+      ASSERT_EQ(piece_of[order[n]], n);
+      ASSERT_EQ(piece.voxels, e.voxels);
+      ASSERT_EQ(piece.first, e.first);
+      ASSERT_EQ(piece.last, e.last);
     }
-    EXPECT_TRUE(std::is_sorted(pieces.all().begin(), pieces.all().end(),
-                               [](const ObjectPiece& a, const ObjectPiece& b) { return a.voxels > b.voxels; }));
   }
 }
 
@@ -97,6 +107,36 @@ TEST(ObjectPieces, TellWhatAPointOfTheSurfaceBelongsTo) {
   EXPECT_EQ(pieceAt(17.5), 0U);
   EXPECT_FALSE(pieceAt(6.5).has_value());
   EXPECT_FALSE(pieceAt(-5).has_value());
+  // A surface that goes through a sample belongs to the cells on both sides of it, along every axis.
+  EXPECT_EQ(pieceAt(6), 1U);
+  EXPECT_EQ(pieceAt(7), 0U);
+  for (const Vec3& p_L : {Vec3(4, 1, 4), Vec3(4, 7, 4), Vec3(4, 4, 1), Vec3(4, 4, 7)}) {
+    EXPECT_EQ(pieces.pieceAt(field.lattice().toWorld(p_L)), 1U) << p_L.transpose();
+  }
+  EXPECT_FALSE(pieces.pieceAt(field.lattice().toWorld({4, 7.5, 4})).has_value());
+  EXPECT_FALSE(pieces.pieceAt(field.lattice().toWorld({4, 4, 7.5})).has_value());
+}
+
+TEST(ObjectPieces, OfTwoInACellTheNearerOneIsMeant) {
+  GridField field(Vec3i(4, 4, 3), Vec3::Constant(1e-3));
+  field.fill({0, 1, 1}, {1, 1, 1}, 1);
+  field.fill({2, 2, 1}, {2, 2, 1}, 1);
+  const ObjectPieces pieces(field);
+  EXPECT_EQ(pieces.pieceAt(field.lattice().toWorld({1.2, 1.4, 1})), 0U);
+  EXPECT_EQ(pieces.pieceAt(field.lattice().toWorld({1.8, 1.6, 1})), 1U);
+}
+
+TEST(ObjectPieces, OutsideTheVolumeIsNone) {
+  GridField field(Vec3i(3, 4, 5), Vec3::Constant(1e-3));
+  field.fill({0, 0, 0}, {2, 3, 4}, 1);
+  const ObjectPieces pieces(field);
+  for (int axis = 0; axis < 3; ++axis) {
+    Vec3i voxel(1, 1, 1);
+    for (const int i : {-1, 0, field.size()[axis] - 1, field.size()[axis]}) {
+      voxel[axis] = i;
+      EXPECT_EQ(pieces.pieceOf(voxel).has_value(), i >= 0 && i < field.size()[axis]) << axis << ' ' << i;
+    }
+  }
 }
 
 TEST(ObjectPieces, EntriesAreBackgroundBesideThePiece) {
@@ -111,6 +151,29 @@ TEST(ObjectPieces, EntriesAreBackgroundBesideThePiece) {
   }
   field.fill({0, 0, 0}, {8, 8, 8}, 1);
   EXPECT_TRUE(ObjectPieces(field).entries(0, 7).empty());
+}
+
+// Two rows beside each other, one above, and a speck behind the first.
+TEST(ObjectPieces, EntriesAreOnBothSidesOfEachRow) {
+  GridField field(Vec3i(12, 4, 4), Vec3::Constant(1e-3));
+  field.fill({3, 1, 1}, {6, 1, 1}, 1);
+  field.fill({3, 2, 1}, {5, 2, 1}, 1);
+  field.fill({4, 1, 2}, {8, 1, 2}, 1);
+  field.fill({10, 1, 1}, {10, 1, 1}, 1);
+  const ObjectPieces pieces(field);
+  using Entry = std::array<int, 4>;
+  const auto entries = [&](std::size_t piece, std::size_t count) {
+    std::vector<Entry> all;
+    for (const ObjectPieces::Entry& e : pieces.entries(piece, count))
+      all.push_back({e.outside.x(), e.outside.y(), e.outside.z(), e.sense});
+    return all;
+  };
+  const std::vector<Entry> of_first = {{2, 1, 1, 1},  {7, 1, 1, -1}, {2, 2, 1, 1},
+                                       {6, 2, 1, -1}, {3, 1, 2, 1},  {9, 1, 2, -1}};
+  EXPECT_EQ(entries(0, 6), of_first);
+  EXPECT_EQ(entries(1, 6), (std::vector<Entry>{{9, 1, 1, 1}, {11, 1, 1, -1}}));
+  // Four of six, evenly: numbers 0, 1.5, 3 and 4.5.
+  EXPECT_EQ(entries(0, 4), (std::vector<Entry>{of_first[0], of_first[1], of_first[3], of_first[4]}));
 }
 
 TEST(ObjectPieces, OfAnEmptyVolumeAreNone) {

@@ -55,12 +55,31 @@ TEST_F(PathCsv, ToleratesCarriageReturnsAndAMissingLastNewline) {
   EXPECT_EQ(points[1].p_W, Vec3(1, 2, 3));
 }
 
+TEST_F(PathCsv, ToleratesSpacesEmptyLinesAndAByteOrderMark) {
+  const auto points = read("\xEF\xBB\xBFtime_s,x_m,y_m,z_m\n 0 ,1, 2,3  \n\n\r\n1,4,5,6\n");
+  ASSERT_EQ(points.size(), 2U);
+  EXPECT_EQ(points[0].time_s, 0);
+  EXPECT_EQ(points[0].p_W, Vec3(1, 2, 3));
+  EXPECT_EQ(points[1].p_W, Vec3(4, 5, 6));
+}
+
+TEST_F(PathCsv, CountsEmptyLines) {
+  expectRefusal(std::string(kHeader) + "0,0,0,0\n\n\n1,0, ,0\n", "line 5: \"\" is not a number; write plain");
+}
+
+TEST_F(PathCsv, ShortensWhatItQuotes) {
+  expectRefusal(std::string(81, 'h'),
+                "line 1: the header is \"" + std::string(80, 'h') + "\"; make the first line time_s,x_m,y_m,z_m");
+  expectRefusal(std::string(kHeader) + "0,0,0," + std::string(41, 'a') + "\n", '"' + std::string(40, 'a') + '"');
+}
+
 TEST_F(PathCsv, RefusesAMissingFile) {
   try {
     (void)readPathCsv(file_);
     FAIL();
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), Error::Code::kNotFound);
+    EXPECT_EQ(error.what(), file_.string() + ": the path file does not exist; check the name");
   }
 }
 
@@ -70,6 +89,7 @@ TEST_F(PathCsv, RefusesAFolder) {
     FAIL();
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), Error::Code::kIo);
+    EXPECT_THAT(error.what(), HasSubstr("the path file cannot be read; check that it is a file"));
   }
 }
 
@@ -111,8 +131,14 @@ TEST_F(PathCsv, RefusesATimeWithoutEnd) {
                 "line 3: the time from -1e+308 s to 1e+308 s is longer");
 }
 TEST_F(PathCsv, RefusesAHole) {
-  expectRefusal(std::string(kHeader) + "0,0,0,0\n1,0,0,0\n2,0,0,0\n12.5,0,0,0\n13.5,0,0,0\n",
-                "line 5: a hole in the path: nothing between 2 s and 12.5 s");
+  expectRefusal(
+      std::string(kHeader) + "0,0,0,0\n1,0,0,0\n2,0,0,0\n12.5,0,0,0\n13.5,0,0,0\n",
+      "line 5: a hole in the path: nothing between 2 s and 12.5 s, where rows come every 1 s; record the path");
+}
+// Of two gaps the shorter one is usual.
+TEST_F(PathCsv, RefusesAHoleBeforeTheOnlyOtherRow) {
+  expectRefusal(std::string(kHeader) + "0,0,0,0\n10.5,0,0,0\n11.5,0,0,0\n",
+                "line 3: a hole in the path: nothing between 0 s and 10.5 s, where rows come every 1 s");
 }
 TEST_F(PathCsv, AcceptsAGapOfTenIntervals) {
   EXPECT_EQ(read(std::string(kHeader) + "0,0,0,0\n1,0,0,0\n2,0,0,0\n12,0,0,0\n").size(), 4U);

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <random>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -64,6 +65,27 @@ TEST(PathFit, IsAFingersOnWhatAFingerFeels) {
   }
 }
 
+// Below 3 cm half, 0.7 and a sixteenth of the object; above 40 cm a 40th, a 20th and a 400th of it; two voxels and a
+// twentieth of a voxel where that is more; and no depth above 4 mm.
+TEST(PathFit, IsASetShareOfWhatIsSmallOrLarge) {
+  const auto expectFit = [](const PathFit& fit, double approach_m, double slide_m, double most_depth_m) {
+    EXPECT_DOUBLE_EQ(fit.approach_m, approach_m);
+    EXPECT_DOUBLE_EQ(fit.slide_m, slide_m);
+    EXPECT_DOUBLE_EQ(fit.most_depth_m, most_depth_m);
+  };
+  expectFit(fitTo(0.01, 1e-4), 5e-3, 7e-3, 0.625e-3);
+  expectFit(fitTo(0.01, 20e-3), 40e-3, 7e-3, 1e-3);
+  expectFit(fitTo(1, 1e-3), 25e-3, 50e-3, 2.5e-3);
+  expectFit(fitTo(2, 1e-3), 50e-3, 100e-3, 4e-3);
+}
+
+TEST(PathFit, SizeIsTheLongestEdgeOfTheBox) {
+  Lattice lattice;
+  lattice.spacing_m = Vec3(1e-3, 3e-3, 5e-3);
+  EXPECT_DOUBLE_EQ(sizeOf({9, Vec3i(1, 2, 3), Vec3i(4, 3, 3)}, lattice), 6e-3);  // 4, 6 and 5 mm
+  EXPECT_DOUBLE_EQ(sizeOf({9, Vec3i(1, 2, 3), Vec3i(7, 3, 3)}, lattice), 7e-3);
+}
+
 // From a grain of a micrometre to a mountain: never larger than the object, never less than its samples can show.
 TEST(PathFit, GrowsAndShrinksWithTheObject) {
   PathFit last;
@@ -90,6 +112,51 @@ TEST(PathFit, ThicknessIsThatOfASlab) {
   const SurfaceHit top{Vec3(1e-3, 2e-3, 1.5e-3), Vec3::UnitZ()};
   EXPECT_NEAR(thicknessAt(slab, top, 10e-3), 3e-3, 0.5e-3 / 8);
   EXPECT_EQ(thicknessAt(slab, top, 2e-3), 2e-3);
+}
+
+// A mask of zeros and ones is 2.97 mm thick, and what is at the isovalue is outside. The thickness is that of the last
+// step in it: of an eighth of a voxel, of a sixteenth of the reach, or of a 4096th of a reach of a metre.
+TEST(PathFit, ThicknessIsThatOfTheLastStepInside) {
+  const AnalyticField mask([](const Vec3& p) { return p.z() > -2.97e-3 ? 1.0 : 0.0; }, 20e-3, 0.5e-3);
+  const SurfaceHit top{Vec3(1e-3, 2e-3, 0), Vec3::UnitZ()};
+  EXPECT_NEAR(thicknessAt(mask, top, 10e-3), 2.9375e-3, 1e-12);
+  EXPECT_NEAR(thicknessAt(mask, {Vec3(0, 0, -2.55e-3), Vec3::UnitZ()}, 0.8e-3), 0.4e-3, 1e-12);
+  EXPECT_NEAR(thicknessAt(mask, top, 1.024), 2.75e-3, 1e-12);
+}
+
+// A straight curve of 20 points a millimetre apart on an object whose thickness [mm] differs from point to point.
+SurfaceCurve onTop() {
+  SurfaceCurve curve;
+  curve.step_m = 1e-3;
+  for (int i = 0; i < 20; ++i) curve.points.push_back({Vec3(i * 1e-3, 0, 0), Vec3::UnitZ()});
+  return curve;
+}
+double depthOn(const std::vector<double>& thick_mm, double most_depth_m) {
+  const AnalyticField field(
+      [&](const Vec3& p) {
+        const auto i = static_cast<std::size_t>(std::clamp(std::lround(p.x() * 1e3), 0L, 19L));
+        return std::min(-p.z(), p.z() + 1e-3 * thick_mm[i]);
+      },
+      30e-3, 1e-3);
+  PathFit fit;
+  fit.most_depth_m = most_depth_m;
+  return depthFor(field, onTop(), fit);
+}
+
+// From 1.06 mm upwards by 0.25 mm, the thinnest last: two of 20 may be thinner than the tenth percentile, 1.56 mm.
+// Steps are an eighth of a millimetre, so that is felt as 1.5 mm.
+TEST(PathFit, DepthIsAQuarterOfWhatNineTenthsAreThickerThan) {
+  std::vector<double> thick_mm(20);
+  for (std::size_t i = 0; i < 20; ++i) thick_mm[i] = 1.06 + 0.25 * static_cast<double>(19 - i);
+  EXPECT_NEAR(depthOn(thick_mm, 0.5e-3), 0.375e-3, 1e-12);
+  thick_mm[19] = 0.2;  // there the tool would come out below; at half of the depth it does not
+  EXPECT_NEAR(depthOn(thick_mm, 0.5e-3), 0.1875e-3, 1e-12);
+}
+
+TEST(PathFit, DepthIsAtLeastATwentiethOfAVoxelUnlessThatIsTooDeep) {
+  const std::vector<double> paper(20, 0.01);
+  EXPECT_DOUBLE_EQ(depthOn(paper, 0.5e-3), 0.05e-3);
+  EXPECT_DOUBLE_EQ(depthOn(paper, 0.03e-3), 0.03e-3);
 }
 
 // Balls from 3 samples across, at every spacing from a micrometre on, also where it differs by axis.

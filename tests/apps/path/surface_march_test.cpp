@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/path/surface_march.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <numbers>
 
 #include <gtest/gtest.h>
@@ -55,9 +57,44 @@ TEST(SurfaceMarch, GoesStraightOnOverAHoleWhenAsked) {
 
 TEST(SurfaceMarch, EndsAtTheVolumesBorder) {
   const AnalyticField plane([](const Vec3& p) { return -p.z(); }, 10e-3, kVoxel_m);
-  const auto curve = marchSurface(plane, {Vec3::Zero(), Vec3::UnitZ()}, Vec3::UnitX(), 25e-3);
-  EXPECT_LE(curve.length(), 10e-3);
-  EXPECT_GE(curve.length(), 10e-3 - kVoxel_m / 2);  // a step's circle must lie inside, so the last step may be missing
+  for (const OverEdges over_edges : {OverEdges::kFollow, OverEdges::kStraight}) {
+    const auto curve = marchSurface(plane, {Vec3::Zero(), Vec3::UnitZ()}, Vec3::UnitX(), 25e-3, over_edges);
+    EXPECT_LE(curve.length(), 10e-3);
+    EXPECT_GE(curve.length(), 10e-3 - kVoxel_m / 2);  // a step's circle must lie inside, so the last one may be missing
+  }
+}
+
+// The ground as a height over x; the way begins at x = 0 and goes to the right.
+template <typename Ground>
+SurfaceCurve straightOver(Ground ground, double length_m) {
+  const AnalyticField field([=](const Vec3& p) { return ground(p.x()) - p.z(); }, 16e-3, kVoxel_m);
+  return marchSurface(field, {Vec3::Zero(), Vec3::UnitZ()}, Vec3::UnitX(), length_m, OverEdges::kStraight);
+}
+double radians(double degrees) {
+  return degrees * std::numbers::pi / 180;
+}
+
+// A slope that begins after 5 mm: it is gone down up to 40 degrees.
+TEST(SurfaceMarch, StraightOnGoesDownSlopesUpToFortyDegrees) {
+  const auto slope = [](double degrees) {
+    return [=](double x) { return -std::tan(radians(degrees)) * std::max(x - 5e-3, 0.0); };
+  };
+  EXPECT_EQ(straightOver(slope(39.5), 10e-3).free_m, 0);
+  EXPECT_GT(straightOver(slope(40.5), 10e-3).free_m, 4.5e-3);
+}
+
+// A ramp of 30 degrees from 2 mm on, and a cliff at 5.95 mm. After a ramp down each step falls nine tenths as steeply
+// as the last: sum of 0.125 mm * sin(30 degrees * 0.9^k) = 0.575 mm in all, less what the edge is lower than the last
+// point on it, a part of a step. After a ramp up the way is level at once.
+TEST(SurfaceMarch, StraightOnLevelsOffBeyondAnEdge) {
+  for (const double slope : {-std::tan(radians(30)), std::tan(radians(30))}) {
+    const auto ground = [=](double x) { return x > 5.95e-3 ? -1 : slope * std::max(x - 2e-3, 0.0); };
+    const SurfaceCurve curve = straightOver(ground, 12e-3);
+    const double fallen_m = slope * 3.95e-3 - curve.points.back().p_W.z();
+    EXPECT_NEAR(fallen_m, slope < 0 ? 0.575e-3 : 0, 0.0625e-3);
+    EXPECT_NEAR(curve.free_m, 12e-3 - 2e-3 - 3.95e-3 / std::cos(radians(30)), curve.step_m);
+    EXPECT_EQ(curve.points.back().normal_W, Vec3::UnitZ());
+  }
 }
 
 TEST(SurfaceMarch, NoLengthIsOnePoint) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/path/touch_path.hpp"
 
+#include <array>
+#include <cmath>
 #include <numbers>
 
 #include <gmock/gmock.h>
@@ -59,6 +61,50 @@ TEST(TouchPath, StartsOutsidePressesSlidesAndLeaves) {
   EXPECT_NEAR(-sphereDistance(path.points.back().p_W, kRadius_m), 10e-3, 1e-8);
   EXPECT_NEAR(sphereDistance(at(path, phase(path, "press").end_s), kRadius_m), 1e-3, 1e-9);
   EXPECT_NEAR(path.slid_m, 20e-3, 1e-12);
+  EXPECT_THAT(path.notes, IsEmpty());
+}
+
+// On a plane everything is known. A quarter of a phase's time is 0.25^3 (10 - 15/4 + 6/16) = 0.103515625 of its way.
+TEST(TouchPath, GoesItsWayInEachPhase) {
+  PathRequest request;
+  request.duration_s = 4;
+  request.approach_m = 5e-3;
+  request.press_depth_m = 1e-3;
+  request.slide_length_m = 6e-3;
+  request.start_W = Vec3(1e-3, 2e-3, 0.3e-3);
+  request.slide_W = Vec3(2, 0, 0);
+  const TouchPath path = buildTouchPath(plane(), request);
+  ASSERT_EQ(path.points.size(), 2001U);
+  ASSERT_EQ(path.phases.size(), 4U);
+  const std::array<double, 4> begin_s = {0, 0.6, 1.2, 3.4};
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_DOUBLE_EQ(path.phases[i].begin_s, begin_s[i]);
+  const double share = 0.103515625;
+  const Vec3 start = path.start.p_W;
+  EXPECT_LT((start - Vec3(1e-3, 2e-3, 0)).norm(), 0.01 * kVoxel_m);
+  const std::array<Vec3, 4> expected = {start + Vec3(0, 0, (1 - share) * 5e-3), start + Vec3(0, 0, -share * 1e-3),
+                                        start + Vec3(share * 6e-3, 0, -1e-3),
+                                        start + Vec3(6e-3, 0, -1e-3 + share * 6e-3)};
+  for (std::size_t i = 0; i < 4; ++i) {
+    const double time_s = 0.75 * path.phases[i].begin_s + 0.25 * path.phases[i].end_s;
+    EXPECT_LT((at(path, time_s) - expected[i]).norm(), 1e-8) << i;
+  }
+  EXPECT_LT((path.slide_W - Vec3::UnitX()).norm(), 1e-6);
+  EXPECT_NEAR(path.slid_m, 6e-3, 1e-12);
+  EXPECT_EQ(path.depth_m, 1e-3);
+  EXPECT_EQ(path.approach_m, 5e-3);
+  EXPECT_THAT(path.notes, IsEmpty());
+}
+
+TEST(TouchPath, MayTouchAPointWithoutPressing) {
+  PathRequest request;
+  request.duration_s = 0.01;
+  request.press_depth_m = 0;
+  request.slide_length_m = 0;
+  const TouchPath path = buildTouchPath(sphere(), request);
+  EXPECT_EQ(path.points.size(), 9U);  // the shortest has eight intervals
+  EXPECT_EQ(path.depth_m, 0);
+  EXPECT_EQ(path.slid_m, 0);
+  EXPECT_EQ(path.slide_W, Vec3::Zero());
   EXPECT_THAT(path.notes, IsEmpty());
 }
 
@@ -277,22 +323,43 @@ TEST(TouchPath, SaysHowMuchOfTheSlideIsMissing) {
   request.slide_W = Vec3::UnitX();
   request.approach_m = 5e-3;
   request.slide_length_m = 20e-3;
-  const TouchPath path = buildTouchPath(plane(), request);
-  EXPECT_NEAR(path.slid_m, 12e-3, 0.5e-3);
-  ASSERT_EQ(path.notes.size(), 1U);
-  EXPECT_THAT(path.notes[0], HasSubstr("instead of 20 mm: the surface ends at the border"));
+  // 12 mm and a little, which is less than a step of an eighth of a millimetre.
+  const AnalyticField small([](const Vec3& p) { return -p.z(); }, 12.06e-3, kVoxel_m);
+  const TouchPath path = buildTouchPath(small, request);
+  EXPECT_NEAR(path.slid_m, 12e-3, 0.06e-3);
+  EXPECT_THAT(path.notes,
+              ElementsAre("the slide is 12 mm instead of 20 mm: the surface ends at the border of the volume"));
 }
 
-// In a closed hollow of radius 5 mm the longest way is across, 10 mm.
+TEST(TouchPath, SaysHowMuchOfTheSlideIsOverAHole) {
+  PathRequest request;
+  request.start_W = Vec3(-12e-3, 0, 10e-3);
+  request.slide_W = Vec3::UnitX();
+  request.slide_length_m = 24e-3;
+  request.over_edges = OverEdges::kStraight;
+  const TouchPath path = buildTouchPath(slab(), request);
+  ASSERT_EQ(path.notes.size(), 1U);
+  EXPECT_NEAR(std::stod(path.notes[0]), 10, 0.5);  // the hole is 10 mm wide; a step each is lost or won at its edges
+  EXPECT_THAT(path.notes[0], testing::EndsWith(" mm of the slide go straight on where the surface falls away"));
+}
+
+// In a closed hollow of radius 5.1 mm the longest way is across, 10.2 mm, of which 10 mm are whole steps of half a
+// voxel, and four fifths of that are used.
 TEST(TouchPath, ShortensAnApproachThatTheObjectBlocks) {
-  const AnalyticField hollow([](const Vec3& p) { return p.norm() - 5e-3; }, 20e-3, kVoxel_m);
+  const AnalyticField hollow([](const Vec3& p) { return p.norm() - 5.1e-3; }, 20e-3, kVoxel_m);
   PathRequest request;
   request.start_W = Vec3(5e-3, 0, 0);
   request.slide_length_m = 0;
   request.approach_m = 12e-3;
-  const TouchPath path = buildTouchPath(hollow, request);
-  EXPECT_NEAR((path.points.front().p_W - path.start.p_W).norm(), 8e-3, kVoxel_m);
-  EXPECT_EQ(path.notes.size(), 2U);  // approach and retreat
+  for (const auto& toward_W : {std::optional<Vec3>(), std::optional<Vec3>(3 * Vec3::UnitX())}) {
+    request.toward_W = toward_W;
+    const TouchPath path = buildTouchPath(hollow, request);
+    EXPECT_NEAR(path.approach_m, 8e-3, 1e-12);
+    EXPECT_NEAR((path.points.front().p_W - path.start.p_W).norm(), 8e-3, 1e-9);
+    EXPECT_NEAR((path.points.back().p_W - path.start.p_W).norm(), 8e-3, 1e-9);
+    EXPECT_THAT(path.notes, ElementsAre("the approach is 8 mm instead of 12 mm: the object is in the way",
+                                        "the retreat is 8 mm instead of 12 mm: the object is in the way"));
+  }
 }
 
 TEST(TouchPath, RefusesAVolumeWithoutSurface) {
@@ -321,25 +388,27 @@ TEST(TouchPath, RefusesImpossibleNumbers) {
   const double nan = std::nan("");
   PathRequest request;
   request.duration_s = 0;
-  expectRefusal(sphere(), request, "path duration: 0 s is not possible");
+  expectRefusal(sphere(), request, "path duration: 0 s is not possible; give more than 0");
+  request.duration_s = HUGE_VAL;
+  expectRefusal(sphere(), request, "path duration: inf s is not possible");
   request = {};
-  request.approach_m = -1;
-  expectRefusal(sphere(), request, "path approach");
+  request.approach_m = 0;
+  expectRefusal(sphere(), request, "path approach: 0 m is not possible; give more than 0");
   request = {};
   request.press_depth_m = nan;
-  expectRefusal(sphere(), request, "path press depth");
+  expectRefusal(sphere(), request, "path press depth: nan m is not possible; give 0 or more");
   request = {};
   request.slide_length_m = -1e-3;
-  expectRefusal(sphere(), request, "path slide length");
+  expectRefusal(sphere(), request, "path slide length: -0.001 m is not possible; give 0 or more");
   request = {};
   request.toward_W = Vec3::Zero();
-  expectRefusal(sphere(), request, "path toward");
+  expectRefusal(sphere(), request, "path toward: it is not a direction; give three finite numbers");
   request = {};
-  request.slide_W = Vec3(nan, 0, 0);
-  expectRefusal(sphere(), request, "path slide");
+  request.slide_W = Vec3(HUGE_VAL, 0, 0);
+  expectRefusal(sphere(), request, "path slide: it is not a direction; give three finite numbers");
   request = {};
   request.start_W = Vec3(nan, 0, 0);
-  expectRefusal(sphere(), request, "path start");
+  expectRefusal(sphere(), request, "path start: it is not a point; give three finite numbers");
 }
 
 // A scan in metres that is read as millimetres: a path of 20 mm would be followed for minutes, or for days.
@@ -348,15 +417,21 @@ TEST(TouchPath, RefusesLengthsOfVeryManyVoxels) {
     const AnalyticField tiny = {[&](const Vec3& p) { return sphereDistance(p, 30 * voxel_m); }, 60 * voxel_m, voxel_m};
     PathRequest request;
     request.slide_length_m = 20e-3;
-    expectRefusal(tiny, request, "metres were taken for millimetres");
+    expectRefusal(tiny, request, "make it shorter (--slide); or, if metres were taken for millimetres, write the true");
+    if (voxel_m == 5e-7) {
+      expectRefusal(tiny, request,
+                    "path slide length: 20 mm are 4e+04 voxels of 0.0005 mm, and the whole volume is 0.0605 mm long; ");
+    }
     request.slide_length_m = 10 * voxel_m;
     request.press_depth_m = voxel_m;
     request.approach_m = 16001 * voxel_m;
-    expectRefusal(tiny, request, "path approach");
+    expectRefusal(tiny, request, "make it shorter (--approach)");
+    request.approach_m = 16000 * voxel_m;
+    EXPECT_EQ(buildTouchPath(tiny, request).approach_m, 16000 * voxel_m);
     request.approach_m = 5 * voxel_m;
     EXPECT_NEAR(buildTouchPath(tiny, request).slid_m, 10 * voxel_m, 1e-9 * voxel_m);
     request.press_depth_m = 122 * voxel_m;  // the volume is 121 long
-    expectRefusal(tiny, request, "path press depth");
+    expectRefusal(tiny, request, "make it shorter (--depth)");
     request.press_depth_m = voxel_m;
     request.start_W = Vec3(0, 0, 31 * voxel_m);
     EXPECT_NEAR(buildTouchPath(tiny, request).start.p_W.norm(), 30 * voxel_m, 1e-3 * voxel_m);

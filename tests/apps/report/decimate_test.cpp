@@ -40,6 +40,12 @@ TEST(Decimate, KeepsTheOrderOfRiseAndFall) {
   EXPECT_EQ(few.series[0], (std::vector<double>{0, 3, 3, 0}));
 }
 
+TEST(Decimate, DividesRowsThatDoNotDivideEvenly) {
+  const PlotTable few = decimate({{0, 1, 2, 3, 4, 5, 6}, {{5, 1, 2, 3, 9, 0, 7}}}, 3);
+  EXPECT_EQ(few.time_s, (std::vector<double>{0, 1, 2, 3, 4, 6}));
+  EXPECT_EQ(few.series[0], (std::vector<double>{5, 1, 2, 3, 9, 0}));
+}
+
 TEST(Decimate, LeavesAShortTableAlone) {
   const PlotTable table = noisyTable(200);
   EXPECT_EQ(decimate(table, 100).series, table.series);

@@ -17,6 +17,15 @@ TEST(LogHistogram, PutsValuesIntoClassesByDecade) {
   EXPECT_DOUBLE_EQ(h.edge(2), 100);
 }
 
+// Two classes a decade, from the decade of the smallest: edges are 0.1, 0.316, 1, 3.16, 10, 31.6 and 100.
+TEST(LogHistogram, DividesDecades) {
+  const LogHistogram h = logHistogram({31, 1, 3, 4, 0.5, 32, 10}, 2);
+  EXPECT_DOUBLE_EQ(h.low, 0.1);
+  EXPECT_DOUBLE_EQ(h.edge(2), 1);
+  EXPECT_EQ(h.counts, (std::vector<std::size_t>{0, 1, 2, 1, 2, 1}));
+  EXPECT_EQ(h.below, 0U);
+}
+
 TEST(LogHistogram, LosesNoValueWhateverTheRange) {
   const LogHistogram h = logHistogram({1e-9, 1, 1e9}, 10);
   EXPECT_EQ(std::accumulate(h.counts.begin(), h.counts.end(), std::size_t{0}), 3U);

@@ -179,6 +179,17 @@ TEST(Report, OfARunWithoutTicksIsStillAPage) {
   EXPECT_THAT(makeReport(run, ""), HasSubstr("never touched"));
 }
 
+TEST(Report, SaysWhatTookNoTimeAtAll) {
+  TouchRun run = sampleRun();
+  for (TickRecord& r : run.records) r.lateness_ns = 0;
+  const std::string page = makeReport(run, "");
+  EXPECT_THAT(page, HasSubstr("<p>Every wake-up lateness [us] is zero.</p>"));
+  EXPECT_THAT(page, HasSubstr("ticks by tick cost [us]</text>"));
+  // 2 to 2.899 us, all in the classes from 2 to 3.16 us.
+  EXPECT_THAT(page, HasSubstr("<title>2 to 2.51 us: "));
+  EXPECT_THAT(page, Not(HasSubstr("were not measured")));
+}
+
 TEST(Report, IsNotWrittenWhereItCannotBe) {
   TemporaryFolder folder;
   EXPECT_THROW(writeReport(folder.path() / "no" / "report.html", sampleRun(), ""), Error);
@@ -187,14 +198,17 @@ TEST(Report, IsNotWrittenWhereItCannotBe) {
 
 TEST(HtmlText, EscapesAndEncodes) {
   EXPECT_EQ(escapeHtml("<a href=\"x\">&'"), "&lt;a href=&quot;x&quot;&gt;&amp;&#39;");
+  EXPECT_EQ(escapeHtml("a\tb\x1f c\nd"), "a b  c\nd");
   EXPECT_EQ(base64(""), "");
   EXPECT_EQ(base64("f"), "Zg==");
   EXPECT_EQ(base64("fo"), "Zm8=");
   EXPECT_EQ(base64("foobar"), "Zm9vYmFy");  // RFC 4648, section 10
+  EXPECT_EQ(base64("\xfb\xff\xbf"), "+/+/");
   EXPECT_EQ(escapeScriptJson("\"</script>\""), "\"\\u003c/script>\"");
   EXPECT_EQ(keyInWords("press_depth_m"), "press depth [m]");
   EXPECT_EQ(keyInWords("damping_Ns_per_m"), "damping [N s/m]");
   EXPECT_EQ(keyInWords("algorithm"), "algorithm");
+  EXPECT_EQ(keyInWords("_m"), " m");  // a unit alone is a name
 }
 
 }  // namespace html_report_test

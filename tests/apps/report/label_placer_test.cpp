@@ -45,6 +45,17 @@ TEST(LabelPlacer, StaysInsideThePicture) {
   }
 }
 
+// Beside the mark and moved up or down until 2 pixels are left to the border; no label covers its own mark.
+TEST(LabelPlacer, IsMovedIntoThePicture) {
+  const auto place = [](const Pixel& at) {
+    const LabelBox box = LabelPlacer(200, 100).place(at, 10, 40, 14);
+    return std::vector<double>{box.left, box.top, box.right, box.bottom};
+  };
+  EXPECT_EQ(place({100, 99}), (std::vector<double>{110, 84, 150, 98}));
+  EXPECT_EQ(place({1, 1}), (std::vector<double>{11, 2, 51, 16}));
+  EXPECT_EQ(place({199, 50}), (std::vector<double>{149, 43, 189, 57}));
+}
+
 // A path that leaves the mark to the right, and one to the left: the words go below.
 TEST(LabelPlacer, DoesNotCrossALineIfItCanHelpIt) {
   LabelPlacer placer(400, 200);

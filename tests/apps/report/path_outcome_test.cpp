@@ -85,6 +85,12 @@ TEST(PathOutcome, OfAPathFromAFileOrARunThatWasStoppedIsNothing) {
   records.resize(3000);
   EXPECT_FALSE(pathOutcome(records, kPhases, kRate_hz).ends_in_contact);
   EXPECT_EQ(pathClause(pathOutcome({}, kPhases, kRate_hz)), "");
+  // The last tick of 5 s begins at 4.999 s; one less, and the end of the retreat is missing.
+  records = goodRun();
+  setContact(records, 4990, 5000, true);
+  EXPECT_TRUE(pathOutcome(records, kPhases, kRate_hz).ends_in_contact);
+  records.pop_back();
+  EXPECT_FALSE(pathOutcome(records, kPhases, kRate_hz).ends_in_contact);
 }
 
 }  // namespace path_outcome_test

@@ -74,4 +74,53 @@ inline TouchRun sampleRun() {
   return run;
 }
 
+// Figures of such a run of which no two are equal, and which are not those of its records.
+inline RunFigures sampleFigures() {
+  RunFigures f;
+  f.ticks = 4993;
+  f.time_s = 5;
+  f.contact_ticks = 3000;
+  f.contact_s = 3;
+  f.touches = 2;
+  f.first_contact_s = 0;
+  f.force_N = {3000, 0.25, 0.3, 0.4, 0.45, 0.5};
+  f.depth_m = {2999, 0.5e-3, 0.6e-3, 0.7e-3, 0.8e-3, 1e-3};
+  f.force_step_max_N = 0.125;
+  f.surface_way_m = 0.02;
+  f.tick_cost_us = {4992, 2, 2.5, 3.25, 3.5, 9};
+  f.lateness_us = {4991, 40, 50, 60, 65, 70};
+  f.window_age_ms = {4990, 10, 15, 20, 21, 22};
+  f.plane_age_max_ticks = 6;
+  f.late_ticks = 4;
+  f.skipped_ticks = 7;
+  f.faulty_ticks = 5;
+  f.windows_used = 251;
+  f.energy_min_J = -1e-5;
+  f.energy_end_J = 1.5e-3;
+  f.active_ticks = 8;
+  return f;
+}
+
+// The sample run, edited and quiet, with these figures.
+inline TouchRun sampleEditedRun() {
+  TouchRun run = sampleRun();
+  run.figures = sampleFigures();
+  run.stability = {};
+  run.stability.verdict = ContactVerdict::kQuiet;
+  run.volume.size = Vec3i(64, 65, 66);
+  run.volume.spacing_m = Vec3(0.5e-3, 0.75e-3, 1e-3);
+  run.volume.isovalue = 0.25;
+  run.scene.edit = "remove:radius=2mm";
+  run.scene.journal = "kept";
+  run.scene.save = "a.vdb";
+  run.edits->journal_saved = 2;
+  run.edits->journal_failure = "the disk is full";
+  run.edits->refused = 1;
+  run.edits->save_failures = 4;
+  run.edits->save_failure = "it is full too";
+  run.edits->content = 0xabc;
+  run.edits->added_m3 = 2e-9;
+  return run;
+}
+
 }  // namespace palpate

@@ -55,6 +55,75 @@ TEST(Summary, HoldsTheFiguresOfTheRun) {
   EXPECT_EQ(s["servo"]["times_measured"], true);
 }
 
+// Every figure under its own name: no two are equal.
+TEST(Summary, HoldsEveryFigureToTheLetter) {
+  TouchRun run = sampleEditedRun();
+  const Json s = makeSummary(run);
+  EXPECT_EQ(s["volume"], Json::parse(R"({"name": "phantom:sphere?size=64", "format": "phantom",
+    "size_voxel": [64, 65, 66], "spacing_m": [0.0005, 0.00075, 0.001],
+    "minimum_density": -1, "maximum_density": 1, "isovalue_density": 0.25})"));
+  EXPECT_EQ(s["contact"], Json::parse(R"({"ticks": 3000, "time_s": 3, "touches": 2, "first_s": 0, "way_m": 0.02,
+    "force_N": {"count": 3000, "p50": 0.25, "p90": 0.3, "p99": 0.4, "p99_9": 0.45, "max": 0.5},
+    "depth_m": {"count": 2999, "p50": 0.0005, "p90": 0.0006, "p99": 0.0007, "p99_9": 0.0008, "max": 0.001},
+    "force_step_max_N": 0.125})"));
+  EXPECT_EQ(s["path"], Json::parse(R"({"slide_lost_s": 0, "retreat_touches": 0, "retreat_ends_in_contact": false})"));
+  Json servo = s["servo"];
+  EXPECT_EQ(servo["realtime"], Json(run.realtime));
+  servo.erase("realtime");
+  EXPECT_EQ(servo, Json::parse(R"({"ticks": 4993, "time_s": 5, "times_measured": true, "late_ticks": 4,
+    "skipped_ticks": 7, "faulty_ticks": 5, "windows_used": 251, "plane_age_max_ticks": 6,
+    "tick_cost_us": {"count": 4992, "p50": 2, "p90": 2.5, "p99": 3.25, "p99_9": 3.5, "max": 9},
+    "lateness_us": {"count": 4991, "p50": 40, "p90": 50, "p99": 60, "p99_9": 65, "max": 70},
+    "window_age_ms": {"count": 4990, "p50": 10, "p90": 15, "p99": 20, "p99_9": 21, "max": 22}})"));
+  EXPECT_EQ(s["energy"], Json::parse(R"({"min_J": -1e-5, "end_J": 0.0015, "active_ticks": 8, "damped_ticks": 0})"));
+  EXPECT_EQ(s["exact"], Json::parse(R"({"ticks": 2000, "slide_only": true, "vhip_median_voxel": 0.01,
+    "vhip_p99_voxel": 0.05, "force_angle_median_deg": 0.3, "force_angle_p99_deg": 1.2})"));
+  EXPECT_EQ(s["edits"], Json::parse(R"({"count": 3, "published": 2,
+    "edit_to_window_ms": {"count": 2, "p50": 1.5, "p90": 2.5, "p99": 2.5, "p99_9": 2.5, "max": 2.5},
+    "journal_records": 3, "journal_saved": 2, "journal_bytes": 500, "journal_failure": "the disk is full",
+    "refused": 1, "saves": 2, "save_failures": 4, "save_bytes": 2048, "save_version": 3,
+    "save_s": {"count": 2, "p50": 0.25, "p90": 0.5, "p99": 0.5, "p99_9": 0.5, "max": 0.5},
+    "save_failure": "it is full too", "content": "0000000000000abc", "added_m3": 2e-9})"));
+  EXPECT_EQ(s["machine"], Json::parse(R"({"cpu": "Example CPU", "cores": 4, "memory_bytes": 8589934592,
+    "kernel": "Linux 6.1", "os": "Debian GNU/Linux 12"})"));
+  EXPECT_EQ(s["stages"][1], Json::parse(R"({"name": "gradient", "seconds": 0.1})"));
+  EXPECT_EQ(s["memory"][0], Json::parse(R"({"name": "bricks on the GPU", "bytes": 3145728})"));
+  EXPECT_EQ(s["phases"][2], Json::parse(R"({"name": "slide", "begin_s": 2, "end_s": 4})"));
+  EXPECT_EQ(s["ended_early"], nullptr);
+  EXPECT_EQ(s["scene"]["objects"].size(), 2U);
+  run.ended_early = "stopped";
+  run.scene.simulated_clock = true;
+  EXPECT_EQ(makeSummary(run)["ended_early"], "stopped");
+  EXPECT_EQ(makeSummary(run)["servo"]["times_measured"], false);
+}
+
+// Swings are told only where they made the contact unstable.
+TEST(Summary, HoldsTheStabilityToTheLetter) {
+  TouchRun run = sampleRun();
+  ContactStability& s = run.stability = {};
+  s.verdict = ContactVerdict::kUnstable;
+  s.source = ActivitySource::kField;
+  s.given_J = 1;
+  s.error_J = 2;
+  s.stored_J = 3;
+  s.share = 4;
+  s.allowed_J = 5;
+  s.bounces = 6;
+  s.swing_m = 7;
+  s.swing_hz = 8;
+  s.unstable_from_s = 9;
+  s.unstable_to_s = 10;
+  const std::string before = R"("source": "field", "given_J": 1, "stored_J": 3, "share": 4, "error_J": 2,
+    "allowed_J": 5, "bounces": 6, )";
+  EXPECT_EQ(makeSummary(run)["stability"],
+            Json::parse(R"({"verdict": "unstable", )" + before +
+                        R"("unstable_from_s": 9, "unstable_to_s": 10, "swing_m": 7, "swing_hz": 8})"));
+  s.verdict = ContactVerdict::kSlightlyActive;
+  EXPECT_EQ(makeSummary(run)["stability"],
+            Json::parse(R"({"verdict": "slightly-active", )" + before +
+                        R"("unstable_from_s": null, "unstable_to_s": null, "swing_m": null, "swing_hz": null})"));
+}
+
 // As a scene file has it: nested, in the units of screens, null where nothing was given.
 TEST(Summary, HoldsTheSceneAsASceneFileHasIt) {
   TouchRun run = sampleRun();

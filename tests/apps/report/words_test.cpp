@@ -112,6 +112,62 @@ TEST(Words, ClosingSummaryNamesWhatMatters) {
   EXPECT_LE(std::count(text.begin(), text.end(), '\n'), 10);
 }
 
+TEST(Words, ClosingSummaryToTheLetter) {
+  TouchRun run = sampleEditedRun();
+  run.ended_early = "stopped by the user after 5 s of 60 s";
+  EXPECT_EQ(
+      closingSummary(run),
+      "Touched   phantom:sphere?size=64 (64 x 65 x 66 voxels) at isovalue 0.25\n"
+      "Ended     early: stopped by the user after 5 s of 60 s\n"
+      "Contact   3 s of 5 s, 2 touches, over 20 mm of surface\n"
+      "Felt      force median 0.25 N, at most 0.5 N; depth median 0.5 mm, at most 1 mm\n"
+      "Energy    quiet: the surface took 1.5 mJ from the hand, and no contact gave more than it had taken\n"
+      "Servo     hri at 1000 Hz, 4993 ticks, 4 late, 7 left out; tick 2 us median, 3.25 us p99; wake-up 60 us p99 "
+      "late\n"
+      "Edited    3 times; from edit to window 1.5 ms median, 2.5 ms p99; 2 of 3 journal records saved in kept, 500 "
+      "B; 1 refused; saved 2 times in a.vdb up to edit 3, 2 KiB, at most 0.5 s, 4 failed\n"
+      "Volume    added about 2 mm3, content 0000000000000abc\n"
+      "Truth     VHIP off by 0.01 voxel median, 0.05 p99; force off by 0.3 degrees median, 1.2 p99; over 2000 ticks "
+      "in contact of the slide\n"
+      "Fault     stale_window in 12 of 5000 ticks, first at tick 300: the engine published too rarely; the force "
+      "falls to zero; make the window larger\n"
+      "Note      the slide is 12 mm instead of 20 mm\n"
+      "Files     out/trace.csv  out/summary.json\n");
+}
+
+// Nothing was touched and nothing edited; there is nothing to tell but that.
+TEST(Words, ClosingSummaryOfAnEmptyRunToTheLetter) {
+  TouchRun run;
+  run.volume.name = "a.nrrd";
+  run.scene.simulated_clock = true;
+  run.figures = RunFigures{};
+  run.edits = RunEdits{};
+  run.edits->content = 0x12;
+  run.exact = ExactErrors{};
+  run.exact->ticks = 1;
+  EXPECT_EQ(closingSummary(run),
+            "Touched   a.nrrd (0 x 0 x 0 voxels) at isovalue 0\n"
+            "Contact   none in 0 s\n"
+            "Servo     hri at 1000 Hz, 0 ticks, simulated clock (no times measured)\n"
+            "Edited    0 times\n"
+            "Volume    content 0000000000000012\n"
+            "Truth     force off by 0 degrees median, 0 p99; over 1 tick in contact\n"
+            "Faults    none\n");
+  run.figures->contact_ticks = run.figures->touches = 1;
+  run.figures->contact_s = 0.001;
+  EXPECT_THAT(closingSummary(run), HasSubstr("Contact   0.001 s of 0 s, one touch, over 0 mm of surface\n"
+                                             "Felt      force median 0 N, at most 0 N; no depth, for it knows no "
+                                             "surface\nEnergy    no contact\nServo"));
+  EXPECT_EQ(verdict(run, *run.figures),
+            "The tool touched the surface for 0.001 s of 0 s and felt at most 0 N; nothing was edited; no fault.");
+}
+
+TEST(Words, FaultsAreCountedByKind) {
+  EXPECT_EQ(faultWord(0), "no fault");
+  EXPECT_EQ(faultWord(1), "1 kind of fault");
+  EXPECT_EQ(faultWord(2), "2 kinds of fault");
+}
+
 TEST(Words, SavesSayHowOftenAndWhatFailed) {
   TouchRun run = sampleRun();
   run.scene.save = "a.vdb";
@@ -169,6 +225,45 @@ TEST(Words, SlightlyActiveNamesTheSource) {
   }
 }
 
+TEST(Words, ActiveContactsToTheLetter) {
+  ContactStability s;
+  s.verdict = ContactVerdict::kSlightlyActive;
+  s.source = ActivitySource::kSampledWall;
+  s.given_J = 0.2e-3;
+  s.error_J = 0.05e-3;
+  s.stored_J = 1.5e-3;
+  RunFigures controlled;
+  controlled.damped_ticks = 1;
+  const std::string begin =
+      "slightly active: a contact gave the hand 0.2 mJ more than it had taken (the encoders leave 0.05 mJ open), where "
+      "at most 1.5 mJ was stored at once, and the tool did not keep swinging; ";
+  EXPECT_EQ(stabilityWords(s, controlled),
+            begin +
+                "a sampled wall with less damping than K T / 2 does so; more --damping or a higher --rate lessens it; "
+                "the controller acted in 1 tick");
+  EXPECT_EQ(stabilityWords(s, {}), begin +
+                                       "a sampled wall with less damping than K T / 2 does so; more --damping or a "
+                                       "higher --rate, or --passivity control, lessens it");
+  s.source = ActivitySource::kField;
+  EXPECT_EQ(stabilityWords(s, {}),
+            begin +
+                "the damping is enough for this stiffness and rate, so it is the field: where samples are few or noisy "
+                "its normals are not those of its surface; --gradient-operator sobel or --algorithm god-object, or "
+                "--passivity control, lessens it");
+  s.verdict = ContactVerdict::kUnstable;
+  s.bounces = 1;
+  s.swing_m = 0.8e-3;
+  s.swing_hz = 31;
+  s.unstable_from_s = 1.25;
+  s.unstable_to_s = 4.5;
+  EXPECT_EQ(
+      stabilityWords(s, {}),
+      "unstable: from 1.25 s to 4.5 s the tool swung against the surface by 0.8 mm at 31 Hz without settling, 1 "
+      "bounce in all, and the surface fed it; lower --stiffness, raise --rate, or raise --damping (up to about the "
+      "moved mass over the tick and the velocity's delay; more shakes by itself); --passivity control lessens it");
+  EXPECT_EQ(stabilityWords({}, {}), "no contact");
+}
+
 TEST(Words, SlightlyActiveSaysByHowMuchAndThatItSettled) {
   ContactStability active;
   active.verdict = ContactVerdict::kSlightlyActive;
@@ -221,6 +316,9 @@ TEST(Words, NumbersAndBytes) {
   EXPECT_EQ(shortNumber(0.12345), "0.123");
   EXPECT_EQ(shortNumber(1234.5), "1235");
   EXPECT_EQ(shortNumber(0), "0");
+  EXPECT_EQ(shortNumber(9'999'999), "9999999");
+  EXPECT_EQ(shortNumber(1e7), "1e+07");
+  EXPECT_EQ(shortNumber(-99.95), "-100");
 }
 
 // Halves go up, as people round, and not to the digit that is even.

@@ -14,6 +14,7 @@
 #include "engine/journal/journal_reader.hpp"
 #include "engine/journal/volume_identity.hpp"
 #include "temporary_folder.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace palpate {
 namespace live_edits_test {
@@ -75,6 +76,80 @@ TEST_F(FailingRun, WithoutAnEditLeavesNoJournal) {
   scene.save.clear();
   EXPECT_THROW(run(0, Error(Error::Code::kDevice, "GPU", "it is lost", "start again")), Error);
   EXPECT_FALSE(std::filesystem::exists(journalFile(journal)));
+}
+
+TEST(KeptEdits, AreNamedWhereTheyAre) {
+  Scene scene;
+  scene.save = "a.vdb";
+  scene.journal = "kept";
+  RunEdits edits;
+  edits.count = 5;
+  EXPECT_EQ(keptEdits(scene, edits), "");
+  edits.journal_saved = 3;
+  EXPECT_EQ(keptEdits(scene, edits), "the journal kept holds edits up to number 3: see 'palpate recover'");
+  edits.save_version = 4;
+  EXPECT_EQ(
+      keptEdits(scene, edits),
+      "a.vdb holds the volume up to edit 4 of 5, the journal kept holds edits up to number 3: see 'palpate recover'");
+  edits.save_failure = "it is full";
+  EXPECT_EQ(keptEdits(scene, edits),
+            "a.vdb holds the volume up to edit 4 of 5, the journal kept holds edits up to number 3: see 'palpate "
+            "recover', a.vdb was not written anew (it is full)");
+  edits = {};
+  edits.save_failure = "it is full";
+  EXPECT_EQ(keptEdits(scene, edits), "a.vdb was not written anew (it is full)");
+  scene.save = "";
+  EXPECT_EQ(keptEdits(scene, edits), "");
+}
+
+TEST(KeptEdits, AreLostWhereTheirFileOrTheirJournalFailed) {
+  RunEdits edits;
+  EXPECT_FALSE(lostEdits(edits));
+  edits.save_failure = "full";
+  EXPECT_TRUE(lostEdits(edits));
+  edits.save_failure = "";
+  edits.journal_failure = "full";
+  EXPECT_TRUE(lostEdits(edits));
+}
+
+TEST(EditOptions, ThatGoTogetherOnlyAreRefusedApart) {
+  TemporaryFolder folder;
+  Scene scene;
+  const auto refusal = [&](Error::Code code = Error::Code::kBadInput) {
+    return refusalOf([&] { checkEditOptions(scene); }, code);
+  };
+  EXPECT_EQ(refusal(), kNoRefusal);
+  scene.journal = "kept";
+  EXPECT_EQ(
+      refusal(),
+      "--journal kept: nothing is edited; give a brush, for example --edit remove:radius=2mm, or leave --journal out");
+  scene.edit = "remove:radius=2mm";
+  EXPECT_EQ(refusal(), kNoRefusal);
+  scene.save_every_s = 3;
+  EXPECT_EQ(
+      refusal(),
+      "--save-every 3: there is no file to save; name one, for example --save sculpted.vdb, or leave --save-every "
+      "out");
+  scene.save = "a.docx";
+  EXPECT_THAT(refusal(),
+              testing::StartsWith("--save a.docx: its suffix names no format that volumes are written in; use"));
+  scene.save = (folder.path() / "a.vdb").string();
+  EXPECT_EQ(refusal(), kNoRefusal);
+  EXPECT_EQ(folder.files(), 0);
+  scene.save = (folder.path() / "none" / "a.vdb").string();
+  EXPECT_NE(refusal(Error::Code::kIo), kNoRefusal);
+  scene.save = (folder.path() / "in.vdb").string();
+  std::ofstream(scene.save) << "a volume";
+  scene.volume = scene.save;
+  EXPECT_THAT(refusal(), HasSubstr("it is the input"));
+  scene.save = "";
+  scene.save_every_s = 0;
+  scene.algorithm = "god-object";
+  EXPECT_EQ(refusal(),
+            "--edit remove:radius=2mm: god-object feels a mesh that is made once, before the run; choose another "
+            "--algorithm, for example hri");
+  scene.edit = "remove";
+  EXPECT_NE(refusal(), kNoRefusal);
 }
 
 // A brush with which every edit would be refused is refused before the run.

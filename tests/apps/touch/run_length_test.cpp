@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/touch/run_length.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -28,6 +29,18 @@ TEST(RunLength, NeedsMemoryForItsRecordsTwice) {
   EXPECT_EQ(recordBytes(scene), static_cast<double>(needed));
   EXPECT_EQ(refusal(scene, needed), "");
   EXPECT_THAT(refusal(scene, needed - 1), testing::StartsWith("--seconds 2 at --rate 500: a run of 2 s records 1e+03"));
+}
+
+TEST(RunLength, SaysHowMuchItNeedsAndHasInGiB) {
+  Scene scene;
+  scene.duration_s = 1e6;
+  scene.rate_hz = 1000;
+  const double needed_GiB = 2e9 * sizeof(TickRecord) / (1024.0 * 1024 * 1024);
+  EXPECT_EQ(
+      refusal(scene, std::uint64_t{3} << 30U),
+      fmt::format("--seconds 1e+06 at --rate 1000: a run of 1e+06 s records 1e+09 ticks, which need {:.3g} GiB, and "
+                  "3 GiB are free; make it shorter or the rate lower",
+                  needed_GiB));
 }
 
 TEST(RunLength, HasATickAtLeast) {

@@ -61,6 +61,8 @@ TEST(RunNotes, TellOfEncodersThatAreFelt) {
   scene.stiffness_N_per_m = 2000;
   scene.encoder_resolution_m = 0.049e-3;
   EXPECT_FALSE(noteOnEncoders(scene));
+  scene.encoder_resolution_m = 0.051e-3;
+  EXPECT_TRUE(noteOnEncoders(scene));
   scene.encoder_resolution_m = 0.2e-3;
   EXPECT_THAT(noteOnEncoders(scene).value_or(""), HasSubstr("encoders, 0.2 mm, changes the force by 0.4 N"));
   scene.algorithm = "haptization";
@@ -74,7 +76,8 @@ TEST(RunNotes, TellOfATextureThatIsCutOff) {
   scene.texture_wavelength_m = 1e-3;
   EXPECT_FALSE(noteOnTexture(scene));
   scene.texture = "procedural";
-  EXPECT_THAT(noteOnTexture(scene).value_or(""), HasSubstr("amplitude is 0.276 mm instead of 1 mm"));
+  EXPECT_THAT(noteOnTexture(scene).value_or(""),
+              HasSubstr("amplitude is 0.276 mm instead of 1 mm: a wavelength of 1 mm holds no more"));
   scene.texture_amplitude_m = 0.27e-3;
   EXPECT_FALSE(noteOnTexture(scene));
 }
@@ -183,7 +186,9 @@ TEST(RunNotes, TellOfABrushThatLeavesNothingToFeel) {
   Scene scene;
   EXPECT_FALSE(noteOnBrush(scene, touchedFor(0.1)));
   scene.edit = "remove:radius=2mm";
-  EXPECT_THAT(noteOnBrush(scene, touchedFor(0.1)).value_or(""), HasSubstr("--edit remove:radius=2mm:rate=20, it"));
+  EXPECT_THAT(
+      noteOnBrush(scene, touchedFor(0.1)).value_or(""),
+      AllOf(HasSubstr("it felt the surface for 0.1 s only"), HasSubstr("--edit remove:radius=2mm:rate=20, it")));
   EXPECT_TRUE(noteOnBrush(scene, touchedFor(1.9)));
   EXPECT_FALSE(noteOnBrush(scene, touchedFor(2.1)));  // more than half of the 4 s
   EXPECT_FALSE(noteOnBrush(scene, RunFigures{}));     // nothing was touched, which has a note of its own

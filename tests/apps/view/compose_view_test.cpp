@@ -3,9 +3,7 @@
 #include "apps/view/compose_view.hpp"
 
 #include <cstdlib>
-#include <cstring>
 
-#include <cairo/cairo.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -13,38 +11,11 @@
 #include "apps/report/words.hpp"
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
+#include "decoded.hpp"
 #include "synthetic_run.hpp"
 
 namespace palpate {
 namespace compose_view_test {
-
-struct Decoded {
-  int width = 0, height = 0;
-  std::vector<std::uint32_t> rgb;
-  [[nodiscard]] std::uint32_t at(int x, int y) const {
-    return rgb[static_cast<std::size_t>(y * width + x)] & 0xFFFFFFU;
-  }
-};
-
-Decoded decode(const std::string& png) {
-  std::string_view rest = png;
-  const auto read = [](void* from, unsigned char* to, unsigned int count) {
-    auto& text = *static_cast<std::string_view*>(from);
-    if (text.size() < count) return CAIRO_STATUS_READ_ERROR;
-    std::memcpy(to, text.data(), count);
-    text.remove_prefix(count);
-    return CAIRO_STATUS_SUCCESS;
-  };
-  cairo_surface_t* surface = cairo_image_surface_create_from_png_stream(read, &rest);
-  Decoded out{cairo_image_surface_get_width(surface), cairo_image_surface_get_height(surface), {}};
-  for (int y = 0; y < out.height; ++y) {
-    const auto* row = reinterpret_cast<const std::uint32_t*>(cairo_image_surface_get_data(surface) +
-                                                             y * cairo_image_surface_get_stride(surface));
-    out.rgb.insert(out.rgb.end(), row, row + out.width);
-  }
-  cairo_surface_destroy(surface);
-  return out;
-}
 
 // Pixels of a box whose colour is within 40 of a colour in each channel.
 int countNear(const Decoded& image, const PanelBox& box, int red, int green, int blue) {
@@ -230,6 +201,13 @@ TEST_F(ComposeView, RefusesAPictureOfAnotherSize) {
   ViewPictures wrong = view_->pictures;
   wrong.close_up.width -= 1;
   EXPECT_THROW((void)composeView(view_->layout, wrong, view_->region, *run_), Error);
+  for (const auto change :
+       {+[](ViewPictures& p) { p.overview_camera.width += 1; }, +[](ViewPictures& p) { p.close_up_camera.height += 1; },
+        +[](ViewPictures& p) { p.overview.distance_m.pop_back(); }}) {
+    wrong = view_->pictures;
+    change(wrong);
+    EXPECT_THROW((void)composeView(view_->layout, wrong, view_->region, *run_), Error);
+  }
 }
 
 TEST(LayOutView, PanelsLieBesideEachOtherInsideThePicture) {
@@ -244,10 +222,39 @@ TEST(LayOutView, PanelsLieBesideEachOtherInsideThePicture) {
   }
 }
 
+// Title 62, legend 64, borders 8 at scale 1; the overview has 0.4 of the width, with half a border between the panels.
+TEST(LayOutView, DividesThePicture) {
+  const auto expectLayout = [](int width, int height, double scale, const PanelBox& overview,
+                               const PanelBox& close_up) {
+    const ViewLayout layout = layOutView(width, height);
+    EXPECT_EQ(layout.width, width);
+    EXPECT_EQ(layout.height, height);
+    EXPECT_DOUBLE_EQ(layout.scale, scale);
+    for (const auto& [is, wanted] : {std::pair(layout.overview, overview), std::pair(layout.close_up, close_up)}) {
+      EXPECT_EQ(is.x, wanted.x);
+      EXPECT_EQ(is.y, wanted.y);
+      EXPECT_EQ(is.width, wanted.width);
+      EXPECT_EQ(is.height, wanted.height);
+    }
+  };
+  expectLayout(1280, 720, 1, {8, 62, 500, 594}, {516, 62, 756, 594});
+  expectLayout(960, 540, 0.75, {6, 47, 375, 445}, {387, 47, 567, 445});
+  expectLayout(640, 1000, 0.5, {4, 31, 250, 937}, {258, 31, 378, 937});
+}
+
 TEST(LayOutView, RefusesImpossibleSizes) {
-  EXPECT_THROW((void)layOutView(479, 720), Error);
-  EXPECT_THROW((void)layOutView(1280, 0), Error);
-  EXPECT_THROW((void)layOutView(1280, 20000), Error);
+  for (const auto& [width, height] : {std::pair(480, 270), std::pair(16384, 16384)}) {
+    EXPECT_NO_THROW((void)layOutView(width, height));
+  }
+  for (const auto& [width, height] : {std::pair(479, 270), std::pair(480, 269), std::pair(16385, 270)}) {
+    try {
+      (void)layOutView(width, height);
+      ADD_FAILURE() << width;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.what(), "image size: " + std::to_string(width) + " x " + std::to_string(height) +
+                                  " pixels cannot be drawn; ask for 480 x 270 to 16384 x 16384");
+    }
+  }
 }
 
 }  // namespace compose_view_test

@@ -33,6 +33,49 @@ TEST(ForceArrows, AreSpreadOverTheWayAndKeepThePeak) {
   EXPECT_EQ(peaks, 1);
 }
 
+// In the middle of each 2 mm, 20 ticks, but for the fourth, where the largest force is clearly above the middle's. In
+// the third it is above it by less than a twentieth.
+TEST(ForceArrows, StandInTheMiddleOrAtThePeak) {
+  std::vector<TickRecord> records = slide();
+  records[45].force_W[2] = 0.52;
+  for (std::size_t i = 0; i < records.size(); ++i) records[i].hip_W[1] = static_cast<double>(i);
+  const ForceArrows forces = chooseForceArrows(records, 14);
+  const std::vector<std::size_t> ticks = {10, 30, 50, 77, 90, 110, 130, 150, 170, 190};
+  ASSERT_GE(forces.arrows.size(), ticks.size());
+  for (std::size_t n = 0; n < ticks.size(); ++n) {
+    const TickRecord& r = records[ticks[n]];
+    EXPECT_EQ(forces.arrows[n].hip_W, asVec3(r.hip_W)) << n;
+    EXPECT_EQ(forces.arrows[n].vhip_W, asVec3(r.vhip_W)) << n;
+    EXPECT_EQ(forces.arrows[n].force_W, asVec3(r.force_W)) << n;
+  }
+}
+
+// Three of four, or of five, are between a half and one and a half of the distance that is said.
+TEST(ForceArrows, MostOfThemMustBeAsFarApartAsIsSaid) {
+  ForceArrows forces;
+  forces.every_m = 2;
+  for (const double x_m : {0, 1, 4, 6, 11}) forces.arrows.push_back({Vec3::Zero(), Vec3(x_m, 0, 0), Vec3::Zero()});
+  EXPECT_EQ(arrowWords(forces), "an arrow every 2000 mm");
+  forces.arrows.push_back({Vec3::Zero(), Vec3(16, 0, 0), Vec3::Zero()});
+  EXPECT_EQ(arrowWords(forces), "6 arrows along the way");
+  forces.arrows.resize(2);
+  EXPECT_EQ(arrowWords(forces), "an arrow every 2000 mm");
+}
+
+TEST(ForceColor, GoesFromYellowOverOrangeAndRedToViolet) {
+  const auto expectColor = [](double share, double red, double green, double blue) {
+    const Color color = forceColor(share);
+    EXPECT_NEAR(color.red, red, 1e-12) << share;
+    EXPECT_NEAR(color.green, green, 1e-12) << share;
+    EXPECT_NEAR(color.blue, blue, 1e-12) << share;
+  };
+  expectColor(-1, 0.98, 0.75, 0.18);
+  expectColor(1.0 / 6, 0.96, 0.585, 0.14);
+  expectColor(0.5, 0.87, 0.265, 0.16);
+  expectColor(5.0 / 6, 0.61, 0.08, 0.335);
+  expectColor(2, 0.42, 0.05, 0.45);
+}
+
 TEST(ForceArrows, WithoutContactThereAreNone) {
   EXPECT_TRUE(chooseForceArrows(std::vector<TickRecord>(10), 14).arrows.empty());
   EXPECT_EQ(chooseForceArrows({}, 14).most_N, 0);

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/view/framing.hpp"
 
+#include <cmath>
+#include <numbers>
+
 #include <gtest/gtest.h>
 
 #include "analytic_field.hpp"
@@ -42,10 +45,67 @@ TEST(Framing, FindsTheObjectInTheVolume) {
   EXPECT_NEAR(bounds.radius_m, 10e-3 * std::sqrt(3.0), cell_m * std::sqrt(3.0));
 }
 
+// Samples are a millimetre apart, at -11.5 mm and so on. The outermost in this box are at -3.5 and 5.5, -0.5 and 0.5,
+// -1.5 and 7.5 mm, and half a cell more is added on each side.
+TEST(Framing, BoundsAreHalfACellBeyondTheOutermostSamples) {
+  const AnalyticField box(
+      [](const Vec3& p) { return boxDistance(p - Vec3(1e-3, 0, 3e-3), Vec3(5.2e-3, 1.2e-3, 5.2e-3)); }, 11.5e-3,
+      0.5e-3);
+  const ObjectBounds bounds = findObjectBounds(box);
+  EXPECT_LT((bounds.centre_W - Vec3(1e-3, 0, 3e-3)).norm(), 1e-12);
+  EXPECT_NEAR(bounds.radius_m, 1e-3 * std::sqrt(25.0 + 1 + 25), 1e-12);
+}
+
+// The angle of view is 30 degrees. A sphere fills the smaller side.
+double distanceFor(double radius_m, double smaller_share) {
+  return radius_m / std::sin(std::atan(std::tan(std::numbers::pi / 12) * smaller_share));
+}
+
+TEST(Framing, OverviewIsFromTheTouchedSideAndAQuarterTurnAround) {
+  const ObjectBounds object = {Vec3(1e-3, 2e-3, 3e-3), 10e-3};
+  ContactRegion region;
+  region.centre_W = object.centre_W + Vec3(0, 0, 9e-3);
+  const Vec3 from = Vec3(0, -0.8, 1).normalized();
+  const Camera high = overviewCamera(object, region, 400, 600), wide = overviewCamera(object, region, 600, 400);
+  EXPECT_LT((high.position_W - object.centre_W - distanceFor(10e-3, 400.0 / 600) * from).norm(), 1e-12);
+  EXPECT_LT((wide.position_W - object.centre_W - distanceFor(10e-3, 1) * from).norm(), 1e-12);
+  EXPECT_LT((wide.right_W - Vec3::UnitX()).norm(), 1e-12);
+  EXPECT_EQ(wide.width, 600);
+  EXPECT_EQ(wide.height, 400);
+  EXPECT_NEAR(wide.vertical_fov_rad, std::numbers::pi / 6, 1e-12);
+  // The side is half the normal and half the way out: here x and z.
+  region.normal_W = Vec3::UnitX();
+  region.along_W = Vec3::UnitY();
+  const Vec3 between = (Vec3(1, 0, 1).normalized() - 0.8 * Vec3::UnitZ()).normalized();
+  const Camera mixed = overviewCamera(object, region, 600, 400);
+  EXPECT_LT((mixed.forward_W + between).norm(), 1e-12);
+  // Looked at from above, the picture's top is towards -y.
+  region.normal_W = Vec3(0, 0.8, 1).normalized();
+  region.along_W = Vec3::UnitX();
+  region.centre_W = object.centre_W + 9e-3 * region.normal_W;
+  const Camera above = overviewCamera(object, region, 600, 400);
+  EXPECT_LT((above.forward_W + Vec3::UnitZ()).norm(), 1e-12);
+  EXPECT_LT((above.up_W + Vec3::UnitY()).norm(), 1e-12);
+  // A contact on the far side, with a normal inwards, has the normal alone.
+  region.centre_W = object.centre_W - 9e-3 * region.normal_W;
+  EXPECT_LT((overviewCamera(object, region, 600, 400).forward_W + Vec3::UnitZ()).norm(), 1e-12);
+}
+
+// Where nothing hides it, the contact is seen from 28 degrees above its plane, the slide from left to right; the camera
+// looks at a point 0.15 of the radius above it.
+TEST(Framing, CloseUpIsLowWhereNothingIsInTheWay) {
+  const AnalyticField plane([](const Vec3& p) { return -p.z(); }, 22e-3, 0.5e-3);
+  const Camera camera = closeUpCamera(plane, regionOnTop(0), 700, 500);
+  const double angle = 28 * std::numbers::pi / 180;
+  const Vec3 from(0, -std::cos(angle), std::sin(angle));
+  EXPECT_LT((camera.position_W - Vec3(0, 0, 0.6e-3) - distanceFor(4e-3, 1) * from).norm(), 1e-12);
+  EXPECT_LT((camera.right_W - Vec3::UnitX()).norm(), 1e-12);
+}
+
 TEST(Framing, OfAnEmptyVolumeIsItsBox) {
   const AnalyticField nothing([](const Vec3&) { return -1; }, 10e-3, 0.5e-3);
   EXPECT_LT(findObjectBounds(nothing).centre_W.norm(), 1e-12);
-  EXPECT_GT(findObjectBounds(nothing).radius_m, 10e-3);
+  EXPECT_NEAR(findObjectBounds(nothing).radius_m, std::sqrt(3.0) * 10e-3 * (1 + 1.0 / 23), 1e-12);  // and half a cell
 }
 
 TEST(Framing, OverviewHoldsTheWholeObject) {
