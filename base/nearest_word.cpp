@@ -32,7 +32,7 @@ std::vector<std::string> nearestWords(std::string_view word, std::span<const std
   std::size_t errors = letters / 3;
   for (const std::string& candidate : known) {
     const std::size_t apart = typingErrors(word, candidate);
-    if (apart > errors || apart >= candidate.size()) continue;
+    if (apart > errors) continue;
     if (apart < errors) nearest.clear();
     errors = apart;
     nearest.push_back(candidate);

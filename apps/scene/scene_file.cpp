@@ -217,7 +217,7 @@ void readSceneFile(const std::filesystem::path& file, Scene& scene) {
                 "check the path and its permissions");
   }
   Scene read = scene;
-  read.volume.clear();
+  read.volume.clear();  // what is there afterwards is the file's
   read.path_file.clear();
   const std::size_t given_before = read.objects.size();
   try {
@@ -229,6 +229,8 @@ void readSceneFile(const std::filesystem::path& file, Scene& scene) {
   }
   resolve(file.parent_path(), read.volume);
   resolve(file.parent_path(), read.path_file);
+  if (read.volume.empty()) read.volume = scene.volume;
+  if (read.path_file.empty()) read.path_file = scene.path_file;
   for (std::size_t i = given_before; i < read.objects.size(); ++i) resolve(file.parent_path(), read.objects[i].file);
   scene = read;
 }

@@ -5,6 +5,8 @@
 
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
+#include "base/flush_folder.hpp"
+#include "base/make_folder.hpp"
 #include "disk_watch.hpp"
 #include "temporary_folder.hpp"
 
@@ -39,6 +41,18 @@ TEST(AtomicDisk, ADiskThatFailsLeavesTheOlderFile) {
   }
   EXPECT_EQ(contentsOf(file), "old");
   EXPECT_EQ(folder.files(), 1);
+}
+
+// Not every file system flushes folders.
+TEST(AtomicDisk, AFolderThatIsNotFlushedIsNoErrorButABadDiskIs) {
+  const TemporaryFolder folder;
+  for (const auto& [error, told] : {std::pair(EINVAL, 0), {ENOTSUP, 0}, {EROFS, 0}, {EIO, EIO}, {ENOSPC, ENOSPC}}) {
+    disk_watch::error_of_next_flush = error;
+    EXPECT_EQ(flushFolder(folder.path()), told);
+    EXPECT_EQ(disk_watch::error_of_next_flush, 0);
+  }
+  disk_watch::error_of_next_flush = EIO;
+  EXPECT_EQ(makeFolder(folder.path() / "a"), EIO);
 }
 
 }  // namespace atomic_disk_test

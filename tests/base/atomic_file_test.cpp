@@ -16,6 +16,8 @@ namespace atomic_file_test {
 
 using ::testing::HasSubstr;
 
+const std::uint64_t kWrittenAtStart = filesWritten();  // before any test
+
 template <typename Action>
 void expectIoError(Action action, const std::string& words) {
   try {
@@ -33,6 +35,18 @@ TEST(AtomicFile, WritesTheWholeTextAndNothingElse) {
   writeFileAtomically(folder.path() / "a.txt", text);
   EXPECT_EQ(contentsOf(folder.path() / "a.txt"), text);
   EXPECT_EQ(folder.files(), 1);
+}
+
+// A system call for each 64 KiB: less stays in memory.
+TEST(AtomicFile, GathersSmallPieces) {
+  TemporaryFolder folder;
+  AtomicFile file(folder.path() / "a.txt");
+  const std::filesystem::path part = std::filesystem::directory_iterator(folder.path())->path();
+  file.write(std::string(65534, 'x'));
+  file.write("x");
+  EXPECT_EQ(std::filesystem::file_size(part), 0U);
+  file.write("x");
+  EXPECT_EQ(std::filesystem::file_size(part), 65536U);
 }
 
 TEST(AtomicFile, ReplacesAnOlderFile) {
@@ -114,6 +128,18 @@ TEST(AtomicFile, WritesThroughSymbolicLinks) {
   EXPECT_EQ(std::distance(fs::directory_iterator(other), {}), 1);
 }
 
+// As many as Linux follows: 40.
+TEST(AtomicFile, WritesThroughALongChainOfLinks) {
+  namespace fs = std::filesystem;
+  TemporaryFolder folder;
+  const auto link = [&](int n) { return folder.path() / ("link" + std::to_string(n)); };
+  fs::create_symlink("a.txt", link(1));
+  for (int n = 2; n <= 40; ++n) fs::create_symlink(link(n - 1).filename(), link(n));
+  writeFileAtomically(link(40), "text");
+  for (int n = 1; n <= 40; ++n) EXPECT_TRUE(fs::is_symlink(fs::symlink_status(link(n)))) << n;
+  EXPECT_EQ(contentsOf(folder.path() / "a.txt"), "text");
+}
+
 TEST(AtomicFile, MakesTheFileThatALinkPointsAt) {
   namespace fs = std::filesystem;
   TemporaryFolder folder;
@@ -148,6 +174,7 @@ TEST(AtomicFile, CountsWhatIsWhole) {
   EXPECT_EQ(filesWritten(), before);
   writeFileAtomically(folder.path() / "a.txt", "x");
   EXPECT_EQ(filesWritten(), before + 1);
+  EXPECT_EQ(kWrittenAtStart, 0U);
 }
 
 TEST(AtomicFile, RefusesToReplaceAFolder) {

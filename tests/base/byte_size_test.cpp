@@ -45,6 +45,9 @@ TEST(ByteSize, ComesBackFromItsText) {
   }
   EXPECT_EQ(byteSizeText(2ULL << 30U), "2GiB");
   EXPECT_EQ(byteSizeText(1536ULL << 20U), "1536MiB");
+  EXPECT_EQ(byteSizeText(0), "0B");
+  EXPECT_EQ(byteSizeText(1ULL << 40U), "1TiB");
+  EXPECT_EQ(byteSizeText(1ULL << 50U), "1024TiB");  // there is no larger unit
 }
 
 TEST(ByteSize, InWords) {
@@ -54,6 +57,8 @@ TEST(ByteSize, InWords) {
   EXPECT_EQ(bytesInWords(1048575), "1 MiB");  // not 1024 KiB
   EXPECT_EQ(bytesInWords(1000ULL << 20U), "1000 MiB");
   EXPECT_EQ(bytesInWords(7870000000ULL), "7.33 GiB");
+  EXPECT_EQ(bytesInWords(1ULL << 40U), "1 TiB");
+  EXPECT_EQ(bytesInWords(1ULL << 50U), "1024 TiB");
   EXPECT_EQ(inMiB(1536ULL << 20U), "1536.0 MiB");
   EXPECT_EQ(inMiB(100000), "0.1 MiB");
 }

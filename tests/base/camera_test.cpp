@@ -33,8 +33,17 @@ TEST(Camera, ProjectsPointsCalculatedByHand) {
   EXPECT_NEAR(deeper->y, 75, 1e-9);
 }
 
+// With an angle of 2 atan(3/4) the picture shows 1.5 m for each metre of depth, over 100 pixels.
+TEST(Camera, APixelIsTheHeightOfTheViewOverThePixels) {
+  Camera camera = downwards();
+  camera.vertical_fov_rad = 2 * std::atan(0.75);
+  EXPECT_NEAR(camera.pixelSize(1), 0.015, 1e-15);
+  EXPECT_NEAR(camera.pixelSize(2), 0.03, 1e-15);
+}
+
 TEST(Camera, SeesNothingBehindItself) {
   EXPECT_FALSE(downwards().project(Vec3(0, 0, 1.5)));
+  EXPECT_FALSE(downwards().project(Vec3(0.5, 0, 1)));  // beside itself
 }
 
 TEST(Camera, RayThroughAPixelIsItsProjectionBackwards) {

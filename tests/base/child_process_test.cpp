@@ -1,15 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "base/child_process.hpp"
 
+#include <algorithm>
 #include <csignal>
 #include <cstdlib>
+#include <ctime>
+#include <fstream>
 #include <iostream>
+#include <sstream>
 #include <stdexcept>
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "base/shared_buffer.hpp"
@@ -33,6 +39,22 @@ TEST(ChildProcess, HandsBackWhatEachPieceReturns) {
   const ChildOutcome outcome = runInChild("file", 3, {}, [&](std::size_t n) { return wanted[n]; });
   EXPECT_FALSE(outcome.trouble);
   EXPECT_EQ(outcome.results, wanted);
+}
+
+// Each piece once, in order, and none behind one that failed: the parent would not hear of it.
+TEST(ChildProcess, DoesThePiecesUpToTheFirstThatFails) {
+  const SharedBuffer done(4);
+  const auto runPieces = [&](std::size_t failing) {
+    std::fill(done.bytes().begin(), done.bytes().end(), '0');
+    static_cast<void>(runInChild("file", 3, {}, [&](std::size_t n) {
+      ++done.bytes()[n];
+      if (n == failing) throw std::runtime_error("why");
+      return std::string();
+    }));
+    return std::string(done.bytes().begin(), done.bytes().end());
+  };
+  EXPECT_EQ(runPieces(9), "1110");
+  EXPECT_EQ(runPieces(1), "1100");
 }
 
 TEST(ChildProcess, SharesOnlyWhatIsShared) {
@@ -109,7 +131,12 @@ TEST(ChildProcess, MoreThanTheMemoryIsRefused) {
   EXPECT_EQ(troubleIn([](std::size_t) { return std::string(std::string().max_size() + 1, 'x'); }).kind, Kind::kMemory);
 }
 
+// Also where the caller blocks them.
 TEST(ChildProcess, ASignalOfTheUserIsNoDamage) {
+  sigset_t blocked, before;
+  sigemptyset(&blocked);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&blocked, signal);
+  pthread_sigmask(SIG_BLOCK, &blocked, &before);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     try {
       static_cast<void>(troubleIn([&](std::size_t) {
@@ -121,6 +148,72 @@ TEST(ChildProcess, ASignalOfTheUserIsNoDamage) {
       EXPECT_EQ(error.code(), Error::Code::kCancelled);
     }
   }
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+}
+
+// Its parent is killed. Then the writing end of the pipe, which the child holds too, is closed: the child has ended. It
+// would else wait ten minutes.
+TEST(ChildProcess, DiesWithItsParent) {
+  int ends[2];
+  ASSERT_EQ(pipe(ends), 0);
+  const pid_t parent = fork();
+  if (parent == 0) {
+    ChildLimits limits;
+    limits.cpu_s = 60;
+    static_cast<void>(runInChild("file", 1, limits, [&](std::size_t) -> std::string {
+      if (write(ends[1], "r", 1) == 1) {
+        for (;;) pause();
+      }
+      return "";
+    }));
+    _exit(0);
+  }
+  close(ends[1]);
+  char byte = 0;
+  EXPECT_EQ(read(ends[0], &byte, 1), 1);
+  kill(parent, SIGKILL);
+  waitpid(parent, nullptr, 0);
+  EXPECT_EQ(read(ends[0], &byte, 1), 0);
+  close(ends[0]);
+}
+
+// What the second piece of work sees of its limits, after a first that took 10 ms of the processor and less than 1 s.
+// By default it has 4 s, counted in whole seconds from those that are spent, and the clock ends it ten times later.
+TEST(ChildProcess, LimitsCountFromWhatIsSpent) {
+  const int next = dup(STDERR_FILENO);  // the lowest number that is free
+  close(next);
+  ChildLimits limits;
+  limits.memory_bytes = std::size_t{100} << 20;
+  std::uint64_t pages = 0;
+  std::ifstream("/proc/self/statm") >> pages;
+  const ChildOutcome outcome = runInChild("file", 2, limits, [](std::size_t) {
+    while (std::clock() < CLOCKS_PER_SEC / 100) {
+    }
+    rlimit cpu = {}, memory = {}, core = {};
+    getrlimit(RLIMIT_CPU, &cpu);
+    getrlimit(RLIMIT_AS, &memory);
+    getrlimit(RLIMIT_CORE, &core);
+    const unsigned left_s = alarm(0);
+    const int free = dup(STDERR_FILENO);
+    close(free);
+    return fmt::format("{} {} {} {} {} {}", cpu.rlim_cur, memory.rlim_cur, core.rlim_cur, core.rlim_max, left_s, free);
+  });
+  ASSERT_EQ(outcome.results.size(), 2U);
+  std::istringstream words(outcome.results[1]);
+  std::uint64_t cpu_s = 0, memory_bytes = 0, core = 1, most_core = 1, left_s = 0;
+  int free = 0;
+  words >> cpu_s >> memory_bytes >> core >> most_core >> left_s >> free;
+  EXPECT_EQ(cpu_s, 5U);  // 4 and a part of one
+  EXPECT_LE(left_s, 40U);
+  EXPECT_GE(left_s, 20U);
+  EXPECT_EQ(core, 0U);
+  EXPECT_EQ(most_core, 0U);
+  EXPECT_EQ(free, next);  // nothing is left open: the pipe's reading end, which the child closes, had that number
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+  // The caller may have asked the system for a little more in between.
+  const double expected = static_cast<double>(pages * sysconf(_SC_PAGESIZE) + limits.memory_bytes);
+  EXPECT_NEAR(static_cast<double>(memory_bytes), expected, 1 << 20);
+#endif
 }
 
 // An Error that takes the last memory with it when it is thrown, so that none is left for its words.
@@ -215,6 +308,9 @@ TEST(ChildProcess, LimitsGrowWithTheFile) {
   const ChildLimits large = limitsForFile(4e9, 2e9);
   EXPECT_GE(large.memory_bytes, 10e9);
   EXPECT_GE(large.cpu_s, 400);
+  EXPECT_EQ(limitsForFile(1000, 24).memory_bytes, (std::size_t{512} << 20) + 2024);
+  EXPECT_EQ(limitsForFile(10 * 4.0 * (1 << 20)).cpu_s, 14);
+  EXPECT_EQ(limitsForFile(10 * 4.0 * (1 << 20) - 1).cpu_s, 13);
 }
 
 }  // namespace child_process_test

@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "temporary_folder.hpp"
+#include "tests/support/open_descriptors.hpp"
 
 namespace palpate {
 namespace draft_folder_test {
@@ -51,8 +52,10 @@ TEST_F(DraftFolders, WhatAKilledProcessLeftGoesWithTheNext) {
     for (;;) pause();
   }
   while (contentsOf(file("ready")) != "text") usleep(1000);
+  const long open = openDescriptors();
   { const DraftFolder meanwhile(folder_.path(), ".palpate-"); }
   EXPECT_EQ(folder_.files(), 2);
+  EXPECT_EQ(openDescriptors(), open);
   kill(child, SIGKILL);
   waitpid(child, nullptr, 0);
   EXPECT_EQ(folder_.files(), 2);

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "base/error.hpp"
 
-#include <set>
+#include <limits>
 
 #include <gtest/gtest.h>
+
+#include "tests/support/refusal.hpp"
 
 namespace palpate {
 namespace error_test {
@@ -23,13 +25,29 @@ TEST(Error, StaysOneLineWhateverItsInputIsCalled) {
   EXPECT_EQ(error.remedy(), "mend?it");
 }
 
+// Scripts rely on them.
 TEST(Error, EveryCodeHasItsOwnExitStatus) {
   using Code = Error::Code;
-  std::set<int> seen = {0, 1};  // success, and a fault of ours
-  for (const Code code :
-       {Code::kBadInput, Code::kNotFound, Code::kIo, Code::kOutOfMemory, Code::kDevice, Code::kCancelled}) {
-    EXPECT_TRUE(seen.insert(exitStatus(code)).second);
-  }
+  EXPECT_EQ(exitStatus(Code::kBadInput), 2);
+  EXPECT_EQ(exitStatus(Code::kNotFound), 3);
+  EXPECT_EQ(exitStatus(Code::kIo), 4);
+  EXPECT_EQ(exitStatus(Code::kOutOfMemory), 5);
+  EXPECT_EQ(exitStatus(Code::kDevice), 6);
+  EXPECT_EQ(exitStatus(Code::kCancelled), 130);
+}
+
+TEST(Error, RefusalsSayWhatToDo) {
+  EXPECT_EQ(refusalOf([] { refuse("a", "is b", "do c"); }), "a: is b; do c");
+  EXPECT_EQ(refusalOf([] { refuseDamaged("a", "is b"); }),
+            "a: is b; the file may be cut short or damaged: copy or write it again");
+}
+
+TEST(Error, ASettingMustBeGoodAndFinite) {
+  EXPECT_EQ(refusalOf([] { checkSetting(true, "stiffness", 5, "give 0 or more"); }), kNoRefusal);
+  EXPECT_EQ(refusalOf([] { checkSetting(false, "stiffness", -1.5, "give 0 or more"); }),
+            "stiffness: -1.5 cannot be used; give 0 or more");
+  EXPECT_EQ(refusalOf([] { checkSetting(true, "stiffness", std::numeric_limits<double>::infinity(), "give less"); }),
+            "stiffness: inf cannot be used; give less");
 }
 
 }  // namespace error_test

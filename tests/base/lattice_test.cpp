@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "base/error.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace palpate {
 namespace lattice_test {
@@ -61,6 +62,32 @@ TEST(Lattice, RefusesBadSpacing) {
     lattice.spacing_m.y() = bad;
     EXPECT_THROW(checkLattice(lattice, "scan"), Error) << bad;
   }
+}
+
+TEST(Lattice, NamesABadSpacingInMillimetres) {
+  Lattice lattice = oblique();
+  lattice.spacing_m = {0.5e-3, -0.25e-3, 2e-3};
+  EXPECT_EQ(refusalOf([&] { checkLattice(lattice, "scan"); }),
+            "scan: spacing 0.5 x -0.25 x 2 mm is not positive; write the true voxel size into the file's header");
+}
+
+TEST(Lattice, RefusesAnOriginThatIsNoPlace) {
+  for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    Lattice lattice = oblique();
+    lattice.origin_W.z() = bad;
+    EXPECT_THROW(checkLattice(lattice, "scan"), Error) << bad;
+  }
+}
+
+// Two axes whose cosine is off by a little less and a little more than the tolerance of 1e-4.
+TEST(Lattice, AxesMayBeOffByATenthOfAThousandth) {
+  const auto sheared = [](double by) {
+    Lattice lattice = oblique();
+    lattice.R_WL.col(0) = (lattice.R_WL.col(0) + by * lattice.R_WL.col(1)).normalized();
+    return lattice;
+  };
+  EXPECT_NO_THROW(checkLattice(sheared(0.9e-4), "scan"));
+  EXPECT_THROW(checkLattice(sheared(1.1e-4), "scan"), Error);
 }
 
 TEST(Lattice, RefusesShearedAxes) {

@@ -55,17 +55,38 @@ TEST_F(Leftovers, FilesAndFoldersOfDraftsGo) {
 }
 
 TEST_F(Leftovers, WhatWasReleasedStays) {
-  for (const char* name : {"renamed", "owned", "moved"}) write(name);
+  for (const char* name : {"renamed", "owned", "moved", "replaced", "replacing"}) write(name);
   inChild([&] {
     static Leftover renamed = leftFile(file("renamed"));
     renamed.release();
     { const Leftover owned = leftFile(file("owned")); }
     Leftover from = leftFile(file("moved"));
     static const Leftover to = std::move(from);  // one thing, not two
+    static Leftover other = leftFile(file("replaced"));
+    other = leftFile(file("replacing"));
   });
   EXPECT_TRUE(exists("renamed"));
   EXPECT_TRUE(exists("owned"));
   EXPECT_FALSE(exists("moved"));
+  EXPECT_TRUE(exists("replaced"));
+  EXPECT_FALSE(exists("replacing"));
+}
+
+// Of two that take over from one another only one stands for the file.
+TEST_F(Leftovers, WhatWasMovedStandsForNothing) {
+  std::vector<Leftover> two(2);
+  two[0] = leftFile(file("a"));
+  EXPECT_TRUE(two[0]);
+  Leftover third = std::move(two[0]);
+  EXPECT_FALSE(two[0]);
+  EXPECT_TRUE(third);
+  two[1] = std::move(third);
+  EXPECT_TRUE(two[1]);
+  two[0] = std::move(two[1]);
+  EXPECT_FALSE(two[1]);
+  EXPECT_TRUE(two[0]);
+  two[0].release();
+  EXPECT_FALSE(two[0]);
 }
 
 // Folders that were made on the way to a result, from the inside out; not those that hold what somebody put there.
@@ -113,6 +134,7 @@ TEST_F(Leftovers, ProcessesAreKilled) {
 TEST_F(Leftovers, WhatWasNotMadeIsNone) {
   EXPECT_FALSE(Leftover::file([] { return std::filesystem::path(); }));
   EXPECT_FALSE(Leftover::process([] { return pid_t{-1}; }));
+  EXPECT_FALSE(Leftover::process([] { return pid_t{0}; }));
   EXPECT_THROW(static_cast<void>(Leftover::folder([]() -> std::filesystem::path { throw 1; })), int);
   write("a");
   EXPECT_TRUE(leftFile(file("a")));  // and the register goes on

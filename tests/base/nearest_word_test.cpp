@@ -59,6 +59,12 @@ TEST(NearestWords, FindsWhatWasMistyped) {
   EXPECT_THAT(nearestWords("Info", verbs), ElementsAre("info"));
 }
 
+// All that are equally near, in their order; what is farther, before or behind them, is not told.
+TEST(NearestWords, GivesTheNearestAlone) {
+  const std::vector<std::string> known = {"strengtxx", "strengtx", "strength1", "stremgtx", "strengthy"};
+  EXPECT_THAT(nearestWords("strength", known), ElementsAre("strengtx", "strength1", "strengthy"));
+}
+
 TEST(NearestWords, GivesAllThatBeginSo) {
   EXPECT_THAT(nearestWords("--fric", kFlags),
               ElementsAre("--friction-static", "--friction-dynamic", "--friction-viscous"));

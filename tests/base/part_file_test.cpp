@@ -5,11 +5,13 @@
 #include <fstream>
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include "base/atomic_file.hpp"
 #include "temporary_folder.hpp"
+#include "tests/support/open_descriptors.hpp"
 
 namespace palpate {
 namespace part_file_test {
@@ -24,7 +26,8 @@ class PartFiles : public testing::Test {
 
 // Process 1 lives, and never wrote these.
 TEST_F(PartFiles, WhatIsLeftOfTheTargetIsRemovedWhoseverNumberItBears) {
-  for (const char* name : {"a.vdb.1.palpate-part", "a.vdb.1-2.palpate-part", "a.vdb.999999999.palpate-part"})
+  for (const char* name : {"a.vdb.1.palpate-part", "a.vdb.1-2.palpate-part", "a.vdb.999999999.palpate-part",
+                           "a.vdb.102.palpate-part", "a.vdb.7-30.palpate-part"})
     write(name);
   writeFileAtomically(file("a.vdb"), "new");
   EXPECT_EQ(contentsOf(file("a.vdb")), "new");
@@ -50,11 +53,14 @@ TEST_F(PartFiles, OtherFilesStay) {
   write("x.a.vdb.1.palpate-part");
   std::filesystem::create_directory(file("a.vdb.2.palpate-part"));
   std::filesystem::create_symlink(file("b.vdb.1.palpate-part"), file("a.vdb.3.palpate-part"));
+  ASSERT_EQ(mkfifo(file("a.vdb.4.palpate-part").c_str(), 0600), 0);
+  const long open = openDescriptors();
   writeFileAtomically(file("a.vdb"), "new");
   for (const char* name : kOthers) EXPECT_EQ(contentsOf(file(name)), name);
-  for (const char* name :
-       {"b.vdb.1.palpate-part", "x.a.vdb.1.palpate-part", "a.vdb.2.palpate-part", "a.vdb.3.palpate-part"})
+  for (const char* name : {"b.vdb.1.palpate-part", "x.a.vdb.1.palpate-part", "a.vdb.2.palpate-part",
+                           "a.vdb.3.palpate-part", "a.vdb.4.palpate-part"})
     EXPECT_TRUE(exists(name)) << name;
+  EXPECT_EQ(openDescriptors(), open);
 }
 
 TEST_F(PartFiles, AFolderIsSweptOfEveryTarget) {
@@ -84,6 +90,22 @@ TEST_F(PartFiles, WhatIsBeingWrittenStaysUntilItsWriterDies) {
   writeFileAtomically(file("a.vdb"), "second");
   EXPECT_FALSE(exists(part));
   EXPECT_EQ(contentsOf(file("a.vdb")), "second");
+}
+
+TEST_F(PartFiles, BearTheNumberOfTheirProcess) {
+  const PartFile first = openPartFile(file("a.vdb")), second = openPartFile(file("a.vdb"));
+  const std::string number = std::to_string(getpid());
+  EXPECT_EQ(first.name, file("a.vdb." + number + ".palpate-part"));
+  EXPECT_EQ(second.name, file("a.vdb." + number + "-1.palpate-part"));
+  for (const PartFile* part : {&first, &second}) {
+    EXPECT_EQ(part->error, 0);
+    EXPECT_TRUE(part->leftover);
+    EXPECT_EQ(close(part->descriptor), 0);
+  }
+  const PartFile none = openPartFile(file("none/a.vdb"));
+  EXPECT_EQ(none.error, ENOENT);
+  EXPECT_EQ(none.descriptor, -1);
+  EXPECT_FALSE(none.leftover);
 }
 
 // Two writers of one process have two files, and both are whole.

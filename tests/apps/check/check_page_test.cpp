@@ -64,5 +64,50 @@ TEST(CheckPage, LeavesFoldersOut) {
   EXPECT_THAT(page, Not(HasSubstr("folder")));
 }
 
+// A whole page, written down by hand.
+TEST(CheckPage, IsOneRowForEachKindAndPromise) {
+  struct Told {
+    const char *name, *what, *volume, *reason;
+    std::uint64_t compared, differing, broken;
+    double share;
+  };
+  std::vector<Check> checks;
+  for (const Told& t : {Told{"filter", "median:1", "phantom:box", "", 10, 1, 0, 0},
+                        {"filter", "median:2", "phantom:box", "", 20, 2, 1, 0},
+                        {"filter", "median:1 close:1", "/d/b.nrrd", "", 30, 3, 0, 0},
+                        {"distance", "median:1", "/d/b.nrrd", "because", 40, 4, 0, 0.75},
+                        {"distance", "median:1", "/d/b.nrrd", "because", 50, 5, 0, 0.5},
+                        {"filter", "median:1", "phantom:box", "therefore", 60, 6, 0, 0.25}}) {
+    Check check;
+    check.name = t.name;
+    check.what = t.what;
+    check.volume = t.volume;
+    check.reason = t.reason;
+    check.compared = t.compared;
+    check.differing = t.differing;
+    check.broken = t.broken;
+    check.largest_share = t.share;
+    check.device = "device of check " + std::to_string(checks.size());
+    checks.push_back(check);
+  }
+  const std::string page = checkPage(checks, {"the command", "abc", "a machine", {"/d/x.nrrd: why", "y"}});
+  EXPECT_THAT(page, testing::StartsWith("# What the GPU computes, against the CPU twins\n\n"));
+  const std::size_t facts = page.find("- machine: ");
+  ASSERT_NE(facts, std::string::npos);
+  EXPECT_EQ(
+      page.substr(facts),
+      "- machine: a machine\n- Vulkan device: device of check 0\n- commit: abc\n- command: `the command`\n\n"
+      "**5 of 6 checks hold.**\n\n"
+      "| holds | check | of | volumes | values | differing bits | broken | largest share of its bound | promise |\n"
+      "|---|---|---|---|---|---|---|---|---|\n"
+      "| **no** | filter | `median` | 1 | 30 | 3 | 1 |  | 0 differing bits |\n"
+      "| yes | filter | `chain of median:1 close:1` | 1 | 30 | 3 | 0 |  | 0 differing bits |\n"
+      "| yes | distance | `median:1` | 1 | 90 | 9 | 0 | 0.75 | a bound of each value's own |\n"
+      "| yes | filter | `median` | 1 | 60 | 6 | 0 | 0.25 | a bound of each value's own |\n"
+      "\nVolumes:\n\n- `phantom:box`\n- `b.nrrd`\n- `phantom:box`\n"
+      "\nbecause\n\ntherefore\n\nLeft out: x.nrrd: why\n\nLeft out: y\n");
+  EXPECT_THAT(checkPage({}, kRun), HasSubstr("Vulkan device: none\n"));
+}
+
 }  // namespace check_page_test
 }  // namespace palpate

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
@@ -57,6 +58,12 @@ TEST(Check, TellsTheWorst) {
   EXPECT_EQ(check.component, "gradient_j");
   EXPECT_EQ(check.gpu_value, 2);
   EXPECT_EQ(check.cpu_value, 1);
+  check.compare({4, 0, 0}, "density", 2, 1);  // as far apart: the first is told
+  EXPECT_EQ(check.voxel, Vec3i(2, 0, 0));
+  Check at_its_bound;
+  at_its_bound.bound_ulp = 1;
+  at_its_bound.compare({0, 0, 0}, "density", 1, std::nextafter(1.0F, 2.0F));
+  EXPECT_TRUE(at_its_bound.holds());
 }
 
 TEST(Check, KeepsToABoundOfEachValuesOwn) {
@@ -70,11 +77,40 @@ TEST(Check, KeepsToABoundOfEachValuesOwn) {
   EXPECT_EQ(check.voxel, Vec3i(1, 0, 0));
   check.compareWithin({3, 0, 0}, "density", 1, 1.25F, 0.25);  // just within
   EXPECT_TRUE(check.holds());
+  EXPECT_DOUBLE_EQ(check.largest_share, 1);
+  EXPECT_EQ(check.voxel, Vec3i(3, 0, 0));
+  EXPECT_EQ(check.largest_ulp, 1U << 21U);  // a quarter of the binade from 1 to 2
   check.compareWithin({4, 0, 0}, "density", 1, 1.25F, 0.24);
   check.compareWithin({5, 0, 0}, "density", 1, 9, 0.24);
   EXPECT_FALSE(check.holds());
   EXPECT_EQ(check.broken, 2U);
   EXPECT_EQ(check.voxel, Vec3i(4, 0, 0));  // the first
+}
+
+// The smallest of differences is one: of the two zeros, which are no distance apart, and of neighbours.
+TEST(Check, KeepsToABoundOfNothing) {
+  Check check;
+  check.reason = "for a test";
+  check.compareWithin({1, 2, 3}, "density", 0.0F, -0.0F, 0);
+  EXPECT_TRUE(check.holds());
+  EXPECT_EQ(check.differing, 1U);
+  EXPECT_EQ(check.largest_share, 0);
+  EXPECT_EQ(check.voxel, Vec3i(1, 2, 3));
+  EXPECT_EQ(check.component, "density");
+  check.compareWithin({4, 0, 0}, "density", 0.0F, -0.0F, 0);
+  EXPECT_EQ(check.voxel, Vec3i(1, 2, 3));  // no worse than the first
+  EXPECT_EQ(check.differing, 2U);
+}
+
+TEST(Check, SaysWhatWasPromised) {
+  Check check;
+  EXPECT_EQ(promiseWords(check), "0 differing bits");
+  check.bound_ulp = 1;
+  EXPECT_EQ(promiseWords(check), "1 ULP");
+  check.finite = true;
+  EXPECT_EQ(promiseWords(check), "1 ULP and finite numbers");
+  check.reason = "why";
+  EXPECT_EQ(promiseWords(check), "a bound of each value's own and finite numbers");
 }
 
 TEST(Check, TakesNoNanForANumber) {
@@ -135,6 +171,126 @@ TEST(Check, TableSumsPartsUp) {
   EXPECT_THAT(table, testing::ContainsRegex("\n  NO +filter +median:1 "));
   EXPECT_THAT(table, HasSubstr("worst at voxel 4,5,6 density: GPU 1, CPU 2"));
   EXPECT_THAT(table, HasSubstr("2 of 3 checks hold: the promise is BROKEN\n"));
+}
+
+struct Told {
+  const char *name, *what, *part, *volume;
+  std::uint64_t compared, differing, broken;
+  std::uint32_t largest_ulp;
+};
+Check told(const Told& figures) {
+  Check check = named(figures.what, figures.part);
+  check.name = figures.name;
+  check.volume = figures.volume;
+  check.compared = figures.compared;
+  check.differing = figures.differing;
+  check.broken = figures.broken;
+  check.largest_ulp = figures.largest_ulp;
+  check.voxel = {3, 1, 2};
+  check.component = "density";
+  check.gpu_value = 1.5F;
+  check.cpu_value = 2.5F;
+  return check;
+}
+
+// Written down by hand. Only parts of the same check on the same volume share a line.
+TEST(Check, TableOfManyChecks) {
+  std::vector<Check> checks = {told({"filter", "gaussian:1", "step 1 of 2", "a.nrrd", 10, 3, 0, 9}),
+                               told({"filter", "gaussian:1", "step 2 of 2", "a.nrrd", 20, 7, 2, 4}),
+                               told({"edits", "gaussian:1", "step 1 of 2", "a.nrrd", 40, 1, 0, 4}),
+                               told({"edits", "median:1", "step 1 of 2", "a.nrrd", 50, 2, 0, 6}),
+                               told({"edits", "median:1", "step 1 of 2", "b.nrrd", 60, 0, 0, 0}),
+                               told({"edits", "median:1", "", "b.nrrd", 70, 0, 0, 0}),
+                               told({"edits", "median:1", "step 1 of 2", "b.nrrd", 75, 0, 0, 0}),
+                               told({"edits", "median:1", "", "b.nrrd", 80, 5, 1, 7})};
+  checks[0].reason = "because";
+  checks[0].largest_share = 0.75;
+  checks[0].gpu_seconds = 0.25;
+  checks[0].cpu_seconds = 0.5;
+  checks[1].reason = "therefore";
+  checks[1].largest_share = 0.5;
+  checks[1].gpu_seconds = 1;
+  checks[1].cpu_seconds = 2;
+  checks[2].gpu_seconds = 0.5;
+  checks[2].cpu_seconds = 0.25;
+  checks[2].bound_ulp = 5;
+  checks[3].bound_ulp = 6;
+  checks[7].bound_ulp = 6;
+  EXPECT_EQ(checkTable(checks),
+            "  holds  check   what           values differing    largest  GPU [s]  CPU [s]\n"
+            "a.nrrd\n"
+            "  NO     filter  gaussian:1         30        10 0.75 bound    1.250    2.500\n"
+            "         step 2 of 2: 2 values break the promise of a bound of each value's own; worst at voxel 3,1,2 "
+            "density: GPU 1.5, CPU 2.5\n"
+            "  yes    edits   gaussian:1         40         1      4 ULP    0.500    0.250\n"
+            "  yes    edits   median:1           50         2      6 ULP    0.000    0.000\n"
+            "b.nrrd\n"
+            "  yes    edits   median:1           60         0      0 ULP    0.000    0.000\n"
+            "  yes    edits   median:1           70         0      0 ULP    0.000    0.000\n"
+            "  yes    edits   median:1           75         0      0 ULP    0.000    0.000\n"
+            "  NO     edits   median:1           80         5      7 ULP    0.000    0.000\n"
+            "         1 values break the promise of 6 ULP; worst at voxel 3,1,2 density: GPU 1.5, CPU 2.5\n"
+            "Promised are finite densities and 0 differing bits; but\n  because; but\n  therefore.\n"
+            "6 of 8 checks hold: the promise is BROKEN\n");
+}
+
+// Columns are as wide as their headings at least; a reason that all share is said once.
+TEST(Check, TableOfShortWords) {
+  std::vector<Check> checks = {told({"ab", "cd", "", "v", 1, 0, 0, 0})};
+  EXPECT_EQ(checkTable(checks),
+            "  holds  check  what     values differing    largest  GPU [s]  CPU [s]\nv\n"
+            "  yes    ab     cd            1         0      0 ULP    0.000    0.000\n"
+            "Promised are finite densities and 0 differing bits.\n1 of 1 checks hold\n");
+  checks[0].reason = "because";
+  checks.push_back(checks[0]);
+  EXPECT_THAT(checkTable(checks), testing::EndsWith("0 differing bits; but\n  because.\n2 of 2 checks hold\n"));
+}
+
+TEST(Check, JsonHasEveryFigure) {
+  std::vector<Check> checks = {told({"filter", "gaussian:1", "step 1 of 2", "a.nrrd", 10, 3, 2, 9})};
+  checks[0].device = "a device";
+  checks[0].not_finite = 1;
+  checks[0].bound_ulp = 5;
+  checks[0].gpu_seconds = 0.25;
+  checks[0].cpu_seconds = 0.5;
+  EXPECT_EQ(checkJson(checks, "filters", "abc"), R"({
+  "check": "filters",
+  "commit": "abc",
+  "holds": false,
+  "checks": [
+    {
+      "check": "filter",
+      "what": "gaussian:1",
+      "part": "step 1 of 2",
+      "volume": "a.nrrd",
+      "vulkan_device": "a device",
+      "compared": 10,
+      "differing": 3,
+      "broken": 2,
+      "not_finite": 1,
+      "largest_ulp": 9,
+      "bound_ulp": 5,
+      "worst_at_voxel": [
+        3,
+        1,
+        2
+      ],
+      "worst_component": "density",
+      "worst_gpu": 1.5,
+      "worst_cpu": 2.5,
+      "holds": false,
+      "gpu_s": 0.25,
+      "cpu_s": 0.5
+    }
+  ]
+}
+)");
+  checks[0].reason = "because";
+  checks[0].largest_share = 0.75;
+  const auto row = nlohmann::json::parse(checkJson(checks, "filters", "abc"))["checks"][0];
+  EXPECT_EQ(row["largest_share_of_bound"], 0.75);
+  EXPECT_EQ(row["reason"], "because");
+  EXPECT_FALSE(row.contains("bound_ulp"));
 }
 
 TEST(Check, JsonHasEveryCheck) {

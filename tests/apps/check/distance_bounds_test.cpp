@@ -84,6 +84,36 @@ TEST(DistanceBounds, HoldOnScans) {
   }
 }
 
+// One voxel inside, and one at the isovalue, which is outside. The next one outside may be one edge off, 1 mm, and by
+// rounding 12 2^-24 of that and the diagonal: some 2e-9 m.
+TEST(DistanceBounds, AreTightToTheRounding) {
+  std::vector<float> values(5 * 4 * 3, 0);
+  values[0] = 2;
+  values[5 * 4 * 3 - 1] = 0.5F;
+  const Vec3 spacing_m(1e-3, 1.5e-3, 1.2e-3);
+  const Volume volume = Volume::fromDense({5, 4, 3}, {Vec3::Zero(), Mat3::Identity(), spacing_m}, values, {});
+  const auto steps = lowerFilters(filterChain("distance:3"), spacing_m, 0.5F);
+  const reference::DenseField densities = reference::denseField(volume);
+  reference::DenseField distance = reference::applyFilters(densities, steps);
+  std::vector<double> told;
+  const auto holds = [&] {
+    Check check;
+    told.clear();
+    compareWithNearestAcross(check, distance, densities, steps, [&](double done) { told.push_back(done); });
+    EXPECT_EQ(check.compared, 60U);
+    return check.holds();
+  };
+  EXPECT_TRUE(holds());
+  // After each slice of the search, and of the comparison.
+  ASSERT_EQ(told.size(), 6U);
+  for (std::size_t n = 0; n < 6; ++n) EXPECT_DOUBLE_EQ(told[n], static_cast<double>(n + 1) / 6);
+  EXPECT_LE(distance.values.back(), 0);
+  distance.values[1] = static_cast<float>(-1e-3 - 1e-9);
+  EXPECT_TRUE(holds());
+  distance.values[1] = static_cast<float>(-1e-3 - 1e-8);
+  EXPECT_FALSE(holds());
+}
+
 // A voxel moved beyond either bound, or to the other side, is seen; within them nothing is.
 TEST(DistanceBounds, SeeOneVoxelBeyondThem) {
   std::mt19937 random(6);

@@ -20,6 +20,12 @@ TEST(EditCheck, DiffersNowhere) {
   for (const char* name : {"phantom:knot?size=29x25x34&spacing=0.3x0.7x1.1mm&noise=0.05", "phantom:sphere?size=40"}) {
     const Volume volume = loadVolume(name);
     const Check check = checkEdits(volume, {"", 60, 2, {}}, kQuiet);
+    EXPECT_EQ(check.name, "edits");
+    EXPECT_EQ(check.what, "60 at random, seed 2");
+    EXPECT_EQ(check.volume, name);
+    EXPECT_TRUE(check.finite);
+    EXPECT_GT(check.gpu_seconds, 0);
+    EXPECT_GT(check.cpu_seconds, 0);
     EXPECT_EQ(check.compared, static_cast<std::uint64_t>(volume.size().cast<long long>().prod()));
     EXPECT_EQ(check.differing, 0U) << check.voxel.transpose();
     EXPECT_TRUE(check.holds());
@@ -76,6 +82,9 @@ TEST(EditCheck, TakesRandomBits) {
 
 TEST(EditCheck, RefusesAndIsCancelled) {
   const Volume volume = loadVolume("phantom:sphere?size=16");
+  std::vector<double> told;
+  (void)checkEdits(volume, {"", 4, 1, {}}, [&](double done) { told.push_back(done); });
+  EXPECT_EQ(told, (std::vector<double>{0, 0.25, 0.5, 0.75, 1}));
   EXPECT_THROW((void)checkEdits(volume, {"Voodoo", 1, 1, {}}, kQuiet), Error);
   EXPECT_THROW((void)checkEdits(volume, {"", 1, 1, 1e9}, kQuiet), Error);
   EXPECT_THROW(

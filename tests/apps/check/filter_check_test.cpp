@@ -45,6 +45,38 @@ TEST(FilterCheck, NamesEveryFilterTwiceAndBothBorders) {
   }
 }
 
+// Ranges are parts of the contrast, 20, and slopes and lengths go by the smallest spacing, 0.5 mm.
+TEST(FilterCheck, SuitsItsChainsToTheVolume) {
+  const Volume volume = Volume::fromDense({2, 1, 1}, {Vec3::Zero(), Mat3::Identity(), Vec3(2e-3, 0.5e-3, 1e-3)},
+                                          std::vector<float>{-5, 15}, {});
+  const std::vector<std::string> chains = checkedFilters(volume);
+  for (const char* chain :
+       {"bilateral:1:range=2", "diffuse:2:kappa=4", "gaussian:0.85mm:truncate=2:border=mirror",
+        "bilateral:0.6mm:range=6.67:border=mirror", "diffuse:2:kappa=2:g=exp", "open:1.05mm:shape=ball:border=mirror"})
+    EXPECT_THAT(chains, testing::Contains(chain));
+}
+
+// Each check says of what it is; those of a chain are its steps and the whole.
+TEST(FilterCheck, NamesWhatItChecks) {
+  const Volume volume = loadVolume("phantom:random?size=9x8x7");
+  const auto checks = checkFilters(volume, {"", {"median:1 median:1", "distance:2", "median:1"}, 0.5F}, kQuiet);
+  std::vector<std::string> told;
+  for (const Check& check : checks) {
+    told.push_back(check.name + " " + check.what + ", " + check.part);
+    EXPECT_EQ(check.volume, "phantom:random?size=9x8x7");
+    EXPECT_EQ(check.compared, 9U * 8 * 7);
+    EXPECT_TRUE(check.finite);
+    EXPECT_NE(check.device, "");
+    const bool has_twin = check.part != "chain against its steps";
+    EXPECT_EQ(check.cpu_seconds > 0, has_twin) << told.back();
+    EXPECT_EQ(check.gpu_seconds > 0, check.name == "filter") << told.back();
+  }
+  EXPECT_THAT(told,
+              testing::ElementsAre("filter median:1 median:1, step 1 of 2", "filter median:1 median:1, step 2 of 2",
+                                   "filter median:1 median:1, chain against its steps", "filter distance:2, ",
+                                   "distance distance:2, ", "filter median:1, "));
+}
+
 class FilterCheckOf : public testing::TestWithParam<std::string> {};
 TEST_P(FilterCheckOf, Holds) {
   FilterCheckRequest request;
@@ -134,13 +166,12 @@ TEST(RoundingBound, IsSmall) {
 
 TEST(FilterCheck, TellsHowFarItIsAndCanBeCancelled) {
   const Volume volume = loadVolume("phantom:random?size=12");
-  double last = 0;
-  (void)checkFilters(volume, {"", {"gaussian:1", "median:1"}, {}}, [&](double done) {
-    EXPECT_GE(done, last);
-    EXPECT_LE(done, 1);
-    last = done;
-  });
-  EXPECT_EQ(last, 1);
+  std::vector<double> told = {0};
+  (void)checkFilters(volume, {"", {"gaussian:1", "distance:2", "median:1"}, {}},
+                     [&](double done) { told.push_back(done); });
+  EXPECT_TRUE(std::is_sorted(told.begin(), told.end()));
+  EXPECT_EQ(told.back(), 1);
+  EXPECT_NEAR(told[told.size() - 2], 1, 1e-12);  // of the last comparison: parts of one size add up to the whole
   EXPECT_THROW((void)checkFilters(volume, {"", {"median:1"}, {}},
                                   [](double) { throw Error(Error::Code::kCancelled, "x", "y", "z"); }),
                Error);

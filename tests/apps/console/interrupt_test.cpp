@@ -45,8 +45,8 @@ class Interrupts : public testing::Test {
 TEST_F(Interrupts, OnlySetAFlagAtFirst) {
   const Ended ended = inChild([&] {
     catchInterrupts();
-    EXPECT_FALSE(interrupted());
-    EXPECT_NO_THROW(throwIfInterrupted("palpate test"));
+    if (interrupted()) _exit(4);
+    throwIfInterrupted("palpate test");
     raise(SIGINT);
     if (!interrupted()) _exit(1);
     try {

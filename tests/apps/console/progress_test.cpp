@@ -2,9 +2,13 @@
 #include "apps/console/progress.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 #include <functional>
+#include <vector>
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 namespace palpate {
 namespace progress_test {
@@ -55,6 +59,41 @@ TEST(Progress, TellsNoMoreThanWasAskedFor) {
   const auto lines = std::count(text.begin(), text.end(), '\n');
   EXPECT_GE(lines, 2);  // the stage and, on a machine that stops for long, one more
   EXPECT_LE(lines, 5);  // and 0.22 / 0.05 = 4
+}
+
+// What a progress shows on a terminal, with a bar behind each piece of work. Empty where the system gives none.
+std::string shown(const std::vector<std::function<void(Progress&)>>& works) {
+  const int master = posix_openpt(O_RDWR | O_NOCTTY);
+  if (master < 0 || grantpt(master) != 0 || unlockpt(master) != 0) return "";
+  const int slave = open(ptsname(master), O_WRONLY | O_NOCTTY);
+  if (slave < 0) return "";
+  std::FILE* stream = fdopen(slave, "w");
+  {
+    Progress progress(stream, 1000);
+    for (const auto& work : works) {
+      work(progress);
+      std::fputs("|", stream);
+    }
+  }
+  std::fclose(stream);
+  std::string text;
+  char byte = 0;
+  while (read(master, &byte, 1) == 1) text += byte;  // up to the terminal's end
+  close(master);
+  return text;
+}
+
+// One line, which is written anew when its words change, and wiped in the end.
+TEST(Progress, OnATerminalIsOneLine) {
+  const std::string text =
+      shown({[](Progress& p) { p.stage("loading\na"); },                                       //
+             [](Progress& p) { p.fraction(0.256); }, [](Progress& p) { p.fraction(0.2561); },  // the same in words
+             [](Progress& p) { p.done(); },                                                    //
+             [](Progress& p) { p.done(); },                                                    //
+             [](Progress& p) { p.fraction(0.256); }});
+  if (text.empty()) GTEST_SKIP() << "this system gives no terminal";
+  const std::string wipe = "\r\033[K", line = "loading?a ...  26 %";
+  EXPECT_EQ(text, wipe + "loading?a ...|" + wipe + line + "||" + wipe + "||" + wipe + line + "|" + wipe);
 }
 
 }  // namespace progress_test

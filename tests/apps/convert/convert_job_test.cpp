@@ -2,6 +2,7 @@
 #include "apps/convert/convert_job.hpp"
 
 #include <csignal>
+#include <cstdio>
 #include <map>
 
 #include <gmock/gmock.h>
@@ -10,6 +11,7 @@
 
 #include "apps/mesh/mesh_file.hpp"
 #include "base/error.hpp"
+#include "engine/field/statistics.hpp"
 #include "engine/field/volume.hpp"
 #include "engine/files/volume_file.hpp"
 #include "temporary_folder.hpp"
@@ -95,6 +97,76 @@ TEST_F(Convert, SaysWhatItDid) {
   EXPECT_THAT(convertWords(request, result), HasSubstr(std::to_string(result.triangles) + " triangles"));
 }
 
+// Every figure another, so that none stands for another.
+TEST(ConvertWords, TellEveryFigure) {
+  ConvertResult result{.size = {24, 25, 26}, .triangles = 300, .vertices = 152, .isovalue = -1.5, .bytes = 1536};
+  result.seconds = 0.256;
+  EXPECT_EQ(convertWords({.in = "a", .out = "b.vdb"}, result), "b.vdb: 24 x 25 x 26 voxels, 1.5 KiB, 0.26 s");
+  result.is_mesh = true;
+  const std::string words =
+      "b.stl: 300 triangles, 152 vertices, isosurface -1.5 of 24 x 25 x 26 voxels, 1.5 KiB, 0.26 s";
+  EXPECT_EQ(convertWords({.in = "a", .out = "b.stl"}, result), words);
+  result.collapsed = 1;
+  EXPECT_THAT(convertWords({.in = "a", .out = "b.stl"}, result),
+              testing::StartsWith(words + "\n1 of the triangles without area: "));
+}
+
+TEST(ConvertWords, SayWhichFormatKeepsASurface) {
+  EXPECT_EQ(surfaceWords("a.stl", 2), "");
+  EXPECT_EQ(surfaceWords("a.vdb", 2), "its surface is at 2, which the file keeps\n");
+  EXPECT_EQ(surfaceWords("a.nii.gz", 2),
+            "its surface is at 2, which this format cannot keep: give --iso 2 where it is used\n");
+}
+
+// A ball of densities about 5000, so that neither the isovalue that is given nor the chosen one is 0.
+TEST_F(Convert, TheIsovalueIsTheGivenOneOrTheVolumes) {
+  const Volume ball = loadVolume(kBall);
+  std::vector<float> values = ball.toDense();
+  for (float& value : values) value += 5000;
+  saveVolume(Volume::fromDense(ball.size(), ball.lattice(), values, {}), file("ball.nrrd"));
+  const double own = defaultIsovalue(loadVolume(file("ball.nrrd")));
+  EXPECT_GT(own, 3000);
+  EXPECT_EQ(run({.in = file("ball.nrrd"), .out = file("a.stl")}).isovalue, own);
+  // Half a voxel further in: the isosurface of a distance is a ball again, and smaller.
+  const auto radius_m = [&](double isovalue) {
+    EXPECT_EQ(
+        run({.in = file("ball.nrrd"), .out = file("a.ply"), .isovalue = isovalue, .unit = LengthUnit::kMetre}).isovalue,
+        isovalue);
+    double radius = 0;
+    for (const Vec3& v : readMeshFile(file("a.ply")).vertices_W) radius = std::max(radius, v.norm());
+    return radius;
+  };
+  EXPECT_GT(radius_m(5000), radius_m(5300));
+}
+
+// Without an adaptivity every cell is kept, as with 0; both ends of its range are taken.
+TEST_F(Convert, AdaptivityJoinsTriangles) {
+  const std::size_t without = run({.in = kBall, .out = file("a.stl")}).triangles;
+  EXPECT_EQ(run({.in = kBall, .out = file("a.stl"), .adaptivity = 0}).triangles, without);
+  EXPECT_LT(run({.in = kBall, .out = file("a.stl"), .adaptivity = 1}).triangles, without);
+}
+
+// A stream that is no terminal: each stage has its line.
+TEST_F(Convert, TellsItsStages) {
+  const auto told = [&](const std::string& out) {
+    std::FILE* stream = std::tmpfile();
+    {
+      Progress progress(stream, 1000);
+      const ConvertResult result = convert({.in = kBall, .out = out}, progress);
+      EXPECT_EQ(result.size, Vec3i::Constant(24));
+      EXPECT_GT(result.seconds, 0);
+    }
+    std::rewind(stream);
+    std::string text(4096, '\0');
+    text.resize(std::fread(text.data(), 1, text.size(), stream));
+    std::fclose(stream);
+    return text;
+  };
+  const std::string loading = std::string("loading ") + kBall + " ...\n";
+  EXPECT_EQ(told(file("a.vdb")), loading + "writing " + file("a.vdb") + " ...\n");
+  EXPECT_EQ(told(file("a.stl")), loading + "meshing ...\nwriting " + file("a.stl") + " ...\n");
+}
+
 // A kilometre from the origin along each axis a 32-bit float of millimetres keeps 0.06: more than the ball's voxels of
 // 0.01.
 TEST_F(Convert, SaysWhichTrianglesCollapseFarFromTheOrigin) {
@@ -134,6 +206,8 @@ TEST_F(Convert, RefusesWhatItCannotDo) {
   for (const double isovalue : {1e9, -1e9, std::nan("")}) {
     expectRefused({.in = kBall, .out = file("a.stl"), .isovalue = isovalue}, bad, "isovalue");
   }
+  expectRefused({.in = "phantom:random?size=8x8x1", .out = file("a.stl")}, bad,
+                "and a surface needs two along every axis");
   expectRefused({.in = file("none.nrrd"), .out = file("a.stl")}, Error::Code::kNotFound, "no such file");
   EXPECT_EQ(folder_.files(), 0);
 }

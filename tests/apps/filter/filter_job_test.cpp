@@ -69,6 +69,8 @@ TEST_F(FilterFile, TellsWhatItMade) {
   EXPECT_EQ(result.lowest, after.minimum());
   EXPECT_EQ(result.highest, after.maximum());
   EXPECT_NE(result.lowest, before.minimum());
+  EXPECT_EQ(result.reach, totalReach(lowerFilters(filterChain(request.filter), before.lattice().spacing_m)));
+  EXPECT_NE(result.device, "");
   EXPECT_EQ(result.bricks, 27U);
   EXPECT_EQ(result.stored_before, before.storedBricks());
   EXPECT_EQ(result.stored_after, after.storedBricks());
@@ -108,6 +110,35 @@ TEST_F(FilterFile, TellsItsStages) {
   for (const char* stage : {"loading phantom:knot", "filtering on Vulkan ...", "filtering on Vulkan: 100 % ...",
                             "bringing the result back ...", "writing "})
     EXPECT_THAT(text, HasSubstr(stage));
+}
+
+// Every figure another, so that none stands for another.
+TEST(FilterWords, TellEveryFigure) {
+  FilterResult result;
+  result.device = "a device";
+  result.size = {21, 22, 23};
+  result.steps = 1;
+  result.reach = {4, 5, 6};
+  result.stored_before = 7;
+  result.stored_after = 8;
+  result.bricks = 9;
+  result.lowest = -1.5F;
+  result.highest = 2.5F;
+  result.filter_s = 0.125;
+  result.seconds = 0.25;
+  result.bytes = 1536;
+  const FilterRequest request{"in", "out.vdb", "median:1", ""};
+  const std::string first = "out.vdb: 21 x 22 x 23 voxels, densities -1.5 to 2.5, 1.5 KiB\na device: ";
+  const std::string last = ", 7 of 9 bricks stored before and 8 after; 0.125 s filtering, 0.25 s in all\n";
+  EXPECT_EQ(filterWords(request, result), first + "1 pass reaching 4 x 5 x 6 voxels" + last);
+  result.steps = 2;
+  result.surface = 3;
+  EXPECT_EQ(filterWords(request, result),
+            first + "2 passes reaching 4 x 5 x 6 voxels" + last + "its surface is at 3, which the file keeps\n");
+  result.steps = 0;
+  result.surface.reset();
+  EXPECT_EQ(filterWords(request, result),
+            first + "no pass, since no size reaches a neighbouring voxel: densities are as they were" + last);
 }
 
 TEST_F(FilterFile, RefusesWhatItCannotDo) {

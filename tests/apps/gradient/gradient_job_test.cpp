@@ -3,6 +3,7 @@
 #include "apps/gradient/gradient_job.hpp"
 
 #include <csignal>
+#include <cstdio>
 #include <fstream>
 
 #include <gmock/gmock.h>
@@ -160,10 +161,51 @@ TEST_F(GradientFile, OfTheActiveBricksHoldsThoseThatTheIsosurfaceNeeds) {
   }
   EXPECT_GT(crossed, 100U);
   // Another isovalue needs other bricks.
-  const GradientResult inner = gradientFile(
-      {.in = kBall, .out = file("b.vdb"), .isovalue = 0.5 * (result.isovalue + static_cast<double>(volume.maximum()))},
-      progress);
-  EXPECT_NE(inner.isovalue, result.isovalue);
+  const double further_in = 0.5 * (result.isovalue + static_cast<double>(volume.maximum()));
+  const GradientResult inner = gradientFile({.in = kBall, .out = file("b.vdb"), .isovalue = further_in}, progress);
+  EXPECT_EQ(inner.isovalue, further_in);
+  EXPECT_NE(inner.written, result.written);
+}
+
+// Every figure another, so that none stands for another.
+TEST(GradientWordsOfAJob, TellEveryFigure) {
+  GradientResult result{.device = "a device", .bricks = 9, .written = 5, .isovalue = -1.5, .gradient_s = 0.125};
+  result.seconds = 0.25;
+  result.bytes = 1536;
+  EXPECT_EQ(gradientWords({.in = "in", .out = "g.vdb", .gradient = "sobel"}, result),
+            "g.vdb: sobel gradient of 5 of 9 bricks, isovalue -1.5, 1.5 KiB; 0.125 s on a device, 0.25 s in all");
+  EXPECT_EQ(gradientWords({.in = "in", .out = "g.vdb", .gradient = "sobel", .all = true}, result),
+            "g.vdb: sobel gradient of 5 of 9 bricks, 1.5 KiB; 0.125 s on a device, 0.25 s in all");
+}
+
+// A stream that is no terminal: each stage has its line, and how far it is. 343 bricks: after 256 it is told again.
+TEST_F(GradientFile, TellsItsStages) {
+  const auto told = [&](const GradientRequest& request) {
+    std::FILE* stream = std::tmpfile();
+    {
+      Progress progress(stream, 0);
+      const GradientResult result = gradientFile(request, progress);
+      EXPECT_EQ(result.bricks, 343U);
+      EXPECT_NE(result.device, "");
+      EXPECT_GT(result.gradient_s, 0);
+      EXPECT_GE(result.seconds, result.gradient_s);
+    }
+    std::rewind(stream);
+    std::string text(65536, '\0');
+    text.resize(std::fread(text.data(), 1, text.size(), stream));
+    std::fclose(stream);
+    return text;
+  };
+  const GradientRequest request{.in = "phantom:sphere?size=56", .out = file("g.vdb"), .all = true};
+  const std::string text = told(request);
+  EXPECT_THAT(text, testing::StartsWith("loading phantom:sphere?size=56 ...\n"));
+  EXPECT_THAT(text, HasSubstr("\ngradients ...\n"));
+  EXPECT_THAT(text, HasSubstr("\ngradients: 100 % ...\n"));
+  EXPECT_THAT(text, testing::EndsWith("\ncopying ...\ncopying: 75 % ...\nwriting " + request.out + " ...\n"));
+  EXPECT_THAT(text, testing::Not(HasSubstr("smoothing")));
+  GradientRequest smooth = request;
+  smooth.gradient = "gaussian:1";
+  EXPECT_THAT(told(smooth), HasSubstr("\nsmoothing ...\nsmoothing: "));
 }
 
 TEST_F(GradientFile, RefusesWhatItCannotDo) {

@@ -83,7 +83,23 @@ TEST_F(MeshFile, EveryFormatGivesTheBox) {
 
 TEST_F(MeshFile, PolygonsBecomeTriangles) {
   const TriangleMesh mesh = readMeshFile(write("q.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n"));
-  EXPECT_EQ(mesh.triangles.size(), 2U);
+  EXPECT_EQ(mesh.vertices_W, (std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}));
+  EXPECT_EQ(mesh.triangles, (std::vector<std::array<std::uint32_t, 3>>{{0, 1, 2}, {0, 2, 3}}));
+}
+
+TEST_F(MeshFile, OneTriangleIsAMesh) {
+  const TriangleMesh mesh = readMeshFile(write("t.obj", "v 1 2 3\nv 4 5 6\nv 7 8 10\nf 3 1 2\n"));
+  ASSERT_EQ(mesh.triangles.size(), 1U);
+  std::vector<Vec3> corners;
+  for (const std::uint32_t corner : mesh.triangles[0]) corners.push_back(mesh.vertices_W.at(corner));
+  EXPECT_EQ(corners, (std::vector<Vec3>{{7, 8, 10}, {1, 2, 3}, {4, 5, 6}}));
+}
+
+// A file without content takes no room on the disk.
+TEST_F(MeshFile, TooLargeAFileIsRefusedUnread) {
+  const std::string file = write("large.stl", "");
+  std::filesystem::resize_file(file, kLargestMeshFile + (std::uintmax_t{512} << 20));
+  EXPECT_THAT(refusal(file), HasSubstr("the file has 1536 MiB, and 1024 MiB is the most; "));
 }
 
 TEST_F(MeshFile, Refuses) {

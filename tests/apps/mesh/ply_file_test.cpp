@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/mesh/ply_file.hpp"
 
+#include <cstring>
+
 #include "random_ply.hpp"
 #include "refusal.hpp"
 
@@ -83,6 +85,10 @@ TEST(PlyFile, TextInAnyGuise) {
   const TriangleMesh mesh =
       readPly(withHeader(kPlain, " 0\t0 0 \n\n+1e0 0 0\n0 1 -0.0\n\n3 0 1 2  \n \n"), "some.file");
   EXPECT_EQ(mesh.vertices_W[1], Vec3(1, 0, 0));
+  // Lines of a header that say nothing, blanks behind its first, and an element without properties of which there is
+  // none.
+  const std::string header = "ply \t\nobj_info x\n\ncomment y\n" + kPlain + "element edge 0\nend_header\n";
+  EXPECT_EQ(readPly(header + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", "some.file").triangles.size(), 1U);
 }
 
 // A line feed or carriage return may be the first byte of the values; Assimp 5.2 leaves it out.
@@ -138,6 +144,12 @@ TEST(PlyFile, HeadersThatCannotBeAreRefused) {
   EXPECT_THAT(refusal(withHeader(kPlain + "property list float int w\n")), HasSubstr("list float int"));
   EXPECT_THAT(refusal(withHeader(kPlain + "element edge -1\n")), HasSubstr("\"element edge -1\""));
   EXPECT_THAT(refusal(withHeader(kPlain + "element edge 1 2\n")), HasSubstr("\"element edge 1 2\""));
+  for (const char* line :
+       {"end_header x\n", "format ascii 1.0 x\n", "property float x y\n", "property list int int\n"}) {
+    EXPECT_THAT(refusal("ply\n" + ascii.substr(0, line[0] == 'f' ? 0 : ascii.size()) + "element vertex 1\n" + line),
+                HasSubstr("its PLY header has the line \"" + std::string(line, std::strlen(line) - 1) + "\""));
+  }
+  EXPECT_THAT(refusal(withHeader(kPlain + "element edge 1\n")), HasSubstr("\"edge\" no property"));
   // Without a property this many elements would be read without a byte.
   EXPECT_THAT(refusal(withHeader(kPlain + "element edge 18446744073709551615\n")), HasSubstr("\"edge\" no property"));
 }
@@ -159,6 +171,13 @@ TEST(PlyFile, ValuesThatCannotBeAreRefused) {
   EXPECT_THAT(text("0 0 0\n1 0 0\n0 1 0\ninf 0 1 2\n"), HasSubstr("too few numbers"));
   EXPECT_THAT(text("0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n\n4\n"), HasSubstr("\"4\" follows all"));
   EXPECT_THAT(text("0 0 0\n1 0 0\n0 1 0\n3 0 1 2"), HasSubstr("its last line has no end"));
+  EXPECT_THAT(text("0 0 0\n1 0 0\n0 1 0\n2.5 0 1 2\n"), HasSubstr("no whole number of items"));
+  EXPECT_THAT(refusal(withHeader("format ascii 1.0\n" + kFaces, "3 0 0 0\n")), HasSubstr("names vertex 0 of 0"));
+  EXPECT_THAT(refusal(withHeader("format ascii 1.0\n" + kVertices + "element face 1\nproperty int vertex_indices\n")),
+              HasSubstr("\"face\" has no list vertex_indices"));
+  std::string list_y = withHeader(kPlain);
+  list_y.replace(list_y.find("float y"), 7, "list int float y");
+  EXPECT_THAT(refusal(list_y), HasSubstr("\"vertex\" has no x, y and z"));
   std::string no_z = withHeader(kPlain);
   no_z.replace(no_z.find("float z"), 7, "float w");
   EXPECT_THAT(refusal(no_z), HasSubstr("\"vertex\" has no x, y and z"));

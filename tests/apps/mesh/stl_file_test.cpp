@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/mesh/stl_file.hpp"
 
+#include <algorithm>
 #include <cstring>
 #include <random>
 
@@ -44,6 +45,7 @@ TEST(StlFile, TextAndBinaryGiveTheirMesh) {
     expectSame(readStl(binaryStl(mesh, "made by somebody"), "some.file"), mesh);
   }
   EXPECT_TRUE(readStl("solid\nendsolid", "some.file").triangles.empty());
+  EXPECT_TRUE(readStl(binaryStl({}, "made by somebody"), "some.file").triangles.empty());
 }
 
 // Upper case, all line ends, several solids, and what some writers have for the normal of a triangle without area.
@@ -90,6 +92,9 @@ TEST(StlFile, MessagesNameTheLine) {
   std::string text = stlText(soup(2));
   text.replace(text.find("outer"), 5, "inner");
   EXPECT_THAT(refusal(text), HasSubstr("its line 3 has \"inner\" where outer should be"));
+  EXPECT_THAT(refusal("\n" + text), HasSubstr("its line 4 has \"inner\" where outer should be"));
+  std::replace(text.begin(), text.end(), '\n', '\r');
+  EXPECT_THAT(refusal(text), HasSubstr("its line 3 has \"inner\" where outer should be"));
   std::string word = stlText(soup(1));
   word.replace(word.find("vertex") + 7, 1, "z");
   EXPECT_THAT(refusal(word), HasSubstr("where a number should be"));
@@ -109,6 +114,7 @@ TEST(StlFile, ABinaryFileOfAnotherLengthIsRefused) {
   }
   EXPECT_THAT(refusal(whole.substr(0, 200)), HasSubstr("it counts 4 triangles, which take 284 bytes, and it has 200"));
   EXPECT_THAT(refusal("once upon a time"), HasSubstr("no STL file"));
+  EXPECT_THAT(refusal(whole.substr(0, 84)), HasSubstr("it counts 4 triangles, which take 284 bytes, and it has 84"));
   std::string many = whole;
   const std::uint32_t count = 0xfffffff0U;
   std::memcpy(many.data() + 80, &count, sizeof count);

@@ -145,7 +145,14 @@ TEST_F(CommandLine, BashCompletesEveryFlagAndItsWords) {
 TEST_F(CommandLine, CompletionIsOfAShellThatIsKnown) {
   expectRefusal(run({"completion", "fish"}), "fish", "zsh", 2);
   expectSuccess(run({"completion", "zsh"}));
-  EXPECT_THAT(run({"completion", "zsh"}).out, testing::StartsWith("#compdef palpate\n"));
+  const std::string zsh = run({"completion", "zsh"}).out;
+  EXPECT_THAT(zsh, testing::StartsWith("#compdef palpate\n"));
+  for (const char* words :
+       {"\n    'touch --clock') values=(real simulated) ;;\n",
+        "\n    'completion')\n      verbs=('bash:bash or zsh' 'zsh:bash or zsh')\n      flags=('--help:Print this help",
+        "\n        '--hand:rigid\\: the device is exactly on the path; spring\\: a hand",
+        "\n    'help bench')\n      verbs=('servo:", " beside cyclictest'\\''s ("})
+    EXPECT_THAT(zsh, HasSubstr(words));
 }
 
 TEST_F(CommandLine, ZshTakesItsCompletion) {

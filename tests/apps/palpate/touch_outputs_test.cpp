@@ -164,6 +164,16 @@ TEST_F(TouchOutputs, CommandOfARunWithAJournalRepeatsIt) {
   }
 }
 
+// A number of up to six figures at the end goes on, whatever else there is becomes the first of a series.
+TEST_F(TouchOutputs, CommandNamesTheNextJournal) {
+  for (const auto& [given, next] : {std::pair("kept", "kept-2"), std::pair("k-9/", "k-10"),
+                                    std::pair("k-123456", "k-123457"), std::pair("k-1234567", "k-1234567-2"),
+                                    std::pair("j-", "j--2"), std::pair("a-2b", "a-2b-2"), std::pair("7", "7-2")}) {
+    expectSuccess(run(quickTouch("phantom:sphere?size=16", {"--edit", "remove:radius=2mm", "--journal", given})));
+    EXPECT_THAT(summary()["command"].get<std::string>(), testing::HasSubstr(std::string(" --journal ") + next + " "));
+  }
+}
+
 // What somebody else put there is not replaced, and found before the volume is loaded.
 TEST_F(TouchOutputs, ForeignFilesAreLeftAlone) {
   std::filesystem::create_directory(file("out"));

@@ -201,6 +201,43 @@ TEST_F(Verbs, InfoSaysWhereAVolumeLies) {
               HasSubstr("places       x -6 to 6, y -10 to 10, z -16 to 16 mm; the middle 0,0,0\n"));
 }
 
+// A turned lattice with three spacings, worked out by hand: its axes are (2,3,6), (6,2,-3) and (3,-6,2) sevenths, with
+// 7, 3.5 and 14 mm between voxels. Of 60 voxels 40 hold 0, 15 hold 12.5 and 5 hold 24, so bins are 1 wide and bars
+// ln 41, ln 16 and ln 6 over ln 41 of 50 letters long.
+TEST_F(Verbs, InfoOfATurnedVolume) {
+  std::vector<float> values(40, 0.0F);
+  values.resize(55, 12.5F);
+  values.resize(60, 24.0F);
+  write("a.nrrd",
+        "NRRD0004\ntype: float\ndimension: 3\nsizes: 3 4 5\nspace: left-posterior-superior\nspace directions: (2,3,6) "
+        "(3,1,-1.5) (6,-12,4)\nspace origin: (10,20,-30)\nencoding: raw\nendian: little\n\n" +
+            std::string(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(float)));
+  const std::string info = run({"info", "a.nrrd"}).out;
+  EXPECT_THAT(info, testing::StartsWith(
+                        "a.nrrd\n"
+                        "  format       NRRD (float32)\n"
+                        "  size         3 x 4 x 5 voxels\n"
+                        "  spacing      7 x 3.5 x 14 mm\n"
+                        "  extent       21 x 14 x 70 mm\n"
+                        "  origin       10, 20, -30 mm (LPS)\n"
+                        "  places       x 10 to 47, y -28 to 29, z -34.5 to -2 mm; the middle 28.5,0.5,-18.25\n"
+                        "  axes         i (0.2857, 0.4286, 0.8571)  j (0.8571, 0.2857, -0.4286)  k (0.4286, -0.8571, "
+                        "0.2857)\n"));
+  EXPECT_THAT(info, HasSubstr("\n  bricks       1 of 1 hold more than one value; "));
+  EXPECT_THAT(info,
+              HasSubstr("\n  range        0 ... 24, mean 5.125\n  no data?     66.7 % of the voxels hold 0, far "));
+  std::string histogram = "  histogram (length of a bar: logarithm of the voxel count)\n";
+  for (int bin = 0; bin < 24; ++bin) {
+    const std::string bar(bin == 0 ? 50 : bin == 12 ? 37 : bin == 23 ? 24 : 0, '#');
+    const int count = bin == 0 ? 40 : bin == 12 ? 15 : bin == 23 ? 5 : 0;
+    histogram += fmt::format("  {:>12}  {:<50}  {}\n", bin, bar, count);
+  }
+  EXPECT_THAT(info, HasSubstr(histogram + "  isovalues worth trying (--iso), the default first\n"));
+  EXPECT_THAT(info, testing::Not(HasSubstr("rescale")));
+  EXPECT_THAT(info, testing::Not(HasSubstr("  part ")));
+  EXPECT_THAT(info, testing::Not(HasSubstr("  note ")));
+}
+
 TEST_F(Verbs, InfoOfAConstantVolumeStillInforms) {
   const Outcome outcome = run({"info", "phantom:sphere?size=2"});  // eight voxels at one distance from the centre
   expectSuccess(outcome);
@@ -211,12 +248,22 @@ TEST_F(Verbs, DevicesListsADeviceAndTheDefault) {
   const Outcome outcome = run({"devices"});
   expectSuccess(outcome);
   EXPECT_THAT(outcome.out, testing::ContainsRegex("\n.+ GiB .+\\[default\\]"));
+  EXPECT_THAT(outcome.out, testing::ContainsRegex(" [0-9]{1,4}\\.[0-9] GiB  "));
+  EXPECT_THAT(outcome.out, testing::StartsWith("haptic device (--device)"));
+  EXPECT_THAT(outcome.out, HasSubstr("\n\nVulkan device (--gpu) "));
+  EXPECT_THAT(outcome.out, testing::Not(HasSubstr("unusable: ]")));
+  std::size_t defaults = 0;
+  for (std::size_t at = 0; (at = outcome.out.find("  [default]\n", at)) != std::string::npos; ++at) ++defaults;
+  EXPECT_EQ(defaults, 2U);  // one of each kind
 }
 
 TEST_F(Verbs, PlanSaysWhatIsDoneAndWhatIsLeftOut) {
   const Outcome all = run({"plan", "phantom:sphere?size=64"});
   expectSuccess(all);
   EXPECT_THAT(all.out, testing::ContainsRegex("\n  do +.*gradient of [0-9]+ of 512 bricks"));
+  EXPECT_THAT(all.out, testing::StartsWith("phantom:sphere?size=64 at isovalue 0 on "));
+  EXPECT_THAT(all.out, testing::ContainsRegex("\n  do  +[0-9]+ of 512 bricks of density +-[0-9.]+ MiB  a brick that"));
+  EXPECT_THAT(all.out, testing::ContainsRegex("\n  leave  +contact effects  +the scene names none\n"));
   const Outcome less = run({"plan", "phantom:sphere?size=64", "--picture", "off"});
   expectSuccess(less);
   EXPECT_THAT(less.out, testing::ContainsRegex("\n  leave +"));
@@ -235,7 +282,36 @@ TEST_F(Verbs, CheckCountsAndReports) {
   EXPECT_EQ(json["compared"], 4 * 13 * 21 * 10);
   EXPECT_EQ(json["differing"], 0);
   EXPECT_EQ(json["holds"], true);
-  EXPECT_THAT(outcome.out, HasSubstr("holds"));
+  EXPECT_THAT(contentsOf(file("check.json")), testing::StartsWith("{\n  \"check\": \"gradient\",\n"));
+  const Outcome bounded = run({"check", "gradient", "phantom:random?size=13x21x10", "--bound", "3"});
+  expectSuccess(bounded);
+  for (const auto& [text, bound] : {std::pair(outcome.out, "0"), std::pair(bounded.out, "3")}) {
+    EXPECT_THAT(text, testing::StartsWith("gradient of phantom:random?size=13x21x10 on "));
+    EXPECT_THAT(text, HasSubstr(fmt::format(": central, stored as float\n"
+                                            "  values compared            10920\n"
+                                            "  differing values               0\n"
+                                            "  largest                        0 ULP\n"
+                                            "  bound                          {} ULP: holds\n",
+                                            bound)));
+  }
+}
+
+// Of a range both ends are taken and what is beyond is not; the page names what was given.
+TEST_F(Verbs, CheckTakesTheEndsOfItsRanges) {
+  const Words median = {"check", "filters", "phantom:random?size=9x4x3", "--filter", "median:1", "--crop"};
+  const Outcome cut = run(median + Words{"2"});
+  expectSuccess(cut);
+  EXPECT_THAT(cut.out, HasSubstr("(its middle 2 x 2 x 2 voxels)"));
+  expectRefusal(run(median + Words{"1"}), "--crop", "1", 2);
+  const Words edits = {"check", "edits", "phantom:random?size=9x4x3", "--edits"};
+  EXPECT_THAT(run(edits + Words{"1"}).out, HasSubstr("1 at random, seed 1"));
+  expectRefusal(run(edits + Words{"0"}), "--edits", "0", 2);
+  expectSuccess(run({"convert", "phantom:random?size=6", "scan.nrrd"}));
+  const Outcome all =
+      run({"check", "all", file("scan.nrrd").string(), "--quick", "--crop", "5", "--seed", "7", "--page", "page.md"});
+  expectSuccess(all);
+  EXPECT_THAT(contentsOf(file("page.md")),
+              HasSubstr("- command: `palpate check all scan.nrrd --quick --crop 5 --seed 7`\n"));
 }
 
 TEST_F(Verbs, CheckRefusesAFileThatCannotBeWrittenBeforeTheWork) {

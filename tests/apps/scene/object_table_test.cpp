@@ -66,6 +66,7 @@ TEST(ObjectTable, SaysWhatIsWrongWithAnObject) {
   EXPECT_THAT(refusal("sphere:radius=five"), HasSubstr("radius 'five' is not what it takes; give a number"));
   EXPECT_THAT(refusal("sphere:radius=nan"), HasSubstr("is not what it takes"));
   EXPECT_THAT(refusal("sphere:radius=-5"), HasSubstr("the radius is not positive"));
+  EXPECT_THAT(refusal("sphere:radius=0"), HasSubstr("the radius is not positive"));
   EXPECT_THAT(refusal("sphere:centre=1,2:radius=5"), HasSubstr("give x,y,z"));
   EXPECT_THAT(refusal("box:size=1,0,1"), HasSubstr("an edge is not positive"));
   EXPECT_THAT(refusal("plane:normal=0,0,0"), HasSubstr("the normal is zero"));

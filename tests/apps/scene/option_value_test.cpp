@@ -178,6 +178,31 @@ TEST(OptionValue, AWordWithATypoIsRecognised) {
                 optionForm(optionOfKey("servo.algorithm")->value));
 }
 
+// Where a name alone makes sense, '' is a slip: of a variable of a script that is not set, say.
+TEST(OptionValue, TextsThatMustNameSomethingAreNotEmpty) {
+  std::vector<std::string> may_be_empty;
+  for (const SceneOption* option : optionsOfKind<TextOption>()) {
+    Scene scene;
+    setOption(option->value, "a b", option->flag, scene);
+    EXPECT_EQ(optionText(option->value, scene), "a b");
+    const std::string message = refusalOf([&] { setOption(option->value, "", option->flag, scene); });
+    if (message == kNoRefusal) {
+      may_be_empty.emplace_back(option->flag);
+      EXPECT_EQ(optionText(option->value, scene), "");
+    } else {
+      EXPECT_EQ(message, std::string(option->flag) + ": '' is empty; give text, or leave it out");
+      EXPECT_EQ(optionText(option->value, scene), "a b");
+    }
+  }
+  EXPECT_THAT(may_be_empty, testing::ElementsAre("--volume", "--gpu", "--gradient-operator", "--out"));
+}
+
+TEST(OptionValue, RefusalsSayTheUnit) {
+  Scene scene;
+  EXPECT_EQ(refusalOf([&] { setOption(optionOfKey("path.depth_mm")->value, "5um", "--depth", scene, "mm"); }),
+            "--depth: '5um' is not what it takes; give a number from 0 to 100, in mm");
+}
+
 TEST(OptionValue, VectorsTakeThreeNumbers) {
   for (const SceneOption* option : optionsOfKind<VectorOption>()) {
     for (const char* text : {"", "1", "1,2", "1,2,3,4", "1,2,", ",,", "1,2,x", "1,2,nan", "1,inf,3", "1;2;3"}) {
@@ -195,6 +220,9 @@ TEST(OptionValue, DirectionsAreMadeUnitVectorsOfAnyLength) {
     ASSERT_TRUE(scene.path_toward) << text;
     EXPECT_NEAR((*scene.path_toward - Vec3(0.6, 0, -0.8)).norm(), 0, 1e-15) << text;
   }
+  Scene scene;
+  set("path.toward", "0,-2,0", scene);
+  EXPECT_EQ(optionText(optionOfKey("path.toward")->value, scene), "0,-1,0");
   expectRefused(*optionOfKey("path.toward"), "0,0,0");
   expectRefused(*optionOfKey("path.slide_toward"), "0,-0,0");
 }

@@ -158,6 +158,37 @@ TEST_F(SceneFile, LeavesOtherKeysAsTheyWere) {
   EXPECT_EQ(scene.plane_renewal_ticks, 3);
 }
 
+// A list of texts, or one text with blanks between.
+TEST_F(SceneFile, ChainsAreListsOfTexts) {
+  EXPECT_EQ(read("filter = ['median:1', 'gaussian:0.8mm']\n").filter, "median:1 gaussian:0.8mm");
+  EXPECT_EQ(read("filter = 'median:1 dilate:2'\n").filter, "median:1 dilate:2");
+  for (const char* text : {"filter = 5\n", "filter = ['median:1', 5]\n"})
+    EXPECT_THAT(refusalOf(text), testing::EndsWith("of another kind than it takes; give [\"word\", ...]"));
+}
+
+// As a scene file writes them: an array, where a flag has commas.
+TEST_F(SceneFile, ValuesOfAnotherKindAreToldTheForm) {
+  EXPECT_THAT(refusalOf("path.toward = 1\n"), testing::EndsWith("another kind than it takes; give [x, y, z]"));
+  EXPECT_THAT(refusalOf("haptization.density = 1\n"),
+              testing::EndsWith("another kind than it takes; give [[density, force, viscosity], ...]"));
+  EXPECT_THAT(refusalOf("servo.n = false\n"),
+              testing::EndsWith("another kind than it takes; give a whole number from 1 to 100000"));
+}
+
+// What a scene had before starts elsewhere.
+TEST_F(SceneFile, OnlyPathsOfTheFileStartAtTheFile) {
+  Scene scene;
+  scene.volume = "mine.nrrd";
+  scene.path_file = "mine.csv";
+  scene.objects.push_back({.kind = ObjectKind::kMesh, .file = "mine.stl"});
+  readSceneFile(write("[[object]]\nkind = 'mesh'\nfile = 'plate.stl'\n"), scene);
+  EXPECT_EQ(scene.volume, "mine.nrrd");
+  EXPECT_EQ(scene.path_file, "mine.csv");
+  ASSERT_EQ(scene.objects.size(), 2U);
+  EXPECT_EQ(scene.objects[0].file, "mine.stl");
+  EXPECT_EQ(scene.objects[1].file, (folder_.path() / "plate.stl").string());
+}
+
 TEST_F(SceneFile, RelativePathsStartAtTheFile) {
   const Scene scene =
       read("volume = \"scans/../head.nrrd\"\n[path]\nfile = \"way.csv\"\n[output]\nfolder = \"results\"\n");
