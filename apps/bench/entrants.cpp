@@ -3,7 +3,6 @@
 
 #include <algorithm>
 
-#include "apps/bench/recovery_rows.hpp"
 #include "base/error.hpp"
 #include "servo/contact/effects.hpp"
 
@@ -15,11 +14,6 @@ ContactEffects makeRecovery() {
   parameters.recovery_s = kRecoveryTime_s;
   return makeContactEffects(parameters, kBenchStiffness_N_per_m, kBenchRate_hz);
 }
-
-const EffectChoice kChoices[] = {
-    {"none", [] { return ContactEffects{}; }},
-    {kRecoveryChoice, makeRecovery},
-};
 
 AlgorithmSetup setupFor(const BenchVolume& volume, int n, ContactEffects effects) {
   return {.parameters = {.isovalue = volume.isovalue(),
@@ -33,10 +27,6 @@ AlgorithmSetup setupFor(const BenchVolume& volume, int n, ContactEffects effects
 }
 
 }  // namespace
-
-std::span<const EffectChoice> effectChoices() {
-  return kChoices;
-}
 
 Entrants makeEntrants(const BenchVolume& volume, const std::vector<int>& renewals) {
   Entrants entrants;
@@ -54,14 +44,21 @@ Entrants makeEntrants(const BenchVolume& volume, const std::vector<int>& renewal
   return entrants;
 }
 
+std::vector<Entrant> makeEntrantsOnce(const BenchVolume& volume, const std::vector<int>& renewals) {
+  std::vector<Entrant> list = makeEntrants(volume, renewals).list;
+  std::erase_if(list, [&](const Entrant& e) { return !e.traits.renews_planes && e.n != renewals.front(); });
+  return list;
+}
+
 std::vector<Entrant> makeEntrantsWithEffects(const BenchVolume& volume, int n) {
   std::vector<Entrant> list;
-  if (effectChoices().size() < 2) return list;
   for (const AlgorithmEntry& entry : algorithms()) {
     const std::string name(entry.name);
     try {
-      for (const EffectChoice& choice : effectChoices()) {
-        list.push_back({name, n, choice.name, makeAlgorithm(name, setupFor(volume, n, choice.make())), entry.traits});
+      for (const bool recovers : {false, true}) {
+        ContactEffects effects = recovers ? makeRecovery() : ContactEffects{};
+        list.push_back({name, n, recovers ? kRecoveryChoice : "none",
+                        makeAlgorithm(name, setupFor(volume, n, std::move(effects))), entry.traits});
       }
     } catch (const Error&) {  // takes no effects
       std::erase_if(list, [&](const Entrant& entrant) { return entrant.algorithm == name; });
