@@ -13,47 +13,31 @@ layout(std430, binding = EDIT_BINDING_SLAB) buffer Slab { vec4 slab[]; };
 layout(std430, binding = EDIT_BINDING_TASKS) readonly buffer Tasks { EditTask tasks[]; };
 layout(std430, binding = EDIT_BINDING_COMMANDS) readonly buffer Commands { EditCommand commands[]; };
 layout(std430, binding = EDIT_BINDING_STAMPS) readonly buffer Stamps { float stamps[]; };
+#include "numbers.math.glsl"
 #include "edit.math.glsl"
-#include "edit_stamp.glsl"
+#include "edit_stamp.math.glsl"
 
-vec4 stampedDepth(EditCommand c, vec4 px, float py, float pz, out bvec4 reached) {
-  vec4 depth;
-  bool inside;
-  for (uint i = 0; i < 4; ++i) {
-    depth[i] = -stampDistance(c, px[i], py, pz, inside);
-    reached[i] = inside && depth[i] >= -c.reach;
-  }
-  return depth;
+// A cell's corners on one side along the stamp's third axis.
+vec4 stampCorners(uint first, uint row) {
+  return vec4(stamps[first], stamps[first + 1], stamps[first + row], stamps[first + row + 1]);
 }
 
-vec4 edited(EditCommand c, vec4 px, float py, float pz, vec4 f) {
-  if (kKind == EDIT_CUT) {
-    const vec4 height = planeHeight(c, px, py, pz);
-    return blend(f, clearedTarget(c, f, height), vec4(c.strength),
-                 greaterThanEqual(height, vec4(-c.reach)));
+vec4 stampedRow(EditCommand c, vec4 px, float py, float pz, vec4 f) {
+  vec4 distance = vec4(0);
+  bvec4 inside;
+  for (uint i = 0; i < 4; ++i) {
+    const StampPlace place = stampPlace(c, px[i], py, pz);
+    inside[i] = place.inside;
+    if (!place.inside) continue;
+    distance[i] = stampDistance(place, stampCorners(place.first, c.stamp_x),
+                                stampCorners(place.first + c.stamp_x * c.stamp_y, c.stamp_x));
   }
-  if (kKind == EDIT_STAMP_ADD || kKind == EDIT_STAMP_REMOVE) {
-    bvec4 reached;
-    const vec4 depth = stampedDepth(c, px, py, pz, reached);
-    const vec4 target = kKind == EDIT_STAMP_ADD ? filledTarget(c, f, depth) : clearedTarget(c, f, depth);
-    return blend(f, target, vec4(c.strength), reached);
-  }
-  const vec4 distance = strokeDistance(c, px, py, pz);
-  const bvec4 reached = lessThanEqual(distance, vec4(c.reach));
-  precise vec4 depth = c.radius - distance;
-  precise vec4 amount = amountAt(c, distance);
-  vec4 target = vec4(c.value);
-  if (kKind == EDIT_ADD) target = filledTarget(c, f, depth);
-  if (kKind == EDIT_REMOVE) {
-    target = clearedTarget(c, f, depth);
-    if (c.material_drop > 0.0) amount = amount * materialRate(c, f);
-  }
-  if (kKind == EDIT_FLATTEN) {
-    const vec4 height = planeHeight(c, px, py, pz);
-    precise vec4 ramp = c.isovalue - c.slope * height;
-    target = lesser(greater(ramp, vec4(c.background)), vec4(c.object));
-  }
-  return blend(f, target, amount, reached);
+  return stamped(kKind, c, distance, inside, f);
+}
+
+vec4 editedRow(EditCommand c, vec4 px, float py, float pz, vec4 f) {
+  if (kKind == EDIT_STAMP_ADD || kKind == EDIT_STAMP_REMOVE) return stampedRow(c, px, py, pz, f);
+  return edited(kKind, c, px, py, pz, f);
 }
 
 void main() {
@@ -83,12 +67,10 @@ void main() {
   }
   for (uint i = 0; i < push.command_count; ++i) {
     const EditCommand c = commands[push.first_command + i];
-    precise vec4 px_low = vec4(x_low - c.origin_x) * push.h_x;
-    precise vec4 px_high = vec4(x_high - c.origin_x) * push.h_x;
-    precise float py = float(y - c.origin_y) * push.h_y;
-    precise float pz = float(z - c.origin_z) * push.h_z;
-    low = edited(c, px_low, py, pz, low);
-    high = edited(c, px_high, py, pz, high);
+    const float py = placeAlong(y, c.origin_y, push.scale.h_y);
+    const float pz = placeAlong(z, c.origin_z, push.scale.h_z);
+    low = editedRow(c, placesAlong(x_low, c.origin_x, push.scale.h_x), py, pz, low);
+    high = editedRow(c, placesAlong(x_high, c.origin_x, push.scale.h_x), py, pz, high);
   }
   slab[at] = low;
   slab[at + 1] = high;

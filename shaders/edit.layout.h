@@ -71,13 +71,18 @@ struct EditTask {
   float constant;     // [density]
 };
 
+// What depends on the spacing alone, rounded to float once.
+struct EditScale {
+  float h_x, h_y, h_z;              // spacing [m]
+  float blur_x, blur_y, blur_z;     // smooth: share of each neighbour along the axes [-]
+  float inv_h_x, inv_h_y, inv_h_z;  // 1 / spacing [1/m]
+};
+
 struct EditPush {
   PoolDomain domain;
   uint first_task, task_count;
   uint first_command, command_count;
-  float h_x, h_y, h_z;              // spacing [m]
-  float blur_x, blur_y, blur_z;     // smooth: share of each neighbour along the axes [-]
-  float inv_h_x, inv_h_y, inv_h_z;  // 1 / spacing [1/m]
+  EditScale scale;
 };
 
 struct CommitPush {
@@ -87,6 +92,7 @@ struct CommitPush {
 
 PALPATE_LAYOUT_CHECK(EditCommand, 172)
 PALPATE_LAYOUT_CHECK(EditTask, 16)
+PALPATE_LAYOUT_CHECK(EditScale, 36)
 PALPATE_LAYOUT_CHECK(EditPush, 76)
 PALPATE_PUSH_CHECK(EditPush)
 

@@ -1,78 +1,112 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/edit.math.glsl: what an edit command does to four voxels along i. Its twin, engine/edit/edit_math.hpp, takes
-// the same steps in the same order. min and max may differ in the sign of zero, so comparisons are used instead.
-// `precise` keeps every product and sum apart.
+// shaders/edit.math.glsl: what an edit command does to four voxels along i. docs/edits.md defines it, and the order of
+// the operations. `precise` keeps every product and sum apart. Read by GLSL and by C++ (shaders/kernel_text.hpp), after
+// numbers.math.glsl.
 //
-// The kernels are specialised for one kind of command, since lavapipe takes every branch and masks what it stores.
+// `kind` is the command's. Kernels give it as a constant, so that they hold the arithmetic of one kind: lavapipe takes
+// every branch and masks what it stores.
 
-const float kLargest = 3.4028234e38;  // results stay finite
-
-vec4 lesser(vec4 a, vec4 b) { return mix(a, b, lessThan(b, a)); }
-vec4 greater(vec4 a, vec4 b) { return mix(a, b, lessThan(a, b)); }
+// Place of voxels along an axis of the lattice, from the command's origin voxel [m].
+PALPATE_TEXT vec4 placesAlong(ivec4 voxels, int origin, float spacing) {
+  precise vec4 places = vec4(voxels - origin) * spacing;
+  return places;
+}
+PALPATE_TEXT float placeAlong(int voxel, int origin, float spacing) {
+  precise float place = float(voxel - origin) * spacing;
+  return place;
+}
 
 // Distance of the points (px, py, pz) from the stroke [m].
-vec4 strokeDistance(EditCommand c, vec4 px, float py, float pz) {
-  const float ab_x = c.ab_x, ab_y = c.ab_y, ab_z = c.ab_z;
+PALPATE_TEXT vec4 strokeDistance(EditCommand c, vec4 px, float py, float pz) {
   precise vec4 qx = px - c.a_x;
   precise float qy = py - c.a_y;
   precise float qz = pz - c.a_z;
-  precise vec4 rx = qx, ry = vec4(qy), rz = vec4(qz);
-  const float inv_ab2 = c.inv_ab2;
-  if (inv_ab2 > 0.0) {
-    precise float across = qy * ab_y + qz * ab_z;
-    precise vec4 t = (qx * ab_x + across) * inv_ab2;
-    t = lesser(greater(t, vec4(0)), vec4(1));
-    rx = qx - t * ab_x;
-    ry = qy - t * ab_y;
-    rz = qz - t * ab_z;
+  precise vec4 rx = qx;
+  precise vec4 ry = vec4(qy);
+  precise vec4 rz = vec4(qz);
+  if (c.inv_ab2 > 0.0f) {
+    precise float across = qy * c.ab_y + qz * c.ab_z;
+    precise vec4 t = (qx * c.ab_x + across) * c.inv_ab2;
+    t = lesser(greater(t, vec4(0.0f)), vec4(1.0f));
+    rx = qx - t * c.ab_x;
+    ry = qy - t * c.ab_y;
+    rz = qz - t * c.ab_z;
   }
   precise vec4 square = (rx * rx + ry * ry) + rz * rz;
   return sqrt(square);
 }
 
 // Height above the command's plane [m].
-vec4 planeHeight(EditCommand c, vec4 px, float py, float pz) {
+PALPATE_TEXT vec4 planeHeight(EditCommand c, vec4 px, float py, float pz) {
   precise float across = (c.n_y * py + c.n_z * pz) - c.n_d;
   precise vec4 height = c.n_x * px + across;
   return height;
 }
 
-// Share of the way to the target, for points at `distance` from the stroke.
-vec4 amountAt(EditCommand c, vec4 distance) {
-  const float strength = c.strength;
-  const float inv_fade = c.inv_fade;
-  if (inv_fade == 0.0) return vec4(strength);
-  precise vec4 s = (c.radius - distance) * inv_fade;
-  s = lesser(greater(s, vec4(0)), vec4(1));
-  precise vec4 smooth_s = (s * s) * (3.0 - 2.0 * s);
-  precise vec4 amount = strength * smooth_s;
+// How far into its fade a command is, at `distance` from the stroke: 1 where it has its full strength.
+PALPATE_TEXT vec4 fadeShare(EditCommand c, vec4 distance) {
+  if (c.inv_fade == 0.0f) return vec4(1.0f);
+  precise vec4 share = (c.radius - distance) * c.inv_fade;
+  return lesser(greater(share, vec4(0.0f)), vec4(1.0f));
+}
+
+// Share of the way to the target there.
+PALPATE_TEXT vec4 amountAt(EditCommand c, vec4 distance) {
+  if (c.inv_fade == 0.0f) return vec4(c.strength);
+  const vec4 s = fadeShare(c, distance);
+  precise vec4 amount = c.strength * ((s * s) * (3.0f - 2.0f * s));
   return amount;
 }
 
-vec4 finite(vec4 f) { return lesser(greater(f, vec4(-kLargest)), vec4(kLargest)); }
-
 // From density f towards `target`. Where the amount is nothing, or the point is out of reach, f stays bit for bit.
-vec4 blend(vec4 f, vec4 target, vec4 amount, bvec4 reached) {
-  precise vec4 step = amount * (target - f);
-  precise vec4 blended = finite(f + step);
-  const vec4 result = mix(blended, target, greaterThanEqual(amount, vec4(1)));
-  return mix(f, result, bvec4(uvec4(reached) & uvec4(greaterThan(amount, vec4(0)))));
+PALPATE_TEXT vec4 blend(vec4 f, vec4 target, vec4 amount, bvec4 reached) {
+  precise vec4 blended = finite(f + amount * (target - f));
+  const vec4 moved = mix(blended, target, greaterThanEqual(amount, vec4(1.0f)));
+  return mix(f, moved, both(reached, greaterThan(amount, vec4(0.0f))));
 }
 
-// Targets of the surface that a command makes, `depth` metres under it (negative: above it).
-vec4 filledTarget(EditCommand c, vec4 f, vec4 depth) {
+// The ramp of a new surface, `depth` metres under it (negative: above it): of what is filled, and of what is cleared.
+PALPATE_TEXT vec4 filledRamp(EditCommand c, vec4 depth) {
   precise vec4 ramp = c.isovalue + c.slope * depth;
-  return greater(f, lesser(ramp, vec4(c.object)));
+  return lesser(ramp, vec4(c.object));
 }
-vec4 clearedTarget(EditCommand c, vec4 f, vec4 depth) {
+PALPATE_TEXT vec4 clearedRamp(EditCommand c, vec4 depth) {
   precise vec4 ramp = c.isovalue - c.slope * depth;
-  return lesser(f, greater(ramp, vec4(c.background)));
+  return greater(ramp, vec4(c.background));
 }
 
 // How much of a removal the material at density f lets happen.
-vec4 materialRate(EditCommand c, vec4 f) {
+PALPATE_TEXT vec4 materialRate(EditCommand c, vec4 f) {
   precise vec4 share = (f - c.material_low) * c.material_inv_range;
-  share = lesser(greater(share, vec4(0)), vec4(1));
-  precise vec4 rate = 1.0 - c.material_drop * share;
+  share = lesser(greater(share, vec4(0.0f)), vec4(1.0f));
+  precise vec4 rate = 1.0f - c.material_drop * share;
   return rate;
+}
+
+// ---- The new densities, for kinds that read no neighbour.
+
+PALPATE_TEXT vec4 cutOff(EditCommand c, vec4 px, float py, float pz, vec4 f) {
+  const vec4 height = planeHeight(c, px, py, pz);
+  const vec4 target = lesser(f, clearedRamp(c, height));
+  return blend(f, target, vec4(c.strength), greaterThanEqual(height, vec4(-c.reach)));
+}
+
+PALPATE_TEXT vec4 brushed(uint kind, EditCommand c, vec4 px, float py, float pz, vec4 f) {
+  const vec4 distance = strokeDistance(c, px, py, pz);
+  precise vec4 depth = c.radius - distance;
+  precise vec4 amount = amountAt(c, distance);
+  vec4 target = vec4(c.value);
+  if (kind == EDIT_ADD) target = greater(f, filledRamp(c, depth));
+  if (kind == EDIT_REMOVE) {
+    target = lesser(f, clearedRamp(c, depth));
+    if (c.material_drop > 0.0f) amount = amount * materialRate(c, f);
+  }
+  if (kind == EDIT_FLATTEN) target = lesser(clearedRamp(c, planeHeight(c, px, py, pz)), vec4(c.object));
+  return blend(f, target, amount, lessThanEqual(distance, vec4(c.reach)));
+}
+
+// All kinds but stamps.
+PALPATE_TEXT vec4 edited(uint kind, EditCommand c, vec4 px, float py, float pz, vec4 f) {
+  if (kind == EDIT_CUT) return cutOff(c, px, py, pz, f);
+  return brushed(kind, c, px, py, pz, f);
 }

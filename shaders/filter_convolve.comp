@@ -8,6 +8,7 @@
 layout(local_size_x = FILTER_GROUP) in;
 layout(push_constant) uniform Push { FilterPush push; };
 #include "filter.glsl"
+#include "numbers.math.glsl"
 #include "filter_convolve.math.glsl"
 
 layout(constant_id = FILTER_CONSTANT_OWN) const uint kAxis = 0;

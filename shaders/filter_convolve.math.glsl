@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // shaders/filter_convolve.math.glsl: one tap of a convolution: multiply, then add. The taps sum to one, so a sum can
-// only overflow if it is a rounding away from the largest density; finite() turns it into that. Read by GLSL and by C++
-// (shaders/kernel_text.hpp).
+// only overflow if it is a rounding away from the largest density; finite() (numbers.math.glsl) turns
+// it into that. Read by GLSL and by C++ (shaders/kernel_text.hpp).
 
 PALPATE_TEXT float firstTap(float tap, float value) {
   precise float part = tap * value;
@@ -24,8 +24,3 @@ PALPATE_TEXT vec4 addTap(vec4 sum, float tap, vec4 value) {
   precise vec4 more = sum + part;
   return more;
 }
-
-#define LARGEST_DENSITY 3.40282347e38f
-
-PALPATE_TEXT float finite(float sum) { return clamp(sum, -LARGEST_DENSITY, LARGEST_DENSITY); }
-PALPATE_TEXT vec4 finite(vec4 sum) { return clamp(sum, -LARGEST_DENSITY, LARGEST_DENSITY); }

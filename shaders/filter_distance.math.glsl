@@ -5,7 +5,8 @@
 // held to what the voxel across allows.
 //
 // Lengths are in units of the smallest spacing. Densities are halved or quartered before they are subtracted, so that
-// no difference overflows; that loses bits of denormals only. Read by GLSL and by C++ (shaders/kernel_text.hpp).
+// no difference overflows; that loses bits of denormals only. Read by GLSL and by C++ (shaders/kernel_text.hpp),
+// after numbers.math.glsl.
 
 // ---- Seed: the nearest place at which the line to one of a voxel's 26 neighbours meets the surface.
 
@@ -183,11 +184,6 @@ PALPATE_TEXT CellPlace cellAt(int voxel, float shift, int size) {
   place.cell = at_end ? max(size - 2, 0) : c;
   place.share = at_end ? 1.0f : rest;
   return place;
-}
-
-PALPATE_TEXT float lerped(float a, float b, float t) {
-  precise float between = a + t * (b - a);
-  return between;
 }
 
 // A quarter of the gradient (per voxel) and of the value of the trilinear field in a cell. low, high: the corners of

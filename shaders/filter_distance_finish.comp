@@ -14,6 +14,7 @@ layout(local_size_x = FILTER_GROUP) in;
 layout(push_constant) uniform Push { FilterPush push; };
 #define FILTER_RESULT_ACCESS
 #include "filter.glsl"
+#include "numbers.math.glsl"
 #include "filter_distance.math.glsl"
 
 const int kProjections = 2;  // of the voxel, each onto the tangent plane where the last one landed

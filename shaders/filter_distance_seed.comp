@@ -10,6 +10,7 @@
 layout(local_size_x = FILTER_GROUP) in;
 layout(push_constant) uniform Push { FilterPush push; };
 #include "filter.glsl"
+#include "numbers.math.glsl"
 #include "filter_distance.math.glsl"
 #include "filter_row_ends.glsl"
 

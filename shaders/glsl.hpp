@@ -19,11 +19,16 @@ struct Vec4 {
   constexpr Vec4() = default;
   explicit constexpr Vec4(T all) : e{all, all, all, all} {}
   constexpr Vec4(T x, T y, T z, T w) : e{x, y, z, w} {}
+  template <typename U>
+  explicit constexpr Vec4(const Vec4<U>& v)
+      : e{static_cast<T>(v[0]), static_cast<T>(v[1]), static_cast<T>(v[2]), static_cast<T>(v[3])} {}
   constexpr T& operator[](int i) noexcept { return e[static_cast<std::size_t>(i)]; }
   constexpr const T& operator[](int i) const noexcept { return e[static_cast<std::size_t>(i)]; }
 };
 using vec4 = Vec4<float>;
 using ivec4 = Vec4<int>;
+using uvec4 = Vec4<uint>;
+using bvec4 = Vec4<bool>;
 
 // One result from the elements of each vector.
 template <typename Function, typename... Vectors>
@@ -45,6 +50,18 @@ inline vec4 operator*(const vec4& a, const vec4& b) {
 inline vec4 operator/(const vec4& a, const vec4& b) {
   return each([](float x, float y) { return x / y; }, a, b);
 }
+inline vec4 operator+(float a, const vec4& b) {
+  return vec4(a) + b;
+}
+inline vec4 operator+(const vec4& a, float b) {
+  return a + vec4(b);
+}
+inline vec4 operator-(float a, const vec4& b) {
+  return vec4(a) - b;
+}
+inline vec4 operator-(const vec4& a, float b) {
+  return a - vec4(b);
+}
 inline vec4 operator*(const vec4& a, float b) {
   return a * vec4(b);
 }
@@ -58,8 +75,35 @@ inline vec4 operator-(const vec4& a) {
   return each([](float x) { return -x; }, a);
 }
 
+inline ivec4 operator-(const ivec4& a, int b) {
+  return each([b](int x) { return x - b; }, a);
+}
+inline uvec4 operator&(const uvec4& a, const uvec4& b) {
+  return each([](uint x, uint y) { return x & y; }, a, b);
+}
+
+inline bvec4 lessThan(const vec4& a, const vec4& b) {
+  return each([](float x, float y) { return x < y; }, a, b);
+}
+inline bvec4 lessThanEqual(const vec4& a, const vec4& b) {
+  return each([](float x, float y) { return x <= y; }, a, b);
+}
+inline bvec4 greaterThan(const vec4& a, const vec4& b) {
+  return each([](float x, float y) { return x > y; }, a, b);
+}
+inline bvec4 greaterThanEqual(const vec4& a, const vec4& b) {
+  return each([](float x, float y) { return x >= y; }, a, b);
+}
+// The elements of b where `second`, of a elsewhere.
+inline vec4 mix(const vec4& a, const vec4& b, const bvec4& second) {
+  return each([](float x, float y, bool is_second) { return is_second ? y : x; }, a, b, second);
+}
+
 inline float sqrt(float a) {
   return std::sqrt(a);
+}
+inline vec4 sqrt(const vec4& a) {
+  return each([](float x) { return std::sqrt(x); }, a);
 }
 inline float abs(float a) {
   return std::fabs(a);

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "apps/rivals/rivals.hpp"
-#include "engine/passes/filter_chain.hpp"
+#include "engine/filter_passes/filter_chain.hpp"
 
 namespace palpate {
 
@@ -23,10 +23,7 @@ class ResidentChain {
   }
 
   void plan() {  // before record()
-    chain_.plan(bricks_, [&](std::uint32_t brick) {
-      const layout::BrickPage& page = source_.page(brick);
-      return page.slot == NO_SLOT ? std::optional(page.constant) : std::nullopt;
-    });
+    chain_.plan(bricks_, [&](std::uint32_t brick) { return source_.constantOf(brick); });
     chain_.commit();
   }
   void record(gpu::Commands& commands) { chain_.record(commands); }  // all steps

@@ -22,8 +22,7 @@ namespace {
 std::optional<double> isovalueOf(const Volume& volume) {
   if (volume.minimum() == volume.maximum()) return std::nullopt;
   const double isovalue = defaultIsovalue(volume);
-  const bool within = volume.minimum() <= isovalue && isovalue < volume.maximum();
-  return within ? isovalue : 0.5 * volume.minimum() + 0.5 * volume.maximum();
+  return partsVolume(volume, isovalue) ? isovalue : 0.5 * volume.minimum() + 0.5 * volume.maximum();
 }
 
 // Part of a whole, for nested progress.

@@ -11,9 +11,9 @@
 #include "base/stopwatch.hpp"
 #include "base/units.hpp"
 #include "engine/field/statistics.hpp"
+#include "engine/filter_passes/filter_chain.hpp"
 #include "engine/gpu/gpu.hpp"
 #include "engine/gpu/transfer.hpp"
-#include "engine/passes/filter_chain.hpp"
 #include "engine/passes/pool_volume.hpp"
 #include "engine/reference/filter.hpp"
 

@@ -9,8 +9,8 @@
 
 #include "base/stopwatch.hpp"
 #include "engine/bricks/active_bricks.hpp"
+#include "engine/filter_passes/filter_chain.hpp"
 #include "engine/gpu/transfer.hpp"
-#include "engine/passes/filter_chain.hpp"
 #include "engine/passes/gradient_pass.hpp"
 #include "engine/reference/gradient.hpp"
 #include "engine/reference/half.hpp"
@@ -125,13 +125,11 @@ Check checkGradient(const Volume& volume, const reference::DenseField& field, co
   const reference::DenseField smoothed =
       reference::smoothedFor(request.gradient, field, [&](double done) { progress(smoothing_share * done); });
   StoredSamples samples(request.format);
-  for (std::size_t brick = 0; brick < pool.brickCount(); ++brick) {
+  for (std::uint32_t brick = 0; brick < pool.brickCount(); ++brick) {
     const SampleStore::Place place = store.place(brick);
     if (place.slot == 0) samples.download(transfer, store.slab(place.slab));
-    const Vec3i counts = pool.grid().counts();
-    const auto b = static_cast<int>(brick);
-    const Vec3i at(b % counts.x(), b / counts.x() % counts.y(), b / (counts.x() * counts.y()));
-    compareBrick(check, {field, smoothed}, request.gradient, at, samples, std::size_t{place.slot} * kBrickVoxels);
+    compareBrick(check, {field, smoothed}, request.gradient, pool.grid().brick(brick), samples,
+                 std::size_t{place.slot} * kBrickVoxels);
     if (brick % 256 != 0) continue;
     progress(smoothing_share +
              (1 - smoothing_share) * static_cast<double>(brick) / static_cast<double>(pool.brickCount()));

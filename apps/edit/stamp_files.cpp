@@ -5,7 +5,7 @@
 
 #include "apps/mesh/mesh_file.hpp"
 #include "base/error.hpp"
-#include "servo/objects/mesh_preparation.hpp"
+#include "base/mesh_preparation.hpp"
 
 namespace palpate {
 namespace {

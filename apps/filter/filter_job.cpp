@@ -12,7 +12,7 @@
 #include "base/stopwatch.hpp"
 #include "engine/field/statistics.hpp"
 #include "engine/files/volume_file.hpp"
-#include "engine/passes/filter_chain.hpp"
+#include "engine/filter_passes/filter_chain.hpp"
 #include "engine/passes/pool_volume.hpp"
 
 namespace palpate {

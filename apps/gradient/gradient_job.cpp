@@ -17,11 +17,11 @@
 #include "engine/field/statistics.hpp"
 #include "engine/files/vector_file.hpp"
 #include "engine/files/volume_file.hpp"
+#include "engine/filter_passes/filter_chain.hpp"
 #include "engine/gpu/gpu.hpp"
 #include "engine/gpu/transfer.hpp"
 #include "engine/gradient/gradient_operator.hpp"
 #include "engine/passes/brick_bounds_pass.hpp"
-#include "engine/passes/filter_chain.hpp"
 #include "engine/passes/gradient_pass.hpp"
 #include "servo/window/sample_window.hpp"
 
@@ -68,7 +68,7 @@ class Computed {
 
   void copyTo(VectorFile& file, Progress& progress) {
     progress.stage("copying");
-    const BrickGrid grid{pool_.size(), pool_.lattice().spacing_m};
+    const BrickGrid grid = pool_.grid();
     std::vector<Sample> samples;
     std::vector<Eigen::Vector3f> gradients(kBrickVoxels);
     std::size_t done = 0;

@@ -20,6 +20,7 @@
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
 #include "engine/field/statistics.hpp"
+#include "engine/files/volume_file.hpp"
 #include "verbs.hpp"
 #include "version.hpp"
 #include "volume_options.hpp"
@@ -38,6 +39,18 @@ struct CheckArguments {
   std::uint32_t bound_ulp = 0;
   std::string json;
 };
+
+// Results go into files of their own: not into the volume, nor both into one. (That they can be written is known by
+// now: checkWritable.)
+void checkOutputs(const std::string& volume, const std::string& json, const std::string& page = {}) {
+  for (const std::string& file : {json, page}) {
+    if (!file.empty() && !volume.empty()) checkNotInput(volume, file);
+  }
+  if (json.empty() || page.empty()) return;
+  if (std::filesystem::weakly_canonical(json) != std::filesystem::weakly_canonical(page)) return;
+  throw Error(Error::Code::kBadInput, page, "it is named for two of the outputs, and the last would be all",
+              "give each a file of its own");
+}
 
 void printCheck(const CheckArguments& arguments, const Check& check) {
   printResult("gradient of {} on {}: {}, stored as {}\n", arguments.volume, check.device, arguments.gradient_operator,
@@ -73,6 +86,7 @@ void writeJson(const CheckArguments& arguments, const Check& check) {
 }
 
 void checkGradientVerb(const CheckArguments& arguments) {
+  checkOutputs(arguments.volume, arguments.json);
   GradientCheckRequest request{arguments.gpu, gradientOperator(arguments.gradient_operator), {}, arguments.bound_ulp};
   Progress progress;
   progress.stage("loading " + arguments.volume);
@@ -128,6 +142,7 @@ Volume loaded(const TableArguments& arguments, Progress& progress) {
 }
 
 void checkFiltersVerb(const TableArguments& arguments) {
+  checkOutputs(arguments.volume, arguments.json);
   if (arguments.isovalue && !arguments.filter.empty()) {
     checkIsovalueIsUsed(filterChain(arguments.filter), arguments.filter);
   }
@@ -152,6 +167,7 @@ void checkFiltersVerb(const TableArguments& arguments) {
 }
 
 void checkEditsVerb(const TableArguments& arguments) {
+  checkOutputs(arguments.volume, arguments.json);
   Progress progress;
   const Volume volume = loaded(arguments, progress);
   progress.stage("comparing");
@@ -174,6 +190,7 @@ std::string allCommand(const TableArguments& arguments) {
 }
 
 void checkAllVerb(const TableArguments& arguments) {
+  checkOutputs(arguments.volume, arguments.json, arguments.page);
   Progress progress;
   const CheckAll all = checkAll(
       {arguments.gpu, arguments.volume, arguments.quick, arguments.crop, arguments.seed},

@@ -2,6 +2,7 @@
 // palpate edit IN OUT: every edit, undo and redo, from the command line or a script.
 #include <fmt/format.h>
 
+#include "apps/console/document.hpp"
 #include "apps/console/message.hpp"
 #include "apps/edit/edit_words.hpp"
 #include "base/byte_size.hpp"
@@ -80,7 +81,7 @@ void addEditVerb(CLI::App& app) {
   verb->add_flag_callback(
           "--commands",
           [] {
-            printText(editTextTable());
+            printDocument(editTextTable());
             throw CLI::Success();
           },
           "list the kinds of edits and their keys")

@@ -2,7 +2,7 @@
 // palpate faults: every fault of the servo, what it does to the force and what to do, as docs/faults.md has it.
 #include <fmt/format.h>
 
-#include "apps/console/message.hpp"
+#include "apps/console/document.hpp"
 #include "servo/safety/faults.hpp"
 #include "verbs.hpp"
 
@@ -11,7 +11,7 @@ namespace palpate {
 void addFaultsVerb(CLI::App& app) {
   CLI::App* verb =
       app.add_subcommand("faults", "print every fault of the servo: what it does to the force, what to do");
-  verb->callback([] { printText(faultDocument()); });
+  verb->callback([] { printDocument(faultDocument()); });
 }
 
 }  // namespace palpate

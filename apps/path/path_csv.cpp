@@ -14,6 +14,7 @@
 
 #include "base/byte_order_mark.hpp"
 #include "base/error.hpp"
+#include "base/quantile.hpp"
 
 namespace palpate {
 namespace {
@@ -114,15 +115,13 @@ void checkLength(const std::vector<NumberedPoint>& rows, const std::string& file
 void checkNoHole(const std::vector<NumberedPoint>& rows, const std::string& file) {
   std::vector<double> gaps_s;
   for (std::size_t i = 1; i < rows.size(); ++i) gaps_s.push_back(rows[i].point.time_s - rows[i - 1].point.time_s);
-  std::vector<double> sorted = gaps_s;
   // The lower median, so that of two unequal gaps the longer one can be a hole.
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>((sorted.size() - 1) / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
+  const double usual_s = percentiles(gaps_s).p50;
   for (std::size_t i = 0; i < gaps_s.size(); ++i) {
-    if (gaps_s[i] <= kHoleFactor * *middle) continue;
+    if (gaps_s[i] <= kHoleFactor * usual_s) continue;
     refuseLine(file, rows[i + 1].line,
                fmt::format("a hole in the path: nothing between {} s and {} s, where rows come every {} s",
-                           rows[i].point.time_s, rows[i + 1].point.time_s, *middle),
+                           rows[i].point.time_s, rows[i + 1].point.time_s, usual_s),
                "record the path again or fill in the missing rows");
   }
 }

@@ -152,6 +152,14 @@ std::string volumeLine(const TouchRun& run) {
   return fmt::format("Volume    {}content {:016x}\n", change, *run.edits->content);
 }
 
+// What the heading says of the forces.
+std::string forceClause(const RunFigures& f) {
+  const std::string most = shortNumber(f.force_N.max);
+  if (f.force_N.max >= kFaintForce_N) return fmt::format("felt at most {} N", most);
+  return fmt::format("no force above {} N was reached, so that nobody feels it: at most {} N",
+                     shortNumber(kFaintForce_N), most);
+}
+
 // What the heading says of the edits.
 std::string editClause(const TouchRun& run) {
   if (!run.edits) return "";
@@ -254,8 +262,8 @@ std::string verdict(const TouchRun& run, const RunFigures& f) {
   if (f.contact_ticks == 0)
     return begin + fmt::format("The tool never touched the surface in {} s{}", shortNumber(f.time_s), end);
   const std::string depth = f.depth_m.count == 0 ? "" : fmt::format(", pressed at most {} deep", withMm(f.depth_m.max));
-  return begin + fmt::format("The tool touched the surface for {} s of {} s{} and felt at most {} N{}",
-                             shortNumber(f.contact_s), shortNumber(f.time_s), depth, shortNumber(f.force_N.max), end);
+  return begin + fmt::format("The tool touched the surface for {} s of {} s{} and {}{}", shortNumber(f.contact_s),
+                             shortNumber(f.time_s), depth, forceClause(f), end);
 }
 
 std::string closingSummary(const TouchRun& run) {

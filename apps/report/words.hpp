@@ -12,8 +12,11 @@
 
 namespace palpate {
 
+// Below it nobody feels a force: a person feels some hundredths of a newton.
+inline constexpr double kFaintForce_N = 0.05;
+
 // "The tool touched the surface for 3.1 s of 5 s, pressed at most 1.2 mm deep and felt at most 0.6 N; the contact was
-// quiet; 9 edits removed 3.4 mm3; no fault."
+// quiet; 9 edits removed 3.4 mm3; no fault." Where all forces were faint it says that none above 0.05 N was reached.
 [[nodiscard]] std::string verdict(const TouchRun& run, const RunFigures& figures);
 
 // About ten lines, each ending in a newline: what was touched, how it felt, energy, how the servo did, faults, files.

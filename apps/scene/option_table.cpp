@@ -63,7 +63,7 @@ constexpr const char* kTextures[] = {"none", "procedural", "density"};
 const SceneOption kOptions[] = {
     {"--volume", "volume", "", "file, DICOM folder or 'phantom:NAME?size=64&noise=0.05'", TextOption{&Scene::volume}},
     {"--series", "series", "", "of a DICOM folder of several: its number in the list that is printed without it, or its UID", TextOption{&Scene::series, false}},
-    {"--nan", "nan", "density", "what voxels become that are NaN or infinite in the file; if not given 0 in NIfTI files, and other files are refused", TextOption{&Scene::nan, false}},
+    {"--nan", "nan", "density", "what voxels become that are NaN, infinite or beyond the range of a float in the file; if not given 0 in NIfTI files, and other files are refused", TextOption{&Scene::nan, false}},
     {"--iso", "isovalue", "density", "isovalue: above it is object; if not given what a sculpted .vdb keeps, or chosen from the histogram",
      NumberOption{&Scene::isovalue, 1, -3.4e38, 3.4e38}},
     {"--gpu", "gpu", "", "part of the Vulkan device's name; the best one if not given", TextOption{&Scene::gpu}},

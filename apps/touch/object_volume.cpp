@@ -4,6 +4,8 @@
 #include <array>
 #include <cstdint>
 
+#include "engine/bricks/brick_grid.hpp"
+
 namespace palpate {
 namespace {
 
@@ -23,23 +25,18 @@ std::int64_t voxelsAbove(const std::array<float, kBrickVoxels>& values, const Ve
 
 double objectVolume_m3(const Volume& volume, double isovalue) {
   const auto threshold = static_cast<float>(isovalue);  // as kernels and servo compare
-  const Vec3i counts = volume.brickCount();
   std::array<float, kBrickVoxels> values{};
   std::int64_t above = 0;
-  for (int z = 0; z < counts.z(); ++z) {
-    for (int y = 0; y < counts.y(); ++y) {
-      for (int x = 0; x < counts.x(); ++x) {
-        const Vec3i brick(x, y, z);
-        const Vec3i inside = (volume.size() - kBrickSize * brick).cwiseMin(Vec3i::Constant(kBrickSize));
-        const bool is_constant = volume.readBrick(brick, values.data());
-        if (is_constant) {
-          above += values[0] > threshold ? std::int64_t{inside.prod()} : 0;
-        } else {
-          above += voxelsAbove(values, inside, threshold);
-        }
-      }
+  const BrickGrid grid{volume.size(), volume.lattice().spacing_m};
+  grid.forEach([&](const Vec3i& brick) {
+    const Vec3i inside = (volume.size() - kBrickSize * brick).cwiseMin(Vec3i::Constant(kBrickSize));
+    const bool is_constant = volume.readBrick(brick, values.data());
+    if (is_constant) {
+      above += values[0] > threshold ? std::int64_t{inside.prod()} : 0;
+    } else {
+      above += voxelsAbove(values, inside, threshold);
     }
-  }
+  });
   return static_cast<double>(above) * volume.lattice().spacing_m.prod();
 }
 

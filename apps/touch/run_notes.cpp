@@ -2,6 +2,7 @@
 #include "apps/touch/run_notes.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -16,6 +17,23 @@ namespace {
 
 bool isSilent(const TickRecord& record, double isovalue) {
   return !record.in_contact && record.faults == 0 && static_cast<double>(record.density) > isovalue;
+}
+
+// What makes a force of such a depth that is felt well. A spring hand gives way to a stiffer surface.
+std::string moreForceWords(const Scene& scene, double depth_m) {
+  constexpr double kClear_N = 0.5;
+  constexpr double kStiffest_N_per_m = 1e5;  // that --stiffness takes
+  if (scene.spring_hand) return "raise --depth or --hand-stiffness, or give --hand rigid";
+  const double needed_N_per_m = kClear_N / depth_m;
+  if (needed_N_per_m <= kStiffest_N_per_m) {
+    const double step = std::pow(10.0, std::floor(std::log10(needed_N_per_m)) - 1);
+    return fmt::format("--stiffness {:.0f} would make {} N of it, and a larger --depth more",
+                       std::ceil(needed_N_per_m / step) * step, shortNumber(kClear_N));
+  }
+  return fmt::format(
+      "even --stiffness {:.0f} would make {} N of it: raise --depth too, or write a larger voxel size "
+      "into the file",
+      kStiffest_N_per_m, shortNumber(kStiffest_N_per_m * depth_m));
 }
 
 }  // namespace
@@ -48,6 +66,19 @@ std::optional<std::string> noteOnEncoders(const Scene& scene) {
   return fmt::format(
       "each step of the encoders, {} mm, changes the force by {} N, which is felt as roughness; lower --stiffness",
       shortNumber(scene.encoder_resolution_m * kMillimetresPerMetre), shortNumber(step_N));
+}
+
+std::optional<std::string> noteOnFaintForce(const Scene& scene, const RunFigures& figures) {
+  const double depth_m = figures.depth_m.max;
+  const double spring_N = scene.stiffness_N_per_m * depth_m;
+  if (figures.contact_ticks == 0 || figures.force_N.max >= kFaintForce_N) return {};
+  if (!(depth_m > 0) || spring_N >= kFaintForce_N) return {};  // then something else holds the force back
+  const char* why = scene.press_depth_m || !scene.path_file.empty() ? "" : ", as fits so small or thin an object";
+  return fmt::format(
+      "no force above {} N was reached, which is too little to feel: the tool pressed at most {} mm deep{}, "
+      "and --stiffness {} makes {} N of that; {}",
+      shortNumber(kFaintForce_N), shortNumber(depth_m * kMillimetresPerMetre), why,
+      shortNumber(scene.stiffness_N_per_m), shortNumber(spring_N), moreForceWords(scene, depth_m));
 }
 
 std::optional<std::string> noteOnNoContact(const RunFigures& figures, bool ended_early) {

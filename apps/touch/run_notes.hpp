@@ -27,6 +27,11 @@ inline constexpr double kShortestSilence_s = 0.02;
 inline constexpr double kFeltStep_N = 0.1;
 [[nodiscard]] std::optional<std::string> noteOnEncoders(const Scene& scene);
 
+// A note where something was touched, and the spring of the contact was never pressed deep enough for kFaintForce_N
+// (apps/report/words.hpp), as in an object of some micrometres: how deep, and which stiffness would do. `scene`: as the
+// user gave it.
+[[nodiscard]] std::optional<std::string> noteOnFaintForce(const Scene& scene, const RunFigures& figures);
+
 // A note where nothing was touched and no fault tells why. A run that ended early did not see the end of its path.
 [[nodiscard]] std::optional<std::string> noteOnNoContact(const RunFigures& figures, bool ended_early);
 

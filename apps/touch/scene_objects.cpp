@@ -14,7 +14,7 @@
 #include "base/error.hpp"
 #include "base/rotation.hpp"
 #include "base/units.hpp"
-#include "servo/objects/mesh_object.hpp"
+#include "servo/meshes/mesh_object.hpp"
 #include "servo/objects/shapes.hpp"
 
 namespace palpate {

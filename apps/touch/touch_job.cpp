@@ -384,10 +384,11 @@ void TouchJob::assess() {
                                                 .path = &path_->path});
   run_.faults = faultsOf(run_);
   run_.exact = exactErrorsOf(run_);
-  for (const auto& note : {noteOnSilence(run_.records, engine_->isovalue(), run_.scene.rate_hz, scene_.algorithm),
-                           noteOnEncoders(run_.scene), noteOnTexture(run_.scene),
-                           noteOnNoContact(*run_.figures, !run_.ended_early.empty()),
-                           noteOnHand(scene_, *run_.figures, run_.phases), noteOnBrush(run_.scene, *run_.figures)}) {
+  for (const auto& note :
+       {noteOnSilence(run_.records, engine_->isovalue(), run_.scene.rate_hz, scene_.algorithm),
+        noteOnEncoders(run_.scene), noteOnTexture(run_.scene), noteOnFaintForce(scene_, *run_.figures),
+        noteOnNoContact(*run_.figures, !run_.ended_early.empty()), noteOnHand(scene_, *run_.figures, run_.phases),
+        noteOnBrush(run_.scene, *run_.figures)}) {
     if (note) run_.notes.push_back(*note);
   }
 }

@@ -47,13 +47,17 @@ struct BrickGrid {
       }
     }
   }
+  // Visits the indices of the bricks within `ring` bricks of a brick along each axis, itself included, ascending.
+  template <typename Visit>
+  void forEachWithin(const Vec3i& brick, const Vec3i& ring, const Visit& visit) const {
+    const Vec3i low = (brick - ring).cwiseMax(Vec3i::Zero());
+    const Vec3i high = (brick + ring).cwiseMin(counts() - Vec3i::Ones());
+    forEachIn({low * kBrickSize, high * kBrickSize}, [&](const Vec3i& other) { visit(index(other)); });
+  }
   // Visits the indices of a brick and of all that touch it: 27, fewer at the domain's border.
   template <typename Visit>
   void forEachAround(const Vec3i& brick, const Visit& visit) const {
-    for (int n = 0; n < 27; ++n) {
-      const Vec3i other = brick + Vec3i(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1);
-      if (holds(other)) visit(index(other));
-    }
+    forEachWithin(brick, Vec3i::Ones(), visit);
   }
   // Visits the indices of a brick and of the bricks that share its first (step -1) or last (step 1) corner: seven more,
   // fewer at the domain's border.

@@ -6,12 +6,13 @@
 #include <cmath>
 #include <limits>
 
-#include "engine/edit/edit_math.hpp"
+#include "shaders/kernel_text.hpp"
 
 namespace palpate {
 namespace {
 
-// Kernels measure in float: this share of a voxel and of the lengths involved is more than they can be off.
+// Lengths are measured in float, by kernels and here: these shares of a voxel and of the lengths involved are more than
+// both together can be off.
 constexpr double kMarginVoxels = 0.01;
 constexpr double kMarginRelative = 1e-5;
 
@@ -39,11 +40,25 @@ struct LocalBox {
         half_diagonal(half.norm()) {}
 };
 
+// By the kernels' text (shaders/edit.math.glsl), which takes four points at once. `p` is local.
 double distanceFrom(const layout::EditCommand& c, const Vec3& p) {
-  const Vec3 q = p - pointA(c);
-  const Vec3 ab = pointAB(c);
-  const double t = c.inv_ab2 > 0 ? std::clamp(q.dot(ab) * static_cast<double>(c.inv_ab2), 0.0, 1.0) : 0.0;
-  return (q - t * ab).norm();
+  const Eigen::Vector3f at = p.cast<float>();
+  return static_cast<double>(kernel_text::strokeDistance(c, kernel_text::vec4(at.x()), at.y(), at.z())[0]);
+}
+double heightAt(const layout::EditCommand& c, const Vec3& p) {
+  const Eigen::Vector3f at = p.cast<float>();
+  return static_cast<double>(kernel_text::planeHeight(c, kernel_text::vec4(at.x()), at.y(), at.z())[0]);
+}
+
+// At a distance from the stroke, and at a depth under the new surface.
+float fadeShare(const layout::EditCommand& c, double distance) {
+  return kernel_text::fadeShare(c, kernel_text::vec4(static_cast<float>(distance)))[0];
+}
+float filledRamp(const layout::EditCommand& c, double depth) {
+  return kernel_text::filledRamp(c, kernel_text::vec4(static_cast<float>(depth)))[0];
+}
+float clearedRamp(const layout::EditCommand& c, double depth) {
+  return kernel_text::clearedRamp(c, kernel_text::vec4(static_cast<float>(depth)))[0];
 }
 
 double marginLength(const layout::EditCommand& c, const BrickGrid& grid) {
@@ -53,7 +68,7 @@ double marginLength(const layout::EditCommand& c, const BrickGrid& grid) {
 
 // Heights of a box above the command's plane.
 std::pair<double, double> heights(const layout::EditCommand& c, const LocalBox& box) {
-  const double middle = normal(c).dot(box.middle) - static_cast<double>(c.n_d);
+  const double middle = heightAt(c, box.middle);
   const double spread = normal(c).cwiseAbs().dot(box.half);
   return {middle - spread, middle + spread};
 }
@@ -121,29 +136,27 @@ void appendStroke(const layout::EditCommand& c, const BrickGrid& grid, std::vect
   }
 }
 
-// Below the plane (negative height) by this much nothing changes; above it by `saturated` the ramp has ended.
-double saturationDepth(const layout::EditCommand& c, float density) {
-  return std::abs(static_cast<double>(density) - static_cast<double>(c.isovalue)) / static_cast<double>(c.slope);
-}
-
-// Whether a command has its full and same effect in the whole brick.
+// Whether a command has its full and same effect in the whole brick: at the least depth in it the ramp has ended, and
+// nothing fades. Both grow with the depth and never turn back, in floats neither.
 bool isCore(const layout::EditCommand& c, const BrickGrid& grid, const LocalBox& box) {
   const double margin = marginLength(c, grid);
-  if (c.kind == EDIT_CUT) return heights(c, box).first >= saturationDepth(c, c.background) + margin;
-  const double deepest = distanceFrom(c, box.middle) + box.half_diagonal;
-  const double depth = static_cast<double>(c.radius) - deepest - margin;  // under the capsule's surface, at least
-  const double fade_m = c.inv_fade > 0 ? 1 / static_cast<double>(c.inv_fade) : 0;
-  if (depth < fade_m || depth < 0) return false;
+  if (c.kind == EDIT_CUT) {
+    const double lowest = heights(c, box).first - margin;
+    return lowest >= 0 && clearedRamp(c, lowest) <= c.background;
+  }
+  const double farthest = distanceFrom(c, box.middle) + box.half_diagonal + margin;
+  const double depth = static_cast<double>(c.radius) - farthest;  // under the capsule's surface, at least
+  if (depth < 0 || fadeShare(c, farthest) < 1) return false;
   switch (c.kind) {
     case EDIT_ADD:
-      return depth >= saturationDepth(c, c.object);
+      return filledRamp(c, depth) >= c.object;
     case EDIT_REMOVE:
-      return depth >= saturationDepth(c, c.background);
+      return clearedRamp(c, depth) <= c.background;
     case EDIT_PAINT:
       return true;
     case EDIT_FLATTEN: {
       const auto [low, high] = heights(c, box);
-      return low >= saturationDepth(c, c.background) + margin || high <= -saturationDepth(c, c.object) - margin;
+      return clearedRamp(c, low - margin) <= c.background || clearedRamp(c, high + margin) >= c.object;
     }
     default:
       return false;
@@ -198,9 +211,13 @@ std::optional<float> uniformResult(const layout::EditCommand& c, const BrickGrid
   if (c.kind >= EDIT_STAMP_ADD) return std::nullopt;
   const Vec3i brick = grid.brick(index);
   if (!isCore(c, grid, boxOfBrick(c, grid, brick))) return std::nullopt;
+  // All voxels get the same, so the first will do.
   const Vec3i voxel = brick * kBrickSize;
-  const edit_math::Local p = edit_math::local(c, editScale(grid.spacing_m), voxel.x(), voxel.y(), voxel.z());
-  return edit_math::edited(c, {}, p, density);
+  const layout::EditScale scale = editScale(grid.spacing_m);
+  const float px = kernel_text::placeAlong(voxel.x(), c.origin_x, scale.h_x);
+  const float py = kernel_text::placeAlong(voxel.y(), c.origin_y, scale.h_y);
+  const float pz = kernel_text::placeAlong(voxel.z(), c.origin_z, scale.h_z);
+  return kernel_text::edited(c.kind, c, kernel_text::vec4(px), py, pz, kernel_text::vec4(density))[0];
 }
 
 }  // namespace palpate

@@ -177,16 +177,16 @@ LoweredEdits lowerEdits(std::span<const EditCommand> commands, const Vec3i& size
   return lowered;
 }
 
-EditScale editScale(const Vec3& spacing_m) {
-  EditScale scale{};
+layout::EditScale editScale(const Vec3& spacing_m) {
   const double smallest = spacing_m.minCoeff();
-  for (int axis = 0; axis < 3; ++axis) {
-    const double ratio = smallest / spacing_m[axis];
-    scale.h[axis] = f(spacing_m[axis]);
-    scale.blur[axis] = f(ratio * ratio / 6);
-    scale.inv_h[axis] = f(1 / spacing_m[axis]);
-  }
-  return scale;
+  const auto blur = [=](double h) {  // the largest stable step of heat flow
+    const double ratio = smallest / h;
+    return f(ratio * ratio / 6);
+  };
+  const double x = spacing_m.x();
+  const double y = spacing_m.y();
+  const double z = spacing_m.z();
+  return {f(x), f(y), f(z), blur(x), blur(y), blur(z), f(1 / x), f(1 / y), f(1 / z)};
 }
 
 }  // namespace palpate

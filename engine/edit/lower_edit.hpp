@@ -26,12 +26,6 @@ inline constexpr std::size_t kMaxCommands = 4096;  // in one Editor::apply()
 
 [[nodiscard]] layout::uint layoutKind(EditKind kind) noexcept;  // EDIT_...
 
-// Factors that depend on the spacing alone, rounded to float once, so that kernels and twin use the same ones.
-struct EditScale {
-  std::array<float, 3> h;      // spacing [m]
-  std::array<float, 3> blur;   // weight of each neighbour along an axis: the largest stable step of heat flow
-  std::array<float, 3> inv_h;  // [1/m]
-};
-[[nodiscard]] EditScale editScale(const Vec3& spacing_m);
+[[nodiscard]] layout::EditScale editScale(const Vec3& spacing_m);
 
 }  // namespace palpate

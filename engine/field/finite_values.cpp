@@ -10,6 +10,13 @@
 
 namespace palpate {
 
+std::string BadVoxels::words() const {
+  if (beyond_float == 0) return "are NaN or infinite";
+  const char* beyond = "beyond the range of a float, 3.4e38";
+  if (not_numbers == 0) return fmt::format("are {}", beyond);
+  return fmt::format("are no densities ({} NaN or infinite, {} {})", not_numbers, beyond_float, beyond);
+}
+
 Volume::LayerSource FiniteValues::of(const Volume::LayerSource& layers) {
   return [this, layers](int bk) -> Volume::BrickSource {
     return [this, bricks = layers(bk)](const Vec3i& brick, float* values) {
@@ -26,25 +33,28 @@ Volume::LayerSource FiniteValues::of(const Volume::LayerSource& layers) {
 // Voxels outside the domain repeat some inside: they are replaced with them and not counted.
 void FiniteValues::mend(const Vec3i& brick, float* values) {
   const Vec3i inside = (size_ - brick * kBrickSize).cwiseMin(kBrickSize);
+  BadVoxels bad;
   for (int n = 0; n < kBrickVoxels; ++n) {
     if (std::isfinite(values[n])) continue;
-    values[n] = instead_;
     const Vec3i index(n % kBrickSize, n / kBrickSize % kBrickSize, n / (kBrickSize * kBrickSize));
-    if ((index.array() < inside.array()).all()) ++replaced_;
+    if ((index.array() < inside.array()).all()) bad.add(values[n]);
+    values[n] = instead_;
   }
+  not_numbers_ += bad.not_numbers;
+  beyond_float_ += bad.beyond_float;
 }
 
 void FiniteValues::check(const std::string& source) const {
   const long long all = size_.cast<long long>().prod();
-  if (replaced_ < all) return;
-  throw Error(Error::Code::kBadInput, source, fmt::format("all of its {} voxels are NaN or infinite", all),
+  if (replaced().count() < all) return;
+  throw Error(Error::Code::kBadInput, source, fmt::format("all of its {} voxels {}", all, replaced().words()),
               "the file may be damaged: copy or write it again");
 }
 
 std::string FiniteValues::remark() const {
-  if (replaced_ == 0) return {};
-  return fmt::format("{} of {} voxels are NaN or infinite in the file, and {} here", replaced_.load(),
-                     size_.cast<long long>().prod(), instead_);
+  if (replaced().count() == 0) return {};
+  return fmt::format("{} of {} voxels {} in the file, and {} here", replaced().count(), size_.cast<long long>().prod(),
+                     replaced().words(), instead_);
 }
 
 }  // namespace palpate

@@ -39,7 +39,7 @@ class ValueSurvey {
 
   void add(float value, const Vec3i& index) {
     if (!std::isfinite(value)) {
-      addBad(index);
+      addBad(value, index);
     } else {
       minimum_ = std::min(minimum_, value);
       maximum_ = std::max(maximum_, value);
@@ -47,12 +47,12 @@ class ValueSurvey {
   }
 
   void check(const std::string& input) const {
-    if (bad_count_ == 0) return;
+    if (bad_.count() == 0) return;
     const auto [k, j, i] = first_bad_;
     throw Error(Error::Code::kBadInput, input,
-                fmt::format("{} of its {} voxels are NaN or infinite, the first at index ({}, {}, {})", bad_count_,
-                            size_.cast<long long>().prod(), i, j, k),
-                "replace them by numbers, or say with --nan which density they stand for");
+                fmt::format("{} of its {} voxels {}, the first at index ({}, {}, {})", bad_.count(),
+                            size_.cast<long long>().prod(), bad_.words(), i, j, k),
+                "replace them by numbers that a float can hold, or say with --nan which density they stand for");
   }
 
   // Of voxels that are all finite.
@@ -63,9 +63,9 @@ class ValueSurvey {
 
   void merge(const ValueSurvey& other) {
     addRange(other.minimum_, other.maximum_);
-    if (other.bad_count_ == 0) return;
-    first_bad_ = bad_count_ == 0 ? other.first_bad_ : std::min(first_bad_, other.first_bad_);
-    bad_count_ += other.bad_count_;
+    if (other.bad_.count() == 0) return;
+    first_bad_ = bad_.count() == 0 ? other.first_bad_ : std::min(first_bad_, other.first_bad_);
+    bad_.add(other.bad_);
   }
 
   [[nodiscard]] float minimum() const { return minimum_; }
@@ -73,16 +73,16 @@ class ValueSurvey {
 
  private:
   // Bricks are visited one after another; "first" means first in the order of the file, i fastest.
-  void addBad(const Vec3i& index) {
+  void addBad(float value, const Vec3i& index) {
     const std::array<int, 3> key = {index.z(), index.y(), index.x()};
-    first_bad_ = bad_count_ == 0 ? key : std::min(first_bad_, key);
-    ++bad_count_;
+    first_bad_ = bad_.count() == 0 ? key : std::min(first_bad_, key);
+    bad_.add(value);
   }
 
   Vec3i size_;
   float minimum_ = std::numeric_limits<float>::infinity();
   float maximum_ = -std::numeric_limits<float>::infinity();
-  long long bad_count_ = 0;
+  BadVoxels bad_;
   std::array<int, 3> first_bad_ = {0, 0, 0};  // k, j, i
 };
 
@@ -215,6 +215,10 @@ Layer buildLayer(const Vec3i& size, int bk, const BrickSource& source, const Lea
       if (leaf != nullptr && takeOver(brick, *leaf, layer)) continue;
       const Vec3i first = brick * kBrickSize;
       bool constant = source(brick, values.data());
+      if (constant && !std::isfinite(values[0])) {  // each of its voxels counts
+        values.fill(values[0]);
+        constant = false;
+      }
       if (constant) layer.survey.add(values[0], first);
       if (!constant) constant = surveyBrick(values.data(), first, voxelsInside(size, brick), layer.survey);
       if (constant) {

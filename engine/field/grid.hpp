@@ -38,6 +38,9 @@ using LayerSource = Volume::LayerSource;
 // metres].
 inline constexpr const char* kVdbDomainKey = "palpate_domain";
 inline constexpr const char* kVdbIsovalueKey = "palpate_isovalue";
+// Of a file of gradients: the unit of its vectors.
+inline constexpr const char* kVdbVectorUnitKey = "vector_unit";
+inline constexpr const char* kVdbCreator = "Palpate";
 
 // Builds the grid brick by brick. Throws Error(kBadInput): a dimension below 1, a bad lattice, NaN or infinite values
 // (with their count and the first one's index); and what the source throws.

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <cstring>
+#include <type_traits>
 
 namespace palpate {
 namespace {
@@ -36,7 +37,9 @@ class Conversion {
     T value = 0;
     std::memcpy(&value, raw_ + n * sizeof(T), sizeof(T));
     // Unscaled values keep their bits: -0 times 1 plus 0 would be +0.
-    return scaled_ ? static_cast<float>(static_cast<double>(value) * slope_ + intercept_) : static_cast<float>(value);
+    const auto stored = static_cast<double>(value);
+    if (scaled_) return floatOf(stored * slope_ + intercept_, std::is_integral_v<T> || std::isfinite(stored));
+    return std::is_same_v<T, double> ? floatOf(stored) : static_cast<float>(value);
   }
 
  private:

@@ -3,11 +3,13 @@
 // Private to engine/field. Any thread.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "engine/field/finite_values.hpp"
 #include "engine/field/value_type.hpp"
 #include "engine/field/volume.hpp"
 
@@ -41,8 +43,18 @@ auto withType(ValueType type, const Work& work) {
   return work(float{});
 }
 
-// `raw` holds values of one type in the machine's byte order. Each becomes float(value * slope + intercept), rounded
-// once.
+// A density, rounded once. Where `value` is finite and a float is not, the mark of that: a NaN with bits of its own,
+// which engine/field/finite_values.hpp tells from what was NaN or infinite in the file. `finite`: whether what was
+// stored, before it was scaled, is a number.
+[[nodiscard]] inline float floatOf(double value, bool finite) {
+  const auto density = static_cast<float>(value);
+  return std::isinf(density) && finite ? beyondFloat() : density;
+}
+[[nodiscard]] inline float floatOf(double value) {
+  return floatOf(value, std::isfinite(value));
+}
+
+// `raw` holds values of one type in the machine's byte order. Each becomes floatOf(value * slope + intercept).
 [[nodiscard]] std::vector<float> toFloats(std::span<const char> raw, ValueType type, double slope = 1,
                                           double intercept = 0);
 

@@ -69,6 +69,10 @@ bool looksLikeHounsfield(const VolumeStatistics& statistics) {
   return statistics.minimum <= -900 && statistics.minimum >= -10000 && statistics.maximum >= 300;
 }
 
+bool parts(double lowest, double highest, double isovalue) {
+  return lowest <= isovalue && isovalue < highest;
+}
+
 std::vector<IsovalueSuggestion> suggest(const VolumeFacts& facts, const VolumeStatistics& statistics) {
   std::vector<IsovalueSuggestion> all;
   if (facts.kept_isovalue) all.push_back({*facts.kept_isovalue, "kept in the file"});
@@ -83,9 +87,8 @@ std::vector<IsovalueSuggestion> suggest(const VolumeFacts& facts, const VolumeSt
   const auto [lower, upper] = otsuThresholds(statistics.histogram);
   all.push_back({lower, "Otsu's lower threshold, three classes"});
   all.push_back({upper, "Otsu's upper threshold, three classes"});
-  std::erase_if(all, [&](const IsovalueSuggestion& one) {
-    return !(one.isovalue >= statistics.minimum && one.isovalue < statistics.maximum);
-  });
+  std::erase_if(
+      all, [&](const IsovalueSuggestion& one) { return !parts(statistics.minimum, statistics.maximum, one.isovalue); });
   return all;
 }
 
@@ -93,10 +96,6 @@ std::vector<IsovalueSuggestion> suggest(const VolumeFacts& facts, const VolumeSt
   throw Error(Error::Code::kBadInput, volume.facts().source,
               fmt::format("every voxel is {:g}; there is no isosurface", volume.minimum()),
               "give a volume that varies");
-}
-
-bool partsVolume(const Volume& volume, double isovalue) {
-  return isovalue >= static_cast<double>(volume.minimum()) && isovalue < static_cast<double>(volume.maximum());
 }
 
 // `isovalue`: `value` in words.
@@ -150,6 +149,10 @@ double defaultIsovalue(const Volume& volume) {
   if (kept && !partsVolume(volume, *kept))
     refuseIsovalue(volume, *kept, fmt::format("the isovalue {:g} that it keeps", *kept));
   return statisticsOf(volume).suggestions.at(0).isovalue;
+}
+
+bool partsVolume(const Volume& volume, double isovalue) {
+  return parts(static_cast<double>(volume.minimum()), static_cast<double>(volume.maximum()), isovalue);
 }
 
 void checkIsovalue(const Volume& volume, double isovalue) {

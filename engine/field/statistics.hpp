@@ -46,6 +46,9 @@ struct VolumeStatistics {
 // that [minimum, maximum) does not hold, or that is no number.
 [[nodiscard]] double defaultIsovalue(const Volume& volume);
 
+// Whether [minimum, maximum) holds the isovalue: there is object, which is denser, and there is background.
+[[nodiscard]] bool partsVolume(const Volume& volume, double isovalue);
+
 // Throws Error(kBadInput) unless [minimum, maximum) holds the isovalue; the message gives the range and the
 // suggestions.
 void checkIsovalue(const Volume& volume, double isovalue);

@@ -29,18 +29,19 @@ struct VolumeFacts {
   std::string orientation;   // words: "LPS axes", "RAS file turned to LPS", ...
   double rescale_slope = 1;  // file value * slope + intercept = density
   double rescale_intercept = 0;
+  std::string rescale_by_slice;             // in words, where slices differ in it; the two above are then of none
   bool is_level_set = false;                // a VDB level set: density is minus the signed distance [m], isovalue 0
   std::optional<double> declared_isovalue;  // of a phantom: the density of its exact surface
   std::optional<double> kept_isovalue;      // at which its file says it was sculpted; damaged: any double, NaN too
   std::string part;                         // which of a folder's: "series 2 of 3: 1.2.3"; empty: all there is
-  std::optional<float> instead_of_nan;  // while it is read: what voxels that are NaN or infinite become; empty: refused
+  std::optional<float> instead_of_nan;  // while it is read: what voxels become that are no densities; empty: refused
   std::string remark;                   // what a user should know: what was replaced or chosen; empty: nothing
 };
 
 class Volume {
  public:
   // Makes a volume from dense values, i fastest, size.x*size.y*size.z of them. Refuses (Error kBadInput): a dimension
-  // below 1, NaN or infinite values, a bad lattice. Bricks that hold one value become constant. Cost: one pass
+  // below 1, values that are not finite, a bad lattice. Bricks that hold one value become constant. Cost: one pass
   // by all processors.
   static Volume fromDense(const Vec3i& size, const Lattice& lattice, const std::vector<float>& values,
                           VolumeFacts facts);

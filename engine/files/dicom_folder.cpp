@@ -22,6 +22,7 @@ namespace fs = std::filesystem;
 
 void checkIsDicom(const fs::path& path, const std::string& source) {
   if (lowerCase(path.extension().string()) != ".dcm") return;  // any other file may lie beside the slices
+  refuseEmpty(path.string(), source, fmt::format("slice {}", path.filename().string()));
   refuse(source, fmt::format("{} is no DICOM slice, or it is damaged", path.filename().string()),
          "copy the series again or take the file away");
 }

@@ -3,8 +3,10 @@
 // UIDs, or by its UID; of several one must be named.
 //
 // GDCM under ITK, in a child process (itk_child.hpp), reads each slice and applies its slope and intercept.
+#include <algorithm>
 #include <filesystem>
 #include <iterator>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -49,6 +51,33 @@ std::vector<float> readPixels(const DicomSeries& series, const std::string& sour
   return values;
 }
 
+// The lowest and the highest of a number that each slice may give.
+std::pair<double, double> rangeOf(const DicomSeries& series, const char* key, double otherwise) {
+  std::vector<double> all;
+  for (const DicomSlice& slice : series) {
+    const std::vector<double> numbers = dicomNumbers(slice.tag(key));
+    all.push_back(numbers.empty() ? otherwise : numbers[0]);
+  }
+  const auto [low, high] = std::minmax_element(all.begin(), all.end());
+  return {*low, *high};
+}
+
+std::string inWords(const std::pair<double, double>& range) {
+  if (range.first == range.second) return fmt::format("{:g}", range.first);
+  return fmt::format("{:g} to {:g}", range.first, range.second);
+}
+
+void tellRescale(const DicomSeries& series, VolumeFacts& facts) {
+  const auto slope = rangeOf(series, "0028|1053", 1);
+  const auto intercept = rangeOf(series, "0028|1052", 0);
+  if (slope.first == slope.second && intercept.first == intercept.second) {
+    facts.rescale_slope = slope.first;
+    facts.rescale_intercept = intercept.first;
+  } else {
+    facts.rescale_by_slice = fmt::format("slope {}, intercept {}", inWords(slope), inWords(intercept));
+  }
+}
+
 VolumeFacts factsOf(const DicomFolder& all, const std::string& uid, const std::string& source) {
   const DicomSlice& first = all.at(uid)[0];
   VolumeFacts facts;
@@ -59,10 +88,7 @@ VolumeFacts factsOf(const DicomFolder& all, const std::string& uid, const std::s
   facts.value_type = fmt::format("{}int{:.0f}", is_signed == std::vector<double>{1} ? "" : "u",
                                  stored_bits.empty() ? 16 : stored_bits[0]);
   facts.orientation = "LPS, from the slices' positions";
-  const std::vector<double> slope = dicomNumbers(first.tag("0028|1053"));
-  const std::vector<double> intercept = dicomNumbers(first.tag("0028|1052"));
-  if (!slope.empty()) facts.rescale_slope = slope[0];
-  if (!intercept.empty()) facts.rescale_intercept = intercept[0];
+  tellRescale(all.at(uid), facts);
   const std::string description = first.tag("0008|103e");
   const std::string words = description.empty() ? uid : fmt::format("{} \"{}\"", uid, description);
   facts.part = all.size() == 1 ? "series " + words
@@ -84,7 +110,9 @@ Volume readDicom(const ReadRequest& wanted) {
   const auto count = static_cast<std::int64_t>(series.size());
   checkMemory(name, n[0], n[1], count, 0, wanted.memory_budget_bytes);
   const Vec3i size(static_cast<int>(n[0]), static_cast<int>(n[1]), static_cast<int>(count));
-  return Volume::fromDense(size, lattice, readPixels(series, name), factsOf(all, uid, name));
+  VolumeFacts facts = factsOf(all, uid, name);
+  facts.instead_of_nan = wanted.instead_of_nan;
+  return Volume::fromDense(size, lattice, readPixels(series, name), std::move(facts));
 }
 
 }  // namespace palpate

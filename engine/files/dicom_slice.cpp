@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 
 #include "base/error.hpp"
+#include "engine/files/components.hpp"
 #include "engine/files/dicom_structure.hpp"
 #include "engine/files/text_header.hpp"
 
@@ -118,9 +119,12 @@ bool isDicomSlice(const fs::path& path, const std::string& source) {
 
 void checkDicomSlice(DicomSlice& slice, const std::string& source) {
   const ItkHeader& header = slice.file.header;
-  if (header.components != 1 || !header.type) {
-    refuse(source, fmt::format("slice {} has {} components a pixel", slice.name(), header.components),
-           "give a CT or MR series");
+  if (header.components != 1) {
+    refuseComponents(source, Components::kColours, header.components,
+                     fmt::format("the pixels of slice {}", slice.name()));
+  }
+  if (!header.type) {
+    refuse(source, fmt::format("the pixels of slice {} are no numbers", slice.name()), "give a CT or MR series");
   }
   if (header.dimensions.size() > 2 && header.dimensions[2] > 1) {
     refuse(source, fmt::format("{} holds several frames", slice.name()), "convert it to NIfTI or NRRD");

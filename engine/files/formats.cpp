@@ -53,6 +53,7 @@ std::string allSuffixes() {
 }
 
 const VolumeFormat& chooseByFile(const std::string& name, const std::string& path) {
+  refuseEmpty(path, name, "it");
   const std::string seen = formatByContent(path, name);
   const std::string lower = lowerCase(path);
   for (const VolumeFormat& format : volumeFormats()) {

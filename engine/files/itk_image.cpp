@@ -8,6 +8,7 @@
 #include "base/error.hpp"
 #include "engine/field/memory_budget.hpp"
 #include "engine/field/raw_values.hpp"
+#include "engine/files/components.hpp"
 #include "engine/files/itk_child.hpp"
 #include "engine/files/large_buffer.hpp"
 #include "engine/files/text_header.hpp"
@@ -17,8 +18,7 @@ namespace {
 
 void checkShape(const ItkHeader& header, const std::string& source) {
   if (header.components != 1) {
-    refuse(source, fmt::format("it has {} components a voxel, and a density is one number", header.components),
-           "extract one component");
+    refuseComponents(source, Components::kColoursOrVectors, header.components);
   }
   if (header.dimensions.size() < 3) {
     refuse(source, fmt::format("it is an image of {} dimensions", header.dimensions.size()), "give a volume");

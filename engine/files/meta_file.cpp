@@ -12,6 +12,7 @@
 
 #include "base/error.hpp"
 #include "engine/field/memory_budget.hpp"
+#include "engine/files/components.hpp"
 #include "engine/files/itk_image.hpp"
 #include "engine/files/readers.hpp"
 #include "engine/files/text_header.hpp"
@@ -52,8 +53,9 @@ void checkMetaSizes(const TextHeader& header, const std::string& source, std::si
 void checkChannels(const TextHeader& header, const std::string& source) {
   const std::string channels = header.text("elementnumberofchannels");
   if (channels.empty() || channels == "1") return;
-  refuse(source, fmt::format("it has {} components a voxel, and a density is one number", channels),
-         "extract one component");
+  const std::vector<double> count = header.numbers("elementnumberofchannels");
+  if (count.size() == 1 && count[0] > 1) refuseComponents(source, Components::kColoursOrVectors, count[0]);
+  refuse(source, fmt::format("its ElementNumberOfChannels \"{}\" is no count", channels), "write the file again");
 }
 
 void checkSpacing(const TextHeader& header, const std::string& source) {

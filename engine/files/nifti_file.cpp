@@ -50,7 +50,7 @@ StoredValues storedValuesOf(const NiftiHeader& header, const std::string& header
 Volume readNifti(const ReadRequest& wanted) {
   const std::string& name = wanted.name;
   const std::string path = headerPath(name);
-  if (path != name) static_cast<void>(fileBytes(path, name));  // an .img without its .hdr
+  if (path != name) refuseEmpty(path, name, "its header " + std::filesystem::path(path).filename().string());
   const NiftiHeader header = readNiftiHeader(headOf(path, kNiftiHeaderBytes, name), name);
   const auto [nx, ny, nz] = header.size;
   checkMemory(name, nx, ny, nz, static_cast<double>(byteSize(header.type)), wanted.memory_budget_bytes);

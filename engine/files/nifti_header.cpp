@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "base/error.hpp"
+#include "engine/files/components.hpp"
 
 namespace palpate {
 namespace {
@@ -30,6 +31,7 @@ class RawHeader {
 
   [[nodiscard]] int dimension(std::size_t axis) const { return get<std::int16_t>(40 + 2 * axis); }  // 0: their count
   [[nodiscard]] double voxelSize(std::size_t axis) const { return get<float>(76 + 4 * axis); }
+  [[nodiscard]] int intent() const { return get<std::int16_t>(68); }
   [[nodiscard]] int type() const { return get<std::int16_t>(70); }
   [[nodiscard]] double dataOffset() const { return get<float>(108); }
   [[nodiscard]] double slope() const { return get<float>(112); }
@@ -93,23 +95,41 @@ ValueType valueTypeOf(const RawHeader& header, const std::string& source) {
       return ValueType::kInt64;
     case 1280:
       return ValueType::kUint64;
-    case 32:
     case 128:
-    case 1792:
+      refuseComponents(source, Components::kColours, 3);
     case 2304:
-      refuse(source, "its voxels are complex numbers or colours, several components each", "extract one component");
+      refuseComponents(source, Components::kColours, 4);
+    case 32:
+    case 1792:
+    case 2048:
+      refuseComponents(source, Components::kComplex, 2);
     default:
       refuse(source, fmt::format("its value type {} is not supported", header.type()), "write it as int16 or float32");
+  }
+}
+
+// By the intent_code, where there is one.
+Components fifthAxisOf(const RawHeader& header) {
+  switch (header.intent()) {
+    case 1004:
+    case 1005:
+      return Components::kTensors;
+    case 2003:
+    case 2004:
+      return Components::kColours;
+    default:
+      return Components::kVectors;
   }
 }
 
 void checkDimensions(const RawHeader& header, const std::string& source) {
   const int axes = header.dimension(0);
   if (axes < 3 || axes > 7) refuse(source, fmt::format("it has {} dimensions", axes), "give a volume");
+  // The fourth axis is time, the fifth the components of a voxel.
+  if (axes >= 5 && header.dimension(5) > 1) refuseComponents(source, fifthAxisOf(header), header.dimension(5));
   for (std::size_t axis = 4; axis <= static_cast<std::size_t>(axes); ++axis) {
     if (header.dimension(axis) <= 1) continue;
-    refuse(source, fmt::format("it is a series of {} volumes or components", header.dimension(axis)),
-           "extract one of them");
+    refuse(source, fmt::format("it is a series of {} volumes", header.dimension(axis)), "extract one of them");
   }
 }
 

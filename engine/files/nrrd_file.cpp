@@ -6,12 +6,15 @@
 // units of length (ITK ignores them).
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <optional>
+#include <sstream>
 
 #include <fmt/format.h>
 
 #include "base/error.hpp"
 #include "engine/field/memory_budget.hpp"
+#include "engine/files/components.hpp"
 #include "engine/files/itk_image.hpp"
 #include "engine/files/readers.hpp"
 #include "engine/files/text_header.hpp"
@@ -19,6 +22,102 @@
 
 namespace palpate {
 namespace {
+
+std::size_t nrrdTypeBytes(const std::string& type) {
+  if (type.find("64") != std::string::npos || type.find("long long") != std::string::npos) return 8;
+  if (type == "double" || type == "longlong" || type == "ulonglong") return 8;
+  if (type.find("16") != std::string::npos || type.find("short") != std::string::npos) return 2;
+  if (type.find("char") != std::string::npos || type == "int8" || type == "uint8" || type == "int8_t" ||
+      type == "uint8_t") {
+    return 1;
+  }
+  return 4;
+}
+
+bool holds(const std::string& text, const char* part) {
+  return text.find(part) != std::string::npos;
+}
+
+// What an axis of this kind counts, where that is neither space nor time.
+std::optional<Components> componentsOf(const std::string& kind) {
+  if (holds(kind, "color")) return Components::kColours;
+  if (holds(kind, "matrix")) return Components::kTensors;
+  if (kind == "complex") return Components::kComplex;
+  const bool is_vector = holds(kind, "vector") || holds(kind, "normal") || holds(kind, "gradient");
+  if (is_vector || kind == "point" || kind == "quaternion" || kind == "list") return Components::kVectors;
+  return {};
+}
+
+std::vector<std::string> kindsOf(const TextHeader& header) {
+  std::istringstream words(lowerCase(header.text("kinds")));
+  return {std::istream_iterator<std::string>(words), {}};
+}
+
+// "none (1,0,0) (0,1,0)": an axis each, those without a direction empty.
+std::vector<std::vector<double>> directionsOf(const TextHeader& header) {
+  const std::string text = header.text("space directions");
+  std::vector<std::vector<double>> directions;
+  for (std::size_t at = text.find_first_not_of(" \t"); at < text.size(); at = text.find_first_not_of(" \t", at)) {
+    const bool is_vector = text[at] == '(';
+    const std::size_t end = std::min(text.find_first_of(is_vector ? ")" : " \t(", at), text.size());
+    TextHeader one;
+    if (is_vector) one.fields[""] = text.substr(at, end - at);
+    directions.push_back(one.numbers(""));
+    at = std::min(end + (is_vector ? 1 : 0), text.size());
+  }
+  return directions;
+}
+
+// Which axes are not of space, as far as the header says it. Spacings that are all NaN say nothing.
+std::vector<bool> axesOutOfSpace(const TextHeader& header, std::size_t count) {
+  std::vector<bool> are_out(count, false);
+  const auto directions = directionsOf(header);
+  for (std::size_t axis = 0; axis < std::min(count, directions.size()); ++axis)
+    are_out[axis] = directions[axis].empty();
+  if (!directions.empty()) return are_out;
+  const std::vector<double> spacings = header.numbers("spacings");
+  if (std::all_of(spacings.begin(), spacings.end(), [](double s) { return std::isnan(s); })) return are_out;
+  for (std::size_t axis = 0; axis < std::min(count, spacings.size()); ++axis)
+    are_out[axis] = std::isnan(spacings[axis]);
+  return are_out;
+}
+
+// Refuses an axis that counts components, and a fourth axis. Where the header gives no kinds, the first of four axes is
+// taken for the components if it is out of space, or if it counts three or four bytes.
+void checkAxes(const TextHeader& header, const std::vector<double>& sizes, const std::string& source) {
+  const std::vector<std::string> kinds = kindsOf(header);
+  const std::vector<bool> are_out = axesOutOfSpace(header, sizes.size());
+  std::optional<std::size_t> series;
+  for (std::size_t axis = 0; axis < sizes.size(); ++axis) {
+    if (sizes[axis] == 1) continue;
+    const std::string kind = axis < kinds.size() ? kinds[axis] : "";
+    if (const auto components = componentsOf(kind)) refuseComponents(source, *components, sizes[axis]);
+    if (kind == "time" || are_out[axis]) series = axis;
+  }
+  if (sizes.size() <= 3) return;
+  const bool is_many = std::count_if(sizes.begin(), sizes.end(), [](double size) { return size > 1; }) > 3;
+  const bool is_few = sizes[0] == 3 || sizes[0] == 4;
+  const bool are_bytes = nrrdTypeBytes(lowerCase(header.text("type"))) == 1;
+  if (kinds.empty() && sizes[0] > 1 && (are_out[0] || (is_many && is_few && are_bytes))) {
+    refuseComponents(source, is_few ? Components::kColoursOrVectors : Components::kVectors, sizes[0]);
+  }
+  if (!is_many && !series) return;
+  refuse(source, fmt::format("it is a series of {:.0f} volumes", sizes[series.value_or(sizes.size() - 1)]),
+         "extract one time point");
+}
+
+// "(1,2,3) none (4,5,6)": the vectors, without what is not one.
+std::vector<Vec3> vectorsOf(const TextHeader& header, const std::string& key) {
+  const std::string text = header.text(key);
+  std::vector<Vec3> vectors;
+  for (std::size_t open = text.find('('); open != std::string::npos; open = text.find('(', open + 1)) {
+    TextHeader one;
+    one.fields[key] = text.substr(open, text.find(')', open) - open);
+    const std::vector<double> numbers = one.numbers(key);
+    if (numbers.size() == 3) vectors.emplace_back(numbers[0], numbers[1], numbers[2]);
+  }
+  return vectors;
+}
 
 // The sizes of the header; memory is checked here too, because ITK may allocate while it reads a header.
 void checkNrrdSizes(const TextHeader& header, const std::string& source, std::size_t memory_budget_bytes) {
@@ -30,7 +129,11 @@ void checkNrrdSizes(const TextHeader& header, const std::string& source, std::si
     }
     voxels *= size;
   }
-  if (sizes.size() < 3) refuse(source, fmt::format("it has {} dimensions", sizes.size()), "give a volume");
+  constexpr std::size_t kMostAxes = 16;  // the format's
+  if (sizes.size() < 3 || sizes.size() > kMostAxes) {
+    refuse(source, fmt::format("it has {} dimensions", sizes.size()), "give a volume");
+  }
+  checkAxes(header, sizes, source);
   checkMemory(source, voxels * (kDenseBytesPerVoxel + kGridBytesPerVoxel + kGpuBytesPerVoxel), memory_budget_bytes);
 }
 
@@ -53,9 +156,8 @@ void checkSpacings(const TextHeader& header, const std::string& source) {
     refuse(source, fmt::format("its spacings \"{}\" are not positive", header.text("spacings")),
            "write the true voxel size into the header");
   }
-  const std::vector<double> directions = header.numbers("space directions");
-  for (std::size_t n = 0; n + 2 < directions.size(); n += 3) {
-    const double length = std::hypot(directions[n], directions[n + 1], directions[n + 2]);
+  for (const Vec3& direction : vectorsOf(header, "space directions")) {
+    const double length = direction.norm();
     if (!(length > 0) && !std::isnan(length)) {
       refuse(source, fmt::format("its space directions \"{}\" hold a zero vector", header.text("space directions")),
              "write the true voxel size into the header");
@@ -75,30 +177,6 @@ double metresPerUnit(const TextHeader& header, const std::string& source) {
   if (unit == "cm" || unit == "centimeter") return 1e-2;
   if (unit == "m" || unit == "meter") return 1;
   refuse(source, fmt::format("its unit of length \"{}\" is not known", unit), "use mm, um, cm or m");
-}
-
-std::size_t nrrdTypeBytes(const std::string& type) {
-  if (type.find("64") != std::string::npos || type.find("long long") != std::string::npos) return 8;
-  if (type == "double" || type == "longlong" || type == "ulonglong") return 8;
-  if (type.find("16") != std::string::npos || type.find("short") != std::string::npos) return 2;
-  if (type.find("char") != std::string::npos || type == "int8" || type == "uint8" || type == "int8_t" ||
-      type == "uint8_t") {
-    return 1;
-  }
-  return 4;
-}
-
-// "(1,2,3) none (4,5,6)": the vectors, without what is not one.
-std::vector<Vec3> vectorsOf(const TextHeader& header, const std::string& key) {
-  const std::string text = header.text(key);
-  std::vector<Vec3> vectors;
-  for (std::size_t open = text.find('('); open != std::string::npos; open = text.find('(', open + 1)) {
-    TextHeader one;
-    one.fields[key] = text.substr(open, text.find(')', open) - open);
-    const std::vector<double> numbers = one.numbers(key);
-    if (numbers.size() == 3) vectors.emplace_back(numbers[0], numbers[1], numbers[2]);
-  }
-  return vectors;
 }
 
 // The file's frame to LPS; the identity for frames that have no anatomy.

@@ -85,6 +85,10 @@ T parsed(const std::string& word) {
   const auto [stop, code] = std::from_chars(word.data() + (word.starts_with('+') ? 1 : 0), end, number);
   if (code == std::errc() && stop == end) return number;
   if (word.empty()) throw std::runtime_error(kTooFew);
+  if (code == std::errc::result_out_of_range && stop == end) {
+    throw std::runtime_error(
+        fmt::format("\"{}\" among its voxels is beyond the range of their type", word.substr(0, 40)));
+  }
   throw std::runtime_error(fmt::format("\"{}\" among its voxels is no number of their type", word.substr(0, 40)));
 }
 

@@ -127,6 +127,11 @@ std::uint64_t fileBytes(const std::string& path, const std::string& source) {
   return bytes;
 }
 
+void refuseEmpty(const std::string& path, const std::string& source, const std::string& what) {
+  if (fileBytes(path, source) > 0) return;
+  refuse(source, fmt::format("{} is empty: a file of 0 bytes", what), "copy or write the file again");
+}
+
 void checkStoredBytes(const std::string& source, double stored, double wanted, bool compressed) {
   if (stored * (compressed ? kDeflateLimit : 1.0) >= wanted) return;
   throw Error(Error::Code::kBadInput, source,

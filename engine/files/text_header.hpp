@@ -40,6 +40,9 @@ enum class TextFormat { kNrrd, kMeta };
 // Size of a file [byte]. Throws Error(kNotFound).
 [[nodiscard]] std::uint64_t fileBytes(const std::string& path, const std::string& source);
 
+// Throws Error(kBadInput) for a file of 0 bytes. `what`: the file in the message, as above.
+void refuseEmpty(const std::string& path, const std::string& source, const std::string& what);
+
 // Throws Error(kBadInput) unless `stored` bytes of data are enough for `wanted`; for gzip, 1032:1 is the most that
 // deflate can pack. So that a header which lies is found before memory is filled.
 void checkStoredBytes(const std::string& source, double stored, double wanted, bool compressed);

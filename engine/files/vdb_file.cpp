@@ -29,6 +29,7 @@
 #include "engine/field/grid.hpp"
 #include "engine/field/memory_budget.hpp"
 #include "engine/field/raw_values.hpp"
+#include "engine/files/components.hpp"
 #include "engine/files/quiet.hpp"
 #include "engine/files/readers.hpp"
 #include "engine/files/text_header.hpp"
@@ -80,12 +81,51 @@ bool isScalar(const openvdb::GridBase& grid) {
   return grid.isType<openvdb::FloatGrid>() || grid.isType<openvdb::DoubleGrid>() || grid.isType<openvdb::Int32Grid>();
 }
 
+bool isVectors(const openvdb::GridBase& grid) {
+  return grid.valueType().starts_with("vec");
+}
+
+// As VectorFile writes it.
+bool isGradient(const openvdb::GridBase& grid) {
+  const auto unit = grid.getMetadata<openvdb::StringMetadata>(kVdbVectorUnitKey);
+  return isVectors(grid) && unit && grid.getCreator() == kVdbCreator;
+}
+
+// "41 x 33 x 37 voxels of 0.5 x 0.5 x 0.8 mm", as far as the metadata say it.
+std::string extentWords(const openvdb::GridBase& grid) {
+  std::string words;
+  if (const auto size = grid.getMetadata<openvdb::Vec3IMetadata>(kVdbDomainKey)) {
+    words = fmt::format("{} x {} x {} ", size->value().x(), size->value().y(), size->value().z());
+  }
+  const openvdb::Vec3d voxel = grid.transform().voxelSize();
+  const auto unit = grid.getMetadata<openvdb::StringMetadata>("unit");
+  return words + fmt::format("voxels of {:.6g} x {:.6g} x {:.6g} {}", voxel.x(), voxel.y(), voxel.z(),
+                             unit ? unit->value() : "m");
+}
+
+// A grid that the user means, and that holds vectors.
+[[noreturn]] void refuseVectors(const openvdb::GridBase& grid, const std::string& source) {
+  if (!isGradient(grid)) {
+    refuseComponents(source, Components::kVectors, 3, fmt::format("the voxels of its grid \"{}\"", grid.getName()));
+  }
+  refuse(source,
+         fmt::format("it holds the gradients of a volume, which palpate gradient wrote: in the grid \"{}\" ({}) {} "
+                     "vectors in {}, in a box of {}",
+                     grid.getName(), grid.valueType(), grid.activeVoxelCount(),
+                     grid.getMetadata<openvdb::StringMetadata>(kVdbVectorUnitKey)->value(), extentWords(grid)),
+         "give the volume itself; gradients are for other programs");
+}
+
 openvdb::GridBase& chooseGrid(const openvdb::GridPtrVec& grids, const std::string& wanted, const std::string& source) {
   std::string names;
+  const openvdb::GridBase* vectors = nullptr;  // where they are what is meant
   for (const auto& grid : grids) {
     if (isScalar(*grid) && (wanted.empty() || grid->getName() == wanted)) return *grid;
+    const bool is_meant = wanted.empty() ? grids.size() == 1 : grid->getName() == wanted;
+    if (is_meant && isVectors(*grid)) vectors = grid.get();
     names += fmt::format("{}\"{}\" ({})", names.empty() ? "" : ", ", grid->getName(), grid->valueType());
   }
+  if (vectors != nullptr) refuseVectors(*vectors, source);
   if (names.empty()) refuse(source, "it has no grids", "write the file again");
   if (wanted.empty()) refuse(source, "it has no grid of numbers, only " + names, "give a density or a level set");
   refuse(source, fmt::format("it has no grid of numbers named \"{}\"; there are {}", wanted, names),
@@ -178,7 +218,7 @@ class TreeBricks {
  private:
   float at(openvdb::Coord voxel) const {
     voxel.minComponent(domain_.max());
-    return static_cast<float>(scale_ * static_cast<double>(values_.getValue(voxel)));
+    return floatOf(scale_ * static_cast<double>(values_.getValue(voxel)));
   }
 
   // A brick reaches into at most two leaf cells along an axis, and each of its eight corners lies in another of them.

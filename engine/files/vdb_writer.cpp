@@ -41,7 +41,7 @@ void writeVdb(const Volume& volume, const std::string& name, LengthUnit unit, co
   about.insertMeta(kVdbDomainKey, openvdb::Vec3IMetadata(openvdb::Vec3i(last.x() + 1, last.y() + 1, last.z() + 1)));
   if (const auto& isovalue = volume.facts().kept_isovalue; isovalue && std::isfinite(*isovalue))
     about.insertMeta(kVdbIsovalueKey, openvdb::DoubleMetadata(*isovalue));
-  about.insertMeta(openvdb::GridBase::META_GRID_CREATOR, openvdb::StringMetadata("Palpate"));
+  about.insertMeta(openvdb::GridBase::META_GRID_CREATOR, openvdb::StringMetadata(kVdbCreator));
   about.insertMeta(openvdb::GridBase::META_GRID_NAME, openvdb::StringMetadata("density"));
   openvdb::GridBase::ConstPtr written;
   if (volume.size().unaryExpr([](int n) { return n % kBrickSize; }).isZero() && !volume.facts().is_level_set) {

@@ -23,9 +23,9 @@ VectorFile::VectorFile(const Vec3i& size, const Lattice& lattice, const std::str
   grid->setIsInWorldSpace(true);
   grid->setTransform(vdbTransform(lattice, kMillimetresPerMetre, name));
   grid->insertMeta("unit", openvdb::StringMetadata("mm"));
-  grid->insertMeta("vector_unit", openvdb::StringMetadata("density/mm"));
+  grid->insertMeta(kVdbVectorUnitKey, openvdb::StringMetadata("density/mm"));
   grid->insertMeta(kVdbDomainKey, openvdb::Vec3IMetadata(openvdb::Vec3i(size.x(), size.y(), size.z())));
-  grid->setCreator("Palpate");
+  grid->setCreator(kVdbCreator);
   state_ = std::make_unique<State>(State{size, lattice, grid});
 }
 

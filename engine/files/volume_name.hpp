@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // engine/files/volume_name.hpp: what a volume's name says besides its file or folder: which part of it is meant, and
-// what voxels that are NaN or infinite become.
+// what voxels become that are NaN, infinite or beyond the range of a float.
 //
 //   scan.vdb#density   folder#2   folder#1.2.3   scan.nrrd?nan=-1024   folder#2?nan=0
 //
@@ -28,7 +28,7 @@ struct VolumeName {
 // given, or its UID. Throws Error(kBadInput) if there is no such folder, or the name names a series already.
 [[nodiscard]] std::string withSeries(const std::string& folder, const std::string& series);
 
-// The name of the same volume with `value` for its voxels that are NaN or infinite. Throws Error(kBadInput) if the name
+// The name of the same volume with `value` for its voxels that are no densities. Throws Error(kBadInput) if the name
 // says so already, and as parseVolumeName.
 [[nodiscard]] std::string withNan(const std::string& name, const std::string& value);
 

@@ -51,6 +51,11 @@ class BrickPool {
   }
 
   [[nodiscard]] const layout::BrickPage& page(std::size_t brick) const noexcept { return pages_[brick]; }
+  [[nodiscard]] bool isStored(std::size_t brick) const noexcept { return pages_[brick].slot != NO_SLOT; }
+  // The one density that a brick holds; empty if it is stored.
+  [[nodiscard]] std::optional<float> constantOf(std::size_t brick) const noexcept {
+    return isStored(brick) ? std::nullopt : std::optional(pages_[brick].constant);
+  }
 
   void reserve(std::size_t bricks) { slabs_->reserve(bricks); }  // throws as SlotSlabs::reserve does
   [[nodiscard]] std::uint64_t bytesToReserve(std::size_t bricks) const noexcept {

@@ -127,9 +127,7 @@ std::uint32_t EditPass::dispatches(std::span<const EditPhase> phases) const noex
 }
 
 layout::EditPush EditPass::pushFor(const EditPhase& phase, std::uint32_t first, std::uint32_t count) const {
-  return {pool_.domain(), first,           count,           phase.first_command, phase.command_count,
-          scale_.h[0],    scale_.h[1],     scale_.h[2],     scale_.blur[0],      scale_.blur[1],
-          scale_.blur[2], scale_.inv_h[0], scale_.inv_h[1], scale_.inv_h[2]};
+  return {pool_.domain(), first, count, phase.first_command, phase.command_count, scale_};
 }
 
 void EditPass::recordPointwise(gpu::Commands& commands, const EditPhase& phase, std::uint32_t first_task) {

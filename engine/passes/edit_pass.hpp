@@ -67,7 +67,7 @@ class EditPass {
 
   gpu::Gpu& gpu_;
   const BrickPool& pool_;
-  EditScale scale_;
+  layout::EditScale scale_;
   // By kind, built when first used: a new kernel costs some 50 ms of the driver's compiler.
   std::array<std::optional<gpu::Kernel>, EDIT_SMOOTH> pointwise_;
   std::array<std::optional<PoolKernel>, EDIT_KINDS - EDIT_SMOOTH> stencil_;

@@ -7,10 +7,9 @@
 #include <unordered_map>
 #include <vector>
 
-#include "engine/edit/edit_math.hpp"
 #include "engine/edit/edit_reach.hpp"
 #include "engine/field/brick_values.hpp"
-#include "engine/reference/neighbours.hpp"
+#include "engine/reference/edited_density.hpp"
 
 namespace palpate::reference {
 namespace {
@@ -42,7 +41,7 @@ class Before {
 
 // Voxels of a brick outside the domain repeat the nearest one inside.
 Brick editedBrick(Before& before, const Vec3i& brick, const Vec3i& size, const layout::EditCommand& command,
-                  const EditScale& scale, std::span<const float> stamps) {
+                  const layout::EditScale& scale, std::span<const float> stamps) {
   const Brick& old = before.brick(brick);
   const Vec3i first = brick * kBrickSize;
   Brick values;
@@ -50,13 +49,10 @@ Brick editedBrick(Before& before, const Vec3i& brick, const Vec3i& size, const l
     for (int j = 0; j < kBrickSize; ++j) {
       for (int i = 0; i < kBrickSize; ++i) {
         const Vec3i voxel = (first + Vec3i(i, j, k)).cwiseMin(size - Vec3i::Ones());
-        const float f = old[offsetIn(voxel)];
-        const edit_math::Local p = edit_math::local(command, scale, voxel.x(), voxel.y(), voxel.z());
-        values[offsetIn(Vec3i(i, j, k))] =
-            edit_math::readsNeighbours(command)
-                ? edit_math::editedWithNeighbours(
-                      command, scale, p, f, neighboursOf(voxel, size, [&](const Vec3i& at) { return before.at(at); }))
-                : edit_math::edited(command, stamps, p, f);
+        const Neighbours around = readsNeighbours(command)
+                                      ? neighboursOf(voxel, size, [&](const Vec3i& at) { return before.at(at); })
+                                      : Neighbours{};
+        values[offsetIn(Vec3i(i, j, k))] = editedDensity(command, scale, stamps, voxel, old[offsetIn(voxel)], around);
       }
     }
   }
@@ -65,7 +61,7 @@ Brick editedBrick(Before& before, const Vec3i& brick, const Vec3i& size, const l
 
 void applyOne(Volume& volume, const BrickGrid& grid, const layout::EditCommand& command,
               std::span<const float> stamps) {
-  const EditScale scale = editScale(grid.spacing_m);
+  const layout::EditScale scale = editScale(grid.spacing_m);
   Before before(volume, grid);
   std::vector<std::pair<Vec3i, Brick>> changed;  // put in place when no neighbour is read any more
   for (const std::uint32_t index : reachedBricks(command, grid)) {

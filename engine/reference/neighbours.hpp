@@ -3,15 +3,21 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 
-#include "engine/edit/edit_math.hpp"
+#include "base/vec.hpp"
 
 namespace palpate::reference {
 
-// `density(voxel)` gives a voxel's density. A neighbour beyond the domain has the density of `voxel` itself.
+// By axis. A neighbour beyond the domain has the voxel's own density.
+struct Neighbours {
+  std::array<float, 3> before{}, after{};
+};
+
+// `density(voxel)` gives a voxel's density.
 template <typename Density>
-edit_math::Neighbours neighboursOf(const Vec3i& voxel, const Vec3i& size, const Density& density) {
-  edit_math::Neighbours neighbours{};
+Neighbours neighboursOf(const Vec3i& voxel, const Vec3i& size, const Density& density) {
+  Neighbours neighbours;
   for (int axis = 0; axis < 3; ++axis) {
     Vec3i before = voxel;
     Vec3i after = voxel;

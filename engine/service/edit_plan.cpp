@@ -36,13 +36,12 @@ std::optional<std::size_t> besideWithSamples(const BrickGrid& grid, const Sample
 }
 
 EditPlanner::EditPlanner(const Scope& scope, const BrushProfile& profile)
-    : scope_(scope), profile_(profile), grid_{scope.pool.size(), scope.pool.lattice().spacing_m} {}
+    : scope_(scope), profile_(profile), grid_(scope.pool.grid()) {}
 
 std::optional<float> EditPlanner::constantAfter(const EditPlan& plan, std::uint32_t brick) const {
   const auto found = plan.touched.find(brick);
   if (found != plan.touched.end()) return found->second.stored ? std::nullopt : std::optional(found->second.constant);
-  const layout::BrickPage& page = scope_.pool.page(brick);
-  return page.slot == NO_SLOT ? std::optional(page.constant) : std::nullopt;
+  return scope_.pool.constantOf(brick);
 }
 
 // What a constant brick holds after a phase, if it surely stays constant.

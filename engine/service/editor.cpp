@@ -37,16 +37,27 @@ std::optional<Vec3i> reachOf(const FilterChain* chain) {
   return chain != nullptr ? std::optional(chain->reach()) : std::nullopt;
 }
 
-std::uint32_t dispatchesOf(const FilterChain* chain) {
-  return chain != nullptr ? chain->dispatches() : 0;
+std::vector<std::uint32_t> touchedBricks(const EditPlan& plan) {
+  std::vector<std::uint32_t> bricks;
+  for (const auto& [brick, state] : plan.touched) bricks.push_back(brick);
+  sortUnique(bricks);
+  return bricks;
 }
 
 }  // namespace
 
+std::vector<Editor::Link> Editor::chainsOf(const Parts& parts) {
+  std::vector<Link> chains;
+  if (parts.filters != nullptr) chains.push_back({*parts.filters, "filter", &EditPlan::altered});
+  if (parts.smoothing != nullptr) chains.push_back({*parts.smoothing, "smoothing", &EditPlan::smoothed});
+  return chains;
+}
+
 Editor::Editor(const Parts& parts, const BrushProfile& profile, bool all_samples)
     : parts_(parts),
+      chains_(chainsOf(parts)),
       profile_(profile),
-      grid_{parts.pool.size(), parts.pool.lattice().spacing_m},
+      grid_(parts.pool.grid()),
       planner_({parts.pool,
                 parts.store,
                 reachOf(parts.filters),
@@ -82,8 +93,7 @@ void Editor::setIsovalues(const layout::IsovaluePair& isovalues, std::span<const
 void Editor::makeSpareRoom() {
   try {
     parts_.pool.reserve(std::min(parts_.pool.brickCount() - parts_.pool.storedBricks(), kSpareBricks));
-    for (FilterChain* chain : {parts_.filters, parts_.smoothing})
-      if (chain != nullptr) chain->reserve(kSpareBricks);
+    for (const Link& link : chains_) link.chain.reserve(kSpareBricks);
     if (all_samples_) return;
     parts_.store.reserve(std::min(parts_.pool.brickCount() - parts_.store.brickCount(), kSpareBricks));
   } catch (const Error& error) {
@@ -92,8 +102,7 @@ void Editor::makeSpareRoom() {
 }
 
 void Editor::prepare(std::span<const EditKind> kinds) {
-  if (parts_.filters != nullptr) parts_.filters->prepare();
-  if (parts_.smoothing != nullptr) parts_.smoothing->prepare();
+  for (const Link& link : chains_) link.chain.prepare();
   for (const EditKind kind : kinds) {
     commands_->timed(false);
     commands_->begin();
@@ -128,13 +137,7 @@ void Editor::makeRoom(const EditPlan& plan) {
   edit_.fit(plan.phases, plan.edits, parts_.pool.stalePages());
   if (plan.phases.back().given) edit_.fitGiven(plan.phases.back().tasks.size());
   makeBrickRoom(plan);
-  if (parts_.filters != nullptr)
-    parts_.filters->plan(plan.altered, [&](std::uint32_t brick) { return planner_.constantAfter(plan, brick); });
-  if (parts_.smoothing != nullptr) {
-    parts_.smoothing->plan(plan.smoothed, [&](std::uint32_t brick) {
-      return parts_.filters != nullptr ? parts_.filters->constantAfter(brick) : planner_.constantAfter(plan, brick);
-    });
-  }
+  planChains(plan);
   tasks_.fit(plan.regraded.size() + plan.newly.size() + WindowPass::kMaxTasks);
   bound_tasks_.fit(plan.rebounded.size());
   bound_results_.fit(plan.rebounded.size());
@@ -146,8 +149,8 @@ void Editor::makeRoom(const EditPlan& plan) {
   const auto slabs = static_cast<std::uint32_t>(parts_.store.slabCount());
   // One phase more for pages; bounds; a range for each slab of gradients, and for the window.
   const auto window = static_cast<std::uint32_t>(WindowPass::kMaxTasks);
-  const std::uint32_t dispatches = edit_.dispatches(plan.phases) + DENSITY_SLABS + 2 + slabs + std::min(slabs, window) +
-                                   dispatchesOf(parts_.filters) + dispatchesOf(parts_.smoothing);
+  std::uint32_t dispatches = edit_.dispatches(plan.phases) + DENSITY_SLABS + 2 + slabs + std::min(slabs, window);
+  for (const Link& link : chains_) dispatches += link.chain.dispatches();
   if (dispatches > max_dispatches_) {
     commands_ = gpu::Commands(parts_.gpu, "edit", 2 * dispatches);  // the old ones stay where this throws
     max_dispatches_ = 2 * dispatches;
@@ -155,11 +158,19 @@ void Editor::makeRoom(const EditPlan& plan) {
   makeKernels(plan);
 }
 
+// Each chain reads what the one before it makes of the volume.
+void Editor::planChains(const EditPlan& plan) {
+  FilterChain::SourceConstant constant = [&](std::uint32_t brick) { return planner_.constantAfter(plan, brick); };
+  for (const Link& link : chains_) {
+    link.chain.plan(plan.*link.changed, constant);
+    constant = [&link](std::uint32_t brick) { return link.chain.constantAfter(brick); };
+  }
+}
+
 // Those that read a pool depend on its slabs, so this comes when all room is made.
 void Editor::makeKernels(const EditPlan& plan) {
   edit_.makeKernels(plan.phases);
-  if (parts_.filters != nullptr) parts_.filters->makeKernels();
-  if (parts_.smoothing != nullptr) parts_.smoothing->makeKernels();
+  for (const Link& link : chains_) link.chain.makeKernels();
   if (parts_.bounds != nullptr) parts_.bounds->makeKernels();
   parts_.gradient.makeKernels();
   parts_.window.makeKernels();
@@ -178,8 +189,7 @@ void Editor::handOutSlots(EditPlan& plan) {
     }
   }
   for (const std::uint32_t brick : plan.newly) parts_.store.add(brick, besideWithSamples(grid_, parts_.store, brick));
-  if (parts_.filters != nullptr) parts_.filters->commit();
-  if (parts_.smoothing != nullptr) parts_.smoothing->commit();
+  for (const Link& link : chains_) link.chain.commit();
 }
 
 // Pages that became stale since the last edit are written before anything else: in the first phase, unless that reads
@@ -240,13 +250,9 @@ void Editor::record(EditPlan& plan, const WindowTarget* target, Outcome& outcome
   bound_tasks_.write(bounds_list);
   edit_.record(commands, plan.phases);
   commands.mark("edit");
-  if (parts_.filters != nullptr) {
-    parts_.filters->record(commands);
-    commands.mark("filter");
-  }
-  if (parts_.smoothing != nullptr) {
-    parts_.smoothing->record(commands);
-    commands.mark("smoothing");
+  for (const Link& link : chains_) {
+    link.chain.record(commands);
+    commands.mark(link.name);
   }
   ActiveTest test{nullptr, isovalues_};
   if (parts_.bounds != nullptr) {
@@ -282,12 +288,15 @@ void Editor::refuseIfBroken() const {
               "what was saved before is whole; start again from that and from the journal");
 }
 
-Editor::Outcome Editor::apply(std::span<const EditCommand> commands, const WindowTarget* target) {
+Editor::Outcome Editor::apply(std::span<const EditCommand> commands, const WindowTarget* target,
+                              const BeforeChange& before) {
   refuseIfBroken();
   settle();
   const Stopwatch watch;
   EditPlan plan = planner_.plan(commands);
-  return run(plan, target, {}, watch.seconds());
+  const double planned_s = watch.seconds();
+  if (before) before(touchedBricks(plan));
+  return run(plan, target, {}, planned_s);
 }
 
 Editor::Outcome Editor::replace(std::span<const BrickContent> bricks, const WindowTarget* target) {
@@ -310,8 +319,7 @@ Editor::Outcome Editor::run(EditPlan& plan, const WindowTarget* target, std::spa
   try {
     makeRoom(plan);
   } catch (...) {
-    for (FilterChain* chain : {parts_.filters, parts_.smoothing})
-      if (chain != nullptr) chain->abandon();
+    for (const Link& link : chains_) link.chain.abandon();
     throw;
   }
   outcome.stages.reserve(kStagesAtMost);
@@ -367,10 +375,7 @@ BrickContent Editor::read(std::uint32_t brick) const {
 }
 
 std::vector<std::uint32_t> Editor::bricksToChange(std::span<const EditCommand> commands) const {
-  std::vector<std::uint32_t> bricks;
-  for (const auto& [brick, state] : planner_.plan(commands).touched) bricks.push_back(brick);
-  sortUnique(bricks);
-  return bricks;
+  return touchedBricks(planner_.plan(commands));
 }
 
 bool Editor::isActive(std::uint32_t brick) const {
@@ -392,8 +397,7 @@ void Editor::settle() {
     if (holdOneValue(std::span<const float, kBrickVoxels>(values, kBrickVoxels)))
       parts_.pool.makeConstant(stored_[i], values[0]);
   }
-  if (parts_.filters != nullptr) parts_.filters->settle();
-  if (parts_.smoothing != nullptr) parts_.smoothing->settle();
+  for (const Link& link : chains_) link.chain.settle();
   if (all_samples_) return;
   const auto bounds = bound_results_.read(rebounded_.size());
   for (std::size_t i = 0; i < rebounded_.size(); ++i) crossed_[rebounded_[i]] = eitherCrosses(isovalues_, bounds[i]);

@@ -21,10 +21,10 @@
 #include "base/measured.hpp"
 #include "engine/edit/brush_profile.hpp"
 #include "engine/edit/edit_command.hpp"
+#include "engine/filter_passes/filter_chain.hpp"
 #include "engine/passes/brick_bounds_pass.hpp"
 #include "engine/passes/brick_pool.hpp"
 #include "engine/passes/edit_pass.hpp"
-#include "engine/passes/filter_chain.hpp"
 #include "engine/passes/gradient_pass.hpp"
 #include "engine/passes/sample_store.hpp"
 #include "engine/passes/window_pass.hpp"
@@ -74,8 +74,8 @@ class Editor {
   // until the GPU is done. Throws Error(kBadInput) as lowerEdits does, and Error(kOutOfMemory) where there is no room;
   // then nothing has changed and the editor can go on. If the device fails during an edit or while changed bricks are
   // taken, the volume on the GPU is unknown. Then broken() is true, and every function that changes or reads it throws
-  // Error(kDevice).
-  Outcome apply(std::span<const EditCommand> commands, const WindowTarget* target);
+  // Error(kDevice). `before`, if given, is called once the edit is planned, before anything changes.
+  Outcome apply(std::span<const EditCommand> commands, const WindowTarget* target, const BeforeChange& before = {});
   // Replaces whole bricks, as undo and replay do; each brick at most once, by its linear page index (grid()). Counts as
   // an edit and otherwise behaves as apply(). At most 65536 bricks that are not constant. Refuses (Error kBadInput) a
   // brick that does not exist or comes twice, and densities that are not finite.
@@ -86,8 +86,8 @@ class Editor {
   // What a brick holds now. After settle().
   [[nodiscard]] BrickContent content(std::uint32_t brick) const;
   // Whether content() gives 512 densities, not one.
-  [[nodiscard]] bool isStored(std::uint32_t brick) const noexcept { return parts_.pool.page(brick).slot != NO_SLOT; }
-  // The bricks that apply() may change, ascending: a history keeps their content. Throws as lowerEdits does.
+  [[nodiscard]] bool isStored(std::uint32_t brick) const noexcept { return parts_.pool.isStored(brick); }
+  // The bricks that apply() may change, ascending. Throws as lowerEdits does. Cost: that of a plan.
   [[nodiscard]] std::vector<std::uint32_t> bricksToChange(std::span<const EditCommand> commands) const;
 
   // To be called after every apply() and replace(), once the window is published. The next change calls it if need be.
@@ -113,11 +113,20 @@ class Editor {
   [[nodiscard]] const BrushProfile& profile() const noexcept { return profile_; }
 
  private:
+  // A chain of filters, which makes a field from the volume or from the field of the chain before it.
+  struct Link {
+    FilterChain& chain;
+    const char* name;                               // of its time among the stages
+    std::vector<std::uint32_t> EditPlan::*changed;  // bricks of its field that an edit may change
+  };
+  [[nodiscard]] static std::vector<Link> chainsOf(const Parts& parts);
+
   Outcome run(EditPlan& plan, const WindowTarget* target, std::span<const BrickContent> given, double planned_s);
   void handOver(const EditPlan& plan, std::span<const BrickContent> given);
   void makeSpareRoom();
   void makeRoom(const EditPlan& plan);
   void makeBrickRoom(const EditPlan& plan);
+  void planChains(const EditPlan& plan);
   void makeKernels(const EditPlan& plan);
   void handOutSlots(EditPlan& plan);
   void writeStalePages(EditPlan& plan);
@@ -129,6 +138,7 @@ class Editor {
   void noteChanged(std::uint32_t brick);
 
   Parts parts_;
+  std::vector<Link> chains_;  // in the order in which they read each other
   BrushProfile profile_;
   BrickGrid grid_;
   EditPlanner planner_;

@@ -20,8 +20,9 @@ bool Engine::publishFor(const ToolPose& tool, std::int64_t now_ns) {
 void Engine::allowEdits(const BrushProfile& profile, std::span<const EditKind> kinds) {
   parts_->allowEdits(profile, kinds);
 }
-Engine::EditResult Engine::edit(std::span<const EditCommand> commands, std::int64_t now_ns) {
-  return parts_->edit(commands, now_ns);
+Engine::EditResult Engine::edit(std::span<const EditCommand> commands, std::int64_t now_ns,
+                                const BeforeChange& before) {
+  return parts_->edit(commands, now_ns, before);
 }
 Engine::EditResult Engine::replace(std::span<const BrickContent> bricks, std::int64_t now_ns) {
   return parts_->replace(bricks, now_ns);

@@ -61,8 +61,8 @@ class Engine {
     std::vector<StageTime> stages;  // plan, record, gpu (and of that, if timed, its kernels), publish, settle
   };
   // Applies edit commands in their order (engine/service/editor.hpp). Publishes the last window's box anew if they
-  // reach it. Throws as Editor::apply does.
-  EditResult edit(std::span<const EditCommand> commands, std::int64_t now_ns);
+  // reach it. `before`: as Editor::apply has it. Throws as that does.
+  EditResult edit(std::span<const EditCommand> commands, std::int64_t now_ns, const BeforeChange& before = {});
   // The same with whole bricks, for undo and replay (Editor::replace).
   EditResult replace(std::span<const BrickContent> bricks, std::int64_t now_ns);
   void timeKernels(bool on) noexcept;  // of edits, among EditResult::stages

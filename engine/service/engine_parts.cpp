@@ -11,7 +11,7 @@
 #include "base/stopwatch.hpp"
 #include "engine/bricks/active_bricks.hpp"
 #include "engine/field/statistics.hpp"
-#include "engine/passes/filter_chain.hpp"
+#include "engine/filter_passes/filter_chain.hpp"
 #include "engine/passes/pool_volume.hpp"
 #include "engine/service/window_focus.hpp"
 
@@ -78,7 +78,7 @@ EngineParts::EngineParts(const Volume& volume, const Plan& plan, double isovalue
     checkDensityRoom(*budget, volume.storedBricks());
     pool_ = std::make_unique<BrickPool>(gpu_, transfer_, volume, std::move(budget));
   });
-  grid_ = {pool_->size(), pool_->lattice().spacing_m};
+  grid_ = pool_->grid();
   if (plan.has(Pass::kFilter)) {
     const auto source_isovalue = static_cast<float>(isovalue);
     std::vector<FilterStep> steps = lowerFilters(plan.filters, volume.lattice().spacing_m, source_isovalue);
@@ -236,8 +236,9 @@ Engine::EditResult EngineParts::change(std::int64_t now_ns, const Change& change
           std::move(outcome.stages)};
 }
 
-Engine::EditResult EngineParts::edit(std::span<const EditCommand> commands, std::int64_t now_ns) {
-  return change(now_ns, [&](const Editor::WindowTarget* target) { return editor_->apply(commands, target); });
+Engine::EditResult EngineParts::edit(std::span<const EditCommand> commands, std::int64_t now_ns,
+                                     const BeforeChange& before) {
+  return change(now_ns, [&](const Editor::WindowTarget* target) { return editor_->apply(commands, target, before); });
 }
 
 Engine::EditResult EngineParts::replace(std::span<const BrickContent> bricks, std::int64_t now_ns) {

@@ -14,11 +14,11 @@
 
 #include "base/measured.hpp"
 #include "engine/field/volume.hpp"
+#include "engine/filter_passes/filter_chain.hpp"
 #include "engine/gpu/gpu.hpp"
 #include "engine/gpu/transfer.hpp"
 #include "engine/passes/brick_bounds_pass.hpp"
 #include "engine/passes/brick_pool.hpp"
-#include "engine/passes/filter_chain.hpp"
 #include "engine/passes/gradient_pass.hpp"
 #include "engine/passes/isosurface_pass.hpp"
 #include "engine/passes/sample_store.hpp"
@@ -39,7 +39,7 @@ class EngineParts {
   bool publishAround(const Vec3& focus_W, std::int64_t now_ns);
   bool publishFor(const ToolPose& tool, std::int64_t now_ns);
   void allowEdits(const BrushProfile& profile, std::span<const EditKind> kinds);
-  Engine::EditResult edit(std::span<const EditCommand> commands, std::int64_t now_ns);
+  Engine::EditResult edit(std::span<const EditCommand> commands, std::int64_t now_ns, const BeforeChange& before);
   Engine::EditResult replace(std::span<const BrickContent> bricks, std::int64_t now_ns);
   std::size_t readBack(Volume& volume);
   void beginIsovalue(double isovalue);

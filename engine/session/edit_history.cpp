@@ -26,7 +26,7 @@ std::size_t bytesOf(const std::vector<BrickContent>& step) {
 
 }  // namespace
 
-EditHistory::Step EditHistory::contentOf(const std::vector<std::uint32_t>& bricks) const {
+EditHistory::Step EditHistory::contentOf(std::span<const std::uint32_t> bricks) const {
   Step step;
   step.reserve(bricks.size());
   for (const std::uint32_t brick : bricks) step.push_back(engine_.content(brick));
@@ -41,29 +41,32 @@ Engine::EditResult EditHistory::edit(std::span<const EditCommand> commands, std:
     ++forgotten_;
     return result;
   }
-  const std::vector<std::uint32_t> bricks = engine_.bricksToChange(commands);
-  if (bytesToKeep(bricks) > budget_bytes_) {
-    Engine::EditResult result = engine_.edit(commands, now_ns);
-    forgetAll();
-    ++forgotten_;
-    return result;
-  }
-  steps_.push_back(contentOf(bricks));
+  bool is_kept = false;
+  const auto keep = [&](std::span<const std::uint32_t> bricks) {
+    if (bytesToKeep(bricks) > budget_bytes_) return;
+    steps_.push_back(contentOf(bricks));
+    is_kept = true;
+  };
   Engine::EditResult result;
   try {
-    result = engine_.edit(commands, now_ns);
+    result = engine_.edit(commands, now_ns, keep);
   } catch (const Error&) {
-    steps_.pop_back();
+    if (is_kept) steps_.pop_back();
     throw;
   } catch (...) {  // changed or not: putting back what was there before is right for both
-    keepLast();
+    if (is_kept) keepLast();
     throw;
   }
-  keepLast();
+  if (is_kept) {
+    keepLast();
+  } else {
+    forgetAll();
+    ++forgotten_;
+  }
   return result;
 }
 
-std::size_t EditHistory::bytesToKeep(const std::vector<std::uint32_t>& bricks) const {
+std::size_t EditHistory::bytesToKeep(std::span<const std::uint32_t> bricks) const {
   std::size_t bytes = kStepBytes;
   for (const std::uint32_t brick : bricks) bytes += bytesOfBrick(engine_.isStored(brick) ? kBrickVoxels : 1);
   return bytes;

@@ -42,9 +42,9 @@ class EditHistory {
 
  private:
   using Step = std::vector<BrickContent>;  // what the bricks held before the edit; once undone, after it
-  [[nodiscard]] Step contentOf(const std::vector<std::uint32_t>& bricks) const;
+  [[nodiscard]] Step contentOf(std::span<const std::uint32_t> bricks) const;
   Engine::EditResult exchange(Step& step, std::int64_t now_ns);
-  [[nodiscard]] std::size_t bytesToKeep(const std::vector<std::uint32_t>& bricks) const;
+  [[nodiscard]] std::size_t bytesToKeep(std::span<const std::uint32_t> bricks) const;
   void keepLast() noexcept;
   void forgetAll() noexcept;
   void forgetBeyondBudget() noexcept;

@@ -14,7 +14,7 @@
 #include "servo/algorithms/hri.hpp"
 #include "servo/algorithms/hri_paper.hpp"
 #include "servo/algorithms/implicit.hpp"
-#include "servo/objects/mesh_object.hpp"
+#include "servo/meshes/mesh_object.hpp"
 
 namespace palpate {
 namespace {

@@ -36,7 +36,6 @@ std::vector<ContactEnergy> contactEnergies(std::span<const TickRecord> records, 
     if (acts && !open) {
       contacts.emplace_back();
       begin_J = record.energy_J;
-      last_W.setZero();
     }
     open = acts || open;
     if (!open) continue;

@@ -42,9 +42,6 @@ class TripleBuffer {
     return slots_[front_].value;
   }
 
-  // Set-up only, before the threads start: slot 0, 1 or 2.
-  [[nodiscard]] T& slot(unsigned index) noexcept { return slots_[index].value; }
-
  private:
   static constexpr unsigned kIndex = 3;
   static constexpr unsigned kFresh = 4;

@@ -23,7 +23,6 @@ WindowExchange::WindowExchange(const std::array<Sample*, 3>& storages, std::size
                 fmt::format("needs three storages of their own with at least 8 samples each, not {}", capacity_samples),
                 "map one buffer for each slot");
   }
-  for (unsigned i = 0; i < 3; ++i) buffer_.slot(i).samples = storages[i];
 }
 
 void WindowExchange::publish() {

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "base/error.hpp"
-#include "servo/objects/mesh_preparation.hpp"
+#include "base/mesh_preparation.hpp"
 #include "stl_bytes.hpp"
 #include "support/test_meshes.hpp"
 #include "temporary_folder.hpp"

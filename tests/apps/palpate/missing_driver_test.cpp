@@ -30,5 +30,19 @@ TEST_F(MissingDriver, DoesNotStopWhatNeedsNone) {
   expectSuccess(withoutDriver({"scene"}));
 }
 
+// What cannot be written is said first: without a driver, so before Vulkan is asked for.
+TEST_F(MissingDriver, IsSaidAfterAnOutputThatCannotBeWritten) {
+  const std::string sphere = "phantom:sphere?size=16";
+  for (const Words& words :
+       {Words{"check", "gradient", sphere, "--json"}, Words{"check", "filters", sphere, "--json"},
+        Words{"check", "edits", sphere, "--json"}, Words{"check", "all", sphere, "--json"},
+        Words{"check", "all", sphere, "--page"}, Words{"bench", "edit", "--quick", "--json"},
+        Words{"bench", "filters", "--quick", "--csv"}, Words{"bench", "gradient", "--quick", "--chart"},
+        Words{"bench", "loop", "--quick", "--page"}, Words{"gradient", sphere, "--out"},
+        Words{"filter", sphere, "--filter", "median:1", "--out"}}) {
+    expectRefusal(withoutDriver(words + Words{"nowhere/a.vdb"}), "nowhere/a.vdb", "cannot be created", 4);
+  }
+}
+
 }  // namespace missing_driver_test
 }  // namespace palpate

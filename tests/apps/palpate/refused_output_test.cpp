@@ -5,6 +5,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include "nrrd_bytes.hpp"
 #include "program_test.hpp"
 
 namespace palpate {
@@ -103,6 +104,23 @@ TEST_F(RefusedOutput, AFolderOfAResultsNameIsNotReplaced) {
   fs::create_directories(file("out/summary.json"));
   expectRefusal(touch("out"), "out/summary.json", "not a plain file", 4);
   EXPECT_THAT(everything(), testing::ElementsAre("out", "out/summary.json"));
+}
+
+// A check that wrote its result into the scan would lose the scan.
+TEST_F(RefusedOutput, AChecksResultReplacesNoVolume) {
+  const std::string scan = ballNrrd().bytes();
+  write("scan.nrrd", scan);
+  for (const char* what : {"gradient", "filters", "edits", "all"}) {
+    for (const Words& name : {Words{"scan.nrrd"}, Words{"scan.nrrd", "--nan", "0"}}) {
+      expectRefusal(run(Words{"check", what} + name + Words{"--json", "./scan.nrrd"}), "./scan.nrrd", "it is the input",
+                    2);
+    }
+  }
+  expectRefusal(run({"check", "all", "scan.nrrd", "--page", "scan.nrrd"}), "scan.nrrd", "it is the input", 2);
+  expectRefusal(run({"check", "all", "--quick", "--json", "a.txt", "--page", "./a.txt"}), "./a.txt",
+                "two of the outputs", 2);
+  EXPECT_EQ(contentsOf(file("scan.nrrd")), scan);
+  EXPECT_THAT(everything(), testing::ElementsAre("scan.nrrd"));
 }
 
 TEST_F(RefusedOutput, StandardOutputThatIsFull) {

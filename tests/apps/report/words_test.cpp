@@ -79,6 +79,19 @@ TEST(Words, ARunThatWasStoppedSaysSoFirst) {
   EXPECT_THAT(closingSummary(run), HasSubstr("\nEnded     early: stopped by the user after 5 s of 60 s\nContact "));
 }
 
+// 0.05 N is the least that counts as felt: the sample's largest is 0.5 N.
+TEST(Words, VerdictSaysThatForcesWereFaint) {
+  TouchRun run = sampleRun();
+  run.faults.clear();
+  run.edits.reset();
+  for (TickRecord& r : run.records) r.force_W[2] *= 0.1;
+  EXPECT_THAT(verdictOf(run), HasSubstr(" and felt at most 0.05"));
+  for (TickRecord& r : run.records) r.force_W[2] *= 0.9;
+  EXPECT_THAT(verdictOf(run),
+              HasSubstr("pressed at most 1 mm deep and no force above 0.05 N was reached, so that nobody "
+                        "feels it: at most 0.045 N; the contact was quiet; "));
+}
+
 TEST(Words, VerdictOfARunWithoutContact) {
   TouchRun run = sampleRun();
   for (TickRecord& r : run.records) r.in_contact = false;

@@ -91,6 +91,47 @@ TEST(RunNotes, NothingTouchedIsToldUnlessAFaultTellsWhy) {
   EXPECT_FALSE(noteOnNoContact(figures, false));
 }
 
+// K times the depth is the force: 500 N/m make 0.0035 N of 0.007 mm, and 0.5 N need 71429 N/m.
+TEST(RunNotes, TellOfForcesThatNobodyFeels) {
+  Scene scene;
+  RunFigures figures;
+  EXPECT_FALSE(noteOnFaintForce(scene, figures));  // nothing was touched
+  figures.contact_ticks = 100;
+  figures.depth_m.count = 100;
+  figures.depth_m.max = 0.007e-3;
+  figures.force_N.max = 0.0035;
+  EXPECT_EQ(
+      noteOnFaintForce(scene, figures).value_or(""),
+      "no force above 0.05 N was reached, which is too little to feel: the tool pressed at most 0.007 mm deep, as "
+      "fits so small or thin an object, and --stiffness 500 makes 0.0035 N of that; --stiffness 72000 would make "
+      "0.5 N of it, and a larger --depth more");
+  scene.press_depth_m = 0.007e-3;
+  EXPECT_THAT(noteOnFaintForce(scene, figures).value_or(""), HasSubstr("0.007 mm deep, and --stiffness"));
+  figures.depth_m.max = 0.001e-3;
+  EXPECT_THAT(
+      noteOnFaintForce(scene, figures).value_or(""),
+      HasSubstr("even --stiffness 100000 would make 0.1 N of it: raise --depth too, or write a larger voxel size"));
+  scene.spring_hand = true;
+  EXPECT_THAT(noteOnFaintForce(scene, figures).value_or(""), HasSubstr("; raise --depth or --hand-stiffness"));
+}
+
+// A depth of 0.1 mm makes 0.05 N. Less force than that is then a limit's or a fault's doing.
+TEST(RunNotes, FaintForcesAreToldWhereTheDepthIsTheReason) {
+  Scene scene;
+  RunFigures figures;
+  figures.contact_ticks = figures.depth_m.count = 100;
+  figures.depth_m.max = 0.101e-3;
+  figures.force_N.max = 0.04;
+  EXPECT_FALSE(noteOnFaintForce(scene, figures));
+  figures.depth_m.max = 0.099e-3;
+  EXPECT_TRUE(noteOnFaintForce(scene, figures));
+  figures.force_N.max = 0.051;
+  EXPECT_FALSE(noteOnFaintForce(scene, figures));
+  figures.force_N.max = 0.04;
+  figures.depth_m = {};  // an algorithm without a surface
+  EXPECT_FALSE(noteOnFaintForce(scene, figures));
+}
+
 // The path may well meet a surface further on.
 TEST(RunNotes, ARunThatEndedEarlyIsNotThePathsFault) {
   RunFigures figures;

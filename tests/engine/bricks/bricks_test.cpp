@@ -61,29 +61,53 @@ TEST(BrickGrid, VisitsWhatABoxAndWhatABrickTouches) {
     for (int trial = 0; trial < 40; ++trial) {
       const VoxelBox box = boxIn(grid, random);
       const Vec3i middle = voxelIn(grid, random) / kBrickSize;
-      Bricks in, around, corner, beside;
+      const Vec3i ring(trial % 3, trial / 3 % 3, trial / 9 % 3);
+      Bricks in, within, around, corner, before, beside;
       grid.forEachIn(box, [&](const Vec3i& brick) { in.push_back(grid.index(brick)); });
+      grid.forEachWithin(middle, ring, [&](std::uint32_t brick) { within.push_back(brick); });
       grid.forEachAround(middle, [&](std::uint32_t brick) { around.push_back(brick); });
       grid.forEachAtCorner(middle, 1, [&](std::uint32_t brick) { corner.push_back(brick); });
+      grid.forEachAtCorner(middle, -1, [&](std::uint32_t brick) { before.push_back(brick); });
       grid.forEachBeside(middle, [&](std::uint32_t brick) { beside.push_back(brick); });
-      Bricks want_in, want_around, want_corner, want_beside;
+      Bricks want_in, want_within, want_around, want_corner, want_before, want_beside;
       for (std::uint32_t brick = 0; brick < grid.brickCount(); ++brick) {
         const Vec3i at = grid.brick(brick);
         if (!intersection(grid.box(brick), box).empty()) want_in.push_back(brick);
+        if (((at - middle).array().abs() <= ring.array()).all()) want_within.push_back(brick);
         if (apart(at, middle) <= 1) want_around.push_back(brick);
         if (apart(at, middle) <= 1 && (at.array() >= middle.array()).all()) want_corner.push_back(brick);
+        if (apart(at, middle) <= 1 && (at.array() <= middle.array()).all()) want_before.push_back(brick);
         if ((at - middle).cwiseAbs().sum() == 1) want_beside.push_back(brick);
       }
-      for (Bricks* bricks : {&around, &corner, &beside}) std::sort(bricks->begin(), bricks->end());
+      for (Bricks* bricks : {&around, &corner, &before, &beside}) std::sort(bricks->begin(), bricks->end());
       ASSERT_EQ(in, want_in);
+      ASSERT_EQ(within, want_within);
       ASSERT_EQ(around, want_around);
       ASSERT_EQ(corner, want_corner);
+      ASSERT_EQ(before, want_before);
       ASSERT_EQ(beside, want_beside);
     }
     int visits = 0;
     grid.forEachIn(VoxelBox{}, [&](const Vec3i&) { ++visits; });
     EXPECT_EQ(visits, 0);
   }
+}
+
+// Inclusive boxes, cut to a domain of 40 x 17 x 33 voxels; an empty one adds nothing to a hull.
+TEST(VoxelBox, IsWidenedInTheDomainAndJoined) {
+  const BrickGrid grid{{40, 17, 33}};
+  const auto expectBox = [](const VoxelBox& box, const Vec3i& first, const Vec3i& last) {
+    EXPECT_EQ(box.first, first);
+    EXPECT_EQ(box.last, last);
+  };
+  expectBox(grid.widened({{5, 6, 7}, {10, 11, 12}}, {1, 2, 3}), {4, 4, 4}, {11, 13, 15});
+  expectBox(grid.widened({{2, 3, 4}, {37, 15, 29}}, {3, 4, 5}), {0, 0, 0}, {39, 16, 32});
+  const VoxelBox a{{1, 8, 3}, {4, 9, 6}}, b{{2, 5, 1}, {3, 12, 4}};
+  expectBox(hull(a, b), {1, 5, 1}, {4, 12, 6});
+  expectBox(hull(a, {}), a.first, a.last);
+  expectBox(hull({}, b), b.first, b.last);
+  expectBox(intersection(a, b), {2, 8, 3}, {3, 9, 4});
+  EXPECT_FALSE((VoxelBox{{3, 3, 3}, {3, 3, 3}}.empty()));
 }
 
 // A changed voxel c changes results at c - low ... c + high.

@@ -43,6 +43,12 @@ TEST(BrickValues, PutsOneOr512AndNothingElse) {
     EXPECT_THROW(putBrick(volume, {0, 0, 0}, std::span(brick).first(count)), std::length_error);
   }
   EXPECT_EQ(volume.toDense(), before);
+  try {
+    putBrick(volume, {1, 2, 3}, std::span(brick).first(5));
+    ADD_FAILURE();
+  } catch (const std::length_error& error) {
+    EXPECT_STREQ(error.what(), "brick (1, 2, 3) has 5 densities");
+  }
 }
 
 }  // namespace brick_values_test

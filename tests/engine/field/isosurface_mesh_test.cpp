@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <limits>
 #include <map>
+#include <numeric>
+#include <set>
+#include <tuple>
 
 #include <gtest/gtest.h>
 
@@ -174,6 +177,64 @@ TEST(IsosurfaceMesh, IsClosedForEveryPhantomWhenAdaptive) {
 TEST(IsosurfaceMesh, AnIsovalueThatIsNotReachedGivesNoTriangles) {
   const Volume volume = loadVolume("phantom:sphere?size=16");
   EXPECT_TRUE(isosurfaceMesh(volume, 1e6).triangles.empty());
+}
+
+// There is no cell in it that a surface could cross.
+TEST(IsosurfaceMesh, OfASliceIsEmpty) {
+  for (const Vec3i& size : {Vec3i(1, 9, 10), Vec3i(9, 1, 10), Vec3i(9, 10, 1)}) {
+    std::vector<float> values(90, 1.0F);
+    values[44] = -1;
+    EXPECT_TRUE(isosurfaceMesh(Volume::fromDense(size, plainLattice(), values, {}), 0).triangles.empty());
+  }
+}
+
+int componentsOf(const TriangleMesh& mesh) {
+  std::vector<std::uint32_t> parent(mesh.vertices_W.size());
+  std::iota(parent.begin(), parent.end(), 0U);
+  const auto root = [&](std::uint32_t v) {
+    while (parent[v] != v) v = parent[v];
+    return v;
+  };
+  for (const auto& t : mesh.triangles) {
+    parent[root(t[0])] = root(t[1]);
+    parent[root(t[1])] = root(t[2]);
+  }
+  int components = 0;
+  for (std::uint32_t v = 0; v < parent.size(); ++v) components += parent[v] == v ? 1 : 0;
+  return components;
+}
+
+// Two columns that touch along an edge only, a = (0, 0) and c = (1, 1) of each slice, of density d, others e. The
+// bilinear field's saddle is (d d - e e) / (2 d - 2 e): of 3 and -1 it is 1, above 0, and joins them; of 1 and -3 it is
+// -1 and parts them.
+TEST(IsosurfaceMesh, JoinsCornersWhereTheSaddleIsInside) {
+  for (const auto& [inside, outside, components] : {std::tuple(3.0F, -1.0F, 1), std::tuple(1.0F, -3.0F, 2)}) {
+    const std::vector<float> values = {inside, outside, outside, inside, inside, outside, outside, inside};
+    EXPECT_EQ(componentsOf(isosurfaceMesh(Volume::fromDense({2, 2, 2}, plainLattice(), values, {}), 0)), components);
+  }
+}
+
+// Flat faces: nothing is lost by joining their triangles, so the volume stays; no edge grows beyond eight voxels, which
+// some reach; and all vertices that stay are where they were.
+TEST(IsosurfaceMesh, OfABoxHasLargeTrianglesAndItsVolume) {
+  const Vec3i size(33, 21, 17);
+  const Lattice lattice{Vec3::Zero(), Mat3::Identity(), Vec3::Constant(1e-3)};
+  const Volume volume =
+      Volume::fromDense(size, lattice, std::vector<float>(static_cast<std::size_t>(size.prod()), 7), {});
+  const TriangleMesh full = isosurfaceMesh(volume, 1), joined = isosurfaceMesh(volume, 1, 0.01);
+  EXPECT_LT(joined.triangles.size(), full.triangles.size() / 3);
+  EXPECT_EQ(edgesNotShared(joined), 0);
+  EXPECT_NEAR(volumeOf(joined), 32e-3 * 20e-3 * 16e-3, 1e-5 * 32e-3 * 20e-3 * 16e-3);
+  double longest_m = 0;
+  for (const auto& t : joined.triangles) {
+    for (std::size_t i = 0; i < 3; ++i)
+      longest_m = std::max(longest_m, (joined.vertices_W[t[i]] - joined.vertices_W[t[(i + 1) % 3]]).norm());
+  }
+  EXPECT_LE(longest_m, 8e-3 * (1 + 1e-12));
+  EXPECT_GT(longest_m, 7e-3);
+  std::set<std::array<double, 3>> places;
+  for (const Vec3& v : full.vertices_W) places.insert({v.x(), v.y(), v.z()});
+  for (const Vec3& v : joined.vertices_W) EXPECT_TRUE(places.contains({v.x(), v.y(), v.z()}));
 }
 
 }  // namespace isosurface_mesh_test

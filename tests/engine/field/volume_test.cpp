@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include <fmt/format.h>
+
 #include "tests/engine/files/files.hpp"
 
 namespace palpate {
@@ -97,6 +99,35 @@ TEST(Volume, SamplesLinearFieldsExactly) {
   }
 }
 
+// Binary fractions as spacings, so that nothing is rounded: from the first voxel's centre to the last one's.
+TEST(Volume, SamplesUpToItsOutermostVoxels) {
+  const Lattice lattice{Vec3::Zero(), Mat3::Identity(), {0.5, 0.25, 2}};
+  std::vector<float> values;
+  for (int n = 0; n < 3 * 4 * 5; ++n)
+    values.push_back(static_cast<float>(1 + 2 * (n % 3) + 3 * (n / 3 % 4) + 5 * (n / 12)));
+  const Volume volume = Volume::fromDense({3, 4, 5}, lattice, values, facts());
+  double density = 0;
+  Vec3 gradient;
+  for (const auto& [p_L, want] : {std::pair(Vec3(0, 0, 0), 1.0), std::pair(Vec3(2, 3, 4), 34.0),
+                                  std::pair(Vec3(2, 0, 4), 25.0), std::pair(Vec3(0.5, 1.5, 2.25), 17.75)}) {
+    ASSERT_TRUE(volume.sample(lattice.toWorld(p_L), density, gradient)) << p_L.transpose();
+    EXPECT_EQ(density, want) << p_L.transpose();
+    EXPECT_EQ(gradient, Vec3(4, 12, 2.5)) << p_L.transpose();
+  }
+  for (const Vec3& p_L : {Vec3(2.0001, 3, 4), Vec3(2, 3.0001, 4), Vec3(2, 3, 4.0001), Vec3(0, -0.0001, 0)})
+    EXPECT_FALSE(volume.sample(lattice.toWorld(p_L), density, gradient)) << p_L.transpose();
+}
+
+TEST(Volume, KeepsItsNameAndEveryRemark) {
+  Volume volume = distinctVolume({2, 2, 2});
+  volume.remark("one");
+  EXPECT_EQ(volume.facts().remark, "one");
+  volume.remark("two");
+  EXPECT_EQ(volume.facts().remark, "one; two");
+  volume.rename("other");
+  EXPECT_EQ(volume.facts().source, "other");
+}
+
 TEST(Volume, DoesNotSampleOutsideTheDomain) {
   const Volume volume = distinctVolume({4, 4, 4});
   double density = 0;
@@ -129,7 +160,10 @@ TEST(Volume, OfOneVoxelAlongAnAxisIsKeptAndSampledButNotTouched) {
     EXPECT_EQ((volume.lattice().R_WL.transpose() * gradient)[axis], 0);
     EXPECT_TRUE(gradient.allFinite());
     EXPECT_FALSE(volume.sample(volume.lattice().toWorld(0.01 * Vec3::Unit(axis)), density, gradient));
-    expectRefusal([&] { checkTouchable(volume); }, "test", "a surface needs two along every axis");
+    expectRefusal([&] { checkTouchable(volume); }, "test",
+                  fmt::format("it has {} x {} x {} voxels, and a surface needs two along every axis; give a volume of "
+                              "more slices",
+                              size.x(), size.y(), size.z()));
   }
   EXPECT_NO_THROW(checkTouchable(distinctVolume({2, 2, 2})));
 }
@@ -139,7 +173,7 @@ TEST(Volume, RefusesAWrongNumberOfValues) {
       [] {
         static_cast<void>(Volume::fromDense({4, 4, 4}, plainLattice(), std::vector<float>(63), facts()));
       },
-      "test", "63 values");
+      "test", "63 values were given for 4 x 4 x 4 voxels; give one value a voxel");
 }
 
 TEST(Volume, RefusesValuesThatAreNoNumbersWithTheirCountAndTheFirstsIndex) {
@@ -214,6 +248,10 @@ TEST(Volume, ChangesBrickByBrick) {
   EXPECT_EQ(volume.value({9, 1, 0}), 7);
   EXPECT_TRUE(volume.readBrick({1, 0, 0}, read.data()));
   EXPECT_EQ(read[0], 7);
+  volume.setConstantBrick({2, 1, 0}, -9);
+  volume.setConstantBrick({0, 1, 0}, 900);
+  EXPECT_EQ(volume.minimum(), -9);
+  EXPECT_EQ(volume.maximum(), 900);
 }
 
 }  // namespace volume_test

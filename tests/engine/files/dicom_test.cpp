@@ -142,6 +142,24 @@ TEST_F(Dicom, TakesTheSeriesThatIsNamed) {
   EXPECT_THROW((void)withSeries(folder_.file("a1.dcm"), "2"), Error);
 }
 
+// With the words that a scanner gave it, and a series of one slice by its count.
+TEST_F(Dicom, NamesSeriesByTheirDescription) {
+  DicomFields fields;
+  fields.description = "Head 1 mm";
+  writeSeries(fields, {0, 2, 4}, "a");
+  EXPECT_EQ(loadVolume(folder_.path()).facts().part, "series 1.2.3.4.5 \"Head 1 mm\"");
+  DicomFields other;
+  other.series = "1.2.3.9";
+  writeSeries(other, {7}, "b");
+  refuses(
+      "the folder holds 2 series: 1: \"Head 1 mm\" 1.2.3.4.5 (3 slices), 2: 1.2.3.9 (1 slice); choose one: --series "
+      "1, or " +
+      folder_.path() + "#1 as its name");
+  EXPECT_EQ(loadVolume(folder_.path() + "#1").facts().part, "series 1 of 2: 1.2.3.4.5 \"Head 1 mm\"");
+  expectLoadRefusal(folder_.path() + "#2", "the series has one slice; give the whole series");
+  expectLoadRefusal(folder_.path() + "#3", "the folder has no series 3; choose one of 1: \"Head 1 mm\" 1.2.3.4.5 (3");
+}
+
 // A folder of one series needs no number, and says which it is.
 TEST_F(Dicom, SaysWhichSeriesItIs) {
   writeSeries({}, {0, 2, 4});
@@ -308,6 +326,32 @@ TEST_F(Dicom, RefusesUnevenSlices) {
   refuses("2.5 mm apart, others 2 mm");
 }
 
+TEST_F(Dicom, RefusesOneMissingSlice) {
+  writeSeries({}, {0, 2, 4, 8});
+  refuses("1 slice is missing between s2.dcm and s1.dcm; add what is missing");
+}
+
+// Up to two in a hundred of the gap, and a twentieth of a pixel (0.5 mm) aside; the spacing is the mean of the gaps.
+TEST_F(Dicom, TakesRoundedPositions) {
+  writeSeries({}, {0, 2, 4.03, 6});
+  EXPECT_NEAR(loadVolume(folder_.path()).lattice().spacing_m.z(), 2e-3, 1e-12);
+  writeSeries({}, {0, 2, 4.05, 6});
+  refuses("2.05 mm apart, others 2 mm; resample the series evenly");
+  const auto shifted = [&](double y_mm) {
+    for (int n = 0; n < 4; ++n) {
+      DicomFields fields;
+      fields.position = fmt::format("0\\{}\\{}", n * y_mm, 2 * n);
+      fields.sop += std::to_string(n);
+      fields.pixels = std::vector<double>(20, n);
+      writeSlice(fields, fmt::format("s{}.dcm", n + 1));
+    }
+  };
+  shifted(0.024);
+  EXPECT_EQ(loadVolume(folder_.path()).size(), Vec3i(5, 4, 4));
+  shifted(0.026);
+  refuses("slices s1.dcm and s2.dcm are shifted sideways, as under a tilted gantry; resample the series upright");
+}
+
 TEST_F(Dicom, RefusesTwoSlicesAtOnePlace) {
   writeSeries({}, {0, 2, 2, 4});
   refuses("lie at one place");
@@ -330,6 +374,35 @@ TEST_F(Dicom, RefusesSlicesThatDiffer) {
   wide.rows = 2;
   writeSeries(wide, {4}, "w");
   refuses("differ in size");
+}
+
+// Each of size, pixel spacing and axes alone; a ten-thousandth of a pixel and a thousandth of an axis are rounding.
+TEST_F(Dicom, RefusesOneSliceThatDiffersInAnything) {
+  const auto write = [&](DicomFields last) {
+    writeSeries({}, {0, 2});
+    last.sop = "1.2.3.4.5.9";
+    last.position = "10\\-20\\4";
+    last.pixels = std::vector<double>(static_cast<std::size_t>(last.rows * last.columns), 1);
+    writeSlice(last, "w.dcm");
+  };
+  const auto with = [](const auto& change) {
+    DicomFields fields;
+    change(fields);
+    return fields;
+  };
+  write(with([](DicomFields& f) { f.pixel_spacing = "0.75005\\0.49997"; }));
+  EXPECT_EQ(loadVolume(folder_.path()).size().z(), 3);
+  write(with([](DicomFields& f) { f.orientation = "1\\0.0005\\0\\-0.0005\\1\\0"; }));
+  EXPECT_EQ(loadVolume(folder_.path()).size().z(), 3);
+  for (const DicomFields& other :
+       {with([](DicomFields& f) { f.columns = 6; }), with([](DicomFields& f) { f.rows = 5; }),
+        with([](DicomFields& f) { f.pixel_spacing = "0.7502\\0.5"; }),
+        with([](DicomFields& f) { f.pixel_spacing = "0.75\\0.4998"; }),
+        with([](DicomFields& f) { f.orientation = "1\\0\\0.002\\0\\1\\0"; }),
+        with([](DicomFields& f) { f.orientation = "1\\0\\0\\0\\1\\0.002"; })}) {
+    write(other);
+    refuses("slices s2.dcm and w.dcm differ in size, spacing or orientation; keep one scan in a folder");
+  }
 }
 
 TEST_F(Dicom, RefusesBadOrMissingGeometry) {
@@ -400,7 +473,54 @@ TEST_F(Dicom, RefusesColour) {
     fields.pixels = std::vector<double>(60, 1);
     writeSlice(fields, fmt::format("{}.dcm", n));
   }
-  refuses("3 components");
+  refuses("the pixels of slice 0.dcm are colours of 3 components, and a density is one number");
+}
+
+// PET: slices of one series that are scaled each by its own slope.
+TEST_F(Dicom, TellsTheRangeOfSlopesThatDiffer) {
+  for (int n = 0; n < 3; ++n) {
+    DicomFields fields;
+    fields.sop += std::to_string(n);
+    fields.position = fmt::format("0\\0\\{}", 2 * n);
+    fields.slope = std::vector<std::string>{"2", "0.5", "4"}[static_cast<std::size_t>(n)];
+    fields.pixels = std::vector<double>(20, 100 * n);
+    writeSlice(fields, fmt::format("{}.dcm", n));
+  }
+  const Volume volume = loadVolume(folder_.path());
+  EXPECT_EQ(volume.facts().rescale_by_slice, "slope 0.5 to 4, intercept -100");
+  EXPECT_EQ(volume.facts().rescale_slope, 1);
+  EXPECT_EQ(volume.facts().rescale_intercept, 0);
+  // 0, 100 and 200, times the slope, less 100.
+  for (const auto& [k, density] : {std::pair(0, -100.0F), {1, -50.0F}, {2, 700.0F}})
+    EXPECT_EQ(volume.value({1, 2, k}), density);
+}
+
+TEST_F(Dicom, HasNoRangeOfSlopesThatAreAllTheSame) {
+  writeSeries({}, {0, 2, 4});
+  EXPECT_EQ(loadVolume(folder_.path()).facts().rescale_by_slice, "");
+}
+
+// 1e37 times 29, the highest of the ramp, is below 3.4e38; 1e38 times 4 is not: of the last slice all of 10 to 29, of
+// the middle one -10 to -4 and 4 to 9, of the first all of -30 to -11.
+TEST_F(Dicom, SlopesBeyondTheRangeOfAFloatAreToldAndMended) {
+  DicomFields fields;
+  fields.slope = "1e37";
+  fields.intercept = "0";
+  writeSeries(fields, {0, 2, 4});
+  EXPECT_NO_THROW(static_cast<void>(loadVolume(folder_.path())));
+  fields.slope = "1e38";
+  writeSeries(fields, {0, 2, 4});
+  refuses("53 of its 60 voxels are beyond the range of a float, 3.4e38, the first at index (0, 0, 0)");
+  const Volume volume = loadVolume(folder_.path() + "?nan=7");
+  EXPECT_EQ(volume.value({0, 0, 0}), 7);
+  EXPECT_EQ(volume.value({0, 2, 1}), 0);  // the tenth of the middle slice
+  EXPECT_THAT(volume.facts().remark, testing::HasSubstr("53 of 60 voxels are beyond the range of a float"));
+}
+
+TEST_F(Dicom, RefusesAnEmptySlice) {
+  writeSeries({}, {0, 2, 4});
+  writeFile(folder_.file("s2.dcm"), "");
+  refuses("slice s2.dcm is empty: a file of 0 bytes");
 }
 
 TEST_F(Dicom, RefusesOneSliceAndFoldersWithout) {

@@ -29,6 +29,7 @@ TEST(Formats, AreAllNamedOnce) {
 TEST(LoadVolume, RefusesWhatIsNotThere) {
   expectLoadRefusal("/nowhere/a.nrrd", "no such file", Error::Code::kNotFound);
   expectLoadRefusal("", "no such file", Error::Code::kNotFound);
+  expectLoadRefusal("/dev/null", "it is no file; give a volume's file");
 }
 
 TEST(LoadVolume, SaysWhatAFileIsWhoseSuffixLies) {
@@ -43,9 +44,32 @@ TEST(LoadVolume, SaysWhatAFileIsWhoseSuffixLies) {
   refuses("a.vdb", "ObjectType = Image\n", "MetaImage data");
   refuses("a.nrrd", std::string(128, '\0') + "DICM", "give the folder");
   refuses("a.inv3", "NRRD0004\n", "rename it to .nrrd");
-  refuses("a.dat", "NRRD0004\n", "NRRD data");
-  refuses("a.stl", "solid", "use one of .nrrd");
-  refuses("a.nrrd", "", "");
+  refuses("a.dat", "NRRD0004\n", "it holds NRRD data, which its suffix does not say; rename it to .nrrd or .nhdr");
+  refuses("a.nrrd", std::string(344, '\0') + std::string("ni1\0", 4), "rename it to .nii or .nii.gz or .hdr or .img");
+  refuses("a.nrrd", "NDims = 3\n", "MetaImage data");
+  refuses("a.nrrd", std::string(257, 'x') + "ustar",
+          "InVesalius data, which its suffix does not say; rename it to .inv3");
+  refuses("a.stl", "solid",
+          "its suffix names no known format and its content does not either; use one of .nrrd .nhdr .nii .nii.gz .hdr "
+          ".img .mha .mhd .vdb .inv3, a DICOM folder or phantom:NAME");
+}
+
+// Of every format alike, and of what is none: nothing can be said of the content.
+TEST(LoadVolume, SaysThatAFileIsEmpty) {
+  const TempFolder folder;
+  std::vector<std::string> suffixes = {".dcm", ".stl", ""};
+  for (const VolumeFormat& format : volumeFormats()) {
+    suffixes.insert(suffixes.end(), format.suffixes.begin(), format.suffixes.end());
+  }
+  for (const std::string& suffix : suffixes) {
+    const std::string file = folder.file("empty" + suffix);
+    writeFile(file, "");
+    expectRefusal([&] { static_cast<void>(loadVolume(file)); }, file,
+                  ": it is empty: a file of 0 bytes; copy or write the file again");
+  }
+  // The data of a pair are there, and its header is empty.
+  writeFile(folder.file("empty.img"), "x");
+  expectLoadRefusal(folder.file("empty.img"), "its header empty.hdr is empty: a file of 0 bytes");
 }
 
 TEST(LoadVolume, RefusesAPartOfAFileThatHasNone) {
@@ -108,7 +132,8 @@ TEST(HeadOf, SaysThatAFileCannotBeRead) {
 // Of every format, by its length; what a reader remarks stays.
 TEST(LoadVolume, RemarksOnWhatNoFingerCouldFeel) {
   const TempFolder folder;
-  for (const auto& [spacing_mm, told] : {std::pair{0.0666, false}, std::pair{0.06, true}, std::pair{1e-6, true}}) {
+  for (const auto& [spacing_mm, told] :
+       {std::pair{0.0666, false}, std::pair{0.0625, false}, std::pair{0.06, true}, std::pair{1e-6, true}}) {
     const std::string name = fmt::format("phantom:sphere?size=16&spacing={}mm", spacing_mm);
     const Volume volume = loadVolume(name);
     const auto remark = fmt::format("it is {:.3g} mm long", 16 * spacing_mm);
@@ -142,6 +167,30 @@ TEST(MemoryBudget, RefusesAbsurdDimensions) {
   expectRefusal([] { checkMemory("a", 20000, 2, 2, 2, 0); }, "a", "16384");
   expectRefusal([] { checkMemory("a", 0, 2, 2, 2, 0); }, "a", "0 x 2 x 2");
   expectRefusal([] { checkMemory("a", -1, 2, 2, 2, 0); }, "a", "-1 x 2 x 2");
+  expectRefusal([] { checkMemory("a", 2, 0, 2, 2, 0); }, "a",
+                "its header claims 2 x 0 x 2 voxels; write the file again");
+  expectRefusal([] { checkMemory("a", 2, 2, 0, 2, 0); }, "a", "its header claims 2 x 2 x 0 voxels");
+  EXPECT_NO_THROW(checkMemory("a", 1, 1, 1, 2, 0));
+  EXPECT_NO_THROW(checkMemory("a", 16384, 1, 2, 2, 0));
+  const std::string most = " voxels, and an axis may have 16384; crop or resample it";
+  expectRefusal([] { checkMemory("a", 16385, 2, 3, 2, 0); }, "a", "it has 16385 x 2 x 3" + most);
+  expectRefusal([] { checkMemory("a", 2, 16385, 3, 2, 0); }, "a", "it has 2 x 16385 x 3" + most);
+  expectRefusal([] { checkMemory("a", 2, 3, 16385, 2, 0); }, "a", "it has 2 x 3 x 16385" + most);
+}
+
+TEST(MemoryBudget, HoldsWhatIsNotMore) {
+  EXPECT_NO_THROW(checkMemory("a", 1000.0, 1000));
+  EXPECT_THROW(checkMemory("a", 1000.5, 1000), Error);
+  constexpr std::size_t kGiB = std::size_t{1} << 30U;
+  expectRefusal([] { checkMemory("a", 3.0 * kGiB, kGiB); }, "a",
+                "it needs 3 GiB with its copy for the GPU, and 1 GiB are free; crop or resample it, or use a machine "
+                "with more memory",
+                Error::Code::kOutOfMemory);
+  // 256^3 bricks are 2^24, the most.
+  EXPECT_NO_THROW(checkBricks("a", 2048, 2048, 2048));
+  expectRefusal([] { checkBricks("a", 2048, 2049, 2047); }, "a",
+                "its box of 2048 x 2049 x 2047 voxels has more than 16777216 bricks of 8 x 8 x 8; crop or resample it",
+                Error::Code::kOutOfMemory);
 }
 
 TEST(MemoryBudget, KnowsWhatTheMachineHas) {

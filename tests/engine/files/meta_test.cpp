@@ -52,6 +52,10 @@ TEST_F(Meta, AppliesTheSlopeToIntensities) {
   for (double& value : values) value = 0.5 * value + 100;
   expectVolume(volume, plainLattice(), values);
   EXPECT_EQ(volume.facts().rescale_slope, 0.5);
+  EXPECT_EQ(volume.facts().rescale_intercept, 100);
+  EXPECT_EQ(volume.facts().format, "MetaImage");
+  EXPECT_EQ(volume.facts().orientation, "LPS file");
+  EXPECT_EQ(volume.facts().remark, "");
 }
 
 // Of "2 3" the first was taken, 0 made every voxel 0, and ITK has no words for the others.
@@ -97,10 +101,25 @@ TEST_F(Meta, RefusesWhatIsNoVolume) {
   std::string flat = metaHeader("MET_SHORT", "", "LOCAL", "5 12");
   flat.replace(flat.find("NDims = 3"), 9, "NDims = 2");
   refuses(flat + data_, "2 dimensions");
-  refuses(metaHeader("MET_SHORT", "ElementNumberOfChannels = 3\n", "LOCAL", "5 2 2") + data_, "3 components");
+  refuses(metaHeader("MET_SHORT", "ElementNumberOfChannels = 3\n", "LOCAL", "5 2 2") + data_,
+          "its voxels are colours or vectors of 3 components, and a density is one number");
+  refuses(metaHeader("MET_SHORT", "ElementNumberOfChannels = x\n") + data_,
+          "ElementNumberOfChannels \"x\" is no count");
   std::string series = metaHeader("MET_SHORT", "", "LOCAL", "5 2 2 3");
   series.replace(series.find("NDims = 3"), 9, "NDims = 4");
   refuses(series + data_, "series of 3");
+}
+
+TEST_F(Meta, RefusesSizesThatAreNoCounts) {
+  for (const std::string sizes : {"5 0 3", "5 4.5 3", "5 -4 3", "5 x 3", "5 4 1e16"})
+    refuses(metaHeader("MET_SHORT", "", "LOCAL", sizes) + data_,
+            "its DimSize \"" + sizes + "\" is no list of counts; write the file again");
+  const std::string eleven = "5 4 3 1 1 1 1 1 1 1 1";
+  std::string header = metaHeader("MET_SHORT", "", "LOCAL", eleven);
+  header.replace(header.find("NDims = 3"), 9, "NDims = 11");
+  refuses(header + data_, "its NDims \"11\" is not the count of its DimSize");
+  EXPECT_EQ(load(metaHeader("MET_SHORT", "ElementNumberOfChannels = 1\n") + data_).toDense(),
+            asFloats(rampValues(-30)));
 }
 
 TEST_F(Meta, RefusesACountOfDimensionsThatIsNot) {

@@ -166,6 +166,108 @@ TEST_F(NanVoxels, NoneOfThemNeedsNoWords) {
   }
 }
 
+// Files of doubles, of which a float cannot hold some.
+class BeyondFloat : public testing::Test {
+ protected:
+  // A ramp of 5 x 4 x 3 voxels with `values` in place of its 7th, 8th, ...
+  [[nodiscard]] std::vector<std::string> write(const std::vector<double>& values) const {
+    std::vector<double> all = rampValues();
+    std::copy(values.begin(), values.end(), all.begin() + 7);
+    const std::string raw = bytesOf<double>(all);
+    writeFile(folder_.file("a.nrrd"), nrrdHeader("double", "raw") + "\n" + raw);
+    writeFile(folder_.file("a.mha"), metaHeader("MET_DOUBLE") + raw);
+    writeTarGz(folder_.file("a.inv3"), {{"main.plist", invesaliusPlist(kShape, "float64")}, {"matrix.dat", raw}});
+    std::string words;
+    for (const double value : all) words += fmt::format("{}\n", value);
+    writeFile(folder_.file("words.nrrd"), nrrdHeader("double", "text") + "\n" + words);
+    openvdb::initialize();
+    const auto grid = openvdb::DoubleGrid::create(0);
+    auto to = grid->getAccessor();
+    for (int n = 0; n < 60; ++n)
+      to.setValueOn(openvdb::Coord(n % 5, n / 5 % 4, n / 20), all[static_cast<std::size_t>(n)]);
+    openvdb::io::File(folder_.file("a.vdb")).write({grid});
+    return {folder_.file("a.nrrd"), folder_.file("a.mha"), folder_.file("a.inv3"), folder_.file("words.nrrd"),
+            folder_.file("a.vdb")};
+  }
+  static constexpr const char* kShape = "<integer>3</integer><integer>4</integer><integer>5</integer>";
+  TempFolder folder_;
+};
+
+// The seventh voxel of rows of 5 is (2, 1, 0); in OpenVDB two voxels of background come before it.
+TEST_F(BeyondFloat, IsNotCalledInfinite) {
+  const std::string beyond = "beyond the range of a float, 3.4e38";
+  for (const std::string& file : write({1e300, -1e39})) {
+    const bool is_vdb = file.ends_with(".vdb");
+    expectLoadRefusal(file, fmt::format("2 of its {} voxels are {}, the first at index ({}); ", is_vdb ? 9 * 8 * 7 : 60,
+                                        beyond, is_vdb ? "4, 3, 2" : "2, 1, 0"));
+    expectLoadRefusal(file, "say with --nan which density they stand for");
+    const Volume volume = loadVolume(file + "?nan=5");
+    EXPECT_THAT(volume.facts().remark, testing::HasSubstr("voxels are " + beyond + " in the file, and 5 here"));
+    EXPECT_EQ(volume.value(is_vdb ? Vec3i(4, 3, 2) : Vec3i(2, 1, 0)), 5);
+    EXPECT_EQ(volume.maximum(), 59);
+  }
+}
+
+TEST_F(BeyondFloat, IsCountedApartFromWhatIsNoNumber) {
+  for (const std::string& file : write({1e300, std::nan(""), -1e300, std::numeric_limits<double>::infinity(), 1e40})) {
+    const std::string words = "are no densities (2 NaN or infinite, 3 beyond the range of a float, 3.4e38)";
+    expectLoadRefusal(file, words + ", the first at index");
+    EXPECT_THAT(loadVolume(file + "?nan=5").facts().remark, testing::HasSubstr(words + " in the file, and 5 here"));
+  }
+}
+
+// The largest float is (2 - 2^-23) 2^127. What lies below it by half of the last place more is rounded to it.
+TEST_F(BeyondFloat, BeginsWhereRoundingLeavesTheFloats) {
+  const double limit = std::ldexp(2 - std::ldexp(1, -24), 127);
+  for (const std::string& file : write({std::nextafter(limit, 0), -std::nextafter(limit, 0)})) {
+    EXPECT_EQ(loadVolume(file).maximum(), std::numeric_limits<float>::max());
+    EXPECT_EQ(loadVolume(file).minimum(), -std::numeric_limits<float>::max());
+  }
+  for (const std::string& file : write({limit})) expectLoadRefusal(file, "voxels are beyond the range of a float");
+}
+
+// 3e38 is a float, and ten times as much is none. In NIfTI both that and NaN become 0, which the remark tells apart.
+TEST_F(BeyondFloat, MayComeFromASlope) {
+  std::vector<double> values = rampValues();
+  values[0] = 3e38;
+  values[1] = std::nan("");
+  const std::string raw = bytesOf<float>(values);
+  const std::string words =
+      "2 of {} voxels are no densities (1 NaN or infinite, 1 beyond the range of a float, 3.4e38)";
+  NiftiFields fields;
+  fields.datatype = 16;
+  fields.bits = 32;
+  fields.slope = 10;
+  writeFile(folder_.file("a.nii"), niftiHeader(fields) + raw);
+  const Volume volume = loadVolume(folder_.file("a.nii"));
+  EXPECT_THAT(volume.facts().remark, testing::HasSubstr(fmt::format(fmt::runtime(words), 60)));
+  EXPECT_EQ(volume.value({0, 0, 0}), 0);
+  EXPECT_EQ(volume.maximum(), 590);
+  writeFile(folder_.file("a.mha"),
+            metaHeader("MET_FLOAT", "ElementSpacing = 1 1 1\nElementToIntensityFunctionSlope = 10\n") + raw);
+  expectLoadRefusal(folder_.file("a.mha"), fmt::format(fmt::runtime(words), "its 60"));
+}
+
+// A word that does not fit the type of its file.
+TEST_F(BeyondFloat, IsNoWordOfAFloat) {
+  std::string words = "1e300\n";
+  for (int n = 1; n < 60; ++n) words += "1\n";
+  writeFile(folder_.file("a.nrrd"), nrrdHeader("float", "text") + "\n" + words);
+  expectLoadRefusal(folder_.file("a.nrrd"), "\"1e300\" among its voxels is beyond the range of their type");
+}
+
+// A tile of OpenVDB is one value for many voxels: here of a whole brick.
+TEST_F(NanVoxels, OfATileAreCountedEach) {
+  openvdb::initialize();
+  const auto grid = openvdb::FloatGrid::create(0.0F);
+  grid->fill(openvdb::CoordBBox(openvdb::Coord(0), openvdb::Coord(15)), 1.0F);
+  grid->tree().addTile(1, openvdb::Coord(8, 0, 0), kNan, true);
+  grid->insertMeta("palpate_domain", openvdb::Vec3IMetadata(openvdb::Vec3i(16, 16, 16)));
+  openvdb::io::File(folder_.file("tile.vdb")).write({grid});
+  expectLoadRefusal(folder_.file("tile.vdb"),
+                    "512 of its 4096 voxels are NaN or infinite, the first at index (8, 0, 0)");
+}
+
 TEST(VolumeName, NamesFilePartAndDensity) {
   const TempFolder folder;
   const std::string file = folder.file("a.vdb"), strange = folder.file("b#1?nan=2.nrrd");

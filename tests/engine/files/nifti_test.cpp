@@ -49,7 +49,78 @@ TEST_F(Nifti, ReadsEveryNumberTypeInBothByteOrders) {
     check(768, 32, bytesOf<std::uint32_t>(values, big), "uint32");
     check(16, 32, bytesOf<float>(values, big), "float32");
     check(64, 64, bytesOf<double>(values, big), "float64");
+    check(1024, 64, bytesOf<std::int64_t>(values, big), "int64");
+    check(1280, 64, bytesOf<std::uint64_t>(values, big), "uint64");
   }
+}
+
+// Seven dimensions are the most, all but three of them one voxel thick.
+TEST_F(Nifti, CountsDimensions) {
+  NiftiFields fields;
+  fields.dim = {7, 5, 4, 3, 1, 1, 1, 1};
+  expectVolume(load(fields, data_), rasLattice(), rampValues(-30));
+  fields.dim = {7, 5, 4, 1, 1, 1, 1, 3};
+  refuses(fields, "it is a series of 3 volumes or components; extract one of them");
+  fields.dim = {1, 60, 1, 1, 1, 1, 1, 1};
+  refuses(fields, "it has 1 dimensions; give a volume");
+}
+
+// In one file at or behind its header of 348 bytes, or where nothing is said at 352; in a pair anywhere.
+TEST_F(Nifti, FindsTheValuesWhereTheHeaderSays) {
+  const auto at = [&](bool one_file, float offset, const std::string& between) {
+    NiftiFields fields;
+    fields.one_file = one_file;
+    std::string head = niftiHeader(fields);
+    overwrite(head, 108, bytesOf<float>({offset}));
+    if (one_file) return head.substr(0, 348) + between + data_;
+    writeFile(folder_.file("p.img"), between + data_);
+    return head;
+  };
+  for (const auto& [offset, bytes] :
+       {std::pair(348.0F, 0), std::pair(352.0F, 4), std::pair(0.0F, 4), std::pair(400.0F, 52)}) {
+    writeFile(path_, at(true, offset, std::string(static_cast<std::size_t>(bytes), 'x')));
+    expectVolume(loadVolume(path_), rasLattice(), rampValues(-30));
+  }
+  for (const float offset : {0.0F, 7.0F}) {
+    writeFile(folder_.file("p.hdr"), at(false, offset, std::string(static_cast<std::size_t>(offset), 'x')));
+    expectVolume(loadVolume(folder_.file("p.hdr")), rasLattice(), rampValues(-30));
+  }
+  for (const float offset : {347.0F, 352.5F, -1.0F, 2e12F, std::nanf("")}) {
+    writeFile(path_, at(true, offset, "xxxx"));
+    expectLoadRefusal(path_, "is no place in a file; write the file again");
+  }
+}
+
+// Half a turn about x: i runs right, j posterior, k inferior. With qfac -1 the third axis is the other way round.
+TEST_F(Nifti, TurnsHalfTurnsAndHandedness) {
+  NiftiFields fields;
+  fields.quaternion = {1, 0, 0};
+  Lattice lattice = {Vec3::Zero(), Vec3(-1, 1, -1).asDiagonal(), kSpacing_mm * 1e-3};
+  expectVolume(load(fields, data_), lattice, rampValues(-30), 1e-9);
+  fields.pixdim[0] = -1;
+  lattice.R_WL.col(2) *= -1;
+  expectVolume(load(fields, data_), lattice, rampValues(-30), 1e-9);
+  fields.quaternion = {0, 1, 0};  // about y
+  lattice.R_WL = Vec3(1, -1, 1).asDiagonal();
+  expectVolume(load(fields, data_), lattice, rampValues(-30), 1e-9);
+  fields.pixdim[0] = 0;  // not said: as 1
+  lattice.R_WL.col(2) *= -1;
+  expectVolume(load(fields, data_), lattice, rampValues(-30), 1e-9);
+}
+
+// Up to a hundredth of the shortest voxel, which is 0.005 mm, at the farthest corner.
+TEST_F(Nifti, TakesRoundingForNoDisagreement) {
+  const auto remarkOf = [&](float offset, float step) {
+    NiftiFields fields;
+    fields.sform_code = 1;
+    fields.sform = {0.5F, 0, 0, 0, 0, 0.75F, 0, offset, 0, 0, 2 + step, 0};
+    return load(fields, data_).facts().remark;
+  };
+  EXPECT_EQ(remarkOf(0, 0), "");
+  EXPECT_EQ(remarkOf(0.0049F, 0), "");
+  EXPECT_EQ(remarkOf(0.0051F, 0), "its qform and its sform place voxels up to 0.0051 mm apart; the sform is taken");
+  EXPECT_EQ(remarkOf(0, 0.0024F), "");  // the last slice is two steps away
+  EXPECT_EQ(remarkOf(0, 0.0026F), "its qform and its sform place voxels up to 0.0052 mm apart; the sform is taken");
 }
 
 TEST_F(Nifti, AppliesSlopeAndIntercept) {
@@ -194,8 +265,11 @@ TEST_F(Nifti, SaysWhichOfTwoFormsItTakes) {
     if (takes_sform) lattice.origin_W = Vec3(-3e-3, -4e-3, 0);
     const Volume volume = load(fields, data_);
     expectVolume(volume, lattice, rampValues(-30), 1e-9);
-    EXPECT_THAT(volume.facts().remark, testing::HasSubstr("5 mm apart"));
-    EXPECT_THAT(volume.facts().remark, testing::HasSubstr(takes_sform ? "the sform is taken" : "the qform is taken"));
+    EXPECT_EQ(volume.facts().remark,
+              std::string("its qform and its sform place voxels up to 5 mm apart; the ") +
+                  (takes_sform ? "sform is taken" : "qform is taken, whose frame is the scanner's"));
+    EXPECT_EQ(volume.facts().orientation,
+              std::string("RAS file turned to LPS, by its ") + (takes_sform ? "sform" : "qform"));
     fields.offset = {3, 4, 0};
     EXPECT_EQ(load(fields, data_).facts().remark, "");
   }
@@ -260,9 +334,27 @@ TEST_F(Nifti, RefusesWhatIsNoVolumeOfNumbers) {
   NiftiFields series;
   series.dim = {4, 5, 4, 1, 3, 1, 1, 1};
   refuses(series, "series of 3");
-  NiftiFields colour;
-  colour.datatype = 128;
-  refuses(colour, "several components");
+  NiftiFields several;
+  for (const auto& [datatype, words] : {std::pair(128, "its voxels are colours of 3 components"),
+                                        {2304, "its voxels are colours of 4 components"},
+                                        {32, "its voxels are complex numbers of 2 components"},
+                                        {1792, "its voxels are complex numbers of 2 components"}}) {
+    several.datatype = datatype;
+    refuses(several, words);
+  }
+}
+
+// The fifth axis has the components of a voxel, whatever the fourth has.
+TEST_F(Nifti, RefusesComponentsAlongAnAxis) {
+  NiftiFields fields;
+  fields.dim = {5, 5, 2, 2, 1, 3, 1, 1};
+  refuses(fields, "its voxels are vectors of 3 components, and a density is one number");
+  fields.dim = {5, 5, 2, 1, 2, 3, 1, 1};
+  refuses(fields, "vectors of 3 components");
+  std::string bytes = niftiHeader(fields);
+  overwrite(bytes, 68, bytesOf<std::int16_t>({2003}));  // intent: RGB
+  writeFile(path_, bytes + data_);
+  expectLoadRefusal(path_, "its voxels are colours of 3 components, and a density is one number");
 }
 
 TEST_F(Nifti, ReadsOneTimePoint) {

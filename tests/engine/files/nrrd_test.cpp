@@ -27,6 +27,7 @@ TEST_F(Nrrd, ReadsEveryNumberType) {
   check("uint32", bytesOf<std::uint32_t>(values), "uint32");
   check("int", bytesOf<std::int32_t>(values), "int32");
   check("int64", bytesOf<std::int64_t>(values), "int64");
+  check("uint64", bytesOf<std::uint64_t>(values), "uint64");
   check("float", bytesOf<float>(values), "float32");
   check("double", bytesOf<double>(values), "float64");
 }
@@ -67,14 +68,21 @@ TEST_F(Nrrd, TurnsRasAndLasToLps) {
     return "space: " + space + "\nspace directions: " + i + " " + j + " (0,0,2)\nspace origin: " + origin + "\n";
   };
   const Lattice lattice = {Vec3(-0.010, 0.020, 0.030), Vec3(-1, -1, 1).asDiagonal(), kSpacing_mm * 1e-3};
-  const auto check = [&](const std::string& text) {
-    expectVolume(load(nrrdHeader("int16", "raw", "", text) + "\n" + data_), lattice, rampValues(-30));
+  const auto check = [&](const std::string& text, const std::string& words) {
+    const Volume volume = load(nrrdHeader("int16", "raw", "", text) + "\n" + data_);
+    expectVolume(volume, lattice, rampValues(-30));
+    EXPECT_EQ(volume.facts().orientation, words);
   };
-  check(geometry("right-anterior-superior", "(0.5,0,0)", "(0,0.75,0)", "(10,-20,30)"));
-  check(geometry("RAS", "(0.5,0,0)", "(0,0.75,0)", "(10,-20,30)"));
-  check(geometry("left-anterior-superior", "(-0.5,0,0)", "(0,0.75,0)", "(-10,-20,30)"));
-  check(geometry("LAS", "(-0.5,0,0)", "(0,0.75,0)", "(-10,-20,30)"));
-  check(geometry("left-posterior-superior", "(-0.5,0,0)", "(0,-0.75,0)", "(-10,20,30)"));
+  const std::string ras = "RAS file turned to LPS", las = "LAS file turned to LPS", lps = "LPS file";
+  check(geometry("right-anterior-superior", "(0.5,0,0)", "(0,0.75,0)", "(10,-20,30)"), ras);
+  check(geometry("RAS", "(0.5,0,0)", "(0,0.75,0)", "(10,-20,30)"), ras);
+  check(geometry("left-anterior-superior", "(-0.5,0,0)", "(0,0.75,0)", "(-10,-20,30)"), las);
+  check(geometry("LAS", "(-0.5,0,0)", "(0,0.75,0)", "(-10,-20,30)"), las);
+  check(geometry("left-posterior-superior", "(-0.5,0,0)", "(0,-0.75,0)", "(-10,20,30)"), lps);
+  check(geometry("LPS", "(-0.5,0,0)", "(0,-0.75,0)", "(-10,20,30)"), lps);
+  check(geometry("scanner-xyz", "(-0.5,0,0)", "(0,-0.75,0)", "(-10,20,30)"), "space \"scanner-xyz\" taken as LPS");
+  EXPECT_EQ(load(nrrdHeader("int16", "raw") + "\n" + data_).facts().orientation,
+            "no space in the file: axes taken as LPS");
 }
 
 TEST_F(Nrrd, HonoursUnitsOfLength) {
@@ -83,7 +91,18 @@ TEST_F(Nrrd, HonoursUnitsOfLength) {
   const std::string geometry = "spacings: 0.5 0.75 2\nunits: \"um\" \"um\" \"um\"\n";
   expectVolume(load(nrrdHeader("int16", "raw", "", geometry) + "\n" + data_), lattice, rampValues(-30));
   refuses(nrrdHeader("int16", "raw", "", "spacings: 1 1 1\nunits: \"ell\" \"ell\" \"ell\"\n") + "\n" + data_,
-          "\"ell\"");
+          "its unit of length \"ell\" is not known; use mm, um, cm or m");
+  // Each by every name; "???" says nothing.
+  const std::string vectors = "space: LPS\nspace directions: (0.5,0,0) (0,0.75,0) (0,0,2)\nspace origin: (3,4,5)\n";
+  for (const auto& [unit, metres] :
+       {std::pair("mm", 1e-3), std::pair("millimeter", 1e-3), std::pair("millimeters", 1e-3), std::pair("???", 1e-3),
+        std::pair("um", 1e-6), std::pair("micrometer", 1e-6), std::pair("microns", 1e-6), std::pair("micron", 1e-6),
+        std::pair("cm", 1e-2), std::pair("centimeter", 1e-2), std::pair("m", 1.0), std::pair("meter", 1.0)}) {
+    SCOPED_TRACE(unit);
+    const std::string units = fmt::format("space units: \"{0}\" \"{0}\" \"{0}\"\n", unit);
+    const Volume volume = load(nrrdHeader("int16", "raw", "", vectors + units) + "\n" + data_);
+    expectLattice(volume.lattice(), {Vec3(3, 4, 5) * metres, Mat3::Identity(), kSpacing_mm * metres}, 1e-12);
+  }
 }
 
 TEST_F(Nrrd, SaysWhenTheVoxelSizeIsMissing) {
@@ -132,6 +151,45 @@ TEST_F(Nrrd, RefusesWhatIsNoVolume) {
   std::string series = nrrdHeader("int16", "raw", "", "kinds: domain domain domain domain\n");
   series.replace(series.find("dimension: 3\nsizes: 5 4 3"), 25, "dimension: 4\nsizes: 5 2 2 3");
   refuses(series + "\n" + data_, "series of 3");
+}
+
+// Four axes; `header` says what they are, sizes included.
+std::string fourAxes(const std::string& type, const std::string& header) {
+  return "NRRD0004\ntype: " + type + "\ndimension: 4\nendian: little\nencoding: raw\n" + header + "\n";
+}
+
+// The format's page lists the kinds, and lets axes out of space have a spacing of NaN or a direction of none.
+TEST_F(Nrrd, TellsWhatVoxelsOfSeveralNumbersAre) {
+  const std::string none_first = "space: LPS\nspace directions: none (1,0,0) (0,1,0) (0,0,1)\nspace origin: (0,0,0)\n";
+  for (const auto& [header, words] : {
+           std::pair<std::string, std::string>("sizes: 3 5 4 3\nkinds: RGB-color domain domain domain\n"
+                                               "spacings: nan 1 1 1\n",
+                                               "colours of 3 components"),
+           {"sizes: 5 4 3 3\nkinds: domain domain domain RGB-color\nspacings: 1 1 1 nan\n", "colours of 3 components"},
+           {"sizes: 4 5 3 3\nkinds: 4-color space space space\n" + none_first, "colours of 4 components"},
+           {"sizes: 3 5 4 3\nkinds: vector space space space\n" + none_first, "vectors of 3 components"},
+           {"sizes: 2 5 4 3\nkinds: complex domain domain domain\n", "complex numbers of 2 components"},
+           {"sizes: 9 5 2 2\nkinds: 3D-matrix space space space\n" + none_first, "matrices of 9 components"},
+           {"sizes: 3 5 4 3\n" + none_first, "colours or vectors of 3 components"},
+           {"sizes: 7 5 4 1\n" + none_first, "vectors of 7 components"},
+           {"sizes: 3 5 4 3\nspacings: nan 1 1 1\n", "colours or vectors of 3 components"},
+       }) {
+    SCOPED_TRACE(header);
+    refuses(fourAxes("int16", header) + data_, "its voxels are " + words + ", and a density is one number");
+  }
+  // Without a word on the axes it is the type that speaks for colours.
+  refuses(fourAxes("uchar", "sizes: 3 5 4 3\nspacings: 1 1 1 1\n") + data_, "colours or vectors of 3 components");
+  refuses(fourAxes("int16", "sizes: 3 5 4 2\nspacings: 1 1 1 1\n") + data_, "series of 2 volumes");
+  refuses(fourAxes("int16", "sizes: 5 4 3 2\nspacings: 1 1 1 nan\n") + data_, "series of 2 volumes");
+  refuses(fourAxes("int16", "sizes: 2 5 4 3\nkinds: time space space space\n" + none_first) + data_,
+          "series of 2 volumes");
+  refuses(fourAxes("int16", "sizes: 5 4 3 2\nspacings: nan nan nan nan\n") + data_, "series of 2 volumes");
+}
+
+TEST_F(Nrrd, RefusesMoreAxesThanTheFormatHas) {
+  std::string sizes = "sizes: 5 4 3";
+  for (int axis = 0; axis < 14; ++axis) sizes += " 1";
+  refuses(fourAxes("int16", sizes + "\n") + data_, "17 dimensions");
 }
 
 TEST_F(Nrrd, ReadsOneTimePoint) {

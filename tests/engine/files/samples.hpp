@@ -142,6 +142,7 @@ struct DicomFields {
   int columns = 5;
   int samples = 1;
   std::string frames;                  // empty: not said
+  std::string description;             // of the series; likewise
   std::string spacing_between_slices;  // likewise
   std::vector<double> pixels;          // stored values, int16
 };
@@ -181,6 +182,7 @@ inline std::string dicomBytes(const DicomFields& fields) {
   set += element(0x0008, 0x0016, "UI", ct);
   set += element(0x0008, 0x0018, "UI", fields.sop);
   set += element(0x0008, 0x0060, "CS", "CT");
+  if (!fields.description.empty()) set += element(0x0008, 0x103e, "LO", fields.description);
   set += element(0x0018, 0x0050, "DS", "9");  // slice thickness: must not be taken for the spacing
   if (!fields.spacing_between_slices.empty()) {
     set += element(0x0018, 0x0088, "DS", fields.spacing_between_slices);

@@ -12,6 +12,7 @@
 #include "engine/field/statistics.hpp"
 #include "engine/files/vdb_checksum.hpp"
 #include "engine/files/vdb_claim.hpp"
+#include "engine/files/vector_file.hpp"
 #include "engine/files/volume_file.hpp"
 #include "tests/engine/files/files.hpp"
 #include "tests/engine/files/known_leaks.hpp"
@@ -86,9 +87,48 @@ TEST_F(Vdb, TakesTheUnitFromTheMetadata) {
   grid->insertMeta("unit", openvdb::StringMetadata("mm"));
   write({grid});
   expectImage(loadVolume(path_), 1e-3);
+  for (const auto& [unit, metres] : {std::pair("um", 1e-6), std::pair("cm", 1e-2), std::pair("m", 1.0)}) {
+    grid->insertMeta("unit", openvdb::StringMetadata(unit));
+    write({grid});
+    expectImage(loadVolume(path_), metres);
+  }
   grid->insertMeta("unit", openvdb::StringMetadata("ell"));
   write({grid});
-  expectLoadRefusal(path_, "\"ell\"");
+  expectLoadRefusal(path_, "its unit of length \"ell\" is not known; use m, cm, mm or um");
+}
+
+// A domain that is none, or that active voxels lie outside of, is the active voxels' own.
+TEST_F(Vdb, TakesANamedDomainOnlyWhereItCanBe) {
+  const auto sizeWith = [&](const openvdb::Vec3i& named, const Coord& last) {
+    const auto grid = openvdb::FloatGrid::create(0);
+    for (const Coord& voxel : {Coord(0), last}) grid->tree().setValueOn(voxel, 1);
+    grid->insertMeta(kVdbDomainKey, openvdb::Vec3IMetadata(named));
+    write({grid});
+    return loadVolume(path_).size();
+  };
+  const Coord last(9, 10, 11);
+  const Vec3i active(14, 15, 16);  // two voxels around 10 x 11 x 12
+  EXPECT_EQ(sizeWith({10, 11, 12}, last), Vec3i(10, 11, 12));
+  EXPECT_EQ(sizeWith({10, 20, 12}, last), Vec3i(10, 20, 12));
+  EXPECT_EQ(sizeWith({16384, 11, 12}, last), Vec3i(16384, 11, 12));
+  EXPECT_EQ(sizeWith({16385, 11, 12}, last), active);
+  EXPECT_EQ(sizeWith({9, 11, 12}, last), active);
+  EXPECT_EQ(sizeWith({10, 10, 12}, last), active);
+  EXPECT_EQ(sizeWith({10, 11, 11}, last), active);
+  EXPECT_EQ(sizeWith({10, 11, 0}, last), active);
+  EXPECT_EQ(sizeWith({1, 1, 1}, Coord(0)), Vec3i(1, 1, 1));
+}
+
+// With the two voxels around them, active voxels may span as many as an axis may have.
+TEST_F(Vdb, HoldsTheLongestAxis) {
+  const auto grid = openvdb::FloatGrid::create(0);
+  grid->tree().setValueOn(Coord(0), 1);
+  grid->tree().setValueOn(Coord(0, 16379, 0), 1);
+  write({grid});
+  EXPECT_EQ(loadVolume(path_).size(), Vec3i(5, 16384, 5));
+  grid->tree().setValueOn(Coord(0, 16380, 0), 1);
+  write({grid});
+  expectLoadRefusal(path_, "its active voxels span 16381 along an axis, and 16384 are the most");
 }
 
 TEST_F(Vdb, ChoosesAGridByName) {
@@ -106,6 +146,41 @@ TEST_F(Vdb, ChoosesAGridByName) {
   expectLoadRefusal(path_ + "#mask", "no grid of numbers named");
   write({mask});
   expectLoadRefusal(path_, "only \"mask\" (bool)");
+}
+
+TEST_F(Vdb, SaysThatAGridHoldsVectors) {
+  const auto vectors = openvdb::Vec3DGrid::create();
+  vectors->setName("flow");
+  vectors->getAccessor().setValue(Coord(0, 0, 0), openvdb::Vec3d(1, 2, 3));
+  write({vectors});
+  const std::string words = "the voxels of its grid \"flow\" are vectors of 3 components, and a density is one number";
+  expectLoadRefusal(path_, words);
+  expectLoadRefusal(path_ + "#flow", words);
+  expectLoadRefusal(path_ + "#other", "there are \"flow\" (vec3d)");
+  const auto density = makeGrid<openvdb::FloatGrid>();
+  density->setName("density");
+  write({vectors, density});
+  expectImage(loadVolume(path_), 1);
+  expectLoadRefusal(path_ + "#flow", words);
+  const auto mask = openvdb::BoolGrid::create();
+  write({vectors, mask});
+  expectLoadRefusal(path_, "only \"flow\" (vec3d), \"\" (bool)");
+}
+
+// Two bricks wide of 2 x 3 x 1.5 mm; the first has 8 x 5 x 4 voxels in the domain.
+TEST_F(Vdb, SaysWhatAFileOfGradientsIs) {
+  const Lattice lattice = {Vec3(0.01, 0, 0), Mat3::Identity(), Vec3(2e-3, 3e-3, 1.5e-3)};
+  VectorFile gradients(Vec3i(10, 5, 4), lattice, "test");
+  gradients.setBrick(Vec3i(0, 0, 0), std::vector<Eigen::Vector3f>(kBrickVoxels, Eigen::Vector3f(1, 2, 3)));
+  std::string bytes;
+  gradients.write([&](std::string_view piece) { bytes += piece; });
+  writeFile(path_, bytes);
+  const std::string words =
+      "it holds the gradients of a volume, which palpate gradient wrote: in the grid \"gradient\" (vec3s) 160 vectors "
+      "in "
+      "density/mm, in a box of 10 x 5 x 4 voxels of 2 x 3 x 1.5 mm; give the volume itself";
+  expectLoadRefusal(path_, words);
+  expectLoadRefusal(path_ + "#gradient", words);
 }
 
 // The level set of a sphere of radius 0.1 m; half width 3 voxels of 5 mm. Interpolated linearly, its distance errs by

@@ -8,6 +8,7 @@
 
 #include <Eigen/Geometry>
 
+#include "engine/files/writers.hpp"
 #include "tests/engine/files/files.hpp"
 
 namespace palpate {
@@ -107,6 +108,7 @@ TEST_P(VolumeFile, GivesBackEveryDensityAndPlace) {
       EXPECT_EQ(back.lattice().R_WL.determinant() < 0, left_handed);
       EXPECT_EQ(back.minimum(), volume.minimum());
       EXPECT_EQ(back.maximum(), volume.maximum());
+      EXPECT_EQ(back.facts().remark, "");  // a NIfTI file's two forms agree
     }
   }
 }
@@ -173,6 +175,43 @@ INSTANTIATE_TEST_SUITE_P(Formats, VolumeFile,
                            std::replace(name.begin(), name.end(), '.', '_');
                            return name;
                          });
+
+// From -32768 to 32767, whole, and of integers only.
+TEST(TypeToWrite, IsAnIntegersWhereAllOfThemFit) {
+  const auto typeOf = [](float low, float high, const char* type, float among = 0) {
+    std::vector<float> values(2 * 512, low);
+    std::fill(values.begin() + 512, values.end(), high);
+    values[600] = among;
+    VolumeFacts facts;
+    facts.value_type = type;
+    return typeToWrite(Volume::fromDense({8, 8, 16}, Lattice{}, values, facts));
+  };
+  EXPECT_EQ(typeOf(-32768, 32767, "int16"), ValueType::kInt16);
+  EXPECT_EQ(typeOf(0, 255, "uint8"), ValueType::kInt16);
+  EXPECT_EQ(typeOf(-32769, 32767, "int32"), ValueType::kFloat32);
+  EXPECT_EQ(typeOf(-32768, 32768, "uint16"), ValueType::kFloat32);
+  EXPECT_EQ(typeOf(0, 255, "float32"), ValueType::kFloat32);
+  EXPECT_EQ(typeOf(0, 255, "int16", 0.5F), ValueType::kFloat32);
+  EXPECT_EQ(typeOf(0, 255, "int16", -0.0F), ValueType::kFloat32);
+}
+
+TEST(CheckNotInput, RefusesTheInputAndAFileOfItsFolder) {
+  const TempFolder folder;
+  std::filesystem::create_directory(folder.file("scans"));
+  writeFile(folder.file("a.nrrd"), "x");
+  writeFile(folder.file("b.nrrd"), "x");
+  writeFile(folder.file("scans/s.dcm"), "x");
+  const auto refuses = [](const std::string& in, const std::string& out, const std::string& reason) {
+    expectRefusal([&] { checkNotInput(in, out); }, out, reason + "; write to another name");
+  };
+  refuses(folder.file("a.nrrd"), folder.file("a.nrrd"), "it is the input");
+  refuses(folder.file("a.nrrd") + "?nan=0", folder.file("scans/../a.nrrd"), "it is the input");
+  refuses(folder.file("scans"), folder.file("scans/s.dcm"), "it is a file of the input's folder");
+  EXPECT_NO_THROW(checkNotInput(folder.file("a.nrrd"), folder.file("b.nrrd")));
+  EXPECT_NO_THROW(checkNotInput(folder.file("a.nrrd"), folder.file("new.nrrd")));
+  EXPECT_NO_THROW(checkNotInput(folder.file("scans"), folder.file("a.nrrd")));
+  EXPECT_NO_THROW(checkNotInput("phantom:knot", folder.file("a.nrrd")));
+}
 
 TEST(VolumeFileVdb, CanBeInMetres) {
   const TempFolder folder;

@@ -46,7 +46,23 @@ TEST(FilterSpec, ReadsFiltersThatKeepEdges) {
   EXPECT_EQ(chain[4].size.value, 4);
 }
 
+TEST(FilterSpec, KnowsEveryUnitAndEveryBound) {
+  for (const char* text : {"gaussian:0.8mm", "gaussian:800um", "gaussian:0.08cm", "gaussian:0.0008m"}) {
+    const Extent size = filterChain(text).at(0).size;
+    EXPECT_TRUE(size.in_metres) << text;
+    EXPECT_DOUBLE_EQ(size.value, 0.8e-3) << text;
+  }
+  // The first and the last that may be given; those just beyond are refused below.
+  EXPECT_EQ(filterChain("gaussian:1:truncate=1").at(0).truncate, 1);
+  EXPECT_EQ(filterChain("bilateral:1:range=1e30:truncate=8").at(0).truncate, 8);
+  EXPECT_EQ(filterChain("diffuse:500:kappa=1e-30:g=rational").at(0).size.value, kMostDiffusionSteps);
+  EXPECT_EQ(filterChain("distance:1 distance:6").at(1).size.value, kWidestBand);
+  EXPECT_EQ(filterChain("median:1:border=nearest").at(0).border, Border::kNearest);
+}
+
 TEST(FilterSpec, ADistanceMovesTheIsovalueToZero) {
+  EXPECT_TRUE(hasDistance(filterChain("gaussian:1 distance:4 gaussian:1")));
+  EXPECT_FALSE(hasDistance(filterChain("gaussian:1 median:1")));
   EXPECT_EQ(isovalueAfter(filterChain("gaussian:1 diffuse:1:kappa=3"), 226), 226);
   EXPECT_EQ(isovalueAfter(filterChain("gaussian:1 distance:4 gaussian:1"), 226), 0);
 }
@@ -116,6 +132,14 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"median:1:shape=ball", "it has no 'shape'"}, Refused{"median:1:truncate=3", "it has no 'truncate'"},
         Refused{"dilate", "it has no radius"}, Refused{"close:-1", "is -1"},
         Refused{"erode:1:shape=star", "there is no shape 'star'"}, Refused{"open:1:truncate=3", "it has no 'truncate'"},
+        Refused{"gaussian:1:truncate=0.9", "its truncate is '0.9'; give 1 to 8"},
+        Refused{"gaussian:1:truncate=8.1", "its truncate is '8.1'; give 1 to 8"},
+        Refused{"gaussian:1:truncate=2x", "its truncate is '2x'; give 1 to 8"},
+        Refused{"bilateral:1:range=1e31", "its range is '1e31'; give 1e-30 to 1e+30"},
+        Refused{"median:1:shape=ball",
+                "filter median:1:shape=ball: it has no 'shape'; its keys: border=nearest|mirror"},
+        Refused{"gaussian:1 um", "a blank before this unit"}, Refused{"gaussian:1 cm", "a blank before this unit"},
+        Refused{"gaussian:1 m", "a blank before this unit"}, Refused{"dilate:", "nothing follows its last colon"},
         Refused{"gaussian:1mm,median:1", "it has a comma"}, Refused{"gaussian:1,5", "decimals by a point"},
         Refused{"gaussian:1 mm", "a blank before this unit"}, Refused{"gaussian:1:", "nothing follows its last colon"},
         Refused{"gaussian:1:truncate=2:truncate=4", "'truncate' stands there twice"}));

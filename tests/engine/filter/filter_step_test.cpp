@@ -7,6 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "base/error.hpp"
+#include "shaders/filter_distance.layout.h"
+#include "tests/support/refusal.hpp"
 
 namespace palpate {
 namespace filter_step_test {
@@ -46,6 +48,25 @@ TEST(LowerFilters, RefusesWhatReachesTooFar) {
   EXPECT_NO_THROW((void)lowerFilters(filterChain("gaussian:10"), Vec3::Constant(1e-3)));
   EXPECT_THROW((void)lowerFilters(filterChain("gaussian:11"), Vec3::Constant(1e-3)), Error);
   EXPECT_THROW((void)lowerFilters(filterChain("gaussian:1m"), Vec3::Constant(1e-3)), Error);
+  const auto refusal = [](const char* chain, const Vec3& spacing_m) {
+    return refusalOf([&] { static_cast<void>(lowerFilters(filterChain(chain), spacing_m)); });
+  };
+  EXPECT_EQ(refusal("gaussian:11", Vec3::Ones()),
+            "gaussian of 11 voxels: along axis i it reaches 33 voxels; 32 are possible; make it smaller");
+  EXPECT_EQ(refusal("gaussian:1m", {1, 1, 1e-3}),
+            "gaussian of 1000 mm: along axis k it reaches 3000 voxels; 32 are possible; make it smaller");
+  EXPECT_EQ(refusal("bilateral:4.5:range=5", Vec3::Ones()),
+            "bilateral of 4.5 voxels: along axis i it reaches 9 voxels; 8 are possible; make it smaller");
+}
+
+TEST(LowerFilters, KeepTheBorderAndTheConductance) {
+  const auto mirrored = lowerFilters(filterChain("gaussian:1:border=mirror bilateral:1:range=5:border=mirror "
+                                                 "median:1:border=mirror"),
+                                     Vec3::Ones());
+  ASSERT_EQ(mirrored.size(), 5U);
+  for (const FilterStep& step : mirrored) EXPECT_EQ(step.border, Border::kMirror);
+  EXPECT_EQ(lowerFilters(filterChain("diffuse:1:kappa=1:g=exp"), Vec3::Ones()).at(0).conductance, Conductance::kExp);
+  EXPECT_EQ(lowerFilters(filterChain("diffuse:1:kappa=1"), Vec3::Ones()).at(0).conductance, Conductance::kRational);
 }
 
 TEST(UniformResult, KeepsAConstantToItsRounding) {
@@ -62,6 +83,20 @@ TEST(LowerFilters, BilateralHasABoxOfTaps) {
   EXPECT_EQ(steps[0].reach, Vec3i(4, 2, 1));
   ASSERT_EQ(steps[0].taps.size(), 1U + 5 + 3 + 2);
   EXPECT_FLOAT_EQ(steps[0].taps[0], static_cast<float>(1 / (std::sqrt(2.0) * 50)));
+  // Behind that the taps of sigma 2, 1 and 1/2 voxel: neighbours are samples of one Gaussian, and each axis sums to
+  // one.
+  std::size_t at = 1;
+  for (const double sigma : {2.0, 1.0, 0.5}) {
+    const int reach = static_cast<int>(2 * sigma);
+    double sum = steps[0].taps[at];
+    for (std::size_t x = 1; x <= static_cast<std::size_t>(reach); ++x) {
+      const double step = static_cast<double>(x * x) / (2 * sigma * sigma);
+      EXPECT_NEAR(steps[0].taps[at + x] / steps[0].taps[at], std::exp(-step), 2e-7) << sigma << " " << x;
+      sum += 2.0 * steps[0].taps[at + x];
+    }
+    EXPECT_NEAR(sum, 1, 9 * std::ldexp(1, -25)) << sigma;
+    at += static_cast<std::size_t>(reach) + 1;
+  }
   EXPECT_TRUE(lowerFilters(filterChain("bilateral:0.1:range=5"), Vec3::Ones()).empty());
   EXPECT_NO_THROW((void)lowerFilters(filterChain("bilateral:4:range=5"), Vec3::Ones()));
   EXPECT_THROW((void)lowerFilters(filterChain("bilateral:4.1:range=5"), Vec3::Ones()), Error);
@@ -86,7 +121,9 @@ TEST(LowerFilters, DiffusionIsRefusedBeyondItsStableStep) {
     (void)lowerFilters(filterChain("diffuse:1:kappa=1:dt=0.382"), spacing_m);
     FAIL();
   } catch (const Error& error) {
-    EXPECT_THAT(error.what(), testing::HasSubstr("stable up to 0.380952 mm^2"));
+    EXPECT_STREQ(error.what(),
+                 "filter diffuse with dt=0.382: with these voxels a time step is stable up to 0.380952 mm^2; make dt "
+                 "smaller, or leave it out for half of that");
   }
 }
 
@@ -104,6 +141,36 @@ TEST(LowerFilters, DistanceNeedsAnIsovalue) {
   // Seeds look at neighbours; a band of 2 mm is 2, 1 and 4 voxels, and a surface point may be known one further.
   const std::span<const FilterStep> one = std::span(steps).first(kDistanceSteps);
   EXPECT_EQ(totalReach(one), Vec3i(2, 1, 4) + 3 * Vec3i::Ones());
+}
+
+// Lengths in the smallest spacing: edges of 2, 4 and 1, half a diagonal of sqrt(21) / 2, and the band of 4.
+TEST(LowerFilters, ADistanceIsASeedASpreadAlongEachAxisAndAnEnd) {
+  const auto steps = lowerFilters(filterChain("distance:4"), {1e-3, 2e-3, 0.5e-3}, 226.0F);
+  ASSERT_EQ(steps.size(), static_cast<std::size_t>(kDistanceSteps));
+  const StepKind kinds[] = {StepKind::kDistanceSeed, StepKind::kDistanceSpread, StepKind::kDistanceSpread,
+                            StepKind::kDistanceSpread, StepKind::kDistanceFinish};
+  const Vec3i reaches[] = {{1, 1, 1}, {3, 0, 0}, {0, 2, 0}, {0, 0, 5}, {1, 1, 1}};
+  const int axes[] = {0, 0, 1, 2, 0};
+  for (std::size_t n = 0; n < steps.size(); ++n) {
+    EXPECT_EQ(steps[n].kind, kinds[n]) << n;
+    EXPECT_EQ(steps[n].reach, reaches[n]) << n;
+    EXPECT_EQ(steps[n].axis, axes[n]) << n;
+    EXPECT_EQ(steps[n].border, Border::kNearest) << n;
+    const std::vector<float>& taps = steps[n].taps;
+    ASSERT_EQ(taps.size(), static_cast<std::size_t>(DISTANCE_TAPS)) << n;
+    EXPECT_EQ(taps[DISTANCE_ISOVALUE], 226) << n;
+    EXPECT_EQ(taps[DISTANCE_BAND], 4) << n;
+    EXPECT_EQ(taps[DISTANCE_UNIT], 0.5e-3F) << n;
+    EXPECT_FLOAT_EQ(taps[DISTANCE_SLACK], static_cast<float>(std::sqrt(21.0) / 2)) << n;
+    const float edges[] = {2, 4, 1};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      EXPECT_EQ(taps[DISTANCE_EDGE + axis], edges[axis]) << n;
+      EXPECT_EQ(taps[DISTANCE_EDGE_SQUARE + axis], edges[axis] * edges[axis]) << n;
+    }
+    if (n + 1 < steps.size()) {
+      EXPECT_EQ(uniformResult(steps[n], 300.0F), 0) << n;  // no surface is near
+    }
+  }
 }
 
 TEST(UniformResult, OfFiltersThatKeepEdgesIsTheDensity) {

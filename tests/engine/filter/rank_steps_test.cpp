@@ -62,6 +62,24 @@ TEST(RankSteps, OpeningErodesFirst) {
   ASSERT_EQ(closed.size(), 2U);
   EXPECT_EQ(closed[0].kind, StepKind::kHighestInRows);
   EXPECT_EQ(closed[1].kind, StepKind::kLowestInRows);
+  // A step by its letter: the highest or the lowest, along which axis; balls are one step.
+  const auto letters = [](const char* chain) {
+    std::string text;
+    for (const FilterStep& step : steps(chain)) {
+      const bool highest = step.kind == StepKind::kHighestOnLine || step.kind == StepKind::kHighestInRows;
+      const bool lowest = step.kind == StepKind::kLowestOnLine || step.kind == StepKind::kLowestInRows;
+      text += highest ? 'H' : lowest ? 'L' : '?';
+      text += step.rows.empty() ? "ijk"[step.axis] : 'o';
+      EXPECT_EQ(step.border, Border::kNearest);
+    }
+    return text;
+  };
+  EXPECT_EQ(letters("dilate:1"), "HiHjHk");
+  EXPECT_EQ(letters("erode:1"), "LiLjLk");
+  EXPECT_EQ(letters("open:1:border=mirror"), "LiLjLkHiHjHk");
+  EXPECT_EQ(letters("close:1:border=mirror"), "HiHjHkLiLjLk");
+  EXPECT_EQ(letters("dilate:1:shape=ball"), "Ho");
+  EXPECT_EQ(letters("erode:1:shape=ball"), "Lo");
 }
 
 TEST(RankSteps, ABallOfVoxels) {
@@ -113,11 +131,14 @@ TEST_P(RefusedReach, SaysHowFarIsPossible) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Windows, RefusedReach,
-                         testing::Values(TooFar{"median:3.9", "median:4", "4 voxels; 3 are possible"},
-                                         TooFar{"median:3mm", "median:1m", "1000 voxels; 3 are possible"},
-                                         TooFar{"close:32", "close:33", "33 voxels; 32 are possible"},
-                                         TooFar{"open:16:shape=ball", "open:17:shape=ball", "16 are possible"}));
+INSTANTIATE_TEST_SUITE_P(
+    Windows, RefusedReach,
+    testing::Values(
+        TooFar{"median:3.9", "median:4", "median of radius 4: along axis i it reaches 4 voxels; 3 are possible"},
+        TooFar{"median:3mm", "median:1m", "median of radius 1 m: along axis i it reaches 1000 voxels; 3 are possible"},
+        TooFar{"close:32", "close:33", "box of radius 33: along axis i it reaches 33 voxels; 32 are possible"},
+        TooFar{"open:16:shape=ball", "open:17:shape=ball",
+               "ball of radius 17: along axis i it reaches 17 voxels; 16 are possible"}));
 
 // One of the values that are there: its own bits.
 TEST(RankSteps, KeepAConstantAsItIs) {

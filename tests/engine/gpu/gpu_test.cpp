@@ -9,6 +9,7 @@
 
 #include "base/error.hpp"
 #include "engine/gpu/buffer.hpp"
+#include "engine/gpu/commands.hpp"
 #include "engine/gpu/kernel.hpp"
 #include "engine/gpu/transfer.hpp"
 #include "shaders/edit.layout.h"
@@ -43,6 +44,15 @@ TEST(Gpu, ListsDevicesBestFirst) {
   for (std::size_t i = 1; i < infos.size(); ++i) EXPECT_LE(rank(infos[i - 1]), rank(infos[i]));
   EXPECT_FALSE(infos.front().name.empty());
   EXPECT_GE(infos.front().max_binding_bytes, 128U << 20U);  // what Vulkan guarantees, and what a slab is
+  for (const GpuInfo& info : infos) {
+    EXPECT_THAT(info.api_version, testing::MatchesRegex("[0-9]+\\.[0-9]+\\.[0-9]+"));
+    EXPECT_EQ(info.tuned_as, info.type);
+    EXPECT_FALSE(info.driver.empty());
+    EXPECT_GT(info.memory_bytes, 1U << 20U);
+    EXPECT_EQ(info.isCpu(), info.type == "cpu");
+  }
+  EXPECT_EQ(Gpu({.tuned_as = "discrete"}).info().tuned_as, "discrete");
+  EXPECT_EQ(Gpu({}).info().tuned_as, Gpu({}).info().type);
 }
 
 TEST(Gpu, OpensTheBestUsableDeviceByDefault) {
@@ -61,10 +71,56 @@ TEST(Gpu, FindsADeviceByPartOfItsNameInAnyCase) {
 }
 
 TEST(Gpu, RefusesAnUnknownNameAndSaysWhatThereIs) {
-  const std::string message = messageOf([] { Gpu({.name = "voodoo2"}); });
-  EXPECT_THAT(message, HasSubstr("--gpu voodoo2"));
-  EXPECT_THAT(message, HasSubstr(listGpus().front().name));
-  EXPECT_THAT(message, HasSubstr("palpate devices"));
+  std::string all;
+  for (const GpuInfo& info : listGpus())
+    all += (all.empty() ? "" : ", ") + info.name + (info.unusable.empty() ? "" : " (" + info.unusable + ")");
+  EXPECT_EQ(messageOf([] { Gpu({.name = "voodoo2"}); }),
+            "--gpu voodoo2: no usable device of this name; this machine has: " + all +
+                "; choose one with --gpu; 'palpate devices' lists them");
+}
+
+TEST(Groups, AreFoldedIntoRows) {
+  const auto folded = [](std::uint32_t count) {
+    const Groups groups = Groups::folded(count, 100);
+    return std::pair(groups.x, groups.y);
+  };
+  EXPECT_EQ(folded(1), std::pair(1U, 1U));
+  EXPECT_EQ(folded(100), std::pair(100U, 1U));
+  EXPECT_EQ(folded(101), std::pair(100U, 2U));
+  EXPECT_EQ(folded(200), std::pair(100U, 2U));
+  EXPECT_EQ(folded(201), std::pair(100U, 3U));
+}
+
+// Stretches between marks, of which there are 32 at most, the start one of them. No device takes an hour for a copy.
+TEST(Commands, TellTheTimesBetweenMarks) {
+  Gpu gpu({});
+  const Buffer a(gpu, "a", 64, MemoryKind::kDevice), b(gpu, "b", 64, MemoryKind::kDevice);
+  Commands commands(gpu, "timed", 1);
+  const auto namesOf = [&](int marks) {
+    commands.begin();
+    for (int n = 0; n < marks; ++n) {
+      commands.copy(n % 2 == 0 ? a : b, 0, n % 2 == 0 ? b : a, 0, 64);
+      commands.barrier();
+      commands.mark(std::to_string(n));
+    }
+    commands.run();
+    std::vector<std::string> names;
+    for (const StageTime& stage : commands.marks()) {
+      names.push_back(stage.name);
+      EXPECT_GE(stage.seconds, 0);
+      EXPECT_LT(stage.seconds, 3600);
+    }
+    return names;
+  };
+  EXPECT_THAT(namesOf(2), testing::IsEmpty());  // nobody asked
+  commands.timed(true);
+  const std::vector<std::string> two = namesOf(2);
+  if (two.empty()) GTEST_SKIP() << "this device has no clock";
+  EXPECT_THAT(two, testing::ElementsAre("0", "1"));
+  EXPECT_EQ(namesOf(1).size(), 1U);
+  EXPECT_EQ(namesOf(40).size(), 31U);
+  commands.timed(false);
+  EXPECT_THAT(namesOf(2), testing::IsEmpty());
 }
 
 TEST(Gpu, CountsTheBytesOfItsBuffers) {
@@ -100,6 +156,18 @@ TEST(Gpu, ThoseOfOneDeviceShareTheirKernels) {
   EXPECT_EQ(known, &Kernel(second, spec).state());
   spec.specialisation = {1};
   EXPECT_NE(known, &Kernel(second, spec).state());
+}
+
+TEST(Commands, RefuseADispatchThatLeavesABindingEmpty) {
+  Gpu gpu({});
+  const Kernel kernel(gpu, commitKernel());
+  const Buffer buffer(gpu, "one", 64, MemoryKind::kDevice);
+  const std::array<const Buffer*, 1> one = {&buffer};
+  Commands commands(gpu, "too few", 1);
+  commands.begin();
+  EXPECT_EQ(messageOf([&] { commands.dispatch(kernel, one, {}, {}); }),
+            "kernel brick_commit: it has " + std::to_string(COMMIT_BINDINGS) +
+                " bindings but got 1 buffers; this is a fault of Palpate: please report it");
 }
 
 TEST(Gpu, KernelsThatDifferInAnythingAreNotShared) {

@@ -24,6 +24,9 @@ TEST(GradientOperator, IsFoundByItsName) {
   }
   EXPECT_EQ(gradientOperator("central4").words.reach, 2);
   EXPECT_EQ(gradientOperator("sobel").words.reach, 1);
+  EXPECT_EQ(gradientOperator("central").words.reach, 1);
+  EXPECT_EQ(gradientOperator("gaussian:1").words.reach, 1);
+  EXPECT_EQ(gradientNames(), "central, sobel, central4, gaussian:0.8mm");
 }
 
 TEST(GradientOperator, OfAGaussianTakesItsKeys) {
@@ -44,11 +47,11 @@ TEST(GradientOperator, RefusesWhatIsNone) {
       EXPECT_EQ(error.code(), Error::Code::kBadInput) << text;
     }
   }
-  try {
-    (void)gradientOperator("prewitt");
-  } catch (const Error& error) {
-    EXPECT_THAT(error.what(), HasSubstr("central4"));
-  }
+  const auto refusal = [](const char* text) { return refusalOf([&] { static_cast<void>(gradientOperator(text)); }); };
+  const std::string use = "; use central, sobel, central4, gaussian:0.8mm";
+  EXPECT_EQ(refusal("prewitt"), "gradient operator 'prewitt': there is none of this name" + use);
+  EXPECT_EQ(refusal("central:1"), "gradient operator 'central:1': central takes nothing behind its name" + use);
+  EXPECT_EQ(refusal("gaussian:1 median:1"), "gradient operator 'gaussian:1 median:1': it is more than one word" + use);
 }
 
 TEST(GradientOperator, ANameWithATypoIsRecognised) {

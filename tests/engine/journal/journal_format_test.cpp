@@ -8,6 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "base/crc32c.hpp"
 #include "base/error.hpp"
 #include "engine/journal/byte_stream.hpp"
 #include "journal_samples.hpp"
@@ -73,6 +74,66 @@ TEST(JournalFormat, IsWhatTheDocumentSays) {
   c.material = {16, 17, 0.75};
   expectContent(EditKind::kRemove, 3, {0.5, 1, 2, 3, 4, 5, 6, 7, 0.25, 15, 16, 17, 0.75}, {});
   expectContent(EditKind::kStampAdd, 3, {0.5}, {1, 2, 3, 1, 2, 3, 4, 5, 6, 7, 8, 9, 15, 16, 17, 0.75});
+}
+
+Lattice numberedLattice() {
+  Lattice lattice;
+  lattice.origin_W = {1, 2, 3};
+  lattice.R_WL << 4, 7, 10, 5, 8, 11, 6, 9, 12;  // written axis after axis
+  lattice.spacing_m = {13, 14, 15};
+  return lattice;
+}
+
+TEST(JournalFormat, OfTheHeaderIsWhatTheDocumentSays) {
+  const JournalHeader header{{"phantom:x", {21, 22, 23}, numberedLattice(), 0x0123456789abcdefU}, {31, 32, 33, 34, 35}};
+  ByteWriter content;
+  content.add(std::string_view("phantom:x"));
+  for (const std::int32_t size : {21, 22, 23}) content.add(size);
+  for (int n = 1; n <= 15; ++n) content.add(static_cast<double>(n));
+  content.add(std::uint64_t{0x0123456789abcdefU});
+  for (int n = 31; n <= 35; ++n) content.add(static_cast<double>(n));
+  ByteWriter want;
+  want.addRaw("PALPJRNL");
+  want.add(std::uint32_t{2});
+  want.add(std::string_view(content.bytes()));
+  want.add(crc32c(want.bytes()));
+  EXPECT_EQ(headerBytes(header), want.bytes());
+  JournalHeader read;
+  EXPECT_EQ(readHeader(want.bytes(), "FILE", read), want.bytes().size());
+  EXPECT_EQ(read.volume.source, "phantom:x");
+  EXPECT_EQ(read.volume.size, Vec3i(21, 22, 23));
+  EXPECT_EQ(read.volume.lattice.R_WL, header.volume.lattice.R_WL);
+  EXPECT_EQ(read.volume.content, header.volume.content);
+  EXPECT_EQ(read.profile.isovalue, 31);
+  EXPECT_EQ(read.profile.background, 32);
+  EXPECT_EQ(read.profile.object, 33);
+  EXPECT_EQ(read.profile.slope_per_m, 34);
+  EXPECT_EQ(read.profile.band_m, 35);
+}
+
+TEST(JournalFormat, OfAStampIsWhatTheDocumentSays) {
+  Stamp stamp;
+  stamp.size = {2, 3, 4};
+  stamp.lattice = numberedLattice();
+  ByteWriter want;
+  for (const std::int32_t size : {2, 3, 4}) want.add(size);
+  for (int n = 1; n <= 15; ++n) want.add(static_cast<double>(n));
+  for (int n = 0; n < 24; ++n) {
+    stamp.distance_m.push_back(static_cast<float>(n) - 0.5F);
+    want.add(stamp.distance_m.back());
+  }
+  EXPECT_EQ(stampContent(stamp), want.bytes());
+}
+
+// A record is its length, kind and number, what it holds, and a checksum of all of that.
+TEST(JournalFormat, OfARecordIsWhatTheDocumentSays) {
+  ByteWriter want;
+  want.add(std::uint32_t{5});
+  want.add(std::uint32_t{3});
+  want.add(std::uint64_t{99});
+  want.addRaw("bytes");
+  want.add(crc32c(want.bytes()));
+  EXPECT_EQ(recordBytes(RecordKind::kRedo, 99, "bytes"), want.bytes());
 }
 
 TEST(JournalFormat, KnowsItsLongestCommand) {
@@ -169,11 +230,46 @@ TEST(JournalFormat, ContentThatIsCutOrLongerIsNone) {
   EXPECT_FALSE(editOf(edit + "x", {}));
 }
 
+// From 2 to 1024 samples along an axis.
+TEST(JournalFormat, StampsHaveASize) {
+  const auto comesBack = [](const Vec3i& size) {
+    Stamp stamp;
+    stamp.size = size;
+    stamp.distance_m.assign(static_cast<std::size_t>(size.prod()), 0.25F);
+    const auto read = stampOf(stampContent(stamp));
+    return read != nullptr && read->distance_m == stamp.distance_m;
+  };
+  EXPECT_TRUE(comesBack({2, 2, 1024}));
+  EXPECT_TRUE(comesBack({1024, 2, 2}));
+  EXPECT_FALSE(comesBack({2, 1025, 2}));
+  EXPECT_FALSE(comesBack({2, 2, 1}));
+  EXPECT_FALSE(comesBack({1, 2, 2}));
+}
+
+TEST(JournalFormat, KindsAndFlagsThatThereAreNotAreRefused) {
+  const EditCommand command = dab(0);
+  const std::uint32_t number = 0;
+  const std::string sound = editContent({&command, 1}, {&number, 1});
+  const auto with = [&](std::size_t at, int byte) {
+    std::string bytes = sound;
+    bytes[at] = static_cast<char>(byte);
+    return editOf(bytes, {}).has_value();
+  };
+  EXPECT_TRUE(with(4, static_cast<int>(EditKind::kDeflate)));  // another brush, as long
+  EXPECT_FALSE(with(4, static_cast<int>(EditKind::kDeflate) + 1));
+  EXPECT_FALSE(with(5, 4));
+  EXPECT_FALSE(editOf(std::string(4, '\0'), {}));  // no command at all
+}
+
 TEST(JournalFormat, AStampThatWasNeverWrittenIsRefused) {
   EditCommand command;
   command.kind = EditKind::kStampAdd;
   const std::vector<std::uint32_t> numbers = {3};
   EXPECT_FALSE(editOf(editContent({&command, 1}, numbers), {}));
+  const std::vector<std::shared_ptr<const Stamp>> two = {RandomEdits::ball(2e-3), RandomEdits::ball(3e-3)};
+  for (const std::uint32_t number : {0U, 3U}) EXPECT_FALSE(editOf(editContent({&command, 1}, {&number, 1}), two));
+  const std::uint32_t first = 1;
+  EXPECT_EQ(editOf(editContent({&command, 1}, {&first, 1}), two).value().at(0).stamp, two[0]);
 }
 
 }  // namespace journal_format_test

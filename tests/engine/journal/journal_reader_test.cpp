@@ -4,6 +4,7 @@
 
 #include <array>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -97,13 +98,20 @@ TEST(JournalReader, RecordsThatMakeNoSenseEndTheJournal) {
     EXPECT_TRUE(journal.records.empty());
     return journal.damage ? journal.damage->reason : "";
   };
-  EXPECT_THAT(reasonWith(recordBytes(RecordKind::kUndo, 1, "")), HasSubstr("undoes what was not done"));
-  EXPECT_THAT(reasonWith(recordBytes(RecordKind::kRedo, 1, "")), HasSubstr("was not undone"));
-  EXPECT_THAT(reasonWith(recordBytes(RecordKind::kUndo, 1, "x")), HasSubstr("more than an undo has"));
-  EXPECT_THAT(reasonWith(recordBytes(RecordKind::kRedo, 1, "x")), HasSubstr("more than a redo has"));
-  EXPECT_THAT(reasonWith(recordBytes(RecordKind::kEdit, 1, "")), HasSubstr("no commands"));
-  EXPECT_THAT(reasonWith(recordBytes(RecordKind::kStamp, 1, "xyz")), HasSubstr("no stamp"));
-  EXPECT_THAT(reasonWith(recordBytes(static_cast<RecordKind>(99), 1, "")), HasSubstr("kind 99"));
+  EXPECT_EQ(reasonWith(recordBytes(RecordKind::kUndo, 1, "")), "record 1 undoes what was not done");
+  EXPECT_EQ(reasonWith(recordBytes(RecordKind::kRedo, 1, "")), "record 1 does again what was not undone");
+  EXPECT_EQ(reasonWith(recordBytes(RecordKind::kUndo, 1, "x")), "record 1 holds more than an undo has");
+  EXPECT_EQ(reasonWith(recordBytes(RecordKind::kRedo, 1, "x")), "record 1 holds more than a redo has");
+  EXPECT_EQ(reasonWith(recordBytes(RecordKind::kEdit, 1, "")), "record 1 holds no commands");
+  EXPECT_EQ(reasonWith(recordBytes(RecordKind::kStamp, 1, "xyz")), "record 1 holds no stamp");
+  EXPECT_EQ(reasonWith(recordBytes(static_cast<RecordKind>(99), 1, "")), "record 1 is of a kind 99 that is not known");
+}
+
+TEST(JournalReader, SaysWhatIsLost) {
+  EXPECT_EQ(damageWords({789, 3456, 12, "record 7 is cut short"}),
+            "12 records in 3456 bytes from byte 789 on, as record 7 is cut short");
+  EXPECT_EQ(damageWords({5, 1, 1, "record 2 is cut short"}),
+            "1 record in 1 byte from byte 5 on, as record 2 is cut short");
 }
 
 // Every order of up to six edits, undos and redos against the obvious history: two stacks. What a session cannot have
@@ -152,14 +160,20 @@ TEST(JournalReader, TakesTheOrdersThatASessionCanHave) {
 }
 
 TEST(JournalReader, RefusesAFolderWithoutAJournal) {
-  TemporaryFolder folder;
-  try {
-    static_cast<void>(readJournal(folder.path()));
-    FAIL() << "no error";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), Error::Code::kNotFound);
-    EXPECT_THAT(error.what(), HasSubstr("--journal"));
-  }
+  const TemporaryFolder folder;
+  const auto expectRefused = [](const std::filesystem::path& place, const std::string& reason) {
+    try {
+      static_cast<void>(readJournal(place));
+      FAIL() << "no error";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), Error::Code::kNotFound);
+      EXPECT_EQ(error.what(), place.string() + ": " + reason + "; name the folder that --journal was given");
+    }
+  };
+  expectRefused(folder.path(), "there is no journal.palpate in it");
+  expectRefused(folder.path() / "none", "there is no such folder");
+  std::ofstream(folder.path() / "file") << "x";
+  expectRefused(folder.path() / "file", "it is no folder");
 }
 
 // A folder in the journal's place, and a file of which the system says EIO (nothing lies at a process's address 0).

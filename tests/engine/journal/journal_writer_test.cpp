@@ -121,6 +121,40 @@ TEST(JournalWriter, ARecordLargerThanTheQueueGoesThrough) {
   EXPECT_EQ(writer.acknowledged(), 5U);
 }
 
+// Whoever waits for the disk does not wait for others to come: a flush, a full queue, the end. With an hour to gather
+// this test would not end otherwise.
+TEST(JournalWriter, GathersNoLongerWhereSomebodyWaits) {
+  const TemporaryFolder folder;
+  JournalOptions options;
+  options.gather = std::chrono::hours(1);
+  options.queue_bytes = 250;
+  JournalWriter writer(folder.path(), header(), options);
+  constexpr std::uint64_t kDabBytes = kRecordFrame + 4 + 2 + 9 * 8;  // count; kind, flags; 9 numbers
+  const EditCommand command = dab(0);
+  writer.edit({&command, 1});
+  writer.flush();
+  EXPECT_EQ(writer.acknowledged(), 1U);
+  for (int i = 0; i < 20; ++i) writer.edit({&command, 1});  // two fit into the queue
+  writer.flush();
+  EXPECT_EQ(writer.appended(), 21U);
+  EXPECT_EQ(writer.acknowledged(), 21U);
+  EXPECT_EQ(writer.bytes(), headerBytes(header()).size() + 21 * kDabBytes);
+  writer.undo();
+  writer.close();
+  EXPECT_EQ(readJournal(folder.path()).last_sequence, 22U);
+}
+
+// A stamp that a command has and does not use is no record.
+TEST(JournalWriter, WritesOnlyStampsThatAreUsed) {
+  const TemporaryFolder folder;
+  JournalWriter writer(folder.path(), header());
+  EditCommand command = dab(0);
+  command.stamp = RandomEdits::ball(2e-3);
+  EXPECT_EQ(writer.edit({&command, 1}), 1U);
+  writer.close();
+  EXPECT_EQ(readJournal(folder.path()).records.at(0).commands.at(0).stamp, nullptr);
+}
+
 // The journal ends, the session does not; the file holds whole records only, no fewer than were acknowledged and no
 // more than that either, so that nothing half-written looks saved.
 TEST(JournalWriter, AFullDiskEndsTheJournalAndNothingElse) {
@@ -282,7 +316,15 @@ TEST(JournalWriter, RefusesAFolderThatHoldsAJournal) {
 TEST(JournalWriter, RefusesAPlaceThatIsNoFolder) {
   TemporaryFolder folder;
   std::ofstream(folder.path() / "file") << "x";
-  EXPECT_THROW(JournalWriter(folder.path() / "file", header()), Error);
+  try {
+    const JournalWriter writer(folder.path() / "file", header());
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), Error::Code::kIo);
+    EXPECT_THAT(error.what(), HasSubstr("no journal can be kept there ("));
+    EXPECT_EQ(error.remedy(), "make room or choose another folder with --journal");
+  }
+  EXPECT_EQ(folder.files(), 1);
 }
 
 }  // namespace journal_writer_test

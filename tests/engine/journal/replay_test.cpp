@@ -76,6 +76,49 @@ TEST(Replay, AJournalOfRandomEditsGivesTheVolume) {
   EXPECT_NE(contentHash(replayed), header.volume.content);
 }
 
+TEST(Replay, TellsHowFarItIsBeforeEachEditAndCanBeCancelled) {
+  Volume volume = sampleVolume();
+  Journal journal;
+  journal.header = sampleHeader(volume);
+  for (const double i : {5.0, 9.0, 13.0, 17.0}) {
+    journal.records.push_back(record(RecordKind::kEdit));
+    EditCommand& command = journal.records.back().commands[0];
+    command.kind = EditKind::kRemove;
+    command.from_W = command.to_W = volume.lattice().toWorld({i, 10, 9});
+  }
+  struct Stopped {};
+  Volume cancelled = sampleVolume();
+  EXPECT_THROW(replay(journal, cancelled,
+                      [](double done) {
+                        if (done == 0.5) throw Stopped();
+                      }),
+               Stopped);
+  std::vector<double> told;
+  replay(journal, volume, [&](double done) { told.push_back(done); });
+  EXPECT_EQ(told, (std::vector<double>{0, 0.25, 0.5, 0.75}));
+  // What was done until then stays: the first two edits, and not all.
+  journal.records.resize(2);
+  Volume two = sampleVolume();
+  replay(journal, two);
+  EXPECT_EQ(contentHash(cancelled), contentHash(two));
+  EXPECT_NE(contentHash(cancelled), contentHash(volume));
+}
+
+TEST(Replay, NamesTheVolumeThatItWants) {
+  Journal journal;
+  journal.header = sampleHeader(sampleVolume(8));
+  journal.header.volume.source = "phantom:ball";
+  EXPECT_NO_THROW(checkStart(journal, sampleVolume(8), "other.nrrd"));
+  try {
+    checkStart(journal, sampleVolume(7), "other.nrrd");
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_STREQ(error.what(),
+                 "other.nrrd: it is not the volume that the journal began with: its densities are others; give that "
+                 "volume with --volume (the journal names phantom:ball)");
+  }
+}
+
 TEST(Replay, RefusesAnotherVolume) {
   TemporaryFolder folder;
   { const JournalWriter writer(folder.path(), sampleHeader(sampleVolume(8))); }

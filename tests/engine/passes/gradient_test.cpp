@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "engine/bricks/active_bricks.hpp"
-#include "engine/passes/filter_chain.hpp"
+#include "engine/filter_passes/filter_chain.hpp"
 #include "engine/passes/gradient_pass.hpp"
 #include "engine/passes/tuning.hpp"
 #include "engine/reference/half.hpp"

@@ -3,6 +3,7 @@
 #include "engine/reference/isosurface.hpp"
 
 #include <cmath>
+#include <functional>
 
 #include <gtest/gtest.h>
 
@@ -12,13 +13,14 @@
 namespace palpate {
 namespace isosurface_test {
 
-RenderedImage drawFrom(const Volume& volume, const Camera& camera, double isovalue) {
+RenderedImage drawFrom(const Volume& volume, const Camera& camera, double isovalue,
+                       const std::function<void()>& between = {}) {
   gpu::Gpu gpu({});
   gpu::Transfer transfer(gpu);
   const BrickPool pool(gpu, transfer, volume);
   BrickBoundsPass bounds(gpu, pool);
   bounds.run();
-  return IsosurfacePass(gpu, transfer, pool, bounds).draw(camera, isovalue);
+  return IsosurfacePass(gpu, transfer, pool, bounds).draw(camera, isovalue, between);
 }
 
 Vec3 middleOf(const Volume& volume) {
@@ -67,6 +69,38 @@ TEST(Isosurface, DepthEqualsTheTwin) {
   }
   EXPECT_GT(hits, 300);
   EXPECT_LE(disagreements, hits / 50);  // the silhouette alone
+}
+
+// 150 rows are two bands of 64 and one of 22. Rows of the silhouette aside, each shows what its own rays meet.
+TEST(Isosurface, ATallPictureIsDrawnInBandsThatMeet) {
+  const Volume volume = ballField({53, 41, 37}, 14.0);
+  Camera camera = cameraAt(middleOf(volume) + Vec3(0.05, -0.09, 0.04), middleOf(volume));
+  camera.width = 3;
+  camera.height = 150;
+  int bands = 0;
+  const RenderedImage image = drawFrom(volume, camera, 0.0, [&] { ++bands; });
+  EXPECT_EQ(bands, 3);
+  ASSERT_EQ(image.distance_m.size(), 450U);
+  ASSERT_EQ(image.rgba.size(), 1800U);
+  const reference::DenseField field = reference::denseField(volume);
+  const double tolerance_m = volume.lattice().spacing_m.maxCoeff() / 128 + 1e-7;
+  int hits = 0;
+  int disagreements = 0;
+  for (int y = 0; y < camera.height; ++y) {
+    for (int x = 0; x < camera.width; ++x) {
+      const auto expected =
+          reference::firstHit(field, 0.0, camera.position_W, camera.rayThrough(x + 0.5, y + 0.5), 0.1);
+      const float depth = image.distance_m[static_cast<std::size_t>(y * camera.width + x)];
+      if (std::isfinite(depth) != expected.has_value()) {
+        ++disagreements;
+      } else if (expected) {
+        ++hits;
+        EXPECT_NEAR(depth, *expected, tolerance_m) << x << ' ' << y;
+      }
+    }
+  }
+  EXPECT_GT(hits, 200);
+  EXPECT_LE(disagreements, 6);
 }
 
 // The field is linear in the distance from the middle [voxel], so along i the surface is 14 voxels out; trilinear

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "base/error.hpp"
@@ -72,6 +73,46 @@ TEST(SlotSlabs, GivesASlotOfTheSlabThatIsAskedFor) {
   EXPECT_EQ(slabs.inUse(), 40U);
 }
 
+TEST(SlotSlabs, GrowsByWhatIsAskedUntilASlotIsTaken) {
+  gpu::Gpu gpu({});
+  SlotSlabs slabs(gpu, shape(), 4, makeGpuBudget());
+  slabs.reserve(5);
+  EXPECT_EQ(slabs.bytes(), 5 * kSlotBytes);
+  (void)slabs.take();
+  slabs.reserve(5);
+  EXPECT_EQ(slabs.bytes(), 10 * kSlotBytes);
+}
+
+TEST(SlotSlabs, BeginsAnewWhenAllAreReleased) {
+  gpu::Gpu gpu({});
+  SlotSlabs slabs(gpu, shape(), 20, makeGpuBudget());
+  for (int i = 0; i < 18; ++i) (void)slabs.take();
+  slabs.release(3);
+  slabs.release(17);
+  EXPECT_EQ(slabs.inUse(), 16U);
+  EXPECT_EQ(slabs.free(), 4U);
+  slabs.releaseAll();
+  EXPECT_EQ(slabs.inUse(), 0U);
+  EXPECT_EQ(slabs.free(), 20U);
+  for (std::uint32_t slot = 0; slot < 20; ++slot) EXPECT_EQ(slabs.take(), slot);
+  EXPECT_EQ(slabs.bytes(), 20 * kSlotBytes);
+}
+
+TEST(SampleStore, TellsWhichBricksHaveSamples) {
+  gpu::Gpu gpu({});
+  SampleStore store(gpu, 9, {7, 2, 5});
+  EXPECT_THAT(store.bricks(), testing::ElementsAre(2, 5, 7));
+  EXPECT_EQ(store.place(7).slot, 0U);
+  EXPECT_EQ(store.place(2).slot, 1U);
+  EXPECT_EQ(store.place(5).slot, 2U);
+  store.remove(2);
+  EXPECT_THAT(store.bricks(), testing::ElementsAre(5, 7));
+  EXPECT_EQ(store.place(2).slot, NO_SLOT);
+  EXPECT_EQ(store.brickCount(), 2U);
+  store.add(8);
+  EXPECT_EQ(store.place(8).slot, 1U);
+}
+
 // Each full slab keeps a sixteenth free, where the next bricks of its region find room; a budget that allows no spare
 // still holds all.
 TEST(SampleStore, KeepsRoomBesideItsBricks) {
@@ -135,6 +176,9 @@ TEST(SlotSlabs, RefusesMoreThanItsSlabs) {
   slabs.reserve(32);
   EXPECT_THROW(slabs.reserve(33), Error);
   EXPECT_EQ(slabs.free(), 32U);
+  const auto budget = makeGpuBudget();
+  EXPECT_THROW(SlotSlabs(gpu, shape(2), 33, budget), Error);
+  EXPECT_EQ(budget->used_bytes, 0U);  // what it had taken by then is given back
 }
 
 }  // namespace slot_slabs_test

@@ -1,41 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whole fields that take several submissions: nothing is left out or computed twice, whatever the tuning, and what is
-// told in between may stop them.
+// Gradients of whole fields that take several submissions: nothing is left out or computed twice, whatever the tuning,
+// and what is told in between may stop them.
 #include <gmock/gmock.h>
 
 #include "base/error.hpp"
 #include "engine/bricks/active_bricks.hpp"
 #include "engine/passes/gradient_pass.hpp"
-#include "engine/passes/tuning.hpp"
-#include "filtered_fields.hpp"
 #include "servo/window/sample_window.hpp"
+#include "test_fields.hpp"
+#include "tunings_by_name.hpp"
 
 namespace palpate {
 namespace submission_parts_test {
 
-std::string kindOf(const Tuning& row) {
-  return row.device.empty() ? "discrete" : std::string(row.device);
-}
-
 class InParts : public testing::TestWithParam<Tuning> {};
-
-// 14 x 11 x 10 bricks: one submission and a half of the row for CPUs. Steps along each axis, of one kernel and of two.
-TEST_P(InParts, FiltersEqualTheTwin) {
-  const Volume volume = makeField({107, 88, 80}, [](int i, int j, int k) {
-    return static_cast<float>((i * 7919 + j * 104729 + k * 1299709) % 1000);
-  });
-  for (const char* chain : {"gaussian:0.7", "diffuse:1:kappa=300"}) {
-    const auto steps = lowerFilters(filterChain(chain), volume.lattice().spacing_m);
-    const reference::DenseField wanted = reference::applyFilters(reference::denseField(volume), steps);
-    EXPECT_EQ(differing(filteredOnGpu(volume, steps, kindOf(GetParam())), wanted), 0U) << chain;
-  }
-}
 
 // 21 x 21 x 20 bricks: more than a submission of the row for CPUs. A linear field has one gradient.
 TEST_P(InParts, GradientsAreAllThere) {
   const Volume volume =
       makeField({168, 168, 160}, [](int i, int j, int k) { return static_cast<float>(3 * i - 5 * j + 7 * k); });
-  gpu::Gpu gpu{{.tuned_as = kindOf(GetParam())}};
+  gpu::Gpu gpu{{.tuned_as = deviceOf(GetParam())}};
   gpu::Transfer transfer(gpu);
   const BrickPool pool(gpu, transfer, volume);
   for (const char* way : {"central", "sobel"}) {
@@ -66,7 +50,7 @@ TEST_P(InParts, GradientsAreAllThere) {
 
 TEST_P(InParts, GradientsCanBeCancelled) {
   const Volume volume = ballField({20, 20, 20}, 6);
-  gpu::Gpu gpu{{.tuned_as = kindOf(GetParam())}};
+  gpu::Gpu gpu{{.tuned_as = deviceOf(GetParam())}};
   gpu::Transfer transfer(gpu);
   const BrickPool pool(gpu, transfer, volume);
   const SampleStore store(gpu, pool.brickCount(), allBricks(pool.grid()), makeGpuBudget());
@@ -76,7 +60,7 @@ TEST_P(InParts, GradientsCanBeCancelled) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Devices, InParts, testing::ValuesIn(tunings().begin(), tunings().end()),
-                         [](const auto& row) { return kindOf(row.param); });
+                         [](const auto& row) { return deviceOf(row.param); });
 
 }  // namespace submission_parts_test
 }  // namespace palpate

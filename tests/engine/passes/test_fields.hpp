@@ -60,4 +60,20 @@ inline Volume constantField(const Vec3i& size, float density) {
   return makeField(size, [=](int, int, int) { return density; });
 }
 
+// What breaks arithmetic first.
+inline std::vector<Volume> extremeFields(const Vec3i& size) {
+  std::vector<Volume> volumes;
+  volumes.push_back(extremes(size));
+  volumes.push_back(largest(size));
+  // A fill around a body, and one step between the two ends of the floats.
+  volumes.push_back(makeField(size, [&](int i, int j, int k) {
+    return (Vec3i(i, j, k) - size / 2).squaredNorm() < 25 ? static_cast<float>(i + j) : -FLT_MAX;
+  }));
+  volumes.push_back(makeField(size, [](int i, int, int) { return i < 9 ? FLT_MAX : -FLT_MAX; }));
+  return volumes;
+}
+
+// Of both signs, the largest, the smallest, and the zero that additions lose.
+inline constexpr float kExtremeConstants[] = {FLT_MAX, -FLT_MAX, 1e-45F, -0.0F};
+
 }  // namespace palpate

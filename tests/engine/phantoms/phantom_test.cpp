@@ -2,10 +2,12 @@
 #include "engine/phantoms/phantom.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <random>
 #include <set>
+#include <tuple>
 
 #include "engine/files/volume_file.hpp"
 #include "tests/engine/files/files.hpp"
@@ -205,6 +207,87 @@ TEST(Sphere, VoxelsInterpolateToTheIsovalueOnTheSurface) {
   EXPECT_GE(worst, bound / 100);  // the bound is not loose by orders
 }
 
+// A density at a place of the natural lattice [m], 512 voxels wide, so that ramps are thin.
+double densityAt(const char* name, double x, double y, double z) {
+  return makePhantom(std::string("phantom:") + name + "?size=512")->density({x, y, z});
+}
+
+// Middles of the tissues, farther from every border than a ramp is wide (the hole's axis leaves the skull's middle at
+// 69 mm from the head's), on both sides of what there is twice.
+TEST(Head, HasItsTissues) {
+  EXPECT_EQ(densityAt("head", 0.090, 0, 0), -1000);        // air
+  EXPECT_EQ(densityAt("head", 0.0705, 0, 0), 40);          // scalp
+  EXPECT_EQ(densityAt("head", 0.062, 0, 0), 1000);         // skull
+  EXPECT_EQ(densityAt("head", 0, -0.079, 0), 1000);        // in front
+  EXPECT_EQ(densityAt("head", 0, 0, -0.075), 1000);        // below
+  EXPECT_EQ(densityAt("head", 0.0416, 0, 0.0555), 40);     // in the drilled hole
+  EXPECT_EQ(densityAt("head", -0.0416, 0, 0.0555), 1000);  // and the bone opposite
+  EXPECT_EQ(densityAt("head", 0, -0.052, -0.038), 1000);   // face
+  EXPECT_DOUBLE_EQ(densityAt("head", 0.03, 0.01, -0.02), 30);
+  for (const double side : {-1.0, 1.0}) {
+    EXPECT_EQ(densityAt("head", side * 0.013, -0.054, -0.038), -1000);   // sinus
+    EXPECT_DOUBLE_EQ(densityAt("head", side * 0.010, 0.015, 0.010), 8);  // ventricle
+  }
+}
+
+// A body that runs through the lattice along z; vessels of three generations: the trunk's middle, a branch's and that
+// of one that leaves the plane.
+TEST(Lung, HasItsTissues) {
+  EXPECT_EQ(densityAt("lung", 0.165, 0, 0), -1000);
+  EXPECT_EQ(densityAt("lung", 0, -0.115, 0.1), -1000);
+  for (const double z : {-0.15, 0.0, 0.1}) {
+    EXPECT_EQ(densityAt("lung", 0.138, 0, z), 40);   // wall
+    EXPECT_EQ(densityAt("lung", 0, 0.075, z), 700);  // spine
+  }
+  for (const double side : {-1.0, 1.0}) {
+    EXPECT_EQ(densityAt("lung", side * 0.07, -0.06, 0.06), -850);
+    EXPECT_EQ(densityAt("lung", side * 0.07, 0.05, 0), -850);
+    EXPECT_EQ(densityAt("lung", side * 0.0375, 0, 0), 40);
+    for (const double up : {-1.0, 1.0}) {
+      EXPECT_EQ(densityAt("lung", side * 0.0657, 0, up * 0.009), 40);
+      EXPECT_EQ(densityAt("lung", side * 0.0830, 0.0072, up * 0.0235), 40);
+      EXPECT_EQ(densityAt("lung", side * 0.0830, -0.0072, up * 0.0235), 40);
+    }
+  }
+}
+
+// Lengths follow the lattice: 32, 39 and 50 spacings of 0.5, 0.5 and 1.2 mm are half extents of 8, 9.75 and 30 mm. A
+// ramp is three of the largest spacing long.
+TEST(SimplePhantoms, HaveTheirSizes) {
+  const auto of = [](const char* name) {
+    return makePhantom(std::string("phantom:") + name + "?size=33x40x51&spacing=0.5x0.5x1.2mm");
+  };
+  const auto sphere = of("sphere"), box = of("box"), shell = of("shell");
+  EXPECT_NEAR(sphere->signedDistance_m({0, 0, 0}), -0.7 * 8e-3, 1e-12);
+  EXPECT_NEAR(sphere->profile().slope_per_m, 1000 / 3.6e-3, 1e-6);
+  EXPECT_NEAR(box->signedDistance_m({0, 0, 0}), -0.6 * 8e-3, 1e-12);
+  EXPECT_NEAR(box->signedDistance_m({0, 0.6 * 9.75e-3, 0}), 0, 1e-12);
+  EXPECT_NEAR(box->signedDistance_m({0, 0, 0.6 * 30e-3 + 1e-3}), 1e-3, 1e-12);
+  EXPECT_NEAR(shell->signedDistance_m({5.6e-3, 0, 0}), -1.2e-3, 1e-12);  // two spacings thick
+  EXPECT_NEAR(shell->signedDistance_m({0, 0, 0}), 5.6e-3 - 1.2e-3, 1e-12);
+  const auto spheres = makePhantom("phantom:spheres");
+  constexpr double kHalf_m = 0.0315;
+  for (const auto& [centre, radius, density] :
+       {std::tuple(Vec3(-0.45, -0.35, -0.20), 0.38, 600.0), std::tuple(Vec3(0.50, -0.25, 0.25), 0.28, 1000.0),
+        std::tuple(Vec3(0.00, 0.50, 0.10), 0.25, 1400.0)}) {
+    EXPECT_NEAR(spheres->signedDistance_m(centre * kHalf_m), -radius * kHalf_m, 1e-12);
+    EXPECT_EQ(spheres->density(centre * kHalf_m), density);
+  }
+  EXPECT_EQ(spheres->density(Vec3(-1, 1, 1) * kHalf_m), -1000);
+}
+
+TEST(PhantomVolume, SaysWhatItIs) {
+  for (const char* name : {"phantom:box?size=9", "phantom:box?size=9&noise=0.1"}) {
+    const Volume volume = makeVolume(*makePhantom(name));
+    const VolumeFacts& facts = volume.facts();
+    EXPECT_EQ(facts.source, name);
+    EXPECT_EQ(facts.format, "phantom");
+    EXPECT_EQ(facts.value_type, "float32");
+    EXPECT_EQ(facts.orientation, "LPS axes, centred on the world's origin");
+    EXPECT_EQ(facts.declared_isovalue, 0);
+  }
+}
+
 TEST(Noise, HasItsDeviationAndIsSeeded) {
   const auto clean = makePhantom("phantom:sphere");
   const auto noisy = makePhantom("phantom:sphere?noise=0.05&seed=3");
@@ -239,6 +322,27 @@ TEST(Random, HoldsEveryKindOfValueAndHasNoSurface) {
   EXPECT_EQ(kinds.size(), 9U);
 }
 
+// A fifth of each kind, half of them negative: binomial, so within 5 deviations of sqrt(n p (1 - p)).
+TEST(Random, HasAsManyOfEachKind) {
+  std::array<int, 5> counts{};
+  int negative = 0;
+  const std::vector<float> values = makeVolume(*makePhantom("phantom:random?size=32")).toDense();
+  for (const float value : values) {
+    const float size = std::abs(value);
+    const std::size_t kind = size == 0                                ? 0
+                             : std::fpclassify(value) == FP_SUBNORMAL ? 1
+                             : size == 1e-30F                         ? 2
+                             : size == 1e30F                          ? 3
+                                                                      : 4;
+    ++counts[kind];
+    negative += std::signbit(value) ? 1 : 0;
+  }
+  const auto all = static_cast<double>(values.size());
+  for (const int count : counts) EXPECT_NEAR(count, all / 5, 5 * std::sqrt(all * 0.16));
+  EXPECT_NEAR(negative, all / 2, 5 * std::sqrt(all * 0.25));
+  EXPECT_NE(values, makeVolume(*makePhantom("phantom:random?size=32&seed=2")).toDense());
+}
+
 TEST(PhantomSpec, ReadsEveryKey) {
   const PhantomSpec spec =
       parsePhantomSpec("phantom:shell?size=128x64x32&spacing=0.5x500x1.2um&noise=0.05&seed=9&thickness=1.5");
@@ -250,6 +354,36 @@ TEST(PhantomSpec, ReadsEveryKey) {
   EXPECT_EQ(parsePhantomSpec("phantom:sphere?size=32").spacing_m, Vec3::Constant(1e-3));
   EXPECT_EQ(parsePhantomSpec("phantom:head").size, Vec3i(128, 128, 64));
   EXPECT_NEAR(parsePhantomSpec("phantom:head?size=64").spacing_m.x(), 0.0032, 1e-12);  // the same head, coarser
+}
+
+TEST(PhantomSpec, HasASizeAndASpacingOfItsOwn) {
+  for (const PhantomKind& kind : phantomKinds()) {
+    const PhantomSpec spec = parsePhantomSpec("phantom:" + kind.name);
+    const double extent_m = kind.name == "head" ? 0.2048 : kind.name == "lung" ? 0.336 : 0;
+    EXPECT_EQ(spec.name, kind.name);
+    EXPECT_EQ(spec.text, "phantom:" + kind.name);
+    EXPECT_EQ(spec.size, extent_m > 0 ? Vec3i(128, 128, 64) : Vec3i(64, 64, 64)) << kind.name;
+    const Vec3 spacing_m = extent_m > 0 ? Vec3(extent_m / 128, extent_m / 128, extent_m / 64) : Vec3(1e-3, 1e-3, 1e-3);
+    EXPECT_LE((spec.spacing_m - spacing_m).norm(), 1e-15) << kind.name;
+  }
+}
+
+// The first and the last that may be given, and what lies just beyond.
+TEST(PhantomSpec, KnowsTheEndsOfItsRanges) {
+  EXPECT_EQ(parsePhantomSpec("phantom:sphere?size=1x2x16384").size, Vec3i(1, 2, 16384));
+  EXPECT_EQ(parsePhantomSpec("phantom:sphere?noise=0").noise, 0);
+  EXPECT_EQ(parsePhantomSpec("phantom:sphere?noise=10").noise, 10);
+  EXPECT_EQ(parsePhantomSpec("phantom:shell?thickness=0.1").thickness_voxels, 0.1);
+  EXPECT_EQ(parsePhantomSpec("phantom:shell?thickness=1000").thickness_voxels, 1000);
+  EXPECT_DOUBLE_EQ(parsePhantomSpec("phantom:sphere?spacing=0.002m").spacing_m.z(), 0.002);
+  for (const auto& [keys, says] :
+       {std::pair("size=2x2x16385", "size=2x2x16385 is out of range; give 1 to 16384 voxels along an axis"),
+        std::pair("noise=10.1", "noise=10.1 is out of range; give 0 to 10"),
+        std::pair("size=1x2", "size=\"1x2\" has 2 numbers; give one or three: 64 or 128x128x64"),
+        std::pair("seed=1.5", "seed=\"1.5\" is not a number of the kind that is needed")})
+    expectLoadRefusal(std::string("phantom:sphere?") + keys, says);
+  for (const char* thickness : {"0.09", "1000.1"})
+    expectLoadRefusal(std::string("phantom:shell?thickness=") + thickness, "is out of range; give 0.1 to 1000");
 }
 
 TEST(PhantomSpec, RefusesWhatItDoesNotKnow) {

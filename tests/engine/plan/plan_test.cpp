@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include "base/error.hpp"
@@ -91,6 +92,59 @@ TEST(Plan, OfASmoothingOperatorSmoothsFirstAndSaysWhetherThatStays) {
   EXPECT_THAT(kept[0].why, HasSubstr("kept"));
   request.gradient_operator = "prewitt";
   EXPECT_THROW((void)makePlan(request), Error);
+}
+
+// Every line as a user reads it; "-" is what was left out. A brick of density takes 2 KiB, one of samples 8, as
+// halves 4.
+std::vector<std::string> wholeLines(const EngineRequest& request) {
+  std::vector<std::string> texts;
+  const PlanFacts facts{.bricks = 100, .stored_bricks = 60, .filtered_bricks = 70, .gradient_bricks = 25};
+  for (const PlanLine& line : planLines(makePlan(request), facts))
+    texts.push_back(fmt::format("{} {} | {} | {}", line.done ? "+" : "-", line.what, line.why, line.saved_bytes));
+  return texts;
+}
+
+TEST(PlanLines, AreWholeAndInOrder) {
+  const std::string density =
+      "+ 60 of 100 bricks of density | a brick that holds one value has a page and no storage | 81920";
+  const std::string window =
+      "+ window of up to 32x32x32 samples around the tool, three slots | what the servo reads | 0";
+  const std::string no_filters = "- filters | the scene names none: the volume itself is felt | 122880";
+  const std::string floats = "+ samples as floats, 16 bytes a voxel | halves save half: --samples half | 0";
+  const std::string no_picture = "- isosurface picture | not asked for (--picture off) | 0";
+  const std::string all = "every brick: --gradient all, or an algorithm that feels away from the isosurface | 0";
+  EXPECT_THAT(
+      wholeLines({}),
+      ElementsAre(density, no_filters,
+                  "+ gradient of 25 of 100 bricks: central | those that the isosurface crosses, and their halo | "
+                  "614400",
+                  floats, window, no_picture));
+  EXPECT_THAT(wholeLines({.gradient_all = true}),
+              ElementsAre(density, no_filters, "+ gradient of 25 of 100 bricks: central | " + all, floats, window,
+                          no_picture, "- brick bounds | every brick has gradients and nothing is drawn | 0"));
+  EXPECT_THAT(wholeLines({.filter = "median:1",
+                          .gradient_all = true,
+                          .gradient_operator = "gaussian:0.8mm",
+                          .half_samples = true,
+                          .other_isovalues = true,
+                          .draws = true}),
+              ElementsAre(density,
+                          "+ filters: median:1; 70 of 100 bricks | as the scene says; a neighbourhood of one density "
+                          "stays one | 61440",
+                          "+ smoothing of the whole field | the operator takes its gradient; kept, since the isovalue "
+                          "may change | 0",
+                          "+ gradient of 25 of 100 bricks: gaussian | " + all,
+                          "+ samples as halves, 8 bytes a voxel | --samples half: true to 2^-11 of the distance from "
+                          "the isovalue | 102400",
+                          window, "+ isosurface picture | view.png and report.html show it | 0"));
+}
+
+TEST(Plan, NamesEveryPass) {
+  std::vector<std::string> names;
+  for (const Pass pass : {Pass::kUpload, Pass::kFilter, Pass::kBrickBounds, Pass::kSmoothing, Pass::kGradient,
+                          Pass::kWindow, Pass::kIsosurface})
+    names.emplace_back(passName(pass));
+  EXPECT_THAT(names, ElementsAre("upload", "filter", "brick bounds", "smoothing", "gradient", "window", "isosurface"));
 }
 
 TEST(PlanLines, NameWhatWasLeftOut) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The Gaussian against formulas: what it does to an impulse, a wave and a mean. The kernels agree with this twin bit
-// for bit (tests/engine/passes/filter_test.cpp), so what holds here holds there.
+// for bit (tests/engine/filter_passes/filter_test.cpp), so what holds here holds there.
 #include <cmath>
 #include <numbers>
 #include <numeric>
@@ -73,6 +73,29 @@ TEST(Gaussian, KeepsTheMeanWhereTheBorderMirrors) {
   };
   EXPECT_NEAR(mean(after), mean(before), 3 * 20 * 100 * kUlp);
   EXPECT_GT(std::abs(mean(filtered(before, "gaussian:0.9")) - mean(before)), 1e-3);  // nearest does not promise it
+}
+
+// After each slice of each round: one round a step, six for a distance, of whose five steps the voxels across are
+// besides.
+TEST(Progress, OfFiltersGrowsToOneBySlices) {
+  const auto field = fieldOf({6, 5, 3}, Vec3::Ones(), [](int i, int, int) { return i - 2.5; });
+  const auto told = [&](const char* chain) {
+    std::vector<double> all;
+    static_cast<void>(reference::applyFilters(field, lowerFilters(filterChain(chain), Vec3::Ones(), 0.0F),
+                                              [&](double done) { all.push_back(done); }));
+    return all;
+  };
+  const auto expectEqual = [](const std::vector<double>& got, const std::vector<double>& want) {
+    ASSERT_EQ(got.size(), want.size());
+    for (std::size_t n = 0; n < got.size(); ++n) EXPECT_NEAR(got[n], want[n], 1e-14) << n;
+  };
+  std::vector<double> three;
+  for (int n = 1; n <= 9; ++n) three.push_back(n / 9.0);
+  expectEqual(told("gaussian:1"), three);
+  std::vector<double> both;  // of a median and a distance: six steps
+  for (int n = 1; n <= 3; ++n) both.push_back(n / 3.0 / 6);
+  for (int n = 1; n <= 18; ++n) both.push_back((1 + 5 * n / 18.0) / 6);
+  expectEqual(told("median:1 distance:1"), both);
 }
 
 // Variances add up: sigma 1.2 after 0.9 is sigma 1.5, to what is cut off beyond 5 sigma (6e-7 of the weight each).

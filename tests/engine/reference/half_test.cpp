@@ -96,6 +96,20 @@ TEST(HalfSamples, ScaleByPowersOfTwo) {
   EXPECT_EQ(halfSamples(5, 5, 5, Vec3::Ones()).code.density_scale, 1);  // a volume of one density
 }
 
+// The farther side decides, and the smallest spacing: 4000 lies below 2^12, 4010 / 0.5 below 2^13. Beyond 2^120 a scale
+// or its inverse would be no normal float.
+TEST(HalfSamples, ScaleByTheFarthestDensityAndTheSmallestSpacing) {
+  const layout::SampleCode code = halfSamples(0, -4000, 10, {2, 0.5, 1}).code;
+  EXPECT_EQ(code.zero, 0);
+  EXPECT_EQ(code.density_scale, 1);
+  EXPECT_EQ(code.gradient_scale, 0.5F);
+  EXPECT_EQ(halfSamples(7, 7, 8, Vec3::Ones()).code.zero, 7);
+  EXPECT_EQ(halfSamples(0, 0, 1e-40F, Vec3::Ones()).code.density_scale, std::ldexp(1.0F, 120));
+  const layout::SampleCode huge = halfSamples(0, -3e38F, 3e38F, Vec3::Constant(1e-6)).code;
+  EXPECT_EQ(huge.density_scale, std::ldexp(1.0F, -116));  // 3e38 lies below 2^128
+  EXPECT_EQ(huge.gradient_scale, std::ldexp(1.0F, -120));
+}
+
 // The bound of engine/gradient/sample_format.hpp, and the side of the isovalue. A half has 11 bits, so its rounding is
 // at most 2^-11 of it, or 2^-25 where it counts in 2^-24; the difference from the isovalue is rounded by 2^-24 of
 // itself, which the (1 + 2^-11) holds, and the sum that gives the density back by 2^-24 of that.
@@ -161,6 +175,18 @@ TEST(HalfSamples, AreRefusedWhereTheyLoseTheSurface) {
     } catch (const Error& error) {
       EXPECT_NE(std::string(error.what()).find("--samples half: densities from"), std::string::npos);
     }
+  }
+  // 3e10 lies below 2^35, so halves of the scale 2^-23 are rounded by 2^-25 / 2^-23, which is 2^-11 of 512.
+  EXPECT_NO_THROW(check(-3e10F, 512));
+  try {
+    check(-3e10F, 511);
+    ADD_FAILURE();
+  } catch (const Error& error) {
+    EXPECT_STREQ(
+        error.what(),
+        "--samples half: densities from -3e+10 to 3071 are too far apart for halves: rounding by up to 0.25 is "
+        "too coarse for a surface whose object lies 511 above the isovalue; use --samples float; if the "
+        "farthest density marks what was not measured, replace it in the file");
   }
 }
 

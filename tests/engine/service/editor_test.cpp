@@ -2,6 +2,7 @@
 // What an edit changes on the GPU, and what it leaves alone, against formulas and a new start.
 #include "engine/service/editor.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cstring>
 #include <set>
@@ -98,6 +99,37 @@ TEST(Editor, ReadBackCountsTheBricksThatHoldSomethingElse) {
   editor.replace(kept, nullptr);
   EXPECT_EQ(editor.readBack(volume), counted);
   EXPECT_EQ(volume.toDense(), before);
+}
+
+// A history's moment: the bricks still hold what they did, and putting all of that back undoes the edit.
+TEST(Editor, TellsTheBricksOfAnEditBeforeTheyChange) {
+  Volume volume = ball({53, 41, 37}, 12);
+  const std::vector<float> at_first = volume.toDense();
+  gpu::Gpu gpu({});
+  State state(gpu, volume, false);
+  Editor editor(state.parts(gpu), profileOf(volume), false);
+  const std::vector<EditCommand> dab = {brush(EditKind::kRemove, volume, {16, 20, 18}, 6e-3)};
+  const auto fails = [](std::span<const std::uint32_t>) { throw Error(Error::Code::kCancelled, "x", "y", "z"); };
+  EXPECT_THROW(editor.apply(dab, nullptr, fails), Error);
+  EXPECT_FALSE(editor.broken());
+  EXPECT_EQ(editor.version(), 0U);
+  EXPECT_EQ(editor.readBack(volume), 0U);
+
+  int calls = 0;
+  std::vector<BrickContent> kept;
+  editor.apply(dab, nullptr, [&](std::span<const std::uint32_t> bricks) {
+    ++calls;
+    EXPECT_TRUE(std::is_sorted(bricks.begin(), bricks.end()));
+    for (const std::uint32_t brick : bricks) kept.push_back(editor.content(brick));
+  });
+  EXPECT_EQ(calls, 1);
+  editor.settle();
+  EXPECT_GT(editor.readBack(volume), 0U);
+  EXPECT_NE(volume.toDense(), at_first);
+  editor.replace(kept, nullptr);
+  editor.settle();
+  editor.readBack(volume);
+  EXPECT_EQ(volume.toDense(), at_first);
 }
 
 // The middle of a large brush in one density never needs storage, and brushes in the air touch nothing.

@@ -8,6 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "base/byte_size.hpp"
 #include "base/error.hpp"
 #include "engine/phantoms/phantom.hpp"
 #include "engine/reference/window.hpp"
@@ -56,6 +57,39 @@ TEST(Engine, ConfirmsInsteadOfPublishingWhileTheToolStaysNear) {
   EXPECT_EQ(p.engine.exchange().latest().version, 2U);
 }
 
+// A window begins 15.5 voxels before the tool, rounded down, and holds for tools that would move it by less than six
+// voxels along every axis; but one that would then lie at the volume's border comes at once. The domain of 61 x 53 x 47
+// voxels has room for windows that begin at (0, 0, 0) up to (29, 21, 15).
+TEST(Engine, GathersAnewSixVoxelsOnAndAtTheBorder) {
+  Prepared p;
+  const auto gathers = [&](const Vec3& from, const Vec3& to) {
+    const Vec3 far = from.x() > 30 ? Vec3(0, 0, 0) : Vec3(60, 52, 46);
+    p.engine.publishAround(p.at(far.x(), far.y(), far.z()), 1);
+    EXPECT_TRUE(p.engine.publishAround(p.at(from.x(), from.y(), from.z()), 2));
+    return p.engine.publishAround(p.at(to.x(), to.y(), to.z()), 3);
+  };
+  const Vec3 from(27.2, 26.2, 23.2);  // (11, 10, 7)
+  for (int axis = 0; axis < 3; ++axis) {
+    SCOPED_TRACE(axis);
+    for (const double sign : {-1.0, 1.0}) {
+      EXPECT_FALSE(gathers(from, from + sign * 5 * Vec3::Unit(axis)));
+      EXPECT_TRUE(gathers(from, from + sign * 6 * Vec3::Unit(axis)));
+    }
+    Vec3 before = from, at = from, beyond = from;
+    before[axis] = 17.2;  // 1
+    at[axis] = 15.2;      // 0
+    beyond[axis] = 13.2;
+    EXPECT_TRUE(gathers(before, at));
+    EXPECT_FALSE(gathers(at, beyond));
+    const double last = Vec3(29, 21, 15)[axis];
+    before[axis] = last - 2 + 15.7;
+    at[axis] = last + 15.7;
+    beyond[axis] = last + 18.7;
+    EXPECT_TRUE(gathers(before, at));
+    EXPECT_FALSE(gathers(at, beyond));
+  }
+}
+
 TEST(Engine, SaysWhichFacesAreTheVolumesBorder) {
   Prepared p;
   p.engine.publishAround(p.at(0, 26, 46), 1);
@@ -63,7 +97,50 @@ TEST(Engine, SaysWhichFacesAreTheVolumesBorder) {
   EXPECT_TRUE(window.low_is_border[0]);
   EXPECT_FALSE(window.high_is_border[0]);
   EXPECT_FALSE(window.low_is_border[1]);
+  EXPECT_FALSE(window.high_is_border[1]);
+  EXPECT_FALSE(window.low_is_border[2]);
   EXPECT_TRUE(window.high_is_border[2]);
+  p.engine.publishAround(p.at(60, 0, 0), 2);
+  const SampleWindow& other = p.engine.exchange().latest();
+  EXPECT_FALSE(other.low_is_border[0]);
+  EXPECT_TRUE(other.high_is_border[0]);
+  EXPECT_TRUE(other.low_is_border[1]);
+  EXPECT_FALSE(other.high_is_border[1]);
+  EXPECT_TRUE(other.low_is_border[2]);
+  EXPECT_FALSE(other.high_is_border[2]);
+}
+
+// Every figure by its name; 61 x 53 x 47 voxels are 8 x 7 x 6 bricks, and three windows hold 32^3 samples of 16 bytes.
+TEST(Engine, SaysWhatItHolds) {
+  const Volume volume = knot();
+  for (const bool filtered : {false, true}) {
+    const Engine engine(volume, makePlan({.filter = filtered ? "gaussian:1" : ""}), 0, "");
+    const PlanFacts facts = engine.planFacts();
+    EXPECT_EQ(facts.bricks, 336U);
+    EXPECT_EQ(facts.stored_bricks, volume.storedBricks());
+    EXPECT_GT(facts.gradient_bricks, 50U);
+    if (filtered) {
+      EXPECT_GT(facts.filtered_bricks, facts.stored_bricks);  // a Gaussian reaches into bricks beside them
+    } else {
+      EXPECT_EQ(facts.filtered_bricks, facts.stored_bricks);
+    }
+    const std::vector<MemoryFigure> figures = engine.memory();
+    std::vector<std::string> names;
+    std::uint64_t sum = 0;
+    for (const MemoryFigure& figure : figures) {
+      names.push_back(figure.name);
+      sum += figure.bytes;
+    }
+    ASSERT_THAT(names, testing::ElementsAre("gpu brick pool", "gpu filtered", "gpu smoothed", "gpu samples",
+                                            "gpu windows", "gpu total"));
+    EXPECT_GE(figures[0].bytes, facts.stored_bricks * 2048);
+    EXPECT_GE(figures[1].bytes, filtered ? facts.filtered_bricks * 2048 : 0);
+    EXPECT_EQ(figures[1].bytes > 0, filtered);
+    EXPECT_EQ(figures[2].bytes, 0U);
+    EXPECT_GE(figures[3].bytes, facts.gradient_bricks * 8192);
+    EXPECT_EQ(figures[4].bytes, 3U * 32 * 32 * 32 * 16);
+    EXPECT_GE(figures[5].bytes, sum - figures[5].bytes);  // lists and scratch come on top
+  }
 }
 
 // With every brick's gradient the window equals the twin's, and through the exchange too.
@@ -211,7 +288,15 @@ TEST(Engine, SaysWhatExceedsTheBudget) {
     }
     return "nothing";
   };
-  EXPECT_THAT(refusal(densities - 1), testing::HasSubstr("its densities take"));
+  EXPECT_EQ(refusal(densities - 1),
+            fmt::format("GPU memory for the volume: its densities take {}, samples at its surface come on top, and the "
+                        "budget is {}; raise --gpu-memory, or crop or resample the volume",
+                        inMiB(densities), inMiB(densities - 1)));
+  const std::size_t active = Prepared().engine.planFacts().gradient_bricks;
+  EXPECT_THAT(refusal(densities),
+              testing::HasSubstr(fmt::format("{} for samples at its surface), and the budget is {}; raise --gpu-memory "
+                                             "to ",
+                                             inMiB(active * kBrickVoxels * sizeof(Sample)), inMiB(densities))));
   EXPECT_THAT(refusal(densities), testing::Not(testing::HasSubstr("its densities take")));
   EXPECT_THAT(refusal(densities), testing::HasSubstr("samples at its surface"));
   EXPECT_EQ(refusal(10 * densities + (std::uint64_t{1} << 30U)), "nothing");
@@ -225,6 +310,28 @@ TEST(Engine, WithoutEditsTheVolumeIsAtItsFirstVersion) {
   EXPECT_EQ(p.engine.readBack(p.volume), 0U);
   EXPECT_EQ(p.volume.toDense(), before);
   EXPECT_THROW(p.engine.edit({}, 0), Error);
+}
+
+// The parts of an edit in their order, and the kernels' own where they are asked for.
+TEST(Engine, NamesTheStagesOfAnEdit) {
+  Prepared p;
+  p.engine.allowEdits(brushProfile(p.volume, 0));
+  p.engine.publishAround(p.at(30, 26, 23), 1);
+  const auto stagesOf = [&](double radius_m) {
+    EditCommand hole;
+    hole.kind = EditKind::kRemove;
+    hole.from_W = hole.to_W = p.at(30, 26, 23);
+    hole.radius_m = radius_m;
+    std::vector<std::string> names;
+    for (const StageTime& stage : p.engine.edit(std::span(&hole, 1), 2).stages) names.push_back(stage.name);
+    return names;
+  };
+  EXPECT_THAT(stagesOf(14e-3), testing::ElementsAre("plan", "record", "gpu", "publish", "settle"));
+  p.engine.timeKernels(true);
+  EXPECT_THAT(stagesOf(18e-3), testing::ElementsAre("plan", "record", "gpu", "edit", "bounds", "gradient", "window",
+                                                    "publish", "settle"));
+  p.engine.timeKernels(false);
+  EXPECT_THAT(stagesOf(22e-3), testing::ElementsAre("plan", "record", "gpu", "publish", "settle"));
 }
 
 // The window after an edit carries its version and holds the edited volume, in the box of the last one.

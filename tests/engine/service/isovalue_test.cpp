@@ -4,6 +4,7 @@
 #include <cstring>
 #include <limits>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -227,7 +228,10 @@ TEST(OtherIsovalueRefusals, BeginAtTheHighestDensity) {
   const Volume volume = hill();
   Engine engine(volume, makePlan({}), 100, "");
   EXPECT_EQ(refusal(engine, volume.minimum()), kNoRefusal);
-  EXPECT_THAT(refusal(engine, volume.maximum()), HasSubstr("there is no isosurface"));
+  EXPECT_EQ(refusal(engine, volume.maximum()),
+            fmt::format("isovalue {2:g}: the densities lie between {1:g} and {2:g}, so there is no isosurface; give an "
+                        "isovalue from {1:g} to below {2:g}",
+                        0, volume.minimum(), volume.maximum()));
 }
 
 TEST(OtherIsovalueRefusals, NameWhatHangsOnTheFirstOne) {

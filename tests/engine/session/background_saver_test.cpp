@@ -197,6 +197,26 @@ TEST(BackgroundSaver, ACopyThatMissesABrickIsNeverWritten) {
   EXPECT_NE(saver.figures().failure, "");
 }
 
+// Where the giver could not read a brick, the copy lacks it: the same, with the giver's words.
+TEST(BackgroundSaver, WhatIsGivenUpIsNeverWritten) {
+  Volume volume = plainVolume();
+  int written = 0;
+  BackgroundSaver saver(volume, [&](const Volume&, std::uint64_t) { return static_cast<std::uint64_t>(++written); });
+  saver.give(bricksOf(volume, 1), 1);
+  saver.wait();
+  saver.abandon("the device is gone");
+  EXPECT_THAT(saver.takeFailures(),
+              testing::ElementsAre("the volume is saved no more: the copy of it to save is incomplete (the device is "
+                                   "gone)"));
+  EXPECT_EQ(saver.figures().failure, "the device is gone");
+  EXPECT_EQ(saver.figures().failures, 1U);
+  saver.give(bricksOf(volume, 2), 2);
+  saver.close();
+  EXPECT_EQ(written, 1);
+  EXPECT_TRUE(allAre(volume, 1));
+  EXPECT_EQ(saver.savedVersion(), 1U);
+}
+
 // One thread gives as fast as it may, the other writes: each save holds one version, all of it.
 TEST(BackgroundSaver, NoSaveMixesVersions) {
   Volume volume = plainVolume();

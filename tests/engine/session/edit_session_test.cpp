@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "base/error.hpp"
+#include "base/stopwatch.hpp"
 #include "engine/edit/lower_edit.hpp"
 #include "engine/journal/replay.hpp"
 #include "engine/reference/edit_bricks.hpp"
@@ -138,6 +139,37 @@ TEST(EditSession, ReplayEqualsTheDeviceBitForBit) {
   const std::uint64_t held = s.hash();
   EXPECT_EQ(contentHash(replayed), held);
   EXPECT_NE(held, s.header.volume.content);
+}
+
+// Timed is the way from the call to the window: all of the edit but what is settled afterwards, and no edit that
+// reached no window.
+TEST(EditSession, FiguresSayWhatReachedTheWindowAndTheDisk) {
+  const TemporaryFolder folder;
+  Session s;
+  s.session.keepJournal(folder.path(), s.header.volume);
+  EditCommand hole = dab(0), away = dab(0);
+  hole.from_W = hole.to_W = s.volume.lattice().toWorld({13, 10, 9});
+  away.from_W = away.to_W = s.volume.lattice().toWorld({-15, 10, 9});  // 10 mm from the volume
+  const Stopwatch watch;
+  const Engine::EditResult result = s.session.edit({&hole, 1}, 0);
+  const double seconds = watch.seconds();
+  ASSERT_TRUE(result.published);
+  EXPECT_FALSE(s.session.edit({&away, 1}, 0).published);
+  s.session.close();
+  const EditFigures figures = s.session.figures();
+  EXPECT_EQ(figures.edits, 2U);
+  EXPECT_EQ(s.session.edits(), 2U);
+  EXPECT_EQ(figures.windows, 1U);
+  ASSERT_EQ(figures.edit_to_window_s.size(), 1U);
+  double settling = 0, others = 0;
+  for (const StageTime& stage : result.stages) (stage.name == "settle" ? settling : others) += stage.seconds;
+  constexpr double kRounding = 1e-9;
+  EXPECT_GE(figures.edit_to_window_s[0], others - kRounding);
+  EXPECT_LE(figures.edit_to_window_s[0], seconds - settling + kRounding);
+  EXPECT_EQ(figures.journalled, 2U);
+  EXPECT_EQ(figures.acknowledged, 2U);
+  EXPECT_EQ(figures.journal_bytes, bytesOf(folder.path()).size());
+  EXPECT_EQ(figures.journal_failure, "");
 }
 
 // What the engine refuses is neither in the history nor in the journal.

@@ -72,6 +72,10 @@ TEST(ToolBrush, AToolThatStandsIsNotRepeatedUnlessItsBrushGoesOn) {
   EXPECT_EQ(countOf("remove:radius=2mm:strength=0.5"), 25);
   EXPECT_EQ(countOf("smooth:radius=2mm"), 25);
   EXPECT_EQ(countOf("remove:radius=2mm:strength=0.5:period=10"), 10);
+  EXPECT_EQ(countOf("add:radius=2mm"), 1);
+  EXPECT_EQ(countOf("add:radius=2mm:falloff=0.5"), 25);
+  EXPECT_EQ(countOf("paint:radius=2mm:value=12"), 25);
+  EXPECT_EQ(countOf("remove:radius=2mm:soft=100:hard=900:drop=0.8"), 25);
 }
 
 TEST(ToolBrush, AToolThatStandsTriesAgainWhatWasRefused) {
@@ -107,6 +111,29 @@ TEST(ToolBrush, AToolWithoutAVhipEditsToo) {
   pose.at_surface = false;
   EXPECT_TRUE(tool.look(pose, 0).empty());
   EXPECT_EQ(tool.look(pose, 4 * kTick_ns).size(), 1U);
+  ToolBrush flattens = brush("flatten:radius=2mm");
+  EXPECT_TRUE(flattens.look(pose, 0).empty());
+  const auto strokes = flattens.look(pose, 4 * kTick_ns);
+  ASSERT_EQ(strokes.size(), 1U);
+  EXPECT_EQ(strokes[0].plane_W, pose.position_W);  // which it takes for the surface
+  EXPECT_EQ(strokes[0].normal_W, pose.normal_W);
+}
+
+// A stroke's period begins where the last one ended, and only what was pressed in it counts.
+TEST(ToolBrush, EachPeriodHasItsOwnForce) {
+  ToolBrush tool = brush("remove:radius=2mm:rate=100");
+  std::vector<double> strengths;
+  for (int tick = 0; tick <= 12; ++tick) {
+    for (const EditCommand& stroke : tool.look(poseAt(tick * 1e-3, true,
+                                                      tick <= 4   ? 1.0
+                                                      : tick <= 8 ? 0.0
+                                                                  : 2.0),
+                                               tick * kTick_ns))
+      strengths.push_back(stroke.strength);
+  }
+  ASSERT_EQ(strengths.size(), 2U);  // in the second nobody pressed
+  EXPECT_NEAR(strengths[0], 1 - std::exp(-100 * 1.0 * 4e-3), 1e-12);
+  EXPECT_NEAR(strengths[1], 1 - std::exp(-100 * 2.0 * 4e-3), 1e-12);
 }
 
 // The plane is that of the moment when the contact began, until another begins.
@@ -160,6 +187,7 @@ TEST(ToolBrush, ReadsItsText) {
   EXPECT_EQ(spec.brush.falloff, 0.5);
   EXPECT_EQ(spec.rate_per_Ns, 3);
   ASSERT_TRUE(spec.brush.material);
+  EXPECT_EQ(spec.brush.material->low_density, 100);
   EXPECT_EQ(spec.brush.material->high_density, 900);
   EXPECT_EQ(spec.brush.material->drop, 0.8);
   EXPECT_DOUBLE_EQ(spec.period_s, 8e-3);

@@ -272,6 +272,44 @@ TEST(IsoField, WithoutAGradientAnAxisLeadsOut) {
   EXPECT_EQ(low->direction_W, Vec3::UnitX());
 }
 
+// The same in each direction: 3.5 voxels from the one face, 11 or more from the volume's own.
+TEST(IsoField, EveryAxisLeadsOutBothWays) {
+  const Vec3 middle_W = Vec3::Constant(12e-3);
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double side : {-1.0, 1.0}) {
+      HeldWindow held;
+      millimetreVolume([=](const Vec3& p_W) { return side * (p_W[axis] - 12e-3) < 3.5e-3 ? 1.0 : -1.0; }, 24)
+          .hold(held, Vec3i::Zero(), Vec3i::Constant(24));
+      const IsoField field(held.window, 0);
+      const auto way_out = field.nearestExit(field.probe(middle_W));
+      ASSERT_TRUE(way_out);
+      EXPECT_LT((way_out->p_W - middle_W - side * 3.5e-3 * Vec3::Unit(axis)).norm(), 1e-6) << axis << side;
+      EXPECT_EQ(way_out->direction_W, Vec3(-side * Vec3::Unit(axis)));
+      EXPECT_FALSE(way_out->face.any());
+    }
+  }
+}
+
+// Object that ends at the volume's faces only: the nearest of them, with its axis and end.
+TEST(IsoField, ACutFaceIsAWayOut) {
+  HeldWindow held;
+  millimetreVolume([](const Vec3&) { return 1.0; }, 24).hold(held, Vec3i::Zero(), Vec3i::Constant(24));
+  const IsoField field(held.window, 0);
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const bool high : {false, true}) {
+      Vec3 from_W(11e-3, 12e-3, 11.5e-3);
+      from_W[axis] = high ? 20e-3 : 2e-3;
+      const auto way_out = field.nearestExit(field.probe(from_W));
+      ASSERT_TRUE(way_out);
+      EXPECT_EQ(way_out->face.axis, axis);
+      EXPECT_EQ(way_out->face.high, high);
+      Vec3 on_face_W = from_W;
+      on_face_W[axis] = high ? 23e-3 : 0;
+      EXPECT_LT((way_out->p_W - on_face_W).norm(), 1e-12);
+    }
+  }
+}
+
 // All object as far as the window reaches, which is not known to end: no way out.
 TEST(IsoField, ThereIsNoWayOutOfAWindowThatIsAllObject) {
   const AnalyticVolume volume = millimetreVolume([](const Vec3&) { return 1.0; }, 40);

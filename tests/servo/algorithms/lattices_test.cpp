@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "base/units.hpp"
-#include "servo/objects/mesh_object.hpp"
+#include "servo/meshes/mesh_object.hpp"
 #include "servo/safety/faults.hpp"
 #include "support/algorithm_driver.hpp"
 #include "support/algorithm_setups.hpp"

@@ -24,15 +24,33 @@ TEST(AlgorithmRegistry, MakesEveryAlgorithmItLists) {
   }
 }
 
+// What each needs and is compared by.
+TEST(AlgorithmRegistry, SaysWhatEachNeedsAndIs) {
+  std::vector<std::string> rows;
+  for (const AlgorithmEntry& entry : algorithms()) {
+    std::string row(entry.name);
+    if (entry.needs.gradient_everywhere) row += ", gradient everywhere";
+    if (entry.needs.isosurface_mesh) row += ", mesh";
+    if (entry.traits.renews_planes) row += ", renews planes";
+    if (entry.traits.takes_tables) row += ", tables";
+    if (!entry.traits.shows_surface) row += ", no surface";
+    rows.push_back(row);
+  }
+  EXPECT_THAT(rows,
+              testing::ElementsAre("hri, renews planes", "hri-paper, renews planes", "hri-paper-line, renews planes",
+                                   "avila, gradient everywhere", "blezek", "god-object, mesh", "implicit",
+                                   "haptization, gradient everywhere, tables, no surface"));
+}
+
 TEST(AlgorithmRegistry, AnUnknownNameIsAnsweredWithTheKnownOnes) {
   try {
     static_cast<void>(makeAlgorithm("telepathy", {}));
     FAIL() << "accepted";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), Error::Code::kBadInput);
-    for (const AlgorithmEntry& entry : algorithms()) {
-      EXPECT_THAT(error.what(), testing::HasSubstr(std::string(entry.name)));
-    }
+    EXPECT_THAT(error.what(),
+                testing::HasSubstr("use one of: hri, hri-paper, hri-paper-line, avila, blezek, god-object, "
+                                   "implicit, haptization"));
   }
 }
 
@@ -49,6 +67,10 @@ TEST(AlgorithmRegistry, RefusesParametersThatCannotBeUsed) {
   refused([](AlgorithmParameters& p) { p.isovalue = INFINITY; });
   refused([](AlgorithmParameters& p) { p.rate_hz = 0; });
   refused([](AlgorithmParameters& p) { p.rate_hz = NAN; });
+  EXPECT_THROW(static_cast<void>(makeAlgorithm("god-object", {})), Error);  // without a mesh
+  EXPECT_NO_THROW(static_cast<void>(makeAlgorithm(
+      "hri",
+      {.parameters = {.stiffness_N_per_m = 0, .damping_Ns_per_m = 0, .plane_renewal_ticks = 1, .rate_hz = 0.1}})));
 }
 
 }  // namespace registry_test

@@ -49,8 +49,10 @@ TEST(TransferFunction, TheStandardOneIsFeltFromTheIsosurfaceOn) {
   EXPECT_DOUBLE_EQ(f.at(500, steep).viscosity_Ns_per_m, TransferFunction::kStandardViscosity_Ns_per_m);
   EXPECT_DOUBLE_EQ(f.at(300, 0.5 * steep).force_N, 0.5 * TransferFunction::kStandardForce_N);
   EXPECT_EQ(f.at(300, 0).force_N, 0);
-  for (double contrast : {0.0, -5.0}) {
-    EXPECT_NO_THROW(TransferFunction(TransferFunction::standard(1, {contrast, 1e-3})));
+  for (double contrast : {0.0, -5.0}) {  // of a field of one density: as if it were 1
+    const TransferTables tables = TransferFunction::standard(1, {contrast, 1e-3});
+    EXPECT_EQ(tables.density[1].density, 1.5);
+    EXPECT_NO_THROW(static_cast<void>(TransferFunction(tables)));
   }
 }
 

@@ -111,6 +111,23 @@ TEST(Effects, AreMadeInTheStatedOrder) {
   }
 }
 
+// As many ticks as are nearest to it, at least one.
+TEST(Effects, ARecoveryTakesItsTime) {
+  const std::pair<double, int> ticksOf[] = {{0.01, 10}, {0.0104, 10}, {0.0106, 11}, {1e-5, 1}};
+  for (const auto& [recovery_s, ticks] : ticksOf) {
+    EffectParameters p;
+    p.recovery_s = recovery_s;
+    const ContactEffects effects = makeContactEffects(p, kStiffness, kRate);
+    PlaneContact contact(*effects[0]);
+    const Vec3 hip(0, 0, -1e-3);
+    contact.at(hip);
+    contact.renew({Vec3(0, 0, 0.5e-3), Vec3::UnitZ(), 0});
+    int taken = 0;
+    while (taken < 100 && contact.at(hip) != contact.plane_T.nearest(hip)) ++taken;
+    EXPECT_EQ(taken, ticks) << recovery_s;
+  }
+}
+
 // Any two neighbours the other way round give another force: by more than 1 mN, where rounding is 1e-12 N.
 TEST(Effects, TheOrderMatters) {
   const std::vector<TickOutput> kept = touch(everything());
@@ -332,6 +349,10 @@ TEST(Effects, RefuseWhatCannotBeUsed) {
   EXPECT_EQ(refusal([](P& p) { p.texture_gain = INFINITY; }), "texture gain: inf cannot be used; give 0 or more");
   EXPECT_EQ(refusal([](P& p) { p.friction.static_ratio = -0.1; }),
             "static friction: -0.1 cannot be used; give 0 or more");
+  EXPECT_EQ(refusal([](P& p) {
+              p.friction = {0.3, -0.1, 0};
+            }),
+            "dynamic friction: -0.1 cannot be used; give 0 or more");
   EXPECT_EQ(refusal([](P& p) { p.friction.viscous_Ns_per_m = NAN; }),
             "viscous friction: nan cannot be used; give 0 or more");
   EXPECT_EQ(refusal([](P& p) {

@@ -118,6 +118,61 @@ TEST(SurfaceTurn, IsOneOverTheRadiusOnABall) {
   }
 }
 
+// A saddle, w + 60 a^2 / 2 - 40 b^2 / 2 in metres along a tilted normal and two directions across it: its gradients are
+// linear, so samples of them hold them, and S has the eigenvalues 60 and -40. The secants of unit normals over voxels
+// of up to 1 mm are too small by (60 h)^2 / 2, below 0.2 % of 60 / m.
+class Saddle : public testing::Test {
+ protected:
+  Saddle() {
+    volume_.lattice.spacing_m = Vec3(0.5e-3, 0.7e-3, 1e-3);
+    volume_.lattice.R_WL = someRotation();
+    volume_.size = Vec3i::Constant(20);
+    p_W_ = volume_.lattice.toWorld(Vec3(9.3, 10.2, 8.9));
+    volume_.density = [this](const Vec3& at_W) {
+      const Vec3 x = at_W - p_W_;
+      return -(kNormal.dot(x) + 30 * std::pow(a_.dot(x), 2) - 20 * std::pow(b_.dot(x), 2));
+    };
+    volume_.hold(held_, Vec3i::Zero(), volume_.size);
+  }
+
+  static inline const Vec3 kNormal{0.48, 0.6, 0.64};
+  const Vec3 across_ = Vec3(0.8, 0, -0.6);
+  const Vec3 a_ = std::cos(0.4) * across_ + std::sin(0.4) * kNormal.cross(across_);
+  const Vec3 b_ = kNormal.cross(a_);
+  AnalyticVolume volume_;
+  HeldWindow held_;
+  Vec3 p_W_;
+};
+
+TEST_F(Saddle, TurnsDifferentlyInEachDirection) {
+  const SurfaceTurn turn(WindowSampler(held_.window), p_W_, kNormal);
+  for (const double angle : {0.0, 0.3, 0.8, 1.2, 1.57, 2.5}) {
+    const double a = std::cos(angle), b = std::sin(angle);
+    const Vec3 q = a * a_ + b * b_ + 0.7 * kNormal;  // the part along the normal does not count
+    EXPECT_LT((turn.turn(q) - (60 * a * a_ - 40 * b * b_)).norm(), 0.2) << angle;
+    for (const double depth_m : {1e-3, 3e-3}) {
+      const Vec3 wanted = a / (1 - 60 * depth_m) * a_ + b / (1 + 40 * depth_m) * b_;
+      EXPECT_LT((turn.atHip(q, depth_m) - wanted).norm(), 0.2 * 2 * depth_m) << angle;
+    }
+    // 15 mm deep 60 / m would multiply by ten, which is more than kMostTimes; -40 / m still divides by 1.6.
+    const Vec3 bounded = SurfaceTurn::kMostTimes * a * a_ + b / 1.6 * b_;
+    EXPECT_LT((turn.atHip(q, 15e-3) - bounded).norm(), 0.02) << angle;
+  }
+}
+
+// A voxel aside of a place at the window's face there may be no gradient: then nothing is known of the turn.
+TEST_F(Saddle, CountsAsFlatBesideTheWindowsFace) {
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double at : {0.1, 18.9}) {
+      Vec3 p_L(9.3, 10.2, 8.9);
+      p_L[axis] = at;
+      const SurfaceTurn turn(WindowSampler(held_.window), volume_.lattice.toWorld(p_L), kNormal);
+      EXPECT_EQ(turn.turn(a_), Vec3::Zero()) << axis << " " << at;
+      EXPECT_EQ(turn.turn(b_), Vec3::Zero()) << axis << " " << at;
+    }
+  }
+}
+
 TEST(SurfaceTurn, WithoutAWindowItIsFlat) {
   const Vec3 normal = Vec3(1, 2, 3).normalized();
   const Vec3 q = normal.cross(Vec3::UnitX());

@@ -92,7 +92,14 @@ TEST(HandDynamics, RefusesWhatCannotMove) {
   EXPECT_THROW(HandDynamics({-0.1, 3, 400, 0.5, 0.1}, 1e-3), Error);
   EXPECT_THROW(HandDynamics({0.1, -3, 400, 0.05, 0.1}, 1e-3), Error);
   EXPECT_THROW(HandDynamics({0.1, 3, NAN, 0.05, 0.1}, 1e-3), Error);
+  EXPECT_THROW(HandDynamics({0.1, 3, 400, -0.05, 0.1}, 1e-3), Error);
+  EXPECT_THROW(HandDynamics({0.1, 3, 400, 0.05, -0.1}, 1e-3), Error);
   EXPECT_THROW(HandDynamics({}, 0), Error);
+}
+
+// A device may have no mass, nor friction, if the hand has a mass.
+TEST(HandDynamics, TakesTheEndsOfTheRanges) {
+  EXPECT_NO_THROW(HandDynamics({0.1, 0, 0, 0, 0}, 1e-3));
 }
 
 }  // namespace hand_dynamics_test

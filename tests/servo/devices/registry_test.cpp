@@ -2,6 +2,7 @@
 // Devices by name: the same as those that are made by their type, and what is refused.
 #include "servo/devices/registry.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -86,6 +87,28 @@ TEST(DeviceRegistry, HasUsualValuesWithinTheirRanges) {
   }
   EXPECT_EQ(deviceParameter("simulated", "hand_mass_kg").usual, HandParameters{}.hand_mass_kg);
   EXPECT_THROW(static_cast<void>(deviceParameter("simulated", "colour")), std::logic_error);
+}
+
+// In SI units: what scenes and the command line may give.
+TEST(DeviceRegistry, TheSimulatedDeviceTakesTheseValues) {
+  std::vector<std::string> rows;
+  for (const DeviceParameter& p : deviceEntry("simulated").parameters())
+    rows.push_back(fmt::format("{} [{}] {:g} to {:g}, usually {:g}", p.key, p.unit, p.lowest, p.highest, p.usual));
+  EXPECT_THAT(rows,
+              testing::ElementsAre(
+                  "spring_hand [] 0 to 1, usually 0", "hand_mass_kg [kg] 0 to 100, usually 0.1",
+                  "hand_damping_Ns_per_m [N s/m] 0 to 10000, usually 3",
+                  "hand_stiffness_N_per_m [N/m] 0 to 100000, usually 400", "mass_kg [kg] 1e-06 to 100, usually 0.05",
+                  "damping_Ns_per_m [N s/m] 0 to 10000, usually 0.1", "force_limit_N [N] 0 to 1000, usually 8",
+                  "encoder_resolution_m [m] 0 to 0.01, usually 0", "delay_ticks [ticks] 0 to 1000, usually 0"));
+}
+
+TEST(DeviceRegistry, ASpringHandIsAskedForByANumber) {
+  const SampledPath path = wavyPath();
+  for (const double asked : {0.0, 1.0}) {
+    const auto device = makeDevice("simulated", {.path = &path, .values = {{"spring_hand", asked}}});
+    EXPECT_EQ(device->name(), asked > 0 ? "simulated, spring hand" : "simulated, rigid hand");
+  }
 }
 
 TEST(DeviceRegistry, RefusesWhatItDoesNotHave) {

@@ -65,6 +65,16 @@ TEST(SampledPath, CubicReproducesAParabola) {
   for (double t = 0.3; t <= 1.0; t += 0.01) EXPECT_LT((path.position(t) - parabola(t)).norm(), 1e-14);
 }
 
+// At its ends the slope is the chord's. Half-way along a piece from a to b a cubic is (a + b) / 2 + (slope at a - slope
+// at b) * span / 8. Of t^2 at 0, 0.3, 0.4, 1 and 1.6 s: 0.045 + (0.3 - 0.6) * 0.3 / 8, and 1.78 + (2 - 2.6) * 0.6 / 8.
+TEST(SampledPath, CubicBeginsAndEndsAlongItsChords) {
+  std::vector<Vec3> points_W;
+  for (const double t : {0.0, 0.3, 0.4, 1.0, 1.6}) points_W.push_back(Vec3(0, t * t, 0));
+  const SampledPath path({0, 0.3, 0.4, 1.0, 1.6}, points_W, Interpolation::kCubic);
+  EXPECT_NEAR(path.position(0.15).y(), 0.03375, 1e-15);
+  EXPECT_NEAR(path.position(1.3).y(), 1.735, 1e-15);
+}
+
 // The slope from the left meets that from the right, up to the step's first order: the path's second derivative is
 // below 300 m/s^2 here, so 2e-6 s on each side differ by at most 1.2e-3 m/s. A linear path jumps by metres per second.
 TEST(SampledPath, CubicHasNoCorners) {

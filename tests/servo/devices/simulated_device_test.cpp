@@ -94,7 +94,7 @@ TEST(SimulatedDevice, EncodersRoundToMultiplesAndHideNoMotion) {
 }
 
 TEST(SimulatedDevice, AForceActsSoManyTicksLater) {
-  for (int delay : {0, 1, 3}) {
+  for (int delay : {0, 1, 2, 3, 4}) {
     SimulatedDeviceParameters p;
     p.delay_ticks = delay;
     SimulatedDevice device(p, rest(), 1000);
@@ -116,6 +116,35 @@ TEST(SimulatedDevice, HoldsTheLastForceOverMissedTicks) {
   EXPECT_EQ(device.actingForce().x(), 0);
   device.elapse(4);
   EXPECT_EQ(device.actingForce().x(), 1);
+}
+
+// Whatever the delay: the force acts from then on, and so does the next one after it.
+TEST(SimulatedDevice, HoldsAForceUntilTheNextOneActs) {
+  for (int delay = 0; delay <= 4; ++delay) {
+    SimulatedDeviceParameters p;
+    p.delay_ticks = delay;
+    SimulatedDevice device(p, rest(), 1000);
+    for (const double force_N : {1.0, 2.0}) {
+      ASSERT_TRUE(device.write(Vec3(force_N, 0, 0)));
+      for (int tick = 0; tick < 12; ++tick) {
+        EXPECT_EQ(device.actingForce().x(), tick < delay ? force_N - 1 : force_N) << delay << " " << tick;
+        device.elapse(1);
+      }
+    }
+  }
+}
+
+TEST(SimulatedDevice, BeginsAtItsPathsStartAndSaysWhichHandItHas) {
+  const SampledPath path({0, 1}, {Vec3(0.1, 0.2, 0.3), Vec3(0.4, 0.6, 0.9)}, SampledPath::Interpolation::kLinear);
+  for (const Hand hand : {Hand::kRigid, Hand::kSpring}) {
+    SimulatedDeviceParameters p;
+    p.hand = hand;
+    SimulatedDevice device(p, path, 1000);
+    Vec3 read_W;
+    ASSERT_TRUE(device.read(read_W));
+    EXPECT_EQ(read_W, Vec3(0.1, 0.2, 0.3));
+    EXPECT_EQ(device.name(), hand == Hand::kRigid ? "simulated, rigid hand" : "simulated, spring hand");
+  }
 }
 
 TEST(SimulatedDevice, CutsTheForceToItsMaximum) {
@@ -163,6 +192,8 @@ TEST(SimulatedDevice, Refuses) {
   p = {};
   p.delay_ticks = 10001;
   refused(p, 1000);
+  p.delay_ticks = 10000;
+  EXPECT_NO_THROW(SimulatedDevice(p, rest(), 1000));
 }
 
 }  // namespace simulated_device_test

@@ -25,7 +25,9 @@ class LoopFaults : public testing::Test {
     parameters.ticks = 0;
     parameters.record_ticks = ticks;
     ServoLoop loop(parameters, algorithm, device, windows, tool);
+    if (changes != nullptr) loop.takeChangesFrom(*changes);
     clock.before_tick = [&] {
+      if (tool.latest().tick >= 0) fastest_m_per_s = std::max(fastest_m_per_s, tool.latest().velocity_W.norm());
       if (script.tick >= first_window && script.tick < ticks) engine.beforeTick(windows, clock.time_ns);
       if (script.tick == ticks - 1) loop.requestStop();
     };
@@ -47,6 +49,8 @@ class LoopFaults : public testing::Test {
   FaultScript script;
   ScriptedClock clock{script};
   ScriptedDevice device{script, clock, [](int) { return Vec3::Constant(8e-3).eval(); }, 1000};
+  ServoChanges* changes = nullptr;
+  double fastest_m_per_s = 0;  // of all velocities that the engine was told
 };
 
 TEST_F(LoopFaults, NoneGivesThePush) {
@@ -55,7 +59,49 @@ TEST_F(LoopFaults, NoneGivesThePush) {
   for (const TickRecord& r : result.records) {
     EXPECT_EQ(r.faults, 0u);
     EXPECT_EQ(r.force_W[2], 4);
+    EXPECT_NEAR(r.density, 5e-3, 1e-8);  // at the ball's centre
+    EXPECT_EQ(r.lateness_ns, 1000);      // between two looks at the clock
+    EXPECT_EQ(r.tick_cost_ns, 1000);
+    EXPECT_EQ(r.edit_version, r.tick < 48 ? 0U : 1U);
   }
+  EXPECT_EQ(fastest_m_per_s, 0);  // it has been at rest where it was found
+}
+
+// What a clock of 32 bits cannot say is said to be the most that it can.
+TEST_F(LoopFaults, LatenessAndCostAreThoseOfTheTick) {
+  const LoopResult late = run(50, {{Injected::kStallAsleep, 20, 1, 0.05}});
+  EXPECT_EQ(late.records[20].lateness_ns, 50'001'000);
+  EXPECT_EQ(late.records[20].tick_cost_ns, 1000);
+  script = {};
+  const LoopResult slow = run(50, {{Injected::kStallInTick, 20, 1, 0.05}, {Injected::kStallInTick, 30, 1, 3}});
+  EXPECT_EQ(slow.records[20].lateness_ns, 1000);
+  EXPECT_EQ(slow.records[20].tick_cost_ns, 50'001'000);
+  EXPECT_EQ(slow.records[30].tick_cost_ns, 2'147'483'647);
+}
+
+// A tick that is done in the nanosecond in which the next one is due is in time; one that is done when the one after
+// that is due leaves out one. A look at the clock, after waking and when done, takes a microsecond each.
+TEST_F(LoopFaults, ATickMayLastUntilTheNextIsDue) {
+  const LoopResult punctual = run(50, {{Injected::kStallInTick, 20, 1, 0.000998}});
+  expectFault(punctual, ServoFault::kOverrun, 0, 0);
+  EXPECT_EQ(punctual.ticks_skipped, 0);
+  script = {};
+  const LoopResult late = run(50, {{Injected::kStallInTick, 20, 1, 0.001998}});
+  expectFault(late, ServoFault::kOverrun, 20, 21);
+  EXPECT_EQ(late.records[21].tick, 22);
+  EXPECT_EQ(late.ticks_skipped, 1);
+}
+
+// A device that states no limit takes whatever limit is asked for.
+TEST_F(LoopFaults, AChangedForceLimitIsBoundedByNothingWhereTheDeviceSaysNothing) {
+  ServoChanges given;
+  given.give({.force_limit_N = 12.0});
+  changes = &given;
+  device.force_limit_N = 0;
+  parameters.safety.force_limit_N = 2;
+  const LoopResult result = run(150, {});
+  EXPECT_NEAR(force(result, 0), 2 + 10 / 100.0, 1e-12);  // the first of a tenth of a second's ticks
+  EXPECT_EQ(force(result, 149), 4);
 }
 
 // The engine publishes while the servo runs: no window, then at once a fresh one, never a stale one. The clock has run
@@ -251,7 +297,9 @@ TEST(LoopRelease, ADeviceThatNeverHoldsLessDoesNotKeepTheRun) {
 TEST(LoopRelease, TakesAPeriodForEachWrite) {
   class Refusing final : public StuckDevice {
    public:
+    void elapse(int ticks) noexcept override { elapsed += ticks; }
     [[nodiscard]] bool write(const Vec3&) noexcept override { return false; }
+    int elapsed = 0;
   } device;
   FaultScript script;
   ScriptedClock clock(script);
@@ -266,6 +314,26 @@ TEST(LoopRelease, TakesAPeriodForEachWrite) {
   EXPECT_FALSE(loop.runOn(clock).released);
   // Ten ticks and a second of patience at 1 kHz.
   EXPECT_NEAR(static_cast<double>(clock.time_ns - begin_ns) * 1e-9, 0.010 + 1, 0.005);
+  EXPECT_EQ(device.elapsed, 9 + 1000);
+}
+
+// Of a run of so many ticks no more are left out than it has: one that stalls for 50 ms after its 45th of 50.
+TEST(LoopGrid, NoTickIsLeftOutBehindTheEndOfTheRun) {
+  FaultScript script;
+  script.faults = {{Injected::kStallInTick, 45, 1, 0.05}};
+  ScriptedClock clock(script);
+  ScriptedDevice device(
+      script, clock, [](int) { return Vec3::Zero().eval(); }, 1000);
+  SteadyPush push(Vec3::Zero());
+  WindowStorage storage(8);
+  WindowExchange windows(storage);
+  ToolPoseMailbox tool;
+  LoopParameters p;
+  p.ticks = 50;
+  ServoLoop loop(p, push, device, windows, tool);
+  const LoopResult result = loop.runOn(clock);
+  EXPECT_EQ(result.ticks_run, 46);
+  EXPECT_EQ(result.ticks_skipped, 4);
 }
 
 // Before its first tick the algorithm is put where the device is.

@@ -7,6 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include "servo/safety/passivity.hpp"
+
 namespace palpate {
 namespace run_figures_test {
 
@@ -62,6 +64,12 @@ TEST(RunFigures, CountLateSkippedAndFaultyTicks) {
   EXPECT_DOUBLE_EQ(f.tick_cost_us.p50, 0.2);
   EXPECT_DOUBLE_EQ(f.lateness_us.max, 60);
   EXPECT_DOUBLE_EQ(f.window_age_ms.p90, 6);
+  // Of every tick, in contact or not; what is felt, of those in contact.
+  EXPECT_EQ(f.tick_cost_us.count, 5U);
+  EXPECT_EQ(f.lateness_us.count, 5U);
+  EXPECT_EQ(f.window_age_ms.count, 5U);
+  EXPECT_EQ(f.force_N.count, 3U);
+  EXPECT_EQ(f.depth_m.count, 3U);
   ASSERT_EQ(f.faults.size(), 2U);
   EXPECT_EQ(f.faults[0].fault, ServoFault::kBeyondWindow);
   EXPECT_EQ(f.faults[0].ticks, 2);
@@ -81,6 +89,20 @@ TEST(RunFigures, TimesCoverWhatWasLeftOut) {
   EXPECT_EQ(computeFigures(later, 1000).skipped_ticks, 2);
 }
 
+// In contact from the first tick to the last: contact begins at time 0 and once, each step is that from the tick
+// before, the largest being the first.
+TEST(RunFigures, OfAContactFromTheFirstTickOn) {
+  std::vector<TickRecord> records = {record(0, true, 9, 0.001), record(1, true, 2, 0.005), record(2, true, 4, 0.006)};
+  const int ages[] = {3, 7, 5};
+  for (std::size_t i = 0; i < 3; ++i) records[i].plane_age_ticks = ages[i];
+  const RunFigures f = computeFigures(records, 1000);
+  EXPECT_EQ(f.first_contact_s, 0);
+  EXPECT_EQ(f.touches, 1);
+  EXPECT_DOUBLE_EQ(f.force_step_max_N, 7);
+  EXPECT_DOUBLE_EQ(f.surface_way_m, std::hypot(1e-3, 4e-3) + std::hypot(1e-3, 1e-3));
+  EXPECT_EQ(f.plane_age_max_ticks, 7);
+}
+
 TEST(RunFigures, SumUpTheEnergy) {
   std::vector<TickRecord> records = twoTouches();
   const double energies_J[] = {-0.5e-3, -0.9e-12, -1e-3, 2e-3, 0.5e-3};  // without contact; rounding; active
@@ -91,6 +113,8 @@ TEST(RunFigures, SumUpTheEnergy) {
   EXPECT_EQ(f.energy_end_J, 0.5e-3);
   EXPECT_EQ(f.active_ticks, 1);
   EXPECT_EQ(f.damped_ticks, 1);
+  records[2].energy_J = -Passivity::kRounding_J;  // rounding at the most
+  EXPECT_EQ(computeFigures(records, 1000).active_ticks, 0);
 }
 
 TEST(RunFigures, DepthAndSurfaceAreThoseBeforeEffects) {

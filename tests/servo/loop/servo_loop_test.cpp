@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/loop/servo_loop.hpp"
 
+#include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstring>
 
@@ -67,6 +69,7 @@ TEST(ServoLoopSimulated, RecordsTellWhatWasFelt) {
   }
   const RunFigures s = computeFigures(run.records, 1000);
   EXPECT_EQ(s.touches, 1);
+  EXPECT_EQ(s.plane_age_max_ticks, AlgorithmParameters{}.plane_renewal_ticks - 1);
   // The path's own greatest depth. Samples of 1 mm put the surface 0.012 mm off at most (h^2 / 4 R), a plane of four
   // ticks at 15 mm/s another 1e-7 m ((v n T)^2 / 2 R), encoders 1e-6 m.
   const TouchScene scene(0.4);
@@ -84,10 +87,13 @@ TEST(ServoLoopSimulated, TheEngineSeesTheToolOfTheLastTick) {
   const LoopResult run = loop.runSimulated([&](std::int64_t tick, std::int64_t) {
     const ToolPose& pose = scene.tool.latest();
     EXPECT_EQ(pose.tick, tick - 1);
+    EXPECT_EQ(pose.time_ns, std::max<std::int64_t>(0, tick - 1) * 1'000'000);
+    EXPECT_EQ(pose.window_version, 0U);
     EXPECT_EQ(pose.position_W, scene.path.position(tick <= 0 ? 0 : static_cast<double>(tick - 1) / 1000));
   });
   EXPECT_TRUE(has(run.records[0].faults, ServoFault::kNoWindow));
   EXPECT_TRUE(std::isnan(run.records[0].density));
+  EXPECT_EQ(run.records[4].window_age_ns, 0);  // of no window
 }
 
 // What the engine hears of the contact is what the records say of the tick before: the force behind the gate's limit.
@@ -107,6 +113,11 @@ TEST(ServoLoopSimulated, TheEngineSeesNormalAndForceOfTheLastTick) {
   for (std::size_t i = 1; i < poses.size(); ++i) {
     EXPECT_EQ(poses[i].normal_W, Vec3(run.records[i - 1].normal_W)) << i;
     EXPECT_EQ(poses[i].force_W, Vec3(run.records[i - 1].force_W)) << i;
+    EXPECT_EQ(poses[i].window_version, run.records[i - 1].window_version) << i;
+    EXPECT_EQ(poses[i].at_surface, run.records[i - 1].in_contact) << i;
+    if (poses[i].at_surface) {
+      EXPECT_LT((poses[i].surface_W - surfacePointOf(run.records[i - 1])).norm(), 1e-15) << i;
+    }
     touching += poses[i].force_W.dot(poses[i].normal_W) > 0.1 ? 1 : 0;
   }
   EXPECT_GT(touching, 50);
@@ -175,7 +186,12 @@ TEST(ServoLoopSimulated, ADeviceThatDoesNotAnswerGetsAFadingForceAndComesBack) {
   ServoLoop loop(p, *scene.algorithm, device, scene.windows, scene.tool);
   const LoopResult run = loop.runSimulated([&](std::int64_t tick, std::int64_t now_ns) {
     if (tick == 0) scene.publish(TouchScene::above(0), now_ns);
+    // The engine goes on around what was touched last.
+    EXPECT_EQ(scene.tool.latest().at_surface, tick > 2) << tick;
   });
+  // Where it was seen last.
+  EXPECT_EQ(asVec3(run.records[75].hip_W), TouchScene::above(-1e-3));
+  EXPECT_EQ(asVec3(run.records[75].vhip_W), TouchScene::above(-1e-3));
   const auto force = [&](std::size_t tick) { return run.records[tick].force_W[2]; };
   for (const TickRecord& r : run.records) {
     ASSERT_EQ(has(r.faults, ServoFault::kDeviceError), r.tick >= 50 && r.tick < 100) << r.tick;
@@ -213,11 +229,42 @@ TEST(ServoLoop, RefusesParametersAndADeviceWithoutPosition) {
   refused([](LoopParameters& p) { p.rate_hz = NAN; });
   refused([](LoopParameters& p) { p.ticks = -1; });
   refused([](LoopParameters& p) { p.ticks = 0; });
+  refused([](LoopParameters& p) { p.record_ticks = -2; });
+  refused([](LoopParameters& p) { p.priority = 0; });
   refused([](LoopParameters& p) { p.priority = 100; });
   refused([](LoopParameters& p) { p.safety.force_limit_N = 0; });
   device.read_fails_from = 0;
   device.read_fails_to = 10;
   refused([](LoopParameters&) {});
+}
+
+TEST(ServoLoop, TakesTheEndsOfTheRanges) {
+  TouchScene scene;
+  FailingDevice device;
+  for (const int priority : {1, 99}) {
+    LoopParameters p;
+    p.rate_hz = priority == 1 ? 1 : 20000;
+    p.priority = priority;
+    EXPECT_NO_THROW(ServoLoop(p, *scene.algorithm, device, scene.windows, scene.tool));
+  }
+  LoopParameters p = simulated(20);
+  p.record_ticks = 0;
+  ServoLoop unrecorded(p, *scene.algorithm, device, scene.windows, scene.tool);
+  const LoopResult run = unrecorded.runSimulated();
+  EXPECT_EQ(run.ticks_run, 20);
+  EXPECT_TRUE(run.records.empty());
+}
+
+// The monotonic clock of the standard library is the system's.
+TEST(ServoClock, IsTheSystemsMonotonicOne) {
+  const auto standard_ns = [] {
+    return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
+        .count();
+  };
+  const std::int64_t before_ns = standard_ns();
+  const std::int64_t now_ns = monotonicNow_ns();
+  EXPECT_LE(before_ns, now_ns);
+  EXPECT_LE(now_ns, standard_ns());
 }
 
 // No bound on any time here: the machine may be busy. What must hold is that grid points are run or counted as skipped.

@@ -48,6 +48,17 @@ TEST(VelocityEstimate, IsFiniteAfterAJumpThatIsNot) {
   }
 }
 
+// Where nobody says how noisy positions are, a step after a rest is all motion: no longer window fits it.
+TEST(VelocityEstimate, WithoutANoiseBoundThereIsNoNoise) {
+  for (const int window_ticks : {1, 32}) {
+    VelocityEstimate velocity({.name = "foaw", .window_ticks = window_ticks}, 1000);
+    velocity.reset(Vec3::Zero());
+    for (int k = 0; k < 3; ++k) velocity.update(Vec3::Zero(), 1);
+    velocity.update(Vec3(1e-6, 0, 0), 1);
+    EXPECT_NEAR(velocity.value().x(), 1e-3, 1e-15) << window_ticks;
+  }
+}
+
 TEST(VelocityEstimate, RefusesWhatIsNotKnownOrNoNumber) {
   const auto refusal = [](const VelocityParameters& p) -> std::string {
     try {

@@ -32,6 +32,16 @@ TEST(ClosestInPlanes, BehindOneItIsItsFoot) {
   expectNear(closestInPlanes(planes, {1e-3, 2e-3, -3e-3}), {1e-3, 2e-3, 1e-3});
 }
 
+// A plane yields by kPlaneSoftness of what it is pushed, so the tool stays behind it: 0.4 and 0.3 pm here.
+TEST(ClosestInPlanes, APlaneYieldsToThePush) {
+  const ContactPlane planes[] = {{{0, 0, 1e-3}, Vec3::UnitZ(), 0}, {Vec3::Zero(), Vec3::UnitX(), 0}};
+  const Vec3 alone_W = closestInPlanes({planes, 1}, {1e-3, 2e-3, -3e-3});
+  EXPECT_NEAR(planes[0].depth(alone_W), 4e-3 * kPlaneSoftness, 1e-17);
+  const Vec3 both_W = closestInPlanes(planes, {-3e-3, 2e-3, -3e-3});
+  EXPECT_NEAR(planes[0].depth(both_W), 4e-3 * kPlaneSoftness, 1e-17);
+  EXPECT_NEAR(planes[1].depth(both_W), 3e-3 * kPlaneSoftness, 1e-17);
+}
+
 TEST(ClosestInPlanes, TwoPlanesHoldItOnTheirLine) {
   const ContactPlane planes[] = {{{0, 0, 1e-3}, Vec3::UnitZ(), 0}, {{-1e-3, 0, 0}, Vec3::UnitX(), 0}};
   expectNear(closestInPlanes(planes, {-4e-3, 2e-3, -3e-3}), {-1e-3, 2e-3, 1e-3});

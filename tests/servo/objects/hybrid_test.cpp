@@ -9,7 +9,7 @@
 #include "servo/algorithms/hri.hpp"
 #include "servo/algorithms/registry.hpp"
 #include "servo/contact/effects.hpp"
-#include "servo/objects/mesh_object.hpp"
+#include "servo/meshes/mesh_object.hpp"
 #include "servo/objects/shapes.hpp"
 #include "support/algorithm_driver.hpp"
 #include "support/test_meshes.hpp"

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "servo/objects/mesh_object.hpp"
+#include "servo/meshes/mesh_object.hpp"
 #include "servo/objects/shapes.hpp"
 #include "support/test_meshes.hpp"
 

@@ -14,7 +14,7 @@
 #include <unistd.h>
 
 #include "servo/algorithms/registry.hpp"
-#include "servo/objects/mesh_object.hpp"
+#include "servo/meshes/mesh_object.hpp"
 #include "servo/objects/shapes.hpp"
 #include "support/test_meshes.hpp"
 #include "support/tick_watch.hpp"

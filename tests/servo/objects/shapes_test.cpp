@@ -2,6 +2,8 @@
 // Plane, ball and box against their formulas. Positions are below 0.1 m, so 1e-15 m is some ten roundings.
 #include "servo/objects/shapes.hpp"
 
+#include <limits>
+
 #include <gtest/gtest.h>
 
 #include "base/error.hpp"
@@ -26,6 +28,21 @@ TEST(Plane, IsEnteredFromItsFrontOnly) {
   EXPECT_FALSE(plane.firstEntry({5e-3, 0, -2e-3}, {7e-3, 0, -3e-3}));
   EXPECT_FALSE(plane.firstEntry({5e-3, 0, 1e-3}, {7e-3, 0, 1e-3})) << "along the surface";
   EXPECT_EQ(plane.nearest({3e-3, 4e-3, -5e-3}).p_W, Vec3(3e-3, 4e-3, 1e-3));
+}
+
+// Halves and quarters, which are exact: a way that begins on the surface enters, one that ends on it does not.
+TEST(Shapes, AWayEntersFromTheirSurfaceAndNotByEndingOnIt) {
+  const PlaneObject plane({0, 0, 0.5}, Vec3::UnitZ());
+  const SphereObject sphere(Vec3::Zero(), 0.5);
+  const BoxObject box(Vec3::Zero(), Vec3::Constant(1));
+  for (const ContactObject* shape :
+       {static_cast<const ContactObject*>(&plane), static_cast<const ContactObject*>(&sphere),
+        static_cast<const ContactObject*>(&box)}) {
+    expectEntry(shape->firstEntry({0, 0, 0.5}, {0, 0, 0.25}), 0, {0, 0, 0.5}, Vec3::UnitZ());
+    EXPECT_FALSE(shape->firstEntry({0, 0, 1}, {0, 0, 0.5}));
+    EXPECT_FALSE(shape->firstEntry({0, 0, 1}, {0, 0, 0.75})) << "ends before it";
+    expectEntry(shape->firstEntry({0, 0, 1}, {0, 0, 0.25}), 2.0 / 3, {0, 0, 0.5}, Vec3::UnitZ());
+  }
 }
 
 TEST(Sphere, IsEnteredWhereTheLineMeetsIt) {
@@ -62,6 +79,10 @@ TEST(Box, ItsNearestPointIsOnFacesEdgesAndCorners) {
   EXPECT_EQ(box.nearest({0.9e-3, 0, 0}).p_W, Vec3(1e-3, 0, 0)) << "from inside";
   EXPECT_EQ(box.nearest({0.9e-3, 0, 0}).normal_W, Vec3(Vec3::UnitX()));
   EXPECT_EQ(box.nearest({0, -5e-3, 0}).normal_W, Vec3(-Vec3::UnitY()));
+  EXPECT_EQ(box.nearest({0, -1.9e-3, 0.5e-3}).p_W, Vec3(0, -2e-3, 0.5e-3));
+  EXPECT_EQ(box.nearest({0, -1.9e-3, 0.5e-3}).normal_W, Vec3(-Vec3::UnitY()));
+  EXPECT_EQ(box.nearest({0.1e-3, 0.2e-3, 2.9e-3}).p_W, Vec3(0.1e-3, 0.2e-3, 3e-3));
+  EXPECT_EQ(box.nearest(Vec3::Zero()).p_W, Vec3(1e-3, 0, 0)) << "the nearest face";
   const ObjectPoint edge = box.nearest({4e-3, 6e-3, 1e-3});
   EXPECT_EQ(edge.p_W, Vec3(1e-3, 2e-3, 1e-3));
   EXPECT_LE((edge.normal_W - Vec3(0.6, 0.8, 0)).norm(), 1e-15);
@@ -73,8 +94,10 @@ TEST(Shapes, RefuseWhatIsNoShape) {
   EXPECT_THROW(PlaneObject(Vec3::Zero(), {0, kNaN, 1}), Error);
   EXPECT_THROW(SphereObject(Vec3::Zero(), 0), Error);
   EXPECT_THROW(SphereObject(Vec3::Zero(), kNaN), Error);
+  EXPECT_THROW(SphereObject(Vec3::Zero(), std::numeric_limits<double>::infinity()), Error);
   EXPECT_THROW(SphereObject({kNaN, 0, 0}, 1e-3), Error);
   EXPECT_THROW(BoxObject(Vec3::Zero(), {1e-3, 0, 1e-3}), Error);
+  EXPECT_THROW(BoxObject(Vec3::Zero(), {1e-3, 1e-3, std::numeric_limits<double>::infinity()}), Error);
   EXPECT_THROW(BoxObject({0, kNaN, 0}, Vec3::Constant(1e-3)), Error);
   EXPECT_THROW(BoxObject(Vec3::Zero(), Vec3::Constant(1e-3), 2 * Mat3::Identity()), Error);
   try {

@@ -322,6 +322,8 @@ TEST(PassivityController, RefusesBoundsThatAreNone) {
   EXPECT_THROW(Passivity({}, 8, 1000, -1), Error);
   EXPECT_THROW(Passivity({}, 8, 1000, 0, -1e-6), Error);
   EXPECT_THROW(Passivity({}, 8, 1000, 0, kNaN), Error);
+  EXPECT_EQ(Passivity({.force_share = 0, .damping_limit_Ns_per_m = 0}, 8, 1000).forceBound(), 0);
+  EXPECT_EQ(Passivity({.force_share = 1}, 8, 1000).forceBound(), 8);
 }
 
 }  // namespace passivity_test

@@ -294,6 +294,8 @@ TEST(SafetyGate, DoesNotBelieveADeviceThatHoldsNoForceWithinTheLimit) {
     static_cast<void>(gate.pass(healthy({1, 2, 2})));
     gate.taken(nonsense);
     EXPECT_EQ(gate.heldForce(), Vec3(1, 2, 2));
+    gate.taken(Vec3(0, 0, -8));  // the limit itself
+    EXPECT_EQ(gate.heldForce(), Vec3(0, 0, -8));
   }
 }
 
@@ -355,6 +357,31 @@ TEST(SafetyGate, AHigherLimitMakesAFadeAsLongAsItsSlewAsks) {
   EXPECT_EQ(gate.fadeTicks(), 33);
   gate.setForceLimit(1);
   EXPECT_EQ(gate.fadeTicks(), 10);
+}
+
+// 5 of 17 ticks into a fade from 8 N the authority is 12 / 17; of the 33 ticks that 16 N need that is 23, rounded down.
+// The fade goes on from what is held, and what comes back has 23 / 33 of what is wanted.
+TEST(SafetyGate, AnotherForceLimitKeepsTheShareOfAFade) {
+  SafetyParameters p = parameters();
+  p.slew_limit_N_per_s = 500;  // 0.5 N a tick
+  TakingGate gate(p, 1000);
+  for (int i = 0; i < 20; ++i) static_cast<void>(gate.pass(healthy({0, 0, 8})));
+  const GateInput faulty{{0, 0, 8}, 0, bit(ServoFault::kNoWindow)};
+  for (int i = 0; i < 5; ++i) static_cast<void>(gate.pass(faulty));
+  const double held_N = 8 * 12 / 17.0;
+  ASSERT_NEAR(gate.heldForce().z(), held_N, 1e-12);
+  gate.setForceLimit(16);
+  EXPECT_NEAR(gate.pass(faulty).force_W.z(), held_N * 22 / 23, 1e-12);
+  EXPECT_NEAR(gate.pass(healthy({0, 0, 8})).force_W.z(), 8 * 23 / 33.0, 1e-12);
+}
+
+// Whole authority stays whole, though the fade takes more ticks.
+TEST(SafetyGate, AnotherForceLimitTakesNothingFromAHealthyForce) {
+  SafetyParameters p = parameters();
+  p.slew_limit_N_per_s = 500;
+  TakingGate gate(p, 1000);
+  gate.setForceLimit(16);
+  EXPECT_EQ(gate.pass(healthy({0, 0, 0.4})).force_W.z(), 0.4);
 }
 
 TEST(SafetyGate, RefusesLimitsThatAreNone) {

@@ -101,6 +101,20 @@ TEST(WindowExchange, RefusesWhatDoesNotFit) {
   EXPECT_THROW(WindowExchange({one, nullptr, one}, 8), Error);
 }
 
+// Three of their own, of eight samples or more, whichever is missing or shared; the least window is one cell.
+TEST(WindowExchange, TakesThreeStoragesOfACellOrMore) {
+  Sample a[8], b[8], c[8];
+  using Storages = std::array<Sample*, 3>;
+  for (const Storages& bad : {Storages{a, a, b}, Storages{a, b, a}, Storages{b, a, a}, Storages{nullptr, a, b},
+                              Storages{a, nullptr, b}, Storages{a, b, nullptr}})
+    EXPECT_THROW(WindowExchange(bad, 8), Error);
+  EXPECT_THROW(WindowExchange({a, b, c}, 7), Error);
+  WindowExchange exchange({a, b, c}, 8);
+  fillBack(exchange, 2, 1, 10);
+  exchange.publish();
+  EXPECT_TRUE(exchange.latest().usable());
+}
+
 // Windows of 8 x 8 x 8 samples that all carry their version; the servo must never see a mix, and a window confirmed at
 // a time must be at least as new as the one that was published before that confirmation.
 TEST(WindowExchange, ServoSeesWholeWindowsAndAtLeastTheConfirmedOne) {

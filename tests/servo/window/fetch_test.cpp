@@ -120,6 +120,8 @@ TEST(Fetch, BeyondTheVolumeOrBeyondTheWindow) {
   EXPECT_EQ(at(-INFINITY, 1, 1).place, Place::kBeyondWindow);
   held.window.version = 0;
   EXPECT_EQ(at(1, 1, 1).place, Place::kBeyondWindow);
+  held.window.low_is_border = held.window.high_is_border = {true, true, true};
+  EXPECT_EQ(at(1, 1, 1).place, Place::kBeyondWindow);
 }
 
 }  // namespace fetch_test
