@@ -28,13 +28,18 @@ AlgorithmSetup setupFor(const BenchVolume& volume, int n, ContactEffects effects
 
 }  // namespace
 
-Entrants makeEntrants(const BenchVolume& volume, const std::vector<int>& renewals) {
+Entrants makeEntrants(const BenchVolume& volume, const std::vector<int>& renewals,
+                      const std::vector<std::string>& effects) {
   Entrants entrants;
   for (const AlgorithmEntry& entry : algorithms()) {
     const std::string name(entry.name);
     try {
       for (const int n : renewals) {
-        entrants.list.push_back({name, n, "none", makeAlgorithm(name, setupFor(volume, n, {})), entry.traits});
+        for (const std::string& choice : effects) {
+          ContactEffects made = choice == kRecoveryChoice ? makeRecovery() : ContactEffects{};
+          entrants.list.push_back(
+              {name, n, choice, makeAlgorithm(name, setupFor(volume, n, std::move(made))), entry.traits});
+        }
       }
     } catch (const Error& error) {
       std::erase_if(entrants.list, [&](const Entrant& entrant) { return entrant.algorithm == name; });
@@ -42,29 +47,6 @@ Entrants makeEntrants(const BenchVolume& volume, const std::vector<int>& renewal
     }
   }
   return entrants;
-}
-
-std::vector<Entrant> makeEntrantsOnce(const BenchVolume& volume, const std::vector<int>& renewals) {
-  std::vector<Entrant> list = makeEntrants(volume, renewals).list;
-  std::erase_if(list, [&](const Entrant& e) { return !e.traits.renews_planes && e.n != renewals.front(); });
-  return list;
-}
-
-std::vector<Entrant> makeEntrantsWithEffects(const BenchVolume& volume, int n) {
-  std::vector<Entrant> list;
-  for (const AlgorithmEntry& entry : algorithms()) {
-    const std::string name(entry.name);
-    try {
-      for (const bool recovers : {false, true}) {
-        ContactEffects effects = recovers ? makeRecovery() : ContactEffects{};
-        list.push_back({name, n, recovers ? kRecoveryChoice : "none",
-                        makeAlgorithm(name, setupFor(volume, n, std::move(effects))), entry.traits});
-      }
-    } catch (const Error&) {  // takes no effects
-      std::erase_if(list, [&](const Entrant& entrant) { return entrant.algorithm == name; });
-    }
-  }
-  return list;
 }
 
 }  // namespace palpate

@@ -33,13 +33,9 @@ struct Entrants {
   std::vector<std::string> left_out = {};  // "NAME: why", for algorithms that cannot be made for this volume
 };
 
-// Without effects. No damping (B = 0): the exact force is then K * depth alone, for every algorithm.
-[[nodiscard]] Entrants makeEntrants(const BenchVolume& volume, const std::vector<int>& renewals);
-
-// An algorithm to which n means nothing takes part once, with the first.
-[[nodiscard]] std::vector<Entrant> makeEntrantsOnce(const BenchVolume& volume, const std::vector<int>& renewals);
-
-// The algorithms that take contact effects, without any and with a recovery time.
-[[nodiscard]] std::vector<Entrant> makeEntrantsWithEffects(const BenchVolume& volume, int n);
+// No damping (B = 0): the exact force is then K * depth alone, for every algorithm. With each of the `effects`, "none"
+// or kRecoveryChoice; who does not take all of them is left out.
+[[nodiscard]] Entrants makeEntrants(const BenchVolume& volume, const std::vector<int>& renewals,
+                                    const std::vector<std::string>& effects = {"none"});
 
 }  // namespace palpate

@@ -30,12 +30,37 @@ const Column<Condition> kTellSpeed = {"speed_m_per_s", &Condition::speed_m_per_s
 const Column<Condition> kTellEffects = {"effects", &Condition::effects};
 const Column<Condition> kTellRecovery = {"recovery_s", [](const Condition&) { return kRecoveryTime_s; }};
 
+// Who takes part in a trial.
+using Who = std::function<std::vector<Entrant>(const BenchVolume&)>;
+
+// An algorithm to which n means nothing takes part once, with the first.
+Who once(std::vector<int> renewals) {
+  return [renewals](const BenchVolume& volume) {
+    std::vector<Entrant> list = makeEntrants(volume, renewals).list;
+    std::erase_if(list, [&](const Entrant& e) { return !e.traits.renews_planes && e.n != renewals.front(); });
+    return list;
+  };
+}
+
+// The algorithms that take contact effects, with a recovery time and without.
+Who withEffects(int n) {
+  return [n](const BenchVolume& volume) { return makeEntrants(volume, {n}, {"none", kRecoveryChoice}).list; };
+}
+
+std::vector<Entrant> ofTableOne(const BenchVolume& volume) {
+  std::vector<Entrant> list = makeEntrants(volume, {kTableRenewal}).list;
+  std::erase_if(list, [](const Entrant& entrant) {
+    return std::ranges::find(kTableAlgorithms, entrant.algorithm, &TableAlgorithm::name) == std::end(kTableAlgorithms);
+  });
+  return list;
+}
+
 // Algorithms along paths over one volume, whose errors and costs become rows.
 struct Trial {
   const char* part;
   std::string stage;
   std::string volume;
-  std::function<std::vector<Entrant>(const BenchVolume&)> entrants;
+  Who entrants;
   std::size_t ticks;
   Columns<Condition> told;  // of each row, before its figures
   std::vector<double> depths_voxel = {1}, speeds_m_per_s = {0.1};
@@ -218,100 +243,75 @@ class ServoBench {
   }
 
   // Everyone, by every n; who cannot take part is noted, once for each algorithm, not for each volume.
-  [[nodiscard]] std::vector<Entrant> everyone(const BenchVolume& volume) {
-    Entrants entrants = makeEntrants(volume, request_.renewals);
-    for (const std::string& words : entrants.left_out) {
-      if (noted_.insert(words).second) result_.note("left out: " + words);
-    }
-    return std::move(entrants.list);
+  [[nodiscard]] Who everyone() {
+    return [this](const BenchVolume& volume) {
+      Entrants entrants = makeEntrants(volume, request_.renewals);
+      for (const std::string& words : entrants.left_out) {
+        if (noted_.insert(words).second) result_.note("left out: " + words);
+      }
+      return std::move(entrants.list);
+    };
   }
 
   // Cost and error on one of the paper's volumes.
   void touch(const std::string& name) {
-    run({.part = "tick",
-         .stage = "errors on " + name,
-         .volume = name,
-         .entrants = [this](const BenchVolume& volume) { return everyone(volume); },
-         .ticks = request_.error_ticks,
-         .told = {kTellSeed},
-         .cost = CostRequest{request_.repetitions, request_.tick_replays}});
+    Trial trial = {"tick", "errors on " + name, name, everyone(), request_.error_ticks, {kTellSeed}};
+    trial.cost = CostRequest{request_.repetitions, request_.tick_replays};
+    run(trial);
     if (name == request_.volumes.front()) harness(BenchVolume(name));
   }
 
   void accuracy(const std::string& name) {
-    run({.part = "accuracy",
-         .stage = "accuracy on " + name,
-         .volume = name,
-         .entrants = [this](const BenchVolume& volume) { return everyone(volume); },
-         .ticks = request_.accuracy_ticks,
-         .told = {kTellSeed}});
+    run({"accuracy", "accuracy on " + name, name, everyone(), request_.accuracy_ticks, {kTellSeed}});
     if (name != request_.accuracy_volumes.front()) return;
     for (const auto& [n, speed] : kRecoveryConditions) {
-      run({.part = "effects",
-           .stage = "recovery time on " + name,
-           .volume = name,
-           .entrants = [n = n](const BenchVolume& volume) { return makeEntrantsWithEffects(volume, n); },
-           .ticks = request_.accuracy_ticks,
-           .told = {kTellEffects, kTellRecovery, kTellSpeed, kTellDepth, kTellSeed},
-           .speeds_m_per_s = {speed},
-           .recovers = true});
+      Trial trial = {
+          "effects",      "recovery time on " + name, name,
+          withEffects(n), request_.accuracy_ticks,    {kTellEffects, kTellRecovery, kTellSpeed, kTellDepth, kTellSeed}};
+      trial.speeds_m_per_s = {speed};
+      trial.recovers = true;
+      run(trial);
     }
     addRecoveryTargets();
   }
 
   void press(const std::string& name, const std::vector<double>& depths_voxel) {
     for (const double noise_voxel : {0.0, 0.1, 0.25, 0.5}) {
-      run({.part = "press",
-           .stage = fmt::format("noise and depth on {}", name),
-           .volume = name,
-           .entrants =
-               [](const BenchVolume& volume) {
-                 return makeEntrantsOnce(volume, {1, 5});
-               },
-           .ticks = request_.press_ticks,
-           .told = {kTellNoise, kTellDepth, kTellSeed, kTellSeeds},
-           .depths_voxel = depths_voxel,
-           .noise_voxel = noise_voxel,
-           .miss_depth_voxel = missDepth_voxel(noise_voxel),
-           .seeds = noise_voxel > 0 ? request_.press_seeds : 1});
+      Trial trial = {"press",      "noise and depth on " + name, name,
+                     once({1, 5}), request_.press_ticks,         {kTellNoise, kTellDepth, kTellSeed, kTellSeeds}};
+      trial.depths_voxel = depths_voxel;
+      trial.noise_voxel = noise_voxel;
+      trial.miss_depth_voxel = missDepth_voxel(noise_voxel);
+      trial.seeds = noise_voxel > 0 ? request_.press_seeds : 1;
+      run(trial);
     }
   }
 
   void speed(const std::string& name, double depth_voxel, const std::vector<double>& speeds_m_per_s) {
-    run({.part = "speed",
-         .stage = "speeds on " + name,
-         .volume = name,
-         .entrants =
-             [](const BenchVolume& volume) {
-               return makeEntrantsOnce(volume, {1, 2, 5, 10, 20, 50, 100, 1000});
-             },
-         .ticks = request_.press_ticks,
-         .told = {kTellSpeed, kTellDepth, kTellSeed},
-         .depths_voxel = {depth_voxel},
-         .speeds_m_per_s = speeds_m_per_s});
+    run({"speed",
+         "speeds on " + name,
+         name,
+         once({1, 2, 5, 10, 20, 50, 100, 1000}),
+         request_.press_ticks,
+         {kTellSpeed, kTellDepth, kTellSeed},
+         {depth_voxel},
+         speeds_m_per_s});
   }
 
-  // The algorithms of Table 1, half as deep as the knot's tube and the skull are thick, too.
+  // Up to half as deep as the knot's tube and the skull are thick.
   void tableOneTrial(const std::string& name) {
     for (const double noise_voxel : {0.0, 0.25}) {
-      run({.part = "table",
-           .stage = "Table 1 with noise and depth on " + name,
-           .volume = name,
-           .entrants =
-               [](const BenchVolume& volume) {
-                 std::vector<Entrant> list = makeEntrants(volume, {kTableRenewal}).list;
-                 std::erase_if(list, [](const Entrant& entrant) {
-                   return std::ranges::find(kTableAlgorithms, entrant.algorithm, &TableAlgorithm::name) ==
-                          std::end(kTableAlgorithms);
-                 });
-                 return list;
-               },
-           .ticks = request_.cost_ticks,
-           .told = {kTellNoise, kTellDepth, kTellSeed},
-           .depths_voxel = {1, 2},
-           .noise_voxel = noise_voxel,
-           .may_be_thin = true,
-           .cost = CostRequest{request_.repetitions, 0}});
+      Trial trial = {"table",
+                     "Table 1 with noise and depth on " + name,
+                     name,
+                     ofTableOne,
+                     request_.cost_ticks,
+                     {kTellNoise, kTellDepth, kTellSeed}};
+      trial.depths_voxel = {1, 2};
+      trial.noise_voxel = noise_voxel;
+      trial.may_be_thin = true;
+      trial.cost = CostRequest{request_.repetitions, 0};
+      run(trial);
     }
   }
 
