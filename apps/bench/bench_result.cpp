@@ -3,12 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <stdexcept>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "apps/report/machine_facts.hpp"
+#include "base/quantile.hpp"
 
 namespace palpate {
 namespace {
@@ -31,28 +33,85 @@ std::string csvCell(const BenchFigure& figure) {
   return std::isfinite(value) ? fmt::format("{}", value) : std::string();
 }
 
-const BenchFigure* find(const BenchRow& row, std::string_view key) {
-  const auto at = std::find_if(row.begin(), row.end(), [&](const auto& cell) { return cell.first == key; });
-  return at == row.end() ? nullptr : &at->second;
+double numberOf(const BenchFigure& figure) {
+  if (const auto* count = std::get_if<std::int64_t>(&figure)) return static_cast<double>(*count);
+  return std::get<double>(figure);
+}
+
+bool isEqual(const BenchFigure& a, const BenchFigure& b) {
+  const bool text = std::holds_alternative<std::string>(a);
+  if (text != std::holds_alternative<std::string>(b)) return false;
+  return text ? a == b : numberOf(a) == numberOf(b);
 }
 
 }  // namespace
+
+BenchResult beginBench(const std::string& bench, const std::string& vulkan_device) {
+  BenchResult result;
+  result.bench = bench;
+  result.machine = machineInWords();
+  result.vulkan_device = vulkan_device;
+  return result;
+}
+
+const BenchFigure* findFigure(const BenchRow& row, std::string_view key) {
+  const auto at = std::find_if(row.begin(), row.end(), [&](const auto& cell) { return cell.first == key; });
+  return at == row.end() ? nullptr : &at->second;
+}
 
 bool BenchResult::allHold() const noexcept {
   return std::all_of(targets.begin(), targets.end(), [](const BenchTarget& target) { return target.holds(); });
 }
 
 double figureOf(const BenchRow& row, std::string_view key) {
-  const BenchFigure* figure = find(row, key);
+  const BenchFigure* figure = findFigure(row, key);
   if (figure == nullptr) throw std::out_of_range(fmt::format("a row has no '{}'", key));
-  if (const auto* count = std::get_if<std::int64_t>(figure)) return static_cast<double>(*count);
-  return std::get<double>(*figure);
+  return numberOf(*figure);
 }
 
 std::string textOf(const BenchRow& row, std::string_view key) {
-  const BenchFigure* figure = find(row, key);
+  const BenchFigure* figure = findFigure(row, key);
   const auto* text = figure == nullptr ? nullptr : std::get_if<std::string>(figure);
   return text == nullptr ? std::string() : *text;
+}
+
+BenchRows rowsOf(const BenchResult& result, std::string_view part, const BenchRow& like) {
+  BenchRows rows;
+  for (const BenchRow& row : result.rows) {
+    const auto has = [&](const auto& cell) {
+      const BenchFigure* figure = findFigure(row, cell.first);
+      return figure != nullptr && isEqual(*figure, cell.second);
+    };
+    if (textOf(row, "part") == part && std::all_of(like.begin(), like.end(), has)) rows.push_back(&row);
+  }
+  return rows;
+}
+
+bool promise(BenchResult& result, const Promise& what) {
+  std::vector<double> values;
+  for (const BenchRow* row : rowsOf(result, what.part, what.like)) {
+    if (what.up_to_m_per_s > 0 && figureOf(*row, "speed_m_per_s") > what.up_to_m_per_s) continue;
+    for (const char* key : what.keys) values.push_back(figureOf(*row, key));
+  }
+  if (!values.empty()) result.targets.push_back({what.name, what.of(values), what.bound});
+  return !values.empty();
+}
+
+double largestOf(const std::vector<double>& values) {
+  const auto none = std::find_if(values.begin(), values.end(), [](double value) { return std::isnan(value); });
+  return none != values.end() ? *none : *std::max_element(values.begin(), values.end());
+}
+
+double sumOf(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0);
+}
+
+double firstOf(const std::vector<double>& values) {
+  return values.front();
+}
+
+double medianOf(const std::vector<double>& values) {
+  return median(values);
 }
 
 std::string machineInWords() {
@@ -96,7 +155,7 @@ std::string csvText(const BenchResult& result) {
   text += "\n";
   for (const BenchRow& row : result.rows) {
     for (std::size_t i = 0; i < keys.size(); ++i) {
-      const BenchFigure* figure = find(row, keys[i]);
+      const BenchFigure* figure = findFigure(row, keys[i]);
       if (i > 0) text += ",";
       if (figure != nullptr) text += csvCell(*figure);
     }
@@ -109,9 +168,7 @@ std::string targetTable(const BenchResult& result) {
   std::size_t width = 0;
   for (const BenchTarget& target : result.targets) width = std::max(width, target.name.size());
   std::string text;
-  for (const BenchRow& row : result.rows) {
-    if (textOf(row, "part") == "note") text += "note: " + textOf(row, "note") + "\n";
-  }
+  for (const BenchRow* row : rowsOf(result, "note")) text += "note: " + textOf(*row, "note") + "\n";
   std::size_t held = 0;
   for (const BenchTarget& target : result.targets) {
     held += target.holds() ? 1 : 0;
@@ -119,6 +176,21 @@ std::string targetTable(const BenchResult& result) {
                         target.holds() ? "holds" : "DOES NOT HOLD");
   }
   return text + fmt::format("{} of {} targets hold\n", held, result.targets.size());
+}
+
+std::string benchPage(const BenchResult& result, const PageWords& words) {
+  std::string page = fmt::format("# {}\n\n{}\n\n", words.title, words.introduction);
+  page += fmt::format("- machine: {}\n- Vulkan device: {}\n- commit: {}\n- command: `{}`\n\n", result.machine,
+                      result.vulkan_device, result.commit, result.command);
+  if (!words.chart.empty()) page += fmt::format("![{}]({})\n\n", words.title, words.chart);
+  page += "## What is promised\n\n| target | value | at most | |\n|---|---|---|---|\n";
+  for (const BenchTarget& target : result.targets) {
+    page += fmt::format("| {} | {:.4g} | {:.4g} | {} |\n", target.name, target.value, target.bound,
+                        target.holds() ? "holds" : "**does not hold**");
+  }
+  page += "\n";
+  for (const BenchRow* row : rowsOf(result, "note")) page += fmt::format("Note: {}\n\n", textOf(*row, "note"));
+  return page + "## Figures\n\n```\n" + words.tables + "```\n";
 }
 
 }  // namespace palpate

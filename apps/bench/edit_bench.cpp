@@ -9,11 +9,13 @@
 
 #include <fmt/format.h>
 
+#include "apps/bench/columns.hpp"
 #include "apps/bench/flat_volume.hpp"
 #include "apps/bench/full_recompute.hpp"
+#include "apps/bench/log_chart.hpp"
 #include "apps/bench/random.hpp"
-#include "apps/bench/scratch_folder.hpp"
 #include "apps/console/interrupt.hpp"
+#include "apps/rivals/scratch_folder.hpp"
 #include "base/quantile.hpp"
 #include "base/stopwatch.hpp"
 #include "engine/gpu/gpu_info.hpp"
@@ -32,8 +34,77 @@ using flat_volume::kIsovalue;
 using flat_volume::kPlane_voxel;
 using flat_volume::kSpacing_m;
 
-// Milliseconds of every edit, by stage.
-using Times = std::map<std::string, std::vector<double>>;
+// What was measured of one volume at one radius.
+struct EditFigures {
+  std::int64_t size = 0;
+  std::string gradients;
+  double radius = 0;
+  std::int64_t edits = 0, published = 0;
+  std::vector<double> bricks, share_outside, recompute_ms;
+  std::map<std::string, std::vector<double>> times_ms;  // of every edit, by stage
+  double gpu_memory_MiB = 0;
+  std::int64_t not_put_back = 0, seed = 0;
+
+  [[nodiscard]] Percentiles of(const std::string& stage) const {
+    const auto times = times_ms.find(stage);
+    return times == times_ms.end() ? Percentiles{} : percentiles(times->second);
+  }
+};
+
+struct Stage {
+  const char* key;
+  const char* charted;  // its name in the chart, if it is there
+  Look look;
+};
+const Stage kStages[] = {{"to_window", "to window", {"to win.", "ms", 8, 3}},
+                         {"plan", "plan", {"plan", "ms", 7, 3}},
+                         {"record", "record", {"record", "ms", 6, 3}},
+                         {"submit_and_wait", "submit, wait", {"wait", "ms", 6, 3}},
+                         {"edit_kernel", "edit kernel", {"edit", "ms", 7, 3}},
+                         {"bounds_kernel", "bounds kernel", {"bounds", "ms", 6, 3}},
+                         {"gradient_kernel", "gradient kernel", {"grad.", "ms", 6, 3}},
+                         {"window_kernel", "window kernel", {"window", "ms", 6, 3}},
+                         {"publish", "publish", {"publish", "ms", 8, 3}},
+                         {"settle", "", {"settle", "ms", 7, 3}},
+                         {"read_back", "VDB read-back", {"r.back", "ms", 7, 3}},
+                         {"journal", "", {"journal", "ms", 8, 3}},
+                         {"journal_saved", "journal on disk", {"on disk", "ms", 7, 2}},
+                         {"sum", "", {"sum", "ms", 7, 3}}};
+
+Columns<EditFigures> stageColumns() {
+  Columns<EditFigures> columns;
+  for (const Stage& stage : kStages) {
+    const Look p99 = &stage == kStages ? Look{"p99", "ms", 7, 3} : Look{};
+    columns = joined(columns, percentileColumns<EditFigures>(
+                                  stage.key, "ms", [key = stage.key](const EditFigures& f) { return f.of(key); },
+                                  {{"median", &Percentiles::p50, stage.look}, {"p99", &Percentiles::p99, p99}}));
+  }
+  return columns;
+}
+
+const Columns<EditFigures>& editColumns() {
+  static const Columns<EditFigures> kColumns = joined(
+      Columns<EditFigures>{
+          {"volume_voxel", &EditFigures::size},
+          {"gradients", &EditFigures::gradients},
+          {"radius_voxel", &EditFigures::radius, {"radius", "voxel", 6}},
+          {"edits", &EditFigures::edits},
+          {"windows_published", &EditFigures::published},
+          {"changed_bricks_median", [](const auto& f) { return median(f.bricks); }, {"bricks", "", 7}}},
+      stageColumns(),
+      Columns<EditFigures>{
+          {"recomputes", [](const auto& f) { return static_cast<std::int64_t>(f.recompute_ms.size()); }},
+          {"recompute_median_ms", [](const auto& f) { return percentiles(f.recompute_ms).p50; }, {"anew", "ms", 9, 2}},
+          {"recompute_p99_ms", [](const auto& f) { return percentiles(f.recompute_ms).p99; }},
+          {"recompute_over_edit",
+           [](const auto& f) { return percentiles(f.recompute_ms).p50 / f.of("to_window").p50; },
+           {"times", "dearer", 6, 0}},
+          {"share_outside_kernels", [](const auto& f) { return median(f.share_outside); }, {"outside", "share", 8, 2}},
+          {"gpu_memory_MiB", &EditFigures::gpu_memory_MiB, {"GPU", "MiB", 7, 0}},
+          {"bricks_not_put_back", &EditFigures::not_put_back},
+          {"seed", &EditFigures::seed}});
+  return kColumns;
+}
 
 // One volume under edits.
 class Session {
@@ -78,30 +149,13 @@ class Session {
   }
 
   void addRow(BenchResult& result, double radius_voxel, std::uint64_t seed) {
-    BenchRow row = {{"part", "edit"},
-                    {"volume_voxel", std::int64_t{size_}},
-                    {"gradients", all_ ? "all" : "needed"},
-                    {"radius_voxel", radius_voxel},
-                    {"edits", edits_},
-                    {"windows_published", published_},
-                    {"changed_bricks_median", median(bricks_)}};
-    for (const char* stage :
-         {"to_window", "plan", "record", "submit_and_wait", "edit_kernel", "bounds_kernel", "gradient_kernel",
-          "window_kernel", "publish", "settle", "read_back", "journal", "journal_saved", "sum"}) {
-      const Percentiles p = percentiles(times_[stage]);
-      row.push_back({std::string(stage) + "_median_ms", p.p50});
-      row.push_back({std::string(stage) + "_p99_ms", p.p99});
-    }
-    const Percentiles anew = percentiles(recompute_.times_ms());
-    row.push_back({"recomputes", static_cast<std::int64_t>(recompute_.times_ms().size())});
-    row.push_back({"recompute_median_ms", anew.p50});
-    row.push_back({"recompute_p99_ms", anew.p99});
-    row.push_back({"recompute_over_edit", anew.p50 / percentiles(times_["to_window"]).p50});
-    row.push_back({"share_outside_kernels", median(share_outside_)});
-    row.push_back({"gpu_memory_MiB", static_cast<double>(engine_.memory().back().bytes) / 1048576.0});
-    row.push_back({"bricks_not_put_back", notPutBack(radius_voxel)});
-    row.push_back({"seed", static_cast<std::int64_t>(seed)});
-    result.rows.push_back(std::move(row));
+    figures_.size = size_;
+    figures_.gradients = all_ ? "all" : "needed";
+    figures_.radius = radius_voxel;
+    figures_.gpu_memory_MiB = static_cast<double>(engine_.memory().back().bytes) / 1048576.0;
+    figures_.not_put_back = notPutBack(radius_voxel);
+    figures_.seed = static_cast<std::int64_t>(seed);
+    addFigures(result.rows.emplace_back(BenchRow{{"part", "edit"}}), editColumns(), figures_);
     forget();
   }
 
@@ -111,22 +165,14 @@ class Session {
     const Stopwatch appending;
     journal_->edit(commands);
     const double ms = 1e3 * appending.seconds();
-    times_["journal"].push_back(ms);
+    figures_.times_ms["journal"].push_back(ms);
     journal_->flush();
-    times_["journal_saved"].push_back(1e3 * appending.seconds());
+    figures_.times_ms["journal_saved"].push_back(1e3 * appending.seconds());
     return ms;
   }
 
-  void recompute() { recompute_.run(); }
-
-  // What was measured so far.
-  void forget() {
-    times_.clear();
-    share_outside_.clear();
-    bricks_.clear();
-    recompute_.forget();
-    edits_ = published_ = 0;
-  }
+  void recompute() { figures_.recompute_ms.push_back(recompute_.run_ms()); }
+  void forget() { figures_ = {}; }  // what was measured so far
 
  private:
   [[nodiscard]] Plan plan() const { return makePlan({.gradient_all = all_}); }
@@ -141,22 +187,23 @@ class Session {
     std::map<std::string, double> ms;
     for (const StageTime& stage : result.stages) ms[stage.name] += stage.seconds * 1e3;
     const double to_window_ms = whole_ms - ms["settle"];
-    ++edits_;
-    published_ += result.published ? 1 : 0;
+    ++figures_.edits;
+    figures_.published += result.published ? 1 : 0;
+    auto& times_ms = figures_.times_ms;
     if (timed) {
       const double kernels_ms = ms["edit"] + ms["bounds"] + ms["gradient"] + ms["window"];
       for (const char* kernel : {"edit", "bounds", "gradient", "window"}) {
-        if (ms.contains(kernel)) times_[std::string(kernel) + "_kernel"].push_back(ms[kernel]);
+        if (ms.contains(kernel)) times_ms[std::string(kernel) + "_kernel"].push_back(ms[kernel]);
       }
-      times_["submit_and_wait"].push_back(ms["gpu"] - kernels_ms);
-      if (kernels_ms > 0) share_outside_.push_back(1 - kernels_ms / to_window_ms);
+      times_ms["submit_and_wait"].push_back(ms["gpu"] - kernels_ms);
+      if (kernels_ms > 0) figures_.share_outside.push_back(1 - kernels_ms / to_window_ms);
       return;
     }
-    bricks_.push_back(static_cast<double>(result.changed_bricks));
-    for (const char* stage : {"plan", "record", "publish", "settle"}) times_[stage].push_back(ms[stage]);
-    times_["to_window"].push_back(to_window_ms);
-    times_["read_back"].push_back(read_back_ms);
-    times_["sum"].push_back(whole_ms + read_back_ms + journal_ms);
+    figures_.bricks.push_back(static_cast<double>(result.changed_bricks));
+    for (const char* stage : {"plan", "record", "publish", "settle"}) times_ms[stage].push_back(ms[stage]);
+    times_ms["to_window"].push_back(to_window_ms);
+    times_ms["read_back"].push_back(read_back_ms);
+    times_ms["sum"].push_back(whole_ms + read_back_ms + journal_ms);
   }
 
   // Bricks within reach of the edits that do not hold what they did at first.
@@ -188,29 +235,16 @@ class Session {
   FullRecompute recompute_;
   ScratchFolder folder_;
   std::optional<JournalWriter> journal_;  // in that folder
-  Times times_;
-  std::vector<double> share_outside_, bricks_;
-  std::int64_t edits_ = 0, published_ = 0;
+  EditFigures figures_;
 };
-
-const BenchRow* editRow(const BenchResult& result, int size, const std::string& gradients, double radius) {
-  for (const BenchRow& row : result.rows) {
-    if (textOf(row, "part") == "edit" && textOf(row, "gradients") == gradients &&
-        figureOf(row, "volume_voxel") == size && figureOf(row, "radius_voxel") == radius) {
-      return &row;
-    }
-  }
-  return nullptr;
-}
 
 class EditBench {
  public:
   EditBench(const EditBenchRequest& request, Progress& progress) : request_(request), progress_(progress) {
     for (const int size : request.sizes) open(size, false);
     open(request.all_size, true);
-    result_.bench = "edit";
-    result_.machine = machineInWords();
-    result_.vulkan_device = fmt::format("{}, {}", sessions_[0]->gpu().name, sessions_[0]->gpu().driver);
+    const gpu::GpuInfo& gpu = sessions_[0]->gpu();
+    result_ = beginBench("edit", fmt::format("{}, {}", gpu.name, gpu.driver));
   }
 
   BenchResult run() {
@@ -269,45 +303,65 @@ class EditBench {
 };
 
 void EditBench::addTargets() {
-  const auto figure = [&](int size, const char* gradients, const char* key) {
-    const BenchRow* row = editRow(result_, size, gradients, kTargetRadius_voxel);
-    return row == nullptr ? std::nan("") : figureOf(*row, key);
-  };
-  const auto has = [&](int size) {
-    return std::find(request_.sizes.begin(), request_.sizes.end(), size) != request_.sizes.end();
-  };
   if (std::find(request_.radii.begin(), request_.radii.end(), kTargetRadius_voxel) == request_.radii.end()) {
     return result_.note("no targets: radius 8 was left out");
   }
+  const auto like = [](int size, const char* gradients) {
+    return BenchRow{
+        {"volume_voxel", std::int64_t{size}}, {"gradients", gradients}, {"radius_voxel", kTargetRadius_voxel}};
+  };
+  const auto toWindow_ms = [&](int size) {
+    const BenchRows rows = rowsOf(result_, "edit", like(size, "needed"));
+    return rows.empty() ? std::nan("") : figureOf(*rows.front(), "to_window_median_ms");
+  };
   for (const int size : request_.sizes) {
-    result_.targets.push_back({fmt::format("edit to published window, {}^3, radius 8 voxels, median [ms]", size),
-                               figure(size, "needed", "to_window_median_ms"), 3});
+    result_.targets.push_back(
+        {fmt::format("edit to published window, {}^3, radius 8 voxels, median [ms]", size), toWindow_ms(size), 3});
   }
-  if (has(64) && has(1024)) {
-    const double ratio = figure(1024, "needed", "to_window_median_ms") / figure(64, "needed", "to_window_median_ms");
+  if (const double ratio = toWindow_ms(1024) / toWindow_ms(64); !std::isnan(ratio)) {
     result_.rows.push_back({{"part", "ratio"}, {"edit_1024_over_64", ratio}});
     result_.targets.push_back({"the same, 1024^3 / 64^3 [-]", ratio, 1.2});
   }
-  const int size = request_.all_size;
-  const double share = 1 / figure(size, "all", "recompute_over_edit");
-  result_.targets.push_back({fmt::format("edit / full recompute, {}^3, --gradient all [-]", size), share, 1.0 / 50});
-  double outside = figure(size, "all", "share_outside_kernels");
-  for (const int one : request_.sizes) outside = std::max(outside, figure(one, "needed", "share_outside_kernels"));
-  result_.targets.push_back({"share of an edit outside kernels, radius 8, worst volume [-]", outside, 0.5});
+  const int all = request_.all_size;
+  promise(result_, {.name = fmt::format("edit / full recompute, {}^3, --gradient all [-]", all),
+                    .bound = 1.0 / 50,
+                    .part = "edit",
+                    .like = like(all, "all"),
+                    .keys = {"recompute_over_edit"},
+                    .of = [](const std::vector<double>& values) { return 1 / values.front(); }});
+  promise(result_, {.name = "share of an edit outside kernels, radius 8, worst volume [-]",
+                    .bound = 0.5,
+                    .part = "edit",
+                    .like = {{"radius_voxel", kTargetRadius_voxel}},
+                    .keys = {"share_outside_kernels"},
+                    .of = largestOf});
+}
+
+std::string nameOf(const BenchRow& row) {
+  return fmt::format("{:g}^3{}", figureOf(row, "volume_voxel"), textOf(row, "gradients") == "all" ? " all" : "");
 }
 
 }  // namespace
 
-EditBenchRequest EditBenchRequest::quick() {
-  EditBenchRequest request;
-  request.sizes = {64, 256, 1024};
-  request.radii = {4, 8, 16};
-  request.repetitions = 40;
-  return request;
-}
-
 BenchResult runEditBench(const EditBenchRequest& request, Progress& progress) {
   return EditBench(request, progress).run();
+}
+
+std::string editTable(const BenchResult& result) {
+  return tableText(result, {{"edit"}, joined(TableColumns{{"", nameOf, {"volume", "", -10}}}, shown(editColumns()))});
+}
+
+std::string editChart(const BenchResult& result) {
+  std::vector<ChartPanel> panels;
+  for (const BenchRow* row : rowsOf(result, "edit")) {
+    const std::string title = nameOf(*row) + (textOf(*row, "gradients") == "all" ? " gradients" : "");
+    for (const Stage& stage : kStages) {
+      if (*stage.charted == '\0') continue;
+      addPoint(panels, {title, "brush radius [voxel]", "median time [ms]", {}}, stage.charted,
+               {figureOf(*row, "radius_voxel"), figureOf(*row, std::string(stage.key) + "_median_ms")});
+    }
+  }
+  return logChartSvg("One edit, by stage", panels, ChartMarks::kPoints);
 }
 
 }  // namespace palpate

@@ -22,20 +22,19 @@
 namespace palpate {
 
 struct EditBenchRequest {
-  std::vector<int> sizes = {64, 256, 1024, 2048};  // along every edge, multiples of 16 [voxel]
-  std::vector<double> radii = {2, 4, 8, 16, 32};   // [voxel]
-  int all_size = 256;                              // of the volume whose bricks all have gradients [voxel]
-  int repetitions = 120;                           // for each volume and radius
+  std::vector<int> sizes = {};                    // along every edge, multiples of 16 [voxel]
+  std::vector<double> radii = {2, 4, 8, 16, 32};  // [voxel]
+  int all_size = 256;                             // of the volume whose bricks all have gradients [voxel]
+  int repetitions = 120;                          // for each volume and radius
   std::uint64_t seed = 1;
-  std::string gpu;  // part of the Vulkan device's name
+  std::string gpu{};  // part of the Vulkan device's name
 
-  [[nodiscard]] static EditBenchRequest quick();
+  [[nodiscard]] static EditBenchRequest quick() { return {.radii = {4, 8, 16}, .repetitions = 40}; }
 };
 
 [[nodiscard]] BenchResult runEditBench(const EditBenchRequest& request, Progress& progress);
 
-[[nodiscard]] std::string editIntroduction();                    // for the page
-[[nodiscard]] std::string editTable(const BenchResult& result);  // for the terminal
+[[nodiscard]] std::string editTable(const BenchResult& result);
 // Time against radius by stage, a panel a volume.
 [[nodiscard]] std::string editChart(const BenchResult& result);
 

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 
-#include "apps/bench/recovery_rows.hpp"
 #include "base/error.hpp"
 #include "servo/contact/effects.hpp"
 
@@ -15,11 +14,6 @@ ContactEffects makeRecovery() {
   parameters.recovery_s = kRecoveryTime_s;
   return makeContactEffects(parameters, kBenchStiffness_N_per_m, kBenchRate_hz);
 }
-
-const EffectChoice kChoices[] = {
-    {"none", [] { return ContactEffects{}; }},
-    {kRecoveryChoice, makeRecovery},
-};
 
 AlgorithmSetup setupFor(const BenchVolume& volume, int n, ContactEffects effects) {
   return {.parameters = {.isovalue = volume.isovalue(),
@@ -34,17 +28,18 @@ AlgorithmSetup setupFor(const BenchVolume& volume, int n, ContactEffects effects
 
 }  // namespace
 
-std::span<const EffectChoice> effectChoices() {
-  return kChoices;
-}
-
-Entrants makeEntrants(const BenchVolume& volume, const std::vector<int>& renewals) {
+Entrants makeEntrants(const BenchVolume& volume, const std::vector<int>& renewals,
+                      const std::vector<std::string>& effects) {
   Entrants entrants;
   for (const AlgorithmEntry& entry : algorithms()) {
     const std::string name(entry.name);
     try {
       for (const int n : renewals) {
-        entrants.list.push_back({name, n, "none", makeAlgorithm(name, setupFor(volume, n, {})), entry.traits});
+        for (const std::string& choice : effects) {
+          ContactEffects made = choice == kRecoveryChoice ? makeRecovery() : ContactEffects{};
+          entrants.list.push_back(
+              {name, n, choice, makeAlgorithm(name, setupFor(volume, n, std::move(made))), entry.traits});
+        }
       }
     } catch (const Error& error) {
       std::erase_if(entrants.list, [&](const Entrant& entrant) { return entrant.algorithm == name; });
@@ -52,22 +47,6 @@ Entrants makeEntrants(const BenchVolume& volume, const std::vector<int>& renewal
     }
   }
   return entrants;
-}
-
-std::vector<Entrant> makeEntrantsWithEffects(const BenchVolume& volume, int n) {
-  std::vector<Entrant> list;
-  if (effectChoices().size() < 2) return list;
-  for (const AlgorithmEntry& entry : algorithms()) {
-    const std::string name(entry.name);
-    try {
-      for (const EffectChoice& choice : effectChoices()) {
-        list.push_back({name, n, choice.name, makeAlgorithm(name, setupFor(volume, n, choice.make())), entry.traits});
-      }
-    } catch (const Error&) {  // takes no effects
-      std::erase_if(list, [&](const Entrant& entrant) { return entrant.algorithm == name; });
-    }
-  }
-  return list;
 }
 
 }  // namespace palpate

@@ -5,7 +5,6 @@
 #pragma once
 
 #include <memory>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -18,18 +17,13 @@ inline constexpr double kBenchStiffness_N_per_m = 500;
 inline constexpr double kBenchForceLimit_N = 8;  // of the simulated device
 inline constexpr double kBenchRate_hz = 1000;
 
-// Contact effects that are compared with none. A new choice is a row in entrants.cpp.
-struct EffectChoice {
-  std::string name;
-  ContactEffects (*make)();
-};
-// The first is "none".
-[[nodiscard]] std::span<const EffectChoice> effectChoices();
+inline constexpr const char* kRecoveryChoice = "recovery";
+inline constexpr double kRecoveryTime_s = 0.02;
 
 struct Entrant {
   std::string algorithm;
   int n = 1;
-  std::string effects = "none";
+  std::string effects = "none";  // or kRecoveryChoice
   std::unique_ptr<Algorithm> haptic;
   AlgorithmTraits traits = {};
 };
@@ -39,10 +33,9 @@ struct Entrants {
   std::vector<std::string> left_out = {};  // "NAME: why", for algorithms that cannot be made for this volume
 };
 
-// Without effects. No damping (B = 0): the exact force is then K * depth alone, for every algorithm.
-[[nodiscard]] Entrants makeEntrants(const BenchVolume& volume, const std::vector<int>& renewals);
-
-// The algorithms that take them, with each choice of effects, "none" among them. Empty while there is no other choice.
-[[nodiscard]] std::vector<Entrant> makeEntrantsWithEffects(const BenchVolume& volume, int n);
+// No damping (B = 0): the exact force is then K * depth alone, for every algorithm. With each of the `effects`, "none"
+// or kRecoveryChoice; who does not take all of them is left out.
+[[nodiscard]] Entrants makeEntrants(const BenchVolume& volume, const std::vector<int>& renewals,
+                                    const std::vector<std::string>& effects = {"none"});
 
 }  // namespace palpate

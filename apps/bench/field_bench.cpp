@@ -3,14 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 #include <thread>
 
 #include <fmt/format.h>
 
-#include "apps/bench/failure.hpp"
+#include "apps/bench/columns.hpp"
+#include "apps/bench/log_chart.hpp"
 #include "apps/console/interrupt.hpp"
-#include "apps/rivals/itk_rivals.hpp"
 #include "base/quantile.hpp"
 #include "engine/files/volume_file.hpp"
 
@@ -21,15 +20,98 @@ constexpr const char* kOwn = "Palpate";
 constexpr const char* kCopy = "copy";
 constexpr double kNoise = 0.05;  // standard deviation, as a share of the phantom's contrast
 
-}  // namespace
+// What a row tells of one entrant's turns at a job.
+struct FieldRow {
+  std::string job, volume;
+  std::int64_t voxels, threads, seed;
+  const TurnsOutcome* of;
+  const TurnsOutcome* own;  // Palpate's
+  double moved_bytes, copy_bytes_per_ms;
 
-FieldBenchRequest FieldBenchRequest::quick() {
-  FieldBenchRequest request;
-  request.sizes = {64};
-  request.turns.most_rounds = 1;
-  request.copy_bytes = std::size_t{64} << 20U;
-  return request;
+  [[nodiscard]] double wall_ms(double q) const {
+    std::vector<double> sorted = of->wall_ms;
+    std::sort(sorted.begin(), sorted.end());
+    return quantile(sorted, q);
+  }
+  [[nodiscard]] double cpu_ms() const { return median(of->cpu_ms); }
+};
+
+const Columns<FieldRow> kWhoColumns = {{"job", &FieldRow::job},
+                                       {"volume", &FieldRow::volume},
+                                       {"voxels", &FieldRow::voxels},
+                                       {"library", [](const FieldRow& row) { return row.of->library; }},
+                                       {"way", [](const FieldRow& row) { return row.of->way; }}};
+const Columns<FieldRow> kTimesColumns = {
+    {"threads_allowed", &FieldRow::threads},
+    {"rounds", [](const FieldRow& row) { return static_cast<std::int64_t>(row.of->wall_ms.size()); }, {"runs", "", 5}},
+    {"median_ms", [](const FieldRow& row) { return row.wall_ms(0.5); }, {"median ms", "", 9, 1}},
+    {"min_ms", [](const FieldRow& row) { return row.wall_ms(0); }},
+    {"lower_quartile_ms", [](const FieldRow& row) { return row.wall_ms(0.25); }, {"1st quart", "", 9, 1}},
+    {"upper_quartile_ms", [](const FieldRow& row) { return row.wall_ms(0.75); }, {"3rd quart", "", 9, 1}},
+    {"cpu_median_ms", [](const FieldRow& row) { return row.cpu_ms(); }, {"cpu ms", "", 9, 1}},
+    {"processors_busy", [](const FieldRow& row) { return row.cpu_ms() / row.wall_ms(0.5); }}};
+const Columns<FieldRow> kMovedColumns = {
+    {"moved_MB", [](const FieldRow& row) { return row.moved_bytes * 1e-6; }},
+    {"moved_GB_per_s", [](const FieldRow& row) { return row.moved_bytes / row.wall_ms(0.5) * 1e-6; }},
+    {"share_of_copy",
+     [](const FieldRow& row) { return row.moved_bytes / row.wall_ms(0.5) / row.copy_bytes_per_ms; },
+     {"of copy", "", 7, 3}}};
+const Columns<FieldRow> kPaceColumns = {
+    {"ns_per_voxel",
+     [](const FieldRow& row) { return 1e6 * row.wall_ms(0.5) / static_cast<double>(row.voxels); },
+     {"ns/voxel", "", 8, 2}}};
+const Columns<FieldRow> kAgainstColumns = {
+    {"palpate_over_this",
+     [](const FieldRow& row) { return median(row.own->wall_ms) / row.wall_ms(0.5); },
+     {"Palpate/this", "", 12, 2}},
+    {"palpate_over_this_cpu",
+     [](const FieldRow& row) { return row.cpu_ms() > 0 ? median(row.own->cpu_ms) / row.cpu_ms() : std::nan(""); },
+     {"by cpu", "", 7, 2}}};
+
+void addRow(BenchResult& result, const FieldRow& of) {
+  const bool measured = !of.of->wall_ms.empty();
+  BenchRow& row = result.rows.emplace_back(BenchRow{{"part", measured ? "run" : "left out"}});
+  addFigures(row, kWhoColumns, of);
+  if (!measured) {
+    row.emplace_back("why", of.of->left_out);
+    return;
+  }
+  addFigures(row, kTimesColumns, of);
+  if (of.moved_bytes > 0) addFigures(row, kMovedColumns, of);
+  if (of.of->library != kCopy) addFigures(row, kPaceColumns, of);
+  if (of.of->library != kCopy && !of.own->wall_ms.empty()) addFigures(row, kAgainstColumns, of);
+  row.emplace_back("seed", of.seed);
 }
+
+// Who, and why there are no figures.
+BenchFigure whoInTable(const BenchRow& row) {
+  const std::string who = fmt::format("{:<8} {}", textOf(row, "library"), textOf(row, "way"));
+  return textOf(row, "part") == "run" ? who : fmt::format("{:<73} left out: {}", who, textOf(row, "why"));
+}
+
+BenchFigure movedInTable(const BenchRow& row) {
+  constexpr double kMiBPerMB = 1e6 / (1 << 20);
+  if (findFigure(row, "moved_MB") == nullptr) return "";
+  return kMiBPerMB * figureOf(row, "moved_MB");
+}
+
+std::string fieldChart(const BenchResult& result, const std::string& title, const std::vector<std::string>& jobs) {
+  std::vector<ChartPanel> panels;
+  for (const std::string& job : jobs) {
+    for (const BenchRow* row : rowsOf(result, "run", {{"job", job}})) {
+      if (findFigure(*row, "ns_per_voxel") == nullptr) continue;
+      const double voxels = figureOf(*row, "voxels"), ns = figureOf(*row, "ns_per_voxel");
+      const std::string library = textOf(*row, "library");
+      const BenchRows ways = rowsOf(result, "run", {{"job", job}, {"library", library}, {"voxels", voxels}});
+      const auto faster = [&](const BenchRow* way) { return figureOf(*way, "ns_per_voxel") < ns; };
+      if (std::any_of(ways.begin(), ways.end(), faster)) continue;
+      addPoint(panels, {job, "edge [voxel]", "time [ns a voxel]", {}}, library, {std::cbrt(voxels), ns});
+    }
+  }
+  return logChartSvg(title, panels, ChartMarks::kPoints);
+}
+
+}  // namespace
 
 std::string noisyName(int size) {
   return fmt::format("{}^3", size);
@@ -44,9 +126,7 @@ FieldBench::FieldBench(const std::string& bench, const FieldBenchRequest& reques
       copy_(gpu_, request.copy_bytes, threads_),
       python_(threads_, request.python),
       turns_(request.turns) {
-  result_.bench = bench;
-  result_.machine = machineInWords();
-  result_.vulkan_device = fmt::format("{}, {}", gpu_.info().name, gpu_.info().driver);
+  result_ = beginBench(bench, fmt::format("{}, {}", gpu_.info().name, gpu_.info().driver));
   for (const MissingRival& missing : python_.missing()) {
     result_.note(fmt::format("no comparison with {}: {}", missing.library, missing.why));
   }
@@ -55,12 +135,13 @@ FieldBench::FieldBench(const std::string& bench, const FieldBenchRequest& reques
 void FieldBench::open(const std::string& name, Volume volume) {
   name_ = name;
   pool_.reset();
-  openvdb_.reset();
+  openvdb_.reset();  // its grid is as large
   volume_.emplace(std::move(volume));
   throwIfInterrupted("palpate bench " + result_.bench);
   pool_.emplace(gpu_, transfer_, *volume_);
   dense_ = volume_->toDense();
   field_ = {volume_->size(), volume_->lattice().spacing_m, dense_};
+  openvdb_.emplace(field_, threads_);
   if (const std::optional<std::string> why = python_.load(field_)) {
     result_.note(fmt::format("no comparison with SciPy and VTK from {} on: {}", name_, *why));
   }
@@ -97,11 +178,7 @@ std::vector<Rival> FieldBench::rivalsOf(const std::string& job) {
   };
   append("ITK", [&] { return itkRivals(job, field_, threads_); });
   append("SciPy and VTK", [&] { return python_.rivalsOf(job); });
-  append("OpenVDB", [&] {
-    if (!OpenVdbRivals::hasAny(job)) return std::vector<Rival>();
-    if (!openvdb_) openvdb_ = std::make_unique<OpenVdbRivals>(field_, threads_);
-    return openvdb_->rivalsOf(job);
-  });
+  append("OpenVDB", [&] { return openvdb_->rivalsOf(job); });
   return rivals;
 }
 
@@ -118,63 +195,51 @@ void FieldBench::measure(const std::string& job, const std::string& rivals_job, 
   const double copy_bytes_per_ms = copy_ms > 0 ? copy_.movedBytes() / copy_ms : std::nan("");
   for (std::size_t n = 0; n < outcomes.size(); ++n) {
     const double moved = n < own.size() ? own[n].moved_bytes : n + 1 == outcomes.size() ? copy_.movedBytes() : 0;
-    addRow(job, outcomes[n], outcomes[0], moved, copy_bytes_per_ms);
+    addRow(result_, {job, name_, static_cast<std::int64_t>(field_.densities.size()), std::int64_t{threads_},
+                     static_cast<std::int64_t>(request_.seed), &outcomes[n], &outcomes[0], moved, copy_bytes_per_ms});
   }
-}
-
-void FieldBench::addRow(const std::string& job, const TurnsOutcome& outcome, const TurnsOutcome& own,
-                        double moved_bytes, double copy_bytes_per_ms) {
-  const auto voxels = static_cast<double>(field_.densities.size());
-  BenchRow row = {{"part", outcome.wall_ms.empty() ? "left out" : "run"},
-                  {"job", job},
-                  {"volume", name_},
-                  {"voxels", static_cast<std::int64_t>(field_.densities.size())},
-                  {"library", outcome.library},
-                  {"way", outcome.way}};
-  if (outcome.wall_ms.empty()) {
-    row.push_back({"why", outcome.left_out});
-    result_.rows.push_back(std::move(row));
-    return;
-  }
-  std::vector<double> sorted = outcome.wall_ms;
-  std::sort(sorted.begin(), sorted.end());
-  const double median_ms = quantile(sorted, 0.5), cpu_ms = median(outcome.cpu_ms);
-  row.push_back({"threads_allowed", std::int64_t{threads_}});
-  row.push_back({"rounds", static_cast<std::int64_t>(sorted.size())});
-  row.push_back({"median_ms", median_ms});
-  row.push_back({"min_ms", sorted.front()});
-  row.push_back({"lower_quartile_ms", quantile(sorted, 0.25)});
-  row.push_back({"upper_quartile_ms", quantile(sorted, 0.75)});
-  row.push_back({"cpu_median_ms", cpu_ms});
-  row.push_back({"processors_busy", cpu_ms / median_ms});
-  if (moved_bytes > 0) {
-    row.push_back({"moved_MB", moved_bytes * 1e-6});
-    row.push_back({"moved_GB_per_s", moved_bytes / median_ms * 1e-6});
-    row.push_back({"share_of_copy", moved_bytes / median_ms / copy_bytes_per_ms});
-  }
-  if (outcome.library != kCopy) {
-    row.push_back({"ns_per_voxel", 1e6 * median_ms / voxels});
-    if (!own.wall_ms.empty()) {
-      row.push_back({"palpate_over_this", median(own.wall_ms) / median_ms});
-      row.push_back({"palpate_over_this_cpu", cpu_ms > 0 ? median(own.cpu_ms) / cpu_ms : std::nan("")});
-    }
-  }
-  row.push_back({"seed", static_cast<std::int64_t>(request_.seed)});
-  result_.rows.push_back(std::move(row));
 }
 
 void FieldBench::promise(const std::string& job, const std::string& name, const std::string& library, double bound) {
-  double ratio = 0;  // to the fastest of the library
-  for (const BenchRow& row : result_.rows) {
-    if (textOf(row, "part") != "run" || textOf(row, "job") != job || textOf(row, "volume") != name) continue;
-    if (textOf(row, "library") == library) ratio = std::max(ratio, figureOf(row, "palpate_over_this"));
-  }
   const std::string words = fmt::format("{}, {}: Palpate / {} [-]", job, name, library);
-  if (ratio > 0) {
-    result_.targets.push_back({words, ratio, bound});
-  } else {
+  const BenchRow like = {{"job", job}, {"volume", name}, {"library", library}};
+  const BenchRows rows = rowsOf(result_, "run", like);
+  const auto compared = [](const BenchRow* row) { return findFigure(*row, "palpate_over_this") != nullptr; };
+  if (rows.empty() || !std::all_of(rows.begin(), rows.end(), compared)) {
     result_.note(fmt::format("no target '{}': one of the two was not measured", words));
+  } else {  // to the fastest of the library
+    palpate::promise(result_, {words, bound, "run", like, {"palpate_over_this"}, largestOf});
   }
+}
+
+void FieldBench::promise(const std::vector<FieldPromise>& promises, const std::string& words) {
+  bool any = false;
+  for (const auto& [job, library, size, bound] : promises) {
+    if (std::find(request_.sizes.begin(), request_.sizes.end(), size) == request_.sizes.end()) continue;
+    promise(job, noisyName(size), library, bound);
+    any = true;
+  }
+  if (!any) result_.note(fmt::format("{}: {} was left out", words, noisyName(promises.front().size)));
+}
+
+std::string fieldTable(const BenchResult& result) {
+  const auto title = [](const BenchRow& row) {
+    return fmt::format("{}, {}", textOf(row, "job"), textOf(row, "volume"));
+  };
+  return tableText(result, {{"run", "left out"},
+                            joined(TableColumns{{"", whoInTable, {"", "", -73}}}, shown(kTimesColumns),
+                                   shown(kPaceColumns), TableColumns{{"", movedInTable, {"moved MiB", "", 9, 1}}},
+                                   shown(kMovedColumns), shown(kAgainstColumns)),
+                            title});
+}
+
+std::string filterChart(const BenchResult& result) {
+  return fieldChart(result, "Filters", {"gaussian:1.5", "median:1", "close:1", "diffuse:5:kappa=200"});
+}
+
+std::string gradientChart(const BenchResult& result) {
+  return fieldChart(result, "Gradients",
+                    {"gradient central", "gradient sobel", "gradient central4", "gradient gaussian:1.5"});
 }
 
 }  // namespace palpate

@@ -2,6 +2,10 @@
 // apps/bench/flat_volume.hpp: what the edit bench edits: the same surface in volumes of any size. Any thread.
 #pragma once
 
+#include <algorithm>
+
+#include <fmt/format.h>
+
 #include "engine/field/volume.hpp"
 
 namespace palpate::flat_volume {
@@ -10,11 +14,28 @@ inline constexpr double kIsovalue = 0.5;
 inline constexpr double kSpacing_m = 1e-3;
 inline constexpr double kPlane_voxel = 3.5;  // above the middle: in the middle of a layer of bricks
 
+// One brick of it: 512 values, or the first alone where it returns true.
+inline bool brick(int size, const Vec3i& brick, float* values) {
+  constexpr double kRamp_voxel = 4;
+  const double surface = size / 2 + kPlane_voxel;
+  const auto at = [&](int k) {
+    return static_cast<float>(std::clamp(0.5 + (surface - brick.z() * kBrickSize - k) / kRamp_voxel, 0.0, 1.0));
+  };
+  values[0] = at(0);
+  if (at(0) == at(kBrickSize - 1)) return true;
+  for (int n = 0; n < kBrickVoxels; ++n) values[n] = at(n / (kBrickSize * kBrickSize));
+  return false;
+}
+
 // A cube of 1 mm voxels, density 1 below the plane z = size / 2 + 3.5 voxels, 0 above, a ramp of four voxels between
 // them. It lies in one layer of bricks; all others are constant.
-[[nodiscard]] Volume make(int size);
-
-// One brick of it: 512 values, or the first alone where it returns true.
-bool brick(int size, const Vec3i& brick, float* values);
+[[nodiscard]] inline Volume make(int size) {
+  Lattice lattice;
+  lattice.spacing_m = Vec3::Constant(kSpacing_m);
+  VolumeFacts facts;
+  facts.source = fmt::format("a plane in {0} x {0} x {0} voxels", size);
+  return Volume::fromBricks(Vec3i::Constant(size), lattice, std::move(facts),
+                            [size](const Vec3i& at, float* values) { return brick(size, at, values); });
+}
 
 }  // namespace palpate::flat_volume

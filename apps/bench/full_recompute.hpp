@@ -7,27 +7,52 @@
 #include <string>
 #include <vector>
 
+#include "base/stopwatch.hpp"
+#include "engine/bricks/active_bricks.hpp"
 #include "engine/field/volume.hpp"
 #include "engine/passes/brick_bounds_pass.hpp"
 #include "engine/passes/brick_pool.hpp"
+#include "engine/passes/gpu_budget.hpp"
 #include "engine/passes/gradient_pass.hpp"
 #include "engine/passes/sample_store.hpp"
 #include "engine/passes/window_pass.hpp"
+#include "engine/service/engine.hpp"
+#include "servo/window/sample_window.hpp"
 
 namespace palpate {
 
 class FullRecompute {
  public:
   // The first run, unmeasured, is in here.
-  FullRecompute(const Volume& volume, double isovalue, bool all_gradients, const std::string& gpu);
+  FullRecompute(const Volume& volume, double isovalue, bool all_gradients, const std::string& gpu)
+      : isovalue_(static_cast<float>(isovalue)),
+        all_(all_gradients),
+        gpu_(gpu::GpuRequest{.name = gpu}),
+        transfer_(gpu_),
+        pool_(gpu_, transfer_, volume, makeGpuBudget()),
+        bounds_(gpu_, pool_),
+        store_(gpu_, pool_.brickCount(), bricks(), pool_.budget()),
+        gradient_(gpu_, transfer_, pool_, store_),
+        window_(gpu_, pool_, store_),
+        box_(windowAround((pool_.size() / 2).cast<double>(), pool_.size())),
+        buffer_(gpu_, "window", static_cast<std::size_t>(box_.size.prod()) * sizeof(Sample), gpu::MemoryKind::kHost) {
+    static_cast<void>(run_ms());
+  }
 
-  void run();
-  [[nodiscard]] const std::vector<double>& times_ms() const noexcept { return times_ms_; }
-  void forget() { times_ms_.clear(); }
+  [[nodiscard]] double run_ms() {
+    const Stopwatch watch;
+    static_cast<void>(bricks());  // found each time, as after an edit that may have changed any
+    gradient_.run();
+    window_.run(box_, buffer_);
+    return 1e3 * watch.seconds();
+  }
 
  private:
-  void compute();
-  [[nodiscard]] std::vector<std::uint32_t> bricks();  // that have samples
+  [[nodiscard]] std::vector<std::uint32_t> bricks() {  // that have samples
+    bounds_.run();
+    if (all_) return allBricks(pool_.grid());
+    return activeBricks(bounds_.read(transfer_), pool_.grid(), isovalue_);
+  }
 
   float isovalue_;
   bool all_;
@@ -40,7 +65,6 @@ class FullRecompute {
   WindowPass window_;
   WindowBox box_;
   gpu::Buffer buffer_;
-  std::vector<double> times_ms_;
 };
 
 }  // namespace palpate

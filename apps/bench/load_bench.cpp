@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/bench/load_bench.hpp"
 
-#include <cstdlib>
 #include <filesystem>
 #include <optional>
 
 #include <fmt/format.h>
 
+#include "apps/bench/columns.hpp"
 #include "apps/bench/log_chart.hpp"
 #include "apps/bench/random.hpp"
-#include "apps/bench/scratch_folder.hpp"
 #include "apps/console/interrupt.hpp"
+#include "apps/rivals/scratch_folder.hpp"
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
 #include "base/quantile.hpp"
@@ -42,8 +42,32 @@ double secondsOf(const Work& work) {
   return watch.seconds();
 }
 
-void addFormat(const LoadBenchRequest& request, const std::string& file, const std::string& suffix, Progress& progress,
-               BenchResult& result) {
+struct LoadRow {
+  std::string format;
+  std::int64_t size, file_bytes, repetitions;
+  Percentiles library_s, load_s;
+  double first_load_s;
+  std::int64_t seed;
+};
+
+const Columns<LoadRow>& loadColumns() {
+  static const Columns<LoadRow> kColumns = {
+      {"format", &LoadRow::format, {"format", "", -8}},
+      {"volume_voxel", &LoadRow::size, {"edge", "voxel", 6}},
+      {"file_bytes", &LoadRow::file_bytes},
+      {"repetitions", &LoadRow::repetitions},
+      {"library_median_s", [](const LoadRow& row) { return row.library_s.p50; }, {"library", "s", 10, 3}},
+      {"library_max_s", [](const LoadRow& row) { return row.library_s.max; }},
+      {"load_median_s", [](const LoadRow& row) { return row.load_s.p50; }, {"load", "s", 9, 3}},
+      {"load_max_s", [](const LoadRow& row) { return row.load_s.max; }},
+      {"load_first_s", &LoadRow::first_load_s, {"first", "s", 9, 3}},
+      {"load_over_library", [](const LoadRow& row) { return row.load_s.p50 / row.library_s.p50; }, {"ratio", "", 8, 2}},
+      {"seed", &LoadRow::seed}};
+  return kColumns;
+}
+
+void addFormat(const LoadBenchRequest& request, int size, const std::string& file, const std::string& suffix,
+               Progress& progress, BenchResult& result) {
   std::vector<double> library_s, load_s;
   const auto library = [&] { library_s.push_back(secondsOf([&] { static_cast<void>(readWithLibraryAlone(file)); })); };
   const auto load = [&] {
@@ -57,82 +81,47 @@ void addFormat(const LoadBenchRequest& request, const std::string& file, const s
     n % 2 == 0 ? library() : load();
     n % 2 == 0 ? load() : library();
   }
-  const double first_load_s = load_s.front();
-  const Percentiles library_p = percentiles(library_s), load_p = percentiles(load_s);
-  const double ratio = load_p.p50 / library_p.p50;
-  result.rows.push_back({{"part", "load"},
-                         {"format", suffix},
-                         {"volume_voxel", std::int64_t{request.size}},
-                         {"file_bytes", static_cast<std::int64_t>(std::filesystem::file_size(file))},
-                         {"repetitions", std::int64_t{request.repetitions}},
-                         {"library_median_s", library_p.p50},
-                         {"library_max_s", library_p.max},
-                         {"load_median_s", load_p.p50},
-                         {"load_max_s", load_p.max},
-                         {"load_first_s", first_load_s},
-                         {"load_over_library", ratio},
-                         {"seed", static_cast<std::int64_t>(request.seed)}});
-  result.targets.push_back(
-      {fmt::format("load / library alone, {}^3 {} [-]", request.size, suffix), ratio, kMostOverLibrary});
+  BenchRow& row = result.rows.emplace_back(BenchRow{{"part", "load"}});
+  addFigures(row, loadColumns(),
+             {suffix, size, static_cast<std::int64_t>(std::filesystem::file_size(file)), request.repetitions,
+              percentiles(library_s), percentiles(load_s), load_s.front(), static_cast<std::int64_t>(request.seed)});
+  result.targets.push_back({fmt::format("load / library alone, {}^3 {} [-]", size, suffix),
+                            figureOf(row, "load_over_library"), kMostOverLibrary});
 }
 
 }  // namespace
 
-LoadBenchRequest LoadBenchRequest::quick() {
-  LoadBenchRequest request;
-  request.size = 256;
-  request.repetitions = 5;
-  return request;
-}
-
 BenchResult runLoadBench(const LoadBenchRequest& request, Progress& progress) {
-  BenchResult result;
-  result.bench = "load";
-  result.machine = machineInWords();
-  for (const std::string& suffix : request.suffixes) {
-    const ScratchFolder folder;
-    const std::string file = (folder.path() / ("a" + suffix)).string();
-    progress.stage("writing " + file);
-    {
-      AtomicFile out(file);
-      writeVolume(randomVolume(request.size, request.seed), file, {}, [&](std::string_view bytes) {
-        throwIfInterrupted(kLoadBench);
-        out.write(bytes);
-      });
-      out.commit();
+  BenchResult result = beginBench("load");
+  for (const int size : request.sizes) {
+    for (const std::string& suffix : request.suffixes) {
+      const ScratchFolder folder;
+      const std::string file = (folder.path() / ("a" + suffix)).string();
+      progress.stage("writing " + file);
+      {
+        AtomicFile out(file);
+        writeVolume(randomVolume(size, request.seed), file, {}, [&](std::string_view bytes) {
+          throwIfInterrupted(kLoadBench);
+          out.write(bytes);
+        });
+        out.commit();
+      }
+      progress.stage("loading " + file);
+      addFormat(request, size, file, suffix, progress, result);
     }
-    progress.stage("loading " + file);
-    addFormat(request, file, suffix, progress, result);
   }
   return result;
 }
 
-std::string loadIntroduction() {
-  return "A file of random floats read from the system's cache: by its format's library alone (ITK into plain memory, "
-         "OpenVDB into its grid), and by Palpate into its bricks. Both in turns, in one process; medians. `first` is "
-         "the first load, which meets memory that the process never had. Values that lie in a file as they lie in "
-         "memory go from the file into the bricks; what is packed is unpacked first.";
-}
-
 std::string loadTable(const BenchResult& result) {
-  std::string text = fmt::format("{:<8} {:>6}  {:>9} {:>9} {:>9}  {:>7}\n", "format", "voxels", "library s", "load s",
-                                 "first s", "ratio");
-  for (const BenchRow& row : result.rows) {
-    if (textOf(row, "part") != "load") continue;
-    text +=
-        fmt::format("{:<8} {:>4g}^3  {:>9.3f} {:>9.3f} {:>9.3f}  {:>7.2f}\n", textOf(row, "format"),
-                    figureOf(row, "volume_voxel"), figureOf(row, "library_median_s"), figureOf(row, "load_median_s"),
-                    figureOf(row, "load_first_s"), figureOf(row, "load_over_library"));
-  }
-  return text;
+  return tableText(result, {{"load"}, shown(loadColumns())});
 }
 
 std::string loadChart(const BenchResult& result) {
   ChartPanel panel{"median times", "library alone [s]", "load [s]", {}};
-  for (const BenchRow& row : result.rows) {
-    if (textOf(row, "part") != "load") continue;
+  for (const BenchRow* row : rowsOf(result, "load")) {
     panel.series.push_back(
-        {textOf(row, "format"), {{figureOf(row, "library_median_s"), figureOf(row, "load_median_s")}}});
+        {textOf(*row, "format"), {{figureOf(*row, "library_median_s"), figureOf(*row, "load_median_s")}}});
   }
   return logChartSvg("Loading", {panel}, ChartMarks::kPoints);
 }

@@ -17,18 +17,17 @@
 namespace palpate {
 
 struct LoadBenchRequest {
-  int size = 512;  // along every edge [voxel]
+  std::vector<int> sizes = {};  // along every edge [voxel]
   std::vector<std::string> suffixes = {".nrrd", ".mha", ".nii", ".nii.gz", ".vdb"};
   int repetitions = 9;
   std::uint64_t seed = 1;
 
-  [[nodiscard]] static LoadBenchRequest quick();
+  [[nodiscard]] static LoadBenchRequest quick() { return {.repetitions = 5}; }
 };
 
 [[nodiscard]] BenchResult runLoadBench(const LoadBenchRequest& request, Progress& progress);
 
-[[nodiscard]] std::string loadIntroduction();                    // for the page
-[[nodiscard]] std::string loadTable(const BenchResult& result);  // for the terminal
+[[nodiscard]] std::string loadTable(const BenchResult& result);
 [[nodiscard]] std::string loadChart(const BenchResult& result);  // load against library, a point a format
 
 }  // namespace palpate

@@ -161,6 +161,14 @@ std::string labelsSvg(const ChartPanel& panel, const std::vector<std::string>& n
 
 }  // namespace
 
+void addPoint(std::vector<ChartPanel>& panels, const ChartPanel& panel, const std::string& series, ChartPoint point) {
+  auto at = std::find_if(panels.begin(), panels.end(), [&](const ChartPanel& p) { return p.title == panel.title; });
+  if (at == panels.end()) at = panels.insert(at, panel);
+  auto line = std::find_if(at->series.begin(), at->series.end(), [&](const auto& s) { return s.name == series; });
+  if (line == at->series.end()) line = at->series.insert(line, {series, {}});
+  line->points.push_back(std::move(point));
+}
+
 std::string logChartSvg(const std::string& title, const std::vector<ChartPanel>& panels, ChartMarks marks) {
   std::vector<std::string> names;
   for (const ChartPanel& panel : panels) {

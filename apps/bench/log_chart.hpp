@@ -28,6 +28,9 @@ struct ChartPanel {
 
 enum class ChartMarks { kPoints, kLine };
 
+// Adds a point to a series of the panel with this title, which are made, and stay in order, as they come.
+void addPoint(std::vector<ChartPanel>& panels, const ChartPanel& panel, const std::string& series, ChartPoint point);
+
 [[nodiscard]] std::string logChartSvg(const std::string& title, const std::vector<ChartPanel>& panels,
                                       ChartMarks marks);
 

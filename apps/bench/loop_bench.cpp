@@ -11,10 +11,11 @@
 
 #include <fmt/format.h>
 
+#include "apps/bench/columns.hpp"
 #include "apps/bench/contact_path.hpp"
-#include "apps/bench/cyclictest.hpp"
 #include "apps/bench/entrants.hpp"
 #include "apps/bench/lateness.hpp"
+#include "apps/bench/log_chart.hpp"
 #include "apps/console/interrupt.hpp"
 #include "engine/service/engine_thread.hpp"
 #include "servo/devices/registry.hpp"
@@ -34,8 +35,9 @@ constexpr std::array<std::int64_t, 26> kEdges_us = {0,    1,    2,    3,    5,  
 
 // What all turns of one side at one rate add up to.
 struct Side {
-  LatenessCounts lateness;
-  std::vector<double> p99_of_turn_us;
+  double rate_hz = 0;
+  LatenessCounts lateness{};
+  std::vector<double> p99_of_turn_us{};
 
   void add(const LatenessCounts& turn) {
     lateness.add(turn);
@@ -43,11 +45,61 @@ struct Side {
   }
 };
 
-struct LoopSide {
-  Side side;
-  std::vector<double> tick_cost_us, window_age_ms, plane_age_ticks, exact_lateness_us;
+struct LoopSide : Side {
+  std::vector<double> exact_lateness_us, tick_cost_us, window_age_ms, plane_age_ticks;
   std::int64_t skipped = 0, overruns = 0, windows = 0;
 };
+
+Column<Side> lateness(const char* word, double q, const Look& look) {
+  return {fmt::format("lateness_{}_us", word), [q](const Side& side) { return side.lateness.quantile_us(q); }, look};
+}
+
+Column<Side> quantileOfTurns(const char* word, double q) {
+  return {fmt::format("turn_p99_{}_us", word), [q](const Side& side) {
+            std::vector<double> p99 = side.p99_of_turn_us;
+            std::sort(p99.begin(), p99.end());
+            return quantile(p99, q);
+          }};
+}
+
+const Columns<Side>& sideColumns() {
+  static const Columns<Side> kColumns = {
+      {"rate_hz", &Side::rate_hz, {"rate", "Hz", 7}},
+      {"wakeups", [](const Side& side) { return side.lateness.total(); }, {"wake-ups", "", 9}},
+      lateness("median", 0.5, {"median", "us", 8}),
+      lateness("p90", 0.9, {"p90", "us", 7}),
+      lateness("p99", 0.99, {"p99", "us", 7}),
+      lateness("p999", 0.999, {"p99.9", "us", 8}),
+      lateness("max", 1, {"max", "us", 8}),
+      quantileOfTurns("quartile_1", 0.25),
+      quantileOfTurns("median", 0.5),
+      quantileOfTurns("quartile_3", 0.75),
+      {"deadline_misses", [](const Side& side) { return side.lateness.misses(side.rate_hz); }, {"misses", "", 8}}};
+  return kColumns;
+}
+
+Columns<LoopSide> percentilesOf(const char* name, const char* unit, std::vector<double> LoopSide::*values,
+                                const Look& p50 = {}, const Look& p99 = {}) {
+  return percentileColumns<LoopSide>(name, unit, [values](const LoopSide& side) { return percentiles(side.*values); },
+                                     {{"median", &Percentiles::p50, p50},
+                                      {"p99", &Percentiles::p99, p99},
+                                      {"p999", &Percentiles::p999},
+                                      {"max", &Percentiles::max}});
+}
+
+// Behind those of both sides.
+const Columns<LoopSide>& loopColumns() {
+  static const Columns<LoopSide> kColumns = joined(
+      Columns<LoopSide>{
+          {"overrun_ticks", &LoopSide::overruns},
+          {"skipped_ticks", &LoopSide::skipped},
+          {"windows_published", &LoopSide::windows},
+          {"lateness_exact_p99_us", [](const LoopSide& side) { return percentiles(side.exact_lateness_us).p99; }}},
+      percentilesOf("tick_cost", "us", &LoopSide::tick_cost_us, {"cost p50", "us", 10, 2}, {"cost p99", "us", 9, 2}),
+      percentilesOf("window_age", "ms", &LoopSide::window_age_ms),
+      percentilesOf("plane_age", "ticks", &LoopSide::plane_age_ticks));
+  return kColumns;
+}
 
 SampledPath asPath(const ContactPath& way) {
   std::vector<double> times_s;
@@ -79,41 +131,16 @@ class Feeder {
   std::jthread thread_;  // last: it uses the flag; joined first
 };
 
-BenchRow latenessRow(const char* part, double rate_hz, const Side& side) {
-  std::vector<double> p99 = side.p99_of_turn_us;
-  std::sort(p99.begin(), p99.end());
-  const LatenessCounts& l = side.lateness;
-  return {{"part", part},
-          {"rate_hz", rate_hz},
-          {"wakeups", l.total()},
-          {"lateness_median_us", l.quantile_us(0.5)},
-          {"lateness_p90_us", l.quantile_us(0.9)},
-          {"lateness_p99_us", l.quantile_us(0.99)},
-          {"lateness_p999_us", l.quantile_us(0.999)},
-          {"lateness_max_us", l.quantile_us(1)},
-          {"turn_p99_quartile_1_us", quantile(p99, 0.25)},
-          {"turn_p99_median_us", quantile(p99, 0.5)},
-          {"turn_p99_quartile_3_us", quantile(p99, 0.75)},
-          {"deadline_misses", l.misses(rate_hz)}};
-}
-
-void addPercentiles(BenchRow& row, const std::string& name, const std::string& unit, std::vector<double> values) {
-  const Percentiles p = percentiles(std::move(values));
-  row.push_back({name + "_median_" + unit, p.p50});
-  row.push_back({name + "_p99_" + unit, p.p99});
-  row.push_back({name + "_p999_" + unit, p.p999});
-  row.push_back({name + "_max_" + unit, p.max});
-}
-
-void addHistogram(BenchResult& result, const char* side, double rate_hz, const LatenessCounts& lateness) {
+void addHistogram(BenchResult& result, const char* name, const Side& side) {
+  const LatenessCounts& lateness = side.lateness;
   for (std::size_t i = 0; i < kEdges_us.size(); ++i) {
     const std::int64_t end_us = i + 1 < kEdges_us.size() ? kEdges_us[i + 1] : LatenessCounts::kOverflow_us;
     const std::int64_t later = i + 1 < kEdges_us.size() ? lateness.atLeast(end_us) : 0;
     const std::int64_t count = lateness.atLeast(kEdges_us[i]) - later;
     if (count == 0) continue;
     result.rows.push_back({{"part", "histogram"},
-                           {"side", side},
-                           {"rate_hz", rate_hz},
+                           {"side", name},
+                           {"rate_hz", side.rate_hz},
                            {"lateness_from_us", kEdges_us[i]},
                            {"lateness_to_us", end_us},
                            {"wakeups", count},
@@ -125,9 +152,7 @@ class LoopBench {
  public:
   LoopBench(const LoopBenchRequest& request, Progress& progress)
       : request_(request), progress_(progress), volume_(request.volume), path_(makePath()), engine_(makeEngine()) {
-    result_.bench = "loop";
-    result_.machine = machineInWords();
-    result_.vulkan_device = fmt::format("{}, {}", engine_->gpu().name, engine_->gpu().driver);
+    result_ = beginBench("loop", fmt::format("{}, {}", engine_->gpu().name, engine_->gpu().driver));
   }
 
   BenchResult run() {
@@ -152,6 +177,7 @@ class LoopBench {
     progress_.stage(fmt::format("loop and cyclictest at {:g} Hz", rate_hz));
     LoopSide loop;
     Side cyclic;
+    loop.rate_hz = cyclic.rate_hz = rate_hz;
     for (int turn = 0; turn < turns; ++turn) {
       progress_.fraction(static_cast<double>(turn) / turns);
       // A B, B A, A B ...: a load that grows or falls meets both alike.
@@ -159,7 +185,7 @@ class LoopBench {
       cyclicTurn(rate_hz, cyclic);
       if (turn % 2 == 1) loopTurn(rate_hz, loop);
     }
-    addRows(rate_hz, loop, cyclic);
+    addRows(loop, cyclic);
   }
 
   void loopTurn(double rate_hz, LoopSide& side) {
@@ -203,7 +229,7 @@ class LoopBench {
       side.plane_age_ticks.push_back(record.plane_age_ticks);
       side.overruns += has(record.faults, ServoFault::kOverrun) ? 1 : 0;
     }
-    side.side.add(turn);
+    side.add(turn);
     side.skipped += result.ticks_skipped;
   }
 
@@ -230,28 +256,24 @@ class LoopBench {
     result_.note("no comparison: " + outcome.trouble);
   }
 
-  void addRows(double rate_hz, LoopSide& loop, const Side& cyclic) {
-    BenchRow row = latenessRow("loop", rate_hz, loop.side);
-    row.push_back({"overrun_ticks", loop.overruns});
-    row.push_back({"skipped_ticks", loop.skipped});
-    row.push_back({"windows_published", loop.windows});
-    row.push_back({"lateness_exact_p99_us", percentiles(std::move(loop.exact_lateness_us)).p99});
-    addPercentiles(row, "tick_cost", "us", std::move(loop.tick_cost_us));
-    addPercentiles(row, "window_age", "ms", std::move(loop.window_age_ms));
-    addPercentiles(row, "plane_age", "ticks", std::move(loop.plane_age_ticks));
+  void addRows(const LoopSide& loop, const Side& cyclic) {
+    BenchRow row = {{"part", "loop"}};
+    addFigures<Side>(row, sideColumns(), loop);
+    addFigures(row, loopColumns(), loop);
     row.push_back({"seed", static_cast<std::int64_t>(request_.seed)});
     result_.rows.push_back(std::move(row));
-    addHistogram(result_, "loop", rate_hz, loop.side.lateness);
+    addHistogram(result_, "loop", loop);
     if (no_cyclictest_) return;
-    result_.rows.push_back(latenessRow("cyclictest", rate_hz, cyclic));
-    addHistogram(result_, "cyclictest", rate_hz, cyclic.lateness);
-    const double ratio = loop.side.lateness.quantile_us(0.99) / std::max(1.0, cyclic.lateness.quantile_us(0.99));
+    addFigures(result_.rows.emplace_back(BenchRow{{"part", "cyclictest"}}), sideColumns(), cyclic);
+    addHistogram(result_, "cyclictest", cyclic);
+    const double rate_hz = loop.rate_hz;
+    const double ratio = loop.lateness.quantile_us(0.99) / std::max(1.0, cyclic.lateness.quantile_us(0.99));
     result_.rows.push_back({{"part", "ratio"}, {"rate_hz", rate_hz}, {"loop_over_cyclictest_p99", ratio}});
     if (rate_hz != 1000) return;  // promised at 1 kHz only
     result_.targets.push_back({"lateness p99 at 1 kHz, loop / cyclictest [-]", ratio, 1.2});
     const auto theirs = static_cast<double>(cyclic.lateness.misses(rate_hz));
     result_.targets.push_back({"deadline misses at 1 kHz, loop (bound: cyclictest's) [-]",
-                               static_cast<double>(loop.side.lateness.misses(rate_hz)), theirs});
+                               static_cast<double>(loop.lateness.misses(rate_hz)), theirs});
   }
 
   LoopBenchRequest request_;
@@ -267,17 +289,42 @@ class LoopBench {
 
 }  // namespace
 
-LoopBenchRequest LoopBenchRequest::quick() {
-  LoopBenchRequest request;
-  request.seconds = 2;
-  request.turn_s = 0.5;
-  return request;
-}
-
 BenchResult runLoopBench(const LoopBenchRequest& request, Progress& progress) {
   LoopBenchRequest fitted = request;
   fitted.turn_s = std::min(request.turn_s, request.seconds);
   return LoopBench(fitted, progress).run();
+}
+
+std::string loopTable(const BenchResult& result) {
+  std::string text = tableText(
+      result, {{"loop", "cyclictest"},
+               joined(TableColumns{{"part", nullptr, {"", "", -11}}}, shown(sideColumns()), shown(loopColumns()))});
+  for (const BenchRow* row : rowsOf(result, "loop")) {
+    text += fmt::format(
+        "{:g} Hz: windows {:g}, window age p50 {:.1f} ms p99 {:.1f} ms, plane age max {:g} ticks, overrun in {:g} "
+        "ticks, {:g} left out\n",
+        figureOf(*row, "rate_hz"), figureOf(*row, "windows_published"), figureOf(*row, "window_age_median_ms"),
+        figureOf(*row, "window_age_p99_ms"), figureOf(*row, "plane_age_max_ticks"), figureOf(*row, "overrun_ticks"),
+        figureOf(*row, "skipped_ticks"));
+  }
+  for (const BenchRow* row : rowsOf(result, "ratio")) {
+    text += fmt::format("{:g} Hz: lateness p99, loop / cyclictest {:.2f}\n", figureOf(*row, "rate_hz"),
+                        figureOf(*row, "loop_over_cyclictest_p99"));
+  }
+  return text;
+}
+
+std::string loopChart(const BenchResult& result) {
+  std::vector<ChartPanel> panels;
+  for (const BenchRow* row : rowsOf(result, "histogram")) {
+    addPoint(panels,
+             {fmt::format("{:g} Hz", figureOf(*row, "rate_hz")),
+              "lateness of a wake-up [us]",
+              "share of wake-ups that are later",
+              {}},
+             textOf(*row, "side"), {figureOf(*row, "lateness_to_us"), figureOf(*row, "share_later")});
+  }
+  return logChartSvg("Lateness of wake-ups, engine busy", panels, ChartMarks::kLine);
 }
 
 }  // namespace palpate

@@ -29,16 +29,15 @@ struct LoopBenchRequest {
   double speed_m_per_s = 0.5;
   int priority = 80;
   std::uint64_t seed = 1;
-  std::string gpu;  // part of the Vulkan device's name
+  std::string gpu{};  // part of the Vulkan device's name
 
-  [[nodiscard]] static LoopBenchRequest quick();
+  [[nodiscard]] static LoopBenchRequest quick() { return {.seconds = 2}; }
 };
 
 // Fills rows, targets and the Vulkan device. Throws Error as Engine does, and Error(kCancelled) on Ctrl-C.
 [[nodiscard]] BenchResult runLoopBench(const LoopBenchRequest& request, Progress& progress);
 
-[[nodiscard]] std::string loopIntroduction();                    // for the page
-[[nodiscard]] std::string loopTable(const BenchResult& result);  // for the terminal
+[[nodiscard]] std::string loopTable(const BenchResult& result);
 // Share of wake-ups that are later than a time, a panel a rate.
 [[nodiscard]] std::string loopChart(const BenchResult& result);
 

@@ -3,79 +3,134 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
+#include <optional>
 #include <set>
 
 #include <fmt/format.h>
 
-#include "apps/bench/error_row.hpp"
-#include "apps/bench/log_chart.hpp"
-#include "apps/bench/press_rows.hpp"
-#include "apps/bench/recovery_rows.hpp"
-#include "apps/bench/servo_targets.hpp"
 #include "apps/bench/strokes.hpp"
-#include "apps/bench/table_one.hpp"
 #include "apps/bench/tick_cost.hpp"
 #include "apps/console/interrupt.hpp"
-#include "base/quantile.hpp"
-#include "servo/loop/real_time.hpp"
+#include "base/error.hpp"
 
 namespace palpate {
 namespace {
 
-constexpr const char* kServoBench = "palpate bench servo";
+// One way over a volume, as rows tell of it.
+struct Condition {
+  std::int64_t seed = 1, seeds = 1;
+  double noise_voxel = 0, depth_voxel = 1, speed_m_per_s = 0.1;
+  std::string effects = "none";
+};
+const Column<Condition> kTellSeed = {"seed", &Condition::seed};
+const Column<Condition> kTellSeeds = {"seeds", &Condition::seeds};
+const Column<Condition> kTellNoise = {"noise_voxel", &Condition::noise_voxel};
+const Column<Condition> kTellDepth = {"depth_voxel", &Condition::depth_voxel};
+const Column<Condition> kTellSpeed = {"speed_m_per_s", &Condition::speed_m_per_s};
+const Column<Condition> kTellEffects = {"effects", &Condition::effects};
+const Column<Condition> kTellRecovery = {"recovery_s", [](const Condition&) { return kRecoveryTime_s; }};
 
-BenchRow rowOf(const char* part, const BenchVolume& volume, const Entrant& entrant, std::uint64_t seed) {
-  return {{"part", part},
-          {"volume", volume.name()},
-          {"algorithm", entrant.algorithm},
-          {"n_ticks", std::int64_t{entrant.n}},
-          {"seed", static_cast<std::int64_t>(seed)}};
+// Who takes part in a trial.
+using Who = std::function<std::vector<Entrant>(const BenchVolume&)>;
+
+// An algorithm to which n means nothing takes part once, with the first.
+Who once(std::vector<int> renewals) {
+  return [renewals](const BenchVolume& volume) {
+    std::vector<Entrant> list = makeEntrants(volume, renewals).list;
+    std::erase_if(list, [&](const Entrant& e) { return !e.traits.renews_planes && e.n != renewals.front(); });
+    return list;
+  };
 }
 
-BenchRow costRow(const TickCost& cost) {
-  const Spread batch = spreadOf(cost.batch_ns);
-  return {{"cost_ns", batch.median},
-          {"cost_quartile_1_ns", batch.low},
-          {"cost_quartile_3_ns", batch.high},
-          {"tick_median_ns", cost.fastest_ns.p50},
-          {"tick_p99_ns", cost.fastest_ns.p99},
-          {"tick_p999_ns", cost.fastest_ns.p999},
-          {"tick_max_ns", cost.fastest_ns.max},
-          {"tick_raw_median_ns", cost.raw_ns.p50},
-          {"tick_raw_p99_ns", cost.raw_ns.p99},
-          {"tick_raw_p999_ns", cost.raw_ns.p999},
-          {"tick_raw_max_ns", cost.raw_ns.max}};
+// The algorithms that take contact effects, with a recovery time and without.
+Who withEffects(int n) {
+  return [n](const BenchVolume& volume) { return makeEntrants(volume, {n}, {"none", kRecoveryChoice}).list; };
 }
 
-// Cost of hri against the others', repetition by repetition: both were replayed one after the other in each.
-void addRatios(const BenchVolume& volume, const std::vector<Entrant>& entrants, const std::vector<TickCost>& costs,
-               BenchResult& result) {
-  const auto hri = std::find_if(entrants.begin(), entrants.end(),
-                                [](const Entrant& e) { return e.algorithm == "hri" && e.n == kTableRenewal; });
-  if (hri == entrants.end()) return;
-  const std::vector<double>& ours_ns = costs[static_cast<std::size_t>(hri - entrants.begin())].batch_ns;
-  for (std::size_t e = 0; e < entrants.size(); ++e) {
-    if (entrants[e].n != kTableRenewal || entrants[e].algorithm == "hri") continue;
-    std::vector<double> ratios;
-    for (std::size_t i = 0; i < ours_ns.size(); ++i) ratios.push_back(ours_ns[i] / costs[e].batch_ns[i]);
-    const Spread ratio = spreadOf(std::move(ratios));
-    result.rows.push_back({{"part", "ratio"},
-                           {"volume", volume.name()},
-                           {"algorithm", entrants[e].algorithm},
-                           {"n_ticks", std::int64_t{kTableRenewal}},
-                           {"hri_over_it", ratio.median},
-                           {"hri_over_it_quartile_1", ratio.low},
-                           {"hri_over_it_quartile_3", ratio.high}});
+std::vector<Entrant> ofTableOne(const BenchVolume& volume) {
+  std::vector<Entrant> list = makeEntrants(volume, {kTableRenewal}).list;
+  std::erase_if(list, [](const Entrant& entrant) {
+    return std::ranges::find(kTableAlgorithms, entrant.algorithm, &TableAlgorithm::name) == std::end(kTableAlgorithms);
+  });
+  return list;
+}
+
+// Algorithms along paths over one volume, whose errors and costs become rows.
+struct Trial {
+  const char* part;
+  std::string stage;
+  std::string volume;
+  Who entrants;
+  std::size_t ticks;
+  Columns<Condition> told;  // of each row, before its figures
+  std::vector<double> depths_voxel = {1}, speeds_m_per_s = {0.1};
+  double noise_voxel = 0;  // in the samples only; path, depth and normal are the exact surface's
+  double miss_depth_voxel = kMissDepth_voxel;
+  int seeds = 1;                      // of noise and path
+  bool may_be_thin = false;           // where no place can be pressed so deep there is no row
+  std::optional<CostRequest> cost{};  // along a path of cost_ticks; without single ticks only the mean is told
+  bool recovers = false;              // a row tells of jumps alone
+};
+
+// Under which recovery time is tried, 1 voxel deep.
+struct RecoveryCondition {
+  int n_ticks = 1;
+  double speed_m_per_s = 0.1;
+};
+constexpr RecoveryCondition kRecoveryConditions[] = {
+    // The targets'. Planes are renewed seldom, so that switches are felt, and the contact is steady between them: on a
+    // surface of radius R planes n ticks apart err in depth by (v n T)^2 / (2 R), which recovery keeps for a while, so
+    // the mean force of a fast hand must differ by more than the target allows.
+    {.n_ticks = 20, .speed_m_per_s = 0.02},
+    // Where recovery matters. So seldom the paper renewed its planes (section 4: "50 to 10 times slower than the servo
+    // loop"), and its hand moved as one does. No target: an algorithm that renews a plane before it is that wrong has
+    // little to recover from, and one that does not cannot be made right by it.
+    {.n_ticks = 50, .speed_m_per_s = 0.1}};
+
+const Columns<TouchErrors>& jumpColumns() {
+  using E = TouchErrors;
+  static const Columns<E> kColumns = {{"ticks", &E::ticks},
+                                      {"force_jump_max_N", &E::force_jump_max_N},
+                                      {"force_jump_concave_max_N", &E::force_jump_concave_max_N},
+                                      {"force_mean_N", &E::force_mean_N},
+                                      {"missed_ticks", &E::missed_ticks}};
+  return kColumns;
+}
+
+// The same figures of several seeds: counts add up, medians are the median seed's, others the worst seed's.
+BenchRow together(const std::vector<BenchRow>& seeds) {
+  BenchRow all = seeds.front();
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    auto& [key, figure] = all[i];
+    std::vector<double> values;
+    std::int64_t sum = 0;
+    for (const BenchRow& seed : seeds) {
+      const auto* count = std::get_if<std::int64_t>(&seed[i].second);
+      if (count != nullptr) sum += *count;
+      if (const double value = figureOf(seed, key); !std::isnan(value)) values.push_back(value);
+    }
+    std::sort(values.begin(), values.end());
+    if (std::holds_alternative<std::int64_t>(figure)) {
+      figure = sum;
+    } else if (!values.empty()) {
+      figure = quantile(values, key.find("_median_") != std::string::npos ? 0.5 : 1);
+    }
   }
+  return all;
+}
+
+// NAME_UNIT, NAME_quartile_1_UNIT and NAME_quartile_3_UNIT.
+void addSpread(BenchRow& row, const std::string& name, const std::string& unit, std::vector<double> values) {
+  const Spread spread = spreadOf(std::move(values));
+  row.emplace_back(name + unit, spread.median);
+  row.emplace_back(name + "_quartile_1" + unit, spread.low);
+  row.emplace_back(name + "_quartile_3" + unit, spread.high);
 }
 
 class ServoBench {
  public:
-  ServoBench(const ServoBenchRequest& request, Progress& progress) : request_(request), progress_(progress) {
-    result_.bench = "servo";
-    result_.machine = machineInWords();
-  }
+  ServoBench(const ServoBenchRequest& request, Progress& progress)
+      : request_(request), progress_(progress), result_(beginBench("servo")) {}
 
   BenchResult run() {
     for (const std::string& name : request_.volumes) touch(name);
@@ -84,60 +139,203 @@ class ServoBench {
     strokes("shell of 1.2 voxels", "phantom:shell?size=64&thickness=1.2", true);
     strokes("shell of 2 voxels", "phantom:shell?size=64&thickness=2", true);
     strokes("knot", "phantom:knot?size=64", false);
-    presses();
-    speeds();
-    progress_.stage("Table 1 with noise and depth");
-    addTableTrial({.volumes = request_.volumes,
-                   .ticks = request_.cost_ticks,
-                   .cost = {.repetitions = request_.repetitions, .tick_replays = 0},
-                   .seed = request_.seed},
-                  result_, step());
+    press(kBall20mm, {1, 4, 12, 24});
+    press(kTubeOf8, {1, 4});
+    speed(kBall20mm, 4, {0.05, 0.1, 0.25, 0.5, 1, 1.5, 2});  // 2 mm deep both
+    speed(kTubeOf8, 2, {0.05, 0.1, 0.25, 0.5});
+    for (const std::string& name : request_.volumes) tableOneTrial(name);
     addServoTargets(result_);
     return std::move(result_);
   }
 
  private:
-  [[nodiscard]] BenchProgress step() {
-    return [this](double share) {
-      progress_.fraction(share);
-      throwIfInterrupted(kServoBench);
+  // `done` of `all` steps are; the work of one more.
+  [[nodiscard]] BenchProgress step(double done = 0, double all = 1) {
+    return [this, done, all](double share) {
+      progress_.fraction((done + share) / all);
+      throwIfInterrupted("palpate bench servo");
     };
   }
 
-  [[nodiscard]] ContactPath path(const BenchVolume& volume, std::size_t ticks) const {
-    return contactPath(volume, {.rate_hz = kBenchRate_hz, .ticks = ticks, .seed = request_.seed});
+  [[nodiscard]] BenchRow rowOf(const char* part, const std::string& volume, const Entrant& entrant) const {
+    return {{"part", part}, {"volume", volume}, {"algorithm", entrant.algorithm}, {"n_ticks", std::int64_t{entrant.n}}};
   }
 
-  // Once for each algorithm, not for each volume.
-  void noteLeftOut(const Entrants& entrants) {
-    for (const std::string& words : entrants.left_out) {
-      if (noted_.insert(words).second) result_.note("left out: " + words);
+  // As `condition` says, with a seed of its own. Nothing where the volume is nowhere so thick and may be so.
+  [[nodiscard]] static std::optional<ContactPath> pathOf(const BenchVolume& volume, const Condition& condition,
+                                                         std::size_t ticks, std::uint64_t seed, bool may_be_thin) {
+    try {
+      return contactPath(volume, {.speed_m_per_s = condition.speed_m_per_s,
+                                  .rate_hz = kBenchRate_hz,
+                                  .depth_voxel = condition.depth_voxel,
+                                  .ticks = ticks,
+                                  .seed = seed});
+    } catch (const Error&) {
+      if (may_be_thin) return std::nullopt;
+      throw;
     }
+  }
+
+  void run(const Trial& trial) {
+    progress_.stage(trial.stage);
+    std::vector<Condition> conditions;
+    for (const double speed : trial.speeds_m_per_s) {
+      for (const double depth : trial.depths_voxel) {
+        conditions.push_back({static_cast<std::int64_t>(request_.seed), trial.seeds, trial.noise_voxel, depth, speed});
+      }
+    }
+    std::vector<Entrant> entrants;
+    std::vector<std::vector<std::vector<BenchRow>>> errors(conditions.size());  // condition, entrant, seed
+    std::vector<std::vector<TickCost>> costs(conditions.size());                // condition, entrant
+    for (int i = 0; i < trial.seeds; ++i) {
+      const std::uint64_t seed = request_.seed + static_cast<std::uint64_t>(i);
+      const BenchVolume volume(withNoise(trial.volume, trial.noise_voxel, seed));
+      entrants = trial.entrants(volume);
+      for (std::size_t c = 0; c < conditions.size(); ++c) {
+        const auto path = pathOf(volume, conditions[c], trial.ticks, seed, trial.may_be_thin);
+        if (!path) continue;
+        const auto still = step(i * static_cast<double>(conditions.size()) + static_cast<double>(c),
+                                trial.seeds * static_cast<double>(conditions.size()));
+        errors[c].resize(entrants.size());
+        const auto found = touchErrors(volume, *path, entrants, still, trial.miss_depth_voxel);
+        for (std::size_t e = 0; e < entrants.size(); ++e) {
+          addFigures(errors[c][e].emplace_back(), trial.recovers ? jumpColumns() : errorColumns(), found[e]);
+        }
+        if (!trial.cost) continue;
+        progress_.stage(fmt::format("costs on {}", trial.volume));
+        const ReplayPath replay(volume, *pathOf(volume, conditions[c], request_.cost_ticks, seed, false));
+        costs[c] = tickCosts(replay, entrants, *trial.cost, still);
+      }
+    }
+    for (std::size_t c = 0; c < conditions.size(); ++c) {
+      for (std::size_t e = 0; e < errors[c].size(); ++e) {
+        BenchRow& row = result_.rows.emplace_back(rowOf(trial.part, trial.volume, entrants[e]));
+        conditions[c].effects = entrants[e].effects;
+        addFigures(row, trial.told, conditions[c]);
+        if (trial.cost) addCosts(row, costs[c][e], *trial.cost);
+        const BenchRow figures = together(errors[c][e]);
+        row.insert(row.end(), figures.begin(), figures.end());
+      }
+      if (trial.cost && trial.cost->tick_replays > 0) addRatios(trial.volume, entrants, costs[c]);
+    }
+  }
+
+  static void addCosts(BenchRow& row, const TickCost& cost, const CostRequest& request) {
+    if (request.tick_replays > 0) {
+      addFigures(row, costColumns(), cost);
+    } else {
+      addSpread(row, "cost", "_ns", cost.batch_ns);
+    }
+  }
+
+  // Cost of hri against the others', repetition by repetition: both were replayed one after the other in each.
+  void addRatios(const std::string& volume, const std::vector<Entrant>& entrants, const std::vector<TickCost>& costs) {
+    const auto hri = std::find_if(entrants.begin(), entrants.end(),
+                                  [](const Entrant& e) { return e.algorithm == "hri" && e.n == kTableRenewal; });
+    if (hri == entrants.end()) return;
+    const std::vector<double>& ours_ns = costs[static_cast<std::size_t>(hri - entrants.begin())].batch_ns;
+    for (std::size_t e = 0; e < entrants.size(); ++e) {
+      if (entrants[e].n != kTableRenewal || entrants[e].algorithm == "hri") continue;
+      std::vector<double> ratios;
+      for (std::size_t i = 0; i < ours_ns.size(); ++i) ratios.push_back(ours_ns[i] / costs[e].batch_ns[i]);
+      addSpread(result_.rows.emplace_back(rowOf("ratio", volume, entrants[e])), "hri_over_it", "", std::move(ratios));
+    }
+  }
+
+  // Everyone, by every n; who cannot take part is noted, once for each algorithm, not for each volume.
+  [[nodiscard]] Who everyone() {
+    return [this](const BenchVolume& volume) {
+      Entrants entrants = makeEntrants(volume, request_.renewals);
+      for (const std::string& words : entrants.left_out) {
+        if (noted_.insert(words).second) result_.note("left out: " + words);
+      }
+      return std::move(entrants.list);
+    };
   }
 
   // Cost and error on one of the paper's volumes.
   void touch(const std::string& name) {
-    progress_.stage("errors on " + name);
-    const BenchVolume volume(name);
-    Entrants entrants = makeEntrants(volume, request_.renewals);
-    noteLeftOut(entrants);
-    const auto errors = touchErrors(volume, path(volume, request_.error_ticks), entrants.list, step());
-    progress_.stage("costs on " + name);
-    const ReplayPath replay(volume, path(volume, request_.cost_ticks));
-    const auto costs = tickCosts(replay, entrants.list, {request_.repetitions, request_.tick_replays}, step());
-    for (std::size_t e = 0; e < entrants.list.size(); ++e) {
-      BenchRow row = rowOf("tick", volume, entrants.list[e], request_.seed);
-      addCells(row, costRow(costs[e]));
-      addCells(row, errorRow(errors[e]));
-      result_.rows.push_back(std::move(row));
+    Trial trial = {"tick", "errors on " + name, name, everyone(), request_.error_ticks, {kTellSeed}};
+    trial.cost = CostRequest{request_.repetitions, request_.tick_replays};
+    run(trial);
+    if (name == request_.volumes.front()) harness(BenchVolume(name));
+  }
+
+  void accuracy(const std::string& name) {
+    run({"accuracy", "accuracy on " + name, name, everyone(), request_.accuracy_ticks, {kTellSeed}});
+    if (name != request_.accuracy_volumes.front()) return;
+    for (const auto& [n, speed] : kRecoveryConditions) {
+      Trial trial = {
+          "effects",      "recovery time on " + name, name,
+          withEffects(n), request_.accuracy_ticks,    {kTellEffects, kTellRecovery, kTellSpeed, kTellDepth, kTellSeed}};
+      trial.speeds_m_per_s = {speed};
+      trial.recovers = true;
+      run(trial);
     }
-    addRatios(volume, entrants.list, costs, result_);
-    if (name == request_.volumes.front()) harness(volume, replay);
+    addRecoveryTargets();
+  }
+
+  void press(const std::string& name, const std::vector<double>& depths_voxel) {
+    for (const double noise_voxel : {0.0, 0.1, 0.25, 0.5}) {
+      Trial trial = {"press",      "noise and depth on " + name, name,
+                     once({1, 5}), request_.press_ticks,         {kTellNoise, kTellDepth, kTellSeed, kTellSeeds}};
+      trial.depths_voxel = depths_voxel;
+      trial.noise_voxel = noise_voxel;
+      trial.miss_depth_voxel = missDepth_voxel(noise_voxel);
+      trial.seeds = noise_voxel > 0 ? request_.press_seeds : 1;
+      run(trial);
+    }
+  }
+
+  void speed(const std::string& name, double depth_voxel, const std::vector<double>& speeds_m_per_s) {
+    run({"speed",
+         "speeds on " + name,
+         name,
+         once({1, 2, 5, 10, 20, 50, 100, 1000}),
+         request_.press_ticks,
+         {kTellSpeed, kTellDepth, kTellSeed},
+         {depth_voxel},
+         speeds_m_per_s});
+  }
+
+  // Up to half as deep as the knot's tube and the skull are thick.
+  void tableOneTrial(const std::string& name) {
+    for (const double noise_voxel : {0.0, 0.25}) {
+      Trial trial = {"table",
+                     "Table 1 with noise and depth on " + name,
+                     name,
+                     ofTableOne,
+                     request_.cost_ticks,
+                     {kTellNoise, kTellDepth, kTellSeed}};
+      trial.depths_voxel = {1, 2};
+      trial.noise_voxel = noise_voxel;
+      trial.may_be_thin = true;
+      trial.cost = CostRequest{request_.repetitions, 0};
+      run(trial);
+    }
+  }
+
+  // Where the exact surface is concave along the tool's way the paper met its discontinuities (section 4).
+  void addRecoveryTargets() {
+    const auto& [n, speed] = kRecoveryConditions[0];
+    const auto of = [&, n = std::int64_t{n}](const char* effects) {
+      return rowsOf(result_, "effects", {{"algorithm", "hri"}, {"effects", effects}, {"n_ticks", n}});
+    };
+    const BenchRows off = of("none"), on = of(kRecoveryChoice);
+    if (off.empty() || on.empty()) return;
+    const auto ratio = [&](const char* key) { return figureOf(*on[0], key) / figureOf(*off[0], key); };
+    const std::string where = fmt::format("(hri, knot 128x128x64, n={}, {:g} m/s, 1 voxel deep, {:g} ms) [-]", n, speed,
+                                          1e3 * kRecoveryTime_s);
+    result_.targets.push_back({"recovery on / off, largest force jump per tick on concave regions " + where,
+                               ratio("force_jump_concave_max_N"), 0.1});
+    result_.targets.push_back(
+        {"recovery on / off, mean force differs by " + where, std::abs(ratio("force_mean_N") - 1), 0.01});
   }
 
   // A tick that only pushes: the tool trembles by a hundredth of a voxel on the spot, the plane is kept for ever.
-  void harness(const BenchVolume& volume, const ReplayPath& replay) {
-    ContactPath held = path(volume, 1);
+  void harness(const BenchVolume& volume) {
+    const auto path = [&](std::size_t ticks) { return *pathOf(volume, {}, ticks, request_.seed, false); };
+    ContactPath held = path(1);
     const Vec3 spot_W = held.hip_W.back();
     const Vec3 normal_W = held.normal_W.back();
     const Vec3 aside_W = normal_W.unitOrthogonal() * (0.01 * volume.voxel_m());
@@ -157,80 +355,29 @@ class ServoBench {
         held_ns.push_back(trembling.replay_ns(*entrant.haptic));
       }
     }
-    const Spread spread = spreadOf(std::move(held_ns));
-    result_.rows.push_back({{"part", "harness"},
-                            {"volume", volume.name()},
-                            {"clock_ns", clockCost_ns()},
-                            {"empty_tick_ns", harnessCost_ns(replay)},
-                            {"hri_without_renewal_ns", spread.median},
-                            {"hri_without_renewal_quartile_1_ns", spread.low},
-                            {"hri_without_renewal_quartile_3_ns", spread.high}});
-  }
-
-  void accuracy(const std::string& name) {
-    progress_.stage("accuracy on " + name);
-    const BenchVolume volume(name);
-    const ContactPath way = path(volume, request_.accuracy_ticks);
-    Entrants entrants = makeEntrants(volume, request_.renewals);
-    const auto errors = touchErrors(volume, way, entrants.list, step());
-    for (std::size_t e = 0; e < entrants.list.size(); ++e) {
-      BenchRow row = rowOf("accuracy", volume, entrants.list[e], request_.seed);
-      addCells(row, errorRow(errors[e]));
-      result_.rows.push_back(std::move(row));
-    }
-    if (name == request_.accuracy_volumes.front())
-      addRecoveryRows(volume, request_.accuracy_ticks, request_.seed, result_, step());
-  }
-
-  void presses() {
-    for (const auto& [volume, depths_voxel] :
-         {std::pair{kBall20mm, std::vector<double>{1, 4, 12, 24}}, {kTubeOf8, std::vector<double>{1, 4}}}) {
-      progress_.stage(fmt::format("noise and depth on {}", volume));
-      addPressRows({.volume = volume,
-                    .depths_voxel = depths_voxel,
-                    .ticks = request_.press_ticks,
-                    .first_seed = request_.seed,
-                    .seeds = request_.press_seeds},
-                   result_, step());
-    }
-  }
-
-  // 2 mm deep both.
-  void speeds() {
-    progress_.stage("speeds");
-    addSpeedRows({.volume = kBall20mm,
-                  .depth_voxel = 4,
-                  .speeds_m_per_s = {0.05, 0.1, 0.25, 0.5, 1, 1.5, 2},
-                  .ticks = request_.press_ticks,
-                  .seed = request_.seed},
-                 result_, step());
-    addSpeedRows({.volume = kTubeOf8,
-                  .depth_voxel = 2,
-                  .speeds_m_per_s = {0.05, 0.1, 0.25, 0.5},
-                  .ticks = request_.press_ticks,
-                  .seed = request_.seed},
-                 result_, step());
+    BenchRow& row = result_.rows.emplace_back(BenchRow{{"part", "harness"}, {"volume", volume.name()}});
+    row.emplace_back("clock_ns", clockCost_ns());
+    row.emplace_back("empty_tick_ns", harnessCost_ns(ReplayPath(volume, path(request_.cost_ticks))));
+    addSpread(row, "hri_without_renewal", "_ns", std::move(held_ns));
   }
 
   void strokes(const std::string& wall, const std::string& name, bool thin) {
     progress_.stage("strokes into a " + wall);
     const BenchVolume volume(name);
     Entrants entrants = makeEntrants(volume, {kTableRenewal});
-    StrokeRequest request;
-    request.strokes = request_.strokes;
-    request.thin_wall = thin;
-    request.seed = request_.seed;
-    const auto figures = strokeFigures(volume, request, entrants.list, step());
+    const auto figures = strokeFigures(volume, {.strokes = request_.strokes, .thin_wall = thin, .seed = request_.seed},
+                                       entrants.list, step());
+    const Columns<StrokeFigures> columns = {{"wall", [&](const StrokeFigures&) { return wall; }},
+                                            {"speed_m_per_s", &StrokeFigures::speed_m_per_s},
+                                            {"strokes", &StrokeFigures::strokes},
+                                            {"strokes_over_holes_in_samples", &StrokeFigures::over_hole},
+                                            {"missed", &StrokeFigures::missed},
+                                            {"lost", &StrokeFigures::lost}};
     for (std::size_t e = 0; e < entrants.list.size(); ++e) {
       for (const StrokeFigures& f : figures[e]) {
-        BenchRow row = rowOf("strokes", volume, entrants.list[e], request_.seed);
-        addCells(row, {{"wall", wall},
-                       {"speed_m_per_s", f.speed_m_per_s},
-                       {"strokes", f.strokes},
-                       {"strokes_over_holes_in_samples", f.over_hole},
-                       {"missed", f.missed},
-                       {"lost", f.lost}});
-        result_.rows.push_back(std::move(row));
+        BenchRow& row = result_.rows.emplace_back(rowOf("strokes", name, entrants.list[e]));
+        row.emplace_back("seed", static_cast<std::int64_t>(request_.seed));
+        addFigures(row, columns, f);
       }
     }
   }
@@ -241,62 +388,10 @@ class ServoBench {
   std::set<std::string> noted_;
 };
 
-// Medians over the volumes, of the cost and of the error each.
-ChartPanel panel(const BenchResult& result, const std::string& title, const char* key, const std::string& label) {
-  struct Values {
-    std::vector<double> cost_ns, error;
-  };
-  std::vector<std::string> algorithms;
-  std::map<std::pair<std::string, double>, Values> values;  // by algorithm and n
-  for (const BenchRow& row : result.rows) {
-    if (textOf(row, "part") != "tick" || std::isnan(figureOf(row, key))) continue;
-    const std::string algorithm = textOf(row, "algorithm");
-    if (std::find(algorithms.begin(), algorithms.end(), algorithm) == algorithms.end()) algorithms.push_back(algorithm);
-    Values& at = values[{algorithm, figureOf(row, "n_ticks")}];
-    at.cost_ns.push_back(figureOf(row, "cost_ns"));
-    at.error.push_back(figureOf(row, key));
-  }
-  ChartPanel panel{title, "cost of a tick [ns]", label, {}};
-  for (const std::string& algorithm : algorithms) {
-    ChartSeries& series = panel.series.emplace_back(ChartSeries{algorithm, {}});
-    for (const auto& [which, v] : values) {
-      if (which.first != algorithm) continue;
-      series.points.push_back({median(v.cost_ns), median(v.error), fmt::format("n={:g}", which.second)});
-    }
-    // An algorithm that keeps no plane has the same errors, bit for bit, whatever n is: one point, at its middle cost.
-    const auto differs = [&](const ChartPoint& point) { return point.y != series.points.front().y; };
-    if (series.points.size() < 2 || std::any_of(series.points.begin(), series.points.end(), differs)) continue;
-    std::vector<double> costs_ns;
-    for (const ChartPoint& point : series.points) costs_ns.push_back(point.x);
-    series.points = {{median(std::move(costs_ns)), series.points.front().y, "any n"}};
-  }
-  return panel;
-}
-
 }  // namespace
-
-ServoBenchRequest ServoBenchRequest::quick() {
-  ServoBenchRequest request;
-  request.cost_ticks = 2000;
-  request.repetitions = 9;
-  request.tick_replays = 5;
-  request.error_ticks = 2000;
-  request.accuracy_ticks = 10000;
-  request.strokes = 30;
-  request.press_ticks = 1000;
-  request.press_seeds = 1;
-  return request;
-}
 
 BenchResult runServoBench(const ServoBenchRequest& request, Progress& progress) {
   return ServoBench(request, progress).run();
-}
-
-std::string servoChart(const BenchResult& result) {
-  return logChartSvg("Cost against error: medians over the volumes",
-                     {panel(result, "position", "vhip_error_median_voxel", "VHIP error, median [voxel]"),
-                      panel(result, "direction", "force_angle_median_deg", "angle of the force, median [degree]")},
-                     ChartMarks::kPoints);
 }
 
 }  // namespace palpate

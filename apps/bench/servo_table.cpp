@@ -1,61 +1,38 @@
 // SPDX-License-Identifier: Apache-2.0
+// How the figures of `palpate bench servo` look.
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <vector>
+#include <limits>
+#include <set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "apps/bench/log_chart.hpp"
 #include "apps/bench/servo_bench.hpp"
+#include "apps/bench/tick_cost.hpp"
+#include "base/quantile.hpp"
 
 namespace palpate {
 namespace {
 
-// A dash for what an algorithm does not have.
-std::string cell(const BenchRow& row, const char* key, int width, int decimals) {
-  const double value = figureOf(row, key);
-  return std::isnan(value) ? fmt::format("{:>{}}", "-", width) : fmt::format("{:>{}.{}f}", value, width, decimals);
-}
+constexpr double kNoTime = std::numeric_limits<double>::quiet_NaN();
 
-std::string errorCells(const BenchRow& row) {
-  return fmt::format("{} {}  {} {}  {} {}  {}", cell(row, "vhip_error_median_voxel", 7, 4),
-                     cell(row, "vhip_error_p99_voxel", 7, 4), cell(row, "force_error_median_percent", 7, 3),
-                     cell(row, "force_error_p99_percent", 7, 3), cell(row, "force_angle_median_deg", 7, 2),
-                     cell(row, "force_angle_p99_deg", 7, 2), cell(row, "force_jump_max_N", 7, 3));
-}
+struct PaperRow {
+  const char* name;          // as the paper prints it
+  const char* phantom;       // part of our volume's name
+  std::array<double, 4> us;  // by kTableAlgorithms
+};
+constexpr PaperRow kPaper[] = {
+    {"sphere (64x64x64)", "sphere", {kNoTime, 39.00, 47.10, 38.30}},
+    {"knot (64x64x64)", "knot", {kNoTime, 42.00, 49.10, 41.20}},
+    {"head (128x128x64)", "head", {kNoTime, 48.00, 59.70, 47.40}},
+    {"lung (128x128x64)", "lung", {kNoTime, 46.80, 57.60, 46.20}},
+};
 
-std::string tickLine(const BenchRow& row) {
-  return fmt::format("  {:<14} {:>4g}  {} {} {} {}  {}  {:>6g}\n", textOf(row, "algorithm"), figureOf(row, "n_ticks"),
-                     cell(row, "cost_ns", 7, 1), cell(row, "tick_p99_ns", 7, 0), cell(row, "tick_p999_ns", 7, 0),
-                     cell(row, "tick_max_ns", 7, 0), errorCells(row), figureOf(row, "fall_throughs"));
-}
-
-std::string accuracyLine(const BenchRow& row) {
-  return fmt::format("  {:<14} {:>4g}  {:>31}  {}  {:>6g}\n", textOf(row, "algorithm"), figureOf(row, "n_ticks"), "",
-                     errorCells(row), figureOf(row, "fall_throughs"));
-}
-
-constexpr const char* kHead =
-    "  {:<14} {:>4}  {:^31}  {:^15}  {:^15}  {:^15}  {:>7}  {:>6}\n"
-    "  {:<14} {:>4}  {:>7} {:>7} {:>7} {:>7}  {:>7} {:>7}  {:>7} {:>7}  {:>7} {:>7}  {:>7}  {:>6}\n";
-
-std::string head() {
-  return fmt::format(kHead, "", "", "cost of a tick [ns]", "VHIP [voxel]", "force [%]", "angle [deg]", "jump", "falls",
-                     "algorithm", "n", "mean", "p99", "p99.9", "max", "median", "p99", "median", "p99", "median", "p99",
-                     "[N]", "");
-}
-
-// One line an algorithm and wall: missed + lost at each speed.
-std::string strokeTable(const BenchResult& result) {
-  std::string text, last;
-  for (const BenchRow& row : result.rows) {
-    if (textOf(row, "part") != "strokes") continue;
-    const std::string line = fmt::format("{:<20} {:<14}", textOf(row, "wall"), textOf(row, "algorithm"));
-    if (line != last) text += (text.empty() ? "" : "\n") + ("  " + line);
-    last = line;
-    text += fmt::format("  {:g}+{:g}/{:g}", figureOf(row, "missed"), figureOf(row, "lost"), figureOf(row, "strokes"));
-  }
-  return text.empty() ? text : "strokes missed + lost / all at 0.05, 0.1, 0.2, 0.5, 1, 2 m/s\n" + text + "\n";
+TableColumns nameColumns() {
+  return {{"algorithm", nullptr, {"algorithm", "", -14}}, {"n_ticks", nullptr, {"n", "", 4}}};
 }
 
 // Of the slide's ticks, in all of which the tool is below the surface.
@@ -63,128 +40,199 @@ double lostPercent(const BenchRow& row) {
   return 100 * (1 - figureOf(row, "contact_ticks") / std::max(1.0, figureOf(row, "ticks")));
 }
 
+Table tickTable() {
+  return {{"tick", "accuracy"},
+          joined(nameColumns(), shown(costColumns()), shown(errorColumns())),
+          [](const BenchRow& row) {
+            return fmt::format("{} ({})", textOf(row, "volume"),
+                               textOf(row, "part") == "tick" ? "cost and error" : "long path");
+          }};
+}
+
 // By volume, noise and depth.
-std::string pressTable(const BenchResult& result) {
-  std::string text, last;
-  for (const BenchRow& row : result.rows) {
-    if (textOf(row, "part") != "press") continue;
-    const std::string title = fmt::format("{}, noise {:g} voxel, {:g} voxels deep, {:g} {}", textOf(row, "volume"),
-                                          figureOf(row, "noise_voxel"), figureOf(row, "depth_voxel"),
-                                          figureOf(row, "seeds"), figureOf(row, "seeds") == 1 ? "seed" : "seeds");
-    if (title != last) {
-      text += fmt::format("{}\n  {:<14} {:>4}  {:>15}  {:>23}  {:>7}  {:>6} {:>6}\n", title, "algorithm", "n",
-                          "VHIP med, p99", "angle med, p99, max", "jump", "lost %", "falls");
-    }
-    last = title;
-    text += fmt::format("  {:<14} {:>4g}  {} {}  {} {} {}  {}  {:>6.1f} {:>6g}\n", textOf(row, "algorithm"),
-                        figureOf(row, "n_ticks"), cell(row, "vhip_error_median_voxel", 7, 3),
-                        cell(row, "vhip_error_p99_voxel", 7, 3), cell(row, "force_angle_median_deg", 7, 2),
-                        cell(row, "force_angle_p99_deg", 7, 2), cell(row, "force_angle_max_deg", 7, 1),
-                        cell(row, "force_jump_max_N", 7, 3), lostPercent(row), figureOf(row, "fall_throughs"));
+Table pressTable() {
+  return {{"press"},
+          joined(nameColumns(), TableColumns{{"vhip_error_median_voxel", nullptr, {"VHIP", "voxel", 8, 3}},
+                                             {"vhip_error_p99_voxel", nullptr, {"p99", "voxel", 7, 3}},
+                                             {"force_angle_median_deg", nullptr, {"angle", "deg", 8, 2}},
+                                             {"force_angle_p99_deg", nullptr, {"p99", "deg", 7, 2}},
+                                             {"force_angle_max_deg", nullptr, {"max", "deg", 7, 1}},
+                                             {"force_jump_max_N", nullptr, {"jump", "N", 8, 3}},
+                                             {"", lostPercent, {"lost", "%", 7, 1}},
+                                             {"fall_throughs", nullptr, {"falls", "", 6}}}),
+          [](const BenchRow& row) {
+            const double seeds = figureOf(row, "seeds");
+            return fmt::format("{}, noise {:g} voxel, {:g} voxels deep, {:g} {}", textOf(row, "volume"),
+                               figureOf(row, "noise_voxel"), figureOf(row, "depth_voxel"), seeds,
+                               seeds == 1 ? "seed" : "seeds");
+          }};
+}
+
+std::string harnessLine(const BenchResult& result) {
+  std::string text;
+  for (const BenchRow* row : rowsOf(result, "harness")) {
+    text += fmt::format(
+        "a tick that does nothing {:.1f} ns (in all figures), one without renewal {:.1f} ns, clock {:.0f} ns\n",
+        figureOf(*row, "empty_tick_ns"), figureOf(*row, "hri_without_renewal_ns"), figureOf(*row, "clock_ns"));
   }
   return text;
 }
 
-// Volume by volume, one line an algorithm and n: force off / angle at each speed.
+// A line an algorithm and wall: missed + lost at each speed.
+std::string strokeTable(const BenchResult& result) {
+  LineByLine lines;
+  for (const BenchRow* row : rowsOf(result, "strokes")) {
+    lines.add(
+        fmt::format("  {:<20} {:<14}", textOf(*row, "wall"), textOf(*row, "algorithm")),
+        fmt::format("  {:g}+{:g}/{:g}", figureOf(*row, "missed"), figureOf(*row, "lost"), figureOf(*row, "strokes")));
+  }
+  const std::string text = lines.text();
+  return text.empty() ? text : "strokes missed + lost / all at 0.05, 0.1, 0.2, 0.5, 1, 2 m/s\n" + text;
+}
+
+// A line an algorithm and n: force off / angle at each speed.
 std::string speedTable(const BenchResult& result) {
-  std::string text, last_volume;
-  std::vector<double> speeds;
-  std::vector<std::pair<std::string, std::string>> lines;  // in the order of the first speed
-  const auto flush = [&] {
-    if (lines.empty()) return;
+  std::string text;
+  for (const char* volume : {kBall20mm, kTubeOf8}) {
+    std::vector<double> speeds;
+    LineByLine lines;
+    for (const BenchRow* row : rowsOf(result, "speed", {{"volume", volume}})) {
+      const double speed = figureOf(*row, "speed_m_per_s");
+      if (speeds.empty() || speeds.back() != speed) speeds.push_back(speed);
+      lines.add(
+          fmt::format("  {:<14} {:>4g}", textOf(*row, "algorithm"), figureOf(*row, "n_ticks")),
+          fmt::format("  {} /{}{:<1}", cellText(*row, "force_off_max", 6, 2),
+                      cellText(*row, "force_angle_max_deg", 6, 1), figureOf(*row, "missed_ticks") > 0 ? "!" : ""));
+    }
+    if (speeds.empty()) continue;
     text += fmt::format(
         "{}, 2 mm deep at {} m/s: largest force over K depth or its inverse / largest angle [degree]; !: contact "
-        "lost\n",
-        last_volume, fmt::join(speeds, ", "));
-    for (const auto& [name, figures] : lines) text += "  " + name + figures + "\n";
-    lines.clear();
-    speeds.clear();
-  };
-  for (const BenchRow& row : result.rows) {
-    if (textOf(row, "part") != "speed") continue;
-    if (textOf(row, "volume") != last_volume) flush();
-    last_volume = textOf(row, "volume");
-    const double speed = figureOf(row, "speed_m_per_s");
-    if (speeds.empty() || speeds.back() != speed) speeds.push_back(speed);
-    const std::string name = fmt::format("{:<14} {:>4g}", textOf(row, "algorithm"), figureOf(row, "n_ticks"));
-    auto at = std::find_if(lines.begin(), lines.end(), [&](const auto& line) { return line.first == name; });
-    if (at == lines.end()) at = lines.insert(lines.end(), {name, ""});
-    at->second += fmt::format("  {} /{}{:<1}", cell(row, "force_off_max", 6, 2), cell(row, "force_angle_max_deg", 6, 1),
-                              figureOf(row, "missed_ticks") > 0 ? "!" : "");
+        "lost\n{}",
+        volume, fmt::join(speeds, ", "), lines.text());
   }
-  flush();
   return text;
 }
 
 // Recovery on and off, of those that renew planes.
 std::string recoveryTable(const BenchResult& result) {
   std::string text;
-  for (const BenchRow& row : result.rows) {
-    if (textOf(row, "part") != "effects" || !textOf(row, "algorithm").starts_with("hri")) continue;
+  for (const BenchRow* row : rowsOf(result, "effects")) {
+    if (!textOf(*row, "algorithm").starts_with("hri")) continue;
     text += fmt::format(
         "  {:<14} n={:<3g} {:g} m/s, {:g} voxel deep, {:<8}  jump {} N, on concave regions {} N, mean {} N\n",
-        textOf(row, "algorithm"), figureOf(row, "n_ticks"), figureOf(row, "speed_m_per_s"),
-        figureOf(row, "depth_voxel"), textOf(row, "effects"), cell(row, "force_jump_max_N", 6, 3),
-        cell(row, "force_jump_concave_max_N", 6, 3), cell(row, "force_mean_N", 6, 3));
+        textOf(*row, "algorithm"), figureOf(*row, "n_ticks"), figureOf(*row, "speed_m_per_s"),
+        figureOf(*row, "depth_voxel"), textOf(*row, "effects"), cellText(*row, "force_jump_max_N", 6, 3),
+        cellText(*row, "force_jump_concave_max_N", 6, 3), cellText(*row, "force_mean_N", 6, 3));
   }
   return text.empty() ? text : "recovery time of 20 ms on the knot of 128x128x64, and none\n" + text;
 }
 
-}  // namespace
-
-std::string servoIntroduction() {
-  return "Every algorithm of the registry along the same paths, in one process, interleaved: each repetition goes "
-         "round all of "
-         "them and\nbegins with another one. The tool follows the phantom's exact surface at 0.1 m/s, 1 voxel below "
-         "it, in a "
-         "direction that turns slowly\nby chance, 1000 ticks a second, K = 500 N/m, B = 0, windows of 32 x 32 x 32 "
-         "samples as in "
-         "the program.\n\n"
-         "- *Cost, mean*: median over repetitions of a replay's time divided by its ticks, so that the clock's own "
-         "cost stays "
-         "out. Each\n  tick's position depends on the last tick's force, as in a loop, where ticks do not overlap. "
-         "What this "
-         "harness costs by itself\n  stands below the tables and is not taken off. p99, p99.9 and maximum: over ticks, "
-         "the "
-         "fastest of several replays of each, the\n  clock's median cost taken off; the raw figures are in the JSON.\n"
-         "- *VHIP*: its distance from the exact surface. *Force*: | |F| - K depth | / (K depth), depth of the tool "
-         "below the "
-         "exact surface.\n  *Angle*: between the force and the exact normal. *Jump*: largest change of the force from "
-         "one tick "
-         "to the next. *Falls*: how\n  often contact was lost while the tool was more than 0.25 voxel inside.\n"
-         "- *Strokes*: a rigid hand right through a wall, from a random side, at up to 45 degrees, counted until K "
-         "times the way "
-         "past the wall\n  reaches 8 N. Missed: never felt. Lost: felt and let go.\n"
-         "- *Noise and depth*: the same path, deeper, over samples with noise; noise is told as how far it moves the "
-         "surface, and errors\n  are against the surface without it. *Speeds*: 2 mm deep, any n.\n"
-         "- *hri-paper* is the paper's Figure 2 to the letter, and stands for the paper wherever one name does; "
-         "*hri-paper-line* is the other\n  reading of its text (docs/hri-mends.md). *haptization* shows no surface, "
-         "and K means nothing to it: it has no VHIP error and no error of the force.\n"
-         "- Windows follow as in the program, around the surface where an algorithm says that it holds one and "
-         "otherwise around the tool,\n  without delay.\n\n"
-         "Exact places: `apps/bench/*.hpp`. Costs are compared within a run only; figures of correctness are the same "
-         "on every "
-         "machine.";
+double today_us(const BenchResult& result, const char* phantom, const std::string& algorithm) {
+  for (const BenchRow* row :
+       rowsOf(result, "tick", {{"algorithm", algorithm}, {"n_ticks", std::int64_t{kTableRenewal}}})) {
+    if (textOf(*row, "volume").find(phantom) != std::string::npos) return figureOf(*row, "cost_ns") * 1e-3;
+  }
+  return kNoTime;
 }
 
+std::string timeAndRate(double us, int decimals) {
+  if (std::isnan(us)) return fmt::format("| {:>10} {:>10} ", "-", "-");
+  return fmt::format("| {:>10.{}f} {:>10.2f} ", us, decimals, 1e3 / us);
+}
+
+// Medians over the volumes, of the cost and of the error each.
+ChartPanel panel(const BenchResult& result, const std::string& title, const char* key, const std::string& label) {
+  std::vector<ChartPanel> panels = {{title, "cost of a tick [ns]", label, {}}};
+  std::set<std::pair<std::string, double>> drawn;  // by algorithm and n
+  for (const BenchRow* first : rowsOf(result, "tick")) {
+    const std::string algorithm = textOf(*first, "algorithm");
+    const double n = figureOf(*first, "n_ticks");
+    if (std::isnan(figureOf(*first, key)) || !drawn.insert({algorithm, n}).second) continue;
+    std::vector<double> costs_ns, errors;
+    for (const BenchRow* row : rowsOf(result, "tick", {{"algorithm", algorithm}, {"n_ticks", n}})) {
+      if (std::isnan(figureOf(*row, key))) continue;
+      costs_ns.push_back(figureOf(*row, "cost_ns"));
+      errors.push_back(figureOf(*row, key));
+    }
+    addPoint(panels, panels[0], algorithm, {median(costs_ns), median(errors), fmt::format("n={:g}", n)});
+  }
+  // An algorithm that keeps no plane has the same errors, bit for bit, whatever n is: one point, at its middle cost.
+  for (ChartSeries& series : panels[0].series) {
+    const auto differs = [&](const ChartPoint& point) { return point.y != series.points.front().y; };
+    if (series.points.size() < 2 || std::any_of(series.points.begin(), series.points.end(), differs)) continue;
+    std::vector<double> costs_ns;
+    for (const ChartPoint& point : series.points) costs_ns.push_back(point.x);
+    series.points = {{median(std::move(costs_ns)), series.points.front().y, "any n"}};
+  }
+  return std::move(panels[0]);
+}
+
+}  // namespace
+
 std::string servoTable(const BenchResult& result) {
+  return tableText(result, tickTable()) + harnessLine(result) + strokeTable(result) + recoveryTable(result) +
+         speedTable(result) + tableText(result, pressTable()) + "\n" + tableOne(result) + "\n" + tableTrial(result);
+}
+
+std::string tableOne(const BenchResult& result) {
+  std::string text =
+      "Table 1: average time of a servo loop [microsecond] and servo rate [kHz]; planes renewed every 5 ticks.\n"
+      "\"Intermediate Repr.\" today is hri-paper, the paper's Figure 2 to the letter; hri, the default, mends it.\n";
+  std::string titles, units;
+  for (const TableAlgorithm& algorithm : kTableAlgorithms) {
+    titles += fmt::format("|{:^23}", algorithm.title);
+    units += fmt::format("|{:>11}{:>11} ", "time", "rate");
+  }
+  text += fmt::format("{0:<26}{1}\n{0:<26}{2}\n", "", titles, units);
+  for (const PaperRow& row : kPaper) {
+    std::string today, then;
+    for (std::size_t i = 0; i < row.us.size(); ++i) {
+      today += timeAndRate(today_us(result, row.phantom, std::string(kTableAlgorithms[i].name)), 4);
+      then += timeAndRate(row.us[i], 2);
+    }
+    text += fmt::format("{:<26}{}\n{:<26}{}\n", std::string(row.name) + " today", today,
+                        std::string(row.name) + " paper", then);
+  }
+  return text;
+}
+
+std::string tableTrial(const BenchResult& result) {
   std::string text, last;
-  for (const BenchRow& row : result.rows) {
-    const std::string part = textOf(row, "part");
-    if (part != "tick" && part != "accuracy") continue;
-    const std::string title =
-        fmt::format("{} ({})", textOf(row, "volume"), part == "tick" ? "cost and error" : "long path");
-    if (title != last) text += fmt::format("{}\n{}", title, head());
-    last = title;
-    text += part == "tick" ? tickLine(row) : accuracyLine(row);
+  for (const BenchRow* place : rowsOf(result, "table")) {
+    const std::string line = fmt::format("{:<36} {:>5g} {:>5g}", textOf(*place, "volume"),
+                                         figureOf(*place, "noise_voxel"), figureOf(*place, "depth_voxel"));
+    if (line == last) continue;
+    last = line;
+    text += line;
+    for (const TableAlgorithm& algorithm : kTableAlgorithms) {
+      const BenchRows found = rowsOf(result, "table",
+                                     {{"volume", textOf(*place, "volume")},
+                                      {"noise_voxel", figureOf(*place, "noise_voxel")},
+                                      {"depth_voxel", figureOf(*place, "depth_voxel")},
+                                      {"algorithm", std::string(algorithm.name)}});
+      std::string cell = "-";
+      if (!found.empty()) {
+        cell = fmt::format("{:>8.4f} {} {:>4.0f}", figureOf(*found[0], "cost_ns") * 1e-3,
+                           cellText(*found[0], "force_angle_median_deg", 8, 2), lostPercent(*found[0]));
+      }
+      text += fmt::format(" |{:>22}", cell);
+    }
+    text += "\n";
   }
-  for (const BenchRow& row : result.rows) {
-    if (textOf(row, "part") != "harness") continue;
-    text += fmt::format(
-        "a tick that does nothing {:.1f} ns (in all figures), one without renewal {:.1f} ns, clock {:.0f} ns\n",
-        figureOf(row, "empty_tick_ns"), figureOf(row, "hri_without_renewal_ns"), figureOf(row, "clock_ns"));
-  }
-  return text + strokeTable(result) + recoveryTable(result) + speedTable(result) + pressTable(result);
+  if (text.empty()) return text;
+  std::string head = fmt::format("{:<36} {:>5} {:>5}", "", "noise", "depth");
+  for (const TableAlgorithm& algorithm : kTableAlgorithms) head += fmt::format(" |{:^22}", algorithm.title);
+  return "Table 1 tried with noise and depth [voxel]: average time of a servo loop [microsecond], median angle of the "
+         "force [degree], ticks in which\nthe contact was lost [%]; planes renewed every 5 ticks. A volume that is "
+         "nowhere so thick has no line.\n" +
+         head + "\n" + text;
+}
+
+std::string servoChart(const BenchResult& result) {
+  return logChartSvg("Cost against error: medians over the volumes",
+                     {panel(result, "position", "vhip_error_median_voxel", "VHIP error, median [voxel]"),
+                      panel(result, "direction", "force_angle_median_deg", "angle of the force, median [degree]")},
+                     ChartMarks::kPoints);
 }
 
 }  // namespace palpate

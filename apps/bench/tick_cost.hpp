@@ -20,6 +20,7 @@
 #include <span>
 #include <vector>
 
+#include "apps/bench/columns.hpp"
 #include "apps/bench/contact_path.hpp"
 #include "apps/bench/entrants.hpp"
 #include "apps/bench/touch_errors.hpp"
@@ -64,6 +65,8 @@ struct TickCost {
   Percentiles fastest_ns;        // over ticks, the fastest replay of each [ns]
   Percentiles raw_ns;            // over all replays of all ticks [ns]
 };
+
+[[nodiscard]] const Columns<TickCost>& costColumns();  // as rows have them
 
 struct CostRequest {
   int repetitions = 15;  // of the batch

@@ -2,8 +2,7 @@
 // apps/bench/touch_errors.hpp: how far algorithms are from the exact touch along a path.
 //
 // All of them go along the path in step, each under a window that follows as the program's does (windowPlace). Over the
-// ticks of the slide in which an
-// algorithm has contact (its flag, or a force):
+// ticks of the slide in which an algorithm has contact (its flag, or a force):
 //   VHIP [voxel]      distance of the VHIP from the exact surface, in smallest voxels;
 //   force [%]         | |F| - K depth | / (K depth), depth of the HIP below the exact surface;
 //   force off [-]     the largest |F| / (K depth), or its inverse where that is more;
@@ -21,6 +20,7 @@
 #include <span>
 #include <vector>
 
+#include "apps/bench/columns.hpp"
 #include "apps/bench/contact_path.hpp"
 #include "apps/bench/entrants.hpp"
 #include "base/quantile.hpp"
@@ -56,6 +56,9 @@ using BenchProgress = std::function<void(double share_done)>;  // may throw to s
 [[nodiscard]] inline bool hasContact(const TickOutput& out) noexcept {
   return out.in_contact || out.force_W.squaredNorm() > 0;
 }
+
+// As rows have them. Figures of nothing (without contact, or without a surface that is shown) are NaN.
+[[nodiscard]] const Columns<TouchErrors>& errorColumns();
 
 // One result for each entrant.
 [[nodiscard]] std::vector<TouchErrors> touchErrors(const BenchVolume& volume, const ContactPath& path,

@@ -2,17 +2,18 @@
 #include "apps/bench/turns.hpp"
 
 #include <algorithm>
+#include <exception>
+#include <new>
 #include <optional>
 
 #include <fmt/format.h>
 
-#include "apps/bench/failure.hpp"
 #include "apps/console/interrupt.hpp"
+#include "base/error.hpp"
 
 namespace palpate {
 namespace {
 
-constexpr const char* kTurns = "palpate bench";
 constexpr double kNeedsNoWarmUp_ms = 1000;
 
 // One run; nothing: it failed and says so in `outcome`.
@@ -24,11 +25,25 @@ std::optional<RunCost> runOnce(const Contender& entrant, TurnsOutcome& outcome) 
 
 }  // namespace
 
+std::string failureOf(const std::function<void()>& work) {
+  try {
+    work();
+    return "";
+  } catch (const Error& failure) {
+    if (failure.code() == Error::Code::kCancelled) throw;
+    return failure.what();
+  } catch (const std::bad_alloc&) {
+    return "there was not enough memory";
+  } catch (const std::exception& failure) {  // of a library's own kind
+    return failure.what();
+  }
+}
+
 std::vector<TurnsOutcome> Turns::take(const std::string& job, double voxels, const std::vector<Contender>& entrants) {
   std::vector<TurnsOutcome> outcomes;
   std::vector<int> rounds;
   for (const Contender& entrant : entrants) {
-    throwIfInterrupted(kTurns);
+    throwIfInterrupted("palpate bench");
     TurnsOutcome& outcome = outcomes.emplace_back(TurnsOutcome{entrant.library, entrant.way, {}, {}, {}});
     double& known = cpu_ms_per_voxel_[fmt::format("{}|{}|{}", job, entrant.library, entrant.way)];
     rounds.push_back(0);
@@ -46,7 +61,7 @@ std::vector<TurnsOutcome> Turns::take(const std::string& job, double voxels, con
   const int most = rounds.empty() ? 0 : *std::max_element(rounds.begin(), rounds.end());
   for (int round = 0; round < most; ++round) {
     for (std::size_t n = 0; n < entrants.size(); ++n) {
-      throwIfInterrupted(kTurns);
+      throwIfInterrupted("palpate bench");
       const std::size_t who = (n + static_cast<std::size_t>(round)) % entrants.size();
       TurnsOutcome& outcome = outcomes[who];
       if (!outcome.left_out.empty() || static_cast<int>(outcome.wall_ms.size()) >= rounds[who]) continue;

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/rivals/rival.hpp"
+#include "apps/rivals/rivals.hpp"
 
 namespace palpate {
 
@@ -34,6 +34,10 @@ struct TurnsOutcome {
     cpu_ms.push_back(cost.cpu_ms);
   }
 };
+
+// What a part of a bench failed with, in words, so that the parts before it are not lost and those behind it are
+// measured. Empty: it ended well. Throws Error(kCancelled) on, which ends the whole bench.
+[[nodiscard]] std::string failureOf(const std::function<void()>& work);
 
 class Turns {
  public:

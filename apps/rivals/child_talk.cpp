@@ -36,10 +36,17 @@ ChildTalk::ChildTalk(const std::vector<std::string>& words) {
 
 ChildTalk::~ChildTalk() {
   if (socket_ >= 0) close(socket_);
-  if (child_ < 0) return;
-  leftover_.release();  // its number may be another's once it is waited for
-  kill(child_, SIGKILL);
-  waitpid(child_, nullptr, 0);
+  if (child_ > 0) kill(child_, SIGKILL);
+  wait();
+}
+
+int ChildTalk::wait() {
+  int status = -1;
+  if (child_ > 0) leftover_.release();  // its number may be another's once it is waited for
+  while (child_ > 0 && waitpid(child_, &status, 0) < 0 && errno == EINTR) {
+  }
+  child_ = -1;
+  return status;
 }
 
 bool ChildTalk::tell(const std::string& line) {

@@ -24,6 +24,8 @@ class ChildTalk {
   bool tell(const std::string& line);  // false: it is gone
   // Its next line, without the end; waits as long as it lives. Nothing: it is gone. Throws Error(kCancelled) on Ctrl-C.
   [[nodiscard]] std::optional<std::string> hear();
+  // Waits for its end. Its status, as waitpid() gives it; -1: it never was, or was waited for.
+  int wait();
 
  private:
   pid_t child_ = -1;

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/rivals/itk_rivals.hpp"
-
 #include <chrono>
 
 #include <itkBilateralImageFilter.h>
@@ -16,6 +14,7 @@
 #include <itkMultiThreaderBase.h>
 #include <sys/resource.h>
 
+#include "apps/rivals/rivals.hpp"
 #include "base/error.hpp"
 #include "base/units.hpp"
 

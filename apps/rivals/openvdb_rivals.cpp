@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/rivals/openvdb_rivals.hpp"
-
 #include <algorithm>
 
 #include <openvdb/openvdb.h>
@@ -9,19 +7,22 @@
 #include <openvdb/tools/GridOperators.h>
 #include <tbb/global_control.h>
 
+#include "apps/rivals/rivals.hpp"
 #include "base/units.hpp"
 
 namespace palpate {
 
 struct OpenVdbRivals::State {
-  openvdb::FloatGrid::Ptr grid;
-  openvdb::CoordBBox box;
+  RivalField field;
   unsigned threads = 1;
+  openvdb::CoordBBox box{};
+  openvdb::FloatGrid::Ptr grid{};  // made when it is first asked for
 };
 
 namespace {
 
 using State = OpenVdbRivals::State;
+using Filter = openvdb::tools::Filter<openvdb::FloatGrid>;
 
 void copyTo(const openvdb::FloatGrid& grid, const State& state, std::vector<float>& result) {
   result.resize(state.box.volume());
@@ -43,61 +44,64 @@ void copyTo(const openvdb::VectorGrid& grid, const State& state, std::vector<flo
   }
 }
 
-// A filter of tools::Filter, which changes its grid: each run has a copy.
-Rival filter(const std::shared_ptr<State>& state, const std::string& way,
-             const std::function<void(openvdb::tools::Filter<openvdb::FloatGrid>&)>& work) {
+openvdb::FloatGrid::Ptr gridOf(const State& state) {
+  const RivalField& field = state.field;
+  // A background that no voxel has, or voxels of that density would not be active.
+  const float background = *std::min_element(field.densities.begin(), field.densities.end()) - 1;
+  openvdb::FloatGrid::Ptr grid = openvdb::FloatGrid::create(background);
+  openvdb::math::Mat4d to_world = openvdb::math::Mat4d::identity();
+  for (int axis = 0; axis < 3; ++axis) to_world(axis, axis) = field.spacing_m[axis] / kMetresPerMillimetre;
+  grid->setTransform(openvdb::math::Transform::createLinearTransform(to_world));
+  const openvdb::tools::Dense<const float, openvdb::tools::LayoutXYZ> dense(state.box, field.densities.data());
+  openvdb::tools::copyFromDense(dense, *grid, 0.0F);
+  grid->tree().voxelizeActiveTiles();  // filters pass over tiles
+  return grid;
+}
+
+// `run` leaves its result in a grid.
+template <class Grid>
+Rival rival(const std::shared_ptr<State>& state, const std::string& way,
+            const std::function<RunCost(typename Grid::Ptr&)>& run) {
+  if (!state->grid) state->grid = gridOf(*state);
   return {"OpenVDB", way, [=](std::vector<float>* result) {
             const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, state->threads);
-            const openvdb::FloatGrid::Ptr grid = state->grid->deepCopy();
-            const RunCost cost = costOf([&] {
-              openvdb::tools::Filter<openvdb::FloatGrid> made(*grid);
-              work(made);
-            });
+            typename Grid::Ptr grid;
+            const RunCost cost = run(grid);
             if (result != nullptr) copyTo(*grid, *state, *result);
             return cost;
           }};
 }
 
-}  // namespace
-
-OpenVdbRivals::OpenVdbRivals(const RivalField& field, unsigned threads) : state_(std::make_shared<State>()) {
-  openvdb::initialize();
-  state_->threads = threads;
-  state_->box =
-      openvdb::CoordBBox(openvdb::Coord(0), openvdb::Coord(field.size.x() - 1, field.size.y() - 1, field.size.z() - 1));
-  // A background that no voxel has, or voxels of that density would not be active.
-  const float background = *std::min_element(field.densities.begin(), field.densities.end()) - 1;
-  state_->grid = openvdb::FloatGrid::create(background);
-  openvdb::math::Mat4d to_world = openvdb::math::Mat4d::identity();
-  for (int axis = 0; axis < 3; ++axis) to_world(axis, axis) = field.spacing_m[axis] / kMetresPerMillimetre;
-  state_->grid->setTransform(openvdb::math::Transform::createLinearTransform(to_world));
-  const openvdb::tools::Dense<const float, openvdb::tools::LayoutXYZ> dense(state_->box, field.densities.data());
-  openvdb::tools::copyFromDense(dense, *state_->grid, 0.0F);
-  state_->grid->tree().voxelizeActiveTiles();  // filters pass over tiles
+// Of tools::Filter, which changes its grid: each run has a copy.
+Rival filter(const std::shared_ptr<State>& state, const std::string& way, const std::function<void(Filter&)>& work) {
+  return rival<openvdb::FloatGrid>(state, way, [=](openvdb::FloatGrid::Ptr& grid) {
+    grid = state->grid->deepCopy();
+    return costOf([&] {
+      Filter made(*grid);
+      work(made);
+    });
+  });
 }
 
-bool OpenVdbRivals::hasAny(const std::string& job) {
-  return job == "gradient central" || job == "gaussian:1.5" || job == "median:1";
+}  // namespace
+
+OpenVdbRivals::OpenVdbRivals(const RivalField& field, unsigned threads)
+    : state_(std::make_shared<State>(State{field, threads})) {
+  openvdb::initialize();
+  const openvdb::Coord last(field.size.x() - 1, field.size.y() - 1, field.size.z() - 1);
+  state_->box = openvdb::CoordBBox(openvdb::Coord(0), last);
 }
 
 std::vector<Rival> OpenVdbRivals::rivalsOf(const std::string& job) const {
-  const std::shared_ptr<State> state = state_;
   if (job == "gradient central") {
-    return {{"OpenVDB", "tools::gradient", [state](std::vector<float>* result) {
-               const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, state->threads);
-               openvdb::VectorGrid::Ptr gradient;
-               const RunCost cost = costOf([&] { gradient = openvdb::tools::gradient(*state->grid); });
-               if (result != nullptr) copyTo(*gradient, *state, *result);
-               return cost;
-             }}};
+    return {rival<openvdb::VectorGrid>(state_, "tools::gradient", [state = state_](openvdb::VectorGrid::Ptr& gradient) {
+      return costOf([&] { gradient = openvdb::tools::gradient(*state->grid); });
+    })};
   }
-  using Filter = openvdb::tools::Filter<openvdb::FloatGrid>;
   if (job == "gaussian:1.5") {
-    return {filter(state, "Filter::gaussian(1), four box means: sigma 1.6", [](Filter& f) { f.gaussian(1, 1); })};
+    return {filter(state_, "Filter::gaussian(1), four box means: sigma 1.6", [](Filter& f) { f.gaussian(1, 1); })};
   }
-  if (job == "median:1") {
-    return {filter(state, "Filter::median(1)", [](Filter& f) { f.median(1, 1); })};
-  }
+  if (job == "median:1") return {filter(state_, "Filter::median(1)", [](Filter& f) { f.median(1, 1); })};
   return {};
 }
 

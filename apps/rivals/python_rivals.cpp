@@ -1,17 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/rivals/python_rivals.hpp"
-
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include "apps/rivals/child_talk.hpp"
+#include "apps/rivals/rivals.hpp"
+#include "apps/rivals/scratch_folder.hpp"
 #include "base/error.hpp"
-#include "base/leftover.hpp"
 #include "base/units.hpp"
 
 namespace palpate {
@@ -27,50 +24,23 @@ std::vector<std::string> wordsOf(const std::string& line) {
   return words;
 }
 
-// A file that goes away with its last user.
-class TemporaryFile {
- public:
-  TemporaryFile() {
-    name_ = (std::filesystem::temp_directory_path() / "palpate_bench_XXXXXX").string();
-    leftover_ = Leftover::file([this]() -> std::filesystem::path {
-      const int file = mkstemp(name_.data());
-      if (file < 0) return {};
-      close(file);
-      return name_;
-    });
-    if (!leftover_) {
-      throw Error(Error::Code::kIo, name_, "no file can be made there", "set TMPDIR to a folder that may be written");
-    }
+void write(const std::string& file, std::span<const float> values) {
+  std::ofstream out(file, std::ios::binary);
+  const auto bytes = std::as_bytes(values);
+  out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  out.close();
+  if (!out) {
+    throw Error(Error::Code::kIo, file, "the volume could not be written", "set TMPDIR to a folder with more room");
   }
-  ~TemporaryFile() {
-    std::error_code ignored;
-    std::filesystem::remove(name_, ignored);
-  }
-  TemporaryFile(const TemporaryFile&) = delete;
-  TemporaryFile& operator=(const TemporaryFile&) = delete;
-  [[nodiscard]] const std::string& name() const noexcept { return name_; }
+}
 
-  void write(std::span<const float> values) const {
-    std::ofstream out(name_, std::ios::binary);
-    const auto bytes = std::as_bytes(values);
-    out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-    out.close();
-    if (!out) {
-      throw Error(Error::Code::kIo, name_, "the volume could not be written", "set TMPDIR to a folder with more room");
-    }
-  }
-  [[nodiscard]] std::vector<float> read() const {
-    std::vector<float> values(std::filesystem::file_size(name_) / sizeof(float));
-    const auto bytes = std::as_writable_bytes(std::span(values));
-    std::ifstream(name_, std::ios::binary)
-        .read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-    return values;
-  }
-
- private:
-  std::string name_;
-  Leftover leftover_;
-};
+std::vector<float> read(const std::string& file) {
+  std::vector<float> values(std::filesystem::file_size(file) / sizeof(float));
+  const auto bytes = std::as_writable_bytes(std::span(values));
+  std::ifstream(file, std::ios::binary)
+      .read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  return values;
+}
 
 std::vector<std::string> command(std::vector<std::string> python) {
   python.emplace_back("-c");
@@ -108,9 +78,11 @@ PythonRivals::PythonRivals(unsigned threads, const std::vector<std::string>& pyt
     if (words[0] != "rival" || words.size() != 4) continue;
     const std::string ask = fmt::format("run\t{}\t{}\t{}", words[1], words[2], words[3]);
     const auto run = [state = state_.get(), ask](std::vector<float>* result) -> RunCost {
-      std::unique_ptr<TemporaryFile> file = result != nullptr ? std::make_unique<TemporaryFile>() : nullptr;
-      const auto cost = state->ask(file ? ask + "\t" + file->name() : ask, "cost");
-      if (file) *result = file->read();
+      std::optional<ScratchFolder> folder;
+      if (result != nullptr) folder.emplace();
+      const std::string file = folder ? (folder->path() / "result").string() : "";
+      const auto cost = state->ask(folder ? ask + "\t" + file : ask, "cost");
+      if (folder) *result = read(file);
       return {std::stod(cost.at(1)), std::stod(cost.at(2))};
     };
     state_->rivals.emplace_back(words[2], Rival{words[1], words[3], run});
@@ -129,13 +101,13 @@ PythonRivals::~PythonRivals() = default;
 std::optional<std::string> PythonRivals::load(const RivalField& field) {
   if (state_->rivals.empty()) return std::nullopt;
   try {
-    const TemporaryFile file;
-    file.write(field.densities);
+    const ScratchFolder folder;
+    const std::string file = (folder.path() / "volume").string();
+    write(file, field.densities);
     const Vec3 spacing_mm = field.spacing_m / kMetresPerMillimetre;
-    static_cast<void>(
-        state_->ask(fmt::format("load\t{}\t{}\t{}\t{}\t{}\t{}\t{}", file.name(), field.size.x(), field.size.y(),
-                                field.size.z(), spacing_mm.x(), spacing_mm.y(), spacing_mm.z()),
-                    "ok"));
+    static_cast<void>(state_->ask(fmt::format("load\t{}\t{}\t{}\t{}\t{}\t{}\t{}", file, field.size.x(), field.size.y(),
+                                              field.size.z(), spacing_mm.x(), spacing_mm.y(), spacing_mm.z()),
+                                  "ok"));
     return std::nullopt;
   } catch (const Error& failure) {
     if (failure.code() == Error::Code::kCancelled) throw;

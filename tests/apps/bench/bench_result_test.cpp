@@ -110,5 +110,54 @@ TEST(BenchResult, TheMachineIsNamedInALine) {
   EXPECT_THAT(machineInWords(), testing::ContainsRegex("[0-9]+ cores, [0-9.]+ GiB, Linux "));
 }
 
+TEST(BenchResult, RowsAreFoundByTheirFigures) {
+  const BenchResult result = sample();
+  EXPECT_EQ(rowsOf(result, "tick").size(), 1U);
+  EXPECT_EQ(rowsOf(result, "tick", {{"n_ticks", 5.0}}).front(), &result.rows[0]);  // 5 is 5, whole or not
+  EXPECT_TRUE(rowsOf(result, "tick", {{"n_ticks", std::int64_t{6}}}).empty());
+  EXPECT_TRUE(rowsOf(result, "tick", {{"n_ticks", "5"}}).empty());   // no word is a number
+  EXPECT_TRUE(rowsOf(result, "tick", {{"wall", "shell"}}).empty());  // which that row does not have
+  EXPECT_EQ(rowsOf(result, "strokes", {{"wall", "shell, \"thin\""}, {"speed_m_per_s", 0.05}}).size(), 1U);
+}
+
+// Of 1, 4 and 2: 4 is the largest, 7 the sum, 1 the first, 2 the middle one.
+TEST(BenchResult, APromiseIsHeldAgainstTheRowsItIsAbout) {
+  BenchResult result;
+  for (const double value : {1.0, 4.0, 2.0})
+    result.rows.push_back({{"part", "a"}, {"speed_m_per_s", value}, {"x", value}});
+  result.rows.push_back({{"part", "b"}, {"x", 100.0}});
+  const auto valueOf = [&](double (*of)(const std::vector<double>&), double up_to) {
+    EXPECT_TRUE(promise(result, {"name", 3, "a", {}, {"x"}, of, up_to}));
+    return result.targets.back().value;
+  };
+  EXPECT_EQ(valueOf(largestOf, 0), 4);
+  EXPECT_EQ(valueOf(sumOf, 0), 7);
+  EXPECT_EQ(valueOf(firstOf, 0), 1);
+  EXPECT_EQ(valueOf(medianOf, 0), 2);
+  EXPECT_EQ(valueOf(sumOf, 2), 3);  // without the fastest
+  EXPECT_EQ(result.targets.back().name, "name");
+  EXPECT_EQ(result.targets.back().bound, 3);
+  const std::size_t targets = result.targets.size();
+  EXPECT_FALSE(promise(result, {"name", 3, "c", {}, {"x"}, sumOf}));
+  EXPECT_EQ(result.targets.size(), targets);
+  result.rows.push_back({{"part", "a"}, {"speed_m_per_s", 1.0}, {"x", std::nan("")}});
+  EXPECT_TRUE(std::isnan(valueOf(largestOf, 0)));
+}
+
+TEST(BenchResult, ThePageSaysWhereTheFiguresComeFromAndWhatHolds) {
+  const std::string page = benchPage(sample(), {"Title", "As follows.", "a b\n", "servo.svg"});
+  EXPECT_THAT(page, testing::StartsWith("# Title\n\nAs follows.\n"));
+  for (const char* words :
+       {"- machine: a machine, 2 cores\n", "- Vulkan device: none\n", "- commit: 0123456789\n",
+        "- command: `palpate bench servo --seed 1`\n", "![Title](servo.svg)\n", "| cost [ns] | 31.5 | 35 | holds |\n",
+        "| error [voxel] | 0.02 | 0.015 | **does not hold** |\n", "Note: something is missing\n", "```\na b\n```\n"}) {
+    EXPECT_THAT(page, HasSubstr(words));
+  }
+}
+
+TEST(BenchResult, ThePageHasNoPictureWithoutAChart) {
+  EXPECT_THAT(benchPage(sample(), {"Title", "As follows.", "a b\n", ""}), testing::Not(HasSubstr("![")));
+}
+
 }  // namespace bench_result_test
 }  // namespace palpate

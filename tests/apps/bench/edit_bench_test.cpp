@@ -22,14 +22,6 @@ EditBenchRequest shortRun() {
   return request;
 }
 
-std::vector<BenchRow> rowsOf(const BenchResult& result, const std::string& part) {
-  std::vector<BenchRow> rows;
-  for (const BenchRow& row : result.rows) {
-    if (textOf(row, "part") == part) rows.push_back(row);
-  }
-  return rows;
-}
-
 TEST(EditBench, HasEveryStageOfEveryVolumeAndRadius) {
   Progress progress;
   const BenchResult result = runEditBench(shortRun(), progress);
@@ -37,7 +29,8 @@ TEST(EditBench, HasEveryStageOfEveryVolumeAndRadius) {
   EXPECT_NE(result.vulkan_device, "none");
   const auto edits = rowsOf(result, "edit");
   ASSERT_EQ(edits.size(), 2U * 3U);  // two radii; two volumes and the one with all gradients
-  for (const BenchRow& row : edits) {
+  for (const BenchRow* edit : edits) {
+    const BenchRow& row = *edit;
     EXPECT_EQ(figureOf(row, "edits"), 6);
     EXPECT_EQ(figureOf(row, "windows_published"), 6);
     EXPECT_EQ(figureOf(row, "bricks_not_put_back"), 0);
@@ -59,7 +52,7 @@ TEST(EditBench, HasEveryStageOfEveryVolumeAndRadius) {
                 figureOf(row, "recompute_median_ms") / figureOf(row, "to_window_median_ms"), 1e-9);
   }
   // The same edits meet the same surface, so they change the same number of bricks in every volume.
-  EXPECT_EQ(figureOf(edits[0], "changed_bricks_median"), figureOf(edits[1], "changed_bricks_median"));
+  EXPECT_EQ(figureOf(*edits[0], "changed_bricks_median"), figureOf(*edits[1], "changed_bricks_median"));
   // Two volumes to the window, the recompute, the share; no ratio without 64^3 and 1024^3.
   ASSERT_EQ(result.targets.size(), 4U);
   EXPECT_EQ(result.targets[0].bound, 3);
@@ -78,7 +71,7 @@ TEST(EditBench, WithoutRadius8ItPromisesNothing) {
   request.radii = {4};
   const BenchResult result = runEditBench(request, progress);
   EXPECT_TRUE(result.targets.empty());
-  EXPECT_THAT(textOf(rowsOf(result, "note").back(), "note"), HasSubstr("radius 8"));
+  EXPECT_THAT(textOf(*rowsOf(result, "note").back(), "note"), HasSubstr("radius 8"));
 }
 
 // The plane lies at k = 35.5, in the bricks with k from 32 to 39; all others are constant.

@@ -5,8 +5,7 @@
 
 #include <gmock/gmock.h>
 
-#include "apps/bench/filter_bench.hpp"
-#include "apps/bench/gradient_bench.hpp"
+#include "apps/bench/copy_speed.hpp"
 #include "apps/bench/resident_chain.hpp"
 #include "base/error.hpp"
 #include "engine/files/volume_file.hpp"
@@ -24,6 +23,7 @@ constexpr double kVoxels = kSize * kSize * kSize;
 FieldBenchRequest shortRun() {
   FieldBenchRequest request = FieldBenchRequest::quick();
   request.sizes = {kSize};
+  request.turns.most_rounds = 1;
   request.copy_bytes = 1U << 20U;
   request.python = {"/nowhere/python3"};
   return request;
@@ -32,11 +32,7 @@ FieldBenchRequest shortRun() {
 std::vector<BenchRow> rowsOf(const BenchResult& result, const std::string& part, const std::string& job,
                              const std::string& library) {
   std::vector<BenchRow> rows;
-  for (const BenchRow& row : result.rows) {
-    if (textOf(row, "part") == part && textOf(row, "job") == job && textOf(row, "library") == library) {
-      rows.push_back(row);
-    }
-  }
+  for (const BenchRow* row : rowsOf(result, part, {{"job", job}, {"library", library}})) rows.push_back(*row);
   return rows;
 }
 
@@ -150,6 +146,21 @@ TEST(ResidentChain, DoesTheWholeWork) {
     }
     EXPECT_EQ(different, 0U) << text;
   }
+}
+
+// A promise is about the size at which its bound was reasoned; without any such size a note says which they are.
+TEST(FieldBench, PromisesWhatIsSaidOfTheSizesThatAreMeasured) {
+  Progress progress;
+  FieldBench bench("test", shortRun(), progress);
+  ASSERT_TRUE(bench.tryOpenNoisy(kSize));
+  bench.measure("close:1", "close:1", {{"fake", 1e6, [] { return RunCost{10, 20}; }}});
+  bench.promise({{"close:1", "ITK", 256, 0.7}, {"close:1", "ITK", kSize, 0.9}}, "no targets");
+  ASSERT_EQ(bench.result().targets.size(), 1U);
+  EXPECT_EQ(bench.result().targets[0].name, "close:1, 24^3: Palpate / ITK [-]");
+  EXPECT_EQ(bench.result().targets[0].bound, 0.9);
+  EXPECT_THAT(notesOf(bench.result()), testing::Not(HasSubstr("no targets")));
+  bench.promise({{"close:1", "ITK", 256, 0.7}}, "no targets");
+  EXPECT_THAT(notesOf(bench.result()), HasSubstr("no targets: 256^3 was left out"));
 }
 
 // What fails is told, and what was measured before it and can be measured after it is there.

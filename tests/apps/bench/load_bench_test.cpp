@@ -10,7 +10,7 @@ namespace load_bench_test {
 TEST(LoadBench, HasARowAndATargetForEveryFormat) {
   Progress progress;
   LoadBenchRequest request;
-  request.size = 24;
+  request.sizes = {24};
   request.repetitions = 3;
   request.suffixes = {".nrrd", ".nii.gz", ".mha", ".vdb"};
   const BenchResult result = runLoadBench(request, progress);

@@ -4,7 +4,6 @@
 
 #include <gmock/gmock.h>
 
-#include "apps/bench/cyclictest.hpp"
 #include "base/error.hpp"
 
 namespace palpate {
@@ -21,14 +20,6 @@ LoopBenchRequest shortRun() {
   return request;
 }
 
-std::vector<BenchRow> rowsOf(const BenchResult& result, const std::string& part) {
-  std::vector<BenchRow> rows;
-  for (const BenchRow& row : result.rows) {
-    if (textOf(row, "part") == part) rows.push_back(row);
-  }
-  return rows;
-}
-
 TEST(LoopBench, RunsTheLoopWhileTheEnginePublishes) {
   Progress progress;
   const BenchResult result = runLoopBench(shortRun(), progress);
@@ -36,8 +27,9 @@ TEST(LoopBench, RunsTheLoopWhileTheEnginePublishes) {
   EXPECT_NE(result.vulkan_device, "none");
   const auto loops = rowsOf(result, "loop");
   ASSERT_EQ(loops.size(), 2U);
-  EXPECT_EQ(figureOf(loops[0], "rate_hz"), 1000);
-  for (const BenchRow& row : loops) {
+  EXPECT_EQ(figureOf(*loops[0], "rate_hz"), 1000);
+  for (const BenchRow* loop : loops) {
+    const BenchRow& row = *loop;
     // Every grid point is a wake-up or was left out.
     EXPECT_EQ(figureOf(row, "wakeups") + figureOf(row, "skipped_ticks"), 0.2 * figureOf(row, "rate_hz"));
     EXPECT_GE(figureOf(row, "windows_published"), 2);  // each turn goes 47 mm; a window holds for 6
@@ -50,7 +42,7 @@ TEST(LoopBench, RunsTheLoopWhileTheEnginePublishes) {
   }
   // With cyclictest: a row a rate, and targets at 1 kHz. Without: a note, and no target that nothing stands behind.
   if (rowsOf(result, "cyclictest").empty()) {
-    EXPECT_THAT(textOf(rowsOf(result, "note").back(), "note"), HasSubstr("no comparison"));
+    EXPECT_THAT(textOf(*rowsOf(result, "note").back(), "note"), HasSubstr("no comparison"));
     EXPECT_TRUE(result.targets.empty());
   } else {
     EXPECT_EQ(rowsOf(result, "cyclictest").size(), 2U);
@@ -70,10 +62,10 @@ TEST(LoopBench, HistogramHoldsEveryWakeUp) {
   request.rates_hz = {1000};
   const BenchResult result = runLoopBench(request, progress);
   double sum = 0;
-  for (const BenchRow& row : rowsOf(result, "histogram")) {
-    if (textOf(row, "side") == "loop") sum += figureOf(row, "wakeups");
+  for (const BenchRow* row : rowsOf(result, "histogram", {{"side", "loop"}})) {
+    sum += figureOf(*row, "wakeups");
   }
-  EXPECT_EQ(sum, figureOf(rowsOf(result, "loop").front(), "wakeups"));
+  EXPECT_EQ(sum, figureOf(*rowsOf(result, "loop").front(), "wakeups"));
 }
 
 TEST(LoopBench, RefusesADeviceThatIsNotThere) {

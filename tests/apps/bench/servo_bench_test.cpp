@@ -7,9 +7,7 @@
 
 #include <gmock/gmock.h>
 
-#include "apps/bench/press_rows.hpp"
-#include "apps/bench/recovery_rows.hpp"
-#include "apps/bench/table_one.hpp"
+#include "apps/bench/entrants.hpp"
 #include "servo/algorithms/registry.hpp"
 
 namespace palpate {
@@ -38,12 +36,7 @@ class ServoBench : public testing::Test {
     return kResult;
   }
   static const BenchRow& tick(const std::string& algorithm, int n) {
-    for (const BenchRow& row : result().rows) {
-      if (textOf(row, "part") == "tick" && textOf(row, "algorithm") == algorithm && figureOf(row, "n_ticks") == n) {
-        return row;
-      }
-    }
-    throw std::out_of_range("no row of " + algorithm);
+    return *rowsOf(result(), "tick", {{"algorithm", algorithm}, {"n_ticks", std::int64_t{n}}}).at(0);
   }
 };
 
@@ -196,13 +189,6 @@ TEST_F(ServoBench, SaysItAllOnTheTerminalAndInTheChart) {
   for (const char* words : {"<svg", "hri-paper", "n=5", "VHIP error", "angle of the force"}) {
     EXPECT_THAT(chart, HasSubstr(words));
   }
-}
-
-// Rows with effects are there as soon as there is a choice of them, and not before.
-TEST_F(ServoBench, EffectsAreComparedWhereThereAreAny) {
-  const bool any = std::any_of(result().rows.begin(), result().rows.end(),
-                               [](const BenchRow& row) { return textOf(row, "part") == "effects"; });
-  EXPECT_EQ(any, effectChoices().size() > 1);
 }
 
 }  // namespace servo_bench_test

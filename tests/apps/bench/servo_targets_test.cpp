@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Rows with figures chosen by hand; what must come out is worked out beside them.
-#include "apps/bench/servo_targets.hpp"
-
 #include <gmock/gmock.h>
 
-#include "apps/bench/press_rows.hpp"
-#include "apps/bench/table_one.hpp"
+#include "apps/bench/servo_bench.hpp"
 
 namespace palpate {
 namespace servo_targets_test {
@@ -90,8 +87,7 @@ double valueOf(const BenchResult& result, const std::string& words) {
 }
 
 std::size_t notes(const BenchResult& result) {
-  return static_cast<std::size_t>(std::count_if(result.rows.begin(), result.rows.end(),
-                                                [](const BenchRow& row) { return textOf(row, "part") == "note"; }));
+  return rowsOf(result, "note").size();
 }
 
 TEST(ServoTargets, OfHriAloneComeFromTheirRows) {

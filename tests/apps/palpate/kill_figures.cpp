@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "apps/bench/bench_page.hpp"
+#include "apps/bench/bench_result.hpp"
 #include "base/atomic_file.hpp"
 
 namespace palpate {

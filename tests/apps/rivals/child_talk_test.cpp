@@ -3,6 +3,7 @@
 #include "apps/rivals/child_talk.hpp"
 
 #include <gmock/gmock.h>
+#include <sys/wait.h>
 
 namespace palpate {
 namespace child_talk_test {
@@ -24,6 +25,17 @@ TEST(ChildTalk, KnowsThatItIsGone) {
   EXPECT_FALSE(gone.tell("anybody there?"));
   ChildTalk never({"/nowhere/program"});
   EXPECT_EQ(never.hear(), std::nullopt);
+}
+
+TEST(ChildTalk, TellsHowItEnded) {
+  ChildTalk three({"/bin/sh", "-c", "echo word; exit 3"});
+  EXPECT_EQ(three.hear(), "word");
+  EXPECT_EQ(three.hear(), std::nullopt);
+  const int status = three.wait();
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 3);
+  EXPECT_EQ(three.wait(), -1);
+  EXPECT_EQ(ChildTalk({"/nowhere/program"}).wait(), -1);
 }
 
 }  // namespace child_talk_test

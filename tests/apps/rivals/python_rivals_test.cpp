@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // What is said where VTK and SciPy are not; what they compute is tested in rivals_test.cpp.
-#include "apps/rivals/python_rivals.hpp"
-
 #include <cstdlib>
 
 #include <gmock/gmock.h>
+
+#include "apps/rivals/rivals.hpp"
 
 namespace palpate {
 namespace python_rivals_test {

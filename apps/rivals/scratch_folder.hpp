@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/bench/scratch_folder.hpp: an empty folder for what a benchmark writes, gone with its owner. Any thread.
+// apps/rivals/scratch_folder.hpp: an empty folder for what a benchmark or its rivals write, gone with its owner. Any
+// thread.
 #pragma once
 
 #include <filesystem>
