@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kBufferBytes = 64 * 1024;
+constexpr std::size_t kBufferBytes = std::size_t{64} * 1024;
 
 std::atomic<std::uint64_t> files_written = 0;
 
@@ -102,6 +102,22 @@ void AtomicFile::commit() {
 
 std::uint64_t filesWritten() noexcept {
   return files_written;
+}
+
+bool sameFile(const fs::path& a, const fs::path& b) {
+  std::error_code ignored;  // of a name that cannot be followed; writing it tells more
+  if (fs::equivalent(a, b, ignored)) return true;
+  return fs::weakly_canonical(fs::absolute(a), ignored) == fs::weakly_canonical(fs::absolute(b), ignored);
+}
+
+void checkEachItsOwn(std::initializer_list<fs::path> outputs) {
+  for (auto a = outputs.begin(); a != outputs.end(); ++a) {
+    for (auto b = outputs.begin(); b != a; ++b) {
+      if (a->empty() || b->empty() || !sameFile(*a, *b)) continue;
+      throw Error(Error::Code::kBadInput, a->string(), "it is named for two of the outputs, and the last would be all",
+                  "give each a file of its own");
+    }
+  }
 }
 
 void writeFileAtomically(const fs::path& target, std::string_view text) {

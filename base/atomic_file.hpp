@@ -13,6 +13,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <initializer_list>
 #include <string>
 #include <string_view>
 
@@ -45,6 +46,13 @@ class AtomicFile {
 
 // How many files this process has committed so far. Any thread.
 [[nodiscard]] std::uint64_t filesWritten() noexcept;
+
+// Whether both names lead to one file, through links too, be it there or not. A name may not be empty.
+[[nodiscard]] bool sameFile(const std::filesystem::path& a, const std::filesystem::path& b);
+
+// Results are written to files of their own. Refuses (Error kBadInput) a file that is named twice; empty names do not
+// count.
+void checkEachItsOwn(std::initializer_list<std::filesystem::path> outputs);
 
 // The whole of `text` in one go.
 void writeFileAtomically(const std::filesystem::path& target, std::string_view text);

@@ -5,7 +5,6 @@
 #include <functional>
 #include <list>
 #include <optional>
-#include <set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -77,10 +76,6 @@ class Outputs {
  public:
   void add(const std::string& name, std::function<std::string()> text) {
     if (name.empty()) return;
-    if (!names_.insert(std::filesystem::absolute(name).lexically_normal()).second) {
-      throw Error(Error::Code::kBadInput, name, "it is named for two of the outputs, and the last would be all",
-                  "give each a file of its own");
-    }
     files_.emplace_back(name, std::move(text));
   }
   void write() {
@@ -91,7 +86,6 @@ class Outputs {
   }
 
  private:
-  std::set<std::filesystem::path> names_;
   std::list<std::pair<AtomicFile, std::function<std::string()>>> files_;
 };
 
@@ -105,6 +99,7 @@ std::string chartFromPage(const BenchFlags& flags) {
 void runVerb(const Bench& bench, const BenchFlags& flags) {
   BenchResult result;
   std::string tables;
+  checkEachItsOwn({flags.json, flags.csv, flags.chart, flags.page});
   Outputs outputs;
   outputs.add(flags.json, [&] { return jsonText(result); });
   outputs.add(flags.csv, [&] { return csvText(result); });

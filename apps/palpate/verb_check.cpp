@@ -46,10 +46,7 @@ void checkOutputs(const std::string& volume, const std::string& json, const std:
   for (const std::string& file : {json, page}) {
     if (!file.empty() && !volume.empty()) checkNotInput(volume, file);
   }
-  if (json.empty() || page.empty()) return;
-  if (std::filesystem::weakly_canonical(json) != std::filesystem::weakly_canonical(page)) return;
-  throw Error(Error::Code::kBadInput, page, "it is named for two of the outputs, and the last would be all",
-              "give each a file of its own");
+  checkEachItsOwn({json, page});
 }
 
 void printCheck(const CheckArguments& arguments, const Check& check) {

@@ -23,8 +23,7 @@ struct EditArguments {
 // The result's file is not the volume that is written. (Nor one that is read: editVolume().)
 void checkJson(const EditArguments& arguments) {
   if (arguments.request.json.empty()) return;
-  if (std::filesystem::weakly_canonical(arguments.request.json) ==
-      std::filesystem::weakly_canonical(arguments.request.out))
+  if (!arguments.request.out.empty() && sameFile(arguments.request.json, arguments.request.out))
     throw Error(Error::Code::kBadInput, "--json " + arguments.request.json, "it is the output", "give another name");
   checkWritable(arguments.request.json);
 }

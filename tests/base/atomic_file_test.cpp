@@ -49,6 +49,32 @@ TEST(AtomicFile, GathersSmallPieces) {
   EXPECT_EQ(std::filesystem::file_size(part), 65536U);
 }
 
+TEST(SameFile, IsSeenThroughEverySpelling) {
+  TemporaryFolder folder;
+  const std::filesystem::path a = folder.path() / "a", b = folder.path() / "b", link = folder.path() / "link";
+  EXPECT_TRUE(sameFile("a", "./a"));  // neither is there
+  EXPECT_TRUE(sameFile(a, folder.path() / "x" / ".." / "a"));
+  EXPECT_FALSE(sameFile(a, b));
+  std::filesystem::create_symlink(a, link);
+  EXPECT_TRUE(sameFile(a, link));
+  EXPECT_FALSE(sameFile(b, link));
+  writeFileAtomically(a, "a");
+  EXPECT_TRUE(sameFile(a, link));
+  std::filesystem::create_hard_link(a, b);
+  EXPECT_TRUE(sameFile(a, b));
+}
+
+TEST(SameFile, MayNotTakeTwoResults) {
+  EXPECT_NO_THROW(checkEachItsOwn({"", "a", "", "b", ""}));
+  try {
+    checkEachItsOwn({"a", "b", "", "./a"});
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), Error::Code::kBadInput);
+    EXPECT_THAT(error.what(), HasSubstr("./a: it is named for two of the outputs"));
+  }
+}
+
 TEST(AtomicFile, ReplacesAnOlderFile) {
   TemporaryFolder folder;
   writeFileAtomically(folder.path() / "a.txt", "old");

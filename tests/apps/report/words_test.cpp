@@ -159,7 +159,8 @@ TEST(Words, ClosingSummaryOfAnEmptyRunToTheLetter) {
                                              "Felt      force median 0 N, at most 0 N; no depth, for it knows no "
                                              "surface\nEnergy    no contact\nServo"));
   EXPECT_EQ(verdict(run, *run.figures),
-            "The tool touched the surface for 0.001 s of 0 s and felt at most 0 N; nothing was edited; no fault.");
+            "The tool touched the surface for 0.001 s of 0 s and no force above 0.05 N was reached, so that nobody feels it: "
+            "at most 0 N; nothing was edited; no fault.");
 }
 
 TEST(Words, FaultsAreCountedByKind) {

@@ -60,7 +60,7 @@ TEST_F(Nifti, CountsDimensions) {
   fields.dim = {7, 5, 4, 3, 1, 1, 1, 1};
   expectVolume(load(fields, data_), rasLattice(), rampValues(-30));
   fields.dim = {7, 5, 4, 1, 1, 1, 1, 3};
-  refuses(fields, "it is a series of 3 volumes or components; extract one of them");
+  refuses(fields, "it is a series of 3 volumes; extract one of them");
   fields.dim = {1, 60, 1, 1, 1, 1, 1, 1};
   refuses(fields, "it has 1 dimensions; give a volume");
 }
