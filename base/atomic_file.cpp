@@ -107,7 +107,10 @@ std::uint64_t filesWritten() noexcept {
 bool sameFile(const fs::path& a, const fs::path& b) {
   std::error_code ignored;  // of a name that cannot be followed; writing it tells more
   if (fs::equivalent(a, b, ignored)) return true;
-  return fs::weakly_canonical(fs::absolute(a), ignored) == fs::weakly_canonical(fs::absolute(b), ignored);
+  const auto place = [&](const fs::path& name) {
+    return fs::weakly_canonical(fs::absolute(throughLinks(name)), ignored);
+  };
+  return place(a) == place(b);
 }
 
 void checkEachItsOwn(std::initializer_list<fs::path> outputs) {

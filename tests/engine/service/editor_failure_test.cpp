@@ -168,16 +168,29 @@ TEST_P(FailingEdit, ChangesNothingOrIsTheLast) {
 // The engine around it vouches for nothing any more, so the servo lets go; it draws and hands out nothing.
 TEST(EditorFailure, EndsWindowsAndPictures) {
   const Volume volume = halves();
-  Engine engine(volume, makePlan({.draws = true}), 0, {});
-  engine.allowEdits(brushProfile(0, -100, 100, Vec3::Constant(1e-3)));
   const Vec3 tool_W(16e-3, 20e-3, 20e-3);
-  ASSERT_TRUE(engine.publishAround(tool_W, 1));
-  for (std::size_t n = 20; !engine.broken(); ++n) {
-    failing_memory::failAfter(n);
-    EXPECT_ANY_THROW(engine.edit(commands(), 2)) << n;
+  std::optional<Engine> made;
+  // An engine whose edit runs out of memory at its allocation of this number; how many it has made by then.
+  const auto edited = [&](std::size_t number) {
+    made.emplace(volume, makePlan({.draws = true}), 0, std::string());
+    made->allowEdits(brushProfile(0, -100, 100, Vec3::Constant(1e-3)));
+    made->timeKernels(true);
+    EXPECT_TRUE(made->publishAround(tool_W, 1));
+    const std::size_t before = failing_memory::allocations;
+    failing_memory::failAfter(number);
+    try {
+      static_cast<void>(made->edit(commands(), 2));
+    } catch (const std::exception&) {
+    }
     failing_memory::failNoMore();
-    ASSERT_LT(n, 2000U);
-  }
+    return failing_memory::allocations - before;
+  };
+  // From the end, where the edit is over, back into the part that changes the volume.
+  std::size_t number = edited(100'000);
+  ASSERT_FALSE(made->broken());
+  while (number > 5 && !made->broken()) edited(number -= 5);
+  ASSERT_TRUE(made->broken()) << number;
+  Engine& engine = *made;
   const std::uint64_t version = engine.exchange().latest().version;
   const std::int64_t confirmed_ns = engine.exchange().confirmedAt_ns();
   EXPECT_FALSE(engine.publishAround(tool_W, 3));
