@@ -39,39 +39,45 @@ Camera cameraAt(const Vec3& eye_W, const Vec3& target_W) {
   return camera;
 }
 
-// The marcher steps half a voxel and halves six times: 1/128 voxel; a float position at 0.1 m adds 1e-8 m. The twin is
-// exact to 1e-9. At grazing rays a half-voxel step may pass over a sliver that the twin's finer step finds, so pixels
-// at the silhouette, where a neighbour disagrees about hit or miss in the twin, are left out.
-TEST(Isosurface, DepthEqualsTheTwin) {
-  const Volume volume = ballField({53, 41, 37}, 14.0);
-  const Camera camera = cameraAt(middleOf(volume) + Vec3(0.05, -0.09, 0.04), middleOf(volume));
-  const RenderedImage image = drawFrom(volume, camera, 0.0);
+struct Compared {
+  int hits = 0, disagreements = 0;
+};
+
+// Each pixel against the twin along its own ray. The marcher steps half a voxel and halves six times: 1/128 voxel; a
+// float position at 0.1 m adds 1e-8 m. The twin is exact to 1e-9. At grazing rays a half-voxel step may pass over a
+// sliver that the twin's finer step finds: disagreements, of the silhouette alone.
+Compared compareWithTwin(const Volume& volume, const Camera& camera, const RenderedImage& image) {
   const reference::DenseField field = reference::denseField(volume);
   const double tolerance_m = volume.lattice().spacing_m.maxCoeff() / 128 + 1e-7;
-  int hits = 0;
-  int disagreements = 0;
+  Compared compared;
   for (int y = 0; y < camera.height; ++y) {
     for (int x = 0; x < camera.width; ++x) {
       const auto expected =
           reference::firstHit(field, 0.0, camera.position_W, camera.rayThrough(x + 0.5, y + 0.5), 0.1);
-      const float depth = image.distance_m[static_cast<std::size_t>(y) * image.width + x];
-      const bool hit = std::isfinite(depth);
+      const std::size_t pixel =
+          static_cast<std::size_t>(y) * static_cast<std::size_t>(camera.width) + static_cast<std::size_t>(x);
+      const bool hit = std::isfinite(image.distance_m[pixel]);
+      EXPECT_EQ(image.rgba[4 * pixel + 3], hit ? 255U : 0U);
       if (hit != expected.has_value()) {
-        ++disagreements;
-        continue;
-      }
-      EXPECT_EQ(image.rgba[4 * (static_cast<std::size_t>(y) * image.width + x) + 3], hit ? 255U : 0U);
-      if (hit) {
-        ++hits;
-        EXPECT_NEAR(depth, *expected, tolerance_m) << x << ' ' << y;
+        ++compared.disagreements;
+      } else if (hit) {
+        ++compared.hits;
+        EXPECT_NEAR(image.distance_m[pixel], *expected, tolerance_m) << x << ' ' << y;
       }
     }
   }
-  EXPECT_GT(hits, 300);
-  EXPECT_LE(disagreements, hits / 50);  // the silhouette alone
+  return compared;
 }
 
-// 150 rows are two bands of 64 and one of 22. Rows of the silhouette aside, each shows what its own rays meet.
+TEST(Isosurface, DepthEqualsTheTwin) {
+  const Volume volume = ballField({53, 41, 37}, 14.0);
+  const Camera camera = cameraAt(middleOf(volume) + Vec3(0.05, -0.09, 0.04), middleOf(volume));
+  const Compared compared = compareWithTwin(volume, camera, drawFrom(volume, camera, 0.0));
+  EXPECT_GT(compared.hits, 300);
+  EXPECT_LE(compared.disagreements, compared.hits / 50);
+}
+
+// 150 rows are two bands of 64 and one of 22. Each shows what its own rays meet.
 TEST(Isosurface, ATallPictureIsDrawnInBandsThatMeet) {
   const Volume volume = ballField({53, 41, 37}, 14.0);
   Camera camera = cameraAt(middleOf(volume) + Vec3(0.05, -0.09, 0.04), middleOf(volume));
@@ -82,25 +88,9 @@ TEST(Isosurface, ATallPictureIsDrawnInBandsThatMeet) {
   EXPECT_EQ(bands, 3);
   ASSERT_EQ(image.distance_m.size(), 450U);
   ASSERT_EQ(image.rgba.size(), 1800U);
-  const reference::DenseField field = reference::denseField(volume);
-  const double tolerance_m = volume.lattice().spacing_m.maxCoeff() / 128 + 1e-7;
-  int hits = 0;
-  int disagreements = 0;
-  for (int y = 0; y < camera.height; ++y) {
-    for (int x = 0; x < camera.width; ++x) {
-      const auto expected =
-          reference::firstHit(field, 0.0, camera.position_W, camera.rayThrough(x + 0.5, y + 0.5), 0.1);
-      const float depth = image.distance_m[static_cast<std::size_t>(y * camera.width + x)];
-      if (std::isfinite(depth) != expected.has_value()) {
-        ++disagreements;
-      } else if (expected) {
-        ++hits;
-        EXPECT_NEAR(depth, *expected, tolerance_m) << x << ' ' << y;
-      }
-    }
-  }
-  EXPECT_GT(hits, 200);
-  EXPECT_LE(disagreements, 6);
+  const Compared compared = compareWithTwin(volume, camera, image);
+  EXPECT_GT(compared.hits, 200);
+  EXPECT_LE(compared.disagreements, 6);
 }
 
 // The field is linear in the distance from the middle [voxel], so along i the surface is 14 voxels out; trilinear
