@@ -31,8 +31,8 @@ std::string moreForceWords(const Scene& scene, double depth_m) {
                        std::ceil(needed_N_per_m / step) * step, shortNumber(kClear_N));
   }
   return fmt::format(
-      "even --stiffness {:.0f} would make {} N of it: raise --depth too, or write a larger voxel size "
-      "into the file",
+      "--stiffness {:.0f}, the most that it takes, would make {} N of it: raise --depth too for more, or write a "
+      "larger voxel size into the file",
       kStiffest_N_per_m, shortNumber(kStiffest_N_per_m * depth_m));
 }
 

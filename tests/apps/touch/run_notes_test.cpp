@@ -111,9 +111,9 @@ TEST(RunNotes, TellOfForcesThatNobodyFeels) {
   scene.press_depth_m = 0.007e-3;
   EXPECT_THAT(noteOnFaintForce(scene, figures).value_or(""), HasSubstr("0.007 mm deep, and --stiffness"));
   figures.depth_m.max = 0.001e-3;
-  EXPECT_THAT(
-      noteOnFaintForce(scene, figures).value_or(""),
-      HasSubstr("even --stiffness 100000 would make 0.1 N of it: raise --depth too, or write a larger voxel size"));
+  EXPECT_THAT(noteOnFaintForce(scene, figures).value_or(""),
+              HasSubstr("--stiffness 100000, the most that it takes, would make 0.1 N of it: raise --depth too for "
+                        "more, or write a larger voxel size"));
   scene.spring_hand = true;
   EXPECT_THAT(noteOnFaintForce(scene, figures).value_or(""), HasSubstr("; raise --depth or --hand-stiffness"));
 }
