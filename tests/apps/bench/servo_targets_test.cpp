@@ -179,5 +179,27 @@ TEST(TableOne, HasThePapersFormAndFigures) {
   }
 }
 
+int timesIn(const std::string& text, const std::string& words) {
+  int times = 0;
+  for (std::size_t at = text.find(words); at != std::string::npos; at = text.find(words, at + 1)) ++times;
+  return times;
+}
+
+// In both panels: points with one error, whatever n is, are one; with two errors they stay two; one alone keeps its n.
+TEST(ServoChart, AnAlgorithmWithoutAPlaneIsOnePoint) {
+  const auto row = [](const char* algorithm, int n, double cost_ns, double error) {
+    BenchRow made = tickRow("phantom:sphere", algorithm, n, cost_ns, error);
+    made.emplace_back("force_angle_median_deg", 10 * error);
+    return made;
+  };
+  BenchResult result;
+  result.rows = {row("steady", 11, 40, 0.1), row("steady", 12, 60, 0.1), row("turning", 13, 50, 0.2),
+                 row("turning", 14, 20, 0.3), row("lonely", 15, 30, 0.4)};
+  const std::string chart = servoChart(result);
+  EXPECT_EQ(timesIn(chart, "any n"), 2);
+  for (const char* n : {"n=11", "n=12"}) EXPECT_EQ(timesIn(chart, n), 0) << n;
+  for (const char* n : {"n=13", "n=14", "n=15"}) EXPECT_EQ(timesIn(chart, n), 2) << n;
+}
+
 }  // namespace servo_targets_test
 }  // namespace palpate

@@ -40,6 +40,13 @@ TEST(AlignedTables, AreWrappedWhereTheTerminalIsNarrower) {
   EXPECT_EQ(alignedTables(table, 1), narrow);  // no word is cut
 }
 
+// 1 + 2 + 2 + 2 + 9 columns: two gaps.
+TEST(AlignedTables, OfThreeColumnsHaveTwoGaps) {
+  const std::string table = "| a | bb | cccc dddd |\n|---|---|---|\n";
+  EXPECT_EQ(alignedTables(table, 16), "a  bb  cccc dddd\n-  --  ---------\n");
+  EXPECT_EQ(alignedTables(table, 15), "a  bb  cccc\n       dddd\n-  --  --------\n");
+}
+
 // "µ" is two bytes and one column.
 TEST(AlignedTables, CountCharactersAndKeepBarsThatAreEscaped) {
   EXPECT_EQ(alignedTables("| \xc2\xb5m | a \\| b |\n|---|---|\n| 1 | 2 |\n", 80),
