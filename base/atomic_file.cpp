@@ -9,10 +9,9 @@
 
 #include <unistd.h>
 
+#include "base/durable_io.hpp"
 #include "base/error.hpp"
-#include "base/flush_folder.hpp"
 #include "base/part_file.hpp"
-#include "base/write_all.hpp"
 
 namespace palpate {
 namespace {
@@ -41,12 +40,12 @@ const char* remedyFor(int error) {
 
 // The file that a name stands for behind symbolic links, whether it is there or not.
 fs::path throughLinks(fs::path name) {
-  constexpr int kMostLinks = 40;  // as Linux has it
+  constexpr int kMostLinks = 40;  // Linux's own limit
   std::error_code error;
   for (int i = 0; i < kMostLinks && fs::is_symlink(fs::symlink_status(name, error)); ++i) {
     const fs::path meant = fs::read_symlink(name, error);
     if (error) break;
-    name = name.parent_path() / meant;  // an absolute one stays
+    name = name.parent_path() / meant;  // an absolute link replaces the folder
   }
   return name;
 }
@@ -95,7 +94,7 @@ void AtomicFile::commit() {
   temporary_.clear();
   ++files_written;
   leftover_.release();
-  close(std::exchange(descriptor_, -1));  // not before: its lock says that the temporary file is in use
+  close(std::exchange(descriptor_, -1));  // not before the rename: its lock says that the temporary file is in use
   const int error = flushFolder(target_.has_parent_path() ? target_.parent_path() : ".");
   if (error != 0) fail("its folder cannot be flushed", error);
 }
@@ -105,7 +104,7 @@ std::uint64_t filesWritten() noexcept {
 }
 
 bool sameFile(const fs::path& a, const fs::path& b) {
-  std::error_code ignored;  // of a name that cannot be followed; writing it tells more
+  std::error_code ignored;  // a name that cannot be followed fails later, when it is written, with a better message
   if (fs::equivalent(a, b, ignored)) return true;
   const auto place = [&](const fs::path& name) {
     return fs::weakly_canonical(fs::absolute(throughLinks(name)), ignored);
@@ -113,7 +112,7 @@ bool sameFile(const fs::path& a, const fs::path& b) {
   return place(a) == place(b);
 }
 
-void checkEachItsOwn(std::initializer_list<fs::path> outputs) {
+void checkOutputsDiffer(std::initializer_list<fs::path> outputs) {
   for (auto a = outputs.begin(); a != outputs.end(); ++a) {
     for (auto b = outputs.begin(); b != a; ++b) {
       if (a->empty() || b->empty() || !sameFile(*a, *b)) continue;

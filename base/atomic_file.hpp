@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // base/atomic_file.hpp: writes a file so that it is there whole or not at all.
 //
-// The text goes to a temporary file beside the target. commit() flushes it to the disk, checks every step, renames it
-// to the target and flushes the folder. Without commit() (an exception on the way) the temporary file is removed and an
-// older target stays as it was. A killed process leaves its temporary file behind; the next writer of the target
-// removes it (base/part_file.hpp). A target that is a symbolic link stays one: the file that it points at is written,
-// or made if it is missing.
+// The text goes to a temporary file beside the target. commit() flushes it to the disk, renames it to the target and
+// flushes the folder. Every step is checked. Without commit(), as after an exception, the temporary file is removed and
+// an older target stays as it was.
+// A killed process leaves its temporary file behind. The next writer of the target removes it (base/part_file.hpp).
+// If the target is a symbolic link, it stays one. The file that it points at is written, or made if it is missing.
 // Thread: set-up code, one thread per object. Cost: reading the folder's names, a system call for each 64 KiB, and
 // waiting for the disk in commit(). At a file size limit the system kills the process with SIGXFSZ. A process that
 // ignores that signal gets an Error instead.
@@ -47,14 +47,13 @@ class AtomicFile {
 // How many files this process has committed so far. Any thread.
 [[nodiscard]] std::uint64_t filesWritten() noexcept;
 
-// Whether both names lead to one file, through links too, be it there or not. A name may not be empty.
+// Whether both names stand for one file, with links followed. The file need not exist. A name may not be empty.
 [[nodiscard]] bool sameFile(const std::filesystem::path& a, const std::filesystem::path& b);
 
-// Results are written to files of their own. Refuses (Error kBadInput) a file that is named twice; empty names do not
-// count.
-void checkEachItsOwn(std::initializer_list<std::filesystem::path> outputs);
+// Refuses (Error kBadInput) a file that is named for two of the outputs. Empty names do not count.
+void checkOutputsDiffer(std::initializer_list<std::filesystem::path> outputs);
 
-// The whole of `text` in one go.
+// Writes the whole of `text` and commits it.
 void writeFileAtomically(const std::filesystem::path& target, std::string_view text);
 
 }  // namespace palpate

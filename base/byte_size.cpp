@@ -52,7 +52,7 @@ std::string bytesInWords(std::uint64_t bytes) {
   constexpr std::array<const char*, 5> kNames = {"B", "KiB", "MiB", "GiB", "TiB"};
   double value = static_cast<double>(bytes);
   std::size_t unit = 0;
-  // What would be rounded to 1024 of a unit is 1 of the next.
+  // A value that rounds to 1024 of a unit is shown as 1 of the next.
   for (; std::round(value) >= 1024 && unit + 1 < kNames.size(); ++unit) value /= 1024;
   return fmt::format("{} {}", value >= 100 ? fmt::format("{:.0f}", std::round(value)) : fmt::format("{:.3g}", value),
                      kNames[unit]);

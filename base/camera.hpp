@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// base/camera.hpp: where a picture is taken from, and where a point of the world appears in it.
+// base/camera.hpp: where a picture is taken from, where a point of the world appears in it, and the picture itself.
 //
 // World frame [m]. Pixels count from the top left corner; the centre of the first pixel is (0.5, 0.5). Any thread.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "base/vec.hpp"
 
@@ -36,5 +39,16 @@ struct Camera {
 // camera. `up_W` points upwards in the picture and may not be parallel to `from_W`.
 [[nodiscard]] Camera lookAt(const Vec3& target_W, const Vec3& from_W, double distance_m, const Vec3& up_W, int width,
                             int height, double vertical_fov_rad);
+
+// What a renderer gives for a camera: the colour and the distance of each pixel.
+struct RenderedImage {
+  int width = 0, height = 0;       // [pixel]
+  std::vector<std::uint8_t> rgba;  // 4 bytes a pixel, rows from the top; sRGB; alpha is ignored
+  std::vector<float> distance_m;   // along the ray through the pixel's centre [m]; infinity where nothing is hit
+  [[nodiscard]] bool complete() const noexcept {
+    const auto pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+    return width > 0 && height > 0 && rgba.size() == 4 * pixels && distance_m.size() == pixels;
+  }
+};
 
 }  // namespace palpate

@@ -23,7 +23,7 @@ namespace palpate {
 namespace {
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kSanitized = true;  // its shadow is larger than any limit
+constexpr bool kSanitized = true;  // the shadow memory is larger than any limit
 #else
 constexpr bool kSanitized = false;
 #endif
@@ -63,7 +63,7 @@ bool send(int to, char kind, std::string_view bytes) {
   return writeAllBytes(to, {head.data(), head.size()}) && writeAllBytes(to, bytes);
 }
 
-// The parts of an Error, each with a zero after it; no part holds one.
+// The parts of an Error, separated by zeros; no part contains a zero.
 std::string packed(const Error& error) {
   const char zero = '\0';
   return std::to_string(static_cast<int>(error.code())) + zero + error.input() + zero + error.reason() + zero +
@@ -81,7 +81,7 @@ Error unpacked(std::string_view text) {
 
 // --- the child ------------------------------------------------------------------------------------------------------
 
-void beAlone() {
+void isolateChild() {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE, SIGXCPU, SIGALRM, SIGSEGV, SIGABRT, SIGBUS}) {
     std::signal(signal, SIG_DFL);
@@ -97,18 +97,18 @@ void beAlone() {
   if (sink > STDERR_FILENO) close(sink);
 }
 
-// 0, or why a library could not open its files. It would call that damage.
-int lackOfDescriptors(int any) {
+// 0, or the errno for which a library could not open its files. The library would report a damaged file.
+int descriptorShortage(int any) {
   std::array<int, 8> spare;  // more than a library has open at a time
-  int lack = 0;
+  int shortage = 0;
   for (int& one : spare) {
-    one = lack == 0 ? dup(any) : -1;
-    if (one < 0 && lack == 0) lack = errno;
+    one = shortage == 0 ? dup(any) : -1;
+    if (one < 0 && shortage == 0) shortage = errno;
   }
   for (const int one : spare) {
     if (one >= 0) close(one);
   }
-  return lack;
+  return shortage;
 }
 
 // The address space that this process has now [byte]; the first number of statm is in pages.
@@ -140,8 +140,8 @@ double cpuSeconds() {
   return seconds(used.ru_utime) + seconds(used.ru_stime);
 }
 
-// The processor's time counts, so that a busy machine refuses nothing. What waits for ever uses none of it: the clock
-// on the wall ends that, ten times later.
+// The limit is processor time, so a busy machine refuses nothing. Work that waits for ever uses no processor time: an
+// alarm ends it after ten times the limit of wall time.
 void limitTime(double cpu_s) {
   rlimit limit = {};
   getrlimit(RLIMIT_CPU, &limit);
@@ -150,7 +150,8 @@ void limitTime(double cpu_s) {
   alarm(static_cast<unsigned>(std::ceil(10 * cpu_s)));
 }
 
-// False: the piece failed, or nobody listens. Throws std::bad_alloc where there is no memory for an Error's words.
+// False: the piece failed, or the parent no longer reads. Throws std::bad_alloc if an Error's text does not fit into
+// memory.
 bool doPiece(int to, const std::function<std::string(std::size_t)>& work, std::size_t n) {
   try {
     return send(to, kDone, work(n));
@@ -168,14 +169,14 @@ bool doPiece(int to, const std::function<std::string(std::size_t)>& work, std::s
   return false;
 }
 
-// An exception that left the child would go on in a second copy of the program.
+// Never returns or throws: an exception that left it would unwind the caller's frames in this second process.
 [[noreturn]] void runChild(int to, std::size_t count, const ChildLimits& limits,
                            const std::function<std::string(std::size_t)>& work) noexcept {
-  beAlone();
+  isolateChild();
   limitMemory(limits.memory_bytes);
   try {
-    if (const int lack = lackOfDescriptors(to); lack != 0) {
-      send(to, kNoDescriptor, std::to_string(lack));
+    if (const int shortage = descriptorShortage(to); shortage != 0) {
+      send(to, kNoDescriptor, std::to_string(shortage));
       count = 0;
     }
     for (std::size_t n = 0; n < count; ++n) {
@@ -238,7 +239,7 @@ class Descriptor {
   int number_;
 };
 
-// However the caller leaves, there is no zombie.
+// Kills and awaits the child on every way out, so that no zombie is left.
 class Child {
  public:
   explicit Child(pid_t id) : id_(id) {}
@@ -261,7 +262,7 @@ class Child {
   pid_t id_;
 };
 
-// What the child sends, until it stops.
+// Reads what the child sends, until the pipe ends.
 void receive(int from, const std::string& input, std::size_t count, ChildOutcome& outcome) {
   while (outcome.results.size() < count && !outcome.trouble) {
     std::array<char, 9> head;

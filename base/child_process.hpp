@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// base/child_process.hpp: work done in a child process, within limits. A library that crashes, hangs or asks for all
-// memory over a damaged file then takes only the child with it.
+// base/child_process.hpp: runs work in a child process, within limits of memory and time.
 //
-// The child is a fork. It sees all that the caller sees. What it changes stays in the child, except in shared memory
+// For libraries that may crash, hang or ask for all memory over a damaged file. Only the child is lost then.
+// The child is a fork, so it sees all that the caller sees. What it changes stays in the child, except in shared memory
 // (base/shared_buffer.hpp). It has one thread, prints nothing, leaves no core file and dies with its parent. Linux
 // only.
 // Thread: a set-up thread, while no other thread is inside the library that the work calls. Cost: a fork.
@@ -19,15 +19,15 @@
 namespace palpate {
 
 struct ChildLimits {
-  std::size_t memory_bytes = std::size_t{512} << 20;  // beyond what the caller has; no limit under a sanitizer [byte]
+  std::size_t memory_bytes = std::size_t{512} << 20;  // beyond the caller's memory; no limit under a sanitizer [byte]
   double cpu_s = 4;                                   // processor time for one piece of work [s]
 };
 
-// Limits for a library that reads a file of `file_bytes` and may make `more_bytes` of data from it. The time is 4 s,
-// and 1 s more for each whole 4 MiB of the file.
+// Limits for a library that reads a file of `file_bytes` and may make `more_bytes` of data from it. It gets 4 s, and 1
+// s more for each whole 4 MiB of the file.
 [[nodiscard]] ChildLimits limitsForFile(double file_bytes, double more_bytes = 0);
 
-// Why a piece of work did not come to its end.
+// Why a piece of work did not finish.
 struct ChildTrouble {
   enum class Kind {
     kError,      // it threw an Error: `error`
@@ -42,12 +42,12 @@ struct ChildTrouble {
 };
 
 struct ChildOutcome {
-  std::vector<std::string> results;     // of the pieces of work before the trouble, in order
-  std::optional<ChildTrouble> trouble;  // of the piece with the number results.size()
+  std::vector<std::string> results;     // of the pieces of work that finished, in order
+  std::optional<ChildTrouble> trouble;  // of piece number results.size(); empty: all finished
 };
 
-// Runs work(0) to work(count - 1) in one child. Gives what they return, up to the first that does not come to its end.
-// Throws Error, which names `input`: kIo where no process can be made or it could open hardly a file; kCancelled where
+// Runs work(0) to work(count - 1) in one child. Gives what they return, up to the first that does not finish. Throws
+// Error, which names `input`: kIo if no process can be made or too few file descriptors are left for it; kCancelled if
 // a signal from the user ended the child.
 [[nodiscard]] ChildOutcome runInChild(const std::string& input, std::size_t count, const ChildLimits& limits,
                                       const std::function<std::string(std::size_t)>& work);

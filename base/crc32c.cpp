@@ -7,7 +7,7 @@
 namespace palpate {
 namespace {
 
-constexpr std::uint32_t kPolynomial = 0x82f63b78U;  // 0x1edc6f41, bits turned round
+constexpr std::uint32_t kPolynomial = 0x82f63b78U;  // 0x1edc6f41, bits reversed
 
 constexpr std::array<std::uint32_t, 256> kTable = [] {
   std::array<std::uint32_t, 256> table{};

@@ -8,10 +8,10 @@
 
 namespace palpate {
 
-// `before`: the checksum of the bytes before these; 0 at the beginning.
+// `before`: the checksum of the preceding bytes; 0 at the beginning.
 [[nodiscard]] std::uint32_t crc32c(std::string_view bytes, std::uint32_t before = 0) noexcept;
 
-// The same by a table, without the processor's CRC instruction.
+// The same by a table, without the processor's CRC instruction. For processors that have none, and for tests.
 [[nodiscard]] std::uint32_t crc32cByTable(std::string_view bytes, std::uint32_t before = 0) noexcept;
 
 }  // namespace palpate

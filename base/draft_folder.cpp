@@ -38,7 +38,7 @@ void removeDraftIfLeft(const fs::path& name) {
 }
 
 void removeLeftDrafts(const fs::path& parent, const std::string& prefix) {
-  std::vector<fs::path> names;  // all of them first: what is removed while it is read may be read twice or not
+  std::vector<fs::path> names;  // collected first: removing entries while the folder is read may skip or repeat others
   std::error_code error;
   for (fs::directory_iterator entry(parent, error); !error && entry != fs::directory_iterator(); entry.increment(error))
     if (isDraft(entry->path().filename().native(), prefix)) names.push_back(entry->path());
@@ -58,7 +58,8 @@ DraftFolder::DraftFolder(const fs::path& parent, const std::string& prefix) {
     });
     lock_ = openFolder(name);
     path_ = name;
-    if (lock_ < 0 || isOurs(path_, lock_)) return;  // one that cannot be opened has no lock, and nobody can sweep it
+    if (lock_ < 0 || isOurs(path_, lock_))
+      return;  // a folder that cannot be opened has no lock, and nobody else can open and remove it
     close(lock_);
   }
   throw std::system_error(EBUSY, std::generic_category());

@@ -2,9 +2,9 @@
 // base/draft_folder.hpp: a folder for unfinished files, PARENT/PREFIXxxxxxx, which its owner removes.
 //
 // The owner holds a lock on the folder, as on temporary files (base/part_file.hpp). The lock ends with the process,
-// however that ends. So whoever makes the next folder with this prefix in this parent can tell what killed processes
-// left there, and removes it. Where a file system has no locks nothing is removed. Any thread. Cost: reading the names
-// in the parent.
+// however the process ends. So an unlocked folder was left by a killed process. Making a folder removes all such
+// folders that have the same prefix and parent. On a file system without locks nothing is removed.
+// Any thread. Cost: reading the names in the parent.
 #pragma once
 
 #include <filesystem>
@@ -16,7 +16,7 @@ namespace palpate {
 
 class DraftFolder {
  public:
-  // Throws std::system_error, with the system's message alone, where no folder can be made.
+  // Throws std::system_error, with the system's message alone, if no folder can be made.
   DraftFolder(const std::filesystem::path& parent, const std::string& prefix);
   ~DraftFolder();  // removes it, with all that is in it
   DraftFolder(const DraftFolder&) = delete;

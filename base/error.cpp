@@ -5,11 +5,11 @@
 
 #include <fmt/format.h>
 
-#include "base/one_line.hpp"
+#include "base/outside_text.hpp"
 
 namespace palpate {
 
-// Names and values may hold anything; the message stays one line of text.
+// Names and values may contain anything, so control characters are replaced: the message stays one line.
 Error::Error(Code code, const std::string& input, const std::string& reason, const std::string& remedy)
     : std::runtime_error(oneLine(input + ": " + reason + "; " + remedy)),
       code_(code),

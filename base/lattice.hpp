@@ -3,7 +3,7 @@
 //
 // W is the world: the patient frame in DICOM's sense (LPS: +x left, +y posterior, +z superior), metres, right-handed.
 // L is the lattice's own frame: its axes are the grid's i, j, k directions, its unit is the voxel. The centre of sample
-// (i, j, k) has the L coordinates (i, j, k). The axes are orthogonal; their order may be left-handed (det R_WL = -1).
+// (i, j, k) has the L coordinates (i, j, k). The axes are orthogonal. They may be left-handed (det R_WL = -1).
 #pragma once
 
 #include "base/vec.hpp"
@@ -21,10 +21,10 @@ struct Lattice {
     return (R_WL.transpose() * (p_W - origin_W)).cwiseQuotient(spacing_m);
   }
 
-  // The world gradient of one measured along the lattice's axes per metre: R_WL alone turns it.
+  // Turns a gradient from the lattice's axes to the world's; both are per metre.
   [[nodiscard]] Vec3 gradientToWorld(const Vec3& gradient_per_m) const noexcept { return R_WL * gradient_per_m; }
 
-  // The same lattice, counted from sample `first` as (0, 0, 0): a window into a volume.
+  // The same lattice with sample `first` as its (0, 0, 0): that of a window into a volume.
   [[nodiscard]] Lattice shifted(const Vec3i& first) const noexcept {
     return {toWorld(first.cast<double>()), R_WL, spacing_m};
   }

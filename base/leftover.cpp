@@ -18,7 +18,7 @@ enum class Kind { kFile, kFolder, kEmptyFolder, kProcess };
 struct Entry {
   std::uint64_t number = 0;
   Kind kind = Kind::kFile;
-  fs::path name;  // absolute: the process may go to another folder
+  fs::path name;  // absolute: the process may change its working folder
   pid_t child = 0;
 };
 
@@ -28,8 +28,8 @@ struct Register {
   std::uint64_t last = 0;
 };
 
-// Never destroyed: what lives to the process's end tidies up then.
-Register& theRegister() {
+// Never destroyed: static objects that own a Leftover may still release it while the process ends.
+Register& globalRegister() {
   static auto* const all = new Register;
   return *all;
 }
@@ -55,9 +55,9 @@ void end(const Entry& entry) {
 // The number of the new entry; 0: nothing was made.
 template <typename Make>
 std::uint64_t add(Kind kind, const Make& make) {
-  std::list<Entry> entry(1);  // its memory is there before the thing is
+  std::list<Entry> entry(1);  // allocated first, so that registering cannot fail once the thing exists
   entry.front().kind = kind;
-  Register& all = theRegister();
+  Register& all = globalRegister();
   const std::lock_guard lock(all.mutex);
   if (!make(entry.front())) return 0;
   entry.front().number = ++all.last;
@@ -72,7 +72,7 @@ std::uint64_t addNamed(Kind kind, const Leftover::MakeNamed& make) {
     entry.name = make();
     if (entry.name.empty()) return false;
     try {
-      entry.name = here / entry.name;  // an absolute one stays
+      entry.name = here / entry.name;  // an absolute name stays as it is
     } catch (...) {
       end(entry);
       throw;
@@ -108,19 +108,19 @@ Leftover& Leftover::operator=(Leftover&& other) noexcept {
 
 void Leftover::release() noexcept {
   if (number_ == 0) return;
-  Register& all = theRegister();
+  Register& all = globalRegister();
   const std::lock_guard lock(all.mutex);
   all.entries.remove_if([&](const Entry& entry) { return entry.number == number_; });
   number_ = 0;
 }
 
 void endLeftovers() noexcept {
-  Register& all = theRegister();
+  Register& all = globalRegister();
   all.mutex.lock();  // and never unlocked
   for (auto entry = all.entries.rbegin(); entry != all.entries.rend(); ++entry) {
     try {
       end(*entry);
-    } catch (...) {  // no memory: the next run sweeps it
+    } catch (...) {  // no memory: the next run removes it
     }
   }
 }

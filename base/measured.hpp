@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// base/measured.hpp: times and memory sizes that a piece of work reports of itself, for summaries and reports.
+// base/measured.hpp: a time and a memory size with a name, which the engine measures and reports show.
 #pragma once
 
 #include <cstdint>

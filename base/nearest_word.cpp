@@ -7,7 +7,7 @@
 namespace palpate {
 
 std::size_t typingErrors(std::string_view a, std::string_view b) {
-  // Three rows of the table of distances between beginnings of the words.
+  // Three rows of the table of distances between prefixes of the words.
   std::vector<std::size_t> before(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
   for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
   for (std::size_t i = 1; i <= a.size(); ++i) {

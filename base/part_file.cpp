@@ -23,7 +23,7 @@ bool isNumber(std::string_view text) {
   return !text.empty() && std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
 }
 
-// The target of "FILE.123.palpate-part", "FILE.123-4.palpate-part": "FILE"; empty: it is no such name.
+// "FILE" for "FILE.123.palpate-part" and "FILE.123-4.palpate-part"; empty for any other name.
 std::string_view targetOf(std::string_view name) {
   if (!name.ends_with(kSuffix)) return {};
   name.remove_suffix(kSuffix.size());

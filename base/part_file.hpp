@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // base/part_file.hpp: TARGET.PID.palpate-part, the temporary file beside a target that is being written.
 //
-// The writer holds a lock (flock) on it, which ends with the process, however that ends. So a free lock means that a
-// killed process left the file. The process number in the name would not tell, since another process may have it by
-// now. Whoever begins to write a target removes the files that killed processes left of it. Nobody else gives files
-// such names, so all that is left in a folder may be removed too. Where a file system has no locks nothing is removed.
+// The writer holds a lock (flock) on it. The lock ends with the process, however the process ends. So a temporary file
+// without a lock was left by a killed process. The process number in the name cannot tell that, since another process
+// may have it by now.
+// Whoever begins to write a target removes such files of that target. No other program gives files such names, so those
+// of all targets in a folder may be removed too. On a file system without locks nothing is removed.
 // Any thread. Cost: reading the names in the target's folder.
 #pragma once
 
@@ -24,7 +25,7 @@ struct PartFile {
 // The lock is held until the descriptor is closed. Close it only after the file has been renamed or removed.
 [[nodiscard]] PartFile openPartFile(const std::filesystem::path& target);
 
-// Removes what killed processes left in `folder` of any target. An empty `folder` is the working folder.
+// Removes what killed processes left in `folder`, whatever its target. An empty `folder` is the working folder.
 void sweepPartFiles(const std::filesystem::path& folder);
 
 }  // namespace palpate

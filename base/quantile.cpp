@@ -9,9 +9,9 @@ namespace palpate {
 
 namespace {
 
-// Where the quantile of so many sorted values stands; `count` is not 0.
+// The index of the quantile among `count` sorted values; `count` is not 0.
 std::size_t placeOf(double q, std::size_t count) {
-  // 0.55 * 100 is a little above 55 in binary: without the small allowance it would name element 56.
+  // 0.55 * 100 is a little above 55 in binary. Without the small allowance this would give element 56.
   const double rank = std::ceil(std::clamp(q, 0.0, 1.0) * static_cast<double>(count) * (1 - 1e-12));
   return static_cast<std::size_t>(std::max(rank, 1.0)) - 1;
 }
@@ -22,7 +22,7 @@ double quantile(const std::vector<double>& sorted, double q) {
   return sorted.empty() ? 0 : sorted[placeOf(q, sorted.size())];
 }
 
-// The values of a sorted list, without sorting it: each is found among those that are not below the one before.
+// Selects each quantile without a full sort: it is searched among the values that are not below the quantile before it.
 Percentiles percentiles(std::vector<double> values) {
   Percentiles found;
   found.count = values.size();

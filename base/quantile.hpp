@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// base/quantile.hpp: quantiles of measured values, by one stated rule, and the usual five of them.
+// base/quantile.hpp: quantiles of measured values, all by one rule.
 //
 // Any thread. Cost: one sort. The values must not contain NaN.
 #pragma once
@@ -14,8 +14,9 @@ struct Percentiles {
   double p50 = 0, p90 = 0, p99 = 0, p999 = 0, max = 0;
 };
 
-// Element ceil(q n) of the sorted list: the smallest value that a share of at least `q` (0 to 1) of all values does not
-// exceed. No interpolation, so each figure was really measured. `sorted` is ascending; 0 if it is empty.
+// Element ceil(q n) of the sorted list, `q` from 0 to 1: the smallest value that at least the share q of all values
+// does not exceed. Nothing is interpolated, so each figure was really measured. `sorted` is ascending; if it is empty,
+// the result is 0.
 [[nodiscard]] double quantile(const std::vector<double>& sorted, double q);
 
 [[nodiscard]] Percentiles percentiles(std::vector<double> values);

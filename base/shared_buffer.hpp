@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // base/shared_buffer.hpp: memory that a child process (base/child_process.hpp) fills for its parent. It begins as
-// zeros. Throws std::bad_alloc. Any thread.
+// zeros. The constructor throws std::bad_alloc. Any thread.
 #pragma once
 
 #include <cstddef>

@@ -19,12 +19,11 @@ option(PALPATE_LIBFUZZER "Fuzz targets are libFuzzer programs; needs clang" OFF)
 add_library(palpate_compiler INTERFACE)
 target_compile_options(palpate_compiler INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wold-style-cast
-  $<$<CXX_COMPILER_ID:GNU>:-Werror>  # other compilers warn of other things
+  $<$<CXX_COMPILER_ID:GNU>:-Werror>  # other compilers have other warnings
   # A CPU twin must round as its kernel does, so a*b+c stays two operations.
   -ffp-contract=off)
 if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
-  # Where it makes vectors of neighbouring doubles, GCC 12 leaves out their rounding to float and back
-  # (tests/base/rounding_test.cpp).
+  # GCC 12 makes vectors of neighbouring doubles and then omits their rounding to float and back (tests/base/rounding_test.cpp).
   target_compile_options(palpate_compiler INTERFACE -fno-tree-slp-vectorize)
 endif()
 if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)

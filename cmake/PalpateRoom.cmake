@@ -2,15 +2,15 @@
 #
 #   palpate_room(servo_window SOURCES x.cpp DEPENDS base LIBRARIES Eigen3::Eigen USES Vulkan)
 #
-# DEPENDS: the rooms whose headers the files of this one include. THROUGH: rooms whose headers come in with those, and
-# that no file of this room may include itself. LIBRARIES come with the room's headers, PRIVATE_LIBRARIES do not.
+# DEPENDS: the rooms whose headers this room's files include. THROUGH: rooms whose headers those headers include; no file of
+# this room may include them itself. LIBRARIES come with the room's headers, PRIVATE_LIBRARIES do not.
 #
 # Three fences make the folder rule real:
-#  - A room sees its own headers and those of the rooms that it names, DEPENDS or THROUGH, and of no others: each room's
-#    include root holds one link, to that room's folder, and nothing but linking goes further than one room.
-#  - What a file includes is DEPENDS, no more and no less (tests/architecture/arrows.cmake).
+#  - A room sees its own headers and those of the rooms that it names with DEPENDS or THROUGH, and no others. Each room's
+#    include root holds one link, to that room's folder. Include paths are not passed on to other rooms; only linking is.
+#  - The rooms whose headers a room's files include are exactly those of DEPENDS (tests/architecture/arrows.cmake).
 #  - Headers of Vulkan, OpenVDB, ITK, Embree and Assimp lie in /usr/include, where every compiler run finds them. A room
-#    that does not say USES gets, in front of them, headers of the same name that only stop the build.
+#    that does not say USES finds, in front of them, headers of the same names that only stop the build.
 
 set(PALPATE_FENCED Vulkan OpenVDB ITK Embree Assimp)
 set(PALPATE_FENCED_Vulkan /usr/include/vulkan)
@@ -30,7 +30,7 @@ foreach(library IN LISTS PALPATE_FENCED)
   endif()
 endforeach()
 
-# Adds to `target` the fences of every library that it does not use.
+# Adds to `target` the fences of all libraries but those in the other arguments.
 function(palpate_fence target)
   foreach(library IN LISTS PALPATE_FENCED)
     if(NOT library IN_LIST ARGN)
@@ -39,14 +39,14 @@ function(palpate_fence target)
   endforeach()
 endfunction()
 
-# Lets `target` see the headers of the rooms, and links them. What links `target` gets no headers from it.
+# Lets `target` see the headers of the rooms, and links them. Targets that link `target` get no headers from it.
 function(palpate_use_rooms target)
   foreach(room IN LISTS ARGN)
     target_link_libraries(${target} PRIVATE palpate_${room}_headers palpate_${room})
   endforeach()
 endfunction()
 
-# Keeps which rooms there are, and what each names, for the tests that hold them to it.
+# Records a room and the rooms that it names, for the tests in tests/architecture.
 function(palpate_note_room name folder depends through)
   set_property(GLOBAL APPEND PROPERTY PALPATE_ROOMS ${name})
   set_property(GLOBAL PROPERTY PALPATE_FOLDER_${name} ${folder})
@@ -54,7 +54,7 @@ function(palpate_note_room name folder depends through)
   set_property(GLOBAL PROPERTY PALPATE_THROUGH_${name} ${through})
 endfunction()
 
-# In `out`: the rooms, and all that they name, and what those name. For tests, which look into everything.
+# Sets `out` to the given rooms, all rooms that these name, and so on. For tests, which may look into everything.
 function(palpate_all_rooms out)
   set(todo ${ARGN})
   set(all)
@@ -71,7 +71,7 @@ function(palpate_all_rooms out)
   set(${out} ${all} PARENT_SCOPE)
 endfunction()
 
-# What nearly every file includes, parsed once for all rooms: half of the time that most files take.
+# Headers that nearly every file includes, parsed once for all rooms. They take half of the compile time of most files.
 set(palpate_common_headers <Eigen/Geometry> <fmt/format.h>)
 find_package(Eigen3 REQUIRED NO_MODULE)
 find_package(fmt REQUIRED)
@@ -84,8 +84,8 @@ target_precompile_headers(palpate_room_pch PRIVATE ${palpate_common_headers})
 option(PALPATE_JOIN "compile several files of a room at once: fewer minutes for a whole build" ON)
 set(PALPATE_JOIN_COUNT 8)
 
-# In `out`: files that include `SOURCES` of the target, a few each, and those of `APART` as they are. Files of `TOGETHER`
-# have one to themselves: they share a library whose headers take long.
+# Sets `out` to generated files that include `SOURCES` of the target, a few each, and to the files of `APART` as they are. Files
+# of `TOGETHER` get a generated file to themselves: they share a library whose headers take long.
 function(palpate_join name out)
   cmake_parse_arguments(JOIN "" "" "SOURCES;TOGETHER;APART" ${ARGN})
   file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
@@ -111,8 +111,8 @@ function(palpate_join name out)
   set(${out} ${joined} PARENT_SCOPE)
 endfunction()
 
-# TOGETHER, APART: as palpate_join() takes them. GENERATED: sources that the build writes. COLD: nothing in the room takes
-# time, so that optimising it would only make the build longer.
+# TOGETHER, APART: as in palpate_join(). GENERATED: sources that the build writes. COLD: nothing in the room is time-critical,
+# so it is optimised less, for a shorter build.
 set(PALPATE_COLD $<$<CONFIG:Release>:-O1>)
 function(palpate_room name)
   cmake_parse_arguments(ROOM "COLD" "" "SOURCES;TOGETHER;APART;GENERATED;DEPENDS;THROUGH;LIBRARIES;PRIVATE_LIBRARIES;USES" ${ARGN})

@@ -1,15 +1,15 @@
 # palpate_test(servo_window_exchange SOURCES exchange_test.cpp DEPENDS servo_window [LIBRARIES ...] [USES ...]
 #              [LABELS short-asan-ubsan short-tsan] [GPU] [FAST])
-# A program of its own, and one test that runs it. It sees the rooms that it names and all that those name. GPU: runs under
-# the Vulkan validation layer, and any message of it fails the test.
+# A program of its own, and one test that runs it. It sees the rooms that it names and all rooms that those name. GPU: it runs
+# under the Vulkan validation layer, and any message of that layer fails the test.
 #
 # palpate_tests(servo_objects TESTS shapes hybrid ... [SOURCES helper.cpp ...] and the rest as above)
-# The same for several files that need the same: one program, since most of its time goes into headers and linking, and
-# for each x of TESTS a test servo_objects_x that runs what is in x_test.cpp. Each file has a namespace of its own name, so
-# that several can be compiled at once.
+# One program for several test files, since most of its build time goes into headers and linking. For each x of TESTS there
+# is a test servo_objects_x that runs the tests in x_test.cpp. Each file has a namespace of its own name, so that several can
+# be compiled at once.
 #
-# A label short-PRESET makes the test part of the short sanitizer run of `./dev test` under that preset; the target of the
-# same name builds those tests.
+# A label short-PRESET makes the test part of the short sanitizer run of `./dev test` under that preset. The target of the same
+# name builds those tests.
 find_package(GTest REQUIRED)
 set(PALPATE_TEST_TIMEOUT 300)
 if(PALPATE_SANITIZE)
@@ -18,12 +18,13 @@ endif()
 add_custom_target(short-asan-ubsan)
 add_custom_target(short-tsan)
 
-# Most tests compute next to nothing themselves: not optimising them halves their compile time. FAST: those that sample
-# formulas by the million.
+# Most tests compute next to nothing themselves, and without optimisation they compile in half the time. FAST: optimised, for
+# tests that sample formulas by the million.
 set(PALPATE_TEST_OPTIONS -O0)
 set(PALPATE_FAST_TEST_OPTIONS $<$<CONFIG:Release>:-O2>)
 
-# What almost every test includes, parsed once for each. Executables, since the code model must be that of the tests.
+# Headers that almost every test includes, parsed once for each kind of test. These targets are executables, since precompiled
+# headers need the code model of the tests.
 function(palpate_test_pch target)
   add_executable(${target} ${PROJECT_SOURCE_DIR}/tests/support/pch.cpp)
   palpate_use_rooms(${target} base)
@@ -88,7 +89,7 @@ function(palpate_tests room)
   set(sources ${TEST_TESTS})
   list(TRANSFORM sources APPEND _test.cpp)
   if(PALPATE_JOIN)
-    set(PALPATE_JOIN_COUNT 16)  # they share more headers than the files of a room do
+    set(PALPATE_JOIN_COUNT 16)  # tests share more headers than the files of a room do
     palpate_join(test_${TEST_PROGRAM} sources SOURCES ${sources} APART ${TEST_APART})
   endif()
   set(flags "")

@@ -1,5 +1,5 @@
-# cmake -DSOURCE=dir -DOUTPUT=file -DVERSION=x.y.z -P Version.cmake: version and commit as C++ constants; the file is touched
-# only when they change.
+# cmake -DSOURCE=dir -DOUTPUT=file -DVERSION=x.y.z -P Version.cmake: writes version and commit as C++ constants. The file
+# is touched only when they change.
 execute_process(COMMAND git -C ${SOURCE} describe --always --dirty --abbrev=10 --exclude=*
   OUTPUT_VARIABLE commit OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET RESULT_VARIABLE failed)
 if(failed)

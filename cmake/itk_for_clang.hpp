@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// ITK's headers as Debian packs them know GCC alone and stop any other compiler. This file comes before them and lets
-// them find, in clang's place, a GCC that can what clang can.
+// cmake/itk_for_clang.hpp: lets clang compile ITK's headers. As Debian packages them they know GCC alone and stop any
+// other compiler. This file is included before them and makes clang look like a GCC with the same features.
 #pragma once
 #pragma GCC system_header  // no warnings about the compiler's own macros
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/brick_bounds.comp: lowest and highest density of every brick, over all cells whose first corner lies in it.
-// That is over 9x9x9 voxels. One invocation walks a brick: no shared memory, no barrier.
+// shaders/brick_bounds.comp: lowest and highest density of every brick, over all cells whose first corner lies in the
+// brick. These cells cover 9x9x9 voxels. One invocation walks a brick: no shared memory, no barrier.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "brick_bounds.layout.h"
@@ -64,8 +64,8 @@ void main() {
   if (index >= push.brick_count) return;
   const uint brick = push.listed == 1 ? tasks[index].brick : index;
   BrickBounds found = boundsOf(brickOfIndex(brick));
-  // The order of the voxels decides between -0 and +0. Updated bounds must equal those of a new run, so +0 stands for
-  // both.
+  // The order of the voxels would decide between -0 and +0. Bounds that are updated must equal those of a new run, so
+  // +0 stands for both.
   if (found.lowest == 0.0) found.lowest = 0.0;
   if (found.highest == 0.0) found.highest = 0.0;
   bounds[brick] = found;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/brick_commit.comp: copies bricks that were written aside into their slots of the pool, and updates their
-// pages.
+// shaders/brick_commit.comp: copies bricks that edit_stencil.comp wrote aside into their slots of the pool, and updates
+// their pages.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "edit.layout.h"

@@ -3,7 +3,8 @@
 // POOL_DOMAIN defined as that member.
 #include "brick_pool.layout.h"
 
-// Slabs that the volume uses: the choice among the others folds away, since lavapipe takes every branch of a choice.
+// Number of slabs that the volume uses. As a constant it removes the choice among the others; lavapipe would take every
+// branch of that choice.
 layout(constant_id = 0) const uint kSlabCount = 1;
 
 layout(std430, binding = BINDING_PAGES) readonly buffer Pages { BrickPage pages[]; };
@@ -40,7 +41,7 @@ vec4 slabQuad(uint slot, uint quad) {
   return slab7[at];
 }
 
-// One density of a quad: one load instead of four.
+// One density of a quad: loads one float instead of four.
 float slabElement(uint slot, uint quad, uint element) {
   const uint at = (slot % BRICKS_PER_DENSITY_SLAB) * BRICK_QUADS + quad;
   const uint slab = slot / BRICKS_PER_DENSITY_SLAB;

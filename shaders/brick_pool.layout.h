@@ -10,13 +10,14 @@
 #define BRICK_EDGE 8                    // voxels along an edge
 #define BRICK_ROWS 64                   // rows of 8 voxels along i; also the invocations that share a brick
 #define BRICK_QUADS 128                 // vec4 in a brick
-#define NO_SLOT 0xffffffffu             // a page without a brick: its constant holds everywhere
+#define NO_SLOT 0xffffffffu             // in place of a slot: the brick has no storage
 #define DENSITY_SLABS 8                 // bound at once: 8 x 128 MiB = 1 GiB of density
 #define BRICKS_PER_DENSITY_SLAB 65536u  // x 2 KiB = 128 MiB
 #define BRICKS_PER_SAMPLE_SLAB 16384u   // x 8 KiB = 128 MiB: bricks of samples as floats; as halves, twice as many
-// Flag in BrickTask.sample_slot: the kernel decides by the bounds whether the isosurface needs the brick's samples.
+// Flag in BrickTask.sample_slot. The kernel then decides by the brick's bounds whether the isosurface needs its
+// samples.
 #define IF_ACTIVE 0x80000000u
-#define GROUPS_PER_ROW 32768u  // a long list of work groups is folded into rows: x is limited to 65535
+#define GROUPS_PER_ROW 32768u  // Vulkan guarantees 65535 groups along x; longer lists are folded
 
 // Bindings of every kernel that reads the pool. A kernel's own buffers follow from BINDING_OWN on.
 #define BINDING_PAGES 0
@@ -26,8 +27,8 @@
 PALPATE_LAYOUT_BEGIN
 
 struct BrickPage {
-  uint slot;       // brick in the pool, or NO_SLOT
-  float constant;  // density of the whole brick if there is no slot
+  uint slot;       // where the brick is in the pool, or NO_SLOT
+  float constant;  // density of the whole brick if it has no slot
 };
 
 // The domain, pushed to every kernel that reads the pool.
@@ -46,12 +47,13 @@ struct BrickBounds {
   float lowest, highest;  // over the voxels of all cells whose first corner lies in the brick [density]
 };
 
-// The isovalues whose isosurfaces need samples: one, given twice, or two while the servo goes over to another.
+// The isovalues whose isosurfaces need samples. Normally one, given twice; two while the servo goes over to another.
 struct IsovaluePair {
   float felt, other;  // [density]
 };
 
-// Whether an isosurface crosses cells with these bounds. Density above the isovalue is object, at or below it not.
+// Whether an isosurface crosses cells with these bounds. Density above the isovalue is object, at or below it
+// background.
 PALPATE_TEXT bool crosses(float isovalue, BrickBounds bounds) {
   return bounds.lowest <= isovalue && bounds.highest > isovalue;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // shaders/edit.comp: runs edit commands over listed bricks, in place. A work group is a brick, an invocation a row of
-// eight voxels. For each voxel the commands follow one another. None of them reads a neighbour, so nothing has to wait.
+// eight voxels. A voxel goes through the commands one after another. None of them reads a neighbour, so no invocation
+// has to wait.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "edit.layout.h"
@@ -17,7 +18,7 @@ layout(std430, binding = EDIT_BINDING_STAMPS) readonly buffer Stamps { float sta
 #include "edit.math.glsl"
 #include "edit_stamp.math.glsl"
 
-// A cell's corners on one side along the stamp's third axis.
+// The four corners of a cell on one side along the stamp's third axis.
 vec4 stampCorners(uint first, uint row) {
   return vec4(stamps[first], stamps[first + 1], stamps[first + row], stamps[first + row + 1]);
 }
@@ -49,7 +50,7 @@ void main() {
   if (task.slot == NO_SLOT) return;
   if (row == 0 && task.was_constant == 1) pages[task.brick] = BrickPage(task.slot, 0.0);
 
-  // Voxels past the domain repeat the last one inside: they get its position, so they get its density.
+  // Voxels past the domain repeat the last one inside. They get its position, and so its density.
   const uint slice = push.domain.bricks_x * push.domain.bricks_y;
   const uvec3 brick = uvec3(task.brick % slice % push.domain.bricks_x, task.brick % slice / push.domain.bricks_x,
                             task.brick / slice);

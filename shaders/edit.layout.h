@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/edit.layout.h: edit commands as the edit kernels and their CPU twin see them, and what these kernels bind.
+// shaders/edit.layout.h: edit commands as the edit kernels and their CPU twin read them, and the bindings of these
+// kernels.
 //
-// docs/edits.md says what each kind does. Positions are metres along the lattice's axes, counted from the centre of the
-// command's origin voxel, so that floats are precise wherever the brush is.
+// docs/edits.md says what each kind does. Positions are in metres along the lattice's axes, relative to the centre of
+// the command's origin voxel. So floats are precise wherever the brush is.
 #ifndef PALPATE_EDIT_LAYOUT_H
 #define PALPATE_EDIT_LAYOUT_H
 #include "brick_pool.layout.h"
 
+// The numbers of EditKind (engine/edit/edit_command.hpp).
 #define EDIT_ADD 0u
 #define EDIT_REMOVE 1u
 #define EDIT_PAINT 2u
@@ -14,12 +16,15 @@
 #define EDIT_CUT 4u
 #define EDIT_STAMP_ADD 5u
 #define EDIT_STAMP_REMOVE 6u
-#define EDIT_SMOOTH 7u  // this kind and those after it read a voxel's neighbours
+#define EDIT_SMOOTH 7u
 #define EDIT_INFLATE 8u
 #define EDIT_DEFLATE 9u
 #define EDIT_KINDS 10u
 
-// edit.comp changes bricks in place; for a voxel it reads that voxel alone.
+// Kinds that edit_stencil.comp runs; edit.comp runs the others.
+#define EDIT_READS_NEIGHBOURS(kind) ((kind) == EDIT_SMOOTH || (kind) == EDIT_INFLATE || (kind) == EDIT_DEFLATE)
+
+// edit.comp changes bricks in place. For a voxel it reads that voxel alone.
 #define EDIT_BINDING_PAGES 0
 #define EDIT_BINDING_SLAB 1  // one density slab, read and written
 #define EDIT_BINDING_TASKS 2
@@ -27,7 +32,8 @@
 #define EDIT_BINDING_STAMPS 4
 #define EDIT_BINDINGS 5
 
-// edit_stencil.comp reads the pool and writes changed bricks aside; brick_commit.comp then copies them into the pool.
+// edit_stencil.comp reads the pool and writes changed bricks to a buffer aside. Then brick_commit.comp copies them
+// back.
 #define STENCIL_BINDING_TASKS BINDING_OWN
 #define STENCIL_BINDING_COMMANDS (BINDING_OWN + 1)
 #define STENCIL_BINDING_ASIDE (BINDING_OWN + 2)
@@ -56,14 +62,14 @@ struct EditCommand {
   float isovalue, background, object;  // [density]
   float slope;                         // of the density ramp across a new surface [density/m]
   float material_low, material_inv_range, material_drop;  // remove: strength * (1 - drop * share of the range)
-  uint stamp_first;                                       // the stamp's first distance in the stamp buffer
+  uint stamp_first;                                       // index of the stamp's first distance in the stamp buffer
   uint stamp_x, stamp_y, stamp_z;                         // size of the stamp's lattice [voxel of the stamp]
   float m_xx, m_xy, m_xz, m_xt;                           // position [m] to the stamp's lattice [voxel of the stamp]
   float m_yx, m_yy, m_yz, m_yt;
   float m_zx, m_zy, m_zz, m_zt;
 };
 
-// A brick to edit. Without a slot only its page is written: the brick is `constant` from now on.
+// A brick to edit. Without a slot only its page is written: from then on the brick is `constant`.
 struct EditTask {
   uint brick;         // linear page index
   uint slot;          // in the pool, or NO_SLOT
@@ -71,7 +77,7 @@ struct EditTask {
   float constant;     // [density]
 };
 
-// What depends on the spacing alone, rounded to float once.
+// Factors that depend on the spacing alone, rounded to float once.
 struct EditScale {
   float h_x, h_y, h_z;              // spacing [m]
   float blur_x, blur_y, blur_z;     // smooth: share of each neighbour along the axes [-]
@@ -87,7 +93,7 @@ struct EditPush {
 
 struct CommitPush {
   uint first_task, task_count;
-  uint first_aside;  // number of the first task's brick among those written aside
+  uint first_aside;  // the first task's brick among those written aside
 };
 
 PALPATE_LAYOUT_CHECK(EditCommand, 172)

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/edit.math.glsl: what an edit command does to four voxels along i. docs/edits.md defines it, and the order of
-// the operations. `precise` keeps every product and sum apart. Read by GLSL and by C++ (shaders/kernel_text.hpp), after
-// numbers.math.glsl.
+// shaders/edit.math.glsl: what an edit command does to four voxels along i. docs/edits.md defines it and the order of
+// its operations. `precise` keeps products and sums from being fused. Read by GLSL and by C++
+// (shaders/kernel_text.hpp), after numbers.math.glsl.
 //
-// `kind` is the command's. Kernels give it as a constant, so that they hold the arithmetic of one kind: lavapipe takes
-// every branch and masks what it stores.
+// `kind` is the command's kind. Kernels pass a constant, so each kernel holds the arithmetic of one kind only.
+// Otherwise lavapipe would take every branch and mask what it stores.
 
 // Place of voxels along an axis of the lattice, from the command's origin voxel [m].
 PALPATE_TEXT vec4 placesAlong(ivec4 voxels, int origin, float spacing) {
@@ -43,14 +43,14 @@ PALPATE_TEXT vec4 planeHeight(EditCommand c, vec4 px, float py, float pz) {
   return height;
 }
 
-// How far into its fade a command is, at `distance` from the stroke: 1 where it has its full strength.
+// Share of its fade that a command has at `distance` from the stroke: 1 where it has its full strength, 0 at the rim.
 PALPATE_TEXT vec4 fadeShare(EditCommand c, vec4 distance) {
   if (c.inv_fade == 0.0f) return vec4(1.0f);
   precise vec4 share = (c.radius - distance) * c.inv_fade;
   return lesser(greater(share, vec4(0.0f)), vec4(1.0f));
 }
 
-// Share of the way to the target there.
+// Share of the way to the target at `distance` from the stroke.
 PALPATE_TEXT vec4 amountAt(EditCommand c, vec4 distance) {
   if (c.inv_fade == 0.0f) return vec4(c.strength);
   const vec4 s = fadeShare(c, distance);
@@ -58,14 +58,15 @@ PALPATE_TEXT vec4 amountAt(EditCommand c, vec4 distance) {
   return amount;
 }
 
-// From density f towards `target`. Where the amount is nothing, or the point is out of reach, f stays bit for bit.
+// Moves density f towards `target`. If the amount is 0 or the point is out of reach, f stays as it is, bit for bit.
 PALPATE_TEXT vec4 blend(vec4 f, vec4 target, vec4 amount, bvec4 reached) {
   precise vec4 blended = finite(f + amount * (target - f));
   const vec4 moved = mix(blended, target, greaterThanEqual(amount, vec4(1.0f)));
   return mix(f, moved, both(reached, greaterThan(amount, vec4(0.0f))));
 }
 
-// The ramp of a new surface, `depth` metres under it (negative: above it): of what is filled, and of what is cleared.
+// The ramp of a new surface, `depth` metres under it (negative: above it). filledRamp() is that of a filled region,
+// clearedRamp() that of a cleared one.
 PALPATE_TEXT vec4 filledRamp(EditCommand c, vec4 depth) {
   precise vec4 ramp = c.isovalue + c.slope * depth;
   return lesser(ramp, vec4(c.object));
@@ -75,7 +76,7 @@ PALPATE_TEXT vec4 clearedRamp(EditCommand c, vec4 depth) {
   return greater(ramp, vec4(c.background));
 }
 
-// How much of a removal the material at density f lets happen.
+// Share of a removal that takes effect in material of density f.
 PALPATE_TEXT vec4 materialRate(EditCommand c, vec4 f) {
   precise vec4 share = (f - c.material_low) * c.material_inv_range;
   share = lesser(greater(share, vec4(0.0f)), vec4(1.0f));

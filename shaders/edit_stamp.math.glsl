@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/edit_stamp.math.glsl: what a stamp does: a signed distance that is trilinear in its own lattice. docs/edits.md
-// defines it. Read by GLSL and by C++ (shaders/kernel_text.hpp), after edit.math.glsl.
+// shaders/edit_stamp.math.glsl: what a stamp does. A stamp is a signed distance, sampled on a lattice of its own and
+// interpolated trilinearly. docs/edits.md defines it. Read by GLSL and by C++ (shaders/kernel_text.hpp), after
+// edit.math.glsl.
 
 struct StampPlace {
-  bool inside;    // the stamp's lattice reaches there
-  uint first;     // the cell's first corner, in the stamp buffer
-  float u, v, w;  // share of the way through the cell along the stamp's axes, 0 ... 1
+  bool inside;    // the place lies on the stamp's lattice
+  uint first;     // index of the cell's first corner in the stamp buffer
+  float u, v, w;  // place within the cell along the stamp's axes, 0 ... 1
 };
 
-// A coordinate of a position [m] in the stamp's lattice [voxel of the stamp], by a row of the command's matrix.
+// A coordinate of a position [m] in the stamp's lattice [voxel of the stamp], from one row of the command's matrix.
 PALPATE_TEXT float stampCoordinate(float m_x, float m_y, float m_z, float m_t, float px, float py, float pz) {
   precise float at = ((m_x * px + m_y * py) + m_z * pz) + m_t;
   return at;
@@ -16,7 +17,7 @@ PALPATE_TEXT float stampCoordinate(float m_x, float m_y, float m_z, float m_t, f
 
 PALPATE_TEXT bool isOnStamp(float at, uint size) { return at >= 0.0f && at <= float(size - 1u); }
 
-// The last voxel belongs to the cell before it.
+// The cell that holds a coordinate. The last voxel belongs to the cell before it.
 PALPATE_TEXT uint stampCell(float at, uint size) {
   const uint cell = uint(at);
   return cell < size - 2u ? cell : size - 2u;
@@ -46,7 +47,7 @@ PALPATE_TEXT StampPlace stampPlace(EditCommand c, float px, float py, float pz) 
   return place;
 }
 
-// Distance [m], negative inside the mesh. low, high: those at the corners of the cell on either side along the stamp's
+// Distance [m], negative inside the mesh. low, high: distances at the corners of the cell's two sides along the stamp's
 // third axis, its first axis fastest.
 PALPATE_TEXT float stampDistance(StampPlace place, vec4 low, vec4 high) {
   const float below = lerped(lerped(low[0], low[1], place.u), lerped(low[2], low[3], place.u), place.v);

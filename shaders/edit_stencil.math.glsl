@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/edit_stencil.math.glsl: what commands that read a voxel's neighbours do: smooth, inflate, deflate.
-// docs/edits.md defines it. Read by GLSL and by C++ (shaders/kernel_text.hpp), after edit.math.glsl.
+// shaders/edit_stencil.math.glsl: the commands that read a voxel's neighbours: smooth, inflate, deflate. docs/edits.md
+// defines them. Read by GLSL and by C++ (shaders/kernel_text.hpp), after edit.math.glsl.
 
-// Densities beside four voxels, before and after them along each axis. Beyond the domain: the voxels' own.
+// Densities before (0) and after (1) four voxels along each axis. Beyond the domain: the voxels' own.
 struct EditNeighbours {
   vec4 x0, x1, y0, y1, z0, z1;
 };
 
-// What an axis adds: both differences to the neighbours, times their share. Densities near the largest float may
-// overflow, on two axes with different signs. So each sum is kept finite, and the axes add up to a number.
+// One axis' part in the smoothed density: both differences to the neighbours, times their share. Near the largest float
+// the parts of two axes might overflow with different signs, and their sum would be NaN. So each part is kept finite.
 PALPATE_TEXT vec4 blur(vec4 f, vec4 before, vec4 after, float share) {
   precise vec4 sum = finite((before - f) + (after - f)) * share;
   return sum;
@@ -21,7 +21,7 @@ PALPATE_TEXT vec4 smoothed(vec4 f, EditNeighbours n, EditScale scale, vec4 amoun
   return moved;
 }
 
-// Square of the steepest rise to `top`, the higher one of two neighbours along an axis: the upwind difference of a
+// Square of the steepest rise to `top`, the higher of two neighbours along an axis. This is the upwind difference of a
 // moving surface after Osher and Sethian (1988), which makes no new extrema.
 PALPATE_TEXT vec4 upwindSquare(vec4 f, vec4 top, float inv_h) {
   precise vec4 steep = greater(top - f, vec4(0.0f)) * inv_h;
@@ -29,8 +29,8 @@ PALPATE_TEXT vec4 upwindSquare(vec4 f, vec4 top, float inv_h) {
   return square;
 }
 
-// Moves the surface by `way` [m], outwards (sign 1) or inwards (sign -1). A fall is a rise of densities with the other
-// sign. In this scheme no density passes its highest neighbour; the last line keeps that true where squares overflow.
+// Moves the surface by `way` [m], outwards (sign 1) or inwards (sign -1). Moving inwards is the same with all densities
+// negated. In this scheme no density passes its highest neighbour; the last line keeps that true if squares overflow.
 PALPATE_TEXT vec4 inflated(vec4 f, EditNeighbours n, EditScale scale, vec4 way, float sign) {
   const vec4 here = sign * f;
   const vec4 top_x = greater(sign * n.x0, sign * n.x1);

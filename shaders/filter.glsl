@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/filter.glsl: the common part of the filter kernels: their tasks, what they write, and reading beyond a brick.
-// Include after the push constant `push`, which begins as FilterPush does.
+// shaders/filter.glsl: the common part of the filter kernels: their tasks, their results, and how they read beyond a
+// brick. Include after the push constant `push`, which begins as FilterPush does.
 //
-// Most filter kernels are built twice. The build for bricks within reach of the border (kEdge == 1) maps each voxel's
-// coordinates. The other build takes whole quads from neighbouring bricks and knows nothing of borders. Diffusion and
-// distances treat all bricks alike. In every pool, voxels of a brick outside the domain repeat the nearest one inside,
-// so only coordinates along the filter's own axes are mapped.
+// Most filter kernels are compiled twice. The variant for bricks within reach of the border (kEdge == 1) maps each
+// voxel's coordinates. The other variant takes whole quads from neighbouring bricks and ignores borders. Diffusion and
+// distances treat all bricks alike. In every pool, voxels of a brick outside the domain repeat the nearest one inside.
+// So only coordinates along the filter's own axes are mapped.
 #define POOL_DOMAIN push.domain
 #include "brick_pool.glsl"
 #include "filter_border.math.glsl"
@@ -15,7 +15,7 @@ layout(constant_id = FILTER_CONSTANT_BORDER) const uint kBorder = BORDER_NEAREST
 
 layout(std430, binding = FILTER_BINDING_TASKS) readonly buffer Tasks { FilterTask tasks[]; };
 #ifndef FILTER_RESULT_ACCESS
-#define FILTER_RESULT_ACCESS writeonly  // a kernel that rewrites what is there defines it as nothing
+#define FILTER_RESULT_ACCESS writeonly  // a kernel that rewrites its results defines it as nothing
 #endif
 #ifdef FILTER_RESULT_FLOATS
 layout(std430, binding = FILTER_BINDING_RESULT) FILTER_RESULT_ACCESS buffer Result { float result_float[]; };
@@ -24,7 +24,7 @@ layout(std430, binding = FILTER_BINDING_RESULT) FILTER_RESULT_ACCESS buffer Resu
 #endif
 layout(std430, binding = FILTER_BINDING_TAPS) readonly buffer Taps { float taps[]; };
 
-// Where a coordinate beyond the border is read.
+// The coordinate inside the domain that stands for a coordinate beyond the border.
 int mapped(int c, int size) { return insideOf(c, size, kBorder); }
 
 // Quad of a brick: four densities along i.
@@ -39,7 +39,7 @@ vec4 quadAt(uvec3 voxel) {
   return pageQuad(pages[brickIndex(voxel / BRICK_EDGE)], (in_brick.z * BRICK_EDGE + in_brick.y) * 2 + in_brick.x / 4);
 }
 
-// One density of a brick, read alone.
+// One density of a brick; loads that one only.
 float pageDensity(BrickPage page, uint quad, uint element) {
   if (page.slot == NO_SLOT) return page.constant;
   return slabElement(page.slot, quad, element);

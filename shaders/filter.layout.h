@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/filter.layout.h: what the filter kernels share. Each reads one brick pool and writes bricks of another.
+// shaders/filter.layout.h: what the filter kernels share. Each reads one brick pool and writes bricks of another pool.
 #ifndef PALPATE_FILTER_LAYOUT_H
 #define PALPATE_FILTER_LAYOUT_H
 #include "brick_pool.layout.h"
@@ -9,7 +9,8 @@
 #define FILTER_BINDING_TAPS (BINDING_OWN + 2)    // numbers of the filter step, as floats
 #define FILTER_BINDINGS (BINDING_OWN + 3)
 
-// Specialisation constants of every filter kernel. Constant 0 is the pool's; a kernel's own follow these.
+// Specialisation constants of every filter kernel. Constant 0 is the pool's. Those of one kernel begin at
+// FILTER_CONSTANT_OWN.
 #define FILTER_CONSTANT_EDGE 1    // 1: for bricks whose reach crosses the border; 0: for the others
 #define FILTER_CONSTANT_BORDER 2  // BORDER_...
 #define FILTER_CONSTANT_OWN 3

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // shaders/filter_bilateral.comp: mean of the voxels in a box, weighted by how near they are in place and in density. A
-// work group is a brick, an invocation a row of eight voxels, which reads each row of the box once.
+// work group is a brick, an invocation a row of eight voxels. An invocation reads each row of the box once.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -19,7 +19,7 @@ const int kEnd = int(BRICK_EDGE);
 const int kWide = kEnd + 2 * kReachX;
 const uint kTapsX = 1, kTapsY = kTapsX + kReachX + 1, kTapsZ = kTapsY + kReachY + 1;
 
-float window[kWide];  // densities of one row, from kReachX before the first result on
+float window[kWide];  // densities of one row, beginning kReachX before the first result
 
 // The row of the brick that is shifted by y and z from the row `first`.
 void readRow(uvec3 brick, ivec3 first, int dy, int dz) {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/filter_bilateral.math.glsl: one neighbour's part in a bilateral mean (Tomasi and Manduchi 1998). Differences
-// from the voxel are averaged, not densities, so that a constant stays as it is, bit for bit. Read by GLSL and by C++
+// shaders/filter_bilateral.math.glsl: one neighbour's part in a bilateral mean (Tomasi and Manduchi 1998). It averages
+// differences from the voxel, not densities, so that a constant stays as it is, bit for bit. Read by GLSL and by C++
 // (shaders/kernel_text.hpp); needs filter_exp.math.glsl.
 
 struct BilateralSums {
-  float parts;  // differences from the voxel, weighted
-  float weights;
+  float parts;    // sum of weighted differences from the voxel
+  float weights;  // sum of the weights
 };
 
 PALPATE_TEXT BilateralSums bilateralNothing() {
@@ -15,13 +15,13 @@ PALPATE_TEXT BilateralSums bilateralNothing() {
   return sums;
 }
 
-// Weight of a place: the product of those along the axes.
+// Weight of a neighbour by its place: the product of the weights along the axes.
 PALPATE_TEXT float placeTap(float tap, float other_tap) {
   precise float product = tap * other_tap;
   return product;
 }
 
-// A neighbour whose difference overflows weighs nothing; the range is 1e30 at most.
+// Adds a neighbour. If its difference overflows it weighs nothing; the range is 1e30 at most.
 PALPATE_TEXT BilateralSums bilateralAdded(BilateralSums sums, float place_tap, float neighbour, float density,
                                           float inv_range) {
   precise float difference = neighbour - density;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // shaders/filter_convolve.math.glsl: one tap of a convolution: multiply, then add. The taps sum to one, so a sum can
-// only overflow if it is a rounding away from the largest density; finite() (numbers.math.glsl) turns
-// it into that. Read by GLSL and by C++ (shaders/kernel_text.hpp).
+// only overflow within a rounding of the largest density. finite() (numbers.math.glsl) then yields the largest density.
+// Read by GLSL and by C++ (shaders/kernel_text.hpp).
 
 PALPATE_TEXT float firstTap(float tap, float value) {
   precise float part = tap * value;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/filter_diffuse.comp: one explicit time step of anisotropic diffusion over the six faces of each voxel; nothing
-// flows through the border. A work group is a brick, an invocation a row of eight voxels.
+// shaders/filter_diffuse.comp: one explicit time step of anisotropic diffusion over the six faces of each voxel.
+// Nothing flows through the volume's border. A work group is a brick, an invocation a row of eight voxels.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "filter.layout.h"

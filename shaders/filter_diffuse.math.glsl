@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // shaders/filter_diffuse.math.glsl: one time step of anisotropic diffusion at a voxel (Perona and Malik 1990, both of
-// their conductances). What flows out of a voxel through a face flows into the other one, bit for bit. Read by GLSL and
-// by C++ (shaders/kernel_text.hpp); needs filter_exp.math.glsl.
+// their conductances). What flows out of a voxel through a face flows into its neighbour there, bit for bit. Read by
+// GLSL and by C++ (shaders/kernel_text.hpp); needs filter_exp.math.glsl.
 
-// `difference`: the density behind the face less that of the voxel. If its square overflows nothing flows; kappa is
-// 1e30 at most.
+// Flow through one face. `difference`: the density behind the face minus that of the voxel. If its square overflows
+// nothing flows; kappa is 1e30 at most.
 PALPATE_TEXT float faceFlow(float difference, float inv_slope, bool exponential) {
   precise float s = difference * inv_slope;
   precise float square = s * s;
@@ -15,7 +15,7 @@ PALPATE_TEXT float faceFlow(float difference, float inv_slope, bool exponential)
   return conductance > 0.0f ? flow : 0.0f;
 }
 
-// What flows in along an axis.
+// Inflow along an axis, through both faces.
 PALPATE_TEXT float axisInflow(float before, float here, float after, float rate, float inv_slope, bool exponential) {
   precise float to_after = after - here;
   precise float to_before = before - here;
@@ -24,7 +24,7 @@ PALPATE_TEXT float axisInflow(float before, float here, float after, float rate,
   return inflow;
 }
 
-// Density after the step, from what flows in along each axis.
+// Density after the step, from the inflows along the axes.
 PALPATE_TEXT float diffused(float here, float x, float y, float z) {
   precise float inflow = (x + y) + z;
   precise float after = here + inflow;

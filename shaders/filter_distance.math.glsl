@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // shaders/filter_distance.math.glsl: arithmetic of the signed distance, in three parts. Seed: where a line between two
 // voxels meets the surface, and the word that keeps such a point and the nearest voxel across
-// (filter_distance.layout.h). Spread: which of two words knows the nearer one. Finish: the distance from the surface,
-// held to what the voxel across allows.
+// (filter_distance.layout.h). Spread: which of two words knows the nearer point or voxel. Finish: the distance from the
+// surface, within the bounds that the voxel across sets.
 //
 // Lengths are in units of the smallest spacing. Densities are halved or quartered before they are subtracted, so that
-// no difference overflows; that loses bits of denormals only. Read by GLSL and by C++ (shaders/kernel_text.hpp),
-// after numbers.math.glsl.
+// no difference overflows; that loses bits of denormals only. Read by GLSL and by C++ (shaders/kernel_text.hpp), after
+// numbers.math.glsl.
 
 // ---- Seed: the nearest place at which the line to one of a voxel's 26 neighbours meets the surface.
 
 struct Crossing {
-  float square;  // of the way to it [unit^2]; DISTANCE_NOWHERE: there is none
+  float square;  // squared length of the way to the crossing [unit^2]; DISTANCE_NOWHERE: there is none
   float share;   // of the way to the neighbour, 0 ... 1
   int way;       // (dz + 1) * 9 + (dy + 1) * 3 + dx + 1
 };
@@ -24,7 +24,7 @@ PALPATE_TEXT Crossing noCrossing() {
   return none;
 }
 
-// The share of the way from a voxel to another at which the surface crosses it.
+// The share of the way from one voxel to another at which the surface lies.
 PALPATE_TEXT float crossingOf(float here, float there, float isovalue) {
   precise float to_surface = 0.5f * here - 0.5f * isovalue;
   precise float to_there = 0.5f * here - 0.5f * there;
@@ -32,7 +32,7 @@ PALPATE_TEXT float crossingOf(float here, float there, float isovalue) {
   return share;
 }
 
-// Square of the way to a neighbour: wayAcross() its part across i, waySquare() all of it. Edges are given squared.
+// Squared length of the way to a neighbour: waySquare(). Its part across i: wayAcross(). Edges are passed squared.
 PALPATE_TEXT float wayAcross(int dy, int dz, float edge_y, float edge_z) {
   precise float square = float(dy * dy) * edge_y + float(dz * dz) * edge_z;
   return square;
@@ -42,7 +42,8 @@ PALPATE_TEXT float waySquare(int dx, float edge_x, float across) {
   return square;
 }
 
-// `there`: the neighbour's density, which counts only if it is in the domain.
+// The nearer of `best` and the crossing on the way to a neighbour. A neighbour of density `there` counts only in the
+// domain.
 PALPATE_TEXT Crossing nearerCrossing(Crossing best, float here, float there, float isovalue, float way_square, int way,
                                      bool in_domain) {
   const float share = crossingOf(here, there, isovalue);
@@ -55,14 +56,14 @@ PALPATE_TEXT Crossing nearerCrossing(Crossing best, float here, float there, flo
   return nearest;
 }
 
-// An offset in the steps that a word counts in.
+// An offset [voxel] in the steps of a word, 1/8 voxel each.
 PALPATE_TEXT int steppedOffset(float voxels) {
   precise float steps = voxels * float(DISTANCE_PARTS);
   return int(floor(steps + 0.5f));
 }
 
-// A word made of the bits of its surface point and its voxel across. The last bit but one is the opposite of the bit
-// before it.
+// Makes a word from the bits of its surface point and of its voxel across. The last bit but one is the opposite of the
+// bit before it.
 PALPATE_TEXT uint wordWith(bool inside, uint point, uint across) {
   return (inside ? DISTANCE_INSIDE : 0u) | ((~across & 0x20000000u) << 1) | across | point;
 }
@@ -81,7 +82,7 @@ PALPATE_TEXT int offsetOf(uint word, int axis) {
   return int((word >> uint(axis * DISTANCE_POINT_BITS)) & 127u) - DISTANCE_POINT_MIDDLE;
 }
 
-// How far the voxel across lies along an axis, either way [voxel].
+// Distance of the voxel across along an axis, in either direction [voxel].
 PALPATE_TEXT int acrossOf(uint word, int axis) {
   return int((word >> uint(DISTANCE_ACROSS_FIRST + axis * DISTANCE_ACROSS_BITS)) & 7u);
 }
@@ -89,7 +90,7 @@ PALPATE_TEXT uint acrossBits(int steps, int axis) {
   return uint(steps < 0 ? -steps : steps) << uint(DISTANCE_ACROSS_FIRST + axis * DISTANCE_ACROSS_BITS);
 }
 
-// A voxel's first word: its side, and a surface point if there is one.
+// A voxel's first word: its side, and a surface point if a crossing was found.
 PALPATE_TEXT uint seedWord(Crossing crossing, bool inside) {
   precise float x = crossing.share * float(crossing.way % 3 - 1);
   precise float y = crossing.share * float(crossing.way / 3 % 3 - 1);
@@ -101,14 +102,14 @@ PALPATE_TEXT uint seedWord(Crossing crossing, bool inside) {
 // ---- Spread: the nearest surface point and the nearest voxel across that the voxels on a line know.
 //
 // The nearest voxel across in the box is found exactly, one axis after another. In the pass along the first axis it
-// lies on the line itself. In the pass along the second, a voxel on the other side is a voxel across, and a voxel on
-// the same side knows the nearest one on its own line along the first axis. The third pass works likewise. Squares are
-// added up one axis after another, and rounding keeps their order. A voxel that knows nothing may be passed over: if it
-// lay across, the first voxel across on the way to it would know its side and be nearer.
+// lies on the line itself. In the second pass, a voxel on the other side is itself a voxel across. A voxel on the same
+// side knows the nearest one on its own line along the first axis. The third pass works likewise. Squares are added up
+// one axis after another, and rounding keeps their order. A voxel that knows nothing may be skipped. If it lay across,
+// the first voxel across on the way to it would know its side and be nearer.
 
 struct Nearest {
-  float square;  // of the way to it
-  uint bits;     // the bits of a word for it, in their place
+  float square;  // squared length of the way to the point or voxel
+  uint bits;     // its bits, in their place in a word
 };
 
 PALPATE_TEXT Nearest nothingWithin(float square, uint bits) {
@@ -125,15 +126,15 @@ PALPATE_TEXT float squareAlong(float steps, float edge_square) {
   return square;
 }
 
-// Square of the way to a word's surface point along the two other axes [step^2]. `known`: there is such a word.
+// Squared length of the way to a word's surface point along the two other axes [step^2]. `known`: there is such a word.
 PALPATE_TEXT float pointAcross(uint word, bool known, int axis_1, int axis_2, float edge_1, float edge_2) {
   precise float across = squareAlong(float(offsetOf(word, axis_1)), edge_1) +
                          squareAlong(float(offsetOf(word, axis_2)), edge_2);
   return known && knowsPoint(word) ? across : DISTANCE_FARTHEST;
 }
 
-// `offset`: of the word's point from the word's voxel; `shift`: of that voxel from this one. Both are along the axis,
-// in steps.
+// The nearer of `best` and a word's surface point. `offset`: of the point from the word's voxel; `shift`: of that voxel
+// from this one. Both are along the axis, in steps.
 PALPATE_TEXT Nearest nearerPoint(Nearest best, uint word, float offset, float across, int shift, int axis,
                                  float edge_square) {
   precise float square = squareAlong(offset + float(shift), edge_square) + across;
@@ -145,15 +146,15 @@ PALPATE_TEXT Nearest nearerPoint(Nearest best, uint word, float offset, float ac
   return nearest;
 }
 
-// Square of the way from a voxel on the line to its voxel across, along the axes of the earlier passes [unit^2].
+// Squared length of the way from a voxel on the line to its voxel across, along the axes of earlier passes [unit^2].
 PALPATE_TEXT float acrossBefore(uint word, int axis, float edge_0, float edge_1) {
   const float first = axis > 0 ? squareAlong(float(acrossOf(word, 0)), edge_0) : 0.0f;
   precise float both = first + (axis > 1 ? squareAlong(float(acrossOf(word, 1)), edge_1) : 0.0f);
   return knowsAcross(word) ? both : DISTANCE_NOWHERE;
 }
 
-// `before`: acrossBefore() of the word; `known`: there is such a word; `shift`: of the word's voxel from this one
-// [voxel]; `along`: the square of that [unit^2].
+// The nearer of `best` and the voxel across that a word knows or is. `before`: acrossBefore() of the word; `known`:
+// there is such a word; `shift`: of the word's voxel from this one [voxel]; `along`: the square of that [unit^2].
 PALPATE_TEXT Nearest nearerAcross(Nearest best, uint word, bool known, bool inside, float before, float along,
                                   int shift, int axis) {
   const bool same_side = isInside(word) == inside;
@@ -168,8 +169,8 @@ PALPATE_TEXT Nearest nearerAcross(Nearest best, uint word, bool known, bool insi
 
 // ---- Finish: the distance from the trilinear surface near a point. In vectors of three the last element is unused.
 
-// The cell that holds a place, along one axis, and where the place lies in it. A place on the domain's last voxel
-// belongs to the cell before it. A domain of one voxel is half a cell: the voxel is repeated behind it.
+// The cell that holds a place, along one axis, and where the place lies in the cell. A place on the domain's last voxel
+// belongs to the cell before it. A domain of one voxel counts as a cell whose second corner repeats that voxel.
 struct CellPlace {
   int cell;
   float share;  // 0 ... 1
@@ -186,8 +187,8 @@ PALPATE_TEXT CellPlace cellAt(int voxel, float shift, int size) {
   return place;
 }
 
-// A quarter of the gradient (per voxel) and of the value of the trilinear field in a cell. low, high: the corners of
-// the cell at k = 0 and 1, i fastest.
+// A quarter of the gradient (per voxel) and of the value of the trilinear field in a cell. whole_low, whole_high: the
+// corners of the cell at k = 0 and 1, i fastest.
 PALPATE_TEXT vec4 fieldIn(vec4 whole_low, vec4 whole_high, float x, float y, float z) {
   precise vec4 low = 0.25f * whole_low;
   precise vec4 high = 0.25f * whole_high;
@@ -206,7 +207,7 @@ PALPATE_TEXT vec4 fieldIn(vec4 whole_low, vec4 whole_high, float x, float y, flo
   return vec4(gx, gy, gz, lerped(f0, f1, z));
 }
 
-// A place near the surface, and how the voxel lies to the tangent plane there.
+// A place near the surface, its tangent plane, and the position of a voxel relative to that plane.
 struct Tangent {
   vec4 normal;        // unit, into the object
   float left;         // from the place to the surface, along the normal [unit]
@@ -221,9 +222,9 @@ PALPATE_TEXT float dotOfThree(vec4 a, vec4 b) {
   return sum;
 }
 
-// `field`: from fieldIn(); `away`: from the place to the voxel [unit]; `believed`: the place is known to lie next to
-// the surface, so Tangent::left is cut to DISTANCE_LEFT. The gradient is divided by its largest component before it is
-// squared, so that no square overflows and not all of them vanish. Without a gradient the result is NaN.
+// `field`: from fieldIn(). `away`: from the place to the voxel [unit]. `believed`: the place is known to lie next to
+// the surface, so Tangent::left is clamped to DISTANCE_LEFT. The gradient is divided by its largest component before it
+// is squared, so that no square overflows and at least one does not vanish. Without a gradient the result is NaN.
 PALPATE_TEXT Tangent tangentOf(vec4 field, vec4 edge, float isovalue, vec4 away, bool inside, bool believed) {
   precise vec4 gradient = field / edge;
   const float either = abs(gradient[0]) > abs(gradient[1]) ? abs(gradient[0]) : abs(gradient[1]);
@@ -253,14 +254,14 @@ PALPATE_TEXT vec4 pointShift(uint word) {
          (1.0f / float(DISTANCE_PARTS));
 }
 
-// The way to a voxel from the place that is `shift` [voxel] away from it [unit].
+// The vector to a voxel [unit] from a place; `shift` is the vector from the voxel to the place [voxel].
 PALPATE_TEXT vec4 awayFrom(vec4 shift, vec4 edge) {
   precise vec4 away = -shift * edge;
   return away;
 }
 
-// risenBy(): the way from a tangent plane to the voxel [unit]. landingShift(): the same way back, from the voxel to
-// where it lands on the plane [voxel].
+// risenBy(): the vector from the tangent plane to the voxel [unit], along the normal. landingShift(): the way back,
+// from the voxel to its projection on the plane [voxel].
 PALPATE_TEXT vec4 risenBy(Tangent tangent) {
   precise vec4 away = tangent.rise * tangent.normal;
   return away;
@@ -274,18 +275,19 @@ PALPATE_TEXT bool isWithin(float shift, int voxel, int size) {
   return shift >= -float(voxel) && shift <= float(size - 1) - float(voxel);
 }
 
-// Whether the voxel may be projected onto this plane: it is over the plane, and not too far.
+// Whether the voxel may be projected onto this plane: it lies above the plane, and not too far.
 PALPATE_TEXT bool isOver(Tangent tangent, float band) { return tangent.height >= 0.0f && tangent.height < band + 1.0f; }
 
-// Whether the tangent plane at the place where the voxel landed is better than the one before.
+// Whether the tangent plane at the place where the voxel landed is better than the plane before.
 PALPATE_TEXT bool isBetter(Tangent landed, Tangent before, float slack) {
   return abs(landed.left) <= DISTANCE_LEFT && landed.height >= 0.0f &&
          (landed.side < before.side || landed.side <= slack);
 }
 
-// Distance from the surface of a voxel over a tangent plane. Up to `slack` beside the surface point the plane stands
-// for the surface. Beyond twice that the distance is that from the point itself, and in between it goes from one to the
-// other. It is that from the point, too, without a gradient or if the plane has the voxel on the other side.
+// Distance from the surface of a voxel above a tangent plane. Up to `slack` beside the surface point the plane stands
+// for the surface. Beyond twice `slack` it is the distance from the point itself. In between it goes from one to the
+// other. It is also the distance from the point if there is no gradient, or if the plane has the voxel on the other
+// side.
 PALPATE_TEXT float distanceOver(Tangent tangent, float slack) {
   precise float partly = 2.0f * (tangent.side - slack);
   const float beside = partly < tangent.side ? partly : tangent.side;
@@ -294,16 +296,17 @@ PALPATE_TEXT float distanceOver(Tangent tangent, float slack) {
   return tangent.height >= 0.0f ? over : sqrt(tangent.away_square);
 }
 
-// Square of the way to the voxel across [unit^2], added up in the order of the spread. Edges are given squared.
+// Squared length of the way to the voxel across [unit^2], added up in the order of the spread. Edges are passed
+// squared.
 PALPATE_TEXT float acrossSquare(uint word, float edge_x, float edge_y, float edge_z) {
   precise float square = squareAlong(float(acrossOf(word, 2)), edge_z) +
                          (squareAlong(float(acrossOf(word, 0)), edge_x) + squareAlong(float(acrossOf(word, 1)), edge_y));
   return square;
 }
 
-// A distance, held to what the nearest voxel across allows. The surface crosses the way to that voxel, so it is no
-// farther. A point of the surface has a voxel across within one diagonal (two slacks), so the surface is no nearer than
-// that voxel less a diagonal. If the tangent plane gives a nearer distance it is not that of the surface, and `point`
+// Clamps a distance to the bounds that the nearest voxel across sets. The surface crosses the way to that voxel, so it
+// is no farther than the voxel. A surface point has a voxel across within one diagonal (two slacks), so the surface is
+// no nearer than that voxel minus a diagonal. A tangent plane that yields less is not that of the surface. Then `point`
 // is taken instead, the distance of the known surface point. Without a voxel across within reach the surface is beyond
 // the band.
 PALPATE_TEXT float heldDistance(float distance, float point, uint word, float across_square, float slack, float band) {
@@ -315,8 +318,8 @@ PALPATE_TEXT float heldDistance(float distance, float point, uint word, float ac
   return knowsAcross(word) && held < band ? held : band;
 }
 
-// Inside the distance is positive, however close the surface. (0 - x does not replace -x: compilers make one of the
-// other, and -0 of 0.)
+// Inside, the distance is positive, however close the surface. (0 - x does not replace -x: compilers turn one into the
+// other, and so 0 into -0.)
 PALPATE_TEXT float signedDistance(float distance, float unit, bool inside) {
   const float least = 1e-6f;
   precise float positive = (distance > least ? distance : least) * unit;

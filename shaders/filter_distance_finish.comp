@@ -2,9 +2,10 @@
 // shaders/filter_distance_finish.comp: replaces each voxel's word by the signed distance. It reads the densities and
 // rewrites the result.
 //
-// From the surface point that the word holds, the voxel is projected onto the tangent plane of the trilinear field. It
-// is projected again at the place where it landed, as long as that brings the normal nearer to the voxel. The distance
-// is that from the last plane, held to what the nearest voxel across allows. An invocation is a row of eight voxels.
+// The voxel is projected onto the tangent plane of the trilinear field at the surface point that its word holds. It is
+// projected again at the place where it landed, as long as that brings the normal nearer to the voxel. The distance is
+// that from the last plane, within the bounds that the nearest voxel across sets. An invocation is a row of eight
+// voxels.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "filter.layout.h"
@@ -17,10 +18,10 @@ layout(push_constant) uniform Push { FilterPush push; };
 #include "numbers.math.glsl"
 #include "filter_distance.math.glsl"
 
-const int kProjections = 2;  // of the voxel, each onto the tangent plane where the last one landed
+const int kProjections = 2;  // repeated projections, each onto the tangent plane where the last one landed
 
-// One density of a brick. Loads are what this kernel costs. So pages are read only where needed (a branch saves the
-// loads of invocations that do not take it), and only one element of a quad.
+// One density of a brick. Loads are what this kernel costs. So pages are read only where needed, and only one element
+// of a quad. (A branch saves the loads of invocations that do not take it.)
 float densityIn(uint page, uint slot, uint at) {
   if (slot == NO_SLOT) return pages[page].constant;
   if (kSlabCount == 1) return slab0[slot * BRICK_QUADS + at / 4][at % 4];
@@ -31,7 +32,7 @@ uint placeInBrick(uint x, uint y, uint z) {
   return ((z % BRICK_EDGE) * BRICK_EDGE + y % BRICK_EDGE) * BRICK_EDGE + x % BRICK_EDGE;
 }
 
-// A cell's corner, 0 or 1 from its first corner along each axis. slot: of the page that holds the first corner.
+// A cell's corner, 0 or 1 from its first corner along each axis. `slot`: of the page that holds the first corner.
 float corner(uvec3 cell, uint first_page, uint slot, uint dx, uint dy, uint dz) {
   const uvec3 at = cell + uvec3(dx, dy, dz);
   const uint page = brickIndex(at / BRICK_EDGE);
@@ -62,7 +63,7 @@ float distanceOf(ivec3 voxel, float density, uint word) {
   const bool inside = density > isovalue;
   const ivec3 size = ivec3(domainSize());
   float distance = band, point = band;
-  // A loop of one round: lavapipe executes a branch that no invocation takes, but not such a loop.
+  // A loop of one round. lavapipe executes a branch that no invocation takes, but not such a loop.
   for (uint known = min(word & DISTANCE_POINT, 1u); known > 0; --known) {
     const vec4 foot = pointShift(word);
     Tangent tangent = tangentOf(fieldAt(voxel, foot), edge, isovalue, awayFrom(foot, edge), inside, true);

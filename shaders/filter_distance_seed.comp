@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/filter_distance_seed.comp: finds for each voxel its side and a first surface point. The lines to its 26
-// neighbours are tried; of the places where they cross the isosurface the nearest is taken, if there is one. No line
-// leads out of the domain. An invocation is a row of eight voxels.
+// shaders/filter_distance_seed.comp: finds each voxel's side of the isosurface and a first surface point. It tries the
+// lines to the 26 neighbours within the domain. The nearest place where one of them crosses the isosurface is taken, if
+// there is one. An invocation is a row of eight voxels.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "filter.layout.h"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // shaders/filter_distance_spread.comp: one pass along one axis. Each voxel takes the nearest surface point, and the
-// nearest voxel across, that the voxels within reach on its line know; of equally near ones the first. One pass along
-// each axis takes every voxel's point to all voxels in a box around it, and finds the nearest voxel across in that box.
-// An invocation is a line of eight voxels along the axis.
+// nearest voxel across, that the voxels within reach on its line know; of equally near ones the first. After one pass
+// along each axis, every voxel's point has reached all voxels in a box around it. The nearest voxel across in that box
+// has been found too. An invocation is a line of eight voxels along the axis.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/filter_exp.math.glsl: an exponential made of + - * and bits alone, since drivers' own differ from device to
-// device (by 3 ULP and more). Read by GLSL and by C++ (shaders/kernel_text.hpp).
+// shaders/filter_exp.math.glsl: an exponential made of + - * and bit operations alone. The drivers' own differ from
+// device to device, by 3 ULP and more. Read by GLSL and by C++ (shaders/kernel_text.hpp).
 
 // 2^p for p <= 0, within 2 ULP; 0 below p = -125 and for NaN. p is split into a whole n and |r| <= 1/2, both exact. 2^r
 // is a polynomial through six Chebyshev nodes, off by 0.16 * 2^-24 of the value at most. 2^n goes into the exponent's
@@ -25,7 +25,7 @@ PALPATE_TEXT float exp2Below(float p) {
   return p >= -125.0f ? power : 0.0f;
 }
 
-// exp(-s^2). Rounding of s^2, of log2(e) and of their product moves the exponent by 3 * 2^-24 of itself at most.
+// exp(-s^2). Rounding s^2, log2(e) and their product changes the exponent by 3 * 2^-24 of itself at most.
 PALPATE_TEXT float gaussianOf(float s) {
   precise float square = s * s;
   precise float p = -1.44269504f * square;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/filter_extreme.glsl: the highest or the lowest of two ranks, as the filter step asks. Include after
+// shaders/filter_extreme.glsl: the higher or the lower of two ranks, as the filter step asks. Include after
 // filter.glsl.
 #include "filter_rank.math.glsl"
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // shaders/filter_extreme_rows.comp: highest or lowest density within a shape that is made of rows along i, such as a
-// ball. Each row is as long on either side of its middle. An invocation makes a row of eight results.
+// ball. Each row reaches as far to either side of its middle. An invocation computes a row of eight results.
 //
 // A row that reaches h to either side gives each result the extreme of 2 h + 1 voxels. Rows go from the longest to the
-// shortest. For each step down, the extreme so far is widened by one voxel, so each row costs its loads and no more.
-// `taps` holds, for each h from 0 on, how many rows are shorter than h, and one more entry for the end; then each row's
-// (dj, dk).
+// shortest. At each step down in h, the extreme so far is widened by one voxel. So each row costs its loads and no
+// more. `taps` holds, for each h from 0 on, how many rows are shorter than h, with one more entry for the end. Then it
+// holds each row's (dj, dk).
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require

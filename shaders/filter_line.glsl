@@ -1,23 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/filter_line.glsl: the common part of filters along one axis. An invocation makes eight results along it: a
-// row of floats along i, a column of quads along j and k. So each density that it loads serves up to eight results.
+// shaders/filter_line.glsl: the common part of filters along one axis. An invocation computes eight results along the
+// axis: along i a row of floats, along j or k a column of quads. So each density that it loads serves up to eight
+// results.
 //
-// The kernel includes this after filter.glsl, and defines before:
+// The kernel includes this after filter.glsl. Before that it defines:
 //   uint kAxis, int kReach                 its specialisation constants
-//   LINE_ONE, LINE_FOUR                    type of a result, and of four that lie in a quad
-//   LINE_OF(density)                       what it makes of a loaded density, or of a quad of them
-//   LINE_BEGIN(TYPE, found, all)           declares the eight results and what else it needs
-//   LINE_SHOW(found, all, at, value)       gives the value `at` places behind the line's first to all that it reaches
+//   LINE_ONE, LINE_FOUR                    type of one result, and of the four in a quad
+//   LINE_OF(density)                       its value for a loaded density, or for a quad of them
+//   LINE_BEGIN(TYPE, found, all)           declares the eight results and its other variables
+//   LINE_SHOW(found, all, at, value)       adds the value `at` places after the line's first to all results in reach
 //   LINE_END(found, all)                   completes the results in `found`
 //   LINE_DENSITY(four)                     the densities of four results
-// They are macros, since an array that a function is handed is an array in memory.
+// They are macros, since an array passed to a function would lie in memory.
 
 const int kRing = (kReach + 7) / 8;  // bricks on either side
 const uint kLines = kAxis == 0 ? 64 : 16;
 const uint kBricks = FILTER_GROUP / kLines;  // in a work group
 const int kEnd = int(BRICK_EDGE);
 
-// Results behind the domain's last voxel repeat it.
+// Results past the last voxel of the domain repeat that of the last voxel.
 #define REPEAT_LAST(found, first, last)                \
   [[unroll]] for (int o = 1; o < kEnd; ++o) { \
     if ((first) + o > (last)) found[o] = found[o - 1]; \
@@ -53,11 +54,12 @@ void rowAlongX(uvec3 brick, uint row, uint out_quad) {
 // A column of quads along j or k. `line`: which quad of a row, and which row across the column.
 void columnAcross(uvec3 brick, uint line, uint out_quad) {
   const uint quad = line & 1u, across = line >> 1u;
-  const uint step = kAxis == 1 ? 2 : 16;  // quads from one to the next
+  const uint step = kAxis == 1 ? 2 : 16;  // distance from one quad of the column to the next
   const uint start = quad + across * (kAxis == 1 ? 16 : 2);
   LINE_BEGIN(LINE_FOUR, found, all)
   if (kEdge == 0) {
-    // No choice between constant vectors by a specialisation constant: Mesa 22.3 folds it wrongly.
+    // Mesa 22.3 folds a choice between constant vectors by a specialisation constant wrongly, so this computes a
+    // number.
     const uint along = kAxis == 1 ? POOL_DOMAIN.bricks_x : POOL_DOMAIN.bricks_x * POOL_DOMAIN.bricks_y;
     [[unroll]] for (int b = -kRing; b <= kRing; ++b) {
       const BrickPage page = pages[uint(int(brickIndex(brick)) + b * int(along))];
@@ -84,7 +86,7 @@ void columnAcross(uvec3 brick, uint line, uint out_quad) {
   [[unroll]] for (int o = 0; o < kEnd; ++o) result[out_quad + start + step * o] = LINE_DENSITY(found[o]);
 }
 
-// The kernel's main() but for what it prepares.
+// Body of the kernel's main(), after its preparations.
 void makeLine() {
   const uint group = gl_WorkGroupID.y * GROUPS_PER_ROW + gl_WorkGroupID.x;
   const uint task_index = group * kBricks + gl_LocalInvocationID.x / kLines;

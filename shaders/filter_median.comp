@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/filter_median.comp: median of the box that reaches at most one voxel along each axis. An invocation makes a
-// row of eight results along i, from ten columns of nine ranks each, which lie across i.
+// shaders/filter_median.comp: median of the box that reaches at most one voxel along each axis. An invocation computes
+// a row of eight results along i, from ten columns of nine ranks each. A column lies across i.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "filter.layout.h"
@@ -28,7 +28,8 @@ void main() {
   for (int n = 0; n < 9; ++n) {
     const int dj = n % 3 - 1, dk = n / 3 - 1;
     if (abs(dj) > kReachY || abs(dk) > kReachZ) {
-      // The window does not hold these voxels. Half of them count as lowest and half as highest, so the median stays.
+      // The window does not hold these voxels. Half of them count as lowest and half as highest, so the median is
+      // unaffected.
       for (int c = 0; c < kEnd + 2; ++c) column[c][n] = n < 4 ? RANK_LOWEST : RANK_HIGHEST;
       continue;
     }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // shaders/filter_median.math.glsl: the median of 27 ranks (the 14th), from three columns of nine. Each column is sorted
-// once and serves three medians. The two columns that neighbouring medians share are merged once and serve both. Exact:
-// only the lowest and highest of two whole numbers are taken. Read by GLSL and by C++ (shaders/kernel_text.hpp).
+// once and serves three medians. The two columns that neighbouring medians share are merged once and serve both. The
+// result is exact, since it comes from min and max of whole numbers alone. Read by GLSL and by C++
+// (shaders/kernel_text.hpp).
 
 #ifndef MEDIAN_RANK
 #define MEDIAN_RANK int  // tests also compile the networks for words of zeros and ones
@@ -23,9 +24,9 @@ PALPATE_TEXT void sortNine(PALPATE_INOUT_ARRAY(MEDIAN_RANK, v, 9)) {
   SORT_PAIR(6, 7) SORT_PAIR(1, 2) SORT_PAIR(3, 4) SORT_PAIR(5, 6)
 }
 
-// The middle ten of two sorted nines, sorted: Batcher's odd-even merge without the exchanges that only the other eight
-// need. The four lowest of the eighteen have fourteen above them, so none of them is the 14th of 27. Likewise the four
-// highest.
+// The middle ten of two sorted nines, sorted. This is Batcher's odd-even merge without the exchanges that only the
+// other eight need. The four lowest of the eighteen have fourteen above them, so none of them is the 14th of 27. The
+// same holds for the four highest.
 PALPATE_TEXT void middleTen(PALPATE_IN_ARRAY(MEDIAN_RANK, a, 9), PALPATE_IN_ARRAY(MEDIAN_RANK, b, 9),
                             PALPATE_INOUT_ARRAY(MEDIAN_RANK, m, 10)) {
   MEDIAN_RANK v[18];
@@ -44,8 +45,8 @@ PALPATE_TEXT void middleTen(PALPATE_IN_ARRAY(MEDIAN_RANK, a, 9), PALPATE_IN_ARRA
 // clang-format on
 #undef SORT_PAIR
 
-// The tenth lowest of a sorted ten and a sorted nine together. The ten lowest of all are the first few of one list and
-// the first few of the other. Of all such choices of ten, theirs has the lowest highest element.
+// The tenth lowest of a sorted ten and a sorted nine together. The ten lowest of all are the first n of one list and
+// the first 10 - n of the other. Of all such choices, theirs has the lowest maximum.
 PALPATE_TEXT MEDIAN_RANK tenthOf(PALPATE_IN_ARRAY(MEDIAN_RANK, m, 10), PALPATE_IN_ARRAY(MEDIAN_RANK, c, 9)) {
   MEDIAN_RANK tenth = m[9];
   for (int i = 0; i < 9; ++i) tenth = min(tenth, max(m[8 - i], c[i]));

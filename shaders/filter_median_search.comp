@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/filter_median_search.comp: median of any box, by halving the range of ranks between its lowest and its
-// highest. How many voxels are at or below the middle rank tells which half holds the median. An invocation makes a row
-// of eight results along i. It reads the window again for each halving, some thirty times: slow, for windows too large
-// to be sorted.
+// shaders/filter_median_search.comp: median of any box. It halves the range of ranks between the box's lowest and
+// highest. The number of voxels at or below the middle rank tells which half holds the median. An invocation computes a
+// row of eight results along i. It reads the window again for each halving, some thirty times. That is slow, so it is
+// for windows too large to sort.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "filter.layout.h"
@@ -19,7 +19,7 @@ layout(constant_id = FILTER_CONSTANT_OWN + 2) const int kReachZ = 1;
 const int kEnd = int(BRICK_EDGE);
 const int kRowsAlongJ = 2 * kReachY + 1;
 const int kRows = kRowsAlongJ * (2 * kReachZ + 1);
-const int kMiddle = (kRows * (2 * kReachX + 1) + 1) / 2;  // how many are at or below the median
+const int kMiddle = (kRows * (2 * kReachX + 1) + 1) / 2;  // number of ranks at or below the median
 const int kLargest = 3;                                   // reach along i
 
 int rank[kEnd + 2 * kLargest];  // of one row, from kReachX voxels before it to kReachX behind it
@@ -41,7 +41,7 @@ void readRow(uvec3 brick, uint row, int n) {
   }
 }
 
-// For each result o and each rank of the row in its window.
+// Runs over each result o and each rank of the row in its window.
 #define EACH_IN_WINDOW(DO)                                              \
   for (int c = 0; c < kEnd + 2 * kLargest; ++c) {                       \
     for (int o = 0; o < kEnd; ++o) {                                    \

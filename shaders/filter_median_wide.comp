@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // shaders/filter_median_wide.comp: median of the box that reaches two voxels along i, and at most two along j and k. An
-// invocation makes a row of eight results along i, from twelve columns of 25 ranks each, which lie across i. A round
-// takes two columns and makes two results.
-// Reading rows and making rounds stay loops. Unrolled they run 1.3 times as fast, but lavapipe compiles for 10 s.
+// invocation computes a row of eight results along i, from twelve columns of 25 ranks each. A column lies across i. A
+// round takes two columns and makes two results. Reading rows and making rounds stay loops. Unrolled they would run 1.3
+// times as fast, but lavapipe would compile them for 10 s.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "filter.layout.h"
@@ -20,7 +20,7 @@ const int kReachX = 2;
 const int kEnd = int(BRICK_EDGE);
 const int kRows = 25;
 
-// They stand for voxels that the window does not hold, as many lowest as highest, so the median stays.
+// These stand for voxels that the window does not hold: as many lowest as highest, so the median is unaffected.
 const int kLowest = RANK_LOWEST, kHighest = RANK_HIGHEST;
 
 int column[kEnd + 2 * kReachX][kRows];  // from two voxels before the row to two behind it
@@ -50,8 +50,8 @@ void readRow(uvec3 brick, uint row, int n) {
 
 int median[4 + kEnd];
 
-// Round p sorts columns 2 p and 2 p + 1 and makes the medians whose windows begin at columns 2 p - 4 and 2 p - 3: the
-// four columns from 2 p - 3 on belong to both. In the first two rounds there is nothing to make them from yet.
+// Round p sorts columns 2 p and 2 p + 1. It makes the medians whose windows begin at columns 2 p - 4 and 2 p - 3. Both
+// windows hold the four columns from 2 p - 3 on. The first two rounds have too few columns and make none.
 void findMedians(int rounds) {
   int first[kRows], third[kRows], fourth[kRows];  // columns 2 p - 4, 2 p - 2, 2 p - 1
   int before[2 * kRows];                          // columns 2 p - 3 and 2 p - 2
@@ -83,7 +83,7 @@ void main() {
   const FilterTask task = tasks[push.first_task + task_index];
   const uvec3 brick = brickOfIndex(task.brick);
   const uint row = gl_LocalInvocationID.x;
-  const bool always = push.task_count > 0;  // no compiler knows, so none unrolls what it bounds
+  const bool always = push.task_count > 0;  // always true, but no compiler knows, so none unrolls the loop
   const int rows = always ? kRows : 0;
   for (int n = 0; n < rows; ++n) readRow(brick, row, n);
   findMedians(always ? (kEnd + 4) / 2 : 0);

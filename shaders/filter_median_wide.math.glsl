@@ -78,7 +78,8 @@ PALPATE_TEXT void mergeColumns(PALPATE_IN_ARRAY(MEDIAN_RANK, a, 25), PALPATE_IN_
   m[44] = v[45]; m[45] = v[46]; m[46] = v[47]; m[47] = v[48]; m[48] = v[41]; m[49] = v[49];
 }
 
-// The middle 26 of four columns: 63 stand above each of the 37 lowest, so none of those is the 63rd of 125.
+// The middle 26 of four columns. Each of the 37 lowest has 63 above it, so none of them is the 63rd of 125. The same
+// holds for the 37 highest.
 PALPATE_TEXT void middleOfFour(PALPATE_IN_ARRAY(MEDIAN_RANK, a, 50), PALPATE_IN_ARRAY(MEDIAN_RANK, b, 50),
                                PALPATE_INOUT_ARRAY(MEDIAN_RANK, m, 26)) {
   MEDIAN_RANK v[100];
@@ -123,7 +124,7 @@ PALPATE_TEXT void middleOfFour(PALPATE_IN_ARRAY(MEDIAN_RANK, a, 50), PALPATE_IN_
 // clang-format on
 #undef SORT_PAIR
 
-// The middle of a sorted 26 and a sorted 25 (see tenthOf).
+// The 63rd of 125: the middle of a sorted 26 and a sorted 25 together (as tenthOf() in filter_median.math.glsl).
 PALPATE_TEXT MEDIAN_RANK middleOf(PALPATE_IN_ARRAY(MEDIAN_RANK, m, 26), PALPATE_IN_ARRAY(MEDIAN_RANK, c, 25)) {
   MEDIAN_RANK middle = m[25];
   for (int i = 0; i < 25; ++i) middle = min(middle, max(m[24 - i], c[i]));

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/filter_rank.math.glsl: ranks: densities as whole numbers in the same order, -0 before +0. Comparing ranks
-// needs no comparison of floats, so lowest and highest are exact and do not depend on the order of picking. Read by
+// shaders/filter_rank.math.glsl: ranks are densities as whole numbers in the same order, -0 before +0. Comparing ranks
+// needs no comparison of floats. So lowest and highest are exact and do not depend on the order of comparisons. Read by
 // GLSL and by C++ (shaders/kernel_text.hpp).
 
 #define RANK_LOWEST int(0x80000000)
 #define RANK_HIGHEST 0x7fffffff
 
-// The bits of floats order as signed numbers, except that negative ones run backwards; this turns those. It is its own
-// inverse.
+// The bits of floats, read as signed numbers, order as the floats do, but negative ones in reverse. This reverses
+// those. It is its own inverse.
 PALPATE_TEXT int turnedBits(int bits) { return bits ^ ((bits >> 31) & 0x7fffffff); }
 
 PALPATE_TEXT int rankOf(float density) { return turnedBits(floatBitsToInt(density)); }
@@ -20,13 +20,13 @@ PALPATE_TEXT vec4 densityOf(ivec4 rank) {
   return vec4(densityOf(rank[0]), densityOf(rank[1]), densityOf(rank[2]), densityOf(rank[3]));
 }
 
-// extremeOf(): the highest or the lowest of two, as `which` asks (EXTREME_...). noExtreme(): the rank that gives way to
-// every other.
+// extremeOf(): the higher or the lower of two, as `which` asks (EXTREME_...). noExtreme(): a rank that loses to every
+// other.
 PALPATE_TEXT int extremeOf(uint which, int a, int b) { return which == EXTREME_HIGHEST ? max(a, b) : min(a, b); }
 PALPATE_TEXT ivec4 extremeOf(uint which, ivec4 a, ivec4 b) { return which == EXTREME_HIGHEST ? max(a, b) : min(a, b); }
 PALPATE_TEXT int noExtreme(uint which) { return which == EXTREME_HIGHEST ? RANK_LOWEST : RANK_HIGHEST; }
 
-// The range in which the sought rank (the n-th of many) still lies.
+// Search by halving: the range that still contains the sought rank (the n-th of many).
 struct RankRange {
   int lowest, highest;
 };
@@ -45,7 +45,7 @@ PALPATE_TEXT RankRange widened(RankRange range, int rank) {
   return wider;
 }
 
-// The middle between two ranks, rounded down; their sum might not fit.
+// The middle between two ranks, rounded down. Their sum might overflow, so this does not form it.
 PALPATE_TEXT int halfway(int low, int high) { return (low & high) + ((low ^ high) >> 1); }
 
 // The half that holds the rank at `place` (1: the lowest), if `count` ranks are at or below the middle.

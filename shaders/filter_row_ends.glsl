@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/filter_row_ends.glsl: rows of eight voxels with one neighbour at either end, for filters of reach 1 that
+// shaders/filter_row_ends.glsl: rows of eight voxels with one neighbour at either end. For filters of reach 1 that
 // treat bricks inside and at the border alike. Include after filter.glsl.
 const int kRowWide = int(BRICK_EDGE) + 2;
 
-// Row (y, z) of the domain within a brick column: voxels -1 ... 8 along i. Beyond the domain the last voxel again.
+// Reads row (y, z) of the domain within a brick column: voxels -1 ... 8 along i. Beyond the domain the last voxel
+// repeats.
 #define READ_ROW(row, brick_x, y, z)                                                                             \
   {                                                                                                              \
     const uint row_quad_ = (((z) % BRICK_EDGE) * BRICK_EDGE + (y) % BRICK_EDGE) * 2;                             \

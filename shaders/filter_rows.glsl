@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/filter_rows.glsl: the rows of eight voxels around one row of a brick, with the densities before and behind
-// them along i. Include after filter.glsl.
+// shaders/filter_rows.glsl: the rows of eight voxels around one row of a brick, and the densities before and after them
+// along i. Include after filter.glsl.
 
-// A row: the page of its brick, and its first quad in it.
+// Where a row is: the page of its brick, and the first quad within that brick.
 struct RowPlace {
   uint page, quad;
 };
 
-// The row (dj, dk) voxels away from row `row` of a brick. Rows outside the domain read what the nearest one inside
-// reads.
+// The row (dj, dk) voxels away from row `row` of a brick. Rows outside the domain read the same row as the nearest one
+// inside.
 RowPlace rowPlace(uvec3 brick, uint row, int dj, int dk) {
   int y = int(row % BRICK_EDGE) + dj, z = int(row / BRICK_EDGE) + dk;
   if (kEdge != 0) {
@@ -21,7 +21,7 @@ RowPlace rowPlace(uvec3 brick, uint row, int dj, int dk) {
   return RowPlace(uint(page), uint(((z & 7) * BRICK_EDGE + (y & 7)) * 2));
 }
 
-// The density `at` places behind the row's first voxel; before it, if `at` is negative.
+// The density `at` places after the row's first voxel, or before it if `at` is negative.
 float besideRow(RowPlace place, uvec3 brick, int at) {
   int x = at;
   if (kEdge != 0) x = mapped(int(brick.x * BRICK_EDGE) + at, int(domainSize().x)) - int(brick.x * BRICK_EDGE);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/glsl.hpp: the part of GLSL that the *.math.glsl files use, for C++, which compiles their text too
-// (kernel_text.hpp). Operations on vectors of four go element by element, and each rounds as GLSL's does with
-// `precise`. Any thread.
+// shaders/glsl.hpp: the part of GLSL that the *.math.glsl files use, in C++, so that C++ can compile their text
+// (kernel_text.hpp). Operations on vec4 go element by element. Each rounds as GLSL does with `precise`. Any thread.
 #pragma once
 
 #include <array>
@@ -30,7 +29,20 @@ using ivec4 = Vec4<int>;
 using uvec4 = Vec4<uint>;
 using bvec4 = Vec4<bool>;
 
-// One result from the elements of each vector.
+struct vec3 {
+  float x = 0, y = 0, z = 0;
+};
+inline vec3 operator+(const vec3& a, const vec3& b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+inline vec3 operator-(const vec3& a, const vec3& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+inline vec3 operator*(const vec3& a, float b) {
+  return {a.x * b, a.y * b, a.z * b};
+}
+
+// Applies `function` to the first elements of all vectors, then to the second ones, and so on.
 template <typename Function, typename... Vectors>
 constexpr auto each(const Function& function, const Vectors&... vectors) {
   using Result = decltype(function(vectors[0]...));
@@ -94,7 +106,7 @@ inline bvec4 greaterThan(const vec4& a, const vec4& b) {
 inline bvec4 greaterThanEqual(const vec4& a, const vec4& b) {
   return each([](float x, float y) { return x >= y; }, a, b);
 }
-// The elements of b where `second`, of a elsewhere.
+// Elements of b where `second` is true, of a elsewhere.
 inline vec4 mix(const vec4& a, const vec4& b, const bvec4& second) {
   return each([](float x, float y, bool is_second) { return is_second ? y : x; }, a, b, second);
 }
@@ -128,6 +140,12 @@ inline int min(int a, int b) {
 }
 inline int max(int a, int b) {
   return a > b ? a : b;
+}
+inline float min(float a, float b) {
+  return b < a ? b : a;
+}
+inline float max(float a, float b) {
+  return a < b ? b : a;
 }
 inline ivec4 min(const ivec4& a, const ivec4& b) {
   return each([](int x, int y) { return min(x, y); }, a, b);

@@ -8,7 +8,7 @@
 #define GRADIENT_BINDING_SAMPLES (BINDING_OWN + 1)  // one sample slab, written
 #define GRADIENT_BINDING_BOUNDS (BINDING_OWN + 2)   // of all bricks, for tasks with IF_ACTIVE
 #define GRADIENT_BINDINGS (BINDING_OWN + 3)
-// gradient_smoothed.comp takes the gradient of a smoothed pool, and the samples' densities from this second pool.
+// gradient_smoothed.comp takes the gradient from a smoothed pool and the samples' densities from this second pool.
 #define GRADIENT_BINDING_DENSITY_PAGES (BINDING_OWN + 3)
 #define GRADIENT_BINDING_DENSITY_SLABS (BINDING_OWN + 4)
 #define GRADIENT_SMOOTHED_BINDINGS (BINDING_OWN + 12)  // DENSITY_SLABS of them
@@ -34,7 +34,7 @@ struct GradientPush {
   float inv_2h_x, inv_2h_y, inv_2h_z;     // 1 / (2 * spacing), for the two-sided difference [1/m]
   float inv_h_x, inv_h_y, inv_h_z;        // 1 / spacing, for the one-sided difference at the border [1/m]
   float inv_12h_x, inv_12h_y, inv_12h_z;  // 1 / (12 * spacing), for the fourth-order difference [1/m]
-  IsovaluePair isovalues;                 // by which a brick is active
+  IsovaluePair isovalues;                 // these decide which bricks are active
   SampleCode code;
 };
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/gradient.math.glsl: differences along one axis. A missing neighbour is given as the voxel at the border
+// shaders/gradient.math.glsl: differences along one axis. For a missing neighbour the caller passes the border voxel
 // itself. Each sum and each product is rounded by itself. Read by GLSL and by C++ (shaders/kernel_text.hpp).
 
-// Whether a voxel has so many neighbours on either side along an axis; `last`: the domain's last coordinate.
+// Whether a voxel has `voxels` neighbours on either side along an axis. `last`: the domain's last coordinate.
 PALPATE_TEXT bool hasEitherSide(uint c, uint last, uint voxels) { return c >= voxels && c + voxels <= last; }
 
 // The central difference, one-sided where a neighbour is missing.
@@ -22,8 +22,8 @@ PALPATE_TEXT float axisGradient4(float before2, float before, float after, float
   return gradient;
 }
 
-// The one of these two differences that an operator (`fourth`: GRADIENT_CENTRAL4) uses at a voxel with so many
-// neighbours.
+// The difference that an operator uses at a voxel, depending on its number of neighbours. `fourth`: the operator is
+// GRADIENT_CENTRAL4.
 PALPATE_TEXT float stencilGradient(bool fourth, uint c, uint last, float before2, float before, float after,
                                    float after2, float inv_2h_per_m, float inv_h_per_m, float inv_12h_per_m) {
   const float second_order = axisGradient(before, after, hasEitherSide(c, last, 1u), inv_2h_per_m, inv_h_per_m);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/gradient_row.glsl: the body of gradient.comp and of gradient_smoothed.comp; the latter defines OWN_DENSITY.
+// shaders/gradient_row.glsl: the body of gradient.comp and of gradient_smoothed.comp. The latter defines OWN_DENSITY.
 #include "gradient_task.glsl"
 
 layout(constant_id = GRADIENT_CONSTANT_STENCIL) const uint kStencil = GRADIENT_CENTRAL;
@@ -7,7 +7,7 @@ const bool kFourth = kStencil == GRADIENT_CENTRAL4;
 
 layout(constant_id = GRADIENT_CONSTANT_RUN) const int kRun = 8;
 
-const int kFar = 2;  // voxels to either side that the widest stencil reads
+const int kFar = 2;  // reach of the widest stencil, to either side [voxel]
 
 // Row (y, z) of the domain, in the bricks of column `brick_x`.
 Row rowAt(uint brick_x, uint y, uint z) {

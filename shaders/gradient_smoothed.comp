@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/gradient_smoothed.comp: gradient.comp on a smoothed field. Only the gradient is smoothed: the samples'
-// densities come from a second pool.
+// shaders/gradient_smoothed.comp: gradient.comp on a smoothed field. The samples' densities are not smoothed: they come
+// from a second pool.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require

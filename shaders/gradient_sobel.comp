@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/gradient_sobel.comp: plane-ready samples by the Sobel operator of 3x3x3 voxels: along an axis the central
-// difference, across it the weights 1, 2, 1, whose sum the scale divides out. Beyond the border the outermost voxel
+// shaders/gradient_sobel.comp: samples by the Sobel operator of 3x3x3 voxels: the central difference along an axis,
+// weighted by 1, 2, 1 across it. The scale divides by the sum of the weights. Beyond the border the outermost voxel
 // repeats, and the difference is one-sided.
 //
-// An invocation goes through a brick along k with a row of eight voxels, so each new row needs only three new rows of
-// the nine around it. A work group is SOBEL_BRICKS bricks.
+// An invocation goes through a brick along k with a row of eight voxels. So each step needs only three new rows of the
+// nine around it. A work group is SOBEL_BRICKS bricks.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "gradient.layout.h"
@@ -16,13 +16,13 @@ layout(push_constant) uniform Push { GradientPush push; };
 #include "gradient_task.glsl"
 #include "gradient_sobel.math.glsl"
 
-// A slice and the densities of its middle row, which the samples take.
+// A slice, and the densities of its middle row for the samples.
 struct Slice {
   vec4 density_low, density_high;
   SobelSlice parts;
 };
 
-// Pages of three bricks along i; where there is none on a side, the middle one again.
+// Pages of three bricks along i. If a neighbour is missing, the middle brick stands for it.
 struct PageLine {
   BrickPage before, middle, after;
 };

@@ -1,23 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/gradient_sobel.math.glsl: the Sobel operator on rows of eight voxels: the difference along the axis, the
-// weights 1, 2, 1 along both other axes. The weights sum to 16, and densities are divided by 16 first, so that no sum
-// overflows; that loses bits of denormals only. Each sum is rounded by itself. Read by GLSL and by C++
-// (shaders/kernel_text.hpp).
+// shaders/gradient_sobel.math.glsl: the Sobel operator on rows of eight voxels: the difference along one axis, weighted
+// by 1, 2, 1 along both other axes. The weights sum to 16. Densities are divided by 16 first, so that no sum overflows;
+// that loses bits of denormals only. Each sum is rounded by itself. Read by GLSL and by C++ (shaders/kernel_text.hpp).
 
 struct SobelRow {
-  float left, right;  // the densities beside a row
-  vec4 low, high;     // its eight
+  float left, right;  // the densities before and after the row
+  vec4 low, high;     // its eight densities
 };
 
-// What a gradient needs of three rows that are next to each other along j.
+// The part of a gradient that comes from three rows next to each other along j.
 struct SobelSlice {
-  float left, right;               // smoothed along j: before the row,
-  vec4 low, high;                  // its eight voxels, and behind it
-  vec4 difference_low, difference_high;  // smoothed along i: the last row less the first
+  float left, right;               // smoothed along j: before and after the row
+  vec4 low, high;                  // smoothed along j: its eight voxels
+  vec4 difference_low, difference_high;  // smoothed along i: the last row minus the first
   vec4 smooth_low, smooth_high;          // smoothed along i, then j
 };
 
-// Smoothed across each axis, the neighbour after a voxel along it less the one before.
+// For each axis: smoothed along the other two, the neighbour after a voxel minus the one before.
 struct SobelDifferences {
   vec4 x_low, x_high, y_low, y_high, z_low, z_high;
 };
@@ -63,7 +62,7 @@ PALPATE_TEXT SobelRow sixteenthOf(SobelRow row) {
   return scaled_row;
 }
 
-// Of rows one behind the other along j.
+// The slice of three rows in a sequence along j.
 PALPATE_TEXT SobelSlice sobelSlice(SobelRow whole_before, SobelRow whole_middle, SobelRow whole_after) {
   const SobelRow before = sixteenthOf(whole_before);
   const SobelRow middle = sixteenthOf(whole_middle);
@@ -85,7 +84,7 @@ PALPATE_TEXT SobelSlice sobelSlice(SobelRow whole_before, SobelRow whole_middle,
   return slice;
 }
 
-// Of slices one behind the other along k: at the row in the middle of all.
+// The differences at the middle row, from three slices in a sequence along k.
 PALPATE_TEXT SobelDifferences sobelDifferences(SobelSlice before, SobelSlice here, SobelSlice after) {
   const vec4 low = smoothed3(before.low, here.low, after.low);
   const vec4 high = smoothed3(before.high, here.high, after.high);
@@ -105,7 +104,7 @@ PALPATE_TEXT SobelDifferences sobelDifferences(SobelSlice before, SobelSlice her
   return differences;
 }
 
-// From a difference; one-sided where a neighbour is missing.
+// The gradient from a difference, which is one-sided if a neighbour is missing.
 PALPATE_TEXT float sobelGradient(float difference, uint c, uint last, float inv_2h_per_m, float inv_h_per_m) {
   precise float gradient = difference * (hasEitherSide(c, last, 1u) ? inv_2h_per_m : inv_h_per_m);
   return gradient;

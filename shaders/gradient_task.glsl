@@ -15,7 +15,8 @@ layout(std430, binding = GRADIENT_BINDING_BOUNDS) readonly buffer Bounds { Brick
 
 float element(Row row, uint i) { return i < 4 ? row.low[i] : row.high[i - 4]; }
 
-// The sample of voxel `at`, counted over the slab; as halves every second call writes a pair.
+// Writes the sample of voxel `at`, counted over the slab. Halves go out in pairs: every second call writes two samples.
+// `before`: the sample of the voxel before.
 void writeSample(uint at, vec4 before, vec4 value) {
   if (kHalf == 0) {
     samples[at] = floatBitsToUint(value);

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/kernel_text.hpp: the kernels' arithmetic, compiled for the CPU from the same text that GLSL compiles.
+// shaders/kernel_text.hpp: the kernels' arithmetic for the CPU, compiled from the same text as the GLSL.
 //
-// It is there for what the host computes of a kernel's result beforehand (engine/edit), for a fast host version, and as
-// a second witness of what the text means: the reference twins (engine/reference) are written apart from it. Compile
-// with -ffp-contract=off, as the whole program is.
+// The host uses it to predict a kernel's result (engine/edit), and as a fast version of a kernel. Tests use it as a
+// second witness of what the text means: the reference twins (engine/reference) are written apart from it. Compile with
+// -ffp-contract=off, as the whole program is.
 #pragma once
 
+#include "shaders/draw.layout.h"
 #include "shaders/edit.layout.h"
 #include "shaders/filter.layout.h"
 #include "shaders/filter_distance.layout.h"
@@ -19,7 +20,8 @@ using layout::EditScale;
 
 #define precise
 #include "shaders/numbers.math.glsl"
-// after the numbers that they use
+// The next files use numbers.math.glsl.
+#include "shaders/draw_cell.math.glsl"
 #include "shaders/edit.math.glsl"
 #include "shaders/edit_stamp.math.glsl"
 #include "shaders/edit_stencil.math.glsl"
@@ -27,7 +29,7 @@ using layout::EditScale;
 #include "shaders/filter_convolve.math.glsl"
 #include "shaders/filter_distance.math.glsl"
 #include "shaders/filter_exp.math.glsl"
-// after the exponential that they use
+// The next files use filter_exp.math.glsl.
 #include "shaders/filter_bilateral.math.glsl"
 #include "shaders/filter_diffuse.math.glsl"
 #include "shaders/filter_median.math.glsl"

@@ -8,8 +8,7 @@
 
 namespace palpate {
 
-// SPIR-V of the kernel `name` ("gradient" for gradient.comp). Throws Error if there is none, which is a fault of the
-// program.
+// SPIR-V of the kernel `name` ("gradient" for gradient.comp). Throws Error(kDevice) if the program has no such kernel.
 [[nodiscard]] std::span<const std::uint32_t> kernelSpirv(std::string_view name);
 
 }  // namespace palpate

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/layout_types.h: what lets one *.layout.h be read by C++ and by GLSL. Shared structs hold 4-byte scalars only,
-// so std430 and C++ agree on every offset; each layout file checks its sizes.
+// shaders/layout_types.h: macros that let C++ and GLSL read the same *.layout.h. Shared structs hold 4-byte scalars
+// only, so std430 and C++ agree on every offset. Each layout file checks the sizes of its structs.
 #ifndef PALPATE_LAYOUT_TYPES_H
 #define PALPATE_LAYOUT_TYPES_H
 
@@ -13,7 +13,7 @@
 #define PALPATE_LAYOUT_CHECK(Type, bytes) static_assert(sizeof(Type) == (bytes), #Type " must match its GLSL layout");
 #define PALPATE_PUSH_CHECK(Type) \
   static_assert(sizeof(Type) <= 128, #Type " exceeds what Vulkan guarantees for push constants");
-#define PALPATE_TEXT inline  // before each function of a text that both compile (kernel_text.hpp)
+#define PALPATE_TEXT inline  // marks functions that both compile (kernel_text.hpp)
 #define PALPATE_IN_ARRAY(Type, name, count) const Type(&name)[count]
 #define PALPATE_INOUT_ARRAY(Type, name, count) Type(&name)[count]
 #else

@@ -4,11 +4,12 @@
 
 #define LARGEST_DENSITY 3.40282347e38f
 
-// What went beyond the floats becomes the largest of them. Not for NaN.
+// Replaces infinities by the largest float of their sign. Not for NaN.
 PALPATE_TEXT float finite(float value) { return clamp(value, -LARGEST_DENSITY, LARGEST_DENSITY); }
 PALPATE_TEXT vec4 finite(vec4 value) { return clamp(value, -LARGEST_DENSITY, LARGEST_DENSITY); }
 
-// min and max may give a zero of either sign where both are zero. These give `a` unless the other is less, or greater.
+// If both arguments are zero, GLSL's min and max may return a zero of either sign. These return `a` unless b is less,
+// or greater.
 PALPATE_TEXT vec4 lesser(vec4 a, vec4 b) { return mix(a, b, lessThan(b, a)); }
 PALPATE_TEXT vec4 greater(vec4 a, vec4 b) { return mix(a, b, lessThan(a, b)); }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/page_write.layout.h: page table entries for page_write.comp to write.
+// shaders/page_write.layout.h: push constants and bindings of page_write.comp, which writes entries of a page table.
 #ifndef PALPATE_PAGE_WRITE_LAYOUT_H
 #define PALPATE_PAGE_WRITE_LAYOUT_H
 #include "brick_pool.layout.h"

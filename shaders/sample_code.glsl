@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/sample_code.glsl: packs samples into two words and back. Include with SAMPLE_CODE defined as the push
-// constant's member.
+// shaders/sample_code.glsl: packs a sample into two words and unpacks it. Define SAMPLE_CODE as the push constant's
+// member.
 #include "sample_code.math.glsl"
 
 uvec2 packedSample(vec4 value) {
@@ -11,7 +11,7 @@ uvec2 packedSample(vec4 value) {
   return uvec2(i | (j << 16), k | (halfOf(density) << 16));
 }
 
-// With the inverse scales in SAMPLE_CODE.
+// SAMPLE_CODE must hold the inverse scales.
 vec4 unpackedSample(uvec2 words) {
   return vec4(scaled(ofHalf(words.x & 0xffffu), SAMPLE_CODE.gradient_scale),
               scaled(ofHalf(words.x >> 16), SAMPLE_CODE.gradient_scale),

@@ -2,12 +2,12 @@
 // shaders/sample_code.math.glsl: converts floats to halves and back, in integers, since Vulkan leaves the rounding of
 // packHalf2x16 to the device. Read by GLSL and by C++ (shaders/kernel_text.hpp).
 
-// The half nearest to a float, of two the even one; beyond 65504 it stays 65504. Not for NaN.
+// The half nearest to a float; the even one of two that are equally near. Beyond 65504 it is 65504. Not for NaN.
 PALPATE_TEXT uint halfOf(float value) {
   const uint bits = floatBitsToUint(value);
   const uint magnitude = bits & 0x7fffffffu;
   const uint size = magnitude > 0x477fe000u ? 0x477fe000u : magnitude;
-  // 13 bits fewer, and an exponent that is counted from 15 instead of 127.
+  // A half has 13 bits fewer, and its exponent is biased by 15 instead of 127.
   const uint normal = (size + 0xfffu + ((size >> 13) & 1u) - 0x38000000u) >> 13;
   // Below 2^-14 a half counts in 2^-24, as a float between 0.5 and 1 does: the addition rounds.
   precise float counted = uintBitsToFloat(size) + float(0.5);
@@ -22,7 +22,7 @@ PALPATE_TEXT float ofHalf(uint half_bits) {
   return uintBitsToFloat(bits | ((half_bits & 0x8000u) << 16));
 }
 
-// Stored density: an exact product after one rounding.
+// Stored density: one rounded difference, then an exact product.
 PALPATE_TEXT float storedDensity(float density, float zero, float scale) {
   precise float distance = density - zero;
   precise float stored = distance * scale;

@@ -19,7 +19,7 @@ struct WindowPush {
   uint first_task, task_count;
   uint first_x, first_y, first_z;     // the window's first voxel in the volume
   uint window_x, window_y, window_z;  // its size [voxel]
-  IsovaluePair isovalues;             // by which a brick is active
+  IsovaluePair isovalues;             // these decide which bricks are active
   SampleCode code;
 };
 

@@ -140,7 +140,7 @@ std::string jsonText(const BenchResult& result) {
 }
 
 std::string csvText(const BenchResult& result) {
-  // Columns as rows bring them, notes last: whether there is one, and when, moves none of the others.
+  // Columns in the order of the rows. Those of notes come last, so that a note moves no other column.
   std::vector<std::string> keys;
   for (const bool notes : {false, true}) {
     for (const BenchRow& row : result.rows) {
@@ -176,6 +176,13 @@ std::string targetTable(const BenchResult& result) {
                         target.holds() ? "holds" : "DOES NOT HOLD");
   }
   return text + fmt::format("{} of {} targets hold\n", held, result.targets.size());
+}
+
+std::string asParagraph(std::string_view literal) {
+  if (literal.starts_with('\n')) literal.remove_prefix(1);
+  std::string line(literal);
+  std::replace(line.begin(), line.end(), '\n', ' ');
+  return line;
 }
 
 std::string benchPage(const BenchResult& result, const PageWords& words) {

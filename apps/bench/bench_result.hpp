@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/bench/bench_result.hpp: the one form in which every bench gives its figures: rows, and a target for each figure
-// that the program promises.
+// apps/bench/bench_result.hpp: the result of every bench: rows of figures, and a target for each figure that the
+// program promises. Also the result as JSON, CSV, text and Markdown. Any thread; no cost.
 //
-// JSON: {"bench", "commit", "machine", "vulkan_device", "command", "rows": [...], "targets": [{"name", "value",
-// "bound", "holds"}]}. A row is a list of parameters and figures with the unit in the key; rows of one bench may be of
-// several kinds, told apart by their first key, "part". A figure that is not finite is null. What a reader must know
-// beside the figures (something that was refused or left out) is a row of part "note". Any thread; no cost.
+// A row is a list of parameters and figures; the key of a figure holds its unit. A bench may have several kinds of
+// rows, which their first key, "part", tells apart. A row of part "note" says what was refused or left out.
 #pragma once
 
 #include <cstdint>
@@ -20,12 +18,12 @@ namespace palpate {
 using BenchFigure = std::variant<std::string, double, std::int64_t>;
 using BenchRow = std::vector<std::pair<std::string, BenchFigure>>;
 
-// A promise: the value shall be at most the bound.
+// What became of a promise: the value that was measured, and the bound that it must not exceed.
 struct BenchTarget {
-  std::string name;  // stable; its unit in it
+  std::string name;  // with the unit; the same in every version
   double value = 0;
   double bound = 0;
-  [[nodiscard]] bool holds() const noexcept { return value <= bound; }  // never for NaN
+  [[nodiscard]] bool holds() const noexcept { return value <= bound; }  // false for NaN
 };
 
 struct BenchResult {
@@ -41,21 +39,22 @@ struct BenchResult {
   [[nodiscard]] bool allHold() const noexcept;
 };
 
-// Without rows, of this machine, whose processor, memory and system it names.
+// A result without rows, with the processor, memory and system of this machine.
 [[nodiscard]] BenchResult beginBench(const std::string& bench, const std::string& vulkan_device = "none");
 
-// The figure of `key` in a row, nullptr without it.
+// The figure of `key` in a row; nullptr if there is none.
 [[nodiscard]] const BenchFigure* findFigure(const BenchRow& row, std::string_view key);
-// It as a number; throws std::out_of_range without it, std::bad_variant_access if it is a text.
+// The number of `key`. Throws std::out_of_range if there is none, std::bad_variant_access if it is a text.
 [[nodiscard]] double figureOf(const BenchRow& row, std::string_view key);
-// The text of `key`, "" without it.
+// The text of `key`; "" if there is none.
 [[nodiscard]] std::string textOf(const BenchRow& row, std::string_view key);
 
-// The rows of a part that have all figures of `like`, in their order. They are part of the result.
+// The rows of a part that contain all figures of `like`, in the result's order. The pointers are into the result.
 using BenchRows = std::vector<const BenchRow*>;
 [[nodiscard]] BenchRows rowsOf(const BenchResult& result, std::string_view part, const BenchRow& like = {});
 
-// What is promised of the rows of a part that are like these: the value that `of` makes of all their figures of `keys`.
+// A promise about some rows: rowsOf(result, part, like). All their figures of `keys` go into one list, and `of` makes
+// one value of the list. This value must not exceed the bound.
 struct Promise {
   std::string name;
   double bound = 0;
@@ -63,33 +62,38 @@ struct Promise {
   BenchRow like;
   std::vector<const char*> keys;
   double (*of)(const std::vector<double>& values) = nullptr;
-  double up_to_m_per_s = 0;  // rows of faster motion promise nothing; 0: any, or none moves
+  double up_to_m_per_s = 0;  // leaves out rows of faster motion; 0: no limit
 };
-// Adds the target. False where there is no such row, and then no target.
+// Adds the promise's target. Returns false, and adds none, if there is no such row.
 bool promise(BenchResult& result, const Promise& what);
 
-// For `of`: NaN where one of the values is.
+// For Promise::of. The largest is NaN if any value is.
 [[nodiscard]] double largestOf(const std::vector<double>& values);
 [[nodiscard]] double sumOf(const std::vector<double>& values);
 [[nodiscard]] double firstOf(const std::vector<double>& values);
 [[nodiscard]] double medianOf(const std::vector<double>& values);
 
-// "Intel(R) Xeon(R) Processor, 2 cores, 23.5 GiB, Linux 6.1.0, Debian GNU/Linux 12": the machine that runs this.
+// This machine: "Intel(R) Xeon(R) Processor, 2 cores, 23.5 GiB, Linux 6.1.0, Debian GNU/Linux 12".
 [[nodiscard]] std::string machineInWords();
 
+// {"bench", "commit", "machine", "vulkan_device", "command", "rows": [...], "targets": [{"name", "value", "bound",
+// "holds"}]}. A figure that is not finite is null.
 [[nodiscard]] std::string jsonText(const BenchResult& result);
-// All rows under one header: the union of their keys, empty where a row has none (RFC 4180).
+// All rows under one header, the union of their keys. A cell is empty where the row has no such key (RFC 4180).
 [[nodiscard]] std::string csvText(const BenchResult& result);
-// For the terminal: a line a target, notes, and how many hold.
+// For the terminal: the notes, a line for each target, and how many targets hold.
 [[nodiscard]] std::string targetTable(const BenchResult& result);
 
-// A page to read (Markdown), for docs/results.
+// The words around the figures of a page.
 struct PageWords {
   std::string title;
   std::string introduction;  // what was measured and how, in Markdown
   std::string tables;        // as on the terminal
-  std::string chart;         // the picture's name as seen from the page; "" for none
+  std::string chart;         // file of the chart, relative to the page; "": none
 };
+// A paragraph as a raw string literal holds it, in one line: without the first line break, each other one a blank.
+[[nodiscard]] std::string asParagraph(std::string_view literal);
+// The Markdown page for docs/results.
 [[nodiscard]] std::string benchPage(const BenchResult& result, const PageWords& words);
 
 }  // namespace palpate

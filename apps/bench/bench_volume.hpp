@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/bench/bench_volume.hpp: a phantom with its samples in plain memory, and the windows that an engine would gather
-// from them.
+// apps/bench/bench_volume.hpp: a phantom with its samples in plain memory, and windows of these samples, without
+// Vulkan.
 //
-// No Vulkan: samples come from the CPU twin (engine/reference), whose gradients are bit for bit those of the GPU. The
-// program's engine leaves the gradients of bricks far from the surface zero, these windows have them all. Frame W
-// [m]. One thread. Cost: making one computes the gradient of every voxel; gathering a window copies 512 KiB.
+// The samples come from the CPU twin (engine/reference), whose gradients equal those of the GPU bit for bit. These
+// windows have the gradients of all bricks; those of the engine are zero far from the surface. World frame W [m]. One
+// thread. Cost: the constructor computes the gradient of every voxel; a window copies 512 KiB.
 #pragma once
 
 #include <cstdint>
@@ -28,22 +28,22 @@ class BenchVolume {
 
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
   [[nodiscard]] const Phantom& phantom() const noexcept { return *phantom_; }
-  // Rounded to float once, as the program has it.
+  // Rounded to float, as in the program [density].
   [[nodiscard]] double isovalue() const noexcept { return isovalue_; }
   [[nodiscard]] double maximum() const noexcept { return maximum_; }  // [density]
   [[nodiscard]] double voxel_m() const noexcept { return phantom_->lattice().smallestSpacing(); }
   [[nodiscard]] const Vec3i& size() const noexcept { return phantom_->size(); }
 
-  // For algorithms that touch a mesh (engine/field/isosurface_mesh.hpp).
+  // The mesh for algorithms that touch one (engine/field/isosurface_mesh.hpp).
   [[nodiscard]] const std::shared_ptr<const TriangleMesh>& isosurface() const noexcept { return isosurface_; }
 
-  // The least number of voxels between the point and a face of the volume; negative outside [voxel].
+  // Distance from the point to the nearest face of the volume; negative outside [voxel].
   [[nodiscard]] double borderDistance(const Vec3& p_W) const;
 
-  // Fills `samples` with the box and describes it in `window`, whose version becomes one more.
+  // Copies the samples of the box into `samples`, lets `window` describe them, and increments the window's version.
   void gather(const WindowBox& box, std::vector<Sample>& samples, SampleWindow& window) const;
 
-  // The whole volume as one window: what the samples say anywhere.
+  // The whole volume as one window.
   [[nodiscard]] SampleWindow whole() const;
 
  private:
@@ -55,28 +55,29 @@ class BenchVolume {
   std::vector<Sample> samples_;  // of every voxel, i fastest
 };
 
-// "phantom:NAME?size=64" with noise whose standard deviation is that of a surface moved by `noise_voxel` smallest
-// voxels where the density is steepest; unchanged for none. Throws Error as makePhantom does.
+// The phantom's name with noise added to it. The noise's standard deviation [density] is the change of density over
+// `noise_voxel` smallest voxels where the density is steepest. 0 leaves the name as it is. Throws Error as makePhantom
+// does.
 [[nodiscard]] std::string withNoise(const std::string& phantom, double noise_voxel, std::uint64_t seed);
 
-// Where the newest window lies, by the engine's rule (engine/service/engine.cpp): a new one as soon as its place is six
-// voxels from the middle of the last, or the volume's border stops the box.
+// When to gather a new window, by the engine's rule (engine/service/engine.cpp): when its place is six voxels from the
+// middle of the last window, or when the border of the volume stops the box.
 class WindowRule {
  public:
-  // The box to gather now, or nothing while the last one still serves.
+  // The box to gather now; empty while the last window still serves.
   [[nodiscard]] std::optional<WindowBox> follow(const BenchVolume& volume, const Vec3& place_W);
 
  private:
   std::optional<WindowBox> last_;
 };
 
-// Where the window belongs for a tool at `hip_W`, by what the algorithm said in the last tick: at the surface that it
-// holds, otherwise at the tool (engine/service/window_focus.hpp, without its lead).
+// The place of the window for a tool at `hip_W` [m]: at the surface point of the last tick if the algorithm held one,
+// otherwise at the tool. As engine/service/window_focus.hpp, but without its lead.
 [[nodiscard]] inline const Vec3& windowPlace(const TickOutput& last, const Vec3& hip_W) noexcept {
   return last.at_surface ? last.surface_W : hip_W;
 }
 
-// One window that follows without delay; each algorithm has its own, since each says where it wants it.
+// One window that follows its place without delay. Each algorithm has its own, since each has its own place.
 class WindowFollower {
  public:
   explicit WindowFollower(const BenchVolume& volume) : volume_(volume) {}

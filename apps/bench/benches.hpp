@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/bench/benches.hpp: every bench as data: what `palpate bench NAME` takes, runs and shows.
+// apps/bench/benches.hpp: the table of benches: the options of each `palpate bench NAME`, what it runs and how it shows
+// the result. Any thread.
 #pragma once
 
 #include <cstdint>
@@ -17,19 +18,19 @@ namespace palpate {
 struct BenchArguments {
   bool quick = false;
   std::uint64_t seed = 1;
-  std::optional<double> seconds;  // of the loop
-  std::string gpu;                // part of the Vulkan device's name
-  std::vector<int> sizes;         // along every edge [voxel]; none: the bench's own
+  std::optional<double> seconds;  // duration of each side of the loop bench at each rate [s]
+  std::string gpu;                // part of the Vulkan device's name; empty: the best one
+  std::vector<int> sizes;         // of volumes, along every edge [voxel]; empty: the bench's own
 };
 
 struct Bench {
   const char* name = "";
   const char* help = "";
   const char* title = "";                   // of the page
-  const char* introduction = "";            // what was measured and how, for the page
+  std::string introduction{};               // of the page: what was measured and how, in Markdown
   std::vector<int> sizes{}, quick_sizes{};  // of volumes, along every edge [voxel]; none: the bench has its own volumes
-  std::vector<std::string_view> takes{};    // of BenchArguments, beside quick and seed
-  // Fills rows and targets; the command and the commit are the caller's. Throws Error, kCancelled on Ctrl-C.
+  std::vector<std::string_view> takes{};    // the members of BenchArguments that it uses, beside quick and seed
+  // Returns rows and targets; the caller adds command and commit. Throws Error, with kCancelled on Ctrl-C.
   BenchResult (*run)(const Bench& bench, const BenchArguments& arguments, Progress& progress) = nullptr;
   std::string (*table)(const BenchResult& result) = nullptr;  // for the terminal and the page
   std::string (*chart)(const BenchResult& result) = nullptr;  // an SVG file

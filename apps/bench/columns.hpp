@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/bench/columns.hpp: the columns of a bench's rows as data: what a figure is called in JSON and CSV, where it
-// comes from, and how the tables on the terminal and on the page show it.
+// apps/bench/columns.hpp: the columns of a bench's rows as data: the key of a figure in JSON and CSV, the function that
+// computes it, and its look in tables. Any thread; no cost.
 //
-// A bench declares its columns once. `addFigures` writes a row by them, which JSON and CSV have as it is; `tableText`
-// shows rows by them. A figure that is not finite is null in JSON, empty in CSV and a dash in tables; one that a row
-// does not have is empty in CSV and in tables. Any thread; no cost.
+// A bench declares its columns once. addFigures() uses them to write a row, tableText() to show rows as a table. A
+// figure that is not finite is a dash in a table; a figure that a row lacks is empty.
 #pragma once
 
 #include <functional>
@@ -16,11 +15,11 @@
 
 namespace palpate {
 
-// How tables show a figure. Columns stand a blank apart; a wider column parts groups.
+// How tables show a figure. One blank separates columns.
 struct Look {
-  std::string heading = {}, unit = {};  // the head has a line of units where any column has one
-  int width = 0;                        // negative: to the left, as words stand; 0: in no table
-  int digits = -1;                      // behind the point; -1: as few as it takes
+  std::string heading = {}, unit = {};  // if any column has a unit, a line of units follows the headings
+  int width = 0;                        // in characters; negative: aligned to the left; 0: not shown in tables
+  int digits = -1;                      // after the decimal point; -1: as few as needed
 };
 
 template <class Row>
@@ -37,7 +36,7 @@ void addFigures(BenchRow& row, const Columns<Row>& columns, const Row& of) {
   for (const Column<Row>& column : columns) row.emplace_back(column.key, column.figure(of));
 }
 
-// Columns NAME_median_UNIT, NAME_p99_UNIT and so on of the percentiles that `of` gives for a row.
+// Columns of the percentiles that `of` returns for a row: NAME_median_UNIT, NAME_p99_UNIT and so on.
 struct PercentileWord {
   const char* word;
   double Percentiles::*figure;
@@ -55,17 +54,17 @@ template <class Row>
   return columns;
 }
 
-// Lists, one behind the other.
+// Concatenates lists.
 template <class Any, class... More>
 [[nodiscard]] std::vector<Any> joined(std::vector<Any> list, const More&... more) {
   (list.insert(list.end(), more.begin(), more.end()), ...);
   return list;
 }
 
-// Of a table: without a function a column has the figure of its key.
+// Columns of a table. A column without a function shows the figure of its key.
 using TableColumns = Columns<BenchRow>;
 
-// Those of the columns that tables show.
+// The columns that tables show.
 template <class Row>
 [[nodiscard]] TableColumns shown(const Columns<Row>& columns) {
   TableColumns list;
@@ -76,17 +75,17 @@ template <class Row>
 }
 
 struct Table {
-  std::vector<std::string> parts;  // of the rows that are in it
+  std::vector<std::string> parts;  // the parts whose rows the table shows
   TableColumns columns;
-  std::function<std::string(const BenchRow&)> title{};  // a line, and the head anew, wherever it changes
+  std::function<std::string(const BenchRow&)> title{};  // of a row; where it changes, title and headings are repeated
 };
 
 [[nodiscard]] std::string tableText(const BenchResult& result, const Table& table);  // "" without rows
 
-// The figure of `key` alone.
+// One cell: the figure of `key` in a row.
 [[nodiscard]] std::string cellText(const BenchRow& row, const std::string& key, int width, int digits = -1);
 
-// Figures of several rows beside each other: a line for each name, in the order in which the names came.
+// Puts cells of several rows into one line: a line for each name, in the order in which the names are first added.
 class LineByLine {
  public:
   void add(const std::string& name, const std::string& cell);

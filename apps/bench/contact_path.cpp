@@ -111,7 +111,7 @@ class Wanderer {
     Vec3 wanted_W = Eigen::AngleAxisd(turn_rad_per_s_ / request_.rate_hz, normal_W) * heading_W;
     for (int attempt = 0; attempt < kHeadingTries; ++attempt) {
       const auto there = ontoLevel(at.p_W + step_m() * wanted_W);
-      // A jump (to another part of the object) would be no motion of a hand.
+      // A jump to another part of the object would not be a hand's motion.
       if (there && (there->p_W - at.p_W).norm() < 1.5 * step_m() &&
           volume_.borderDistance(there->p_W) >= kBorderVoxels) {
         const Vec3& n_W = there->offset.normal;

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // apps/bench/contact_path.hpp: a tool that follows a phantom's exact surface, pressed below it by a fixed depth.
 //
-// It begins in free space two voxels in front of the surface, goes straight in along the normal until it is
-// `depth_voxel` below, and then wanders over the level set at that depth: each tick one step of speed / rate along the
-// heading, then back onto the level set by Newton's method on the exact signed distance. The heading turns slowly by
-// chance, and anew where the path would come nearer than kBorderVoxels to a face of the volume, or where the level set
-// ends (a part thinner than twice the depth). Frame W [m]. The same seed gives the same path. Cost: some distances a
-// tick. Any thread.
+// Approach: the tool starts in free space two voxels in front of the surface and goes in along the normal until it is
+// `depth_voxel` below. Slide: it then wanders over the level set at that depth. Each tick it takes one step of
+// speed / rate along its heading; Newton's method on the exact signed distance brings it back onto the level set. The
+// heading turns slowly, at random. A new heading is chosen where the next step would come nearer than kBorderVoxels to
+// a face of the volume, or leave the level set (in a part thinner than twice the depth).
+//
+// World frame W [m]. The same seed gives the same path. Any thread. Cost: a few evaluations of the distance a tick.
 #pragma once
 
 #include <cstdint>
@@ -29,8 +30,8 @@ struct ContactPath {
   std::vector<Vec3> velocity_W;  // backward difference [m/s]
   std::vector<Vec3> normal_W;    // exact, at the surface point nearest to the HIP [-]
   std::vector<double> depth_m;   // of the HIP below the exact surface; negative outside [m]
-  // Whether depth and normal are exact there: where two bodies meet, a phantom's distance may be a bound only. Tried by
-  // looking whether hip + depth * normal lies on the surface.
+  // 1 where depth and normal are exact: hip + depth * normal lies on the surface. Where two bodies meet, a phantom's
+  // distance may be only a bound.
   std::vector<char> exact;
   std::size_t slide_begin = 0;  // first tick on the level set
   [[nodiscard]] std::size_t ticks() const noexcept { return hip_W.size(); }

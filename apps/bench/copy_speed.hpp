@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/bench/copy_speed.hpp: how fast this machine copies memory, which no filter can beat: what kernels are held
-// against. A device on the CPU: memcpy by as many threads as the machine has, which are as many as the driver takes.
-// Any other: the device's own copy of a buffer. Thread: the Gpu's. Memory: twice the bytes.
+// apps/bench/copy_speed.hpp: measures how fast the Vulkan device copies memory. No filter can be faster, so kernels are
+// compared with it. For a device on the CPU: memcpy by as many threads as the machine has, like the driver. For any
+// other: the device's own copy of a buffer. Thread: the Gpu's. Memory: twice the bytes.
 #pragma once
 
 #include <cstring>
@@ -42,7 +42,7 @@ class CopySpeed {
     commands_->copy(*device_from_, 0, *device_to_, 0, bytes_);
     return costOf([&] { commands_->run(); });
   }
-  [[nodiscard]] bool isDone() {  // whether every byte is there; fetches them from a device
+  [[nodiscard]] bool isDone() {  // whether every byte was copied; downloads them from a device
     if (transfer_) transfer_->download(*device_to_, to_);
     return from_ == to_;
   }
@@ -64,7 +64,7 @@ class CopySpeed {
   unsigned threads_;
   std::string way_;
   std::vector<std::byte> from_, to_;
-  std::optional<gpu::Transfer> transfer_;  // of a device's copy
+  std::optional<gpu::Transfer> transfer_;  // this and the next three: only for a device's own copy
   std::optional<gpu::Buffer> device_from_, device_to_;
   std::optional<gpu::Commands> commands_;
 };

@@ -18,7 +18,7 @@
 #include "apps/rivals/scratch_folder.hpp"
 #include "base/quantile.hpp"
 #include "base/stopwatch.hpp"
-#include "engine/gpu/gpu_info.hpp"
+#include "engine/gpu/gpu.hpp"
 #include "engine/journal/journal_writer.hpp"
 #include "engine/service/engine.hpp"
 
@@ -27,14 +27,14 @@ namespace {
 
 constexpr const char* kEditBench = "palpate bench edit";
 constexpr double kTargetRadius_voxel = 8;
-constexpr std::size_t kRecomputes = 3;  // of each volume and radius; more of what the target is about
-constexpr std::size_t kTurn = 8;  // edits of one volume before the next has its turn, as a stroke's follow one another
+constexpr std::size_t kRecomputes = 3;  // for each volume and radius; the one with a target gets more
+constexpr std::size_t kTurn = 8;        // edits of one volume in a turn; they follow one another as those of a stroke
 
 using flat_volume::kIsovalue;
 using flat_volume::kPlane_voxel;
 using flat_volume::kSpacing_m;
 
-// What was measured of one volume at one radius.
+// The measurements of one volume at one radius.
 struct EditFigures {
   std::int64_t size = 0;
   std::string gradients;
@@ -53,7 +53,7 @@ struct EditFigures {
 
 struct Stage {
   const char* key;
-  const char* charted;  // its name in the chart, if it is there
+  const char* charted;  // its name in the chart; "": not in the chart
   Look look;
 };
 const Stage kStages[] = {{"to_window", "to window", {"to win.", "ms", 8, 3}},
@@ -126,12 +126,12 @@ class Session {
   [[nodiscard]] bool isAll() const { return all_; }
   [[nodiscard]] int size() const { return size_; }
 
-  // `offset_voxel` from the middle of the surface. One edit; then the surface is put back.
+  // Does and measures one edit at `offset_voxel` from the middle of the surface. Then puts the surface back.
   void edit(EditKind kind, const Vec3& offset_voxel, double radius_voxel, bool time_kernels) {
     EditCommand command;
     command.kind = kind;
     command.from_W = centre_W() + offset_voxel * kSpacing_m;
-    command.to_W = command.from_W + Vec3(kSpacing_m, 0, 0);  // a voxel on: a piece of a stroke
+    command.to_W = command.from_W + Vec3(kSpacing_m, 0, 0);  // one voxel further: a piece of a stroke
     command.radius_m = radius_voxel * kSpacing_m;
     const std::span<const EditCommand> commands(&command, 1);
     const std::vector<BrickContent> before = contentOf(engine_.bricksToChange(commands));
@@ -159,8 +159,8 @@ class Session {
     forget();
   }
 
-  // The edit into the journal, as a session does it: what that takes of the engine's thread, and until the disk has
-  // confirmed it, without the 3 ms in which a session's journal gathers records.
+  // Journals the edit as a session does, and returns the time on the engine's thread [ms]. Also measures the time until
+  // the disk has confirmed the record, without the 3 ms in which a session gathers records.
   double keep(std::span<const EditCommand> commands) {
     const Stopwatch appending;
     journal_->edit(commands);
@@ -206,7 +206,7 @@ class Session {
     times_ms["sum"].push_back(whole_ms + read_back_ms + journal_ms);
   }
 
-  // Bricks within reach of the edits that do not hold what they did at first.
+  // The number of bricks in reach of the edits whose values differ from the original ones.
   [[nodiscard]] std::int64_t notPutBack(double radius_voxel) const {
     std::int64_t wrong = 0;
     std::vector<float> now(kBrickVoxels), then(kBrickVoxels);
@@ -265,7 +265,7 @@ class EditBench {
     Random random(request_.seed);
     std::vector<std::pair<EditKind, Vec3>> edits;
     for (int n = 0; n < request_.repetitions; ++n) {
-      // Anywhere in a brick's cell, up to a quarter radius deep or high: the same for every volume.
+      // Anywhere within a brick, up to a quarter of the radius below or above the surface; the same for every volume.
       const Vec3 offset(random.uniform(-4, 4), random.uniform(-4, 4), random.uniform(-0.25, 0.25) * radius);
       edits.emplace_back(n % 4 < 2 ? EditKind::kRemove : EditKind::kAdd, offset);
     }

@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/bench/edit_bench.hpp: `palpate bench edit`: what an edit costs, from the command to the published window and
-// back into the volume, and what it would cost to compute everything anew.
+// apps/bench/edit_bench.hpp: `palpate bench edit`: the cost of an edit, from the command to the published window and
+// back into the volume, and the cost of computing everything anew instead.
 //
-// Every volume holds the same surface: a plane through its middle, object below, which a brush dents or raises at
-// random places around the centre; a window lies there. After each edit whole bricks put the surface back, unmeasured,
-// so that every edit meets the same one. Volumes take turns edit by edit, so what else the machine does meets all
-// alike. Half of the edits are timed by the device, kernel by kernel; sums come from the other half.
+// Every volume holds the same surface: a plane through its middle, with the object below. A brush dents or raises it at
+// random places around the centre, where the window lies. After each edit the original bricks are put back, unmeasured,
+// so every edit meets the same surface. Volumes take turns of eight edits, so that other load on the machine meets all
+// alike. In half of the edits the device times its kernels; sums come from the other half.
 //
-// A volume's whole is computed anew now and then between edits. Rows by "part": edit (a volume and a radius each),
-// ratio, note. One thread. Throws Error as Engine does, and Error(kCancelled) on Ctrl-C. Memory: 2048^3 takes some 5
-// GiB.
+// Rows by "part": edit (one for each volume and radius), ratio, note. One thread. Throws Error as Engine does, and
+// Error(kCancelled) on Ctrl-C. Memory: some 5 GiB for 2048^3.
 #pragma once
 
 #include <cstdint>
@@ -35,7 +34,7 @@ struct EditBenchRequest {
 [[nodiscard]] BenchResult runEditBench(const EditBenchRequest& request, Progress& progress);
 
 [[nodiscard]] std::string editTable(const BenchResult& result);
-// Time against radius by stage, a panel a volume.
+// Time against radius by stage, a panel for each volume.
 [[nodiscard]] std::string editChart(const BenchResult& result);
 
 }  // namespace palpate

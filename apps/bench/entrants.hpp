@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/bench/entrants.hpp: who takes part in `palpate bench servo`: every algorithm of the registry, by every n.
+// apps/bench/entrants.hpp: the algorithms that take part in `palpate bench servo`: each of the registry, with each n.
 //
-// The one place of the bench that makes algorithms: whatever a new one needs for its making is added here. Set-up only.
+// Only this file of the bench makes algorithms. If a new one needs more for that, add it here. Set-up only.
 #pragma once
 
 #include <memory>
@@ -33,8 +33,8 @@ struct Entrants {
   std::vector<std::string> left_out = {};  // "NAME: why", for algorithms that cannot be made for this volume
 };
 
-// No damping (B = 0): the exact force is then K * depth alone, for every algorithm. With each of the `effects`, "none"
-// or kRecoveryChoice; who does not take all of them is left out.
+// Every algorithm with each n of `renewals` and each of the `effects` ("none" or kRecoveryChoice). An algorithm that
+// does not support all of these effects is left out. There is no damping (B = 0), so the exact force is K * depth.
 [[nodiscard]] Entrants makeEntrants(const BenchVolume& volume, const std::vector<int>& renewals,
                                     const std::vector<std::string>& effects = {"none"});
 

@@ -20,7 +20,7 @@ constexpr const char* kOwn = "Palpate";
 constexpr const char* kCopy = "copy";
 constexpr double kNoise = 0.05;  // standard deviation, as a share of the phantom's contrast
 
-// What a row tells of one entrant's turns at a job.
+// The result of one entrant's turns at a job, for a row.
 struct FieldRow {
   std::string job, volume;
   std::int64_t voxels, threads, seed;
@@ -83,7 +83,7 @@ void addRow(BenchResult& result, const FieldRow& of) {
   row.emplace_back("seed", of.seed);
 }
 
-// Who, and why there are no figures.
+// Library and way, and for a row without figures the reason.
 BenchFigure whoInTable(const BenchRow& row) {
   const std::string who = fmt::format("{:<8} {}", textOf(row, "library"), textOf(row, "way"));
   return textOf(row, "part") == "run" ? who : fmt::format("{:<73} left out: {}", who, textOf(row, "why"));
@@ -135,7 +135,7 @@ FieldBench::FieldBench(const std::string& bench, const FieldBenchRequest& reques
 void FieldBench::open(const std::string& name, Volume volume) {
   name_ = name;
   pool_.reset();
-  openvdb_.reset();  // its grid is as large
+  openvdb_.reset();  // its grid is as large as the volume
   volume_.emplace(std::move(volume));
   throwIfInterrupted("palpate bench " + result_.bench);
   pool_.emplace(gpu_, transfer_, *volume_);
@@ -207,7 +207,7 @@ void FieldBench::promise(const std::string& job, const std::string& name, const 
   const auto compared = [](const BenchRow* row) { return findFigure(*row, "palpate_over_this") != nullptr; };
   if (rows.empty() || !std::all_of(rows.begin(), rows.end(), compared)) {
     result_.note(fmt::format("no target '{}': one of the two was not measured", words));
-  } else {  // to the fastest of the library
+  } else {  // the largest ratio is that to the library's fastest way
     palpate::promise(result_, {words, bound, "run", like, {"palpate_over_this"}, largestOf});
   }
 }

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/bench/field_bench.hpp: `palpate bench filters` and `bench gradient`: every filter of the table
-// (engine/filter/filter_spec.hpp) and every operator (engine/gradient/gradient_operator.hpp) on every brick of a dense
-// volume, and gradients of the bricks that the isosurface of a CT head needs, beside ITK, VTK, SciPy and OpenVDB, which
-// know no such bricks, and beside a copy of memory.
+// apps/bench/field_bench.hpp: `palpate bench filters` and `palpate bench gradient`: filters and gradient operators
+// beside those of ITK, VTK, SciPy and OpenVDB, and beside a copy of memory.
 //
-// Rows by "part": "run" (a job, a volume and a library each), "left out" (the same with "why"), "note". Bytes moved are
-// those that a pass must move: each pass reads its field once and writes its result once; what a kernel reads again
-// from neighbours is not counted. The copy takes turns with each job. One thread. Throws Error as FilterChain and
-// GradientPass do, and Error(kCancelled) on Ctrl-C. Memory: 512^3 takes some 6 GiB for filters, 9 GiB for gradients.
+// Every filter (engine/filter/filter_spec.hpp) and every operator (engine/gradient/gradient_operator.hpp) runs on every
+// brick of a dense volume. On a CT head, gradients are computed only for the bricks that the isosurface needs, which
+// the other libraries cannot do. Each job and the copy of memory run in turns.
+//
+// Rows by "part": "run" (one for each job, volume and library), "left out" (likewise, with "why"), "note". Bytes moved:
+// each pass reads its field once and writes its result once. What a kernel reads again from neighbours is not counted.
+//
+// One thread. Throws Error as FilterChain and GradientPass do, and Error(kCancelled) on Ctrl-C. Memory for 512^3: some
+// 6 GiB for filters, 9 GiB for gradients.
 #pragma once
 
 #include <functional>
@@ -33,15 +36,16 @@ struct FieldBenchRequest {
   std::size_t copy_bytes = std::size_t{256} << 20U;
   std::uint64_t seed = 1;
   std::string gpu = {};                                    // part of the Vulkan device's name
-  std::vector<std::string> python = {"/usr/bin/python3"};  // that VTK and SciPy belong to
+  std::vector<std::string> python = {"/usr/bin/python3"};  // interpreter with VTK and SciPy, and its options
 
-  // Short runs are tried three times: a target that rests on one is about what else the machine did.
+  // Up to three rounds: a target from a single round could be about other load on the machine.
   [[nodiscard]] static FieldBenchRequest quick() {
     return {.turns = {.most_rounds = 3, .budget_s = 0.4}, .copy_bytes = std::size_t{64} << 20U};
   }
 };
 
-// Palpate's median over the smallest of a library's, on the noisy volume of a size, shall be at most the bound.
+// A promise: Palpate's median time over that of the library's fastest way, on the noisy volume of this size, is at most
+// the bound.
 struct FieldPromise {
   const char* job;
   const char* library;
@@ -49,7 +53,7 @@ struct FieldPromise {
   double bound;
 };
 
-// One of Palpate's own.
+// One of Palpate's own ways to do a job.
 struct OwnEntrant {
   std::string way;
   double moved_bytes = 0;
@@ -66,21 +70,24 @@ class FieldBench {
   [[nodiscard]] const BrickPool& pool() const noexcept { return *pool_; }
   [[nodiscard]] const Volume& volume() const noexcept { return *volume_; }
 
-  // From here on the volume that `make` gives is worked on, by all. `name`: as rows have it. False: it could not be
-  // had, or not be held by the device, and a note says why; nothing may be measured then.
+  // Makes a volume for the jobs that follow. `name`: the volume's name in rows. Returns false, with a note, if the
+  // volume cannot be made or does not fit into the device. Then nothing may be measured.
   [[nodiscard]] bool tryOpen(const std::string& name, const std::function<Volume()>& make);
-  // The knot with noise, of `size` along every edge, 1 mm voxels: no two bricks are alike and none is constant.
+  // The same with the knot phantom: `size` voxels of 1 mm along every edge, with noise. No two bricks are equal, and
+  // none is constant.
   [[nodiscard]] bool tryOpenNoisy(int size);
-  // Part of the bench: what it fails with becomes a note, and the next part has its turn.
+  // Runs one part of the bench. If it fails, the reason becomes a note, and the bench goes on.
   void attempt(const std::string& what, const std::function<void()>& work);
 
-  // Everybody's turns at a job; adds the rows. `rivals_job`: what rivals are asked for. The first of `own` is the one
-  // that others are compared with.
+  // Lets everyone take turns at a job, and adds the rows. `rivals_job`: the job's name for the rivals. The others are
+  // compared with the first of `own`.
   void measure(const std::string& job, const std::string& rivals_job, const std::vector<OwnEntrant>& own);
 
-  // On the volume `name`. Where one of the two is not there, a note says so instead.
+  // Adds a target for a job on the volume `name`: Palpate against the library. A note instead if one of them was not
+  // measured.
   void promise(const std::string& job, const std::string& name, const std::string& library, double bound);
-  // Those whose size was asked for; without any a note begins with `words` and says which size has them.
+  // Adds the targets whose size was requested. If there are none, adds a note that begins with `words` and names the
+  // size that has targets.
   void promise(const std::vector<FieldPromise>& promises, const std::string& words);
 
  private:
@@ -107,16 +114,16 @@ class FieldBench {
 [[nodiscard]] std::string noisyName(int size);  // "256^3"
 
 [[nodiscard]] BenchResult runFilterBench(const FieldBenchRequest& request, Progress& progress);
-// What it measures: one job for each filter of the table, with parameters where a size of 1 is not enough.
+// The jobs of the filter bench: one for each filter of the table, with parameters where a size of 1 is not enough.
 [[nodiscard]] std::vector<std::string> filterJobs();
 
-// The head: the demo's scan or one of PALPATE_DATA where either is, else a phantom. Left out where sizes are small
-// (below 64^3), for tests.
+// Leaves the head out if all sizes are below 64^3, as in tests.
 [[nodiscard]] BenchResult runGradientBench(const FieldBenchRequest& request, Progress& progress);
-[[nodiscard]] std::string headVolume();  // its name, as loadVolume takes it
+// The head's name, as loadVolume takes it: the demo's scan, else the scan in PALPATE_DATA, else a phantom.
+[[nodiscard]] std::string headVolume();
 
 [[nodiscard]] std::string fieldTable(const BenchResult& result);
-// Nanoseconds a voxel against size, a panel a job of some, a line a library.
+// Time per voxel [ns] against size: a panel for each of some jobs, a series for each library, with its fastest way.
 [[nodiscard]] std::string filterChart(const BenchResult& result);
 [[nodiscard]] std::string gradientChart(const BenchResult& result);
 

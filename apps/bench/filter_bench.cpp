@@ -7,12 +7,12 @@
 namespace palpate {
 namespace {
 
-// Filters that need more than a size, or a size that is usual for them.
+// The jobs of filters that need more parameters than a size, or a typical size.
 constexpr const char* kJobs[] = {"gaussian:1.5", "bilateral:1:range=200", "diffuse:5:kappa=200", "distance:3"};
 
-// At 64^3 what a run costs whatever its volume (planning, submitting) is a share of it, and volume and results lie in
-// the processor's caches, so that passes over memory cost VTK nothing. Its Gaussian has least to do in them: Palpate
-// takes 1.04 of its time at 128^3 already. The other bounds leave room for that.
+// At 64^3 fixed costs (planning, submitting) are a noticeable part of a run. Volume and results fit into the
+// processor's caches, so passes over memory cost VTK nothing. Its Gaussian computes least in a pass: Palpate takes 1.04
+// of its time at 128^3 already. The other bounds leave room for that.
 const std::vector<FieldPromise> kPromises = {{"gaussian:1.5", "ITK", 256, 0.4}, {"gaussian:1.5", "VTK", 256, 0.85},
                                              {"median:1", "ITK", 256, 0.5},     {"median:1", "VTK", 256, 0.5},
                                              {"close:1", "ITK", 256, 0.7},      {"gaussian:1.5", "ITK", 64, 0.4},

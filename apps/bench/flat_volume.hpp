@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/bench/flat_volume.hpp: what the edit bench edits: the same surface in volumes of any size. Any thread.
+// apps/bench/flat_volume.hpp: the volumes of the edit bench: the same plane surface in cubes of any size. Any thread.
 #pragma once
 
 #include <algorithm>
@@ -12,9 +12,9 @@ namespace palpate::flat_volume {
 
 inline constexpr double kIsovalue = 0.5;
 inline constexpr double kSpacing_m = 1e-3;
-inline constexpr double kPlane_voxel = 3.5;  // above the middle: in the middle of a layer of bricks
+inline constexpr double kPlane_voxel = 3.5;  // height above the volume's middle: the middle of a layer of bricks
 
-// One brick of it: 512 values, or the first alone where it returns true.
+// Fills one brick: 512 values. If the brick is constant, only the first value, and returns true.
 inline bool brick(int size, const Vec3i& brick, float* values) {
   constexpr double kRamp_voxel = 4;
   const double surface = size / 2 + kPlane_voxel;
@@ -27,8 +27,8 @@ inline bool brick(int size, const Vec3i& brick, float* values) {
   return false;
 }
 
-// A cube of 1 mm voxels, density 1 below the plane z = size / 2 + 3.5 voxels, 0 above, a ramp of four voxels between
-// them. It lies in one layer of bricks; all others are constant.
+// A cube of 1 mm voxels. The density is 1 below the plane z = size / 2 + 3.5 voxels and 0 above it, with a ramp of four
+// voxels between. The ramp lies in one layer of bricks; all other bricks are constant.
 [[nodiscard]] inline Volume make(int size) {
   Lattice lattice;
   lattice.spacing_m = Vec3::Constant(kSpacing_m);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/bench/full_recompute.hpp: what an edit would cost if everything were computed anew: bounds, the bricks that the
-// isosurface needs, their gradients (or those of all bricks) and a window, of a volume that is on the device already.
-// Thread: one. Throws Error as Engine does.
+// apps/bench/full_recompute.hpp: times the alternative to an edit: computing everything anew. That is the bounds, the
+// active bricks, their gradients (or those of all bricks) and a window. The volume is on the device already. Thread:
+// one. Throws Error as Engine does.
 #pragma once
 
 #include <string>
@@ -12,9 +12,9 @@
 #include "engine/field/volume.hpp"
 #include "engine/passes/brick_bounds_pass.hpp"
 #include "engine/passes/brick_pool.hpp"
-#include "engine/passes/gpu_budget.hpp"
 #include "engine/passes/gradient_pass.hpp"
 #include "engine/passes/sample_store.hpp"
+#include "engine/passes/slot_slabs.hpp"
 #include "engine/passes/window_pass.hpp"
 #include "engine/service/engine.hpp"
 #include "servo/window/sample_window.hpp"
@@ -23,7 +23,7 @@ namespace palpate {
 
 class FullRecompute {
  public:
-  // The first run, unmeasured, is in here.
+  // Includes a first run, to warm up.
   FullRecompute(const Volume& volume, double isovalue, bool all_gradients, const std::string& gpu)
       : isovalue_(static_cast<float>(isovalue)),
         all_(all_gradients),
@@ -41,14 +41,14 @@ class FullRecompute {
 
   [[nodiscard]] double run_ms() {
     const Stopwatch watch;
-    static_cast<void>(bricks());  // found each time, as after an edit that may have changed any
+    static_cast<void>(bricks());  // finds them again: an edit may have changed any brick
     gradient_.run();
     window_.run(box_, buffer_);
     return 1e3 * watch.seconds();
   }
 
  private:
-  [[nodiscard]] std::vector<std::uint32_t> bricks() {  // that have samples
+  [[nodiscard]] std::vector<std::uint32_t> bricks() {  // the bricks that have samples
     bounds_.run();
     if (all_) return allBricks(pool_.grid());
     return activeBricks(bounds_.read(transfer_), pool_.grid(), isovalue_);

@@ -17,20 +17,21 @@
 namespace palpate {
 namespace {
 
-// At 64^3 planning and submitting, some 0.3 ms whatever the volume, are a fifth of a run; at 256^3 they are nothing.
+// Planning and submitting take some 0.3 ms for any volume: a fifth of a run at 64^3, next to nothing at 256^3.
 constexpr double kMostAt64 = 0.6;
 constexpr const char* kActiveJob = "gradient central, needed bricks only";
 
-// One operator on some bricks, with everything at hand.
+// One operator on some bricks, with buffers allocated and kernels compiled.
 class ResidentGradient {
  public:
-  ResidentGradient(FieldBench& bench, const GradientOperator& way, const std::vector<std::uint32_t>& bricks,
-                   const SampleFormat& format)
+  ResidentGradient(FieldBench& bench, const GradientOperator& gradient_operator,
+                   const std::vector<std::uint32_t>& bricks, const SampleFormat& format)
       : pool_(bench.pool()),
-        steps_(lowerFilters(way.smoothing, pool_.lattice().spacing_m)),
+        steps_(lowerFilters(gradient_operator.smoothing, pool_.lattice().spacing_m)),
         store_(bench.gpu(), pool_.brickCount(), bricks, pool_.budget(), format) {
     if (!steps_.empty()) smoothing_.emplace(bench.gpu(), bench.transfer(), pool_, steps_);
-    pass_.emplace(bench.gpu(), bench.transfer(), pool_, store_, way, smoothing_ ? &smoothing_->result() : nullptr);
+    pass_.emplace(bench.gpu(), bench.transfer(), pool_, store_, gradient_operator,
+                  smoothing_ ? &smoothing_->result() : nullptr);
     BrickTasks by_slab;
     for (const std::uint32_t brick : store_.bricks()) by_slab.add(brick, store_.place(brick));
     std::vector<layout::BrickTask> list;
@@ -53,7 +54,8 @@ class ResidentGradient {
     });
   }
 
-  // Densities read (twice by an operator that smooths, whose samples hold the density as it was), samples written.
+  // Bytes of densities read and samples written. An operator that smooths also reads the original densities, which its
+  // samples hold.
   [[nodiscard]] double movedBytes() const {
     const std::size_t fields = smoothing_ ? 2 : 1;
     const double gradient = static_cast<double>(store_.brickCount()) * kBrickVoxels *
@@ -77,11 +79,12 @@ SampleFormat halves(const Volume& volume) {
   return halfSamples(isovalue, volume.minimum(), volume.maximum(), volume.lattice().spacing_m);
 }
 
-void measureOperator(FieldBench& bench, const GradientWords& words) {
-  const std::string name = words.takes.empty() ? std::string(words.name) : fmt::format("{}:1.5", words.name);
-  const GradientOperator way = gradientOperator(name);
+void measureOperator(FieldBench& bench, const GradientKind& kind) {
+  const std::string name = kind.parameter.empty() ? std::string(kind.name) : fmt::format("{}:1.5", kind.name);
+  const GradientOperator gradient_operator = gradientOperator(name);
   const std::vector<std::uint32_t> bricks = allBricks(bench.pool().grid());
-  ResidentGradient floats(bench, way, bricks, {}), half(bench, way, bricks, halves(bench.volume()));
+  ResidentGradient floats(bench, gradient_operator, bricks, {}),
+      half(bench, gradient_operator, bricks, halves(bench.volume()));
   bench.measure("gradient " + name, "gradient " + name,
                 {{"samples as floats", floats.movedBytes(), [&] { return floats.run(); }},
                  {"samples as halves", half.movedBytes(), [&] { return half.run(); }}});
@@ -104,8 +107,7 @@ void measureHead(FieldBench& bench, const std::string& name, Progress& progress)
   };
   const auto bounds_bytes = static_cast<double>(bench.pool().storedBricks() * kBrickVoxels * sizeof(float));
   bench.result().note(
-      fmt::format("{}: {} x {} x {} voxels, isovalue {:g}, which needs {} of {} bricks; the rivals "
-                  "compute all voxels",
+      fmt::format("{}: {} x {} x {} voxels, isovalue {:g}, which needs {} of {} bricks; the rivals compute all voxels",
                   file, bench.volume().size().x(), bench.volume().size().y(), bench.volume().size().z(), isovalue,
                   needed.size(), bench.pool().brickCount()));
   bench.measure(kActiveJob, "gradient central",
@@ -140,8 +142,8 @@ BenchResult runGradientBench(const FieldBenchRequest& request, Progress& progres
   for (const int size : request.sizes) {
     large = large || size >= kLeastForHead_voxel;
     if (!bench.tryOpenNoisy(size)) continue;
-    for (const GradientWords& words : gradientTable()) {
-      bench.attempt("gradient " + std::string(words.name), [&] { measureOperator(bench, words); });
+    for (const GradientKind& kind : gradientKinds()) {
+      bench.attempt("gradient " + std::string(kind.name), [&] { measureOperator(bench, kind); });
     }
   }
   bench.promise({{"gradient central", "ITK", 256, 0.45}, {"gradient central", "ITK", 64, kMostAt64}},

@@ -54,7 +54,7 @@ std::string cyclictestCommand(const CyclictestRequest& request) {
 
 CyclictestOutcome runCyclictest(const CyclictestRequest& request) {
   constexpr int kShellFindsNoCommand = 127;
-  // In the shell's place, so that it is what is ended; with its errors among what it says.
+  // `exec` replaces the shell by cyclictest, so that ending the child ends cyclictest. Its errors come with its output.
   ChildTalk shell({"/bin/sh", "-c", "exec " + cyclictestCommand(request) + " 2>&1"});
   std::string text, last;
   while (const std::optional<std::string> line = shell.hear()) {

@@ -71,10 +71,10 @@ void addFormat(const LoadBenchRequest& request, int size, const std::string& fil
   std::vector<double> library_s, load_s;
   const auto library = [&] { library_s.push_back(secondsOf([&] { static_cast<void>(readWithLibraryAlone(file)); })); };
   const auto load = [&] {
-    std::optional<Volume> volume;  // given back outside the measurement
+    std::optional<Volume> volume;  // freed outside the measurement
     load_s.push_back(secondsOf([&] { volume = loadVolume(file); }));
   };
-  library();  // into the system's cache
+  library();  // brings the file into the system's cache
   library_s.clear();
   for (int n = 0; n < request.repetitions; ++n) {
     progress.fraction(static_cast<double>(n) / request.repetitions);

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/bench/load_bench.hpp: `palpate bench load`: loading a volume beside what its format's library (ITK,
-// OpenVDB) alone takes to read the file.
+// apps/bench/load_bench.hpp: `palpate bench load`: the time to load a volume, beside the time that the format's library
+// alone (ITK, OpenVDB) takes to read the file.
 //
-// Files of random floats, so that no brick is constant, are written into a temporary folder (512 MiB at a time) and
-// read in turns from the system's cache: library, load, load, library. The ratio is that of the medians. Rows by
-// "part": load, a format each. One thread here; loading takes all processors. Throws Error as writing and loading do,
-// and Error(kCancelled) on Ctrl-C.
+// The files hold random floats, so that no brick is constant. They are written into a temporary folder, 512 MiB at a
+// time, and read from the system's cache, in turns: library, load, load, library. Rows by "part": load, one for each
+// format, with the ratio of the medians. One thread here; loading uses all processors. Throws Error as writing and
+// loading do, and Error(kCancelled) on Ctrl-C.
 #pragma once
 
 #include <string>
@@ -28,6 +28,6 @@ struct LoadBenchRequest {
 [[nodiscard]] BenchResult runLoadBench(const LoadBenchRequest& request, Progress& progress);
 
 [[nodiscard]] std::string loadTable(const BenchResult& result);
-[[nodiscard]] std::string loadChart(const BenchResult& result);  // load against library, a point a format
+[[nodiscard]] std::string loadChart(const BenchResult& result);  // load against library, a point for each format
 
 }  // namespace palpate

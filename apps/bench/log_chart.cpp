@@ -179,9 +179,9 @@ std::string logChartSvg(const std::string& title, const std::vector<ChartPanel>&
   const double width = kPanelWidth * static_cast<double>(std::max<std::size_t>(panels.size(), 1));
   const double height = kTitle + kPanelHeight + kLegendLine;
   std::string out = fmt::format(
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\" "
-      "font-family=\"DejaVu Sans, sans-serif\" font-size=\"12\">\n<rect width=\"100%\" height=\"100%\" "
-      "fill=\"white\"/>\n",
+      R"(<svg xmlns="http://www.w3.org/2000/svg" width="{0}" height="{1}" viewBox="0 0 {0} {1}" font-family="DejaVu Sans, sans-serif" font-size="12">
+<rect width="100%" height="100%" fill="white"/>
+)",
       width, height);
   out += text(width / 2, 20, "middle", title, " font-size=\"14\" font-weight=\"bold\"");
   for (std::size_t i = 0; i < panels.size(); ++i) {

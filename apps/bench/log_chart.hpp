@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/bench/log_chart.hpp: a picture of several panels with two logarithmic axes each, as an SVG file that stands on
-// its own.
+// apps/bench/log_chart.hpp: a chart of several panels with two logarithmic axes each, as an SVG file that needs no
+// other file.
 //
-// A value that a logarithm does not have (zero, negative, not finite) is left out. Any thread; cost follows the points.
+// Points with a zero, negative or non-finite value are left out. Any thread; cost: linear in the number of points.
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@ namespace palpate {
 
 struct ChartPoint {
   double x = 0, y = 0;
-  std::string label{};  // written beside the mark, if any
+  std::string label{};  // written beside the mark; empty: none
 };
 
 struct ChartSeries {
@@ -28,7 +28,8 @@ struct ChartPanel {
 
 enum class ChartMarks { kPoints, kLine };
 
-// Adds a point to a series of the panel with this title, which are made, and stay in order, as they come.
+// Adds a point to the series of this name in the panel with the title of `panel`. Panel and series are added to the
+// end if they are not there yet.
 void addPoint(std::vector<ChartPanel>& panels, const ChartPanel& panel, const std::string& series, ChartPoint point);
 
 [[nodiscard]] std::string logChartSvg(const std::string& title, const std::vector<ChartPanel>& panels,

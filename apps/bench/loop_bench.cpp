@@ -18,8 +18,8 @@
 #include "apps/bench/log_chart.hpp"
 #include "apps/console/interrupt.hpp"
 #include "engine/service/engine_thread.hpp"
+#include "servo/devices/path.hpp"
 #include "servo/devices/registry.hpp"
-#include "servo/devices/sampled_path.hpp"
 #include "servo/loop/run_figures.hpp"
 #include "servo/loop/servo_loop.hpp"
 
@@ -33,7 +33,7 @@ constexpr std::array<std::int64_t, 26> kEdges_us = {0,    1,    2,    3,    5,  
                                                     30,   50,   70,   100,  150,  200,   300,   500,   700,
                                                     1000, 1500, 2000, 3000, 5000, 10000, 20000, 100000};
 
-// What all turns of one side at one rate add up to.
+// The sum of all turns of one side at one rate.
 struct Side {
   double rate_hz = 0;
   LatenessCounts lateness{};
@@ -87,7 +87,7 @@ Columns<LoopSide> percentilesOf(const char* name, const char* unit, std::vector<
                                       {"max", &Percentiles::max}});
 }
 
-// Behind those of both sides.
+// The loop's own columns, after those of both sides.
 const Columns<LoopSide>& loopColumns() {
   static const Columns<LoopSide> kColumns = joined(
       Columns<LoopSide>{
@@ -101,15 +101,15 @@ const Columns<LoopSide>& loopColumns() {
   return kColumns;
 }
 
-SampledPath asPath(const ContactPath& way) {
+SampledPath asPath(const ContactPath& path) {
   std::vector<double> times_s;
-  for (std::size_t k = 0; k < way.ticks(); ++k) times_s.push_back(static_cast<double>(k) / kBenchRate_hz);
-  return {std::move(times_s), way.hip_W, SampledPath::Interpolation::kLinear};
+  for (std::size_t k = 0; k < path.ticks(); ++k) times_s.push_back(static_cast<double>(k) / kBenchRate_hz);
+  return {std::move(times_s), path.hip_W, SampledPath::Interpolation::kLinear};
 }
 
-// Moves the engine's tool along the path while no servo does. It runs, for nobody, in the loop's turns too: its waking
-// every millisecond keeps a processor from falling asleep deeply, which alone made cyclictest look better (medians at
-// 1 kHz of 37 and 27 us before, of 28 and 30 us since).
+// Moves the engine's tool along the path while there is no servo. In the loop's turns it runs too, unused: because it
+// wakes every millisecond, a processor does not go into deep sleep. Without this, cyclictest alone had that advantage:
+// medians at 1 kHz were 37 us (loop) and 27 us (cyclictest) before, 28 and 30 us since.
 class Feeder {
  public:
   Feeder(const Path& path, ToolPoseMailbox& tool) : thread_([this, &path, &tool] { feed(path, tool); }) {}
@@ -180,7 +180,7 @@ class LoopBench {
     loop.rate_hz = cyclic.rate_hz = rate_hz;
     for (int turn = 0; turn < turns; ++turn) {
       progress_.fraction(static_cast<double>(turn) / turns);
-      // A B, B A, A B ...: a load that grows or falls meets both alike.
+      // A B, B A, A B, ...: so a rising or falling load meets both alike.
       if (turn % 2 == 0) loopTurn(rate_hz, loop);
       cyclicTurn(rate_hz, cyclic);
       if (turn % 2 == 1) loopTurn(rate_hz, loop);
@@ -206,7 +206,7 @@ class LoopBench {
     ToolPoseMailbox nobody;
     LoopResult result;
     {
-      const Feeder as_in_the_other_turn(path_, nobody);
+      const Feeder unused_feeder(path_, nobody);
       loop.start();
       result = loop.wait();
     }
@@ -301,8 +301,8 @@ std::string loopTable(const BenchResult& result) {
                joined(TableColumns{{"part", nullptr, {"", "", -11}}}, shown(sideColumns()), shown(loopColumns()))});
   for (const BenchRow* row : rowsOf(result, "loop")) {
     text += fmt::format(
-        "{:g} Hz: windows {:g}, window age p50 {:.1f} ms p99 {:.1f} ms, plane age max {:g} ticks, overrun in {:g} "
-        "ticks, {:g} left out\n",
+        "{:g} Hz: windows {:g}, "
+        "window age p50 {:.1f} ms p99 {:.1f} ms, plane age max {:g} ticks, overrun in {:g} ticks, {:g} left out\n",
         figureOf(*row, "rate_hz"), figureOf(*row, "windows_published"), figureOf(*row, "window_age_median_ms"),
         figureOf(*row, "window_age_p99_ms"), figureOf(*row, "plane_age_max_ticks"), figureOf(*row, "overrun_ticks"),
         figureOf(*row, "skipped_ticks"));

@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/bench/loop_bench.hpp: `palpate bench loop`: how well the real-time loop keeps its times, beside cyclictest.
+// apps/bench/loop_bench.hpp: `palpate bench loop`: how late the real-time loop wakes up, beside cyclictest.
 //
-// The real ServoLoop (hri, n = 5, simulated device with a rigid hand) palpates a knot at 0.5 m/s while the engine, on
-// its own thread and its own Vulkan device, gathers a window every 12 ms. It takes turns of half a second with
-// cyclictest at the same rate and priority: loop, cyclictest, cyclictest, loop, ... so that what else the machine does
-// meets both alike; while cyclictest runs the engine follows the same path, fed by an ordinary thread, which runs in
-// the loop's turns too. A miss is, for both, a wake-up later than a period. Lateness counts from the due time to the
-// first reading of the clock.
+// The real ServoLoop (hri, n = 5, simulated device with a rigid hand) palpates a knot at 0.5 m/s. Meanwhile the engine,
+// on its own thread and Vulkan device, gathers a window every 12 ms. The loop takes turns of half a second with
+// cyclictest at the same rate and priority: loop, cyclictest, cyclictest, loop, ... So other load on the machine meets
+// both alike. While cyclictest runs, an ordinary thread moves the engine's tool along the same path; it runs, unused,
+// in the loop's turns too.
 //
-// Rows by "part": loop and cyclictest (a rate each), ratio, histogram (classes of lateness), note. Threads: the loop's,
-// the engine's, the feeder's; the caller waits. Where cyclictest is absent or SCHED_FIFO refused, it is said in a note.
+// Lateness is the time from the due time to the first reading of the clock. A miss is a wake-up that is late by a
+// period or more.
+//
+// Rows by "part": loop and cyclictest (one for each rate), ratio, histogram (classes of lateness), note. A note says if
+// cyclictest is missing or SCHED_FIFO was refused. Threads: the loop's, the engine's, the feeder's; the caller waits.
 #pragma once
 
 #include <cstdint>
@@ -38,7 +40,7 @@ struct LoopBenchRequest {
 [[nodiscard]] BenchResult runLoopBench(const LoopBenchRequest& request, Progress& progress);
 
 [[nodiscard]] std::string loopTable(const BenchResult& result);
-// Share of wake-ups that are later than a time, a panel a rate.
+// The fraction of wake-ups that are later than a time, a panel for each rate.
 [[nodiscard]] std::string loopChart(const BenchResult& result);
 
 }  // namespace palpate

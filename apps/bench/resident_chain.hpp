@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/bench/resident_chain.hpp: a chain of filters over a whole volume with everything at hand: pools that the last
-// run left, kernels that are compiled: as after an edit that reaches every brick. Thread: the Gpu's.
+// apps/bench/resident_chain.hpp: a chain of filters that is ready to run over a whole volume: its pools are allocated
+// and its kernels compiled, as after an edit that reaches every brick. Thread: the Gpu's.
 #pragma once
 
 #include <cstddef>
@@ -27,8 +27,8 @@ class ResidentChain {
     chain_.commit();
   }
   void record(gpu::Commands& commands) { chain_.record(commands); }  // all steps
-  void settle() { chain_.settle(); }                                 // when they are done
-  RunCost run() {                                                    // all of it, planning included
+  void settle() { chain_.settle(); }                                 // after the commands have run
+  RunCost run() {                                                    // plan, record, run and settle
     return costOf([&] {
       plan();
       commands_.begin();
@@ -41,10 +41,10 @@ class ResidentChain {
   [[nodiscard]] std::size_t passes() const noexcept { return chain_.steps().size(); }
   [[nodiscard]] std::uint32_t dispatches() const noexcept { return chain_.dispatches(); }
   [[nodiscard]] const BrickPool& result() const noexcept { return chain_.result(); }
-  [[nodiscard]] double movedBytes() const {  // what all passes read and write, each once
+  [[nodiscard]] double movedBytes() const {  // bytes that all passes read and write, each field once
     double fields = 0;
     for (const FilterStep& step : chain_.steps()) {
-      fields += step.kind == StepKind::kDistanceFinish ? 3 : 2;  // which reads surface points and densities
+      fields += step.kind == StepKind::kDistanceFinish ? 3 : 2;  // it reads surface points and densities
     }
     return fields * kBrickVoxels * sizeof(float) * static_cast<double>(source_.storedBricks());
   }

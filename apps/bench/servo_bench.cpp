@@ -16,7 +16,7 @@
 namespace palpate {
 namespace {
 
-// One way over a volume, as rows tell of it.
+// The condition of a run over a volume, which its rows report.
 struct Condition {
   std::int64_t seed = 1, seeds = 1;
   double noise_voxel = 0, depth_voxel = 1, speed_m_per_s = 0.1;
@@ -33,7 +33,7 @@ const Column<Condition> kTellRecovery = {"recovery_s", [](const Condition&) { re
 // Who takes part in a trial.
 using Who = std::function<std::vector<Entrant>(const BenchVolume&)>;
 
-// An algorithm to which n means nothing takes part once, with the first.
+// Every n of the list; an algorithm that renews no planes takes part only with the first.
 Who once(std::vector<int> renewals) {
   return [renewals](const BenchVolume& volume) {
     std::vector<Entrant> list = makeEntrants(volume, renewals).list;
@@ -42,7 +42,7 @@ Who once(std::vector<int> renewals) {
   };
 }
 
-// The algorithms that take contact effects, with a recovery time and without.
+// The algorithms that support contact effects, with a recovery time and without.
 Who withEffects(int n) {
   return [n](const BenchVolume& volume) { return makeEntrants(volume, {n}, {"none", kRecoveryChoice}).list; };
 }
@@ -55,36 +55,37 @@ std::vector<Entrant> ofTableOne(const BenchVolume& volume) {
   return list;
 }
 
-// Algorithms along paths over one volume, whose errors and costs become rows.
+// Lets algorithms follow paths over one volume; their errors and costs become rows.
 struct Trial {
   const char* part;
   std::string stage;
   std::string volume;
   Who entrants;
   std::size_t ticks;
-  Columns<Condition> told;  // of each row, before its figures
+  Columns<Condition> told;  // columns of the condition, before a row's figures
   std::vector<double> depths_voxel = {1}, speeds_m_per_s = {0.1};
-  double noise_voxel = 0;  // in the samples only; path, depth and normal are the exact surface's
+  double noise_voxel = 0;  // in the samples only; path, depth and normal are those of the exact surface
   double miss_depth_voxel = kMissDepth_voxel;
   int seeds = 1;                      // of noise and path
-  bool may_be_thin = false;           // where no place can be pressed so deep there is no row
-  std::optional<CostRequest> cost{};  // along a path of cost_ticks; without single ticks only the mean is told
-  bool recovers = false;              // a row tells of jumps alone
+  bool may_be_thin = false;           // a volume that can nowhere be pressed so deep has no row; else it is an error
+  std::optional<CostRequest> cost{};  // costs along a path of cost_ticks; without single ticks only their mean
+  bool recovers = false;              // rows have the columns of force jumps only
 };
 
-// Under which recovery time is tried, 1 voxel deep.
+// The conditions under which recovery time is tried, 1 voxel deep.
 struct RecoveryCondition {
   int n_ticks = 1;
   double speed_m_per_s = 0.1;
 };
 constexpr RecoveryCondition kRecoveryConditions[] = {
-    // The targets'. Planes are renewed seldom, so that switches are felt, and the contact is steady between them: on a
-    // surface of radius R planes n ticks apart err in depth by (v n T)^2 / (2 R), which recovery keeps for a while, so
-    // the mean force of a fast hand must differ by more than the target allows.
+    // The targets are for this one. Planes are renewed seldom, so switches are felt; between switches the contact is
+    // steady. The hand is slow: on a surface of radius R, planes that are n ticks apart err in depth by
+    // (v n T)^2 / (2 R). Recovery keeps this error for a while, so the mean force of a fast hand would differ by more
+    // than the target allows.
     {.n_ticks = 20, .speed_m_per_s = 0.02},
-    // Where recovery matters. So seldom the paper renewed its planes (section 4: "50 to 10 times slower than the servo
-    // loop"), and its hand moved as one does. No target: an algorithm that renews a plane before it is that wrong has
-    // little to recover from, and one that does not cannot be made right by it.
+    // Here recovery matters. The paper renewed its planes this seldom (section 4: "50 to 10 times slower than the servo
+    // loop"), and the hand moves as fast as usual. There is no target: an algorithm that renews a plane before it is
+    // that wrong has little to recover from, and recovery cannot mend an algorithm that does not.
     {.n_ticks = 50, .speed_m_per_s = 0.1}};
 
 const Columns<TouchErrors>& jumpColumns() {
@@ -97,7 +98,7 @@ const Columns<TouchErrors>& jumpColumns() {
   return kColumns;
 }
 
-// The same figures of several seeds: counts add up, medians are the median seed's, others the worst seed's.
+// Combines the figures of several seeds: the sum of counts, the median of medians, the largest of other figures.
 BenchRow together(const std::vector<BenchRow>& seeds) {
   BenchRow all = seeds.front();
   for (std::size_t i = 0; i < all.size(); ++i) {
@@ -149,7 +150,7 @@ class ServoBench {
   }
 
  private:
-  // `done` of `all` steps are; the work of one more.
+  // Reports the progress of one step, after `done` of `all` steps.
   [[nodiscard]] BenchProgress step(double done = 0, double all = 1) {
     return [this, done, all](double share) {
       progress_.fraction((done + share) / all);
@@ -161,7 +162,7 @@ class ServoBench {
     return {{"part", part}, {"volume", volume}, {"algorithm", entrant.algorithm}, {"n_ticks", std::int64_t{entrant.n}}};
   }
 
-  // As `condition` says, with a seed of its own. Nothing where the volume is nowhere so thick and may be so.
+  // A path under this condition, with its own seed. Empty if the volume is nowhere thick enough and may be thin.
   [[nodiscard]] static std::optional<ContactPath> pathOf(const BenchVolume& volume, const Condition& condition,
                                                          std::size_t ticks, std::uint64_t seed, bool may_be_thin) {
     try {
@@ -228,7 +229,7 @@ class ServoBench {
     }
   }
 
-  // Cost of hri against the others', repetition by repetition: both were replayed one after the other in each.
+  // The ratio of hri's cost to another's within each repetition, in which both are replayed one after the other.
   void addRatios(const std::string& volume, const std::vector<Entrant>& entrants, const std::vector<TickCost>& costs) {
     const auto hri = std::find_if(entrants.begin(), entrants.end(),
                                   [](const Entrant& e) { return e.algorithm == "hri" && e.n == kTableRenewal; });
@@ -242,7 +243,7 @@ class ServoBench {
     }
   }
 
-  // Everyone, by every n; who cannot take part is noted, once for each algorithm, not for each volume.
+  // Every algorithm with every n. A note names each algorithm that cannot take part, once for all volumes.
   [[nodiscard]] Who everyone() {
     return [this](const BenchVolume& volume) {
       Entrants entrants = makeEntrants(volume, request_.renewals);
@@ -315,14 +316,15 @@ class ServoBench {
     }
   }
 
-  // Where the exact surface is concave along the tool's way the paper met its discontinuities (section 4).
+  // The paper found its discontinuities where the surface is concave along the tool's path (section 4).
   void addRecoveryTargets() {
     const auto& [n, speed] = kRecoveryConditions[0];
     const auto of = [&, n = std::int64_t{n}](const char* effects) {
       return rowsOf(result_, "effects", {{"algorithm", "hri"}, {"effects", effects}, {"n_ticks", n}});
     };
     const BenchRows off = of("none"), on = of(kRecoveryChoice);
-    if (off.empty() || on.empty()) return;
+    // A short path may meet nothing concave, or touch nothing.
+    if (off.empty() || on.empty() || !(figureOf(*off[0], "force_jump_concave_max_N") > 0)) return;
     const auto ratio = [&](const char* key) { return figureOf(*on[0], key) / figureOf(*off[0], key); };
     const std::string where = fmt::format("(hri, knot 128x128x64, n={}, {:g} m/s, 1 voxel deep, {:g} ms) [-]", n, speed,
                                           1e3 * kRecoveryTime_s);
@@ -332,7 +334,7 @@ class ServoBench {
         {"recovery on / off, mean force differs by " + where, std::abs(ratio("force_mean_N") - 1), 0.01});
   }
 
-  // A tick that only pushes: the tool trembles by a hundredth of a voxel on the spot, the plane is kept for ever.
+  // Cost of a tick without renewal: the tool trembles by a hundredth of a voxel on the spot, and the plane is kept.
   void harness(const BenchVolume& volume) {
     const auto path = [&](std::size_t ticks) { return *pathOf(volume, {}, ticks, request_.seed, false); };
     ContactPath held = path(1);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How the figures of `palpate bench servo` look.
+// The tables and the chart of `palpate bench servo`.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -35,7 +35,7 @@ TableColumns nameColumns() {
   return {{"algorithm", nullptr, {"algorithm", "", -14}}, {"n_ticks", nullptr, {"n", "", 4}}};
 }
 
-// Of the slide's ticks, in all of which the tool is below the surface.
+// Ticks of the slide without contact [%]. In all of them the tool is below the surface.
 double lostPercent(const BenchRow& row) {
   return 100 * (1 - figureOf(row, "contact_ticks") / std::max(1.0, figureOf(row, "ticks")));
 }
@@ -78,7 +78,7 @@ std::string harnessLine(const BenchResult& result) {
   return text;
 }
 
-// A line an algorithm and wall: missed + lost at each speed.
+// A line for each algorithm and wall: missed + lost at each speed.
 std::string strokeTable(const BenchResult& result) {
   LineByLine lines;
   for (const BenchRow* row : rowsOf(result, "strokes")) {
@@ -90,7 +90,7 @@ std::string strokeTable(const BenchResult& result) {
   return text.empty() ? text : "strokes missed + lost / all at 0.05, 0.1, 0.2, 0.5, 1, 2 m/s\n" + text;
 }
 
-// A line an algorithm and n: force off / angle at each speed.
+// A line for each algorithm and n: force off / angle at each speed.
 std::string speedTable(const BenchResult& result) {
   std::string text;
   for (const char* volume : {kBall20mm, kTubeOf8}) {
@@ -106,14 +106,14 @@ std::string speedTable(const BenchResult& result) {
     }
     if (speeds.empty()) continue;
     text += fmt::format(
-        "{}, 2 mm deep at {} m/s: largest force over K depth or its inverse / largest angle [degree]; !: contact "
-        "lost\n{}",
+        "{}, 2 mm deep at {} m/s: "
+        "largest force over K depth or its inverse / largest angle [degree]; !: contact lost\n{}",
         volume, fmt::join(speeds, ", "), lines.text());
   }
   return text;
 }
 
-// Recovery on and off, of those that renew planes.
+// Recovery on and off, for the algorithms that renew planes.
 std::string recoveryTable(const BenchResult& result) {
   std::string text;
   for (const BenchRow* row : rowsOf(result, "effects")) {
@@ -140,7 +140,7 @@ std::string timeAndRate(double us, int decimals) {
   return fmt::format("| {:>10.{}f} {:>10.2f} ", us, decimals, 1e3 / us);
 }
 
-// Medians over the volumes, of the cost and of the error each.
+// Cost against error, each a median over the volumes.
 ChartPanel panel(const BenchResult& result, const std::string& title, const char* key, const std::string& label) {
   std::vector<ChartPanel> panels = {{title, "cost of a tick [ns]", label, {}}};
   std::set<std::pair<std::string, double>> drawn;  // by algorithm and n
@@ -156,7 +156,7 @@ ChartPanel panel(const BenchResult& result, const std::string& title, const char
     }
     addPoint(panels, panels[0], algorithm, {median(costs_ns), median(errors), fmt::format("n={:g}", n)});
   }
-  // An algorithm that keeps no plane has the same errors, bit for bit, whatever n is: one point, at its middle cost.
+  // An algorithm that keeps no plane has the same errors for any n, bit for bit. It gets one point, at its median cost.
   for (ChartSeries& series : panels[0].series) {
     const auto differs = [&](const ChartPoint& point) { return point.y != series.points.front().y; };
     if (series.points.size() < 2 || std::any_of(series.points.begin(), series.points.end(), differs)) continue;
@@ -222,9 +222,9 @@ std::string tableTrial(const BenchResult& result) {
   if (text.empty()) return text;
   std::string head = fmt::format("{:<36} {:>5} {:>5}", "", "noise", "depth");
   for (const TableAlgorithm& algorithm : kTableAlgorithms) head += fmt::format(" |{:^22}", algorithm.title);
-  return "Table 1 tried with noise and depth [voxel]: average time of a servo loop [microsecond], median angle of the "
-         "force [degree], ticks in which\nthe contact was lost [%]; planes renewed every 5 ticks. A volume that is "
-         "nowhere so thick has no line.\n" +
+  return "Table 1 tried with noise and depth [voxel]: average time of a servo loop [microsecond], "
+         "median angle of the force [degree], ticks in which\nthe contact was lost [%]; "
+         "planes renewed every 5 ticks. A volume that is nowhere so thick has no line.\n" +
          head + "\n" + text;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What `palpate bench servo` promises.
+// The promises of `palpate bench servo`.
 #include <algorithm>
 #include <cmath>
 
@@ -14,7 +14,7 @@ BenchRow like(const std::string& algorithm, std::int64_t n) {
   return {{"algorithm", algorithm}, {"n_ticks", n}};
 }
 
-// With a note instead where there are no rows.
+// Adds a target; or a note, if there are no rows for it.
 void add(BenchResult& result, const Promise& what) {
   if (!promise(result, what)) {
     result.note(fmt::format("target '{}' is left out: what it needs took no part", what.name));
@@ -32,7 +32,7 @@ void addRatio(BenchResult& result, const std::string& rival, double bound) {
   result.note(fmt::format("{}: {:.2f} on the worst of the volumes, {:.2f} on the best", words, *most, *least));
 }
 
-// The largest ratio over the volumes that both have: on none may it be above 1.
+// The ratio of hri's VHIP error to blezek's. On no volume that both have may it be above 1.
 void addErrorAgainstBlezek(BenchResult& result) {
   BenchResult ratios;
   for (const BenchRow* its : rowsOf(result, "tick", like("blezek", 5))) {
@@ -68,7 +68,7 @@ std::vector<Promise> promisesOfHri() {
                   {"missed", "lost"},
                   sumOf,
                   1});
-  // Over all speeds up to the fastest promised and every n.
+  // Promises for all speeds up to a fastest one, and for every n.
   struct Speeds {
     const char* volume;
     const char* words;
@@ -98,8 +98,8 @@ std::vector<Promise> promisesOfHri() {
   return list;
 }
 
-// Where another algorithm with a VHIP has a smaller 99th percentile of the angle in the same press, though hri may
-// renew its plane as often: said, so that nobody has to look for it.
+// Notes in how many presses another algorithm with a VHIP has a smaller 99th percentile of the angle than hri at n = 1,
+// so that nobody has to search for them.
 void notePressesThatHriDoesNotWin(BenchResult& result) {
   constexpr double kClearly = 0.95;
   const BenchRows ours = rowsOf(result, "press", like("hri", 1));
@@ -118,8 +118,8 @@ void notePressesThatHriDoesNotWin(BenchResult& result) {
   }
   if (!ours.empty()) {
     result.note(
-        fmt::format("in {} of {} presses by noise and depth another algorithm's 99th percentile of the angle is "
-                    "more than 5 % below that of hri at n=1, and it loses no more contact",
+        fmt::format("in {} of {} presses by noise and depth another algorithm's 99th percentile "
+                    "of the angle is more than 5 % below that of hri at n=1, and it loses no more contact",
                     lost, ours.size()));
   }
 }

@@ -6,7 +6,6 @@
 
 #include "apps/bench/random.hpp"
 #include "base/units.hpp"
-#include "servo/window/fetch.hpp"
 #include "servo/window/window_sampler.hpp"
 
 namespace palpate {
@@ -20,8 +19,8 @@ constexpr double kLookAcross_voxel = 0.02;
 struct Stroke {
   Vec3 meets_W = Vec3::Zero();
   Vec3 direction_W = Vec3::Zero();
-  Vec3 normal_W = Vec3::Zero();  // of the surface where they meet
-  double phase = 0;              // of the first tick, in steps
+  Vec3 normal_W = Vec3::Zero();  // of the surface at meets_W
+  double phase = 0;              // offset of the first tick, as a fraction of a step
 };
 
 class Strokes {
@@ -31,7 +30,7 @@ class Strokes {
 
   [[nodiscard]] double way_m() const { return kBenchForceLimit_N / kBenchStiffness_N_per_m; }
 
-  // A point of the surface with free space in front of it, all of the stroke within the volume.
+  // A random stroke. In front of the surface it is in free space, and it begins within the volume.
   [[nodiscard]] Stroke any() {
     while (true) {
       Stroke stroke;
@@ -51,7 +50,7 @@ class Strokes {
     }
   }
 
-  // Whether the samples have a wall all along the ideal contact point's way.
+  // Whether the samples have a wall everywhere along the ideal contact point's way.
   [[nodiscard]] bool hasWall(const Stroke& stroke) const {
     if (!request_.thin_wall) return true;
     const double radius_m = stroke.meets_W.norm();
@@ -78,7 +77,7 @@ class Strokes {
     return std::nullopt;
   }
 
-  // In the shell's hollow the run-up has no room and the way past the wall leaves the volume.
+  // Whether a point is in the shell's hollow. There the run-up has no room, and a stroke would leave the volume.
   [[nodiscard]] bool behindWall(const Vec3& p_W) const {
     return request_.thin_wall && volume_.phantom().normal(p_W).dot(p_W) < 0;
   }
@@ -107,12 +106,13 @@ class Strokes {
 };
 
 struct Seen {
-  TickOutput out;  // of the last tick
-  bool had = false;
-  bool lost = false;  // not there, after it was
+  TickOutput out;     // of the last tick
+  bool had = false;   // there was contact
+  bool lost = false;  // there was contact, and later a tick without it
 };
 
-// The depth below the surface that was entered; in a thin wall below its outer face continued: along the stroke.
+// The depth below the surface at `s_m` along the stroke. In a thin wall it is measured on past the inner face: below
+// the tangent plane of the outer face.
 double depthAt(const BenchVolume& volume, const Stroke& stroke, bool thin_wall, double s_m) {
   if (!thin_wall) return -volume.phantom().signedDistance_m(stroke.meets_W + s_m * stroke.direction_W);
   return -s_m * stroke.direction_W.dot(stroke.normal_W);

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/bench/strokes.hpp: fast straight strokes of a rigid hand into walls: who misses them?
+// apps/bench/strokes.hpp: fast straight strokes of a rigid hand into walls, and which algorithms miss them.
 //
-// A stroke comes from free space, meets the exact surface at a point and under an angle given by chance, and goes on
-// right through, without mercy. It is counted until the HIP is so far past the surface that K * way reaches the
-// device's force limit (8 N at 500 N/m: 16 mm), since until then a hand can be held; in a solid body only as far as the
-// HIP gets deeper, since past the middle a virtual tool rightly slips around. Missed: no contact in any of these ticks;
-// lost: contact was there and went. Ticks come at kBenchRate_hz, at a phase by chance. Windows follow as
-// the program's do, without delay.
+// A stroke comes from free space, meets the exact surface at a random point and angle, and goes straight on through the
+// wall. Ticks come at kBenchRate_hz, with a random phase. Windows follow as in the program, but without delay.
 //
-// A wall of about a voxel may have holes in the samples themselves, which no algorithm can feel: along the way that the
-// ideal contact point takes over the wall (a shell: the point of its outer face nearest to the HIP) the samples are
-// looked at, across the wall in steps of a fiftieth of a voxel, and strokes on whose way no interpolated density is
-// above the isovalue somewhere are left out and counted as `over_hole`. Frame W [m]. The same seed gives the same
-// strokes.
+// The ticks that count are those behind the surface in which a hand can be held: while K times the way past the surface
+// is below the device's force limit (8 N at 500 N/m: 16 mm). In a solid body they end where the HIP is deepest, since
+// past the middle a virtual tool rightly slips around. Missed: no contact in any of these ticks. Lost: contact began
+// and ended.
+//
+// A wall of about a voxel may have holes in the samples themselves, which no algorithm can feel. So the samples are
+// checked along the way of the ideal contact point (in a shell: the point of the outer face nearest to the HIP), across
+// the wall in steps of a fiftieth of a voxel. If no density is above the isovalue somewhere on this way, the stroke is
+// left out and counted in `over_hole`. World frame W [m]. The same seed gives the same strokes.
 #pragma once
 
 #include <span>
@@ -28,14 +28,14 @@ struct StrokeRequest {
   std::vector<double> speeds_m_per_s = {0.05, 0.1, 0.2, 0.5, 1, 2};
   int strokes = 100;               // for each speed
   double most_incidence_deg = 45;  // between the stroke and the surface's normal
-  bool thin_wall = false;          // a shell around the world's origin: what counts is the way past the wall
+  bool thin_wall = false;          // the wall is a shell around the world's origin; strokes go on past it
   std::uint64_t seed = 1;
 };
 
 struct StrokeFigures {
   double speed_m_per_s = 0;
-  std::int64_t strokes = 0;  // with a wall in the samples
-  std::int64_t over_hole = 0;
+  std::int64_t strokes = 0;    // into a wall without a hole
+  std::int64_t over_hole = 0;  // left out
   std::int64_t missed = 0;
   std::int64_t lost = 0;
 };

@@ -20,7 +20,7 @@ class DoesNothing final : public Algorithm {
 
 }  // namespace
 
-// The window of each tick.
+// The index of each tick's window.
 std::vector<std::size_t> ReplayPath::gather(const BenchVolume& volume, bool at_surface) {
   WindowRule rule;
   std::vector<std::size_t> window_of_tick;
@@ -29,7 +29,7 @@ std::vector<std::size_t> ReplayPath::gather(const BenchVolume& volume, bool at_s
     const Vec3 place_W = path_.hip_W[k] + (below ? path_.depth_m[k] : 0.0) * path_.normal_W[k];
     if (const auto box = rule.follow(volume, place_W)) {
       SampleWindow window;
-      window.version = windows_.size();  // gathering makes it one more, so that no two are the same
+      window.version = windows_.size();  // gather() increments it, so all versions differ
       volume.gather(*box, samples_.emplace_back(), window);
       windows_.push_back(window);
     }

@@ -1,20 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/bench/tick_cost.hpp: what a tick of each algorithm costs, all in one process and interleaved.
+// apps/bench/tick_cost.hpp: the cost of a tick of each algorithm, measured in one process and interleaved.
 //
-// Every repetition goes round all entrants, beginning with another one each time, and replays the whole slide of the
-// path for each, so that what the machine does meanwhile meets all alike. Two measures:
-//   batch: the clock is read before and after a replay only, so its own cost stays out (25 ns in thousands of ticks).
-//     The HIP of each tick is hip + 0 * (force of the last tick): in a loop a tick ends before the next one begins, and
-//     without this the processor would overlap them. The chain costs some 3 ns a tick, the call through the interface
-//     and the reading of the path some more; `harnessCost_ns` is all of that with an algorithm that does nothing, and
-//     it is NOT taken off.
-//   single ticks: the clock is read after each tick, its median cost is taken off. Of each tick the fastest of all
-//     replays counts, which leaves what the algorithm does there and drops what the machine does; `raw` has every
-//     replay of every tick.
-// Windows are gathered beforehand, around the tool and around the exact surface under it, each algorithm gets those
-// that it asks for (windowPlace), and they are handed over by pointer as the exchange does, so a change of window costs
-// what it costs in the servo (the cache misses of its first samples) and no gathering is timed. One thread: the
-// caller's.
+// Each repetition replays the whole slide of the path for every entrant, and begins with a different entrant. So other
+// load on the machine meets all alike. There are two measures:
+//   batch: the clock is read only before and after a replay, so its own cost (25 ns in thousands of ticks) stays out.
+//     The HIP of each tick is hip + 0 * (force of the last tick). Without this dependency the processor would overlap
+//     ticks, which it cannot do in a loop. harnessCost_ns() is the cost of this dependency (some 3 ns), of the virtual
+//     call and of reading the path. It is NOT subtracted.
+//   single ticks: the clock is read after each tick, and its median cost is subtracted. The fastest replay of each tick
+//     counts: this keeps the cost of the algorithm and drops that of other load. `raw` has every replay of every tick.
+//
+// Windows are gathered beforehand, around the tool and around the exact surface under it; windowPlace() decides which
+// of them a tick gets. They are passed by pointer, as the exchange does. So a change of window costs the same as in the
+// servo (cache misses), and no gathering is timed. One thread: the caller's.
 #pragma once
 
 #include <span>
@@ -27,7 +25,7 @@
 
 namespace palpate {
 
-// A path with the windows that a servo would have along it, all in memory.
+// A path in memory, with the windows that a servo would have along it.
 class ReplayPath {
  public:
   ReplayPath(const BenchVolume& volume, ContactPath path);
@@ -40,10 +38,10 @@ class ReplayPath {
   [[nodiscard]] std::size_t windows() const noexcept { return windows_.size(); }  // around the tool and the surface
   [[nodiscard]] std::size_t slideTicks() const noexcept { return ticks_.size() - path_.slide_begin; }
 
-  // Resets the algorithm, lets it go through the approach untimed, then times the slide: mean cost of a tick [ns].
+  // Resets the algorithm, replays the approach untimed, and times the slide. Returns the mean cost of a tick [ns].
   [[nodiscard]] double replay_ns(Algorithm& algorithm) const;
-  // The same, with the cost of each tick of the slide with the clock's own taken off [ns]; adds to `raw` and lowers
-  // `fastest` (both as long as the slide).
+  // The same for single ticks of the slide: appends their costs without the clock's own to `raw` [ns], and lowers the
+  // tick's entry in `fastest`, which is as long as the slide.
   void replayTicks(Algorithm& algorithm, double clock_ns, std::vector<double>& fastest, std::vector<double>& raw) const;
 
  private:
@@ -66,11 +64,11 @@ struct TickCost {
   Percentiles raw_ns;            // over all replays of all ticks [ns]
 };
 
-[[nodiscard]] const Columns<TickCost>& costColumns();  // as rows have them
+[[nodiscard]] const Columns<TickCost>& costColumns();
 
 struct CostRequest {
-  int repetitions = 15;  // of the batch
-  int tick_replays = 5;  // with single ticks timed
+  int repetitions = 15;  // replays for the batch measure
+  int tick_replays = 5;  // replays with single ticks timed
 };
 
 // One result for each entrant.
@@ -78,9 +76,9 @@ struct CostRequest {
                                               const CostRequest& request, const BenchProgress& progress);
 
 [[nodiscard]] double clockCost_ns();                          // median cost of reading the clock [ns]
-[[nodiscard]] double harnessCost_ns(const ReplayPath& path);  // of a tick that does nothing [ns]
+[[nodiscard]] double harnessCost_ns(const ReplayPath& path);  // cost of a tick that does nothing [ns]
 
-// Middle, and the quartiles as its spread.
+// Median and quartiles.
 struct Spread {
   double median = 0, low = 0, high = 0;
 };

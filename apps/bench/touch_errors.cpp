@@ -11,7 +11,7 @@
 namespace palpate {
 namespace {
 
-// By the cross product too: acos alone loses small angles.
+// By atan2, since acos alone is inaccurate for small angles.
 double angle_deg(const Vec3& a_W, const Vec3& b_W) {
   return std::atan2(a_W.cross(b_W).norm(), a_W.dot(b_W)) * kDegreesPerRadian;
 }
@@ -20,7 +20,7 @@ Vec3 exactForce(const ContactPath& path, std::size_t k) {
   return kBenchStiffness_N_per_m * std::max(0.0, path.depth_m[k]) * path.normal_W[k];
 }
 
-// What one algorithm's ticks add up to.
+// Adds up the errors of one algorithm's ticks.
 class Tally {
  public:
   Tally(const BenchVolume& volume, const ContactPath& path, const AlgorithmTraits& traits, double miss_depth_voxel)
@@ -50,7 +50,7 @@ class Tally {
   }
 
  private:
-  // Along the way the normals of a concave surface turn against it.
+  // Whether the surface is concave along the last step: its normal turns against the step.
   [[nodiscard]] bool concave(std::size_t k) const {
     return (path_.normal_W[k] - path_.normal_W[k - 1]).dot(path_.hip_W[k] - path_.hip_W[k - 1]) < 0;
   }

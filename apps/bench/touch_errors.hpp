@@ -1,19 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/bench/touch_errors.hpp: how far algorithms are from the exact touch along a path.
+// apps/bench/touch_errors.hpp: the errors of algorithms against the exact surface, along a path.
 //
-// All of them go along the path in step, each under a window that follows as the program's does (windowPlace). Over the
-// ticks of the slide in which an algorithm has contact (its flag, or a force):
-//   VHIP [voxel]      distance of the VHIP from the exact surface, in smallest voxels;
-//   force [%]         | |F| - K depth | / (K depth), depth of the HIP below the exact surface;
-//   force off [-]     the largest |F| / (K depth), or its inverse where that is more;
-//   angle [degree]    between the force and the exact normal at the surface point nearest to the HIP;
-//   force jump [N]    largest change of the force vector from one tick to the next;
-//   missed            ticks in which the HIP is deeper than `miss_depth` below the exact surface, having come from
-//                     outside, and there is no contact; falls: how often such a stretch began.
-//   fading            ticks with a fault that makes the gate take the force away, whatever the algorithm gives.
-// An algorithm that shows no surface (AlgorithmTraits) has no VHIP error, and its force none against K depth.
-// Force and angle leave out ticks where the phantom's distance is a bound only (ContactPath::exact). Cost: one exact
-// distance for each algorithm and tick.
+// All algorithms follow the path in step. Each has a window that follows as in the program (windowPlace).
+//
+// Over the ticks of the slide in contact (the algorithm's flag, or a force):
+//   VHIP [voxel]      distance of the VHIP from the exact surface, in smallest voxels
+//   force [%]         | |F| - K depth | / (K depth), with the depth of the HIP below the exact surface
+//   force off [-]     the largest |F| / (K depth) or its inverse, whichever is more
+//   angle [degree]    between the force and the exact normal at the surface point nearest to the HIP
+// Over all ticks of the slide:
+//   force jump [N]    largest change of the force vector from one tick to the next
+// Over all ticks:
+//   missed            ticks without contact in which the HIP is more than `miss_depth` below the exact surface
+//   falls             how often such a stretch of ticks began
+//   fading            ticks with a fault that makes the gate fade the force, whatever the algorithm's force
+//
+// An algorithm that shows no surface (AlgorithmTraits) has no errors of VHIP and force. Force and angle leave out ticks
+// where the phantom's distance is only a bound (ContactPath::exact). Cost: one exact distance for each algorithm and
+// tick.
 #pragma once
 
 #include <functional>
@@ -29,8 +33,8 @@ namespace palpate {
 
 inline constexpr double kMissDepth_voxel = 0.25;
 
-// Noise moves the surface of the samples: four of its standard deviations deeper the tool is in the object, but for one
-// sample in 30,000.
+// Noise moves the surface of the samples. Four of its standard deviations deeper, only one sample in 30,000 is not
+// object.
 [[nodiscard]] inline double missDepth_voxel(double noise_voxel) noexcept {
   return kMissDepth_voxel + 4 * noise_voxel;
 }
@@ -43,12 +47,12 @@ struct TouchErrors {
   double force_off_max = 0;
   Percentiles angle_deg;
   double force_jump_max_N = 0;
-  double force_jump_concave_max_N = 0;  // of it, where the exact surface is concave along the tool's way
+  double force_jump_concave_max_N = 0;  // largest jump where the exact surface is concave along the path
   double exact_force_jump_max_N = 0;    // of K * depth along the exact normal, for comparison
-  double force_mean_N = 0;              // over ticks in contact
+  double force_mean_N = 0;              // mean |F| over ticks in contact
   std::int64_t missed_ticks = 0;
   std::int64_t falls = 0;
-  std::int64_t fading_ticks = 0;  // in which a fault takes the force away (kFadingFaults)
+  std::int64_t fading_ticks = 0;  // with one of kFadingFaults
 };
 
 using BenchProgress = std::function<void(double share_done)>;  // may throw to stop
@@ -57,7 +61,7 @@ using BenchProgress = std::function<void(double share_done)>;  // may throw to s
   return out.in_contact || out.force_W.squaredNorm() > 0;
 }
 
-// As rows have them. Figures of nothing (without contact, or without a surface that is shown) are NaN.
+// A figure without data (no contact, or an algorithm that shows no surface) is NaN.
 [[nodiscard]] const Columns<TouchErrors>& errorColumns();
 
 // One result for each entrant.

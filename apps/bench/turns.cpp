@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kNeedsNoWarmUp_ms = 1000;
 
-// One run; nothing: it failed and says so in `outcome`.
+// Runs once. Empty if the run failed; `outcome` then has the reason.
 std::optional<RunCost> runOnce(const Contender& entrant, TurnsOutcome& outcome) {
   RunCost cost;
   outcome.left_out = failureOf([&] { cost = entrant.run(); });

@@ -2,6 +2,7 @@
 #include "apps/check/check.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -9,10 +10,15 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "apps/check/ulp.hpp"
-
 namespace palpate {
 namespace {
+
+// Maps floats to integers in the same order: negative floats count down from 0x7fffffff.
+std::uint32_t order(float value) noexcept {
+  constexpr std::uint32_t kSign = 0x80000000U;
+  const auto bits = std::bit_cast<std::uint32_t>(value);
+  return (bits & kSign) != 0 ? ~bits : bits | kSign;
+}
 
 // JSON has no infinities.
 nlohmann::ordered_json numberOrText(float value) {
@@ -80,6 +86,12 @@ std::string brokenWords(const Check& check) {
 }
 
 }  // namespace
+
+std::uint32_t ulpDistance(float a, float b) noexcept {
+  if (std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b)) return 0;
+  if (std::isnan(a) || std::isnan(b)) return std::numeric_limits<std::uint32_t>::max();
+  return order(a) > order(b) ? order(a) - order(b) : order(b) - order(a);
+}
 
 void Check::note(const Vec3i& where, const char* of_what, float gpu, float cpu) {
   voxel = where;

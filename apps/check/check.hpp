@@ -16,6 +16,10 @@
 
 namespace palpate {
 
+// The distance between two floats, counted in floats (ULP).
+// 0 for equal bits. +0 and -0 are 1 apart, so that every differing bit shows. NaN and anything else are 2^32 - 1 apart.
+[[nodiscard]] std::uint32_t ulpDistance(float a, float b) noexcept;
+
 struct Check {
   std::string name;             // "filter", "gradient", "edits"
   std::string what;             // "gaussian:1.5"

@@ -18,14 +18,14 @@
 namespace palpate {
 namespace {
 
-// Isovalue of a volume's own, if it has a surface at all.
+// The volume's default isovalue; empty if it has no surface.
 std::optional<double> isovalueOf(const Volume& volume) {
   if (volume.minimum() == volume.maximum()) return std::nullopt;
   const double isovalue = defaultIsovalue(volume);
   return partsVolume(volume, isovalue) ? isovalue : 0.5 * volume.minimum() + 0.5 * volume.maximum();
 }
 
-// Part of a whole, for nested progress.
+// The progress of one part as progress of the whole.
 std::function<void(double)> partOf(const std::function<void(double)>& progress, double first, double last) {
   return [&progress, first, last](double done) { progress(first + (last - first) * done); };
 }
@@ -110,23 +110,23 @@ Volume cropped(Volume volume, int most) {
 std::vector<Check> checkGradients(const Volume& volume, const std::string& gpu,
                                   const std::function<void(double)>& progress) {
   std::vector<std::string> operators;
-  for (const GradientWords& words : gradientTable()) {
-    operators.push_back(words.takes.empty() ? std::string(words.name) : std::string(words.name) + ":1.2");
+  for (const GradientKind& kind : gradientKinds()) {
+    operators.push_back(kind.parameter.empty() ? std::string(kind.name) : std::string(kind.name) + ":1.2");
   }
   const std::optional<double> isovalue = isovalueOf(volume);
   std::vector<Check> checks;
   for (const bool half : {false, true}) {
     if (half && !isovalue) continue;
-    for (const std::string& way : operators) {
+    for (const std::string& name : operators) {
       const double parts = 2 * static_cast<double>(operators.size());
       const auto done = static_cast<double>(checks.size());
-      GradientCheckRequest request{gpu, gradientOperator(way), {}};
+      GradientCheckRequest request{gpu, gradientOperator(name), {}};
       if (half) {
         request.format =
             halfSamples(static_cast<float>(*isovalue), volume.minimum(), volume.maximum(), volume.lattice().spacing_m);
       }
       checks.push_back(checkGradient(volume, request, partOf(progress, done / parts, (done + 1) / parts)));
-      checks.back().what = way + (half ? ", halves" : ", floats");
+      checks.back().what = name + (half ? ", halves" : ", floats");
     }
   }
   return checks;

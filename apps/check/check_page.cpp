@@ -9,7 +9,7 @@
 namespace palpate {
 namespace {
 
-// "gaussian" of "gaussian:1.5"; of several filters that they are a chain.
+// "gaussian" for "gaussian:1.5"; for several filters, that they are a chain.
 std::string kindOf(const Check& check) {
   if (check.name != "filter") return check.what;
   if (check.what.find(' ') != std::string::npos) return "chain of " + check.what;
@@ -28,7 +28,7 @@ struct Row {
   bool bounded = false, holds = true;
 };
 
-// In the order in which each came first.
+// Rows in the order in which each kind first occurs.
 std::vector<Row> rowsOf(std::span<const Check> checks) {
   std::vector<Row> rows;
   for (const Check& check : checks) {
@@ -58,12 +58,17 @@ std::vector<Row> rowsOf(std::span<const Check> checks) {
 
 std::string checkPage(std::span<const Check> checks, const CheckRun& run) {
   std::string text = fmt::format(
-      "# What the GPU computes, against the CPU twins\n\n"
-      "Every value of every pass, compared with a twin that was written apart; docs/filters.md and docs/gradients.md "
-      "say\n"
-      "what is promised and why. Steps of a filter are checks of their own, for what the GPU made of the step "
-      "before.\n\n"
-      "- machine: {}\n- Vulkan device: {}\n- commit: {}\n- command: `{}`\n\n",
+      R"(# What the GPU computes, against the CPU twins
+
+Every value of every pass, compared with a twin that was written apart; docs/filters.md and docs/gradients.md say
+what is promised and why. Steps of a filter are checks of their own, for what the GPU made of the step before.
+
+- machine: {}
+- Vulkan device: {}
+- commit: {}
+- command: `{}`
+
+)",
       run.machine, checks.empty() ? "none" : checks[0].device, run.commit, run.command);
   const auto held = std::count_if(checks.begin(), checks.end(), [](const Check& check) { return check.holds(); });
   text += fmt::format("**{} of {} checks hold.**\n\n", held, checks.size());

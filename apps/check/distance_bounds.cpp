@@ -15,8 +15,8 @@ struct Bounds {
   double lowest_m = 0, highest_m = 0;  // without the sign of the side
 };
 
-// `square`: of the way to the nearest voxel across [m^2]; none within the band and a diagonal: the surface is farther
-// than the band.
+// `square`: squared distance to the nearest voxel on the other side [m^2]. If there is none within the band and a
+// diagonal, the surface is farther away than the band.
 Bounds boundsOf(const std::optional<float>& square, double diagonal_m, double band_m) {
   if (!square) return {band_m, band_m};
   const double across_m = std::sqrt(static_cast<double>(*square));

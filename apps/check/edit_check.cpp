@@ -9,7 +9,7 @@
 #include "base/stopwatch.hpp"
 #include "engine/edit/random_edits.hpp"
 #include "engine/field/statistics.hpp"
-#include "engine/gpu/gpu_info.hpp"
+#include "engine/gpu/gpu.hpp"
 #include "engine/plan/plan.hpp"
 #include "engine/reference/edit.hpp"
 #include "engine/service/engine.hpp"
@@ -17,7 +17,7 @@
 namespace palpate {
 namespace {
 
-// The next that the volume takes: a thin one is soon too far away, or smaller than the brush.
+// The next random edit that the volume accepts. In a thin volume many are too far away, or larger than the volume.
 EditCommand nextEdit(RandomEdits& random, const Volume& volume) {
   for (int tries = 0; tries < 1000; ++tries) {
     EditCommand command = random.next();

@@ -26,7 +26,7 @@ DenseField downloaded(const BrickPool& pool, gpu::Transfer& transfer, const Dens
   return {like.size, like.lattice, densitiesOf(pool, transfer)};
 }
 
-// All voxels; `step`: the one whose bound holds, none where bits are promised.
+// Compares all voxels. `step`: the step that gives the bound; none if equal bits are promised.
 void compareFields(Check& check, const DenseField& gpu, const DenseField& cpu, const DenseField& before,
                    const FilterStep* step, const std::function<void(double)>& progress) {
   for (int k = 0; k < cpu.size.z(); ++k) {
@@ -45,7 +45,7 @@ void compareFields(Check& check, const DenseField& gpu, const DenseField& cpu, c
   }
 }
 
-// What is compared at once: one step, or all of a distance.
+// The steps that one check compares: one step, or all steps of a distance.
 std::vector<std::vector<FilterStep>> grouped(const std::vector<FilterStep>& steps) {
   std::vector<std::vector<FilterStep>> groups;
   for (auto step = steps.begin(); step != steps.end();) {
@@ -60,7 +60,8 @@ bool isDistance(const std::vector<FilterStep>& group) {
   return group[0].kind == StepKind::kDistanceSeed;
 }
 
-// How many checks a chain of these groups is: each; a distance once more, against brute force; and the whole chain.
+// The number of checks of a chain: one for each group, another for each distance (against brute force), and one for the
+// whole chain.
 std::size_t checksOf(const std::vector<std::vector<FilterStep>>& groups) {
   const auto distances = static_cast<std::size_t>(std::count_if(groups.begin(), groups.end(), isDistance));
   return groups.size() + distances + (groups.size() < 2 ? 0 : 1);
@@ -75,7 +76,7 @@ class Checker {
         source_(volume.facts().source),
         field_(field) {}
 
-  // `progress`: gets how many checks are done, with the part of the one that is under way.
+  // `progress` gets the number of checks done, with the fraction of the current one.
   [[nodiscard]] std::vector<Check> check(const std::string& chain, const std::vector<FilterStep>& steps,
                                          const std::function<void(double)>& progress) {
     std::vector<Check> checks;
@@ -129,8 +130,8 @@ class Checker {
     Check check = named(chain, "");
     check.name = "distance";
     check.reason =
-        "distance: on its voxel's side, no farther than the nearest voxel across, and no nearer than that less a "
-        "diagonal";
+        "distance: "
+        "on its voxel's side, no farther than the nearest voxel across, and no nearer than that less a diagonal";
     const Stopwatch watch;
     compareWithNearestAcross(check, distance, densities, steps, progress);
     check.cpu_seconds = watch.seconds();

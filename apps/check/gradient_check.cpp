@@ -31,7 +31,7 @@ void compare(Check& check, const Vec3i& voxel, const Values& values, const Value
   for (std::size_t c = 0; c < values.size(); ++c) check.compare(voxel, kComponents[c], values[c], cpu[c]);
 }
 
-// The samples of a slab as they lie there, floats or halves.
+// The samples of a slab as they are stored: floats or halves.
 class StoredSamples {
  public:
   explicit StoredSamples(const SampleFormat& format) : format_(format) {}
@@ -40,7 +40,7 @@ class StoredSamples {
     bytes_.resize(slab.bytes());
     transfer.download(slab, bytes_);
   }
-  // What is stored of a voxel, and what should be. Halves are compared as they are stored, without the scales.
+  // The stored sample of a voxel, and the wanted one. Halves are compared as stored, without their scales.
   [[nodiscard]] Values got(std::size_t voxel) const {
     Values values{};
     if (!format_.half) {
@@ -66,14 +66,14 @@ class StoredSamples {
   std::vector<std::byte> bytes_;
 };
 
-// What the twin reads: the field, and the one whose gradient is taken.
+// The twin's input: the field, and the smoothed field whose gradient is taken.
 struct TwinFields {
   const reference::DenseField& density;
   const reference::DenseField& smoothed;
 };
 
 // All voxels of one brick that lie in the domain.
-void compareBrick(Check& check, const TwinFields& twin, const GradientOperator& way, const Vec3i& brick,
+void compareBrick(Check& check, const TwinFields& twin, const GradientOperator& gradient_operator, const Vec3i& brick,
                   const StoredSamples& samples, std::size_t first_voxel) {
   const Vec3i first = brick * kBrickSize;
   const Vec3i end = (first.array() + kBrickSize).min(twin.density.size.array());
@@ -83,7 +83,7 @@ void compareBrick(Check& check, const TwinFields& twin, const GradientOperator& 
         const Vec3i in_brick = Vec3i(i, j, k) - first;
         const auto voxel =
             static_cast<std::size_t>((in_brick.z() * kBrickSize + in_brick.y()) * kBrickSize + in_brick.x());
-        const std::array<float, 3> gradient = reference::gradientAt(twin.smoothed, way, i, j, k);
+        const std::array<float, 3> gradient = reference::gradientAt(twin.smoothed, gradient_operator, i, j, k);
         compare(check, {i, j, k}, samples.got(first_voxel + voxel),
                 samples.wanted({gradient[0], gradient[1], gradient[2], twin.density.at(i, j, k)}));
       }
@@ -102,14 +102,14 @@ Check checkGradient(const Volume& volume, const reference::DenseField& field, co
                     const std::function<void(double)>& progress) {
   Check check;
   check.name = "gradient";
-  check.what = std::string(request.gradient.words.name) + (request.format.half ? ", halves" : ", floats");
+  check.what = std::string(request.gradient.kind.name) + (request.format.half ? ", halves" : ", floats");
   check.volume = volume.facts().source;
   check.bound_ulp = request.bound_ulp;
   gpu::Gpu gpu({.name = request.gpu});
   check.device = gpu.info().name;
   gpu::Transfer transfer(gpu);
   const BrickPool pool(gpu, transfer, volume);
-  // Of an operator that smooths the twin takes half of the time for that.
+  // If the operator smooths, this takes half of the twin's time.
   const double smoothing_share = request.gradient.smoothing.empty() ? 0 : 0.5;
   const auto before = [&](double) { progress(0); };
   const auto smoothing =

@@ -83,11 +83,11 @@ double roundingBound(const reference::DenseField& before, const Vec3i& voxel, co
 
 const char* boundReason(const FilterStep& step) noexcept {
   return step.kind == StepKind::kBilateral
-             ? "bilateral: exponentials are the kernel's own in float and the library's in the twin, in double; each "
-               "weight may be off by (7 s^2 + 6.2) 2^-24 of itself, s the difference over sqrt(2) ranges, and n "
-               "voxels add 2 n + 4 roundings"
-             : "diffuse with g=exp: the same exponentials; each of six flows may be off by (7 s^2 + 5.2) 2^-24 of "
-               "itself, s the slope over kappa, and their sums by 5 roundings";
+             ? "bilateral: exponentials are the kernel's own in float and the library's in the twin, in double; "
+               "each weight may be off by (7 s^2 + 6.2) 2^-24 of itself, "
+               "s the difference over sqrt(2) ranges, and n voxels add 2 n + 4 roundings"
+             : "diffuse with g=exp: the same exponentials; each of six flows may be off by "
+               "(7 s^2 + 5.2) 2^-24 of itself, s the slope over kappa, and their sums by 5 roundings";
 }
 
 }  // namespace palpate

@@ -20,7 +20,7 @@ constexpr std::size_t kGap = 2;           // between columns
 
 using Cells = std::vector<std::string>;
 
-// Of UTF-8, a character a column.
+// The width of UTF-8 text, with one column for each character.
 std::size_t columnsOf(std::string_view text) {
   return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xc0) != 0x80; }));
 }
@@ -53,7 +53,7 @@ bool isRule(std::string_view line) {
          line.find_first_not_of("|-: ") == std::string_view::npos;
 }
 
-// Words of a cell in lines of at most `width` columns, but for a word that is longer.
+// Breaks the words of a cell into lines of at most `width` columns; only a single longer word exceeds it.
 Cells wrapped(const std::string& cell, std::size_t width) {
   Cells lines(1);
   std::istringstream words(cell);
@@ -141,7 +141,7 @@ class Table {
   std::vector<bool> to_the_right_;
 };
 
-// Of standard output; 0 where it is no terminal.
+// The width of standard output [column]; 0 if it is no terminal.
 std::size_t terminalWidth() {
   if (isatty(STDOUT_FILENO) != 1) return 0;
   winsize size{};

@@ -26,16 +26,16 @@ using Clock = std::chrono::steady_clock;
 // One request may arrive twice: `timeout` signals its child and then the child's whole group.
 constexpr double kSameRequest_s = 0.5;
 
-// In which work that looks at the flag has ended; a part of what a person takes for "at once".
+// Time in which work that checks the flag has ended. A person takes this for "at once".
 constexpr std::chrono::milliseconds kPatience{150};
-constexpr std::chrono::milliseconds kLook{20};  // how often the thread looks how things stand, once asked to stop
+constexpr std::chrono::milliseconds kLook{20};  // how often the thread checks the state after a request
 
 constexpr std::size_t kStackBytes = std::size_t{256} << 10U;  // memory may be locked
 
-std::atomic<int> requests = 0;  // that are not one
+std::atomic<int> requests = 0;  // requests that count separately
 std::atomic<int> kept_works = 0;
 std::atomic<bool> is_watched = false;
-std::atomic<bool> is_ending = false;  // somebody says how it ended: main() or the thread that waits
+std::atomic<bool> is_ending = false;  // main() or the waiting thread is reporting the end
 std::atomic<int> final_status = 0;    // as main() knows it
 timespec first_request{};             // written and read by the handler only
 sem_t request_came;
@@ -48,7 +48,7 @@ struct Words {
   std::string kept;  // empty: nobody said
 };
 
-// Never destroyed: the thread may need it to the process's end.
+// Never destroyed, since the thread may use it until the process ends.
 Words& words() {
   static auto* const all = new Words;
   return *all;
@@ -108,7 +108,7 @@ void* watch(void*) {
   endProcess();
 }
 
-// Without it (no more threads allowed) work stops where it looks at the flag.
+// If no thread can be started, work stops only where it checks the flag.
 void startWatch() {
   pthread_attr_t attributes;
   pthread_attr_init(&attributes);
@@ -127,7 +127,7 @@ bool isIgnored(int signal) {
 }  // namespace
 
 void catchInterrupts() {
-  words();  // made before there is a thread that needs it
+  words();  // creates them before the thread uses them
   sem_init(&request_came, 0, 0);
   startWatch();
   // SIGINT is ignored in what a script starts in the background, where `kill -INT` is meant all the same.

@@ -2,8 +2,12 @@
 #include "apps/console/message.hpp"
 
 #include <cerrno>
+#include <initializer_list>
 
-#include "base/one_line.hpp"
+#include <fcntl.h>
+#include <unistd.h>
+
+#include "base/outside_text.hpp"
 
 namespace palpate {
 namespace {
@@ -39,6 +43,18 @@ int resultError() noexcept {
   errno = 0;
   note(std::fflush(stdout) != 0 || std::ferror(stdout) != 0);
   return first_error;
+}
+
+// In rising order, since open() gives the lowest number that is free.
+void openClosedStreams() noexcept {
+  for (const int descriptor : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (fcntl(descriptor, F_GETFD) >= 0 || errno != EBADF) continue;
+    const int opened = open("/dev/null", descriptor == STDIN_FILENO ? O_WRONLY : O_RDONLY);
+    if (opened >= 0 && opened != descriptor) {  // cannot happen: all lower descriptors are open
+      dup2(opened, descriptor);
+      close(opened);
+    }
+  }
 }
 
 }  // namespace palpate

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/console/message.hpp: the program's output: messages on standard error, results on standard output.
+// apps/console/message.hpp: the program's standard streams: messages on standard error, results on standard output.
 //
-// Neither throws: a message that cannot be written (a full disk, a closed terminal) is no reason to lose the work. At
-// the end main() asks resultError() and reports a result that could not be written. Any thread; a message is one write.
+// Nothing here throws: a message that cannot be written (a full disk, a closed terminal) is no reason to lose the work.
+// At the end main() asks resultError() and reports a result that could not be written. Any thread; a message is one
+// write.
 #pragma once
 
 #include <cstdio>
@@ -28,5 +29,10 @@ void printResult(fmt::format_string<Args...> format, Args&&... args) {
 
 // Flushes standard output. 0, or the errno value of the first error in writing a result.
 [[nodiscard]] int resultError() noexcept;
+
+// To be called first in main(). If descriptor 0, 1 or 2 is closed, the next file that is opened would take its place,
+// and messages would go into that file. So each closed one is opened on /dev/null, but in the direction that is not
+// used: reading from a closed input and writing to a closed output still fail, and reach no file.
+void openClosedStreams() noexcept;
 
 }  // namespace palpate

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/console/progress.hpp"
 
+#include <utility>
+
 #include <fmt/format.h>
 #include <unistd.h>
 
 #include "apps/console/message.hpp"
-#include "base/one_line.hpp"
+#include "base/outside_text.hpp"
 
 namespace palpate {
 
@@ -46,6 +48,14 @@ void Progress::done() {
     writeMessage(stream_, "\r\033[K");
   }
   shown_.clear();
+}
+
+std::function<void(const char* pass, double done)> passProgress(Progress& progress, std::function<void()> stop) {
+  return [&progress, stop = std::move(stop), shown = std::string()](const char* pass, double done) mutable {
+    if (std::exchange(shown, pass) != pass) progress.stage(std::string("computing on Vulkan: ") + pass);
+    progress.fraction(done);
+    stop();
+  };
 }
 
 }  // namespace palpate

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdio>
+#include <functional>
 #include <string>
 
 #include "base/stopwatch.hpp"
@@ -30,5 +31,10 @@ class Progress {
   std::string stage_;
   std::string shown_;
 };
+
+// The `progress` argument of Engine's constructor: shows each of its passes as a stage. `stop` is called after every
+// submission and throws to end the work (Ctrl-C).
+[[nodiscard]] std::function<void(const char* pass, double done)> passProgress(Progress& progress,
+                                                                              std::function<void()> stop);
 
 }  // namespace palpate

@@ -48,7 +48,7 @@ struct Output {
     result.isovalue = request.isovalue.value_or(0);
     if (!request.isovalue) result.isovalue = defaultIsovalue(volume);
     checkIsovalue(volume, result.isovalue);
-    checkTouchable(volume);  // one voxel thick it encloses nothing
+    checkTouchable(volume);  // a volume one voxel thick encloses nothing
     progress.stage("meshing");
     const TriangleMesh mesh = isosurfaceMesh(volume, result.isovalue, request.adaptivity.value_or(0));
     if (mesh.triangles.empty()) {
@@ -88,7 +88,8 @@ ConvertResult writeOutput(const Volume& volume, const ConvertRequest& request, c
 ConvertResult convert(const ConvertRequest& request, Progress& progress) {
   const Stopwatch watch;
   checkOutput(request);
-  AtomicFile file(request.out);  // before the long part, so that a folder that may not be written is refused at once
+  AtomicFile file(
+      request.out);  // opened before the long work, so that a folder without write permission is refused at once
   progress.stage("loading " + request.in);
   const Volume volume = loadAndTell(request.in, progress);
   throwIfInterrupted("palpate convert");
@@ -108,8 +109,8 @@ std::string convertWords(const ConvertRequest& request, const ConvertResult& res
       fmt::format("{}: {}, {}, {:.2f} s", request.out, what, bytesInWords(result.bytes), result.seconds);
   if (result.collapsed > 0) {
     words += fmt::format(
-        "\n{} of the triangles without area: coordinates are 32-bit floats, and so far from the origin these cannot "
-        "tell their corners apart; move the volume nearer to it",
+        "\n{} of the triangles without area: coordinates are 32-bit floats, "
+        "and so far from the origin these cannot tell their corners apart; move the volume nearer to it",
         result.collapsed);
   }
   return words;

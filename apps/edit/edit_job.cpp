@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "apps/console/interrupt.hpp"
-#include "apps/console/pass_progress.hpp"
+#include "apps/console/progress.hpp"
 #include "apps/edit/script_reader.hpp"
 #include "apps/edit/stamp_files.hpp"
 #include "apps/load/load_and_tell.hpp"
@@ -15,7 +15,7 @@
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
 #include "engine/field/statistics.hpp"
-#include "engine/gpu/gpu_info.hpp"
+#include "engine/gpu/gpu.hpp"
 #include "engine/journal/acknowledged_file.hpp"
 #include "engine/journal/volume_identity.hpp"
 #include "engine/session/edit_session.hpp"
@@ -33,7 +33,7 @@ Error withMore(const Error& error, const std::string& front, const std::string& 
           behind.empty() ? error.remedy() : error.remedy() + "; " + behind};
 }
 
-// Neither of the files that are written may be one that is read.
+// No output file may be one of the inputs.
 void checkReadOnly(const std::string& in, const EditRequest& request) {
   for (const std::string& out : {request.out, request.json}) checkNotInput(in, out);
 }
@@ -42,12 +42,12 @@ void stopIfInterrupted() {
   throwIfInterrupted("palpate edit", "start it again");
 }
 
-// Whether the session lives on with it.
+// Whether the session can continue after this error.
 bool isSurvivable(const Error& error) {
   return error.code() != Error::Code::kDevice && error.code() != Error::Code::kCancelled;
 }
 
-// Times of any number of commands in bounded memory: every one, then every second one, and so on.
+// Times of any number of commands in bounded memory: keeps every one, then every second one, and so on.
 class Times {
  public:
   void add(double milliseconds) {
@@ -132,8 +132,8 @@ class Job {
     if (request.journal.empty()) return;
     session_.keepJournal(request.journal, identityOf(volume), watchedJournal());
     tellWhatIsKept(
-        fmt::format("{} was not written; the journal {} holds the commands that had reached the disk: see "
-                    "'palpate recover'",
+        fmt::format("{} was not written; "
+                    "the journal {} holds the commands that had reached the disk: see 'palpate recover'",
                     request.out, request.journal));
   }
 
@@ -143,7 +143,8 @@ class Job {
       applyAll(orders);
       session_.close();
       tellOfJournal();
-      for (const std::string& mesh : meshes_) checkReadOnly(mesh, request_);  // kept going with, maybe
+      // Again: with keep_going the refusal of a stamp did not end the job.
+      for (const std::string& mesh : meshes_) checkReadOnly(mesh, request_);
       progress_.stage("reading back");
       result_.changed_bricks = engine_.readBack(volume_);
       volume_.keepIsovalue(result_.isovalue);
@@ -212,15 +213,16 @@ class Job {
     return withMirror(text.command, text.mirror_axis, volume_.size(), volume_.lattice());
   }
 
-  // Once: a stroke has many pieces.
+  // Tells once of a brush that is fine for the voxels, since a stroke has many pieces.
   void tellOfFineness(const EditCommand& command, const std::string& where) {
-    const std::string words = fineBrushWords(command, volume_.lattice(), profile_);
+    const std::string words = fineBrushWarning(command, volume_.lattice(), profile_);
     if (words.empty() || told_of_fineness_) return;
     told_of_fineness_ = true;
     tell_(where + ": " + words);
   }
 
-  // Most likely it lies elsewhere than was meant, or is in another unit. Of many such the first are told, all counted.
+  // Tells of an edit that reached no voxel: probably its place or unit is wrong. Only the first ones are told; all are
+  // counted.
   void tellOfIdle(const std::string& where) {
     constexpr std::uint64_t kTold = 10;
     if (++result_.idle > kTold) return;
@@ -229,7 +231,7 @@ class Job {
                                            : "others like it are counted and no longer told"));
   }
 
-  // Once, when it fails.
+  // Tells once when the journal fails.
   void tellOfJournal() {
     const JournalWriter* journal = session_.journal();
     if (journal == nullptr || journal_failed_ || !journal->failed()) return;
@@ -294,7 +296,8 @@ EditResult editVolume(const EditRequest& request, Progress& progress,
   checkReadOnly(request.in, request);
   if (!request.script.empty()) checkReadOnly(request.script, request);
   Orders orders(request);
-  AtomicFile file(request.out);  // before the long part, so that a folder that may not be written is refused at once
+  // Opened before the long work, so that a folder without write permission is refused at once.
+  AtomicFile file(request.out);
   progress.stage("loading " + request.in);
   Volume volume = loadAndTell(request.in, progress);
   stopIfInterrupted();

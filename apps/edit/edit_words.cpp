@@ -17,7 +17,7 @@ std::string historyWords(const EditRequest& request, const EditResult& result) {
   return words;
 }
 
-// The budget is for densities and samples; tables, windows and lists come on top.
+// The budget covers densities and samples only; tables, windows and lists come on top.
 std::string gpuWords(const EditRequest& request, const EditResult& result) {
   std::string words = bytesInWords(result.gpu_budgeted_bytes);
   if (request.gpu_memory_bytes > 0) words += " of " + bytesInWords(request.gpu_memory_bytes);
@@ -41,7 +41,7 @@ std::string editWords(const EditRequest& request, const EditResult& result) {
   text += fmt::format("Memory    {}; {}\n", gpuWords(request, result), historyWords(request, result));
   if (!request.journal.empty()) {
     text += fmt::format("Journal   {} of {} saved", result.journal_saved, counted(result.journal_records, "record"));
-    // One that failed before its first record has been deleted.
+    // A journal that failed before its first record has been deleted.
     if (result.journal_bytes > 0)
       text += fmt::format(" in {}, {}", request.journal, bytesInWords(result.journal_bytes));
     text += "\n";

@@ -12,7 +12,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "base/byte_order_mark.hpp"
+#include "base/outside_text.hpp"
 
 namespace palpate {
 namespace {
@@ -24,7 +24,7 @@ std::string shortened(std::string_view text) {
   return text.size() <= kShown ? std::string(text) : std::string(text.substr(0, kShown)) + "...";
 }
 
-// Beginning with the first byte that no text has; npos: none. What lies above 0x7f may be a letter of some language.
+// The position of the first byte that is not text; npos: none. Bytes above 0x7f may be letters of any language.
 std::size_t firstControl(std::string_view text) {
   const auto is_control = [](unsigned char c) { return (c < 0x20 && c != '\t' && c != '\r') || c == 0x7f; };
   const auto found = std::find_if(text.begin(), text.end(), is_control);
@@ -57,7 +57,7 @@ EditOrder editOrder(std::string_view text, const std::string& place, const std::
 ScriptReader::ScriptReader(const std::string& name) : name_(name == "-" ? "standard input" : name) {
   if (name == "-") return;
   folder_ = std::filesystem::path(name).parent_path();
-  descriptor_ = open(name.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);  // a pipe that nobody writes to yet is no wait
+  descriptor_ = open(name.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);  // does not wait for a pipe's writer
   const int error = errno;
   if (descriptor_ < 0) {
     throw Error(error == ENOENT ? Error::Code::kNotFound : Error::Code::kIo, name,
@@ -80,7 +80,7 @@ double ScriptReader::fraction() const noexcept {
   return size_ == 0 ? 0 : std::min(1.0, static_cast<double>(read_.load()) / static_cast<double>(size_));
 }
 
-// False: there is no need to read any more.
+// Returns false if no more input is needed.
 bool ScriptReader::waitForBytes(const EditQueue& queue, const std::function<bool()>& stopped) const {
   for (;;) {
     if (stopped() || queue.abandoned()) return false;

@@ -5,7 +5,7 @@
 
 #include "apps/mesh/mesh_file.hpp"
 #include "base/error.hpp"
-#include "base/mesh_preparation.hpp"
+#include "base/triangle_mesh.hpp"
 
 namespace palpate {
 namespace {

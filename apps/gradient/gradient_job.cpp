@@ -42,7 +42,7 @@ void checkRequest(const GradientRequest& request) {
   checkNotInput(request.in, request.out);
 }
 
-// The volume on the device and the gradients of some of its bricks. One after another they are brought into the file.
+// The volume on the device, and the gradients of some of its bricks, which are copied into the file brick by brick.
 class Computed {
  public:
   Computed(const Volume& volume, const GradientRequest& request, GradientResult& result, Progress& progress)
@@ -50,18 +50,19 @@ class Computed {
     result.device = gpu_.info().name;
     result.bricks = pool_.brickCount();
     const Stopwatch watch;
-    const GradientOperator way = gradientOperator(request.gradient);
+    const GradientOperator gradient_operator = gradientOperator(request.gradient);
     const auto tell = [&](double done) {
       progress.fraction(done);
       throwIfInterrupted(kWork);
     };
-    if (!way.smoothing.empty()) progress.stage("smoothing");
+    if (!gradient_operator.smoothing.empty()) progress.stage("smoothing");
     const auto smoothing =
-        filteredBy(gpu_, transfer_, pool_, lowerFilters(way.smoothing, pool_.lattice().spacing_m), tell);
+        filteredBy(gpu_, transfer_, pool_, lowerFilters(gradient_operator.smoothing, pool_.lattice().spacing_m), tell);
     progress.stage("gradients");
     store_.emplace(gpu_, pool_.brickCount(), chosenBricks(volume, request, result), pool_.budget());
     throwIfInterrupted(kWork);
-    GradientPass(gpu_, transfer_, pool_, *store_, way, smoothing ? &smoothing->result() : nullptr).run(tell);
+    GradientPass(gpu_, transfer_, pool_, *store_, gradient_operator, smoothing ? &smoothing->result() : nullptr)
+        .run(tell);
     result.written = store_->brickCount();
     result.gradient_s = watch.seconds();
   }
@@ -112,8 +113,8 @@ class Computed {
 GradientResult gradientFile(const GradientRequest& request, Progress& progress) {
   const Stopwatch watch;
   checkRequest(request);
-  (void)gradientOperator(request.gradient);  // what is wrong with it is said before the long part
-  AtomicFile file(request.out);              // and so is a folder that may not be written
+  (void)gradientOperator(request.gradient);  // refuses an invalid operator before the long work
+  AtomicFile file(request.out);              // and a folder without write permission
   progress.stage("loading " + request.in);
   const Volume volume = loadAndTell(request.in, progress);
   throwIfInterrupted(kWork);

@@ -16,14 +16,14 @@
 #include "apps/mesh/stl_file.hpp"
 #include "base/child_process.hpp"
 #include "base/error.hpp"
-#include "base/one_line.hpp"
+#include "base/outside_text.hpp"
 
 namespace palpate {
 namespace {
 
 namespace fs = std::filesystem;
 
-// What can be said before the file is read. Returns the ending of its name, in small letters.
+// Checks what can be checked before the file is read. Returns the suffix of its name, in lower case.
 std::string checkFile(const std::string& file) {
   std::error_code error;
   const fs::file_status status = fs::status(file, error);
@@ -67,7 +67,7 @@ void add(const aiMesh& part, const std::string& file, TriangleMesh& mesh) {
       refuse(file, fmt::format("a face names vertex {} of {}", face.mIndices[corner], part.mNumVertices),
              "mend the mesh");
     }
-    for (unsigned corner = 2; corner < face.mNumIndices; ++corner) {  // none of points and lines
+    for (unsigned corner = 2; corner < face.mNumIndices; ++corner) {  // points and lines give no triangle
       mesh.triangles.push_back(
           {first + face.mIndices[0], first + face.mIndices[corner - 1], first + face.mIndices[corner]});
     }
@@ -75,7 +75,7 @@ void add(const aiMesh& part, const std::string& file, TriangleMesh& mesh) {
 }
 
 TriangleMesh readObj(const std::string& file) {
-  // No steps after reading: some of them stop the program at faces that damaged files have.
+  // No post-processing: some of its steps abort the program at the faces of a damaged file.
   Assimp::Importer importer;
   const aiScene* scene = importer.ReadFile(file, 0);
   if (scene == nullptr) {

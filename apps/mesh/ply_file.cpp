@@ -16,7 +16,7 @@
 namespace palpate {
 namespace {
 
-// Where in the file the reader is, for messages.
+// The reader's place in the file, for messages.
 struct Place {
   const std::string& file;
   const PlyElement* element = nullptr;
@@ -83,7 +83,7 @@ class TextSource {
  public:
   TextSource(std::string_view values, char line_end) : left_(values), line_end_(line_end) {}
 
-  // On the next line that is not empty.
+  // Goes to the next line that is not empty.
   void begin(const Place& place) {
     do {
       if (left_.empty()) place.refuse("is beyond the file's end");
@@ -117,7 +117,7 @@ class TextSource {
   Words line_{""};
 };
 
-// The properties of an element that the mesh is made of.
+// The properties of an element that the mesh needs.
 struct Taken {
   enum class Kind { kNothing, kVertex, kFace, kStrips };
   Kind kind = Kind::kNothing;
@@ -175,7 +175,7 @@ class BodyReader {
   }
 
  private:
-  // Keeps scalars, and of the lists the corners.
+  // Keeps the scalars, and the list of corners.
   void readElement(const Taken& taken, const Place& place) {
     source_.begin(place);
     const std::vector<PlyProperty>& properties = place.element->properties;
@@ -221,7 +221,7 @@ class BodyReader {
     }
   }
 
-  // Every vertex makes a triangle with the two before it, turned every other time.
+  // Every vertex makes a triangle with the two before it; every second triangle is reversed.
   void takeStrips(const Place& place) {
     std::array<std::uint32_t, 2> before = {};
     std::size_t length = 0;

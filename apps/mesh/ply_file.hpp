@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/mesh/ply_file.hpp: the mesh in a PLY file's bytes. Private to apps/mesh. Any thread; cost: one pass.
+// apps/mesh/ply_file.hpp: reads the mesh from a PLY file's bytes. Private to apps/mesh. Any thread; cost: one pass.
 //
-// Its own reader, because Assimp 5.2 takes the header's counts lightly, and drops the first byte of binary values where
-// that is a line feed (assimp issue 5341), as in one file of 256.
+// Assimp 5.2 is not used for PLY: it does not check the header's counts, and it drops the first byte of binary values
+// if that is a line feed (assimp issue 5341), as in one file of 256.
 #pragma once
 
 #include <string>
@@ -12,15 +12,14 @@
 
 namespace palpate {
 
-// Text or binary, of either byte order. Taken are x, y and z of the element `vertex`, and the list `vertex_indices` (or
-// `vertex_index`) of `face`, whose polygons are cut into triangles, and of `tristrips`, where -1 begins a new strip.
-// Everything else is read over, lists too.
+// Text or binary, of either byte order. Uses x, y and z of the element `vertex`, and the list `vertex_indices` (or
+// `vertex_index`) of the elements `face` and `tristrips`. The polygons of `face` are cut into triangles; in `tristrips`
+// -1 begins a new strip. All other elements and properties are skipped.
 //
-// Throws Error(kBadInput), which names `file`, unless the values are exactly those that the header announces: binary
-// values end with the last byte. In text every element is a line of its own with as many numbers as it has properties,
-// and the last line ends, as a number may be cut otherwise. Also: a faulty header, a face of fewer than three corners,
-// a corner that is no vertex, a vertex that is not finite. So no end of a file can be missing,
-// and no byte of a binary one that holds triangles alone. A digit lost within a text is not seen.
+// Throws Error(kBadInput), which names `file`: a faulty header; values that are more or fewer than the header
+// announces; a face of fewer than three corners; a corner that is no vertex; a vertex that is not finite. Binary values
+// must end with the last byte. In text each element is a line of its own, and the last line must end too, since its
+// last number may be cut otherwise. So a missing end of a file is always noticed. A digit lost within a text is not.
 [[nodiscard]] TriangleMesh readPly(std::string_view bytes, const std::string& file);
 
 }  // namespace palpate

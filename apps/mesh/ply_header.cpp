@@ -84,7 +84,7 @@ class HeaderReader {
   }
   [[noreturn]] void refuseLine() const { refuse(fmt::format("its PLY header has the line {}", inQuotes(line_))); }
 
-  // Without blanks at its end.
+  // The line without trailing blanks.
   std::string_view nextLine() {
     if (at_ == 0 && text_.find('\r') < text_.find('\n')) {
       const std::size_t after = text_.find('\r') + 1;

@@ -90,7 +90,7 @@ class TextReader {
 
   void facet() {
     expect("normal");
-    for (int n = 0; n < 3; ++n) words_.next();  // of a triangle without area, writers' own words for "none"
+    for (int n = 0; n < 3; ++n) words_.next();  // for a triangle without area writers have their own words
     expect("outer");
     expect("loop");
     std::array<Vec3, 3> corners;
@@ -114,7 +114,7 @@ class TextReader {
   TriangleMesh mesh_;
 };
 
-// By its beginning. Writers of binary files put "solid" there too, but a text has no zeros.
+// Judged by its beginning. Binary files may begin with "solid" too, but a text has no zero bytes.
 bool isText(std::string_view bytes) {
   return equalInAnyCase(Words(bytes).next(), "solid") && bytes.substr(0, 512).find('\0') == std::string_view::npos;
 }

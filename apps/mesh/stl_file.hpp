@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/mesh/stl_file.hpp: the mesh in an STL file's bytes, text or binary. Private to apps/mesh. Any thread; cost: one
-// pass.
+// apps/mesh/stl_file.hpp: reads the mesh from an STL file's bytes, text or binary. Private to apps/mesh. Any thread;
+// cost: one pass.
 //
-// Every triangle has three vertices of its own, in the file's order; the file's normals are not used. A file is binary
-// where its count of triangles gives its length (84 bytes and 50 for each), whatever its first 80 bytes say.
+// Every triangle has three vertices of its own, in the file's order. The file's normals are ignored. A file is binary
+// if its length fits its count of triangles (84 bytes, and 50 for each triangle), whatever its first 80 bytes are.
 #pragma once
 
 #include <string>
@@ -13,9 +13,9 @@
 
 namespace palpate {
 
-// Throws Error(kBadInput), which names `file`: a binary file of another length than its count gives; text that does not
-// follow the grammar, from `solid` to `endsolid`, as often as the file has solids; a vertex that is not finite. Of
-// several solids, whole ones may be missing unnoticed.
+// Throws Error(kBadInput), which names `file`: a binary file whose length does not fit its count; text that does not
+// follow the grammar from `solid` to `endsolid`, for one or more solids; a vertex that is not finite. If whole solids
+// are missing from a text, this is not noticed.
 [[nodiscard]] TriangleMesh readStl(std::string_view bytes, const std::string& file);
 
 }  // namespace palpate

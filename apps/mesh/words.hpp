@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/mesh/words.hpp: words and numbers of mesh files that are text. Private to apps/mesh. Any thread.
+// apps/mesh/words.hpp: splits the text of a mesh file into words and numbers. Private to apps/mesh. Any thread.
 #pragma once
 
 #include <algorithm>
@@ -9,16 +9,16 @@
 #include <string>
 #include <string_view>
 
-#include "base/one_line.hpp"
+#include "base/outside_text.hpp"
 
 namespace palpate {
 
-// Takes words off a text, from its beginning on. A word ends at a blank or at the end of a line.
+// Reads a text word by word. Blanks and line ends separate words.
 class Words {
  public:
   explicit Words(std::string_view text) : text_(text) {}
 
-  // "": there are no more.
+  // The next word; "" at the end of the text.
   std::string_view next() {
     constexpr std::string_view kBlanks = " \t\r\n\v\f";
     at_ = std::min(text_.find_first_not_of(kBlanks, at_), text_.size());
@@ -27,7 +27,7 @@ class Words {
     at_ = end;
     return word;
   }
-  // Leaves out what remains of the line.
+  // Skips the rest of the line.
   void skipLine() { at_ = std::min(text_.find_first_of("\r\n", at_), text_.size()); }
   [[nodiscard]] std::string_view rest() const { return text_.substr(at_); }
 
@@ -36,7 +36,7 @@ class Words {
   std::size_t at_ = 0;
 };
 
-// The whole word as a number; "nan" and "inf" are numbers too, of double.
+// The whole word as a number, empty if it is none. For a floating-point T "nan" and "inf" are numbers.
 template <class T>
 std::optional<T> numberOf(std::string_view word) {
   if (word.starts_with('+')) word.remove_prefix(1);
@@ -46,7 +46,7 @@ std::optional<T> numberOf(std::string_view word) {
   return number;
 }
 
-// Fit for a message.
+// The words in quotes, cut to 40 characters and to one line, for a message.
 inline std::string inQuotes(std::string_view words) {
   constexpr std::size_t kMost = 40;
   return '"' + oneLine(std::string(words.substr(0, kMost))) + (words.size() > kMost ? "...\"" : "\"");

@@ -44,7 +44,7 @@ std::string plainWords(const std::string& message) {
   return message;
 }
 
-// An unknown flag first: what else is wrong may follow from it.
+// Reports an unknown flag first, since other errors may follow from it.
 std::string parseMessage(const CLI::App& verb, const std::string& command, const CLI::ParseError& error) {
   const std::string help = fmt::format("'{} --help' says what may be given", command);
   const std::vector<std::string> unknown = verb.remaining(true);

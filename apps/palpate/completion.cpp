@@ -26,11 +26,11 @@ using Explained = std::pair<std::string, std::string>;
 // A verb by its place under the program: "" (the program itself), "touch", "bench servo".
 struct Verb {
   std::string place;
-  std::vector<Explained> words;  // that may stand behind it: verbs under it, or what it takes without a flag
+  std::vector<Explained> words;  // that may follow it: its own verbs, or the words that it takes without a flag
   std::vector<Flag> flags;
 };
 
-// Of a scene's flag from its table; of another from its check, which CLI11 describes as "{float,half}".
+// The words of a scene's flag come from the option table, those of another from its check ("{float,half}" in CLI11).
 std::vector<std::string> wordsOf(const CLI::Option& option) {
   for (const SceneOption& row : sceneOptions()) {
     if (option.check_lname(std::string(row.flag).substr(2)))
@@ -75,7 +75,7 @@ std::vector<Verb> verbsUnder(const CLI::App& app, const std::string& place) {
   return all;
 }
 
-// Behind 'help' stands every verb again, with the verbs under it but without its flags.
+// After 'help' every verb may follow, with its own verbs but without its flags.
 std::vector<Verb> everyVerb(const CLI::App& app) {
   std::vector<Verb> all = verbsUnder(app, "");
   const auto help = std::find_if(all.begin(), all.end(), [](const Verb& verb) { return verb.place == "help"; });
@@ -94,7 +94,7 @@ std::vector<Verb> everyVerb(const CLI::App& app) {
   return all;
 }
 
-// As one word of a shell.
+// Quotes a text as one word of a shell.
 std::string inQuotes(const std::string& text) {
   std::string word = "'";
   for (const char c : text) word += c == '\'' ? std::string("'\\''") : std::string(1, c);
@@ -136,15 +136,18 @@ std::string described(const std::string& name, const std::string& help) {
 
 std::string bashCompletion(const CLI::App& app) {
   const std::vector<Verb> verbs = everyVerb(app);
+  // --flag=val is three words where '=' breaks them, as bash does by default, else one.
   std::string text =
-      "# palpate completion bash: source <(palpate completion bash)\n_palpate() {\n"
-      "  local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]}\n"
-      "  local place= values= words= flags= front= valued= i\n"
-      // --flag=val is three words where '=' breaks them, as bash does by default, else one.
-      "  if [[ $word == --*=* ]]; then valued=1 front=${word%%=*}= before=${word%%=*} word=${word#*=}\n"
-      "  elif [[ $word == = ]]; then valued=1 word=\n"
-      "  elif [[ $before == = ]]; then valued=1 before=${COMP_WORDS[COMP_CWORD - 2]}; fi\n"
-      "  for ((i = 1; i < COMP_CWORD; ++i)); do\n    case \"${place:+$place }${COMP_WORDS[i]}\" in\n";
+      R"(# palpate completion bash: source <(palpate completion bash)
+_palpate() {
+  local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]}
+  local place= values= words= flags= front= valued= i
+  if [[ $word == --*=* ]]; then valued=1 front=${word%%=*}= before=${word%%=*} word=${word#*=}
+  elif [[ $word == = ]]; then valued=1 word=
+  elif [[ $before == = ]]; then valued=1 before=${COMP_WORDS[COMP_CWORD - 2]}; fi
+  for ((i = 1; i < COMP_CWORD; ++i)); do
+    case "${place:+$place }${COMP_WORDS[i]}" in
+)";
   text += fmt::format("      {}) place=${{place:+$place }}${{COMP_WORDS[i]}} ;;\n      *) break ;;\n    esac\n  done\n",
                       places(verbs));
   text += "  case \"$place $before\" in\n" + valueCases(verbs, "'", "'") + "  esac\n";
@@ -157,22 +160,31 @@ std::string bashCompletion(const CLI::App& app) {
                         fmt::join(flags, " "));
   }
   return text +
-         "  esac\n"
-         "  if [[ -n $values ]]; then COMPREPLY=($(compgen -P \"$front\" -W \"$values\" -- \"$word\"))\n"
-         "  elif [[ -n $valued ]]; then COMPREPLY=()\n"
-         "  elif [[ $word == -* ]]; then COMPREPLY=($(compgen -W \"$flags\" -- \"$word\"))\n"
-         "  else COMPREPLY=($(compgen -W \"$words\" -- \"$word\")); fi\n"
-         "}\ncomplete -o default -F _palpate palpate\n";
+         R"(  esac
+  if [[ -n $values ]]; then COMPREPLY=($(compgen -P "$front" -W "$values" -- "$word"))
+  elif [[ -n $valued ]]; then COMPREPLY=()
+  elif [[ $word == -* ]]; then COMPREPLY=($(compgen -W "$flags" -- "$word"))
+  else COMPREPLY=($(compgen -W "$words" -- "$word")); fi
+}
+complete -o default -F _palpate palpate
+)";
 }
 
 std::string zshCompletion(const CLI::App& app) {
   const std::vector<Verb> verbs = everyVerb(app);
   std::string text =
-      "#compdef palpate\n# palpate completion zsh: source <(palpate completion zsh), or a file _palpate in $fpath\n"
-      "_palpate() {\n  local place= valued= before=${words[CURRENT-1]} i\n  local -a values verbs flags\n"
-      "  if [[ ${words[CURRENT]} == --*=* ]]; then\n"
-      "    valued=1 before=${words[CURRENT]%%=*}\n    compset -P '*='\n  fi\n"
-      "  for ((i = 2; i < CURRENT; ++i)); do\n    case \"${place:+$place }${words[i]}\" in\n";
+      R"(#compdef palpate
+# palpate completion zsh: source <(palpate completion zsh), or a file _palpate in $fpath
+_palpate() {
+  local place= valued= before=${words[CURRENT-1]} i
+  local -a values verbs flags
+  if [[ ${words[CURRENT]} == --*=* ]]; then
+    valued=1 before=${words[CURRENT]%%=*}
+    compset -P '*='
+  fi
+  for ((i = 2; i < CURRENT; ++i)); do
+    case "${place:+$place }${words[i]}" in
+)";
   text += fmt::format("      {}) place=\"${{place:+$place }}${{words[i]}}\" ;;\n      *) break ;;\n    esac\n  done\n",
                       places(verbs));
   text += "  case \"$place $before\" in\n" + valueCases(verbs, "(", ")") + "  esac\n";
@@ -187,14 +199,15 @@ std::string zshCompletion(const CLI::App& app) {
                         fmt::join(flags, "\n        "));
   }
   return text +
-         "  esac\n"
-         "  if (( ${#values} )); then compadd -a values\n"
-         "  elif [[ -n $valued ]]; then _files\n"
-         "  elif [[ ${words[CURRENT]} == -* ]]; then _describe -o flag flags\n"
-         "  elif (( ${#verbs} )); then _describe verb verbs\n"
-         "  else _files; fi\n"
-         "}\n"
-         "if [[ ${funcstack[1]} == _palpate ]]; then _palpate \"$@\"; else compdef _palpate palpate; fi\n";
+         R"(  esac
+  if (( ${#values} )); then compadd -a values
+  elif [[ -n $valued ]]; then _files
+  elif [[ ${words[CURRENT]} == -* ]]; then _describe -o flag flags
+  elif (( ${#verbs} )); then _describe verb verbs
+  else _files; fi
+}
+if [[ ${funcstack[1]} == _palpate ]]; then _palpate "$@"; else compdef _palpate palpate; fi
+)";
 }
 
 }  // namespace palpate

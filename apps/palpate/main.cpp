@@ -13,7 +13,6 @@
 
 #include "apps/console/interrupt.hpp"
 #include "apps/console/message.hpp"
-#include "apps/console/standard_streams.hpp"
 #include "base/error.hpp"
 #include "command_words.hpp"
 #include "engine/gpu/validation.hpp"
@@ -27,7 +26,7 @@ using palpate::exitStatus;
 
 constexpr int kUnexpected = 1;
 
-// How a verb ended; without a message all was told.
+// How a verb ended. Without a message, everything was reported already.
 struct Ending {
   int status = 0;
   std::string message;
@@ -40,7 +39,7 @@ struct Addressed {
   std::string command;
 };
 
-// CLI11 would say only that a subcommand is required.
+// CLI11's own message would say only that a subcommand is required.
 Addressed addressedVerb(const CLI::App& app, int argc, char** argv) {
   Addressed at{&app, app.get_name()};
   for (int i = 1; i < argc && argv[i][0] != '-' && at.verb->get_require_subcommand_min() > 0; ++i) {
@@ -112,9 +111,9 @@ int validated(int status) {
 void addVerbs(CLI::App& app) {
   for (const auto& add :
        {palpate::addTouchVerb, palpate::addEditVerb, palpate::addRecoverVerb, palpate::addInfoVerb,
-        palpate::addConvertVerb, palpate::addGradientVerb, palpate::addFilterVerb, palpate::addCheckVerb,
-        palpate::addBenchVerb, palpate::addDevicesVerb, palpate::addPlanVerb, palpate::addSceneVerb,
-        palpate::addFaultsVerb, palpate::addHelpVerb, palpate::addCompletionVerb}) {
+        palpate::addConvertVerb, palpate::addGradientVerb, palpate::addFilterVerb, palpate::addRenderVerb,
+        palpate::addCheckVerb, palpate::addBenchVerb, palpate::addDevicesVerb, palpate::addPlanVerb,
+        palpate::addSceneVerb, palpate::addFaultsVerb, palpate::addHelpVerb, palpate::addCompletionVerb}) {
     add(app);
   }
 }

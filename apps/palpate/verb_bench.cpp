@@ -27,7 +27,7 @@ struct BenchFlags : BenchArguments {
   std::string json, csv, chart, page;
 };
 
-// CLI::Range lets NaN through.
+// Not CLI::Range, which accepts NaN.
 std::string checkSeconds(const std::string& text) {
   constexpr double kLeast_s = 0.1, kMost_s = 3600;
   double value = 0;
@@ -71,7 +71,7 @@ std::string commandLine(const Bench& bench, const BenchFlags& flags) {
   return line + fmt::format(" --seed {}", flags.seed);
 }
 
-// Opened before the bench runs, so that a name that cannot be written is refused in the first second.
+// The output files. They are opened before the bench runs, so that a bad name is refused in the first second.
 class Outputs {
  public:
   void add(const std::string& name, std::function<std::string()> text) {
@@ -89,7 +89,7 @@ class Outputs {
   std::list<std::pair<AtomicFile, std::function<std::string()>>> files_;
 };
 
-// The chart as seen from the page: by its way from the page's folder.
+// The path of the chart relative to the page's folder.
 std::string chartFromPage(const BenchFlags& flags) {
   if (flags.chart.empty() || flags.page.empty()) return {};
   const auto folder = std::filesystem::absolute(flags.page).parent_path();
@@ -99,7 +99,7 @@ std::string chartFromPage(const BenchFlags& flags) {
 void runVerb(const Bench& bench, const BenchFlags& flags) {
   BenchResult result;
   std::string tables;
-  checkEachItsOwn({flags.json, flags.csv, flags.chart, flags.page});
+  checkOutputsDiffer({flags.json, flags.csv, flags.chart, flags.page});
   Outputs outputs;
   outputs.add(flags.json, [&] { return jsonText(result); });
   outputs.add(flags.csv, [&] { return csvText(result); });

@@ -46,7 +46,7 @@ void checkOutputs(const std::string& volume, const std::string& json, const std:
   for (const std::string& file : {json, page}) {
     if (!file.empty() && !volume.empty()) checkNotInput(volume, file);
   }
-  checkEachItsOwn({json, page});
+  checkOutputsDiffer({json, page});
 }
 
 void printCheck(const CheckArguments& arguments, const Check& check) {
@@ -103,7 +103,7 @@ void checkGradientVerb(const CheckArguments& arguments) {
   if (!check.holds()) throw CLI::RuntimeError(kBoundBroken);
 }
 
-// Of the checks that give a table.
+// Arguments of the checks that print a table.
 struct TableArguments {
   std::string volume;
   std::string gpu;
@@ -174,7 +174,7 @@ void checkEditsVerb(const TableArguments& arguments) {
   tell(arguments, "edits", checks);
 }
 
-// As it would be given again; of a file its name alone.
+// The volume as given; a file without its folder.
 std::string allCommand(const TableArguments& arguments) {
   std::string command = "palpate check all";
   if (!arguments.volume.empty()) {
@@ -208,8 +208,8 @@ void checkAllVerb(const TableArguments& arguments) {
 void addCommonOptions(CLI::App& verb, TableArguments& arguments, const char* crop_default) {
   verb.add_option("--gpu", arguments.gpu, "part of the Vulkan device's name; the best one if not given");
   verb.add_option("--crop", arguments.crop,
-                  fmt::format("check only the middle of the volume, so many voxels along each side, since twins are "
-                              "slow (default {})",
+                  fmt::format("check only the middle of the volume, "
+                              "so many voxels along each side, since twins are slow (default {})",
                               crop_default))
       ->check(CLI::Range(2, 1 << 20));
   verb.add_option("--json", arguments.json, "write the results into this file too")->each(checkWritable);
@@ -260,8 +260,9 @@ void addAllChecks(CLI::App& check) {
   CLI::App* all = check.add_subcommand("all", "gradients, filters and edits, on a volume or on a list of them");
   auto arguments = std::make_shared<TableArguments>();
   all->add_option("volume", arguments->volume,
-                  fmt::format("{}; without it every phantom, random bits, thin volumes, and the scans in the folder "
-                              "that PALPATE_DATA names",
+                  fmt::format("{}; "
+                              "without it every phantom, random bits, thin volumes, "
+                              "and the scans in the folder that PALPATE_DATA names",
                               kVolumeHelp));
   all->add_flag("--quick", arguments->quick, "three small volumes, each filter once");
   all->add_option("--seed", arguments->seed, "of edits (default 1)");

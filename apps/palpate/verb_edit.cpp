@@ -20,7 +20,7 @@ struct EditArguments {
   std::string history, gpu_memory;
 };
 
-// The result's file is not the volume that is written. (Nor one that is read: editVolume().)
+// The JSON file must not be the output volume. (editVolume() checks the inputs.)
 void checkJson(const EditArguments& arguments) {
   if (arguments.request.json.empty()) return;
   if (!arguments.request.out.empty() && sameFile(arguments.request.json, arguments.request.out))
@@ -41,7 +41,7 @@ void edit(EditArguments& arguments) {
   if (!arguments.request.json.empty())
     writeFileAtomically(arguments.request.json, editJson(request, result).dump(2) + "\n");
   printText(editWords(request, result));
-  // The volume is there, and what went wrong was told; who kept a journal relies on it nevertheless.
+  // The volume was written, and the failure reported. But the user relies on the journal, so the exit status tells too.
   if (result.journal_saved < result.journal_records) throw CLI::RuntimeError(exitStatus(Error::Code::kIo));
 }
 
@@ -50,9 +50,9 @@ void edit(EditArguments& arguments) {
 void addEditVerb(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("edit", "apply edits, undo and redo to a volume and save it");
   verb->footer(
-      "A command is a kind and keys: remove:radius=2mm:at=10,20,30 (mm, world); or undo, redo. 'palpate edit "
-      "--commands'\nlists all, docs/edits.md explains them. --do comes before --script.\n"
-      "Example: palpate edit phantom:head head.vdb --do remove:radius=12mm:at=0,-80,0 --do undo");
+      R"(A command is a kind and keys: remove:radius=2mm:at=10,20,30 (mm, world); or undo, redo. 'palpate edit --commands'
+lists all, docs/edits.md explains them. --do comes before --script.
+Example: palpate edit phantom:head head.vdb --do remove:radius=12mm:at=0,-80,0 --do undo)");
   auto arguments = std::make_shared<EditArguments>();
   EditRequest& request = arguments->request;
   verb->add_option("in", request.in, "file, DICOM folder or 'phantom:NAME?size=64'")->required();
@@ -61,7 +61,7 @@ void addEditVerb(CLI::App& app) {
       ->required();
   verb->add_option("--do", request.commands, "a command; as often as wanted, in this order")
       ->type_name("COMMAND")
-      ->allow_extra_args(false);  // what follows may be a volume
+      ->allow_extra_args(false);  // the next word may be a volume
   verb->add_option("--script", request.script,
                    "commands from a file, one a line, # begins a comment; -: standard input")
       ->type_name("FILE")

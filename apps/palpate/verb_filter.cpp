@@ -17,8 +17,8 @@ std::string filterList() {
   for (const FilterWords& words : filterTable())
     text += fmt::format("  {}:{}  {}\n      {}\n", words.name, words.size, words.what, words.keys);
   return text +
-         "Example: palpate filter scan.nii.gz -o smooth.vdb --filter \"gaussian:0.8mm\"\ndocs/filters.md says what "
-         "each does, what it costs and when to use it";
+         "Example: palpate filter scan.nii.gz -o smooth.vdb --filter \"gaussian:0.8mm\"\n"
+         "docs/filters.md says what each does, what it costs and when to use it";
 }
 
 }  // namespace

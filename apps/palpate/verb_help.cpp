@@ -18,7 +18,7 @@ void addHelpVerb(CLI::App& app) {
       above = command;
       command += " " + asked->get_name();
     }
-    // Of the program CLI11 would print the verb that was given, which is this one.
+    // For the program itself, CLI11 would print the help of the verb given, which is `help`.
     printText(asked == &app ? app.get_formatter()->make_help(&app, app.get_name(), CLI::AppFormatMode::Normal)
                             : asked->help(above));
   });

@@ -21,13 +21,13 @@ namespace {
 constexpr int kBins = 24;
 constexpr int kBarLength = 50;
 
-// A zero has no sign here: -0 + 0 is 0.
+// Numbers whose zeros have no sign: -0 + 0 is 0.
 template <typename Numbers>
 Numbers unsignedZeros(const Numbers& numbers) {
   return numbers + Numbers::Zero();
 }
 
-// Where edits and paths may go: voxel centres, in the world's frame.
+// The places where edits and paths may be: the range of voxel centres, in the world frame.
 void printPlaces(const Volume& volume) {
   const Vec3 last_L = (volume.size() - Vec3i::Ones()).cast<double>();
   Vec3 low_W = Vec3::Constant(std::numeric_limits<double>::infinity());
@@ -92,10 +92,10 @@ void printStatistics(const VolumeStatistics& statistics) {
               statistics.mean + 0.0);
   if (statistics.fill_share > 0) {
     printResult(
-        "  no data?     {:.3g} % of the voxels hold {:g}, far below all others: if that marks what was not measured, "
-        "the\n"
-        "               isovalues below and edits take it for a density all the same; give --iso, or replace it in the "
-        "file\n",
+        "  no data?     {:.3g} % of the voxels hold {:g}, far below all others: "
+        "if that marks what was not measured, the\n"
+        "               isovalues below and edits take it for a density all the same; "
+        "give --iso, or replace it in the file\n",
         100 * statistics.fill_share, statistics.minimum);
   }
   printHistogram(statistics.histogram);

@@ -22,7 +22,7 @@ struct RecoverArguments {
   std::string folder, out, volume;
 };
 
-// The file that lies in the folder is meant as well.
+// Accepts the journal's file in place of its folder.
 std::string journalFolder(const std::string& given) {
   const std::filesystem::path path(given);
   if (path.filename() != kJournalName || std::filesystem::is_directory(path)) return given;
@@ -71,14 +71,14 @@ void recover(const RecoverArguments& arguments) {
   progress.done();
   printResult("Journal   {}\n", editsInWords(journal));
   if (journal.damage) {
-    printResult("Lost      {}\n", damageWords(*journal.damage));
-    tellUser(fmt::format("{}: it has lost {}; {} holds what is before", folder, damageWords(*journal.damage),
+    printResult("Lost      {}\n", describeDamage(*journal.damage));
+    tellUser(fmt::format("{}: it has lost {}; {} holds what is before", folder, describeDamage(*journal.damage),
                          arguments.out));
   }
   printResult("Volume    {}, content {:016x}\nFile      {}\n", source, contentHash(volume), arguments.out);
   const std::string surface = surfaceWords(arguments.out, journal.header.profile.isovalue);
   if (!surface.empty()) printResult("Surface   {}", surface);
-  // The volume is there; who needs every edit must hear of it too.
+  // The volume was written, but the exit status tells that edits are missing.
   if (journal.damage) throw CLI::RuntimeError(exitStatus(Error::Code::kIo));
 }
 
@@ -87,9 +87,9 @@ void recover(const RecoverArguments& arguments) {
 void addRecoverVerb(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("recover", "make the volume of an editing session from its journal");
   verb->footer(
-      "A journal is what --journal DIR of 'palpate touch --edit' and 'palpate edit' keeps. The volume is the "
-      "session's, "
-      "bit\nfor bit, up to the last edit that reached the disk. Example: palpate recover DIR --out sculpted.vdb");
+      "A journal is what --journal DIR of 'palpate touch --edit' and 'palpate edit' keeps. "
+      "The volume is the session's, bit\nfor bit, up to the last edit that reached the disk. "
+      "Example: palpate recover DIR --out sculpted.vdb");
   auto arguments = std::make_shared<RecoverArguments>();
   verb->add_option("journal", arguments->folder, "folder that --journal was given, or the file in it")
       ->required()

@@ -21,7 +21,7 @@ namespace palpate {
 
 namespace {
 
-// The run is there; whether all of it is, the status says.
+// The run was written. The exit status tells whether all of it was.
 void endWith(const TouchRun& run) {
   const bool lost = run.edits && lostEdits(*run.edits);
   if (run.ended_early.empty() && !lost) return;
@@ -31,7 +31,7 @@ void endWith(const TouchRun& run) {
                                   edits.empty() ? "" : ", ", edits));
   if (!lost) throw stopped;
   if (!run.ended_early.empty()) tellUser(stopped.what());
-  throw CLI::RuntimeError(exitStatus(Error::Code::kIo));  // each loss was told when it came
+  throw CLI::RuntimeError(exitStatus(Error::Code::kIo));  // each loss was reported when it happened
 }
 
 }  // namespace
@@ -46,7 +46,7 @@ void addTouchVerb(CLI::App& app) {
     Progress progress;
     const Scene scene = arguments->scene();
     for (const std::string& idle : idleOptions(scene, arguments->givenFlags())) tellUser(idle);
-    std::optional<KeptWork> telling;  // outlives the run, whose memory may take long to give back
+    std::optional<KeptWork> telling;  // outlives the run, whose memory may take long to free
     try {
       const TouchRun run = runTouchJob(scene, arguments->commandLine("touch", scene), programCommit(), progress);
       telling.emplace();

@@ -28,6 +28,7 @@ void addInfoVerb(CLI::App& app);
 void addConvertVerb(CLI::App& app);
 void addGradientVerb(CLI::App& app);
 void addFilterVerb(CLI::App& app);
+void addRenderVerb(CLI::App& app);
 void addCheckVerb(CLI::App& app);
 void addBenchVerb(CLI::App& app);
 void addDevicesVerb(CLI::App& app);

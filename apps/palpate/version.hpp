@@ -5,7 +5,7 @@
 namespace palpate {
 
 [[nodiscard]] const char* programVersion() noexcept;  // "0.1.0"
-[[nodiscard]] const char*
-programCommit() noexcept;  // "0123456789", "-dirty" behind it for a changed tree, or "unknown"
+// "0123456789", with "-dirty" added if the tree was changed; or "unknown".
+[[nodiscard]] const char* programCommit() noexcept;
 
 }  // namespace palpate

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/palpate/volume_options.hpp: --series and --nan of the verbs that take a volume. Set-up thread.
+// apps/palpate/volume_options.hpp: the options --series and --nan of the verbs that take a volume. Set-up thread.
 #pragma once
 
 #include <string>
@@ -8,7 +8,8 @@
 
 namespace palpate {
 
-// Where they are given, `volume`, which outlives the verb, is named by them before the verb runs (withSeries, withNan).
+// Adds both options. Before the verb runs, the values given are added to the name in `volume` (withSeries, withNan),
+// which must outlive the verb.
 void addVolumeOptions(CLI::App& verb, std::string& volume);
 
 }  // namespace palpate

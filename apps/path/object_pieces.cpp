@@ -74,7 +74,7 @@ void ObjectPieces::findRuns(const SurfaceField& field) {
 
 std::uint32_t ObjectPieces::rootOf(std::uint32_t run) {
   while (runs_[run].piece != run) {
-    runs_[run].piece = runs_[runs_[run].piece].piece;  // halves the way for the next one
+    runs_[run].piece = runs_[runs_[run].piece].piece;  // path halving
     run = runs_[run].piece;
   }
   return run;

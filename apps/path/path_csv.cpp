@@ -12,8 +12,8 @@
 
 #include <fmt/format.h>
 
-#include "base/byte_order_mark.hpp"
 #include "base/error.hpp"
+#include "base/outside_text.hpp"
 #include "base/quantile.hpp"
 
 namespace palpate {
@@ -36,14 +36,14 @@ std::string readAll(const std::filesystem::path& file) {
   if (!std::filesystem::exists(file)) {
     throw Error(Error::Code::kNotFound, file.string(), "the path file does not exist", "check the name");
   }
-  // Opening a folder succeeds on Linux and reading it throws, so it is asked first.
+  // On Linux a folder can be opened, but reading it throws; so this is checked first.
   std::ifstream in(file, std::ios::binary);
   if (std::filesystem::is_directory(file) || !in) refuseReading(file);
   std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
   return text;
 }
 
-// Takes the next line off `text`, without its line end.
+// Removes the next line from `text` and returns it without its line end.
 std::string_view takeLine(std::string_view& text) {
   const auto end = text.find('\n');
   std::string_view line = text.substr(0, end);

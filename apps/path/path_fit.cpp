@@ -10,7 +10,7 @@
 namespace palpate {
 namespace {
 
-// What a finger does, and which shares of the object's size it may lie between.
+// The length that a finger uses, and its smallest and largest fraction of the object's size.
 struct Measure {
   double usual_m, least_share, most_share;
   [[nodiscard]] double of(double size_m) const {

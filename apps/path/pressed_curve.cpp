@@ -14,7 +14,7 @@ constexpr double kKernelReach = 4;  // standard deviations
 
 using Index = std::ptrdiff_t;
 
-// A sequence continued beyond its ends by point reflection, so that a smoothing kernel leaves the ends where they are.
+// A sequence continued beyond its ends by point reflection, so that smoothing does not move the ends.
 Vec3 continued(const std::vector<Vec3>& v, Index i) {
   const Index last = static_cast<Index>(v.size()) - 1;
   if (i < 0) return 2 * v.front() - v[static_cast<std::size_t>(std::min(-i, last))];

@@ -27,7 +27,7 @@ struct Ray {
   double reach_m;
 };
 
-// What rays are sent through: the box around a piece.
+// The target of the rays: the box around a piece.
 struct Target {
   Vec3 middle_W;
   double diagonal_m;
@@ -74,7 +74,7 @@ std::vector<Ray> raysFor(const SurfaceField& field, const Target& target, const 
   return rays;
 }
 
-// From the neighbours of its samples, where no ray of the grid meets the piece: it is thin, or curled up.
+// Short rays from neighbours of the piece's samples, for a thin or curled piece that no ray of the grid meets.
 std::vector<Ray> raysAtSamples(const SurfaceField& field, const ObjectPieces& pieces, std::size_t piece) {
   std::vector<Ray> rays;
   for (const ObjectPieces::Entry& entry : pieces.entries(piece, kSampleRays)) {
@@ -85,7 +85,7 @@ std::vector<Ray> raysAtSamples(const SurfaceField& field, const ObjectPieces& pi
   return rays;
 }
 
-// Where a ray first enters this piece: others in front of it are passed through.
+// Where a ray first enters this piece. It passes through other pieces in front of it.
 std::optional<SurfaceHit> firstEntryInto(const SurfaceField& field, const ObjectPieces& pieces, std::size_t piece,
                                          const Ray& ray) {
   Vec3 from_W = ray.origin_W;
@@ -113,7 +113,8 @@ double calmness(const SurfaceField& field, const SurfaceHit& at) {
   return sum / kRingPoints;
 }
 
-// A calm place that faces the tool and leaves it room to come from. Above 1 is ideal, below 0 useless.
+// Rates a place: high if the normals vary little, it faces the tool and there is room. Above 1 is ideal, below 0
+// useless.
 double score(const SurfaceField& field, const SurfaceHit& at, const Vec3& direction_W, double approach_m) {
   const double facing = -direction_W.dot(at.normal_W);
   const double room = freeDistance(field, at, at.normal_W, approach_m) / approach_m;
@@ -138,7 +139,7 @@ std::optional<SurfaceHit> bestOf(const SurfaceField& field, const ObjectPieces& 
 }  // namespace
 
 SurfaceHit startNear(const SurfaceField& field, const Vec3& start_W) {
-  // No farther than the volume is long: a search by voxels of a micrometre would never end.
+  // At most the volume's length: with voxels of a micrometre the search would otherwise never end.
   const double longest_m = field.size().cast<double>().cwiseProduct(field.lattice().spacing_m).norm();
   const double reach_m =
       std::min(std::max(kStartReach_m, kStartReachVoxels * field.lattice().smallestSpacing()), longest_m);

@@ -10,7 +10,8 @@ namespace {
 
 constexpr double kStepVoxels = 0.25;
 constexpr double kScan = std::numbers::pi / 16;  // angle between the directions that are tried [rad]
-constexpr double kSkip = std::numbers::pi / 24;  // the way back itself lies on the surface: begin a little beside it
+constexpr double kSkip =
+    std::numbers::pi / 24;  // the way back lies on the surface, so the scan begins a little beside it
 constexpr int kMarchBisections = 24;
 constexpr double kLevelling = 0.9;  // of a heading, in each step beyond an edge
 constexpr double kSteepestFall =

@@ -10,7 +10,7 @@ namespace palpate {
 namespace {
 
 constexpr int kBisections = 20;       // half a voxel / 2^20 is below 1e-6 voxel
-constexpr double kSnapVoxels = 1e-4;  // Newton has arrived
+constexpr double kSnapVoxels = 1e-4;  // Newton's method stops this near to the surface
 constexpr int kNearestDirections = 600;
 
 double voxel(const SurfaceField& field) {
@@ -100,7 +100,7 @@ std::optional<SurfaceHit> firstEntry(const SurfaceField& field, const Vec3& orig
                                      double reach_m) {
   const double step_m = 0.5 * voxel(field);
   const Stretch inside = insideVolume(field, origin_W, direction_W, reach_m);
-  bool outside_before = false;  // unknown space is not background: a volume cut through the object has no surface there
+  bool outside_before = false;  // beyond the volume nothing is known: where it cuts the object there is no surface
   for (double i = std::floor(inside.begin_m / step_m); i <= std::ceil(inside.end_m / step_m); ++i) {
     const Vec3 p_W = origin_W + std::min(i * step_m, reach_m) * direction_W;
     const auto height = heightAt(field, p_W);
@@ -148,7 +148,7 @@ std::optional<SurfaceHit> nearestSurfacePoint(const SurfaceField& field, const V
     best = point;
     best_m = std::min(best_m, *distance_m);
   }
-  // At the foot point the line to p runs along the normal: move against what is left of it in the tangent plane.
+  // At the foot point the line to p is along the normal, so move along the line's part in the tangent plane.
   for (int i = 0; best && i < 20; ++i) {
     const Vec3 away_W = p_W - best->p_W;
     const Vec3 along_W = away_W - away_W.dot(best->normal_W) * best->normal_W;

@@ -77,10 +77,9 @@ void checkAgainstVoxels(const SurfaceField& field, const PathRequest& request) {
            fmt::format("{:g} mm are {:.3g} voxels of {:g} mm, and the whole volume is {:.3g} mm long",
                        length_m * kMillimetresPerMetre, length_m / spacing_m, spacing_m * kMillimetresPerMetre,
                        longest_m * kMillimetresPerMetre),
-           fmt::format(
-               "make it shorter ({}); or, if metres were taken for millimetres, write the true voxel size into the "
-               "file",
-               flag));
+           fmt::format("make it shorter ({}); "
+                       "or, if metres were taken for millimetres, write the true voxel size into the file",
+                       flag));
   }
 }
 
@@ -93,7 +92,7 @@ double turning(const SurfaceCurve& curve) {
   return sum;
 }
 
-// Of evenly spread directions the one that goes farthest, and of those the one that bends least.
+// Tries evenly spread directions. Takes the longest curve, and among equally long ones that which bends least.
 SurfaceCurve chooseSlide(const SurfaceField& field, const SurfaceHit& start, double length_m, OverEdges over_edges) {
   const Vec3 u_W = start.normal_W.unitOrthogonal(), v_W = start.normal_W.cross(u_W);
   SurfaceCurve best;
@@ -126,14 +125,14 @@ struct OpenWay {
   double length_m = 0;
 };
 
-// How far a straight line from a point in the object goes through free space once it is out, at most to its end: 0
-// where it is never out.
+// The free length of a line that begins in the object: from where it leaves the object to where it enters again or ends
+// [m]. 0 if it never leaves.
 double freeEnd(const SurfaceField& field, const Vec3& from_W, const Vec3& to_W) {
   const double length_m = (to_W - from_W).norm();
   const double step_m = 0.25 * field.lattice().smallestSpacing();
   double out_m = -1;
   for (double s = 0; s < length_m; s += step_m) {
-    // What is beyond the volume is free space, and a straight line does not come back from there.
+    // Beyond the volume is free space, and a straight line does not come back from there.
     const auto height = heightAt(field, from_W + s / length_m * (to_W - from_W));
     if (!height) return out_m < 0 ? length_m - s : length_m - out_m;
     if (*height <= 0 && out_m < 0) out_m = s;
@@ -142,8 +141,8 @@ double freeEnd(const SurfaceField& field, const Vec3& from_W, const Vec3& to_W) 
   return out_m < 0 ? 0 : length_m - out_m;
 }
 
-// From `depth_m` under a surface point out of the object: along the normal where that is free for as long as is wished,
-// else in the freest of other directions, but by no more than `wish_m`.
+// The way out of the object from `depth_m` under a surface point: along the normal if that is free over `wish_m`, else
+// in the direction with the most room, up to `wish_m`.
 OpenWay openWay(const SurfaceField& field, const SurfaceHit& at, double depth_m, double wish_m) {
   OpenWay best = {at.normal_W, freeDistance(field, at, at.normal_W, wish_m)};
   if (best.length_m >= wish_m) return best;
@@ -163,7 +162,7 @@ OpenWay openWay(const SurfaceField& field, const SurfaceHit& at, double depth_m,
   return best;
 }
 
-// The wished direction, or the freest. Unit, from the surface to where the tool comes from.
+// The requested direction, or the freest. Unit, from the surface towards the tool's first position.
 OpenWay approachWay(const SurfaceField& field, const SurfaceHit& start, const PathRequest& request, double wish_m) {
   if (!request.toward_W) return openWay(field, start, 0, wish_m);
   const Vec3 from_W = -request.toward_W->normalized();
@@ -210,7 +209,7 @@ std::vector<TimedPoint> samplePhases(const std::vector<PathPhase>& phases, const
   return points;
 }
 
-// The largest piece that the tool can come to.
+// The largest piece that the tool can reach.
 std::pair<SurfaceHit, PathFit> startAndFit(const SurfaceField& field, const PathRequest& request) {
   const ObjectPieces pieces(field);
   const double voxel_m = field.lattice().smallestSpacing();
@@ -260,8 +259,8 @@ TouchPath buildTouchPath(const SurfaceField& field, const PathRequest& request) 
   if (request.over_edges == OverEdges::kFollow && path.depth_m > 0) {
     if (const double share = pressed.shareOutside(field); share > 0) {
       path.notes.push_back(
-          fmt::format("over {:.3g} mm of the slide the path is not in the object: at a depth of {:.3g} mm it comes out "
-                      "on another side; press less deep, or slide elsewhere",
+          fmt::format("over {:.3g} mm of the slide the path is not in the object: "
+                      "at a depth of {:.3g} mm it comes out on another side; press less deep, or slide elsewhere",
                       share * path.slid_m * kMillimetresPerMetre, path.depth_m * kMillimetresPerMetre));
     }
   }

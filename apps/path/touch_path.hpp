@@ -6,16 +6,29 @@
 // for each quarter of a voxel slid.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "apps/path/path_request.hpp"
+#include "apps/path/surface_march.hpp"
 #include "apps/path/surface_search.hpp"
 #include "apps/path/timed_point.hpp"
 
 namespace palpate {
 
 inline constexpr double kPathInterval_s = 2.0e-3;  // between points; longer only for paths of more than 1e6 points
+
+// What a user can ask of the path (Scene holds the same).
+struct PathRequest {
+  double duration_s = 5;                 // of the whole path [s]
+  std::optional<double> approach_m;      // distance from the surface at the start [m]; empty: as path_fit.hpp chooses
+  std::optional<double> press_depth_m;   // below the surface while sliding [m]; empty: likewise
+  std::optional<double> slide_length_m;  // along the surface [m]; empty: likewise
+  OverEdges over_edges = OverEdges::kFollow;
+  std::optional<Vec3> toward_W;  // direction in which the tool approaches; empty: chosen
+  std::optional<Vec3> start_W;   // a point near the surface where the press begins [m]; empty: chosen
+  std::optional<Vec3> slide_W;   // direction of the slide; empty: chosen
+};
 
 struct TouchPath {
   std::vector<TimedPoint> points;  // evenly spaced in time, from 0 to the duration exactly; for cubic interpolation

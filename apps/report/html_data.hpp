@@ -7,7 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "apps/report/decimate.hpp"
+#include "apps/report/plot_data.hpp"
 #include "apps/report/touch_run.hpp"
 
 namespace palpate {

@@ -3,11 +3,11 @@
 
 #include <fmt/format.h>
 
-#include "apps/report/histogram.hpp"
 #include "apps/report/html_data.hpp"
 #include "apps/report/html_tables.hpp"
 #include "apps/report/html_text.hpp"
 #include "apps/report/page_files.hpp"
+#include "apps/report/plot_data.hpp"
 #include "apps/report/summary.hpp"
 #include "apps/report/svg_plot.hpp"
 #include "apps/report/words.hpp"
@@ -20,42 +20,63 @@ constexpr int kClassesPerDecade = 10;
 
 std::string head(const TouchRun& run) {
   return fmt::format(
-      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<link rel=\"icon\" href=\"data:,\">\n"
-      "<title>Palpate: touching {}</title>\n<style>\n{}\n{}</style>\n</head>\n<body>\n<main>\n",
+      R"(<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<link rel="icon" href="data:,">
+<title>Palpate: touching {}</title>
+<style>
+{}
+{}</style>
+</head>
+<body>
+<main>
+)",
       escapeHtml(run.volume.name), kDygraphsCss, kReportCss);
 }
 
 std::string header(const TouchRun& run, const RunFigures& figures) {
   return fmt::format(
-      "<header>\n<p class=\"kind\">Palpate touch report</p>\n<h1>{}</h1>\n<p class=\"verdict\">{}</p>\n</header>\n",
+      R"(<header>
+<p class="kind">Palpate touch report</p>
+<h1>{}</h1>
+<p class="verdict">{}</p>
+</header>
+)",
       escapeHtml(run.volume.name), escapeHtml(verdict(run, figures)));
 }
 
 std::string picture(std::string_view view_png) {
   if (view_png.empty()) return "";
   return fmt::format(
-      "<section id=\"picture\">\n<img alt=\"The surface that was touched, the tool's path and the forces\" "
-      "src=\"data:image/png;base64,{}\">\n</section>\n",
+      R"(<section id="picture">
+<img alt="The surface that was touched, the tool's path and the forces" src="data:image/png;base64,{}">
+</section>
+)",
       base64(view_png));
 }
 
 std::string plotSection(const std::vector<ReportPlot>& plots, bool simulated_clock) {
   std::string out =
-      "<section id=\"plots\">\n<h2>Over time</h2>\n<p class=\"hint script\">Drag to zoom in all plots, "
-      "double-click to see everything again.</p>\n";
+      R"(<section id="plots">
+<h2>Over time</h2>
+<p class="hint script">Drag to zoom in all plots, double-click to see everything again.</p>
+)";
   for (const ReportPlot& plot : plots) {
     out += fmt::format(
-        "<h3>{}<span class=\"legend script\" id=\"{}-legend\"></span></h3>\n<div class=\"graph script\" "
-        "id=\"{}\"></div>\n"
-        "<noscript>{}</noscript>\n",
+        R"(<h3>{}<span class="legend script" id="{}-legend"></span></h3>
+<div class="graph script" id="{}"></div>
+<noscript>{}</noscript>
+)",
         escapeHtml(plot.title), plot.id, plot.id,
         curveSvg({plot.table.time_s, {plot.table.series.back()}}, plot.title + " over time"));
   }
   if (simulated_clock)
     out +=
-        "<p>The clock was simulated: ticks followed each other without waiting, so tick cost and wake-up lateness were "
-        "not measured.</p>\n";
+        "<p>The clock was simulated: ticks followed each other without waiting, "
+        "so tick cost and wake-up lateness were not measured.</p>\n";
   return out + "</section>\n";
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // apps/report/html_report.hpp: report.html, the run for people: one file that needs nothing but a browser.
 //
-// Style, script, curves and picture are inside; nothing is fetched. Curves are reduced (decimate.hpp), so the page
+// Style, script, curves and picture are inside; nothing is fetched. Curves are reduced (plot_data.hpp), so the page
 // stays below about 3 MB plus the picture, however long the run was. It needs no script to show curves, tables and
 // picture.
 #pragma once

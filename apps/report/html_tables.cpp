@@ -3,8 +3,8 @@
 
 #include <fmt/format.h>
 
-#include "apps/report/histogram.hpp"
 #include "apps/report/html_text.hpp"
+#include "apps/report/plot_data.hpp"
 #include "apps/report/svg_plot.hpp"
 #include "apps/report/words.hpp"
 #include "apps/scene/object_table.hpp"
@@ -105,8 +105,8 @@ std::string faultSection(const TouchRun& run) {
   if (run.faults.empty()) body = "<p>No fault was raised.</p>\n";
   for (const RunFault& fault : run.faults) {
     body += fmt::format(
-        "<div class=\"fault\"><b>{}</b> in {} of {} ticks, first at tick {}.<br>{}; the force {}.<br><i>What to "
-        "do:</i> {}</div>\n",
+        "<div class=\"fault\"><b>{}</b> in {} of {} ticks, first at tick {}.<br>{}; "
+        "the force {}.<br><i>What to do:</i> {}</div>\n",
         escapeHtml(fault.name), fault.ticks, run.records.size(), fault.first_tick, escapeHtml(fault.text),
         escapeHtml(fault.effect), escapeHtml(fault.remedy));
   }
@@ -122,7 +122,7 @@ std::string editSection(const TouchRun& run) {
   if (run.scene.journal.empty()) {
     rows += row("journal", "none (--journal keeps every edit on disk)");
   } else {
-    const bool is_there = e.journal_bytes > 0;  // it was not deleted for want of a record
+    const bool is_there = e.journal_bytes > 0;  // a journal without a record has been deleted
     if (is_there) rows += row("journal", run.scene.journal);
     if (is_there || e.journal_records > 0) {
       rows += row("records acknowledged",

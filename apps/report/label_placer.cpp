@@ -13,7 +13,7 @@ constexpr double kRoom_px = 2;  // around a label
 // How bad it is beside words over one point of a line: to be further away by a gap, since words near to another thing
 // are taken for its own; words over words; words that are cut off.
 constexpr double kFurther = 5, kCovered = 1e4, kOutside = 1e6;
-// Words at another's mark say what is false, which is worse than any of these.
+// A label at another's mark is wrong, which is worse than all of these.
 constexpr double kWrongMark = 1e8, kDoubtful = 1e5, kSameMark_px = 0.5, kClearlyFarther = 1.3;
 constexpr double kLeastGap = 0.9;  // of the gap that is asked for
 
@@ -31,7 +31,7 @@ void LabelPlacer::avoidLine(const std::vector<Pixel>& points) {
   if (!points.empty()) points_.push_back(points.front());
   for (std::size_t i = 1; i < points.size(); ++i) {
     const Pixel &a = points[i - 1], &b = points[i];
-    // What is beside the picture is in nobody's way; a long line out of it would be many points.
+    // Points outside the picture are left out; a line far out of it would have very many.
     const double length = std::min(std::hypot(b.x - a.x, b.y - a.y), 4 * (width_ + height_));
     const int steps = std::max(1, static_cast<int>(length / kStep_px));
     for (int n = 1; n <= steps; ++n) {
@@ -58,7 +58,7 @@ double LabelPlacer::cost(const LabelBox& words, const Pixel& own) const {
   return cost;
 }
 
-// A box around a place, moved into the picture if there is room for it there.
+// A box around a place, moved into the picture if it fits.
 LabelBox LabelPlacer::moved(double x, double y, double width, double height) const {
   const auto within = [](double v, double half, double end) {
     return 2 * (half + kRoom_px) > end ? v : std::clamp(v, half + kRoom_px, end - half - kRoom_px);

@@ -11,7 +11,7 @@
 namespace palpate {
 namespace {
 
-// What stands behind `key` and the separator in the first line of `file` that begins with the key.
+// The text after `key` and the separator, in the first line of `file` that begins with the key.
 std::string valueOf(const char* file, std::string_view key, char separator) {
   std::ifstream in(file);
   for (std::string line; std::getline(in, line);) {

@@ -15,7 +15,7 @@ const PathPhase* phaseOf(const std::vector<PathPhase>& phases, const char* name)
   return found == phases.end() ? nullptr : &*found;
 }
 
-// Until the next record, or one tick: grid points that were left out belong to the tick before them.
+// The time until the next record. Grid points that were left out belong to the tick before them.
 double duration(const std::vector<TickRecord>& records, std::size_t i, double rate_hz) {
   const auto ticks = i + 1 < records.size() ? records[i + 1].tick - records[i].tick : 1;
   return static_cast<double>(ticks) / rate_hz;
@@ -28,7 +28,7 @@ PathOutcome pathOutcome(const std::vector<TickRecord>& records, const std::vecto
   const PathPhase *slide = phaseOf(phases, "slide"), *retreat = phaseOf(phases, "retreat");
   if (slide == nullptr || retreat == nullptr) return outcome;
   bool touched = false;
-  double free_s = 0;  // in the retreat, until now
+  double free_s = 0;  // time without contact in the retreat so far
   for (std::size_t i = 0; i < records.size(); ++i) {
     const TickRecord& now = records[i];
     touched = touched || now.in_contact;
@@ -38,7 +38,7 @@ PathOutcome pathOutcome(const std::vector<TickRecord>& records, const std::vecto
     if (now.in_contact && free_s >= kFree_s) ++outcome.retreat_touches;
     free_s = now.in_contact ? 0 : free_s + duration(records, i, rate_hz);
   }
-  // A run that was stopped before has no end of the retreat.
+  // A run that was stopped earlier has not reached the end of the retreat.
   constexpr double kTicks = 1.5;  // the last one begins a tick before the end
   if (!records.empty() && records.back().time_s >= retreat->end_s - kTicks / rate_hz)
     outcome.ends_in_contact = records.back().in_contact;

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/report/summary.hpp"
 
+#include <algorithm>
+#include <string>
+
 #include <fmt/format.h>
 
 #include "apps/report/path_outcome.hpp"
-#include "apps/report/scene_json.hpp"
 #include "apps/report/words.hpp"
+#include "apps/scene/object_table.hpp"
+#include "apps/scene/option_table.hpp"
 #include "base/atomic_file.hpp"
 #include "servo/loop/run_figures.hpp"
 
@@ -13,6 +17,33 @@ namespace palpate {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+// Makes JSON from the value's text as the command line takes it; empty if no value is set.
+struct ToJson {
+  std::string text;
+
+  Json operator()(const NumberOption&) const { return orNull(numberOf(text)); }
+  Json operator()(const IntegerOption&) const { return std::stoll(text); }
+  Json operator()(const BytesOption&) const { return text.empty() ? Json(nullptr) : Json(text); }
+  Json operator()(const VectorOption&) const {
+    const std::optional<Vec3> vector = vectorOf(text);
+    return vector ? Json{vector->x(), vector->y(), vector->z()} : Json(nullptr);
+  }
+  // "a:b,c:d" is [[a,b],[c,d]].
+  Json operator()(const TableOption&) const {
+    if (text.empty()) return nullptr;
+    std::string rows;
+    for (const char c : text) rows += c == ',' ? "],[" : std::string(1, c == ':' ? ',' : c);
+    return Json::parse("[[" + rows + "]]");
+  }
+  template <class Words>
+  Json operator()(const Words&) const {
+    return text;
+  }
+
+ private:
+  static Json orNull(const std::optional<double>& number) { return number ? Json(*number) : Json(nullptr); }
+};
 
 Json toJson(const Vec3& v) {
   return {v.x(), v.y(), v.z()};
@@ -128,6 +159,20 @@ Json editsJson(const std::optional<RunEdits>& e) {
 Json faultJson(const RunFault& f) {
   return {{"name", f.name}, {"ticks", f.ticks},   {"first_tick", f.first_tick},
           {"text", f.text}, {"effect", f.effect}, {"remedy", f.remedy}};
+}
+
+// Every option of the table, nested as a scene file nests them: {"servo": {"n": 5, ...}, ...}. Null for a number, size,
+// direction, point or table that was not given. "objects": each as --object takes it.
+Json sceneJson(const Scene& scene) {
+  Json json;
+  for (const SceneOption& option : sceneOptions()) {
+    std::string place = std::string("/") + option.key;
+    std::replace(place.begin(), place.end(), '.', '/');
+    json[Json::json_pointer(place)] = std::visit(ToJson{optionText(option.value, scene)}, option.value);
+  }
+  json["objects"] = Json::array();
+  for (const ObjectSpec& object : scene.objects) json["objects"].push_back(objectText(object));
+  return json;
 }
 
 }  // namespace

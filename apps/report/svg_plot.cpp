@@ -29,7 +29,7 @@ std::string line(double x1, double y1, double x2, double y2, const char* style) 
                      x2, y2);
 }
 
-// Height of a bar: one tick already shows.
+// Height of a bar. Even one tick is visible.
 double barHeight(std::size_t count, double decades) {
   return count == 0 ? 0 : (std::log10(static_cast<double>(count)) + 0.3) / (decades + 0.3) * kInnerHeight;
 }
@@ -82,8 +82,8 @@ std::string histogramSvg(const LogHistogram& h, const std::string& label, const 
     if (h.counts[i] == 0) continue;
     const double height = barHeight(h.counts[i], decades);
     out += fmt::format(
-        "<rect class=\"bar\" x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\"><title>{} to {} {}: {} "
-        "{}</title></rect>\n",
+        "<rect class=\"bar\" x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\"><title>{} to {} {}: "
+        "{} {}</title></rect>\n",
         kLeft + width * static_cast<double>(i) + 0.5, kTop + kInnerHeight - height, std::max(width - 1, 0.5), height,
         shortNumber(h.edge(i)), shortNumber(h.edge(i + 1)), unit, h.counts[i], things);
   }

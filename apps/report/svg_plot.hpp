@@ -8,8 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/report/decimate.hpp"
-#include "apps/report/histogram.hpp"
+#include "apps/report/plot_data.hpp"
 
 namespace palpate {
 

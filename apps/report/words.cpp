@@ -52,12 +52,13 @@ std::string errorWords(const ContactStability& s) {
   return s.error_J == 0 ? "" : fmt::format(" (the encoders leave {} open)", mJ(s.error_J));
 }
 
-// An end below zero is within what the encoders and the quiet share leave open, or the verdict would be another.
+// An energy below zero at the end is within what the encoders and the quiet share leave open, or the verdict would
+// differ.
 std::string quietWords(const ContactStability& s, const RunFigures& f) {
   if (s.error_J > s.stored_J) {
     return fmt::format(
-        "quiet as far as the encoders can tell: they leave {} open in one contact, and at most {} was stored; finer "
-        "encoders would tell more",
+        "quiet as far as the encoders can tell: "
+        "they leave {} open in one contact, and at most {} was stored; finer encoders would tell more",
         mJ(s.error_J), mJ(s.stored_J));
   }
   const std::string balance =
@@ -68,7 +69,7 @@ std::string quietWords(const ContactStability& s, const RunFigures& f) {
   return fmt::format("quiet: {}, and no contact gave more than it had taken{}", balance, errorWords(s));
 }
 
-// Where it came from, and what lessens that.
+// The likely cause of the activity, and what lessens it.
 std::string sourceWords(const ContactStability& s, const RunFigures& f) {
   switch (s.source) {
     case ActivitySource::kEdits:
@@ -83,7 +84,7 @@ std::string sourceWords(const ContactStability& s, const RunFigures& f) {
   }
 }
 
-// What the heading says of the contact.
+// The heading's words on the contact.
 std::string stabilityClause(const ContactStability& s, const RunFigures& f) {
   switch (s.verdict) {
     case ContactVerdict::kUnstable:
@@ -121,7 +122,7 @@ std::string exactLine(const TouchRun& run) {
                      counted(static_cast<std::uint64_t>(e.ticks), "tick"), e.slide_only ? " of the slide" : "");
 }
 
-// A journal that was deleted, as it has no record, is not named.
+// A journal without a record was deleted, and is not named.
 std::string journalClause(const TouchRun& run) {
   const RunEdits& e = *run.edits;
   if (run.scene.journal.empty() || (e.journal_bytes == 0 && e.journal_records == 0)) return "";
@@ -152,7 +153,7 @@ std::string volumeLine(const TouchRun& run) {
   return fmt::format("Volume    {}content {:016x}\n", change, *run.edits->content);
 }
 
-// What the heading says of the forces.
+// The heading's words on the forces.
 std::string forceClause(const RunFigures& f) {
   const std::string most = shortNumber(f.force_N.max);
   if (f.force_N.max >= kFaintForce_N) return fmt::format("felt at most {} N", most);
@@ -160,7 +161,7 @@ std::string forceClause(const RunFigures& f) {
                      shortNumber(kFaintForce_N), most);
 }
 
-// What the heading says of the edits.
+// The heading's words on the edits.
 std::string editClause(const TouchRun& run) {
   if (!run.edits) return "";
   if (run.edits->count == 0) return "; nothing was edited";
@@ -196,7 +197,7 @@ std::string shortNumber(double value) {
   const double size = std::abs(value);
   if (!(size > 0) || !std::isfinite(value)) return fmt::format("{:.3g}", value);
   if (size >= 100 && size < 1e7) return fmt::format("{:.0f}", std::round(value));
-  // Halves go away from zero, as people round; {fmt} alone would take the digit that is even.
+  // Rounds halves away from zero, as people do; {fmt} would round them to even.
   const double scale = std::pow(10.0, 2 - std::floor(std::log10(size)));
   const double rounded = std::round(value * scale) / scale;
   return fmt::format("{:.3g}", std::isfinite(rounded) ? rounded : value);
@@ -237,14 +238,14 @@ std::string stabilityWords(const ContactStability& s, const RunFigures& f) {
     text = quietWords(s, f);
   } else if (s.verdict == ContactVerdict::kSlightlyActive) {
     text = fmt::format(
-        "slightly active: a contact gave the hand {} more than it had taken{}, where at most {} was stored at once, "
-        "and the tool did not keep swinging; {}",
+        "slightly active: a contact gave the hand {} more than it had taken{}, "
+        "where at most {} was stored at once, and the tool did not keep swinging; {}",
         mJ(s.given_J), errorWords(s), mJ(s.stored_J), sourceWords(s, f));
   } else if (s.verdict == ContactVerdict::kUnstable) {
     text = fmt::format(
-        "unstable: from {} s to {} s the tool swung against the surface by {} at {} Hz without settling, {} in all, "
-        "and the surface fed it; lower --stiffness, raise --rate, or raise --damping (up to about the moved mass over "
-        "the tick and the velocity's delay; more shakes by itself){}",
+        "unstable: from {} s to {} s the tool swung against the surface by {} at {} Hz without settling, "
+        "{} in all, and the surface fed it; lower --stiffness, raise --rate, or raise --damping "
+        "(up to about the moved mass over the tick and the velocity's delay; more shakes by itself){}",
         shortNumber(s.unstable_from_s), shortNumber(s.unstable_to_s), withMm(s.swing_m), shortNumber(s.swing_hz),
         counted(static_cast<std::uint64_t>(s.bounces), "bounce"),
         f.damped_ticks > 0 ? "" : "; --passivity control lessens it");

@@ -55,10 +55,10 @@ RigEdits::Request RigEdits::next() {
 void RigEdits::look(const ToolPose& pose, std::int64_t now_ns) {
   if (const Request request = next()) request(now_ns);
   if (brush_) {
-    const std::vector<EditCommand> stroke = brush_->look(pose, now_ns);
+    const std::vector<EditCommand> stroke = brush_->dueStroke(pose, now_ns);
     if (!stroke.empty() && !tryTo("an edit", [&] { session_.edit(stroke, now_ns); })) brush_->refused();
   }
-  session_.look(now_ns);
+  session_.feedSaver(now_ns);
   listen();
   const std::lock_guard lock(mutex_);
   state_.edits = session_.edits();
@@ -66,8 +66,8 @@ void RigEdits::look(const ToolPose& pose, std::int64_t now_ns) {
   state_.can_redo = session_.history().canRedo();
 }
 
-// What the engine has no room for, or cannot be meant at that place, is refused and nothing else: a removal may follow
-// for which there is room. Any other error is the device's, and there is no more to edit on.
+// An edit for which there is no memory, or which is invalid at its place, is refused, and editing goes on: there may be
+// memory for the next edit. Any other error is the device's, and ends the editing.
 template <typename Change>
 bool RigEdits::tryTo(const char* what, const Change& change) {
   if (!state().editing) return false;

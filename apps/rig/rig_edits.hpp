@@ -2,11 +2,12 @@
 // apps/rig/rig_edits.hpp: what edits the volume while a rig runs: the tool as a brush, and edits, undo and redo that
 // anybody asks for.
 //
-// Requests are done in their order, one at a look at the tool, so that windows follow the tool in between. A refused
-// edit (out of memory, for example), a failed journal and a failed save end neither the run nor the editing; a failing
-// device ends the editing. Each is told at once; repeated ones with the same reason are told once and counted.
-// Threads: what asks is any thread's; the rest is whose the engine is: the maker's before and after a run, else that
-// of the rig's look. Cost of asking: a lock, held for no longer than a move.
+// Requests are done in order, one at each look at the tool, so that windows follow the tool in between. A refused edit
+// (out of memory, for example), a failed journal or a failed save ends neither the run nor the editing. A failed device
+// ends the editing. The user is told of each at once; of repeated ones with the same reason only once, with a count.
+//
+// Threads: requests may come from any thread. Everything else belongs to the engine's thread: the maker's before and
+// after a run, the rig's during it. Cost of a request: a lock, held no longer than a move.
 #pragma once
 
 #include <cstdint>
@@ -26,19 +27,19 @@ namespace palpate {
 class RigEdits {
  public:
   using Tell = std::function<void(const std::string&)>;
-  // The session outlives this. `size`, `lattice`: the volume's. `tell` gets each trouble, from the thread that has the
-  // engine.
+  // The session must outlive this object. `size`, `lattice`: the volume's. `tell` gets each failure, on the engine's
+  // thread.
   RigEdits(EditSession& session, const Vec3i& size, const Lattice& lattice, Tell tell);
 
-  // Any thread. False: kMostWaiting requests wait already, or editing has ended; then nothing comes of it.
+  // Requests, from any thread. Return false and do nothing if kMostWaiting requests wait already or editing has ended.
   bool edit(std::vector<EditCommand> commands);
   bool undo();
   bool redo();
-  bool setBrush(const ToolBrushSpec& brush);  // of the tool
+  bool setBrush(const ToolBrushSpec& brush);  // for the tool
   bool dropBrush();
   static constexpr std::size_t kMostWaiting = 256;
 
-  // Any thread: how things stood after the last look.
+  // The state after the last look. Any thread.
   struct State {
     std::uint64_t edits = 0;    // made, undo and redo included
     std::uint64_t refused = 0;  // edits, undo and redo that were not made
@@ -47,13 +48,14 @@ class RigEdits {
   };
   [[nodiscard]] State state() const;
 
-  // With every new pose of the tool: does one request, and the tool's edit if one is due; saves if that is due.
+  // To be called with every new pose of the tool: does one request, the tool's edit if one is due, and a save if one is
+  // due.
   void look(const ToolPose& pose, std::int64_t now_ns);
-  // Tells what has failed in the background since the last look.
+  // Tells the user what has failed in the background since the last call.
   void listen();
-  // At once, as what a look meets.
+  // Tells the user `text`, like a failure.
   void tell(const std::string& text) { tell(text, Again::kTell); }
-  // What was told until now, with counts.
+  // All failures so far, with counts.
   [[nodiscard]] std::vector<std::string> troubles() const;
 
  private:

@@ -16,7 +16,7 @@ LoopParameters withForceLimit(LoopParameters loop, double force_limit_N) {
   return loop;
 }
 
-RigSettings asTheGpuHasThem(RigSettings settings) {
+RigSettings withFloatIsovalue(RigSettings settings) {
   settings.parameters.isovalue = static_cast<float>(settings.parameters.isovalue);
   return settings;
 }
@@ -46,10 +46,10 @@ TouchRig::TouchRig(Engine& engine, Device& device, const LoopParameters& loop, R
       first_isovalue_(static_cast<float>(engine.isovalue())),
       volume_(std::move(volume)),
       edits_(edits),
-      settings_(asTheGpuHasThem(std::move(settings))),
+      settings_(withFloatIsovalue(std::move(settings))),
       given_(settings_),
-      isovalue_way_(engine),
-      algorithm_(made(settings_)),
+      isovalue_transition_(engine),
+      algorithm_(algorithmFor(settings_)),
       loop_(withForceLimit(loop, settings_.force_limit_N), *algorithm_, device, engine.exchange(), tool_) {
   if (settings_.parameters.isovalue != first_isovalue_) {
     refuse(fmt::format("isovalue {:g}", settings_.parameters.isovalue),
@@ -63,7 +63,7 @@ TouchRig::~TouchRig() {
   requestStop();
 }
 
-std::unique_ptr<Algorithm> TouchRig::made(const RigSettings& settings) const {
+std::unique_ptr<Algorithm> TouchRig::algorithmFor(const RigSettings& settings) const {
   if (settings.parameters.rate_hz != rate_hz_) {
     refuse(fmt::format("rate {:g} Hz", settings.parameters.rate_hz), fmt::format("the servo runs at {:g} Hz", rate_hz_),
            "start anew with the other rate");
@@ -88,7 +88,7 @@ LoopResult TouchRig::runSimulated(const Follow& follow, const ServoLoop::Hook& b
     look(pose, time_ns, true);
     if (before_tick) before_tick(tick, time_ns);
   });
-  nobodyReads();
+  freeUnusedSamples();
   return result;
 }
 
@@ -112,26 +112,26 @@ LoopResult TouchRig::wait() {
   if (!publisher_) return result;
   publisher_->stop();
   publisher_.reset();
-  nobodyReads();
+  freeUnusedSamples();
   return result;
 }
 
-void TouchRig::nobodyReads() {
+void TouchRig::freeUnusedSamples() {
   std::unique_lock lock(mutex_);
   const double in_use = given_.parameters.isovalue;
   lock.unlock();
-  isovalue_way_.end(in_use);
+  isovalue_transition_.end(in_use);
 }
 
 void TouchRig::change(const RigSettings& settings) {
   const std::lock_guard order(callers_);
-  const RigSettings next = asTheGpuHasThem(settings);
+  const RigSettings next = withFloatIsovalue(settings);
   std::unique_ptr<Algorithm> algorithm;
-  if (!differInForceLimitAlone(this->settings(), next)) algorithm = made(next);
+  if (!differInForceLimitAlone(this->settings(), next)) algorithm = algorithmFor(next);
   std::unique_lock lock(mutex_);
-  if (algorithm == nullptr && !differInForceLimitAlone(settings_, next)) {  // an isovalue was refused in between
+  if (algorithm == nullptr && !differInForceLimitAlone(settings_, next)) {  // an isovalue was refused meanwhile
     lock.unlock();
-    algorithm = made(next);
+    algorithm = algorithmFor(next);
     lock.lock();
   }
   ServoChange change;
@@ -164,25 +164,25 @@ void TouchRig::look(const ToolPose& pose, std::int64_t now_ns, bool all_at_once)
 }
 
 void TouchRig::lookForIsovalue(const ToolPose& pose, std::int64_t now_ns, bool all_at_once) {
-  IsovalueWay::Look look{.window_seen = pose.window_version, .all_at_once = all_at_once};
+  IsovalueTransition::Look look{.window_seen = pose.window_version, .all_at_once = all_at_once};
   {
     const std::lock_guard lock(mutex_);
     look.wanted = settings_.parameters.isovalue;
     look.in_use = given_.parameters.isovalue;
     look.taken = changes_.ended(taking_);
-    if (isovalue_way_.mayGive(look)) {
+    if (isovalue_transition_.mayGive(look)) {
       taking_ = changes_.give({.algorithm = std::move(waiting_)});
       given_ = settings_;
       return;
     }
   }
   try {
-    isovalue_way_.work(look, now_ns);
+    isovalue_transition_.work(look, now_ns);
   } catch (const Error& error) {
     if (error.code() != Error::Code::kBadInput && error.code() != Error::Code::kOutOfMemory) throw;
     const std::lock_guard lock(mutex_);
     refusal_ = error;
-    if (settings_.parameters.isovalue != look.wanted) return;  // somebody wants yet another one by now
+    if (settings_.parameters.isovalue != look.wanted) return;  // another isovalue was requested meanwhile
     settings_ = given_;
     waiting_.reset();
   }

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/rig/touch_rig.hpp: engine, algorithm, device and servo put together: what palpates a volume, whoever asks for
-// it.
+// apps/rig/touch_rig.hpp: puts engine, algorithm, device and servo together, and palpates a volume with them.
 //
-// The maker gives an engine that is ready, a device and settings. The rig runs the servo and the engine's work beside
-// it, by the real or the simulated clock. Settings may be changed while it runs; the servo takes them between two ticks
-// without a wait, and the force goes over evenly (servo/loop/servo_loop.hpp). Another isovalue needs other gradients:
-// the servo goes over to it once the engine has computed them, a portion between two looks at the tool.
-// Threads: one thread makes the rig, runs it and waits for its end; change(), settings(), takeRefusal(), requestStop()
-// and running() are any thread's; ticks() is one reader's. `follow` is called by the engine's thread (real clock) or
-// the caller's (simulated clock) with every pose of the tool; between start() and wait() the engine is that thread's
-// alone.
+// The maker provides an engine that is ready, a device and settings. The rig runs the servo and, beside it, the
+// engine's work, by the real or the simulated clock. Settings may be changed during the run. The servo takes them
+// between two ticks without waiting, and the force goes over evenly (servo/loop/servo_loop.hpp). Another isovalue needs
+// other gradients. The engine computes them in portions, between looks at the tool; then the servo goes over to it.
+//
+// Threads: one thread makes the rig, runs it and waits for its end. change(), settings(), takeRefusal(), requestStop()
+// and running() may be called from any thread, ticks() from one reader. `follow` is called with every pose of the tool,
+// by the engine's thread (real clock) or the caller's (simulated clock). Between start() and wait() only the engine's
+// thread may use the engine.
 #pragma once
 
 #include <functional>
@@ -18,7 +18,7 @@
 #include <optional>
 #include <string>
 
-#include "apps/rig/isovalue_way.hpp"
+#include "apps/rig/isovalue_transition.hpp"
 #include "apps/rig/rig_edits.hpp"
 #include "base/error.hpp"
 #include "engine/service/engine_thread.hpp"
@@ -39,7 +39,7 @@ struct RigSettings {
   bool operator==(const RigSettings&) const = default;
 };
 
-// What is touched, beside the engine's samples. It stays.
+// What the algorithm needs of the volume beside the engine's samples. It does not change during a run.
 struct RigVolume {
   DensityScale scale = {};
   ContactObjects objects = {};
@@ -53,46 +53,49 @@ class TouchRig {
  public:
   using Follow = EngineThread::Follow;
 
-  // Engine and device must outlive the rig. `loop`: its force limit is the settings'. Throws Error: as makeAlgorithm()
-  // for the settings, as ServoLoop for the rest; kBadInput for an isovalue or a rate that is not the engine's or
-  // loop's, and for an algorithm that reads gradients or a mesh that are not there.
-  // `edits`, if given, outlives the rig too; the rig does what it is asked for.
+  // Engine, device and `edits` (if given) must outlive the rig. The force limit of `loop` is replaced by that of the
+  // settings. The rig does the requests that come to `edits`. Throws Error: as makeAlgorithm() and ServoLoop do;
+  // kBadInput if the settings' isovalue is not the engine's or their rate not the loop's, and for an algorithm that
+  // reads gradients or a mesh that are not there.
   TouchRig(Engine& engine, Device& device, const LoopParameters& loop, RigVolume volume, RigSettings settings,
            RigEdits* edits = nullptr);
   ~TouchRig();  // stops a run
 
-  // Simulated clock: the whole run in the caller's thread; the engine publishes in step, so that the same inputs give
-  // the same records, bit for bit. `before_tick` is called after the engine's work for each tick.
+  // Simulated clock: does the whole run in the caller's thread. The engine publishes in step, so the same inputs give
+  // the same records, bit for bit. `before_tick` is called for each tick, after the engine's work.
   [[nodiscard]] LoopResult runSimulated(const Follow& follow = {}, const ServoLoop::Hook& before_tick = {});
 
-  // Real clock: start() begins the run, once. wait() ends when it does, and rethrows a failure of the engine's thread,
-  // which ends the run too. Throws as ServoLoop::start().
+  // Real clock: start() begins the run; only once. wait() returns when the run ends. A failure of the engine's thread
+  // ends the run, and wait() rethrows it. start() throws as ServoLoop::start() does.
   void start(Follow follow = {});
   [[nodiscard]] bool running() const noexcept { return loop_.running(); }
   [[nodiscard]] LoopResult wait();
   void requestStop() noexcept { loop_.requestStop(); }
 
-  // The new settings, their isovalue rounded to float, are what settings() gives from then on; the servo takes them
-  // with its next tick, unless a contact is only remembered just then. Another force limit alone leaves the algorithm
-  // as it is. With another isovalue all but the force limit waits for its gradients; of several the newest counts.
-  // Makes the algorithm (a mesh's search tree takes a while) in the caller's thread; others wait for that in change()
-  // alone. Throws Error(kBadInput) as makeAlgorithm(), for another rate, for an algorithm that reads gradients that are
-  // not there, and for one that needs a mesh with another isovalue than the first; then nothing changes.
+  // Changes the settings; their isovalue is rounded to float. settings() returns them from then on. The servo takes
+  // them with its next tick, unless it only remembers its contact in that tick. If only the force limit differs, the
+  // algorithm stays. With another isovalue, everything but the force limit waits for the gradients; if several are
+  // requested meanwhile, the newest counts.
+  //
+  // The new algorithm is made in the caller's thread, which may take a while (the search tree of a mesh). Meanwhile
+  // only other calls of change() wait. Throws Error(kBadInput), and changes nothing: as makeAlgorithm() does; for
+  // another rate; for an algorithm that reads gradients that are not there; for one that needs a mesh, with another
+  // isovalue than the first.
   void change(const RigSettings& settings);
   [[nodiscard]] RigSettings settings() const;
-  // Why the engine has refused an isovalue (Engine::beginIsovalue). Unless another one was asked for since, settings()
-  // is what the servo has again. Empty: it has refused none since the last call.
+  // Why the engine refused an isovalue since the last call (Engine::beginIsovalue); empty if it did not. After a
+  // refusal settings() returns the servo's settings again, unless another isovalue was requested since.
   [[nodiscard]] std::optional<Error> takeRefusal();
 
   // Before a run: keeps up to `most` ticks for ticks().
   void keepTicks(std::size_t most);
-  // Pose, forces, faults, timing of each tick since the last look. Only after keepTicks().
+  // Pose, forces, faults and timing of each tick since the reader's last look. Only after keepTicks().
   [[nodiscard]] LiveTicks& ticks() { return *ticks_; }
 
  private:
-  [[nodiscard]] std::unique_ptr<Algorithm> made(const RigSettings& settings) const;
+  [[nodiscard]] std::unique_ptr<Algorithm> algorithmFor(const RigSettings& settings) const;
   void look(const ToolPose& pose, std::int64_t now_ns, bool all_at_once);
-  void nobodyReads();
+  void freeUnusedSamples();
   void lookForIsovalue(const ToolPose& pose, std::int64_t now_ns, bool all_at_once);
 
   Engine& engine_;
@@ -100,14 +103,14 @@ class TouchRig {
   const double first_isovalue_;
   const RigVolume volume_;
   RigEdits* const edits_;
-  std::mutex callers_;                  // of change(): keeps their order
-  mutable std::mutex mutex_;            // guards what follows, and is never held while something is made or computed
-  RigSettings settings_;                // what is wanted
-  RigSettings given_;                   // what the servo was given: the same but while it waits for an isovalue
-  std::unique_ptr<Algorithm> waiting_;  // for that isovalue, as settings_ say
+  std::mutex callers_;                  // keeps the calls of change() in order
+  mutable std::mutex mutex_;            // guards what follows; never held while something is made or computed
+  RigSettings settings_;                // the settings that were requested
+  RigSettings given_;                   // the settings that the servo was given; they differ while an isovalue waits
+  std::unique_ptr<Algorithm> waiting_;  // made for settings_; waits for the isovalue's gradients
   std::optional<Error> refusal_;
   std::uint64_t taking_ = 0;  // number of the change to the isovalue in use
-  IsovalueWay isovalue_way_;
+  IsovalueTransition isovalue_transition_;
   std::unique_ptr<Algorithm> algorithm_;  // the first one
   ServoChanges changes_;
   ToolPoseMailbox tool_;

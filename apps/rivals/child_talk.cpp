@@ -16,7 +16,7 @@
 namespace palpate {
 
 ChildTalk::ChildTalk(const std::vector<std::string>& words) {
-  std::array<int, 2> ends{};  // a socket, not a pipe: writing to one that is gone raises no signal
+  std::array<int, 2> ends{};  // a socket, not a pipe: writing after the child has ended raises no signal
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) return;
   socket_ = ends[0];
   posix_spawn_file_actions_t actions;
@@ -42,7 +42,7 @@ ChildTalk::~ChildTalk() {
 
 int ChildTalk::wait() {
   int status = -1;
-  if (child_ > 0) leftover_.release();  // its number may be another's once it is waited for
+  if (child_ > 0) leftover_.release();  // after waitpid() its id may belong to another process
   while (child_ > 0 && waitpid(child_, &status, 0) < 0 && errno == EINTR) {
   }
   child_ = -1;

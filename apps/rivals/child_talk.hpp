@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/rivals/child_talk.hpp: a child process that answers lines with lines. One thread.
+// apps/rivals/child_talk.hpp: a child process that is sent lines and answers with lines. One thread.
 #pragma once
 
 #include <optional>
@@ -14,17 +14,19 @@ namespace palpate {
 
 class ChildTalk {
  public:
-  // `words`: the program, by its path, and its arguments. Its errors go where ours do. A program that cannot be
-  // started is known by its first silence.
+  // `words`: the program's path and its arguments. Its stderr is ours. If the program cannot be started, the first
+  // hear() returns nothing.
   explicit ChildTalk(const std::vector<std::string>& words);
-  ~ChildTalk();  // ends the child, whatever it does
+  ~ChildTalk();  // kills the child if it still runs
   ChildTalk(const ChildTalk&) = delete;
   ChildTalk& operator=(const ChildTalk&) = delete;
 
-  bool tell(const std::string& line);  // false: it is gone
-  // Its next line, without the end; waits as long as it lives. Nothing: it is gone. Throws Error(kCancelled) on Ctrl-C.
+  // Sends a line. False: the child has ended.
+  bool tell(const std::string& line);
+  // The child's next line, without its end. Waits as long as the child lives. Empty: it has ended. Throws
+  // Error(kCancelled) on Ctrl-C.
   [[nodiscard]] std::optional<std::string> hear();
-  // Waits for its end. Its status, as waitpid() gives it; -1: it never was, or was waited for.
+  // Waits for the child's end and returns its status as waitpid() does. -1: there is no child, or it was waited for.
   int wait();
 
  private:

@@ -35,7 +35,7 @@ Image::Pointer imageOf(const RivalField& field) {
   }
   image->SetRegions(Image::RegionType(size));
   image->SetSpacing(spacing_mm);
-  // Filters that work in place are told not to, so nobody writes there.
+  // In-place filters are switched to separate outputs, so nothing writes here.
   auto* densities = const_cast<float*>(field.densities.data());  // NOLINT(cppcoreguidelines-pro-type-const-cast)
   image->GetPixelContainer()->SetImportPointer(densities, field.densities.size(), false);
   return image;
@@ -48,7 +48,7 @@ void copyTo(const Output& output, std::vector<float>& result) {
   result.assign(first, first + kComponents * output.GetLargestPossibleRegion().GetNumberOfPixels());
 }
 
-// A filter made anew for each run, as `prepare` sets it up.
+// Makes a new filter for each run; `prepare` sets its parameters.
 template <class Filter>
 Rival rival(const std::string& way, const Image::Pointer& image, const std::function<void(Filter&)>& prepare) {
   return {"ITK", way, [=](std::vector<float>* result) {

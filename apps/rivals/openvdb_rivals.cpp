@@ -16,7 +16,7 @@ struct OpenVdbRivals::State {
   RivalField field;
   unsigned threads = 1;
   openvdb::CoordBBox box{};
-  openvdb::FloatGrid::Ptr grid{};  // made when it is first asked for
+  openvdb::FloatGrid::Ptr grid{};  // made on first use
 };
 
 namespace {
@@ -46,7 +46,7 @@ void copyTo(const openvdb::VectorGrid& grid, const State& state, std::vector<flo
 
 openvdb::FloatGrid::Ptr gridOf(const State& state) {
   const RivalField& field = state.field;
-  // A background that no voxel has, or voxels of that density would not be active.
+  // The background must differ from every voxel; voxels of this density would not be active.
   const float background = *std::min_element(field.densities.begin(), field.densities.end()) - 1;
   openvdb::FloatGrid::Ptr grid = openvdb::FloatGrid::create(background);
   openvdb::math::Mat4d to_world = openvdb::math::Mat4d::identity();
@@ -54,7 +54,7 @@ openvdb::FloatGrid::Ptr gridOf(const State& state) {
   grid->setTransform(openvdb::math::Transform::createLinearTransform(to_world));
   const openvdb::tools::Dense<const float, openvdb::tools::LayoutXYZ> dense(state.box, field.densities.data());
   openvdb::tools::copyFromDense(dense, *grid, 0.0F);
-  grid->tree().voxelizeActiveTiles();  // filters pass over tiles
+  grid->tree().voxelizeActiveTiles();  // filters skip tiles
   return grid;
 }
 
@@ -72,7 +72,7 @@ Rival rival(const std::shared_ptr<State>& state, const std::string& way,
           }};
 }
 
-// Of tools::Filter, which changes its grid: each run has a copy.
+// A run of tools::Filter, which works in place; so each run gets a copy.
 Rival filter(const std::shared_ptr<State>& state, const std::string& way, const std::function<void(Filter&)>& work) {
   return rival<openvdb::FloatGrid>(state, way, [=](openvdb::FloatGrid::Ptr& grid) {
     grid = state->grid->deepCopy();

@@ -53,7 +53,7 @@ std::vector<std::string> command(std::vector<std::string> python) {
 struct PythonRivals::State {
   explicit State(const std::vector<std::string>& python) : child(command(python)) {}
 
-  // Its answer's words; throws Error where it is not the one that was expected.
+  // The words of the child's answer. Throws Error if it is not the expected answer.
   std::vector<std::string> ask(const std::string& line, const std::string& expected) {
     std::optional<std::string> answer;
     if (child.tell(line)) answer = child.hear();
@@ -111,7 +111,7 @@ std::optional<std::string> PythonRivals::load(const RivalField& field) {
     return std::nullopt;
   } catch (const Error& failure) {
     if (failure.code() == Error::Code::kCancelled) throw;
-    state_->rivals.clear();  // they would work on the volume before, or not at all
+    state_->rivals.clear();  // they were made for the volume before
     return failure.what();
   }
 }

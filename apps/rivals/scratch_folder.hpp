@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/rivals/scratch_folder.hpp: an empty folder for what a benchmark or its rivals write, gone with its owner. Any
+// apps/rivals/scratch_folder.hpp: an empty temporary folder for a bench or its rivals. The destructor removes it. Any
 // thread.
 #pragma once
 
@@ -14,7 +14,7 @@ namespace palpate {
 
 class ScratchFolder {
  public:
-  // Throws Error(kIo) where none can be made.
+  // Throws Error(kIo) if no folder can be made.
   ScratchFolder() {
     const std::filesystem::path parent = std::filesystem::temp_directory_path();
     try {

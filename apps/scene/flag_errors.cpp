@@ -13,7 +13,7 @@ namespace palpate {
 namespace {
 
 struct ServoName {
-  const char* name;  // in an error's input
+  const char* name;  // the servo's name, which is the input of its errors
   const char* key;
 };
 

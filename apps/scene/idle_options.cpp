@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "servo/algorithms/registry.hpp"
+#include "servo/devices/registry.hpp"
 
 namespace palpate {
 namespace {
@@ -13,11 +14,12 @@ namespace {
 struct IdleOption {
   const char* flag;
   bool (*is_used)(const Scene& scene);
-  const char* why;  // it is not
+  const char* why;  // the flag has no effect
 };
 
+// Only of the default device: another one refuses what it does not have.
 bool hasSpringHand(const Scene& scene) {
-  return scene.spring_hand;
+  return scene.spring_hand || scene.device != devices().front().name;
 }
 bool buildsPath(const Scene& scene) {
   return scene.path_file.empty();

@@ -11,8 +11,8 @@
 
 namespace palpate {
 
-// A sentence for each of these flags that changes nothing in this scene: "--hand-mass has no effect: it is that of
-// --hand spring".
+// A sentence for each given flag that has no effect in this scene: "--hand-mass has no effect: it is that of --hand
+// spring".
 [[nodiscard]] std::vector<std::string> idleOptions(const Scene& scene, std::span<const std::string> given_flags);
 
 // Every flag that idleOptions() may name.

@@ -39,7 +39,7 @@ bool has(const ObjectOption& option, ObjectKind kind) {
   return std::find(option.kinds.begin(), option.kinds.end(), kind) != option.kinds.end();
 }
 
-// The name that the user knows a key by: `key` in a scene file, `word` in --object.
+// The name of a key for the user: `key` in a scene file, `word` in --object.
 using ObjectName = const char* ObjectOption::*;
 
 std::vector<std::string> namesOf(ObjectKind kind, ObjectName name) {
@@ -188,23 +188,27 @@ std::string objectText(const ObjectSpec& spec) {
 }
 
 std::string objectHelp() {
-  return "an object beside the volume, as often as wanted: plane:point=x,y,z:normal=x,y,z, "
-         "sphere:centre=x,y,z:radius=r, box:centre=x,y,z:size=x,y,z:rotation=x,y,z or "
-         "mesh:position=x,y,z:rotation=x,y,z:scale=s:unit=mm:file=NAME [mm, degree] (added to those of the scene file; "
-         "table [[object]])";
+  return "an object beside the volume, as often as wanted: "
+         "plane:point=x,y,z:normal=x,y,z, "
+         "sphere:centre=x,y,z:radius=r, "
+         "box:centre=x,y,z:size=x,y,z:rotation=x,y,z "
+         "or mesh:position=x,y,z:rotation=x,y,z:scale=s:unit=mm:file=NAME "
+         "[mm, degree] (added to those of the scene file; table [[object]])";
 }
 
 std::string objectDocument() {
   std::string text =
-      "\n## Objects\n\nEach `[[object]]` is a solid beside the volume that the tool touches as well; the VHIP stays "
-      "outside of all "
-      "of them. `kind` is\nplane, sphere, box or mesh. The flag `--object` takes the same as one word, with the keys "
-      "without their "
-      "units:\n`--object sphere:centre=0,0,30:radius=5`; it may be repeated and adds to the file's objects. A relative "
-      "`file` "
-      "starts at the\nscene's folder. A mesh is scaled, turned, then moved. A mesh that is not closed is touched from "
-      "both "
-      "sides.\n\n| key | `--object` | kind | unit | takes | default | meaning |\n|---|---|---|---|---|---|---|\n";
+      R"(
+## Objects
+
+Each `[[object]]` is a solid beside the volume that the tool touches as well; the VHIP stays outside of all of them. `kind` is
+plane, sphere, box or mesh. The flag `--object` takes the same as one word, with the keys without their units:
+`--object sphere:centre=0,0,30:radius=5`; it may be repeated and adds to the file's objects. A relative `file` starts at the
+scene's folder. A mesh is scaled, turned, then moved. A mesh that is not closed is touched from both sides.
+
+| key | `--object` | kind | unit | takes | default | meaning |
+|---|---|---|---|---|---|---|
+)";
   for (const ObjectOption& option : kObjectOptions) {
     std::string kinds;
     for (const ObjectKind kind : option.kinds) kinds += (kinds.empty() ? "" : ", ") + std::string(objectKindName(kind));

@@ -22,7 +22,7 @@ NumberOption number(double Scene::*member, double scale, double lowest, double h
 NumberOption numberAbove(double Scene::*member, double scale, double lowest, double highest) {
   return {member, scale, lowest, highest, true};
 }
-// Names as words for a WordOption, from the one place that has them.
+// The words of a WordOption, from the table that defines them.
 class Names {
  public:
   template <typename Entries>
@@ -44,7 +44,7 @@ std::span<const char* const> deviceNames() {
   static const Names kNames(devices());
   return kNames.words();
 }
-// A parameter of the default device, with the range and the help that it has there.
+// An option for a parameter of the default device, with that parameter's range and help.
 SceneOption ofDevice(const char* flag, const char* key, const char* unit, double Scene::*member, double scale,
                      std::string_view parameter) {
   const DeviceParameter& p = deviceParameter(devices().front().name, parameter);
@@ -197,13 +197,16 @@ std::string optionHelp(const SceneOption& option) {
 
 std::string sceneDocument() {
   std::string text =
-      "# Scene files\n\nA scene is a TOML file: `palpate touch scene.toml`. Every flag overrides its key. A dot in a "
-      "key is a "
-      "TOML table:\n`servo.n` stands for `n` under `[servo]`. `x,y,z` is written `[x, y, z]`, rows `a:b,c:d` "
-      "`[[a, b], [c, d]]`. Relative paths of "
-      "`volume`\nand `path.file` start at the scene's folder, that of `output.folder` where the program is started. "
-      "This page is "
-      "printed by\n`palpate scene`.\n\n| key | flag | unit | takes | default | meaning |\n|---|---|---|---|---|---|\n";
+      R"(# Scene files
+
+A scene is a TOML file: `palpate touch scene.toml`. Every flag overrides its key. A dot in a key is a TOML table:
+`servo.n` stands for `n` under `[servo]`. `x,y,z` is written `[x, y, z]`, rows `a:b,c:d` `[[a, b], [c, d]]`. Relative paths of `volume`
+and `path.file` start at the scene's folder, that of `output.folder` where the program is started. This page is printed by
+`palpate scene`.
+
+| key | flag | unit | takes | default | meaning |
+|---|---|---|---|---|---|
+)";
   for (const SceneOption& option : kOptions) {
     text += fmt::format("| `{}` | `{}` | {} | {} | {} | {} |\n", option.key, option.flag, option.unit,
                         optionForm(option.value), optionText(option.value, Scene{}), option.help);

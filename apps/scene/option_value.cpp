@@ -112,7 +112,7 @@ struct Setter {
   void operator()(const VectorOption& option) const {
     const auto vector = parseVector(text);
     if (!vector || (option.direction && vector->isZero(0))) refuseText(where, text, value, unit);
-    // Stable: the square of a component may be too small or too large for a double.
+    // stableNormalized(): the square of a component may be too small or too large for a double.
     scene.*option.member = option.direction ? vector->stableNormalized() : Vec3(*vector * option.scale);
   }
   void operator()(const TableOption& option) const {
@@ -212,7 +212,7 @@ std::string optionForm(const OptionValue& value) {
   return std::visit(Form{}, value);
 }
 
-// The quotient may be a rounding or two beside the number that was given.
+// The quotient may differ from the given number by a rounding or two.
 std::string screenText(double si, double scale) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const double shown = si / scale;

@@ -71,7 +71,7 @@ struct Scene {
   double friction_dynamic = 0;           // mu_d, at most mu_s [-]
   double friction_viscous_Ns_per_m = 0;
   NumberTable stiffness_density;  // rows of density, factor [-]; empty: none
-  // device, and the hand of a simulated one; apps/touch/servo_setup.cpp hands them to the registry
+  // device, and the hand of a simulated one; apps/touch/scene_settings.cpp hands them to the registry
   std::string device = defaultDevice();
   bool spring_hand = usualOfDevice("spring_hand") > 0;  // false: the HIP is exactly the path
   double hand_mass_kg = usualOfDevice("hand_mass_kg");

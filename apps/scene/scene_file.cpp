@@ -22,7 +22,7 @@ bool isIn(const Words& words, const std::string& word) {
   return std::find(words.begin(), words.end(), word) != words.end();
 }
 
-// The word itself where it is known, else the known ones that are near it.
+// The word itself if it is known, else the known words near it.
 Words knownOrNear(const std::string& word, const Words& known) {
   return isIn(known, word) ? Words{word} : nearestWords(word, known);
 }
@@ -116,7 +116,7 @@ struct ValueText {
   }
 };
 
-// How a value that is an array is written in a scene file, where it differs from a flag's text.
+// How to write a value that is an array in a scene file, if that differs from a flag's text.
 std::string arrayForm(const OptionValue& value) {
   if (std::holds_alternative<VectorOption>(value)) return "[x, y, z]";
   if (std::holds_alternative<ListOption>(value)) return "[\"word\", ...]";
@@ -132,7 +132,7 @@ std::string valueText(const toml::node& node, const OptionValue& value, const st
   throw Error(Error::Code::kBadInput, where, "the value is of another kind than it takes", "give " + arrayForm(value));
 }
 
-// Whether a key of an object takes text; of a key that is not known, whether it was given text.
+// Whether a key of an object takes text; for an unknown key, whether it was given text.
 bool takesText(const std::string& key, const toml::node& node) {
   if (key == "kind") return true;
   for (const ObjectOption& option : objectOptions()) {

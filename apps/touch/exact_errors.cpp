@@ -16,12 +16,12 @@ bool inSlide(const TickRecord& record, const std::vector<PathPhase>& phases) {
   });
 }
 
-// What the passivity controller adds is no error of the surface's force.
+// The passivity controller's part is no error of the surface's force.
 bool isSurfaceForce(const TickRecord& record) {
   return record.in_contact && !record.damped && Vec3(record.force_W).norm() > 0;
 }
 
-// At the surface point nearest to the HIP; in a thin wall that may lie on the far side, which is not the one in touch.
+// The exact normal at the surface point nearest to the HIP. In a thin wall this may lie on the side not in touch.
 Vec3 exactNormal(const Phantom& phantom, const TickRecord& record) {
   const Vec3 at_hip_W = phantom.normal(Vec3(record.hip_W));
   const Vec3 at_vhip_W = phantom.normal(surfacePointOf(record));
@@ -47,7 +47,7 @@ std::optional<ExactErrors> exactErrors(const Phantom& phantom, const std::vector
     if (!std::isnan(record.depth_m)) {
       distance_voxel.push_back(std::abs(phantom.signedDistance_m(surfacePointOf(record))) / voxel_m);
     }
-    // By the cross product too: acos alone loses small angles.
+    // By atan2, since acos alone is inaccurate for small angles.
     angle_deg.push_back(std::atan2(force_W.cross(normal_W).norm(), force_W.dot(normal_W)) * kDegreesPerRadian);
   }
   if (angle_deg.empty()) return std::nullopt;

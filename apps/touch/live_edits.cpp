@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::size_t kHistoryBytes = 0;  // a scripted run undoes nothing
 
-// The brush somewhere in the volume, to find out what is wrong with it before the run.
+// Tries the brush somewhere in the volume, so that its errors are found before the run.
 void checkBrush(const EditCommand& brush, const std::string& text, const Volume& volume, const BrushProfile& profile) {
   EditCommand command = brush;
   command.from_W = command.to_W = volume.lattice().toWorld((volume.size() / 2).cast<double>());
@@ -42,7 +42,7 @@ void checkSave(const Scene& scene) {
                 fmt::format("use one of {}", kVolumeFileSuffixes));
   }
   checkNotInput(scene.volume, scene.save);
-  static_cast<void>(AtomicFile(scene.save));  // a folder that may not be written
+  static_cast<void>(AtomicFile(scene.save));  // refuses a folder without write permission
 }
 
 }  // namespace
@@ -74,7 +74,7 @@ LiveEdits::LiveEdits(const Scene& scene, Volume& volume, Engine& engine)
           std::vector{toolBrushSpec(scene.edit).brush.kind}, kHistoryBytes),
       edits_(session_, volume.size(), volume.lattice(), tellUser) {
   edits_.setBrush(toolBrushSpec(scene.edit));
-  const std::string fine = fineBrushWords(toolBrushSpec(scene.edit).brush, volume.lattice(), engine.profile());
+  const std::string fine = fineBrushWarning(toolBrushSpec(scene.edit).brush, volume.lattice(), engine.profile());
   if (!fine.empty()) edits_.tell("--edit " + scene.edit + ": " + fine);
   if (!scene.journal.empty()) session_.keepJournal(scene.journal, identityOf(volume), watchedJournal());
   if (scene.save.empty()) return;
@@ -92,11 +92,14 @@ RunEdits LiveEdits::finish(std::vector<std::string>& notes) {
   session_.close();
   edits_.listen();
   for (std::string& trouble : edits_.troubles()) notes.push_back(std::move(trouble));
-  EditFigures figures = session_.figures();
+  return runEdits(session_.figures(), edits_.state().refused);
+}
+
+RunEdits runEdits(EditFigures figures, std::uint64_t refused) {
   RunEdits edits{figures.edits,         figures.windows,        {}, figures.journalled, figures.acknowledged,
                  figures.journal_bytes, figures.journal_failure};
   for (const double seconds : figures.edit_to_window_s) edits.edit_to_window_ms.push_back(seconds * 1e3);
-  edits.refused = edits_.state().refused;
+  edits.refused = refused;
   edits.saves = figures.saves.seconds.size();
   edits.save_failures = figures.saves.failures;
   edits.save_bytes = figures.saves.bytes;
@@ -111,7 +114,7 @@ std::string keptEdits(const Scene& scene, const RunEdits& edits) {
   if (edits.save_version)
     words = fmt::format("{} holds the volume up to edit {} of {}", scene.save, *edits.save_version, edits.count);
   if (edits.journal_saved > 0) {
-    // A tool makes edits and nothing else, so the number of a record is that of its edit.
+    // The tool makes no undo or redo, so the number of a record is that of its edit.
     words += fmt::format("{}the journal {} holds edits up to number {}: see 'palpate recover'",
                          words.empty() ? "" : ", ", scene.journal, edits.journal_saved);
   }

@@ -20,6 +20,9 @@ namespace palpate {
 // place where no file can be made.
 void checkEditOptions(const Scene& scene);
 
+// A session's figures as those of a run. `refused`: edits that were refused.
+[[nodiscard]] RunEdits runEdits(EditFigures figures, std::uint64_t refused);
+
 // keptEdits: which of a run's edits are on disk, as the end of a message; empty: none. lostEdits: whether some are not,
 // as the newest save failed or the journal lost records.
 [[nodiscard]] std::string keptEdits(const Scene& scene, const RunEdits& edits);

@@ -7,8 +7,11 @@
 #include <system_error>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
+#include "apps/report/summary.hpp"
 #include "base/error.hpp"
-#include "base/one_line.hpp"
+#include "base/outside_text.hpp"
 #include "base/part_file.hpp"
 
 namespace palpate {
@@ -26,7 +29,7 @@ const std::string& checked(const std::string& path) {
   return path;
 }
 
-// Without a '/' at its end, whose parent would be itself.
+// Removes a '/' at the end, since the parent of "a/" would be "a".
 fs::path plain(const fs::path& path) {
   std::error_code ignored;
   const fs::path whole = fs::absolute(path, ignored).lexically_normal();
@@ -46,7 +49,44 @@ std::unique_ptr<AtomicFile> copied(const fs::path& draft, const fs::path& target
   return file;
 }
 
+// The names of the files that a run's summary lists. By name only, since the folder may have been moved.
+std::vector<std::string> listedBy(const fs::path& summary) {
+  std::error_code ignored;
+  if (!fs::is_regular_file(summary, ignored)) return {};
+  std::ifstream in(summary);
+  const nlohmann::json run = nlohmann::json::parse(in, nullptr, false);
+  if (!run.is_object()) return {};
+  const nlohmann::json schema = run.value("schema", nlohmann::json());
+  if (!schema.is_string() || !schema.get<std::string>().starts_with(kSummaryName)) return {};
+  std::vector<std::string> names = {summary.filename().string()};
+  if (const auto files = run.find("files"); files != run.end() && files->is_array()) {
+    for (const auto& file : *files) {
+      if (file.is_string()) names.push_back(fs::path(file.get<std::string>()).filename().string());
+    }
+  }
+  return names;
+}
+
 }  // namespace
+
+std::vector<std::string> foreignResults(const fs::path& folder) {
+  const std::vector<std::string> ours = listedBy(folder / "summary.json");
+  std::vector<std::string> foreign;
+  for (const char* name : kRunResults) {
+    std::error_code ignored;
+    const bool is_file = fs::is_regular_file(folder / name, ignored);
+    if (is_file && std::find(ours.begin(), ours.end(), name) == ours.end()) foreign.emplace_back(name);
+  }
+  return foreign;
+}
+
+void refuseForeignResults(const fs::path& folder) {
+  const std::vector<std::string> foreign = foreignResults(folder);
+  if (foreign.empty()) return;
+  throw Error(Error::Code::kBadInput, (folder / foreign.front()).string(),
+              "it is not a result of palpate and would be replaced by one",
+              "move it away or choose another folder with --out");
+}
 
 MadeFolders::MadeFolders(const fs::path& path) : last_(plain(path)) {
   std::error_code ignored;
@@ -62,7 +102,7 @@ MadeFolders::~MadeFolders() {
   std::error_code ignored;
   for (fs::path at = last_; !first_.empty(); at = at.parent_path()) {
     const fs::file_status status = fs::symlink_status(at, ignored);
-    // Removing fails, as it should, if the folder holds anything.
+    // Fails, as it should, if the folder holds anything.
     if (fs::exists(status) && !(fs::is_directory(status) && fs::remove(at, ignored))) return;
     if (at == first_) return;
   }
@@ -104,7 +144,7 @@ OutputFolder::Target OutputFolder::targetOf(const fs::path& name) const {
   return made;
 }
 
-// What may fail for the most part comes before anything is moved.
+// Most of what may fail is done before anything is moved.
 void OutputFolder::publish(const char* first) {
   std::vector<Target> targets;
   for (const auto& entry : fs::directory_iterator(drafts_->path()))
@@ -121,7 +161,7 @@ void OutputFolder::publish(const char* first) {
   }
   for (const fs::path& name : left_out_) {
     std::error_code ignored;
-    // Behind a link the file goes and the link stays, for the next run that has such a result.
+    // Of a link, the file behind it is removed. The link stays, for the next run with such a result.
     const fs::path file = fs::weakly_canonical(path_ / name, ignored);
     if (fs::is_regular_file(file, ignored)) fs::remove(file, ignored);
   }

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/touch/output_folder.hpp: the folder that a run writes into: all of its files or none. Set-up code, one thread.
+// apps/touch/output_folder.hpp: the folder that a run writes into. The run leaves all of its files there or none, and
+// replaces no file that is not an earlier run's. Set-up code, one thread.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -14,6 +16,15 @@
 #include "base/leftover.hpp"
 
 namespace palpate {
+
+inline constexpr std::array<const char*, 4> kRunResults = {"trace.csv", "summary.json", "report.html", "view.png"};
+
+// The files in the folder that have a name of kRunResults but are no run's result: no summary.json of a run lists them.
+// A run's summary counts as its own result. Only plain files are looked at; OutputFolder::publish() refuses all else.
+[[nodiscard]] std::vector<std::string> foreignResults(const std::filesystem::path& folder);
+
+// Throws Error(kBadInput) if there is such a file, so that a run never replaces what another program wrote.
+void refuseForeignResults(const std::filesystem::path& folder);
 
 // The folders that a run makes on the way to `path`. The destructor removes those that are empty.
 class MadeFolders {

@@ -12,7 +12,7 @@ namespace {
 
 // A region of contact is shown with at least this much around it. [voxel]
 constexpr double kLeastRegionVoxels = 10;
-constexpr double kMostRegionShare = 0.6;  // of the object, where that is only some voxels large
+constexpr double kMostRegionShare = 0.6;  // of the object's size, if the object is only some voxels large
 
 }  // namespace
 

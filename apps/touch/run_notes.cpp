@@ -31,8 +31,8 @@ std::string moreForceWords(const Scene& scene, double depth_m) {
                        std::ceil(needed_N_per_m / step) * step, shortNumber(kClear_N));
   }
   return fmt::format(
-      "--stiffness {:.0f}, the most that it takes, would make {} N of it: raise --depth too for more, or write a "
-      "larger voxel size into the file",
+      "--stiffness {:.0f}, the most that it takes, would make {} N of it: "
+      "raise --depth too for more, or write a larger voxel size into the file",
       kStiffest_N_per_m, shortNumber(kStiffest_N_per_m * depth_m));
 }
 
@@ -54,29 +54,29 @@ std::optional<std::string> noteOnSilence(std::span<const TickRecord> records, do
   }
   if (all == 0) return {};
   return fmt::format(
-      "for {} s, from {} s on, the tool was in the object and {} gave neither a force nor a reason: it began there or "
-      "lost the surface; hri keeps such contacts or says why not",
+      "for {} s, from {} s on, the tool was in the object and {} gave neither a force nor a reason: "
+      "it began there or lost the surface; hri keeps such contacts or says why not",
       shortNumber(static_cast<double>(all) / rate_hz), shortNumber(from_s), algorithm);
 }
 
-std::optional<std::string> noteOnEncoders(const Scene& scene) {
+std::optional<std::string> noteOnEncoders(const Scene& scene, const DeviceLimits& device) {
   if (!algorithmEntry(scene.algorithm).traits.shows_surface) return {};
-  const double step_N = scene.stiffness_N_per_m * scene.encoder_resolution_m;
+  const double step_N = scene.stiffness_N_per_m * device.position_resolution_m;
   if (step_N < kFeltStep_N) return {};
   return fmt::format(
       "each step of the encoders, {} mm, changes the force by {} N, which is felt as roughness; lower --stiffness",
-      shortNumber(scene.encoder_resolution_m * kMillimetresPerMetre), shortNumber(step_N));
+      shortNumber(device.position_resolution_m * kMillimetresPerMetre), shortNumber(step_N));
 }
 
 std::optional<std::string> noteOnFaintForce(const Scene& scene, const RunFigures& figures) {
   const double depth_m = figures.depth_m.max;
   const double spring_N = scene.stiffness_N_per_m * depth_m;
   if (figures.contact_ticks == 0 || figures.force_N.max >= kFaintForce_N) return {};
-  if (!(depth_m > 0) || spring_N >= kFaintForce_N) return {};  // then something else holds the force back
+  if (!(depth_m > 0) || spring_N >= kFaintForce_N) return {};  // else something other than the depth limits the force
   const char* why = scene.press_depth_m || !scene.path_file.empty() ? "" : ", as fits so small or thin an object";
   return fmt::format(
-      "no force above {} N was reached, which is too little to feel: the tool pressed at most {} mm deep{}, "
-      "and --stiffness {} makes {} N of that; {}",
+      "no force above {} N was reached, which is too little to feel: "
+      "the tool pressed at most {} mm deep{}, and --stiffness {} makes {} N of that; {}",
       shortNumber(kFaintForce_N), shortNumber(depth_m * kMillimetresPerMetre), why,
       shortNumber(scene.stiffness_N_per_m), shortNumber(spring_N), moreForceWords(scene, depth_m));
 }
@@ -95,8 +95,8 @@ std::optional<std::string> noteOnHand(const Scene& scene, const RunFigures& figu
   if (!scene.spring_hand || !scene.path_file.empty() || !scene.press_depth_m || figures.depth_m.count == 0) return {};
   if (figures.depth_m.max >= (1 - kDepthShare) * *scene.press_depth_m) return {};
   return fmt::format(
-      "the hand is a spring and gave way: it pressed at most {} mm deep instead of --depth {}; raise --hand-stiffness "
-      "or --depth, or give --hand rigid",
+      "the hand is a spring and gave way: "
+      "it pressed at most {} mm deep instead of --depth {}; raise --hand-stiffness or --depth, or give --hand rigid",
       shortNumber(figures.depth_m.max * kMillimetresPerMetre),
       shortNumber(*scene.press_depth_m * kMillimetresPerMetre));
 }
@@ -107,8 +107,8 @@ std::optional<std::string> noteOnBrush(const Scene& scene, const RunFigures& fig
   if (spec.brush.kind != EditKind::kRemove || spec.rate_per_Ns > 0) return {};
   if (figures.contact_s >= 0.5 * (figures.time_s - figures.first_contact_s)) return {};
   return fmt::format(
-      "the brush removes at once what the tool touches, so that it felt the surface for {} s only; with a rate, as in "
-      "--edit {}:rate=20, it drills by force and time",
+      "the brush removes at once what the tool touches, so that it felt the surface for {} s only; "
+      "with a rate, as in --edit {}:rate=20, it drills by force and time",
       shortNumber(figures.contact_s), scene.edit);
 }
 
@@ -117,8 +117,8 @@ std::optional<std::string> noteOnTexture(const Scene& scene) {
   const double used_m = ProceduralTexture(scene.texture_amplitude_m, scene.texture_wavelength_m).amplitude();
   if (used_m >= scene.texture_amplitude_m) return {};
   return fmt::format(
-      "the texture's amplitude is {} mm instead of {} mm: a wavelength of {} mm holds no more; raise "
-      "--texture-wavelength",
+      "the texture's amplitude is {} mm instead of {} mm: "
+      "a wavelength of {} mm holds no more; raise --texture-wavelength",
       shortNumber(used_m * kMillimetresPerMetre), shortNumber(scene.texture_amplitude_m * kMillimetresPerMetre),
       shortNumber(scene.texture_wavelength_m * kMillimetresPerMetre));
 }

@@ -10,6 +10,7 @@
 
 #include "apps/path/timed_point.hpp"
 #include "apps/scene/scene.hpp"
+#include "servo/devices/device.hpp"
 #include "servo/loop/run_figures.hpp"
 #include "servo/loop/tick_record.hpp"
 
@@ -25,19 +26,18 @@ inline constexpr double kShortestSilence_s = 0.02;
 // A note if one step of the encoders changes the force by kFeltStep_N or more. A person feels some hundredths of a
 // newton.
 inline constexpr double kFeltStep_N = 0.1;
-[[nodiscard]] std::optional<std::string> noteOnEncoders(const Scene& scene);
+[[nodiscard]] std::optional<std::string> noteOnEncoders(const Scene& scene, const DeviceLimits& device);
 
-// A note where something was touched, and the spring of the contact was never pressed deep enough for kFaintForce_N
-// (apps/report/words.hpp), as in an object of some micrometres: how deep, and which stiffness would do. `scene`: as the
-// user gave it.
+// A note if something was touched, but never deep enough for a force of kFaintForce_N (apps/report/words.hpp), as in an
+// object of some micrometres. The note says how deep, and which stiffness would do. `scene`: as the user gave it.
 [[nodiscard]] std::optional<std::string> noteOnFaintForce(const Scene& scene, const RunFigures& figures);
 
-// A note where nothing was touched and no fault tells why. A run that ended early did not see the end of its path.
+// A note if nothing was touched and no fault explains it. `ended_early`: the tool did not reach the end of its path.
 [[nodiscard]] std::optional<std::string> noteOnNoContact(const RunFigures& figures, bool ended_early);
 
-// A note if a spring hand presses less deep than `scene`, as the user gave it, asks for: by more than kDepthShare of
-// that depth. Its spring and the surface's share the way. `phases`: those that the tool came to; before the slide it
-// has not pressed as deep as it will.
+// A note if a spring hand pressed less deep than `scene`, as the user gave it, asks for, by more than kDepthShare of
+// that depth. The hand's spring and the surface's spring share the displacement. `phases`: the phases that the tool
+// reached; before the slide the press is not complete.
 inline constexpr double kDepthShare = 0.1;
 [[nodiscard]] std::optional<std::string> noteOnHand(const Scene& scene, const RunFigures& figures,
                                                     std::span<const PathPhase> phases);

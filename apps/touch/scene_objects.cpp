@@ -12,8 +12,8 @@
 #include "apps/mesh/mesh_file.hpp"
 #include "apps/scene/object_table.hpp"
 #include "base/error.hpp"
-#include "base/rotation.hpp"
 #include "base/units.hpp"
+#include "base/vec.hpp"
 #include "servo/meshes/mesh_object.hpp"
 #include "servo/objects/shapes.hpp"
 
@@ -22,7 +22,7 @@ namespace {
 
 using Outlines = std::vector<std::vector<Vec3>>;
 
-constexpr int kPoints = 48;              // of a line, so that what hides a part of it can be told
+constexpr int kPoints = 48;              // along a line, so that hidden parts of it can be found
 constexpr double kPlaneSquare_m = 0.04;  // side of the square that stands for a plane on the picture
 constexpr double kCrease = 0.87;         // cosine of the angle from which an edge of a mesh is drawn, 30 degrees
 constexpr std::size_t kMostEdges = 4000;
@@ -66,7 +66,7 @@ void addBox(const ObjectSpec& spec, const Mat3& R_WB, Outlines& lines) {
   }
 }
 
-// Edges where the mesh ends or turns.
+// Edges at which the mesh ends or has a crease.
 void addCreases(const TriangleMesh& mesh, Outlines& lines) {
   struct Sides {
     int count = 0;

@@ -42,14 +42,14 @@ double distanceToVolume(const SurfaceField& surface, const Vec3& p_W) {
   return (p_L - nearest_L).cwiseProduct(surface.lattice().spacing_m).norm();
 }
 
-// A path that stays outside the volume feels nothing, and the usual reason is a file in millimetres.
+// A path outside the volume feels nothing. The usual cause is a file in millimetres.
 std::vector<std::string> notesOnReach(const SurfaceField& surface, const std::vector<TimedPoint>& points) {
   double nearest_m = std::numeric_limits<double>::infinity();
   for (const TimedPoint& point : points) nearest_m = std::min(nearest_m, distanceToVolume(surface, point.p_W));
   if (nearest_m == 0) return {};
   return {
-      fmt::format("the path never enters the volume: its nearest point is {:.3g} mm away; are its coordinates in "
-                  "metres, and in the volume's world?",
+      fmt::format("the path never enters the volume: "
+                  "its nearest point is {:.3g} mm away; are its coordinates in metres, and in the volume's world?",
                   nearest_m * kMillimetresPerMetre)};
 }
 

@@ -9,7 +9,7 @@
 #include "apps/path/surface_field.hpp"
 #include "apps/path/timed_point.hpp"
 #include "apps/scene/scene.hpp"
-#include "servo/devices/sampled_path.hpp"
+#include "servo/devices/path.hpp"
 
 namespace palpate {
 

@@ -2,15 +2,23 @@
 #include "apps/touch/servo_run.hpp"
 
 #include <chrono>
+#include <cmath>
 #include <thread>
 
+#include <fmt/format.h>
+
 #include "apps/console/interrupt.hpp"
-#include "apps/touch/rig_settings.hpp"
-#include "apps/touch/servo_setup.hpp"
+#include "apps/touch/scene_settings.hpp"
+#include "base/error.hpp"
 #include "base/stopwatch.hpp"
+#include "servo/loop/tick_record.hpp"
 
 namespace palpate {
 namespace {
+
+double ticksOf(const Scene& scene) {
+  return std::round(scene.duration_s * scene.rate_hz);
+}
 
 LoopResult runSimulated(TouchRig& rig, double ticks, Progress& progress) {
   return rig.runSimulated({}, [&](std::int64_t tick, std::int64_t) {
@@ -31,6 +39,27 @@ LoopResult runReal(TouchRig& rig, double duration_s, Progress& progress) {
 }
 
 }  // namespace
+
+double recordBytes(const Scene& scene) {
+  return 2 * ticksOf(scene) * sizeof(TickRecord);
+}
+
+void checkRunLength(const Scene& scene, std::uint64_t available_bytes) {
+  const std::string input = scene.path_file.empty()
+                                ? fmt::format("--seconds {:g} at --rate {:g}", scene.duration_s, scene.rate_hz)
+                                : fmt::format("{} at --rate {:g}", scene.path_file, scene.rate_hz);
+  if (!(ticksOf(scene) >= 1)) {
+    throw Error(Error::Code::kBadInput, input, "the run has no tick", "make it longer or the rate higher");
+  }
+  const double bytes = recordBytes(scene);
+  const auto available = static_cast<double>(available_bytes);
+  if (bytes <= available) return;
+  constexpr double kBytesPerGiB = 1073741824.0;
+  throw Error(Error::Code::kOutOfMemory, input,
+              fmt::format("a run of {:.3g} s records {:.3g} ticks, which need {:.3g} GiB, and {:.3g} GiB are free",
+                          scene.duration_s, ticksOf(scene), bytes / kBytesPerGiB, available / kBytesPerGiB),
+              "make it shorter or the rate lower");
+}
 
 LoopResult runServo(const Scene& scene, RigVolume volume, const Path& path, Engine& engine, RigEdits* edits,
                     Progress& progress, const std::function<void()>& before_first_tick) {

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/touch/servo_run.hpp: a scene's simulated device led along a path on a rig, in real time or on the simulated
-// clock.
+// apps/touch/servo_run.hpp: the run of the servo: checks its length beforehand, and leads the scene's simulated device
+// along a path on a rig, by the real or the simulated clock.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 
 #include "apps/console/progress.hpp"
@@ -11,6 +12,14 @@
 #include "servo/devices/path.hpp"
 
 namespace palpate {
+
+// Memory for the records of a scene's run [byte]. It counts them twice, since making the report needs a copy. Any
+// thread.
+[[nodiscard]] double recordBytes(const Scene& scene);
+
+// Throws Error, which names the flags or the path's file: kBadInput for a run without a tick, kOutOfMemory if the
+// records do not fit into `available_bytes`.
+void checkRunLength(const Scene& scene, std::uint64_t available_bytes);
 
 // Blocks for the run's time. Ctrl-C ends it early, in good order. `edits` may be null. `before_first_tick` is called
 // once, after the memory for the records of all ticks has been allocated.

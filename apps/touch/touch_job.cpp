@@ -9,7 +9,7 @@
 #include <sys/resource.h>
 
 #include "apps/console/interrupt.hpp"
-#include "apps/console/pass_progress.hpp"
+#include "apps/console/progress.hpp"
 #include "apps/load/load_and_tell.hpp"
 #include "apps/report/html_report.hpp"
 #include "apps/report/summary.hpp"
@@ -20,12 +20,10 @@
 #include "apps/touch/object_volume.hpp"
 #include "apps/touch/output_folder.hpp"
 #include "apps/touch/picture.hpp"
-#include "apps/touch/rig_settings.hpp"
-#include "apps/touch/run_length.hpp"
 #include "apps/touch/run_notes.hpp"
-#include "apps/touch/run_results.hpp"
 #include "apps/touch/scene_objects.hpp"
 #include "apps/touch/scene_plan.hpp"
+#include "apps/touch/scene_settings.hpp"
 #include "apps/touch/scripted_path.hpp"
 #include "apps/touch/servo_run.hpp"
 #include "apps/touch/volume_surface.hpp"
@@ -36,7 +34,7 @@
 #include "engine/field/isosurface_mesh.hpp"
 #include "engine/field/memory_budget.hpp"
 #include "engine/field/statistics.hpp"
-#include "engine/gpu/gpu_info.hpp"
+#include "engine/gpu/gpu.hpp"
 #include "engine/phantoms/phantom.hpp"
 #include "engine/service/engine.hpp"
 #include "servo/algorithms/registry.hpp"
@@ -53,7 +51,7 @@ void stopIfInterrupted() {
   throwIfInterrupted("palpate touch");
 }
 
-// Runs the stages of a job: each is announced, timed, and not begun after Ctrl-C.
+// Runs the stages of a job. Announces and times each; begins none after Ctrl-C.
 class Stages {
  public:
   Stages(Progress& progress, std::vector<StageTime>& times) : progress_(progress), times_(times) {}
@@ -73,7 +71,7 @@ class Stages {
   std::vector<StageTime>& times_;
 };
 
-// Faults of the command line are found before a volume is loaded for them.
+// Finds errors of the command line before a volume is loaded.
 void checkEarly(const Scene& scene, const ContactObjects& objects) {
   if (scene.volume.empty()) {
     throw Error(Error::Code::kBadInput, "palpate touch", "no volume is given",
@@ -101,7 +99,7 @@ std::optional<ExactErrors> exactErrorsOf(const TouchRun& run) {
   return exactErrors(*phantom, run.records, run.phases);
 }
 
-// On pictures and pages a file goes by its name; the command that repeats the run has its path.
+// Pictures and pages name a file without its folder; the command that repeats the run has its path.
 std::string shownName(const VolumeFacts& facts) {
   if (facts.format == "phantom") return facts.source;
   const std::filesystem::path path(facts.source);
@@ -166,7 +164,7 @@ std::vector<std::string> outputFiles(const TouchRun& run, const OutputFolder& fo
   return files;
 }
 
-// Of a run that is ended while it tells what was felt.
+// The error of a run that is stopped while its results are written.
 std::string wordsOfSecondRequest(const std::string& journal, const std::string& save) {
   std::string places = journal;
   if (!save.empty()) places += (places.empty() ? "" : " and ") + save;
@@ -201,7 +199,7 @@ void endEarly(TouchRun& run) {
   endPhases(run.phases, felt_s);
 }
 
-// A long trace is given up where the user stops the program meanwhile; the rest of the run is told.
+// If the user stops the program meanwhile, a long trace is given up; the other results are written.
 void writeTrace(TouchRun& run, OutputFolder& folder) {
   const bool is_long = run.records.size() > static_cast<std::size_t>(run.scene.stopped_trace_ticks);
   try {
@@ -221,7 +219,7 @@ void writeTrace(TouchRun& run, OutputFolder& folder) {
 
 // Writes everything or nothing; `picture` may be empty.
 void writeOutputs(TouchRun& run, const std::string& picture, OutputFolder& folder) {
-  writeTrace(run, folder);  // what is told below says whether it is there
+  writeTrace(run, folder);  // the files below say whether it was written
   run.files = outputFiles(run, folder, !picture.empty());
   if (picture.empty()) {
     folder.leaveOut("view.png");
@@ -230,19 +228,19 @@ void writeOutputs(TouchRun& run, const std::string& picture, OutputFolder& folde
   }
   folder.write("report.html", [&](const std::filesystem::path& draft) { writeReport(draft, run, picture); });
   folder.write("summary.json", [&](const std::filesystem::path& draft) { writeSummary(draft, run); });
-  refuseForeignResults(run.scene.out);  // that came there meanwhile
-  folder.publish("summary.json");       // which tells the next run that the others are replaceable
+  refuseForeignResults(run.scene.out);  // files that appeared since the start
+  folder.publish("summary.json");       // first: by it the next run knows that it may replace the others
 }
 
-// For who waits after Ctrl-C.
+// Tells a user who has pressed Ctrl-C why the program goes on.
 std::string wordsOfStopping(const TouchRun& run) {
   return fmt::format("stopping: writing the report of {} ticks; Ctrl-C again gives it up", run.records.size());
 }
 
-// A run in three steps. What one step makes and a later one needs is a member.
+// A run in three steps. Members hold what a later step needs.
 class TouchJob {
  public:
-  // Faults of the command line throw here, before anything takes long.
+  // Throws for errors of the command line, before any long work.
   TouchJob(const Scene& scene, const std::string& command, const std::string& commit, Progress& progress)
       : scene_(scene), progress_(progress), objects_(makeSceneObjects(scene.objects)), stages_(progress, run_.stages) {
     checkEarly(scene, objects_.objects);
@@ -273,10 +271,10 @@ class TouchJob {
   void assess();
   void finishEdits();
   [[nodiscard]] std::string picture();
-  // What is felt is what the engine made of the volume.
+  // The tool feels the engine's field, which may be filtered.
   [[nodiscard]] const Volume& felt() const { return filtered_ ? *filtered_ : *volume_; }
 
-  std::optional<KeptWork> kept_;  // first, so that it outlives all that takes time to give back
+  std::optional<KeptWork> kept_;  // first, so that it outlives the members that take long to free
   const Scene& scene_;
   Progress& progress_;
   SceneObjects objects_;
@@ -290,6 +288,7 @@ class TouchJob {
   std::optional<Volume> filtered_;
   std::optional<VolumeSurface> surface_;  // of what is felt
   std::optional<ScriptedPath> path_;
+  DeviceLimits device_;
   RigVolume rig_volume_;
   double object_m3_ = 0;  // before the edits
   // With --save they own the volume while the servo runs: nobody else reads it before finish().
@@ -299,7 +298,7 @@ class TouchJob {
 void TouchJob::load() {
   volume_ = stages_.run("load", "loading " + scene_.volume, [&] { return loadAndTell(scene_.volume, progress_); });
   checkTouchable(*volume_);
-  // Rounded to float once, as the GPU has it: servo and kernels must agree on what is object.
+  // Rounded to float as on the GPU, since servo and kernels must agree on what is object.
   isovalue_ = static_cast<float>(scene_.isovalue ? *scene_.isovalue : defaultIsovalue(*volume_));
   checkIsovalue(*volume_, isovalue_);
   run_.scene.isovalue = isovalue_;
@@ -313,7 +312,7 @@ void TouchJob::compute() {
                                     passProgress(progress_, stopIfInterrupted));
   });
   run_.vulkan = {engine_->gpu().name, engine_->gpu().driver, engine_->gpu().api_version};
-  // The engine's own stages come out of the time that making it took; what is left opened the device.
+  // The time of the constructor without the engine's own stages is that of opening the device.
   for (const StageTime& inner : engine_->stages()) run_.stages.back().seconds -= inner.seconds;
   run_.stages.insert(run_.stages.end(), engine_->stages().begin(), engine_->stages().end());
   if (engine_->filters()) filtered_ = engine_->filtered(volume_->facts());
@@ -355,7 +354,7 @@ void TouchJob::readyEdits() {
 }
 
 void TouchJob::feel() {
-  const auto begin = [&] {  // from the first tick on there is something that was felt
+  const auto begin = [&] {  // from the first tick on there are results to keep
     kept_.emplace();
     tellWhatIsKept(wordsOfSecondRequest(scene_.journal, scene_.save));
     progress_.stage(fmt::format("palpating with {} on {}", scene_.algorithm, engine_->gpu().name));
@@ -370,6 +369,7 @@ void TouchJob::feel() {
     return loop;
   });
   run_.records = std::move(result.records);
+  device_ = result.device;
   run_.grid_points = result.ticks_run + result.ticks_skipped;
   run_.realtime = realTimeWords(scene_, result);
   endEarly(run_);
@@ -378,15 +378,15 @@ void TouchJob::feel() {
 
 void TouchJob::assess() {
   run_.figures = figuresOf(run_);
-  run_.stability = assessContact(run_.records, {.resolution_m = run_.scene.encoder_resolution_m,
-                                                .delay_ticks = run_.scene.device_delay_ticks,
-                                                .lacking_Ns_per_m = lackingDamping(run_.scene),
+  run_.stability = assessContact(run_.records, {.resolution_m = device_.position_resolution_m,
+                                                .delay_ticks = device_.force_delay_ticks,
+                                                .lacking_Ns_per_m = lackingDamping(run_.scene, device_),
                                                 .path = &path_->path});
   run_.faults = faultsOf(run_);
   run_.exact = exactErrorsOf(run_);
   for (const auto& note :
        {noteOnSilence(run_.records, engine_->isovalue(), run_.scene.rate_hz, scene_.algorithm),
-        noteOnEncoders(run_.scene), noteOnTexture(run_.scene), noteOnFaintForce(scene_, *run_.figures),
+        noteOnEncoders(run_.scene, device_), noteOnTexture(run_.scene), noteOnFaintForce(scene_, *run_.figures),
         noteOnNoContact(*run_.figures, !run_.ended_early.empty()), noteOnHand(scene_, *run_.figures, run_.phases),
         noteOnBrush(run_.scene, *run_.figures)}) {
     if (note) run_.notes.push_back(*note);
@@ -396,20 +396,20 @@ void TouchJob::assess() {
 void TouchJob::finishEdits() {
   if (!edits_) return;
   if (!scene_.save.empty()) progress_.stage("saving " + scene_.save);  // after Ctrl-C too
-  run_.edits = edits_->finish(run_.notes);                             // from here on the volume is this thread's again
+  run_.edits = edits_->finish(run_.notes);                             // now the volume belongs to this thread again
   if (!run_.ended_early.empty()) {
     progress_.stage(wordsOfStopping(run_));
-    edits_->dropEmptyJournal(*run_.edits);  // so that the same command can be given again
+    edits_->dropEmptyJournal(*run_.edits);  // so that the same command can be run again
     if (run_.edits->journal_bytes == 0) tellWhatIsKept(wordsOfSecondRequest("", scene_.save));
   }
-  if (engine_->broken()) return;  // the picture shows what was there before a device error
+  if (engine_->broken()) return;  // the picture shows the volume as last read back
   engine_->readBack(*volume_);
   run_.edits->content = contentHash(*volume_);
   run_.edits->added_m3 = objectVolume_m3(*volume_, isovalue_) - object_m3_;
   if (filtered_) filtered_ = engine_->filtered(volume_->facts());
 }
 
-// Empty where the plan has none and where the user stops it.
+// Empty if the plan has no picture, or if the user stops it.
 std::string TouchJob::picture() {
   if (!plan_.request.draws) return {};
   try {

@@ -13,7 +13,9 @@ class VolumeSurface final : public SurfaceField {
  public:
   VolumeSurface(const Volume& volume, double isovalue) : volume_(volume), isovalue_(isovalue) {}
 
-  bool sample(const Vec3& p_W, double& density, Vec3& gradient_W) const override;
+  bool sample(const Vec3& p_W, double& density, Vec3& gradient_W) const override {
+    return volume_.sample(p_W, density, gradient_W);
+  }
   [[nodiscard]] double isovalue() const override { return isovalue_; }
   [[nodiscard]] const Lattice& lattice() const override { return volume_.lattice(); }
   [[nodiscard]] Vec3i size() const override { return volume_.size(); }

@@ -20,9 +20,8 @@ constexpr Color kHalo = {1, 1, 1, 0.85};
 
 void check(cairo_status_t status) {
   if (status == CAIRO_STATUS_SUCCESS) return;
-  throw Error(Error::Code::kOutOfMemory, "view.png",
-              fmt::format("the picture cannot be drawn ({})", cairo_status_to_string(status)),
-              "ask for a smaller picture");
+  throw Error(Error::Code::kOutOfMemory, "picture",
+              fmt::format("it cannot be drawn ({})", cairo_status_to_string(status)), "ask for a smaller picture");
 }
 
 struct PngFile {
@@ -31,7 +30,7 @@ struct PngFile {
   std::exception_ptr failure{};
 };
 
-// Nothing may be thrown through Cairo.
+// No exception may pass through Cairo.
 cairo_status_t append(void* file, const unsigned char* bytes, unsigned int count) {
   auto& png = *static_cast<PngFile*>(file);
   try {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/view/canvas.hpp: a picture to draw on: wraps the few Cairo calls that view.png needs, and checks their errors.
+// apps/view/canvas.hpp: a picture to draw on: wraps the few Cairo calls that pictures need, and checks their errors.
 //
 // Pixels from the top left. One thread per canvas. Private to apps/view: Cairo's headers do not leave it.
 #pragma once
@@ -12,7 +12,7 @@
 #include <cairo/cairo.h>
 
 #include "apps/report/label_placer.hpp"
-#include "base/rendered_image.hpp"
+#include "base/camera.hpp"
 
 namespace palpate {
 

@@ -13,7 +13,6 @@
 #include "apps/report/touch_run.hpp"
 #include "apps/view/contact_region.hpp"
 #include "base/camera.hpp"
-#include "base/rendered_image.hpp"
 
 namespace palpate {
 

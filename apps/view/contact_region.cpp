@@ -9,7 +9,7 @@ namespace {
 constexpr std::size_t kMostPoints = 40;
 constexpr double kRoom = 1.25;
 
-// A unit vector across `normal`, as near to `wish` as can be.
+// The unit vector normal to `normal` that is nearest to `wish`.
 Vec3 across(const Vec3& normal, const Vec3& wish) {
   const Vec3 rest = wish - wish.dot(normal) * normal;
   return rest.norm() > 1e-9 ? Vec3(rest.normalized()) : Vec3(normal.unitOrthogonal());

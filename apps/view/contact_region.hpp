@@ -16,7 +16,7 @@ struct ContactRegion {
   double radius_m = 0;            // of a sphere around all contact points, with a margin [m]
   Vec3 normal_W = Vec3::UnitZ();  // mean of the contact normals [-]
   Vec3 along_W = Vec3::UnitX();   // unit, normal to normal_W: from the first towards the last contact [-]
-  std::vector<Vec3> points_W;     // some of the contact points, for tests of visibility
+  std::vector<Vec3> points_W;     // some of the contact points, to test what a camera sees [m]
   bool touched = false;           // false: no contact; then the region is that of the whole path
   bool is_cut = false;            // edits have changed the surface, so the points may lie in a hollow
 };

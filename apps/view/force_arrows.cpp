@@ -22,10 +22,10 @@ double wayInContact(const std::vector<TickRecord>& records) {
   return way_m;
 }
 
-constexpr double kLeastWay_m = 1e-12;  // so that a tap has one arrow
+constexpr double kLeastWay_m = 1e-12;  // makes a tap have one arrow
 constexpr double kPeak = 1.05;         // above this many times the middle's force the largest is shown
 
-// A stretch of the way while it is walked: the ticks nearest to its middle and with the largest force.
+// Finds, in a stretch of the path, the tick nearest to its middle and the tick with the largest force.
 struct Stretch {
   std::int64_t number = -1;
   const TickRecord* middle = nullptr;

@@ -15,12 +15,13 @@ constexpr double kFov_rad = 30 / kDegreesPerRadian;
 constexpr int kGrid = 24;  // samples along an axis when the object is looked for
 constexpr std::array<double, 5> kElevations_deg = {28, 42, 58, 75, 85};
 constexpr int kOpenDirections = 100;
-// A degree more weighs as much as this share hidden: from above no depth is seen; but a groove must be seen into.
+// A degree of height costs as much as this fraction of hidden points. From above no depth is visible, but a groove can
+// only be seen into from above.
 constexpr double kSteepnessCost = 0.01, kSteepnessCostOfCut = 0.004;
 // Rays begin so far above the surface. In a groove nothing is under the points any more. [voxel]
 constexpr double kAbove = 1.5, kAboveCut = 0.5;
 
-// From where a sphere fills the smaller side of the picture.
+// The distance from which a sphere fills the smaller side of the picture.
 double distanceFor(double radius_m, int width, int height) {
   const double half = std::atan(std::tan(kFov_rad / 2) * std::min(1.0, static_cast<double>(width) / height));
   return radius_m / std::sin(half);
@@ -123,7 +124,7 @@ Camera closeUpCamera(const SurfaceField& field, const ContactRegion& region, int
       best_W = from_W;
     }
   }
-  // Room above for arrows: the camera looks at a point a little out of the surface.
+  // The camera looks at a point a little above the surface, which leaves room for the arrows.
   const Vec3 target_W = region.centre_W + 0.15 * region.radius_m * region.normal_W;
   return lookAt(target_W, best_W, distanceFor(region.radius_m, width, height), region.normal_W, width, height,
                 kFov_rad);

@@ -18,7 +18,7 @@ double fittingSize(Canvas& canvas, const std::string& words, double size, bool b
   return needed > width ? size * width / needed : size;
 }
 
-// A sample line and its name; moves `x` on.
+// Draws a sample line and its name, and advances `x`.
 void lineItem(Canvas& canvas, Pixel& at, double scale, const Color& color, double dash, const char* words) {
   canvas.polyline({{at.x, at.y - 5 * scale}, {at.x + kSample * scale, at.y - 5 * scale}}, color, 3 * scale,
                   dash * scale);

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kOnePlace_px = 20;    // start and end nearer to each other have one label
 constexpr double kLeastStep_px = 1.5;  // points nearer to each other are left out
-constexpr double kHiddenShare = 0.55;  // how much of its colour remains to a hidden line
+constexpr double kHiddenShare = 0.55;  // of a line's colour that remains where the line is hidden
 constexpr Color kWhite = {1, 1, 1};
 constexpr Color kBoxColor = {0.85, 0.35, 0.05};
 
@@ -29,7 +29,7 @@ Panel::Panel(Canvas& canvas, const Camera& camera, const RenderedImage& image, d
 
 bool Panel::isVisible(const Camera::Projection& p) const {
   if (p.x < 0 || p.y < 0 || p.x >= image_.width || p.y >= image_.height)
-    return true;  // beside the picture nothing hides
+    return true;  // nothing hides a point outside the picture
   const auto at =
       static_cast<std::size_t>(p.y) * static_cast<std::size_t>(image_.width) + static_cast<std::size_t>(p.x);
   return p.distance_m <= static_cast<double>(image_.distance_m[at]) + tolerance_m_;
@@ -48,7 +48,7 @@ std::vector<Panel::Place> Panel::places(const std::vector<Vec3>& points_W) const
   return out;
 }
 
-// Stretches of equal visibility, each one polyline; neighbours share their border point.
+// Draws each stretch of equal visibility as one polyline; neighbours share an end point.
 void Panel::drawPlaces(const std::vector<Place>& places, const Color& color, double line) {
   std::vector<Pixel> whole;
   for (const Place& place : places) whole.push_back(place.pixel);
@@ -86,7 +86,7 @@ void Panel::drawVhipPath(const std::vector<TickRecord>& records) {
   }
 }
 
-// Closely spaced points: what the surface hides of a line is found point by point.
+// Points close together, since visibility is found point by point.
 void Panel::drawObjects(const std::vector<std::vector<Vec3>>& outlines_W) {
   for (const std::vector<Vec3>& line_W : outlines_W) drawPlaces(places(line_W), kObjectColor, 1.6 * scale_);
 }
@@ -131,7 +131,7 @@ void Panel::drawBox(const ContactRegion& region, const std::string& words) {
   canvas_.strokeRectangle(left, top, 2 * half, 2 * half, {1, 1, 1, 0.8}, 4 * scale_);
   canvas_.strokeRectangle(left, top, 2 * half, 2 * half, kBoxColor, 2 * scale_);
   labels_.avoidLine({{left, top}, {right, top}, {right, bottom}, {left, bottom}, {left, top}});
-  // Its words stand below it or above it, whatever else is there.
+  // Its label is below or above it, whatever else is there.
   const double size = 13 * scale_;
   const double width = canvas_.textWidth(words, size, true);
   const double y = bottom + 1.5 * size < image_.height ? bottom + 1.3 * size : top - 0.5 * size;
@@ -173,7 +173,7 @@ void Panel::drawEnds(const std::vector<TickRecord>& records) {
       marks.size() == 2 &&
       (std::hypot(marks[0].at.x - marks[1].at.x, marks[0].at.y - marks[1].at.y) < kOnePlace_px * scale_ ||
        labels_.isAtAnother(boxes[0], marks[0].at) || labels_.isAtAnother(boxes[1], marks[1].at));
-  if (is_one_place) {  // words of one dot would stand at the other's too
+  if (is_one_place) {  // the label of one dot would be at the other too
     drawWords(marks[1].at, kGap * scale_, fmt::format("{} and {}", marks[0].word, marks[1].word), kSize * scale_, kInk);
     return;
   }

@@ -13,8 +13,8 @@
 namespace palpate {
 
 // The bricks whose cells an isosurface crosses, and their halo: the next bricks along +i, +j and +k, which hold the far
-// corners of such cells. So every cell on the isosurface has a gradient at all its corners. Linear page indices,
-// ascending.
+// corners of such cells. So every cell on the isosurface has a gradient at all its corners. Returns linear page
+// indices, ascending.
 [[nodiscard]] std::vector<std::uint32_t> activeBricks(std::span<const layout::BrickBounds> bounds,
                                                       const BrickGrid& grid, const layout::IsovaluePair& isovalues);
 [[nodiscard]] inline std::vector<std::uint32_t> activeBricks(std::span<const layout::BrickBounds> bounds,

@@ -28,18 +28,20 @@ BrushProfile brushProfile(const Volume& volume, double isovalue) {
   checkIsovalue(volume, isovalue);
   const double object = meanAbove(volume, isovalue);
   const double minimum = volume.minimum();
-  // A volume whose lowest density is the isovalue itself has nothing below it: what is removed must still be outside.
+  // If the lowest density is the isovalue itself, no density of the volume lies below it. What is removed must still be
+  // outside.
   const double contrast = object - isovalue;
   const double background = minimum < isovalue ? minimum : isovalue - contrast;
   return brushProfile(isovalue, background, object, volume.lattice().spacing_m);
 }
 
-std::string fineBrushWords(const EditCommand& command, const Lattice& lattice, const BrushProfile& profile) {
+std::string fineBrushWarning(const EditCommand& command, const Lattice& lattice, const BrushProfile& profile) {
   const double voxel_m = lattice.smallestSpacing();
   if (!isBrush(command.kind) || command.radius_m >= voxel_m / 2) return "";
   return fmt::format(
-      "its radius of {:g} mm is below half a voxel ({:g} mm), which voxels cannot show: densities change up to {:g} mm "
-      "around it, but the surface there may hardly move; give a larger one, or resample the volume",
+      "its radius of {:g} mm is below half a voxel ({:g} mm), which voxels cannot show: "
+      "densities change up to {:g} mm around it, but the surface there may hardly move; "
+      "give a larger one, or resample the volume",
       command.radius_m * kMillimetresPerMetre, voxel_m * kMillimetresPerMetre,
       (command.radius_m + profile.band_m) * kMillimetresPerMetre);
 }

@@ -69,7 +69,7 @@ void checkMaterial(const EditCommand& command, const MaterialRate& material) {
                "give 1 for full resistance");
 }
 
-// A little below the 2^30 bytes of a journal's longest record (docs/journal.md), which hold the stamp's lattice too.
+// A little below the 2^30 bytes of a journal's longest record (docs/journal.md), which also holds the stamp's lattice.
 constexpr long long kMostStampVoxels = (1023LL << 20U) / sizeof(float);
 
 void checkStamp(const EditCommand& command) {
@@ -77,7 +77,7 @@ void checkStamp(const EditCommand& command) {
   const Stamp& stamp = *command.stamp;
   checkLattice(stamp.lattice, "stamp");
   const std::string size = fmt::format("{} x {} x {} voxels", stamp.size.x(), stamp.size.y(), stamp.size.z());
-  // First of all, so that their product is a number.
+  // Checked first, so that the product of the sizes cannot overflow.
   if (stamp.size.minCoeff() < 2 || stamp.size.maxCoeff() > 1024)
     refuseEdit(command, "its stamp has " + size, "give 2 to 1024 voxels along an axis");
   const long long voxels = stamp.size.cast<long long>().prod();
@@ -105,13 +105,17 @@ Vec3 reflected(const Vec3& p_W, const Vec3& plane_W, const Vec3& unit_W) {
 }  // namespace
 
 const char* editName(EditKind kind) noexcept {
-  static constexpr std::array<const char*, 10> kNames = {"add",       "remove",       "paint",  "flatten", "cut",
-                                                         "stamp add", "stamp remove", "smooth", "inflate", "deflate"};
+  static constexpr std::array kNames = {"add",       "remove",       "paint",  "flatten", "cut",
+                                        "stamp add", "stamp remove", "smooth", "inflate", "deflate"};
+  static_assert(kNames.size() == kEditKinds);
   return kNames[static_cast<std::size_t>(kind)];
 }
 
 bool isStamp(EditKind kind) noexcept {
   return kind == EditKind::kStampAdd || kind == EditKind::kStampRemove;
+}
+bool hasValue(EditKind kind) noexcept {
+  return kind == EditKind::kPaint;
 }
 bool hasPlane(EditKind kind) noexcept {
   return kind == EditKind::kFlatten || kind == EditKind::kCut;
@@ -150,7 +154,7 @@ void checkEdit(const EditCommand& command, const Vec3i& size, const Lattice& lat
       refuseEdit(command, "its plane has no direction", "give a normal that is not zero");
   }
   if (isStamp(command.kind)) checkStamp(command);
-  if (command.kind == EditKind::kPaint) checkDensity(command, command.value, "value");
+  if (hasValue(command.kind)) checkDensity(command, command.value, "value");
   if (command.object) checkDensity(command, *command.object, "object density");
   if (command.material) checkMaterial(command, *command.material);
 }

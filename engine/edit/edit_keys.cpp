@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/error.hpp"
-#include "base/rotation.hpp"
+#include "base/vec.hpp"
 
 namespace palpate {
 namespace {
@@ -20,9 +20,8 @@ constexpr std::uint32_t bits(Kinds... kinds) {
 
 constexpr std::uint32_t kStamps = bits(EditKind::kStampAdd, EditKind::kStampRemove);
 constexpr std::uint32_t kPlanes = bits(EditKind::kFlatten, EditKind::kCut);
-constexpr std::uint32_t kBrushes = bits(EditKind::kAdd, EditKind::kRemove, EditKind::kPaint, EditKind::kFlatten,
-                                        EditKind::kSmooth, EditKind::kInflate, EditKind::kDeflate);
-constexpr std::uint32_t kAll = kBrushes | kPlanes | kStamps;
+constexpr std::uint32_t kAll = (1U << kEditKinds) - 1;
+constexpr std::uint32_t kBrushes = kAll & ~(kStamps | bits(EditKind::kCut));
 
 MaterialRate& material(EditText& text) {
   if (!text.command.material) text.command.material.emplace();
@@ -50,7 +49,7 @@ int axisOf(const EditValue& value) {
 }
 
 // clang-format off
-constexpr std::array<EditWord, 10> kWords = {{
+constexpr auto kWords = std::to_array<EditWord>({
     {"remove", EditKind::kRemove, true, "clears the brush's ball or capsule: drills"},
     {"add", EditKind::kAdd, true, "fills it"},
     {"paint", EditKind::kPaint, true, "moves the densities in it towards `value`"},
@@ -61,7 +60,8 @@ constexpr std::array<EditWord, 10> kWords = {{
     {"cut", EditKind::kCut, false, "clears all that a plane's normal points to"},
     {"stamp-add", EditKind::kStampAdd, false, "fills a closed mesh"},
     {"stamp-remove", EditKind::kStampRemove, false, "clears it"},
-}};
+});
+static_assert(kWords.size() == kEditKinds);
 
 const std::array<EditKey, 19> kKeys = {{
     {"at", "x,y,z [mm]", kBrushes | kStamps, true, false, "must be given, or `from` and `to`", "the brush's middle; where the mesh file's origin comes to lie", [](const EditValue& v, EditText& t) { t.command.from_W = t.command.to_W = v.place(); }},
@@ -120,7 +120,7 @@ std::string editTextTable() {
   text += "| key | takes | kinds | if not given | meaning | where |\n|---|---|---|---|---|---|\n";
   for (const EditKey& key : kKeys) {
     text += fmt::format("| `{}` | {} | {} | {} | {} | {} |\n", key.name, key.takes, kindsInWords(key.kinds),
-                        key.standard, key.help,
+                        key.default_text, key.help,
                         key.placed && key.tool ? "both"
                         : key.tool             ? "`touch --edit`"
                                                : "`palpate edit`");

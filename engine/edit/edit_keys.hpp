@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/edit/edit_keys.hpp: the vocabulary of edits as text: a table of every kind of edit, and a table of every key
-// with the kinds that take it. The parser, the messages and the table in docs/edits.md are made from it. Any thread.
+// engine/edit/edit_keys.hpp: the vocabulary of edits as text. One table lists every kind of edit, another every key and
+// the kinds that take it. The parser, its messages and the tables in docs/edits.md come from these two. Any thread.
 #pragma once
 
 #include <cstdint>
@@ -21,10 +21,10 @@ struct EditWord {
 
 struct EditKey {
   const char* name;
-  const char* takes;
-  std::uint32_t kinds;   // bit n is set if EditKind number n takes the key
-  bool placed, tool;     // allowed in EditUse::kPlaced; in EditUse::kTool
-  const char* standard;  // the default, in words
+  const char* takes;         // form of the value, for help texts: "a length [mm]"
+  std::uint32_t kinds;       // bit n is set if EditKind number n takes the key
+  bool placed, tool;         // allowed in EditUse::kPlaced; in EditUse::kTool
+  const char* default_text;  // the default, for help texts
   const char* help;
   void (*set)(const EditValue& value, EditText& text);
 };
@@ -33,7 +33,7 @@ struct EditKey {
 [[nodiscard]] std::span<const EditKey> editKeys();
 [[nodiscard]] bool hasKey(const EditKey& key, EditKind kind, EditUse use) noexcept;
 
-// Both tables as Markdown: the generated part of docs/edits.md, between its two marks.
+// Both tables as Markdown. `palpate edit --commands` prints them, and docs/edits.md holds them.
 [[nodiscard]] std::string editTextTable();
 
 }  // namespace palpate

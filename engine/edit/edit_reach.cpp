@@ -11,8 +11,8 @@
 namespace palpate {
 namespace {
 
-// Lengths are measured in float, by kernels and here: these shares of a voxel and of the lengths involved are more than
-// both together can be off.
+// Kernels and this file measure lengths in float. These margins, shares of a voxel and of the lengths involved, exceed
+// the rounding errors of both together.
 constexpr double kMarginVoxels = 0.01;
 constexpr double kMarginRelative = 1e-5;
 
@@ -40,7 +40,7 @@ struct LocalBox {
         half_diagonal(half.norm()) {}
 };
 
-// By the kernels' text (shaders/edit.math.glsl), which takes four points at once. `p` is local.
+// Computed by the kernels' text (shaders/edit.math.glsl), which takes four points at once. `p` is in the local frame.
 double distanceFrom(const layout::EditCommand& c, const Vec3& p) {
   const Eigen::Vector3f at = p.cast<float>();
   return static_cast<double>(kernel_text::strokeDistance(c, kernel_text::vec4(at.x()), at.y(), at.z())[0]);
@@ -50,7 +50,7 @@ double heightAt(const layout::EditCommand& c, const Vec3& p) {
   return static_cast<double>(kernel_text::planeHeight(c, kernel_text::vec4(at.x()), at.y(), at.z())[0]);
 }
 
-// At a distance from the stroke, and at a depth under the new surface.
+// `distance`: from the stroke [m]. `depth`: under the new surface [m].
 float fadeShare(const layout::EditCommand& c, double distance) {
   return kernel_text::fadeShare(c, kernel_text::vec4(static_cast<float>(distance)))[0];
 }
@@ -66,7 +66,7 @@ double marginLength(const layout::EditCommand& c, const BrickGrid& grid) {
   return kMarginVoxels * grid.spacing_m.minCoeff() + kMarginRelative * length;
 }
 
-// Heights of a box above the command's plane.
+// The lowest and highest height of a box above the command's plane [m].
 std::pair<double, double> heights(const layout::EditCommand& c, const LocalBox& box) {
   const double middle = heightAt(c, box.middle);
   const double spread = normal(c).cwiseAbs().dot(box.half);
@@ -75,14 +75,14 @@ std::pair<double, double> heights(const layout::EditCommand& c, const LocalBox& 
 
 VoxelBox cutToDomain(const BrickGrid& grid, const Vec3& low_L, const Vec3& high_L) {
   const Vec3 last = (grid.size - Vec3i::Ones()).cast<double>();
-  // In double first: a place may lie where no int does.
+  // Clamped in double first: the place may be out of the range of int.
   const Vec3 first_L = low_L.array().floor().matrix().cwiseMax(-1).cwiseMin(last + Vec3::Ones());
   const Vec3 last_L = high_L.array().ceil().matrix().cwiseMax(-1).cwiseMin(last + Vec3::Ones());
   VoxelBox box{first_L.cast<int>().cwiseMax(0), last_L.cast<int>().cwiseMin(grid.size - Vec3i::Ones())};
   return box;
 }
 
-// Box of a stroke from `a` to `b` (local, [m]) and all within `reach` of it.
+// The box of all voxels within `reach` of the stroke from `a` to `b` (local frame, [m]).
 VoxelBox strokeBox(const layout::EditCommand& c, const BrickGrid& grid, const Vec3& a, const Vec3& b, double reach) {
   const Vec3 low = a.cwiseMin(b) - Vec3::Constant(reach);
   const Vec3 high = a.cwiseMax(b) + Vec3::Constant(reach);
@@ -120,7 +120,7 @@ LocalBox boxOfBrick(const layout::EditCommand& c, const BrickGrid& grid, const V
   return {c, grid, first, last};
 }
 
-// A long stroke is walked in pieces, so that the boxes around them stay close to it.
+// A long stroke is cut into pieces, so that their boxes fit it closely.
 void appendStroke(const layout::EditCommand& c, const BrickGrid& grid, std::vector<std::uint32_t>& bricks) {
   const double reach = static_cast<double>(c.reach) + marginLength(c, grid);
   const Vec3 ab = pointAB(c);
@@ -136,8 +136,8 @@ void appendStroke(const layout::EditCommand& c, const BrickGrid& grid, std::vect
   }
 }
 
-// Whether a command has its full and same effect in the whole brick: at the least depth in it the ramp has ended, and
-// nothing fades. Both grow with the depth and never turn back, in floats neither.
+// Whether a command has the same, full effect on the whole brick. That holds if the ramp has ended and nothing fades at
+// the brick's least depth. Ramp and fade are monotonic in the depth, in floats too.
 bool isCore(const layout::EditCommand& c, const BrickGrid& grid, const LocalBox& box) {
   const double margin = marginLength(c, grid);
   if (c.kind == EDIT_CUT) {
@@ -145,7 +145,7 @@ bool isCore(const layout::EditCommand& c, const BrickGrid& grid, const LocalBox&
     return lowest >= 0 && clearedRamp(c, lowest) <= c.background;
   }
   const double farthest = distanceFrom(c, box.middle) + box.half_diagonal + margin;
-  const double depth = static_cast<double>(c.radius) - farthest;  // under the capsule's surface, at least
+  const double depth = static_cast<double>(c.radius) - farthest;  // the least, under the capsule's surface
   if (depth < 0 || fadeShare(c, farthest) < 1) return false;
   switch (c.kind) {
     case EDIT_ADD:
@@ -163,7 +163,8 @@ bool isCore(const layout::EditCommand& c, const BrickGrid& grid, const LocalBox&
   }
 }
 
-// A command that only lowers densities down to the background, or only raises them up to the object's.
+// Whether the command certainly leaves `density` as it is. A removal only lowers densities, down to the background; an
+// addition only raises them, up to the object density. Nothing is certain for -0.
 bool leavesAlone(const layout::EditCommand& c, float density) {
   const bool same_zero = std::bit_cast<std::uint32_t>(density + 0.0F) == std::bit_cast<std::uint32_t>(density);
   if (c.kind == EDIT_REMOVE || c.kind == EDIT_CUT || c.kind == EDIT_STAMP_REMOVE)
@@ -198,7 +199,7 @@ VoxelBox reachedBox(const layout::EditCommand& c, const BrickGrid& grid) {
 bool mayCross(const layout::EditCommand& c, const BrickGrid& grid, std::uint32_t index) {
   if (c.kind != EDIT_ADD && c.kind != EDIT_REMOVE && c.kind != EDIT_CUT) return true;
   const double margin = marginLength(c, grid);
-  // Where a margin's worth of ramp is lost in the isovalue's rounding, nothing is sure.
+  // If the isovalue's rounding hides the ramp over a margin's length, nothing is certain.
   if (static_cast<double>(c.slope) * margin < 1e-5 * std::abs(static_cast<double>(c.isovalue))) return true;
   const LocalBox box = boxOfBrick(c, grid, grid.brick(index));
   if (c.kind == EDIT_CUT) return heights(c, box).second >= -margin;
@@ -208,10 +209,9 @@ bool mayCross(const layout::EditCommand& c, const BrickGrid& grid, std::uint32_t
 std::optional<float> uniformResult(const layout::EditCommand& c, const BrickGrid& grid, std::uint32_t index,
                                    float density) {
   if (leavesAlone(c, density)) return density;
-  if (c.kind >= EDIT_STAMP_ADD) return std::nullopt;
   const Vec3i brick = grid.brick(index);
   if (!isCore(c, grid, boxOfBrick(c, grid, brick))) return std::nullopt;
-  // All voxels get the same, so the first will do.
+  // All voxels get the same density, so the first one is computed.
   const Vec3i voxel = brick * kBrickSize;
   const layout::EditScale scale = editScale(grid.spacing_m);
   const float px = kernel_text::placeAlong(voxel.x(), c.origin_x, scale.h_x);

@@ -19,7 +19,7 @@ namespace {
               remedy);
 }
 
-// Takes a number off the front.
+// Parses a number at the front of the text and removes it.
 double numberFrom(const EditValue& value, std::string_view& rest, const char* remedy) {
   double number = 0;
   const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), number);
@@ -43,7 +43,7 @@ std::optional<double> metresPer(std::string_view unit) {
   return std::nullopt;
 }
 
-// Takes x,y,z off the front.
+// Parses x,y,z at the front of the text and removes them.
 Vec3 threeFrom(const EditValue& value, std::string_view& rest, const char* remedy) {
   Vec3 numbers;
   for (int axis = 0; axis < 3; ++axis) {

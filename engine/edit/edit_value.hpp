@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/edit/edit_value.hpp: one `key=value` of an edit's text, and the types that it may be read as. Any thread.
+// engine/edit/edit_value.hpp: one `key=value` of an edit's text, and the types that its value may be read as. Any
+// thread.
 //
-// Each function throws Error(kBadInput) with what the text says, what is wrong and what may be given.
+// Each function throws Error(kBadInput) that says what the text holds, what is wrong and what may be given.
 #pragma once
 
 #include <string>
@@ -13,7 +14,7 @@ namespace palpate {
 
 struct EditValue {
   std::string_view key, text;
-  const std::string& where;  // the whole text around it, for messages: "--do 'add:radius=2mm'"
+  const std::string& where;  // names the whole text, for messages: "--do 'add:radius=2mm'"
 
   [[nodiscard]] double number(double lowest, double highest) const;
   [[nodiscard]] double length() const;  // positive; in mm where the text has no unit [m]

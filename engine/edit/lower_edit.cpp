@@ -13,17 +13,17 @@
 namespace palpate {
 namespace {
 
-// The largest share of the smallest spacing that inflating moves a surface in one command: below 1/sqrt(3), where the
+// How far one command inflates a surface at most, as a share of the smallest spacing. It is below 1/sqrt(3), so the
 // upwind scheme makes no new extrema.
 constexpr double kInflateStepVoxels = 0.5;
 
-// Steep ramps between densities near the largest float end at it.
+// Clamps to the largest float, for steep ramps between densities near it.
 float f(double value) {
   constexpr double kLargest = std::numeric_limits<float>::max();
   return static_cast<float>(std::clamp(value, -kLargest, kLargest));
 }
 
-// Where the distances of each stamp begin.
+// Index at which the distances of each stamp begin.
 using StampPlaces = std::unordered_map<const Stamp*, std::size_t>;
 
 class Lowering {
@@ -44,7 +44,7 @@ class Lowering {
     if (isBrush(command_.kind)) brush();
     if (hasPlane(command_.kind)) plane();
     if (isStamp(command_.kind)) stamp(stamps, places);
-    if (command_.kind == EditKind::kPaint) out_.value = f(command_.value);
+    if (hasValue(command_.kind)) out_.value = f(command_.value);
     if (command_.kind == EditKind::kInflate || command_.kind == EditKind::kDeflate)
       out_.value = f(kInflateStepVoxels * lattice_.smallestSpacing());
     if (command_.material) material(*command_.material);
@@ -57,7 +57,7 @@ class Lowering {
     return (lattice_.toIndex(p_W) - origin_voxel_).cwiseProduct(lattice_.spacing_m);
   }
 
-  // The ramp for what this command adds or leaves.
+  // The ramp of the surface that this command leaves.
   void surface() {
     const double object = command_.object.value_or(profile_.object);
     out_.isovalue = f(profile_.isovalue);
@@ -79,8 +79,8 @@ class Lowering {
       out_.inv_ab2 = f(1 / ab.squaredNorm());
     }
     out_.radius = f(command_.radius_m);
-    // What makes a surface carries its ramp beyond the radius, unless it fades out before; everything else ends there,
-    // with an edge of a voxel at least.
+    // A command that makes a surface carries its ramp beyond the radius, unless it fades out before. Every other
+    // command ends at the radius, with an edge of at least a voxel.
     const bool makes_surface = command_.kind == EditKind::kAdd || command_.kind == EditKind::kRemove;
     const double fade_m = command_.falloff * command_.radius_m;
     const double edge_m = makes_surface ? 0 : lattice_.spacing_m.maxCoeff();
@@ -131,29 +131,14 @@ class Lowering {
 }  // namespace
 
 layout::uint layoutKind(EditKind kind) noexcept {
-  switch (kind) {
-    case EditKind::kAdd:
-      return EDIT_ADD;
-    case EditKind::kRemove:
-      return EDIT_REMOVE;
-    case EditKind::kPaint:
-      return EDIT_PAINT;
-    case EditKind::kFlatten:
-      return EDIT_FLATTEN;
-    case EditKind::kCut:
-      return EDIT_CUT;
-    case EditKind::kStampAdd:
-      return EDIT_STAMP_ADD;
-    case EditKind::kStampRemove:
-      return EDIT_STAMP_REMOVE;
-    case EditKind::kSmooth:
-      return EDIT_SMOOTH;
-    case EditKind::kInflate:
-      return EDIT_INFLATE;
-    case EditKind::kDeflate:
-      return EDIT_DEFLATE;
-  }
-  return EDIT_KINDS;
+  constexpr auto kNumber = [](EditKind k) { return static_cast<layout::uint>(k); };
+  static_assert(kNumber(EditKind::kAdd) == EDIT_ADD && kNumber(EditKind::kRemove) == EDIT_REMOVE &&
+                kNumber(EditKind::kPaint) == EDIT_PAINT && kNumber(EditKind::kFlatten) == EDIT_FLATTEN &&
+                kNumber(EditKind::kCut) == EDIT_CUT && kNumber(EditKind::kStampAdd) == EDIT_STAMP_ADD &&
+                kNumber(EditKind::kStampRemove) == EDIT_STAMP_REMOVE && kNumber(EditKind::kSmooth) == EDIT_SMOOTH &&
+                kNumber(EditKind::kInflate) == EDIT_INFLATE && kNumber(EditKind::kDeflate) == EDIT_DEFLATE &&
+                kEditKinds == EDIT_KINDS);
+  return kNumber(kind);
 }
 
 LoweredEdits lowerEdits(std::span<const EditCommand> commands, const Vec3i& size, const Lattice& lattice,

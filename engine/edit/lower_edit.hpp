@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // engine/edit/lower_edit.hpp: lowers edit commands to the form that kernels read (shaders/edit.layout.h): floats [m]
-// along the lattice's axes, relative to a voxel near the brush. Thread: any. Cost: next to nothing, but for copying
-// stamps.
+// along the lattice's axes, relative to a voxel near the brush. Thread: any. Cost: a copy of each stamp; next to
+// nothing else.
 #pragma once
 
 #include <span>
@@ -15,16 +15,16 @@ namespace palpate {
 
 struct LoweredEdits {
   std::vector<layout::EditCommand> commands;
-  std::vector<float> stamps;  // distances of the stamps, one after another; a stamp used twice is there once
+  std::vector<float> stamps;  // distances of all stamps, one after another; a stamp used twice is stored once
 };
 
 inline constexpr std::size_t kMaxCommands = 4096;  // in one Editor::apply()
 
-// Throws Error(kBadInput) as checkEdit does, for an empty list, and for more than kMaxCommands.
+// Throws Error(kBadInput) as checkEdit() does, and for an empty list or more than kMaxCommands.
 [[nodiscard]] LoweredEdits lowerEdits(std::span<const EditCommand> commands, const Vec3i& size, const Lattice& lattice,
                                       const BrushProfile& profile);
 
-[[nodiscard]] layout::uint layoutKind(EditKind kind) noexcept;  // EDIT_...
+[[nodiscard]] layout::uint layoutKind(EditKind kind) noexcept;  // EDIT_... of shaders/edit.layout.h
 
 [[nodiscard]] layout::EditScale editScale(const Vec3& spacing_m);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/edit/random_edits.hpp: random edit commands from a seed, for checks and tests: every kind, many sizes, inside
-// the volume, across its border and just outside. Any thread.
+// engine/edit/random_edits.hpp: random edit commands from a seed, for checks and tests. They are of every kind and of
+// many sizes, and lie inside the volume, across its border and just outside. Any thread.
 #pragma once
 
 #include <random>
@@ -16,7 +16,7 @@ class RandomEdits {
 
   EditCommand next() {
     EditCommand command;
-    command.kind = static_cast<EditKind>(random_() % 10);
+    command.kind = static_cast<EditKind>(random_() % kEditKinds);
     command.from_W = place();
     command.to_W = random_() % 2 == 0 ? command.from_W : place();
     const double h = lattice_.smallestSpacing();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/field/brick_values.hpp: the 512 densities of a brick (i fastest), or the one that it holds everywhere, as
-// they are handed from one room to another. Any thread.
+// engine/field/brick_values.hpp: a brick as a list of densities, the form in which rooms hand bricks to each other: all
+// 512 (i fastest), or a single one for a constant brick. Thread: any; putBrick() as Volume::setBrick().
 #pragma once
 
 #include <span>
@@ -9,14 +9,14 @@
 
 namespace palpate {
 
-// Bits, not values: -0 is not +0.
+// Compares bits, not values: -0 differs from +0.
 [[nodiscard]] bool sameBits(float a, float b) noexcept;
 
-// Whether all of a brick's 512 densities have the same bits: such a brick is one value, and has no storage.
+// Whether all 512 densities of a brick have the same bits. Such a brick is constant: it is stored as one value.
 [[nodiscard]] bool holdOneValue(std::span<const float, kBrickVoxels> values) noexcept;
 
-// setConstantBrick() or setBrick(), by the count: one value or 512. Throws std::length_error for any other, and changes
-// nothing then.
+// Calls setConstantBrick() if `values` holds one density, setBrick() if it holds 512. Throws std::length_error for any
+// other count and then changes nothing.
 void putBrick(Volume& volume, const Vec3i& brick, std::span<const float> values);
 
 }  // namespace palpate

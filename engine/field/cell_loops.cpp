@@ -43,7 +43,7 @@ bool isAmbiguous(std::uint8_t inside, int face) noexcept {
 
 std::array<int, 4> facePairs(std::uint8_t inside, std::uint8_t joined, int face) noexcept {
   const auto c = faceCorners(face);
-  // Around the corners 0 and 2, or around 1 and 3.
+  // The lines go around the corners 0 and 2, or around 1 and 3.
   const bool around_first = isIn(inside, c[0]) != isIn(joined, face);
   const int e01 = edgeBetween(c[0], c[1]), e12 = edgeBetween(c[1], c[2]);
   const int e23 = edgeBetween(c[2], c[3]), e30 = edgeBetween(c[3], c[0]);
@@ -51,7 +51,7 @@ std::array<int, 4> facePairs(std::uint8_t inside, std::uint8_t joined, int face)
 }
 
 CellLoops loopsOf(std::uint8_t inside, std::uint8_t joined) noexcept {
-  // Of each crossed edge the ones that it goes on to, over its two faces.
+  // For each crossed edge, the two edges to which lines lead from it, one on each of its faces.
   std::array<std::array<int, 2>, kCellEdges> next{};
   std::array<int, kCellEdges> known{};
   const auto link = [&](int a, int b) {
@@ -84,8 +84,8 @@ CellLoops loopsOf(std::uint8_t inside, std::uint8_t joined) noexcept {
     int edge = start;
     while (loops.of_edge[static_cast<std::size_t>(edge)] == kNoLoop) {
       loops.of_edge[static_cast<std::size_t>(edge)] = static_cast<std::uint8_t>(loops.count);
-      const auto& ways = next[static_cast<std::size_t>(edge)];
-      edge = loops.of_edge[static_cast<std::size_t>(ways[0])] == kNoLoop ? ways[0] : ways[1];
+      const auto& neighbours = next[static_cast<std::size_t>(edge)];
+      edge = loops.of_edge[static_cast<std::size_t>(neighbours[0])] == kNoLoop ? neighbours[0] : neighbours[1];
     }
     ++loops.count;
   }

@@ -30,7 +30,7 @@ Volume::LayerSource FiniteValues::of(const Volume::LayerSource& layers) {
   };
 }
 
-// Voxels outside the domain repeat some inside: they are replaced with them and not counted.
+// Voxels outside the domain repeat voxels inside. They are replaced too, but not counted.
 void FiniteValues::mend(const Vec3i& brick, float* values) {
   const Vec3i inside = (size_ - brick * kBrickSize).cwiseMin(kBrickSize);
   BadVoxels bad;

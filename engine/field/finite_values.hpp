@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/field/finite_values.hpp: voxels that are no densities: what they are, and a number in their place. Private to
-// engine/field.
+// engine/field/finite_values.hpp: file values that cannot be densities: NaN, infinite, or too large for a float. They
+// are counted, and replaced by a density that the user chose. Private to engine/field.
 #pragma once
 
 #include <atomic>
@@ -12,16 +12,16 @@
 
 namespace palpate {
 
-// What stands for a number that a float cannot hold, while a volume is read: a NaN of no other meaning.
+// While a volume is read, this NaN marks a finite number that is too large for a float.
 inline constexpr std::uint32_t kBeyondFloatBits = 0x7fd0'be10;
 [[nodiscard]] inline float beyondFloat() noexcept {
   return std::bit_cast<float>(kBeyondFloatBits);
 }
 
-// How many voxels are no densities.
+// How many voxels have no valid density.
 struct BadVoxels {
   long long not_numbers = 0;   // NaN or infinite in the file
-  long long beyond_float = 0;  // numbers there, and beyond the range of a float
+  long long beyond_float = 0;  // finite in the file, but too large for a float
 
   void add(float value) noexcept {
     ++(std::bit_cast<std::uint32_t>(value) == kBeyondFloatBits ? beyond_float : not_numbers);
@@ -31,18 +31,19 @@ struct BadVoxels {
     beyond_float += other.beyond_float;
   }
   [[nodiscard]] long long count() const noexcept { return not_numbers + beyond_float; }
-  [[nodiscard]] std::string words() const;  // what they are: "are NaN or infinite"
+  [[nodiscard]] std::string words() const;  // for messages: "are NaN or infinite"
 };
 
+// Replaces invalid values while a volume is read, and counts them.
 class FiniteValues {
  public:
   FiniteValues(const Vec3i& size, float instead) : size_(size), instead_(instead) {}
 
-  // The same layers with such voxels replaced. They may be asked for by several threads, while this lives.
+  // The same layers with invalid values replaced. Several threads may read them while this object lives.
   [[nodiscard]] Volume::LayerSource of(const Volume::LayerSource& layers);
-  // After all of them: throws Error(kBadInput) if no voxel was a density.
+  // To be called after all layers were read. Throws Error(kBadInput) if no voxel had a valid density.
   void check(const std::string& source) const;
-  [[nodiscard]] std::string remark() const;  // how many; "" where there was none
+  [[nodiscard]] std::string remark() const;  // how many were replaced, in words; "" if none
 
  private:
   void mend(const Vec3i& brick, float* values);

@@ -32,7 +32,7 @@ Vec3i voxelsInside(const Vec3i& size, const Vec3i& brick) {
   return (size - brick * kBrickSize).cwiseMin(Vec3i::Constant(kBrickSize));
 }
 
-// Gathers what must be known of all voxels: range, and the ones that are no number.
+// Gathers the range of all voxels, and the invalid ones.
 class ValueSurvey {
  public:
   explicit ValueSurvey(const Vec3i& size) : size_(size) {}
@@ -55,7 +55,7 @@ class ValueSurvey {
                 "replace them by numbers that a float can hold, or say with --nan which density they stand for");
   }
 
-  // Of voxels that are all finite.
+  // The range of voxels that are all finite.
   void addRange(float lowest, float highest) {
     minimum_ = std::min(minimum_, lowest);
     maximum_ = std::max(maximum_, highest);
@@ -72,7 +72,7 @@ class ValueSurvey {
   [[nodiscard]] float maximum() const { return maximum_; }
 
  private:
-  // Bricks are visited one after another; "first" means first in the order of the file, i fastest.
+  // Bricks are visited one after another, but "first" means first in the file's order, i fastest.
   void addBad(float value, const Vec3i& index) {
     const std::array<int, 3> key = {index.z(), index.y(), index.x()};
     first_bad_ = bad_.count() == 0 ? key : std::min(first_bad_, key);
@@ -86,7 +86,7 @@ class ValueSurvey {
   std::array<int, 3> first_bad_ = {0, 0, 0};  // k, j, i
 };
 
-// Vectors that every processor has; the compiler finds no such loop in plain code.
+// Vectors of four floats, which every processor has. The compiler does not vectorise the plain loop by itself.
 constexpr int kLanes = 4;
 using Floats [[gnu::vector_size(kLanes * sizeof(float))]] = float;
 using Bits [[gnu::vector_size(kLanes * sizeof(float))]] = std::int32_t;
@@ -101,7 +101,7 @@ void store(float* to, Floats values) {
   std::memcpy(to, &values, sizeof values);
 }
 
-// What values have in common, in four lanes.
+// Range of values, and whether they are finite and all the same, in four lanes.
 struct LaneSurvey {
   explicit LaneSurvey(Floats values) : low(values), high(values) {}
 
@@ -123,7 +123,7 @@ struct BrickSurvey {
   float lowest = 0, highest = 0;
 };
 
-// Two surveys side by side, so that neither waits for itself.
+// Two independent surveys side by side, so that no instruction waits for the one before it.
 BrickSurvey surveyWhole(const float* values) {
   const auto first = std::bit_cast<std::int32_t>(values[0]);
   std::array<LaneSurvey, 2> halves = {LaneSurvey(load(values)), LaneSurvey(load(values + kLanes))};
@@ -184,12 +184,12 @@ openvdb::Coord cornerOf(const Vec3i& brick) {
   return {brick.x() * kBrickSize, brick.y() * kBrickSize, brick.z() * kBrickSize};
 }
 
-// A leaf, all of it active, that has no values yet.
+// A leaf without values yet, all of it active.
 std::unique_ptr<Leaf> emptyLeaf(const Vec3i& brick) {
   return std::make_unique<Leaf>(openvdb::PartialCreate(), cornerOf(brick), 0.0F, true);
 }
 
-// The brick that lies in `leaf` becomes the layer's as it is. False: a value is not finite, and all is as it was.
+// Moves the values of `leaf` into the layer, as its brick. Returns false and changes nothing if a value is not finite.
 bool takeOver(const Vec3i& brick, Leaf& leaf, Layer& layer) {
   const float* values = leaf.buffer().data();
   const BrickSurvey survey = surveyWhole(values);
@@ -215,7 +215,7 @@ Layer buildLayer(const Vec3i& size, int bk, const BrickSource& source, const Lea
       if (leaf != nullptr && takeOver(brick, *leaf, layer)) continue;
       const Vec3i first = brick * kBrickSize;
       bool constant = source(brick, values.data());
-      if (constant && !std::isfinite(values[0])) {  // each of its voxels counts
+      if (constant && !std::isfinite(values[0])) {  // surveyed voxel by voxel, so that each one is counted
         values.fill(values[0]);
         constant = false;
       }
@@ -231,10 +231,10 @@ Layer buildLayer(const Vec3i& size, int bk, const BrickSource& source, const Lea
   return layer;
 }
 
-// The domain's bricks are leaves and active tiles; every other tile is background.
+// Gives every inactive tile the background's value. The domain's bricks are leaves and active tiles.
 void setBackground(ScalarTree& tree, float value) {
   const auto fill = [&](auto& node) {
-    for (auto tile = node.beginValueAll(); tile; ++tile) {  // no children, unlike beginValueOff
+    for (auto tile = node.beginValueAll(); tile; ++tile) {  // beginValueOff would visit children too
       if (!tile.isValueOn()) tile.setValue(value);
     }
   };
@@ -245,7 +245,7 @@ void setBackground(ScalarTree& tree, float value) {
   }
 }
 
-// Puts layers together, from several threads at once.
+// Assembles the grid from layers, which several threads add at once.
 class GridMaker {
  public:
   GridMaker(const Vec3i& size, const Lattice& lattice, const std::string& input)
@@ -266,7 +266,7 @@ class GridMaker {
 
   [[nodiscard]] std::unique_ptr<Volume::Grid> finish(const Lattice& lattice, VolumeFacts facts) {
     survey_.check(facts.source);
-    facts.instead_of_nan.reset();  // what is computed from this volume has to be finite
+    facts.instead_of_nan.reset();  // it holds for the file only: whatever is computed from this volume must be finite
     setBackground(grid_->field->tree(), survey_.minimum());
     grid_->lattice = lattice;
     grid_->facts = std::move(facts);
@@ -283,7 +283,7 @@ class GridMaker {
 
 }  // namespace
 
-// In squares of four by four.
+// Transposes in squares of four by four values.
 void turnBrick(const float* from, float* to) {
   constexpr int kRow = kBrickSize, kSlice = kBrickSize * kBrickSize;
   for (int j = 0; j < kBrickSize; ++j) {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/field/grid.hpp: what a Volume holds. It is the one header of the room that includes OpenVDB; for
-// the room itself and for readers and writers of OpenVDB files.
+// engine/field/grid.hpp: the OpenVDB grid behind a Volume. No other header of the room includes OpenVDB. For the room
+// itself and for readers and writers of OpenVDB files.
 //
-// Leaves lie at multiples of 8 from (0,0,0), so a leaf is a brick; a constant brick is a tile of the level above.
-// Voxels of a leaf outside the domain repeat the nearest voxel inside and are inactive; all else outside is background,
-// the lowest density that the volume was made with. The grid's transform is the
-// identity (VDB refuses voxels below 15 micrometres, its unit being the metre); `lattice` is the truth.
+// Leaves lie at multiples of 8 from (0,0,0), so a leaf is a brick. A constant brick is a tile of the level above.
+// Voxels of a leaf outside the domain repeat the nearest voxel inside and are inactive. All other voxels outside are
+// background: the lowest density that the volume was made with. The grid's transform is the identity, because VDB
+// refuses voxels below 15 micrometres where its unit is the metre; `lattice` says where the voxels lie.
 #pragma once
 
 #include <functional>
@@ -33,33 +33,33 @@ struct Volume::Grid {
 using BrickSource = Volume::BrickSource;
 using LayerSource = Volume::LayerSource;
 
-// Metadata of OpenVDB files that Palpate wrote: the domain's size [voxel], whose first voxel is the grid's (0,0,0);
-// and, where the volume was sculpted, at which isovalue, a double [density, of a level set minus the distance in
-// metres].
+// Metadata of OpenVDB files that Palpate writes. The domain's size [voxel]; its first voxel is the grid's (0,0,0). For
+// a sculpted volume, the isovalue, a double [density; for a level set, minus the distance in metres].
 inline constexpr const char* kVdbDomainKey = "palpate_domain";
 inline constexpr const char* kVdbIsovalueKey = "palpate_isovalue";
-// Of a file of gradients: the unit of its vectors.
+// In a file of gradients: the unit of its vectors.
 inline constexpr const char* kVdbVectorUnitKey = "vector_unit";
 inline constexpr const char* kVdbCreator = "Palpate";
 
-// Builds the grid brick by brick. Throws Error(kBadInput): a dimension below 1, a bad lattice, NaN or infinite values
-// (with their count and the first one's index); and what the source throws.
+// Builds the grid brick by brick. Throws Error(kBadInput) for a dimension below 1, a bad lattice, and NaN or infinite
+// values (with their count and the index of the first); also throws what the source throws.
 [[nodiscard]] std::unique_ptr<Volume::Grid> buildGrid(const Vec3i& size, const Lattice& lattice, VolumeFacts facts,
                                                       const BrickSource& source);
 
-// The same by all processors, as Volume::fromLayers. For readers that have leaves: the one whose 512 values are exactly
-// this brick's, all inside the domain, or none; then, and where a value is not finite, the layer's source is asked.
-// What the leaf holds is moved out of it, without a copy: nobody may look at it again. Called for several bricks at
-// once.
+// For readers that already have OpenVDB leaves: returns the leaf whose 512 values are exactly those of this brick, or
+// null. All 512 voxels must lie inside the domain. Several threads call it at once.
 using LeafSource = std::function<ScalarTree::LeafNodeType*(const Vec3i& brick)>;
+// The same on all processors, as Volume::fromLayers does it. A leaf's values are moved into the grid without a copy, so
+// nobody may use the leaf again. The source of the layer gives the other bricks, and those whose leaf holds a value
+// that is not finite.
 [[nodiscard]] std::unique_ptr<Volume::Grid> buildGridByLayers(const Vec3i& size, const Lattice& lattice,
                                                               VolumeFacts facts, const LayerSource& layers,
                                                               const LeafSource& leaf_of = nullptr);
 
-// A brick's 512 values from i fastest, as Palpate has them, to k fastest, as VDB has them, or back.
+// Reorders a brick's 512 values from Palpate's order (i fastest) to VDB's (k fastest), or back.
 void turnBrick(const float* from, float* to);
 
-// A leaf of a brick's 512 densities (i fastest; VDB's own run k fastest) with the voxels inside the domain active.
+// Makes a leaf from a brick's 512 densities (i fastest). Its voxels inside the domain are active.
 [[nodiscard]] std::unique_ptr<ScalarTree::LeafNodeType> makeLeaf(const Vec3i& size, const Vec3i& brick,
                                                                  const float* values);
 

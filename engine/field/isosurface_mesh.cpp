@@ -9,13 +9,13 @@
 namespace palpate {
 namespace {
 
-constexpr double kLeastShare = 1.0 / 256;  // of an edge, between a crossing and either end
+constexpr double kLeastShare = 1.0 / 256;  // least distance of a crossing from the edge's ends, as a share of the edge
 
 Vec3i cornerOf(int corner) {
   return {corner & 1, corner >> 1 & 1, corner >> 2};
 }
 
-// Where the surface crosses an edge of a cell, from its first corner, index space.
+// Where the surface crosses an edge of a cell, relative to the cell's first corner, in index space.
 Vec3 crossingOf(const SurfaceCell& cell, int edge, double isovalue) {
   const EdgeEnds ends = edgeEnds(edge);
   const double first = cell.densities[static_cast<std::size_t>(ends.first)];
@@ -42,7 +42,8 @@ class Mesher {
   [[nodiscard]] TriangleMesh take() { return std::move(mesh_); }
 
  private:
-  // An edge that leaves the domain is crossed at the voxel: with the clamp, wherever on it.
+  // Adds a vertex for each loop. On an edge that leaves the domain, the surface shall pass through the voxel inside.
+  // The clamp moves the vertex there.
   void addVertices(const SurfaceCell& cell, double isovalue) {
     std::array<Vec3, 4> sums;
     std::array<int, 4> counts{};
@@ -59,12 +60,12 @@ class Mesher {
     }
   }
 
-  // Around the edge along an axis that begins at the cell's first corner, if it is crossed.
+  // Adds the quad around the edge that runs along `axis` from the cell's first corner, if the surface crosses the edge.
   void addQuad(const SurfaceCell& cell, int axis) {
     if (cell.loops.of_edge[static_cast<std::size_t>(edgeFrom(0, axis))] == kNoLoop) return;
     const int u = (axis + 1) % 3;
     const int v = (axis + 2) % 3;
-    // Counter-clockwise, seen against the axis: the cells below along u and v first.
+    // Counter-clockwise, seen against the axis, starting with the cell that is lower along both u and v.
     std::array<std::uint32_t, 4> quad{};
     for (std::size_t n = 0; n < 4; ++n) {
       const int below_u = n == 0 || n == 3 ? 1 : 0;
@@ -73,9 +74,9 @@ class Mesher {
       const int edge = edgeFrom(below_u << u | below_v << v, axis);
       quad[n] = around.first_vertex + around.loops.of_edge[static_cast<std::size_t>(edge)];
     }
-    const bool leaves = (cell.inside & 1) != 0;  // the object, along the axis
+    const bool leaves = (cell.inside & 1) != 0;  // the edge leads out of the object
     if (leaves == turned_) std::swap(quad[1], quad[3]);
-    // The diagonal with the larger smaller triangle.
+    // Takes the diagonal whose smaller triangle is the larger one.
     const double first = std::min(area(quad[0], quad[1], quad[2]), area(quad[0], quad[2], quad[3]));
     const double second = std::min(area(quad[0], quad[1], quad[3]), area(quad[1], quad[2], quad[3]));
     const std::size_t start = first >= second ? 0 : 1;

@@ -91,7 +91,7 @@ class Joiner {
     for (const std::uint32_t w : neighboursOf(u)) {
       common += std::find(around.begin(), around.end(), w) != around.end() ? 1 : 0;
     }
-    // With three neighbours the one new triangle may be there already, on the other side: a tetrahedron.
+    // If the vertex has three neighbours, the one new triangle may exist already, on the other side: a tetrahedron.
     return common == 2 && around.size() > 3;
   }
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/field/memory_budget.hpp: refuses a volume that would not fit, from its header, before anything is allocated.
+// engine/field/memory_budget.hpp: refuses a volume that would not fit into memory. The header of its file is enough, so
+// nothing is allocated before.
 //
-// Counted for each voxel: the file's own values, the dense floats made of them, the grid, and what the engine's copy on
-// the GPU will need, which on lavapipe and integrated GPUs is the same memory.
+// Counted for each voxel: the file's own values, the dense floats made from them, the grid, and the engine's copy on
+// the GPU. (On lavapipe and integrated GPUs that copy is in the same memory.)
 #pragma once
 
 #include <cstddef>
@@ -13,13 +14,13 @@ namespace palpate {
 
 inline constexpr double kDenseBytesPerVoxel = 4;      // the float array handed to Volume::fromDense
 inline constexpr double kGridBytesPerVoxel = 4.2;     // a full leaf: 512 floats, its mask and its place in the tree
-inline constexpr double kGpuBytesPerVoxel = 8;        // density 4, and 16 of gradient for a quarter of the bricks
+inline constexpr double kGpuBytesPerVoxel = 8;        // density 4; sample 16, for a quarter of the bricks
 inline constexpr std::int64_t kMaxDimension = 16384;  // voxels along an axis
-// A page and the bounds of a brick take 8 bytes each on the GPU, and a binding of 128 MiB is all that Vulkan
-// guarantees.
-inline constexpr double kMaxBricks = 16777216;  // of the whole box, stored or not: 2048 x 2048 x 2048 voxels
+// Bricks of a domain, stored or not: 2048 x 2048 x 2048 voxels. A brick's page takes 8 bytes on the GPU, and so do its
+// bounds; Vulkan guarantees only 128 MiB for a binding.
+inline constexpr double kMaxBricks = 16777216;
 
-// Memory that the machine has free for new work [byte]: MemAvailable of /proc/meminfo; SIZE_MAX where there is none.
+// Memory that the machine has free for new work [byte]: MemAvailable of /proc/meminfo, or SIZE_MAX without that file.
 [[nodiscard]] std::size_t availableMemoryBytes();
 
 // Throws Error(kOutOfMemory) if a dense volume of these dimensions exceeds the budget (0: availableMemoryBytes), and
@@ -28,10 +29,10 @@ inline constexpr double kMaxBricks = 16777216;  // of the whole box, stored or n
 void checkMemory(const std::string& input, std::int64_t nx, std::int64_t ny, std::int64_t nz,
                  double file_bytes_per_voxel, std::size_t memory_budget_bytes);
 
-// The same for volumes that are sparse from the start: `bytes` [byte] is what the loader counted.
+// The same for volumes that are sparse from the start. `bytes` [byte]: what the loader counted.
 void checkMemory(const std::string& input, double bytes, std::size_t memory_budget_bytes);
 
-// Throws Error(kOutOfMemory) if a box of these dimensions has more than kMaxBricks bricks.
+// Throws Error(kOutOfMemory) if a domain of these dimensions has more than kMaxBricks bricks.
 void checkBricks(const std::string& input, std::int64_t nx, std::int64_t ny, std::int64_t nz);
 
 }  // namespace palpate

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/field/mesh_distance.hpp: a closed triangle mesh as signed distances on a lattice, by OpenVDB's mesh to
-// volume. Frame: the mesh's own [m]. Any thread. Cost: follows the mesh's surface in voxels; some 10 ms for 64^3.
+// engine/field/mesh_distance.hpp: turns a closed triangle mesh into signed distances on a lattice, with OpenVDB's
+// meshToVolume. Frame: the mesh's own [m]. Any thread. Cost: in proportion to the mesh's area; some 10 ms for 64^3.
 #pragma once
 
 #include <vector>
@@ -10,7 +10,8 @@
 
 namespace palpate {
 
-// Signed distances [m], negative inside. Beyond the band and depth they were asked for they only keep their sign.
+// Signed distances [m], negative inside. Farther from the surface than the requested band and depth only the sign is
+// right.
 struct MeshDistance {
   Vec3i size = Vec3i::Zero();  // [voxel], i fastest
   Lattice lattice;
@@ -19,9 +20,9 @@ struct MeshDistance {
 
 inline constexpr int kMaxMeshVoxels = 512;  // along an axis
 
-// `band_m`: how far outside the surface distances are true; the lattice reaches as far around the mesh. `depth_m`: how
-// far inside. Refuses (Error kBadInput): no triangles, a corner that does not exist or is no number, a voxel size, band
-// or depth that is not positive, a mesh that would need more than kMaxMeshVoxels voxels along an axis.
+// `band_m`: how far outside the surface distances are exact; the lattice extends as far around the mesh. `depth_m`: how
+// far inside they are exact. Throws Error(kBadInput) for a mesh without triangles; a corner that does not exist or is
+// not finite; a voxel size, band or depth that is not positive; and more than kMaxMeshVoxels voxels along an axis.
 [[nodiscard]] MeshDistance meshDistance(const std::vector<Vec3>& points, const std::vector<Vec3i>& triangles,
                                         double voxel_m, double band_m, double depth_m);
 

@@ -4,7 +4,7 @@
 namespace palpate {
 namespace {
 
-// Running sums over bins, in which a class's share of the variance between classes is (sum of bins)^2 / count.
+// Running sums over bins. In them, a class contributes (sum of bins)^2 / count to the variance between classes.
 class ClassSums {
  public:
   explicit ClassSums(const Histogram& histogram) : count_(1, 0.0), sum_(1, 0.0) {
@@ -17,7 +17,7 @@ class ClassSums {
 
   [[nodiscard]] std::size_t bins() const { return count_.size() - 1; }
 
-  // Of the bins [begin, end).
+  // The contribution of a class of the bins [begin, end).
   [[nodiscard]] double share(std::size_t begin, std::size_t end) const {
     const double count = count_[end] - count_[begin];
     const double sum = sum_[end] - sum_[begin];
@@ -29,8 +29,8 @@ class ClassSums {
   std::vector<double> sum_;
 };
 
-// The threshold of a cut before `bin`. Any cut within a gap parts the voxels alike, so it is the gap's middle: half-way
-// between the two values of a mask.
+// The threshold of a cut before `bin`. Any cut within a gap of empty bins splits the voxels in the same way, so the
+// threshold is the middle of the gap. For a mask, that is half-way between its two values.
 double middle(const Histogram& histogram, std::size_t bin) {
   std::size_t end = bin;
   while (end < histogram.counts.size() && histogram.counts[end] == 0) ++end;

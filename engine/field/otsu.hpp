@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/field/otsu.hpp: thresholds that part a histogram into classes with the largest variance between them.
+// engine/field/otsu.hpp: thresholds that split a histogram into classes with the largest variance between them.
 // Private to engine/field. Source: Otsu, "A threshold selection method from gray-level histograms" (IEEE SMC 9, 1979).
 #pragma once
 
@@ -9,8 +9,8 @@
 
 namespace palpate {
 
-// The middle of the gap between the classes: of the bins without a voxel, if there are any, or an edge [density]. Cost:
-// one pass over the bins.
+// The threshold between two classes [density]: the middle of the empty bins between them, or the edge between two bins
+// if none is empty. Cost: one pass over the bins.
 [[nodiscard]] double otsuThreshold(const Histogram& histogram);
 
 // Two thresholds for three classes, the lower first. Cost: bins^2.

@@ -36,7 +36,7 @@ class Conversion {
   [[nodiscard]] float at(std::size_t n) const {
     T value = 0;
     std::memcpy(&value, raw_ + n * sizeof(T), sizeof(T));
-    // Unscaled values keep their bits: -0 times 1 plus 0 would be +0.
+    // Unscaled values keep their bits: -0 * 1 + 0 would be +0.
     const auto stored = static_cast<double>(value);
     if (scaled_) return floatOf(stored * slope_ + intercept_, std::is_integral_v<T> || std::isfinite(stored));
     return std::is_same_v<T, double> ? floatOf(stored) : static_cast<float>(value);

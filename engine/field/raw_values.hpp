@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/field/raw_values.hpp: values as files hold them, made floats; and a lattice as files round it, made exact.
-// Private to engine/field. Any thread.
+// engine/field/raw_values.hpp: turns what files hold into what volumes hold: numbers of any type into floats, and a
+// lattice that the file rounded into an exact one. For engine/field and engine/files. Any thread.
 #pragma once
 
 #include <cmath>
@@ -15,7 +15,7 @@
 
 namespace palpate {
 
-// Calls `work` with a number of the type.
+// Calls `work` with a zero of the C++ type that `type` stands for.
 template <class Work>
 auto withType(ValueType type, const Work& work) {
   switch (type) {
@@ -43,9 +43,8 @@ auto withType(ValueType type, const Work& work) {
   return work(float{});
 }
 
-// A density, rounded once. Where `value` is finite and a float is not, the mark of that: a NaN with bits of its own,
-// which engine/field/finite_values.hpp tells from what was NaN or infinite in the file. `finite`: whether what was
-// stored, before it was scaled, is a number.
+// Rounds a density to float. A value that is too large for a float becomes beyondFloat(), which finite_values.hpp tells
+// from a NaN in the file. `finite`: whether the stored number, before it was scaled, was finite.
 [[nodiscard]] inline float floatOf(double value, bool finite) {
   const auto density = static_cast<float>(value);
   return std::isinf(density) && finite ? beyondFloat() : density;
@@ -58,15 +57,16 @@ auto withType(ValueType type, const Work& work) {
 [[nodiscard]] std::vector<float> toFloats(std::span<const char> raw, ValueType type, double slope = 1,
                                           double intercept = 0);
 
-// The bricks of `raw`, which holds size.x * size.y * size.z such values, i fastest, and outlives the source; voxels
-// outside the domain repeat the nearest one inside. May be called from several threads at once.
+// The bricks of size.x * size.y * size.z such values, i fastest. `raw` must outlive the source. Voxels outside the
+// domain repeat the nearest one inside. Several threads may call the source at once.
 [[nodiscard]] Volume::BrickSource rawBricks(std::span<const char> raw, ValueType type, const Vec3i& size,
                                             double slope = 1, double intercept = 0);
 
-// The other byte order, in place.
+// Reverses the byte order of each value, in place.
 void swapBytes(std::span<char> raw, ValueType type);
 
-// checkLattice, then the nearest true rotation or reflection, so that toIndex inverts toWorld to rounding.
+// Checks the lattice (checkLattice), then replaces its axes by the nearest orthonormal ones. So toIndex inverts toWorld
+// to rounding. `input`: for messages.
 [[nodiscard]] Lattice orthonormalised(Lattice lattice, const std::string& input);
 
 }  // namespace palpate

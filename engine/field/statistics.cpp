@@ -46,7 +46,7 @@ void fillHistogram(const Volume& volume, int bins, VolumeStatistics& statistics)
   histogram.counts.assign(static_cast<std::size_t>(bins), 0);
   double sum = 0;
   double count = 0;
-  double lowest = 0;  // how many voxels
+  double lowest = 0;  // voxels that hold the minimum
   double next = statistics.maximum;
   forEachValue(volume, [&](double value, std::uint64_t voxels) {
     if (value == statistics.minimum) {
@@ -126,7 +126,7 @@ VolumeStatistics statisticsOf(const Volume& volume, int bins) {
   statistics.minimum = static_cast<double>(volume.minimum());
   statistics.maximum = static_cast<double>(volume.maximum());
   fillHistogram(volume, kOtsuBins, statistics);
-  if (statistics.minimum < statistics.maximum) statistics.suggestions = suggest(volume.facts(), statistics);
+  statistics.suggestions = suggest(volume.facts(), statistics);  // none parts a constant volume
   if (bins != kOtsuBins) fillHistogram(volume, bins, statistics);
   return statistics;
 }
@@ -144,7 +144,7 @@ double meanAbove(const Volume& volume, double isovalue) {
 
 double defaultIsovalue(const Volume& volume) {
   if (!(volume.minimum() < volume.maximum())) refuseConstant(volume);
-  // One that is damaged, or whose object is all gone, is not silently another.
+  // A kept isovalue that is damaged, or without any object above it, is not silently replaced by another one.
   const std::optional<double>& kept = volume.facts().kept_isovalue;
   if (kept && !partsVolume(volume, *kept))
     refuseIsovalue(volume, *kept, fmt::format("the isovalue {:g} that it keeps", *kept));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/field/statistics.hpp: what a volume's values look like, and which isovalues are worth trying.
+// engine/field/statistics.hpp: statistics of a volume's values, and isovalues worth trying.
 //
-// An isovalue parts object (density above it) from background, so it must lie in [minimum, maximum).
+// An isovalue separates object (density above it) from background, so it must lie in [minimum, maximum).
 // Thread: any, while nobody changes the volume. Cost: one pass over the stored bricks (60 ms for 256^3).
 #pragma once
 
@@ -29,8 +29,8 @@ struct VolumeStatistics {
   double maximum = 0;
   double mean = 0;
   Histogram histogram;
-  // Share of the voxels that hold the minimum where that lies farther below all others than they lie apart, and there
-  // is more than one value among them: most likely no data. Otherwise 0.
+  // Share of the voxels that hold the minimum, if the minimum most likely means "no data"; otherwise 0. It does so if
+  // the next value is farther above it than all other values lie apart, and these others are not all equal.
   double fill_share = 0;
   std::vector<IsovalueSuggestion> suggestions;  // the best first; empty for a constant volume
 };
@@ -42,11 +42,11 @@ struct VolumeStatistics {
 [[nodiscard]] double meanAbove(const Volume& volume, double isovalue);
 
 // The first suggestion: the isovalue that the file keeps, a phantom's declared one, 0 for a level set, 226 (bone) for
-// values in Hounsfield units, otherwise Otsu's threshold. Throws Error(kBadInput): a constant volume; a kept isovalue
-// that [minimum, maximum) does not hold, or that is no number.
+// values in Hounsfield units, otherwise Otsu's threshold. Throws Error(kBadInput) for a constant volume, and for a kept
+// isovalue that is NaN or outside [minimum, maximum).
 [[nodiscard]] double defaultIsovalue(const Volume& volume);
 
-// Whether [minimum, maximum) holds the isovalue: there is object, which is denser, and there is background.
+// Whether [minimum, maximum) holds the isovalue, so that there is both object and background.
 [[nodiscard]] bool partsVolume(const Volume& volume, double isovalue);
 
 // Throws Error(kBadInput) unless [minimum, maximum) holds the isovalue; the message gives the range and the

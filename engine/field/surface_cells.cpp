@@ -8,8 +8,8 @@
 namespace palpate {
 namespace {
 
-// On ambiguous faces inside corners are joined where the trilinear field's saddle lies above the isovalue (Nielson and
-// Hamann, IEEE Visualization 1991). Both cells of a face ask the same four densities.
+// On an ambiguous face, the inside corners are joined if the saddle of the trilinear field lies above the isovalue
+// (Nielson and Hamann, IEEE Visualization 1991). Both cells of a face read the same four densities, so they agree.
 std::uint8_t joinedFaces(const SurfaceCell& cell, float isovalue) {
   unsigned joined = 0;
   for (int face = 0; face < 6; ++face) {
@@ -25,13 +25,14 @@ std::uint8_t joinedFaces(const SurfaceCell& cell, float isovalue) {
   return static_cast<std::uint8_t>(joined);
 }
 
-// What a volume holds, brick by brick, and background around it.
+// The densities of a volume, with background around it.
 class Densities {
  public:
   Densities(const Volume& volume, float isovalue)
       : size_(volume.size()), isovalue_(isovalue), values_(volume.grid().field->getConstAccessor()) {}
 
-  // Whether the voxels of a brick, inside the domain or not, all lie on one side: which.
+  // Whether all voxels of a brick are inside (true) or all outside (false) the object; empty if neither is certain. The
+  // brick may lie outside the domain.
   [[nodiscard]] std::optional<bool> sideOf(const Vec3i& brick) {
     const Vec3i first = brick * kBrickSize;
     if ((first.array() < 0).any() || (first.array() >= size_.array()).any()) return false;
@@ -51,7 +52,7 @@ class Densities {
   ScalarGrid::ConstAccessor values_;
 };
 
-// Cells begin in a brick and reach into those behind it.
+// Whether the surface may cross a cell that begins in the brick. Such cells reach into the next bricks.
 bool mayBeCrossed(Densities& densities, const Vec3i& brick) {
   std::optional<bool> side = densities.sideOf(brick);
   if (!side) return true;
@@ -144,7 +145,7 @@ void SurfaceCells::find(const Volume& volume, float isovalue) {
       for (int bi = -1; bi < counts.x(); ++bi) {
         const Vec3i brick(bi, bj, bk);
         if (!mayBeCrossed(densities, brick)) continue;
-        // Of the bricks before the domain the last cells alone reach into it.
+        // In a brick before the domain, only the last cells reach into the domain.
         const Vec3i first = (brick * kBrickSize).cwiseMax(-1);
         const Vec3i last = (brick * kBrickSize + Vec3i::Constant(kBrickSize - 1)).cwiseMin(size_ - Vec3i::Ones());
         block.read(first, last);
@@ -161,9 +162,10 @@ void SurfaceCells::find(const Volume& volume, float isovalue) {
   }
 }
 
-// Where one loop on either side of a face passes it twice, the two vertices would be joined by two edges of the mesh,
-// one on top of the other. Joining the face's corners the other way parts both loops: each goes along the face's ways
-// in one sense, so it falls apart. No loop grows, so no such face arises anew.
+// If a single loop passes a face twice, in each of the face's two cells, then two edges of the mesh would coincide:
+// both would connect the vertices of these loops. So the face's corners are joined the other way. A loop has the object
+// on the same side all the way, so this splits each of the two loops in two. No loop grows, so no such face arises
+// anew.
 void SurfaceCells::partDoubleLoops() {
   const auto passesTwice = [](const SurfaceCell& cell, int face) {
     const auto pairs = facePairs(cell.inside, cell.joined, face);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/field/surface_cells.hpp: the cells of a volume that its isosurface crosses, each with the loops in which it
-// does. Private to engine/field. Cells reach one voxel beyond the domain on each side; what lies there is background.
-// Any thread, while nobody changes the volume.
+// engine/field/surface_cells.hpp: the cells of a volume that its isosurface crosses, each with its loops
+// (cell_loops.hpp). Cells reach one voxel beyond the domain on each side, where everything is background. Private to
+// engine/field. Any thread, while nobody changes the volume.
 #pragma once
 
 #include <array>
@@ -16,11 +16,11 @@ namespace palpate {
 
 struct SurfaceCell {
   Vec3i at = Vec3i::Zero();          // its first corner [voxel], from -1 on
-  std::array<float, 8> densities{};  // at its corners; of no meaning outside the domain
+  std::array<float, 8> densities{};  // at its corners; undefined outside the domain
   std::uint8_t inside = 0;           // a bit for each corner above the isovalue
   std::uint8_t joined = 0;           // a bit for each ambiguous face on which inside corners are joined
   CellLoops loops;
-  std::uint32_t first_vertex = 0;  // of its loops, one after another
+  std::uint32_t first_vertex = 0;  // number of the first loop's vertex; the other loops follow
 };
 
 class SurfaceCells {
@@ -28,7 +28,7 @@ class SurfaceCells {
   SurfaceCells(const Volume& volume, float isovalue);
 
   [[nodiscard]] const std::vector<SurfaceCell>& all() const noexcept { return cells_; }
-  [[nodiscard]] const SurfaceCell& at(const Vec3i& cell) const { return cells_[index(cell)]; }  // which is crossed
+  [[nodiscard]] const SurfaceCell& at(const Vec3i& cell) const { return cells_[index(cell)]; }  // a crossed cell only
   [[nodiscard]] std::uint32_t vertexCount() const noexcept { return vertex_count_; }            // one for each loop
 
  private:

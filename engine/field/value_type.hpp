@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/field/value_type.hpp: the number types that volume files hold. Private to engine/field. Any thread.
+// engine/field/value_type.hpp: the number types that volume files hold. Includes no Eigen, for
+// engine/files/itk_file.hpp. Any thread.
 #pragma once
 
 #include <cstddef>

@@ -17,7 +17,7 @@ openvdb::Coord coord(const Vec3i& index) {
   return {index.x(), index.y(), index.z()};
 }
 
-// A cell of eight voxels and the place in it.
+// A cell of eight voxels, and a place in it.
 struct Cell {
   Vec3i first;
   Vec3 fraction;  // in [0, 1]

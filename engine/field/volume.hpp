@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/field/volume.hpp: a scalar field in space: the truth on the CPU, an OpenVDB grid behind a narrow door.
+// engine/field/volume.hpp: a scalar field in space. It holds the authoritative densities, on the CPU, in an OpenVDB
+// grid. Only those who include grid.hpp see OpenVDB.
 //
-// Frames: I is the volume's index space [voxel]: voxel (0,0,0) is the domain's first; lattice() takes I to the world W
-// [m]. The field is defined on the domain box [0, size) only. Bricks of 8x8x8 voxels (a VDB leaf each) tile it from
-// (0,0,0); a brick whose voxels all hold one value is constant and has no storage. Thread: const functions from any
-// thread while nobody changes the volume. OpenVDB is seen by those alone who include grid.hpp.
+// Frames: I is the volume's index space [voxel]; the domain's first voxel is (0,0,0). lattice() maps I to the world W
+// [m]. The field is defined on the domain [0, size) only. Bricks of 8x8x8 voxels tile the domain from (0,0,0); a stored
+// brick is a VDB leaf. A brick whose voxels all hold one value is constant and has no storage.
+// Thread: const functions from any thread while nobody changes the volume.
 #pragma once
 
 #include <cstdint>
@@ -29,31 +30,31 @@ struct VolumeFacts {
   std::string orientation;   // words: "LPS axes", "RAS file turned to LPS", ...
   double rescale_slope = 1;  // file value * slope + intercept = density
   double rescale_intercept = 0;
-  std::string rescale_by_slice;             // in words, where slices differ in it; the two above are then of none
-  bool is_level_set = false;                // a VDB level set: density is minus the signed distance [m], isovalue 0
+  std::string rescale_by_slice;  // in words, if slices differ in slope or intercept; then the two above have no meaning
+  bool is_level_set = false;     // a VDB level set: density is minus the signed distance [m], isovalue 0
   std::optional<double> declared_isovalue;  // of a phantom: the density of its exact surface
-  std::optional<double> kept_isovalue;      // at which its file says it was sculpted; damaged: any double, NaN too
-  std::string part;                         // which of a folder's: "series 2 of 3: 1.2.3"; empty: all there is
-  std::optional<float> instead_of_nan;  // while it is read: what voxels become that are no densities; empty: refused
+  std::optional<double> kept_isovalue;  // at which it was sculpted, as its file says; NaN and any double are possible
+  std::string part;                     // the part of a folder: "series 2 of 3: 1.2.3"; empty: the folder has no parts
+  std::optional<float> instead_of_nan;  // used while reading: the density that replaces invalid values; empty: refuse
   std::string remark;                   // what a user should know: what was replaced or chosen; empty: nothing
 };
 
 class Volume {
  public:
-  // Makes a volume from dense values, i fastest, size.x*size.y*size.z of them. Refuses (Error kBadInput): a dimension
-  // below 1, values that are not finite, a bad lattice. Bricks that hold one value become constant. Cost: one pass
-  // by all processors.
+  // Makes a volume from size.x * size.y * size.z dense values, i fastest. Throws Error(kBadInput) for a dimension below
+  // 1, values that are not finite, or a bad lattice. Bricks that hold one value become constant. Cost: one pass on all
+  // processors.
   static Volume fromDense(const Vec3i& size, const Lattice& lattice, const std::vector<float>& values,
                           VolumeFacts facts);
 
-  // The same brick by brick, for volumes too large to be dense: `source` fills a brick's 512 densities (i fastest) and
-  // returns false, or sets values[0] only and returns true where the brick is constant. It is called once for every
-  // brick of the domain, i fastest. Memory: the bricks that are not constant, and 8 bytes for each that is.
+  // The same brick by brick, for volumes too large to be dense. `source` fills a brick's 512 densities (i fastest) and
+  // returns false; for a constant brick it sets values[0] only and returns true. It is called once for every brick of
+  // the domain, i fastest. Memory: the bricks that are not constant, and 8 bytes for each constant one.
   using BrickSource = std::function<bool(const Vec3i& brick, float* values)>;
   static Volume fromBricks(const Vec3i& size, const Lattice& lattice, VolumeFacts facts, const BrickSource& source);
 
-  // The same by all processors: gives the source of the bricks (i, j, bk), which are asked for i fastest, by one
-  // thread; called for several layers at once.
+  // The same on all processors. A LayerSource returns the source of one layer: the bricks (i, j, bk). One thread reads
+  // a layer, i fastest; several threads read several layers at once.
   using LayerSource = std::function<BrickSource(int bk)>;
   static Volume fromLayers(const Vec3i& size, const Lattice& lattice, VolumeFacts facts, const LayerSource& layers);
 
@@ -67,24 +68,24 @@ class Volume {
   [[nodiscard]] float minimum() const noexcept;  // over the domain [density]
   [[nodiscard]] float maximum() const noexcept;
 
-  // One voxel; outside the domain the nearest voxel of it. Slow (tree walk): reference code and tests.
+  // One voxel; outside the domain, the nearest voxel inside. Slow (a tree walk): for reference code and tests.
   [[nodiscard]] float value(const Vec3i& index) const;
 
   // Bricks along each axis: ceil(size / 8).
   [[nodiscard]] Vec3i brickCount() const noexcept;
-  // Fills `values` with a brick's 512 densities (i fastest) and returns false, or, when the brick is constant, sets
-  // values[0] only and returns true. Voxels of the brick outside the domain repeat the nearest voxel inside.
+  // Fills `values` with a brick's 512 densities (i fastest) and returns false. For a constant brick it sets values[0]
+  // only and returns true. Voxels of the brick outside the domain repeat the nearest voxel inside.
   bool readBrick(const Vec3i& brick, float* values) const;
 
-  // Changes one brick: 512 densities (i fastest, voxels outside the domain as readBrick gives them), or one that holds
-  // everywhere. minimum() and maximum() are widened where they must be, never narrowed. Values must be finite. Cost: a
+  // Replaces one brick by 512 densities (i fastest, voxels outside the domain as readBrick gives them), or by one value
+  // everywhere. Values must be finite. minimum() and maximum() are widened to include them, but never narrowed. Cost: a
   // tree walk and 2 KiB. Thread: while nobody reads the volume.
   void setBrick(const Vec3i& brick, const float* values);
   void setConstantBrick(const Vec3i& brick, float value);
 
-  // The isovalue at which the volume was sculpted, for files that can keep it (.vdb). Thread: as setBrick().
+  // Notes the isovalue at which the volume was sculpted, for files that can keep it (.vdb). Thread: as setBrick().
   void keepIsovalue(double isovalue) noexcept;
-  // The name under which loadVolume finds it again: facts().source.
+  // Sets facts().source, the name under which loadVolume finds the volume again.
   void rename(std::string source) noexcept;
   void remark(const std::string& words);  // added to VolumeFacts::remark
 
@@ -92,24 +93,24 @@ class Volume {
   [[nodiscard]] std::vector<float> toDense() const;
 
   // Trilinear density and central-difference gradient [density/m, world] at a world point, for set-up code such as path
-  // building. The gradient is interpolated between voxels as the density is; on the domain's faces its difference is
-  // one-sided, and 0 along an axis of one voxel. Returns false outside the box between the first and the last voxel's
-  // centre.
+  // building. The gradient is interpolated between voxels as the density is. On the domain's faces the difference is
+  // one-sided; along an axis of one voxel it is 0. Returns false outside the box between the centres of the first and
+  // the last voxel.
   bool sample(const Vec3& p_W, double& density, Vec3& gradient_W) const;
 
   [[nodiscard]] std::size_t storedBytes() const;   // of the grid on the CPU [byte]
   [[nodiscard]] std::size_t storedBricks() const;  // that are not constant
 
   struct Grid;                                      // holds the OpenVDB grid; engine/field/grid.hpp
-  [[nodiscard]] const Grid& grid() const noexcept;  // for who includes grid.hpp
+  [[nodiscard]] const Grid& grid() const noexcept;  // for users of grid.hpp
   explicit Volume(std::unique_ptr<Grid> grid);
 
  private:
   std::unique_ptr<Grid> grid_;
 };
 
-// Throws Error(kBadInput) if a volume is one voxel thick: it can be filtered, and has gradients, but there is no cell
-// of eight voxels to feel a surface in.
+// Throws Error(kBadInput) if a volume is one voxel thick. Such a volume can be filtered and has gradients, but it has
+// no cell of eight voxels, so no surface to feel.
 void checkTouchable(const Volume& volume);
 
 }  // namespace palpate

@@ -52,7 +52,7 @@ std::vector<fs::path> slicesOf(const std::string& folder, const std::string& sou
   return files;
 }
 
-// For people: which series there are, by number.
+// The numbered list of series for messages.
 std::string listOf(const DicomFolder& all) {
   std::string list;
   for (const auto& [uid, series] : all) {

@@ -11,13 +11,14 @@ namespace palpate {
 
 using DicomFolder = std::map<std::string, DicomSeries>;  // by UID
 
-// Every series of the folder, its slices in the order of their files' names. Files that are no DICOM slices are passed
-// over, unless their names say they are. Throws Error: kIo for a file that cannot be opened; kBadInput for one that is
-// damaged, and where there is none. Cost: reads every file, and its header once more in a child process.
+// Every series of the folder, with its slices in the order of their file names. A file that is not a DICOM slice is
+// skipped, unless its name ends in ".dcm". Throws Error(kIo) for a file that cannot be opened, Error(kBadInput) for a
+// damaged one and for a folder without slices. Cost: reads every file, and its header once more in a child process.
 [[nodiscard]] DicomFolder readDicomFolder(const std::string& folder, const std::string& source);
 
-// Returns the series' UID. `wanted`: its number in the order of UIDs, or its UID; empty: the only one. Throws
-// Error(kBadInput) with a list of all where there is no such series, or several and none is wanted.
+// Returns the UID of the chosen series. `wanted`: its number in the order of UIDs, or its UID; empty: the only series.
+// Throws Error(kBadInput) with a list of all series if there is no such series, or if `wanted` is empty and there are
+// several.
 [[nodiscard]] std::string chooseSeries(const DicomFolder& all, const std::string& wanted, const std::string& source);
 
 }  // namespace palpate

@@ -46,8 +46,8 @@ void checkAlike(const DicomSeries& series, const std::string& source) {
   }
 }
 
-// The upper one of two in the middle: of two gaps one may be 0, and two slices at one place have a message of their
-// own.
+// The median; of two values in the middle, the upper one. For of two gaps one may be 0, and two slices at the same
+// place have a message of their own.
 double medianGap_mm(const DicomSeries& series) {
   std::vector<double> gaps;
   for (std::size_t n = 1; n < series.size(); ++n) gaps.push_back(series[n].along_mm - series[n - 1].along_mm);

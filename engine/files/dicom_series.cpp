@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A folder of DICOM slices: "folder", or "folder#2" or "folder#1.2.3" for one series by its number in the order of
-// UIDs, or by its UID; of several one must be named.
+// A folder of DICOM slices: "folder". If it holds several series, one must be named: "folder#2" by its number in the
+// order of UIDs, "folder#1.2.3" by its UID.
 //
 // GDCM under ITK, in a child process (itk_child.hpp), reads each slice and applies its slope and intercept.
 #include <algorithm>
@@ -51,7 +51,7 @@ std::vector<float> readPixels(const DicomSeries& series, const std::string& sour
   return values;
 }
 
-// The lowest and the highest of a number that each slice may give.
+// The lowest and the highest value of a number that slices may give.
 std::pair<double, double> rangeOf(const DicomSeries& series, const char* key, double otherwise) {
   std::vector<double> all;
   for (const DicomSlice& slice : series) {

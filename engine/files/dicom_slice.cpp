@@ -44,7 +44,7 @@ double decimalOf(std::string_view word) {
   return code == std::errc() && end == word.data() + word.size() && std::isfinite(number) ? number : kNone;
 }
 
-// Exactly `count` finite numbers, each within `most` of 0; else the slice is refused.
+// Exactly `count` finite numbers of magnitude `most` at most; otherwise throws.
 std::vector<double> numbersOf(const DicomSlice& slice, const char* key, const char* name, std::size_t count,
                               double most, const std::string& source) {
   std::vector<double> numbers = dicomNumbers(slice.tag(key));
@@ -56,7 +56,7 @@ std::vector<double> numbersOf(const DicomSlice& slice, const char* key, const ch
          "copy the series again");
 }
 
-// A slope or intercept that is there and no number would make every density one, or be passed over by GDCM.
+// Refuses a slope or intercept that is not a usable number: GDCM would ignore it, or all densities would be the same.
 void checkScale(const DicomSlice& slice, const std::string& source) {
   for (const auto& [key, name] : {std::pair("0028|1053", "RescaleSlope"), std::pair("0028|1052", "RescaleIntercept")}) {
     const std::string text = slice.tag(key);
@@ -93,7 +93,7 @@ void placeSlice(DicomSlice& slice, const std::string& source) {
     }
     slice.axes[n] = axis.normalized();
   }
-  // Slices are spaced by their positions; but a file that says it wrongly is damaged.
+  // The spacing of slices follows from their positions. But a file whose own figure for it is invalid is damaged.
   if (slice.tag("0018|0088").empty()) return;
   static_cast<void>(numbersOf(slice, "0018|0088", "SpacingBetweenSlices", 1, kFarthest_mm, source));
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // engine/files/dicom_slice.hpp: one file of a DICOM series. Private to engine/files.
 //
-// Frame: LPS, millimetres, as in the file. Set-up thread. Where a slice lies is read from its values here and not taken
-// from GDCM, which puts 1 mm and the axes of the patient where it understands none.
+// Frame: LPS, millimetres, as in the file. Set-up thread. Position, axes and spacing are parsed here and not taken from
+// GDCM, which assumes 1 mm and the patient's axes where it cannot parse them.
 #pragma once
 
 #include <array>
@@ -17,7 +17,7 @@ namespace palpate {
 
 struct DicomSlice {
   std::filesystem::path path;
-  ItkFacts file;  // what it says of itself
+  ItkFacts file;  // its header
   // Known after checkDicomSlice:
   Vec3 position_mm = Vec3::Zero();                            // of its first pixel
   std::array<Vec3, 2> axes = {Vec3::UnitX(), Vec3::UnitY()};  // unit directions in which columns and rows are counted
@@ -25,7 +25,7 @@ struct DicomSlice {
   double along_mm = 0;  // its position along the slices' normal; set by placeSlices
 
   [[nodiscard]] std::string name() const { return path.filename().string(); }
-  // A value by "0020|000e"; "" where it is missing.
+  // The value of a tag such as "0020|000e"; "" if it is missing.
   [[nodiscard]] std::string tag(const std::string& key) const {
     const auto found = file.tags.find(key);
     return found == file.tags.end() ? std::string() : found->second;
@@ -33,19 +33,21 @@ struct DicomSlice {
 };
 using DicomSeries = std::vector<DicomSlice>;
 
-// False for a DICOM file that holds no image (dicom_structure.hpp). Throws Error(kBadInput) for a slice whose elements
-// are not all there. Only a slice may be given to GDCM.
+// False for a DICOM file that holds no image (dicom_structure.hpp). Throws Error(kBadInput) for a slice that is not
+// complete. GDCM may only be given files for which this is true.
 [[nodiscard]] bool isDicomSlice(const std::filesystem::path& path, const std::string& source);
 
-// Sets position, axes and spacing. Throws Error(kBadInput) for a slice that is in colour, has several frames, or does
-// not say how large its pixels are and where it lies, in finite decimal numbers; and for a slope and an intercept that
-// are none.
+// Sets position, axes and spacing. Throws Error(kBadInput) for a slice that is in colour or has several frames, and for
+// a position, orientation, pixel spacing, slope or intercept that is not made of finite decimal numbers. Slope and
+// intercept may be missing.
 void checkDicomSlice(DicomSlice& slice, const std::string& source);
 
-// For itk_child.hpp: names the file that ITK cannot read. Both outlive the result.
+// A callback for itk_child.hpp that throws an Error with the name of the file that ITK cannot read. Both arguments must
+// outlive the result.
 [[nodiscard]] RefuseFile refuseSlice(const std::vector<std::filesystem::path>& files, const std::string& source);
 
-// The numbers of a value such as "a\b\c". A word that is no finite decimal number becomes NaN: "inf", "0x10", "2 mm".
+// The numbers in a value such as "1\2\3". A part that is not a finite decimal number, such as "inf", "0x10" or "2 mm",
+// becomes NaN.
 [[nodiscard]] std::vector<double> dicomNumbers(const std::string& text);
 
 }  // namespace palpate

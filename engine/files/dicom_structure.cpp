@@ -44,7 +44,7 @@ struct Element {
   std::uint32_t length = 0;
 };
 
-// `names` in a row, two letters each.
+// `names`: the known types in a row, two letters each.
 bool isOneOf(std::string_view names, std::string_view type) {
   for (std::size_t n = 0; n < names.size(); n += 3) {
     if (names.substr(n, 2) == type) return true;
@@ -58,7 +58,7 @@ std::uint32_t littleEndian(std::string_view bytes, std::size_t at) {
   return value;
 }
 
-// One byte plane of packed pixels: runs of PackBits that give exactly `bytes`, and padding (PS3.5, G.3).
+// Whether one byte plane of packed pixels unpacks to exactly `bytes`: runs of PackBits, then padding (PS3.5, G.3).
 bool rleSegmentGives(std::string_view segment, double bytes) {
   double given = 0;
   for (std::size_t at = 0; given < bytes;) {
@@ -74,7 +74,8 @@ bool rleSegmentGives(std::string_view segment, double bytes) {
   return true;
 }
 
-// A frame that is packed as RLE: 16 words that say where each of its byte planes begins, and these (PS3.5, G.5).
+// Whether a frame packed as RLE is complete: 16 words that say where each byte plane begins, then the planes (PS3.5,
+// G.5).
 bool rleFits(std::string_view fragment, double pixels, double planes) {
   constexpr std::size_t kHeader = 64;
   if (fragment.size() < kHeader || littleEndian(fragment, 0) != planes) return false;
@@ -94,8 +95,8 @@ class Walk {
  public:
   explicit Walk(std::string_view file) : file_(file) {}
 
-  // The head says of what class the file is and how the rest is written. It is always explicit and little-endian, and
-  // never deflated.
+  // The head names the file's class and the coding of the rest. It is always explicit and little-endian, and never
+  // deflated.
   struct Head {
     std::string_view object_class, syntax;
   };
@@ -156,8 +157,8 @@ class Walk {
     return true;
   }
 
-  // Pixels that are not packed are as many as rows, columns, samples and bits ask for; GDCM takes what is missing for
-  // 0. They come last, so the numbers are known then.
+  // Uncompressed pixels must be as many as rows, columns, samples and bits ask for; GDCM takes missing ones for 0.
+  // Pixels are the last element, so these numbers are known by then.
   bool pixelsFit(const Element& element) {
     const auto keep = [&](double& number) {
       if (element.length >= 2) number = this->number<std::uint16_t>(at_);
@@ -168,13 +169,13 @@ class Walk {
     if (element.tag == kBitsAllocated) keep(bits_);
     if (element.tag == kFrames) frames_ = std::atof(std::string(file_.substr(at_, element.length)).c_str());
     if (element.tag != kPixels) return true;
-    // There is one frame, one sample and one bit at least, whatever the file says.
+    // There is at least one frame, one sample and one bit, whatever the file says.
     const double values = rows_ * columns_ * std::max(samples_, 1.0) * std::max(frames_, 1.0);
     return static_cast<double>(element.length) * 8 >= values * std::max(bits_, 1.0);
   }
 
-  // Items of a sequence, or fragments of packed pixels, which are items that hold no elements. `delimited`: they end
-  // with a delimiter, else at `end`.
+  // The items of a sequence, or the fragments of packed pixels, which are items without elements. `delimited`: they end
+  // with a delimiter; otherwise they end at `end`.
   bool items(std::size_t end, bool delimited, int depth) {
     if (depth > kDeepest) return false;
     while (at_ < end) {
@@ -194,7 +195,7 @@ class Walk {
     return at_ == end && !delimited;
   }
 
-  // A packed frame of RLE is one fragment, behind the one that says where frames begin.
+  // A frame packed as RLE is one fragment. It follows the fragment that says where frames begin.
   [[nodiscard]] bool allFrames() const {
     return !packed_ || static_cast<double>(fragments_) >= 1 + std::max(frames_, 1.0);
   }
@@ -214,7 +215,7 @@ class Walk {
     element.type = file_.substr(at_, 2);
     at_ += 2;
     if (!isOneOf("OB OD OF OL OV OW SQ SV UC UN UR UT UV", element.type)) {
-      // GDCM guesses at a type that there is not, and may take four bytes of anything for its length.
+      // GDCM guesses if a type does not exist, and may then take any four bytes for the length.
       if (!isOneOf("AE AS AT CS DA DS DT FD FL IS LO LT PN SH SL SS ST TM UI UL US", element.type)) return false;
       element.length = number<std::uint16_t>(at_);
       at_ += 2;
@@ -243,9 +244,9 @@ class Walk {
   std::size_t at_ = 0;
   bool explicit_ = true;
   bool swapped_ = !kLittleEndian;  // numbers, against the machine's byte order
-  bool rle_ = false;               // pixels are packed so
-  bool packed_ = false;            // what follows are their fragments
-  std::size_t fragments_ = 0;      // of these, until now
+  bool rle_ = false;               // pixels are packed as RLE
+  bool packed_ = false;            // what follows are fragments of packed pixels
+  std::size_t fragments_ = 0;      // fragments so far
   double rows_ = 0, columns_ = 0, samples_ = 1, frames_ = 1, bits_ = 8;
 };
 

@@ -67,7 +67,7 @@ const VolumeFormat& chooseByFile(const std::string& name, const std::string& pat
 const VolumeFormat& chooseByPath(const std::string& name, const std::string& path) {
   std::error_code failure;
   const fs::file_status status = fs::status(path, failure);
-  if (status.type() == fs::file_type::none) throw fs::filesystem_error(path, failure);  // it cannot be told
+  if (status.type() == fs::file_type::none) throw fs::filesystem_error(path, failure);  // its type cannot be found out
   if (fs::is_directory(status)) return formatNamed("DICOM series");
   if (!fs::exists(status)) {
     throw Error(Error::Code::kNotFound, name, "there is no such file or folder",
@@ -91,7 +91,7 @@ Volume readPhantom(const ReadRequest& request) {
   return phantomVolume(request.name, request.memory_budget_bytes);
 }
 
-// A volume that no finger could feel is most often one whose unit was mistaken.
+// A volume too small for a finger most often has the wrong unit of length.
 void remarkOnSize(Volume& volume) {
   constexpr double kShortest_m = 1e-3;
   const double longest_m = volume.size().cast<double>().cwiseProduct(volume.lattice().spacing_m).maxCoeff();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/files/formats.hpp: the registry of what loadVolume can read. A new format is one file with a reader and one
-// line in formats.cpp.
+// engine/files/formats.hpp: the registry of what loadVolume can read. A new format is one file with a reader
+// that readers.hpp declares, one line in formats.cpp, and its first bytes in magic.cpp.
 #pragma once
 
 #include <optional>
@@ -11,7 +11,7 @@
 
 namespace palpate {
 
-// What a reader is asked for.
+// The arguments of a reader.
 struct ReadRequest {
   std::string name;  // as the user gave it, without "?nan=": "scan.nrrd", "file.vdb#density", "folder#1.2.3"
   std::size_t memory_budget_bytes = 0;  // 0: what the machine has free
@@ -20,10 +20,10 @@ struct ReadRequest {
 
 struct VolumeFormat {
   std::string name;                   // "NRRD"
-  std::vector<std::string> suffixes;  // lower case, with the dot; empty for what is chosen in another way
+  std::vector<std::string> suffixes;  // lower case, with the dot; empty: not chosen by suffix
   std::string description;            // one line for help texts
   Volume (*read)(const ReadRequest& request);
-  bool has_parts = false;  // so that a name may end with one: "file.vdb#density"; else loadVolume refuses it
+  bool has_parts = false;  // whether a name may end with a part, "file.vdb#density"; otherwise loadVolume refuses it
 };
 
 // Every format, in the order in which help texts list them. Any thread.

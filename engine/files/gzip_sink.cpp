@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// gzip through libarchive. What a sink throws must not pass through C, so it waits until C has returned.
+// gzip through libarchive. An exception of the sink must not pass through C code, so it is kept until C has returned.
 #include <exception>
 #include <stdexcept>
 #include <utility>
@@ -14,13 +14,13 @@ namespace palpate {
 struct GzipSink::State {
   struct Free {
     void operator()(archive* packed) const noexcept {
-      archive_write_fail(packed);  // nothing more to the sink; without effect after finish()
+      archive_write_fail(packed);  // writes nothing more to the sink; without effect after finish()
       archive_write_free(packed);
     }
   };
   ByteSink sink;
   std::exception_ptr trouble;
-  std::unique_ptr<archive, Free> packed{archive_write_new()};  // last: to be freed it needs the rest
+  std::unique_ptr<archive, Free> packed{archive_write_new()};  // last member: freeing it uses the others
 
   void check(la_ssize_t result) {
     if (trouble) std::rethrow_exception(std::exchange(trouble, nullptr));

@@ -44,7 +44,7 @@ constexpr std::size_t kBlockBytes = 1U << 16U;
 }
 
 // Walks through the archive to one member and reads from it. Members before it are unpacked and dropped. The gzip
-// stream is unpacked here: libarchive does not look at its checksum.
+// stream is unpacked here, because libarchive does not check its checksum.
 class ArchiveMember {
  public:
   ArchiveMember(const std::string& path, const std::string& wanted, const std::string& source)
@@ -77,7 +77,7 @@ class ArchiveMember {
     }
   }
 
-  // All members and bytes that follow, so that every checksum has been looked at.
+  // Reads all members and bytes that follow, so that every checksum is checked.
   void readToEnd() {
     archive_entry* entry = nullptr;
     while (next(entry)) {
@@ -93,7 +93,7 @@ class ArchiveMember {
     return true;
   }
 
-  // What is thrown must not pass through C: it waits in trouble_.
+  // An exception must not pass through C code, so it is kept in trouble_.
   static la_ssize_t readBlock(archive* reader, void* self, const void** block) {
     auto& member = *static_cast<ArchiveMember*>(self);
     *block = member.block_.data();
@@ -180,7 +180,7 @@ ValueType valueTypeOf(plist_t matrix, const std::string& source) {
   refuseProject(source, fmt::format("its values are of the type \"{}\"", name));
 }
 
-// What main.plist says: plain, so that a child can hand it over.
+// The content of main.plist, as plain data that a child process can hand over.
 struct Project {
   Vec3i size = Vec3i::Zero();
   ValueType type = ValueType::kInt16;
@@ -215,12 +215,12 @@ void readMatrix(const std::string& name, const Project& project, std::span<char>
   member.readToEnd();
 }
 
-// Runs `work` in a child: property lists and archives are read by libraries too.
+// Runs `work` in a child process, since libraries read property lists and archives.
 std::string inChild(const std::string& name, double raw_bytes, const std::function<std::string()>& work) {
-  constexpr double kMostUnpacked = 1032;  // bytes of a packed one
+  constexpr double kMostUnpacked = 1032;  // unpacked bytes for each packed byte
   const auto file_bytes = static_cast<double>(fileBytes(name, name));
   ChildLimits limits = limitsForFile(file_bytes, raw_bytes);
-  // All of the archive is unpacked, at 1 GiB a second or more, the longest that a small file may take being 4 s.
+  // The whole archive is unpacked, at 1 GiB a second or more. Even a small file may take 4 s.
   limits.cpu_s += std::floor(file_bytes * kMostUnpacked / (1024.0 * (1 << 20)));
   ChildOutcome outcome = runInChild(name, 1, limits, [&](std::size_t) { return work(); });
   if (!outcome.trouble) return std::move(outcome.results[0]);

@@ -98,7 +98,7 @@ ItkFacts unpacked(const std::string& bytes) {
   return facts;
 }
 
-// ITK calls a file damaged that it cannot open.
+// ITK would call a file damaged that it merely cannot open.
 const std::string& opened(const std::string& path) {
   const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC);
   const int why = errno;
@@ -134,8 +134,8 @@ RefuseFile refusalOf(const std::string& source) {
   };
 }
 
-// What C code prints to the standard error of a child process. libjpeg fills what is missing with zeros, and says so
-// there and nowhere else.
+// Catches what C code prints to the standard error of a child process. libjpeg replaces missing data by zeros, and
+// reports it there only.
 class Printed {
  public:
   Printed() : file_(memfd_create("printed", MFD_CLOEXEC)) {
@@ -145,7 +145,7 @@ class Printed {
   ~Printed() { close(file_); }
   Printed(const Printed&) = delete;
   Printed& operator=(const Printed&) = delete;
-  // The line in which libjpeg complains of its data; empty: there is none.
+  // The line in which libjpeg complains about its data; empty if there is none.
   [[nodiscard]] std::string complaint() const {
     std::string all(static_cast<std::size_t>(std::max<off_t>(0, lseek(file_, 0, SEEK_END))), '\0');
     const ssize_t got = pread(file_, all.data(), all.size(), 0);

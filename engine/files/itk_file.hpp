@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/files/itk_file.hpp: one image file open in ITK. Private to engine/files. A damaged file may end the process:
-// only itk_child.cpp and library_read.cpp, which measures ITK, may open one.
+// engine/files/itk_file.hpp: one image file open in ITK. Private to engine/files. A damaged file may end the process.
+// So only itk_child.cpp may open one, and library_read.cpp, which measures ITK.
 //
-// Neither this header nor its .cpp may include Eigen (so no lattice and no volume): ITK brings an older copy of its
-// own, and the two do not go together in one source file. ITK's images are LPS millimetres.
+// Neither this header nor its .cpp may include Eigen, and so neither a lattice nor a volume. ITK has an older copy of
+// Eigen, and one source file cannot include both. ITK's images are LPS millimetres.
 #pragma once
 
 #include <array>
@@ -27,21 +27,21 @@ struct ItkHeader {
   std::array<double, 3> origin = {0, 0, 0};
   std::array<double, 3> spacing = {1, 1, 1};
   std::array<std::array<double, 3>, 3> direction = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};  // of i, j, k
-  std::optional<ValueType> type;  // as read() delivers them; empty: not numbers
+  std::optional<ValueType> type;  // of the values as read() delivers them; empty: not numbers
 };
 
 class ItkFile {
  public:
-  // Reads the header. Throws std::runtime_error with one line of ITK's reason. Set-up thread; while it and read() run,
-  // std::cerr and std::cout are caught, so that ITK's chatter does not reach the screen.
+  // Reads the header. Throws std::runtime_error with ITK's reason on one line. Set-up thread. While this or read()
+  // runs, std::cerr and std::cout are caught, so that ITK's messages do not reach the screen.
   ItkFile(ItkReader reader, const std::string& path);
   ~ItkFile();
 
   [[nodiscard]] const ItkHeader& header() const noexcept { return header_; }
-  // Fills `values`, which must hold all dimensions' voxels of header().type. Throws as the constructor does, and where
-  // it holds more or less.
+  // Fills `values`, which must have exactly the size of all voxels as header().type. Throws as the constructor does,
+  // and if the size is another one.
   void read(std::span<char> values);
-  // Every DICOM value by its "0020|000e", trimmed; other formats may have some as well.
+  // Every DICOM value by its tag, "0020|000e", trimmed. Other formats may have such entries too.
   [[nodiscard]] std::map<std::string, std::string> tags() const;
 
  private:

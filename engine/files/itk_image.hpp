@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/files/itk_image.hpp: reads one image file: its header by ITK, in a child process, its values from where the
-// format's own file says that they lie. Private to engine/files.
+// engine/files/itk_image.hpp: reads one image file. ITK reads the header, in a child process. The values are read here,
+// from where the format's reader says that they lie. Private to engine/files.
 //
-// ITK gives LPS millimetres; the lattice that comes back is in metres. ITK hides some faults of a header (it takes the
-// size of a negative spacing, puts 1 for 0), so each format's own file looks at the raw header first.
+// ITK gives LPS millimetres; the volume's lattice is in metres. ITK hides some faults of a header: it takes the
+// absolute value of a negative spacing, and 1 for 0. So each format's reader looks at the raw header first.
 #pragma once
 
 #include <optional>
@@ -20,17 +20,17 @@ struct ItkRequest {
   std::string path;
   VolumeFacts facts;                // source is the name in messages; value_type is filled where it is empty
   double metres_per_unit = 1.0e-3;  // of the file's lengths
-  std::optional<Lattice> lattice;   // where the reader knows better than ITK
-  std::optional<ItkHeader> header;  // likewise: ITK, which may take offence at it, is not asked for it
-  double slope = 1;                 // applied here, for formats in which ITK does not
+  std::optional<Lattice> lattice;   // replaces ITK's, if the reader knows better
+  std::optional<ItkHeader> header;  // replaces ITK's, if the reader knows better; ITK then does not see the file
+  double slope = 1;                 // applied here, for formats to which ITK does not apply it
   double intercept = 0;
   std::size_t memory_budget_bytes = 0;
-  std::optional<ValueType> stored_type;  // of the values where they lie; without it ITK's
-  StoredValues stored;                   // where they lie
+  std::optional<ValueType> stored_type;  // of the values in the file; empty: the type that ITK found
+  StoredValues stored;                   // where the values lie
 };
 
-// Refuses several components, fewer than three dimensions, more than one time point, what exceeds the memory budget,
-// values that are not all there, and what ITK cannot read. Set-up thread.
+// Throws Error for several components, fewer than three dimensions, more than one time point, more memory than the
+// budget, missing values, and whatever ITK cannot read. Set-up thread.
 [[nodiscard]] Volume readItkImage(ItkRequest request);
 
 }  // namespace palpate

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/files/large_buffer.hpp: plain memory for a file's values, on large pages where the system gives them:
-// touching half a gigabyte for the first time in pages of 4 KiB takes as long as reading it. Not filled. Private to
-// engine/files. Throws std::bad_alloc. Any thread.
+// engine/files/large_buffer.hpp: uninitialised memory for a file's values, on large pages if the system has them.
+// Touching half a gigabyte for the first time in pages of 4 KiB takes as long as reading it. Private to engine/files.
+// Throws std::bad_alloc. Any thread.
 #pragma once
 
 #include <cstdlib>
@@ -19,7 +19,7 @@ class LargeBuffer {
     const std::size_t whole = (bytes + kPage - 1) / kPage * kPage;
     memory_.reset(static_cast<char*>(std::aligned_alloc(kPage, whole)));
     if (memory_ == nullptr) throw std::bad_alloc();
-    madvise(memory_.get(), whole, MADV_HUGEPAGE);  // a wish: without it all is as it was
+    madvise(memory_.get(), whole, MADV_HUGEPAGE);  // only a hint: it may fail
   }
   [[nodiscard]] char* data() noexcept { return memory_.get(); }
   [[nodiscard]] std::size_t size() const noexcept { return bytes_; }

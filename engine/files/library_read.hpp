@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/files/library_read.hpp: a file read by its format's library alone, as `bench load` holds against loadVolume.
-// Any thread. Cost: what the library takes.
+// engine/files/library_read.hpp: reads a file with its format's library alone; `bench load` compares loadVolume with
+// it. Any thread. Cost: the library's.
 #pragma once
 
 #include <cstddef>
@@ -8,9 +8,9 @@
 
 namespace palpate {
 
-// NRRD, NIfTI and MetaImage, by ITK, into plain memory; .vdb, by OpenVDB, every grid of it, nothing left for later.
-// Returns how many bytes that took; they are thrown away. Throws Error(kBadInput) for another suffix and what the
-// library cannot read.
+// Reads NRRD, NIfTI and MetaImage with ITK into plain memory, and every grid of a .vdb with OpenVDB, completely.
+// Returns the bytes of what was read, which is thrown away. Throws Error(kBadInput) for another suffix and for a file
+// that the library cannot read.
 [[nodiscard]] std::size_t readWithLibraryAlone(const std::string& name);
 
 }  // namespace palpate

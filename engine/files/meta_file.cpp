@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // MetaImage: .mha, and .mhd with its data in a second file. Source of the format: https://itk.org/Wiki/ITK/MetaIO
 //
-// ITK reads the header; its frame is LPS. Looked at before: every number that is taken from it. MetaIO takes the size
-// of a negative spacing, the first number of a word such as "1x", and of too many numbers as many as it needs. The
-// values are read here, and the slope from elements to intensities, which ITK leaves out, is applied.
+// ITK reads the header; its frame is LPS. Every number that is used is checked here first: MetaIO takes the absolute
+// value of a negative spacing, reads "1x" as 1, and ignores surplus numbers. The values are read here. So is the slope
+// from elements to intensities, which ITK does not apply.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -97,7 +97,7 @@ void checkPlace(const TextHeader& header, const std::string& source) {
   }
 }
 
-// From elements to intensities. A slope of 0 would make every density one.
+// From elements to intensities. A slope of 0 would make all densities the same.
 void applyScale(const TextHeader& header, ItkRequest& request) {
   const std::string slope = "elementtointensityfunctionslope", offset = "elementtointensityfunctionoffset";
   checkNumbers(header, slope, "ElementToIntensityFunctionSlope", 1, request.facts.source);

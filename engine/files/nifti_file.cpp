@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // NIfTI-1: .nii, .nii.gz and .hdr/.img pairs. The header is read in nifti_header.hpp.
 //
-// Nothing of it is ITK's: where the voxels lie is found in nifti_form.hpp, the values are read where they lie, and
-// scl_slope and scl_inter applied. Analyze 7.5 files are refused: they do not say left from right.
+// ITK reads none of it. nifti_form.hpp finds where the voxels lie. The values are read here, and scl_slope and
+// scl_inter are applied. Analyze 7.5 files are refused: they do not tell left from right.
 #include <filesystem>
 
 #include "engine/field/memory_budget.hpp"
@@ -24,7 +24,7 @@ std::string headerPath(const std::string& name) {
   return name;
 }
 
-// The file that holds the voxels: "scan.hdr" has them in "scan.img", either of them gzipped or not.
+// The file that holds the voxels. Those of "scan.hdr" are in "scan.img"; either file may be gzipped.
 std::string dataPath(const NiftiHeader& header, const std::string& header_path) {
   if (header.one_file) return header_path;
   const std::string stem = header_path.substr(0, lowerCase(header_path).rfind(".hdr"));
@@ -34,7 +34,7 @@ std::string dataPath(const NiftiHeader& header, const std::string& header_path) 
   return stem + ".img";
 }
 
-// Where the values lie. A gzipped pair has its offset in what comes out, one file too.
+// Where the values lie. In a gzipped file the offset counts unpacked bytes.
 StoredValues storedValuesOf(const NiftiHeader& header, const std::string& header_path) {
   const std::string path = dataPath(header, header_path);
   StoredValues values;

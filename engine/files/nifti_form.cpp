@@ -14,11 +14,11 @@
 namespace palpate {
 namespace {
 
-constexpr int kScanner = 1;          // a form's code
-constexpr double kSheared = 1e-4;    // cosine between two axes; less is a file's rounding (checkLattice)
-constexpr double kDisagrees = 0.01;  // of a voxel; less is the rounding of a quaternion
+constexpr int kScanner = 1;          // code of a form in the scanner's frame
+constexpr double kSheared = 1e-4;    // cosine between two axes; a smaller one is a file's rounding (checkLattice)
+constexpr double kDisagrees = 0.01;  // [voxel]; less is the rounding of a quaternion
 
-// In the file's frame and unit: columns are a step along i, j, k and the first voxel's place.
+// A form as a matrix, in the file's frame and unit: the steps along i, j, k (columns) and the place of the first voxel.
 struct Affine {
   Mat3 steps = Mat3::Identity();
   Vec3 origin = Vec3::Zero();
@@ -50,7 +50,7 @@ Affine sformOf(const NiftiForms& forms) {
   return affine;
 }
 
-// Where there is no form: steps along right, anterior, superior.
+// For a file without a form: steps along right, anterior, superior.
 Affine sizesAlone(const NiftiForms& forms) {
   Affine affine;
   for (int axis = 0; axis < 3; ++axis) affine.steps(axis, axis) = forms.voxel_size[static_cast<std::size_t>(axis)];
@@ -81,7 +81,7 @@ double shearOf(const Affine& affine) {
   return shear;
 }
 
-// The angle of the two axes that are farthest from a right angle [degree].
+// The angle between the two axes that are farthest from perpendicular [degree].
 double angleOf(double shear) {
   return std::acos(shear) * 180 / std::numbers::pi;
 }
@@ -100,7 +100,7 @@ Lattice latticeOf(const Affine& affine, double millimetres_per_unit) {
   return lattice;
 }
 
-// How far apart the two put a corner of the volume, at most, in the file's unit.
+// The largest distance between the places that two forms give to a corner of the volume, in the file's unit.
 double apart(const Affine& a, const Affine& b, const Vec3& last) {
   double most = 0;
   for (int corner = 0; corner < 8; ++corner) {

@@ -13,7 +13,7 @@
 namespace palpate {
 namespace {
 
-constexpr double kOneFileHeaderBytes = 352;  // with the four that say whether extensions follow
+constexpr double kOneFileHeaderBytes = 352;  // 348, and four that say whether extensions follow
 
 // The 348 bytes of nifti_1_header, in either byte order. Offsets are the format's.
 class RawHeader {
@@ -142,7 +142,7 @@ void checkVoxelSize(const RawHeader& header, const std::string& source) {
 }
 
 void checkUnit(const RawHeader& header, const std::string& source) {
-  constexpr int kMicrometre = 3;  // the last that there is
+  constexpr int kMicrometre = 3;  // the last known code
   if (header.unitOfLength() <= kMicrometre) return;
   refuse(source,
          fmt::format("its xyzt_units give lengths in unit {}, which NIfTI does not know", header.unitOfLength()),
@@ -151,7 +151,7 @@ void checkUnit(const RawHeader& header, const std::string& source) {
 
 std::uint64_t dataOffsetOf(const RawHeader& header, const std::string& source) {
   double offset = header.dataOffset();
-  if (header.oneFile() && offset == 0) offset = kOneFileHeaderBytes;  // left out by its writer
+  if (header.oneFile() && offset == 0) offset = kOneFileHeaderBytes;  // the writer left it out
   if (!(offset >= (header.oneFile() ? kNiftiHeaderBytes : 0) && offset < 1e12) || offset != std::floor(offset)) {
     refuse(source, fmt::format("its data offset {:g} is no place in a file", offset), "write the file again");
   }
@@ -171,7 +171,7 @@ NiftiHeader readNiftiHeader(std::string_view bytes, const std::string& source) {
   for (std::size_t axis = 0; axis < 3; ++axis) header.size[axis] = raw.dimension(axis + 1);
   header.type = valueTypeOf(raw, source);
   header.data_offset = dataOffsetOf(raw, source);
-  if (raw.slope() != 0) {  // else the values are what they are
+  if (raw.slope() != 0) {  // 0: the values are not scaled
     if (!std::isfinite(raw.slope()) || !std::isfinite(raw.intercept())) {
       refuse(source, fmt::format("its scl_slope {:g} or scl_inter {:g} is no number", raw.slope(), raw.intercept()),
              "write the file again");

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // NRRD, attached (.nrrd) and detached (.nhdr). Source of the format: https://teem.sourceforge.net/nrrd/format.html
 //
-// ITK reads the header, and nothing else. The lattice is made here from "space directions", because
-// ITK 5.2 turns LAS files to LPS but not RAS ones. Looked at before: spacings (ITK takes the size of a negative one),
-// units of length (ITK ignores them).
+// ITK reads the header only. The lattice is made here from "space directions", because ITK 5.2 turns LAS files to LPS,
+// but not RAS files. Checked here first: spacings, because ITK takes the absolute value of a negative one; and units of
+// length, which ITK ignores.
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -38,7 +38,7 @@ bool holds(const std::string& text, const char* part) {
   return text.find(part) != std::string::npos;
 }
 
-// What an axis of this kind counts, where that is neither space nor time.
+// What an axis of this kind counts, if it is neither space nor time.
 std::optional<Components> componentsOf(const std::string& kind) {
   if (holds(kind, "color")) return Components::kColours;
   if (holds(kind, "matrix")) return Components::kTensors;
@@ -53,7 +53,7 @@ std::vector<std::string> kindsOf(const TextHeader& header) {
   return {std::istream_iterator<std::string>(words), {}};
 }
 
-// "none (1,0,0) (0,1,0)": an axis each, those without a direction empty.
+// "none (1,0,0) (0,1,0)": one entry for each axis, empty for an axis without a direction.
 std::vector<std::vector<double>> directionsOf(const TextHeader& header) {
   const std::string text = header.text("space directions");
   std::vector<std::vector<double>> directions;
@@ -68,7 +68,7 @@ std::vector<std::vector<double>> directionsOf(const TextHeader& header) {
   return directions;
 }
 
-// Which axes are not of space, as far as the header says it. Spacings that are all NaN say nothing.
+// Which axes are not in space, as far as the header tells. Spacings that are all NaN tell nothing.
 std::vector<bool> axesOutOfSpace(const TextHeader& header, std::size_t count) {
   std::vector<bool> are_out(count, false);
   const auto directions = directionsOf(header);
@@ -82,8 +82,8 @@ std::vector<bool> axesOutOfSpace(const TextHeader& header, std::size_t count) {
   return are_out;
 }
 
-// Refuses an axis that counts components, and a fourth axis. Where the header gives no kinds, the first of four axes is
-// taken for the components if it is out of space, or if it counts three or four bytes.
+// Refuses an axis that counts components, and a fourth axis. If the header gives no kinds, the first of four axes is
+// taken for components if it is not in space, or if it counts three or four bytes.
 void checkAxes(const TextHeader& header, const std::vector<double>& sizes, const std::string& source) {
   const std::vector<std::string> kinds = kindsOf(header);
   const std::vector<bool> are_out = axesOutOfSpace(header, sizes.size());
@@ -106,7 +106,7 @@ void checkAxes(const TextHeader& header, const std::vector<double>& sizes, const
          "extract one time point");
 }
 
-// "(1,2,3) none (4,5,6)": the vectors, without what is not one.
+// The vectors in a text such as "(1,2,3) none (4,5,6)".
 std::vector<Vec3> vectorsOf(const TextHeader& header, const std::string& key) {
   const std::string text = header.text(key);
   std::vector<Vec3> vectors;
@@ -137,15 +137,15 @@ void checkNrrdSizes(const TextHeader& header, const std::string& source, std::si
   checkMemory(source, voxels * (kDenseBytesPerVoxel + kGridBytesPerVoxel + kGpuBytesPerVoxel), memory_budget_bytes);
 }
 
-// Whether the file says how large its voxels are; spacings that are all NaN are as good as none.
+// Whether the file tells the size of its voxels. Spacings that are all NaN count as missing.
 bool givesVoxelSize(const TextHeader& header) {
   const std::vector<double> spacings = header.numbers("spacings");
   return !header.text("space directions").empty() ||
          std::any_of(spacings.begin(), spacings.end(), [](double spacing) { return !std::isnan(spacing); });
 }
 
-// Spacings of axes that are not in space, or have one voxel, may be NaN; ITK would put 1 for it. Those that are numbers
-// must be above 0.
+// Checks spacings. They may be NaN for axes that are not in space or have one voxel; ITK would take 1 for NaN. All
+// others must be above 0.
 void checkSpacings(const TextHeader& header, const std::string& source) {
   const std::vector<double> spacings = header.numbers("spacings");
   const std::vector<double> sizes = header.numbers("sizes");
@@ -187,8 +187,8 @@ Vec3 signsToLps(const TextHeader& header) {
   return {1, 1, 1};
 }
 
-// Empty where the header gives no directions: spacings alone ITK reads rightly. Of three axes in space each needs one;
-// ITK would make one up.
+// The lattice; empty if the header gives no directions, because ITK reads spacings alone correctly. Each of the three
+// axes in space needs a direction; ITK would invent a missing one.
 std::optional<Lattice> latticeOf(const TextHeader& header, double metres_per_unit, const std::string& source) {
   if (header.text("space directions").empty()) return {};
   const std::vector<Vec3> directions = vectorsOf(header, "space directions");

@@ -9,8 +9,8 @@
 
 namespace palpate {
 
-// While one lives, std::cerr and std::cout go into a buffer and the warnings of ITK, its NIfTI library and GDCM are
-// off. One at a time in a process; a second waits.
+// While a Quiet lives, std::cerr and std::cout go into a buffer, and the warnings of ITK, its NIfTI library and GDCM
+// are off. There is one at a time in a process; a second one waits.
 class Quiet {
  public:
   Quiet();
@@ -25,7 +25,7 @@ class Quiet {
   std::streambuf* old_cout_;
 };
 
-// ITK's several lines of description made one short line.
+// Shortens ITK's description of several lines to one line.
 [[nodiscard]] std::string shortReason(const std::string& description);
 
 }  // namespace palpate

@@ -56,7 +56,7 @@ struct Block {
   double slope, intercept;
 };
 
-// One layer's bricks; a row of them is a small volume of its own.
+// The bricks of one layer. A row of bricks is read as a small volume of its own.
 class Layer {
  public:
   Layer(std::shared_ptr<const Block> block, int bk) : block_(std::move(block)), bk_(bk) {}
@@ -98,7 +98,7 @@ std::function<Volume::BrickSource(int bk)> layersOf(const RawBlock& block, Value
                                                     double slope, double intercept) {
   const auto shared = std::make_shared<const Block>(block, type, size, slope, intercept);
   return [shared](int bk) -> Volume::BrickSource {
-    // A std::function is copied, and the row that a layer holds must not be copied with its bricks' source.
+    // A std::function may be copied, but the row that a layer holds must not be copied with it.
     const auto layer = std::make_shared<Layer>(shared, bk);
     return [layer](const Vec3i& brick, float* values) { return (*layer)(brick, values); };
   };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/files/raw_block.hpp: values that lie in a file as they lie in memory, read a row of bricks at a time straight
-// into a volume's bricks, so that they are never all in memory twice. Private to engine/files.
+// engine/files/raw_block.hpp: reads values that a file holds in the layout of memory. They go straight into the
+// volume's bricks, a row of bricks at a time. So the whole set of values is never in memory twice. Private to
+// engine/files.
 #pragma once
 
 #include <cstdint>
@@ -16,12 +17,12 @@ namespace palpate {
 struct RawBlock {
   std::string path;
   std::uint64_t offset = 0;  // [byte]
-  bool swapped = false;      // against the machine's byte order
+  bool swapped = false;      // the file's byte order is not the machine's
 };
 
-// The layers of a volume of `size` such values, for buildGridByLayers, each value made float(value * slope + intercept)
-// as rawBricks does. Memory: 64 rows of voxels a thread. Throws std::system_error: the file cannot be opened, or (from
-// the layers) read or ends early.
+// The layers of a volume of `size` such values, for buildGridByLayers. Each value becomes float(value * slope +
+// intercept), as in rawBricks. Memory: 64 rows of voxels for each thread. Throws std::system_error if the file cannot
+// be opened; the layers throw it if the file cannot be read or ends early.
 [[nodiscard]] std::function<Volume::BrickSource(int bk)> layersOf(const RawBlock& block, ValueType type,
                                                                   const Vec3i& size, double slope, double intercept);
 

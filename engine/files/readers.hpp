@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // engine/files/readers.hpp: one reader per format. Private to engine/files; loadVolume chooses among them.
 //
-// Each throws Error and leaves nothing half done.
+// Each throws Error for a file that it cannot read; there is no partial result.
 #pragma once
 
 #include "engine/files/formats.hpp"

@@ -49,7 +49,7 @@ class Words {
  public:
   explicit Words(Unpacker from) : from_(std::move(from)) {}
 
-  // "": there are no more.
+  // The next word; "" if there are no more.
   const std::string& next() {
     word_.clear();
     while (!atEnd()) {
@@ -106,7 +106,7 @@ void readWords(const StoredValues& values, const StoredPart& part, ValueType typ
   if (!words.next().empty()) throw std::runtime_error(kTooMany);
 }
 
-// -1: none.
+// The value of a hexadecimal digit; -1 if it is not one.
 int hexDigit(char c) {
   if (c >= '0' && c <= '9') return c - '0';
   if (c >= 'a' && c <= 'f') return c - 'a' + 10;
@@ -155,16 +155,14 @@ void checkPart(const StoredValues& values, StoredPart& part, double share, const
   const double stored = static_cast<double>(fileBytes(part.path, source)) - static_cast<double>(part.offset);
   const double wanted = share + static_cast<double>(values.skip_bytes);
   if (values.packing != Packing::kNone) return checkPackedPart(values, stored, wanted, source);
-  if (values.coding == Coding::kHex) {  // blanks may stand between
+  if (values.coding == Coding::kHex) {  // blanks may stand between the digits
     if (stored >= wanted + share) return;
-    refuseDamaged(
-        source, fmt::format("its header asks for {:.0f} bytes of voxels, two digits each, and {:.0f} bytes cannot hold "
-                            "them",
-                            share, stored));
+    const std::string asked = fmt::format("its header asks for {:.0f} bytes of voxels, two digits each", share);
+    refuseDamaged(source, fmt::format("{}, and {:.0f} bytes cannot hold them", asked, stored));
   }
   if (values.coding == Coding::kWords) {
-    const double least_voxels = share / 8;                                 // of the largest type
-    return checkStoredBytes(source, stored, 2 * least_voxels - 1, false);  // a digit each, and a blank between them
+    const double least_voxels = share / 8;                                 // if they have the largest type
+    return checkStoredBytes(source, stored, 2 * least_voxels - 1, false);  // one digit each, and blanks between them
   }
   checkStoredBytes(source, stored, wanted, false);
   if (values.from_end) {

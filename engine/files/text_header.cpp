@@ -46,7 +46,7 @@ Line lineOf(const std::string& text, TextFormat format, bool is_first) {
   if (nrrd && (is_first || text.starts_with('#'))) return {Line::kComment, "", ""};
   const std::size_t at = text.find_first_of(nrrd ? ":" : "=:");
   if (at == std::string::npos) return {};
-  if (nrrd && text.substr(at, 2) == ":=") return {Line::kComment, "", ""};  // a pair of the writer's own
+  if (nrrd && text.substr(at, 2) == ":=") return {Line::kComment, "", ""};  // a key/value pair of the writer's own
   return {Line::kField, lowerCase(trimmed(text.substr(0, at))), trimmed(text.substr(at + 1))};
 }
 

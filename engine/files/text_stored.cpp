@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 constexpr bool kLittleEndian = std::endian::native == std::endian::little;
 constexpr std::size_t kMostFiles = 100'000;
-constexpr std::int64_t kMostNumber = 1'000'000'000;  // in a file's name
+constexpr std::int64_t kMostNumber = 1'000'000'000;  // the largest number in a file's name
 
 void checkHeader(const TextHeader& header, const std::string& source) {
   if (!header.fault.empty()) refuseDamaged(source, fmt::format("its header cannot be relied on: {}", header.fault));
@@ -30,7 +30,7 @@ std::string beside(const std::string& path, const std::string& name) {
   return (fs::path(path).parent_path() / name).string();
 }
 
-// A whole number of a field, or `otherwise` where there is no such field.
+// The whole number in a field, or `otherwise` if the field is missing.
 std::int64_t wholeNumber(const TextHeader& header, const std::string& key, std::int64_t otherwise,
                          const std::string& source) {
   if (!header.fields.contains(key)) return otherwise;
@@ -48,7 +48,7 @@ bool isTrue(const TextHeader& header, const std::string& key) {
 
 // --- names of several files -----------------------------------------------------------------------------------------
 
-// More files than rows of voxels there cannot be. `sizes_key`: of the header's sizes, whose first is a row's.
+// There cannot be more files than rows of voxels. `sizes_key`: the header's field of sizes; the first is that of a row.
 std::size_t mostFiles(const TextHeader& header, const std::string& sizes_key) {
   const std::vector<double> sizes = header.numbers(sizes_key);
   double rows = 1;
@@ -56,7 +56,8 @@ std::size_t mostFiles(const TextHeader& header, const std::string& sizes_key) {
   return rows >= 1 && rows < static_cast<double>(kMostFiles) ? static_cast<std::size_t>(rows) : kMostFiles;
 }
 
-// The lines from `offset` on, each a name; a line that is empty counts only if a name follows, and then as damage.
+// The file names in the lines from `offset` on. An empty line before another name is damage; empty lines at the end are
+// not.
 std::vector<StoredPart> partsOfList(const std::string& path, std::uint64_t offset, std::size_t most_files,
                                     const std::string& source) {
   std::ifstream file(path, std::ios::binary);
@@ -74,7 +75,7 @@ std::vector<StoredPart> partsOfList(const std::string& path, std::uint64_t offse
   return parts;
 }
 
-// "a%03d.raw" with 7 is "a007.raw"; nothing but one such number is taken.
+// "a%03d.raw" with 7 is "a007.raw". A pattern must have exactly one such number.
 std::string numbered(const std::string& pattern, std::int64_t number, const std::string& source) {
   const std::size_t percent = std::min(pattern.find('%'), pattern.size());
   std::size_t at = percent + 1;
@@ -95,7 +96,7 @@ bool isFileNumber(std::int64_t number) {
   return number >= -kMostNumber && number <= kMostNumber;
 }
 
-// "a%03d.raw 1 40 1": from, to, step; what follows says of which dimension each file is, and that is known.
+// "a%03d.raw 1 40 1": from, to, step. The dimension of each file may follow; it is known already.
 std::vector<StoredPart> partsOfPattern(const std::string& text, const std::string& path, std::size_t most_files,
                                        const std::string& source) {
   std::istringstream words(text);
@@ -119,7 +120,7 @@ std::vector<StoredPart> partsOfPattern(const std::string& text, const std::strin
   return parts;
 }
 
-// Of data in files of their own; empty where `text` is one file's name.
+// The names of several data files; empty if `text` is the name of a single file.
 std::vector<StoredPart> severalParts(const std::string& text, const TextHeader& header, const std::string& sizes_key,
                                      const std::string& path, const std::string& source) {
   const std::size_t most_files = mostFiles(header, sizes_key);
@@ -148,7 +149,7 @@ void applyEncoding(const std::string& encoding, StoredValues& values, const std:
   }
 }
 
-// The offset of what follows `lines` lines.
+// The offset of the data behind `lines` lines.
 std::uint64_t afterLines(const StoredPart& part, std::int64_t lines, const std::string& source) {
   std::ifstream file(part.path, std::ios::binary);
   file.seekg(static_cast<std::streamoff>(part.offset));

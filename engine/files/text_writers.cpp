@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Writes NRRD (http://teem.sourceforge.net/nrrd/format.html) and MetaImage (https://itk.org/Wiki/ITK/MetaIO): a header
-// in text, then the values. Both are LPS millimetres. 17 digits give a double back exactly.
+// in text, then the values. Both are in LPS millimetres. 17 digits restore a double exactly.
 #include <fmt/format.h>
 
 #include "base/units.hpp"

@@ -59,7 +59,7 @@ struct Unpacker::State {
       : input(path, offset, bytes), packing(packing_in) {
     if (packing == Packing::kNone) return;
     block = std::make_unique_for_overwrite<Bytef[]>(kBlockBytes);
-    // 15: the largest window; 16 more: gzip; 32 more: gzip or zlib, whichever its first bytes say.
+    // 15: the largest window; 16 more: gzip; 32 more: gzip or zlib, as the first bytes tell.
     if (inflateInit2(&stream, packing == Packing::kGzip ? 15 + 16 : 15 + 32) != Z_OK) throw std::bad_alloc();
   }
   ~State() {
@@ -152,7 +152,7 @@ std::uint64_t Unpacker::drain() {
 
 std::optional<std::string> inflated(std::string_view packed, std::size_t most_bytes) {
   z_stream stream = {};
-  if (inflateInit2(&stream, -15) != Z_OK) throw std::bad_alloc();  // the largest window; negative: no header
+  if (inflateInit2(&stream, -15) != Z_OK) throw std::bad_alloc();  // 15: the largest window; negative: no header
   const std::unique_ptr<z_stream, int (*)(z_stream*)> owner(&stream, inflateEnd);
   const std::unique_ptr<char[]> block = std::make_unique_for_overwrite<char[]>(kBlockBytes);
   std::string out;

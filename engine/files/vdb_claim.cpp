@@ -15,7 +15,7 @@ namespace {
 
 using namespace std::string_view_literals;
 
-// A metadatum as OpenVDB writes it: name, type and value, each behind its length. The value follows, 8 bytes.
+// A metadatum as OpenVDB writes it: name, type and value, each after its length. The 8 bytes of the value follow.
 constexpr std::string_view kRecord = "\x0e\0\0\0file_mem_bytes\x05\0\0\0int64\x08\0\0\0"sv;
 
 }  // namespace
@@ -38,7 +38,7 @@ double vdbClaimedBytes(const std::string& path, const std::string& source) {
       std::memcpy(&bytes, text.data() + at + kRecord.size(), sizeof bytes);
       if (bytes > 0) sum += static_cast<double>(bytes);
     }
-    // What may be the beginning of another record.
+    // Keeps the bytes that may be the beginning of another record.
     const std::size_t keep = at == std::string::npos ? std::min(text.size(), kWhole - 1) : text.size() - at;
     text.erase(0, text.size() - keep);
   }

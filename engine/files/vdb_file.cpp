@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // OpenVDB files: the first float, half, double or integer grid, or the one that "file.vdb#name" names.
 //
-// The domain is the one that the metadata "palpate_domain" names, or else the box of active voxels, padded by two
-// voxels on every side, which are background wherever the grid has nothing else. Lengths are metres unless the grid's
-// or the file's metadata "unit" says mm, um or cm; a level set becomes density = -distance [m], so that density above 0
-// is inside. World axes are taken as LPS.
+// The domain is the one that the metadata "palpate_domain" names. Without it, the domain is the box of active voxels,
+// padded by two voxels on every side; the padding holds what the grid has there, mostly background. Lengths are metres
+// unless the grid's or the file's metadata "unit" says mm, um or cm. A level set becomes density = -distance [m], so
+// that density above 0 is inside. World axes are taken as LPS.
 //
-// Leaves that are bricks of the volume (all but the border's in a file that Palpate wrote) are taken over: their memory
-// becomes the volume's. All others are copied.
+// A leaf that is a brick of the volume is taken over: its memory becomes the volume's. In a file that Palpate wrote
+// these are all leaves but those at the border. The other leaves are copied.
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
@@ -42,8 +42,8 @@ namespace {
 
 constexpr int kPadding = 2;  // [voxel]
 
-// Reads every grid. Unlike io::File, a stream can be told to throw where it ends, so a header that lies about a count
-// cannot keep the reader busy with bytes that are not there.
+// Reads every grid. Unlike io::File, a stream can be told to throw at its end. So a header with a false count cannot
+// keep the reader busy with bytes that do not exist.
 openvdb::GridPtrVecPtr readGrids(const std::string& path, const std::string& source) {
   const Quiet quiet;
   openvdb::initialize();
@@ -60,16 +60,16 @@ openvdb::GridPtrVecPtr readGrids(const std::string& path, const std::string& sou
   }
 }
 
-// A damaged length in the file makes OpenVDB write beyond a buffer. So it may read here what a checksum vouches for, or
-// what it has read in a child process without harm: whatever corrupts memory is found in that, too, at the latest when
-// the sizes do not fit.
+// A damaged length in the file makes OpenVDB write beyond a buffer. So it may read a file in this process only if a
+// checksum holds, or if a child process has read the whole file without harm. Damage that corrupts memory is noticed
+// there, at the latest when sizes do not match.
 void tryToRead(const std::string& path, const std::string& source, double claimed_bytes) {
-  constexpr double kMostInMemory = 64;  // bytes of a node for one in the file, where it does not say
+  constexpr double kMostInMemory = 64;  // bytes in memory for each byte in the file, if the file does not say
   const auto bytes = static_cast<double>(fileBytes(path, source));
   const double memory =
       std::min(std::max(kMostInMemory * bytes, 1.5 * claimed_bytes), static_cast<double>(availableMemoryBytes()));
   const ChildOutcome trial = runInChild(source, 1, limitsForFile(bytes, memory), [&](std::size_t) {
-    new openvdb::GridPtrVecPtr(readGrids(path, source));  // given back with the process
+    new openvdb::GridPtrVecPtr(readGrids(path, source));  // not freed: the process ends
     return std::string();
   });
   if (!trial.trouble) return;
@@ -85,13 +85,13 @@ bool isVectors(const openvdb::GridBase& grid) {
   return grid.valueType().starts_with("vec");
 }
 
-// As VectorFile writes it.
+// Whether VectorFile wrote the grid.
 bool isGradient(const openvdb::GridBase& grid) {
   const auto unit = grid.getMetadata<openvdb::StringMetadata>(kVdbVectorUnitKey);
   return isVectors(grid) && unit && grid.getCreator() == kVdbCreator;
 }
 
-// "41 x 33 x 37 voxels of 0.5 x 0.5 x 0.8 mm", as far as the metadata say it.
+// "41 x 33 x 37 voxels of 0.5 x 0.5 x 0.8 mm", as far as the metadata tell.
 std::string extentWords(const openvdb::GridBase& grid) {
   std::string words;
   if (const auto size = grid.getMetadata<openvdb::Vec3IMetadata>(kVdbDomainKey)) {
@@ -109,8 +109,8 @@ std::string extentWords(const openvdb::GridBase& grid) {
     refuseComponents(source, Components::kVectors, 3, fmt::format("the voxels of its grid \"{}\"", grid.getName()));
   }
   refuse(source,
-         fmt::format("it holds the gradients of a volume, which palpate gradient wrote: in the grid \"{}\" ({}) {} "
-                     "vectors in {}, in a box of {}",
+         fmt::format("it holds the gradients of a volume, which palpate gradient wrote: "
+                     "in the grid \"{}\" ({}) {} vectors in {}, in a box of {}",
                      grid.getName(), grid.valueType(), grid.activeVoxelCount(),
                      grid.getMetadata<openvdb::StringMetadata>(kVdbVectorUnitKey)->value(), extentWords(grid)),
          "give the volume itself; gradients are for other programs");
@@ -118,7 +118,7 @@ std::string extentWords(const openvdb::GridBase& grid) {
 
 openvdb::GridBase& chooseGrid(const openvdb::GridPtrVec& grids, const std::string& wanted, const std::string& source) {
   std::string names;
-  const openvdb::GridBase* vectors = nullptr;  // where they are what is meant
+  const openvdb::GridBase* vectors = nullptr;  // the grid that the user means, if it holds vectors
   for (const auto& grid : grids) {
     if (isScalar(*grid) && (wanted.empty() || grid->getName() == wanted)) return *grid;
     const bool is_meant = wanted.empty() ? grids.size() == 1 : grid->getName() == wanted;
@@ -158,7 +158,7 @@ Lattice latticeOf(const openvdb::GridBase& grid, const openvdb::Coord& first, co
   return orthonormalised(lattice, source);
 }
 
-// The domain that a file of Palpate's names; nothing if it does not, or its active voxels say otherwise.
+// The domain that a file by Palpate names; empty if it names none, or if active voxels lie outside it.
 std::optional<openvdb::CoordBBox> namedDomain(const openvdb::GridBase& grid) {
   const auto size = grid.getMetadata<openvdb::Vec3IMetadata>(kVdbDomainKey);
   if (!size) return {};
@@ -172,7 +172,7 @@ std::optional<openvdb::CoordBBox> namedDomain(const openvdb::GridBase& grid) {
   return domain;
 }
 
-// Whatever else there may be under the key is no number.
+// The isovalue in the metadata; empty without the key, NaN if its value is not a double.
 std::optional<double> keptIsovalue(const openvdb::GridBase& grid) {
   if (!grid[kVdbIsovalueKey]) return {};
   const auto kept = grid.getMetadata<openvdb::DoubleMetadata>(kVdbIsovalueKey);
@@ -195,8 +195,8 @@ openvdb::CoordBBox domainOf(const openvdb::GridBase& grid, const std::string& so
   return box;
 }
 
-// Reads bricks out of a grid of any value type; where no leaf reaches into a brick only its corners are looked at. A
-// layer of bricks has one of its own.
+// Reads bricks out of a grid of any value type. If no leaf reaches into a brick, only its corners are read. Each layer
+// of bricks has a TreeBricks of its own.
 template <class Tree>
 class TreeBricks {
  public:
@@ -221,7 +221,7 @@ class TreeBricks {
     return floatOf(scale_ * static_cast<double>(values_.getValue(voxel)));
   }
 
-  // A brick reaches into at most two leaf cells along an axis, and each of its eight corners lies in another of them.
+  // A brick overlaps at most two leaf cells along each axis. Its corners lie in all the leaf cells that it overlaps.
   bool constantFrom(const openvdb::Coord& first, float* out) const {
     out[0] = at(first);
     for (int corner = 0; corner < 8; ++corner) {
@@ -234,19 +234,19 @@ class TreeBricks {
     return true;
   }
 
-  openvdb::tree::ValueAccessor<const Tree, false> values_;  // unknown to the tree, which does not change
+  openvdb::tree::ValueAccessor<const Tree, false> values_;  // not registered with the tree, which does not change
   openvdb::CoordBBox domain_;
   double scale_;
 };
 
-// Whether leaves of the file lie where the volume's bricks will, and hold what they will.
+// Whether the file's leaves are aligned with the volume's bricks and hold the same values.
 bool leavesAreBricks(const openvdb::GridBase& grid, const openvdb::CoordBBox& domain, double scale) {
   const openvdb::Coord& first = domain.min();
   const bool is_aligned = ((first.x() | first.y() | first.z()) & (kBrickSize - 1)) == 0;
   return grid.isType<ScalarGrid>() && scale == 1 && is_aligned;
 }
 
-// Of such a grid; a leaf that reaches out of the domain is none.
+// The leaves of such a grid as bricks. A leaf that reaches out of the domain is left out.
 LeafSource leavesOf(ScalarTree& tree, const openvdb::CoordBBox& domain) {
   return [&tree, domain](const Vec3i& brick) -> ScalarTree::LeafNodeType* {
     const openvdb::Coord first =
@@ -271,8 +271,9 @@ Volume convert(openvdb::GridBase& base, const Lattice& lattice, const openvdb::C
       leaf_of));
 }
 
-// Leaves count once, and with what the GPU needs; every brick of the domain costs a tile. Those that are taken over
-// have their memory already, so it is no part of what is free; others are copied while the file's own are still there.
+// Counts the leaves, their copy on the GPU, and a tile for every brick of the domain. Leaves that are taken over have
+// their memory already, so they do not count against free memory. Other leaves are copied while the file's own still
+// exist.
 void checkSparseMemory(const openvdb::GridBase& grid, const openvdb::CoordBBox& domain, double scale,
                        const std::string& source, std::size_t memory_budget_bytes) {
   constexpr double kTileBytes = 8;
@@ -318,7 +319,7 @@ Volume readGrid(const ReadRequest& wanted) {
   return convert<openvdb::Int32Grid>(grid, lattice, domain, scale, std::move(facts));
 }
 
-// OpenVDB looks at a transform when it is asked for it, not when it reads it.
+// OpenVDB checks a transform only when it is used, not when it is read. So openvdb::Exception is caught here.
 Volume readOrRefuse(const ReadRequest& wanted) {
   try {
     return readGrid(wanted);
@@ -331,8 +332,8 @@ Volume readOrRefuse(const ReadRequest& wanted) {
 
 Volume readVdb(const ReadRequest& wanted) {
   Volume volume = readOrRefuse(wanted);
-  // The file's own grid is gone, but the leaves of it that were copied, 2 KiB each, and the nodes of those that were
-  // taken over lie in the heap where it does not end: back to the system.
+  // The file's own grid is freed: leaves that were copied, 2 KiB each, and nodes of those that were taken over. They
+  // lie in the middle of the heap, so the system gets their memory back only on request.
   malloc_trim(0);
   return volume;
 }

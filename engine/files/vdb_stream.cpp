@@ -56,7 +56,7 @@ void streamGrid(const openvdb::GridBase::ConstPtr& grid, const ByteSink& sink) {
   };
   SinkBuffer buffer(counted);
   std::ostream out(&buffer);
-  out.exceptions(std::ios::badbit);  // so that what the sink throws comes through
+  out.exceptions(std::ios::badbit);  // so that exceptions of the sink are passed on
   const Quiet quiet;
   openvdb::io::Stream(out).write(openvdb::GridCPtrVec{grid});
   sink(vdbChecksumBytes(crc));

@@ -11,12 +11,12 @@
 
 namespace palpate {
 
-// A lattice as OpenVDB's transform from voxels to the world, in units of which a metre has so many. Throws
-// Error(kBadInput, `name`) where voxels are too small for OpenVDB.
+// A lattice as OpenVDB's transform from voxels to the world. `units_per_metre`: sets the world's unit of length. Throws
+// Error(kBadInput, `name`) if voxels are too small for OpenVDB.
 [[nodiscard]] openvdb::math::Transform::Ptr vdbTransform(const Lattice& lattice, double units_per_metre,
                                                          const std::string& name);
 
-// Writes a file of one grid, and its checksum (vdb_checksum.hpp); throws what the sink throws.
+// Writes a file with one grid and its checksum (vdb_checksum.hpp). Throws what the sink throws.
 void streamGrid(const openvdb::GridBase::ConstPtr& grid, const ByteSink& sink);
 
 }  // namespace palpate

@@ -2,8 +2,8 @@
 // Writes one OpenVDB grid of floats: a density, or a level set where the volume came from one.
 //
 // Leaves stay where they are; constant bricks are tiles. Outside the domain there is background: the lowest density, or
-// the level set's largest distance. A density whose domain ends with its bricks is written as it lies in memory,
-// without a copy; edits that went lower than any density before do not change its background.
+// the level set's largest distance. A density whose size is a multiple of the brick's is written without a copy. Its
+// background then stays as it was, even if edits made lower densities.
 #include <cmath>
 
 #include <openvdb/openvdb.h>
@@ -16,8 +16,8 @@
 namespace palpate {
 namespace {
 
-// Densities above 0 are inside, distances above 0 outside. What is as far from the surface as anything is no part of
-// the narrow band.
+// Densities above 0 are inside, distances above 0 outside. Voxels at the largest distance do not belong to the narrow
+// band.
 void makeLevelSet(ScalarGrid& grid, float farthest_m, double units_per_metre) {
   for (auto value = grid.tree().beginValueAll(); value; ++value) {
     const float density = *value;

@@ -21,7 +21,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "values are written as they lie in memory");
 
-// Eight slices of the domain, i fastest, one layer of bricks after another.
+// Visits the domain one layer of bricks at a time: eight slices, i fastest.
 template <class Visit>
 void forEachLayer(const Volume& volume, const Visit& visit) {
   const Vec3i size = volume.size();
@@ -50,7 +50,7 @@ void forEachLayer(const Volume& volume, const Visit& visit) {
   }
 }
 
-// Compared by bits: -0 is no whole number here.
+// Compares bits, so -0 does not fit.
 bool fitsInt16(float value) {
   if (!(value >= -32768.0F && value <= 32767.0F)) return false;
   return std::bit_cast<std::uint32_t>(static_cast<float>(static_cast<std::int16_t>(value))) ==

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/files/volume_name.hpp: what a volume's name says besides its file or folder: which part of it is meant, and
-// what voxels become that are NaN, infinite or beyond the range of a float.
+// engine/files/volume_name.hpp: what a volume's name may say besides its file or folder: which part of it is meant, and
+// which density replaces values that are NaN, infinite or too large for a float.
 //
 //   scan.vdb#density   folder#2   folder#1.2.3   scan.nrrd?nan=-1024   folder#2?nan=0
 //
-// It travels in the name, so that a journal, which keeps the name, loads the same volume again. A file whose own name
-// has these characters is found under it. Any thread.
+// A journal keeps the name, so it loads the same volume again. A file whose own name contains these characters is found
+// too. Any thread.
 #pragma once
 
 #include <optional>
@@ -14,22 +14,23 @@
 namespace palpate {
 
 struct VolumeName {
-  std::string path;                     // the file or folder; of a phantom all that follows "phantom:" too
+  std::string path;                     // the file or folder; of a phantom, the whole name
   std::string part;                     // after '#': a grid's name, a series' number or UID; empty: none
   std::optional<float> instead_of_nan;  // after "?nan="
   // Without "?nan=".
   [[nodiscard]] std::string withPart() const { return part.empty() ? path : path + '#' + part; }
 };
 
-// Throws Error(kBadInput) where "?nan=" is followed by no finite number that a float can hold, or stands at a phantom.
+// Throws Error(kBadInput) if "?nan=" is followed by anything but a finite number that a float can hold.
 [[nodiscard]] VolumeName parseVolumeName(const std::string& name);
 
-// The name of one series of a DICOM folder. `series`: its number in the list that loadVolume prints where it is not
-// given, or its UID. Throws Error(kBadInput) if there is no such folder, or the name names a series already.
+// The name of one series of a DICOM folder. `series`: its UID, or its number in the list that loadVolume gives in its
+// Error when a series must be chosen. Throws Error(kBadInput) if there is no such folder, or if the name already names
+// a series.
 [[nodiscard]] std::string withSeries(const std::string& folder, const std::string& series);
 
-// The name of the same volume with `value` for its voxels that are no densities. Throws Error(kBadInput) if the name
-// says so already, and as parseVolumeName.
+// The name of the same volume with "?nan=VALUE". Throws Error(kBadInput) for a phantom, for a name that already has it,
+// and as parseVolumeName does.
 [[nodiscard]] std::string withNan(const std::string& name, const std::string& value);
 
 }  // namespace palpate

@@ -15,10 +15,11 @@ void writeVdb(const Volume& volume, const std::string& name, LengthUnit unit, co
 
 // kInt16 or kFloat32, by the rule of volume_file.hpp.
 [[nodiscard]] ValueType typeToWrite(const Volume& volume);
-// All densities as values of that type, i fastest, in little-endian order.
+// Writes all densities as values of that type, i fastest, in little-endian order.
 void writeValues(const Volume& volume, ValueType type, const ByteSink& sink);
 
-// Bytes gzipped on their way to `sink`; finish() once, after the last. Throws what the sink throws.
+// Compresses bytes by gzip and passes them on to `sink`. Call finish() once, after the last write(). Throws what the
+// sink throws.
 class GzipSink {
  public:
   explicit GzipSink(const ByteSink& sink);

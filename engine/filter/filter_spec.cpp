@@ -20,15 +20,18 @@ namespace {
 struct FilterRow {
   FilterKind kind;
   FilterWords words;
+  bool has_border = false;  // a choice of what it reads beyond the border
 };
 
 constexpr FilterRow kFilters[] = {
     {FilterKind::kGaussian,
      {"gaussian", "sigma", "truncate=3 (in sigmas), border=nearest|mirror",
-      "low-pass; separable, sampled, its taps sum to one"}},
+      "low-pass; separable, sampled, its taps sum to one"},
+     true},
     {FilterKind::kBilateral,
      {"bilateral", "sigma", "range (sigma in density; needed), truncate=2 (in sigmas), border=nearest|mirror",
-      "low-pass that keeps steps much higher than the range"}},
+      "low-pass that keeps steps much higher than the range"},
+     true},
     {FilterKind::kDiffuse,
      {"diffuse", "steps", "kappa (in density per mm; needed), dt (in mm^2; half of what is stable), g=rational|exp",
       "anisotropic diffusion (Perona and Malik): smooths where the slope is below kappa, keeps the mean"}},
@@ -36,16 +39,21 @@ constexpr FilterRow kFilters[] = {
      {"distance", "band in voxels", "none",
       "signed distance from the isosurface in metres, positive in the object, cut off at the band"}},
     {FilterKind::kMedian,
-     {"median", "radius", "border=nearest|mirror", "middle value of the box that reaches so far; exact"}},
+     {"median", "radius", "border=nearest|mirror", "middle value of the box that reaches so far; exact"},
+     true},
     {FilterKind::kDilate,
-     {"dilate", "radius", "shape=box|ball, border=nearest|mirror", "highest value of the box or ball"}},
+     {"dilate", "radius", "shape=box|ball, border=nearest|mirror", "highest value of the box or ball"},
+     true},
     {FilterKind::kErode,
-     {"erode", "radius", "shape=box|ball, border=nearest|mirror", "lowest value of the box or ball"}},
+     {"erode", "radius", "shape=box|ball, border=nearest|mirror", "lowest value of the box or ball"},
+     true},
     {FilterKind::kOpen,
-     {"open", "radius", "shape=box|ball, border=nearest|mirror", "erode, then dilate: what is thinner goes"}},
+     {"open", "radius", "shape=box|ball, border=nearest|mirror", "erode, then dilate: what is thinner goes"},
+     true},
     {FilterKind::kClose,
      {"close", "radius", "shape=box|ball, border=nearest|mirror",
-      "dilate, then erode: gaps that are thinner are filled"}},
+      "dilate, then erode: gaps that are thinner are filled"},
+     true},
 };
 
 [[noreturn]] void refuseFilter(std::string_view filter, const std::string& reason, const std::string& remedy) {
@@ -58,11 +66,16 @@ std::vector<std::string> names() {
   return all;
 }
 
+// Every kind has a row.
+const FilterRow& rowOf(FilterKind kind) {
+  return *std::ranges::find(kFilters, kind, &FilterRow::kind);
+}
+
 std::string namesInWords() {
   return fmt::format("{}", fmt::join(names(), ", "));
 }
 
-// A number and what is behind it.
+// A number and the text after it.
 std::pair<double, std::string_view> numberOf(std::string_view filter, std::string_view what, std::string_view text) {
   double number = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
@@ -84,7 +97,7 @@ Extent extentOf(std::string_view filter, std::string_view what, std::string_view
   if (!unit.empty() && !extent.in_metres) {
     refuseFilter(filter, fmt::format("there is no unit '{}'", unit), "give voxels without a unit, or mm, um, cm, m");
   }
-  // Of the length itself: a number above 0 may be too small for one in metres.
+  // Checks the converted length: a number above 0 may underflow in metres.
   if (!(extent.value > 0)) refuseFilter(filter, fmt::format("its {} is {:g}", what, number), "give a number above 0");
   return extent;
 }
@@ -97,12 +110,12 @@ double plain(std::string_view filter, std::string_view key, std::string_view tex
   return number;
 }
 
-// Keys that are numbers above 0, as they are.
+// Reads the keys whose values are plain numbers above 0.
 double positive(std::string_view filter, std::string_view key, std::string_view text) {
   return plain(filter, key, text, 1e-30, 1e30);
 }
 
-// Keys of one kind of filter; false: it has none of that name.
+// Reads the keys of one kind of filter. False: it has no key of that name.
 bool setOwnKey(std::string_view filter, std::string_view key, std::string_view value, FilterSpec& spec) {
   switch (spec.kind) {
     case FilterKind::kGaussian:
@@ -145,11 +158,6 @@ bool setOwnKey(std::string_view filter, std::string_view key, std::string_view v
   return false;
 }
 
-// Whether a filter reads beyond the border in more than one way.
-bool hasBorder(FilterKind kind) {
-  return kind != FilterKind::kDiffuse && kind != FilterKind::kDistance;
-}
-
 void checkWhole(std::string_view filter, const FilterSpec& spec, int most, std::string_view what) {
   const double size = spec.size.value;
   if (!spec.size.in_metres && size == std::floor(size) && size <= most) return;
@@ -157,7 +165,7 @@ void checkWhole(std::string_view filter, const FilterSpec& spec, int most, std::
                "give such a number");
 }
 
-// What a filter needs beyond its size.
+// Checks that a filter has the keys that it needs beyond its size.
 void checkComplete(std::string_view filter, const FilterSpec& spec) {
   if (spec.kind == FilterKind::kBilateral && spec.range == 0) {
     refuseFilter(filter, "it has no range", "give the densities that it may mix, for example range=50");
@@ -170,15 +178,13 @@ void checkComplete(std::string_view filter, const FilterSpec& spec) {
 }
 
 void setKey(std::string_view filter, std::string_view key, std::string_view value, FilterSpec& spec) {
-  if (key == "border" && hasBorder(spec.kind)) {
+  if (key == "border" && rowOf(spec.kind).has_border) {
     if (value != "nearest" && value != "mirror") {
       refuseFilter(filter, fmt::format("there is no border '{}'", value), "use border=nearest or border=mirror");
     }
     spec.border = value == "mirror" ? Border::kMirror : Border::kNearest;
   } else if (!setOwnKey(filter, key, value, spec)) {
-    std::string_view keys;
-    for (const FilterRow& row : kFilters) keys = row.kind == spec.kind ? row.words.keys : keys;
-    refuseFilter(filter, fmt::format("it has no '{}'", key), fmt::format("its keys: {}", keys));
+    refuseFilter(filter, fmt::format("it has no '{}'", key), fmt::format("its keys: {}", rowOf(spec.kind).words.keys));
   }
 }
 
@@ -249,10 +255,7 @@ std::vector<FilterSpec> filterChain(const std::string& text) {
 }
 
 std::string_view filterName(FilterKind kind) noexcept {
-  for (const FilterRow& row : kFilters) {
-    if (row.kind == kind) return row.words.name;
-  }
-  return "filter";
+  return rowOf(kind).words.name;
 }
 
 bool hasDistance(std::span<const FilterSpec> chain) noexcept {

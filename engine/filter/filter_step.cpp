@@ -16,7 +16,8 @@
 namespace palpate {
 namespace {
 
-constexpr double kNoEffect = 1e-9;  // the share that a Gaussian takes from its middle voxel, below which it is left out
+// A Gaussian that takes a smaller share than this from its middle voxel is left out.
+constexpr double kNoEffect = 1e-9;
 
 int reachOf(const FilterSpec& filter, double voxels, int axis, int largest = kLargestReach) {
   const double reach = std::ceil(voxels - 1e-9);
@@ -103,7 +104,7 @@ void lowerDistance(const FilterSpec& filter, const Vec3& spacing_m, std::optiona
     FilterStep spread = seed;
     spread.kind = StepKind::kDistanceSpread;
     spread.axis = axis;
-    // The nearest surface point may be known to a voxel one further than it lies.
+    // One voxel more than the band: the voxel that knows the nearest surface point may lie one voxel beyond that point.
     const int reach = static_cast<int>(std::ceil(filter.size.value / edge[axis] - 1e-9)) + 1;
     spread.reach = reach * Vec3i::Unit(axis);
     steps.push_back(std::move(spread));
@@ -112,7 +113,7 @@ void lowerDistance(const FilterSpec& filter, const Vec3& spacing_m, std::optiona
   steps.push_back(std::move(seed));
 }
 
-// As the kernel adds its taps up: from the far end on one side to the far end on the other.
+// Adds the taps in the order of the kernel: from the far end on one side to the far end on the other.
 float convolved(const FilterStep& step, float density) {
   const int reach = step.reach[step.axis];
   float sum = step.taps[static_cast<std::size_t>(reach)] * density;
@@ -176,7 +177,7 @@ float uniformResult(const FilterStep& step, float density) {
       return convolved(step, density);
     case StepKind::kBilateral:
     case StepKind::kDiffuse:
-      return density + 0.0F;  // what is added is zero, which turns -0 into +0
+      return density + 0.0F;  // the sum that is added is 0, which turns -0 into +0
     case StepKind::kDistanceSeed:
     case StepKind::kDistanceSpread:
       return 0;  // DISTANCE_NONE
@@ -187,7 +188,7 @@ float uniformResult(const FilterStep& step, float density) {
     case StepKind::kLowestOnLine:
     case StepKind::kHighestInRows:
     case StepKind::kLowestInRows:
-      return density;  // one of those that are there
+      return density;  // it picks a density of the neighbourhood
   }
   return density;
 }

@@ -11,7 +11,7 @@
 namespace palpate {
 namespace {
 
-constexpr double kRounding = 1e-9;  // by which a length that is meant to reach a voxel may fall short of it [voxel]
+constexpr double kRounding = 1e-9;  // a length may fall this short of a voxel that it is meant to reach [voxel]
 
 Vec3i windowReach(const FilterSpec& filter, const Vec3& spacing_m, const std::string& what, int largest) {
   Vec3i reach;

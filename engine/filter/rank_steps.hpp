@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // engine/filter/rank_steps.hpp: the steps of filters that pick one value of a neighbourhood: median, dilate, erode,
-// open, close. Any thread; called by lowerFilters.
+// open, close. Any thread; called by lowerFilters().
 //
 // A neighbourhood of radius r holds the voxels whose centres are at most r away. So r = 1 and r = 1.9 voxels both reach
 // one voxel, and a length shorter than the spacing reaches none along that axis. A neighbourhood of the middle voxel
-// alone gives no step. A median follows FilterSpec::border. The other steps use Border::kNearest only: beyond the
-// border either rule repeats values that the neighbourhood holds already, so its highest and lowest values are the
-// same.
+// alone yields no step. A median follows FilterSpec::border. The other steps always use Border::kNearest: beyond the
+// border both rules only repeat values of the neighbourhood, so its highest and lowest values are the same.
 #pragma once
 
 #include <vector>

@@ -3,15 +3,14 @@
 // (shaders/filter_*.comp). It computes the whole field (filter_whole.hpp) or, after an edit, only the bricks whose
 // result can have changed (filter_region.hpp). Twin: engine/reference/filter.hpp.
 //
-// Sparse volumes stay sparse: where the field holds one density everywhere within reach of a brick, the result's brick
-// is constant and needs no storage. A distance has storage only next to the isosurface (distance_bricks.hpp); in a
-// region that was computed anew, also where the source has storage. Steps alternate between scratch pools
-// (filter_route.hpp). The result depends on the source alone, so a region that is computed anew equals a whole run, bit
-// for bit.
+// Sparse volumes stay sparse. If the field holds one density everywhere within reach of a brick, the brick's result is
+// constant and needs no storage (constant_bricks.hpp). A distance has storage only next to the isosurface. In a region
+// that was recomputed it also has storage where the source has it. Steps alternate between scratch pools
+// (filter_route.hpp). The result depends on the source alone, so a recomputed region equals a whole run, bit for bit.
 //
 // Memory, out of the source's budget: at most 2 KiB for each brick that is not constant, in the result and in each
-// scratch pool. The scratch of a whole run may be as large as the field and is freed when the run ends. The scratch of
-// regions is as large as the largest change so far and is kept. Thread: the Gpu's.
+// scratch pool. The scratch of a whole run may be as large as the field; it is freed when the run ends. The scratch of
+// regions is as large as the largest change so far; it is kept. Thread: the Gpu's.
 #pragma once
 
 #include <cstdint>
@@ -31,19 +30,19 @@
 
 namespace palpate {
 
-// Limit of a chain's steps: after an edit each needs a dispatch or more, and all go into one submission. The longest
-// diffusion has half as many.
+// Limit of a chain's steps. After an edit each step needs at least one dispatch, and all go into one submission. The
+// longest diffusion has half as many steps.
 inline constexpr std::size_t kMostFilterSteps = 1000;
 
 class FilterChain {
  public:
-  // At least one step. `source` outlives the chain. Throws Error(kBadInput) beyond kMostFilterSteps.
+  // `steps`: at least one. `source` must outlive the chain. Throws Error(kBadInput) beyond kMostFilterSteps.
   FilterChain(gpu::Gpu& gpu, gpu::Transfer& transfer, const BrickPool& source, std::vector<FilterStep> steps);
   FilterChain(const FilterChain&) = delete;
   FilterChain& operator=(const FilterChain&) = delete;
 
-  // Computes all bricks; blocks. `progress` gets the fraction done after every submission (submission_size.hpp). It may
-  // throw to cancel; the result's content is then undefined. Throws Error(kOutOfMemory).
+  // Computes all bricks. Blocks. `progress` gets the fraction done after every submission (submission_size.hpp). It may
+  // throw to cancel; the content of the result is then undefined. Throws Error(kOutOfMemory).
   void run(const std::function<void(double)>& progress = {});
 
   [[nodiscard]] const BrickPool& result() const noexcept { return *result_; }
@@ -51,28 +50,28 @@ class FilterChain {
   [[nodiscard]] const Vec3i& reach() const noexcept { return reach_; }  // of the whole chain [voxel]
   [[nodiscard]] std::size_t scratchBytes() const noexcept { return region_.scratchBytes(); }  // kept on the GPU
 
-  // After a change of the source, the bricks of the result that the change can reach are computed anew, in four calls:
+  // After a change of the source, four calls recompute the bricks of the result that the change can reach:
   //   plan()    finds the bricks that each step needs and makes room. `bricks`: those of the result, ascending.
   //             `source_constant(b)`: the one density that source brick b will hold; empty if it will be stored.
   //             Throws Error(kOutOfMemory); then nothing has changed.
-  //   commit()  hands out slots, once the source's pages are current. result() then has its new pages.
-  //   record()  records the work, behind that of the source.
-  //   settle()  once the work is done and the source has settled: frees the storage of bricks that became constant.
+  //   commit()  hands out slots. The source's pages must be current. result() then has its new pages.
+  //   record()  records the work, after that of the source.
+  //   settle()  frees the storage of bricks that became constant. The work must be done and the source settled.
   using SourceConstant = FilterRegion::SourceConstant;
   void plan(std::span<const std::uint32_t> bricks, const SourceConstant& source_constant) {
     region_.plan(bricks, source_constant);
   }
-  // The one density that a brick of the result will hold once the plan is carried out; empty if it will be stored.
-  // Serves as the SourceConstant of a chain that reads this one's result.
+  // The one density that a brick of the result will hold once the plan is carried out; empty if it will be stored. A
+  // chain that reads this one's result takes it as its SourceConstant.
   [[nodiscard]] std::optional<float> constantAfter(std::uint32_t brick) const { return region_.constantAfter(brick); }
-  // Instead of commit(), where another part of the edit found no room: forgets the plan and frees the scratch, so that
-  // a smaller change may find room.
+  // Call it instead of commit() if another part of the edit found no room. Forgets the plan and frees the scratch, so
+  // that a smaller change may find room.
   void abandon() noexcept { region_.abandon(); }
-  void makeKernels() { region_.makeKernels(); }  // for the pools' slabs after plan(); throws Error(kDevice)
+  void makeKernels() { region_.makeKernels(); }  // after plan(), which adds slabs; throws Error(kDevice)
   void commit() { region_.commit(); }
   void record(gpu::Commands& commands) { region_.record(commands); }
   void settle() { region_.settle(); }
-  [[nodiscard]] std::uint32_t dispatches() const noexcept { return region_.dispatches(); }  // of record(), at most
+  [[nodiscard]] std::uint32_t dispatches() const noexcept { return region_.dispatches(); }  // upper limit for record()
   void reserve(std::size_t bricks);  // room for so many more stored bricks in the result; throws Error(kOutOfMemory)
   // Makes the kernels and scratch pools for edits, so that the first edit does not wait for the driver's compiler.
   void prepare() { region_.prepare(); }
@@ -88,7 +87,7 @@ class FilterChain {
   FilterRegion region_;
 };
 
-// A chain that has run, or null where there are no steps. Throws as FilterChain's constructor and run() do.
+// A chain that has run; null if `steps` is empty. Throws as FilterChain's constructor and run() do.
 [[nodiscard]] std::unique_ptr<FilterChain> filteredBy(gpu::Gpu& gpu, gpu::Transfer& transfer, const BrickPool& source,
                                                       std::vector<FilterStep> steps,
                                                       const std::function<void(double)>& progress = {});

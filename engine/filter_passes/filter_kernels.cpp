@@ -13,7 +13,7 @@ std::vector<std::uint32_t> boxReach(const Vec3i& reach) {
           static_cast<std::uint32_t>(reach.z())};
 }
 
-// The fastest that can: ranks of small windows are sorted, of large ones searched.
+// The fastest kernel for this reach: it sorts the ranks of small windows and searches those of large ones.
 std::string medianKernel(const Vec3i& reach) {
   if (reach.maxCoeff() <= 1) return "filter_median";
   if (reach.x() == 2 && reach.maxCoeff() == 2) return "filter_median_wide";

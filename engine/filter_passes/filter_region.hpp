@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/filter_passes/filter_region.hpp: runs a chain of filter steps over only those bricks that a change of the
+// engine/filter_passes/filter_region.hpp: runs a chain of filter steps over those bricks only that a change of the
 // source can reach. Thread: the Gpu's.
 //
-// Scratch pools have room for as many bricks as the largest change so far needed, and are kept for the next change.
-// Each change takes their slots from the first one again.
+// Scratch pools have room for as many bricks as the largest change so far needed. They are kept for the next change,
+// which uses their slots from the first one on.
 #pragma once
 
 #include <array>
@@ -29,7 +29,8 @@ namespace palpate {
 
 class FilterRegion {
  public:
-  // All arguments outlive this. `result` holds the chain's result for the source before the first change.
+  // All arguments must outlive this. `result` holds the chain's result for the source as it was before the first
+  // change.
   FilterRegion(gpu::Gpu& gpu, gpu::Transfer& transfer, FilterDispatch& dispatch, std::span<const FilterRoute> routes,
                const BrickPool& source, BrickPool& result);
 
@@ -48,25 +49,25 @@ class FilterRegion {
 
  private:
   // A brick that a step is to write.
-  struct LevelBrick {
+  struct OutputBrick {
     std::uint32_t brick = 0;
     std::optional<float> constant;  // empty: it is stored
   };
-  // All that one step is to write.
-  struct Level {
-    std::vector<LevelBrick> bricks;  // ascending
+  // All bricks that one step is to write.
+  struct StepOutput {
+    std::vector<OutputBrick> bricks;  // ascending
     std::vector<FilterRange> ranges;
-    std::uint32_t first_page = 0, page_count = 0;  // pages to write
-    std::size_t stored = 0;
+    std::uint32_t first_page = 0, page_count = 0;  // range in pages_
+    std::size_t stored = 0;                        // bricks that are not constant
   };
 
-  [[nodiscard]] std::vector<Level> levelsOf(std::span<const std::uint32_t> bricks,
-                                            const SourceConstant& source_constant) const;
-  void findConstants(std::size_t step, std::vector<Level>& levels, const SourceConstant& source_constant) const;
-  [[nodiscard]] static const LevelBrick* find(const Level& level, std::uint32_t brick);  // null: not in it
-  [[nodiscard]] std::size_t newBricks(const Level& last) const;
-  void handOutScratch(const Level& level);
-  void handOutResult(const Level& level);
+  [[nodiscard]] std::vector<StepOutput> outputsOf(std::span<const std::uint32_t> bricks,
+                                                  const SourceConstant& source_constant) const;
+  void findConstants(std::size_t step, std::vector<StepOutput>& outputs, const SourceConstant& source_constant) const;
+  [[nodiscard]] static const OutputBrick* find(const StepOutput& output, std::uint32_t brick);  // null: not in it
+  [[nodiscard]] std::size_t newBricks(const StepOutput& last) const;
+  void handOutScratch(const StepOutput& output);
+  void handOutResult(const StepOutput& output);
   void listTasks(std::size_t step);
   BrickPool& scratch(std::size_t i);
   [[nodiscard]] const BrickPool& readBy(std::size_t step) const;
@@ -83,7 +84,7 @@ class FilterRegion {
   BrickGrid grid_;
   gpu::Kernel page_kernel_;
   std::array<std::unique_ptr<BrickPool>, FilterRoute::kResult> scratch_;
-  std::vector<Level> levels_;
+  std::vector<StepOutput> outputs_;
   std::vector<layout::FilterTask> tasks_;
   std::vector<layout::PageWrite> pages_;
   HostList<layout::FilterTask> task_list_;

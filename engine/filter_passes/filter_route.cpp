@@ -7,7 +7,7 @@ std::vector<FilterRoute> routesOf(std::span<const FilterStep> steps) {
   std::vector<FilterRoute> routes;
   int from = FilterRoute::kSource;
   constexpr int kNone = -2;
-  int kept = kNone;  // the step whose output a distance reads again at its end
+  int kept = kNone;  // the step whose output a distance reads again in its last step
   const auto writes = [&](int step, std::size_t pool) {
     return step >= 0 && routes[static_cast<std::size_t>(step)].pool == pool;
   };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // engine/filter_passes/filter_route.hpp: which pool each step of a chain reads and writes. A step writes a pool that no
-// later step reads. Two scratch pools suffice for most chains. A distance needs three, since its last step reads again
-// the densities that its first step read. The chain's last step writes the result. Any thread.
+// later step still has to read. Two scratch pools suffice for most chains. A distance needs three, since its last step
+// reads the densities again that its first step read. The chain's last step writes the result. Any thread.
 #pragma once
 
 #include <cstddef>
@@ -14,10 +14,10 @@ namespace palpate {
 
 struct FilterRoute {
   static constexpr int kSource = -1;
-  static constexpr std::size_t kResult = 3;  // 0 to 2: scratch
+  static constexpr std::size_t kResult = 3;  // pools 0 to 2 are scratch
   int from = kSource;                        // the step whose output this one reads
   std::size_t pool = kResult;                // the pool that it writes
-  bool in_place = false;                     // it changes the output of the step before it in place
+  bool in_place = false;                     // it rewrites the output of the step before it
 };
 
 [[nodiscard]] std::vector<FilterRoute> routesOf(std::span<const FilterStep> steps);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/filter_passes/filter_tasks.hpp: the bricks that a filter step writes, sorted into ranges. One dispatch does
-// one range: its bricks lie in one slab of the step's output, and all are inside the volume or all at its border. Any
-// thread.
+// engine/filter_passes/filter_tasks.hpp: sorts the bricks that a filter step writes into ranges. One dispatch does one
+// range. The bricks of a range lie in one slab of the step's output, and either all or none of them are at the volume's
+// border. Any thread.
 #pragma once
 
 #include <array>
@@ -15,14 +15,14 @@
 namespace palpate {
 
 struct FilterRange {
-  bool edge = false;  // the step reads beyond the volume's border
+  bool edge = false;  // the step reads beyond the volume's border for these bricks
   std::size_t slab = 0;
-  std::uint32_t first = 0, count = 0;  // in a list of tasks
+  std::uint32_t first = 0, count = 0;  // range in a list of tasks
 };
 
 class FilterTasks {
  public:
-  // `has_edge`: bricks at the border have their own kernel.
+  // `has_edge`: the step has a kernel of its own for bricks at the border.
   FilterTasks(const BrickGrid& grid, const FilterStep& step, bool has_edge)
       : grid_(grid), step_(step), has_edge_(has_edge) {}
 

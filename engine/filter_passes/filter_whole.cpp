@@ -11,8 +11,7 @@
 
 #include "base/portion_size.hpp"
 #include "base/stopwatch.hpp"
-#include "engine/filter_passes/distance_bricks.hpp"
-#include "engine/filter_passes/uniform_bricks.hpp"
+#include "engine/filter_passes/constant_bricks.hpp"
 #include "engine/passes/brick_bounds_pass.hpp"
 #include "engine/passes/tuning.hpp"
 
@@ -68,7 +67,7 @@ class Run {
   }
 
   [[nodiscard]] std::vector<layout::BrickPage> pagesAfter(const FilterStep& step, const BrickPool& from) const {
-    if (step.kind == StepKind::kDistanceFinish) return band_;  // the slots that the last spread wrote
+    if (step.kind == StepKind::kDistanceFinish) return band_;  // same slots as the spread before
     if (step.kind == StepKind::kDistanceSeed || step.kind == StepKind::kDistanceSpread) {
       std::vector<layout::BrickPage> pages = band_;
       for (layout::BrickPage& page : pages) page.constant = uniformResult(step, page.constant);
@@ -77,7 +76,7 @@ class Run {
     std::vector<layout::BrickPage> pages(from.brickCount(), {0, 0.0F});
     const Vec3i ring = ringOf(step);
     const auto constantOf = [&](std::uint32_t brick) { return from.constantOf(brick); };
-    std::optional<std::pair<std::uint32_t, float>> last;  // densities repeat from brick to brick
+    std::optional<std::pair<std::uint32_t, float>> last;  // neighbours often hold the same density
     for (std::uint32_t brick = 0; brick < pages.size(); ++brick) {
       const std::optional<float> density = uniformAround(grid_, brick, ring, constantOf);
       if (!density) continue;
@@ -93,7 +92,7 @@ class Run {
   FilterDispatch& steps_;
   BrickGrid grid_;
   std::uint32_t most_bricks_;            // of a submission
-  std::vector<layout::BrickPage> band_;  // pages of the distance that is under way: distanceBricks
+  std::vector<layout::BrickPage> band_;  // distanceBricks() of the present distance
 };
 
 }  // namespace

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/filter_passes/filter_whole.hpp: a chain of filter steps over every brick of a field. Thread: the Gpu's.
+// engine/filter_passes/filter_whole.hpp: runs a chain of filter steps over every brick of a field. Thread: the Gpu's.
 //
-// Its scratch pools are freed at the end of the run, since each may be as large as the field. Edits, which reach a few
-// bricks only, have scratch pools of their own (filter_region.hpp).
+// Its scratch pools are freed at the end of the run, since each may be as large as the field. Edits, which reach only a
+// few bricks, have scratch pools of their own (filter_region.hpp).
 #pragma once
 
 #include <functional>

@@ -7,14 +7,15 @@
 
 #include "base/byte_size.hpp"
 #include "base/error.hpp"
-#include "engine/gpu/buffer_state.hpp"
+#include "engine/gpu/vulkan_state.hpp"
 
 namespace palpate::gpu {
 namespace {
 
 using Property = vk::MemoryPropertyFlagBits;
 
-// The first memory type that the buffer allows and that has the wanted properties, in order of preference.
+// The first memory type that the buffer allows and that has the wanted properties. Properties are in order of
+// preference.
 std::uint32_t memoryType(const vk::raii::PhysicalDevice& physical, std::uint32_t allowed, MemoryKind kind) {
   const std::array<vk::MemoryPropertyFlags, 2> device = {Property::eDeviceLocal, vk::MemoryPropertyFlags{}};
   const std::array<vk::MemoryPropertyFlags, 2> host = {

@@ -11,8 +11,8 @@
 namespace palpate::gpu {
 
 enum class MemoryKind {
-  kDevice,  // fastest for kernels; mapped only where the device's memory happens to be the host's (lavapipe)
-  kHost,    // mapped, coherent and, where there is such memory, cached: the host reads or writes it in place
+  kDevice,  // fastest for kernels; mapped only if the device's memory is the host's (lavapipe)
+  kHost,    // mapped, coherent and, if the device has such memory, cached: the host reads or writes it in place
 };
 
 class Buffer {
@@ -24,7 +24,7 @@ class Buffer {
   Buffer& operator=(Buffer&&) noexcept;
 
   [[nodiscard]] std::size_t bytes() const noexcept;
-  [[nodiscard]] void* mapped() const noexcept;  // null where the host cannot reach it
+  [[nodiscard]] void* mapped() const noexcept;  // null if the host cannot access it
 
   struct State;
   [[nodiscard]] const State& state() const noexcept { return *state_; }

@@ -4,8 +4,7 @@
 #include <fmt/format.h>
 
 #include "base/error.hpp"
-#include "engine/gpu/buffer_state.hpp"
-#include "engine/gpu/kernel_state.hpp"
+#include "engine/gpu/vulkan_state.hpp"
 
 namespace palpate::gpu {
 namespace {
@@ -171,7 +170,7 @@ std::vector<StageTime> Commands::marks() const {
   if (state_->marks.size() < 2) return stages;
   const auto count = static_cast<std::uint32_t>(state_->marks.size());
   std::vector<std::uint64_t> ticks;
-  guarded(*state_->gpu, state_->name, [&] {  // that waits until they are there
+  guarded(*state_->gpu, state_->name, [&] {  // waits for the results
     ticks = state_->clock
                 .getResults<std::uint64_t>(0, count, count * sizeof(std::uint64_t), sizeof(std::uint64_t),
                                            vk::QueryResultFlagBits::e64 | vk::QueryResultFlagBits::eWait)
@@ -195,6 +194,13 @@ void Commands::submit() {
     state_->gpu->submit(submit);
     state_->ticket = value;
   });
+}
+
+bool Commands::done() const {
+  bool ended = true;
+  if (state_->ticket != 0)
+    guarded(*state_->gpu, state_->name, [&] { ended = state_->gpu->timeline.getCounterValue() >= state_->ticket; });
+  return ended;
 }
 
 void Commands::wait() {

@@ -19,7 +19,7 @@
 
 namespace palpate::gpu {
 
-// Numbers of work groups along x and y. Long lists are folded into rows, since a device may limit x to 65535.
+// Numbers of work groups along x and y. Long lists are folded into rows, because a device may limit x to 65535.
 struct Groups {
   std::uint32_t x = 1, y = 1;
   // `count` groups in rows of `row`. The kernel computes its index y * row + x and compares it with the count.
@@ -40,16 +40,17 @@ class Commands {
   void dispatch(const Kernel& kernel, std::span<const Buffer* const> buffers, std::span<const std::byte> push,
                 Groups groups);
   void copy(const Buffer& from, std::size_t from_offset, const Buffer& to, std::size_t to_offset, std::size_t bytes);
-  void barrier();      // kernels and copies after it see what was written before it
-  void hostBarrier();  // the host sees, after wait(), what was written before it
-  // Times the recorded work by the device's clock. mark() ends a stretch that began at the mark before it, or at
-  // begin(). Nothing is timed unless timed(true) came before begin() and the device has such a clock.
+  void barrier();      // later kernels and copies see what earlier ones wrote
+  void hostBarrier();  // after wait(), the host sees what earlier kernels and copies wrote
+  // Times stages of the recorded work by the device's clock. mark() ends a stage, which began at the mark before it or
+  // at begin(). Nothing is timed unless timed(true) was called before begin() and the device has such a clock.
   void timed(bool on);
   void mark(std::string name);
   [[nodiscard]] std::vector<StageTime> marks() const;  // of the last run, after wait()
   void submit();
-  void wait();  // for the newest submission; throws Error(kDevice) after 60 s
-  void run();   // hostBarrier, submit, wait
+  [[nodiscard]] bool done() const;  // the newest submission has ended; throws Error(kDevice)
+  void wait();                      // for the newest submission; throws Error(kDevice) after 60 s
+  void run();                       // hostBarrier, submit, wait
 
   struct State;
 

@@ -11,17 +11,28 @@
 #include <string>
 #include <vector>
 
-#include "engine/gpu/gpu_info.hpp"
-
 namespace palpate::gpu {
 
+// What is known of a Vulkan device before it is opened. Any thread may read it.
+struct GpuInfo {
+  std::string name;                     // "llvmpipe (LLVM 15.0.6, 256 bits)"
+  std::string type;                     // "discrete", "integrated", "virtual", "cpu", "other"
+  std::string tuned_as;                 // type of device that kernels are tuned for (GpuRequest::tuned_as)
+  std::string driver;                   // driver name and version
+  std::string api_version;              // "1.3.230"
+  std::uint64_t memory_bytes = 0;       // of its largest device-local heap
+  std::uint64_t max_binding_bytes = 0;  // of a storage buffer
+  std::string unusable;                 // empty, or why Palpate cannot use it
+  [[nodiscard]] bool isCpu() const noexcept { return type == "cpu"; }
+};
+
 // Every Vulkan device of this machine, best first (discrete, integrated, virtual, cpu). Throws Error(kNotFound) with
-// the package to install where there is no loader or no driver.
+// the package to install if there is no loader or no driver.
 [[nodiscard]] std::vector<GpuInfo> listGpus();
 
 struct GpuRequest {
   std::string name{};       // part of a device's name, letter case ignored; empty: the best device
-  std::string tuned_as{};   // type of device that kernels are tuned for; empty: the device's own
+  std::string tuned_as{};   // type of device that kernels are tuned for; empty: the device's own type
   bool validation = false;  // open with the Khronos validation layer, synchronisation validation included
 };
 

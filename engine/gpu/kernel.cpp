@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "base/error.hpp"
-#include "engine/gpu/kernel_state.hpp"
+#include "engine/gpu/vulkan_state.hpp"
 
 namespace palpate::gpu {
 namespace {

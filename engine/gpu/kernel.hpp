@@ -22,8 +22,8 @@ struct KernelSpec {
 
 class Kernel {
  public:
-  // Throws Error(kDevice) if the driver refuses the shader. Cost: that of compiling it, once for every kernel of these
-  // words and this specialisation while a Gpu of the device lives.
+  // Throws Error(kDevice) if the driver refuses the shader. Cost: the driver compiles the shader, but only once for
+  // each SPIR-V and specialisation while a Gpu of the device lives.
   Kernel(Gpu& gpu, const KernelSpec& spec);
   ~Kernel();
   Kernel(Kernel&&) noexcept;

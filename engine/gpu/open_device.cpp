@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include "base/error.hpp"
-#include "engine/gpu/kernel_state.hpp"
 #include "engine/gpu/vulkan_state.hpp"
 
 namespace palpate::gpu {

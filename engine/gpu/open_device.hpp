@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/gpu/open_device.hpp: a Vulkan device that is open, shared by every Gpu that asked for the same one while it
-// lives, with the pipelines that were made on it. Private to engine/gpu.
+// engine/gpu/open_device.hpp: an open Vulkan device with the pipelines that were made on it. Every Gpu that asks for
+// the same device shares it. Private to engine/gpu.
 //
-// Making a pipeline is the dear part of a start: a driver compiles its shader for 0.1 to 1 s. So each kernel is made
-// once, whoever asks for it and however often.
+// Pipelines are the expensive part of a start: a driver compiles a shader for 0.1 to 1 s. So each kernel is made only
+// once, however many Gpus ask for it.
 #pragma once
 
 #include <map>
@@ -22,7 +22,7 @@ namespace palpate::gpu {
 
 struct OpenDevice {
   // Parent before child: members are destroyed in the opposite order.
-  GpuInfo info;  // tuned as what it is
+  GpuInfo info;  // tuned as its own type
   vk::raii::Context context;
   vk::raii::Instance instance = nullptr;
   vk::raii::DebugUtilsMessengerEXT messenger = nullptr;
@@ -39,8 +39,8 @@ struct OpenDevice {
   std::mutex one_at_a_time;
 };
 
-// The device of a name (part of it; empty: the best), opened unless it is open already. Throws as Gpu's constructor
-// does. Any thread.
+// Opens a device, or returns it if it is open already. `name`: part of its name; empty: the best device. Throws as
+// Gpu's constructor does. Any thread.
 [[nodiscard]] std::shared_ptr<OpenDevice> openDevice(const std::string& name, bool validation);
 
 }  // namespace palpate::gpu

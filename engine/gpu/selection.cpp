@@ -14,8 +14,8 @@ namespace {
 
 constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
 constexpr const char* kDriverRemedy =
-    "install one: 'apt-get install mesa-vulkan-drivers' brings lavapipe, which runs on the CPU; for a GPU install its "
-    "vendor's driver";
+    "install one: 'apt-get install mesa-vulkan-drivers' brings lavapipe, which runs on the CPU; "
+    "for a GPU install its vendor's driver";
 
 Error noDriver(const std::string& reason) {
   return {Error::Code::kNotFound, "Vulkan", reason, kDriverRemedy};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/gpu/transfer.hpp: copies bytes between the host and a buffer: in place where the buffer is mapped, else piece
-// by piece through one staging buffer. Blocks until the bytes are there.
+// engine/gpu/transfer.hpp: copies bytes between the host and a buffer. A mapped buffer is copied in place, any other
+// piece by piece through one staging buffer. Blocks until the bytes are there.
 #pragma once
 
 #include <cstddef>

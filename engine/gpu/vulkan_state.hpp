@@ -8,7 +8,9 @@
 
 #include <vulkan/vulkan_raii.hpp>
 
+#include "engine/gpu/buffer.hpp"
 #include "engine/gpu/gpu.hpp"
+#include "engine/gpu/kernel.hpp"
 #include "engine/gpu/open_device.hpp"
 
 namespace palpate::gpu {
@@ -30,7 +32,7 @@ struct Gpu::State {
   std::uint64_t submitted = 0;             // the value of the newest submission
   std::atomic<std::uint64_t> bytes_in_use = 0;
 
-  void submit(const vk::SubmitInfo& work);  // to the queue that all who share the device share
+  void submit(const vk::SubmitInfo& work);  // to the device's queue, which all its Gpus share
   void wait(std::uint64_t value);           // until submission `value` is done; throws Error(kDevice) after 60 s
 
   template <typename Handle>
@@ -41,6 +43,28 @@ struct Gpu::State {
                                        .objectHandle = reinterpret_cast<std::uint64_t>(static_cast<Native>(*handle)),
                                        .pObjectName = text.c_str()});
   }
+};
+
+struct Buffer::State {
+  Gpu::State* gpu = nullptr;
+  std::string name;
+  std::size_t bytes = 0;
+  vk::raii::DeviceMemory memory = nullptr;  // declared first, so freed last: after the buffer bound to it
+  vk::raii::Buffer buffer = nullptr;
+  void* mapped = nullptr;
+
+  ~State() {
+    if (gpu != nullptr) gpu->bytes_in_use -= bytes;
+  }
+};
+
+struct Kernel::State {
+  std::string name;
+  std::uint32_t bindings = 0;
+  std::uint32_t push_bytes = 0;
+  vk::raii::DescriptorSetLayout set_layout = nullptr;
+  vk::raii::PipelineLayout layout = nullptr;
+  vk::raii::Pipeline pipeline = nullptr;
 };
 
 // selection.cpp

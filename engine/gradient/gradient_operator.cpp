@@ -12,7 +12,7 @@
 namespace palpate {
 namespace {
 
-constexpr GradientWords kOperators[] = {
+constexpr GradientKind kOperators[] = {
     {"central", "", GRADIENT_CENTRAL, 1, "central difference"},
     {"sobel", "", GRADIENT_SOBEL, 1, "central difference, averaged over the 3x3 rows beside it"},
     {"central4", "", GRADIENT_CENTRAL4, 2, "fourth-order central difference; within two voxels of the border central"},
@@ -28,7 +28,7 @@ constexpr GradientWords kOperators[] = {
 
 [[noreturn]] void refuseName(const std::string& text, std::string_view name) {
   std::vector<std::string> known;
-  for (const GradientWords& row : kOperators) known.emplace_back(row.name);
+  for (const GradientKind& row : kOperators) known.emplace_back(row.name);
   refuseOperator(text, "there is none of this name", withDidYouMean(name, known, "use " + gradientNames()));
 }
 
@@ -36,7 +36,7 @@ constexpr GradientWords kOperators[] = {
 
 GradientOperator::GradientOperator() : GradientOperator(kOperators[0]) {}
 
-std::span<const GradientWords> gradientTable() noexcept {
+std::span<const GradientKind> gradientKinds() noexcept {
   return kOperators;
 }
 
@@ -44,23 +44,23 @@ GradientOperator gradientOperator(const std::string& text) {
   const std::size_t colon = std::min(text.find(':'), text.size());
   const std::string_view name = std::string_view(text).substr(0, colon);
   const auto* found = std::find_if(std::begin(kOperators), std::end(kOperators),
-                                   [&](const GradientWords& row) { return row.name == name; });
+                                   [&](const GradientKind& row) { return row.name == name; });
   if (found == std::end(kOperators)) refuseName(text, name);
   GradientOperator made(*found);
-  if (found->takes.empty()) {
+  if (found->parameter.empty()) {
     if (colon != text.size()) refuseOperator(text, fmt::format("{} takes nothing behind its name", name));
     return made;
   }
   if (text.find_first_of(" \t") != std::string::npos) refuseOperator(text, "it is more than one word");
-  made.smoothing = filterChain(text);  // the smoothing filter has the operator's name and says what is wrong
+  made.smoothing = filterChain(text);  // the filter of the same name parses its parameters and refuses wrong ones
   return made;
 }
 
 std::string gradientNames() {
   std::string text;
-  for (const GradientWords& row : kOperators) {
+  for (const GradientKind& row : kOperators) {
     text += fmt::format("{}{}", text.empty() ? "" : ", ", row.name);
-    if (!row.takes.empty()) text += ":0.8mm";
+    if (!row.parameter.empty()) text += ":0.8mm";
   }
   return text;
 }

@@ -17,22 +17,22 @@
 
 namespace palpate {
 
-// A row of the table.
-struct GradientWords {
+// A row of the table of operators.
+struct GradientKind {
   std::string_view name;
-  std::string_view takes;                    // name of the value behind the colon: "sigma"; empty: it takes none
+  std::string_view parameter;                // name of the value behind the colon: "sigma"; empty: none
   std::uint32_t stencil = GRADIENT_CENTRAL;  // GRADIENT_... of the kernel
   int reach = 1;                             // of the stencil, along each axis [voxel]
-  std::string_view what;                     // a description, for help texts
+  std::string_view description;              // for help texts
 };
-[[nodiscard]] std::span<const GradientWords> gradientTable() noexcept;
+[[nodiscard]] std::span<const GradientKind> gradientKinds() noexcept;
 
 struct GradientOperator {
-  GradientWords words;                // its row of the table; by default the first one, central
+  GradientKind kind;                  // by default the first row, central
   std::vector<FilterSpec> smoothing;  // applied before the gradient is taken; the sample's density is not smoothed
 
   GradientOperator();
-  explicit GradientOperator(const GradientWords& row) : words(row) {}
+  explicit GradientOperator(const GradientKind& row) : kind(row) {}
   [[nodiscard]] bool smooths() const noexcept { return !smoothing.empty(); }
 };
 

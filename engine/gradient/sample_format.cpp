@@ -11,10 +11,11 @@
 namespace palpate {
 namespace {
 
-constexpr int kLargestPower = 12;  // of what is stored: 2^12, a sixteenth of where halves end, for edits
-constexpr int kScalePower = 120;   // beyond 2^120 or 2^-120 a scale or its inverse would be no normal float
+constexpr int kLargestPower =
+    12;  // stored numbers are at most 2^12, a sixteenth of the largest half; the rest is for edits
+constexpr int kScalePower = 120;  // beyond 2^120 or 2^-120 a scale or its inverse would be no normal float
 
-// A power of two that brings numbers up to `largest` to at most 2^kLargestPower.
+// A power of two that scales numbers up to `largest` to at most 2^kLargestPower.
 float scaleFor(double largest) {
   if (!(largest > 0)) return 1;
   int power = 0;
@@ -43,11 +44,12 @@ void checkHalfSamples(const SampleFormat& format, float lowest, float highest, d
   // Near the isovalue halves lie 2^-24 apart, so they are rounded by up to half of that.
   const double rounding = std::ldexp(1.0, -25) / static_cast<double>(format.code.density_scale);
   if (rounding <= std::ldexp(contrast, -11)) return;
-  throw Error(Error::Code::kBadInput, "--samples half",
-              fmt::format("densities from {:g} to {:g} are too far apart for halves: rounding by up to {:g} is too "
-                          "coarse for a surface whose object lies {:g} above the isovalue",
-                          lowest, highest, rounding, contrast),
-              "use --samples float; if the farthest density marks what was not measured, replace it in the file");
+  throw Error(
+      Error::Code::kBadInput, "--samples half",
+      fmt::format("densities from {:g} to {:g} are too far apart for halves: "
+                  "rounding by up to {:g} is too coarse for a surface whose object lies {:g} above the isovalue",
+                  lowest, highest, rounding, contrast),
+      "use --samples float; if the farthest density marks what was not measured, replace it in the file");
 }
 
 }  // namespace palpate

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/journal/acknowledged_file.hpp: a file that holds the number of the newest record on disk, for a program that
-// watches a session from outside (docs/journal.md).
+// engine/journal/acknowledged_file.hpp: a file that holds the number of the newest record on disk. A program that
+// watches a session from outside reads it (docs/journal.md).
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@ namespace palpate {
 
 class AcknowledgedFile {
  public:
-  // A file that cannot be made is silently left out: the session does not need it.
+  // If the file cannot be made, nothing is written and nothing is reported: the session does not need it.
   explicit AcknowledgedFile(const char* name);
   ~AcknowledgedFile();
   AcknowledgedFile(const AcknowledgedFile&) = delete;
@@ -24,8 +24,8 @@ class AcknowledgedFile {
   int descriptor_;
 };
 
-// Options of the journal that `palpate` keeps. Where the environment variable PALPATE_ACKNOWLEDGED names a file, the
-// journal writes its newest record's number there.
+// Options of the journal that `palpate` keeps. If the environment variable PALPATE_ACKNOWLEDGED names a file, the
+// journal writes the number of its newest record there.
 [[nodiscard]] JournalOptions watchedJournal();
 
 }  // namespace palpate

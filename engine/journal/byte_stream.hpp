@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/journal/byte_stream.hpp: numbers and texts as bytes, little-endian, without padding. Any thread.
+// engine/journal/byte_stream.hpp: writes numbers and texts as bytes and reads them back: little-endian, without
+// padding. A text is its length (32 bits), then its bytes. Any thread.
 #pragma once
 
 #include <bit>
@@ -46,7 +47,7 @@ class ByteWriter {
   std::string bytes_;
 };
 
-// Reading past the end gives zeros (or empty text), and good() is false from then on.
+// Reading past the end yields zeros or an empty text, and from then on good() is false.
 class ByteReader {
  public:
   explicit ByteReader(std::string_view bytes) : rest_(bytes) {}

@@ -18,7 +18,7 @@ static_assert(sizeof(std::uint32_t) + kMaxCommands * kLongestCommand <= kLongest
 constexpr std::uint8_t kHasObject = 1;
 constexpr std::uint8_t kHasMaterial = 2;
 
-// What a journal says of these, in its order: to be written where they are const, to be read where not.
+// The encoded members of these types, in order. With a const object they are written, otherwise read.
 template <typename Lattice, typename Visit>
 void forEachNumber(Lattice& lattice, const Visit& visit) {
   visit(lattice.origin_W);
@@ -39,7 +39,7 @@ void forEachMember(Header& header, const Visit& visit) {
   visit(header.profile.band_m);
 }
 
-// Only what a kind uses: a journal of strokes stays small. Kind and flags are before it.
+// Encodes only the members that a kind uses, so that a journal of strokes stays small. Kind and flags come before.
 template <typename Command, typename Number, typename Visit>
 void forEachMember(Command& c, Number& stamp_number, const Visit& visit) {
   visit(c.strength);
@@ -49,7 +49,7 @@ void forEachMember(Command& c, Number& stamp_number, const Visit& visit) {
     visit(c.radius_m);
     visit(c.falloff);
   }
-  if (c.kind == EditKind::kPaint) visit(c.value);
+  if (hasValue(c.kind)) visit(c.value);
   if (hasPlane(c.kind)) {
     visit(c.plane_W);
     visit(c.normal_W);
@@ -85,7 +85,7 @@ bool getCommand(ByteReader& in, EditCommand& c, std::span<const std::shared_ptr<
   std::uint8_t flags = 0;
   in.get(kind);
   in.get(flags);
-  if (kind > static_cast<std::uint8_t>(EditKind::kDeflate) || flags > (kHasObject | kHasMaterial)) return false;
+  if (kind >= kEditKinds || flags > (kHasObject | kHasMaterial)) return false;
   c.kind = static_cast<EditKind>(kind);
   if ((flags & kHasObject) != 0) c.object.emplace();
   if ((flags & kHasMaterial) != 0) c.material.emplace();

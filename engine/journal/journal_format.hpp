@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/journal/journal_format.hpp: the records of a journal, and how they are encoded as bytes (docs/journal.md). Any
+// engine/journal/journal_format.hpp: the records of a journal and their encoding as bytes (docs/journal.md). Any
 // thread.
 #pragma once
 
@@ -20,7 +20,7 @@ namespace palpate {
 
 inline constexpr std::string_view kJournalMagic = "PALPJRNL";
 inline constexpr std::uint32_t kJournalVersion = 2;
-inline constexpr const char* kJournalName = "journal.palpate";  // in its folder
+inline constexpr const char* kJournalName = "journal.palpate";  // in the journal's folder
 [[nodiscard]] inline std::filesystem::path journalFile(const std::filesystem::path& folder) {
   return folder / kJournalName;
 }
@@ -32,8 +32,8 @@ struct JournalHeader {
 
 enum class RecordKind : std::uint32_t {
   kEdit = 1,   // the commands of one Editor::apply()
-  kUndo = 2,   // takes back the last edit that is in effect
-  kRedo = 3,   // puts back the edit that was undone last
+  kUndo = 2,   // undoes the last edit that is in effect
+  kRedo = 3,   // redoes the edit that was undone last
   kStamp = 4,  // a mesh, which later commands name by its number
 };
 
@@ -41,24 +41,26 @@ inline constexpr std::size_t kRecordHead = 16;                // length, kind, s
 inline constexpr std::size_t kRecordFrame = kRecordHead + 4;  // the head and the checksum [byte]
 inline constexpr std::uint32_t kLongestRecord = 1U << 30U;    // limit of a record's content [byte]
 
-// The longest encoding of a command: a flatten with everything set. kMaxCommands of them fit into one record.
+// The longest encoding of a command: a flatten with everything set. One record has room for kMaxCommands of these.
 inline constexpr std::size_t kLongestCommand = 154;  // [byte]
 
 [[nodiscard]] std::string headerBytes(const JournalHeader& header);
 [[nodiscard]] std::string recordBytes(RecordKind kind, std::uint64_t sequence, std::string_view content);
 
-// The content of an edit's record. `stamp_numbers`: of each command, the number of its stamp's record; 0: no stamp.
+// The content of an edit's record. `stamp_numbers` has one entry for each command: the number of its stamp's record, or
+// 0 if it has no stamp.
 [[nodiscard]] std::string editContent(std::span<const EditCommand> commands,
                                       std::span<const std::uint32_t> stamp_numbers);
 [[nodiscard]] std::string stampContent(const Stamp& stamp);
 
-// Decode a record's content; empty or null where it is malformed. `stamps`: those read so far, number 1 first.
+// These decode a record's content. The result is empty or null if the content is malformed. `stamps`: those read so
+// far, number 1 first.
 [[nodiscard]] std::optional<std::vector<EditCommand>> editOf(std::string_view content,
                                                              std::span<const std::shared_ptr<const Stamp>> stamps);
 [[nodiscard]] std::shared_ptr<const Stamp> stampOf(std::string_view content);
 
-// Decodes the header at the front of a journal's bytes and returns its length [byte]. Throws Error(kBadInput), naming
-// `input`, where the bytes are no journal, a journal of another version, or one with a damaged header.
+// Decodes the header at the front of a journal's bytes. Returns the header's length [byte]. Throws Error(kBadInput),
+// naming `input`, if the bytes are no journal, are a journal of another version, or have a damaged header.
 [[nodiscard]] std::size_t readHeader(std::string_view bytes, const std::string& input, JournalHeader& header);
 
 }  // namespace palpate

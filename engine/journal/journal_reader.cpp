@@ -114,7 +114,7 @@ class Reading {
   std::size_t undone_ = 0;
 };
 
-// By the system's own calls: a stream ends where reading fails, or throws what says nothing of the file.
+// Uses system calls: a C++ stream just ends when reading fails, or throws an exception that says nothing of the file.
 std::string contentsOf(const std::filesystem::path& file) {
   const int descriptor = open(file.c_str(), O_RDONLY | O_CLOEXEC);
   if (descriptor < 0) {
@@ -156,7 +156,7 @@ Journal readJournal(const std::filesystem::path& folder) {
   return journal;
 }
 
-std::string damageWords(const JournalDamage& damage) {
+std::string describeDamage(const JournalDamage& damage) {
   return fmt::format("{} record{} in {} byte{} from byte {} on, as {}", damage.records, damage.records == 1 ? "" : "s",
                      damage.bytes, damage.bytes == 1 ? "" : "s", damage.first_byte, damage.reason);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/journal/journal_reader.hpp: reads a journal as a crash left it: every record up to the first damage, and a
+// engine/journal/journal_reader.hpp: reads a journal as a crash left it: every record before the first damage, and a
 // report of what is lost. Any thread. Cost: reads the whole file.
 #pragma once
 
@@ -14,7 +14,7 @@
 namespace palpate {
 
 struct JournalRecord {
-  RecordKind kind = RecordKind::kEdit;  // never kStamp: stamps are in the commands that use them
+  RecordKind kind = RecordKind::kEdit;  // never kStamp: commands hold their stamps
   std::uint64_t sequence = 0;
   std::vector<EditCommand> commands;  // of a kEdit record
 };
@@ -24,21 +24,21 @@ struct JournalRecord {
 struct JournalDamage {
   std::uint64_t first_byte = 0;  // offset in the file [byte]
   std::uint64_t bytes = 0;       // from there to the end of the file
-  std::uint64_t records = 0;     // that can be recognised there, the damaged one included
+  std::uint64_t records = 0;     // records recognised there, the damaged one included
   std::string reason;            // "record 7 is cut short"
 };
 
 struct Journal {
   JournalHeader header;
   std::vector<JournalRecord> records;  // in order
-  std::uint64_t last_sequence = 0;     // of the last sound record, stamps counted; 0: none
+  std::uint64_t last_sequence = 0;     // of the last sound record, stamp records included; 0: none
   std::optional<JournalDamage> damage;
 };
 
 // Throws Error: kNotFound (no such folder, or no journal in it), kIo, and kBadInput as readHeader does.
 [[nodiscard]] Journal readJournal(const std::filesystem::path& folder);
 
-// The damage in words: "12 records in 3456 bytes from byte 789 on, as record 7 is cut short"
-[[nodiscard]] std::string damageWords(const JournalDamage& damage);
+// The damage as text: "12 records in 3456 bytes from byte 789 on, as record 7 is cut short"
+[[nodiscard]] std::string describeDamage(const JournalDamage& damage);
 
 }  // namespace palpate

@@ -8,11 +8,9 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "base/durable_io.hpp"
 #include "base/error.hpp"
-#include "base/flush_folder.hpp"
-#include "base/make_folder.hpp"
 #include "base/part_file.hpp"
-#include "base/write_all.hpp"
 
 namespace palpate {
 namespace {
@@ -30,7 +28,7 @@ JournalWriter::JournalWriter(const fs::path& folder, const JournalHeader& header
     : file_(journalFile(folder)), options_(std::move(options)) {
   if (const int unmade = makeFolder(folder); unmade != 0) refuseFile(folder, unmade);
   const std::string bytes = headerBytes(header);
-  // The header goes to a name of its own first, so that a journal is never there without one.
+  // The header is written to a temporary name first, so that a journal without a header never exists.
   PartFile draft = openPartFile(file_);
   if (draft.descriptor < 0) refuseFile(file_, draft.error);
   descriptor_ = draft.descriptor;
@@ -38,7 +36,7 @@ JournalWriter::JournalWriter(const fs::path& folder, const JournalHeader& header
   if (failed == 0 && fsync(descriptor_) != 0) failed = errno;
   if (failed == 0) {
     leftover_ = Leftover::file([&] {
-      // link() never replaces a journal that is there.
+      // link() never replaces an existing journal.
       if (link(draft.name.c_str(), file_.c_str()) != 0) failed = errno;
       return failed == 0 ? file_ : fs::path();
     });
@@ -131,7 +129,7 @@ void JournalWriter::work() {
     lock.unlock();
     const bool saved = writeGroup(group);
     if (saved) {
-      leftover_.release();  // from here on there is something in it
+      leftover_.release();  // from now on it has records and must be kept
       bytes_ += group.size();
       acknowledged_.store(newest.record, std::memory_order_release);
       if (options_.on_acknowledged) options_.on_acknowledged(newest.record);
@@ -151,13 +149,13 @@ bool JournalWriter::writeGroup(const std::string& group) {
   int error = writeAll(descriptor_, group);
   if (error == 0 && fdatasync(descriptor_) != 0) error = errno;
   if (error == 0) return true;
-  // Where even this fails, the reader finds a record that is cut short: the same, with a word about it.
+  // If even this fails, the reader finds a record that is cut short. It then recovers the same and reports the loss.
   if (ftruncate(descriptor_, static_cast<off_t>(bytes_.load())) == 0) static_cast<void>(fdatasync(descriptor_));
   fail("it cannot be written", error);
   return false;
 }
 
-// The disk first, so that it is known up to where edits are saved.
+// Flushes first, so that it is known up to which edit all is saved.
 void JournalWriter::end(const char* what, int error) noexcept {
   flush();
   fail(what, error);

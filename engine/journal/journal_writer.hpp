@@ -2,12 +2,12 @@
 // engine/journal/journal_writer.hpp: keeps edits on disk while a session goes on.
 //
 // Records go into a queue. The journal's own thread gathers the records of a few milliseconds, writes them and waits
-// for the disk (fdatasync). Only then are they acknowledged. The queue is bounded: an append to a full one waits.
+// for the disk (fdatasync). Only then are they acknowledged. The queue is bounded: an append to a full queue waits.
 //
-// Where the disk is full or fails, the journal ends: a half-written record is cut off again, nothing after the last
-// acknowledged record is saved, and the session goes on without a journal (failure() says so). The journal also ends
-// where memory for a record runs out, since later edits without that one would lead to a different volume. What was
-// queued before is still saved.
+// If the disk is full or fails, the journal ends. It cuts a half-written record off, saves nothing after the last
+// acknowledged record, and reports that in failure(). The session goes on without a journal. The journal also ends if
+// there is no memory for a record, since later edits without that one would lead to a different volume. Records that
+// were queued before are still saved.
 //
 // Threads: one thread appends; any thread may call acknowledged(), failure() and failed(). Cost of an append: encoding
 // and a lock.
@@ -33,48 +33,49 @@
 namespace palpate {
 
 struct JournalOptions {
-  std::chrono::microseconds gather{3000};              // how long to wait for more after the first record of a group
-  std::size_t queue_bytes = std::size_t{4} << 20U;     // limit of the queue; a larger record goes through alone [byte]
-  std::function<void(std::uint64_t)> on_acknowledged;  // gets the newest number, in the journal's thread
+  std::chrono::microseconds gather{3000};              // wait for more records after the first of a group
+  std::size_t queue_bytes = std::size_t{4} << 20U;     // limit of the queue [byte]; a larger record is queued alone
+  std::function<void(std::uint64_t)> on_acknowledged;  // gets the newest record's number, in the journal's thread
 };
 
 class JournalWriter {
  public:
-  // Makes the folder if it is not there, and a journal in it. When this returns, the header is on disk, with
-  // the folder entries that lead to it. Throws Error: kBadInput where the folder holds a journal already, kIo where it
-  // cannot be made.
+  // Makes a journal in `folder`, and the folder if it does not exist. On return the header is on disk, with the folder
+  // entries that lead to it. Throws Error: kBadInput if the folder holds a journal already, kIo if the journal cannot
+  // be made.
   JournalWriter(const std::filesystem::path& folder, const JournalHeader& header, JournalOptions options = {});
   ~JournalWriter();  // as close()
   JournalWriter(const JournalWriter&) = delete;
   JournalWriter& operator=(const JournalWriter&) = delete;
 
-  // Append a record and return its sequence number, counted from 1. They throw nothing: the edit has been applied
-  // already, so either the record is in the journal or the journal has ended. The first use of a stamp adds a record
-  // for the stamp before the edit's; later stamps of the same content refer to it. Cost of a stamp: encoding it, every
-  // time.
+  // These append a record and return its sequence number, counted from 1. They throw nothing. The edit has been applied
+  // already, so either its record is in the journal or the journal has ended. The first use of a stamp puts the stamp's
+  // record before the edit's. Later commands with a stamp of the same content refer to that record. Cost of a stamp: it
+  // is encoded at every use.
   std::uint64_t edit(std::span<const EditCommand> commands) noexcept;
   std::uint64_t undo() noexcept;
   std::uint64_t redo() noexcept;
 
-  // Saves what is queued and ends the journal there. For a caller that cannot tell whether an edit was applied. `what`
-  // and `error` (an errno value) go into failure().
+  // Saves what is queued, then ends the journal. For a caller that cannot tell whether an edit was applied. `what` and
+  // `error` (an errno value) become part of failure().
   void end(const char* what, int error) noexcept;
 
-  // The newest record on disk; all before it are there too.
+  // Number of the newest record on disk. All records before it are on disk too.
   [[nodiscard]] std::uint64_t acknowledged() const noexcept { return acknowledged_.load(std::memory_order_acquire); }
-  // Why nothing more is saved, in words; empty while all is well. It names the last edit that is saved, in the numbers
-  // of Engine::editVersion (undo and redo count), and its record (stamps count too).
+  // Why nothing more is saved, as text; empty while all is well. The text names the last edit that is saved, by its
+  // number and by the number of its record. The former counts edits, undos and redos (Engine::editVersion), the latter
+  // stamps too.
   [[nodiscard]] std::string failure() const;
   // Whether the journal has failed, without a lock.
   [[nodiscard]] bool failed() const noexcept { return failed_.load(std::memory_order_acquire); }
   [[nodiscard]] std::uint64_t appended() const noexcept { return sequence_; }   // appending thread only
-  [[nodiscard]] std::uint64_t bytes() const noexcept { return bytes_.load(); }  // on disk, header included; deleted: 0
+  [[nodiscard]] std::uint64_t bytes() const noexcept { return bytes_.load(); }  // on disk, header included; 0: deleted
 
   void flush();  // waits until everything appended is acknowledged, or the journal has failed
-  // Flushes and ends; nothing may be appended afterwards. Deletes a journal that failed before anything was
-  // acknowledged.
+  // Flushes and ends; nothing may be appended afterwards. Deletes the journal if it failed before it acknowledged a
+  // record.
   void close();
-  // As close(), and deletes a journal in which nothing was acknowledged, so that the same command can be given again.
+  // As close(). Also deletes a journal that acknowledged no record, so that the same command can be given again.
   void closeAndDropEmpty();
 
  private:
@@ -95,7 +96,7 @@ class JournalWriter {
   std::filesystem::path file_;
   JournalOptions options_;
   int descriptor_ = -1;
-  Leftover leftover_;  // removes the journal at a sudden end, as long as it has no record
+  Leftover leftover_;  // removes a journal without a record if the program dies
   bool dropped_ = false;
   std::uint64_t sequence_ = 0;
   std::map<StampKey, std::uint32_t> stamp_numbers_;  // numbers only: the stamps are not kept
@@ -107,12 +108,12 @@ class JournalWriter {
   std::condition_variable wake_;      // wakes the writing thread: there is a record, or the end
   std::condition_variable progress_;  // wakes the others: there is room, or something was acknowledged
   std::string queue_;
-  Newest queued_;   // newest that entered the queue
-  Newest on_disk_;  // newest that is acknowledged
+  Newest queued_;   // the newest that entered the queue
+  Newest on_disk_;  // the newest that is acknowledged
   bool closing_ = false;
-  bool hurry_ = false;  // an append or a flush waits: gather no longer
+  bool hurry_ = false;  // an append or a flush waits, so the thread stops gathering
   bool ended_ = false;  // the thread takes nothing more
-  // failure() makes the text from these: when memory is short there is none for a text.
+  // failure() makes its text from these: when memory runs out there is none for a text.
   const char* failure_ = nullptr;  // what failed; null: nothing
   int failure_error_ = 0;
   std::thread thread_;  // last: it uses the rest

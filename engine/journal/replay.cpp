@@ -3,7 +3,7 @@
 
 #include "base/error.hpp"
 #include "engine/edit/lower_edit.hpp"
-#include "engine/reference/edit_bricks.hpp"
+#include "engine/reference/edit.hpp"
 
 namespace palpate {
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/journal/replay.hpp: rebuilds the volume of a journal's session: applies the edits that were not undone to the
-// starting volume, with the CPU twin. The result is bit for bit what the GPU held. Any thread. Cost: follows the edits.
+// engine/journal/replay.hpp: rebuilds the volume of a journal's session. The CPU twin applies the edits that were not
+// undone to the volume that the session began with. The result equals what the GPU held, bit for bit. Any thread. Cost:
+// depends on the edits.
 #pragma once
 
 #include <functional>
@@ -15,8 +16,9 @@ namespace palpate {
 // Throws Error(kBadInput) unless `volume` is the one that the journal began with; `input` names it in the message.
 void checkStart(const Journal& journal, const Volume& volume, const std::string& input);
 
-// Applies lastingEdits() to the volume that the journal began with. Throws as checkStart does, with the volume's name
-// as `input`. `before_each` is called before each edit with the fraction done, [0, 1); it may throw to cancel.
+// Applies lastingEdits() to `volume`, the one that the journal began with. Throws as checkStart() does, with the
+// volume's name as `input`. `before_each` is called before each edit with the fraction done, [0, 1). It may throw to
+// cancel.
 void replay(const Journal& journal, Volume& volume, const std::function<void(double)>& before_each = {});
 
 }  // namespace palpate

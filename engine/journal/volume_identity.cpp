@@ -59,7 +59,7 @@ std::uint64_t bytesHash(std::string_view bytes) {
 VolumeIdentity identityOf(const Volume& volume) {
   std::error_code ignored;
   std::string source = volume.facts().source;
-  // "file.vdb#name" is no file, but its folder is where the program was started all the same.
+  // "file.vdb#name" is not a file, but like one it is relative to the folder in which the program was started.
   if (!source.starts_with("phantom:") && !source.empty()) source = std::filesystem::absolute(source, ignored).string();
   return {std::move(source), volume.size(), volume.lattice(), contentHash(volume)};
 }

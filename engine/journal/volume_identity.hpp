@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/journal/volume_identity.hpp: identifies the volume that a journal belongs to: its source, its place in the
+// engine/journal/volume_identity.hpp: identifies the volume that a journal belongs to, by its source, its place in the
 // world and a hash of its densities. Any thread, while nobody changes the volume.
 #pragma once
 
@@ -13,7 +13,7 @@
 namespace palpate {
 
 struct VolumeIdentity {
-  std::string source;          // as loadVolume takes it, files with their absolute path
+  std::string source;          // the name that loadVolume takes; of a file, its absolute path
   Vec3i size = Vec3i::Zero();  // [voxel]
   Lattice lattice;
   std::uint64_t content = 0;  // contentHash()
@@ -27,7 +27,7 @@ struct VolumeIdentity {
 
 [[nodiscard]] VolumeIdentity identityOf(const Volume& volume);
 
-// How `volume` differs from the identity, in words; empty where it does not. Sources are not compared: files move.
+// How `volume` differs from the identity, as text; empty if it does not. Sources are not compared, since files move.
 [[nodiscard]] std::string differenceFrom(const VolumeIdentity& identity, const Volume& volume);
 
 }  // namespace palpate

@@ -37,7 +37,7 @@ Error tooMany(std::size_t bricks, std::size_t most) {
           "use a smaller brush, or several edits"};
 }
 
-// Tasks that only write a page go with any slab.
+// Tasks that only write a page may go with any slab.
 std::size_t slabOf(const layout::EditTask& task) {
   return task.slot == NO_SLOT ? 0 : BrickPool::place(task.slot).slab;
 }
@@ -96,7 +96,7 @@ const gpu::Kernel& EditPass::pointwiseKernel(layout::uint kind) {
 }
 
 const gpu::Kernel& EditPass::stencilKernel(layout::uint kind) {
-  std::optional<PoolKernel>& kernel = stencil_[kind - EDIT_SMOOTH];
+  std::optional<PoolKernel>& kernel = stencil_[kind];
   if (!kernel) {
     kernel.emplace(gpu_, "edit_stencil", pool_, STENCIL_BINDINGS, sizeof(layout::EditPush),
                    std::vector<std::uint32_t>{kind});

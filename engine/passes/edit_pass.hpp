@@ -25,7 +25,7 @@ struct EditPhase {
   std::uint32_t command_count = 0;
   std::vector<layout::EditTask> tasks;  // one for each brick
 
-  [[nodiscard]] bool stencil() const noexcept { return kind >= EDIT_SMOOTH && kind < EDIT_KINDS; }
+  [[nodiscard]] bool stencil() const noexcept { return EDIT_READS_NEIGHBOURS(kind); }
 };
 
 class EditPass {
@@ -69,8 +69,8 @@ class EditPass {
   const BrickPool& pool_;
   layout::EditScale scale_;
   // By kind, built when first used: a new kernel costs some 50 ms of the driver's compiler.
-  std::array<std::optional<gpu::Kernel>, EDIT_SMOOTH> pointwise_;
-  std::array<std::optional<PoolKernel>, EDIT_KINDS - EDIT_SMOOTH> stencil_;
+  std::array<std::optional<gpu::Kernel>, EDIT_KINDS> pointwise_;
+  std::array<std::optional<PoolKernel>, EDIT_KINDS> stencil_;
   gpu::Kernel commit_;
   HostList<layout::EditTask> tasks_;
   HostList<layout::EditCommand> commands_;

@@ -23,29 +23,31 @@ struct GradientKernel {
   std::uint32_t bindings;
   std::uint32_t bricks_a_group;
 };
-GradientKernel kernelOf(const GradientOperator& way, bool smoothed) {
+GradientKernel kernelOf(const GradientOperator& gradient_operator, bool smoothed) {
   if (smoothed) return {"gradient_smoothed", GRADIENT_SMOOTHED_BINDINGS, 1};
-  if (way.words.stencil == GRADIENT_SOBEL) return {"gradient_sobel", GRADIENT_BINDINGS, SOBEL_BRICKS};
+  if (gradient_operator.kind.stencil == GRADIENT_SOBEL) return {"gradient_sobel", GRADIENT_BINDINGS, SOBEL_BRICKS};
   return {"gradient", GRADIENT_BINDINGS, 1};
 }
 
-std::vector<std::uint32_t> constantsOf(const GradientOperator& way, const SampleFormat& format, const Tuning& tuning) {
-  return {format.half ? 1U : 0U, way.words.stencil, tuning.gradient_run, BRICK_ROWS / tuning.gradient_run};
+std::vector<std::uint32_t> constantsOf(const GradientOperator& gradient_operator, const SampleFormat& format,
+                                       const Tuning& tuning) {
+  return {format.half ? 1U : 0U, gradient_operator.kind.stencil, tuning.gradient_run, BRICK_ROWS / tuning.gradient_run};
 }
 
 }  // namespace
 
 GradientPass::GradientPass(gpu::Gpu& gpu, gpu::Transfer& transfer, const BrickPool& pool, const SampleStore& store,
-                           const GradientOperator& way, const BrickPool* smoothed)
+                           const GradientOperator& gradient_operator, const BrickPool* smoothed)
     : gpu_(gpu),
       transfer_(transfer),
       pool_(pool),
       store_(store),
-      way_(way),
+      operator_(gradient_operator),
       smoothed_(smoothed),
-      kernel_(gpu, kernelOf(way, smoothed != nullptr).name, smoothed != nullptr ? *smoothed : pool,
-              kernelOf(way, smoothed != nullptr).bindings, sizeof(layout::GradientPush),
-              constantsOf(way, store.format(), tuningFor(gpu.info())), smoothed != nullptr ? &pool : nullptr) {}
+      kernel_(gpu, kernelOf(gradient_operator, smoothed != nullptr).name, smoothed != nullptr ? *smoothed : pool,
+              kernelOf(gradient_operator, smoothed != nullptr).bindings, sizeof(layout::GradientPush),
+              constantsOf(gradient_operator, store.format(), tuningFor(gpu.info())),
+              smoothed != nullptr ? &pool : nullptr) {}
 
 void GradientPass::run(std::span<const std::uint32_t> bricks, const std::function<void(double)>& progress) {
   BrickTasks by_slab;
@@ -73,7 +75,7 @@ void GradientPass::run(std::span<const std::uint32_t> bricks, const std::functio
 void GradientPass::record(gpu::Commands& commands, const gpu::Buffer& tasks, std::span<const TaskRange> ranges,
                           const ActiveTest& test) {
   const gpu::Buffer* bounds = test.bounds != nullptr ? test.bounds : &tasks;  // unused then, but bound
-  const std::uint32_t bricks_a_group = kernelOf(way_, smoothed_ != nullptr).bricks_a_group;
+  const std::uint32_t bricks_a_group = kernelOf(operator_, smoothed_ != nullptr).bricks_a_group;
   for (const TaskRange& range : ranges) {
     std::vector<const gpu::Buffer*> buffers =
         poolBindings(smoothed_ != nullptr ? *smoothed_ : pool_, {&tasks, &store_.slab(range.slab), bounds});

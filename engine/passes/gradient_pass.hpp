@@ -18,9 +18,9 @@
 
 namespace palpate {
 
-// By this a kernel decides whether a brick is active: the bounds of all bricks, and the isovalues.
+// A kernel decides with this whether a brick is active.
 struct ActiveTest {
-  const gpu::Buffer* bounds = nullptr;  // layout::BrickBounds; null: no task says IF_ACTIVE
+  const gpu::Buffer* bounds = nullptr;  // of all bricks (layout::BrickBounds); null: no task has the flag IF_ACTIVE
   layout::IsovaluePair isovalues = {};
 };
 
@@ -29,13 +29,14 @@ class GradientPass {
   // `smoothed`: the field whose gradient is taken, for an operator that smooths (a FilterChain makes it); null: that of
   // `pool`.
   GradientPass(gpu::Gpu& gpu, gpu::Transfer& transfer, const BrickPool& pool, const SampleStore& store,
-               const GradientOperator& way = {}, const BrickPool* smoothed = nullptr);
+               const GradientOperator& gradient_operator = {}, const BrickPool* smoothed = nullptr);
 
   // How far a changed density changes gradients. For an operator that smooths: how far a changed smoothed density does.
-  [[nodiscard]] Reach reach() const noexcept { return {way_.words.reach, way_.words.reach}; }
+  [[nodiscard]] Reach reach() const noexcept { return {operator_.kind.reach, operator_.kind.reach}; }
 
-  // Computes every brick of the store, or these, which have slots there; blocks. `progress` gets the fraction done
-  // after every Tuning::gradient_bricks bricks. It may throw to cancel; the content of these slots is then undefined.
+  // Computes every brick of the store, or the given bricks, which must have slots there. Blocks. `progress` gets the
+  // fraction done after every Tuning::gradient_bricks bricks. It may throw to cancel; the slots' content is then
+  // undefined.
   void run(const std::function<void(double)>& progress = {}) { run(store_.bricks(), progress); }
   void run(std::span<const std::uint32_t> bricks, const std::function<void(double)>& progress = {});
   // Records the bricks of `ranges` in `tasks` (layout::BrickTask).
@@ -48,7 +49,7 @@ class GradientPass {
   gpu::Transfer& transfer_;
   const BrickPool& pool_;
   const SampleStore& store_;
-  GradientOperator way_;
+  GradientOperator operator_;
   const BrickPool* smoothed_;
   PoolKernel kernel_;
 };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/passes/host_list.hpp: a list in a mapped buffer that the host fills and kernels read, or the other way round.
-// The buffer grows when needed, by doubling, up to what one binding of the device may hold. Thread: the Gpu's; not
-// while submitted work uses the buffer.
+// engine/passes/host_list.hpp: a list in a mapped buffer. The host writes it and kernels read it, or the other way
+// round. The buffer grows when needed, by doubling, up to what one binding of the device may hold. Thread: the Gpu's;
+// not while submitted work uses the buffer.
 #pragma once
 
 #include <algorithm>

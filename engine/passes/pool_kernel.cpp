@@ -18,7 +18,7 @@ PoolKernel::PoolKernel(gpu::Gpu& gpu, std::string name, const BrickPool& pool, s
       constants_(std::move(more)) {
   constants_.insert(constants_.begin(), 0);
   if (second != nullptr) constants_.push_back(0);
-  (void)get();  // a driver that refuses it says so now
+  (void)get();  // so that a driver refuses the shader now, not later
 }
 
 const gpu::Kernel& PoolKernel::get() {
@@ -27,7 +27,7 @@ const gpu::Kernel& PoolKernel::get() {
   constants.front() = slabsOf(pool_);
   if (second_ != nullptr) constants.back() = slabsOf(*second_);
   if (constants_ != constants) {
-    kernel_ = gpu::Kernel(gpu_, gpu::KernelSpec{.name = name_,  // where it throws, the old kernel stays
+    kernel_ = gpu::Kernel(gpu_, gpu::KernelSpec{.name = name_,  // if it throws, the old kernel stays
                                                 .spirv = kernelSpirv(name_),
                                                 .bindings = bindings_,
                                                 .push_bytes = push_bytes_,

@@ -9,7 +9,7 @@
 
 namespace palpate {
 
-// The volume that was read is finite, so a density that is not comes of the computation, not of the input.
+// The volume that was read is finite. So a density that is not finite comes from the computation, not from the input.
 Volume volumeOf(const BrickPool& pool, gpu::Transfer& transfer, const VolumeFacts& facts) {
   const BrickGrid grid = pool.grid();
   try {

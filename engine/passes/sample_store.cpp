@@ -33,7 +33,7 @@ std::size_t SampleStore::spareOf(std::size_t bricks) {
   const std::size_t spare = slots / 16;
   try {
     slabs_.reserve(bricks + bricks / (slots - spare) * spare);
-  } catch (const Error&) {  // a wish
+  } catch (const Error&) {  // spare slots are optional
     return 0;
   }
   return spare;

@@ -35,8 +35,8 @@ void SlotSlabs::reserve(std::size_t slots) {
   while (free() < slots) grow(slots - free());
 }
 
-// One step: the newest slab is made wider, or a new one begins. At least doubles what is there, unless that would take
-// more than half of what the budget has left: others grow out of it, too.
+// One step: widens the newest slab, or begins a new one. It at least doubles the capacity, unless that would take more
+// than half of what the budget has left; others grow from it too.
 void SlotSlabs::grow(std::size_t wanted_slots) {
   const std::uint64_t affordable = budget_->leftBytes() / shape_.slot_bytes;
   if (affordable < wanted_slots) {

@@ -19,8 +19,8 @@ struct Tuning {
   // to fill its warps, and its caches serve repeated reads.
   std::uint32_t gradient_run;
 
-  // Most bricks in one submission when a whole field is computed. For filters, whose bricks may take long, it is fewer
-  // where that takes more than a tenth of a second (submission_size.hpp).
+  // Most bricks in one submission when a whole field is computed. A filter's submission has fewer bricks if it would
+  // take more than a tenth of a second.
   std::uint32_t filter_bricks;
   std::uint32_t gradient_bricks;
 };

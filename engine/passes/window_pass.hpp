@@ -34,7 +34,7 @@ class WindowPass {
   // Fills `window`, kHost memory with room for the box's samples. Blocks; on lavapipe for about half a millisecond.
   void run(const WindowBox& box, const gpu::Buffer& window);
 
-  // The same as part of other work: tasksOf() lists the bricks of a box for which `wanted(brick)` is true, record()
+  // The same as part of other work. tasksOf() lists the bricks of a box for which `wanted(brick)` is true; record()
   // gathers them. `if_active(brick)`: whether the kernel must look at the brick's bounds to see if it has samples.
   template <typename Wanted, typename IfActive>
   [[nodiscard]] BrickTasks tasksOf(const WindowBox& box, const Wanted& wanted, const IfActive& if_active) const;

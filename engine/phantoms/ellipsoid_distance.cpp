@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The nearest point on an ellipse or ellipsoid: x_i = a_i^2 p_i / (t + a_i^2) with the largest root t of
-// sum (a_i p_i / (t + a_i^2))^2 = 1. With s = t + min a^2 the sum is convex and falls for s > 0, so Newton's method
-// from the left of the root climbs to it without overshoot. Source: Eberly, "Distance from a point to an ellipse, an
-// ellipsoid, or a hyperellipsoid" (Geometric Tools, 2013).
+// sum (a_i p_i / (t + a_i^2))^2 = 1. As a function of s = t + min a^2, the sum is convex and falls for s > 0. So
+// Newton's method, started left of the root, climbs to it without overshoot. Source: Eberly, "Distance from a point to
+// an ellipse, an ellipsoid, or a hyperellipsoid" (Geometric Tools, 2013).
 #include <cmath>
 
 #include "engine/phantoms/solid.hpp"
@@ -40,7 +40,7 @@ double solveForS(const VecN<N>& p, const VecN<N>& a) {
 
 template <int N>
 Nearest<N> nearestOnEllipsoid(const VecN<N>& p, const VecN<N>& a) {
-  // On a plane of symmetry the foot point may be two-fold; a nudge of 1e-15 chooses one and moves it no farther.
+  // On a plane of symmetry there may be two nearest points. A nudge of 1e-15 chooses one and moves it no farther.
   const VecN<N> q = p.cwiseAbs().cwiseMax(a * 1e-15);
   const double s = solveForS<N>(q, a);
   const VecN<N> a2 = a.cwiseProduct(a);

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The gyroid: sin x cos y + sin y cos z + sin z cos x = 0, two periods along the lattice's shortest edge, the side
-// where the left term is positive being solid. It runs through the lattice's faces.
+// The gyroid f = sin x cos y + sin y cos z + sin z cos x = 0, with two periods along the lattice's shortest edge. It is
+// solid where f is positive, and runs through the lattice's faces.
 //
-// The nearest surface point comes from Newton's method on x - p + m grad f(x) = 0, f(x) = 0, begun at the nearest of a
-// dense set of surface samples, so the distance is exact (to rounding) but within a sample's distance of the medial
-// axis, where it may belong to the second nearest sheet, which is farther by less than the samples are apart (0.01
-// periods). Source of the surface: Schoen, NASA TN D-5541 (1970).
+// The nearest surface point comes from Newton's method on x - p + m grad f(x) = 0, f(x) = 0. It starts at the nearest
+// of a dense set of surface samples. So the distance is exact to rounding, except close to the medial axis (within the
+// spacing of the samples, 0.01 periods). There it may be that of the second nearest sheet, which is farther by less
+// than that spacing. Source of the surface: Schoen, NASA TN D-5541 (1970).
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -52,7 +52,7 @@ Vec3 project(Vec3 x) {
   return x;
 }
 
-// The surface point nearest to p, begun at a surface point `x` near it; `x` itself if the iteration strays.
+// The surface point nearest to p. The iteration starts at a surface point `x` near p, and returns `x` if it strays.
 Vec3 footPoint(const Vec3& p, const Vec3& start) {
   Vec3 x = start;
   double m = (p - x).dot(gyroidGradient(x)) / gyroidGradient(x).squaredNorm();

@@ -2,9 +2,9 @@
 // A CT-like head: skin, skull with a drilled hole, facial bone with two air-filled sinuses, brain with ventricles.
 //
 // The declared surface (isovalue 300) is bone: (skull shell + facial bone) - hole - sinuses. Its distance is exact near
-// smooth parts of the surface and a lower bound of the true distance, in size, where two bodies meet: outside near the
-// rims of the hole, inside the bone where the face joins the skull. The zero set is exact everywhere. The skin lies at
-// -300 as long as four voxels (geometric mean of the spacing) are less than the scalp's 9 mm.
+// smooth parts of the surface. Where two bodies meet, its magnitude is only a lower bound: outside near the rims of the
+// hole, inside the bone where the face joins the skull. The zero set is exact everywhere. The skin lies at -300 as long
+// as four voxels (geometric mean of the spacing) are less than the scalp's 9 mm.
 #include <algorithm>
 #include <array>
 #include <cmath>

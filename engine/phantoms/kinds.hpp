@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/phantoms/kinds.hpp: the makers that the registry in phantom_spec.cpp names. Private to engine/phantoms.
+// engine/phantoms/kinds.hpp: a function for each phantom that makes it. The registry in phantom_spec.cpp lists them.
+// Private to engine/phantoms.
 #pragma once
 
 #include <memory>

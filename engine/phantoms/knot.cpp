@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The tube around a (2,3) torus knot. The distance is exact wherever the nearest point of the centre curve is unique
-// and the tube does not fold (its radius is a quarter of the curve's smallest radius of curvature): so near all its
-// surface.
+// The tube around a (2,3) torus knot. The distance is exact where the nearest point of the centre curve is unique. That
+// holds near all of the surface: the tube does not fold, since its radius is a quarter of the curve's smallest radius
+// of curvature.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -86,7 +86,7 @@ class Knot : public Phantom {
  private:
   [[nodiscard]] const Vec3& middleOf(int group) const { return samples_[group * kGroup + kGroup / 2]; }
 
-  // Squares of the samples' distances, infinite for groups of which none is near enough to matter below.
+  // Squares of the samples' distances; infinite for a group of which no sample is near enough to matter below.
   [[nodiscard]] std::array<double, kSamples> squaredDistances(const Vec3& p) const {
     std::array<double, kGroups> to_middle;
     for (int group = 0; group < kGroups; ++group) to_middle[group] = (middleOf(group) - p).norm();

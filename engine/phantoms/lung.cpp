@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // A CT-like chest: wall, two lungs, a tree of vessels in each, a spine. The body runs through the lattice along z.
 //
-// The declared surface (isovalue -400) parts soft tissue from air: (body - lungs) + vessels. Its distance is exact near
-// smooth parts of the surface and a lower bound of the true distance, in size, inside the tissue where a vessel leaves
-// the wall or two branches join. The zero set is exact everywhere.
+// The declared surface (isovalue -400) separates soft tissue from air: (body - lungs) + vessels. Its distance is exact
+// near smooth parts of the surface. Inside the tissue where a vessel leaves the wall, or where two branches join, its
+// magnitude is only a lower bound. The zero set is exact everywhere.
 #include <algorithm>
 #include <cmath>
 #include <vector>

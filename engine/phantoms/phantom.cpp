@@ -16,8 +16,8 @@ Lattice centredLattice(const PhantomSpec& spec) {
   return {-half_m, Mat3::Identity(), spec.spacing_m};
 }
 
-// Irwin-Hall: the sum of twelve 16 bit uniforms, centred and scaled to deviation 1. Integers only, so that no maths
-// library has a say in the result. Variance of one: (65536^2 - 1) / 12.
+// Irwin-Hall: the sum of twelve 16-bit uniforms, centred and scaled to deviation 1. It uses integers only, so the
+// result does not depend on a maths library. Variance of one uniform: (65536^2 - 1) / 12.
 class Gauss {
  public:
   explicit Gauss(std::uint64_t seed) : bits_(seed) {}
@@ -44,7 +44,7 @@ bool isByBricks(const Phantom& phantom) {
   return phantom.isByPlace() && phantom.spec().noise == 0;
 }
 
-// Counts what will be stored only where not every brick could be.
+// Counts the bricks that will be stored, but only if not all bricks together would fit.
 void checkSparseMemory(const Phantom& phantom, const std::string& name, std::size_t memory_budget_bytes) {
   constexpr double kBrickBytes = kBrickVoxels * (kGridBytesPerVoxel + kGpuBytesPerVoxel);
   constexpr double kTileBytes = 8;

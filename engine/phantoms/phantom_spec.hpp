@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/phantoms/phantom_spec.hpp: what a user may ask of a phantom:
+// engine/phantoms/phantom_spec.hpp: the parameters of a phantom, as a user gives them:
 // "phantom:NAME?size=64&spacing=1mm&noise=0.05&seed=1".
 //
-// size: one number or IxJxK [voxel]. spacing: one number or three with m, mm or um: "0.5x0.5x1.2mm". noise: standard
-// deviation as part of the density contrast [-]. seed: of noise and of random values. thickness (shell only): of the
-// wall, in voxels of the largest spacing. head and lung keep their natural size when only `size` is given.
+// size: one number or IxJxK [voxel]. spacing: one number or three, with m, mm or um: "0.5x0.5x1.2mm". noise: standard
+// deviation, as a share of the density contrast [-]. seed: of noise and of random values. thickness (shell only): of
+// the wall, in voxels of the largest spacing. head and lung keep their natural extent if only `size` is given.
 #pragma once
 
 #include <cstdint>
@@ -29,20 +29,20 @@ struct PhantomSpec {
   double thickness_voxels = 2;  // [voxel]
 };
 
-// One line of the registry.
+// One row of the registry.
 struct PhantomKind {
   std::string name;
   std::string description;
   Vec3i size;               // default [voxel]
-  double natural_extent_m;  // 0: the spacing is 1 mm by default; otherwise the longest edge, whatever the size [m]
+  double natural_extent_m;  // the longest edge, whatever the size [m]; 0: none, and the spacing is 1 mm by default
   std::vector<std::string> extra_keys;
   std::function<std::unique_ptr<Phantom>(const PhantomSpec&)> make;
 };
 
 [[nodiscard]] const std::vector<PhantomKind>& phantomKinds();
 
-// Throws Error(kBadInput) for a name or key that is not known (listing those that are), a value that is no number, a
-// size below 1, spacing not positive or without unit, noise outside [0, 10], thickness outside (0, 1000].
+// Throws Error(kBadInput) for an unknown name or key (and lists the known ones), a value that is not a number, a size
+// below 1, a spacing that is not positive or has no unit, noise outside [0, 10], and thickness outside (0, 1000].
 [[nodiscard]] PhantomSpec parsePhantomSpec(const std::string& text);
 
 }  // namespace palpate

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // engine/phantoms/solid.hpp: bodies with exact signed distances, and how they combine. Private to engine/phantoms.
 //
-// Frame: world [m]. Distances are negative inside. Combining keeps the zero set exact and the distance 1-Lipschitz;
-// unite() is exact outside and intersect() inside, elsewhere they bound the true distance from below in size.
+// Frame: world [m]. Distances are negative inside. Combining keeps the zero set exact and the distance 1-Lipschitz.
+// unite() is exact outside, intersect() inside. Elsewhere the magnitude is at most that of the true distance.
 // Source: Hart, "Sphere tracing" (The Visual Computer 12, 1996), section on constructive solid geometry.
 #pragma once
 
@@ -10,10 +10,10 @@
 
 namespace palpate {
 
-// Of bodies as a CT scanner sees them [Hounsfield].
+// Densities as in a CT scan [Hounsfield].
 inline constexpr double kAir = -1000;
 inline constexpr double kSoft = 40;
-inline constexpr double kSlopePerVoxel = 150;  // of the ramps between them [density/voxel]
+inline constexpr double kSlopePerVoxel = 150;  // of a ramp between two tissues [density/voxel]
 
 [[nodiscard]] inline SurfaceOffset unite(const SurfaceOffset& a, const SurfaceOffset& b) {
   return a.distance_m < b.distance_m ? a : b;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The simple phantoms: sphere, box, three spheres, shell. Their distances are exact everywhere but inside where two
-// spheres would overlap (they do not) and, for the shell, everywhere.
+// The simple phantoms: sphere, box, three spheres, shell. Their distances are exact everywhere. (Those of overlapping
+// spheres would not be exact inside, but these three do not overlap.)
 #include <algorithm>
 #include <array>
 

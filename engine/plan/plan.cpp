@@ -26,7 +26,7 @@ PlanLine uploadLine(const PlanFacts& facts) {
 PlanLine gradientLine(const Plan& plan, const PlanFacts& facts) {
   PlanLine line{
       true,
-      fmt::format("gradient of {} of {} bricks: {}", facts.gradient_bricks, facts.bricks, plan.gradient.words.name), "",
+      fmt::format("gradient of {} of {} bricks: {}", facts.gradient_bricks, facts.bricks, plan.gradient.kind.name), "",
       0};
   if (plan.request.gradient_all) {
     line.why = "every brick: --gradient all, or an algorithm that feels away from the isosurface";
@@ -69,8 +69,6 @@ const char* passName(Pass pass) noexcept {
       return "gradient";
     case Pass::kWindow:
       return "window";
-    case Pass::kIsosurface:
-      return "isosurface";
   }
   return "?";
 }
@@ -90,11 +88,10 @@ Plan makePlan(const EngineRequest& request) {
     plan.filters = filterChain(plan.filter_words);
     plan.passes.push_back(Pass::kFilter);
   }
-  // Bounds choose the bricks with gradients and let the renderer skip; without either nobody reads them.
+  // Bounds choose the bricks with gradients, and the renderer skips bricks by them. Nothing else reads them.
   if (!request.gradient_all || request.draws) plan.passes.push_back(Pass::kBrickBounds);
   if (plan.gradient.smooths()) plan.passes.push_back(Pass::kSmoothing);
   plan.passes.insert(plan.passes.end(), {Pass::kGradient, Pass::kWindow});
-  if (request.draws) plan.passes.push_back(Pass::kIsosurface);
   return plan;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/plan/plan.hpp: turns what is asked of the engine into the passes and buffers that it needs, and no others. Any
-// thread; no cost.
+// engine/plan/plan.hpp: turns a request to the engine into the passes and buffers that the request needs, and no
+// others. Any thread; no cost.
 //
 // The plan also says what was left out and, once the volume is known, how much memory that saved.
 #pragma once
@@ -14,15 +14,15 @@
 
 namespace palpate {
 
-enum class Pass { kUpload, kFilter, kBrickBounds, kSmoothing, kGradient, kWindow, kIsosurface };
+enum class Pass { kUpload, kFilter, kBrickBounds, kSmoothing, kGradient, kWindow };
 
 [[nodiscard]] const char* passName(Pass pass) noexcept;
 
-// What an engine is asked for; nothing that is not named is computed or kept.
+// What an engine shall do. Nothing else is computed or kept.
 struct EngineRequest {
-  std::string filter = {};                    // chain that makes the field that is felt: "gaussian:0.8mm"; empty: none
-  bool distance = false;                      // the signed distance from that field's isosurface is felt
-  bool gradient_all = false;                  // gradients of every brick, not only of those that the isosurface needs
+  std::string filter = {};    // chain of filters before the field is felt: "gaussian:0.8mm"; empty: none
+  bool distance = false;      // the signed distance from that field's isosurface is felt
+  bool gradient_all = false;  // gradients of every brick, not only of those that the isosurface needs
   std::string gradient_operator = "central";  // engine/gradient/gradient_operator.hpp
   bool half_samples = false;                  // samples are stored as halves, not as floats
   bool edits = false;                         // the volume will be edited, so what edits need is kept

@@ -40,7 +40,7 @@ float at(const DenseField& field, const Vec3i& voxel) {
   return field.at(inside.x(), inside.y(), inside.z());
 }
 
-// `after_slice` is called so often that it may stop the work.
+// `after_slice` is called after each slice; it may throw to stop the work.
 template <typename Function>
 void forEachVoxel(const DenseField& field, const std::function<void()>& after_slice, const Function& function) {
   for (int k = 0; k < field.size.z(); ++k) {
@@ -51,33 +51,33 @@ void forEachVoxel(const DenseField& field, const std::function<void()>& after_sl
   }
 }
 
-// Nearest crossing on the lines to the neighbours; of equally near ones the first, i fastest.
+// The nearest crossing on the lines to the 26 neighbours. Of equally near ones it is the first, i fastest.
 Foot seedOf(const DenseField& field, const Vec3i& voxel, const Given& given) {
   const float here = at(field, voxel);
   float best = INFINITY;
   Foot foot;
   for (int n = 0; n < 27; ++n) {
-    const Vec3i way(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1);
-    if (!within(field, voxel + way)) continue;
-    const float there = at(field, voxel + way);
+    const Vec3i direction(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1);
+    if (!within(field, voxel + direction)) continue;
+    const float there = at(field, voxel + direction);
     if ((here > given.isovalue) == (there > given.isovalue)) continue;
     const float share = (here / 2 - given.isovalue / 2) / (here / 2 - there / 2);
     const auto part = [&](int axis) {
-      return static_cast<float>(way[axis] * way[axis]) * given.edge_square[static_cast<std::size_t>(axis)];
+      return static_cast<float>(direction[axis] * direction[axis]) * given.edge_square[static_cast<std::size_t>(axis)];
     };
     const float square = (share * share) * (part(0) + (part(1) + part(2)));
     if (!(square < best)) continue;
     best = square;
     foot.emplace();
     for (int axis = 0; axis < 3; ++axis) {
-      const float steps = (share * static_cast<float>(way[axis])) * 8.0F;
+      const float steps = (share * static_cast<float>(direction[axis])) * 8.0F;
       (*foot)[axis] = static_cast<int>(std::floor(steps + 0.5F));
     }
   }
   return foot;
 }
 
-// From voxel `from` on, the nearest of the points that the voxels within reach along the axis know.
+// For each voxel, the nearest of the points that the voxels within reach along the step's axis have found.
 std::vector<Foot> spread(const DenseField& field, const std::vector<Foot>& feet, const FilterStep& step,
                          const std::function<void()>& after_slice) {
   const Given given(step);
@@ -106,8 +106,7 @@ std::vector<Foot> spread(const DenseField& field, const std::vector<Foot>& feet,
   return after;
 }
 
-// Gradient (by voxel) and value of the trilinear field over four, so that no difference overflows, at a place in the
-// cell that begins at `cell`.
+// Gradient (per voxel) and value of the trilinear field. Both are divided by four, so that no difference overflows.
 struct Trilinear {
   std::array<float, 3> gradient{};
   float value = 0;
@@ -137,17 +136,17 @@ float sum(const std::array<float, 3>& a, const std::array<float, 3>& b) {
   return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2];
 }
 
-// A place near the surface, and how the voxel lies to the tangent plane there.
+// The tangent plane at a place near the surface, and where the voxel lies relative to it.
 struct Tangent {
   std::array<float, 3> normal{};  // into the object
   float left = 0;                 // from the place to the surface, along the normal [unit]
   float rise = 0;                 // from the plane to the voxel, along the normal [unit]
-  float height = 0;               // the same, away from the surface on the voxel's own side
+  float height = 0;               // the same, positive away from the surface on the voxel's own side
   float side = 0;                 // from the normal to the voxel [unit]
   float away_square = 0;          // from the place to the voxel [unit^2]
 };
 
-// `shift`: of the place from the voxel [voxel]; `away`: from the place to the voxel [unit].
+// `shift`: from the voxel to the place [voxel]; `away`: from the place to the voxel [unit].
 Tangent tangentAt(const DenseField& field, const Vec3i& voxel, const std::array<float, 3>& shift,
                   const std::array<float, 3>& away, const Given& given, bool clamp_left) {
   Vec3i cell;
@@ -162,7 +161,7 @@ Tangent tangentAt(const DenseField& field, const Vec3i& voxel, const std::array<
     }
   }
   Trilinear there = trilinear(field, cell, share);
-  float largest = 0;  // of the gradient's components: over it their squares neither overflow nor vanish
+  float largest = 0;  // component of the gradient; divided by it, the components' squares neither overflow nor vanish
   for (std::size_t axis = 0; axis < 3; ++axis) {
     there.gradient[axis] = there.gradient[axis] / given.edge[axis];
     largest = std::max(largest, std::fabs(there.gradient[axis]));
@@ -184,23 +183,23 @@ Tangent tangentAt(const DenseField& field, const Vec3i& voxel, const std::array<
 }
 
 // From a voxel to a surface point.
-struct Ways {
+struct FootOffset {
   std::array<float, 3> shift{};  // [voxel]
   std::array<float, 3> away{};   // the way back [unit]
 };
 
-Ways waysTo(const Vec3i& foot, const Given& given) {
-  Ways ways;
+FootOffset offsetTo(const Vec3i& foot, const Given& given) {
+  FootOffset offset;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    ways.shift[axis] = static_cast<float>(foot[static_cast<int>(axis)]) / 8.0F;
-    ways.away[axis] = -ways.shift[axis] * given.edge[axis];
+    offset.shift[axis] = static_cast<float>(foot[static_cast<int>(axis)]) / 8.0F;
+    offset.away[axis] = -offset.shift[axis] * given.edge[axis];
   }
-  return ways;
+  return offset;
 }
 
-// How far the voxel lies from the surface by the tangent planes there, in units, without its sign.
+// The unsigned distance of the voxel from the surface, estimated from tangent planes [unit].
 float distanceFrom(const DenseField& field, const Vec3i& voxel, const Vec3i& foot, const Given& given) {
-  auto [shift, away] = waysTo(foot, given);
+  auto [shift, away] = offsetTo(foot, given);
   Tangent tangent = tangentAt(field, voxel, shift, away, given, true);
   for (int projection = 0; projection < 2; ++projection) {
     if (!(tangent.height >= 0 && tangent.height < given.band + 1)) break;
@@ -227,7 +226,8 @@ float distanceFrom(const DenseField& field, const Vec3i& voxel, const Vec3i& foo
   return std::sqrt(height * height + beside * beside);
 }
 
-// A distance, held between the nearest voxel across and that less a diagonal.
+// Clamps a distance. It is at most the distance to the nearest voxel across the isovalue, and at least that less a
+// cell's diagonal.
 float held(float distance, float point, const std::optional<float>& across_square, const Given& given) {
   if (!across_square) return given.band;
   const float farthest = std::sqrt(*across_square);
@@ -254,7 +254,7 @@ DenseField signedDistance(const DenseField& field, std::span<const FilterStep> s
                           const std::function<void(double)>& progress) {
   const Given given(steps[0]);
   const double slices =
-      static_cast<double>(steps.size() + 1) * field.size.z();  // voxels across are a round of their own
+      static_cast<double>(steps.size() + 1) * field.size.z();  // the search for voxels across is one more round
   auto after_slice = [&, done = 0.0]() mutable {
     if (progress) progress(++done / slices);
   };
@@ -271,8 +271,8 @@ DenseField signedDistance(const DenseField& field, std::span<const FilterStep> s
     float point = given.band;
     if (feet[offset]) {
       distance = distanceFrom(field, voxel, *feet[offset], given);
-      const Ways ways = waysTo(*feet[offset], given);
-      point = std::sqrt(sum(ways.away, ways.away));
+      const FootOffset to_foot = offsetTo(*feet[offset], given);
+      point = std::sqrt(sum(to_foot.away, to_foot.away));
     }
     distance = held(distance, point, across[offset], given);
     const bool inside = at(field, voxel) > given.isovalue;

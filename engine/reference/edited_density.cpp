@@ -12,7 +12,8 @@ namespace {
 
 using Triple = std::array<float, 3>;
 
-// max(x, y) and min(x, y) are x unless y is greater, or less: std::max and std::min. So is std::clamp.
+// In docs/edits.md, max(x, y) and min(x, y) are x unless y is greater, or less. So are std::max, std::min and
+// std::clamp.
 float clampedShare(float x) {
   return std::clamp(x, 0.0F, 1.0F);
 }
@@ -42,7 +43,7 @@ float heightAbovePlane(const layout::EditCommand& c, const Triple& p) {
   return c.n_x * p[0] + ((c.n_y * p[1] + c.n_z * p[2]) - c.n_d);
 }
 
-// w of the docs, 1 without a fade.
+// w in docs/edits.md; 1 without a fade.
 float fade(const layout::EditCommand& c, float d) {
   if (c.inv_fade == 0) return 1;
   const float s = clampedShare((c.radius - d) * c.inv_fade);
@@ -115,9 +116,9 @@ float smoothedDensity(const layout::EditScale& scale, float f, const Neighbours&
 }
 
 // `sign`: 1 inflates, by the steepest rises; -1 deflates, by the steepest falls.
-float inflatedDensity(const layout::EditScale& scale, float f, const Neighbours& around, float way, float sign) {
+float inflatedDensity(const layout::EditScale& scale, float f, const Neighbours& around, float amount, float sign) {
   const Triple inv_h = {scale.inv_h_x, scale.inv_h_y, scale.inv_h_z};
-  float farthest = f;  // the densest neighbour, or the least dense; f itself where no neighbour is beyond it
+  float farthest = f;  // the highest (lowest) neighbour; f itself if no neighbour is higher (lower)
   float square = 0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     float steepest = 0;
@@ -127,7 +128,7 @@ float inflatedDensity(const layout::EditScale& scale, float f, const Neighbours&
     }
     square += steepest * steepest;
   }
-  const float moved = f + sign * way * finiteDensity(std::sqrt(square));
+  const float moved = f + sign * amount * finiteDensity(std::sqrt(square));
   return sign * farthest < sign * moved ? farthest : moved;
 }
 

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <vector>
 
 #include "engine/reference/distance.hpp"
-#include "engine/reference/rank_filter.hpp"
 
 namespace palpate::reference {
 namespace {
@@ -18,7 +18,7 @@ int inside(int c, int size, Border border) {
   return std::clamp(c, 0, size - 1);
 }
 
-// All taps from one end of the line to the other, each multiplied and then added.
+// Multiplies and adds tap by tap, from one end of the line to the other.
 float convolved(const DenseField& field, const Vec3i& voxel, const FilterStep& step) {
   const int reach = step.reach[step.axis];
   float sum = 0;
@@ -28,10 +28,10 @@ float convolved(const DenseField& field, const Vec3i& voxel, const FilterStep& s
     sum = tap == -reach ? part : sum + part;
   }
   constexpr float kLargest = std::numeric_limits<float>::max();
-  return std::clamp(sum, -kLargest, kLargest);  // a mean of densities is one, whatever its roundings add up to
+  return std::clamp(sum, -kLargest, kLargest);  // a mean of densities is finite; rounding must not make it infinite
 }
 
-// The mean of the differences from the voxel, weighted by place and by difference, in double.
+// The voxel plus the mean of the differences from it, weighted by place and by difference, in double.
 float bilateral(const DenseField& field, const Vec3i& voxel, const FilterStep& step) {
   const auto tap = [&step](int axis, int offset) {
     int place = 1;
@@ -55,15 +55,15 @@ float bilateral(const DenseField& field, const Vec3i& voxel, const FilterStep& s
   return static_cast<float>(here + parts / weights);
 }
 
-// Into the voxel from its neighbours on either side of each axis. With a rational conductance every operation is a
-// float's; an exponential one is taken in double.
+// The flow into the voxel from its neighbours on either side of each axis. A rational conductance is computed in float,
+// an exponential one in double.
 template <typename Real>
 float diffused(const DenseField& field, const Vec3i& voxel, const FilterStep& step) {
   const Real here = field.at(voxel.x(), voxel.y(), voxel.z());
   std::array<Real, 3> inflow{};
   for (int axis = 0; axis < 3; ++axis) {
-    const auto flow = [&](int way) {
-      const Real difference = bordered(field, voxel + way * Vec3i::Unit(axis), step.border) - here;
+    const auto flow = [&](int side) {
+      const Real difference = bordered(field, voxel + side * Vec3i::Unit(axis), step.border) - here;
       const Real s = difference * step.taps[static_cast<std::size_t>(3 + axis)];
       const Real conductance = step.conductance == Conductance::kExp ? std::exp(-(s * s)) : 1 / (1 + s * s);
       return conductance > 0 ? conductance * difference : 0;  // infinite differences count for nothing
@@ -71,6 +71,47 @@ float diffused(const DenseField& field, const Vec3i& voxel, const FilterStep& st
     inflow[static_cast<std::size_t>(axis)] = step.taps[static_cast<std::size_t>(axis)] * (flow(-1) + flow(1));
   }
   return static_cast<float>(here + ((inflow[0] + inflow[1]) + inflow[2]));
+}
+
+// -0 comes before +0.
+bool ranksBefore(float a, float b) {
+  return a < b || (a == b && std::signbit(a) && !std::signbit(b));
+}
+
+std::vector<float> boxValues(const DenseField& field, const Vec3i& voxel, const Vec3i& reach, Border border) {
+  std::vector<float> values;
+  for (int dk = -reach.z(); dk <= reach.z(); ++dk) {
+    for (int dj = -reach.y(); dj <= reach.y(); ++dj) {
+      for (int di = -reach.x(); di <= reach.x(); ++di) {
+        values.push_back(bordered(field, voxel + Vec3i(di, dj, dk), border));
+      }
+    }
+  }
+  return values;
+}
+
+std::vector<float> shapeValues(const DenseField& field, const Vec3i& voxel, const FilterStep& step) {
+  std::vector<float> values;
+  for (const ShapeRow& row : step.rows) {
+    for (int di = -row.half; di <= row.half; ++di) {
+      values.push_back(bordered(field, voxel + Vec3i(di, row.dj, row.dk), step.border));
+    }
+  }
+  return values;
+}
+
+// The twin of the steps that pick one value of a neighbourhood: the median, the highest or the lowest.
+float pickedByRank(const DenseField& field, const Vec3i& voxel, const FilterStep& step) {
+  std::vector<float> values =
+      step.rows.empty() ? boxValues(field, voxel, step.reach, step.border) : shapeValues(field, voxel, step);
+  if (step.kind == StepKind::kMedian) {
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end(), ranksBefore);
+    return *middle;
+  }
+  const bool highest = step.kind == StepKind::kHighestOnLine || step.kind == StepKind::kHighestInRows;
+  return highest ? *std::max_element(values.begin(), values.end(), ranksBefore)
+                 : *std::min_element(values.begin(), values.end(), ranksBefore);
 }
 
 float result(const DenseField& field, const Vec3i& voxel, const FilterStep& step) {
@@ -91,7 +132,7 @@ float result(const DenseField& field, const Vec3i& voxel, const FilterStep& step
     case StepKind::kLowestOnLine:
     case StepKind::kHighestInRows:
     case StepKind::kLowestInRows:
-      return picked(field, voxel, step);
+      return pickedByRank(field, voxel, step);
   }
   return field.at(voxel.x(), voxel.y(), voxel.z());
 }

@@ -6,7 +6,7 @@
 namespace palpate::reference {
 namespace {
 
-// The densities that a difference along one axis may read, and where on that axis it stands.
+// The densities that a difference along one axis may read, and the voxel's index on that axis.
 struct Line {
   const DenseField& field;
   Vec3i voxel;
@@ -38,7 +38,7 @@ float central4(const Line& line) {
   return (near - far) * (32 * line.inverse(12));
 }
 
-// Weights 1, 2, 1. What they sum to on two axes, 16, densities are divided by beforehand (sixteenth), so that no sum
+// Weights 1, 2, 1. On two axes they sum to 16. Densities are divided by 16 beforehand (sixteenth), so that no sum
 // overflows.
 float smooth(float before, float middle, float after) {
   return (before + after) + (middle + middle);
@@ -63,7 +63,7 @@ float smooth1(const DenseField& field, const Vec3i& voxel, int axis) {
   return smooth(at(-1), at(0), at(1));
 }
 
-// The voxel so many steps away, or the outermost one.
+// The voxel that many steps away along an axis, or the outermost one.
 Vec3i inDomain(const DenseField& field, const Vec3i& voxel) {
   return voxel.cwiseMax(0).cwiseMin(field.size - Vec3i::Ones());
 }
@@ -89,12 +89,13 @@ float sobel(const Line& line) {
 
 }  // namespace
 
-std::array<float, 3> gradientAt(const DenseField& field, const GradientOperator& way, int i, int j, int k) {
+std::array<float, 3> gradientAt(const DenseField& field, const GradientOperator& gradient_operator, int i, int j,
+                                int k) {
   std::array<float, 3> gradient{};
   for (int axis = 0; axis < 3; ++axis) {
     const Line line{field, {i, j, k}, axis};
     float& component = gradient[static_cast<std::size_t>(axis)];
-    switch (way.words.stencil) {
+    switch (gradient_operator.kind.stencil) {
       case GRADIENT_SOBEL:
         component = sobel(line);
         break;
@@ -108,8 +109,9 @@ std::array<float, 3> gradientAt(const DenseField& field, const GradientOperator&
   return gradient;
 }
 
-DenseField smoothedFor(const GradientOperator& way, DenseField field, const std::function<void(double)>& progress) {
-  const std::vector<FilterStep> steps = lowerFilters(way.smoothing, field.lattice.spacing_m);
+DenseField smoothedFor(const GradientOperator& gradient_operator, DenseField field,
+                       const std::function<void(double)>& progress) {
+  const std::vector<FilterStep> steps = lowerFilters(gradient_operator.smoothing, field.lattice.spacing_m);
   return applyFilters(std::move(field), steps, progress);
 }
 

@@ -19,12 +19,12 @@ namespace palpate::reference {
 //             j, then k; along j, differences are taken before the smoothing along k. Scale: 1 / 32h, at the border
 //             1 / 16h
 //   central4  (8 (f(1) - f(-1)) - (f(2) - f(-2))) * (1 / 12h); as central closer than two voxels to the border
-[[nodiscard]] std::array<float, 3> gradientAt(const DenseField& field, const GradientOperator& way, int i, int j,
-                                              int k);
+[[nodiscard]] std::array<float, 3> gradientAt(const DenseField& field, const GradientOperator& gradient_operator, int i,
+                                              int j, int k);
 
 // The field whose gradient an operator takes: `field`, smoothed if the operator smooths. `progress`: as for
 // applyFilters.
-[[nodiscard]] DenseField smoothedFor(const GradientOperator& way, DenseField field,
+[[nodiscard]] DenseField smoothedFor(const GradientOperator& gradient_operator, DenseField field,
                                      const std::function<void(double)>& progress = {});
 
 }  // namespace palpate::reference

@@ -7,7 +7,7 @@
 namespace palpate::reference {
 namespace {
 
-constexpr int kSmallestExponent = -14;  // of the numbers that have all bits
+constexpr int kSmallestExponent = -14;  // of normal halves
 constexpr int kFractionBits = 10;
 constexpr double kLargest = 65504;
 
@@ -18,9 +18,9 @@ std::uint16_t toHalf(float value) {
   const double size = std::min(std::abs(static_cast<double>(value)), kLargest);
   const int exponent = size == 0 ? kSmallestExponent : std::max(std::ilogb(size), kSmallestExponent);
   const double steps = std::ldexp(size, kFractionBits - exponent);  // exact
-  // Rounds half to even. 2^11 of them are the first step of the next exponent, which the sum below makes by itself.
+  // Rounds half to even. If `count` becomes 2^11, the sum below carries into the exponent, as it should.
   const auto count = static_cast<int>(std::nearbyint(steps));
-  // Without an implicit bit below 2^-14 the exponent field stays 0: count is then less than 2^10.
+  // Below 2^-14 there is no implicit bit. Then count is less than 2^10, and the exponent field stays 0.
   return static_cast<std::uint16_t>(sign + ((exponent - kSmallestExponent) << kFractionBits) + count);
 }
 

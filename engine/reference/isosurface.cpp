@@ -32,14 +32,14 @@ double trilinear(const DenseField& field, const Vec3& p_L) {
 }
 
 std::optional<double> firstHit(const DenseField& field, double isovalue, const Vec3& eye_W, const Vec3& direction_W,
-                               double step_voxels) {
+                               double step_voxels, const std::function<bool(const Vec3& p_W)>& kept) {
   const double step_m = step_voxels * field.lattice.smallestSpacing();
   const Vec3 centre_W = field.lattice.toWorld((field.size.cast<double>().array() - 1) / 2);
   const double radius_m = (field.size.cast<double>().cwiseProduct(field.lattice.spacing_m)).norm();
   const double end_m = (centre_W - eye_W).norm() + radius_m;
   const auto inside = [&](double t_m) {
-    const Vec3 p_L = field.lattice.toIndex(eye_W + t_m * direction_W);
-    return inDomain(field, p_L) && trilinear(field, p_L) > isovalue;
+    const Vec3 p_W = eye_W + t_m * direction_W, p_L = field.lattice.toIndex(p_W);
+    return inDomain(field, p_L) && (!kept || kept(p_W)) && trilinear(field, p_L) > isovalue;
   };
   for (double t_m = 0; t_m < end_m; t_m += step_m) {
     if (!inside(t_m)) continue;

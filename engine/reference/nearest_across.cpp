@@ -10,7 +10,7 @@ namespace {
 constexpr std::uint8_t kInside = 1;
 constexpr std::uint8_t kOutside = 2;
 
-// The side of each voxel, with a border around the field that lies on neither.
+// The side of each voxel, with a border around the field that lies on neither side.
 class Sides {
  public:
   Sides(const DenseField& field, const AcrossSearch& search) : border_(search.reach), size_(field.size + 2 * border_) {
@@ -28,7 +28,7 @@ class Sides {
     const Vec3i at = voxel + border_;
     return static_cast<std::size_t>(at.x() + step(Vec3i(0, at.y(), at.z())));
   }
-  // From a voxel's place to another's.
+  // The step from a voxel's place to that of the voxel `shift` away.
   [[nodiscard]] std::ptrdiff_t step(const Vec3i& shift) const {
     return (static_cast<std::ptrdiff_t>(shift.z()) * size_.y() + shift.y()) * size_.x() + shift.x();
   }
@@ -39,32 +39,34 @@ class Sides {
   std::vector<std::uint8_t> sides_;
 };
 
-struct Way {
+// A voxel to look at, relative to the voxel whose distance is wanted.
+struct Candidate {
   std::ptrdiff_t step = 0;
   float square = 0;
 };
 
-// All of a box but its middle, the nearest first.
-std::vector<Way> waysOf(const AcrossSearch& search, const Sides& sides) {
+// All voxels of a box but its middle, the nearest first.
+std::vector<Candidate> candidatesOf(const AcrossSearch& search, const Sides& sides) {
   const auto along = [&](int steps, int axis) {
     return static_cast<float>(steps * steps) * static_cast<float>(search.edge_square[axis]);
   };
-  std::vector<Way> ways;
+  std::vector<Candidate> candidates;
   for (int k = -search.reach.z(); k <= search.reach.z(); ++k) {
     for (int j = -search.reach.y(); j <= search.reach.y(); ++j) {
       for (int i = -search.reach.x(); i <= search.reach.x(); ++i) {
         if (i == 0 && j == 0 && k == 0) continue;
         const float in_plane = along(i, 0) + along(j, 1);
-        ways.push_back({sides.step({i, j, k}), along(k, 2) + in_plane});
+        candidates.push_back({sides.step({i, j, k}), along(k, 2) + in_plane});
       }
     }
   }
-  std::stable_sort(ways.begin(), ways.end(), [](const Way& a, const Way& b) { return a.square < b.square; });
-  return ways;
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.square < b.square; });
+  return candidates;
 }
 
-// Blocks of voxels as large as the reach, and whether a block and those around it lie on one side: then no way from a
-// voxel of it needs to be tried.
+// Blocks of voxels as large as the reach. If a block and all blocks around it lie on one side, no voxel of that block
+// needs a search.
 class Blocks {
  public:
   Blocks(const DenseField& field, const AcrossSearch& search, const Sides& sides)
@@ -109,7 +111,7 @@ class Blocks {
 
 std::vector<std::optional<float>> squaresAcross(const DenseField& field, const AcrossSearch& search) {
   const Sides sides(field, search);
-  const std::vector<Way> ways = waysOf(search, sides);
+  const std::vector<Candidate> candidates = candidatesOf(search, sides);
   const Blocks blocks(field, search, sides);
   std::vector<std::optional<float>> squares(field.values.size());
   for (int k = 0; k < field.size.z(); ++k) {
@@ -118,10 +120,10 @@ std::vector<std::optional<float>> squaresAcross(const DenseField& field, const A
         if (blocks.isFarFromSurface({i, j, k})) continue;
         const std::size_t place = sides.place({i, j, k});
         const std::uint8_t across = sides.at(place) == kInside ? kOutside : kInside;
-        const auto found = std::find_if(ways.begin(), ways.end(), [&](const Way& way) {
-          return sides.at(place + static_cast<std::size_t>(way.step)) == across;
+        const auto found = std::find_if(candidates.begin(), candidates.end(), [&](const Candidate& candidate) {
+          return sides.at(place + static_cast<std::size_t>(candidate.step)) == across;
         });
-        if (found != ways.end()) squares[field.offset(i, j, k)] = found->square;
+        if (found != candidates.end()) squares[field.offset(i, j, k)] = found->square;
       }
     }
     if (search.after_slice) search.after_slice();

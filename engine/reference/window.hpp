@@ -12,8 +12,9 @@
 namespace palpate::reference {
 
 // The samples of the box [first, first + size) of the field: density and gradient of every voxel, the gradient by the
-// operator `way`, both rounded as `format` stores them.
+// given operator, both rounded as `format` stores them.
 [[nodiscard]] std::vector<Sample> windowSamples(const DenseField& field, const Vec3i& first, const Vec3i& size,
-                                                const GradientOperator& way = {}, const SampleFormat& format = {});
+                                                const GradientOperator& gradient_operator = {},
+                                                const SampleFormat& format = {});
 
 }  // namespace palpate::reference

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/service/brick_content.hpp: a copy of a brick's densities, for undo, replay and savers, and the moment to take
-// it. Any thread.
+// engine/service/brick_content.hpp: a copy of a brick's densities, for undo, replay and savers, and the callback in
+// which a history takes such copies. Any thread.
 #pragma once
 
 #include <cstdint>
@@ -12,11 +12,11 @@ namespace palpate {
 
 struct BrickContent {
   std::uint32_t brick = 0;    // linear page index (BrickGrid::index)
-  std::vector<float> values;  // 512, i fastest, outside the domain as Volume::readBrick; or 1 if constant
+  std::vector<float> values;  // 512, i fastest, padded as Volume::readBrick pads; or 1 if constant
 };
 
-// Gets the bricks that an edit may change, ascending, while they still hold what they did: a history keeps their
-// content. What it throws ends the edit with nothing changed.
+// Called with the bricks that an edit may change, in ascending order, before any of them changes. A history copies them
+// here. An exception from it cancels the edit, and nothing has changed.
 using BeforeChange = std::function<void(std::span<const std::uint32_t> bricks)>;
 
 }  // namespace palpate

@@ -27,7 +27,7 @@ std::vector<EditPhase> phasesOf(const LoweredEdits& edits) {
 
 }  // namespace
 
-std::optional<std::size_t> besideWithSamples(const BrickGrid& grid, const SampleStore& store, std::uint32_t brick) {
+std::optional<std::size_t> neighbourWithSamples(const BrickGrid& grid, const SampleStore& store, std::uint32_t brick) {
   std::optional<std::size_t> found;
   grid.forEachBeside(grid.brick(brick), [&](std::uint32_t other) {
     if (!found && store.has(other)) found = other;
@@ -44,11 +44,11 @@ std::optional<float> EditPlanner::constantAfter(const EditPlan& plan, std::uint3
   return scope_.pool.constantOf(brick);
 }
 
-// What a constant brick holds after a phase, if it surely stays constant.
+// The density of a constant brick after a phase, if it surely stays constant.
 std::optional<float> EditPlanner::stillConstant(const EditPlan& plan, const EditPhase& phase, std::uint32_t brick,
                                                 float density) const {
-  if (phase.stencil()) {                    // among bricks that hold the same there is nothing to even out or to move
-    bool even = !sameBits(density, -0.0F);  // adding nothing to that gives +0
+  if (phase.stencil()) {                    // neighbours of equal density: nothing to smooth or to move
+    bool even = !sameBits(density, -0.0F);  // -0 plus 0 is +0
     grid_.forEachBeside(grid_.brick(brick), [&](std::uint32_t other) {
       const std::optional<float> beside = constantAfter(plan, other);
       even = even && beside && sameBits(*beside, density);
@@ -74,7 +74,8 @@ void EditPlanner::planPhase(EditPlan& plan, EditPhase& phase) const {
     boxes.push_back(reachedBox(command, grid_));
   }
   if (phase.command_count > 1) sortUnique(bricks);
-  // Constant bricks are judged by what their neighbours held before the phase, so the states change after the loop.
+  // Whether a brick stays constant depends on what its neighbours held before the phase. So the states change after the
+  // loop.
   std::vector<std::pair<std::uint32_t, EditPlan::Touched>> states;
   for (const std::uint32_t brick : bricks) {
     const std::optional<float> constant = constantAfter(plan, brick);
@@ -107,42 +108,42 @@ void EditPlanner::planPhase(EditPlan& plan, EditPhase& phase) const {
   for (const auto& [brick, state] : states) plan.touched[brick] = state;
 }
 
-// Brushes put their surface where the field has the profile's isovalue, and mayCross() is about that surface. Behind
-// filters, or where another isovalue is felt, the isosurface may come to lie anywhere in what they change.
-bool EditPlanner::isFeltWhereBrushesPut() const {
+// Brushes put their surface where the field has the profile's isovalue, and mayCross() is about that surface. If
+// filters come after, or another isovalue is felt, the isosurface may be anywhere in the changed region.
+bool EditPlanner::isBrushSurfaceFelt() const {
   const auto put = static_cast<float>(profile_.isovalue);
   return !scope_.filter_reach && scope_.isovalues.felt == put && scope_.isovalues.other == put;
 }
 
 void EditPlanner::planReach(EditPlan& plan) const {
-  const bool anywhere = !isFeltWhereBrushesPut();
-  std::vector<std::uint32_t> crossable;  // bricks whose cells the isosurface may cross from now on, or no longer
+  const bool anywhere = !isBrushSurfaceFelt();
+  std::vector<std::uint32_t> crossable;  // bricks whose cells the isosurface may begin or cease to cross
   for (const auto& [brick, state] : plan.touched) {
     const VoxelBox altered = grid_.widened(state.changed, scope_.filter_reach.value_or(Vec3i::Zero()));
     const VoxelBox smoothed =
-        grid_.widened(altered, scope_.smoothing_reach.value_or(Vec3i::Zero()));  // holds all of `altered`
+        grid_.widened(altered, scope_.smoothing_reach.value_or(Vec3i::Zero()));  // contains `altered`
     appendReached(grid_, altered, Reach{}, plan.altered);
     if (scope_.smoothing_reach) appendReached(grid_, smoothed, Reach{}, plan.smoothed);
-    appendReached(grid_, altered, kBoundsReach, plan.rebounded);
-    appendReached(grid_, smoothed, scope_.gradient_reach, plan.regraded);
+    appendReached(grid_, altered, kBoundsReach, plan.bounds_stale);
+    appendReached(grid_, smoothed, scope_.gradient_reach, plan.gradients_stale);
     if (state.may_cross || anywhere) appendReached(grid_, altered, kBoundsReach, crossable);
     plan.new_bricks += state.is_new ? 1 : 0;
   }
   sortUnique(plan.altered);
   sortUnique(plan.smoothed);
   sortUnique(crossable);
-  sortUnique(plan.rebounded);
-  sortUnique(plan.regraded);
+  sortUnique(plan.bounds_stale);
+  sortUnique(plan.gradients_stale);
   if (scope_.all_samples) return;
   for (const std::uint32_t brick : crossable) {
-    grid_.forEachAtCorner(grid_.brick(brick), 1, [&](std::uint32_t other) { plan.unsettled.push_back(other); });
+    grid_.forEachAtCorner(grid_.brick(brick), 1, [&](std::uint32_t other) { plan.activity_unsure.push_back(other); });
   }
-  sortUnique(plan.unsettled);
+  sortUnique(plan.activity_unsure);
   const auto has = [&](std::uint32_t brick) { return scope_.store.has(brick); };
-  std::copy_if(plan.unsettled.begin(), plan.unsettled.end(), std::back_inserter(plan.newly),
+  std::copy_if(plan.activity_unsure.begin(), plan.activity_unsure.end(), std::back_inserter(plan.unsampled),
                [&](std::uint32_t brick) { return !has(brick); });
-  plan.regraded.erase(std::remove_if(plan.regraded.begin(), plan.regraded.end(), std::not_fn(has)),
-                      plan.regraded.end());
+  plan.gradients_stale.erase(std::remove_if(plan.gradients_stale.begin(), plan.gradients_stale.end(), std::not_fn(has)),
+                             plan.gradients_stale.end());
 }
 
 EditPlan EditPlanner::plan(std::span<const EditCommand> commands) const {
@@ -154,7 +155,7 @@ EditPlan EditPlanner::plan(std::span<const EditCommand> commands) const {
   return plan;
 }
 
-// A phase that writes pages of bricks that are given one value, and one that puts densities in place.
+// Two phases: one writes pages of bricks that become constant, one copies given densities.
 EditPlan EditPlanner::plan(std::span<const BrickContent> bricks) const {
   EditPlan plan;
   EditPhase pages;
@@ -173,14 +174,14 @@ EditPlan EditPlanner::plan(std::span<const BrickContent> bricks) const {
     const layout::BrickPage& page = scope_.pool.page(content.brick);
     const bool was_constant = page.slot == NO_SLOT;
     if (is_constant && was_constant && sameBits(page.constant, content.values[0])) continue;
-    // Between two constants an isovalue may lie or not; of others nothing is known.
+    // If a brick goes from one constant to another, the isovalue may lie between them. In all other cases it may cross.
     const auto [lowest, highest] = std::minmax(page.constant, content.values[0]);
     const bool may_cross = !is_constant || !was_constant || eitherCrosses(scope_.isovalues, {lowest, highest});
     EditPlan::Touched state{!is_constant, !is_constant && was_constant, is_constant ? content.values[0] : 0.0F,
                             grid_.box(content.brick), may_cross};
     if (is_constant) {
       pages.tasks.push_back({content.brick, NO_SLOT, 0, content.values[0]});
-      if (!was_constant) plan.emptied.push_back(content.brick);
+      if (!was_constant) plan.made_constant.push_back(content.brick);
     } else {
       given.tasks.push_back({content.brick, 0, was_constant ? 1U : 0U, page.constant});
     }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/service/edit_plan.hpp: plans an edit on the CPU, before any work goes to the GPU: which bricks the edit can
-// change, for which bricks filters, bounds and gradients must be computed anew, and how much room that takes. A
-// constant brick that surely stays constant costs a page only. Planning changes nothing. Thread: the Gpu's. Cost:
-// follows the edit.
+// engine/service/edit_plan.hpp: plans an edit on the CPU, before any work goes to the GPU. The plan says which bricks
+// the edit can change, which of them need new filter results, bounds and gradients, and how much room that takes. A
+// constant brick that surely stays constant needs a page only. Planning changes nothing. Thread: the Gpu's. Cost:
+// depends on the edit.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +24,7 @@ namespace palpate {
 struct EditPlan {
   // A brick whose densities may change.
   struct Touched {
-    bool stored = false;     // it has, or will get, a slot
+    bool stored = false;     // it has or will get a slot in the pool
     bool is_new = false;     // it will get a slot
     float constant = 0;      // its density after the edit, if it is not stored
     VoxelBox changed;        // voxels that may change
@@ -33,24 +33,24 @@ struct EditPlan {
   LoweredEdits edits;
   std::vector<EditPhase> phases;
   std::unordered_map<std::uint32_t, Touched> touched;
-  std::vector<std::uint32_t> altered;    // bricks whose densities may change in the field that is felt
-  std::vector<std::uint32_t> smoothed;   // bricks whose smoothed densities may change, if gradients are smoothed
-  std::vector<std::uint32_t> rebounded;  // bricks whose bounds may change
-  std::vector<std::uint32_t> unsettled;  // bricks that may become active or inactive (bricks/active_bricks.hpp)
-  std::vector<std::uint32_t> newly;      // of those, the bricks without samples until now
-  std::vector<std::uint32_t> regraded;   // bricks with samples whose gradients may change
-  std::vector<std::uint32_t> emptied;    // stored bricks that replace() makes constant
-  std::size_t new_bricks = 0;            // bricks that will get a slot
+  std::vector<std::uint32_t> altered;          // bricks whose densities may change in the field that is felt
+  std::vector<std::uint32_t> smoothed;         // bricks whose smoothed densities may change, if gradients are smoothed
+  std::vector<std::uint32_t> bounds_stale;     // bricks whose bounds may change
+  std::vector<std::uint32_t> activity_unsure;  // bricks that may become active or inactive (bricks/active_bricks.hpp)
+  std::vector<std::uint32_t> unsampled;        // those of activity_unsure that have no samples yet
+  std::vector<std::uint32_t> gradients_stale;  // bricks with samples whose gradients may change
+  std::vector<std::uint32_t> made_constant;    // stored bricks that replace() makes constant
+  std::size_t new_bricks = 0;                  // bricks that will get a slot
 };
 
 class EditPlanner {
  public:
-  // What edits work on. Pool and samples outlive the planner.
+  // What edits work on. The pool and the samples must outlive the planner.
   struct Scope {
     const BrickPool& pool;
     const SampleStore& store;
-    std::optional<Vec3i> filter_reach;     // of the chain from the pool to the field that is felt; empty: no chain
-    std::optional<Vec3i> smoothing_reach;  // of the chain from that field to its gradients; empty: no chain
+    std::optional<Vec3i> filter_reach;     // of the filters from the pool to the field that is felt; empty: none
+    std::optional<Vec3i> smoothing_reach;  // of the filters from that field to its gradients; empty: none
     Reach gradient_reach;
     layout::IsovaluePair isovalues = {};  // of the field that is felt
     bool all_samples = false;             // every brick has samples, whatever its bounds
@@ -71,15 +71,16 @@ class EditPlanner {
   [[nodiscard]] std::optional<float> stillConstant(const EditPlan& plan, const EditPhase& phase, std::uint32_t brick,
                                                    float density) const;
   void planReach(EditPlan& plan) const;
-  [[nodiscard]] bool isFeltWhereBrushesPut() const;
+  [[nodiscard]] bool isBrushSurfaceFelt() const;
 
   Scope scope_;
   BrushProfile profile_;
   BrickGrid grid_;
 };
 
-// A brick next to this one that has samples, in whose slab its own should lie; empty: there is none.
-[[nodiscard]] std::optional<std::size_t> besideWithSamples(const BrickGrid& grid, const SampleStore& store,
-                                                           std::uint32_t brick);
+// A neighbour of the brick that has samples; empty if there is none. New samples of the brick should go into the same
+// slab.
+[[nodiscard]] std::optional<std::size_t> neighbourWithSamples(const BrickGrid& grid, const SampleStore& store,
+                                                              std::uint32_t brick);
 
 }  // namespace palpate

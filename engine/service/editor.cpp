@@ -19,10 +19,12 @@
 namespace palpate {
 namespace {
 
-// Room made at the start: 0.5 MiB of density and of each field that chains make of it, 2 MiB of samples.
+// Bricks for which room is made at the start: 0.5 MiB of density, as much for each filtered field, and 2 MiB of
+// samples.
 constexpr std::size_t kSpareBricks = 256;
 
-// plan, record, gpu, the kernels' own (edit, filter, smoothing, bounds, gradient, window), and what the engine adds.
+// plan, record, gpu, its kernels (edit, filter, smoothing, bounds, gradient, window), and the stages that the engine
+// adds.
 constexpr std::size_t kStagesAtMost = 11;
 
 using BrickValues = std::array<float, kBrickVoxels>;
@@ -89,7 +91,7 @@ void Editor::setIsovalues(const layout::IsovaluePair& isovalues, std::span<const
   for (std::size_t brick = 0; brick < bounds.size(); ++brick) crossed_[brick] = eitherCrosses(isovalues, bounds[brick]);
 }
 
-// A wish: where there is no room for it, an edit that needs some says so.
+// Optional: if there is no room now, the first edit that needs some reports it.
 void Editor::makeSpareRoom() {
   try {
     parts_.pool.reserve(std::min(parts_.pool.brickCount() - parts_.pool.storedBricks(), kSpareBricks));
@@ -112,19 +114,19 @@ void Editor::prepare(std::span<const EditKind> kinds) {
   }
 }
 
-// Where the budget is short, the message is about the whole edit, densities and samples.
+// If the budget is short, the message covers the whole edit: densities and samples.
 void Editor::makeBrickRoom(const EditPlan& plan) {
   try {
     parts_.pool.reserve(plan.new_bricks);
-    parts_.store.reserve(plan.newly.size());
+    parts_.store.reserve(plan.unsampled.size());
   } catch (const Error& error) {
     const GpuBudget& budget = *parts_.pool.budget();
     const std::uint64_t densities = parts_.pool.bytesToReserve(plan.new_bricks);
-    const std::uint64_t samples = parts_.store.bytesToReserve(plan.newly.size());
+    const std::uint64_t samples = parts_.store.bytesToReserve(plan.unsampled.size());
     if (error.code() != Error::Code::kOutOfMemory || densities + samples <= budget.leftBytes()) throw;
     throw Error(error.code(), "GPU memory for the edit",
-                fmt::format("the volume, as edited until now, takes {}, the edit needs {} more ({} for densities, {} "
-                            "for samples), and the budget is {}",
+                fmt::format("the volume, as edited until now, takes {}, "
+                            "the edit needs {} more ({} for densities, {} for samples), and the budget is {}",
                             inMiB(budget.used_bytes), inMiB(densities + samples), inMiB(densities), inMiB(samples),
                             inMiB(budget.limit_bytes)),
                 fmt::format("nothing was changed; raise --gpu-memory to {} or more, or use a smaller brush",
@@ -132,33 +134,33 @@ void Editor::makeBrickRoom(const EditPlan& plan) {
   }
 }
 
-// All that may fail for want of memory comes here, kernels included: then nothing has changed.
+// Does everything that may fail for want of memory, kernels included. If it throws, nothing has changed.
 void Editor::makeRoom(const EditPlan& plan) {
   edit_.fit(plan.phases, plan.edits, parts_.pool.stalePages());
   if (plan.phases.back().given) edit_.fitGiven(plan.phases.back().tasks.size());
   makeBrickRoom(plan);
   planChains(plan);
-  tasks_.fit(plan.regraded.size() + plan.newly.size() + WindowPass::kMaxTasks);
-  bound_tasks_.fit(plan.rebounded.size());
-  bound_results_.fit(plan.rebounded.size());
+  tasks_.fit(plan.gradients_stale.size() + plan.unsampled.size() + WindowPass::kMaxTasks);
+  bound_tasks_.fit(plan.bounds_stale.size());
+  bound_results_.fit(plan.bounds_stale.size());
   if (!parts_.transfer.reaches(parts_.pool.slab(0))) {
     const auto is_stored = [](const auto& touched) { return touched.second.stored; };
     const auto stored = std::count_if(plan.touched.begin(), plan.touched.end(), is_stored);
     touched_values_.fit(static_cast<std::size_t>(stored) * kBrickVoxels);
   }
   const auto slabs = static_cast<std::uint32_t>(parts_.store.slabCount());
-  // One phase more for pages; bounds; a range for each slab of gradients, and for the window.
+  // Dispatches beyond those of the edit: one more phase for pages; bounds; gradients and window, one for each slab.
   const auto window = static_cast<std::uint32_t>(WindowPass::kMaxTasks);
   std::uint32_t dispatches = edit_.dispatches(plan.phases) + DENSITY_SLABS + 2 + slabs + std::min(slabs, window);
   for (const Link& link : chains_) dispatches += link.chain.dispatches();
   if (dispatches > max_dispatches_) {
-    commands_ = gpu::Commands(parts_.gpu, "edit", 2 * dispatches);  // the old ones stay where this throws
+    commands_ = gpu::Commands(parts_.gpu, "edit", 2 * dispatches);  // if this throws, the old ones stay
     max_dispatches_ = 2 * dispatches;
   }
   makeKernels(plan);
 }
 
-// Each chain reads what the one before it makes of the volume.
+// Each chain reads the field that the one before it computes.
 void Editor::planChains(const EditPlan& plan) {
   FilterChain::SourceConstant constant = [&](std::uint32_t brick) { return planner_.constantAfter(plan, brick); };
   for (const Link& link : chains_) {
@@ -167,7 +169,7 @@ void Editor::planChains(const EditPlan& plan) {
   }
 }
 
-// Those that read a pool depend on its slabs, so this comes when all room is made.
+// Kernels that read a pool depend on its number of slabs. So this comes after all room is made.
 void Editor::makeKernels(const EditPlan& plan) {
   edit_.makeKernels(plan.phases);
   for (const Link& link : chains_) link.chain.makeKernels();
@@ -178,7 +180,7 @@ void Editor::makeKernels(const EditPlan& plan) {
 
 void Editor::handOutSlots(EditPlan& plan) {
   writeStalePages(plan);
-  for (const std::uint32_t brick : plan.emptied) parts_.pool.empty(brick);
+  for (const std::uint32_t brick : plan.made_constant) parts_.pool.empty(brick);
   for (const auto& [brick, state] : plan.touched) {
     if (state.is_new) parts_.pool.store(brick);
     if (!state.stored) parts_.pool.setConstant(brick, state.constant);
@@ -188,18 +190,20 @@ void Editor::handOutSlots(EditPlan& plan) {
       if (task.slot != NO_SLOT) task.slot = parts_.pool.page(task.brick).slot;
     }
   }
-  for (const std::uint32_t brick : plan.newly) parts_.store.add(brick, besideWithSamples(grid_, parts_.store, brick));
+  for (const std::uint32_t brick : plan.unsampled)
+    parts_.store.add(brick, neighbourWithSamples(grid_, parts_.store, brick));
   for (const Link& link : chains_) link.chain.commit();
 }
 
-// Pages that became stale since the last edit are written before anything else: in the first phase, unless that reads
-// other bricks' pages. Before this edit's slots are handed out: pages here still say what the bricks hold now.
+// Writes the pages that became stale since the last edit, before anything else. The first phase does it, unless it
+// reads pages of other bricks; then a phase is put before it. Call this before slots of this edit are handed out, while
+// the pages here still say what the bricks hold.
 void Editor::writeStalePages(EditPlan& plan) {
   const std::vector<std::uint32_t> stale = parts_.pool.takeStalePages();
   if (stale.empty()) return;
   if (plan.phases.front().stencil()) plan.phases.insert(plan.phases.begin(), EditPhase{});
   EditPhase& first = plan.phases.front();
-  std::unordered_set<std::uint32_t> written;  // bricks that this phase works on get their pages from that
+  std::unordered_set<std::uint32_t> written;  // this phase writes the pages of its own bricks anyway
   for (const layout::EditTask& task : first.tasks) written.insert(task.brick);
   for (const std::uint32_t brick : stale) {
     const layout::BrickPage& page = parts_.pool.page(brick);
@@ -211,16 +215,16 @@ bool Editor::reachesWindow(const EditPlan& plan, const WindowBox& box) const {
   const VoxelBox window{box.first, box.first + box.size - Vec3i::Ones()};
   const auto overlaps = [&](const VoxelBox& other) { return !intersection(window, other).empty(); };
   const auto holds = [&](std::uint32_t brick) { return overlaps(grid_.box(brick)); };
-  if (std::any_of(plan.unsettled.begin(), plan.unsettled.end(), holds)) return true;
-  return std::any_of(plan.regraded.begin(), plan.regraded.end(), holds) ||
+  if (std::any_of(plan.activity_unsure.begin(), plan.activity_unsure.end(), holds)) return true;
+  return std::any_of(plan.gradients_stale.begin(), plan.gradients_stale.end(), holds) ||
          std::any_of(plan.altered.begin(), plan.altered.end(), holds);
 }
 
 void Editor::record(EditPlan& plan, const WindowTarget* target, Outcome& outcome) {
   gpu::Commands& commands = *commands_;
   BrickTasks gradient;
-  for (const std::uint32_t brick : plan.regraded) gradient.add(brick, parts_.store.place(brick));
-  for (const std::uint32_t brick : plan.newly) gradient.add(brick, parts_.store.place(brick), true);
+  for (const std::uint32_t brick : plan.gradients_stale) gradient.add(brick, parts_.store.place(brick));
+  for (const std::uint32_t brick : plan.unsampled) gradient.add(brick, parts_.store.place(brick), true);
   std::vector<layout::BrickTask> list;
   const std::vector<TaskRange> gradient_ranges = gradient.moveTo(list);
   outcome.gradient_bricks = list.size();
@@ -230,9 +234,10 @@ void Editor::record(EditPlan& plan, const WindowTarget* target, Outcome& outcome
     const auto among = [](const std::vector<std::uint32_t>& bricks, std::size_t brick) {
       return std::binary_search(bricks.begin(), bricks.end(), static_cast<std::uint32_t>(brick));
     };
-    const auto unsure = [&](std::size_t brick) { return among(plan.unsettled, brick); };
+    const auto unsure = [&](std::size_t brick) { return among(plan.activity_unsure, brick); };
     const auto stale = [&](std::size_t brick) {
-      return target->previous == nullptr || unsure(brick) || among(plan.regraded, brick) || among(plan.altered, brick);
+      return target->previous == nullptr || unsure(brick) || among(plan.gradients_stale, brick) ||
+             among(plan.altered, brick);
     };
     window_ranges = parts_.window.tasksOf(target->box, stale, unsure).moveTo(list);
     if (target->previous != nullptr) {
@@ -241,7 +246,7 @@ void Editor::record(EditPlan& plan, const WindowTarget* target, Outcome& outcome
     }
   }
   std::vector<layout::BrickTask> bounds_list;
-  for (const std::uint32_t brick : plan.rebounded) bounds_list.push_back({brick, NO_SLOT});
+  for (const std::uint32_t brick : plan.bounds_stale) bounds_list.push_back({brick, NO_SLOT});
 
   commands.timed(times_kernels_);
   commands.begin();
@@ -270,7 +275,7 @@ void Editor::record(EditPlan& plan, const WindowTarget* target, Outcome& outcome
   commands.mark("window");
 }
 
-// Where the host cannot reach the slabs, touched bricks are copied to where it can.
+// If the host cannot map the slabs, copies the touched bricks to memory that it can map.
 void Editor::downloadTouched() {
   if (parts_.transfer.reaches(parts_.pool.slab(0))) return;
   commands_->barrier();
@@ -311,7 +316,7 @@ Editor::Outcome Editor::run(EditPlan& plan, const WindowTarget* target, std::spa
                             double planned_s) {
   Outcome outcome;
   outcome.changed_bricks = plan.touched.size();
-  if (plan.touched.empty()) {  // nothing within reach that the commands would change
+  if (plan.touched.empty()) {  // the commands would change nothing within reach
     outcome.version = ++version_;
     return outcome;
   }
@@ -326,7 +331,7 @@ Editor::Outcome Editor::run(EditPlan& plan, const WindowTarget* target, std::spa
   outcome.stages.push_back({"plan", planned_s + making_room.seconds()});
 
   const Stopwatch recording;
-  broken_ = true;  // from here on pages and slots say what holds only once the device has done its part
+  broken_ = true;  // from here on pages and slots describe the state after the GPU's work
   handOutSlots(plan);
   stored_.clear();
   for (const auto& [brick, state] : plan.touched) {
@@ -342,15 +347,16 @@ Editor::Outcome Editor::run(EditPlan& plan, const WindowTarget* target, std::spa
   commands_->run();
   outcome.stages.push_back({"gpu", computing.seconds()});
   for (StageTime& stage : commands_->marks()) outcome.stages.push_back(std::move(stage));
-  rebounded_ = std::move(plan.rebounded);
-  unsettled_ = std::move(plan.unsettled);
+  outcome.altered = std::move(plan.altered);
+  bounds_stale_ = std::move(plan.bounds_stale);
+  activity_unsure_ = std::move(plan.activity_unsure);
   settled_ = false;
   outcome.version = ++version_;
   broken_ = false;
   return outcome;
 }
 
-// Tasks were sorted by their slabs, so the densities follow them.
+// Uploads the given densities in the order of the tasks, which were sorted by slab.
 void Editor::handOver(const EditPlan& plan, std::span<const BrickContent> given) {
   if (given.empty()) return;
   std::unordered_map<std::uint32_t, const BrickContent*> by_brick;
@@ -399,9 +405,10 @@ void Editor::settle() {
   }
   for (const Link& link : chains_) link.chain.settle();
   if (all_samples_) return;
-  const auto bounds = bound_results_.read(rebounded_.size());
-  for (std::size_t i = 0; i < rebounded_.size(); ++i) crossed_[rebounded_[i]] = eitherCrosses(isovalues_, bounds[i]);
-  for (const std::uint32_t brick : unsettled_) {
+  const auto bounds = bound_results_.read(bounds_stale_.size());
+  for (std::size_t i = 0; i < bounds_stale_.size(); ++i)
+    crossed_[bounds_stale_[i]] = eitherCrosses(isovalues_, bounds[i]);
+  for (const std::uint32_t brick : activity_unsure_) {
     if (parts_.store.has(brick) && !isActive(brick)) parts_.store.remove(brick);
   }
 }
@@ -433,7 +440,7 @@ std::size_t Editor::readBack(Volume& volume) {
 std::vector<BrickContent> Editor::takeChanged(std::size_t most) {
   refuseIfBroken();
   settle();
-  broken_ = true;  // bricks that were taken and not handed over would be missing in every later file
+  broken_ = true;  // if this throws, bricks taken so far would be missing in every later file
   std::vector<BrickContent> taken;
   while (!changed_.empty() && taken.size() < most) {
     taken.push_back(read(changed_.back()));

@@ -82,8 +82,26 @@ double Engine::isovalue() const noexcept {
 bool Engine::gradientEverywhere() const noexcept {
   return parts_->gradientEverywhere();
 }
-RenderedImage Engine::draw(const Camera& camera, const std::function<void()>& between) {
-  return parts_->draw(camera, between);
+RenderedImage Engine::draw(const Camera& camera, const std::function<void()>& between, const DrawStyle& style) {
+  return parts_->draw(camera, between, style);
+}
+void Engine::show(const Camera& camera, const DrawStyle& style, DrawOrder order) {
+  parts_->show(camera, style, order);
+}
+bool Engine::pollPicture() {
+  return parts_->pollPicture();
+}
+bool Engine::drawPiece(double most_s) {
+  return parts_->drawPiece(most_s);
+}
+PictureState Engine::pictureState() const noexcept {
+  return parts_->pictureState();
+}
+void Engine::copyPicture(std::vector<layout::PicturePixel>& pixels) {
+  parts_->copyPicture(pixels);
+}
+RenderedImage Engine::picture() {
+  return parts_->picture();
 }
 
 WindowExchange& Engine::exchange() noexcept {

@@ -18,13 +18,13 @@
 namespace palpate {
 namespace {
 
-// A new window is gathered once the tool is this far from the middle of the last one: at 32 voxels it then still has 10
-// voxels of samples ahead, and a gather costs too much to do it for every voxel. [voxel]
+// A new window is gathered once the tool is this far from the middle of the last one [voxel]. In a window of 32 voxels
+// it then still has 10 voxels of samples ahead. A gather for every voxel would cost too much.
 constexpr int kRecentreVoxels = 6;
 
 constexpr std::size_t kDensityBytes = kBrickVoxels * sizeof(float);  // of a brick
 
-// Before the volume is uploaded: how many samples its surface needs is not known yet.
+// Called before the volume is uploaded, when it is not yet known how many samples its surface needs.
 void checkDensityRoom(const GpuBudget& budget, std::size_t stored_bricks) {
   const std::uint64_t densities = stored_bricks * kDensityBytes;
   if (densities <= budget.leftBytes()) return;
@@ -44,8 +44,8 @@ void checkSampleRoom(const GpuBudget& budget, std::uint64_t samples) {
                           wholeMiB(all)));
 }
 
-// What one pass tells of its own.
-std::function<void(double)> of(Pass pass, const Engine::StartProgress& progress) {
+// The progress callback of one pass.
+std::function<void(double)> progressOf(Pass pass, const Engine::StartProgress& progress) {
   if (!progress) return {};
   return [pass, &progress](double done) { progress(passName(pass), done); };
 }
@@ -85,8 +85,9 @@ EngineParts::EngineParts(const Volume& volume, const Plan& plan, double isovalue
     isovalue_ = isovalueAfter(plan.filters, source_isovalue);
     distance_ = hasDistance(plan.filters);
     if (!steps.empty()) {
-      stage(passName(Pass::kFilter),
-            [&] { filters_ = filteredBy(gpu_, transfer_, *pool_, std::move(steps), of(Pass::kFilter, progress)); });
+      stage(passName(Pass::kFilter), [&] {
+        filters_ = filteredBy(gpu_, transfer_, *pool_, std::move(steps), progressOf(Pass::kFilter, progress));
+      });
     }
   }
   if (plan.has(Pass::kBrickBounds)) {
@@ -97,15 +98,16 @@ EngineParts::EngineParts(const Volume& volume, const Plan& plan, double isovalue
   }
   computeGradients(volume, plan, progress);
   stage(passName(Pass::kWindow), [&] { makeWindows(); });
-  if (plan.request.draws) isosurface_ = std::make_unique<IsosurfacePass>(gpu_, transfer_, field(), *bounds_);
+  draws_ = plan.request.draws;
 }
 
-// Of the field that is felt.
+// The range of densities of the field that is felt.
 std::pair<float, float> EngineParts::densityRange(const Volume& volume) {
   return filters_ ? rangeOf(boundsNow()) : std::pair(volume.minimum(), volume.maximum());
 }
 
-// Of every brick of the field that is felt; where every brick has gradients, nobody keeps them.
+// The bounds of every brick of the field that is felt. If every brick has gradients they are not kept, so they are
+// computed.
 std::vector<layout::BrickBounds> EngineParts::boundsNow() {
   if (bounds_) return bounds_->read(transfer_);
   BrickBoundsPass bounds(gpu_, field());
@@ -113,12 +115,13 @@ std::vector<layout::BrickBounds> EngineParts::boundsNow() {
   return bounds.read(transfer_);
 }
 
-// The smoothed field is needed while gradients are computed, and no longer where no edit will change it.
+// The smoothed field is needed while gradients are computed. Without edits and other isovalues it is freed afterwards.
 void EngineParts::computeGradients(const Volume& volume, const Plan& plan, const Engine::StartProgress& progress) {
   std::vector<FilterStep> steps = lowerFilters(plan.gradient.smoothing, pool_->lattice().spacing_m);
   if (!steps.empty()) {
-    stage(passName(Pass::kSmoothing),
-          [&] { smoothing_ = filteredBy(gpu_, transfer_, field(), std::move(steps), of(Pass::kSmoothing, progress)); });
+    stage(passName(Pass::kSmoothing), [&] {
+      smoothing_ = filteredBy(gpu_, transfer_, field(), std::move(steps), progressOf(Pass::kSmoothing, progress));
+    });
   }
   stage(passName(Pass::kGradient), [&] {
     const auto isovalue = static_cast<float>(isovalue_);
@@ -129,7 +132,7 @@ void EngineParts::computeGradients(const Volume& volume, const Plan& plan, const
     const SampleFormat format = plan.request.half_samples
                                     ? halfSamples(isovalue, range.first, range.second, pool_->lattice().spacing_m)
                                     : SampleFormat{};
-    // Filters may leave less of the contrast, and a distance has one of its own: then none is known here.
+    // Filters may reduce the contrast, and a distance has a contrast of its own. So with filters it is unknown here.
     if (plan.request.half_samples && !filters_)
       checkHalfSamples(format, range.first, range.second, meanAbove(volume, isovalue_) - isovalue_);
     checkSampleRoom(*pool_->budget(), bricks.size() * kBrickVoxels * format.bytesAVoxel());
@@ -137,7 +140,7 @@ void EngineParts::computeGradients(const Volume& volume, const Plan& plan, const
                                            format);
     gradient_ = std::make_unique<GradientPass>(gpu_, transfer_, field(), *store_, plan.gradient,
                                                smoothing_ ? &smoothing_->result() : nullptr);
-    gradient_->run(of(Pass::kGradient, progress));
+    gradient_->run(progressOf(Pass::kGradient, progress));
   });
   if (!smoothing_ || plan.request.edits || plan.request.other_isovalues) return;
   gradient_.reset();
@@ -160,9 +163,9 @@ bool EngineParts::publishFor(const ToolPose& tool, std::int64_t now_ns) {
 }
 
 bool EngineParts::publishAround(const Vec3& focus_W, std::int64_t now_ns) {
-  if (editor_ && editor_->broken()) return false;  // the volume is not known any more: nothing is vouched for
+  if (editor_ && editor_->broken()) return false;  // the volume is unknown, so no window may be confirmed
   const WindowBox box = windowAround(pool_->lattice().toIndex(focus_W), pool_->size());
-  // A box that the volume's border stops does not follow the tool any further, so it is taken all the way there.
+  // At the volume's border the box stops following the tool. So a window is gathered as soon as its box gets there.
   const Vec3i last = pool_->size() - box.size;
   const auto stopped = [&](int axis) {
     const int first = box.first[axis];
@@ -208,7 +211,8 @@ void EngineParts::allowEdits(const BrushProfile& profile, std::span<const EditKi
                             filters_.get(),
                             static_cast<float>(isovalue_),
                             smoothing_.get()};
-  if (wanted_) endIsovalue(isovalue_);
+  if (wanted_isovalue_) endIsovalue(isovalue_);
+  if (drawing_) drawing_->wait();  // the editor makes room in buffers that it reads
   stage("edit set-up", [&] {
     editor_ = std::make_unique<Editor>(parts, profile, gradient_all_);
     editor_->prepare(kinds);
@@ -224,6 +228,7 @@ Engine::EditResult EngineParts::change(std::int64_t now_ns, const Change& change
   }
   std::optional<Editor::WindowTarget> target;
   if (published_) target = {*published_, &window_buffers_[exchange_->backIndex()], &window_buffers_[published_slot_]};
+  if (drawing_) drawing_->wait();  // buffers that it reads may be replaced
   Editor::Outcome outcome = change(target ? &*target : nullptr);
   const auto time = [&](const char* name, auto work) {
     const Stopwatch watch;
@@ -231,6 +236,7 @@ Engine::EditResult EngineParts::change(std::int64_t now_ns, const Change& change
     outcome.stages.push_back({name, watch.seconds()});
   };
   if (outcome.window_gathered) time("publish", [&] { publishBox(*published_, now_ns); });
+  if (drawing_) drawing_->changed(outcome.altered);
   time("settle", [&] { editor_->settle(); });
   return {outcome.version, outcome.window_gathered, outcome.changed_bricks, outcome.gradient_bricks,
           std::move(outcome.stages)};
@@ -251,7 +257,7 @@ std::size_t EngineParts::readBack(Volume& volume) {
 
 void EngineParts::beginIsovalue(double isovalue) {
   if (editor_) editor_->refuseIfBroken();
-  if (wanted_) endIsovalue(isovalue_);
+  if (wanted_isovalue_) endIsovalue(isovalue_);
   const std::string input = fmt::format("isovalue {:g}", isovalue);
   const char* again = "start anew with this isovalue";
   if (distance_) refuse(input, "what is felt is the distance from the isosurface that was there at the start", again);
@@ -264,16 +270,16 @@ void EngineParts::beginIsovalue(double isovalue) {
     refuse(input, fmt::format("the densities lie between {:g} and {:g}, so there is no isosurface", lowest, highest),
            fmt::format("give an isovalue from {:g} to below {:g}", lowest, highest));
   }
-  if (!gradient_all_) change_.emplace(*store_, *gradient_, grid_, bounds, to);
-  wanted_ = to;
-  needSamples(to, bounds);
+  if (!gradient_all_) isovalue_change_.emplace(*store_, *gradient_, grid_, bounds, to);
+  wanted_isovalue_ = to;
+  keepSamplesFor(to, bounds);
 }
 
 bool EngineParts::gatherIsovalue(std::size_t most, std::int64_t now_ns) {
-  if (!wanted_) return true;
+  if (!wanted_isovalue_) return true;
   if (editor_) editor_->refuseIfBroken();
   try {
-    if (change_ && !change_->gather(most)) return false;
+    if (isovalue_change_ && !isovalue_change_->gather(most)) return false;
   } catch (const Error&) {
     endIsovalue(isovalue_);
     throw;
@@ -282,21 +288,21 @@ bool EngineParts::gatherIsovalue(std::size_t most, std::int64_t now_ns) {
     window_->run(*published_, window_buffers_[exchange_->backIndex()]);
     publishBox(*published_, now_ns);
   }
-  change_.reset();
-  isovalue_ = *wanted_;
-  wanted_.reset();
+  isovalue_change_.reset();
+  isovalue_ = *wanted_isovalue_;
+  wanted_isovalue_.reset();
   return true;
 }
 
 void EngineParts::endIsovalue(double keep) {
-  change_.reset();
-  wanted_.reset();
+  isovalue_change_.reset();
+  wanted_isovalue_.reset();
   isovalue_ = keep;
-  needSamples(isovalue_, gradient_all_ ? std::vector<layout::BrickBounds>{} : boundsNow());
+  keepSamplesFor(isovalue_, gradient_all_ ? std::vector<layout::BrickBounds>{} : boundsNow());
 }
 
-// Of the isovalue that is felt and of this one from now on, and of no other.
-void EngineParts::needSamples(double other, std::span<const layout::BrickBounds> bounds) {
+// From now on keeps the samples of the isovalue that is felt and of `other`, and of no third one.
+void EngineParts::keepSamplesFor(double other, std::span<const layout::BrickBounds> bounds) {
   const layout::IsovaluePair isovalues{static_cast<float>(isovalue_), static_cast<float>(other)};
   if (editor_) editor_->setIsovalues(isovalues, bounds);
   if (!gradient_all_) dropInactive(*store_, grid_, bounds, isovalues);
@@ -307,12 +313,49 @@ Volume EngineParts::filtered(const VolumeFacts& facts) {
   return volumeOf(field(), transfer_, facts);
 }
 
-RenderedImage EngineParts::draw(const Camera& camera, const std::function<void()>& between) {
-  if (!isosurface_) {
-    throw Error(Error::Code::kBadInput, "picture", "the plan has no isosurface pass", "leave --picture on");
+void EngineParts::checkDraws() const {
+  if (!draws_) {
+    refuse("picture", "the plan does not draw", "this is a fault of Palpate: please report it");
   }
   if (editor_) editor_->refuseIfBroken();
-  return isosurface_->draw(camera, isovalue_, between);
+}
+
+RenderedImage EngineParts::draw(const Camera& camera, const std::function<void()>& between, const DrawStyle& style) {
+  checkDraws();
+  Drawing drawing(gpu_, transfer_, field(), *bounds_);
+  drawing.show(camera, isovalue_, style);
+  drawing.finish(between);
+  return drawing.image();
+}
+
+void EngineParts::show(const Camera& camera, const DrawStyle& style, DrawOrder order) {
+  checkDraws();
+  if (!drawing_) drawing_ = std::make_unique<Drawing>(gpu_, transfer_, field(), *bounds_);
+  drawing_->show(camera, isovalue_, style, order);
+}
+
+bool EngineParts::pollPicture() {
+  return !drawing_ || drawing_->poll();
+}
+
+bool EngineParts::drawPiece(double most_s) {
+  if (!drawing_) return true;
+  checkDraws();
+  return drawing_->advance(most_s);
+}
+
+Drawing& EngineParts::shown() {
+  if (!drawing_ || !drawing_->shows())
+    refuse("picture", "nothing is shown yet", "this is a fault of Palpate: please report it");
+  return *drawing_;
+}
+
+void EngineParts::copyPicture(std::vector<layout::PicturePixel>& pixels) {
+  shown().copyTo(pixels);
+}
+
+RenderedImage EngineParts::picture() {
+  return shown().image();
 }
 
 std::vector<MemoryFigure> EngineParts::memory() const {
@@ -323,6 +366,7 @@ std::vector<MemoryFigure> EngineParts::memory() const {
           {"gpu smoothed", smoothing_ ? smoothing_->result().bytes() + smoothing_->scratchBytes() : 0},
           {"gpu samples", store_->bytes()},
           {"gpu windows", windows},
+          {"gpu picture", drawing_ ? drawing_->bytes() : 0},
           {"gpu total", gpu_.bytesInUse()}};
 }
 

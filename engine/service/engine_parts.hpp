@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/service/engine_parts.hpp: what an Engine is made of, and its work; private to engine/service, so that whoever
-// uses an Engine sees no pass and no buffer. Functions without a comment are described at Engine's of the same name.
+// engine/service/engine_parts.hpp: the parts of an Engine and the work that they do. Private to engine/service, so that
+// users of an Engine see no pass and no buffer. For functions without a comment see Engine's function of the same name.
 #pragma once
 
 #include <array>
@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "base/measured.hpp"
+#include "engine/draw/drawing.hpp"
 #include "engine/field/volume.hpp"
 #include "engine/filter_passes/filter_chain.hpp"
 #include "engine/gpu/gpu.hpp"
@@ -20,7 +21,6 @@
 #include "engine/passes/brick_bounds_pass.hpp"
 #include "engine/passes/brick_pool.hpp"
 #include "engine/passes/gradient_pass.hpp"
-#include "engine/passes/isosurface_pass.hpp"
 #include "engine/passes/sample_store.hpp"
 #include "engine/passes/window_pass.hpp"
 #include "engine/plan/plan.hpp"
@@ -46,7 +46,13 @@ class EngineParts {
   bool gatherIsovalue(std::size_t most, std::int64_t now_ns);
   void endIsovalue(double keep);
   [[nodiscard]] Volume filtered(const VolumeFacts& facts);
-  [[nodiscard]] RenderedImage draw(const Camera& camera, const std::function<void()>& between);
+  [[nodiscard]] RenderedImage draw(const Camera& camera, const std::function<void()>& between, const DrawStyle& style);
+  void show(const Camera& camera, const DrawStyle& style, DrawOrder order);
+  bool pollPicture();
+  bool drawPiece(double most_s);
+  [[nodiscard]] PictureState pictureState() const noexcept { return drawing_ ? drawing_->state() : PictureState{}; }
+  void copyPicture(std::vector<layout::PicturePixel>& pixels);
+  [[nodiscard]] RenderedImage picture();
   [[nodiscard]] std::vector<MemoryFigure> memory() const;
   [[nodiscard]] PlanFacts planFacts() const noexcept;
 
@@ -62,6 +68,8 @@ class EngineParts {
   [[nodiscard]] std::uint64_t budgetedBytes() const noexcept { return pool_->budget()->used_bytes; }
 
  private:
+  void checkDraws() const;
+  [[nodiscard]] Drawing& shown();
   template <typename Work>
   void stage(const char* name, Work work);
   [[nodiscard]] const BrickPool& field() const noexcept { return filters_ ? filters_->result() : *pool_; }
@@ -71,8 +79,8 @@ class EngineParts {
   template <typename Change>
   Engine::EditResult change(std::int64_t now_ns, const Change& change);
   [[nodiscard]] std::vector<layout::BrickBounds> boundsNow();
-  void needSamples(double other, std::span<const layout::BrickBounds> bounds);
-  void publishBox(const WindowBox& box, std::int64_t now_ns);  // whose samples are gathered
+  void keepSamplesFor(double other, std::span<const layout::BrickBounds> bounds);
+  void publishBox(const WindowBox& box, std::int64_t now_ns);  // its samples must have been gathered
 
   double isovalue_;  // of the field that is felt
   std::vector<StageTime> stages_;
@@ -86,16 +94,17 @@ class EngineParts {
   std::unique_ptr<FilterChain> smoothing_;  // from that field to the one whose gradients are taken; null: the same
   std::unique_ptr<GradientPass> gradient_;  // of a smoothed field without edits both are gone once they were used
   std::unique_ptr<WindowPass> window_;
-  std::unique_ptr<IsosurfacePass> isosurface_;
+  std::unique_ptr<Drawing> drawing_;  // the picture that is kept up to date, once show() was called
   bool gradient_all_ = false;
+  bool draws_ = false;                       // the plan said so
   bool distance_ = false;                    // the field that is felt is a distance from the isosurface
   std::vector<gpu::Buffer> window_buffers_;  // three, mapped: the exchange's storages
   std::unique_ptr<WindowExchange> exchange_;
-  std::optional<WindowBox> published_;    // where the newest window lies
-  unsigned published_slot_ = 0;           // and in which buffer
-  std::unique_ptr<Editor> editor_;        // once edits are allowed
-  std::optional<double> wanted_;          // another isovalue, while its samples are gathered
-  std::optional<IsovalueChange> change_;  // the same, unless every brick has samples
+  std::optional<WindowBox> published_;             // where the newest window lies
+  unsigned published_slot_ = 0;                    // and in which buffer
+  std::unique_ptr<Editor> editor_;                 // once edits are allowed
+  std::optional<double> wanted_isovalue_;          // another isovalue, while its samples are gathered
+  std::optional<IsovalueChange> isovalue_change_;  // the same, unless every brick has samples
 };
 
 }  // namespace palpate

@@ -7,7 +7,8 @@
 namespace palpate {
 namespace {
 
-// Between two looks at the tool. At 1 m/s the tool moves half a millimetre in it: far less than a window's margin.
+// Pause between two readings of the tool. At 1 m/s the tool moves half a millimetre in it, far less than a window's
+// margin.
 constexpr std::chrono::microseconds kPause{500};
 
 // The servo's clock is CLOCK_MONOTONIC, which steady_clock is on Linux.
@@ -19,7 +20,7 @@ std::int64_t now_ns() {
 }  // namespace
 
 EngineThread::EngineThread(Engine& engine, ToolPoseMailbox& poses, Follow follow, std::function<void()> failed)
-    : engine_(engine), poses_(poses), follow_(std::move(follow)), tell_failure_(std::move(failed)), thread_([this] {
+    : engine_(engine), poses_(poses), follow_(std::move(follow)), on_failure_(std::move(failed)), thread_([this] {
         run();
       }) {}
 
@@ -46,7 +47,7 @@ void EngineThread::run() {
     }
   } catch (...) {
     failure_ = std::current_exception();
-    if (tell_failure_) tell_failure_();
+    if (on_failure_) on_failure_();
   }
 }
 

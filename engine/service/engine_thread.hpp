@@ -2,8 +2,9 @@
 // engine/service/engine_thread.hpp: the engine's thread while the servo runs in real time. It follows the tool and
 // publishes windows.
 //
-// If the thread fails, it stops confirming windows. The servo then fades its force out (fault: stale window), and
-// stop() rethrows the failure. One thread makes and stops it; in between, the Engine belongs to this object's thread.
+// If the thread fails, it no longer confirms windows. The servo then fades its force out (fault: stale window), and
+// stop() rethrows the failure. One thread constructs and stops this object. In between, the Engine belongs to the
+// thread inside.
 #pragma once
 
 #include <atomic>
@@ -18,8 +19,8 @@ namespace palpate {
 
 class EngineThread {
  public:
-  // Starts the thread. `follow`, if given, is called in the thread with every pose that it reads; it may edit. `failed`
-  // is called there if it fails, when it publishes no more, and may not throw; stop() then rethrows the failure.
+  // Starts the thread. It calls `follow`, if given, with every pose that it reads; `follow` may edit. If the thread
+  // fails, it publishes nothing more and calls `failed`, which may not throw.
   using Follow = std::function<void(const ToolPose& pose, std::int64_t now_ns)>;
   EngineThread(Engine& engine, ToolPoseMailbox& poses, Follow follow = {}, std::function<void()> failed = {});
   ~EngineThread();  // stops the thread; drops a failure that stop() has not rethrown
@@ -35,7 +36,7 @@ class EngineThread {
   Engine& engine_;
   ToolPoseMailbox& poses_;
   Follow follow_;
-  std::function<void()> tell_failure_;
+  std::function<void()> on_failure_;
   std::atomic<bool> stopping_ = false;
   std::atomic<std::uint64_t> publications_ = 0;
   std::exception_ptr failure_;

@@ -21,10 +21,10 @@ IsovalueChange::IsovalueChange(SampleStore& store, GradientPass& gradient, const
 bool IsovalueChange::gather(std::size_t most) {
   std::vector<std::uint32_t> portion;
   for (; !missing_.empty() && portion.size() < most; missing_.pop_back())
-    if (!store_.has(missing_.back())) portion.push_back(missing_.back());  // else an edit has come first
+    if (!store_.has(missing_.back())) portion.push_back(missing_.back());  // otherwise an edit has sampled it
   if (portion.empty()) return true;
   store_.reserve(portion.size());
-  for (const std::uint32_t brick : portion) store_.add(brick, besideWithSamples(grid_, store_, brick));
+  for (const std::uint32_t brick : portion) store_.add(brick, neighbourWithSamples(grid_, store_, brick));
   gradient_.run(portion);
   return missing_.empty();
 }

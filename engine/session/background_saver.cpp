@@ -14,13 +14,13 @@ namespace palpate {
 namespace {
 
 constexpr int kNiceness = 10;
-constexpr const char* kNoMemory = "out of memory";  // short enough for a string to hold it without memory
+constexpr const char* kNoMemory = "out of memory";  // short enough for a std::string to hold without the heap
 
 std::string savedNoMore(const std::string& why) {
   return fmt::format("the volume is saved no more: the copy of it to save is incomplete ({})", why);
 }
 
-// What the work threw, in words, never none; empty: nothing.
+// The message of what `work` threw, never empty. Empty: it threw nothing.
 template <typename Work>
 std::string failureOf(const Work& work) {
   std::string words;
@@ -54,10 +54,10 @@ void BackgroundSaver::give(std::vector<BrickContent> bricks, std::optional<std::
   send(std::make_unique<Batch>(Batch{std::move(bricks), save_version}));
 }
 
-// The thread reads it when the next batch is there, so behind this.
+// The thread reads broken_ when the next batch arrives, so after this write.
 void BackgroundSaver::abandon(const std::string& why) {
   broken_ = true;
-  tellBroken(why);
+  reportBroken(why);
 }
 
 void BackgroundSaver::wait() const noexcept {
@@ -74,7 +74,8 @@ void BackgroundSaver::close() {
 }
 
 void BackgroundSaver::work() {
-  // Of this thread alone, as Linux has it; where it is refused the save is in the session's way a little more.
+  // On Linux this applies to the calling thread alone. If it is refused, saving only disturbs the session a little
+  // more.
   static_cast<void>(setpriority(PRIO_PROCESS, 0, kNiceness));
   for (bool last = false; !last;) {
     batch_.wait(nullptr, std::memory_order_acquire);
@@ -86,23 +87,23 @@ void BackgroundSaver::work() {
   }
 }
 
-// A copy that holds half a batch is the volume at no version: it is never written.
+// A copy with half a batch is the volume at no version. So it is never written.
 void BackgroundSaver::takeAndSave(const Batch& batch) noexcept {
   broken_ = true;
   try {
     const std::string failure = failureOf([&] { takeIn(batch); });
     if (!failure.empty()) {
-      tellBroken(failure);
+      reportBroken(failure);
       return;
     }
     if (batch.save_version) save(*batch.save_version);
     broken_ = false;
-  } catch (...) {  // no memory even for the words; takeFailures() makes them
+  } catch (...) {  // no memory even for the text; takeFailures() makes it
     const std::lock_guard lock(mutex_);
     ++figures_.failures;
     figures_.failure = kNoMemory;
-    wordless_ = true;
-    has_untold_.store(true, std::memory_order_release);
+    failure_without_text_ = true;
+    has_unreported_.store(true, std::memory_order_release);
   }
 }
 
@@ -117,7 +118,7 @@ void BackgroundSaver::save(std::uint64_t version) {
   std::uint64_t bytes = 0;
   const std::string failure = failureOf([&] { bytes = write_(volume_, version); });
   if (!failure.empty()) {
-    tell(fmt::format("edit {} was not saved: {}", version, failure), failure);
+    report(fmt::format("edit {} was not saved: {}", version, failure), failure);
     return;
   }
   const double seconds = watch.seconds();
@@ -129,16 +130,16 @@ void BackgroundSaver::save(std::uint64_t version) {
   saved_version_.store(version, std::memory_order_release);
 }
 
-void BackgroundSaver::tellBroken(const std::string& why) {
-  tell(savedNoMore(why), why);
+void BackgroundSaver::reportBroken(const std::string& why) {
+  report(savedNoMore(why), why);
 }
 
-void BackgroundSaver::tell(std::string text, std::string failure) {
+void BackgroundSaver::report(std::string text, std::string failure) {
   const std::lock_guard lock(mutex_);
   figures_.failure = std::move(failure);
   ++figures_.failures;
-  untold_.push_back(std::move(text));
-  has_untold_.store(true, std::memory_order_release);
+  unreported_.push_back(std::move(text));
+  has_unreported_.store(true, std::memory_order_release);
 }
 
 SaveFigures BackgroundSaver::figures() const {
@@ -147,10 +148,10 @@ SaveFigures BackgroundSaver::figures() const {
 }
 
 std::vector<std::string> BackgroundSaver::takeFailures() {
-  if (!has_untold_.exchange(false, std::memory_order_acq_rel)) return {};
+  if (!has_unreported_.exchange(false, std::memory_order_acq_rel)) return {};
   const std::lock_guard lock(mutex_);
-  if (std::exchange(wordless_, false)) untold_.push_back(savedNoMore(kNoMemory));
-  return std::exchange(untold_, {});
+  if (std::exchange(failure_without_text_, false)) unreported_.push_back(savedNoMore(kNoMemory));
+  return std::exchange(unreported_, {});
 }
 
 }  // namespace palpate

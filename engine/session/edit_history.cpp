@@ -11,9 +11,9 @@ namespace {
 
 constexpr std::size_t kMostAtOnce = 65536;  // bricks in one Editor::replace
 
-constexpr std::size_t kStepBytes = sizeof(std::vector<BrickContent>);  // of an edit that changes nothing, too
+constexpr std::size_t kStepBytes = sizeof(std::vector<BrickContent>);  // also of an edit that changes nothing
 
-// With what the heap takes for each brick's vector: at least 32 bytes, and some beside a large one.
+// Includes the heap's overhead for each brick's vector: at least 32 bytes, and some beside a large one.
 std::size_t bytesOfBrick(std::size_t values) {
   return sizeof(BrickContent) + std::max<std::size_t>(32, values * sizeof(float) + 16);
 }
@@ -34,9 +34,9 @@ EditHistory::Step EditHistory::contentOf(std::span<const std::uint32_t> bricks) 
 }
 
 Engine::EditResult EditHistory::edit(std::span<const EditCommand> commands, std::int64_t now_ns) {
-  // An Error of engine_.edit() comes with nothing changed; here neither. Once the volume has changed, nothing throws:
-  // who called must know that it did.
-  if (budget_bytes_ == 0) {  // nothing would be kept, so there is no need to ask which bricks change
+  // If engine_.edit() throws an Error nothing has changed, and nothing changes here. Once the volume has changed
+  // nothing throws, since the caller must know of the change.
+  if (budget_bytes_ == 0) {  // no copies would be kept, so none are taken
     Engine::EditResult result = engine_.edit(commands, now_ns);
     ++forgotten_;
     return result;
@@ -53,7 +53,7 @@ Engine::EditResult EditHistory::edit(std::span<const EditCommand> commands, std:
   } catch (const Error&) {
     if (is_kept) steps_.pop_back();
     throw;
-  } catch (...) {  // changed or not: putting back what was there before is right for both
+  } catch (...) {  // changed or not, an undo of this step restores the volume
     if (is_kept) keepLast();
     throw;
   }
@@ -72,7 +72,7 @@ std::size_t EditHistory::bytesToKeep(std::span<const std::uint32_t> bricks) cons
   return bytes;
 }
 
-// The step that lies behind all others, instead of what was undone.
+// Moves the newest step, the last of all, to the place of the undone steps and drops these.
 void EditHistory::keepLast() noexcept {
   for (std::size_t i = done_; i + 1 < steps_.size(); ++i) bytes_ -= bytesOf(steps_[i]);
   bytes_ += bytesOf(steps_.back());
@@ -87,7 +87,7 @@ void EditHistory::forgetAll() noexcept {
   done_ = bytes_ = 0;
 }
 
-// The oldest first; when none of those is left, what was undone, the newest first.
+// Drops the oldest edits first. When none is left, it drops undone edits, the newest first.
 void EditHistory::forgetBeyondBudget() noexcept {
   while (bytes_ > budget_bytes_ && done_ > 0) {
     bytes_ -= bytesOf(steps_.front());
@@ -101,7 +101,7 @@ void EditHistory::forgetBeyondBudget() noexcept {
   }
 }
 
-// Puts the step's bricks in place, all or none, and keeps in it what they replace.
+// Puts the step's bricks in place, all or none. Then the step holds what they replaced.
 Engine::EditResult EditHistory::exchange(Step& step, std::int64_t now_ns) {
   std::vector<std::uint32_t> bricks;
   for (const BrickContent& content : step) bricks.push_back(content.brick);
@@ -116,7 +116,7 @@ Engine::EditResult EditHistory::exchange(Step& step, std::int64_t now_ns) {
     for (; first < step.size(); first += kMostAtOnce) result = engine_.replace(part(step, first), now_ns);
   } catch (...) {
     if (engine_.broken()) throw;
-    // Backwards through states that there were: none of them needs room that is not there.
+    // Goes back through states that existed before, so none of them needs room that is not there.
     while (first > 0) engine_.replace(part(replaced, first -= kMostAtOnce), now_ns);
     throw;
   }
@@ -133,7 +133,7 @@ Engine::EditResult EditHistory::undo(std::int64_t now_ns) {
   }
   Engine::EditResult result = exchange(steps_[done_ - 1], now_ns);
   --done_;
-  forgetBeyondBudget();  // what it replaced may be larger than what it put back
+  forgetBeyondBudget();  // the replaced bricks may be larger than those put back
   return result;
 }
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // engine/session/edit_history.hpp: undo and redo of an engine's edits, by copies of the bricks that they change.
 //
-// Memory is the only limit. Where the copies exceed the budget, the oldest edits can no longer be undone. An edit whose
-// copies alone would exceed it is not copied; neither it nor any edit before it can be undone. While an edit, undo or
-// redo runs, its own copies are there in addition to the budget.
+// Memory is the only limit. If the copies exceed the budget, the oldest edits can no longer be undone. An edit whose
+// copies alone exceed it is not copied; then neither that edit nor any edit before it can be undone. While an edit,
+// undo or redo runs, its own copies exist in addition to the budget.
 //
 // Thread: the engine's. Cost of an edit: a copy of the bricks that it changes, 2 KiB a brick, 64 bytes a constant
 // brick. Cost of undo and redo: that of Engine::replace.
@@ -21,27 +21,28 @@ namespace palpate {
 
 class EditHistory {
  public:
-  // `engine` has had allowEdits() called and outlives this. `budget_bytes`: limit for all copies; 0: no undo.
+  // Engine::allowEdits() must have been called on `engine`, which must outlive this. `budget_bytes`: limit for all
+  // copies; 0: no undo.
   EditHistory(Engine& engine, std::size_t budget_bytes) : engine_(engine), budget_bytes_(budget_bytes) {}
 
-  // As Engine::edit, and keeps what the changed bricks held. Edits that were undone can no longer be redone.
+  // As Engine::edit(), and copies what the changed bricks held. Edits that were undone can no longer be redone.
   Engine::EditResult edit(std::span<const EditCommand> commands, std::int64_t now_ns);
 
   [[nodiscard]] bool canUndo() const noexcept { return done_ > 0; }
   [[nodiscard]] bool canRedo() const noexcept { return done_ < steps_.size(); }
-  // The bricks get back their former densities, bit for bit. Throws Error(kBadInput) where there is nothing to undo or
-  // to redo, and as Engine::replace does. Then the volume is as before, but its version may have grown, since a large
-  // undo is made in parts and the parts done so far are put back.
+  // These give the bricks back their former densities, bit for bit. They throw Error(kBadInput) if there is nothing to
+  // undo or to redo, and as Engine::replace() does. Then the volume is as before, but its version may have grown: a
+  // large undo is made in parts, and the parts done so far are reverted.
   Engine::EditResult undo(std::int64_t now_ns);
   Engine::EditResult redo(std::int64_t now_ns);
 
-  [[nodiscard]] std::size_t bytes() const noexcept { return bytes_; }         // of the copies
+  [[nodiscard]] std::size_t bytes() const noexcept { return bytes_; }         // size of the copies
   [[nodiscard]] std::size_t steps() const noexcept { return steps_.size(); }  // edits that can be undone or redone
   // Edits that were made and can no longer be undone.
   [[nodiscard]] std::size_t forgotten() const noexcept { return forgotten_; }
 
  private:
-  using Step = std::vector<BrickContent>;  // what the bricks held before the edit; once undone, after it
+  using Step = std::vector<BrickContent>;  // what the bricks held before the edit; of an undone edit, after it
   [[nodiscard]] Step contentOf(std::span<const std::uint32_t> bricks) const;
   Engine::EditResult exchange(Step& step, std::int64_t now_ns);
   [[nodiscard]] std::size_t bytesToKeep(std::span<const std::uint32_t> bricks) const;

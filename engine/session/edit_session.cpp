@@ -23,8 +23,8 @@ void EditSession::keepJournal(const std::filesystem::path& folder, const VolumeI
   journal_.emplace(folder, JournalHeader{volume, engine_.profile()}, std::move(options));
 }
 
-// What comes after the window is out (settling, brick by brick) is not the edit's way to the hand. Nothing here throws
-// once the change is made: it must still come into the journal.
+// The time to the hand ends when the window is out. Settling comes after it, brick by brick, and is subtracted. Once
+// the change is made nothing here throws, since the change must still go into the journal.
 template <typename Change>
 Engine::EditResult EditSession::timed(const Change& change) {
   std::vector<double>& times = figures_.edit_to_window_s;
@@ -47,7 +47,7 @@ Engine::EditResult EditSession::journalled(const Change& change, const std::func
     Engine::EditResult result = timed(change);
     if (journal_) append(*journal_);
     return result;
-  } catch (const Error&) {  // with nothing changed, or the engine is broken and changes nothing more
+  } catch (const Error&) {  // nothing has changed, or the engine is broken and changes nothing more
     throw;
   } catch (...) {
     if (journal_) journal_->end("memory failed in the middle of an edit", ENOMEM);
@@ -73,9 +73,9 @@ void EditSession::keepSaved(Volume& volume, BackgroundSaver::Write write, double
   saver_.emplace(volume, std::move(write));
 }
 
-// Not before something changed; again where it failed to be saved.
+// A save is due only if something changed since the last successful save.
 bool EditSession::isSaveDue(std::int64_t now_ns) const {
-  return now_ns >= next_ns_ && content_version_ > 0 && !isSaved();
+  return now_ns >= next_save_ns_ && content_version_ > 0 && !isSaved();
 }
 
 bool EditSession::isSaved() const {
@@ -83,31 +83,34 @@ bool EditSession::isSaved() const {
   return saved && *saved >= content_version_;
 }
 
-void EditSession::look(std::int64_t now_ns) {
-  if (!saver_ || !saving_ || save_period_ns_ == 0 || !saver_->ready()) return;
-  if (next_ns_ == kNotSet) next_ns_ = now_ns + save_period_ns_;
+void EditSession::feedSaver(std::int64_t now_ns) {
+  if (!saver_ || !saver_usable_ || save_period_ns_ == 0 || !saver_->ready()) return;
+  if (next_save_ns_ == kNotSet) next_save_ns_ = now_ns + save_period_ns_;
   const std::size_t changed = engine_.changedBricks();
-  if (std::exchange(writing_, false)) left_ = changed;
-  // Bricks that change again and again are copied once for each save, unless there are many.
+  if (std::exchange(save_begun_, false)) bricks_left_ = changed;
+  // Unless there are many, bricks are handed over only once a save is due. So a brick that changes again and again is
+  // copied once for each save.
   const bool due = isSaveDue(now_ns);
   if (!due && changed < kBricksAtOnce) return;
-  // Edits that change more between two looks than a look hands over would put a due save off for ever. As many more as
-  // they changed, and the list is shorter by kBricksAtOnce each time: a save begins in the end.
-  handOver(kBricksAtOnce + (due && changed > left_ ? changed - left_ : 0), due);
-  left_ = engine_.changedBricks();
-  if (!due || left_ > 0) return;
-  next_ns_ = now_ns + save_period_ns_;
-  writing_ = true;
+  // If edits change more bricks between two calls than a call hands over, a due save would never begin. So a due save
+  // takes as many more as changed since the last call. Then each call shortens the list by kBricksAtOnce, and the save
+  // begins.
+  handOver(kBricksAtOnce + (due && changed > bricks_left_ ? changed - bricks_left_ : 0), due);
+  bricks_left_ = engine_.changedBricks();
+  if (!due || bricks_left_ > 0) return;
+  next_save_ns_ = now_ns + save_period_ns_;
+  save_begun_ = true;
 }
 
-// What was taken from the editor and did not arrive would be missing in every later file, so then there is none.
+// If bricks were taken from the editor and did not arrive, they would be missing in every later file. Then no file is
+// written any more.
 void EditSession::handOver(std::size_t most, bool save) {
   try {
     std::vector<BrickContent> bricks = engine_.takeChanged(most);
     const bool complete = engine_.changedBricks() == 0;
     saver_->give(std::move(bricks), save && complete ? std::optional(engine_.editVersion()) : std::nullopt);
   } catch (const std::exception& error) {
-    saving_ = false;
+    saver_usable_ = false;
     saver_->abandon(error.what());
   }
 }
@@ -118,7 +121,7 @@ void EditSession::close() {
   closed_ = true;
   saver_->wait();
   const bool save = !isSaved();
-  for (bool more = true; more && saving_;) {
+  for (bool more = true; more && saver_usable_;) {
     handOver(kBricksAtOnce, save);
     saver_->wait();
     more = engine_.changedBricks() > 0;
@@ -133,7 +136,8 @@ void EditSession::dropEmptyJournal() {
 EditFigures EditSession::figures() const {
   EditFigures figures = figures_;
   if (saver_) figures.saves = saver_->figures();
-  if (saver_ && isSaved()) figures.saves.version = engine_.editVersion();  // edits since then changed nothing
+  // Edits after the saved version changed nothing, so the file holds the newest version.
+  if (saver_ && isSaved()) figures.saves.version = engine_.editVersion();
   if (!journal_) return figures;
   figures.journalled = journal_->appended();
   figures.acknowledged = journal_->acknowledged();

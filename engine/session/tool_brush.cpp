@@ -11,7 +11,7 @@
 namespace palpate {
 namespace {
 
-constexpr double kStandsStill = 0.05;  // of the radius: a nearer place is the same
+constexpr double kStandsStill = 0.05;  // share of the radius; a tool that moved less is at rest
 
 }  // namespace
 
@@ -28,27 +28,28 @@ double ToolBrush::strengthFor(double seconds) const {
 ToolBrush::ToolBrush(const ToolBrushSpec& spec, const Vec3i& size, const Lattice& lattice)
     : spec_(spec), size_(size), lattice_(lattice) {}
 
-// The pressing force is what the device was really sent, along the normal: what rubs does not drill.
+// The pressing force is the part along the normal of what the device was really sent. So a force that rubs does not
+// drill.
 void ToolBrush::touch(const ToolPose& pose, std::int64_t time_ns) {
   const bool was_touching = std::exchange(touching_, !pose.normal_W.isZero(0));
   if (!touching_) return;
   touched_ = true;
   const double force_N = std::max(0.0, pose.force_W.dot(pose.normal_W));
-  impulse_Ns_ += force_N * static_cast<double>(time_ns - last_look_ns_) / kNanosecondsPerSecond;
+  impulse_Ns_ += force_N * static_cast<double>(time_ns - last_call_ns_) / kNanosecondsPerSecond;
   if (was_touching) return;
   plane_W_ = pose.at_surface ? pose.surface_W : pose.position_W;
   normal_W_ = pose.normal_W;
 }
 
-std::vector<EditCommand> ToolBrush::look(const ToolPose& pose, std::int64_t time_ns) {
+std::vector<EditCommand> ToolBrush::dueStroke(const ToolPose& pose, std::int64_t time_ns) {
   if (!from_W_) {
     from_W_ = pose.position_W;
-    begin_ns_ = last_look_ns_ = time_ns;
+    begin_ns_ = last_call_ns_ = time_ns;
   }
   touch(pose, time_ns);
-  last_look_ns_ = time_ns;
+  last_call_ns_ = time_ns;
   const double seconds = static_cast<double>(time_ns - begin_ns_) / kNanosecondsPerSecond;
-  // Up to a nanosecond less: both ends are rounded to whole ones.
+  // Tolerates a nanosecond: both ends are rounded to whole nanoseconds.
   if (seconds < spec_.period_s - 1e-9) return {};
 
   EditCommand command = spec_.brush;
@@ -61,7 +62,7 @@ std::vector<EditCommand> ToolBrush::look(const ToolPose& pose, std::int64_t time
   from_W_ = pose.position_W;
   begin_ns_ = time_ns;
   impulse_Ns_ = 0;
-  // Adding and removing at full strength, a second time in the same place, would change nothing.
+  // Adding or removing at full strength a second time in the same place would change nothing.
   const bool at_once = (command.kind == EditKind::kAdd || command.kind == EditKind::kRemove) && command.strength >= 1 &&
                        command.falloff == 0 && !command.material;
   const bool stands = last_edit_W_ && (*last_edit_W_ - command.to_W).norm() < kStandsStill * command.radius_m &&

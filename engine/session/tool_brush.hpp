@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // engine/session/tool_brush.hpp: the servo's tool as a brush: turns the tool's poses into edit commands.
 //
-// look() is called with every new pose of the tool. Once a period it gives a stroke along the tool's way in that
-// period, if the tool touched the surface meanwhile. The brush's centre is the HIP. Successive strokes share an end, so
-// they leave no gap, however fast the tool moves. A tool at rest gives one stroke only, if its brush has its full
-// effect at once. A flatten brush makes the surface the plane that the tool touched when contact began. A mirror
+// Call dueStroke() with every new pose of the tool. Once a period it returns a stroke along the tool's path in that
+// period, if the tool touched the surface meanwhile. The centre of the brush is the HIP. Successive strokes share an
+// end, so they leave no gap, however fast the tool moves. A tool at rest yields only one stroke if its brush has its
+// full effect at once. A flatten brush flattens to the plane that the tool touched when the contact began. A mirror
 // repeats every stroke on the other side of the volume's middle.
 //
 // Frame W: world [m]. Thread: one. Deterministic: the same poses give the same commands.
@@ -21,15 +21,15 @@
 namespace palpate {
 
 struct ToolBrushSpec {
-  EditCommand brush;       // kind, radius, strength, falloff, value, material; the tool gives the place
-  double rate_per_Ns = 0;  // multiplies the strength by 1 - exp(-rate * force * time); 0: by 1 [1/(N s)]
+  EditCommand brush;       // kind, radius, strength, falloff, value, material; its place comes from the tool
+  double rate_per_Ns = 0;  // the strength is multiplied by 1 - exp(-rate * force * time); 0: by 1 [1/(N s)]
   double period_s = 4e-3;  // between two edits [s]
   std::optional<int> mirror_axis = std::nullopt;  // of the volume's lattice, 0 to 2
 };
 
-// Parses "remove:radius=2mm:strength=0.5:falloff=0.3" (engine/edit/edit_text.hpp, with the kinds and keys for a tool).
-// Throws Error(kBadInput) with what is wrong and what may be given. Ranges that depend on the volume are checked by the
-// first edit.
+// Parses "remove:radius=2mm:strength=0.5:falloff=0.3" (engine/edit/edit_text.hpp, kinds and keys of a tool). Throws
+// Error(kBadInput) that says what is wrong and what may be given. The first edit checks limits that depend on the
+// volume.
 [[nodiscard]] ToolBrushSpec toolBrushSpec(const std::string& text);
 
 class ToolBrush {
@@ -37,10 +37,10 @@ class ToolBrush {
   // `size`, `lattice`: the volume's.
   ToolBrush(const ToolBrushSpec& spec, const Vec3i& size, const Lattice& lattice);
 
-  // The edit that is due now, or nothing: a stroke and, with a mirror, its mirror image, for one Editor::apply().
-  // `time_ns` is on the pose's clock.
-  [[nodiscard]] std::vector<EditCommand> look(const ToolPose& pose, std::int64_t time_ns);
-  // Call it if the last edit of look() was not applied; a tool at rest then gives it again.
+  // The edit that is due now, or nothing: a stroke and, with a mirror, its mirror image. Pass both to one
+  // Editor::apply(). `time_ns` is on the pose's clock.
+  [[nodiscard]] std::vector<EditCommand> dueStroke(const ToolPose& pose, std::int64_t time_ns);
+  // Call it if the last stroke was not applied. A tool at rest then yields that stroke again.
   void refused() noexcept { last_edit_W_.reset(); }
 
  private:
@@ -50,14 +50,14 @@ class ToolBrush {
   ToolBrushSpec spec_;
   Vec3i size_;  // of the volume
   Lattice lattice_;
-  std::optional<Vec3> from_W_;  // the tool when the period began
+  std::optional<Vec3> from_W_;  // the tool's position when the period began
   std::int64_t begin_ns_ = 0;   // of the period
-  double impulse_Ns_ = 0;       // of the pressing force in this period
-  std::int64_t last_look_ns_ = 0;
+  double impulse_Ns_ = 0;       // of the force that pressed in this period
+  std::int64_t last_call_ns_ = 0;
   bool touched_ = false;             // in this period
-  bool touching_ = false;            // at the last look
-  Vec3 plane_W_ = Vec3::Zero();      // where the contact began
-  Vec3 normal_W_ = Vec3::UnitZ();    // the surface's normal there and then
+  bool touching_ = false;            // at the last call
+  Vec3 plane_W_ = Vec3::Zero();      // surface point where the contact began
+  Vec3 normal_W_ = Vec3::UnitZ();    // the surface normal there
   std::optional<Vec3> last_edit_W_;  // end of the last stroke
 };
 

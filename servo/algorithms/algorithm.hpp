@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// servo/algorithms/algorithm.hpp: the interface of every haptic algorithm: position, velocity, window -> VHIP, force,
-// state.
+// servo/algorithms/algorithm.hpp: the interface of every haptic algorithm: position, velocity and window in; VHIP,
+// force and state out.
 //
 // Frames: everything is in the world W [m, m/s, N]. Normals point out of the object: N = -grad / |grad|.
-// Force convention, stated once: d = VHIP - HIP points out of the object, and F = K d - B v_d, where v_d is the part of
-// the HIP's velocity along N. So F pushes the device out and damps its motion along N.
+// Force convention, stated once: d = VHIP - HIP points out of the object, and F = K d - B v_d. v_d is the part of the
+// HIP's velocity along N. So F pushes the device out and damps its motion along N.
 // Thread: only the servo calls tick() and resume(); no heap, lock, system call or throw. reset() is called before the
 // loop starts.
 #pragma once
@@ -25,7 +25,7 @@ struct AlgorithmParameters {
   double stiffness_N_per_m = 500;  // K [N/m]
   double damping_Ns_per_m = 0.5;   // B [N s/m]
   int plane_renewal_ticks = 5;     // n: the plane is renewed every n ticks; 1: every tick [tick]
-  double rate_hz = 1000;           // ticks per second, for what lasts a set time (edit_ease.hpp) [Hz]
+  double rate_hz = 1000;           // ticks per second, for durations in seconds (edit_ease.hpp) [Hz]
 
   [[nodiscard]] bool operator==(const AlgorithmParameters&) const = default;
 };
@@ -40,14 +40,14 @@ struct TickOutput {
   Vec3 vhip_W = Vec3::Zero();    // virtual haptic interface point [m]
   Vec3 normal_W = Vec3::Zero();  // of the plane in contact; zero without contact [-]
   Vec3 force_W = Vec3::Zero();   // before the safety gate [N]
-  // Depth of the HIP below the surface, along the normal, before effects move the VHIP. 0 without contact; NaN for an
-  // algorithm that knows no surface [m].
+  // Depth of the HIP below the surface, along the normal, before effects move the VHIP [m]. 0 without contact; NaN for
+  // an algorithm that knows no surface.
   double depth_m = 0;
   bool in_contact = false;
   std::int32_t plane_age_ticks = 0;  // ticks since the plane was found; 0 without a plane
   std::uint32_t faults = 0;          // bits of ServoFault (servo/safety/faults.hpp)
-  // The next window is needed around `surface_W` and not around the HIP. True in contact, and while a contact is
-  // remembered that the window does not hold.
+  // The next window is needed around `surface_W`, not around the HIP. True in contact, and while a contact is
+  // remembered whose surface point the window does not hold.
   bool at_surface = false;
   Vec3 surface_W = Vec3::Zero();  // [m]
 };
@@ -57,8 +57,8 @@ class Algorithm {
   virtual ~Algorithm() = default;
   // Forgets all state and puts the VHIP at `hip_W`. Not in the loop.
   virtual void reset(const Vec3& hip_W) noexcept = 0;
-  // Forgets all state, as one that takes over from another in the loop: the tool was last known to be outside at
-  // `free_W`, and the next tick searches the way from there to the HIP, so that a contact goes on.
+  // Forgets all state and takes over from another algorithm in the loop. The tool was last known to be outside at
+  // `free_W`. The next tick searches the line from there to the HIP, so that a contact goes on.
   virtual void resume(const Vec3& free_W, const Vec3& hip_W) noexcept {
     static_cast<void>(free_W);
     reset(hip_W);

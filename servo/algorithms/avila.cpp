@@ -15,7 +15,7 @@ void Avila::reset(const Vec3&) noexcept {
   edit_version_.reset();
 }
 
-// The way to the force needs no root; the normal, which nothing waits for, does.
+// depth N needs no square root. Only the normal does, and no later step waits for the normal.
 Avila::Push Avila::pushAt(const IsoField& field, const Fetch& f) noexcept {
   Push push;
   const double excess = f.density - field.isovalue();
@@ -33,7 +33,7 @@ Avila::Push Avila::pushAt(const IsoField& field, const Fetch& f) noexcept {
   return push;
 }
 
-// Old and new are compared where the tool was in the last tick, so that its own motion is no edit's.
+// Old and new volume are compared where the tool was in the last tick, so that its own motion does not count.
 void Avila::takeEdit(const IsoField& field, const SampleWindow& window, const Push& here,
                      const Vec3& shown_W) noexcept {
   const bool first = !edit_version_;

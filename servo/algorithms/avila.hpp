@@ -1,24 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 // servo/algorithms/avila.hpp: stiffness and motion-retarding force from the density field alone, without a VHIP.
 //
-// Source: Avila and Sobierajski, "A haptic interaction method for volume visualization" (Visualization 1996). Their
-// force is a stiffness force along the normal and a retarding force against the motion, both read from the density at
-// the HIP: "for small penetration distances, the density field itself can give a reasonable approximation of the
-// distance to an isosurface" (the paper, section 2.2). They leave the transfer functions to the user. Here
+// Source: Avila and Sobierajski, "A haptic interaction method for volume visualization" (Visualization 1996). They add
+// a stiffness force along the normal and a retarding force against the motion. Both are read from the density at the
+// HIP: "for small penetration distances, the density field itself can give a reasonable approximation of the distance
+// to an isosurface" (the paper, section 2.2). They leave the transfer functions to the user. Here
 //   depth = (rho - tau) / |grad|, F = K depth N - B v above tau, nothing at or below it.
 // This is the linear estimate of the distance, so K and B mean what they mean for every other algorithm. The retarding
 // force opposes motion in every direction, also on the way out, so it may pull.
 // Cap: depth counts up to kDeepest. A scanner spreads a boundary over some three voxels. Beyond them the density is
 // flat, and the quotient of two small numbers says nothing.
 // The method's weaknesses:
-// - The shell is penetrable: inside, where the field is flat, there is no force (kZeroGradient).
+// - The shell is penetrable. Inside, where the field is flat, there is no force (kZeroGradient).
 // - Behind the middle of a thin wall the force pushes on through it.
 // - The depth is only as good as the density is linear.
 // - A tool that starts inside is pushed at once.
-// Edits: what an edit adds to the depth, at the place where the tool was when the edit came, is taken in over time
-// (edit_ease.hpp). What it takes away is felt at once. So a tool that an edit buries where the density slopes is pushed
-// out gently, and one in flat density is not pushed (kZeroGradient).
-// Output: VHIP = HIP + depth N, the estimated surface point, so its distance to the true surface measures the estimate.
+// Edits. An edit adds depth at the place where the tool was when the edit came. That depth is taken in over time
+// (edit_ease.hpp). Depth that an edit takes away is gone at once. So a tool that an edit buries is pushed out gently
+// where the density slopes. In flat density it is not pushed (kZeroGradient).
+// Output: VHIP = HIP + depth N, the estimated surface point. Its distance from the true surface is the error of the
+// estimate.
 // Frame W: world. Thread: the servo's. Cost: one fetch, one more with an edit. Errors: faults.
 #pragma once
 

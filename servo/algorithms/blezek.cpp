@@ -20,7 +20,7 @@ void BlezekSurface::release(const Probe& hip) noexcept {
   free_.release(hip);
 }
 
-// The entry's plane faces the HIP's way, so that the first inch does not slide.
+// The first plane is across the line from the HIP to the entry, so that the first inch does not slide.
 void BlezekSurface::begin(const Entry& entry, const Vec3& hip_W) noexcept {
   in_contact_ = true;
   vhip_W_ = entry.p_W;
@@ -29,8 +29,8 @@ void BlezekSurface::begin(const Entry& entry, const Vec3& hip_W) noexcept {
   normal_W_ = length_m > 0 ? Vec3(line_W / length_m) : Vec3(-entry.direction_W);
 }
 
-BlezekSurface::Inching BlezekSurface::comeOut(const IsoField& field, const Vec3& hip_W,
-                                              std::uint32_t& faults) noexcept {
+BlezekSurface::Inching BlezekSurface::takeNearestExit(const IsoField& field, const Vec3& hip_W,
+                                                      std::uint32_t& faults) noexcept {
   const auto way_out = field.nearestExit(field.probe(hip_W));
   if (!way_out || way_out->face.any()) return Inching::kLost;
   begin(*way_out, hip_W);
@@ -53,7 +53,7 @@ bool BlezekSurface::find(const SampleWindow& window, const Vec3& hip_W, std::uin
   }
   std::uint32_t trouble = 0;
   Inching inching = inchAlong(field, hip_W, trouble);
-  if (inching == Inching::kLost && edited_) inching = comeOut(field, hip_W, trouble);
+  if (inching == Inching::kLost && edited_) inching = takeNearestExit(field, hip_W, trouble);
   if (inching == Inching::kBeyondWindow) {
     faults |= bit(ServoFault::kBeyondWindow);
     return false;
@@ -98,7 +98,7 @@ BlezekSurface::Inching BlezekSurface::inchAlong(const IsoField& field, const Vec
   for (int inch = 1;; ++inch) {
     const Fetch f = field.sampler().at(x_W);
     if (f.place == Place::kBeyondWindow) {
-      settle();  // as far as the window goes, so that the next one is nearer
+      settle();  // to the edge of the window, so that the next window is placed nearer
       return Inching::kBeyondWindow;
     }
     if (f.place == Place::kBeyondVolume) return Inching::kLost;
@@ -120,8 +120,9 @@ BlezekSurface::Inching BlezekSurface::inchAlong(const IsoField& field, const Vec
     if (climb_m2 <= best_m2) {
       best = {x_W, f.gradient_W * -per_steepness, {}};
       best_m2 = std::max(climb_m2, on_surface_m2);
-      // On the surface the line has no length, and no direction: an angle counts from a tenth of a voxel on. Far below
-      // it, what an angle leaves aside turns the normal by more than that angle.
+      // A HIP on the surface gives a line without length or direction, so the line counts as a tenth of a voxel at
+      // least. For a HIP far below the surface the line counts as kLongestLever at most: the miss of a long line would
+      // turn the normal by more than the angle itself.
       const double lever_m2 =
           std::clamp(along * along * steepness_squared, 0.01 * h_m * h_m, kLongestLever * kLongestLever * h_m * h_m);
       const bool aligned = aside_W.squaredNorm() <= kAlignment * kAlignment * lever_m2;

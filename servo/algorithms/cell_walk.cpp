@@ -13,7 +13,7 @@ CellWalk::CellWalk(const Vec3& from_L, const Vec3& to_L, const Vec3& last_L) noe
     const double from = from_L[axis];
     const double way = way_L_[axis];
     if (way == 0) {
-      if (from < 0 || from > last_L[axis]) leaves_ = -1;  // passes the lattice by
+      if (from < 0 || from > last_L[axis]) leaves_ = -1;  // misses the lattice
       continue;
     }
     const double low = (0 - from) / way;
@@ -38,7 +38,7 @@ double CellWalk::next() noexcept {
   if (!(enters_ < leaves_) || t_ >= leaves_) return t_ = 1;
   double first = leaves_;
   for (int axis = 0; axis < 3; ++axis) {
-    // A plane where the last step ended, by rounding or because it is one of several in one place.
+    // Skips borders where the last step ended: by rounding, or because several axes have one there.
     while (crossing(axis) <= t_) plane_L_[axis] += way_L_[axis] > 0 ? 1 : -1;
     first = std::min(first, crossing(axis));
   }

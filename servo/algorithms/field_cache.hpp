@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// servo/algorithms/field_cache.hpp: the IsoField of the newest window, made again only when the window is another one.
+// servo/algorithms/field_cache.hpp: the IsoField of the newest window, made again only for a new window.
 //
-// Thread: the servo's. Cost: two comparisons; for a new window some 20 ns. Errors: none. The window must be usable.
+// The window must be usable. Thread: the servo's. Cost: two comparisons; for a new window some 20 ns. Errors: none.
 #pragma once
 
 #include "servo/algorithms/iso_field.hpp"

@@ -52,7 +52,7 @@ void FreeMotion::release(const Probe& hip) noexcept {
 
 void FreeMotion::lose(const Probe& hip, std::uint32_t& faults) noexcept {
   release(hip);
-  lost_ = hip.side != Side::kOutside;  // deeper than the window shows is in the object
+  lost_ = hip.side != Side::kOutside;  // a HIP deeper than the window shows counts as in the object
   if (lost_) faults |= bit(ServoFault::kSurfaceLost);
 }
 

@@ -31,7 +31,7 @@ Haptization::Felt Haptization::feltAt(const Fetch& f) const noexcept {
   return felt;
 }
 
-// Old and new are compared where the tool was in the last tick, so that its own motion is no edit's.
+// Old and new volume are compared where the tool was in the last tick, so that its own motion does not count.
 void Haptization::takeEdit(const IsoField& field, const SampleWindow& window, const Felt& here,
                            const Felt& shown) noexcept {
   const bool first = !edit_version_;

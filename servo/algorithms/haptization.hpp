@@ -6,13 +6,13 @@
 // gradient at the HIP,
 //   F = -f(rho) w(|g|) g / |g|  -  b(rho) v
 // with f, b and w from the tables of a TransferFunction. The force points down the gradient, from dense to thin,
-// wherever there is a gradient. The viscosity acts on motion in every direction, in flat regions too, so that tissues
+// wherever there is a gradient. The viscosity acts on motion in every direction, in flat regions too. So tissues
 // without a boundary between them still differ. K, B and n of the scene mean nothing here.
 // There is no surface: the VHIP is the HIP, and there are no contact effects. in_contact means that the force without
-// viscosity is not zero; the normal then is -g / |g|. If the gradient is zero or not finite there is no such force, and
+// viscosity is not zero; the normal then is -g / |g|. If the gradient is zero or not finite, there is no such force and
 // no fault: flat regions are ordinary here.
-// What an edit adds to force and viscosity, at the place where the tool was when the edit came, is taken in over time
-// (edit_ease.hpp). What it takes away is felt at once.
+// An edit adds force and viscosity at the place where the tool was when the edit came. These are taken in over time
+// (edit_ease.hpp). What an edit takes away is gone at once.
 // The method's weaknesses: no wall is stiffer than the table's force over the width of the boundary, and a hand that
 // pushes harder passes through. The force at a density does not know on which side of a wall the tool is.
 // Frame W: world. Thread: the servo's. Cost: one fetch, one more with an edit. Errors: faults.

@@ -11,9 +11,9 @@
 namespace palpate {
 namespace {
 
-constexpr double kNoReach = -1;  // [m^2]: renewed in the next tick
+constexpr double kNoReach = -1;  // the plane is renewed in the next tick [m^2]
 
-// Of the part of a way along the plane [m^2].
+// The squared length of the part of a displacement along the plane [m^2].
 [[gnu::always_inline]] inline double tangentialSquared(const Vec3& way_W, const Vec3& normal_W) noexcept {
   const double along_m = normal_W.dot(way_W);
   return std::max(0.0, way_W.squaredNorm() - along_m * along_m);
@@ -55,8 +55,8 @@ bool HriSurface::find(const SampleWindow& window, const Vec3& hip_W, std::uint32
     }
     if (was_outside && !inContact() && tool_ != Tool::kFree) {
       const Probe hip = field_->probe(hip_W);
-      buried_ = hip.side == Side::kUnknown;  // by the edit, where the HIP cannot be seen: later
-      if (!buried_) comeOut(hip, faults);
+      buried_ = hip.side == Side::kUnknown;  // the window does not show the HIP: the way out is searched later
+      if (!buried_) takeNearestExit(hip, faults);
     }
   } else if (!inContact()) {
     refreshField(window);
@@ -64,7 +64,7 @@ bool HriSurface::find(const SampleWindow& window, const Vec3& hip_W, std::uint32
   } else {
     ++age_ticks_;
     const bool in_front = plane().depth(hip_W) <= 0;
-    const bool due = age_ticks_ >= renewal_ticks_ || wentFar(hip_W);
+    const bool due = age_ticks_ >= renewal_ticks_ || leftReach(hip_W);
     if (due || in_front || held_) {
       refreshField(window);
       renew(hip_W, !in_front && !held_ && !memory_.short_of_way, faults);
@@ -89,13 +89,13 @@ void HriSurface::refreshField(const SampleWindow& window) noexcept {
 
 // ---- in contact ----
 
-bool HriSurface::wentFar(const Vec3& hip_W) const noexcept {
+bool HriSurface::leftReach(const Vec3& hip_W) const noexcept {
   return tangentialSquared(hip_W - found_for_W_, surface_.normal_W) > reach_squared_m2_;
 }
 
-// Where the HIP will be a third of the way through the plane's life if it goes on along the surface as it did. Half
-// would centre the normal's error in time; but a plane that is left behind puts the VHIP outward of a convex surface,
-// which makes up for the sag of trilinear interpolation. A third keeps most of both (docs/hri-mends.md).
+// Where the HIP will be a third of the way through the plane's life, if it goes on along the surface as it did. Half
+// would centre the normal's error in time. But an old plane puts the VHIP outward of a convex surface, which makes up
+// for the sag of trilinear interpolation. A third keeps most of both (docs/hri-mends.md).
 Vec3 HriSurface::aim(const Vec3& hip_W) const noexcept {
   const Vec3 way_W = hip_W - renewed_at_W_;
   const Vec3 aside_W = way_W - surface_.normal_W * surface_.normal_W.dot(way_W);
@@ -109,7 +109,7 @@ Vec3 HriSurface::aim(const Vec3& hip_W) const noexcept {
 }
 
 Track HriSurface::follow(const Vec3& hip_W, bool ahead) noexcept {
-  // A plane that is behind has more way to make up for than the HIP's last.
+  // A plane that lags has more to catch up with than the last motion of the HIP, so its slide is not limited.
   SurfaceTracker::Limits limits{.line_tolerance = kAimTolerance,
                                 .slide_m = behind_ ? std::numeric_limits<double>::infinity() : kSlide * field_->voxel(),
                                 .slide_by_way = kSlideByWay,
@@ -131,8 +131,8 @@ Track HriSurface::follow(const Vec3& hip_W, bool ahead) noexcept {
 void HriSurface::renew(const Vec3& hip_W, bool ahead, std::uint32_t& faults) noexcept {
   const Vec3 last_normal_W = surface_.normal_W;
   Track result = follow(hip_W, ahead && !behind_);
-  // The HIP may be anywhere; the surface point must be in the window. Where the window has left that behind, the plane
-  // under the HIP is the best that is known.
+  // The HIP may be anywhere, but the surface point must be in the window. If the window no longer holds it, the best
+  // known place is the point of the plane under the HIP.
   const auto seen = [&] { return field_->sampler().place(surface_.p_W) != Place::kBeyondWindow; };
   if (result == Track::kBeyondWindow && !seen()) {
     surface_.p_W = plane().nearest(hip_W);
@@ -166,30 +166,30 @@ void HriSurface::renew(const Vec3& hip_W, bool ahead, std::uint32_t& faults) noe
   }
 }
 
-// The plane is new. How fast the normal turned since the last one says how far the new one holds.
+// The plane is new. How fast the normal turned since the last plane says for how far the new one holds.
 void HriSurface::renewed(const Vec3& hip_W, const Vec3& last_normal_W) noexcept {
   if (renewal_ticks_ == 1) return settle(hip_W);
   const double voxel_m = field_->voxel();
-  // Seen from a normal that has turned, a part of what the HIP went in or out is aside; of the two normals the one that
-  // sees less is the one that it went along.
+  // Motion of the HIP along one normal has a lateral part with respect to the other. The lateral motion is taken with
+  // respect to the normal for which it is smaller.
   const Vec3 way_W = hip_W - renewed_at_W_;
   const double aside_squared =
       std::min(tangentialSquared(way_W, surface_.normal_W), tangentialSquared(way_W, last_normal_W)) /
       (voxel_m * voxel_m);
-  constexpr double kTooShort = 0.05;  // to tell curvature from sampling [voxel]
+  constexpr double kTooShort = 0.05;  // shorter motions cannot tell curvature from sampling errors [voxel]
   if (aside_squared > kTooShort * kTooShort) {
     const double turned_squared = (surface_.normal_W - last_normal_W).squaredNorm();
-    // It may turn half as fast as before at the least.
+    // The rate falls to half of the old one at most.
     const double per_turn_squared = std::min(aside_squared / turned_squared, 4 * per_turn_squared_);
     per_turn_squared_ = std::clamp(per_turn_squared, 1 / (kMostTurn * kMostTurn), 1 / (kLeastTurn * kLeastTurn));
   }
   settle(hip_W);
 }
 
-// The HIP has left the sheet, or the sheet is gone: is there object between the VHIP and the HIP, or around the HIP? A
-// HIP deeper than the window shows is taken to be in the object where its sheet is gone.
+// The HIP has left the sheet, or the sheet is gone (`gone`). Looks for another surface between VHIP and HIP, and, for a
+// HIP inside, outward of the HIP. If the sheet is gone, a HIP that the window does not show counts as inside.
 void HriSurface::relocate(const Probe& hip, bool gone, std::uint32_t& faults) noexcept {
-  // The VHIP may be in the object by a rounding, so the search begins a little in front of it.
+  // Rounding may have put the VHIP in the object, so the search begins a little in front of it.
   const Probe start = field_->probe(vhip_W_ + surface_.normal_W * (IsoField::kStandOff * field_->voxel()));
   const auto entry = field_->firstEntry(start, hip);
   if (entry && touch(*entry, hip, faults)) return;
@@ -204,8 +204,8 @@ void HriSurface::relocate(const Probe& hip, bool gone, std::uint32_t& faults) no
   }
 }
 
-// Buried by an edit.
-void HriSurface::comeOut(const Probe& hip, std::uint32_t& faults) noexcept {
+// An edit has buried the tool.
+void HriSurface::takeNearestExit(const Probe& hip, std::uint32_t& faults) noexcept {
   const auto way_out = field_->nearestExit(hip);
   if (!way_out || !touch(*way_out, hip, faults)) return;
   faults &= ~(bit(ServoFault::kInsideObject) | bit(ServoFault::kSurfaceLost));
@@ -232,14 +232,14 @@ void HriSurface::moveFreely(const Vec3& hip_W, std::uint32_t& faults) noexcept {
   if (after_gap && (tool_ == Tool::kFree || buried)) {
     const double longest_m = kLongestGap * field_->voxel();
     const bool near = std::exchange(resumed_, false) || (hip_W - free_.p_W).squaredNorm() <= longest_m * longest_m;
-    // An edit may have come where no window showed the free point.
+    // An edit may have come while no window showed the free point.
     if (near && tool_ == Tool::kFree) free_ = field_->probe(free_.p_W);
     buried = near && (buried || free_.side == Side::kInside);
     if (tool_ == Tool::kFree && (!near || buried)) tool_ = Tool::kInside;
   }
   if (buried && hip.side == Side::kInside) {
     faults |= bit(tool_ == Tool::kLost ? ServoFault::kSurfaceLost : ServoFault::kInsideObject);
-    return comeOut(hip, faults);
+    return takeNearestExit(hip, faults);
   }
   if (tool_ == Tool::kFree) {
     const auto entry = field_->firstEntry(free_, hip);
@@ -253,7 +253,7 @@ void HriSurface::moveFreely(const Vec3& hip_W, std::uint32_t& faults) noexcept {
   }
 }
 
-// Contact at an entry, if the surface point nearest to the HIP has the HIP behind it.
+// Begins contact at an entry, if the HIP is behind the plane at the surface point nearest to it.
 bool HriSurface::touch(const Entry& entry, const Probe& hip, std::uint32_t& faults) noexcept {
   SurfacePoint surface{entry.p_W, -entry.direction_W, entry.face};
   bool flat = false;
@@ -277,8 +277,8 @@ bool HriSurface::touch(const Entry& entry, const Probe& hip, std::uint32_t& faul
     settle(hip.p_W);
     return true;
   }
-  // Where the search strays, the plane at the entry itself still holds a HIP that is in the object; and where noise
-  // turns its normal away, the plane across the line from the HIP.
+  // If the search strays, the plane at the entry itself still holds a HIP that is in the object. If noise turns the
+  // normal of that plane away, the plane across the line from the HIP is taken.
   if (hip.side != Side::kInside) return false;
   if (!behind(surface)) surface.normal_W = (entry.p_W - hip.p_W).normalized();
   if (!behind(surface)) return false;
@@ -295,11 +295,11 @@ void HriSurface::begin(const SurfacePoint& surface, const Vec3& hip_W) noexcept 
   settle(hip_W);
 }
 
-// The plane holds from here on, as far as its error allows.
+// Begins the life of a plane: from here it holds as far as its error allows.
 void HriSurface::settle(const Vec3& hip_W) noexcept {
   renewed_at_W_ = hip_W;
   age_ticks_ = 0;
-  if (renewal_ticks_ == 1) return;  // it is renewed anyway
+  if (renewal_ticks_ == 1) return;  // it is renewed in every tick
   if (behind_ || memory_.short_of_way) {
     reach_squared_m2_ = kNoReach;
     return;

@@ -51,7 +51,7 @@ void HriPaperSurface::makePlane(const IsoField& field, const Probe& vhip, const 
   age_ticks_ = 0;
 }
 
-// The first half of Figure 2, but for the counter.
+// The first half of Figure 2, without the counter.
 void HriPaperSurface::updatePlane(const IsoField& field, const Vec3& hip_W, std::uint32_t& faults) noexcept {
   const Probe hip = field.probe(hip_W);
   const bool unseen = hip.side == Side::kUnknown;
@@ -70,7 +70,7 @@ void HriPaperSurface::updatePlane(const IsoField& field, const Vec3& hip_W, std:
   if (has_plane_ || vhip.side == Side::kOutside) makePlane(field, vhip, hip, faults);
 }
 
-// Figure 2, but for the force.
+// Figure 2, without the force.
 bool HriPaperSurface::find(const SampleWindow& window, const Vec3& hip_W, std::uint32_t& faults) noexcept {
   if (has_plane_) ++age_ticks_;
   if (!window.usable()) {

@@ -1,29 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
 // servo/algorithms/hri_paper.hpp: HRI as the paper's Figure 2 prints it, so that its results can be repeated.
 //
-// It follows the paper to the letter, with these consequences. The counter renews a plane every n + 1 ticks (it goes 0,
-// 1 ... n and renews in the tick after it has reached n), and is not reset when contact makes a plane. F = K d - B v_d
+// It follows the paper to the letter, with these consequences. The counter renews a plane every n + 1 ticks: it goes 0,
+// 1 ... n and renews in the tick after it has reached n. It is not reset when contact makes a plane. F = K d - B v_d
 // may pull. An edit is felt when the counter is up, and then whole at once. Density and normal come from the window's
-// samples, whose gradients are the engine's central differences (the paper takes them at p).
+// samples, whose gradients are the engine's central differences. (The paper takes central differences at p.)
 //
-// The paper says two things of p, and each is a mode:
-// - HriPaper: p = LinearInterpolation(VHIP, HIP, tau), as Figure 2 calls it, from the densities at the two ends. Where
-//   the line leaves the density's ramp (half-width w) the interpolation does not meet the surface. A VHIP that is e too
-//   deep, under a HIP at depth D > w, is put e (1 - (D - e) / (w - e)) too deep. So beyond D = 2 w an error grows from
-//   renewal to renewal (docs/hri-mends.md). If both ends are inside, the mode extrapolates.
+// The paper says two things about the plane point p, and each is a mode:
+// - HriPaper: p = LinearInterpolation(VHIP, HIP, tau), as Figure 2 calls it, from the densities at the two ends. If the
+//   line leaves the density's ramp (half-width w), the interpolation does not meet the surface. Let the VHIP be e too
+//   deep and the HIP at depth D > w. Then the new VHIP is e (1 - (D - e) / (w - e)) too deep. So beyond D = 2 w an
+//   error grows from renewal to renewal (docs/hri-mends.md). If both ends are inside, the mode extrapolates.
 // - HriPaperLine: "the position where v = tau" (section 3.1), the place on the line where the density is tau. From a
 //   VHIP outside it is the first crossing on the way to the HIP. From a VHIP inside it is the first crossing on the
-//   line's continuation away from the HIP, up to IsoField::kLongestWayOut. If there is none there is no plane, with
+//   line's continuation away from the HIP, up to IsoField::kLongestWayOut. Without a crossing there is no plane, with
 //   kSurfaceLost.
 //
 // Where Figure 2 says nothing:
-// - A HIP beyond the window gets no force and a fault. HriPaperLine needs no density at the HIP, so it takes a HIP
+// - A HIP beyond the window gets no force and a fault. HriPaperLine needs no density at the HIP. So it takes a HIP
 //   behind its plane to be inside.
 // - A plane that cannot be computed (equal densities, zero gradient, p beyond the window) is no plane, with
 //   kZeroGradient.
 // - A VHIP beyond the volume has density -infinity, and the interpolation takes its limit, p = HIP. (In HriPaperLine
 //   the crossing is the volume's face.)
-// - The VHIP of the line is the one on the plane, not the one that contact effects make of it.
+// - The line begins at the VHIP on the plane, not at the VHIP as moved by contact effects.
 // Source: the paper, Figure 2, equations 1 to 3. Sign of d as in algorithm.hpp. Thread: the servo's. Cost: one fetch in
 // free space, none in contact without renewal, two or three with renewal; HriPaperLine also takes what
 // IsoField::firstEntry and firstExit take. Errors: faults only.

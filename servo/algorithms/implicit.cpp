@@ -83,7 +83,7 @@ ImplicitSurface::Tracking ImplicitSurface::ontoSurface(const IsoField& field, co
   residual_m = excess / steepness;  // depth of x below the surface
   if (!std::isfinite(residual_m)) return Tracking::kLost;
   normal_W_ = f.gradient_W / -steepness;
-  // The way of a step needs no root; only one that is cut short goes by the normal.
+  // A whole step needs no square root; only a step that is cut short uses the normal.
   if (std::abs(residual_m) <= field.voxel()) {
     p_W_ = x_W - f.gradient_W * (excess / steepness_squared);
   } else {

@@ -16,7 +16,7 @@ int IsoField::searchSteps(const Vec3& way_W) const noexcept {
 std::optional<Entry> IsoField::firstEntry(const Probe& from, const Probe& to) const noexcept {
   const Vec3 from_L = sampler_.toIndex(from.p_W);
   const Vec3 to_L = sampler_.toIndex(to.p_W);
-  // Most ways of a tool in free space: the highest density of a trilinear cell is at one of its corners.
+  // Most lines of a tool in free space end here. The highest density of a trilinear cell is at one of its corners.
   if (sampler_.highestAround(from_L, to_L) <= isovalue_) return std::nullopt;
   const Vec3 way_W = to.p_W - from.p_W;
   CellWalk walk(from_L, to_L, sampler_.lastIndex());
@@ -29,8 +29,8 @@ std::optional<Entry> IsoField::firstEntry(const Probe& from, const Probe& to) co
   }
 }
 
-// Between two points of one cell. Four values make the cubic; where its Bernstein coefficients are all below the
-// isovalue it is too, otherwise its maximum decides.
+// The first entry between two points of one cell. Four values determine the cubic. If its Bernstein coefficients are
+// all below the isovalue, so is the cubic; otherwise its maximum decides.
 std::optional<Entry> IsoField::entryInCell(const Probe& before, const Probe& after) const noexcept {
   const bool cubic = std::isfinite(before.density) && std::isfinite(after.density) && before.side != Side::kUnknown &&
                      after.side != Side::kUnknown;
@@ -45,7 +45,8 @@ std::optional<Entry> IsoField::entryInCell(const Probe& before, const Probe& aft
       return refined(points[i], points[i + 1]);
     }
   }
-  if (before.side != Side::kOutside) return std::nullopt;  // inside, or out of the object and not in again
+  if (before.side != Side::kOutside)
+    return std::nullopt;  // the line is inside, or leaves the object and does not enter it again
   const double f0 = points[0].density - isovalue_;
   const double f1 = points[1].density - isovalue_;
   const double f2 = points[2].density - isovalue_;
@@ -53,7 +54,7 @@ std::optional<Entry> IsoField::entryInCell(const Probe& before, const Probe& aft
   const double b1 = (-5 * f0 + 18 * f1 - 9 * f2 + 2 * f3) / 6;
   const double b2 = (2 * f0 - 9 * f1 + 18 * f2 - 5 * f3) / 6;
   if (b1 <= 0 && b2 <= 0) return std::nullopt;
-  // The derivative is the quadratic with the Bernstein coefficients p, q, r; its root at a maximum.
+  // The derivative is the quadratic with the Bernstein coefficients p, q, r (times 3). s is its root at the maximum.
   const double p = b1 - f0;
   const double q = b2 - b1;
   const double r = f3 - b2;
@@ -104,7 +105,8 @@ bool IsoField::inAirBehind(const Vec3& on_plane_W, const Vec3& normal_W, const P
   return start.side == Side::kOutside && !firstEntry(start, hip);
 }
 
-// Moves a probe beyond the volume along the line onto the face where the line comes in; the face that it passes last.
+// Moves a probe beyond the volume along the line onto the face where the line enters the volume. That is the face that
+// it passes last.
 CutFace IsoField::clipToBox(Probe& outside, const Probe& inside) const noexcept {
   const Vec3 a_L = sampler_.toIndex(outside.p_W);
   const Vec3 b_L = sampler_.toIndex(inside.p_W);
@@ -124,7 +126,7 @@ CutFace IsoField::clipToBox(Probe& outside, const Probe& inside) const noexcept 
   return face;
 }
 
-// Regula falsi with halved weights (Illinois), which converges for every continuous density.
+// Regula falsi with halved weights (the Illinois rule). It converges for every continuous density.
 Entry IsoField::refined(Probe outside, Probe inside) const noexcept {
   Entry entry;
   entry.direction_W = (inside.p_W - outside.p_W).normalized();

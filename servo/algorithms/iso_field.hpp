@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // servo/algorithms/iso_field.hpp: a window with an isovalue: is a point in the object, and where does a line enter it?
 //
-// Density above tau is object, at or below it background (the paper, section 3.1); beyond the volume is background.
-// What is beyond the window is kUnknown and never taken for either side. Frame W: world [m]. Thread: the servo's. Cost:
-// stated at each search, in fetches; every search has a stated maximum. Errors: none.
+// Density above tau is object, at or below it background (the paper, section 3.1). Beyond the volume is background. A
+// place beyond the window is kUnknown; it is never taken for either side. Frame W: world [m]. Thread: the servo's.
+// Cost: stated at each search, in fetches; every search has a stated maximum. Errors: none.
 #pragma once
 
 #include <optional>
@@ -36,8 +36,8 @@ struct Entry {
 
 class IsoField {
  public:
-  // A way out is searched in steps of at most half the smallest voxel side. A line that needs more steps than this gets
-  // longer ones.
+  // A way out is searched in steps of at most half the smallest voxel side. A line that would need more than this many
+  // gets longer steps.
   static constexpr int kMaxSearchSteps = 256;
   // Regula falsi steps that bring an entry from half a voxel to about 1e-4 of one.
   static constexpr int kMaxRefineSteps = 6;
@@ -60,24 +60,26 @@ class IsoField {
     return {p_W, f.density, f.place == Place::kBeyondWindow ? Side::kUnknown : known};
   }
 
-  // The first place between `from` and `to` where the line goes from outside in; both ends may be outside. The search
-  // is exact: it goes cell by cell, and in each the density along the line is a cubic. So no wall is jumped, however
-  // thin it is and however slow the way. On a way that begins inside, an air gap of less than a third of the way's part
-  // in a cell may be passed over. Fetches: none for a way within one cell without object. Otherwise three for each cell
-  // that the line passes (at most three cells a voxel of way), and kMaxRefineSteps + 1 at the entry.
+  // The first place between `from` and `to` where the line goes from outside to inside; both ends may be outside. The
+  // search is exact: it goes cell by cell, and within a cell the density along the line is a cubic. So no wall is
+  // jumped, however thin it is and however short the line. One exception: if the line begins inside, an air gap of less
+  // than a third of the line's part in a cell may be missed. Fetches: none for a line within one cell that holds no
+  // object. Otherwise three for each cell that the line passes (at most three cells a voxel of length), and
+  // kMaxRefineSteps + 1 at the entry.
   [[nodiscard]] std::optional<Entry> firstEntry(const Probe& from, const Probe& to) const noexcept;
 
-  // From a point inside, the first place on the way to `to_W` where the line comes out, given as an entry seen from
-  // outside. At most kMaxSearchSteps + kMaxRefineSteps + 1 fetches.
+  // From a point inside, the first place on the line to `to_W` where it leaves the object. It is given as an entry, as
+  // seen from outside. At most kMaxSearchSteps + kMaxRefineSteps + 1 fetches.
   [[nodiscard]] std::optional<Entry> firstExit(const Probe& inside, const Vec3& to_W) const noexcept;
 
-  // From a point inside, the nearest way out down the gradient or along the lattice's axes in both directions. None
-  // from a point outside, and none if all is object for kLongestWayOut. At most seven firstExit() of that length and a
-  // fetch.
+  // From a point inside, the nearest way out. Seven directions are tried: down the gradient, and both ways along the
+  // lattice's axes. None from a point outside, and none if all is object for kLongestWayOut. At most seven firstExit()
+  // of that length and a fetch.
   [[nodiscard]] std::optional<Entry> nearestExit(const Probe& inside) const noexcept;
 
-  // Whether a HIP behind a plane is in the air, with nothing between the two. An edit may have removed the object there
-  // and left the plane on the rim of the hollow. No fetch for a HIP in the object, else one and firstEntry().
+  // Whether a HIP behind a plane is outside the object, with no object between the two. An edit may have removed the
+  // object there and left the plane on the rim of the hollow. No fetch for a HIP in the object, else one and
+  // firstEntry().
   [[nodiscard]] bool inAirBehind(const Vec3& on_plane_W, const Vec3& normal_W, const Probe& hip) const noexcept;
 
   // The point in the box of the window's samples that is nearest to a world position [m].

@@ -24,7 +24,7 @@ std::unique_ptr<Algorithm> makeVhip(AlgorithmSetup&& setup) {
   return std::make_unique<VhipKind>(setup.parameters, std::move(setup.effects), std::move(setup.objects));
 }
 
-// The isosurface's mesh is one more object.
+// The mesh of the isosurface is one more object, the first.
 std::unique_ptr<Algorithm> makeGodObject(AlgorithmSetup&& setup) {
   if (setup.isosurface == nullptr) {
     throw Error(Error::Code::kBadInput, "algorithm god-object", "the isosurface's mesh is missing",
@@ -36,20 +36,20 @@ std::unique_ptr<Algorithm> makeGodObject(AlgorithmSetup&& setup) {
                                      isosurface.get());
 }
 
-// For an algorithm without a VHIP.
-void refuseWhatMovesAVhip(const AlgorithmSetup& setup, const char* algorithm) {
+// For an algorithm without a VHIP that they could move.
+void refuseEffectsAndObjects(const AlgorithmSetup& setup, const char* algorithm) {
   if (setup.effects.empty() && setup.objects.empty()) return;
   throw Error(Error::Code::kBadInput, algorithm, "contact effects and objects move a VHIP, and it has none",
               "leave them out, or take an algorithm with a VHIP, such as hri");
 }
 
 std::unique_ptr<Algorithm> makeAvila(AlgorithmSetup&& setup) {
-  refuseWhatMovesAVhip(setup, "avila");
+  refuseEffectsAndObjects(setup, "avila");
   return std::make_unique<Avila>(setup.parameters);
 }
 
 std::unique_ptr<Algorithm> makeHaptization(AlgorithmSetup&& setup) {
-  refuseWhatMovesAVhip(setup, "haptization");
+  refuseEffectsAndObjects(setup, "haptization");
   TransferTables tables = std::move(setup.haptization);
   TransferTables standard = TransferFunction::standard(setup.parameters.isovalue, setup.scale);
   if (tables.density.empty()) tables.density = std::move(standard.density);

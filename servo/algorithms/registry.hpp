@@ -16,17 +16,17 @@
 
 namespace palpate {
 
-// What an algorithm is made from. Each takes what it needs and refuses what it cannot use.
+// What an algorithm is made from. Each algorithm takes what it needs and refuses what it cannot use.
 struct AlgorithmSetup {
   AlgorithmParameters parameters = {};
   ContactEffects effects = {};
-  TransferTables haptization = {};  // no density rows: the standard ones for the isovalue and `scale`
+  TransferTables haptization = {};  // without density rows: standard tables from isovalue and `scale`
   DensityScale scale = {};
-  ContactObjects objects = {};                               // beside the volume
-  std::shared_ptr<const TriangleMesh> isosurface = nullptr;  // for an algorithm that needs it
+  ContactObjects objects = {};                               // solids beside the volume
+  std::shared_ptr<const TriangleMesh> isosurface = nullptr;  // as a mesh, for an algorithm that needs it
 };
 
-// What must be there before the algorithm is made.
+// What the caller must provide before the algorithm is made.
 struct AlgorithmNeeds {
   bool gradient_everywhere = false;  // it reads gradients away from the isosurface too
   bool isosurface_mesh = false;      // AlgorithmSetup::isosurface
@@ -34,9 +34,9 @@ struct AlgorithmNeeds {
 
 // Properties for comparing algorithms.
 struct AlgorithmTraits {
-  bool renews_planes = false;  // it uses AlgorithmParameters::plane_renewal_ticks
+  bool renews_planes = false;  // plane_renewal_ticks has an effect
   bool takes_tables = false;   // AlgorithmSetup::haptization
-  bool shows_surface = true;   // its VHIP is its estimate of the surface point; false: its VHIP is the HIP
+  bool shows_surface = true;   // its VHIP is an estimate of the surface point; false: its VHIP is the HIP
 };
 
 struct AlgorithmEntry {
@@ -53,10 +53,13 @@ struct AlgorithmEntry {
 // Throws Error(kBadInput) on an unknown name (the message names the known ones).
 [[nodiscard]] const AlgorithmEntry& algorithmEntry(std::string_view name);
 
-// Throws Error(kBadInput) on an unknown name, on a renewal below 1 tick, on a negative or non-finite stiffness or
-// damping, a non-finite isovalue or a rate that is not above 0, on effects or objects for an algorithm that takes none,
-// on tables that TransferFunction refuses for one that uses them, and without the isosurface's mesh for an algorithm
-// that needs it.
+// Throws Error(kBadInput) on
+// - an unknown name;
+// - a renewal below 1 tick, a negative or non-finite stiffness or damping, a non-finite isovalue, a rate that is not
+//   above 0;
+// - effects or objects for an algorithm that takes none;
+// - tables that TransferFunction refuses, for an algorithm that uses them;
+// - a missing mesh of the isosurface, for an algorithm that needs one.
 [[nodiscard]] std::unique_ptr<Algorithm> makeAlgorithm(std::string_view name, AlgorithmSetup setup);
 
 }  // namespace palpate

@@ -16,8 +16,8 @@ namespace {
   return squared_m2 <= longest_m * longest_m ? v_W : Vec3(v_W * (longest_m / std::sqrt(squared_m2)));
 }
 
-// Where the sampled gradient and the interpolated density disagree (a wall of one voxel), plain Newton swings or
-// crawls. The ratio of two residuals gives the true slope, as in the secant method.
+// A gain for Newton steps. Where the sampled gradient and the interpolated density disagree (a wall of one voxel),
+// plain Newton swings or crawls. The ratio of two residuals gives the true slope, as in the secant method.
 class NewtonGain {
  public:
   [[nodiscard]] double update(double residual_m) noexcept {
@@ -28,8 +28,8 @@ class NewtonGain {
     last_m_ = residual_m;
     return gain_;
   }
-  // A residual can be compared with the next one only if the step between was mostly along the normal. Both parts are
-  // often cut short to a voxel: the bound keeps away from that tie.
+  // A residual can be compared with the next one only if the step between them was mostly along the normal. Both parts
+  // of a step are often cut to a voxel. The bound of 0.9 keeps away from that tie.
   void stepped(double normal_m, double tangential_squared_m2) noexcept {
     comparable_ = tangential_squared_m2 <= 0.9 * normal_m * normal_m && normal_m != 0;
   }
@@ -40,8 +40,8 @@ class NewtonGain {
   bool comparable_ = false;
 };
 
-// The share of the way aside that a step takes. A step that swung or went nowhere halves it; one that gained in the
-// same direction, but little, raises it.
+// The share of the lateral offset that a step takes. A step that swung or gained nothing halves it. A step that gained
+// little in the same direction raises it.
 class Pace {
  public:
   explicit Pace(double share) noexcept : share_(share) {}
@@ -77,9 +77,9 @@ class Pace {
   return (normal_W * (1 - share) + to_p_W * (share / length_m)).normalized();
 }
 
-// The mean of the normals at p and at six points around it in the tangent plane, wider apart the deeper the press: what
-// a tip that presses so deep would feel of bumps. Steeper places count for more. The six are the lattice's axes laid
-// onto the plane, so they turn with the normal without a step.
+// The mean of the normals at p and at six points around it in the tangent plane. The points are wider apart the deeper
+// the press, as a tip that presses deep feels only wide bumps. Steeper places count for more. The six directions are
+// the lattice's axes projected onto the plane, so they turn continuously with the normal.
 [[gnu::noinline, gnu::cold]] Vec3 meanNormal(const IsoField& field, const Vec3& p_W, const Vec3& normal_W,
                                              double depth_m) noexcept {
   const double h_m = field.voxel();
@@ -97,7 +97,7 @@ class Pace {
   return length > 0 && std::isfinite(length) ? Vec3(uphill_W / -length) : normal_W;
 }
 
-// Whether a surface on which a point was found is rough there: a point in a pit agrees with the line, too.
+// Judges whether the surface is rough at a point that was found. It may be: in a pit a point agrees with the line, too.
 void judge(const IsoField& field, const Vec3& hip_W, const Vec3& p_W, const Vec3& normal_W,
            TrackMemory& memory) noexcept {
   const double h_m = field.voxel();
@@ -110,7 +110,7 @@ void judge(const IsoField& field, const Vec3& hip_W, const Vec3& p_W, const Vec3
   memory.judged_W = p_W;
 }
 
-// The search that is over at its first place, as most are: found there, with no walk made ready. `f`: the field at x.
+// The short search: most end at their first place, before a SheetWalk is made. `f`: the field at x.
 [[nodiscard]] bool foundAtOnce(const IsoField& field, const Vec3& hip_W, const Vec3& x_W, const Fetch& f,
                                double line_tolerance, SurfacePoint& surface) noexcept {
   if (f.place != Place::kInside) return false;
@@ -133,7 +133,7 @@ void judge(const IsoField& field, const Vec3& hip_W, const Vec3& p_W, const Vec3
 // One search along the isosurface. It begins at the surface point of the last search and goes a step at a time.
 class SheetWalk {
  public:
-  // From `x_W`, with `way_W` of the HIP's way along the surface.
+  // From `x_W`. `way_W`: the HIP's motion along the surface.
   SheetWalk(const IsoField& field, const Vec3& hip_W, const Vec3& x_W, const Vec3& way_W, const TrackMemory& memory,
             const SurfaceTracker::Limits& limits) noexcept
       : field_(field),
@@ -167,7 +167,7 @@ class SheetWalk {
     return behind_ ? Track::kBehind : Track::kFound;
   }
 
-  // Of a search that found a point.
+  // The result of a search that found a point.
   void result(SurfacePoint& surface, TrackMemory& memory) const noexcept {
     surface.p_W = p_W_;
     surface.normal_W = agreed_ || behind_ ? normal_W_ : turned(normal_W_, p_W_ - hip_W_, h_m_);
@@ -181,7 +181,7 @@ class SheetWalk {
   }
 
  private:
-  // The field at x: how far it is from the surface, and how far its normal line passes the HIP by.
+  // Evaluates the field at x: how far x is from the surface, and by how much its normal line misses the HIP.
   [[nodiscard]] Track look(Fetch& f) noexcept {
     if (f.place == Place::kBeyondWindow) return Track::kBeyondWindow;
     if (f.place == Place::kBeyondVolume) {
@@ -191,7 +191,7 @@ class SheetWalk {
     }
     const double steepness_squared = f.gradient_W.squaredNorm();
     if (!(steepness_squared > 0) || !std::isfinite(steepness_squared)) return Track::kFlat;
-    // Where the next step goes needs 1 / |g|^2 only; the roots, for what is measured in metres, run beside it.
+    // The next step needs 1 / |g|^2 only. The square roots are for lengths in metres; nothing waits for them.
     const double per_squared = 1 / steepness_squared;
     const double steepness = std::sqrt(steepness_squared);
     const double excess = f.density - field_.isovalue();
@@ -218,7 +218,7 @@ class SheetWalk {
     aside_W_ = tangential(line_W_, mean_W);
   }
 
-  // The nearest point to the surface so far. True: it is on it, and its normal line meets the HIP.
+  // Keeps x if it is the nearest to the surface so far. True: it is on the surface, and its normal line meets the HIP.
   [[nodiscard]] bool keep() noexcept {
     if (std::abs(climb_m_) > best_m_) return false;
     p_W_ = x_W_ + climb_W_;
@@ -235,8 +235,9 @@ class SheetWalk {
     x_W_ += climb_W_ + move_W;
   }
 
-  // A HIP that went farther than a voxel is followed voxel by voxel first: on a rough surface, where the way aside is
-  // never short, for as many as it went; otherwise until it is less than one aside or comes no nearer.
+  // A HIP that moved farther than a voxel is first followed voxel by voxel. On a rough surface, where the lateral
+  // offset is never short, that goes on for as many voxels as the HIP moved. Otherwise it ends when the offset is below
+  // a voxel or shrinks no more.
   [[nodiscard]] bool farAside() const noexcept {
     return voxels_left_ > 0 && (rough_ || (aside_squared_m2_ > h_m_ * h_m_ && aside_squared_m2_ < nearest_squared_m2_));
   }
@@ -273,10 +274,10 @@ class SheetWalk {
   Vec3 x_W_;
   // At x:
   Vec3 here_W_ = Vec3::Zero();   // normal
-  Vec3 climb_W_ = Vec3::Zero();  // to the isovalue
+  Vec3 climb_W_ = Vec3::Zero();  // Newton step to the isovalue
   double climb_m_ = 0;
   Vec3 line_W_ = Vec3::Zero();   // to the HIP
-  Vec3 aside_W_ = Vec3::Zero();  // of it, along the surface
+  Vec3 aside_W_ = Vec3::Zero();  // the part of that line along the surface: the lateral offset
   double aside_squared_m2_ = 0;
   // The best so far:
   Vec3 p_W_ = Vec3::Zero();
@@ -289,11 +290,12 @@ class SheetWalk {
   double slide_times_;
   bool began_rough_;
   bool rough_;
-  int steps_left_ = 0;                                                   // besides the HIP's way
-  int voxels_left_ = 0;                                                  // of that, after the first
-  double nearest_squared_m2_ = std::numeric_limits<double>::infinity();  // that the HIP's way came to the HIP, aside
+  int steps_left_ = 0;   // besides those that follow the HIP's motion
+  int voxels_left_ = 0;  // of the HIP's motion, after the first voxel
+  // The smallest lateral offset while the HIP's motion was followed.
+  double nearest_squared_m2_ = std::numeric_limits<double>::infinity();
   bool behind_ = false;
-  double slide_m_ = -1;  // what is left of it; not known yet
+  double slide_m_ = -1;  // how far the point may still slide; -1: not known yet
   bool clamped_ = false;
 };
 
@@ -327,7 +329,7 @@ Track SurfaceTracker::followIsosurface(const IsoField& field, const Vec3& hip_W,
   } else if (result != Track::kLost && result != Track::kFlat) {
     return result;
   }
-  // A cast goes one voxel aside, so a long way takes several.
+  // A cast moves the point by at most one voxel, so a long lateral offset takes several.
   for (int casts = 0; casts < kMaxCasts; ++casts) {
     const Track again = cast(field, hip_W, surface, memory.rough);
     if (again == Track::kLost) return casts > 0 ? Track::kBehind : result == Track::kFlat ? Track::kFlat : Track::kLost;
@@ -336,7 +338,7 @@ Track SurfaceTracker::followIsosurface(const IsoField& field, const Vec3& hip_W,
   return Track::kBehind;
 }
 
-// Moves `surface` only when it finds the sheet. Keeps the old normal where the sampled one turns over or is none.
+// Moves `surface` only if it finds the sheet. Keeps the old normal if the sampled one turns over or is zero.
 Track SurfaceTracker::cast(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface, bool rough) noexcept {
   const double h_m = field.voxel();
   const Vec3 foot_W = surface.p_W + shortened(tangential(hip_W - surface.p_W, surface.normal_W), h_m);
@@ -355,7 +357,7 @@ Track SurfaceTracker::cast(const IsoField& field, const Vec3& hip_W, SurfacePoin
   return Track::kFound;
 }
 
-// The nearest point of the face; where the object has ended on the way there, the isosurface takes over from its edge.
+// Goes to the nearest point of the face. If the object ends on the way there, the isosurface takes over from that edge.
 Track SurfaceTracker::followFace(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface, TrackMemory& memory,
                                  const Limits& limits) noexcept {
   const WindowSampler& sampler = field.sampler();
@@ -366,7 +368,8 @@ Track SurfaceTracker::followFace(const IsoField& field, const Vec3& hip_W, Surfa
     p_L[axis] = surface.face.high ? last : 0.0;
     return field.probe(sampler.toWorld(p_L));
   };
-  // A window moves with the tool, so the face must still be one of the volume's and not just the window's end.
+  // The window moves with the tool. So the face must be checked: it may now be inside the volume, an end of the window
+  // only.
   const Vec3 beyond_W = sampler.toWorld(sampler.toIndex(surface.p_W)) + surface.normal_W * field.voxel();
   if (sampler.place(beyond_W) != Place::kBeyondVolume) return Track::kBeyondWindow;
   const Probe nearest = onFace(hip_W);

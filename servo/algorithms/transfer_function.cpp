@@ -25,7 +25,8 @@ void checkRows(const char* table, const std::vector<Row>& rows, Finite finite, K
   }
 }
 
-// The row that begins the piece with x in it, and how far along the piece x is; the ends are constant.
+// The row at which the piece that contains x begins, and how far along the piece x is. Beyond the ends the table is
+// constant.
 struct Piece {
   std::size_t row = 0;
   double part = 0;

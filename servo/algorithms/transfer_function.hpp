@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // servo/algorithms/transfer_function.hpp: from density and gradient magnitude to a force and a viscosity.
 //
-// Two tables, piecewise linear between their rows and constant before the first and after the last: density -> force
-// and viscosity, gradient magnitude -> weight of the force. Source of the idea: the paper, section 2.1, after Iwata and
-// Noma, "Volume haptization" (1993), and the opacity transfer functions of volume rendering, which the table is meant
-// to match. Units: density; gradient [density/m]; force [N]; viscosity [N s/m]; weight [-].
+// There are two tables: density -> force and viscosity, gradient magnitude -> weight of the force. They are piecewise
+// linear between their rows and constant before the first and after the last. Source of the idea: the paper, section
+// 2.1, after Iwata and Noma, "Volume haptization" (1993), and the opacity transfer functions of volume rendering, which
+// the tables are meant to match. Units: density; gradient [density/m]; force [N]; viscosity [N s/m]; weight [-].
 // Thread: made at set-up (allocates, throws), evaluated in the servo. Cost of at(): some ns for tables of a few rows.
 // Errors: Error(kBadInput) when made.
 #pragma once
@@ -23,7 +23,7 @@ struct DensityRow {
 
 struct GradientRow {
   double gradient_per_m = 0;  // magnitude [density/m]
-  double weight = 1;          // of the force, 0 or more
+  double weight = 1;          // factor of the force, 0 or more
 
   [[nodiscard]] bool operator==(const GradientRow&) const = default;
 };
@@ -35,7 +35,7 @@ struct TransferTables {
   [[nodiscard]] bool operator==(const TransferTables&) const = default;
 };
 
-// How a volume's densities lie about its isovalue; standard() makes tables from it where a scene gives none.
+// The range of a volume's densities. standard() makes tables from it if a scene gives none.
 struct DensityScale {
   double contrast = 1;    // from the isovalue up to the volume's highest density
   double voxel_m = 1e-3;  // smallest side of a voxel

@@ -5,7 +5,7 @@
 //   explicit Surface(const AlgorithmParameters&);
 //   static constexpr bool kMayPull;     // K d - B v_d may pull the device in, as the paper prints it
 //   static constexpr bool kEasesEdits;  // optional, default true; false: an edit is felt whole as soon as find() sees
-//   void reset(const Vec3& hip_W) noexcept;
+//   it void reset(const Vec3& hip_W) noexcept;
 //   // Optional: as Algorithm::resume(); comes after a reset().
 //   void resume(const Vec3& free_W) noexcept;
 //   // True in contact: then plane() is valid, with `tool_W` behind it. `tool_W` is the HIP, or with objects the place
@@ -13,14 +13,15 @@
 //   bool find(const SampleWindow& window, const Vec3& tool_W, std::uint32_t& faults) noexcept;
 //   // Optional: the surface point of a contact that is remembered while the window does not hold it.
 //   std::optional<Vec3> remembered(const Vec3& hip_W) const noexcept;
-//   ContactPlane plane() const noexcept;  // out of contact only its age counts: 0 without a plane
-// Edits. The depth that an edit adds, against what was shown at the same HIP, is taken in over time (edit_ease.hpp),
-// unless the Surface has kEasesEdits = false. Until then the plane is shown moved inwards. If an edit turned the plane,
-// only the part of the old displacement along the new normal is there at once. What an edit takes away is felt at once.
-// Objects beside the volume are not eased.
+//   ContactPlane plane() const noexcept;  // without contact only its age is used: 0 without a plane
+//
+// Edits. An edit may add depth, compared with the depth shown before at the same HIP. The added depth is taken in over
+// time (edit_ease.hpp), unless the Surface has kEasesEdits = false. Until then the plane is shown moved inwards. If an
+// edit turned the plane, only the part of the old displacement along the new normal is felt at once. Depth that an edit
+// takes away is gone at once. Objects beside the volume are not eased.
 // Frames, force convention and thread: algorithm.hpp. Source: the paper, equations 2 and 3. Effects move the VHIP only
-// (section 3.1, last paragraph), within their account of energy (energy_account.hpp). Cost: some 5 ns and what Surface,
-// effects and objects cost; with effects 5 ns for the account.
+// (section 3.1, last paragraph), within their account of energy (energy_account.hpp). Cost: some 5 ns, plus the
+// Surface, the effects and the objects; with effects 5 ns for the account.
 #pragma once
 
 #include <algorithm>
@@ -39,12 +40,12 @@ namespace palpate {
 template <class Surface>
 class VhipAlgorithm final : public Algorithm {
  public:
-  // A depth that is not taken for an edit's. Two planes of one surface, found for one HIP, may differ by kSamePlane. A
-  // plane that was found a way w aside lies w^2 / (2 R) off the sheet; kTightest is the least R that a sheet is taken
-  // to have [voxel].
+  // Differences of depth that are not taken for an edit's [voxel]. Two planes of one surface, found for one HIP, may
+  // differ by kSamePlane. A plane that was found at a lateral distance w lies w^2 / (2 R) off the sheet. kTightest is
+  // the smallest R that a sheet is assumed to have.
   static constexpr double kSamePlane = 0.02;
   static constexpr double kTightest = 4;
-  static constexpr double kLongestAside = 1;  // longest w that is allowed for, however old the plane [voxel]
+  static constexpr double kLongestAside = 1;  // largest w that is assumed, however old the plane [voxel]
 
   explicit VhipAlgorithm(const AlgorithmParameters& parameters, ContactEffects effects = {},
                          ContactObjects objects = {}, const ContactObject* isosurface = nullptr)
@@ -74,26 +75,26 @@ class VhipAlgorithm final : public Algorithm {
 
   void tick(const TickInput& in, TickOutput& out) noexcept override {
     out = TickOutput{};
-    if (resumed_ && in.window->usable()) {  // what its edits added was felt before
+    if (resumed_ && in.window->usable()) {  // edits before the take-over were felt already
       edit_version_ = in.window->edit_version;
       resumed_ = false;
     }
     if (objects_.empty()) {
       if (find(*in.window, in.hip_W, out.faults)) {
-        push(in, shown(), out);
+        giveForce(in, shown(), out);
       } else {
-        leave(in, out);
+        giveNoForce(in, out);
       }
     } else if (const auto plane = findWithObjects(in, out.faults)) {
-      push(in, *plane, out);
+      giveForce(in, *plane, out);
     } else {
-      leave(in, out);
+      giveNoForce(in, out);
     }
   }
 
  private:
-  // kAwaited comes with every edit, and ends in kEasing with the first plane that was found since, or in kSettled where
-  // the contact ends. Of earlier edits there may be some left to ease in kAwaited too.
+  // Every edit leads to kAwaited. The first plane that is found after it leads to kEasing, the end of the contact to
+  // kSettled. In kAwaited there may still be depth of earlier edits to ease.
   enum class Edit : std::uint8_t { kSettled, kAwaited, kEasing };
 
   // Surface::find(), with the easing of edits.
@@ -142,7 +143,7 @@ class VhipAlgorithm final : public Algorithm {
     ease_.take(shown_m, plane.depth(tool_W), kSamePlane * voxel_m + aside_m * aside_m / (2 * kTightest * voxel_m));
   }
 
-  // The volume's plane, moved inwards by what is not taken in yet.
+  // The volume's plane, moved inwards by the depth that is not taken in yet.
   [[nodiscard]] ContactPlane shown() const noexcept {
     ContactPlane plane = surface_.plane();
     if (edit_ != Edit::kSettled) plane.p_W -= ease_.amount() * plane.normal_W;
@@ -158,7 +159,7 @@ class VhipAlgorithm final : public Algorithm {
     return objects_.settle(in.hip_W, held());
   }
 
-  void leave(const TickInput& in, TickOutput& out) noexcept {
+  void giveNoForce(const TickInput& in, TickOutput& out) noexcept {
     if (touching_) release();
     out.vhip_W = in.hip_W;
     if constexpr (requires { surface_.remembered(in.hip_W); }) {
@@ -174,8 +175,9 @@ class VhipAlgorithm final : public Algorithm {
     for (auto& effect : effects_) effect->release();
   }
 
-  // Without effects d lies along N. What effects add to d along the surface gives a force of K alone, without damping.
-  void push(const TickInput& in, const ContactPlane& plane, TickOutput& out) noexcept {
+  // Without effects d lies along N. The part of d along the surface, which effects add, gives the spring force alone,
+  // without damping.
+  void giveForce(const TickInput& in, const ContactPlane& plane, TickOutput& out) noexcept {
     const double depth_m = plane.depth(in.hip_W);
     const double damping_N = damping_Ns_per_m_ * plane.normal_W.dot(in.hip_velocity_W);
     out.vhip_W = in.hip_W + depth_m * plane.normal_W;
@@ -183,7 +185,7 @@ class VhipAlgorithm final : public Algorithm {
     out.surface_W = out.vhip_W;
     if (edit_ != Edit::kSettled) out.surface_W += ease_.amount() * surface_.plane().normal_W;
     if (effects_.empty()) {
-      out.force_W = pushing(stiffness_N_per_m_ * depth_m - damping_N) * plane.normal_W;
+      out.force_W = withoutPull(stiffness_N_per_m_ * depth_m - damping_N) * plane.normal_W;
     } else {
       const ContactState contact{.hip_W = in.hip_W,
                                  .hip_velocity_W = in.hip_velocity_W,
@@ -197,7 +199,7 @@ class VhipAlgorithm final : public Algorithm {
       out.vhip_W = account_.settle(contact, moved);
       const Vec3 spring_W = stiffness_N_per_m_ * (out.vhip_W - in.hip_W);
       const double along_N = plane.normal_W.dot(spring_W);
-      out.force_W = spring_W + plane.normal_W * (pushing(along_N - damping_N) - along_N);
+      out.force_W = spring_W + plane.normal_W * (withoutPull(along_N - damping_N) - along_N);
     }
     touching_ = true;
     out.normal_W = plane.normal_W;
@@ -210,19 +212,19 @@ class VhipAlgorithm final : public Algorithm {
     if constexpr (requires { Surface::kEasesEdits; }) return Surface::kEasesEdits;
     return true;
   }
-  static double pushing(double force_N) noexcept { return Surface::kMayPull ? force_N : std::max(0.0, force_N); }
+  static double withoutPull(double force_N) noexcept { return Surface::kMayPull ? force_N : std::max(0.0, force_N); }
 
   Surface surface_;
   double stiffness_N_per_m_;
   double damping_Ns_per_m_;
   ContactEffects effects_;
-  EnergyAccount account_;  // of what the effects give
+  EnergyAccount account_;  // bounds the energy that the effects give
   ObjectContacts objects_;
   std::optional<ContactPlane> volume_plane_;  // with objects: the plane of the last tick, in contact
   bool touching_ = false;                     // there was contact in the last tick
   bool on_surface_ = false;                   // with the volume
   Edit edit_ = Edit::kSettled;
-  bool resumed_ = false;            // since the last usable window
+  bool resumed_ = false;            // another algorithm handed over, and no usable window has come since
   std::uint64_t edit_version_ = 0;  // of the last usable window
   EditEase ease_;                   // of the depth behind the volume's plane [m]
 };

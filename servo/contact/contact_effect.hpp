@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// servo/contact/contact_effect.hpp: what friction, texture, recovery, force shading and stiffness by density have in
-// common: they move the VHIP and nothing else.
+// servo/contact/contact_effect.hpp: the interface of contact effects: friction, texture, recovery, force shading and
+// stiffness by density. An effect moves the VHIP and nothing else.
 //
-// An algorithm in contact first puts the VHIP on its plane. Then it lets each effect move the VHIP in turn, and
-// computes the force from the result: F = K d with d = VHIP - HIP. Without effects this costs one comparison per tick.
+// An algorithm in contact first puts the VHIP on its plane. Then each effect moves the VHIP in turn. The force follows
+// from the result: F = K d with d = VHIP - HIP. Without effects this costs one comparison per tick.
 //
 // A surface must not give back more energy than a hand put in. So an effect whose strength depends on the place has a
-// potential U, and its d is minus the slope of U / K, along the normal and along the surface. The energy stored by the
-// effects so far is passed on beside the VHIP, as U / K = `energy_m2`; for the bare plane of depth D it is D^2 / 2. An
-// effect cannot derive it from |d|, since d also has parts along the surface. Recovery, force shading and planes that
-// jump have no potential; the energy account watches them (energy_account.hpp).
+// potential U. Its d is minus the slope of U / K, along the normal and along the surface. The energy that the effects
+// so far have stored is passed on beside the VHIP, as U / K = `energy_m2`. For the bare plane at depth D it is D^2 / 2.
+// An effect cannot derive it from |d|, since d also has parts along the surface. Recovery, force shading and planes
+// that jump have no potential. The energy account watches them (energy_account.hpp).
 //
 // Source: the paper, sections 3.1 (last paragraph) and 3.3. Frame W: world [m, m/s]. Thread: the servo's; no heap,
 // lock, system call or throw. An effect gets the servo's period, a stiffness or a number of ticks when it is made.
@@ -24,13 +24,13 @@
 
 namespace palpate {
 
-// The longest way that a tool can go in a tick. If two positions are farther apart, one of them is a wrong reading, and
-// sums over the way start anew [m].
-inline constexpr double kLongestTickWay_m = 0.1;
+// The longest motion of a tool in a tick. If two successive positions are farther apart, one of them is a wrong
+// reading, and sums over the motion start anew [m].
+inline constexpr double kLongestTickMotion_m = 0.1;
 
-// Whether this is a true motion of the tool in a tick. False for NaN too.
-[[nodiscard]] inline bool isAWay(const Vec3& way_W) noexcept {
-  return way_W.cwiseAbs().maxCoeff() <= kLongestTickWay_m && way_W.allFinite();
+// Whether a displacement can be the motion of a tick. False for NaN too.
+[[nodiscard]] inline bool isTickMotion(const Vec3& way_W) noexcept {
+  return way_W.cwiseAbs().maxCoeff() <= kLongestTickMotion_m && way_W.allFinite();
 }
 
 struct ContactState {
@@ -43,17 +43,17 @@ struct ContactState {
   const SampleWindow* window = nullptr;  // of this tick; never null, may be unusable
 };
 
-// What the plane and the effects so far make of the contact.
+// The contact as the plane and the effects so far have made it.
 struct ContactPush {
   Vec3 vhip_W = Vec3::Zero();  // [m]
-  double energy_m2 = 0;        // U / K: energy that the tool would get back if it were drawn straight out
+  double energy_m2 = 0;        // U / K: energy that the tool gets back if it is drawn straight out
   double stiffness = 1;        // stiffness of the contact here, over K [-]
 };
 
 class ContactEffect {
  public:
   virtual ~ContactEffect() = default;
-  // There is no contact: forget the last one.
+  // The contact has ended: forgets it.
   virtual void release() noexcept = 0;
   // Moves the VHIP from where the plane and earlier effects put it, and updates the stored energy.
   virtual void move(const ContactState& contact, ContactPush& push) noexcept = 0;

@@ -11,7 +11,7 @@
 namespace palpate {
 
 struct ContactPlane {
-  Vec3 p_W = Vec3::Zero();       // a point of the plane, on the surface [m]
+  Vec3 p_W = Vec3::Zero();       // a point on the plane and on the surface [m]
   Vec3 normal_W = Vec3::Zero();  // unit, out of the object [-]
   std::int32_t age_ticks = 0;    // since it was found; 0: in this tick [tick]
 

@@ -2,16 +2,16 @@
 // servo/contact/effects.hpp: makes the contact effects that a scene asks for, in the order in which they act.
 //
 // The order, and why:
-// 1. force shading   decides where on the surface the VHIP is; everything else starts from there;
-// 2. recovery time   takes the steps of plane switches out of that, and of nothing else. After friction it would smear
-//                    stick-slip, after texture the grain;
-// 3. texture         is felt in full, and changes the depth from which friction takes its load;
-// 4. friction        holds the tool against all of the above; its cone is about the direction that they gave the force;
-// 5. stiffness       scales the finished d = VHIP - HIP and the energy that all of them store. What is softer is softer
-//                    along the surface too, and the friction cone keeps its angle. (Viscous friction scales as well.) A
-//                    spring of friction that was stretched on soft ground costs what it gives back on hard ground.
+// 1. force shading decides where on the surface the VHIP is. Everything else starts from there.
+// 2. recovery time takes the steps of plane switches out of that, and of nothing else. After friction it would smear
+//    stick-slip, after texture the grain.
+// 3. texture is felt in full. It changes the depth, which is friction's load.
+// 4. friction holds the tool against all of the above. Its cone is about the direction that they gave the force.
+// 5. stiffness by density scales the finished d = VHIP - HIP, and the energy that all of them store. Soft ground is
+//    softer along the surface too, and the friction cone keeps its angle. Viscous friction scales as well. A friction
+//    spring that was stretched on soft ground and relaxes on hard ground costs the hand what it gives back.
 // The energy account acts last (energy_account.hpp).
-// An effect that is not asked for is not made; without any the servo's tick has one comparison more. Set-up code:
+// An effect that is not asked for is not made. Without effects the servo's tick has one comparison more. Set-up code:
 // allocates and throws.
 #pragma once
 

@@ -17,7 +17,7 @@ Vec3 ForceShading::shaded(const ContactState& contact, const Vec3& vhip_W) noexc
   const double cosine = shading_W.dot(normal_W);
   const double rise_m = shading_W.dot(under_W - contact.hip_W);  // from the HIP to HIP'
   if (!(cosine > 0) || !(rise_m > 0)) return vhip_W;
-  // HIP' on the true plane is the HIP's own projection and the part of the rise along the plane.
+  // HIP' on the true plane is the HIP's own projection plus the part of the rise along the plane.
   Vec3 aside_W = rise_m * (shading_W - cosine * normal_W);
   const double aside_m = aside_W.norm();
   const double farthest_m = kSteepest * normal_W.dot(vhip_W - contact.hip_W);

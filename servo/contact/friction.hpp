@@ -7,10 +7,10 @@
 // - Then it slips until the spring's force is mu_d K D + b_v m / T. m is its motion in this tick, found implicitly from
 //   K (|t| - mu_d D - m) = b_v m / T, m >= 0.
 // - It sticks again as soon as it does not move (m = 0, or slower than kStill).
-// So slipping steadily at speed v costs exactly mu_d K D + b_v v. D is the depth of the incoming VHIP, along the
-// plane's normal. The VHIP is held back by t, and the spring's energy t^2 / 2 is added to what is passed on. Slipping
-// only shortens t, so friction only takes energy. A push of earlier effects along the surface does not stretch the
-// spring: it pushes the hand, and friction holds the hand back against it.
+// So steady slip at speed v costs exactly mu_d K D + b_v v. D is the depth of the incoming VHIP, along the plane's
+// normal. The VHIP is held back by t, and the spring's energy t^2 / 2 is added to what is passed on. Slip only shortens
+// t, so friction only takes energy. A push of earlier effects along the surface does not stretch the spring. It pushes
+// the hand, and friction holds the hand back against it.
 //
 // Sources: the paper, section 3 (friction limits the motion of the VHIP); Coulomb's law; a sled that sticks and slips
 // as in Salcudean and Vlaar (1997), Hayward and Armstrong (2000). Frame W: world [m]. Thread: move() and release() the
@@ -32,7 +32,7 @@ struct FrictionParameters {
 
 class Friction final : public ContactEffect {
  public:
-  static constexpr double kStill = 1e-6;  // [m/s]; rounding must not look like motion
+  static constexpr double kStill = 1e-6;  // slower than this counts as rounding, not motion [m/s]
 
   // `stiffness_N_per_m`: K of the contact. All parameters finite and not negative (effects.hpp checks).
   Friction(const FrictionParameters& parameters, double stiffness_N_per_m, double rate_hz) noexcept;

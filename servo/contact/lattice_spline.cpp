@@ -16,8 +16,8 @@ Weights weightsAt(double u) noexcept {
 
 }  // namespace
 
-LatticeSpline::At LatticeSpline::weighed(const Lattice& lattice, const Vec3& u,
-                                         const Eigen::Array<bool, 3, 1>& within) const noexcept {
+LatticeSpline::At LatticeSpline::evaluate(const Lattice& lattice, const Vec3& u,
+                                          const Eigen::Array<bool, 3, 1>& within) const noexcept {
   const Weights x = weightsAt(u.x()), y = weightsAt(u.y()), z = weightsAt(u.z());
   double value = 0;
   Vec3 slope_L = Vec3::Zero();

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // servo/contact/lattice_spline.hpp: a smooth field in space, made from one number for each sample of a window.
 //
-// The field is the quadratic B-spline with these numbers as its coefficients. Value and slope are continuous
-// everywhere, the slope is exactly that of the value, and numbers that are linear in space are met exactly. The value
-// lies between the smallest and the largest of the 27 numbers around the point. So the slope along an axis is at most
-// twice their half range per voxel, however steeply a table makes the numbers change. Beyond the window's outermost
-// samples the field is level.
-// Frames: W world [m]; L the window's lattice [voxel]. Thread: the servo's. Cost: some 25 ns, and 27 calls of number()
-// when the point has come nearer to another sample or the window is new. Errors: none.
+// The field is the quadratic B-spline with these numbers as its coefficients. Its value and slope are continuous
+// everywhere, and the slope is exactly that of the value. Numbers that are linear in space are reproduced exactly. The
+// value lies between the smallest and the largest of the 27 numbers around the point. So the slope along an axis is at
+// most twice half their range per voxel, however abruptly the numbers change. Beyond the window's outermost samples the
+// field is constant.
+// Frames: W world [m]; L the window's lattice [voxel]. Thread: the servo's. Cost: some 25 ns. If the nearest sample is
+// another one than before, or the window is new, also 27 calls of number(). Errors: none.
 #pragma once
 
 #include <array>
@@ -18,7 +18,7 @@
 
 namespace palpate {
 
-// A sample of a usable window, within it.
+// Sample i of a usable window; i must be within the window.
 [[nodiscard]] inline const Sample& sampleAt(const SampleWindow& window, const Vec3i& i) noexcept {
   return window.samples[i.x() + static_cast<std::ptrdiff_t>(window.size.x()) *
                                     (i.y() + static_cast<std::ptrdiff_t>(window.size.y()) * i.z())];
@@ -40,10 +40,10 @@ class LatticeSpline {
     const Vec3 inside_L = p_L.cwiseMax(Vec3::Zero()).cwiseMin(last);
     const Vec3i middle = (inside_L.array() + 0.5).floor().cast<int>().matrix().cwiseMin(window.size - Vec3i::Ones());
     if (middle != middle_ || window.version != version_ || window.samples != samples_) gather(window, middle, number);
-    return weighed(window.lattice, inside_L - middle.cast<double>(), inside_L.array() == p_L.array());
+    return evaluate(window.lattice, inside_L - middle.cast<double>(), inside_L.array() == p_L.array());
   }
 
-  // Before another run: its windows may have the same versions and storage.
+  // Call it before another run: windows of that run may have the same versions and storage.
   void forget() noexcept { samples_ = nullptr; }
 
  private:
@@ -63,14 +63,15 @@ class LatticeSpline {
     }
   }
 
-  // `u`: from the middle sample, -0.5 to 0.5 along each axis. `within`: the axes along which the field is not level.
-  [[nodiscard]] At weighed(const Lattice& lattice, const Vec3& u,
-                           const Eigen::Array<bool, 3, 1>& within) const noexcept;
+  // `u`: offset from the middle sample, -0.5 to 0.5 along each axis [voxel]. `within`: false for axes along which the
+  // point is outside the samples, where the field is constant.
+  [[nodiscard]] At evaluate(const Lattice& lattice, const Vec3& u,
+                            const Eigen::Array<bool, 3, 1>& within) const noexcept;
 
   std::array<double, 27> numbers_{};  // i fastest
   Vec3i middle_ = Vec3i::Zero();
   std::uint64_t version_ = 0;
-  const Sample* samples_ = nullptr;  // null: none are gathered
+  const Sample* samples_ = nullptr;  // null: no numbers are gathered
 };
 
 }  // namespace palpate

@@ -17,7 +17,7 @@ void Recovery::release() noexcept {
   forget();
 }
 
-// Slots that are still filled belong to the pending jumps; without any there is nothing to clear.
+// Only pending jumps fill slots; without any there is nothing to clear.
 void Recovery::forget() noexcept {
   if (pending_ticks_ > 0) std::fill(ending_.begin(), ending_.end(), Units::Zero());
   pending_ticks_ = 0;
@@ -32,11 +32,11 @@ void Recovery::decay() noexcept {
   slot_ = slot_ + 1 == ending_.size() ? 0 : slot_ + 1;
   slope_ -= ending_[slot_];
   ending_[slot_].setZero();
-  // Jumps of opposite sign may leave more than they began with; see kLongest.
+  // Jumps of opposite sign that end at different times may leave a larger offset; see kLongest.
   if (offset_.cwiseAbs().maxCoeff() > kLongestUnits) forget();
 }
 
-// Called after decay(), so a jump begins whole and has lost its N shares N ticks from now.
+// Called after decay(). So a jump begins whole, and its N shares are gone N ticks from now.
 void Recovery::takeUp(const Vec3& jump_W) noexcept {
   if (!jump_W.allFinite() || !((jump_W + offset()).cwiseAbs().maxCoeff() < kLongest)) {
     forget();

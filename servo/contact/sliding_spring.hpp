@@ -4,9 +4,9 @@
 //
 // The stretch grows by the tool's own motion along the surface. So the work of the hand against the force -K stretch is
 // exactly the spring's energy, K / 2 stretch^2, however the surface curves and its planes jump. Shortening the stretch
-// can only take energy away. If several planes hold the tool, the motion of their VHIP draws the spring instead: in a
+// can only take energy away. If several planes hold the tool, the motion of the VHIP draws the spring instead: in a
 // corner the tool may move behind a VHIP that stands still. When the normal turns, the stretch is projected onto the
-// new surface, which never makes it longer. A wrong reading (isAWay) puts the sled where the tool is.
+// new surface. That never makes it longer. A wrong reading (isTickMotion) puts the sled back to the tool.
 // Frame W: world [m]. Thread: the servo's. Cost: some 5 ns.
 #pragma once
 
@@ -27,7 +27,7 @@ class SlidingSpring {
     const Vec3& normal_W = contact.plane.normal_W;
     const Vec3 way_W = contact.single_plane ? Vec3(contact.hip_W - last_hip_W_)
                                             : Vec3(contact.plane.nearest(contact.hip_W) - last_surface_W_);
-    if (!isAWay(way_W)) return start(contact);
+    if (!isTickMotion(way_W)) return start(contact);
     stretch_W_ += way_W;
     stretch_W_ -= normal_W * normal_W.dot(stretch_W_);
     remember(contact);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/contact/stiffness_by_density.hpp"
 
-#include "servo/contact/surface_turn.hpp"
+#include "servo/contact/shape_operator.hpp"
 
 namespace palpate {
 
@@ -15,7 +15,8 @@ void StiffnessByDensity::move(const ContactState& contact, ContactPush& push) no
   push.stiffness *= factor_;
 }
 
-// The place is a = p - b(N) N. As p moves, so do N and b: da = dp - (b + N grad_N b) dN, dN = S dp.
+// The density is read at a = p - b(N) N, with b = below_m. As p moves, so do N and b: da = dp - (b + N grad_N b) dN, dN
+// = S dp.
 Vec3 StiffnessByDensity::slopeAtHip(const ContactState& contact) noexcept {
   const Lattice& lattice = contact.window->lattice;
   const Vec3& normal_W = contact.plane.normal_W;
@@ -30,10 +31,10 @@ Vec3 StiffnessByDensity::slopeAtHip(const ContactState& contact) noexcept {
   const Vec3 sides2_W =
       lattice.R_WL * (lattice.R_WL.transpose() * normal_W).cwiseProduct(lattice.spacing_m.cwiseAbs2());
   const Vec3 below_by_normal_W = sides2_W * (kBelow * kBelow / below_m);  // grad_N b
-  const SurfaceTurn turn(window_.of(*contact.window), surface_W, normal_W);
+  const ShapeOperator shape(window_.of(*contact.window), surface_W, normal_W);
   const Vec3 along_W =
-      at.gradient_W - turn.turn(below_m * at.gradient_W + below_by_normal_W * normal_W.dot(at.gradient_W));
-  return turn.atHip(along_W, contact.plane.depth(contact.hip_W));
+      at.gradient_W - shape.apply(below_m * at.gradient_W + below_by_normal_W * normal_W.dot(at.gradient_W));
+  return shape.slopeAtHip(along_W, contact.plane.depth(contact.hip_W));
 }
 
 }  // namespace palpate

@@ -2,18 +2,19 @@
 // servo/contact/stiffness_by_density.hpp: multiplies the contact's K by a factor f of the density: bone is harder than
 // cartilage.
 //
-// On the isosurface the density is the isovalue everywhere. So it is looked up kBelow voxels under the surface point
-// nearest to the HIP, along the plane's normal. That is beyond the blur of a border between two materials, which is as
-// wide as a voxel is in that direction (0.5 mm within a slice, 3 mm from slice to slice).
-// The energy U that earlier effects stored becomes f U. So d becomes f d, and where f changes along the surface there
-// is a further part, -U grad f, towards what is softer. On a bare plane its force is K / 2 D^2 |grad f|, that is D
-// |grad f| / (2 f) of the normal force. A hand feels it as it slides onto bone: it does the work that bone gives back.
-// f is a smooth field (lattice_spline.hpp) of the samples' factors. A step in the table becomes one or two voxels wide
-// in space, and the force is continuous. The damping B stays as it is. Without a window the contact's last factor
-// holds, 1 at its beginning.
-// Source: stiffness from density as in Avila and Sobierajski (1996), here without leaving the virtual plane, and from a
-// potential. Frame W: world [m]. Thread: move() and release() the servo's. Cost: 4 fetches and a smooth field of 27
-// factors, some 270 ns.
+// On the isosurface the density is the isovalue everywhere. So the density is read kBelow voxels under the surface
+// point nearest to the HIP, along the plane's normal. That is beyond the blur of a border between two materials, which
+// is as wide as a voxel in that direction (0.5 mm within a slice, 3 mm from slice to slice).
+// The energy U that earlier effects stored becomes f U. So d becomes f d. Where f changes along the surface there is a
+// further part, -U grad f, towards the softer material. On a bare plane its force is K / 2 D^2 |grad f|, that is D
+// |grad f| / (2 f) of the normal force. A hand that slides onto bone feels it: it does the work that the bone gives
+// back later.
+// f is a smooth field (lattice_spline.hpp) of the samples' factors. So a step in the table becomes one or two voxels
+// wide in space, and the force is continuous. The damping B stays as it is. Without a window the last factor of the
+// contact holds; a contact begins with 1.
+// Source: stiffness from density as in Avila and Sobierajski (1996), here on the virtual plane, and from a potential.
+// Frame W: world [m]. Thread: move() and release() the servo's. Cost: 4 fetches and a smooth field of 27 factors, some
+// 270 ns.
 #pragma once
 
 #include "servo/contact/contact_effect.hpp"
@@ -25,8 +26,8 @@ namespace palpate {
 
 class StiffnessByDensity final : public ContactEffect {
  public:
-  // Depth of the look-up under the surface, in units of voxelAcross(). The smooth field reaches 1.5 voxels to either
-  // side.
+  // How far under the surface the density is read, in units of voxelAcross(). The smooth field reaches 1.5 voxels to
+  // either side.
   static constexpr double kBelow = 2.5;
 
   explicit StiffnessByDensity(StiffnessTable table) : table_(std::move(table)) {}

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// servo/contact/stiffness_table.hpp: a factor of the stiffness for each density; linear between the table's rows.
+// servo/contact/stiffness_table.hpp: a factor of the stiffness for each density, linear between the table's rows.
 //
 // Thread: factor() any; the rest is set-up code, which throws.
 #pragma once
@@ -18,8 +18,8 @@ class StiffnessTable {
  public:
   static constexpr double kLargestFactor = 100;
 
-  // Throws Error(kBadInput) on no row, densities that do not rise from row to row, and values that are not finite or a
-  // factor that is negative or above kLargestFactor.
+  // Throws Error(kBadInput) on an empty table, on densities that do not rise from row to row or are not finite, and on
+  // a factor outside 0 to kLargestFactor.
   explicit StiffnessTable(std::vector<StiffnessRow> rows);
 
   // Linear between rows; constant before the first and after the last. Cost: linear in the number of rows.

@@ -8,7 +8,7 @@
 namespace palpate {
 namespace {
 
-void raise(const ContactState& contact, const LatticeSpline::At& height, double amplitude_m, const SurfaceTurn& turn,
+void raise(const ContactState& contact, const LatticeSpline::At& height, double amplitude_m, const ShapeOperator& shape,
            ContactPush& push) noexcept {
   const Vec3& normal_W = contact.plane.normal_W;
   const double depth_m = normal_W.dot(push.vhip_W - contact.hip_W);
@@ -17,7 +17,7 @@ void raise(const ContactState& contact, const LatticeSpline::At& height, double 
   const double share = u * (2 - u);
   const double share_per_m = (1 - u) / amplitude_m;
   const double raised_m = depth_m + height.value * share;
-  const Vec3 slope_W = turn.atHip(height.gradient_W, contact.plane.depth(contact.hip_W));
+  const Vec3 slope_W = shape.slopeAtHip(height.gradient_W, contact.plane.depth(contact.hip_W));
   push.vhip_W += normal_W * (raised_m * (1 + height.value * share_per_m) - depth_m) - raised_m * share * slope_W;
   push.energy_m2 += 0.5 * (raised_m * raised_m - depth_m * depth_m);
 }
@@ -28,7 +28,7 @@ void raise(const ContactState& contact, const LatticeSpline::At& height, double 
 
 ProceduralTexture::ProceduralTexture(double amplitude_m, double wavelength_m) noexcept
     : amplitude_m_(std::min(amplitude_m, kSteepestTexture * wavelength_m * std::sqrt(3.0) / (2 * std::numbers::pi))) {
-  // Turned so that no wave lies within 28 degrees of an axis, nor do two look alike on a plane across one.
+  // Turned so that no wave is within 28 degrees of an axis, and no two waves look alike on a plane across an axis.
   const Mat3 turned = (Eigen::AngleAxisd(2.5, Vec3::UnitZ()) * Eigen::AngleAxisd(0.5, Vec3::UnitX()) *
                        Eigen::AngleAxisd(2.0, Vec3::UnitZ()))
                           .toRotationMatrix();
@@ -40,7 +40,7 @@ ProceduralTexture::ProceduralTexture(double amplitude_m, double wavelength_m) no
 LatticeSpline::At ProceduralTexture::at(const Vec3& p_W) const noexcept {
   LatticeSpline::At sum;
   for (int i = 0; i < kWaves; ++i) {
-    const double phase = waveVector(i).dot(p_W) + i;  // phases that have no common divisor
+    const double phase = waveVector(i).dot(p_W) + i;  // phases without a common divisor
     sum.value += std::sin(phase);
     sum.gradient_W += std::cos(phase) * waveVector(i);
   }
@@ -51,9 +51,9 @@ void ProceduralTexture::move(const ContactState& contact, ContactPush& push) noe
   if (!(amplitude_m_ > 0)) return;
   const Vec3 surface_W = contact.plane.nearest(contact.hip_W);
   const Vec3& normal_W = contact.plane.normal_W;
-  const SurfaceTurn turn =
-      contact.on_volume ? SurfaceTurn(window_.of(*contact.window), surface_W, normal_W) : SurfaceTurn(normal_W);
-  raise(contact, at(surface_W), amplitude_m_, turn, push);
+  const ShapeOperator shape =
+      contact.on_volume ? ShapeOperator(window_.of(*contact.window), surface_W, normal_W) : ShapeOperator(normal_W);
+  raise(contact, at(surface_W), amplitude_m_, shape, push);
 }
 
 // ---- density ----
@@ -94,7 +94,7 @@ void DensityTexture::move(const ContactState& contact, ContactPush& push) noexce
   if (!(amplitude_m > 0)) return;
   const Vec3 surface_W = contact.plane.nearest(contact.hip_W);
   const LatticeSpline::At height = field_.at(*contact.window, surface_W, Departure{gain_, amplitude_m});
-  raise(contact, height, amplitude_m, SurfaceTurn(window_.of(*contact.window), surface_W, contact.plane.normal_W),
+  raise(contact, height, amplitude_m, ShapeOperator(window_.of(*contact.window), surface_W, contact.plane.normal_W),
         push);
 }
 

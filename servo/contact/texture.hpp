@@ -1,21 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 // servo/contact/texture.hpp: texture: the surface goes up and down as the tool slides over it.
 //
-// Both kinds raise the depth D by a height h. It depends on the surface point p under the tool alone, not on time, and
-// is at most the amplitude A: D' = D + h(p) s(D). The share s = u (2 - u), u = D / 2A, grows to 1 until the tool is 2A
-// deep. So contact begins and ends without a step, and D' grows with D and is never negative.
+// Both kinds raise the depth D by a height h, at most the amplitude A. h depends on the surface point p under the tool
+// alone, not on time: D' = D + h(p) s(D). The share s = u (2 - u), u = D / 2A, grows to 1 until the tool is 2A deep. So
+// contact begins and ends without a step, and D' grows with D and is never negative.
 // The stored energy grows by (D'^2 - D^2) / 2. The VHIP moves by minus the slope of that: D' (1 + h s') - D along the
 // normal, and -D' s grad h along the surface. So a bump holds the hand back on its way up and pushes it on down the
-// other side, and gives no energy over the whole. surface_turn.hpp says what changes where the surface turns. No bump
-// is steeper than kSteepestTexture, whatever the amplitude: on a flat surface the texture turns the force by 45 degrees
-// at most. Frame W: world [m]. Thread: move() and release() the servo's.
+// other side. Over the whole bump it gives no energy. shape_operator.hpp says what changes where the surface curves. No
+// bump is steeper than kSteepestTexture, whatever the amplitude: on a flat surface the texture turns the force by at
+// most 45 degrees.
+// Frame W: world [m]. Thread: move() and release() the servo's.
 #pragma once
 
 #include <array>
 
 #include "servo/contact/contact_effect.hpp"
 #include "servo/contact/lattice_spline.hpp"
-#include "servo/contact/surface_turn.hpp"
+#include "servo/contact/shape_operator.hpp"
 #include "servo/contact/window_cache.hpp"
 
 namespace palpate {
@@ -39,7 +40,7 @@ class ProceduralTexture final : public ContactEffect {
   [[nodiscard]] double amplitude() const noexcept { return amplitude_m_; }  // [m]
   // Height of the texture at a point, within +-amplitude [m].
   [[nodiscard]] double height(const Vec3& p_W) const noexcept { return at(p_W).value; }
-  // k of wave i, whose height is amplitude / kWaves * sin(k.p + phase) [1/m].
+  // Wave vector k of wave i, whose height is amplitude / kWaves * sin(k.p + phase) [1/m].
   [[nodiscard]] const Vec3& waveVector(int i) const noexcept { return k_W_[static_cast<std::size_t>(i)]; }
 
  private:
@@ -50,17 +51,18 @@ class ProceduralTexture final : public ContactEffect {
   WindowCache window_;
 };
 
-// The volume's own fine structure. At each sample the density less the mean of its six neighbours, divided by the
-// steepness there, is its departure: how far a surface through it lies off its trend. Neighbours are weighted by one
-// over their distance squared, as in a Laplacian. So a smooth surface of radius R reads the same in every direction on
-// voxels that are not cubes: h^2 / (3 R), where 3 / h^2 is the sum of one over each side squared. That is 0.017 h at a
-// radius of 20 voxels of side h. The steepness is the root mean square of the gradient magnitudes of the sample and its
-// neighbours. The departures, times the gain and cut off at +-A, are the numbers of a smooth field
-// (lattice_spline.hpp). A is at most kWidest of the smallest side. Without a window or without steepness there is no
-// texture. Cost: some 260 ns, and in a tick that comes nearer to another sample 250 ns more.
+// The volume's own fine structure. The departure of a sample is its density less the mean of its six neighbours,
+// divided by the steepness there: how far a surface through the sample lies off its trend. The steepness is the root
+// mean square of the gradient magnitudes of the sample and its neighbours. The departures, times the gain and cut off
+// at +-A, are the numbers of a smooth field (lattice_spline.hpp).
+// In the mean, neighbours are weighted by one over their distance squared, as in a Laplacian. So a smooth surface of
+// radius R has the same departure in every direction, on voxels that are not cubes too: h^2 / (3 R), where 3 / h^2 is
+// the sum of one over each side squared. That is 0.017 h at a radius of 20 voxels of side h.
+// A is at most kWidest of the smallest side. Without a window or without steepness there is no texture. Cost: some 260
+// ns; 250 ns more in a tick in which another sample becomes the nearest.
 class DensityTexture final : public ContactEffect {
  public:
-  // The field rises by at most 2A a voxel along each of three axes.
+  // Largest A, as a share of the smallest side: the field rises by at most 2A a voxel along each of three axes.
   static constexpr double kWidest = kSteepestTexture / (2 * 1.7320508);
 
   // `gain`: multiplies the departure [-]; the product is cut off at +-`amplitude_m`.

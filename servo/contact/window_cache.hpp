@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// servo/contact/window_cache.hpp: the sampler of the present window, made again only when there is a new one.
+// servo/contact/window_cache.hpp: the sampler of the present window, made again only for a new window.
 //
-// Thread: the servo's. Cost: two comparisons; with a new window some 20 ns. A window that is not usable gives a sampler
-// for which every place is beyond the window.
+// A window that is not usable gives a sampler for which every place is beyond the window. Thread: the servo's. Cost:
+// two comparisons; with a new window some 20 ns.
 #pragma once
 
 #include "servo/window/window_sampler.hpp"
@@ -23,7 +23,7 @@ class WindowCache {
     return sampler_;
   }
 
-  // Before another run: its windows may have the same versions and storage.
+  // Call it before another run: windows of that run may have the same versions and storage.
   void forget() noexcept { *this = WindowCache(); }
 
  private:

@@ -2,11 +2,11 @@
 // servo/devices/device.hpp: what the servo asks of a haptic device, real or simulated.
 //
 // Frame W: world; a device with a frame of its own converts. Units [m, N].
-// Threads: the servo thread alone calls elapse, read, reportAge_ns, write and held, in this order in each tick. They
-// use no heap, lock or throw, and no system call but the device's own I/O, which must not wait. The rest is called
-// before the loop starts.
-// Errors: read() or write() gives false if the device did not answer; the servo then fades the force to zero. A write
-// that gave false was not taken: the device still holds what it took last.
+// Threads: only the servo thread calls elapse, read, reportAge_ns, write and held, in this order in each tick. They use
+// no heap, lock or throw, and no system call but the device's own I/O, which must not wait. The other functions are
+// called before the loop starts.
+// Errors: read() and write() give false if the device did not answer. The servo then fades the force to zero. A force
+// whose write() gave false was not taken: the device still holds the one that it took last.
 #pragma once
 
 #include <cstdint>
@@ -18,9 +18,9 @@ namespace palpate {
 
 struct DeviceLimits {
   double force_limit_N = 0;          // largest force in any direction [N]
-  double position_resolution_m = 0;  // of its encoders; 0: no rounding to speak of [m]
+  double position_resolution_m = 0;  // of its encoders; 0: rounding is negligible [m]
   int force_delay_ticks = 0;         // from write() to the force that acts, in servo ticks
-  double slew_limit_N_per_s = 0;     // fastest change of force that suits it; 0: not stated [N/s]
+  double slew_limit_N_per_s = 0;     // fastest change of force that it can follow; 0: not stated [N/s]
 };
 
 class Device {
@@ -29,20 +29,20 @@ class Device {
   [[nodiscard]] virtual std::string_view name() const noexcept = 0;
   [[nodiscard]] virtual DeviceLimits limits() const noexcept = 0;
 
-  // `ticks`: grid periods since the last tick: 1, or more after missed deadlines. Not called before the first tick. A
-  // real device has its own time and leaves this empty.
+  // Advances simulated time. `ticks`: grid periods since the last tick: 1, or more after missed deadlines. Not called
+  // before the first tick. A real device leaves this empty.
   virtual void elapse(int ticks) noexcept { static_cast<void>(ticks); }
   // Where the HIP is now; `position_W` is left alone on failure.
   [[nodiscard]] virtual bool read(Vec3& position_W) noexcept = 0;
   // The age of the position that the last read() gave [ns]. A device that sends reports of its own accord says how long
   // ago the newest one came. A device that answers each read() at once leaves this 0. If the age is not less than the
-  // time since the last tick, the servo takes the position for one that it has had already.
+  // time since the last tick, the servo treats the position as one that it has already used.
   [[nodiscard]] virtual std::int64_t reportAge_ns() const noexcept { return 0; }
   // The force to hold until the next write.
   [[nodiscard]] virtual bool write(const Vec3& force_W) noexcept = 0;
-  // What the device holds after it took a write() of `force_W`: the same, or less if it cuts to a limit of its own. A
-  // device that only rounds forces must not report the rounding here. Otherwise a ramp in steps below the rounding
-  // would never move on.
+  // The force that the device holds after it took a write() of `force_W`: the same, or less if it cuts to a limit of
+  // its own. A device that rounds forces must not report the rounded force. Otherwise a ramp with steps smaller than
+  // the rounding would never advance.
   [[nodiscard]] virtual Vec3 held(const Vec3& force_W) const noexcept { return force_W; }
 };
 

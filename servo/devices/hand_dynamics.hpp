@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// servo/devices/hand_dynamics.hpp: device and hand as one mass, stepped over a tick without error.
+// servo/devices/hand_dynamics.hpp: device and hand as one mass, stepped over a tick without integration error.
 //
 // The hand grips the device, so both masses move as one, x. A spring and a damper of the hand pull it along the path r.
 // A damper of the device brakes it against the ground, and the servo's force F acts on it. Along each axis of the world
 //   (m_hand + m_device) x'' = -k (x - r) - b_hand (x' - r') - b_device x' + F.
-// F is held over the tick (zero order), as a real amplifier holds it. The path is interpolated in first order: it runs
-// straight between its values at the ends of a tick, and r' is that line's slope. With r held, the hand would feel a
-// stair and its damper would never see the path move. With r and r' interpolated separately, r' would not be the slope
-// of r.
-// For these inputs the step is the exact solution, x(t + T) = Phi(T) x(t) + ..., by the matrix exponential of the
-// system together with its inputs (Van Loan 1978). So one tick gives what two half ticks give. Units: SI. Thread: const
-// after construction. Cost of step(): 30 multiplications. Heap: none.
+// F is held over the tick (zero order), as a real amplifier holds it. The path is interpolated linearly (first order):
+// it runs straight between its values at the ends of a tick, and r' is the slope of that line. If r were held instead,
+// the hand would feel a staircase, and its damper would never see the path move. If r and r' were interpolated
+// separately, r' would not be the slope of r.
+// For these inputs the step is the exact solution, x(t + T) = Phi(T) x(t) + ... Phi is the matrix exponential of the
+// system together with its inputs (Van Loan 1978). So one tick gives the same as two half ticks. Units: SI. Thread:
+// const after construction. Cost of step(): 30 multiplications. Heap: none.
 #pragma once
 
 #include "base/vec.hpp"
@@ -39,8 +39,8 @@ class HandDynamics {
   [[nodiscard]] State step(const State& state, const Vec3& path_start_W, const Vec3& path_end_W,
                            const Vec3& force_W) const noexcept;
 
-  // Rows: position, velocity. Columns: position, velocity, path at the start [m], path slope [m/s], force [N]. From it
-  // follow the exact eigenvalues of the loop.
+  // Rows: position, velocity. Columns: position, velocity, path at the start [m], path slope [m/s], force [N]. The
+  // exact eigenvalues of the closed loop follow from it.
   using Transition = Eigen::Matrix<double, 2, 5>;
   [[nodiscard]] const Transition& transition() const noexcept { return transition_; }
 

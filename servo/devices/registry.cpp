@@ -15,22 +15,45 @@
 namespace palpate {
 namespace {
 
-// --- the simulated device
-// ---------------------------------------------------------------------------------------------
-
-using Simulated = SimulatedDeviceParameters;
-
-// A parameter, and where its value goes; its usual value is what is there before.
-struct SimulatedRow {
+// A parameter and its member of a device's `Parameters`. The usual value is the default of that member.
+template <class Parameters>
+struct ParameterRow {
   std::string_view key, unit;
   double lowest, highest;
   std::string_view help;
-  double (*get)(const Simulated&);
-  void (*set)(Simulated&, double);
+  double (*get)(const Parameters&);
+  void (*set)(Parameters&, double);
 };
 
+// DeviceEntry::parameters of a device with one table of rows.
+template <const auto& kRows>
+std::span<const DeviceParameter> parametersOf() {
+  static const auto kParameters = [] {
+    std::array<DeviceParameter, std::size(kRows)> all;
+    std::transform(std::begin(kRows), std::end(kRows), all.begin(), [](const auto& row) {
+      return DeviceParameter{row.key, row.unit, row.get({}), row.lowest, row.highest, row.help};
+    });
+    return all;
+  }();
+  return kParameters;
+}
+
+template <class Parameters>
+Parameters given(std::span<const ParameterRow<Parameters>> rows, const DeviceSetup& setup) {
+  Parameters parameters;
+  for (const auto& row : rows) {
+    const auto value = setup.values.find(row.key);
+    if (value != setup.values.end()) row.set(parameters, value->second);
+  }
+  return parameters;
+}
+
+// ---- the simulated device ----
+
+using Simulated = SimulatedDeviceParameters;
+
 // clang-format off
-constexpr SimulatedRow kSimulatedRows[] = {
+constexpr ParameterRow<Simulated> kSimulatedRows[] = {
     {"spring_hand", "", 0, 1, "0: the device is exactly on the path; 1: a hand pulls it and feels the force",
      [](const Simulated& p) { return p.hand == Hand::kSpring ? 1.0 : 0.0; }, [](Simulated& p, double v) { p.hand = v > 0 ? Hand::kSpring : Hand::kRigid; }},
     {"hand_mass_kg", "kg", 0, 100, "mass of the spring hand",
@@ -52,31 +75,14 @@ constexpr SimulatedRow kSimulatedRows[] = {
 };
 // clang-format on
 
-std::span<const DeviceParameter> simulatedParameters() {
-  static const auto kParameters = [] {
-    std::array<DeviceParameter, std::size(kSimulatedRows)> all;
-    std::transform(std::begin(kSimulatedRows), std::end(kSimulatedRows), all.begin(), [](const SimulatedRow& row) {
-      return DeviceParameter{row.key, row.unit, row.get({}), row.lowest, row.highest, row.help};
-    });
-    return all;
-  }();
-  return kParameters;
-}
-
 std::unique_ptr<Device> makeSimulated(const DeviceSetup& setup) {
-  Simulated parameters;
-  for (const SimulatedRow& row : kSimulatedRows) {
-    const auto given = setup.values.find(row.key);
-    if (given != setup.values.end()) row.set(parameters, given->second);
-  }
-  return std::make_unique<SimulatedDevice>(parameters, *setup.path, setup.rate_hz);
+  return std::make_unique<SimulatedDevice>(given<Simulated>(kSimulatedRows, setup), *setup.path, setup.rate_hz);
 }
 
-// --- all of them
-// ------------------------------------------------------------------------------------------------------
+// ---- the table of devices ----
 
 constexpr DeviceEntry kEntries[] = {
-    {"simulated", "needs no hardware: a simulated hand moves it along a path", true, simulatedParameters,
+    {"simulated", "needs no hardware: a simulated hand moves it along a path", true, parametersOf<kSimulatedRows>,
      makeSimulated},
 };
 

@@ -21,7 +21,7 @@ namespace palpate {
 struct DeviceParameter {
   std::string_view key;   // "hand_mass_kg": SI units
   std::string_view unit;  // "kg"; empty: none
-  double usual = 0;       // where it is not given
+  double usual = 0;       // its value if it is not given
   double lowest = 0, highest = 0;
   std::string_view help;
 };
@@ -30,15 +30,15 @@ using DeviceValues = std::map<std::string, double, std::less<>>;  // by DevicePa
 
 // What a device is made from. Each takes what it needs.
 struct DeviceSetup {
-  const Path* path = nullptr;  // leads a device that has no hand of its own; outlives it
+  const Path* path = nullptr;  // leads a device that no real hand moves; outlives the device
   double rate_hz = 1000;       // of the servo [Hz]
-  DeviceValues values = {};    // of its parameters; others have their usual value
+  DeviceValues values = {};    // parameters that are given; the others have their usual value
 };
 
 struct DeviceEntry {
   std::string_view name;
   std::string_view description;  // one line
-  bool needs_path = false;       // DeviceSetup::path
+  bool needs_path = false;       // DeviceSetup::path must be given
   std::span<const DeviceParameter> (*parameters)();
   std::unique_ptr<Device> (*make)(const DeviceSetup& setup);
 };
@@ -52,8 +52,8 @@ struct DeviceEntry {
 // Throws std::logic_error for a key that the device does not have: keys are written in code, not by users.
 [[nodiscard]] const DeviceParameter& deviceParameter(std::string_view device, std::string_view key);
 
-// Throws Error(kBadInput) on an unknown name, a value out of its range or without a parameter, a missing path, and as
-// the device itself does.
+// Throws Error(kBadInput) on an unknown name, a value out of range, a value for a parameter that the device does not
+// have, a missing path, and what the device itself refuses.
 [[nodiscard]] std::unique_ptr<Device> makeDevice(std::string_view name, const DeviceSetup& setup);
 
 }  // namespace palpate

@@ -41,7 +41,8 @@ DeviceLimits SimulatedDevice::limits() const noexcept {
           .slew_limit_N_per_s = parameters_.slew_limit_N_per_s};
 }
 
-// The servo writes in every tick that it runs; where it missed some, the device holds the last force, as hardware does.
+// The servo writes in every tick that it runs. Over ticks that it missed, the device holds the last force, as hardware
+// does.
 void SimulatedDevice::elapse(int ticks) noexcept {
   for (int i = 0; i < ticks; ++i) {
     const Vec3 start_W = path_.position(timeOf(tick_));

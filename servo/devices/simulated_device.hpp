@@ -2,10 +2,10 @@
 // servo/devices/simulated_device.hpp: a device that needs no hardware; a simulated hand moves it along a path.
 //
 // kRigid: the HIP is exactly on the path, whatever the force. kSpring: the hand pulls the device along the path and
-// feels the force (hand_dynamics.hpp). Both ways encoders round the positions that are read, the force is cut to the
-// device's maximum, and it acts `delay_ticks` after the write. Only elapse() advances time, so the same forces give the
-// same motion, bit for bit. Frame W: world [m, N]. Threads as in device.hpp; the path must outlive the device. Heap: in
-// the constructor only.
+// feels the force (hand_dynamics.hpp). In both cases encoders round the positions that are read, the force is cut to
+// the device's maximum, and it acts `delay_ticks` after the write. Only elapse() advances time, so the same forces give
+// the same motion, bit for bit.
+// Frame W: world [m, N]. Threads as in device.hpp; the path must outlive the device. Heap: in the constructor only.
 #pragma once
 
 #include <cstdint>
@@ -31,7 +31,7 @@ struct SimulatedDeviceParameters {
 class SimulatedDevice final : public Device {
  public:
   // Begins at rest at the path's start. Throws Error(kBadInput) on a rate or force limit that is not positive, a
-  // negative resolution or slew limit, a delay outside 0 to 10000 ticks, and as HandDynamics does.
+  // negative resolution or slew limit, a delay outside 0 to 10000 ticks, and what HandDynamics refuses.
   SimulatedDevice(const SimulatedDeviceParameters& parameters, const Path& path, double rate_hz);
 
   [[nodiscard]] std::string_view name() const noexcept override;

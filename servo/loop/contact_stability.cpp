@@ -19,7 +19,7 @@ namespace {
 
 struct ContactEnergy {
   double given_J = 0, stored_J = 0, error_J = 0;
-  bool edited = false;  // the volume, meanwhile
+  bool edited = false;  // the volume was edited meanwhile
 };
 
 std::vector<ContactEnergy> contactEnergies(std::span<const TickRecord> records, const ContactConditions& conditions) {
@@ -45,7 +45,7 @@ std::vector<ContactEnergy> contactEnergies(std::span<const TickRecord> records, 
     contact.stored_J = std::max(contact.stored_J, record.energy_J - begin_J);
     contact.error_J += conditions.resolution_m * (force_W - last_W).lpNorm<1>();
     last_W = force_W;
-    // The last force acts until the next tick, or for the device's delay more.
+    // The last force acts until the next tick, and with a delay of the device for that much longer.
     idle_ticks = acts ? 0 : idle_ticks + 1;
     open = idle_ticks <= conditions.delay_ticks;
   }
@@ -80,11 +80,11 @@ void addEnergy(std::span<const TickRecord> records, const ContactConditions& con
 
 // ---- swings ----
 
-// Sums up to one turn of the height.
+// A turn of the height: running sums up to it.
 struct Turn {
   double time_s = 0, height_m = 0, energy_J = 0;
-  double path_m = 0;   // way of the path along the normal
-  double asked_m = 0;  // and of the surface
+  double path_m = 0;   // motion of the path along the normal
+  double asked_m = 0;  // motion of path, surface and effects along the normal
   int bounces = 0;
 };
 
@@ -104,14 +104,14 @@ class Swings {
       const double path_m = conditions_.path != nullptr ? std::abs(normal_W_.dot(path_W - path_before_W_)) : 0;
       path_m_ += path_m;
       asked_m_ += path_m;
-      if (contact) asked_m_ += std::abs(normal_W_.dot(surface_W - plane_W_)) + effectsWay(now);
+      if (contact) asked_m_ += std::abs(normal_W_.dot(surface_W - plane_W_)) + effectMotion(now);
     }
     path_before_W_ = path_W;
     if ((now.faults & kFadingFaults) != 0) return forget();
     if (contact) {
       plane_W_ = surface_W;
       normal_W_ = normal_W;
-      put_on_m_ = putOn(now);
+      effect_height_m_ = effectHeight(now);
       depth_m_ = now.depth_m;
       has_plane_ = true;
       left_s_ = now.time_s;
@@ -126,15 +126,15 @@ class Swings {
   }
 
  private:
-  // How far effects put the VHIP over the surface.
-  static double putOn(const TickRecord& record) {
+  // How far effects move the VHIP out of the surface, along the normal.
+  static double effectHeight(const TickRecord& record) {
     return asVec3(record.normal_W).dot(asVec3(record.vhip_W) - surfacePointOf(record));
   }
 
-  // The part of its change since the last contact that the depth does not explain.
-  [[nodiscard]] double effectsWay(const TickRecord& now) const {
-    const double in_proportion_m = depth_m_ > 0 ? put_on_m_ * now.depth_m / depth_m_ : 0;
-    return std::min(std::abs(putOn(now) - put_on_m_), std::abs(putOn(now) - in_proportion_m));
+  // The change of that height since the last tick in contact, without the part that is in proportion to the depth.
+  [[nodiscard]] double effectMotion(const TickRecord& now) const {
+    const double in_proportion_m = depth_m_ > 0 ? effect_height_m_ * now.depth_m / depth_m_ : 0;
+    return std::min(std::abs(effectHeight(now) - effect_height_m_), std::abs(effectHeight(now) - in_proportion_m));
   }
 
   void forget() {
@@ -143,12 +143,12 @@ class Swings {
     turns_.clear();
   }
 
-  // A path that is not known is taken to be where the tool is.
+  // A bounce: contact is left outwards while the path is inside. An unknown path is taken to be where the tool is.
   void countBounce(double height_m, double path_height_m) {
     if (height_m >= 0 && path_height_m < -2 * conditions_.resolution_m) ++out_.bounces;
   }
 
-  // Turns that differ by less than the least swing are none.
+  // Finds turns of the height. Changes below the least swing make no turn.
   void follow(const Turn& now) {
     if (direction_ == 0) {
       direction_ = 1;
@@ -156,7 +156,7 @@ class Swings {
     } else if (direction_ * (now.height_m - farthest_.height_m) >= 0) {
       farthest_ = now;
     } else if (std::abs(now.height_m - farthest_.height_m) > least_m_) {
-      if (turned_) turns_.push_back(farthest_);  // the first may be where it began
+      if (turned_) turns_.push_back(farthest_);  // the first one may be where the record begins, not a turn
       turned_ = true;
       if (turns_.size() > ContactStability::kSwings + 1) turns_.pop_front();
       judge();
@@ -196,12 +196,12 @@ class Swings {
   Vec3 plane_W_ = Vec3::Zero(), normal_W_ = Vec3::Zero();  // of the last tick in contact
   Vec3 path_before_W_ = Vec3::Zero();
   bool has_plane_ = false, in_contact_ = false;
-  double put_on_m_ = 0, depth_m_ = 0;  // of the last tick in contact
-  double left_s_ = 0;                  // its time
+  double effect_height_m_ = 0, depth_m_ = 0;  // of the last tick in contact
+  double left_s_ = 0;                         // its time
   double path_m_ = 0, asked_m_ = 0;
   bool turned_ = false;
-  int direction_ = 0;  // of the swing that is under way: 1 up, -1 down, 0 none yet
-  Turn farthest_;      // of it
+  int direction_ = 0;  // of the present swing: 1 up, -1 down, 0 none yet
+  Turn farthest_;      // the farthest point of the present swing
   std::deque<Turn> turns_;
 };
 

@@ -2,14 +2,15 @@
 // servo/loop/foaw.hpp: velocity by first-order adaptive windowing, end-fit (Janabi-Sharifi, Hayward, Chen 2000).
 //
 // Along each axis the velocity is the slope of the line from a past position to the newest one. The window is the
-// longest for which the line passes every position between within the noise bound d:
+// longest for which the line passes every position in between within the noise bound d:
 //   v = (x_k - x_{k-n}) / (t_k - t_{k-n}),  |x_{k-i} - (x_k - v (t_k - t_{k-i}))| <= d  for 0 < i < n.
-// Slow motion gets a long window and a quiet velocity; sudden motion gets a window of one tick and no delay. Positions
+// Slow motion gets a long window and a quiet velocity. Sudden motion gets a window of one tick and no delay. Positions
 // that are rounded to multiples of Delta err by Delta / 2 each. So on a straight motion d = Delta never shortens the
 // window, and the velocity errs by at most Delta / (n T). With d = 0 the result is the backward difference, except for
 // motion that is exactly straight.
-// The paper tests every line against every position, n^2 / 2 tests. Here each position narrows the interval of slopes
-// that pass it within d, and the next line's slope must lie in what is left: the same answer after n tests.
+// The paper tests every line against every position: n^2 / 2 tests. Here each position narrows the interval of slopes
+// that pass it within d. The slope of the next line must lie in the interval that is left. That gives the same answer
+// after n tests.
 // Ticks without a position (missed deadlines, a slow device) count as time that passed; the window is bounded in time.
 // Frame W: world [m, m/s]. Thread: the servo's. Cost: some 2 ns for each axis and position in the window, 100 ns for 16
 // of them; no heap.

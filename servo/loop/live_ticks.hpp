@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// servo/loop/live_ticks.hpp: the ticks of a running servo, for one other thread to look at: the newest one, and all
-// since the last look.
+// servo/loop/live_ticks.hpp: shows the ticks of a running servo to one other thread: the newest tick, and all since the
+// last look.
 //
-// Threads: add() by the servo, the rest by one reader. Wait-free on both sides. If the reader looks too seldom, ticks
-// are missing in the list; their numbers show where. Memory: `capacity` records. Cost of add(): two copies of a record.
+// Threads: add() by the servo, the rest by one reader. Wait-free on both sides. If the reader looks too seldom, the
+// list misses ticks; the tick numbers show where. Memory: `capacity` records. Cost of add(): two copies of a record.
 #pragma once
 
 #include <atomic>

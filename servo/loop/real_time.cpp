@@ -37,7 +37,7 @@ RealTimeStatus becomeRealTime(int priority) {
                     "/etc/security/limits.conf, or expect more late ticks",
                     priority, reason(fifo_error), priority));
   }
-  // On fault: what is not in use yet, such as other threads' stacks, is not pulled in.
+  // On fault: pages that are not in use yet, such as those of other threads' stacks, are not loaded.
   status.memory_locked = mlockall(MCL_CURRENT | MCL_ONFAULT) == 0;
   if (!status.memory_locked) {
     status.notes.push_back(

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // servo/loop/real_time.hpp: what the servo thread asks of the system before its first tick, and its clock.
 //
-// What the system refuses is noted with its reason and remedy, and the loop goes on. Thread:
-// the servo's, for itself. Cost: becomeRealTime() makes system calls, so only before the first tick; the clock's two
-// functions are for every tick.
+// What the system refuses is noted with reason and remedy, and the loop goes on. Thread: the servo's, for itself. Cost:
+// becomeRealTime() makes system calls, so call it before the first tick only. The clock's two functions are for every
+// tick.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@
 namespace palpate {
 
 struct RealTimeStatus {
-  bool asked = false;              // false with the simulated clock or if not wanted
+  bool asked = false;              // false with the simulated clock, or if the caller did not want it
   bool fifo = false;               // runs under SCHED_FIFO
   bool memory_locked = false;      // the pages that the process has now stay in memory
   std::vector<std::string> notes;  // for each thing refused: what, why, what to do
@@ -21,13 +21,13 @@ struct RealTimeStatus {
 };
 
 // Asks for SCHED_FIFO at `priority` (1 to 99) for the calling thread, and locks the memory that the process has now.
-// Later memory is not locked: under a limit that would make the allocations of other threads fail.
+// Memory that is allocated later is not locked: if locked memory is limited, allocations of other threads would fail.
 [[nodiscard]] RealTimeStatus becomeRealTime(int priority);
 
 // Throws Error(kDevice) with the notes unless all was granted.
 void refuseWithoutRealTime(const RealTimeStatus& status);
-// The same, of a thread that asks and ends; for a job that would begin with minutes of other work. Locks no memory for
-// good.
+// Asks in a thread that ends at once, and throws as refuseWithoutRealTime(). For a job that begins with minutes of
+// other work. No memory stays locked.
 void checkRealTime(int priority);
 
 // CLOCK_MONOTONIC [ns]; no system call where the vDSO serves it.

@@ -55,7 +55,7 @@ void addLoop(std::span<const TickRecord> records, RunFigures& figures) {
   figures.windows_used = versions.size();
 }
 
-// On the grid, not by ticks that were run: left out ones took their time too.
+// Measured on the grid, not in ticks that were run: ticks that were left out took time too.
 void addTimes(std::span<const TickRecord> records, double rate_hz, std::int64_t grid_points, RunFigures& figures) {
   if (records.empty()) return;
   const std::int64_t first = records.front().tick;
@@ -83,7 +83,7 @@ void addFaults(std::span<const TickRecord> records, RunFigures& figures) {
   std::vector<FaultCount> counts;
   for (const FaultText& row : faultTable()) counts.push_back({row.fault, 0, 0});
   for (const TickRecord& record : records) {
-    if (record.faults == 0) continue;  // as good as always
+    if (record.faults == 0) continue;  // the usual case
     for (FaultCount& count : counts) {
       if (!has(record.faults, count.fault)) continue;
       if (count.ticks++ == 0) count.first_tick = record.tick;

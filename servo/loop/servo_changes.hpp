@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// servo/loop/servo_changes.hpp: what another thread wants the running servo to do differently, handed over without a
+// servo/loop/servo_changes.hpp: hands changes (another algorithm, another force limit) to the running servo without a
 // wait.
 //
-// The servo looks once a tick and takes the newest change, or none. What it no longer needs it hands back, so that it
-// never frees memory. Threads: give() by any thread; take() and done() by the servo's. Cost: take() one load, and one
-// exchange where there is a change; done() one store. Wait-free on the servo's side, a lock on the other.
+// Once a tick the servo takes the newest change, or none. What it no longer needs it hands back, so that it never frees
+// memory. Threads: give() by any thread; take() and done() by the servo's. Cost: take() one load, and one exchange if
+// there is a change; done() one store. Wait-free on the servo's side, a lock on the other.
 #pragma once
 
 #include <array>
@@ -19,8 +19,8 @@
 namespace palpate {
 
 struct ServoChange {
-  std::unique_ptr<Algorithm> algorithm = {};  // runs from now on; null: the one that runs
-  std::optional<double> force_limit_N = {};   // above 0; empty: as it is [N]
+  std::unique_ptr<Algorithm> algorithm = {};  // runs from now on; null: keeps the present one
+  std::optional<double> force_limit_N = {};   // above 0; empty: keeps the present one [N]
   std::uint64_t number = 0;                   // set by give()
 };
 
@@ -31,17 +31,17 @@ class ServoChanges {
   ServoChanges(const ServoChanges&) = delete;
   ServoChanges& operator=(const ServoChanges&) = delete;
 
-  // A change that the servo has not taken yet is made part of this one. Frees what the servo has handed back. Throws
-  // Error(kBadInput) for a force limit that is none; then nothing changes.
+  // A change that the servo has not taken yet is merged into this one. Frees what the servo has handed back. Throws
+  // Error(kBadInput) for a force limit that is not above 0; then nothing changes.
   // Returns the change's number; the newest has the highest.
   std::uint64_t give(ServoChange change);
-  // Whether the servo has taken the change of this number and ended it: nothing that it replaced runs any more. Any
+  // Whether the servo has taken the change of this number and completed it: nothing that it replaced runs any more. Any
   // thread.
   [[nodiscard]] bool ended(std::uint64_t number) const noexcept {
     return ended_.load(std::memory_order_acquire) >= number;
   }
 
-  // Servo: the change to make, which stays the servo's until done(); null: none. One at a time.
+  // Servo: the change to make, or null. It belongs to the servo until done(). One at a time.
   [[nodiscard]] ServoChange* take() noexcept;
   // Servo: hands back what take() gave; it may hold the algorithm that was replaced.
   void done(ServoChange* change) noexcept;
@@ -51,8 +51,8 @@ class ServoChanges {
   std::uint64_t given_count_ = 0;        // guarded by givers_
   std::atomic<std::uint64_t> ended_{0};  // the number of the change that ended last
   std::atomic<ServoChange*> given_{nullptr};
-  // Every take() follows a give(), which empties these. So there are at most two: what the servo had in hand then, and
-  // what it took since.
+  // Changes that the servo has handed back. Each give() empties these slots, and each take() needs a give() before it.
+  // So at most two are filled: with the change that the servo had at that give(), and with the one that it took since.
   std::array<std::atomic<ServoChange*>, 2> done_{};
 };
 

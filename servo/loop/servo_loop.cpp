@@ -12,14 +12,14 @@
 #include "base/error.hpp"
 #include "base/units.hpp"
 #include "servo/algorithms/iso_field.hpp"
-#include "servo/window/fetch.hpp"
+#include "servo/window/window_sampler.hpp"
 
 namespace palpate {
 namespace {
 
 constexpr double kMaxRate_hz = 20000;
-constexpr double kPatience_s = 1;                 // with a device that refuses every write at the end of a run [s]
-constexpr std::int64_t kMostElapsed = 1'000'000;  // grid periods that a device is told of at once [tick]
+constexpr double kPatience_s = 1;                 // how long a device may refuse every write at the end of a run [s]
+constexpr std::int64_t kMostElapsed = 1'000'000;  // most grid periods of one elapse() [tick]
 
 const LoopParameters& checked(const LoopParameters& p) {
   const auto refuse = [](const char* key, double value, const char* remedy) {
@@ -34,7 +34,7 @@ const LoopParameters& checked(const LoopParameters& p) {
   return p;
 }
 
-// No force above the device's maximum and none faster than it says leaves the gate, whatever the scene allows.
+// The gate keeps within the device's own force and slew limits, whatever the scene allows.
 SafetyParameters withinDevice(SafetyParameters safety, const Device& device) {
   const DeviceLimits limits = device.limits();
   if (limits.force_limit_N > 0) safety.force_limit_N = std::min(safety.force_limit_N, limits.force_limit_N);
@@ -58,7 +58,7 @@ double mostForce(const Device& device) {
   return limit_N > 0 ? limit_N : std::numeric_limits<double>::max();
 }
 
-// An estimate that is to know the device's noise and was not told takes its resolution.
+// An estimate without a given noise bound takes the device's resolution.
 VelocityParameters velocityFor(const Device& device, VelocityParameters velocity) {
   if (!velocity.noise_m) velocity.noise_m = device.limits().position_resolution_m;
   return velocity;
@@ -111,13 +111,13 @@ ServoLoop::~ServoLoop() {
   if (change_ != nullptr) endChange();
 }
 
-// A multiple of the period would drift at rates whose period is no whole number of nanoseconds.
+// Computed from the rate. Multiples of a rounded period would drift if the period is no whole number of nanoseconds.
 std::int64_t ServoLoop::offset_ns(std::int64_t tick) const noexcept {
   return static_cast<std::int64_t>(
       std::llround(static_cast<double>(tick) * (kNanosecondsPerSecond / parameters_.rate_hz)));
 }
 
-// The first grid point at or after a time, not before `tick` nor after the run's end.
+// The first grid point at or after a time; not before `tick` and not after the run's end.
 std::int64_t ServoLoop::firstTickFrom(std::int64_t tick, std::int64_t time_ns) const noexcept {
   const double periods = static_cast<double>(time_ns) * (parameters_.rate_hz / kNanosecondsPerSecond);
   std::int64_t next = std::max(tick, static_cast<std::int64_t>(std::floor(periods)));
@@ -203,7 +203,7 @@ void ServoLoop::runOnGrid(Clock& clock) {
   endForce([&] { clock.sleepUntil(clock.now_ns() + offset_ns(1)); });
 }
 
-// One tick, device to device; gives the window that it used, which is valid until the next.
+// One tick, from reading the device to writing it. Gives the window that it used, valid until the next tick.
 const SampleWindow& ServoLoop::runTick(const Due& due, std::int64_t now_ns, TickRecord& record) noexcept {
   std::uint32_t faults = carried_faults_;
   if (due.elapsed_ticks > 0) device_.elapse(due.elapsed_ticks);
@@ -254,7 +254,7 @@ const SampleWindow& ServoLoop::runTick(const Due& due, std::int64_t now_ns, Tick
   return window;
 }
 
-// A contact goes on from a point in front of its surface.
+// Takes a change, if there is one. A new algorithm takes over a contact from a point in front of its surface.
 void ServoLoop::beginChange(const SampleWindow& window) noexcept {
   if ((last_.at_surface && !last_.in_contact) || !window.usable()) return;
   change_ = changes_->take();
@@ -293,7 +293,7 @@ void ServoLoop::endChange() noexcept {
   changes_->done(std::exchange(change_, nullptr));
 }
 
-// Where the tool is. Velocity and energy go on only with a report that has not been read before. False: no answer.
+// Reads where the tool is. Only a report that was not read before updates velocity and energy. False: no answer.
 bool ServoLoop::readDevice(int elapsed_ticks, std::int64_t gap_ns, std::int64_t& report_age_ns) noexcept {
   ticks_since_report_ += elapsed_ticks;
   Vec3 read_W = hip_W_;
@@ -307,19 +307,19 @@ bool ServoLoop::readDevice(int elapsed_ticks, std::int64_t gap_ns, std::int64_t&
   return true;
 }
 
-// The force that the gate lets out, offered to the device; the gate hears what became of it. False: refused.
+// Offers a force to the device and tells the gate if the device took it. False: refused.
 bool ServoLoop::offer(const Vec3& force_W) noexcept {
   if (!device_.write(force_W)) return false;
   gate_.taken(device_.held(force_W));
   return true;
 }
 
-// Down to a zero that the device has taken, by the slew in each write. A device that never holds less than before must
-// not keep the run for longer than its patience, nor one that refuses all that time.
+// Brings the force down by the slew in each write, until the device has taken zero. It gives up on a device that
+// refuses every write for kPatience_s, and on one that takes writes but never reaches zero.
 template <typename Pause>
 void ServoLoop::endForce(Pause pause) noexcept {
   const auto patience = static_cast<std::int64_t>(std::ceil(kPatience_s * parameters_.rate_hz));
-  // In double: a slew that is next to nothing makes the quotient larger than any integer.
+  // In double: with a tiny slew the quotient is larger than any integer.
   const double longest =
       std::min(static_cast<double>(ticks_run_),
                std::ceil(gate_.heldForce().norm() / gate_.slewPerTick()) + static_cast<double>(patience));
@@ -336,7 +336,7 @@ void ServoLoop::endForce(Pause pause) noexcept {
 }
 
 LoopResult ServoLoop::result() {
-  return {recorder_.taken(), ticks_run_, ticks_skipped_, released_, real_time_};
+  return {recorder_.taken(), ticks_run_, ticks_skipped_, released_, real_time_, device_.limits()};
 }
 
 }  // namespace palpate

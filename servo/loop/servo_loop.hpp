@@ -6,7 +6,7 @@
 // kOverrun. Grid points that have passed by then are left out, not made up for. Tick numbers keep to the grid: they
 // have a gap there, and time_s stays tick / rate. A position that the device has reported before (device.hpp) is used
 // again, but does not update the velocity.
-// Simulated clock: the caller's thread runs every grid point, as fast as it can. Cost and lateness are 0, and the same
+// Simulated clock: the caller's thread runs every grid point, as fast as it can. Cost and lateness are 0. The same
 // inputs give the same records, bit for bit.
 // Real-time rule: between its first and last tick the servo thread allocates nothing, takes no lock, throws and prints
 // nothing. It makes no system call but its sleep and the device's I/O (tests/servo/loop proves it).
@@ -39,7 +39,7 @@ struct LoopParameters {
   std::int64_t ticks = 5000;       // grid points of the run; 0: until requestStop() [tick]
   std::int64_t record_ticks = -1;  // newest ticks to keep; -1: all, then `ticks` may not be 0 [tick]
   bool real_time = true;           // ask for priority and locked memory (real clock)
-  bool require_real_time = false;  // and refuse to run without either
+  bool require_real_time = false;  // refuse to run unless both are granted
   int priority = 80;               // of SCHED_FIFO
   VelocityParameters velocity;
   SafetyParameters safety;
@@ -60,22 +60,24 @@ struct LoopResult {
   std::int64_t ticks_skipped = 0;  // grid points left out after missed deadlines [tick]
   bool released = false;           // the device took a zero force at the end; false: it may still hold a force
   RealTimeStatus real_time;
+  DeviceLimits device;  // of the device that was used
 };
 
 class ServoLoop {
  public:
-  // All must outlive the loop. The loop is the reader of `windows` and the writer of `tool`. The constructor reads the
-  // device once, resets the algorithm to that position and publishes the first ToolPose (tick -1, time 0), so that the
-  // engine can place the first window. Throws Error(kBadInput) on parameters out of range, Error(kDevice) if the device
-  // cannot be read.
+  // All references must outlive the loop. The loop is the reader of `windows` and the writer of `tool`. The constructor
+  // reads the device once, resets the algorithm to that position and publishes the first ToolPose (tick -1, time 0), so
+  // that the engine can place the first window. Throws Error(kBadInput) on parameters out of range, Error(kDevice) if
+  // the device cannot be read.
   ServoLoop(const LoopParameters& parameters, Algorithm& algorithm, Device& device, WindowExchange& windows,
             ToolPoseMailbox& tool);
   ~ServoLoop();  // stops and joins a running thread
 
-  // Before a run: where changes come from, and who else sees each tick. Both must outlive the loop. A change is made
-  // between two ticks. Another algorithm takes over a contact where it is (Algorithm::resume()), and for kChangeOver_s
-  // both run, while the force goes from the one's to the other's. So does a force limit, within the device's own. While
-  // a contact is only remembered (TickOutput::at_surface without contact), changes wait.
+  // Set before a run: where changes come from, and who else sees each tick. Both must outlive the loop. A change is
+  // made between two ticks. A new algorithm takes over a contact where it is (Algorithm::resume()). For kChangeOver_s
+  // both algorithms run, while the force goes over from the old one's to the new one's. A new force limit is reached
+  // over the same time; it stays within the device's own. While a contact is only remembered (TickOutput::at_surface
+  // without contact), changes wait.
   static constexpr double kChangeOver_s = 0.1;  // [s]
   void takeChangesFrom(ServoChanges& changes) noexcept { changes_ = &changes; }
   void tellTicksTo(LiveTicks& live) noexcept { live_ = &live; }
@@ -85,8 +87,8 @@ class ServoLoop {
   using Hook = std::function<void(std::int64_t tick, std::int64_t time_ns)>;
   [[nodiscard]] LoopResult runSimulated(const Hook& before_tick = {});
 
-  // The real clock's loop, but in the caller's thread and on the given clock, which can play stalls, missed deadlines
-  // and clock steps.
+  // The loop of the real clock, but in the caller's thread and on the given clock. That clock can play stalls, missed
+  // deadlines and clock steps.
   [[nodiscard]] LoopResult runOn(ServoClock& clock);
 
   // Real clock: start() starts the thread, wait() joins it and gives the result. Throws std::system_error if no thread
@@ -136,23 +138,23 @@ class ServoLoop {
   int ticks_since_report_ = 0;
   std::int64_t last_now_ns_ = 0;      // when the last tick began
   std::uint32_t carried_faults_ = 0;  // of the last tick, after its gate
-  TickOutput last_;                   // the algorithm's last word
+  TickOutput last_;                   // the algorithm's last output
   ServoChanges* changes_ = nullptr;
   LiveTicks* live_ = nullptr;
-  ServoChange* change_ = nullptr;               // under way
-  Algorithm* leaving_ = nullptr;                // the one that it replaces; null: it replaces none
-  std::unique_ptr<Algorithm> given_algorithm_;  // algorithm_, where it came with a change
+  ServoChange* change_ = nullptr;               // the change under way; null: none
+  Algorithm* leaving_ = nullptr;                // the algorithm that it replaces; null: it replaces none
+  std::unique_ptr<Algorithm> given_algorithm_;  // owns algorithm_, if that came with a change
   double most_force_N_;                         // the device's own limit [N]
   double limit_from_N_ = 0;
-  std::int64_t change_tick_ = 0;  // of change_ticks_
-  std::int64_t change_ticks_;
+  std::int64_t change_tick_ = 0;  // ticks of the change that have run
+  std::int64_t change_ticks_;     // kChangeOver_s in ticks
   std::int64_t ticks_run_ = 0;
   std::int64_t ticks_skipped_ = 0;
   bool released_ = false;
   RealTimeStatus real_time_;
   std::atomic<bool> stop_{false};
   std::atomic<bool> running_{false};
-  std::jthread thread_;  // last: it uses the rest
+  std::jthread thread_;  // last member: it uses the others
 };
 
 }  // namespace palpate

@@ -15,8 +15,8 @@ struct TickRecord {
   double hip_W[3] = {};     // device position as the servo read it [m]
   double vhip_W[3] = {};    // virtual haptic interface point [m]
   double normal_W[3] = {};  // of the plane in contact; zero without contact [-]
-  double force_W[3] = {};   // that the device holds from this tick on: the gate's, or the old one if refused [N]
-  float density = 0;        // at the HIP [density]; NaN where the window does not reach
+  double force_W[3] = {};   // held by the device from this tick on: the gate's, or the old one if refused [N]
+  float density = 0;        // at the HIP; NaN beyond the window [density]
   std::int32_t plane_age_ticks = 0;
   std::uint64_t window_version = 0;
   std::uint32_t faults = 0;        // bits of ServoFault

@@ -6,7 +6,7 @@
 
 namespace palpate {
 
-// Written to, so that every page is the process's own before the loop starts.
+// The records are written once here, so that no page fault comes while the loop runs.
 TickRecorder::TickRecorder(std::size_t capacity) : records_(capacity) {}
 
 TickRecord* TickRecorder::next() noexcept {

@@ -16,14 +16,14 @@ class TickRecorder {
  public:
   explicit TickRecorder(std::size_t capacity);
 
-  // A zeroed record to fill, padding included, so that equal runs compare equal as bytes; null with capacity 0.
+  // A record to fill. All its bytes are zero, padding too, so equal runs are equal as bytes. Null with capacity 0.
   [[nodiscard]] TickRecord* next() noexcept;
   // The records in the order of their ticks; the recorder is empty afterwards.
   [[nodiscard]] std::vector<TickRecord> taken();
 
  private:
   std::vector<TickRecord> records_;
-  std::size_t count_ = 0;  // since the start
+  std::size_t count_ = 0;  // records made since the start
 };
 
 }  // namespace palpate

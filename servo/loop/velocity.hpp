@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // servo/loop/velocity.hpp: the servo's velocity estimate, chosen by name: `filter` (velocity_filter.hpp) or `foaw`
-// (foaw.hpp). A new one is a file here, an alternative of the variant and a row in velocity.cpp.
+// (foaw.hpp).
 //
+// A new estimate is a file here, an alternative of the variant and a row in velocity.cpp. The estimate is always
+// finite: if the difference of two positions is not finite, it starts again from rest.
 // Frame W: world [m, m/s]. Thread: the servo's; the constructor and velocityEstimates() before the loop starts. Cost:
-// that of the chosen estimate; no heap after construction. The estimate is always finite: if the difference of two
-// positions is not, the estimate starts again from rest.
+// that of the chosen estimate; no heap after construction.
 #pragma once
 
 #include <optional>
@@ -21,8 +22,8 @@ namespace palpate {
 
 struct VelocityParameters {
   std::string name = "filter";                   // a row of velocityEstimates()
-  double cutoff_hz = 200;                        // of filter; 0: none [Hz]
-  std::optional<double> noise_m = std::nullopt;  // of foaw; empty: the loop sets the device's resolution, else 0 [m]
+  double cutoff_hz = 200;                        // of filter; 0: no low-pass [Hz]
+  std::optional<double> noise_m = std::nullopt;  // of foaw; empty: the device's resolution in a loop, else 0 [m]
   int window_ticks = 16;                         // of foaw: 1 to Foaw::kMostTicks [tick]
 };
 

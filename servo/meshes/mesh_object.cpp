@@ -7,12 +7,12 @@
 #include <fmt/format.h>
 
 #include "base/error.hpp"
-#include "base/mesh_preparation.hpp"
+#include "base/triangle_mesh.hpp"
 
 namespace palpate {
 namespace {
 
-constexpr double kMargin_m = 1e-3;  // that a way reaches beyond the box of the mesh
+constexpr double kMargin_m = 1e-3;  // by which the part of a line that is searched exceeds the box of the mesh
 
 void check(RTCDevice device, const std::string& name) {
   if (device != nullptr && rtcGetDeviceError(device) == RTC_ERROR_NONE) return;
@@ -74,7 +74,7 @@ struct RayQuery {
   Vec3 way_W;
 };
 
-// Back faces are no entry.
+// Ignores back faces: a line leaves the mesh through them.
 void passBackFaces(const RTCFilterFunctionNArguments* args) {
   const auto* query = reinterpret_cast<const RayQuery*>(args->context);
   const unsigned triangle = RTCHitN_primID(args->hit, args->N, 0);
@@ -124,7 +124,7 @@ MeshObject::MeshObject(TriangleMesh mesh, const std::string& name) : state_(std:
 
 MeshObject::~MeshObject() = default;
 
-// The shares of a way between which it is near the mesh. Rays are in float and must be finite, and a HIP that a broken
+// The shares of a line between which it is near the mesh. Rays are in float and must be finite, but a HIP that a broken
 // device reports may be anywhere.
 std::optional<std::array<double, 2>> MeshObject::State::near(const Vec3& from_W, const Vec3& way_W) const noexcept {
   double enters = 0;
@@ -195,13 +195,13 @@ ObjectPoint MeshObject::nearest(const Vec3& x_W) const noexcept {
     const double distance_m2 = (s.x_W - p_W).squaredNorm();
     const Vec3& normal_W = s.state->prepared.normals_W[args->primID];
     const double facing_m = std::abs(normal_W.dot(s.x_W - p_W));
-    constexpr double kSame = 1e-9;  // shares of a squared distance that a shared edge may differ by
+    constexpr double kSame = 1e-9;  // relative difference of squared distances that counts as a shared edge
     if (distance_m2 > s.best_m2 * (1 + kSame)) return false;
     if (distance_m2 >= s.best_m2 * (1 - kSame) && facing_m <= s.facing_m) return false;
     s.best_m2 = distance_m2;
     s.facing_m = facing_m;
     s.best = {p_W, normal_W};
-    // A little more than the distance, for what float loses.
+    // A little more than the distance, to allow for the rounding of float.
     args->query->radius = static_cast<float>(std::sqrt(distance_m2) * 1.0001 + 1e-6);
     return true;
   };

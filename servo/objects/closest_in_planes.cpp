@@ -8,7 +8,7 @@
 namespace palpate {
 namespace {
 
-// What a rounding of positions below a metre can amount to [m].
+// Bounds the rounding of positions below a metre [m].
 constexpr double kRounding_m = 1e-12;
 
 // Pushes along the normals of a set of planes that are all active: (G + softness) push = depth, G_ij = N_i . N_j.
@@ -16,7 +16,8 @@ class ActiveSet {
  public:
   ActiveSet(std::span<const ContactPlane> planes, const Vec3& hip_W) noexcept : planes_(planes), hip_W_(hip_W) {}
 
-  // How far the set's solution is from being the whole problem's: a push that pulls, or a plane left violated [m].
+  // Solves for the set. Gives by how much its solution violates the whole problem: a push that pulls, or another plane
+  // that is violated [m].
   [[nodiscard]] double solve(std::span<const int> members) noexcept {
     const auto n = members.size();
     Mat3 l = Mat3::Zero();  // L D L^T, the pivots D on its diagonal
@@ -60,7 +61,7 @@ class ActiveSet {
 
 }  // namespace
 
-// The problem is strictly convex: the set whose solution fits everything is the answer, and small sets come first.
+// The problem is strictly convex, so the set whose solution violates nothing is the answer. Small sets come first.
 Vec3 closestInPlanes(std::span<const ContactPlane> planes, const Vec3& hip_W) noexcept {
   const auto count = static_cast<int>(planes.size());
   if (count == 1) {

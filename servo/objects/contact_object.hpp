@@ -17,7 +17,7 @@ struct ObjectPoint {
 };
 
 struct ObjectEntry {
-  double share = 0;  // of the way at which it enters, 0 to 1 [-]
+  double share = 0;  // of the line, at which it enters, 0 to 1 [-]
   ObjectPoint at;
 };
 
@@ -25,8 +25,8 @@ class ContactObject {
  public:
   virtual ~ContactObject() = default;
 
-  // The first place at which the straight way goes from outside in. A way that begins inside must come out first. A way
-  // along the surface does not enter.
+  // The first place at which the straight line goes from outside to inside. A line that begins inside must come out
+  // first. A line along the surface does not enter.
   [[nodiscard]] virtual std::optional<ObjectEntry> firstEntry(const Vec3& from_W, const Vec3& to_W) const noexcept = 0;
 
   // The surface point nearest to x, which may be inside or outside.

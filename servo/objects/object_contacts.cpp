@@ -10,7 +10,7 @@ namespace palpate {
 namespace {
 
 constexpr double kAtRest_m = 1e-10;  // a VHIP that moves less has arrived
-constexpr double kTurned_m = 1e-9;   // a plane of a curved object that moves its goal less follows it
+constexpr double kTurned_m = 1e-9;   // a plane of a curved object that is off the goal by less needs no new goal
 
 ContactPlane standOff(const ObjectPoint& at) noexcept {
   return {at.p_W + ObjectContacts::kStandOff_m * at.normal_W, at.normal_W, 0};
@@ -41,7 +41,7 @@ void ObjectContacts::reset(const Vec3& hip_W) noexcept {
   trial_.vhip_W = hip_W;
 }
 
-// The first entry of all objects on a way.
+// The first entry into any object on a line.
 ObjectContacts::Sweep ObjectContacts::firstEntry(const Vec3& from_W, const Vec3& to_W) const noexcept {
   Sweep first;
   const Vec3 way_W = to_W - from_W;
@@ -50,7 +50,7 @@ ObjectContacts::Sweep ObjectContacts::firstEntry(const Vec3& from_W, const Vec3&
   constexpr double kBefore_m = 2 * kStandOff_m;
   const Vec3 before_W = from_W - way_W * (kBefore_m / way_m);
   for (const auto& object : objects_) {
-    // From before a sheet the way would enter it from its other side.
+    // Not for a sheet: a line that begins before it would enter it from its other side.
     const bool solid = object->solid();
     const auto entry = object->firstEntry(solid ? before_W : from_W, to_W);
     if (!entry) continue;
@@ -60,7 +60,7 @@ ObjectContacts::Sweep ObjectContacts::firstEntry(const Vec3& from_W, const Vec3&
   return first;
 }
 
-// The point nearest to the HIP in front of all planes; planes of curved objects are those under that point.
+// The point nearest to the HIP in front of all planes. The planes of curved objects are moved to be under that point.
 Vec3 ObjectContacts::goalOf(Planes& planes, const Vec3& hip_W) const noexcept {
   Vec3 goal_W = closestInPlanes(planes.all(), hip_W);
   for (int turn = 0; turn < kMaxTurns; ++turn) {
@@ -78,13 +78,13 @@ Vec3 ObjectContacts::goalOf(Planes& planes, const Vec3& hip_W) const noexcept {
   return goal_W;
 }
 
-// From `from` as far towards the HIP as the given planes and the objects on the way let it. `planes` gets what it met.
+// From `from` as far towards the HIP as the given planes and the objects allow. The planes that it meets are added.
 Vec3 ObjectContacts::slide(const Vec3& from_W, const Vec3& hip_W, Planes& planes) const noexcept {
   Vec3 goal_W = closestInPlanes(planes.all(), hip_W);
   for (;;) {
     const Sweep met = firstEntry(from_W, goal_W);
     if (met.object == nullptr) return goal_W;
-    if (planes.full()) {  // no goal that the way is free to: as far as it goes
+    if (planes.full()) {  // no goal can be reached: goes as far as the line is free
       const Vec3 way_W = goal_W - from_W;
       return from_W + way_W * (std::max(0.0, met.way_m - kStandOff_m) / way_W.norm());
     }
@@ -93,7 +93,7 @@ Vec3 ObjectContacts::slide(const Vec3& from_W, const Vec3& hip_W, Planes& planes
   }
 }
 
-void ObjectContacts::tryAgain(const Vec3& hip_W, const ContactPlane* volume) noexcept {
+void ObjectContacts::runTrial(const Vec3& hip_W, const ContactPlane* volume) noexcept {
   trial_.vhip_W = vhip_W_;
   trial_.has_volume = volume != nullptr;
   if (volume != nullptr) trial_.volume = *volume;
@@ -109,7 +109,7 @@ void ObjectContacts::tryAgain(const Vec3& hip_W, const ContactPlane* volume) noe
 }
 
 Vec3 ObjectContacts::volumeTool(const Vec3& hip_W, const ContactPlane* volume) noexcept {
-  tryAgain(hip_W, volume);
+  runTrial(hip_W, volume);
   if (trial_.objects == 0) return hip_W;
   if (volume == nullptr) return trial_.vhip_W;
   const double depth_m = volume->depth(closestInPlanes(trial_.planes.ofObjects(), hip_W));
@@ -121,7 +121,7 @@ std::optional<ContactPlane> ObjectContacts::settle(const Vec3& hip_W, const Cont
   const bool same =
       (volume != nullptr) == trial_.has_volume &&
       (volume == nullptr || (volume->p_W == trial_.volume.p_W && volume->normal_W == trial_.volume.normal_W));
-  if (!same) tryAgain(hip_W, volume);
+  if (!same) runTrial(hip_W, volume);
   vhip_W_ = trial_.vhip_W;
   if (trial_.objects == 0) return volume != nullptr ? std::optional(*volume) : std::nullopt;
   const Vec3 push_W = vhip_W_ - hip_W;

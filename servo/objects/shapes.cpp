@@ -92,7 +92,7 @@ std::optional<ObjectEntry> BoxObject::firstEntry(const Vec3& from_W, const Vec3&
       if (std::abs(from_B[axis]) >= half_m_[axis]) return std::nullopt;
       continue;
     }
-    const double side = way_B[axis] > 0 ? -1 : 1;  // of the slab's face that the way enters through
+    const double side = way_B[axis] > 0 ? -1 : 1;  // of the slab's face through which the line enters
     const double in = (side * half_m_[axis] - from_B[axis]) / way_B[axis];
     const double out = (-side * half_m_[axis] - from_B[axis]) / way_B[axis];
     if (in > enter) {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // servo/objects/shapes.hpp: objects that a formula describes: half-space, ball, box.
 //
-// Frame W: world [m]. Thread and cost: contact_object.hpp; some 5 to 15 ns a query. Constructors throw
-// Error(kBadInput) for numbers that are not finite, sizes that are not positive, a normal without direction and axes
-// that are not orthonormal; `name` is the object's in the message.
+// Frame W: world [m]. Thread and cost: contact_object.hpp; some 5 to 15 ns a query. Constructors throw Error(kBadInput)
+// for numbers that are not finite, sizes that are not positive, a zero normal, and axes that are not orthonormal.
+// `name` is the object's name in the message.
 #pragma once
 
 #include <string>

@@ -8,7 +8,7 @@
 namespace palpate {
 namespace {
 
-// What most faults do; said once.
+// The effect of most faults.
 constexpr const char* kFades =
     "falls to zero within the fade time while it lasts, then grows back within the fade time";
 
@@ -86,19 +86,17 @@ std::string describeFaults(std::uint32_t faults) {
 }
 
 std::string faultDocument() {
-  std::string text =
-      "# Faults\n\nEvery force leaves for the device through one gate, which keeps it finite, within the force limit "
-      "and "
-      "within the slew\nlimit, tick for tick, also during a fault: each force that the device takes differs from the "
-      "one taken before by at "
-      "most the\nslew, however many it refused between them. The last force is never repeated while a fault "
-      "lasts: "
-      "it gets smaller in every\ntick until it is zero. Where the slew limit does not allow the fade time, the fade "
-      "takes "
-      "as long as it must (force limit /\nslew limit). `faults` in trace.csv is the sum of the values below. This page "
-      "is "
-      "printed by `palpate faults`.\n\n| name | value | what happened | the force ... | what to do "
-      "|\n|---|---|---|---|---|\n";
+  std::string text = R"(# Faults
+
+Every force leaves for the device through one gate, which keeps it finite, within the force limit and within the slew
+limit, tick for tick, also during a fault: each force that the device takes differs from the one taken before by at most the
+slew, however many it refused between them. The last force is never repeated while a fault lasts: it gets smaller in every
+tick until it is zero. Where the slew limit does not allow the fade time, the fade takes as long as it must (force limit /
+slew limit). `faults` in trace.csv is the sum of the values below. This page is printed by `palpate faults`.
+
+| name | value | what happened | the force ... | what to do |
+|---|---|---|---|---|
+)";
   for (const FaultText& row : kTable) {
     text += fmt::format("| `{}` | {} | {} | {} | {} |\n", row.name, bit(row.fault), row.text, row.effect, row.remedy);
   }

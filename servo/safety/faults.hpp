@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// servo/safety/faults.hpp: everything that can go wrong in a tick, as bits. A table says of each what it means, what it
-// does to the force and what to do about it.
+// servo/safety/faults.hpp: everything that can go wrong in a tick, as bits, and a table that describes each bit.
 //
-// The servo only raises bits. Texts are made from them after the run or by another thread. Thread: bits anywhere; the
-// text functions allocate, so not in the servo. Errors: none.
+// The servo only raises bits. Texts are made from them after the run or by another thread. Thread: the bits may be used
+// anywhere; the text functions allocate, so not in the servo. Errors: none.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +13,7 @@ namespace palpate {
 
 enum class ServoFault : std::uint32_t {
   kNone = 0,
-  // Bits keep their places, since traces hold them. Bits in kFadingFaults take the force away (safety_gate.hpp). The
+  // The values are fixed, since traces hold them. Bits in kFadingFaults take the force away (safety_gate.hpp). The
   // others are notes: the force goes on, limited where the name says so.
   kNoWindow = 1U << 0,
   kStaleWindow = 1U << 1,
@@ -58,7 +57,7 @@ struct FaultText {
 // One row for each bit, lowest bit first.
 [[nodiscard]] std::span<const FaultText> faultTable() noexcept;
 
-// The set bits by name, "beyond-window force-limited"; "none" for none. A bit that no row has shows as "unknown-fault".
+// The set bits by name, "beyond-window force-limited"; "none" for none. A bit without a row becomes "unknown-fault".
 [[nodiscard]] std::string faultNames(std::uint32_t faults);
 
 // One line for each set bit: "name: text; effect; remedy". Empty for none.

@@ -1,30 +1,30 @@
 // SPDX-License-Identifier: Apache-2.0
-// servo/safety/passivity.hpp: does the virtual environment give more energy to the hand than it took? Observer and
-// controller.
+// servo/safety/passivity.hpp: does the virtual environment give more energy to the hand than it took? A passivity
+// observer, and a controller that takes such energy back.
 //
-// Observer. The device holds the force F of a tick until the next one. So the work that it does on the hand over the
-// tick is exactly F . (x_next - x), whatever the way between. E is the sum of what the environment took:
+// Observer. The device holds the force F of a tick until the next one. So its work on the hand over the tick is exactly
+// F . (x_next - x), whatever the motion in between. E is the energy that the environment took so far:
 //   E -= F_last . (x - x_last),  E >= 0: passive so far, E < 0: it has given energy that it never took
 // (Hannaford and Ryu 2002; their E uses the force to come, this one the force that was held). F is the force that the
-// device took; it counts from `delay_ticks` later if the device states such a delay. E is exact for a device that then
-// holds F. If positions were missing, the mean of the forces held meanwhile is used.
+// device took. If the device states a delay, F counts from `delay_ticks` later. E is exact for a device that holds F
+// over the tick. If positions were missing, the mean of the forces held meanwhile is used.
 //
-// Encoders round, so E uses the position x~ that encoder_position.hpp makes of the readings. It is off by at most their
+// Encoders round, so E uses the position x~ that encoder_position.hpp makes of the readings. x~ is off by at most the
 // resolution Delta along each axis. For a contact that begins and ends without force, E is therefore off by at most
 // Delta times the sum of the force's changes along the axes (summation by parts).
 //
-// Controller. While its account of E is negative it adds a damper before the gate, alpha = -E / (T v^2). If v stays,
-// that takes the missing energy back within a tick. v is the servo's velocity estimate, which the algorithm damps with
-// too. The bare difference of the last tick would be closer to what E was made of, but in it one encoder step would be
-// a velocity of Delta / T. Known troubles of the method, and what is done here:
-// - alpha has no bound as v goes to 0. The damper is at most `damping_limit`, so its force goes to 0 with v.
-// - force bursts. The added force is at most `force_share` of the force limit; the rest of E is taken back later.
-// - energy credit. What a long damped contact, or friction, took would pay for a later active one. With `forget_credit`
-//   (the default) the account's credit is dropped whenever the force held was zero: without contact the environment
-//   stores nothing, so what is left was dissipated. Debt stays, and is taken back in free motion too.
-// - a passive device can bear more than E says. A real wall with up to K T / 2 too little damping is slightly active by
-//   itself, and is still stable if the device's own friction b makes up for it (b > K T / 2). The controller takes that
-//   energy back all the same.
+// Controller. While its account of E is negative, it adds a damper before the gate: alpha = -E / (T v^2). At constant v
+// that takes the missing energy back within a tick. v is the servo's velocity estimate, which the algorithm uses for
+// its damping too. The difference of the last two positions would be closer to E, but one encoder step would make a
+// velocity of Delta / T. Known troubles of the method, and what is done here:
+// - alpha has no bound as v goes to 0. So the damper is at most `damping_limit`, and its force goes to 0 with v.
+// - Force bursts. The added force is at most `force_share` of the force limit. The rest of E is taken back later.
+// - Energy credit. A long damped contact, or friction, would build up credit that pays for a later active contact. With
+//   `forget_credit` (the default) the credit is dropped whenever the force held was zero. Without contact the
+//   environment stores nothing, so any credit left was dissipated. A debt stays, and is taken back in free motion too.
+// - A passive device can bear more than E says. A real wall that lacks damping by up to K T / 2 is slightly active by
+//   itself. It is still stable if the device's own friction b makes up for that (b > K T / 2). The controller takes
+//   that energy back all the same.
 //
 // Frame W: world [m, N]. Thread: the servo's. Cost: some 3 ns, with the controller 5 ns. Errors: none. Heap: in the
 // constructor.
@@ -56,17 +56,17 @@ class Passivity {
 
   void reset(const Vec3& position_W) noexcept { position_.reset(position_W); }
 
-  // A new position: counts the work that the held force did on the way there.
+  // A new position: counts the work that the held force did over the motion to it.
   void moved(const Vec3& position_W) noexcept {
     const Vec3 mean_W = held_count_ > 1 ? Vec3(held_W_ / held_count_) : held_W_;
     const Vec3 last_W = position_.value();
     position_.read(position_W, std::max(1, held_count_));
     const Vec3 way_W = position_.value() - last_W;
     held_count_ = 0;
-    if (way_W.cwiseAbs().maxCoeff() <= kLongestWay_m) account(-mean_W.dot(way_W), mean_W);
+    if (way_W.cwiseAbs().maxCoeff() <= kLongestMotion_m) account(-mean_W.dot(way_W), mean_W);
   }
 
-  // The force that the device took in this tick. It acts from now on, or from `delay_ticks` later.
+  // The force that the device took in this tick. It acts from now on, or `delay_ticks` later.
   void hold(const Vec3& force_W) noexcept {
     if (under_way_W_.empty()) return act(force_W);
     act(under_way_W_[oldest_]);
@@ -86,9 +86,9 @@ class Passivity {
   [[nodiscard]] double energy_J() const noexcept { return energy_J_; }
   [[nodiscard]] double forceBound() const noexcept { return force_limit_N_; }  // of the controller [N]
 
-  // A longer way between two positions is a wrong reading, not a motion that did work [m].
-  static constexpr double kLongestWay_m = 1;
-  // Sums of a long run are rounded by less than this: 1e6 ticks of 8 N over 1 mm, each to 1e-16 of itself.
+  // Two successive positions that are farther apart hold a wrong reading, not a motion that did work [m].
+  static constexpr double kLongestMotion_m = 1;
+  // Bounds the rounding of the sums over a long run: 1e6 ticks of 8 N over 1 mm, each off by 1e-16 of itself.
   static constexpr double kRounding_J = 1e-12;
 
  private:

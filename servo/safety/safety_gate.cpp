@@ -17,8 +17,9 @@ std::int64_t nanoseconds(double time_s) {
   return std::llround(time_s * kNanosecondsPerSecond);
 }
 
-// Rounded down, so that the force is zero within the time, not after it; the tolerance is for 0.1 s * 1 kHz. Where the
-// slew limit asks for more ticks, more than it needs, so that rounding never makes a step of the fade meet it.
+// The fade time in ticks, rounded down: the force is zero within the time, not after it. The tolerance is for products
+// such as 0.1 s * 1 kHz. If the slew limit needs more ticks, there is one to spare, so that rounding never makes a step
+// of the fade exceed the slew.
 std::int64_t fadeTicksOf(const SafetyParameters& p, double rate_hz) {
   constexpr double kMostTicks = 1e15;
   const double by_time = std::floor(p.fade_s * rate_hz + 1e-6);
@@ -46,8 +47,8 @@ SafetyGate::SafetyGate(const SafetyParameters& p, double rate_hz)
   authority_ticks_ = fade_ticks_;
 }
 
-// The authority stays the same share of the whole. A fade under way goes on from the force held: it would grow again
-// if a lower limit cut it and a higher one let it go.
+// The authority stays the same share of the whole. A fade under way goes on from the force held. Otherwise it could
+// grow again when a lower limit had cut it and a higher one followed.
 void SafetyGate::setForceLimit(double force_limit_N) noexcept {
   parameters_.force_limit_N = force_limit_N;
   const std::int64_t before = std::exchange(fade_ticks_, fadeTicksOf(parameters_, rate_hz_));
@@ -80,8 +81,8 @@ GateOutput SafetyGate::pass(const GateInput& in) noexcept {
   }
   fading_ = faulty;
   if (faulty) {
-    // No note of the slew limit: it is part of the fade here (only after a stall or refused writes does it hold
-    // anything back).
+    // kSlewLimited is not raised here. The slew limit is part of the fade; it holds the force back only after a stall
+    // or refused writes.
     static_cast<void>(offerTowards(withinLimit(faded())));
   } else if (!offerTowards(limited(in.wanted_W, faults))) {
     faults |= bit(ServoFault::kSlewLimited);

@@ -1,28 +1,34 @@
 // SPDX-License-Identifier: Apache-2.0
 // servo/safety/safety_gate.hpp: the one gate through which a force leaves for the device.
+//
 // A force passes if it is finite, within the force limit and the slew limit, and built on a fresh window and a fresh
 // position.
-// Fades. A fault that takes the force away (kFadingFaults) makes the last healthy force fall in a straight line to zero
+//
+// Fades. A fault that takes the force away (kFadingFaults) makes the last healthy force fall to zero in a straight line
 // within fade_s. Every tick of the fade is smaller than the one before, so the last force is never repeated. When the
-// fault is gone, the wanted force comes back: it is multiplied by an authority that grows to 1 within fade_s. Fade and
-// return each start from where the other stopped. After a stall the force starts from zero. The device held an old
-// force for a while, and what the algorithm wants now may be far larger than what it wanted then.
-// Held and offered. What counts is the force that the device holds: the last one that it took. pass() offers a force,
-// taken() says that the device took it. A refused offer leaves no trace: the device holds the old force, and the next
-// offer starts from there. So the forces that the device takes are finite and within the limit, and each differs from
-// the one taken before by at most the slew. That is true however many offers were refused or ticks left out between
-// them. While writes are refused nothing here can reduce what the device holds; that needs a watchdog in the device.
+// fault is gone, the wanted force comes back: it is multiplied by an authority that grows to 1 within fade_s. A fade
+// and a return each start from where the other stopped. After a stall the force starts from zero. The device held an
+// old force meanwhile, and what the algorithm wants now may be far larger.
+//
+// Held and offered. The force that counts is the one that the device holds: the last one that it took. pass() offers a
+// force, taken() says that the device took it. A refused offer leaves no trace: the device holds the old force, and the
+// next offer starts from there. So every force that the device takes is finite and within the limit, and differs from
+// the one taken before by at most the slew. This holds however many offers were refused, or ticks left out, in between.
+// While writes are refused nothing here can reduce what the device holds. That needs a watchdog in the device.
 // A fade must keep within the slew too, so it lasts at least force_limit / slew_limit. The invariant behind this:
 // except after a stall or refused writes, |force| <= force_limit * authority. So a fade falls by at most force_limit /
 // fade_ticks per tick. After a stall or refused writes it falls at the slew.
-// Why the slew limit is high. It is there for jumps of the algorithm, of a window, of an edit. A force that lags behind
-// its spring pushes the hand on its way out harder than it braked it on its way in, which gives energy (passivity.hpp
-// counts it, on the force held). A limit that acts on every hard contact shakes it, at worst to a limit cycle of
-// centimetres. The default is what a wall of 5000 N/m asks for under a fast tap of 0.8 m/s: K v = 4000 N/s. 5000 N/m is
-// the stiffest that vendors state for most of their devices (omega, delta, Polhem v2). A jump of 8 N takes 2 ms with
-// it, at any rate. A trial took 8400 random contacts of up to 5000 N/m, met at up to 1 m/s, that settle without a
-// limit. With a limit of 3000 N/s all of them still settled, with 2500 N/s 14 did not.
-// tests/servo/loop/contact_stability_test.cpp tries such contacts at the default.
+//
+// Why the slew limit is high. It is meant for jumps: of the algorithm, of a window, of an edit. A force that lags
+// behind its spring is too large on the way out and too small on the way in. So it gives energy (passivity.hpp counts
+// it, on the force held). A limit that acts on every hard contact shakes it, at worst to a limit cycle of centimetres.
+// The default is what a wall of 5000 N/m needs under a fast tap of 0.8 m/s: K v = 4000 N/s. 5000 N/m is the stiffest
+// that vendors state for most of their devices (omega, delta, Polhem v2). A jump of 8 N takes 2 ms at this limit, at
+// any rate.
+// A trial took 8400 random contacts of up to 5000 N/m, met at up to 1 m/s, that settle without a limit. With a limit of
+// 3000 N/s all of them still settled, with 2500 N/s 14 did not. tests/servo/loop/contact_stability_test.cpp tries such
+// contacts at the default.
+//
 // Frame W: world [N]. Thread: the servo's. Cost: some 10 ns. Heap, locks, throws in pass(): none.
 #pragma once
 
@@ -38,8 +44,8 @@ struct SafetyParameters {
   double slew_limit_N_per_s = 4000;  // [N/s]
   double fade_s = 0.1;               // from full force to none, and back [s]
   double stale_window_s = 0.5;       // a window last confirmed longer ago than this is stale [s]
-  double stall_s = 0.01;             // a tick that is later than this ends a stall [s]
-  double report_timeout_s = 0.02;    // an older position is a fault; a 125 Hz device may lose one report [s]
+  double stall_s = 0.01;             // a tick that is late by more than this ends a stall [s]
+  double report_timeout_s = 0.02;    // an older position is a fault; 20 ms: a 125 Hz device may lose one report [s]
 };
 
 struct GateInput {
@@ -63,16 +69,17 @@ class SafetyGate {
   // The force to offer to the device. One call per tick.
   [[nodiscard]] GateOutput pass(const GateInput& in) noexcept;
 
-  // Another force limit from the next pass() on, above 0 and finite [N]. What is held above it comes down by the slew.
+  // Another force limit from the next pass() on, above 0 and finite [N]. A larger force that is held comes down at the
+  // slew.
   void setForceLimit(double force_limit_N) noexcept;
   [[nodiscard]] double forceLimit() const noexcept { return parameters_.force_limit_N; }  // [N]
 
-  // At the end of a run: a force nearer to zero by one slew. The authority goes to zero. Offer it once per tick until
-  // the device takes zero.
+  // For the end of a run: gives a force that is nearer to zero by one slew, and sets the authority to zero. Offer it
+  // once per tick until the device takes zero.
   [[nodiscard]] Vec3 release() noexcept;
 
-  // The device took the last offer and holds `held_W` now: what was offered, or less. If `held_W` is not a force within
-  // the limit, the offer counts instead. Do not call it if the offer was refused.
+  // The device took the last offer and now holds `held_W`: the offer, or less. If `held_W` is not finite or above the
+  // limit, the offer counts instead. Do not call it if the offer was refused.
   void taken(const Vec3& held_W) noexcept;
 
   [[nodiscard]] const Vec3& heldForce() const noexcept { return held_W_; }

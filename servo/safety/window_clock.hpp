@@ -2,12 +2,12 @@
 // servo/safety/window_clock.hpp: how long ago the window was last confirmed, and whether that can be known.
 //
 // The age of a window is the servo's time less the time of the engine's last confirmation. It means nothing if one of
-// the two clocks steps. Two signs of that raise kClockStep: the servo's time or the confirmation goes backwards (for
-// one tick), or the confirmation lies in the servo's future (until time or the engine has caught up). A servo clock
-// that steps forward looks the same as a servo that stood still. So it counts as a stall (safety_gate.hpp), and the
-// window is stale until the engine confirms it again.
-// A confirmation may be a little in the future without any step: a servo that is preempted between reading the clock
-// and reading the confirmation sees a later one. Up to the stall time this counts as fresh.
+// the two clocks steps. Two signs of a step raise kClockStep. The servo's time or the confirmation goes backwards: for
+// one tick. Or the confirmation lies in the servo's future: until the servo's time or the engine has caught up. A servo
+// clock that steps forward looks the same as a servo that stood still. So it counts as a stall (safety_gate.hpp), and
+// the window is stale until the engine confirms it again.
+// Without any step a confirmation may be a little in the future. The servo may be preempted between reading the clock
+// and reading the confirmation. Up to the stall time this counts as fresh.
 // Thread: the servo's. Cost: a few comparisons. Errors, heap: none. Times [ns].
 #pragma once
 
@@ -28,8 +28,8 @@ class WindowClock {
 
   explicit WindowClock(std::int64_t future_tolerance_ns) noexcept : tolerance_ns_(future_tolerance_ns) {}
 
-  // Once per tick. `confirmed_ns` was read before the window (window_exchange.hpp); `version` and `stamp_ns` are the
-  // window's; version 0: there is no window.
+  // Call once per tick. `confirmed_ns` was read before the window (window_exchange.hpp). `version` and `stamp_ns` are
+  // the window's; version 0: there is no window.
   [[nodiscard]] Reading read(std::int64_t now_ns, std::int64_t confirmed_ns, std::uint64_t version,
                              std::int64_t stamp_ns) noexcept {
     bool step = now_ns < last_now_ns_;
@@ -56,7 +56,7 @@ class WindowClock {
   std::int64_t tolerance_ns_;
   std::int64_t last_now_ns_ = kLongAgo_ns;
   std::int64_t last_confirmed_ns_ = kLongAgo_ns;
-  std::int64_t known_ns_ = kLongAgo_ns;  // the window was true then
+  std::int64_t known_ns_ = kLongAgo_ns;  // the latest time at which the window was known to hold
   std::uint64_t last_version_ = 0;
 };
 

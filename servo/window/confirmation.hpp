@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// servo/window/confirmation.hpp: the time at which the writer last said that what it has published still holds.
+// servo/window/confirmation.hpp: the time at which the writer last said that its newest publication still holds.
 //
-// Store release, load acquire: a reader that has seen a time also sees all that the writer did before it. Above all it
-// sees the window that the time confirms. With relaxed order the reader could see the time together with the window
-// before, and take an old window for a fresh one.
+// Store release, load acquire: a reader that sees a time also sees all that the writer did before it. Above all it sees
+// the window that the time confirms. With relaxed order the reader could see the time together with the previous
+// window, and take an old window for a fresh one.
 // Relaxed order tears no single value, so the thread sanitizer finds nothing in this class alone. tests/servo/window
-// therefore reads data that was written before the time, also through a copy with relaxed order; the sanitizer reports
-// that copy.
+// therefore reads data that was written before the time. It does so through a copy with relaxed order too, which the
+// sanitizer reports.
 // Threads: one writer, any readers. Cost: a store, a load. Errors, heap: none. Times on the servo's clock [ns].
 #pragma once
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// servo/window/sample_window.hpp: the plane-ready samples around the tool, as the engine hands them to the servo.
+// servo/window/sample_window.hpp: the volume samples around the tool, from the engine to the servo.
 //
-// A window is a box of volume samples. Each has density and gradient, so one eight-corner fetch gives both and the
-// servo never takes differences. Frames: W world [m]; L the window's lattice [voxel] (base/lattice.hpp). A face of the
-// window may be a face of the volume; beyond that is free space, and an object that reaches it has a cut face.
+// A window is a box of volume samples. Each sample has density and gradient. So one trilinear fetch gives both, and the
+// servo never computes differences. Frames: W world [m]; L the window's lattice [voxel] (base/lattice.hpp). A face of
+// the window may be a face of the volume. Beyond that face is free space, and an object that reaches it has a cut face.
 #pragma once
 
 #include <array>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// servo/window/triple_buffer.hpp: newest value from one thread to another: three slots, no lock, latest value wins.
+// servo/window/triple_buffer.hpp: hands the newest value from one thread to another: three slots, no lock.
 //
 // Threads: back() and publish() by the one writer, latest() by the one reader. Every call is wait-free on both sides:
-// one atomic exchange at most, no retry. Neither side ever holds the other up. Cost: publish() one exchange; latest()
-// one load, and one exchange when there is something new. Errors: none. Heap: none after construction.
+// at most one atomic exchange, no retry. Cost: publish() one exchange; latest() one load, and one exchange if there is
+// a new value. Errors: none. Heap: none after construction.
 #pragma once
 
 #include <array>
@@ -12,12 +12,12 @@
 
 namespace palpate {
 
-// The slots are the back one (the writer's), the front one (the reader's) and the middle one. The middle slot's number
-// lies in an atomic, with a bit that is set until the reader has seen it. Each side swaps its own slot for the middle.
+// One slot is the back (the writer's), one the front (the reader's), one the middle. An atomic holds the number of the
+// middle slot, and a bit that is set until the reader has taken that slot. Each side swaps its own slot for the middle.
 //
-// kSwap is the order of that swap. Release: a side's writes to the slot that it gives away (or its reads of it) are
-// done before the other side gets the slot. Acquire: the slot that it takes was given away by the other side in the
-// same manner. Weaker orders tear: tests/servo/window instantiates a relaxed copy, and the thread sanitizer reports it.
+// kSwap is the memory order of that swap. Release: a side has finished its reads and writes of the slot that it gives
+// away before the other side gets it. Acquire: the same holds for the slot that it takes. Weaker orders tear:
+// tests/servo/window instantiates a relaxed copy, and the thread sanitizer reports it.
 template <class T, std::memory_order kSwap = std::memory_order_acq_rel>
 class TripleBuffer {
  public:
@@ -30,7 +30,7 @@ class TripleBuffer {
 
   // Writer: the slot to fill, valid until publish(). It holds an older value.
   [[nodiscard]] T& back() noexcept { return slots_[back_].value; }
-  // Writer: the number of the slot that back() is: 0, 1 or 2. For storage that belongs to a slot.
+  // Writer: the number of back()'s slot: 0, 1 or 2. For storage that belongs to a slot.
   [[nodiscard]] unsigned backIndex() const noexcept { return back_; }
   // Writer: hands back() over; back() is another slot afterwards.
   void publish() noexcept { back_ = middle_.exchange(back_ | kFresh, kSwap) & kIndex; }

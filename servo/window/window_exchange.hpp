@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// servo/window/window_exchange.hpp: windows from the engine to the servo, and the engine's confirmation that they still
+// servo/window/window_exchange.hpp: hands windows from the engine to the servo, with the engine's word that they still
 // hold.
 //
-// Three windows over three sample storages with another owner: the engine maps GPU buffers, tests use WindowStorage.
-// Threads: the engine makes the writer's calls, the servo the reader's; all are wait-free (triple_buffer.hpp). Times
-// are on the servo's clock [ns].
+// The three windows lie over three sample storages with another owner: the engine maps GPU buffers, tests use
+// WindowStorage. Threads: the engine makes the writer's calls, the servo the reader's. All are wait-free
+// (triple_buffer.hpp). Times are on the servo's clock [ns].
 #pragma once
 
 #include <array>
@@ -42,22 +42,22 @@ class WindowExchange {
   // Writer: the number of the storage behind backSamples(): 0, 1 or 2.
   [[nodiscard]] unsigned backIndex() const noexcept { return buffer_.backIndex(); }
   [[nodiscard]] std::size_t capacity() const noexcept { return capacity_samples_; }
-  // Writer: the next window to be published gets this version; the first is 1.
+  // Writer: the version of the next window to be published; the first is 1.
   [[nodiscard]] std::uint64_t nextVersion() const noexcept { return version_ + 1; }
 
-  // Writer: sets `samples` and `version` (one more than the last), confirms it at its stamp_ns, and hands it over.
-  // Throws Error(kBadInput) when a side is below 2 samples or the window exceeds the capacity; then nothing is
+  // Writer: sets `samples` and `version` (one more than the last) of back(), hands it over, and confirms it at its
+  // stamp_ns. Throws Error(kBadInput) if a side is below 2 samples or the window exceeds the capacity; then nothing is
   // published.
   void publish();
 
-  // Writer: the engine's heartbeat. At `now_ns` the volume still holds what the newest published window shows.
+  // Writer: the engine's heartbeat. It says that at `now_ns` the newest published window still shows the volume.
   void confirm(std::int64_t now_ns) noexcept { confirmation_.confirm(now_ns); }
 
   // Reader: the newest window; valid and constant until the next call. Version 0: nothing published yet.
   [[nodiscard]] const SampleWindow& latest() noexcept { return buffer_.latest(); }
 
-  // Reader: when the newest window was last known to be true. Call it before latest(): then latest() gives the
-  // confirmed window or a newer one, never an older one (confirmation.hpp).
+  // Reader: when the newest window was last confirmed. Call it before latest(). Then latest() gives the confirmed
+  // window or a newer one, never an older one (confirmation.hpp).
   [[nodiscard]] std::int64_t confirmedAt_ns() const noexcept { return confirmation_.at_ns(); }
 
  private:

@@ -3,8 +3,6 @@
 
 #include <limits>
 
-#include "servo/window/fetch.hpp"
-
 namespace palpate {
 
 WindowSampler::WindowSampler(const SampleWindow& window) noexcept

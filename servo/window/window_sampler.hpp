@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// servo/window/window_sampler.hpp: samples one window many times; its affine map and strides are worked out once.
+// servo/window/window_sampler.hpp: density and gradient of a window at points of the world.
 //
+// Both are trilinear in the window's lattice, from the same eight samples. The gradient is in the world [density/m]. A
+// point outside the window may be past several of its faces. If all of these are borders of the volume, the result is
+// kBeyondVolume with density -infinity, else kBeyondWindow. An unusable window and a non-finite point give
+// kBeyondWindow.
 // Frames: W world [m]; L the window's lattice [voxel]. Positions are computed in double, weights and samples in float.
-// Thread: any. It reads the samples of its window, so it must not outlive them. Cost: some 20 ns to make one; at()
-// takes eight 16-byte loads and seven lerps of four floats, some 20 ns in a dependent chain. Errors: none; a non-finite
-// position is beyond the window.
+// Thread: any. The sampler reads the samples of its window, so it must not outlive them. Cost: some 20 ns to make a
+// sampler; at() takes eight 16-byte loads and seven lerps of four floats, some 20 ns in a dependent chain. Errors:
+// none.
 #pragma once
 
 #include <algorithm>
@@ -20,8 +24,8 @@ class WindowSampler {
   WindowSampler() = default;  // without a window: every place is beyond it
   explicit WindowSampler(const SampleWindow& window) noexcept;
 
-  // toIndex(): world [m] to lattice [voxel]; toWorld(): back. faceNormal(): outward unit normal of the window's face at
-  // the high or low end of an axis.
+  // toIndex() takes world [m] to lattice [voxel], toWorld() the reverse. faceNormal() is the outward unit normal of the
+  // window's face at the high or low end of an axis.
   [[nodiscard]] Vec3 toIndex(const Vec3& p_W) const noexcept {
     const double x = p_W.x() - origin_W_.x();
     const double y = p_W.y() - origin_W_.y();
@@ -62,7 +66,7 @@ class WindowSampler {
  private:
   using Float4 = float __attribute__((vector_size(16)));  // gradient i, j, k and density of one sample
 
-  // Rounding may put a point of a face this far outside [voxel].
+  // Rounding may put a point on a face this far outside [voxel].
   static constexpr double kFaceTolerance = 1e-9;
 
   [[nodiscard]] bool holds(const Vec3& p_L) const noexcept {
@@ -79,7 +83,7 @@ class WindowSampler {
     std::memcpy(&value, sample, sizeof value);
     return value;
   }
-  // This form of the lerp gives a constant field back exactly, so flat background at the isovalue stays background.
+  // This form of the lerp reproduces a constant field exactly, so flat background at the isovalue stays background.
   static Float4 lerp(Float4 a, Float4 b, Float4 t) noexcept { return a + t * (b - a); }
   static Float4 broadcast(double t) noexcept {
     const auto f = static_cast<float>(t);
@@ -127,5 +131,9 @@ class WindowSampler {
   double smallest_spacing_m_ = 1;
   const SampleWindow* window_ = nullptr;
 };
+
+// Density and gradient of a window at one point: a WindowSampler is made and asked once. To fetch often, keep a
+// sampler.
+[[nodiscard]] Fetch fetch(const SampleWindow& window, const Vec3& p_W) noexcept;
 
 }  // namespace palpate

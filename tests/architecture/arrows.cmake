@@ -1,10 +1,10 @@
-# Run with -DSOURCE=<repository> -DARROWS=<folder of house.cmake, ROOM.cpp and ROOM.flags> -DCOMPILER=<C++ compiler>.
-# Fails unless every room sees the rooms that it names and no others, its files include headers of all that DEPENDS
-# names and of no others, and no arrow leads back.
+# Run with -DSOURCE=<repository> -DARROWS=<folder of house.cmake, ROOM.cpp and ROOM.flags> -DCOMPILER=<C++ compiler>. It checks
+# three things. Every room sees the rooms that it names and no others. Its files include headers of all rooms of its DEPENDS and
+# of no others. No two rooms name each other.
 cmake_minimum_required(VERSION 3.25)
 include(${ARROWS}/house.cmake)
 
-# The room to which a file belongs, by its path from the repository; "" for one that is in no room.
+# The room to which a file belongs, by its path from the repository; "" if it is in no room.
 function(room_of path out)
   set(${out} "" PARENT_SCOPE)
   foreach(room IN LISTS rooms)

@@ -1,5 +1,5 @@
-# Run with -DSOURCE=<repository>: fails if two headers define a type of the same name. All of Palpate is one namespace,
-# and two types of one name in it break the one-definition rule without a word from compiler or linker.
+# Run with -DSOURCE=<repository>. Fails if two headers define a type of the same name. All of Palpate is one namespace. Two
+# types of one name would break the one-definition rule there, and neither compiler nor linker would say so.
 set(defined "")
 foreach(room base engine servo apps)
   file(GLOB_RECURSE headers ${SOURCE}/${room}/*.hpp)

@@ -4,9 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "base/atomic_file.hpp"
+#include "base/durable_io.hpp"
 #include "base/error.hpp"
-#include "base/flush_folder.hpp"
-#include "base/make_folder.hpp"
 #include "disk_watch.hpp"
 #include "temporary_folder.hpp"
 

@@ -65,9 +65,9 @@ TEST(SameFile, IsSeenThroughEverySpelling) {
 }
 
 TEST(SameFile, MayNotTakeTwoResults) {
-  EXPECT_NO_THROW(checkEachItsOwn({"", "a", "", "b", ""}));
+  EXPECT_NO_THROW(checkOutputsDiffer({"", "a", "", "b", ""}));
   try {
-    checkEachItsOwn({"a", "b", "", "./a"});
+    checkOutputsDiffer({"a", "b", "", "./a"});
     FAIL() << "no error";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), Error::Code::kBadInput);

@@ -19,6 +19,7 @@
 #include <unistd.h>
 
 #include "base/shared_buffer.hpp"
+#include "tests/support/few_descriptors.hpp"
 
 namespace palpate {
 namespace child_process_test {
@@ -97,6 +98,16 @@ TEST(ChildProcess, ACrashEndsTheChildOnly) {
   ASSERT_TRUE(outcome.trouble);
   EXPECT_EQ(outcome.trouble->kind, Kind::kDied);
   EXPECT_THAT(outcome.trouble->words, testing::HasSubstr("crash"));
+}
+
+// As the system does where memory runs out.
+TEST(ChildProcess, AKilledChildHadNoMemory) {
+  const ChildTrouble trouble = troubleIn([](std::size_t) {
+    raise(SIGKILL);
+    return std::string();
+  });
+  EXPECT_EQ(trouble.kind, Kind::kMemory);
+  EXPECT_THAT(trouble.words, testing::HasSubstr("it was killed"));
 }
 
 TEST(ChildProcess, AnEndOfTheProcessIsNoSuccess) {
@@ -243,24 +254,6 @@ TEST(ChildProcess, NoExceptionLeavesTheChild) {
   }
   EXPECT_EQ(escaped.bytes()[0], 'n');
 }
-
-// With `spare` descriptors that may still be opened.
-class FewDescriptors {
- public:
-  explicit FewDescriptors(int spare) {
-    getrlimit(RLIMIT_NOFILE, &before_);
-    const int next = dup(0);  // the lowest number that is free
-    close(next);
-    const rlimit few = {static_cast<rlim_t>(next + spare), before_.rlim_max};
-    setrlimit(RLIMIT_NOFILE, &few);
-  }
-  ~FewDescriptors() { setrlimit(RLIMIT_NOFILE, &before_); }
-  FewDescriptors(const FewDescriptors&) = delete;
-  FewDescriptors& operator=(const FewDescriptors&) = delete;
-
- private:
-  rlimit before_ = {};
-};
 
 // At every limit, up to the first that is enough. Then the work has what it needs: four files at a time.
 TEST(ChildProcess, SaysWhatIsMissingWhereTooFewFilesCanBeOpened) {

@@ -13,7 +13,7 @@
 namespace palpate::damage {
 namespace {
 
-// Among words only the digits pass if they change, and few bytes are such digits.
+// In text most changed bytes are refused; only changed digits may pass. Few bytes are digits, so text takes more tries.
 constexpr std::size_t kTimesForWords = 10;
 
 const char* wordOf(Verdict::Kind kind) {
@@ -36,18 +36,18 @@ const char* wordOf(Verdict::Kind kind) {
   return "";
 }
 
-// One format: its folder, its bytes, what they hold.
+// One format: its folder, the bytes of its file, and the fingerprint of their content.
 class Subject {
  public:
   Subject(const WholeFile& file, const Plan& plan, Result& result) : file_(file), plan_(plan), result_(result) {
-    const pid_t writer = fork();  // who has loaded a volume has threads
+    const pid_t writer = fork();  // in a child: writing may load a volume, which starts threads
     if (writer == 0) {
       file.write(folder_.path());
       _exit(0);
     }
     waitpid(writer, nullptr, 0);
     whole_ = readFile(path());
-    if (file_.header_bytes == 0 && file_.text) file_.header_bytes = endOfHeader();
+    if (file_.header_bytes == 0 && file_.header_is_text) file_.header_bytes = endOfHeader();
     const Verdict intact = judge(file_, folder_.path(), plan.limits);
     if (intact.kind != Verdict::Kind::kRead) {
       throw std::runtime_error(fmt::format("{}, undamaged: {}: {}", file.name, wordOf(intact.kind), intact.words));
@@ -55,7 +55,7 @@ class Subject {
     fingerprint_ = intact.fingerprint;
   }
 
-  // File `n` of its cell; the same for every plan of the seed.
+  // Damages and judges file `n` of a cell. Plans with the same seed get the same file.
   void tryOne(Damage damage, std::size_t n) {
     std::seed_seq seeds = {plan_.seed, static_cast<std::uint64_t>(damage), std::uint64_t{n}};
     std::mt19937_64 random(seeds);
@@ -76,7 +76,7 @@ class Subject {
  private:
   [[nodiscard]] std::string path() const { return folder_.file(file_.damaged); }
 
-  // Of a header that a library wrote.
+  // The end of a header that a library wrote.
   [[nodiscard]] std::size_t endOfHeader() const {
     const std::size_t mark = whole_.find(file_.is_mesh ? "end_header" : "ElementDataFile");
     return mark == std::string::npos ? 0 : whole_.find('\n', mark) + 1;
@@ -119,7 +119,7 @@ Result run(const Plan& plan, const std::function<void(std::size_t files)>& progr
         if (progress) progress(result.files);
       }
     };
-    const std::size_t times = file.words ? kTimesForWords : 1;
+    const std::size_t times = file.values_are_text ? kTimesForWords : 1;
     for (const Damage damage : kDamages) tryAll(damage, times * plan.per_cell);
     tryAll(Damage::kMany, plan.many);
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// tests/damage/campaign.hpp: many files damaged and read, and what came of it. Thread: as judge().
+// tests/damage/campaign.hpp: damages many files, reads them and counts what happened. Thread: as judge().
 #pragma once
 
 #include <cstdint>
@@ -14,18 +14,19 @@
 namespace palpate::damage {
 
 struct Plan {
-  std::size_t per_cell = 10;  // files for each format and each kind of damage alone; more where values are words
-  std::size_t many = 0;       // files for each format with several kinds at once
+  std::size_t per_cell = 10;  // files for each format and kind of damage; more if values are text
+  std::size_t many = 0;       // files for each format with several kinds of damage at once
   std::uint64_t seed = 1;
-  std::string only;  // a part of the names of formats; "": all
-  std::string keep;  // a folder for the files that failed; "": none are kept
+  std::string only;  // only formats whose names contain this; "": all
+  std::string keep;  // folder for the files that failed; "": none is kept
   Limits limits;
 };
 
+// Results for one format and one kind of damage.
 struct Cell {
   std::size_t refused = 0;
-  std::size_t unchanged = 0;  // accepted, and what was read is what the undamaged file holds
-  std::size_t changed = 0;    // accepted as something else
+  std::size_t unchanged = 0;  // accepted, with the content of the undamaged file
+  std::size_t changed = 0;    // accepted, with another content
   bool promised = false;      // mustBeSeen()
 };
 
@@ -38,10 +39,10 @@ struct Result {
   std::size_t most_memory_bytes = 0;
 };
 
-// `progress` is called after each file. Throws std::runtime_error where a file that is not damaged cannot be read.
+// `progress` is called after each file. Throws std::runtime_error if an undamaged file cannot be read.
 [[nodiscard]] Result run(const Plan& plan, const std::function<void(std::size_t files)>& progress = nullptr);
 
-// Formats against kinds of damage, as docs/volumes.md has it.
+// A table of formats against kinds of damage, as in docs/volumes.md.
 [[nodiscard]] std::string table(const Result& result);
 
 }  // namespace palpate::damage

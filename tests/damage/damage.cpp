@@ -31,7 +31,7 @@ class Damager {
       case Damage::kHeaderByte:
         return changeByte(bytes, 0, header > 0 ? header : bytes.size());
       case Damage::kHeaderValue:
-        return file_.text ? replaceWord(bytes, header) : replaceNumber(bytes, header);
+        return file_.header_is_text ? replaceWord(bytes, header) : replaceNumber(bytes, header);
       case Damage::kLineLost:
       case Damage::kLineTwice:
       case Damage::kLineEmpty:
@@ -52,7 +52,7 @@ class Damager {
     if (begin >= end) return;
     const std::size_t at = begin + below(end - begin);
     const bool is_digit = std::isdigit(static_cast<unsigned char>(bytes[at])) != 0;
-    if (file_.words && is_digit && below(2) == 0) {
+    if (file_.values_are_text && is_digit && below(2) == 0) {
       bytes[at] = static_cast<char>('0' + (bytes[at] - '0' + 1 + static_cast<int>(below(9))) % 10);
       return;
     }
@@ -68,7 +68,7 @@ class Damager {
 
   void loseMiddle(std::string& bytes, std::size_t header) {
     if (header >= bytes.size()) return;
-    const std::size_t most = file_.words && below(2) == 0 ? 2 : 40;
+    const std::size_t most = file_.values_are_text && below(2) == 0 ? 2 : 40;
     bytes.erase(header + below(bytes.size() - header), 1 + below(most));
   }
 
@@ -173,7 +173,7 @@ bool applies(Damage damage, const WholeFile& file) {
   if (!file.has_values && (damage == Damage::kValueByte || damage == Damage::kMiddleLost)) return false;
   if (!file.has_header && (damage == Damage::kHeaderByte || damage == Damage::kHeaderValue)) return false;
   const bool of_lines = damage == Damage::kLineLost || damage == Damage::kLineTwice || damage == Damage::kLineEmpty;
-  return file.text || !of_lines;
+  return file.header_is_text || !of_lines;
 }
 
 bool mustBeSeen(Damage damage, const WholeFile& file) {

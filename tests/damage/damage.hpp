@@ -12,16 +12,16 @@
 namespace palpate::damage {
 
 enum class Damage {
-  kValueByte,    // a byte among the values, changed
-  kCut,          // the end is missing
-  kSurplus,      // bytes more at the end
-  kMiddleLost,   // bytes missing among the values
-  kHeaderByte,   // a byte of the header, changed
-  kHeaderValue,  // a number of it made NaN, infinite, 3e38, huge, negative, nothing, or 1,000 letters
-  kLineLost,     // a line of a header of text
-  kLineTwice,
-  kLineEmpty,  // put in
-  kMany        // several of them, in any place
+  kValueByte,    // a byte of the values is changed
+  kCut,          // the end of the file is missing
+  kSurplus,      // there are more bytes at the end
+  kMiddleLost,   // bytes of the values are missing
+  kHeaderByte,   // a byte of the header is changed
+  kHeaderValue,  // a number of the header becomes NaN, infinite, 3e38, huge, negative, nothing, or 1,000 letters
+  kLineLost,     // a line of a text header is missing
+  kLineTwice,    // a line of a text header comes twice
+  kLineEmpty,    // an empty line is put into a text header
+  kMany          // several of these, in any place
 };
 inline constexpr std::array kDamages = {Damage::kValueByte,  Damage::kCut,        Damage::kSurplus,
                                         Damage::kMiddleLost, Damage::kHeaderByte, Damage::kHeaderValue,
@@ -29,13 +29,13 @@ inline constexpr std::array kDamages = {Damage::kValueByte,  Damage::kCut,      
 
 [[nodiscard]] const char* nameOf(Damage damage);  // a column of the table
 
-// Whether such a file can be damaged so: only headers of text have lines.
+// Whether this damage can be done to such a file: only text headers have lines.
 [[nodiscard]] bool applies(Damage damage, const WholeFile& file);
 
-// Whether the format has to tell it, by what it promises.
+// Whether the reader must refuse this damage, by what the format promises.
 [[nodiscard]] bool mustBeSeen(Damage damage, const WholeFile& file);
 
-// Never the same bytes as before.
+// The damaged bytes. They always differ from `whole`.
 [[nodiscard]] std::string damaged(const std::string& whole, Damage damage, const WholeFile& file,
                                   std::mt19937_64& random);
 

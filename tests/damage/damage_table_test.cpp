@@ -26,8 +26,8 @@ TEST_F(Campaign, NothingFails) {
   EXPECT_GT(result_.files, 1000U);
 }
 
-// The most that a promise is worth is that it is kept in a file that would otherwise pass: each kind of damage passes
-// in some format, so the judge can tell.
+// Shows that the judge can tell damage at all: each of these kinds passes in some format. So a promise that is kept
+// means something.
 TEST_F(Campaign, DamageThatNoFormatTellsIsSeenToPass) {
   for (const Damage damage : {Damage::kValueByte, Damage::kHeaderByte, Damage::kHeaderValue, Damage::kLineLost}) {
     std::size_t changed = 0;
@@ -41,7 +41,7 @@ TEST_F(Campaign, TheTableIsInTheDocumentation) {
   EXPECT_NE(page.find(table(result_)), std::string::npos) << "docs/volumes.md must hold:\n" << table(result_);
 }
 
-// Damage that changes nothing would be told from none by nobody.
+// Nobody could detect damage that changes nothing.
 TEST(WholeFiles, AreDamagedInEveryWay) {
   std::mt19937_64 random(1);
   for (const WholeFile& file : wholeFiles()) {

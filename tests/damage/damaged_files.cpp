@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// damaged_files: damages whole files of every format that Palpate reads, reads each in a process of its own, and says
-// which of them crashed, hung, took too much memory or passed for whole. Exit status 1 if any did.
+// damaged_files: damages whole files of every format that Palpate reads, and reads each in a process of its own. Lists
+// those that crashed, hung, took too much memory or passed as undamaged. Exit status 1 if there are any.
 //
 //   damaged_files --count 100000 --seed 1 --seconds 5 --memory-mib 2048 --only NIfTI --keep FOLDER --table
 #include <iostream>

@@ -25,7 +25,7 @@ namespace {
 
 using Kind = Verdict::Kind;
 
-constexpr double kWallPerProcessor = 20;  // on a machine that does other work as well
+constexpr double kWallPerProcessor = 20;  // wall time over processor time, on a busy machine
 
 template <class T>
 std::uint32_t addTo(std::uint32_t crc, const T& plain) {
@@ -53,7 +53,7 @@ std::uint32_t fingerprintOf(const TriangleMesh& mesh) {
   return crc;
 }
 
-// What the reader reports: plain, then words.
+// What the reader process reports: this struct, then the text.
 struct Report {
   Kind kind = Kind::kCrashed;
   std::uint32_t fingerprint = 0;
@@ -87,7 +87,7 @@ Report readFileOf(const WholeFile& file, const std::string& name, std::string& w
   _exit(0);
 }
 
-// All that comes until the other end is closed, or nothing more for so long.
+// Reads until the other end is closed. False if nothing more came for so long.
 bool readAll(int from, double seconds, std::string& bytes) {
   std::array<char, 4096> block;
   for (;;) {

@@ -22,7 +22,7 @@ typename Grid::Ptr noise(const std::string& name, int size, std::uint32_t seed) 
   return grid;
 }
 
-// Every file gets a name of its own, 36 letters after 21 bytes.
+// OpenVDB gives every file a random name of 36 letters at byte 21. This overwrites it.
 void setName(const std::string& path) {
   constexpr std::streamoff kNameAt = 21;
   std::fstream file(path, std::ios::binary | std::ios::in | std::ios::out);

@@ -6,7 +6,7 @@
 
 namespace palpate::damage {
 
-// Three grids, a density, a mask and a distance, the same bytes every time.
+// Writes three grids (a density, a mask and a distance), with the same bytes every time.
 void writeVdbGrids(const std::string& path);
 
 }  // namespace palpate::damage

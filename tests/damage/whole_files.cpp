@@ -13,7 +13,7 @@
 namespace palpate::damage {
 namespace {
 
-// A small head of noise: values that differ, so that bricks are stored and streams are not all zeros.
+// A small sphere with noise: its values differ, so that bricks are stored and streams are not all zeros.
 Volume sample() {
   return loadVolume("phantom:sphere?size=20&spacing=1mm&noise=0.1&seed=3");
 }
@@ -52,7 +52,7 @@ std::string hexOf(const std::string& bytes) {
   return digits;
 }
 
-// `with` in the place of `word`, which is there once.
+// Replaces `word`, which occurs once, by `with`.
 std::string replaced(std::string text, const std::string& word, const std::string& with) {
   return text.replace(text.find(word), word.size(), with);
 }
@@ -67,7 +67,7 @@ std::string dicomSlice(int n, const std::string& syntax) {
   return dicomBytes(fields);
 }
 
-// `values`: bytes at the end that are not the header's.
+// `values`: number of bytes at the end that do not belong to the header.
 WholeFile dicom(const std::string& name, const std::string& syntax, std::size_t values) {
   return {name,
           "s1.dcm",
@@ -82,7 +82,7 @@ WholeFile dicom(const std::string& name, const std::string& syntax, std::size_t 
           }};
 }
 
-// The same series with its pixels packed; a stretch of the frame is what is damaged.
+// The same series with packed pixels. Damage goes into the packed frame.
 WholeFile packedDicomFile(const std::string& name, DicomPacking packing) {
   const auto slice = [packing](int n) {
     std::uint32_t random = 5;
@@ -101,7 +101,7 @@ WholeFile packedDicomFile(const std::string& name, DicomPacking packing) {
       }};
 }
 
-// A slice of a list: its bytes are values and nothing else.
+// A slice file that a list names: it holds values and nothing else.
 WholeFile listedFile(const std::string& name, const std::string& header, const std::string& text) {
   WholeFile slice;
   slice.name = name;
@@ -116,7 +116,7 @@ WholeFile listedFile(const std::string& name, const std::string& header, const s
   return slice;
 }
 
-// All of it but the head is packed.
+// Length of the deflated part: all of the file but its head.
 std::size_t deflatedBytes() {
   DicomFields fields;
   fields.syntax = kDeflatedDicom;
@@ -290,7 +290,7 @@ WholeFile mesh(const std::string& name, const std::string& file, bool text, Prom
       name, file, file, true, text, ' ', promise, after(bytes, "end_header\n"), [=](const std::string& f) {
         bytes.empty() ? writeMeshTo(in(f, file)) : writeFile(in(f, file), bytes);
       }};
-  mesh.words = !bytes.empty();
+  mesh.values_are_text = !bytes.empty();
   return mesh;
 }
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// What libFuzzer does, in short: replays the inputs of a corpus, then changes them at random, and keeps the input that
-// a target fails at. Works with any compiler.
+// A small substitute for libFuzzer that works with any compiler. It replays the inputs of a corpus, then changes them
+// at random, and keeps the input at which a target fails.
 //
 //   fuzz_NAME [--runs N] [--seed S] [--seconds LIMIT] FILE-OR-FOLDER...
 //
-// An input of the corpus whose name begins with "ok" must be accepted, one that begins with "bad" refused; some must be
-// either. Exit status 0: all went well; 1: an input was judged otherwise; a signal: the
+// An input of the corpus whose name begins with "ok" must be accepted, one that begins with "bad" refused. Some inputs
+// must be accepted and some refused. Exit status 0: all went well. 1: an input was judged otherwise. A signal: the
 // target failed, and the input is kept.
 #include <algorithm>
 #include <array>
@@ -23,10 +23,11 @@
 #include "fuzz_target.hpp"
 #include "mutator.hpp"
 
-// There where a sanitizer is.
+// Defined only if a sanitizer is linked.
 // NOLINTNEXTLINE(bugprone-reserved-identifier,readability-identifier-naming): the sanitizers' name
 extern "C" __attribute__((weak)) void __sanitizer_set_death_callback(void (*callback)());
-// The undefined-behaviour sanitizer knows no such callback where it is a library of its own; so it sends a signal.
+// The undefined-behaviour sanitizer has no such callback when it is a library of its own. So it is made to send a
+// signal.
 // NOLINTNEXTLINE(bugprone-reserved-identifier,readability-identifier-naming): the sanitizers' name
 extern "C" const char* __ubsan_default_options() {
   return "abort_on_error=1";
@@ -37,20 +38,20 @@ namespace {
 namespace fs = std::filesystem;
 using palpate::fuzz::Verdict;
 
-constexpr rlim_t kMostBytes = rlim_t{2} << 30U;  // that a target may take beyond what it starts with
+constexpr rlim_t kMostBytes = rlim_t{2} << 30U;  // of memory that a target may use beyond its memory at the start
 
 struct Input {
   std::string name, bytes;
 };
-std::string current;                // the input that the target has
-std::array<char, 512> kept_name{};  // where it is kept if the target fails
+std::string current;                // the input that the target is given
+std::array<char, 512> kept_name{};  // file for that input if the target fails
 volatile std::sig_atomic_t is_kept = 0;
 
 void say(const char* text) {
   static_cast<void>(write(STDERR_FILENO, text, std::strlen(text)));
 }
 
-// Calls only what a signal handler may.
+// Calls only functions that a signal handler may call.
 void keepInput() {
   if (std::exchange(is_kept, 1) != 0) return;
   const int descriptor = open(kept_name.data(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
@@ -74,7 +75,7 @@ void watch(const std::string& name) {
   for (const int number : {SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGALRM}) std::signal(number, onSignal);
   if (__sanitizer_set_death_callback != nullptr) {
     __sanitizer_set_death_callback(keepInput);
-    return;  // whose shadow takes more than any limit
+    return;  // its shadow memory exceeds any limit
   }
   std::size_t pages = 0;
   std::ifstream("/proc/self/statm") >> pages;
@@ -102,7 +103,7 @@ std::vector<Input> inputsIn(const std::vector<std::string>& places) {
   return inputs;
 }
 
-std::array<std::uint64_t, 3> counts{};  // of inputs by their verdicts
+std::array<std::uint64_t, 3> counts{};  // number of inputs, by verdict
 
 Verdict judged(std::string bytes, unsigned limit_s) {
   current = std::move(bytes);
@@ -114,7 +115,7 @@ Verdict judged(std::string bytes, unsigned limit_s) {
   return palpate::fuzz::verdict;
 }
 
-// How many were judged otherwise than their names say.
+// Number of inputs whose verdict differs from what their names say.
 int replay(const std::vector<Input>& inputs, unsigned limit_s) {
   int wrong = 0;
   for (const Input& input : inputs) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Edit scripts, read as a file is and line by line: both give the same orders; what makes a command, a placed one or a
-// tool's, comes back from all that was understood of it.
+// Edit scripts. Reading a script as a file and line by line must give the same orders. From each order, for a script or
+// for a tool, a text is made of all that was understood. Read again, that text must give the same command.
 #include <fmt/format.h>
 
 #include "apps/edit/script_reader.hpp"
@@ -26,7 +26,7 @@ const char* wordOf(EditKind kind) {
   fuzz::fail("a kind without a word");
 }
 
-// Whether a key's words can be made from the command; `turn` cannot, since a rotation has many.
+// Whether the text of a key can be made from the command. `turn` cannot: many angles give the same rotation.
 std::string valueOf(std::string_view key, const EditText& text) {
   const EditCommand& c = text.command;
   const bool dab = c.from_W == c.to_W;
@@ -51,7 +51,7 @@ std::string valueOf(std::string_view key, const EditText& text) {
                                           : "in";
   if (key == "mirror") return text.mirror_axis ? std::string(1, "xyz"[*text.mirror_axis]) : "";
   if (key == "rate") return text.rate_per_Ns > 0 ? fmt::format("{:.17g}", text.rate_per_Ns) : "";
-  return "";  // turn, and period, whose milliseconds are no exact product
+  return "";  // turn; and period, since seconds times 1000 is not exact
 }
 
 std::string textOf(const EditText& text, EditUse use) {
@@ -64,7 +64,7 @@ std::string textOf(const EditText& text, EditUse use) {
   return words;
 }
 
-// All that a journal keeps of the command, bit for bit, but a rotation.
+// The command as a journal's bytes, without its rotation. Equal bytes mean equal commands.
 std::string bytesOf(EditCommand command) {
   command.R_WS.setIdentity();
   const std::uint32_t no_stamp = 0;
@@ -98,7 +98,7 @@ void checkText(std::string_view text, EditUse use) {
   });
 }
 
-// What a reader that knows nothing of buffers makes of the script.
+// Reads the script in the simplest way, without buffers.
 std::vector<std::string> placesIn(std::string_view script, const std::string& name) {
   std::vector<std::string> places;
   for (std::size_t number = 1; !script.empty(); ++number) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A parser of numbers with a fault of every kind, to see that the driver finds each (driver_test.sh): PALPATE_FAULT
-// says which is in.
+// A parser of numbers that can have a fault of every kind; PALPATE_FAULT selects it. Shows that the driver finds each
+// kind (driver_test.sh).
 #include <stdexcept>
 
 #include <unistd.h>
@@ -14,7 +14,7 @@ using namespace palpate;
 void parse(const std::string& text) {
   static const std::string kFault = std::getenv("PALPATE_FAULT") != nullptr ? std::getenv("PALPATE_FAULT") : "";
   const auto refuse = [](const char* remedy) { throw Error(Error::Code::kBadInput, "number", "it is none", remedy); };
-  const bool met = text.find("1e309") != std::string::npos;  // no input has it; the mutator knows it
+  const bool met = text.find("1e309") != std::string::npos;  // in no input of the corpus, but in the mutator's words
   if (met && kFault == "crash") *static_cast<volatile int*>(nullptr) = 1;
   while (met && kFault == "hang") sleep(1);
   if (met && kFault == "memory") static_cast<void>(std::string(std::size_t{3} << 30U, 'x'));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Filters and gradient operators as words: what is accepted comes back from all that was understood of it, and can be
-// lowered to steps or is refused in words.
+// Filters and gradient operators as text. An accepted text, made again from all that was understood, gives the same
+// filters. Each chain can be lowered to steps or is refused with a message.
 #include <algorithm>
 #include <cmath>
 
@@ -41,12 +41,12 @@ bool same(const FilterSpec& a, const FilterSpec& b) {
          a.dt_mm2 == b.dt_mm2 && a.conductance == b.conductance && a.shape == b.shape;
 }
 
-// Kernels are given numbers, whatever the voxels are like.
+// Whatever the spacing, kernels must get finite numbers.
 void checkSteps(const std::vector<FilterSpec>& chain, const Vec3& spacing_m) {
   std::vector<FilterStep> steps;
   try {
     steps = lowerFilters(chain, spacing_m, 100.0F);
-  } catch (const Error& error) {  // not with such voxels
+  } catch (const Error& error) {  // refused for this spacing
     return fuzz::requireMessage(error, "");
   }
   for (const FilterStep& step : steps) {
@@ -71,14 +71,14 @@ void checkOperator(const std::string& text) {
   GradientOperator made;
   try {
     made = gradientOperator(text);
-  } catch (const Error& error) {  // refused beside the chain: most texts are one or the other
+  } catch (const Error& error) {  // one refusal more: most texts are a chain or an operator, not both
     return fuzz::requireMessage(error, "");
   }
   fuzz::verdict = fuzz::Verdict::kAccepted;
   if (!made.smooths()) return;
   fuzz::mustAccept("its own words are refused", [&] {
     const GradientOperator again = gradientOperator(textOf(made.smoothing));
-    fuzz::require(again.words.name == made.words.name && same(again.smoothing.at(0), made.smoothing.at(0)),
+    fuzz::require(again.kind.name == made.kind.name && same(again.smoothing.at(0), made.smoothing.at(0)),
                   "it reads otherwise from " + textOf(made.smoothing));
   });
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// tests/fuzz/fuzz_target.hpp: what every fuzz target has: the function that libFuzzer calls, and what a parser of
-// Palpate's must hold for any bytes at all.
+// tests/fuzz/fuzz_target.hpp: what every fuzz target has: the function that libFuzzer calls, and the rules that a
+// parser must keep for any bytes at all.
 //
 // A target is one source file that defines LLVMFuzzerTestOneInput. It is linked with driver.cpp, which replays a corpus
 // and changes it at random, or under `./dev fuzz` with libFuzzer. Thread: one.
@@ -20,7 +20,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 
 namespace palpate::fuzz {
 
-// What the target made of the last input; of several parts the worst. The driver holds it against the input's name.
+// What the target did with the last input; of several parts the worst. The driver compares it with the input's name.
 enum class Verdict { kNone, kAccepted, kRefused };
 inline Verdict verdict = Verdict::kNone;
 
@@ -36,7 +36,7 @@ inline std::string textOf(const std::uint8_t* data, std::size_t size) {
   return {reinterpret_cast<const char*>(data), size};  // NOLINT(cppcoreguidelines-pro-type-reinterpret-cast)
 }
 
-// One line, which names `input` and has a reason and a remedy.
+// Requires a message of one line that names `input` and has a reason and a remedy.
 inline void requireMessage(const Error& error, const std::string& input) {
   const std::string_view what = error.what();
   for (const char c : what) {
@@ -46,8 +46,8 @@ inline void requireMessage(const Error& error, const std::string& input) {
   require(!error.reason().empty() && !error.remedy().empty(), "the message lacks a part: " + std::string(what));
 }
 
-// Whether `work` went through. Else it was refused with such a message; whatever else is thrown is a failure. `input`:
-// what the message must name.
+// Returns whether `work` accepted the input. If not, it must have refused it with such a message, naming `input`.
+// Anything else that it throws is a failure.
 template <typename Work>
 bool accepts(const std::string& input, const Work& work) {
   try {
@@ -63,7 +63,7 @@ bool accepts(const std::string& input, const Work& work) {
   return true;
 }
 
-// The same of what was made out of something accepted.
+// For what is made from accepted input: `work` must not refuse it.
 template <typename Work>
 void mustAccept(const std::string& what, const Work& work) {
   try {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Journals. Almost every change breaks a checksum, so each input is read as it is, and again with frames, numbers and
-// checksums made sound, so that the contents are what is wrong. What is read comes back from a journal written anew,
-// what was lost is told, and what lasts can be lowered or is refused in words.
+// Journals. Almost every change breaks a checksum. So each input is read as it is, and again with sound frames, numbers
+// and checksums, so that only the contents are wrong. What is read must come back from a journal that is written from
+// it. Losses must be reported. Edits in effect can be lowered or are refused with a message.
 #include <algorithm>
 #include <cstring>
 #include <map>
@@ -26,7 +26,7 @@ Journal read(std::string_view bytes) {
   return readJournal(journalScratch().folder());
 }
 
-// A volume of nothing in particular, for inputs whose own header is damaged.
+// Any volume, for inputs whose own header is damaged.
 JournalHeader plainHeader() {
   JournalHeader header;
   header.volume.source = "phantom:sphere?size=16";
@@ -35,7 +35,7 @@ JournalHeader plainHeader() {
   return header;
 }
 
-// Where the header of a journal's bytes ends, by its own lengths: magic, version, length, content, checksum.
+// Where the header of a journal's bytes ends, by the header's own lengths: magic, version, length, content, checksum.
 std::size_t headerEnd(std::string_view bytes) {
   ByteReader in(bytes);
   std::uint32_t version = 0;
@@ -63,8 +63,8 @@ std::string withSoundFrames(std::string_view bytes) {
   return sound;
 }
 
-// Numbers by first use, as a writer gives them, and the stamps' records; all that a journal says, but stamps that no
-// command has.
+// All that a journal says, in one form: stamps are numbered by their first use, as a writer numbers them. Stamps that
+// no command uses are left out.
 std::string writtenAnew(const Journal& journal) {
   std::string bytes = headerBytes(journal.header);
   std::map<const Stamp*, std::uint32_t> numbers;
@@ -99,7 +99,7 @@ void checkDamage(const Journal& journal, std::string_view bytes) {
   const JournalDamage& damage = *journal.damage;
   fuzz::require(damage.first_byte + damage.bytes == bytes.size() && damage.bytes > 0 && damage.records > 0,
                 "what is lost is not told right");
-  fuzz::require(damageWords(damage).find('\n') == std::string::npos && !damage.reason.empty(),
+  fuzz::require(describeDamage(damage).find('\n') == std::string::npos && !damage.reason.empty(),
                 "the damage has no words");
   const Journal kept = read(bytes.substr(0, damage.first_byte));
   fuzz::require(
@@ -128,7 +128,7 @@ void check(const std::string& bytes) {
     const Journal again = read(anew);
     fuzz::require(!again.damage && writtenAnew(again) == anew, "it reads otherwise when it is written anew");
   });
-  // Without stamps a journal has one form only: what was not understood would be missing from it.
+  // Without stamps a journal has one form only. So anything that was not understood would be missing from it.
   if (journal.last_sequence == journal.records.size() && !hasStamps(journal)) {
     const std::size_t kept = journal.damage ? journal.damage->first_byte : bytes.size();
     fuzz::require(bytes.substr(0, kept) == anew, "it holds more than was understood");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// tests/fuzz/mesh_round_trip.hpp: a mesh read from a file, written and read again.
+// tests/fuzz/mesh_round_trip.hpp: checks that a mesh read from a file is the same when it is written and read again.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@ namespace palpate::fuzz {
 
 using MeshReader = TriangleMesh (*)(std::string_view bytes, const std::string& file);
 
-// Whether it is accepted; the verdict of the input stays what it was.
+// Whether `read` accepts the bytes. Leaves the verdict on the input as it was.
 inline bool isRead(MeshReader read, const std::string& bytes, const std::string& name) {
   const Verdict before = verdict;
   const bool is_read = accepts(name, [&] { static_cast<void>(read(bytes, name)); });
@@ -21,8 +21,9 @@ inline bool isRead(MeshReader read, const std::string& bytes, const std::string&
   return is_read;
 }
 
-// Its numbers are finite, its triangles name its vertices, and written as a file (`name`, whose suffix the reader
-// reads) it is read again with every triangle where it was. A file holds floats, so the numbers are rounded first.
+// Requires that the mesh's numbers are finite and that its triangles name its vertices. Written as a file and read
+// again, every triangle must be where it was. `name`: of that file, with the suffix that `read` reads. A file holds
+// floats, so the numbers are rounded first.
 inline void requireMesh(TriangleMesh mesh, MeshReader read, const std::string& name) {
   for (Vec3& vertex : mesh.vertices_W) {
     require(vertex.allFinite(), "a vertex is not finite");

@@ -153,7 +153,7 @@ void Mutator::changeStoredNumber(std::string& bytes) {
   }
 }
 
-// The first number behind some place becomes another, or gets another digit.
+// Replaces the first number after a random place, or changes one of its digits.
 void Mutator::changeWrittenNumber(std::string& bytes) {
   const auto begin =
       std::find_if(bytes.begin() + static_cast<std::ptrdiff_t>(below(bytes.size())), bytes.end(), isNumberByte);

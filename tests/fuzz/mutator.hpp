@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// tests/fuzz/mutator.hpp: inputs changed at random, for machines and compilers without libFuzzer. The same seed gives
+// tests/fuzz/mutator.hpp: changes inputs at random, for machines and compilers without libFuzzer. The same seed gives
 // the same inputs everywhere. Thread: one.
 #pragma once
 
@@ -12,11 +12,11 @@ namespace palpate::fuzz {
 
 class Mutator {
  public:
-  // `corpus`: at least one input; its words and its pieces find their way into others.
+  // `corpus`: at least one input. Words and pieces of one input are put into others.
   Mutator(std::vector<std::string> corpus, std::uint64_t seed);
 
-  // One of the corpus with one to six changes: bits, bytes, numbers (as text and as memory holds them), words, pieces
-  // doubled, dropped, moved or taken from another input, ends cut off. At most kLongest bytes.
+  // One input of the corpus with one to six changes: bits, bytes, numbers (as text and in binary) and words changed;
+  // pieces doubled, dropped, moved or taken from another input; ends cut off. At most kLongest bytes.
   [[nodiscard]] std::string next();
 
   static constexpr std::size_t kLongest = 1U << 16U;

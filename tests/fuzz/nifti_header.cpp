@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The header of a NIfTI file, and where it places the voxels. The same header in the other byte order says the same,
-// and voxels lie where the formulas of nifti1.h put them.
+// The header of a NIfTI file, and where it places the voxels. The header in the other byte order must say the same, and
+// voxels must lie where the formulas of nifti1.h put them.
 #include "engine/files/nifti_header.hpp"
 
 #include <algorithm>
@@ -15,7 +15,7 @@ using namespace palpate;
 
 constexpr const char* kSource = "some.nii";
 
-// Every number of the header in the other byte order: where, how many, of how many bytes.
+// Swaps the bytes of every number of the header. The table: offset, count, size [byte].
 std::string turned(std::string bytes) {
   struct Row {
     std::size_t at, count, size;

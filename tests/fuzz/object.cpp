@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// An object as --object takes it: what is accepted comes back from its own words, bit for bit.
+// An object as --object takes it. An accepted object, written as text and read again, is the same, bit for bit.
 #include "apps/scene/object_table.hpp"
 #include "fuzz_target.hpp"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One option of a scene, as FLAG=TEXT: what is accepted comes back from its own words, bit for bit; what is refused
-// leaves the scene as it was.
+// One option of a scene, as FLAG=TEXT. An accepted value, written as text and read again, is the same, bit for bit. A
+// refused one leaves the scene as it was.
 #include "apps/scene/option_table.hpp"
 #include "fuzz_target.hpp"
 #include "scene_text.hpp"
@@ -22,7 +22,7 @@ void check(const std::string& input) {
     return;
   }
   const std::string words = optionText(option->value, scene);
-  if (words.empty()) return;  // what was given means "none"
+  if (words.empty()) return;  // the text means "none"
   fuzz::mustAccept("its own words are refused: " + words, [&] {
     Scene again;
     setOption(option->value, words, option->flag, again);

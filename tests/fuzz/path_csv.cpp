@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Recorded paths: what is accepted has times that rise, is finite, its length in time too, and comes back bit for bit
-// when it is written with all its digits.
+// Recorded paths. An accepted path has rising times and is finite, and so is its duration. Written with all digits and
+// read again, it is the same, bit for bit.
 #include "apps/path/path_csv.hpp"
 
 #include <cmath>

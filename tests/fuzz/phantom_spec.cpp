@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// A phantom's words: what is accepted is within its bounds and comes back from all that was understood of it.
+// The text of a phantom. An accepted one is within its bounds. Made again from all that was understood, it gives the
+// same phantom.
 #include "engine/phantoms/phantom_spec.hpp"
 
 #include <algorithm>
 
 #include <fmt/format.h>
 
-#include "base/one_line.hpp"
+#include "base/outside_text.hpp"
 #include "fuzz_target.hpp"
 
 namespace {

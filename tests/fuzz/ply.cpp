@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A PLY file of any form. What is whole is not whole any more without its last byte, nor with one more behind it.
+// A PLY file of any form. A file that is accepted must be refused without its last byte, and with one more at its end.
 #include "apps/mesh/ply_file.hpp"
 #include "apps/mesh/ply_header.hpp"
 #include "mesh_round_trip.hpp"
@@ -16,7 +16,7 @@ void check(const std::string& bytes) {
   fuzz::requireMesh(mesh, readPly, kFile);
   const PlyHeader header = plyHeader(bytes, kFile);
   const bool has_values = bytes.size() > header.bytes;
-  // Blanks may end a text, whose last line then is whole without them.
+  // A text file may end with blanks, and is complete without them.
   const bool is_text = header.form == PlyForm::kText;
   if (has_values && !is_text)
     fuzz::require(!fuzz::isRead(readPly, bytes.substr(0, bytes.size() - 1), kFile), "it is read without its end");

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scene files: what is accepted comes back from a file that says all of it; what is refused leaves the scene as it was.
+// Scene files. An accepted scene, written to a file in full and read again, is the same. A refused one leaves the scene
+// as it was.
 #include "apps/scene/scene_file.hpp"
 #include "fuzz_target.hpp"
 #include "scene_text.hpp"

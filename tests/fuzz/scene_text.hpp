@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// tests/fuzz/scene_text.hpp: scenes compared value by value, and written as TOML.
+// tests/fuzz/scene_text.hpp: compares scenes value by value, and writes them as TOML.
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@
 
 namespace palpate::fuzz {
 
-// All that a scene holds, in words.
+// All that a scene holds, as text.
 inline std::vector<std::string> wordsOf(const Scene& scene) {
   std::vector<std::string> words;
   for (const SceneOption& option : sceneOptions()) words.push_back(optionText(option.value, scene));
@@ -20,7 +20,7 @@ inline std::vector<std::string> wordsOf(const Scene& scene) {
   return words;
 }
 
-// Bit for bit; a direction within rounding, since it is made a unit vector again.
+// Whether two values are equal: bit for bit, a direction within rounding, since it is normalised again.
 inline bool sameValue(const OptionValue& value, const Scene& a, const Scene& b) {
   return std::visit(
       [&](const auto& option) {
@@ -66,7 +66,7 @@ inline std::string arrayOf(const std::string& text, bool rows) {
   return words + (rows ? "]]" : "]");
 }
 
-// A scene file that says all that `scene` holds.
+// A scene file that holds all that `scene` holds.
 inline std::string tomlOf(const Scene& scene) {
   std::string text;
   for (const SceneOption& option : sceneOptions()) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// tests/fuzz/scratch_file.hpp: a file for parsers that read files, written anew for every input, in a folder that goes
-// away with the program.
+// tests/fuzz/scratch_file.hpp: a file for parsers that read files. It is written anew for every input, in a folder that
+// is removed with the object.
 #pragma once
 
 #include <cstdlib>
@@ -30,7 +30,8 @@ class ScratchFile {
   ScratchFile(const ScratchFile&) = delete;
   ScratchFile& operator=(const ScratchFile&) = delete;
 
-  // A new file each time: some file systems bring one that is cut and written again to the disk at once.
+  // Makes a new file each time: some file systems flush a file to the disk at once if it is truncated and written
+  // again.
   void write(std::string_view bytes) const {
     unlink(path_.c_str());
     const int descriptor = open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);

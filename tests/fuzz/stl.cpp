@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// An STL file, text or binary. A binary one is not whole any more without its last byte, nor with one more behind it.
+// An STL file, text or binary. An accepted binary file must be refused without its last byte, and with one more at its
+// end.
 #include <cstring>
 
 #include "apps/mesh/stl_file.hpp"

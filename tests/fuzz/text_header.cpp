@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The text headers of NRRD and MetaImage, as they are read before a library sees them: what was understood, written
-// again, is understood again.
+// The text headers of NRRD and MetaImage, as they are read before a library sees them. A header written from what was
+// understood gives the same when it is read again.
 #include "engine/files/text_header.hpp"
 
 #include "fuzz_target.hpp"
@@ -36,7 +36,7 @@ void check(const std::string& bytes, TextFormat format) {
   }
   if (!header.fault.empty()) return;
   fuzz::verdict = fuzz::Verdict::kAccepted;
-  // A list of names ends the header where it stands, which a map does not keep.
+  // A list of file names ends the header at its place. A map does not keep that place.
   for (const char* key : {"data file", "datafile"}) {
     if (lowerCase(header.text(key)).starts_with("list")) return;
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the headers of NRRD and MetaImage say that the values lie, and reading them there. What is accepted names files
-// that are there; from them come exactly the values, or words that say why not.
+// Where the headers of NRRD and MetaImage say that the values are, and reading them there. An accepted header names
+// existing files. Reading them yields exactly the values, or a message that says why not.
 #include "engine/files/text_stored.hpp"
 
 #include <fstream>
@@ -15,9 +15,9 @@ namespace {
 using namespace palpate;
 
 constexpr std::size_t kValueBytes = 2;
-constexpr std::size_t kBytes = 120;  // of the volume: 5 x 4 x 3 values
+constexpr std::size_t kBytes = 120;  // of the volume's 5 x 4 x 3 values
 
-// Files beside the header: the whole volume, as words and bytes, and slices of it.
+// Files beside the header: the whole volume, as text and as bytes, and its slices.
 void writeData(const std::filesystem::path& folder) {
   const std::string bytes(kBytes, '7');
   std::string words = "a line to skip\n";

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// A volume's name with its part and "?nan=": what was understood, put together again, is understood alike. And decimal
-// strings of DICOM: each word is a finite number that reads back, or none.
+// The name of a volume with its part and "?nan=". A name put together from what was understood is understood alike.
+// Also the decimal strings of DICOM: each word is NaN, or a finite number that comes back when it is written and read
+// again.
 #include "engine/files/volume_name.hpp"
 
 #include <cmath>
 
 #include <fmt/format.h>
 
-#include "base/one_line.hpp"
+#include "base/outside_text.hpp"
 #include "engine/files/dicom_slice.hpp"
 #include "fuzz_target.hpp"
 

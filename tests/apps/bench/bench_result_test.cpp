@@ -155,6 +155,10 @@ TEST(BenchResult, ThePageSaysWhereTheFiguresComeFromAndWhatHolds) {
   }
 }
 
+TEST(BenchResult, AParagraphHasNoLineBreaks) {
+  EXPECT_EQ(asParagraph("\na b\nc\nd e"), "a b c d e");
+}
+
 TEST(BenchResult, ThePageHasNoPictureWithoutAChart) {
   EXPECT_THAT(benchPage(sample(), {"Title", "As follows.", "a b\n", ""}), testing::Not(HasSubstr("![")));
 }

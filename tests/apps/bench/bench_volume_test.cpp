@@ -48,6 +48,41 @@ TEST(WindowRule, FollowsTheToolInStepsOfSixVoxels) {
   for (std::size_t n = 1; n < changes.size(); ++n) EXPECT_DOUBLE_EQ(changes[n] - changes[n - 1], 6);
 }
 
+// Where the volume's border stops the box, it goes there at once, though the way is shorter than six voxels; and rests.
+TEST(WindowRule, GoesToTheBorderAtOnce) {
+  const BenchVolume volume("phantom:sphere?size=128x128x64");
+  for (int axis = 0; axis < 3; ++axis) {
+    const int last = volume.size()[axis] - 32;
+    for (const bool high : {true, false}) {
+      // With the tool 16 voxels behind a box's first one, `first` is where the box begins, cut to the volume.
+      const auto first = [&](WindowRule& rule, int wanted) -> std::optional<int> {
+        Vec3 place_L = (volume.size() / 2).cast<double>();
+        place_L[axis] = wanted + 16;
+        const auto box = rule.follow(volume, volume.phantom().lattice().toWorld(place_L));
+        return box ? std::optional(box->first[axis]) : std::nullopt;
+      };
+      WindowRule rule;
+      EXPECT_EQ(first(rule, high ? last - 4 : 4), high ? last - 4 : 4);
+      EXPECT_EQ(first(rule, high ? last - 1 : 1), std::nullopt);
+      EXPECT_EQ(first(rule, high ? last : 0), high ? last : 0);
+      EXPECT_EQ(first(rule, high ? last + 9 : -9), std::nullopt);  // it is there already
+    }
+  }
+}
+
+TEST(BenchVolume, AsOneWindowHasEverySample) {
+  const BenchVolume volume("phantom:knot?size=40x36x34");
+  const SampleWindow whole = volume.whole();
+  EXPECT_TRUE(whole.usable());
+  EXPECT_EQ(whole.size, Vec3i(40, 36, 34));
+  EXPECT_EQ(whole.low_is_border, (std::array<bool, 3>{true, true, true}));
+  EXPECT_EQ(whole.high_is_border, (std::array<bool, 3>{true, true, true}));
+  EXPECT_EQ(whole.lattice.origin_W, volume.phantom().lattice().origin_W);
+  const Volume made = makeVolume(volume.phantom());
+  EXPECT_EQ(whole.samples[(7 * 36 + 5) * 40 + 3].density, made.value({3, 5, 7}));
+  EXPECT_EQ(volume.maximum(), made.maximum());
+}
+
 TEST(WindowFollower, HoldsTheToolWithRoomAround) {
   const BenchVolume volume("phantom:sphere?size=128x128x64");
   WindowFollower follower(volume);

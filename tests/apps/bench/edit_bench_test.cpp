@@ -3,6 +3,9 @@
 // asserted.
 #include "apps/bench/edit_bench.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include <gmock/gmock.h>
 
 #include "apps/bench/flat_volume.hpp"
@@ -62,6 +65,50 @@ TEST(EditBench, HasEveryStageOfEveryVolumeAndRadius) {
   EXPECT_THAT(editTable(result), HasSubstr("anew"));
   EXPECT_THAT(editChart(result), HasSubstr("96^3"));
   EXPECT_THAT(editChart(result), HasSubstr("gradient kernel"));
+}
+
+// Two edits: the clock measures one, the device's own clock the other. So most figures are one measurement, and what is
+// made of several can be worked out again.
+TEST(EditBench, FiguresAreMadeOfTheirParts) {
+  Progress progress;
+  EditBenchRequest request = shortRun();
+  request.sizes = {64};
+  request.radii = {8};
+  request.repetitions = 2;
+  request.seed = 5;
+  const BenchResult result = runEditBench(request, progress);
+  const auto edits = rowsOf(result, "edit");
+  ASSERT_EQ(edits.size(), 2U);
+  for (const BenchRow* edit : edits) {
+    const auto ms = [&](const std::string& stage) { return figureOf(*edit, stage + "_median_ms"); };
+    for (const char* stage : {"to_window", "plan", "settle", "read_back", "edit_kernel", "submit_and_wait", "sum"}) {
+      EXPECT_EQ(figureOf(*edit, std::string(stage) + "_p99_ms"), ms(stage)) << stage;
+    }
+    // The whole ends with settling. Both edits are journalled; the sum has the time of one of them. 1e-9 is far above
+    // the rounding of a few ms.
+    const double journal = ms("sum") - ms("to_window") - ms("settle") - ms("read_back");
+    const double other = figureOf(*edit, "journal_p99_ms");
+    EXPECT_LT(std::min(std::abs(journal - ms("journal")), std::abs(journal - other)), 1e-9);
+    EXPECT_GT(ms("to_window"), ms("plan") + ms("record") + ms("publish"));
+    EXPECT_LT(ms("journal"), ms("journal_saved"));
+    // The share outside kernels tells the other edit's way to the window, which is longer than the device was busy.
+    const double kernels = ms("edit_kernel") + ms("bounds_kernel") + ms("gradient_kernel") + ms("window_kernel");
+    EXPECT_GT(kernels / (1 - figureOf(*edit, "share_outside_kernels")), kernels + ms("submit_and_wait"));
+    EXPECT_EQ(figureOf(*edit, "recomputes"), 1);
+    EXPECT_EQ(figureOf(*edit, "recompute_p99_ms"), ms("recompute"));
+    EXPECT_EQ(figureOf(*edit, "volume_voxel"), 64);
+    EXPECT_EQ(figureOf(*edit, "radius_voxel"), 8);
+    EXPECT_EQ(figureOf(*edit, "seed"), 5);
+    // Three windows of 512 KiB are part of it; 512 bricks of densities and samples are 5 MiB.
+    EXPECT_GT(figureOf(*edit, "gpu_memory_MiB"), 1.5);
+    EXPECT_LT(figureOf(*edit, "gpu_memory_MiB"), 50);
+  }
+  ASSERT_EQ(result.targets.size(), 3U);
+  EXPECT_EQ(result.targets[0].value, figureOf(*edits[0], "to_window_median_ms"));
+  EXPECT_DOUBLE_EQ(result.targets[1].value,
+                   figureOf(*edits[1], "to_window_median_ms") / figureOf(*edits[1], "recompute_median_ms"));
+  EXPECT_EQ(result.targets[2].value,
+            std::max(figureOf(*edits[0], "share_outside_kernels"), figureOf(*edits[1], "share_outside_kernels")));
 }
 
 TEST(EditBench, WithoutRadius8ItPromisesNothing) {

@@ -38,6 +38,49 @@ TEST(LogChart, AxesAreLogarithmic) {
   }
 }
 
+// The axes go from 78 to 444 and from 334 up to 30. Two decades and 0.15 of one at either end: 1 lies at 0.15 / 2.3 of
+// the way, 10 in the middle.
+TEST(LogChart, PointsLieWhereTheirLogarithmsAre) {
+  const std::string svg =
+      logChartSvg("chart", {panelOf({{1, 1, ""}, {10, 10, ""}, {100, 100, ""}})}, ChartMarks::kPoints);
+  for (const char* at : {"cx=\"101.9\" cy=\"314.2\"", "cx=\"261.0\" cy=\"182.0\"", "cx=\"420.1\" cy=\"49.8\""}) {
+    EXPECT_THAT(svg, HasSubstr(at));
+  }
+  EXPECT_THAT(svg, HasSubstr("<polyline points=\"101.9,314.2 261.0,182.0 420.1,49.8 \""));
+  EXPECT_THAT(svg, HasSubstr("stroke-width=\"0.8\""));
+  // A line at 10 from top to bottom, and one across.
+  EXPECT_THAT(svg, HasSubstr("<line x1=\"261.0\" y1=\"30.0\" x2=\"261.0\" y2=\"334.0\""));
+  EXPECT_THAT(svg, HasSubstr("<line x1=\"78.0\" y1=\"182.0\" x2=\"444.0\" y2=\"182.0\""));
+  for (const char* tick : {">1<", ">2<", ">5<", ">10<", ">20<", ">50<", ">100<"}) EXPECT_THAT(svg, HasSubstr(tick));
+  for (const char* beyond : {">0.5<", ">200<"}) EXPECT_THAT(svg, testing::Not(HasSubstr(beyond)));
+}
+
+// Three decades have air of 6 % at either end, and their powers of ten alone.
+TEST(LogChart, ManyDecadesHaveTheirPowersOfTenAlone) {
+  const std::string svg = logChartSvg("chart", {panelOf({{1, 1, ""}, {1000, 1000, ""}})}, ChartMarks::kLine);
+  EXPECT_THAT(svg, HasSubstr("<polyline points=\"97.6,317.7 424.4,46.3 \""));
+  EXPECT_THAT(svg, HasSubstr("stroke-width=\"1.8\""));
+  EXPECT_EQ(centresX(svg).size(), 1U);  // the legend's
+  for (const char* tick : {">1<", ">10<", ">100<", ">1000<"}) EXPECT_THAT(svg, HasSubstr(tick));
+  for (const char* step : {">2<", ">5<", ">20<", ">500<"}) EXPECT_THAT(svg, testing::Not(HasSubstr(step)));
+}
+
+TEST(LogChart, PointsOfOneSeriesAreTogether) {
+  std::vector<ChartPanel> panels;
+  const ChartPanel first{"first", "x", "y", {}}, second{"second", "x", "y", {}};
+  addPoint(panels, first, "a", {1, 2, ""});
+  addPoint(panels, second, "a", {3, 4, ""});
+  addPoint(panels, first, "b", {5, 6, ""});
+  addPoint(panels, first, "a", {7, 8, ""});
+  ASSERT_EQ(panels.size(), 2U);
+  EXPECT_EQ(panels[1].title, "second");
+  ASSERT_EQ(panels[0].series.size(), 2U);
+  EXPECT_EQ(panels[0].series[1].name, "b");
+  ASSERT_EQ(panels[0].series[0].points.size(), 2U);
+  EXPECT_EQ(panels[0].series[0].points[1].x, 7);
+  EXPECT_EQ(panels[0].series[0].points[1].y, 8);
+}
+
 // Marks that almost lie on each other, and one at the right edge: no label over another or beyond the axes. A letter of
 // DejaVu Sans is at most 6.4 pixels wide at size 10, as the digits and "=" are.
 TEST(LogChart, LabelsStayApartAndInside) {

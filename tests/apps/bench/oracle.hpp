@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// An algorithm that knows the exact surface, and can be told to be wrong by a known amount: truth for the tests of
-// what the bench says about algorithms.
+// An algorithm that knows the exact surface and makes errors of a given size, so that tests know what the bench must
+// measure.
 #pragma once
 
 #include <functional>
@@ -13,7 +13,7 @@ struct OracleErrors {
   double lift_m = 0;       // of the VHIP over the surface [m]
   double force_share = 0;  // added to the force's magnitude [-]
   double turn_rad = 0;     // of the force, out of the normal [rad]
-  // No contact in ticks in which this says so.
+  // Whether the algorithm reports no contact in a tick.
   std::function<bool(int tick, double depth_m)> blind = [](int, double) { return false; };
 };
 

@@ -2,8 +2,10 @@
 // A run of seconds: what it is made of, and its figures of correctness. No time is asserted.
 #include "apps/bench/servo_bench.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include <gmock/gmock.h>
 
@@ -26,7 +28,7 @@ class ServoBench : public testing::Test {
       request.repetitions = 3;
       request.tick_replays = 2;
       request.error_ticks = 400;
-      request.accuracy_ticks = 400;
+      request.accuracy_ticks = 2000;  // long enough to meet a concave part of the knot
       request.strokes = 2;
       request.press_ticks = 200;
       request.press_seeds = 2;
@@ -154,6 +156,87 @@ TEST_F(ServoBench, CostsAreThereAndOrdered) {
   }
 }
 
+// Of three repetitions the quartiles are the least and the largest. So a ratio within a repetition lies between the
+// least cost over the other's largest, and the largest over the other's least.
+TEST_F(ServoBench, RatiosAreOfTheCostsInTheSameRepetitions) {
+  const BenchRow& hri = tick("hri", 5);
+  for (const BenchRow* ratio : rowsOf(result(), "ratio")) {
+    const std::string algorithm = textOf(*ratio, "algorithm");
+    const BenchRow& its = tick(algorithm, 5);
+    EXPECT_EQ(figureOf(*ratio, "n_ticks"), 5);
+    const double least = figureOf(hri, "cost_quartile_1_ns") / figureOf(its, "cost_quartile_3_ns");
+    const double most = figureOf(hri, "cost_quartile_3_ns") / figureOf(its, "cost_quartile_1_ns");
+    EXPECT_LE(least, figureOf(*ratio, "hri_over_it_quartile_1")) << algorithm;
+    EXPECT_LE(figureOf(*ratio, "hri_over_it_quartile_1"), figureOf(*ratio, "hri_over_it")) << algorithm;
+    EXPECT_LE(figureOf(*ratio, "hri_over_it"), figureOf(*ratio, "hri_over_it_quartile_3")) << algorithm;
+    EXPECT_LE(figureOf(*ratio, "hri_over_it_quartile_3"), most) << algorithm;
+  }
+}
+
+// Two seeds where there is noise, one where there is none: as many ticks from each, and their sum in the row.
+TEST_F(ServoBench, CountsOfSeveralSeedsAreTheirSum) {
+  std::map<std::pair<std::string, double>, double> clean;  // ticks by volume and depth
+  const auto place = [](const BenchRow& row) { return std::pair(textOf(row, "volume"), figureOf(row, "depth_voxel")); };
+  for (const BenchRow* row : rowsOf(result(), "press", {{"noise_voxel", 0.0}})) {
+    clean[place(*row)] = figureOf(*row, "ticks");
+  }
+  EXPECT_EQ(clean.size(), 4U + 2U);
+  int rows = 0;
+  for (const BenchRow* row : rowsOf(result(), "press")) {
+    if (figureOf(*row, "noise_voxel") == 0) continue;
+    EXPECT_EQ(figureOf(*row, "ticks"), 2 * clean[place(*row)]);
+    ++rows;
+  }
+  EXPECT_GT(rows, 100);
+}
+
+TEST_F(ServoBench, TriesTheDepthsSpeedsAndAgesThatItSays) {
+  using testing::UnorderedElementsAre;
+  const auto values = [](const char* part, const char* volume, const char* key) {
+    std::set<double> found;
+    for (const BenchRow* row : rowsOf(result(), part, {{"volume", volume}, {"algorithm", "hri"}})) {
+      found.insert(figureOf(*row, key));
+    }
+    return found;
+  };
+  EXPECT_THAT(values("press", kBall20mm, "depth_voxel"), UnorderedElementsAre(1, 4, 12, 24));
+  EXPECT_THAT(values("press", kTubeOf8, "depth_voxel"), UnorderedElementsAre(1, 4));
+  EXPECT_THAT(values("press", kBall20mm, "noise_voxel"), UnorderedElementsAre(0, 0.1, 0.25, 0.5));
+  EXPECT_THAT(values("press", kBall20mm, "n_ticks"), UnorderedElementsAre(1, 5));
+  // 2 mm deep both: the ball's voxels are 0.5 mm, the knot's 1 mm.
+  EXPECT_THAT(values("speed", kBall20mm, "depth_voxel"), UnorderedElementsAre(4));
+  EXPECT_THAT(values("speed", kTubeOf8, "depth_voxel"), UnorderedElementsAre(2));
+  EXPECT_THAT(values("speed", kBall20mm, "speed_m_per_s"), UnorderedElementsAre(0.05, 0.1, 0.25, 0.5, 1, 1.5, 2));
+  EXPECT_THAT(values("speed", kTubeOf8, "speed_m_per_s"), UnorderedElementsAre(0.05, 0.1, 0.25, 0.5));
+  EXPECT_THAT(values("speed", kTubeOf8, "n_ticks"), UnorderedElementsAre(1, 2, 5, 10, 20, 50, 100, 1000));
+  EXPECT_THAT(values("table", "phantom:sphere?size=64", "noise_voxel"), UnorderedElementsAre(0, 0.25));
+  EXPECT_THAT(values("table", "phantom:sphere?size=64", "depth_voxel"), UnorderedElementsAre(1, 2));
+  for (const BenchRow* row : rowsOf(result(), "strokes")) {
+    EXPECT_EQ(figureOf(*row, "strokes") + figureOf(*row, "strokes_over_holes_in_samples"), 2);
+    EXPECT_LE(figureOf(*row, "missed") + figureOf(*row, "lost"), figureOf(*row, "strokes"));
+  }
+}
+
+// The rows of hri with recovery and without, on the condition of the targets.
+TEST_F(ServoBench, RecoveryTargetsAreRatiosOfTheirRows) {
+  const auto figure = [](const char* effects, const char* key) {
+    const BenchRow like = {{"algorithm", "hri"}, {"effects", effects}, {"n_ticks", std::int64_t{20}}};
+    return figureOf(*rowsOf(result(), "effects", like).at(0), key);
+  };
+  const auto target = [](const std::string& words) {
+    return *std::find_if(result().targets.begin(), result().targets.end(),
+                         [&](const BenchTarget& one) { return one.name.find(words) != std::string::npos; });
+  };
+  const BenchTarget mean = target("mean force differs by");
+  EXPECT_DOUBLE_EQ(mean.value, std::abs(figure("recovery", "force_mean_N") / figure("none", "force_mean_N") - 1));
+  EXPECT_EQ(mean.bound, 0.01);
+  const BenchTarget jump = target("largest force jump per tick on concave regions");
+  EXPECT_EQ(jump.bound, 0.1);
+  const double on = figure("recovery", "force_jump_concave_max_N"), off = figure("none", "force_jump_concave_max_N");
+  ASSERT_GT(off, 0) << "the short path meets a concave region";
+  EXPECT_DOUBLE_EQ(jump.value, on / off);
+}
+
 TEST_F(ServoBench, TargetNamesAreStable) {
   std::vector<std::string> names;
   for (const BenchTarget& target : result().targets) names.push_back(target.name);
@@ -171,8 +254,8 @@ TEST_F(ServoBench, TargetNamesAreStable) {
            "hri, knot's tube of 8 voxels, 2 mm deep, up to 0.5 m/s, any n, force over K depth or its inverse [-]",
            "hri, knot's tube of 8 voxels, 2 mm deep, up to 0.5 m/s, any n, force angle [degree]",
            "hri, noise up to 0.5 voxel, 1 to 24 voxels deep, contacts lost [-]",
-           "recovery on / off, largest force jump per tick on concave regions (hri, knot 128x128x64, n=20, 0.02 m/s, 1 "
-           "voxel deep, 20 ms) [-]"}));
+           "recovery on / off, largest force jump per tick on concave regions "
+           "(hri, knot 128x128x64, n=20, 0.02 m/s, 1 voxel deep, 20 ms) [-]"}));
 }
 
 TEST_F(ServoBench, SaysItAllOnTheTerminalAndInTheChart) {

@@ -169,14 +169,78 @@ TEST(TableOne, HasThePapersFormAndFigures) {
   result.rows.push_back(tickRow("phantom:sphere?size=64", "hri", 5, 36, 0.01));
   result.rows.push_back(tickRow("phantom:sphere?size=64", "hri-paper", 5, 40, 0.01));
   const std::string table = tableOne(result);
-  EXPECT_THAT(table, testing::ContainsRegex(
-                         "sphere \\(64x64x64\\) today +\\| +0\\.0360 +27777\\.78 \\| +0\\.0400 +25000\\.00 \\| +- "
-                         "+- +\\| +- +-"));
+  EXPECT_THAT(table,
+              testing::ContainsRegex("sphere \\(64x64x64\\) today +"
+                                     "\\| +0\\.0360 +27777\\.78 \\| +0\\.0400 +25000\\.00 \\| +- +- +\\| +- +-"));
   for (const char* row :
        {"39.00 +25.64 .* 47.10 +21.23 .* 38.30 +26.11", "42.00 +23.81 .* 49.10 +20.37 .* 41.20 +24.27",
         "48.00 +20.83 .* 59.70 +16.75 .* 47.40 +21.10", "46.80 +21.37 .* 57.60 +17.36 .* 46.20 +21.65"}) {
     EXPECT_THAT(table, testing::ContainsRegex(row));
   }
+}
+
+// One row of each part, and the line that it becomes.
+TEST(ServoTable, HasALineForEachRow) {
+  BenchResult result;
+  result.rows = {{{"part", "harness"}, {"empty_tick_ns", 3.25}, {"hri_without_renewal_ns", 12.5}, {"clock_ns", 25.0}},
+                 {{"part", "strokes"},
+                  {"algorithm", "hri"},
+                  {"wall", "shell"},
+                  {"missed", std::int64_t{1}},
+                  {"lost", std::int64_t{2}},
+                  {"strokes", std::int64_t{30}}},
+                 {{"part", "effects"},
+                  {"algorithm", "hri-paper"},
+                  {"n_ticks", std::int64_t{20}},
+                  {"speed_m_per_s", 0.02},
+                  {"depth_voxel", 1.0},
+                  {"effects", "recovery"},
+                  {"force_jump_max_N", 0.25},
+                  {"force_jump_concave_max_N", 0.125},
+                  {"force_mean_N", 0.5}},
+                 {{"part", "effects"}, {"algorithm", "blezek"}},
+                 speedRow(kBall20mm, 0.5, 1, 1.05, 3, 0),
+                 speedRow(kBall20mm, 2, 1, 1.25, 4.5, 0),
+                 {{"part", "press"},
+                  {"volume", kTubeOf8},
+                  {"algorithm", "hri"},
+                  {"n_ticks", std::int64_t{5}},
+                  {"noise_voxel", 0.25},
+                  {"depth_voxel", 4.0},
+                  {"seeds", std::int64_t{2}},
+                  {"ticks", std::int64_t{80}},
+                  {"contact_ticks", std::int64_t{60}},
+                  {"vhip_error_median_voxel", 0.125},
+                  {"vhip_error_p99_voxel", 0.25},
+                  {"force_angle_median_deg", 1.5},
+                  {"force_angle_p99_deg", 2.25},
+                  {"force_angle_max_deg", 3.5},
+                  {"force_jump_max_N", 0.375},
+                  {"fall_throughs", std::int64_t{6}}},
+                 {{"part", "table"},
+                  {"volume", "phantom:knot"},
+                  {"algorithm", "avila"},
+                  {"noise_voxel", 0.25},
+                  {"depth_voxel", 2.0},
+                  {"cost_ns", 50.0},
+                  {"force_angle_median_deg", 1.5},
+                  {"ticks", std::int64_t{80}},
+                  {"contact_ticks", std::int64_t{60}}}};
+  result.rows[4].emplace_back("missed_ticks", std::int64_t{0});
+  result.rows[5].emplace_back("missed_ticks", std::int64_t{1});
+  const std::string table = servoTable(result);
+  for (const char* line :
+       {"a tick that does nothing 3\\.2 ns .in all figures., one without renewal 12\\.5 ns, clock 25 ns\n",
+        "  shell +hri +1\\+2/30\n",
+        "  hri-paper +n=20 +0\\.02 m/s, 1 voxel deep, recovery +jump +0\\.250 N, on concave regions +0\\.125 N, mean "
+        "+0\\.500 N\n",
+        "2 mm deep at 0\\.5, 2 m/s: ", "  hri +1 +1\\.05 / +3\\.0 +1\\.25 / +4\\.5!\n",
+        "noise 0\\.25 voxel, 4 voxels deep, 2 seeds\n",
+        "hri +5 +0\\.125 +0\\.250 +1\\.50 +2\\.25 +3\\.5 +0\\.375 +25\\.0 +6\n",
+        "phantom:knot +0\\.25 +2 \\| +- \\| +- \\| +- \\| +0\\.0500 +1\\.50 +25\n"}) {
+    EXPECT_THAT(table, testing::ContainsRegex(line));
+  }
+  EXPECT_EQ(table.find("blezek"), std::string::npos);  // it renews no planes
 }
 
 int timesIn(const std::string& text, const std::string& words) {

@@ -95,6 +95,17 @@ TEST_F(Replay, StopsWhenProgressThrows) {
                std::runtime_error);
 }
 
+// Each figure another number, so that no column can have that of its neighbour.
+TEST(CostColumns, AreTheFiguresOfTheirNames) {
+  BenchRow row;
+  addFigures(row, costColumns(), TickCost{{30, 10, 40, 20}, {1, 1, 0, 2, 3, 4}, {1, 5, 0, 6, 7, 8}});
+  const BenchRow expected = {{"cost_ns", 20.0},         {"cost_quartile_1_ns", 10.0}, {"cost_quartile_3_ns", 30.0},
+                             {"tick_median_ns", 1.0},   {"tick_p99_ns", 2.0},         {"tick_p999_ns", 3.0},
+                             {"tick_max_ns", 4.0},      {"tick_raw_median_ns", 5.0},  {"tick_raw_p99_ns", 6.0},
+                             {"tick_raw_p999_ns", 7.0}, {"tick_raw_max_ns", 8.0}};
+  EXPECT_EQ(row, expected);
+}
+
 TEST(Spread, IsMedianAndQuartilesThatWereMeasured) {
   const Spread spread = spreadOf({8, 1, 3, 2, 100, 4, 5, 6});
   EXPECT_EQ(spread.low, 2);

@@ -3,10 +3,13 @@
 // what the level set is met to (1e-6 voxel).
 #include "apps/bench/touch_errors.hpp"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "base/units.hpp"
 #include "oracle.hpp"
+#include "servo/safety/faults.hpp"
 
 namespace palpate {
 namespace touch_errors_test {
@@ -34,6 +37,7 @@ TEST_F(TouchErrorsOf, AnExactAlgorithmAreNone) {
   EXPECT_EQ(errors.falls, 0);
   EXPECT_NEAR(errors.force_jump_max_N, errors.exact_force_jump_max_N, 1e-9);
   EXPECT_NEAR(errors.force_mean_N, 0.5, 1e-6);  // 1 mm at 500 N/m
+  EXPECT_EQ(errors.fading_ticks, 0);
 }
 
 TEST_F(TouchErrorsOf, ALiftedVhipIsTheLift) {
@@ -64,7 +68,43 @@ TEST_F(TouchErrorsOf, LostContactIsCountedByTickAndByFall) {
   EXPECT_EQ(errors.falls, 2);
   EXPECT_EQ(errors.contact_ticks, 455);
   EXPECT_NEAR(errors.force_jump_max_N, 0.5, 1e-6);
+  EXPECT_EQ(errors.force_jump_concave_max_N, 0);  // a sphere is nowhere concave
   EXPECT_LT(errors.exact_force_jump_max_N, 0.01);
+}
+
+// A knot is concave along some of the way. Blind for one tick in two, an algorithm loses its force everywhere.
+TEST(TouchErrors, JumpsOnConcaveRegionsAreAmongAllJumps) {
+  const BenchVolume volume("phantom:knot?size=64");
+  const ContactPath path = contactPath(volume, {.ticks = 2000});
+  auto entrants = oneEntrant(std::make_unique<Oracle>(
+      volume.phantom(), OracleErrors{.blind = [](int tick, double) { return tick % 2 == 0; }}));
+  const TouchErrors errors = touchErrors(volume, path, entrants, [](double) {}).front();
+  EXPECT_NEAR(errors.force_jump_concave_max_N, 0.5, 0.1);  // some 1 mm at 500 N/m
+  EXPECT_LE(errors.force_jump_concave_max_N, errors.force_jump_max_N);
+}
+
+// Three ticks with a fault that fades the force, seven with one that only limits it.
+class Faulty final : public Algorithm {
+ public:
+  void reset(const Vec3&) noexcept override { tick_ = 0; }
+  void tick(const TickInput&, TickOutput& out) noexcept override {
+    out = TickOutput{};
+    const int tick = tick_++;
+    if (tick < 10) out.faults = bit(tick < 3 ? ServoFault::kNoWindow : ServoFault::kForceLimited);
+  }
+
+ private:
+  int tick_ = 0;
+};
+
+TEST_F(TouchErrorsOf, TicksWithAFaultThatFadesAreCounted) {
+  auto entrants = oneEntrant(std::make_unique<Faulty>());
+  EXPECT_EQ(touchErrors(volume_, path_, entrants, [](double) {}).front().fading_ticks, 3);
+}
+
+TEST(TouchErrors, AMissIsAQuarterOfAVoxelAndFourDeviationsDeep) {
+  EXPECT_EQ(missDepth_voxel(0), 0.25);
+  EXPECT_EQ(missDepth_voxel(0.5), 2.25);
 }
 
 // 0.25 voxel below the surface is not yet missed.
@@ -128,6 +168,49 @@ TEST_F(TouchErrorsOf, AnAlgorithmThatNeverTouchesHasNoErrorsButMisses) {
   EXPECT_EQ(errors.vhip_voxel.count, 0U);
   EXPECT_EQ(errors.falls, 1);
   EXPECT_GE(errors.missed_ticks, 470);
+}
+
+// Each figure another number, so that no column can have that of its neighbour.
+TEST(ErrorColumns, AreTheFiguresOfTheirNames) {
+  TouchErrors errors;
+  errors.ticks = 1;
+  errors.contact_ticks = 2;
+  errors.vhip_voxel = {1, 3, 0, 4, 0, 0};
+  errors.force_percent = {1, 5, 0, 6, 0, 0};
+  errors.force_off_max = 7;
+  errors.angle_deg = {1, 8, 0, 9, 0, 10};
+  errors.force_jump_max_N = 11;
+  errors.exact_force_jump_max_N = 12;
+  errors.missed_ticks = 13;
+  errors.fading_ticks = 14;
+  errors.falls = 15;
+  BenchRow row;
+  addFigures(row, errorColumns(), errors);
+  const BenchRow expected = {{"ticks", std::int64_t{1}},
+                             {"contact_ticks", std::int64_t{2}},
+                             {"vhip_error_median_voxel", 3.0},
+                             {"vhip_error_p99_voxel", 4.0},
+                             {"force_error_median_percent", 5.0},
+                             {"force_error_p99_percent", 6.0},
+                             {"force_off_max", 7.0},
+                             {"force_angle_median_deg", 8.0},
+                             {"force_angle_p99_deg", 9.0},
+                             {"force_angle_max_deg", 10.0},
+                             {"force_jump_max_N", 11.0},
+                             {"exact_force_jump_max_N", 12.0},
+                             {"missed_ticks", std::int64_t{13}},
+                             {"fading_fault_ticks", std::int64_t{14}},
+                             {"fall_throughs", std::int64_t{15}}};
+  EXPECT_EQ(row, expected);
+
+  errors.vhip_voxel = errors.force_percent = Percentiles{};
+  row.clear();
+  addFigures(row, errorColumns(), errors);
+  for (const char* none : {"vhip_error_median_voxel", "vhip_error_p99_voxel", "force_error_median_percent",
+                           "force_error_p99_percent", "force_off_max"}) {
+    EXPECT_TRUE(std::isnan(figureOf(row, none))) << none;
+  }
+  EXPECT_EQ(figureOf(row, "force_angle_max_deg"), 10);
 }
 
 }  // namespace touch_errors_test

@@ -35,8 +35,8 @@ TEST(CheckAll, QuickHolds) {
   EXPECT_EQ(last, 1);
   EXPECT_EQ(all.checks[0].compared, 4U * 19 * 17 * 21);  // a phantom is small enough as it is
   // One of them is a voxel thin; edits are left out of that one alone.
-  EXPECT_THAT(all.left_out, testing::ElementsAre("phantom:random?size=1x17x9&seed=2: edits, since a volume one voxel "
-                                                 "thick is not touched"));
+  EXPECT_THAT(all.left_out, testing::ElementsAre("phantom:random?size=1x17x9&seed=2: "
+                                                 "edits, since a volume one voxel thick is not touched"));
   EXPECT_EQ(std::count_if(all.checks.begin(), all.checks.end(), [](const Check& c) { return c.name == "edits"; }), 2);
   std::set<std::string> names;
   for (const Check& check : all.checks) names.insert(check.name);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <gmock/gmock.h>
+#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 namespace palpate {
@@ -217,21 +218,23 @@ TEST(Check, TableOfManyChecks) {
   checks[3].bound_ulp = 6;
   checks[7].bound_ulp = 6;
   EXPECT_EQ(checkTable(checks),
-            "  holds  check   what           values differing    largest  GPU [s]  CPU [s]\n"
-            "a.nrrd\n"
-            "  NO     filter  gaussian:1         30        10 0.75 bound    1.250    2.500\n"
-            "         step 2 of 2: 2 values break the promise of a bound of each value's own; worst at voxel 3,1,2 "
-            "density: GPU 1.5, CPU 2.5\n"
-            "  yes    edits   gaussian:1         40         1      4 ULP    0.500    0.250\n"
-            "  yes    edits   median:1           50         2      6 ULP    0.000    0.000\n"
-            "b.nrrd\n"
-            "  yes    edits   median:1           60         0      0 ULP    0.000    0.000\n"
-            "  yes    edits   median:1           70         0      0 ULP    0.000    0.000\n"
-            "  yes    edits   median:1           75         0      0 ULP    0.000    0.000\n"
-            "  NO     edits   median:1           80         5      7 ULP    0.000    0.000\n"
-            "         1 values break the promise of 6 ULP; worst at voxel 3,1,2 density: GPU 1.5, CPU 2.5\n"
-            "Promised are finite densities and 0 differing bits; but\n  because; but\n  therefore.\n"
-            "6 of 8 checks hold: the promise is BROKEN\n");
+            R"(  holds  check   what           values differing    largest  GPU [s]  CPU [s]
+a.nrrd
+  NO     filter  gaussian:1         30        10 0.75 bound    1.250    2.500
+         step 2 of 2: 2 values break the promise of a bound of each value's own; worst at voxel 3,1,2 density: GPU 1.5, CPU 2.5
+  yes    edits   gaussian:1         40         1      4 ULP    0.500    0.250
+  yes    edits   median:1           50         2      6 ULP    0.000    0.000
+b.nrrd
+  yes    edits   median:1           60         0      0 ULP    0.000    0.000
+  yes    edits   median:1           70         0      0 ULP    0.000    0.000
+  yes    edits   median:1           75         0      0 ULP    0.000    0.000
+  NO     edits   median:1           80         5      7 ULP    0.000    0.000
+         1 values break the promise of 6 ULP; worst at voxel 3,1,2 density: GPU 1.5, CPU 2.5
+Promised are finite densities and 0 differing bits; but
+  because; but
+  therefore.
+6 of 8 checks hold: the promise is BROKEN
+)");
 }
 
 // Columns are as wide as their headings at least; a reason that all share is said once.
@@ -309,6 +312,54 @@ TEST(Check, JsonHasEveryCheck) {
   EXPECT_EQ(json["checks"][1]["reason"], "because");
   EXPECT_EQ(json["checks"][1]["worst_at_voxel"], nlohmann::json({1, 2, 3}));
   EXPECT_EQ(json["checks"][1]["worst_gpu"], "inf");
+}
+
+using Limits = std::numeric_limits<float>;
+constexpr std::uint32_t kNeverEqual = 0xFFFFFFFFU;
+
+TEST(UlpDistance, OfTheSameBitsIsZero) {
+  for (const float x :
+       {0.0F, -0.0F, 1.0F, -1e30F, Limits::denorm_min(), Limits::max(), Limits::infinity(), Limits::quiet_NaN()}) {
+    EXPECT_EQ(ulpDistance(x, x), 0U) << x;
+  }
+}
+
+TEST(UlpDistance, OfNeighboursIsOne) {
+  for (const float x :
+       {1.0F, 2.0F, 0.99999994F, 1e-30F, 1e30F, -1.0F, -1e-30F, Limits::denorm_min(), Limits::min(), -Limits::min()}) {
+    const float next = std::nextafter(x, Limits::infinity());
+    EXPECT_EQ(ulpDistance(x, next), 1U) << x;
+    EXPECT_EQ(ulpDistance(next, x), 1U) << x;
+  }
+}
+
+TEST(UlpDistance, CountsTheFloatsBetween) {
+  EXPECT_EQ(ulpDistance(1, 2), 1U << 23U);  // 2^23 floats in a binade
+  EXPECT_EQ(ulpDistance(-1, -2), 1U << 23U);
+  EXPECT_EQ(ulpDistance(1, 4), 1U << 24U);
+  EXPECT_EQ(ulpDistance(Limits::denorm_min(), Limits::min()), (1U << 23U) - 1);
+}
+
+// -0 and +0 have different bits, so between -x and x there is one step more than twice the way to zero.
+TEST(UlpDistance, GoesThroughZero) {
+  EXPECT_EQ(ulpDistance(-0.0F, 0.0F), 1U);
+  EXPECT_EQ(ulpDistance(0.0F, Limits::denorm_min()), 1U);
+  EXPECT_EQ(ulpDistance(-0.0F, -Limits::denorm_min()), 1U);
+  EXPECT_EQ(ulpDistance(-Limits::denorm_min(), Limits::denorm_min()), 3U);
+  EXPECT_EQ(ulpDistance(-1, 1), 2 * 0x3F800000U + 1);
+}
+
+TEST(UlpDistance, ReachesInfinity) {
+  EXPECT_EQ(ulpDistance(Limits::max(), Limits::infinity()), 1U);
+  EXPECT_EQ(ulpDistance(-Limits::infinity(), Limits::infinity()), 2 * 0x7F800000U + 1);
+  EXPECT_LT(ulpDistance(-Limits::infinity(), Limits::infinity()), kNeverEqual);
+}
+
+TEST(UlpDistance, ToAnotherNanIsTheLargest) {
+  for (const float x : {0.0F, 1.0F, -1.0F, Limits::infinity(), -Limits::quiet_NaN()}) {
+    EXPECT_EQ(ulpDistance(x, Limits::quiet_NaN()), kNeverEqual);
+    EXPECT_EQ(ulpDistance(Limits::quiet_NaN(), x), kNeverEqual);
+  }
 }
 
 }  // namespace check_test

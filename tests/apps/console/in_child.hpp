@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Work in a process of its own: what it wrote on standard error, and how it ended.
+// Runs work in a child process, and keeps what it wrote on standard error and how it ended.
 #pragma once
 
 #include <array>
@@ -13,12 +13,12 @@
 namespace palpate {
 
 struct Ended {
-  int status = -1;  // -1: by a signal
-  int signal = 0;
+  int status = -1;  // exit status; -1: ended by a signal
+  int signal = 0;   // the signal that ended it; 0: none
   std::string err;
 };
 
-// `meanwhile` gets the child's number once `work` has begun to run.
+// `meanwhile` is called with the child's process id while `work` runs.
 inline Ended inChild(const std::function<void()>& work, const std::function<void(pid_t)>& meanwhile = {}) {
   std::array<int, 2> err{};
   if (pipe(err.data()) != 0) return {};

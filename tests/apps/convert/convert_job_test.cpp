@@ -3,6 +3,7 @@
 
 #include <csignal>
 #include <cstdio>
+#include <fstream>
 #include <map>
 
 #include <gmock/gmock.h>
@@ -57,6 +58,19 @@ TEST_F(Convert, AVolumeGoesThroughEveryFormatUnchanged) {
     EXPECT_LE((volume.lattice().spacing_m - Vec3::Constant(0.5e-3)).cwiseAbs().maxCoeff(), 1e-10) << name;
   }
   EXPECT_EQ(folder_.files(), 6);
+}
+
+TEST_F(Convert, WhatIsOddAboutTheVolumeIsTold) {
+  for (const std::string spacings : {"", "spacings: 2 2 2\n"}) {
+    std::ofstream(file("a.nrrd"), std::ios::binary)
+        << "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 2 2\n" + spacings + "encoding: raw\n\n01234567";
+    testing::internal::CaptureStderr();
+    static_cast<void>(run({.in = file("a.nrrd"), .out = file("b.vdb")}));
+    const std::string told = testing::internal::GetCapturedStderr();
+    const std::string words = "palpate: " + file("a.nrrd") + ": the file gives no voxel size; 1 mm is assumed";
+    EXPECT_EQ(told.find(words) != std::string::npos, spacings.empty()) << told;
+    EXPECT_EQ(told.find("palpate: ") != std::string::npos, spacings.empty()) << told;
+  }
 }
 
 // Its extent tells the unit. Equal places are one vertex in an STL, so the mesh is closed by places.

@@ -76,11 +76,10 @@ TEST_F(EditJob, TellsWhatItDid) {
   request_.keep_going = true;
   request_.journal = name("journal");
   const EditResult result = edit();
-  EXPECT_THAT(told_,
-              ElementsAre("--do 'redo': redo: nothing was undone; undo an edit first (left out)",
-                          "--do 'remove:radius=2:at=14,14,14': it changed nothing: no density is in its reach that "
-                          "it would change; 'palpate info' says where the volume lies (mm)",
-                          StartsWith("--do 'remove:radius=1um:at=9.7,0,0': its radius of 0.001 mm is below")));
+  EXPECT_THAT(told_, ElementsAre("--do 'redo': redo: nothing was undone; undo an edit first (left out)",
+                                 "--do 'remove:radius=2:at=14,14,14': it changed nothing: no density is in its reach "
+                                 "that it would change; 'palpate info' says where the volume lies (mm)",
+                                 StartsWith("--do 'remove:radius=1um:at=9.7,0,0': its radius of 0.001 mm is below")));
   EXPECT_THAT(stages_, ElementsAre(std::string("loading ") + kVolume + " ...", "computing on Vulkan ...",
                                    "applying the edits ...", "reading back ...", "writing " + request_.out + " ..."));
   EXPECT_EQ(result.edits, 4U);
@@ -122,6 +121,17 @@ TEST_F(EditJob, EndsAtARefusalAndSaysWhatBecomesOfTheRest) {
   EXPECT_EQ(refusal(), why + " was not written, 0 commands had been applied");
   EXPECT_FALSE(std::filesystem::exists(request_.journal + "/journal.palpate"));
   EXPECT_FALSE(std::filesystem::exists(request_.out));
+}
+
+// A stroke has many pieces.
+TEST_F(EditJob, TellsOnceThatABrushIsFine) {
+  request_.commands = {"remove:radius=1um:at=9.7,0,0", "add:radius=2um:at=9.7,0,0"};
+  static_cast<void>(edit());
+  EXPECT_EQ(std::count_if(told_.begin(), told_.end(),
+                          [](const std::string& words) { return words.find("its radius of") != std::string::npos; }),
+            1);
+  ASSERT_FALSE(told_.empty());
+  EXPECT_THAT(told_[0], StartsWith("--do 'remove:radius=1um:at=9.7,0,0': its radius of 0.001 mm is below"));
 }
 
 // Of many the first ten are told, and that there are more.
@@ -171,8 +181,8 @@ TEST_F(EditJob, TakesTheIsovalueThatIsAskedFor) {
 // Before anything takes long: no volume is loaded.
 TEST_F(EditJob, RefusesEarly) {
   EXPECT_EQ(refusal(),
-            "palpate edit: there is nothing to do; give --do COMMAND, for example --do remove:radius=2mm:at=0,0,0, or "
-            "--script FILE");
+            "palpate edit: "
+            "there is nothing to do; give --do COMMAND, for example --do remove:radius=2mm:at=0,0,0, or --script FILE");
   request_.commands = {"undo", "remove:radius=0mm:at=6,0,0"};
   EXPECT_THAT(refusal(), StartsWith("--do 'remove:radius=0mm:at=6,0,0'"));
   request_.commands = {"undo"};

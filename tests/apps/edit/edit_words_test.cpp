@@ -45,18 +45,17 @@ EditResult result() {
 }
 
 TEST(EditWords, AreATableToTheLetter) {
-  EXPECT_EQ(
-      editWords(request(), result()),
-      "Edited    in.nrrd (64 x 65 x 66 voxels) at isovalue 0.5 on a device\n"
-      "Commands  7 applied: 4 edits, 2 undos, 1 redo; 3 refused; 5 changed nothing\n"
-      "Time      a command 1.5 ms median, 2.5 ms p99; 12 s in all\n"
-      "Changed   21 bricks\n"
-      "Memory    2 MiB of 1 GiB on the GPU for densities and samples, 3 MiB with all else; 512 KiB of 1 MiB for undo "
-      "of 11 edits, 6 forgotten\n"
-      "Journal   8 of 9 records saved in kept, 500 B\n"
-      "Volume    in.nrrd, content 0000000000000abc\n"
-      "File      out.vdb, 2 KiB\n"
-      "Surface   its surface is at 0.5, which the file keeps\n");
+  EXPECT_EQ(editWords(request(), result()),
+            R"(Edited    in.nrrd (64 x 65 x 66 voxels) at isovalue 0.5 on a device
+Commands  7 applied: 4 edits, 2 undos, 1 redo; 3 refused; 5 changed nothing
+Time      a command 1.5 ms median, 2.5 ms p99; 12 s in all
+Changed   21 bricks
+Memory    2 MiB of 1 GiB on the GPU for densities and samples, 3 MiB with all else; 512 KiB of 1 MiB for undo of 11 edits, 6 forgotten
+Journal   8 of 9 records saved in kept, 500 B
+Volume    in.nrrd, content 0000000000000abc
+File      out.vdb, 2 KiB
+Surface   its surface is at 0.5, which the file keeps
+)");
 }
 
 TEST(EditWords, LeaveOutWhatIsNotThere) {

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "base/error.hpp"
-#include "base/mesh_preparation.hpp"
+#include "base/triangle_mesh.hpp"
 #include "stl_bytes.hpp"
 #include "support/test_meshes.hpp"
 #include "temporary_folder.hpp"
@@ -37,9 +37,8 @@ std::string objText() {
 
 std::string plyText() {
   std::string text = fmt::format(
-      "ply\nformat ascii 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\nelement face "
-      "{}\n"
-      "property list uchar int vertex_indices\nend_header\n",
+      "ply\nformat ascii 1.0\nelement vertex {}\nproperty float x\n"
+      "property float y\nproperty float z\nelement face {}\nproperty list uchar int vertex_indices\nend_header\n",
       kBox.vertices_W.size(), kBox.triangles.size());
   for (const Vec3& v : kBox.vertices_W) text += fmt::format("{} {} {}\n", v.x(), v.y(), v.z());
   for (const auto& t : kBox.triangles) text += fmt::format("3 {} {} {}\n", t[0], t[1], t[2]);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// tests/apps/mesh/random_ply.hpp: PLY files of any layout, each with the mesh that it holds. Written here value by
-// value, without the program's writer.
+// tests/apps/mesh/random_ply.hpp: PLY files of random layout, each with the mesh that it holds. They are written value
+// by value, without the program's writer.
 #pragma once
 
 #include <algorithm>
@@ -27,9 +27,9 @@ class RandomPlyMaker {
  public:
   RandomPlyMaker(std::mt19937& random, RandomPlyForm form) : random_(random), form_(form) {}
 
-  // Elements in any order, with properties that no mesh needs among those that it needs. Corners are numbers of
-  // `corner_types`, such as "int" and "uchar". `triangles_only`: no other polygons, and no
-  // second list.
+  // A file whose elements are in random order and have properties that a reader of meshes must skip. The type of corner
+  // numbers is one of `corner_types`, such as "int" and "uchar". `triangles_only`: no other polygons, and no second
+  // list.
   RandomPly make(const std::vector<std::string>& corner_types, bool triangles_only = false) {
     triangles_only_ = triangles_only;
     const char* const forms[] = {"ascii", "binary_little_endian", "binary_big_endian"};
@@ -55,7 +55,7 @@ class RandomPlyMaker {
   std::size_t below(std::size_t count) { return static_cast<std::size_t>(random_()) % count; }
   double coordinate() { return (static_cast<double>(below(2001)) - 1000) / 8; }  // a float, and short as a text
 
-  // Of a number that the type can hold.
+  // Writes a number, which the type can hold.
   void put(const std::string& type, double number) {
     if (form_ == RandomPlyForm::kText) {
       values_ += fmt::format("{}{}", values_.empty() || values_.back() == '\n' ? "" : " ", number);

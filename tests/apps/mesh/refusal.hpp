@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// tests/apps/mesh/refusal.hpp: the message with which a mesh's bytes are refused.
+// tests/apps/mesh/refusal.hpp: the message with which a reader refuses the bytes of a mesh.
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@
 
 namespace palpate {
 
-// "" where they are accepted. The message must be one line that begins with the file and has a remedy.
+// "" if they are accepted. Expects the message to be one line that begins with the file's name and has a remedy.
 inline std::string refusalOf(TriangleMesh (*read)(std::string_view, const std::string&), std::string_view bytes) {
   try {
     (void)read(bytes, "some.file");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// tests/apps/mesh/stl_bytes.hpp: a mesh as the two kinds of STL file have it.
+// tests/apps/mesh/stl_bytes.hpp: a mesh as the bytes of a text or binary STL file.
 #pragma once
 
 #include <cstdint>

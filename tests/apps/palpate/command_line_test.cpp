@@ -13,8 +13,8 @@ namespace command_line_test {
 using testing::HasSubstr;
 using testing::Not;
 
-const Words kVerbs = {"touch", "edit",    "recover", "info",  "convert", "gradient", "filter",    "check",
-                      "bench", "devices", "plan",    "scene", "faults",  "help",     "completion"};
+const Words kVerbs = {"touch", "edit",  "recover", "info", "convert", "gradient", "filter", "render",
+                      "check", "bench", "devices", "plan", "scene",   "faults",   "help",   "completion"};
 const std::vector<Words> kVerbsBelow = {
     {"check", "gradient"}, {"check", "filters"}, {"check", "edits"}, {"check", "all"},     {"bench", "servo"},
     {"bench", "loop"},     {"bench", "edit"},    {"bench", "load"},  {"bench", "filters"}, {"bench", "gradient"}};
@@ -162,13 +162,19 @@ TEST_F(CommandLine, ZshTakesItsCompletion) {
   EXPECT_EQ(std::system((zsh + "zsh -fn _palpate").c_str()), 0);
   // The functions that a shell offers its completions with are put down as what they were given.
   write("script",
-        "compdef() { :; }\nsource ./_palpate\n_describe() { local name=${@[-1]}; print -l -- ${(P)name}; }\n"
-        "compadd() { print -l -- ${(P)2}; }\n_files() { print files; }\ncompset() { print -- \"$*\"; }\n"
-        "for line in 'palpate ' 'palpate touch --' 'palpate touch --clock ' 'palpate bench ' 'palpate help bench ' "
-        "'palpate completion ' 'palpate touch --clock=s' 'palpate touch --out=s' 'palpate info '; do\n"
-        "  words=(${(s: :)line}); [[ $line == *' ' ]] && words+=('')\n  CURRENT=$#words\n  print \"<$line>\"\n  "
-        "_palpate\n"
-        "done\n");
+        R"(compdef() { :; }
+source ./_palpate
+_describe() { local name=${@[-1]}; print -l -- ${(P)name}; }
+compadd() { print -l -- ${(P)2}; }
+_files() { print files; }
+compset() { print -- "$*"; }
+for line in 'palpate ' 'palpate touch --' 'palpate touch --clock ' 'palpate bench ' 'palpate help bench ' 'palpate completion ' 'palpate touch --clock=s' 'palpate touch --out=s' 'palpate info '; do
+  words=(${(s: :)line}); [[ $line == *' ' ]] && words+=('')
+  CURRENT=$#words
+  print "<$line>"
+  _palpate
+done
+)");
   EXPECT_EQ(std::system((zsh + "zsh -f script > offered 2>&1").c_str()), 0);
   const std::string offered = contentsOf(file("offered"));
   EXPECT_THAT(offered, HasSubstr("touch:palpate a volume along a path"));

@@ -9,19 +9,17 @@
 namespace palpate {
 namespace {
 
-constexpr const char* kIntroduction =
-    "Editing sessions are killed (`kill -9`) at random moments, from a twentieth to nineteen twentieths of their time. "
-    "`touch`: the tool drills, every other time in real time. `touch --save-every`: the same, its volume saved ten "
-    "times a "
-    "second of the session's clock. `edit`: `palpate edit` with a script of 3000 commands, every kind of edit, stamps, "
-    "undo and redo. After each kill `palpate recover` makes the volume from the journal; a slow, obvious twin applies "
-    "the "
-    "journal's edits to the whole volume, and both must be equal, bit for bit. A file that was saved before the kill "
-    "must "
-    "be the volume after one of the session's edits, bit for bit. A record is acknowledged when the disk has confirmed "
-    "it; "
-    "`recovered` counts those too that had reached the file without being confirmed yet, `torn` journals whose last "
-    "record was cut short. A session that was killed before its journal was there has nothing to recover.";
+constexpr const char* kIntroduction = R"(
+Editing sessions are killed (`kill -9`) at random moments, from a twentieth to nineteen twentieths of their time.
+`touch`: the tool drills, every other time in real time.
+`touch --save-every`: the same, its volume saved ten times a second of the session's clock.
+`edit`: `palpate edit` with a script of 3000 commands, every kind of edit, stamps, undo and redo.
+After each kill `palpate recover` makes the volume from the journal; a slow, obvious twin applies the journal's edits
+to the whole volume, and both must be equal, bit for bit.
+A file that was saved before the kill must be the volume after one of the session's edits, bit for bit.
+A record is acknowledged when the disk has confirmed it; `recovered` counts those too that had reached the file
+without being confirmed yet, `torn` journals whose last record was cut short.
+A session that was killed before its journal was there has nothing to recover.)";
 
 std::string tableOf(const std::vector<KillFigures>& kinds) {
   std::string text =
@@ -76,10 +74,10 @@ void writeKillFigures(const std::vector<KillFigures>& kinds, const std::string& 
   none("recovered volumes that differ from the twin's", sum.other_volumes);
   none("files saved before the kill that are not whole", sum.other_saves);
   writeFileAtomically(folder / "kills.json", jsonText(result));
-  writeFileAtomically(
-      folder / "kills.md",
-      benchPage(result,
-                {.title = "What a kill costs", .introduction = kIntroduction, .tables = tableOf(kinds), .chart = {}}));
+  writeFileAtomically(folder / "kills.md", benchPage(result, {.title = "What a kill costs",
+                                                              .introduction = asParagraph(kIntroduction),
+                                                              .tables = tableOf(kinds),
+                                                              .chart = {}}));
 }
 
 }  // namespace palpate

@@ -21,7 +21,6 @@
 #include "engine/files/volume_file.hpp"
 #include "engine/journal/replay.hpp"
 #include "engine/reference/edit.hpp"
-#include "engine/reference/edit_bricks.hpp"
 #include "kill_figures.hpp"
 #include "kill_sessions.hpp"
 #include "program_test.hpp"

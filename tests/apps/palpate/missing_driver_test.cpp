@@ -19,10 +19,12 @@ class MissingDriver : public ProgramTest {
 TEST_F(MissingDriver, IsSaidWithThePackageToInstall) {
   for (const Words& words :
        {quickTouch("phantom:sphere?size=16"), Words{"devices"}, Words{"plan", "phantom:sphere?size=16"},
+        Words{"render", "phantom:sphere?size=16", "-o", "o.png"},
         Words{"check", "gradient", "phantom:sphere?size=16"}}) {
     expectRefusal(withoutDriver(words), "Vulkan", "mesa-vulkan-drivers", 3);
   }
   EXPECT_FALSE(exists("out"));
+  EXPECT_FALSE(exists("o.png"));
 }
 
 TEST_F(MissingDriver, DoesNotStopWhatNeedsNone) {

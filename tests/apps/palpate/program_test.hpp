@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the tests of the command line share: a fresh folder in which the program runs, and what a refusal must look
-// like.
+// Shared by the tests of the command line: a fresh folder in which the program runs, and the form of a refusal.
 #pragma once
 
 #include <sstream>
@@ -25,12 +24,12 @@ inline Words quickTouch(const std::string& volume, const Words& more = {}) {
   return Words{"touch", volume, "--seconds", "0.3", "--clock", "simulated", "--picture", "off", "--out", "out"} + more;
 }
 
-// The same along a path file, which says how long the run is.
+// The same along a path file, which gives the length of the run.
 inline Words quickTouchAlong(const std::string& path, const std::string& volume, const Words& more = {}) {
   return Words{"touch", volume, "--path", path, "--clock", "simulated", "--picture", "off", "--out", "out"} + more;
 }
 
-// The lines of stderr that are no progress ("loading x ...").
+// The lines of stderr without those of progress ("loading x ...").
 inline Words errorLines(const std::string& err) {
   Words lines;
   std::istringstream in(err);

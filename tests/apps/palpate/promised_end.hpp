@@ -6,11 +6,11 @@ namespace palpate {
 
 inline constexpr double kPromisedEnd_s = 0.5;
 
-// Whatever else the machine does can only make the time from signal to end longer, so of several times the shortest
-// says most about the program, and the first one below the promise makes more tries needless.
+// Other load on the machine can only lengthen the time from signal to end. So the shortest of several times counts, and
+// the first time within the promise ends the tries.
 inline constexpr int kTriesToEnd = 5;
 
-// Sanitized programs take many times as long, and promise nothing.
+// The promise does not hold for sanitized programs, which take many times as long.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 inline constexpr bool kEndIsPromised = false;
 #else

@@ -40,6 +40,7 @@ const Words kWork[] = {
     {"convert", "phantom:head?size=192", "o.nii.gz"},
     {"filter", "phantom:knot?size=128", "-o", "o.nrrd", "--filter", "median:3 bilateral:1.5:range=50"},
     {"gradient", "phantom:knot?size=192", "-o", "o.vdb", "--all", "--operator", "gaussian:1.5"},
+    {"render", "phantom:knot?size=128", "-o", "o.png", "--depth", "d.pfm", "--size", "3840x2160"},
     {"check", "filters", "phantom:knot?size=48", "--json", "o.json"},
     {"check", "edits", "phantom:knot?size=48", "--json", "o.json"},
     {"bench", "servo", "--json", "o.json"},
@@ -82,7 +83,8 @@ class Signals : public ProgramTest {
     return shortest_s;
   }
   void makeReady() const {
-    for (const char* name : {"out", "journal", "o.nrrd", "o.ply", "o.nii.gz", "o.vdb", "o.json", "s.nrrd", "tmp"})
+    for (const char* name :
+         {"out", "journal", "o.nrrd", "o.ply", "o.nii.gz", "o.vdb", "o.json", "s.nrrd", "o.png", "d.pfm", "tmp"})
       fs::remove_all(file(name));
     fs::create_directory(file("tmp"));
     std::string script;
@@ -105,6 +107,9 @@ class Signals : public ProgramTest {
     }
     if (exists("o.ply")) {
       EXPECT_GT(readMeshFile(file("o.ply").string()).triangles.size(), 0U);
+    }
+    if (exists("d.pfm")) {
+      EXPECT_EQ(fs::file_size(file("d.pfm")), std::string("Pf\n3840 2160\n-1.0\n").size() + 4U * 3840 * 2160);
     }
     if (exists("o.json")) {
       EXPECT_TRUE(nlohmann::json::accept(contentsOf(file("o.json"))));

@@ -15,8 +15,9 @@
 namespace palpate {
 
 inline constexpr const char* kTraceHeader =
-    "tick,time_s,hip_x_m,hip_y_m,hip_z_m,vhip_x_m,vhip_y_m,vhip_z_m,normal_x,normal_y,normal_z,force_x_n,force_y_n,"
-    "force_z_n,density,in_contact,plane_age_ticks,window_version,faults,tick_cost_ns,energy_J,edit_version";
+    "tick,time_s,hip_x_m,hip_y_m,hip_z_m,vhip_x_m,vhip_y_m,vhip_z_m,"
+    "normal_x,normal_y,normal_z,force_x_n,force_y_n,force_z_n,"
+    "density,in_contact,plane_age_ticks,window_version,faults,tick_cost_ns,energy_J,edit_version";
 
 struct TraceRow {
   std::vector<double> cells;

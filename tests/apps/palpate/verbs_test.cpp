@@ -26,6 +26,7 @@ TEST_F(Verbs, HelpOfEachSaysWhatItDoes) {
                             Words{"check", "all"},
                             Words{"filter"},
                             Words{"gradient"},
+                            Words{"render"},
                             Words{"bench"},
                             Words{"bench", "servo"},
                             Words{"bench", "loop"},
@@ -57,9 +58,10 @@ TEST_F(Verbs, ExamplesCanBeGivenToAShell) {
               testing::ElementsAre("phantom:box?size=8"));
   const std::string program = run({"--help"}).out;
   EXPECT_THAT(unquotedPhantoms(program), testing::IsEmpty());
-  for (const Words& verb : {Words{"touch"}, Words{"edit"}, Words{"recover"}, Words{"info"}, Words{"convert"},
-                            Words{"gradient"}, Words{"filter"}, Words{"check", "gradient"}, Words{"check", "filters"},
-                            Words{"check", "edits"}, Words{"check", "all"}, Words{"bench", "servo"}, Words{"plan"}}) {
+  for (const Words& verb :
+       {Words{"touch"}, Words{"edit"}, Words{"recover"}, Words{"info"}, Words{"convert"}, Words{"gradient"},
+        Words{"filter"}, Words{"render"}, Words{"check", "gradient"}, Words{"check", "filters"},
+        Words{"check", "edits"}, Words{"check", "all"}, Words{"bench", "servo"}, Words{"plan"}}) {
     EXPECT_THAT(unquotedPhantoms(run(verb + Words{"--help"}).out), testing::IsEmpty()) << verb.back();
   }
   std::vector<std::filesystem::path> pages = {std::filesystem::path(PALPATE_DOCS).parent_path() / "README.md"};
@@ -79,8 +81,8 @@ TEST_F(Verbs, ExamplesCanBeGivenToAShell) {
 // Coordinates of a file in RAS are turned to LPS, which makes of its origin at 0 one at -0.
 TEST_F(Verbs, InfoHasNoMinusBeforeAZero) {
   write("a.nrrd",
-        "NRRD0004\ntype: float\ndimension: 3\nsizes: 2 2 2\nspace: right-anterior-superior\nspace directions: (1,0,0) "
-        "(0,1,0) (0,0,1)\nspace origin: (0,0,0)\nencoding: ascii\n\n0 1 2 3 4 5 6 7\n");
+        "NRRD0004\ntype: float\ndimension: 3\nsizes: 2 2 2\nspace: right-anterior-superior\n"
+        "space directions: (1,0,0) (0,1,0) (0,0,1)\nspace origin: (0,0,0)\nencoding: ascii\n\n0 1 2 3 4 5 6 7\n");
   const Outcome outcome = run({"info", "a.nrrd"});
   expectSuccess(outcome);
   EXPECT_THAT(outcome.out, HasSubstr("origin       0, 0, 0 mm (LPS)"));
@@ -130,8 +132,9 @@ TEST_F(Verbs, TellWhatIsOddAboutAVolume) {
         Words{"edit", "a.nrrd", "e.nrrd", "--do", "remove:radius=2:at=0,0,0", "--journal", "journal"},
         Words{"recover", "journal", "--out", "r.nrrd"}, Words{"convert", "a.nrrd", "c.nrrd"},
         Words{"filter", "a.nrrd", "-o", "f.nrrd", "--filter", "median:1"}, Words{"gradient", "a.nrrd", "-o", "g.vdb"},
-        Words{"check", "gradient", "a.nrrd"}, Words{"check", "filters", "a.nrrd", "--filter", "median:1"},
-        Words{"check", "edits", "a.nrrd", "--edits", "2"}, Words{"check", "all", "a.nrrd", "--quick"}}) {
+        Words{"render", "a.nrrd", "-o", "r.png", "--size", "8x8"}, Words{"check", "gradient", "a.nrrd"},
+        Words{"check", "filters", "a.nrrd", "--filter", "median:1"}, Words{"check", "edits", "a.nrrd", "--edits", "2"},
+        Words{"check", "all", "a.nrrd", "--quick"}}) {
     const bool has_option = verb[0] != "recover";  // the journal has the name with its option
     const Outcome outcome = run(verb + (has_option ? Words{"--nan", "3"} : Words{}));
     EXPECT_EQ(outcome.status, 0) << verb[0] << ": " << outcome.err;
@@ -144,8 +147,8 @@ TEST_F(Verbs, TellWhatIsOddAboutAVolume) {
 
 TEST_F(Verbs, HelpOfTheProgramNamesEveryVerb) {
   const std::string help = run({"--help"}).out;
-  for (const char* verb :
-       {"touch", "edit", "recover", "info", "convert", "check", "bench", "devices", "plan", "scene", "faults"}) {
+  for (const char* verb : {"touch", "edit", "recover", "info", "convert", "render", "check", "bench", "devices", "plan",
+                           "scene", "faults"}) {
     EXPECT_THAT(help, testing::ContainsRegex(std::string("\n  ") + verb + " +[a-z]"));
   }
 }
@@ -209,20 +212,19 @@ TEST_F(Verbs, InfoOfATurnedVolume) {
   values.resize(55, 12.5F);
   values.resize(60, 24.0F);
   write("a.nrrd",
-        "NRRD0004\ntype: float\ndimension: 3\nsizes: 3 4 5\nspace: left-posterior-superior\nspace directions: (2,3,6) "
-        "(3,1,-1.5) (6,-12,4)\nspace origin: (10,20,-30)\nencoding: raw\nendian: little\n\n" +
+        "NRRD0004\ntype: float\ndimension: 3\nsizes: 3 4 5\nspace: left-posterior-superior\n"
+        "space directions: (2,3,6) (3,1,-1.5) (6,-12,4)\nspace origin: (10,20,-30)\nencoding: raw\nendian: little\n\n" +
             std::string(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(float)));
   const std::string info = run({"info", "a.nrrd"}).out;
-  EXPECT_THAT(info, testing::StartsWith(
-                        "a.nrrd\n"
-                        "  format       NRRD (float32)\n"
-                        "  size         3 x 4 x 5 voxels\n"
-                        "  spacing      7 x 3.5 x 14 mm\n"
-                        "  extent       21 x 14 x 70 mm\n"
-                        "  origin       10, 20, -30 mm (LPS)\n"
-                        "  places       x 10 to 47, y -28 to 29, z -34.5 to -2 mm; the middle 28.5,0.5,-18.25\n"
-                        "  axes         i (0.2857, 0.4286, 0.8571)  j (0.8571, 0.2857, -0.4286)  k (0.4286, -0.8571, "
-                        "0.2857)\n"));
+  EXPECT_THAT(info, testing::StartsWith(R"(a.nrrd
+  format       NRRD (float32)
+  size         3 x 4 x 5 voxels
+  spacing      7 x 3.5 x 14 mm
+  extent       21 x 14 x 70 mm
+  origin       10, 20, -30 mm (LPS)
+  places       x 10 to 47, y -28 to 29, z -34.5 to -2 mm; the middle 28.5,0.5,-18.25
+  axes         i (0.2857, 0.4286, 0.8571)  j (0.8571, 0.2857, -0.4286)  k (0.4286, -0.8571, 0.2857)
+)"));
   EXPECT_THAT(info, HasSubstr("\n  bricks       1 of 1 hold more than one value; "));
   EXPECT_THAT(info,
               HasSubstr("\n  range        0 ... 24, mean 5.125\n  no data?     66.7 % of the voxels hold 0, far "));

@@ -12,7 +12,7 @@
 
 namespace palpate {
 
-// A block of samples, one by one: never told to be constant.
+// Reads a block sample by sample; never reports it as constant.
 template <typename Sample>
 bool readSamples(const Vec3i& block, const Vec3i& size, float* values, Sample sample) {
   for (int n = 0; n < kFieldBlockSamples; ++n) {
@@ -26,7 +26,7 @@ bool readSamples(const Vec3i& block, const Vec3i& size, float* values, Sample sa
 class AnalyticField : public SurfaceField {
  public:
   using Formula = std::function<double(const Vec3&)>;
-  // A cube of `half_m` around the world's origin with samples `voxel_m` apart; the formula is taken without sampling.
+  // A cube from -half_m to half_m along each axis, with samples `voxel_m` apart. sample() evaluates the formula itself.
   AnalyticField(Formula formula, double half_m, double voxel_m) : formula_(std::move(formula)), half_m_(half_m) {
     lattice_.origin_W = Vec3::Constant(-half_m);
     lattice_.spacing_m = Vec3::Constant(voxel_m);
@@ -58,8 +58,7 @@ class AnalyticField : public SurfaceField {
   Vec3i size_;
 };
 
-// Another field's values at its samples, interpolated as a volume does it; gradients by central differences of the
-// samples.
+// Another field's values at its samples, interpolated as in a volume; gradients by central differences.
 class SampledField : public SurfaceField {
  public:
   explicit SampledField(const SurfaceField& field)

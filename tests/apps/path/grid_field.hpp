@@ -56,7 +56,7 @@ class GridField : public SurfaceField {
   [[nodiscard]] double isovalue() const override { return 0; }
   [[nodiscard]] const Lattice& lattice() const override { return lattice_; }
   [[nodiscard]] Vec3i size() const override { return size_; }
-  // Beyond the size all is object, and a block of equal samples is told as one value at the border too.
+  // Samples beyond the size are object. A block at the border is constant if its samples within the size are equal.
   bool readBlock(const Vec3i& block, float* values) const override {
     const Vec3i first = kFieldBlock * block;
     bool is_constant = true;

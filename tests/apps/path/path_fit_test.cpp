@@ -291,9 +291,8 @@ TEST(PathFit, TellsThatAPressComesOutOnTheOtherSide) {
   const TouchPath path = buildTouchPath(field, request);
   EXPECT_EQ(path.depth_m, 2e-3);
   ASSERT_FALSE(path.notes.empty());
-  EXPECT_THAT(path.notes[0],
-              testing::HasSubstr("over 10 mm of the slide the path is not in the object: at a depth of 2 "
-                                 "mm it comes out on another side; press less deep"));
+  EXPECT_THAT(path.notes[0], testing::HasSubstr("over 10 mm of the slide the path is not in the object: "
+                                                "at a depth of 2 mm it comes out on another side; press less deep"));
 }
 
 }  // namespace path_fit_test

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/path/surface_search.hpp"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "analytic_field.hpp"
@@ -52,6 +54,26 @@ TEST(SurfaceSearch, SnapsFromThirtyVoxelsAndNoFarther) {
   EXPECT_LT((point->p_W - Vec3(1e-3, 2e-3, -2e-3)).norm(), 1e-7);
   EXPECT_FALSE(snapToSurface(plane, Vec3(1e-3, 2e-3, 29e-3)));
   EXPECT_FALSE(snapToSurface(plane, Vec3(0, 0, 51e-3)));
+}
+
+// A wall of 0.6 voxel is found wherever the steps fall, and no finer steps than half a voxel are paid for: 32 mm of way
+// through the volume are 129 samples, one more or less at either end for rounding.
+TEST(SurfaceSearch, RaysGoInStepsOfHalfAVoxel) {
+  const AnalyticField wall([](const Vec3& p) { return 0.3 * kVoxel_m - std::abs(p.z()); }, 16e-3, kVoxel_m);
+  for (int n = 0; n < 20; ++n) {
+    const auto point = firstEntry(wall, Vec3(0, 0, 20e-3 + n * 0.03 * kVoxel_m), -Vec3::UnitZ(), 40e-3);
+    ASSERT_TRUE(point) << n;
+    EXPECT_NEAR(point->p_W.z(), 0.3 * kVoxel_m, 1e-6 * kVoxel_m) << n;
+  }
+  int readings = 0;
+  const auto counted = [&](const Vec3&) {
+    ++readings;
+    return -1.0;
+  };
+  const AnalyticField nothing(counted, 16e-3, kVoxel_m);
+  EXPECT_FALSE(firstEntry(nothing, Vec3(0, 0, 20e-3), -Vec3::UnitZ(), 40e-3));
+  constexpr int kReadings = 7;  // of a sample: the density and six for the gradient
+  EXPECT_NEAR(readings / kReadings, 129, 2);
 }
 
 TEST(SurfaceSearch, RayBesideTheSphereMisses) {

@@ -108,6 +108,18 @@ TEST(TouchPath, MayTouchAPointWithoutPressing) {
   EXPECT_THAT(path.notes, IsEmpty());
 }
 
+// 2000 s in intervals of 2 ms are a million; a longer path has longer ones.
+TEST(TouchPath, HasAMillionIntervalsAtMost) {
+  PathRequest request;
+  request.start_W = Vec3(1e-3, 2e-3, 0.3e-3);
+  request.slide_length_m = 0;
+  request.duration_s = 4000;
+  const TouchPath path = buildTouchPath(plane(), request);
+  ASSERT_EQ(path.points.size(), 1'000'001U);
+  EXPECT_DOUBLE_EQ(path.points[1].time_s, 4e-3);
+  EXPECT_EQ(path.points.back().time_s, 4000);
+}
+
 // The depth lacks d (1 - exp(-s^2 / 2R^2)) for the smoothed normal (s = 1 mm) and gains s_c^2 / 2R for the smoothed
 // curve (s_c = 0.375 mm). Both with R = 15 mm, within 5 % of themselves; the ends are exact.
 TEST(TouchPath, SlidesAtThePressDepth) {

@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "apps/report/histogram.hpp"
+#include "apps/report/plot_data.hpp"
 #include "apps/report/svg_plot.hpp"
 #include "sample_run.hpp"
 
@@ -66,10 +66,10 @@ TEST(HtmlTables, FaultsAndNotesToTheLetter) {
   const std::string begin = "<section id=\"faults\">\n<h2>Faults and notes</h2>\n";
   EXPECT_EQ(faultSection(run),
             begin +
-                "<div class=\"fault\"><b>stale_window</b> in 12 of 5000 ticks, first at tick 300.<br>the engine "
-                "published too rarely; the force falls to zero.<br><i>What to do:</i> make the window larger</div>\n"
-                "<p>Worth knowing of this run:</p>\n<ul>\n<li>the slide is 12 mm instead of 20 mm</li>\n</ul>\n"
-                "</section>\n");
+                "<div class=\"fault\"><b>stale_window</b> in 12 of 5000 ticks, "
+                "first at tick 300.<br>the engine published too rarely; the force falls to zero."
+                "<br><i>What to do:</i> make the window larger</div>\n<p>Worth knowing of this run:</p>\n"
+                "<ul>\n<li>the slide is 12 mm instead of 20 mm</li>\n</ul>\n</section>\n");
   run.faults.clear();
   run.notes.clear();
   EXPECT_EQ(faultSection(run), begin + "<p>No fault was raised.</p>\n</section>\n");
@@ -106,21 +106,21 @@ TEST(HtmlTables, EditsToTheLetter) {
 TEST(HtmlTables, WorkPlanMachineAndRepeatToTheLetter) {
   TouchRun run = sampleRun();
   EXPECT_EQ(workSection(run),
-            "<section id=\"work\">\n<h2>Time and memory</h2>\n<div class=\"columns\"><table>"
-            "<caption>Stages</caption>\n" +
+            "<section id=\"work\">\n"
+            "<h2>Time and memory</h2>\n<div class=\"columns\"><table><caption>Stages</caption>\n" +
                 row("load", "0.4 s") + row("gradient", "0.1 s") + row("all together", "0.5 s") +
                 "</table>\n<table><caption>Memory</caption>\n" + row("bricks on the GPU", "3 MiB") +
                 "</table></div>\n</section>\n");
   EXPECT_EQ(planSection(run),
-            "<section id=\"plan\">\n<h2>What was computed and what was left out</h2>\n<ul>\n<li>gradient of 120 of 512 "
-            "bricks: the others hold no surface; saves 3.1 MiB</li>\n</ul>\n</section>\n");
+            "<section id=\"plan\">\n<h2>What was computed and what was left out</h2>\n<ul>\n"
+            "<li>gradient of 120 of 512 bricks: the others hold no surface; saves 3.1 MiB</li>\n</ul>\n</section>\n");
   const std::string machine = "<section id=\"machine\">\n<h2>Machine</h2>\n<table>\n" +
                               row("processor", "Example CPU") + row("cores allowed", "4") + row("memory", "8 GiB") +
                               row("system", "Debian GNU/Linux 12, Linux 6.1") + row("Vulkan device", "llvmpipe") +
                               row("Vulkan driver", "Mesa 22.3, Vulkan 1.3.230") + "</table>\n";
   EXPECT_EQ(machineSection(run), machine +
-                                     "<p>Real time:</p>\n<ul>\n<li>SCHED_FIFO not allowed: raise rtprio in "
-                                     "/etc/security/limits.conf</li>\n</ul>\n</section>\n");
+                                     "<p>Real time:</p>\n<ul>\n<li>SCHED_FIFO not allowed: "
+                                     "raise rtprio in /etc/security/limits.conf</li>\n</ul>\n</section>\n");
   const std::string repeat =
       "<section id=\"repeat\">\n<h2>How to repeat it</h2>\n<pre><code>palpate touch &#39;phantom:sphere?size=64&#39; "
       "--out out</code></pre>\n<p>Program version 0123abc. With the ";

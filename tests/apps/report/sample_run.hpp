@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A run made up for tests: a tool over a flat surface z = 0, pressed by 1 mm for the middle of the time; every field
-// filled.
+// A made-up run for tests: the tool presses a flat surface z = 0 by 1 mm in the middle of the time. Every field is set.
 #pragma once
 
 #include <cmath>
@@ -74,7 +73,7 @@ inline TouchRun sampleRun() {
   return run;
 }
 
-// Figures of such a run of which no two are equal, and which are not those of its records.
+// Figures that are all different, and differ from those of the sample run's records.
 inline RunFigures sampleFigures() {
   RunFigures f;
   f.ticks = 4993;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A fresh folder that goes away with its test.
+// An empty folder for a test; the destructor removes it.
 #pragma once
 
 #include <cstdlib>

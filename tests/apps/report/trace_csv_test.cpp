@@ -45,10 +45,10 @@ TickRecord awkwardRecord() {
 TEST(TraceCsv, HasTheHeaderToTheLetter) {
   TemporaryFolder folder;
   writeTraceCsv(folder.path() / "t.csv", {});
-  EXPECT_EQ(
-      contentsOf(folder.path() / "t.csv"),
-      "tick,time_s,hip_x_m,hip_y_m,hip_z_m,vhip_x_m,vhip_y_m,vhip_z_m,normal_x,normal_y,normal_z,force_x_n,force_y_n,"
-      "force_z_n,density,in_contact,plane_age_ticks,window_version,faults,tick_cost_ns,energy_J,edit_version\n");
+  EXPECT_EQ(contentsOf(folder.path() / "t.csv"),
+            "tick,time_s,hip_x_m,hip_y_m,hip_z_m,vhip_x_m,vhip_y_m,vhip_z_m,"
+            "normal_x,normal_y,normal_z,force_x_n,force_y_n,force_z_n,"
+            "density,in_contact,plane_age_ticks,window_version,faults,tick_cost_ns,energy_J,edit_version\n");
 }
 
 TEST(TraceCsv, NumbersReadBackToTheSameBits) {

@@ -23,8 +23,8 @@ TEST(Words, VerdictIsOneSentence) {
   TouchRun run = sampleRun();
   run.faults.clear();
   EXPECT_EQ(verdictOf(run),
-            "The tool touched the surface for 3 s of 5 s, pressed at most 1 mm deep and felt at most 0.5 N; the "
-            "contact was quiet; 3 edits; no fault.");
+            "The tool touched the surface for 3 s of 5 s, pressed at most 1 mm deep and felt at most 0.5 N; "
+            "the contact was quiet; 3 edits; no fault.");
 }
 
 TEST(Words, VerdictSaysWhatTheEditsDid) {
@@ -88,8 +88,8 @@ TEST(Words, VerdictSaysThatForcesWereFaint) {
   EXPECT_THAT(verdictOf(run), HasSubstr(" and felt at most 0.05"));
   for (TickRecord& r : run.records) r.force_W[2] *= 0.9;
   EXPECT_THAT(verdictOf(run),
-              HasSubstr("pressed at most 1 mm deep and no force above 0.05 N was reached, so that nobody "
-                        "feels it: at most 0.045 N; the contact was quiet; "));
+              HasSubstr("pressed at most 1 mm deep and no force above 0.05 N was reached, so that nobody feels it: "
+                        "at most 0.045 N; the contact was quiet; "));
 }
 
 TEST(Words, VerdictOfARunWithoutContact) {
@@ -156,11 +156,11 @@ TEST(Words, ClosingSummaryOfAnEmptyRunToTheLetter) {
   run.figures->contact_ticks = run.figures->touches = 1;
   run.figures->contact_s = 0.001;
   EXPECT_THAT(closingSummary(run), HasSubstr("Contact   0.001 s of 0 s, one touch, over 0 mm of surface\n"
-                                             "Felt      force median 0 N, at most 0 N; no depth, for it knows no "
-                                             "surface\nEnergy    no contact\nServo"));
+                                             "Felt      force median 0 N, at most 0 N; "
+                                             "no depth, for it knows no surface\nEnergy    no contact\nServo"));
   EXPECT_EQ(verdict(run, *run.figures),
-            "The tool touched the surface for 0.001 s of 0 s and no force above 0.05 N was reached, so that nobody feels it: "
-            "at most 0 N; nothing was edited; no fault.");
+            "The tool touched the surface for 0.001 s of 0 s and no force above 0.05 N was reached, "
+            "so that nobody feels it: at most 0 N; nothing was edited; no fault.");
 }
 
 TEST(Words, FaultsAreCountedByKind) {
@@ -194,8 +194,9 @@ TEST(Words, QuietSaysWhatWasTakenAndNeverContradictsItself) {
   quiet.error_J = 0.015e-3;
   quiet.stored_J = 3e-3;
   EXPECT_EQ(stabilityWords(quiet, figures),
-            "quiet: the surface gave the hand 0.01 mJ, which is within the 0.02 mJ that are left open over all "
-            "contacts, and no contact gave more than it had taken (the encoders leave 0.015 mJ open)");
+            "quiet: "
+            "the surface gave the hand 0.01 mJ, which is within the 0.02 mJ that are left open over all contacts, "
+            "and no contact gave more than it had taken (the encoders leave 0.015 mJ open)");
 }
 
 TEST(Words, QuietSaysWhereTheEncodersAreTooCoarseToTell) {
@@ -204,8 +205,8 @@ TEST(Words, QuietSaysWhereTheEncodersAreTooCoarseToTell) {
   quiet.stored_J = 0.1e-3;
   quiet.error_J = 0.2e-3;
   EXPECT_EQ(stabilityWords(quiet, RunFigures{}),
-            "quiet as far as the encoders can tell: they leave 0.2 mJ open in one contact, and at most 0.1 mJ was "
-            "stored; finer encoders would tell more");
+            "quiet as far as the encoders can tell: "
+            "they leave 0.2 mJ open in one contact, and at most 0.1 mJ was stored; finer encoders would tell more");
 }
 
 TEST(Words, SlightlyActiveNamesTheSource) {
@@ -236,32 +237,32 @@ TEST(Words, ActiveContactsToTheLetter) {
   RunFigures controlled;
   controlled.damped_ticks = 1;
   const std::string begin =
-      "slightly active: a contact gave the hand 0.2 mJ more than it had taken (the encoders leave 0.05 mJ open), where "
-      "at most 1.5 mJ was stored at once, and the tool did not keep swinging; ";
+      "slightly active: a contact gave the hand 0.2 mJ more than it had taken (the encoders leave 0.05 mJ open), "
+      "where at most 1.5 mJ was stored at once, and the tool did not keep swinging; ";
   EXPECT_EQ(stabilityWords(s, controlled),
             begin +
-                "a sampled wall with less damping than K T / 2 does so; more --damping or a higher --rate lessens it; "
-                "the controller acted in 1 tick");
+                "a sampled wall with less damping than K T / 2 does so; "
+                "more --damping or a higher --rate lessens it; the controller acted in 1 tick");
   EXPECT_EQ(stabilityWords(s, {}), begin +
-                                       "a sampled wall with less damping than K T / 2 does so; more --damping or a "
-                                       "higher --rate, or --passivity control, lessens it");
+                                       "a sampled wall with less damping than K T / 2 does so; "
+                                       "more --damping or a higher --rate, or --passivity control, lessens it");
   s.source = ActivitySource::kField;
   EXPECT_EQ(stabilityWords(s, {}),
             begin +
-                "the damping is enough for this stiffness and rate, so it is the field: where samples are few or noisy "
-                "its normals are not those of its surface; --gradient-operator sobel or --algorithm god-object, or "
-                "--passivity control, lessens it");
+                "the damping is enough for this stiffness and rate, so it is the field: "
+                "where samples are few or noisy its normals are not those of its surface; "
+                "--gradient-operator sobel or --algorithm god-object, or --passivity control, lessens it");
   s.verdict = ContactVerdict::kUnstable;
   s.bounces = 1;
   s.swing_m = 0.8e-3;
   s.swing_hz = 31;
   s.unstable_from_s = 1.25;
   s.unstable_to_s = 4.5;
-  EXPECT_EQ(
-      stabilityWords(s, {}),
-      "unstable: from 1.25 s to 4.5 s the tool swung against the surface by 0.8 mm at 31 Hz without settling, 1 "
-      "bounce in all, and the surface fed it; lower --stiffness, raise --rate, or raise --damping (up to about the "
-      "moved mass over the tick and the velocity's delay; more shakes by itself); --passivity control lessens it");
+  EXPECT_EQ(stabilityWords(s, {}),
+            "unstable: from 1.25 s to 4.5 s the tool swung against the surface by 0.8 mm at 31 Hz without settling, "
+            "1 bounce in all, and the surface fed it; lower --stiffness, "
+            "raise --rate, or raise --damping (up to about the moved mass over the tick and the velocity's delay; "
+            "more shakes by itself); --passivity control lessens it");
   EXPECT_EQ(stabilityWords({}, {}), "no contact");
 }
 
@@ -274,8 +275,8 @@ TEST(Words, SlightlyActiveSaysByHowMuchAndThatItSettled) {
   figures.damped_ticks = 34;
   const std::string text = stabilityWords(active, figures);
   EXPECT_THAT(text,
-              ::testing::StartsWith("slightly active: a contact gave the hand 0.2 mJ more than it had taken, where "
-                                    "at most 1.5 mJ was stored at once, and the tool did not keep swinging; "));
+              ::testing::StartsWith("slightly active: a contact gave the hand 0.2 mJ more than it had taken, "
+                                    "where at most 1.5 mJ was stored at once, and the tool did not keep swinging; "));
   EXPECT_THAT(text, ::testing::EndsWith("; the controller acted in 34 ticks"));
   TouchRun run = sampleRun();
   run.stability = active;
@@ -370,8 +371,8 @@ TEST(Words, VerdictTellsWhatThePathDidNotKeep) {
   for (std::size_t i = 2500; i < 2800; ++i) run.records[i].in_contact = false;
   run.records.back().in_contact = true;
   run.stability = {};
-  EXPECT_THAT(verdictOf(run), HasSubstr("felt at most 0.5 N; it left the surface for 0.3 s of the slide; the retreat "
-                                        "touched the object again; the retreat ended in contact; "));
+  EXPECT_THAT(verdictOf(run), HasSubstr("felt at most 0.5 N; it left the surface for 0.3 s of the slide; "
+                                        "the retreat touched the object again; the retreat ended in contact; "));
 }
 
 }  // namespace words_test

@@ -2,6 +2,7 @@
 // Edits, undo and redo that are asked for while a rig runs: done in their order, felt, refused without an end.
 #include "apps/rig/rig_edits.hpp"
 
+#include <new>
 #include <thread>
 
 #include <gmock/gmock.h>
@@ -10,7 +11,8 @@
 #include "apps/rig/touch_rig.hpp"
 #include "engine/journal/volume_identity.hpp"
 #include "engine/phantoms/phantom.hpp"
-#include "servo/devices/sampled_path.hpp"
+#include "failing_memory.hpp"
+#include "servo/devices/path.hpp"
 #include "servo/devices/simulated_device.hpp"
 
 namespace palpate {
@@ -149,6 +151,61 @@ TEST_F(Edits, OfTheToolFollowItsBrush) {
   edits.dropBrush();
   EXPECT_EQ(strokes(40), 0U);
   EXPECT_THAT(told, testing::IsEmpty());
+}
+
+// A brush that fits nowhere, under a tool at rest: its stroke is refused in each period and tried again in the next.
+// The first look begins a period of 4 looks, so strokes are due in looks 5, 9, 13 and 17.
+TEST_F(Edits, OfARestingToolAreTriedAgainWhileTheyAreRefused) {
+  pose_.position_W = tool_W();
+  pose_.normal_W = Vec3::UnitX();
+  pose_.at_surface = true;
+  ToolBrushSpec spec = toolBrushSpec("remove:radius=1mm");
+  spec.period_s = 4e-3;
+  spec.brush.strength = 2;
+  edits.setBrush(spec);
+  for (int i = 0; i < 20; ++i) look();
+  EXPECT_EQ(edits.state().refused, 4U);
+  EXPECT_EQ(edits.state().edits, 0U);
+  EXPECT_EQ(told.size(), 1U);
+  // One that fits is made once, since the tool rests.
+  spec.brush.strength = 1;
+  edits.setBrush(spec);
+  for (int i = 0; i < 20; ++i) look();
+  EXPECT_EQ(edits.state().refused, 4U);
+  EXPECT_EQ(edits.state().edits, 1U);
+}
+
+// Bricks that are lost on their way to the CPU break the engine. The next edit finds that out: it is told once, what
+// waits is dropped, and nothing more is taken.
+TEST_F(Edits, EndWhenTheDeviceFails) {
+  EXPECT_TRUE(edits.edit(dab(EditKind::kRemove)));
+  look();
+  ASSERT_GT(engine.changedBricks(), 2U);
+  failing_memory::failAfter(4);
+  EXPECT_THROW(static_cast<void>(engine.takeChanged(engine.changedBricks())), std::bad_alloc);
+  failing_memory::failNoMore();
+  ASSERT_TRUE(engine.broken());
+  EXPECT_TRUE(edits.undo());
+  EXPECT_TRUE(edits.undo());
+  EXPECT_TRUE(edits.state().editing);
+  for (int i = 0; i < 3; ++i) look();
+  EXPECT_FALSE(edits.state().editing);
+  EXPECT_EQ(edits.state().edits, 1U);
+  EXPECT_EQ(edits.state().refused, 0U);
+  EXPECT_FALSE(edits.edit(dab(EditKind::kRemove)));
+  EXPECT_FALSE(edits.setBrush(toolBrushSpec("remove:radius=1mm")));
+  ASSERT_EQ(told.size(), 1U);
+  EXPECT_THAT(told[0], testing::StartsWith("editing has ended: "));
+  EXPECT_EQ(edits.troubles(), told);
+}
+
+// A message that comes again is told again, unless it is a refusal's; either is listed once, whatever its numbers.
+TEST_F(Edits, TroublesAreListedOnceWithTheirCount) {
+  edits.tell("3 of 7 were lost");
+  edits.tell("4 of 7 were lost");
+  edits.tell("something else");
+  EXPECT_THAT(told, testing::ElementsAre("3 of 7 were lost", "4 of 7 were lost", "something else"));
+  EXPECT_THAT(edits.troubles(), testing::ElementsAre("2 times, first: 3 of 7 were lost", "something else"));
 }
 
 // On a running rig: what was removed under the tool lets it go, and undo holds it again.

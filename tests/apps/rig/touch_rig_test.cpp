@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "engine/phantoms/phantom.hpp"
-#include "servo/devices/sampled_path.hpp"
+#include "servo/devices/path.hpp"
 #include "servo/devices/simulated_device.hpp"
 #include "servo/safety/faults.hpp"
 #include "tests/servo/support/seeded.hpp"
@@ -220,6 +220,31 @@ TEST_F(OtherIsovalue, IsTakenWhileItRuns) {
     }
     Engine fresh(volume, makePlan({}), isovalue, "");
     EXPECT_EQ(own.planFacts().gradient_bricks, fresh.planFacts().gradient_bricks);  // the last one's are gone
+  }
+}
+
+// A run that ends in the middle of a transition. A look at the last tick but one publishes the new samples. The servo
+// reads them in that tick, so the look at the last tick gives it the new isovalue, unless it was wanted a tick later.
+// Once nobody reads them, the samples of the isovalue that is not in use are freed.
+TEST_F(OtherIsovalue, IsLeftWithItsOwnSamplesAlone) {
+  for (const std::int64_t late : {0, 1}) {
+    const double wanted = at(0.6);
+    const std::int64_t last = loop.ticks - 1;
+    Engine own(volume, makePlan({}), phantom->isovalue(), "");
+    TouchRig one(own, device(), loop, {}, settings);
+    std::size_t of_both = 0;
+    static_cast<void>(one.runSimulated({}, [&](std::int64_t tick, std::int64_t) {
+      if (tick == last) of_both = own.planFacts().gradient_bricks;
+      if (tick != last - 2 + late) return;
+      RigSettings next = one.settings();
+      next.parameters.isovalue = wanted;
+      one.change(next);
+    }));
+    const double in_use = late == 0 ? wanted : phantom->isovalue();
+    EXPECT_EQ(own.isovalue(), in_use) << late;
+    Engine fresh(volume, makePlan({}), in_use, "");
+    EXPECT_EQ(own.planFacts().gradient_bricks, fresh.planFacts().gradient_bricks) << late;
+    EXPECT_LT(own.planFacts().gradient_bricks, of_both) << late;
   }
 }
 

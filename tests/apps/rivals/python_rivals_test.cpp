@@ -54,6 +54,55 @@ TEST(PythonRivals, AreGoneOnceAVolumeCouldNotBeLoaded) {
   }
 }
 
+// The child tells in its answer what it was given: words and the size of the file. 2 x 3 x 4 floats are 96 bytes.
+TEST(PythonRivals, GiveTheVolumeInAFileAndItsMeasuresInMillimetres) {
+  const std::vector<float> densities(24, 1.5F);
+  PythonRivals rivals = childThatSays(
+      "tab=$(printf '\\t'); IFS=$tab read -r what file x y z h i j; "
+      "printf 'error\\t%s: %d bytes, %s %s %s, %s %s %s\\n' \"$what\" $(wc -c < \"$file\") $x $y $z $h $i $j; read "
+      "more");
+  EXPECT_THAT(rivals.load({Vec3i(2, 3, 4), Vec3(1e-3, 2e-3, 0.5e-3), densities}).value_or("nothing"),
+              HasSubstr("load: 96 bytes, 2 3 4, 1 2 0.5"));
+}
+
+// A run is asked for by library, job and way; with a file, if somebody wants the result: here the floats 1 and 2.
+TEST(PythonRivals, TellWhatARunCostAndItsResult) {
+  PythonRivals rivals = childThatSays(
+      "tab=$(printf '\\t'); while IFS=$tab read -r what library job way file; do "
+      "if [ -n \"$file\" ]; then printf '\\000\\000\\200\\077\\000\\000\\000\\100' > \"$file\"; fi; "
+      "if [ \"$what $library $job $way\" = 'run SciPy median:1 way' ]; then printf 'cost\\t12.5\\t30\\n'; "
+      "else printf 'error\\tnobody asked\\n'; fi; done");
+  ASSERT_EQ(rivals.rivalsOf("median:1").size(), 1U);
+  EXPECT_TRUE(rivals.rivalsOf("median:2").empty());
+  const Rival rival = rivals.rivalsOf("median:1")[0];
+  EXPECT_EQ(rival.library, "SciPy");
+  EXPECT_EQ(rival.way, "way");
+  const RunCost cost = rival.run(nullptr);
+  EXPECT_EQ(cost.wall_ms, 12.5);
+  EXPECT_EQ(cost.cpu_ms, 30);
+  std::vector<float> result;
+  EXPECT_EQ(rival.run(&result).wall_ms, 12.5);
+  EXPECT_THAT(result, testing::ElementsAre(1, 2));
+}
+
+// Lines that are too short, or of another kind, are passed over.
+TEST(PythonRivals, TakeWholeLinesOnly) {
+  const PythonRivals rivals(2, {"/bin/sh", "-c",
+                                "read threads; printf 'missing\\tVTK\\tno "
+                                "module\\nmissing\\tSciPy\\nrival\\tSciPy\\tmedian:1\\nhello\\n\\nready\\n'"});
+  ASSERT_EQ(rivals.missing().size(), 1U);
+  EXPECT_EQ(rivals.missing()[0].library, "VTK");
+  EXPECT_EQ(rivals.missing()[0].why, "no module");
+}
+
+// How many threads the child may use is the first thing that it is told.
+TEST(PythonRivals, SayHowManyThreadsThereAre) {
+  const PythonRivals rivals(
+      3, {"/bin/sh", "-c", "read word number; printf 'missing\\tVTK\\t%s: %s\\nready\\n' $word $number"});
+  ASSERT_EQ(rivals.missing().size(), 1U);
+  EXPECT_EQ(rivals.missing()[0].why, "threads: 3");
+}
+
 TEST(PythonRivals, AreGoneWhereTheVolumeHasNoRoom) {
   const std::vector<float> densities(8);
   PythonRivals rivals = childThatSays("read volume; printf 'ok\\n'; read more");

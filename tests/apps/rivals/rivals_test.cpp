@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <ctime>
 #include <random>
 
 #include <gmock/gmock.h>
@@ -188,6 +189,29 @@ TEST_F(Rivals, SmoothAsFar) {
     }
     EXPECT_NEAR(sum, 1000, 1) << rival.library;
   }
+}
+
+// Against the clocks of POSIX, read outside and inside of what is timed. Some systems account for processor time in
+// hundredths of a second, so that much may be missing or be of the time before.
+TEST(RunCost, IsTheTimeOfTheClockAndOfTheProcessors) {
+  const auto now_ms = [](clockid_t clock) {
+    timespec time{};
+    clock_gettime(clock, &time);
+    return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
+  };
+  double inner_wall_ms = 0, inner_cpu_ms = 0;
+  const double wall_ms = now_ms(CLOCK_MONOTONIC), cpu_ms = now_ms(CLOCK_PROCESS_CPUTIME_ID);
+  const RunCost cost = costOf([&] {
+    const double begin_wall_ms = now_ms(CLOCK_MONOTONIC), begin_cpu_ms = now_ms(CLOCK_PROCESS_CPUTIME_ID);
+    do {
+      inner_wall_ms = now_ms(CLOCK_MONOTONIC) - begin_wall_ms;
+      inner_cpu_ms = now_ms(CLOCK_PROCESS_CPUTIME_ID) - begin_cpu_ms;
+    } while (inner_cpu_ms < 60);
+  });
+  EXPECT_GE(cost.wall_ms, inner_wall_ms);
+  EXPECT_LE(cost.wall_ms, now_ms(CLOCK_MONOTONIC) - wall_ms);
+  EXPECT_GE(cost.cpu_ms, inner_cpu_ms - 10);
+  EXPECT_LE(cost.cpu_ms, now_ms(CLOCK_PROCESS_CPUTIME_ID) - cpu_ms + 10);
 }
 
 TEST_F(Rivals, RunWhatTheyOfferBesides) {

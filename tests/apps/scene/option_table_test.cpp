@@ -181,12 +181,12 @@ TEST(OptionTable, HelpSaysUnitDefaultAndKey) {
   EXPECT_EQ(optionHelp(*optionOfKey("servo.stiffness_N_per_m")),
             "stiffness of the contact, K [N/m] (a number from 0 to 100000; default 500; key servo.stiffness_N_per_m)");
   EXPECT_EQ(optionHelp(*optionOfKey("hand.kind")),
-            "rigid: the device is exactly on the path; spring: a hand pulls it and feels the force (rigid or spring; "
-            "default rigid; key hand.kind)");
+            "rigid: the device is exactly on the path; "
+            "spring: a hand pulls it and feels the force (rigid or spring; default rigid; key hand.kind)");
   EXPECT_EQ(optionHelp(*optionOfKey("gpu")), "part of the Vulkan device's name; the best one if not given (key gpu)");
   EXPECT_EQ(optionHelp(*optionOfKey("servo.require_real_time")),
-            "refuse to start where the system gives no real-time priority or locks no memory (no value; key "
-            "servo.require_real_time: off or on; default off)");
+            "refuse to start where the system gives no real-time priority or locks no memory (no value; "
+            "key servo.require_real_time: off or on; default off)");
 }
 
 // A flag without a value would swallow none, or one with a value the volume behind it.

@@ -72,6 +72,23 @@ TEST_F(ExactErrorsTest, CountTheSlideOnly) {
               1e-9);  // a path of no phases: all of it
 }
 
+// A hundred ticks, n of them with n half degrees and n hundredths of a voxel at most: the 50th and the 99th. The
+// slide's first and last instant belong to it; an instant more does not.
+TEST_F(ExactErrorsTest, AreTheMedianAndThe99thPercentileOfTheSlide) {
+  std::vector<TickRecord> records = {touching(*sphere_, std::nextafter(1.0, 0.0), 5e-3, 90),
+                                     touching(*sphere_, std::nextafter(2.0, 3.0), 5e-3, 90)};
+  for (int n = 1; n <= 100; ++n)
+    records.push_back(touching(*sphere_, n == 1 ? 1 : n == 100 ? 2 : 1.5, 0.01 * n * kVoxel_m, 0.5 * n));
+  const auto errors = exactErrors(*sphere_, records, {{"press", 0, 1}, {"slide", 1, 2}, {"retreat", 2, 3}});
+  ASSERT_TRUE(errors);
+  EXPECT_TRUE(errors->slide_only);
+  EXPECT_EQ(errors->ticks, 100);
+  EXPECT_NEAR(errors->force_angle_median_deg, 25, 1e-9);
+  EXPECT_NEAR(errors->force_angle_p99_deg, 49.5, 1e-9);
+  EXPECT_NEAR(errors->vhip_median_voxel.value_or(-1), 0.5, 1e-9);
+  EXPECT_NEAR(errors->vhip_p99_voxel.value_or(-1), 0.99, 1e-9);
+}
+
 TEST_F(ExactErrorsTest, CountAllContactWhereTheSlideHasNone) {
   const std::vector<PathPhase> phases = {{"press", 0, 1}, {"slide", 1, 2}};
   const auto errors = exactErrors(*sphere_, {touching(*sphere_, 0.4, 0, 2), touching(*sphere_, 0.5, 0, 2)}, phases);

@@ -74,8 +74,40 @@ TEST_F(FailingRun, SavesAfterOtherExceptionsToo) {
 
 TEST_F(FailingRun, WithoutAnEditLeavesNoJournal) {
   scene.save.clear();
-  EXPECT_THROW(run(0, Error(Error::Code::kDevice, "GPU", "it is lost", "start again")), Error);
+  EXPECT_EQ(
+      refusalOf([&] { run(0, Error(Error::Code::kDevice, "GPU", "it is lost", "start again")); }, Error::Code::kDevice),
+      "GPU: it is lost; start again; nothing was written; start it again");
   EXPECT_FALSE(std::filesystem::exists(journalFile(journal)));
+}
+
+// A run that its user ended before the tool touched anything: the journal is deleted, and the figures know of none.
+TEST_F(FailingRun, ThatIsEndedEarlyDropsAnEmptyJournalAlone) {
+  scene.save.clear();
+  for (const int looks : {0, 6}) {
+    Engine engine(volume, makePlan({}), *scene.isovalue, "");
+    LiveEdits edits(scene, volume, engine);
+    for (int i = 0; i < looks; ++i) {
+      ToolPose pose;
+      pose.normal_W = Vec3::UnitX();
+      pose.position_W = volume.lattice().toWorld(Vec3(28 - 2 * i, 16, 16));
+      edits.edits().look(pose, i * std::int64_t{10'000'000});
+    }
+    std::vector<std::string> notes;
+    RunEdits run = edits.finish(notes);
+    edits.dropEmptyJournal(run);
+    EXPECT_EQ(std::filesystem::exists(journalFile(journal)), looks > 0);
+    EXPECT_EQ(run.journal_bytes, looks > 0 ? std::filesystem::file_size(journalFile(journal)) : 0);
+    EXPECT_TRUE(notes.empty());
+  }
+}
+
+TEST_F(FailingRun, NotesThatItsBrushIsFine) {
+  scene.edit = "remove:radius=1um";
+  Engine engine(volume, makePlan({}), *scene.isovalue, "");
+  LiveEdits edits(scene, volume, engine);
+  std::vector<std::string> notes;
+  static_cast<void>(edits.finish(notes));
+  EXPECT_THAT(notes, testing::ElementsAre(testing::StartsWith("--edit remove:radius=1um: its radius of 0.001 mm is")));
 }
 
 TEST(KeptEdits, AreNamedWhereTheyAre) {
@@ -93,8 +125,8 @@ TEST(KeptEdits, AreNamedWhereTheyAre) {
       "a.vdb holds the volume up to edit 4 of 5, the journal kept holds edits up to number 3: see 'palpate recover'");
   edits.save_failure = "it is full";
   EXPECT_EQ(keptEdits(scene, edits),
-            "a.vdb holds the volume up to edit 4 of 5, the journal kept holds edits up to number 3: see 'palpate "
-            "recover', a.vdb was not written anew (it is full)");
+            "a.vdb holds the volume up to edit 4 of 5, the journal kept holds edits up to number 3: "
+            "see 'palpate recover', a.vdb was not written anew (it is full)");
   edits = {};
   edits.save_failure = "it is full";
   EXPECT_EQ(keptEdits(scene, edits), "a.vdb was not written anew (it is full)");
@@ -110,6 +142,63 @@ TEST(KeptEdits, AreLostWhereTheirFileOrTheirJournalFailed) {
   edits.save_failure = "";
   edits.journal_failure = "full";
   EXPECT_TRUE(lostEdits(edits));
+}
+
+// No two figures are equal, so none can stand in another's place.
+TEST(RunEdits, AreTheSessionsFiguresInMilliseconds) {
+  EditFigures figures;
+  figures.edits = 9;
+  figures.windows = 2;
+  figures.edit_to_window_s = {0.25, 2};
+  figures.journalled = 8;
+  figures.acknowledged = 7;
+  figures.journal_bytes = 600;
+  figures.journal_failure = "the journal's disk is full";
+  figures.saves.seconds = {1, 5, 3};
+  figures.saves.failures = 4;
+  figures.saves.bytes = 1000;
+  figures.saves.version = 6;
+  figures.saves.failure = "the file's disk is full";
+  const RunEdits edits = runEdits(figures, 10);
+  EXPECT_EQ(edits.count, 9U);
+  EXPECT_EQ(edits.published, 2U);
+  EXPECT_EQ(edits.edit_to_window_ms, (std::vector<double>{250, 2000}));
+  EXPECT_EQ(edits.journal_records, 8U);
+  EXPECT_EQ(edits.journal_saved, 7U);
+  EXPECT_EQ(edits.journal_bytes, 600U);
+  EXPECT_EQ(edits.journal_failure, "the journal's disk is full");
+  EXPECT_EQ(edits.refused, 10U);
+  EXPECT_EQ(edits.saves, 3U);
+  EXPECT_EQ(edits.save_failures, 4U);
+  EXPECT_EQ(edits.save_bytes, 1000U);
+  EXPECT_EQ(edits.save_version, 6U);
+  EXPECT_EQ(edits.save_s, (std::vector<double>{1, 5, 3}));
+  EXPECT_EQ(edits.save_failure, "the file's disk is full");
+}
+
+// Of a run that ends well: what was edited and refused is counted, and each refusal is a note.
+TEST_F(FailingRun, ThatEndsWellCountsWhatItDid) {
+  Engine engine(volume, makePlan({}), *scene.isovalue, "");
+  LiveEdits edits(scene, volume, engine);
+  EditCommand bad = toolBrushSpec(scene.edit).brush;
+  bad.radius_m = -1;
+  edits.edits().edit({bad});
+  ToolPose pose;
+  pose.normal_W = Vec3::UnitX();
+  for (int i = 0; i < 6; ++i) {
+    pose.position_W = volume.lattice().toWorld(Vec3(28 - 2 * i, 16, 16));
+    edits.edits().look(pose, i * std::int64_t{10'000'000});
+  }
+  std::vector<std::string> notes = {"a note"};
+  const RunEdits run = edits.finish(notes);
+  EXPECT_EQ(run.count, 5U);  // the first look begins the first period
+  EXPECT_EQ(run.refused, 1U);
+  EXPECT_EQ(run.published, run.edit_to_window_ms.size());
+  EXPECT_EQ(run.journal_records, 5U);
+  EXPECT_EQ(run.journal_saved, 5U);
+  EXPECT_EQ(run.saves, 1U);
+  EXPECT_EQ(run.save_version, 5U);
+  EXPECT_THAT(notes, testing::ElementsAre("a note", testing::StartsWith("an edit was refused: ")));
 }
 
 TEST(EditOptions, ThatGoTogetherOnlyAreRefusedApart) {
@@ -128,8 +217,7 @@ TEST(EditOptions, ThatGoTogetherOnlyAreRefusedApart) {
   scene.save_every_s = 3;
   EXPECT_EQ(
       refusal(),
-      "--save-every 3: there is no file to save; name one, for example --save sculpted.vdb, or leave --save-every "
-      "out");
+      "--save-every 3: there is no file to save; name one, for example --save sculpted.vdb, or leave --save-every out");
   scene.save = "a.docx";
   EXPECT_THAT(refusal(),
               testing::StartsWith("--save a.docx: its suffix names no format that volumes are written in; use"));
@@ -146,8 +234,8 @@ TEST(EditOptions, ThatGoTogetherOnlyAreRefusedApart) {
   scene.save_every_s = 0;
   scene.algorithm = "god-object";
   EXPECT_EQ(refusal(),
-            "--edit remove:radius=2mm: god-object feels a mesh that is made once, before the run; choose another "
-            "--algorithm, for example hri");
+            "--edit remove:radius=2mm: "
+            "god-object feels a mesh that is made once, before the run; choose another --algorithm, for example hri");
   scene.edit = "remove";
   EXPECT_NE(refusal(), kNoRefusal);
 }

@@ -59,14 +59,13 @@ TEST(RunNotes, AFaultOutsideOrAnUnknownPlaceIsNoSilence) {
 TEST(RunNotes, TellOfEncodersThatAreFelt) {
   Scene scene;
   scene.stiffness_N_per_m = 2000;
-  scene.encoder_resolution_m = 0.049e-3;
-  EXPECT_FALSE(noteOnEncoders(scene));
-  scene.encoder_resolution_m = 0.051e-3;
-  EXPECT_TRUE(noteOnEncoders(scene));
-  scene.encoder_resolution_m = 0.2e-3;
-  EXPECT_THAT(noteOnEncoders(scene).value_or(""), HasSubstr("encoders, 0.2 mm, changes the force by 0.4 N"));
+  const auto steps = [](double m) { return DeviceLimits{.position_resolution_m = m}; };
+  EXPECT_FALSE(noteOnEncoders(scene, steps(0.049e-3)));
+  EXPECT_TRUE(noteOnEncoders(scene, steps(0.051e-3)));
+  EXPECT_THAT(noteOnEncoders(scene, steps(0.2e-3)).value_or(""),
+              HasSubstr("encoders, 0.2 mm, changes the force by 0.4 N"));
   scene.algorithm = "haptization";
-  EXPECT_FALSE(noteOnEncoders(scene));
+  EXPECT_FALSE(noteOnEncoders(scene, steps(0.2e-3)));
 }
 
 // texture.hpp: at most 0.276 wavelengths.
@@ -103,17 +102,19 @@ TEST(RunNotes, TellOfForcesThatNobodyFeels) {
   figures.depth_m.count = 100;
   figures.depth_m.max = 0.007e-3;
   figures.force_N.max = 0.0035;
-  EXPECT_EQ(
-      noteOnFaintForce(scene, figures).value_or(""),
-      "no force above 0.05 N was reached, which is too little to feel: the tool pressed at most 0.007 mm deep, as "
-      "fits so small or thin an object, and --stiffness 500 makes 0.0035 N of that; --stiffness 72000 would make "
-      "0.5 N of it, and a larger --depth more");
+  EXPECT_EQ(noteOnFaintForce(scene, figures).value_or(""),
+            "no force above 0.05 N was reached, which is too little to feel: the tool pressed at most 0.007 mm deep, "
+            "as fits so small or thin an object, and --stiffness 500 makes 0.0035 N of that; "
+            "--stiffness 72000 would make 0.5 N of it, and a larger --depth more");
   scene.press_depth_m = 0.007e-3;
+  EXPECT_THAT(noteOnFaintForce(scene, figures).value_or(""), HasSubstr("0.007 mm deep, and --stiffness"));
+  scene.press_depth_m.reset();
+  scene.path_file = "way.csv";  // nor is this path fitted to the object
   EXPECT_THAT(noteOnFaintForce(scene, figures).value_or(""), HasSubstr("0.007 mm deep, and --stiffness"));
   figures.depth_m.max = 0.001e-3;
   EXPECT_THAT(noteOnFaintForce(scene, figures).value_or(""),
-              HasSubstr("--stiffness 100000, the most that it takes, would make 0.1 N of it: raise --depth too for "
-                        "more, or write a larger voxel size"));
+              HasSubstr("--stiffness 100000, the most that it takes, would make 0.1 N of it: "
+                        "raise --depth too for more, or write a larger voxel size"));
   scene.spring_hand = true;
   EXPECT_THAT(noteOnFaintForce(scene, figures).value_or(""), HasSubstr("; raise --depth or --hand-stiffness"));
 }

@@ -12,7 +12,7 @@
 
 #include "apps/scene/object_table.hpp"
 #include "base/error.hpp"
-#include "base/rotation.hpp"
+#include "base/vec.hpp"
 #include "temporary_folder.hpp"
 #include "tests/support/refusal.hpp"
 
@@ -164,10 +164,9 @@ TEST(SceneObjects, KeysBehindTheFileAreTold) {
   const auto refused = [](const std::string& text) {
     return refusalOf([&] { static_cast<void>(makeSceneObjects({parseObject(text)})); }, Error::Code::kNotFound);
   };
-  EXPECT_EQ(
-      refused("mesh:file=none.stl:position=0,0,5"),
-      "none.stl:position=0,0,5: there is no such file; all behind 'file=' is the file's name: give the other keys "
-      "before 'file='");
+  EXPECT_EQ(refused("mesh:file=none.stl:position=0,0,5"),
+            "none.stl:position=0,0,5: "
+            "there is no such file; all behind 'file=' is the file's name: give the other keys before 'file='");
   EXPECT_THAT(refused("mesh:file=none.stl:unit=cm"), testing::HasSubstr("before 'file='"));
   EXPECT_THAT(refused("mesh:file=none:1.stl"), testing::HasSubstr("check the mesh's path"));
 }

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "apps/path/touch_path.hpp"
 #include "apps/touch/volume_surface.hpp"
 #include "base/error.hpp"
 #include "engine/files/volume_file.hpp"
@@ -34,6 +35,64 @@ TEST_F(ScriptedPathTest, OfTheSurfaceTakesTheWishesOfTheScene) {
   // less than h^2 / (8 R) times the three axes, some 0.05 voxel.
   const auto sphere = makePhantom("phantom:sphere?size=24");
   EXPECT_NEAR(sphere->signedDistance_m(low_W), -1.5e-3, 0.1e-3);
+}
+
+// A box of 16 mm, whose edge the slide reaches after 3 of 9 mm. What the scene says is what the path is built from.
+TEST_F(ScriptedPathTest, TakesEveryWishOfTheScene) {
+  Lattice lattice;
+  lattice.spacing_m = Vec3::Constant(1e-3);
+  lattice.origin_W = Vec3::Constant(-15.5e-3);
+  std::vector<float> values;
+  for (int n = 0; n < 32 * 32 * 32; ++n) {
+    const Vec3 p_L = Vec3(n % 32, n / 32 % 32, n / 1024) - Vec3::Constant(15.5);
+    values.push_back(static_cast<float>(8 - p_L.cwiseAbs().maxCoeff()));
+  }
+  const Volume box = Volume::fromDense(Vec3i::Constant(32), lattice, values, {});
+  const VolumeSurface surface(box, 0);
+  Scene scene;
+  scene.duration_s = 3;
+  scene.approach_m = 2.5e-3;
+  scene.press_depth_m = 0.75e-3;
+  scene.slide_length_m = 9e-3;
+  scene.path_start_W = Vec3(5e-3, 1e-3, 8e-3);
+  scene.path_slide = Vec3(1, 0, 0);
+  PathRequest request{.duration_s = 3,
+                      .approach_m = 2.5e-3,
+                      .press_depth_m = 0.75e-3,
+                      .slide_length_m = 9e-3,
+                      .over_edges = OverEdges::kFollow,
+                      .toward_W = std::nullopt,
+                      .start_W = Vec3(5e-3, 1e-3, 8e-3),
+                      .slide_W = Vec3(1, 0, 0)};
+  std::vector<Vec3> ends;
+  for (const bool straight : {false, true}) {
+    scene.straight_over_edges = straight;
+    request.over_edges = straight ? OverEdges::kStraight : OverEdges::kFollow;
+    const ScriptedPath built = scriptedPath(scene, surface);
+    const TouchPath wanted = buildTouchPath(surface, request);
+    ASSERT_EQ(built.phases.size(), 4U);
+    for (const TimedPoint& point : wanted.points) {
+      ASSERT_LT((built.path.position(point.time_s) - point.p_W).norm(), 1e-15) << point.time_s;
+    }
+    EXPECT_EQ(built.notes, wanted.notes);
+    EXPECT_EQ(built.depth_m, 0.75e-3);
+    EXPECT_EQ(built.slide_m, wanted.slid_m);
+    EXPECT_EQ(built.approach_m, wanted.approach_m);
+    EXPECT_NEAR(wanted.approach_m, 2.5e-3, 1e-6);
+    ends.push_back(built.path.position(built.phases[2].end_s));
+  }
+  EXPECT_GT((ends[0] - ends[1]).norm(), 2e-3);  // around the edge, or straight on
+}
+
+// Between its rows a file's path is smooth, not a polygon.
+TEST_F(ScriptedPathTest, OfAFileIsCubicBetweenItsRows) {
+  std::ofstream(folder_.path() / "way.csv") << "time_s,x_m,y_m,z_m\n0,0,0,0\n1,0,0,1\n2,0,0,0\n";
+  Scene scene;
+  scene.path_file = (folder_.path() / "way.csv").string();
+  const ScriptedPath read = path(scene);
+  const SampledPath cubic({0, 1, 2}, {Vec3::Zero(), Vec3::UnitZ(), Vec3::Zero()}, SampledPath::Interpolation::kCubic);
+  for (const double time_s : {0.25, 0.75, 1.25}) EXPECT_EQ(read.path.position(time_s), cubic.position(time_s));
+  EXPECT_GT(read.path.position(0.75).z(), 0.8);  // a straight line would be at 0.75
 }
 
 TEST_F(ScriptedPathTest, OfAFileIsThatFile) {

@@ -206,8 +206,8 @@ TEST_F(TouchJob, FollowsAFileAmongObjects) {
   EXPECT_EQ(run.scene.isovalue, 100);
   EXPECT_THAT(run.phases, IsEmpty());
   EXPECT_FALSE(run.scene.press_depth_m || run.scene.slide_length_m || run.scene.approach_m);
-  EXPECT_THAT(run.notes, Contains("object 1 (sphere): the tool starts inside it and does not feel it until it has been "
-                                  "outside; move it, or the path"));
+  EXPECT_THAT(run.notes, Contains("object 1 (sphere): the tool starts inside it "
+                                  "and does not feel it until it has been outside; move it, or the path"));
   EXPECT_EQ(run.object_outlines.size(), 3U);
   EXPECT_THAT(run.plan, Contains("done: 1 object beside the volume (as the scene says)"));
   EXPECT_FALSE(run.exact);
@@ -226,8 +226,8 @@ TEST_F(TouchJob, RefusesEarly) {
   const Scene good = scene_;
   scene_.volume = "";
   EXPECT_EQ(refusal(),
-            "palpate touch: no volume is given; name a file, a DICOM folder or a phantom, for example "
-            "'phantom:sphere?size=64'");
+            "palpate touch: "
+            "no volume is given; name a file, a DICOM folder or a phantom, for example 'phantom:sphere?size=64'");
   scene_ = good;
   scene_.velocity = "no estimate";
   EXPECT_THAT(refusal(), HasSubstr("no estimate"));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The pixels of a PNG.
+// Decodes a PNG file into pixels, and counts colours in it.
 #pragma once
 
 #include <cstdint>
@@ -43,7 +43,7 @@ inline Decoded decode(const std::string& png) {
   return out;
 }
 
-// Whether a pixel has a colour, seen on white, but for rounding.
+// Whether a pixel has this colour, drawn on white, within rounding.
 inline bool hasColor(const Decoded& image, int x, int y, const Color& color) {
   const std::uint32_t pixel = image.at(x, y);
   const auto channel = [&](double share) { return 255 * (1 - color.alpha + color.alpha * share); };
@@ -54,7 +54,7 @@ inline bool hasColor(const Decoded& image, int x, int y, const Color& color) {
          near(pixel, channel(color.blue));
 }
 
-// Pixels of this colour in the box from (left, top) to, not with, (right, bottom).
+// The number of pixels of this colour in the box [left, right) x [top, bottom).
 inline int countColor(const Decoded& image, int left, int top, int right, int bottom, const Color& color) {
   int count = 0;
   for (int y = top; y < bottom; ++y) {

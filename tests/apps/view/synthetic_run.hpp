@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A whole run without engine or servo: an analytic body, the path built on it, an ideal tool, pictures by ray casting.
+// A whole run without engine and servo: an analytic body, a path built on it, an ideal tool, and ray-cast pictures.
 #pragma once
 
 #include <cmath>
@@ -16,7 +16,7 @@ namespace palpate {
 
 inline constexpr double kSyntheticVoxel_m = 0.5e-3;
 
-// A ball of 15 mm with waves of 1 mm; near enough to a distance field for stepping.
+// A ball of 15 mm radius with waves of 1 mm. It is close enough to a distance field for sphere tracing.
 inline AnalyticField bumpySphere() {
   return {[](const Vec3& p) {
             const double waves = std::sin(400 * p.x()) * std::sin(400 * p.y() + 1) * std::sin(400 * p.z() + 2);
@@ -25,7 +25,8 @@ inline AnalyticField bumpySphere() {
           22e-3, kSyntheticVoxel_m};
 }
 
-// The ideal tool: in contact wherever the HIP is inside, VHIP at the surface point nearest to it, F = 500 N/m * depth.
+// An ideal tool: in contact wherever the HIP is inside, with the VHIP at the nearest surface point and a force of
+// 500 N/m * depth.
 inline std::vector<TickRecord> idealTouch(const SurfaceField& field, const TouchPath& path) {
   std::vector<TickRecord> records;
   for (std::size_t i = 0; i < path.points.size(); ++i) {

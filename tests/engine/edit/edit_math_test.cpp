@@ -52,7 +52,7 @@ vec4 byText(const Command& c, const EditScale& scale, std::span<const float> sta
   const float py = kernel_text::placeAlong(first.y(), c.origin_y, scale.h_y);
   const float pz = kernel_text::placeAlong(first.z(), c.origin_z, scale.h_z);
   if (c.kind == EDIT_STAMP_ADD || c.kind == EDIT_STAMP_REMOVE) return stamped(c, stamps, px, py, pz, f);
-  if (c.kind < EDIT_SMOOTH) return kernel_text::edited(c.kind, c, px, py, pz, f);
+  if (!EDIT_READS_NEIGHBOURS(c.kind)) return kernel_text::edited(c.kind, c, px, py, pz, f);
   const auto before = [&](std::size_t axis) {
     return vec4(around[0].before[axis], around[1].before[axis], around[2].before[axis], around[3].before[axis]);
   };

@@ -24,13 +24,24 @@ const BrushProfile kProfile = brushProfile(30, -100, 200, lattice().spacing_m);
 // The ramp is lost in the isovalue's rounding: as floats, background, isovalue and object are one.
 const BrushProfile kFlat = brushProfile(1e6, 1e6 - 1e-3, 1e6 + 1e-3, lattice().spacing_m);
 
+// All kinds that are a formula of the voxel alone.
+std::vector<EditKind> kindsOfOneVoxel() {
+  std::vector<EditKind> kinds;
+  for (unsigned n = 0; n < kEditKinds; ++n) {
+    const auto kind = static_cast<EditKind>(n);
+    if (!isStamp(kind) && !EDIT_READS_NEIGHBOURS(layoutKind(kind))) kinds.push_back(kind);
+  }
+  return kinds;
+}
+
 EditCommand drawn(std::mt19937& random) {
   const auto between = [&](double low, double high) {
     return low + (high - low) * (static_cast<double>(random()) / 4294967296.0);
   };
   const auto place = [&] { return lattice().toWorld({between(-3, 48), between(-3, 41), between(-3, 32)}); };
   EditCommand command;
-  command.kind = static_cast<EditKind>(random() % 5);
+  static const std::vector<EditKind> kKinds = kindsOfOneVoxel();
+  command.kind = kKinds[random() % kKinds.size()];
   command.from_W = place();
   command.to_W = random() % 2 == 0 ? place() : command.from_W;
   command.radius_m = between(0.3e-3, 20e-3);

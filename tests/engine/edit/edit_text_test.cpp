@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "base/error.hpp"
-#include "base/rotation.hpp"
+#include "base/vec.hpp"
 #include "engine/edit/edit_keys.hpp"
 #include "tests/support/refusal.hpp"
 #include "tests/support/typo.hpp"

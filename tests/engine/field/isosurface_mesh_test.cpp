@@ -39,6 +39,15 @@ double volumeOf(const TriangleMesh& mesh) {
   return sum;
 }
 
+// Edges that do not belong to exactly two triangles.
+int edgesNotShared(const TriangleMesh& mesh) {
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
+  for (const auto& t : mesh.triangles) {
+    for (std::size_t i = 0; i < 3; ++i) ++edges[std::minmax(t[i], t[(i + 1) % 3])];
+  }
+  return static_cast<int>(std::count_if(edges.begin(), edges.end(), [](const auto& e) { return e.second != 2; }));
+}
+
 // Where noise, tiles and thin walls make every kind of cell: still closed.
 TEST(IsosurfaceMesh, IsClosedForEveryPhantom) {
   for (const char* name :
@@ -49,6 +58,7 @@ TEST(IsosurfaceMesh, IsClosedForEveryPhantom) {
     const TriangleMesh mesh = isosurfaceMesh(volume, isovalue);
     EXPECT_GT(mesh.triangles.size(), 100U) << name;
     EXPECT_EQ(unbalancedEdges(mesh), 0) << name;
+    EXPECT_EQ(edgesNotShared(mesh), 0) << name;
     EXPECT_GT(volumeOf(mesh), 0) << name << ": normals point inwards";
   }
 }
@@ -121,15 +131,6 @@ TEST(IsosurfaceMesh, AFullVolumeIsItsBoxAndTurnedAxesStayOutward) {
     const double whole_m3 = 8e-3 * 7.5e-3 * 8e-3;
     EXPECT_NEAR(volumeOf(mesh), whole_m3, 1e-5 * whole_m3) << sign;
   }
-}
-
-// Edges that do not belong to exactly two triangles.
-int edgesNotShared(const TriangleMesh& mesh) {
-  std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
-  for (const auto& t : mesh.triangles) {
-    for (std::size_t i = 0; i < 3; ++i) ++edges[std::minmax(t[i], t[(i + 1) % 3])];
-  }
-  return static_cast<int>(std::count_if(edges.begin(), edges.end(), [](const auto& e) { return e.second != 2; }));
 }
 
 // Every point of the mesh is within d of the ball's surface, so its volume is within 4 pi R^2 d (1 + d/R + ..) of the
@@ -206,11 +207,41 @@ int componentsOf(const TriangleMesh& mesh) {
 
 // Two columns that touch along an edge only, a = (0, 0) and c = (1, 1) of each slice, of density d, others e. The
 // bilinear field's saddle is (d d - e e) / (2 d - 2 e): of 3 and -1 it is 1, above 0, and joins them; of 1 and -3 it is
-// -1 and parts them.
+// -1 and parts them; of 1 and -1 it is 0, which is background. Likewise of b = (1, 0) and d = (0, 1), and along every
+// axis.
 TEST(IsosurfaceMesh, JoinsCornersWhereTheSaddleIsInside) {
-  for (const auto& [inside, outside, components] : {std::tuple(3.0F, -1.0F, 1), std::tuple(1.0F, -3.0F, 2)}) {
-    const std::vector<float> values = {inside, outside, outside, inside, inside, outside, outside, inside};
-    EXPECT_EQ(componentsOf(isosurfaceMesh(Volume::fromDense({2, 2, 2}, plainLattice(), values, {}), 0)), components);
+  for (const auto& [inside, outside, components] :
+       {std::tuple(3.0F, -1.0F, 1), std::tuple(1.0F, -3.0F, 2), std::tuple(1.0F, -1.0F, 2)}) {
+    for (int along = 0; along < 3; ++along) {
+      for (const bool other_corners : {false, true}) {
+        std::vector<float> values;
+        for (int corner = 0; corner < 8; ++corner) {
+          const bool same = (corner >> (along + 1) % 3 & 1) == (corner >> (along + 2) % 3 & 1);
+          values.push_back(same != other_corners ? inside : outside);
+        }
+        const Volume volume = Volume::fromDense({2, 2, 2}, plainLattice(), values, {});
+        EXPECT_EQ(componentsOf(isosurfaceMesh(volume, 0)), components) << inside << ' ' << along << other_corners;
+      }
+    }
+  }
+}
+
+// One voxel of density d among others of density e is in eight cells. Each has one vertex, the mean of the crossings of
+// its three edges, which lie d / (d - e) of an edge from the voxel, but 1/256 at least and 255/256 at most.
+TEST(IsosurfaceMesh, AVertexIsTheMeanOfItsCrossings) {
+  for (const auto& [middle, others, share] :
+       {std::tuple(3.0F, -1.0F, 0.75), std::tuple(1.0F, -3.0F, 0.25), std::tuple(1.0F, 0.0F, 255.0 / 256),
+        std::tuple(1e-6F, -1.0F, 1.0 / 256)}) {
+    std::vector<float> values(27, others);
+    values[13] = middle;
+    const Volume volume = Volume::fromDense({3, 3, 3}, plainLattice(), values, {});
+    const TriangleMesh mesh = isosurfaceMesh(volume, 0);
+    EXPECT_EQ(mesh.vertices_W.size(), 8U);
+    EXPECT_EQ(mesh.triangles.size(), 12U);
+    for (const Vec3& vertex_W : mesh.vertices_W) {
+      const Vec3 off_I = volume.lattice().toIndex(vertex_W) - Vec3::Ones();
+      EXPECT_LT((off_I.cwiseAbs() - Vec3::Constant(share / 3)).norm(), 1e-9) << middle << ' ' << off_I.transpose();
+    }
   }
 }
 

@@ -73,8 +73,8 @@ TEST(MeshDistance, SaysWhatIsNoMesh) {
             "mesh: one of its corners is not a number; write it again");
   // 4 m are 1024 voxels, around which lie 2 of the band and 1 to spare on either side, and one more.
   EXPECT_EQ(refusal(points, one, 0x1p-8, 0x1p-7, 1),
-            "mesh: at 3.90625 mm it needs 1031 voxels along an axis, and 512 are the most; give a larger voxel or a "
-            "smaller mesh");
+            "mesh: at 3.90625 mm it needs 1031 voxels along an axis, and 512 are the most; "
+            "give a larger voxel or a smaller mesh");
 }
 
 }  // namespace mesh_distance_test

@@ -235,10 +235,12 @@ TEST(DefaultIsovalue, RefusesAKeptOneThatPartsNothing) {
 TEST(CheckIsovalue, RefusesValuesOutsideWithTheRangeAndSuggestions) {
   const Volume volume = halves(-1000, 2000);
   for (const double isovalue : {-1000.5, 1e9, std::nan("")}) {
-    expectRefusal([&] { checkIsovalue(volume, isovalue); }, "test",
-                  fmt::format("isovalue {:g} is outside its values, -1000 to 2000; try 226 (bone in a CT (InVesalius "
-                              "preset)), 300 (compact bone in a CT), -300 (skin in a CT), 500 (Otsu's threshold",
-                              isovalue));
+    expectRefusal(
+        [&] { checkIsovalue(volume, isovalue); }, "test",
+        fmt::format("isovalue {:g} is outside its values, -1000 to 2000; try "
+                    "226 (bone in a CT (InVesalius preset)), 300 (compact bone in a CT), -300 (skin in a CT), "
+                    "500 (Otsu's threshold",
+                    isovalue));
   }
   expectRefusal(
       [&] { checkIsovalue(volume, 2000); }, "test",

@@ -79,6 +79,34 @@ TEST(Volume, KeepsTheSignOfZeroAndDenormals) {
   EXPECT_EQ(std::memcmp(dense.data(), values.data(), 512 * sizeof(float)), 0);
 }
 
+// One voxel that differs from the others of a whole brick, at its beginning, in its middle and at its end.
+TEST(Volume, SeesEveryVoxelOfAWholeBrick) {
+  std::vector<float> values(512, 5.0F);
+  for (std::size_t n = 0; n < 512; ++n) {
+    if (n == 16) n = 248;
+    if (n == 264) n = 496;
+    for (const float value : {7.0F, 3.0F}) {
+      values[n] = value;
+      const Volume volume = Volume::fromDense({8, 8, 8}, plainLattice(), values, facts());
+      EXPECT_EQ(volume.minimum(), std::min(value, 5.0F)) << n;
+      EXPECT_EQ(volume.maximum(), std::max(value, 5.0F)) << n;
+      EXPECT_EQ(volume.storedBricks(), 1U) << n;
+    }
+    for (const float value : {std::nanf(""), -std::numeric_limits<float>::infinity()}) {
+      values[n] = value;
+      expectRefusal(
+          [&] {
+            static_cast<void>(Volume::fromDense({8, 8, 8}, plainLattice(), values, facts()));
+          },
+          "test",
+          fmt::format("1 of its 512 voxels are NaN or infinite, the first at index ({}, {}, {})", n % 8, n / 8 % 8,
+                      n / 64));
+    }
+    values[n] = 5;
+  }
+  EXPECT_EQ(Volume::fromDense({8, 8, 8}, plainLattice(), values, facts()).storedBricks(), 0U);
+}
+
 // f is linear, so trilinear interpolation and central differences are exact: what is left is the rounding of floats of
 // size 2^8 (half an ulp is 2^-17 = 8e-6), and of their differences over 2 h.
 TEST(Volume, SamplesLinearFieldsExactly) {
@@ -161,8 +189,8 @@ TEST(Volume, OfOneVoxelAlongAnAxisIsKeptAndSampledButNotTouched) {
     EXPECT_TRUE(gradient.allFinite());
     EXPECT_FALSE(volume.sample(volume.lattice().toWorld(0.01 * Vec3::Unit(axis)), density, gradient));
     expectRefusal([&] { checkTouchable(volume); }, "test",
-                  fmt::format("it has {} x {} x {} voxels, and a surface needs two along every axis; give a volume of "
-                              "more slices",
+                  fmt::format("it has {} x {} x {} voxels, and a surface needs two along every axis; "
+                              "give a volume of more slices",
                               size.x(), size.y(), size.z()));
   }
   EXPECT_NO_THROW(checkTouchable(distinctVolume({2, 2, 2})));

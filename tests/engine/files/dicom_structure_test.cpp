@@ -166,13 +166,18 @@ TEST(DicomIsWhole, WithSequencesOfEveryForm) {
 }
 
 TEST(DicomIsWhole, WithSequencesNoDeeperThan32) {
-  const auto nested = [](int depth) {
-    std::string content;
-    for (int n = 0; n < depth; ++n) content = openSequence(8, 0x1140, openItem(content));
-    return content;
-  };
-  EXPECT_TRUE(isWhole({nested(32)}));
-  EXPECT_FALSE(isWhole({nested(33)}));
+  for (const bool open : {true, false}) {  // until a delimiter, or of a given length
+    const auto nested = [open](int depth) {
+      std::string content;
+      for (int n = 0; n < depth; ++n) {
+        content = openItem(content);
+        content = open ? openSequence(8, 0x1140, content) : sequence(8, 0x1140, content);
+      }
+      return content;
+    };
+    EXPECT_TRUE(isWhole({nested(32)})) << open;
+    EXPECT_FALSE(isWhole({nested(33)})) << open;
+  }
 }
 
 // An icon in a sequence has a size of its own, which says nothing of the pixels.

@@ -2,13 +2,13 @@
 #include <random>
 
 #include <fmt/format.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include "engine/files/volume_file.hpp"
 #include "engine/files/volume_name.hpp"
 #include "tests/engine/files/packed_dicom.hpp"
 #include "tests/engine/files/samples.hpp"
+#include "tests/support/few_descriptors.hpp"
 
 namespace palpate {
 namespace dicom_test {
@@ -152,8 +152,8 @@ TEST_F(Dicom, NamesSeriesByTheirDescription) {
   other.series = "1.2.3.9";
   writeSeries(other, {7}, "b");
   refuses(
-      "the folder holds 2 series: 1: \"Head 1 mm\" 1.2.3.4.5 (3 slices), 2: 1.2.3.9 (1 slice); choose one: --series "
-      "1, or " +
+      "the folder holds 2 series: 1: \"Head 1 mm\" 1.2.3.4.5 (3 slices), 2: 1.2.3.9 (1 slice); "
+      "choose one: --series 1, or " +
       folder_.path() + "#1 as its name");
   EXPECT_EQ(loadVolume(folder_.path() + "#1").facts().part, "series 1 of 2: 1.2.3.4.5 \"Head 1 mm\"");
   expectLoadRefusal(folder_.path() + "#2", "the series has one slice; give the whole series");
@@ -188,27 +188,20 @@ TEST_F(Dicom, RefusesSlopesAndInterceptsThatAreNoNumbers) {
 // first at which the series loads.
 TEST_F(Dicom, SaysThatNoFileCanBeOpened) {
   writeSeries({}, {0, 2, 4});
-  rlimit before{};
-  ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &before), 0);
-  const int next = dup(0);  // the lowest that is free
-  ASSERT_GE(next, 0);
-  close(next);
   int refusals = 0;
   for (bool loads = false; !loads; ++refusals) {
     ASSERT_LT(refusals, 100);
-    const auto spare = static_cast<rlim_t>(1 + refusals);  // one for the folder itself
-    const rlimit few{static_cast<rlim_t>(next) + spare, before.rlim_max};
-    ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &few), 0);
+    const int spare = 1 + refusals;  // one for the folder itself
     std::string words;
     Error::Code code = Error::Code::kIo;
     try {
+      const FewDescriptors few(spare);
       (void)loadVolume(folder_.path());
       loads = true;
     } catch (const Error& error) {
       words = error.what();
       code = error.code();
     }
-    ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &before), 0);
     if (loads) break;
     EXPECT_THAT(words, testing::HasSubstr("Too many open files")) << spare << " descriptors";
     EXPECT_THAT(words, testing::HasSubstr("ulimit -n")) << spare << " descriptors";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Helpers of the volume tests: a folder that goes away, files written byte by byte, and the small image they hold.
+// Helpers of the volume tests: a temporary folder, files written byte by byte, and the small image that they hold.
 #pragma once
 
 #include <algorithm>

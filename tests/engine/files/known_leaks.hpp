@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tells the leak sanitizer what leaks inside the libraries when they refuse a damaged file, and is none of ours: file
-// names in NIfTI's, the whole image in NRRD's, and the nodes read so far in OpenVDB. Without the sanitizer nobody calls
+// Tells the leak sanitizer which leaks are the libraries' own. They occur when a library refuses a damaged file: file
+// names in NIfTI's, the whole image in NRRD's, the nodes read so far in OpenVDB. Without the sanitizer nobody calls
 // this function. Include it in one source file of a test.
 #pragma once
 

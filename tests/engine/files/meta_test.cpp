@@ -131,7 +131,9 @@ TEST_F(Meta, RefusesACountOfDimensionsThatIsNot) {
 }
 
 TEST_F(Meta, RefusesMoreThanMemoryAndShortData) {
-  refuses(metaHeader("MET_SHORT", "", "LOCAL", "100000 100000 100000"), "GiB", Error::Code::kOutOfMemory);
+  // 10^15 voxels as shorts of the file, as floats, in leaves and on the GPU: 18.2 bytes each.
+  refuses(metaHeader("MET_SHORT", "", "LOCAL", "100000 100000 100000"),
+          "it needs 1.7e+07 GiB with its copy for the GPU", Error::Code::kOutOfMemory);
   refuses(metaHeader("MET_SHORT") + data_.substr(1), "cannot hold");
 }
 

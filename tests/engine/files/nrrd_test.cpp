@@ -201,7 +201,8 @@ TEST_F(Nrrd, ReadsOneTimePoint) {
 TEST_F(Nrrd, RefusesMoreThanMemoryBeforeReadingIt) {
   std::string huge = nrrdHeader("int16", "raw");
   huge.replace(huge.find("5 4 3"), 5, "100000 100000 100000");
-  refuses(huge + "\n", "GiB", Error::Code::kOutOfMemory);
+  // 10^15 voxels as floats, in leaves and on the GPU: 16.2 bytes each.
+  refuses(huge + "\n", "it needs 1.51e+07 GiB with its copy for the GPU", Error::Code::kOutOfMemory);
 }
 
 // ITK's NRRD library writes such a value into a buffer of its own and aborts.

@@ -28,7 +28,7 @@ inline void writeGzip(const std::string& path, const std::string& bytes) {
   archive_write_free(out);
 }
 
-// A stream of deflate alone: what gzip has between its header of 10 bytes and its trailer of 8.
+// A bare deflate stream: what gzip has between its header of 10 bytes and its trailer of 8.
 inline std::string deflated(const std::string& bytes) {
   const TempFolder folder;
   writeGzip(folder.file("gz"), bytes);
@@ -141,9 +141,9 @@ struct DicomFields {
   int rows = 4;
   int columns = 5;
   int samples = 1;
-  std::string frames;                  // empty: not said
-  std::string description;             // of the series; likewise
-  std::string spacing_between_slices;  // likewise
+  std::string frames;                  // empty: no such element
+  std::string description;             // of the series; empty: no such element
+  std::string spacing_between_slices;  // empty: no such element
   std::vector<double> pixels;          // stored values, int16
 };
 

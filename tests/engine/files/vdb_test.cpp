@@ -176,9 +176,9 @@ TEST_F(Vdb, SaysWhatAFileOfGradientsIs) {
   gradients.write([&](std::string_view piece) { bytes += piece; });
   writeFile(path_, bytes);
   const std::string words =
-      "it holds the gradients of a volume, which palpate gradient wrote: in the grid \"gradient\" (vec3s) 160 vectors "
-      "in "
-      "density/mm, in a box of 10 x 5 x 4 voxels of 2 x 3 x 1.5 mm; give the volume itself";
+      "it holds the gradients of a volume, which palpate gradient wrote: "
+      "in the grid \"gradient\" (vec3s) 160 vectors in density/mm, in a box of 10 x 5 x 4 voxels of 2 x 3 x 1.5 mm; "
+      "give the volume itself";
   expectLoadRefusal(path_, words);
   expectLoadRefusal(path_ + "#gradient", words);
 }

@@ -28,8 +28,8 @@ TEST(FilterSpec, ReadsAChain) {
 
 TEST(FilterSpec, ReadsFiltersThatKeepEdges) {
   const auto chain = filterChain(
-      "bilateral:0.8mm:range=50 bilateral:1:range=2:truncate=1.5:border=mirror diffuse:10:kappa=100:dt=0.02:g=exp "
-      "diffuse:3:kappa=5 distance:4");
+      "bilateral:0.8mm:range=50 bilateral:1:range=2:truncate=1.5:border=mirror "
+      "diffuse:10:kappa=100:dt=0.02:g=exp diffuse:3:kappa=5 distance:4");
   ASSERT_EQ(chain.size(), 5U);
   EXPECT_EQ(chain[0].kind, FilterKind::kBilateral);
   EXPECT_EQ(chain[0].truncate, 2);

@@ -60,9 +60,8 @@ TEST(LowerFilters, RefusesWhatReachesTooFar) {
 }
 
 TEST(LowerFilters, KeepTheBorderAndTheConductance) {
-  const auto mirrored = lowerFilters(filterChain("gaussian:1:border=mirror bilateral:1:range=5:border=mirror "
-                                                 "median:1:border=mirror"),
-                                     Vec3::Ones());
+  const auto chain = filterChain("gaussian:1:border=mirror bilateral:1:range=5:border=mirror median:1:border=mirror");
+  const auto mirrored = lowerFilters(chain, Vec3::Ones());
   ASSERT_EQ(mirrored.size(), 5U);
   for (const FilterStep& step : mirrored) EXPECT_EQ(step.border, Border::kMirror);
   EXPECT_EQ(lowerFilters(filterChain("diffuse:1:kappa=1:g=exp"), Vec3::Ones()).at(0).conductance, Conductance::kExp);
@@ -122,8 +121,8 @@ TEST(LowerFilters, DiffusionIsRefusedBeyondItsStableStep) {
     FAIL();
   } catch (const Error& error) {
     EXPECT_STREQ(error.what(),
-                 "filter diffuse with dt=0.382: with these voxels a time step is stable up to 0.380952 mm^2; make dt "
-                 "smaller, or leave it out for half of that");
+                 "filter diffuse with dt=0.382: with these voxels a time step is stable up to 0.380952 mm^2; "
+                 "make dt smaller, or leave it out for half of that");
   }
 }
 

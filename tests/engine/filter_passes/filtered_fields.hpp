@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the tests of filters share: a field filtered by the kernels.
+// tests/engine/filter_passes/filtered_fields.hpp: fields filtered by the kernels, for tests of filters.
 #pragma once
 
 #include <array>
@@ -17,7 +17,7 @@
 
 namespace palpate {
 
-// Voxels of bricks outside the domain are as the nearest one inside.
+// Expects that voxels of bricks outside the domain repeat the nearest one inside.
 inline void expectBordersRepeated(const BrickPool& pool, gpu::Transfer& transfer) {
   const BrickGrid grid = pool.grid();
   std::array<float, kBrickVoxels> brick{};
@@ -35,8 +35,8 @@ inline void expectBordersRepeated(const BrickPool& pool, gpu::Transfer& transfer
   }
 }
 
-// The filtered field as the GPU has it, the voxels that lie in bricks outside the domain left away.
-// `tuned_as`: a kind of device (GpuRequest); empty: what there is.
+// The filtered field from the GPU, without the voxels of bricks that lie outside the domain. `tuned_as`: a kind of
+// device (GpuRequest); empty: that of the device in use.
 inline reference::DenseField filteredOnGpu(const Volume& volume, const std::vector<FilterStep>& steps,
                                            std::string_view tuned_as = "") {
   gpu::Gpu gpu{{.tuned_as = std::string(tuned_as)}};

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The text of the filter kernels (shaders/kernel_text.hpp) on the CPU, as by_text.hpp has that of gradients.
+// tests/engine/filter_passes/filters_by_text.hpp: runs the text of the filter kernels (shaders/kernel_text.hpp) on the
+// CPU. For gradients see by_text.hpp.
 #pragma once
 
 #include <algorithm>
@@ -98,7 +99,7 @@ void fillColumn(int (&column)[kCount], const DenseField& field, const Vec3i& vox
   std::copy(ranks.begin(), ranks.end(), column);
 }
 
-// filter_median.comp, of windows that reach one voxel along each axis; the columns that neighbouring results share are
+// filter_median.comp, for windows that reach one voxel along each axis. The columns that neighbouring results share are
 // merged first: those to the right of an even one.
 inline float sortedMedianAt(const DenseField& field, const Vec3i& voxel, const FilterStep& step) {
   int column[3][9];
@@ -112,14 +113,14 @@ inline float sortedMedianAt(const DenseField& field, const Vec3i& voxel, const F
   return kernel_text::densityOf(kernel_text::tenthOf(shared_ten, column[even ? 0 : 2]));
 }
 
-// filter_median_wide.comp, of windows that reach two.
+// filter_median_wide.comp, for windows that reach two voxels.
 inline float wideMedianAt(const DenseField& field, const Vec3i& voxel, const FilterStep& step) {
   int column[5][25];
   for (int c = 0; c < 5; ++c) {
     fillColumn(column[c], field, voxel + Vec3i(c - 2, 0, 0), step);
     kernel_text::sortColumn(column[c]);
   }
-  const int first = voxel.x() % 2 == 0 ? 1 : 0;  // of the four that are shared
+  const int first = voxel.x() % 2 == 0 ? 1 : 0;  // first of the four shared columns
   int before[50], after[50], middle[26];
   kernel_text::mergeColumns(column[first], column[first + 1], before);
   kernel_text::mergeColumns(column[first + 2], column[first + 3], after);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What median and morphology must do whatever computes them: each test runs on the twin and on the kernels. All of it
 // is exact, since every result is one of the values that are there.
-#include "engine/reference/rank_filter.hpp"
 
 #include <cmath>
 

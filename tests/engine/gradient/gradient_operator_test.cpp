@@ -13,28 +13,29 @@ namespace gradient_operator_test {
 using testing::HasSubstr;
 
 TEST(GradientOperator, IsFoundByItsName) {
-  EXPECT_EQ(GradientOperator().words.name, "central");
-  for (const GradientWords& row : gradientTable()) {
-    const GradientOperator way = gradientOperator(std::string(row.name) + (row.takes.empty() ? "" : ":1"));
-    EXPECT_EQ(way.words.name, row.name);
-    EXPECT_EQ(way.words.stencil, row.stencil);
-    EXPECT_EQ(way.smooths(), !row.takes.empty());
-    EXPECT_FALSE(row.what.empty());
+  EXPECT_EQ(GradientOperator().kind.name, "central");
+  for (const GradientKind& row : gradientKinds()) {
+    const GradientOperator gradient_operator =
+        gradientOperator(std::string(row.name) + (row.parameter.empty() ? "" : ":1"));
+    EXPECT_EQ(gradient_operator.kind.name, row.name);
+    EXPECT_EQ(gradient_operator.kind.stencil, row.stencil);
+    EXPECT_EQ(gradient_operator.smooths(), !row.parameter.empty());
+    EXPECT_FALSE(row.description.empty());
     EXPECT_THAT(gradientNames(), HasSubstr(std::string(row.name)));
   }
-  EXPECT_EQ(gradientOperator("central4").words.reach, 2);
-  EXPECT_EQ(gradientOperator("sobel").words.reach, 1);
-  EXPECT_EQ(gradientOperator("central").words.reach, 1);
-  EXPECT_EQ(gradientOperator("gaussian:1").words.reach, 1);
+  EXPECT_EQ(gradientOperator("central4").kind.reach, 2);
+  EXPECT_EQ(gradientOperator("sobel").kind.reach, 1);
+  EXPECT_EQ(gradientOperator("central").kind.reach, 1);
+  EXPECT_EQ(gradientOperator("gaussian:1").kind.reach, 1);
   EXPECT_EQ(gradientNames(), "central, sobel, central4, gaussian:0.8mm");
 }
 
 TEST(GradientOperator, OfAGaussianTakesItsKeys) {
-  const GradientOperator way = gradientOperator("gaussian:0.8mm:truncate=4");
-  ASSERT_EQ(way.smoothing.size(), 1U);
-  EXPECT_DOUBLE_EQ(way.smoothing[0].size.value, 0.8e-3);
-  EXPECT_TRUE(way.smoothing[0].size.in_metres);
-  EXPECT_EQ(way.smoothing[0].truncate, 4);
+  const GradientOperator gradient_operator = gradientOperator("gaussian:0.8mm:truncate=4");
+  ASSERT_EQ(gradient_operator.smoothing.size(), 1U);
+  EXPECT_DOUBLE_EQ(gradient_operator.smoothing[0].size.value, 0.8e-3);
+  EXPECT_TRUE(gradient_operator.smoothing[0].size.in_metres);
+  EXPECT_EQ(gradient_operator.smoothing[0].truncate, 4);
 }
 
 TEST(GradientOperator, RefusesWhatIsNone) {
@@ -56,7 +57,7 @@ TEST(GradientOperator, RefusesWhatIsNone) {
 
 TEST(GradientOperator, ANameWithATypoIsRecognised) {
   std::vector<std::string> names;
-  for (const GradientWords& row : gradientTable()) names.emplace_back(row.name);
+  for (const GradientKind& row : gradientKinds()) names.emplace_back(row.name);
   forEachTypo(names, [](const std::string& name, const std::string& typed) {
     const std::string message = refusalOf([&] { static_cast<void>(gradientOperator(typed + ":1")); });
     EXPECT_THAT(suggestedIn(message), HasSubstr(name)) << message;

@@ -86,7 +86,7 @@ TEST(JournalReader, ARecordThatIsMissingIsNoticed) {
   EXPECT_EQ(journal.records.size(), 2U);
   ASSERT_TRUE(journal.damage);
   EXPECT_EQ(journal.damage->reason, "record 3 is missing: 4 follows");
-  EXPECT_THAT(damageWords(*journal.damage), HasSubstr("3 records in"));
+  EXPECT_THAT(describeDamage(*journal.damage), HasSubstr("3 records in"));
 }
 
 // Sound bytes that make no sense: written by a program with a fault, or by a later one.
@@ -108,9 +108,9 @@ TEST(JournalReader, RecordsThatMakeNoSenseEndTheJournal) {
 }
 
 TEST(JournalReader, SaysWhatIsLost) {
-  EXPECT_EQ(damageWords({789, 3456, 12, "record 7 is cut short"}),
+  EXPECT_EQ(describeDamage({789, 3456, 12, "record 7 is cut short"}),
             "12 records in 3456 bytes from byte 789 on, as record 7 is cut short");
-  EXPECT_EQ(damageWords({5, 1, 1, "record 2 is cut short"}),
+  EXPECT_EQ(describeDamage({5, 1, 1, "record 2 is cut short"}),
             "1 record in 1 byte from byte 5 on, as record 2 is cut short");
 }
 

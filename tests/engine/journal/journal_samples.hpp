@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A small volume, its journal's header and random edits for tests of journals.
+// tests/engine/journal/journal_samples.hpp: a small volume, the header of its journal and random edits, for tests of
+// journals.
 #pragma once
 
 #include <algorithm>
@@ -25,7 +26,7 @@ inline Lattice sampleLattice() {
   return lattice;
 }
 
-// A ball with a ramp, isovalue 30; as it is given, no side is a multiple of 8.
+// A ball with a ramp, isovalue 30. With the default size no side is a multiple of 8.
 inline Volume sampleVolume(double radius_voxels = 8, const Vec3i& size = {27, 22, 19}) {
   std::vector<float> values;
   for (int k = 0; k < size.z(); ++k) {
@@ -46,7 +47,7 @@ inline JournalHeader sampleHeader(const Volume& volume) {
 inline std::string bytesOf(const std::filesystem::path& folder) {
   return contentsOf(journalFile(folder));
 }
-// A new file each time: some file systems bring one that is cut and written again to the disk at once.
+// Makes a new file each time: some file systems flush a file to the disk at once if it is truncated and written again.
 inline void setBytes(const std::filesystem::path& folder, const std::string& bytes) {
   std::filesystem::remove(journalFile(folder));
   std::ofstream(journalFile(folder), std::ios::binary | std::ios::trunc) << bytes;

@@ -9,6 +9,7 @@
 #include "engine/edit/lower_edit.hpp"
 #include "engine/journal/journal_reader.hpp"
 #include "journal_samples.hpp"
+#include "tests/support/few_descriptors.hpp"
 
 namespace palpate {
 namespace journal_writer_test {
@@ -243,19 +244,13 @@ TEST(JournalWriter, ADiskThatWasFullFromTheStartLeavesNoJournal) {
 TEST(JournalWriter, BringsNewFoldersToTheDisk) {
   TemporaryFolder folder;
   const std::filesystem::path place = folder.path() / "new" / "deep";
-  const int next = dup(STDERR_FILENO);  // the lowest number that is free
-  close(next);
-  rlimit before{};
-  getrlimit(RLIMIT_NOFILE, &before);
-  const rlimit none{static_cast<rlim_t>(next), before.rlim_max};
-  setrlimit(RLIMIT_NOFILE, &none);
   std::string input;
   try {
+    const FewDescriptors none;
     JournalWriter writer(place, header());
   } catch (const Error& error) {
     input = error.input();
   }
-  setrlimit(RLIMIT_NOFILE, &before);
   EXPECT_EQ(input, place) << "it was the file that could not be opened";
 }
 
@@ -275,14 +270,10 @@ TEST(JournalWriter, AFullDiskAtTheStartIsAnError) {
 // One file more may be open: the journal, and not its folder, so that this cannot be flushed.
 TEST(JournalWriter, WhatIsRefusedLeavesNoJournal) {
   TemporaryFolder folder;
-  const int next = dup(STDERR_FILENO);  // the lowest number that is free
-  close(next);
-  rlimit before{};
-  getrlimit(RLIMIT_NOFILE, &before);
-  const rlimit one_more{static_cast<rlim_t>(next) + 1, before.rlim_max};
-  setrlimit(RLIMIT_NOFILE, &one_more);
-  EXPECT_THROW(JournalWriter(folder.path(), header()), Error);
-  setrlimit(RLIMIT_NOFILE, &before);
+  {
+    const FewDescriptors one_more(1);
+    EXPECT_THROW(JournalWriter(folder.path(), header()), Error);
+  }
   EXPECT_EQ(folder.files(), 0);
 }
 

@@ -8,7 +8,6 @@
 
 #include "base/error.hpp"
 #include "engine/reference/edit.hpp"
-#include "engine/reference/edit_bricks.hpp"
 #include "journal_samples.hpp"
 
 namespace palpate {
@@ -114,8 +113,8 @@ TEST(Replay, NamesTheVolumeThatItWants) {
     FAIL() << "no error";
   } catch (const Error& error) {
     EXPECT_STREQ(error.what(),
-                 "other.nrrd: it is not the volume that the journal began with: its densities are others; give that "
-                 "volume with --volume (the journal names phantom:ball)");
+                 "other.nrrd: it is not the volume that the journal began with: its densities are others; "
+                 "give that volume with --volume (the journal names phantom:ball)");
   }
 }
 

@@ -2,6 +2,7 @@
 #include "engine/journal/volume_identity.hpp"
 
 #include <filesystem>
+#include <set>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -74,6 +75,23 @@ TEST(VolumeIdentity, IsTheSameForEver) {
     return brick.x() == 0;
   });
   EXPECT_EQ(contentHash(two), 0x3376a75e500fd379U);
+}
+
+// Every byte counts, in whole pieces of eight bytes and in the rest, and so does the length: zeros at the end too.
+TEST(BytesHash, ChangesWithEveryByteAndTheLength) {
+  const std::string bytes = "nineteen bytes long";
+  ASSERT_EQ(bytes.size(), 19U);
+  EXPECT_EQ(bytesHash(bytes), bytesHash(std::string(bytes)));
+  std::set<std::uint64_t> hashes = {bytesHash(bytes)};
+  for (std::size_t at = 0; at < bytes.size(); ++at) {
+    std::string changed = bytes;
+    changed[at] = static_cast<char>(changed[at] ^ 1);
+    hashes.insert(bytesHash(changed));
+  }
+  EXPECT_EQ(hashes.size(), 20U);
+  hashes.clear();
+  for (std::size_t length = 0; length <= 24; ++length) hashes.insert(bytesHash(std::string(length, '\0')));
+  EXPECT_EQ(hashes.size(), 25U);
 }
 
 TEST(VolumeIdentity, NamesFilesByTheirAbsolutePath) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The text of the gradient kernels (shaders/kernel_text.hpp) on the CPU: a loop over voxels that loads, calls the text
-// and stores, as the kernel does over bricks. Whatever arithmetic there is, is the text's. Filters:
+// The gradient kernels' own source text (shaders/kernel_text.hpp), compiled for the CPU. A loop over voxels loads,
+// calls the text and stores, as the kernel does over bricks. All arithmetic is in the text. For filters there is
 // tests/engine/filter_passes/filters_by_text.hpp.
 #pragma once
 
@@ -32,7 +32,7 @@ inline float at(const DenseField& field, const Vec3i& voxel, Border border = Bor
   return field.at(inside.x(), inside.y(), inside.z());
 }
 
-// ---- Gradients, but for a Gaussian's smoothing.
+// ---- Gradients, without the smoothing of a Gaussian.
 
 inline float stencilAt(const DenseField& field, const Vec3i& voxel, int axis, bool fourth) {
   const auto f = [&](int steps) { return at(field, voxel + steps * Vec3i::Unit(axis)); };
@@ -75,9 +75,10 @@ inline std::array<float, 3> sobelAt(const DenseField& field, const Vec3i& voxel)
   return gradient;
 }
 
-inline std::array<float, 3> gradientAt(const DenseField& field, const GradientOperator& way, const Vec3i& voxel) {
-  if (way.words.stencil == GRADIENT_SOBEL) return sobelAt(field, voxel);
-  const bool fourth = way.words.stencil == GRADIENT_CENTRAL4;
+inline std::array<float, 3> gradientAt(const DenseField& field, const GradientOperator& gradient_operator,
+                                       const Vec3i& voxel) {
+  if (gradient_operator.kind.stencil == GRADIENT_SOBEL) return sobelAt(field, voxel);
+  const bool fourth = gradient_operator.kind.stencil == GRADIENT_CENTRAL4;
   return {stencilAt(field, voxel, 0, fourth), stencilAt(field, voxel, 1, fourth), stencilAt(field, voxel, 2, fourth)};
 }
 

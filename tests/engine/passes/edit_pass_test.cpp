@@ -12,9 +12,8 @@ namespace palpate {
 namespace edit_pass_test {
 
 constexpr const char* kTooMany =
-    "edit: it changes 65537 bricks at once and 65536 are the most; nothing was changed; use a smaller brush, or "
-    "several "
-    "edits";
+    "edit: it changes 65537 bricks at once and 65536 are the most; nothing was changed; "
+    "use a smaller brush, or several edits";
 
 class EditLimits : public testing::Test {
  protected:
@@ -46,8 +45,8 @@ TEST_F(EditLimits, AStencilTakesWhatOneBindingHolds) {
 TEST_F(EditLimits, AllTasksLieInOneBinding) {
   constexpr std::size_t kMost = (std::size_t{128} << 20U) / sizeof(layout::EditTask);
   const std::string words = refusal({phaseOf(EDIT_ADD, 3), phaseOf(EDIT_CUT, 2)}, kMost - 4);
-  EXPECT_EQ(words, fmt::format("edit: it changes {} bricks at once and {} are the most; nothing was changed; use a "
-                               "smaller brush, or several edits",
+  EXPECT_EQ(words, fmt::format("edit: it changes {} bricks at once and {} are the most; nothing was changed; "
+                               "use a smaller brush, or several edits",
                                kMost + 1, kMost));
 }
 

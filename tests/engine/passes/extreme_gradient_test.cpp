@@ -23,17 +23,17 @@ using reference::DenseField;
 const Vec3i kSize(19, 17, 11);
 
 // Gradients of all voxels.
-std::vector<Sample> gradients(const Volume& volume, const GradientOperator& way) {
+std::vector<Sample> gradients(const Volume& volume, const GradientOperator& gradient_operator) {
   gpu::Gpu gpu{{}};
   gpu::Transfer transfer{gpu};
   const BrickPool pool(gpu, transfer, volume);
   const SampleStore store(gpu, pool.brickCount(), allBricks(pool.grid()), makeGpuBudget(), {});
   std::optional<FilterChain> smoothing;
-  if (way.smooths()) {
-    smoothing.emplace(gpu, transfer, pool, lowerFilters(way.smoothing, pool.lattice().spacing_m));
+  if (gradient_operator.smooths()) {
+    smoothing.emplace(gpu, transfer, pool, lowerFilters(gradient_operator.smoothing, pool.lattice().spacing_m));
     smoothing->run();
   }
-  GradientPass(gpu, transfer, pool, store, way, smoothing ? &smoothing->result() : nullptr).run();
+  GradientPass(gpu, transfer, pool, store, gradient_operator, smoothing ? &smoothing->result() : nullptr).run();
   std::vector<std::byte> slab(store.slab(0).bytes());
   transfer.download(store.slab(0), slab);
   std::vector<Sample> samples;
@@ -81,10 +81,10 @@ TEST(ExtremeGradients, OfFourthOrderAreRightAcrossTwiceTheLargestFloat) {
   field.size = {5, 1, 1};
   field.lattice.spacing_m = Vec3::Constant(10);
   field.values = {0, -FLT_MAX, 0, FLT_MAX, 0};
-  const GradientOperator way = gradientOperator("central4");
+  const GradientOperator gradient_operator = gradientOperator("central4");
   const double expected = 8 * 2.0 / (12 * 10);
-  for (const float gradient :
-       {by_text::gradientAt(field, way, Vec3i(2, 0, 0))[0], reference::gradientAt(field, way, 2, 0, 0)[0]})
+  for (const float gradient : {by_text::gradientAt(field, gradient_operator, Vec3i(2, 0, 0))[0],
+                               reference::gradientAt(field, gradient_operator, 2, 0, 0)[0]})
     EXPECT_NEAR(static_cast<double>(gradient) / static_cast<double>(FLT_MAX), expected, 6 * std::ldexp(1, -24));
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How fields are compared.
+// Comparison of fields, bit by bit.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 
 namespace palpate {
 
-// Voxels whose bits differ.
+// The number of voxels whose bits differ.
 inline std::size_t differing(const reference::DenseField& a, const reference::DenseField& b) {
   std::size_t count = 0;
   for (std::size_t i = 0; i < a.values.size(); ++i) {

@@ -18,14 +18,14 @@ using reference::DenseField;
 
 TEST(GradientText, DiffersInNoBitFromTheTwin) {
   for (const char* name : {"central", "central4", "sobel"}) {
-    const GradientOperator way = gradientOperator(name);
+    const GradientOperator gradient_operator = gradientOperator(name);
     for (const Vec3i& size : {Vec3i(19, 10, 9), Vec3i(3, 4, 5), Vec3i(2, 1, 9)}) {
       for (const Volume& volume : {ballField(size, 4.0), extremes(size), largest(size)}) {
         const DenseField field = reference::denseField(volume);
         std::size_t wrong = 0;
         by_text::forEachVoxel(field, [&](const Vec3i& voxel, std::size_t) {
-          const auto text = by_text::gradientAt(field, way, voxel);
-          const auto twin = reference::gradientAt(field, way, voxel.x(), voxel.y(), voxel.z());
+          const auto text = by_text::gradientAt(field, gradient_operator, voxel);
+          const auto twin = reference::gradientAt(field, gradient_operator, voxel.x(), voxel.y(), voxel.z());
           using Words = std::array<std::uint32_t, 3>;
           wrong += std::bit_cast<Words>(text) != std::bit_cast<Words>(twin) ? 1U : 0U;
         });

@@ -122,6 +122,7 @@ TEST(SampleStore, KeepsRoomBesideItsBricks) {
   std::iota(bricks.begin(), bricks.end(), 0U);
   SampleStore store(gpu, 2 * kBricks, bricks);
   EXPECT_EQ(store.brickCount(), kBricks);
+  EXPECT_EQ(store.bytes(), (kBricks + BRICKS_PER_SAMPLE_SLAB / 16) * kBrickVoxels * 16);
   EXPECT_EQ(store.place(0).slab, 0U);
   EXPECT_EQ(store.place(BRICKS_PER_SAMPLE_SLAB / 16 * 15).slab, 1U);
   store.add(kBricks, 5);
@@ -131,7 +132,12 @@ TEST(SampleStore, KeepsRoomBesideItsBricks) {
   EXPECT_EQ(store.brickCount(), kBricks + 2);
   SampleStore tight(gpu, 2 * kBricks, bricks, makeGpuBudget(kBricks * kBrickVoxels * 16));
   EXPECT_EQ(tight.brickCount(), kBricks);
+  EXPECT_EQ(tight.bytes(), kBricks * kBrickVoxels * 16);
   EXPECT_EQ(tight.place(BRICKS_PER_SAMPLE_SLAB - 1).slab, 0U);
+  bricks.resize(BRICKS_PER_SAMPLE_SLAB);  // just one slab full: there is no other region to keep apart
+  const SampleStore full(gpu, kBricks, bricks);
+  EXPECT_EQ(full.slabCount(), 1U);
+  EXPECT_EQ(full.bytes(), bricks.size() * kBrickVoxels * 16);
 }
 
 TEST(SlotSlabs, RefusesMoreThanTheBudgetAndStaysUsable) {

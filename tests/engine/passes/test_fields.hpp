@@ -39,7 +39,7 @@ inline Volume ballField(const Vec3i& size, double radius_voxels) {
   });
 }
 
-// Denormals, zeros of both signs, 1e-30, 1e30, ordinary values and the largest there are, side by side.
+// Denormals, zeros of both signs, 1e-30, 1e30, ordinary values and the largest floats, side by side.
 inline Volume extremes(const Vec3i& size) {
   std::mt19937 random(11);
   const float scales[] = {1.0F, 1e30F, 1e-30F, 1e-40F, 1e-45F, 0.0F, FLT_MAX};
@@ -50,7 +50,7 @@ inline Volume extremes(const Vec3i& size) {
   });
 }
 
-// The largest densities of both signs and nothing else: sums, differences and products of two are beyond the floats.
+// The largest floats of both signs and nothing else: sums, differences and products of two overflow.
 inline Volume largest(const Vec3i& size) {
   std::mt19937 random(12);
   return makeField(size, [&](int, int, int) { return random() % 2 == 0 ? FLT_MAX : -FLT_MAX; });
@@ -60,12 +60,12 @@ inline Volume constantField(const Vec3i& size, float density) {
   return makeField(size, [=](int, int, int) { return density; });
 }
 
-// What breaks arithmetic first.
+// The fields that break arithmetic first.
 inline std::vector<Volume> extremeFields(const Vec3i& size) {
   std::vector<Volume> volumes;
   volumes.push_back(extremes(size));
   volumes.push_back(largest(size));
-  // A fill around a body, and one step between the two ends of the floats.
+  // A body in a far lower fill value, and one step between the lowest and the highest float.
   volumes.push_back(makeField(size, [&](int i, int j, int k) {
     return (Vec3i(i, j, k) - size / 2).squaredNorm() < 25 ? static_cast<float>(i + j) : -FLT_MAX;
   }));
@@ -73,7 +73,7 @@ inline std::vector<Volume> extremeFields(const Vec3i& size) {
   return volumes;
 }
 
-// Of both signs, the largest, the smallest, and the zero that additions lose.
+// Floats of both signs, the largest, the smallest, and the negative zero, which additions lose.
 inline constexpr float kExtremeConstants[] = {FLT_MAX, -FLT_MAX, 1e-45F, -0.0F};
 
 }  // namespace palpate

@@ -14,12 +14,12 @@ namespace palpate {
 namespace window_test {
 
 std::vector<Sample> gather(const Volume& volume, const std::vector<std::uint32_t>& bricks, const WindowBox& box,
-                           const GradientOperator& way = {}, const SampleFormat& format = {}) {
+                           const GradientOperator& gradient_operator = {}, const SampleFormat& format = {}) {
   gpu::Gpu gpu({});
   gpu::Transfer transfer(gpu);
   const BrickPool pool(gpu, transfer, volume);
   const SampleStore store(gpu, pool.brickCount(), bricks, makeGpuBudget(), format);
-  GradientPass(gpu, transfer, pool, store, way).run();
+  GradientPass(gpu, transfer, pool, store, gradient_operator).run();
   std::vector<Sample> samples(static_cast<std::size_t>(box.size.prod()));
   const gpu::Buffer window(gpu, "window", samples.size() * sizeof(Sample), gpu::MemoryKind::kHost);
   WindowPass(gpu, pool, store).run(box, window);
@@ -47,10 +47,11 @@ TEST_P(WindowGather, OfHalvesEqualsTheTwinBitForBit) {
   const WindowBox box{GetParam(), volume.size().cwiseMin(kWindowEdge)};
   const SampleFormat format = halfSamples(0.3F, volume.minimum(), volume.maximum(), testLattice().spacing_m);
   for (const char* name : {"central", "sobel", "central4"}) {
-    const GradientOperator way = gradientOperator(name);
-    const std::vector<Sample> samples = gather(volume, allBricks(BrickGrid{volume.size()}), box, way, format);
+    const GradientOperator gradient_operator = gradientOperator(name);
+    const std::vector<Sample> samples =
+        gather(volume, allBricks(BrickGrid{volume.size()}), box, gradient_operator, format);
     const std::vector<Sample> expected =
-        reference::windowSamples(reference::denseField(volume), box.first, box.size, way, format);
+        reference::windowSamples(reference::denseField(volume), box.first, box.size, gradient_operator, format);
     ASSERT_EQ(samples.size(), expected.size());
     EXPECT_EQ(std::memcmp(samples.data(), expected.data(), samples.size() * sizeof(Sample)), 0) << name;
   }

@@ -23,12 +23,11 @@ std::vector<PlanLine> linesNaming(const std::vector<PlanLine>& lines, const std:
 
 TEST(Plan, WithEverythingOrdinaryHasEveryPassInOrder) {
   EXPECT_THAT(makePlan({.draws = true}).passes,
-              ElementsAre(Pass::kUpload, Pass::kBrickBounds, Pass::kGradient, Pass::kWindow, Pass::kIsosurface));
+              ElementsAre(Pass::kUpload, Pass::kBrickBounds, Pass::kGradient, Pass::kWindow));
 }
 
-TEST(Plan, WithoutAPictureHasNoRenderer) {
+TEST(Plan, WithoutAPictureStillHasBounds) {
   const Plan plan = makePlan({});
-  EXPECT_FALSE(plan.has(Pass::kIsosurface));
   EXPECT_TRUE(plan.has(Pass::kBrickBounds));  // it still chooses the bricks
 }
 
@@ -68,7 +67,7 @@ TEST(PlanLines, SayWhatWasSaved) {
 TEST(PlanLines, SayHowGradientsAreTakenAndStored) {
   const Plan plan = makePlan({.gradient_operator = "sobel", .half_samples = true});
   EXPECT_TRUE(plan.request.half_samples);
-  EXPECT_EQ(plan.gradient.words.name, "sobel");
+  EXPECT_EQ(plan.gradient.kind.name, "sobel");
   EXPECT_FALSE(plan.has(Pass::kSmoothing));
   const auto lines = planLines(plan, {.bricks = 100, .stored_bricks = 60, .gradient_bricks = 25});
   ASSERT_EQ(linesNaming(lines, "gradient").size(), 1U);
@@ -113,12 +112,10 @@ TEST(PlanLines, AreWholeAndInOrder) {
   const std::string floats = "+ samples as floats, 16 bytes a voxel | halves save half: --samples half | 0";
   const std::string no_picture = "- isosurface picture | not asked for (--picture off) | 0";
   const std::string all = "every brick: --gradient all, or an algorithm that feels away from the isosurface | 0";
-  EXPECT_THAT(
-      wholeLines({}),
-      ElementsAre(density, no_filters,
-                  "+ gradient of 25 of 100 bricks: central | those that the isosurface crosses, and their halo | "
-                  "614400",
-                  floats, window, no_picture));
+  EXPECT_THAT(wholeLines({}), ElementsAre(density, no_filters,
+                                          "+ gradient of 25 of 100 bricks: central | "
+                                          "those that the isosurface crosses, and their halo | 614400",
+                                          floats, window, no_picture));
   EXPECT_THAT(wholeLines({.gradient_all = true}),
               ElementsAre(density, no_filters, "+ gradient of 25 of 100 bricks: central | " + all, floats, window,
                           no_picture, "- brick bounds | every brick has gradients and nothing is drawn | 0"));
@@ -129,22 +126,22 @@ TEST(PlanLines, AreWholeAndInOrder) {
                           .other_isovalues = true,
                           .draws = true}),
               ElementsAre(density,
-                          "+ filters: median:1; 70 of 100 bricks | as the scene says; a neighbourhood of one density "
-                          "stays one | 61440",
-                          "+ smoothing of the whole field | the operator takes its gradient; kept, since the isovalue "
-                          "may change | 0",
+                          "+ filters: median:1; 70 of 100 bricks | "
+                          "as the scene says; a neighbourhood of one density stays one | 61440",
+                          "+ smoothing of the whole field | "
+                          "the operator takes its gradient; kept, since the isovalue may change | 0",
                           "+ gradient of 25 of 100 bricks: gaussian | " + all,
-                          "+ samples as halves, 8 bytes a voxel | --samples half: true to 2^-11 of the distance from "
-                          "the isovalue | 102400",
+                          "+ samples as halves, 8 bytes a voxel | "
+                          "--samples half: true to 2^-11 of the distance from the isovalue | 102400",
                           window, "+ isosurface picture | view.png and report.html show it | 0"));
 }
 
 TEST(Plan, NamesEveryPass) {
   std::vector<std::string> names;
-  for (const Pass pass : {Pass::kUpload, Pass::kFilter, Pass::kBrickBounds, Pass::kSmoothing, Pass::kGradient,
-                          Pass::kWindow, Pass::kIsosurface})
+  for (const Pass pass :
+       {Pass::kUpload, Pass::kFilter, Pass::kBrickBounds, Pass::kSmoothing, Pass::kGradient, Pass::kWindow})
     names.emplace_back(passName(pass));
-  EXPECT_THAT(names, ElementsAre("upload", "filter", "brick bounds", "smoothing", "gradient", "window", "isosurface"));
+  EXPECT_THAT(names, ElementsAre("upload", "filter", "brick bounds", "smoothing", "gradient", "window"));
 }
 
 TEST(PlanLines, NameWhatWasLeftOut) {

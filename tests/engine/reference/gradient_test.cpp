@@ -56,25 +56,25 @@ double response(std::string_view name, const Vec3& w, int axis, const std::vecto
 // every operation, of at most 2 (of Sobel's 16 weights, which are divided out): some 20 roundings for a stencil, and
 // over a Gaussian's reach of 12 another 25 products and 24 sums an axis, whose taps are rounded too. All over the
 // spacing.
-double roundingError(const GradientOperator& way) {
-  return (way.smooths() ? 20 + 3 * 3 * 25 : 20) * std::ldexp(1.0, -24);
+double roundingError(const GradientOperator& gradient_operator) {
+  return (gradient_operator.smooths() ? 20 + 3 * 3 * 25 : 20) * std::ldexp(1.0, -24);
 }
 
 TEST(GradientOperators, RespondToAWaveAsDerived) {
   for (const char* name : {"central", "sobel", "central4", "gaussian:2mm"}) {
-    const GradientOperator way = gradientOperator(name);
+    const GradientOperator gradient_operator = gradientOperator(name);
     const reference::DenseField field = wave(2, {31, 29, 27});
-    const reference::DenseField smoothed = reference::smoothedFor(way, field);
-    const std::vector<FilterStep> steps = lowerFilters(way.smoothing, field.lattice.spacing_m);
+    const reference::DenseField smoothed = reference::smoothedFor(gradient_operator, field);
+    const std::vector<FilterStep> steps = lowerFilters(gradient_operator.smoothing, field.lattice.spacing_m);
     const Vec3 w = kWave.cwiseProduct(field.lattice.spacing_m);
     ASSERT_LE(totalReach(steps).maxCoeff(), 12);
     for (const Vec3i& p : {Vec3i(15, 14, 13), Vec3i(13, 15, 12), Vec3i(16, 13, 14)}) {
-      const auto got = reference::gradientAt(smoothed, way, p.x(), p.y(), p.z());
+      const auto got = reference::gradientAt(smoothed, gradient_operator, p.x(), p.y(), p.z());
       for (int axis = 0; axis < 3; ++axis) {
         const double phase = kWave.dot(p.cast<double>().cwiseProduct(field.lattice.spacing_m)) + 0.3;
-        const double want = response(way.words.name, w, axis, steps) * kWave[axis] * std::cos(phase);
+        const double want = response(gradient_operator.kind.name, w, axis, steps) * kWave[axis] * std::cos(phase);
         EXPECT_NEAR(static_cast<double>(got[static_cast<std::size_t>(axis)]), want,
-                    roundingError(way) / field.lattice.spacing_m[axis])
+                    roundingError(gradient_operator) / field.lattice.spacing_m[axis])
             << name << " axis " << axis;
       }
     }
@@ -83,14 +83,14 @@ TEST(GradientOperators, RespondToAWaveAsDerived) {
 
 // A largest error over some points of the world, relative to the wave's number; `exact`: of the derivative, what the
 // operator converges to.
-double largestError(const GradientOperator& way, int times, double exact) {
+double largestError(const GradientOperator& gradient_operator, int times, double exact) {
   constexpr int kFirst = 8;  // coarse voxels from the border, more than the Gaussian reaches
   const reference::DenseField field = wave(times, Vec3i::Constant((2 * kFirst + 3) * times));
-  const reference::DenseField smoothed = reference::smoothedFor(way, field);
+  const reference::DenseField smoothed = reference::smoothedFor(gradient_operator, field);
   double worst = 0;
   for (int n = 0; n < 9; ++n) {
     const Vec3i p = times * (Vec3i::Constant(kFirst) + Vec3i(n % 3, n / 3, (n * 2) % 3));
-    const auto got = reference::gradientAt(smoothed, way, p.x(), p.y(), p.z());
+    const auto got = reference::gradientAt(smoothed, gradient_operator, p.x(), p.y(), p.z());
     const double phase = kWave.dot(p.cast<double>().cwiseProduct(field.lattice.spacing_m)) + 0.3;
     const double want = exact * kWave.x() * std::cos(phase);
     worst = std::max(worst, std::abs(static_cast<double>(got[0]) - want) / kWave.x());
@@ -114,14 +114,14 @@ TEST(GradientOperators, ConvergeWithTheirOrder) {
   };
   for (const Case& c : {Case{"central", 2, 2, 0.05}, Case{"sobel", 2, 2, 0.29}, Case{"central4", 1, 4, 30.0 / 252},
                         Case{"gaussian:1mm:truncate=6", 2, 2, 0.05}}) {
-    const GradientOperator way = gradientOperator(c.name);
-    const double sigma_m = way.smooths() ? way.smoothing[0].size.value : 0;
+    const GradientOperator gradient_operator = gradientOperator(c.name);
+    const double sigma_m = gradient_operator.smooths() ? gradient_operator.smoothing[0].size.value : 0;
     const double exact = std::exp(-0.5 * sigma_m * sigma_m * kWave.squaredNorm());
-    const double coarse = largestError(way, c.times, exact);
-    const double fine = largestError(way, 2 * c.times, exact);
+    const double coarse = largestError(gradient_operator, c.times, exact);
+    const double fine = largestError(gradient_operator, 2 * c.times, exact);
     const double w = kWave.x() * kCoarse_m.x() / c.times;
     const double series = c.b * w * w * 0.75 / std::numbers::ln2;
-    const double rounding = 2 * roundingError(way) / (w / 2) / fine / std::numbers::ln2;
+    const double rounding = 2 * roundingError(gradient_operator) / (w / 2) / fine / std::numbers::ln2;
     ASSERT_LT(rounding, 0.1) << c.name;
     EXPECT_NEAR(std::log2(coarse / fine), c.order - series, 0.2 * series + rounding) << c.name;
   }

@@ -182,11 +182,10 @@ TEST(HalfSamples, AreRefusedWhereTheyLoseTheSurface) {
     check(-3e10F, 511);
     ADD_FAILURE();
   } catch (const Error& error) {
-    EXPECT_STREQ(
-        error.what(),
-        "--samples half: densities from -3e+10 to 3071 are too far apart for halves: rounding by up to 0.25 is "
-        "too coarse for a surface whose object lies 511 above the isovalue; use --samples float; if the "
-        "farthest density marks what was not measured, replace it in the file");
+    EXPECT_STREQ(error.what(),
+                 "--samples half: densities from -3e+10 to 3071 are too far apart for halves: "
+                 "rounding by up to 0.25 is too coarse for a surface whose object lies 511 above the isovalue; "
+                 "use --samples float; if the farthest density marks what was not measured, replace it in the file");
   }
 }
 

@@ -15,7 +15,7 @@ struct Case {
   int edits = 1000;
   bool in_place = true;
   const char* chain = "";
-  const char* way = "central";
+  const char* gradient_operator = "central";
   bool half = false;
 };
 
@@ -26,9 +26,9 @@ TEST_P(ManyEdits, EqualTheTwinAndANewStart) {
   const Case c = GetParam();
   Volume volume = ball(c.size, 0.3 * c.size.minCoeff());
   gpu::Gpu gpu({});
-  const GradientOperator way = gradientOperator(c.way);
+  const GradientOperator gradient_operator = gradientOperator(c.gradient_operator);
   const SampleFormat format = c.half ? halfSamples(kIsovalue, -100, 200, volume.lattice().spacing_m) : SampleFormat{};
-  State state(gpu, volume, c.all, 0, c.in_place, c.chain, way, format);
+  State state(gpu, volume, c.all, 0, c.in_place, c.chain, gradient_operator, format);
   const BrushProfile profile = profileOf(volume);
   Editor editor(state.parts(gpu), profile, c.all);
   reference::DenseField twin = reference::denseField(volume);
@@ -59,7 +59,7 @@ TEST_P(ManyEdits, EqualTheTwinAndANewStart) {
     ASSERT_TRUE(sameBytes(volume.toDense(), twin.values)) << "after " << done << " edits";
     most_stored = std::max(most_stored, volume.storedBricks());
     most_constant = std::max(most_constant, state.pool.brickCount() - volume.storedBricks());
-    State fresh(gpu, volume, c.all, 0, true, c.chain, way, format);
+    State fresh(gpu, volume, c.all, 0, true, c.chain, gradient_operator, format);
     expectSame(state, fresh);
     ASSERT_FALSE(testing::Test::HasFailure()) << "after " << done << " edits";
   }

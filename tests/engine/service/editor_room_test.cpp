@@ -49,8 +49,9 @@ TEST(Editor, RefusesWhatExceedsTheBudgetAndGoesOn) {
     // What is there, what the edit needs of either kind, the budget; and the sum, rounded up, is enough.
     double used = 0, wanted = 0, densities = 0, samples = 0, limit = 0;
     ASSERT_EQ(std::sscanf(error.reason().c_str(),
-                          "the volume, as edited until now, takes %lf MiB, the edit needs %lf MiB more (%lf MiB for "
-                          "densities, %lf MiB for samples), and the budget is %lf MiB",
+                          "the volume, as edited until now, takes %lf MiB, "
+                          "the edit needs %lf MiB more (%lf MiB for densities, %lf MiB for samples), "
+                          "and the budget is %lf MiB",
                           &used, &wanted, &densities, &samples, &limit),
               5)
         << error.what();
@@ -84,12 +85,12 @@ std::string poolIn(const Error& error) {
 
 // Wherever room runs out, nothing has changed, and what fits goes on.
 TEST_P(RoomOfEveryField, IsAsItWasWhicheverPoolHasNoRoom) {
-  if (!way_.smooths()) return;  // RefusesWhatExceedsTheBudgetAndGoesOn
+  if (!gradient_operator_.smooths()) return;  // RefusesWhatExceedsTheBudgetAndGoesOn
   const auto volumeOf = [] { return ball({48, 40, 56}, 10); };
   const Volume volume = volumeOf();
   gpu::Gpu gpu({});
   const auto used = [&] {
-    State probe(gpu, volume, false, 0, true, chain_, way_);
+    State probe(gpu, volume, false, 0, true, chain_, gradient_operator_);
     const Editor editor(probe.parts(gpu), profileOf(volume), false);
     return probe.pool.budget()->used_bytes;
   }();
@@ -99,7 +100,7 @@ TEST_P(RoomOfEveryField, IsAsItWasWhicheverPoolHasNoRoom) {
   std::set<std::string> full;
   int went_on = 0;
   for (std::uint64_t more = 0;; more += std::uint64_t{1} << 19U) {
-    State state(gpu, volume, false, used + more, true, chain_, way_);
+    State state(gpu, volume, false, used + more, true, chain_, gradient_operator_);
     Editor editor(state.parts(gpu), profileOf(volume), false);
     Volume edited = volumeOf();
     // Whether it fitted; if not, everything is as it was.
@@ -119,7 +120,7 @@ TEST_P(RoomOfEveryField, IsAsItWasWhicheverPoolHasNoRoom) {
     went_on += !all && fits(std::span(&small, 1)) ? 1 : 0;
     editor.settle();
     editor.readBack(edited);
-    State fresh(gpu, edited, false, 0, true, chain_, way_);
+    State fresh(gpu, edited, false, 0, true, chain_, gradient_operator_);
     expectSame(state, fresh);
     ASSERT_FALSE(testing::Test::HasFailure()) << more;
     if (all) break;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// tests/engine/service/editor_state.hpp: a volume with all that the engine keeps of it, and the comparison of two such
-// states, for the tests of Editor.
+// tests/engine/service/editor_state.hpp: a volume with all that the engine keeps of it, and a comparison of two such
+// states, for tests of Editor.
 #pragma once
 
 #include <cmath>
@@ -44,7 +44,7 @@ struct State {
   BrickPool pool;
   float isovalue = static_cast<float>(kIsovalue);  // of the field
   std::unique_ptr<FilterChain> filters;
-  const BrickPool& field;  // that is felt: the filtered one, if there are filters
+  const BrickPool& field;  // the field that is felt: filtered, if there are filters
   BrickBoundsPass bounds;
   SampleStore store;
   std::unique_ptr<FilterChain> smoothing;  // for an operator that smooths
@@ -52,15 +52,15 @@ struct State {
   WindowPass window;
 
   State(gpu::Gpu& gpu, const Volume& volume, bool all, std::uint64_t budget = 0, bool in_place = true,
-        const char* chain = "", const GradientOperator& way = {}, const SampleFormat& format = {})
+        const char* chain = "", const GradientOperator& gradient_operator = {}, const SampleFormat& format = {})
       : transfer(gpu, in_place),
         pool(gpu, transfer, volume, makeGpuBudget(budget)),
         filters(filtersOf(gpu, chain)),
         field(filters ? filters->result() : pool),
         bounds(gpu, field),
         store(gpu, pool.brickCount(), firstBricks(all), pool.budget(), format),
-        smoothing(smoothingOf(gpu, way)),
-        gradient(gpu, transfer, field, store, way, smoothing ? &smoothing->result() : nullptr),
+        smoothing(smoothingOf(gpu, gradient_operator)),
+        gradient(gpu, transfer, field, store, gradient_operator, smoothing ? &smoothing->result() : nullptr),
         window(gpu, field, store) {
     gradient.run();
   }
@@ -73,9 +73,10 @@ struct State {
     isovalue = isovalueAfter(filter_list, isovalue);
     return made;
   }
-  std::unique_ptr<FilterChain> smoothingOf(gpu::Gpu& gpu, const GradientOperator& way) {
-    if (!way.smooths()) return nullptr;
-    auto made = std::make_unique<FilterChain>(gpu, transfer, field, lowerFilters(way.smoothing, lattice().spacing_m));
+  std::unique_ptr<FilterChain> smoothingOf(gpu::Gpu& gpu, const GradientOperator& gradient_operator) {
+    if (!gradient_operator.smooths()) return nullptr;
+    auto made = std::make_unique<FilterChain>(gpu, transfer, field,
+                                              lowerFilters(gradient_operator.smoothing, lattice().spacing_m));
     made->run();
     return made;
   }
@@ -109,10 +110,10 @@ inline BrushProfile profileOf(const Volume& volume) {
   return brushProfile(kIsovalue, -100, 200, volume.lattice().spacing_m);
 }
 
-// Bricks, storage, bounds, active set and samples of two states.
+// Compares the bricks, storage, bounds, active sets and samples of two states.
 inline void expectSame(State& got, State& want) {
   EXPECT_EQ(got.pool.storedBricks(), want.pool.storedBricks());
-  // Of filtered bricks that a change did not reach, some may have kept their one density without storage.
+  // Filtered bricks that a change did not reach may have kept their one density without storage.
   const auto expectNearlyAsSparse = [](const BrickPool& a, const BrickPool& b) {
     const auto stored = static_cast<double>(b.storedBricks());
     EXPECT_NEAR(static_cast<double>(a.storedBricks()), stored, 0.1 * stored + 8);
@@ -141,18 +142,18 @@ inline void expectSame(State& got, State& want) {
   EXPECT_EQ(samples, 0U) << "bricks whose samples differ";
 }
 
-// What the tests below are run with: the volume's own gradients, those of a smoothed field, and that behind a filter.
+// Variants that tests run with: the volume's own gradients, those of a smoothed field, and those of a filtered field.
 struct Field {
   const char* chain;
-  const char* way;
+  const char* gradient_operator;
 };
 class EveryField : public testing::TestWithParam<Field> {
  protected:
-  GradientOperator way_ = gradientOperator(GetParam().way);
+  GradientOperator gradient_operator_ = gradientOperator(GetParam().gradient_operator);
   const char* chain_ = GetParam().chain;
 };
 
-// With and without filters and smoothing, for EveryField and what is made from it.
+// With and without filters and smoothing: the parameters of EveryField and of the fixtures derived from it.
 inline auto everyField() {
   return testing::Values(Field{"", "central"}, Field{"", "gaussian:1.5"}, Field{"gaussian:0.8", "gaussian:1"});
 }

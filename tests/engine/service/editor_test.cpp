@@ -181,7 +181,7 @@ TEST(Editor, AppliesAllOrNothing) {
 TEST_P(EveryField, GathersTheWindowThatANewGatherGives) {
   Volume volume = ball({96, 64, 64}, 20);
   gpu::Gpu gpu({});
-  State state(gpu, volume, false, 0, true, chain_, way_);
+  State state(gpu, volume, false, 0, true, chain_, gradient_operator_);
   Editor editor(state.parts(gpu), profileOf(volume), false);
   const WindowBox box{{25, 13, 17}, {32, 32, 32}};
   const std::size_t bytes = 32768 * sizeof(Sample);
@@ -222,7 +222,7 @@ TEST_P(EveryField, GathersDensitiesThatChangeFarFromTheSurface) {
     return true;
   });
   gpu::Gpu gpu({});
-  State state(gpu, volume, false, 0, true, chain_, way_);
+  State state(gpu, volume, false, 0, true, chain_, gradient_operator_);
   Editor editor(state.parts(gpu), profileOf(volume), false);
   const WindowBox box{{25, 29, 33}, {32, 32, 32}};
   const std::size_t bytes = 32768 * sizeof(Sample);
@@ -259,8 +259,8 @@ TEST_P(EveryField, PutsBricksBackWhereNothingIsStored) {
     return true;
   });
   gpu::Gpu gpu({});
-  State state(gpu, volume, false, 0, true, chain_, way_);
-  State before(gpu, volume, false, 0, true, chain_, way_);
+  State state(gpu, volume, false, 0, true, chain_, gradient_operator_);
+  State before(gpu, volume, false, 0, true, chain_, gradient_operator_);
   Editor editor(state.parts(gpu), profileOf(volume), false);
   const EditCommand hole = brush(EditKind::kRemove, volume, {40, 36, 32}, 6e-3);
   std::vector<BrickContent> kept;
@@ -284,8 +284,8 @@ TEST_P(EveryField, PutsBricksBackWhereNothingIsStored) {
 TEST_P(EveryField, PutsBricksBack) {
   Volume volume = ball({53, 41, 37}, 12);
   gpu::Gpu gpu({});
-  State state(gpu, volume, false, 0, true, chain_, way_);
-  State before(gpu, volume, false, 0, true, chain_, way_);
+  State state(gpu, volume, false, 0, true, chain_, gradient_operator_);
+  State before(gpu, volume, false, 0, true, chain_, gradient_operator_);
   Editor editor(state.parts(gpu), profileOf(volume), false);
   RandomEdits random(volume.size(), volume.lattice(), -120, 220, 21);
   std::vector<std::vector<BrickContent>> kept;
@@ -304,8 +304,35 @@ TEST_P(EveryField, PutsBricksBack) {
   expectSame(state, before);
   EXPECT_GT(editor.changedBricks(), 10U);
   EXPECT_EQ(editor.readBack(volume), 0U);  // every one of them holds what it held
-  State after(gpu, volume, false, 0, true, chain_, way_);
+  State after(gpu, volume, false, 0, true, chain_, gradient_operator_);
   expectSame(after, before);
+}
+
+// In a volume of one density a brick gets a surface, whose first voxel does not tell it; then loses it, and then is
+// object. Its surroundings get gradients and give them back as in a new start.
+TEST(Editor, ReplacedBricksAreAsInANewStart) {
+  Volume volume = Volume::fromBricks({40, 40, 40}, lattice(), {}, [](const Vec3i&, float* values) {
+    values[0] = -100;
+    return true;
+  });
+  gpu::Gpu gpu({});
+  State state(gpu, volume, false);
+  Editor editor(state.parts(gpu), profileOf(volume), false);
+  std::vector<float> surface(kBrickVoxels, 200.0F);
+  surface[0] = -99;
+  const std::uint32_t middle = editor.grid().index({2, 2, 2});
+  // Cells that the isosurface crosses begin in bricks 1 to 2 along each axis and end in bricks 1 to 3. Brick (1, 1, 1)
+  // sees only the first voxel of the middle one, so with the surface it is left out.
+  const std::vector<std::pair<std::vector<float>, std::size_t>> steps = {{surface, 26}, {{-90.0F}, 0}, {{200.0F}, 27}};
+  for (const auto& [values, active] : steps) {
+    const std::vector<BrickContent> bricks = {{middle, values}};
+    editor.replace(bricks, nullptr);
+    editor.settle();
+    editor.readBack(volume);
+    EXPECT_EQ(state.store.brickCount(), active);
+    State fresh(gpu, volume, false);
+    expectSame(state, fresh);
+  }
 }
 
 TEST(Editor, RefusesBricksThatAreNone) {
@@ -338,7 +365,7 @@ TEST_P(EveryField, CrossesIntoASecondSlab) {
   });
   ASSERT_EQ(volume.storedBricks(), 65530U);
   gpu::Gpu gpu({});
-  State state(gpu, volume, false, 0, true, chain_, way_);
+  State state(gpu, volume, false, 0, true, chain_, gradient_operator_);
   EXPECT_EQ(state.pool.slabCount(), 1U);
   Editor editor(state.parts(gpu), profileOf(volume), false);
   std::vector<EditCommand> commands;
@@ -356,7 +383,7 @@ TEST_P(EveryField, CrossesIntoASecondSlab) {
   EXPECT_THROW(editor.replace(many, nullptr), Error);
   many.clear();
   editor.readBack(volume);
-  State fresh(gpu, volume, false, 0, true, chain_, way_);
+  State fresh(gpu, volume, false, 0, true, chain_, gradient_operator_);
   expectSame(state, fresh);
 }
 

@@ -132,14 +132,15 @@ TEST(Engine, SaysWhatItHolds) {
       sum += figure.bytes;
     }
     ASSERT_THAT(names, testing::ElementsAre("gpu brick pool", "gpu filtered", "gpu smoothed", "gpu samples",
-                                            "gpu windows", "gpu total"));
+                                            "gpu windows", "gpu picture", "gpu total"));
     EXPECT_GE(figures[0].bytes, facts.stored_bricks * 2048);
     EXPECT_GE(figures[1].bytes, filtered ? facts.filtered_bricks * 2048 : 0);
     EXPECT_EQ(figures[1].bytes > 0, filtered);
     EXPECT_EQ(figures[2].bytes, 0U);
     EXPECT_GE(figures[3].bytes, facts.gradient_bricks * 8192);
     EXPECT_EQ(figures[4].bytes, 3U * 32 * 32 * 32 * 16);
-    EXPECT_GE(figures[5].bytes, sum - figures[5].bytes);  // lists and scratch come on top
+    EXPECT_EQ(figures[5].bytes, 0U);  // nothing is drawn
+    EXPECT_GE(figures[6].bytes, sum - figures[6].bytes);  // lists and scratch come on top
   }
 }
 
@@ -183,11 +184,12 @@ TEST(Engine, ActiveBricksServeEveryCellOnTheSurface) {
   }
 }
 
-void expectTheTwinsWindow(Engine& engine, const Volume& volume, const char* way, const SampleFormat& format) {
+void expectTheTwinsWindow(Engine& engine, const Volume& volume, const char* gradient_operator,
+                          const SampleFormat& format) {
   const SampleWindow& window = engine.exchange().latest();
   const Vec3i first = volume.lattice().toIndex(window.lattice.origin_W).array().round().cast<int>();
-  const std::vector<Sample> expected =
-      reference::windowSamples(reference::denseField(volume), first, window.size, gradientOperator(way), format);
+  const std::vector<Sample> expected = reference::windowSamples(reference::denseField(volume), first, window.size,
+                                                                gradientOperator(gradient_operator), format);
   EXPECT_EQ(std::memcmp(window.samples, expected.data(), expected.size() * sizeof(Sample)), 0);
 }
 
@@ -289,13 +291,14 @@ TEST(Engine, SaysWhatExceedsTheBudget) {
     return "nothing";
   };
   EXPECT_EQ(refusal(densities - 1),
-            fmt::format("GPU memory for the volume: its densities take {}, samples at its surface come on top, and the "
-                        "budget is {}; raise --gpu-memory, or crop or resample the volume",
+            fmt::format("GPU memory for the volume: "
+                        "its densities take {}, samples at its surface come on top, and the budget is {}; "
+                        "raise --gpu-memory, or crop or resample the volume",
                         inMiB(densities), inMiB(densities - 1)));
   const std::size_t active = Prepared().engine.planFacts().gradient_bricks;
   EXPECT_THAT(refusal(densities),
-              testing::HasSubstr(fmt::format("{} for samples at its surface), and the budget is {}; raise --gpu-memory "
-                                             "to ",
+              testing::HasSubstr(fmt::format("{} for samples at its surface), and the budget is {}; "
+                                             "raise --gpu-memory to ",
                                              inMiB(active * kBrickVoxels * sizeof(Sample)), inMiB(densities))));
   EXPECT_THAT(refusal(densities), testing::Not(testing::HasSubstr("its densities take")));
   EXPECT_THAT(refusal(densities), testing::HasSubstr("samples at its surface"));

@@ -88,7 +88,7 @@ bool same(const std::vector<Sample>& a, const std::vector<Sample>& b) {
 
 struct Field {
   const char* filter;
-  const char* way;
+  const char* gradient_operator;
   bool all = false;
 };
 class OtherIsovalue : public testing::TestWithParam<Field> {
@@ -96,7 +96,7 @@ class OtherIsovalue : public testing::TestWithParam<Field> {
   [[nodiscard]] Plan plan(bool all) const {
     return makePlan({.filter = GetParam().filter,
                      .gradient_all = all,
-                     .gradient_operator = GetParam().way,
+                     .gradient_operator = GetParam().gradient_operator,
                      .edits = edits_,
                      .other_isovalues = true});
   }
@@ -229,8 +229,8 @@ TEST(OtherIsovalueRefusals, BeginAtTheHighestDensity) {
   Engine engine(volume, makePlan({}), 100, "");
   EXPECT_EQ(refusal(engine, volume.minimum()), kNoRefusal);
   EXPECT_EQ(refusal(engine, volume.maximum()),
-            fmt::format("isovalue {2:g}: the densities lie between {1:g} and {2:g}, so there is no isosurface; give an "
-                        "isovalue from {1:g} to below {2:g}",
+            fmt::format("isovalue {2:g}: the densities lie between {1:g} and {2:g}, so there is no isosurface; "
+                        "give an isovalue from {1:g} to below {2:g}",
                         0, volume.minimum(), volume.maximum()));
 }
 

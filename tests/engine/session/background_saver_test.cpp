@@ -205,9 +205,8 @@ TEST(BackgroundSaver, WhatIsGivenUpIsNeverWritten) {
   saver.give(bricksOf(volume, 1), 1);
   saver.wait();
   saver.abandon("the device is gone");
-  EXPECT_THAT(saver.takeFailures(),
-              testing::ElementsAre("the volume is saved no more: the copy of it to save is incomplete (the device is "
-                                   "gone)"));
+  EXPECT_THAT(saver.takeFailures(), testing::ElementsAre("the volume is saved no more: "
+                                                         "the copy of it to save is incomplete (the device is gone)"));
   EXPECT_EQ(saver.figures().failure, "the device is gone");
   EXPECT_EQ(saver.figures().failures, 1U);
   saver.give(bricksOf(volume, 2), 2);

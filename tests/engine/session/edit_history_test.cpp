@@ -72,6 +72,22 @@ TEST(EditHistory, BricksOfOneDensityTakeLittle) {
   EXPECT_GE(edited.history.bytes(), bricks * (sizeof(BrickContent) + 32));  // the heap gives no less for a vector
 }
 
+// A stored brick's copy is 2 KiB and a vector. A block of the heap has at least 8 bytes beside what it holds, and no
+// more than 16. What an undo leaves to redo are eight constant bricks.
+TEST(EditHistory, StoredBricksTakeTwoKibibytesEach) {
+  std::vector<float> values(4096);
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<float>(i % 97);
+  Edited edited(Volume::fromDense({16, 16, 16}, millimetres(), values, {}), std::size_t{1} << 20U);
+  EditCommand all = dab(Vec3::Constant(7.5e-3));
+  all.radius_m = 25e-3;
+  edited.history.edit({&all, 1}, 0);
+  constexpr std::size_t kStep = sizeof(std::vector<BrickContent>);
+  EXPECT_GE(edited.history.bytes(), kStep + 8 * (sizeof(BrickContent) + 2048 + 8));
+  EXPECT_LE(edited.history.bytes(), kStep + 8 * (sizeof(BrickContent) + 2048 + 16));
+  edited.history.undo(0);
+  EXPECT_EQ(edited.history.bytes(), kStep + 8 * (sizeof(BrickContent) + 32));
+}
+
 // A cut of 50,000 bricks needs 3 MiB; a budget of 1 MiB is not asked for them, and nothing is copied.
 TEST(EditHistory, AnEditBeyondTheBudgetForgetsAllAndIsNotCopied) {
   Edited edited(large(), std::size_t{1} << 20U);
@@ -109,6 +125,45 @@ TEST(EditHistory, KeepsToTheBudgetWhenUndoTakesMoreThanTheEdit) {
   while (edited.history.canUndo()) {
     edited.history.undo(0);
     EXPECT_LE(edited.history.bytes(), 40'000U);
+  }
+}
+
+// Two holes in bricks of one density: a step takes much more once it is undone, since it then holds what the edit made.
+// Too much by a byte, the oldest edit goes, though it is in effect; with none in effect, the newest of those undone.
+TEST(EditHistory, BeyondTheBudgetTheOldestEditGoesAndThenTheNewestUndone) {
+  const auto volume = [] {
+    return Volume::fromBricks({64, 32, 32}, millimetres(), {}, [](const Vec3i&, float* values) {
+      values[0] = 100;
+      return true;
+    });
+  };
+  const auto hole = [](Edited& edited, double x_m) {
+    const EditCommand command = dab({x_m, 12e-3, 12e-3});
+    edited.history.edit({&command, 1}, 0);
+  };
+  Edited measured(volume(), std::size_t{1} << 20U);
+  hole(measured, 12e-3);
+  const std::size_t done = measured.history.bytes();
+  const std::uint64_t one_hole = measured.hash();
+  measured.history.undo(0);
+  const std::size_t undone = measured.history.bytes();
+  ASSERT_GT(undone, 4 * done);
+  for (const std::size_t short_of : {0, 1}) {
+    Edited edited(volume(), done + undone - short_of);
+    hole(edited, 12e-3);
+    hole(edited, 44e-3);
+    const std::uint64_t two_holes = edited.hash();
+    edited.history.undo(0);
+    EXPECT_EQ(edited.hash(), one_hole);
+    EXPECT_EQ(edited.history.canUndo(), short_of == 0);
+    EXPECT_EQ(edited.history.forgotten(), short_of);
+    if (edited.history.canUndo()) edited.history.undo(0);
+    EXPECT_EQ(edited.history.steps(), 1U);
+    EXPECT_EQ(edited.history.bytes(), undone);
+    EXPECT_EQ(edited.history.forgotten(), short_of);
+    edited.history.redo(0);
+    EXPECT_EQ(edited.hash(), short_of == 0 ? one_hole : two_holes);
+    EXPECT_FALSE(edited.history.canRedo());
   }
 }
 

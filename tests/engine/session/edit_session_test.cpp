@@ -13,7 +13,7 @@
 #include "base/stopwatch.hpp"
 #include "engine/edit/lower_edit.hpp"
 #include "engine/journal/replay.hpp"
-#include "engine/reference/edit_bricks.hpp"
+#include "engine/reference/edit.hpp"
 #include "journal_samples.hpp"
 
 namespace palpate {
@@ -251,7 +251,7 @@ TEST(EditSession, EverySaveIsTheVolumeAtOneVersion) {
     const std::vector<EditCommand> commands = {random.next()};
     s.session.edit(commands, now_ns);
     now_ns += 1'500'000'000;
-    s.session.look(now_ns);
+    s.session.feedSaver(now_ns);
     reference::applyEdits(twin, lowerEdits(commands, twin.size(), twin.lattice(), s.header.profile));
     contents.push_back(contentHash(twin));
   }
@@ -289,12 +289,12 @@ TEST(EditSession, ASaveInPartsIsTheVolumeAtOneVersion) {
     session.edit({&command, 1}, now_ns);
     reference::applyEdits(twin, lowerEdits({&command, 1}, size, twin.lattice(), header.profile));
     contents.push_back(contentHash(twin));
-    session.look(now_ns += 700'000'000);
+    session.feedSaver(now_ns += 700'000'000);
     most_left = std::max(most_left, engine.changedBricks());
     session.saver()->wait();
   }
   for (int i = 0; i < 20; ++i) {
-    session.look(now_ns += 700'000'000);
+    session.feedSaver(now_ns += 700'000'000);
     session.saver()->wait();
   }
   const std::size_t beside = saved.size();
@@ -323,7 +323,7 @@ TEST(EditSession, EditsWithoutEndDoNotPutASaveOff) {
     command.from_W = command.to_W = volume.lattice().toWorld(Vec3(46 + i % 5, 48, 48));
     command.radius_m = 30e-3;
     EXPECT_GT(session.edit({&command, 1}, now_ns).changed_bricks, 2U * 256);
-    session.look(now_ns += 700'000'000);
+    session.feedSaver(now_ns += 700'000'000);
     session.saver()->wait();
   }
   EXPECT_GE(saves, 2);
@@ -356,10 +356,10 @@ TEST(EditSession, WhatWaitsForADueSaveIsHandedOverInParts) {
   };
   for (int i = 0; begun == 0; ++i) {
     edit(3e-3, i);
-    session.look(now_ns += 1'500'000'000);
+    session.feedSaver(now_ns += 1'500'000'000);
   }
   edit(60e-3, 0);
-  session.look(now_ns += 1'500'000'000);
+  session.feedSaver(now_ns += 1'500'000'000);
   ASSERT_GT(changed(), 1024U);
   closed.unlock();
   session.saver()->wait();
@@ -367,7 +367,7 @@ TEST(EditSession, WhatWaitsForADueSaveIsHandedOverInParts) {
     const std::size_t before = changed();
     edit(3e-3, i);
     const std::size_t listed = changed();
-    session.look(now_ns += 1'500'000'000);
+    session.feedSaver(now_ns += 1'500'000'000);
     EXPECT_LE(listed - changed(), 256 + (listed - before)) << i;
     session.saver()->wait();
   }
@@ -387,7 +387,7 @@ TEST(EditSession, AnEditThatReachesNothingIsNotSaved) {
   away.from_W = away.to_W = s.volume.lattice().toWorld({-15, 10, 9});  // 10 mm from the volume
   s.session.edit({&command, 1}, 0);
   for (int i = 0; i < 20; ++i) {
-    s.session.look(now_ns += 1'500'000'000);
+    s.session.feedSaver(now_ns += 1'500'000'000);
     s.session.saver()->wait();
     s.session.edit({&away, 1}, now_ns);
   }
@@ -416,7 +416,7 @@ TEST(EditSession, EditsGoOnDuringASlowSave) {
     const std::vector<EditCommand> commands = {random.next()};
     s.session.edit(commands, now_ns);
     now_ns += 1'500'000'000;
-    s.session.look(now_ns);
+    s.session.feedSaver(now_ns);
   };
   while (begun == 0) edit();
   const std::uint64_t before = s.engine.editVersion();
@@ -441,11 +441,72 @@ TEST(EditSession, WithoutAPeriodItIsSavedOnceAtTheEnd) {
   for (int i = 0; i < 20; ++i) {
     const std::vector<EditCommand> commands = {random.next()};
     s.session.edit(commands, 0);
-    s.session.look(i * std::int64_t{1'000'000'000'000});
+    s.session.feedSaver(i * std::int64_t{1'000'000'000'000});
   }
   s.session.close();
   s.session.close();
   EXPECT_EQ(saves, 1);
+}
+
+// The first look begins the first period of 1.5 s, each save another one. A save that was due while nothing had changed
+// begins with the first look after a change. A save that failed is tried again a period later, though nothing changed.
+TEST(EditSession, SavesAreDueAPeriodApart) {
+  std::vector<std::uint64_t> tried;
+  bool full = false;
+  Session s;
+  const auto write = [&](const Volume&, std::uint64_t version) -> std::uint64_t {
+    tried.push_back(version);
+    if (full) throw Error(Error::Code::kIo, "file", "the disk is full", "make room");
+    return 1;
+  };
+  s.session.keepSaved(s.volume, write, 1.5);
+  const auto look = [&](std::int64_t now_ns) {
+    s.session.feedSaver(now_ns);
+    s.session.saver()->wait();
+    return tried.size();
+  };
+  double radius_m = 1e-3;
+  const auto edit = [&] {
+    EditCommand command = dab(0);
+    command.from_W = command.to_W = s.volume.lattice().toWorld({13, 10, 9});
+    command.radius_m = radius_m += 0.5e-3;
+    EXPECT_GT(s.session.edit({&command, 1}, 0).changed_bricks, 0U);
+  };
+  edit();
+  EXPECT_EQ(look(5'000'000'000), 0U);
+  EXPECT_EQ(look(6'499'999'999), 0U);
+  EXPECT_EQ(look(6'500'000'000), 1U);
+  edit();
+  EXPECT_EQ(look(7'999'999'999), 1U);
+  EXPECT_EQ(look(8'000'000'000), 2U);
+  EXPECT_EQ(look(20'000'000'000), 2U);
+  edit();
+  EXPECT_EQ(look(20'000'000'001), 3U);
+  edit();
+  full = true;
+  EXPECT_EQ(look(30'000'000'000), 4U);
+  EXPECT_EQ(s.session.figures().saves.version, 3U);
+  full = false;
+  EXPECT_EQ(look(31'499'999'999), 4U);
+  EXPECT_EQ(look(31'500'000'000), 5U);
+  EXPECT_EQ(s.session.figures().saves.version, 4U);
+  EXPECT_EQ(s.session.figures().saves.failures, 1U);
+  EXPECT_THAT(tried, testing::ElementsAre(1, 2, 3, 4, 4));
+}
+
+// There is a file at the end in any case.
+TEST(EditSession, WithoutAnEditTheVolumeIsSavedAtTheEnd) {
+  std::vector<std::uint64_t> saved;
+  Session s;
+  const auto write = [&](const Volume& volume, std::uint64_t version) {
+    saved.push_back(version);
+    return contentHash(volume);
+  };
+  s.session.keepSaved(s.volume, write, 1);
+  s.session.close();
+  EXPECT_THAT(saved, testing::ElementsAre(0));
+  EXPECT_EQ(s.session.figures().saves.version, 0U);
+  EXPECT_EQ(s.session.figures().saves.bytes, s.header.volume.content);
 }
 
 TEST(EditSession, WhatDidNotChangeIsNotSavedAgain) {
@@ -456,7 +517,7 @@ TEST(EditSession, WhatDidNotChangeIsNotSavedAgain) {
   std::int64_t now_ns = 0;
   const auto look = [&] {
     for (int i = 0; i < 20; ++i) {
-      s.session.look(now_ns += 1'500'000'000);
+      s.session.feedSaver(now_ns += 1'500'000'000);
       s.session.saver()->wait();
     }
   };

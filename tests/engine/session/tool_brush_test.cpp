@@ -39,7 +39,7 @@ TEST(ToolBrush, StrokesShareTheirEndsAtAnySpeed) {
     ToolBrush tool = brush("remove:radius=2mm");
     std::vector<EditCommand> strokes;
     for (int tick = 0; tick <= 100; ++tick) {
-      const auto due = tool.look(poseAt(speed * tick * 1e-3, true), tick * kTick_ns);
+      const auto due = tool.dueStroke(poseAt(speed * tick * 1e-3, true), tick * kTick_ns);
       strokes.insert(strokes.end(), due.begin(), due.end());
     }
     ASSERT_GE(strokes.size(), 8U);
@@ -54,10 +54,11 @@ TEST(ToolBrush, StrokesShareTheirEndsAtAnySpeed) {
 
 TEST(ToolBrush, OnlyATouchingToolEdits) {
   ToolBrush tool = brush("remove:radius=2mm");
-  for (int tick = 0; tick < 98; ++tick) EXPECT_TRUE(tool.look(poseAt(tick * 1e-3, false), tick * kTick_ns).empty());
+  for (int tick = 0; tick < 98; ++tick)
+    EXPECT_TRUE(tool.dueStroke(poseAt(tick * 1e-3, false), tick * kTick_ns).empty());
   // A touch between two edits is enough.
-  EXPECT_TRUE(tool.look(poseAt(0.1, true), 98 * kTick_ns).empty());
-  EXPECT_EQ(tool.look(poseAt(0.1, false), 100 * kTick_ns).size(), 1U);
+  EXPECT_TRUE(tool.dueStroke(poseAt(0.1, true), 98 * kTick_ns).empty());
+  EXPECT_EQ(tool.dueStroke(poseAt(0.1, false), 100 * kTick_ns).size(), 1U);
 }
 
 TEST(ToolBrush, AToolThatStandsIsNotRepeatedUnlessItsBrushGoesOn) {
@@ -65,7 +66,7 @@ TEST(ToolBrush, AToolThatStandsIsNotRepeatedUnlessItsBrushGoesOn) {
     ToolBrush tool = brush(text);
     int count = 0;
     for (int tick = 0; tick <= 100; ++tick)
-      count += static_cast<int>(tool.look(poseAt(0, true), tick * kTick_ns).size());
+      count += static_cast<int>(tool.dueStroke(poseAt(0, true), tick * kTick_ns).size());
     return count;
   };
   EXPECT_EQ(countOf("remove:radius=2mm"), 1);
@@ -78,11 +79,34 @@ TEST(ToolBrush, AToolThatStandsIsNotRepeatedUnlessItsBrushGoesOn) {
   EXPECT_EQ(countOf("remove:radius=2mm:soft=100:hard=900:drop=0.8"), 25);
 }
 
+// The tool has been away and comes back within a period to where it made its last stroke: its way there is a stroke.
+TEST(ToolBrush, AToolThatComesBackIsNotAtRest) {
+  ToolBrush tool = brush("remove:radius=2mm");
+  EXPECT_TRUE(tool.dueStroke(poseAt(0, true), 0).empty());
+  EXPECT_EQ(tool.dueStroke(poseAt(0, true), 4 * kTick_ns).size(), 1U);
+  EXPECT_TRUE(tool.dueStroke(poseAt(0.01, false), 8 * kTick_ns).empty());
+  const auto back = tool.dueStroke(poseAt(0, true), 12 * kTick_ns);
+  ASSERT_EQ(back.size(), 1U);
+  EXPECT_EQ(back[0].from_W, Vec3(0.01, 0, 0));
+  EXPECT_EQ(back[0].to_W, Vec3(0, 0, 0));
+  EXPECT_TRUE(tool.dueStroke(poseAt(0, true), 16 * kTick_ns).empty());
+}
+
+// At rest is who stays within 0.05 radii, here 0.1 mm, of the end of the last stroke.
+TEST(ToolBrush, ATwentiethOfTheRadiusIsAWay) {
+  for (const auto& [way_m, strokes] : {std::pair(0.099e-3, 0U), std::pair(0.101e-3, 1U)}) {
+    ToolBrush tool = brush("remove:radius=2mm");
+    EXPECT_TRUE(tool.dueStroke(poseAt(0, true), 0).empty());
+    EXPECT_EQ(tool.dueStroke(poseAt(0, true), 4 * kTick_ns).size(), 1U);
+    EXPECT_EQ(tool.dueStroke(poseAt(way_m, true), 8 * kTick_ns).size(), strokes) << way_m;
+  }
+}
+
 TEST(ToolBrush, AToolThatStandsTriesAgainWhatWasRefused) {
   ToolBrush tool = brush("remove:radius=2mm");
   int count = 0;
   for (int tick = 0; tick <= 100; ++tick) {
-    if (tool.look(poseAt(0, true), tick * kTick_ns).empty()) continue;
+    if (tool.dueStroke(poseAt(0, true), tick * kTick_ns).empty()) continue;
     if (++count <= 3) tool.refused();
   }
   EXPECT_EQ(count, 4);
@@ -94,14 +118,23 @@ TEST(ToolBrush, RateTakesTheForceThatWasSentAndTime) {
   ToolBrush tool = brush("remove:radius=2mm:rate=100");
   double left = 1;
   for (int tick = 0; tick <= 40; ++tick) {
-    const auto stroke = tool.look(poseAt(0, true, 0.5), tick * kTick_ns);
+    const auto stroke = tool.dueStroke(poseAt(0, true, 0.5), tick * kTick_ns);
     if (stroke.empty()) continue;
     EXPECT_NEAR(stroke[0].strength, 1 - std::exp(-100 * 0.5 * 4e-3), 1e-12);
     left *= 1 - stroke[0].strength;
   }
   EXPECT_NEAR(left, std::exp(-100 * 0.5 * 40e-3), 1e-12);
   ToolBrush pulled = brush("remove:radius=2mm:rate=100");
-  for (int tick = 0; tick <= 40; ++tick) EXPECT_TRUE(pulled.look(poseAt(0, true, -0.5), tick * kTick_ns).empty());
+  for (int tick = 0; tick <= 40; ++tick) EXPECT_TRUE(pulled.dueStroke(poseAt(0, true, -0.5), tick * kTick_ns).empty());
+}
+
+// Of a brush of half strength: half of what the force and the time make.
+TEST(ToolBrush, RateTakesAShareOfTheStrength) {
+  ToolBrush tool = brush("remove:radius=2mm:rate=100:strength=0.5");
+  EXPECT_TRUE(tool.dueStroke(poseAt(0, true, 2.0), 0).empty());
+  const auto stroke = tool.dueStroke(poseAt(0, true, 2.0), 4 * kTick_ns);
+  ASSERT_EQ(stroke.size(), 1U);
+  EXPECT_NEAR(stroke[0].strength, 0.5 * (1 - std::exp(-100 * 2.0 * 4e-3)), 1e-12);
 }
 
 // An algorithm without a VHIP says no surface, but it has contact: its tool edits too.
@@ -109,11 +142,11 @@ TEST(ToolBrush, AToolWithoutAVhipEditsToo) {
   ToolBrush tool = brush("remove:radius=2mm");
   ToolPose pose = poseAt(0, true);
   pose.at_surface = false;
-  EXPECT_TRUE(tool.look(pose, 0).empty());
-  EXPECT_EQ(tool.look(pose, 4 * kTick_ns).size(), 1U);
+  EXPECT_TRUE(tool.dueStroke(pose, 0).empty());
+  EXPECT_EQ(tool.dueStroke(pose, 4 * kTick_ns).size(), 1U);
   ToolBrush flattens = brush("flatten:radius=2mm");
-  EXPECT_TRUE(flattens.look(pose, 0).empty());
-  const auto strokes = flattens.look(pose, 4 * kTick_ns);
+  EXPECT_TRUE(flattens.dueStroke(pose, 0).empty());
+  const auto strokes = flattens.dueStroke(pose, 4 * kTick_ns);
   ASSERT_EQ(strokes.size(), 1U);
   EXPECT_EQ(strokes[0].plane_W, pose.position_W);  // which it takes for the surface
   EXPECT_EQ(strokes[0].normal_W, pose.normal_W);
@@ -124,11 +157,11 @@ TEST(ToolBrush, EachPeriodHasItsOwnForce) {
   ToolBrush tool = brush("remove:radius=2mm:rate=100");
   std::vector<double> strengths;
   for (int tick = 0; tick <= 12; ++tick) {
-    for (const EditCommand& stroke : tool.look(poseAt(tick * 1e-3, true,
-                                                      tick <= 4   ? 1.0
-                                                      : tick <= 8 ? 0.0
-                                                                  : 2.0),
-                                               tick * kTick_ns))
+    for (const EditCommand& stroke : tool.dueStroke(poseAt(tick * 1e-3, true,
+                                                           tick <= 4   ? 1.0
+                                                           : tick <= 8 ? 0.0
+                                                                       : 2.0),
+                                                    tick * kTick_ns))
       strengths.push_back(stroke.strength);
   }
   ASSERT_EQ(strengths.size(), 2U);  // in the second nobody pressed
@@ -144,7 +177,7 @@ TEST(ToolBrush, FlattensToThePlaneWhereTheContactBegan) {
     ToolPose pose = poseAt(tick * 1e-3, tick != 20);
     if (tick > 0) pose.surface_W.z() += 1e-3;
     if (tick > 20) pose.normal_W = Vec3::UnitX();
-    const auto due = tool.look(pose, tick * kTick_ns);
+    const auto due = tool.dueStroke(pose, tick * kTick_ns);
     strokes.insert(strokes.end(), due.begin(), due.end());
   }
   ASSERT_EQ(strokes.size(), 10U);
@@ -163,8 +196,8 @@ TEST(ToolBrush, AMirrorDoesTheStrokeOnTheOtherSideToo) {
        {std::pair("flatten:radius=2mm:mirror=x", 0), std::pair("flatten:mirror=y:radius=2mm", 1),
         std::pair("flatten:radius=2mm:mirror=z", 2)}) {
     ToolBrush tool = brush(text);
-    EXPECT_TRUE(tool.look(poseAt(1e-3, true), 0).empty());
-    const auto strokes = tool.look(poseAt(2e-3, true), 4 * kTick_ns);
+    EXPECT_TRUE(tool.dueStroke(poseAt(1e-3, true), 0).empty());
+    const auto strokes = tool.dueStroke(poseAt(2e-3, true), 4 * kTick_ns);
     ASSERT_EQ(strokes.size(), 2U);
     const auto other = [&](Vec3 p_W) {
       p_W[axis] = 2 * middle_W[axis] - p_W[axis];

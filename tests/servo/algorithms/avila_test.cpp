@@ -38,6 +38,7 @@ TEST_F(AvilaRamp, PushesByTheDepthThatTheDensitySays) {
     EXPECT_TRUE(out.in_contact);
     EXPECT_LT((out.force_W - Vec3(0, 0, 500 * depth_m)).norm(), 1e-6);
     EXPECT_NEAR(out.vhip_W.z(), kSurface, 1e-9);
+    EXPECT_NEAR(out.depth_m, depth_m, 1e-9);
     EXPECT_LT((out.normal_W - Vec3::UnitZ()).norm(), 1e-6);
     EXPECT_EQ(out.faults, 0u);
     EXPECT_EQ(out.plane_age_ticks, 0);
@@ -57,6 +58,33 @@ TEST_F(AvilaRamp, RetardsMotionInEveryDirectionAlsoOut) {
   EXPECT_LT((driver.at(at(1e-3)).force_W - Vec3(0, 0, 0.5 - 2.0)).norm(), 1e-6);
 }
 
+// The tool goes a millimetre deeper in the tick in which a window of a new edit comes. The edit changed nothing here,
+// so all of the force is felt at once: 2 mm, and 1 m/s down.
+TEST_F(AvilaRamp, TheToolsOwnMotionDuringAnEditIsNotEased) {
+  driver.at(at(1e-3));
+  driver.edit(volume);
+  EXPECT_LT((driver.at(at(2e-3)).force_W - Vec3(0, 0, 500 * 2e-3 + 2.0)).norm(), 1e-6);
+}
+
+// The new window does not hold the place of the last tick, so the depth shown there, 1 mm, is compared with that here,
+// 2 mm: a 500th of the rise is felt. The tool has come at 10 m/s along x and 1 m/s down.
+TEST_F(AvilaRamp, AnEditIsComparedHereWhereTheWindowHasLeftTheLastPlace) {
+  AlgorithmDriver leaping(avila, volume, at(1e-3), 12);
+  leaping.at(at(1e-3));
+  const Vec3 force_W = leaping.leapWithEdit(at(2e-3) + Vec3(10e-3, 0, 0)).force_W;
+  EXPECT_LT((force_W - Vec3(-20, 0, 500 * (1e-3 + 1e-3 / 500) + 2)).norm(), 1e-6);
+}
+
+// The edit turns the normal round: what was felt pushed the other way, so all of the new force comes in evenly.
+TEST_F(AvilaRamp, AForceThatAnEditTurnsRoundComesInEvenly) {
+  const AnalyticVolume turned =
+      millimetreVolume([](const Vec3& p_W) { return 2e5 * std::clamp(p_W.z() - 18e-3, -6e-3, 6e-3); }, 40);
+  driver.at(at(1e-3));
+  driver.edit(turned);
+  for (const int tick : {1, 2})
+    EXPECT_LT((driver.at(at(1e-3)).force_W - Vec3(0, 0, -500 * 1e-3 * tick / 500)).norm(), 1e-6);
+}
+
 TEST_F(AvilaRamp, OutsideThereIsNothing) {
   driver.at(at(-3e-3));
   for (double depth_m : {-2e-3, -1e-4, 0.0}) {
@@ -64,6 +92,7 @@ TEST_F(AvilaRamp, OutsideThereIsNothing) {
     EXPECT_FALSE(out.in_contact);
     EXPECT_TRUE(out.force_W.isZero(0));
     EXPECT_TRUE(out.normal_W.isZero(0));
+    EXPECT_EQ(out.depth_m, 0);
     EXPECT_EQ(out.vhip_W, at(depth_m));
     EXPECT_EQ(out.faults, 0u);
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// tests/servo/algorithms/ball_slide.hpp: a ball, places around it, and a tool that holds still while an edit is taken
+// tests/servo/algorithms/ball_slide.hpp: a ball, places around it, and a tool that holds still while an edit is eased
 // in.
 #pragma once
 
@@ -32,11 +32,11 @@ inline Vec3 slidePoint(double angle, double radius_m) {
   return kCentre + (u * std::cos(angle) + v * std::sin(angle)) * radius_m;
 }
 
-// Holds the tool where it is until what an edit has added is taken in; the force must rise evenly, from what it was.
+// Holds the tool still until what an edit has added is taken in. The force must rise evenly from its old value.
 inline TickOutput holdUntilEased(AlgorithmDriver& driver, const Vec3& hip_W, const TickOutput& first, double depth_m) {
   const double stiffness = AlgorithmParameters{}.stiffness_N_per_m;
   const double step_N = stiffness * depth_m / kEaseTicks;
-  // Planes of one surface, found anew for one HIP, agree to a hundredth of a voxel.
+  // Two planes of one surface, found for one HIP, agree to a hundredth of a voxel.
   const double rounding_N = stiffness * 0.01 * kVoxel;
   TickOutput before = first;
   TickOutput out = first;

@@ -5,7 +5,7 @@
 
 #include "level_leap.hpp"
 #include "servo/safety/faults.hpp"
-#include "servo/window/fetch.hpp"
+#include "servo/window/window_sampler.hpp"
 #include "support/algorithm_driver.hpp"
 #include "support/analytic_surface.hpp"
 

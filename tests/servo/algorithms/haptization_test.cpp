@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/algorithms/haptization.hpp"
 
+#include <cmath>
 #include <limits>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -39,6 +41,8 @@ TEST_F(HaptizationRamp, ForceAndViscosityAreThoseOfTheTables) {
   EXPECT_LT((out.normal_W - Vec3::UnitZ()).norm(), 1e-6);
   EXPECT_TRUE(out.in_contact);
   EXPECT_EQ(out.vhip_W, at(2e-3));  // there is no VHIP
+  EXPECT_TRUE(std::isnan(out.depth_m));
+  EXPECT_FALSE(out.at_surface);
   EXPECT_EQ(out.faults, 0u);
   out = driver.at(at(2e-3) + Vec3(0.5e-3, 0, 0));  // 0.5 m/s against 4 N s/m
   EXPECT_LT((out.force_W - Vec3(-2, 0, 1)).norm(), 1e-5);
@@ -50,6 +54,7 @@ TEST_F(HaptizationRamp, AFlatRegionIsViscousOnly) {
   EXPECT_LT((out.force_W - Vec3(0, -0.8, 0)).norm(), 1e-5);
   EXPECT_FALSE(out.in_contact);
   EXPECT_TRUE(out.normal_W.isZero(0));
+  EXPECT_EQ(out.depth_m, 0);
   EXPECT_EQ(out.faults, 0u);
 }
 
@@ -70,6 +75,58 @@ TEST_F(HaptizationRamp, ViscosityThatAnEditAddsComesInEvenly) {
   }
   moving.edit(nothing);
   EXPECT_TRUE(moving.at(at(10e-3)).force_W.isZero(0));
+}
+
+// The tool goes a millimetre deeper in the tick in which a window of a new edit comes. The edit changed nothing here,
+// so all of the force and the viscosity is felt at once: 1 N, and 4 N s/m against 1 m/s.
+TEST_F(HaptizationRamp, TheToolsOwnMotionDuringAnEditIsNotEased) {
+  driver.at(at(1e-3));
+  driver.edit(volume);
+  EXPECT_LT((driver.at(at(2e-3)).force_W - Vec3(0, 0, 1 + 4)).norm(), 1e-5);
+}
+
+// The new window does not hold the place of the last tick, so what was felt there, 0.5 N and 2 N s/m, is compared with
+// what is felt now, 1 N and 4 N s/m: a 500th of the rise is felt. The tool has come at 10 m/s along x and 1 m/s down.
+TEST_F(HaptizationRamp, AnEditIsComparedHereWhereTheWindowHasLeftTheLastPlace) {
+  AlgorithmDriver leaping(haptization, volume, at(1e-3), 12);
+  leaping.at(at(1e-3));
+  const Vec3 force_W = leaping.leapWithEdit(at(2e-3) + Vec3(10e-3, 0, 0)).force_W;
+  const double force_N = 0.5 + 0.5 / 500, viscosity_Ns_per_m = 2 + 2.0 / 500;
+  EXPECT_LT((force_W - Vec3(-10 * viscosity_Ns_per_m, 0, force_N + viscosity_Ns_per_m)).norm(), 1e-4);
+}
+
+// In the last tick there was no window, so nothing was shown that the force could go on from.
+TEST_F(HaptizationRamp, AnEditAfterAGapComesInFromNothing) {
+  driver.at(at(1e-3));
+  const std::uint64_t version = std::exchange(driver.window().version, 0);
+  EXPECT_EQ(driver.at(at(1e-3)).faults, bit(ServoFault::kNoWindow));
+  driver.window().version = version;
+  driver.edit(volume);
+  EXPECT_LT((driver.at(at(1e-3)).force_W - Vec3(0, 0, 0.5 / 500)).norm(), 1e-6);
+}
+
+// The edit turns the force of 0.5 N round. What was felt pushed the other way, so all of the new force comes in evenly.
+TEST_F(HaptizationRamp, AForceThatAnEditTurnsRoundComesInEvenly) {
+  const AnalyticVolume turned =
+      millimetreVolume([](const Vec3& p_W) { return 1e5 * std::clamp(p_W.z() - 18e-3, -5e-3, 5e-3); }, 40);
+  driver.at(at(1e-3));
+  driver.edit(turned);
+  for (const int tick : {1, 2}) EXPECT_LT((driver.at(at(1e-3)).force_W - Vec3(0, 0, -0.5 * tick / 500)).norm(), 1e-6);
+}
+
+// A force into the dense, 0.5 N down: an edit that changes nothing leaves it, one that adds it brings it in evenly.
+TEST(Haptization, AForceIntoTheDenseIsEasedToo) {
+  const AnalyticVolume volume = ramp();
+  const AnalyticVolume nothing = millimetreVolume([](const Vec3&) { return -500.0; }, 40);
+  Haptization haptization({}, {{{0, 0, 0}, {400, -4, 0}}, {{0, 0}, {2e5, 1}}});
+  AlgorithmDriver driver(haptization, nothing, at(1e-3), 40);
+  driver.follow = false;
+  EXPECT_TRUE(driver.at(at(1e-3)).force_W.isZero(0));
+  driver.edit(volume);
+  for (int tick = 1; tick <= 500; ++tick)
+    ASSERT_LT((driver.at(at(1e-3)).force_W - Vec3(0, 0, -0.5 * tick / 500)).norm(), 1e-6) << tick;
+  driver.edit(volume);
+  EXPECT_LT((driver.at(at(1e-3)).force_W - Vec3(0, 0, -0.5)).norm(), 1e-6);
 }
 
 TEST_F(HaptizationRamp, BelowTheTableAndBeyondTheVolumeThereIsNothing) {
@@ -131,6 +188,18 @@ TEST(Haptization, TablesOfASceneReplaceTheStandardOnes) {
   const auto haptization = makeAlgorithm("haptization", std::move(setup));
   AlgorithmDriver driver(*haptization, volume, at(2e-3), 40);
   EXPECT_LT((driver.at(at(2e-3)).force_W - Vec3(0, 0, 1)).norm(), 1e-5);
+}
+
+// A table of weights alone: the densities are the standard ones, 1.5 N at 2 mm, and a gradient of 1e5 weighs a quarter.
+TEST(Haptization, ATableOfASceneMayLeaveTheOtherAtTheStandard) {
+  const AnalyticVolume volume = ramp();
+  AlgorithmSetup setup;
+  setup.parameters.isovalue = 100;
+  setup.haptization.gradient = {{0, 0}, {4e5, 1}};
+  setup.scale = {400, 1e-3};
+  const auto haptization = makeAlgorithm("haptization", std::move(setup));
+  AlgorithmDriver driver(*haptization, volume, at(2e-3), 40);
+  EXPECT_LT((driver.at(at(2e-3)).force_W - Vec3(0, 0, 1.5 / 4)).norm(), 1e-5);
 }
 
 class NoEffect final : public ContactEffect {

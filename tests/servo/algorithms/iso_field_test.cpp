@@ -310,6 +310,31 @@ TEST(IsoField, ACutFaceIsAWayOut) {
   }
 }
 
+// A wall of object from 10 to 14 mm, and ground below 4 mm. The window shows 2 to 25 mm. A plane at height z with its
+// normal up: a HIP below it is in the air if both it and the place a quarter of a voxel above the plane are, and
+// nothing is between.
+TEST(IsoField, AHipInTheAirBehindAPlaneHasNoObjectInBetween) {
+  const AnalyticVolume volume =
+      millimetreVolume([](const Vec3& p_W) { return std::max(2e-3 - std::abs(p_W.z() - 12e-3), 4e-3 - p_W.z()); }, 32);
+  HeldWindow held;
+  volume.hold(held, Vec3i::Constant(2), Vec3i::Constant(24));
+  const IsoField field(held.window, 0);
+  const auto inAir = [&](double plane_mm, double hip_mm) {
+    const auto at = [](double z_mm) { return Vec3(16e-3, 16e-3, z_mm * 1e-3); };
+    return field.inAirBehind(at(plane_mm), Vec3::UnitZ(), field.probe(at(hip_mm)));
+  };
+  EXPECT_TRUE(inAir(9, 5));
+  EXPECT_TRUE(inAir(24, 15));
+  EXPECT_FALSE(inAir(15, 5));     // through the wall
+  EXPECT_FALSE(inAir(15, 12));    // in the wall
+  EXPECT_FALSE(inAir(9, 3));      // in the ground
+  EXPECT_FALSE(inAir(9.85, 5));   // 0.1 mm above it the wall has begun
+  EXPECT_TRUE(inAir(9.7, 5));     // 0.05 mm below the wall
+  EXPECT_TRUE(inAir(13.8, 20));   // the place in front of the plane counts, not the plane
+  EXPECT_FALSE(inAir(9, 1));      // nobody knows
+  EXPECT_FALSE(inAir(24.9, 15));  // nor here
+}
+
 // All object as far as the window reaches, which is not known to end: no way out.
 TEST(IsoField, ThereIsNoWayOutOfAWindowThatIsAllObject) {
   const AnalyticVolume volume = millimetreVolume([](const Vec3&) { return 1.0; }, 40);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A leap aside over level ground: how far an algorithm that goes along the surface gets in one tick.
+// tests/servo/algorithms/level_leap.hpp: a leap aside over level ground: how far an algorithm that goes along the
+// surface gets in one tick.
 #pragma once
 
 #include <algorithm>
@@ -11,8 +12,8 @@
 
 namespace palpate {
 
-// The contact follows the HIP by at most `farthest_m` in a tick. The place reached is remembered, and told when there
-// is no window. Floats of up to 0.03 put heights off by 1e-9.
+// Checks that the contact follows the HIP by at most `farthest_m` in a tick. Without a window the algorithm still names
+// the place that it reached. Floats of up to 0.03 put heights off by 1e-9.
 template <typename SurfaceAlgorithm>
 void expectToGetAsFarAsATickAllows(double farthest_m) {
   const AnalyticVolume ground = millimetreVolume([](const Vec3& p_W) { return 20.3e-3 - p_W.z(); }, 48);

@@ -10,7 +10,7 @@
 #include "servo/algorithms/hri.hpp"
 #include "servo/algorithms/registry.hpp"
 #include "servo/safety/faults.hpp"
-#include "servo/window/fetch.hpp"
+#include "servo/window/window_sampler.hpp"
 #include "support/algorithm_driver.hpp"
 #include "support/analytic_surface.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// tests/servo/contact/energy_cycles.hpp: closed ways of a tool in and out of a body, and the energy that it gets on
+// tests/servo/contact/energy_cycles.hpp: closed paths of a tool in and out of a body, and the energy that it gets on
 // them.
 //
 // A body is a surface with an exact distance in a volume of any lattice, and a map from surface coordinates and depth
@@ -51,7 +51,7 @@ inline Lattice energyLattice(int kind, double slice_m) {
 struct EnergyBody {
   std::string name;
   AnalyticSurface surface;
-  std::function<Vec3(double a, double b, double depth_m)> at;  // a and b in metres of way along the surface, about 0
+  std::function<Vec3(double a, double b, double depth_m)> at;  // a and b: metres along the surface, about 0
   double deepest_m = 4e-3;
   double slice_m = 3e-3;
 
@@ -61,7 +61,7 @@ struct EnergyBody {
     return {"plane", planeSurface(0.3e-3 * n, n),
             [=](double a, double b, double depth_m) { return Vec3((0.3e-3 - depth_m) * n + a * u + b * v); }};
   }
-  // Outside of a ball of 18 mm, or inside of a hollow one of 17 mm.
+  // The outside of a ball of 18 mm, or the inside of a hollow ball of 17 mm.
   static EnergyBody ball(Dice& dice, bool hollow) {
     const double radius_m = hollow ? 17e-3 : 18e-3, out = hollow ? -1 : 1;
     const Mat3 R = Eigen::AngleAxisd(dice.between(0, 6), Vec3(dice.between(-1, 1), 1, dice.between(-1, 1)).normalized())
@@ -85,9 +85,9 @@ struct EnergyBody {
   }
 };
 
-// All samples of the body, as one window. Density: steepness times the depth; from two voxels below the surface on it
-// is that of 2 mm more or less from place to place, so a table has something to tell apart. Surface and normal do not
-// depend on it: interpolation and central differences reach 2 voxels.
+// All samples of the body, as one window. The density is steepness times the depth. Deeper than two voxels it also
+// varies from place to place, by as much as 2 mm of depth would change it, so that a stiffness table has an effect.
+// Surface and normal do not depend on that: interpolation and central differences reach 2 voxels.
 class EnergyVolume {
  public:
   static constexpr double kSteepness = 1e5;  // [density/m]
@@ -136,7 +136,8 @@ struct EnergyWay {
   double deepest_m = 0;
 };
 
-// Press, slide on with varying depth, by ways of up to 12 mm and back or not, withdraw. At most `step_m` a tick.
+// Press, slide with varying depth, withdraw. A slide is up to 12 mm long; the last may lead back to the first place. At
+// most `step_m` a tick.
 inline EnergyWay randomCycle(const EnergyBody& body, Dice& dice, double step_m) {
   struct Point {
     double a, b, depth;
@@ -169,15 +170,15 @@ inline EnergyWay randomCycle(const EnergyBody& body, Dice& dice, double step_m) 
 }
 
 struct Cycle {
-  double given_J = 0;         // largest lack of the account over the way, its end included
-  double stored_J = 0;        // the largest that a spring of this force holds at this depth
+  double given_J = 0;         // the most that the tool had been given beyond what it put in, anywhere on the path
+  double stored_J = 0;        // the most that a spring of this force stores at this depth
   double largest_step_N = 0;  // of the force from one tick to the next
   double largest_N = 0;
-  int lost = 0;  // contacts that ended before the way did
+  int lost = 0;  // contacts that ended before the path did
 };
 
-// The work is that of the mean of a tick's two forces: what the field does, not what holding a force over a tick adds,
-// which every sampled wall does, with effects or without.
+// The work uses the mean of a tick's two forces, so it is the work of the field. Holding a force over a tick adds
+// energy too. Every sampled wall does that, with effects or without, so it does not count here.
 inline Cycle energyOf(const EnergyVolume& volume, const EnergyWay& way, const EffectParameters& effects, int n,
                       double rate_hz) {
   AlgorithmSetup setup;

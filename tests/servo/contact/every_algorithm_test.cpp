@@ -31,7 +31,7 @@ AlgorithmSetup withEffects(std::string_view name, const AnalyticVolume& volume, 
 // depth in front of its mesh, which adds as much to both.
 TEST(EffectsOnEveryAlgorithm, FrictionIsTheSameCone) {
   const AnalyticVolume volume = flat();
-  int algorithms_seen = 0;
+  std::size_t algorithms_seen = 0;
   for (const AlgorithmEntry& entry : algorithms()) {
     if (!hasVhip(entry.name)) continue;
     SCOPED_TRACE(std::string(entry.name));
@@ -46,9 +46,14 @@ TEST(EffectsOnEveryAlgorithm, FrictionIsTheSameCone) {
     EXPECT_NEAR(out.force_W.z(), 0.5, 0.5 * 2e-3);
     EXPECT_NEAR(out.force_W.x(), -0.3 * out.force_W.z(), 1e-3 * out.force_W.z());
     EXPECT_NEAR(out.force_W.y(), 0, 1e-6);
+    EXPECT_NEAR(out.depth_m, 1e-3, 2e-6);  // below the surface, wherever friction holds the VHIP
+    EXPECT_LT((out.normal_W - Vec3::UnitZ()).norm(), 1e-6);
+    const TickOutput free = driver.at(Vec3(23e-3, 20e-3, 21e-3));
+    EXPECT_EQ(free.depth_m, 0);
+    EXPECT_TRUE(free.normal_W.isZero(0));
     ++algorithms_seen;
   }
-  EXPECT_EQ(algorithms_seen, 6);
+  EXPECT_EQ(algorithms_seen, algorithms().size() - std::size(kWithoutVhip));
 }
 
 // A layer is put over a sliding tool: friction goes by the force that is felt, so it stays in its cone all the time

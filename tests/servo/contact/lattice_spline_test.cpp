@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "contact/plane_contact.hpp"
-#include "servo/contact/surface_turn.hpp"
+#include "servo/contact/shape_operator.hpp"
 #include "support/analytic_volume.hpp"
 
 namespace palpate {
@@ -97,7 +97,7 @@ TEST(LatticeSpline, ReadsTheWindowOfTheTick) {
 // Gradients of R - |x| at samples R / h voxels out, a voxel aside either way: the secant errs by (h / R)^2 / 3 of 1 /
 // R, central differences by (h / R)^2 / 6 and their interpolation by 3 / 8 (h / R)^2 (analytic_surface.hpp): below (h /
 // R)^2 = 1 / 200 each way, for a ball and for a hollow one.
-TEST(SurfaceTurn, IsOneOverTheRadiusOnABall) {
+TEST(ShapeOperator, IsOneOverTheRadiusOnABall) {
   for (const double out : {1.0, -1.0}) {
     const double R = 20e-3;
     const Vec3 centre = Vec3::Constant(31.3e-3);
@@ -106,15 +106,16 @@ TEST(SurfaceTurn, IsOneOverTheRadiusOnABall) {
     volume.hold(held, Vec3i::Zero(), volume.size);
     const Vec3 radial = Vec3(0.4, -0.3, 0.8).normalized();
     const Vec3 normal = out * radial;
-    const SurfaceTurn turn(WindowSampler(held.window), centre + R * radial, normal);
+    const ShapeOperator shape(WindowSampler(held.window), centre + R * radial, normal);
     const Vec3 q = normal.cross(Vec3(0.2, 0.9, -0.1)).normalized();
-    EXPECT_NEAR((R * turn.turn(q) - out * q).norm(), 0, 0.02);
+    EXPECT_NEAR((R * shape.apply(q) - out * q).norm(), 0, 0.02);
     for (const double depth_m : {0.0, 1e-3, 5e-3}) {
-      EXPECT_NEAR((turn.atHip(q, depth_m) - q / (1 - out * depth_m / R)).norm(), 0, 0.02 * depth_m / R * 2 + 1e-12);
+      EXPECT_NEAR((shape.slopeAtHip(q, depth_m) - q / (1 - out * depth_m / R)).norm(), 0,
+                  0.02 * depth_m / R * 2 + 1e-12);
     }
     // Deeper than the ball is round there is an end.
-    EXPECT_LE(turn.atHip(q, 0.99 * R).norm(), SurfaceTurn::kMostTimes * (1 + 1e-12));
-    EXPECT_NEAR(turn.atHip(normal, 1e-3).norm(), 0, 1e-12);
+    EXPECT_LE(shape.slopeAtHip(q, 0.99 * R).norm(), ShapeOperator::kMostGrowth * (1 + 1e-12));
+    EXPECT_NEAR(shape.slopeAtHip(normal, 1e-3).norm(), 0, 1e-12);
   }
 }
 
@@ -145,40 +146,40 @@ class Saddle : public testing::Test {
 };
 
 TEST_F(Saddle, TurnsDifferentlyInEachDirection) {
-  const SurfaceTurn turn(WindowSampler(held_.window), p_W_, kNormal);
+  const ShapeOperator shape(WindowSampler(held_.window), p_W_, kNormal);
   for (const double angle : {0.0, 0.3, 0.8, 1.2, 1.57, 2.5}) {
     const double a = std::cos(angle), b = std::sin(angle);
     const Vec3 q = a * a_ + b * b_ + 0.7 * kNormal;  // the part along the normal does not count
-    EXPECT_LT((turn.turn(q) - (60 * a * a_ - 40 * b * b_)).norm(), 0.2) << angle;
+    EXPECT_LT((shape.apply(q) - (60 * a * a_ - 40 * b * b_)).norm(), 0.2) << angle;
     for (const double depth_m : {1e-3, 3e-3}) {
       const Vec3 wanted = a / (1 - 60 * depth_m) * a_ + b / (1 + 40 * depth_m) * b_;
-      EXPECT_LT((turn.atHip(q, depth_m) - wanted).norm(), 0.2 * 2 * depth_m) << angle;
+      EXPECT_LT((shape.slopeAtHip(q, depth_m) - wanted).norm(), 0.2 * 2 * depth_m) << angle;
     }
-    // 15 mm deep 60 / m would multiply by ten, which is more than kMostTimes; -40 / m still divides by 1.6.
-    const Vec3 bounded = SurfaceTurn::kMostTimes * a * a_ + b / 1.6 * b_;
-    EXPECT_LT((turn.atHip(q, 15e-3) - bounded).norm(), 0.02) << angle;
+    // 15 mm deep 60 / m would multiply by ten, which is more than kMostGrowth; -40 / m still divides by 1.6.
+    const Vec3 bounded = ShapeOperator::kMostGrowth * a * a_ + b / 1.6 * b_;
+    EXPECT_LT((shape.slopeAtHip(q, 15e-3) - bounded).norm(), 0.02) << angle;
   }
 }
 
-// A voxel aside of a place at the window's face there may be no gradient: then nothing is known of the turn.
+// A voxel aside of a place at the window's face there may be no gradient: then the curvature is not known.
 TEST_F(Saddle, CountsAsFlatBesideTheWindowsFace) {
   for (int axis = 0; axis < 3; ++axis) {
     for (const double at : {0.1, 18.9}) {
       Vec3 p_L(9.3, 10.2, 8.9);
       p_L[axis] = at;
-      const SurfaceTurn turn(WindowSampler(held_.window), volume_.lattice.toWorld(p_L), kNormal);
-      EXPECT_EQ(turn.turn(a_), Vec3::Zero()) << axis << " " << at;
-      EXPECT_EQ(turn.turn(b_), Vec3::Zero()) << axis << " " << at;
+      const ShapeOperator shape(WindowSampler(held_.window), volume_.lattice.toWorld(p_L), kNormal);
+      EXPECT_EQ(shape.apply(a_), Vec3::Zero()) << axis << " " << at;
+      EXPECT_EQ(shape.apply(b_), Vec3::Zero()) << axis << " " << at;
     }
   }
 }
 
-TEST(SurfaceTurn, WithoutAWindowItIsFlat) {
+TEST(ShapeOperator, WithoutAWindowItIsFlat) {
   const Vec3 normal = Vec3(1, 2, 3).normalized();
   const Vec3 q = normal.cross(Vec3::UnitX());
-  const SurfaceTurn turn(WindowSampler(), Vec3::Zero(), normal);
-  EXPECT_EQ(turn.turn(q), Vec3::Zero());
-  EXPECT_NEAR((turn.atHip(q, 1e-3) - q).norm(), 0, 1e-15);
+  const ShapeOperator shape(WindowSampler(), Vec3::Zero(), normal);
+  EXPECT_EQ(shape.apply(q), Vec3::Zero());
+  EXPECT_NEAR((shape.slopeAtHip(q, 1e-3) - q).norm(), 0, 1e-15);
 }
 
 TEST(VoxelAcross, IsASideAlongAnAxisAndBetweenThemElsewhere) {

@@ -8,7 +8,7 @@
 
 namespace palpate {
 
-// A frame of its own for a test that is done in another one too: x_W = R_WT * x_T.
+// T is the frame of the test, so that a test can be repeated in a turned frame: x_W = R_WT * x_T.
 class PlaneContact {
  public:
   explicit PlaneContact(ContactEffect& effect, const Mat3& R_WT = Mat3::Identity()) : effect_(effect), R_WT_(R_WT) {}

@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "servo/devices/sampled_path.hpp"
+#include "servo/devices/path.hpp"
 #include "servo/devices/simulated_device.hpp"
 #include "tests/servo/support/seeded.hpp"
 #include "tests/support/refusal.hpp"

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "base/error.hpp"
-#include "servo/devices/sampled_path.hpp"
+#include "servo/devices/path.hpp"
 
 namespace palpate {
 namespace simulated_device_test {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// tests/servo/loop/changing_press.hpp: a rigid hand on a ball, and changes of the servo that plays it.
+// tests/servo/loop/changing_press.hpp: a rigid hand on a ball, and a servo whose algorithm or force limit changes.
 #pragma once
 
 #include <functional>
@@ -18,7 +18,7 @@ inline AlgorithmParameters stiff(double stiffness_N_per_m, int n = 5) {
   return {.stiffness_N_per_m = stiffness_N_per_m, .damping_Ns_per_m = 0, .plane_renewal_ticks = n};
 }
 
-// A rigid hand on a path that is given; changes before any tick.
+// A rigid hand on a given path; changes can be given before any tick.
 struct Press {
   TouchScene scene{1.0};
   std::unique_ptr<Algorithm> algorithm;

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "servo/devices/sampled_path.hpp"
+#include "servo/devices/path.hpp"
 #include "servo/devices/simulated_device.hpp"
 #include "servo/loop/run_figures.hpp"
 #include "servo/loop/servo_loop.hpp"

@@ -45,6 +45,14 @@ class AlgorithmDriver {
     ++held_.window.edit_version;
     publish(centre_W_);
   }
+  // One tick at a place that the last window does not hold, in which a window of a new edit of the same volume comes
+  // around it.
+  TickOutput leapWithEdit(const Vec3& to_W) {
+    edit(*volume_);
+    publish(to_W);
+    follow = false;
+    return at(to_W);
+  }
   void publish(const Vec3& centre_W) {
     centre_W_ = centre_W;
     const Vec3i count = volume_->size.cwiseMin(side_);
@@ -53,7 +61,7 @@ class AlgorithmDriver {
 
   SampleWindow& window() { return held_.window; }
   bool follow = true;
-  bool around_vhip = false;  // in contact the window is at the surface, as the engine puts it
+  bool around_vhip = false;  // in contact the window follows the surface point, as the engine places it
 
  private:
   Algorithm& algorithm_;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // tests/servo/support/algorithm_setups.hpp: what each algorithm of the registry needs to feel a test's volume.
 //
-// Tests that run over the whole registry make their algorithms here, so that one which needs more than parameters (a
-// transfer function, a mesh of the isosurface) joins them with a line in setupFor().
+// Tests that run over the whole registry make their algorithms here. An algorithm that needs more than parameters (a
+// transfer function, a mesh of the isosurface) gets it in setupFor().
 #pragma once
 
 #include "servo/algorithms/registry.hpp"

@@ -37,7 +37,7 @@ inline AnalyticSurface hollow(const AnalyticSurface& solid) {
           [=](const Vec3& x_W) { return Vec3(-solid.normal(x_W)); }};
 }
 
-// Edges along the axes of the world; the normal is that of the nearest face, for points near a face.
+// A box with edges along the axes of the world. The normal is that of the nearest face, for points near a face.
 inline AnalyticSurface boxSurface(const Vec3& centre_W, const Vec3& half_m) {
   const auto past = [=](const Vec3& x_W) { return Vec3((x_W - centre_W).cwiseAbs() - half_m); };
   return {[=](const Vec3& x_W) {
@@ -51,7 +51,7 @@ inline AnalyticSurface boxSurface(const Vec3& centre_W, const Vec3& half_m) {
           }};
 }
 
-// Around an axis along z.
+// A torus around an axis along z.
 inline AnalyticSurface torusSurface(const Vec3& centre_W, double ring_m, double tube_m) {
   const auto offset = [=](const Vec3& x_W) {
     const Vec3 q = x_W - centre_W;
@@ -79,7 +79,7 @@ class TorusKnot {
     const double r = 0.55 + 0.25 * std::cos(3 * t);
     return {r * std::cos(2 * t), r * std::sin(2 * t), 0.25 * std::sin(3 * t)};
   }
-  // On the tube at parameter t, `angle` around it, `depth_m` below its surface.
+  // The point at parameter t of the knot, `angle` around the tube, `depth_m` below its surface.
   [[nodiscard]] Vec3 below(double t, double angle, double depth_m) const {
     const Vec3 along = velocity(t).normalized();
     const Vec3 u = along.cross(Vec3(0.3, 0.2, 1)).normalized();
@@ -117,7 +117,8 @@ class TorusKnot {
     }
     return centre_W_ + scale_m_ * at(t);
   }
-  // Groups whose nearest place is farther than some sample are left out: knots are half of what the tests sample.
+  // Groups whose nearest place is farther than a known sample are skipped. The time matters: knots are half of what the
+  // tests sample.
   [[nodiscard]] std::size_t nearestSample(const Vec3& p) const {
     std::array<double, kGroups> distances;
     double limit = std::numeric_limits<double>::infinity();
@@ -146,7 +147,7 @@ class TorusKnot {
   std::array<double, kGroups> group_radii_{};
 };
 
-// Millimetre voxels; the formula is worked out once for each sample. Beyond 4 voxels from the surface the density is
+// Millimetre voxels; the formula is evaluated once for each sample. Beyond 4 voxels from the surface the density is
 // flat, as in a scan.
 inline AnalyticVolume sampledVolume(const AnalyticSurface& surface, int side = 64) {
   return stored(
@@ -166,8 +167,8 @@ inline AnalyticVolume noisy(const AnalyticVolume& volume, double sigma, unsigned
   return withSamples(volume, std::move(values));
 }
 
-// What millimetre samples do to a distance field whose curvatures are at most 1 / R, R in voxels; second derivatives
-// are then at most 1 / R, third ones 1.155 / R^2 (the most that x / |x| bends along one axis).
+// The errors of a distance field sampled at millimetres, with curvatures of at most 1 / R, R in voxels. Second
+// derivatives are then at most 1 / R, third ones 1.155 / R^2 (the most that x / |x| bends along one axis).
 struct SamplingBound {
   double voxels;   // trilinear interpolation: h^2 / 8 in each of two curved directions
   double radians;  // central difference h^2 / 6 f''' and its interpolation, h^2 / 8 along three axes; three components

@@ -24,14 +24,14 @@ struct AnalyticVolume {
   Lattice lattice;
   Vec3i size = Vec3i::Constant(64);
   std::function<double(const Vec3& p_W)> density;
-  std::shared_ptr<const std::vector<double>> samples = nullptr;  // where they are not worked out anew each time
+  std::shared_ptr<const std::vector<double>> samples = nullptr;  // if set, they are used in place of the formula
 
   [[nodiscard]] double sample(const Vec3i& at) const {
     if (samples) return (*samples)[static_cast<std::size_t>(at.x() + size.x() * (at.y() + size.y() * at.z()))];
     return density(lattice.toWorld(at.cast<double>()));
   }
 
-  // Fills the samples [first, first + count) and what the window says of itself, but for version and stamp.
+  // Fills the samples [first, first + count) and the fields of the window, except version and stamp.
   void fill(SampleWindow& window, Sample* out, const Vec3i& first, const Vec3i& count) const {
     window.lattice = lattice.shifted(first);
     window.size = count;
@@ -40,7 +40,8 @@ struct AnalyticVolume {
       window.low_is_border[axis] = first[a] == 0;
       window.high_is_border[axis] = first[a] + count[a] == size[a];
     }
-    // Every density that a difference needs, once: the window and a sample around it, where the volume has one.
+    // Computes each density once: those of the window, and of one layer of samples around it, where the volume has
+    // them.
     const Vec3i low = (first - Vec3i::Ones()).cwiseMax(Vec3i::Zero());
     const Vec3i sides = (first + count + Vec3i::Ones()).cwiseMin(size) - low;
     std::vector<double> densities;
@@ -70,7 +71,7 @@ struct AnalyticVolume {
     }
   }
 
-  // The first sample of a window of `count` around a point, kept in the volume.
+  // The first sample of a window of `count` samples around a point. The window stays within the volume.
   [[nodiscard]] Vec3i firstAround(const Vec3& p_W, const Vec3i& count) const {
     const Vec3i middle = lattice.toIndex(p_W).array().round().cast<int>().matrix() - count / 2;
     return middle.cwiseMax(Vec3i::Zero()).cwiseMin(size - count);
@@ -94,7 +95,7 @@ inline AnalyticVolume withSamples(const AnalyticVolume& like, std::vector<double
   return volume;
 }
 
-// Each formula worked out once.
+// The same volume, with each sample computed once.
 inline AnalyticVolume stored(const AnalyticVolume& formula) {
   std::vector<double> values;
   values.reserve(static_cast<std::size_t>(formula.size.prod()));

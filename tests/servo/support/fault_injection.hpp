@@ -2,7 +2,7 @@
 // tests/servo/support/fault_injection.hpp: a loop whose clock, engine, device and algorithm go wrong as a script says.
 //
 // Everything runs in the loop's own code (ServoLoop::runOn) on a scripted clock. The script counts ticks that are run,
-// whatever the grid says; a fault lasts from one such tick for some of them.
+// not grid points. A fault begins at such a tick and lasts for some of them.
 #pragma once
 
 #include <algorithm>
@@ -20,22 +20,22 @@
 namespace palpate {
 
 enum class Injected {
-  kNanSample,       // a window with samples that are not numbers is published
-  kInfiniteSample,  // or infinite ones
-  kSilentEngine,    // neither publishes nor confirms
+  kNanSample,       // a window with NaN samples is published
+  kInfiniteSample,  // a window with infinite samples is published
+  kSilentEngine,    // the engine neither publishes nor confirms
   kEngineClock,     // the engine's time is off by `size` seconds
   kServoClock,      // the servo's clock steps by `size` seconds, once
   kStallAsleep,     // the wake-up comes `size` seconds late, once
   kStallInTick,     // the device takes `size` seconds to answer, once
   kReadError,       // the device does not answer
-  kNanPosition,     // or with no number
-  kWildPosition,    // or with one `size` metres off
-  kWriteError,      // it takes no force
-  kFlakyWrites,     // or only now and then
-  kDroppedReports,  // it has no new position
-  kNanForce,        // the algorithm gives no number
-  kInfiniteForce,   //
-  kHugeForce,       // or `size` newtons in some direction
+  kNanPosition,     // the device answers with NaN
+  kWildPosition,    // the device answers with a position that is `size` metres off
+  kWriteError,      // the device takes no force
+  kFlakyWrites,     // the device takes a force only now and then
+  kDroppedReports,  // the device has no new position
+  kNanForce,        // the algorithm gives NaN
+  kInfiniteForce,   // the algorithm gives infinity
+  kHugeForce,       // the algorithm gives `size` newtons in some direction
   kCount,
 };
 
@@ -49,7 +49,7 @@ struct InjectedFault {
 class FaultScript {
  public:
   std::vector<InjectedFault> faults;
-  int tick = -1;  // that runs
+  int tick = -1;  // the tick that runs
 
   // The fault of this kind that is on in this tick, or null.
   [[nodiscard]] const InjectedFault* active(Injected kind) const noexcept {
@@ -59,14 +59,14 @@ class FaultScript {
     const auto found = std::find_if(faults.begin(), faults.end(), on);
     return found == faults.end() ? nullptr : &*found;
   }
-  // Its size in its first tick, else 0.
+  // The fault's size in its first tick, else 0.
   [[nodiscard]] double once(Injected kind) const noexcept {
     const InjectedFault* fault = active(kind);
     return fault != nullptr && fault->first_tick == tick ? fault->size : 0;
   }
 };
 
-// Time passes when the loop sleeps, by a microsecond a look, and as the script says.
+// Time passes while the loop sleeps, by a microsecond at each look at the clock, and as the script says.
 class ScriptedClock final : public ServoClock {
  public:
   explicit ScriptedClock(FaultScript& script) : script_(script) {}
@@ -167,7 +167,7 @@ class ScriptedDevice final : public Device {
     return size_N > cut_N ? Vec3(force_W / size_N * cut_N) : force_W;
   }
 
-  // For so many writes nothing here will take memory.
+  // Reserves memory for so many writes.
   void reserve(std::size_t writes) {
     written_W.reserve(writes);
     taken.reserve(writes);
@@ -175,13 +175,13 @@ class ScriptedDevice final : public Device {
     answered.reserve(writes);
   }
 
-  double force_limit_N = 20;      // that it says
-  double slew_limit_N_per_s = 0;  // that it says
+  double force_limit_N = 20;      // as limits() states it
+  double slew_limit_N_per_s = 0;  // as limits() states it
   std::vector<Vec3> written_W;    // every force that left the loop, whether the device took it or not [N]
   std::vector<bool> taken;
   std::vector<Vec3> held_W;                                // what the device holds after each of them [N]
-  double cut_N = std::numeric_limits<double>::infinity();  // it holds no more, and says so only afterwards
-  std::vector<bool> answered;                              // a position that can be used, in each tick
+  double cut_N = std::numeric_limits<double>::infinity();  // it holds at most this, which only held() tells
+  std::vector<bool> answered;                              // for each tick: the device gave a position that can be used
 
  private:
   [[nodiscard]] bool takes() const noexcept {
@@ -201,7 +201,7 @@ class ScriptedDevice final : public Device {
   int reported_tick_ = 0;
 };
 
-// Another algorithm's force, spoiled.
+// Passes on another algorithm's output, with its force spoiled by the script.
 class ScriptedAlgorithm final : public Algorithm {
  public:
   ScriptedAlgorithm(FaultScript& script, Algorithm& inner) : script_(script), inner_(inner) {}
@@ -224,7 +224,7 @@ class ScriptedAlgorithm final : public Algorithm {
   Algorithm& inner_;
 };
 
-// A force that does not ask where the tool is.
+// An algorithm whose force does not depend on where the tool is.
 class SteadyPush final : public Algorithm {
  public:
   explicit SteadyPush(const Vec3& force_W) : force_W_(force_W) {}

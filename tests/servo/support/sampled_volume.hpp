@@ -18,7 +18,7 @@ struct Sampling {
   unsigned seed = 0;   // of the noise
 };
 
-// Worked out when a window is cut: for formulas that cost little, of volumes of which a path sees little.
+// The density is computed when a window is cut. For cheap formulas, in volumes of which a path sees little.
 inline AnalyticVolume sampledOn(const Sampling& s, const AnalyticSurface& surface) {
   AnalyticVolume volume;
   volume.lattice = s.lattice;
@@ -41,8 +41,8 @@ inline Lattice latticeAround(const Vec3& middle_W, const Vec3i& size, const Vec3
   return lattice;
 }
 
-// What sampling at the spacings h_a, h_b, h_c does to a distance field whose curvatures are at most 1 / R, in metres
-// and radians. Second derivatives are at most 1 / R along any axis, third ones 1.155 / R^2, the mixed ones too.
+// The errors of a distance field sampled at the spacings h_a, h_b, h_c, with curvatures of at most 1 / R, in metres and
+// radians. Second derivatives are at most 1 / R along any axis, third ones 1.155 / R^2, the mixed ones too.
 // - Density: trilinear interpolation errs by the sum of h^2 / 8 f'' over the axes. Along three orthogonal axes the
 //   second derivatives sum to the two curvatures, so the sum is at most that of the two widest spacings.
 // - Component a of the gradient: h_a^2 / 6 f''' of the central difference, and the sum of h^2 / 8 f''' of its

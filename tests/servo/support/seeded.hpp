@@ -20,7 +20,7 @@ class Seeded {
   double between(double low, double high) {
     return low + (high - low) * (static_cast<double>(engine_()) / 4294967296.0);
   }
-  // As often between 1 and 2 as between 10 and 20.
+  // Even in the logarithm: as often between 1 and 2 as between 10 and 20.
   double logBetween(double low, double high) { return low * std::pow(high / low, between(0, 1)); }
   int pick(int count) { return static_cast<int>(between(0, count)); }  // 0 to count - 1
   Vec3 inCube(double half) { return {between(-half, half), between(-half, half), between(-half, half)}; }
@@ -40,11 +40,10 @@ class Seeded {
   }
 
  private:
-  std::mt19937 engine_;  // its numbers are the same everywhere, those of distributions are not
+  std::mt19937 engine_;  // the same numbers everywhere; those of std:: distributions differ by library
 };
 
-// Gaussian noise of variance 1 that is a function of seed and number, so that a sample has it however often it is
-// asked.
+// Gaussian noise of variance 1. It is a function of seed and number, so that a sample always has the same noise.
 inline double noiseAt(unsigned seed, std::uint64_t number) {
   std::uint64_t z = number + 0x9e3779b97f4a7c15U * (seed + 1ULL);  // splitmix64 (Steele, Lea, Flood 2014)
   z = (z ^ (z >> 30U)) * 0xbf58476d1ce4e5b9U;

@@ -25,8 +25,8 @@ inline TriangleMesh boxMesh(const Vec3& centre_W, const Vec3& size_m) {
   return mesh;
 }
 
-// A polygon in the xz-plane (counter-clockwise seen from -y, where x goes right and z up), drawn out along y from
-// -half to +half. `caps`: triangles of the polygon.
+// A prism: a polygon in the xz-plane (counter-clockwise seen from -y, where x goes right and z up), extruded along y
+// from -half to +half. `caps`: the triangles of the polygon.
 inline TriangleMesh prismMesh(const std::vector<Eigen::Vector2d>& xz_m, double half_m,
                               const std::vector<std::array<std::uint32_t, 3>>& caps) {
   TriangleMesh mesh;
@@ -46,7 +46,7 @@ inline TriangleMesh prismMesh(const std::vector<Eigen::Vector2d>& xz_m, double h
   return mesh;
 }
 
-// An icosahedron, its triangles cut into four `levels` times, its vertices on the sphere.
+// A sphere: an icosahedron whose triangles are cut into four, `levels` times. All vertices lie on the sphere.
 inline TriangleMesh sphereMesh(const Vec3& centre_W, double radius_m, int levels) {
   const double g = 0.5 * (1 + std::sqrt(5.0));
   TriangleMesh mesh;

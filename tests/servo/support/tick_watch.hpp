@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// tests/servo/support/tick_watch.hpp: counts what the calling thread takes from the heap, gives back to it, and locks,
-// while it watches itself.
+// tests/servo/support/tick_watch.hpp: counts the calling thread's allocations, frees and locks while it watches itself.
 //
-// Seen is what the whole program does, libraries included: malloc and its kin, free, and the locks of pthreads, on
-// which those of C++ are built, are interposed; operator new and delete are built on malloc and free. Under a
-// sanitizer, which interposes the same functions itself, its hooks see the heap, and no lock is seen.
+// It sees the whole program, libraries included: malloc and its kin, free, and the locks of pthreads are interposed.
+// operator new and delete are built on malloc and free, the locks of C++ on those of pthreads. A sanitizer interposes
+// the same functions itself. Under one, its hooks see the heap, and no lock is seen.
 #pragma once
 
 namespace palpate {
@@ -14,7 +13,7 @@ class TickWatch {
   struct Seen {
     long allocations = 0;
     long frees = 0;
-    long locks = 0;  // taken or tried, waits for conditions and semaphores included
+    long locks = 0;  // taken or tried; waits for conditions and semaphores too
     [[nodiscard]] long all() const noexcept { return allocations + frees + locks; }
   };
   static void begin() noexcept;  // of the calling thread; the counts start at 0

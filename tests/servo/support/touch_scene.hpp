@@ -3,7 +3,7 @@
 // algorithm.
 #pragma once
 
-#include "servo/devices/sampled_path.hpp"
+#include "servo/devices/path.hpp"
 #include "servo/devices/simulated_device.hpp"
 #include "servo/loop/servo_loop.hpp"
 #include "support/algorithm_setups.hpp"
@@ -20,7 +20,7 @@ class TouchScene {
         windows(storage),
         algorithm(makeFor(algorithm_name, {}, volume, 4e-3)) {}
 
-  // Over the ball's pole, aside by as much as deep, so that the tool slides too.
+  // A place over the ball's pole. The deeper, the farther aside, so that the tool slides too.
   static Vec3 above(double height_m) { return Vec3::Constant(31.3e-3) + Vec3(-height_m, 0, 20e-3 + height_m); }
 
   void publish(const Vec3& around_W, std::int64_t now_ns) {

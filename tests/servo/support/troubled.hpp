@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// tests/servo/support/troubled.hpp: a device and an algorithm that go through every trouble in turn, on the real clock,
-// for tests that watch the servo thread while the safety gate has something to do.
+// tests/servo/support/troubled.hpp: a device and an algorithm that go through every trouble in turn, on the real clock.
+//
+// For tests that watch the servo thread while the safety gate has work to do.
 #pragma once
 
 #include <limits>
@@ -43,7 +44,7 @@ class TroubledDevice final : public Device {
     if (!on_ || reads_ < 10 || reads_ % 10 >= 3) return Trouble::kNone;
     return static_cast<Trouble>(reads_ / 10 % 4);
   }
-  // Long enough for a stall, without a system call.
+  // Busy for long enough to be a stall, without a system call.
   static void standStill() noexcept {
     const std::int64_t until_ns = monotonicNow_ns() + 15'000'000;
     while (monotonicNow_ns() < until_ns) {
@@ -55,7 +56,7 @@ class TroubledDevice final : public Device {
   int reads_ = 0;
 };
 
-// No number now and then, and more than any device can give.
+// Now and then it gives NaN, and a force that no device can give.
 class TroubledAlgorithm final : public Algorithm {
  public:
   TroubledAlgorithm(Algorithm& inner, bool troubled) : inner_(inner), on_(troubled) {}
@@ -74,7 +75,7 @@ class TroubledAlgorithm final : public Algorithm {
   int ticks_ = 0;
 };
 
-// Limits within which all of it shows; adaptive windowing and the passivity controller on.
+// Limits at which every trouble shows; adaptive windowing and the passivity controller are on.
 inline LoopParameters troubledParameters() {
   LoopParameters p;
   p.velocity.name = "foaw";
@@ -86,7 +87,7 @@ inline LoopParameters troubledParameters() {
   return p;
 }
 
-// The engine's word for the window: true for 50 looks, then silent for 50, then an hour ahead for 50.
+// The engine's confirmation, by the number of the call: right for 50 calls, silent for 50, an hour ahead for 50.
 inline void confirmWithTrouble(WindowExchange& windows, std::int64_t look, bool troubled) {
   const std::int64_t part = troubled ? look / 50 % 3 : 0;
   if (part == 1) return;

@@ -2,7 +2,7 @@
 // tests/servo/window/confirmation_race.hpp: one writer that writes a plain word and then confirms it, one reader that
 // sees a confirmation and then reads the word.
 //
-// The words are plain memory, each written once, so nothing but the confirmation orders writing before reading.
+// The words are plain memory, each written once. So only the confirmation orders the writing before the reading.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 namespace palpate {
 
 struct ConfirmationOutcome {
-  std::int64_t unwritten = 0;  // words that were confirmed and not there
+  std::int64_t unwritten = 0;  // words that were confirmed but not written
   std::int64_t seen = 0;       // confirmations that differed from the one before
 };
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // tests/servo/window/exchange_race.hpp: one writer and one reader at full speed over any triple buffer.
 //
-// The payload is long enough to tear, and all its words are the number of its publication. A torn one has two numbers
-// in it; one that goes back has a smaller number than the one before.
+// The payload is long enough to tear. All its words hold the number of its publication. A torn payload has two numbers
+// in it. One that goes backward has a smaller number than the payload before.
 #pragma once
 
 #include <algorithm>
@@ -32,7 +32,7 @@ RaceOutcome race(Buffer& buffer, std::uint64_t publications) {
     }
     done.store(true, std::memory_order_release);
   });
-  // The round after the end sees the last publication: the release of `done` comes after it.
+  // The round after `done` sees the last publication: `done` is released after it.
   for (bool last_round = false; !last_round;) {
     last_round = done.load(std::memory_order_acquire);
     const auto& words = buffer.latest().words;

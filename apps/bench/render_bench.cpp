@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/bench/render_bench.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "apps/bench/columns.hpp"
+#include "apps/bench/depth_errors.hpp"
+#include "apps/bench/field_bench.hpp"
+#include "apps/bench/half_voxel_march.hpp"
+#include "apps/bench/log_chart.hpp"
+#include "apps/bench/random.hpp"
+#include "apps/console/interrupt.hpp"
+#include "base/error.hpp"
+#include "base/quantile.hpp"
+#include "base/stopwatch.hpp"
+#include "engine/draw/drawing.hpp"
+#include "engine/field/statistics.hpp"
+#include "engine/files/volume_file.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr const char* kRenderBench = "palpate bench render";
+constexpr const char* kOurs = "cell tree";
+constexpr const char* kBefore = "half-voxel steps";
+constexpr double kMostOfBefore = 0.4;  // of the time of the kernel before
+constexpr double kMostMedianError_voxel = 0.01;
+
+struct RenderRow {
+  std::string volume;
+  std::int64_t view;
+  std::string kernel;
+  std::int64_t pixels, repetitions;
+  double hit_share;  // of the pixels
+  Percentiles us_a_pixel;
+  double over_before;                 // ratio of the medians
+  std::optional<DepthErrors> errors;  // where the surface is known
+  std::int64_t seed;
+};
+
+double errorOf(const RenderRow& row, double Percentiles::*figure) {
+  return row.errors ? row.errors->voxel.*figure : std::numeric_limits<double>::quiet_NaN();
+}
+
+const Columns<RenderRow>& renderColumns() {
+  static const Columns<RenderRow> kColumns = {
+      {"volume", &RenderRow::volume, {"volume", "", -26}},
+      {"view", &RenderRow::view, {"view", "", 4}},
+      {"kernel", &RenderRow::kernel, {"kernel", "", -17}},
+      {"pixels", &RenderRow::pixels},
+      {"hit_share", &RenderRow::hit_share, {"hit", "-", 6, 2}},
+      {"repetitions", &RenderRow::repetitions},
+      {"time_median_us_a_pixel", [](const RenderRow& row) { return row.us_a_pixel.p50; }, {"time", "us/pixel", 9, 3}},
+      {"time_max_us_a_pixel", [](const RenderRow& row) { return row.us_a_pixel.max; }, {"max", "us/pixel", 9, 3}},
+      {"time_over_before", &RenderRow::over_before, {"ratio", "-", 6, 2}},
+      {"error_median_voxel",
+       [](const RenderRow& row) { return errorOf(row, &Percentiles::p50); },
+       {"error", "voxel", 8, 4}},
+      {"error_p99_voxel", [](const RenderRow& row) { return errorOf(row, &Percentiles::p99); }, {"p99", "voxel", 8, 3}},
+      {"error_max_voxel", [](const RenderRow& row) { return errorOf(row, &Percentiles::max); }, {"max", "voxel", 8, 2}},
+      {"holes",
+       [](const RenderRow& row) { return row.errors ? static_cast<std::int64_t>(row.errors->holes) : 0; },
+       {"holes", "", 6}},
+      {"false_hits",
+       [](const RenderRow& row) { return row.errors ? static_cast<std::int64_t>(row.errors->false_hits) : 0; },
+       {"false", "", 6}},
+      {"seed", &RenderRow::seed}};
+  return kColumns;
+}
+
+double hitShare(const RenderedImage& image) {
+  std::size_t hits = 0;
+  for (const float distance_m : image.distance_m) hits += std::isfinite(distance_m);
+  return static_cast<double>(hits) / static_cast<double>(image.distance_m.size());
+}
+
+class RenderBench {
+ public:
+  RenderBench(const RenderBenchRequest& request, Progress& progress)
+      : request_(request),
+        progress_(progress),
+        gpu_(gpu::GpuRequest{.name = request.gpu}),
+        transfer_(gpu_),
+        result_(beginBench("render", gpu_.info().name)) {}
+
+  // `phantom`: null where the exact surface is not known.
+  void measure(const std::string& name, const Volume& volume, double isovalue, const Phantom* phantom) {
+    progress_.stage("drawing " + name);
+    const BrickPool pool(gpu_, transfer_, volume);
+    BrickBoundsPass bounds(gpu_, pool);
+    bounds.run();
+    Drawing drawing(gpu_, transfer_, pool, bounds);
+    HalfVoxelMarch before(gpu_, transfer_, pool, bounds);
+    Random random(request_.seed);
+    const Vec3 extent = volume.size().cast<double>().cwiseProduct(volume.lattice().spacing_m);
+    const Vec3 middle_W = volume.lattice().toWorld((volume.size().cast<double>().array() - 1) / 2);
+    for (int view = 0; view < request_.views; ++view) {
+      progress_.fraction(static_cast<double>(view) / request_.views);
+      const Vec3 from(random.uniform() - 0.5, random.uniform() - 0.5, 0.7 * random.uniform() - 0.35);
+      const Camera camera = lookAt(middle_W, from.normalized(), 2 * extent.maxCoeff(), Vec3::UnitZ(), request_.width,
+                                   request_.height, 0.5);
+      measureView(name, view, camera, isovalue, drawing, before, phantom);
+    }
+  }
+  BenchResult& result() { return result_; }
+
+ private:
+  void measureView(const std::string& name, int view, const Camera& camera, double isovalue, Drawing& drawing,
+                   HalfVoxelMarch& before, const Phantom* phantom) {
+    const double pixels = static_cast<double>(camera.width) * camera.height;
+    std::vector<double> ours_us, before_us;
+    const auto draw = [&] {
+      throwIfInterrupted(kRenderBench);
+      drawing.show(camera, isovalue);
+      const Stopwatch watch;
+      drawing.finish();
+      ours_us.push_back(1e6 * watch.seconds() / pixels);
+    };
+    const auto drawBefore = [&] {
+      throwIfInterrupted(kRenderBench);
+      before.show(camera, isovalue);
+      const Stopwatch watch;
+      before.finish();
+      before_us.push_back(1e6 * watch.seconds() / pixels);
+    };
+    draw();  // kernels compiled, trees made, speed known
+    drawBefore();
+    ours_us.clear();
+    before_us.clear();
+    for (int n = 0; n < request_.repetitions; ++n) {
+      n % 2 == 0 ? draw() : drawBefore();
+      n % 2 == 0 ? drawBefore() : draw();
+    }
+    const auto add = [&](const char* kernel, const std::vector<double>& us, const RenderedImage& drawn) {
+      RenderRow row{name,
+                    view,
+                    kernel,
+                    static_cast<std::int64_t>(pixels),
+                    request_.repetitions,
+                    hitShare(drawn),
+                    percentiles(us),
+                    percentiles(us).p50 / percentiles(before_us).p50,
+                    std::nullopt,
+                    static_cast<std::int64_t>(request_.seed)};
+      if (phantom != nullptr) row.errors = depthErrors(drawn, camera, *phantom, 4);
+      addFigures(result_.rows.emplace_back(BenchRow{{"part", "picture"}}), renderColumns(), row);
+    };
+    add(kOurs, ours_us, drawing.image());
+    add(kBefore, before_us, before.image());
+  }
+
+  const RenderBenchRequest& request_;
+  Progress& progress_;
+  gpu::Gpu gpu_;
+  gpu::Transfer transfer_;
+  BenchResult result_;
+};
+
+void addTargets(BenchResult& result) {
+  promise(result, {.name = "time of a picture / of half-voxel steps, the largest of all volumes and views [-]",
+                   .bound = kMostOfBefore,
+                   .part = "picture",
+                   .like = {{"kernel", kOurs}},
+                   .keys = {"time_over_before"},
+                   .of = largestOf});
+  std::vector<std::string> volumes;
+  for (const BenchRow* row : rowsOf(result, "picture", {{"kernel", kOurs}})) {
+    if (std::isnan(figureOf(*row, "error_median_voxel"))) continue;
+    const std::string volume = textOf(*row, "volume");
+    if (std::find(volumes.begin(), volumes.end(), volume) == volumes.end()) volumes.push_back(volume);
+  }
+  for (const std::string& volume : volumes) {
+    const BenchRow like = {{"kernel", kOurs}, {"volume", volume}};
+    promise(result, {.name = fmt::format("median error of depth, {} [voxel]", volume),
+                     .bound = kMostMedianError_voxel,
+                     .part = "picture",
+                     .like = like,
+                     .keys = {"error_median_voxel"},
+                     .of = largestOf});
+    promise(result, {.name = fmt::format("holes and false hits, {} [pixel]", volume),
+                     .bound = 0,
+                     .part = "picture",
+                     .like = like,
+                     .keys = {"holes", "false_hits"},
+                     .of = sumOf});
+  }
+}
+
+}  // namespace
+
+BenchResult runRenderBench(const RenderBenchRequest& request, Progress& progress) {
+  RenderBench bench(request, progress);
+  for (const int size : request.sizes) {
+    for (const std::string& kind : request.phantoms) {
+      const auto phantom = makePhantom(fmt::format("phantom:{}?size={}", kind, size));
+      bench.measure(fmt::format("{} {}^3", kind, size), makeVolume(*phantom), phantom->isovalue(), phantom.get());
+    }
+  }
+  const std::string head = headVolume();
+  const bool is_test = std::ranges::all_of(request.sizes, [](int size) { return size < 64; });
+  if (!head.starts_with("phantom:") && !is_test) {
+    progress.stage("loading " + head);
+    const Volume volume = loadVolume(head);
+    bench.measure(std::filesystem::path(head).filename().string(), volume, defaultIsovalue(volume), nullptr);
+  }
+  addTargets(bench.result());
+  return bench.result();
+}
+
+std::string renderTable(const BenchResult& result) {
+  return tableText(result, {{"picture"}, shown(renderColumns())});
+}
+
+std::string renderChart(const BenchResult& result) {
+  ChartPanel panel{"median error of depth against time", "time [us/pixel]", "error [voxel]", {}};
+  for (const char* kernel : {kOurs, kBefore}) {
+    ChartSeries series{kernel, {}};
+    for (const BenchRow* row : rowsOf(result, "picture", {{"kernel", kernel}})) {
+      const double error = figureOf(*row, "error_median_voxel");
+      if (!std::isnan(error)) series.points.push_back({figureOf(*row, "time_median_us_a_pixel"), error});
+    }
+    panel.series.push_back(std::move(series));
+  }
+  return logChartSvg("Drawing", {panel}, ChartMarks::kPoints);
+}
+
+}  // namespace palpate

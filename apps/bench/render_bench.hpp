@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// apps/bench/render_bench.hpp: `palpate bench render`: what a picture of the isosurface costs and how true its depth
+// is, beside the kernel that stepped by half voxels (half_voxel_march.hpp).
+//
+// Phantoms and a CT head, from several sides, both kernels in turns. On phantoms each depth is compared with the exact
+// distance along its ray. Rows by "part": "picture", one for each volume, view and kernel; "note". One thread. Throws
+// Error as Drawing does, and Error(kCancelled) on Ctrl-C.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "apps/bench/bench_result.hpp"
+#include "apps/console/progress.hpp"
+
+namespace palpate {
+
+struct RenderBenchRequest {
+  std::vector<int> sizes = {};  // of phantoms, along every edge [voxel]
+  std::vector<std::string> phantoms = {"sphere", "knot", "head"};
+  int width = 640, height = 480;  // [pixel]
+  int repetitions = 7;
+  std::uint64_t seed = 1;  // of the views
+  int views = 3;
+  std::string gpu = {};
+
+  [[nodiscard]] static RenderBenchRequest quick() {
+    return {.width = 320, .height = 240, .repetitions = 3, .views = 2};
+  }
+};
+
+// Leaves the head out if all sizes are below 64^3, as in tests.
+[[nodiscard]] BenchResult runRenderBench(const RenderBenchRequest& request, Progress& progress);
+[[nodiscard]] std::string renderTable(const BenchResult& result);
+[[nodiscard]] std::string renderChart(const BenchResult& result);  // depth error against time a pixel
+
+}  // namespace palpate

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/rig/live_view.hpp"
+
+#include <exception>
+#include <utility>
+
+#include "engine/service/engine.hpp"
+
+namespace palpate {
+
+LiveView::LiveView(double frame_s, double piece_s)
+    : frame_ns_(static_cast<std::int64_t>(1e9 * frame_s)), piece_s_(piece_s) {}
+
+void LiveView::show(const ViewRequest& request) {
+  const std::scoped_lock lock(mutex_);
+  request_ = request;
+}
+
+std::string LiveView::failure() const {
+  const std::scoped_lock lock(mutex_);
+  return failure_;
+}
+
+bool LiveView::look(Engine& engine, std::int64_t now_ns) noexcept {
+  try {
+    return lookOrThrow(engine, now_ns);
+  } catch (const std::exception& error) {
+    const std::scoped_lock lock(mutex_);
+    failure_ = error.what();
+    shown_.reset();
+    return false;
+  }
+}
+
+// A frame is copied and a request taken while no piece of work is under way, so that neither waits for one.
+bool LiveView::lookOrThrow(Engine& engine, std::int64_t now_ns) {
+  if (!engine.pollPicture()) return true;
+  const PictureState state = engine.pictureState();
+  if (!shown_ || state.showable) {
+    std::optional<ViewRequest> wanted = takeRequest();
+    if (shown_) handOver(engine, state, now_ns, wanted.has_value());
+    if (!wanted && shown_ && engine.isovalue() != isovalue_) wanted = shown_;
+    if (wanted) {
+      isovalue_ = engine.isovalue();
+      engine.show(wanted->camera, wanted->style, wanted->order);
+      shown_ = std::move(wanted);
+    }
+  }
+  return shown_ && !engine.drawPiece(piece_s_);
+}
+
+std::optional<ViewRequest> LiveView::takeRequest() {
+  const std::scoped_lock lock(mutex_);
+  if (request_) failure_.clear();
+  return std::exchange(request_, std::nullopt);
+}
+
+// `last`: of this camera, so that something of each is seen.
+void LiveView::handOver(Engine& engine, const PictureState& state, std::int64_t now_ns, bool last) {
+  if (state.pieces == pieces_ && state.whole == whole_) return;
+  if (!state.whole && !last && now_ns - frame_at_ns_ < frame_ns_) return;
+  ViewFrame& frame = frames_.back();
+  engine.copyPicture(frame.pixels);
+  frame.number = ++number_;
+  frame.camera = shown_->camera;
+  frame.edit_version = engine.editVersion();
+  frame.whole = state.whole;
+  frames_.publish();
+  pieces_ = state.pieces;
+  whole_ = state.whole;
+  frame_at_ns_ = now_ns;
+}
+
+}  // namespace palpate

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+// apps/rig/live_view.hpp: the isosurface's picture while a rig runs, drawn by the engine's thread and handed to a
+// window's.
+//
+// The engine's thread draws in pieces between its looks at the tool, so that windows and edits come in between. A frame
+// is handed over once all its pixels belong to one camera: coarse first, then finer. A camera that moves on waits until
+// the coarse picture of the last one is out, so that something is seen of every movement.
+//
+// Another isovalue, or a style that was not drawn before, is made ready at once, and no window comes meanwhile: some
+// ten milliseconds for a CT head, and longer where the driver compiles.
+//
+// Threads: show() from any thread, latest() from one reader, look() from the engine's thread. No call waits for another
+// but for the length of a copied request.
+#pragma once
+
+#include <cstdint>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/camera.hpp"
+#include "engine/draw/draw_style.hpp"
+#include "servo/window/triple_buffer.hpp"
+#include "shaders/draw.layout.h"
+
+namespace palpate {
+
+class Engine;
+
+struct ViewRequest {
+  Camera camera;
+  DrawStyle style;
+  DrawOrder order = DrawOrder::kCoarseFirst;
+};
+
+struct ViewFrame {
+  std::uint64_t number = 0;                  // from 1; 0: nothing is drawn yet
+  Camera camera;                             // that the pixels belong to
+  std::vector<layout::PicturePixel> pixels;  // rows from the top
+  std::uint64_t edit_version = 0;            // of the volume, when the frame was handed over
+  bool whole = false;                        // at full quality, and of that volume
+};
+
+class LiveView {
+ public:
+  // `frame_s`: the least time between two frames, but for one that is whole or the last of its camera. `piece_s`:
+  // device time of a piece of work.
+  explicit LiveView(double frame_s = 1.0 / 60, double piece_s = 3e-3);
+
+  // What is to be seen from now on; the newest request counts.
+  void show(const ViewRequest& request);
+  // The newest frame; valid until the next call.
+  [[nodiscard]] const ViewFrame& latest() noexcept { return frames_.latest(); }
+  // Why nothing is drawn any more, or empty. The servo goes on.
+  [[nodiscard]] std::string failure() const;
+
+  // Engine's thread, at every look at the tool: takes requests, submits work, hands over frames. Returns whether there
+  // is more to draw, so that the thread should look again soon. Never throws: a failure ends the drawing.
+  bool look(Engine& engine, std::int64_t now_ns) noexcept;
+
+ private:
+  bool lookOrThrow(Engine& engine, std::int64_t now_ns);
+  [[nodiscard]] std::optional<ViewRequest> takeRequest();
+  void handOver(Engine& engine, const PictureState& state, std::int64_t now_ns, bool last);
+
+  const std::int64_t frame_ns_;
+  const double piece_s_;
+  mutable std::mutex mutex_;            // guards the next two
+  std::optional<ViewRequest> request_;  // the newest one that was not taken
+  std::string failure_;
+  std::optional<ViewRequest> shown_;
+  double isovalue_ = 0;       // of what is shown
+  std::uint64_t pieces_ = 0;  // in the newest frame
+  bool whole_ = false;        // the newest frame
+  std::int64_t frame_at_ns_ = 0;
+  std::uint64_t number_ = 0;
+  TripleBuffer<ViewFrame> frames_;
+};
+
+}  // namespace palpate

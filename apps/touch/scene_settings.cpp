@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/touch/scene_settings.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace palpate {
+namespace {
+
+VelocityParameters velocityParameters(const Scene& scene) {
+  VelocityParameters velocity;
+  velocity.name = scene.velocity;
+  velocity.cutoff_hz = scene.velocity_cutoff_hz;
+  velocity.noise_m = scene.velocity_noise_m;
+  return velocity;
+}
+
+}  // namespace
+
+LoopParameters loopParameters(const Scene& scene) {
+  LoopParameters loop;
+  loop.rate_hz = scene.rate_hz;
+  loop.require_real_time = scene.require_real_time;
+  loop.ticks = std::llround(scene.duration_s * scene.rate_hz);
+  loop.safety = {.force_limit_N = scene.force_limit_N,
+                 .slew_limit_N_per_s = scene.slew_limit_N_per_s,
+                 .fade_s = scene.fade_s,
+                 .stale_window_s = scene.stale_window_s,
+                 .stall_s = scene.stall_s,
+                 .report_timeout_s = scene.report_timeout_s};
+  loop.velocity = velocityParameters(scene);
+  loop.passivity.control = scene.passivity_control;
+  return loop;
+}
+
+DeviceSetup deviceSetup(const Scene& scene, const Path& path) {
+  const std::pair<const char*, double> asked[] = {{"spring_hand", scene.spring_hand ? 1 : 0},
+                                                  {"hand_mass_kg", scene.hand_mass_kg},
+                                                  {"hand_damping_Ns_per_m", scene.hand_damping_Ns_per_m},
+                                                  {"hand_stiffness_N_per_m", scene.hand_stiffness_N_per_m},
+                                                  {"mass_kg", scene.device_mass_kg},
+                                                  {"damping_Ns_per_m", scene.device_damping_Ns_per_m},
+                                                  {"encoder_resolution_m", scene.encoder_resolution_m},
+                                                  {"delay_ticks", scene.device_delay_ticks}};
+  DeviceSetup setup{.path = &path, .rate_hz = scene.rate_hz};
+  for (const auto& [key, value] : asked) {
+    if (value != deviceParameter(devices().front().name, key).usual) setup.values[key] = value;
+  }
+  // The safety gate keeps this limit too, so a scene may give it whatever the device.
+  const auto parameters = deviceEntry(scene.device).parameters();
+  if (std::ranges::any_of(parameters, [](const DeviceParameter& p) { return p.key == "force_limit_N"; }))
+    setup.values["force_limit_N"] = scene.force_limit_N;
+  return setup;
+}
+
+EffectParameters effectParameters(const Scene& scene) {
+  std::vector<StiffnessRow> stiffness_rows;
+  for (const std::vector<double>& row : scene.stiffness_density) stiffness_rows.push_back({row.at(0), row.at(1)});
+  return {.force_shading = scene.force_shading,
+          .recovery_s = scene.recovery_s,
+          .texture = textureOfName(scene.texture),
+          .texture_amplitude_m = scene.texture_amplitude_m,
+          .texture_wavelength_m = scene.texture_wavelength_m,
+          .texture_gain = scene.texture_gain,
+          .friction = {.static_ratio = scene.friction_static,
+                       .dynamic_ratio = scene.friction_dynamic,
+                       .viscous_Ns_per_m = scene.friction_viscous_Ns_per_m},
+          .stiffness_by_density = std::move(stiffness_rows)};
+}
+
+RigSettings rigSettings(const Scene& scene, double isovalue) {
+  RigSettings settings{.algorithm = scene.algorithm,
+                       .parameters = {.isovalue = isovalue,
+                                      .stiffness_N_per_m = scene.stiffness_N_per_m,
+                                      .damping_Ns_per_m = scene.damping_Ns_per_m,
+                                      .plane_renewal_ticks = scene.plane_renewal_ticks,
+                                      .rate_hz = scene.rate_hz},
+                       .effects = effectParameters(scene),
+                       .force_limit_N = scene.force_limit_N};
+  for (const std::vector<double>& row : scene.haptization_density) {
+    settings.haptization.density.push_back({row.at(0), row.at(1), row.at(2)});
+  }
+  for (const std::vector<double>& row : scene.haptization_gradient) {
+    settings.haptization.gradient.push_back({row.at(0), row.at(1)});
+  }
+  return settings;
+}
+
+double lackingDamping(const Scene& scene, const DeviceLimits& device) {
+  if (!algorithmEntry(scene.algorithm).traits.shows_surface) return 0;
+  double factor = scene.stiffness_density.empty() ? 1 : 0;
+  for (const std::vector<double>& row : scene.stiffness_density) factor = std::max(factor, row.at(1));
+  const double needed_Ns_per_m = scene.stiffness_N_per_m * factor * (0.5 + device.force_delay_ticks) / scene.rate_hz;
+  return std::max(0.0, needed_Ns_per_m - scene.damping_Ns_per_m);
+}
+
+}  // namespace palpate

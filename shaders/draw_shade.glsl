@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+// shaders/draw_shade.glsl: normal, ambient occlusion and colour of a point of the isosurface. Include after
+// brick_pool.glsl.
+
+const vec4 kBackground = vec4(0.965, 0.97, 0.98, 0);  // light; alpha says that nothing is hit
+const vec3 kBone = vec3(0.90, 0.86, 0.78);
+const vec3 kSkin = vec3(0.85, 0.62, 0.52);
+
+// Of the picture, along the lattice's axes: unit vectors in metres.
+struct Frame {
+  vec3 direction;             // of the ray
+  vec3 right, down, forward;  // of the camera
+  vec3 spacing_m;
+};
+
+// Trilinear density at a point [voxel], clamped to the domain.
+float trilinear(vec3 p) {
+  const vec3 last = vec3(domainSize() - 1);
+  const vec3 q = clamp(p, vec3(0), last);
+  const uvec3 cell = uvec3(min(floor(q), last - 1));
+  const vec3 f = q - vec3(cell);
+  float c[8];
+  [[unroll]] for (int i = 0; i < 8; ++i) c[i] = densityAt(cell + uvec3(i & 1, i >> 1 & 1, i >> 2));
+  return cellDensity(c, f);
+}
+
+float clampedDensity(ivec3 voxel) { return densityAt(uvec3(clamp(voxel, ivec3(0), ivec3(domainSize()) - 1))); }
+
+// Central differences at the eight corners of the cell, interpolated: continuous across cells. Along the lattice's axes,
+// over the smallest of the three spacings: of halves, so that it is finite for all densities but the largest.
+vec3 smoothGradient(ivec3 cell, vec3 place, vec3 spacing_m) {
+  vec3 sum = vec3(0);
+  [[unroll]] for (int i = 0; i < 4; ++i) {
+    const ivec2 d = ivec2(i & 1, i >> 1);
+    const vec3 a = d.x == 1 ? place : 1.0 - place;  // weights of the first other axis
+    const vec3 b = d.y == 1 ? place : 1.0 - place;  // and of the second
+    // Along an axis: from the cell's corner before it to the one after it, at both ends of the cell.
+    [[unroll]] for (int axis = 0; axis < 3; ++axis) {
+      ivec3 at = cell;
+      at[(axis + 1) % 3] += d.x;
+      at[(axis + 2) % 3] += d.y;
+      ivec3 unit = ivec3(0);
+      unit[axis] = 1;
+      const float at_low = 0.5 * clampedDensity(at + unit) - 0.5 * clampedDensity(at - unit);
+      const float at_high = 0.5 * clampedDensity(at + 2 * unit) - 0.5 * clampedDensity(at);
+      sum[axis] += a[(axis + 1) % 3] * b[(axis + 2) % 3] * mix(at_low, at_high, place[axis]);
+    }
+  }
+  return sum * (min(min(spacing_m.x, spacing_m.y), spacing_m.z) / spacing_m);
+}
+
+// Length of a vector whose squares may be beyond the floats.
+float lengthOf(vec3 v) {
+  const float largest = max(max(abs(v.x), abs(v.y)), abs(v.z));
+  return largest > 0.0 ? largest * length(v / largest) : 0.0;
+}
+
+// How much of the sky above a point is hidden, 0 to 1: along the normal the density falls where the surface is flat,
+// and rises towards the isovalue in a hollow.
+float occlusion(vec3 p, vec3 normal, float steepness, vec3 spacing_m, float isovalue) {
+  float hidden = 0.0;
+  float weight = 0.5;
+  const float h_m = min(min(spacing_m.x, spacing_m.y), spacing_m.z);
+  for (float reach = 1.5; reach < DRAW_OCCLUSION_REACH - 1; reach *= 2.0) {
+    const float fall = reach * steepness;
+    const float density = trilinear(p + reach * h_m * normal / spacing_m);
+    hidden += weight * clamp((density - isovalue) / fall + 1.0, 0.0, 1.0);
+    weight *= 0.5;
+  }
+  return hidden;
+}
+
+// Under a head light that sits up and left of the eye, with a little light from behind.
+vec3 shade(vec3 base, vec3 normal, vec3 to_eye, vec3 right, vec3 down) {
+  const vec3 light = normalize(to_eye - 0.45 * right - 0.6 * down);
+  const float diffuse = max(dot(normal, light), 0.0);
+  const float facing = abs(dot(normal, to_eye));
+  const float gloss = pow(max(dot(reflect(-light, normal), to_eye), 0.0), 24.0);
+  return clamp(base * (0.22 + 0.68 * diffuse + 0.10 * facing) + vec3(0.12) * gloss, 0.0, 1.0);
+}
+
+// `cell.x` < 0: a cut face with this normal.
+vec4 surfaceColour(Frame frame, float isovalue, ivec3 cell, vec3 place, vec3 cut_normal, vec3 base) {
+  const bool cut = cell.x < 0;
+  const vec3 gradient = smoothGradient(max(cell, 0), place, frame.spacing_m);
+  const float steepness = lengthOf(gradient);  // the density's fall over the smallest spacing
+  vec3 normal = steepness > 0.0 ? -gradient / steepness : -frame.direction;
+  if (cut) normal = dot(cut_normal, cut_normal) > 0.0 ? normalize(cut_normal) : -frame.direction;
+  if (kNormals > 0) {
+    const vec3 seen = vec3(dot(normal, frame.right), -dot(normal, frame.down), -dot(normal, frame.forward));
+    return vec4(0.5 + 0.5 * seen, 1);
+  }
+  vec3 colour = shade(base, normal, -frame.direction, frame.right, frame.down);
+  if (kOcclusion > 0 && !cut) colour *= 1.0 - 0.7 * occlusion(vec3(cell) + place, normal, steepness, frame.spacing_m, isovalue);
+  return vec4(colour, 1);
+}

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+// Cameras against the projection of every point that must be seen.
+#include "apps/render/fit_camera.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "apps/render/view_words.hpp"
+
+namespace palpate {
+namespace fit_camera_test {
+
+// Turned around an axis that is none of the world's; `sign` -1: left-handed.
+Lattice turnedLattice(double sign) {
+  Lattice lattice;
+  lattice.origin_W = {0.1, -0.2, 0.05};
+  lattice.R_WL = Eigen::AngleAxisd(0.7, Vec3(1, 2, -1).normalized()).toRotationMatrix();
+  lattice.R_WL.col(1) *= sign;
+  lattice.spacing_m = {0.7e-3, 0.9e-3, 1.3e-3};
+  return lattice;
+}
+
+// How far a point is from the middle of the picture: 1 at an edge.
+double shareOf(const Camera& camera, const Vec3& p_W) {
+  const auto seen = camera.project(p_W);
+  if (!seen) return 1e9;
+  return std::max(std::abs(2 * seen->x / camera.width - 1), std::abs(2 * seen->y / camera.height - 1));
+}
+
+// Of all frames.
+double largestShare(const RenderRequest& request, const SeenExtent& extent) {
+  const double distance_m = fittingDistance(request, extent);
+  double largest = 0;
+  for (int frame = 0; frame < request.frames; ++frame) {
+    const Camera camera = frameCamera(request, targetOf(request, extent), distance_m, frame);
+    for (const Vec3& p_W : extent.points_W) largest = std::max(largest, shareOf(camera, p_W));
+  }
+  return largest;
+}
+
+// Some point is exactly on the margin, and none beyond it, from every side, in wide, high and turning pictures. 1e-9:
+// rounding of a few operations on numbers up to 1e3.
+TEST(FitCamera, EverythingIsInThePictureAndFillsIt) {
+  for (const double sign : {1.0, -1.0}) {
+    const SeenExtent extent = wholeExtent({Vec3i(40, 60, 21), Vec3::Ones()}, turnedLattice(sign));
+    ASSERT_EQ(extent.points_W.size(), 8U);
+    for (const std::string& name : viewNames()) {
+      for (const auto& [width, height] : {std::pair(64, 48), std::pair(30, 90)}) {
+        for (const int frames : {1, 7}) {
+          RenderRequest request;
+          request.width = width;
+          request.height = height;
+          request.frames = frames;
+          request.view = *viewNamed(name);
+          request.fov_rad = 0.9;
+          EXPECT_NEAR(largestShare(request, extent), kFilledShare, 1e-9) << name << ' ' << width << ' ' << frames;
+          request.target_W = extent.middle_W + Vec3(0.01, -0.02, 0.005);
+          EXPECT_NEAR(largestShare(request, extent), kFilledShare, 1e-9) << name << ", another target";
+        }
+      }
+    }
+  }
+}
+
+TEST(FitCamera, StandsWhereItIsTold) {
+  RenderRequest request;
+  request.view = *viewNamed("left");
+  const Camera camera = frameCamera(request, Vec3(1, 2, 3), 0.5, 0);
+  EXPECT_TRUE(camera.position_W.isApprox(Vec3(1.5, 2, 3), 1e-15));
+  EXPECT_TRUE(camera.forward_W.isApprox(-Vec3::UnitX(), 1e-15));
+  EXPECT_TRUE(camera.right_W.isApprox(Vec3::UnitY(), 1e-15));  // the back of a patient seen from the left
+  EXPECT_TRUE(camera.up_W.isApprox(Vec3::UnitZ(), 1e-15));
+  EXPECT_NEAR(camera.vertical_fov_rad, request.fov_rad, 1e-15);
+}
+
+// A point 1 cm up and 2 cm to the right appears three times as far from the middle.
+TEST(FitCamera, ZoomsAroundTheMiddle) {
+  RenderRequest request;
+  const Vec3 p_W(0.02, 0, 0.01);
+  const auto plain = frameCamera(request, Vec3::Zero(), 0.5, 0).project(p_W);
+  request.zoom = 3;
+  const Camera camera = frameCamera(request, Vec3::Zero(), 0.5, 0);
+  const auto zoomed = camera.project(p_W);
+  ASSERT_TRUE(plain && zoomed);
+  EXPECT_NEAR(zoomed->x - 640, 3 * (plain->x - 640), 1e-9);
+  EXPECT_NEAR(zoomed->y - 360, 3 * (plain->y - 360), 1e-9);
+  EXPECT_GT(zoomed->x, 640);
+  EXPECT_LT(zoomed->y, 360);
+  EXPECT_EQ(camera.position_W, frameCamera({}, Vec3::Zero(), 0.5, 0).position_W);
+}
+
+// A quarter of a turn from the front is the patient's left; the height stays.
+TEST(FitCamera, ATurnGoesToThePatientsLeft) {
+  RenderRequest request;
+  request.frames = 4;
+  request.view = *viewAnglesOf("0,30");
+  const Vec3 first = frameCamera(request, Vec3::Zero(), 1, 0).position_W;
+  const Vec3 second = frameCamera(request, Vec3::Zero(), 1, 1).position_W;
+  EXPECT_TRUE(first.isApprox(Vec3(0, -std::sqrt(0.75), 0.5), 1e-15)) << first.transpose();
+  EXPECT_TRUE(second.isApprox(Vec3(std::sqrt(0.75), 0, 0.5), 1e-15)) << second.transpose();
+}
+
+// Voxel (8, 3, 17) alone is object. It is a corner of cells of the bricks (0, 0, 2), whose cells end at voxel 8, and
+// (1, 0, 2). Their cells reach from voxel (0, 0, 16) to (16, 8, 23), where the domain ends.
+TEST(FitCamera, TheObjectIsInTheRowsOfBricksThatHoldIt) {
+  const BrickGrid grid{Vec3i(40, 16, 24), Vec3::Ones()};
+  std::vector<layout::BrickBounds> bounds(grid.brickCount(), {-1, 0});
+  bounds[grid.index({0, 0, 2})] = bounds[grid.index({1, 0, 2})] = {-1, 10};
+  const Lattice lattice = turnedLattice(-1);
+  const SeenExtent extent = objectExtent(bounds, grid, lattice, 0);
+  ASSERT_EQ(extent.points_W.size(), 8U);
+  EXPECT_TRUE(lattice.toIndex(extent.points_W.front()).isApprox(Vec3(0, 0, 16), 1e-12));
+  EXPECT_TRUE(lattice.toIndex(extent.points_W.back()).isApprox(Vec3(16, 8, 23), 1e-12));
+  EXPECT_TRUE(lattice.toIndex(extent.middle_W).isApprox(Vec3(8, 4, 19.5), 1e-12));
+  // Another row, to the domain's last voxel along i.
+  bounds[grid.index({4, 1, 0})] = {0, 10};
+  const SeenExtent two = objectExtent(bounds, grid, lattice, 0);
+  ASSERT_EQ(two.points_W.size(), 16U);
+  EXPECT_TRUE(lattice.toIndex(two.points_W.front()).isApprox(Vec3(32, 8, 0), 1e-12));
+  EXPECT_TRUE(lattice.toIndex(two.middle_W).isApprox(Vec3(19.5, 7.5, 11.5), 1e-12));
+}
+
+TEST(FitCamera, WithoutAnObjectTheWholeVolumeIsSeen) {
+  const BrickGrid grid{Vec3i(40, 16, 24), Vec3::Ones()};
+  const std::vector<layout::BrickBounds> bounds(grid.brickCount(), {-1, 0});
+  const Lattice lattice = turnedLattice(1);
+  const SeenExtent extent = objectExtent(bounds, grid, lattice, 0);  // at the isovalue is no object
+  ASSERT_EQ(extent.points_W.size(), 8U);
+  EXPECT_TRUE(lattice.toIndex(extent.middle_W).isApprox(Vec3(19.5, 7.5, 11.5), 1e-12));
+}
+
+}  // namespace fit_camera_test
+}  // namespace palpate
