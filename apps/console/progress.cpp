@@ -12,7 +12,7 @@
 namespace palpate {
 
 Progress::Progress(std::FILE* stream, double every_s)
-    : stream_(stream), terminal_(isatty(fileno(stream)) == 1), every_s_(every_s) {}
+    : stream_(stream), terminal_(stream != nullptr && isatty(fileno(stream)) == 1), every_s_(every_s) {}
 
 Progress::~Progress() {
   done();
@@ -25,6 +25,7 @@ void Progress::show(const std::string& text) {
 }
 
 void Progress::stage(const std::string& what) {
+  if (stream_ == nullptr) return;
   stage_ = oneLine(what);
   since_ = Stopwatch();
   if (terminal_) {
@@ -35,6 +36,7 @@ void Progress::stage(const std::string& what) {
 }
 
 void Progress::fraction(double done) {
+  if (stream_ == nullptr) return;
   if (terminal_) {
     show(fmt::format("{} ... {:3.0f} %", stage_, 100 * done));
   } else if (since_.seconds() >= every_s_) {

@@ -14,6 +14,7 @@ namespace palpate {
 class Progress {
  public:
   // `every_s`: interval between lines of a long stage where there is no terminal [s].
+  // Without a stream nothing is shown.
   explicit Progress(std::FILE* stream = stderr, double every_s = 5);
   ~Progress();  // ends the line
 

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "base/error.hpp"
+#include "base/units.hpp"
 
 namespace palpate {
 
@@ -16,20 +17,45 @@ RigEdits::RigEdits(EditSession& session, const Vec3i& size, const Lattice& latti
 
 bool RigEdits::edit(std::vector<EditCommand> commands) {
   return ask([this, commands = std::move(commands)](std::int64_t now_ns) {
+    last_stroke_ns_.reset();
     tryTo("an edit", [&] { session_.edit(commands, now_ns); });
   });
 }
 bool RigEdits::undo() {
-  return ask([this](std::int64_t now_ns) { tryTo("undo", [&] { session_.undo(now_ns); }); });
+  return ask([this](std::int64_t now_ns) {
+    last_stroke_ns_.reset();
+    tryTo("undo", [&] { session_.undo(now_ns); });
+  });
 }
 bool RigEdits::redo() {
-  return ask([this](std::int64_t now_ns) { tryTo("redo", [&] { session_.redo(now_ns); }); });
+  return ask([this](std::int64_t now_ns) {
+    last_stroke_ns_.reset();
+    tryTo("redo", [&] { session_.redo(now_ns); });
+  });
 }
 bool RigEdits::setBrush(const ToolBrushSpec& brush) {
-  return ask([this, brush](std::int64_t) { brush_.emplace(brush, size_, lattice_); });
+  return ask([this, brush](std::int64_t) {
+    last_stroke_ns_.reset();
+    brush_.emplace(brush, size_, lattice_);
+  });
 }
 bool RigEdits::dropBrush() {
   return ask([this](std::int64_t) { brush_.reset(); });
+}
+bool RigEdits::errand(BackgroundSaver::Errand errand) {
+  return ask([this, errand = std::move(errand)](std::int64_t) mutable { session_.ask(std::move(errand)); });
+}
+
+void RigEdits::stroke(const ToolPose& pose, std::int64_t now_ns) {
+  const std::vector<EditCommand> commands = brush_->dueStroke(pose, now_ns);
+  if (commands.empty()) return;
+  const bool goes_on =
+      last_stroke_ns_ && static_cast<double>(now_ns - *last_stroke_ns_) < kStrokePause_s * kNanosecondsPerSecond;
+  if (tryTo("an edit", [&] { session_.edit(commands, now_ns, goes_on ? UndoStep::kLast : UndoStep::kNew); })) {
+    last_stroke_ns_ = now_ns;
+  } else {
+    brush_->refused();
+  }
 }
 
 bool RigEdits::ask(Request request) {
@@ -54,16 +80,16 @@ RigEdits::Request RigEdits::next() {
 
 void RigEdits::look(const ToolPose& pose, std::int64_t now_ns) {
   if (const Request request = next()) request(now_ns);
-  if (brush_) {
-    const std::vector<EditCommand> stroke = brush_->dueStroke(pose, now_ns);
-    if (!stroke.empty() && !tryTo("an edit", [&] { session_.edit(stroke, now_ns); })) brush_->refused();
-  }
+  if (brush_) stroke(pose, now_ns);
   session_.feedSaver(now_ns);
   listen();
   const std::lock_guard lock(mutex_);
   state_.edits = session_.edits();
   state_.can_undo = session_.history().canUndo();
   state_.can_redo = session_.history().canRedo();
+  state_.content_version = session_.contentVersion();
+  state_.undo_steps = session_.history().done();
+  state_.redo_steps = session_.history().steps() - session_.history().done();
 }
 
 // An edit for which there is no memory, or which is invalid at its place, is refused, and editing goes on: there may be

@@ -35,15 +35,20 @@ class RigEdits {
   bool edit(std::vector<EditCommand> commands);
   bool undo();
   bool redo();
-  bool setBrush(const ToolBrushSpec& brush);  // for the tool
+  // A brush for the tool. Its strokes are undone as one, unless it was away from the surface for kStrokePause_s.
+  bool setBrush(const ToolBrushSpec& brush);
   bool dropBrush();
+  static constexpr double kStrokePause_s = 0.5;  // [s]
+  bool errand(BackgroundSaver::Errand errand);   // EditSession::ask()
   static constexpr std::size_t kMostWaiting = 256;
 
   // The state after the last look. Any thread.
   struct State {
-    std::uint64_t edits = 0;    // made, undo and redo included
-    std::uint64_t refused = 0;  // edits, undo and redo that were not made
+    std::uint64_t edits = 0;            // made, undo and redo included
+    std::uint64_t refused = 0;          // edits, undo and redo that were not made
+    std::uint64_t content_version = 0;  // EditSession::contentVersion()
     bool can_undo = false, can_redo = false;
+    std::size_t undo_steps = 0, redo_steps = 0;
     bool editing = true;  // false: the device has failed, and nothing more is edited
   };
   [[nodiscard]] State state() const;
@@ -62,6 +67,7 @@ class RigEdits {
   using Request = std::function<void(std::int64_t now_ns)>;
   bool ask(Request request);
   [[nodiscard]] Request next();
+  void stroke(const ToolPose& pose, std::int64_t now_ns);
   template <typename Change>
   bool tryTo(const char* what, const Change& change);
 
@@ -79,6 +85,7 @@ class RigEdits {
   const Lattice lattice_;
   const Tell tell_;
   std::optional<ToolBrush> brush_;
+  std::optional<std::int64_t> last_stroke_ns_;  // of this brush, since the last other change
   std::vector<Trouble> troubles_;
   bool journal_failed_ = false;
   mutable std::mutex mutex_;  // guards what follows

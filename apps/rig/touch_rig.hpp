@@ -19,6 +19,7 @@
 #include <string>
 
 #include "apps/rig/isovalue_transition.hpp"
+#include "apps/rig/live_view.hpp"
 #include "apps/rig/rig_edits.hpp"
 #include "base/error.hpp"
 #include "engine/service/engine_thread.hpp"
@@ -87,6 +88,9 @@ class TouchRig {
   // refusal settings() returns the servo's settings again, unless another isovalue was requested since.
   [[nodiscard]] std::optional<Error> takeRefusal();
 
+  // Before a run by the real clock: the engine's thread draws for this view, which must outlive the rig.
+  void drawFor(LiveView& view) noexcept { view_ = &view; }
+
   // Before a run: keeps up to `most` ticks for ticks().
   void keepTicks(std::size_t most);
   // Pose, forces, faults and timing of each tick since the reader's last look. Only after keepTicks().
@@ -103,6 +107,7 @@ class TouchRig {
   const double first_isovalue_;
   const RigVolume volume_;
   RigEdits* const edits_;
+  LiveView* view_ = nullptr;
   std::mutex callers_;                  // keeps the calls of change() in order
   mutable std::mutex mutex_;            // guards what follows; never held while something is made or computed
   RigSettings settings_;                // the settings that were requested

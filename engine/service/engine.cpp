@@ -88,6 +88,9 @@ RenderedImage Engine::draw(const Camera& camera, const std::function<void()>& be
 void Engine::show(const Camera& camera, const DrawStyle& style, DrawOrder order) {
   parts_->show(camera, style, order);
 }
+std::vector<layout::BrickBounds> Engine::bounds() {
+  return parts_->boundsNow();
+}
 bool Engine::pollPicture() {
   return parts_->pollPicture();
 }

@@ -21,6 +21,7 @@
 #include "engine/plan/plan.hpp"
 #include "engine/service/brick_content.hpp"
 #include "servo/window/tool_pose.hpp"
+#include "shaders/brick_pool.layout.h"
 #include "shaders/draw.layout.h"
 
 namespace palpate {
@@ -106,6 +107,9 @@ class Engine {
   [[nodiscard]] double isovalue() const noexcept;
   // Whether every brick has gradients, not only those around the isosurface.
   [[nodiscard]] bool gradientEverywhere() const noexcept;
+
+  // Bounds of every brick of the field that is felt, by BrickGrid::index. Waits for the GPU; some ns a brick.
+  [[nodiscard]] std::vector<layout::BrickBounds> bounds();
 
   // Draws the isosurface; the plan must ask for it. `between` is called between pieces of work of some 4 ms. If it
   // throws, drawing ends.

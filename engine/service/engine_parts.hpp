@@ -53,6 +53,7 @@ class EngineParts {
   [[nodiscard]] PictureState pictureState() const noexcept { return drawing_ ? drawing_->state() : PictureState{}; }
   void copyPicture(std::vector<layout::PicturePixel>& pixels);
   [[nodiscard]] RenderedImage picture();
+  [[nodiscard]] std::vector<layout::BrickBounds> boundsNow();  // of every brick of the field that is felt
   [[nodiscard]] std::vector<MemoryFigure> memory() const;
   [[nodiscard]] PlanFacts planFacts() const noexcept;
 
@@ -78,7 +79,6 @@ class EngineParts {
   void makeWindows();
   template <typename Change>
   Engine::EditResult change(std::int64_t now_ns, const Change& change);
-  [[nodiscard]] std::vector<layout::BrickBounds> boundsNow();
   void keepSamplesFor(double other, std::span<const layout::BrickBounds> bounds);
   void publishBox(const WindowBox& box, std::int64_t now_ns);  // its samples must have been gathered
 

@@ -54,6 +54,10 @@ void BackgroundSaver::give(std::vector<BrickContent> bricks, std::optional<std::
   send(std::make_unique<Batch>(Batch{std::move(bricks), save_version}));
 }
 
+void BackgroundSaver::give(std::vector<BrickContent> bricks, std::uint64_t version, Errand errand) {
+  send(std::make_unique<Batch>(Batch{std::move(bricks), version, std::move(errand)}));
+}
+
 // The thread reads broken_ when the next batch arrives, so after this write.
 void BackgroundSaver::abandon(const std::string& why) {
   broken_ = true;
@@ -96,7 +100,11 @@ void BackgroundSaver::takeAndSave(const Batch& batch) noexcept {
       reportBroken(failure);
       return;
     }
-    if (batch.save_version) save(*batch.save_version);
+    if (batch.errand) {
+      doErrand(batch.errand, *batch.save_version);
+    } else if (batch.save_version) {
+      save(*batch.save_version);
+    }
     broken_ = false;
   } catch (...) {  // no memory even for the text; takeFailures() makes it
     const std::lock_guard lock(mutex_);
@@ -128,6 +136,15 @@ void BackgroundSaver::save(std::uint64_t version) {
   figures_.bytes = bytes;
   figures_.version = version;
   saved_version_.store(version, std::memory_order_release);
+}
+
+// Its failure is no failed save: the newest file is as it was.
+void BackgroundSaver::doErrand(const Errand& errand, std::uint64_t version) {
+  const std::string failure = failureOf([&] { errand(volume_, version); });
+  if (failure.empty()) return;
+  const std::lock_guard lock(mutex_);
+  unreported_.push_back(failure);
+  has_unreported_.store(true, std::memory_order_release);
 }
 
 void BackgroundSaver::reportBroken(const std::string& why) {

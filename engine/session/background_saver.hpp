@@ -43,6 +43,9 @@ class BackgroundSaver {
   // Writes the volume, which is at edit version `version`, as a whole file or not at all. Returns the file's size
   // [byte]. Called in the saver's thread. Throws on failure.
   using Write = std::function<std::uint64_t(const Volume& volume, std::uint64_t version)>;
+  // Anything else to be done with the whole volume at a version: a file of another name, a mesh. Called in the saver's
+  // thread. What it throws is a failure like that of a save.
+  using Errand = std::function<void(const Volume& volume, std::uint64_t version)>;
 
   // `volume` must outlive this. It equals the engine's volume except for the bricks that the editor lists as changed.
   BackgroundSaver(Volume& volume, Write write);
@@ -54,6 +57,8 @@ class BackgroundSaver {
   [[nodiscard]] bool ready() const noexcept { return batch_.load(std::memory_order_acquire) == nullptr; }
   // Engine's thread, only when ready(). `save_version`: the batch completes this edit version, which is then saved.
   void give(std::vector<BrickContent> bricks, std::optional<std::uint64_t> save_version);
+  // The same, and instead of the save this errand is done with that version.
+  void give(std::vector<BrickContent> bricks, std::uint64_t version, Errand errand);
 
   // Engine's thread, only when ready(). For changed bricks that could not be handed over: reports `why` and saves
   // nothing more.
@@ -77,6 +82,7 @@ class BackgroundSaver {
   struct Batch {
     std::vector<BrickContent> bricks;
     std::optional<std::uint64_t> save_version;
+    Errand errand{};  // empty: the usual save
     bool last = false;
   };
   void send(std::unique_ptr<Batch> batch);
@@ -84,6 +90,7 @@ class BackgroundSaver {
   void takeAndSave(const Batch& batch) noexcept;
   void takeIn(const Batch& batch);
   void save(std::uint64_t version);
+  void doErrand(const Errand& errand, std::uint64_t version);
   void report(std::string text, std::string failure);
   void reportBroken(const std::string& why);
 

@@ -2,6 +2,7 @@
 #include "engine/session/edit_history.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "base/error.hpp"
@@ -11,29 +12,48 @@ namespace {
 
 constexpr std::size_t kMostAtOnce = 65536;  // bricks in one Editor::replace
 
-constexpr std::size_t kStepBytes = sizeof(std::vector<BrickContent>);  // also of an edit that changes nothing
+constexpr std::size_t kStepBytes = sizeof(std::vector<BrickContent>) + sizeof(std::size_t);  // also without bricks
 
 // Includes the heap's overhead for each brick's vector: at least 32 bytes, and some beside a large one.
 std::size_t bytesOfBrick(std::size_t values) {
   return sizeof(BrickContent) + std::max<std::size_t>(32, values * sizeof(float) + 16);
 }
 
-std::size_t bytesOf(const std::vector<BrickContent>& step) {
-  std::size_t bytes = kStepBytes;
-  for (const BrickContent& content : step) bytes += bytesOfBrick(content.values.size());
+std::size_t bytesOfBricks(const std::vector<BrickContent>& bricks) {
+  std::size_t bytes = 0;
+  for (const BrickContent& content : bricks) bytes += bytesOfBrick(content.values.size());
   return bytes;
+}
+
+bool isBefore(const BrickContent& a, const BrickContent& b) {
+  return a.brick < b.brick;
+}
+
+// Those of `bricks` (ascending) that are not among `known` (ascending).
+std::vector<std::uint32_t> newBricks(std::span<const std::uint32_t> bricks, const std::vector<BrickContent>& known) {
+  std::vector<std::uint32_t> list;
+  auto at = known.begin();
+  for (const std::uint32_t brick : bricks) {
+    while (at != known.end() && at->brick < brick) ++at;
+    if (at == known.end() || at->brick != brick) list.push_back(brick);
+  }
+  return list;
 }
 
 }  // namespace
 
-EditHistory::Step EditHistory::contentOf(std::span<const std::uint32_t> bricks) const {
-  Step step;
-  step.reserve(bricks.size());
-  for (const std::uint32_t brick : bricks) step.push_back(engine_.content(brick));
-  return step;
+std::size_t EditHistory::bytesOf(const Step& step) {
+  return kStepBytes + bytesOfBricks(step.bricks);
 }
 
-Engine::EditResult EditHistory::edit(std::span<const EditCommand> commands, std::int64_t now_ns) {
+EditHistory::Contents EditHistory::contentOf(std::span<const std::uint32_t> bricks) const {
+  Contents contents;
+  contents.reserve(bricks.size());
+  for (const std::uint32_t brick : bricks) contents.push_back(engine_.content(brick));
+  return contents;
+}
+
+Engine::EditResult EditHistory::edit(std::span<const EditCommand> commands, std::int64_t now_ns, UndoStep step) {
   // If engine_.edit() throws an Error nothing has changed, and nothing changes here. Once the volume has changed
   // nothing throws, since the caller must know of the change.
   if (budget_bytes_ == 0) {  // no copies would be kept, so none are taken
@@ -41,24 +61,35 @@ Engine::EditResult EditHistory::edit(std::span<const EditCommand> commands, std:
     ++forgotten_;
     return result;
   }
+  const bool joins = step == UndoStep::kLast && done_ > 0 && done_ == steps_.size();
   bool is_kept = false;
+  Contents added;  // to the last step
   const auto keep = [&](std::span<const std::uint32_t> bricks) {
-    if (bytesToKeep(bricks) > budget_bytes_) return;
-    steps_.push_back(contentOf(bricks));
+    if (joins) {
+      Step& last = steps_.back();
+      const std::vector<std::uint32_t> more = newBricks(bricks, last.bricks);
+      if (bytesOf(last) + bytesToKeep(more) > budget_bytes_) return;
+      added = contentOf(more);
+      last.bricks.reserve(last.bricks.size() + added.size());  // so that join() needs no memory
+    } else {
+      if (bytesToKeep(bricks) > budget_bytes_) return;
+      steps_.push_back({contentOf(bricks)});
+    }
     is_kept = true;
   };
+  const auto keepIt = [&] { joins ? join(std::move(added)) : keepLast(); };
   Engine::EditResult result;
   try {
     result = engine_.edit(commands, now_ns, keep);
   } catch (const Error&) {
-    if (is_kept) steps_.pop_back();
+    if (is_kept && !joins) steps_.pop_back();
     throw;
   } catch (...) {  // changed or not, an undo of this step restores the volume
-    if (is_kept) keepLast();
+    if (is_kept) keepIt();
     throw;
   }
   if (is_kept) {
-    keepLast();
+    keepIt();
   } else {
     forgetAll();
     ++forgotten_;
@@ -81,8 +112,19 @@ void EditHistory::keepLast() noexcept {
   forgetBeyondBudget();
 }
 
+// What the last step's own bricks held before its first edit is known; of the others it is what they held before this.
+void EditHistory::join(Contents added) noexcept {
+  Step& last = steps_.back();
+  bytes_ += bytesOfBricks(added);
+  const auto middle = static_cast<std::ptrdiff_t>(last.bricks.size());
+  std::move(added.begin(), added.end(), std::back_inserter(last.bricks));
+  std::inplace_merge(last.bricks.begin(), last.bricks.begin() + middle, last.bricks.end(), isBefore);
+  ++last.edits;
+  forgetBeyondBudget();
+}
+
 void EditHistory::forgetAll() noexcept {
-  forgotten_ += done_;
+  for (std::size_t i = 0; i < done_; ++i) forgotten_ += steps_[i].edits;
   steps_.clear();
   done_ = bytes_ = 0;
 }
@@ -91,9 +133,9 @@ void EditHistory::forgetAll() noexcept {
 void EditHistory::forgetBeyondBudget() noexcept {
   while (bytes_ > budget_bytes_ && done_ > 0) {
     bytes_ -= bytesOf(steps_.front());
+    forgotten_ += steps_.front().edits;
     steps_.pop_front();
     --done_;
-    ++forgotten_;
   }
   while (bytes_ > budget_bytes_ && !steps_.empty()) {
     bytes_ -= bytesOf(steps_.back());
@@ -104,25 +146,25 @@ void EditHistory::forgetBeyondBudget() noexcept {
 // Puts the step's bricks in place, all or none. Then the step holds what they replaced.
 Engine::EditResult EditHistory::exchange(Step& step, std::int64_t now_ns) {
   std::vector<std::uint32_t> bricks;
-  for (const BrickContent& content : step) bricks.push_back(content.brick);
-  Step replaced = contentOf(bricks);
+  for (const BrickContent& content : step.bricks) bricks.push_back(content.brick);
+  Contents replaced = contentOf(bricks);
   Engine::EditResult result;
   result.version = engine_.editVersion();
-  const auto part = [](const Step& of, std::size_t first) {
+  const auto part = [](const Contents& of, std::size_t first) {
     return std::span(of).subspan(first, std::min(kMostAtOnce, of.size() - first));
   };
   std::size_t first = 0;
   try {
-    for (; first < step.size(); first += kMostAtOnce) result = engine_.replace(part(step, first), now_ns);
+    for (; first < step.bricks.size(); first += kMostAtOnce) result = engine_.replace(part(step.bricks, first), now_ns);
   } catch (...) {
     if (engine_.broken()) throw;
     // Goes back through states that existed before, so none of them needs room that is not there.
     while (first > 0) engine_.replace(part(replaced, first -= kMostAtOnce), now_ns);
     throw;
   }
-  bytes_ += bytesOf(replaced);
-  bytes_ -= bytesOf(step);
-  step = std::move(replaced);
+  bytes_ += bytesOfBricks(replaced);
+  bytes_ -= bytesOfBricks(step.bricks);
+  step.bricks = std::move(replaced);
   return result;
 }
 

@@ -19,14 +19,19 @@
 
 namespace palpate {
 
+// Whether an edit is undone by itself, or together with the edit before it: a stroke of the tool is many edits, and one
+// for a person.
+enum class UndoStep { kNew, kLast };
+
 class EditHistory {
  public:
   // Engine::allowEdits() must have been called on `engine`, which must outlive this. `budget_bytes`: limit for all
   // copies; 0: no undo.
   EditHistory(Engine& engine, std::size_t budget_bytes) : engine_(engine), budget_bytes_(budget_bytes) {}
 
-  // As Engine::edit(), and copies what the changed bricks held. Edits that were undone can no longer be redone.
-  Engine::EditResult edit(std::span<const EditCommand> commands, std::int64_t now_ns);
+  // As Engine::edit(), and copies what the changed bricks held. Edits that were undone can no longer be redone. kLast
+  // begins a step of its own where there is none to join, or where the last one was undone.
+  Engine::EditResult edit(std::span<const EditCommand> commands, std::int64_t now_ns, UndoStep step = UndoStep::kNew);
 
   [[nodiscard]] bool canUndo() const noexcept { return done_ > 0; }
   [[nodiscard]] bool canRedo() const noexcept { return done_ < steps_.size(); }
@@ -35,15 +40,25 @@ class EditHistory {
   // large undo is made in parts, and the parts done so far are reverted.
   Engine::EditResult undo(std::int64_t now_ns);
   Engine::EditResult redo(std::int64_t now_ns);
+  // How many edits they would undo or redo; 0: none.
+  [[nodiscard]] std::size_t editsToUndo() const noexcept { return canUndo() ? steps_[done_ - 1].edits : 0; }
+  [[nodiscard]] std::size_t editsToRedo() const noexcept { return canRedo() ? steps_[done_].edits : 0; }
 
   [[nodiscard]] std::size_t bytes() const noexcept { return bytes_; }         // size of the copies
-  [[nodiscard]] std::size_t steps() const noexcept { return steps_.size(); }  // edits that can be undone or redone
+  [[nodiscard]] std::size_t steps() const noexcept { return steps_.size(); }  // that can be undone or redone
+  [[nodiscard]] std::size_t done() const noexcept { return done_; }           // of them, not undone
   // Edits that were made and can no longer be undone.
   [[nodiscard]] std::size_t forgotten() const noexcept { return forgotten_; }
 
  private:
-  using Step = std::vector<BrickContent>;  // what the bricks held before the edit; of an undone edit, after it
-  [[nodiscard]] Step contentOf(std::span<const std::uint32_t> bricks) const;
+  using Contents = std::vector<BrickContent>;
+  struct Step {
+    Contents bricks;        // in ascending order; what they held before its edits; of an undone step, after them
+    std::size_t edits = 1;  // that it holds
+  };
+  [[nodiscard]] static std::size_t bytesOf(const Step& step);
+  [[nodiscard]] Contents contentOf(std::span<const std::uint32_t> bricks) const;
+  void join(Contents added) noexcept;
   Engine::EditResult exchange(Step& step, std::int64_t now_ns);
   [[nodiscard]] std::size_t bytesToKeep(std::span<const std::uint32_t> bricks) const;
   void keepLast() noexcept;

@@ -55,21 +55,31 @@ Engine::EditResult EditSession::journalled(const Change& change, const std::func
   }
 }
 
-Engine::EditResult EditSession::edit(std::span<const EditCommand> commands, std::int64_t now_ns) {
-  return journalled([&] { return history_.edit(commands, now_ns); },
+Engine::EditResult EditSession::edit(std::span<const EditCommand> commands, std::int64_t now_ns, UndoStep step) {
+  return journalled([&] { return history_.edit(commands, now_ns, step); },
                     [&](JournalWriter& journal) { journal.edit(commands); });
 }
 
+// A journal knows single edits, so it gets a record for each that the step holds.
 Engine::EditResult EditSession::undo(std::int64_t now_ns) {
-  return journalled([&] { return history_.undo(now_ns); }, [](JournalWriter& journal) { journal.undo(); });
+  const std::size_t edits = history_.editsToUndo();
+  return journalled([&] { return history_.undo(now_ns); },
+                    [&](JournalWriter& journal) {
+                      for (std::size_t i = 0; i < edits; ++i) journal.undo();
+                    });
 }
 
 Engine::EditResult EditSession::redo(std::int64_t now_ns) {
-  return journalled([&] { return history_.redo(now_ns); }, [](JournalWriter& journal) { journal.redo(); });
+  const std::size_t edits = history_.editsToRedo();
+  return journalled([&] { return history_.redo(now_ns); },
+                    [&](JournalWriter& journal) {
+                      for (std::size_t i = 0; i < edits; ++i) journal.redo();
+                    });
 }
 
 void EditSession::keepSaved(Volume& volume, BackgroundSaver::Write write, double every_s) {
   save_period_ns_ = std::llround(every_s * kNanosecondsPerSecond);
+  saves_ = static_cast<bool>(write);
   saver_.emplace(volume, std::move(write));
 }
 
@@ -84,31 +94,38 @@ bool EditSession::isSaved() const {
 }
 
 void EditSession::feedSaver(std::int64_t now_ns) {
-  if (!saver_ || !saver_usable_ || save_period_ns_ == 0 || !saver_->ready()) return;
+  if (!saver_ || !saver_usable_ || (save_period_ns_ == 0 && errands_.empty()) || !saver_->ready()) return;
   if (next_save_ns_ == kNotSet) next_save_ns_ = now_ns + save_period_ns_;
   const std::size_t changed = engine_.changedBricks();
   if (std::exchange(save_begun_, false)) bricks_left_ = changed;
   // Unless there are many, bricks are handed over only once a save is due. So a brick that changes again and again is
   // copied once for each save.
-  const bool due = isSaveDue(now_ns);
+  const bool save_due = save_period_ns_ > 0 && isSaveDue(now_ns), due = save_due || !errands_.empty();
   if (!due && changed < kBricksAtOnce) return;
   // If edits change more bricks between two calls than a call hands over, a due save would never begin. So a due save
   // takes as many more as changed since the last call. Then each call shortens the list by kBricksAtOnce, and the save
   // begins.
-  handOver(kBricksAtOnce + (due && changed > bricks_left_ ? changed - bricks_left_ : 0), due);
+  const Then then = !errands_.empty() ? Then::kErrand : save_due ? Then::kSave : Then::kNothing;
+  handOver(kBricksAtOnce + (due && changed > bricks_left_ ? changed - bricks_left_ : 0), then);
   bricks_left_ = engine_.changedBricks();
   if (!due || bricks_left_ > 0) return;
-  next_save_ns_ = now_ns + save_period_ns_;
+  if (then == Then::kSave) next_save_ns_ = now_ns + save_period_ns_;
   save_begun_ = true;
 }
 
 // If bricks were taken from the editor and did not arrive, they would be missing in every later file. Then no file is
 // written any more.
-void EditSession::handOver(std::size_t most, bool save) {
+void EditSession::handOver(std::size_t most, Then then) {
   try {
     std::vector<BrickContent> bricks = engine_.takeChanged(most);
     const bool complete = engine_.changedBricks() == 0;
-    saver_->give(std::move(bricks), save && complete ? std::optional(engine_.editVersion()) : std::nullopt);
+    if (complete && then == Then::kErrand) {
+      saver_->give(std::move(bricks), engine_.editVersion(), std::move(errands_.front()));
+      errands_.pop_front();
+    } else {
+      const bool save = complete && then == Then::kSave;
+      saver_->give(std::move(bricks), save ? std::optional(engine_.editVersion()) : std::nullopt);
+    }
   } catch (const std::exception& error) {
     saver_usable_ = false;
     saver_->abandon(error.what());
@@ -120,11 +137,12 @@ void EditSession::close() {
   if (!saver_ || closed_) return;
   closed_ = true;
   saver_->wait();
-  const bool save = !isSaved();
+  const bool save = saves_ && !isSaved();
   for (bool more = true; more && saver_usable_;) {
-    handOver(kBricksAtOnce, save);
+    const bool errand = !errands_.empty();
+    handOver(kBricksAtOnce, errand ? Then::kErrand : save ? Then::kSave : Then::kNothing);
     saver_->wait();
-    more = engine_.changedBricks() > 0;
+    more = engine_.changedBricks() > 0 || errand;
   }
   saver_->close();
 }

@@ -8,6 +8,7 @@
 // append waits only if the queue is full.
 #pragma once
 
+#include <deque>
 #include <filesystem>
 #include <functional>
 #include <limits>
@@ -44,18 +45,21 @@ class EditSession {
   void keepJournal(const std::filesystem::path& folder, const VolumeIdentity& volume, JournalOptions options = {});
 
   // Saves `volume`, the CPU's copy of the engine's volume as of the last read-back. It is saved every `every_s` seconds
-  // if something changed (0: never), and in close(). Until close() the volume belongs to the session; nobody else may
-  // touch it.
+  // if something changed (0: never), and in close(). Without a `write` it is never saved; the errands of ask() are
+  // done. Until close() the volume belongs to the session; nobody else may touch it.
   void keepSaved(Volume& volume, BackgroundSaver::Write write, double every_s);
   // Call it often. Hands changed bricks to the saver, and begins a save once one is due and the last is done. Never
   // waits for the saver. Cost: a copy of at most 256 bricks, some 1.2 us each. If a due save still lacks bricks, a call
   // also copies as many as edits have changed since the last call. That takes a tenth of the time of those edits.
   void feedSaver(std::int64_t now_ns);
+  // To be done with the volume as it is once feedSaver() has handed over every edit made until now; after keepSaved().
+  // Errands are done in order, in the saver's thread, while edits go on. close() does those that are left.
+  void ask(BackgroundSaver::Errand errand) { errands_.push_back(std::move(errand)); }
   [[nodiscard]] BackgroundSaver* saver() noexcept { return saver_ ? &*saver_ : nullptr; }
 
   // These throw as EditHistory does. After an exception other than Error it is unknown whether the volume has changed,
   // so the journal ends.
-  Engine::EditResult edit(std::span<const EditCommand> commands, std::int64_t now_ns);
+  Engine::EditResult edit(std::span<const EditCommand> commands, std::int64_t now_ns, UndoStep step = UndoStep::kNew);
   Engine::EditResult undo(std::int64_t now_ns);
   Engine::EditResult redo(std::int64_t now_ns);
 
@@ -67,13 +71,16 @@ class EditSession {
   void dropEmptyJournal();
   [[nodiscard]] EditFigures figures() const;
   [[nodiscard]] std::uint64_t edits() const noexcept { return figures_.edits; }  // undo and redo included
+  // Engine::editVersion() of the last edit, undo or redo that may have changed something; 0: none.
+  [[nodiscard]] std::uint64_t contentVersion() const noexcept { return content_version_; }
   [[nodiscard]] const EditHistory& history() const noexcept { return history_; }
   [[nodiscard]] const JournalWriter* journal() const noexcept { return journal_ ? &*journal_ : nullptr; }
 
  private:
   [[nodiscard]] bool isSaveDue(std::int64_t now_ns) const;
   [[nodiscard]] bool isSaved() const;
-  void handOver(std::size_t most, bool save);
+  enum class Then { kNothing, kSave, kErrand };  // once no changed brick is left
+  void handOver(std::size_t most, Then then);
   template <typename Change>
   Engine::EditResult timed(const Change& change);
   template <typename Change>
@@ -89,8 +96,10 @@ class EditSession {
   // Changed bricks that the last feedSaver() left, or those that changed while a file was written.
   std::size_t bricks_left_ = 0;
   bool save_begun_ = false;  // by the last feedSaver()
+  std::deque<BackgroundSaver::Errand> errands_;
   static constexpr std::int64_t kNotSet = std::numeric_limits<std::int64_t>::min();
   std::uint64_t content_version_ = 0;    // edit version of the last edit that may have changed something
+  bool saves_ = false;                   // a file is to be kept
   std::int64_t save_period_ns_ = 0;      // 0: no save before the end
   std::int64_t next_save_ns_ = kNotSet;  // when the next save is due
   bool saver_usable_ = true;             // changed bricks still reach the saver

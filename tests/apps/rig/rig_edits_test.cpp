@@ -153,6 +153,46 @@ TEST_F(Edits, OfTheToolFollowItsBrush) {
   EXPECT_THAT(told, testing::IsEmpty());
 }
 
+// A stroke is undone as one: it ends with its brush, with another edit, undo or redo, and with a pause.
+TEST_F(Edits, OfAStrokeAreUndoneAsOne) {
+  const auto stroke = [&](int looks) {
+    for (int i = 0; i < looks; ++i) {
+      pose_.position_W.z() += 1e-4;
+      look();
+    }
+  };
+  pose_.position_W = tool_W();
+  pose_.normal_W = Vec3::UnitX();
+  pose_.at_surface = true;
+  const ToolBrushSpec spec = toolBrushSpec("remove:radius=1mm");
+  const std::uint64_t before = hash();
+  edits.setBrush(spec);
+  stroke(30);
+  EXPECT_GE(edits.state().edits, 5U);
+  EXPECT_EQ(edits.state().undo_steps, 1U);
+  const std::uint64_t once = hash();
+  edits.setBrush(spec);
+  stroke(30);
+  EXPECT_EQ(edits.state().undo_steps, 2U);
+  now_ns_ += 600'000'000;  // longer than kStrokePause_s
+  stroke(30);
+  EXPECT_EQ(edits.state().undo_steps, 3U);
+  edits.edit(dab(EditKind::kAdd));
+  stroke(30);
+  EXPECT_EQ(edits.state().undo_steps, 5U);  // the dab, and what came after it
+  edits.dropBrush();
+  look();
+  for (int i = 0; i < 4; ++i) edits.undo();
+  stroke(4);
+  EXPECT_EQ(edits.state().undo_steps, 1U);
+  EXPECT_EQ(edits.state().redo_steps, 4U);
+  EXPECT_EQ(hash(), once);
+  edits.undo();
+  look();
+  EXPECT_EQ(hash(), before);
+  EXPECT_EQ(edits.state().content_version, engine.editVersion());
+}
+
 // A brush that fits nowhere, under a tool at rest: its stroke is refused in each period and tried again in the next.
 // The first look begins a period of 4 looks, so strokes are due in looks 5, 9, 13 and 17.
 TEST_F(Edits, OfARestingToolAreTriedAgainWhileTheyAreRefused) {

@@ -105,7 +105,7 @@ TEST(EditSession, EditsThatChangeNothingAreForgottenToo) {
   away.from_W = away.to_W = s.volume.lattice().toWorld({-15, 10, 9});  // 10 mm from the volume
   for (int i = 0; i < 500; ++i) s.session.edit({&away, 1}, 0);
   EXPECT_EQ(s.engine.editVersion(), 500U);
-  EXPECT_LT(s.session.history().steps(), 100U);  // of 24 bytes each, at least
+  EXPECT_LT(s.session.history().steps(), 100U);  // of 32 bytes each, at least
   EXPECT_EQ(s.session.history().steps() + s.session.history().forgotten(), 500U);
   s.session.undo(0);
   s.session.redo(0);
@@ -139,6 +139,45 @@ TEST(EditSession, ReplayEqualsTheDeviceBitForBit) {
   const std::uint64_t held = s.hash();
   EXPECT_EQ(contentHash(replayed), held);
   EXPECT_NE(held, s.header.volume.content);
+}
+
+// Strokes of several edits, undone and redone as one: the states at their ends come back, and the journal, which knows
+// single edits, leads to the same volume.
+TEST(EditSession, JoinedEditsAreUndoneAsOneAndReplayedOneByOne) {
+  const TemporaryFolder folder;
+  Session s;
+  s.session.keepJournal(folder.path(), s.header.volume);
+  RandomEdits random(s.volume.size(), s.volume.lattice(), kLow, kHigh, 12);
+  std::vector<std::uint64_t> hashes = {s.hash()};
+  std::vector<std::size_t> edits;
+  for (int i = 0; i < 60; ++i) {
+    const bool joins = i > 0 && random.pick(3) != 0;
+    const std::vector<EditCommand> commands = {random.next()};
+    s.session.edit(commands, 0, joins ? UndoStep::kLast : UndoStep::kNew);
+    if (!joins) {
+      hashes.push_back(0);
+      edits.push_back(0);
+    }
+    hashes.back() = s.hash();
+    ++edits.back();
+  }
+  const std::size_t steps = edits.size();
+  ASSERT_GT(steps, 5U);
+  ASSERT_EQ(s.session.history().steps(), steps);
+  for (std::size_t i = steps; i-- > 0;) {
+    EXPECT_EQ(s.session.history().editsToUndo(), edits[i]);
+    s.session.undo(0);
+    ASSERT_EQ(s.hash(), hashes[i]) << i;
+  }
+  for (std::size_t i = 0; i < steps - 2; ++i) {
+    EXPECT_EQ(s.session.history().editsToRedo(), edits[i]);
+    s.session.redo(0);
+    ASSERT_EQ(s.hash(), hashes[i + 1]) << i;
+  }
+  s.session.close();
+  Volume replayed = sampleVolume();
+  replay(readJournal(folder.path()), replayed);
+  EXPECT_EQ(contentHash(replayed), hashes[steps - 2]);
 }
 
 // Timed is the way from the call to the window: all of the edit but what is settled afterwards, and no edit that
@@ -304,6 +343,45 @@ TEST(EditSession, ASaveInPartsIsTheVolumeAtOneVersion) {
   for (const auto& [version, content] : saved) EXPECT_EQ(content, contents[version]) << "edit " << version;
   EXPECT_EQ(saved.back().first, 24U);
   EXPECT_EQ(contentHash(volume), contents.back());
+}
+
+// What is asked for is done with all the edits that were made before, in its order, beside edits that go on; what is
+// left is done at the end. A failure is told and stops nothing.
+TEST(EditSession, ErrandsHaveEveryEditMadeBefore) {
+  Session s;
+  s.session.keepSaved(s.volume, {}, 0);
+  RandomEdits random(s.volume.size(), s.volume.lattice(), kLow, kHigh, 14);
+  std::vector<std::uint64_t> contents = {contentHash(sampleVolume())};
+  Volume twin = sampleVolume();
+  std::vector<std::pair<int, std::uint64_t>> done;  // number, version
+  std::vector<std::uint64_t> seen;
+  std::vector<std::uint64_t> asked_at;
+  for (int i = 0; i < 60; ++i) {
+    const std::vector<EditCommand> commands = {random.next()};
+    s.session.edit(commands, 0);
+    reference::applyEdits(twin, lowerEdits(commands, twin.size(), twin.lattice(), s.header.profile));
+    contents.push_back(contentHash(twin));
+    if (i % 7 == 3) {
+      asked_at.push_back(s.engine.editVersion());
+      s.session.ask([&, n = static_cast<int>(asked_at.size()) - 1](const Volume& volume, std::uint64_t version) {
+        done.emplace_back(n, version);
+        seen.push_back(contentHash(volume));
+        if (n == 2) throw std::runtime_error("a full disk");
+      });
+    }
+    s.session.feedSaver(i);
+  }
+  s.session.close();
+  ASSERT_EQ(done.size(), asked_at.size());
+  for (std::size_t i = 0; i < done.size(); ++i) {
+    EXPECT_EQ(done[i].first, static_cast<int>(i));
+    EXPECT_GE(done[i].second, asked_at[i]);
+    EXPECT_EQ(seen[i], contents[done[i].second]) << i;
+  }
+  EXPECT_EQ(s.session.saver()->takeFailures(), std::vector<std::string>{"a full disk"});
+  EXPECT_EQ(s.session.figures().saves.failures, 0U);  // an errand is no save
+  EXPECT_FALSE(s.session.figures().saves.version.has_value());
+  EXPECT_EQ(contentHash(s.volume), contents.back());
 }
 
 // Each edit changes more bricks than a look hands over, and each look comes after an edit: saves are made all the same.

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/sculpt/pointer_path.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace palpate {
+
+// With x the way from the aim and w = 1 / time constant: x(t) = (x0 + (v0 + w x0) t) exp(-w t).
+Vec3 PointerPath::position(double time_s) const noexcept {
+  const double dt_s = time_s - time_s_;
+  if (!(dt_s > 0)) return position_W_;
+  time_s_ = time_s;
+  const Vec3& aim_W = aim_.latest();
+  constexpr double kRate = 1 / kTimeConstant_s;  // [1/s]
+  const Vec3 way_W = position_W_ - aim_W;
+  const Vec3 slope_W = velocity_W_ + kRate * way_W;
+  const double decay = std::exp(-kRate * dt_s);
+  const Vec3 next_W = aim_W + decay * (way_W + dt_s * slope_W);
+  const Vec3 step_W = next_W - position_W_;
+  const double most_m = kFastest_m_per_s * dt_s;
+  if (step_W.squaredNorm() > most_m * most_m) {
+    position_W_ += step_W * (most_m / step_W.norm());
+    velocity_W_ = step_W.normalized() * kFastest_m_per_s;
+  } else {
+    position_W_ = next_W;
+    velocity_W_ = decay * (slope_W - kRate * (way_W + dt_s * slope_W));
+  }
+  return position_W_;
+}
+
+}  // namespace palpate

@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/sculpt/sculpt_session.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "apps/console/interrupt.hpp"
+#include "apps/convert/convert_job.hpp"
+#include "apps/load/load_and_tell.hpp"
+#include "apps/mesh/mesh_writer.hpp"
+#include "base/atomic_file.hpp"
+#include "base/error.hpp"
+#include "engine/edit/brush_profile.hpp"
+#include "engine/files/volume_file.hpp"
+#include "engine/journal/acknowledged_file.hpp"
+#include "engine/journal/volume_identity.hpp"
+#include "engine/service/engine.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr std::size_t kKeptTicks = 8192;  // between two frames of the window
+
+void stopIfInterrupted() {
+  throwIfInterrupted("palpate sculpt");
+}
+
+// In front of the object, away from it by a quarter of its size.
+Vec3 restingPlace(const SeenExtent& object) {
+  double front_m = 0;
+  for (const Vec3& point_W : object.points_W) front_m = std::max(front_m, object.middle_W.y() - point_W.y());
+  return object.middle_W - Vec3(0, 1.5 * front_m, 0);
+}
+
+// The file, and the folder if nothing else is in it.
+void removeJournal(const std::filesystem::path& folder) {
+  std::error_code ignored;
+  std::filesystem::remove(journalFile(folder), ignored);
+  std::filesystem::remove(folder, ignored);
+}
+
+}  // namespace
+
+SculptSession::SculptSession(const SculptRequest& request, Progress& progress) : journal_(request.journal) {
+  progress.stage("loading " + request.volume);
+  volume_ = loadAndTell(request.volume, progress);
+  checkTouchable(*volume_);
+  first_isovalue_ = static_cast<float>(request.isovalue ? *request.isovalue : defaultIsovalue(*volume_));
+  checkIsovalue(*volume_, first_isovalue_);
+  stopIfInterrupted();
+  const Plan plan = makePlan({.edits = true, .other_isovalues = true, .draws = true});
+  progress.stage("computing on Vulkan");
+  engine_ = std::make_unique<Engine>(*volume_, plan, first_isovalue_, request.gpu, request.gpu_memory_bytes,
+                                     passProgress(progress, stopIfInterrupted));
+  facts_ = {request.volume, volume_->size(), volume_->lattice(), statisticsOf(*volume_), {}};
+  const BrickGrid grid{volume_->size(), volume_->lattice().spacing_m};
+  facts_.object = objectExtent(engine_->bounds(), grid, volume_->lattice(), static_cast<float>(first_isovalue_));
+
+  session_ = std::make_unique<EditSession>(*engine_, brushProfile(*volume_, first_isovalue_),
+                                           std::span<const EditKind>{}, request.undo_bytes);
+  edits_ = std::make_unique<RigEdits>(*session_, volume_->size(), volume_->lattice(),
+                                      [this](const std::string& text) { tell(text); });
+  if (!journal_.empty()) session_->keepJournal(journal_, identityOf(*volume_), watchedJournal());
+  volume_->keepIsovalue(first_isovalue_);
+  const DensityScale scale{.contrast = volume_->maximum() - first_isovalue_,
+                           .voxel_m = volume_->lattice().smallestSpacing()};
+  session_->keepSaved(*volume_, {}, 0);
+
+  LoopParameters loop = request.loop;
+  loop.ticks = 0;
+  loop.record_ticks = 1;
+  path_.emplace(restingPlace(facts_.object));
+  device_ = makeDevice(devices().front().name, {.path = &*path_, .rate_hz = loop.rate_hz});
+  RigSettings settings = request.servo;
+  settings.parameters.isovalue = first_isovalue_;
+  settings.parameters.rate_hz = loop.rate_hz;
+  rig_ = std::make_unique<TouchRig>(*engine_, *device_, loop, RigVolume{.scale = scale}, std::move(settings),
+                                    edits_.get());
+  rig_->drawFor(view_);
+  rig_->keepTicks(kKeptTicks);
+  progress.done();
+}
+
+SculptSession::~SculptSession() {
+  try {
+    close();
+  } catch (const std::exception&) {  // nobody is left who could be told
+  }
+}
+
+const gpu::GpuInfo& SculptSession::gpu() const noexcept {
+  return engine_->gpu();
+}
+
+void SculptSession::start() {
+  rig_->start();
+  started_ = true;
+}
+
+void SculptSession::tell(const std::string& text) {
+  const std::lock_guard lock(mutex_);
+  messages_.push_back(text);
+}
+
+void SculptSession::save(const std::string& file) {
+  ConvertRequest request{.in = facts_.name, .out = file};
+  if (isMeshFileName(file)) request.isovalue = settings().parameters.isovalue;
+  checkOutput(request);
+  const std::uint64_t content = edits_->state().content_version;
+  const bool is_volume = isVolumeFileName(file);
+  ++errands_;
+  const bool asked = edits_->errand([this, request, content, is_volume](const Volume& volume, std::uint64_t) {
+    const auto done = [&](const std::string& text) {
+      tell(text);
+      --errands_;
+    };
+    try {
+      Progress silent(nullptr);
+      AtomicFile target(request.out);
+      const ConvertResult result = writeOutput(volume, request, "palpate sculpt", target, silent);
+      target.commit();
+      if (is_volume) saved_version_ = std::max(saved_version_.load(), content);
+      done(convertWords(request, result));
+    } catch (const std::exception& error) {
+      done(fmt::format("{} was not written: {}", request.out, error.what()));
+    }
+  });
+  if (asked) return;
+  --errands_;
+  tell(request.out + " was not written: editing has ended");
+}
+
+bool SculptSession::isUnsaved(const RigEdits::State& state) const {
+  return state.content_version > saved_version_.load();
+}
+
+SculptState SculptSession::look() {
+  SculptState state;
+  state.edits = edits_->state();
+  state.running = rig_ && rig_->running();
+  state.unsaved = isUnsaved(state.edits);
+  state.errands = errands_.load();
+  state.drawing_failure = view_.failure();
+  if (const JournalWriter* journal = session_->journal(); journal != nullptr && journal->failed())
+    state.journal_failure = journal->failure();
+  if (const auto refusal = rig_->takeRefusal()) tell(refusal->what());
+  const std::lock_guard lock(mutex_);
+  state.messages = std::exchange(messages_, {});
+  return state;
+}
+
+void SculptSession::close() {
+  if (std::exchange(closed_, true)) return;
+  std::exception_ptr failure;
+  try {
+    if (started_) {
+      rig_->requestStop();
+      static_cast<void>(rig_->wait());
+    }
+  } catch (...) {
+    failure = std::current_exception();
+  }
+  if (session_) {
+    session_->close();
+    if (!journal_.empty() && !isUnsaved(edits_->state())) removeJournal(journal_);
+  }
+  if (failure) std::rethrow_exception(failure);
+}
+
+}  // namespace palpate

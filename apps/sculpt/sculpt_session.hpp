@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+// apps/sculpt/sculpt_session.hpp: a volume that is seen, touched and edited by a person: everything behind the window,
+// and nothing of the window.
+//
+// It loads the volume, makes an engine that draws and edits, keeps a journal, and runs the servo by the real clock with
+// a device that a pointer leads. Threads: all functions are the window's thread's, unless they say otherwise; none
+// waits for the engine or the servo, but for the constructor and close().
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/console/progress.hpp"
+#include "apps/render/fit_camera.hpp"
+#include "apps/rig/live_view.hpp"
+#include "apps/rig/touch_rig.hpp"
+#include "apps/sculpt/pointer_path.hpp"
+#include "engine/field/statistics.hpp"
+#include "engine/gpu/gpu.hpp"
+#include "engine/session/edit_session.hpp"
+#include "servo/devices/registry.hpp"
+
+namespace palpate {
+
+struct SculptRequest {
+  std::string volume = {};               // as loadVolume takes it
+  std::optional<double> isovalue = {};   // empty: as `palpate touch` chooses it [density]
+  std::string gpu = {};                  // part of the Vulkan device's name; empty: the best one
+  std::uint64_t gpu_memory_bytes = 0;    // limit for densities and samples; 0: the device's
+  std::filesystem::path journal = {};    // folder for the journal; empty: none
+  std::size_t undo_bytes = 256U << 20U;  // memory for undo
+  LoopParameters loop = {};              // its ticks are set: the servo runs until close()
+  RigSettings servo = {};                // its isovalue is set
+};
+
+// What a volume is, as loaded.
+struct SculptVolume {
+  std::string name;
+  Vec3i size = Vec3i::Zero();
+  Lattice lattice;
+  VolumeStatistics statistics;
+  SeenExtent object;  // at the first isovalue
+};
+
+struct SculptState {
+  RigEdits::State edits;
+  bool running = false;               // the servo
+  bool unsaved = false;               // the newest saved file lacks an edit
+  std::size_t errands = 0;            // saves and exports that are under way
+  std::string drawing_failure;        // LiveView::failure()
+  std::string journal_failure;        // why the journal keeps nothing more; empty: it does
+  std::vector<std::string> messages;  // since the last look: saves, refusals, failures
+};
+
+class SculptSession {
+ public:
+  // Throws Error as loadVolume, Engine, EditSession and TouchRig do, and kCancelled on Ctrl-C.
+  SculptSession(const SculptRequest& request, Progress& progress);
+  ~SculptSession();  // as close(); drops failures
+  SculptSession(const SculptSession&) = delete;
+  SculptSession& operator=(const SculptSession&) = delete;
+
+  [[nodiscard]] const SculptVolume& volume() const noexcept { return facts_; }
+  [[nodiscard]] const gpu::GpuInfo& gpu() const noexcept;
+
+  // The servo and the drawing, until close().
+  void start();
+
+  LiveView& view() noexcept { return view_; }
+  void aim(const Vec3& hip_W) noexcept { path_->aim(hip_W); }
+  // The newest tick; all since the last call are appended to `records`.
+  [[nodiscard]] const TickRecord& tick() { return rig_->ticks().latest(); }
+  void takeTicks(std::vector<TickRecord>& records) { rig_->ticks().take(records); }
+
+  // A stroke lasts from press() to release(), and is undone as one.
+  void press(const ToolBrushSpec& brush) { static_cast<void>(edits_->setBrush(brush)); }
+  void release() { static_cast<void>(edits_->dropBrush()); }
+  void undo() { static_cast<void>(edits_->undo()); }
+  void redo() { static_cast<void>(edits_->redo()); }
+
+  // TouchRig::change() and settings(). A refusal of an isovalue comes as a message.
+  void change(const RigSettings& settings) { rig_->change(settings); }
+  [[nodiscard]] RigSettings settings() const { return rig_->settings(); }
+
+  // Writes the volume, or its isosurface as a mesh, as the suffix says, with every edit made until now. Goes on in the
+  // background; the outcome comes as a message. Throws Error(kBadInput) as checkOutput() does (apps/convert).
+  void save(const std::string& file);
+
+  [[nodiscard]] SculptState look();
+  // Ends servo and drawing, finishes what save() began, and ends the journal. Deletes the journal if nothing is
+  // unsaved. Throws what ended the engine's thread.
+  void close();
+
+ private:
+  void tell(const std::string& text);
+  [[nodiscard]] bool isUnsaved(const RigEdits::State& state) const;
+
+  SculptVolume facts_;
+  std::optional<Volume> volume_;  // the saver's from the constructor to close()
+  double first_isovalue_ = 0;
+  std::filesystem::path journal_;
+  std::unique_ptr<Engine> engine_;
+  std::unique_ptr<EditSession> session_;
+  std::unique_ptr<RigEdits> edits_;
+  LiveView view_;
+  std::optional<PointerPath> path_;
+  std::unique_ptr<Device> device_;
+  std::unique_ptr<TouchRig> rig_;
+  bool started_ = false, closed_ = false;
+  std::atomic<std::uint64_t> saved_version_{0};  // RigEdits::State::content_version that a saved file holds
+  std::atomic<std::size_t> errands_{0};
+  std::mutex mutex_;  // guards the next
+  std::vector<std::string> messages_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/sculpt/pointer_path.hpp"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+namespace palpate {
+namespace pointer_path_test {
+
+constexpr double kTau_s = PointerPath::kTimeConstant_s;
+
+TEST(PointerPath, RestsUntilItIsAimed) {
+  const PointerPath path(Vec3(1, 2, 3));
+  EXPECT_EQ(path.position(0), Vec3(1, 2, 3));
+  EXPECT_EQ(path.position(5), Vec3(1, 2, 3));
+  EXPECT_TRUE(std::isinf(path.duration_s()));
+}
+
+// From rest, a critically damped spring is at 1 - (1 + t / tau) exp(-t / tau) of its way, however it was stepped.
+TEST(PointerPath, FollowsAsACriticallyDampedSpringAtAnyRate) {
+  for (const double rate_hz : {250.0, 1000.0, 20000.0}) {
+    PointerPath path(Vec3::Zero());
+    path.aim(Vec3(1e-3, 0, -2e-3));  // so near that the limit of speed is not met
+    for (int tick = 1; tick <= rate_hz * 0.2; ++tick) {
+      const double t = tick / rate_hz;
+      const double share = 1 - (1 + t / kTau_s) * std::exp(-t / kTau_s);
+      ASSERT_NEAR((path.position(t) - share * Vec3(1e-3, 0, -2e-3)).norm(), 0, 1e-12) << rate_hz << ' ' << t;
+    }
+  }
+}
+
+// A metre away: never faster than the limit, no overshoot to speak of, and it arrives. When the speed is cut, the
+// spring goes on with that speed, so it may pass the aim by some of v tau.
+TEST(PointerPath, IsNoFasterThanAHand) {
+  PointerPath path(Vec3::Zero());
+  path.aim(Vec3(0.5, 0, 0));
+  Vec3 last = Vec3::Zero();
+  double farthest = 0;
+  for (int tick = 1; tick <= 3000; ++tick) {
+    const Vec3 now = path.position(tick * 1e-3);
+    ASSERT_LE((now - last).norm(), PointerPath::kFastest_m_per_s * 1e-3 * (1 + 1e-9)) << tick;
+    farthest = std::max(farthest, now.x());
+    last = now;
+  }
+  EXPECT_NEAR(last.x(), 0.5, 1e-6);
+  EXPECT_LE(farthest, 0.5 + 1e-9);
+}
+
+// Aims that jump about at sixty a second: from tick to tick the speed changes by no more than the spring can pull.
+TEST(PointerPath, HasNoStepInItsSpeed) {
+  PointerPath path(Vec3::Zero());
+  Vec3 last = Vec3::Zero(), speed = Vec3::Zero();
+  for (int tick = 1; tick <= 2000; ++tick) {
+    if (tick % 16 == 0) path.aim(Vec3(2e-3 * std::sin(tick), 2e-3 * std::cos(7.0 * tick), 0));
+    const Vec3 now = path.position(tick * 1e-3);
+    const Vec3 next_speed = (now - last) / 1e-3;
+    // x'' = -(x - aim) / tau^2 - 2 x' / tau, with at most 4 mm to go and the speed that this allows.
+    const double most = 4e-3 / (kTau_s * kTau_s) + 2 * speed.norm() / kTau_s;
+    ASSERT_LE((next_speed - speed).norm() / 1e-3, 1.2 * most + 1e-6) << tick;
+    last = now;
+    speed = next_speed;
+  }
+}
+
+// The device asks for the start of a tick again, which is the end of the last one.
+TEST(PointerPath, StandsStillInTime) {
+  PointerPath path(Vec3::Zero());
+  path.aim(Vec3::UnitX() * 1e-3);
+  const Vec3 there = path.position(0.01);
+  path.aim(Vec3::UnitY());
+  EXPECT_EQ(path.position(0.01), there);
+  EXPECT_EQ(path.position(0.005), there);
+}
+
+}  // namespace pointer_path_test
+}  // namespace palpate

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: Apache-2.0
+// A volume that is seen, touched and edited by the real clock, without a window.
+#include "apps/sculpt/sculpt_session.hpp"
+
+#include <chrono>
+#include <functional>
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "apps/sculpt/brush_choice.hpp"
+#include "apps/sculpt/orbit_view.hpp"
+#include "apps/sculpt/pointer_tool.hpp"
+#include "base/error.hpp"
+#include "engine/files/volume_file.hpp"
+#include "engine/journal/replay.hpp"
+#include "engine/journal/volume_identity.hpp"
+#include "temporary_folder.hpp"
+
+namespace palpate {
+namespace sculpt_session_test {
+
+using testing::HasSubstr;
+
+constexpr const char* kBall = "phantom:sphere?size=40";
+
+// Up to a minute: no time is asserted.
+bool waitFor(const std::function<bool()>& done) {
+  for (int i = 0; i < 60000; ++i) {
+    if (done()) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return false;
+}
+
+struct Person {
+  TemporaryFolder folder;
+  Progress silent{nullptr};
+  SculptSession session;
+  OrbitView orbit;
+  PointerTool tool{0.1};
+  std::vector<std::string> heard;
+
+  explicit Person(SculptRequest request = {.volume = kBall})
+      : session(withJournal(std::move(request)), silent), orbit(session.volume().object, 120, 90) {
+    session.start();
+    session.view().show({orbit.camera(), {}, DrawOrder::kCoarseFirst});
+  }
+  SculptRequest withJournal(SculptRequest request) const {
+    request.journal = folder.path() / "journal";
+    return request;
+  }
+  SculptState look() {
+    SculptState state = session.look();
+    heard.insert(heard.end(), state.messages.begin(), state.messages.end());
+    return state;
+  }
+  bool seesAll() {
+    return waitFor([&] { return session.view().latest().whole; });
+  }
+  // Puts the tool where the pointer is, and waits until it is there.
+  bool point(double x, double y, bool presses, double depth_m = 1.5e-3) {
+    const auto hip_W = tool.hip_W(session.view().latest(), x, y, presses, {.depth_m = depth_m, .lift_m = 3e-3});
+    if (!hip_W) return false;
+    session.aim(*hip_W);
+    return waitFor([&] { return (Vec3(session.tick().hip_W) - *hip_W).norm() < 1e-5; });
+  }
+};
+
+TEST(SculptSession, IsSeenFeltDrilledUndoneAndSaved) {
+  Person person;
+  ASSERT_TRUE(person.seesAll());
+  EXPECT_FALSE(person.look().unsaved);
+  const float before = person.session.view().latest().pixels[45 * 120 + 60].distance_m;
+  ASSERT_TRUE(std::isfinite(before));
+
+  // 1.5 mm below a surface of 500 N/m are 0.75 N.
+  ASSERT_TRUE(person.point(60, 45, false));
+  EXPECT_FALSE(person.session.tick().in_contact);
+  ASSERT_TRUE(person.point(60, 45, true));
+  ASSERT_TRUE(waitFor([&] { return person.session.tick().in_contact; }));
+  EXPECT_NEAR(Vec3(person.session.tick().force_W).norm(), 0.75, 0.1);
+
+  BrushChoice drill{.radius_m = 3e-3, .strength = 1};
+  person.session.press(toolBrush(drill, {}));
+  EXPECT_TRUE(waitFor([&] { return person.look().edits.edits >= 5; }));
+  person.session.release();
+  ASSERT_TRUE(waitFor([&] {
+    const ViewFrame& frame = person.session.view().latest();
+    return frame.whole && frame.edit_version == person.look().edits.content_version &&
+           frame.pixels[45 * 120 + 60].distance_m > before + 1e-3F;
+  }));
+  SculptState state = person.look();
+  EXPECT_TRUE(state.unsaved);
+  EXPECT_EQ(state.edits.undo_steps, 1U);
+
+  const std::string file = (person.folder.path() / "drilled.vdb").string();
+  const std::string mesh = (person.folder.path() / "drilled.stl").string();
+  person.session.save(file);
+  person.session.save(mesh);
+  ASSERT_TRUE(waitFor([&] { return person.look().errands == 0; }));
+  EXPECT_FALSE(person.look().unsaved);
+  EXPECT_THAT(person.heard, testing::ElementsAre(HasSubstr("drilled.vdb"), HasSubstr("drilled.stl")));
+
+  // The saved file is what the journal leads to.
+  Volume replayed = loadVolume(kBall);
+  replay(readJournal(person.folder.path() / "journal"), replayed);
+  EXPECT_EQ(contentHash(loadVolume(file)), contentHash(replayed));
+
+  person.session.undo();
+  ASSERT_TRUE(waitFor([&] { return person.look().edits.redo_steps == 1; }));
+  state = person.look();
+  EXPECT_EQ(state.edits.undo_steps, 0U);
+  EXPECT_TRUE(state.unsaved);
+  ASSERT_TRUE(waitFor([&] {
+    const ViewFrame& frame = person.session.view().latest();
+    return frame.whole && frame.pixels[45 * 120 + 60].distance_m == before;
+  }));
+  EXPECT_TRUE(state.running);
+  person.session.close();
+  EXPECT_TRUE(std::filesystem::exists(person.folder.path() / "journal" / "journal.palpate"));  // the undo is unsaved
+}
+
+TEST(SculptSession, LeavesNoJournalWhereNothingIsUnsaved) {
+  Person person;
+  EXPECT_TRUE(std::filesystem::exists(person.folder.path() / "journal"));
+  person.session.close();
+  EXPECT_FALSE(std::filesystem::exists(person.folder.path() / "journal"));
+}
+
+TEST(SculptSession, RefusesFilesThatItCannotWrite) {
+  Person person;
+  EXPECT_THROW(person.session.save((person.folder.path() / "picture.png").string()), Error);
+  person.session.save((person.folder.path() / "no folder" / "a.vdb").string());
+  ASSERT_TRUE(waitFor([&] { return person.look().errands == 0; }));
+  EXPECT_THAT(person.heard, testing::ElementsAre(HasSubstr("was not written")));
+  EXPECT_TRUE(person.look().running);
+}
+
+TEST(SculptSession, FollowsAnotherIsovalueAndTellsARefusal) {
+  Person person;
+  ASSERT_TRUE(person.seesAll());
+  const float before = person.session.view().latest().pixels[45 * 120 + 60].distance_m;
+  RigSettings settings = person.session.settings();
+  const double first = settings.parameters.isovalue;
+  settings.parameters.isovalue = first - 300;
+  person.session.change(settings);
+  ASSERT_TRUE(waitFor([&] {
+    const ViewFrame& frame = person.session.view().latest();
+    return frame.whole && frame.pixels[45 * 120 + 60].distance_m < before;
+  }));
+  settings.parameters.isovalue = 1e9;
+  person.session.change(settings);
+  ASSERT_TRUE(waitFor([&] { return !person.look().messages.empty() || !person.heard.empty(); }));
+  EXPECT_THAT(person.heard, testing::ElementsAre(HasSubstr("isovalue")));
+  EXPECT_EQ(person.session.settings().parameters.isovalue, first - 300);
+}
+
+TEST(SculptSession, SavesWhatWasAskedForBeforeItCloses) {
+  Person person;
+  ASSERT_TRUE(person.seesAll());
+  ASSERT_TRUE(person.point(60, 45, true));
+  person.session.press(toolBrush({.radius_m = 3e-3, .strength = 1}, {}));
+  ASSERT_TRUE(waitFor([&] { return person.look().edits.edits >= 1; }));
+  person.session.release();
+  const std::string file = (person.folder.path() / "last.nrrd").string();
+  person.session.save(file);
+  person.session.close();
+  EXPECT_TRUE(std::filesystem::exists(file));
+}
+
+}  // namespace sculpt_session_test
+}  // namespace palpate
