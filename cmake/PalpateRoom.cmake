@@ -9,15 +9,16 @@
 #  - A room sees its own headers and those of the rooms that it names with DEPENDS or THROUGH, and no others. Each room's
 #    include root holds one link, to that room's folder. Include paths are not passed on to other rooms; only linking is.
 #  - The rooms whose headers a room's files include are exactly those of DEPENDS (tests/architecture/arrows.cmake).
-#  - Headers of Vulkan, OpenVDB, ITK, Embree and Assimp lie in /usr/include, where every compiler run finds them. A room
+#  - Headers of Vulkan, OpenVDB, ITK, Embree, Assimp and GLFW lie in /usr/include, where every compiler run finds them. A room
 #    that does not say USES finds, in front of them, headers of the same names that only stop the build.
 
-set(PALPATE_FENCED Vulkan OpenVDB ITK Embree Assimp)
+set(PALPATE_FENCED Vulkan OpenVDB ITK Embree Assimp GLFW)
 set(PALPATE_FENCED_Vulkan /usr/include/vulkan)
 set(PALPATE_FENCED_OpenVDB /usr/include/openvdb)
 set(PALPATE_FENCED_ITK /usr/include/ITK-5.2)
 set(PALPATE_FENCED_Embree /usr/include/embree3)
 set(PALPATE_FENCED_Assimp /usr/include/assimp)
+set(PALPATE_FENCED_GLFW /usr/include/GLFW)
 
 foreach(library IN LISTS PALPATE_FENCED)
   set(fence ${CMAKE_BINARY_DIR}/fences/${library})

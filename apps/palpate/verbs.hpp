@@ -5,11 +5,15 @@
 // into one line on stderr and an exit status.
 #pragma once
 
+#include <functional>
+
 #include <CLI/CLI.hpp>
 
 #include "base/atomic_file.hpp"
 
 namespace palpate {
+
+struct SculptRequest;
 
 // A CLI11 check for options that may not be empty: returns the message, or "" if the text is not empty.
 [[nodiscard]] inline std::string notEmpty(const std::string& text) {
@@ -24,6 +28,8 @@ inline void checkWritable(const std::string& file) {
 void addTouchVerb(CLI::App& app);
 void addEditVerb(CLI::App& app);
 void addRecoverVerb(CLI::App& app);
+// `run` gets what was asked for, once it is known to be well-formed.
+void addSculptVerb(CLI::App& app, std::function<void(const SculptRequest&)> run);
 void addInfoVerb(CLI::App& app);
 void addConvertVerb(CLI::App& app);
 void addGradientVerb(CLI::App& app);

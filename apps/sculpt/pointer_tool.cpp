@@ -34,7 +34,15 @@ std::optional<Vec3> PointerTool::hip_W(const ViewFrame& frame, double x, double 
   const bool hits = std::isfinite(*distance_m);
   if (hits) distance_m_ = *distance_m * slant;
   const double way_m = hits && presses ? reach.depth_m : -reach.lift_m;
-  return camera.position_W + (distance_m_ / slant + way_m) * ray_W;
+  last_W_ = camera.position_W + (distance_m_ / slant + way_m) * ray_W;
+  return last_W_;
+}
+
+std::optional<Vec3> PointerTool::resting_W(const ViewFrame& frame) {
+  if (!last_W_) return std::nullopt;
+  const Vec3 resting_W = (frame.camera.position_W + *last_W_) / 2;
+  last_W_.reset();
+  return resting_W;
 }
 
 }  // namespace palpate

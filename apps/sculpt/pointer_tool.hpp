@@ -25,11 +25,15 @@ class PointerTool {
   // Where the HIP belongs for a pointer at (x, y). Empty where the frame has no such pixel.
   [[nodiscard]] std::optional<Vec3> hip_W(const ViewFrame& frame, double x, double y, bool presses,
                                           const PointerReach& reach);
+  // Half way from the camera to where the tool was last: nothing is in between. While the view turns, and while the
+  // pointer is elsewhere, the tool waits there.
+  [[nodiscard]] std::optional<Vec3> resting_W(const ViewFrame& frame);
   // What is under the pointer; empty: nothing.
   [[nodiscard]] static std::optional<Vec3> surface_W(const ViewFrame& frame, double x, double y);
 
  private:
-  double distance_m_;  // along the view's axis, of what was last under the pointer
+  double distance_m_;           // along the view's axis, of what was last under the pointer
+  std::optional<Vec3> last_W_;  // that was given last, not resting
 };
 
 }  // namespace palpate

@@ -16,6 +16,7 @@
 #include "engine/edit/brush_profile.hpp"
 #include "engine/files/volume_file.hpp"
 #include "engine/journal/acknowledged_file.hpp"
+#include "engine/journal/replay.hpp"
 #include "engine/journal/volume_identity.hpp"
 #include "engine/service/engine.hpp"
 
@@ -48,7 +49,14 @@ SculptSession::SculptSession(const SculptRequest& request, Progress& progress) :
   progress.stage("loading " + request.volume);
   volume_ = loadAndTell(request.volume, progress);
   checkTouchable(*volume_);
-  first_isovalue_ = static_cast<float>(request.isovalue ? *request.isovalue : defaultIsovalue(*volume_));
+  std::optional<Journal> journal;
+  if (!request.recovers.empty()) {
+    journal = readJournal(request.recovers);
+    checkStart(*journal, *volume_, request.volume);
+    first_isovalue_ = journal->header.profile.isovalue;
+  } else {
+    first_isovalue_ = static_cast<float>(request.isovalue ? *request.isovalue : defaultIsovalue(*volume_));
+  }
   checkIsovalue(*volume_, first_isovalue_);
   stopIfInterrupted();
   const Plan plan = makePlan({.edits = true, .other_isovalues = true, .draws = true});
@@ -59,8 +67,8 @@ SculptSession::SculptSession(const SculptRequest& request, Progress& progress) :
   const BrickGrid grid{volume_->size(), volume_->lattice().spacing_m};
   facts_.object = objectExtent(engine_->bounds(), grid, volume_->lattice(), static_cast<float>(first_isovalue_));
 
-  session_ = std::make_unique<EditSession>(*engine_, brushProfile(*volume_, first_isovalue_),
-                                           std::span<const EditKind>{}, request.undo_bytes);
+  const BrushProfile profile = journal ? journal->header.profile : brushProfile(*volume_, first_isovalue_);
+  session_ = std::make_unique<EditSession>(*engine_, profile, std::span<const EditKind>{}, request.undo_bytes);
   edits_ = std::make_unique<RigEdits>(*session_, volume_->size(), volume_->lattice(),
                                       [this](const std::string& text) { tell(text); });
   if (!journal_.empty()) session_->keepJournal(journal_, identityOf(*volume_), watchedJournal());
@@ -68,6 +76,7 @@ SculptSession::SculptSession(const SculptRequest& request, Progress& progress) :
   const DensityScale scale{.contrast = volume_->maximum() - first_isovalue_,
                            .voxel_m = volume_->lattice().smallestSpacing()};
   session_->keepSaved(*volume_, {}, 0);
+  if (journal) makeAgain(*journal, progress);
 
   LoopParameters loop = request.loop;
   loop.ticks = 0;
@@ -82,6 +91,17 @@ SculptSession::SculptSession(const SculptRequest& request, Progress& progress) :
   rig_->drawFor(view_);
   rig_->keepTicks(kKeptTicks);
   progress.done();
+}
+
+// As edits of this session, so that its journal holds them too.
+void SculptSession::makeAgain(const Journal& journal, Progress& progress) {
+  progress.stage("making the edits again");
+  const std::vector<std::vector<EditCommand>> edits = lastingEdits(journal);
+  for (std::size_t i = 0; i < edits.size(); ++i) {
+    stopIfInterrupted();
+    progress.fraction(static_cast<double>(i) / static_cast<double>(edits.size()));
+    static_cast<void>(session_->edit(edits[i], 0));
+  }
 }
 
 SculptSession::~SculptSession() {

@@ -22,6 +22,7 @@
 #include "apps/sculpt/pointer_path.hpp"
 #include "engine/field/statistics.hpp"
 #include "engine/gpu/gpu.hpp"
+#include "engine/journal/journal_reader.hpp"
 #include "engine/session/edit_session.hpp"
 #include "servo/devices/registry.hpp"
 
@@ -33,6 +34,7 @@ struct SculptRequest {
   std::string gpu = {};                  // part of the Vulkan device's name; empty: the best one
   std::uint64_t gpu_memory_bytes = 0;    // limit for densities and samples; 0: the device's
   std::filesystem::path journal = {};    // folder for the journal; empty: none
+  std::filesystem::path recovers = {};   // journal of a session of this volume, whose edits are made again first
   std::size_t undo_bytes = 256U << 20U;  // memory for undo
   LoopParameters loop = {};              // its ticks are set: the servo runs until close()
   RigSettings servo = {};                // its isovalue is set
@@ -59,7 +61,8 @@ struct SculptState {
 
 class SculptSession {
  public:
-  // Throws Error as loadVolume, Engine, EditSession and TouchRig do, and kCancelled on Ctrl-C.
+  // Throws Error as loadVolume, Engine, EditSession and TouchRig do, as readJournal and checkStart do, and kCancelled
+  // on Ctrl-C. Edits that are made again can be undone.
   SculptSession(const SculptRequest& request, Progress& progress);
   ~SculptSession();  // as close(); drops failures
   SculptSession(const SculptSession&) = delete;
@@ -98,6 +101,7 @@ class SculptSession {
 
  private:
   void tell(const std::string& text);
+  void makeAgain(const Journal& journal, Progress& progress);
   [[nodiscard]] bool isUnsaved(const RigEdits::State& state) const;
 
   SculptVolume facts_;

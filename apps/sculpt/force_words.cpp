@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/sculpt/force_words.hpp"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "base/units.hpp"
+#include "servo/safety/faults.hpp"
+
+namespace palpate {
+
+ForceWords forceWords(const TickRecord& tick, bool runs, double isovalue) {
+  ForceWords words;
+  if (!runs) {
+    words.state = "the servo is not running";
+    words.reasons.emplace_back("the servo has ended: open the volume again");
+    return words;
+  }
+  if (tick.tick < 0) {
+    words.state = "the servo is starting";
+    return words;
+  }
+  const double force_N = asVec3(tick.force_W).norm();
+  words.state = tick.in_contact ? fmt::format("{:.2f} N, {:.2f} mm deep", force_N, tick.depth_m * kMillimetresPerMetre)
+                                : "no contact";
+  for (const FaultText& fault : faultTable()) {
+    if (has(tick.faults, fault.fault)) words.reasons.push_back(fmt::format("{}: {}", fault.text, fault.remedy));
+  }
+  if (tick.in_contact || !words.reasons.empty()) return words;
+  if (std::isnan(tick.density)) {
+    words.reasons.emplace_back("the tool is outside the volume: move it to the object");
+  } else if (tick.density <= isovalue) {
+    words.reasons.push_back(
+        fmt::format("the tool is outside the object (density {:.4g} there, the surface is at {:.4g}): "
+                    "press the left button on the object",
+                    tick.density, isovalue));
+  } else {
+    words.reasons.emplace_back("the tool was inside the object before it touched its surface: take it out once");
+  }
+  return words;
+}
+
+}  // namespace palpate

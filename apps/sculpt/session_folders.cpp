@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/sculpt/session_folders.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <ctime>
+
+#include <fcntl.h>
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include "base/error.hpp"
+#include "engine/journal/replay.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr const char* kLock = "lock";
+
+// The lock of a folder, if nobody has it; -1: somebody has, or it cannot be opened.
+int takeLock(const std::filesystem::path& folder, int flags) {
+  const int file = open((folder / kLock).c_str(), flags | O_RDWR | O_CLOEXEC, 0600);
+  if (file < 0) return -1;
+  if (flock(file, LOCK_EX | LOCK_NB) == 0) return file;
+  close(file);
+  return -1;
+}
+
+void removeEmpty(const std::filesystem::path& folder) {
+  std::error_code ignored;
+  std::size_t files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, ignored))
+    files += entry.path().filename() != kLock;
+  if (files > 0) return;
+  std::filesystem::remove(folder / kLock, ignored);
+  std::filesystem::remove(folder, ignored);
+}
+
+}  // namespace
+
+// Names sort by time; the process tells apart what begins in one second.
+SessionFolder::SessionFolder(const std::filesystem::path& root) {
+  std::error_code failed;
+  std::filesystem::create_directories(root, failed);
+  const std::string stem = fmt::format("{:%Y-%m-%dT%H%M%S}-{}", fmt::gmtime(std::time(nullptr)), getpid());
+  for (int n = 0; n < 1000 && !failed; ++n) {
+    folder_ = root / (n == 0 ? stem : fmt::format("{}-{}", stem, n));
+    if (std::filesystem::create_directory(folder_, failed) || failed) break;
+  }
+  if (!failed) lock_ = takeLock(folder_, O_CREAT);
+  if (failed || lock_ < 0) {
+    throw Error(Error::Code::kIo, root.string(),
+                fmt::format("no folder for the journal can be made there ({})",
+                            failed ? failed.message() : "its lock is refused"),
+                "make room or give yourself permission there, or set XDG_STATE_HOME to another folder");
+  }
+}
+
+SessionFolder::~SessionFolder() {
+  removeEmpty(folder_);
+  if (lock_ >= 0) close(lock_);
+}
+
+std::vector<LeftSession> leftSessions(const std::filesystem::path& root) {
+  std::vector<LeftSession> left;
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator(root, ignored)) {
+    const int lock = takeLock(entry.path(), 0);
+    if (lock < 0) continue;
+    try {
+      const Journal journal = readJournal(entry.path());
+      const std::size_t edits = lastingEdits(journal).size();
+      if (edits > 0) {
+        left.push_back(
+            {entry.path(), journal.header.volume.source, edits, journal.damage ? describeDamage(*journal.damage) : ""});
+      }
+    } catch (const Error&) {  // nothing that could be recovered
+    }
+    close(lock);
+  }
+  std::sort(left.begin(), left.end(), [](const auto& a, const auto& b) { return a.folder > b.folder; });
+  return left;
+}
+
+void dropLeftSession(const LeftSession& session) {
+  std::error_code ignored;
+  std::filesystem::remove(journalFile(session.folder), ignored);
+  removeEmpty(session.folder);
+}
+
+}  // namespace palpate

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/sculpt/user_folders.hpp"
+
+#include <cstdlib>
+
+namespace palpate {
+namespace {
+
+std::filesystem::path absolutePathIn(const char* variable) {
+  const char* value = std::getenv(variable);
+  if (value == nullptr) return {};
+  std::filesystem::path path(value);
+  return path.is_absolute() ? path : std::filesystem::path();
+}
+
+std::filesystem::path folder(const char* variable, const char* below_home) {
+  const std::filesystem::path own = absolutePathIn(variable);
+  if (!own.empty()) return own / "palpate";
+  const std::filesystem::path home = absolutePathIn("HOME");
+  return home.empty() ? home : home / below_home / "palpate";
+}
+
+}  // namespace
+
+std::filesystem::path settingsFolder() {
+  return folder("XDG_CONFIG_HOME", ".config");
+}
+
+std::filesystem::path journalsFolder() {
+  const std::filesystem::path state = folder("XDG_STATE_HOME", ".local/state");
+  return state.empty() ? state : state / "journals";
+}
+
+}  // namespace palpate

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+// apps/window/panels.hpp: the panels beside and below the picture. They show the model and change it; a refusal is said
+// as a message. One thread; between GuiHost::begin() and end().
+#pragma once
+
+#include "apps/window/window_model.hpp"
+
+namespace palpate {
+
+// Where the picture is [ImGui's coordinates].
+struct PictureArea {
+  float x = 0, y = 0, width = 0, height = 0;
+};
+
+// All panels of the window, at this scale. Returns the place that they leave for the picture.
+[[nodiscard]] PictureArea showPanels(WindowModel& model, double scale);
+
+// What is drawn over the picture: tool, surface point, force, brush.
+void showOverlay(const WindowModel& model, const PictureArea& area, double scale);
+
+}  // namespace palpate

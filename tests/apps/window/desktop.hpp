@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+// A desktop for tests: Xvfb, a person's mouse and keys (xdotool), and what is on the screen. And a program on it.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <sys/types.h>
+
+#include "tests/apps/report/temporary_folder.hpp"
+
+namespace palpate {
+
+struct Screen {
+  int width = 0, height = 0;
+  std::vector<std::uint8_t> rgb;  // 3 bytes a pixel, rows from the top
+  [[nodiscard]] std::array<int, 3> at(int x, int y) const {
+    const auto i = 3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x));
+    return {rgb.at(i), rgb.at(i + 1), rgb.at(i + 2)};
+  }
+};
+
+struct Rectangle {
+  int x = 0, y = 0, width = 0, height = 0;
+  [[nodiscard]] bool holds(int px, int py) const { return px >= x && py >= y && px < x + width && py < y + height; }
+};
+
+// How many pixels of `within`, but not of `but`, differ by more than `most` of 255.
+[[nodiscard]] int differing(const Screen& a, const Screen& b, const Rectangle& within, const Rectangle& but = {},
+                            int most = 2);
+
+// Up to a minute: no time is asserted.
+[[nodiscard]] bool waitUntil(const std::function<bool()>& done);
+
+class Desktop {
+ public:
+  // Why there can be none here; empty: there can.
+  [[nodiscard]] static std::string missing();
+  Desktop(int width, int height);
+  ~Desktop();
+  Desktop(const Desktop&) = delete;
+  Desktop& operator=(const Desktop&) = delete;
+
+  [[nodiscard]] const std::string& display() const noexcept { return display_; }
+  [[nodiscard]] Screen look() const;
+  // xdotool's commands: {"mousemove", "640", "360", "click", "1"}.
+  void does(const std::vector<std::string>& commands) const;
+  void moves(int x, int y) const { does({"mousemove", std::to_string(x), std::to_string(y)}); }
+  // In so many steps of a moment each, as a hand does.
+  void drags(int from_x, int from_y, int to_x, int to_y, int button, int steps = 10) const;
+
+ private:
+  TemporaryFolder folder_;
+  std::string display_;
+  pid_t server_ = -1;
+};
+
+// `palpate` with these words on a display (empty: none), with a home of its own.
+class Started {
+ public:
+  Started(const std::string& display, const std::filesystem::path& home, std::vector<std::string> words);
+  ~Started();  // kills it
+  Started(const Started&) = delete;
+  Started& operator=(const Started&) = delete;
+
+  [[nodiscard]] bool runs();
+  void signals(int number) const;
+  // Its exit status, or 256 and the signal; -1 if it does not end within a minute.
+  [[nodiscard]] int ends();
+  [[nodiscard]] std::string said() const;  // on both streams
+
+ private:
+  std::filesystem::path log_;
+  pid_t process_ = -1;
+  int status_ = -1;
+};
+
+}  // namespace palpate
