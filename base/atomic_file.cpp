@@ -99,6 +99,10 @@ void AtomicFile::commit() {
   if (error != 0) fail("its folder cannot be flushed", error);
 }
 
+void checkWritable(const fs::path& target) {
+  static_cast<void>(AtomicFile(target));
+}
+
 std::uint64_t filesWritten() noexcept {
   return files_written;
 }

@@ -44,6 +44,9 @@ class AtomicFile {
   Leftover leftover_;  // the temporary file
 };
 
+// For a file that is written at the end of long work: throws Error(kIo) now, as AtomicFile's constructor does.
+void checkWritable(const std::filesystem::path& target);
+
 // How many files this process has committed so far. Any thread.
 [[nodiscard]] std::uint64_t filesWritten() noexcept;
 

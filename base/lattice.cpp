@@ -23,4 +23,15 @@ void checkLattice(const Lattice& lattice, const std::string& input) {
   }
 }
 
+WorldBox worldBoxOf(const Lattice& lattice, const Vec3i& size) {
+  const Vec3 last_L = (size - Vec3i::Ones()).cast<double>();
+  WorldBox box{lattice.origin_W, lattice.origin_W};
+  for (int corner = 1; corner < 8; ++corner) {
+    const Vec3 p_W = lattice.toWorld(Vec3(corner & 1, corner >> 1 & 1, corner >> 2).cwiseProduct(last_L));
+    box.low_W = box.low_W.cwiseMin(p_W);
+    box.high_W = box.high_W.cwiseMax(p_W);
+  }
+  return box;
+}
+
 }  // namespace palpate

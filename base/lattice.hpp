@@ -32,6 +32,13 @@ struct Lattice {
   [[nodiscard]] double smallestSpacing() const noexcept { return spacing_m.minCoeff(); }  // [m]
 };
 
+// A box along the world's axes.
+struct WorldBox {
+  Vec3 low_W = Vec3::Zero(), high_W = Vec3::Zero();  // [m]
+};
+// The smallest one that holds the centres of all samples of a grid of `size` [voxel], at least one along each axis.
+[[nodiscard]] WorldBox worldBoxOf(const Lattice& lattice, const Vec3i& size);
+
 // Throws Error(kBadInput) unless the spacing is finite and positive and the axes are orthonormal within 1e-4. Files
 // with six-digit direction cosines need that tolerance. `input` names the file in the message.
 void checkLattice(const Lattice& lattice, const std::string& input);

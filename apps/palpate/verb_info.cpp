@@ -2,7 +2,6 @@
 // palpate info FILE: size, spacing, type, range, histogram and suggested isovalues.
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <fmt/format.h>
 
@@ -30,15 +29,9 @@ Numbers unsignedZeros(const Numbers& numbers) {
 // The places where edits and paths may be: the range of voxel centres, in the world frame.
 void printPlaces(const Volume& volume) {
   const Vec3 last_L = (volume.size() - Vec3i::Ones()).cast<double>();
-  Vec3 low_W = Vec3::Constant(std::numeric_limits<double>::infinity());
-  Vec3 high_W = -low_W;
-  for (int corner = 0; corner < 8; ++corner) {
-    const Vec3 p_W = volume.lattice().toWorld(Vec3(corner & 1, corner >> 1 & 1, corner >> 2).cwiseProduct(last_L));
-    low_W = low_W.cwiseMin(p_W);
-    high_W = high_W.cwiseMax(p_W);
-  }
-  const Vec3 low_mm = unsignedZeros<Vec3>(low_W * kMillimetresPerMetre);
-  const Vec3 high_mm = unsignedZeros<Vec3>(high_W * kMillimetresPerMetre);
+  const WorldBox box = worldBoxOf(volume.lattice(), volume.size());
+  const Vec3 low_mm = unsignedZeros<Vec3>(box.low_W * kMillimetresPerMetre);
+  const Vec3 high_mm = unsignedZeros<Vec3>(box.high_W * kMillimetresPerMetre);
   const Vec3 middle_mm = unsignedZeros<Vec3>(volume.lattice().toWorld(last_L / 2) * kMillimetresPerMetre);
   printResult(
       "  places       x {:.6g} to {:.6g}, y {:.6g} to {:.6g}, z {:.6g} to {:.6g} mm; the middle {:.6g},{:.6g},{:.6g}\n",

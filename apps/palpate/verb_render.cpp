@@ -34,7 +34,7 @@ void addRenderOptions(CLI::App& verb, RenderArguments& arguments) {
                                     row.flag, [&given](const std::string& text) { given = {text}; }, optionHelp(row));
     option->allow_extra_args(false);  // the next word may be the volume
     // Completion reads the words from the type's name.
-    option->type_name(row.words.empty() ? " " : fmt::format("{{{}}}", fmt::join(row.words, ",")));
+    option->type_name(row.words.empty() ? row.placeholder : fmt::format("{{{}}}", fmt::join(row.words, ",")));
   }
 }
 
@@ -44,7 +44,7 @@ void addRenderVerb(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("render", "draw the isosurface of a volume into files; needs no display");
   verb->footer(
       "World: LPS, mm. A depth image is a PFM file: metres along each pixel's ray, infinity where nothing is hit.\n"
-      "Example: palpate render scan.nii.gz --iso 226 -o skull.png --view left --clip y=0 --depth skull.pfm\n"
+      "Example: palpate render scan.nii.gz -o half.png --view left --clip x=50% --depth half.pfm\n"
       "docs/render.md explains views, planes and files");
   auto arguments = std::make_shared<RenderArguments>();
   RenderRequest& request = arguments->request;
@@ -61,8 +61,6 @@ void addRenderVerb(CLI::App& app) {
   verb->callback([arguments] {
     RenderRequest& asked = arguments->request;
     setRenderOptions(arguments->given, asked);
-    checkPictureFiles(asked);
-    if (!asked.json.empty()) checkWritable(asked.json);
     Progress progress;
     const RenderResult result = render(asked, progress);
     if (!asked.json.empty()) writeFileAtomically(asked.json, renderJson(asked, result).dump(2) + "\n");

@@ -20,11 +20,6 @@ struct SculptRequest;
   return text.empty() ? "'' is empty: name something, or leave the option out" : "";
 }
 
-// For a file that is written at the end of long work: throws Error(kIo) now if it cannot be written.
-inline void checkWritable(const std::string& file) {
-  static_cast<void>(AtomicFile(file));
-}
-
 void addTouchVerb(CLI::App& app);
 void addEditVerb(CLI::App& app);
 void addRecoverVerb(CLI::App& app);

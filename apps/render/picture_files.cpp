@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <span>
+#include <system_error>
 
 #include <fmt/format.h>
 
@@ -30,6 +32,13 @@ void checkSuffix(const std::string& name, const char* what, const char* like) {
          fmt::format("give a name like {}", like));
 }
 
+// For the name of a later frame. Where it is free, or an older file has it, the first frame's folder has answered.
+void checkReplaceable(const std::string& name) {
+  std::error_code ignored;
+  const std::filesystem::file_status there = std::filesystem::symlink_status(name, ignored);
+  if (std::filesystem::exists(there) && !std::filesystem::is_regular_file(there)) checkWritable(name);
+}
+
 }  // namespace
 
 std::vector<PictureFiles> pictureFiles(const RenderRequest& request) {
@@ -51,6 +60,17 @@ void checkPictureFiles(const RenderRequest& request) {
     checkOutputsDiffer({files.picture, files.depth, request.json});
     checkNotInput(request.in, files.picture);
     if (!files.depth.empty()) checkNotInput(request.in, files.depth);
+  }
+}
+
+void checkPicturesWritable(const RenderRequest& request) {
+  const std::vector<PictureFiles> all = pictureFiles(request);
+  checkWritable(all.front().picture);
+  if (!request.depth.empty()) checkWritable(all.front().depth);
+  if (!request.json.empty()) checkWritable(request.json);
+  for (const PictureFiles& files : std::span(all).subspan(1)) {
+    checkReplaceable(files.picture);
+    if (!files.depth.empty()) checkReplaceable(files.depth);
   }
 }
 

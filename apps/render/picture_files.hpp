@@ -20,4 +20,7 @@ struct PictureFiles {
 // output that is the input or an existing file in the input's folder.
 void checkPictureFiles(const RenderRequest& request);
 
+// Throws Error(kIo) where one of the files, the JSON file too, cannot be written. Cost: some system calls a file.
+void checkPicturesWritable(const RenderRequest& request);
+
 }  // namespace palpate

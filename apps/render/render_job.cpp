@@ -9,6 +9,7 @@
 
 #include "apps/console/interrupt.hpp"
 #include "apps/load/load_and_tell.hpp"
+#include "apps/render/asked_style.hpp"
 #include "apps/render/depth_file.hpp"
 #include "apps/render/fit_camera.hpp"
 #include "apps/render/slice_range.hpp"
@@ -25,6 +26,7 @@
 #include "engine/gpu/transfer.hpp"
 #include "engine/passes/brick_bounds_pass.hpp"
 #include "engine/passes/brick_pool.hpp"
+#include "engine/passes/pool_volume.hpp"
 
 namespace palpate {
 namespace {
@@ -65,10 +67,21 @@ struct OutputFiles {
 // `flag`: of the isovalue. Bounds of the field that is drawn.
 void checkGivesSurface(double isovalue, const RenderResult& field, const char* flag) {
   if (isovalue >= field.lowest && isovalue < field.highest) return;
-  refuse(flag,
-         fmt::format("isovalue {:g} gives no surface: the densities that are drawn are {:g} to {:g}", isovalue,
-                     field.lowest, field.highest),
-         "choose one between them");
+  refuse(
+      flag,
+      fmt::format("isovalue {:g}{} gives no surface: the {} that are drawn are {:g} to {:g}{}", isovalue, field.unit(),
+                  field.is_distance ? "distances" : "densities", field.lowest, field.highest, field.unit()),
+      "choose one between them");
+}
+
+// Within the first surface nobody would see it.
+void checkIsAround(double second, const RenderResult& field) {
+  if (static_cast<float>(second) < static_cast<float>(field.isovalue)) return;
+  refuse("--second",
+         fmt::format("isovalue {:g}{} is not below that of the first surface, {:g}{}, so it lies within it", second,
+                     field.unit(), field.isovalue, field.unit()),
+         field.is_distance ? "give a distance below it: outside the object they are below 0"
+                           : "give one below it, or choose another --iso");
 }
 
 void countHits(const RenderedImage& image, Picture& picture) {
@@ -81,40 +94,32 @@ void countHits(const RenderedImage& image, Picture& picture) {
   }
 }
 
-DrawStyle styleOf(const RenderRequest& request) {
-  DrawStyle style;
-  style.occlusion = request.occlusion && !request.normals;
-  style.normals = request.normals;
-  style.clips = request.clips;
-  style.slices = request.slices;
-  style.other_isovalue = request.second;
-  style.other_opacity = request.second_opacity;
-  return style;
-}
-
 // The volume on the device, drawn frame by frame.
 class Job {
  public:
   Job(const RenderRequest& request, const Volume& volume, const std::vector<FilterSpec>& chain, Progress& progress)
       : request_(request),
         progress_(progress),
+        style_(styleOf(request, volume.lattice(), volume.size())),
         gpu_(gpu::GpuRequest{.name = request.gpu}),
         transfer_(gpu_),
-        pool_(gpu_, transfer_, volume, makeGpuBudget(request.gpu_memory_bytes)),
-        style_(styleOf(request)) {
+        pool_(gpu_, transfer_, volume, makeGpuBudget(request.gpu_memory_bytes)) {
     result_.device = gpu_.info().name;
     result_.size = volume.size();
+    result_.extent = worldBoxOf(volume.lattice(), volume.size());
     const auto isovalue = static_cast<float>(request.isovalue ? *request.isovalue : defaultIsovalue(volume));
     checkIsovalue(volume, isovalue);
+    result_.isovalue = isovalueAfter(chain, isovalue);
+    result_.is_distance = hasDistance(chain);
+    if (request.second) checkIsAround(*request.second, result_);
     std::vector<FilterStep> steps = lowerFilters(chain, volume.lattice().spacing_m, isovalue);
     if (!steps.empty()) progress.stage("filtering on Vulkan");
     filters_ = filteredBy(gpu_, transfer_, pool_, std::move(steps), [&](double done) {
       progress.fraction(done);
       stopIfInterrupted(0);
     });
-    result_.isovalue = isovalueAfter(chain, isovalue);
     findBounds();
-    if (!request.slices.empty()) chooseSliceRange(volume, hasDistance(chain));
+    if (!request.slices.empty()) chooseSliceRange(volume);
   }
 
   // `first`: files of the first frame.
@@ -125,7 +130,6 @@ class Job {
     for (std::size_t frame = 0; frame < files.size(); ++frame) {
       OutputFiles outputs = frame == 0 ? std::move(first) : OutputFiles(files[frame]);
       draw(drawing, static_cast<int>(frame), files[frame], outputs);
-      progress_.fraction(static_cast<double>(frame + 1) / static_cast<double>(files.size()));
     }
     result_.gpu_bytes = gpu_.bytesInUse();
     return std::move(result_);
@@ -149,18 +153,24 @@ class Job {
     const auto outermost = static_cast<float>(std::min(result_.isovalue, request_.second.value_or(result_.isovalue)));
     const BrickGrid grid = field().grid();
     // A slice reaches to the volume's ends.
-    const SeenExtent extent = request_.slices.empty() ? objectExtent(bounds, grid, field().lattice(), outermost)
-                                                      : wholeExtent(grid, field().lattice());
+    const SeenExtent extent = request_.slices.empty()
+                                  ? objectExtent(bounds, grid, field().lattice(), outermost, style_.clips)
+                                  : wholeExtent(grid, field().lattice(), style_.clips);
     result_.target_W = targetOf(request_, extent);
-    result_.distance_m = request_.distance_m ? *request_.distance_m : fittingDistance(request_, extent);
+    result_.distance_m =
+        request_.distance_m ? *request_.distance_m : fittingDistance(request_, extent, [] { stopIfInterrupted(0); });
   }
 
-  void chooseSliceRange(const Volume& volume, bool is_distance) {
-    result_.slice_range = request_.slice_range;
-    if (!result_.slice_range) {
-      result_.slice_range = is_distance ? SliceRange{result_.lowest, result_.highest}
-                                        : sliceRangeFor(statisticsOf(volume, kHistogramBins));
-    }
+  // Of the field that is drawn. The ends of a distance are the ends of its band, which most voxels hold.
+  [[nodiscard]] SliceRange fieldRange(const Volume& volume) {
+    if (result_.is_distance) return {result_.lowest, result_.highest};
+    if (!filters_) return sliceRangeFor(statisticsOf(volume, kHistogramBins));
+    progress_.stage("looking at the filtered densities");
+    return sliceRangeFor(statisticsOf(volumeOf(field(), transfer_, volume.facts()), kHistogramBins));
+  }
+
+  void chooseSliceRange(const Volume& volume) {
+    result_.slice_range = request_.slice_range ? *request_.slice_range : fieldRange(volume);
     style_.slice_black = result_.slice_range->black;
     style_.slice_white = result_.slice_range->white;
   }
@@ -170,7 +180,10 @@ class Job {
     Picture picture{.files = files, .camera = frameCamera(request_, result_.target_W, result_.distance_m, frame)};
     const Stopwatch watch;
     drawing.show(picture.camera, result_.isovalue, style_);
-    drawing.finish(stop);
+    drawing.finish([&] {
+      stop();
+      progress_.fraction((frame + drawing.share()) / request_.frames);
+    });
     const RenderedImage image = drawing.image();
     picture.draw_s = watch.seconds();
     countHits(image, picture);
@@ -184,12 +197,12 @@ class Job {
 
   const RenderRequest& request_;
   Progress& progress_;
+  DrawStyle style_;
   gpu::Gpu gpu_;
   gpu::Transfer transfer_;
   BrickPool pool_;
   std::unique_ptr<FilterChain> filters_;
   std::unique_ptr<BrickBoundsPass> bounds_;
-  DrawStyle style_;
   RenderResult result_;
 };
 
@@ -198,6 +211,7 @@ class Job {
 RenderResult render(const RenderRequest& request, Progress& progress) {
   const Stopwatch watch;
   checkPictureFiles(request);
+  checkPicturesWritable(request);
   std::vector<FilterSpec> chain;
   if (!request.filter.empty()) chain = filterChain(request.filter);
   OutputFiles first(pictureFiles(request).front());

@@ -26,14 +26,23 @@ struct Limits {
   double scale = 1;
 };
 
+// Of densities, which have no limits but a float's.
+constexpr Limits kDensities = {-kMostDensity, kMostDensity};
+
+std::string rangeWords(const Limits& limits) {
+  if (limits.highest >= kMostDensity) return "a number that a 32-bit float holds";
+  return fmt::format("a number from {} to {}", limits.lowest, limits.highest);
+}
+
 template <typename Member>
-RenderOption numberRow(const char* flag, const char* unit, const char* help, Member RenderRequest::*member,
-                       const Limits& limits) {
+RenderOption numberRow(const char* flag, const char* placeholder, const char* unit, const char* help,
+                       Member RenderRequest::*member, const Limits& limits) {
   RenderOption row;
   row.flag = flag;
+  row.placeholder = placeholder;
   row.unit = unit;
   row.help = help;
-  row.takes = fmt::format("a number from {:g} to {:g}", limits.lowest, limits.highest);
+  row.takes = rangeWords(limits);
   if constexpr (std::is_same_v<Member, double>)
     row.standard = fmt::format("{:g}", RenderRequest{}.*member / limits.scale);
   row.set = [=](const std::string& text, RenderRequest& request) {
@@ -45,9 +54,10 @@ RenderOption numberRow(const char* flag, const char* unit, const char* help, Mem
   return row;
 }
 
-RenderOption textRow(const char* flag, const char* help, std::string RenderRequest::*member) {
+RenderOption textRow(const char* flag, const char* placeholder, const char* help, std::string RenderRequest::*member) {
   RenderOption row;
   row.flag = flag;
+  row.placeholder = placeholder;
   row.takes = kText;
   row.help = help;
   row.set = [=](const std::string& text, RenderRequest& request) {
@@ -59,10 +69,11 @@ RenderOption textRow(const char* flag, const char* help, std::string RenderReque
 
 // `read` gives a value, or nothing for text that has not the form. `member` takes it.
 template <typename Read, typename Member>
-RenderOption readRow(const char* flag, const char* unit, const std::string& takes, const char* help, Read read,
-                     Member RenderRequest::*member) {
+RenderOption readRow(const char* flag, const char* placeholder, const char* unit, const std::string& takes,
+                     const char* help, Read read, Member RenderRequest::*member) {
   RenderOption row;
   row.flag = flag;
+  row.placeholder = placeholder;
   row.unit = unit;
   row.takes = takes;
   row.help = help;
@@ -76,7 +87,7 @@ RenderOption readRow(const char* flag, const char* unit, const std::string& take
 
 RenderOption viewRow() {
   RenderOption row =
-      readRow("--view", "", fmt::format("{}", fmt::join(viewNames(), ", ")),
+      readRow("--view", "", "", fmt::format("{}", fmt::join(viewNames(), ", ")),
               "side of the patient that is seen; left is the patient's", viewNamed, &RenderRequest::view);
   row.words = viewNames();
   row.standard = row.words.front();
@@ -85,16 +96,17 @@ RenderOption viewRow() {
 
 RenderOption fromRow() {
   RenderOption row =
-      readRow("--from", "degree", "AZIMUTH,ELEVATION: -360 to 360 and -90 to 90",
+      readRow("--from", "AZIMUTH,ELEVATION", "degree", "AZIMUTH,ELEVATION: -360 to 360 and -90 to 90",
               "direction in which the camera is: azimuth 0 in front and 90 at the patient's left, elevation 90 above",
               viewAnglesOf, &RenderRequest::view);
-  row.excludes = "--view";
+  row.excludes = {"--view"};
   return row;
 }
 
 RenderOption sizeRow() {
   RenderOption row;
   row.flag = "--size";
+  row.placeholder = "WIDTHxHEIGHT";
   row.unit = "pixel";
   row.takes = fmt::format("WIDTHxHEIGHT: 1 to {} each, at most {} in all", PICTURE_MOST_SIDE, PICTURE_MOST_PIXELS);
   row.standard = fmt::format("{}x{}", RenderRequest{}.width, RenderRequest{}.height);
@@ -114,6 +126,7 @@ RenderOption sizeRow() {
 RenderOption framesRow() {
   RenderOption row;
   row.flag = "--frames";
+  row.placeholder = "COUNT";
   row.takes = fmt::format("a whole number from 1 to {}", kMostFrames);
   row.standard = "1";
   row.help = "pictures of a whole turn around the vertical axis, to the patient's left: out_000.png, out_001.png ...";
@@ -132,17 +145,18 @@ RenderOption targetRow() {
     if (!place_mm || !(place_mm->cwiseAbs().maxCoeff() <= kFarthest_mm)) return std::nullopt;
     return Vec3(*place_mm * kMetresPerMillimetre);
   };
-  return readRow("--target", "mm", "x,y,z",
-                 "point of the world in the middle of the picture; the object's if not given", read,
+  return readRow("--target", "X,Y,Z", "mm", "X,Y,Z",
+                 "point of the world in the middle of the picture; the middle of the object if not given", read,
                  &RenderRequest::target_W);
 }
 
 RenderOption planesRow(const char* flag, const char* help, std::size_t most,
-                       std::vector<ViewPlane> RenderRequest::*member) {
+                       std::vector<AskedPlane> RenderRequest::*member) {
   RenderOption row;
   row.flag = flag;
-  row.unit = "mm";
-  row.takes = "x=12, -x=12 (so y and z) or NX,NY,NZ@12";
+  row.placeholder = "PLANE";
+  row.unit = "mm, or % of the volume's extent";
+  row.takes = "x=12, x=50%, -x=12 (so y and z), NX,NY,NZ@12 or NX,NY,NZ@50%";
   row.help = help;
   row.most = most;
   row.set = [=](const std::string& text, RenderRequest& request) {
@@ -154,7 +168,7 @@ RenderOption planesRow(const char* flag, const char* help, std::size_t most,
 }
 
 RenderOption opacityRow() {
-  RenderOption row = numberRow("--second-opacity", "", "how much of the first surface the second one hides",
+  RenderOption row = numberRow("--second-opacity", "SHARE", "", "how much of the first surface the second one hides",
                                &RenderRequest::second_opacity, {0, 1});
   row.needs = "--second";
   return row;
@@ -162,7 +176,7 @@ RenderOption opacityRow() {
 
 RenderOption sliceRangeRow() {
   RenderOption row =
-      readRow("--slice-range", "density", "BLACK,WHITE: two numbers that differ",
+      readRow("--slice-range", "BLACK,WHITE", "density", "BLACK,WHITE: two numbers that differ",
               "densities that slices show black and white; if not given those that 0.5 and 99.5 % of the "
               "voxels do not exceed",
               sliceRangeOf, &RenderRequest::slice_range);
@@ -177,7 +191,6 @@ RenderOption occlusionRow() {
   row.standard = "on";
   row.help = "hollows are darker";
   row.words = {"on", "off"};
-  row.excludes = "--normals";
   row.set = [](const std::string& text, RenderRequest& request) {
     request.occlusion = text == "on";
     return text == "on" || text == "off";
@@ -189,6 +202,7 @@ RenderOption normalsRow() {
   RenderOption row;
   row.flag = "--normals";
   row.help = "red, green and blue are the normal to the right, up and to the camera: -1 is 0, 1 is 255";
+  row.excludes = {"--second", "--slice", "--occlusion"};  // a picture of normals shows nothing else
   row.set = [](const std::string&, RenderRequest& request) { return request.normals = true; };
   return row;
 }
@@ -196,6 +210,7 @@ RenderOption normalsRow() {
 RenderOption memoryRow() {
   RenderOption row;
   row.flag = "--gpu-memory";
+  row.placeholder = "SIZE";
   row.takes = "a size like 512MiB or 2GiB, 0: what it has";
   row.standard = "0";
   row.help = "most that densities may take on the Vulkan device";
@@ -207,20 +222,19 @@ RenderOption memoryRow() {
 }
 
 std::vector<RenderOption> allRows() {
-  constexpr Limits kDensities = {-kMostDensity, kMostDensity};
   return {
-      numberRow("--iso", "density", "above it is object; as `palpate touch` chooses it if not given",
+      numberRow("--iso", "DENSITY", "density", "above it is object; as `palpate touch` chooses it if not given",
                 &RenderRequest::isovalue, kDensities),
       sizeRow(),
       viewRow(),
       fromRow(),
       targetRow(),
-      numberRow("--distance", "mm", "from the camera to the target; if not given so that all is in the picture",
+      numberRow("--distance", "MM", "mm", "from the camera to the target; if not given so that all is in the picture",
                 &RenderRequest::distance_m, {1e-3, kFarthest_mm, kMetresPerMillimetre}),
-      numberRow("--fov", "degree", "angle of view from the lower to the upper edge", &RenderRequest::fov_rad,
+      numberRow("--fov", "DEG", "degree", "angle of view from the lower to the upper edge", &RenderRequest::fov_rad,
                 {1, 120, 1 / kDegreesPerRadian}),
-      numberRow("--zoom", "", "times larger around the middle, by a narrower angle of view", &RenderRequest::zoom,
-                {0.1, 1000}),
+      numberRow("--zoom", "TIMES", "", "times larger around the middle, by a narrower angle of view",
+                &RenderRequest::zoom, {0.1, 1000}),
       framesRow(),
       planesRow(
           "--clip",
@@ -230,15 +244,16 @@ std::vector<RenderOption> allRows() {
       planesRow("--slice", "plane on which the density is shown; as often as wanted", DRAW_MOST_SLICES,
                 &RenderRequest::slices),
       sliceRangeRow(),
-      numberRow("--second", "density",
-                "isovalue of a second surface, translucent in front of the first: skin over bone",
+      numberRow("--second", "DENSITY", "density",
+                "isovalue of a second surface, translucent around the first: skin over bone; below the first one's; "
+                "after a distance filter, where that is 0, in metres",
                 &RenderRequest::second, kDensities),
       opacityRow(),
       occlusionRow(),
       normalsRow(),
-      textRow("--filter", "filters that the field goes through first: \"gaussian:0.8mm\"; docs/filters.md",
+      textRow("--filter", "FILTERS", "filters that the field goes through first: \"gaussian:0.8mm\"; docs/filters.md",
               &RenderRequest::filter),
-      textRow("--gpu", "part of the Vulkan device's name; the best one if not given", &RenderRequest::gpu),
+      textRow("--gpu", "NAME", "part of the Vulkan device's name; the best one if not given", &RenderRequest::gpu),
       memoryRow(),
   };
 }
@@ -278,8 +293,9 @@ void setRenderOptions(std::span<const std::vector<std::string>> given, RenderReq
       refuse(row.flag, fmt::format("{} are given", given[i].size()), fmt::format("give at most {}", row.most));
     if (!row.needs.empty() && !isGiven(given, row.needs))
       refuse(row.flag, "it has no effect without " + row.needs, fmt::format("give {} too, or leave it out", row.needs));
-    if (!row.excludes.empty() && isGiven(given, row.excludes))
-      refuse(row.flag, fmt::format("{} is given too", row.excludes), "leave one of them out");
+    for (const std::string& other : row.excludes) {
+      if (isGiven(given, other)) refuse(row.flag, fmt::format("{} is given too", other), "leave one of them out");
+    }
     for (const std::string& text : given[i]) {
       if (row.set(text, request)) continue;
       const std::string unit = row.unit.empty() ? "" : ", in " + row.unit;

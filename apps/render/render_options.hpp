@@ -20,10 +20,11 @@ struct RenderOption {
   std::string help;
   // Sets the request's member. False: the text is not what the option takes.
   std::function<bool(const std::string& text, RenderRequest& request)> set;
-  std::vector<std::string> words{};  // from which a user must choose; empty: any text of the form
-  std::size_t most = 1;              // times that it may be given
-  std::string needs{};               // flag without which it has no effect
-  std::string excludes{};            // flag beside which it has no effect
+  std::string placeholder{};            // stands for the value in a help text: "DEG"
+  std::vector<std::string> words{};     // from which a user must choose; empty: any text of the form
+  std::size_t most = 1;                 // times that it may be given
+  std::string needs{};                  // flag without which it has no effect
+  std::vector<std::string> excludes{};  // flags that it cannot go with
 
   [[nodiscard]] bool isBare() const noexcept { return takes.empty(); }
 };
@@ -35,7 +36,7 @@ struct RenderOption {
 
 // Sets what was given. `given`: for each row of the table the texts, as often as the flag was given; a bare flag has an
 // empty one. Throws Error(kBadInput), which names the flag, for text that it does not take, for more texts than
-// `most`, and for an option that has no effect beside the others.
+// `most`, and for an option that has no effect beside the others or cannot go with one of them.
 void setRenderOptions(std::span<const std::vector<std::string>> given, RenderRequest& request);
 
 }  // namespace palpate

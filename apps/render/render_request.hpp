@@ -25,6 +25,16 @@ struct SliceRange {
   double black = 0, white = 1;  // [density]
 };
 
+// A plane as a user gives it. World: LPS.
+struct AskedPlane {
+  std::string text;               // as it was given, for messages
+  Vec3 normal_W = Vec3::UnitZ();  // unit
+  // Along the normal: from the world's origin [m]; or as a share of the volume's extent, 0 where the volume begins and
+  // 1 where it ends.
+  double place = 0;
+  bool is_share = false;
+};
+
 struct RenderRequest {
   std::string in;     // as loadVolume takes it
   std::string out;    // picture, ends in .png; with frames each has a number (picture_files.hpp)
@@ -44,10 +54,10 @@ struct RenderRequest {
   double fov_rad = 30 / kDegreesPerRadian;  // vertical angle of view, before `zoom`
   double zoom = 1;                          // how many times larger things appear than without it [-]
 
-  std::vector<ViewPlane> clips, slices;
+  std::vector<AskedPlane> clips, slices;
   std::optional<SliceRange> slice_range;  // empty: slice_range.hpp
   std::optional<double> second;           // isovalue of a second surface, drawn translucent [density]
-  double second_opacity = 0.35;           // [-]
+  double second_opacity = DrawStyle{}.other_opacity;
   bool occlusion = true;
   bool normals = false;
 };

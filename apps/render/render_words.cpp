@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "apps/render/view_words.hpp"
 #include "base/byte_size.hpp"
 #include "base/units.hpp"
 
@@ -41,10 +42,13 @@ std::string nameWords(const RenderResult& result, std::string PictureFiles::*nam
 
 std::string seenWords(const RenderRequest& request, const RenderResult& result, const Sums& sums) {
   if (sums.hit_pixels == 0)
-    return "nothing is seen: the camera looks beside the object, or a clip plane takes all of it";
+    return "nothing is seen: the camera looks beside the object, or a clip plane takes all of it; the volume reaches "
+           "from " +
+           boxWords(result.extent);
   const double pixels =
       static_cast<double>(request.width) * request.height * static_cast<double>(result.pictures.size());
-  return fmt::format("{} pixels show something ({:.1f} %), {:.4g} to {:.4g} mm from the camera", sums.hit_pixels,
+  return fmt::format("{} something ({:.1f} %), {:.4g} to {:.4g} mm from the camera",
+                     sums.hit_pixels == 1 ? "1 pixel shows" : fmt::format("{} pixels show", sums.hit_pixels),
                      100 * static_cast<double>(sums.hit_pixels) / pixels, sums.nearest_m * kMillimetresPerMetre,
                      sums.farthest_m * kMillimetresPerMetre);
 }
@@ -81,15 +85,18 @@ std::string renderWords(const RenderRequest& request, const RenderResult& result
   const Sums sums = sumsOf(result);
   const Vec3 target_mm = (result.target_W * kMillimetresPerMetre).array() + 0.0;  // no -0
   const auto count = static_cast<double>(result.pictures.size());
-  std::string text = fmt::format("Drew      {} ({} x {} x {} voxels) at isovalue {:g} on {}\n", request.in,
-                                 result.size.x(), result.size.y(), result.size.z(), result.isovalue, result.device);
+  const char* unit = result.unit();
+  std::string text =
+      fmt::format("Drew      {} ({} x {} x {} voxels) at isovalue {:g}{} on {}\n", request.in, result.size.x(),
+                  result.size.y(), result.size.z(), result.isovalue, unit, result.device);
+  text += fmt::format("Extent    {}\n", boxWords(result.extent));
   if (request.second)
-    text += fmt::format("Second    isovalue {:g}, opacity {:g}\n", *request.second, request.second_opacity);
+    text += fmt::format("Second    isovalue {:g}{}, opacity {:g}\n", *request.second, unit, request.second_opacity);
   if (result.slice_range) {
-    text +=
-        fmt::format("Slices    {:g} is black, {:g} is white\n", result.slice_range->black, result.slice_range->white);
+    text += fmt::format("Slices    {:g}{} is black, {:g}{} is white\n", result.slice_range->black, unit,
+                        result.slice_range->white, unit);
   }
-  text += fmt::format("Camera    azimuth {:g}, elevation {:g} degree, {:.4g} mm from {:.4g},{:.4g},{:.4g}\n",
+  text += fmt::format("Camera    azimuth {:g}, elevation {:g} degree, {:.4g} mm from {:.4g},{:.4g},{:.4g} mm\n",
                       request.view.azimuth_rad * kDegreesPerRadian, request.view.elevation_rad * kDegreesPerRadian,
                       result.distance_m * kMillimetresPerMetre, target_mm.x(), target_mm.y(), target_mm.z());
   text +=
@@ -100,6 +107,7 @@ std::string renderWords(const RenderRequest& request, const RenderResult& result
     text += fmt::format("Depth     {}, {}, metres along the ray\n", nameWords(result, &PictureFiles::depth),
                         bytesInWords(sums.depth_bytes));
   }
+  if (!request.json.empty()) text += fmt::format("JSON      {}\n", request.json);
   return text;
 }
 
@@ -108,6 +116,8 @@ nlohmann::ordered_json renderJson(const RenderRequest& request, const RenderResu
   nlohmann::ordered_json json = {{"schema", "palpate.render/1"},
                                  {"in", request.in},
                                  {"size_voxel", {size.x(), size.y(), size.z()}},
+                                 {"extent_m", {vectorJson(result.extent.low_W), vectorJson(result.extent.high_W)}},
+                                 {"is_distance", result.is_distance},
                                  {"isovalue", result.isovalue},
                                  {"second_isovalue", nullptr},
                                  {"density", {result.lowest, result.highest}},

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "apps/scene/option_value.hpp"
 
 namespace palpate {
@@ -32,10 +34,25 @@ std::optional<std::pair<double, double>> pairOf(std::string_view text) {
   return std::pair(*first, *second);
 }
 
-std::optional<double> placeOf(std::string_view text) {
-  const auto place_mm = numberOf(text);
-  if (!place_mm || !(std::abs(*place_mm) <= kFarthest_mm)) return std::nullopt;
-  return *place_mm * kMetresPerMillimetre;
+// "12" [mm] or "50%".
+struct Place {
+  double place;
+  bool is_share;
+};
+
+std::optional<Place> placeOf(std::string_view text) {
+  const bool is_share = text.ends_with('%');
+  if (is_share) text.remove_suffix(1);
+  const auto number = numberOf(text);
+  if (!number) return std::nullopt;
+  if (is_share && *number >= 0 && *number <= 100) return Place{*number / 100, true};
+  if (!is_share && std::abs(*number) <= kFarthest_mm) return Place{*number * kMetresPerMillimetre, false};
+  return std::nullopt;
+}
+
+// The same place counted against the direction.
+Place turned(const Place& place) {
+  return {place.is_share ? 1 - place.place : -place.place, place.is_share};
 }
 
 std::optional<int> sideOf(std::string_view text) {
@@ -65,19 +82,21 @@ std::optional<ViewAngles> viewAnglesOf(std::string_view text) {
   return angles(degrees->first, degrees->second);
 }
 
-std::optional<ViewPlane> planeOf(std::string_view text) {
+std::optional<AskedPlane> planeOf(std::string_view text) {
+  const std::string whole(text);
   if (const std::size_t at = text.find('@'); at != std::string_view::npos) {
     const auto normal = vectorOf(text.substr(0, at));
-    const auto place_m = placeOf(text.substr(at + 1));
-    if (!normal || normal->isZero(0) || !place_m) return std::nullopt;
-    return ViewPlane{normal->stableNormalized(), *place_m};
+    const auto place = placeOf(text.substr(at + 1));
+    if (!normal || normal->isZero(0) || !place) return std::nullopt;
+    return AskedPlane{whole, normal->stableNormalized(), place->place, place->is_share};
   }
-  const double sign = text.starts_with('-') ? -1 : 1;
-  if (sign < 0) text.remove_prefix(1);
+  const bool against = text.starts_with('-');
+  if (against) text.remove_prefix(1);
   if (text.size() < 3 || text[0] < 'x' || text[0] > 'z' || text[1] != '=') return std::nullopt;
-  const auto place_m = placeOf(text.substr(2));
-  if (!place_m) return std::nullopt;
-  return ViewPlane{sign * Vec3::Unit(text[0] - 'x'), sign * *place_m};
+  const auto along = placeOf(text.substr(2));
+  if (!along) return std::nullopt;
+  const Place place = against ? turned(*along) : *along;
+  return AskedPlane{whole, (against ? -1 : 1) * Vec3::Unit(text[0] - 'x'), place.place, place.is_share};
 }
 
 std::optional<PictureSize> pictureSizeOf(std::string_view text) {
@@ -93,6 +112,13 @@ std::optional<SliceRange> sliceRangeOf(std::string_view text) {
   if (!range || !(std::max(std::abs(range->first), std::abs(range->second)) <= kMostDensity)) return std::nullopt;
   if (static_cast<float>(range->first) == static_cast<float>(range->second)) return std::nullopt;  // as they are drawn
   return SliceRange{range->first, range->second};
+}
+
+std::string boxWords(const WorldBox& box) {
+  const Vec3 low_mm = (box.low_W * kMillimetresPerMetre).array() + 0.0;  // no -0
+  const Vec3 high_mm = (box.high_W * kMillimetresPerMetre).array() + 0.0;
+  return fmt::format("{:.6g},{:.6g},{:.6g} to {:.6g},{:.6g},{:.6g} mm", low_mm.x(), low_mm.y(), low_mm.z(), high_mm.x(),
+                     high_mm.y(), high_mm.z());
 }
 
 }  // namespace palpate

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "apps/render/render_request.hpp"
+#include "base/lattice.hpp"
 
 namespace palpate {
 
@@ -23,9 +24,10 @@ namespace palpate {
 
 // A plane and its kept side. "x=12": at x = 12 mm, kept is where x is larger. "-x=12": the same plane, kept is where x
 // is smaller. "NX,NY,NZ@MM": at MM along this normal (of any length but 0) from the world's origin, kept is where the
-// normal points. Places are at most kFarthest_mm from the origin.
+// normal points. Places are at most kFarthest_mm from the origin. "50%" in place of a length, 0 to 100: half way
+// through the volume's extent along that axis or normal.
 inline constexpr double kFarthest_mm = 1e6;
-[[nodiscard]] std::optional<ViewPlane> planeOf(std::string_view text);
+[[nodiscard]] std::optional<AskedPlane> planeOf(std::string_view text);
 
 // "WIDTHxHEIGHT" [pixel]: whole numbers above 0.
 struct PictureSize {
@@ -36,5 +38,8 @@ struct PictureSize {
 // "BLACK,WHITE" [density]: two numbers that differ as floats, neither beyond kMostDensity.
 inline constexpr double kMostDensity = 3.4e38;
 [[nodiscard]] std::optional<SliceRange> sliceRangeOf(std::string_view text);
+
+// "-90,-91,-71 to 90,125,109 mm".
+[[nodiscard]] std::string boxWords(const WorldBox& box);
 
 }  // namespace palpate

@@ -203,6 +203,16 @@ TEST(AtomicFile, CountsWhatIsWhole) {
   EXPECT_EQ(kWrittenAtStart, 0U);
 }
 
+TEST(AtomicFile, IsTriedWithoutWriting) {
+  TemporaryFolder folder;
+  std::ofstream(folder.path() / "old.txt") << "old";
+  checkWritable(folder.path() / "old.txt");
+  checkWritable(folder.path() / "new.txt");
+  EXPECT_EQ(contentsOf(folder.path() / "old.txt"), "old");
+  EXPECT_EQ(folder.files(), 1);
+  expectIoError([&] { checkWritable(folder.path() / "none" / "a.txt"); }, "cannot be created");
+}
+
 TEST(AtomicFile, RefusesToReplaceAFolder) {
   TemporaryFolder folder;
   expectIoError([&] { writeFileAtomically(folder.path(), "x"); }, "not a plain file");

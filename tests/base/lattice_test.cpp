@@ -51,6 +51,20 @@ TEST(Lattice, ShiftedNamesAnotherSampleZero) {
   EXPECT_LT((lattice.shifted(first).toWorld({1, 2, 3}) - lattice.toWorld({6, 8, 10})).norm(), 1e-15);
 }
 
+// A turn by 90 degrees about z takes i to y and j to -x; k is reversed.
+TEST(Lattice, WorldBoxHoldsTheTurnedCorners) {
+  Lattice lattice;
+  lattice.origin_W = {0.1, 0.2, 0.3};
+  lattice.R_WL << 0, -1, 0, 1, 0, 0, 0, 0, -1;
+  lattice.spacing_m = {1e-3, 2e-3, 3e-3};
+  const WorldBox box = worldBoxOf(lattice, {11, 21, 31});
+  EXPECT_LT((box.low_W - Vec3(0.1 - 0.04, 0.2, 0.3 - 0.09)).norm(), 1e-15);
+  EXPECT_LT((box.high_W - Vec3(0.1, 0.2 + 0.01, 0.3)).norm(), 1e-15);
+  const WorldBox point = worldBoxOf(oblique(), Vec3i::Ones());
+  EXPECT_EQ(point.low_W, oblique().origin_W);
+  EXPECT_EQ(point.high_W, oblique().origin_W);
+}
+
 TEST(Lattice, AcceptsWhatIsUsable) {
   EXPECT_NO_THROW(checkLattice(oblique(), "scan"));
 }

@@ -1,32 +1,38 @@
 // SPDX-License-Identifier: Apache-2.0
-// One option of `palpate render`, as FLAG=TEXT. What is accepted can be drawn: its style is valid, its picture is
-// within the limits, and its cameras are finite.
+// One option of `palpate render`, as FLAG=TEXT. What is accepted can be drawn of a volume around the world's origin, or
+// is refused in words: its style is valid, and its cameras are those that the kernel takes.
+#include "apps/render/asked_style.hpp"
 #include "apps/render/fit_camera.hpp"
 #include "apps/render/render_options.hpp"
+#include "engine/draw/draw_push.hpp"
 #include "fuzz_target.hpp"
 
 namespace {
 
 using namespace palpate;
 
-void requireDrawable(const RenderRequest& request) {
+const BrickGrid kGrid{Vec3i::Constant(64), Vec3::Constant(1e-3)};
+const layout::PoolDomain kDomain{64, 64, 64, 8, 8, 8};
+
+Lattice aroundTheOrigin() {
+  Lattice lattice;
+  lattice.origin_W = Vec3::Constant(-0.0315);
+  return lattice;
+}
+
+// `flag`: of the only option. Only the camera may still be refused: it may be too far away for floats.
+void requireDrawable(const RenderRequest& request, const std::string& flag) {
+  const Lattice lattice = aroundTheOrigin();
   DrawStyle style;
-  style.clips = request.clips;
-  style.slices = request.slices;
-  style.other_isovalue = request.second;
-  style.other_opacity = request.second_opacity;
-  if (request.slice_range) {
-    style.slice_black = request.slice_range->black;
-    style.slice_white = request.slice_range->white;
-  }
+  if (!fuzz::accepts(flag, [&] { style = styleOf(request, lattice, kGrid.size); })) return;
   fuzz::mustAccept("a style that was accepted", [&] { checkStyle(style); });
-  fuzz::require(request.width > 0 && request.height > 0 && request.width <= (1 << 24) / request.height, "the size");
   fuzz::require(request.frames >= 1 && request.frames <= 3600, "the number of frames");
-  const SeenExtent extent = wholeExtent({Vec3i::Constant(8), Vec3::Ones()}, {});
+  const SeenExtent extent = wholeExtent(kGrid, lattice, style.clips);
+  fuzz::require(!extent.points_W.empty(), "clip planes that were accepted leave something");
   const double distance_m = request.distance_m ? *request.distance_m : fittingDistance(request, extent);
   const Camera camera = frameCamera(request, targetOf(request, extent), distance_m, request.frames - 1);
-  fuzz::require(camera.position_W.allFinite() && camera.up_W.allFinite() && camera.right_W.allFinite(), "the camera");
-  fuzz::require(camera.vertical_fov_rad > 0 && camera.vertical_fov_rad < 3.14, "the angle of view");
+  const double isovalue = request.isovalue.value_or(0);
+  fuzz::accepts("camera", [&] { (void)drawPush(kDomain, lattice, camera, isovalue); });
 }
 
 void check(const std::string& input) {
@@ -45,7 +51,7 @@ void check(const std::string& input) {
   }
   if (flag.empty()) return;
   RenderRequest request;
-  if (fuzz::accepts(flag, [&] { setRenderOptions(given, request); })) requireDrawable(request);
+  if (fuzz::accepts(flag, [&] { setRenderOptions(given, request); })) requireDrawable(request, flag);
 }
 
 }  // namespace

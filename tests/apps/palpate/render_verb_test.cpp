@@ -54,6 +54,9 @@ TEST_F(RenderVerb, WritesAPictureItsDepthAndACamera) {
   EXPECT_NEAR(position[1].get<double>(), -0.06, 1e-12);
   EXPECT_THAT(outcome.out, HasSubstr("Drew      " + kSphere + " (32 x 32 x 32 voxels) at isovalue 0 on "));
   EXPECT_THAT(outcome.out, HasSubstr("Picture   33 x 33 pixels; "));
+  EXPECT_THAT(outcome.out, HasSubstr("Extent    -15.5,-15.5,-15.5 to 15.5,15.5,15.5 mm\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("JSON      o.json\n"));
+  EXPECT_NEAR(json["extent_m"][1][2].get<double>(), 0.0155, 1e-12);
   EXPECT_THAT(outcome.out, HasSubstr("File      o.png, "));
   EXPECT_THAT(outcome.out, HasSubstr("Depth     o.pfm, "));
 }
@@ -79,12 +82,9 @@ TEST_F(RenderVerb, TakesPlanesAsOftenAsWanted) {
 TEST_F(RenderVerb, ASecondSurfaceIsInThePictureAndNotInTheDepth) {
   expectSuccess(render({"--size", "16x16", "--depth", "a.pfm"}));
   const std::string picture = contentsOf(file("o.png"));
-  const Outcome outcome =
-      render({"--size", "16x16", "--depth", "b.pfm", "--second", "100", "--second-opacity", "1"});  // within the first
+  const Outcome outcome = render({"--size", "16x16", "--depth", "b.pfm", "--second", "-1", "--second-opacity", "1"});
   expectSuccess(outcome);
-  EXPECT_EQ(contentsOf(file("o.png")), picture);
-  EXPECT_THAT(outcome.out, HasSubstr("Second    isovalue 100, opacity 1"));
-  expectSuccess(render({"--size", "16x16", "--depth", "b.pfm", "--second", "-1", "--second-opacity", "1"}));
+  EXPECT_THAT(outcome.out, HasSubstr("Second    isovalue -1, opacity 1"));
   EXPECT_NE(contentsOf(file("o.png")), picture);
   EXPECT_EQ(contentsOf(file("a.pfm")), contentsOf(file("b.pfm")));
 }
@@ -93,6 +93,20 @@ TEST_F(RenderVerb, TellsWhereNothingIsSeen) {
   const Outcome outcome = render({"--size", "16x16", "--target", "500,0,0", "--distance", "50"});
   expectSuccess(outcome);
   EXPECT_THAT(outcome.out, HasSubstr("nothing is seen"));
+  EXPECT_THAT(outcome.out, HasSubstr("the volume reaches from -15.5,-15.5,-15.5 to 15.5,15.5,15.5 mm"));
+}
+
+// The volume is from -15.5 to 15.5 mm, so that a quarter is at -7.75 mm; the sphere begins at -10.85 mm.
+TEST_F(RenderVerb, TakesPlanesAtSharesOfTheVolume) {
+  const Words view = {"--size", "33x33", "--distance", "60", "--target", "0,0,0", "--depth", "o.pfm"};
+  expectSuccess(render(view + Words{"--clip", "y=50%", "--slice", "y=50%"}));
+  EXPECT_NEAR(middleOfPfm("o.pfm", 33), 0.06, 1e-6);
+  expectSuccess(render(view + Words{"--clip", "-y=25%"}));
+  const float front = middleOfPfm("o.pfm", 33);
+  expectSuccess(render(view));
+  EXPECT_EQ(middleOfPfm("o.pfm", 33), front);
+  expectSuccess(render(view + Words{"--clip", "0,1,0@25%"}));
+  EXPECT_NEAR(middleOfPfm("o.pfm", 33), 0.06 - 0.00775, 1e-6);
 }
 
 TEST_F(RenderVerb, RefusesWhatItDoesNotTake) {
@@ -108,7 +122,12 @@ TEST_F(RenderVerb, RefusesWhatItDoesNotTake) {
                         {{"--view", "left", "--from", "0,0"}, "--from", "--view is given too"},
                         {{"--clip", "x>3"}, "--clip", "'x>3'"},
                         {{"--second-opacity", "0.2"}, "--second-opacity", "no effect without --second"},
-                        {{"--second", "1e6"}, "--second", "gives no surface"},
+                        {{"--second", "1e6"}, "--second", "is not below that of the first surface"},
+                        {{"--second", "-1e6"}, "--second", "gives no surface"},
+                        {{"--second", "-1", "--normals"}, "--normals", "--second is given too"},
+                        {{"--slice", "x=0", "--normals"}, "--normals", "--slice is given too"},
+                        {{"--slice", "x=16"}, "--slice", "'x=16' lies beside the volume"},
+                        {{"--clip", "x=16"}, "--clip", "nothing is left of the volume"},
                         {{"--iso", "1e6"}, kSphere.c_str(), "isovalue 1e+06"},
                         {{"--frames", "0"}, "--frames", "a whole number from 1 to 3600"},
                         {{"--filter", "mean:1"}, "mean", "there is no"},
@@ -124,6 +143,24 @@ TEST_F(RenderVerb, RefusesWhatItDoesNotTake) {
   expectRefusal(run({"render", kSphere, "-o", "o.jpg"}), "o.jpg", "written as .png only", 2);
   expectRefusal(run({"render", "none.nrrd", "-o", "o.png"}), "none.nrrd", "no such file", 3);
   EXPECT_TRUE(std::filesystem::is_empty(folder()));
+}
+
+// Before the volume is read, which is not there.
+TEST_F(RenderVerb, TriesAllItsFilesAtOnce) {
+  std::filesystem::create_directory(file("o_017.png"));
+  std::filesystem::create_directory(file("d_018.pfm"));
+  expectRefusal(run({"render", "none.nrrd", "-o", "o.png", "--frames", "18"}), "o_017.png", "it is not a plain file",
+                4);
+  expectRefusal(run({"render", "none.nrrd", "-o", "p.png", "--depth", "d.pfm", "--frames", "19"}), "d_018.pfm",
+                "it is not a plain file", 4);
+  expectRefusal(run({"render", "none.nrrd", "-o", "o.png", "--frames", "17"}), "none.nrrd", "no such file", 3);
+}
+
+TEST_F(RenderVerb, HelpNamesWhatEachOptionTakes) {
+  const std::string help = run({"help", "render"}).out;
+  for (const char* words : {"--distance MM ", "--fov DEG ", "--target X,Y,Z ", "--clip PLANE ", "--iso DENSITY "})
+    EXPECT_THAT(help, HasSubstr(words));
+  EXPECT_THAT(help, testing::Not(HasSubstr("e+38")));
 }
 
 TEST_F(RenderVerb, NeverReplacesItsInput) {

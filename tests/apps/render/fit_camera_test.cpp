@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
+#include <stdexcept>
 
 #include <gtest/gtest.h>
 
@@ -27,6 +29,13 @@ double shareOf(const Camera& camera, const Vec3& p_W) {
   const auto seen = camera.project(p_W);
   if (!seen) return 1e9;
   return std::max(std::abs(2 * seen->x / camera.width - 1), std::abs(2 * seen->y / camera.height - 1));
+}
+
+// How far the points reach along a direction [voxel].
+double reachOf(const SeenExtent& extent, const Lattice& lattice, const Vec3& direction) {
+  double reach = -1e9;
+  for (const Vec3& p_W : extent.points_W) reach = std::max(reach, direction.dot(lattice.toIndex(p_W)));
+  return reach;
 }
 
 // Of all frames.
@@ -111,15 +120,80 @@ TEST(FitCamera, TheObjectIsInTheRowsOfBricksThatHoldIt) {
   const Lattice lattice = turnedLattice(-1);
   const SeenExtent extent = objectExtent(bounds, grid, lattice, 0);
   ASSERT_EQ(extent.points_W.size(), 8U);
-  EXPECT_TRUE(lattice.toIndex(extent.points_W.front()).isApprox(Vec3(0, 0, 16), 1e-12));
-  EXPECT_TRUE(lattice.toIndex(extent.points_W.back()).isApprox(Vec3(16, 8, 23), 1e-12));
+  EXPECT_NEAR(reachOf(extent, lattice, {-1, -2, -3}), -3 * 16, 1e-12);  // its first corner
+  EXPECT_NEAR(reachOf(extent, lattice, {1, 2, 3}), 16 + 2 * 8 + 3 * 23, 1e-12);
   EXPECT_TRUE(lattice.toIndex(extent.middle_W).isApprox(Vec3(8, 4, 19.5), 1e-12));
   // Another row, to the domain's last voxel along i.
   bounds[grid.index({4, 1, 0})] = {0, 10};
   const SeenExtent two = objectExtent(bounds, grid, lattice, 0);
   ASSERT_EQ(two.points_W.size(), 16U);
-  EXPECT_TRUE(lattice.toIndex(two.points_W.front()).isApprox(Vec3(32, 8, 0), 1e-12));
+  EXPECT_NEAR(reachOf(two, lattice, {1, 2, -3}), 39 + 2 * 15, 1e-12);
   EXPECT_TRUE(lattice.toIndex(two.middle_W).isApprox(Vec3(19.5, 7.5, 11.5), 1e-12));
+}
+
+// The same from every voxel of every brick that is object and not behind one of the planes, one by one. A reach of up
+// to 100 voxels along a direction of length 1: 1e-10 is rounding.
+TEST(FitCamera, TheHullHoldsWhatClipsLeaveOfTheObject) {
+  const BrickGrid grid{Vec3i(75, 60, 52), Vec3::Ones()};
+  const Lattice lattice = turnedLattice(-1);
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  const auto direction = [&] { return Vec3(normal(random), normal(random), normal(random)).normalized(); };
+  for (std::size_t count = 0; count <= 3; ++count) {
+    std::vector<layout::BrickBounds> bounds(grid.brickCount());
+    for (auto& brick : bounds) brick = {-1, random() % 6 == 0 ? 1.0F : -0.5F};
+    std::vector<ViewPlane> clips(count);
+    for (ViewPlane& clip : clips) {
+      clip.normal_W = direction();
+      clip.offset_m = clip.normal_W.dot(lattice.toWorld(grid.size.cast<double>() / 2)) - 0.005;
+    }
+    SeenExtent expected;
+    grid.forEach([&](const Vec3i& at) {
+      const std::uint32_t brick = grid.index(at);
+      if (bounds[brick].highest <= 0) return;
+      std::vector<Vec3> corners_W;
+      for (int corner = 0; corner < 8; ++corner) {
+        const Vec3i voxel = kBrickSize * (at + Vec3i(corner & 1, corner >> 1 & 1, corner >> 2));
+        corners_W.push_back(lattice.toWorld(voxel.cwiseMin(grid.size - Vec3i::Ones()).cast<double>()));
+      }
+      const bool is_left = std::all_of(clips.begin(), clips.end(), [&](const ViewPlane& clip) {
+        return std::any_of(corners_W.begin(), corners_W.end(),
+                           [&](const Vec3& p_W) { return clip.normal_W.dot(p_W) >= clip.offset_m; });
+      });
+      if (is_left) expected.points_W.insert(expected.points_W.end(), corners_W.begin(), corners_W.end());
+    });
+    ASSERT_FALSE(expected.points_W.empty());
+    const SeenExtent extent = objectExtent(bounds, grid, lattice, 0, clips);
+    if (count == 0) {
+      EXPECT_LT(extent.points_W.size(), expected.points_W.size() / 2);
+    }
+    for (int n = 0; n < 200; ++n) {
+      const Vec3 along = direction();
+      EXPECT_NEAR(reachOf(extent, lattice, along), reachOf(expected, lattice, along), 1e-10) << count;
+    }
+  }
+}
+
+// Half the volume is twice as large in the picture, from half as far.
+TEST(FitCamera, AClippedVolumeFillsThePicture) {
+  const BrickGrid grid{Vec3i(41, 2, 21), Vec3::Ones()};
+  const ViewPlane clips[] = {{Vec3::UnitX(), 0.02}, {Vec3::UnitZ(), 0.01}};
+  const SeenExtent extent = wholeExtent(grid, {}, clips);
+  EXPECT_TRUE(extent.middle_W.isApprox(Vec3(0.03, 0.0005, 0.015), 1e-12));
+  RenderRequest request;
+  EXPECT_NEAR(largestShare(request, extent), kFilledShare, 1e-9);
+  const double whole_m = fittingDistance(request, wholeExtent(grid, {}));
+  EXPECT_NEAR(fittingDistance(request, extent) - 0.0005, (whole_m - 0.0005) / 2, 1e-12);  // to the face in front
+}
+
+TEST(FitCamera, CanBeStoppedBetweenFrames) {
+  const SeenExtent extent = wholeExtent({Vec3i::Constant(9), Vec3::Ones()}, {});
+  RenderRequest request;
+  request.frames = 7;
+  int frames = 0;
+  (void)fittingDistance(request, extent, [&] { ++frames; });
+  EXPECT_EQ(frames, 7);
+  EXPECT_THROW((void)fittingDistance(request, extent, [] { throw std::runtime_error("stop"); }), std::runtime_error);
 }
 
 TEST(FitCamera, WithoutAnObjectTheWholeVolumeIsSeen) {
@@ -129,6 +203,10 @@ TEST(FitCamera, WithoutAnObjectTheWholeVolumeIsSeen) {
   const SeenExtent extent = objectExtent(bounds, grid, lattice, 0);  // at the isovalue is no object
   ASSERT_EQ(extent.points_W.size(), 8U);
   EXPECT_TRUE(lattice.toIndex(extent.middle_W).isApprox(Vec3(19.5, 7.5, 11.5), 1e-12));
+  // And what the planes leave of it.
+  const ViewPlane clip{-lattice.R_WL.col(0), -lattice.R_WL.col(0).dot(lattice.toWorld({10, 0, 0}))};
+  const SeenExtent clipped = objectExtent(bounds, grid, lattice, 0, std::span(&clip, 1));
+  EXPECT_TRUE(lattice.toIndex(clipped.middle_W).isApprox(Vec3(5, 7.5, 11.5), 1e-12));
 }
 
 }  // namespace fit_camera_test

@@ -56,6 +56,29 @@ TEST(PictureFiles, RefusesWhatCannotBeWritten) {
   EXPECT_THAT(words(request), HasSubstr("two of the outputs"));
 }
 
+// A folder in the place of a later frame, a link to nowhere, a file of a folder that is not there.
+TEST(PictureFiles, EveryNameMustBeWritable) {
+  const TemporaryFolder folder;
+  const auto file = [&](const char* name) { return (folder.path() / name).string(); };
+  const auto words = [](const RenderRequest& request) {
+    return refusalOf([&] { checkPicturesWritable(request); }, Error::Code::kIo);
+  };
+  std::ofstream(file("o_001.png")) << "an older frame";
+  EXPECT_EQ(words(asked(file("o.png"), file("d.pfm"), 9)), kNoRefusal);
+  EXPECT_EQ(contentsOf(file("o_001.png")), "an older frame");
+  EXPECT_EQ(folder.files(), 1);
+  EXPECT_THAT(words(asked(file("none/o.png"))), HasSubstr("none/o.png: cannot be created"));
+  EXPECT_THAT(words(asked(file("o.png"), file("none/d.pfm"), 2)), HasSubstr("none/d_000.pfm: cannot be created"));
+  RenderRequest request = asked(file("o.png"));
+  request.json = file("none/o.json");
+  EXPECT_THAT(words(request), HasSubstr("none/o.json: cannot be created"));
+  std::filesystem::create_directory(file("o_007.png"));
+  EXPECT_THAT(words(asked(file("o.png"), "", 8)), HasSubstr("o_007.png: it is not a plain file"));
+  EXPECT_EQ(words(asked(file("o.png"), "", 7)), kNoRefusal);
+  std::filesystem::create_symlink(file("none/x"), file("d_003.pfm"));
+  EXPECT_THAT(words(asked(file("p.png"), file("d.pfm"), 4)), HasSubstr("d_003.pfm: cannot be created"));
+}
+
 // A volume may have any name, and a link to it any other.
 TEST(PictureFiles, RefusesTheInput) {
   const TemporaryFolder folder;

@@ -119,6 +119,9 @@ TEST_F(Render, DepthIsTheDistanceAlongTheRay) {
   EXPECT_EQ(result.isovalue, 0);
   EXPECT_EQ(result.lowest, -1000);
   EXPECT_EQ(result.highest, 1000);
+  EXPECT_TRUE(result.extent.low_W.isApprox(Vec3::Constant(-0.0315), 1e-12));
+  EXPECT_TRUE(result.extent.high_W.isApprox(Vec3::Constant(0.0315), 1e-12));
+  EXPECT_FALSE(result.is_distance);
   EXPECT_EQ(result.distance_m, kDistance_m);
   EXPECT_NE(result.device, "");
   EXPECT_GT(result.gpu_bytes, 0U);
@@ -141,8 +144,26 @@ TEST_F(Render, AClipPlaneCuts) {
   const RenderResult front = drawn(request);
   EXPECT_EQ(depthsOf(file("a.pfm"))[kMiddle], middle);
   EXPECT_LE(front.pictures[0].hit_pixels, whole.pictures[0].hit_pixels);
-  request.clips = {*planeOf("y=100")};
+  request.clips = {*planeOf("y=25")};  // behind the sphere, in the volume
   EXPECT_EQ(drawn(request).pictures[0].hit_pixels, 0U);
+}
+
+// The volume is from -31.5 to 31.5 mm: half of it is at 0. Nobody said where the camera is: it looks at the quarter
+// that is left, and goes nearer. From where it was, a quarter of the pixels would be left. A brick is 8 mm.
+TEST_F(Render, TheQuarterThatClipsLeaveFillsThePicture) {
+  RenderRequest request = sphere("a");
+  request.target_W.reset();
+  request.distance_m.reset();
+  const RenderResult whole = drawn(request);
+  request.clips = {*planeOf("z=50%"), *planeOf("x=50%")};
+  const RenderResult quarter = drawn(request);
+  EXPECT_NEAR(whole.target_W.norm(), 0, 0.004);
+  EXPECT_LT((quarter.target_W - Vec3(kRadius_m / 2, 0, kRadius_m / 2)).cwiseAbs().maxCoeff(), 0.008);
+  EXPECT_LT(quarter.distance_m, 0.9 * whole.distance_m);
+  EXPECT_GT(static_cast<double>(quarter.pictures[0].hit_pixels),
+            0.4 * static_cast<double>(whole.pictures[0].hit_pixels));
+  const std::vector<float> depths = depthsOf(file("a.pfm"));
+  for (std::size_t i = 0; i < kSide; ++i) EXPECT_TRUE(std::isinf(depths[i * kSide]) && std::isinf(depths[i])) << i;
 }
 
 // It hides no depth: that is the first surface's.
@@ -215,6 +236,19 @@ TEST_F(Render, ASliceHasARangeWithoutBeingTold) {
   EXPECT_NEAR(result.slice_range->white, 1000, 1e-9);
 }
 
+// And of what is drawn: a sigma of 8 voxels carries background (-1000) into the middle of a sphere of 22 voxels. 5.6 %
+// of a Gaussian's weight is farther from the middle than 2.75 sigma, so the density there is some 890.
+TEST_F(Render, ASliceHasTheRangeOfTheFilteredField) {
+  RenderRequest request = sphere("a");
+  request.filter = "gaussian:8";
+  request.slices = {*planeOf("x=0")};
+  const RenderResult result = drawn(request);
+  ASSERT_TRUE(result.slice_range);
+  EXPECT_LT(result.highest, 950);
+  EXPECT_LE(result.slice_range->white, result.highest + 1e-6);
+  EXPECT_GE(result.slice_range->black, result.lowest - 1e-6);
+}
+
 // Nobody said where the camera is: every frame shows all of the object. The axes are left-handed and turned.
 TEST_F(Render, ATurnShowsTheWholeObjectInEveryFrame) {
   Lattice lattice;
@@ -257,7 +291,9 @@ TEST_F(Render, ATurnShowsTheWholeObjectInEveryFrame) {
 TEST_F(Render, AFilteredFieldIsDrawn) {
   RenderRequest request = sphere("a");
   request.filter = "gaussian:0.7 distance:3";
+  request.second = -0.002;  // 2 mm around it
   const RenderResult result = drawn(request);
+  EXPECT_TRUE(result.is_distance);
   EXPECT_EQ(result.isovalue, 0);
   EXPECT_NEAR(result.highest, 0.003, 1e-9);  // the band, in metres
   EXPECT_NEAR(depthsOf(file("a.pfm"))[kMiddle], kDistance_m - kRadius_m, 0.5e-3);
@@ -273,9 +309,24 @@ TEST_F(Render, RefusesWhatItCannotDraw) {
   expectRefused(with([](auto& r) { r.out = "a.jpg"; }), bad, "a.jpg: a picture is written as .png only");
   expectRefused(with([](auto& r) { r.depth = "a.tif"; }), bad, "a.tif: a depth image is");
   expectRefused(with([](auto& r) { r.isovalue = 1e6; }), bad, "isovalue 1e+06");
-  expectRefused(with([](auto& r) { r.second = 1000; }), bad,
-                "--second: isovalue 1000 gives no surface: the densities that are drawn are -1000 to 1000; choose one");
-  expectRefused(with([](auto& r) { r.second = -1001; }), bad, "--second: isovalue -1001 gives no surface");
+  expectRefused(with([](auto& r) { r.second = 0; }), bad,
+                "--second: isovalue 0 is not below that of the first surface, 0, so it lies within it; give one below");
+  expectRefused(with([](auto& r) {
+                  r.filter = "distance:3";
+                  r.second = 0.002;
+                }),
+                bad, "--second: isovalue 0.002 m is not below that of the first surface, 0 m, so it lies within it");
+  expectRefused(with([](auto& r) {
+                  r.filter = "distance:3";
+                  r.second = -300;
+                }),
+                bad, "--second: isovalue -300 m gives no surface: the distances that are drawn are -0.003 to 0.003 m");
+  expectRefused(with([](auto& r) { r.slices = {*planeOf("z=40")}; }), bad,
+                "--slice: 'z=40' lies beside the volume, which reaches from -31.5,-31.5,-31.5 to 31.5,31.5,31.5 mm");
+  expectRefused(with([](auto& r) { r.clips = {*planeOf("y=100")}; }), bad, "--clip: nothing is left of the volume");
+  expectRefused(
+      with([](auto& r) { r.second = -1001; }), bad,
+      "--second: isovalue -1001 gives no surface: the densities that are drawn are -1000 to 1000; choose one");
   expectRefused(with([](auto& r) { r.filter = "mean:1"; }), bad, "mean");
   expectRefused(with([](auto& r) { r.filter = "erode:20"; }), bad, "--iso: isovalue 0 gives no surface");
   expectRefused(with([](auto& r) { r.in = "phantom:sphere?size=9x9x1"; }), bad, "a surface needs two");

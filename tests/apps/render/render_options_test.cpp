@@ -51,7 +51,7 @@ TEST(RenderOptions, SetMembersInSiUnits) {
                                            {"--frames", "60"},
                                            {"--clip", "x=12"},
                                            {"--clip", "-y=3"},
-                                           {"--slice", "z=0"},
+                                           {"--slice", "z=25%"},
                                            {"--slice-range", "-5,7"},
                                            {"--second", "-300"},
                                            {"--second-opacity", "0.5"},
@@ -74,6 +74,8 @@ TEST(RenderOptions, SetMembersInSiUnits) {
   EXPECT_EQ(request.clips[1].normal_W, -Vec3::UnitY());
   ASSERT_EQ(request.slices.size(), 1U);
   EXPECT_EQ(request.slices[0].normal_W, Vec3::UnitZ());
+  EXPECT_EQ(request.slices[0].place, 0.25);
+  EXPECT_TRUE(request.slices[0].is_share);
   ASSERT_TRUE(request.slice_range);
   EXPECT_EQ(request.slice_range->black, -5);
   EXPECT_EQ(request.slice_range->white, 7);
@@ -115,13 +117,23 @@ TEST(RenderOptions, TellTheirDefaults) {
   EXPECT_THAT(helpOf("--slice"), HasSubstr("; at most 3)"));
 }
 
+// In the words of a help text a value has a name, and no limit that only a float has.
+TEST(RenderOptions, TellWhatStandsForAValue) {
+  for (const RenderOption& row : renderOptions()) {
+    EXPECT_EQ(row.placeholder.empty(), row.isBare() || !row.words.empty()) << row.flag;
+    EXPECT_THAT(row.placeholder, testing::Not(HasSubstr(" "))) << row.flag;
+    EXPECT_THAT(optionHelp(row), testing::Not(HasSubstr("e+"))) << row.flag;
+  }
+  EXPECT_THAT(helpOf("--second"), HasSubstr("[density] (a number that a 32-bit float holds)"));
+}
+
 TEST(RenderOptions, RefuseWhatTheyDoNotTake) {
   const Given bad[] = {{"--iso", "nan"},      {"--iso", "1e39"},      {"--iso", ""},           {"--size", "640"},
                        {"--size", "16385x1"}, {"--size", "1x16385"},  {"--size", "4097x4096"}, {"--view", "side"},
                        {"--from", "0,91"},    {"--target", "1,2"},    {"--target", "0,0,2e6"}, {"--distance", "0"},
                        {"--distance", "2e6"}, {"--fov", "0"},         {"--fov", "121"},        {"--zoom", "0"},
                        {"--zoom", "1001"},    {"--frames", "0"},      {"--frames", "1.5"},     {"--frames", "3601"},
-                       {"--clip", "x"},       {"--slice", "0,0,0@1"}, {"--second", "inf"},     {"--occlusion", "no"},
+                       {"--clip", "x=101%"},  {"--slice", "0,0,0@1"}, {"--second", "inf"},     {"--occlusion", "no"},
                        {"--filter", ""},      {"--gpu", ""}};
   for (const Given& one : bad) {
     const std::string words = refusal({one});
@@ -131,7 +143,7 @@ TEST(RenderOptions, RefuseWhatTheyDoNotTake) {
   EXPECT_THAT(refusal({{"--slice", "x=0"}, {"--slice-range", "1,1"}}), StartsWith("--slice-range: '1,1'"));
   EXPECT_THAT(refusal({{"--gpu-memory", "much"}}), StartsWith("--gpu-memory: "));
   EXPECT_THAT(refusal({{"--view", "frnt"}}), HasSubstr("did you mean front?"));
-  EXPECT_THAT(refusal({{"--distance", "x"}}), HasSubstr("give a number from 0.001 to 1e+06, in mm"));
+  EXPECT_THAT(refusal({{"--distance", "x"}}), HasSubstr("give a number from 0.001 to 1000000, in mm"));
 }
 
 // The largest that are allowed: 4096 x 4096 pixels of 8 bytes are 128 MiB.
@@ -146,8 +158,11 @@ TEST(RenderOptions, RefuseWhatHasNoEffect) {
             "--second-opacity: it has no effect without --second; give --second too, or leave it out");
   EXPECT_THAT(refusal({{"--slice-range", "0,1"}}), HasSubstr("no effect without --slice;"));
   EXPECT_EQ(refusal({{"--view", "left"}, {"--from", "0,0"}}), "--from: --view is given too; leave one of them out");
-  EXPECT_EQ(refusal({{"--normals"}, {"--occlusion", "off"}}),
-            "--occlusion: --normals is given too; leave one of them out");
+  for (const Given& other : {Given{"--occlusion", "off"}, Given{"--second", "0"}, Given{"--slice", "x=0"}}) {
+    EXPECT_EQ(refusal({{"--normals"}, other}),
+              std::string("--normals: ") + other.flag + " is given too; leave one of them out");
+  }
+  EXPECT_THAT(refusal({{"--normals"}, {"--second", "0"}, {"--second-opacity", "1"}}), StartsWith("--normals: "));
 }
 
 TEST(RenderOptions, RefuseMorePlanesThanCanBeDrawn) {

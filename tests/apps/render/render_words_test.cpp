@@ -35,6 +35,7 @@ RenderResult someResult() {
   RenderResult result;
   result.device = "a device";
   result.size = {21, 22, 23};
+  result.extent = {{-0.09, -0.0, 0.5}, {0.07, 0.08, 0.6}};
   result.isovalue = 226;
   result.lowest = -1000;
   result.highest = 2000;
@@ -49,7 +50,8 @@ RenderResult someResult() {
 TEST(RenderWords, TellEveryFigure) {
   EXPECT_EQ(renderWords(someRequest(), someResult()),
             "Drew      scan (21 x 22 x 23 voxels) at isovalue 226 on a device\n"
-            "Camera    azimuth 0, elevation 0 degree, 450 mm from 4,-5,0\n"
+            "Extent    -90,0,500 to 70,80,600 mm\n"
+            "Camera    azimuth 0, elevation 0 degree, 450 mm from 4,-5,0 mm\n"
             "Picture   20 x 10 pixels; 50 pixels show something (25.0 %), 400 to 500 mm from the camera\n"
             "Time      a picture 125 ms; 1.50 s in all\n"
             "File      o.png, 1.5 KiB\n");
@@ -59,6 +61,7 @@ TEST(RenderWords, TellEveryFigure) {
 TEST(RenderWords, TellOfFramesDepthsSecondSurfacesAndSlices) {
   RenderRequest request = someRequest();
   request.depth = "d.pfm";
+  request.json = "r.json";
   request.second = -300;
   request.second_opacity = 0.25;
   RenderResult result = someResult();
@@ -72,19 +75,43 @@ TEST(RenderWords, TellOfFramesDepthsSecondSurfacesAndSlices) {
   result.pictures[0].depth_bytes = result.pictures[1].depth_bytes = 512;
   EXPECT_EQ(renderWords(request, result),
             "Drew      scan (21 x 22 x 23 voxels) at isovalue 226 on a device\n"
+            "Extent    -90,0,500 to 70,80,600 mm\n"
             "Second    isovalue -300, opacity 0.25\n"
             "Slices    -100 is black, 300 is white\n"
-            "Camera    azimuth 0, elevation 0 degree, 450 mm from 4,-5,0\n"
+            "Camera    azimuth 0, elevation 0 degree, 450 mm from 4,-5,0 mm\n"
             "Picture   20 x 10 pixels; 50 pixels show something (12.5 %), 400 to 500 mm from the camera\n"
             "Time      a picture 250 ms; 1.50 s in all\n"
             "File      o_000.png to o_001.png, 3 KiB\n"
-            "Depth     d_000.pfm to d_001.pfm, 1 KiB, metres along the ray\n");
+            "Depth     d_000.pfm to d_001.pfm, 1 KiB, metres along the ray\n"
+            "JSON      r.json\n");
+}
+
+TEST(RenderWords, TellDistancesInMetres) {
+  RenderRequest request = someRequest();
+  request.second = -0.002;
+  RenderResult result = someResult();
+  result.is_distance = true;
+  result.isovalue = 0;
+  result.slice_range = SliceRange{-0.003, 0.003};
+  const std::string words = renderWords(request, result);
+  EXPECT_THAT(words, HasSubstr(" at isovalue 0 m on a device\n"));
+  EXPECT_THAT(words, HasSubstr("Second    isovalue -0.002 m, opacity 0.35\n"));
+  EXPECT_THAT(words, HasSubstr("Slices    -0.003 m is black, 0.003 m is white\n"));
+  EXPECT_EQ(renderJson(request, result)["is_distance"], true);
+}
+
+TEST(RenderWords, TellOfOnePixel) {
+  RenderResult result = someResult();
+  result.pictures[0].hit_pixels = 1;
+  EXPECT_THAT(renderWords(someRequest(), result), HasSubstr("; 1 pixel shows something (0.5 %), 400 to"));
 }
 
 TEST(RenderWords, TellWhereNothingIsSeen) {
   RenderResult result = someResult();
   result.pictures[0].hit_pixels = 0;
   EXPECT_THAT(renderWords(someRequest(), result), HasSubstr("20 x 10 pixels; nothing is seen: "));
+  EXPECT_THAT(renderWords(someRequest(), result),
+              HasSubstr("takes all of it; the volume reaches from -90,0,500 to 70,80,600 mm\n"));
   const auto picture = renderJson(someRequest(), result)["pictures"][0];
   EXPECT_TRUE(picture["nearest_m"].is_null());
   EXPECT_TRUE(picture["farthest_m"].is_null());
@@ -97,6 +124,8 @@ TEST(RenderWords, JsonHasTheCameraOfEachPicture) {
   EXPECT_EQ(json["schema"], "palpate.render/1");
   EXPECT_EQ(json["in"], "scan");
   EXPECT_EQ(json["size_voxel"], nlohmann::json({21, 22, 23}));
+  EXPECT_EQ(json["extent_m"], nlohmann::json::parse("[[-0.09, 0.0, 0.5], [0.07, 0.08, 0.6]]"));
+  EXPECT_EQ(json["is_distance"], false);
   EXPECT_EQ(json["isovalue"], 226);
   EXPECT_EQ(json["density"], nlohmann::json({-1000.0, 2000.0}));
   EXPECT_EQ(json["vulkan_device"], "a device");

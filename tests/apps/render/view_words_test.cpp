@@ -44,11 +44,13 @@ TEST(ViewWords, AnglesAreInDegrees) {
     EXPECT_FALSE(viewAnglesOf(bad)) << bad;
 }
 
-void expectPlane(const char* text, const Vec3& normal_W, double offset_m) {
+void expectPlane(const char* text, const Vec3& normal_W, double place, bool is_share = false) {
   const auto plane = planeOf(text);
   ASSERT_TRUE(plane) << text;
   EXPECT_TRUE(plane->normal_W.isApprox(normal_W, kRounding)) << text << ": " << plane->normal_W.transpose();
-  EXPECT_NEAR(plane->offset_m, offset_m, 1e-18) << text;
+  EXPECT_NEAR(plane->place, place, 1e-16) << text;
+  EXPECT_EQ(plane->is_share, is_share) << text;
+  EXPECT_EQ(plane->text, text);
 }
 
 // The normal points to the side that is kept.
@@ -62,6 +64,21 @@ TEST(ViewWords, PlanesHaveAPlaceAndASide) {
   for (const char* bad : {"", "x", "x=", "x12", "w=1", "--x=1", "+x=1", "x=1mm", "x=nan", "x=inf", "x=1.1e6", "0,0,0@1",
                           "1,0@1", "1,0,0@", "@1", "1,0,0@nan", "1,0,0@-1e7", "X=1"})
     EXPECT_FALSE(planeOf(bad)) << bad;
+}
+
+// Shares are counted along the normal, so that of a plane that looks back is counted from the other end.
+TEST(ViewWords, PlanesMayLieAtAShareOfTheVolume) {
+  expectPlane("x=25%", Vec3::UnitX(), 0.25, true);
+  expectPlane("-x=25%", -Vec3::UnitX(), 0.75, true);
+  expectPlane("z=0%", Vec3::UnitZ(), 0, true);
+  expectPlane("-z=100%", -Vec3::UnitZ(), 0, true);
+  expectPlane("0,3,-4@12.5%", Vec3(0, 0.6, -0.8), 0.125, true);
+  for (const char* bad : {"x=%", "x=-1%", "x=100.1%", "x=nan%", "x=50%%", "x=50 %", "x%=50", "1,0,0@%", "1,0,0@101%"})
+    EXPECT_FALSE(planeOf(bad)) << bad;
+}
+
+TEST(ViewWords, ABoxIsTwoCornersInMillimetres) {
+  EXPECT_EQ(boxWords({{-0.09, -0.0, 0.5402}, {0.09, 0.125, 0.7847}}), "-90,0,540.2 to 90,125,784.7 mm");
 }
 
 TEST(ViewWords, SizesAreTwoWholeNumbers) {
