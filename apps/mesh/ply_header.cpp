@@ -104,16 +104,14 @@ class HeaderReader {
   }
 
   void form(Words& words) {
-    const std::string_view form = words.next();
-    if (form == "ascii") {
-      header_.form = PlyForm::kText;
-    } else if (form == "binary_little_endian") {
-      header_.form = PlyForm::kLittleEndian;
-    } else if (form == "binary_big_endian") {
-      header_.form = PlyForm::kBigEndian;
-    } else {
-      refuseLine();
-    }
+    static constexpr std::pair<std::string_view, PlyForm> kForms[] = {{"ascii", PlyForm::kText},
+                                                                      {"binary_little_endian", PlyForm::kLittleEndian},
+                                                                      {"binary_big_endian", PlyForm::kBigEndian}};
+    const std::string_view word = words.next();
+    const auto* known =
+        std::find_if(std::begin(kForms), std::end(kForms), [&](const auto& f) { return f.first == word; });
+    if (known == std::end(kForms)) refuseLine();
+    header_.form = known->second;
     if (words.next() != "1.0") refuseLine();
     expectEnd(words);
   }

@@ -28,6 +28,10 @@ bool differInForceLimitAlone(RigSettings a, const RigSettings& b) {
 
 }  // namespace
 
+DensityScale densityScaleOf(const Volume& volume, double isovalue) {
+  return {.contrast = volume.maximum() - isovalue, .voxel_m = volume.lattice().smallestSpacing()};
+}
+
 std::unique_ptr<Algorithm> makeAlgorithm(const RigSettings& settings, const RigVolume& volume) {
   const AlgorithmParameters& p = settings.parameters;
   return makeAlgorithm(settings.algorithm,

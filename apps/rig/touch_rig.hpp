@@ -47,6 +47,8 @@ struct RigVolume {
   std::shared_ptr<const TriangleMesh> isosurface = nullptr;  // of the first isovalue, for an algorithm that needs it
 };
 
+[[nodiscard]] DensityScale densityScaleOf(const Volume& volume, double isovalue);
+
 // Throws Error(kBadInput) as makeAlgorithm() and makeContactEffects() do.
 [[nodiscard]] std::unique_ptr<Algorithm> makeAlgorithm(const RigSettings& settings, const RigVolume& volume);
 

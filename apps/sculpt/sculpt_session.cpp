@@ -73,8 +73,7 @@ SculptSession::SculptSession(const SculptRequest& request, Progress& progress) :
                                       [this](const std::string& text) { tell(text); });
   if (!journal_.empty()) session_->keepJournal(journal_, identityOf(*volume_), watchedJournal());
   volume_->keepIsovalue(first_isovalue_);
-  const DensityScale scale{.contrast = volume_->maximum() - first_isovalue_,
-                           .voxel_m = volume_->lattice().smallestSpacing()};
+  const DensityScale scale = densityScaleOf(*volume_, first_isovalue_);
   session_->keepSaved(*volume_, {}, 0);
   if (journal) makeAgain(*journal, progress);
 

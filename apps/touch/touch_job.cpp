@@ -111,10 +111,6 @@ RunVolume volumeOf(const Volume& volume, double isovalue) {
           volume.minimum(),          volume.maximum(),      isovalue};
 }
 
-DensityScale densityScale(const Volume& volume, double isovalue) {
-  return {.contrast = volume.maximum() - isovalue, .voxel_m = volume.lattice().smallestSpacing()};
-}
-
 std::vector<std::string> planWords(const std::vector<PlanLine>& lines) {
   std::vector<std::string> words;
   for (const PlanLine& line : lines) {
@@ -336,7 +332,7 @@ void TouchJob::layPath() {
 
 void TouchJob::readyAlgorithm() {
   const double isovalue = engine_->isovalue();
-  rig_volume_ = {.scale = densityScale(felt(), isovalue), .objects = objects_.objects};
+  rig_volume_ = {.scale = densityScaleOf(felt(), isovalue), .objects = objects_.objects};
   if (algorithmEntry(scene_.algorithm).needs.isosurface_mesh) {
     rig_volume_.isosurface = stages_.run("isosurface mesh", "extracting the isosurface's mesh", [&] {
       return std::make_shared<const TriangleMesh>(isosurfaceMesh(felt(), isovalue));

@@ -31,7 +31,7 @@ Cell cellAt(const Vec3& p_L, const Vec3i& size) {
 
 double cornerWeight(const Vec3& fraction, int corner) {
   double weight = 1;
-  for (int axis = 0; axis < 3; ++axis) weight *= (corner >> axis & 1) != 0 ? fraction[axis] : 1 - fraction[axis];
+  for (const int axis : {0, 1, 2}) weight *= (corner >> axis & 1) != 0 ? fraction[axis] : 1 - fraction[axis];
   return weight;
 }
 

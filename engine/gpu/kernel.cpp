@@ -2,6 +2,7 @@
 #include "engine/gpu/kernel.hpp"
 
 #include <functional>
+#include <span>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -42,7 +43,7 @@ vk::raii::Pipeline makePipeline(const vk::raii::Device& device, const KernelSpec
   }
   const vk::SpecializationInfo constants{.mapEntryCount = static_cast<std::uint32_t>(entries.size()),
                                          .pMapEntries = entries.data(),
-                                         .dataSize = 4 * spec.specialisation.size(),
+                                         .dataSize = std::span(spec.specialisation).size_bytes(),
                                          .pData = spec.specialisation.data()};
   const vk::PipelineShaderStageCreateInfo stage{.stage = vk::ShaderStageFlagBits::eCompute,
                                                 .module = *shader,

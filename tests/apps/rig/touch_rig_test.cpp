@@ -23,6 +23,15 @@ using testing::HasSubstr;
 
 constexpr double kDepth_m = 1e-3;
 
+TEST(DensityScaleOf, GoesFromTheIsovalueUpToTheHighestDensity) {
+  Lattice lattice;
+  lattice.spacing_m = Vec3(3e-3, 1e-3, 2e-3);
+  const Volume volume = Volume::fromDense({2, 2, 2}, lattice, {-5, 0, 1, 2, 3, 4, 40, 7}, {});
+  EXPECT_EQ(densityScaleOf(volume, 15).contrast, 25);
+  EXPECT_EQ(densityScaleOf(volume, -3).contrast, 43);
+  EXPECT_EQ(densityScaleOf(volume, 15).voxel_m, 1e-3);
+}
+
 // A tool that comes from outside within 0.1 s and stays a millimetre below the surface of a ball.
 class Rig : public testing::Test {
  protected:
