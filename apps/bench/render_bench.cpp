@@ -204,8 +204,7 @@ BenchResult runRenderBench(const RenderBenchRequest& request, Progress& progress
     }
   }
   const std::string head = headVolume();
-  const bool is_test = std::ranges::all_of(request.sizes, [](int size) { return size < 64; });
-  if (!head.starts_with("phantom:") && !is_test) {
+  if (!head.starts_with("phantom:") && request.scan) {
     progress.stage("loading " + head);
     const Volume volume = loadVolume(head);
     bench.measure(std::filesystem::path(head).filename().string(), volume, defaultIsovalue(volume), nullptr);

@@ -23,13 +23,13 @@ struct RenderBenchRequest {
   std::uint64_t seed = 1;  // of the views
   int views = 3;
   std::string gpu = {};
+  bool scan = true;  // the CT head too, where it is known
 
   [[nodiscard]] static RenderBenchRequest quick() {
     return {.width = 320, .height = 240, .repetitions = 3, .views = 2};
   }
 };
 
-// Leaves the head out if all sizes are below 64^3, as in tests.
 [[nodiscard]] BenchResult runRenderBench(const RenderBenchRequest& request, Progress& progress);
 [[nodiscard]] std::string renderTable(const BenchResult& result);
 [[nodiscard]] std::string renderChart(const BenchResult& result);  // depth error against time a pixel

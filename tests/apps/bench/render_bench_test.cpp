@@ -17,6 +17,7 @@ TEST(RenderBench, HasARowForEveryVolumeViewAndKernel) {
   request.repetitions = 3;
   request.views = 2;
   request.seed = 5;
+  request.scan = false;
   const BenchResult result = runRenderBench(request, progress);
   EXPECT_EQ(result.bench, "render");
   const BenchRows ours = rowsOf(result, "picture", {{"kernel", "cell tree"}});

@@ -417,6 +417,19 @@ TEST_F(Vdb, TellsOfADamagedIsovalue) {
   }
 }
 
+// What lies beyond the domain belongs to no voxel, so a brick that reaches out of it is of one density if its voxels are.
+TEST_F(Vdb, BricksAtTheEndOfTheDomainAreConstantToo) {
+  const auto grid = openvdb::DoubleGrid::create(-1000);
+  for (int n = 0; n < 21 * 21 * 21; ++n) grid->tree().setValueOn(Coord(n % 21, n / 21 % 21, n / 441), 200);
+  grid->tree().setValueOn(Coord(0, 0, 0), -1000);
+  grid->insertMeta("palpate_domain", openvdb::Vec3IMetadata(openvdb::Vec3i(21, 21, 21)));
+  write({grid});
+  const Volume volume = loadVolume(path_);
+  EXPECT_EQ(volume.size(), Vec3i::Constant(21));
+  EXPECT_EQ(volume.value(Vec3i::Constant(20)), 200);
+  EXPECT_EQ(volume.storedBricks(), 1U);  // the one at the origin
+}
+
 // Other programs see air around the volume: near it, where its nodes reach beyond it, and far away; nothing there is
 // active. 24 voxels are whole bricks, 21 are not.
 TEST_F(Vdb, OutsideTheDomainIsBackground) {
