@@ -15,6 +15,7 @@ endif()
 
 set(PALPATE_SANITIZE "" CACHE STRING "Sanitizers, as in -fsanitize=")
 option(PALPATE_LIBFUZZER "Fuzz targets are libFuzzer programs; needs clang" OFF)
+option(PALPATE_LINT "clang-tidy, which is clang, reads the compile commands, whichever compiler they are for" OFF)
 
 add_library(palpate_compiler INTERFACE)
 target_compile_options(palpate_compiler INTERFACE

@@ -94,7 +94,8 @@ PALPATE_TEXT uint acrossBits(int steps, int axis) {
 PALPATE_TEXT uint seedWord(Crossing crossing, bool inside) {
   precise float x = crossing.share * float(crossing.way % 3 - 1);
   precise float y = crossing.share * float(crossing.way / 3 % 3 - 1);
-  precise float z = crossing.share * float(crossing.way / 9 - 1);
+  const int dz = crossing.way / 9 - 1;
+  precise float z = crossing.share * float(dz);
   const uint point = pointBits(steppedOffset(x), steppedOffset(y), steppedOffset(z));
   return wordWith(inside, crossing.square < DISTANCE_NOWHERE ? point : 0u, 0u);
 }

@@ -14,8 +14,8 @@
 #define PALPATE_PUSH_CHECK(Type) \
   static_assert(sizeof(Type) <= 128, #Type " exceeds what Vulkan guarantees for push constants");
 #define PALPATE_TEXT inline  // marks functions that both compile (kernel_text.hpp)
-#define PALPATE_IN_ARRAY(Type, name, count) const Type(&name)[count]
-#define PALPATE_INOUT_ARRAY(Type, name, count) Type(&name)[count]
+#define PALPATE_IN_ARRAY(Type, name, count) const Type(&(name))[count]
+#define PALPATE_INOUT_ARRAY(Type, name, count) Type(&(name))[count]
 #else
 #define PALPATE_TEXT
 #define PALPATE_IN_ARRAY(Type, name, count) Type name[count]

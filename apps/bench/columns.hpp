@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "apps/bench/bench_result.hpp"
 #include "base/quantile.hpp"
 
@@ -48,8 +50,8 @@ template <class Row>
                                              const std::vector<PercentileWord>& words) {
   Columns<Row> columns;
   for (const PercentileWord& w : words) {
-    columns.push_back(
-        {name + "_" + w.word + "_" + unit, [of, f = w.figure](const Row& row) { return of(row).*f; }, w.look});
+    columns.push_back({fmt::format("{}_{}_{}", name, w.word, unit),
+                       [of, f = w.figure](const Row& row) { return of(row).*f; }, w.look});
   }
   return columns;
 }

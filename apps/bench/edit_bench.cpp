@@ -176,7 +176,10 @@ class Session {
 
  private:
   [[nodiscard]] Plan plan() const { return makePlan({.gradient_all = all_}); }
-  [[nodiscard]] Vec3 centre_W() const { return Vec3(size_ / 2, size_ / 2, size_ / 2 + kPlane_voxel) * kSpacing_m; }
+  [[nodiscard]] Vec3 centre_W() const {
+    const int middle = size_ / 2;
+    return Vec3(middle, middle, middle + kPlane_voxel) * kSpacing_m;
+  }
   [[nodiscard]] std::vector<BrickContent> contentOf(const std::vector<std::uint32_t>& bricks) const {
     std::vector<BrickContent> contents;
     for (const std::uint32_t brick : bricks) contents.push_back(engine_.content(brick));

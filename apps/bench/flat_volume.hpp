@@ -17,7 +17,8 @@ inline constexpr double kPlane_voxel = 3.5;  // height above the volume's middle
 // Fills one brick: 512 values. If the brick is constant, only the first value, and returns true.
 inline bool brick(int size, const Vec3i& brick, float* values) {
   constexpr double kRamp_voxel = 4;
-  const double surface = size / 2 + kPlane_voxel;
+  const int middle = size / 2;
+  const double surface = middle + kPlane_voxel;
   const auto at = [&](int k) {
     return static_cast<float>(std::clamp(0.5 + (surface - brick.z() * kBrickSize - k) / kRamp_voxel, 0.0, 1.0));
   };

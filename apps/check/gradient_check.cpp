@@ -81,8 +81,8 @@ void compareBrick(Check& check, const TwinFields& twin, const GradientOperator& 
     for (int j = first.y(); j < end.y(); ++j) {
       for (int i = first.x(); i < end.x(); ++i) {
         const Vec3i in_brick = Vec3i(i, j, k) - first;
-        const auto voxel =
-            static_cast<std::size_t>((in_brick.z() * kBrickSize + in_brick.y()) * kBrickSize + in_brick.x());
+        const std::size_t voxel =
+            (static_cast<std::size_t>(in_brick.z()) * kBrickSize + in_brick.y()) * kBrickSize + in_brick.x();
         const std::array<float, 3> gradient = reference::gradientAt(twin.smoothed, gradient_operator, i, j, k);
         compare(check, {i, j, k}, samples.got(first_voxel + voxel),
                 samples.wanted({gradient[0], gradient[1], gradient[2], twin.density.at(i, j, k)}));

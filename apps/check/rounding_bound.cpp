@@ -59,7 +59,7 @@ double diffusionBound(const reference::DenseField& field, const Vec3i& voxel, co
     const double rate = step.taps[static_cast<std::size_t>(axis)];
     for (const int way : {-1, 1}) {
       const double difference = reference::bordered(field, voxel + way * Vec3i::Unit(axis), step.border) - here;
-      const double s = difference * step.taps[static_cast<std::size_t>(axis + 3)];
+      const double s = difference * step.taps[static_cast<std::size_t>(axis) + 3];
       const double flow = rate * std::exp(-(s * s)) * std::abs(difference);
       flows += flow;
       moved += flow * (7 * s * s + 5.2);

@@ -31,7 +31,7 @@ void ObjectPieces::findRuns(const SurfaceField& field) {
   first_.assign(rows, 0);
   count_.assign(rows, 0);
   std::array<float, kFieldBlockSamples> values{};
-  std::array<std::vector<Run>, kFieldBlock * kFieldBlock> open;
+  std::array<std::vector<Run>, std::size_t{kFieldBlock} * kFieldBlock> open;
   const auto put = [](std::vector<Run>& row, int begin, int end) {
     if (!row.empty() && row.back().end == begin) {
       row.back().end = end;
@@ -54,7 +54,7 @@ void ObjectPieces::findRuns(const SurfaceField& field) {
             put(runs, begin, begin + wide);
             continue;
           }
-          const float* samples = values.data() + (row / high * kFieldBlock + row % high) * kFieldBlock;
+          const float* samples = values.data() + (std::ptrdiff_t{row / high} * kFieldBlock + row % high) * kFieldBlock;
           for (int i = 0; i < wide; ++i) {
             if (samples[i] > isovalue) put(runs, begin + i, begin + i + 1);
           }

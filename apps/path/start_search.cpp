@@ -90,7 +90,7 @@ std::optional<SurfaceHit> firstEntryInto(const SurfaceField& field, const Object
                                          const Ray& ray) {
   Vec3 from_W = ray.origin_W;
   for (double left_m = ray.reach_m; left_m > 0;) {
-    const auto point = firstEntry(field, from_W, ray.direction_W, left_m);
+    auto point = firstEntry(field, from_W, ray.direction_W, left_m);
     if (!point || pieces.pieceAt(point->p_W) == piece) return point;
     const double way_m =
         (point->p_W - from_W).dot(ray.direction_W) + kPastEntryVoxels * field.lattice().smallestSpacing();
@@ -154,7 +154,7 @@ SurfaceHit startNear(const SurfaceField& field, const Vec3& start_W) {
 std::optional<SurfaceHit> startOn(const SurfaceField& field, const ObjectPieces& pieces, std::size_t piece,
                                   const std::optional<Vec3>& toward_W, double approach_m) {
   const Target target = targetOf(field, pieces.all()[piece]);
-  if (const auto best = bestOf(field, pieces, piece, raysFor(field, target, toward_W), approach_m)) return best;
+  if (auto best = bestOf(field, pieces, piece, raysFor(field, target, toward_W), approach_m)) return best;
   // From the wished direction there is nothing to be met, and no other was asked for.
   if (toward_W) return std::nullopt;
   return bestOf(field, pieces, piece, raysAtSamples(field, pieces, piece), approach_m);

@@ -127,9 +127,9 @@ class Job {
     Drawing drawing(gpu_, transfer_, field(), *bounds_);
     const std::vector<PictureFiles> files = pictureFiles(request_);
     progress_.stage("drawing");
-    for (std::size_t frame = 0; frame < files.size(); ++frame) {
-      OutputFiles outputs = frame == 0 ? std::move(first) : OutputFiles(files[frame]);
-      draw(drawing, static_cast<int>(frame), files[frame], outputs);
+    draw(drawing, 0, files.front(), std::move(first));
+    for (std::size_t frame = 1; frame < files.size(); ++frame) {
+      draw(drawing, static_cast<int>(frame), files[frame], OutputFiles(files[frame]));
     }
     result_.gpu_bytes = gpu_.bytesInUse();
     return std::move(result_);
@@ -175,7 +175,7 @@ class Job {
     style_.slice_white = result_.slice_range->white;
   }
 
-  void draw(Drawing& drawing, int frame, const PictureFiles& files, OutputFiles& outputs) {
+  void draw(Drawing& drawing, int frame, const PictureFiles& files, OutputFiles outputs) {
     const auto stop = [this] { stopIfInterrupted(result_.pictures.size()); };
     Picture picture{.files = files, .camera = frameCamera(request_, result_.target_W, result_.distance_m, frame)};
     const Stopwatch watch;

@@ -126,8 +126,7 @@ std::string exactLine(const TouchRun& run) {
 std::string journalClause(const TouchRun& run) {
   const RunEdits& e = *run.edits;
   if (run.scene.journal.empty() || (e.journal_bytes == 0 && e.journal_records == 0)) return "";
-  const std::string saved =
-      fmt::format("; {} of {} saved", e.journal_saved, counted(e.journal_records, "journal record"));
+  std::string saved = fmt::format("; {} of {} saved", e.journal_saved, counted(e.journal_records, "journal record"));
   if (e.journal_bytes == 0) return saved;
   return saved + fmt::format(" in {}, {}", run.scene.journal, bytesInWords(e.journal_bytes));
 }

@@ -43,9 +43,9 @@ Image::Pointer imageOf(const RivalField& field) {
 
 template <class Output>
 void copyTo(const Output& output, std::vector<float>& result) {
-  constexpr std::size_t kComponents = sizeof(typename Output::PixelType) / sizeof(float);
+  const std::size_t components = output.GetNumberOfComponentsPerPixel();
   const auto* first = reinterpret_cast<const float*>(output.GetBufferPointer());
-  result.assign(first, first + kComponents * output.GetLargestPossibleRegion().GetNumberOfPixels());
+  result.assign(first, first + components * output.GetLargestPossibleRegion().GetNumberOfPixels());
 }
 
 // Makes a new filter for each run; `prepare` sets its parameters.

@@ -57,7 +57,7 @@ struct PythonRivals::State {
   std::vector<std::string> ask(const std::string& line, const std::string& expected) {
     std::optional<std::string> answer;
     if (child.tell(line)) answer = child.hear();
-    const std::vector<std::string> words = wordsOf(answer.value_or("error\tit ended"));
+    std::vector<std::string> words = wordsOf(answer.value_or("error\tit ended"));
     if (words[0] == expected) return words;
     throw Error(Error::Code::kDevice, "the Python child", words.back(), "see what it wrote above");
   }
@@ -81,7 +81,7 @@ PythonRivals::PythonRivals(unsigned threads, const std::vector<std::string>& pyt
       std::optional<ScratchFolder> folder;
       if (result != nullptr) folder.emplace();
       const std::string file = folder ? (folder->path() / "result").string() : "";
-      const auto cost = state->ask(folder ? ask + "\t" + file : ask, "cost");
+      const auto cost = state->ask(folder ? fmt::format("{}\t{}", ask, file) : ask, "cost");
       if (folder) *result = read(file);
       return {std::stod(cost.at(1)), std::stod(cost.at(2))};
     };

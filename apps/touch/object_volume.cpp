@@ -14,7 +14,7 @@ std::int64_t voxelsAbove(const std::array<float, kBrickVoxels>& values, const Ve
   std::int64_t count = 0;
   for (int k = 0; k < inside.z(); ++k) {
     for (int j = 0; j < inside.y(); ++j) {
-      const float* row = values.data() + (k * kBrickSize + j) * kBrickSize;
+      const float* row = values.data() + (std::ptrdiff_t{k} * kBrickSize + j) * kBrickSize;
       for (int i = 0; i < inside.x(); ++i) count += row[i] > isovalue ? 1 : 0;
     }
   }

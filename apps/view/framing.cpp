@@ -65,7 +65,8 @@ ObjectBounds findObjectBounds(const SurfaceField& field) {
   const Vec3 last = field.size().cast<double>() - Vec3::Ones();
   Vec3 low = last, high = Vec3::Zero();
   for (int i = 0; i < kGrid * kGrid * kGrid; ++i) {
-    const Vec3 share = Vec3(i % kGrid, i / kGrid % kGrid, i / kGrid / kGrid) / (kGrid - 1);
+    const Vec3i at(i % kGrid, i / kGrid % kGrid, i / kGrid / kGrid);
+    const Vec3 share = at.cast<double>() / (kGrid - 1);
     const Vec3 p_L = share.cwiseProduct(last);
     double density = 0;
     Vec3 gradient_W;

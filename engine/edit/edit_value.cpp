@@ -89,7 +89,7 @@ Vec3 EditValue::place() const {
 Vec3 EditValue::numbers() const {
   constexpr const char* kRemedy = "give three numbers: 0,0,1";
   std::string_view rest = text;
-  const Vec3 numbers = threeFrom(*this, rest, kRemedy);
+  Vec3 numbers = threeFrom(*this, rest, kRemedy);
   if (!rest.empty()) refuseValue(*this, "not three numbers", kRemedy);
   return numbers;
 }

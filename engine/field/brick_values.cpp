@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstdint>
+#include <cstring>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -12,6 +13,12 @@ namespace palpate {
 
 bool sameBits(float a, float b) noexcept {
   return std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b);
+}
+
+bool sameBits(std::span<const float, kBrickVoxels> a, std::span<const float, kBrickVoxels> b) noexcept {
+  // Through const void*, since floats are to be compared as bytes: their values are equal for -0 and +0, and NaN is
+  // not.
+  return std::memcmp(static_cast<const void*>(a.data()), static_cast<const void*>(b.data()), a.size_bytes()) == 0;
 }
 
 bool holdOneValue(std::span<const float, kBrickVoxels> values) noexcept {

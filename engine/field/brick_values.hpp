@@ -11,6 +11,7 @@ namespace palpate {
 
 // Compares bits, not values: -0 differs from +0.
 [[nodiscard]] bool sameBits(float a, float b) noexcept;
+[[nodiscard]] bool sameBits(std::span<const float, kBrickVoxels> a, std::span<const float, kBrickVoxels> b) noexcept;
 
 // Whether all 512 densities of a brick have the same bits. Such a brick is constant: it is stored as one value.
 [[nodiscard]] bool holdOneValue(std::span<const float, kBrickVoxels> values) noexcept;

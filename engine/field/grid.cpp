@@ -285,7 +285,7 @@ class GridMaker {
 
 // Transposes in squares of four by four values.
 void turnBrick(const float* from, float* to) {
-  constexpr int kRow = kBrickSize, kSlice = kBrickSize * kBrickSize;
+  constexpr std::ptrdiff_t kRow = kBrickSize, kSlice = kRow * kBrickSize;
   for (int j = 0; j < kBrickSize; ++j) {
     for (int i = 0; i < kBrickSize; i += kLanes) {
       for (int k = 0; k < kBrickSize; k += kLanes) {

@@ -54,7 +54,10 @@ void checkMemory(const std::string& input, std::int64_t nx, std::int64_t ny, std
 }
 
 void checkBricks(const std::string& input, std::int64_t nx, std::int64_t ny, std::int64_t nz) {
-  const auto bricks = [](std::int64_t n) { return static_cast<double>((n + 7) / 8); };
+  const auto bricks = [](std::int64_t n) -> double {
+    const std::int64_t whole = (n + 7) / 8;
+    return static_cast<double>(whole);
+  };
   if (bricks(nx) * bricks(ny) * bricks(nz) <= kMaxBricks) return;
   throw Error(
       Error::Code::kOutOfMemory, input,

@@ -30,7 +30,7 @@ void forEachValue(const Volume& volume, const Add& add) {
         }
         for (int k = 0; k < inside.z(); ++k) {
           for (int j = 0; j < inside.y(); ++j) {
-            const float* row = values.data() + (k * kBrickSize + j) * kBrickSize;
+            const float* row = values.data() + (std::ptrdiff_t{k} * kBrickSize + j) * kBrickSize;
             for (int i = 0; i < inside.x(); ++i) add(static_cast<double>(row[i]), std::uint64_t{1});
           }
         }

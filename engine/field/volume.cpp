@@ -51,7 +51,7 @@ Volume Volume::fromDense(const Vec3i& size, const Lattice& lattice, const std::v
         "give one value a voxel");
   }
   const std::span<const char> raw(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(float));
-  const BrickSource source = rawBricks(raw, ValueType::kFloat32, size);
+  BrickSource source = rawBricks(raw, ValueType::kFloat32, size);
   return Volume(buildGridByLayers(size, lattice, std::move(facts), [&](int) { return source; }));
 }
 
@@ -140,7 +140,7 @@ std::vector<float> Volume::toDense() const {
     const Vec3i inside = (size() - first).cwiseMin(Vec3i::Constant(kBrickSize));
     for (int k = 0; k < inside.z(); ++k) {
       for (int j = 0; j < inside.y(); ++j) {
-        const float* from = brick_values.data() + (k * kBrickSize + j) * kBrickSize;
+        const float* from = brick_values.data() + (std::ptrdiff_t{k} * kBrickSize + j) * kBrickSize;
         const std::size_t row = static_cast<std::size_t>(first.z() + k) * static_cast<std::size_t>(size().y()) +
                                 static_cast<std::size_t>(first.y() + j);
         std::copy_n(from, inside.x(), dense.data() + row * static_cast<std::size_t>(size().x()) + first.x());

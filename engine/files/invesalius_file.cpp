@@ -254,7 +254,7 @@ Volume readInvesalius(const ReadRequest& wanted) {
   facts.format = "InVesalius";
   facts.value_type = nameOf(project.type);
   facts.orientation = "InVesalius axes: left, anterior, superior";
-  const Volume::BrickSource bricks = rawBricks(raw.bytes(), project.type, project.size);
+  Volume::BrickSource bricks = rawBricks(raw.bytes(), project.type, project.size);
   return Volume::fromLayers(project.size, lattice, std::move(facts), [&](int) { return bricks; });
 }
 

@@ -43,7 +43,7 @@ Lattice latticeOf(const ItkHeader& header, double metres_per_unit) {
 
 Volume buildOf(const ItkRequest& request, std::span<const char> raw, ValueType type, const Vec3i& size,
                const Lattice& lattice) {
-  const Volume::BrickSource bricks = rawBricks(raw, type, size, request.slope, request.intercept);
+  Volume::BrickSource bricks = rawBricks(raw, type, size, request.slope, request.intercept);
   return Volume::fromLayers(size, lattice, request.facts, [&](int) { return bricks; });
 }
 

@@ -186,7 +186,8 @@ openvdb::CoordBBox domainOf(const openvdb::GridBase& grid, const std::string& so
     refuse(source, fmt::format("its grid \"{}\" has no active voxels", grid.getName()), "give another grid");
   for (int axis = 0; axis < 3; ++axis) {
     const double length = static_cast<double>(box.max()[axis]) - static_cast<double>(box.min()[axis]);
-    if (length < kMaxDimension - 2 * kPadding && std::abs(static_cast<double>(box.min()[axis])) < 1e9) continue;
+    if (length < kMaxDimension - std::int64_t{2} * kPadding && std::abs(static_cast<double>(box.min()[axis])) < 1e9)
+      continue;
     refuse(source,
            fmt::format("its active voxels span {:.0f} along an axis, and {} are the most", length + 1, kMaxDimension),
            "crop or resample it");

@@ -39,7 +39,7 @@ void VectorFile::setBrick(const Vec3i& brick, std::span<const Eigen::Vector3f> g
   for (int k = 0; k < end.z(); ++k) {
     for (int j = 0; j < end.y(); ++j) {
       for (int i = 0; i < end.x(); ++i) {
-        const auto from = static_cast<std::size_t>((k * kBrickSize + j) * kBrickSize + i);
+        const std::size_t from = (static_cast<std::size_t>(k) * kBrickSize + j) * kBrickSize + i;
         const Vec3 g_W = state_->lattice.gradientToWorld(gradients_L_per_m[from].cast<double>());
         const Eigen::Vector3f mm = (g_W * kMetresPerMillimetre).cast<float>();
         leaf->setValueOn(openvdb::Coord(i, j, k), openvdb::Vec3f(mm.x(), mm.y(), mm.z()));

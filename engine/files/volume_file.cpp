@@ -24,7 +24,7 @@ static_assert(std::endian::native == std::endian::little, "values are written as
 // Visits the domain one layer of bricks at a time: eight slices, i fastest.
 template <class Visit>
 void forEachLayer(const Volume& volume, const Visit& visit) {
-  const Vec3i size = volume.size();
+  const Vec3i& size = volume.size();
   const Vec3i bricks = volume.brickCount();
   const auto row = static_cast<std::size_t>(size.x());
   const std::size_t slice = row * static_cast<std::size_t>(size.y());
@@ -40,8 +40,8 @@ void forEachLayer(const Volume& volume, const Visit& visit) {
         for (int k = 0; k < deep; ++k) {
           for (int j = 0; j < high; ++j) {
             float* to = layer.data() + static_cast<std::size_t>(k) * slice +
-                        static_cast<std::size_t>(bj * kBrickSize + j) * row + bi * kBrickSize;
-            std::copy_n(values.data() + (k * kBrickSize + j) * kBrickSize, wide, to);
+                        static_cast<std::size_t>(bj * kBrickSize + j) * row + std::ptrdiff_t{bi} * kBrickSize;
+            std::copy_n(values.data() + (std::ptrdiff_t{k} * kBrickSize + j) * kBrickSize, wide, to);
           }
         }
       }

@@ -34,7 +34,7 @@ std::vector<float> densitiesOf(const BrickPool& pool, gpu::Transfer& transfer) {
     const Vec3i inside = (pool.size() - first).cwiseMin(kBrickSize);
     for (int k = 0; k < inside.z(); ++k) {
       for (int j = 0; j < inside.y(); ++j) {
-        const float* row = brick.data() + (k * kBrickSize + j) * kBrickSize;
+        const float* row = brick.data() + (std::ptrdiff_t{k} * kBrickSize + j) * kBrickSize;
         const auto line = static_cast<std::size_t>(first.z() + k) * size.y() + static_cast<std::size_t>(first.y() + j);
         std::copy_n(row, inside.x(), densities.data() + line * size.x() + static_cast<std::size_t>(first.x()));
       }

@@ -76,7 +76,7 @@ Vec3 footPoint(const Vec3& p, const Vec3& start) {
 // Surface samples of one period, in buckets that each list every sample that can be nearest to a point of the bucket.
 class SurfaceSamples {
  public:
-  SurfaceSamples() : lists_(kBuckets * kBuckets * kBuckets) {
+  SurfaceSamples() : lists_(std::size_t{kBuckets} * kBuckets * kBuckets) {
     const std::vector<Vec3> samples = sampleOnePeriod();
     for (int n = 0; n < kBuckets * kBuckets * kBuckets; ++n) fill(n, samples);
   }
@@ -84,7 +84,7 @@ class SurfaceSamples {
   // The samples to try for a point of [0, kPeriod)^3.
   [[nodiscard]] const std::vector<Vec3>& near(const Vec3& p) const {
     const Vec3i at = (p / kBucket).array().floor().cast<int>().matrix().cwiseMin(kBuckets - 1).cwiseMax(0);
-    return lists_[static_cast<std::size_t>((at.z() * kBuckets + at.y()) * kBuckets + at.x())];
+    return lists_[(static_cast<std::size_t>(at.z()) * kBuckets + at.y()) * kBuckets + at.x()];
   }
 
  private:
@@ -96,7 +96,8 @@ class SurfaceSamples {
     std::vector<Vec3> samples;
     const double step = kPeriod / kSeeds;
     for (int n = 0; n < kSeeds * kSeeds * kSeeds; ++n) {
-      const Vec3 seed = step * Vec3(n % kSeeds, n / kSeeds % kSeeds, n / kSeeds / kSeeds);
+      const Vec3i at(n % kSeeds, n / kSeeds % kSeeds, n / kSeeds / kSeeds);
+      const Vec3 seed = step * at.cast<double>();
       const Vec3 x = project(seed);
       if ((x - seed).norm() < step && std::abs(gyroid(x)) < 1e-12) samples.push_back(x);
     }
@@ -104,7 +105,8 @@ class SurfaceSamples {
   }
 
   void fill(int n, const std::vector<Vec3>& samples) {
-    const Vec3 middle = kBucket * (Vec3(n % kBuckets, n / kBuckets % kBuckets, n / kBuckets / kBuckets).array() + 0.5);
+    const Vec3i at(n % kBuckets, n / kBuckets % kBuckets, n / kBuckets / kBuckets);
+    const Vec3 middle = kBucket * (at.cast<double>().array() + 0.5);
     const auto shifted = [&](const Vec3& x) -> Vec3 {  // to the period's image nearest to the bucket
       return x - kPeriod * ((x - middle) / kPeriod).array().round().matrix();
     };

@@ -28,7 +28,7 @@ class Gauss {
       const std::uint64_t bits = bits_();
       for (unsigned shift = 0; shift < 64; shift += 16) sum += static_cast<std::int64_t>(bits >> shift & 0xffffU);
     }
-    return static_cast<double>(sum - 6 * 65535) * 0x1p-16;  // 1 / sqrt(65536^2 - 1) is 2^-16 within 2e-10
+    return static_cast<double>(sum - std::int64_t{6} * 65535) * 0x1p-16;  // 1 / sqrt(65536^2 - 1) is 2^-16 within 2e-10
   }
 
  private:
@@ -155,7 +155,7 @@ Volume makeVolume(const Phantom& phantom) {
   facts.orientation = "LPS axes, centred on the world's origin";
   facts.declared_isovalue = phantom.isovalue();
   if (isByBricks(phantom)) {
-    const Volume::BrickSource source = [&](const Vec3i& brick, float* values) { return phantom.brick(brick, values); };
+    Volume::BrickSource source = [&](const Vec3i& brick, float* values) { return phantom.brick(brick, values); };
     return Volume::fromLayers(spec.size, phantom.lattice(), std::move(facts), [&](int) { return source; });
   }
   std::vector<float> values = phantom.densities();

@@ -64,7 +64,7 @@ Vec3 parseSpacing(const std::string& input, std::string_view text) {
   for (const Unit& unit : {Unit{"mm", 1e-3}, Unit{"um", 1e-6}, Unit{"m", 1.0}}) {
     if (!text.ends_with(unit.name)) continue;
     text.remove_suffix(unit.name.size());
-    const Vec3 spacing_m = parseTriple<double>(input, "spacing", text) * unit.metres;
+    Vec3 spacing_m = parseTriple<double>(input, "spacing", text) * unit.metres;
     if (!spacing_m.allFinite() || spacing_m.minCoeff() <= 0) {
       refuse(input, "its spacing is not positive", "give the voxel size: spacing=1mm");
     }
@@ -78,7 +78,7 @@ Vec3 parseSpacing(const std::string& input, std::string_view text) {
 }
 
 Vec3i parseSize(const std::string& input, std::string_view text) {
-  const Vec3i size = parseTriple<int>(input, "size", text);
+  Vec3i size = parseTriple<int>(input, "size", text);
   if (size.minCoeff() < 1 || size.maxCoeff() > kMaxDimension) {
     refuse(input, fmt::format("size={} is out of range", text),
            fmt::format("give 1 to {} voxels along an axis", kMaxDimension));

@@ -9,9 +9,9 @@ namespace palpate {
 namespace {
 
 // A brick's 512 voxels: density 4 bytes, sample (gradient and density) 16 bytes, or 8 as halves.
-constexpr std::uint64_t kDensityBytes = 512 * 4;
-constexpr std::uint64_t kSampleBytes = 512 * 16;
-constexpr std::uint64_t kHalfSampleBytes = 512 * 8;
+constexpr std::uint64_t kDensityBytes = std::uint64_t{512} * 4;
+constexpr std::uint64_t kSampleBytes = std::uint64_t{512} * 16;
+constexpr std::uint64_t kHalfSampleBytes = std::uint64_t{512} * 8;
 
 std::uint64_t sampleBytes(const Plan& plan) {
   return plan.request.half_samples ? kHalfSampleBytes : kSampleBytes;

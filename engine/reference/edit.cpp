@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
 #include <unordered_map>
 #include <vector>
 
@@ -82,7 +81,7 @@ void applyOne(Volume& volume, const BrickGrid& grid, const layout::EditCommand& 
   for (const std::uint32_t index : reachedBricks(command, grid)) {
     const Vec3i brick = grid.brick(index);
     const Brick values = editedBrick(before, brick, grid.size, command, scale, stamps);
-    if (std::memcmp(values.data(), before.brick(brick).data(), sizeof values) != 0) changed.emplace_back(brick, values);
+    if (!sameBits(values, before.brick(brick))) changed.emplace_back(brick, values);
   }
   for (const auto& [brick, values] : changed) {
     putBrick(volume, brick, std::span(values).first(holdOneValue(values) ? 1 : kBrickVoxels));

@@ -34,9 +34,9 @@ float convolved(const DenseField& field, const Vec3i& voxel, const FilterStep& s
 // The voxel plus the mean of the differences from it, weighted by place and by difference, in double.
 float bilateral(const DenseField& field, const Vec3i& voxel, const FilterStep& step) {
   const auto tap = [&step](int axis, int offset) {
-    int place = 1;
+    std::ptrdiff_t place = 1 + std::abs(offset);
     for (int before = 0; before < axis; ++before) place += step.reach[before] + 1;
-    return static_cast<double>(step.taps[static_cast<std::size_t>(place + std::abs(offset))]);
+    return static_cast<double>(step.taps[static_cast<std::size_t>(place)]);
   };
   const double here = field.at(voxel.x(), voxel.y(), voxel.z());
   double parts = 0;
@@ -64,7 +64,7 @@ float diffused(const DenseField& field, const Vec3i& voxel, const FilterStep& st
   for (int axis = 0; axis < 3; ++axis) {
     const auto flow = [&](int side) {
       const Real difference = bordered(field, voxel + side * Vec3i::Unit(axis), step.border) - here;
-      const Real s = difference * step.taps[static_cast<std::size_t>(3 + axis)];
+      const Real s = difference * step.taps[3 + static_cast<std::size_t>(axis)];
       const Real conductance = step.conductance == Conductance::kExp ? std::exp(-(s * s)) : 1 / (1 + s * s);
       return conductance > 0 ? conductance * difference : 0;  // infinite differences count for nothing
     };

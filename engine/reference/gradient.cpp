@@ -53,7 +53,7 @@ float smooth2(const DenseField& field, const Vec3i& voxel, int first, int second
   std::array<float, 3> rows{};
   for (int s = -1; s <= 1; ++s) {
     const auto at = [&](int f) { return sixteenth(field, voxel + f * Vec3i::Unit(first) + s * Vec3i::Unit(second)); };
-    rows[static_cast<std::size_t>(s + 1)] = smooth(at(-1), at(0), at(1));
+    rows[static_cast<std::size_t>(std::ptrdiff_t{s} + 1)] = smooth(at(-1), at(0), at(1));
   }
   return smooth(rows[0], rows[1], rows[2]);
 }
@@ -78,7 +78,8 @@ float sobel(const Line& line) {
     for (int k = -1; k <= 1; ++k) {
       const Vec3i after = inDomain(line.field, beside(1) + k * Vec3i::UnitZ());
       const Vec3i before = inDomain(line.field, beside(-1) + k * Vec3i::UnitZ());
-      slices[static_cast<std::size_t>(k + 1)] = smooth1(line.field, after, 0) - smooth1(line.field, before, 0);
+      slices[static_cast<std::size_t>(std::ptrdiff_t{k} + 1)] =
+          smooth1(line.field, after, 0) - smooth1(line.field, before, 0);
     }
     difference = smooth(slices[0], slices[1], slices[2]);
   } else {

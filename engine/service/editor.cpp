@@ -430,7 +430,7 @@ std::size_t Editor::readBack(Volume& volume) {
     const bool is_constant = parts_.pool.readBrick(parts_.transfer, brick, values.data());
     putBrick(volume, at, std::span(values).first(is_constant ? 1 : kBrickVoxels));
     const BrickValues after = valuesOf(volume, at);
-    if (std::memcmp(before.data(), after.data(), sizeof before) != 0) ++count;
+    if (!sameBits(before, after)) ++count;
     is_changed_[brick] = false;
   }
   changed_.clear();

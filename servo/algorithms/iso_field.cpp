@@ -23,7 +23,7 @@ std::optional<Entry> IsoField::firstEntry(const Probe& from, const Probe& to) co
   Probe before = from;
   for (double t = walk.next();; t = walk.next()) {
     const Probe here = t < 1 ? probe(from.p_W + way_W * t) : to;
-    if (const auto entry = entryInCell(before, here)) return entry;
+    if (auto entry = entryInCell(before, here)) return entry;
     if (t >= 1) return std::nullopt;
     before = here;
   }

@@ -173,7 +173,8 @@ class Swings {
       (i < kSwings / 2 ? first_m : last_m) += std::abs(turns_[i + 1].height_m - turns_[i].height_m);
     }
     const Turn &begin = turns_.front(), &end = turns_.back();
-    const double hz = kSwings / 2 / (end.time_s - begin.time_s);
+    constexpr int kPeriods = kSwings / 2;
+    const double hz = kPeriods / (end.time_s - begin.time_s);
     const bool sustained = last_m >= ContactStability::kSustained * first_m;
     const double unasked_m = (first_m + last_m) / ContactStability::kUnasked;
     const bool unasked =

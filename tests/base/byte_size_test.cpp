@@ -54,7 +54,7 @@ TEST(ByteSize, ComesBackFromItsText) {
 TEST(ByteSize, InWords) {
   EXPECT_EQ(bytesInWords(0), "0 B");
   EXPECT_EQ(bytesInWords(512), "512 B");
-  EXPECT_EQ(bytesInWords(1536 * 1024), "1.5 MiB");
+  EXPECT_EQ(bytesInWords(1536ULL * 1024), "1.5 MiB");
   EXPECT_EQ(bytesInWords(1048575), "1 MiB");  // not 1024 KiB
   EXPECT_EQ(bytesInWords(1000ULL << 20U), "1000 MiB");
   EXPECT_EQ(bytesInWords(7870000000ULL), "7.33 GiB");

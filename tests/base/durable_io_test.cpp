@@ -57,7 +57,7 @@ TEST(FlushFolder, AFileSystemThatDoesNotFlushFoldersIsNoError) {
 
 TEST(MakeFolder, KnowsTheParentsOfNewLevels) {
   const TemporaryFolder folder;
-  const std::filesystem::path top = folder.path();
+  const std::filesystem::path& top = folder.path();
   EXPECT_THAT(parentsOfNewLevels(top / "a" / "b" / "c"), ElementsAre(top, top / "a", top / "a" / "b"));
   EXPECT_THAT(parentsOfNewLevels(top / "a" / ""), ElementsAre(top));
   EXPECT_THAT(parentsOfNewLevels(top), IsEmpty());

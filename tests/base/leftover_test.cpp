@@ -121,7 +121,9 @@ TEST_F(Leftovers, ProcessesAreKilled) {
   inChild([&] {
     static const Leftover process = Leftover::process([] {
       const pid_t grandchild = fork();
-      while (grandchild == 0) pause();
+      if (grandchild == 0) {
+        for (;;) pause();
+      }
       return grandchild;
     });
   });

@@ -59,7 +59,7 @@ TEST(DepthErrors, CountHolesAndFalseHits) {
   std::size_t deep = 0, far = 0, grazing = 0;
   for (int y = 0; y < 30; ++y) {
     for (int x = 0; x < 40; ++x) {
-      float& distance_m = image.distance_m[static_cast<std::size_t>(y * 40 + x)];
+      float& distance_m = image.distance_m[static_cast<std::size_t>(y) * 40 + x];
       const double beyond = scene.closest(x, y) - scene.radius_m;
       deep += beyond < -0.55 * voxel_m;
       far += beyond > 0.55 * voxel_m;

@@ -87,7 +87,7 @@ TEST(DistanceBounds, HoldOnScans) {
 // One voxel inside, and one at the isovalue, which is outside. The next one outside may be one edge off, 1 mm, and by
 // rounding 12 2^-24 of that and the diagonal: some 2e-9 m.
 TEST(DistanceBounds, AreTightToTheRounding) {
-  std::vector<float> values(5 * 4 * 3, 0);
+  std::vector<float> values(std::size_t{5} * 4 * 3, 0);
   values[0] = 2;
   values[5 * 4 * 3 - 1] = 0.5F;
   const Vec3 spacing_m(1e-3, 1.5e-3, 1.2e-3);

@@ -18,7 +18,7 @@ constexpr double kAmple = 1.01;
 const Vec3i kMiddle(2, 3, 2);
 
 reference::DenseField fieldOf(float density) {
-  return {{5, 7, 5}, {}, std::vector<float>(5 * 7 * 5, density)};
+  return {{5, 7, 5}, {}, std::vector<float>(std::size_t{5} * 7 * 5, density)};
 }
 
 float& at(reference::DenseField& field, const Vec3i& from_middle) {

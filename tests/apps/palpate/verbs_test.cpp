@@ -117,7 +117,7 @@ TEST_F(Verbs, ConvertOfOneSliceSpeaksOfItsSurface) {
 
 // A ramp of floats, two of which are no numbers.
 std::string rampWithNan() {
-  std::vector<float> values(12 * 12 * 12);
+  std::vector<float> values(std::size_t{12} * 12 * 12);
   for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<float>(i % 12);
   values[7] = values[900] = std::numeric_limits<float>::quiet_NaN();
   return "NRRD0004\ntype: float\ndimension: 3\nsizes: 12 12 12\nspacings: 1 1 1\nencoding: raw\nendian: little\n\n" +

@@ -71,7 +71,7 @@ class GridField : public SurfaceField {
 
  private:
   [[nodiscard]] std::size_t at(const Vec3i& i) const {
-    return static_cast<std::size_t>(i.x() + size_.x() * (i.y() + size_.y() * i.z()));
+    return i.x() + size_.x() * (i.y() + size_.y() * static_cast<std::size_t>(i.z()));
   }
   Lattice lattice_;
   Vec3i size_;

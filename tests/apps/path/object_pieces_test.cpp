@@ -19,7 +19,7 @@ std::vector<int> flooded(const GridField& field) {
   const Vec3i size = field.size();
   std::vector<int> label(static_cast<std::size_t>(size.prod()), -1);
   const auto at = [&](const Vec3i& i) {
-    return static_cast<std::size_t>(i.x() + size.x() * (i.y() + size.y() * i.z()));
+    return i.x() + size.x() * (i.y() + size.y() * static_cast<std::size_t>(i.z()));
   };
   int pieces = 0;
   for (int n = 0; n < size.prod(); ++n) {
@@ -60,7 +60,7 @@ TEST(ObjectPieces, AreThoseOfAFloodFill) {
     for (int n = 0; n < size.prod(); ++n) {
       const Vec3i i(n % size.x(), n / size.x() % size.y(), n / size.x() / size.y());
       const Vec3i block = i / kFieldBlock;
-      const auto its = static_cast<std::size_t>(block.x() + 3 * block.y() + 9 * block.z());
+      const std::size_t its = block.x() + 3 * (block.y() + 3 * static_cast<std::size_t>(block.z()));
       field.set(i, trial % 2 == 1 ? of_block[its] : draw());
     }
     const std::vector<int> label = flooded(field);

@@ -106,7 +106,8 @@ TEST(SurfaceSearch, NothingNearIsNothing) {
 TEST(SurfaceSearch, SomethingNearIsFoundInEveryDirection) {
   for (int n = 0; n < 27; ++n) {
     if (n == 13) continue;
-    const Vec3 centre = 10e-3 * Vec3(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1).normalized();
+    const Vec3i way(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1);
+    const Vec3 centre = 10e-3 * way.cast<double>().normalized();
     const AnalyticField ball([&](const Vec3& p) { return sphereDistance(p - centre, 1.5e-3); }, 16e-3, 1e-3);
     const auto point = nearestSurfacePoint(ball, Vec3::Zero(), 12e-3);
     ASSERT_TRUE(point) << n;

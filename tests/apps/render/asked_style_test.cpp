@@ -137,7 +137,8 @@ TEST(AskedStyle, CornersHoldWhatIsLeft) {
     for (const Vec3& corner_W : corners) EXPECT_TRUE(isLeft(corner_W));
     std::vector<Vec3> left;
     for (int n = 0; n < 21 * 21 * 21; ++n) {
-      const Vec3 p_W = lattice.toWorld(Vec3(n % 21, n / 21 % 21, n / 441).cwiseProduct(last_L) / 20);
+      const Vec3i step(n % 21, n / 21 % 21, n / 441);
+      const Vec3 p_W = lattice.toWorld(step.cast<double>().cwiseProduct(last_L) / 20);
       if (isLeft(p_W)) left.push_back(p_W);
     }
     ASSERT_GT(left.size(), 10U);

@@ -66,7 +66,7 @@ class Render : public testing::Test {
 // Of a file of kSide x kSide pixels, rows from the top.
 std::vector<float> depthsOf(const std::string& file) {
   const std::string bytes = contentsOf(file), header = "Pf\n65 65\n-1.0\n";
-  std::vector<float> depths(kSide * kSide);
+  std::vector<float> depths(std::size_t{kSide} * kSide);
   EXPECT_TRUE(bytes.starts_with(header));
   EXPECT_EQ(bytes.size(), header.size() + 4 * depths.size());
   if (bytes.size() != header.size() + 4 * depths.size()) return depths;

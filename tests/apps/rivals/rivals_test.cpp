@@ -24,7 +24,7 @@ class Rivals : public testing::Test {
 
   [[nodiscard]] float at(int i, int j, int k) const { return densities_[indexOf(i, j, k)]; }
   [[nodiscard]] std::size_t indexOf(int i, int j, int k) const {
-    return static_cast<std::size_t>(i + size_.x() * (j + size_.y() * k));
+    return i + size_.x() * (j + size_.y() * static_cast<std::size_t>(k));
   }
 
   std::vector<Rival> all(const std::string& job) {

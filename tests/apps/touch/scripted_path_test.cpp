@@ -44,7 +44,7 @@ TEST_F(ScriptedPathTest, TakesEveryWishOfTheScene) {
   lattice.origin_W = Vec3::Constant(-15.5e-3);
   std::vector<float> values;
   for (int n = 0; n < 32 * 32 * 32; ++n) {
-    const Vec3 p_L = Vec3(n % 32, n / 32 % 32, n / 1024) - Vec3::Constant(15.5);
+    const Vec3 p_L = Vec3i(n % 32, n / 32 % 32, n / 1024).cast<double>() - Vec3::Constant(15.5);
     values.push_back(static_cast<float>(8 - p_L.cwiseAbs().maxCoeff()));
   }
   const Volume box = Volume::fromDense(Vec3i::Constant(32), lattice, values, {});

@@ -19,7 +19,7 @@ struct Decoded {
   int width = 0, height = 0;
   std::vector<std::uint32_t> rgb;
   [[nodiscard]] std::uint32_t at(int x, int y) const {
-    return rgb[static_cast<std::size_t>(y * width + x)] & 0xFFFFFFU;
+    return rgb[static_cast<std::size_t>(y) * width + x] & 0xFFFFFFU;
   }
 };
 

@@ -22,12 +22,12 @@ class PanelTest : public ::testing::Test {
     camera_.vertical_fov_rad = 2 * std::atan(0.15);
     camera_.width = image_.width = 400;
     camera_.height = image_.height = 300;
-    image_.distance_m.assign(400 * 300, std::numeric_limits<float>::infinity());
+    image_.distance_m.assign(std::size_t{400} * 300, std::numeric_limits<float>::infinity());
   }
   // The surface is in front of everything in these columns.
   void hide(int begin, int end) {
     for (int y = 0; y < 300; ++y) {
-      for (int x = begin; x < end; ++x) image_.distance_m[static_cast<std::size_t>(400 * y + x)] = 0.5F;
+      for (int x = begin; x < end; ++x) image_.distance_m[400 * static_cast<std::size_t>(y) + x] = 0.5F;
     }
   }
   template <typename Draw>

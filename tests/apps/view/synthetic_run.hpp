@@ -111,7 +111,7 @@ inline TouchRun syntheticRun(const SurfaceField& field, const PathRequest& reque
   run.commit = "example";
   run.command = "palpate touch 'phantom:bumpy-sphere?size=89' --out out";
   run.stages = {{"load", 0.41}, {"upload", 0.02}, {"gradient", 0.11}, {"servo", 5.0}, {"picture", 0.3}};
-  run.memory = {{"volume on the CPU", 3U << 20}, {"bricks on the GPU", 5U << 20}, {"window", 3 * 32 * 32 * 32 * 16}};
+  run.memory = {{"volume on the CPU", 3U << 20}, {"bricks on the GPU", 5U << 20}, {"window", 3ULL * 32 * 32 * 32 * 16}};
   run.plan = {"gradient of 610 of 1728 bricks: the others hold no surface; saves 8.7 MiB and 0.2 s",
               "no smoothing: the scene asks for none"};
   run.realtime = {"SCHED_FIFO not allowed: raise rtprio in /etc/security/limits.conf"};

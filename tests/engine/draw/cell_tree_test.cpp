@@ -62,7 +62,7 @@ int expectTrue(const Words& words, const reference::DenseField& field, float iso
   const Vec3i cells = field.size - Vec3i::Ones();
   std::vector<std::vector<bool>> any(levels + 1);  // of each level's children
   const auto childAt = [&](std::uint32_t level, const Vec3i& cell) -> Vec3i { return cell / (8 << (2 * (level - 1))); };
-  const auto linear = [](const Vec3i& at) { return static_cast<std::size_t>((at.z() * 256 + at.y()) * 256 + at.x()); };
+  const auto linear = [](const Vec3i& at) { return (static_cast<std::size_t>(at.z()) * 256 + at.y()) * 256 + at.x(); };
   for (std::uint32_t level = 1; level <= levels; ++level) any[level].resize(std::size_t{1} << 24U);
   int wrong = 0, of_surface = 0;
   for (int z = 0; z < cells.z(); ++z) {

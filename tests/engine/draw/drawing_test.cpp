@@ -284,7 +284,7 @@ TEST(Drawing, ASliceIsSeenOnTheCutInItsPlane) {
         const double t_m = (y_m - camera.position_W.y()) / ray_W.y();
         const Vec3 p_L = volume.lattice().toIndex(camera.position_W + t_m * ray_W);
         const bool is_in = p_L.x() > 0.02 && p_L.x() < 39.98 && p_L.z() > 0.02 && p_L.z() < 39.98;
-        const double drawn_m = image.distance_m[static_cast<std::size_t>(y * camera.width + x)];
+        const double drawn_m = image.distance_m[static_cast<std::size_t>(y) * camera.width + x];
         if (!is_in) continue;
         ++shown;
         EXPECT_NEAR(drawn_m, t_m, 1e-6) << x << ' ' << y << " voxel " << voxel;

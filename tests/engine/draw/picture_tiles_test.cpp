@@ -32,10 +32,10 @@ Drawn drawAll(PictureTiles& tiles, int width, int height, std::size_t most) {
         const int x = static_cast<int>(((tile & 65535) * 8 + i % 8) * batch.grid.stride + batch.grid.x);
         const int y = static_cast<int>(((tile >> 16) * 8 + i / 8) * batch.grid.stride + batch.grid.y);
         if (x >= width || y >= height) continue;
-        ++drawn.computed[static_cast<std::size_t>(y * width + x)];
+        ++drawn.computed[static_cast<std::size_t>(y) * width + x];
         for (int b = y; b < std::min(height, y + static_cast<int>(batch.grid.square)); ++b) {
           for (int a = x; a < std::min(width, x + static_cast<int>(batch.grid.square)); ++a)
-            ++drawn.shown[static_cast<std::size_t>(b * width + a)];
+            ++drawn.shown[static_cast<std::size_t>(b) * width + a];
         }
       }
     }
@@ -61,7 +61,7 @@ TEST(PictureTiles, EveryPixelIsDrawnOnce) {
 TEST(PictureTiles, CoarsePixelsCoverThePicture) {
   PictureTiles tiles;
   tiles.start(cameraOf(61, 47), DrawOrder::kCoarseFirst);
-  std::vector<int> shown(61 * 47);
+  std::vector<int> shown(std::size_t{61} * 47);
   EXPECT_FALSE(tiles.coarse());
   while (!tiles.coarse()) {
     const TileBatch batch = tiles.next(3);
@@ -95,7 +95,7 @@ TEST(PictureTiles, ChangesAreDrawnWhereverTheyAreSeen) {
     const Vec3 high = low + Vec3(20 * unit(random), 20 * unit(random), (trial % 10 == 0 ? 300 : 20) * unit(random));
     tiles.changed(lattice, low, high);
     const Drawn drawn = drawAll(tiles, 97, 61, 7);
-    whole += std::ranges::count(drawn.computed, 1) == 97 * 61;
+    whole += std::ranges::count(drawn.computed, 1) == std::ptrdiff_t{97} * 61;
     for (int i = 0; i < 200; ++i) {
       const Vec3 p_L = low + Vec3(unit(random), unit(random), unit(random)).cwiseProduct(high - low);
       const auto pixel = camera.project(lattice.toWorld(p_L));

@@ -27,6 +27,16 @@ TEST(BrickValues, OneValueIsOneOfBits) {
   EXPECT_TRUE(sameBits(-0.0F, -0.0F));
 }
 
+// Equal values of other bits differ; a NaN, which equals nothing, has its own bits.
+TEST(BrickValues, BricksAreComparedByBits) {
+  Brick a{};
+  a[511] = std::nanf("");
+  Brick b = a;
+  EXPECT_TRUE(sameBits(a, b));
+  b[510] = -0.0F;
+  EXPECT_FALSE(sameBits(a, b));
+}
+
 TEST(BrickValues, PutsOneOr512AndNothingElse) {
   Volume volume = Volume::fromDense({16, 8, 8}, plainLattice(), std::vector<float>(1024, 1.0F), {});
   Brick brick;

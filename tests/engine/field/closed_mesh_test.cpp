@@ -134,7 +134,7 @@ TEST(ClosedMesh, AcrossBricksOfOneValue) {
 // Voxels that only just stand out lie in bodies as small as the crossings' clamp allows: none of them is lost, and each
 // is closed.
 TEST(ClosedMesh, OfVoxelsJustAboveTheIsovalue) {
-  std::vector<float> values(5 * 5 * 5, 1000.0F);
+  std::vector<float> values(std::size_t{5} * 5 * 5, 1000.0F);
   values[62] = std::nextafter(1000.0F, 2000.0F);
   const Volume volume = volumeOf(Vec3i::Constant(5), values);
   const TriangleMesh mesh = isosurfaceMesh(volume, 1000);

@@ -76,7 +76,7 @@ TEST(Volume, KeepsTheSignOfZeroAndDenormals) {
   values[6] = std::numeric_limits<float>::denorm_min();
   const Volume volume = Volume::fromDense({8, 8, 8}, plainLattice(), values, facts());
   const std::vector<float> dense = volume.toDense();
-  EXPECT_EQ(std::memcmp(dense.data(), values.data(), 512 * sizeof(float)), 0);
+  EXPECT_EQ(std::memcmp(dense.data(), values.data(), values.size() * sizeof(float)), 0);
 }
 
 // One voxel that differs from the others of a whole brick, at its beginning, in its middle and at its end.
@@ -114,7 +114,8 @@ TEST(Volume, SamplesLinearFieldsExactly) {
   const Vec3 slope_L(30, -20, 10);  // [density/voxel]
   std::vector<float> values;
   for (int n = 0; n < 11 * 9 * 6; ++n) {
-    values.push_back(static_cast<float>(5 + slope_L.dot(Vec3(n % 11, n / 11 % 9, n / 99))));
+    const Vec3i voxel(n % 11, n / 11 % 9, n / 99);
+    values.push_back(static_cast<float>(5 + slope_L.dot(voxel.cast<double>())));
   }
   const Volume volume = Volume::fromDense({11, 9, 6}, lattice, values, facts());
   const Vec3 gradient_W = lattice.R_WL * slope_L.cwiseQuotient(lattice.spacing_m);
@@ -205,9 +206,9 @@ TEST(Volume, RefusesAWrongNumberOfValues) {
 }
 
 TEST(Volume, RefusesValuesThatAreNoNumbersWithTheirCountAndTheFirstsIndex) {
-  std::vector<float> values(20 * 10 * 10, 1.0F);
+  std::vector<float> values(std::size_t{20} * 10 * 10, 1.0F);
   const auto at = [&](int i, int j, int k) -> float& {
-    return values[static_cast<std::size_t>((k * 10 + j) * 20 + i)];
+    return values[(static_cast<std::size_t>(k) * 10 + j) * 20 + i];
   };
   at(17, 2, 3) = std::nanf("");  // first in the file, though not in the first brick
   at(1, 9, 3) = std::numeric_limits<float>::infinity();
@@ -254,7 +255,7 @@ TEST(Volume, IsMadeBrickByBrickWithoutBeingDense) {
 
 TEST(Volume, ChangesBrickByBrick) {
   const Vec3i size(19, 10, 8);
-  Volume volume = Volume::fromDense(size, {}, std::vector<float>(19 * 10 * 8, 2.0F), {});
+  Volume volume = Volume::fromDense(size, {}, std::vector<float>(std::size_t{19} * 10 * 8, 2.0F), {});
   std::vector<float> values(kBrickVoxels);
   for (int i = 0; i < kBrickVoxels; ++i)
     values[static_cast<std::size_t>(i)] = static_cast<float>(i % 8 + i / 8 % 8 * 100);

@@ -44,7 +44,7 @@ Volume awkward(const Vec3i& size, const Lattice& lattice, const std::string& typ
   }
   for (int k = 0; k < std::min(8, size.z()); ++k) {
     for (int j = 8; j < std::min(16, size.y()); ++j) {
-      std::fill_n(values.begin() + (k * size.y() + j) * size.x(), std::min(8, size.x()), 3.0F);
+      std::fill_n(values.begin() + (std::ptrdiff_t{k} * size.y() + j) * size.x(), std::min(8, size.x()), 3.0F);
     }
   }
   VolumeFacts facts;
@@ -179,7 +179,7 @@ INSTANTIATE_TEST_SUITE_P(Formats, VolumeFile,
 // From -32768 to 32767, whole, and of integers only.
 TEST(TypeToWrite, IsAnIntegersWhereAllOfThemFit) {
   const auto typeOf = [](float low, float high, const char* type, float among = 0) {
-    std::vector<float> values(2 * 512, low);
+    std::vector<float> values(std::size_t{2} * 512, low);
     std::fill(values.begin() + 512, values.end(), high);
     values[600] = among;
     VolumeFacts facts;

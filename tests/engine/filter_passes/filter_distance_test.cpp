@@ -41,7 +41,7 @@ Volume solid(const Vec3i& size, const Vec3& spacing_m, Density density) {
   std::vector<float> values;
   const Vec3 middle = (size.cast<double>().array() - 1) / 2 + 0.137;  // no symmetry with the voxels
   for (int n = 0; n < size.prod(); ++n) {
-    const Vec3 voxel(n % size.x(), n / size.x() % size.y(), n / size.x() / size.y());
+    const Vec3 voxel = Vec3i(n % size.x(), n / size.x() % size.y(), n / size.x() / size.y()).cast<double>();
     values.push_back(static_cast<float>(density(Vec3((voxel - middle).cwiseProduct(spacing_m)))));
   }
   Lattice lattice;
@@ -59,8 +59,8 @@ Worst worstError(const DenseField& field, const Vec3& spacing_m, double band_m, 
   const Vec3 middle = (field.size.cast<double>().array() - 1) / 2 + 0.137;
   Worst worst;
   for (int n = 0; n < field.size.prod(); ++n) {
-    const Vec3 voxel(n % field.size.x(), n / field.size.x() % field.size.y(), n / field.size.x() / field.size.y());
-    const Vec3 x = (voxel - middle).cwiseProduct(spacing_m);
+    const Vec3i voxel(n % field.size.x(), n / field.size.x() % field.size.y(), n / field.size.x() / field.size.y());
+    const Vec3 x = (voxel.cast<double>() - middle).cwiseProduct(spacing_m);
     if (!chosen(x)) continue;
     const double truth = std::clamp(distance(x), -band_m, band_m);
     const double error = std::abs(field.values[static_cast<std::size_t>(n)] - truth);

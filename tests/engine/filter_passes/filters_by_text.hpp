@@ -17,7 +17,7 @@
 namespace palpate::by_text {
 
 inline float tapOf(const FilterStep& step, int first, int offset) {
-  return step.taps[static_cast<std::size_t>(first + std::abs(offset))];
+  return step.taps[static_cast<std::size_t>(first) + std::abs(offset)];
 }
 
 inline float convolvedAt(const DenseField& field, const Vec3i& voxel, const FilterStep& step) {

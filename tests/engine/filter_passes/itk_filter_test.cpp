@@ -281,7 +281,7 @@ TEST(Itk, DistancesDifferByLessThanAVoxelsDiagonal) {
   lattice.spacing_m = spacing_m;
   std::vector<float> values;
   for (int n = 0; n < size.prod(); ++n) {
-    const Vec3 voxel(n % size.x(), n / size.x() % size.y(), n / size.x() / size.y());
+    const Vec3 voxel = Vec3i(n % size.x(), n / size.x() % size.y(), n / size.x() / size.y()).cast<double>();
     const Vec3 from_m = (voxel - (size.cast<double>() - Vec3::Ones()) / 2).cwiseProduct(spacing_m);
     values.push_back(static_cast<float>(8e-3 - from_m.norm()) * 1e3F);
   }

@@ -22,7 +22,7 @@ TEST(JournalDisk, AcknowledgesOnlyWhatWasFlushed) {
   const TemporaryFolder folder;
   const std::string file = journalFile(folder.path());
   const std::size_t first = headerBytes(header()).size();
-  constexpr std::uint64_t kDabBytes = kRecordFrame + 4 + 2 + 9 * 8;  // count; kind, flags; 9 numbers
+  constexpr std::uint64_t kDabBytes = kRecordFrame + 4 + 2 + std::size_t{9} * 8;  // count; kind, flags; 9 numbers
   std::uint64_t acknowledgements = 0;
   std::uint64_t unsaved = 0;
   JournalOptions options;

@@ -93,7 +93,7 @@ TEST(JournalWriter, AMillionCommandsWaitTheirTurn) {
   options.queue_bytes = 65536;
   JournalWriter writer(folder.path(), header(), options);
   constexpr std::uint64_t kMany = 1'000'000;
-  constexpr std::uint64_t kDabBytes = kRecordFrame + 4 + 2 + 9 * 8;  // count; kind, flags; 9 numbers
+  constexpr std::uint64_t kDabBytes = kRecordFrame + 4 + 2 + std::size_t{9} * 8;  // count; kind, flags; 9 numbers
   std::vector<EditCommand> commands(1, dab(0));
   for (std::uint64_t i = 1; i <= kMany; ++i) {
     commands[0].radius_m = static_cast<double>(i);
@@ -130,7 +130,7 @@ TEST(JournalWriter, GathersNoLongerWhereSomebodyWaits) {
   options.gather = std::chrono::hours(1);
   options.queue_bytes = 250;
   JournalWriter writer(folder.path(), header(), options);
-  constexpr std::uint64_t kDabBytes = kRecordFrame + 4 + 2 + 9 * 8;  // count; kind, flags; 9 numbers
+  constexpr std::uint64_t kDabBytes = kRecordFrame + 4 + 2 + std::size_t{9} * 8;  // count; kind, flags; 9 numbers
   const EditCommand command = dab(0);
   writer.edit({&command, 1});
   writer.flush();

@@ -17,6 +17,7 @@
 #include "engine/reference/half.hpp"
 #include "servo/window/sample_window.hpp"
 #include "test_fields.hpp"
+#include "tests/engine/passes/sample_bits.hpp"
 
 namespace palpate {
 namespace gradient_test {
@@ -270,7 +271,7 @@ TEST(Gradient, ReachesAsFarAsItSays) {
       const Vec3i p(n % size.x(), n / size.x() % size.y(), n / size.x() / size.y());
       const Sample a = before.at(p.x(), p.y(), p.z());
       const Sample b = after.at(p.x(), p.y(), p.z());
-      if (std::memcmp(&a, &b, sizeof a) != 0) farthest = std::max(farthest, (p - at).cwiseAbs().maxCoeff());
+      if (!sameBits(a, b)) farthest = std::max(farthest, (p - at).cwiseAbs().maxCoeff());
     }
     const Reach reach =
         GradientPass(before.gpu, before.transfer, before.pool, before.store, gradientOperator(way)).reach();

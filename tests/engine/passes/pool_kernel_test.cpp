@@ -13,6 +13,7 @@
 #include "engine/passes/window_pass.hpp"
 #include "engine/reference/window.hpp"
 #include "test_fields.hpp"
+#include "tests/engine/passes/sample_bits.hpp"
 
 namespace palpate {
 namespace pool_kernel_test {
@@ -61,7 +62,7 @@ class Slabs : public testing::Test {
   std::vector<Sample> gathered(GradientPass& gradient) {
     gradient.run();
     window_.run(kWindow, box_);
-    std::vector<Sample> samples(32 * 32 * 32);
+    std::vector<Sample> samples(std::size_t{32} * 32 * 32);
     std::memcpy(samples.data(), box_.mapped(), box_.bytes());
     return samples;
   }
@@ -76,7 +77,7 @@ class Slabs : public testing::Test {
   }
   static std::size_t differing(const std::vector<Sample>& got, const std::vector<Sample>& want) {
     std::size_t count = 0;
-    for (std::size_t n = 0; n < want.size(); ++n) count += std::memcmp(&got[n], &want[n], sizeof(Sample)) != 0 ? 1 : 0;
+    for (std::size_t n = 0; n < want.size(); ++n) count += sameBits(got[n], want[n]) ? 0 : 1;
     return count;
   }
   std::vector<std::uint32_t> windowBricks() const {
@@ -97,7 +98,8 @@ class Slabs : public testing::Test {
 };
 
 // The gradient kernel reads quads and single elements of all slabs that there are; for another number of slabs it is
-// built anew, which takes lavapipe some two seconds: so not every number is tried. The smoothed one takes either from a pool of its own: here one of the two pools has eight slabs, the other one.
+// built anew, which takes lavapipe some two seconds: so not every number is tried. The smoothed one takes either from a
+// pool of its own: here one of the two pools has eight slabs, the other one.
 TEST_F(Slabs, EachIsReadWhereItLies) {
   GradientPass gradient(gpu_, transfer_, pool_, store_);
   for (const std::size_t count : {std::size_t{3}, std::size_t{DENSITY_SLABS}}) {

@@ -73,7 +73,7 @@ TEST_F(PoolVolume, KeepsAccountOfItsBricks) {
 TEST_F(PoolVolume, TakesOtherPages) {
   BrickPool other(gpu_, transfer_, pool_, "other");
   EXPECT_EQ(other.storedBricks(), 0U);
-  EXPECT_EQ(densitiesOf(other, transfer_), std::vector<float>(19 * 10 * 17));
+  EXPECT_EQ(densitiesOf(other, transfer_), std::vector<float>(std::size_t{19} * 10 * 17));
   other.reserve(2);
   (void)other.store(2);
   (void)other.store(6);

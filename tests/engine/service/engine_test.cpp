@@ -13,6 +13,7 @@
 #include "engine/phantoms/phantom.hpp"
 #include "engine/reference/window.hpp"
 #include "servo/window/window_exchange.hpp"
+#include "tests/engine/passes/sample_bits.hpp"
 
 namespace palpate {
 namespace engine_test {
@@ -139,7 +140,7 @@ TEST(Engine, SaysWhatItHolds) {
     EXPECT_EQ(figures[2].bytes, 0U);
     EXPECT_GE(figures[3].bytes, facts.gradient_bricks * 8192);
     EXPECT_EQ(figures[4].bytes, 3U * 32 * 32 * 32 * 16);
-    EXPECT_EQ(figures[5].bytes, 0U);  // nothing is drawn
+    EXPECT_EQ(figures[5].bytes, 0U);                      // nothing is drawn
     EXPECT_GE(figures[6].bytes, sum - figures[6].bytes);  // lists and scratch come on top
   }
 }
@@ -175,7 +176,7 @@ TEST(Engine, ActiveBricksServeEveryCellOnTheSurface) {
           ++crossed;
           for (int c = 0; c < 8; ++c) {
             const auto corner = static_cast<std::size_t>(at(i + (c & 1), j + (c >> 1 & 1), k + (c >> 2)));
-            ASSERT_EQ(std::memcmp(&window.samples[corner], &expected[corner], sizeof(Sample)), 0);
+            ASSERT_TRUE(sameBits(window.samples[corner], expected[corner]));
           }
         }
       }

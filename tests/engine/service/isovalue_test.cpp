@@ -12,6 +12,7 @@
 #include "engine/edit/random_edits.hpp"
 #include "engine/service/engine.hpp"
 #include "servo/window/window_exchange.hpp"
+#include "tests/engine/passes/sample_bits.hpp"
 #include "tests/support/refusal.hpp"
 
 namespace palpate {
@@ -72,7 +73,7 @@ bool isZero(const Sample& sample) {
 void expectAtLeast(const std::vector<Sample>& got, const std::vector<Sample>& want, const std::vector<Sample>& truth) {
   std::size_t lacking = 0, wrong = 0, gradients = 0;
   for (std::size_t v = 0; v < got.size(); ++v) {
-    const bool same = std::memcmp(&got[v], &truth[v], sizeof(Sample)) == 0;
+    const bool same = sameBits(got[v], truth[v]);
     wrong += same || (isZero(got[v]) && got[v].density == truth[v].density) ? 0U : 1U;
     lacking += isZero(want[v]) || same ? 0U : 1U;
     gradients += isZero(want[v]) ? 0U : 1U;

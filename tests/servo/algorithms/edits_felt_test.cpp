@@ -289,10 +289,10 @@ TEST_P(EditsFelt, AHundredRandomEditsStayFiniteGentleAndInLimit) {
   const auto somewhere = [&](double reach_m) {
     return Vec3(kAt + Vec3(between(-reach_m, reach_m), between(-reach_m, reach_m), between(-reach_m, reach_m)));
   };
-  std::vector<double> samples(kSide * kSide * kSide);
+  std::vector<double> samples(std::size_t{kSide} * kSide * kSide);
   const auto index = [](const Vec3& p_W) {
     const Vec3i at = (p_W / kVoxel).array().round().cast<int>().matrix();
-    return static_cast<std::size_t>(at.x() + kSide * (at.y() + kSide * at.z()));
+    return at.x() + kSide * (at.y() + kSide * static_cast<std::size_t>(at.z()));
   };
   const AnalyticVolume volume = millimetreVolume([&](const Vec3& p_W) { return samples[index(p_W)]; }, kSide);
   const auto forEach = [&](auto change) {

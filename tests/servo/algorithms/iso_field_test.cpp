@@ -16,7 +16,7 @@ class RandomWindow {
   explicit RandomWindow(unsigned seed) {
     std::mt19937 random(seed);
     std::uniform_real_distribution<float> value(-1, 0.4F);
-    held_.samples.resize(12 * 12 * 12);
+    held_.samples.resize(std::size_t{12} * 12 * 12);
     for (Sample& s : held_.samples) s.density = value(random);
     held_.window.lattice.spacing_m = Vec3::Constant(1e-3);
     held_.window.size = Vec3i::Constant(12);
@@ -222,7 +222,7 @@ TEST(IsoField, FindsAWallBetweenTwoCellsOnTheShortestWays) {
 // ends of cells lie outside.
 TEST(IsoField, SeesATentBetweenTheEndsOfACell) {
   HeldWindow held;
-  held.samples.assign(8 * 8 * 8, Sample{0, 0, 0, -1});
+  held.samples.assign(std::size_t{8} * 8 * 8, Sample{0, 0, 0, -1});
   held.samples[static_cast<std::size_t>(3 + 8 * (3 + 8 * 3))].density = 0.2F;
   held.samples[static_cast<std::size_t>(4 + 8 * (4 + 8 * 3))].density = 0.2F;
   held.window.lattice.spacing_m = Vec3::Constant(1e-3);

@@ -103,7 +103,7 @@ TEST(Reset, LeavesNothing) {
     const AnalyticVolume volume = ballOf(1.5e-3, 8);
     const auto make = [&] { return makeFor(entry.name, {}, volume, 4e-3); };
     HeldWindow held;
-    held.samples.reserve(kSide * kSide * kSide);  // so that all windows lie in one place
+    held.samples.reserve(std::size_t{kSide} * kSide * kSide);  // so that all windows lie in one place
     for (const bool from_inside : {false, true}) {
       const auto fresh = make();
       Player wanted(*fresh, held, 1.5e-3);

@@ -28,7 +28,7 @@ TEST(ServoLoopChanges, ANewStiffnessComesOverTime) {
   EXPECT_NEAR(after_N, 1.5, 0.03);
   for (std::int64_t t = 0; t <= kOver; ++t) {
     const double share = static_cast<double>(t) / static_cast<double>(kOver);
-    EXPECT_NEAR(force(records[static_cast<std::size_t>(399 + t)]).norm(), before_N + share * (after_N - before_N),
+    EXPECT_NEAR(force(records[399 + static_cast<std::size_t>(t)]).norm(), before_N + share * (after_N - before_N),
                 0.02);
   }
 }

@@ -42,7 +42,7 @@ class IsosurfaceMesher {
     return outside ? background : volume_.sample(at) - isovalue_;
   }
   [[nodiscard]] std::size_t linear(const Vec3i& at) const {
-    return static_cast<std::size_t>(at.x() + count_.x() * (at.y() + count_.y() * at.z()));
+    return at.x() + count_.x() * (at.y() + count_.y() * static_cast<std::size_t>(at.z()));
   }
 
   void addCell(const Vec3i& low) {

@@ -16,7 +16,7 @@ class TouchScene {
       : volume(millimetreVolume(ball(Vec3::Constant(31.3e-3), 20e-3))),
         path({0, 0.5 * duration_s, duration_s}, {above(1e-3), above(-1.5e-3), above(-0.5e-3)},
              SampledPath::Interpolation::kCubic),
-        storage(32 * 32 * 32),
+        storage(std::size_t{32} * 32 * 32),
         windows(storage),
         algorithm(makeFor(algorithm_name, {}, volume, 4e-3)) {}
 

@@ -120,7 +120,7 @@ TEST(WindowExchange, TakesThreeStoragesOfACellOrMore) {
 TEST(WindowExchange, ServoSeesWholeWindowsAndAtLeastTheConfirmedOne) {
   constexpr int kSide = 8;
   const auto publications = static_cast<std::int64_t>(kPublications / 30);
-  WindowStorage storage(kSide * kSide * kSide);
+  WindowStorage storage(std::size_t{kSide} * kSide * kSide);
   WindowExchange exchange(storage);
   std::atomic<bool> done{false};
   std::thread engine([&] {
