@@ -66,7 +66,7 @@ class SampledField : public SurfaceField {
     Vec3 ignored;
     values_.resize(static_cast<std::size_t>(size_.prod()));
     for (int i = 0; i < size_.prod(); ++i) {
-      const Vec3 p_L(i % size_.x(), i / size_.x() % size_.y(), i / size_.x() / size_.y());
+      const Vec3 p_L = Vec3i(i % size_.x(), i / size_.x() % size_.y(), i / size_.x() / size_.y()).cast<double>();
       field.sample(lattice_.toWorld(p_L) * (1 - 1e-12), values_[static_cast<std::size_t>(i)], ignored);
     }
   }
@@ -91,7 +91,7 @@ class SampledField : public SurfaceField {
  private:
   [[nodiscard]] double value(Vec3i i) const {
     i = i.cwiseMax(0).cwiseMin(size_ - Vec3i::Ones());
-    return values_[static_cast<std::size_t>(i.x() + size_.x() * (i.y() + size_.y() * i.z()))];
+    return values_[i.x() + size_.x() * (i.y() + size_.y() * static_cast<std::size_t>(i.z()))];
   }
   [[nodiscard]] double interpolated(const Vec3& p_L) const {
     const Vec3 floor = p_L.array().floor(), t = p_L - floor;

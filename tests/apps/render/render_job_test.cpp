@@ -71,7 +71,8 @@ std::vector<float> depthsOf(const std::string& file) {
   EXPECT_EQ(bytes.size(), header.size() + 4 * depths.size());
   if (bytes.size() != header.size() + 4 * depths.size()) return depths;
   for (std::size_t y = 0; y < kSide; ++y)
-    std::memcpy(&depths[y * kSide], &bytes[header.size() + 4 * kSide * (kSide - 1 - y)], 4 * kSide);
+    std::memcpy(&depths[y * kSide], &bytes[header.size() + sizeof(float) * kSide * (kSide - 1 - y)],
+                sizeof(float) * kSide);
   return depths;
 }
 
@@ -80,7 +81,8 @@ struct Ray {
   double closest_m, cosine;
 };
 Ray rayOf(std::size_t pixel, double fov_rad) {
-  const double x = static_cast<double>(pixel % kSide) - 32, y = static_cast<double>(pixel / kSide) - 32;
+  const std::size_t row = pixel / kSide;
+  const double x = static_cast<double>(pixel % kSide) - 32, y = static_cast<double>(row) - 32;
   const double tangent = std::hypot(x, y) * 2 * std::tan(fov_rad / 2) / kSide;
   const double cosine = 1 / std::sqrt(1 + tangent * tangent);
   return {kDistance_m * tangent * cosine, cosine};
@@ -280,7 +282,7 @@ TEST_F(Render, ATurnShowsTheWholeObjectInEveryFrame) {
     const std::vector<float> depths = depthsOf(picture.files.depth);
     EXPECT_GT(picture.hit_pixels, 300U);
     for (std::size_t i = 0; i < kSide; ++i) {
-      for (const std::size_t edge : {i, (kSide - 1) * kSide + i, i * kSide, i * kSide + kSide - 1})
+      for (const std::size_t edge : {i, std::size_t{kSide - 1} * kSide + i, i * kSide, i * kSide + kSide - 1})
         EXPECT_TRUE(std::isinf(depths[edge])) << picture.files.depth;
     }
   }

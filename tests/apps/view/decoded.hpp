@@ -35,8 +35,8 @@ inline Decoded decode(const std::string& png) {
   cairo_surface_t* surface = cairo_image_surface_create_from_png_stream(read, &rest);
   Decoded out{cairo_image_surface_get_width(surface), cairo_image_surface_get_height(surface), {}};
   for (int y = 0; y < out.height; ++y) {
-    const auto* row = reinterpret_cast<const std::uint32_t*>(cairo_image_surface_get_data(surface) +
-                                                             y * cairo_image_surface_get_stride(surface));
+    const auto* row = reinterpret_cast<const std::uint32_t*>(
+        cairo_image_surface_get_data(surface) + std::ptrdiff_t{y} * cairo_image_surface_get_stride(surface));
     out.rgb.insert(out.rgb.end(), row, row + out.width);
   }
   cairo_surface_destroy(surface);

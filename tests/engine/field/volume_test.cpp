@@ -132,8 +132,10 @@ TEST(Volume, SamplesLinearFieldsExactly) {
 TEST(Volume, SamplesUpToItsOutermostVoxels) {
   const Lattice lattice{Vec3::Zero(), Mat3::Identity(), {0.5, 0.25, 2}};
   std::vector<float> values;
-  for (int n = 0; n < 3 * 4 * 5; ++n)
-    values.push_back(static_cast<float>(1 + 2 * (n % 3) + 3 * (n / 3 % 4) + 5 * (n / 12)));
+  for (int n = 0; n < 3 * 4 * 5; ++n) {
+    const int value = 1 + 2 * (n % 3) + 3 * (n / 3 % 4) + 5 * (n / 12);
+    values.push_back(static_cast<float>(value));
+  }
   const Volume volume = Volume::fromDense({3, 4, 5}, lattice, values, facts());
   double density = 0;
   Vec3 gradient;

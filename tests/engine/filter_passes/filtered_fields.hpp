@@ -28,7 +28,7 @@ inline void expectBordersRepeated(const BrickPool& pool, gpu::Transfer& transfer
       const Vec3i in_brick(n % 8, n / 8 % 8, n / 64);
       const Vec3i inside = (first + in_brick).cwiseMin(pool.size() - Vec3i::Ones()) - first;
       const float value = brick[static_cast<std::size_t>(n)];
-      const float nearest = brick[static_cast<std::size_t>((inside.z() * 8 + inside.y()) * 8 + inside.x())];
+      const float nearest = brick[(static_cast<std::size_t>(inside.z()) * 8 + inside.y()) * 8 + inside.x()];
       EXPECT_EQ(std::bit_cast<std::uint32_t>(value), std::bit_cast<std::uint32_t>(nearest))
           << b << ": " << in_brick.transpose();
     }

@@ -149,7 +149,7 @@ TEST(Gradient, OfSomeBricksIsAsOfAll) {
     for (const Vec3i& p : {Vec3i(8, 8, 8), Vec3i(15, 15, 15), Vec3i(12, 10, 9)}) {
       const Vec3i counts = volume.brickCount();
       const Vec3i b = p / 8;
-      if (!some.store.has(static_cast<std::size_t>((b.z() * counts.y() + b.y()) * counts.x() + b.x()))) continue;
+      if (!some.store.has((static_cast<std::size_t>(b.z()) * counts.y() + b.y()) * counts.x() + b.x())) continue;
       EXPECT_EQ(some.at(p.x(), p.y(), p.z()).gradient_j, all.at(p.x(), p.y(), p.z()).gradient_j) << way;
     }
     EXPECT_EQ(some.store.brickCount(), 5U);

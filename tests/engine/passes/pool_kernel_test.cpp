@@ -94,7 +94,7 @@ class Slabs : public testing::Test {
   SampleStore store_{gpu_, pool_.brickCount(), windowBricks()};
   WindowPass window_{gpu_, flat_, store_};  // all its bricks have samples: it reads no pool
   std::size_t stored_slabs_ = 0;
-  gpu::Buffer box_{gpu_, "window", 32 * 32 * 32 * sizeof(Sample), gpu::MemoryKind::kHost};
+  gpu::Buffer box_{gpu_, "window", std::size_t{32} * 32 * 32 * sizeof(Sample), gpu::MemoryKind::kHost};
 };
 
 // The gradient kernel reads quads and single elements of all slabs that there are; for another number of slabs it is

@@ -42,7 +42,7 @@ Volume hill() {
 
 // Every sample that windows show, by voxel.
 std::vector<Sample> allSamples(Engine& engine, const Volume& volume) {
-  const Vec3i size = volume.size();
+  const Vec3i& size = volume.size();
   std::vector<Sample> all(static_cast<std::size_t>(size.prod()));
   for (int k = 0; k < size.z(); k += 32) {
     for (int j = 0; j < size.y(); j += 32) {
@@ -252,7 +252,7 @@ TEST(OtherIsovalueRefusals, NameWhatHangsOnTheFirstOne) {
 TEST(OtherIsovalueRefusals, ComeWhereThereIsNoRoom) {
   const Volume volume = hill();
   const std::uint64_t needs = Engine(volume, makePlan({}), 100, "").budgetedBytes();
-  Engine engine(volume, makePlan({}), 100, "", needs + 2 * kBrickVoxels * sizeof(Sample));
+  Engine engine(volume, makePlan({}), 100, "", needs + std::size_t{2} * kBrickVoxels * sizeof(Sample));
   const auto before = allSamples(engine, volume);
   EXPECT_THAT(refusal(engine, 0, Error::Code::kOutOfMemory), HasSubstr("samples"));
   EXPECT_EQ(engine.isovalue(), 100);

@@ -22,7 +22,7 @@ struct AnalyticSurface {
 };
 
 inline AnalyticSurface planeSurface(const Vec3& p_W, const Vec3& normal) {
-  const Vec3 n = normal.normalized();
+  Vec3 n = normal.normalized();
   return {[=](const Vec3& x_W) { return n.dot(x_W - p_W); }, [=](const Vec3&) { return n; }};
 }
 

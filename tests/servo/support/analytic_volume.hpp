@@ -27,7 +27,7 @@ struct AnalyticVolume {
   std::shared_ptr<const std::vector<double>> samples = nullptr;  // if set, they are used in place of the formula
 
   [[nodiscard]] double sample(const Vec3i& at) const {
-    if (samples) return (*samples)[static_cast<std::size_t>(at.x() + size.x() * (at.y() + size.y() * at.z()))];
+    if (samples) return (*samples)[at.x() + size.x() * (at.y() + size.y() * static_cast<std::size_t>(at.z()))];
     return density(lattice.toWorld(at.cast<double>()));
   }
 

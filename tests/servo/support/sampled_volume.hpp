@@ -27,7 +27,7 @@ inline AnalyticVolume sampledOn(const Sampling& s, const AnalyticSurface& surfac
     const double density = std::clamp(-surface.distance_m(p_W), -s.flat_m, s.flat_m);
     if (s.noise_m == 0) return density;
     const Vec3i at = s.lattice.toIndex(p_W).array().round().cast<int>();
-    const auto number = static_cast<std::uint64_t>(at.x() + s.size.x() * (at.y() + s.size.y() * at.z()));
+    const std::uint64_t number = at.x() + s.size.x() * (at.y() + s.size.y() * static_cast<std::uint64_t>(at.z()));
     return density + s.noise_m * noiseAt(s.seed, number);
   };
   return volume;

@@ -34,9 +34,9 @@ class Seeded {
 
   // A rotation; left-handed: with one column mirrored.
   Mat3 axes(bool left_handed) {
-    Mat3 R = Eigen::AngleAxisd(between(0, std::numbers::pi), direction()).toRotationMatrix();
-    if (left_handed) R.col(pick(3)) *= -1;
-    return R;
+    Mat3 turned = Eigen::AngleAxisd(between(0, std::numbers::pi), direction()).toRotationMatrix();
+    if (left_handed) turned.col(pick(3)) *= -1;
+    return turned;
   }
 
  private:

@@ -75,7 +75,7 @@ TEST(WindowExchange, CountsVersionsAndKeepsEachSlotsSamples) {
   WindowExchange exchange(storage);
   for (int i = 1; i <= 7; ++i) {
     EXPECT_EQ(exchange.nextVersion(), static_cast<std::uint64_t>(i));
-    fillBack(exchange, 3, static_cast<float>(i), 10 * i);
+    fillBack(exchange, 3, static_cast<float>(i), std::int64_t{10} * i);
     exchange.back().samples = nullptr;  // a writer that copies a whole window over it does no harm
     exchange.publish();
     const SampleWindow& window = exchange.latest();
