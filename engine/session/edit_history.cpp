@@ -68,7 +68,7 @@ Engine::EditResult EditHistory::edit(std::span<const EditCommand> commands, std:
     if (joins) {
       Step& last = steps_.back();
       const std::vector<std::uint32_t> more = newBricks(bricks, last.bricks);
-      if (bytesOf(last) + bytesToKeep(more) > budget_bytes_) return;
+      if (bytesOf(last) + bytesToKeep(more) - kStepBytes > budget_bytes_) return;
       added = contentOf(more);
       last.bricks.reserve(last.bricks.size() + added.size());  // so that join() needs no memory
     } else {

@@ -13,7 +13,7 @@ namespace command_line_test {
 using testing::HasSubstr;
 using testing::Not;
 
-const Words kVerbs = {"touch", "edit",  "recover", "info", "convert", "gradient", "filter", "render",
+const Words kVerbs = {"touch", "edit",  "recover", "info", "convert", "gradient", "filter", "render",    "sculpt",
                       "check", "bench", "devices", "plan", "scene",   "faults",   "help",   "completion"};
 const std::vector<Words> kVerbsBelow = {
     {"check", "gradient"}, {"check", "filters"}, {"check", "edits"}, {"check", "all"},     {"bench", "servo"},
