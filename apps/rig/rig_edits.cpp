@@ -78,12 +78,22 @@ RigEdits::Request RigEdits::next() {
   return request;
 }
 
+void RigEdits::doWaiting(std::int64_t now_ns) {
+  while (const Request request = next()) request(now_ns);
+  const std::lock_guard lock(mutex_);
+  noteState();
+}
+
 void RigEdits::look(const ToolPose& pose, std::int64_t now_ns) {
   if (const Request request = next()) request(now_ns);
   if (brush_) stroke(pose, now_ns);
   session_.feedSaver(now_ns);
   listen();
   const std::lock_guard lock(mutex_);
+  noteState();
+}
+
+void RigEdits::noteState() {
   state_.edits = session_.edits();
   state_.can_undo = session_.history().canUndo();
   state_.can_redo = session_.history().canRedo();

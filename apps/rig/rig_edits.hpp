@@ -56,6 +56,8 @@ class RigEdits {
   // To be called with every new pose of the tool: does one request, the tool's edit if one is due, and a save if one is
   // due.
   void look(const ToolPose& pose, std::int64_t now_ns);
+  // After a run: does the requests that still wait.
+  void doWaiting(std::int64_t now_ns);
   // Tells the user what has failed in the background since the last call.
   void listen();
   // Tells the user `text`, like a failure.
@@ -68,6 +70,7 @@ class RigEdits {
   bool ask(Request request);
   [[nodiscard]] Request next();
   void stroke(const ToolPose& pose, std::int64_t now_ns);
+  void noteState();  // the caller holds the lock
   template <typename Change>
   bool tryTo(const char* what, const Change& change);
 

@@ -183,6 +183,7 @@ void SculptSession::close() {
     failure = std::current_exception();
   }
   if (session_) {
+    edits_->doWaiting(0);  // a file that was asked for last
     session_->close();
     if (!journal_.empty() && !isUnsaved(edits_->state())) removeJournal(journal_);
   }
