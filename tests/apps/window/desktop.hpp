@@ -17,10 +17,14 @@ namespace palpate {
 
 struct Screen {
   int width = 0, height = 0;
-  std::vector<std::uint8_t> rgb;  // 3 bytes a pixel, rows from the top
+  std::size_t first = 0, row = 0;  // offset of the first pixel and length of a row [byte]
+  std::string bytes;               // 4 a pixel: blue, green, red
   [[nodiscard]] std::array<int, 3> at(int x, int y) const {
-    const auto i = 3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x));
-    return {rgb.at(i), rgb.at(i + 1), rgb.at(i + 2)};
+    const auto* pixel = reinterpret_cast<const std::uint8_t*>(&bytes.at(offset(x, y)));
+    return {pixel[2], pixel[1], pixel[0]};
+  }
+  [[nodiscard]] std::size_t offset(int x, int y) const {
+    return first + static_cast<std::size_t>(y) * row + 4 * static_cast<std::size_t>(x);
   }
 };
 
