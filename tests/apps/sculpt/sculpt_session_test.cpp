@@ -66,6 +66,16 @@ struct Person {
     session.aim(*hip_W);
     return waitFor([&] { return (Vec3(session.tick().hip_W) - *hip_W).norm() < 1e-5; });
   }
+  // Presses in the middle until it is done. On a busy machine the force may have faded; then the tool is taken out and
+  // put back, as a person would.
+  bool presses(const std::function<bool()>& done) {
+    for (int tries = 0; tries < 20; ++tries) {
+      if (done()) return true;
+      if (!point(60, 45, false) || !point(60, 45, true)) return false;
+      for (int i = 0; i < 1000 && !done(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return done();
+  }
 };
 
 TEST(SculptSession, IsSeenFeltDrilledUndoneAndSaved) {
@@ -78,15 +88,14 @@ TEST(SculptSession, IsSeenFeltDrilledUndoneAndSaved) {
   // 1.5 mm below a surface of 500 N/m are 0.75 N.
   ASSERT_TRUE(person.point(60, 45, false));
   EXPECT_FALSE(person.session.tick().in_contact);
-  ASSERT_TRUE(person.point(60, 45, true));
-  EXPECT_TRUE(waitFor([&] {
+  EXPECT_TRUE(person.presses([&] {
     const TickRecord& tick = person.session.tick();
     return tick.in_contact && std::abs(asVec3(tick.force_W).norm() - 0.75) < 0.1;
   }));
 
   BrushChoice drill{.radius_m = 3e-3, .strength = 1};
   person.session.press(toolBrush(drill, {}));
-  EXPECT_TRUE(waitFor([&] { return person.look().edits.edits >= 1 && !person.session.tick().in_contact; }));
+  EXPECT_TRUE(person.presses([&] { return person.look().edits.edits >= 1 && !person.session.tick().in_contact; }));
   person.session.release();
   ASSERT_TRUE(waitFor([&] {
     const ViewFrame& frame = person.session.view().latest();
@@ -162,9 +171,8 @@ TEST(SculptSession, FollowsAnotherIsovalueAndTellsARefusal) {
 TEST(SculptSession, SavesWhatWasAskedForBeforeItCloses) {
   Person person;
   ASSERT_TRUE(person.seesAll());
-  ASSERT_TRUE(person.point(60, 45, true));
   person.session.press(toolBrush({.radius_m = 3e-3, .strength = 1}, {}));
-  ASSERT_TRUE(waitFor([&] { return person.look().edits.edits >= 1; }));
+  ASSERT_TRUE(person.presses([&] { return person.look().edits.edits >= 1; }));
   person.session.release();
   const std::string file = (person.folder.path() / "last.nrrd").string();
   person.session.save(file);
