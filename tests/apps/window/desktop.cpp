@@ -83,12 +83,13 @@ std::string Desktop::missing() {
 Desktop::Desktop(int width, int height) {
   int numbers[2];
   if (pipe(numbers) != 0) throw std::runtime_error("no pipe");
-  server_ = start({"Xvfb", "-displayfd", std::to_string(numbers[1]), "-screen", "0",
-                   fmt::format("{}x{}x24", width, height), "-fbdir", folder_.path().string(), "-nolisten", "tcp"},
-                  [] {
-                    const int nowhere = open("/dev/null", O_WRONLY);
-                    dup2(nowhere, 2);
-                  });
+  server_ =
+      start({"Xvfb", "-displayfd", std::to_string(numbers[1]), "-screen", "0", fmt::format("{}x{}x24", width, height),
+             "-fbdir", folder_.path().string(), "-nolisten", "tcp", "-noreset"},
+            [] {
+              const int nowhere = open("/dev/null", O_WRONLY);
+              dup2(nowhere, 2);
+            });
   close(numbers[1]);
   char byte = 0;
   while (read(numbers[0], &byte, 1) == 1 && byte != '\n') display_ += byte;
