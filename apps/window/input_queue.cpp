@@ -14,7 +14,7 @@ bool within(int code, const std::array<bool, N>&) {
 const InputState& InputQueue::nextFrame() {
   std::array<bool, InputState::kButtons> button_changed{};
   std::array<bool, InputState::kKeys> key_changed{};
-  bool clicked = false;
+  bool clicked = false, pressed = false;
   state_.wheel_x = state_.wheel_y = 0;
   state_.text.clear();
   for (; !events_.empty(); events_.pop_front()) {
@@ -27,14 +27,16 @@ const InputState& InputQueue::nextFrame() {
         break;
       case InputEvent::Kind::kButton:
         if (!within(event.code, state_.buttons)) break;
-        if (button_changed[event.code]) return state_;
+        if (button_changed[event.code] || (pressed && !event.down)) return state_;
         clicked = button_changed[event.code] = true;
+        pressed |= event.down;
         state_.buttons[event.code] = event.down;
         break;
       case InputEvent::Kind::kKey:
         if (!within(event.code, state_.keys)) break;
-        if (key_changed[event.code]) return state_;
+        if (key_changed[event.code] || clicked || (pressed && !event.down)) return state_;
         key_changed[event.code] = true;
+        pressed |= event.down;
         state_.keys[event.code] = event.down;
         break;
       case InputEvent::Kind::kWheel:

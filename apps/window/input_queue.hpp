@@ -2,8 +2,9 @@
 // apps/window/input_queue.hpp: what a person did, in order, given to the panels frame by frame so that nothing is lost.
 //
 // A key or button that goes down and up between two frames would not be seen: the panels look at states. So a frame
-// takes events only as far as each of its changes can be told: no key or button twice, and no movement behind a button,
-// so that a click is where it was made. What is left comes with the next frame. One thread; no cost.
+// takes events only as far as each of its changes can be told: no key or button twice; nothing is let go behind what
+// was pressed, so that Ctrl is still held when a key counts; and no movement or key behind a button, so that a click is
+// where and how it was made. What is left comes with the next frame. One thread; no cost.
 #pragma once
 
 #include <array>

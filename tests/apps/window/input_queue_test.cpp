@@ -40,6 +40,32 @@ TEST(InputQueue, DifferentKeysChangeTogether) {
   EXPECT_TRUE(state.keys[341] && state.keys[90]);
 }
 
+// Ctrl went down a frame before; it is still held in the frame in which the other key counts, and in that of a click.
+TEST(InputQueue, WhatIsHeldIsHeldUntilWhatWasPressedHasBeenSeen) {
+  InputQueue queue;
+  queue.add(key(341, true));
+  queue.nextFrame();
+  queue.add(key(90, true));
+  queue.add(key(341, false));
+  queue.add(key(90, false));
+  InputState state = queue.nextFrame();
+  EXPECT_TRUE(state.keys[90] && state.keys[341]);
+  state = queue.nextFrame();
+  EXPECT_FALSE(state.keys[90] || state.keys[341]);  // both are let go at once
+  queue.add(key(341, true));
+  queue.nextFrame();
+  queue.add(button(0, true));
+  queue.add(key(341, false));
+  queue.add(key(340, true));
+  state = queue.nextFrame();
+  EXPECT_TRUE(state.buttons[0] && state.keys[341]);
+  EXPECT_FALSE(state.keys[340]);
+  state = queue.nextFrame();
+  EXPECT_FALSE(state.keys[341]);
+  EXPECT_TRUE(state.keys[340]);
+  EXPECT_TRUE(queue.empty());
+}
+
 // A click is made where the pointer was, though it has moved on since.
 TEST(InputQueue, AClickIsWhereItWasMade) {
   InputQueue queue;
