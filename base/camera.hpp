@@ -21,6 +21,8 @@ struct Camera {
   double vertical_fov_rad = 0.5;    // angle between the upper and lower edge [rad]
   int width = 0, height = 0;        // [pixel]
 
+  bool operator==(const Camera&) const = default;
+
   struct Projection {
     double x = 0, y = 0;    // [pixel]
     double distance_m = 0;  // from the camera along the ray, as in RenderedImage [m]

@@ -166,21 +166,25 @@ void main() {
   const Span span = spanOf(ray, spacing);
   const vec3 forward = vec3(push.rays.corner_x, push.rays.corner_y, push.rays.corner_z) + 0.5 * (size.x * right + size.y * down);
   const Frame frame = Frame(direction, normalize(right), normalize(down), forward, spacing);
-  const Hit hit = firstHit(0, push.isovalue, ray, span);
-  vec4 colour = isinf(hit.t_m) ? kBackground : surfaceColour(frame, push.isovalue, hit.cell, hit.place, span.normal, kBone);
-  float t_m = hit.t_m;
-  if (kSlices > 0) {
-    const Slice slice = firstSlice(ray, span);
-    if (slice.t_m <= (hit.cell.x < 0 ? t_m + slackOf(ray) : t_m)) {  // it is seen on a cut face in its own plane
-      t_m = slice.t_m;
-      colour = slice.colour;
+  vec4 colour = kBackground;
+  float t_m = kInfinity;
+  // The two surfaces in one loop: drivers compile its body, which is most of this kernel, once.
+  [[dont_unroll]] for (int turn = 0; turn <= int(kOther); ++turn) {
+    const int which = kOther > 0 ? turn : 0;  // known to the compiler where there is one surface
+    const bool is_first = which == 0;
+    const float isovalue = is_first ? push.isovalue : extras.other_isovalue;
+    const Hit hit = firstHit(which, isovalue, ray, span);
+    if (hit.t_m < t_m) {
+      const vec4 surface = surfaceColour(frame, isovalue, hit.cell, hit.place, span.normal, is_first ? kBone : kSkin);
+      colour = is_first ? surface : vec4(mix(colour.rgb, surface.rgb, extras.other_opacity), 1);
+      if (is_first) t_m = hit.t_m;
     }
-  }
-  if (kOther > 0) {
-    const Hit other = firstHit(1, extras.other_isovalue, ray, span);
-    if (other.t_m < t_m) {
-      const vec4 skin = surfaceColour(frame, extras.other_isovalue, other.cell, other.place, span.normal, kSkin);
-      colour = vec4(mix(colour.rgb, skin.rgb, extras.other_opacity), 1);
+    if (kSlices > 0 && is_first) {
+      const Slice slice = firstSlice(ray, span);
+      if (slice.t_m <= (hit.cell.x < 0 ? t_m + slackOf(ray) : t_m)) {  // it is seen on a cut face in its own plane
+        t_m = slice.t_m;
+        colour = slice.colour;
+      }
     }
   }
   const PicturePixel drawn = PicturePixel(packUnorm4x8(colour), t_m);

@@ -3,6 +3,7 @@
 
 #include "apps/bench/edit_bench.hpp"
 #include "apps/bench/field_bench.hpp"
+#include "apps/bench/live_bench.hpp"
 #include "apps/bench/load_bench.hpp"
 #include "apps/bench/loop_bench.hpp"
 #include "apps/bench/render_bench.hpp"
@@ -82,6 +83,18 @@ in turns, in one process; medians.
 it is no error of the kernel alone.
 *Holes*: pixels without a hit though the exact ray goes deeper than half a voxel; *false*: pixels with one though it stays
 farther out than that.)";
+
+constexpr const char* kLiveIntroduction = R"(
+A sculpting session as its window has it, without the window: the tool drills along a circle on the surface, 1 mm deep,
+while nothing is drawn, while the camera stands, and while it turns by 0.6 radian a second; in turns, each in a session
+of its own.
+`between`: mean time between pictures; while the camera stands only whole ones count, while it turns the first one of
+each camera.
+`to pixel`: from an edit to the first picture that shows it.
+`settling`: from the camera's last movement to a whole picture.
+`ready`: from the request to the first whole picture.
+`late`, `age`: lateness of the servo's ticks, and age of its window of samples; ratios: over those of the session of the
+same turn in which nothing is drawn.)";
 
 // What the user asked for, in a bench's own request.
 template <auto kRun, class Request>
@@ -163,7 +176,15 @@ const std::vector<Bench>& benches() {
        .takes = {"gpu", "sizes"},
        .run = run<runRenderBench, RenderBenchRequest>,
        .table = renderTable,
-       .chart = renderChart}};
+       .chart = renderChart},
+      {.name = "live",
+       .help = "pictures and servo while a session drills (two minutes; --quick: seconds)",
+       .title = "How smooth a sculpting session is",
+       .introduction = asParagraph(kLiveIntroduction),
+       .takes = {"seconds", "gpu"},
+       .run = run<runLiveBench, LiveBenchRequest>,
+       .table = liveTable,
+       .chart = liveChart}};
   return kBenches;
 }
 

@@ -8,6 +8,7 @@
 
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -17,11 +18,15 @@
 
 namespace palpate {
 
-// How tables show a figure. One blank separates columns.
+// How tables show a figure. Look(): not at all.
 struct Look {
-  std::string heading = {}, unit = {};  // if any column has a unit, a line of units follows the headings
-  int width = 0;                        // in characters; negative: aligned to the left; 0: not shown in tables
-  int digits = -1;                      // after the decimal point; -1: as few as needed
+  Look() = default;
+  Look(std::string head, std::string in, int after_point = -1)
+      : heading(std::move(head)), unit(std::move(in)), digits(after_point), is_shown(true) {}
+
+  std::string heading, unit;  // if any column has a unit, a line of units follows the headings
+  int digits = -1;            // after the decimal point; -1: as few as needed
+  bool is_shown = false;
 };
 
 template <class Row>
@@ -66,12 +71,12 @@ template <class Any, class... More>
 // Columns of a table. A column without a function shows the figure of its key.
 using TableColumns = Columns<BenchRow>;
 
-// The columns that tables show.
+// Those of them that tables show.
 template <class Row>
 [[nodiscard]] TableColumns shown(const Columns<Row>& columns) {
   TableColumns list;
   for (const Column<Row>& column : columns) {
-    if (column.look.width != 0) list.push_back({column.key, nullptr, column.look});
+    if (column.look.is_shown) list.push_back({column.key, nullptr, column.look});
   }
   return list;
 }
@@ -82,9 +87,10 @@ struct Table {
   std::function<std::string(const BenchRow&)> title{};  // of a row; where it changes, title and headings are repeated
 };
 
-[[nodiscard]] std::string tableText(const BenchResult& result, const Table& table);  // "" without rows
+// "" without rows. Each column is as wide as its widest cell, one blank apart; texts are aligned to the left.
+[[nodiscard]] std::string tableText(const BenchResult& result, const Table& table);
 
-// One cell: the figure of `key` in a row.
+// The figure of `key` in a row, in so many characters; negative: aligned to the left.
 [[nodiscard]] std::string cellText(const BenchRow& row, const std::string& key, int width, int digits = -1);
 
 // Puts cells of several rows into one line: a line for each name, in the order in which the names are first added.

@@ -56,25 +56,25 @@ struct Stage {
   const char* charted;  // its name in the chart; "": not in the chart
   Look look;
 };
-const Stage kStages[] = {{"to_window", "to window", {"to win.", "ms", 8, 3}},
-                         {"plan", "plan", {"plan", "ms", 7, 3}},
-                         {"record", "record", {"record", "ms", 6, 3}},
-                         {"submit_and_wait", "submit, wait", {"wait", "ms", 6, 3}},
-                         {"edit_kernel", "edit kernel", {"edit", "ms", 7, 3}},
-                         {"bounds_kernel", "bounds kernel", {"bounds", "ms", 6, 3}},
-                         {"gradient_kernel", "gradient kernel", {"grad.", "ms", 6, 3}},
-                         {"window_kernel", "window kernel", {"window", "ms", 6, 3}},
-                         {"publish", "publish", {"publish", "ms", 8, 3}},
-                         {"settle", "", {"settle", "ms", 7, 3}},
-                         {"read_back", "VDB read-back", {"r.back", "ms", 7, 3}},
-                         {"journal", "", {"journal", "ms", 8, 3}},
-                         {"journal_saved", "journal on disk", {"on disk", "ms", 7, 2}},
-                         {"sum", "", {"sum", "ms", 7, 3}}};
+const Stage kStages[] = {{"to_window", "to window", {"to win.", "ms", 3}},
+                         {"plan", "plan", {"plan", "ms", 3}},
+                         {"record", "record", {"record", "ms", 3}},
+                         {"submit_and_wait", "submit, wait", {"wait", "ms", 3}},
+                         {"edit_kernel", "edit kernel", {"edit", "ms", 3}},
+                         {"bounds_kernel", "bounds kernel", {"bounds", "ms", 3}},
+                         {"gradient_kernel", "gradient kernel", {"grad.", "ms", 3}},
+                         {"window_kernel", "window kernel", {"window", "ms", 3}},
+                         {"publish", "publish", {"publish", "ms", 3}},
+                         {"settle", "", {"settle", "ms", 3}},
+                         {"read_back", "VDB read-back", {"r.back", "ms", 3}},
+                         {"journal", "", {"journal", "ms", 3}},
+                         {"journal_saved", "journal on disk", {"on disk", "ms", 2}},
+                         {"sum", "", {"sum", "ms", 3}}};
 
 Columns<EditFigures> stageColumns() {
   Columns<EditFigures> columns;
   for (const Stage& stage : kStages) {
-    const Look p99 = &stage == kStages ? Look{"p99", "ms", 7, 3} : Look{};
+    const Look p99 = &stage == kStages ? Look("p99", "ms", 3) : Look();
     columns = joined(columns, percentileColumns<EditFigures>(
                                   stage.key, "ms", [key = stage.key](const EditFigures& f) { return f.of(key); },
                                   {{"median", &Percentiles::p50, stage.look}, {"p99", &Percentiles::p99, p99}}));
@@ -87,20 +87,20 @@ const Columns<EditFigures>& editColumns() {
       Columns<EditFigures>{
           {"volume_voxel", &EditFigures::size},
           {"gradients", &EditFigures::gradients},
-          {"radius_voxel", &EditFigures::radius, {"radius", "voxel", 6}},
+          {"radius_voxel", &EditFigures::radius, {"radius", "voxel"}},
           {"edits", &EditFigures::edits},
           {"windows_published", &EditFigures::published},
-          {"changed_bricks_median", [](const auto& f) { return median(f.bricks); }, {"bricks", "", 7}}},
+          {"changed_bricks_median", [](const auto& f) { return median(f.bricks); }, {"bricks", ""}}},
       stageColumns(),
       Columns<EditFigures>{
           {"recomputes", [](const auto& f) { return static_cast<std::int64_t>(f.recompute_ms.size()); }},
-          {"recompute_median_ms", [](const auto& f) { return percentiles(f.recompute_ms).p50; }, {"anew", "ms", 9, 2}},
+          {"recompute_median_ms", [](const auto& f) { return percentiles(f.recompute_ms).p50; }, {"anew", "ms", 2}},
           {"recompute_p99_ms", [](const auto& f) { return percentiles(f.recompute_ms).p99; }},
           {"recompute_over_edit",
            [](const auto& f) { return percentiles(f.recompute_ms).p50 / f.of("to_window").p50; },
-           {"times", "dearer", 6, 0}},
-          {"share_outside_kernels", [](const auto& f) { return median(f.share_outside); }, {"outside", "share", 8, 2}},
-          {"gpu_memory_MiB", &EditFigures::gpu_memory_MiB, {"GPU", "MiB", 7, 0}},
+           {"times", "dearer", 0}},
+          {"share_outside_kernels", [](const auto& f) { return median(f.share_outside); }, {"outside", "share", 2}},
+          {"gpu_memory_MiB", &EditFigures::gpu_memory_MiB, {"GPU", "MiB", 0}},
           {"bricks_not_put_back", &EditFigures::not_put_back},
           {"seed", &EditFigures::seed}});
   return kColumns;
@@ -351,7 +351,7 @@ BenchResult runEditBench(const EditBenchRequest& request, Progress& progress) {
 }
 
 std::string editTable(const BenchResult& result) {
-  return tableText(result, {{"edit"}, joined(TableColumns{{"", nameOf, {"volume", "", -10}}}, shown(editColumns()))});
+  return tableText(result, {{"edit"}, joined(TableColumns{{"", nameOf, {"volume", ""}}}, shown(editColumns()))});
 }
 
 std::string editChart(const BenchResult& result) {

@@ -43,30 +43,30 @@ const Columns<FieldRow> kWhoColumns = {{"job", &FieldRow::job},
                                        {"way", [](const FieldRow& row) { return row.of->way; }}};
 const Columns<FieldRow> kTimesColumns = {
     {"threads_allowed", &FieldRow::threads},
-    {"rounds", [](const FieldRow& row) { return static_cast<std::int64_t>(row.of->wall_ms.size()); }, {"runs", "", 5}},
-    {"median_ms", [](const FieldRow& row) { return row.wall_ms(0.5); }, {"median ms", "", 9, 1}},
+    {"rounds", [](const FieldRow& row) { return static_cast<std::int64_t>(row.of->wall_ms.size()); }, {"runs", ""}},
+    {"median_ms", [](const FieldRow& row) { return row.wall_ms(0.5); }, {"median ms", "", 1}},
     {"min_ms", [](const FieldRow& row) { return row.wall_ms(0); }},
-    {"lower_quartile_ms", [](const FieldRow& row) { return row.wall_ms(0.25); }, {"1st quart", "", 9, 1}},
-    {"upper_quartile_ms", [](const FieldRow& row) { return row.wall_ms(0.75); }, {"3rd quart", "", 9, 1}},
-    {"cpu_median_ms", [](const FieldRow& row) { return row.cpu_ms(); }, {"cpu ms", "", 9, 1}},
+    {"lower_quartile_ms", [](const FieldRow& row) { return row.wall_ms(0.25); }, {"1st quart", "", 1}},
+    {"upper_quartile_ms", [](const FieldRow& row) { return row.wall_ms(0.75); }, {"3rd quart", "", 1}},
+    {"cpu_median_ms", [](const FieldRow& row) { return row.cpu_ms(); }, {"cpu ms", "", 1}},
     {"processors_busy", [](const FieldRow& row) { return row.cpu_ms() / row.wall_ms(0.5); }}};
 const Columns<FieldRow> kMovedColumns = {
     {"moved_MB", [](const FieldRow& row) { return row.moved_bytes * 1e-6; }},
     {"moved_GB_per_s", [](const FieldRow& row) { return row.moved_bytes / row.wall_ms(0.5) * 1e-6; }},
     {"share_of_copy",
      [](const FieldRow& row) { return row.moved_bytes / row.wall_ms(0.5) / row.copy_bytes_per_ms; },
-     {"of copy", "", 7, 3}}};
+     {"of copy", "", 3}}};
 const Columns<FieldRow> kPaceColumns = {
     {"ns_per_voxel",
      [](const FieldRow& row) { return 1e6 * row.wall_ms(0.5) / static_cast<double>(row.voxels); },
-     {"ns/voxel", "", 8, 2}}};
+     {"ns/voxel", "", 2}}};
 const Columns<FieldRow> kAgainstColumns = {
     {"palpate_over_this",
      [](const FieldRow& row) { return median(row.own->wall_ms) / row.wall_ms(0.5); },
-     {"Palpate/this", "", 12, 2}},
+     {"Palpate/this", "", 2}},
     {"palpate_over_this_cpu",
      [](const FieldRow& row) { return row.cpu_ms() > 0 ? median(row.own->cpu_ms) / row.cpu_ms() : std::nan(""); },
-     {"by cpu", "", 7, 2}}};
+     {"by cpu", "", 2}}};
 
 void addRow(BenchResult& result, const FieldRow& of) {
   const bool measured = !of.of->wall_ms.empty();
@@ -227,8 +227,8 @@ std::string fieldTable(const BenchResult& result) {
     return fmt::format("{}, {}", textOf(row, "job"), textOf(row, "volume"));
   };
   return tableText(result, {{"run", "left out"},
-                            joined(TableColumns{{"", whoInTable, {"", "", -73}}}, shown(kTimesColumns),
-                                   shown(kPaceColumns), TableColumns{{"", movedInTable, {"moved MiB", "", 9, 1}}},
+                            joined(TableColumns{{"", whoInTable, {"", ""}}}, shown(kTimesColumns),
+                                   shown(kPaceColumns), TableColumns{{"", movedInTable, {"moved MiB", "", 1}}},
                                    shown(kMovedColumns), shown(kAgainstColumns)),
                             title});
 }

@@ -52,16 +52,16 @@ struct LoadRow {
 
 const Columns<LoadRow>& loadColumns() {
   static const Columns<LoadRow> kColumns = {
-      {"format", &LoadRow::format, {"format", "", -8}},
-      {"volume_voxel", &LoadRow::size, {"edge", "voxel", 6}},
+      {"format", &LoadRow::format, {"format", ""}},
+      {"volume_voxel", &LoadRow::size, {"edge", "voxel"}},
       {"file_bytes", &LoadRow::file_bytes},
       {"repetitions", &LoadRow::repetitions},
-      {"library_median_s", [](const LoadRow& row) { return row.library_s.p50; }, {"library", "s", 10, 3}},
+      {"library_median_s", [](const LoadRow& row) { return row.library_s.p50; }, {"library", "s", 3}},
       {"library_max_s", [](const LoadRow& row) { return row.library_s.max; }},
-      {"load_median_s", [](const LoadRow& row) { return row.load_s.p50; }, {"load", "s", 9, 3}},
+      {"load_median_s", [](const LoadRow& row) { return row.load_s.p50; }, {"load", "s", 3}},
       {"load_max_s", [](const LoadRow& row) { return row.load_s.max; }},
-      {"load_first_s", &LoadRow::first_load_s, {"first", "s", 9, 3}},
-      {"load_over_library", [](const LoadRow& row) { return row.load_s.p50 / row.library_s.p50; }, {"ratio", "", 8, 2}},
+      {"load_first_s", &LoadRow::first_load_s, {"first", "s", 3}},
+      {"load_over_library", [](const LoadRow& row) { return row.load_s.p50 / row.library_s.p50; }, {"ratio", "", 2}},
       {"seed", &LoadRow::seed}};
   return kColumns;
 }

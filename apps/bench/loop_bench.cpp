@@ -64,17 +64,17 @@ Column<Side> quantileOfTurns(const char* word, double q) {
 
 const Columns<Side>& sideColumns() {
   static const Columns<Side> kColumns = {
-      {"rate_hz", &Side::rate_hz, {"rate", "Hz", 7}},
-      {"wakeups", [](const Side& side) { return side.lateness.total(); }, {"wake-ups", "", 9}},
-      lateness("median", 0.5, {"median", "us", 8}),
-      lateness("p90", 0.9, {"p90", "us", 7}),
-      lateness("p99", 0.99, {"p99", "us", 7}),
-      lateness("p999", 0.999, {"p99.9", "us", 8}),
-      lateness("max", 1, {"max", "us", 8}),
+      {"rate_hz", &Side::rate_hz, {"rate", "Hz"}},
+      {"wakeups", [](const Side& side) { return side.lateness.total(); }, {"wake-ups", ""}},
+      lateness("median", 0.5, {"median", "us"}),
+      lateness("p90", 0.9, {"p90", "us"}),
+      lateness("p99", 0.99, {"p99", "us"}),
+      lateness("p999", 0.999, {"p99.9", "us"}),
+      lateness("max", 1, {"max", "us"}),
       quantileOfTurns("quartile_1", 0.25),
       quantileOfTurns("median", 0.5),
       quantileOfTurns("quartile_3", 0.75),
-      {"deadline_misses", [](const Side& side) { return side.lateness.misses(side.rate_hz); }, {"misses", "", 8}}};
+      {"deadline_misses", [](const Side& side) { return side.lateness.misses(side.rate_hz); }, {"misses", ""}}};
   return kColumns;
 }
 
@@ -95,7 +95,7 @@ const Columns<LoopSide>& loopColumns() {
           {"skipped_ticks", &LoopSide::skipped},
           {"windows_published", &LoopSide::windows},
           {"lateness_exact_p99_us", [](const LoopSide& side) { return percentiles(side.exact_lateness_us).p99; }}},
-      percentilesOf("tick_cost", "us", &LoopSide::tick_cost_us, {"cost p50", "us", 10, 2}, {"cost p99", "us", 9, 2}),
+      percentilesOf("tick_cost", "us", &LoopSide::tick_cost_us, {"cost p50", "us", 2}, {"cost p99", "us", 2}),
       percentilesOf("window_age", "ms", &LoopSide::window_age_ms),
       percentilesOf("plane_age", "ticks", &LoopSide::plane_age_ticks));
   return kColumns;
@@ -298,7 +298,7 @@ BenchResult runLoopBench(const LoopBenchRequest& request, Progress& progress) {
 std::string loopTable(const BenchResult& result) {
   std::string text = tableText(
       result, {{"loop", "cyclictest"},
-               joined(TableColumns{{"part", nullptr, {"", "", -11}}}, shown(sideColumns()), shown(loopColumns()))});
+               joined(TableColumns{{"part", nullptr, {"", ""}}}, shown(sideColumns()), shown(loopColumns()))});
   for (const BenchRow* row : rowsOf(result, "loop")) {
     text += fmt::format(
         "{:g} Hz: windows {:g}, "

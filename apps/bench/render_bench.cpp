@@ -51,26 +51,26 @@ double errorOf(const RenderRow& row, double Percentiles::*figure) {
 
 const Columns<RenderRow>& renderColumns() {
   static const Columns<RenderRow> kColumns = {
-      {"volume", &RenderRow::volume, {"volume", "", -26}},
-      {"view", &RenderRow::view, {"view", "", 4}},
-      {"kernel", &RenderRow::kernel, {"kernel", "", -17}},
+      {"volume", &RenderRow::volume, {"volume", ""}},
+      {"view", &RenderRow::view, {"view", ""}},
+      {"kernel", &RenderRow::kernel, {"kernel", ""}},
       {"pixels", &RenderRow::pixels},
-      {"hit_share", &RenderRow::hit_share, {"hit", "-", 6, 2}},
+      {"hit_share", &RenderRow::hit_share, {"hit", "-", 2}},
       {"repetitions", &RenderRow::repetitions},
-      {"time_median_us_a_pixel", [](const RenderRow& row) { return row.us_a_pixel.p50; }, {"time", "us/pixel", 9, 3}},
-      {"time_max_us_a_pixel", [](const RenderRow& row) { return row.us_a_pixel.max; }, {"max", "us/pixel", 9, 3}},
-      {"time_over_before", &RenderRow::over_before, {"ratio", "-", 6, 2}},
+      {"time_median_us_a_pixel", [](const RenderRow& row) { return row.us_a_pixel.p50; }, {"time", "us/pixel", 3}},
+      {"time_max_us_a_pixel", [](const RenderRow& row) { return row.us_a_pixel.max; }, {"max", "us/pixel", 3}},
+      {"time_over_before", &RenderRow::over_before, {"ratio", "-", 2}},
       {"error_median_voxel",
        [](const RenderRow& row) { return errorOf(row, &Percentiles::p50); },
-       {"error", "voxel", 8, 4}},
-      {"error_p99_voxel", [](const RenderRow& row) { return errorOf(row, &Percentiles::p99); }, {"p99", "voxel", 8, 3}},
-      {"error_max_voxel", [](const RenderRow& row) { return errorOf(row, &Percentiles::max); }, {"max", "voxel", 8, 2}},
+       {"error", "voxel", 4}},
+      {"error_p99_voxel", [](const RenderRow& row) { return errorOf(row, &Percentiles::p99); }, {"p99", "voxel", 3}},
+      {"error_max_voxel", [](const RenderRow& row) { return errorOf(row, &Percentiles::max); }, {"max", "voxel", 2}},
       {"holes",
        [](const RenderRow& row) { return row.errors ? static_cast<std::int64_t>(row.errors->holes) : 0; },
-       {"holes", "", 6}},
+       {"holes", ""}},
       {"false_hits",
        [](const RenderRow& row) { return row.errors ? static_cast<std::int64_t>(row.errors->false_hits) : 0; },
-       {"false", "", 6}},
+       {"false", ""}},
       {"seed", &RenderRow::seed}};
   return kColumns;
 }

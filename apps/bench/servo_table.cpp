@@ -32,7 +32,7 @@ constexpr PaperRow kPaper[] = {
 };
 
 TableColumns nameColumns() {
-  return {{"algorithm", nullptr, {"algorithm", "", -14}}, {"n_ticks", nullptr, {"n", "", 4}}};
+  return {{"algorithm", nullptr, {"algorithm", ""}}, {"n_ticks", nullptr, {"n", ""}}};
 }
 
 // Ticks of the slide without contact [%]. In all of them the tool is below the surface.
@@ -52,14 +52,14 @@ Table tickTable() {
 // By volume, noise and depth.
 Table pressTable() {
   return {{"press"},
-          joined(nameColumns(), TableColumns{{"vhip_error_median_voxel", nullptr, {"VHIP", "voxel", 8, 3}},
-                                             {"vhip_error_p99_voxel", nullptr, {"p99", "voxel", 7, 3}},
-                                             {"force_angle_median_deg", nullptr, {"angle", "deg", 8, 2}},
-                                             {"force_angle_p99_deg", nullptr, {"p99", "deg", 7, 2}},
-                                             {"force_angle_max_deg", nullptr, {"max", "deg", 7, 1}},
-                                             {"force_jump_max_N", nullptr, {"jump", "N", 8, 3}},
-                                             {"", lostPercent, {"lost", "%", 7, 1}},
-                                             {"fall_throughs", nullptr, {"falls", "", 6}}}),
+          joined(nameColumns(), TableColumns{{"vhip_error_median_voxel", nullptr, {"VHIP", "voxel", 3}},
+                                             {"vhip_error_p99_voxel", nullptr, {"p99", "voxel", 3}},
+                                             {"force_angle_median_deg", nullptr, {"angle", "deg", 2}},
+                                             {"force_angle_p99_deg", nullptr, {"p99", "deg", 2}},
+                                             {"force_angle_max_deg", nullptr, {"max", "deg", 1}},
+                                             {"force_jump_max_N", nullptr, {"jump", "N", 3}},
+                                             {"", lostPercent, {"lost", "%", 1}},
+                                             {"fall_throughs", nullptr, {"falls", ""}}}),
           [](const BenchRow& row) {
             const double seeds = figureOf(row, "seeds");
             return fmt::format("{}, noise {:g} voxel, {:g} voxels deep, {:g} {}", textOf(row, "volume"),

@@ -94,14 +94,14 @@ const Columns<TickCost>& costColumns() {
   using C = TickCost;
   using P = Percentiles;
   static const Columns<C> kColumns =
-      joined(Columns<C>{{"cost_ns", [](const C& cost) { return spreadOf(cost.batch_ns).median; }, {"mean", "ns", 8, 1}},
+      joined(Columns<C>{{"cost_ns", [](const C& cost) { return spreadOf(cost.batch_ns).median; }, {"mean", "ns", 1}},
                         {"cost_quartile_1_ns", [](const C& cost) { return spreadOf(cost.batch_ns).low; }},
                         {"cost_quartile_3_ns", [](const C& cost) { return spreadOf(cost.batch_ns).high; }}},
              percentileColumns<C>("tick", "ns", &C::fastest_ns,
                                   {{"median", &P::p50},
-                                   {"p99", &P::p99, {"p99", "ns", 7, 0}},
-                                   {"p999", &P::p999, {"p99.9", "ns", 7, 0}},
-                                   {"max", &P::max, {"max", "ns", 7, 0}}}),
+                                   {"p99", &P::p99, {"p99", "ns", 0}},
+                                   {"p999", &P::p999, {"p99.9", "ns", 0}},
+                                   {"max", &P::max, {"max", "ns", 0}}}),
              percentileColumns<C>("tick_raw", "ns", &C::raw_ns,
                                   {{"median", &P::p50}, {"p99", &P::p99}, {"p999", &P::p999}, {"max", &P::max}}));
   return kColumns;

@@ -102,19 +102,19 @@ const Columns<TouchErrors>& errorColumns() {
   static const Columns<E> kColumns = {
       {"ticks", &E::ticks},
       {"contact_ticks", &E::contact_ticks},
-      percentile("vhip_error_median_voxel", &E::vhip_voxel, &P::p50, {"VHIP", "voxel", 8, 4}),
-      percentile("vhip_error_p99_voxel", &E::vhip_voxel, &P::p99, {"p99", "voxel", 7, 4}),
-      percentile("force_error_median_percent", &E::force_percent, &P::p50, {"force", "%", 8, 3}),
-      percentile("force_error_p99_percent", &E::force_percent, &P::p99, {"p99", "%", 7, 3}),
+      percentile("vhip_error_median_voxel", &E::vhip_voxel, &P::p50, {"VHIP", "voxel", 4}),
+      percentile("vhip_error_p99_voxel", &E::vhip_voxel, &P::p99, {"p99", "voxel", 4}),
+      percentile("force_error_median_percent", &E::force_percent, &P::p50, {"force", "%", 3}),
+      percentile("force_error_p99_percent", &E::force_percent, &P::p99, {"p99", "%", 3}),
       {"force_off_max", [](const E& e) { return e.force_percent.count > 0 ? e.force_off_max : kNone; }},
-      percentile("force_angle_median_deg", &E::angle_deg, &P::p50, {"angle", "deg", 8, 2}),
-      percentile("force_angle_p99_deg", &E::angle_deg, &P::p99, {"p99", "deg", 7, 2}),
+      percentile("force_angle_median_deg", &E::angle_deg, &P::p50, {"angle", "deg", 2}),
+      percentile("force_angle_p99_deg", &E::angle_deg, &P::p99, {"p99", "deg", 2}),
       percentile("force_angle_max_deg", &E::angle_deg, &P::max),
-      {"force_jump_max_N", &E::force_jump_max_N, {"jump", "N", 8, 3}},
+      {"force_jump_max_N", &E::force_jump_max_N, {"jump", "N", 3}},
       {"exact_force_jump_max_N", &E::exact_force_jump_max_N},
       {"missed_ticks", &E::missed_ticks},
       {"fading_fault_ticks", &E::fading_ticks},
-      {"fall_throughs", &E::falls, {"falls", "", 7}}};
+      {"fall_throughs", &E::falls, {"falls", ""}}};
   return kColumns;
 }
 

@@ -25,6 +25,7 @@ void Progress::show(const std::string& text) {
 }
 
 void Progress::stage(const std::string& what) {
+  if (tell_) tell_(stage_ = oneLine(what), 0);
   if (stream_ == nullptr) return;
   stage_ = oneLine(what);
   since_ = Stopwatch();
@@ -36,6 +37,7 @@ void Progress::stage(const std::string& what) {
 }
 
 void Progress::fraction(double done) {
+  if (tell_) tell_(stage_, done);
   if (stream_ == nullptr) return;
   if (terminal_) {
     show(fmt::format("{} ... {:3.0f} %", stage_, 100 * done));

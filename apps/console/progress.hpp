@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <functional>
 #include <string>
+#include <utility>
 
 #include "base/stopwatch.hpp"
 
@@ -16,6 +17,9 @@ class Progress {
   // `every_s`: interval between lines of a long stage where there is no terminal [s].
   // Without a stream nothing is shown.
   explicit Progress(std::FILE* stream = stderr, double every_s = 5);
+  // Calls `tell` for every stage and fraction instead, which may throw to cancel.
+  using Tell = std::function<void(const std::string& stage, double done)>;
+  explicit Progress(Tell tell) : Progress(nullptr) { tell_ = std::move(tell); }
   ~Progress();  // ends the line
 
   void stage(const std::string& what);  // "loading skull.inv3"
@@ -26,6 +30,7 @@ class Progress {
   void show(const std::string& text);
 
   std::FILE* stream_;
+  Tell tell_;  // empty: nobody
   bool terminal_;
   double every_s_;
   Stopwatch since_;  // since the stage began or its last fraction was shown

@@ -20,7 +20,7 @@ void checkOptions(const ConvertRequest& request) {
   const bool mesh = isMeshFileName(request.out);
   if (!mesh && !isVolumeFileName(request.out)) {
     refuse(request.out, "its suffix names no format that can be written",
-           fmt::format("use {} for the volume, {} for the isosurface", kVolumeFileSuffixes, kMeshFileSuffixes));
+           fmt::format("use {} for the volume, {} for the isosurface", volumeFileSuffixes(), kMeshFileSuffixes));
   }
   if (!mesh && request.isovalue) refuse("--iso", "a volume has no isovalue", "leave it out, or write a mesh");
   if (!mesh && request.adaptivity) refuse("--adaptivity", "a volume has none", "leave it out, or write a mesh");

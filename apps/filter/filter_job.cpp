@@ -27,7 +27,7 @@ FilterResult filterFile(const FilterRequest& request, Progress& progress) {
   const std::vector<FilterSpec> chain = filterChain(request.filter);
   if (!isVolumeFileName(request.out)) {
     throw Error(Error::Code::kBadInput, request.out, "its suffix names no format that can be written",
-                fmt::format("use {}", kVolumeFileSuffixes));
+                fmt::format("use {}", volumeFileSuffixes()));
   }
   if (request.isovalue) checkIsovalueIsUsed(chain, request.filter);
   checkNotInput(request.in, request.out);

@@ -4,6 +4,8 @@
 
 #include "apps/console/message.hpp"
 #include "apps/convert/convert_job.hpp"
+#include "apps/mesh/mesh_writer.hpp"
+#include "engine/files/volume_file.hpp"
 #include "verbs.hpp"
 #include "volume_options.hpp"
 
@@ -15,7 +17,7 @@ void addConvertVerb(CLI::App& app) {
   auto unit = std::make_shared<std::string>();
   verb->add_option("in", request->in, "file, DICOM folder or 'phantom:NAME?size=64'")->required();
   verb->add_option("out", request->out,
-                   "the volume: .vdb .nii .nii.gz .nrrd .mha; a closed mesh of its isosurface: .stl .obj .ply")
+                   fmt::format("the volume: {}; a closed mesh of its isosurface: {}", volumeFileSuffixes(), kMeshFileSuffixes))
       ->required();
   verb->add_option("--iso", request->isovalue,
                    "isovalue of the mesh [density]; as `palpate touch` chooses it if not given");

@@ -5,6 +5,7 @@
 #include "apps/console/document.hpp"
 #include "apps/console/message.hpp"
 #include "apps/edit/edit_words.hpp"
+#include "apps/mesh/mesh_writer.hpp"
 #include "base/byte_size.hpp"
 #include "base/error.hpp"
 #include "engine/edit/edit_keys.hpp"
@@ -57,7 +58,7 @@ Example: palpate edit phantom:head head.vdb --do remove:radius=12mm:at=0,-80,0 -
   EditRequest& request = arguments->request;
   verb->add_option("in", request.in, "file, DICOM folder or 'phantom:NAME?size=64'")->required();
   verb->add_option("out", request.out,
-                   "the edited volume: .vdb .nii .nii.gz .nrrd .mha; or its isosurface: .stl .obj .ply")
+                   fmt::format("the edited volume: {}; or its isosurface: {}", volumeFileSuffixes(), kMeshFileSuffixes))
       ->required();
   verb->add_option("--do", request.commands, "a command; as often as wanted, in this order")
       ->type_name("COMMAND")

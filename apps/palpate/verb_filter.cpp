@@ -4,6 +4,7 @@
 
 #include "apps/console/message.hpp"
 #include "apps/filter/filter_job.hpp"
+#include "engine/files/volume_file.hpp"
 #include "engine/filter/filter_spec.hpp"
 #include "verbs.hpp"
 #include "volume_options.hpp"
@@ -28,7 +29,7 @@ void addFilterVerb(CLI::App& app) {
   verb->footer(filterList());
   auto request = std::make_shared<FilterRequest>();
   verb->add_option("in", request->in, "file, DICOM folder or 'phantom:NAME?size=64'")->required();
-  verb->add_option("-o,--out", request->out, "the volume to write: .vdb .nii .nii.gz .nrrd .mha")->required();
+  verb->add_option("-o,--out", request->out, "the volume to write: " + volumeFileSuffixes())->required();
   verb->add_option("--filter", request->filter, "chain of filters: \"gaussian:0.8mm\"")->required();
   verb->add_option("--iso", request->isovalue,
                    "where the object begins, for a distance (default: the volume's own) [density]");

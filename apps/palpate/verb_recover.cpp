@@ -95,7 +95,7 @@ void addRecoverVerb(CLI::App& app) {
       ->required()
       ->type_name("DIR");
   verb->add_option("--out", arguments->out,
-                   "the volume: .vdb .nii .nii.gz .nrrd .mha; or its isosurface: .stl .obj .ply")
+                   fmt::format("the volume: {}; or its isosurface: {}", volumeFileSuffixes(), kMeshFileSuffixes))
       ->required()
       ->type_name("FILE");
   verb->add_option("--volume", arguments->volume, "where the session's volume lies now, if it has moved")

@@ -18,6 +18,8 @@ void addSculptVerb(CLI::App& app, std::function<void(const SculptRequest&)> run)
                    "isovalue of the surface [density]; as `palpate touch` chooses it if not given");
   verb->add_option("--gpu", request->gpu, "part of the name of the Vulkan device (default: the best one)")
       ->check(notEmpty);
+  verb->add_option("--device", request->device, "haptic device by name ('palpate devices' lists them)")
+      ->capture_default_str();
   addVolumeOptions(*verb, request->volume);
   verb->callback([request, run = std::move(run)] { run(*request); });
 }

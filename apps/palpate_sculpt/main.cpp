@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // palpate-sculpt: the verb `sculpt` as a program of its own, with the libraries of a desktop. `palpate` starts it.
-#include "apps/console/progress.hpp"
 #include "apps/palpate/program.hpp"
 #include "apps/palpate/verbs.hpp"
-#include "apps/window/sculpt_window.hpp"
+#include "apps/window/run_window.hpp"
 
 namespace {
 
 void addVerbs(CLI::App& app) {
   palpate::addSculptVerb(app, [](const palpate::SculptRequest& request) {
-    palpate::Progress progress;
-    palpate::runSculptWindow(request, progress);
+    palpate::runWindow(request);
   });
 }
 

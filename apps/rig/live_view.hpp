@@ -32,6 +32,7 @@ struct ViewRequest {
   Camera camera;
   DrawStyle style;
   DrawOrder order = DrawOrder::kCoarseFirst;
+  bool operator==(const ViewRequest&) const = default;
 };
 
 struct ViewFrame {

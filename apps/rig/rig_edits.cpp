@@ -33,6 +33,9 @@ bool RigEdits::redo() {
     tryTo("redo", [&] { session_.redo(now_ns); });
   });
 }
+bool RigEdits::goTo(std::size_t done) {
+  return ask([this, done](std::int64_t now_ns) { stepTowards(done, now_ns); });
+}
 bool RigEdits::setBrush(const ToolBrushSpec& brush) {
   return ask([this, brush](std::int64_t) {
     last_stroke_ns_.reset();
@@ -44,6 +47,17 @@ bool RigEdits::dropBrush() {
 }
 bool RigEdits::errand(BackgroundSaver::Errand errand) {
   return ask([this, errand = std::move(errand)](std::int64_t) mutable { session_.ask(std::move(errand)); });
+}
+
+void RigEdits::stepTowards(std::size_t done, std::int64_t now_ns) {
+  last_stroke_ns_.reset();
+  const EditHistory& history = session_.history();
+  if (done == history.done()) return;
+  const bool stepped = done < history.done() ? tryTo("undo", [&] { session_.undo(now_ns); })
+                                             : tryTo("redo", [&] { session_.redo(now_ns); });
+  if (!stepped || history.done() == done) return;
+  const std::lock_guard lock(mutex_);
+  waiting_.emplace_front([this, done](std::int64_t later_ns) { stepTowards(done, later_ns); });
 }
 
 void RigEdits::stroke(const ToolPose& pose, std::int64_t now_ns) {
@@ -94,12 +108,10 @@ void RigEdits::look(const ToolPose& pose, std::int64_t now_ns) {
 }
 
 void RigEdits::noteState() {
+  if (state_.edits != session_.edits()) state_.steps = session_.history().labels();
+  state_.done = session_.history().done();
   state_.edits = session_.edits();
-  state_.can_undo = session_.history().canUndo();
-  state_.can_redo = session_.history().canRedo();
   state_.content_version = session_.contentVersion();
-  state_.undo_steps = session_.history().done();
-  state_.redo_steps = session_.history().steps() - session_.history().done();
 }
 
 // An edit for which there is no memory, or which is invalid at its place, is refused, and editing goes on: there may be

@@ -35,6 +35,8 @@ class RigEdits {
   bool edit(std::vector<EditCommand> commands);
   bool undo();
   bool redo();
+  // Undoes or redoes, one at each look, until so many of State::steps are in effect.
+  bool goTo(std::size_t done);
   // A brush for the tool. Its strokes are undone as one, unless it was away from the surface for kStrokePause_s.
   bool setBrush(const ToolBrushSpec& brush);
   bool dropBrush();
@@ -47,8 +49,10 @@ class RigEdits {
     std::uint64_t edits = 0;            // made, undo and redo included
     std::uint64_t refused = 0;          // edits, undo and redo that were not made
     std::uint64_t content_version = 0;  // EditSession::contentVersion()
-    bool can_undo = false, can_redo = false;
-    std::size_t undo_steps = 0, redo_steps = 0;
+    [[nodiscard]] bool canUndo() const noexcept { return done > 0; }
+    [[nodiscard]] bool canRedo() const noexcept { return done < steps.size(); }
+    std::vector<UndoLabel> steps;  // that can be undone or redone, the oldest first
+    std::size_t done = 0;          // of them, not undone
     bool editing = true;  // false: the device has failed, and nothing more is edited
   };
   [[nodiscard]] State state() const;
@@ -70,6 +74,7 @@ class RigEdits {
   bool ask(Request request);
   [[nodiscard]] Request next();
   void stroke(const ToolPose& pose, std::int64_t now_ns);
+  void stepTowards(std::size_t done, std::int64_t now_ns);
   void noteState();  // the caller holds the lock
   template <typename Change>
   bool tryTo(const char* what, const Change& change);

@@ -138,7 +138,7 @@ const SceneOption kOptions[] = {
     {"--edit", "edit.brush", "", "the tool edits what it touches: remove, add, paint, flatten, smooth, inflate or deflate, with radius, strength, falloff, mirror ...: remove:radius=2mm",
      TextOption{&Scene::edit, false}},
     {"--journal", "edit.journal", "", "folder in which every edit is kept on disk as it goes, for 'palpate recover'", TextOption{&Scene::journal, false}},
-    {"--save", "edit.save", "", "file in which the edited volume is saved beside the run: .vdb .nii .nii.gz .nrrd .mha", TextOption{&Scene::save, false}},
+    {"--save", "edit.save", "", "file in which the edited volume is saved beside the run, in a format that `palpate convert` writes", TextOption{&Scene::save, false}},
     {"--save-every", "edit.save_every_s", "s", "time between two saves, 0: one at the end of the run", number(&Scene::save_every_s, 1, 0, 86400)},
     {"--out", "output.folder", "", "folder for trace.csv, summary.json, report.html, view.png", TextOption{&Scene::out}},
     {"--trace", "output.trace", "", "write trace.csv", SwitchOption{&Scene::trace, "off", "on"}},

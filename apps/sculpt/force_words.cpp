@@ -28,7 +28,7 @@ ForceWords forceWords(const TickRecord& tick, bool runs, double isovalue) {
     if (has(tick.faults, fault.fault)) words.reasons.push_back(fmt::format("{}: {}", fault.text, fault.remedy));
   }
   if (tick.in_contact || !words.reasons.empty()) return words;
-  if (std::isnan(tick.density)) {
+  if (!std::isfinite(tick.density)) {
     words.reasons.emplace_back("the tool is outside the volume: move it to the object");
   } else if (tick.density <= isovalue) {
     words.reasons.push_back(

@@ -48,7 +48,9 @@ void removeJournal(const std::filesystem::path& folder) {
 SculptSession::SculptSession(const SculptRequest& request, Progress& progress) : journal_(request.journal) {
   progress.stage("loading " + request.volume);
   volume_ = loadAndTell(request.volume, progress);
+  if (const std::string& remark = volume_->facts().remark; !remark.empty()) tell(remark);
   checkTouchable(*volume_);
+  static_cast<void>(deviceEntry(request.device));  // before the work
   std::optional<Journal> journal;
   if (!request.recovers.empty()) {
     journal = readJournal(request.recovers);
@@ -63,6 +65,7 @@ SculptSession::SculptSession(const SculptRequest& request, Progress& progress) :
   progress.stage("computing on Vulkan");
   engine_ = std::make_unique<Engine>(*volume_, plan, first_isovalue_, request.gpu, request.gpu_memory_bytes,
                                      passProgress(progress, stopIfInterrupted));
+  plan_ = planLines(plan, engine_->planFacts());
   facts_ = {request.volume, volume_->size(), volume_->lattice(), statisticsOf(*volume_), {}};
   const BrickGrid grid{volume_->size(), volume_->lattice().spacing_m};
   facts_.object = objectExtent(engine_->bounds(), grid, volume_->lattice(), static_cast<float>(first_isovalue_));
@@ -81,7 +84,7 @@ SculptSession::SculptSession(const SculptRequest& request, Progress& progress) :
   loop.ticks = 0;
   loop.record_ticks = 1;
   path_.emplace(restingPlace(facts_.object));
-  device_ = makeDevice(devices().front().name, {.path = &*path_, .rate_hz = loop.rate_hz});
+  device_ = makeDevice(request.device, {.path = &*path_, .rate_hz = loop.rate_hz});
   RigSettings settings = request.servo;
   settings.parameters.isovalue = first_isovalue_;
   settings.parameters.rate_hz = loop.rate_hz;

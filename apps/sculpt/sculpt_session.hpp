@@ -3,7 +3,7 @@
 // and nothing of the window.
 //
 // It loads the volume, makes an engine that draws and edits, keeps a journal, and runs the servo by the real clock with
-// a device that a pointer leads. Threads: all functions are the window's thread's, unless they say otherwise; none
+// a device: one that a pointer leads, if it needs a path. Threads: all functions are the window's thread's, unless they say otherwise; none
 // waits for the engine or the servo, but for the constructor and close().
 #pragma once
 
@@ -36,6 +36,7 @@ struct SculptRequest {
   std::filesystem::path journal = {};    // folder for the journal; empty: none
   std::filesystem::path recovers = {};   // journal of a session of this volume, whose edits are made again first
   std::size_t undo_bytes = 256U << 20U;  // memory for undo
+  std::string device = std::string(devices().front().name);
   LoopParameters loop = {};              // its ticks are set: the servo runs until close()
   RigSettings servo = {};                // its isovalue is set
 };
@@ -70,6 +71,9 @@ class SculptSession {
 
   [[nodiscard]] const SculptVolume& volume() const noexcept { return facts_; }
   [[nodiscard]] const gpu::GpuInfo& gpu() const noexcept;
+  [[nodiscard]] std::string_view device() const noexcept { return device_->name(); }
+  // What the engine computes, and what it leaves out.
+  [[nodiscard]] const std::vector<PlanLine>& plan() const noexcept { return plan_; }
 
   // The servo and the drawing, until close().
   void start();
@@ -85,6 +89,7 @@ class SculptSession {
   void release() { static_cast<void>(edits_->dropBrush()); }
   void undo() { static_cast<void>(edits_->undo()); }
   void redo() { static_cast<void>(edits_->redo()); }
+  void goTo(std::size_t done) { static_cast<void>(edits_->goTo(done)); }  // RigEdits::goTo()
 
   // TouchRig::change() and settings(). A refusal of an isovalue comes as a message.
   void change(const RigSettings& settings) { rig_->change(settings); }
@@ -105,6 +110,7 @@ class SculptSession {
   [[nodiscard]] bool isUnsaved(const RigEdits::State& state) const;
 
   SculptVolume facts_;
+  std::vector<PlanLine> plan_;
   std::optional<Volume> volume_;  // the saver's from the constructor to close()
   double first_isovalue_ = 0;
   std::filesystem::path journal_;

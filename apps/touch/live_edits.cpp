@@ -39,7 +39,7 @@ void checkSave(const Scene& scene) {
   }
   if (!isVolumeFileName(scene.save)) {
     throw Error(Error::Code::kBadInput, input, "its suffix names no format that volumes are written in",
-                fmt::format("use one of {}", kVolumeFileSuffixes));
+                fmt::format("use one of {}", volumeFileSuffixes()));
   }
   checkNotInput(scene.volume, scene.save);
   static_cast<void>(AtomicFile(scene.save));  // refuses a folder without write permission

@@ -82,9 +82,7 @@ struct GuiHost::State {
       self->dropped.insert(self->dropped.end(), names, names + count);
     });
     hearInput();
-    float by_x = 1, by_y = 1;
-    glfwGetWindowContentScale(window.handle, &by_x, &by_y);
-    scale = settings.scale > 0 ? settings.scale : std::max(1.0F, by_x);
+    scale = scaleFor(settings.scale);
     loadFont();
     applyTheme(dark, scale);
     presenter.emplace(window.handle, settings.gpu);
@@ -127,8 +125,14 @@ struct GuiHost::State {
     io.MouseWheel += static_cast<float>(state.wheel_y);
     for (const unsigned character : state.text) io.AddInputCharacter(character);
   }
+  [[nodiscard]] double scaleFor(double asked) const {
+    float by_x = 1, by_y = 1;
+    glfwGetWindowContentScale(window.handle, &by_x, &by_y);
+    return asked > 0 ? asked : std::max(1.0F, by_x);
+  }
   void loadFont() const {
     ImFontAtlas* fonts = ImGui::GetIO().Fonts;
+    fonts->Clear();
     const auto size = static_cast<float>(kFontSize * scale);
     if (std::filesystem::exists(kFont)) {
       static const ImWchar kRanges[] = {0x20, 0xFF, 0x2013, 0x2026, 0x2190, 0x2193, 0x25A0, 0x25FF, 0};
@@ -180,8 +184,15 @@ void GuiHost::setTitle(const std::string& title) {
 }
 
 void GuiHost::setDark(bool dark) {
-  state_->dark = dark;
-  applyTheme(dark, state_->scale);
+  if (std::exchange(state_->dark, dark) != dark) applyTheme(dark, state_->scale);
+}
+
+void GuiHost::setScale(double scale) {
+  const double wanted = state_->scaleFor(scale);
+  if (std::exchange(state_->scale, wanted) == wanted) return;
+  state_->loadFont();
+  applyTheme(state_->dark, wanted);
+  state_->presenter->renewFonts();
 }
 
 double GuiHost::scale() const noexcept {

@@ -38,7 +38,9 @@ class GuiHost {
   void refuseToClose();
   [[nodiscard]] std::vector<std::string> takeDroppedFiles();
   void setTitle(const std::string& title);
+  // Between two frames. `scale`: as in GuiSettings.
   void setDark(bool dark);
+  void setScale(double scale);
   [[nodiscard]] double scale() const noexcept;  // pixels of the framebuffer per pixel of a panel at 1x
 
   // A frame: begin(), panels by ImGui, end(). end() returns false while the window has no pixels.

@@ -36,9 +36,27 @@ class Overlay {
     constexpr int kPieces = 12;
     for (int i = 0; i < kPieces; ++i) {
       const Vec3 a_W = from_W + (to_W - from_W) * i / kPieces, b_W = from_W + (to_W - from_W) * (i + 1) / kPieces;
-      const auto a = place(a_W), b = place(b_W);
-      if (a && b) draw_.AddLine(*a, *b, faint(colour, isBehind((a_W + b_W) / 2)), width * scale_);
+      piece(a_W, b_W, colour, width);
     }
+  }
+  // Of a line in several pieces.
+  void piece(const Vec3& from_W, const Vec3& to_W, std::uint32_t colour, float width) {
+    const auto a = place(from_W), b = place(to_W);
+    if (a && b) draw_.AddLine(*a, *b, faint(colour, isBehind((from_W + to_W) / 2)), width * scale_);
+  }
+  // Two lines across, where the pointer of the keyboard is [pixel of the picture].
+  void cross(double x, double y, std::uint32_t colour) {
+    const ImVec2 at(area_.x + static_cast<float>(x) * area_.width / static_cast<float>(frame_.camera.width),
+                    area_.y + static_cast<float>(y) * area_.height / static_cast<float>(frame_.camera.height));
+    const float arm = 12 * scale_;
+    draw_.AddLine(ImVec2(at.x - arm, at.y), ImVec2(at.x + arm, at.y), colour, scale_);
+    draw_.AddLine(ImVec2(at.x, at.y - arm), ImVec2(at.x, at.y + arm), colour, scale_);
+  }
+  // A square of the plane, around a point of it.
+  void plane(const Vec3& middle_W, const Vec3& normal_W, double half_m, std::uint32_t colour) {
+    const Vec3 side_W = half_m * normal_W.unitOrthogonal(), other_W = normal_W.cross(side_W);
+    const Vec3 corners_W[] = {side_W + other_W, side_W - other_W, -side_W - other_W, other_W - side_W};
+    for (int i = 0; i < 4; ++i) line(middle_W + corners_W[i], middle_W + corners_W[(i + 1) % 4], colour, 1);
   }
   void ring(const Vec3& middle_W, const Vec3& axis_W, double radius_m, std::uint32_t colour) {
     Vec3 side_W = axis_W.unitOrthogonal();
@@ -95,9 +113,13 @@ void showOverlay(const WindowModel& model, const PictureArea& area, double scale
                                 frame.camera.height / (2 * kNewtonsPerHeight);
     overlay.line(vhip_W, vhip_W + metres_per_N * asVec3(tick.force_W), colours.force, 3);
     overlay.line(hip_W, vhip_W, colours.tool, 2);
+    overlay.plane(vhip_W, axis_W.normalized(), 1.5 * model.settings.brush.radius_m, colours.surface_point);
+    for (std::size_t i = 1; i < model.path_W.size(); ++i)
+      overlay.piece(model.path_W[i - 1], model.path_W[i], colours.surface_point, 1.5F);
     overlay.dot(vhip_W, colours.surface_point, 4);
   }
   overlay.dot(hip_W, colours.tool, 5);
+  if (model.keys.leads()) overlay.cross(model.pointer.x, model.pointer.y, colours.brush);
 }
 
 }  // namespace palpate

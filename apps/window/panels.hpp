@@ -15,7 +15,26 @@ struct PictureArea {
 // All panels of the window, at this scale. Returns the place that they leave for the picture.
 [[nodiscard]] PictureArea showPanels(WindowModel& model, double scale);
 
-// What is drawn over the picture: tool, surface point, force, brush.
+// What is drawn over the picture: tool, surface point, force, plane, path, brush.
 void showOverlay(const WindowModel& model, const PictureArea& area, double scale);
+
+// Makes a file of this model's session; a refusal is a message.
+void saveAs(WindowModel& model);
+// Begins a recording of the tool's way in the current folder, or ends it.
+void toggleRecording(WindowModel& model);
+
+// The sections, each in a file of its own.
+void showFileSection(WindowModel& model);
+void showBrushSection(WindowModel& model);
+void showSurfaceSection(WindowModel& model);
+void showViewSection(WindowModel& model);
+void showCutsSection(WindowModel& model);
+void showEditsSection(WindowModel& model);
+void showTouchSection(WindowModel& model);
+void showMeasuredSection(WindowModel& model);
+void showFaultsSection(WindowModel& model);
+void showPlanSection(const WindowModel& model);
+void showStatus(WindowModel& model);
+void showLeaveQuestion(WindowModel& model);
 
 }  // namespace palpate

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 #include <imgui.h>
@@ -11,10 +12,10 @@
 #include <GLFW/glfw3.h>
 
 #include "apps/console/interrupt.hpp"
-#include "apps/sculpt/session_folders.hpp"
-#include "apps/sculpt/user_folders.hpp"
-#include "apps/window/gui_host.hpp"
-#include "apps/window/panels.hpp"
+#include "apps/render/slice_range.hpp"
+#include "apps/sculpt/dated_name.hpp"
+#include "apps/view/picture_png.hpp"
+#include "base/atomic_file.hpp"
 #include "base/error.hpp"
 #include "base/units.hpp"
 
@@ -22,7 +23,9 @@ namespace palpate {
 namespace {
 
 constexpr double kFrame_s = 1.0 / 60;
-constexpr double kIdle_s = 0.1;  // between two frames in which nothing happens: plots and figures go on
+constexpr double kIdle_s = 0.1;           // between two frames in which nothing happens: plots and figures go on
+constexpr int kTicksPerPoint = 10;        // of a plot
+constexpr std::size_t kPathPoints = 400;  // of the path that is drawn: as many ticks / kTicksPerPoint
 
 bool pressed(int key) {
   return ImGui::IsKeyPressed(key, false) && !ImGui::GetIO().WantTextInput;
@@ -36,14 +39,14 @@ std::optional<ViewKey> viewKey(bool opposite) {
   return std::nullopt;
 }
 
-// `by_x`, `by_y`: pixels of the picture per unit of ImGui.
-PointerInput pointerInput(const PictureArea& area, float by_x, float by_y) {
+// `by`: pixels of the picture per unit of ImGui.
+PointerInput pointerInput(const PictureArea& area, const ImVec2& by) {
   const ImGuiIO& io = ImGui::GetIO();
   PointerInput input;
-  input.x = (io.MousePos.x - area.x) * by_x;
-  input.y = (io.MousePos.y - area.y) * by_y;
-  input.dx = io.MouseDelta.x * by_x;
-  input.dy = io.MouseDelta.y * by_y;
+  input.x = (io.MousePos.x - area.x) * by.x;
+  input.y = (io.MousePos.y - area.y) * by.y;
+  input.dx = io.MouseDelta.x * by.x;
+  input.dy = io.MouseDelta.y * by.y;
   input.over = !io.WantCaptureMouse && io.MousePos.x >= area.x && io.MousePos.x < area.x + area.width &&
                io.MousePos.y >= area.y && io.MousePos.y < area.y + area.height;
   input.wheel = io.MouseWheel;
@@ -59,221 +62,191 @@ PointerInput pointerInput(const PictureArea& area, float by_x, float by_y) {
   return input;
 }
 
-class SculptWindow {
- public:
-  SculptWindow(GuiHost& host, SculptSession& session, SculptSettings settings)
-      : host_(host),
-        model_{
-            .session = session, .settings = std::move(settings), .view = OrbitView(session.volume().object, 640, 480)},
-        tool_(model_.view.distance_m()) {
-    model_.style.occlusion = true;
-  }
-
-  void run() {
-    while (!done()) {
-      const bool busy = model_.gestures.kind() != Gestures::Kind::kNone || frames_after_event_ > 0;
-      if (host_.listen(busy ? kFrame_s / 2 : kIdle_s)) frames_after_event_ = 3;
-      frames_after_event_ = std::max(0, frames_after_event_ - 1);
-      frame();
-    }
-  }
-
-  [[nodiscard]] const SculptSettings& settings() const noexcept { return model_.settings; }
-
- private:
-  [[nodiscard]] bool done() {
-    if (interrupted() || (model_.closes && model_.state.errands == 0)) return true;
-    if (!host_.wantsToClose()) return false;
-    host_.refuseToClose();
-    if (!model_.session.look().unsaved) return true;
-    model_.asks_to_close = true;
-    return false;
-  }
-
-  void frame() {
-    look();
-    host_.begin();
-    keys();
-    const double scale = host_.scale();
-    const PictureArea area = showPanels(model_, scale);
-    const ImVec2 by = ImGui::GetIO().DisplayFramebufferScale;
-    pointer(area, by.x, by.y);
-    showOverlay(model_, area, scale);
-    const ViewFrame& picture = model_.session.view().latest();
-    const PlacedPicture placed{picture.number == 0 ? nullptr : &picture.pixels, picture.camera.width,
-                               picture.camera.height, static_cast<int>(area.x * by.x), static_cast<int>(area.y * by.y)};
-    host_.end(placed);
-  }
-
-  void look() {
-    model_.state = model_.session.look();
-    for (const std::string& message : model_.state.messages) model_.say(message);
-    ticks_.clear();
-    model_.session.takeTicks(ticks_);
-    // A point of the plots for each so many ticks: the largest of them.
-    for (const TickRecord& tick : ticks_) {
-      peak_.force = std::max(peak_.force, asVec3(tick.force_W).norm());
-      peak_.depth = std::max(peak_.depth, tick.in_contact ? tick.depth_m : 0);
-      peak_.cost = std::max(peak_.cost, tick.tick_cost_ns * 1e-3);
-      peak_.lateness = std::max(peak_.lateness, static_cast<double>(tick.lateness_ns) * 1e-3);
-      peak_.age = std::max(peak_.age, static_cast<double>(tick.window_age_ns) * 1e-6);
-      if (tick.tick % 10 != 9) continue;
-      model_.force_N.add(static_cast<float>(peak_.force));
-      model_.depth_mm.add(static_cast<float>(peak_.depth * kMillimetresPerMetre));
-      model_.cost_us.add(static_cast<float>(peak_.cost));
-      model_.lateness_us.add(static_cast<float>(peak_.lateness));
-      model_.window_age_ms.add(static_cast<float>(peak_.age));
-      peak_ = {};
-    }
-    model_.tick = model_.session.tick();
-  }
-
-  void keys() {
-    const ImGuiIO& io = ImGui::GetIO();
-    if (io.KeyCtrl && pressed(GLFW_KEY_Z)) io.KeyShift ? model_.session.redo() : model_.session.undo();
-    if (io.KeyCtrl && pressed(GLFW_KEY_S)) save();
-    if (io.KeyCtrl) return;
-    for (int axis = 0; axis < 3; ++axis) {
-      if (!pressed(GLFW_KEY_X + axis)) continue;
-      std::optional<int>& mirror = model_.settings.brush.mirror_axis;
-      mirror = mirror == axis ? std::nullopt : std::optional(axis);
-    }
-  }
-
-  void save() {
-    if (model_.file[0] == '\0') return model_.say("name a file first, at the top left");
-    try {
-      model_.session.save(model_.file);
-    } catch (const Error& error) {
-      model_.say(error.what());
-    }
-  }
-
-  void pointer(const PictureArea& area, float by_x, float by_y) {
-    model_.view.resize(static_cast<int>(area.width * by_x), static_cast<int>(area.height * by_y));
-    const PointerInput input = pointerInput(area, by_x, by_y);
-    SculptSession& session = model_.session;
-    const ViewFrame& frame = session.view().latest();
-    model_.request = model_.gestures.take(input, frame, model_.view, model_.settings.brush, model_.settings.reach);
-    if (model_.request.begins) session.press(*model_.request.begins);
-    if (model_.request.ends) session.release();
-    const auto kind = model_.gestures.kind();
-    if (kind == Gestures::Kind::kStroke || (kind == Gestures::Kind::kNone && input.over)) {
-      if (const auto hip_W = tool_.hip_W(frame, input.x, input.y, model_.request.presses, model_.settings.reach))
-        session.aim(*hip_W);
-    } else if (const auto resting_W = tool_.resting_W(frame)) {
-      session.aim(*resting_W);
-    }
-    showView();
-  }
-
-  // A new request where camera or style have changed.
-  void showView() {
-    const Camera camera = model_.view.camera();
-    const bool same = asked_ && asked_->camera.position_W == camera.position_W && asked_->camera.up_W == camera.up_W &&
-                      asked_->camera.forward_W == camera.forward_W && asked_->camera.width == camera.width &&
-                      asked_->camera.height == camera.height && asked_->style.occlusion == model_.style.occlusion;
-    if (same) return;
-    asked_ = ViewRequest{camera, model_.style, DrawOrder::kCoarseFirst};
-    model_.session.view().show(*asked_);
-    frames_after_event_ = std::max(frames_after_event_, 30);
-  }
-
-  struct Peak {
-    double force = 0, depth = 0, cost = 0, lateness = 0, age = 0;
-  };
-
-  GuiHost& host_;
-  WindowModel model_;
-  PointerTool tool_;
-  std::optional<ViewRequest> asked_;
-  std::vector<TickRecord> ticks_;
-  Peak peak_;
-  int frames_after_event_ = 60;
-};
-
-// Some words in the middle of an empty window, with buttons below. Returns the number of the one that was pressed;
-// without any, returns at once. Empty: the window shall close.
-std::optional<std::size_t> ask(GuiHost& host, const std::string& words, const std::vector<std::string>& buttons) {
-  constexpr int kShown = 3;  // frames until all of it is on the display
-  for (int frame = 0;; ++frame) {
-    static_cast<void>(host.listen(frame < kShown ? 0 : kIdle_s));
-    if (host.wantsToClose() || interrupted()) return std::nullopt;
-    std::optional<std::size_t> pressed_one;
-    host.begin();
-    ImGui::SetNextWindowPos(ImGui::GetMainViewport()->GetCenter(), ImGuiCond_Always, ImVec2(0.5F, 0.5F));
-    if (ImGui::Begin("question", nullptr,
-                     ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_AlwaysAutoResize)) {
-      ImGui::TextUnformatted(words.c_str());
-      for (std::size_t i = 0; i < buttons.size(); ++i) {
-        if (i > 0) ImGui::SameLine();
-        if (ImGui::Button(buttons[i].c_str())) pressed_one = i;
-      }
-    }
-    ImGui::End();
-    host.end({});
-    if (pressed_one || (buttons.empty() && frame >= kShown)) return pressed_one.value_or(0);
-  }
-}
-
-bool isSameVolume(const std::string& left, const std::string& asked) {
-  if (left == asked) return true;
-  std::error_code unknown;
-  return std::filesystem::equivalent(left, asked, unknown);
-}
-
-// What becomes of a session of this volume that a crash has left. Returns whether the window shall open.
-bool recover(GuiHost& host, const std::filesystem::path& root, SculptRequest& request,
-             std::optional<LeftSession>& from) {
-  for (const LeftSession& left : leftSessions(root)) {
-    if (!isSameVolume(left.volume, request.volume)) continue;
-    const std::string words = fmt::format(
-        "A session of {} was not closed.\nIts journal has {} {} that no file may hold.{}", request.volume, left.edits,
-        left.edits == 1 ? "edit" : "edits", left.damage.empty() ? "" : "\nLost: " + left.damage);
-    const auto choice = ask(host, words, {"Make them again", "Begin anew, keep the journal", "Throw them away"});
-    if (!choice) return false;
-    if (*choice == 0) {
-      request.recovers = left.folder;
-      from = left;
-    }
-    if (*choice == 2) dropLeftSession(left);
-    if (*choice < 2) break;
-  }
-  return true;
-}
-
 }  // namespace
 
-void runSculptWindow(const SculptRequest& asked, Progress& progress) {
-  SculptRequest request = asked;
-  const std::filesystem::path folder = settingsFolder();
-  const std::filesystem::path file = folder.empty() ? folder : folder / "sculpt.json";
-  std::string trouble;
-  SculptSettings settings = readSettings(file, trouble);
-  settings.opened(request.volume);
-  GuiHost host({.title = "Palpate: " + request.volume,
-                .width = settings.width,
-                .height = settings.height,
-                .gpu = request.gpu,
-                .dark = settings.dark,
-                .scale = settings.scale});
-  const KeptWork kept;  // a signal closes the window in good order
-  const std::filesystem::path root = journalsFolder();
-  std::optional<LeftSession> left;
-  std::optional<SessionFolder> journal;
-  if (!root.empty()) {
-    if (!recover(host, root, request, left)) return;
-    journal.emplace(root);
-    request.journal = journal->path();
+SculptWindow::SculptWindow(GuiHost& host, SculptSession& session, SculptSettings settings)
+    : host_(host),
+      model_{.session = session, .settings = std::move(settings), .view = OrbitView(session.volume().object, 640, 480)},
+      tool_(model_.view.distance_m()) {
+  model_.sight.slice_range = sliceRangeFor(session.volume().statistics);
+}
+
+std::string SculptWindow::run() {
+  model_.leaving = {};
+  while (!done()) {
+    const bool busy = model_.gestures.kind() != Gestures::Kind::kNone || frames_after_event_ > 0;
+    if (host_.listen(busy ? kFrame_s / 2 : kIdle_s)) frames_after_event_ = 3;
+    frames_after_event_ = std::max(0, frames_after_event_ - 1);
+    frame();
   }
-  if (!ask(host, "Loading " + request.volume + " ...", {})) return;
-  SculptSession session(request, progress);
-  session.start();
-  if (left) dropLeftSession(*left);  // its edits are in the new journal
-  SculptWindow window(host, session, settings);
-  window.run();
-  session.close();
-  if (!file.empty()) writeSettings(window.settings(), file);
+  model_.session.release();
+  if (model_.recording) toggleRecording(model_);
+  return std::exchange(model_.leaving, {}).volume;
+}
+
+bool SculptWindow::done() {
+  if (interrupted()) {
+    model_.leaving = {};
+    return true;
+  }
+  if (model_.leaving.goes) return model_.state.errands == 0;
+  for (const std::string& file : host_.takeDroppedFiles()) model_.open(file);
+  if (!host_.wantsToClose()) return false;
+  host_.refuseToClose();
+  model_.state = model_.session.look();
+  model_.close();
+  return model_.leaving.goes && model_.state.errands == 0;
+}
+
+void SculptWindow::frame() {
+  changeHost();
+  look();
+  host_.begin();
+  keys();
+  const double scale = host_.scale();
+  const PictureArea area = showPanels(model_, scale);
+  pointer(area);
+  showOverlay(model_, area, scale);
+  const ViewFrame& picture = model_.session.view().latest();
+  const ImVec2 by = ImGui::GetIO().DisplayFramebufferScale;
+  const PlacedPicture placed{picture.number == 0 ? nullptr : &picture.pixels, picture.camera.width,
+                             picture.camera.height, static_cast<int>(area.x * by.x), static_cast<int>(area.y * by.y)};
+  if (std::exchange(model_.wants_screenshot, false)) {
+    keepScreenshot(host_.endAndCapture(placed));
+  } else {
+    host_.end(placed);
+  }
+}
+
+// What can be changed only between two frames.
+void SculptWindow::changeHost() {
+  host_.setDark(model_.settings.dark);
+  host_.setScale(model_.settings.scale);
+}
+
+void SculptWindow::keepScreenshot(const std::optional<RenderedImage>& image) {
+  if (!image) return;
+  try {
+    const std::filesystem::path file = datedName(".", "palpate", ".png");
+    writeFileAtomically(file, pngOf(*image));
+    model_.say(fmt::format("{} is a picture of the window", file.string()));
+  } catch (const Error& error) {
+    model_.say(error.what());
+  }
+}
+
+void SculptWindow::look() {
+  model_.state = model_.session.look();
+  for (const std::string& message : model_.state.messages) model_.say(message);
+  ticks_.clear();
+  model_.session.takeTicks(ticks_);
+  // A point of the plots for each so many ticks: the largest of them.
+  for (const TickRecord& tick : ticks_) {
+    model_.faults.add(tick);
+    if (!tick.in_contact) model_.path_W.clear();
+    peak_.force = std::max(peak_.force, asVec3(tick.force_W).norm());
+    peak_.depth = std::max(peak_.depth, tick.in_contact ? tick.depth_m : 0);
+    peak_.cost = std::max(peak_.cost, tick.tick_cost_ns * 1e-3);
+    peak_.lateness = std::max(peak_.lateness, static_cast<double>(tick.lateness_ns) * 1e-3);
+    peak_.age = std::max(peak_.age, static_cast<double>(tick.window_age_ns) * 1e-6);
+    if (tick.tick % kTicksPerPoint != kTicksPerPoint - 1) continue;
+    model_.force_N.add(static_cast<float>(peak_.force));
+    model_.depth_mm.add(static_cast<float>(peak_.depth * kMillimetresPerMetre));
+    model_.energy_mJ.add(static_cast<float>(tick.energy_J * 1e3));
+    model_.cost_us.add(static_cast<float>(peak_.cost));
+    model_.lateness_us.add(static_cast<float>(peak_.lateness));
+    model_.window_age_ms.add(static_cast<float>(peak_.age));
+    peak_ = {};
+    if (!tick.in_contact) continue;
+    model_.path_W.push_back(asVec3(tick.vhip_W));
+    if (model_.path_W.size() > kPathPoints) model_.path_W.pop_front();
+  }
+  record();
+  model_.tick = model_.session.tick();
+}
+
+void SculptWindow::record() {
+  if (!model_.recording) return;
+  try {
+    for (const TickRecord& tick : ticks_) model_.recording->add(tick);
+  } catch (const Error& error) {
+    model_.say(error.what());
+    model_.recording.reset();
+  }
+}
+
+void SculptWindow::keys() {
+  const ImGuiIO& io = ImGui::GetIO();
+  if (pressed(GLFW_KEY_F12)) model_.wants_screenshot = true;
+  if (pressed(GLFW_KEY_F9)) toggleRecording(model_);
+  const bool in_panel = ImGui::IsWindowFocused(ImGuiFocusedFlags_AnyWindow);
+  if (pressed(GLFW_KEY_TAB) && !in_panel) ImGui::SetWindowFocus("left");
+  const bool busy = ImGui::IsAnyItemActive() || ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopup);
+  if (pressed(GLFW_KEY_ESCAPE) && in_panel && !busy) ImGui::SetWindowFocus(nullptr);
+  if (io.KeyCtrl && pressed(GLFW_KEY_Z)) io.KeyShift ? model_.session.redo() : model_.session.undo();
+  if (io.KeyCtrl && pressed(GLFW_KEY_S)) saveAs(model_);
+  if (io.KeyCtrl) return;
+  BrushChoice& brush = model_.settings.brush;
+  constexpr double kSizeStep = 1.1;
+  if (pressed(GLFW_KEY_LEFT_BRACKET)) brush.scaleRadius(1 / kSizeStep);
+  if (pressed(GLFW_KEY_RIGHT_BRACKET)) brush.scaleRadius(kSizeStep);
+  for (int axis = 0; axis < 3; ++axis) {
+    if (!pressed(GLFW_KEY_X + axis)) continue;
+    brush.mirror_axis = brush.mirror_axis == axis ? std::nullopt : std::optional(axis);
+  }
+}
+
+// While a panel has the keyboard, its keys belong to it.
+PointerKeys SculptWindow::pointerKeys() const {
+  const ImGuiIO& io = ImGui::GetIO();
+  if (io.WantTextInput || ImGui::IsWindowFocused(ImGuiFocusedFlags_AnyWindow)) return {};
+  return {.left = io.KeysDown[GLFW_KEY_LEFT],
+          .right = io.KeysDown[GLFW_KEY_RIGHT],
+          .up = io.KeysDown[GLFW_KEY_UP],
+          .down = io.KeysDown[GLFW_KEY_DOWN],
+          .press = io.KeysDown[GLFW_KEY_SPACE],
+          .wheel = (pressed(GLFW_KEY_PAGE_UP) ? 1.0 : 0.0) - (pressed(GLFW_KEY_PAGE_DOWN) ? 1.0 : 0.0)};
+}
+
+void SculptWindow::pointer(const PictureArea& area) {
+  const ImGuiIO& io = ImGui::GetIO();
+  const ImVec2 by = io.DisplayFramebufferScale;
+  model_.view.resize(static_cast<int>(area.width * by.x), static_cast<int>(area.height * by.y));
+  PointerInput& input = model_.pointer;
+  input = pointerInput(area, by);
+  const PointerKeys keys = pointerKeys();
+  model_.keys.take(keys, io.DeltaTime, area.width * by.x, area.height * by.y, input);
+  if (keys.any()) frames_after_event_ = std::max(frames_after_event_, 3);
+  SculptSession& session = model_.session;
+  const ViewFrame& frame = session.view().latest();
+  model_.request = model_.gestures.take(input, frame, model_.view, model_.settings.brush, model_.settings.reach);
+  if (model_.request.begins) session.press(*model_.request.begins);
+  if (model_.request.ends) session.release();
+  const auto kind = model_.gestures.kind();
+  if (kind == Gestures::Kind::kStroke || (kind == Gestures::Kind::kNone && input.over)) {
+    if (const auto hip_W = tool_.hip_W(frame, input.x, input.y, model_.request.presses, model_.settings.reach))
+      session.aim(*hip_W);
+  } else if (const auto resting_W = tool_.resting_W(frame)) {
+    session.aim(*resting_W);
+  }
+  showView();
+}
+
+// A new request where camera or style have changed. A style that is refused leaves the picture as it is.
+void SculptWindow::showView() {
+  ViewRequest wanted{model_.view.camera(), {}, DrawOrder::kCoarseFirst};
+  const SculptVolume& volume = model_.session.volume();
+  try {
+    wanted.style = styleOf(model_.sight, volume.lattice, volume.size);
+  } catch (const Error& error) {
+    if (std::exchange(style_refusal_, error.what()) != error.what()) model_.say(error.what());
+    if (!asked_) return;
+    wanted.style = asked_->style;
+  }
+  if (asked_ && *asked_ == wanted) return;
+  asked_ = std::move(wanted);
+  model_.session.view().show(*asked_);
+  frames_after_event_ = std::max(frames_after_event_, 30);
 }
 
 }  // namespace palpate

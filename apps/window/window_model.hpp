@@ -3,12 +3,17 @@
 #pragma once
 
 #include <deque>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "apps/sculpt/fault_counts.hpp"
 #include "apps/sculpt/gestures.hpp"
+#include "apps/sculpt/key_pointer.hpp"
 #include "apps/sculpt/sculpt_session.hpp"
 #include "apps/sculpt/sculpt_settings.hpp"
+#include "apps/sculpt/tick_recording.hpp"
+#include "apps/sculpt/view_choice.hpp"
 
 namespace palpate {
 
@@ -25,25 +30,45 @@ struct Trace {
   }
 };
 
+// That this session shall end: the window closes, or another volume is opened.
+struct Leaving {
+  bool asks = false;   // whether to, because work is unsaved
+  bool goes = false;   // it shall, once every file is written
+  std::string volume;  // to open; empty: the window closes
+};
+
 struct WindowModel {
   SculptSession& session;
   SculptSettings settings;
   OrbitView view;
-  DrawStyle style = {};
+  ViewChoice sight = {};
   SculptState state = {};
   TickRecord tick = {.tick = -1};
+  FaultCounts faults = {};
   ToolRequest request = {};
   Gestures gestures = {};
-  Trace force_N = {}, depth_mm = {}, cost_us = {}, lateness_us = {}, window_age_ms = {};
-  std::deque<std::string> messages = {};  // the newest last
-  char file[1024] = "";                   // to save as
-  bool asks_to_close = false;             // because work is unsaved
-  bool closes = false;
-  bool shows_help = false;
+  KeyPointer keys = {};
+  PointerInput pointer = {};  // of this frame
+  Trace force_N = {}, depth_mm = {}, energy_mJ = {}, cost_us = {}, lateness_us = {}, window_age_ms = {};
+  std::deque<Vec3> path_W = {};                // of the surface point, while the contact lasts
+  std::optional<TickRecording> recording = {};  // of the tool's way
+  std::deque<std::string> messages = {};       // the newest last
+  char file[1024] = "";                        // to save as
+  char opens[1024] = "";                       // to open
+  Leaving leaving = {};
+  bool wants_screenshot = false;
 
   void say(const std::string& text) {
     messages.push_back(text);
     if (messages.size() > 50) messages.pop_front();
+  }
+  void open(const std::string& volume) { leave(volume); }
+  void close() { leave(""); }
+
+ private:
+  void leave(const std::string& volume) {
+    if (leaving.goes) return;
+    leaving = {.asks = state.unsaved, .goes = !state.unsaved, .volume = volume};
   }
 };
 

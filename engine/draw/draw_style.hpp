@@ -14,6 +14,7 @@ namespace palpate {
 struct ViewPlane {
   Vec3 normal_W = Vec3::UnitZ();  // any length but 0
   double offset_m = 0;            // [m], times the normal's length
+  bool operator==(const ViewPlane&) const = default;
 };
 
 struct DrawStyle {
@@ -25,6 +26,7 @@ struct DrawStyle {
   double slice_white = 1;                // and white
   std::optional<double> other_isovalue;  // of a second isosurface, drawn translucent in front of the first [density]
   double other_opacity = 0.35;           // of it, 0 to 1
+  bool operator==(const DrawStyle&) const = default;
 };
 
 // In which order a picture appears.

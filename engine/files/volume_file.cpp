@@ -97,29 +97,65 @@ void writeValues(const Volume& volume, ValueType type, const ByteSink& sink) {
   });
 }
 
-bool isVolumeFileName(const std::string& name) {
+namespace {
+
+struct VolumeWriter {
+  const char* suffix;
+  bool takes_unit;
+  void (*write)(const Volume& volume, const std::string& name, std::optional<LengthUnit> unit, const ByteSink& sink);
+};
+
+using Unit = std::optional<LengthUnit>;
+constexpr VolumeWriter kWriters[] = {
+    {".vdb", true,
+     [](const Volume& volume, const std::string& name, Unit unit, const ByteSink& sink) {
+       const LengthUnit usual = volume.facts().is_level_set ? LengthUnit::kMetre : LengthUnit::kMillimetre;
+       writeVdb(volume, name, unit.value_or(usual), sink);
+     }},
+    {".nii", false,
+     [](const Volume& volume, const std::string& name, Unit, const ByteSink& sink) { writeNifti(volume, name, sink); }},
+    {".nii.gz", false,
+     [](const Volume& volume, const std::string& name, Unit, const ByteSink& sink) {
+       GzipSink packed(sink);
+       writeNifti(volume, name, [&](std::string_view bytes) { packed.write(bytes); });
+       packed.finish();
+     }},
+    {".nrrd", false,
+     [](const Volume& volume, const std::string&, Unit, const ByteSink& sink) { writeNrrd(volume, sink); }},
+    {".mha", false,
+     [](const Volume& volume, const std::string&, Unit, const ByteSink& sink) { writeMeta(volume, sink); }}};
+
+// Null for a name with another suffix.
+const VolumeWriter* writerFor(const std::string& name) {
   const std::string lower = lowerCase(name);
-  return lower.ends_with(".nrrd") || lower.ends_with(".nii") || lower.ends_with(".nii.gz") || lower.ends_with(".mha") ||
-         lower.ends_with(".vdb");
+  const auto* const found = std::find_if(std::begin(kWriters), std::end(kWriters),
+                                         [&](const VolumeWriter& writer) { return lower.ends_with(writer.suffix); });
+  return found == std::end(kWriters) ? nullptr : found;
+}
+
+}  // namespace
+
+bool isVolumeFileName(const std::string& name) {
+  return writerFor(name) != nullptr;
+}
+
+const std::string& volumeFileSuffixes() {
+  static const std::string kSuffixes = [] {
+    std::string words;
+    for (const VolumeWriter& writer : kWriters) words += (words.empty() ? "" : ", ") + std::string(writer.suffix);
+    return words;
+  }();
+  return kSuffixes;
 }
 
 void writeVolume(const Volume& volume, const std::string& name, std::optional<LengthUnit> unit, const ByteSink& sink) {
-  const std::string lower = lowerCase(name);
-  if (lower.ends_with(".vdb")) {
-    const LengthUnit usual = volume.facts().is_level_set ? LengthUnit::kMetre : LengthUnit::kMillimetre;
-    return writeVdb(volume, name, unit.value_or(usual), sink);
-  }
-  if (!isVolumeFileName(name)) {
+  const VolumeWriter* writer = writerFor(name);
+  if (writer == nullptr) {
     throw Error(Error::Code::kBadInput, name, "its suffix names no format that volumes are written in",
-                fmt::format("use one of {}", kVolumeFileSuffixes));
+                fmt::format("use one of {}", volumeFileSuffixes()));
   }
-  refuseUnit(name, unit);
-  if (lower.ends_with(".nrrd")) return writeNrrd(volume, sink);
-  if (lower.ends_with(".mha")) return writeMeta(volume, sink);
-  if (!lower.ends_with(".gz")) return writeNifti(volume, name, sink);
-  GzipSink packed(sink);
-  writeNifti(volume, name, [&](std::string_view bytes) { packed.write(bytes); });
-  packed.finish();
+  if (!writer->takes_unit) refuseUnit(name, unit);
+  writer->write(volume, name, unit, sink);
 }
 
 std::uint64_t saveVolume(const Volume& volume, const std::string& name) {

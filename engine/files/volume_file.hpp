@@ -31,9 +31,10 @@ enum class LengthUnit { kMillimetre, kMetre };  // of coordinates in a file
 // `memory_budget_bytes` (0: what the machine has free).
 [[nodiscard]] Volume loadVolume(const std::string& name, std::size_t memory_budget_bytes = 0);
 
-// Whether the name ends with one of these suffixes, in any letter case.
+// Whether a volume is written in a file of this name: whether it ends with one of the suffixes, in any letter case.
 [[nodiscard]] bool isVolumeFileName(const std::string& name);
-inline constexpr const char* kVolumeFileSuffixes = ".vdb, .nii, .nii.gz, .nrrd, .mha";
+// ".vdb, .nii, .nii.gz, .nrrd, .mha"
+[[nodiscard]] const std::string& volumeFileSuffixes();
 
 // `unit`: of OpenVDB files only; the other formats are in millimetres by custom. Empty: millimetres, but metres for a
 // level set, whose values are lengths too and keep their bits only in metres. Throws Error(kBadInput) for another

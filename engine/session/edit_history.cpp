@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kMostAtOnce = 65536;  // bricks in one Editor::replace
 
-constexpr std::size_t kStepBytes = sizeof(std::vector<BrickContent>) + sizeof(std::size_t);  // also without bricks
+constexpr std::size_t kStepBytes = sizeof(std::vector<BrickContent>) + sizeof(UndoLabel);  // also without bricks
 
 // Includes the heap's overhead for each brick's vector: at least 32 bytes, and some beside a large one.
 std::size_t bytesOfBrick(std::size_t values) {
@@ -73,7 +73,7 @@ Engine::EditResult EditHistory::edit(std::span<const EditCommand> commands, std:
       last.bricks.reserve(last.bricks.size() + added.size());  // so that join() needs no memory
     } else {
       if (bytesToKeep(bricks) > budget_bytes_) return;
-      steps_.push_back({contentOf(bricks)});
+      steps_.push_back({contentOf(bricks), {commands.empty() ? EditKind{} : commands.front().kind, 1}});
     }
     is_kept = true;
   };
@@ -119,12 +119,19 @@ void EditHistory::join(Contents added) noexcept {
   const auto middle = static_cast<std::ptrdiff_t>(last.bricks.size());
   std::move(added.begin(), added.end(), std::back_inserter(last.bricks));
   std::inplace_merge(last.bricks.begin(), last.bricks.begin() + middle, last.bricks.end(), isBefore);
-  ++last.edits;
+  ++last.label.edits;
   forgetBeyondBudget();
 }
 
+std::vector<UndoLabel> EditHistory::labels() const {
+  std::vector<UndoLabel> labels;
+  labels.reserve(steps_.size());
+  for (const Step& step : steps_) labels.push_back(step.label);
+  return labels;
+}
+
 void EditHistory::forgetAll() noexcept {
-  for (std::size_t i = 0; i < done_; ++i) forgotten_ += steps_[i].edits;
+  for (std::size_t i = 0; i < done_; ++i) forgotten_ += steps_[i].label.edits;
   steps_.clear();
   done_ = bytes_ = 0;
 }
@@ -133,7 +140,7 @@ void EditHistory::forgetAll() noexcept {
 void EditHistory::forgetBeyondBudget() noexcept {
   while (bytes_ > budget_bytes_ && done_ > 0) {
     bytes_ -= bytesOf(steps_.front());
-    forgotten_ += steps_.front().edits;
+    forgotten_ += steps_.front().label.edits;
     steps_.pop_front();
     --done_;
   }

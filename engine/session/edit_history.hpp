@@ -23,6 +23,12 @@ namespace palpate {
 // for a person.
 enum class UndoStep { kNew, kLast };
 
+// What one undo takes back.
+struct UndoLabel {
+  EditKind kind = EditKind::kRemove;  // of its first edit
+  std::size_t edits = 1;
+};
+
 class EditHistory {
  public:
   // Engine::allowEdits() must have been called on `engine`, which must outlive this. `budget_bytes`: limit for all
@@ -41,20 +47,21 @@ class EditHistory {
   Engine::EditResult undo(std::int64_t now_ns);
   Engine::EditResult redo(std::int64_t now_ns);
   // How many edits they would undo or redo; 0: none.
-  [[nodiscard]] std::size_t editsToUndo() const noexcept { return canUndo() ? steps_[done_ - 1].edits : 0; }
-  [[nodiscard]] std::size_t editsToRedo() const noexcept { return canRedo() ? steps_[done_].edits : 0; }
+  [[nodiscard]] std::size_t editsToUndo() const noexcept { return canUndo() ? steps_[done_ - 1].label.edits : 0; }
+  [[nodiscard]] std::size_t editsToRedo() const noexcept { return canRedo() ? steps_[done_].label.edits : 0; }
 
   [[nodiscard]] std::size_t bytes() const noexcept { return bytes_; }         // size of the copies
   [[nodiscard]] std::size_t steps() const noexcept { return steps_.size(); }  // that can be undone or redone
   [[nodiscard]] std::size_t done() const noexcept { return done_; }           // of them, not undone
+  [[nodiscard]] std::vector<UndoLabel> labels() const;                        // of all steps, the oldest first
   // Edits that were made and can no longer be undone.
   [[nodiscard]] std::size_t forgotten() const noexcept { return forgotten_; }
 
  private:
   using Contents = std::vector<BrickContent>;
   struct Step {
-    Contents bricks;        // in ascending order; what they held before its edits; of an undone step, after them
-    std::size_t edits = 1;  // that it holds
+    Contents bricks;  // in ascending order; what they held before its edits; of an undone step, after them
+    UndoLabel label = {};
   };
   [[nodiscard]] static std::size_t bytesOf(const Step& step);
   [[nodiscard]] Contents contentOf(std::span<const std::uint32_t> bricks) const;

@@ -159,7 +159,6 @@ void HriSurface::renew(const Vec3& hip_W, bool ahead, std::uint32_t& faults) noe
     case Track::kLeftVolume:
       release(field_->probe(hip_W));
       return;
-    case Track::kFlat:
     case Track::kLost:
       relocate(field_->probe(hip_W), true, faults);
       return;
@@ -267,8 +266,8 @@ bool HriSurface::touch(const Entry& entry, const Probe& hip, std::uint32_t& faul
   const auto behind = [&](const SurfacePoint& s) { return s.normal_W.dot(s.p_W - hip.p_W) > 0; };
   SurfacePoint nearest = surface;
   memory_ = {};
-  const Track result = flat ? Track::kFlat : SurfaceTracker::follow(*field_, hip.p_W, nearest, memory_);
-  if (flat || result == Track::kFlat || result == Track::kFoundFlat) faults |= bit(ServoFault::kZeroGradient);
+  const Track result = flat ? Track::kLost : SurfaceTracker::follow(*field_, hip.p_W, nearest, memory_);
+  if (flat || result == Track::kFoundFlat) faults |= bit(ServoFault::kZeroGradient);
   const bool found = result == Track::kFound || result == Track::kFoundFlat || result == Track::kBehind;
   if (found && behind(nearest)) {
     begin(nearest, hip.p_W);

@@ -190,7 +190,7 @@ class SheetWalk {
       f = field_.sampler().at(x_W_);
     }
     const double steepness_squared = f.gradient_W.squaredNorm();
-    if (!(steepness_squared > 0) || !std::isfinite(steepness_squared)) return Track::kFlat;
+    if (!(steepness_squared > 0) || !std::isfinite(steepness_squared)) return Track::kLost;
     // The next step needs 1 / |g|^2 only. The square roots are for lengths in metres; nothing waits for them.
     const double per_squared = 1 / steepness_squared;
     const double steepness = std::sqrt(steepness_squared);
@@ -326,13 +326,13 @@ Track SurfaceTracker::followIsosurface(const IsoField& field, const Vec3& hip_W,
       surface = found;
       return result;
     }
-  } else if (result != Track::kLost && result != Track::kFlat) {
+  } else if (result != Track::kLost) {
     return result;
   }
   // A cast moves the point by at most one voxel, so a long lateral offset takes several.
   for (int casts = 0; casts < kMaxCasts; ++casts) {
     const Track again = cast(field, hip_W, surface, memory.rough);
-    if (again == Track::kLost) return casts > 0 ? Track::kBehind : result == Track::kFlat ? Track::kFlat : Track::kLost;
+    if (again == Track::kLost) return casts > 0 ? Track::kBehind : Track::kLost;
     if (tangential(hip_W - surface.p_W, surface.normal_W).norm() <= field.voxel()) return again;
   }
   return Track::kBehind;
@@ -385,7 +385,7 @@ Track SurfaceTracker::followFace(const IsoField& field, const Vec3& hip_W, Surfa
     (field.probe(middle_W).side == Side::kInside ? object_W : background_W) = middle_W;
   }
   SurfacePoint edge{object_W, -field.sampler().at(object_W).gradient_W, {}};
-  if (!(edge.normal_W.squaredNorm() > 0)) return Track::kFlat;
+  if (!(edge.normal_W.squaredNorm() > 0)) return Track::kLost;
   edge.normal_W.normalize();
   const Track result = followIsosurface(field, hip_W, edge, memory, limits);
   if (result == Track::kFound || result == Track::kFoundFlat || result == Track::kBehind) surface = edge;

@@ -55,8 +55,7 @@ enum class Track : std::uint8_t {
   kFound,         // the point and its normal are new
   kFoundFlat,     // the point is new, the normal old: the field gives none there, or one that faces inward
   kBehind,        // the point is new, but the HIP has moved farther than the search could follow
-  kLost,          // the isosurface is no longer near
-  kFlat,          // zero or non-finite gradient: no normal
+  kLost,          // the isosurface is no longer near, or the field gives no normal on the way to it
   kBeyondWindow,  // the search leads out of the window
   kLeftVolume,    // the sheet ends at a face of the volume, and the HIP is beyond it
 };

@@ -20,12 +20,12 @@ struct Fall {
 
 const Columns<Fall>& columns() {
   static const Columns<Fall> kColumns =
-      joined(Columns<Fall>{{"body", &Fall::body, {"body", "", -6}},
-                           {"stones", &Fall::stones, {"stones", "", 6}},
-                           {"depth_m", &Fall::depth_m, {"depth", "m", 7, 2}}},
+      joined(Columns<Fall>{{"body", &Fall::body, {"body", ""}},
+                           {"stones", &Fall::stones, {"stones", ""}},
+                           {"depth_m", &Fall::depth_m, {"depth", "m", 2}}},
              percentileColumns<Fall>("time", "s", &Fall::time_s,
-                                     {{"median", &Percentiles::p50, {"time", "s", 8, 3}}, {"max", &Percentiles::max}}),
-             Columns<Fall>{{"speed_m_per_s", [](const Fall& fall) { return fall.speed(); }, {"speed", "m/s", 6}}});
+                                     {{"median", &Percentiles::p50, {"time", "s", 3}}, {"max", &Percentiles::max}}),
+             Columns<Fall>{{"speed_m_per_s", [](const Fall& fall) { return fall.speed(); }, {"speed", "m/s"}}});
   return kColumns;
 }
 
@@ -60,11 +60,11 @@ TEST(Columns, OfARowAreItsKeysAndFigures) {
 
 TEST(Columns, MakeTheTable) {
   EXPECT_EQ(tableText(sample(), table()),
-            "body   stones   depth     time  speed\n"
-            "                    m        s    m/s\n"
-            "earth       3   20.00    2.000     10\n"
-            "moon       12    1.62        -      -\n"  // a dash: there is none; 1.625 is rounded to even
-            "mars        7\n");                        // a blank: that row has no such figure
+            "body  stones depth  time speed\n"
+            "                 m     s   m/s\n"
+            "earth      3 20.00 2.000    10\n"
+            "moon      12  1.62     -     -\n"  // a dash: there is none; 1.625 is rounded to even
+            "mars       7\n");                  // a blank: that row has no such figure
 }
 
 TEST(Columns, MakeJson) {
@@ -96,27 +96,27 @@ TEST(Columns, MakeCsv) {
 TEST(Columns, MakeThePage) {
   const std::string page = benchPage(sample(), {"Falls", "Of stones.", tableText(sample(), table()), ""});
   EXPECT_THAT(page, testing::EndsWith("## Figures\n\n```\n"
-                                      "body   stones   depth     time  speed\n"
-                                      "                    m        s    m/s\n"
-                                      "earth       3   20.00    2.000     10\n"
-                                      "moon       12    1.62        -      -\n"
-                                      "mars        7\n"
+                                      "body  stones depth  time speed\n"
+                                      "                 m     s   m/s\n"
+                                      "earth      3 20.00 2.000    10\n"
+                                      "moon      12  1.62     -     -\n"
+                                      "mars       7\n"
                                       "```\n"));
 }
 
 TEST(Columns, OfATableMayBeMadeOfTheRow) {
   const Table words = {{"fall"},
-                       {{"", [](const BenchRow& row) { return textOf(row, "body") + "!"; }, {"", "", -7}},
-                        {"stones", nullptr, {"n", "", 2}}}};
+                       {{"", [](const BenchRow& row) { return textOf(row, "body") + "!"; }, {"", ""}},
+                        {"stones", nullptr, {"n", ""}}}};
   EXPECT_EQ(tableText(sample(), words),
-            "         n\n"
-            "earth!   3\n"
-            "moon!   12\n"
-            "mars!    7\n");
+            "        n\n"
+            "earth!  3\n"
+            "moon!  12\n"
+            "mars!   7\n");
 }
 
 TEST(Columns, ATitleBeginsANewHead) {
-  Table titled = {{"fall"}, {{"body", nullptr, {"body", "", -5}}}};
+  Table titled = {{"fall"}, {{"body", nullptr, {"body", ""}}}};
   titled.title = [](const BenchRow& row) { return figureOf(row, "stones") < 10 ? "few" : "many"; };
   EXPECT_EQ(tableText(sample(), titled),
             "few\nbody\nearth\n"

@@ -23,6 +23,27 @@ TEST(LabelPlacer, GoesToTheRightWhereNothingIsInTheWay) {
   EXPECT_EQ(box.bottom, 57);
 }
 
+// Of 2 pixels on each side, which is what words need, and not of less.
+TEST(LabelPlacer, LeavesRoomAroundWords) {
+  const auto placed = [](const LabelBox& other) {
+    LabelPlacer placer(200, 100);
+    placer.avoid(other);
+    return placer.place({50, 50}, 10, 40, 14);
+  };
+  const auto stays = [&](const LabelBox& other) {
+    const LabelBox box = placed(other);
+    return box.left == 60 && box.top == 43;
+  };
+  EXPECT_TRUE(stays({102, 0, 200, 100}));  // to the right of the words at 60 to 100, 43 to 57
+  EXPECT_FALSE(stays({101.5, 0, 200, 100}));
+  EXPECT_TRUE(stays({56, 0, 58, 100}));
+  EXPECT_FALSE(stays({56, 0, 58.5, 100}));
+  EXPECT_TRUE(stays({0, 0, 200, 41}));
+  EXPECT_FALSE(stays({0, 0, 200, 41.5}));
+  EXPECT_TRUE(stays({0, 59, 200, 100}));
+  EXPECT_FALSE(stays({0, 58.5, 200, 100}));
+}
+
 // Two marks at one place, and a third beside them: their words stay apart.
 TEST(LabelPlacer, WordsStayApart) {
   LabelPlacer placer(300, 200);

@@ -70,12 +70,12 @@ TEST_F(Edits, AreMadeInTheirOrderOneALook) {
   const std::uint64_t removed = hash();
   EXPECT_NE(removed, before);
   EXPECT_EQ(edits.state().edits, 1U);
-  EXPECT_TRUE(edits.state().can_undo);
-  EXPECT_FALSE(edits.state().can_redo);
+  EXPECT_TRUE(edits.state().canUndo());
+  EXPECT_FALSE(edits.state().canRedo());
   look();
   EXPECT_EQ(hash(), before);
-  EXPECT_FALSE(edits.state().can_undo);
-  EXPECT_TRUE(edits.state().can_redo);
+  EXPECT_FALSE(edits.state().canUndo());
+  EXPECT_TRUE(edits.state().canRedo());
   look();
   EXPECT_EQ(hash(), removed);
   look();
@@ -169,28 +169,65 @@ TEST_F(Edits, OfAStrokeAreUndoneAsOne) {
   edits.setBrush(spec);
   stroke(30);
   EXPECT_GE(edits.state().edits, 5U);
-  EXPECT_EQ(edits.state().undo_steps, 1U);
+  EXPECT_EQ(edits.state().done, 1U);
   const std::uint64_t once = hash();
   edits.setBrush(spec);
   stroke(30);
-  EXPECT_EQ(edits.state().undo_steps, 2U);
+  EXPECT_EQ(edits.state().done, 2U);
   now_ns_ += 600'000'000;  // longer than kStrokePause_s
   stroke(30);
-  EXPECT_EQ(edits.state().undo_steps, 3U);
+  EXPECT_EQ(edits.state().done, 3U);
   edits.edit(dab(EditKind::kAdd));
   stroke(30);
-  EXPECT_EQ(edits.state().undo_steps, 5U);  // the dab, and what came after it
+  EXPECT_EQ(edits.state().done, 5U);  // the dab, and what came after it
   edits.dropBrush();
   look();
   for (int i = 0; i < 4; ++i) edits.undo();
   stroke(4);
-  EXPECT_EQ(edits.state().undo_steps, 1U);
-  EXPECT_EQ(edits.state().redo_steps, 4U);
+  EXPECT_EQ(edits.state().done, 1U);
+  EXPECT_EQ(edits.state().steps.size(), 5U);
   EXPECT_EQ(hash(), once);
   edits.undo();
   look();
   EXPECT_EQ(hash(), before);
   EXPECT_EQ(edits.state().content_version, engine.editVersion());
+}
+
+// To any place of the list, a step at a look, and back; a step that does not exist changes nothing.
+TEST_F(Edits, GoToAPlaceInTheList) {
+  std::vector<std::uint64_t> hashes{hash()};
+  const std::vector<EditKind> kinds = {EditKind::kRemove, EditKind::kSmooth, EditKind::kAdd, EditKind::kRemove};
+  for (std::size_t i = 0; i < kinds.size(); ++i) {
+    edits.edit(dab(kinds[i], 3e-3 + 1e-3 * static_cast<double>(i)));
+    look();
+    hashes.push_back(hash());
+  }
+  ASSERT_EQ(edits.state().steps.size(), 4U);
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(edits.state().steps[i].kind, kinds[i]) << i;
+    EXPECT_EQ(edits.state().steps[i].edits, 1U) << i;
+  }
+  for (const std::size_t to : {1U, 4U, 0U, 3U, 3U}) {
+    const std::size_t from = edits.state().done;
+    edits.goTo(to);
+    const std::size_t way = std::max(from, to) - std::min(from, to);
+    for (std::size_t i = 0; i < way; ++i) {
+      EXPECT_NE(edits.state().done, to);
+      look();
+    }
+    look();
+    EXPECT_EQ(edits.state().done, to);
+    EXPECT_EQ(edits.state().steps.size(), 4U);
+    EXPECT_EQ(hash(), hashes[to]) << to;
+  }
+  edits.goTo(9);
+  look();
+  look();
+  EXPECT_EQ(edits.state().done, 4U);
+  EXPECT_EQ(told.size(), 1U);  // there is nothing more to redo
+  edits.goTo(2);
+  edits.doWaiting(now_ns_);  // all of it, at the end of a session
+  EXPECT_EQ(hash(), hashes[2]);
 }
 
 // A brush that fits nowhere, under a tool at rest: its stroke is refused in each period and tried again in the next.

@@ -8,6 +8,9 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/syscall.h>
+#include <unistd.h>
 
 #include "engine/phantoms/phantom.hpp"
 #include "servo/devices/path.hpp"
@@ -66,6 +69,27 @@ class Rig : public testing::Test {
  private:
   std::optional<SimulatedDevice> device_;
 };
+
+// By a thread that is nobody and may have no priority: the engine's thread has ended before start() throws.
+TEST_F(Rig, ARefusedStartLeavesNobodyAtWork) {
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_RTPRIO, &before), 0);
+  const rlimit none = {0, before.rlim_max};
+  ASSERT_EQ(setrlimit(RLIMIT_RTPRIO, &none), 0);
+  loop.real_time = loop.require_real_time = true;
+  TouchRig touch = rig();
+  const auto held = std::make_shared<int>(0);
+  std::string refusal;
+  std::thread([&] {
+    constexpr uid_t kNobody = 65534;
+    EXPECT_TRUE(geteuid() != 0 || syscall(SYS_setresuid, -1, kNobody, -1) == 0);  // of this thread alone
+    refusal = refusalOf([&] { touch.start([held](const ToolPose&, std::int64_t) {}); });
+  }).join();
+  ASSERT_EQ(setrlimit(RLIMIT_RTPRIO, &before), 0);
+  EXPECT_THAT(refusal, HasSubstr("SCHED_FIFO"));
+  EXPECT_EQ(held.use_count(), 1);
+  EXPECT_FALSE(touch.running());
+}
 
 TEST_F(Rig, FeelsWhatItsPartsFeelBitForBit) {
   TouchRig whole = rig();

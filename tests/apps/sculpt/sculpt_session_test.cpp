@@ -104,7 +104,7 @@ TEST(SculptSession, IsSeenFeltDrilledUndoneAndSaved) {
   }));
   SculptState state = person.look();
   EXPECT_TRUE(state.unsaved);
-  EXPECT_EQ(state.edits.undo_steps, 1U);
+  EXPECT_EQ(state.edits.done, 1U);
 
   const std::string file = (person.folder.path() / "drilled.vdb").string();
   const std::string mesh = (person.folder.path() / "drilled.stl").string();
@@ -120,9 +120,9 @@ TEST(SculptSession, IsSeenFeltDrilledUndoneAndSaved) {
   EXPECT_EQ(contentHash(loadVolume(file)), contentHash(replayed));
 
   person.session.undo();
-  ASSERT_TRUE(waitFor([&] { return person.look().edits.redo_steps == 1; }));
+  ASSERT_TRUE(waitFor([&] { return person.look().edits.canRedo(); }));
   state = person.look();
-  EXPECT_EQ(state.edits.undo_steps, 0U);
+  EXPECT_EQ(state.edits.done, 0U);
   EXPECT_TRUE(state.unsaved);
   ASSERT_TRUE(waitFor([&] {
     const ViewFrame& frame = person.session.view().latest();

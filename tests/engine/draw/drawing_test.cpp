@@ -20,17 +20,27 @@
 namespace palpate {
 namespace drawing_test {
 
+// A drawing of a volume, and what it needs.
+class OfVolume {
+ public:
+  explicit OfVolume(const Volume& volume) : pool_(device_, transfer_, volume) { bounds_.run(); }
+
+ private:
+  gpu::Gpu device_{{}};
+  gpu::Transfer transfer_{device_};
+  BrickPool pool_;
+  BrickBoundsPass bounds_{device_, pool_};
+
+ public:
+  Drawing drawing{device_, transfer_, pool_, bounds_};
+};
+
 RenderedImage drawFrom(const Volume& volume, const Camera& camera, double isovalue,
                        const std::function<void()>& between = {}) {
-  gpu::Gpu gpu({});
-  gpu::Transfer transfer(gpu);
-  const BrickPool pool(gpu, transfer, volume);
-  BrickBoundsPass bounds(gpu, pool);
-  bounds.run();
-  Drawing drawing(gpu, transfer, pool, bounds);
-  drawing.show(camera, isovalue);
-  drawing.finish(between);
-  return drawing.image();
+  OfVolume of(volume);
+  of.drawing.show(camera, isovalue);
+  of.drawing.finish(between);
+  return of.drawing.image();
 }
 
 Vec3 middleOf(const Volume& volume) {
@@ -159,12 +169,8 @@ TEST(Drawing, IsTheSameInPiecesOfAnySize) {
   Camera camera = cameraAt(middleOf(volume) + Vec3(0.05, -0.09, 0.04), middleOf(volume));
   camera.width = 90;
   camera.height = 150;
-  gpu::Gpu gpu({});
-  gpu::Transfer transfer(gpu);
-  const BrickPool pool(gpu, transfer, volume);
-  BrickBoundsPass bounds(gpu, pool);
-  bounds.run();
-  Drawing drawing(gpu, transfer, pool, bounds);
+  OfVolume of(volume);
+  Drawing& drawing = of.drawing;
   drawing.show(camera, 0);
   int pieces = 0;
   for (double share = -1; !drawing.advance(1e-12); drawing.wait()) {  // one tile a piece
@@ -191,12 +197,8 @@ TEST(Drawing, CanBeEndedBetweenPieces) {
 TEST(Drawing, GoesOnWithTheLastPictureAfterARefusal) {
   const Volume volume = ballField({24, 24, 24}, 6.0);
   const Camera camera = cameraAt(middleOf(volume) + Vec3(0.08, 0, 0), middleOf(volume));
-  gpu::Gpu gpu({});
-  gpu::Transfer transfer(gpu);
-  const BrickPool pool(gpu, transfer, volume);
-  BrickBoundsPass bounds(gpu, pool);
-  bounds.run();
-  Drawing drawing(gpu, transfer, pool, bounds);
+  OfVolume of(volume);
+  Drawing& drawing = of.drawing;
   const auto refused = [&](const Camera& bad, const DrawStyle& style = {}) {
     try {
       drawing.show(bad, 0, style);
@@ -251,12 +253,8 @@ TEST(Drawing, ASliceIsSeenOnTheCutInItsPlane) {
   const Volume volume = ballField({41, 41, 41}, 14.0);
   const Vec3 middle_W = middleOf(volume);
   const Camera camera = cameraAt(middle_W + Vec3(0.05, -0.09, 0.04), middle_W);
-  gpu::Gpu gpu({});
-  gpu::Transfer transfer(gpu);
-  const BrickPool pool(gpu, transfer, volume);
-  BrickBoundsPass bounds(gpu, pool);
-  bounds.run();
-  Drawing drawing(gpu, transfer, pool, bounds);
+  OfVolume of(volume);
+  Drawing& drawing = of.drawing;
   DrawStyle style;
   style.slice_black = -3;
   style.slice_white = 3;

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/sculpt/tick_recording.hpp"
+
+#include <fmt/format.h>
+
+#include "base/error.hpp"
+
+namespace palpate {
+
+TickRecording::TickRecording(const std::filesystem::path& file, double rate_hz) : file_(file), rate_hz_(rate_hz) {
+  if (std::filesystem::exists(file_)) {
+    throw Error(Error::Code::kIo, file_.string(), "the file exists already", "give another name, or move it away");
+  }
+  stream_.open(file_);
+  stream_ << "time_s,x_m,y_m,z_m\n";
+  check();
+}
+
+void TickRecording::add(const TickRecord& tick) {
+  const Vec3 hip_W = asVec3(tick.hip_W);
+  if (last_) {
+    const Vec3 before_W = asVec3(last_->hip_W);
+    const std::int64_t gap = tick.tick - last_->tick;
+    for (std::int64_t i = 1; i < gap; ++i) {
+      write(before_W + (hip_W - before_W) * (static_cast<double>(i) / static_cast<double>(gap)));
+    }
+  }
+  write(hip_W);
+  last_ = tick;
+  check();
+}
+
+void TickRecording::close() {
+  if (!stream_.is_open()) return;
+  stream_.flush();
+  check();
+  stream_.close();
+}
+
+void TickRecording::write(const Vec3& hip_W) {
+  stream_ << fmt::format("{:.6f},{:.9g},{:.9g},{:.9g}\n", static_cast<double>(rows_) / rate_hz_, hip_W.x(), hip_W.y(),
+                         hip_W.z());
+  ++rows_;
+}
+
+void TickRecording::check() {
+  if (stream_) return;
+  throw Error(Error::Code::kIo, file_.string(), "the recording cannot be written",
+              "check that the folder exists, may be written to and has room");
+}
+
+}  // namespace palpate

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/sculpt/view_choice.hpp"
+
+#include <fmt/format.h>
+
+#include "apps/render/asked_style.hpp"
+
+namespace palpate {
+namespace {
+
+AskedPlane across(int axis, double share, bool turned) {
+  const double sign = turned ? -1 : 1;
+  return {.text = fmt::format("{}={:.0f}%", "xyz"[axis], 100 * share),
+          .normal_W = sign * Vec3::Unit(axis),
+          .place = turned ? 1 - share : share,
+          .is_share = true};
+}
+
+}  // namespace
+
+DrawStyle styleOf(const ViewChoice& choice, const Lattice& lattice, const Vec3i& size) {
+  RenderRequest request;
+  request.occlusion = choice.occlusion;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const int axis = static_cast<int>(i);
+    if (choice.cuts[i].on) request.clips.push_back(across(axis, choice.cuts[i].share, choice.cuts[i].keeps_low));
+    if (choice.slices[i].on) request.slices.push_back(across(axis, choice.slices[i].share, false));
+  }
+  request.slice_range = choice.slice_range;
+  request.second = choice.second_isovalue;
+  request.second_opacity = choice.second_opacity;
+  return styleOf(request, lattice, size);
+}
+
+}  // namespace palpate

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <filesystem>
+
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include "apps/mesh/mesh_writer.hpp"
+#include "apps/sculpt/dated_name.hpp"
+#include "apps/window/panel_parts.hpp"
+#include "apps/window/panels.hpp"
+#include "base/units.hpp"
+#include "engine/files/volume_file.hpp"
+
+namespace palpate {
+namespace {
+
+// Opens with Enter, or from the list of those that were open before.
+void openRow(WindowModel& model) {
+  ImGui::SetNextItemWidth(-ImGui::GetFontSize() * 4);
+  const bool entered = ImGui::InputTextWithHint("##open", "another volume", model.opens, sizeof model.opens,
+                                                ImGuiInputTextFlags_EnterReturnsTrue);
+  tip("A file, a DICOM folder or phantom:NAME to open. A file can be dropped on the window too.");
+  ImGui::SameLine();
+  if ((ImGui::Button("Open", ImVec2(-1, 0)) || entered) && model.opens[0] != '\0') model.open(model.opens);
+  if (model.settings.recent.size() < 2) return;
+  ImGui::SetNextItemWidth(-1);
+  if (!ImGui::BeginCombo("##recent", "opened before")) return;
+  for (const std::string& volume : model.settings.recent) {
+    if (ImGui::Selectable(volume.c_str())) model.open(volume);
+  }
+  ImGui::EndCombo();
+}
+
+void saveRow(WindowModel& model) {
+  ImGui::SetNextItemWidth(-ImGui::GetFontSize() * 4);
+  const bool entered = ImGui::InputTextWithHint("##file", "sculpted.vdb", model.file, sizeof model.file,
+                                                ImGuiInputTextFlags_EnterReturnsTrue);
+  tip(fmt::format("File to write: {} for the volume, {} for its surface", volumeFileSuffixes(), kMeshFileSuffixes));
+  ImGui::SameLine();
+  if (ImGui::Button("Save", ImVec2(-1, 0)) || entered) saveAs(model);
+  tip("Writes the volume with every edit (Ctrl+S). Sculpting goes on meanwhile.");
+}
+
+}  // namespace
+
+void saveAs(WindowModel& model) {
+  if (model.file[0] == '\0') return model.say("name a file first, at the top left: for example sculpted.vdb");
+  orSay(model, [&] { model.session.save(model.file); });
+}
+
+void toggleRecording(WindowModel& model) {
+  orSay(model, [&] {
+    if (!model.recording) {
+      model.recording.emplace(datedName(".", "palpate-way", ".csv"), model.session.settings().parameters.rate_hz);
+      return;
+    }
+    model.recording->close();
+    model.say(fmt::format("{} holds {:.1f} s of the tool's way: palpate touch VOLUME --path {} replays it",
+                          model.recording->file().string(), model.recording->seconds(),
+                          model.recording->file().string()));
+    model.recording.reset();
+  });
+}
+
+void showFileSection(WindowModel& model) {
+  const SculptVolume& volume = model.session.volume();
+  const std::string name = std::filesystem::path(volume.name).filename().string();
+  ImGui::TextWrapped("%s%s", (name.empty() ? volume.name : name).c_str(), model.state.unsaved ? " *" : "");
+  tip(volume.name + (model.state.unsaved ? "\n*: no file holds the last edits; the journal does" : ""));
+  const Vec3 size_mm = volume.size.cast<double>().cwiseProduct(volume.lattice.spacing_m) * kMillimetresPerMetre;
+  mutedText(fmt::format("{} x {} x {} voxels, {:.0f} x {:.0f} x {:.0f} mm", volume.size.x(), volume.size.y(),
+                        volume.size.z(), size_mm.x(), size_mm.y(), size_mm.z()));
+  saveRow(model);
+  openRow(model);
+  if (ImGui::Button("Picture", inRow(2))) model.wants_screenshot = true;
+  tip("Writes a picture of the window into the current folder (F12)");
+  ImGui::SameLine();
+  if (ImGui::Button(model.recording ? "End recording" : "Record", inRow(2))) toggleRecording(model);
+  tip("Writes the tool's way into a file that 'palpate touch --path' replays (F9)");
+  if (model.recording) mutedText(fmt::format("recording: {:.1f} s", model.recording->seconds()));
+  if (model.state.errands > 0) mutedText("writing ...");
+}
+
+}  // namespace palpate
