@@ -27,7 +27,7 @@ struct SliceRange {
 
 // A plane as a user gives it. World: LPS.
 struct AskedPlane {
-  std::string text;               // as it was given, for messages
+  std::string text = {};          // as it was given, for messages
   Vec3 normal_W = Vec3::UnitZ();  // unit
   // Along the normal: from the world's origin [m]; or as a share of the volume's extent, 0 where the volume begins and
   // 1 where it ends.

@@ -38,8 +38,8 @@ void TickRecording::close() {
 }
 
 void TickRecording::write(const Vec3& hip_W) {
-  stream_ << fmt::format("{:.6f},{:.9g},{:.9g},{:.9g}\n", static_cast<double>(rows_) / rate_hz_, hip_W.x(), hip_W.y(),
-                         hip_W.z());
+  // In as many digits as are read back to the same bits.
+  stream_ << fmt::format("{},{},{},{}\n", static_cast<double>(rows_) / rate_hz_, hip_W.x(), hip_W.y(), hip_W.z());
   ++rows_;
 }
 

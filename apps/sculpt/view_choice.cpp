@@ -1,17 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/sculpt/view_choice.hpp"
 
-#include <fmt/format.h>
-
 #include "apps/render/asked_style.hpp"
+#include "base/error.hpp"
 
 namespace palpate {
 namespace {
 
 AskedPlane across(int axis, double share, bool turned) {
   const double sign = turned ? -1 : 1;
-  return {.text = fmt::format("{}={:.0f}%", "xyz"[axis], 100 * share),
-          .normal_W = sign * Vec3::Unit(axis),
+  return {.normal_W = sign * Vec3::Unit(axis),
           .place = turned ? 1 - share : share,
           .is_share = true};
 }
@@ -29,7 +27,11 @@ DrawStyle styleOf(const ViewChoice& choice, const Lattice& lattice, const Vec3i&
   request.slice_range = choice.slice_range;
   request.second = choice.second_isovalue;
   request.second_opacity = choice.second_opacity;
-  return styleOf(request, lattice, size);
+  try {
+    return styleOf(request, lattice, size);
+  } catch (const Error& error) {
+    throw Error(error.code(), "the cuts", error.reason(), "move one, or flip it");
+  }
 }
 
 }  // namespace palpate

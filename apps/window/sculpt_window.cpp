@@ -69,6 +69,7 @@ SculptWindow::SculptWindow(GuiHost& host, SculptSession& session, SculptSettings
       model_{.session = session, .settings = std::move(settings), .view = OrbitView(session.volume().object, 640, 480)},
       tool_(model_.view.distance_m()) {
   model_.sight.slice_range = sliceRangeFor(session.volume().statistics);
+  ImGui::SetWindowFocus(nullptr);  // a question had the keyboard
 }
 
 std::string SculptWindow::run() {

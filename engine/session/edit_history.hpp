@@ -26,7 +26,7 @@ enum class UndoStep { kNew, kLast };
 // What one undo takes back.
 struct UndoLabel {
   EditKind kind = EditKind::kRemove;  // of its first edit
-  std::size_t edits = 1;
+  std::uint32_t edits = 1;
 };
 
 class EditHistory {

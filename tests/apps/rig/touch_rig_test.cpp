@@ -83,7 +83,7 @@ TEST_F(Rig, ARefusedStartLeavesNobodyAtWork) {
   std::thread([&] {
     constexpr uid_t kNobody = 65534;
     EXPECT_TRUE(geteuid() != 0 || syscall(SYS_setresuid, -1, kNobody, -1) == 0);  // of this thread alone
-    refusal = refusalOf([&] { touch.start([held](const ToolPose&, std::int64_t) {}); });
+    refusal = refusalOf([&] { touch.start([held](const ToolPose&, std::int64_t) {}); }, Error::Code::kDevice);
   }).join();
   ASSERT_EQ(setrlimit(RLIMIT_RTPRIO, &before), 0);
   EXPECT_THAT(refusal, HasSubstr("SCHED_FIFO"));

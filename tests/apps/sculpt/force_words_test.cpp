@@ -38,8 +38,10 @@ TEST(ForceWords, TellWhyThereIsNone) {
   EXPECT_THAT(forceWords(record, true, 300).reasons, ElementsAre(HasSubstr("take it out once")));
   record.density = 300;
   EXPECT_THAT(forceWords(record, true, 300).reasons, ElementsAre(HasSubstr("outside the object")));
-  record.density = std::numeric_limits<float>::quiet_NaN();
-  EXPECT_THAT(forceWords(record, true, 300).reasons, ElementsAre(HasSubstr("outside the volume")));
+  for (const float unknown : {std::numeric_limits<float>::quiet_NaN(), -std::numeric_limits<float>::infinity()}) {
+    record.density = unknown;  // beyond the window, or beyond the volume
+    EXPECT_THAT(forceWords(record, true, 300).reasons, ElementsAre(HasSubstr("outside the volume")));
+  }
   EXPECT_EQ(forceWords(record, true, 300).state, "no contact");
   record.tick = -1;
   EXPECT_THAT(forceWords(record, true, 300).state, HasSubstr("starting"));

@@ -136,6 +136,7 @@ Started::Started(const std::string& display, const std::filesystem::path& home, 
   process_ = start(words, [&] {
     display.empty() ? unsetenv("DISPLAY") : setenv("DISPLAY", display.c_str(), 1);
     setenv("HOME", home.c_str(), 1);
+    if (chdir(home.c_str()) != 0) _exit(126);
     setenv("PALPATE_VALIDATION", "1", 1);
     setenv("VK_INSTANCE_LAYERS", "VK_LAYER_KHRONOS_validation", 1);
     for (const char* name : {"XDG_CONFIG_HOME", "XDG_STATE_HOME", "WAYLAND_DISPLAY"}) unsetenv(name);

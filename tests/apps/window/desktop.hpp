@@ -63,7 +63,7 @@ class Desktop {
   pid_t server_ = -1;
 };
 
-// `palpate` with these words on a display (empty: none), with a home of its own.
+// `palpate` with these words on a display (empty: none), with a home of its own, in which it begins.
 class Started {
  public:
   Started(const std::string& display, const std::filesystem::path& home, std::vector<std::string> words);

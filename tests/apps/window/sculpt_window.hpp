@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+// `palpate sculpt` of a ball on a desktop of 1280 x 720, under the validation layer.
+#pragma once
+
+#include <csignal>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "desktop.hpp"
+#include "engine/files/volume_file.hpp"
+#include "engine/journal/replay.hpp"
+
+namespace palpate {
+
+inline constexpr const char* kBall = "phantom:sphere?size=48";
+inline constexpr int kWidth = 1280, kHeight = 720;
+// Where the picture is, and its middle.
+inline constexpr Rectangle kPicture{300, 0, 690, 634};
+inline constexpr int kMiddleX = 645, kMiddleY = 317;
+// Fields and buttons, while nothing is folded or scrolled.
+inline constexpr int kFileX = 100, kSaveY = 63, kOpenY = 92;
+inline constexpr int kIsovalueX = 95, kIsovalueY = 449;
+
+class OnADesktop : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (const std::string why = Desktop::missing(); !why.empty()) GTEST_SKIP() << why;
+    desktop = std::make_unique<Desktop>(kWidth, kHeight);
+  }
+  [[nodiscard]] std::filesystem::path home() const { return folder.path() / "home"; }
+  [[nodiscard]] std::filesystem::path journals() const { return home() / ".local/state/palpate/journals"; }
+  void start() {
+    program = std::make_unique<Started>(desktop->display(), home(), std::vector<std::string>{"sculpt", kBall});
+  }
+  // The only session's journal.
+  [[nodiscard]] std::filesystem::path journal() const {
+    std::vector<std::filesystem::path> sessions;
+    for (const auto& entry : std::filesystem::directory_iterator(journals())) sessions.push_back(entry.path());
+    return sessions.size() == 1 ? sessions[0] : std::filesystem::path();
+  }
+  // What the ball is after the journal's edits.
+  [[nodiscard]] static Volume replayed(const std::filesystem::path& journal) {
+    Volume volume = loadVolume(kBall);
+    replay(readJournal(journal), volume);
+    return volume;
+  }
+  // A groove to the right of the middle.
+  bool drills() {
+    desktop->drags(kMiddleX, kMiddleY, kMiddleX + 60, kMiddleY, 1);
+    return movesOff();
+  }
+  // Clicks at a field, and fills it.
+  void enters(int x, int y, const std::string& text) const {
+    desktop->does({"mousemove", std::to_string(x), std::to_string(y), "click", "1", "key", "ctrl+a"});
+    desktop->does({"type", "--delay", "20", text});
+    desktop->does({"key", "Return"});
+  }
+  // Until the ball fills the middle of the picture, and nothing moves any more.
+  bool showsBall() {
+    return waitUntil([&] {
+             if (!program->runs()) return true;
+             const Screen screen = desktop->look();
+             const auto pixel = screen.at(kMiddleX, kMiddleY);
+             return pixel[0] > 90 && pixel[0] > pixel[2] + 10;  // bone, and no panel
+           }) &&
+           program->runs() && movesOff();
+  }
+  // Off the ball; the tool is drawn where the pointer is.
+  bool movesOff() {
+    desktop->moves(kMiddleX, kPicture.height - 5);
+    return isStill();
+  }
+  bool isStill() {
+    Screen before = desktop->look();
+    int still = 0;
+    return waitUntil([&] {
+      Screen now = desktop->look();
+      still = differing(before, now, kPicture) == 0 ? still + 1 : 0;
+      before = std::move(now);
+      return still >= 20;
+    });
+  }
+  // Ends as a user's `kill` does, and nothing was wrong.
+  void endsWell() {
+    program->signals(SIGTERM);
+    EXPECT_EQ(program->ends(), 0) << program->said();
+    EXPECT_THAT(program->said(), testing::Not(testing::HasSubstr("alidation")));
+    EXPECT_THAT(program->said(), testing::Not(testing::HasSubstr("VUID")));
+  }
+
+  TemporaryFolder folder;
+  std::unique_ptr<Desktop> desktop;
+  std::unique_ptr<Started> program;
+};
+
+}  // namespace palpate

@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the window can do beside strokes: pictures of itself, recordings, the keyboard alone, other isovalues and volumes,
+// cuts, other sizes; and what it says of what it cannot.
+#include <chrono>
+#include <fstream>
+#include <sstream>
+#include <thread>
+
+#include <cairo/cairo.h>
+
+#include "apps/path/path_csv.hpp"
+#include "apps/sculpt/session_folders.hpp"
+#include "engine/journal/volume_identity.hpp"
+#include "sculpt_window.hpp"
+
+namespace palpate {
+namespace window_features_test {
+
+// The picture without its lowest rows, where the pointer rests.
+constexpr Rectangle kUpper{kPicture.x, 0, kPicture.width, kPicture.height - 80};
+// Words at the bottom.
+constexpr Rectangle kMessage{0, 662, 980, 50};
+
+int ballPixels(const Screen& screen, const Rectangle& within = kUpper) {
+  int pixels = 0;
+  for (int y = within.y; y < within.y + within.height; ++y) {
+    for (int x = within.x; x < within.x + within.width; ++x) pixels += screen.at(x, y)[0] > 60;
+  }
+  return pixels;
+}
+
+// The only file of the folder with this suffix.
+std::filesystem::path fileIn(const std::filesystem::path& folder, const std::string& suffix) {
+  std::vector<std::filesystem::path> found;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (entry.path().extension() == suffix) found.push_back(entry.path());
+  }
+  return found.size() == 1 ? found[0] : std::filesystem::path();
+}
+
+TEST_F(OnADesktop, WritesAPictureOfItself) {
+  start();
+  ASSERT_TRUE(showsBall()) << program->said();
+  const Screen before = desktop->look();
+  desktop->does({"key", "F12"});
+  ASSERT_TRUE(waitUntil([&] { return !fileIn(home(), ".png").empty(); })) << program->said();
+  cairo_surface_t* picture = cairo_image_surface_create_from_png(fileIn(home(), ".png").c_str());
+  ASSERT_EQ(cairo_image_surface_get_width(picture), kWidth);
+  ASSERT_EQ(cairo_image_surface_get_height(picture), kHeight);
+  int differing = 0;
+  for (int y = 0; y < kUpper.height; ++y) {
+    const unsigned char* row = cairo_image_surface_get_data(picture) + y * cairo_image_surface_get_stride(picture);
+    for (int x = 0; x < kUpper.x + kUpper.width; ++x) {
+      const auto on_screen = before.at(x, y);
+      for (int i = 0; i < 3; ++i) differing += std::abs(row[4 * x + i] - on_screen[static_cast<std::size_t>(2 - i)]) > 2;
+    }
+  }
+  cairo_surface_destroy(picture);
+  EXPECT_EQ(differing, 0);
+  endsWell();
+}
+
+// The tool hovers across the ball; what was recorded is a path that crosses it.
+TEST_F(OnADesktop, RecordsTheToolsWay) {
+  start();
+  ASSERT_TRUE(showsBall()) << program->said();
+  desktop->moves(kMiddleX - 100, kMiddleY);
+  ASSERT_TRUE(isStill());
+  desktop->does({"key", "F9"});
+  for (int x = -100; x <= 100; x += 20) {
+    desktop->moves(kMiddleX + x, kMiddleY);
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  ASSERT_TRUE(isStill());
+  desktop->does({"key", "F9"});
+  endsWell();  // the file is whole by then
+  const std::filesystem::path file = fileIn(home(), ".csv");
+  ASSERT_FALSE(file.empty());
+  const std::vector<TimedPoint> path = readPathCsv(file);
+  EXPECT_GT(path.size(), 500U);
+  EXPECT_EQ(path.front().time_s, 0);
+  EXPECT_NEAR(path.back().time_s, static_cast<double>(path.size() - 1) * 1e-3, 1e-9);
+  EXPECT_GT((path.back().p_W - path.front().p_W).norm(), 5e-3);
+}
+
+// Without a mouse: the pointer begins in the middle of the picture.
+TEST_F(OnADesktop, DrillsAndTurnsByTheKeyboardAlone) {
+  start();
+  ASSERT_TRUE(showsBall()) << program->said();
+  const Screen before = desktop->look();
+  desktop->does({"mousemove", "100", "680"});
+  ASSERT_TRUE(isStill());
+  desktop->does({"keydown", "space"});
+  ASSERT_TRUE(waitUntil([&] { return desktop->look().at(1100, 388)[2] > 90; }));  // an edit in the list
+  desktop->does({"keydown", "Right"});
+  std::this_thread::sleep_for(std::chrono::milliseconds(400));
+  desktop->does({"keyup", "Right", "keyup", "space"});
+  ASSERT_TRUE(movesOff());
+  const Screen drilled = desktop->look();
+  EXPECT_GT(differing(before, drilled, {kMiddleX - 60, kMiddleY - 60, 200, 120}), 100);
+  desktop->does({"key", "ctrl+z"});
+  EXPECT_TRUE(waitUntil([&] { return differing(before, desktop->look(), kUpper) == 0; }));
+  desktop->does({"key", "ctrl+shift+z"});
+  EXPECT_TRUE(waitUntil([&] { return differing(drilled, desktop->look(), kUpper) == 0; }));
+  desktop->does({"keydown", "ctrl", "keydown", "Left"});
+  std::this_thread::sleep_for(std::chrono::milliseconds(400));
+  desktop->does({"keyup", "Left", "keyup", "ctrl"});
+  ASSERT_TRUE(movesOff());
+  EXPECT_GT(differing(drilled, desktop->look(), kUpper), 100);  // the groove is elsewhere
+  desktop->does({"key", "1"});
+  EXPECT_TRUE(waitUntil([&] { return differing(drilled, desktop->look(), kUpper) == 0; }));
+  endsWell();
+}
+
+TEST_F(OnADesktop, GoesToAnotherIsovalue) {
+  start();
+  ASSERT_TRUE(showsBall()) << program->said();
+  const int before = ballPixels(desktop->look());
+  enters(kIsovalueX, kIsovalueY, "500");  // two voxels below the ball's surface
+  ASSERT_TRUE(movesOff());
+  EXPECT_TRUE(waitUntil([&] { return ballPixels(desktop->look()) < 0.95 * before; }));
+  endsWell();
+}
+
+// One that is not there leaves what is open; another takes its place.
+TEST_F(OnADesktop, OpensAnotherVolume) {
+  start();
+  ASSERT_TRUE(showsBall()) << program->said();
+  const Screen before = desktop->look();
+  enters(kFileX, kOpenY, "/nowhere/none.vdb");
+  EXPECT_TRUE(waitUntil([&] { return differing(before, desktop->look(), kMessage) > 50; }));
+  ASSERT_TRUE(movesOff());
+  EXPECT_EQ(differing(before, desktop->look(), kUpper), 0);
+  EXPECT_FALSE(journal().empty());
+  enters(kFileX, kOpenY, "phantom:box?size=32");
+  EXPECT_TRUE(waitUntil([&] { return differing(before, desktop->look(), kUpper) > 1000 && !journal().empty(); }));
+  ASSERT_TRUE(movesOff());
+  EXPECT_GT(ballPixels(desktop->look()), 1000);
+  endsWell();
+  EXPECT_TRUE(std::filesystem::is_empty(journals()));
+  std::ifstream settings(home() / ".config/palpate/sculpt.json");
+  std::ostringstream text;
+  text << settings.rdbuf();
+  EXPECT_THAT(text.str(), testing::AllOf(testing::HasSubstr("phantom:box?size=32"), testing::HasSubstr(kBall)));
+}
+
+// Half of the ball is cut away; what is left is as it was, but for the shade of hollows beside the cut.
+TEST_F(OnADesktop, CutsTheBall) {
+  start();
+  ASSERT_TRUE(showsBall()) << program->said();
+  const Screen before = desktop->look();
+  desktop->does({"mousemove", "150", "600", "click", "--repeat", "20", "--delay", "20", "5"});
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  desktop->does({"mousemove", "150", "612", "click", "1"});
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  desktop->does({"click", "--repeat", "20", "--delay", "20", "5"});
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  desktop->does({"mousemove", "87", "496", "click", "1"});
+  EXPECT_TRUE(waitUntil([&] { return ballPixels(desktop->look()) < 0.6 * ballPixels(before); }));
+  ASSERT_TRUE(movesOff());
+  const Screen cut = desktop->look();
+  EXPECT_NEAR(ballPixels(cut), ballPixels(before) / 2.0, 0.03 * ballPixels(before));
+  const Rectangle left{kUpper.x, 0, kMiddleX - kUpper.x - 120, kUpper.height};
+  const Rectangle right{kMiddleX + 120, 0, kUpper.x + kUpper.width - kMiddleX - 120, kUpper.height};
+  const bool left_stays = ballPixels(cut, left) > 0;
+  EXPECT_EQ(ballPixels(cut, left_stays ? right : left), 0);
+  EXPECT_EQ(differing(before, cut, left_stays ? left : right), 0);
+  endsWell();
+}
+
+TEST_F(OnADesktop, IsDrawnAnewAtAnotherSize) {
+  start();
+  ASSERT_TRUE(showsBall()) << program->said();
+  const Screen before = desktop->look();
+  const auto sized = [&](const std::string& width, const std::string& height) {
+    desktop->does({"search", "--onlyvisible", "--name", "Palpate", "windowsize", width, height});
+  };
+  sized("1000", "500");
+  EXPECT_TRUE(waitUntil([&] { return differing(before, desktop->look(), kUpper) > 1000; }));
+  desktop->moves(500, 380);
+  ASSERT_TRUE(isStill());
+  EXPECT_GT(ballPixels(desktop->look(), {300, 0, 400, 380}), 1000);
+  sized("1280", "720");
+  ASSERT_TRUE(movesOff());
+  EXPECT_TRUE(waitUntil([&] { return differing(before, desktop->look(), kUpper) == 0; }));
+  desktop->does({"search", "--onlyvisible", "--name", "Palpate", "windowunmap"});
+  std::this_thread::sleep_for(std::chrono::seconds(1));
+  ASSERT_TRUE(program->runs()) << program->said();
+  desktop->does({"search", "--name", "Palpate", "windowmap"});
+  EXPECT_TRUE(waitUntil([&] { return differing(before, desktop->look(), kUpper) == 0; }));
+  endsWell();
+}
+
+// What cannot be written is said, is still unsaved, and can be written elsewhere.
+TEST_F(OnADesktop, SaysThatAFileCannotBeWritten) {
+  start();
+  ASSERT_TRUE(showsBall()) << program->said();
+  ASSERT_TRUE(drills());
+  const Screen before = desktop->look();
+  enters(kFileX, kSaveY, "/nowhere/a.vdb");
+  EXPECT_TRUE(waitUntil([&] { return differing(before, desktop->look(), kMessage) > 50; }));
+  const std::string file = (folder.path() / "b.vdb").string();
+  enters(kFileX, kSaveY, file);
+  ASSERT_TRUE(waitUntil([&] { return std::filesystem::exists(file); })) << program->said();
+  EXPECT_EQ(contentHash(loadVolume(file)), contentHash(replayed(journal())));
+  endsWell();
+  EXPECT_TRUE(std::filesystem::is_empty(journals()));
+}
+
+TEST_F(OnADesktop, LosesNothingWhenItIsEndedInTheMiddleOfAStroke) {
+  start();
+  ASSERT_TRUE(showsBall()) << program->said();
+  desktop->moves(kMiddleX, kMiddleY);
+  desktop->does({"mousedown", "1"});
+  ASSERT_TRUE(waitUntil([&] { return desktop->look().at(1100, 388)[2] > 90; }));  // an edit in the list
+  endsWell();
+  const std::vector<LeftSession> left = leftSessions(journals());
+  ASSERT_EQ(left.size(), 1U);
+  EXPECT_GT(left[0].edits, 0U);
+  EXPECT_EQ(left[0].damage, "");
+  EXPECT_NE(contentHash(replayed(left[0].folder)), contentHash(loadVolume(kBall)));
+}
+
+}  // namespace window_features_test
+}  // namespace palpate
