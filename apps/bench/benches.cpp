@@ -88,9 +88,9 @@ constexpr const char* kLiveIntroduction = R"(
 A sculpting session as its window has it, without the window: the tool drills along a circle on the surface, 1 mm deep,
 while nothing is drawn, while the camera stands, and while it turns by 0.6 radian a second; in turns, each in a session
 of its own.
-`between`: mean time between pictures; while the camera stands only whole ones count, while it turns the first one of
-each camera.
-`to pixel`: from an edit to the first picture that shows it.
+`between`: mean time between pictures; while the camera stands those at full quality count, while it turns the first
+one of each camera.
+`to pixel`: from an edit to the first picture that shows all of it.
 `settling`: from the camera's last movement to a whole picture.
 `ready`: from the request to the first whole picture.
 `late`, `age`: lateness of the servo's ticks, and age of its window of samples; ratios: over those of the session of the

@@ -44,7 +44,7 @@ struct LiveRow {
   std::string volume, drawn;
   double seconds;
   std::int64_t edits, pictures;
-  double between_ms;        // mean time between pictures: whole ones while the camera stands, of a camera each while it turns
+  double between_ms;        // mean time between pictures: fine ones while the camera stands, of a camera each while it turns
   Percentiles to_pixel_ms;  // from an edit to the first picture that shows it
   double settling_ms;       // from the camera's last movement to a whole picture
   double ready_s;           // from the request to the first whole picture
@@ -131,6 +131,7 @@ class Watched {
   // Begins in front of the first place, along the view.
   void drill(const std::vector<Vec3>& places_W, double seconds, double turn_rad_s) {
     const Vec3 inward_W = view_.camera().forward_W;
+    turns_ = turn_rad_s != 0;
     session_.aim(places_W.front() - 5e-3 * inward_W);
     wait(1);
     session_.takeTicks(ticks_);
@@ -230,7 +231,7 @@ class Watched {
     seen_frame_ = frame.number;
     const bool another_camera = !(frame.camera == seen_camera_);
     seen_camera_ = frame.camera;
-    pictures_ += frame.whole || another_camera;
+    pictures_ += turns_ ? another_camera : frame.fine;
     std::erase_if(waiting_, [&](const Edit& edit) {
       if (frame.edit_version < edit.version) return false;
       to_pixel_ms_.push_back(1e3 * (now_s - edit.at_s));
@@ -248,6 +249,7 @@ class Watched {
   std::uint64_t seen_edit_ = 0, seen_frame_ = 0, edits_ = 0;
   Camera seen_camera_;
   std::int64_t pictures_ = 0;
+  bool turns_ = false;  // the camera
   double seconds_ = 0, settling_ms_ = kNone, ready_s_ = kNone;
 };
 
@@ -260,7 +262,7 @@ void addTargets(BenchResult& result) {
   const auto median_of = [&](const char* drawn, const char* key, double bound, const std::string& name) {
     promise(result, {.name = name, .bound = bound, .part = "live", .like = like(drawn), .keys = {key}, .of = medianOf});
   };
-  median_of(kStanding, "between_pictures_ms", kStanding_ms, "between whole pictures while drilling, camera stands [ms]");
+  median_of(kStanding, "between_pictures_ms", kStanding_ms, "between fine pictures while drilling, camera stands [ms]");
   median_of(kStanding, "edit_to_pixel_p99_ms", kMostToPixel_ms, "from an edit to the picture of it, p99 [ms]");
   median_of(kTurning, "between_pictures_ms", kTurning_ms, "between pictures of new cameras, camera turns [ms]");
   median_of(kTurning, "settling_ms", kMostSettling_ms, "whole after the camera stands [ms]");

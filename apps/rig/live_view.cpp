@@ -63,7 +63,8 @@ void LiveView::handOver(Engine& engine, const PictureState& state, std::int64_t 
   engine.copyPicture(frame.pixels);
   frame.number = ++number_;
   frame.camera = shown_->camera;
-  frame.edit_version = engine.editVersion();
+  frame.edit_version = state.version;
+  frame.fine = state.fine;
   frame.whole = state.whole;
   frames_.publish();
   pieces_ = state.pieces;

@@ -39,8 +39,9 @@ struct ViewFrame {
   std::uint64_t number = 0;                  // from 1; 0: nothing is drawn yet
   Camera camera;                             // that the pixels belong to
   std::vector<layout::PicturePixel> pixels;  // rows from the top
-  std::uint64_t edit_version = 0;            // of the volume, when the frame was handed over
-  bool whole = false;                        // at full quality, and of that volume
+  std::uint64_t edit_version = 0;            // every edit up to this one is seen
+  bool fine = false;                         // at full quality
+  bool whole = false;                        // and of the volume as it was when the frame was handed over
 };
 
 class LiveView {

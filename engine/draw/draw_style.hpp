@@ -39,7 +39,9 @@ enum class DrawOrder {
 struct PictureState {
   std::uint64_t pieces = 0;  // of work that are done, since the start
   bool showable = false;     // all pixels are of the present camera, coarse ones perhaps
-  bool whole = false;        // and fine, and of the volume as it is
+  bool fine = false;         // and all of them fine
+  bool whole = false;        // and of the volume as it is
+  std::uint64_t version = 0;  // of the volume: every edit up to it is seen
 };
 
 // Throws Error(kBadInput) for more planes than can be drawn, a normal of length 0, or figures that are not finite.

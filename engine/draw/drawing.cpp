@@ -72,22 +72,22 @@ void Drawing::show(const Camera& camera, double isovalue, const DrawStyle& style
   showable_ = false;
 }
 
-void Drawing::changed(std::span<const std::uint32_t> bricks) {
+void Drawing::changed(std::span<const std::uint32_t> bricks, std::span<const VoxelBox> boxes, std::uint64_t version) {
+  version_ = version;
   if (!surface_) return;
   changed_.insert(changed_.end(), bricks.begin(), bricks.end());
   if (changed_.size() > 2 * pool_.brickCount()) sortUnique(changed_);
   const Vec3 reach = Vec3::Constant(style_.occlusion ? DRAW_OCCLUSION_REACH : DRAW_NORMAL_REACH);
   const BrickGrid grid = pool_.grid();
   const int together = bricks.size() > kMostSingleBricks ? 4 : 1;
-  std::map<std::uint32_t, VoxelBox> boxes;
-  for (const std::uint32_t brick : bricks) {
-    const Vec3i first = grid.brick(brick) / together * together;
-    const VoxelBox box = grid.box(brick);
-    const auto [at, is_new] = boxes.try_emplace(grid.index(first), box);
-    if (!is_new) at->second = hull(at->second, box);
+  std::map<std::uint32_t, VoxelBox> hulls;
+  for (std::size_t i = 0; i < bricks.size(); ++i) {
+    const Vec3i first = grid.brick(bricks[i]) / together * together;
+    const auto [at, is_new] = hulls.try_emplace(grid.index(first), boxes[i]);
+    if (!is_new) at->second = hull(at->second, boxes[i]);
   }
-  for (const auto& [first, box] : boxes)
-    tiles_.changed(pool_.lattice(), box.first.cast<double>() - reach, box.last.cast<double>() + reach);
+  for (const auto& [first, box] : hulls)
+    tiles_.changed(pool_.lattice(), box.first.cast<double>() - reach, box.last.cast<double>() + reach, version);
 }
 
 bool Drawing::poll() {
@@ -149,6 +149,8 @@ std::size_t Drawing::tilesIn(double most_s) const noexcept {
 void Drawing::finished() {
   in_flight_ = false;
   showable_ = tiles_.coarse();
+  const auto stale = tiles_.oldestStale();
+  shown_version_ = stale ? *stale - 1 : version_;
   ++pieces_;
   if (in_flight_tiles_ == 0) return;
   double seconds = since_submit_.seconds();

@@ -41,8 +41,9 @@ class Drawing {
   // and drawPush() do, Error(kOutOfMemory), and then the former picture goes on. Cost of an isovalue that was not drawn
   // before: a cell tree, for which this waits; of a style that was not: perhaps the driver's compiler.
   void show(const Camera& camera, double isovalue, const DrawStyle& style = {}, DrawOrder order = DrawOrder::kWhole);
-  // These bricks of the field hold something else since the last piece of work.
-  void changed(std::span<const std::uint32_t> bricks);
+  // These bricks of the field hold something else since the last piece of work, each in a box of its voxels. `version`:
+  // of the volume by now.
+  void changed(std::span<const std::uint32_t> bricks, std::span<const VoxelBox> boxes, std::uint64_t version);
 
   // Whether no piece of work is under way. Does not wait. Throws Error(kDevice).
   bool poll();
@@ -56,7 +57,9 @@ class Drawing {
   [[nodiscard]] double share() const noexcept { return tiles_.share(); }     // of the picture that is drawn, 0 to 1
   [[nodiscard]] bool shows() const noexcept { return pixels_.has_value(); }  // something, since show()
   [[nodiscard]] bool whole() const noexcept { return !in_flight_ && tiles_.done() && changed_.empty(); }
-  [[nodiscard]] PictureState state() const noexcept { return {pieces_, showable_, whole()}; }
+  [[nodiscard]] PictureState state() const noexcept {
+    return {pieces_, showable_, !in_flight_ && tiles_.fine(), whole(), shown_version_};
+  }
   // A copy of what the GPU has drawn so far; waits for the piece under way.
   void copyTo(std::vector<layout::PicturePixel>& pixels);
   [[nodiscard]] RenderedImage image();               // a copy of what is there; waits for the piece under way
@@ -83,7 +86,9 @@ class Drawing {
   std::optional<gpu::Buffer> pixels_;
   gpu::Commands commands_;
   bool in_flight_ = false;
-  bool showable_ = false;  // all pixels are of this camera
+  bool showable_ = false;            // all pixels are of this camera
+  std::uint64_t version_ = 0;        // of the volume, at the last change
+  std::uint64_t shown_version_ = 0;  // of which all is drawn
   std::uint64_t pieces_ = 0;
   std::size_t in_flight_tiles_ = 0;
   Stopwatch since_submit_;

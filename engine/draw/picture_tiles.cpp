@@ -53,10 +53,11 @@ PixelBox pixelsOf(const Camera& camera, const Lattice& lattice, const Vec3& low,
 
 void PictureTiles::start(const Camera& camera, DrawOrder order) {
   camera_ = camera;
-  next_tile_ = next_stale_ = stale_count_ = 0;
+  next_tile_ = 0;
+  stale_.clear();
   coarse_ = false;
   const TileGrid whole;
-  stale_.assign(std::size_t{tilesAlong(camera.width, whole, 0)} * tilesAlong(camera.height, whole, 0), false);
+  is_stale_.assign(std::size_t{tilesAlong(camera.width, whole, 0)} * tilesAlong(camera.height, whole, 0), false);
   if (order == DrawOrder::kWhole) {
     grids_ = {whole};
     return;
@@ -75,17 +76,16 @@ bool PictureTiles::isDrawn(int tile_x, int tile_y) const noexcept {
   return static_cast<std::size_t>(tile_y / stride) * row + static_cast<std::size_t>(tile_x / stride) < next_tile_;
 }
 
-void PictureTiles::changed(const Lattice& lattice, const Vec3& low, const Vec3& high) {
-  if (stale_count_ == stale_.size()) return;
+void PictureTiles::changed(const Lattice& lattice, const Vec3& low, const Vec3& high, std::uint64_t version) {
+  if (stale_.size() == is_stale_.size()) return;
   const PixelBox box = pixelsOf(camera_, lattice, low, high);
   const std::size_t row = tilesAlong(camera_.width, {}, 0);
   for (int y = box.y / DRAW_TILE; y <= box.last_y / DRAW_TILE && box.last_y >= 0; ++y) {
     for (int x = box.x / DRAW_TILE; x <= box.last_x / DRAW_TILE && box.last_x >= 0; ++x) {
       const std::size_t at = static_cast<std::size_t>(y) * row + static_cast<std::size_t>(x);
-      if (at >= stale_.size() || stale_[at] || !isDrawn(x, y)) continue;
-      stale_[at] = true;
-      ++stale_count_;
-      next_stale_ = std::min(next_stale_, at);
+      if (at >= is_stale_.size() || is_stale_[at] || !isDrawn(x, y)) continue;
+      is_stale_[at] = true;
+      stale_.push_back({at, version});
     }
   }
 }
@@ -105,18 +105,16 @@ double PictureTiles::share() const noexcept {
 TileBatch PictureTiles::nextStale(std::size_t most) {
   TileBatch batch;
   const std::size_t row = tilesAlong(camera_.width, {}, 0);
-  for (; next_stale_ < stale_.size() && batch.tiles.size() < most; ++next_stale_) {
-    if (!stale_[next_stale_]) continue;
-    stale_[next_stale_] = false;
-    --stale_count_;
-    batch.tiles.push_back(tile(next_stale_ % row, next_stale_ / row));
+  for (; !stale_.empty() && batch.tiles.size() < most; stale_.pop_front()) {
+    const std::size_t at = stale_.front().tile;
+    is_stale_[at] = false;
+    batch.tiles.push_back(tile(at % row, at / row));
   }
-  if (stale_count_ == 0) next_stale_ = stale_.size();
   return batch;
 }
 
 TileBatch PictureTiles::next(std::size_t most) {
-  if (stale_count_ > 0 && (coarse_ || grids_.empty())) return nextStale(most);
+  if (!stale_.empty() && (coarse_ || grids_.empty())) return nextStale(most);
   TileBatch batch;
   while (batch.tiles.empty() && !grids_.empty()) {
     batch.grid = grids_.front();

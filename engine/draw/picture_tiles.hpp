@@ -3,11 +3,13 @@
 // thread. Cost: a few operations a tile.
 //
 // A whole picture comes at once, or first every fourth pixel, then every second, then all. Once the first grid of
-// pixels is out, those that a change has made stale come before everything else.
+// pixels is out, those that a change has made stale come before everything else, the longest stale first, so that none
+// waits for long however many changes follow.
 #pragma once
 
 #include <cstdint>
 #include <deque>
+#include <optional>
 #include <vector>
 
 #include "base/camera.hpp"
@@ -33,10 +35,17 @@ class PictureTiles {
   // Everything is to be drawn, from this camera.
   void start(const Camera& camera, DrawOrder order);
   void again() { start(camera_, DrawOrder::kWhole); }
-  // What is seen in this box of the lattice has changed [voxel, the ends included].
-  void changed(const Lattice& lattice, const Vec3& low, const Vec3& high);
+  // What is seen in this box of the lattice has changed [voxel, the ends included]. `version`: of the volume by then; it
+  // never falls.
+  void changed(const Lattice& lattice, const Vec3& low, const Vec3& high, std::uint64_t version);
 
-  [[nodiscard]] bool done() const noexcept { return stale_count_ == 0 && grids_.empty(); }
+  [[nodiscard]] bool done() const noexcept { return stale_.empty() && grids_.empty(); }
+  // Every pixel was handed out, those aside that changed since.
+  [[nodiscard]] bool fine() const noexcept { return grids_.empty(); }
+  // The oldest version of which pixels are still to be drawn; empty: none.
+  [[nodiscard]] std::optional<std::uint64_t> oldestStale() const noexcept {
+    return stale_.empty() ? std::nullopt : std::optional(stale_.front().version);
+  }
   // The first grid was handed out: the whole picture shows something.
   [[nodiscard]] bool coarse() const noexcept { return coarse_; }
   // Share of the pixels that were handed out, from 0 to 1; what changed since is not counted.
@@ -51,9 +60,12 @@ class PictureTiles {
   Camera camera_;
   std::deque<TileGrid> grids_;  // yet to be drawn, the first one in part
   std::size_t next_tile_ = 0;   // of the first grid
-  std::vector<bool> stale_;     // tiles of stride 1
-  std::size_t stale_count_ = 0;
-  std::size_t next_stale_ = 0;  // no stale tile is before it
+  struct Stale {
+    std::size_t tile;  // of stride 1
+    std::uint64_t version;
+  };
+  std::deque<Stale> stale_;     // the oldest first
+  std::vector<bool> is_stale_;  // by tile
   bool coarse_ = false;
 };
 

@@ -347,6 +347,11 @@ Editor::Outcome Editor::run(EditPlan& plan, const WindowTarget* target, std::spa
   commands_->run();
   outcome.stages.push_back({"gpu", computing.seconds()});
   for (StageTime& stage : commands_->marks()) outcome.stages.push_back(std::move(stage));
+  for (const std::uint32_t brick : plan.altered) {
+    const auto touched = plan.touched.find(brick);  // behind filters others are altered too, and further
+    const bool is_known = parts_.filters == nullptr && touched != plan.touched.end();
+    outcome.altered_boxes.push_back(is_known ? touched->second.changed : grid_.box(brick));
+  }
   outcome.altered = std::move(plan.altered);
   bounds_stale_ = std::move(plan.bounds_stale);
   activity_unsure_ = std::move(plan.activity_unsure);

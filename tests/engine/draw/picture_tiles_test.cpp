@@ -93,7 +93,7 @@ TEST(PictureTiles, ChangesAreDrawnWhereverTheyAreSeen) {
     const double reach = trial % 10 == 0 ? 400 : 80;
     const Vec3 low(reach * unit(random) - 10, reach * unit(random) - 10, -reach * unit(random) / 2 + 30);
     const Vec3 high = low + Vec3(20 * unit(random), 20 * unit(random), (trial % 10 == 0 ? 300 : 20) * unit(random));
-    tiles.changed(lattice, low, high);
+    tiles.changed(lattice, low, high, 1);
     const Drawn drawn = drawAll(tiles, 97, 61, 7);
     whole += std::ranges::count(drawn.computed, 1) == std::ptrdiff_t{97} * 61;
     for (int i = 0; i < 200; ++i) {
@@ -115,9 +115,9 @@ TEST(PictureTiles, AChangeBesideThePictureDrawsNothing) {
   tiles.start(camera, DrawOrder::kWhole);
   static_cast<void>(drawAll(tiles, 80, 80, 1000));
   Lattice lattice;                                             // 1 mm
-  tiles.changed(lattice, Vec3(0, 500, 0), Vec3(10, 510, 10));  // half a metre to the side: 27 degrees, of 14 seen
+  tiles.changed(lattice, Vec3(0, 500, 0), Vec3(10, 510, 10), 1);  // half a metre to the side: 27 degrees, of 14 seen
   EXPECT_TRUE(tiles.done());
-  tiles.changed(lattice, Vec3(-5, -5, -5), Vec3(5, 5, 5));  // at the middle: 10 of 511 mm across
+  tiles.changed(lattice, Vec3(-5, -5, -5), Vec3(5, 5, 5), 2);  // at the middle: 10 of 511 mm across
   EXPECT_FALSE(tiles.done());
   const Drawn drawn = drawAll(tiles, 80, 80, 1000);
   EXPECT_EQ(std::ranges::count(drawn.computed, 1),
@@ -132,9 +132,9 @@ TEST(PictureTiles, ChangesComeAfterTheFirstGrid) {
   const Vec3 low(-5, -5, -5), high(5, 5, 5);  // the middle: tiles 4 and 5, in coarse tile 1
   tiles.start(camera, DrawOrder::kCoarseFirst);
   static_cast<void>(tiles.next(2));  // of three by three tiles of 32 pixels
-  tiles.changed(Lattice{}, low, high);
+  tiles.changed(Lattice{}, low, high, 1);
   EXPECT_EQ(tiles.next(3).grid, (TileGrid{4, 0, 0, 4}));
-  tiles.changed(Lattice{}, low, high);  // now tile (1, 1) is out
+  tiles.changed(Lattice{}, low, high, 1);  // now tile (1, 1) is out
   EXPECT_EQ(tiles.next(100).grid, (TileGrid{4, 0, 0, 4}));
   EXPECT_TRUE(tiles.coarse());
   const TileBatch batch = tiles.next(100);
@@ -151,11 +151,44 @@ TEST(PictureTiles, ChangesDoNotKeepThePictureFromAppearing) {
     int batches = 0;
     for (; !tiles.coarse(); ++batches) {
       static_cast<void>(tiles.next(1));
-      tiles.changed(Lattice{}, Vec3::Constant(-100), Vec3::Constant(100));
+      tiles.changed(Lattice{}, Vec3::Constant(-100), Vec3::Constant(100), 1);
     }
     EXPECT_EQ(batches, order == DrawOrder::kWhole ? 17 * 12 : 5 * 3);
     EXPECT_FALSE(tiles.done());
   }
+}
+
+// What has been stale for longest comes first, though changes go on above it, so no pixel waits for more than one round
+// of all that are stale; and the oldest version that is not drawn yet is known.
+TEST(PictureTiles, NoChangeWaitsForLaterOnes) {
+  PictureTiles tiles;
+  const Camera camera = lookAt(Vec3::Zero(), Vec3::UnitX(), 1, Vec3::UnitZ(), 80, 80, 0.5);
+  tiles.start(camera, DrawOrder::kWhole);
+  static_cast<void>(drawAll(tiles, 80, 80, 1000));
+  EXPECT_FALSE(tiles.oldestStale().has_value());
+  const Vec3 half = Vec3::Constant(5);
+  const Vec3 low(0, 0, -100), high(0, 0, 100);  // 15 pixels below and above the middle
+  const auto change = [&](const Vec3& at, std::uint64_t version) {
+    tiles.changed(Lattice{}, at - half, at + half, version);
+  };
+  change(low, 1);
+  EXPECT_EQ(tiles.oldestStale(), 1U);
+  const std::uint32_t first = tiles.next(1).tiles.at(0);
+  for (std::uint64_t version = 2; version < 40; ++version) {
+    change(high, version);
+    change(low, version);
+    ASSERT_TRUE(tiles.fine());
+    ASSERT_FALSE(tiles.done());
+    const std::uint64_t oldest = tiles.oldestStale().value();
+    ASSERT_LE(oldest, version);
+    ASSERT_GE(oldest + 12, version);  // some four tiles a place, a tile each version
+    static_cast<void>(tiles.next(1));
+  }
+  std::vector<std::uint32_t> rest;
+  while (!tiles.done()) rest.push_back(tiles.next(1).tiles.at(0));
+  EXPECT_LE(rest.size(), 12U);
+  EXPECT_FALSE(tiles.oldestStale().has_value());
+  EXPECT_GT(first >> 16U, 4U);  // below the middle
 }
 
 // A box behind the camera is not seen; one around it is seen everywhere.
