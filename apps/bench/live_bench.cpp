@@ -225,6 +225,7 @@ class Watched {
     session_.takeTicks(ticks_);
     const std::uint64_t content = session_.look().edits.content_version;
     if (content > seen_edit_) waiting_.push_back({content, now_s});
+    if (content > seen_edit_ && seen_edit_ == 0) ticks_.clear();  // a tool at rest needs no new window
     seen_edit_ = content;
     const ViewFrame& frame = session_.view().latest();
     if (frame.number == 0 || frame.number == seen_frame_) return;

@@ -58,7 +58,10 @@ std::optional<ViewRequest> LiveView::takeRequest() {
 // `last`: of this camera, so that something of each is seen.
 void LiveView::handOver(Engine& engine, const PictureState& state, std::int64_t now_ns, bool last) {
   if (state.pieces == pieces_ && state.whole == whole_) return;
-  if (!state.whole && !last && now_ns - frame_at_ns_ < frame_ns_) return;
+  // Finer pixels alone are shown less often: a frame takes as long to copy as some thousand pixels to draw.
+  const bool only_finer = number_ > 0 && shown_->camera == handed_camera_ && state.version == handed_version_;
+  const std::int64_t pause_ns = only_finer ? kFinerFrames * frame_ns_ : frame_ns_;
+  if (!state.whole && !last && now_ns - frame_at_ns_ < pause_ns) return;
   ViewFrame& frame = frames_.back();
   engine.copyPicture(frame.pixels);
   frame.number = ++number_;
@@ -67,6 +70,8 @@ void LiveView::handOver(Engine& engine, const PictureState& state, std::int64_t 
   frame.fine = state.fine;
   frame.whole = state.whole;
   frames_.publish();
+  handed_camera_ = shown_->camera;
+  handed_version_ = state.version;
   pieces_ = state.pieces;
   whole_ = state.whole;
   frame_at_ns_ = now_ns;

@@ -46,8 +46,9 @@ struct ViewFrame {
 
 class LiveView {
  public:
-  // `frame_s`: the least time between two frames, but for one that is whole or the last of its camera. `piece_s`:
-  // device time of a piece of work.
+  // `frame_s`: the least time between two frames, but for one that is whole or the last of its camera; between two that
+  // differ only in how fine they are, kFinerFrames of it. `piece_s`: device time of a piece of work.
+  static constexpr int kFinerFrames = 4;
   explicit LiveView(double frame_s = 1.0 / 60, double piece_s = 3e-3);
 
   // What is to be seen from now on; the newest request counts.
@@ -73,8 +74,11 @@ class LiveView {
   std::string failure_;
   std::optional<ViewRequest> shown_;
   double isovalue_ = 0;       // of what is shown
-  std::uint64_t pieces_ = 0;  // in the newest frame
-  bool whole_ = false;        // the newest frame
+  // Of the newest frame:
+  std::uint64_t pieces_ = 0;
+  bool whole_ = false;
+  Camera handed_camera_;
+  std::uint64_t handed_version_ = 0;
   std::int64_t frame_at_ns_ = 0;
   std::uint64_t number_ = 0;
   TripleBuffer<ViewFrame> frames_;

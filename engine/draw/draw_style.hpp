@@ -32,7 +32,7 @@ struct DrawStyle {
 // In which order a picture appears.
 enum class DrawOrder {
   kWhole,        // tile by tile
-  kCoarseFirst,  // every fourth pixel, every second, all: while a camera moves
+  kCoarseFirst,  // every fourth pixel (of a slow device every eighth), every second, all: while a camera moves
 };
 
 // How far the picture is that is kept up to date.

@@ -14,6 +14,7 @@ namespace {
 constexpr double kFirstGuess_s = 50e-6;  // for a tile, before one was measured: a slow processor's
 constexpr double kPiece_s = 4e-3;        // of a picture that is waited for
 constexpr std::size_t kMostTiles = 4096;
+constexpr double kMostCoarse_s = 0.02;  // of the first pixels of a picture
 
 // Changed bricks that are projected one by one; more of them are taken four by four by four.
 constexpr std::size_t kMostSingleBricks = 32;
@@ -68,7 +69,7 @@ void Drawing::show(const Camera& camera, double isovalue, const DrawStyle& style
   extras_.write(std::span(&extras, 1));
   push_ = push;
   style_ = style;
-  tiles_.start(camera, order);
+  tiles_.start(camera, order, coarsest(camera));
   showable_ = false;
 }
 
@@ -139,6 +140,12 @@ void Drawing::record(const TileBatch& batch) {
                      poolBindings(pool_, {&surface_->tree(), &surface_->blocks(), &other.tree(), &other.blocks(),
                                           &tile_list_.buffer(), &extras_.buffer(), &*pixels_}),
                      gpu::pushBytes(push), gpu::Groups::folded(push.tile_count, GROUPS_PER_ROW));
+}
+
+// Of a slow device every eighth pixel, so that a moving camera is followed.
+std::uint32_t Drawing::coarsest(const Camera& camera) const noexcept {
+  const double tiles = static_cast<double>(camera.width) * camera.height / (DRAW_TILE * DRAW_TILE);
+  return tile_s_ * tiles / (4 * 4) > kMostCoarse_s ? 8 : 4;
 }
 
 std::size_t Drawing::tilesIn(double most_s) const noexcept {

@@ -67,6 +67,7 @@ class Drawing {
 
  private:
   [[nodiscard]] std::size_t tilesIn(double most_s) const noexcept;
+  [[nodiscard]] std::uint32_t coarsest(const Camera& camera) const noexcept;
   void record(const TileBatch& batch);
   void finished();
 

@@ -51,7 +51,7 @@ PixelBox pixelsOf(const Camera& camera, const Lattice& lattice, const Vec3& low,
           std::min(cut(last_y + 1, camera.height), camera.height - 1)};
 }
 
-void PictureTiles::start(const Camera& camera, DrawOrder order) {
+void PictureTiles::start(const Camera& camera, DrawOrder order, std::uint32_t coarsest) {
   camera_ = camera;
   next_tile_ = 0;
   stale_.clear();
@@ -62,7 +62,11 @@ void PictureTiles::start(const Camera& camera, DrawOrder order) {
     grids_ = {whole};
     return;
   }
-  grids_ = {{4, 0, 0, 4}, {4, 2, 0, 2}, {4, 0, 2, 2}, {4, 2, 2, 2}, {2, 1, 0, 1}, {2, 0, 1, 1}, {2, 1, 1, 1}};
+  grids_ = {{coarsest, 0, 0, coarsest}};
+  for (std::uint32_t stride = coarsest; stride > 1; stride /= 2) {
+    const std::uint32_t half = stride / 2;
+    grids_.insert(grids_.end(), {{stride, half, 0, half}, {stride, 0, half, half}, {stride, half, half, half}});
+  }
   std::erase_if(grids_, [&](const TileGrid& grid) {  // that begin beside a small picture
     return static_cast<int>(grid.x) >= camera.width || static_cast<int>(grid.y) >= camera.height;
   });

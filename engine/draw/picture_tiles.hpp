@@ -2,7 +2,7 @@
 // engine/draw/picture_tiles.hpp: which pixels of a picture are to be drawn, in tiles of 8x8, and in which order. Any
 // thread. Cost: a few operations a tile.
 //
-// A whole picture comes at once, or first every fourth pixel, then every second, then all. Once the first grid of
+// A whole picture comes at once, or first every eighth or fourth pixel, then every second, then all. Once the first grid of
 // pixels is out, those that a change has made stale come before everything else, the longest stale first, so that none
 // waits for long however many changes follow.
 #pragma once
@@ -32,8 +32,8 @@ struct TileBatch {
 
 class PictureTiles {
  public:
-  // Everything is to be drawn, from this camera.
-  void start(const Camera& camera, DrawOrder order);
+  // Everything is to be drawn, from this camera. `coarsest`: of kCoarseFirst: every so many-th pixel comes first, 4 or 8.
+  void start(const Camera& camera, DrawOrder order, std::uint32_t coarsest = 4);
   void again() { start(camera_, DrawOrder::kWhole); }
   // What is seen in this box of the lattice has changed [voxel, the ends included]. `version`: of the volume by then; it
   // never falls.

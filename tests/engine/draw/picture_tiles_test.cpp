@@ -46,10 +46,11 @@ Drawn drawAll(PictureTiles& tiles, int width, int height, std::size_t most) {
 TEST(PictureTiles, EveryPixelIsDrawnOnce) {
   for (const auto& [width, height] :
        {std::pair(1, 1), std::pair(3, 2), std::pair(8, 8), std::pair(61, 47), std::pair(130, 33)}) {
-    for (const auto order : {DrawOrder::kWhole, DrawOrder::kCoarseFirst}) {
+    for (const auto& [order, coarsest] :
+         {std::pair(DrawOrder::kWhole, 4U), {DrawOrder::kCoarseFirst, 4U}, {DrawOrder::kCoarseFirst, 8U}}) {
       SCOPED_TRACE(testing::Message() << width << " x " << height);
       PictureTiles tiles;
-      tiles.start(cameraOf(width, height), order);
+      tiles.start(cameraOf(width, height), order, coarsest);
       const Drawn drawn = drawAll(tiles, width, height, 5);
       EXPECT_EQ(std::ranges::count(drawn.computed, 1), width * height);
       EXPECT_TRUE(tiles.next(5).tiles.empty());
@@ -59,21 +60,24 @@ TEST(PictureTiles, EveryPixelIsDrawnOnce) {
 
 // After the first grid the whole picture shows something.
 TEST(PictureTiles, CoarsePixelsCoverThePicture) {
-  PictureTiles tiles;
-  tiles.start(cameraOf(61, 47), DrawOrder::kCoarseFirst);
-  std::vector<int> shown(std::size_t{61} * 47);
-  EXPECT_FALSE(tiles.coarse());
-  while (!tiles.coarse()) {
-    const TileBatch batch = tiles.next(3);
-    EXPECT_EQ(batch.grid, (TileGrid{4, 0, 0, 4}));
-    for (const std::uint32_t tile : batch.tiles) {
-      for (std::uint32_t i = 0; i < 32 * 32; ++i) {
-        const std::uint32_t x = (tile & 65535) * 32 + i % 32, y = (tile >> 16) * 32 + i / 32;
-        if (x < 61 && y < 47) ++shown[y * 61 + x];
+  for (const std::uint32_t coarsest : {4U, 8U}) {
+    PictureTiles tiles;
+    tiles.start(cameraOf(61, 47), DrawOrder::kCoarseFirst, coarsest);
+    std::vector<int> shown(std::size_t{61} * 47);
+    EXPECT_FALSE(tiles.coarse());
+    while (!tiles.coarse()) {
+      const TileBatch batch = tiles.next(3);
+      EXPECT_EQ(batch.grid, (TileGrid{coarsest, 0, 0, coarsest}));
+      const std::uint32_t side = 8 * coarsest;
+      for (const std::uint32_t tile : batch.tiles) {
+        for (std::uint32_t i = 0; i < side * side; ++i) {
+          const std::uint32_t x = (tile & 65535) * side + i % side, y = (tile >> 16) * side + i / side;
+          if (x < 61 && y < 47) ++shown[y * 61 + x];
+        }
       }
     }
+    EXPECT_EQ(std::ranges::count(shown, 1), 61 * 47);
   }
-  EXPECT_EQ(std::ranges::count(shown, 1), 61 * 47);
 }
 
 // Points in boxes at random, some around the camera: the pixel where the camera sees one is drawn anew.
