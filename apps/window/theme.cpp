@@ -22,6 +22,7 @@ void applyTheme(bool dark, double scale) {
   style.ScaleAllSizes(static_cast<float>(scale));
   // Panels are opaque: what lies behind them is not drawn.
   style.Colors[ImGuiCol_WindowBg] = dark ? ImVec4(0.11F, 0.12F, 0.13F, 1) : ImVec4(0.95F, 0.95F, 0.96F, 1);
+  style.Colors[ImGuiCol_TextDisabled] = dark ? ImVec4(0.62F, 0.63F, 0.64F, 1) : ImVec4(0.36F, 0.37F, 0.38F, 1);
   ImGui::GetStyle() = style;
 }
 
