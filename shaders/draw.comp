@@ -139,6 +139,31 @@ Slice firstSlice(Ray ray, Span span) {
   return Slice(t_m, vec4(vec3(grey), 1));
 }
 
+// What a pixel shows, and how far along its ray that is.
+struct Seen {
+  vec4 colour;
+  float t_m;
+};
+
+// Puts one of the isosurfaces before what was seen so far: first the opaque one and the slices, then the translucent one.
+void see(const int which, Ray ray, Span span, Frame frame, inout Seen seen) {
+  const bool is_first = which == 0;
+  const float isovalue = is_first ? push.isovalue : extras.other_isovalue;
+  const Hit hit = firstHit(which, isovalue, ray, span);
+  if (hit.t_m < seen.t_m) {
+    const vec4 surface = surfaceColour(frame, isovalue, hit.cell, hit.place, span.normal, is_first ? kBone : kSkin);
+    seen.colour = is_first ? surface : vec4(mix(seen.colour.rgb, surface.rgb, extras.other_opacity), 1);
+    if (is_first) seen.t_m = hit.t_m;
+  }
+  if (kSlices > 0 && is_first) {
+    const Slice slice = firstSlice(ray, span);
+    if (slice.t_m <= (hit.cell.x < 0 ? seen.t_m + slackOf(ray) : seen.t_m)) {  // it is seen on a cut face in its own plane
+      seen.t_m = slice.t_m;
+      seen.colour = slice.colour;
+    }
+  }
+}
+
 void main() {
   const uint tile_index = gl_WorkGroupID.y * GROUPS_PER_ROW + gl_WorkGroupID.x;
   if (tile_index >= push.tile_count) return;
@@ -166,28 +191,13 @@ void main() {
   const Span span = spanOf(ray, spacing);
   const vec3 forward = vec3(push.rays.corner_x, push.rays.corner_y, push.rays.corner_z) + 0.5 * (size.x * right + size.y * down);
   const Frame frame = Frame(direction, normalize(right), normalize(down), forward, spacing);
-  vec4 colour = kBackground;
-  float t_m = kInfinity;
-  // The two surfaces in one loop: drivers compile its body, which is most of this kernel, once.
-  [[dont_unroll]] for (int turn = 0; turn <= int(kOther); ++turn) {
-    const int which = kOther > 0 ? turn : 0;  // known to the compiler where there is one surface
-    const bool is_first = which == 0;
-    const float isovalue = is_first ? push.isovalue : extras.other_isovalue;
-    const Hit hit = firstHit(which, isovalue, ray, span);
-    if (hit.t_m < t_m) {
-      const vec4 surface = surfaceColour(frame, isovalue, hit.cell, hit.place, span.normal, is_first ? kBone : kSkin);
-      colour = is_first ? surface : vec4(mix(colour.rgb, surface.rgb, extras.other_opacity), 1);
-      if (is_first) t_m = hit.t_m;
-    }
-    if (kSlices > 0 && is_first) {
-      const Slice slice = firstSlice(ray, span);
-      if (slice.t_m <= (hit.cell.x < 0 ? t_m + slackOf(ray) : t_m)) {  // it is seen on a cut face in its own plane
-        t_m = slice.t_m;
-        colour = slice.colour;
-      }
-    }
+  Seen seen = Seen(kBackground, kInfinity);
+  if (kOther == 0) {
+    see(0, ray, span, frame, seen);
+  } else {  // in a loop, so that drivers compile what it does, which is most of this kernel, once
+    [[dont_unroll]] for (int which = 0; which < 2; ++which) see(which, ray, span, frame, seen);
   }
-  const PicturePixel drawn = PicturePixel(packUnorm4x8(colour), t_m);
+  const PicturePixel drawn = PicturePixel(packUnorm4x8(seen.colour), seen.t_m);
   const uvec2 end = min(pixel + square, size);
   for (uint y = pixel.y; y < end.y; ++y) {
     for (uint x = pixel.x; x < end.x; ++x) pixels[y * size.x + x] = drawn;
