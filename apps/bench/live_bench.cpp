@@ -155,6 +155,7 @@ class Watched {
     seconds_ = watch.seconds();
     edits_ = session_.look().edits.edits - first_edit;
     session_.release();
+    session_.aim(places_W.front() - 5e-3 * inward_W);
     if (turn_rad_s != 0) {
       view_.orbit(1, 0);
       show();

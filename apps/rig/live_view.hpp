@@ -47,9 +47,10 @@ struct ViewFrame {
 class LiveView {
  public:
   // `frame_s`: the least time between two frames, but for one that is whole or the last of its camera; between two that
-  // differ only in how fine they are, kFinerFrames of it. `piece_s`: device time of a piece of work.
+  // differ only in how fine they are, kFinerFrames of it. `piece_s`: device time of a piece of
+  // work: a window of samples for the servo waits for no more than one.
   static constexpr int kFinerFrames = 4;
-  explicit LiveView(double frame_s = 1.0 / 60, double piece_s = 3e-3);
+  explicit LiveView(double frame_s = 1.0 / 60, double piece_s = 1.2e-3);
 
   // What is to be seen from now on; the newest request counts.
   void show(const ViewRequest& request);

@@ -101,7 +101,7 @@ void TouchRig::start(Follow follow) {
   const auto work = [this, follow = std::move(follow)](const ToolPose& pose, std::int64_t now_ns) {
     if (follow) follow(pose, now_ns);
     look(pose, now_ns, false);
-    if (view_ != nullptr) view_->look(engine_, now_ns);
+    return view_ != nullptr && view_->look(engine_, now_ns);
   };
   publisher_.emplace(engine_, tool_, work, [this] { requestStop(); });
   try {

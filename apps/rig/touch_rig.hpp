@@ -54,7 +54,7 @@ struct RigVolume {
 
 class TouchRig {
  public:
-  using Follow = EngineThread::Follow;
+  using Follow = std::function<void(const ToolPose& pose, std::int64_t now_ns)>;
 
   // Engine, device and `edits` (if given) must outlive the rig. The force limit of `loop` is replaced by that of the
   // settings. The rig does the requests that come to `edits`. Throws Error: as makeAlgorithm() and ServoLoop do;

@@ -10,6 +10,7 @@ namespace {
 // Pause between two readings of the tool. At 1 m/s the tool moves half a millimetre in it, far less than a window's
 // margin.
 constexpr std::chrono::microseconds kPause{500};
+constexpr std::chrono::microseconds kShortPause{100};  // while `follow` waits for the device
 
 // The servo's clock is CLOCK_MONOTONIC, which steady_clock is on Linux.
 std::int64_t now_ns() {
@@ -42,8 +43,8 @@ void EngineThread::run() {
       if (pose.tick >= 0 && engine_.publishFor(pose, now_ns())) {
         publications_.fetch_add(1, std::memory_order_relaxed);
       }
-      if (pose.tick >= 0 && follow_) follow_(pose, now_ns());
-      std::this_thread::sleep_for(kPause);
+      const bool waits = pose.tick >= 0 && follow_ && follow_(pose, now_ns());
+      std::this_thread::sleep_for(waits ? kShortPause : kPause);
     }
   } catch (...) {
     failure_ = std::current_exception();

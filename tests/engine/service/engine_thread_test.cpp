@@ -59,6 +59,7 @@ TEST(EngineThread, CallsWhoFollows) {
   const auto follow = [&](const ToolPose& pose, std::int64_t) {
     seen = pose.tick;
     if (pose.tick == 7) throw std::runtime_error("enough");
+    return false;
   };
   EngineThread thread(engine, poses, follow, [&] { failed = true; });
   std::this_thread::sleep_for(std::chrono::milliseconds(20));
