@@ -123,8 +123,8 @@ class Watched {
   // Shows a picture and waits until it is whole.
   const ViewFrame& draw() {
     show();
-    waitFor([&] { return session_.view().latest().number > 0 && session_.view().latest().whole; });
-    ready_s_ = since_start_.seconds();
+    if (waitFor([&] { return session_.view().latest().number > 0 && session_.view().latest().whole; }))
+      ready_s_ = since_start_.seconds();
     return session_.view().latest();
   }
 
@@ -154,6 +154,14 @@ class Watched {
     }
     seconds_ = watch.seconds();
     edits_ = session_.look().edits.edits - first_edit;
+    const std::int64_t pictures = pictures_;
+    if (session_.view().latest().number > 0) {  // the last edits come to the picture, too
+      static_cast<void>(waitFor([&] {
+        look(watch.seconds());
+        return waiting_.empty();
+      }));
+    }
+    pictures_ = pictures;
     session_.release();
     session_.aim(places_W.front() - 5e-3 * inward_W);
     if (turn_rad_s != 0) {
@@ -161,8 +169,8 @@ class Watched {
       show();
       const Camera last = view_.camera();
       const Stopwatch settling;
-      waitFor([&] { return session_.view().latest().whole && session_.view().latest().camera == last; });
-      settling_ms_ = 1e3 * settling.seconds();
+      if (waitFor([&] { return session_.view().latest().whole && session_.view().latest().camera == last; }))
+        settling_ms_ = 1e3 * settling.seconds();
     }
   }
 
@@ -212,8 +220,11 @@ class Watched {
     for (const Stopwatch watch; watch.seconds() < seconds;) pause();
   }
   template <typename Done>
-  void waitFor(const Done& done) {
-    for (const Stopwatch watch; !done() && watch.seconds() < kPatience_s;) pause();
+  [[nodiscard]] bool waitFor(const Done& done) {
+    for (const Stopwatch watch; watch.seconds() < kPatience_s; pause()) {
+      if (done()) return true;
+    }
+    return false;
   }
   void show() {
     DrawStyle style;

@@ -4,6 +4,7 @@
 #include <exception>
 #include <utility>
 
+#include "base/error.hpp"
 #include "engine/service/engine.hpp"
 
 namespace palpate {
@@ -42,11 +43,23 @@ bool LiveView::lookOrThrow(Engine& engine, std::int64_t now_ns) {
     if (!wanted && shown_ && engine.isovalue() != isovalue_) wanted = shown_;
     if (wanted) {
       isovalue_ = engine.isovalue();
-      engine.show(wanted->camera, wanted->style, wanted->order);
-      shown_ = std::move(wanted);
+      tryToShow(engine, *wanted);
     }
   }
   return shown_ && !engine.drawPiece(piece_s_);
+}
+
+// What is refused leaves the picture that is shown; it is still kept up to date.
+void LiveView::tryToShow(Engine& engine, const ViewRequest& wanted) {
+  try {
+    engine.show(wanted.camera, wanted.style, wanted.order);
+    shown_ = wanted;
+    is_handed_ = false;
+  } catch (const Error& error) {
+    if (error.code() != Error::Code::kBadInput && error.code() != Error::Code::kOutOfMemory) throw;
+    const std::scoped_lock lock(mutex_);
+    failure_ = error.what();
+  }
 }
 
 std::optional<ViewRequest> LiveView::takeRequest() {
@@ -59,7 +72,7 @@ std::optional<ViewRequest> LiveView::takeRequest() {
 void LiveView::handOver(Engine& engine, const PictureState& state, std::int64_t now_ns, bool last) {
   if (state.pieces == pieces_ && state.whole == whole_) return;
   // Finer pixels alone are shown less often: a frame takes as long to copy as some thousand pixels to draw.
-  const bool only_finer = number_ > 0 && shown_->camera == handed_camera_ && state.version == handed_version_;
+  const bool only_finer = is_handed_ && state.version == handed_version_;
   const std::int64_t pause_ns = only_finer ? kFinerFrames * frame_ns_ : frame_ns_;
   if (!state.whole && !last && now_ns - frame_at_ns_ < pause_ns) return;
   ViewFrame& frame = frames_.back();
@@ -70,7 +83,7 @@ void LiveView::handOver(Engine& engine, const PictureState& state, std::int64_t 
   frame.fine = state.fine;
   frame.whole = state.whole;
   frames_.publish();
-  handed_camera_ = shown_->camera;
+  is_handed_ = true;
   handed_version_ = state.version;
   pieces_ = state.pieces;
   whole_ = state.whole;

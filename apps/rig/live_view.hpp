@@ -46,17 +46,17 @@ struct ViewFrame {
 
 class LiveView {
  public:
-  // `frame_s`: the least time between two frames, but for one that is whole or the last of its camera; between two that
-  // differ only in how fine they are, kFinerFrames of it. `piece_s`: device time of a piece of
-  // work: a window of samples for the servo waits for no more than one.
+  // Two frames that differ only in how fine they are come this many frames apart.
   static constexpr int kFinerFrames = 4;
+  // `frame_s`: the least time between two frames, but for one that is whole or the last of its camera. `piece_s`: device
+  // time of a piece of work. A window of samples for the servo waits for no more than one piece.
   explicit LiveView(double frame_s = 1.0 / 60, double piece_s = 1.2e-3);
 
   // What is to be seen from now on; the newest request counts.
   void show(const ViewRequest& request);
   // The newest frame; valid until the next call.
   [[nodiscard]] const ViewFrame& latest() noexcept { return frames_.latest(); }
-  // Why nothing is drawn any more, or empty. The servo goes on.
+  // Why nothing is drawn any more, or why the last request is not shown; empty: it is. The servo goes on.
   [[nodiscard]] std::string failure() const;
 
   // Engine's thread, at every look at the tool: takes requests, submits work, hands over frames. Returns whether there
@@ -65,6 +65,7 @@ class LiveView {
 
  private:
   bool lookOrThrow(Engine& engine, std::int64_t now_ns);
+  void tryToShow(Engine& engine, const ViewRequest& wanted);
   [[nodiscard]] std::optional<ViewRequest> takeRequest();
   void handOver(Engine& engine, const PictureState& state, std::int64_t now_ns, bool last);
 
@@ -78,7 +79,7 @@ class LiveView {
   // Of the newest frame:
   std::uint64_t pieces_ = 0;
   bool whole_ = false;
-  Camera handed_camera_;
+  bool is_handed_ = false;  // it is of the present request
   std::uint64_t handed_version_ = 0;
   std::int64_t frame_at_ns_ = 0;
   std::uint64_t number_ = 0;

@@ -50,6 +50,7 @@ bool RigEdits::errand(BackgroundSaver::Errand errand) {
 }
 
 void RigEdits::stepTowards(std::size_t done, std::int64_t now_ns) {
+  brush_.reset();
   last_stroke_ns_.reset();
   const EditHistory& history = session_.history();
   if (done == history.done()) return;
@@ -77,6 +78,11 @@ bool RigEdits::ask(Request request) {
   if (!state_.editing || waiting_.size() >= kMostWaiting) return false;
   waiting_.push_back(std::move(request));
   return true;
+}
+
+bool RigEdits::isEditing() const {
+  const std::lock_guard lock(mutex_);
+  return state_.editing;
 }
 
 RigEdits::State RigEdits::state() const {
@@ -118,7 +124,7 @@ void RigEdits::noteState() {
 // memory for the next edit. Any other error is the device's, and ends the editing.
 template <typename Change>
 bool RigEdits::tryTo(const char* what, const Change& change) {
-  if (!state().editing) return false;
+  if (!isEditing()) return false;
   try {
     change();
     return true;

@@ -7,7 +7,8 @@
 // ends the editing. The user is told of each at once; of repeated ones with the same reason only once, with a count.
 //
 // Threads: requests may come from any thread. Everything else belongs to the engine's thread: the maker's before and
-// after a run, the rig's during it. Cost of a request: a lock, held no longer than a move.
+// after a run, the rig's during it. Cost of a request and of state(): a lock, held no longer than a
+// copy of the list of steps.
 #pragma once
 
 #include <cstdint>
@@ -35,7 +36,7 @@ class RigEdits {
   bool edit(std::vector<EditCommand> commands);
   bool undo();
   bool redo();
-  // Undoes or redoes, one at each look, until so many of State::steps are in effect.
+  // Undoes or redoes, one at each look, until so many of State::steps are in effect. Drops the brush first.
   bool goTo(std::size_t done);
   // A brush for the tool. Its strokes are undone as one, unless it was away from the surface for kStrokePause_s.
   bool setBrush(const ToolBrushSpec& brush);
@@ -75,6 +76,7 @@ class RigEdits {
   [[nodiscard]] Request next();
   void stroke(const ToolPose& pose, std::int64_t now_ns);
   void stepTowards(std::size_t done, std::int64_t now_ns);
+  [[nodiscard]] bool isEditing() const;
   void noteState();  // the caller holds the lock
   template <typename Change>
   bool tryTo(const char* what, const Change& change);

@@ -31,6 +31,7 @@ class KeyPointer {
 
  private:
   bool leads_ = false;
+  bool waits_for_release_ = false;  // of a press that the mouse has ended
   double x_ = 0, y_ = 0;
 };
 

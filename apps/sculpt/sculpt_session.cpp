@@ -79,6 +79,8 @@ SculptSession::SculptSession(const SculptRequest& request, Progress& progress) :
   const DensityScale scale = densityScaleOf(*volume_, first_isovalue_);
   session_->keepSaved(*volume_, {}, 0);
   if (journal) makeAgain(*journal, progress);
+  if (journal && !journalHolds())
+    tell(fmt::format("the edits stay in {}, since the new journal cannot be written", request.recovers.string()));
 
   LoopParameters loop = request.loop;
   loop.ticks = 0;
@@ -93,6 +95,10 @@ SculptSession::SculptSession(const SculptRequest& request, Progress& progress) :
   rig_->drawFor(view_);
   rig_->keepTicks(kKeptTicks);
   progress.done();
+}
+
+bool SculptSession::journalHolds() {
+  return session_->flushJournal();
 }
 
 // As edits of this session, so that its journal holds them too.
@@ -127,32 +133,48 @@ void SculptSession::tell(const std::string& text) {
   messages_.push_back(text);
 }
 
+// Of a file that was asked for: it is told what became of it, also where nobody gets to it any more.
+class SculptSession::SavePromise {
+ public:
+  SavePromise(SculptSession& session, std::string file) : session_(session), file_(std::move(file)) {
+    ++session_.errands_;
+  }
+  ~SavePromise() {
+    if (!kept_) session_.tell(file_ + " was not written: editing has ended");
+    --session_.errands_;
+  }
+  SavePromise(const SavePromise&) = delete;
+  SavePromise& operator=(const SavePromise&) = delete;
+  void keep(const std::string& outcome) {
+    session_.tell(outcome);
+    kept_ = true;
+  }
+
+ private:
+  SculptSession& session_;
+  const std::string file_;
+  bool kept_ = false;
+};
+
 void SculptSession::save(const std::string& file) {
   ConvertRequest request{.in = facts_.name, .out = file};
   if (isMeshFileName(file)) request.isovalue = settings().parameters.isovalue;
   checkOutput(request);
   const std::uint64_t content = edits_->state().content_version;
   const bool is_volume = isVolumeFileName(file);
-  ++errands_;
-  const bool asked = edits_->errand([this, request, content, is_volume](const Volume& volume, std::uint64_t) {
-    const auto done = [&](const std::string& text) {
-      tell(text);
-      --errands_;
-    };
+  const auto promise = std::make_shared<SavePromise>(*this, request.out);
+  static_cast<void>(edits_->errand([this, promise, request, content, is_volume](const Volume& volume, std::uint64_t) {
     try {
       Progress silent(nullptr);
       AtomicFile target(request.out);
       const ConvertResult result = writeOutput(volume, request, "palpate sculpt", target, silent);
       target.commit();
       if (is_volume) saved_version_ = std::max(saved_version_.load(), content);
-      done(convertWords(request, result));
+      promise->keep(convertWords(request, result));
     } catch (const std::exception& error) {
-      done(fmt::format("{} was not written: {}", request.out, error.what()));
+      promise->keep(fmt::format("{} was not written: {}", request.out, error.what()));
     }
-  });
-  if (asked) return;
-  --errands_;
-  tell(request.out + " was not written: editing has ended");
+  }));
 }
 
 bool SculptSession::isUnsaved(const RigEdits::State& state) const {
@@ -163,8 +185,8 @@ SculptState SculptSession::look() {
   SculptState state;
   state.edits = edits_->state();
   state.running = rig_ && rig_->running();
+  state.errands = errands_.load();  // before what they have saved
   state.unsaved = isUnsaved(state.edits);
-  state.errands = errands_.load();
   state.drawing_failure = view_.failure();
   if (const JournalWriter* journal = session_->journal(); journal != nullptr && journal->failed())
     state.journal_failure = journal->failure();

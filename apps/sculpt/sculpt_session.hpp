@@ -77,6 +77,8 @@ class SculptSession {
 
   // The servo and the drawing, until close().
   void start();
+  // Before start(): whether every edit made until now is on the disk, in the journal. Waits for the disk.
+  [[nodiscard]] bool journalHolds();
 
   LiveView& view() noexcept { return view_; }
   void aim(const Vec3& hip_W) noexcept { path_->aim(hip_W); }
@@ -105,10 +107,16 @@ class SculptSession {
   void close();
 
  private:
+  class SavePromise;
   void tell(const std::string& text);
   void makeAgain(const Journal& journal, Progress& progress);
   [[nodiscard]] bool isUnsaved(const RigEdits::State& state) const;
 
+  // Before all that may still have something to tell when it ends.
+  std::atomic<std::uint64_t> saved_version_{0};  // RigEdits::State::content_version that a saved file holds
+  std::atomic<std::size_t> errands_{0};
+  std::mutex mutex_;  // guards the next
+  std::vector<std::string> messages_;
   SculptVolume facts_;
   std::vector<PlanLine> plan_;
   std::optional<Volume> volume_;  // the saver's from the constructor to close()
@@ -122,10 +130,6 @@ class SculptSession {
   std::unique_ptr<Device> device_;
   std::unique_ptr<TouchRig> rig_;
   bool started_ = false, closed_ = false;
-  std::atomic<std::uint64_t> saved_version_{0};  // RigEdits::State::content_version that a saved file holds
-  std::atomic<std::size_t> errands_{0};
-  std::mutex mutex_;  // guards the next
-  std::vector<std::string> messages_;
 };
 
 }  // namespace palpate

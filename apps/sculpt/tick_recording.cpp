@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/sculpt/tick_recording.hpp"
 
+#include <iterator>
+#include <string>
+
 #include <fmt/format.h>
 
 #include "base/error.hpp"
@@ -8,7 +11,8 @@
 namespace palpate {
 
 TickRecording::TickRecording(const std::filesystem::path& file, double rate_hz) : file_(file), rate_hz_(rate_hz) {
-  if (std::filesystem::exists(file_)) {
+  std::error_code unknown;
+  if (std::filesystem::exists(file_, unknown)) {
     throw Error(Error::Code::kIo, file_.string(), "the file exists already", "give another name, or move it away");
   }
   stream_.open(file_);
@@ -43,8 +47,18 @@ void TickRecording::write(const Vec3& hip_W) {
   ++rows_;
 }
 
+// A row that was cut short would be read as another place, or not at all.
+void TickRecording::keepWholeRows() const {
+  std::ifstream written(file_, std::ios::binary);
+  const std::string text((std::istreambuf_iterator<char>(written)), std::istreambuf_iterator<char>());
+  std::error_code ignored;
+  std::filesystem::resize_file(file_, text.rfind('\n') + 1, ignored);
+}
+
 void TickRecording::check() {
   if (stream_) return;
+  stream_.close();
+  keepWholeRows();
   throw Error(Error::Code::kIo, file_.string(), "the recording cannot be written",
               "check that the folder exists, may be written to and has room");
 }

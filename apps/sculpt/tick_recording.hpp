@@ -19,7 +19,7 @@ class TickRecording {
   // Makes the file. Throws Error(kIo) if it exists already or cannot be made. `rate_hz`: the servo's.
   TickRecording(const std::filesystem::path& file, double rate_hz);
 
-  // The next tick. Throws Error(kIo) where the disk is full; what was written before stays.
+  // The next tick. Throws Error(kIo) where the disk is full; the whole rows that were written before stay.
   void add(const TickRecord& tick);
   // Writes what is left. Throws as add() does.
   void close();
@@ -30,6 +30,7 @@ class TickRecording {
 
  private:
   void write(const Vec3& hip_W);
+  void keepWholeRows() const;
   void check();
 
   std::filesystem::path file_;

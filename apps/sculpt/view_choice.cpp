@@ -28,9 +28,13 @@ DrawStyle styleOf(const ViewChoice& choice, const Lattice& lattice, const Vec3i&
   request.second = choice.second_isovalue;
   request.second_opacity = choice.second_opacity;
   try {
-    return styleOf(request, lattice, size);
+    DrawStyle style = styleOf(request, lattice, size);
+    checkStyle(style);
+    return style;
   } catch (const Error& error) {
-    throw Error(error.code(), "the cuts", error.reason(), "move one, or flip it");
+    const bool of_cuts = error.input() == "--clip";  // which no flag has given here
+    throw Error(error.code(), of_cuts ? "the cuts" : "the picture", error.reason(),
+                of_cuts ? "move one, or flip it" : "choose another value");
   }
 }
 

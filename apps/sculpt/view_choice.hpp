@@ -35,7 +35,7 @@ struct ViewChoice {
 
 inline constexpr std::array<const char*, 3> kWorldAxes = {"left", "back", "up"};  // LPS: where x, y and z point
 
-// Throws Error(kBadInput) where the cuts leave nothing of the volume. `size` [voxel].
+// Throws Error(kBadInput) where the cuts leave nothing of the volume, and as checkStyle(). `size` [voxel].
 [[nodiscard]] DrawStyle styleOf(const ViewChoice& choice, const Lattice& lattice, const Vec3i& size);
 
 }  // namespace palpate

@@ -43,9 +43,12 @@ void saveRow(WindowModel& model) {
 
 }  // namespace
 
-void saveAs(WindowModel& model) {
-  if (model.file[0] == '\0') return model.say("name a file first, at the top left: for example sculpted.vdb");
-  orSay(model, [&] { model.session.save(model.file); });
+bool saveAs(WindowModel& model) {
+  if (model.file[0] == '\0') {
+    model.say("name a file first, at the top left: for example sculpted.vdb");
+    return false;
+  }
+  return orSay(model, [&] { model.session.save(model.file); });
 }
 
 void toggleRecording(WindowModel& model) {

@@ -199,10 +199,6 @@ double GuiHost::scale() const noexcept {
   return state_->scale;
 }
 
-Presenter& GuiHost::presenter() noexcept {
-  return *state_->presenter;
-}
-
 void GuiHost::begin() {
   ImGui_ImplGlfw_NewFrame();
   state_->feed();

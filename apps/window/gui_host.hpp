@@ -4,7 +4,6 @@
 // One thread, that which made it. At most one at a time.
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -48,7 +47,6 @@ class GuiHost {
   bool end(const PlacedPicture& picture);
   // As end(), and what is shown.
   [[nodiscard]] std::optional<RenderedImage> endAndCapture(const PlacedPicture& picture);
-  [[nodiscard]] Presenter& presenter() noexcept;
 
  private:
   struct State;

@@ -26,13 +26,15 @@ void leaveRoomForLabel();
 [[nodiscard]] ImVec2 inRow(int buttons);
 void mutedText(const std::string& text);
 
-// An Error of `work` becomes a message.
+// An Error of `work` becomes a message. Returns whether there was none.
 template <typename Work>
-void orSay(WindowModel& model, const Work& work) {
+bool orSay(WindowModel& model, const Work& work) {
   try {
     work();
+    return true;
   } catch (const Error& error) {
     model.say(error.what());
+    return false;
   }
 }
 

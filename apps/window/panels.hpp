@@ -18,8 +18,8 @@ struct PictureArea {
 // What is drawn over the picture: tool, surface point, force, plane, path, brush.
 void showOverlay(const WindowModel& model, const PictureArea& area, double scale);
 
-// Makes a file of this model's session; a refusal is a message.
-void saveAs(WindowModel& model);
+// Begins to write the file that is named at the top left. Returns false, and says why, where that is refused.
+bool saveAs(WindowModel& model);
 // Begins a recording of the tool's way in the current folder, or ends it.
 void toggleRecording(WindowModel& model);
 

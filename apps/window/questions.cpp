@@ -46,12 +46,6 @@ std::optional<std::size_t> ask(GuiHost& host, const std::string& words, const st
   return std::nullopt;
 }
 
-bool isSameVolume(const std::string& left, const std::string& asked) {
-  if (left == asked) return true;
-  std::error_code unknown;
-  return std::filesystem::equivalent(left, asked, unknown);
-}
-
 // What becomes of sessions of this volume that a crash has left. Returns whether the volume shall be opened.
 bool recover(GuiHost& host, const std::filesystem::path& journals, const std::string& volume,
              std::optional<LeftSession>& from) {
@@ -121,19 +115,25 @@ std::unique_ptr<SculptSession> load(GuiHost& host, const SculptRequest& request)
 
 }  // namespace
 
-std::optional<OpenVolume> openVolume(GuiHost& host, SculptRequest request, const std::filesystem::path& journals) {
-  OpenVolume opened;
+bool isSameVolume(const std::string& name, const std::string& other) {
+  if (name == other) return true;
+  std::error_code unknown;
+  return std::filesystem::equivalent(name, other, unknown);
+}
+
+std::unique_ptr<OpenVolume> openVolume(GuiHost& host, SculptRequest request, const std::filesystem::path& journals) {
+  auto opened = std::make_unique<OpenVolume>();
   std::optional<LeftSession> left;
   if (!journals.empty()) {
-    if (!recover(host, journals, request.volume, left)) return std::nullopt;
+    if (!recover(host, journals, request.volume, left)) return nullptr;
     if (left) request.recovers = left->folder;
-    opened.journal = std::make_unique<SessionFolder>(journals);
-    request.journal = opened.journal->path();
+    opened->journal = std::make_unique<SessionFolder>(journals);
+    request.journal = opened->journal->path();
   }
-  opened.session = load(host, request);
-  if (!opened.session) return std::nullopt;
-  opened.session->start();
-  if (left) dropLeftSession(*left);  // its edits are in the new journal
+  opened->session = load(host, request);
+  if (!opened->session) return nullptr;
+  if (left && opened->session->journalHolds()) dropLeftSession(*left);  // its edits are in the new journal
+  opened->session->start();
   return opened;
 }
 

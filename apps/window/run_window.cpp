@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/window/run_window.hpp"
 
+#include <exception>
 #include <filesystem>
+#include <memory>
+#include <utility>
 
 #include "apps/console/interrupt.hpp"
 #include "apps/sculpt/user_folders.hpp"
@@ -18,15 +21,41 @@ std::string lasting(const std::string& volume) {
   return std::filesystem::exists(volume, unknown) ? std::filesystem::absolute(volume, unknown).string() : volume;
 }
 
-// The next volume in place of the present one. Empty: the present one stays, and `window` says why.
-std::optional<OpenVolume> openNext(GuiHost& host, SculptWindow& window, const SculptRequest& request,
+// The next volume in place of the present one. Null: the present one stays, and `window` says why.
+std::unique_ptr<OpenVolume> openNext(GuiHost& host, SculptWindow& window, const SculptRequest& request,
                                    const std::filesystem::path& journals) {
   try {
     return openVolume(host, request, journals);
-  } catch (const Error& error) {
+  } catch (const std::exception& error) {
     window.say(error.what());
-    return std::nullopt;
+    return nullptr;
   }
+}
+
+// The window of one session, until it shall close: nothing; or until another volume is open.
+std::unique_ptr<OpenVolume> runSession(GuiHost& host, OpenVolume& open, SculptRequest& request,
+                                     const std::filesystem::path& journals, SculptSettings& settings,
+                                     std::string& remark) {
+  SculptWindow window(host, *open.session, settings);
+  if (!remark.empty()) window.say(std::exchange(remark, {}));
+  std::unique_ptr<OpenVolume> next;
+  for (std::string volume = window.run(); !volume.empty(); volume = window.run()) {
+    if (isSameVolume(volume, open.session->volume().name)) {
+      window.say(volume + " is open already: the list of edits leads back to what it was");
+      continue;
+    }
+    request.volume = volume;
+    next = openNext(host, window, request, journals);
+    if (next || interrupted() || host.wantsToClose()) break;
+  }
+  settings = window.settings();
+  try {
+    open.session->close();
+  } catch (const std::exception& error) {
+    if (!next) throw;
+    remark = error.what();  // of the former volume: the next one's window says it
+  }
+  return next;
 }
 
 }  // namespace
@@ -35,8 +64,8 @@ void runWindow(const SculptRequest& asked) {
   SculptRequest request = asked;
   const std::filesystem::path folder = settingsFolder(), journals = journalsFolder();
   const std::filesystem::path file = folder.empty() ? folder : folder / "sculpt.json";
-  std::string trouble;
-  SculptSettings settings = readSettings(file, trouble);
+  std::string remark;
+  SculptSettings settings = readSettings(file, remark);
   GuiHost host({.title = "Palpate",
                 .width = settings.width,
                 .height = settings.height,
@@ -44,23 +73,25 @@ void runWindow(const SculptRequest& asked) {
                 .dark = settings.dark,
                 .scale = settings.scale});
   const KeptWork kept;  // a signal closes the window in good order
-  std::optional<OpenVolume> open = openVolume(host, request, journals);
-  while (open) {
-    settings.opened(lasting(request.volume));
-    host.setTitle("Palpate: " + request.volume);
-    SculptWindow window(host, *open->session, settings);
-    if (!trouble.empty()) window.say(std::exchange(trouble, {}));
-    std::optional<OpenVolume> next;
-    for (std::string volume = window.run(); !volume.empty(); volume = window.run()) {
-      request = {.volume = volume, .gpu = asked.gpu, .gpu_memory_bytes = asked.gpu_memory_bytes, .device = asked.device};
-      next = openNext(host, window, request, journals);
-      if (next || interrupted() || host.wantsToClose()) break;
+  std::unique_ptr<OpenVolume> open = openVolume(host, request, journals);
+  request.isovalue.reset();  // of the first volume
+  const auto keepSettings = [&] {
+    if (!file.empty()) writeSettings(settings, file);
+  };
+  try {
+    while (open) {
+      const std::string& volume = open->session->volume().name;
+      settings.opened(lasting(volume));
+      host.setTitle("Palpate: " + volume);
+      std::unique_ptr<OpenVolume> next = runSession(host, *open, request, journals, settings, remark);
+      open.reset();  // the session before its journal's folder
+      open = std::move(next);
     }
-    settings = window.settings();
-    open->session->close();
-    open = std::move(next);
+  } catch (...) {
+    keepSettings();
+    throw;
   }
-  if (!file.empty()) writeSettings(settings, file);
+  keepSettings();
 }
 
 }  // namespace palpate

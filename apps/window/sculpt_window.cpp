@@ -25,7 +25,7 @@ namespace {
 constexpr double kFrame_s = 1.0 / 60;
 constexpr double kIdle_s = 0.1;           // between two frames in which nothing happens: plots and figures go on
 constexpr int kTicksPerPoint = 10;        // of a plot
-constexpr std::size_t kPathPoints = 400;  // of the path that is drawn: as many ticks / kTicksPerPoint
+constexpr std::size_t kPathPoints = 400;  // of the path that is drawn, each kTicksPerPoint ticks after the last
 
 bool pressed(int key) {
   return ImGui::IsKeyPressed(key, false) && !ImGui::GetIO().WantTextInput;
@@ -69,11 +69,11 @@ SculptWindow::SculptWindow(GuiHost& host, SculptSession& session, SculptSettings
       model_{.session = session, .settings = std::move(settings), .view = OrbitView(session.volume().object, 640, 480)},
       tool_(model_.view.distance_m()) {
   model_.sight.slice_range = sliceRangeFor(session.volume().statistics);
-  ImGui::SetWindowFocus(nullptr);  // a question had the keyboard
 }
 
 std::string SculptWindow::run() {
   model_.leaving = {};
+  ImGui::SetWindowFocus(nullptr);  // a question had the keyboard
   while (!done()) {
     const bool busy = model_.gestures.kind() != Gestures::Kind::kNone || frames_after_event_ > 0;
     if (host_.listen(busy ? kFrame_s / 2 : kIdle_s)) frames_after_event_ = 3;
@@ -90,13 +90,21 @@ bool SculptWindow::done() {
     model_.leaving = {};
     return true;
   }
-  if (model_.leaving.goes) return model_.state.errands == 0;
-  for (const std::string& file : host_.takeDroppedFiles()) model_.open(file);
+  if (model_.leaving.goes) {
+    if (model_.state.errands > 0 && model_.state.running) return false;
+    const bool lost = model_.state.unsaved && model_.state.running && !model_.leaving.keeps;
+    if (!lost) return true;
+    model_.leaving.goes = false;  // a file was not written, or something was edited meanwhile
+    model_.leaving.asks = true;
+  }
+  const std::vector<std::string> dropped = host_.takeDroppedFiles();
+  if (!dropped.empty()) model_.open(dropped.front());
+  if (dropped.size() > 1) model_.say(fmt::format("{} is opened; the other {} dropped files are not", dropped.front(), dropped.size() - 1));
   if (!host_.wantsToClose()) return false;
   host_.refuseToClose();
-  model_.state = model_.session.look();
+  look();
   model_.close();
-  return model_.leaving.goes && model_.state.errands == 0;
+  return false;
 }
 
 void SculptWindow::frame() {
@@ -245,6 +253,7 @@ void SculptWindow::showView() {
     wanted.style = asked_->style;
   }
   if (asked_ && *asked_ == wanted) return;
+  style_refusal_.clear();
   asked_ = std::move(wanted);
   model_.session.view().show(*asked_);
   frames_after_event_ = std::max(frames_after_event_, 30);

@@ -43,10 +43,11 @@ void showLeaveQuestion(WindowModel& model) {
   const bool leaves = ImGui::Button(leaving.volume.empty() ? "Close, keep the journal" : "Open, keep the journal");
   ImGui::SameLine();
   const bool stays = ImGui::Button("Go on") || ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape));
-  if (saves) saveAs(model);
+  const bool saved = saves && saveAs(model);  // or it is said why not
   if (saves || leaves || stays) {
     leaving.asks = false;
-    leaving.goes = !stays;
+    leaving.goes = leaves || saved;
+    leaving.keeps = leaves;
     ImGui::CloseCurrentPopup();
   }
   ImGui::EndPopup();

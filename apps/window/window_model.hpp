@@ -34,6 +34,7 @@ struct Trace {
 struct Leaving {
   bool asks = false;   // whether to, because work is unsaved
   bool goes = false;   // it shall, once every file is written
+  bool keeps = false;  // what is unsaved then stays in the journal
   std::string volume;  // to open; empty: the window closes
 };
 
@@ -68,7 +69,7 @@ struct WindowModel {
  private:
   void leave(const std::string& volume) {
     if (leaving.goes) return;
-    leaving = {.asks = state.unsaved, .goes = !state.unsaved, .volume = volume};
+    leaving = {.asks = state.unsaved, .goes = !state.unsaved, .keeps = false, .volume = volume};
   }
 };
 

@@ -147,6 +147,12 @@ void EditSession::close() {
   saver_->close();
 }
 
+bool EditSession::flushJournal() {
+  if (!journal_) return false;
+  journal_->flush();
+  return !journal_->failed();
+}
+
 void EditSession::dropEmptyJournal() {
   if (journal_) journal_->closeAndDropEmpty();
 }

@@ -67,6 +67,8 @@ class EditSession {
   // Then the volume, with every edit in it, belongs to the caller again. If changed bricks cannot be read from the
   // engine, the save fails.
   void close();
+  // Waits until the journal is on disk or has failed. Returns whether it holds every edit made until now.
+  bool flushJournal();
   // For a job that fails. Ends the journal, and deletes it if it has no record, so that the job can be started again.
   void dropEmptyJournal();
   [[nodiscard]] EditFigures figures() const;

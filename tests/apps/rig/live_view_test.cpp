@@ -139,5 +139,35 @@ TEST(LiveView, TellsAFailureAndGoesOn) {
   EXPECT_TRUE(scene.view.latest().whole);
 }
 
+// A request that is refused leaves the picture that is shown, and edits still come into it.
+TEST(LiveView, ARefusedRequestLeavesThePictureAlive) {
+  Scene scene;
+  scene.engine.allowEdits(brushProfile(scene.volume, 0));
+  scene.view.show(scene.from(0));
+  scene.settle();
+  ViewRequest bad = scene.from(0.01);
+  bad.style.slices = {{Vec3::UnitX(), 0}};
+  bad.style.slice_white = bad.style.slice_black;
+  scene.view.show(bad);
+  scene.settle();
+  EXPECT_NE(scene.view.failure(), "");
+  const Camera& camera = scene.view.latest().camera;
+  EXPECT_EQ(camera, scene.from(0).camera);
+  EditCommand carve;
+  carve.kind = EditKind::kRemove;
+  carve.from_W = carve.to_W =
+      camera.position_W + scene.engine.draw(camera).distance_m[45 * 150 + 75] * camera.forward_W;
+  carve.radius_m = 4e-3;
+  scene.engine.edit(std::span(&carve, 1), 0);
+  EXPECT_GE(scene.settle(), 1);
+  EXPECT_EQ(scene.view.latest().edit_version, 1U);
+  EXPECT_TRUE(isPictureOf(scene.engine, scene.view.latest()));
+  EXPECT_NE(scene.view.failure(), "");  // until the next request
+  scene.view.show(scene.from(0.01));
+  EXPECT_GE(scene.settle(), 1);
+  EXPECT_EQ(scene.view.failure(), "");
+  EXPECT_EQ(scene.view.latest().camera, scene.from(0.01).camera);
+}
+
 }  // namespace live_view_test
 }  // namespace palpate

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Names of files that nobody named; and how often each fault was raised.
+// Names of files that nobody named.
 #include "apps/sculpt/dated_name.hpp"
 
 #include <fstream>
 
 #include <gtest/gtest.h>
 
-#include "apps/sculpt/fault_counts.hpp"
 #include "temporary_folder.hpp"
 
 namespace palpate {
@@ -30,23 +29,6 @@ TEST(DatedName, IsOfTheMomentAndOfNoFileThatIsThere) {
   std::ofstream(name()) << 1;
   EXPECT_EQ(name(), folder.path() / "palpate-20261103-090507-3.png");
   EXPECT_EQ(datedName(".", "a", ".csv", now), "a-20261103-090507.csv");
-}
-
-TEST(FaultCounts, CountsTheTicksOfEach) {
-  FaultCounts counts;
-  TickRecord tick;
-  counts.add(tick);
-  tick.faults = bit(ServoFault::kNoWindow) | bit(ServoFault::kPlaneBehind);
-  counts.add(tick);
-  counts.add(tick);
-  tick.faults = bit(ServoFault::kPlaneBehind);
-  counts.add(tick);
-  for (const FaultText& fault : faultTable()) {
-    const std::uint64_t ticks = fault.fault == ServoFault::kNoWindow      ? 2
-                                : fault.fault == ServoFault::kPlaneBehind ? 3
-                                                                          : 0;
-    EXPECT_EQ(counts.ticks(fault.fault), ticks) << fault.name;
-  }
 }
 
 }  // namespace dated_name_test

@@ -127,6 +127,25 @@ TEST_F(Keys, GiveWayToTheMouse) {
   }
 }
 
+// A bumped mouse ends what Space pressed; it begins again only once Space is pressed anew.
+TEST_F(Keys, ThatAreHeldWhileTheMouseMovesBeginNothing) {
+  EXPECT_TRUE(take({.press = true}, mouseAt(100, 100)).left);
+  PointerInput mouse = mouseAt(300, 400);
+  mouse.dx = 1;
+  EXPECT_FALSE(take({.press = true}, mouse).left);
+  EXPECT_FALSE(take({.press = true}, mouseAt(300, 400)).left);
+  EXPECT_FALSE(take({.right = true, .press = true}, mouseAt(300, 400)).left);
+  take({}, mouseAt(300, 400));
+  EXPECT_TRUE(take({.press = true}, mouseAt(300, 400)).left);
+}
+
+// While a brush's size or strength is chosen, its movement counts.
+TEST_F(Keys, MoveByAsMuchAsTheySay) {
+  const PointerInput input = take({.right = true, .up = true}, mouseAt(100, 100));
+  EXPECT_NEAR(input.dx, kStep, 1e-12);
+  EXPECT_NEAR(input.dy, -kStep, 1e-12);
+}
+
 // A frame that took long, behind a dialogue for example, does not throw the pointer across the picture.
 TEST_F(Keys, ALongFrameIsATenthOfASecond) {
   PointerInput input = mouseAt(100, 100);

@@ -144,6 +144,45 @@ TEST_F(OnADesktop, OpensAnotherVolume) {
   EXPECT_THAT(text.str(), testing::AllOf(testing::HasSubstr("phantom:box?size=32"), testing::HasSubstr(kBall)));
 }
 
+// Another volume is asked for with edits that no file holds: "Go on" leaves all as it was, a file that cannot be written
+// too, and "keep the journal" opens the other and keeps the edits for the next start.
+TEST_F(OnADesktop, AsksBeforeItLeavesUnsavedWork) {
+  start();
+  ASSERT_TRUE(showsBall()) << program->said();
+  ASSERT_TRUE(drills());
+  const Screen drilled = desktop->look();
+  const Rectangle question{440, 310, 400, 100};
+  const auto asks = [&] {
+    enters(kFileX, kOpenY, "phantom:box?size=32");
+    return waitUntil([&] { return differing(drilled, desktop->look(), question) > 10000; });
+  };
+  const auto is_as_before = [&] {
+    return movesOff() && waitUntil([&] { return differing(drilled, desktop->look(), kUpper) == 0; });
+  };
+  ASSERT_TRUE(asks());
+  desktop->does({"key", "Escape"});
+  EXPECT_TRUE(is_as_before());
+
+  desktop->does({"mousemove", std::to_string(kFileX), std::to_string(kSaveY), "click", "1"});
+  desktop->does({"type", "--delay", "20", "a.bad"});
+  ASSERT_TRUE(asks());
+  desktop->does({"mousemove", "520", "390", "click", "1"});  // "Save a.bad"
+  EXPECT_TRUE(waitUntil([&] { return differing(drilled, desktop->look(), kMessage) > 50; }));
+  EXPECT_TRUE(is_as_before());
+  const std::filesystem::path kept = journal();
+  ASSERT_FALSE(kept.empty());
+
+  ASSERT_TRUE(asks());
+  desktop->does({"mousemove", "660", "390", "click", "1"});  // "Open, keep the journal"
+  EXPECT_TRUE(waitUntil([&] { return leftSessions(journals()).size() == 1; }));
+  EXPECT_EQ(leftSessions(journals()).at(0).folder, kept);
+  EXPECT_TRUE(waitUntil([&] { return differing(drilled, desktop->look(), kUpper) > 1000; }));
+  ASSERT_TRUE(movesOff());
+  endsWell();
+  EXPECT_EQ(journal(), kept);
+  EXPECT_NE(contentHash(replayed(kept)), contentHash(loadVolume(kBall)));
+}
+
 // Half of the ball is cut away; what is left is as it was, but for the shade of hollows beside the cut.
 TEST_F(OnADesktop, CutsTheBall) {
   start();

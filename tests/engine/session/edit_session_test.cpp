@@ -232,6 +232,28 @@ TEST(EditSession, GoesOnWhenTheDiskIsFull) {
   EXPECT_EQ(journal.last_sequence, figures.acknowledged);
 }
 
+// What flushJournal() says is what is on the disk.
+TEST(EditSession, KnowsWhetherTheJournalHoldsAll) {
+  TemporaryFolder folder;
+  Session without;
+  EXPECT_FALSE(without.session.flushJournal());
+  Session s;
+  s.session.keepJournal(folder.path(), s.header.volume);
+  RandomEdits random(s.volume.size(), s.volume.lattice(), kLow, kHigh, 12);
+  const auto edit = [&] {
+    const std::vector<EditCommand> commands = {random.next()};
+    s.session.edit(commands, 0);
+  };
+  for (int i = 0; i < 3; ++i) {
+    edit();
+    EXPECT_TRUE(s.session.flushJournal());
+    EXPECT_EQ(readJournal(folder.path()).last_sequence, i + 1U);
+  }
+  const FileSizeLimit limit(std::filesystem::file_size(journalFile(folder.path())) + 100);
+  for (int i = 0; i < 30; ++i) edit();
+  EXPECT_FALSE(s.session.flushJournal());
+}
+
 // Before it is applied, so that the journal and the volume stay one.
 TEST(EditSession, RefusesMoreCommandsThanAnEditMayHave) {
   TemporaryFolder folder;
