@@ -13,6 +13,16 @@ constexpr double kStrengthPerPixel = 0.004;
 constexpr double kStepsPerPixel = 0.05;  // of a zoom by dragging
 constexpr double kDepthStep = 1.15;      // factor for a step of the wheel
 
+void turn(ViewKey key, OrbitView& view) {
+  if (key == ViewKey::kFit) {
+    view.fit();
+  } else {
+    view.turnTo(anglesOf(key));
+  }
+}
+
+}  // namespace
+
 ViewAngles anglesOf(ViewKey key) {
   constexpr double kQuarter = std::numbers::pi / 2;
   switch (key) {
@@ -32,16 +42,6 @@ ViewAngles anglesOf(ViewKey key) {
   }
   return {};
 }
-
-void turn(ViewKey key, OrbitView& view) {
-  if (key == ViewKey::kFit) {
-    view.fit();
-  } else {
-    view.turnTo(anglesOf(key));
-  }
-}
-
-}  // namespace
 
 ToolRequest Gestures::take(const PointerInput& input, const ViewFrame& frame, OrbitView& view, BrushChoice& brush,
                            PointerReach& reach) {

@@ -19,6 +19,8 @@
 namespace palpate {
 
 enum class ViewKey { kFront, kBack, kLeft, kRight, kTop, kBottom, kFit };
+// From which side; kFit: as kFront.
+[[nodiscard]] ViewAngles anglesOf(ViewKey key);
 
 // Of one frame of the window.
 struct PointerInput {

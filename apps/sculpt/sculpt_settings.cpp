@@ -32,8 +32,8 @@ SculptSettings settingsOf(const Json& json) {
   SculptSettings settings;
   if (const auto dark = json.find("dark"); dark != json.end() && dark->is_boolean()) settings.dark = dark->get<bool>();
   take(json, "scale", 0, 4, 1, settings.scale);
-  take(json, "width", 320, 16384, 1, settings.width);
-  take(json, "height", 240, 16384, 1, settings.height);
+  take(json, "width", SculptSettings::kLeastWidth, 16384, 1, settings.width);
+  take(json, "height", SculptSettings::kLeastHeight, 16384, 1, settings.height);
   if (const auto brush = json.find("brush"); brush != json.end() && brush->is_string()) {
     for (const BrushEntry& entry : brushes()) {
       if (brush->get<std::string>() == entry.name) settings.brush.kind = entry.kind;

@@ -14,7 +14,8 @@ namespace palpate {
 struct SculptSettings {
   bool dark = true;
   double scale = 0;                // of text and panels; 0: the display's
-  int width = 1280, height = 720;  // of the window
+  int width = 1280, height = 720;  // of the window, at least kLeastWidth x kLeastHeight
+  static constexpr int kLeastWidth = 320, kLeastHeight = 240;
   BrushChoice brush = {};
   PointerReach reach = {};
   std::vector<std::string> recent = {};  // volumes, the newest first

@@ -2,6 +2,7 @@
 #include "apps/window/gui_host.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <utility>
 
@@ -193,6 +194,15 @@ void GuiHost::setScale(double scale) {
   state_->loadFont();
   applyTheme(state_->dark, wanted);
   state_->presenter->renewFonts();
+}
+
+std::array<int, 2> GuiHost::size() const {
+  int width = 0, height = 0, pixels = 0;
+  glfwGetWindowSize(state_->window.handle, &width, &height);
+  glfwGetFramebufferSize(state_->window.handle, &pixels, nullptr);
+  if (pixels != width) return {width, height};
+  const double by = state_->scaleFor(0);  // GLFW makes a window larger by this where its size is counted in pixels
+  return {static_cast<int>(std::lround(width / by)), static_cast<int>(std::lround(height / by))};
 }
 
 double GuiHost::scale() const noexcept {

@@ -4,6 +4,7 @@
 // One thread, that which made it. At most one at a time.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <string>
@@ -37,6 +38,8 @@ class GuiHost {
   void refuseToClose();
   [[nodiscard]] std::vector<std::string> takeDroppedFiles();
   void setTitle(const std::string& title);
+  // Of the window, as GuiSettings has it.
+  [[nodiscard]] std::array<int, 2> size() const;
   // Between two frames. `scale`: as in GuiSettings.
   void setDark(bool dark);
   void setScale(double scale);

@@ -127,10 +127,14 @@ void SculptWindow::frame() {
   }
 }
 
-// What can be changed only between two frames.
+// What can be changed only between two frames; and what the person changed of the window itself.
 void SculptWindow::changeHost() {
   host_.setDark(model_.settings.dark);
   host_.setScale(model_.settings.scale);
+  const auto [width, height] = host_.size();
+  if (width < SculptSettings::kLeastWidth || height < SculptSettings::kLeastHeight) return;  // minimised
+  model_.settings.width = width;
+  model_.settings.height = height;
 }
 
 void SculptWindow::keepScreenshot(const std::optional<RenderedImage>& image) {

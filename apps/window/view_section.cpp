@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <cmath>
-
 #include <fmt/format.h>
 #include <imgui.h>
 
@@ -29,20 +27,16 @@ void showViewSection(WindowModel& model) {
   if (!section("View")) return;
   struct Side {
     const char* name;
-    ViewAngles angles;
-    const char* key;
+    ViewKey key;
+    const char* keys;
   };
-  constexpr double kQuarter = M_PI / 2;
-  constexpr Side kSides[] = {{"Front", {0, 0}, "1"},
-                             {"Back", {2 * kQuarter, 0}, "Ctrl+1"},
-                             {"Left", {kQuarter, 0}, "Ctrl+3"},
-                             {"Right", {-kQuarter, 0}, "3"},
-                             {"Top", {2 * kQuarter, kQuarter}, "7"},
-                             {"Bottom", {0, -kQuarter}, "Ctrl+7"}};
+  constexpr Side kSides[] = {{"Front", ViewKey::kFront, "1"},   {"Back", ViewKey::kBack, "Ctrl+1"},
+                             {"Left", ViewKey::kLeft, "Ctrl+3"}, {"Right", ViewKey::kRight, "3"},
+                             {"Top", ViewKey::kTop, "7"},        {"Bottom", ViewKey::kBottom, "Ctrl+7"}};
   for (int i = 0; i < 6; ++i) {
     if (i % 3 != 0) ImGui::SameLine();
-    if (ImGui::Button(kSides[i].name, inRow(3))) model.view.turnTo(kSides[i].angles);
-    tip(kSides[i].key);
+    if (ImGui::Button(kSides[i].name, inRow(3))) model.view.turnTo(anglesOf(kSides[i].key));
+    tip(kSides[i].keys);
   }
   if (ImGui::Button("All of it", inRow(3))) model.view.fit();
   tip("Home");

@@ -20,6 +20,12 @@ struct VoxelBox {
 [[nodiscard]] VoxelBox intersection(const VoxelBox& a, const VoxelBox& b);
 [[nodiscard]] VoxelBox hull(const VoxelBox& a, const VoxelBox& b);
 
+// A brick, and the box around those of its voxels that may have changed.
+struct ChangedBrick {
+  std::uint32_t brick = 0;
+  VoxelBox voxels;
+};
+
 struct BrickGrid {
   Vec3i size = Vec3i::Zero();  // domain [voxel]
   Vec3 spacing_m = Vec3::Ones();

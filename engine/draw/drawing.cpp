@@ -73,19 +73,19 @@ void Drawing::show(const Camera& camera, double isovalue, const DrawStyle& style
   showable_ = false;
 }
 
-void Drawing::changed(std::span<const std::uint32_t> bricks, std::span<const VoxelBox> boxes, std::uint64_t version) {
+void Drawing::changed(std::span<const ChangedBrick> bricks, std::uint64_t version) {
   version_ = version;
   if (!surface_) return;
-  changed_.insert(changed_.end(), bricks.begin(), bricks.end());
+  for (const ChangedBrick& changed : bricks) changed_.push_back(changed.brick);
   if (changed_.size() > 2 * pool_.brickCount()) sortUnique(changed_);
   const Vec3 reach = Vec3::Constant(style_.occlusion ? DRAW_OCCLUSION_REACH : DRAW_NORMAL_REACH);
   const BrickGrid grid = pool_.grid();
   const int together = bricks.size() > kMostSingleBricks ? 4 : 1;
   std::map<std::uint32_t, VoxelBox> hulls;
-  for (std::size_t i = 0; i < bricks.size(); ++i) {
-    const Vec3i first = grid.brick(bricks[i]) / together * together;
-    const auto [at, is_new] = hulls.try_emplace(grid.index(first), boxes[i]);
-    if (!is_new) at->second = hull(at->second, boxes[i]);
+  for (const ChangedBrick& changed : bricks) {
+    const Vec3i first = grid.brick(changed.brick) / together * together;
+    const auto [at, is_new] = hulls.try_emplace(grid.index(first), changed.voxels);
+    if (!is_new) at->second = hull(at->second, changed.voxels);
   }
   for (const auto& [first, box] : hulls)
     tiles_.changed(pool_.lattice(), box.first.cast<double>() - reach, box.last.cast<double>() + reach, version);

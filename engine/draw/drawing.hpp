@@ -41,9 +41,8 @@ class Drawing {
   // and drawPush() do, Error(kOutOfMemory), and then the former picture goes on. Cost of an isovalue that was not drawn
   // before: a cell tree, for which this waits; of a style that was not: perhaps the driver's compiler.
   void show(const Camera& camera, double isovalue, const DrawStyle& style = {}, DrawOrder order = DrawOrder::kWhole);
-  // These bricks of the field hold something else since the last piece of work, each in a box of its voxels. `version`:
-  // of the volume by now.
-  void changed(std::span<const std::uint32_t> bricks, std::span<const VoxelBox> boxes, std::uint64_t version);
+  // These bricks of the field hold something else since the last piece of work. `version`: of the volume by now.
+  void changed(std::span<const ChangedBrick> bricks, std::uint64_t version);
 
   // Whether no piece of work is under way. Does not wait. Throws Error(kDevice).
   bool poll();

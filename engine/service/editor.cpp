@@ -350,9 +350,8 @@ Editor::Outcome Editor::run(EditPlan& plan, const WindowTarget* target, std::spa
   for (const std::uint32_t brick : plan.altered) {
     const auto touched = plan.touched.find(brick);  // behind filters others are altered too, and further
     const bool is_known = parts_.filters == nullptr && touched != plan.touched.end();
-    outcome.altered_boxes.push_back(is_known ? touched->second.changed : grid_.box(brick));
+    outcome.altered.push_back({brick, is_known ? touched->second.changed : grid_.box(brick)});
   }
-  outcome.altered = std::move(plan.altered);
   bounds_stale_ = std::move(plan.bounds_stale);
   activity_unsure_ = std::move(plan.activity_unsure);
   settled_ = false;

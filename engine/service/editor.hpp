@@ -70,8 +70,7 @@ class Editor {
     bool window_gathered = false;        // the target now holds samples of the edited volume
     std::size_t changed_bricks = 0;      // bricks that the commands may have changed
     std::size_t gradient_bricks = 0;     // bricks whose samples may have been recomputed
-    std::vector<std::uint32_t> altered;  // bricks whose densities may have changed in the field that is felt
-    std::vector<VoxelBox> altered_boxes;  // of each of them, the voxels that may have
+    std::vector<ChangedBrick> altered;  // whose densities may have changed in the field that is felt
     std::vector<StageTime> stages;       // plan, record, gpu
   };
   // Applies commands one after another. Gathers the window if `target` is given and the edit reaches its box. Blocks

@@ -236,7 +236,7 @@ Engine::EditResult EngineParts::change(std::int64_t now_ns, const Change& change
     outcome.stages.push_back({name, watch.seconds()});
   };
   if (outcome.window_gathered) time("publish", [&] { publishBox(*published_, now_ns); });
-  if (drawing_) drawing_->changed(outcome.altered, outcome.altered_boxes, outcome.version);
+  if (drawing_) drawing_->changed(outcome.altered, outcome.version);
   time("settle", [&] { editor_->settle(); });
   return {outcome.version, outcome.window_gathered, outcome.changed_bricks, outcome.gradient_bricks,
           std::move(outcome.stages)};
@@ -332,7 +332,7 @@ void EngineParts::show(const Camera& camera, const DrawStyle& style, DrawOrder o
   checkDraws();
   if (!drawing_) {
     drawing_ = std::make_unique<Drawing>(gpu_, transfer_, field(), *bounds_);
-    drawing_->changed({}, {}, editVersion());
+    drawing_->changed({}, editVersion());
   }
   drawing_->show(camera, isovalue_, style, order);
 }

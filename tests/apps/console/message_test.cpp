@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "apps/console/progress.hpp"
+#include "failing_memory.hpp"
 #include "in_child.hpp"
 
 namespace palpate {
@@ -37,6 +38,17 @@ TEST(Messages, ThatCannotBeWrittenAreNoReasonToEnd) {
     _exit(7);
   });
   EXPECT_EQ(ended.status, 7);
+}
+
+// As it is, where there is no memory to make a line of it.
+TEST(Messages, AreToldWithoutMemoryToo) {
+  const Ended ended = inChild([] {
+    const std::string text(100, 'x');
+    failing_memory::also_in_libraries = true;
+    failing_memory::failAfter(1);
+    tellUser(text);
+  });
+  EXPECT_EQ(ended.err, std::string(100, 'x'));
 }
 
 // A disk that was full has room again: what is told then is written.

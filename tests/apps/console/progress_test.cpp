@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <cstdlib>
 #include <functional>
+#include <stdexcept>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include <fcntl.h>
@@ -25,6 +28,23 @@ std::string written(double every_s, const std::function<void(Progress&)>& work) 
   text.resize(std::fread(text.data(), 1, text.size(), stream));
   std::fclose(stream);
   return text;
+}
+
+// Somebody else shows it, and may end the work.
+TEST(Progress, IsToldToWhoAsks) {
+  std::vector<std::pair<std::string, double>> told;
+  Progress progress([&](const std::string& stage, double done) {
+    told.emplace_back(stage, done);
+    if (done > 0.8) throw std::runtime_error("enough");
+  });
+  progress.stage("loading\na");
+  progress.fraction(0.25);
+  progress.done();
+  progress.stage("writing b");
+  EXPECT_THROW(progress.fraction(0.9), std::runtime_error);
+  const std::vector<std::pair<std::string, double>> expected = {
+      {"loading?a", 0}, {"loading?a", 0.25}, {"writing b", 0}, {"writing b", 0.9}};
+  EXPECT_EQ(told, expected);
 }
 
 TEST(Progress, AStageIsALine) {

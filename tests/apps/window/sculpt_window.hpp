@@ -4,6 +4,8 @@
 
 #include <csignal>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <memory>
 #include <string>
 #include <vector>
@@ -36,6 +38,11 @@ class OnADesktop : public testing::Test {
   [[nodiscard]] std::filesystem::path journals() const { return home() / ".local/state/palpate/journals"; }
   void start() {
     program = std::make_unique<Started>(desktop->display(), home(), std::vector<std::string>{"sculpt", kBall});
+  }
+  // The file of settings.
+  [[nodiscard]] std::string settings() const {
+    std::ifstream file(home() / ".config/palpate/sculpt.json");
+    return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
   }
   // The only session's journal.
   [[nodiscard]] std::filesystem::path journal() const {

@@ -57,11 +57,18 @@ TEST_F(OnADesktop, DrillsUndoesAndSaves) {
   EXPECT_TRUE(std::filesystem::exists(home() / ".config/palpate/sculpt.json"));
 }
 
-// Dragging with the right button turns the ball's light but not its outline; the wheel makes it larger.
+// Dragging with the right button takes the groove elsewhere, and a key brings it back; the wheel makes the ball smaller,
+// and another key as it was.
 TEST_F(OnADesktop, TurnsAndZooms) {
   start();
   ASSERT_TRUE(showsBall()) << program->said();
+  ASSERT_TRUE(drills());
   const Screen before = desktop->look();
+  desktop->drags(kMiddleX - 150, kMiddleY + 200, kMiddleX - 60, kMiddleY + 220, 3);
+  ASSERT_TRUE(movesOff());
+  EXPECT_GT(differing(before, desktop->look(), {300, 0, 690, 540}), 200);
+  desktop->does({"key", "1"});
+  EXPECT_TRUE(waitUntil([&] { return differing(before, desktop->look(), {300, 0, 690, 540}) == 0; }));
   const auto ball = [](const Screen& screen) {
     int pixels = 0;
     for (int y = 0; y < kPicture.height; y += 4) {

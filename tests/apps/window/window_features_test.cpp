@@ -2,8 +2,6 @@
 // What the window can do beside strokes: pictures of itself, recordings, the keyboard alone, other isovalues and volumes,
 // cuts, other sizes; and what it says of what it cannot.
 #include <chrono>
-#include <fstream>
-#include <sstream>
 #include <thread>
 
 #include <cairo/cairo.h>
@@ -138,10 +136,7 @@ TEST_F(OnADesktop, OpensAnotherVolume) {
   EXPECT_GT(ballPixels(desktop->look()), 1000);
   endsWell();
   EXPECT_TRUE(std::filesystem::is_empty(journals()));
-  std::ifstream settings(home() / ".config/palpate/sculpt.json");
-  std::ostringstream text;
-  text << settings.rdbuf();
-  EXPECT_THAT(text.str(), testing::AllOf(testing::HasSubstr("phantom:box?size=32"), testing::HasSubstr(kBall)));
+  EXPECT_THAT(settings(), testing::AllOf(testing::HasSubstr("phantom:box?size=32"), testing::HasSubstr(kBall)));
 }
 
 // Another volume is asked for with edits that no file holds: "Go on" leaves all as it was, a file that cannot be written
@@ -227,7 +222,10 @@ TEST_F(OnADesktop, IsDrawnAnewAtAnotherSize) {
   ASSERT_TRUE(program->runs()) << program->said();
   desktop->does({"search", "--name", "Palpate", "windowmap"});
   EXPECT_TRUE(waitUntil([&] { return differing(before, desktop->look(), kUpper) == 0; }));
+  sized("1100", "660");
+  ASSERT_TRUE(waitUntil([&] { return differing(before, desktop->look(), kUpper) > 1000; }));
   endsWell();
+  EXPECT_THAT(settings(), testing::AllOf(testing::HasSubstr("\"width\": 1100"), testing::HasSubstr("\"height\": 660")));
 }
 
 // What cannot be written is said, is still unsaved, and can be written elsewhere.

@@ -163,6 +163,33 @@ TEST(Drawing, DepthIsThatOfSmallStepsOnAnyLattice) {
   EXPECT_LE(differing, hits / 200);
 }
 
+// Of a picture that a slow device needs long for every eighth pixel comes first, of a small one every fourth.
+TEST(Drawing, BeginsTheCoarserTheLongerItTakes) {
+  const Volume volume = ballField({53, 41, 37}, 14.0);
+  Camera camera = cameraAt(middleOf(volume) + Vec3(0.05, -0.09, 0.04), middleOf(volume));
+  const auto isOfSquares = [&](int width, int height, int side) {
+    camera.width = width;
+    camera.height = height;
+    OfVolume of(volume);  // which has measured no tile yet, and thinks of a processor
+    of.drawing.show(camera, 0, {}, DrawOrder::kCoarseFirst);
+    while (!of.drawing.state().showable) {
+      static_cast<void>(of.drawing.advance(1));
+      of.drawing.wait();
+    }
+    const RenderedImage image = of.drawing.image();
+    for (int y = 0; y < height; ++y) {
+      for (int x = 0; x < width; ++x) {
+        const auto at = [&](int a, int b) { return image.distance_m[static_cast<std::size_t>(b * width + a)]; };
+        if (at(x, y) != at(x / side * side, y / side * side)) return false;
+      }
+    }
+    return true;
+  };
+  EXPECT_TRUE(isOfSquares(960, 720, 8));
+  EXPECT_TRUE(isOfSquares(120, 96, 4));
+  EXPECT_FALSE(isOfSquares(120, 96, 8));
+}
+
 // Tile by tile or in one piece.
 TEST(Drawing, IsTheSameInPiecesOfAnySize) {
   const Volume volume = ballField({53, 41, 37}, 14.0);

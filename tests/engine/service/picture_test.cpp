@@ -7,6 +7,7 @@
 #include <optional>
 #include <random>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -119,6 +120,48 @@ TEST(Picture, FollowsEditsAroundACameraInTheVolume) {
   Case c{"phantom:gyroid?size=48", ""};
   c.within = true;
   expectPictureFollows(c, 40, 10);
+}
+
+// While edits come faster than their pixels, each pixel is that of the volume at the version that the picture says, or
+// at a later one; and the version gets there.
+TEST(Picture, KnowsUpToWhichEditItIsTrue) {
+  const auto phantom = makePhantom("phantom:knot?size=61x53x47&spacing=0.8x1x1.2mm");
+  const Volume volume = makeVolume(*phantom);
+  Engine engine(volume, makePlan({.edits = true, .draws = true}), phantom->isovalue(), "");
+  engine.allowEdits(brushProfile(volume, phantom->isovalue()));
+  const Camera camera = cameraTo(volume, 0.12);
+  engine.show(camera, {}, DrawOrder::kWhole);
+  drawAll(engine);
+  EXPECT_TRUE(engine.pictureState().whole);
+  std::vector<RenderedImage> at_version = {engine.draw(camera)};
+  RandomEdits random(volume.size(), volume.lattice(), phantom->isovalue() - 400, phantom->isovalue() + 400, 3);
+  int behind = 0;
+  const auto check = [&] {
+    while (!engine.pollPicture()) std::this_thread::yield();
+    const PictureState state = engine.pictureState();
+    ASSERT_TRUE(state.fine);
+    ASSERT_LT(state.version, at_version.size());
+    behind += state.version + 1 < at_version.size();
+    const RenderedImage now = engine.picture();
+    for (std::size_t i = 0; i < now.distance_m.size(); ++i) {
+      bool known = false;
+      for (std::size_t v = state.version; v < at_version.size() && !known; ++v)
+        known = now.distance_m[i] == at_version[v].distance_m[i];
+      ASSERT_TRUE(known) << "pixel " << i << " is older than version " << state.version;
+    }
+  };
+  for (int n = 0; n < 60; ++n) {
+    const std::array commands = {random.next()};
+    engine.edit(commands, 0);
+    at_version.push_back(engine.draw(camera));
+    static_cast<void>(engine.drawPiece(1e-12));  // a tile
+    ASSERT_NO_FATAL_FAILURE(check());
+  }
+  EXPECT_GT(behind, 10);
+  drawAll(engine);
+  ASSERT_NO_FATAL_FAILURE(check());
+  EXPECT_EQ(engine.pictureState().version, 60U);
+  EXPECT_TRUE(engine.pictureState().whole);
 }
 
 // Making ready for edits replaces buffers that a piece under way reads.
