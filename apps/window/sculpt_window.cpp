@@ -15,6 +15,7 @@
 #include "apps/render/slice_range.hpp"
 #include "apps/sculpt/dated_name.hpp"
 #include "apps/view/picture_png.hpp"
+#include "apps/window/panel_parts.hpp"
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
 #include "base/units.hpp"
@@ -139,13 +140,11 @@ void SculptWindow::changeHost() {
 
 void SculptWindow::keepScreenshot(const std::optional<RenderedImage>& image) {
   if (!image) return;
-  try {
+  orSay(model_, [&] {
     const std::filesystem::path file = datedName(".", "palpate", ".png");
     writeFileAtomically(file, pngOf(*image));
     model_.say(fmt::format("{} is a picture of the window", file.string()));
-  } catch (const Error& error) {
-    model_.say(error.what());
-  }
+  });
 }
 
 void SculptWindow::look() {
@@ -180,12 +179,10 @@ void SculptWindow::look() {
 
 void SculptWindow::record() {
   if (!model_.recording) return;
-  try {
+  const bool kept = orSay(model_, [&] {
     for (const TickRecord& tick : ticks_) model_.recording->add(tick);
-  } catch (const Error& error) {
-    model_.say(error.what());
-    model_.recording.reset();
-  }
+  });
+  if (!kept) model_.recording.reset();
 }
 
 void SculptWindow::keys() {
