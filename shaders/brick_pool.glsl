@@ -66,11 +66,12 @@ Row pageRow(BrickPage page, uint y, uint z) {
   return Row(slabQuad(page.slot, quad), slabQuad(page.slot, quad + 1));
 }
 
-// One density at a voxel of the domain.
-float densityAt(uvec3 voxel) {
-  const BrickPage page = pages[brickIndex(voxel / BRICK_EDGE)];
+// One density of a page, at a voxel of the domain.
+float pageDensity(BrickPage page, uvec3 voxel) {
   if (page.slot == NO_SLOT) return page.constant;
   const uvec3 in_brick = voxel % BRICK_EDGE;
-  const uint quad = (in_brick.z * BRICK_EDGE + in_brick.y) * 2 + in_brick.x / 4;
-  return slabQuad(page.slot, quad)[in_brick.x % 4];
+  return slabElement(page.slot, (in_brick.z * BRICK_EDGE + in_brick.y) * 2 + in_brick.x / 4, in_brick.x % 4);
 }
+
+// One density at a voxel of the domain.
+float densityAt(uvec3 voxel) { return pageDensity(pages[brickIndex(voxel / BRICK_EDGE)], voxel); }

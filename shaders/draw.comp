@@ -37,22 +37,23 @@ uint blockWord(const int which, uint i) { return which == 0 ? blocks[i] : other_
 #include "draw_cell.math.glsl"
 #include "draw_shade.glsl"
 
-void loadCell(ivec3 cell, out float corners[8]) {
-  [[unroll]] for (int i = 0; i < 8; ++i) corners[i] = densityAt(uvec3(cell) + uvec3(i & 1, i >> 1 & 1, i >> 2));
-}
-
 struct Hit {
   float t_m;  // infinity: nothing is hit
   ivec3 cell;
   vec3 place;  // in the cell
 };
 
-// First point with density above the isovalue from t_begin to t_end. The ray is outside the object at t_begin.
+// First point with density above the isovalue from t_begin to t_end. The ray is outside the object at t_begin. The root
+// is found after the loop: neighbouring invocations run in step, and each would wait for those that have one.
 Hit march(const int which, float isovalue, Ray ray, float t_begin, float t_end) {
-  float t = t_begin;
+  float t = t_begin, t_leave = t_end;
   const uint most_steps = 4 * (push.domain.size_x + push.domain.size_y + push.domain.size_z);  // a ray enters fewer cells
   uint steps = 0;
   ivec3 cell = cellAt(ray, t, ivec3(0), ivec3(domainSize()) - 2);
+  float corners[8];
+  vec3 from, to;
+  CellInterval found;
+  bool is_found = false;
   while (t < t_end) {
     for (;;) {
       const ivec3 edge = emptyAround(which, cell);
@@ -64,21 +65,23 @@ Hit march(const int which, float isovalue, Ray ray, float t_begin, float t_end) 
     }
     if (!(t < t_end) || ++steps > most_steps) break;
     const vec3 enter = enterTimes(ray, cell), leave = leaveTimes(ray, cell);
-    const float t_leave = min(earliest(leave), t_end);
+    t_leave = min(earliest(leave), t_end);
     // A face that is crossed at this very time lies at 0 or 1.
     const vec3 at = ray.eye - vec3(cell);
     const vec3 face = vec3(ray.forward);
-    const vec3 from = mix(clamp(at + t * ray.direction, 0.0, 1.0), 1.0 - face, equal(enter, vec3(t)));
-    const vec3 to = mix(clamp(at + t_leave * ray.direction, 0.0, 1.0), face, equal(leave, vec3(t_leave)));
-    float corners[8];
-    loadCell(cell, corners);
+    from = mix(clamp(at + t * ray.direction, 0.0, 1.0), 1.0 - face, equal(enter, vec3(t)));
+    to = mix(clamp(at + t_leave * ray.direction, 0.0, 1.0), face, equal(leave, vec3(t_leave)));
+    cornersOf(uvec3(cell), corners);
     scaleCorners(corners, isovalue);
-    const float found = firstInside(corners, from, to);
-    if (found >= 0.0) return Hit(t + found * (t_leave - t), cell, from + found * (to - from));
+    found = firstInterval(corners, from, to);
+    is_found = found.at_high > 0.0;
+    if (is_found) break;
     t = t_leave;
     if (t < t_end) cell = cellAt(ray, t, cell, cell);
   }
-  return Hit(kInfinity, ivec3(0), vec3(0));
+  if (!is_found) return Hit(kInfinity, ivec3(0), vec3(0));
+  const float root = rootIn(found, corners, from, to);
+  return Hit(t + root * (t_leave - t), cell, from + root * (to - from));
 }
 
 struct Span {

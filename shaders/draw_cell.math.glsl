@@ -58,31 +58,51 @@ PALPATE_TEXT CellExtrema cellExtrema(PALPATE_IN_ARRAY(float, c, 8), vec3 p, vec3
   return extrema;
 }
 
-// The fraction of the way from `from` to `to` at which the density first exceeds the isovalue, or -1. `c`: scaled
-// corners. Where the way begins in the object, that is 0. Source: the intervals between extrema are Marmitt et al.
-// 2004, "Fast and Accurate Ray-Voxel Intersection Techniques for Iso-Surface Ray Tracing"; the search within an interval
-// is the Illinois method.
-PALPATE_TEXT float firstInside(PALPATE_IN_ARRAY(float, c, 8), vec3 from, vec3 to) {
-  float low = 0.0f, high = 1.0f;
-  float at_low = cellDensity(c, from), at_high = cellDensity(c, to);
-  if (at_low > 0.0f) return 0.0f;
+// Fractions of the way from `from` to `to` between which the density first exceeds the isovalue, and the densities
+// there. Nothing is found where `at_high` is not above 0.
+struct CellInterval {
+  float low, high;
+  float at_low, at_high;
+};
+// `c`: scaled corners. Source: Marmitt et al. 2004, "Fast and Accurate Ray-Voxel Intersection Techniques for Iso-Surface
+// Ray Tracing".
+PALPATE_TEXT CellInterval firstInterval(PALPATE_IN_ARRAY(float, c, 8), vec3 from, vec3 to) {
   const vec3 way = to - from;
+  CellInterval found;
+  found.low = 0.0f;
+  found.high = 1.0f;
+  found.at_low = cellDensity(c, from);
+  found.at_high = cellDensity(c, to);
+  if (found.at_low > 0.0f) {  // the way begins in the object
+    found.high = 0.0f;
+    found.at_high = found.at_low;
+    found.at_low = -1.0f;
+    return found;
+  }
   const CellExtrema extrema = cellExtrema(c, from, way);
   const float at_first = cellDensity(c, from + way * extrema.first);
   const float at_second = cellDensity(c, from + way * extrema.second);
   if (at_first > 0.0f) {
-    high = extrema.first;
-    at_high = at_first;
+    found.high = extrema.first;
+    found.at_high = at_first;
   } else if (at_second > 0.0f) {
-    low = extrema.first;
-    at_low = at_first;
-    high = extrema.second;
-    at_high = at_second;
+    found.low = extrema.first;
+    found.at_low = at_first;
+    found.high = extrema.second;
+    found.at_high = at_second;
   } else {
-    low = extrema.second;
-    at_low = at_second;
+    found.low = extrema.second;
+    found.at_low = at_second;
   }
-  if (!(at_high > 0.0f)) return -1.0f;
+  return found;
+}
+
+// The fraction of the way at which the density first exceeds the isovalue. `within`: where something was found. By
+// the Illinois method.
+PALPATE_TEXT float rootIn(CellInterval within, PALPATE_IN_ARRAY(float, c, 8), vec3 from, vec3 to) {
+  float low = within.low, high = within.high;
+  float at_low = within.at_low, at_high = within.at_high;
+  const vec3 way = to - from;
   float kept = 0.0f;  // the end that stayed last time: 1 high, -1 low
   for (int i = 0; i < DRAW_ROOT_STEPS; ++i) {
     const float middle = clamp(high - at_high * (high - low) / (at_high - at_low), low, high);

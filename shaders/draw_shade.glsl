@@ -13,22 +13,60 @@ struct Frame {
   vec3 spacing_m;
 };
 
+// Densities at the corners of a cell, in the order x + 2 y + 4 z. Most cells lie in one brick, whose page is read once.
+void cornersOf(uvec3 cell, out float corners[8]) {
+  const uint first = brickIndex(cell / BRICK_EDGE);
+  const BrickPage page = pages[first];
+  [[unroll]] for (int i = 0; i < 8; ++i) {
+    const uvec3 voxel = cell + uvec3(i & 1, i >> 1 & 1, i >> 2);
+    const uint index = brickIndex(voxel / BRICK_EDGE);
+    BrickPage its = page;
+    if (index != first) its = pages[index];
+    corners[i] = pageDensity(its, voxel);
+  }
+}
+
 // Trilinear density at a point [voxel], clamped to the domain.
 float trilinear(vec3 p) {
   const vec3 last = vec3(domainSize() - 1);
   const vec3 q = clamp(p, vec3(0), last);
   const uvec3 cell = uvec3(min(floor(q), last - 1));
-  const vec3 f = q - vec3(cell);
   float c[8];
-  [[unroll]] for (int i = 0; i < 8; ++i) c[i] = densityAt(cell + uvec3(i & 1, i >> 1 & 1, i >> 2));
-  return cellDensity(c, f);
+  cornersOf(cell, c);
+  return cellDensity(c, q - vec3(cell));
 }
-
-float clampedDensity(ivec3 voxel) { return densityAt(uvec3(clamp(voxel, ivec3(0), ivec3(domainSize()) - 1))); }
 
 // Central differences at the eight corners of the cell, interpolated: continuous across cells. Along the lattice's axes,
 // over the smallest of the three spacings: of halves, so that it is finite for all densities but the largest.
+//
+// They need the 4x4x4 voxels around the cell but for the outer edges. These lie in two bricks along each axis at most.
 vec3 smoothGradient(ivec3 cell, vec3 place, vec3 spacing_m) {
+  const ivec3 last = ivec3(domainSize()) - 1;
+  const uvec3 first_brick = uvec3(max(cell - 1, 0)) / BRICK_EDGE, end_brick = uvec3(min(cell + 2, last)) / BRICK_EDGE;
+  BrickPage around[8];
+  [[unroll]] for (int b = 0; b < 8; ++b)
+    around[b] = pages[brickIndex(mix(first_brick, end_brick, bvec3(b & 1, b & 2, b & 4)))];
+  float v[64];
+  [[unroll]] for (int n = 0; n < 64; ++n) {
+    const ivec3 at = ivec3(n & 3, n >> 2 & 3, n >> 4);
+    const ivec3 outer = ivec3(equal(at & 1, at >> 1));  // 0 or 3
+    if (outer.x + outer.y + outer.z > 1) continue;
+    const uvec3 voxel = uvec3(clamp(cell - 1 + at, ivec3(0), last));
+    const bvec3 in_end = equal(voxel / BRICK_EDGE, end_brick);
+    BrickPage along_x[4], along_y[2];
+    [[unroll]] for (int b = 0; b < 4; ++b) {
+      along_x[b].slot = in_end.x ? around[2 * b + 1].slot : around[2 * b].slot;
+      along_x[b].constant = in_end.x ? around[2 * b + 1].constant : around[2 * b].constant;
+    }
+    [[unroll]] for (int b = 0; b < 2; ++b) {
+      along_y[b].slot = in_end.y ? along_x[2 * b + 1].slot : along_x[2 * b].slot;
+      along_y[b].constant = in_end.y ? along_x[2 * b + 1].constant : along_x[2 * b].constant;
+    }
+    BrickPage page;
+    page.slot = in_end.z ? along_y[1].slot : along_y[0].slot;
+    page.constant = in_end.z ? along_y[1].constant : along_y[0].constant;
+    v[n] = pageDensity(page, voxel);
+  }
   vec3 sum = vec3(0);
   [[unroll]] for (int i = 0; i < 4; ++i) {
     const ivec2 d = ivec2(i & 1, i >> 1);
@@ -36,13 +74,9 @@ vec3 smoothGradient(ivec3 cell, vec3 place, vec3 spacing_m) {
     const vec3 b = d.y == 1 ? place : 1.0 - place;  // and of the second
     // Along an axis: from the cell's corner before it to the one after it, at both ends of the cell.
     [[unroll]] for (int axis = 0; axis < 3; ++axis) {
-      ivec3 at = cell;
-      at[(axis + 1) % 3] += d.x;
-      at[(axis + 2) % 3] += d.y;
-      ivec3 unit = ivec3(0);
-      unit[axis] = 1;
-      const float at_low = 0.5 * clampedDensity(at + unit) - 0.5 * clampedDensity(at - unit);
-      const float at_high = 0.5 * clampedDensity(at + 2 * unit) - 0.5 * clampedDensity(at);
+      const int step = 1 << 2 * axis, corner = ((1 + d.x) << 2 * ((axis + 1) % 3)) + ((1 + d.y) << 2 * ((axis + 2) % 3));
+      const float at_low = 0.5 * v[corner + 2 * step] - 0.5 * v[corner];
+      const float at_high = 0.5 * v[corner + 3 * step] - 0.5 * v[corner + step];
       sum[axis] += a[(axis + 1) % 3] * b[(axis + 2) % 3] * mix(at_low, at_high, place[axis]);
     }
   }

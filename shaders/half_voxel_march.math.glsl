@@ -1,16 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 // shaders/half_voxel_march.math.glsl: trilinear density and its smooth gradient, and the shading.
 
+// As densities were read then: four at a time.
+float quadDensityAt(uvec3 voxel) {
+  const BrickPage page = pages[brickIndex(voxel / BRICK_EDGE)];
+  if (page.slot == NO_SLOT) return page.constant;
+  const uvec3 in_brick = voxel % BRICK_EDGE;
+  const uint quad = (in_brick.z * BRICK_EDGE + in_brick.y) * 2 + in_brick.x / 4;
+  return slabQuad(page.slot, quad)[in_brick.x % 4];
+}
+
 // Trilinear density at a point in voxels, clamped to the domain.
 float trilinear(vec3 p) {
   const vec3 last = vec3(domainSize() - 1);
   const vec3 q = clamp(p, vec3(0), last);
   const uvec3 cell = uvec3(min(floor(q), last - 1));
   const vec3 f = q - vec3(cell);
-  const float c00 = mix(densityAt(cell), densityAt(cell + uvec3(1, 0, 0)), f.x);
-  const float c10 = mix(densityAt(cell + uvec3(0, 1, 0)), densityAt(cell + uvec3(1, 1, 0)), f.x);
-  const float c01 = mix(densityAt(cell + uvec3(0, 0, 1)), densityAt(cell + uvec3(1, 0, 1)), f.x);
-  const float c11 = mix(densityAt(cell + uvec3(0, 1, 1)), densityAt(cell + uvec3(1, 1, 1)), f.x);
+  const float c00 = mix(quadDensityAt(cell), quadDensityAt(cell + uvec3(1, 0, 0)), f.x);
+  const float c10 = mix(quadDensityAt(cell + uvec3(0, 1, 0)), quadDensityAt(cell + uvec3(1, 1, 0)), f.x);
+  const float c01 = mix(quadDensityAt(cell + uvec3(0, 0, 1)), quadDensityAt(cell + uvec3(1, 0, 1)), f.x);
+  const float c11 = mix(quadDensityAt(cell + uvec3(0, 1, 1)), quadDensityAt(cell + uvec3(1, 1, 1)), f.x);
   return mix(mix(c00, c10, f.y), mix(c01, c11, f.y), f.z);
 }
 

@@ -6,7 +6,9 @@
 #include <filesystem>
 #include <limits>
 #include <memory>
+#include <numeric>
 #include <optional>
+#include <thread>
 
 #include <fmt/format.h>
 
@@ -17,6 +19,7 @@
 #include "apps/bench/log_chart.hpp"
 #include "apps/bench/random.hpp"
 #include "apps/console/interrupt.hpp"
+#include "apps/rivals/rivals.hpp"
 #include "base/error.hpp"
 #include "base/quantile.hpp"
 #include "base/stopwatch.hpp"
@@ -30,8 +33,15 @@ namespace {
 constexpr const char* kRenderBench = "palpate bench render";
 constexpr const char* kOurs = "cell tree";
 constexpr const char* kBefore = "half-voxel steps";
-constexpr double kMostOfBefore = 0.4;  // of the time of the kernel before
+constexpr double kMostOfOthers = 0.4;  // of the time of the kernel before, and of other libraries
+// At 256 voxels along an edge. What a surface bends within a voxel, and with it the error in voxels, falls with the
+// size.
 constexpr double kMostMedianError_voxel = 0.01;
+constexpr double kSizeOfThat = 256;
+
+std::string nameOf(const std::string& phantom, int size) {
+  return fmt::format("{} {}^3", phantom, size);
+}
 
 struct RenderRow {
   std::string volume;
@@ -40,8 +50,8 @@ struct RenderRow {
   std::int64_t pixels, repetitions;
   double hit_share;  // of the pixels
   Percentiles us_a_pixel;
-  double over_before;                 // ratio of the medians
-  std::optional<DepthErrors> errors;  // where the surface is known
+  double ours_over_this;              // ratio of the medians
+  std::optional<DepthErrors> errors;  // where the surface is known, and the kernel finds depths
   std::int64_t seed;
 };
 
@@ -59,7 +69,7 @@ const Columns<RenderRow>& renderColumns() {
       {"repetitions", &RenderRow::repetitions},
       {"time_median_us_a_pixel", [](const RenderRow& row) { return row.us_a_pixel.p50; }, {"time", "us/pixel", 3}},
       {"time_max_us_a_pixel", [](const RenderRow& row) { return row.us_a_pixel.max; }, {"max", "us/pixel", 3}},
-      {"time_over_before", &RenderRow::over_before, {"ratio", "-", 2}},
+      {"palpate_over_this", &RenderRow::ours_over_this, {"Palpate/this", "-", 2}},
       {"error_median_voxel",
        [](const RenderRow& row) { return errorOf(row, &Percentiles::p50); },
        {"error", "voxel", 4}},
@@ -81,6 +91,16 @@ double hitShare(const RenderedImage& image) {
   return static_cast<double>(hits) / static_cast<double>(image.distance_m.size());
 }
 
+// The camera as a field sees it whose axes are those of the world (mirrored, where they are left-handed).
+Camera inFieldFrame(Camera camera, const Lattice& lattice) {
+  const auto turned = [&](const Vec3& v_W) -> Vec3 { return lattice.R_WL.transpose() * v_W; };
+  camera.position_W = turned(camera.position_W - lattice.toWorld(Vec3::Zero()));
+  camera.forward_W = turned(camera.forward_W);
+  camera.right_W = turned(camera.right_W);
+  camera.up_W = turned(camera.up_W);
+  return camera;
+}
+
 class RenderBench {
  public:
   RenderBench(const RenderBenchRequest& request, Progress& progress)
@@ -88,7 +108,14 @@ class RenderBench {
         progress_(progress),
         gpu_(gpu::GpuRequest{.name = request.gpu}),
         transfer_(gpu_),
-        result_(beginBench("render", gpu_.info().name)) {}
+        threads_(std::max(1U, std::thread::hardware_concurrency())),
+        python_(threads_, request.python),
+        result_(beginBench("render", gpu_.info().name)) {
+    for (const MissingRival& missing : python_.missing()) {
+      if (missing.library.starts_with("VTK"))
+        result_.note(fmt::format("no comparison with {}: {}", missing.library, missing.why));
+    }
+  }
 
   // `phantom`: null where the exact surface is not known.
   void measure(const std::string& name, const Volume& volume, double isovalue, const Phantom* phantom) {
@@ -98,6 +125,10 @@ class RenderBench {
     bounds.run();
     Drawing drawing(gpu_, transfer_, pool, bounds);
     HalfVoxelMarch before(gpu_, transfer_, pool, bounds);
+    const std::vector<float> dense = volume.toDense();
+    const RivalField field{volume.size(), volume.lattice().spacing_m, dense};
+    const OpenVdbRivals openvdb(field, threads_);
+    if (const auto why = python_.load(field)) result_.note(fmt::format("no comparison with VTK: {}", *why));
     Random random(request_.seed);
     const Vec3 extent = volume.size().cast<double>().cwiseProduct(volume.lattice().spacing_m);
     const Vec3 middle_W = volume.lattice().toWorld((volume.size().cast<double>().array() - 1) / 2);
@@ -106,16 +137,21 @@ class RenderBench {
       const Vec3 from(random.uniform() - 0.5, random.uniform() - 0.5, 0.7 * random.uniform() - 0.35);
       const Camera camera = lookAt(middle_W, from.normalized(), 2 * extent.maxCoeff(), Vec3::UnitZ(), request_.width,
                                    request_.height, 0.5);
-      measureView(name, view, camera, isovalue, drawing, before, phantom);
+      const RivalView seen{inFieldFrame(camera, volume.lattice()), isovalue};
+      std::vector<Rival> rivals = openvdb.picturesOf(seen);
+      for (Rival& rival : python_.rivalsOf("picture")) rivals.push_back(std::move(rival));
+      if (rivals.size() > 1) python_.see(seen);
+      measureView(name, view, camera, isovalue, drawing, before, rivals, phantom);
     }
   }
   BenchResult& result() { return result_; }
 
  private:
   void measureView(const std::string& name, int view, const Camera& camera, double isovalue, Drawing& drawing,
-                   HalfVoxelMarch& before, const Phantom* phantom) {
+                   HalfVoxelMarch& before, const std::vector<Rival>& rivals, const Phantom* phantom) {
     const double pixels = static_cast<double>(camera.width) * camera.height;
     std::vector<double> ours_us, before_us;
+    std::vector<std::vector<double>> rivals_us(rivals.size());
     const auto draw = [&] {
       throwIfInterrupted(kRenderBench);
       drawing.show(camera, isovalue);
@@ -132,64 +168,80 @@ class RenderBench {
     };
     draw();  // kernels compiled, trees made, speed known
     drawBefore();
+    std::vector<double> rivals_hit;
+    for (const Rival& rival : rivals) {
+      std::vector<float> covered;
+      static_cast<void>(rival.run(&covered));
+      rivals_hit.push_back(std::accumulate(covered.begin(), covered.end(), 0.0) / pixels);
+    }
     ours_us.clear();
     before_us.clear();
     for (int n = 0; n < request_.repetitions; ++n) {
       n % 2 == 0 ? draw() : drawBefore();
       n % 2 == 0 ? drawBefore() : draw();
+      for (std::size_t i = 0; i < rivals.size(); ++i) {
+        throwIfInterrupted(kRenderBench);
+        rivals_us[i].push_back(1e3 * rivals[i].run(nullptr).wall_ms / pixels);
+      }
     }
-    const auto add = [&](const char* kernel, const std::vector<double>& us, const RenderedImage& drawn) {
-      RenderRow row{name,
-                    view,
-                    kernel,
-                    static_cast<std::int64_t>(pixels),
-                    request_.repetitions,
-                    hitShare(drawn),
-                    percentiles(us),
-                    percentiles(us).p50 / percentiles(before_us).p50,
-                    std::nullopt,
-                    static_cast<std::int64_t>(request_.seed)};
-      if (phantom != nullptr) row.errors = depthErrors(drawn, camera, *phantom, 4);
-      addFigures(result_.rows.emplace_back(BenchRow{{"part", "picture"}}), renderColumns(), row);
+    const auto add = [&](const std::string& kernel, const std::vector<double>& us, double hit_share,
+                         const std::optional<DepthErrors>& errors) {
+      addFigures(
+          result_.rows.emplace_back(BenchRow{{"part", "picture"}}), renderColumns(),
+          {name, view, kernel, static_cast<std::int64_t>(pixels), request_.repetitions, hit_share, percentiles(us),
+           percentiles(ours_us).p50 / percentiles(us).p50, errors, static_cast<std::int64_t>(request_.seed)});
     };
-    add(kOurs, ours_us, drawing.image());
-    add(kBefore, before_us, before.image());
+    const auto addOwn = [&](const char* kernel, const std::vector<double>& us, const RenderedImage& drawn) {
+      std::optional<DepthErrors> errors;
+      if (phantom != nullptr) errors = depthErrors(drawn, camera, *phantom, 4);
+      add(kernel, us, hitShare(drawn), errors);
+    };
+    addOwn(kOurs, ours_us, drawing.image());
+    addOwn(kBefore, before_us, before.image());
+    for (std::size_t i = 0; i < rivals.size(); ++i)
+      add(rivals[i].library + " " + rivals[i].way, rivals_us[i], rivals_hit[i], std::nullopt);
   }
 
   const RenderBenchRequest& request_;
   Progress& progress_;
   gpu::Gpu gpu_;
   gpu::Transfer transfer_;
+  unsigned threads_;
+  PythonRivals python_;
   BenchResult result_;
 };
 
-void addTargets(BenchResult& result) {
-  promise(result, {.name = "time of a picture / of half-voxel steps, the largest of all volumes and views [-]",
-                   .bound = kMostOfBefore,
-                   .part = "picture",
-                   .like = {{"kernel", kOurs}},
-                   .keys = {"time_over_before"},
-                   .of = largestOf});
-  std::vector<std::string> volumes;
-  for (const BenchRow* row : rowsOf(result, "picture", {{"kernel", kOurs}})) {
-    if (std::isnan(figureOf(*row, "error_median_voxel"))) continue;
-    const std::string volume = textOf(*row, "volume");
-    if (std::find(volumes.begin(), volumes.end(), volume) == volumes.end()) volumes.push_back(volume);
+void addTargets(BenchResult& result, const RenderBenchRequest& request) {
+  std::vector<std::string> others;
+  for (const BenchRow* row : rowsOf(result, "picture")) {
+    const std::string kernel = textOf(*row, "kernel");
+    if (kernel != kOurs && std::find(others.begin(), others.end(), kernel) == others.end()) others.push_back(kernel);
   }
-  for (const std::string& volume : volumes) {
-    const BenchRow like = {{"kernel", kOurs}, {"volume", volume}};
-    promise(result, {.name = fmt::format("median error of depth, {} [voxel]", volume),
-                     .bound = kMostMedianError_voxel,
+  for (const std::string& other : others) {
+    promise(result, {.name = fmt::format("time of a picture / of {}, the largest of all volumes and views [-]", other),
+                     .bound = kMostOfOthers,
                      .part = "picture",
-                     .like = like,
-                     .keys = {"error_median_voxel"},
+                     .like = {{"kernel", other}},
+                     .keys = {"palpate_over_this"},
                      .of = largestOf});
-    promise(result, {.name = fmt::format("holes and false hits, {} [pixel]", volume),
-                     .bound = 0,
-                     .part = "picture",
-                     .like = like,
-                     .keys = {"holes", "false_hits"},
-                     .of = sumOf});
+  }
+  for (const int size : request.sizes) {
+    for (const std::string& phantom : request.phantoms) {
+      const std::string volume = nameOf(phantom, size);
+      const BenchRow like = {{"kernel", kOurs}, {"volume", volume}};
+      promise(result, {.name = fmt::format("median error of depth, {} [voxel]", volume),
+                       .bound = kMostMedianError_voxel * kSizeOfThat / size,
+                       .part = "picture",
+                       .like = like,
+                       .keys = {"error_median_voxel"},
+                       .of = largestOf});
+      promise(result, {.name = fmt::format("holes and false hits, {} [pixel]", volume),
+                       .bound = 0,
+                       .part = "picture",
+                       .like = like,
+                       .keys = {"holes", "false_hits"},
+                       .of = sumOf});
+    }
   }
 }
 
@@ -200,7 +252,7 @@ BenchResult runRenderBench(const RenderBenchRequest& request, Progress& progress
   for (const int size : request.sizes) {
     for (const std::string& kind : request.phantoms) {
       const auto phantom = makePhantom(fmt::format("phantom:{}?size={}", kind, size));
-      bench.measure(fmt::format("{} {}^3", kind, size), makeVolume(*phantom), phantom->isovalue(), phantom.get());
+      bench.measure(nameOf(kind, size), makeVolume(*phantom), phantom->isovalue(), phantom.get());
     }
   }
   const std::string head = headVolume();
@@ -209,7 +261,7 @@ BenchResult runRenderBench(const RenderBenchRequest& request, Progress& progress
     const Volume volume = loadVolume(head);
     bench.measure(std::filesystem::path(head).filename().string(), volume, defaultIsovalue(volume), nullptr);
   }
-  addTargets(bench.result());
+  addTargets(bench.result(), request);
   return bench.result();
 }
 

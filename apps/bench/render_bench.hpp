@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // apps/bench/render_bench.hpp: `palpate bench render`: what a picture of the isosurface costs and how true its depth
-// is, beside the kernel that stepped by half voxels (half_voxel_march.hpp).
+// is, beside the kernel that stepped by half voxels (half_voxel_march.hpp), OpenVDB's ray tracer and VTK's ray caster.
 //
-// Phantoms and a CT head, from several sides, both kernels in turns. On phantoms each depth is compared with the exact
-// distance along its ray. Rows by "part": "picture", one for each volume, view and kernel; "note". One thread. Throws
-// Error as Drawing does, and Error(kCancelled) on Ctrl-C.
+// Phantoms and a CT head, from several sides, all in turns. On phantoms each depth is compared with the exact distance
+// along its ray. Rows by "part": "picture", one for each volume, view and kernel; "note". One thread. Throws Error as
+// Drawing does, and Error(kCancelled) on Ctrl-C.
 #pragma once
 
 #include <string>
@@ -23,7 +23,8 @@ struct RenderBenchRequest {
   std::uint64_t seed = 1;  // of the views
   int views = 3;
   std::string gpu = {};
-  bool scan = true;  // the CT head too, where it is known
+  bool scan = true;                                        // the CT head too, where it is known
+  std::vector<std::string> python = {"/usr/bin/python3"};  // interpreter with VTK, and its options
 
   [[nodiscard]] static RenderBenchRequest quick() {
     return {.width = 320, .height = 240, .repetitions = 3, .views = 2};

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cmath>
 
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/Dense.h>
 #include <openvdb/tools/Filter.h>
 #include <openvdb/tools/GridOperators.h>
+#include <openvdb/tools/MeshToVolume.h>
+#include <openvdb/tools/RayTracer.h>
+#include <openvdb/tools/VolumeToMesh.h>
 #include <tbb/global_control.h>
 
 #include "apps/rivals/rivals.hpp"
@@ -16,7 +20,9 @@ struct OpenVdbRivals::State {
   RivalField field;
   unsigned threads = 1;
   openvdb::CoordBBox box{};
-  openvdb::FloatGrid::Ptr grid{};  // made on first use
+  openvdb::FloatGrid::Ptr grid{};       // made on first use
+  openvdb::FloatGrid::Ptr level_set{};  // likewise, of the isovalue:
+  double level_set_of = 0;
 };
 
 namespace {
@@ -83,6 +89,24 @@ Rival filter(const std::shared_ptr<State>& state, const std::string& way, const 
   });
 }
 
+// OpenVDB's ray tracer wants cubes, and distances in a narrow band.
+openvdb::FloatGrid::Ptr levelSetOf(const State& state, double isovalue) {
+  std::vector<openvdb::Vec3s> points;
+  std::vector<openvdb::Vec3I> triangles;
+  std::vector<openvdb::Vec4I> quads;
+  openvdb::tools::volumeToMesh(*state.grid, points, triangles, quads, isovalue);
+  // Density grows inwards, and a level set's values outwards.
+  for (openvdb::Vec3I& one : triangles) std::swap(one[0], one[2]);
+  for (openvdb::Vec4I& one : quads) std::swap(one[0], one[3]), std::swap(one[1], one[2]);
+  const double edge_mm = state.field.spacing_m.minCoeff() / kMetresPerMillimetre;
+  const auto cubes = openvdb::math::Transform::createLinearTransform(edge_mm);
+  return openvdb::tools::meshToLevelSet<openvdb::FloatGrid>(*cubes, points, triangles, quads);
+}
+
+openvdb::Vec3R asVdb(const Vec3& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
 }  // namespace
 
 OpenVdbRivals::OpenVdbRivals(const RivalField& field, unsigned threads)
@@ -103,6 +127,40 @@ std::vector<Rival> OpenVdbRivals::rivalsOf(const std::string& job) const {
   }
   if (job == "median:1") return {filter(state_, "Filter::median(1)", [](Filter& f) { f.median(1, 1); })};
   return {};
+}
+
+std::vector<Rival> OpenVdbRivals::picturesOf(const RivalView& view) const {
+  State& state = *state_;
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, state.threads);
+  if (!state.grid) state.grid = gridOf(state);
+  if (!state.level_set || state.level_set_of != view.isovalue) state.level_set = levelSetOf(state, view.isovalue);
+  state.level_set_of = view.isovalue;
+  return {
+      {"OpenVDB", "LevelSetRayTracer, of a level set made before", [state = state_, view](std::vector<float>* result) {
+         namespace tools = openvdb::tools;
+         const tbb::global_control all(tbb::global_control::max_allowed_parallelism, state->threads);
+         const Camera& from = view.camera;
+         tools::Film film(static_cast<std::size_t>(from.width), static_cast<std::size_t>(from.height));
+         constexpr double kFocalLength = 1;
+         const double high = 2 * std::tan(from.vertical_fov_rad / 2);
+         tools::PerspectiveCamera camera(film, openvdb::Vec3R(0), asVdb(from.position_W / kMetresPerMillimetre),
+                                         kFocalLength, high * from.width / from.height);
+         camera.lookAt(asVdb((from.position_W + from.forward_W) / kMetresPerMillimetre), asVdb(from.up_W));
+         const RunCost cost = costOf([&] {
+           const tools::DiffuseShader<> shader;
+           tools::LevelSetRayTracer tracer(*state->level_set, shader, camera);
+           tracer.render();
+         });
+         if (result == nullptr) return cost;
+         result->clear();
+         for (std::size_t y = 0; y < film.height(); ++y) {
+           for (std::size_t x = 0; x < film.width(); ++x) {
+             const auto& pixel = film.pixel(x, y);
+             result->push_back(pixel.r + pixel.g + pixel.b > 0 ? 1.0F : 0.0F);
+           }
+         }
+         return cost;
+       }}};
 }
 
 }  // namespace palpate

@@ -116,6 +116,16 @@ std::optional<std::string> PythonRivals::load(const RivalField& field) {
   }
 }
 
+void PythonRivals::see(const RivalView& view) {
+  const Camera& camera = view.camera;
+  const Vec3 at_mm = camera.position_W / kMetresPerMillimetre, forward = camera.forward_W, up = camera.up_W;
+  static_cast<void>(
+      state_->ask(fmt::format("see\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}", camera.width, camera.height,
+                              view.isovalue, at_mm.x(), at_mm.y(), at_mm.z(), forward.x(), forward.y(), forward.z(),
+                              up.x(), up.y(), up.z(), camera.vertical_fov_rad * kDegreesPerRadian),
+                  "ok"));
+}
+
 std::vector<Rival> PythonRivals::rivalsOf(const std::string& job) {
   std::vector<Rival> found;
   for (const auto& [of, rival] : state_->rivals) {

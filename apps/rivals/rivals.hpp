@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/rivals/rivals.hpp: filters and gradients of other libraries, ready to be timed on the same volume as Palpate's.
+// apps/rivals/rivals.hpp: filters, gradients and pictures of other libraries, ready to be timed on the same volume as
+// Palpate's.
 //
 // A job is named as for Palpate: "gaussian:1.5", "gradient central". A library that has a similar function offers one
 // or more rivals for the job; `way` says what each runs and how that differs. Other libraries offer none. One thread
@@ -13,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "base/camera.hpp"
 #include "base/vec.hpp"
 
 namespace palpate {
@@ -22,6 +24,13 @@ struct RivalField {
   Vec3i size = Vec3i::Zero();        // [voxel]
   Vec3 spacing_m = Vec3::Zero();     // [m]; libraries are given millimetres
   std::span<const float> densities;  // i fastest
+};
+
+// What pictures show: the job "picture". A result holds a number a pixel, rows from the top: 1 where the object is
+// seen, 0 beside it.
+struct RivalView {
+  Camera camera = {};   // in the field's own frame: axes along those of the voxels, the first voxel's centre at 0 [m]
+  double isovalue = 0;  // density
 };
 
 // The time of a run.
@@ -48,6 +57,9 @@ class OpenVdbRivals {
  public:
   OpenVdbRivals(const RivalField& field, unsigned threads);
   [[nodiscard]] std::vector<Rival> rivalsOf(const std::string& job) const;
+  // A picture of a level set of the isosurface, of which the cells are cubes with the field's shortest edge. It is made
+  // once for each isovalue, unmeasured.
+  [[nodiscard]] std::vector<Rival> picturesOf(const RivalView& view) const;
 
   struct State;
 
@@ -74,6 +86,8 @@ class PythonRivals {
   // rivals any more: TMPDIR has no room for the volume, or the child had no memory for it and ended. Throws
   // Error(kCancelled) on Ctrl-C.
   [[nodiscard]] std::optional<std::string> load(const RivalField& field);
+  // What pictures show from now on. Throws Error.
+  void see(const RivalView& view);
   // The rivals may be run while this object lives, on the volume loaded last.
   [[nodiscard]] std::vector<Rival> rivalsOf(const std::string& job);
 

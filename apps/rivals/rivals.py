@@ -4,6 +4,9 @@
 A line in, a line out, words parted by tabs:
   threads N                        first line in. Out: "rival LIBRARY JOB WAY" and "missing LIBRARY WHY" lines, "ready"
   load FILE NX NY NZ HX HY HZ      raw floats, i fastest; spacing in mm. Out: "ok"
+  see WIDTH HEIGHT ISOVALUE X Y Z FX FY FZ UX UY UZ FOV
+                                   of pictures: where the camera is [mm], its directions forward and up, the angle between
+                                   the upper and the lower edge [degree]. Out: "ok"
   run LIBRARY JOB WAY [FILE]       Out: "cost WALL_MS CPU_MS"; FILE gets the result as raw floats
 "error WORDS" where something failed. Ends when its input does.
 """
@@ -27,6 +30,7 @@ os.environ["VTK_SMP_MAX_THREADS"] = str(threads)
 rivals = {}  # (library, job, way) -> function of the volume; its result is an array, i fastest
 volume = None  # numpy array [k, j, i]
 spacing = (1.0, 1.0, 1.0)
+view = None  # numbers of "see"
 
 
 def rival(library, job, way):
@@ -128,6 +132,90 @@ def offer_vtk():
             (vtkImageContinuousErode3D, kernel))
     filters("diffuse:5:kappa=200", "vtkImageAnisotropicDiffusion3D, 5 iterations, all neighbours",
             (vtkImageAnisotropicDiffusion3D, diffuse))
+    offer_vtk_picture()
+
+
+# Front to back through 16-bit values, opaque from the isovalue on. The window that VTK wants is never seen.
+def offer_vtk_picture():
+    if "DISPLAY" not in os.environ:
+        say("missing", "VTK's ray caster", "there is no display: run the bench with xvfb-run -a")
+        return
+    import numpy
+    import vtkmodules.vtkRenderingOpenGL2
+    import vtkmodules.vtkRenderingVolumeOpenGL2
+    from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+    from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPiecewiseFunction
+    from vtkmodules.vtkRenderingCore import (vtkColorTransferFunction, vtkRenderer, vtkRenderWindow, vtkVolume,
+                                             vtkVolumeProperty, vtkWindowToImageFilter)
+    from vtkmodules.vtkRenderingVolume import vtkFixedPointVolumeRayCastMapper
+
+    made = {}
+
+    def scene():
+        if made.get("of") is volume:
+            return made
+        least, most = float(volume.min()), float(volume.max())
+        made.update({"of": volume, "least": least, "scale": 65535 / max(most - least, 1e-30)})
+        made["words"] = numpy.round((volume - least) * made["scale"]).astype(numpy.uint16)
+        image = vtkImageData()
+        image.SetDimensions(*reversed(volume.shape))
+        image.SetSpacing(*spacing)
+        image.GetPointData().SetScalars(numpy_to_vtk(made["words"].reshape(-1)))
+        caster = vtkFixedPointVolumeRayCastMapper()
+        caster.SetInputData(image)
+        caster.SetNumberOfThreads(threads)
+        caster.AutoAdjustSampleDistancesOff()
+        caster.SetImageSampleDistance(1)
+        caster.SetSampleDistance(0.5 * min(spacing))
+        white = vtkColorTransferFunction()
+        white.AddRGBPoint(0, 1, 1, 1)
+        look = vtkVolumeProperty()
+        look.SetColor(white)
+        look.ShadeOn()
+        look.SetAmbient(0.2)
+        look.SetInterpolationTypeToLinear()
+        look.SetScalarOpacityUnitDistance(1e-3 * min(spacing))
+        shown = vtkVolume()
+        shown.SetMapper(caster)
+        shown.SetProperty(look)
+        renderer = vtkRenderer()
+        renderer.AddVolume(shown)
+        window = vtkRenderWindow()
+        window.SetOffScreenRendering(1)
+        window.AddRenderer(renderer)
+        made.update({"caster": caster, "look": look, "renderer": renderer, "window": window})
+        return made
+
+    def work():
+        now = scene()
+        width, height, isovalue = int(view[0]), int(view[1]), view[2]
+        at, forward, up = (numpy.array(view[n:n + 3]) for n in (3, 6, 9))
+        word = (isovalue - now["least"]) * now["scale"]
+        opaque = vtkPiecewiseFunction()
+        opaque.AddPoint(word, 0)
+        opaque.AddPoint(word + 1, 1)
+        now["look"].SetScalarOpacity(opaque)
+        camera = now["renderer"].GetActiveCamera()
+        camera.SetPosition(*at)
+        camera.SetFocalPoint(*(at + forward))
+        camera.SetViewUp(*up)
+        camera.SetViewAngle(view[12])
+        now["renderer"].ResetCameraClippingRange()
+        now["window"].SetSize(width, height)
+        now["caster"].Modified()
+        now["window"].Render()
+        return now["window"]
+
+    def covered(window):
+        grab = vtkWindowToImageFilter()
+        grab.SetInput(window)
+        grab.Update()
+        pixels = vtk_to_numpy(grab.GetOutput().GetPointData().GetScalars())
+        rows = (pixels.max(axis=1) > 0).reshape(int(view[1]), int(view[0]))
+        return rows[::-1]  # VTK's first row is the lowest
+
+    work.array = covered
+    rival("VTK", "picture", "vtkFixedPointVolumeRayCastMapper, 16 bits, steps of half a voxel")(work)
 
 
 def load(path, *numbers):
@@ -137,6 +225,12 @@ def load(path, *numbers):
     size = [int(n) for n in numbers[:3]]
     spacing = tuple(float(h) for h in numbers[3:])
     volume = numpy.fromfile(path, numpy.float32).reshape(size[::-1])
+    say("ok")
+
+
+def see(*numbers):
+    global view
+    view = [float(n) for n in numbers]
     say("ok")
 
 
@@ -166,6 +260,6 @@ say("ready")
 for line in sys.stdin:
     words = line.rstrip("\n").split("\t")
     try:
-        {"load": load, "run": run}[words[0]](*words[1:])
+        {"load": load, "see": see, "run": run}[words[0]](*words[1:])
     except Exception as trouble:  # one rival's failure is not the others'
         say("error", repr(trouble))

@@ -21,6 +21,8 @@ namespace {
 
 constexpr std::size_t kSlots = 2;  // frames that the processor may be ahead of the display
 constexpr std::uint64_t kLongest_ns = 10'000'000'000;
+constexpr std::uint64_t kMoment_ns = 100'000'000;  // what a display may make wait that shows nothing of a hidden window
+constexpr int kTries = 3;                          // to get an image of a window that changes
 constexpr vk::Format kFormats[] = {vk::Format::eB8G8R8A8Unorm, vk::Format::eR8G8B8A8Unorm};
 // Copies into the window's image come between its hand-over and the panels.
 constexpr vk::ImageUsageFlags kUsage = vk::ImageUsageFlagBits::eColorAttachment | vk::ImageUsageFlagBits::eTransferDst |
@@ -74,6 +76,7 @@ struct Presenter::State {
   State(GLFWwindow* of, const std::string& gpu);
   ~State();
 
+  void makeSurface();
   void makeRenderPass();
   void makeSwapchain();
   void startImGui();
@@ -104,6 +107,7 @@ struct Presenter::State {
   std::array<Slot, kSlots> slots;
   std::size_t next_slot = 0;
   bool stale = true;  // the swapchain does not fit the window any more
+  bool lost = false;  // nor does the surface
   bool has_imgui = false;
 };
 
@@ -115,11 +119,7 @@ Presenter::State::State(GLFWwindow* of, const std::string& gpu) : window(of) {
   instance = {context, vk::InstanceCreateInfo{.pApplicationInfo = &application,
                                               .enabledExtensionCount = count,
                                               .ppEnabledExtensionNames = extensions}};
-  VkSurfaceKHR made = VK_NULL_HANDLE;
-  if (const VkResult result = glfwCreateWindowSurface(*instance, window, nullptr, &made); result != VK_SUCCESS)
-    fail("Vulkan cannot show in it", vk::to_string(static_cast<vk::Result>(result)));
-  surface = {instance, made};
-
+  makeSurface();
   std::string asked;
   for (const vk::raii::PhysicalDevice& candidate : vk::raii::PhysicalDevices(instance)) {
     const auto found = familyFor(candidate, surface);
@@ -173,6 +173,13 @@ Presenter::State::~State() {
   if (has_imgui) ImGui_ImplVulkan_Shutdown();
 }
 
+void Presenter::State::makeSurface() {
+  VkSurfaceKHR made = VK_NULL_HANDLE;
+  if (const VkResult result = glfwCreateWindowSurface(*instance, window, nullptr, &made); result != VK_SUCCESS)
+    fail("Vulkan cannot show in it", vk::to_string(static_cast<vk::Result>(result)));
+  surface = {instance, made};
+}
+
 void Presenter::State::makeRenderPass() {
   const vk::AttachmentDescription colour{.format = format.format,
                                          .samples = vk::SampleCountFlagBits::e1,
@@ -201,22 +208,25 @@ void Presenter::State::makeRenderPass() {
                                            .pDependencies = &after_copy}};
 }
 
-// Leaves no swapchain where the window has no pixels.
 void Presenter::State::makeSwapchain() {
   device.waitIdle();
-  int width = 0, height = 0;
-  glfwGetFramebufferSize(window, &width, &height);
+  shown.clear();
+  if (lost) {
+    swapchain = nullptr;  // goes before its surface
+    surface = nullptr;
+    makeSurface();
+    if (physical.getSurfaceSupportKHR(family, *surface) != VK_TRUE)
+      fail("its new surface cannot be shown", "the device's queue is for another display");
+    lost = false;
+  }
   const vk::SurfaceCapabilitiesKHR able = physical.getSurfaceCapabilitiesKHR(*surface);
   extent = able.currentExtent;
   if (extent.width == std::numeric_limits<std::uint32_t>::max()) {  // the window takes the size that it is given
+    int width = 0, height = 0;
+    glfwGetFramebufferSize(window, &width, &height);
     extent.width = std::clamp(static_cast<std::uint32_t>(width), able.minImageExtent.width, able.maxImageExtent.width);
     extent.height =
         std::clamp(static_cast<std::uint32_t>(height), able.minImageExtent.height, able.maxImageExtent.height);
-  }
-  shown.clear();
-  if (width == 0 || height == 0 || extent.width == 0 || extent.height == 0) {
-    swapchain = nullptr;
-    return;
   }
   if ((able.supportedUsageFlags & kUsage) != kUsage)
     fail("nothing can be copied into it", "its images are for drawing only");
@@ -321,19 +331,22 @@ void Presenter::State::fill(HostBuffer& buffer, const PlacedPicture& picture, co
   }
 }
 
+// Empty: the window takes no frame now.
 std::optional<std::uint32_t> Presenter::State::acquire(Slot& slot) {
-  for (int tries = 0; tries < 3; ++tries) {
-    if (stale) makeSwapchain();
-    if (*swapchain == vk::SwapchainKHR{}) return std::nullopt;
+  for (int tries = 0; tries < kTries; ++tries) {
     try {
-      const auto [result, image] = swapchain.acquireNextImage(kLongest_ns, *slot.acquired);
-      if (result == vk::Result::eTimeout) fail("the display takes no frame", "10 s have passed");
+      if (stale || lost) makeSwapchain();
+      const auto [result, image] = swapchain.acquireNextImage(kMoment_ns, *slot.acquired);
+      if (result == vk::Result::eTimeout) return std::nullopt;
       stale = result == vk::Result::eSuboptimalKHR;  // this frame is still shown
       return image;
     } catch (const vk::OutOfDateKHRError&) {
       stale = true;
+    } catch (const vk::SurfaceLostKHRError&) {
+      lost = true;
     }
   }
+  if (lost) fail("its surface is lost", "so were new ones");
   return std::nullopt;  // it is being resized: the next frame comes
 }
 
@@ -432,6 +445,8 @@ bool Presenter::State::present(const float (&background)[3], const PlacedPicture
     if (result == vk::Result::eSuboptimalKHR) stale = true;
   } catch (const vk::OutOfDateKHRError&) {
     stale = true;
+  } catch (const vk::SurfaceLostKHRError&) {
+    lost = true;
   }
   if (captured != nullptr && device.waitForFences(*slot.done, VK_TRUE, kLongest_ns) != vk::Result::eSuccess)
     fail("the device does not finish a frame", "10 s have passed");

@@ -37,8 +37,8 @@ class Presenter {
   [[nodiscard]] const std::string& device() const noexcept;
 
   // Shows one frame: the background in this colour (0 to 1), also where the picture shows nothing, and the panels.
-  // Returns false, and shows nothing, while the window has no pixels. Waits for the display where it is slower. Throws
-  // Error(kDevice).
+  // Returns false, and shows nothing, while the window takes no frames (it is hidden or being resized). Waits for the
+  // display where it is slower. A surface that is lost is made anew. Throws Error(kDevice).
   bool present(const float (&background)[3], const PlacedPicture& picture, ImDrawData* panels);
   // Like present(), and returns what is shown.
   [[nodiscard]] std::optional<RenderedImage> capture(const float (&background)[3], const PlacedPicture& picture,

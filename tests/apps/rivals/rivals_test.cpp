@@ -214,6 +214,45 @@ TEST(RunCost, IsTheTimeOfTheClockAndOfTheProcessors) {
   EXPECT_LE(cost.cpu_ms, now_ms(CLOCK_PROCESS_CPUTIME_ID) - cpu_ms + 10);
 }
 
+// A ball of 7 mm in the middle. A pixel whose ray passes its rim closer than the longest voxel edge is not asked.
+TEST_F(Rivals, DrawABall) {
+  const Vec3 spacing_mm(1, 1, 2), middle_mm = Vec3(11, 10, 8.5).cwiseProduct(spacing_mm);
+  constexpr double kRadius_mm = 7;
+  for (int k = 0; k < size_.z(); ++k) {
+    for (int j = 0; j < size_.y(); ++j) {
+      for (int i = 0; i < size_.x(); ++i) {
+        const double from_middle = (Vec3(i, j, k).cwiseProduct(spacing_mm) - middle_mm).norm();
+        densities_[indexOf(i, j, k)] = static_cast<float>(100 + 10 * (kRadius_mm - from_middle));
+      }
+    }
+  }
+  // Off the middle and unlike in x and y, so that a mirrored or turned picture differs.
+  const Vec3 from = Vec3(0.5, -0.8, 0.3).normalized();
+  const RivalView view{lookAt(1e-3 * (middle_mm + Vec3(3, 2, 3)), from, 0.06, Vec3::UnitZ(), 80, 60, 0.6), 100};
+  all("none");
+  std::vector<Rival> rivals = openvdb_->picturesOf(view);
+  ASSERT_EQ(rivals.size(), 1U);
+  for (Rival& rival : python_.rivalsOf("picture")) rivals.push_back(std::move(rival));
+  if (rivals.size() > 1) python_.see(view);
+  for (const Rival& rival : rivals) {
+    std::vector<float> covered;
+    EXPECT_GT(rival.run(&covered).wall_ms, 0);
+    ASSERT_EQ(covered.size(), std::size_t{80 * 60}) << rival.way;
+    int wrong = 0, asked = 0;
+    for (int y = 0; y < 60; ++y) {
+      for (int x = 0; x < 80; ++x) {
+        const Vec3 ray = view.camera.rayThrough(x + 0.5, y + 0.5);
+        const double passes_mm = 1e3 * (1e-3 * middle_mm - view.camera.position_W).cross(ray).norm();
+        if (std::abs(passes_mm - kRadius_mm) < 2) continue;
+        ++asked;
+        wrong += (covered[static_cast<std::size_t>(80 * y + x)] > 0) != (passes_mm < kRadius_mm);
+      }
+    }
+    EXPECT_EQ(wrong, 0) << rival.library;
+    EXPECT_GT(asked, 3000);
+  }
+}
+
 TEST_F(Rivals, RunWhatTheyOfferBesides) {
   for (const char* job : {"diffuse:5:kappa=200", "bilateral:1:range=200", "gradient sobel", "gradient gaussian:1.5"}) {
     for (const Rival& rival : all(job)) EXPECT_GT(rival.run(nullptr).wall_ms, 0) << rival.library << " " << rival.way;

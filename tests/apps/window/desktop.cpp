@@ -32,6 +32,12 @@ pid_t start(const std::vector<std::string>& words, const std::function<void()>& 
   _exit(127);
 }
 
+// For start(): complaints go nowhere.
+void quietly() {
+  const int nowhere = open("/dev/null", O_WRONLY);
+  dup2(nowhere, 2);
+}
+
 bool isThere(const std::string& program) {
   return std::system(("command -v " + program + " >/dev/null 2>&1").c_str()) == 0;
 }
@@ -74,7 +80,7 @@ bool waitUntil(const std::function<bool()>& done) {
 }
 
 std::string Desktop::missing() {
-  for (const char* program : {"Xvfb", "xdotool"}) {
+  for (const char* program : {"Xvfb", "xdotool", "twm"}) {
     if (!isThere(program)) return fmt::format("{} is not installed", program);
   }
   return {};
@@ -86,10 +92,7 @@ Desktop::Desktop(int width, int height) {
   server_ =
       start({"Xvfb", "-displayfd", std::to_string(numbers[1]), "-screen", "0", fmt::format("{}x{}x24", width, height),
              "-fbdir", folder_.path().string(), "-nolisten", "tcp", "-noreset"},
-            [] {
-              const int nowhere = open("/dev/null", O_WRONLY);
-              dup2(nowhere, 2);
-            });
+            quietly);
   close(numbers[1]);
   char byte = 0;
   while (read(numbers[0], &byte, 1) == 1 && byte != '\n') display_ += byte;
@@ -99,8 +102,25 @@ Desktop::Desktop(int width, int height) {
 }
 
 Desktop::~Desktop() {
-  kill(server_, SIGTERM);
-  waitpid(server_, nullptr, 0);
+  for (const pid_t one : {manager_, server_}) {
+    if (one == -1) continue;
+    kill(one, SIGTERM);
+    waitpid(one, nullptr, 0);
+  }
+}
+
+// Windows lie where they lay, without frames.
+void Desktop::manageWindows() {
+  const std::filesystem::path file = folder_.path() / "twmrc";
+  std::ofstream out(file);
+  out << "RandomPlacement\nNoTitle\nBorderWidth 0\nNoGrabServer\n";
+  for (const char* font : {"TitleFont", "MenuFont", "IconFont", "ResizeFont", "IconManagerFont"})
+    out << font << " \"fixed\"\n";  // a font that every X server has
+  out.close();
+  manager_ = start({"twm", "-f", file.string()}, [this] {
+    setenv("DISPLAY", display_.c_str(), 1);
+    quietly();
+  });
 }
 
 // The file is an XWD dump of 32 bits a pixel: a header of 32-bit words, a table of colours of 12 bytes each, rows.
@@ -129,7 +149,8 @@ void Desktop::drags(int from_x, int from_y, int to_x, int to_y, int button, int 
   does({"mouseup", std::to_string(button)});
 }
 
-Started::Started(const std::string& display, const std::filesystem::path& home, std::vector<std::string> words)
+Started::Started(const std::string& display, const std::filesystem::path& home, std::vector<std::string> words,
+                 const Environment& more)
     : log_(home / "log") {
   words.insert(words.begin(), PALPATE_PROGRAM);
   std::filesystem::create_directories(home);
@@ -140,6 +161,7 @@ Started::Started(const std::string& display, const std::filesystem::path& home, 
     setenv("PALPATE_VALIDATION", "1", 1);
     setenv("VK_INSTANCE_LAYERS", "VK_LAYER_KHRONOS_validation", 1);
     for (const char* name : {"XDG_CONFIG_HOME", "XDG_STATE_HOME", "WAYLAND_DISPLAY"}) unsetenv(name);
+    for (const auto& [name, value] : more) setenv(name.c_str(), value.c_str(), 1);
     const int log = open(log_.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0600);
     dup2(log, 1);
     dup2(log, 2);

@@ -54,6 +54,12 @@ class Desktop {
   // xdotool's commands: {"mousemove", "640", "360", "click", "1"}.
   void does(const std::vector<std::string>& commands) const;
   void moves(int x, int y) const { does({"mousemove", std::to_string(x), std::to_string(y)}); }
+  // As a file manager lets files go over the program's window.
+  void drops(const std::vector<std::filesystem::path>& files) const;
+  // As a window manager does when a person closes the window.
+  void asksToClose() const;
+  // A window manager from now on; without one, windows are not minimised.
+  void manageWindows();
   // In so many steps of a moment each, as a hand does.
   void drags(int from_x, int from_y, int to_x, int to_y, int button, int steps = 10) const;
 
@@ -61,12 +67,16 @@ class Desktop {
   TemporaryFolder folder_;
   std::string display_;
   pid_t server_ = -1;
+  pid_t manager_ = -1;
 };
+
+using Environment = std::map<std::string, std::string>;
 
 // `palpate` with these words on a display (empty: none), with a home of its own, in which it begins.
 class Started {
  public:
-  Started(const std::string& display, const std::filesystem::path& home, std::vector<std::string> words);
+  Started(const std::string& display, const std::filesystem::path& home, std::vector<std::string> words,
+          const Environment& more = {});
   ~Started();  // kills it
   Started(const Started&) = delete;
   Started& operator=(const Started&) = delete;

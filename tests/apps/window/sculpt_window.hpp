@@ -24,9 +24,21 @@ inline constexpr int kWidth = 1280, kHeight = 720;
 // Where the picture is, and its middle.
 inline constexpr Rectangle kPicture{300, 0, 690, 634};
 inline constexpr int kMiddleX = 645, kMiddleY = 317;
+// The picture without its lowest rows, where the pointer rests.
+inline constexpr Rectangle kUpper{kPicture.x, 0, kPicture.width, kPicture.height - 80};
+// Words at the bottom.
+inline constexpr Rectangle kMessage{0, 662, 980, 50};
 // Fields and buttons, while nothing is folded or scrolled.
 inline constexpr int kFileX = 100, kSaveY = 63, kOpenY = 92;
 inline constexpr int kIsovalueX = 95, kIsovalueY = 449;
+
+inline int ballPixels(const Screen& screen, const Rectangle& within = kUpper) {
+  int pixels = 0;
+  for (int y = within.y; y < within.y + within.height; ++y) {
+    for (int x = within.x; x < within.x + within.width; ++x) pixels += screen.at(x, y)[0] > 60;
+  }
+  return pixels;
+}
 
 class OnADesktop : public testing::Test {
  protected:
@@ -37,7 +49,7 @@ class OnADesktop : public testing::Test {
   [[nodiscard]] std::filesystem::path home() const { return folder.path() / "home"; }
   [[nodiscard]] std::filesystem::path journals() const { return home() / ".local/state/palpate/journals"; }
   void start() {
-    program = std::make_unique<Started>(desktop->display(), home(), std::vector<std::string>{"sculpt", kBall});
+    program = std::make_unique<Started>(desktop->display(), home(), std::vector<std::string>{"sculpt", kBall}, more);
   }
   // The file of settings.
   [[nodiscard]] std::string settings() const {
@@ -82,6 +94,11 @@ class OnADesktop : public testing::Test {
     desktop->moves(kMiddleX, kPicture.height - 5);
     return isStill();
   }
+  // Words, beside those of this screen.
+  bool saysSomething(const Screen& before) {
+    return waitUntil([&] { return !program->runs() || differing(before, desktop->look(), kMessage) > 50; }) &&
+           program->runs();
+  }
   bool isStill() {
     Screen before = desktop->look();
     int still = 0;
@@ -103,6 +120,7 @@ class OnADesktop : public testing::Test {
   TemporaryFolder folder;
   std::unique_ptr<Desktop> desktop;
   std::unique_ptr<Started> program;
+  Environment more = {};  // of the program
 };
 
 }  // namespace palpate

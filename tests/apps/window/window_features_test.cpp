@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the window can do beside strokes: pictures of itself, recordings, the keyboard alone, other isovalues and volumes,
-// cuts, other sizes; and what it says of what it cannot.
+// What the window can do beside strokes: pictures of itself, recordings, the keyboard alone, other isovalues, cuts,
+// other sizes.
 #include <chrono>
 #include <thread>
 
@@ -13,19 +13,6 @@
 
 namespace palpate {
 namespace window_features_test {
-
-// The picture without its lowest rows, where the pointer rests.
-constexpr Rectangle kUpper{kPicture.x, 0, kPicture.width, kPicture.height - 80};
-// Words at the bottom.
-constexpr Rectangle kMessage{0, 662, 980, 50};
-
-int ballPixels(const Screen& screen, const Rectangle& within = kUpper) {
-  int pixels = 0;
-  for (int y = within.y; y < within.y + within.height; ++y) {
-    for (int x = within.x; x < within.x + within.width; ++x) pixels += screen.at(x, y)[0] > 60;
-  }
-  return pixels;
-}
 
 // The only file of the folder with this suffix.
 std::filesystem::path fileIn(const std::filesystem::path& folder, const std::string& suffix) {
@@ -50,7 +37,8 @@ TEST_F(OnADesktop, WritesAPictureOfItself) {
     const unsigned char* row = cairo_image_surface_get_data(picture) + y * cairo_image_surface_get_stride(picture);
     for (int x = 0; x < kUpper.x + kUpper.width; ++x) {
       const auto on_screen = before.at(x, y);
-      for (int i = 0; i < 3; ++i) differing += std::abs(row[4 * x + i] - on_screen[static_cast<std::size_t>(2 - i)]) > 2;
+      for (int i = 0; i < 3; ++i)
+        differing += std::abs(row[4 * x + i] - on_screen[static_cast<std::size_t>(2 - i)]) > 2;
     }
   }
   cairo_surface_destroy(picture);
@@ -120,64 +108,6 @@ TEST_F(OnADesktop, GoesToAnotherIsovalue) {
   endsWell();
 }
 
-// One that is not there leaves what is open; another takes its place.
-TEST_F(OnADesktop, OpensAnotherVolume) {
-  start();
-  ASSERT_TRUE(showsBall()) << program->said();
-  const Screen before = desktop->look();
-  enters(kFileX, kOpenY, "/nowhere/none.vdb");
-  EXPECT_TRUE(waitUntil([&] { return differing(before, desktop->look(), kMessage) > 50; }));
-  ASSERT_TRUE(movesOff());
-  EXPECT_EQ(differing(before, desktop->look(), kUpper), 0);
-  EXPECT_FALSE(journal().empty());
-  enters(kFileX, kOpenY, "phantom:box?size=32");
-  EXPECT_TRUE(waitUntil([&] { return differing(before, desktop->look(), kUpper) > 1000 && !journal().empty(); }));
-  ASSERT_TRUE(movesOff());
-  EXPECT_GT(ballPixels(desktop->look()), 1000);
-  endsWell();
-  EXPECT_TRUE(std::filesystem::is_empty(journals()));
-  EXPECT_THAT(settings(), testing::AllOf(testing::HasSubstr("phantom:box?size=32"), testing::HasSubstr(kBall)));
-}
-
-// Another volume is asked for with edits that no file holds: "Go on" leaves all as it was, a file that cannot be written
-// too, and "keep the journal" opens the other and keeps the edits for the next start.
-TEST_F(OnADesktop, AsksBeforeItLeavesUnsavedWork) {
-  start();
-  ASSERT_TRUE(showsBall()) << program->said();
-  ASSERT_TRUE(drills());
-  const Screen drilled = desktop->look();
-  const Rectangle question{440, 310, 400, 100};
-  const auto asks = [&] {
-    enters(kFileX, kOpenY, "phantom:box?size=32");
-    return waitUntil([&] { return differing(drilled, desktop->look(), question) > 10000; });
-  };
-  const auto is_as_before = [&] {
-    return movesOff() && waitUntil([&] { return differing(drilled, desktop->look(), kUpper) == 0; });
-  };
-  ASSERT_TRUE(asks());
-  desktop->does({"key", "Escape"});
-  EXPECT_TRUE(is_as_before());
-
-  desktop->does({"mousemove", std::to_string(kFileX), std::to_string(kSaveY), "click", "1"});
-  desktop->does({"type", "--delay", "20", "a.bad"});
-  ASSERT_TRUE(asks());
-  desktop->does({"mousemove", "520", "390", "click", "1"});  // "Save a.bad"
-  EXPECT_TRUE(waitUntil([&] { return differing(drilled, desktop->look(), kMessage) > 50; }));
-  EXPECT_TRUE(is_as_before());
-  const std::filesystem::path kept = journal();
-  ASSERT_FALSE(kept.empty());
-
-  ASSERT_TRUE(asks());
-  desktop->does({"mousemove", "660", "390", "click", "1"});  // "Open, keep the journal"
-  EXPECT_TRUE(waitUntil([&] { return leftSessions(journals()).size() == 1; }));
-  EXPECT_EQ(leftSessions(journals()).at(0).folder, kept);
-  EXPECT_TRUE(waitUntil([&] { return differing(drilled, desktop->look(), kUpper) > 1000; }));
-  ASSERT_TRUE(movesOff());
-  endsWell();
-  EXPECT_EQ(journal(), kept);
-  EXPECT_NE(contentHash(replayed(kept)), contentHash(loadVolume(kBall)));
-}
-
 // Half of the ball is cut away; what is left is as it was, but for the shade of hollows beside the cut.
 TEST_F(OnADesktop, CutsTheBall) {
   start();
@@ -226,22 +156,6 @@ TEST_F(OnADesktop, IsDrawnAnewAtAnotherSize) {
   ASSERT_TRUE(waitUntil([&] { return differing(before, desktop->look(), kUpper) > 1000; }));
   endsWell();
   EXPECT_THAT(settings(), testing::AllOf(testing::HasSubstr("\"width\": 1100"), testing::HasSubstr("\"height\": 660")));
-}
-
-// What cannot be written is said, is still unsaved, and can be written elsewhere.
-TEST_F(OnADesktop, SaysThatAFileCannotBeWritten) {
-  start();
-  ASSERT_TRUE(showsBall()) << program->said();
-  ASSERT_TRUE(drills());
-  const Screen before = desktop->look();
-  enters(kFileX, kSaveY, "/nowhere/a.vdb");
-  EXPECT_TRUE(waitUntil([&] { return differing(before, desktop->look(), kMessage) > 50; }));
-  const std::string file = (folder.path() / "b.vdb").string();
-  enters(kFileX, kSaveY, file);
-  ASSERT_TRUE(waitUntil([&] { return std::filesystem::exists(file); })) << program->said();
-  EXPECT_EQ(contentHash(loadVolume(file)), contentHash(replayed(journal())));
-  endsWell();
-  EXPECT_TRUE(std::filesystem::is_empty(journals()));
 }
 
 TEST_F(OnADesktop, LosesNothingWhenItIsEndedInTheMiddleOfAStroke) {

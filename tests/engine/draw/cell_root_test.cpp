@@ -32,7 +32,8 @@ float found(const Corners& corners, double isovalue, const vec3& from, const vec
   float c[8];
   for (std::size_t i = 0; i < 8; ++i) c[i] = static_cast<float>(corners[i]);
   kernel_text::scaleCorners(c, static_cast<float>(isovalue));
-  return kernel_text::firstInside(c, from, to);
+  const kernel_text::CellInterval within = kernel_text::firstInterval(c, from, to);
+  return within.at_high > 0 ? kernel_text::rootIn(within, c, from, to) : -1;
 }
 
 // On two faces of the unit cell, as a ray crosses it.

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+// A Vulkan layer that loses what a window shows in. Whenever the file that PALPATE_DISPLAY_FAULT names is there, the
+// next call that it names fails as it says, and the file is removed: "acquire -1000000000" (VK_ERROR_SURFACE_LOST_KHR).
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <map>
+#include <mutex>
+#include <string>
+
+#include <unistd.h>
+#include <vulkan/vk_layer.h>
+#include <vulkan/vulkan.h>
+
+namespace {
+
+struct Next {
+  VkInstance instance = VK_NULL_HANDLE;
+  VkDevice device = VK_NULL_HANDLE;
+  PFN_vkGetInstanceProcAddr of_instance = nullptr;
+  PFN_vkGetDeviceProcAddr of_device = nullptr;
+};
+
+std::mutex next_mutex;
+std::map<void*, Next> next_of;  // by the loader's table, which an object and its children share
+
+template <typename Handle>
+Next& nextOf(Handle handle) {
+  const std::lock_guard lock(next_mutex);
+  return next_of[*reinterpret_cast<void**>(handle)];
+}
+
+// Of a device or its queue.
+template <typename Function, typename Handle>
+Function functionOf(Handle handle, const char* name) {
+  const Next& next = nextOf(handle);
+  return reinterpret_cast<Function>(next.of_device(next.device, name));
+}
+
+// What is to become of this call.
+VkResult faultOf(const std::string& call) {
+  const char* name = std::getenv("PALPATE_DISPLAY_FAULT");
+  if (name == nullptr) return VK_SUCCESS;
+  std::ifstream file(name);
+  std::string which;
+  int result = VK_SUCCESS;
+  if (!(file >> which >> result) || which != call) return VK_SUCCESS;
+  unlink(name);
+  return static_cast<VkResult>(result);
+}
+
+template <typename Info>
+VkLayerInstanceCreateInfo* link(const Info* info, VkStructureType type) {
+  auto* one = const_cast<VkBaseOutStructure*>(static_cast<const VkBaseOutStructure*>(info->pNext));
+  for (; one != nullptr; one = one->pNext) {
+    auto* candidate = reinterpret_cast<VkLayerInstanceCreateInfo*>(one);
+    if (one->sType == type && candidate->function == VK_LAYER_LINK_INFO) return candidate;
+  }
+  return nullptr;
+}
+
+VkResult createInstance(const VkInstanceCreateInfo* info, const VkAllocationCallbacks* allocator, VkInstance* made) {
+  auto* chain = link(info, VK_STRUCTURE_TYPE_LOADER_INSTANCE_CREATE_INFO);
+  const PFN_vkGetInstanceProcAddr next = chain->u.pLayerInfo->pfnNextGetInstanceProcAddr;
+  chain->u.pLayerInfo = chain->u.pLayerInfo->pNext;
+  const auto create = reinterpret_cast<PFN_vkCreateInstance>(next(VK_NULL_HANDLE, "vkCreateInstance"));
+  const VkResult result = create(info, allocator, made);
+  if (result == VK_SUCCESS) nextOf(*made) = {*made, VK_NULL_HANDLE, next, nullptr};
+  return result;
+}
+
+VkResult createDevice(VkPhysicalDevice physical, const VkDeviceCreateInfo* info, const VkAllocationCallbacks* allocator,
+                      VkDevice* made) {
+  auto* chain = reinterpret_cast<VkLayerDeviceCreateInfo*>(link(info, VK_STRUCTURE_TYPE_LOADER_DEVICE_CREATE_INFO));
+  const auto [instance_next, device_next] =
+      std::pair(chain->u.pLayerInfo->pfnNextGetInstanceProcAddr, chain->u.pLayerInfo->pfnNextGetDeviceProcAddr);
+  chain->u.pLayerInfo = chain->u.pLayerInfo->pNext;
+  const VkInstance instance = nextOf(physical).instance;
+  const auto create = reinterpret_cast<PFN_vkCreateDevice>(instance_next(instance, "vkCreateDevice"));
+  const VkResult result = create(physical, info, allocator, made);
+  if (result == VK_SUCCESS) nextOf(*made) = {instance, *made, nullptr, device_next};
+  return result;
+}
+
+VkResult acquire(VkDevice device, VkSwapchainKHR swapchain, std::uint64_t timeout, VkSemaphore semaphore, VkFence fence,
+                 std::uint32_t* image) {
+  if (const VkResult fault = faultOf("acquire"); fault != VK_SUCCESS) return fault;
+  const auto call = functionOf<PFN_vkAcquireNextImageKHR>(device, "vkAcquireNextImageKHR");
+  return call(device, swapchain, timeout, semaphore, fence, image);
+}
+
+// A frame that fails to show has still waited for its semaphores.
+VkResult present(VkQueue queue, const VkPresentInfoKHR* info) {
+  const VkResult result = functionOf<PFN_vkQueuePresentKHR>(queue, "vkQueuePresentKHR")(queue, info);
+  const VkResult fault = faultOf("present");
+  return fault == VK_SUCCESS ? result : fault;
+}
+
+PFN_vkVoidFunction ours(const char* name) {
+  const auto is = [&](const char* one) { return std::strcmp(name, one) == 0; };
+  if (is("vkCreateInstance")) return reinterpret_cast<PFN_vkVoidFunction>(createInstance);
+  if (is("vkCreateDevice")) return reinterpret_cast<PFN_vkVoidFunction>(createDevice);
+  if (is("vkAcquireNextImageKHR")) return reinterpret_cast<PFN_vkVoidFunction>(acquire);
+  if (is("vkQueuePresentKHR")) return reinterpret_cast<PFN_vkVoidFunction>(present);
+  return nullptr;
+}
+
+PFN_vkVoidFunction deviceFunction(VkDevice device, const char* name) {
+  if (std::strcmp(name, "vkGetDeviceProcAddr") == 0) return reinterpret_cast<PFN_vkVoidFunction>(deviceFunction);
+  if (const PFN_vkVoidFunction one = ours(name)) return one;
+  return nextOf(device).of_device(device, name);
+}
+
+PFN_vkVoidFunction instanceFunction(VkInstance instance, const char* name) {
+  if (std::strcmp(name, "vkGetInstanceProcAddr") == 0) return reinterpret_cast<PFN_vkVoidFunction>(instanceFunction);
+  if (std::strcmp(name, "vkGetDeviceProcAddr") == 0) return reinterpret_cast<PFN_vkVoidFunction>(deviceFunction);
+  if (const PFN_vkVoidFunction one = ours(name)) return one;
+  return instance == VK_NULL_HANDLE ? nullptr : nextOf(instance).of_instance(instance, name);
+}
+
+}  // namespace
+
+extern "C" __attribute__((visibility("default"))) VkResult vkNegotiateLoaderLayerInterfaceVersion(
+    VkNegotiateLayerInterface* wanted) {
+  wanted->loaderLayerInterfaceVersion = 2;
+  wanted->pfnGetInstanceProcAddr = instanceFunction;
+  wanted->pfnGetDeviceProcAddr = deviceFunction;
+  wanted->pfnGetPhysicalDeviceProcAddr = nullptr;
+  return VK_SUCCESS;
+}
