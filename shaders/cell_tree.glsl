@@ -27,23 +27,37 @@ ivec3 cellAt(Ray ray, float t, ivec3 low, ivec3 high) {
                          ivec3(greaterThan(enterTimes(ray, guess), vec3(t))));
 }
 
+// The brick in which a ray was found last, so that it is looked up once.
+struct KnownBrick {
+  uint index;
+  uint blocks;  // slot of its cells
+};
+const KnownBrick kNoBrick = KnownBrick(0xffffffffu, 0u);
+
 // Edges of the largest box of the tree around a cell that holds no isosurface; 0 where the isosurface crosses the cell.
 // Boxes are aligned to their edges.
-ivec3 emptyAround(const int which, ivec3 cell) {
-  [[unroll]] for (uint level = CELL_TREE_LEVELS_USED; level >= 1u; --level) {
-    const uint shift = 1u + 2u * level;  // of the children: bricks at level 1
-    const uvec3 child = uvec3(cell) >> shift;
-    const uvec3 node = child >> 2u;
-    const uint nodes_x = cellNodesAlong(POOL_DOMAIN.bricks_x, level), nodes_y = cellNodesAlong(POOL_DOMAIN.bricks_y, level);
-    const uint bit = (child.z & 3u) << 4u | (child.y & 3u) << 2u | (child.x & 3u);
-    const uint word = treeWord(which, cellLevelBegin(POOL_DOMAIN, level) + 2u * ((node.z * nodes_y + node.y) * nodes_x + node.x) +
-                                          (bit >> 5u));
-    if ((word >> (bit & 31u) & 1u) == 0u) return ivec3(1 << shift);
-  }
+ivec3 emptyAround(const int which, ivec3 cell, inout KnownBrick known) {
   const uvec3 at = uvec3(cell);
-  const uint slot = treeWord(which, 1u + brickIndex(at >> 3u));
+  const uint brick = brickIndex(at >> 3u);
+  int edge = 0;
+  if (brick != known.index) {
+    [[unroll]] for (uint level = CELL_TREE_LEVELS_USED; level >= 1u; --level) {
+      const uint shift = 1u + 2u * level;  // of the children: bricks at level 1
+      const uvec3 child = at >> shift;
+      const uvec3 node = child >> 2u;
+      const uint nodes_x = cellNodesAlong(POOL_DOMAIN.bricks_x, level), nodes_y = cellNodesAlong(POOL_DOMAIN.bricks_y, level);
+      const uint bit = (child.z & 3u) << 4u | (child.y & 3u) << 2u | (child.x & 3u);
+      if (edge == 0) {
+        const uint word = treeWord(which, cellLevelBegin(POOL_DOMAIN, level) +
+                                              2u * ((node.z * nodes_y + node.y) * nodes_x + node.x) + (bit >> 5u));
+        if ((word >> (bit & 31u) & 1u) == 0u) edge = 1 << shift;
+      }
+    }
+    if (edge == 0) known = KnownBrick(brick, treeWord(which, 1u + brick));
+  }
+  if (edge != 0) return ivec3(edge);
   const uint block = (at.z >> 2u & 1u) << 2u | (at.y >> 2u & 1u) << 1u | (at.x >> 2u & 1u);
-  const uint word = blockWord(which, slot * CELL_WORDS_OF_BRICK + 2u * block + (at.z >> 1u & 1u));
+  const uint word = blockWord(which, known.blocks * CELL_WORDS_OF_BRICK + 2u * block + (at.z >> 1u & 1u));
   if (word == 0u) return ivec3(4, 4, 2);
   const uint bit = (at.z & 1u) << 4u | (at.y & 3u) << 2u | (at.x & 3u);
   return (word >> bit & 1u) == 0u ? ivec3(1) : ivec3(0);

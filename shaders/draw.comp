@@ -54,9 +54,10 @@ Hit march(const int which, float isovalue, Ray ray, float t_begin, float t_end) 
   vec3 from, to;
   CellInterval found;
   bool is_found = false;
+  KnownBrick known = kNoBrick;
   while (t < t_end) {
     for (;;) {
-      const ivec3 edge = emptyAround(which, cell);
+      const ivec3 edge = emptyAround(which, cell, known);
       if (edge.x == 0) break;
       const ivec3 low = cell & -edge;
       t = earliest(planeTimes(ray, low + edge * ray.forward));

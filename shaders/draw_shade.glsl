@@ -13,17 +13,26 @@ struct Frame {
   vec3 spacing_m;
 };
 
-// Densities at the corners of a cell, in the order x + 2 y + 4 z. Most cells lie in one brick, whose page is read once.
-void cornersOf(uvec3 cell, out float corners[8]) {
-  const uint first = brickIndex(cell / BRICK_EDGE);
-  const BrickPage page = pages[first];
-  [[unroll]] for (int i = 0; i < 8; ++i) {
-    const uvec3 voxel = cell + uvec3(i & 1, i >> 1 & 1, i >> 2);
-    const uint index = brickIndex(voxel / BRICK_EDGE);
-    BrickPage its = page;
-    if (index != first) its = pages[index];
-    corners[i] = pageDensity(its, voxel);
+// Pages of a brick and of its next ones along some axes, in the order x + 2 y + 4 z; along the other axes the brick is its
+// own next one. Most often there is no such axis, so the loop over the others is short.
+void pagesOf(uvec3 brick, uint beyond, out BrickPage its[8]) {
+  const BrickPage page = pages[brickIndex(brick)];
+  [[unroll]] for (int i = 0; i < 8; ++i) its[i] = page;
+  [[dont_unroll]] for (uint axes = beyond; axes != 0u; axes = (axes - 1u) & beyond) {
+    const BrickPage next = pages[brickIndex(brick + uvec3(axes & 1u, axes >> 1u & 1u, axes >> 2u))];
+    [[unroll]] for (int i = 0; i < 8; ++i) {
+      if ((uint(i) & beyond) == axes) its[i] = next;
+    }
   }
+}
+
+uint axesOf(bvec3 which) { return uint(which.x) | uint(which.y) << 1u | uint(which.z) << 2u; }
+
+// Densities at the corners of a cell, in the order x + 2 y + 4 z.
+void cornersOf(uvec3 cell, out float corners[8]) {
+  BrickPage its[8];
+  pagesOf(cell / BRICK_EDGE, axesOf(equal(cell % BRICK_EDGE, uvec3(BRICK_EDGE - 1))), its);
+  [[unroll]] for (int i = 0; i < 8; ++i) corners[i] = pageDensity(its[i], cell + uvec3(i & 1, i >> 1 & 1, i >> 2));
 }
 
 // Trilinear density at a point [voxel], clamped to the domain.
@@ -44,8 +53,7 @@ vec3 smoothGradient(ivec3 cell, vec3 place, vec3 spacing_m) {
   const ivec3 last = ivec3(domainSize()) - 1;
   const uvec3 first_brick = uvec3(max(cell - 1, 0)) / BRICK_EDGE, end_brick = uvec3(min(cell + 2, last)) / BRICK_EDGE;
   BrickPage around[8];
-  [[unroll]] for (int b = 0; b < 8; ++b)
-    around[b] = pages[brickIndex(mix(first_brick, end_brick, bvec3(b & 1, b & 2, b & 4)))];
+  pagesOf(first_brick, axesOf(notEqual(first_brick, end_brick)), around);
   float v[64];
   [[unroll]] for (int n = 0; n < 64; ++n) {
     const ivec3 at = ivec3(n & 3, n >> 2 & 3, n >> 4);
