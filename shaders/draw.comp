@@ -156,12 +156,14 @@ void see(const int which, Ray ray, Span span, Frame frame, inout Seen seen) {
   const Hit hit = firstHit(which, isovalue, ray, span);
   if (hit.t_m < seen.t_m) {
     const vec4 surface = surfaceColour(frame, isovalue, hit.cell, hit.place, span.normal, is_first ? kBone : kSkin);
-    seen.colour = is_first ? surface : vec4(mix(seen.colour.rgb, surface.rgb, extras.other_opacity), 1);
+    const vec4 before = seen.colour.a > 0.0 ? vec4(mix(seen.colour.rgb, surface.rgb, extras.other_opacity), 1)
+                                            : vec4(surface.rgb, extras.other_opacity);
+    seen.colour = is_first ? surface : before;
     if (is_first) seen.t_m = hit.t_m;
   }
   if (kSlices > 0 && is_first) {
     const Slice slice = firstSlice(ray, span);
-    if (slice.t_m <= (hit.cell.x < 0 ? seen.t_m + slackOf(ray) : seen.t_m)) {  // it is seen on a cut face in its own plane
+    if (!isinf(slice.t_m) && slice.t_m <= (hit.cell.x < 0 ? seen.t_m + slackOf(ray) : seen.t_m)) {  // it is seen on a cut face in its own plane
       seen.t_m = slice.t_m;
       seen.colour = slice.colour;
     }
@@ -195,7 +197,7 @@ void main() {
   const Span span = spanOf(ray, spacing);
   const vec3 forward = vec3(push.rays.corner_x, push.rays.corner_y, push.rays.corner_z) + 0.5 * (size.x * right + size.y * down);
   const Frame frame = Frame(direction, normalize(right), normalize(down), forward, spacing);
-  Seen seen = Seen(kBackground, kInfinity);
+  Seen seen = Seen(unpackUnorm4x8(PICTURE_BACKGROUND), kInfinity);
   if (kOther == 0) {
     see(0, ray, span, frame, seen);
   } else {  // in a loop, so that drivers compile what it does, which is most of this kernel, once

@@ -2,7 +2,6 @@
 // shaders/draw_shade.glsl: normal, ambient occlusion and colour of a point of the isosurface. Include after
 // brick_pool.glsl.
 
-const vec4 kBackground = vec4(0.965, 0.97, 0.98, 0);  // light; alpha says that nothing is hit
 const vec3 kBone = vec3(0.90, 0.86, 0.78);
 const vec3 kSkin = vec3(0.85, 0.62, 0.52);
 

@@ -6,6 +6,7 @@
 
 #define PICTURE_MOST_SIDE 16384       // [pixel]
 #define PICTURE_MOST_PIXELS 16777216  // 8 bytes each: 128 MiB, all that Vulkan guarantees for a binding
+#define PICTURE_BACKGROUND 0x00faf7f6u  // light; as a pixel that shows nothing
 
 PALPATE_LAYOUT_BEGIN
 
@@ -20,9 +21,20 @@ struct PictureRays {
 };
 
 struct PicturePixel {
-  uint rgba;         // 8 bits each, red lowest
-  float distance_m;  // along the ray; infinity where nothing is hit [m]
+  uint rgba;         // 8 bits each, red lowest; alpha: how much it hides of what is behind
+  float distance_m;  // along the ray; infinity where nothing opaque is hit [m]
 };
+
+// A pixel before a background, which is opaque.
+PALPATE_TEXT uint pictureOver(uint rgba, uint background) {
+  const uint alpha = rgba >> 24;
+  uint over = 0xff000000u;
+  for (uint shift = 0; shift < 24u; shift += 8u) {
+    const uint sum = (rgba >> shift & 255u) * alpha + (background >> shift & 255u) * (255u - alpha);
+    over |= (sum + 127u) / 255u << shift;
+  }
+  return over;
+}
 
 PALPATE_LAYOUT_CHECK(PictureRays, 60)
 PALPATE_LAYOUT_CHECK(PicturePixel, 8)

@@ -2,6 +2,7 @@
 #include "apps/render/fit_camera.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -48,19 +49,62 @@ bool isBehindOne(const VoxelBox& box, std::span<const LatticePlane> planes) {
   });
 }
 
-// The box around the cells of a row of bricks along i that hold some of the object in front of the planes.
-VoxelBox objectInRow(std::span<const layout::BrickBounds> bounds, const BrickGrid& grid, std::uint32_t first,
-                     float isovalue, std::span<const LatticePlane> planes) {
-  VoxelBox row;
-  for (std::uint32_t brick = first; brick < first + static_cast<std::uint32_t>(grid.counts().x()); ++brick) {
-    if (!(bounds[brick].highest > isovalue)) continue;
-    VoxelBox cells = grid.box(brick);
-    // The cells that begin in a brick end at the first voxels of the next one.
-    cells.last = (cells.last + Vec3i::Ones()).cwiseMin(grid.size - Vec3i::Ones());
-    if (isBehindOne(cells, planes)) continue;
-    row = row.empty() ? cells : hull(row, cells);
+// What objectExtent() was asked.
+struct Asked {
+  std::span<const layout::BrickBounds> bounds;
+  const BrickGrid& grid;
+  float isovalue;
+  std::vector<LatticePlane> planes;
+};
+
+// The cells that begin in a brick, where they hold some of the object in front of the planes; else an empty box.
+VoxelBox objectCells(const Asked& asked, const Vec3i& brick) {
+  const std::uint32_t index = asked.grid.index(brick);
+  if (!(asked.bounds[index].highest > asked.isovalue)) return {};
+  VoxelBox cells = asked.grid.box(index);
+  // They end at the first voxels of the next brick.
+  cells.last = (cells.last + Vec3i::Ones()).cwiseMin(asked.grid.size - Vec3i::Ones());
+  return isBehindOne(cells, asked.planes) ? VoxelBox{} : cells;
+}
+
+void widen(VoxelBox& box, const VoxelBox& other) {
+  if (!other.empty()) box = box.empty() ? other : hull(box, other);
+}
+
+// The box of the voxels of some bricks that are object, and of the cells around these.
+VoxelBox objectVoxels(const Asked& asked, const Volume& volume, const VoxelBox& bricks) {
+  VoxelBox box;
+  std::array<float, kBrickVoxels> densities{};
+  for (int k = bricks.first.z(); k <= bricks.last.z(); ++k) {
+    for (int j = bricks.first.y(); j <= bricks.last.y(); ++j) {
+      for (int i = bricks.first.x(); i <= bricks.last.x(); ++i) {
+        const Vec3i brick(i, j, k);
+        if (objectCells(asked, brick).empty()) continue;
+        if (volume.readBrick(brick, densities.data())) densities.fill(densities[0]);
+        for (int n = 0; n < kBrickVoxels; ++n) {
+          const Vec3i in_brick(n % kBrickSize, n / kBrickSize % kBrickSize, n / (kBrickSize * kBrickSize));
+          const Vec3i voxel = kBrickSize * brick + in_brick;
+          if (densities[static_cast<std::size_t>(n)] > asked.isovalue) widen(box, {voxel, voxel});
+        }
+      }
+    }
   }
-  return row;
+  return box.empty() ? box : asked.grid.widened(box, Vec3i::Ones());
+}
+
+// The object's box [voxel], given that of the bricks whose cells hold it. Only the outermost layer of bricks on each
+// side is looked at. Where none of a layer's own voxels is object, its cells reach the object at the next layer's first
+// voxels.
+VoxelBox narrowed(const Asked& asked, const Volume& volume, const VoxelBox& bricks, VoxelBox object) {
+  for (int axis = 0; axis < 3; ++axis) {
+    VoxelBox low = bricks, high = bricks;
+    low.last[axis] = bricks.first[axis];
+    high.first[axis] = bricks.last[axis];
+    const VoxelBox begin = objectVoxels(asked, volume, low), end = objectVoxels(asked, volume, high);
+    object.first[axis] = begin.empty() ? kBrickSize * (bricks.first[axis] + 1) - 1 : begin.first[axis];
+    if (!end.empty()) object.last[axis] = end.last[axis];
+  }
+  return object;
 }
 
 // The corners of the convex hull of points, by Andrew's monotone chain. Nothing is rounded.
@@ -127,21 +171,31 @@ SeenExtent wholeExtent(const BrickGrid& grid, const Lattice& lattice, std::span<
 }
 
 SeenExtent objectExtent(std::span<const layout::BrickBounds> bounds, const BrickGrid& grid, const Lattice& lattice,
-                        float isovalue, std::span<const ViewPlane> clips) {
-  SeenExtent extent;
-  VoxelBox object;
-  const std::vector<LatticePlane> planes = onLattice(clips, lattice);
+                        float isovalue, std::span<const ViewPlane> clips, const Volume* volume) {
+  const Asked asked{bounds, grid, isovalue, onLattice(clips, lattice)};
+  VoxelBox object, bricks;
+  std::vector<std::vector<VoxelBox>> layers;  // of rows of bricks along i
   for (int k = 0; k < grid.counts().z(); ++k) {
-    std::vector<VoxelBox> rows;
+    std::vector<VoxelBox>& rows = layers.emplace_back();
     for (int j = 0; j < grid.counts().y(); ++j) {
-      const VoxelBox row = objectInRow(bounds, grid, grid.index({0, j, k}), isovalue, planes);
-      if (row.empty()) continue;
-      rows.push_back(row);
-      object = object.empty() ? row : hull(object, row);
+      VoxelBox row;
+      for (int i = 0; i < grid.counts().x(); ++i) {
+        const VoxelBox cells = objectCells(asked, {i, j, k});
+        widen(row, cells);
+        if (!cells.empty()) widen(bricks, {{i, j, k}, {i, j, k}});
+      }
+      if (!row.empty()) rows.push_back(row);
+      widen(object, row);
     }
-    addLayer(rows, lattice, extent.points_W);
   }
   if (object.empty()) return wholeExtent(grid, lattice, clips);
+  if (volume != nullptr) object = narrowed(asked, *volume, bricks, object);
+  SeenExtent extent;
+  for (std::vector<VoxelBox>& rows : layers) {
+    for (VoxelBox& row : rows) row = intersection(row, object);
+    std::erase_if(rows, [](const VoxelBox& row) { return row.empty(); });
+    addLayer(rows, lattice, extent.points_W);
+  }
   extent.middle_W = lattice.toWorld((object.first + object.last).cast<double>() / 2);
   return extent;
 }

@@ -33,10 +33,12 @@ struct SeenExtent {
 };
 
 // All that is above the isovalue, and its surface, to a brick: a brick that a clip plane cuts counts whole, and one
-// that lies behind a plane does not count. wholeExtent() where no brick is left. `bounds`: of each brick
-// (BrickBoundsPass). The points are hulls of the layers of bricks along k.
+// that lies behind a plane does not count. With the volume, whose outermost bricks are then looked at, the box around
+// it is exact to a voxel. wholeExtent() where no brick is left. `bounds`: of each brick (BrickBoundsPass). The points
+// are hulls of the layers of bricks along k.
 [[nodiscard]] SeenExtent objectExtent(std::span<const layout::BrickBounds> bounds, const BrickGrid& grid,
-                                      const Lattice& lattice, float isovalue, std::span<const ViewPlane> clips = {});
+                                      const Lattice& lattice, float isovalue, std::span<const ViewPlane> clips = {},
+                                      const Volume* volume = nullptr);
 // What the clip planes leave of the domain, from the centres of its first to those of its last voxels. They leave some
 // (styleOf() has seen to that).
 [[nodiscard]] SeenExtent wholeExtent(const BrickGrid& grid, const Lattice& lattice,

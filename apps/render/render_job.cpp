@@ -118,7 +118,7 @@ class Job {
       progress.fraction(done);
       stopIfInterrupted(0);
     });
-    findBounds();
+    findBounds(volume);
     if (!request.slices.empty()) chooseSliceRange(volume);
   }
 
@@ -138,7 +138,7 @@ class Job {
  private:
   [[nodiscard]] const BrickPool& field() const { return filters_ ? filters_->result() : pool_; }
 
-  void findBounds() {
+  void findBounds(const Volume& volume) {
     bounds_ = std::make_unique<BrickBoundsPass>(gpu_, field());
     bounds_->run();
     const std::vector<layout::BrickBounds> bounds = bounds_->read(transfer_);
@@ -153,9 +153,9 @@ class Job {
     const auto outermost = static_cast<float>(std::min(result_.isovalue, request_.second.value_or(result_.isovalue)));
     const BrickGrid grid = field().grid();
     // A slice reaches to the volume's ends.
-    const SeenExtent extent = request_.slices.empty()
-                                  ? objectExtent(bounds, grid, field().lattice(), outermost, style_.clips)
-                                  : wholeExtent(grid, field().lattice(), style_.clips);
+    const SeenExtent extent = request_.slices.empty() ? objectExtent(bounds, grid, field().lattice(), outermost,
+                                                                     style_.clips, filters_ ? nullptr : &volume)
+                                                      : wholeExtent(grid, field().lattice(), style_.clips);
     result_.target_W = targetOf(request_, extent);
     result_.distance_m =
         request_.distance_m ? *request_.distance_m : fittingDistance(request_, extent, [] { stopIfInterrupted(0); });

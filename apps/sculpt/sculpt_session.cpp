@@ -68,7 +68,8 @@ SculptSession::SculptSession(const SculptRequest& request, Progress& progress) :
   plan_ = planLines(plan, engine_->planFacts());
   facts_ = {request.volume, volume_->size(), volume_->lattice(), statisticsOf(*volume_), {}};
   const BrickGrid grid{volume_->size(), volume_->lattice().spacing_m};
-  facts_.object = objectExtent(engine_->bounds(), grid, volume_->lattice(), static_cast<float>(first_isovalue_));
+  facts_.object =
+      objectExtent(engine_->bounds(), grid, volume_->lattice(), static_cast<float>(first_isovalue_), {}, &*volume_);
 
   const BrushProfile profile = journal ? journal->header.profile : brushProfile(*volume_, first_isovalue_);
   session_ = std::make_unique<EditSession>(*engine_, profile, std::span<const EditKind>{}, request.undo_bytes);

@@ -326,7 +326,7 @@ void Presenter::State::fill(HostBuffer& buffer, const PlacedPicture& picture, co
   std::uint32_t nothing = 0xFF000000U;
   for (int i = 0; i < 3; ++i) nothing |= static_cast<std::uint32_t>(std::lround(255 * background[i])) << 8 * i;
   for (const layout::PicturePixel& pixel : *picture.pixels) {
-    const std::uint32_t c = std::isinf(pixel.distance_m) ? nothing : pixel.rgba;
+    const std::uint32_t c = pixel.rgba >> 24U == 255 ? pixel.rgba : layout::pictureOver(pixel.rgba, nothing);
     *to++ = swaps ? (c & 0xFF00FF00U) | (c >> 16U & 0xFFU) | (c & 0xFFU) << 16U : c;
   }
 }

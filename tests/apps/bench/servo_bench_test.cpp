@@ -240,9 +240,12 @@ TEST_F(ServoBench, RecoveryTargetsAreRatiosOfTheirRows) {
 TEST_F(ServoBench, TargetNamesAreStable) {
   std::vector<std::string> names;
   for (const BenchTarget& target : result().targets) names.push_back(target.name);
+  const std::string jumps =
+      "recovery on / off, largest force jump per tick on concave regions "
+      "(hri, knot 128x128x64, n=20, 0.02 m/s, 1 voxel deep, 20 ms) [-]";
   EXPECT_THAT(
       names,
-      testing::IsSupersetOf(
+      testing::IsSupersetOf<std::string>(
           {"hri, tick without renewal [ns]", "hri, renewal every tick (n=1), median of the volumes [ns]",
            "hri, mean at n=5, median of the volumes [ns]", "hri, knot 128x128x64, n=1, median VHIP error [voxel]",
            "hri, knot 128x128x64, n=1, median force angle [degree]", "hri, knot 128x128x64, n=1, fall-throughs [-]",
@@ -253,9 +256,7 @@ TEST_F(ServoBench, TargetNamesAreStable) {
            "hri, ball of 20 mm, voxels of 0.5 mm, 2 mm deep, up to 2 m/s, any n, force angle [degree]",
            "hri, knot's tube of 8 voxels, 2 mm deep, up to 0.5 m/s, any n, force over K depth or its inverse [-]",
            "hri, knot's tube of 8 voxels, 2 mm deep, up to 0.5 m/s, any n, force angle [degree]",
-           "hri, noise up to 0.5 voxel, 1 to 24 voxels deep, contacts lost [-]",
-           "recovery on / off, largest force jump per tick on concave regions "
-           "(hri, knot 128x128x64, n=20, 0.02 m/s, 1 voxel deep, 20 ms) [-]"}));
+           "hri, noise up to 0.5 voxel, 1 to 24 voxels deep, contacts lost [-]", jumps}));
 }
 
 TEST_F(ServoBench, SaysItAllOnTheTerminalAndInTheChart) {

@@ -4,6 +4,8 @@
 #include <cstdlib>
 #include <set>
 
+#include <fmt/format.h>
+
 #include "apps/scene/option_table.hpp"
 #include "program_test.hpp"
 

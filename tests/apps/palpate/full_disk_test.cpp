@@ -3,6 +3,7 @@
 // record edits are saved, nothing is half-written, and what was told is what `recover` gives back.
 #include <cstdlib>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <sys/mount.h>
 

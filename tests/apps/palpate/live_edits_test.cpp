@@ -2,6 +2,7 @@
 // palpate touch --edit, --journal and palpate recover, as a user gives them.
 #include <csignal>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "engine/files/volume_file.hpp"

@@ -8,6 +8,7 @@
 #include <optional>
 #include <random>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "apps/mesh/mesh_file.hpp"

@@ -3,6 +3,8 @@
 // by the status. Every verb but bench, whose shortest takes seconds: so this takes a while.
 #include <csignal>
 
+#include <fmt/format.h>
+
 #include "engine/field/statistics.hpp"
 #include "engine/files/volume_file.hpp"
 #include "engine/journal/journal_writer.hpp"

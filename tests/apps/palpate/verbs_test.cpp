@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The other verbs, and the help of all.
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "apps/scene/option_table.hpp"

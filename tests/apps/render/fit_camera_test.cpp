@@ -174,6 +174,48 @@ TEST(FitCamera, TheHullHoldsWhatClipsLeaveOfTheObject) {
   }
 }
 
+// A few voxels that are object, anywhere: the box around them and their cells, voxel by voxel. The bounds are those of
+// the cells that begin in each brick.
+TEST(FitCamera, TheBoxOfTheObjectIsExactToAVoxel) {
+  std::mt19937 random(8);
+  for (int trial = 0; trial < 200; ++trial) {
+    Vec3i size;
+    for (int axis = 0; axis < 3; ++axis) size[axis] = 2 + static_cast<int>(random() % 39);
+    const Lattice lattice = turnedLattice(trial % 2 == 0 ? 1 : -1);
+    std::vector<float> densities(static_cast<std::size_t>(size.prod()), -1);
+    Vec3i first = size, last = Vec3i::Zero();
+    for (unsigned n = 0; n < 1 + random() % 3; ++n) {
+      Vec3i voxel;
+      for (int axis = 0; axis < 3; ++axis) voxel[axis] = static_cast<int>(random() % static_cast<unsigned>(size[axis]));
+      densities[static_cast<std::size_t>(voxel.x() + size.x() * (voxel.y() + size.y() * voxel.z()))] = 1;
+      first = first.cwiseMin((voxel - Vec3i::Ones()).cwiseMax(Vec3i::Zero()));
+      last = last.cwiseMax((voxel + Vec3i::Ones()).cwiseMin(size - Vec3i::Ones()));
+    }
+    const Volume volume = Volume::fromDense(size, lattice, densities, {});
+    const BrickGrid grid{size, lattice.spacing_m};
+    std::vector<layout::BrickBounds> bounds(grid.brickCount(), {-1, -1});
+    for (int k = 0; k < size.z(); ++k) {
+      for (int j = 0; j < size.y(); ++j) {
+        for (int i = 0; i < size.x(); ++i) {
+          if (densities[static_cast<std::size_t>(i + size.x() * (j + size.y() * k))] < 0) continue;
+          // A voxel is a corner of the cells that begin at it and one before it.
+          for (int before = 0; before < 8; ++before) {
+            const Vec3i cell = Vec3i(i, j, k) - Vec3i(before & 1, before >> 1 & 1, before >> 2);
+            if ((cell.array() >= 0).all()) bounds[grid.index(cell / kBrickSize)].highest = 1;
+          }
+        }
+      }
+    }
+    const SeenExtent extent = objectExtent(bounds, grid, lattice, 0, {}, &volume);
+    const Vec3 middle = (first + last).cast<double>() / 2;
+    EXPECT_TRUE(lattice.toIndex(extent.middle_W).isApprox(middle, 1e-9)) << trial;
+    for (int axis = 0; axis < 3; ++axis) {
+      EXPECT_NEAR(reachOf(extent, lattice, Vec3::Unit(axis)), last[axis], 1e-9) << trial;
+      EXPECT_NEAR(reachOf(extent, lattice, -Vec3::Unit(axis)), -first[axis], 1e-9) << trial;
+    }
+  }
+}
+
 // Half the volume is twice as large in the picture, from half as far.
 TEST(FitCamera, AClippedVolumeFillsThePicture) {
   const BrickGrid grid{Vec3i(41, 2, 21), Vec3::Ones()};

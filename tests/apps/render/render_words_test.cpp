@@ -123,15 +123,15 @@ TEST(RenderWords, JsonHasTheCameraOfEachPicture) {
   auto json = renderJson(request, result);
   EXPECT_EQ(json["schema"], "palpate.render/1");
   EXPECT_EQ(json["in"], "scan");
-  EXPECT_EQ(json["size_voxel"], nlohmann::json({21, 22, 23}));
-  EXPECT_EQ(json["extent_m"], nlohmann::json::parse("[[-0.09, 0.0, 0.5], [0.07, 0.08, 0.6]]"));
+  EXPECT_EQ(json["size_voxel"], nlohmann::ordered_json({21, 22, 23}));
+  EXPECT_EQ(json["extent_m"], nlohmann::ordered_json::parse("[[-0.09, 0.0, 0.5], [0.07, 0.08, 0.6]]"));
   EXPECT_EQ(json["is_distance"], false);
   EXPECT_EQ(json["isovalue"], 226);
-  EXPECT_EQ(json["density"], nlohmann::json({-1000.0, 2000.0}));
+  EXPECT_EQ(json["density"], nlohmann::ordered_json({-1000.0, 2000.0}));
   EXPECT_EQ(json["vulkan_device"], "a device");
   EXPECT_EQ(json["gpu_bytes"], 4096);
-  EXPECT_EQ(json["size_pixel"], nlohmann::json({20, 10}));
-  EXPECT_EQ(json["target_m"], nlohmann::json({0.004, -0.005, 0.0}));
+  EXPECT_EQ(json["size_pixel"], nlohmann::ordered_json({20, 10}));
+  EXPECT_EQ(json["target_m"], nlohmann::ordered_json({0.004, -0.005, 0.0}));
   EXPECT_EQ(json["distance_m"], 0.45);
   EXPECT_EQ(json["seconds"], 1.5);
   EXPECT_TRUE(json["second_isovalue"].is_null());
@@ -140,10 +140,10 @@ TEST(RenderWords, JsonHasTheCameraOfEachPicture) {
   auto picture = json["pictures"][0];
   EXPECT_EQ(picture["picture"], "o.png");
   EXPECT_TRUE(picture["depth"].is_null());
-  EXPECT_EQ(picture["camera"]["position_m"], nlohmann::json({1.0, 2.0, 3.0}));
-  EXPECT_EQ(picture["camera"]["forward"], nlohmann::json({0.0, 0.0, -1.0}));
-  EXPECT_EQ(picture["camera"]["right"], nlohmann::json({1.0, 0.0, 0.0}));
-  EXPECT_EQ(picture["camera"]["up"], nlohmann::json({0.0, 1.0, 0.0}));
+  EXPECT_EQ(picture["camera"]["position_m"], nlohmann::ordered_json({1.0, 2.0, 3.0}));
+  EXPECT_EQ(picture["camera"]["forward"], nlohmann::ordered_json({0.0, 0.0, -1.0}));
+  EXPECT_EQ(picture["camera"]["right"], nlohmann::ordered_json({1.0, 0.0, 0.0}));
+  EXPECT_EQ(picture["camera"]["up"], nlohmann::ordered_json({0.0, 1.0, 0.0}));
   EXPECT_EQ(picture["camera"]["vertical_fov_rad"], 0.25);
   EXPECT_EQ(picture["hit_pixels"], 50);
   EXPECT_EQ(picture["nearest_m"], 0.4);
@@ -155,7 +155,7 @@ TEST(RenderWords, JsonHasTheCameraOfEachPicture) {
   result.pictures[0].files.depth = "d.pfm";
   json = renderJson(request, result);
   EXPECT_EQ(json["second_isovalue"], -300);
-  EXPECT_EQ(json["slice_range"], nlohmann::json({-100.0, 300.0}));
+  EXPECT_EQ(json["slice_range"], nlohmann::ordered_json({-100.0, 300.0}));
   EXPECT_EQ(json["pictures"][0]["depth"], "d.pfm");
 }
 

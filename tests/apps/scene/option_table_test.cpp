@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -140,7 +141,8 @@ TEST(OptionTable, UnitsAreThoseOfTheMeaning) {
                                                                      {"--stiffness", "N/m"},
                                                                      {"--damping", "N s/m"}}) {
     const auto options = sceneOptions();
-    const auto found = std::find_if(options.begin(), options.end(), [&](const auto& o) { return flag == o.flag; });
+    const auto found =
+        std::find_if(options.begin(), options.end(), [&wanted = flag](const auto& o) { return wanted == o.flag; });
     ASSERT_NE(found, options.end()) << flag;
     EXPECT_EQ(found->unit, unit) << flag;
   }

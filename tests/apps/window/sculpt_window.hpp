@@ -2,12 +2,14 @@
 // `palpate sculpt` of a ball on a desktop of 1280 x 720, under the validation layer.
 #pragma once
 
+#include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <memory>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -31,6 +33,9 @@ inline constexpr Rectangle kMessage{0, 662, 980, 50};
 // Fields and buttons, while nothing is folded or scrolled.
 inline constexpr int kFileX = 100, kSaveY = 63, kOpenY = 92;
 inline constexpr int kIsovalueX = 95, kIsovalueY = 449;
+inline constexpr int kStrengthX = 95, kStrengthY = 266;
+inline constexpr int kStiffnessX = 1078, kStiffnessY = 79;
+inline constexpr int kSecondX = 21, kSecondY = 622;
 
 inline int ballPixels(const Screen& screen, const Rectangle& within = kUpper) {
   int pixels = 0;
@@ -77,6 +82,15 @@ class OnADesktop : public testing::Test {
   void enters(int x, int y, const std::string& text) const {
     desktop->does({"mousemove", std::to_string(x), std::to_string(y), "click", "1", "key", "ctrl+a"});
     desktop->does({"type", "--delay", "20", text});
+    desktop->does({"key", "Return"});
+  }
+  // A slider's value by keyboard.
+  void sets(int x, int y, const std::string& value) const {
+    desktop->does({"mousemove", std::to_string(x), std::to_string(y), "keydown", "ctrl"});
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    desktop->does({"click", "1", "keyup", "ctrl"});
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    desktop->does({"key", "ctrl+a", "type", "--delay", "20", value});
     desktop->does({"key", "Return"});
   }
   // Until the ball fills the middle of the picture, and nothing moves any more.

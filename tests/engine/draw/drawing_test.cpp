@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <functional>
 #include <random>
 #include <stdexcept>
@@ -57,6 +58,12 @@ Camera cameraAt(const Vec3& eye_W, const Vec3& target_W) {
   camera.width = 61;
   camera.height = 47;
   return camera;
+}
+
+bool isBackground(const RenderedImage& image, std::size_t pixel) {
+  std::uint32_t rgba = 0;
+  std::memcpy(&rgba, &image.rgba[4 * pixel], 4);
+  return rgba == PICTURE_BACKGROUND;
 }
 
 struct Compared {
@@ -302,7 +309,7 @@ TEST(Drawing, ASliceIsSeenOnTheCutInItsPlane) {
     drawing.show(camera, 100, style);  // no surface
     drawing.finish();
     const RenderedImage image = drawing.image();
-    int shown = 0;
+    int shown = 0, beside = 0;
     for (int y = 0; y < camera.height; ++y) {
       for (int x = 0; x < camera.width; ++x) {
         const Vec3 ray_W = camera.rayThrough(x + 0.5, y + 0.5);
@@ -310,13 +317,62 @@ TEST(Drawing, ASliceIsSeenOnTheCutInItsPlane) {
         const Vec3 p_L = volume.lattice().toIndex(camera.position_W + t_m * ray_W);
         const bool is_in = p_L.x() > 0.02 && p_L.x() < 39.98 && p_L.z() > 0.02 && p_L.z() < 39.98;
         const double drawn_m = image.distance_m[static_cast<std::size_t>(y) * camera.width + x];
-        if (!is_in) continue;
+        if (!is_in) {  // at the rim, a pixel may be of the slice
+          beside += isBackground(image, static_cast<std::size_t>(y) * camera.width + x) && std::isinf(drawn_m);
+          continue;
+        }
         ++shown;
         EXPECT_NEAR(drawn_m, t_m, 1e-6) << x << ' ' << y << " voxel " << voxel;
       }
     }
     EXPECT_GT(shown, 100);
+    EXPECT_GE(shown + beside, 0.98 * camera.width * camera.height);
   }
+}
+
+// Beside the first surface a second one is before the background, and everywhere as opaque as it is said to be.
+TEST(Drawing, ASecondSurfaceIsSeenThrough) {
+  const Volume volume = ballField({41, 41, 41}, 12.0);
+  const Vec3 middle_W = middleOf(volume);
+  const Camera camera = cameraAt(middle_W + Vec3(0.05, -0.09, 0.04), middle_W);
+  OfVolume of(volume);
+  DrawStyle style;
+  style.other_isovalue = -2;  // two voxels outside the first
+  std::vector<RenderedImage> images;
+  for (const double opacity : {0.0, 0.5, 1.0}) {
+    style.other_opacity = opacity;
+    of.drawing.show(camera, 0, style);
+    of.drawing.finish();
+    images.push_back(of.drawing.image());
+  }
+  int rim = 0, beside = 0, before = 0;
+  for (std::size_t pixel = 0; pixel < images[0].distance_m.size(); ++pixel) {
+    const int width = camera.width;
+    const Vec3 ray_W = camera.rayThrough(static_cast<double>(pixel % static_cast<std::size_t>(width)) + 0.5,
+                                         static_cast<double>(pixel / static_cast<std::size_t>(width)) + 0.5);
+    const Vec3 eye = volume.lattice().toIndex(camera.position_W);
+    const Vec3 along = (volume.lattice().toIndex(camera.position_W + 1e-3 * ray_W) - eye).normalized();
+    const double passes_voxel = (Vec3::Constant(20) - eye).cross(along).norm();
+    EXPECT_EQ(std::isfinite(images[1].distance_m[pixel]), std::isfinite(images[0].distance_m[pixel]));
+    if (passes_voxel > 15) {
+      for (const RenderedImage& image : images) EXPECT_TRUE(isBackground(image, pixel));
+      ++beside;
+      continue;
+    }
+    if (passes_voxel > 12.2 && passes_voxel < 13.8) {
+      EXPECT_TRUE(isBackground(images[0], pixel));
+      EXPECT_FALSE(isBackground(images[1], pixel));
+      EXPECT_TRUE(std::isinf(images[1].distance_m[pixel]));
+      ++rim;
+    }
+    if (passes_voxel > 13.8) continue;
+    before += passes_voxel < 11;
+    for (std::size_t i = 4 * pixel; i < 4 * pixel + 3; ++i)  // each of the three is rounded, the middle one twice
+      EXPECT_NEAR(images[1].rgba[i], (images[0].rgba[i] + images[2].rgba[i]) / 2.0, 1.5) << pixel;
+  }
+  EXPECT_GT(rim, 50);
+  EXPECT_GT(beside, 50);
+  EXPECT_GT(before, 50);
 }
 
 // The shape is seen alike whatever the unit of the densities.

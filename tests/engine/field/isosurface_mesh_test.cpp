@@ -153,10 +153,11 @@ TEST(IsosurfaceMesh, VolumeOfTheBallAndEdgesSharedByTwo) {
     before = mesh.triangles.size();
     if (adaptivity > 0.01) continue;
     const Vec3 centre_W = phantom->lattice().toWorld((volume.size().cast<double>().array() - 1).matrix() / 2);
-    const double R_m = -phantom->signedDistance_m(centre_W);
-    const double d_m = adaptivity > 0 ? 0.04 * R_m : 2 * h_m * h_m / R_m;
+    const double radius_m = -phantom->signedDistance_m(centre_W);
+    const double d_m = adaptivity > 0 ? 0.04 * radius_m : 2 * h_m * h_m / radius_m;
     constexpr double kPi = 3.14159265358979;
-    EXPECT_NEAR(volumeOf(mesh), 4.0 / 3 * kPi * R_m * R_m * R_m, 4 * kPi * R_m * R_m * d_m * (1 + 2 * d_m / R_m));
+    EXPECT_NEAR(volumeOf(mesh), 4.0 / 3 * kPi * radius_m * radius_m * radius_m,
+                4 * kPi * radius_m * radius_m * d_m * (1 + 2 * d_m / radius_m));
   }
 }
 

@@ -84,9 +84,10 @@ TEST(DicomIsWhole, WhereAFileEndsWithAnElement) {
   const auto plain = [](int group, int element, const std::string& value) {
     return tag(group, element) + u32(static_cast<double>(value.size())) + value;
   };
-  expectWholeAtElementsOnly({plain(8, 0x16, "1.2\0"), plain(0x28, 0x10, u16(2)), plain(0x28, 0x11, u16(3)),
-                             plain(0x28, 0x100, u16(16)), plain(0x7fe0, 0x10, std::string(12, 'x'))},
-                            kImplicit);
+  expectWholeAtElementsOnly(
+      {plain(8, 0x16, std::string("1.2\0", 4)), plain(0x28, 0x10, u16(2)), plain(0x28, 0x11, u16(3)),
+       plain(0x28, 0x100, u16(16)), plain(0x7fe0, 0x10, std::string(12, 'x'))},
+      kImplicit);
 }
 
 TEST(DicomIsWhole, KnowsEveryType) {

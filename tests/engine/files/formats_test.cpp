@@ -84,8 +84,8 @@ TEST(LoadVolume, RefusesAPartOfAFileThatHasNone) {
     saveVolume(volume, folder.file(file));
     const std::string reason = fmt::format("it names a part, \"x\", and {} files have none", format);
     expectLoadRefusal(folder.file(file) + "#x", reason);
-    expectRefusal([&] { static_cast<void>(loadVolume(folder.file(file) + "#x?nan=0")); }, folder.file(file) + "#x",
-                  reason);
+    expectRefusal([&, name = file] { static_cast<void>(loadVolume(folder.file(name) + "#x?nan=0")); },
+                  folder.file(file) + "#x", reason);
   }
   writeFile(folder.file("a#x.nrrd"), readFile(folder.file("s.nrrd")));  // a name of its own
   EXPECT_NO_THROW(static_cast<void>(loadVolume(folder.file("a#x.nrrd"))));

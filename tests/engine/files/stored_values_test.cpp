@@ -5,6 +5,8 @@
 #include <random>
 #include <stdexcept>
 
+#include <fmt/format.h>
+
 #include "engine/files/text_stored.hpp"
 #include "tests/engine/files/samples.hpp"
 

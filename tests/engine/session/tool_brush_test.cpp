@@ -199,8 +199,8 @@ TEST(ToolBrush, AMirrorDoesTheStrokeOnTheOtherSideToo) {
     EXPECT_TRUE(tool.dueStroke(poseAt(1e-3, true), 0).empty());
     const auto strokes = tool.dueStroke(poseAt(2e-3, true), 4 * kTick_ns);
     ASSERT_EQ(strokes.size(), 2U);
-    const auto other = [&](Vec3 p_W) {
-      p_W[axis] = 2 * middle_W[axis] - p_W[axis];
+    const auto other = [&middle_W, along = axis](Vec3 p_W) {
+      p_W[along] = 2 * middle_W[along] - p_W[along];
       return p_W;
     };
     EXPECT_LT((strokes[1].from_W - other(Vec3(1e-3, 0, 0))).norm(), 1e-15);

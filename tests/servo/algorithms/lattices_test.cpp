@@ -33,8 +33,8 @@ double angleBetween(const Vec3& a, const Vec3& b) {
 struct Scene {
   enum Kind { kPlane, kBall, kHollow };
 
-  Scene(Kind kind_, const Vec3& spacing_m, Seeded& random, bool left_handed)
-      : kind(kind_), radius_m(6 * spacing_m.maxCoeff()), u(random.direction()), v(random.across(u)) {
+  Scene(Kind of_kind, const Vec3& spacing_m, Seeded& random, bool left_handed)
+      : kind(of_kind), radius_m(6 * spacing_m.maxCoeff()), u(random.direction()), v(random.across(u)) {
     const AnalyticSurface solid = ballSurface(Vec3::Zero(), radius_m);
     surface = kind == kPlane ? planeSurface(u * radius_m, u) : kind == kBall ? solid : hollow(solid);
     Sampling sampling{.flat_m = 4 * spacing_m.maxCoeff()};

@@ -4,6 +4,7 @@
 // alone.
 //
 // The figures of that page are this test's properties: test_servo_algorithms_mends --gtest_output=json:FILE.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "base/units.hpp"

@@ -7,6 +7,7 @@
 #include <random>
 
 #include <Eigen/Geometry>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "servo/algorithms/registry.hpp"

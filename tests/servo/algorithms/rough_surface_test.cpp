@@ -5,6 +5,7 @@
 // damping. Noise is Gaussian, the same standard deviation at every sample, in voxels of a density with gradient 1.
 #include <algorithm>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "base/units.hpp"

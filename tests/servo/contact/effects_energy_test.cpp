@@ -5,6 +5,7 @@
 #include <array>
 #include <optional>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "contact/energy_cycles.hpp"
