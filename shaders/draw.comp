@@ -163,7 +163,8 @@ void see(const int which, Ray ray, Span span, Frame frame, inout Seen seen) {
   }
   if (kSlices > 0 && is_first) {
     const Slice slice = firstSlice(ray, span);
-    if (!isinf(slice.t_m) && slice.t_m <= (hit.cell.x < 0 ? seen.t_m + slackOf(ray) : seen.t_m)) {  // it is seen on a cut face in its own plane
+    // A slice in the plane of a cut face is seen on it.
+    if (!isinf(slice.t_m) && slice.t_m <= (hit.cell.x < 0 ? seen.t_m + slackOf(ray) : seen.t_m)) {
       seen.t_m = slice.t_m;
       seen.colour = slice.colour;
     }

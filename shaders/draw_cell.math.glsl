@@ -59,7 +59,8 @@ PALPATE_TEXT CellExtrema cellExtrema(PALPATE_IN_ARRAY(float, c, 8), vec3 p, vec3
 }
 
 // Fractions of the way from `from` to `to` between which the density first exceeds the isovalue, and the densities
-// there. Nothing is found where `at_high` is not above 0.
+// there. Nothing is found where `at_high` is not above 0. Where the way begins in the object, both are 0, and `at_low` is
+// any density below 0.
 struct CellInterval {
   float low, high;
   float at_low, at_high;

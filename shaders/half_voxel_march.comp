@@ -88,7 +88,7 @@ void main() {
   const vec3 per_metre = direction / spacing + vec3(equal(direction, vec3(0))) * 1e-6;
 
   const Hit hit = march(eye, per_metre);
-  vec4 colour = vec4(0.965, 0.97, 0.98, 0);  // a light background; alpha says that nothing is hit
+  vec4 colour = unpackUnorm4x8(PICTURE_BACKGROUND);
   if (hit.found) {
     const vec3 p = eye + hit.t_m * per_metre;
     const vec3 gradient = smoothGradient(p, spacing);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // shaders/half_voxel_march.math.glsl: trilinear density and its smooth gradient, and the shading.
 
-// As densities were read then: four at a time.
+// Reads densities as this kernel did when it was replaced, four at a time, so that what it is compared with stays.
 float quadDensityAt(uvec3 voxel) {
   const BrickPage page = pages[brickIndex(voxel / BRICK_EDGE)];
   if (page.slot == NO_SLOT) return page.constant;

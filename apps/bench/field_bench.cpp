@@ -128,6 +128,7 @@ FieldBench::FieldBench(const std::string& bench, const FieldBenchRequest& reques
       turns_(request.turns) {
   result_ = beginBench(bench, fmt::format("{}, {}", gpu_.info().name, gpu_.info().driver));
   for (const MissingRival& missing : python_.missing()) {
+    if (!missing.job.empty()) continue;  // pictures
     result_.note(fmt::format("no comparison with {}: {}", missing.library, missing.why));
   }
 }
@@ -227,9 +228,9 @@ std::string fieldTable(const BenchResult& result) {
     return fmt::format("{}, {}", textOf(row, "job"), textOf(row, "volume"));
   };
   return tableText(result, {{"run", "left out"},
-                            joined(TableColumns{{"", whoInTable, {"", ""}}}, shown(kTimesColumns),
-                                   shown(kPaceColumns), TableColumns{{"", movedInTable, {"moved MiB", "", 1}}},
-                                   shown(kMovedColumns), shown(kAgainstColumns)),
+                            joined(TableColumns{{"", whoInTable, {"", ""}}}, shown(kTimesColumns), shown(kPaceColumns),
+                                   TableColumns{{"", movedInTable, {"moved MiB", "", 1}}}, shown(kMovedColumns),
+                                   shown(kAgainstColumns)),
                             title});
 }
 

@@ -18,6 +18,7 @@
 #include "apps/bench/half_voxel_march.hpp"
 #include "apps/bench/log_chart.hpp"
 #include "apps/bench/random.hpp"
+#include "apps/bench/turns.hpp"
 #include "apps/console/interrupt.hpp"
 #include "apps/rivals/rivals.hpp"
 #include "base/error.hpp"
@@ -112,7 +113,7 @@ class RenderBench {
         python_(threads_, request.python),
         result_(beginBench("render", gpu_.info().name)) {
     for (const MissingRival& missing : python_.missing()) {
-      if (missing.library.starts_with("VTK"))
+      if (missing.library == "VTK")
         result_.note(fmt::format("no comparison with {}: {}", missing.library, missing.why));
     }
   }
@@ -138,20 +139,31 @@ class RenderBench {
       const Camera camera = lookAt(middle_W, from.normalized(), 2 * extent.maxCoeff(), Vec3::UnitZ(), request_.width,
                                    request_.height, 0.5);
       const RivalView seen{inFieldFrame(camera, volume.lattice()), isovalue};
-      std::vector<Rival> rivals = openvdb.picturesOf(seen);
-      for (Rival& rival : python_.rivalsOf("picture")) rivals.push_back(std::move(rival));
-      if (rivals.size() > 1) python_.see(seen);
+      std::vector<Rival> rivals;
+      const auto offer = [&](const std::string& library, const auto& made) {
+        without(library, failureOf([&] {
+                  for (Rival& rival : made()) rivals.push_back(std::move(rival));
+                }));
+      };
+      offer("OpenVDB", [&] { return openvdb.picturesOf(seen); });
+      offer("VTK", [&] {
+        std::vector<Rival> theirs = python_.rivalsOf("picture");
+        if (!theirs.empty()) python_.see(seen);
+        return theirs;
+      });
       measureView(name, view, camera, isovalue, drawing, before, rivals, phantom);
     }
   }
   BenchResult& result() { return result_; }
 
  private:
+  void without(const std::string& library, const std::string& why) {
+    if (!why.empty()) result_.note(fmt::format("no comparison with {} here: {}", library, why));
+  }
   void measureView(const std::string& name, int view, const Camera& camera, double isovalue, Drawing& drawing,
-                   HalfVoxelMarch& before, const std::vector<Rival>& rivals, const Phantom* phantom) {
+                   HalfVoxelMarch& before, std::vector<Rival>& rivals, const Phantom* phantom) {
     const double pixels = static_cast<double>(camera.width) * camera.height;
     std::vector<double> ours_us, before_us;
-    std::vector<std::vector<double>> rivals_us(rivals.size());
     const auto draw = [&] {
       throwIfInterrupted(kRenderBench);
       drawing.show(camera, isovalue);
@@ -169,11 +181,14 @@ class RenderBench {
     draw();  // kernels compiled, trees made, speed known
     drawBefore();
     std::vector<double> rivals_hit;
-    for (const Rival& rival : rivals) {
+    std::erase_if(rivals, [&](const Rival& rival) {  // those that fail
       std::vector<float> covered;
-      static_cast<void>(rival.run(&covered));
-      rivals_hit.push_back(std::accumulate(covered.begin(), covered.end(), 0.0) / pixels);
-    }
+      const std::string why = failureOf([&] { static_cast<void>(rival.run(&covered)); });
+      without(rival.library, why);
+      if (why.empty()) rivals_hit.push_back(std::accumulate(covered.begin(), covered.end(), 0.0) / pixels);
+      return !why.empty();
+    });
+    std::vector<std::vector<double>> rivals_us(rivals.size());
     ours_us.clear();
     before_us.clear();
     for (int n = 0; n < request_.repetitions; ++n) {
@@ -181,7 +196,8 @@ class RenderBench {
       n % 2 == 0 ? drawBefore() : draw();
       for (std::size_t i = 0; i < rivals.size(); ++i) {
         throwIfInterrupted(kRenderBench);
-        rivals_us[i].push_back(1e3 * rivals[i].run(nullptr).wall_ms / pixels);
+        without(rivals[i].library,
+                failureOf([&] { rivals_us[i].push_back(1e3 * rivals[i].run(nullptr).wall_ms / pixels); }));
       }
     }
     const auto add = [&](const std::string& kernel, const std::vector<double>& us, double hit_share,
@@ -198,8 +214,10 @@ class RenderBench {
     };
     addOwn(kOurs, ours_us, drawing.image());
     addOwn(kBefore, before_us, before.image());
-    for (std::size_t i = 0; i < rivals.size(); ++i)
-      add(rivals[i].library + " " + rivals[i].way, rivals_us[i], rivals_hit[i], std::nullopt);
+    for (std::size_t i = 0; i < rivals.size(); ++i) {
+      if (!rivals_us[i].empty())
+        add(rivals[i].library + " " + rivals[i].way, rivals_us[i], rivals_hit[i], std::nullopt);
+    }
   }
 
   const RenderBenchRequest& request_;

@@ -19,11 +19,12 @@
 namespace palpate {
 namespace {
 
-constexpr std::string_view kHeader = "time_s,x_m,y_m,z_m";
+constexpr std::string_view kHeader = "time_s,x_m,y_m,z_m", kHeaderWithBrush = "time_s,x_m,y_m,z_m,brush";
 constexpr double kHoleFactor = 10;  // a gap above this many median intervals is a hole
 
 struct NumberedPoint {
   TimedPoint point;
+  std::string_view brush;
   std::size_t line = 0;  // in the file, from 1
 };
 
@@ -57,9 +58,14 @@ std::string_view takeLine(std::string_view& text) {
   throw Error(Error::Code::kBadInput, fmt::format("{}, line {}", file, line), reason, remedy);
 }
 
-double readNumber(std::string_view text, const std::string& file, std::size_t line) {
+std::string_view withoutBlanks(std::string_view text) {
   while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
   while (!text.empty() && text.back() == ' ') text.remove_suffix(1);
+  return text;
+}
+
+double readNumber(std::string_view text, const std::string& file, std::size_t line) {
+  text = withoutBlanks(text);
   double value = 0;
   const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (status != std::errc() || end != text.data() + text.size()) {
@@ -71,24 +77,28 @@ double readNumber(std::string_view text, const std::string& file, std::size_t li
   return value;
 }
 
-TimedPoint readRow(std::string_view text, const std::string& file, std::size_t line) {
+// A brush is all that follows the fourth number.
+NumberedPoint readRow(std::string_view text, bool with_brush, const std::string& file, std::size_t line) {
   std::array<double, 4> values{};
   for (std::size_t i = 0; i < values.size(); ++i) {
     const auto comma = text.find(',');
-    if ((comma == std::string_view::npos) != (i + 1 == values.size())) {
-      refuseLine(file, line, "a row needs exactly four numbers", fmt::format("write {}", kHeader));
+    if ((comma == std::string_view::npos) != (i + 1 == values.size() && !with_brush)) {
+      refuseLine(
+          file, line,
+          with_brush ? "a row needs four numbers and a brush, which may be empty" : "a row needs exactly four numbers",
+          fmt::format("write {}", with_brush ? kHeaderWithBrush : kHeader));
     }
     values[i] = readNumber(text.substr(0, comma), file, line);
     text.remove_prefix(comma == std::string_view::npos ? text.size() : comma + 1);
   }
-  return {values[0], Vec3(values[1], values[2], values[3])};
+  return {{values[0], Vec3(values[1], values[2], values[3])}, withoutBlanks(text), line};
 }
 
-std::vector<NumberedPoint> readRows(std::string_view text, const std::string& file) {
+std::vector<NumberedPoint> readRows(std::string_view text, bool with_brush, const std::string& file) {
   std::vector<NumberedPoint> rows;
   for (std::size_t line = 2; !text.empty(); ++line) {
     const std::string_view row = takeLine(text);
-    if (!row.empty()) rows.push_back({readRow(row, file, line), line});
+    if (!row.empty()) rows.push_back(readRow(row, with_brush, file, line));
   }
   return rows;
 }
@@ -128,14 +138,16 @@ void checkNoHole(const std::vector<NumberedPoint>& rows, const std::string& file
 
 }  // namespace
 
-std::vector<TimedPoint> readPathCsv(const std::filesystem::path& file) {
+PathFile readPathFile(const std::filesystem::path& file) {
   const std::string name = file.string(), text = readAll(file);
   std::string_view rest = withoutByteOrderMark(text);
-  if (const std::string_view header = takeLine(rest); header != kHeader) {
+  const std::string_view header = takeLine(rest);
+  const bool with_brush = header == kHeaderWithBrush;
+  if (header != kHeader && !with_brush) {
     refuseLine(name, 1, text.empty() ? "the file is empty" : fmt::format("the header is \"{}\"", header.substr(0, 80)),
                fmt::format("make the first line {}", kHeader));
   }
-  const std::vector<NumberedPoint> rows = readRows(rest, name);
+  const std::vector<NumberedPoint> rows = readRows(rest, with_brush, name);
   if (rows.size() < 2) {
     throw Error(Error::Code::kBadInput, name, fmt::format("a path needs at least two rows, it has {}", rows.size()),
                 "add rows of time and position");
@@ -144,10 +156,20 @@ std::vector<TimedPoint> readPathCsv(const std::filesystem::path& file) {
   checkLength(rows, name);
   checkNoHole(rows, name);
 
-  std::vector<TimedPoint> points;
-  points.reserve(rows.size());
-  for (const NumberedPoint& row : rows) points.push_back(row.point);
-  return points;
+  PathFile path;
+  path.points.reserve(rows.size());
+  std::string_view held;
+  for (const NumberedPoint& row : rows) {
+    path.points.push_back(row.point);
+    if (row.brush == held) continue;
+    held = row.brush;
+    path.brushes.push_back({row.point.time_s - rows.front().point.time_s, std::string(held)});
+  }
+  return path;
+}
+
+std::vector<TimedPoint> readPathCsv(const std::filesystem::path& file) {
+  return readPathFile(file).points;
 }
 
 }  // namespace palpate

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/path/timed_point.hpp: the points of a scripted path with their times, and its named phases.
+// apps/path/timed_point.hpp: the points of a scripted path with their times, its named phases, and the brushes that its
+// tool holds.
 #pragma once
 
 #include <string>
@@ -11,6 +12,12 @@ namespace palpate {
 struct TimedPoint {
   double time_s = 0;        // since the path began [s]
   Vec3 p_W = Vec3::Zero();  // world [m]
+};
+
+// From this time on the tool edits with this brush, as `palpate touch --edit` takes it; empty: with none.
+struct HeldBrush {
+  double begin_s = 0;  // since the path began [s]
+  std::string text;
 };
 
 struct PathPhase {

@@ -92,9 +92,9 @@ VoxelBox objectVoxels(const Asked& asked, const Volume& volume, const VoxelBox& 
   return box.empty() ? box : asked.grid.widened(box, Vec3i::Ones());
 }
 
-// The object's box [voxel], given that of the bricks whose cells hold it. Only the outermost layer of bricks on each
-// side is looked at. Where none of a layer's own voxels is object, its cells reach the object at the next layer's first
-// voxels.
+// The object's box [voxel], given that of the bricks whose cells hold it; without clips. Only the outermost layer of
+// bricks on each side is looked at. Where none of a layer's own voxels is object, its cells reach the object at the
+// next layer's first voxels.
 VoxelBox narrowed(const Asked& asked, const Volume& volume, const VoxelBox& bricks, VoxelBox object) {
   for (int axis = 0; axis < 3; ++axis) {
     VoxelBox low = bricks, high = bricks;
@@ -189,7 +189,7 @@ SeenExtent objectExtent(std::span<const layout::BrickBounds> bounds, const Brick
     }
   }
   if (object.empty()) return wholeExtent(grid, lattice, clips);
-  if (volume != nullptr) object = narrowed(asked, *volume, bricks, object);
+  if (volume != nullptr && clips.empty()) object = narrowed(asked, *volume, bricks, object);
   SeenExtent extent;
   for (std::vector<VoxelBox>& rows : layers) {
     for (VoxelBox& row : rows) row = intersection(row, object);

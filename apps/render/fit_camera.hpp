@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // apps/render/fit_camera.hpp: cameras from which all that is drawn is in the picture. World: LPS [m]. Any thread. Cost:
-// a look at every brick's bounds; for a fitting distance some operations for each point and frame: at 2048^3 at most
-// some 50000 points.
+// a look at every brick's bounds, and with the volume at the voxels of its six outer layers of bricks; for a fitting
+// distance some operations for each point and frame: at 2048^3 at most some 50000 points.
 #pragma once
 
 #include <functional>
@@ -33,8 +33,8 @@ struct SeenExtent {
 };
 
 // All that is above the isovalue, and its surface, to a brick: a brick that a clip plane cuts counts whole, and one
-// that lies behind a plane does not count. With the volume, whose outermost bricks are then looked at, the box around
-// it is exact to a voxel. wholeExtent() where no brick is left. `bounds`: of each brick (BrickBoundsPass). The points
+// that lies behind a plane does not count. With the volume and without clips the box around it
+// is exact to a voxel. wholeExtent() where no brick is left. `bounds`: of each brick (BrickBoundsPass). The points
 // are hulls of the layers of bricks along k.
 [[nodiscard]] SeenExtent objectExtent(std::span<const layout::BrickBounds> bounds, const BrickGrid& grid,
                                       const Lattice& lattice, float isovalue, std::span<const ViewPlane> clips = {},

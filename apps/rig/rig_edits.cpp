@@ -37,16 +37,23 @@ bool RigEdits::goTo(std::size_t done) {
   return ask([this, done](std::int64_t now_ns) { stepTowards(done, now_ns); });
 }
 bool RigEdits::setBrush(const ToolBrushSpec& brush) {
-  return ask([this, brush](std::int64_t) {
-    last_stroke_ns_.reset();
-    brush_.emplace(brush, size_, lattice_);
-  });
+  return ask([this, brush](std::int64_t) { hold(brush); });
 }
 bool RigEdits::dropBrush() {
   return ask([this](std::int64_t) { brush_.reset(); });
 }
 bool RigEdits::errand(BackgroundSaver::Errand errand) {
   return ask([this, errand = std::move(errand)](std::int64_t) mutable { session_.ask(std::move(errand)); });
+}
+
+void RigEdits::follow(std::vector<ScheduledBrush> brushes) {
+  scheduled_.assign(brushes.begin(), brushes.end());
+}
+
+void RigEdits::hold(const std::optional<ToolBrushSpec>& brush) {
+  last_stroke_ns_.reset();
+  brush_.reset();
+  if (brush) brush_.emplace(*brush, size_, lattice_);
 }
 
 void RigEdits::stepTowards(std::size_t done, std::int64_t now_ns) {
@@ -106,6 +113,8 @@ void RigEdits::doWaiting(std::int64_t now_ns) {
 
 void RigEdits::look(const ToolPose& pose, std::int64_t now_ns) {
   if (const Request request = next()) request(now_ns);
+  for (; !scheduled_.empty() && pose.tick >= scheduled_.front().tick; scheduled_.pop_front())
+    hold(scheduled_.front().brush);
   if (brush_) stroke(pose, now_ns);
   session_.feedSaver(now_ns);
   listen();

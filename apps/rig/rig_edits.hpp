@@ -41,6 +41,12 @@ class RigEdits {
   // A brush for the tool. Its strokes are undone as one, unless it was away from the surface for kStrokePause_s.
   bool setBrush(const ToolBrushSpec& brush);
   bool dropBrush();
+  // Before a run: from these ticks on the tool holds these brushes, or none. The ticks ascend. A scripted session's.
+  struct ScheduledBrush {
+    std::int64_t tick = 0;
+    std::optional<ToolBrushSpec> brush;
+  };
+  void follow(std::vector<ScheduledBrush> brushes);
   static constexpr double kStrokePause_s = 0.5;  // [s]
   bool errand(BackgroundSaver::Errand errand);   // EditSession::ask()
   static constexpr std::size_t kMostWaiting = 256;
@@ -54,7 +60,7 @@ class RigEdits {
     [[nodiscard]] bool canRedo() const noexcept { return done < steps.size(); }
     std::vector<UndoLabel> steps;  // that can be undone or redone, the oldest first
     std::size_t done = 0;          // of them, not undone
-    bool editing = true;  // false: the device has failed, and nothing more is edited
+    bool editing = true;           // false: the device has failed, and nothing more is edited
   };
   [[nodiscard]] State state() const;
 
@@ -74,6 +80,7 @@ class RigEdits {
   using Request = std::function<void(std::int64_t now_ns)>;
   bool ask(Request request);
   [[nodiscard]] Request next();
+  void hold(const std::optional<ToolBrushSpec>& brush);
   void stroke(const ToolPose& pose, std::int64_t now_ns);
   void stepTowards(std::size_t done, std::int64_t now_ns);
   [[nodiscard]] bool isEditing() const;
@@ -96,6 +103,7 @@ class RigEdits {
   const Tell tell_;
   std::optional<ToolBrush> brush_;
   std::optional<std::int64_t> last_stroke_ns_;  // of this brush, since the last other change
+  std::deque<ScheduledBrush> scheduled_;
   std::vector<Trouble> troubles_;
   bool journal_failed_ = false;
   mutable std::mutex mutex_;  // guards what follows

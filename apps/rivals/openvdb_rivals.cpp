@@ -95,9 +95,6 @@ openvdb::FloatGrid::Ptr levelSetOf(const State& state, double isovalue) {
   std::vector<openvdb::Vec3I> triangles;
   std::vector<openvdb::Vec4I> quads;
   openvdb::tools::volumeToMesh(*state.grid, points, triangles, quads, isovalue);
-  // Density grows inwards, and a level set's values outwards.
-  for (openvdb::Vec3I& one : triangles) std::swap(one[0], one[2]);
-  for (openvdb::Vec4I& one : quads) std::swap(one[0], one[3]), std::swap(one[1], one[2]);
   const double edge_mm = state.field.spacing_m.minCoeff() / kMetresPerMillimetre;
   const auto cubes = openvdb::math::Transform::createLinearTransform(edge_mm);
   return openvdb::tools::meshToLevelSet<openvdb::FloatGrid>(*cubes, points, triangles, quads);

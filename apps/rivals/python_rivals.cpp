@@ -74,7 +74,8 @@ PythonRivals::PythonRivals(unsigned threads, const std::vector<std::string>& pyt
     talks = line.has_value();
     const std::vector<std::string> words = wordsOf(line.value_or(""));
     ready = words[0] == "ready";
-    if (words[0] == "missing" && words.size() == 3) missing_.push_back({words[1], words[2]});
+    if (words[0] == "missing" && words.size() >= 3)
+      missing_.push_back({words[1], words[2], words.size() > 3 ? words[3] : ""});
     if (words[0] != "rival" || words.size() != 4) continue;
     const std::string ask = fmt::format("run\t{}\t{}\t{}", words[1], words[2], words[3]);
     const auto run = [state = state_.get(), ask](std::vector<float>* result) -> RunCost {

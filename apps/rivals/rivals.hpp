@@ -67,9 +67,10 @@ class OpenVdbRivals {
   std::shared_ptr<State> state_;
 };
 
-// A library that is not installed, with what to do.
+// A library that is not installed, with what to do; or one that cannot do one job alone.
 struct MissingRival {
   std::string library, why;
+  std::string job = {};  // empty: all
 };
 
 // VTK and SciPy. A Python child (rivals.py) runs their filters on request, so they can take turns with the others. It

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""VTK's and SciPy's filters, timed on request: what apps/rivals/python_rivals.cpp starts and talks with.
+"""VTK's and SciPy's filters and VTK's pictures, timed on request: what apps/rivals/python_rivals.cpp starts and talks with.
 
 A line in, a line out, words parted by tabs:
-  threads N                        first line in. Out: "rival LIBRARY JOB WAY" and "missing LIBRARY WHY" lines, "ready"
+  threads N                        first line in. Out: "rival LIBRARY JOB WAY" and "missing LIBRARY WHY [JOB]" lines, "ready"
   load FILE NX NY NZ HX HY HZ      raw floats, i fastest; spacing in mm. Out: "ok"
   see WIDTH HEIGHT ISOVALUE X Y Z FX FY FZ UX UY UZ FOV
                                    of pictures: where the camera is [mm], its directions forward and up, the angle between
@@ -138,7 +138,7 @@ def offer_vtk():
 # Front to back through 16-bit values, opaque from the isovalue on. The window that VTK wants is never seen.
 def offer_vtk_picture():
     if "DISPLAY" not in os.environ:
-        say("missing", "VTK's ray caster", "there is no display: run the bench with xvfb-run -a")
+        say("missing", "VTK", "its ray caster wants a display: run the bench with xvfb-run -a", "picture")
         return
     import numpy
     import vtkmodules.vtkRenderingOpenGL2
@@ -155,7 +155,8 @@ def offer_vtk_picture():
         if made.get("of") is volume:
             return made
         least, most = float(volume.min()), float(volume.max())
-        made.update({"of": volume, "least": least, "scale": 65535 / max(most - least, 1e-30)})
+        made.clear()
+        made.update({"least": least, "scale": 65535 / max(most - least, 1e-30)})
         made["words"] = numpy.round((volume - least) * made["scale"]).astype(numpy.uint16)
         image = vtkImageData()
         image.SetDimensions(*reversed(volume.shape))
@@ -183,7 +184,7 @@ def offer_vtk_picture():
         window = vtkRenderWindow()
         window.SetOffScreenRendering(1)
         window.AddRenderer(renderer)
-        made.update({"caster": caster, "look": look, "renderer": renderer, "window": window})
+        made.update({"of": volume, "caster": caster, "look": look, "renderer": renderer, "window": window})
         return made
 
     def work():

@@ -126,7 +126,7 @@ const SceneOption kOptions[] = {
     ofDevice("--device-damping", "device.damping_Ns_per_m", "N s/m", &Scene::device_damping_Ns_per_m, 1, "damping_Ns_per_m"),
     ofDevice("--encoder", "device.encoder_resolution_mm", "mm", &Scene::encoder_resolution_m, kMm, "encoder_resolution_m"),
     {"--delay", "device.delay_ticks", "ticks", "delay of the simulated device's force", integer(&Scene::device_delay_ticks, 0, 1000)},
-    {"--path", "path.file", "", "CSV file with header time_s,x_m,y_m,z_m, instead of a path built from the surface", TextOption{&Scene::path_file, false}},
+    {"--path", "path.file", "", "CSV file with header time_s,x_m,y_m,z_m, instead of a path built from the surface; a fifth column brush says where the tool edits, and how (--edit)", TextOption{&Scene::path_file, false}},
     {"--toward", "path.toward", "", "world direction in which the tool approaches; chosen if not given", VectorOption{&Scene::path_toward, 1, true}},
     {"--start", "path.start_mm", "mm", "world point near the surface where the press begins; chosen if not given", VectorOption{&Scene::path_start_W, kMm, false}},
     {"--slide-toward", "path.slide_toward", "", "world direction of the slide; chosen if not given", VectorOption{&Scene::path_slide, 1, true}},

@@ -197,6 +197,15 @@ SculptState SculptSession::look() {
   return state;
 }
 
+void SculptSession::press(const ToolBrushSpec& brush) {
+  if (edits_->setBrush(brush)) held_ = toolBrushText(brush);
+}
+
+void SculptSession::release() {
+  static_cast<void>(edits_->dropBrush());
+  held_.clear();
+}
+
 void SculptSession::close() {
   if (std::exchange(closed_, true)) return;
   std::exception_ptr failure;

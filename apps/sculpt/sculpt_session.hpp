@@ -3,8 +3,8 @@
 // and nothing of the window.
 //
 // It loads the volume, makes an engine that draws and edits, keeps a journal, and runs the servo by the real clock with
-// a device: one that a pointer leads, if it needs a path. Threads: all functions are the window's thread's, unless they say otherwise; none
-// waits for the engine or the servo, but for the constructor and close().
+// a device: one that a pointer leads, if it needs a path. Threads: all functions are the window's thread's, unless they
+// say otherwise; none waits for the engine or the servo, but for the constructor and close().
 #pragma once
 
 #include <atomic>
@@ -37,8 +37,8 @@ struct SculptRequest {
   std::filesystem::path recovers = {};   // journal of a session of this volume, whose edits are made again first
   std::size_t undo_bytes = 256U << 20U;  // memory for undo
   std::string device = std::string(devices().front().name);
-  LoopParameters loop = {};              // its ticks are set: the servo runs until close()
-  RigSettings servo = {};                // its isovalue is set
+  LoopParameters loop = {};  // its ticks are set: the servo runs until close()
+  RigSettings servo = {};    // its isovalue is set
 };
 
 // What a volume is, as loaded.
@@ -87,8 +87,10 @@ class SculptSession {
   void takeTicks(std::vector<TickRecord>& records) { rig_->ticks().take(records); }
 
   // A stroke lasts from press() to release(), and is undone as one.
-  void press(const ToolBrushSpec& brush) { static_cast<void>(edits_->setBrush(brush)); }
-  void release() { static_cast<void>(edits_->dropBrush()); }
+  void press(const ToolBrushSpec& brush);
+  void release();
+  // That the tool holds now, as text (toolBrushText()); empty: none.
+  [[nodiscard]] const std::string& heldBrush() const noexcept { return held_; }
   void undo() { static_cast<void>(edits_->undo()); }
   void redo() { static_cast<void>(edits_->redo()); }
   void goTo(std::size_t done) { static_cast<void>(edits_->goTo(done)); }  // RigEdits::goTo()
@@ -129,6 +131,7 @@ class SculptSession {
   std::optional<PointerPath> path_;
   std::unique_ptr<Device> device_;
   std::unique_ptr<TouchRig> rig_;
+  std::string held_;
   bool started_ = false, closed_ = false;
 };
 

@@ -16,7 +16,7 @@ TickRecording::TickRecording(const std::filesystem::path& file, double rate_hz) 
     throw Error(Error::Code::kIo, file_.string(), "the file exists already", "give another name, or move it away");
   }
   stream_.open(file_);
-  stream_ << "time_s,x_m,y_m,z_m\n";
+  stream_ << "time_s,x_m,y_m,z_m,brush\n";
   check();
 }
 
@@ -43,7 +43,8 @@ void TickRecording::close() {
 
 void TickRecording::write(const Vec3& hip_W) {
   // In as many digits as are read back to the same bits.
-  stream_ << fmt::format("{},{},{},{}\n", static_cast<double>(rows_) / rate_hz_, hip_W.x(), hip_W.y(), hip_W.z());
+  stream_ << fmt::format("{},{},{},{},{}\n", static_cast<double>(rows_) / rate_hz_, hip_W.x(), hip_W.y(), hip_W.z(),
+                         brush_);
   ++rows_;
 }
 

@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/sculpt/tick_recording.hpp: the tool's way as a file that `palpate touch --path` replays.
+// apps/sculpt/tick_recording.hpp: the tool's way and its brushes as a file that `palpate touch --path` replays.
 //
-// A row for each tick: time since the recording began, and where the tool was. Ticks that the servo left out are filled
-// in on the straight line between their neighbours, as a path has no holes. One thread. Cost: some 60 bytes a tick.
+// A row for each tick: time since the recording began, where the tool was, and the brush that it held. Ticks that the
+// servo left out are filled in on the straight line between their neighbours, as a path has no holes. One thread. Cost:
+// some 60 bytes a tick.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <optional>
+#include <string>
 
 #include "servo/loop/tick_record.hpp"
 
@@ -19,6 +21,8 @@ class TickRecording {
   // Makes the file. Throws Error(kIo) if it exists already or cannot be made. `rate_hz`: the servo's.
   TickRecording(const std::filesystem::path& file, double rate_hz);
 
+  // With the next ticks the tool holds this brush (toolBrushText()); empty: none.
+  void hold(const std::string& brush) { brush_ = brush; }
   // The next tick. Throws Error(kIo) where the disk is full; the whole rows that were written before stay.
   void add(const TickRecord& tick);
   // Writes what is left. Throws as add() does.
@@ -36,6 +40,7 @@ class TickRecording {
   std::filesystem::path file_;
   std::ofstream stream_;
   double rate_hz_;
+  std::string brush_;
   std::optional<TickRecord> last_;
   std::int64_t rows_ = 0;
 };

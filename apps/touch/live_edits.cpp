@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/touch/live_edits.hpp"
 
+#include <cmath>
+#include <limits>
+#include <set>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "apps/console/message.hpp"
+#include "apps/path/path_csv.hpp"
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
 #include "engine/edit/lower_edit.hpp"
@@ -45,7 +49,47 @@ void checkSave(const Scene& scene) {
   static_cast<void>(AtomicFile(scene.save));  // refuses a folder without write permission
 }
 
+// The one that is given from the first tick on, or those of the path file.
+std::vector<HeldBrush> brushesOf(const Scene& scene) {
+  std::vector<HeldBrush> brushes;
+  if (!scene.path_file.empty()) brushes = readPathFile(scene.path_file).brushes;
+  if (brushes.empty()) brushes.push_back({0, scene.edit});
+  return brushes;
+}
+
+std::vector<EditKind> kindsOf(const std::vector<HeldBrush>& brushes) {
+  std::set<EditKind> kinds;
+  for (const HeldBrush& held : brushes) {
+    if (!held.text.empty()) kinds.insert(toolBrushSpec(held.text).brush.kind);
+  }
+  return {kinds.begin(), kinds.end()};
+}
+
 }  // namespace
+
+Scene withRecordedBrush(const Scene& scene) {
+  if (scene.path_file.empty()) return scene;
+  const std::vector<HeldBrush> brushes = readPathFile(scene.path_file).brushes;
+  if (brushes.empty()) return scene;
+  if (!scene.edit.empty()) {
+    throw Error(Error::Code::kBadInput, "--edit " + scene.edit,
+                fmt::format("the path {} says itself where the tool edits, and how", scene.path_file),
+                "leave --edit out, or the file's last column");
+  }
+  for (const HeldBrush& held : brushes) {
+    if (held.text.empty()) continue;
+    try {
+      static_cast<void>(toolBrushSpec(held.text));
+    } catch (const Error& error) {
+      throw Error(error.code(),
+                  fmt::format("{}, {:g} s after its first row: {}", scene.path_file, held.begin_s, held.text),
+                  error.reason(), error.remedy());
+    }
+  }
+  Scene edited = scene;
+  edited.edit = brushes.front().text;
+  return edited;
+}
 
 void checkEditOptions(const Scene& scene) {
   if (!scene.edit.empty()) static_cast<void>(toolBrushSpec(scene.edit));
@@ -64,18 +108,29 @@ void checkEditOptions(const Scene& scene) {
 
 LiveEdits::LiveEdits(const Scene& scene, Volume& volume, Engine& engine)
     : scene_(scene),
+      brushes_(brushesOf(scene)),
       session_(
           engine,
           [&] {
             const BrushProfile profile = brushProfile(volume, *scene.isovalue);
-            checkBrush(toolBrushSpec(scene.edit).brush, scene.edit, volume, profile);
+            for (const HeldBrush& held : brushes_) {
+              if (!held.text.empty()) checkBrush(toolBrushSpec(held.text).brush, held.text, volume, profile);
+            }
             return profile;
           }(),
-          std::vector{toolBrushSpec(scene.edit).brush.kind}, kHistoryBytes),
+          kindsOf(brushes_), kHistoryBytes),
       edits_(session_, volume.size(), volume.lattice(), tellUser) {
-  edits_.setBrush(toolBrushSpec(scene.edit));
-  const std::string fine = fineBrushWarning(toolBrushSpec(scene.edit).brush, volume.lattice(), engine.profile());
-  if (!fine.empty()) edits_.tell("--edit " + scene.edit + ": " + fine);
+  std::vector<RigEdits::ScheduledBrush> scheduled;
+  std::set<std::string> told;
+  for (const HeldBrush& held : brushes_) {
+    RigEdits::ScheduledBrush& one = scheduled.emplace_back();
+    one.tick = held.begin_s > 0 ? std::llround(held.begin_s * scene.rate_hz) : std::numeric_limits<std::int64_t>::min();
+    if (held.text.empty()) continue;
+    one.brush = toolBrushSpec(held.text);
+    const std::string fine = fineBrushWarning(one.brush->brush, volume.lattice(), engine.profile());
+    if (!fine.empty() && told.insert(held.text).second) edits_.tell("--edit " + held.text + ": " + fine);
+  }
+  edits_.follow(std::move(scheduled));
   if (!scene.journal.empty()) session_.keepJournal(scene.journal, identityOf(volume), watchedJournal());
   if (scene.save.empty()) return;
   volume.keepIsovalue(*scene.isovalue);

@@ -9,12 +9,17 @@
 #include <string>
 #include <vector>
 
+#include "apps/path/timed_point.hpp"
 #include "apps/report/touch_run.hpp"
 #include "apps/rig/rig_edits.hpp"
 #include "apps/scene/scene.hpp"
 #include "engine/session/edit_session.hpp"
 
 namespace palpate {
+
+// The scene with the first brush of its path file as --edit, so that it edits at all; the scene itself where the file
+// holds none. Throws Error as readPathFile() does, and kBadInput if there is an --edit too.
+[[nodiscard]] Scene withRecordedBrush(const Scene& scene);
 
 // Checks --edit, --journal and --save before any volume is loaded. Throws Error: kBadInput for invalid ones, kIo for a
 // place where no file can be made.
@@ -31,7 +36,8 @@ void checkEditOptions(const Scene& scene);
 class LiveEdits {
  public:
   // `scene.isovalue` is set to the one in use. With --save, `volume` belongs to this object until finish(): nobody else
-  // may look at it. Throws Error for a brush that does not fit the volume, and for a journal that cannot be made.
+  // may look at it. The tool holds the brushes of the path file where it has some. Throws Error for a brush that does
+  // not fit the volume, and for a journal that cannot be made.
   LiveEdits(const Scene& scene, Volume& volume, Engine& engine);
   ~LiveEdits();  // without finish() the run has failed; then deletes a journal without a record
   LiveEdits(const LiveEdits&) = delete;
@@ -55,6 +61,7 @@ class LiveEdits {
   [[nodiscard]] std::string finishFailed() noexcept;
 
   Scene scene_;
+  std::vector<HeldBrush> brushes_;
   EditSession session_;
   RigEdits edits_;
   bool finished_ = false;

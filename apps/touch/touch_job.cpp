@@ -435,7 +435,8 @@ TouchRun TouchJob::tell() {
 }  // namespace
 
 TouchRun runTouchJob(const Scene& scene, const std::string& command, const std::string& commit, Progress& progress) {
-  TouchJob job(scene, command, commit, progress);
+  const Scene edited = withRecordedBrush(scene);
+  TouchJob job(edited, command, commit, progress);
   job.prepare();
   job.feel();
   return job.tell();

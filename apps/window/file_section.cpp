@@ -58,9 +58,14 @@ void toggleRecording(WindowModel& model) {
       return;
     }
     model.recording->close();
-    model.say(fmt::format("{} holds {:.1f} s of the tool's way: palpate touch VOLUME --path {} replays it",
-                          model.recording->file().string(), model.recording->seconds(),
-                          model.recording->file().string()));
+    const std::string file = model.recording->file().string();
+    const RigSettings felt = model.session.settings();
+    model.say(fmt::format(
+        "{} holds {:.1f} s of the tool's way and its brushes. It is replayed by: palpate touch {} --path {} "
+        "--isovalue {} --algorithm {} --stiffness {:g} --damping {:g} --n {}",
+        file, model.recording->seconds(), model.session.volume().name, file,
+        static_cast<float>(felt.parameters.isovalue), felt.algorithm, felt.parameters.stiffness_N_per_m,
+        felt.parameters.damping_Ns_per_m, felt.parameters.plane_renewal_ticks));
     model.recording.reset();
   });
 }
@@ -79,7 +84,7 @@ void showFileSection(WindowModel& model) {
   tip("Writes a picture of the window into the current folder (F12)");
   ImGui::SameLine();
   if (ImGui::Button(model.recording ? "End recording" : "Record", inRow(2))) toggleRecording(model);
-  tip("Writes the tool's way into a file that 'palpate touch --path' replays (F9)");
+  tip("Writes the tool's way and its brushes into a file that 'palpate touch --path' replays (F9)");
   if (model.recording) mutedText(fmt::format("recording: {:.1f} s", model.recording->seconds()));
   if (model.state.errands > 0) mutedText("writing ...");
 }

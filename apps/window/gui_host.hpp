@@ -45,7 +45,7 @@ class GuiHost {
   void setScale(double scale);
   [[nodiscard]] double scale() const noexcept;  // pixels of the framebuffer per pixel of a panel at 1x
 
-  // A frame: begin(), panels by ImGui, end(). end() returns false while the window has no pixels.
+  // A frame: begin(), panels by ImGui, end(). end() returns false while the window takes no frame.
   void begin();
   bool end(const PlacedPicture& picture);
   // As end(), and what is shown.

@@ -21,7 +21,7 @@ namespace {
 
 constexpr std::size_t kSlots = 2;  // frames that the processor may be ahead of the display
 constexpr std::uint64_t kLongest_ns = 10'000'000'000;
-constexpr std::uint64_t kMoment_ns = 100'000'000;  // what a display may make wait that shows nothing of a hidden window
+constexpr std::uint64_t kMoment_ns = 100'000'000;  // a display may hand out no image while the window is hidden
 constexpr int kTries = 3;                          // to get an image of a window that changes
 constexpr vk::Format kFormats[] = {vk::Format::eB8G8R8A8Unorm, vk::Format::eR8G8B8A8Unorm};
 // Copies into the window's image come between its hand-over and the panels.
@@ -317,7 +317,7 @@ HostBuffer Presenter::State::makeBuffer(std::size_t bytes) const {
   return made;
 }
 
-// Colours in the window's order; alpha counts for nothing.
+// Colours in the window's order, before the background; what they hide of the desktop counts for nothing.
 void Presenter::State::fill(HostBuffer& buffer, const PlacedPicture& picture, const float (&background)[3]) {
   const std::size_t bytes = 4 * picture.pixels->size();
   if (buffer.bytes != bytes) buffer = makeBuffer(bytes);
@@ -333,8 +333,10 @@ void Presenter::State::fill(HostBuffer& buffer, const PlacedPicture& picture, co
 
 // Empty: the window takes no frame now.
 std::optional<std::uint32_t> Presenter::State::acquire(Slot& slot) {
+  bool is_new = false;  // the surface
   for (int tries = 0; tries < kTries; ++tries) {
     try {
+      is_new = is_new || lost;
       if (stale || lost) makeSwapchain();
       const auto [result, image] = swapchain.acquireNextImage(kMoment_ns, *slot.acquired);
       if (result == vk::Result::eTimeout) return std::nullopt;
@@ -346,7 +348,7 @@ std::optional<std::uint32_t> Presenter::State::acquire(Slot& slot) {
       lost = true;
     }
   }
-  if (lost) fail("its surface is lost", "so were new ones");
+  if (lost && is_new) fail("its surface is lost", "and so was a new one");
   return std::nullopt;  // it is being resized: the next frame comes
 }
 

@@ -100,7 +100,8 @@ bool SculptWindow::done() {
   }
   const std::vector<std::string> dropped = host_.takeDroppedFiles();
   if (!dropped.empty()) model_.open(dropped.front());
-  if (dropped.size() > 1) model_.say(fmt::format("{} is opened; the other {} dropped files are not", dropped.front(), dropped.size() - 1));
+  if (dropped.size() > 1)
+    model_.say(fmt::format("{} is opened; the other {} dropped files are not", dropped.front(), dropped.size() - 1));
   if (!host_.wantsToClose()) return false;
   host_.refuseToClose();
   look();
@@ -139,7 +140,10 @@ void SculptWindow::changeHost() {
 }
 
 void SculptWindow::keepScreenshot(const std::optional<RenderedImage>& image) {
-  if (!image) return;
+  if (!image) {  // nothing is shown now: of the next frame
+    model_.wants_screenshot = true;
+    return;
+  }
   orSay(model_, [&] {
     const std::filesystem::path file = datedName(".", "palpate", ".png");
     writeFileAtomically(file, pngOf(*image));
@@ -179,6 +183,7 @@ void SculptWindow::look() {
 
 void SculptWindow::record() {
   if (!model_.recording) return;
+  model_.recording->hold(model_.session.heldBrush());
   const bool kept = orSay(model_, [&] {
     for (const TickRecord& tick : ticks_) model_.recording->add(tick);
   });

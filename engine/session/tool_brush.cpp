@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "base/units.hpp"
 #include "engine/edit/edit_text.hpp"
 
@@ -18,6 +20,20 @@ constexpr double kStandsStill = 0.05;  // share of the radius; a tool that moved
 ToolBrushSpec toolBrushSpec(const std::string& text) {
   const EditText parsed = editText(text, EditUse::kTool, "--edit " + text);
   return {parsed.command, parsed.rate_per_Ns, parsed.period_s, parsed.mirror_axis};
+}
+
+std::string toolBrushText(const ToolBrushSpec& spec) {
+  const EditCommand& brush = spec.brush;
+  std::string text = fmt::format("{}:radius={}m:strength={}:falloff={}:period={}", editName(brush.kind), brush.radius_m,
+                                 brush.strength, brush.falloff, spec.period_s * 1e3);
+  if (spec.rate_per_Ns > 0) text += fmt::format(":rate={}", spec.rate_per_Ns);
+  if (brush.kind == EditKind::kPaint) text += fmt::format(":value={}", brush.value);
+  if (spec.mirror_axis) text += fmt::format(":mirror={}", "xyz"[*spec.mirror_axis]);
+  if (brush.material) {
+    const MaterialRate& material = *brush.material;
+    text += fmt::format(":soft={}:hard={}:drop={}", material.low_density, material.high_density, material.drop);
+  }
+  return text;
 }
 
 double ToolBrush::strengthFor(double seconds) const {

@@ -31,6 +31,9 @@ struct ToolBrushSpec {
 // Error(kBadInput) that says what is wrong and what may be given. The first edit checks limits that depend on the
 // volume.
 [[nodiscard]] ToolBrushSpec toolBrushSpec(const std::string& text);
+// A text from which toolBrushSpec() makes this brush again, to the bit but for lengths and times, which it gives in
+// millimetres and milliseconds.
+[[nodiscard]] std::string toolBrushText(const ToolBrushSpec& spec);
 
 class ToolBrush {
  public:

@@ -24,12 +24,17 @@ std::string textOf(const std::vector<TimedPoint>& points) {
 void check(const std::string& bytes) {
   static const fuzz::ScratchFile file("path.csv");
   file.write(bytes);
-  std::vector<TimedPoint> points;
-  if (!fuzz::accepts(file.path(), [&] { points = readPathCsv(file.path()); })) return;
+  PathFile path;
+  if (!fuzz::accepts(file.path(), [&] { path = readPathFile(file.path()); })) return;
+  const std::vector<TimedPoint>& points = path.points;
   fuzz::require(points.size() >= 2, "a path of fewer than two points");
   for (std::size_t n = 0; n < points.size(); ++n) {
     fuzz::require(std::isfinite(points[n].time_s) && points[n].p_W.allFinite(), "a point is not finite");
     fuzz::require(n == 0 || points[n - 1].time_s < points[n].time_s, "time does not rise");
+  }
+  for (std::size_t n = 0; n < path.brushes.size(); ++n) {
+    fuzz::require(path.brushes[n].text != (n == 0 ? "" : path.brushes[n - 1].text), "a brush does not change");
+    fuzz::require(n == 0 || path.brushes[n - 1].begin_s < path.brushes[n].begin_s, "time of brushes does not rise");
   }
   fuzz::require(std::isfinite(points.back().time_s - points.front().time_s), "it lasts for ever");
   file.write(textOf(points));

@@ -36,6 +36,19 @@ TEST(Strokes, WhoHoldsMissesNone) {
   }
 }
 
+// Before each stroke: how many of all are done.
+TEST(Strokes, TellHowFarTheyAre) {
+  const BenchVolume volume("phantom:knot?size=64");
+  const std::unique_ptr<Phantom> body = makePhantom("phantom:knot?size=64");
+  auto entrants = oneEntrant(std::make_unique<Oracle>(*body, OracleErrors{}));
+  StrokeRequest request;
+  request.strokes = 2;
+  request.speeds_m_per_s = {0.1, 2};
+  std::vector<double> told;
+  static_cast<void>(strokeFigures(volume, request, entrants, [&](double share) { told.push_back(share); }));
+  EXPECT_EQ(told, (std::vector<double>{0, 0.25, 0.5, 0.75}));
+}
+
 TEST(Strokes, WhoFeelsNothingMissesAll) {
   for (const StrokeFigures& f :
        through("phantom:shell?size=64&thickness=2", {.blind = [](int, double) { return true; }}, true)) {

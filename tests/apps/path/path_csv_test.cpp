@@ -144,5 +144,27 @@ TEST_F(PathCsv, AcceptsAGapOfTenIntervals) {
   EXPECT_EQ(read(std::string(kHeader) + "0,0,0,0\n1,0,0,0\n2,0,0,0\n12,0,0,0\n").size(), 4U);
 }
 
+// Times are since the first row; blanks around a brush are not its own; a brush may hold commas.
+TEST_F(PathCsv, ReadsTheBrushes) {
+  static_cast<void>(
+      read("time_s,x_m,y_m,z_m,brush\n5,0,0,0,\n5.1,0,0,0, add:radius=1mm \n5.2,0,0,0,add:radius=1mm\n"
+           "5.3,0,0,0,a,b\r\n5.4,0,0,0,\n"));
+  const PathFile path = readPathFile(file_);
+  EXPECT_EQ(path.points.size(), 5U);
+  ASSERT_EQ(path.brushes.size(), 3U);
+  EXPECT_NEAR(path.brushes[0].begin_s, 0.1, 1e-12);
+  EXPECT_EQ(path.brushes[0].text, "add:radius=1mm");
+  EXPECT_EQ(path.brushes[1].text, "a,b");
+  EXPECT_NEAR(path.brushes[2].begin_s, 0.4, 1e-12);
+  EXPECT_EQ(path.brushes[2].text, "");
+}
+
+TEST_F(PathCsv, HasNoBrushesWithoutTheirColumn) {
+  static_cast<void>(read(std::string(kHeader) + "0,0,0,0\n1,0,0,0\n"));
+  EXPECT_TRUE(readPathFile(file_).brushes.empty());
+  expectRefusal("time_s,x_m,y_m,z_m,brush\n0,0,0,0,\n1,0,0,0\n", "four numbers and a brush");
+  expectRefusal(std::string(kHeader) + "0,0,0,0\n1,0,0,0,add\n", "exactly four numbers");
+}
+
 }  // namespace path_csv_test
 }  // namespace palpate

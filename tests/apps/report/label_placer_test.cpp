@@ -84,7 +84,20 @@ TEST(LabelPlacer, DoesNotCrossALineIfItCanHelpIt) {
   EXPECT_LT(placer.place({100, 100}, 10, 40, 14).right, 100);
   LabelPlacer both(400, 200);
   both.avoidLine({{20, 100}, {300, 100}});
-  EXPECT_GT(both.place({100, 100}, 10, 40, 14).top, 100);
+  EXPECT_EQ(both.place({100, 100}, 10, 40, 14).top, 110);
+}
+
+// Where both sides are taken: below at the gap, and then above.
+TEST(LabelPlacer, StandsAtTheGapBelowAndAbove) {
+  LabelPlacer placer(400, 200);
+  placer.avoid({0, 0, 92, 200});
+  placer.avoid({108, 0, 400, 200});
+  const LabelBox below = placer.place({100, 100}, 10, 12, 14);
+  EXPECT_EQ(below.left, 94);
+  EXPECT_EQ(below.top, 110);
+  const LabelBox above = placer.place({100, 100}, 10, 12, 14);
+  EXPECT_EQ(above.left, 94);
+  EXPECT_EQ(above.bottom, 90);
 }
 
 // Marks all around: a short piece of a line is crossed rather than going where the words would seem to be another's.

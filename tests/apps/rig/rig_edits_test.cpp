@@ -153,6 +153,27 @@ TEST_F(Edits, OfTheToolFollowItsBrush) {
   EXPECT_THAT(told, testing::IsEmpty());
 }
 
+// From its tick on; the last one stays.
+TEST_F(Edits, OfTheToolFollowTheBrushesOfAScript) {
+  ToolBrushSpec spec = toolBrushSpec("remove:radius=1mm");
+  spec.period_s = 1e-3;
+  edits.follow({{10, spec}, {20, std::nullopt}, {30, spec}});
+  pose_.position_W = tool_W();
+  pose_.normal_W = Vec3::UnitX();
+  pose_.at_surface = true;
+  std::vector<std::uint64_t> made;
+  for (int tick = 0; tick < 40; ++tick) {
+    pose_.tick = tick;
+    pose_.position_W.z() += 1e-4;
+    look();
+    made.push_back(edits.state().edits);
+  }
+  EXPECT_EQ(made[9], 0U);
+  EXPECT_GT(made[19], 4U);
+  EXPECT_EQ(made[29], made[19]);
+  EXPECT_GT(made[39], made[29] + 4);
+}
+
 // A stroke is undone as one: it ends with its brush, with another edit, undo or redo, and with a pause.
 TEST_F(Edits, OfAStrokeAreUndoneAsOne) {
   const auto stroke = [&](int looks) {

@@ -5,6 +5,8 @@
 #include <gmock/gmock.h>
 
 #include "apps/rivals/rivals.hpp"
+#include "base/error.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace palpate {
 namespace python_rivals_test {
@@ -93,6 +95,33 @@ TEST(PythonRivals, TakeWholeLinesOnly) {
   ASSERT_EQ(rivals.missing().size(), 1U);
   EXPECT_EQ(rivals.missing()[0].library, "VTK");
   EXPECT_EQ(rivals.missing()[0].why, "no module");
+}
+
+// One that wants something for one job alone.
+TEST(PythonRivals, MayMissOneJob) {
+  const PythonRivals rivals(
+      2, {"/bin/sh", "-c",
+          "read threads; printf 'missing\\tVTK\\tno display\\tpicture\\nmissing\\tSciPy\\tgone\\nready\\n'"});
+  ASSERT_EQ(rivals.missing().size(), 2U);
+  EXPECT_EQ(rivals.missing()[0].why, "no display");
+  EXPECT_EQ(rivals.missing()[0].job, "picture");
+  EXPECT_EQ(rivals.missing()[1].job, "");
+}
+
+// Millimetres and degrees.
+TEST(PythonRivals, AreToldWhereTheCameraIs) {
+  PythonRivals rivals =
+      childThatSays("read see; printf 'error\\t%s\\n' \"$(echo \"$see\" | tr '\\t' ' ')\"; read more");
+  RivalView view;
+  view.camera.position_W = {0.001, -0.002, 0.5};
+  view.camera.forward_W = {0, 0, -1};
+  view.camera.up_W = {0, 1, 0};
+  view.camera.vertical_fov_rad = 1;
+  view.camera.width = 64;
+  view.camera.height = 48;
+  view.isovalue = 12.5;
+  EXPECT_THAT(refusalOf([&] { rivals.see(view); }, Error::Code::kDevice),
+              HasSubstr("see 64 48 12.5 1 -2 500 0 0 -1 0 1 0 57.295779"));
 }
 
 // How many threads the child may use is the first thing that it is told.

@@ -232,8 +232,10 @@ TEST_F(Rivals, DrawABall) {
   all("none");
   std::vector<Rival> rivals = openvdb_->picturesOf(view);
   ASSERT_EQ(rivals.size(), 1U);
-  for (Rival& rival : python_.rivalsOf("picture")) rivals.push_back(std::move(rival));
-  if (rivals.size() > 1) python_.see(view);
+  PythonRivals on_a_display(2, {"xvfb-run", "-a", "/usr/bin/python3"});
+  EXPECT_EQ(on_a_display.load({size_, {1e-3, 1e-3, 2e-3}, densities_}), std::nullopt);
+  for (Rival& rival : on_a_display.rivalsOf("picture")) rivals.push_back(std::move(rival));
+  if (rivals.size() > 1) on_a_display.see(view);
   for (const Rival& rival : rivals) {
     std::vector<float> covered;
     EXPECT_GT(rival.run(&covered).wall_ms, 0);
@@ -251,6 +253,7 @@ TEST_F(Rivals, DrawABall) {
     EXPECT_EQ(wrong, 0) << rival.library;
     EXPECT_GT(asked, 3000);
   }
+  if (rivals.size() == 1) GTEST_SKIP() << "VTK's picture was not looked at: xvfb-run, xauth or VTK is not installed";
 }
 
 TEST_F(Rivals, RunWhatTheyOfferBesides) {

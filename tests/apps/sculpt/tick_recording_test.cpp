@@ -47,9 +47,31 @@ TEST(TickRecording, IsReadBackAsAPath) {
     recording.close();
     const std::vector<TimedPoint> path = readPathCsv(file);
     ASSERT_EQ(path.size(), 200U);
-    for (std::size_t i = 0; i < path.size(); ++i)
-      expectAt(path[i], static_cast<double>(i) / rate_hz, way_W[i]);
+    for (std::size_t i = 0; i < path.size(); ++i) expectAt(path[i], static_cast<double>(i) / rate_hz, way_W[i]);
   }
+}
+
+// Each from its tick on, and only its changes are told.
+TEST(TickRecording, HoldsTheBrushes) {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "way.csv";
+  TickRecording recording(file, 1000);
+  for (int i = 0; i < 50; ++i) {
+    if (i == 10 || i == 15) recording.hold("remove:radius=0.002m");
+    if (i == 20) recording.hold("");
+    if (i == 40) recording.hold("add:radius=0.001m:mirror=x");
+    recording.add(tickAt(i, Vec3(0.1, 0.2, 0.3)));
+  }
+  recording.close();
+  const PathFile path = readPathFile(file);
+  EXPECT_EQ(path.points.size(), 50U);
+  ASSERT_EQ(path.brushes.size(), 3U);
+  EXPECT_EQ(path.brushes[0].begin_s, 0.01);
+  EXPECT_EQ(path.brushes[0].text, "remove:radius=0.002m");
+  EXPECT_EQ(path.brushes[1].begin_s, 0.02);
+  EXPECT_EQ(path.brushes[1].text, "");
+  EXPECT_EQ(path.brushes[2].begin_s, 0.04);
+  EXPECT_EQ(path.brushes[2].text, "add:radius=0.001m:mirror=x");
 }
 
 // A servo that was late leaves ticks out; more than ten in a row would be a hole in a path.
@@ -75,7 +97,8 @@ TEST(TickRecording, TouchesNoFileThatIsThere) {
   const TemporaryFolder folder;
   const auto file = folder.path() / "way.csv";
   std::ofstream(file) << "mine";
-  EXPECT_THAT(refusalOf([&] { TickRecording recording(file, 1000); }, Error::Code::kIo), testing::HasSubstr("exists already"));
+  EXPECT_THAT(refusalOf([&] { TickRecording recording(file, 1000); }, Error::Code::kIo),
+              testing::HasSubstr("exists already"));
   std::string text;
   std::ifstream(file) >> text;
   EXPECT_EQ(text, "mine");

@@ -3,6 +3,7 @@
 // tests/apps/palpate/live_edits_test.cpp.
 #include "apps/touch/live_edits.hpp"
 
+#include <fstream>
 #include <new>
 
 #include <gmock/gmock.h>
@@ -65,6 +66,28 @@ TEST_F(FailingRun, SavesWhatWasEditedAndSaysSo) {
   EXPECT_EQ(readJournal(journal).last_sequence, 5U);
   EXPECT_NE(contentHash(volume), before);
   EXPECT_EQ(contentHash(loadVolume(scene.save)), contentHash(volume));
+}
+
+// A path file that says where the tool edits: its first brush stands for --edit, and both are too many.
+TEST(RecordedBrush, StandsForTheOption) {
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder.path() / "way.csv";
+  const auto write = [&](const std::string& brush) {
+    std::ofstream(file) << "time_s,x_m,y_m,z_m,brush\n0,0,0,0,\n1,0,0,0," << brush << "\n";
+  };
+  Scene scene;
+  scene.path_file = file.string();
+  write("");
+  EXPECT_EQ(withRecordedBrush(scene).edit, "");
+  write("remove:radius=2mm");
+  EXPECT_EQ(withRecordedBrush(scene).edit, "remove:radius=2mm");
+  scene.edit = "add:radius=1mm";
+  EXPECT_THAT(refusalOf([&] { (void)withRecordedBrush(scene); }, Error::Code::kBadInput),
+              HasSubstr("leave --edit out"));
+  scene.edit.clear();
+  write("remove:radius=2parsec");
+  EXPECT_THAT(refusalOf([&] { (void)withRecordedBrush(scene); }, Error::Code::kBadInput),
+              testing::AllOf(HasSubstr("way.csv, 1 s after"), HasSubstr("parsec")));
 }
 
 TEST_F(FailingRun, SavesAfterOtherExceptionsToo) {

@@ -80,7 +80,7 @@ bool waitUntil(const std::function<bool()>& done) {
 }
 
 std::string Desktop::missing() {
-  for (const char* program : {"Xvfb", "xdotool", "twm"}) {
+  for (const char* program : {"Xvfb", "xdotool"}) {
     if (!isThere(program)) return fmt::format("{} is not installed", program);
   }
   return {};
@@ -110,7 +110,8 @@ Desktop::~Desktop() {
 }
 
 // Windows lie where they lay, without frames.
-void Desktop::manageWindows() {
+bool Desktop::manageWindows() {
+  if (!isThere("twm")) return false;
   const std::filesystem::path file = folder_.path() / "twmrc";
   std::ofstream out(file);
   out << "RandomPlacement\nNoTitle\nBorderWidth 0\nNoGrabServer\n";
@@ -121,6 +122,7 @@ void Desktop::manageWindows() {
     setenv("DISPLAY", display_.c_str(), 1);
     quietly();
   });
+  return true;
 }
 
 // The file is an XWD dump of 32 bits a pixel: a header of 32-bit words, a table of colours of 12 bytes each, rows.

@@ -58,8 +58,8 @@ class Desktop {
   void drops(const std::vector<std::filesystem::path>& files) const;
   // As a window manager does when a person closes the window.
   void asksToClose() const;
-  // A window manager from now on; without one, windows are not minimised.
-  void manageWindows();
+  // A window manager from now on; without one, windows are not minimised. False: twm is not installed.
+  [[nodiscard]] bool manageWindows();
   // In so many steps of a moment each, as a hand does.
   void drags(int from_x, int from_y, int to_x, int to_y, int button, int steps = 10) const;
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // A Vulkan layer that loses what a window shows in. Whenever the file that PALPATE_DISPLAY_FAULT names is there, the
 // next call that it names fails as it says, and the file is removed: "acquire -1000000000" (VK_ERROR_SURFACE_LOST_KHR).
+// A surface that is lost stays so until it is destroyed.
+#include <atomic>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
@@ -21,7 +23,10 @@ struct Next {
   PFN_vkGetDeviceProcAddr of_device = nullptr;
 };
 
+std::atomic<bool> surface_is_lost = false;
 std::mutex next_mutex;
+// Of each instance, looked up while it is made: later the loader gives the chain's first function, not the next one.
+std::map<VkInstance, PFN_vkDestroySurfaceKHR> next_destroy_surface;
 std::map<void*, Next> next_of;  // by the loader's table, which an object and its children share
 
 template <typename Handle>
@@ -46,6 +51,7 @@ VkResult faultOf(const std::string& call) {
   int result = VK_SUCCESS;
   if (!(file >> which >> result) || which != call) return VK_SUCCESS;
   unlink(name);
+  if (result == VK_ERROR_SURFACE_LOST_KHR) surface_is_lost = true;
   return static_cast<VkResult>(result);
 }
 
@@ -65,7 +71,10 @@ VkResult createInstance(const VkInstanceCreateInfo* info, const VkAllocationCall
   chain->u.pLayerInfo = chain->u.pLayerInfo->pNext;
   const auto create = reinterpret_cast<PFN_vkCreateInstance>(next(VK_NULL_HANDLE, "vkCreateInstance"));
   const VkResult result = create(info, allocator, made);
-  if (result == VK_SUCCESS) nextOf(*made) = {*made, VK_NULL_HANDLE, next, nullptr};
+  if (result != VK_SUCCESS) return result;
+  nextOf(*made) = {*made, VK_NULL_HANDLE, next, nullptr};
+  const std::lock_guard lock(next_mutex);
+  next_destroy_surface[*made] = reinterpret_cast<PFN_vkDestroySurfaceKHR>(next(*made, "vkDestroySurfaceKHR"));
   return result;
 }
 
@@ -85,6 +94,7 @@ VkResult createDevice(VkPhysicalDevice physical, const VkDeviceCreateInfo* info,
 VkResult acquire(VkDevice device, VkSwapchainKHR swapchain, std::uint64_t timeout, VkSemaphore semaphore, VkFence fence,
                  std::uint32_t* image) {
   if (const VkResult fault = faultOf("acquire"); fault != VK_SUCCESS) return fault;
+  if (surface_is_lost) return VK_ERROR_SURFACE_LOST_KHR;
   const auto call = functionOf<PFN_vkAcquireNextImageKHR>(device, "vkAcquireNextImageKHR");
   return call(device, swapchain, timeout, semaphore, fence, image);
 }
@@ -96,11 +106,25 @@ VkResult present(VkQueue queue, const VkPresentInfoKHR* info) {
   return fault == VK_SUCCESS ? result : fault;
 }
 
+VkResult createSwapchain(VkDevice device, const VkSwapchainCreateInfoKHR* info, const VkAllocationCallbacks* allocator,
+                         VkSwapchainKHR* made) {
+  if (surface_is_lost) return VK_ERROR_SURFACE_LOST_KHR;
+  return functionOf<PFN_vkCreateSwapchainKHR>(device, "vkCreateSwapchainKHR")(device, info, allocator, made);
+}
+
+void destroySurface(VkInstance instance, VkSurfaceKHR surface, const VkAllocationCallbacks* allocator) {
+  surface_is_lost = false;
+  const std::lock_guard lock(next_mutex);
+  next_destroy_surface.at(instance)(instance, surface, allocator);
+}
+
 PFN_vkVoidFunction ours(const char* name) {
   const auto is = [&](const char* one) { return std::strcmp(name, one) == 0; };
   if (is("vkCreateInstance")) return reinterpret_cast<PFN_vkVoidFunction>(createInstance);
   if (is("vkCreateDevice")) return reinterpret_cast<PFN_vkVoidFunction>(createDevice);
   if (is("vkAcquireNextImageKHR")) return reinterpret_cast<PFN_vkVoidFunction>(acquire);
+  if (is("vkCreateSwapchainKHR")) return reinterpret_cast<PFN_vkVoidFunction>(createSwapchain);
+  if (is("vkDestroySurfaceKHR")) return reinterpret_cast<PFN_vkVoidFunction>(destroySurface);
   if (is("vkQueuePresentKHR")) return reinterpret_cast<PFN_vkVoidFunction>(present);
   return nullptr;
 }

@@ -70,7 +70,7 @@ TEST_F(OnABadDesktop, KeepsTheSessionOfALostDevice) {
 }
 
 TEST_F(OnADesktop, IsMinimisedAndClosed) {
-  desktop->manageWindows();
+  if (!desktop->manageWindows()) GTEST_SKIP() << "twm is not installed";
   start();
   ASSERT_TRUE(showsBall()) << program->said();
   const Screen before = desktop->look();

@@ -69,6 +69,31 @@ TEST_F(OnADesktop, RecordsTheToolsWay) {
   EXPECT_GT((path.back().p_W - path.front().p_W).norm(), 5e-3);
 }
 
+// What was drilled while it was recorded is drilled again by `palpate touch`, about as deep.
+TEST_F(OnADesktop, RecordsStrokesThatAreReplayed) {
+  start();
+  ASSERT_TRUE(showsBall()) << program->said();
+  desktop->does({"key", "F9"});
+  ASSERT_TRUE(drills());
+  desktop->does({"key", "F9"});
+  endsWell();
+  const Volume ball = loadVolume(kBall), drilled = replayed(journal());
+  const std::string out = (folder.path() / "again.nrrd").string();
+  Started again("", home(),
+                {"touch", kBall, "--path", fileIn(home(), ".csv").string(), "--clock", "simulated", "--picture", "off",
+                 "--save", out, "--out", (folder.path() / "out").string()});
+  ASSERT_EQ(again.ends(), 0) << again.said();
+  const auto changed = [&](const Volume& volume) {
+    double sum = 0;
+    const std::vector<float> before = ball.toDense(), after = volume.toDense();
+    for (std::size_t i = 0; i < before.size(); ++i) sum += std::abs(static_cast<double>(after[i]) - before[i]);
+    return sum;
+  };
+  const double by_hand = changed(drilled), by_replay = changed(loadVolume(out));
+  EXPECT_GT(by_hand, 0);
+  EXPECT_NEAR(by_replay, by_hand, 0.3 * by_hand);
+}
+
 // Without a mouse: the pointer begins in the middle of the picture.
 TEST_F(OnADesktop, DrillsAndTurnsByTheKeyboardAlone) {
   start();

@@ -96,7 +96,11 @@ class Messenger {
 
 void Desktop::drops(const std::vector<std::filesystem::path>& files) const {
   std::string names;
-  for (const std::filesystem::path& file : files) names += "file://" + file.string() + "\r\n";
+  for (const std::filesystem::path& file : files) {
+    names += "file://";
+    for (const char c : file.string()) names += c == ' ' ? "%20" : std::string(1, c);
+    names += "\r\n";
+  }
   Messenger(display_).drop(names);
 }
 

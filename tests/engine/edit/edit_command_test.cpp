@@ -171,6 +171,18 @@ TEST(BrushProfile, TakesTheObjectsMeanAndTheLowestDensity) {
   EXPECT_THROW((void)brushProfile(volume, 500), Error);
 }
 
+// At full strength a command moves the surface by half of the shortest voxel edge.
+TEST(LowerEdits, InflatesByHalfAVoxel) {
+  Lattice long_voxels = lattice();
+  long_voxels.spacing_m = {2e-3, 0.75e-3, 3e-3};
+  for (const EditKind kind : {EditKind::kInflate, EditKind::kDeflate}) {
+    const EditCommand command = good(kind);
+    const LoweredEdits lowered =
+        lowerEdits(std::span(&command, 1), kSize, long_voxels, brushProfile(0, -1, 1, long_voxels.spacing_m));
+    EXPECT_EQ(lowered.commands[0].value, 0.375e-3F);
+  }
+}
+
 // A mirrored stamp is the same one, and large ones fill what a device can bind.
 TEST(LowerEdits, HandsAStampOverOnce) {
   EditCommand first = good(EditKind::kStampAdd);

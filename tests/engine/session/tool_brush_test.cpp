@@ -2,6 +2,7 @@
 #include "engine/session/tool_brush.hpp"
 
 #include <cmath>
+#include <random>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -186,6 +187,41 @@ TEST(ToolBrush, FlattensToThePlaneWhereTheContactBegan) {
     EXPECT_EQ(strokes[i].kind, EditKind::kFlatten);
     EXPECT_EQ(strokes[i].plane_W, first ? Vec3(0, 0, 1e-3) : Vec3(21e-3, 0, 2e-3)) << i;
     EXPECT_EQ(strokes[i].normal_W, first ? Vec3(Vec3::UnitZ()) : Vec3(Vec3::UnitX())) << i;
+  }
+}
+
+// Of every kind that a tool may be, with any of its keys. Lengths, times and rates are within a rounding or two.
+TEST(ToolBrush, IsReadBackFromItsText) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> share(0.001, 1);
+  for (int trial = 0; trial < 500; ++trial) {
+    constexpr EditKind kKinds[] = {EditKind::kAdd,    EditKind::kRemove,  EditKind::kPaint,  EditKind::kFlatten,
+                                   EditKind::kSmooth, EditKind::kInflate, EditKind::kDeflate};
+    ToolBrushSpec spec;
+    spec.brush.kind = kKinds[random() % std::size(kKinds)];
+    spec.brush.radius_m = 5e-3 * share(random);
+    spec.brush.strength = share(random);
+    spec.brush.falloff = share(random);
+    spec.period_s = 0.5 * share(random);
+    if (random() % 2 == 0) spec.rate_per_Ns = 100 * share(random);
+    if (random() % 2 == 0) spec.mirror_axis = static_cast<int>(random() % 3);
+    if (spec.brush.kind == EditKind::kPaint) spec.brush.value = 1000 * share(random) - 500;
+    if (spec.brush.kind == EditKind::kRemove && random() % 2 == 0)
+      spec.brush.material = MaterialRate{-100 * share(random), 900 * share(random), share(random)};
+    const ToolBrushSpec read = toolBrushSpec(toolBrushText(spec));
+    EXPECT_EQ(read.brush.kind, spec.brush.kind);
+    EXPECT_DOUBLE_EQ(read.brush.radius_m, spec.brush.radius_m);
+    EXPECT_EQ(read.brush.strength, spec.brush.strength);
+    EXPECT_EQ(read.brush.falloff, spec.brush.falloff);
+    EXPECT_EQ(read.brush.value, spec.brush.value);
+    EXPECT_DOUBLE_EQ(read.period_s, spec.period_s);
+    EXPECT_EQ(read.rate_per_Ns, spec.rate_per_Ns);
+    EXPECT_EQ(read.mirror_axis, spec.mirror_axis);
+    ASSERT_EQ(read.brush.material.has_value(), spec.brush.material.has_value());
+    if (!spec.brush.material) continue;
+    EXPECT_EQ(read.brush.material->low_density, spec.brush.material->low_density);
+    EXPECT_EQ(read.brush.material->high_density, spec.brush.material->high_density);
+    EXPECT_EQ(read.brush.material->drop, spec.brush.material->drop);
   }
 }
 
