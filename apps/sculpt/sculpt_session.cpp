@@ -220,7 +220,14 @@ void SculptSession::close() {
   if (session_) {
     edits_->doWaiting(0);  // a file that was asked for last
     session_->close();
-    if (!journal_.empty() && !isUnsaved(edits_->state())) removeJournal(journal_);
+    const bool unsaved = isUnsaved(edits_->state());
+    if (!journal_.empty() && !unsaved) removeJournal(journal_);
+    const JournalWriter* journal = session_->journal();
+    if (!failure && unsaved && journal != nullptr && !journal->failure().empty()) {
+      failure = std::make_exception_ptr(Error(Error::Code::kIo, journal_.string(),
+                                              "edits are lost that no file holds: " + journal->failure(),
+                                              "'palpate recover' brings back those before"));
+    }
   }
   if (failure) std::rethrow_exception(failure);
 }

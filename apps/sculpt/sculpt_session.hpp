@@ -77,6 +77,7 @@ class SculptSession {
 
   // The servo and the drawing, until close().
   void start();
+  [[nodiscard]] bool keepsJournal() const noexcept { return !journal_.empty(); }
   // Before start(): whether every edit made until now is on the disk, in the journal. Waits for the disk.
   [[nodiscard]] bool journalHolds();
 
@@ -105,7 +106,7 @@ class SculptSession {
 
   [[nodiscard]] SculptState look();
   // Ends servo and drawing, finishes what save() began, and ends the journal. Deletes the journal if nothing is
-  // unsaved. Throws what ended the engine's thread.
+  // unsaved. Throws what ended the engine's thread, and Error(kIo) if neither a file nor the journal holds every edit.
   void close();
 
  private:

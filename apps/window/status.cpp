@@ -22,10 +22,12 @@ void showStatus(WindowModel& model) {
     ImGui::TextWrapped("%s", model.messages.back().c_str());
     return;
   }
-  ImGui::TextDisabled("left button: stroke    right button: turn    Shift + right: move    wheel: zoom    F: size    "
-                      "Ctrl+Z: undo");
-  ImGui::TextDisabled("without a mouse: arrows, Space, Page up and down; Ctrl + arrows turn; Tab: to the panels, Esc: "
-                      "back");
+  ImGui::TextDisabled(
+      "left button: stroke    right button: turn    Shift + right: move    wheel: zoom    F: size    "
+      "Ctrl+Z: undo");
+  ImGui::TextDisabled(
+      "without a mouse: arrows, Space, Page up and down; Ctrl + arrows turn; Tab: to the panels, Esc: "
+      "back");
 }
 
 void showLeaveQuestion(WindowModel& model) {
@@ -34,13 +36,18 @@ void showLeaveQuestion(WindowModel& model) {
   const ImVec2 middle = ImGui::GetMainViewport()->GetCenter();
   ImGui::SetNextWindowPos(middle, ImGuiCond_Appearing, ImVec2(0.5F, 0.5F));
   if (!ImGui::BeginPopupModal("Unsaved work", nullptr, ImGuiWindowFlags_AlwaysAutoResize)) return;
-  ImGui::TextUnformatted("There are edits that no file holds.\nThe journal keeps them until the next start.");
+  const bool is_lost = !model.state.journal_failure.empty() || !model.session.keepsJournal();
+  ImGui::TextUnformatted(
+      is_lost ? "There are edits that neither a file nor the journal holds.\nWithout a file they are lost."
+              : "There are edits that no file holds.\nThe journal keeps them until the next start.");
   const bool named = model.file[0] != '\0';
   ImGui::BeginDisabled(!named);
   const bool saves = ImGui::Button(named ? fmt::format("Save {}", model.file).c_str() : "Save (name a file first)");
   ImGui::EndDisabled();
   ImGui::SameLine();
-  const bool leaves = ImGui::Button(leaving.volume.empty() ? "Close, keep the journal" : "Open, keep the journal");
+  const std::string without =
+      fmt::format("{}, {}", leaving.volume.empty() ? "Close" : "Open", is_lost ? "lose them" : "keep the journal");
+  const bool leaves = ImGui::Button(without.c_str());
   ImGui::SameLine();
   const bool stays = ImGui::Button("Go on") || ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape));
   const bool saved = saves && saveAs(model);  // or it is said why not
