@@ -44,13 +44,13 @@ struct LiveRow {
   std::string volume, drawn;
   double seconds;
   std::int64_t edits, pictures;
-  double between_ms;        // mean time between pictures: fine ones while the camera stands, of a camera each while it turns
+  double between_ms;  // mean time between pictures: fine ones while the camera stands, of a camera each while it turns
   Percentiles to_pixel_ms;  // from an edit to the first picture that shows it
   double settling_ms;       // from the camera's last movement to a whole picture
   double ready_s;           // from the request to the first whole picture
   Percentiles lateness_us, window_age_ms;
   std::int64_t stale_ticks;
-  double resident_MiB;  // of this process, at the session's end
+  double resident_MiB;         // of this process, at the session's end
   double late_over, age_over;  // their p99.9 and p99 over those of the undrawn session of the same turn
 };
 
@@ -93,7 +93,8 @@ std::vector<Vec3> circleOf(const ViewFrame& frame) {
   for (std::size_t i = 0; i < frame.pixels.size(); ++i) {
     if (!std::isfinite(frame.pixels[i].distance_m)) continue;
     x += static_cast<double>(i % static_cast<std::size_t>(frame.camera.width));
-    y += static_cast<double>(i / static_cast<std::size_t>(frame.camera.width));
+    const std::size_t row = i / static_cast<std::size_t>(frame.camera.width);
+    y += static_cast<double>(row);
     ++hits;
   }
   std::vector<Vec3> places_W;
@@ -101,8 +102,8 @@ std::vector<Vec3> circleOf(const ViewFrame& frame) {
   constexpr int kPlaces = 400;
   for (int i = 0; i < kPlaces && hits > 0; ++i) {
     const double angle = 2 * std::numbers::pi * i / kPlaces;
-    const auto surface_W = PointerTool::surface_W(frame, x / hits + radius_px * std::cos(angle),
-                                                  y / hits + radius_px * std::sin(angle));
+    const auto surface_W =
+        PointerTool::surface_W(frame, x / hits + radius_px * std::cos(angle), y / hits + radius_px * std::sin(angle));
     if (surface_W) places_W.push_back(*surface_W);
   }
   return places_W;

@@ -108,6 +108,7 @@ struct Presenter::State {
   std::size_t next_slot = 0;
   bool stale = true;  // the swapchain does not fit the window any more
   bool lost = false;  // nor does the surface
+  int surfaces = 0;   // made so far
   bool has_imgui = false;
 };
 
@@ -178,6 +179,7 @@ void Presenter::State::makeSurface() {
   if (const VkResult result = glfwCreateWindowSurface(*instance, window, nullptr, &made); result != VK_SUCCESS)
     fail("Vulkan cannot show in it", vk::to_string(static_cast<vk::Result>(result)));
   surface = {instance, made};
+  ++surfaces;
 }
 
 void Presenter::State::makeRenderPass() {
@@ -333,10 +335,9 @@ void Presenter::State::fill(HostBuffer& buffer, const PlacedPicture& picture, co
 
 // Empty: the window takes no frame now.
 std::optional<std::uint32_t> Presenter::State::acquire(Slot& slot) {
-  bool is_new = false;  // the surface
+  const int surfaces_before = surfaces;
   for (int tries = 0; tries < kTries; ++tries) {
     try {
-      is_new = is_new || lost;
       if (stale || lost) makeSwapchain();
       const auto [result, image] = swapchain.acquireNextImage(kMoment_ns, *slot.acquired);
       if (result == vk::Result::eTimeout) return std::nullopt;
@@ -348,7 +349,7 @@ std::optional<std::uint32_t> Presenter::State::acquire(Slot& slot) {
       lost = true;
     }
   }
-  if (lost && is_new) fail("its surface is lost", "and so was a new one");
+  if (lost && surfaces > surfaces_before) fail("its surface is lost", "and so was a new one");
   return std::nullopt;  // it is being resized: the next frame comes
 }
 
