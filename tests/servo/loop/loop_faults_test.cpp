@@ -386,9 +386,9 @@ class NotingClock final : public ServoClock {
   [[nodiscard]] std::int64_t now_ns() noexcept override { return time_ns_; }
   void sleepUntil(std::int64_t due_ns) noexcept override {
     time_ns_ = due_ns;
-    due_ns_.push_back(due_ns);
+    dues_ns.push_back(due_ns);
   }
-  std::vector<std::int64_t> due_ns_;
+  std::vector<std::int64_t> dues_ns;
 
  private:
   std::int64_t time_ns_ = 0;
@@ -409,9 +409,9 @@ TEST(LoopGrid, TicksAreDueAtMultiplesOfThePeriodWithoutDrift) {
   p.ticks = 18000;
   ServoLoop loop(p, push, device, windows, tool);
   static_cast<void>(loop.runOn(clock));
-  ASSERT_EQ(clock.due_ns_.size(), 18000u);
+  ASSERT_EQ(clock.dues_ns.size(), 18000u);
   for (std::size_t k = 0; k < 18000; ++k) {
-    const double since_ns = static_cast<double>(clock.due_ns_[k] - clock.due_ns_[0]);
+    const double since_ns = static_cast<double>(clock.dues_ns[k] - clock.dues_ns[0]);
     ASSERT_NEAR(since_ns, static_cast<double>(k) * 1e9 / 3000, 1) << k;
   }
 }
