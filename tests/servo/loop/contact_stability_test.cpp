@@ -8,11 +8,11 @@
 #include <functional>
 #include <random>
 
-#include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
 #include "servo/devices/simulated_device.hpp"
 #include "servo/loop/servo_loop.hpp"
+#include "servo/stability/sampled_loop.hpp"
 #include "wanted_path.hpp"
 
 namespace palpate {
@@ -94,32 +94,14 @@ ContactStability assess(const Trial& run) {
 
 // ---- against the eigenvalues ----
 
-// The loop in contact, without the unilateral surface: position and velocity of the tool, filtered velocity, last
-// position, and the forces under way. Its greatest eigenvalue says how it grows a tick, and turns.
+// The loop in contact, without the unilateral surface. Its greatest eigenvalue says how it grows a tick, and turns.
 std::complex<double> greatestEigenvalue(const Trial& run) {
-  const double tick_s = 1 / run.rate_hz;
-  const HandDynamics dynamics(run.device.dynamics, tick_s);
-  const auto& step = dynamics.transition();
-  const int delay = run.device.delay_ticks;
-  const double gain = 1 - std::exp(-2 * M_PI * 200 * tick_s);  // of the loop's default velocity filter
-  Eigen::MatrixXd system(4 + delay, 4 + delay);
-  for (int i = 0; i < 4 + delay; ++i) {
-    Eigen::VectorXd s = Eigen::VectorXd::Unit(4 + delay, i);  // x, x', filtered, last x, forces, the oldest first
-    const double filtered = s[2] + gain * ((s[0] - s[3]) / tick_s - s[2]);
-    const double force_N = -run.stiffness_N_per_m * s[0] - run.damping_Ns_per_m * filtered;
-    const double acting_N = delay > 0 ? s[4] : force_N;
-    Eigen::VectorXd next(4 + delay);
-    next[0] = step(0, 0) * s[0] + step(0, 1) * s[1] + step(0, 4) * acting_N;
-    next[1] = step(1, 0) * s[0] + step(1, 1) * s[1] + step(1, 4) * acting_N;
-    next[2] = filtered;
-    next[3] = s[0];
-    for (int d = 0; d < delay; ++d) next[4 + d] = d + 1 < delay ? s[5 + d] : force_N;
-    system.col(i) = next;
-  }
-  const Eigen::VectorXcd values = system.eigenvalues();
-  std::complex<double> greatest = 0;
-  for (const auto& value : values) greatest = std::abs(value) > std::abs(greatest) ? value : greatest;
-  return greatest;
+  SampledLoop loop;
+  loop.hand = run.device.dynamics;
+  loop.rate_hz = run.rate_hz;
+  loop.delay_ticks = run.device.delay_ticks;
+  loop.velocity_cutoff_hz = VelocityParameters{}.cutoff_hz;
+  return greatestEigenvalue(loop, {run.stiffness_N_per_m, run.damping_Ns_per_m});
 }
 
 struct Mode {

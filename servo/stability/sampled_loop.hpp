@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+// servo/stability/sampled_loop.hpp: a wall in a sampled loop, as a linear system, and the exact limits of its
+// stability.
+//
+// One axis, along the wall's normal, with the tool in contact all the time. In each tick k the servo reads the position
+// x_k and estimates the velocity as servo/loop/velocity_filter.hpp does:
+//   u_k = u_{k-1} + a ((x_k - x_{k-1}) / T - u_{k-1}),  a = 1 - exp(-2 pi f_c T).
+// Then it sets F_k = -K x_k - B u_k. The device holds F_{k-d} until the next tick. Device and hand are one mass with
+// damping and the hand's spring (servo/devices/hand_dynamics.hpp), which the matrix exponential steps exactly. So
+//   s_{k+1} = M s_k,  s = (x_k, x'_k, u_{k-1}, x_{k-1}, F_{k-d} .. F_{k-1}),
+// and the contact settles if and only if every eigenvalue of M lies inside the unit circle. Of the passivity bounds in
+// passivity_bounds.hpp each is on the safe side of that.
+//
+// What the model leaves out: encoders that round, Coulomb friction, limits of the force, and leaving the surface.
+// Units: SI. Thread: any. Cost: an eigenvalue problem of order 4 + d, some 10 us for d = 0; a bound takes some hundred
+// of them. The functions allocate.
+#pragma once
+
+#include <complex>
+
+#include <Eigen/Core>
+
+#include "servo/devices/hand_dynamics.hpp"
+
+namespace palpate {
+
+struct SampledLoop {
+  HandParameters hand = {};         // and device
+  double rate_hz = 1000;            // 1 / T
+  int delay_ticks = 0;              // d, 0 or more
+  double velocity_cutoff_hz = 200;  // f_c; 0: no low-pass, a = 1
+};
+
+struct Wall {
+  double stiffness_N_per_m = 0;  // K
+  double damping_Ns_per_m = 0;   // B
+};
+
+// M above. Throws Error(kBadInput) as HandDynamics does, and for a negative delay.
+[[nodiscard]] Eigen::MatrixXd transitionMatrix(const SampledLoop& loop, const Wall& wall);
+
+// The eigenvalue of M that is farthest from zero. Its size is the factor by which a swing grows in a tick, its argument
+// the angle by which the swing turns.
+[[nodiscard]] std::complex<double> greatestEigenvalue(const SampledLoop& loop, const Wall& wall);
+
+[[nodiscard]] bool isStable(const SampledLoop& loop, const Wall& wall);
+
+// The stiffness up to which every wall of damping B is stable [N/m]; 0 if the softest one, kSoftest_N_per_m, is not.
+// kStiffest_N_per_m if none is unstable. Found on a grid of 16 values a decade and bisected to `precision` of itself.
+inline constexpr double kSoftest_N_per_m = 1e-2;
+inline constexpr double kStiffest_N_per_m = 1e9;
+inline constexpr double kBoundPrecision = 1e-3;
+[[nodiscard]] double stiffnessBound(const SampledLoop& loop, double damping_Ns_per_m,
+                                    double precision = kBoundPrecision);
+
+// The damping up to which every wall of stiffness K is stable [N s/m], in the same way from kLeastDamping_Ns_per_m to
+// kMostDamping_Ns_per_m. If K is unstable without damping, the range begins where damping makes it stable; 0 if none
+// does.
+inline constexpr double kLeastDamping_Ns_per_m = 1e-4;
+inline constexpr double kMostDamping_Ns_per_m = 1e5;
+[[nodiscard]] double dampingBound(const SampledLoop& loop, double stiffness_N_per_m,
+                                  double precision = kBoundPrecision);
+
+// The largest delay of the force with which the wall is stable, at most `most` [tick]; -1 if none is, 0 included.
+[[nodiscard]] int delayBound(const SampledLoop& loop, const Wall& wall, int most = 100);
+
+// The rate from which on the wall is stable, up to kHighestRate_hz [Hz]; infinity if it is unstable at that rate.
+inline constexpr double kHighestRate_hz = 20000;
+[[nodiscard]] double rateBound(const SampledLoop& loop, const Wall& wall, double precision = kBoundPrecision);
+
+}  // namespace palpate

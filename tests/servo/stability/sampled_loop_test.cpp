@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: Apache-2.0
+// The exact limits of the sampled loop, against a limit in closed form, against the loop played tick by tick with an
+// integrator of its own, and against each other.
+#include "servo/stability/sampled_loop.hpp"
+
+#include <cmath>
+#include <deque>
+#include <limits>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "base/error.hpp"
+
+namespace palpate {
+namespace sampled_loop_test {
+
+class Dice {
+ public:
+  explicit Dice(unsigned seed) : random_(seed) {}
+  double between(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random_); }
+  double decades(double low, double high) { return std::exp(between(std::log(low), std::log(high))); }
+  int upTo(int most) { return std::uniform_int_distribution<int>(0, most)(random_); }
+
+ private:
+  std::mt19937 random_;
+};
+
+// Any loop of 10 g to 10 kg, a tick of 50 us to 10 ms, a delay of up to five ticks, hands from none to a stiff grip.
+SampledLoop anyLoop(Dice& dice) {
+  SampledLoop loop;
+  loop.hand = {.hand_mass_kg = dice.upTo(3) == 0 ? 0 : dice.decades(0.01, 1),
+               .hand_damping_Ns_per_m = dice.upTo(3) == 0 ? 0 : dice.decades(0.1, 30),
+               .hand_stiffness_N_per_m = dice.upTo(3) == 0 ? 0 : dice.decades(10, 3000),
+               .device_mass_kg = dice.decades(0.01, 10),
+               .device_damping_Ns_per_m = dice.decades(0.01, 20)};
+  loop.rate_hz = dice.decades(100, 20000);
+  loop.delay_ticks = dice.upTo(5);
+  loop.velocity_cutoff_hz = dice.upTo(3) == 0 ? 0 : dice.decades(10, 2000);
+  return loop;
+}
+
+// A mass m with damping b against the ground, no filter, no delay, no damping of the wall: two states. With e =
+// exp(-b T / m) the step is x+ = x + m (1 - e) / b v + ..., and Jury's criterion for order two gives two limits of K.
+double boundOfBareMass(double mass_kg, double damping_Ns_per_m, double tick_s) {
+  const double m = mass_kg, b = damping_Ns_per_m;
+  const double e = std::exp(-b * tick_s / m), lost = -std::expm1(-b * tick_s / m);
+  const double x_of_v = lost * m / b, x_of_f = (tick_s - x_of_v) / b, v_of_f = lost / b;
+  const double by_determinant = lost / (x_of_v * v_of_f - e * x_of_f);
+  const double curvature = x_of_f - (x_of_v * v_of_f - e * x_of_f);  // trace > -(1 + determinant)
+  const double by_trace = curvature > 0 ? 2 * (1 + e) / curvature : std::numeric_limits<double>::infinity();
+  return std::min(by_determinant, by_trace);
+}
+
+TEST(SampledLoop, TheBoundOfABareMassIsThatOfItsCharacteristicEquation) {
+  Dice dice(1);
+  for (int i = 0; i < 300; ++i) {
+    SampledLoop loop;
+    loop.hand = {0, 0, 0, dice.decades(0.01, 10), dice.decades(0.01, 20)};
+    loop.rate_hz = dice.decades(100, 20000);
+    loop.velocity_cutoff_hz = 0;
+    const double exact = boundOfBareMass(loop.hand.device_mass_kg, loop.hand.device_damping_Ns_per_m, 1 / loop.rate_hz);
+    EXPECT_NEAR(stiffnessBound(loop, 0) / exact, 1, 1.001 * kBoundPrecision) << i;
+  }
+}
+
+// Colgate and Schenkel's 2 b / T is its limit for short ticks: the relative difference is of the order b T / m.
+TEST(SampledLoop, ForShortTicksABareMassBearsTwoDampingsATick) {
+  SampledLoop loop;
+  loop.hand = {0, 0, 0, 1, 0.5};
+  loop.rate_hz = 10000;
+  EXPECT_NEAR(stiffnessBound(loop, 0, 1e-6) / (2 * 0.5 * 10000), 1, 0.5e-4);
+  // Longer by half a tick of delay: b > K (T / 2 + T d).
+  loop.delay_ticks = 2;
+  EXPECT_NEAR(stiffnessBound(loop, 0, 1e-6) / (0.5 * 10000 / 2.5), 1, 5e-4);
+}
+
+// The loop tick by tick, as the servo runs it; the device by the classical Runge-Kutta method in `kSteps` steps a tick.
+class Played {
+ public:
+  Played(const SampledLoop& loop, const Wall& wall)
+      : loop_(loop), wall_(wall), under_way_(static_cast<std::size_t>(loop.delay_ticks), 0) {}
+
+  // Mean growth of the state's logarithm a tick, over the second half of the run.
+  double growth() {
+    constexpr int kTicks = 6000;
+    double log_size = 0, half = 0;
+    for (int k = 0; k < kTicks; ++k) {
+      tick();
+      const double scale =
+          std::abs(x_) + std::abs(v_) / loop_.rate_hz + std::abs(u_) / loop_.rate_hz + std::abs(last_x_) + forces();
+      if (k % 100 != 99) continue;
+      log_size += std::log(scale);
+      shrink(scale);
+      if (k == kTicks / 2 - 1) half = log_size;
+    }
+    return (log_size - half) / (kTicks / 2);
+  }
+
+ private:
+  static constexpr int kSteps = 40;
+
+  [[nodiscard]] double forces() const {
+    double sum = 0;
+    for (const double f : under_way_) sum += std::abs(f) / (1 + wall_.stiffness_N_per_m);
+    return sum;
+  }
+  void shrink(double scale) {
+    for (double* one : {&x_, &v_, &u_, &last_x_}) *one /= scale;
+    for (double& f : under_way_) f /= scale;
+  }
+  void tick() {
+    const double tick_s = 1 / loop_.rate_hz;
+    const double keep = loop_.velocity_cutoff_hz > 0 ? std::exp(-2 * M_PI * loop_.velocity_cutoff_hz * tick_s) : 0;
+    u_ = keep * u_ + (1 - keep) * (x_ - last_x_) / tick_s;
+    last_x_ = x_;
+    under_way_.push_back(-wall_.stiffness_N_per_m * x_ - wall_.damping_Ns_per_m * u_);
+    const double force = under_way_.front();
+    under_way_.pop_front();
+    const HandParameters& p = loop_.hand;
+    const auto acceleration = [&](double x, double v) {
+      return (force - p.hand_stiffness_N_per_m * x - (p.hand_damping_Ns_per_m + p.device_damping_Ns_per_m) * v) /
+             (p.hand_mass_kg + p.device_mass_kg);
+    };
+    const double h = tick_s / kSteps;
+    for (int i = 0; i < kSteps; ++i) {
+      const double k1x = v_, k1v = acceleration(x_, v_);
+      const double k2x = v_ + h / 2 * k1v, k2v = acceleration(x_ + h / 2 * k1x, v_ + h / 2 * k1v);
+      const double k3x = v_ + h / 2 * k2v, k3v = acceleration(x_ + h / 2 * k2x, v_ + h / 2 * k2v);
+      const double k4x = v_ + h * k3v, k4v = acceleration(x_ + h * k3x, v_ + h * k3v);
+      x_ += h / 6 * (k1x + 2 * k2x + 2 * k3x + k4x);
+      v_ += h / 6 * (k1v + 2 * k2v + 2 * k3v + k4v);
+    }
+  }
+
+  SampledLoop loop_;
+  Wall wall_;
+  double x_ = 1, v_ = 0, u_ = 0, last_x_ = 1;
+  std::deque<double> under_way_;
+};
+
+// A mean over 3000 ticks of a swing whose phase at the ends is unknown is off by some log(10) / 3000 = 8e-4 at worst; a
+// pair of eigenvalues of nearly one size beats for as long. So only growth beyond 3e-3 a tick is compared.
+TEST(SampledLoop, TheGreatestEigenvalueIsTheGrowthOfThePlayedLoop) {
+  Dice dice(2);
+  int grown = 0, settled = 0;
+  for (int i = 0; i < 150; ++i) {
+    const SampledLoop loop = anyLoop(dice);
+    const Wall wall = {dice.decades(1, 1e5), dice.upTo(2) == 0 ? 0 : dice.decades(0.01, 100)};
+    const double exact = std::log(std::abs(greatestEigenvalue(loop, wall)));
+    const double played = Played(loop, wall).growth();
+    EXPECT_NEAR(played, exact, 3e-3 + 1e-3 * std::abs(exact))
+        << i << " K " << wall.stiffness_N_per_m << " B " << wall.damping_Ns_per_m;
+    (exact > 3e-3 ? grown : settled) += 1;
+  }
+  EXPECT_GT(grown, 30);
+  EXPECT_GT(settled, 30);
+}
+
+TEST(SampledLoop, BelowItsBoundEveryStiffnessIsStableAndAboveItIsNot) {
+  Dice dice(3);
+  int bounded = 0;
+  for (int i = 0; i < 200; ++i) {
+    const SampledLoop loop = anyLoop(dice);
+    const double damping = dice.upTo(2) == 0 ? 0 : dice.decades(0.01, 50);
+    const double bound = stiffnessBound(loop, damping);
+    if (bound < kSoftest_N_per_m || bound >= kStiffest_N_per_m) continue;
+    ++bounded;
+    for (int k = 0; k < 20; ++k)
+      EXPECT_TRUE(isStable(loop, {dice.decades(kSoftest_N_per_m, bound), damping})) << i << " bound " << bound;
+    EXPECT_FALSE(isStable(loop, {bound * (1 + 1.01 * kBoundPrecision), damping})) << i;
+  }
+  EXPECT_GT(bounded, 120);
+}
+
+TEST(SampledLoop, TheBoundsOfDampingDelayAndRateLieOnTheSameBorder) {
+  Dice dice(4);
+  int damped = 0, delayed = 0, rated = 0;
+  for (int i = 0; i < 200; ++i) {
+    const SampledLoop loop = anyLoop(dice);
+    const Wall wall = {dice.decades(10, 1e4), dice.decades(0.01, 10)};
+    const double most = dampingBound(loop, wall.stiffness_N_per_m);
+    if (most > 0 && most < kMostDamping_Ns_per_m) {
+      ++damped;
+      EXPECT_TRUE(isStable(loop, {wall.stiffness_N_per_m, most}));
+      EXPECT_FALSE(isStable(loop, {wall.stiffness_N_per_m, most * (1 + 1.01 * kBoundPrecision)}));
+    }
+    SampledLoop late = loop;
+    late.delay_ticks = delayBound(loop, wall, 20);
+    if (late.delay_ticks >= 0 && late.delay_ticks < 20) {
+      ++delayed;
+      EXPECT_TRUE(isStable(late, wall));
+      ++late.delay_ticks;
+      EXPECT_FALSE(isStable(late, wall));
+    }
+    SampledLoop fast = loop;
+    fast.rate_hz = rateBound(loop, wall);
+    if (fast.rate_hz < kHighestRate_hz && fast.rate_hz > 1.01) {
+      ++rated;
+      EXPECT_TRUE(isStable(fast, wall));
+      fast.rate_hz /= 1 + 1.01 * kBoundPrecision;
+      EXPECT_FALSE(isStable(fast, wall));
+    }
+  }
+  EXPECT_GT(damped, 100);
+  EXPECT_GT(delayed, 60);
+  EXPECT_GT(rated, 60);
+}
+
+TEST(SampledLoop, NothingHoldsTheBoundsThatNothingCanHold) {
+  SampledLoop loose;  // no damping anywhere: unstable at any stiffness
+  loose.hand = {0, 0, 0, 0.1, 0};
+  EXPECT_EQ(stiffnessBound(loose, 0), 0);
+  EXPECT_EQ(delayBound(loose, {100, 0}), -1);
+  EXPECT_EQ(rateBound(loose, {100, 0}), std::numeric_limits<double>::infinity());
+  EXPECT_EQ(stiffnessBound(loose, 1e4), 0);  // far too much damping
+  EXPECT_EQ(dampingBound(loose, 1e9), 0);    // far too stiff for any
+  EXPECT_GT(dampingBound(loose, 100), 1);    // damping alone makes it stable
+  SampledLoop heavy;                         // a tonne of damping: no bound within the grid
+  heavy.hand.device_damping_Ns_per_m = 1e9;
+  EXPECT_EQ(stiffnessBound(heavy, 0), kStiffest_N_per_m);
+  EXPECT_EQ(delayBound(heavy, {1, 0}, 7), 7);
+}
+
+TEST(SampledLoop, RefusesWhatIsNoLoop) {
+  SampledLoop loop;
+  loop.delay_ticks = -1;
+  EXPECT_THROW(static_cast<void>(transitionMatrix(loop, {})), Error);
+  loop.delay_ticks = 0;
+  loop.hand.hand_mass_kg = loop.hand.device_mass_kg = 0;
+  EXPECT_THROW(static_cast<void>(transitionMatrix(loop, {})), Error);
+}
+
+}  // namespace sampled_loop_test
+}  // namespace palpate
