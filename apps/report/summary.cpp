@@ -122,7 +122,8 @@ Json stabilityJson(const ContactStability& s) {
           {"unstable_from_s", unstable ? Json(s.unstable_from_s) : Json(nullptr)},
           {"unstable_to_s", unstable ? Json(s.unstable_to_s) : Json(nullptr)},
           {"swing_m", unstable ? Json(s.swing_m) : Json(nullptr)},
-          {"swing_hz", unstable ? Json(s.swing_hz) : Json(nullptr)}};
+          {"swing_hz", unstable ? Json(s.swing_hz) : Json(nullptr)},
+          {"ended_by_servo", s.ended_by_servo}};
 }
 
 Json exactJson(const std::optional<ExactErrors>& e) {

@@ -69,6 +69,23 @@ std::string quietWords(const ContactStability& s, const RunFigures& f) {
   return fmt::format("quiet: {}, and no contact gave more than it had taken{}", balance, errorWords(s));
 }
 
+std::string swingWords(const ContactStability& s) {
+  if (s.swing_m == 0) return fmt::format("by {} s the tool had bounced on the surface", shortNumber(s.unstable_from_s));
+  return fmt::format("from {} s to {} s the tool swung against the surface by {} at {} Hz without settling",
+                     shortNumber(s.unstable_from_s), shortNumber(s.unstable_to_s), withMm(s.swing_m),
+                     shortNumber(s.swing_hz));
+}
+
+std::string unstableWords(const ContactStability& s, const RunFigures& f) {
+  const auto times = [](int count) { return counted(static_cast<std::uint64_t>(count), "time"); };
+  return fmt::format(
+      "unstable: {}, {} in all, and the surface fed it{}; lower --stiffness, raise --rate, or raise --damping "
+      "(up to about the moved mass over the tick and the velocity's delay; more shakes by itself){}",
+      swingWords(s), counted(static_cast<std::uint64_t>(s.bounces), "bounce"),
+      s.ended_by_servo > 0 ? "; the servo took the force away " + times(s.ended_by_servo) : "",
+      f.damped_ticks > 0 ? "" : "; --passivity control lessens it");
+}
+
 // The likely cause of the activity, and what lessens it.
 std::string sourceWords(const ContactStability& s, const RunFigures& f) {
   switch (s.source) {
@@ -241,13 +258,7 @@ std::string stabilityWords(const ContactStability& s, const RunFigures& f) {
         "where at most {} was stored at once, and the tool did not keep swinging; {}",
         mJ(s.given_J), errorWords(s), mJ(s.stored_J), sourceWords(s, f));
   } else if (s.verdict == ContactVerdict::kUnstable) {
-    text = fmt::format(
-        "unstable: from {} s to {} s the tool swung against the surface by {} at {} Hz without settling, "
-        "{} in all, and the surface fed it; lower --stiffness, raise --rate, or raise --damping "
-        "(up to about the moved mass over the tick and the velocity's delay; more shakes by itself){}",
-        shortNumber(s.unstable_from_s), shortNumber(s.unstable_to_s), withMm(s.swing_m), shortNumber(s.swing_hz),
-        counted(static_cast<std::uint64_t>(s.bounces), "bounce"),
-        f.damped_ticks > 0 ? "" : "; --passivity control lessens it");
+    text = unstableWords(s, f);
   }
   if (f.damped_ticks > 0)
     text += "; the controller acted in " + counted(static_cast<std::uint64_t>(f.damped_ticks), "tick");

@@ -5,14 +5,16 @@
 
 #include <fmt/format.h>
 
+#include "apps/rig/contact_bounds.hpp"
 #include "base/error.hpp"
 #include "servo/window/window_exchange.hpp"
 
 namespace palpate {
 namespace {
 
-LoopParameters withForceLimit(LoopParameters loop, double force_limit_N) {
-  loop.safety.force_limit_N = force_limit_N;
+LoopParameters loopFor(LoopParameters loop, const RigSettings& settings, const Device& device) {
+  loop.safety.force_limit_N = settings.force_limit_N;
+  loop.instability.doubtful = mayShake(settings, loop, device);
   return loop;
 }
 
@@ -46,6 +48,8 @@ std::unique_ptr<Algorithm> makeAlgorithm(const RigSettings& settings, const RigV
 TouchRig::TouchRig(Engine& engine, Device& device, const LoopParameters& loop, RigVolume volume, RigSettings settings,
                    RigEdits* edits)
     : engine_(engine),
+      device_(device),
+      loop_settings_(loop),
       rate_hz_(loop.rate_hz),
       first_isovalue_(static_cast<float>(engine.isovalue())),
       volume_(std::move(volume)),
@@ -54,13 +58,17 @@ TouchRig::TouchRig(Engine& engine, Device& device, const LoopParameters& loop, R
       given_(settings_),
       isovalue_transition_(engine),
       algorithm_(algorithmFor(settings_)),
-      loop_(withForceLimit(loop, settings_.force_limit_N), *algorithm_, device, engine.exchange(), tool_) {
+      loop_(loopFor(loop, settings_, device), *algorithm_, device, engine.exchange(), tool_) {
   if (settings_.parameters.isovalue != first_isovalue_) {
     refuse(fmt::format("isovalue {:g}", settings_.parameters.isovalue),
            fmt::format("the gradients on the device are those around {:g}", first_isovalue_),
            "begin with that, and change it then");
   }
   loop_.takeChangesFrom(changes_);
+}
+
+bool TouchRig::mayShake(const RigSettings& settings) const {
+  return palpate::mayShake(settings, loop_settings_, device_);
 }
 
 TouchRig::~TouchRig() {
@@ -143,6 +151,7 @@ void TouchRig::change(const RigSettings& settings) {
   if (next.force_limit_N != given_.force_limit_N) change.force_limit_N = next.force_limit_N;
   const bool waits = next.parameters.isovalue != given_.parameters.isovalue;
   if (!waits) change.algorithm = std::move(algorithm);
+  change.doubtful = mayShake(next);
   if (change.algorithm != nullptr || change.force_limit_N) changes_.give(std::move(change));
   if (algorithm != nullptr) waiting_ = std::move(algorithm);
   if (!waits) {
@@ -176,7 +185,7 @@ void TouchRig::lookForIsovalue(const ToolPose& pose, std::int64_t now_ns, bool a
     look.in_use = given_.parameters.isovalue;
     look.taken = changes_.ended(taking_);
     if (isovalue_transition_.mayGive(look)) {
-      taking_ = changes_.give({.algorithm = std::move(waiting_)});
+      taking_ = changes_.give({.algorithm = std::move(waiting_), .doubtful = mayShake(settings_)});
       given_ = settings_;
       return;
     }

@@ -21,24 +21,13 @@
 #include "apps/rig/isovalue_transition.hpp"
 #include "apps/rig/live_view.hpp"
 #include "apps/rig/rig_edits.hpp"
+#include "apps/rig/rig_settings.hpp"
 #include "base/error.hpp"
 #include "engine/service/engine_thread.hpp"
 #include "servo/algorithms/registry.hpp"
-#include "servo/contact/effects.hpp"
 #include "servo/loop/servo_loop.hpp"
 
 namespace palpate {
-
-// What may be changed while the rig runs.
-struct RigSettings {
-  std::string algorithm = std::string(algorithms().front().name);
-  AlgorithmParameters parameters = {};  // the rate is the loop's, the isovalue a float, as the GPU has it
-  TransferTables haptization = {};
-  EffectParameters effects = {};
-  double force_limit_N = SafetyParameters{}.force_limit_N;  // at most the device's own counts [N]
-
-  bool operator==(const RigSettings&) const = default;
-};
 
 // What the algorithm needs of the volume beside the engine's samples. It does not change during a run.
 struct RigVolume {
@@ -100,11 +89,14 @@ class TouchRig {
 
  private:
   [[nodiscard]] std::unique_ptr<Algorithm> algorithmFor(const RigSettings& settings) const;
+  [[nodiscard]] bool mayShake(const RigSettings& settings) const;
   void look(const ToolPose& pose, std::int64_t now_ns, bool all_at_once);
   void freeUnusedSamples();
   void lookForIsovalue(const ToolPose& pose, std::int64_t now_ns, bool all_at_once);
 
   Engine& engine_;
+  const Device& device_;
+  const LoopParameters loop_settings_;
   const double rate_hz_;
   const double first_isovalue_;
   const RigVolume volume_;

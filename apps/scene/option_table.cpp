@@ -106,6 +106,8 @@ const SceneOption kOptions[] = {
     {"--report-timeout", "safety.report_timeout_s", "s", "a device position older than this is a fault", number(&Scene::report_timeout_s, 1, 0.0001, 60)},
     {"--passivity", "safety.passivity", "", "observe: the energy given to the hand is only counted; control: a damper takes back what was given too much",
      SwitchOption{&Scene::passivity_control, "observe", "control"}},
+    {"--shaking", "safety.shaking", "", "end: an unstable contact loses its force until the tool has left it; leave: it goes on",
+     SwitchOption{&Scene::leave_shaking, "end", "leave"}},
     {"--force-shading", "contact.force_shading", "", "between plane renewals the force turns with the surface", SwitchOption{&Scene::force_shading, "off", "on"}},
     {"--recovery", "contact.recovery_ms", "ms", "time over which a new plane takes effect, 0: at once", number(&Scene::recovery_s, 1e-3, 0, 1000)},
     {"--texture", "contact.texture", "", "fine relief: procedural, or from the density's fine structure", WordOption{&Scene::texture, kTextures}},

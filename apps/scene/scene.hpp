@@ -60,6 +60,7 @@ struct Scene {
   double stall_s = 0.01;             // a tick later than this ends a stall
   double report_timeout_s = 0.02;    // a device position older than this is a fault
   bool passivity_control = false;    // false: observe only
+  bool leave_shaking = false;        // false: an unstable contact loses its force
   // contact effects; all off
   bool force_shading = false;
   double recovery_s = 0;                 // 0: none

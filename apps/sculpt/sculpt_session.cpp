@@ -11,6 +11,7 @@
 #include "apps/convert/convert_job.hpp"
 #include "apps/load/load_and_tell.hpp"
 #include "apps/mesh/mesh_writer.hpp"
+#include "apps/rig/contact_bounds.hpp"
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
 #include "engine/edit/brush_profile.hpp"
@@ -91,6 +92,7 @@ SculptSession::SculptSession(const SculptRequest& request, Progress& progress) :
   RigSettings settings = request.servo;
   settings.parameters.isovalue = first_isovalue_;
   settings.parameters.rate_hz = loop.rate_hz;
+  for (const std::string& warning : boundWarnings(settings, loop, *device_)) tell(warning);
   rig_ = std::make_unique<TouchRig>(*engine_, *device_, loop, RigVolume{.scale = scale}, std::move(settings),
                                     edits_.get());
   rig_->drawFor(view_);

@@ -31,6 +31,7 @@ LoopParameters loopParameters(const Scene& scene) {
                  .report_timeout_s = scene.report_timeout_s};
   loop.velocity = velocityParameters(scene);
   loop.passivity.control = scene.passivity_control;
+  loop.instability.act = !scene.leave_shaking;
   return loop;
 }
 

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "apps/console/interrupt.hpp"
+#include "apps/rig/contact_bounds.hpp"
 #include "apps/touch/scene_settings.hpp"
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
@@ -62,11 +63,12 @@ void checkRunLength(const Scene& scene, std::uint64_t available_bytes) {
 }
 
 LoopResult runServo(const Scene& scene, RigVolume volume, const Path& path, Engine& engine, RigEdits* edits,
-                    Progress& progress, const std::function<void()>& before_first_tick) {
+                    Progress& progress, const std::function<void(const std::vector<std::string>&)>& before_first_tick) {
   const LoopParameters parameters = loopParameters(scene);
   const std::unique_ptr<Device> device = makeDevice(scene.device, deviceSetup(scene, path));
-  TouchRig rig(engine, *device, parameters, std::move(volume), rigSettings(scene, engine.isovalue()), edits);
-  before_first_tick();
+  const RigSettings settings = rigSettings(scene, engine.isovalue());
+  TouchRig rig(engine, *device, parameters, std::move(volume), settings, edits);
+  before_first_tick(boundWarnings(settings, parameters, *device));
   if (scene.simulated_clock) return runSimulated(rig, static_cast<double>(parameters.ticks), progress);
   return runReal(rig, scene.duration_s, progress);
 }

@@ -5,6 +5,8 @@
 
 #include <cstdint>
 #include <functional>
+#include <string>
+#include <vector>
 
 #include "apps/console/progress.hpp"
 #include "apps/rig/touch_rig.hpp"
@@ -22,8 +24,10 @@ namespace palpate {
 void checkRunLength(const Scene& scene, std::uint64_t available_bytes);
 
 // Blocks for the run's time. Ctrl-C ends it early, in good order. `edits` may be null. `before_first_tick` is called
-// once, after the memory for the records of all ticks has been allocated.
+// once, after the memory for the records of all ticks has been allocated, with what the device cannot render
+// (apps/rig/contact_bounds.hpp).
 [[nodiscard]] LoopResult runServo(const Scene& scene, RigVolume volume, const Path& path, Engine& engine,
-                                  RigEdits* edits, Progress& progress, const std::function<void()>& before_first_tick);
+                                  RigEdits* edits, Progress& progress,
+                                  const std::function<void(const std::vector<std::string>&)>& before_first_tick);
 
 }  // namespace palpate

@@ -9,6 +9,7 @@
 #include <sys/resource.h>
 
 #include "apps/console/interrupt.hpp"
+#include "apps/console/message.hpp"
 #include "apps/console/progress.hpp"
 #include "apps/load/load_and_tell.hpp"
 #include "apps/report/html_report.hpp"
@@ -20,6 +21,7 @@
 #include "apps/touch/object_volume.hpp"
 #include "apps/touch/output_folder.hpp"
 #include "apps/touch/picture.hpp"
+#include "apps/touch/plane_age.hpp"
 #include "apps/touch/run_notes.hpp"
 #include "apps/touch/scene_objects.hpp"
 #include "apps/touch/scene_plan.hpp"
@@ -262,6 +264,7 @@ class TouchJob {
   void load();
   void compute();
   void layPath();
+  void warn(const std::string& warning);
   void readyAlgorithm();
   void readyEdits();
   void assess();
@@ -328,6 +331,13 @@ void TouchJob::layPath() {
   const std::vector<std::string> start_notes = notesOnStart(objects_, path_->path.position(0));
   run_.notes.insert(run_.notes.end(), start_notes.begin(), start_notes.end());
   run_.object_outlines = objects_.outlines;
+  if (const auto note = noteOnPlaneAge(run_.scene, path_->path, *surface_)) warn(*note);
+}
+
+// Told at once, and kept for the report.
+void TouchJob::warn(const std::string& warning) {
+  tellUser(warning);
+  run_.notes.push_back(warning);
 }
 
 void TouchJob::readyAlgorithm() {
@@ -350,11 +360,13 @@ void TouchJob::readyEdits() {
 }
 
 void TouchJob::feel() {
-  const auto begin = [&] {  // from the first tick on there are results to keep
-    kept_.emplace();
-    tellWhatIsKept(wordsOfSecondRequest(scene_.journal, scene_.save));
-    progress_.stage(fmt::format("palpating with {} on {}", scene_.algorithm, engine_->gpu().name));
-  };
+  const auto begin =
+      [&](const std::vector<std::string>& warnings) {  // from the first tick on there are results to keep
+        kept_.emplace();
+        for (const std::string& warning : warnings) warn(warning);
+        tellWhatIsKept(wordsOfSecondRequest(scene_.journal, scene_.save));
+        progress_.stage(fmt::format("palpating with {} on {}", scene_.algorithm, engine_->gpu().name));
+      };
   LoopResult result = stages_.run("servo", "making ready to palpate", [&] {
     LoopResult loop;
     const auto servo = [&] {

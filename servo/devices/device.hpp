@@ -11,8 +11,10 @@
 
 #include <cstdint>
 #include <string_view>
+#include <vector>
 
 #include "base/vec.hpp"
+#include "servo/devices/hand_dynamics.hpp"
 
 namespace palpate {
 
@@ -21,6 +23,7 @@ struct DeviceLimits {
   double position_resolution_m = 0;  // of its encoders; 0: rounding is negligible [m]
   int force_delay_ticks = 0;         // from write() to the force that acts, in servo ticks
   double slew_limit_N_per_s = 0;     // fastest change of force that it can follow; 0: not stated [N/s]
+  bool follows_force = true;         // false: no force moves it, so no contact with it can be unstable
 };
 
 class Device {
@@ -28,6 +31,9 @@ class Device {
   virtual ~Device() = default;
   [[nodiscard]] virtual std::string_view name() const noexcept = 0;
   [[nodiscard]] virtual DeviceLimits limits() const noexcept = 0;
+  // Device and hand, for what a contact can bear: one if the hand is known, several hands to reckon with if it is not.
+  // Empty: nothing is known of them, or no force moves the device. Set-up code; allocates.
+  [[nodiscard]] virtual std::vector<HandParameters> hands() const { return {}; }
 
   // Advances simulated time. `ticks`: grid periods since the last tick: 1, or more after missed deadlines. Not called
   // before the first tick. A real device leaves this empty.

@@ -38,7 +38,13 @@ DeviceLimits SimulatedDevice::limits() const noexcept {
   return {.force_limit_N = parameters_.force_limit_N,
           .position_resolution_m = parameters_.encoder_resolution_m,
           .force_delay_ticks = parameters_.delay_ticks,
-          .slew_limit_N_per_s = parameters_.slew_limit_N_per_s};
+          .slew_limit_N_per_s = parameters_.slew_limit_N_per_s,
+          .follows_force = parameters_.hand == Hand::kSpring};
+}
+
+std::vector<HandParameters> SimulatedDevice::hands() const {
+  if (parameters_.hand == Hand::kRigid) return {};
+  return {parameters_.dynamics};
 }
 
 // The servo writes in every tick that it runs. Over ticks that it missed, the device holds the last force, as hardware

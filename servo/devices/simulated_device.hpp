@@ -36,6 +36,7 @@ class SimulatedDevice final : public Device {
 
   [[nodiscard]] std::string_view name() const noexcept override;
   [[nodiscard]] DeviceLimits limits() const noexcept override;
+  [[nodiscard]] std::vector<HandParameters> hands() const override;
   void elapse(int ticks) noexcept override;
   [[nodiscard]] bool read(Vec3& position_W) noexcept override;
   [[nodiscard]] bool write(const Vec3& force_W) noexcept override;

@@ -15,23 +15,8 @@
 // quiet if it gave no more than the sum of two parts: kQuietShare of the most that any contact of the run stored, and
 // the encoders' error. That error is Delta times the sum of the force's changes along each axis.
 //
-// Swings. The height of the HIP over the plane turns up and down; out of contact the last plane counts. A swing goes
-// from one turn to the next. It counts if it is at least kLeastSwing_m and kLeastSwing_steps encoder steps high. (In a
-// loop that is stable without rounding, rounding alone can keep up a swing of two steps.) The contact is unstable if
-// all of this is true of kSwings successive swings:
-// - They do not die away: the second half is at least kSustained of the first half. At kSwings = 20 a swing that loses
-//   5.6 % a period, a damping ratio of 0.009, is on the border.
-// - Neither the hand nor the surface asks for them. The heights of the swings add up to more than kUnasked times the
-//   sum of three motions along the normal in the same time: that of the hand's path, that of the surface, and that of
-//   what effects add to it. So a path that taps, a texture and a noisy surface do not count, unless the contact answers
-//   with a resonance of more than that. What an effect adds in proportion to the depth is stiffness and asks for
-//   nothing. If the path is unknown, only swings faster than kHand_hz count, since a hand can make slower ones.
-//   Whatever the surface asks for, this is enough instead: the path alone does not ask for the swings, and in each
-//   period the tool left the surface while the hand wanted it inside.
-// - The surface fed them: E fell from the first to the last. So stick-slip does not count, since friction takes energy.
-// Three events start the count anew: the surface ends under the tool (contact is lost with the HIP still below the
-// plane), a fading fault, and half a second out of contact. A hand that is exactly on its path cannot bounce, since the
-// HIP's height is the path's own.
+// Swings: servo/loop/swing_watch.hpp says which are those of an unstable contact. A contact that the servo has ended for
+// it was unstable, too.
 //
 // Frame W: world [m, N]. Thread: any, after the run. Cost: one pass over the records. Errors: none.
 #pragma once
@@ -67,19 +52,13 @@ struct ContactStability {
   double allowed_J = 0;  // error and quiet share, summed over all contacts
   // For the swings:
   int bounces = 0;              // how often contact was left outwards while the hand wanted the tool inside
-  double swing_m = 0;           // mean height of the kSwings that were judged unstable; the largest such mean [m]
+  double swing_m = 0;           // mean height of the swings that were judged unstable; the largest such mean [m]
   double swing_hz = 0;          // two swings are a period [1/s]
   double unstable_from_s = -1;  // start of the first of them [s]; -1: none
   double unstable_to_s = -1;    // end of the last
+  int ended_by_servo = 0;       // how often the servo took the force away for it (instability_guard.hpp)
 
   static constexpr double kQuietShare = 0.01;
-  static constexpr int kSwings = 20;
-  static constexpr double kLeastSwing_m = 2e-6;
-  static constexpr double kLeastSwing_steps = 2.5;
-  static constexpr double kSustained = 0.75;
-  static constexpr double kUnasked = 10;
-  static constexpr double kHand_hz = 12;
-  static constexpr double kLongestFlight_s = 0.5;
 };
 
 [[nodiscard]] ContactStability assessContact(std::span<const TickRecord> records, const ContactConditions& conditions);

@@ -20,7 +20,10 @@ std::uint64_t ServoChanges::give(ServoChange change) {
   for (auto& slot : done_) delete slot.exchange(nullptr, std::memory_order_acquire);
   const std::unique_ptr<ServoChange> untaken(given_.exchange(nullptr, std::memory_order_acquire));
   if (untaken) {
-    if (!next->algorithm) next->algorithm = std::move(untaken->algorithm);
+    if (!next->algorithm) {
+      next->algorithm = std::move(untaken->algorithm);
+      next->doubtful = untaken->doubtful;
+    }
     if (!next->force_limit_N) next->force_limit_N = untaken->force_limit_N;
   }
   const std::uint64_t number = ++given_count_;

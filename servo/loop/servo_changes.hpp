@@ -21,6 +21,7 @@ namespace palpate {
 struct ServoChange {
   std::unique_ptr<Algorithm> algorithm = {};  // runs from now on; null: keeps the present one
   std::optional<double> force_limit_N = {};   // above 0; empty: keeps the present one [N]
+  bool doubtful = true;                       // InstabilityParameters::doubtful, with a new algorithm
   std::uint64_t number = 0;                   // set by give()
 };
 

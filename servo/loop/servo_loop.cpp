@@ -91,6 +91,7 @@ ServoLoop::ServoLoop(const LoopParameters& parameters, Algorithm& algorithm, Dev
       window_clock_(nanoseconds(parameters.safety.stall_s)),
       passivity_(parameters.passivity, withinDevice(parameters.safety, device).force_limit_N, parameters.rate_hz,
                  device.limits().force_delay_ticks, device.limits().position_resolution_m),
+      guard_(parameters.instability, device.limits(), parameters.rate_hz),
       velocity_(velocityFor(device, parameters.velocity), parameters.rate_hz),
       recorder_(recordCapacity(parameters)),
       most_force_N_(mostForce(device)),
@@ -205,7 +206,7 @@ void ServoLoop::runOnGrid(Clock& clock) {
 
 // One tick, from reading the device to writing it. Gives the window that it used, valid until the next tick.
 const SampleWindow& ServoLoop::runTick(const Due& due, std::int64_t now_ns, TickRecord& record) noexcept {
-  std::uint32_t faults = carried_faults_;
+  std::uint32_t faults = carried_faults_ | guard_.faults();
   if (due.elapsed_ticks > 0) device_.elapse(due.elapsed_ticks);
   const std::int64_t gap_ns = due.elapsed_ticks > 0 ? now_ns - last_now_ns_ : 0;
   last_now_ns_ = now_ns;
@@ -226,7 +227,7 @@ const SampleWindow& ServoLoop::runTick(const Due& due, std::int64_t now_ns, Tick
   }
   const Vec3 damping_W = passivity_.damping(velocity_.value());
   const GateOutput gated =
-      gate_.pass({out.force_W + damping_W, age.age_ns, faults | out.faults, gap_ns, report_age_ns});
+      gate_.pass({guard_.share() * out.force_W + damping_W, age.age_ns, faults | out.faults, gap_ns, report_age_ns});
   carried_faults_ = offer(gated.force_W) ? 0 : bit(ServoFault::kDeviceError);
   const Vec3& held_W = gate_.heldForce();
   passivity_.hold(held_W);
@@ -251,6 +252,7 @@ const SampleWindow& ServoLoop::runTick(const Due& due, std::int64_t now_ns, Tick
   record.energy_J = passivity_.energy_J();
   record.in_contact = out.in_contact;
   record.damped = !damping_W.isZero(0) && (gated.faults & kFadingFaults) == 0;
+  guard_.add(record);
   return window;
 }
 
@@ -262,6 +264,7 @@ void ServoLoop::beginChange(const SampleWindow& window) noexcept {
   change_tick_ = 0;
   limit_from_N_ = gate_.forceLimit();
   if (!change_->algorithm) return;
+  guard_.reset(change_->doubtful);
   Vec3 free_W = hip_W_;
   if (last_.in_contact)
     free_W = last_.surface_W + last_.normal_W * (IsoField::kStandOff * window.lattice.smallestSpacing());

@@ -21,6 +21,7 @@
 
 #include "servo/algorithms/algorithm.hpp"
 #include "servo/devices/device.hpp"
+#include "servo/loop/instability_guard.hpp"
 #include "servo/loop/live_ticks.hpp"
 #include "servo/loop/real_time.hpp"
 #include "servo/loop/servo_changes.hpp"
@@ -44,6 +45,7 @@ struct LoopParameters {
   VelocityParameters velocity;
   SafetyParameters safety;
   PassivityParameters passivity;
+  InstabilityParameters instability;
 };
 
 // A clock for runOn(). The loop's own thread calls it.
@@ -132,6 +134,7 @@ class ServoLoop {
   SafetyGate gate_;
   WindowClock window_clock_;
   Passivity passivity_;
+  InstabilityGuard guard_;
   VelocityEstimate velocity_;
   TickRecorder recorder_;
   Vec3 hip_W_ = Vec3::Zero();  // last position that could be read [m]

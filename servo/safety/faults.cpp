@@ -53,6 +53,12 @@ constexpr std::array kTable = {
     FaultText{ServoFault::kPlaneBehind, "plane-behind",
               "the tool went farther along the surface in a tick than the surface was followed", kFades,
               "move more slowly, or raise the rate"},
+    FaultText{
+        ServoFault::kUnstable, "unstable",
+        "the tool swung against the surface without settling, and the surface fed it",
+        "falls to zero within the fade time, stays away until the tool has left the surface, and comes back with a "
+        "quarter of the stiffness and damping",
+        "lower the stiffness, raise the rate, or see the run's first lines for what this device can bear"},
 };
 
 void append(std::string& names, const char* name) {

@@ -30,6 +30,7 @@ enum class ServoFault : std::uint32_t {
   kDroppedReports = 1U << 12,
   kClockStep = 1U << 13,
   kPlaneBehind = 1U << 14,
+  kUnstable = 1U << 15,
 };
 
 [[nodiscard]] constexpr std::uint32_t bit(ServoFault fault) noexcept {
@@ -40,11 +41,11 @@ enum class ServoFault : std::uint32_t {
 }
 
 // The bits that take the force away.
-inline constexpr std::uint32_t kFadingFaults = bit(ServoFault::kNoWindow) | bit(ServoFault::kStaleWindow) |
-                                               bit(ServoFault::kBeyondWindow) | bit(ServoFault::kNonFiniteForce) |
-                                               bit(ServoFault::kDeviceError) | bit(ServoFault::kStall) |
-                                               bit(ServoFault::kDroppedReports) | bit(ServoFault::kClockStep) |
-                                               bit(ServoFault::kSurfaceLost) | bit(ServoFault::kPlaneBehind);
+inline constexpr std::uint32_t kFadingFaults =
+    bit(ServoFault::kNoWindow) | bit(ServoFault::kStaleWindow) | bit(ServoFault::kBeyondWindow) |
+    bit(ServoFault::kNonFiniteForce) | bit(ServoFault::kDeviceError) | bit(ServoFault::kStall) |
+    bit(ServoFault::kDroppedReports) | bit(ServoFault::kClockStep) | bit(ServoFault::kSurfaceLost) |
+    bit(ServoFault::kPlaneBehind) | bit(ServoFault::kUnstable);
 
 struct FaultText {
   ServoFault fault;

@@ -273,8 +273,10 @@ TEST(FaultSequences, NoneLetsOutAForceThatIsNotWithinTheLimits) {
     SCOPED_TRACE("sequence " + std::to_string(i));
     ASSERT_NO_FATAL_FAILURE(playSequence(static_cast<unsigned>(i), storage, seen));
   }
-  // That the sequences were worth something: each fading fault was raised, forces came back, the controller acted.
-  EXPECT_EQ(seen.faults & kFadingFaults, kFadingFaults) << faultNames(seen.faults);
+  // That the sequences were worth something: each fading fault was raised, forces came back, the controller acted. An
+  // unstable contact needs a tool that follows the force (instability_guard_test.cpp).
+  constexpr std::uint32_t kPlayed = kFadingFaults & ~bit(ServoFault::kUnstable);
+  EXPECT_EQ(seen.faults & kFadingFaults, kPlayed) << faultNames(seen.faults);
   EXPECT_GT(seen.back_to_the_wanted, kSequences / 2);
   EXPECT_GT(seen.pushing_at_the_end, kSequences / 2);
   EXPECT_GT(seen.fades_to_zero, kSequences / 4);

@@ -50,6 +50,7 @@ LoopResult pressOnWall(bool control, int delay_ticks, double encoder_m = 0) {
   LoopParameters p;
   p.ticks = 3000;
   p.passivity.control = control;
+  p.instability.act = false;
   ServoLoop loop(p, wall, device, windows, tool);
   return loop.runSimulated();
 }

@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "servo/loop/contact_stability.hpp"
+#include "servo/loop/swing_watch.hpp"
 #include "servo/safety/faults.hpp"
 #include "wanted_path.hpp"
 
@@ -130,7 +131,7 @@ TEST(StabilitySwings, TheHighestAreToldOf) {
 }
 
 TEST(StabilitySwings, ThatDieAwayAreNone) {
-  static_assert(ContactStability::kSustained == 0.75);
+  static_assert(SwingWatch::kSustained == 0.75);
   for (const double later_m : {0.74e-3, 0.76e-3}) {
     Tool tool(-2e-3);
     tool.swing(12, -1e-3, -2e-3);
@@ -148,7 +149,7 @@ TEST(StabilitySwings, MustBeFedByTheSurface) {
 
 // 20 mm of swings are more than ten times the 1.9 mm that are asked for, and less than ten times 2.1 mm: whoever asks.
 TEST(StabilitySwings, ThatAreAskedForAreNone) {
-  static_assert(ContactStability::kUnasked == 10);
+  static_assert(SwingWatch::kUnasked == 10);
   const Tool still = Tool::inside();
   const auto none = [](int) { return 0.0; };
   for (const double asked_m : {1.9e-3, 2.1e-3}) {
@@ -183,7 +184,7 @@ TEST(StabilitySwings, AnEffectAsksUnlessItIsAStiffness) {
 
 // Twenty swings of 40 ms are 12.5 Hz, of 43 ms 11.6 Hz: a hand of which nothing is known can make these.
 TEST(StabilitySwings, SlowOnesMayBeAHandsWhoseWayIsNotKnown) {
-  static_assert(ContactStability::kHand_hz == 12);
+  static_assert(SwingWatch::kHand_hz == 12);
   for (const int ticks : {40, 43}) {
     Tool tool(-2e-3);
     tool.swing(22, -1e-3, -2e-3, ticks);
@@ -268,7 +269,7 @@ TEST(StabilitySwings, AFaultOrASurfaceThatEndsStartsTheCountAnew) {
 }
 
 TEST(StabilitySwings, ALongFlightStartsTheCountAnew) {
-  static_assert(ContactStability::kLongestFlight_s == 0.5);
+  static_assert(SwingWatch::kLongestFlight_s == 0.5);
   for (const int hover_ticks : {400, 600}) {
     Tool tool(-1e-3);
     tool.swing(11, 1e-3, -1e-3);

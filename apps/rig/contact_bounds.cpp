@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/rig/contact_bounds.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "servo/stability/sampled_loop.hpp"
+
+namespace palpate {
+namespace {
+
+Wall stiffestWall(const RigSettings& settings) {
+  double factor = settings.effects.stiffness_by_density.empty() ? 1 : 0;
+  for (const StiffnessRow& row : settings.effects.stiffness_by_density) factor = std::max(factor, row.factor);
+  return {settings.parameters.stiffness_N_per_m * factor, settings.parameters.damping_Ns_per_m};
+}
+
+SampledLoop sampledLoop(const LoopParameters& loop, const Device& device, const HandParameters& hand) {
+  return {.hand = hand,
+          .rate_hz = loop.rate_hz,
+          .delay_ticks = device.limits().force_delay_ticks,
+          .velocity_cutoff_hz = loop.velocity.name == VelocityParameters{}.name ? loop.velocity.cutoff_hz : 0};
+}
+
+// The hand in which the wall of this damping may be least stiff.
+SampledLoop worstLoop(const LoopParameters& loop, const Device& device, double damping_Ns_per_m) {
+  std::vector<SampledLoop> all;
+  for (const HandParameters& hand : device.hands()) all.push_back(sampledLoop(loop, device, hand));
+  return *std::min_element(all.begin(), all.end(), [&](const SampledLoop& a, const SampledLoop& b) {
+    return stiffnessBound(a, damping_Ns_per_m) < stiffnessBound(b, damping_Ns_per_m);
+  });
+}
+
+// Two digits, towards zero or away from it.
+double twoDigits(double value, double (*round)(double)) {
+  if (!(value > 0)) return 0;
+  const double step = std::pow(10.0, std::floor(std::log10(value)) - 1);
+  return round(value / step) * step;
+}
+
+std::string other(const SampledLoop& loop, const Wall& wall) {
+  std::string words;
+  const double rate_hz = rateBound(loop, wall);
+  if (std::isfinite(rate_hz)) words += fmt::format(", or a rate of {:g} Hz or more", twoDigits(rate_hz, std::ceil));
+  const int delay = delayBound(loop, wall, loop.delay_ticks);
+  if (delay >= 0 && delay < loop.delay_ticks) words += fmt::format(", or a delay of at most {} ticks", delay);
+  return words;
+}
+
+std::string conditionWords(const SampledLoop& loop) {
+  return loop.delay_ticks > 0 ? fmt::format("at {:g} Hz and {} ticks late", loop.rate_hz, loop.delay_ticks)
+                              : fmt::format("at {:g} Hz", loop.rate_hz);
+}
+
+std::string stiffnessWarning(const SampledLoop& loop, const Wall& wall, double bound) {
+  return fmt::format(
+      "a stiffness of {:g} N/m is more than this device can render {}, so the contact will shake: with a damping of "
+      "{:g} N s/m it is stable up to {:g} N/m; give at most that{}",
+      wall.stiffness_N_per_m, conditionWords(loop), wall.damping_Ns_per_m, twoDigits(bound, std::floor),
+      other(loop, wall));
+}
+
+std::string dampingWarning(const SampledLoop& loop, const Wall& wall) {
+  const double most = dampingBound(loop, kSoftest_N_per_m);
+  return fmt::format(
+      "a damping of {:g} N s/m is more than this device can render {}, so the contact will shake at any stiffness; "
+      "give "
+      "at most {:g} N s/m{}",
+      wall.damping_Ns_per_m, conditionWords(loop), twoDigits(most, std::floor), other(loop, wall));
+}
+
+}  // namespace
+
+bool mayShake(const RigSettings& settings, const LoopParameters& loop, const Device& device) {
+  const std::vector<HandParameters> hands = device.hands();
+  if (hands.empty() || !algorithmEntry(settings.algorithm).traits.shows_surface) return true;
+  const Wall wall = stiffestWall(settings);
+  return !std::ranges::all_of(
+      hands, [&](const HandParameters& hand) { return isStable(sampledLoop(loop, device, hand), wall); });
+}
+
+std::vector<std::string> boundWarnings(const RigSettings& settings, const LoopParameters& loop, const Device& device) {
+  if (device.hands().empty() || loop.passivity.control || !mayShake(settings, loop, device)) return {};
+  if (!algorithmEntry(settings.algorithm).traits.shows_surface) return {};
+  const Wall wall = stiffestWall(settings);
+  const SampledLoop worst = worstLoop(loop, device, wall.damping_Ns_per_m);
+  const double bound = stiffnessBound(worst, wall.damping_Ns_per_m);
+  if (bound > 0) return {stiffnessWarning(worst, wall, bound)};
+  return {dampingWarning(worst, wall)};
+}
+
+}  // namespace palpate

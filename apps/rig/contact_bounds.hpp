@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+// apps/rig/contact_bounds.hpp: can this device render this contact, or will it shake? Asked before the servo starts.
+//
+// The answer is that of the linear sampled loop (servo/stability/sampled_loop.hpp), for each hand that the device
+// reckons with (Device::hands()), with the largest stiffness that the settings can make. It knows no curved surface, no
+// encoders and no limits of the force. An adaptive velocity estimate counts as its shortest window.
+// Set-up code: some milliseconds for a warning.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "apps/rig/rig_settings.hpp"
+#include "servo/devices/device.hpp"
+#include "servo/loop/servo_loop.hpp"
+
+namespace palpate {
+
+// Whether the contact may be unstable in a hand: it is in the linear loop, or nothing is known of the device, or the
+// algorithm has no stiffness.
+[[nodiscard]] bool mayShake(const RigSettings& settings, const LoopParameters& loop, const Device& device);
+
+// What lies beyond the bounds, one line each, with the values that would be safe. Empty: nothing does, or nothing is
+// known. With the passivity controller the bounds do not apply.
+[[nodiscard]] std::vector<std::string> boundWarnings(const RigSettings& settings, const LoopParameters& loop,
+                                                     const Device& device);
+
+}  // namespace palpate

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: Apache-2.0
+// Warnings before the first tick: given where the sampled loop is unstable and nowhere else, and the values that they
+// name are stable.
+#include "apps/rig/contact_bounds.hpp"
+
+#include <cmath>
+#include <regex>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "servo/devices/simulated_device.hpp"
+#include "servo/devices/typical_hands.hpp"
+#include "servo/stability/sampled_loop.hpp"
+#include "tests/servo/support/seeded.hpp"
+
+namespace palpate {
+namespace contact_bounds_test {
+
+using testing::HasSubstr;
+
+class Still final : public Path {
+ public:
+  [[nodiscard]] Vec3 position(double) const noexcept override { return Vec3::Zero(); }
+  [[nodiscard]] double duration_s() const noexcept override { return 1; }
+};
+const Still kStill;
+
+SimulatedDevice deviceIn(const HandParameters& hand, int delay_ticks, double rate_hz) {
+  SimulatedDeviceParameters p;
+  p.hand = Hand::kSpring;
+  p.dynamics = hand;
+  p.delay_ticks = delay_ticks;
+  return {p, kStill, rate_hz};
+}
+
+// The number behind the words, as the message has it.
+double numberAfter(const std::string& text, const std::string& words) {
+  std::smatch found;
+  const std::regex pattern(words + "([0-9.e+-]+)");
+  return std::regex_search(text, found, pattern) ? std::stod(found[1]) : std::nan("");
+}
+
+TEST(ContactBounds, WarnWhereTheLoopIsUnstableAndNameValuesThatAreStable) {
+  Seeded random(31);
+  int stiff = 0, damped = 0, fine = 0, rates = 0, delays = 0;
+  for (int i = 0; i < 400; ++i) {
+    SampledLoop loop;
+    loop.hand = kTypicalHands[static_cast<std::size_t>(random.pick(3))].holding(
+        {.device_mass_kg = random.logBetween(0.01, 10), .device_damping_Ns_per_m = random.logBetween(0.01, 5)});
+    loop.rate_hz = random.logBetween(100, 20000);
+    loop.delay_ticks = random.pick(4);
+    const SimulatedDevice device = deviceIn(loop.hand, loop.delay_ticks, loop.rate_hz);
+    RigSettings settings;
+    settings.parameters.stiffness_N_per_m = random.logBetween(50, 50000);
+    settings.parameters.damping_Ns_per_m = random.pick(3) == 0 ? random.logBetween(10, 1000) : random.between(0, 5);
+    if (random.pick(3) == 0) settings.effects.stiffness_by_density = {{0, 0.5}, {1, random.between(1, 5)}};
+    LoopParameters parameters;
+    parameters.rate_hz = loop.rate_hz;
+    Wall wall{settings.parameters.stiffness_N_per_m, settings.parameters.damping_Ns_per_m};
+    if (!settings.effects.stiffness_by_density.empty())
+      wall.stiffness_N_per_m *= settings.effects.stiffness_by_density.back().factor;
+
+    EXPECT_EQ(mayShake(settings, parameters, device), !isStable(loop, wall)) << i;
+    const std::vector<std::string> warnings = boundWarnings(settings, parameters, device);
+    ASSERT_EQ(warnings.size(), isStable(loop, wall) ? 0U : 1U) << i;
+    if (warnings.empty()) {
+      ++fine;
+      continue;
+    }
+    const double least_rate_hz = numberAfter(warnings[0], "a rate of ");
+    if (!std::isnan(least_rate_hz)) {
+      ++rates;
+      SampledLoop fast = loop;
+      fast.rate_hz = least_rate_hz;
+      EXPECT_TRUE(isStable(fast, wall)) << warnings[0];
+    }
+    const double most_delay = numberAfter(warnings[0], "a delay of at most ");
+    if (!std::isnan(most_delay)) {
+      ++delays;
+      SampledLoop early = loop;
+      early.delay_ticks = static_cast<int>(most_delay);
+      EXPECT_TRUE(isStable(early, wall)) << warnings[0];
+    }
+    if (const double safe = numberAfter(warnings[0], "is stable up to "); !std::isnan(safe)) {
+      ++stiff;
+      EXPECT_TRUE(isStable(loop, {safe, wall.damping_Ns_per_m})) << warnings[0];
+      EXPECT_FALSE(isStable(loop, {safe * 1.12, wall.damping_Ns_per_m})) << warnings[0];  // two digits of it
+    } else {
+      ++damped;
+      const double safe_damping = numberAfter(warnings[0], "give at most ");
+      EXPECT_TRUE(isStable(loop, {kSoftest_N_per_m, safe_damping})) << warnings[0];
+      EXPECT_FALSE(isStable(loop, {kSoftest_N_per_m, safe_damping * 1.12})) << warnings[0];
+    }
+  }
+  for (const int count : {stiff, damped, fine, rates, delays}) EXPECT_GT(count, 15);
+}
+
+TEST(ContactBounds, TellWhatIsBeyondAndWhatWouldBeSafe) {
+  const SimulatedDevice device = deviceIn({}, 2, 1000);
+  RigSettings settings;
+  settings.parameters.stiffness_N_per_m = 10000;
+  const std::vector<std::string> warnings = boundWarnings(settings, {}, device);
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_THAT(warnings[0],
+              HasSubstr("a stiffness of 10000 N/m is more than this device can render at 1000 Hz and 2 ticks "
+                        "late, so the contact will shake: with a damping of 0.5 N s/m it is stable up to "));
+}
+
+TEST(ContactBounds, SayNothingWhereNothingIsKnownOrTheControllerActs) {
+  RigSettings settings;
+  settings.parameters.stiffness_N_per_m = 1e5;
+  const SimulatedDevice rigid(SimulatedDeviceParameters{}, kStill, 1000);
+  EXPECT_TRUE(mayShake(settings, {}, rigid));
+  EXPECT_TRUE(boundWarnings(settings, {}, rigid).empty());
+  LoopParameters controlled;
+  controlled.passivity.control = true;
+  EXPECT_TRUE(boundWarnings(settings, controlled, deviceIn({}, 0, 1000)).empty());
+  settings.algorithm = "haptization";
+  EXPECT_TRUE(mayShake(settings, {}, deviceIn({}, 0, 1000)));
+  EXPECT_TRUE(boundWarnings(settings, {}, deviceIn({}, 0, 1000)).empty());
+}
+
+// An adaptive window may be a single tick: no low-pass.
+TEST(ContactBounds, AnAdaptiveVelocityCountsAsItsShortestWindow) {
+  LoopParameters foaw;
+  foaw.velocity.name = "foaw";
+  SampledLoop bare;
+  bare.velocity_cutoff_hz = 0;
+  const SimulatedDevice device = deviceIn({}, 0, 1000);
+  for (const double damping : {0.0, 20.0}) {
+    RigSettings settings;
+    settings.parameters.damping_Ns_per_m = damping;
+    const double bound = stiffnessBound(bare, damping);
+    settings.parameters.stiffness_N_per_m = 0.99 * bound;
+    EXPECT_FALSE(mayShake(settings, foaw, device));
+    settings.parameters.stiffness_N_per_m = 1.01 * bound;
+    EXPECT_TRUE(mayShake(settings, foaw, device));
+  }
+}
+
+// A device that knows several hands is judged by the worst.
+class AnyHand final : public Device {
+ public:
+  [[nodiscard]] std::string_view name() const noexcept override { return "any hand"; }
+  [[nodiscard]] DeviceLimits limits() const noexcept override { return {}; }
+  [[nodiscard]] std::vector<HandParameters> hands() const override {
+    std::vector<HandParameters> all;
+    for (const TypicalHand& hand : kTypicalHands) all.push_back(hand.holding({}));
+    return all;
+  }
+  [[nodiscard]] bool read(Vec3&) noexcept override { return false; }
+  [[nodiscard]] bool write(const Vec3&) noexcept override { return false; }
+};
+
+TEST(ContactBounds, TheWorstHandCounts) {
+  double worst = 1e9, best = 0;
+  for (const TypicalHand& hand : kTypicalHands) {
+    const double bound = stiffnessBound({.hand = hand.holding({})}, 0.5);
+    worst = std::min(worst, bound);
+    best = std::max(best, bound);
+  }
+  ASSERT_LT(1.5 * worst, best);
+  RigSettings settings;
+  settings.parameters.stiffness_N_per_m = 1.2 * worst;
+  const std::vector<std::string> warnings = boundWarnings(settings, {}, AnyHand{});
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_NEAR(numberAfter(warnings[0], "is stable up to "), worst, 0.1 * worst);
+  settings.parameters.stiffness_N_per_m = 0.9 * worst;
+  EXPECT_FALSE(mayShake(settings, {}, AnyHand{}));
+}
+
+}  // namespace contact_bounds_test
+}  // namespace palpate

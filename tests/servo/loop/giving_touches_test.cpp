@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+// Touches made by hand: each takes 1 mJ and gives back that and a share more.
+#include "servo/loop/giving_touches.hpp"
+
+#include <gtest/gtest.h>
+
+namespace palpate {
+namespace giving_touches_test {
+
+class Tapping {
+ public:
+  explicit Tapping(double resolution_m = 0) : touches_(resolution_m, 0) {}
+
+  // A touch of four ticks, the first of which stores; after a flight. Returns whether it was the last of a fed series.
+  bool tap(double share, double flight_s = 0.1, double peak_N = 1) {
+    time_s_ += flight_s;
+    const double begin_mJ = energy_mJ_;
+    const double change_mJ[] = {0, 1, -1 - share, -1 - share};
+    for (const double mJ : change_mJ) tick(begin_mJ + (mJ < 0 ? -share : mJ), peak_N);
+    energy_mJ_ = begin_mJ - share;
+    return tick(energy_mJ_, 0);
+  }
+  void edit() { ++edits_; }
+
+ private:
+  bool tick(double energy_mJ, double force_N) {
+    time_s_ += 1e-3;
+    TickRecord record;
+    record.time_s = time_s_;
+    record.energy_J = energy_mJ * 1e-3;
+    record.force_W[0] = force_N;
+    record.in_contact = force_N > 0;
+    record.edit_version = edits_;
+    return touches_.add(record);
+  }
+
+  GivingTouches touches_;
+  double time_s_ = 0, energy_mJ_ = 0;
+  std::uint64_t edits_ = 0;
+};
+
+TEST(GivingTouches, TheTenthOfASeriesIsNoticed) {
+  Tapping tapping;
+  for (int i = 1; i <= 9; ++i) EXPECT_FALSE(tapping.tap(0.02)) << i;
+  EXPECT_TRUE(tapping.tap(0.02));
+  EXPECT_TRUE(tapping.tap(0.02));
+}
+
+TEST(GivingTouches, ALittleIsNoGift) {
+  static_assert(GivingTouches::kGiftShare == 0.01);
+  Tapping tapping;
+  for (int i = 0; i < 30; ++i) EXPECT_FALSE(tapping.tap(0.0099)) << i;
+  for (int i = 0; i < 19; ++i) static_cast<void>(tapping.tap(0.0101));
+  EXPECT_TRUE(tapping.tap(0.0101));
+}
+
+TEST(GivingTouches, TouchesThatTakeCountAgainstThoseThatGive) {
+  Tapping even, uneven;
+  for (int i = 0; i < 30; ++i) {
+    EXPECT_FALSE(even.tap(i % 2 == 0 ? 0.05 : -0.05)) << i;
+    static_cast<void>(uneven.tap(i % 2 == 0 ? 0.08 : -0.02));
+  }
+  EXPECT_TRUE(uneven.tap(0.08));
+}
+
+TEST(GivingTouches, ALongFlightBeginsAnew) {
+  static_assert(GivingTouches::kLongestFlight_s == 1);
+  Tapping tapping;
+  for (int i = 0; i < 9; ++i) static_cast<void>(tapping.tap(0.1));
+  EXPECT_FALSE(tapping.tap(0.1, 1.01));
+  for (int i = 0; i < 8; ++i) EXPECT_FALSE(tapping.tap(0.1, 0.99)) << i;
+  EXPECT_TRUE(tapping.tap(0.1));
+}
+
+TEST(GivingTouches, AnEditBeginsAnew) {
+  Tapping tapping;
+  for (int i = 0; i < 9; ++i) static_cast<void>(tapping.tap(0.1));
+  tapping.edit();
+  EXPECT_FALSE(tapping.tap(0.1));
+  for (int i = 0; i < 9; ++i) EXPECT_FALSE(tapping.tap(0.1)) << i;
+  EXPECT_TRUE(tapping.tap(0.1));
+}
+
+// The force goes up to 1 N and down again along one axis: 2 N in all, so encoders of 100 um may account for 0.2 mJ.
+TEST(GivingTouches, ATenthOfTheEncodersErrorIsNoGift) {
+  Tapping coarse(100e-6);
+  for (int i = 0; i < 30; ++i) EXPECT_FALSE(coarse.tap(0.029)) << i;
+  for (int i = 0; i < 19; ++i) static_cast<void>(coarse.tap(0.031));
+  EXPECT_TRUE(coarse.tap(0.031));
+}
+
+}  // namespace giving_touches_test
+}  // namespace palpate
