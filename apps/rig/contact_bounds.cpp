@@ -45,12 +45,14 @@ std::string other(const SampledLoop& loop, const Wall& wall) {
   const double rate_hz = rateBound(loop, wall);
   if (std::isfinite(rate_hz)) words += fmt::format(", or a rate of {:g} Hz or more", twoDigits(rate_hz, std::ceil));
   const int delay = delayBound(loop, wall, loop.delay_ticks);
-  if (delay >= 0 && delay < loop.delay_ticks) words += fmt::format(", or a delay of at most {} ticks", delay);
+  if (delay >= 0 && delay < loop.delay_ticks)
+    words += fmt::format(", or a delay of at most {} tick{}", delay, delay == 1 ? "" : "s");
   return words;
 }
 
 std::string conditionWords(const SampledLoop& loop) {
-  return loop.delay_ticks > 0 ? fmt::format("at {:g} Hz and {} ticks late", loop.rate_hz, loop.delay_ticks)
+  return loop.delay_ticks > 0 ? fmt::format("at {:g} Hz and {} tick{} late", loop.rate_hz, loop.delay_ticks,
+                                            loop.delay_ticks == 1 ? "" : "s")
                               : fmt::format("at {:g} Hz", loop.rate_hz);
 }
 

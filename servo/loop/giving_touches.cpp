@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "servo/loop/swing_watch.hpp"
 #include "servo/safety/passivity.hpp"
 
 namespace palpate {
@@ -24,12 +25,16 @@ bool GivingTouches::add(const TickRecord& record) noexcept {
 }
 
 bool GivingTouches::fed() const noexcept {
-  double gift_J = -Passivity::kRounding_J, stored_J = 0;
+  const auto touch = [&](std::size_t back) -> const ContactEnergy& {
+    return touches_[(next_ + kMostTouches - back) % kMostTouches];
+  };
+  double gift_J = -Passivity::kRounding_J, stored_J = 0, newer_J = 0;
   for (std::size_t back = 1; back <= count_; ++back) {
-    const ContactEnergy& touch = touches_[(next_ + kMostTouches - back) % kMostTouches];
-    gift_J += touch.net_J - kUsualError * touch.error_J;
-    stored_J += touch.stored_J;
-    if (back >= kTouches && gift_J > kGiftShare * stored_J) return true;
+    gift_J += touch(back).net_J - kUsualError * touch(back).error_J;
+    stored_J += touch(back).stored_J;
+    if (back % 2 == 0) newer_J += touch(back / 2).stored_J;
+    const bool sustained = newer_J >= SwingWatch::kSustained * (stored_J - newer_J);
+    if (back >= kTouches && back % 2 == 0 && sustained && gift_J > kGiftShare * stored_J) return true;
   }
   return false;
 }

@@ -3,9 +3,14 @@
 //
 // A bounce may be as slow as a tapping hand, and a tool may hop several times in each. What tells such a tool from a
 // hand is what the surface gives. Touches that follow each other within kLongestFlight_s are a series. A surface feeds
-// the series if its last kTouches touches, or more up to kMostTouches, gave in sum more than kGiftShare of what they
-// stored in sum. So much is far from passive, whoever taps. What the encoders can account for is no gift. A touch
-// during which the volume was edited begins the series anew. Thread: one. Cost: some 10 ns a tick. Heap, errors: none.
+// the series if, over its last kTouches touches or more up to kMostTouches,
+// - they gave in sum more than kGiftShare of what they stored in sum. A tenth of what the encoders could account for at
+//   worst is no gift: over whole runs their error was less (tests/servo/loop/contact_stability_test.cpp).
+// - the newer half of them stored at least SwingWatch::kSustained of what the older half did. A tool that lands bounces
+//   less and less.
+// A hand that taps on a slightly active wall makes such a series too. So the series means something only where the wall
+// may be too stiff for the device. A touch during which the volume was edited begins the series anew.
+// Thread: one. Cost: some 10 ns a tick. Heap, errors: none.
 #pragma once
 
 #include <array>

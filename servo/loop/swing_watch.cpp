@@ -111,10 +111,21 @@ double SwingWatch::swing(std::size_t i) const noexcept {
 }
 
 bool SwingWatch::keepsUp() const noexcept {
-  for (std::size_t i = 2; i < kSwings; ++i) {
-    if (swing(i) < kKept * swing(i - 2)) return false;
+  for (std::size_t i = 0; i < kSwings; ++i) {
+    if (turn(i + 1).time_s - turn(i).time_s > 1 / kHand_hz) return false;
+    if (i >= 2 && swing(i) < kKept * swing(i - 2)) return false;
   }
   return true;
+}
+
+// The sum of half of the swings, without the largest: a tool that leaves the surface makes one large swing.
+double SwingWatch::usualSwings(std::size_t from) const noexcept {
+  double sum_m = 0, largest_m = 0;
+  for (std::size_t i = from; i < from + kSwings / 2; ++i) {
+    sum_m += swing(i);
+    largest_m = std::max(largest_m, swing(i));
+  }
+  return sum_m - largest_m;
 }
 
 bool SwingWatch::judge() noexcept {
@@ -124,7 +135,7 @@ bool SwingWatch::judge() noexcept {
   const Turn &begin = turn(0), &end = turn(kSwings);
   constexpr int kPeriods = kSwings / 2;
   const double hz = kPeriods / (end.time_s - begin.time_s);
-  const bool sustained = last_m >= kSustained * first_m;
+  const bool sustained = usualSwings(kSwings / 2) >= kSustained * usualSwings(0);
   const double unasked_m = (first_m + last_m) / kUnasked;
   const bool unasked = unasked_m > end.asked_m - begin.asked_m && (path_ != nullptr || (hz > kHand_hz && keepsUp()));
   const bool bounced = end.bounces - begin.bounces >= kPeriods && unasked_m > end.path_m - begin.path_m;

@@ -5,15 +5,15 @@
 // turn to the next. It counts if it is at least kLeastSwing_m and kLeastSwing_steps encoder steps high. (In a loop that
 // is stable without rounding, rounding alone can keep up a swing of two steps.) The contact is unstable if all of this
 // is true of kSwings successive swings:
-// - They do not die away: the second half is at least kSustained of the first half. At kSwings = 20 a swing that loses
-//   5.6 % a period, a damping ratio of 0.009, is on the border.
+// - They do not die away: the second half, without its largest, is at least kSustained of the first half, without its
+//   largest. At kSwings = 20 a swing that loses 5.6 % a period, a damping ratio of 0.009, is on the border.
 // - Neither the hand nor the surface asks for them. The heights of the swings add up to more than kUnasked times the
 //   sum of three motions along the normal in the same time: that of the hand's path, that of the surface, and that of
 //   what effects add to it. So a path that taps, a texture and a noisy surface do not count, unless the contact answers
 //   with a resonance of more than that. What an effect adds in proportion to the depth is stiffness and asks for
 //   nothing. If the path is unknown, swings count only if they are faster than kHand_hz, since a hand can make slower
-//   ones, and if none is less than kKept of the one before it in the same direction: a tool bounces several times
-//   when a hand taps on a hard surface, a little less high each time.
+//   ones, if none takes longer than a period of kHand_hz, and if none is less than kKept of the one before it in the
+//   same direction: a tool bounces several times when a hand taps on a hard surface, a little less high each time.
 //   Whatever the surface asks for, this is enough instead: the path alone does not ask for the swings, and in each
 //   period the tool left the surface while the hand wanted it inside.
 // - The surface fed them: the energy that it has taken (servo/safety/passivity.hpp) fell from the first to the last. So
@@ -79,6 +79,7 @@ class SwingWatch {
   [[nodiscard]] const Turn& turn(std::size_t i) const noexcept { return turns_[(oldest_ + i) % turns_.size()]; }
   [[nodiscard]] double swing(std::size_t i) const noexcept;
   [[nodiscard]] bool keepsUp() const noexcept;
+  [[nodiscard]] double usualSwings(std::size_t from) const noexcept;
   [[nodiscard]] bool judge() noexcept;
 
   double resolution_m_, least_m_;

@@ -76,8 +76,10 @@ TEST_F(Energy, ABouncingRunIsCalledUnstable) {
                           "--picture",   "off",
                           "--out",       "out",
                           "--hand",      "spring",
+                          "--shaking",   "leave",
                           "--stiffness", "10000"};
   const Json summary = touched(bouncing);
+  EXPECT_EQ(summary["stability"]["ended_by_servo"], 0);
   EXPECT_EQ(summary["stability"]["verdict"], "unstable");
   EXPECT_GT(summary["stability"]["bounces"], 10);
   EXPECT_GT(summary["stability"]["swing_m"], 20e-6);
@@ -90,6 +92,12 @@ TEST_F(Energy, ABouncingRunIsCalledUnstable) {
   EXPECT_EQ(by_effect["stability"]["verdict"], "unstable");
   EXPECT_NEAR(by_effect["contact"]["depth_m"]["max"].get<double>(), summary["contact"]["depth_m"]["max"].get<double>(),
               0.05e-3);
+  Words guarded = bouncing;
+  guarded[guarded.size() - 3] = "end";
+  const Json ended = touched(guarded);
+  EXPECT_EQ(ended["stability"]["verdict"], "unstable");
+  EXPECT_EQ(ended["stability"]["ended_by_servo"], 1);
+  EXPECT_THAT(words, testing::HasSubstr("the servo took the force away 1 time"));
   const Json fast = touched(bouncing + Words{"--rate", "20000"});
   EXPECT_NE(fast["stability"]["verdict"], "unstable");
   EXPECT_TRUE(fast["stability"]["swing_m"].is_null());

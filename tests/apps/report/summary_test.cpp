@@ -115,13 +115,16 @@ TEST(Summary, HoldsTheStabilityToTheLetter) {
   s.unstable_to_s = 10;
   const std::string before = R"("source": "field", "given_J": 1, "stored_J": 3, "share": 4, "error_J": 2,
     "allowed_J": 5, "bounces": 6, )";
-  EXPECT_EQ(makeSummary(run)["stability"],
-            Json::parse(R"({"verdict": "unstable", )" + before +
-                        R"("unstable_from_s": 9, "unstable_to_s": 10, "swing_m": 7, "swing_hz": 8})"));
+  EXPECT_EQ(
+      makeSummary(run)["stability"],
+      Json::parse(R"({"verdict": "unstable", )" + before +
+                  R"("unstable_from_s": 9, "unstable_to_s": 10, "swing_m": 7, "swing_hz": 8, "ended_by_servo": 0})"));
   s.verdict = ContactVerdict::kSlightlyActive;
-  EXPECT_EQ(makeSummary(run)["stability"],
-            Json::parse(R"({"verdict": "slightly-active", )" + before +
-                        R"("unstable_from_s": null, "unstable_to_s": null, "swing_m": null, "swing_hz": null})"));
+  EXPECT_EQ(
+      makeSummary(run)["stability"],
+      Json::parse(
+          R"({"verdict": "slightly-active", )" + before +
+          R"("unstable_from_s": null, "unstable_to_s": null, "swing_m": null, "swing_hz": null, "ended_by_servo": 0})"));
 }
 
 // As a scene file has it: nested, in the units of screens, null where nothing was given.

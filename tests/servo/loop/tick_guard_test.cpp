@@ -12,6 +12,7 @@
 #include "support/tick_watch.hpp"
 #include "support/touch_scene.hpp"
 #include "support/troubled.hpp"
+#include "wall_trials.hpp"
 
 namespace palpate {
 namespace tick_guard_test {
@@ -151,13 +152,35 @@ TEST(TickGuard, TheLoopTakesNothingInAnyFault) {
   TickWatch::end();
   EXPECT_EQ(TickWatch::seen().all(), 0);
   ASSERT_EQ(run.records.size(), static_cast<std::size_t>(kAll));
-  // This push does not look where the tool is, so it is never beyond the window and loses no surface.
-  constexpr std::uint32_t kOfASurface =
-      bit(ServoFault::kBeyondWindow) | bit(ServoFault::kSurfaceLost) | bit(ServoFault::kPlaneBehind);
+  // This push does not look where the tool is, so it is never beyond the window and loses no surface. Nor does the tool
+  // follow it.
+  constexpr std::uint32_t kOfASurface = bit(ServoFault::kBeyondWindow) | bit(ServoFault::kSurfaceLost) |
+                                        bit(ServoFault::kPlaneBehind) | bit(ServoFault::kUnstable);
   const std::uint32_t raised = (kFadingFaults & ~kOfASurface) | bit(ServoFault::kForceLimited) |
                                bit(ServoFault::kSlewLimited) | bit(ServoFault::kOverrun);
   EXPECT_EQ(faultsOf(run) & raised, raised) << faultNames(faultsOf(run));
   EXPECT_TRUE(std::any_of(run.records.begin(), run.records.end(), [](const TickRecord& r) { return r.damped; }));
+}
+
+// A wall far too stiff for the device: swings, the guard's decision, the fade, a bounce, and the force that comes back.
+TEST(TickGuard, TheLoopTakesNothingWhenItEndsAnUnstableContact) {
+  const WantedPath path([](double t_s) { return Vec3(0, 0, std::fmod(t_s, 3.0) < 1.5 ? -1e-3 : 5e-3); });
+  SimulatedDeviceParameters held;
+  held.hand = Hand::kSpring;
+  SimulatedDevice device(held, path, 1000);
+  GroundAlgorithm wall({}, 15000, 2);
+  WindowStorage storage(8);
+  WindowExchange windows(storage);
+  ToolPoseMailbox tool;
+  LoopParameters p;
+  p.ticks = 6000;
+  ServoLoop loop(p, wall, device, windows, tool);
+  TickWatch::begin();
+  const LoopResult run = loop.runSimulated();
+  TickWatch::end();
+  EXPECT_EQ(TickWatch::seen().all(), 0);
+  EXPECT_EQ(assessContact(run.records, {}).ended_by_servo, 1);
+  EXPECT_GT(run.records[4400].force_W[2], 0.1);
 }
 
 TEST(TickGuard, WhatADeviceMayNotDoIsSeen) {
