@@ -66,8 +66,8 @@ bool settlesAt(const SimulatedLimit& what, double stiffness_N_per_m, const WallV
   // The hand wants to be so deep that it and the softest wall are in balance at kFirstDepth_m.
   const double press_m =
       kFirstDepth_m * (1 + run.contact.wall.stiffness_N_per_m / what.loop.hand.hand_stiffness_N_per_m);
-  run.hand_z_m = [&](double time_s) {
-    return 1e-4 - (press_m + 1e-4) * std::clamp(time_s / (0.5 * watch_s), 0.0, 1.0);
+  run.hand_W = [&](double time_s) {
+    return Vec3(0, 0, 1e-4 - (press_m + 1e-4) * std::clamp(time_s / (0.5 * watch_s), 0.0, 1.0));
   };
 
   const std::vector<TickRecord> records = play(run, plane);

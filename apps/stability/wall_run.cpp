@@ -7,14 +7,14 @@
 namespace palpate {
 namespace {
 
-class Line final : public Path {
+class HandPath final : public Path {
  public:
-  Line(const std::function<double(double)>& z_m, double seconds) : z_m_(z_m), seconds_(seconds) {}
-  [[nodiscard]] Vec3 position(double time_s) const noexcept override { return {0, 0, z_m_(time_s)}; }
+  HandPath(const std::function<Vec3(double)>& at_W, double seconds) : at_W_(at_W), seconds_(seconds) {}
+  [[nodiscard]] Vec3 position(double time_s) const noexcept override { return at_W_(time_s); }
   [[nodiscard]] double duration_s() const noexcept override { return seconds_; }
 
  private:
-  const std::function<double(double)>& z_m_;
+  const std::function<Vec3(double)>& at_W_;
   double seconds_;
 };
 
@@ -53,7 +53,7 @@ LoopParameters limitlessLoop(double rate_hz) {
 
 std::vector<TickRecord> play(const WallRun& run, const WallVolume& volume) {
   const double rate_hz = run.loop.rate_hz;
-  const Line path(run.hand_z_m, run.seconds);
+  const HandPath path(run.hand_W, run.seconds);
   SimulatedDevice device(run.device, path, rate_hz);
   const std::unique_ptr<Algorithm> algorithm = algorithmFor(run.contact, volume, rate_hz);
   WindowStorage storage(static_cast<std::size_t>(WallVolume::kSide) * WallVolume::kSide * WallVolume::kSide);

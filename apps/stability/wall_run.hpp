@@ -2,7 +2,7 @@
 // apps/stability/wall_run.hpp: a simulated hand presses the device onto a wall, with the real servo loop and
 // algorithms.
 //
-// The hand wants the tool on a line along z, at x = y = 0. Simulated clock: the same run gives the same ticks, bit for
+// Simulated clock: the same run gives the same ticks, bit for
 // bit. World frame W. Cost: some microsecond a tick.
 #pragma once
 
@@ -30,7 +30,7 @@ struct WallRun {
   SimulatedDeviceParameters device;
   LoopParameters loop;  // its ticks are set; without record_ticks all are kept
   double seconds = 1;
-  std::function<double(double time_s)> hand_z_m;  // where the hand wants the tool
+  std::function<Vec3(double time_s)> hand_W;  // where the hand wants the tool [m]
   // Contacts that take over, each after so long, in the order of time.
   struct Change {
     double time_s;

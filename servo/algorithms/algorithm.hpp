@@ -43,6 +43,7 @@ struct TickOutput {
   // Depth of the HIP below the surface, along the normal, before effects move the VHIP [m]. 0 without contact; NaN for
   // an algorithm that knows no surface.
   double depth_m = 0;
+  double stored_J = 0;  // what the contact's springs hold and can give back; NaN if the algorithm does not know [J]
   bool in_contact = false;
   std::int32_t plane_age_ticks = 0;  // ticks since the plane was found; 0 without a plane
   std::uint32_t faults = 0;          // bits of ServoFault (servo/safety/faults.hpp)

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "servo/safety/faults.hpp"
@@ -72,6 +73,7 @@ void Avila::tick(const TickInput& in, TickOutput& out) noexcept {
   out.vhip_W = in.hip_W + push.way_W;
   out.force_W = stiffness_N_per_m_ * push.way_W - damping_Ns_per_m_ * in.hip_velocity_W;
   out.depth_m = push.way_W.norm();
+  out.stored_J = std::numeric_limits<double>::quiet_NaN();
   out.in_contact = true;
 }
 

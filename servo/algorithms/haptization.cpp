@@ -73,7 +73,7 @@ void Haptization::tick(const TickInput& in, TickOutput& out) noexcept {
   out.force_W = felt.push_W() - felt.viscosity_Ns_per_m * in.hip_velocity_W;
   out.normal_W = felt.normal_W;
   out.in_contact = !felt.normal_W.isZero(0);
-  if (out.in_contact) out.depth_m = std::numeric_limits<double>::quiet_NaN();
+  if (out.in_contact) out.depth_m = out.stored_J = std::numeric_limits<double>::quiet_NaN();
 }
 
 }  // namespace palpate

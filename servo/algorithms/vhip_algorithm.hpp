@@ -186,6 +186,7 @@ class VhipAlgorithm final : public Algorithm {
     if (edit_ != Edit::kSettled) out.surface_W += ease_.amount() * surface_.plane().normal_W;
     if (effects_.empty()) {
       out.force_W = withoutPull(stiffness_N_per_m_ * depth_m - damping_N) * plane.normal_W;
+      out.stored_J = 0.5 * stiffness_N_per_m_ * depth_m * depth_m;
     } else {
       const ContactState contact{.hip_W = in.hip_W,
                                  .hip_velocity_W = in.hip_velocity_W,
@@ -197,6 +198,7 @@ class VhipAlgorithm final : public Algorithm {
       ContactPush moved{.vhip_W = out.vhip_W, .energy_m2 = 0.5 * depth_m * depth_m};
       for (auto& effect : effects_) effect->move(contact, moved);
       out.vhip_W = account_.settle(contact, moved);
+      out.stored_J = stiffness_N_per_m_ * moved.energy_m2;
       const Vec3 spring_W = stiffness_N_per_m_ * (out.vhip_W - in.hip_W);
       const double along_N = plane.normal_W.dot(spring_W);
       out.force_W = spring_W + plane.normal_W * (withoutPull(along_N - damping_N) - along_N);

@@ -64,6 +64,18 @@ VelocityParameters velocityFor(const Device& device, VelocityParameters velocity
   return velocity;
 }
 
+// A controller without a given limit takes what the device bears in the lightest hand.
+PassivityParameters passivityFor(const Device& device, const LoopParameters& p) {
+  PassivityParameters passivity = p.passivity;
+  if (passivity.damping_limit_Ns_per_m) return passivity;
+  const double cutoff_hz = p.velocity.name == VelocityParameters{}.name ? p.velocity.cutoff_hz : 0;
+  for (const HandParameters& hand : device.hands()) {
+    const double damping = steadyDamping(hand.hand_mass_kg + hand.device_mass_kg, p.rate_hz, cutoff_hz);
+    passivity.damping_limit_Ns_per_m = std::min(passivity.damping_limit_Ns_per_m.value_or(damping), damping);
+  }
+  return passivity;
+}
+
 std::int64_t nanoseconds(double time_s) {
   return std::llround(time_s * kNanosecondsPerSecond);
 }
@@ -89,8 +101,8 @@ ServoLoop::ServoLoop(const LoopParameters& parameters, Algorithm& algorithm, Dev
       tool_(tool),
       gate_(withinDevice(parameters.safety, device), parameters.rate_hz),
       window_clock_(nanoseconds(parameters.safety.stall_s)),
-      passivity_(parameters.passivity, withinDevice(parameters.safety, device).force_limit_N, parameters.rate_hz,
-                 device.limits().force_delay_ticks, device.limits().position_resolution_m),
+      passivity_(passivityFor(device, parameters), withinDevice(parameters.safety, device).force_limit_N,
+                 parameters.rate_hz, device.limits().force_delay_ticks, device.limits().position_resolution_m),
       guard_(parameters.instability, device.limits(), parameters.rate_hz),
       velocity_(velocityFor(device, parameters.velocity), parameters.rate_hz),
       recorder_(recordCapacity(parameters)),
@@ -224,10 +236,13 @@ const SampleWindow& ServoLoop::runTick(const Due& due, std::int64_t now_ns, Tick
   } else {
     faults |= bit(ServoFault::kDeviceError);
     out.vhip_W = hip_W_;
+    out.stored_J = std::numeric_limits<double>::quiet_NaN();
   }
-  const Vec3 damping_W = passivity_.damping(velocity_.value());
+  const double share = guard_.share();
+  const Vec3 damping_W = passivity_.damping(
+      velocity_.value(), {share * out.stored_J, (share * out.force_W).stableNorm()}, gate_.forceLimit());
   const GateOutput gated =
-      gate_.pass({guard_.share() * out.force_W + damping_W, age.age_ns, faults | out.faults, gap_ns, report_age_ns});
+      gate_.pass({share * out.force_W + damping_W, age.age_ns, faults | out.faults, gap_ns, report_age_ns});
   carried_faults_ = offer(gated.force_W) ? 0 : bit(ServoFault::kDeviceError);
   const Vec3& held_W = gate_.heldForce();
   passivity_.hold(held_W);
@@ -283,6 +298,7 @@ void ServoLoop::tickAlgorithm(const TickInput& in, TickOutput& out) noexcept {
     TickOutput left;
     leaving_->tick(in, left);
     out.force_W = (1 - share) * left.force_W + share * out.force_W;
+    out.stored_J = (1 - share) * left.stored_J + share * out.stored_J;
   }
   if (change_->force_limit_N) {
     const double limit_N = std::min(*change_->force_limit_N, most_force_N_);

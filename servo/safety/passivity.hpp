@@ -13,15 +13,21 @@
 // resolution Delta along each axis. For a contact that begins and ends without force, E is therefore off by at most
 // Delta times the sum of the force's changes along the axes (summation by parts).
 //
-// Controller. While its account of E is negative, it adds a damper before the gate: alpha = -E / (T v^2). At constant v
-// that takes the missing energy back within a tick. v is the servo's velocity estimate, which the algorithm uses for
-// its damping too. The difference of the last two positions would be closer to E, but one encoder step would make a
-// velocity of Delta / T. Known troubles of the method, and what is done here:
-// - alpha has no bound as v goes to 0. So the damper is at most `damping_limit`, and its force goes to 0 with v.
+// Controller. The energy that the contact's springs hold (TickOutput::stored_J) will be given back, and is no credit:
+// the account is A = E - stored. While A is negative, the controller adds a damper before the gate: alpha = -A / (T
+// v^2). At constant v that takes the missing energy back within a tick. v is the servo's velocity estimate, which the
+// algorithm uses for its damping too. The difference of the last two positions would be closer to E, but one encoder
+// step would make a velocity of Delta / T. Known troubles of the method, and what is done here:
+// - alpha has no bound as v goes to 0. So the damper is at most `damping_limit`, and its force goes to 0 with v. A
+//   damper whose force comes later than it brakes the mass shakes by itself (steadyDamping()).
 // - Force bursts. The added force is at most `force_share` of the force limit. The rest of E is taken back later.
-// - Energy credit. A long damped contact, or friction, would build up credit that pays for a later active contact. With
-//   `forget_credit` (the default) the credit is dropped whenever the force held was zero. Without contact the
-//   environment stores nothing, so any credit left was dissipated. A debt stays, and is taken back in free motion too.
+// - Energy credit. A damped contact, or friction, would build up credit that pays for an active contact later. With
+//   `forget_credit` (the default) credit is dropped at once: nothing is stored in it, so it was dissipated. A debt
+//   stays, and is taken back in free motion too. If the algorithm does not know what is stored, credit is dropped
+//   whenever the force held was zero: without contact nothing is stored. Within a contact the tool may then swing on
+//   the credit of its own pressing.
+// - A force that is cut to the limit stores less than its spring would: for a spring K d > F_max that is F_max d -
+//   F_max^2 / (2 K), or K d^2 / 2 times r (2 - r) with r = F_max / (K d).
 // - A passive device can bear more than E says. A real wall that lacks damping by up to K T / 2 is slightly active by
 //   itself. It is still stable if the device's own friction b makes up for that (b > K T / 2). The controller takes
 //   that energy back all the same.
@@ -33,6 +39,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
+#include <optional>
 #include <vector>
 
 #include "base/vec.hpp"
@@ -43,9 +51,23 @@ namespace palpate {
 struct PassivityParameters {
   bool control = false;  // false: observe only
   bool forget_credit = true;
-  double force_share = 0.25;           // the most that the controller may add, as a share of the force limit [-]
-  double damping_limit_Ns_per_m = 10;  // of the controller's damper [N s/m]
+  double force_share = 0.25;  // the most that the controller may add, as a share of the force limit [-]
+  // Of the controller's damper; empty: in a loop what the device bears (steadyDamping()), else kUsualDamping [N s/m].
+  std::optional<double> damping_limit_Ns_per_m = std::nullopt;
+
+  static constexpr double kUsualDamping_Ns_per_m = 10;
 };
+
+// What the springs of a contact hold, and the force that they want. Not finite: unknown.
+struct ContactSpring {
+  double stored_J = std::numeric_limits<double>::quiet_NaN();
+  double wanted_N = 0;
+};
+
+// A quarter of the damping that stops the mass within the delay of its own force, where it would begin to shake: the
+// delay is a tick and that of the velocity's low-pass, m / (T + 1 / (2 pi f_c)) / 4 [N s/m]. `velocity_cutoff_hz` 0: no
+// low-pass.
+[[nodiscard]] double steadyDamping(double mass_kg, double rate_hz, double velocity_cutoff_hz) noexcept;
 
 class Passivity {
  public:
@@ -74,17 +96,25 @@ class Passivity {
     oldest_ = oldest_ + 1 < under_way_W_.size() ? oldest_ + 1 : 0;
   }
 
-  // The controller's force, to be added before the gate; zero if it only observes or no energy is owed [N].
-  [[nodiscard]] Vec3 damping(const Vec3& velocity_W) const noexcept {
-    if (!control_ || account_J_ >= -kRounding_J) return Vec3::Zero();
+  // The controller's force, to be added before the gate, which cuts to `force_limit_N`. Zero if it only observes or no
+  // energy is owed [N].
+  [[nodiscard]] Vec3 damping(const Vec3& velocity_W, const ContactSpring& spring = {},
+                             double force_limit_N = std::numeric_limits<double>::infinity()) noexcept {
+    if (!control_) return Vec3::Zero();
+    const bool known = std::isfinite(spring.stored_J);
+    const double cut = spring.wanted_N > force_limit_N ? force_limit_N / spring.wanted_N : 1;
+    const double stored_J = known ? spring.stored_J * cut * (2 - cut) : 0;
+    if (known && forget_credit_) account_J_ = std::min(account_J_, stored_J);
+    const double debt_J = stored_J - account_J_;
+    if (debt_J <= kRounding_J) return Vec3::Zero();
     const double speed = velocity_W.stableNorm();
     if (!(speed > 0)) return Vec3::Zero();
-    const double wanted = -account_J_ * rate_hz_ / (speed * speed);
-    return velocity_W * -std::min({wanted, damping_limit_, force_limit_N_ / speed});
+    const double wanted = debt_J * rate_hz_ / (speed * speed);
+    return velocity_W * -std::min({wanted, damping_limit_, share_limit_N_ / speed});
   }
 
   [[nodiscard]] double energy_J() const noexcept { return energy_J_; }
-  [[nodiscard]] double forceBound() const noexcept { return force_limit_N_; }  // of the controller [N]
+  [[nodiscard]] double forceBound() const noexcept { return share_limit_N_; }  // of the controller [N]
 
   // Two successive positions that are farther apart hold a wrong reading, not a motion that did work [m].
   static constexpr double kLongestMotion_m = 1;
@@ -105,7 +135,7 @@ class Passivity {
 
   bool control_;
   bool forget_credit_;
-  double force_limit_N_;
+  double share_limit_N_;
   double damping_limit_;
   double rate_hz_;
   EncoderPosition position_;    // frame W [m]

@@ -211,7 +211,7 @@ Passivity indebted(double debt_J, PassivityParameters parameters = {.control = t
 }
 
 TEST(PassivityController, TakesTheDebtBackInATick) {
-  const Passivity passivity = indebted(1e-6);
+  Passivity passivity = indebted(1e-6);
   const Vec3 velocity_W(0.03, 0, -0.04);
   const Vec3 force_W = passivity.damping(velocity_W);
   EXPECT_NEAR(force_W.dot(velocity_W) * 1e-3, -1e-6, 1e-18);
@@ -223,7 +223,7 @@ TEST(PassivityController, ItsForceIsBoundedAndGivesNoBurstNearZeroVelocity) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> exponent(-12, 3), direction(-1, 1);
   for (int i = 0; i < 10000; ++i) {
-    const Passivity passivity = indebted(std::pow(10, exponent(random)));
+    Passivity passivity = indebted(std::pow(10, exponent(random)));
     const Vec3 velocity_W =
         Vec3(direction(random), direction(random), direction(random)) * std::pow(10, exponent(random));
     const Vec3 force_W = passivity.damping(velocity_W);
@@ -280,6 +280,50 @@ TEST(PassivityController, CreditIsKeptWhileThereIsAForce) {
   step(passivity, x_m, 1e-300, -0.1);
   step(passivity, x_m, 1, 0.1);
   EXPECT_TRUE(passivity.damping(Vec3(1, 0, 0)).isZero(0));
+}
+
+// What the springs hold is no credit, whatever the contact took: 1 J went into a spring that holds 0.4 J now, so 0.6 J
+// were dissipated. Of 0.5 J that come out, 0.1 J were never stored.
+TEST(PassivityController, OnlyWhatIsStoredMayComeOut) {
+  for (const bool forget : {true, false}) {
+    Passivity passivity = unbounded(forget);
+    double x_m = 0;
+    step(passivity, x_m, 2, -0.5);
+    EXPECT_TRUE(passivity.damping(Vec3(1, 0, 0), {0.4, 2}).isZero(0));
+    step(passivity, x_m, 1, 0.5);
+    EXPECT_NEAR(passivity.damping(Vec3(1, 0, 0), {0, 0}).x(), forget ? -100 : 0, 1e-9);
+    step(passivity, x_m, -0.1, 1);  // pays it back
+    EXPECT_TRUE(passivity.damping(Vec3(1, 0, 0), {0, 0}).isZero(1e-9));
+  }
+}
+
+// A spring that gains energy of its own accord, as when a surface moves against the tool, owes it at once.
+TEST(PassivityController, WhatIsStoredWithoutWorkIsOwed) {
+  Passivity passivity = unbounded(true);
+  double x_m = 0;
+  step(passivity, x_m, 2, -0.5);
+  EXPECT_TRUE(passivity.damping(Vec3(1, 0, 0), {1, 2}).isZero(0));
+  EXPECT_NEAR(passivity.damping(Vec3(1, 0, 0), {1.1, 2}).x(), -100, 1e-9);
+}
+
+// A spring of 1000 N/m, pressed slowly and let go slowly; from 8 mm on its force is cut to 8 N. In steps of 1 um its
+// work differs from the integral by K / 2 times the step, times the way: 20 mm * 0.5 mN.
+TEST(PassivityController, ACutForceStoresLess) {
+  Passivity passivity = unbounded(true);
+  constexpr double kLimit_N = 8, kSpring_N_per_m = 1000, kWay_m = 1e-6;
+  double x_m = 0, most_N = 0;
+  const auto wanted_N = [&] { return -kSpring_N_per_m * x_m; };
+  for (int i = 0; i < 40000; ++i) {
+    const Vec3 damping_W = passivity.damping(Vec3(1, 0, 0), {0.5 * kSpring_N_per_m * x_m * x_m, wanted_N()}, kLimit_N);
+    most_N = std::max(most_N, damping_W.norm());
+    step(passivity, x_m, std::min(wanted_N(), kLimit_N), i < 20000 ? -kWay_m : kWay_m);
+  }
+  EXPECT_LE(most_N / 1000, 20e-3 * 0.5e-3);  // 1 N takes a thousandth of a joule in this tick
+}
+
+TEST(PassivityController, ASteadyDamperIsAQuarterOfWhatShakes) {
+  EXPECT_DOUBLE_EQ(steadyDamping(0.15, 1000, 0), 0.25 * 150);
+  EXPECT_NEAR(steadyDamping(0.15, 1000, 200), 0.25 * 0.15 / (1e-3 + 0.795775e-3), 1e-4);
 }
 
 // With 0.9 J on the observer's side, 0.1 J is owed; free motion forgives none of it, and what is paid back is no longer
