@@ -59,7 +59,7 @@ struct Promise {
   std::string name;
   double bound = 0;
   const char* part = "";
-  BenchRow like;
+  BenchRow like = {};
   std::vector<const char*> keys;
   double (*of)(const std::vector<double>& values) = nullptr;
   double up_to_m_per_s = 0;  // leaves out rows of faster motion; 0: no limit

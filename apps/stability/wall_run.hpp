@@ -19,7 +19,7 @@
 namespace palpate {
 
 struct WallContact {
-  Wall wall;
+  Wall wall = {};
   std::string algorithm = "hri";
   int n = AlgorithmParameters{}.plane_renewal_ticks;
   EffectParameters effects = {};

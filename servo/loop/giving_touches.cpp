@@ -30,7 +30,7 @@ bool GivingTouches::fed() const noexcept {
   };
   double gift_J = -Passivity::kRounding_J, stored_J = 0, newer_J = 0;
   for (std::size_t back = 1; back <= count_; ++back) {
-    gift_J += touch(back).net_J - kUsualError * touch(back).error_J;
+    gift_J += touch(back).net_J;
     stored_J += touch(back).stored_J;
     if (back % 2 == 0) newer_J += touch(back / 2).stored_J;
     const bool sustained = newer_J >= SwingWatch::kSustained * (stored_J - newer_J);

@@ -4,8 +4,7 @@
 // A bounce may be as slow as a tapping hand, and a tool may hop several times in each. What tells such a tool from a
 // hand is what the surface gives. Touches that follow each other within kLongestFlight_s are a series. A surface feeds
 // the series if, over its last kTouches touches or more up to kMostTouches,
-// - they gave in sum more than kGiftShare of what they stored in sum. A tenth of what the encoders could account for at
-//   worst is no gift: over whole runs their error was less (tests/servo/loop/contact_stability_test.cpp).
+// - they gave in sum more than kGiftShare of what they stored in sum;
 // - the newer half of them stored at least SwingWatch::kSustained of what the older half did. A tool that lands bounces
 //   less and less.
 // A hand that taps on a slightly active wall makes such a series too. So the series means something only where the wall
@@ -25,7 +24,6 @@ class GivingTouches {
  public:
   static constexpr std::size_t kTouches = 10, kMostTouches = 20;
   static constexpr double kGiftShare = 0.01;
-  static constexpr double kUsualError = 0.1;
   static constexpr double kLongestFlight_s = 1;
 
   // Of the device: resolution of its encoders [m], delay of its force [tick].

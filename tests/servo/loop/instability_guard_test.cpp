@@ -77,8 +77,8 @@ TEST(InstabilityGuard, EndsContactsThatGrow) {
   EXPECT_LE(missed, grown / 100);
 }
 
-// A contact that settles swings as its path does, or less and less. Encoders must leave the force within its limit: the
-// eigenvalues know of none.
+// A contact that settles swings as its path does, or less and less. Such a wall is known to be stable. Encoders must
+// leave the force within its limit: the eigenvalues know of none.
 TEST(InstabilityGuard, LeavesContactsThatSettle) {
   Dice dice(22);
   int settled = 0;
@@ -86,6 +86,7 @@ TEST(InstabilityGuard, LeavesContactsThatSettle) {
     Trial run = anyWall(dice);
     if (!settles(run) || run.stiffness_N_per_m * run.device.encoder_resolution_m > 1) continue;
     ++settled;
+    run.doubtful = false;
     const std::vector<TickRecord> records = recordsOf(run);
     EXPECT_EQ(std::find_if(records.begin(), records.end(), isUnstable), records.end()) << i;
   }
