@@ -75,14 +75,24 @@ std::string textOf(const BenchRow& row, std::string_view key) {
   return text == nullptr ? std::string() : *text;
 }
 
+std::optional<double> numberIn(const BenchRow& row, std::string_view key) {
+  const BenchFigure* figure = findFigure(row, key);
+  if (figure == nullptr || std::holds_alternative<std::string>(*figure)) return std::nullopt;
+  const double number = numberOf(*figure);
+  return std::isnan(number) ? std::nullopt : std::optional(number);
+}
+
+bool hasAll(const BenchRow& row, const BenchRow& like) {
+  return std::all_of(like.begin(), like.end(), [&](const auto& cell) {
+    const BenchFigure* figure = findFigure(row, cell.first);
+    return figure != nullptr && isEqual(*figure, cell.second);
+  });
+}
+
 BenchRows rowsOf(const BenchResult& result, std::string_view part, const BenchRow& like) {
   BenchRows rows;
   for (const BenchRow& row : result.rows) {
-    const auto has = [&](const auto& cell) {
-      const BenchFigure* figure = findFigure(row, cell.first);
-      return figure != nullptr && isEqual(*figure, cell.second);
-    };
-    if (textOf(row, "part") == part && std::all_of(like.begin(), like.end(), has)) rows.push_back(&row);
+    if (textOf(row, "part") == part && hasAll(row, like)) rows.push_back(&row);
   }
   return rows;
 }

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -34,6 +35,7 @@ struct BenchResult {
   std::string command;
   std::vector<BenchRow> rows;
   std::vector<BenchTarget> targets;
+  bool stopped = false;  // by the user; the rows are what was measured until then
 
   void note(const std::string& words) { rows.push_back({{"part", "note"}, {"note", words}}); }
   [[nodiscard]] bool allHold() const noexcept;
@@ -48,6 +50,11 @@ struct BenchResult {
 [[nodiscard]] double figureOf(const BenchRow& row, std::string_view key);
 // The text of `key`; "" if there is none.
 [[nodiscard]] std::string textOf(const BenchRow& row, std::string_view key);
+
+// The number of `key`; empty if there is none, if it is a text or NaN.
+[[nodiscard]] std::optional<double> numberIn(const BenchRow& row, std::string_view key);
+// Whether a row contains all figures of `like`. 5 and 5.0 are the same.
+[[nodiscard]] bool hasAll(const BenchRow& row, const BenchRow& like);
 
 // The rows of a part that contain all figures of `like`, in the result's order. The pointers are into the result.
 using BenchRows = std::vector<const BenchRow*>;

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
+// apps/study/studies.hpp: the studies that there are, each from a file of its own. A new one is such a file, a line
+// here and one in studies.cpp. Any thread.
+#pragma once
+
+#include "apps/study/study.hpp"
+
+namespace palpate {
+
+[[nodiscard]] Study servoStudy();
+
+}  // namespace palpate
