@@ -199,15 +199,16 @@ std::vector<StudyPlot> servoPlots(bool /*quick*/) {
   return plots;
 }
 
-// A plane that is kept for n ticks of T is off by its sag (v n T)^2 / (2 R); the paper's modes keep theirs for n + 1. hri renews a plane earlier where it would be
-// that wrong, and puts it ahead of the tool; so the formula is a bound for it, not its error.
+// A plane that is kept for n ticks of T is off by its sag (v n T)^2 / (2 R); the paper's modes keep theirs for n + 1.
+// hri renews a plane earlier where it would be that wrong, and puts it ahead of the tool; so the formula is a bound for
+// it, not its error.
 double orderOfAge(const BenchRow& row) {
   const bool ages = textOf(row, "algorithm") != "hri";
   return ages ? 2 : std::numeric_limits<double>::quiet_NaN();
 }
 
-// From three voxels on: there the sag of the plane is 18 times that of trilinear interpolation, h^2 / (4 R). Up to 0.3 of
-// the radius: there the sag's next term is 2 % of the first.
+// From three voxels on: there the sag of the plane is 18 times that of trilinear interpolation, h^2 / (4 R). Up to 0.3
+// of the radius: there the sag's next term is 2 % of the first.
 std::vector<StudyOrder> servoOrders(bool /*quick*/) {
   return {{.what = "largest error of the position against v n T",
            .like = {{"radius", ballInWords(kLargeBall)},

@@ -7,6 +7,8 @@
 
 namespace palpate {
 
+[[nodiscard]] Study gradientStudy();
 [[nodiscard]] Study servoStudy();
+[[nodiscard]] Study filterStudy();
 
 }  // namespace palpate

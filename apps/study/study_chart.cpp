@@ -34,7 +34,10 @@ ChartPanel panelOf(const StudyPlot& plot, const PlottedRows& plotted) {
     if (is_default) label += label.empty() ? "default" : " (default)";
     addPoint(panels, empty, wordsOf(row, plot.series), {plotted.at[i].cost, plotted.at[i].error, label, on_front});
   }
-  for (ChartSeries& series : panels.front().series) series.look = SeriesLook::kMarksAlone;
+  for (ChartSeries& series : panels.front().series) {
+    if (plot.front) series.look = SeriesLook::kMarksAlone;
+    std::ranges::sort(series.points, {}, &ChartPoint::x);
+  }
   for (const PlotLine& line : plot.lines) addLine(panels.front(), line, plotted);
   return panels.front();
 }
