@@ -13,7 +13,6 @@
 #include "apps/study/studies.hpp"
 #include "apps/study/study_gpu.hpp"
 #include "apps/study/surface_offsets.hpp"
-#include "base/error.hpp"
 #include "engine/passes/pool_volume.hpp"
 
 namespace palpate {

@@ -10,7 +10,7 @@
 namespace palpate {
 
 const std::vector<Study>& studies() {
-  static const std::vector<Study> kStudies = {gradientStudy(), servoStudy(), filterStudy()};
+  static const std::vector<Study> kStudies = {gradientStudy(), servoStudy(), filterStudy(), drawStudy()};
   return kStudies;
 }
 

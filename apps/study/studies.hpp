@@ -10,5 +10,6 @@ namespace palpate {
 [[nodiscard]] Study gradientStudy();
 [[nodiscard]] Study servoStudy();
 [[nodiscard]] Study filterStudy();
+[[nodiscard]] Study drawStudy();
 
 }  // namespace palpate
