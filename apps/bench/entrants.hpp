@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // apps/bench/entrants.hpp: the algorithms that take part in `palpate bench servo`: each of the registry, with each n.
 //
-// Only this file makes algorithms for benches and studies. If a new one needs more for that, add it here. Set-up only.
+// Only this file of the bench makes algorithms. If a new one needs more for that, add it here. Set-up only.
 #pragma once
 
 #include <memory>

@@ -10,7 +10,8 @@
 namespace palpate {
 
 const std::vector<Study>& studies() {
-  static const std::vector<Study> kStudies = {gradientStudy(), servoStudy(), filterStudy(), drawStudy()};
+  static const std::vector<Study> kStudies = {gradientStudy(), servoStudy(), filterStudy(), drawStudy(),
+                                              publishStudy()};
   return kStudies;
 }
 

@@ -11,5 +11,6 @@ namespace palpate {
 [[nodiscard]] Study servoStudy();
 [[nodiscard]] Study filterStudy();
 [[nodiscard]] Study drawStudy();
+[[nodiscard]] Study publishStudy();
 
 }  // namespace palpate
