@@ -10,6 +10,7 @@
 
 #include "apps/bench/random.hpp"
 #include "apps/bench/resident_gradient.hpp"
+#include "apps/bench/touch_errors.hpp"
 #include "apps/study/field_rivals.hpp"
 #include "apps/study/shared.hpp"
 #include "apps/study/studies.hpp"
@@ -71,7 +72,7 @@ BenchRow gradientErrors(std::span<const Vec3> found_per_m, std::span<const Vec3>
   std::vector<double> angle_deg, length_percent;
   for (std::size_t i = 0; i < found_per_m.size(); ++i) {
     const Vec3 &found = found_per_m[i], &exact = exact_per_m[i];
-    angle_deg.push_back(std::atan2(found.cross(exact).norm(), found.dot(exact)) * kDegreesPerRadian);
+    angle_deg.push_back(angleBetween_deg(found, exact));
     length_percent.push_back(100 * std::abs(found.norm() / exact.norm() - 1));
   }
   const Percentiles angle = percentiles(std::move(angle_deg)), length = percentiles(std::move(length_percent));

@@ -15,7 +15,6 @@
 #include "apps/study/study_gpu.hpp"
 #include "base/quantile.hpp"
 #include "base/stopwatch.hpp"
-#include "base/units.hpp"
 #include "engine/bricks/active_bricks.hpp"
 #include "engine/passes/window_pass.hpp"
 #include "servo/algorithms/registry.hpp"
@@ -103,8 +102,7 @@ Felt slide(const Publishing& publishing, double seconds) {
     felt.age_ms.push_back(1e3 / kBenchRate_hz * static_cast<double>(windows.age_ticks(tick)));
     felt.missed_ticks += hasContact(out) ? 0 : 1;
     if (!hasContact(out)) continue;
-    felt.angle_deg.push_back(std::atan2(out.force_W.cross(exact_N).norm(), out.force_W.dot(exact_N)) *
-                             kDegreesPerRadian);
+    felt.angle_deg.push_back(angleBetween_deg(out.force_W, exact_N));
   }
   return felt;
 }

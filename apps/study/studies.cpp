@@ -10,8 +10,8 @@
 namespace palpate {
 
 const std::vector<Study>& studies() {
-  static const std::vector<Study> kStudies = {gradientStudy(), servoStudy(), filterStudy(), drawStudy(),
-                                              publishStudy()};
+  static const std::vector<Study> kStudies = {gradientStudy(), servoStudy(),   filterStudy(),
+                                              drawStudy(),     publishStudy(), chainStudy()};
   return kStudies;
 }
 

@@ -12,5 +12,6 @@ namespace palpate {
 [[nodiscard]] Study filterStudy();
 [[nodiscard]] Study drawStudy();
 [[nodiscard]] Study publishStudy();
+[[nodiscard]] Study chainStudy();
 
 }  // namespace palpate
