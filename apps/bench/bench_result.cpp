@@ -101,7 +101,11 @@ bool promise(BenchResult& result, const Promise& what) {
   std::vector<double> values;
   for (const BenchRow* row : rowsOf(result, what.part, what.like)) {
     if (what.up_to_m_per_s > 0 && figureOf(*row, "speed_m_per_s") > what.up_to_m_per_s) continue;
-    for (const char* key : what.keys) values.push_back(figureOf(*row, key));
+    for (const char* key : what.keys) {
+      const BenchFigure* figure = findFigure(*row, key);
+      if (figure == nullptr) continue;
+      values.push_back(std::holds_alternative<std::string>(*figure) ? std::nan("") : numberOf(*figure));
+    }
   }
   if (!values.empty()) result.targets.push_back({what.name, what.of(values), what.bound});
   return !values.empty();

@@ -61,7 +61,7 @@ using BenchRows = std::vector<const BenchRow*>;
 [[nodiscard]] BenchRows rowsOf(const BenchResult& result, std::string_view part, const BenchRow& like = {});
 
 // A promise about some rows: rowsOf(result, part, like). All their figures of `keys` go into one list, and `of` makes
-// one value of the list. This value must not exceed the bound.
+// one value of the list. This value must not exceed the bound. A row may lack a figure; a text counts as NaN.
 struct Promise {
   std::string name;
   double bound = 0;
@@ -71,7 +71,7 @@ struct Promise {
   double (*of)(const std::vector<double>& values) = nullptr;
   double up_to_m_per_s = 0;  // leaves out rows of faster motion; 0: no limit
 };
-// Adds the promise's target. Returns false, and adds none, if there is no such row.
+// Adds the promise's target. Returns false, and adds none, if there is no such figure.
 bool promise(BenchResult& result, const Promise& what);
 
 // For Promise::of. The largest is NaN if any value is.

@@ -80,6 +80,7 @@ void addBenchVerb(CLI::App& app) {
     addFlags(*one, bench, *flags);
     one->callback([&bench, flags] { runVerb(bench, *flags); });
   }
+  addBenchMerge(*verb);
 }
 
 }  // namespace palpate

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "apps/bench/tick_cost.hpp"
+#include "apps/scene/scene.hpp"
 #include "apps/study/shared.hpp"
 #include "apps/study/studies.hpp"
 #include "base/stopwatch.hpp"
@@ -21,8 +22,7 @@ namespace {
 
 constexpr double kChainExtent_m = 57.143e-3;  // between the outermost voxels: the knot's tube has a radius of 3.7 mm
 constexpr double kChainDepth_m = 1e-3;
-constexpr int kChainRenewal_ticks = 5;  // the program's default
-constexpr int kCoarsestChain = 48;      // voxels along an edge; a tool's path is made for it, and is the same for all
+constexpr int kCoarsestChain = 48;  // voxels along an edge; a tool's path is made for it, and is the same for all
 constexpr const char* kChainKnot = "knot";
 constexpr const char* kChainBall = "sphere";  // of 20 mm
 
@@ -30,7 +30,7 @@ struct Chain {
   std::string volume = kChainKnot;
   int edge = kCoarsestChain;
   std::string algorithm = "hri";
-  int n = kChainRenewal_ticks;
+  int n = Scene{}.plane_renewal_ticks;
   std::string storage = "float";
 };
 
@@ -163,10 +163,10 @@ std::vector<StudyCell> chainCells(const StudySettings& settings) {
     for (const AlgorithmEntry& entry : algorithms()) {
       if (!entry.traits.shows_surface) continue;
       const std::string name(entry.name);
-      add({kChainKnot, edge, name, kChainRenewal_ticks, "float"});
+      add({kChainKnot, edge, name, Scene{}.plane_renewal_ticks, "float"});
       if (name == "blezek") add({kChainBall, edge, name, 1, "float"});
-      if (name != algorithms().front().name) continue;
-      add({kChainKnot, edge, name, kChainRenewal_ticks, "half"});
+      if (name != Scene{}.algorithm) continue;
+      add({kChainKnot, edge, name, Scene{}.plane_renewal_ticks, "half"});
       add({kChainKnot, edge, name, 1, "float"});
       add({kChainBall, edge, name, 1, "float"});
       add({kChainBall, edge, name, 1, "half"});
@@ -187,9 +187,9 @@ std::vector<StudyPlot> chainPlots(bool quick) {
                      .y_label = y_label,
                      .series = {"algorithm", "n", "storage"},
                      .labels = {"voxel"},
-                     .standard = {{"algorithm", std::string(algorithms().front().name)},
-                                  {"n_ticks", std::int64_t{kChainRenewal_ticks}},
-                                  {"storage", "float"},
+                     .standard = {{"algorithm", Scene{}.algorithm},
+                                  {"n_ticks", std::int64_t{Scene{}.plane_renewal_ticks}},
+                                  {"storage", Scene{}.samples},
                                   {"edge_voxels", finest}},
                      .own = "algorithm"};
   };

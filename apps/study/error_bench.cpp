@@ -2,7 +2,6 @@
 #include "apps/study/error_bench.hpp"
 
 #include <algorithm>
-#include <map>
 #include <optional>
 
 #include <fmt/format.h>
@@ -10,12 +9,14 @@
 
 #include "apps/bench/tick_cost.hpp"
 #include "apps/console/interrupt.hpp"
+#include "apps/scene/scene.hpp"
 #include "apps/study/cell_runner.hpp"
+#include "apps/study/merge_parts.hpp"
 #include "apps/study/study_analysis.hpp"
 #include "apps/study/study_chart.hpp"
 #include "apps/study/study_report.hpp"
-#include "base/error.hpp"
 #include "engine/gpu/gpu.hpp"
+#include "engine/passes/window_pass.hpp"
 
 namespace palpate {
 namespace {
@@ -28,6 +29,7 @@ rounds; the first round, which makes what cells need, does not count.
 Errors must be the same in every round.
 A choice is on the Pareto front if no other one of the plot costs less and errs less; the page says of each default whether
 it is, and what beats it.
+A choice is beaten in one plot at a time: what it is worth in another does not count there.
 Orders of convergence are slopes of least squares in double logarithm, over the range in which the theory's leading term
 rules.)";
 
@@ -66,8 +68,7 @@ class ErrorBench {
   BenchResult run() {
     const KeptWork kept;  // Ctrl-C keeps what was measured
     for (std::size_t i = 0; i < list_.size() && !result_.stopped; ++i) runStudy(i);
-    if (result_.stopped) noteMissing();
-    analyse(result_, request_.settings.quick);
+    analyse(result_);
     return std::move(result_);
   }
 
@@ -120,13 +121,11 @@ class ErrorBench {
     const CellRuns runs = runCells(cells, {rounds, request_.settings.seed}, interrupted, tell);
     result_.stopped = runs.stopped;
     for (std::size_t i = 0; i < own.size(); ++i) addRow(study, *cells[i], own[i], runs.cells[i]);
-    noteLeftOut(study, runs);
     listed.cells.clear();  // and with them what they share, which may be large
   }
 
   void addRow(const Study& study, const StudyCell& cell, std::size_t number, const CellRun& run) {
     if (run.left_out.empty() && !run.measured()) return;
-    ++reported_;
     BenchRow row = {{"part", study.name}};
     row.insert(row.end(), cell.parameters.begin(), cell.parameters.end());
     row.emplace_back("cell", static_cast<std::int64_t>(number));
@@ -141,30 +140,10 @@ class ErrorBench {
     result_.rows.push_back(std::move(row));
   }
 
-  // A note for each reason.
-  void noteLeftOut(const Study& study, const CellRuns& runs) {
-    std::map<std::string, int> reasons;
-    for (const CellRun& run : runs.cells) {
-      if (!run.left_out.empty()) ++reasons[run.left_out];
-    }
-    for (const auto& [why, cells] : reasons) {
-      result_.note(
-          fmt::format("{}: {} left out: {}", study.name, cells == 1 ? "a cell" : fmt::format("{} cells", cells), why));
-    }
-  }
-
-  void noteMissing() {
-    const std::size_t own = cellsOf(request_.shard, cells_).size();
-    result_.note(
-        fmt::format("stopped by the user: {} of {} cells are missing, and fronts and orders are those of the "
-                    "rest; those that are there were measured in fewer rounds than asked for",
-                    own - reported_, own));
-  }
-
   const ErrorBenchRequest& request_;
   Progress& progress_;
   std::vector<Listed> list_;
-  std::size_t cells_ = 0, reported_ = 0;
+  std::size_t cells_ = 0;
   BenchResult result_;
 };
 
@@ -182,7 +161,14 @@ Bench errorBench() {
                           arguments.shard.empty() ? Shard{} : shardOf(arguments.shard)},
                          progress);
   };
-  std::string introduction = asParagraph(kErrorIntroduction);
+  const Scene scene;
+  std::string introduction =
+      asParagraph(kErrorIntroduction) +
+      fmt::format(
+          "\n\n**Defaults of the program.** Gradient operator `{}`, samples as `{}`, algorithm `{}` with a plane "
+          "every {} ticks, windows of {}^3 samples, {}.",
+          scene.gradient_operator, scene.samples, scene.algorithm, scene.plane_renewal_ticks, kWindowEdge,
+          scene.filter.empty() ? "no filter" : "filter " + scene.filter);
   for (const Study& study : studies()) introduction += fmt::format("\n\n**{}.** {}", study.title, study.words);
   return {.name = "error",
           .help = "error against run time of every part, beside its rivals (half an hour; --quick: two minutes)",
@@ -192,7 +178,8 @@ Bench errorBench() {
           .run = run,
           .table = errorTable,
           .chart = errorChart,
-          .report = errorReport};
+          .report = errorReport,
+          .merge = mergeParts};
 }
 
 }  // namespace palpate

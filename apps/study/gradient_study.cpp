@@ -11,6 +11,7 @@
 #include "apps/bench/random.hpp"
 #include "apps/bench/resident_gradient.hpp"
 #include "apps/bench/touch_errors.hpp"
+#include "apps/scene/scene.hpp"
 #include "apps/study/field_rivals.hpp"
 #include "apps/study/shared.hpp"
 #include "apps/study/studies.hpp"
@@ -172,16 +173,17 @@ std::vector<StudyCell> gradientCells(const StudySettings& settings) {
 
 std::vector<StudyPlot> gradientPlots(bool quick) {
   const auto plot = [&](const char* title, double noise, const char* y, const char* y_label) {
-    return StudyPlot{.title = title,
-                     .like = {{"edge_voxels", std::int64_t{plottedEdge(quick)}}, {"noise", noise}},
-                     .x = "wall_ns_a_voxel",
-                     .x_label = "time for a voxel [ns]",
-                     .y = y,
-                     .y_label = y_label,
-                     .series = {"library", "operator"},
-                     .labels = {"storage"},
-                     .standard = {{"library", kOwnLibrary}, {"operator", "central"}, {"storage", "float"}},
-                     .own = "library"};
+    return StudyPlot{
+        .title = title,
+        .like = {{"edge_voxels", std::int64_t{plottedEdge(quick)}}, {"noise", noise}},
+        .x = "wall_ns_a_voxel",
+        .x_label = "time for a voxel [ns]",
+        .y = y,
+        .y_label = y_label,
+        .series = {"library", "operator"},
+        .labels = {"storage"},
+        .standard = {{"library", kOwnLibrary}, {"operator", Scene{}.gradient_operator}, {"storage", Scene{}.samples}},
+        .own = "library"};
   };
   StudyPlot sizes = plot("voxel size", 0.0, "angle_median_deg", "angle, median [degree]");
   sizes.like = {{"noise", 0.0}, {"storage", "float"}};

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "apps/bench/tick_cost.hpp"
+#include "apps/scene/scene.hpp"
 #include "apps/study/shared.hpp"
 #include "apps/study/shrinking_ball.hpp"
 #include "apps/study/studies.hpp"
@@ -22,7 +23,8 @@
 namespace palpate {
 namespace {
 
-constexpr int kUsualWindow = 32, kUsualRate_hz = 1000;
+constexpr int kUsualWindow = kWindowEdge;
+constexpr int kUsualRate_hz = 1000;  // about: the engine's thread looks at the tool every millisecond
 constexpr double kSlow_m_per_s = 0.05, kQuick_m_per_s = 0.5;
 constexpr int kDelivery_ticks = 1;  // from the gathering to the servo's next tick
 
@@ -184,7 +186,7 @@ std::vector<StudyCell> publishCells(const StudySettings& settings) {
                      [=] { return stage->run(publishing); }});
   };
   const std::vector<int> rates = settings.quick ? std::vector{1000, 250, 50} : std::vector{1000, 500, 250, 125, 50, 25};
-  const std::string standard(algorithms().front().name);
+  const std::string standard = Scene{}.algorithm;
   for (const double speed : {kSlow_m_per_s, kQuick_m_per_s}) {
     for (const int window : {12, 16, 24, kUsualWindow}) {
       for (const int rate : rates) add({window, rate, speed, standard});
@@ -199,7 +201,7 @@ std::vector<StudyCell> publishCells(const StudySettings& settings) {
 }
 
 std::vector<StudyPlot> publishPlots(bool /*quick*/) {
-  const std::string standard(algorithms().front().name);
+  const std::string standard = Scene{}.algorithm;
   const auto against_load = [&](const char* title, double speed) {
     return StudyPlot{
         .title = title,

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "apps/bench/tick_cost.hpp"
+#include "apps/scene/scene.hpp"
 #include "apps/study/shared.hpp"
 #include "apps/study/studies.hpp"
 
@@ -158,7 +159,7 @@ std::vector<StudyPlot> servoPlots(bool /*quick*/) {
   };
   const BenchRow usual = at(kServoSpeed_m_per_s, 0), noisy = at(kServoSpeed_m_per_s, kServoNoise_voxel),
                  fast = at(kServoFast_m_per_s, 0);
-  const BenchRow standard = {{"algorithm", std::string(algorithms().front().name)}, {"n_ticks", std::int64_t{5}}};
+  const BenchRow standard = {{"algorithm", Scene{}.algorithm}, {"n_ticks", std::int64_t{Scene{}.plane_renewal_ticks}}};
   const auto plot = [&](const std::string& title, const BenchRow& like, const char* y, const char* y_label) {
     return StudyPlot{.title = title,
                      .like = like,
@@ -246,7 +247,8 @@ void servoPromises(BenchResult& result) {
                    .like = {{"algorithm", "hri"}},
                    .keys = {"fall_throughs"},
                    .of = sumOf});
-  promise(result, {.name = "hri at n=5: rivals that cost less and err less in position [-]",
+  promise(result, {.name = fmt::format("{} at n={}: rivals that cost less and err less in position [-]",
+                                       Scene{}.algorithm, Scene{}.plane_renewal_ticks),
                    .bound = 0,
                    .part = "default",
                    .like = {{"study", "servo"}, {"plot", "position"}},

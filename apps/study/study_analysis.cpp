@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "apps/study/fitted_order.hpp"
+#include "apps/study/shard.hpp"
 
 namespace palpate {
 namespace {
@@ -133,6 +134,32 @@ void promiseRepeats(BenchResult& result, const Study& study) {
                             static_cast<double>(differs), 0});
 }
 
+void noteLeftOut(BenchResult& result, const Study& study) {
+  std::map<std::string, int> reasons;
+  for (const BenchRow* row : rowsOf(result, study.name)) {
+    if (const std::string why = textOf(*row, "left_out"); !why.empty()) ++reasons[why];
+  }
+  for (const auto& [why, cells] : reasons) {
+    result.note(
+        fmt::format("{}: {} left out: {}", study.name, cells == 1 ? "a cell" : fmt::format("{} cells", cells), why));
+  }
+}
+
+// Of those that the shards of this result should have.
+void noteMissing(BenchResult& result) {
+  std::size_t wanted = 0, there = 0;
+  for (const BenchRow* shard : rowsOf(result, "shard")) {
+    const Shard own{static_cast<int>(figureOf(*shard, "shard")), static_cast<int>(figureOf(*shard, "shards"))};
+    wanted += cellsOf(own, static_cast<std::size_t>(figureOf(*shard, "cells"))).size();
+  }
+  for (const Study& study : studies()) there += rowsOf(result, study.name).size();
+  if (there >= wanted) return;
+  result.note(
+      fmt::format("stopped by the user: {} of {} cells are missing; fronts and orders are those of the rest, some of "
+                  "which were measured in fewer rounds than asked for",
+                  wanted - there, wanted));
+}
+
 }  // namespace
 
 PlottedRows plottedRows(const BenchResult& result, const Study& study, const StudyPlot& plot) {
@@ -154,7 +181,14 @@ std::string wordsOf(const BenchRow& row, const std::vector<std::string>& keys) {
   return words;
 }
 
-void analyse(BenchResult& result, bool quick) {
+bool isQuick(const BenchResult& result) {
+  return !rowsOf(result, "shard", {{"quick", "yes"}}).empty();
+}
+
+void analyse(BenchResult& result) {
+  const bool quick = isQuick(result);
+  for (const Study& study : studies()) noteLeftOut(result, study);
+  noteMissing(result);
   for (const Study& study : studies()) {
     if (rowsOf(result, study.name).empty()) continue;
     for (const StudyPlot& plot : study.plots(quick)) {

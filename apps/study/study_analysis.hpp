@@ -25,9 +25,13 @@ struct PlottedRows {
 // The words of a row's figures of these keys, one blank apart.
 [[nodiscard]] std::string wordsOf(const BenchRow& row, const std::vector<std::string>& keys);
 
-// Adds, for every study that has rows: rows of part "front" (the choices of each plot's front by ascending cost), of
-// part "default" (whether the default settings are on the front, and what beats them), of part "order" (the fitted
-// order of each family, and the theory's), and the targets.
-void analyse(BenchResult& result, bool quick);
+// Whether a result is of a quick run, by its rows of part "shard".
+[[nodiscard]] bool isQuick(const BenchResult& result);
+
+// Adds a note for every reason why cells were left out, and one if cells of its shards are missing. Then, for every
+// study that has rows: rows of part "front" (the choices of each plot's front by ascending cost), of part "default"
+// (whether the default settings are on the front, and what beats them), of part "order" (the fitted order of each
+// family, and the theory's), and the targets.
+void analyse(BenchResult& result);
 
 }  // namespace palpate

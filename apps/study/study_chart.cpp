@@ -64,10 +64,6 @@ std::string studyChart(const BenchResult& result, const Study& study, bool quick
   return panels.empty() ? "" : logChartSvg(study.title, panels, ChartMarks::kPoints, kPlotsAcross);
 }
 
-bool isQuick(const BenchResult& result) {
-  return !rowsOf(result, "shard", {{"quick", "yes"}}).empty();
-}
-
 std::string errorChart(const BenchResult& result) {
   double width = 1, height = 0;
   std::string charts;

@@ -18,9 +18,6 @@ inline constexpr std::size_t kPlotsAcross = 3;  // beside each other
 // "" without such plots.
 [[nodiscard]] std::string studyChart(const BenchResult& result, const Study& study, bool quick);
 
-// Whether a result is of a quick run, by its rows of part "shard".
-[[nodiscard]] bool isQuick(const BenchResult& result);
-
 // The charts of all studies, one below the other, as one picture.
 [[nodiscard]] std::string errorChart(const BenchResult& result);
 

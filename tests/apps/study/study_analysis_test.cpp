@@ -44,7 +44,7 @@ const BenchTarget* targetOf(const BenchResult& result, const std::string& words)
 TEST(StudyAnalysis, AFrontHasTheChoicesThatNoneBeats) {
   BenchResult result = resultOf({servoRow("hri", 5, 30, 0.01), servoRow("avila", 1, 60, 0.005),
                                  servoRow("blezek", 1, 70, 0.02), servoRow("hri", 50, 10, 0.5)});
-  analyse(result, false);
+  analyse(result);
   const BenchRows front = rowsOf(result, "front", {{"plot", "position"}});
   ASSERT_THAT(front, SizeIs(3));
   EXPECT_EQ(wordsOf(*front[0], {"series", "choice"}), "hri n=50");
@@ -57,7 +57,7 @@ TEST(StudyAnalysis, AFrontHasTheChoicesThatNoneBeats) {
 
 TEST(StudyAnalysis, ADefaultOnTheFrontIsBeatenByNone) {
   BenchResult result = resultOf({servoRow("hri", 5, 30, 0.01), servoRow("blezek", 1, 70, 0.02)});
-  analyse(result, false);
+  analyse(result);
   const BenchRows says = rowsOf(result, "default", {{"plot", "position"}});
   ASSERT_THAT(says, SizeIs(1));
   EXPECT_EQ(textOf(*says[0], "on_front"), "yes");
@@ -72,7 +72,7 @@ TEST(StudyAnalysis, WhatBeatsADefaultIsTold) {
   BenchResult result =
       resultOf({servoRow("hri", 5, 100, 0.01), servoRow("hri", 10, 90, 0.009), servoRow("blezek", 1, 50, 0.01),
                 servoRow("avila", 1, 20, 0.005), servoRow("implicit", 1, 200, 0.001)});
-  analyse(result, false);
+  analyse(result);
   const BenchRows says = rowsOf(result, "default", {{"plot", "position"}});
   ASSERT_THAT(says, SizeIs(1));
   EXPECT_EQ(textOf(*says[0], "on_front"), "no");
@@ -88,7 +88,7 @@ TEST(StudyAnalysis, RowsWithoutOneOfTheFiguresAreNotShown) {
   BenchRow left_out = servoRow("blezek", 1, 1, 1);
   std::erase_if(left_out, [](const auto& cell) { return cell.first == "cost_ns"; });
   BenchResult result = resultOf({servoRow("hri", 5, 30, std::nan("")), left_out, servoRow("avila", 1, 9, 9)});
-  analyse(result, false);
+  analyse(result);
   EXPECT_THAT(rowsOf(result, "front", {{"plot", "position"}}), SizeIs(1));
   EXPECT_THAT(rowsOf(result, "default", {{"plot", "position"}}), IsEmpty());
 }
@@ -106,7 +106,7 @@ TEST(StudyAnalysis, OrdersAreFittedFamilyByFamily) {
     }
   }
   BenchResult result = resultOf(std::move(rows));
-  analyse(result, false);
+  analyse(result);
   const BenchRows orders = rowsOf(result, "order", {{"study", "servo"}});
   ASSERT_THAT(orders, SizeIs(2));
   EXPECT_EQ(textOf(*orders[0], "family"), "hri-paper");
@@ -127,7 +127,7 @@ TEST(StudyAnalysis, CellsWhoseErrorsDifferBreakAPromise) {
     if (key == "errors_repeat") figure = "no";
   }
   BenchResult result = resultOf({drifts, servoRow("hri", 1, 30, 0.01)});
-  analyse(result, false);
+  analyse(result);
   const BenchTarget* target = targetOf(result, "errors differ from round to round");
   ASSERT_NE(target, nullptr);
   EXPECT_EQ(target->value, 1);
@@ -135,7 +135,7 @@ TEST(StudyAnalysis, CellsWhoseErrorsDifferBreakAPromise) {
 
 TEST(StudyAnalysis, WithoutCellsNothingIsSaid) {
   BenchResult result = resultOf({{{"part", "note"}, {"note", "nothing was measured"}}});
-  analyse(result, true);
+  analyse(result);
   EXPECT_THAT(result.rows, SizeIs(1));
   EXPECT_THAT(result.targets, IsEmpty());
 }
