@@ -49,5 +49,6 @@ class BenchOutputs {
 
 // The other verbs under `palpate bench`.
 void addBenchMerge(CLI::App& bench);
+void addBenchAll(CLI::App& bench);
 
 }  // namespace palpate

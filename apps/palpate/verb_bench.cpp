@@ -81,6 +81,7 @@ void addBenchVerb(CLI::App& app) {
     one->callback([&bench, flags] { runVerb(bench, *flags); });
   }
   addBenchMerge(*verb);
+  addBenchAll(*verb);
 }
 
 }  // namespace palpate

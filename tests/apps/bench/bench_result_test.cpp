@@ -150,7 +150,11 @@ TEST(BenchResult, APromiseIsHeldAgainstTheRowsItIsAbout) {
   const std::size_t targets = result.targets.size();
   EXPECT_FALSE(promise(result, {"name", 3, "c", {}, {"x"}, sumOf}));
   EXPECT_EQ(result.targets.size(), targets);
+  result.rows.push_back({{"part", "a"}, {"speed_m_per_s", 1.0}});  // a row without the figure
+  EXPECT_EQ(valueOf(sumOf, 0), 7);
   result.rows.push_back({{"part", "a"}, {"speed_m_per_s", 1.0}, {"x", std::nan("")}});
+  EXPECT_TRUE(std::isnan(valueOf(largestOf, 0)));
+  result.rows.back().back().second = "a text";
   EXPECT_TRUE(std::isnan(valueOf(largestOf, 0)));
 }
 
