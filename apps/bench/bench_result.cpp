@@ -75,14 +75,24 @@ std::string textOf(const BenchRow& row, std::string_view key) {
   return text == nullptr ? std::string() : *text;
 }
 
+std::optional<double> numberIn(const BenchRow& row, std::string_view key) {
+  const BenchFigure* figure = findFigure(row, key);
+  if (figure == nullptr || std::holds_alternative<std::string>(*figure)) return std::nullopt;
+  const double number = numberOf(*figure);
+  return std::isnan(number) ? std::nullopt : std::optional(number);
+}
+
+bool hasAll(const BenchRow& row, const BenchRow& like) {
+  return std::all_of(like.begin(), like.end(), [&](const auto& cell) {
+    const BenchFigure* figure = findFigure(row, cell.first);
+    return figure != nullptr && isEqual(*figure, cell.second);
+  });
+}
+
 BenchRows rowsOf(const BenchResult& result, std::string_view part, const BenchRow& like) {
   BenchRows rows;
   for (const BenchRow& row : result.rows) {
-    const auto has = [&](const auto& cell) {
-      const BenchFigure* figure = findFigure(row, cell.first);
-      return figure != nullptr && isEqual(*figure, cell.second);
-    };
-    if (textOf(row, "part") == part && std::all_of(like.begin(), like.end(), has)) rows.push_back(&row);
+    if (textOf(row, "part") == part && hasAll(row, like)) rows.push_back(&row);
   }
   return rows;
 }
@@ -91,7 +101,11 @@ bool promise(BenchResult& result, const Promise& what) {
   std::vector<double> values;
   for (const BenchRow* row : rowsOf(result, what.part, what.like)) {
     if (what.up_to_m_per_s > 0 && figureOf(*row, "speed_m_per_s") > what.up_to_m_per_s) continue;
-    for (const char* key : what.keys) values.push_back(figureOf(*row, key));
+    for (const char* key : what.keys) {
+      const BenchFigure* figure = findFigure(*row, key);
+      if (figure == nullptr) continue;
+      values.push_back(std::holds_alternative<std::string>(*figure) ? std::nan("") : numberOf(*figure));
+    }
   }
   if (!values.empty()) result.targets.push_back({what.name, what.of(values), what.bound});
   return !values.empty();

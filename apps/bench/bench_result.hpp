@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -34,6 +35,7 @@ struct BenchResult {
   std::string command;
   std::vector<BenchRow> rows;
   std::vector<BenchTarget> targets;
+  bool stopped = false;  // by the user; the rows are what was measured until then
 
   void note(const std::string& words) { rows.push_back({{"part", "note"}, {"note", words}}); }
   [[nodiscard]] bool allHold() const noexcept;
@@ -49,12 +51,17 @@ struct BenchResult {
 // The text of `key`; "" if there is none.
 [[nodiscard]] std::string textOf(const BenchRow& row, std::string_view key);
 
+// The number of `key`; empty if there is none, if it is a text or NaN.
+[[nodiscard]] std::optional<double> numberIn(const BenchRow& row, std::string_view key);
+// Whether a row contains all figures of `like`. 5 and 5.0 are the same.
+[[nodiscard]] bool hasAll(const BenchRow& row, const BenchRow& like);
+
 // The rows of a part that contain all figures of `like`, in the result's order. The pointers are into the result.
 using BenchRows = std::vector<const BenchRow*>;
 [[nodiscard]] BenchRows rowsOf(const BenchResult& result, std::string_view part, const BenchRow& like = {});
 
 // A promise about some rows: rowsOf(result, part, like). All their figures of `keys` go into one list, and `of` makes
-// one value of the list. This value must not exceed the bound.
+// one value of the list. This value must not exceed the bound. A row may lack a figure; a text counts as NaN.
 struct Promise {
   std::string name;
   double bound = 0;
@@ -64,7 +71,7 @@ struct Promise {
   double (*of)(const std::vector<double>& values) = nullptr;
   double up_to_m_per_s = 0;  // leaves out rows of faster motion; 0: no limit
 };
-// Adds the promise's target. Returns false, and adds none, if there is no such row.
+// Adds the promise's target. Returns false, and adds none, if there is no such figure.
 bool promise(BenchResult& result, const Promise& what);
 
 // For Promise::of. The largest is NaN if any value is.

@@ -15,18 +15,18 @@ constexpr int kRecentreVoxels = 6;  // as in engine/service/engine.cpp
 
 }  // namespace
 
+double borderDistance(const Phantom& phantom, const Vec3& p_W) {
+  const Vec3 p_L = phantom.lattice().toIndex(p_W);
+  const Vec3 last_L = (phantom.size() - Vec3i::Ones()).cast<double>();
+  return std::min(p_L.minCoeff(), (last_L - p_L).minCoeff());
+}
+
 BenchVolume::BenchVolume(const std::string& name)
     : name_(name), phantom_(makePhantom(name)), isovalue_(static_cast<float>(phantom_->isovalue())) {
   const Volume volume = makeVolume(*phantom_);
   maximum_ = volume.maximum();
   isosurface_ = std::make_shared<const TriangleMesh>(isosurfaceMesh(volume, isovalue_));
   samples_ = reference::windowSamples(reference::denseField(volume), Vec3i::Zero(), volume.size());
-}
-
-double BenchVolume::borderDistance(const Vec3& p_W) const {
-  const Vec3 p_L = phantom_->lattice().toIndex(p_W);
-  const Vec3 last_L = (size() - Vec3i::Ones()).cast<double>();
-  return std::min(p_L.minCoeff(), (last_L - p_L).minCoeff());
 }
 
 void BenchVolume::gather(const WindowBox& box, std::vector<Sample>& samples, SampleWindow& window) const {

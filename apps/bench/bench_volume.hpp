@@ -22,6 +22,9 @@
 
 namespace palpate {
 
+// Distance from the point to the nearest face of the phantom's volume; negative outside [voxel].
+[[nodiscard]] double borderDistance(const Phantom& phantom, const Vec3& p_W);
+
 class BenchVolume {
  public:
   explicit BenchVolume(const std::string& name);  // "phantom:..."; throws Error as makePhantom does
@@ -37,8 +40,7 @@ class BenchVolume {
   // The mesh for algorithms that touch one (engine/field/isosurface_mesh.hpp).
   [[nodiscard]] const std::shared_ptr<const TriangleMesh>& isosurface() const noexcept { return isosurface_; }
 
-  // Distance from the point to the nearest face of the volume; negative outside [voxel].
-  [[nodiscard]] double borderDistance(const Vec3& p_W) const;
+  [[nodiscard]] double borderDistance(const Vec3& p_W) const { return palpate::borderDistance(*phantom_, p_W); }
 
   // Copies the samples of the box into `samples`, lets `window` describe them, and increments the window's version.
   void gather(const WindowBox& box, std::vector<Sample>& samples, SampleWindow& window) const;

@@ -18,9 +18,17 @@ namespace palpate {
 struct BenchArguments {
   bool quick = false;
   std::uint64_t seed = 1;
-  std::optional<double> seconds;  // duration of each side of the loop bench at each rate [s]
-  std::string gpu;                // part of the Vulkan device's name; empty: the best one
-  std::vector<int> sizes;         // of volumes, along every edge [voxel]; empty: the bench's own
+  std::optional<double> seconds;     // duration of each side of the loop bench at each rate [s]
+  std::string gpu;                   // part of the Vulkan device's name; empty: the best one
+  std::vector<int> sizes;            // of volumes, along every edge [voxel]; empty: the bench's own
+  std::vector<std::string> studies;  // of the error bench; empty: all
+  std::string shard;                 // which part of a bench that is made of cells: "2/8"; empty: all of it
+};
+
+// A result that was read from a file, for joining.
+struct BenchPart {
+  std::string file;
+  BenchResult result;
 };
 
 struct Bench {
@@ -34,8 +42,12 @@ struct Bench {
   BenchResult (*run)(const Bench& bench, const BenchArguments& arguments, Progress& progress) = nullptr;
   std::string (*table)(const BenchResult& result) = nullptr;  // for the terminal and the page
   std::string (*chart)(const BenchResult& result) = nullptr;  // an SVG file
+  // For a bench that --shard cuts; others have neither.
+  std::string (*report)(const BenchResult& result) = nullptr;           // one HTML file
+  BenchResult (*merge)(const std::vector<BenchPart>& parts) = nullptr;  // one result of all parts; throws Error
 };
 
+// Without those of higher rooms (apps/study/error_bench.hpp), which the verb adds.
 [[nodiscard]] const std::vector<Bench>& benches();
 
 }  // namespace palpate

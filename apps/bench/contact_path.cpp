@@ -26,11 +26,11 @@ struct Place {
 
 class Wanderer {
  public:
-  Wanderer(const BenchVolume& volume, const ContactPathRequest& request)
-      : volume_(volume),
+  Wanderer(const Phantom& phantom, const ContactPathRequest& request)
+      : phantom_(phantom),
         request_(request),
         random_(request.seed),
-        voxel_m_(volume.voxel_m()),
+        voxel_m_(phantom.lattice().smallestSpacing()),
         depth_m_(request.depth_voxel * voxel_m_) {}
 
   ContactPath path() {
@@ -51,7 +51,7 @@ class Wanderer {
 
  private:
   [[nodiscard]] double step_m() const { return request_.speed_m_per_s / request_.rate_hz; }
-  [[nodiscard]] Place placeAt(const Vec3& p_W) const { return {p_W, volume_.phantom().offset(p_W)}; }
+  [[nodiscard]] Place placeAt(const Vec3& p_W) const { return {p_W, phantom_.offset(p_W)}; }
 
   [[nodiscard]] Vec3 anyTangent(const Vec3& normal_W) {
     Vec3 tangent_W = Vec3::Zero();
@@ -74,18 +74,18 @@ class Wanderer {
 
   // A point on the level set with free space in front of it.
   [[nodiscard]] Place findStart() {
-    const Lattice& lattice = volume_.phantom().lattice();
-    const Vec3 last_L = (volume_.size() - Vec3i::Ones()).cast<double>();
+    const Lattice& lattice = phantom_.lattice();
+    const Vec3 last_L = (phantom_.size() - Vec3i::Ones()).cast<double>();
     for (int attempt = 0; attempt < kStartTries; ++attempt) {
       Vec3 p_L;
       for (int axis = 0; axis < 3; ++axis) p_L[axis] = random_.uniform(kBorderVoxels, last_L[axis] - kBorderVoxels);
       const auto at = ontoLevel(lattice.toWorld(p_L));
-      if (!at || volume_.borderDistance(at->p_W) < kBorderVoxels) continue;
+      if (!at || borderDistance(phantom_, at->p_W) < kBorderVoxels) continue;
       const double air_m = kApproachVoxels * voxel_m_;
       const Vec3 front_W = at->p_W + (depth_m_ + air_m) * at->offset.normal;
-      if (std::abs(volume_.phantom().signedDistance_m(front_W) - air_m) < 1e-3 * voxel_m_) return *at;
+      if (std::abs(phantom_.signedDistance_m(front_W) - air_m) < 1e-3 * voxel_m_) return *at;
     }
-    throw Error(Error::Code::kBadInput, volume_.name(), "no place of its surface can be pressed",
+    throw Error(Error::Code::kBadInput, phantom_.spec().text, "no place of its surface can be pressed",
                 "use a phantom whose surface lies inside its volume");
   }
 
@@ -101,7 +101,7 @@ class Wanderer {
     path_.hip_W.push_back(at.p_W);
     path_.normal_W.push_back(at.offset.normal);
     path_.depth_m.push_back(-at.offset.distance_m);
-    path_.exact.push_back(std::abs(volume_.phantom().signedDistance_m(surface_W)) < 1e-6 * voxel_m_ ? 1 : 0);
+    path_.exact.push_back(std::abs(phantom_.signedDistance_m(surface_W)) < 1e-6 * voxel_m_ ? 1 : 0);
   }
 
   Place next(const Place& at, Vec3& heading_W) {
@@ -113,7 +113,7 @@ class Wanderer {
       const auto there = ontoLevel(at.p_W + step_m() * wanted_W);
       // A jump to another part of the object would not be a hand's motion.
       if (there && (there->p_W - at.p_W).norm() < 1.5 * step_m() &&
-          volume_.borderDistance(there->p_W) >= kBorderVoxels) {
+          borderDistance(phantom_, there->p_W) >= kBorderVoxels) {
         const Vec3& n_W = there->offset.normal;
         const Vec3 turned_W = wanted_W - n_W * n_W.dot(wanted_W);
         heading_W = turned_W.norm() > 1e-3 ? Vec3(turned_W.normalized()) : anyTangent(n_W);
@@ -124,7 +124,7 @@ class Wanderer {
     return at;  // rests for a tick
   }
 
-  const BenchVolume& volume_;
+  const Phantom& phantom_;
   ContactPathRequest request_;
   Random random_;
   double voxel_m_;
@@ -135,8 +135,8 @@ class Wanderer {
 
 }  // namespace
 
-ContactPath contactPath(const BenchVolume& volume, const ContactPathRequest& request) {
-  return Wanderer(volume, request).path();
+ContactPath contactPath(const Phantom& phantom, const ContactPathRequest& request) {
+  return Wanderer(phantom, request).path();
 }
 
 }  // namespace palpate

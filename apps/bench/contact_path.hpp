@@ -40,6 +40,9 @@ struct ContactPath {
 inline constexpr double kBorderVoxels = 4;
 
 // Throws Error(kBadInput) for a phantom on which no start is found.
-[[nodiscard]] ContactPath contactPath(const BenchVolume& volume, const ContactPathRequest& request);
+[[nodiscard]] ContactPath contactPath(const Phantom& phantom, const ContactPathRequest& request);
+[[nodiscard]] inline ContactPath contactPath(const BenchVolume& volume, const ContactPathRequest& request) {
+  return contactPath(volume.phantom(), request);
+}
 
 }  // namespace palpate

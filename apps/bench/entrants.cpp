@@ -28,6 +28,12 @@ AlgorithmSetup setupFor(const BenchVolume& volume, int n, ContactEffects effects
 
 }  // namespace
 
+Entrant makeEntrant(const BenchVolume& volume, const std::string& algorithm, int n, const std::string& effects) {
+  ContactEffects made = effects == kRecoveryChoice ? makeRecovery() : ContactEffects{};
+  return {algorithm, n, effects, makeAlgorithm(algorithm, setupFor(volume, n, std::move(made))),
+          algorithmEntry(algorithm).traits};
+}
+
 Entrants makeEntrants(const BenchVolume& volume, const std::vector<int>& renewals,
                       const std::vector<std::string>& effects) {
   Entrants entrants;
@@ -36,9 +42,7 @@ Entrants makeEntrants(const BenchVolume& volume, const std::vector<int>& renewal
     try {
       for (const int n : renewals) {
         for (const std::string& choice : effects) {
-          ContactEffects made = choice == kRecoveryChoice ? makeRecovery() : ContactEffects{};
-          entrants.list.push_back(
-              {name, n, choice, makeAlgorithm(name, setupFor(volume, n, std::move(made))), entry.traits});
+          entrants.list.push_back(makeEntrant(volume, name, n, choice));
         }
       }
     } catch (const Error& error) {

@@ -33,8 +33,13 @@ struct Entrants {
   std::vector<std::string> left_out = {};  // "NAME: why", for algorithms that cannot be made for this volume
 };
 
+// One algorithm. There is no damping (B = 0), so the exact force is K * depth. Throws Error(kBadInput) as makeAlgorithm
+// does.
+[[nodiscard]] Entrant makeEntrant(const BenchVolume& volume, const std::string& algorithm, int n,
+                                  const std::string& effects = "none");
+
 // Every algorithm with each n of `renewals` and each of the `effects` ("none" or kRecoveryChoice). An algorithm that
-// does not support all of these effects is left out. There is no damping (B = 0), so the exact force is K * depth.
+// does not support all of these effects is left out.
 [[nodiscard]] Entrants makeEntrants(const BenchVolume& volume, const std::vector<int>& renewals,
                                     const std::vector<std::string>& effects = {"none"});
 

@@ -23,6 +23,9 @@ constexpr double kInnerWidth = kPanelWidth - kLeft - kRight, kInnerHeight = kPan
 constexpr std::array<const char*, 7> kColors = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
                                                 "#000000", "#56b4e9", "#e69f00"};
 
+constexpr const char* kFormula = "#444";  // colour of the line of a formula
+constexpr const char* kDashes = " stroke-dasharray=\"7 4\"";
+
 bool drawable(const ChartPoint& point) {
   return std::isfinite(point.x) && std::isfinite(point.y) && point.x > 0 && point.y > 0;
 }
@@ -73,20 +76,45 @@ std::string line(double x1, double y1, double x2, double y2, const char* color) 
                      color);
 }
 
-// Circle, square, triangle, diamond: so that a series is known without its colour too.
+// So that a series is known without its colour too: four shapes filled, the same empty, and four more.
 std::string mark(double x, double y, std::size_t kind) {
   const char* color = kColors[kind % kColors.size()];
-  switch (kind % 4) {
+  const bool empty = kind / 4 % 3 == 1;
+  const std::string fill = empty ? fmt::format("white\" stroke=\"{}\" stroke-width=\"1.6", color) : std::string(color);
+  const auto path = [&](const char* words) {
+    return fmt::format("<path d=\"M{:.1f} {:.1f}{}\" fill=\"{}\"/>\n", x, y, words, fill);
+  };
+  const auto strokes = [&](const char* words) {
+    return fmt::format("<path d=\"M{:.1f} {:.1f}{}\" stroke=\"{}\" stroke-width=\"2\"/>\n", x, y, words, color);
+  };
+  switch (kind % 12) {
     case 0:
-      return fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4.5\" fill=\"{}\"/>\n", x, y, color);
+    case 4:
+      return fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{}\" fill=\"{}\"/>\n", x, y, empty ? 4 : 4.5, fill);
     case 1:
+    case 5:
       return fmt::format("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"8\" height=\"8\" fill=\"{}\"/>\n", x - 4, y - 4,
-                         color);
+                         fill);
     case 2:
-      return fmt::format("<path d=\"M{:.1f} {:.1f}l5.2 9h-10.4z\" fill=\"{}\"/>\n", x, y - 5.5, color);
+    case 6:
+      return path("m0 -5.5l5.2 9h-10.4z");
+    case 3:
+    case 7:
+      return path("m0 -5l5 5l-5 5l-5 -5z");
+    case 8:
+      return path("m0 5.5l5.2 -9h-10.4z");
+    case 9:
+      return strokes("m-5 0h10m-5 -5v10");
+    case 10:
+      return strokes("m-4 -4l8 8m0 -8l-8 8");
     default:
-      return fmt::format("<path d=\"M{:.1f} {:.1f}l5 5l-5 5l-5 -5z\" fill=\"{}\"/>\n", x, y - 5, color);
+      return path("m0 -5l5 3.6l-1.9 5.9h-6.2l-1.9 -5.9z");
   }
+}
+
+std::string ring(const Pixel& at) {
+  return fmt::format("<ellipse cx=\"{:.1f}\" cy=\"{:.1f}\" rx=\"8\" ry=\"8\" fill=\"none\" stroke=\"#000\"/>\n", at.x,
+                     at.y);
 }
 
 std::size_t kindOf(const std::string& name, const std::vector<std::string>& names) {
@@ -126,37 +154,106 @@ std::vector<Pixel> placesOf(const ChartSeries& series, const Axis& x, const Axis
 
 std::string seriesSvg(const ChartSeries& series, std::size_t kind, const Axis& x, const Axis& y, ChartMarks marks) {
   std::string polyline, points;
+  const bool dashed = series.look == SeriesLook::kDashed;
   for (const Pixel& at : placesOf(series, x, y)) {
     polyline += fmt::format("{:.1f},{:.1f} ", at.x, at.y);
-    if (marks == ChartMarks::kPoints) points += mark(at.x, at.y, kind);
+    if (marks == ChartMarks::kPoints && !dashed) points += mark(at.x, at.y, kind);
   }
-  return fmt::format("<polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\"/>\n", polyline,
-                     kColors[kind % kColors.size()], marks == ChartMarks::kLine ? "1.8" : "0.8") +
+  if (series.look == SeriesLook::kMarksAlone) return points;
+  return fmt::format("<polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\"{}/>\n", polyline,
+                     dashed ? kFormula : kColors[kind % kColors.size()], marks == ChartMarks::kLine ? "1.8" : "0.8",
+                     dashed ? kDashes : "") +
          points;
+}
+
+// Rings around the choices that no other one beats, and the steps between them.
+std::string frontSvg(const ChartPanel& panel, const Axis& x, const Axis& y) {
+  std::vector<Pixel> front;
+  for (const ChartSeries& series : panel.series) {
+    for (const ChartPoint& point : series.points) {
+      if (point.on_front && drawable(point)) front.push_back(placeOf(point, x, y));
+    }
+  }
+  if (front.empty()) return "";
+  std::sort(front.begin(), front.end(), [](const Pixel& a, const Pixel& b) { return a.x < b.x; });
+  std::string rings, steps = fmt::format("{:.1f},{:.1f} ", front.front().x, kTop);
+  for (std::size_t i = 0; i < front.size(); ++i) {
+    if (i > 0) steps += fmt::format("{:.1f},{:.1f} ", front[i].x, front[i - 1].y);
+    steps += fmt::format("{:.1f},{:.1f} ", front[i].x, front[i].y);
+    rings += ring(front[i]);
+  }
+  steps += fmt::format("{:.1f},{:.1f}", kLeft + kInnerWidth, front.back().y);
+  return fmt::format("<polyline points=\"{}\" fill=\"none\" stroke=\"#000\" stroke-width=\"1\"/>\n", steps) + rings;
 }
 
 // Beside their marks, clear of each other, of all marks and, where there is room, of the lines; inside the axes.
 std::string labelsSvg(const ChartPanel& panel, const std::vector<std::string>& names, const Axis& x, const Axis& y) {
-  constexpr double kSize = 10, kLetter = 6.4, kMark = 5;  // [pixel]; no letter of the labels is wider
+  constexpr double kSize = 10, kLetter = 6.4, kMark = 5, kRing = 8;  // [pixel]; no letter of the labels is wider
   LabelPlacer placer(kLeft + kInnerWidth, kTop + kInnerHeight);
   placer.avoid({0, 0, kLeft, kTop + kInnerHeight});
   for (const ChartSeries& series : panel.series) {
-    const std::vector<Pixel> places = placesOf(series, x, y);
-    placer.avoidLine(places);
-    for (const Pixel& at : places) placer.avoid({at.x - kMark, at.y - kMark, at.x + kMark, at.y + kMark});
+    if (series.look != SeriesLook::kMarksAlone) placer.avoidLine(placesOf(series, x, y));
+    if (series.look == SeriesLook::kDashed) continue;
+    for (const ChartPoint& point : series.points) {
+      if (!drawable(point)) continue;
+      const Pixel at = placeOf(point, x, y);
+      const double reach = point.on_front ? kRing : kMark;
+      placer.avoid({at.x - reach, at.y - reach, at.x + reach, at.y + reach});
+    }
   }
   std::string out;
   for (const ChartSeries& series : panel.series) {
     const char* color = kColors[kindOf(series.name, names) % kColors.size()];
     for (const ChartPoint& point : series.points) {
       if (!drawable(point) || point.label.empty()) continue;
-      const LabelBox box =
-          placer.place(placeOf(point, x, y), kMark + 3, kLetter * static_cast<double>(point.label.size()), kSize);
+      const LabelBox box = placer.place(placeOf(point, x, y), (point.on_front ? kRing : kMark) + 3,
+                                        kLetter * static_cast<double>(point.label.size()), kSize);
       out += text(box.left, box.bottom - 0.2 * kSize, "start", point.label,
                   fmt::format(" font-size=\"{}\" fill=\"{}\"", kSize, color));
     }
   }
   return out;
+}
+
+std::string dashes(const Pixel& at) {
+  return fmt::format("<path d=\"M{:.1f} {:.1f}h16\" stroke=\"{}\" stroke-width=\"1.4\"{}/>\n", at.x - 9, at.y, kFormula,
+                     kDashes);
+}
+
+struct Legend {
+  std::string svg;
+  double bottom = 0;  // [pixel]
+};
+
+// A mark or a dash for each name, in as many lines as they need.
+Legend legendOf(const std::vector<ChartPanel>& panels, const std::vector<std::string>& names, double width,
+                double top) {
+  Legend legend{"", top + kLegendLine};
+  double x = kLeft;
+  const auto entry = [&](const std::string& words, const auto& sign) {
+    const double long_px = 34 + 7.5 * static_cast<double>(words.size());
+    if (x > kLeft && x + long_px > width) {
+      x = kLeft;
+      legend.bottom += kLegendLine;
+    }
+    legend.svg += sign(Pixel{x, legend.bottom - 12}) + text(x + 10, legend.bottom - 8, "start", words);
+    x += long_px;
+  };
+  std::vector<std::string> formulas;
+  bool front = false;
+  for (const ChartPanel& panel : panels) {
+    for (const ChartSeries& series : panel.series) {
+      if (series.look == SeriesLook::kDashed) formulas.push_back(series.name);
+      front =
+          front || std::any_of(series.points.begin(), series.points.end(), [](const auto& p) { return p.on_front; });
+    }
+  }
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const bool dashed = std::find(formulas.begin(), formulas.end(), names[i]) != formulas.end();
+    entry(names[i], [&](const Pixel& at) { return dashed ? dashes(at) : mark(at.x, at.y, i); });
+  }
+  if (front) entry("Pareto front", ring);
+  return legend;
 }
 
 }  // namespace
@@ -169,37 +266,37 @@ void addPoint(std::vector<ChartPanel>& panels, const ChartPanel& panel, const st
   line->points.push_back(std::move(point));
 }
 
-std::string logChartSvg(const std::string& title, const std::vector<ChartPanel>& panels, ChartMarks marks) {
+std::string logChartSvg(const std::string& title, const std::vector<ChartPanel>& panels, ChartMarks marks,
+                        std::size_t columns) {
   std::vector<std::string> names;
   for (const ChartPanel& panel : panels) {
     for (const ChartSeries& series : panel.series) {
       if (kindOf(series.name, names) == names.size()) names.push_back(series.name);
     }
   }
-  const double width = kPanelWidth * static_cast<double>(std::max<std::size_t>(panels.size(), 1));
-  const double height = kTitle + kPanelHeight + kLegendLine;
+  const std::size_t across = std::max<std::size_t>(columns == 0 ? panels.size() : std::min(columns, panels.size()), 1);
+  const std::size_t down = std::max<std::size_t>((panels.size() + across - 1) / across, 1);
+  const double width = kPanelWidth * static_cast<double>(across);
+  const Legend legend = legendOf(panels, names, width, kTitle + kPanelHeight * static_cast<double>(down));
   std::string out = fmt::format(
       R"(<svg xmlns="http://www.w3.org/2000/svg" width="{0}" height="{1}" viewBox="0 0 {0} {1}" font-family="DejaVu Sans, sans-serif" font-size="12">
 <rect width="100%" height="100%" fill="white"/>
 )",
-      width, height);
+      width, legend.bottom);
   out += text(width / 2, 20, "middle", title, " font-size=\"14\" font-weight=\"bold\"");
   for (std::size_t i = 0; i < panels.size(); ++i) {
     const Axis x = axisOver(panels[i], &ChartPoint::x), y = axisOver(panels[i], &ChartPoint::y);
-    out += fmt::format("<g transform=\"translate({} {})\">\n", kPanelWidth * static_cast<double>(i), kTitle);
+    out += fmt::format("<g transform=\"translate({} {})\">\n", kPanelWidth * static_cast<double>(i % across),
+                       kTitle + kPanelHeight * static_cast<double>(i / across));
     out += axes(panels[i], x, y);
     for (const ChartSeries& series : panels[i].series) {
       out += seriesSvg(series, kindOf(series.name, names), x, y, marks);
     }
+    out += frontSvg(panels[i], x, y);
     if (marks == ChartMarks::kPoints) out += labelsSvg(panels[i], names, x, y);
     out += "</g>\n";
   }
-  double x = kLeft;
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    out += mark(x, height - 12, i) + text(x + 10, height - 8, "start", names[i]);
-    x += 34 + 7.5 * static_cast<double>(names[i].size());
-  }
-  return out + "</svg>\n";
+  return out + legend.svg + "</svg>\n";
 }
 
 }  // namespace palpate

@@ -12,12 +12,12 @@
 
 #include <fmt/format.h>
 
+#include "apps/bench/bench_views.hpp"
 #include "apps/bench/columns.hpp"
 #include "apps/bench/depth_errors.hpp"
 #include "apps/bench/field_bench.hpp"
 #include "apps/bench/half_voxel_march.hpp"
 #include "apps/bench/log_chart.hpp"
-#include "apps/bench/random.hpp"
 #include "apps/bench/turns.hpp"
 #include "apps/console/interrupt.hpp"
 #include "apps/rivals/rivals.hpp"
@@ -92,16 +92,6 @@ double hitShare(const RenderedImage& image) {
   return static_cast<double>(hits) / static_cast<double>(image.distance_m.size());
 }
 
-// The camera as a field sees it whose axes are those of the world (mirrored, where they are left-handed).
-Camera inFieldFrame(Camera camera, const Lattice& lattice) {
-  const auto turned = [&](const Vec3& v_W) -> Vec3 { return lattice.R_WL.transpose() * v_W; };
-  camera.position_W = turned(camera.position_W - lattice.toWorld(Vec3::Zero()));
-  camera.forward_W = turned(camera.forward_W);
-  camera.right_W = turned(camera.right_W);
-  camera.up_W = turned(camera.up_W);
-  return camera;
-}
-
 class RenderBench {
  public:
   RenderBench(const RenderBenchRequest& request, Progress& progress)
@@ -131,13 +121,9 @@ class RenderBench {
     const OpenVdbRivals openvdb(field, threads_);
     if (const auto why = python_.load(field)) result_.note(fmt::format("no comparison with VTK: {}", *why));
     Random random(request_.seed);
-    const Vec3 extent = volume.size().cast<double>().cwiseProduct(volume.lattice().spacing_m);
-    const Vec3 middle_W = volume.lattice().toWorld((volume.size().cast<double>().array() - 1) / 2);
     for (int view = 0; view < request_.views; ++view) {
       progress_.fraction(static_cast<double>(view) / request_.views);
-      const Vec3 from(random.uniform() - 0.5, random.uniform() - 0.5, 0.7 * random.uniform() - 0.35);
-      const Camera camera = lookAt(middle_W, from.normalized(), 2 * extent.maxCoeff(), Vec3::UnitZ(), request_.width,
-                                   request_.height, 0.5);
+      const Camera camera = randomView(volume, random, request_.width, request_.height);
       const RivalView seen{inFieldFrame(camera, volume.lattice()), isovalue};
       std::vector<Rival> rivals;
       const auto offer = [&](const std::string& library, const auto& made) {

@@ -61,6 +61,32 @@ using BenchProgress = std::function<void(double share_done)>;  // may throw to s
   return out.in_contact || out.force_W.squaredNorm() > 0;
 }
 
+// By atan2, since acos alone is inaccurate for small angles.
+[[nodiscard]] double angleBetween_deg(const Vec3& a, const Vec3& b);
+
+// Adds up the errors of one algorithm, tick by tick. `phantom` and `path` outlive it.
+class TouchTally {
+ public:
+  TouchTally(const Phantom& phantom, const ContactPath& path, const AlgorithmTraits& traits,
+             double miss_depth_voxel = kMissDepth_voxel);
+  void add(std::size_t k, const TickOutput& out);  // the output of tick k of the path
+  [[nodiscard]] TouchErrors taken();               // once, after the last tick
+
+ private:
+  [[nodiscard]] bool concave(std::size_t k) const;
+  void addSlide(std::size_t k, const TickOutput& out, bool contact);
+
+  const Phantom& phantom_;
+  const ContactPath& path_;
+  AlgorithmTraits traits_;
+  double voxel_m_, miss_depth_m_;
+  TouchErrors errors_;
+  std::vector<double> vhip_voxel_, force_percent_, angle_deg_;
+  double force_sum_N_ = 0;
+  Vec3 last_force_W_ = Vec3::Zero();
+  bool missing_ = false;
+};
+
 // A figure without data (no contact, or an algorithm that shows no surface) is NaN.
 [[nodiscard]] const Columns<TouchErrors>& errorColumns();
 

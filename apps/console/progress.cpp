@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/console/progress.hpp"
 
+#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
@@ -36,13 +37,14 @@ void Progress::stage(const std::string& what) {
   }
 }
 
-void Progress::fraction(double done) {
+void Progress::fraction(double done, std::optional<double> left_s) {
   if (tell_) tell_(stage_, done);
   if (stream_ == nullptr) return;
+  const std::string left = left_s ? fmt::format(", {} left", roughTime(*left_s)) : "";
   if (terminal_) {
-    show(fmt::format("{} ... {:3.0f} %", stage_, 100 * done));
+    show(fmt::format("{} ... {:3.0f} %{}", stage_, 100 * done, left));
   } else if (since_.seconds() >= every_s_) {
-    writeMessage(stream_, fmt::format("{}: {:.0f} % ...\n", stage_, 100 * done));
+    writeMessage(stream_, fmt::format("{}: {:.0f} %{} ...\n", stage_, 100 * done, left));
     since_ = Stopwatch();
   }
 }
@@ -52,6 +54,13 @@ void Progress::done() {
     writeMessage(stream_, "\r\033[K");
   }
   shown_.clear();
+}
+
+std::string roughTime(double seconds) {
+  constexpr double kMinute_s = 60, kHour_s = 3600;
+  if (seconds < 2 * kMinute_s) return fmt::format("some {:.0f} s", 10 * std::ceil(seconds / 10));
+  if (seconds < 2 * kHour_s) return fmt::format("some {:.0f} min", std::ceil(seconds / kMinute_s));
+  return fmt::format("some {:.0f} h", std::ceil(seconds / kHour_s));
 }
 
 std::function<void(const char* pass, double done)> passProgress(Progress& progress, std::function<void()> stop) {

@@ -5,6 +5,7 @@
 
 #include <cstdio>
 #include <functional>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -23,7 +24,8 @@ class Progress {
   ~Progress();  // ends the line
 
   void stage(const std::string& what);  // "loading skull.inv3"
-  void fraction(double done);           // 0 ... 1 of the stage
+  // 0 ... 1 of the stage, and how long the work will still take, where that is known [s].
+  void fraction(double done, std::optional<double> left_s = {});
   void done();                          // clears the line, before a result
 
  private:
@@ -37,6 +39,9 @@ class Progress {
   std::string stage_;
   std::string shown_;
 };
+
+// "some 40 s", "some 12 min", "some 3 h": a time that is known roughly only.
+[[nodiscard]] std::string roughTime(double seconds);
 
 // The `progress` argument of Engine's constructor: shows each of its passes as a stage. `stop` is called after every
 // submission and throws to end the work (Ctrl-C).

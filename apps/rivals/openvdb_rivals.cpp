@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/Dense.h>
@@ -100,6 +101,13 @@ openvdb::FloatGrid::Ptr levelSetOf(const State& state, double isovalue) {
   return openvdb::tools::meshToLevelSet<openvdb::FloatGrid>(*cubes, points, triangles, quads);
 }
 
+void prepareLevelSet(State& state, double isovalue) {
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, state.threads);
+  if (!state.grid) state.grid = gridOf(state);
+  if (!state.level_set || state.level_set_of != isovalue) state.level_set = levelSetOf(state, isovalue);
+  state.level_set_of = isovalue;
+}
+
 openvdb::Vec3R asVdb(const Vec3& v) {
   return {v.x(), v.y(), v.z()};
 }
@@ -127,11 +135,7 @@ std::vector<Rival> OpenVdbRivals::rivalsOf(const std::string& job) const {
 }
 
 std::vector<Rival> OpenVdbRivals::picturesOf(const RivalView& view) const {
-  State& state = *state_;
-  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, state.threads);
-  if (!state.grid) state.grid = gridOf(state);
-  if (!state.level_set || state.level_set_of != view.isovalue) state.level_set = levelSetOf(state, view.isovalue);
-  state.level_set_of = view.isovalue;
+  prepareLevelSet(*state_, view.isovalue);
   return {
       {"OpenVDB", "LevelSetRayTracer, of a level set made before", [state = state_, view](std::vector<float>* result) {
          namespace tools = openvdb::tools;
@@ -158,6 +162,23 @@ std::vector<Rival> OpenVdbRivals::picturesOf(const RivalView& view) const {
          }
          return cost;
        }}};
+}
+
+std::vector<float> OpenVdbRivals::distancesOf(const RivalView& view) const {
+  prepareLevelSet(*state_, view.isovalue);
+  const openvdb::tools::LevelSetRayIntersector<openvdb::FloatGrid> surface(*state_->level_set);
+  const openvdb::Vec3R eye_mm = asVdb(view.camera.position_W / kMetresPerMillimetre);
+  std::vector<float> distances_m;
+  for (int y = 0; y < view.camera.height; ++y) {
+    for (int x = 0; x < view.camera.width; ++x) {
+      const openvdb::math::Ray<double> ray(eye_mm, asVdb(view.camera.rayThrough(x + 0.5, y + 0.5)));
+      openvdb::Vec3R hit_mm;
+      const bool hits = surface.intersectsWS(ray, hit_mm);
+      distances_m.push_back(hits ? static_cast<float>((hit_mm - eye_mm).length() * kMetresPerMillimetre)
+                                 : std::numeric_limits<float>::infinity());
+    }
+  }
+  return distances_m;
 }
 
 }  // namespace palpate

@@ -60,6 +60,9 @@ class OpenVdbRivals {
   // A picture of a level set of the isosurface, of which the cells are cubes with the field's shortest edge. It is made
   // once for each isovalue, unmeasured.
   [[nodiscard]] std::vector<Rival> picturesOf(const RivalView& view) const;
+  // How far along the ray through each pixel its ray tracer finds that level set [m]; infinity where it does not. Rows
+  // from the top. Unmeasured.
+  [[nodiscard]] std::vector<float> distancesOf(const RivalView& view) const;
 
   struct State;
 

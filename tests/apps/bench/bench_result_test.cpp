@@ -120,6 +120,16 @@ TEST(BenchResult, RowsAreFoundByTheirFigures) {
   EXPECT_EQ(rowsOf(result, "strokes", {{"wall", "shell, \"thin\""}, {"speed_m_per_s", 0.05}}).size(), 1U);
 }
 
+TEST(BenchResult, ANumberIsThereOrNot) {
+  const BenchRow row = {{"n_ticks", std::int64_t{5}}, {"cost_ns", 2.5}, {"wall", "shell"}, {"error", std::nan("")}};
+  EXPECT_EQ(numberIn(row, "n_ticks"), 5);
+  EXPECT_EQ(numberIn(row, "cost_ns"), 2.5);
+  for (const char* none : {"wall", "error", "speed"}) EXPECT_FALSE(numberIn(row, none)) << none;
+  EXPECT_TRUE(hasAll(row, {{"n_ticks", 5.0}, {"wall", "shell"}}));
+  EXPECT_TRUE(hasAll(row, {}));
+  EXPECT_FALSE(hasAll(row, {{"n_ticks", 5.0}, {"wall", "ball"}}));
+}
+
 // Of 1, 4 and 2: 4 is the largest, 7 the sum, 1 the first, 2 the middle one.
 TEST(BenchResult, APromiseIsHeldAgainstTheRowsItIsAbout) {
   BenchResult result;
@@ -140,7 +150,11 @@ TEST(BenchResult, APromiseIsHeldAgainstTheRowsItIsAbout) {
   const std::size_t targets = result.targets.size();
   EXPECT_FALSE(promise(result, {"name", 3, "c", {}, {"x"}, sumOf}));
   EXPECT_EQ(result.targets.size(), targets);
+  result.rows.push_back({{"part", "a"}, {"speed_m_per_s", 1.0}});  // a row without the figure
+  EXPECT_EQ(valueOf(sumOf, 0), 7);
   result.rows.push_back({{"part", "a"}, {"speed_m_per_s", 1.0}, {"x", std::nan("")}});
+  EXPECT_TRUE(std::isnan(valueOf(largestOf, 0)));
+  result.rows.back().back().second = "a text";
   EXPECT_TRUE(std::isnan(valueOf(largestOf, 0)));
 }
 

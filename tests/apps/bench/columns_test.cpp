@@ -105,9 +105,9 @@ TEST(Columns, MakeThePage) {
 }
 
 TEST(Columns, OfATableMayBeMadeOfTheRow) {
-  const Table words = {{"fall"},
-                       {{"", [](const BenchRow& row) { return textOf(row, "body") + "!"; }, {"", ""}},
-                        {"stones", nullptr, {"n", ""}}}};
+  const Table words = {
+      {"fall"},
+      {{"", [](const BenchRow& row) { return textOf(row, "body") + "!"; }, {"", ""}}, {"stones", nullptr, {"n", ""}}}};
   EXPECT_EQ(tableText(sample(), words),
             "        n\n"
             "earth!  3\n"

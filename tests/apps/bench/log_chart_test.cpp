@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <regex>
+#include <set>
 
 #include <gmock/gmock.h>
 
@@ -129,6 +130,66 @@ TEST(LogChart, ASeriesHasTheSameMarkInEveryPanel) {
   second.series.insert(second.series.begin(), {"blezek", {{2, 2, ""}}});
   const std::string svg = logChartSvg("chart", {panelOf({{1, 1, ""}}), second}, ChartMarks::kPoints);
   EXPECT_EQ(centresX(svg).size(), 4U);  // hri: one, two, and the legend's
+}
+
+// The element that draws each mark, without its place and colour.
+TEST(LogChart, TwelveSeriesAreToldApartWithoutColours) {
+  ChartPanel panel{"panel", "x", "y", {}};
+  for (int i = 0; i < 12; ++i) panel.series.push_back({"series " + std::to_string(i), {}, SeriesLook::kMarksAlone});
+  const std::string svg = logChartSvg("chart", {panel}, ChartMarks::kPoints);
+  const std::string legend = svg.substr(svg.find("</g>"));
+  std::set<std::string> marks;
+  static const std::regex kMark("<(circle|rect|path)[^>]*>"), kPlace("(cx|cy|x|y)=\"[0-9.]+\"|M[0-9.]+ [0-9.]+"),
+      kColor("#[0-9a-f]{6}");
+  for (auto it = std::sregex_iterator(legend.begin(), legend.end(), kMark); it != std::sregex_iterator(); ++it) {
+    marks.insert(std::regex_replace(std::regex_replace(it->str(), kPlace, ""), kColor, ""));
+  }
+  EXPECT_EQ(marks.size(), 12U);
+}
+
+// The front goes down from the top of the axes, in steps through its points, and on to the right end.
+TEST(LogChart, AFrontHasRingsAndSteps) {
+  ChartPanel panel{"panel", "cost", "error", {}};
+  panel.series.push_back({"a", {{1, 100, "", true}, {100, 1, "", true}, {100, 100, ""}}, SeriesLook::kMarksAlone});
+  const std::string svg = logChartSvg("chart", {panel}, ChartMarks::kPoints);
+  EXPECT_THAT(svg, HasSubstr("<polyline points=\"101.9,30.0 101.9,49.8 420.1,49.8 420.1,314.2 444.0,314.2\""));
+  for (const char* ring : {"<ellipse cx=\"101.9\" cy=\"49.8\"", "<ellipse cx=\"420.1\" cy=\"314.2\"", "Pareto front"}) {
+    EXPECT_THAT(svg, HasSubstr(ring));
+  }
+  EXPECT_THAT(svg, testing::Not(HasSubstr("<ellipse cx=\"420.1\" cy=\"49.8\"")));
+  panel.series[0].points = {{1, 100, ""}};
+  EXPECT_THAT(logChartSvg("chart", {panel}, ChartMarks::kPoints), testing::Not(HasSubstr("Pareto front")));
+}
+
+TEST(LogChart, AFormulaIsADashedLineWithoutMarks) {
+  ChartPanel panel{"panel", "x", "y", {}};
+  panel.series.push_back({"x^2", {{1, 1, ""}, {10, 100, ""}}, SeriesLook::kDashed});
+  const std::string svg = logChartSvg("chart", {panel}, ChartMarks::kPoints);
+  EXPECT_TRUE(centresX(svg).empty());
+  EXPECT_THAT(svg, testing::ContainsRegex("<polyline points=\"[0-9., ]+\"[^>]*stroke-dasharray"));
+  EXPECT_THAT(svg, HasSubstr(">x^2<"));
+}
+
+// Panels of 460 x 380 below a title of 30, and a line of 22 for the legend.
+TEST(LogChart, PanelsAreLaidOutInColumns) {
+  const std::vector<ChartPanel> panels(5, panelOf({{1, 1, ""}}));
+  EXPECT_THAT(logChartSvg("chart", panels, ChartMarks::kPoints), HasSubstr("width=\"2300\" height=\"432\""));
+  const std::string svg = logChartSvg("chart", panels, ChartMarks::kPoints, 3);
+  EXPECT_THAT(svg, HasSubstr("width=\"1380\" height=\"812\""));
+  EXPECT_THAT(svg, HasSubstr("translate(920 30)"));
+  EXPECT_THAT(svg, HasSubstr("translate(460 410)"));
+  EXPECT_THAT(logChartSvg("chart", {panels[0]}, ChartMarks::kPoints, 3), HasSubstr("width=\"460\" height=\"432\""));
+}
+
+TEST(LogChart, ALegendThatIsLongHasSeveralLines) {
+  ChartPanel panel{"panel", "x", "y", {}};
+  for (int i = 0; i < 12; ++i) panel.series.push_back({"a library with a long name " + std::to_string(i), {}});
+  const std::string svg = logChartSvg("chart", {panel}, ChartMarks::kPoints);
+  EXPECT_THAT(svg, HasSubstr("width=\"460\" height=\"674\""));  // twelve lines
+  static const std::regex kText("<text x=\"([0-9.]+)\" y=\"[0-9.]+\" text-anchor=\"start\">");
+  for (auto it = std::sregex_iterator(svg.begin(), svg.end(), kText); it != std::sregex_iterator(); ++it) {
+    EXPECT_LT(std::stod((*it)[1]), 100);
+  }
 }
 
 }  // namespace log_chart_test

@@ -116,5 +116,23 @@ TEST(Progress, OnATerminalIsOneLine) {
   EXPECT_EQ(text, wipe + "loading?a ...|" + wipe + line + "||" + wipe + "||" + wipe + line + "|" + wipe);
 }
 
+TEST(Progress, TheTimeLeftIsTold) {
+  EXPECT_EQ(written(0,
+                    [](Progress& p) {
+                      p.stage("measuring");
+                      p.fraction(0.25, 183);
+                    }),
+            "measuring ...\nmeasuring: 25 %, some 4 min left ...\n");
+}
+
+TEST(Progress, ARoughTimeIsInWholeUnitsAndNeverTooShort) {
+  EXPECT_EQ(roughTime(0), "some 0 s");
+  EXPECT_EQ(roughTime(0.1), "some 10 s");
+  EXPECT_EQ(roughTime(61), "some 70 s");
+  EXPECT_EQ(roughTime(121), "some 3 min");
+  EXPECT_EQ(roughTime(7100), "some 119 min");
+  EXPECT_EQ(roughTime(7300), "some 3 h");
+}
+
 }  // namespace progress_test
 }  // namespace palpate

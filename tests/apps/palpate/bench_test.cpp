@@ -80,6 +80,16 @@ const Refusal kRefusals[] = {
     {"SizeOfNoVolume", {"bench", "filters", "--sizes", "64,3"}, "--sizes", "3"},
     {"SizesOfServo", {"bench", "servo", "--sizes", "64"}, "--sizes", "not expected"},
     {"UnknownGpuOfFilters", {"bench", "filters", "--gpu", "Voodoo"}, "--gpu Voodoo", "no usable device", 3},
+    {"UnknownStudy", {"bench", "error", "--study", "serwo"}, "--study serwo", "no such study"},
+    {"NoShard", {"bench", "error", "--shard", "0/4"}, "--shard 0/4", "not the I-th of N parts"},
+    {"ShardBeyondTheLast", {"bench", "error", "--shard", "5/4"}, "--shard 5/4", "not the I-th of N parts"},
+    {"ShardThatIsNoNumber", {"bench", "error", "--shard", "a/b"}, "--shard a/b", "not the I-th of N parts"},
+    {"ShardOfServo", {"bench", "servo", "--shard", "1/2"}, "--shard", "not expected"},
+    {"ReportOfServo", {"bench", "servo", "--report", "a.html"}, "--report", "not expected"},
+    {"UnknownGpuOfError", {"bench", "error", "--gpu", "Voodoo"}, "--gpu Voodoo", "no usable device", 3},
+    {"MergeOfNothing", {"bench", "merge"}, "PART", "required"},
+    {"AllOfAnUnknownBench", {"bench", "all", "--bench", "colour"}, "--bench colour", "no bench 'colour'"},
+    {"AllInNoFolder", {"bench", "all", "--out", "/proc/nowhere"}, "/proc/nowhere", "cannot be created", 4},
     {"UnknownGpuOfGradient", {"bench", "gradient", "--gpu", "Voodoo"}, "--gpu Voodoo", "no usable device", 3},
 };
 
