@@ -35,7 +35,7 @@ class BenchVolume {
   [[nodiscard]] const Vec3i& size() const noexcept { return phantom_->size(); }
 
   // The mesh for algorithms that touch one (engine/field/isosurface_mesh.hpp).
-  [[nodiscard]] const std::shared_ptr<const TriangleMesh>& isosurface() const noexcept { return isosurface_; }
+  [[nodiscard]] const TriangleMesh& isosurface() const noexcept { return isosurface_; }
 
   // Distance from the point to the nearest face of the volume; negative outside [voxel].
   [[nodiscard]] double borderDistance(const Vec3& p_W) const;
@@ -51,7 +51,7 @@ class BenchVolume {
   std::unique_ptr<Phantom> phantom_;
   double isovalue_;
   double maximum_ = 0;
-  std::shared_ptr<const TriangleMesh> isosurface_;
+  TriangleMesh isosurface_;
   std::vector<Sample> samples_;  // of every voxel, i fastest
 };
 

@@ -5,6 +5,7 @@
 
 #include "base/error.hpp"
 #include "servo/contact/effects.hpp"
+#include "servo/meshes/mesh_object.hpp"
 
 namespace palpate {
 namespace {
@@ -15,7 +16,7 @@ ContactEffects makeRecovery() {
   return makeContactEffects(parameters, kBenchStiffness_N_per_m, kBenchRate_hz);
 }
 
-AlgorithmSetup setupFor(const BenchVolume& volume, int n, ContactEffects effects) {
+AlgorithmSetup setupFor(const BenchVolume& volume, const AlgorithmNeeds& needs, int n, ContactEffects effects) {
   return {.parameters = {.isovalue = volume.isovalue(),
                          .stiffness_N_per_m = kBenchStiffness_N_per_m,
                          .damping_Ns_per_m = 0,
@@ -23,7 +24,8 @@ AlgorithmSetup setupFor(const BenchVolume& volume, int n, ContactEffects effects
           .effects = std::move(effects),
           .haptization = {},
           .scale = {.contrast = volume.maximum() - volume.isovalue(), .voxel_m = volume.voxel_m()},
-          .isosurface = volume.isosurface()};
+          .isosurface = needs.isosurface_mesh ? std::make_shared<const MeshObject>(volume.isosurface(), "isosurface")
+                                              : nullptr};
 }
 
 }  // namespace
@@ -38,7 +40,7 @@ Entrants makeEntrants(const BenchVolume& volume, const std::vector<int>& renewal
         for (const std::string& choice : effects) {
           ContactEffects made = choice == kRecoveryChoice ? makeRecovery() : ContactEffects{};
           entrants.list.push_back(
-              {name, n, choice, makeAlgorithm(name, setupFor(volume, n, std::move(made))), entry.traits});
+              {name, n, choice, makeAlgorithm(name, setupFor(volume, entry.needs, n, std::move(made))), entry.traits});
         }
       }
     } catch (const Error& error) {

@@ -42,6 +42,7 @@
 #include "servo/loop/real_time.hpp"
 #include "servo/loop/run_figures.hpp"
 #include "servo/loop/velocity.hpp"
+#include "servo/meshes/mesh_object.hpp"
 #include "servo/safety/faults.hpp"
 
 namespace palpate {
@@ -333,12 +334,14 @@ void TouchJob::layPath() {
 void TouchJob::readyAlgorithm() {
   const double isovalue = engine_->isovalue();
   rig_volume_ = {.scale = densityScaleOf(felt(), isovalue), .objects = objects_.objects};
+  std::size_t triangles = 0;
   if (algorithmEntry(scene_.algorithm).needs.isosurface_mesh) {
     rig_volume_.isosurface = stages_.run("isosurface mesh", "extracting the isosurface's mesh", [&] {
-      return std::make_shared<const TriangleMesh>(isosurfaceMesh(felt(), isovalue));
+      TriangleMesh mesh = isosurfaceMesh(felt(), isovalue);
+      triangles = mesh.triangles.size();
+      return std::make_shared<const MeshObject>(std::move(mesh), "isosurface");
     });
   }
-  const std::size_t triangles = rig_volume_.isosurface != nullptr ? rig_volume_.isosurface->triangles.size() : 0;
   run_.plan = planWords(scenePlanLines(scene_, plan_, engine_->planFacts(), triangles));
 }
 
