@@ -174,6 +174,7 @@ function(palpate_module name)
   target_link_libraries(${target} PRIVATE palpate_compiler Eigen3::Eigen fmt::fmt ${MODULE_LIBRARIES})
   palpate_use_rooms(${target} ${MODULE_ROOM} ${depends} ${through})
   palpate_fence(${target} ${MODULE_USES})
+  target_precompile_headers(${target} REUSE_FROM palpate_room_pch)
   target_link_options(${target} PRIVATE LINKER:--version-script=${CMAKE_BINARY_DIR}/module.symbols LINKER:--as-needed)
   if(NOT PALPATE_SANITIZE)  # the sanitizers' own symbols are in the program
     target_link_options(${target} PRIVATE LINKER:--no-undefined)
