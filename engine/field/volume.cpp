@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -21,18 +22,22 @@ struct Cell {
   Vec3 fraction;  // in [0, 1]
 };
 
-// The cell that holds a point of index space; the domain's last face belongs to the last cell.
-Cell cellAt(const Vec3& p_L, const Vec3i& size) {
+// The cell that holds a point of index space; the domain's last face belongs to the last cell. Empty outside the domain
+// and for NaN.
+std::optional<Cell> cellAt(const Vec3& p_L, const Vec3i& size) {
+  const auto last = size.cast<double>().array() - 1;
+  if (!((p_L.array() >= 0).all() && (p_L.array() <= last).all())) return std::nullopt;
   const Vec3i first = p_L.array().floor().cast<int>().matrix().cwiseMin(size - Vec3i::Constant(2)).cwiseMax(0);
-  return {first, p_L - first.cast<double>()};
+  return Cell{first, p_L - first.cast<double>()};
 }
 
-// The voxels of a cell and those beside them, as far as the domain goes: at most 4 along each axis.
+// The voxels of a cell and `beside` voxels on each side of them, as far as the domain goes.
+template <int beside>
 class Neighbourhood {
  public:
   Neighbourhood(const FieldGrid& field, const Vec3i& cell, const Vec3i& last)
-      : first_((cell - Vec3i::Ones()).cwiseMax(0)),
-        size_((cell + Vec3i::Constant(2)).cwiseMin(last) - first_ + Vec3i::Ones()) {
+      : first_((cell - Vec3i::Constant(beside)).cwiseMax(0)),
+        size_((cell + Vec3i::Constant(1 + beside)).cwiseMin(last) - first_ + Vec3i::Ones()) {
     field.readBox(first_, size_, values_.data());
   }
   // A voxel beyond the end of an axis of one voxel is that voxel.
@@ -42,14 +47,19 @@ class Neighbourhood {
   }
 
  private:
+  static constexpr std::size_t kWide = 2 + 2 * beside;
   Vec3i first_, size_;
-  std::array<float, 64> values_;
+  std::array<float, kWide * kWide * kWide> values_;
 };
 
 double cornerWeight(const Vec3& fraction, int corner) {
   double weight = 1;
   for (const int axis : {0, 1, 2}) weight *= (corner >> axis & 1) != 0 ? fraction[axis] : 1 - fraction[axis];
   return weight;
+}
+
+Vec3i cornerOf(const Cell& cell, int corner) {
+  return cell.first + Vec3i(corner & 1, corner >> 1 & 1, corner >> 2 & 1);
 }
 
 }  // namespace
@@ -159,17 +169,26 @@ std::vector<float> Volume::toDense() const {
   return dense;
 }
 
+std::optional<double> Volume::density(const Vec3& p_W) const {
+  const std::optional<Cell> cell = cellAt(lattice().toIndex(p_W), size());
+  if (!cell) return std::nullopt;
+  const Neighbourhood<0> around(*grid_->field, cell->first, size() - Vec3i::Ones());
+  double density = 0;
+  for (int corner = 0; corner < 8; ++corner)
+    density += cornerWeight(cell->fraction, corner) * around.at(cornerOf(*cell, corner));
+  return density;
+}
+
 bool Volume::sample(const Vec3& p_W, double& density, Vec3& gradient_W) const {
-  const Vec3 p_L = lattice().toIndex(p_W);
+  const std::optional<Cell> cell = cellAt(lattice().toIndex(p_W), size());
+  if (!cell) return false;
   const Vec3i last = size() - Vec3i::Ones();
-  if (!((p_L.array() >= 0).all() && (p_L.array() <= last.cast<double>().array()).all())) return false;  // also NaN
-  const Cell cell = cellAt(p_L, size());
-  const Neighbourhood around(*grid_->field, cell.first, last);
+  const Neighbourhood<1> around(*grid_->field, cell->first, last);
   density = 0;
   Vec3 gradient_L = Vec3::Zero();  // [density/m], along the lattice's axes
   for (int corner = 0; corner < 8; ++corner) {
-    const double weight = cornerWeight(cell.fraction, corner);
-    const Vec3i at = cell.first + Vec3i(corner & 1, corner >> 1 & 1, corner >> 2 & 1);
+    const double weight = cornerWeight(cell->fraction, corner);
+    const Vec3i at = cornerOf(*cell, corner);
     density += weight * around.at(at);
     for (int axis = 0; axis < 3; ++axis) {
       Vec3i before = at;

@@ -97,6 +97,8 @@ class Volume {
   // one-sided; along an axis of one voxel it is 0. Returns false outside the box between the centres of the first and
   // the last voxel.
   bool sample(const Vec3& p_W, double& density, Vec3& gradient_W) const;
+  // The same density alone, in a quarter of the time; empty where sample() returns false.
+  [[nodiscard]] std::optional<double> density(const Vec3& p_W) const;
 
   [[nodiscard]] std::size_t storedBytes() const;   // of the grid on the CPU [byte]
   [[nodiscard]] std::size_t storedBricks() const;  // that are not constant
