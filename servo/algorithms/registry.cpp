@@ -4,9 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <fmt/format.h>
-
 #include "base/error.hpp"
+#include "base/formatted.hpp"
 #include "servo/algorithms/avila.hpp"
 #include "servo/algorithms/blezek.hpp"
 #include "servo/algorithms/god_object.hpp"
@@ -110,7 +109,7 @@ const AlgorithmEntry& algorithmEntry(std::string_view name) {
     if (entry.name == name) return entry;
     known += (known.empty() ? "" : ", ") + std::string(entry.name);
   }
-  throw Error(Error::Code::kBadInput, "algorithm", fmt::format("'{}' is not known", name), "use one of: " + known);
+  throw Error(Error::Code::kBadInput, "algorithm", formatted("'{}' is not known", name), "use one of: " + known);
 }
 
 std::unique_ptr<Algorithm> makeAlgorithm(std::string_view name, AlgorithmSetup setup) {

@@ -7,9 +7,8 @@
 #include <limits>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include "base/error.hpp"
+#include "base/formatted.hpp"
 #include "base/units.hpp"
 #include "servo/algorithms/iso_field.hpp"
 #include "servo/window/window_sampler.hpp"
@@ -23,7 +22,7 @@ constexpr std::int64_t kMostElapsed = 1'000'000;  // most grid periods of one el
 
 const LoopParameters& checked(const LoopParameters& p) {
   const auto refuse = [](const char* key, double value, const char* remedy) {
-    throw Error(Error::Code::kBadInput, key, fmt::format("{:g} cannot be used", value), remedy);
+    throw Error(Error::Code::kBadInput, key, formatted("{} cannot be used", value), remedy);
   };
   if (!(p.rate_hz >= 1 && p.rate_hz <= kMaxRate_hz)) refuse("rate", p.rate_hz, "give 1 to 20000 Hz");
   if (p.ticks < 0) refuse("ticks", static_cast<double>(p.ticks), "give 0 (no end) or more");

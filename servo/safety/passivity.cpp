@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/safety/passivity.hpp"
 
-#include <fmt/format.h>
-
 #include "base/error.hpp"
 
 namespace palpate {
