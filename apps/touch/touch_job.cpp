@@ -15,6 +15,7 @@
 #include "apps/report/summary.hpp"
 #include "apps/report/trace_csv.hpp"
 #include "apps/report/words.hpp"
+#include "apps/touch/device_ahead.hpp"
 #include "apps/touch/exact_errors.hpp"
 #include "apps/touch/live_edits.hpp"
 #include "apps/touch/object_volume.hpp"
@@ -30,7 +31,10 @@
 #include "base/atomic_file.hpp"
 #include "base/byte_size.hpp"
 #include "base/error.hpp"
+#include "base/mapped_libraries.hpp"
+#include "base/process_start.hpp"
 #include "base/stopwatch.hpp"
+#include "base/units.hpp"
 #include "engine/field/isosurface_mesh.hpp"
 #include "engine/field/memory_budget.hpp"
 #include "engine/field/statistics.hpp"
@@ -278,6 +282,7 @@ class TouchJob {
   std::optional<OutputFolder> folder_;
   TouchRun run_;
   Stages stages_;
+  std::optional<DeviceAhead> ahead_;
   std::optional<Volume> volume_;
   double isovalue_ = 0;  // of the volume
   Plan plan_;
@@ -293,6 +298,7 @@ class TouchJob {
 };
 
 void TouchJob::load() {
+  ahead_.emplace(scene_.volume, scene_.gpu);
   volume_ = stages_.run("load", "loading " + scene_.volume, [&] { return loadAndTell(scene_.volume, progress_); });
   checkTouchable(*volume_);
   // Rounded to float as on the GPU, since servo and kernels must agree on what is object.
@@ -308,6 +314,7 @@ void TouchJob::compute() {
     return std::make_unique<Engine>(*volume_, plan_, isovalue_, scene_.gpu, scene_.gpu_memory_bytes,
                                     passProgress(progress_, stopIfInterrupted));
   });
+  ahead_.reset();
   run_.vulkan = {engine_->gpu().name, engine_->gpu().driver, engine_->gpu().api_version};
   // The time of the constructor without the engine's own stages is that of opening the device.
   for (const StageTime& inner : engine_->stages()) run_.stages.back().seconds -= inner.seconds;
@@ -370,6 +377,7 @@ void TouchJob::feel() {
   run_.records = std::move(result.records);
   device_ = result.device;
   run_.grid_points = result.ticks_run + result.ticks_skipped;
+  run_.start_to_first_tick_s = static_cast<double>(result.first_due_ns - processStart_ns()) / kNanosecondsPerSecond;
   run_.realtime = realTimeWords(scene_, result);
   endEarly(run_);
   if (!run_.ended_early.empty()) progress_.stage(wordsOfStopping(run_));
@@ -428,6 +436,7 @@ TouchRun TouchJob::tell() {
   run_.memory = engine_->memory();
   run_.memory.push_back({"volume on the CPU", volume_->storedBytes()});
   run_.memory.push_back(residentPeak());
+  run_.libraries = mappedLibraries();
   if (run_.ended_early.empty()) progress_.stage("writing " + scene_.out);
   writeOutputs(run_, view, *folder_);
   tellWhatIsKept("what was felt is in " + scene_.out);

@@ -175,6 +175,7 @@ LoopResult ServoLoop::wait() {
 template <typename Clock>
 void ServoLoop::runOnGrid(Clock& clock) {
   const std::int64_t start_ns = clock.now_ns() + offset_ns(1);
+  first_due_ns_ = start_ns;
   TickRecord unkept;
   std::int64_t last_tick = 0;
   for (std::int64_t tick = 0; wanted(tick);) {
@@ -335,7 +336,7 @@ void ServoLoop::endForce(Pause pause) noexcept {
 }
 
 LoopResult ServoLoop::result() {
-  return {recorder_.taken(), ticks_run_, ticks_skipped_, released_, real_time_, device_.limits()};
+  return {recorder_.taken(), ticks_run_, ticks_skipped_, released_, real_time_, device_.limits(), first_due_ns_};
 }
 
 }  // namespace palpate
