@@ -6,7 +6,7 @@
 
 namespace palpate {
 
-std::string textOf(double number) {
+std::string asText(double number) {
   std::array<char, 32> text;
   const auto end = std::to_chars(text.data(), text.data() + text.size(), number, std::chars_format::general, 6);
   return {text.data(), end.ptr};

@@ -29,12 +29,12 @@ class Pattern {
 };
 
 // Up to six significant digits, as printf's %g in the "C" locale has them: "0.5", "1e+20", "nan".
-[[nodiscard]] std::string textOf(double number);
-[[nodiscard]] inline std::string textOf(std::string_view words) {
+[[nodiscard]] std::string asText(double number);
+[[nodiscard]] inline std::string asText(std::string_view words) {
   return std::string(words);
 }
 template <std::integral Number>
-[[nodiscard]] std::string textOf(Number number) {
+[[nodiscard]] std::string asText(Number number) {
   return std::to_string(number);
 }
 
@@ -44,7 +44,7 @@ template <std::integral Number>
 // formatted("row {}: {}", 3, "it is empty") is "row 3: it is empty".
 template <class... Args>
 [[nodiscard]] std::string formatted(Pattern<sizeof...(Args)> pattern, const Args&... args) {
-  return filled(pattern.text(), {textOf(args)...});
+  return filled(pattern.text(), {asText(args)...});
 }
 
 // "a, b, c", or with another text between the words.
