@@ -3,8 +3,7 @@
 
 #include <cmath>
 
-#include <fmt/format.h>
-
+#include "base/formatted.hpp"
 #include "base/outside_text.hpp"
 
 namespace palpate {
@@ -24,7 +23,7 @@ void refuseDamaged(const std::string& file, const std::string& reason) {
 }
 
 void checkSetting(bool good, const std::string& name, double value, const std::string& remedy) {
-  if (!good || !std::isfinite(value)) refuse(name, fmt::format("{:g} cannot be used", value), remedy);
+  if (!good || !std::isfinite(value)) refuse(name, formatted("{} cannot be used", value), remedy);
 }
 
 int exitStatus(Error::Code code) noexcept {

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "base/lattice.hpp"
 
-#include <fmt/format.h>
-
 #include "base/error.hpp"
+#include "base/formatted.hpp"
 #include "base/units.hpp"
 
 namespace palpate {
@@ -12,8 +11,8 @@ void checkLattice(const Lattice& lattice, const std::string& input) {
   const Vec3& h = lattice.spacing_m;
   if (!h.allFinite() || h.minCoeff() <= 0) {
     throw Error(Error::Code::kBadInput, input,
-                fmt::format("spacing {:g} x {:g} x {:g} mm is not positive", h.x() * kMillimetresPerMetre,
-                            h.y() * kMillimetresPerMetre, h.z() * kMillimetresPerMetre),
+                formatted("spacing {} x {} x {} mm is not positive", h.x() * kMillimetresPerMetre,
+                          h.y() * kMillimetresPerMetre, h.z() * kMillimetresPerMetre),
                 "write the true voxel size into the file's header");
   }
   const Mat3 product = lattice.R_WL.transpose() * lattice.R_WL;

@@ -40,11 +40,22 @@ function(palpate_fence target)
   endforeach()
 endfunction()
 
-# Lets `target` see the headers of the rooms, and links them. Targets that link `target` get no headers from it.
+# Lets `target` see the headers of the rooms, and links them. Targets that link `target` get no headers from it. A program is
+# built with the modules that its rooms load.
 function(palpate_use_rooms target)
   foreach(room IN LISTS ARGN)
     target_link_libraries(${target} PRIVATE palpate_${room}_headers palpate_${room})
   endforeach()
+  get_target_property(type ${target} TYPE)
+  if(type STREQUAL EXECUTABLE)
+    palpate_all_rooms(rooms ${ARGN})
+    foreach(room IN LISTS rooms)
+      get_property(loads GLOBAL PROPERTY PALPATE_LOADS_${room})
+      foreach(module IN LISTS loads)
+        add_dependencies(${target} palpate_module_${module})
+      endforeach()
+    endforeach()
+  endif()
 endfunction()
 
 # Records a room and the rooms that it names, for the tests in tests/architecture.
@@ -112,17 +123,18 @@ function(palpate_join name out)
   set(${out} ${joined} PARENT_SCOPE)
 endfunction()
 
-# TOGETHER, APART: as in palpate_join(). GENERATED: sources that the build writes. COLD: nothing in the room is time-critical,
-# so it is optimised less, for a shorter build.
+# TOGETHER, APART: as in palpate_join(). GENERATED: sources that the build writes. LOADS: the modules that it calls.
+# COLD: nothing in the room is time-critical, so it is optimised less, for a shorter build.
 set(PALPATE_COLD $<$<CONFIG:Release>:-O1>)
 function(palpate_room name)
-  cmake_parse_arguments(ROOM "COLD" "" "SOURCES;TOGETHER;APART;GENERATED;DEPENDS;THROUGH;LIBRARIES;PRIVATE_LIBRARIES;USES" ${ARGN})
+  cmake_parse_arguments(ROOM "COLD" "" "SOURCES;TOGETHER;APART;GENERATED;DEPENDS;THROUGH;LIBRARIES;PRIVATE_LIBRARIES;USES;LOADS" ${ARGN})
   file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
   set(include_root ${CMAKE_BINARY_DIR}/rooms/${name})
   get_filename_component(parent ${include_root}/${folder} DIRECTORY)
   file(MAKE_DIRECTORY ${parent})
   file(CREATE_LINK ${CMAKE_CURRENT_SOURCE_DIR} ${include_root}/${folder} SYMBOLIC)
   palpate_note_room(${name} ${folder} "${ROOM_DEPENDS}" "${ROOM_THROUGH}")
+  set_property(GLOBAL PROPERTY PALPATE_LOADS_${name} ${ROOM_LOADS})
 
   set(target palpate_${name})
   add_library(${target}_headers INTERFACE)
@@ -138,5 +150,33 @@ function(palpate_room name)
   target_precompile_headers(${target} REUSE_FROM palpate_room_pch)
   if(ROOM_COLD)
     target_compile_options(${target} PRIVATE ${PALPATE_COLD})
+  endif()
+endfunction()
+
+# palpate_module(embree ROOM servo_meshes SOURCES embree_tree.cpp LIBRARIES embree [USES Embree])
+#
+# A part of a room that is loaded when it is first used (base/module.hpp): lib/palpate/embree.so. It sees what its room sees,
+# holds its own copy of what it uses of the rooms, and shows its tables alone, palpate_... and the version.
+file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/module_version.cpp CONTENT
+"extern \"C\" {
+extern const char palpate_module_version[];
+const char palpate_module_version[] = \"${PROJECT_VERSION}\";
+}
+")
+file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/module.symbols CONTENT "{ global: palpate_*; local: *; };\n")
+function(palpate_module name)
+  cmake_parse_arguments(MODULE "" "ROOM" "SOURCES;LIBRARIES;USES" ${ARGN})
+  set(target palpate_module_${name})
+  add_library(${target} MODULE ${MODULE_SOURCES} ${CMAKE_BINARY_DIR}/module_version.cpp)
+  set_target_properties(${target} PROPERTIES PREFIX "" OUTPUT_NAME ${name} LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib/palpate)
+  get_property(depends GLOBAL PROPERTY PALPATE_DEPENDS_${MODULE_ROOM})
+  get_property(through GLOBAL PROPERTY PALPATE_THROUGH_${MODULE_ROOM})
+  target_link_libraries(${target} PRIVATE palpate_compiler Eigen3::Eigen fmt::fmt ${MODULE_LIBRARIES})
+  palpate_use_rooms(${target} ${MODULE_ROOM} ${depends} ${through})
+  palpate_fence(${target} ${MODULE_USES})
+  target_precompile_headers(${target} REUSE_FROM palpate_room_pch)
+  target_link_options(${target} PRIVATE LINKER:--version-script=${CMAKE_BINARY_DIR}/module.symbols LINKER:--as-needed)
+  if(NOT PALPATE_SANITIZE)  # the sanitizers' own symbols are in the program
+    target_link_options(${target} PRIVATE LINKER:--no-undefined)
   endif()
 endfunction()

@@ -15,13 +15,12 @@
 
 // Specialisation constants. Constant 0 is the pool's.
 #define GRADIENT_CONSTANT_HALF 1     // 1: samples are stored as halves (sample_code.layout.h)
-#define GRADIENT_CONSTANT_STENCIL 2  // of gradient.comp: GRADIENT_CENTRAL or GRADIENT_CENTRAL4
-#define GRADIENT_CONSTANT_RUN 3      // of gradient.comp: rows along k that an invocation computes
-#define GRADIENT_CONSTANT_GROUP 4    // of gradient.comp: invocations of a brick, BRICK_ROWS / run
-#define GRADIENT_CONSTANT_DENSITY 5  // of gradient_smoothed.comp: slabs of the densities, 1 to DENSITY_SLABS
+#define GRADIENT_CONSTANT_RUN 2      // of gradient_row.glsl: rows along k that an invocation computes
+#define GRADIENT_CONSTANT_GROUP 3    // of gradient_row.glsl: invocations of a brick, BRICK_ROWS / run
+#define GRADIENT_CONSTANT_DENSITY 4  // of gradient_smoothed.comp: slabs of the densities, 1 to DENSITY_SLABS
 
-#define GRADIENT_CENTRAL 0u   // (f(1) - f(-1)) / 2h
-#define GRADIENT_CENTRAL4 1u  // (8 (f(1) - f(-1)) - (f(2) - f(-2))) / 12h
+#define GRADIENT_CENTRAL 0u   // (f(1) - f(-1)) / 2h: gradient.comp, gradient_smoothed.comp
+#define GRADIENT_CENTRAL4 1u  // (8 (f(1) - f(-1)) - (f(2) - f(-2))) / 12h: gradient_central4.comp
 #define GRADIENT_SOBEL 2u     // gradient_sobel.comp
 
 #define SOBEL_BRICKS 8u  // bricks in a work group of gradient_sobel.comp, eight columns of rows each

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaders/gradient_row.glsl: the body of gradient.comp and of gradient_smoothed.comp. The latter defines OWN_DENSITY.
+// shaders/gradient_row.glsl: the body of gradient.comp, gradient_central4.comp and gradient_smoothed.comp. The second
+// defines FOURTH_ORDER, the third OWN_DENSITY.
 #include "gradient_task.glsl"
 
-layout(constant_id = GRADIENT_CONSTANT_STENCIL) const uint kStencil = GRADIENT_CENTRAL;
-const bool kFourth = kStencil == GRADIENT_CENTRAL4;
+#ifdef FOURTH_ORDER
+const bool kFourth = true;
+#else
+const bool kFourth = false;
+#endif
 
 layout(constant_id = GRADIENT_CONSTANT_RUN) const int kRun = 8;
 

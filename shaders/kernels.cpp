@@ -26,7 +26,11 @@ std::span<const std::uint32_t> kernelSpirv(std::string_view name) {
     }
   }
   throw Error(Error::Code::kDevice, "kernel " + std::string(name), "it is not built into this program",
-              "add it to PALPATE_KERNELS in shaders/CMakeLists.txt");
+              "add it to PALPATE_POOL_KERNELS or PALPATE_PLAIN_KERNELS in shaders/CMakeLists.txt");
+}
+
+std::span<const std::uint32_t> poolKernelSpirv(std::string_view name, std::uint32_t slabs) {
+  return kernelSpirv(slabs == 1 ? std::string(name) + "_one_slab" : std::string(name));
 }
 
 }  // namespace palpate

@@ -25,7 +25,7 @@ BenchVolume::BenchVolume(const std::string& name)
     : name_(name), phantom_(makePhantom(name)), isovalue_(static_cast<float>(phantom_->isovalue())) {
   const Volume volume = makeVolume(*phantom_);
   maximum_ = volume.maximum();
-  isosurface_ = std::make_shared<const TriangleMesh>(isosurfaceMesh(volume, isovalue_));
+  isosurface_ = isosurfaceMesh(volume, isovalue_);
   samples_ = reference::windowSamples(reference::denseField(volume), Vec3i::Zero(), volume.size());
 }
 

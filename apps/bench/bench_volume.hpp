@@ -38,7 +38,7 @@ class BenchVolume {
   [[nodiscard]] const Vec3i& size() const noexcept { return phantom_->size(); }
 
   // The mesh for algorithms that touch one (engine/field/isosurface_mesh.hpp).
-  [[nodiscard]] const std::shared_ptr<const TriangleMesh>& isosurface() const noexcept { return isosurface_; }
+  [[nodiscard]] const TriangleMesh& isosurface() const noexcept { return isosurface_; }
 
   [[nodiscard]] double borderDistance(const Vec3& p_W) const { return palpate::borderDistance(*phantom_, p_W); }
 
@@ -53,7 +53,7 @@ class BenchVolume {
   std::unique_ptr<Phantom> phantom_;
   double isovalue_;
   double maximum_ = 0;
-  std::shared_ptr<const TriangleMesh> isosurface_;
+  TriangleMesh isosurface_;
   std::vector<Sample> samples_;  // of every voxel, i fastest
 };
 

@@ -8,6 +8,7 @@
 #include "apps/bench/loop_bench.hpp"
 #include "apps/bench/render_bench.hpp"
 #include "apps/bench/servo_bench.hpp"
+#include "apps/bench/start_bench.hpp"
 
 namespace palpate {
 namespace {
@@ -95,6 +96,14 @@ one of each camera.
 `ready`: from the request to the first whole picture.
 `late`, `age`: lateness of the servo's ticks, and age of its window of samples; ratios: over those of the session of the
 same turn in which nothing is drawn.)";
+
+constexpr const char* kStartIntroduction = R"(
+This program started again and again as a process of its own, the jobs in turns; medians.
+`first tick`: from the start of the process until the servo's first tick was due, as the program itself tells it: the
+processor time until `main()`, which is the loader's, and the wall clock from there.
+`whole run`: of the process, seen from outside; a touch runs for 50 ms and writes its report, without a picture.
+`libraries`: shared libraries loaded at the end, the Vulkan driver's among them.
+The driver's cache of compiled kernels and the system's cache of files are warm.)";
 
 // What the user asked for, in a bench's own request.
 template <auto kRun, class Request>
@@ -184,7 +193,14 @@ const std::vector<Bench>& benches() {
        .takes = {"seconds", "gpu"},
        .run = run<runLiveBench, LiveBenchRequest>,
        .table = liveTable,
-       .chart = liveChart}};
+       .chart = liveChart},
+      {.name = "start",
+       .help = "from the start of the program to its first tick (a minute; --quick: half of it)",
+       .title = "How long the program takes to start",
+       .introduction = asParagraph(kStartIntroduction),
+       .run = run<runStartBench, StartBenchRequest>,
+       .table = startTable,
+       .chart = startChart}};
   return kBenches;
 }
 

@@ -5,6 +5,7 @@
 
 #include "base/error.hpp"
 #include "servo/contact/effects.hpp"
+#include "servo/meshes/mesh_object.hpp"
 
 namespace palpate {
 namespace {
@@ -15,7 +16,7 @@ ContactEffects makeRecovery() {
   return makeContactEffects(parameters, kBenchStiffness_N_per_m, kBenchRate_hz);
 }
 
-AlgorithmSetup setupFor(const BenchVolume& volume, int n, ContactEffects effects) {
+AlgorithmSetup setupFor(const BenchVolume& volume, const AlgorithmNeeds& needs, int n, ContactEffects effects) {
   return {.parameters = {.isovalue = volume.isovalue(),
                          .stiffness_N_per_m = kBenchStiffness_N_per_m,
                          .damping_Ns_per_m = 0,
@@ -23,15 +24,17 @@ AlgorithmSetup setupFor(const BenchVolume& volume, int n, ContactEffects effects
           .effects = std::move(effects),
           .haptization = {},
           .scale = {.contrast = volume.maximum() - volume.isovalue(), .voxel_m = volume.voxel_m()},
-          .isosurface = volume.isosurface()};
+          .isosurface =
+              needs.isosurface_mesh ? std::make_shared<const MeshObject>(volume.isosurface(), "isosurface") : nullptr};
 }
 
 }  // namespace
 
 Entrant makeEntrant(const BenchVolume& volume, const std::string& algorithm, int n, const std::string& effects) {
+  const AlgorithmEntry& entry = algorithmEntry(algorithm);
   ContactEffects made = effects == kRecoveryChoice ? makeRecovery() : ContactEffects{};
-  return {algorithm, n, effects, makeAlgorithm(algorithm, setupFor(volume, n, std::move(made))),
-          algorithmEntry(algorithm).traits};
+  return {algorithm, n, effects, makeAlgorithm(algorithm, setupFor(volume, entry.needs, n, std::move(made))),
+          entry.traits};
 }
 
 Entrants makeEntrants(const BenchVolume& volume, const std::vector<int>& renewals,

@@ -119,10 +119,10 @@ GradientResult gradientFile(const GradientRequest& request, Progress& progress) 
   const Volume volume = loadAndTell(request.in, progress);
   throwIfInterrupted(kWork);
   GradientResult result;
-  VectorFile vectors(volume.size(), volume.lattice(), request.out);
-  Computed(volume, request, result, progress).copyTo(vectors, progress);
+  const std::unique_ptr<VectorFile> vectors = makeVectorFile(volume.size(), volume.lattice(), request.out);
+  Computed(volume, request, result, progress).copyTo(*vectors, progress);
   progress.stage("writing " + request.out);
-  vectors.write([&](std::string_view bytes) {
+  vectors->write([&](std::string_view bytes) {
     throwIfInterrupted(kWork);
     result.bytes += bytes.size();
     file.write(bytes);

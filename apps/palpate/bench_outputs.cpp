@@ -8,6 +8,7 @@
 
 #include "apps/console/message.hpp"
 #include "apps/console/progress.hpp"
+#include "apps/stability/stability_bench.hpp"
 #include "apps/study/error_bench.hpp"
 #include "apps/study/shard.hpp"
 #include "base/error.hpp"
@@ -44,6 +45,7 @@ const std::vector<Bench>& everyBench() {
   static const std::vector<Bench> kAll = [] {
     std::vector<Bench> all = benches();
     all.push_back(errorBench());
+    all.push_back(stabilityBench());
     return all;
   }();
   return kAll;

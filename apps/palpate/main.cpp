@@ -10,8 +10,9 @@ void addVerbs(CLI::App& app) {
   for (const auto& add :
        {palpate::addTouchVerb, palpate::addEditVerb, palpate::addRecoverVerb, palpate::addInfoVerb,
         palpate::addConvertVerb, palpate::addGradientVerb, palpate::addFilterVerb, palpate::addRenderVerb,
-        palpate::addCheckVerb, palpate::addBenchVerb, palpate::addDevicesVerb, palpate::addPlanVerb,
-        palpate::addSceneVerb, palpate::addFaultsVerb, palpate::addHelpVerb, palpate::addCompletionVerb}) {
+        palpate::addCheckVerb, palpate::addBenchVerb, palpate::addStabilityVerb, palpate::addDevicesVerb,
+        palpate::addPlanVerb, palpate::addSceneVerb, palpate::addFaultsVerb, palpate::addHelpVerb,
+        palpate::addCompletionVerb}) {
     add(app);
   }
   palpate::addSculptVerb(app, [](const palpate::SculptRequest&) { palpate::startWindow(); });

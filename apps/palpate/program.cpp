@@ -15,6 +15,7 @@
 #include "apps/console/interrupt.hpp"
 #include "apps/console/message.hpp"
 #include "base/error.hpp"
+#include "base/process_start.hpp"
 #include "command_words.hpp"
 #include "engine/gpu/validation.hpp"
 #include "version.hpp"
@@ -113,6 +114,7 @@ int validated(int status) {
 namespace palpate {
 
 int runProgram(int argc, char** argv, void (*addVerbs)(CLI::App&)) {
+  static_cast<void>(processStart_ns());  // before any thread begins
   palpate::openClosedStreams();
   palpate::catchInterrupts();
   CLI::App app("Touch volumes: isosurface haptics over a Vulkan volume service.", "palpate");

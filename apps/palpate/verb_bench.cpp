@@ -69,19 +69,26 @@ void runVerb(const Bench& bench, const BenchFlags& flags) {
   outputs.finish(bench, runBench(bench, flags));
 }
 
+void addBench(CLI::App& to, const Bench& bench, const std::shared_ptr<BenchFlags>& flags) {
+  CLI::App* verb = to.add_subcommand(bench.name, bench.help);
+  addFlags(*verb, bench, *flags);
+  verb->callback([&bench, flags] { runVerb(bench, *flags); });
+}
+
 }  // namespace
 
 void addBenchVerb(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("bench", "measure, and hold the figures against what the program promises");
   verb->require_subcommand(1);
   auto flags = std::make_shared<BenchFlags>();
-  for (const Bench& bench : everyBench()) {
-    CLI::App* one = verb->add_subcommand(bench.name, bench.help);
-    addFlags(*one, bench, *flags);
-    one->callback([&bench, flags] { runVerb(bench, *flags); });
-  }
+  for (const Bench& bench : everyBench()) addBench(*verb, bench, flags);
   addBenchMerge(*verb);
   addBenchAll(*verb);
+}
+
+// The bench of this name is a verb, too: it answers a question of its own.
+void addStabilityVerb(CLI::App& app) {
+  addBench(app, benchNamed("stability", "stability"), std::make_shared<BenchFlags>());
 }
 
 }  // namespace palpate

@@ -32,6 +32,7 @@ void addFilterVerb(CLI::App& app);
 void addRenderVerb(CLI::App& app);
 void addCheckVerb(CLI::App& app);
 void addBenchVerb(CLI::App& app);
+void addStabilityVerb(CLI::App& app);
 void addDevicesVerb(CLI::App& app);
 void addPlanVerb(CLI::App& app);
 void addSceneVerb(CLI::App& app);

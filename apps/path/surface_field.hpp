@@ -4,6 +4,8 @@
 // World frame [m]. Above the isovalue is object, at or below it background; normals point out of the object.
 #pragma once
 
+#include <optional>
+
 #include "base/lattice.hpp"
 #include "base/vec.hpp"
 
@@ -18,6 +20,13 @@ class SurfaceField {
   virtual ~SurfaceField() = default;
   // Density and its gradient [density/m] at a point; false outside the volume, where nothing is known.
   virtual bool sample(const Vec3& p_W, double& density, Vec3& gradient_W) const = 0;
+  // The same density alone, for fields that have it for less; empty outside the volume.
+  [[nodiscard]] virtual std::optional<double> density(const Vec3& p_W) const {
+    double density = 0;
+    Vec3 gradient_W;
+    if (!sample(p_W, density, gradient_W)) return std::nullopt;
+    return density;
+  }
   [[nodiscard]] virtual double isovalue() const = 0;         // tau [density]
   [[nodiscard]] virtual const Lattice& lattice() const = 0;  // where the samples lie
   [[nodiscard]] virtual Vec3i size() const = 0;              // samples along the lattice's axes [voxel]

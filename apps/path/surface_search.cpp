@@ -81,10 +81,9 @@ std::optional<double> firstChange(const SurfaceField& field, const Vec3& origin_
 }  // namespace
 
 std::optional<double> heightAt(const SurfaceField& field, const Vec3& p_W) {
-  double density = 0;
-  Vec3 gradient_W;
-  if (!field.sample(p_W, density, gradient_W)) return std::nullopt;
-  return density - field.isovalue();
+  const std::optional<double> density = field.density(p_W);
+  if (!density) return std::nullopt;
+  return *density - field.isovalue();
 }
 
 std::optional<Vec3> normalAt(const SurfaceField& field, const Vec3& p_W) {

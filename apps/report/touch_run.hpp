@@ -87,6 +87,8 @@ struct TouchRun {
   std::vector<std::vector<Vec3>> object_outlines;  // lines that show the objects on the picture [m]
   std::vector<PathPhase> phases;                   // of the path; empty for a path from a file
   std::vector<TickRecord> records;                 // one a tick, in order
+  double start_to_first_tick_s = 0;                // from the process's start until the first tick was due
+  std::vector<std::string> libraries;              // that the process had loaded at the end (base/mapped_libraries.hpp)
   std::int64_t grid_points = 0;                    // ticks that were run or left out; 0: as many as records
   std::optional<RunFigures> figures;               // of the records, once these are whole; see figuresOf()
   ContactStability stability;                      // of the contact in the records

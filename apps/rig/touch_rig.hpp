@@ -33,7 +33,8 @@ namespace palpate {
 struct RigVolume {
   DensityScale scale = {};
   ContactObjects objects = {};
-  std::shared_ptr<const TriangleMesh> isosurface = nullptr;  // of the first isovalue, for an algorithm that needs it
+  // A mesh of the first isovalue's (servo/meshes), for an algorithm that needs it.
+  std::shared_ptr<const ContactObject> isosurface = nullptr;
 };
 
 [[nodiscard]] DensityScale densityScaleOf(const Volume& volume, double isovalue);

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <chrono>
-
 #include <itkBilateralImageFilter.h>
 #include <itkCovariantVector.h>
 #include <itkCurvatureAnisotropicDiffusionImageFilter.h>
@@ -12,9 +10,8 @@
 #include <itkImage.h>
 #include <itkMedianImageFilter.h>
 #include <itkMultiThreaderBase.h>
-#include <sys/resource.h>
 
-#include "apps/rivals/rivals.hpp"
+#include "apps/rivals/itk_jobs.hpp"
 #include "base/error.hpp"
 #include "base/units.hpp"
 
@@ -91,23 +88,7 @@ Rival diffusion(const std::string& way, const Image::Pointer& image) {
 
 }  // namespace
 
-RunCost costOf(const std::function<void()>& work) {
-  const auto cpu_ms = [] {
-    rusage usage{};
-    getrusage(RUSAGE_SELF, &usage);
-    const auto ms = [](const timeval& t) {
-      return 1e3 * static_cast<double>(t.tv_sec) + 1e-3 * static_cast<double>(t.tv_usec);
-    };
-    return ms(usage.ru_utime) + ms(usage.ru_stime);
-  };
-  const double cpu_before_ms = cpu_ms();
-  const auto start = std::chrono::steady_clock::now();
-  work();
-  const std::chrono::duration<double, std::milli> wall = std::chrono::steady_clock::now() - start;
-  return {wall.count(), cpu_ms() - cpu_before_ms};
-}
-
-std::vector<Rival> itkRivals(const std::string& job, const RivalField& field, unsigned threads) {
+std::vector<Rival> itkJobs(const std::string& job, const RivalField& field, unsigned threads) {
   itk::MultiThreaderBase::SetGlobalMaximumNumberOfThreads(threads);
   itk::MultiThreaderBase::SetGlobalDefaultNumberOfThreads(threads);
   const Image::Pointer image = imageOf(field);

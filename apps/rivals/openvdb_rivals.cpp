@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// The module "rivals": its table, and the rivals on OpenVDB.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -12,12 +13,14 @@
 #include <openvdb/tools/VolumeToMesh.h>
 #include <tbb/global_control.h>
 
-#include "apps/rivals/rivals.hpp"
+#include "apps/rivals/itk_jobs.hpp"
+#include "apps/rivals/rivals_module.hpp"
 #include "base/units.hpp"
 
 namespace palpate {
+namespace {
 
-struct OpenVdbRivals::State {
+struct State {
   RivalField field;
   unsigned threads = 1;
   openvdb::CoordBBox box{};
@@ -26,9 +29,6 @@ struct OpenVdbRivals::State {
   double level_set_of = 0;
 };
 
-namespace {
-
-using State = OpenVdbRivals::State;
 using Filter = openvdb::tools::Filter<openvdb::FloatGrid>;
 
 void copyTo(const openvdb::FloatGrid& grid, const State& state, std::vector<float>& result) {
@@ -112,16 +112,22 @@ openvdb::Vec3R asVdb(const Vec3& v) {
   return {v.x(), v.y(), v.z()};
 }
 
-}  // namespace
+class Library final : public OpenVdbRivals::Library {
+ public:
+  Library(const RivalField& field, unsigned threads) : state_(std::make_shared<State>(State{field, threads})) {
+    openvdb::initialize();
+    const openvdb::Coord last(field.size.x() - 1, field.size.y() - 1, field.size.z() - 1);
+    state_->box = openvdb::CoordBBox(openvdb::Coord(0), last);
+  }
+  [[nodiscard]] std::vector<Rival> rivalsOf(const std::string& job) const override;
+  [[nodiscard]] std::vector<Rival> picturesOf(const RivalView& view) const override;
+  [[nodiscard]] std::vector<float> distancesOf(const RivalView& view) const override;
 
-OpenVdbRivals::OpenVdbRivals(const RivalField& field, unsigned threads)
-    : state_(std::make_shared<State>(State{field, threads})) {
-  openvdb::initialize();
-  const openvdb::Coord last(field.size.x() - 1, field.size.y() - 1, field.size.z() - 1);
-  state_->box = openvdb::CoordBBox(openvdb::Coord(0), last);
-}
+ private:
+  std::shared_ptr<State> state_;
+};
 
-std::vector<Rival> OpenVdbRivals::rivalsOf(const std::string& job) const {
+std::vector<Rival> Library::rivalsOf(const std::string& job) const {
   if (job == "gradient central") {
     return {rival<openvdb::VectorGrid>(state_, "tools::gradient", [state = state_](openvdb::VectorGrid::Ptr& gradient) {
       return costOf([&] { gradient = openvdb::tools::gradient(*state->grid); });
@@ -134,7 +140,7 @@ std::vector<Rival> OpenVdbRivals::rivalsOf(const std::string& job) const {
   return {};
 }
 
-std::vector<Rival> OpenVdbRivals::picturesOf(const RivalView& view) const {
+std::vector<Rival> Library::picturesOf(const RivalView& view) const {
   prepareLevelSet(*state_, view.isovalue);
   return {
       {"OpenVDB", "LevelSetRayTracer, of a level set made before", [state = state_, view](std::vector<float>* result) {
@@ -164,7 +170,7 @@ std::vector<Rival> OpenVdbRivals::picturesOf(const RivalView& view) const {
        }}};
 }
 
-std::vector<float> OpenVdbRivals::distancesOf(const RivalView& view) const {
+std::vector<float> Library::distancesOf(const RivalView& view) const {
   prepareLevelSet(*state_, view.isovalue);
   const openvdb::tools::LevelSetRayIntersector<openvdb::FloatGrid> surface(*state_->level_set);
   const openvdb::Vec3R eye_mm = asVdb(view.camera.position_W / kMetresPerMillimetre);
@@ -181,4 +187,11 @@ std::vector<float> OpenVdbRivals::distancesOf(const RivalView& view) const {
   return distances_m;
 }
 
+std::shared_ptr<const OpenVdbRivals::Library> open(const RivalField& field, unsigned threads) {
+  return std::make_shared<const Library>(field, threads);
+}
+
+}  // namespace
 }  // namespace palpate
+
+extern "C" const palpate::RivalsModule palpate_rivals = {palpate::itkJobs, palpate::open};

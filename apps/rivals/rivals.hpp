@@ -4,7 +4,8 @@
 //
 // A job is named as for Palpate: "gaussian:1.5", "gradient central". A library that has a similar function offers one
 // or more rivals for the job; `way` says what each runs and how that differs. Other libraries offer none. One thread
-// calls the rivals. Each uses as many threads as it was made for, or `way` says that it uses one.
+// calls the rivals. Each uses as many threads as it was made for, or `way` says that it uses one. The code that uses
+// ITK and OpenVDB is in the module "rivals" (base/module.hpp).
 #pragma once
 
 #include <functional>
@@ -64,10 +65,10 @@ class OpenVdbRivals {
   // from the top. Unmeasured.
   [[nodiscard]] std::vector<float> distancesOf(const RivalView& view) const;
 
-  struct State;
+  class Library;  // rivals_module.hpp
 
  private:
-  std::shared_ptr<State> state_;
+  std::shared_ptr<const Library> library_;
 };
 
 // A library that is not installed, with what to do; or one that cannot do one job alone.

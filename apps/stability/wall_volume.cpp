@@ -9,6 +9,7 @@
 #include "engine/field/volume.hpp"
 #include "engine/reference/dense_field.hpp"
 #include "engine/reference/window.hpp"
+#include "servo/meshes/mesh_object.hpp"
 
 namespace palpate {
 namespace {
@@ -48,7 +49,7 @@ Volume volumeOf(WallVolume::Shape shape, const Lattice& lattice) {
 WallVolume::WallVolume(Shape shape) : lattice_(latticeAroundOrigin()) {
   const Volume volume = volumeOf(shape, lattice_);
   maximum_ = volume.maximum();
-  isosurface_ = std::make_shared<const TriangleMesh>(isosurfaceMesh(volume, kIsovalue));
+  isosurface_ = std::make_shared<const MeshObject>(isosurfaceMesh(volume, kIsovalue), "isosurface");
   samples_ = reference::windowSamples(reference::denseField(volume), Vec3i::Zero(), volume.size());
 }
 

@@ -11,7 +11,6 @@
 #include <memory>
 #include <vector>
 
-#include "base/triangle_mesh.hpp"
 #include "servo/algorithms/registry.hpp"
 #include "servo/window/window_exchange.hpp"
 
@@ -30,13 +29,13 @@ class WallVolume {
   // Publishes the whole volume as the exchange's first window, at time 0.
   void publish(WindowExchange& exchange) const;
   // What algorithms are made from, beside their parameters.
-  [[nodiscard]] const std::shared_ptr<const TriangleMesh>& isosurface() const noexcept { return isosurface_; }
+  [[nodiscard]] const std::shared_ptr<const ContactObject>& isosurface() const noexcept { return isosurface_; }
   [[nodiscard]] DensityScale scale() const noexcept { return {.contrast = maximum_, .voxel_m = kVoxel_m}; }
 
  private:
   Lattice lattice_;
   std::vector<Sample> samples_;
-  std::shared_ptr<const TriangleMesh> isosurface_;
+  std::shared_ptr<const ContactObject> isosurface_;
   double maximum_ = 0;  // [density]
 };
 

@@ -15,6 +15,7 @@
 #include "engine/field/isosurface_mesh.hpp"
 #include "engine/service/engine.hpp"
 #include "servo/algorithms/registry.hpp"
+#include "servo/meshes/mesh_object.hpp"
 #include "servo/window/window_exchange.hpp"
 
 namespace palpate {
@@ -91,8 +92,13 @@ class ChainStage {
     const AlgorithmEntry& entry = algorithmEntry(chain.algorithm);
     const double isovalue = static_cast<float>(on.phantom->isovalue());
     const Stopwatch start;
-    std::shared_ptr<const TriangleMesh> mesh;
-    if (entry.needs.isosurface_mesh) mesh = std::make_shared<TriangleMesh>(isosurfaceMesh(on.volume, isovalue));
+    std::shared_ptr<const ContactObject> object;
+    std::size_t mesh_bytes = 0;
+    if (entry.needs.isosurface_mesh) {
+      TriangleMesh mesh = isosurfaceMesh(on.volume, isovalue);
+      mesh_bytes = meshBytes(mesh);
+      object = std::make_shared<const MeshObject>(std::move(mesh), "isosurface");
+    }
     EngineRequest request;
     request.gradient_all = entry.needs.gradient_everywhere;
     request.half_samples = chain.storage == "half";
@@ -101,17 +107,16 @@ class ChainStage {
                                                                        .stiffness_N_per_m = kBenchStiffness_N_per_m,
                                                                        .damping_Ns_per_m = 0,
                                                                        .plane_renewal_ticks = chain.n},
-                                                        .isosurface = mesh});
+                                                        .isosurface = object});
     cost.start_ms = 1e3 * start.seconds();
-    cost.memory_MiB = static_cast<double>(engine.memory().back().bytes + meshBytes(mesh.get())) / (1 << 20);
+    cost.memory_MiB = static_cast<double>(engine.memory().back().bytes + mesh_bytes) / (1 << 20);
     TouchTally tally(*on.phantom, path, entry.traits);
     cost.loop_us_a_tick = slide_us(engine, *haptic, path, tally);
     return tally.taken();
   }
 
-  static std::size_t meshBytes(const TriangleMesh* mesh) {
-    if (mesh == nullptr) return 0;
-    return mesh->vertices_W.size() * sizeof(Vec3) + mesh->triangles.size() * sizeof(mesh->triangles.front());
+  static std::size_t meshBytes(const TriangleMesh& mesh) {
+    return mesh.vertices_W.size() * sizeof(Vec3) + mesh.triangles.size() * sizeof(mesh.triangles.front());
   }
 
   // The engine publishes in step, before each tick. Returns the mean time of both [us].

@@ -12,6 +12,7 @@
 #include "apps/touch/scene_settings.hpp"
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
+#include "servo/loop/real_time.hpp"
 #include "servo/loop/tick_record.hpp"
 
 namespace palpate {
@@ -22,10 +23,14 @@ double ticksOf(const Scene& scene) {
 }
 
 LoopResult runSimulated(TouchRig& rig, double ticks, Progress& progress) {
-  return rig.runSimulated({}, [&](std::int64_t tick, std::int64_t) {
+  std::int64_t first_ns = 0;
+  LoopResult result = rig.runSimulated({}, [&](std::int64_t tick, std::int64_t) {
+    if (tick == 0) first_ns = monotonicNow_ns();
     if (interrupted()) rig.requestStop();  // at every tick: one with an edit may take long
     if (tick % 256 == 0) progress.fraction(static_cast<double>(tick) / ticks);
   });
+  result.first_due_ns = first_ns;
+  return result;
 }
 
 LoopResult runReal(TouchRig& rig, double duration_s, Progress& progress) {

@@ -16,6 +16,7 @@
 #include "apps/report/summary.hpp"
 #include "apps/report/trace_csv.hpp"
 #include "apps/report/words.hpp"
+#include "apps/touch/device_ahead.hpp"
 #include "apps/touch/exact_errors.hpp"
 #include "apps/touch/live_edits.hpp"
 #include "apps/touch/object_volume.hpp"
@@ -32,7 +33,10 @@
 #include "base/atomic_file.hpp"
 #include "base/byte_size.hpp"
 #include "base/error.hpp"
+#include "base/mapped_libraries.hpp"
+#include "base/process_start.hpp"
 #include "base/stopwatch.hpp"
+#include "base/units.hpp"
 #include "engine/field/isosurface_mesh.hpp"
 #include "engine/field/memory_budget.hpp"
 #include "engine/field/statistics.hpp"
@@ -44,6 +48,7 @@
 #include "servo/loop/real_time.hpp"
 #include "servo/loop/run_figures.hpp"
 #include "servo/loop/velocity.hpp"
+#include "servo/meshes/mesh_object.hpp"
 #include "servo/safety/faults.hpp"
 
 namespace palpate {
@@ -280,6 +285,7 @@ class TouchJob {
   std::optional<OutputFolder> folder_;
   TouchRun run_;
   Stages stages_;
+  std::optional<DeviceAhead> ahead_;
   std::optional<Volume> volume_;
   double isovalue_ = 0;  // of the volume
   Plan plan_;
@@ -295,6 +301,7 @@ class TouchJob {
 };
 
 void TouchJob::load() {
+  ahead_.emplace(scene_.volume, scene_.gpu);
   volume_ = stages_.run("load", "loading " + scene_.volume, [&] { return loadAndTell(scene_.volume, progress_); });
   checkTouchable(*volume_);
   // Rounded to float as on the GPU, since servo and kernels must agree on what is object.
@@ -310,6 +317,7 @@ void TouchJob::compute() {
     return std::make_unique<Engine>(*volume_, plan_, isovalue_, scene_.gpu, scene_.gpu_memory_bytes,
                                     passProgress(progress_, stopIfInterrupted));
   });
+  ahead_.reset();
   run_.vulkan = {engine_->gpu().name, engine_->gpu().driver, engine_->gpu().api_version};
   // The time of the constructor without the engine's own stages is that of opening the device.
   for (const StageTime& inner : engine_->stages()) run_.stages.back().seconds -= inner.seconds;
@@ -343,12 +351,14 @@ void TouchJob::warn(const std::string& warning) {
 void TouchJob::readyAlgorithm() {
   const double isovalue = engine_->isovalue();
   rig_volume_ = {.scale = densityScaleOf(felt(), isovalue), .objects = objects_.objects};
+  std::size_t triangles = 0;
   if (algorithmEntry(scene_.algorithm).needs.isosurface_mesh) {
     rig_volume_.isosurface = stages_.run("isosurface mesh", "extracting the isosurface's mesh", [&] {
-      return std::make_shared<const TriangleMesh>(isosurfaceMesh(felt(), isovalue));
+      TriangleMesh mesh = isosurfaceMesh(felt(), isovalue);
+      triangles = mesh.triangles.size();
+      return std::make_shared<const MeshObject>(std::move(mesh), "isosurface");
     });
   }
-  const std::size_t triangles = rig_volume_.isosurface != nullptr ? rig_volume_.isosurface->triangles.size() : 0;
   run_.plan = planWords(scenePlanLines(scene_, plan_, engine_->planFacts(), triangles));
 }
 
@@ -379,6 +389,7 @@ void TouchJob::feel() {
   run_.records = std::move(result.records);
   device_ = result.device;
   run_.grid_points = result.ticks_run + result.ticks_skipped;
+  run_.start_to_first_tick_s = static_cast<double>(result.first_due_ns - processStart_ns()) / kNanosecondsPerSecond;
   run_.realtime = realTimeWords(scene_, result);
   endEarly(run_);
   if (!run_.ended_early.empty()) progress_.stage(wordsOfStopping(run_));
@@ -437,6 +448,7 @@ TouchRun TouchJob::tell() {
   run_.memory = engine_->memory();
   run_.memory.push_back({"volume on the CPU", volume_->storedBytes()});
   run_.memory.push_back(residentPeak());
+  run_.libraries = mappedLibraries();
   if (run_.ended_early.empty()) progress_.stage("writing " + scene_.out);
   writeOutputs(run_, view, *folder_);
   tellWhatIsKept("what was felt is in " + scene_.out);

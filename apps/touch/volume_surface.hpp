@@ -16,6 +16,7 @@ class VolumeSurface final : public SurfaceField {
   bool sample(const Vec3& p_W, double& density, Vec3& gradient_W) const override {
     return volume_.sample(p_W, density, gradient_W);
   }
+  [[nodiscard]] std::optional<double> density(const Vec3& p_W) const override { return volume_.density(p_W); }
   [[nodiscard]] double isovalue() const override { return isovalue_; }
   [[nodiscard]] const Lattice& lattice() const override { return volume_.lattice(); }
   [[nodiscard]] Vec3i size() const override { return volume_.size(); }

@@ -91,7 +91,8 @@ std::string composeView(const ViewLayout& layout, const ViewPictures& pictures, 
   checkPicture(pictures.close_up, pictures.close_up_camera, layout.close_up, "close-up");
   const RunFigures figures = figuresOf(run);
   const ForceArrows forces = chooseForceArrows(run.records, kArrows);
-  Canvas canvas(layout.width, layout.height);
+  const std::unique_ptr<Canvas> picture = makeCanvas(layout.width, layout.height);
+  Canvas& canvas = *picture;
   const auto within = [&](const PanelBox& box, const auto& draw) {
     canvas.pushClip(box.x, box.y, box.width, box.height);
     draw();

@@ -6,9 +6,9 @@
 namespace palpate {
 
 std::string pngOf(const RenderedImage& image, const std::function<void()>& between) {
-  Canvas canvas(image.width, image.height);
-  canvas.image(image, 0, 0);
-  return canvas.png(between);
+  const std::unique_ptr<Canvas> canvas = makeCanvas(image.width, image.height);
+  canvas->image(image, 0, 0);
+  return canvas->png(between);
 }
 
 }  // namespace palpate

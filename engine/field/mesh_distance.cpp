@@ -6,11 +6,11 @@
 #include <initializer_list>
 
 #include <fmt/format.h>
-#include <openvdb/openvdb.h>
-#include <openvdb/tools/MeshToVolume.h>
 
 #include "base/error.hpp"
+#include "base/module.hpp"
 #include "base/units.hpp"
+#include "engine/field/field_grid.hpp"
 
 namespace palpate {
 namespace {
@@ -59,34 +59,15 @@ MeshDistance meshDistance(const std::vector<Vec3>& points, const std::vector<Vec
   mesh.lattice.spacing_m = Vec3::Constant(voxel_m);
   mesh.lattice.origin_W = low - Vec3::Constant(band_voxels * voxel_m);
 
-  // In voxels of the lattice, since VDB refuses transforms with voxels of a few micrometres.
-  openvdb::initialize();
-  std::vector<openvdb::Vec3s> vdb_points;
-  vdb_points.reserve(points.size());
-  for (const Vec3& point : points) {
-    const Vec3 p_L = mesh.lattice.toIndex(point);
-    vdb_points.emplace_back(static_cast<float>(p_L.x()), static_cast<float>(p_L.y()), static_cast<float>(p_L.z()));
-  }
-  std::vector<openvdb::Vec3I> vdb_triangles;
-  vdb_triangles.reserve(triangles.size());
-  for (const Vec3i& t : triangles) {
-    vdb_triangles.emplace_back(static_cast<openvdb::Index32>(t.x()), static_cast<openvdb::Index32>(t.y()),
-                               static_cast<openvdb::Index32>(t.z()));
-  }
-  const auto band = static_cast<float>(band_voxels);
+  std::vector<Vec3> points_L;  // in voxels of the lattice, since VDB refuses transforms with voxels of micrometres
+  points_L.reserve(points.size());
+  for (const Vec3& point : points) points_L.push_back(mesh.lattice.toIndex(point));
   // No point inside lies deeper than half the narrowest side of the mesh's box.
   const double deepest_m = std::min(depth_m, (high - low).minCoeff() / 2);
   const auto depth = static_cast<float>(std::ceil(deepest_m / voxel_m) + 1);
-  const auto grid = openvdb::tools::meshToSignedDistanceField<openvdb::FloatGrid>(
-      *openvdb::math::Transform::createLinearTransform(1.0), vdb_points, vdb_triangles, {}, band, depth);
-  const auto values = grid->getConstAccessor();
-  mesh.distance_m.reserve(static_cast<std::size_t>(mesh.size.cast<long long>().prod()));
-  for (int k = 0; k < mesh.size.z(); ++k) {
-    for (int j = 0; j < mesh.size.y(); ++j) {
-      for (int i = 0; i < mesh.size.x(); ++i)
-        mesh.distance_m.push_back(values.getValue({i, j, k}) * static_cast<float>(voxel_m));
-    }
-  }
+  mesh.distance_m =
+      loadModule<FieldModule>().meshDistances(points_L, triangles, mesh.size, static_cast<float>(band_voxels), depth);
+  for (float& distance : mesh.distance_m) distance *= static_cast<float>(voxel_m);
   return mesh;
 }
 

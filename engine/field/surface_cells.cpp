@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "engine/field/grid.hpp"
+#include "engine/field/field_grid.hpp"
 
 namespace palpate {
 namespace {
@@ -29,27 +29,28 @@ std::uint8_t joinedFaces(const SurfaceCell& cell, float isovalue) {
 class Densities {
  public:
   Densities(const Volume& volume, float isovalue)
-      : size_(volume.size()), isovalue_(isovalue), values_(volume.grid().field->getConstAccessor()) {}
+      : size_(volume.size()), isovalue_(isovalue), field_(*volume.grid().field) {}
 
   // Whether all voxels of a brick are inside (true) or all outside (false) the object; empty if neither is certain. The
   // brick may lie outside the domain.
   [[nodiscard]] std::optional<bool> sideOf(const Vec3i& brick) {
     const Vec3i first = brick * kBrickSize;
     if ((first.array() < 0).any() || (first.array() >= size_.array()).any()) return false;
-    const openvdb::Coord at(first.x(), first.y(), first.z());
-    if (values_.probeConstLeaf(at) != nullptr) return std::nullopt;
-    return values_.getValue(at) > isovalue_;
+    const std::optional<float> constant = field_.constantOf(brick);
+    if (!constant) return std::nullopt;
+    return *constant > isovalue_;
   }
 
   [[nodiscard]] bool holds(const Vec3i& voxel) const {
     return (voxel.array() >= 0).all() && (voxel.array() < size_.array()).all();
   }
-  [[nodiscard]] float at(const Vec3i& voxel) { return values_.getValue({voxel.x(), voxel.y(), voxel.z()}); }
+  [[nodiscard]] const Vec3i& size() const { return size_; }
+  void read(const Vec3i& first, const Vec3i& size, float* values) const { field_.readBox(first, size, values); }
 
  private:
   Vec3i size_;
   float isovalue_;
-  ScalarGrid::ConstAccessor values_;
+  const FieldGrid& field_;
 };
 
 // Whether the surface may cross a cell that begins in the brick. Such cells reach into the next bricks.
@@ -69,12 +70,17 @@ class Block {
 
   void read(const Vec3i& first, const Vec3i& last) {
     first_ = first;
+    const Vec3i inside = first.cwiseMax(0);
+    const Vec3i size = (last + Vec3i::Ones()).cwiseMin(densities_.size() - Vec3i::Ones()) - inside + Vec3i::Ones();
+    std::array<float, kWide * kWide * kWide> box;
+    densities_.read(inside, size, box.data());
+    const float* next = box.data();
     for (int k = first.z(); k <= last.z() + 1; ++k) {
       for (int j = first.y(); j <= last.y() + 1; ++j) {
         for (int i = first.x(); i <= last.x() + 1; ++i) {
           const std::size_t n = place({i, j, k});
           const bool holds = densities_.holds({i, j, k});
-          values_[n] = holds ? densities_.at({i, j, k}) : 0.0F;
+          values_[n] = holds ? *next++ : 0.0F;
           inside_[n] = holds && values_[n] > isovalue_ ? 1 : 0;
         }
       }

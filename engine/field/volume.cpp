@@ -2,20 +2,19 @@
 #include "engine/field/volume.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <optional>
 
 #include <fmt/format.h>
 
 #include "base/error.hpp"
-#include "engine/field/grid.hpp"
+#include "base/module.hpp"
+#include "engine/field/field_grid.hpp"
 #include "engine/field/raw_values.hpp"
 
 namespace palpate {
 namespace {
-
-openvdb::Coord coord(const Vec3i& index) {
-  return {index.x(), index.y(), index.z()};
-}
 
 // A cell of eight voxels, and a place in it.
 struct Cell {
@@ -23,16 +22,44 @@ struct Cell {
   Vec3 fraction;  // in [0, 1]
 };
 
-// The cell that holds a point of index space; the domain's last face belongs to the last cell.
-Cell cellAt(const Vec3& p_L, const Vec3i& size) {
+// The cell that holds a point of index space; the domain's last face belongs to the last cell. Empty outside the domain
+// and for NaN.
+std::optional<Cell> cellAt(const Vec3& p_L, const Vec3i& size) {
+  const auto last = size.cast<double>().array() - 1;
+  if (!((p_L.array() >= 0).all() && (p_L.array() <= last).all())) return std::nullopt;
   const Vec3i first = p_L.array().floor().cast<int>().matrix().cwiseMin(size - Vec3i::Constant(2)).cwiseMax(0);
-  return {first, p_L - first.cast<double>()};
+  return Cell{first, p_L - first.cast<double>()};
 }
+
+// The voxels of a cell and `beside` voxels on each side of them, as far as the domain goes.
+template <int beside>
+class Neighbourhood {
+ public:
+  Neighbourhood(const FieldGrid& field, const Vec3i& cell, const Vec3i& last)
+      : first_((cell - Vec3i::Constant(beside)).cwiseMax(0)),
+        size_((cell + Vec3i::Constant(1 + beside)).cwiseMin(last) - first_ + Vec3i::Ones()) {
+    field.readBox(first_, size_, values_.data());
+  }
+  // A voxel beyond the end of an axis of one voxel is that voxel.
+  [[nodiscard]] double at(const Vec3i& voxel) const {
+    const Vec3i place = (voxel - first_).cwiseMin(size_ - Vec3i::Ones());
+    return values_[static_cast<std::size_t>((place.z() * size_.y() + place.y()) * size_.x() + place.x())];
+  }
+
+ private:
+  static constexpr std::size_t kWide = 2 + 2 * beside;
+  Vec3i first_, size_;
+  std::array<float, kWide * kWide * kWide> values_;
+};
 
 double cornerWeight(const Vec3& fraction, int corner) {
   double weight = 1;
   for (const int axis : {0, 1, 2}) weight *= (corner >> axis & 1) != 0 ? fraction[axis] : 1 - fraction[axis];
   return weight;
+}
+
+Vec3i cornerOf(const Cell& cell, int corner) {
+  return cell.first + Vec3i(corner & 1, corner >> 1 & 1, corner >> 2 & 1);
 }
 
 }  // namespace
@@ -52,15 +79,15 @@ Volume Volume::fromDense(const Vec3i& size, const Lattice& lattice, const std::v
   }
   const std::span<const char> raw(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(float));
   BrickSource source = rawBricks(raw, ValueType::kFloat32, size);
-  return Volume(buildGridByLayers(size, lattice, std::move(facts), [&](int) { return source; }));
+  return Volume(loadModule<FieldModule>().buildByLayers(size, lattice, std::move(facts), [&](int) { return source; }));
 }
 
 Volume Volume::fromBricks(const Vec3i& size, const Lattice& lattice, VolumeFacts facts, const BrickSource& source) {
-  return Volume(buildGrid(size, lattice, std::move(facts), source));
+  return Volume(loadModule<FieldModule>().build(size, lattice, std::move(facts), source));
 }
 
 Volume Volume::fromLayers(const Vec3i& size, const Lattice& lattice, VolumeFacts facts, const LayerSource& layers) {
-  return Volume(buildGridByLayers(size, lattice, std::move(facts), layers));
+  return Volume(loadModule<FieldModule>().buildByLayers(size, lattice, std::move(facts), layers));
 }
 
 const Vec3i& Volume::size() const noexcept {
@@ -84,7 +111,7 @@ const Volume::Grid& Volume::grid() const noexcept {
 
 float Volume::value(const Vec3i& index) const {
   const Vec3i inside = index.cwiseMin(size() - Vec3i::Ones()).cwiseMax(0);
-  return grid_->field->constTree().getValue(coord(inside));
+  return grid_->field->value(inside);
 }
 
 Vec3i Volume::brickCount() const noexcept {
@@ -92,28 +119,20 @@ Vec3i Volume::brickCount() const noexcept {
 }
 
 bool Volume::readBrick(const Vec3i& brick, float* values) const {
-  const openvdb::Coord first = coord(brick * kBrickSize);
-  const ScalarTree& tree = grid_->field->constTree();
-  const auto* leaf = tree.probeConstLeaf(first);
-  if (leaf == nullptr) {
-    values[0] = tree.getValue(first);
-    return true;
-  }
-  turnBrick(leaf->buffer().data(), values);
-  return false;
+  return grid_->field->readBrick(brick, values);
 }
 
 void Volume::setBrick(const Vec3i& brick, const float* values) {
   const auto [lowest, highest] = std::minmax_element(values, values + kBrickVoxels);
   grid_->minimum = std::min(grid_->minimum, *lowest);
   grid_->maximum = std::max(grid_->maximum, *highest);
-  grid_->field->tree().addLeaf(makeLeaf(size(), brick, values).release());  // in place of what was there
+  grid_->field->setBrick(size(), brick, values);
 }
 
 void Volume::setConstantBrick(const Vec3i& brick, float value) {
   grid_->minimum = std::min(grid_->minimum, value);
   grid_->maximum = std::max(grid_->maximum, value);
-  grid_->field->tree().addTile(1, coord(brick * kBrickSize), value, true);
+  grid_->field->setConstantBrick(brick, value);
 }
 
 void Volume::remark(const std::string& words) {
@@ -150,17 +169,27 @@ std::vector<float> Volume::toDense() const {
   return dense;
 }
 
+std::optional<double> Volume::density(const Vec3& p_W) const {
+  const std::optional<Cell> cell = cellAt(lattice().toIndex(p_W), size());
+  if (!cell) return std::nullopt;
+  const Neighbourhood<0> around(*grid_->field, cell->first, size() - Vec3i::Ones());
+  double density = 0;
+  for (int corner = 0; corner < 8; ++corner)
+    density += cornerWeight(cell->fraction, corner) * around.at(cornerOf(*cell, corner));
+  return density;
+}
+
 bool Volume::sample(const Vec3& p_W, double& density, Vec3& gradient_W) const {
-  const Vec3 p_L = lattice().toIndex(p_W);
+  const std::optional<Cell> cell = cellAt(lattice().toIndex(p_W), size());
+  if (!cell) return false;
   const Vec3i last = size() - Vec3i::Ones();
-  if (!((p_L.array() >= 0).all() && (p_L.array() <= last.cast<double>().array()).all())) return false;  // also NaN
-  const Cell cell = cellAt(p_L, size());
+  const Neighbourhood<1> around(*grid_->field, cell->first, last);
   density = 0;
   Vec3 gradient_L = Vec3::Zero();  // [density/m], along the lattice's axes
   for (int corner = 0; corner < 8; ++corner) {
-    const double weight = cornerWeight(cell.fraction, corner);
-    const Vec3i at = cell.first + Vec3i(corner & 1, corner >> 1 & 1, corner >> 2 & 1);
-    density += weight * static_cast<double>(value(at));
+    const double weight = cornerWeight(cell->fraction, corner);
+    const Vec3i at = cornerOf(*cell, corner);
+    density += weight * around.at(at);
     for (int axis = 0; axis < 3; ++axis) {
       Vec3i before = at;
       Vec3i after = at;
@@ -168,7 +197,7 @@ bool Volume::sample(const Vec3& p_W, double& density, Vec3& gradient_W) const {
       after[axis] = std::min(at[axis] + 1, last[axis]);
       if (before == after) continue;
       const double run_m = (after[axis] - before[axis]) * lattice().spacing_m[axis];
-      gradient_L[axis] += weight * (static_cast<double>(value(after)) - static_cast<double>(value(before))) / run_m;
+      gradient_L[axis] += weight * (around.at(after) - around.at(before)) / run_m;
     }
   }
   gradient_W = lattice().gradientToWorld(gradient_L);
@@ -185,10 +214,10 @@ void checkTouchable(const Volume& volume) {
 }
 
 std::size_t Volume::storedBytes() const {
-  return grid_->field->constTree().memUsage();
+  return grid_->field->storedBytes();
 }
 std::size_t Volume::storedBricks() const {
-  return grid_->field->constTree().leafCount();
+  return grid_->field->storedBricks();
 }
 
 }  // namespace palpate

@@ -1,71 +1,67 @@
 // SPDX-License-Identifier: Apache-2.0
-// gzip through libarchive. An exception of the sink must not pass through C code, so it is kept until C has returned.
-#include <exception>
-#include <stdexcept>
-#include <utility>
+// gzip through zlib. The stream holds no time and no name, so the same bytes give the same file.
+#include <algorithm>
+#include <array>
+#include <new>
 
-#include <archive.h>
-#include <archive_entry.h>
+#include <zlib.h>
 
 #include "engine/files/writers.hpp"
 
 namespace palpate {
 
 struct GzipSink::State {
-  struct Free {
-    void operator()(archive* packed) const noexcept {
-      archive_write_fail(packed);  // writes nothing more to the sink; without effect after finish()
-      archive_write_free(packed);
-    }
-  };
-  ByteSink sink;
-  std::exception_ptr trouble;
-  std::unique_ptr<archive, Free> packed{archive_write_new()};  // last member: freeing it uses the others
-
-  void check(la_ssize_t result) {
-    if (trouble) std::rethrow_exception(std::exchange(trouble, nullptr));
-    if (result < 0) throw std::runtime_error("compressing failed");
+  explicit State(ByteSink to) : sink(std::move(to)) {
+    constexpr int kLevel = 4, kLargestWindow = 15, kGzip = 16, kMemory = 8;  // the last is zlib's default
+    if (deflateInit2(&stream, kLevel, Z_DEFLATED, kLargestWindow + kGzip, kMemory, Z_DEFAULT_STRATEGY) != Z_OK)
+      throw std::bad_alloc();
+    clear();
   }
+  ~State() { deflateEnd(&stream); }
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+
+  // Packs what is in the stream. Passes it on in blocks, and at the end what is left.
+  void pack(int flush) {
+    int result = Z_OK;
+    do {
+      result = deflate(&stream, flush);  // cannot fail: the stream is whole, and there is room
+      if (stream.avail_out == 0 || result == Z_STREAM_END) passOn();
+    } while (stream.avail_in > 0 || (flush == Z_FINISH && result != Z_STREAM_END));
+  }
+
+  void passOn() {
+    const std::size_t count = packed.size() - stream.avail_out;
+    clear();
+    if (count > 0) sink({reinterpret_cast<const char*>(packed.data()), count});
+  }
+  void clear() noexcept {
+    stream.next_out = packed.data();
+    stream.avail_out = static_cast<uInt>(packed.size());
+  }
+
+  ByteSink sink;
+  z_stream stream = {};
+  std::array<Bytef, std::size_t{1} << 16> packed = {};
 };
 
-GzipSink::GzipSink(const ByteSink& sink) : state_(std::make_unique<State>()) {
-  state_->sink = sink;
-  archive* packed = state_->packed.get();
-  if (packed == nullptr) throw std::bad_alloc();
-  state_->check(archive_write_add_filter_gzip(packed));
-  state_->check(archive_write_set_filter_option(packed, "gzip", "compression-level", "4"));
-  state_->check(archive_write_set_filter_option(packed, "gzip", "timestamp", nullptr));  // the same file every time
-  state_->check(archive_write_set_format_raw(packed));
-  state_->check(archive_write_set_bytes_per_block(packed, 0));
-  const auto forward = [](archive*, void* state, const void* bytes, std::size_t count) -> la_ssize_t {
-    auto& to = *static_cast<State*>(state);
-    try {
-      to.sink({static_cast<const char*>(bytes), count});
-      return static_cast<la_ssize_t>(count);
-    } catch (...) {
-      to.trouble = std::current_exception();
-      return -1;
-    }
-  };
-  state_->check(archive_write_open(packed, state_.get(), nullptr, forward, nullptr));
-  archive_entry* entry = archive_entry_new();
-  archive_entry_set_filetype(entry, AE_IFREG);
-  const int result = archive_write_header(packed, entry);
-  archive_entry_free(entry);
-  state_->check(result);
-}
+GzipSink::GzipSink(const ByteSink& sink) : state_(std::make_unique<State>(sink)) {}
 
 GzipSink::~GzipSink() = default;
 
 void GzipSink::write(std::string_view bytes) {
   constexpr std::size_t kPiece = std::size_t{1} << 20;
   for (; !bytes.empty(); bytes.remove_prefix(std::min(kPiece, bytes.size()))) {
-    state_->check(archive_write_data(state_->packed.get(), bytes.data(), std::min(kPiece, bytes.size())));
+    // zlib does not write there.
+    state_->stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
+    state_->stream.avail_in = static_cast<uInt>(std::min(kPiece, bytes.size()));
+    state_->pack(Z_NO_FLUSH);
   }
 }
 
 void GzipSink::finish() {
-  state_->check(archive_write_close(state_->packed.get()));
+  state_->stream.avail_in = 0;
+  state_->pack(Z_FINISH);
 }
 
 }  // namespace palpate

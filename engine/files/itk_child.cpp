@@ -16,6 +16,7 @@
 #include <unistd.h>
 
 #include "base/child_process.hpp"
+#include "base/module.hpp"
 
 namespace palpate {
 namespace {
@@ -100,7 +101,7 @@ ItkFacts unpacked(const std::string& bytes) {
 
 // ITK would call a file damaged that it merely cannot open.
 const std::string& opened(const std::string& path) {
-  const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   const int why = errno;
   if (descriptor < 0) {
     throw Error(Error::Code::kIo, path, fmt::format("it cannot be opened ({})", std::generic_category().message(why)),
@@ -169,8 +170,9 @@ ItkHeader readItkHeader(ItkReader reader, const std::string& path, const std::st
 
 std::vector<ItkFacts> readItkSeries(ItkReader reader, const std::vector<std::string>& paths, const std::string& source,
                                     const RefuseFile& refuse) {
+  const ItkModule& itk = loadModule<ItkModule>();  // here: it is not to be loaded after a fork
   const ChildOutcome outcome = runInChild(source, paths.size(), limitsForFile(largestFile(paths)),
-                                          [&](std::size_t n) { return packed(ItkFile(reader, opened(paths[n]))); });
+                                          [&](std::size_t n) { return packed(*itk.open(reader, opened(paths[n]))); });
   check(outcome, refuse);
   std::vector<ItkFacts> facts;
   for (const std::string& bytes : outcome.results) facts.push_back(unpacked(bytes));
@@ -183,10 +185,11 @@ void readItkSeriesValues(ItkReader reader, const std::vector<std::string>& paths
   std::size_t most_bytes = 0;
   for (const std::span<char> part : values) most_bytes = std::max(most_bytes, part.size());
   const ChildLimits limits = limitsForFile(largestFile(paths), 2.0 * static_cast<double>(most_bytes));
+  const ItkModule& itk = loadModule<ItkModule>();
   check(runInChild(source, paths.size(), limits,
                    [&](std::size_t n) {
                      const Printed printed;
-                     ItkFile(reader, opened(paths[n])).read(values[n]);
+                     itk.open(reader, opened(paths[n]))->read(values[n]);
                      if (const std::string words = printed.complaint(); !words.empty()) throw std::runtime_error(words);
                      return std::string();
                    }),

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// The module "itk".
 #include "engine/files/itk_file.hpp"
 
 #include <stdexcept>
@@ -8,15 +9,12 @@
 #include <itkMetaImageIO.h>
 #include <itkNiftiImageIO.h>
 #include <itkNrrdImageIO.h>
+#include <itkObject.h>
+#include <nifti1_io.h>
 
 #include "engine/files/quiet.hpp"
 
 namespace palpate {
-
-struct ItkFile::Io {
-  itk::ImageIOBase::Pointer image;
-};
-
 namespace {
 
 itk::ImageIOBase::Pointer makeIo(ItkReader reader) {
@@ -37,6 +35,8 @@ itk::ImageIOBase::Pointer makeIo(ItkReader reader) {
 template <class Work>
 void quietly(const Work& work) {
   const Quiet quiet;
+  itk::Object::SetGlobalWarningDisplay(false);
+  nifti_set_debug_level(0);  // the C library prints with fprintf
   try {
     work();
   } catch (const itk::ExceptionObject& failure) {
@@ -101,40 +101,52 @@ itk::ImageIORegion wholeRegion(const itk::ImageIOBase& image) {
   return region;
 }
 
-}  // namespace
-
-ItkFile::ItkFile(ItkReader reader, const std::string& path) : io_(std::make_unique<Io>()) {
-  quietly([&] {
-    io_->image = makeIo(reader);
-    io_->image->SetFileName(path);
-    io_->image->ReadImageInformation();
-    header_ = headerOf(*io_->image);
-  });
-}
-
-ItkFile::~ItkFile() = default;
-
-void ItkFile::read(std::span<char> values) {
-  quietly([&] {
-    std::size_t bytes = header_.type ? byteSize(*header_.type) * header_.components : 0;
-    for (const std::int64_t size : header_.dimensions) bytes *= static_cast<std::size_t>(size);
-    if (bytes != values.size()) throw std::runtime_error("its header has changed since it was read");
-    io_->image->SetIORegion(wholeRegion(*io_->image));
-    io_->image->Read(values.data());
-  });
-}
-
-std::map<std::string, std::string> ItkFile::tags() const {
-  std::map<std::string, std::string> all;
-  const itk::MetaDataDictionary& dictionary = io_->image->GetMetaDataDictionary();
-  for (const std::string& key : dictionary.GetKeys()) {
-    std::string value;
-    if (!itk::ExposeMetaData<std::string>(dictionary, key, value)) continue;
-    while (!value.empty() && (value.back() == ' ' || value.back() == '\0')) value.pop_back();
-    value.erase(0, value.find_first_not_of(' '));
-    all.emplace(key, std::move(value));
+class OpenItkFile final : public ItkFile {
+ public:
+  OpenItkFile(ItkReader reader, const std::string& path) {
+    quietly([&] {
+      image_ = makeIo(reader);
+      image_->SetFileName(path);
+      image_->ReadImageInformation();
+      header_ = headerOf(*image_);
+    });
   }
-  return all;
+
+  [[nodiscard]] const ItkHeader& header() const noexcept override { return header_; }
+
+  void read(std::span<char> values) override {
+    quietly([&] {
+      std::size_t bytes = header_.type ? byteSize(*header_.type) * header_.components : 0;
+      for (const std::int64_t size : header_.dimensions) bytes *= static_cast<std::size_t>(size);
+      if (bytes != values.size()) throw std::runtime_error("its header has changed since it was read");
+      image_->SetIORegion(wholeRegion(*image_));
+      image_->Read(values.data());
+    });
+  }
+
+  [[nodiscard]] std::map<std::string, std::string> tags() const override {
+    std::map<std::string, std::string> all;
+    const itk::MetaDataDictionary& dictionary = image_->GetMetaDataDictionary();
+    for (const std::string& key : dictionary.GetKeys()) {
+      std::string value;
+      if (!itk::ExposeMetaData<std::string>(dictionary, key, value)) continue;
+      while (!value.empty() && (value.back() == ' ' || value.back() == '\0')) value.pop_back();
+      value.erase(0, value.find_first_not_of(' '));
+      all.emplace(key, std::move(value));
+    }
+    return all;
+  }
+
+ private:
+  itk::ImageIOBase::Pointer image_;
+  ItkHeader header_;
+};
+
+std::unique_ptr<ItkFile> open(ItkReader reader, const std::string& path) {
+  return std::make_unique<OpenItkFile>(reader, path);
 }
 
+}  // namespace
 }  // namespace palpate
+
+extern "C" const palpate::ItkModule palpate_itk = {palpate::open};

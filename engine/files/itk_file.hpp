@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/files/itk_file.hpp: one image file open in ITK. Private to engine/files. A damaged file may end the process.
-// So only itk_child.cpp may open one, and library_read.cpp, which measures ITK.
+// engine/files/itk_file.hpp: one image file open in ITK, which is in the module "itk" (base/module.hpp). Private to
+// engine/files. A damaged file may end the process. So only itk_child.cpp may open one, and library_read.cpp, which
+// measures ITK.
 //
-// Neither this header nor its .cpp may include Eigen, and so neither a lattice nor a volume. ITK has an older copy of
+// Neither this header nor the module may include Eigen, and so neither a lattice nor a volume. ITK has an older copy of
 // Eigen, and one source file cannot include both. ITK's images are LPS millimetres.
 #pragma once
 
@@ -32,22 +33,22 @@ struct ItkHeader {
 
 class ItkFile {
  public:
+  virtual ~ItkFile() = default;
+
+  [[nodiscard]] virtual const ItkHeader& header() const noexcept = 0;
+  // Fills `values`, which must have exactly the size of all voxels as header().type. Throws as open() does, and if the
+  // size is another one.
+  virtual void read(std::span<char> values) = 0;
+  // Every DICOM value by its tag, "0020|000e", trimmed. Other formats may have such entries too.
+  [[nodiscard]] virtual std::map<std::string, std::string> tags() const = 0;
+};
+
+struct ItkModule {
+  static constexpr const char* kModule = "itk";
+  static constexpr const char* kTable = "palpate_itk";
   // Reads the header. Throws std::runtime_error with ITK's reason on one line. Set-up thread. While this or read()
   // runs, std::cerr and std::cout are caught, so that ITK's messages do not reach the screen.
-  ItkFile(ItkReader reader, const std::string& path);
-  ~ItkFile();
-
-  [[nodiscard]] const ItkHeader& header() const noexcept { return header_; }
-  // Fills `values`, which must have exactly the size of all voxels as header().type. Throws as the constructor does,
-  // and if the size is another one.
-  void read(std::span<char> values);
-  // Every DICOM value by its tag, "0020|000e", trimmed. Other formats may have such entries too.
-  [[nodiscard]] std::map<std::string, std::string> tags() const;
-
- private:
-  struct Io;
-  std::unique_ptr<Io> io_;
-  ItkHeader header_;
+  std::unique_ptr<ItkFile> (*open)(ItkReader reader, const std::string& path);
 };
 
 }  // namespace palpate

@@ -4,12 +4,11 @@
 #include <memory>
 #include <stdexcept>
 
-#include <openvdb/openvdb.h>
-
 #include "base/error.hpp"
+#include "base/module.hpp"
 #include "engine/files/itk_file.hpp"
-#include "engine/files/quiet.hpp"
 #include "engine/files/text_header.hpp"
+#include "engine/files/vdb_module.hpp"
 
 namespace palpate {
 namespace {
@@ -23,32 +22,18 @@ ItkReader readerFor(const std::string& name) {
               "give .nrrd, .nii, .nii.gz, .mha or .vdb");
 }
 
-std::size_t readWithOpenVdb(const std::string& name) {
-  try {
-    openvdb::initialize();
-    openvdb::io::File file(name);
-    file.open(false);  // nothing is left for later
-    openvdb::Index64 bytes = 0;
-    const openvdb::GridPtrVecPtr grids = file.getGrids();
-    for (const openvdb::GridBase::Ptr& grid : *grids) bytes += grid->memUsage();
-    return bytes;
-  } catch (const openvdb::Exception& failure) {
-    throw Error(Error::Code::kBadInput, name, shortReason(failure.what()), "give another file");
-  }
-}
-
 }  // namespace
 
 std::size_t readWithLibraryAlone(const std::string& name) {
-  if (lowerCase(name).ends_with(".vdb")) return readWithOpenVdb(name);
+  if (lowerCase(name).ends_with(".vdb")) return loadModule<VdbModule>().readAlone(name);
   const ItkReader reader = readerFor(name);
   try {
-    ItkFile file(reader, name);
-    if (!file.header().type) throw std::runtime_error("its values are no numbers");
-    std::size_t bytes = byteSize(*file.header().type);
-    for (const std::int64_t size : file.header().dimensions) bytes *= static_cast<std::size_t>(size);
+    const std::unique_ptr<ItkFile> file = loadModule<ItkModule>().open(reader, name);
+    if (!file->header().type) throw std::runtime_error("its values are no numbers");
+    std::size_t bytes = byteSize(*file->header().type);
+    for (const std::int64_t size : file->header().dimensions) bytes *= static_cast<std::size_t>(size);
     const std::unique_ptr<char[]> raw(new char[bytes]);  // not filled, as ITK's own images are not
-    file.read({raw.get(), bytes});
+    file->read({raw.get(), bytes});
     return bytes;
   } catch (const std::runtime_error& failure) {
     throw Error(Error::Code::kBadInput, name, failure.what(), "give another file");

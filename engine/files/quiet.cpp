@@ -3,9 +3,6 @@
 
 #include <iostream>
 
-#include <itkObject.h>
-#include <nifti1_io.h>
-
 namespace palpate {
 namespace {
 
@@ -17,10 +14,7 @@ std::mutex& oneAtATime() {
 }  // namespace
 
 Quiet::Quiet()
-    : lock_(oneAtATime()), old_cerr_(std::cerr.rdbuf(chatter_.rdbuf())), old_cout_(std::cout.rdbuf(chatter_.rdbuf())) {
-  itk::Object::SetGlobalWarningDisplay(false);
-  nifti_set_debug_level(0);  // the C library prints with fprintf
-}
+    : lock_(oneAtATime()), old_cerr_(std::cerr.rdbuf(chatter_.rdbuf())), old_cout_(std::cout.rdbuf(chatter_.rdbuf())) {}
 
 Quiet::~Quiet() {
   std::cerr.rdbuf(old_cerr_);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/files/quiet.hpp: keeps ITK, the libraries under it and OpenVDB from writing to the screen. Private to
-// engine/files.
+// engine/files/quiet.hpp: keeps ITK, the libraries under it and OpenVDB from writing to the screen. Private to their
+// modules.
 #pragma once
 
 #include <mutex>
@@ -9,8 +9,8 @@
 
 namespace palpate {
 
-// While a Quiet lives, std::cerr and std::cout go into a buffer, and the warnings of ITK, its NIfTI library and GDCM
-// are off. There is one at a time in a process; a second one waits.
+// While a Quiet lives, std::cerr and std::cout go into a buffer. There is one at a time in a module; a second one
+// waits. In the program's own process only OpenVDB's module makes any; ITK's does in child processes.
 class Quiet {
  public:
   Quiet();

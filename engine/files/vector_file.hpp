@@ -18,19 +18,15 @@ namespace palpate {
 
 class VectorFile {
  public:
-  // Throws Error(kBadInput, `name`) if voxels are too small for OpenVDB.
-  VectorFile(const Vec3i& size, const Lattice& lattice, const std::string& name);
-  ~VectorFile();
-  VectorFile(const VectorFile&) = delete;
-  VectorFile& operator=(const VectorFile&) = delete;
+  virtual ~VectorFile() = default;
 
   // Sets a brick's 512 gradients, i fastest, along the lattice's axes [density/m]. Once for each brick.
-  void setBrick(const Vec3i& brick, std::span<const Eigen::Vector3f> gradients_L_per_m);
-  void write(const ByteSink& sink) const;  // throws what the sink throws
-
- private:
-  struct State;
-  std::unique_ptr<State> state_;
+  virtual void setBrick(const Vec3i& brick, std::span<const Eigen::Vector3f> gradients_L_per_m) = 0;
+  virtual void write(const ByteSink& sink) const = 0;  // throws what the sink throws
 };
+
+// Throws Error(kBadInput, `name`) if voxels are too small for OpenVDB.
+[[nodiscard]] std::unique_ptr<VectorFile> makeVectorFile(const Vec3i& size, const Lattice& lattice,
+                                                         const std::string& name);
 
 }  // namespace palpate

@@ -47,7 +47,7 @@ const gpu::Kernel& FilterDispatch::kernel(std::size_t step, const BrickPool& fro
   auto found = kernels_.find(key);
   if (found == kernels_.end()) {
     gpu::Kernel made(gpu_, {.name = kind.name,
-                            .spirv = kernelSpirv(kind.name),
+                            .spirv = poolKernelSpirv(kind.name, slabs),
                             .bindings = FILTER_BINDINGS,
                             .push_bytes = sizeof(layout::FilterPush),
                             .specialisation = constants});

@@ -41,6 +41,10 @@ void Gpu::State::wait(std::uint64_t value) {
   }
 }
 
+std::shared_ptr<const void> openAhead(const GpuRequest& request) {
+  return openDevice(request.name, request.validation || validationWanted());
+}
+
 Gpu::Gpu(const GpuRequest& request) {
   const std::shared_ptr<OpenDevice> opened = openDevice(request.name, request.validation || validationWanted());
   try {

@@ -36,6 +36,10 @@ struct GpuRequest {
   bool validation = false;  // open with the Khronos validation layer, synchronisation validation included
 };
 
+// Opens the device that a Gpu of this request will use, or finds it open, and keeps it open while the handle lives. For
+// a thread that does so while another one still prepares its work: a driver takes some 30 ms. Throws as Gpu does.
+[[nodiscard]] std::shared_ptr<const void> openAhead(const GpuRequest& request);
+
 class Gpu {
  public:
   // Throws Error(kNotFound) if no device fits the request, kDevice if the driver refuses.

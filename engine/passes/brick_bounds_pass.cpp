@@ -14,11 +14,18 @@ std::uint32_t groupsFor(std::size_t bricks, std::size_t group) {
 }  // namespace
 
 BrickBoundsPass::BrickBoundsPass(gpu::Gpu& gpu, const BrickPool& pool)
-    : pool_(pool),
+    : gpu_(gpu),
+      pool_(pool),
       all_(gpu, "brick_bounds", pool, BOUNDS_BINDINGS, sizeof(layout::BoundsPush), {BOUNDS_GROUP}),
-      listed_(gpu, "brick_bounds", pool, BOUNDS_BINDINGS, sizeof(layout::BoundsPush), {BOUNDS_GROUP_LISTED}),
       bounds_(gpu, "brick bounds", pool.brickCount() * sizeof(layout::BrickBounds), gpu::MemoryKind::kDevice),
       commands_(gpu, "brick bounds", 1) {}
+
+void BrickBoundsPass::makeKernels() {
+  if (!listed_)
+    listed_.emplace(gpu_, "brick_bounds", pool_, BOUNDS_BINDINGS, sizeof(layout::BoundsPush),
+                    std::vector<std::uint32_t>{BOUNDS_GROUP_LISTED});
+  static_cast<void>(listed_->get());
+}
 
 void BrickBoundsPass::run() {
   const layout::BoundsPush push{pool_.domain(), static_cast<layout::uint>(pool_.brickCount()), 0};
@@ -32,7 +39,8 @@ void BrickBoundsPass::run() {
 void BrickBoundsPass::record(gpu::Commands& commands, const gpu::Buffer& tasks, std::uint32_t count,
                              const gpu::Buffer& results) {
   const layout::BoundsPush push{pool_.domain(), count, 1};
-  commands.dispatch(listed_.get(), poolBindings(pool_, {&bounds_, &tasks, &results}), gpu::pushBytes(push),
+  makeKernels();
+  commands.dispatch(listed_->get(), poolBindings(pool_, {&bounds_, &tasks, &results}), gpu::pushBytes(push),
                     gpu::Groups::folded(groupsFor(std::max(count, 1U), BOUNDS_GROUP_LISTED), GROUPS_PER_ROW));
 }
 

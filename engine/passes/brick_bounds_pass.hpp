@@ -4,6 +4,7 @@
 // Gpu's.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "engine/gpu/buffer.hpp"
@@ -23,14 +24,17 @@ class BrickBoundsPass {
   // Records the first `count` bricks of `tasks` (layout::BrickTask). Their bounds also go into `results`
   // (layout::BrickBounds), in the order of the tasks.
   void record(gpu::Commands& commands, const gpu::Buffer& tasks, std::uint32_t count, const gpu::Buffer& results);
-  void makeKernels() { static_cast<void>(listed_.get()); }  // for the pool's present slabs; throws Error(kDevice)
+  // Makes the kernel for listed bricks, for the pool's present slabs; throws Error(kDevice). Without this the first
+  // record() makes it: a field that is not edited needs none.
+  void makeKernels();
   [[nodiscard]] std::vector<layout::BrickBounds> read(gpu::Transfer& transfer) const;
   [[nodiscard]] const gpu::Buffer& bounds() const noexcept { return bounds_; }
 
  private:
+  gpu::Gpu& gpu_;
   const BrickPool& pool_;
   PoolKernel all_;
-  PoolKernel listed_;
+  std::optional<PoolKernel> listed_;
   gpu::Buffer bounds_;
   gpu::Commands commands_;
 };

@@ -26,18 +26,20 @@ struct GradientKernel {
 GradientKernel kernelOf(const GradientOperator& gradient_operator, bool smoothed) {
   if (smoothed) return {"gradient_smoothed", GRADIENT_SMOOTHED_BINDINGS, 1};
   if (gradient_operator.kind.stencil == GRADIENT_SOBEL) return {"gradient_sobel", GRADIENT_BINDINGS, SOBEL_BRICKS};
+  if (gradient_operator.kind.stencil == GRADIENT_CENTRAL4) return {"gradient_central4", GRADIENT_BINDINGS, 1};
   return {"gradient", GRADIENT_BINDINGS, 1};
 }
 
-std::vector<std::uint32_t> constantsOf(const GradientOperator& gradient_operator, const SampleFormat& format,
-                                       const Tuning& tuning) {
-  return {format.half ? 1U : 0U, gradient_operator.kind.stencil, tuning.gradient_run, BRICK_ROWS / tuning.gradient_run};
+std::vector<std::uint32_t> constantsOf(const SampleStore& store, const Tuning& tuning, GradientUse use) {
+  const bool is_short = use == GradientUse::kOnce && store.brickCount() <= tuning.short_gradient_bricks;
+  const std::uint32_t run = is_short ? tuning.short_gradient_run : tuning.gradient_run;
+  return {store.format().half ? 1U : 0U, run, BRICK_ROWS / run};
 }
 
 }  // namespace
 
 GradientPass::GradientPass(gpu::Gpu& gpu, gpu::Transfer& transfer, const BrickPool& pool, const SampleStore& store,
-                           const GradientOperator& gradient_operator, const BrickPool* smoothed)
+                           const GradientOperator& gradient_operator, const BrickPool* smoothed, GradientUse use)
     : gpu_(gpu),
       transfer_(transfer),
       pool_(pool),
@@ -46,8 +48,7 @@ GradientPass::GradientPass(gpu::Gpu& gpu, gpu::Transfer& transfer, const BrickPo
       smoothed_(smoothed),
       kernel_(gpu, kernelOf(gradient_operator, smoothed != nullptr).name, smoothed != nullptr ? *smoothed : pool,
               kernelOf(gradient_operator, smoothed != nullptr).bindings, sizeof(layout::GradientPush),
-              constantsOf(gradient_operator, store.format(), tuningFor(gpu.info())),
-              smoothed != nullptr ? &pool : nullptr) {}
+              constantsOf(store, tuningFor(gpu.info()), use), smoothed != nullptr ? &pool : nullptr) {}
 
 void GradientPass::run(std::span<const std::uint32_t> bricks, const std::function<void(double)>& progress) {
   BrickTasks by_slab;

@@ -24,12 +24,16 @@ struct ActiveTest {
   layout::IsovaluePair isovalues = {};
 };
 
+// Whether a pass serves for long or computes the store's bricks once. Only the time depends on it (Tuning).
+enum class GradientUse { kOften, kOnce };
+
 class GradientPass {
  public:
   // `smoothed`: the field whose gradient is taken, for an operator that smooths (a FilterChain makes it); null: that of
   // `pool`.
   GradientPass(gpu::Gpu& gpu, gpu::Transfer& transfer, const BrickPool& pool, const SampleStore& store,
-               const GradientOperator& gradient_operator = {}, const BrickPool* smoothed = nullptr);
+               const GradientOperator& gradient_operator = {}, const BrickPool* smoothed = nullptr,
+               GradientUse use = GradientUse::kOften);
 
   // How far a changed density changes gradients. For an operator that smooths: how far a changed smoothed density does.
   [[nodiscard]] Reach reach() const noexcept { return {operator_.kind.reach, operator_.kind.reach}; }

@@ -28,7 +28,7 @@ const gpu::Kernel& PoolKernel::get() {
   if (second_ != nullptr) constants.back() = slabsOf(*second_);
   if (constants_ != constants) {
     kernel_ = gpu::Kernel(gpu_, gpu::KernelSpec{.name = name_,  // if it throws, the old kernel stays
-                                                .spirv = kernelSpirv(name_),
+                                                .spirv = poolKernelSpirv(name_, constants.front()),
                                                 .bindings = bindings_,
                                                 .push_bytes = push_bytes_,
                                                 .specialisation = constants});

@@ -18,6 +18,9 @@ struct Tuning {
   // read. On a CPU every load is a loop over lanes, so eight rows are best. A GPU needs 32 invocations for each brick
   // to fill its warps, and its caches serve repeated reads.
   std::uint32_t gradient_run;
+  // The same where at most so many bricks are computed, and once: a driver has less to compile then.
+  std::uint32_t short_gradient_run;
+  std::uint32_t short_gradient_bricks;
 
   // Most bricks in one submission when a whole field is computed. A filter's submission has fewer bricks if it would
   // take more than a tenth of a second.

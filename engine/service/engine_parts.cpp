@@ -138,8 +138,9 @@ void EngineParts::computeGradients(const Volume& volume, const Plan& plan, const
     checkSampleRoom(*pool_->budget(), bricks.size() * kBrickVoxels * format.bytesAVoxel());
     store_ = std::make_unique<SampleStore>(gpu_, pool_->brickCount(), inBlocks(bricks, pool_->grid()), pool_->budget(),
                                            format);
-    gradient_ = std::make_unique<GradientPass>(gpu_, transfer_, field(), *store_, plan.gradient,
-                                               smoothing_ ? &smoothing_->result() : nullptr);
+    gradient_ = std::make_unique<GradientPass>(
+        gpu_, transfer_, field(), *store_, plan.gradient, smoothing_ ? &smoothing_->result() : nullptr,
+        plan.request.edits || plan.request.other_isovalues ? GradientUse::kOften : GradientUse::kOnce);
     gradient_->run(progressOf(Pass::kGradient, progress));
   });
   if (!smoothing_ || plan.request.edits || plan.request.other_isovalues) return;

@@ -4,9 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <fmt/format.h>
-
 #include "base/error.hpp"
+#include "base/formatted.hpp"
 #include "servo/algorithms/avila.hpp"
 #include "servo/algorithms/blezek.hpp"
 #include "servo/algorithms/god_object.hpp"
@@ -14,7 +13,6 @@
 #include "servo/algorithms/hri.hpp"
 #include "servo/algorithms/hri_paper.hpp"
 #include "servo/algorithms/implicit.hpp"
-#include "servo/meshes/mesh_object.hpp"
 
 namespace palpate {
 namespace {
@@ -24,16 +22,15 @@ std::unique_ptr<Algorithm> makeVhip(AlgorithmSetup&& setup) {
   return std::make_unique<VhipKind>(setup.parameters, std::move(setup.effects), std::move(setup.objects));
 }
 
-// The mesh of the isosurface is one more object, the first.
+// The isosurface is one more object, the first.
 std::unique_ptr<Algorithm> makeGodObject(AlgorithmSetup&& setup) {
   if (setup.isosurface == nullptr) {
     throw Error(Error::Code::kBadInput, "algorithm god-object", "the isosurface's mesh is missing",
                 "extract it from the volume first");
   }
-  const auto isosurface = std::make_shared<MeshObject>(*setup.isosurface, "isosurface");
-  setup.objects.insert(setup.objects.begin(), isosurface);
+  setup.objects.insert(setup.objects.begin(), setup.isosurface);
   return std::make_unique<GodObject>(setup.parameters, std::move(setup.effects), std::move(setup.objects),
-                                     isosurface.get());
+                                     setup.isosurface.get());
 }
 
 // For an algorithm without a VHIP that they could move.
@@ -112,7 +109,7 @@ const AlgorithmEntry& algorithmEntry(std::string_view name) {
     if (entry.name == name) return entry;
     known += (known.empty() ? "" : ", ") + std::string(entry.name);
   }
-  throw Error(Error::Code::kBadInput, "algorithm", fmt::format("'{}' is not known", name), "use one of: " + known);
+  throw Error(Error::Code::kBadInput, "algorithm", formatted("'{}' is not known", name), "use one of: " + known);
 }
 
 std::unique_ptr<Algorithm> makeAlgorithm(std::string_view name, AlgorithmSetup setup) {

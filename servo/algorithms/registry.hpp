@@ -8,7 +8,6 @@
 #include <span>
 #include <string_view>
 
-#include "base/triangle_mesh.hpp"
 #include "servo/algorithms/algorithm.hpp"
 #include "servo/algorithms/transfer_function.hpp"
 #include "servo/contact/contact_effect.hpp"
@@ -22,8 +21,8 @@ struct AlgorithmSetup {
   ContactEffects effects = {};
   TransferTables haptization = {};  // without density rows: standard tables from isovalue and `scale`
   DensityScale scale = {};
-  ContactObjects objects = {};                               // solids beside the volume
-  std::shared_ptr<const TriangleMesh> isosurface = nullptr;  // as a mesh, for an algorithm that needs it
+  ContactObjects objects = {};                                // solids beside the volume
+  std::shared_ptr<const ContactObject> isosurface = nullptr;  // as a mesh, for an algorithm that needs it
 };
 
 // What the caller must provide before the algorithm is made.

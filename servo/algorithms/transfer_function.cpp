@@ -4,15 +4,14 @@
 #include <cmath>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include "base/error.hpp"
+#include "base/formatted.hpp"
 
 namespace palpate {
 namespace {
 
 [[noreturn]] void refuseRow(const char* table, std::size_t row, const char* reason, const char* remedy) {
-  throw Error(Error::Code::kBadInput, table, fmt::format("row {}: {}", row + 1, reason), remedy);
+  throw Error(Error::Code::kBadInput, table, formatted("row {}: {}", row + 1, reason), remedy);
 }
 
 template <class Row, class Finite, class Key>

@@ -4,9 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <fmt/format.h>
-
 #include "base/error.hpp"
+#include "base/formatted.hpp"
 #include "servo/contact/force_shading.hpp"
 #include "servo/contact/recovery.hpp"
 #include "servo/contact/stiffness_by_density.hpp"
@@ -31,7 +30,7 @@ void checkParameters(const EffectParameters& p, double stiffness_N_per_m, double
   checkNotNegative("dynamic friction", p.friction.dynamic_ratio);
   checkNotNegative("viscous friction", p.friction.viscous_Ns_per_m);
   checkSetting(p.friction.dynamic_ratio <= p.friction.static_ratio, "dynamic friction", p.friction.dynamic_ratio,
-               fmt::format("give at most the static friction, {:g}", p.friction.static_ratio).c_str());
+               formatted("give at most the static friction, {}", p.friction.static_ratio).c_str());
 }
 
 // A recovery time below a tick is a tick: that is no recovery, but harmless.
@@ -85,7 +84,7 @@ TextureKind textureOfName(std::string_view name) {
   if (name == "none") return TextureKind::kNone;
   if (name == "procedural") return TextureKind::kProcedural;
   if (name == "density") return TextureKind::kDensity;
-  throw Error(Error::Code::kBadInput, "texture", fmt::format("'{}' is not known", name),
+  throw Error(Error::Code::kBadInput, "texture", formatted("'{}' is not known", name),
               "use none, procedural or density");
 }
 

@@ -3,9 +3,8 @@
 
 #include <cmath>
 
-#include <fmt/format.h>
-
 #include "base/error.hpp"
+#include "base/formatted.hpp"
 
 namespace palpate {
 namespace {
@@ -22,12 +21,12 @@ StiffnessTable::StiffnessTable(std::vector<StiffnessRow> rows) : rows_(std::move
   if (rows_.empty()) refuseTable("the table has no row", "give one or more");
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     const StiffnessRow& row = rows_[i];
-    if (!std::isfinite(row.density)) refuseTable(fmt::format("density {:g}", row.density), "give a finite number");
+    if (!std::isfinite(row.density)) refuseTable(formatted("density {}", row.density), "give a finite number");
     if (!(row.factor >= 0 && row.factor <= kLargestFactor)) {
-      refuseTable(fmt::format("factor {:g} cannot be used", row.factor), "give one from 0 to 100");
+      refuseTable(formatted("factor {} cannot be used", row.factor), "give one from 0 to 100");
     }
     if (i > 0 && !(row.density > rows_[i - 1].density)) {
-      refuseTable(fmt::format("density {:g} comes after {:g}", row.density, rows_[i - 1].density),
+      refuseTable(formatted("density {} comes after {}", row.density, rows_[i - 1].density),
                   "give the rows in rising order");
     }
   }

@@ -3,7 +3,6 @@
 
 #include <cmath>
 
-#include <fmt/format.h>
 #include <unsupported/Eigen/MatrixFunctions>
 
 #include "base/error.hpp"

@@ -4,9 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <fmt/format.h>
-
 #include "base/error.hpp"
+#include "base/formatted.hpp"
 
 namespace palpate {
 namespace {
@@ -17,14 +16,14 @@ namespace {
 
 void check(const std::vector<double>& times_s, const std::vector<Vec3>& points_W) {
   if (points_W.empty() || times_s.size() != points_W.size()) {
-    refusePath(fmt::format("{} times for {} points", times_s.size(), points_W.size()), "give one time for each point");
+    refusePath(formatted("{} times for {} points", times_s.size(), points_W.size()), "give one time for each point");
   }
   for (std::size_t i = 0; i < times_s.size(); ++i) {
     if (!std::isfinite(times_s[i]) || !points_W[i].allFinite()) {
-      refusePath(fmt::format("point {} is not a number", i), "correct or remove it");
+      refusePath(formatted("point {} is not a number", i), "correct or remove it");
     }
     if (i > 0 && times_s[i] <= times_s[i - 1]) {
-      refusePath(fmt::format("time {:g} s of point {} is not after {:g} s", times_s[i], i, times_s[i - 1]),
+      refusePath(formatted("time {} s of point {} is not after {} s", times_s[i], i, times_s[i - 1]),
                  "sort the points by time and remove repeated times");
     }
   }

@@ -6,9 +6,8 @@
 #include <stdexcept>
 #include <vector>
 
-#include <fmt/ranges.h>
-
 #include "base/error.hpp"
+#include "base/formatted.hpp"
 #include "base/nearest_word.hpp"
 #include "servo/devices/simulated_device.hpp"
 
@@ -104,28 +103,28 @@ const DeviceEntry& deviceEntry(std::string_view name) {
     if (entry.name == name) return entry;
     names.emplace_back(entry.name);
   }
-  refuse(fmt::format("device \"{}\"", name), "there is none of this name",
-         withDidYouMean(name, names, fmt::format("choose one of {}", fmt::join(names, ", "))));
+  refuse(formatted("device \"{}\"", name), "there is none of this name",
+         withDidYouMean(name, names, formatted("choose one of {}", listed(names))));
 }
 
 const DeviceParameter& deviceParameter(std::string_view device, std::string_view key) {
   const DeviceParameter* parameter = find(deviceEntry(device), key);
-  if (parameter == nullptr) throw std::logic_error(fmt::format("device {} has no parameter {}", device, key));
+  if (parameter == nullptr) throw std::logic_error(formatted("device {} has no parameter {}", device, key));
   return *parameter;
 }
 
 std::unique_ptr<Device> makeDevice(std::string_view name, const DeviceSetup& setup) {
   const DeviceEntry& entry = deviceEntry(name);
   for (const auto& [key, value] : setup.values) {
-    const std::string input = fmt::format("{} of device {}", key, name);
+    const std::string input = formatted("{} of device {}", key, name);
     const DeviceParameter* parameter = find(entry, key);
     if (parameter == nullptr) refuse(input, "the device has no such parameter", "leave it out");
     if (value >= parameter->lowest && value <= parameter->highest) continue;
-    refuse(input, fmt::format("{:g} is out of range", value),
-           fmt::format("give {:g} to {:g}", parameter->lowest, parameter->highest));
+    refuse(input, formatted("{} is out of range", value),
+           formatted("give {} to {}", parameter->lowest, parameter->highest));
   }
   if (entry.needs_path && setup.path == nullptr)
-    refuse(fmt::format("device {}", name), "there is no path to lead it along", "give a path");
+    refuse(formatted("device {}", name), "there is no path to lead it along", "give a path");
   return entry.make(setup);
 }
 

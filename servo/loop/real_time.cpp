@@ -5,13 +5,12 @@
 #include <system_error>
 #include <thread>
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <pthread.h>
 #include <sys/mman.h>
 #include <time.h>
 
 #include "base/error.hpp"
+#include "base/formatted.hpp"
 
 namespace palpate {
 namespace {
@@ -33,25 +32,24 @@ RealTimeStatus becomeRealTime(int priority) {
   status.fifo = fifo_error == 0;
   if (!status.fifo) {
     status.notes.push_back(
-        fmt::format("no real-time priority (SCHED_FIFO {}): {}; allow rtprio {} for the user in "
-                    "/etc/security/limits.conf, or expect more late ticks",
-                    priority, reason(fifo_error), priority));
+        formatted("no real-time priority (SCHED_FIFO {}): {}; allow rtprio {} for the user in "
+                  "/etc/security/limits.conf, or expect more late ticks",
+                  priority, reason(fifo_error), priority));
   }
   // On fault: pages that are not in use yet, such as those of other threads' stacks, are not loaded.
   status.memory_locked = mlockall(MCL_CURRENT | MCL_ONFAULT) == 0;
   if (!status.memory_locked) {
     status.notes.push_back(
-        fmt::format("memory not locked: {}; raise memlock for the user in /etc/security/limits.conf, "
-                    "or expect a late tick where a page was swapped out",
-                    reason(errno)));
+        formatted("memory not locked: {}; raise memlock for the user in /etc/security/limits.conf, "
+                  "or expect a late tick where a page was swapped out",
+                  reason(errno)));
   }
   return status;
 }
 
 void refuseWithoutRealTime(const RealTimeStatus& status) {
   if (status.granted()) return;
-  throw Error(Error::Code::kDevice, "real time", fmt::format("{}", fmt::join(status.notes, "; ")),
-              "or leave --require-real-time out");
+  throw Error(Error::Code::kDevice, "real time", listed(status.notes, "; "), "or leave --require-real-time out");
 }
 
 void checkRealTime(int priority) {

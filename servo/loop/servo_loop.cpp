@@ -7,9 +7,8 @@
 #include <limits>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include "base/error.hpp"
+#include "base/formatted.hpp"
 #include "base/units.hpp"
 #include "servo/algorithms/iso_field.hpp"
 #include "servo/window/window_sampler.hpp"
@@ -23,7 +22,7 @@ constexpr std::int64_t kMostElapsed = 1'000'000;  // most grid periods of one el
 
 const LoopParameters& checked(const LoopParameters& p) {
   const auto refuse = [](const char* key, double value, const char* remedy) {
-    throw Error(Error::Code::kBadInput, key, fmt::format("{:g} cannot be used", value), remedy);
+    throw Error(Error::Code::kBadInput, key, formatted("{} cannot be used", value), remedy);
   };
   if (!(p.rate_hz >= 1 && p.rate_hz <= kMaxRate_hz)) refuse("rate", p.rate_hz, "give 1 to 20000 Hz");
   if (p.ticks < 0) refuse("ticks", static_cast<double>(p.ticks), "give 0 (no end) or more");
@@ -189,6 +188,7 @@ LoopResult ServoLoop::wait() {
 template <typename Clock>
 void ServoLoop::runOnGrid(Clock& clock) {
   const std::int64_t start_ns = clock.now_ns() + offset_ns(1);
+  first_due_ns_ = start_ns;
   TickRecord unkept;
   std::int64_t last_tick = 0;
   for (std::int64_t tick = 0; wanted(tick);) {
@@ -355,7 +355,7 @@ void ServoLoop::endForce(Pause pause) noexcept {
 }
 
 LoopResult ServoLoop::result() {
-  return {recorder_.taken(), ticks_run_, ticks_skipped_, released_, real_time_, device_.limits()};
+  return {recorder_.taken(), ticks_run_, ticks_skipped_, released_, real_time_, device_.limits(), first_due_ns_};
 }
 
 }  // namespace palpate

@@ -62,7 +62,8 @@ struct LoopResult {
   std::int64_t ticks_skipped = 0;  // grid points left out after missed deadlines [tick]
   bool released = false;           // the device took a zero force at the end; false: it may still hold a force
   RealTimeStatus real_time;
-  DeviceLimits device;  // of the device that was used
+  DeviceLimits device;            // of the device that was used
+  std::int64_t first_due_ns = 0;  // when the first tick was due, on the run's clock [ns]
 };
 
 class ServoLoop {
@@ -153,6 +154,7 @@ class ServoLoop {
   std::int64_t change_ticks_;     // kChangeOver_s in ticks
   std::int64_t ticks_run_ = 0;
   std::int64_t ticks_skipped_ = 0;
+  std::int64_t first_due_ns_ = 0;
   bool released_ = false;
   RealTimeStatus real_time_;
   std::atomic<bool> stop_{false};

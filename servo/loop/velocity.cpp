@@ -4,9 +4,8 @@
 #include <array>
 #include <cmath>
 
-#include <fmt/format.h>
-
 #include "base/error.hpp"
+#include "base/formatted.hpp"
 
 namespace palpate {
 namespace {
@@ -36,7 +35,7 @@ Estimate make(const VelocityParameters& p, double rate_hz) {
     if (kEntries[i].name == p.name) return kMakers[i](p, rate_hz);
     known += (i == 0 ? "" : ", ") + std::string(kEntries[i].name);
   }
-  throw Error(Error::Code::kBadInput, "velocity", fmt::format("'{}' is not known", p.name), "use one of: " + known);
+  throw Error(Error::Code::kBadInput, "velocity", formatted("'{}' is not known", p.name), "use one of: " + known);
 }
 
 }  // namespace

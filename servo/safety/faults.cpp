@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include <fmt/format.h>
+#include "base/formatted.hpp"
 
 namespace palpate {
 namespace {
@@ -86,7 +86,7 @@ std::string describeFaults(std::uint32_t faults) {
   std::string lines;
   for (const FaultText& row : kTable) {
     if (has(faults, row.fault))
-      lines += fmt::format("{}: {}; the force {}; {}\n", row.name, row.text, row.effect, row.remedy);
+      lines += formatted("{}: {}; the force {}; {}\n", row.name, row.text, row.effect, row.remedy);
   }
   return lines;
 }
@@ -104,7 +104,7 @@ slew limit). `faults` in trace.csv is the sum of the values below. This page is 
 |---|---|---|---|---|
 )";
   for (const FaultText& row : kTable) {
-    text += fmt::format("| `{}` | {} | {} | {} | {} |\n", row.name, bit(row.fault), row.text, row.effect, row.remedy);
+    text += formatted("| `{}` | {} | {} | {} | {} |\n", row.name, bit(row.fault), row.text, row.effect, row.remedy);
   }
   return text;
 }

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/window/window_exchange.hpp"
 
-#include <fmt/format.h>
-
 #include "base/error.hpp"
+#include "base/formatted.hpp"
 
 namespace palpate {
 
@@ -20,7 +19,7 @@ WindowExchange::WindowExchange(const std::array<Sample*, 3>& storages, std::size
   const bool distinct = storages[0] != storages[1] && storages[1] != storages[2] && storages[0] != storages[2];
   if (storages[0] == nullptr || storages[1] == nullptr || storages[2] == nullptr || !distinct || capacity_samples < 8) {
     throw Error(Error::Code::kBadInput, "window exchange",
-                fmt::format("needs three storages of their own with at least 8 samples each, not {}", capacity_samples),
+                formatted("needs three storages of their own with at least 8 samples each, not {}", capacity_samples),
                 "map one buffer for each slot");
   }
 }
@@ -30,8 +29,8 @@ void WindowExchange::publish() {
   const auto count = window.size.cast<std::int64_t>().prod();
   if (window.size.minCoeff() < 2 || count > static_cast<std::int64_t>(capacity_samples_)) {
     throw Error(Error::Code::kBadInput, "window",
-                fmt::format("{} x {} x {} samples do not fit", window.size.x(), window.size.y(), window.size.z()),
-                fmt::format("use 2 or more along each axis and at most {} in all", capacity_samples_));
+                formatted("{} x {} x {} samples do not fit", window.size.x(), window.size.y(), window.size.z()),
+                formatted("use 2 or more along each axis and at most {} in all", capacity_samples_));
   }
   window.samples = storages_[buffer_.backIndex()];
   window.version = ++version_;

@@ -53,7 +53,7 @@ struct Pipe {
     setrlimit(RLIMIT_NPROC, &limit);
     if (geteuid() == 0 && setuid(kNobody) != 0) _exit(126);
   }
-  std::vector<std::string> words = {PALPATE_PROGRAM};
+  std::vector<std::string> words = {command.program.empty() ? PALPATE_PROGRAM : command.program};
   words.insert(words.end(), command.arguments.begin(), command.arguments.end());
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());

@@ -13,6 +13,7 @@ namespace palpate {
 
 struct Command {
   std::vector<std::string> arguments{};                            // after the program's name
+  std::string program{};                                           // a copy of it; "": the built one
   std::filesystem::path folder{};                                  // the working directory
   std::vector<std::pair<std::string, std::string>> environment{};  // variables that differ from this process's
   std::optional<std::uint64_t> file_size_limit{};                  // of every file that it writes [byte]

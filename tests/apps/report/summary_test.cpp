@@ -70,7 +70,8 @@ TEST(Summary, HoldsEveryFigureToTheLetter) {
   Json servo = s["servo"];
   EXPECT_EQ(servo["realtime"], Json(run.realtime));
   servo.erase("realtime");
-  EXPECT_EQ(servo, Json::parse(R"({"ticks": 4993, "time_s": 5, "times_measured": true, "late_ticks": 4,
+  EXPECT_EQ(servo, Json::parse(R"({"ticks": 4993, "time_s": 5, "times_measured": true,
+    "start_to_first_tick_ms": 125, "late_ticks": 4,
     "skipped_ticks": 7, "faulty_ticks": 5, "windows_used": 251, "plane_age_max_ticks": 6,
     "tick_cost_us": {"count": 4992, "p50": 2, "p90": 2.5, "p99": 3.25, "p99_9": 3.5, "max": 9},
     "lateness_us": {"count": 4991, "p50": 40, "p90": 50, "p99": 60, "p99_9": 65, "max": 70},
@@ -86,6 +87,7 @@ TEST(Summary, HoldsEveryFigureToTheLetter) {
     "save_failure": "it is full too", "content": "0000000000000abc", "added_m3": 2e-9})"));
   EXPECT_EQ(s["machine"], Json::parse(R"({"cpu": "Example CPU", "cores": 4, "memory_bytes": 8589934592,
     "kernel": "Linux 6.1", "os": "Debian GNU/Linux 12"})"));
+  EXPECT_EQ(s["libraries"], Json::parse(R"(["libc.so.6", "openvdb.so"])"));
   EXPECT_EQ(s["stages"][1], Json::parse(R"({"name": "gradient", "seconds": 0.1})"));
   EXPECT_EQ(s["memory"][0], Json::parse(R"({"name": "bricks on the GPU", "bytes": 3145728})"));
   EXPECT_EQ(s["phases"][2], Json::parse(R"({"name": "slide", "begin_s": 2, "end_s": 4})"));

@@ -15,6 +15,7 @@
 #include "engine/phantoms/phantom.hpp"
 #include "servo/devices/path.hpp"
 #include "servo/devices/simulated_device.hpp"
+#include "servo/meshes/mesh_object.hpp"
 #include "servo/safety/faults.hpp"
 #include "tests/servo/support/seeded.hpp"
 #include "tests/support/refusal.hpp"
@@ -380,7 +381,7 @@ TEST_F(OtherIsovalue, IsFeltWhileASliderMoves) {
 // A mesh is that of one isovalue.
 TEST_F(OtherIsovalue, IsRefusedToAnAlgorithmWithAMesh) {
   TouchRig one(engine, device(), loop,
-               {.isosurface = std::make_shared<TriangleMesh>(
+               {.isosurface = std::make_shared<MeshObject>(
                     TriangleMesh{{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)}, {{0, 1, 2}}})},
                settings);
   RigSettings next = settings;

@@ -24,14 +24,16 @@ void expectOnly(Canvas& canvas, const Color& color, const std::function<bool(int
 }
 
 TEST(Canvas, FillsARectangle) {
-  Canvas canvas(9, 7);
+  const std::unique_ptr<Canvas> picture = makeCanvas(9, 7);
+  Canvas& canvas = *picture;
   canvas.fillRectangle(2, 1, 4, 3, kRed);
   expectOnly(canvas, kRed, [](int x, int y) { return x >= 2 && x < 6 && y >= 1 && y < 4; });
 }
 
 // From 2 to 8 and from 1 to 5, but for its corners. A dashed line before it leaves no dashes behind.
 TEST(Canvas, DrawsAFrame) {
-  Canvas canvas(9, 7);
+  const std::unique_ptr<Canvas> picture = makeCanvas(9, 7);
+  Canvas& canvas = *picture;
   canvas.polyline({{0, 0}, {1, 0}}, kWhite, 1, 2);
   canvas.strokeRectangle(2.5, 1.5, 5, 3, kBlue, 1);
   const Decoded image = decode(canvas.png());
@@ -42,7 +44,8 @@ TEST(Canvas, DrawsAFrame) {
 }
 
 TEST(Canvas, CopiesAPicture) {
-  Canvas canvas(5, 4);
+  const std::unique_ptr<Canvas> picture = makeCanvas(5, 4);
+  Canvas& canvas = *picture;
   canvas.image({2, 2, {10, 20, 30, 0, 40, 50, 60, 0, 70, 80, 90, 0, 1, 2, 3, 0}, {}}, 1, 2);
   const Decoded image = decode(canvas.png());
   EXPECT_EQ(image.at(1, 2), 0x0A141EU);
@@ -53,7 +56,8 @@ TEST(Canvas, CopiesAPicture) {
 }
 
 TEST(Canvas, ClipsToARectangleWhoseCornerIsTheOrigin) {
-  Canvas canvas(9, 7);
+  const std::unique_ptr<Canvas> picture = makeCanvas(9, 7);
+  Canvas& canvas = *picture;
   canvas.pushClip(3, 2, 4, 3);
   canvas.fillRectangle(1, -5, 90, 90, kRed);
   canvas.popClip();
@@ -63,7 +67,8 @@ TEST(Canvas, ClipsToARectangleWhoseCornerIsTheOrigin) {
 
 // Dashes of 5 and gaps of 4, with straight ends; a line without dashes has round ends.
 TEST(Canvas, DrawsDashes) {
-  Canvas canvas(24, 5);
+  const std::unique_ptr<Canvas> picture = makeCanvas(24, 5);
+  Canvas& canvas = *picture;
   canvas.polyline({{1, 2.5}, {22, 2.5}}, kRed, 1, 5);
   canvas.polyline({{4, 1}}, kRed, 1);
   expectOnly(canvas, kRed,
@@ -71,7 +76,8 @@ TEST(Canvas, DrawsDashes) {
 }
 
 TEST(Canvas, LinesHaveRoundEndsAndCorners) {
-  Canvas canvas(40, 40);
+  const std::unique_ptr<Canvas> picture = makeCanvas(40, 40);
+  Canvas& canvas = *picture;
   canvas.polyline({{10, 10}, {30, 10}, {30, 30}}, kRed, 8);
   const Decoded image = decode(canvas.png());
   EXPECT_TRUE(hasColor(image, 20, 7, kRed));
@@ -84,7 +90,8 @@ TEST(Canvas, LinesHaveRoundEndsAndCorners) {
 // 40 long in lines of 2: the head is 9 long and, at its neck, 3.8 to each side.
 TEST(Canvas, ArrowsPointFromOneEndToTheOther) {
   for (const bool upright : {false, true}) {
-    Canvas canvas(56, 56);
+    const std::unique_ptr<Canvas> picture = makeCanvas(56, 56);
+    Canvas& canvas = *picture;
     const auto at = [&](double along, double across) { return upright ? Pixel{across, along} : Pixel{along, across}; };
     canvas.arrow(at(5, 20), at(45, 20), kBlue, 2);
     canvas.arrow(at(5, 40), at(5.9, 40), kBlue, 2);  // too short to be drawn
@@ -102,7 +109,8 @@ TEST(Canvas, ArrowsPointFromOneEndToTheOther) {
 
 // Six tenths of a short arrow are head: 12 of 20, where its line would have 18.
 TEST(Canvas, AShortArrowKeepsSomeOfItsLine) {
-  Canvas canvas(40, 40);
+  const std::unique_ptr<Canvas> picture = makeCanvas(40, 40);
+  Canvas& canvas = *picture;
   canvas.arrow({5, 20}, {25, 20}, kBlue, 4);
   const Decoded image = decode(canvas.png());
   EXPECT_TRUE(hasColor(image, 14, 16, kBlue) && hasColor(image, 14, 23, kBlue));
@@ -111,7 +119,8 @@ TEST(Canvas, AShortArrowKeepsSomeOfItsLine) {
 
 // Radius 16, its rim a quarter of that: from 14 to 18.
 TEST(Canvas, DiscsHaveARim) {
-  Canvas canvas(60, 50);
+  const std::unique_ptr<Canvas> picture = makeCanvas(60, 50);
+  Canvas& canvas = *picture;
   canvas.polyline({{0, 0}, {1, 1}}, kWhite, 1);
   canvas.disc({30, 20}, 16, kRed, kBlue);
   const Decoded image = decode(canvas.png());
@@ -140,7 +149,8 @@ Ink inkOf(const Decoded& image) {
 // Capitals stand on the base line and are some 0.73 of the size high, less than a pixel of room on each side of words.
 TEST(Canvas, WritesBesideTheGivenPlace) {
   for (const Align align : {Align::kLeft, Align::kCentre, Align::kRight}) {
-    Canvas canvas(300, 60);
+    const std::unique_ptr<Canvas> picture = makeCanvas(300, 60);
+    Canvas& canvas = *picture;
     const double width = canvas.text({150, 40}, "HHHHH", 20, kBlack, align);
     EXPECT_EQ(width, canvas.textWidth("HHHHH", 20));
     const Ink ink = inkOf(decode(canvas.png()));
@@ -156,7 +166,8 @@ TEST(Canvas, WritesBesideTheGivenPlace) {
 
 TEST(Canvas, AHaloIsAroundTheWords) {
   for (const bool halo : {false, true}) {
-    Canvas canvas(100, 60);
+    const std::unique_ptr<Canvas> picture = makeCanvas(100, 60);
+    Canvas& canvas = *picture;
     canvas.fillRectangle(0, 0, 100, 60, kRed);
     canvas.text({20, 40}, "HHH", 20, kBlack, Align::kLeft, false, halo);
     const Decoded image = decode(canvas.png());
@@ -168,7 +179,8 @@ TEST(Canvas, AHaloIsAroundTheWords) {
 
 // What is not UTF-8, or no character that can be shown, is a question mark for each byte.
 TEST(Canvas, WritesAQuestionMarkForWhatIsNoCharacter) {
-  Canvas canvas(10, 10);
+  const std::unique_ptr<Canvas> picture = makeCanvas(10, 10);
+  Canvas& canvas = *picture;
   for (const auto& [words, shown] : {std::pair("a\xff", "a?"),
                                      {"\xc3(", "?("},
                                      {"\xe2\x82", "??"},

@@ -32,7 +32,8 @@ class PanelTest : public ::testing::Test {
   }
   template <typename Draw>
   Decoded drawn(Draw draw) {
-    Canvas canvas(400, 300);
+    const std::unique_ptr<Canvas> picture = makeCanvas(400, 300);
+    Canvas& canvas = *picture;
     Panel panel(canvas, camera_, image_, 1e-3, 2);
     draw(panel);
     return decode(canvas.png());
@@ -68,7 +69,8 @@ TEST_F(PanelTest, ThePathIsSolidOrDashed) {
 
 // The rim is 2.2 wider than the line, at scale 2 twice that.
 TEST_F(PanelTest, ThePathHasALightRim) {
-  Canvas canvas(400, 300);
+  const std::unique_ptr<Canvas> picture = makeCanvas(400, 300);
+  Canvas& canvas = *picture;
   canvas.fillRectangle(0, 0, 400, 300, {0, 0, 0});
   Panel panel(canvas, camera_, image_, 1e-3, 2);
   panel.drawHipPath({tickAt(-100, 0), tickAt(100, 0)});

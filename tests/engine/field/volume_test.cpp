@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <limits>
+#include <random>
 
 #include <fmt/format.h>
 
@@ -147,6 +148,28 @@ TEST(Volume, SamplesUpToItsOutermostVoxels) {
   }
   for (const Vec3& p_L : {Vec3(2.0001, 3, 4), Vec3(2, 3.0001, 4), Vec3(2, 3, 4.0001), Vec3(0, -0.0001, 0)})
     EXPECT_FALSE(volume.sample(lattice.toWorld(p_L), density, gradient)) << p_L.transpose();
+}
+
+// Inside, on faces and outside, in volumes of several bricks and of one voxel along an axis.
+TEST(Volume, TheDensityAloneIsThatOfTheSample) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> place(-0.1, 1.1);
+  int inside = 0;
+  for (const Vec3i& size : {Vec3i(17, 9, 12), Vec3i(2, 3, 2), Vec3i(1, 9, 9), Vec3i(20, 1, 1)}) {
+    const Volume volume = distinctVolume(size);
+    for (int n = 0; n < 2000; ++n) {
+      Vec3 p_L = (size - Vec3i::Ones()).cast<double>().cwiseProduct(Vec3(place(random), place(random), place(random)));
+      if (n % 3 == 0) p_L[n % 9 / 3] = std::round(p_L[n % 9 / 3]);
+      const Vec3 p_W = volume.lattice().toWorld(p_L);
+      double density = 0;
+      Vec3 gradient;
+      const bool is_inside = volume.sample(p_W, density, gradient);
+      ASSERT_EQ(volume.density(p_W), is_inside ? std::optional(density) : std::nullopt) << p_L.transpose();
+      inside += is_inside ? 1 : 0;
+    }
+  }
+  EXPECT_GT(inside, 2000);
+  EXPECT_LT(inside, 7000);
 }
 
 TEST(Volume, KeepsItsNameAndEveryRemark) {

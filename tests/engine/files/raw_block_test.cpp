@@ -5,7 +5,7 @@
 #include <random>
 #include <system_error>
 
-#include "engine/field/grid.hpp"
+#include "engine/vdb/vdb_grid.hpp"
 #include "tests/engine/files/samples.hpp"
 
 namespace palpate {

@@ -5,8 +5,8 @@
 
 #include <openvdb/openvdb.h>
 
-#include "engine/field/grid.hpp"
 #include "engine/files/volume_file.hpp"
+#include "engine/vdb/vdb_grid.hpp"
 #include "tests/engine/files/files.hpp"
 
 namespace palpate {
@@ -86,8 +86,8 @@ class VdbLeaves : public testing::Test {
     expectLattice(volume.lattice(), copied.lattice(), 0);
     EXPECT_EQ(volume.minimum(), copied.minimum());
     EXPECT_EQ(volume.maximum(), copied.maximum());
-    expectSameTree(volume.grid().field->tree(), copied.grid().field->tree());
-    EXPECT_EQ(volume.grid().field->activeVoxelCount(), volume.size().cast<std::uint64_t>().prod());
+    expectSameTree(vdbGridOf(volume)->tree(), vdbGridOf(copied)->tree());
+    EXPECT_EQ(vdbGridOf(volume)->activeVoxelCount(), volume.size().cast<std::uint64_t>().prod());
     return volume;
   }
 
@@ -104,7 +104,7 @@ TEST_F(VdbLeaves, OfADomainThatIsNamed) {
     const Volume volume = expectSameAsCopied(grid);
     EXPECT_EQ(volume.size(), Vec3i(size.x(), size.y(), size.z()));
     saveVolume(volume, folder_.file("own.vdb"));
-    expectSameTree(loadVolume(folder_.file("own.vdb")).grid().field->tree(), volume.grid().field->tree());
+    expectSameTree(vdbGridOf(loadVolume(folder_.file("own.vdb")))->tree(), vdbGridOf(volume)->tree());
   }
 }
 
@@ -149,7 +149,7 @@ TEST_F(VdbLeaves, OfOneValueBecomeTiles) {
   nameDomain(*grid, 16, 16, 16);
   const Volume volume = expectSameAsCopied(grid);
   EXPECT_EQ(volume.storedBricks(), 7U);
-  EXPECT_EQ(volume.grid().field->tree().probeLeaf(Coord(8, 0, 0)), nullptr);
+  EXPECT_EQ(vdbGridOf(volume)->tree().probeLeaf(Coord(8, 0, 0)), nullptr);
 }
 
 // The first in the order of a file of slices: by k, then j, then i; bricks are visited in another order.
@@ -188,7 +188,7 @@ TEST_F(VdbLeaves, OfTheGridThatIsNamed) {
   }
   openvdb::io::File(folder_.file("two.vdb")).write(openvdb::GridPtrVec{first, second});
   const Volume volume = loadVolume(folder_.file("two.vdb") + "#second");
-  expectSameTree(volume.grid().field->tree(), expectSameAsCopied(second).grid().field->tree());
+  expectSameTree(vdbGridOf(volume)->tree(), vdbGridOf(expectSameAsCopied(second))->tree());
 }
 
 // The memory itself changes hands; the source is asked for the brick that has no leaf, and for the one whose leaf holds
@@ -208,7 +208,7 @@ TEST_F(VdbLeaves, AreNotCopied) {
   const Volume volume(buildGridByLayers(
       {32, 8, 8}, Lattice{}, {}, [&](int) { return source; }, leaf_of));
   EXPECT_EQ(asked, (std::vector{2, 3}));
-  EXPECT_EQ(volume.grid().field->tree().probeConstLeaf(Coord(8, 0, 0))->buffer().data(), memory);
+  EXPECT_EQ(vdbGridOf(volume)->tree().probeConstLeaf(Coord(8, 0, 0))->buffer().data(), memory);
   EXPECT_TRUE(tree.probeLeaf(Coord(8, 0, 0))->buffer().empty());
   EXPECT_EQ(tree.getValue(Coord(24, 0, 0)), 5);
   EXPECT_EQ(volume.value({8, 0, 0}), 5);

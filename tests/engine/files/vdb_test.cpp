@@ -8,12 +8,12 @@
 #include <sys/resource.h>
 
 #include "base/crc32c.hpp"
-#include "engine/field/grid.hpp"
 #include "engine/field/statistics.hpp"
 #include "engine/files/vdb_checksum.hpp"
 #include "engine/files/vdb_claim.hpp"
 #include "engine/files/vector_file.hpp"
 #include "engine/files/volume_file.hpp"
+#include "engine/vdb/vdb_grid.hpp"
 #include "tests/engine/files/files.hpp"
 #include "tests/engine/files/known_leaks.hpp"
 
@@ -170,10 +170,10 @@ TEST_F(Vdb, SaysThatAGridHoldsVectors) {
 // Two bricks wide of 2 x 3 x 1.5 mm; the first has 8 x 5 x 4 voxels in the domain.
 TEST_F(Vdb, SaysWhatAFileOfGradientsIs) {
   const Lattice lattice = {Vec3(0.01, 0, 0), Mat3::Identity(), Vec3(2e-3, 3e-3, 1.5e-3)};
-  VectorFile gradients(Vec3i(10, 5, 4), lattice, "test");
-  gradients.setBrick(Vec3i(0, 0, 0), std::vector<Eigen::Vector3f>(kBrickVoxels, Eigen::Vector3f(1, 2, 3)));
+  const std::unique_ptr<VectorFile> gradients = makeVectorFile(Vec3i(10, 5, 4), lattice, "test");
+  gradients->setBrick(Vec3i(0, 0, 0), std::vector<Eigen::Vector3f>(kBrickVoxels, Eigen::Vector3f(1, 2, 3)));
   std::string bytes;
-  gradients.write([&](std::string_view piece) { bytes += piece; });
+  gradients->write([&](std::string_view piece) { bytes += piece; });
   writeFile(path_, bytes);
   const std::string words =
       "it holds the gradients of a volume, which palpate gradient wrote: "
@@ -417,7 +417,8 @@ TEST_F(Vdb, TellsOfADamagedIsovalue) {
   }
 }
 
-// What lies beyond the domain belongs to no voxel, so a brick that reaches out of it is of one density if its voxels are.
+// What lies beyond the domain belongs to no voxel, so a brick that reaches out of it is of one density if its voxels
+// are.
 TEST_F(Vdb, BricksAtTheEndOfTheDomainAreConstantToo) {
   const auto grid = openvdb::DoubleGrid::create(-1000);
   for (int n = 0; n < 21 * 21 * 21; ++n) grid->tree().setValueOn(Coord(n % 21, n / 21 % 21, n / 441), 200);

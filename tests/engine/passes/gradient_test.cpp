@@ -30,7 +30,7 @@ struct Computed {
   SampleStore store;
 
   Computed(const Volume& volume, const std::vector<std::uint32_t>& bricks, const std::string& way = "central",
-           const SampleFormat& format = {}, std::string_view tuned_as = "")
+           const SampleFormat& format = {}, std::string_view tuned_as = "", GradientUse use = GradientUse::kOften)
       : gpu({.tuned_as = std::string(tuned_as)}),
         pool(gpu, transfer, volume),
         store(gpu, pool.brickCount(), bricks, makeGpuBudget(), format) {
@@ -38,11 +38,11 @@ struct Computed {
     std::optional<FilterChain> smoothing;
     std::vector<FilterStep> steps = lowerFilters(made.smoothing, pool.lattice().spacing_m);
     if (!steps.empty()) smoothing.emplace(gpu, transfer, pool, std::move(steps)).run();
-    GradientPass(gpu, transfer, pool, store, made, smoothing ? &smoothing->result() : nullptr).run();
+    GradientPass(gpu, transfer, pool, store, made, smoothing ? &smoothing->result() : nullptr, use).run();
   }
   explicit Computed(const Volume& volume, const std::string& way = "central", const SampleFormat& format = {},
-                    std::string_view tuned_as = "")
-      : Computed(volume, allBricks(BrickGrid{volume.size()}), way, format, tuned_as) {}
+                    std::string_view tuned_as = "", GradientUse use = GradientUse::kOften)
+      : Computed(volume, allBricks(BrickGrid{volume.size()}), way, format, tuned_as, use) {}
 
   // As it is stored; of halves what they stand for, scales and all.
   Sample at(int i, int j, int k) {
@@ -73,8 +73,8 @@ struct Computed {
 };
 
 void expectEqualsTwin(const Volume& volume, const std::string& way, const SampleFormat& format,
-                      std::string_view tuned_as = "") {
-  Computed run(volume, way, format, tuned_as);
+                      std::string_view tuned_as = "", GradientUse use = GradientUse::kOften) {
+  Computed run(volume, way, format, tuned_as, use);
   const GradientOperator made = gradientOperator(way);
   const reference::DenseField field = reference::denseField(volume);
   const reference::DenseField smoothed = reference::smoothedFor(made, field);
@@ -133,8 +133,10 @@ TEST_P(GradientTuned, EqualsTheTwin) {
   const std::string_view kind = GetParam().device.empty() ? "discrete" : GetParam().device;
   for (const char* way : {"central", "central4", "gaussian:1"}) {
     for (const Vec3i& size : {Vec3i(41, 33, 37), Vec3i(9, 7, 2), Vec3i(3, 2, 17)}) {
-      expectEqualsTwin(ballField(size, 9.0), way, {}, kind);
-      expectEqualsTwin(ballField(size, 9.0), way, halfSamples(0.3F, -3, 3, testLattice().spacing_m), kind);
+      for (const GradientUse use : {GradientUse::kOften, GradientUse::kOnce}) {
+        expectEqualsTwin(ballField(size, 9.0), way, {}, kind, use);
+        expectEqualsTwin(ballField(size, 9.0), way, halfSamples(0.3F, -3, 3, testLattice().spacing_m), kind, use);
+      }
     }
   }
 }

@@ -28,8 +28,10 @@ TEST(Tuning, HasARowAKindAndTheOneForAllOthersLast) {
 
 TEST(Tuning, OfTheGradientDividesABrick) {
   for (const Tuning& row : tunings()) {
-    ASSERT_GE(row.gradient_run, 1U);
-    EXPECT_EQ(BRICK_EDGE % row.gradient_run, 0U) << row.device;
+    for (const std::uint32_t run : {row.gradient_run, row.short_gradient_run}) {
+      ASSERT_GE(run, 1U);
+      EXPECT_EQ(BRICK_EDGE % run, 0U) << row.device;
+    }
   }
 }
 

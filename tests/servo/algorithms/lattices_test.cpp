@@ -202,7 +202,7 @@ TEST(LatticeMesh, FacesOutwardOnLatticesOfBothHands) {
     const Scene scene(trial % 2 == 0 ? Scene::kBall : Scene::kHollow, kVoxels[trial % 3].spacing_m, random,
                       trial % 4 < 2);
     const AlgorithmSetup setup = setupFor("god-object", parameters(), scene.volume, 4 * scene.depth_m);
-    const MeshObject object(*setup.isosurface);
+    const auto& object = dynamic_cast<const MeshObject&>(*setup.isosurface);
     EXPECT_TRUE(object.solid());
     const TriangleMesh& mesh = object.mesh();
     int faces = 0;

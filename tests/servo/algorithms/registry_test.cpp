@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "base/error.hpp"
+#include "servo/meshes/mesh_object.hpp"
 #include "support/test_meshes.hpp"
 
 namespace palpate {
@@ -18,7 +19,7 @@ TEST(AlgorithmRegistry, MakesEveryAlgorithmItLists) {
   for (const AlgorithmEntry& entry : algorithms()) {
     AlgorithmSetup setup;
     if (entry.needs.isosurface_mesh)
-      setup.isosurface = std::make_shared<const TriangleMesh>(boxMesh({0, 0, 0}, {1, 1, 1}));
+      setup.isosurface = std::make_shared<const MeshObject>(boxMesh({0, 0, 0}, {1, 1, 1}));
     EXPECT_NE(makeAlgorithm(entry.name, std::move(setup)), nullptr) << entry.name;
     EXPECT_FALSE(entry.description.empty());
   }

@@ -12,6 +12,7 @@
 
 #include "servo/algorithms/registry.hpp"
 #include "servo/contact/effects.hpp"
+#include "servo/meshes/mesh_object.hpp"
 #include "servo/objects/shapes.hpp"
 #include "support/fault_injection.hpp"
 #include "support/isosurface_mesh.hpp"
@@ -180,8 +181,9 @@ void checkEnd(const TickRecord& last, const Vec3& wanted_W, double limit_N, doub
 }
 
 // The mesh of the ball, made once.
-const std::shared_ptr<const TriangleMesh>& mesh() {
-  static const auto kMesh = std::make_shared<const TriangleMesh>(IsosurfaceMesher(volume(), 0).mesh());
+const std::shared_ptr<const ContactObject>& mesh() {
+  static const std::shared_ptr<const ContactObject> kMesh =
+      std::make_shared<const MeshObject>(IsosurfaceMesher(volume(), 0).mesh());
   return kMesh;
 }
 

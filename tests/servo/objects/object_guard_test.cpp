@@ -28,7 +28,7 @@ class Among {
  public:
   explicit Among(std::string_view algorithm) {
     AlgorithmSetup setup;
-    setup.isosurface = std::make_shared<const TriangleMesh>(sphereMesh(Vec3::Zero(), 20e-3, 4));
+    setup.isosurface = std::make_shared<const MeshObject>(sphereMesh(Vec3::Zero(), 20e-3, 4));
     mesh_ = std::make_shared<const MeshObject>(boxMesh({0, 0, 20e-3}, {30e-3, 10e-3, 5e-3}));
     setup.objects = {mesh_, std::make_shared<const BoxObject>(Vec3(15e-3, 0, 15e-3), Vec3::Constant(8e-3)),
                      std::make_shared<const SphereObject>(Vec3(-12e-3, 0, 20e-3), 5e-3),

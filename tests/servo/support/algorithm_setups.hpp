@@ -6,6 +6,7 @@
 #pragma once
 
 #include "servo/algorithms/registry.hpp"
+#include "servo/meshes/mesh_object.hpp"
 #include "support/analytic_volume.hpp"
 #include "support/isosurface_mesh.hpp"
 
@@ -18,7 +19,7 @@ inline AlgorithmSetup setupFor(std::string_view name, const AlgorithmParameters&
   setup.parameters = parameters;
   setup.scale = {contrast, volume.lattice.smallestSpacing()};
   if (algorithmEntry(name).needs.isosurface_mesh) {
-    setup.isosurface = std::make_shared<const TriangleMesh>(IsosurfaceMesher(volume, parameters.isovalue).mesh());
+    setup.isosurface = std::make_shared<const MeshObject>(IsosurfaceMesher(volume, parameters.isovalue).mesh());
   }
   return setup;
 }

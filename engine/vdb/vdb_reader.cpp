@@ -26,16 +26,16 @@
 #include "base/error.hpp"
 #include "base/units.hpp"
 #include "engine/field/brick_values.hpp"
-#include "engine/field/grid.hpp"
 #include "engine/field/memory_budget.hpp"
 #include "engine/field/raw_values.hpp"
 #include "engine/files/components.hpp"
 #include "engine/files/quiet.hpp"
-#include "engine/files/readers.hpp"
 #include "engine/files/text_header.hpp"
 #include "engine/files/vdb_checksum.hpp"
 #include "engine/files/vdb_claim.hpp"
 #include "engine/files/volume_name.hpp"
+#include "engine/vdb/vdb_grid.hpp"
+#include "engine/vdb/vdb_parts.hpp"
 
 namespace palpate {
 namespace {
@@ -331,12 +331,26 @@ Volume readOrRefuse(const ReadRequest& wanted) {
 
 }  // namespace
 
-Volume readVdb(const ReadRequest& wanted) {
+Volume readVdbVolume(const ReadRequest& wanted) {
   Volume volume = readOrRefuse(wanted);
   // The file's own grid is freed: leaves that were copied, 2 KiB each, and nodes of those that were taken over. They
   // lie in the middle of the heap, so the system gets their memory back only on request.
   malloc_trim(0);
   return volume;
+}
+
+std::size_t readWithOpenVdbAlone(const std::string& name) {
+  try {
+    openvdb::initialize();
+    openvdb::io::File file(name);
+    file.open(false);  // nothing is left for later
+    openvdb::Index64 bytes = 0;
+    const openvdb::GridPtrVecPtr grids = file.getGrids();
+    for (const openvdb::GridBase::Ptr& grid : *grids) bytes += grid->memUsage();
+    return bytes;
+  } catch (const openvdb::Exception& failure) {
+    throw Error(Error::Code::kBadInput, name, shortReason(failure.what()), "give another file");
+  }
 }
 
 }  // namespace palpate

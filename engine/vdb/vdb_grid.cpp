@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/field/grid.hpp"
+#include "engine/vdb/vdb_grid.hpp"
 
 #include <algorithm>
 #include <array>
@@ -180,13 +180,62 @@ struct Layer {
   }
 };
 
+openvdb::Coord coord(const Vec3i& voxel) {
+  return {voxel.x(), voxel.y(), voxel.z()};
+}
+
 openvdb::Coord cornerOf(const Vec3i& brick) {
-  return {brick.x() * kBrickSize, brick.y() * kBrickSize, brick.z() * kBrickSize};
+  return coord(brick * kBrickSize);
 }
 
 // A leaf without values yet, all of it active.
 std::unique_ptr<Leaf> emptyLeaf(const Vec3i& brick) {
   return std::make_unique<Leaf>(openvdb::PartialCreate(), cornerOf(brick), 0.0F, true);
+}
+
+// Reorders a brick's 512 values from Palpate's order (i fastest) to VDB's (k fastest), or back. Transposes in squares
+// of four by four values.
+void turnBrick(const float* from, float* to) {
+  constexpr std::ptrdiff_t kRow = kBrickSize, kSlice = kRow * kBrickSize;
+  for (int j = 0; j < kBrickSize; ++j) {
+    for (int i = 0; i < kBrickSize; i += kLanes) {
+      for (int k = 0; k < kBrickSize; k += kLanes) {
+        const float* in = from + k * kSlice + j * kRow + i;
+        float* out = to + i * kSlice + j * kRow + k;
+        const Floats a = load(in), b = load(in + kSlice), c = load(in + 2 * kSlice), d = load(in + 3 * kSlice);
+        const Floats ac01 = __builtin_shufflevector(a, c, 0, 4, 1, 5), ac23 = __builtin_shufflevector(a, c, 2, 6, 3, 7);
+        const Floats bd01 = __builtin_shufflevector(b, d, 0, 4, 1, 5), bd23 = __builtin_shufflevector(b, d, 2, 6, 3, 7);
+        store(out, __builtin_shufflevector(ac01, bd01, 0, 4, 1, 5));
+        store(out + kSlice, __builtin_shufflevector(ac01, bd01, 2, 6, 3, 7));
+        store(out + 2 * kSlice, __builtin_shufflevector(ac23, bd23, 0, 4, 1, 5));
+        store(out + 3 * kSlice, __builtin_shufflevector(ac23, bd23, 2, 6, 3, 7));
+      }
+    }
+  }
+}
+
+// Makes a leaf from a brick's 512 densities (i fastest). Its voxels inside the domain are active.
+std::unique_ptr<Leaf> makeLeaf(const Vec3i& size, const Vec3i& brick, const float* values) {
+  const Vec3i inside = voxelsInside(size, brick);
+  if (inside.minCoeff() == kBrickSize) {
+    std::unique_ptr<Leaf> leaf = emptyLeaf(brick);
+    leaf->allocate();
+    turnBrick(values, leaf->buffer().data());
+    return leaf;
+  }
+  auto leaf = std::make_unique<Leaf>(cornerOf(brick), 0.0F, false);
+  for (int k = 0; k < kBrickSize; ++k) {
+    for (int j = 0; j < kBrickSize; ++j) {
+      for (int i = 0; i < kBrickSize; ++i) {
+        const auto offset = static_cast<openvdb::Index>((i * kBrickSize + j) * kBrickSize + k);
+        const Vec3i nearest = Vec3i(i, j, k).cwiseMin(inside - Vec3i::Ones());
+        const float value = values[(nearest.z() * kBrickSize + nearest.y()) * kBrickSize + nearest.x()];
+        const bool active = i < inside.x() && j < inside.y() && k < inside.z();
+        active ? leaf->setValueOn(offset, value) : leaf->setValueOff(offset, value);
+      }
+    }
+  }
+  return leaf;
 }
 
 // Moves the values of `leaf` into the layer, as its brick. Returns false and changes nothing if a value is not finite.
@@ -253,7 +302,9 @@ class GridMaker {
     checkSize(size, input);
     checkLattice(lattice, input);
     grid_->size = size;
-    grid_->field = ScalarGrid::create(0.0F);
+    auto field = std::make_unique<VdbGrid>();
+    tree_ = &field->grid->tree();
+    grid_->field = std::move(field);
   }
 
   [[nodiscard]] int layers() const { return (grid_->size.z() + kBrickSize - 1) / kBrickSize; }
@@ -261,13 +312,13 @@ class GridMaker {
   void add(Layer layer) {
     const std::lock_guard lock(one_at_a_time_);
     survey_.merge(layer.survey);
-    layer.moveTo(grid_->field->tree());
+    layer.moveTo(*tree_);
   }
 
   [[nodiscard]] std::unique_ptr<Volume::Grid> finish(const Lattice& lattice, VolumeFacts facts) {
     survey_.check(facts.source);
     facts.instead_of_nan.reset();  // it holds for the file only: whatever is computed from this volume must be finite
-    setBackground(grid_->field->tree(), survey_.minimum());
+    setBackground(*tree_, survey_.minimum());
     grid_->lattice = lattice;
     grid_->facts = std::move(facts);
     grid_->minimum = survey_.minimum();
@@ -277,53 +328,57 @@ class GridMaker {
 
  private:
   std::unique_ptr<Volume::Grid> grid_;
+  ScalarTree* tree_ = nullptr;
   std::mutex one_at_a_time_;
   ValueSurvey survey_;
 };
 
 }  // namespace
 
-// Transposes in squares of four by four values.
-void turnBrick(const float* from, float* to) {
-  constexpr std::ptrdiff_t kRow = kBrickSize, kSlice = kRow * kBrickSize;
-  for (int j = 0; j < kBrickSize; ++j) {
-    for (int i = 0; i < kBrickSize; i += kLanes) {
-      for (int k = 0; k < kBrickSize; k += kLanes) {
-        const float* in = from + k * kSlice + j * kRow + i;
-        float* out = to + i * kSlice + j * kRow + k;
-        const Floats a = load(in), b = load(in + kSlice), c = load(in + 2 * kSlice), d = load(in + 3 * kSlice);
-        const Floats ac01 = __builtin_shufflevector(a, c, 0, 4, 1, 5), ac23 = __builtin_shufflevector(a, c, 2, 6, 3, 7);
-        const Floats bd01 = __builtin_shufflevector(b, d, 0, 4, 1, 5), bd23 = __builtin_shufflevector(b, d, 2, 6, 3, 7);
-        store(out, __builtin_shufflevector(ac01, bd01, 0, 4, 1, 5));
-        store(out + kSlice, __builtin_shufflevector(ac01, bd01, 2, 6, 3, 7));
-        store(out + 2 * kSlice, __builtin_shufflevector(ac23, bd23, 0, 4, 1, 5));
-        store(out + 3 * kSlice, __builtin_shufflevector(ac23, bd23, 2, 6, 3, 7));
-      }
+float VdbGrid::value(const Vec3i& voxel) const {
+  return grid->constTree().getValue(coord(voxel));
+}
+
+void VdbGrid::readBox(const Vec3i& first, const Vec3i& size, float* values) const {
+  const openvdb::tree::ValueAccessor<const ScalarTree, false> tree(grid->constTree());  // no thread sees another's
+  for (int k = 0; k < size.z(); ++k) {
+    for (int j = 0; j < size.y(); ++j) {
+      for (int i = 0; i < size.x(); ++i) *values++ = tree.getValue(coord(first + Vec3i(i, j, k)));
     }
   }
 }
 
-std::unique_ptr<ScalarTree::LeafNodeType> makeLeaf(const Vec3i& size, const Vec3i& brick, const float* values) {
-  const Vec3i inside = voxelsInside(size, brick);
-  if (inside.minCoeff() == kBrickSize) {
-    std::unique_ptr<Leaf> leaf = emptyLeaf(brick);
-    leaf->allocate();
-    turnBrick(values, leaf->buffer().data());
-    return leaf;
+std::optional<float> VdbGrid::constantOf(const Vec3i& brick) const {
+  const ScalarTree& tree = grid->constTree();
+  if (tree.probeConstLeaf(cornerOf(brick)) != nullptr) return std::nullopt;
+  return tree.getValue(cornerOf(brick));
+}
+
+bool VdbGrid::readBrick(const Vec3i& brick, float* values) const {
+  const ScalarTree& tree = grid->constTree();
+  const auto* leaf = tree.probeConstLeaf(cornerOf(brick));
+  if (leaf == nullptr) {
+    values[0] = tree.getValue(cornerOf(brick));
+    return true;
   }
-  auto leaf = std::make_unique<Leaf>(cornerOf(brick), 0.0F, false);
-  for (int k = 0; k < kBrickSize; ++k) {
-    for (int j = 0; j < kBrickSize; ++j) {
-      for (int i = 0; i < kBrickSize; ++i) {
-        const auto offset = static_cast<openvdb::Index>((i * kBrickSize + j) * kBrickSize + k);
-        const Vec3i nearest = Vec3i(i, j, k).cwiseMin(inside - Vec3i::Ones());
-        const float value = values[(nearest.z() * kBrickSize + nearest.y()) * kBrickSize + nearest.x()];
-        const bool active = i < inside.x() && j < inside.y() && k < inside.z();
-        active ? leaf->setValueOn(offset, value) : leaf->setValueOff(offset, value);
-      }
-    }
-  }
-  return leaf;
+  turnBrick(leaf->buffer().data(), values);
+  return false;
+}
+
+void VdbGrid::setBrick(const Vec3i& size, const Vec3i& brick, const float* values) {
+  grid->tree().addLeaf(makeLeaf(size, brick, values).release());  // in place of what was there
+}
+
+void VdbGrid::setConstantBrick(const Vec3i& brick, float value) {
+  grid->tree().addTile(1, cornerOf(brick), value, true);
+}
+
+std::size_t VdbGrid::storedBytes() const {
+  return grid->constTree().memUsage();
+}
+
+std::size_t VdbGrid::storedBricks() const {
+  return grid->constTree().leafCount();
 }
 
 std::unique_ptr<Volume::Grid> buildGrid(const Vec3i& size, const Lattice& lattice, VolumeFacts facts,

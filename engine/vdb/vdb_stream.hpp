@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/files/vdb_stream.hpp: what all writers of OpenVDB files share. Private to engine/files.
+// engine/vdb/vdb_stream.hpp: what all writers of OpenVDB files share. Private to engine/vdb.
 #pragma once
 
 #include <string>

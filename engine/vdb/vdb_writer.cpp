@@ -9,9 +9,9 @@
 #include <openvdb/openvdb.h>
 
 #include "base/units.hpp"
-#include "engine/field/grid.hpp"
-#include "engine/files/vdb_stream.hpp"
-#include "engine/files/writers.hpp"
+#include "engine/vdb/vdb_grid.hpp"
+#include "engine/vdb/vdb_parts.hpp"
+#include "engine/vdb/vdb_stream.hpp"
 
 namespace palpate {
 namespace {
@@ -31,7 +31,7 @@ void makeLevelSet(ScalarGrid& grid, float farthest_m, double units_per_metre) {
 
 }  // namespace
 
-void writeVdb(const Volume& volume, const std::string& name, LengthUnit unit, const ByteSink& sink) {
+void writeVdbVolume(const Volume& volume, const std::string& name, LengthUnit unit, const ByteSink& sink) {
   openvdb::initialize();
   const double units_per_metre = unit == LengthUnit::kMetre ? 1 : kMillimetresPerMetre;
   const auto transform = vdbTransform(volume.lattice(), units_per_metre, name);
@@ -45,9 +45,9 @@ void writeVdb(const Volume& volume, const std::string& name, LengthUnit unit, co
   about.insertMeta(openvdb::GridBase::META_GRID_NAME, openvdb::StringMetadata("density"));
   openvdb::GridBase::ConstPtr written;
   if (volume.size().unaryExpr([](int n) { return n % kBrickSize; }).isZero() && !volume.facts().is_level_set) {
-    written = volume.grid().field->copyGridReplacingMetadataAndTransform(about, transform);  // the same tree
+    written = vdbGridOf(volume)->copyGridReplacingMetadataAndTransform(about, transform);  // the same tree
   } else {
-    const ScalarGrid::Ptr grid = volume.grid().field->deepCopy();
+    const ScalarGrid::Ptr grid = vdbGridOf(volume)->deepCopy();
     for (auto entry = about.beginMeta(); entry != about.endMeta(); ++entry) {
       grid->removeMeta(entry->first);
       grid->insertMeta(entry->first, *entry->second);

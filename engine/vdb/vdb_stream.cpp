@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/files/vdb_stream.hpp"
+#include "engine/vdb/vdb_stream.hpp"
 
 #include <ostream>
 #include <streambuf>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/field/grid.hpp: the OpenVDB grid behind a Volume. No other header of the room includes OpenVDB. For the room
-// itself and for readers and writers of OpenVDB files.
+// engine/vdb/vdb_grid.hpp: the OpenVDB grid behind a Volume. For this room, which reads and writes OpenVDB files, and
+// for tests.
 //
 // Leaves lie at multiples of 8 from (0,0,0), so a leaf is a brick. A constant brick is a tile of the level above.
 // Voxels of a leaf outside the domain repeat the nearest voxel inside and are inactive. All other voxels outside are
@@ -10,28 +10,39 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
+#include <vector>
 
 #include <openvdb/Grid.h>
 #include <openvdb/tree/Tree.h>
 
-#include "engine/field/volume.hpp"
+#include "engine/field/field_grid.hpp"
 
 namespace palpate {
 
 using ScalarTree = openvdb::tree::Tree4<float, 5, 4, 3>::Type;  // openvdb::FloatTree
 using ScalarGrid = openvdb::Grid<ScalarTree>;                   // openvdb::FloatGrid
 
-struct Volume::Grid {
-  Vec3i size = Vec3i::Zero();  // [voxel]
-  Lattice lattice;
-  VolumeFacts facts;
-  float minimum = 0;
-  float maximum = 0;
-  ScalarGrid::Ptr field;
+class VdbGrid final : public FieldGrid {
+ public:
+  VdbGrid() : grid(ScalarGrid::create(0.0F)) {}
+
+  [[nodiscard]] float value(const Vec3i& voxel) const override;
+  void readBox(const Vec3i& first, const Vec3i& size, float* values) const override;
+  [[nodiscard]] std::optional<float> constantOf(const Vec3i& brick) const override;
+  bool readBrick(const Vec3i& brick, float* values) const override;
+  void setBrick(const Vec3i& size, const Vec3i& brick, const float* values) override;
+  void setConstantBrick(const Vec3i& brick, float value) override;
+  [[nodiscard]] std::size_t storedBytes() const override;
+  [[nodiscard]] std::size_t storedBricks() const override;
+
+  ScalarGrid::Ptr grid;
 };
 
-using BrickSource = Volume::BrickSource;
-using LayerSource = Volume::LayerSource;
+// The OpenVDB grid of a volume. There is no other kind of FieldGrid.
+[[nodiscard]] inline const ScalarGrid::Ptr& vdbGridOf(const Volume& volume) {
+  return static_cast<const VdbGrid&>(*volume.grid().field).grid;
+}
 
 // Metadata of OpenVDB files that Palpate writes. The domain's size [voxel]; its first voxel is the grid's (0,0,0). For
 // a sculpted volume, the isovalue, a double [density; for a level set, minus the distance in metres].
@@ -56,11 +67,8 @@ using LeafSource = std::function<ScalarTree::LeafNodeType*(const Vec3i& brick)>;
                                                               VolumeFacts facts, const LayerSource& layers,
                                                               const LeafSource& leaf_of = nullptr);
 
-// Reorders a brick's 512 values from Palpate's order (i fastest) to VDB's (k fastest), or back.
-void turnBrick(const float* from, float* to);
-
-// Makes a leaf from a brick's 512 densities (i fastest). Its voxels inside the domain are active.
-[[nodiscard]] std::unique_ptr<ScalarTree::LeafNodeType> makeLeaf(const Vec3i& size, const Vec3i& brick,
-                                                                 const float* values);
+// Signed distances as FieldModule::meshDistances has them.
+[[nodiscard]] std::vector<float> vdbMeshDistances(const std::vector<Vec3>& points, const std::vector<Vec3i>& triangles,
+                                                  const Vec3i& size, float band, float depth);
 
 }  // namespace palpate
