@@ -15,8 +15,9 @@ namespace command_line_test {
 using testing::HasSubstr;
 using testing::Not;
 
-const Words kVerbs = {"touch", "edit",  "recover", "info", "convert", "gradient", "filter", "render",    "sculpt",
-                      "check", "bench", "devices", "plan", "scene",   "faults",   "help",   "completion"};
+const Words kVerbs = {"touch",   "edit",   "recover", "info",   "convert", "gradient",
+                      "filter",  "render", "sculpt",  "check",  "bench",   "stability",
+                      "devices", "plan",   "scene",   "faults", "help",    "completion"};
 const std::vector<Words> kVerbsBelow = {
     {"check", "gradient"}, {"check", "filters"}, {"check", "edits"}, {"check", "all"},     {"bench", "servo"},
     {"bench", "loop"},     {"bench", "edit"},    {"bench", "load"},  {"bench", "filters"}, {"bench", "gradient"}};
@@ -108,12 +109,12 @@ TEST_F(CommandLine, HelpOfTouchIsInGroups) {
 TEST_F(CommandLine, BashCompletesVerbs) {
   EXPECT_THAT(offered({""}), testing::UnorderedElementsAreArray(kVerbs));
   EXPECT_THAT(offered({"t"}), testing::ElementsAre("touch"));
-  EXPECT_THAT(offered({"bench", "s"}), testing::ElementsAre("servo"));
+  EXPECT_THAT(offered({"bench", "se"}), testing::ElementsAre("servo"));
   EXPECT_THAT(offered({"help", "con"}), testing::ElementsAre("convert"));
   EXPECT_THAT(offered({"touch", ""}), testing::IsEmpty());  // then the shell offers files
   EXPECT_THAT(offered({"completion", ""}), testing::UnorderedElementsAre("bash", "zsh"));
   EXPECT_THAT(offered({"help", "check", ""}), testing::UnorderedElementsAre("gradient", "filters", "edits", "all"));
-  EXPECT_THAT(offered({"help", "bench", "s"}), testing::ElementsAre("servo"));
+  EXPECT_THAT(offered({"help", "bench", "se"}), testing::ElementsAre("servo"));
   for (const char* verb : {"touch", "completion", "help"})
     EXPECT_THAT(offered({"help", verb, ""}), testing::IsEmpty()) << verb;
 }
