@@ -60,9 +60,9 @@ std::vector<FilterWay> ballWays() {
 struct NoisyVolume {
   Volume volume;
   float isovalue = 0;
-  double contrast = 1;                // of the object over the background [density]
-  std::vector<SurfacePoint> surface;  // exact
-  std::vector<Vec3i> flat;            // voxels where the exact density is `flat_density` all around
+  double contrast = 1;              // of the object over the background [density]
+  std::vector<ExactPoint> surface;  // exact
+  std::vector<Vec3i> flat;          // voxels where the exact density is `flat_density` all around
   double flat_density = 0;
   std::vector<float> dense = volume.toDense();
   double sampled_mean_m =
