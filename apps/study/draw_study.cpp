@@ -4,6 +4,7 @@
 #include <limits>
 #include <memory>
 #include <thread>
+#include <tuple>
 
 #include <fmt/format.h>
 
@@ -56,7 +57,9 @@ struct DrawnVolume {
 struct DrawnView {
   std::string phantom;
   int edge = 64, view = 0;
-  auto operator<=>(const DrawnView&) const = default;
+  bool operator<(const DrawnView& other) const {
+    return std::tie(phantom, edge, view) < std::tie(other.phantom, other.edge, other.view);
+  }
 };
 
 // The last depths of a cell, and their errors, which take longer to find than the picture.

@@ -33,7 +33,8 @@ std::string ballInWords(int size) {
 struct ServoPlace {
   int size = kLargeBall;
   double speed_m_per_s = kServoSpeed_m_per_s, noise_voxel = 0, depth_voxel = 1;
-  auto operator<=>(const ServoPlace&) const = default;
+  [[nodiscard]] auto key() const { return std::tuple(size, speed_m_per_s, noise_voxel, depth_voxel); }
+  bool operator<(const ServoPlace& other) const { return key() < other.key(); }
 };
 
 // What the cells of this study share.
