@@ -236,7 +236,9 @@ Study drawStudy() {
           .cells = drawCells,
           .plots = drawPlots,
           .orders = drawOrders,
-          .promise = drawPromises};
+          .promise = drawPromises,
+          .counts = {"holes", "false_hits"},
+          .counts_by = {"kernel"}};
 }
 
 }  // namespace palpate

@@ -7,7 +7,7 @@
 //   a study's name ("gradients", "servo", ...; studies.cpp)   one for each cell: its parameters, its errors, and of
 //   each
 //             cost the median, the quartiles and the cost in every round
-//   front, default, order   what follows from the cells (study_analysis.hpp)
+//   front, default, order, count   what follows from the cells (study_analysis.hpp)
 //   note      what was left out, and which cells are missing
 // A row of a cell that could not be measured has the reason under "left_out".
 //

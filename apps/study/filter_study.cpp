@@ -263,7 +263,9 @@ Study filterStudy() {
           .quick_seconds = 20,
           .cells = filterCells,
           .plots = filterPlots,
-          .orders = filterOrders};
+          .orders = filterOrders,
+          .counts = {"surface_lost"},
+          .counts_by = {"library", "filter"}};
 }
 
 }  // namespace palpate
