@@ -231,7 +231,7 @@ Study drawStudy() {
           .words = asParagraph(kDrawWords),
           .on_gpu = true,
           .rounds = 5,
-          .seconds = 120,
+          .seconds = 250,
           .quick_seconds = 15,
           .cells = drawCells,
           .plots = drawPlots,

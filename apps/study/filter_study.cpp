@@ -265,7 +265,7 @@ Study filterStudy() {
           .plots = filterPlots,
           .orders = filterOrders,
           .counts = {"surface_lost"},
-          .counts_by = {"library", "filter"}};
+          .counts_by = {"library"}};
 }
 
 }  // namespace palpate
