@@ -286,8 +286,9 @@ std::string logChartSvg(const std::string& title, const std::vector<ChartPanel>&
   out += text(width / 2, 20, "middle", title, " font-size=\"14\" font-weight=\"bold\"");
   for (std::size_t i = 0; i < panels.size(); ++i) {
     const Axis x = axisOver(panels[i], &ChartPoint::x), y = axisOver(panels[i], &ChartPoint::y);
-    out += fmt::format("<g transform=\"translate({} {})\">\n", kPanelWidth * static_cast<double>(i % across),
-                       kTitle + kPanelHeight * static_cast<double>(i / across));
+    const std::size_t row = i / across, column = i % across;
+    out += fmt::format("<g transform=\"translate({} {})\">\n", kPanelWidth * static_cast<double>(column),
+                       kTitle + kPanelHeight * static_cast<double>(row));
     out += axes(panels[i], x, y);
     for (const ChartSeries& series : panels[i].series) {
       out += seriesSvg(series, kindOf(series.name, names), x, y, marks);

@@ -271,7 +271,9 @@ Study chainStudy() {
           .cells = chainCells,
           .plots = chainPlots,
           .orders = chainOrders,
-          .promise = chainPromises};
+          .promise = chainPromises,
+          .counts = {"fall_throughs"},
+          .counts_by = {"algorithm", "n", "storage"}};
 }
 
 }  // namespace palpate

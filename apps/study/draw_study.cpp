@@ -4,6 +4,7 @@
 #include <limits>
 #include <memory>
 #include <thread>
+#include <tuple>
 
 #include <fmt/format.h>
 
@@ -56,7 +57,9 @@ struct DrawnVolume {
 struct DrawnView {
   std::string phantom;
   int edge = 64, view = 0;
-  auto operator<=>(const DrawnView&) const = default;
+  bool operator<(const DrawnView& other) const {
+    return std::tie(phantom, edge, view) < std::tie(other.phantom, other.edge, other.view);
+  }
 };
 
 // The last depths of a cell, and their errors, which take longer to find than the picture.
@@ -228,12 +231,14 @@ Study drawStudy() {
           .words = asParagraph(kDrawWords),
           .on_gpu = true,
           .rounds = 5,
-          .seconds = 120,
+          .seconds = 250,
           .quick_seconds = 15,
           .cells = drawCells,
           .plots = drawPlots,
           .orders = drawOrders,
-          .promise = drawPromises};
+          .promise = drawPromises,
+          .counts = {"holes", "false_hits"},
+          .counts_by = {"kernel"}};
 }
 
 }  // namespace palpate

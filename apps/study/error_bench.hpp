@@ -3,12 +3,11 @@
 // its rivals. Truth is a formula everywhere.
 //
 // Rows, by their key "part":
-//   shard     which part of the cells was measured, and where
-//   a study's name ("gradients", "servo", ...; studies.cpp)   one for each cell: its parameters, its errors, and of
-//   each
-//             cost the median, the quartiles and the cost in every round
-//   front, default, order   what follows from the cells (study_analysis.hpp)
-//   note      what was left out, and which cells are missing
+//   shard    which part of the cells was measured, and where
+//   NAME     of a study ("gradients", "servo", ...; studies.cpp): a row for each cell, with its parameters, its errors,
+//            and of each cost the median, the quartiles and the cost in every round
+//   front, default, order, count    what follows from the cells (study_analysis.hpp)
+//   note     what was left out, and which cells are missing
 // A row of a cell that could not be measured has the reason under "left_out".
 //
 // Ctrl-C ends the work between two cells; the result is then that of the cells that were measured, and says so. One

@@ -19,9 +19,9 @@ std::string titleOf(const BenchRow& row) {
 
 BenchFigure verdictOf(const BenchRow& row) {
   if (textOf(row, "on_front") == "yes") return "on the front";
-  const double rivals = figureOf(row, "beaten_by_rivals");
-  return fmt::format("beaten by {} choices{}, most by {}: {:.2f} of its cost, {:.2f} of its error",
-                     figureOf(row, "beaten_by"), rivals > 0 ? fmt::format(" ({} of rivals)", rivals) : "",
+  const double all = figureOf(row, "beaten_by"), rivals = figureOf(row, "beaten_by_rivals");
+  return fmt::format("beaten by {} {}{}, most by {}: {:.2f} of its cost, {:.2f} of its error", all,
+                     all == 1 ? "choice" : "choices", rivals > 0 ? fmt::format(" ({} of rivals)", rivals) : "",
                      textOf(row, "best"), figureOf(row, "cost_ratio"), figureOf(row, "error_ratio"));
 }
 
@@ -35,13 +35,19 @@ std::string errorTable(const BenchResult& result) {
   const TableColumns defaults = {{"study", nullptr, {"study", ""}},
                                  {"plot", nullptr, {"plot", ""}},
                                  {"default", nullptr, {"default", ""}},
-                                 {"", verdictOf, {"what the front says", ""}}};
+                                 {"", verdictOf, {"what the front says (cost: along the horizontal axis)", ""}}};
   const TableColumns orders = {{"study", nullptr, {"study", ""}},
                                {"what", nullptr, {"what", ""}},
                                {"family", nullptr, {"family", ""}},
                                {"points", nullptr, {"points", ""}},
                                {"fitted_order", nullptr, {"fitted", "", 3}},
                                {"theory_order", nullptr, {"theory", ""}}};
+  const TableColumns counts = {{"study", nullptr, {"study", ""}},
+                               {"of", nullptr, {"what", ""}},
+                               {"who", nullptr, {"who", ""}},
+                               {"sum", nullptr, {"sum", ""}},
+                               {"cells_with", nullptr, {"in cells", ""}},
+                               {"cells", nullptr, {"of", ""}}};
   std::string text;
   const auto add = [&](const std::string& title, const Table& table) {
     const std::string words = tableText(result, table);
@@ -49,6 +55,7 @@ std::string errorTable(const BenchResult& result) {
   };
   add("The defaults\n", {{"default"}, defaults});
   add("Orders of convergence\n", {{"order"}, orders});
+  add("What went wrong\n", {{"count"}, counts});
   add("", {{"front"}, fronts, titleOf});
   return text;
 }

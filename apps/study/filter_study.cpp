@@ -60,9 +60,9 @@ std::vector<FilterWay> ballWays() {
 struct NoisyVolume {
   Volume volume;
   float isovalue = 0;
-  double contrast = 1;              // of the object over the background [density]
-  std::vector<ExactPoint> surface;  // exact
-  std::vector<Vec3i> flat;          // voxels where the exact density is `flat_density` all around
+  double contrast = 1;                     // of the object over the background [density]
+  std::vector<ExactSurfacePoint> surface;  // exact
+  std::vector<Vec3i> flat;                 // voxels where the exact density is `flat_density` all around
   double flat_density = 0;
   std::vector<float> dense = volume.toDense();
   double sampled_mean_m =
@@ -79,7 +79,7 @@ NoisyVolume knotVolume(const StudySettings& settings) {
   NoisyVolume made{.volume = makeVolume(*phantom),
                    .isovalue = static_cast<float>(phantom->isovalue()),
                    .contrast = phantom->profile().high - phantom->profile().low,
-                   .surface = surfacePoints(*phantom, settings.quick ? 1000 : 4000, kBorder_voxel, settings.seed),
+                   .surface = exactSurfacePoints(*phantom, settings.quick ? 1000 : 4000, kBorder_voxel, settings.seed),
                    .flat = {},
                    .flat_density = phantom->profile().low};
   // Far outside: no filter of the study reaches from there to the surface's ramp.
@@ -263,7 +263,9 @@ Study filterStudy() {
           .quick_seconds = 20,
           .cells = filterCells,
           .plots = filterPlots,
-          .orders = filterOrders};
+          .orders = filterOrders,
+          .counts = {"surface_lost"},
+          .counts_by = {"library"}};
 }
 
 }  // namespace palpate

@@ -271,7 +271,9 @@ Study publishStudy() {
           .quick_seconds = 15,
           .cells = publishCells,
           .plots = publishPlots,
-          .orders = publishOrders};
+          .orders = publishOrders,
+          .counts = {"missed_ticks"},
+          .counts_by = {"algorithm", "window", "speed_m_per_s"}};
 }
 
 }  // namespace palpate

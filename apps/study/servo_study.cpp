@@ -33,7 +33,8 @@ std::string ballInWords(int size) {
 struct ServoPlace {
   int size = kLargeBall;
   double speed_m_per_s = kServoSpeed_m_per_s, noise_voxel = 0, depth_voxel = 1;
-  auto operator<=>(const ServoPlace&) const = default;
+  [[nodiscard]] auto key() const { return std::tuple(size, speed_m_per_s, noise_voxel, depth_voxel); }
+  bool operator<(const ServoPlace& other) const { return key() < other.key(); }
 };
 
 // What the cells of this study share.
@@ -226,7 +227,9 @@ std::vector<StudyOrder> servoOrders(bool /*quick*/) {
 }
 
 void servoPromises(BenchResult& result) {
-  // What trilinear interpolation leaves of a ball's surface is within h^2 / (4 R), and a voxel deep no more is lost.
+  // Trilinear interpolation is off by h^2 / (4 R) at most, to the first order; the next one is (h / R)^2 of it, a
+  // percent for the smaller ball.
+  constexpr double kMostOfBound = 1.01;
   double worst = 0;
   const BenchRows rows = rowsOf(result, "servo", {{"algorithm", "hri"}, {"noise_voxel", 0.0}});
   for (const BenchRow* row : rows) {
@@ -239,7 +242,8 @@ void servoPromises(BenchResult& result) {
   }
   if (!rows.empty()) {
     result.targets.push_back(
-        {"hri, no noise, any n and speed: largest error of the position / ((v n T)^2 / 2R + h^2 / 4R) [-]", worst, 1});
+        {"hri, no noise, any n and speed: largest error of the position / ((v n T)^2 / 2R + h^2 / 4R) [-]", worst,
+         kMostOfBound});
   }
   promise(result, {.name = "hri, up to 0.5 m/s, any n, noise up to 0.25 voxel: contacts lost [-]",
                    .bound = 0,
@@ -277,7 +281,9 @@ Study servoStudy() {
           .cells = servoCells,
           .plots = servoPlots,
           .orders = servoOrders,
-          .promise = servoPromises};
+          .promise = servoPromises,
+          .counts = {"fall_throughs", "missed_ticks"},
+          .counts_by = {"algorithm"}};
 }
 
 }  // namespace palpate

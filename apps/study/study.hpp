@@ -63,6 +63,8 @@ struct Study {
   std::vector<StudyPlot> (*plots)(bool quick) = nullptr;
   std::vector<StudyOrder> (*orders)(bool quick) = nullptr;
   void (*promise)(BenchResult& result) = nullptr;  // adds targets of its own; null: it has none
+  // Keys of counts of what went wrong, which no logarithmic axis shows, and of what names their rows in a table.
+  std::vector<std::string> counts = {}, counts_by = {};
 };
 
 // In the order of their rows.

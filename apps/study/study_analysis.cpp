@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "apps/bench/columns.hpp"
 #include "apps/study/fitted_order.hpp"
 #include "apps/study/shard.hpp"
 
@@ -57,7 +58,7 @@ Beaten beaten(const StudyPlot& plot, const PlottedRows& plotted, std::size_t own
     result.by_rivals += rival ? 1 : 0;
     const double cost = plotted.at[i].cost / plotted.at[own].cost, error = plotted.at[i].error / plotted.at[own].error;
     if (result.best.empty() || cost * error < result.cost_ratio * result.error_ratio) {
-      result.best = wordsOf(*plotted.rows[i], plot.series) + " " + wordsOf(*plotted.rows[i], plot.labels);
+      result.best = wordsOf(*plotted.rows[i], joined(plot.series, plot.labels));
       result.cost_ratio = cost;
       result.error_ratio = error;
     }
@@ -74,7 +75,7 @@ void addDefault(BenchResult& result, const Study& study, const StudyPlot& plot, 
     found.push_back({{"part", "default"},
                      {"study", study.name},
                      {"plot", plot.title},
-                     {"default", wordsOf(*plotted.rows[i], plot.series) + " " + wordsOf(*plotted.rows[i], plot.labels)},
+                     {"default", wordsOf(*plotted.rows[i], joined(plot.series, plot.labels))},
                      {"on_front", worse.by == 0 ? "yes" : "no"},
                      {"beaten_by", worse.by},
                      {"beaten_by_rivals", worse.by_rivals},
@@ -109,6 +110,34 @@ void addOrders(BenchResult& result, const Study& study, const StudyOrder& order)
                      {"fitted_order", fitted},
                      {"theory_order", theory},
                      {"off", std::abs(fitted - theory)}});
+  }
+  std::move(found.begin(), found.end(), std::back_inserter(result.rows));
+}
+
+// The sum of each count over the rows of the same name, and in how many of them it is not 0.
+void addCounts(BenchResult& result, const Study& study) {
+  std::vector<BenchRow> found;
+  for (const std::string& key : study.counts) {
+    std::vector<std::pair<std::string, BenchRows>> named;
+    for (const BenchRow* row : rowsOf(result, study.name)) {
+      if (!numberIn(*row, key)) continue;
+      const std::string name = wordsOf(*row, study.counts_by);
+      auto at = std::find_if(named.begin(), named.end(), [&](const auto& one) { return one.first == name; });
+      if (at == named.end()) at = named.insert(at, {name, {}});
+      at->second.push_back(row);
+    }
+    for (const auto& [name, rows] : named) {
+      double sum = 0;
+      for (const BenchRow* row : rows) sum += figureOf(*row, key);
+      const auto with = std::ranges::count_if(rows, [&](const BenchRow* row) { return figureOf(*row, key) > 0; });
+      found.push_back({{"part", "count"},
+                       {"study", study.name},
+                       {"of", key},
+                       {"who", name},
+                       {"cells", static_cast<std::int64_t>(rows.size())},
+                       {"cells_with", static_cast<std::int64_t>(with)},
+                       {"sum", sum}});
+    }
   }
   std::move(found.begin(), found.end(), std::back_inserter(result.rows));
 }
@@ -199,6 +228,7 @@ void analyse(BenchResult& result) {
       addDefault(result, study, plot, plottedRows(result, study, plot));
     }
     for (const StudyOrder& order : study.orders(quick)) addOrders(result, study, order);
+    addCounts(result, study);
     promiseOrders(result, study);
     promiseRepeats(result, study);
     if (study.promise != nullptr) study.promise(result);

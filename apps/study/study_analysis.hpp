@@ -31,7 +31,7 @@ struct PlottedRows {
 // Adds a note for every reason why cells were left out, and one if cells of its shards are missing. Then, for every
 // study that has rows: rows of part "front" (the choices of each plot's front by ascending cost), of part "default"
 // (whether the default settings are on the front, and what beats them), of part "order" (the fitted order of each
-// family, and the theory's), and the targets.
+// family, and the theory's), of part "count" (how often something went wrong, and in how many cells), and the targets.
 void analyse(BenchResult& result);
 
 }  // namespace palpate

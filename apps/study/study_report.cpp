@@ -125,6 +125,11 @@ std::string studySection(const BenchResult& result, const Study& study) {
                                                                   {"fitted_order", "fitted", 3},
                                                                   {"theory_order", "theory"}});
   }
+  if (const BenchRows rows = rowsOf(result, "count", own); !rows.empty()) {
+    text +=
+        "<h3>What went wrong</h3>\n" +
+        htmlTable(rows, {{"of", "what"}, {"who", "who"}, {"sum", "sum"}, {"cells_with", "in cells"}, {"cells", "of"}});
+  }
   if (const BenchRows rows = rowsOf(result, "front", own); !rows.empty()) {
     text += "<h3>Pareto fronts</h3>\n" + htmlTable(rows, {{"plot", "plot"},
                                                           {"series", "who"},

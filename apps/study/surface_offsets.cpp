@@ -45,13 +45,13 @@ std::optional<double> nearestCrossing(const Above& above) {
 
 }  // namespace
 
-std::vector<ExactPoint> surfacePoints(const Phantom& phantom, std::size_t count, double border_voxel,
-                                      std::uint64_t seed) {
+std::vector<ExactSurfacePoint> exactSurfacePoints(const Phantom& phantom, std::size_t count, double border_voxel,
+                                                  std::uint64_t seed) {
   constexpr int kNewtonSteps = 20;
   const double close_m = 1e-9 * phantom.lattice().smallestSpacing();
   const Vec3 last_L = (phantom.size() - Vec3i::Ones()).cast<double>();
   Random random(seed);
-  std::vector<ExactPoint> points;
+  std::vector<ExactSurfacePoint> points;
   while (points.size() < count) {
     Vec3 p_L;
     for (int axis = 0; axis < 3; ++axis) p_L[axis] = random.uniform(border_voxel, last_L[axis] - border_voxel);
@@ -68,11 +68,12 @@ std::vector<ExactPoint> surfacePoints(const Phantom& phantom, std::size_t count,
   return points;
 }
 
-SurfaceOffsets surfaceOffsets(const reference::DenseField& field, double isovalue, std::span<const ExactPoint> points) {
+SurfaceOffsets surfaceOffsets(const reference::DenseField& field, double isovalue,
+                              std::span<const ExactSurfacePoint> points) {
   const double voxel_m = field.lattice.smallestSpacing();
   SurfaceOffsets offsets;
   double sum = 0, squares = 0, found = 0;
-  for (const ExactPoint& point : points) {
+  for (const ExactSurfacePoint& point : points) {
     const std::optional<double> at = nearestCrossing([&](double along_voxel) {
       const Vec3 p_W = point.p_W + along_voxel * voxel_m * point.normal_W;
       return trilinear(field, field.lattice.toIndex(p_W)) - isovalue;

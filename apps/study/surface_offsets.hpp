@@ -16,19 +16,19 @@
 
 namespace palpate {
 
-struct ExactPoint {
+struct ExactSurfacePoint {
   Vec3 p_W, normal_W;  // on the exact surface; outward
 };
 
 // Random points of a phantom's surface, at least `border_voxel` from the volume's faces.
-[[nodiscard]] std::vector<ExactPoint> surfacePoints(const Phantom& phantom, std::size_t count, double border_voxel,
-                                                    std::uint64_t seed);
+[[nodiscard]] std::vector<ExactSurfacePoint> exactSurfacePoints(const Phantom& phantom, std::size_t count,
+                                                                double border_voxel, std::uint64_t seed);
 
 struct SurfaceOffsets {
   double mean_m = 0, rms_m = 0;  // along the normal, outward; of the points that were found
   std::size_t lost = 0;          // points with no crossing of the isovalue within four voxels along the normal
 };
 [[nodiscard]] SurfaceOffsets surfaceOffsets(const reference::DenseField& field, double isovalue,
-                                            std::span<const ExactPoint> points);
+                                            std::span<const ExactSurfacePoint> points);
 
 }  // namespace palpate

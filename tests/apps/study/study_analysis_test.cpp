@@ -121,6 +121,24 @@ TEST(StudyAnalysis, OrdersAreFittedFamilyByFamily) {
   EXPECT_FALSE(target->holds());
 }
 
+// Of two algorithms, one of which lost contact in two of three cells.
+TEST(StudyAnalysis, CountsAreSummedByName) {
+  std::vector<BenchRow> rows;
+  for (const std::int64_t falls : {0, 2, 5}) {
+    for (const char* algorithm : {"hri", "hri-paper"}) {
+      rows.push_back(servoRow(algorithm, falls, 10, 0.1));
+      std::erase_if(rows.back(), [](const auto& cell) { return cell.first == "fall_throughs"; });
+      rows.back().emplace_back("fall_throughs", algorithm == std::string("hri") ? 0 : falls);
+    }
+  }
+  BenchResult result = resultOf(std::move(rows));
+  analyse(result);
+  const BenchRows counts = rowsOf(result, "count", {{"of", "fall_throughs"}});
+  ASSERT_THAT(counts, SizeIs(2));
+  EXPECT_EQ(wordsOf(*counts[0], {"who", "sum", "cells_with", "cells"}), "hri 0 0 3");
+  EXPECT_EQ(wordsOf(*counts[1], {"who", "sum", "cells_with", "cells"}), "hri-paper 7 2 3");
+}
+
 TEST(StudyAnalysis, CellsWhoseErrorsDifferBreakAPromise) {
   BenchRow drifts = servoRow("hri", 5, 30, 0.01);
   for (auto& [key, figure] : drifts) {

@@ -100,7 +100,7 @@ TEST(ErrorTable, SaysWhatTheFrontsSayOfTheDefaults) {
   worse.rows.clear();
   worse.rows = {row("hri", 5, 30, 0.01), row("avila", 1, 15, 0.005)};
   analyse(worse);
-  EXPECT_THAT(errorTable(worse), HasSubstr("beaten by 1 choices (1 of rivals), most by avila n=1: 0.50 of its cost, "
+  EXPECT_THAT(errorTable(worse), HasSubstr("beaten by 1 choice (1 of rivals), most by avila n=1: 0.50 of its cost, "
                                            "0.50 of its error"));
 }
 

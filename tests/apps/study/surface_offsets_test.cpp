@@ -34,7 +34,7 @@ TEST(SurfaceOffsets, OfAShiftedPlaneIsTheShift) {
     const Vec3 normal_W = random.direction();
     const double shift_m = random.uniform(-3.5, 3.5) * kVoxel_m;
     const auto field = fieldOf(24, [&](const Vec3& p_W) { return (shift_m - normal_W.dot(p_W)) / kVoxel_m; });
-    std::vector<ExactPoint> points;
+    std::vector<ExactSurfacePoint> points;
     for (int i = 0; i < 20; ++i) {
       const Vec3 aside_W = random.uniform(0, 4 * kVoxel_m) * normal_W.unitOrthogonal();
       points.push_back({aside_W, normal_W});
@@ -48,7 +48,8 @@ TEST(SurfaceOffsets, OfAShiftedPlaneIsTheShift) {
 
 TEST(SurfaceOffsets, ASurfaceFartherThanFourVoxelsIsLost) {
   const auto field = fieldOf(24, [&](const Vec3& p_W) { return 5 - p_W.x() / kVoxel_m; });
-  const SurfaceOffsets offsets = surfaceOffsets(field, 0, std::vector<ExactPoint>{{Vec3::Zero(), Vec3::UnitX()}});
+  const SurfaceOffsets offsets =
+      surfaceOffsets(field, 0, std::vector<ExactSurfacePoint>{{Vec3::Zero(), Vec3::UnitX()}});
   EXPECT_EQ(offsets.lost, 1U);
   EXPECT_TRUE(std::isnan(offsets.mean_m));
 }
@@ -59,7 +60,8 @@ TEST(SurfaceOffsets, TheNearestCrossingCounts) {
     const double x = p_W.x() / kVoxel_m;
     return (x + 0.5) * (x - 2);
   });
-  const SurfaceOffsets offsets = surfaceOffsets(field, 0, std::vector<ExactPoint>{{Vec3::Zero(), Vec3::UnitX()}});
+  const SurfaceOffsets offsets =
+      surfaceOffsets(field, 0, std::vector<ExactSurfacePoint>{{Vec3::Zero(), Vec3::UnitX()}});
   EXPECT_NEAR(offsets.mean_m / kVoxel_m, -0.5, 0.15);  // the parabola, linear between voxels half a voxel away
 }
 
@@ -69,7 +71,7 @@ TEST(SurfaceOffsets, OfABallIsTheSagOfInterpolation) {
   constexpr double kRadius_voxel = 10;
   const auto field = fieldOf(32, [&](const Vec3& p_W) { return kRadius_voxel - p_W.norm() / kVoxel_m; });
   Random random(1);
-  std::vector<ExactPoint> points;
+  std::vector<ExactSurfacePoint> points;
   for (int i = 0; i < 2000; ++i) {
     const Vec3 normal_W = random.direction();
     points.push_back({kRadius_voxel * kVoxel_m * normal_W, normal_W});
@@ -82,11 +84,11 @@ TEST(SurfaceOffsets, OfABallIsTheSagOfInterpolation) {
   EXPECT_NEAR(offsets.mean_m / kVoxel_m, -2 / (12 * kRadius_voxel), 0.1 * 2 / (12 * kRadius_voxel));
 }
 
-TEST(SurfacePoints, LieOnTheSurfaceAndAwayFromTheBorder) {
+TEST(ExactSurfacePoints, LieOnTheSurfaceAndAwayFromTheBorder) {
   const auto phantom = makePhantom("phantom:knot?size=48x40x32&spacing=1x1.2x1.5mm");
-  const std::vector<ExactPoint> points = surfacePoints(*phantom, 500, 6, 1);
+  const std::vector<ExactSurfacePoint> points = exactSurfacePoints(*phantom, 500, 6, 1);
   ASSERT_EQ(points.size(), 500U);
-  for (const ExactPoint& point : points) {
+  for (const ExactSurfacePoint& point : points) {
     EXPECT_LE(std::abs(phantom->signedDistance_m(point.p_W)), 1e-12);
     EXPECT_NEAR(point.normal_W.dot(phantom->normal(point.p_W)), 1, 1e-9);
     const Vec3 p_L = phantom->lattice().toIndex(point.p_W);
