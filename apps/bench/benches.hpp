@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "apps/bench/bench_result.hpp"
+#include "apps/bench/log_chart.hpp"
 #include "apps/console/progress.hpp"
 
 namespace palpate {
@@ -41,7 +42,7 @@ struct Bench {
   // Returns rows and targets; the caller adds command and commit. Throws Error, with kCancelled on Ctrl-C.
   BenchResult (*run)(const Bench& bench, const BenchArguments& arguments, Progress& progress) = nullptr;
   std::string (*table)(const BenchResult& result) = nullptr;  // for the terminal and the page
-  std::string (*chart)(const BenchResult& result) = nullptr;  // an SVG file
+  LogCharts (*charts)(const BenchResult& result) = nullptr;   // the figures drawn
   // For a bench that --shard cuts; others have neither.
   std::string (*report)(const BenchResult& result) = nullptr;           // one HTML file
   BenchResult (*merge)(const std::vector<BenchPart>& parts) = nullptr;  // one result of all parts; throws Error

@@ -84,13 +84,12 @@ Columns<EditFigures> stageColumns() {
 
 const Columns<EditFigures>& editColumns() {
   static const Columns<EditFigures> kColumns = joined(
-      Columns<EditFigures>{
-          {"volume_voxel", &EditFigures::size},
-          {"gradients", &EditFigures::gradients},
-          {"radius_voxel", &EditFigures::radius, {"radius", "voxel"}},
-          {"edits", &EditFigures::edits},
-          {"windows_published", &EditFigures::published},
-          {"changed_bricks_median", [](const auto& f) { return median(f.bricks); }, {"bricks", ""}}},
+      Columns<EditFigures>{{"volume_voxel", &EditFigures::size},
+                           {"gradients", &EditFigures::gradients},
+                           {"radius_voxel", &EditFigures::radius, {"radius", "voxel"}},
+                           {"edits", &EditFigures::edits},
+                           {"windows_published", &EditFigures::published},
+                           {"changed_bricks_median", [](const auto& f) { return median(f.bricks); }, {"bricks", ""}}},
       stageColumns(),
       Columns<EditFigures>{
           {"recomputes", [](const auto& f) { return static_cast<std::int64_t>(f.recompute_ms.size()); }},
@@ -354,7 +353,7 @@ std::string editTable(const BenchResult& result) {
   return tableText(result, {{"edit"}, joined(TableColumns{{"", nameOf, {"volume", ""}}}, shown(editColumns()))});
 }
 
-std::string editChart(const BenchResult& result) {
+LogCharts editCharts(const BenchResult& result) {
   std::vector<ChartPanel> panels;
   for (const BenchRow* row : rowsOf(result, "edit")) {
     const std::string title = nameOf(*row) + (textOf(*row, "gradients") == "all" ? " gradients" : "");
@@ -364,7 +363,7 @@ std::string editChart(const BenchResult& result) {
                {figureOf(*row, "radius_voxel"), figureOf(*row, std::string(stage.key) + "_median_ms")});
     }
   }
-  return logChartSvg("One edit, by stage", panels, ChartMarks::kPoints);
+  return {{"One edit, by stage", panels, ChartMarks::kPoints}};
 }
 
 }  // namespace palpate

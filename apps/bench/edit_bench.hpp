@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "apps/bench/bench_result.hpp"
+#include "apps/bench/log_chart.hpp"
 #include "apps/console/progress.hpp"
 
 namespace palpate {
@@ -35,6 +36,6 @@ struct EditBenchRequest {
 
 [[nodiscard]] std::string editTable(const BenchResult& result);
 // Time against radius by stage, a panel for each volume.
-[[nodiscard]] std::string editChart(const BenchResult& result);
+[[nodiscard]] LogCharts editCharts(const BenchResult& result);
 
 }  // namespace palpate

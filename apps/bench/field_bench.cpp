@@ -95,7 +95,7 @@ BenchFigure movedInTable(const BenchRow& row) {
   return kMiBPerMB * figureOf(row, "moved_MB");
 }
 
-std::string fieldChart(const BenchResult& result, const std::string& title, const std::vector<std::string>& jobs) {
+LogCharts fieldCharts(const BenchResult& result, const std::string& title, const std::vector<std::string>& jobs) {
   std::vector<ChartPanel> panels;
   for (const std::string& job : jobs) {
     for (const BenchRow* row : rowsOf(result, "run", {{"job", job}})) {
@@ -108,7 +108,7 @@ std::string fieldChart(const BenchResult& result, const std::string& title, cons
       addPoint(panels, {job, "edge [voxel]", "time [ns a voxel]", {}}, library, {std::cbrt(voxels), ns});
     }
   }
-  return logChartSvg(title, panels, ChartMarks::kPoints);
+  return {{title, panels, ChartMarks::kPoints}};
 }
 
 }  // namespace
@@ -234,13 +234,13 @@ std::string fieldTable(const BenchResult& result) {
                             title});
 }
 
-std::string filterChart(const BenchResult& result) {
-  return fieldChart(result, "Filters", {"gaussian:1.5", "median:1", "close:1", "diffuse:5:kappa=200"});
+LogCharts filterCharts(const BenchResult& result) {
+  return fieldCharts(result, "Filters", {"gaussian:1.5", "median:1", "close:1", "diffuse:5:kappa=200"});
 }
 
-std::string gradientChart(const BenchResult& result) {
-  return fieldChart(result, "Gradients",
-                    {"gradient central", "gradient sobel", "gradient central4", "gradient gaussian:1.5"});
+LogCharts gradientCharts(const BenchResult& result) {
+  return fieldCharts(result, "Gradients",
+                     {"gradient central", "gradient sobel", "gradient central4", "gradient gaussian:1.5"});
 }
 
 }  // namespace palpate

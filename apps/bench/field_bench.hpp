@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "apps/bench/bench_result.hpp"
+#include "apps/bench/log_chart.hpp"
 #include "apps/bench/copy_speed.hpp"
 #include "apps/bench/turns.hpp"
 #include "apps/console/progress.hpp"
@@ -124,7 +125,7 @@ class FieldBench {
 
 [[nodiscard]] std::string fieldTable(const BenchResult& result);
 // Time per voxel [ns] against size: a panel for each of some jobs, a series for each library, with its fastest way.
-[[nodiscard]] std::string filterChart(const BenchResult& result);
-[[nodiscard]] std::string gradientChart(const BenchResult& result);
+[[nodiscard]] LogCharts filterCharts(const BenchResult& result);
+[[nodiscard]] LogCharts gradientCharts(const BenchResult& result);
 
 }  // namespace palpate

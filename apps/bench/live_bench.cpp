@@ -335,7 +335,7 @@ std::string liveTable(const BenchResult& result) {
   return tableText(result, {{"live"}, shown(liveColumns())});
 }
 
-std::string liveChart(const BenchResult& result) {
+LogCharts liveCharts(const BenchResult& result) {
   ChartPanel panel{"the servo beside the picture", "between pictures [ms]", "lateness p99.9 [us]", {}};
   for (const char* drawn : {kStanding, kTurning}) {
     ChartSeries series{drawn, {}};
@@ -343,7 +343,7 @@ std::string liveChart(const BenchResult& result) {
       series.points.push_back({figureOf(*row, "between_pictures_ms"), figureOf(*row, "lateness_p999_us")});
     panel.series.push_back(std::move(series));
   }
-  return logChartSvg("Drawing while the servo runs", {panel}, ChartMarks::kPoints);
+  return {{"Drawing while the servo runs", {panel}, ChartMarks::kPoints}};
 }
 
 }  // namespace palpate

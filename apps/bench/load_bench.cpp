@@ -117,13 +117,13 @@ std::string loadTable(const BenchResult& result) {
   return tableText(result, {{"load"}, shown(loadColumns())});
 }
 
-std::string loadChart(const BenchResult& result) {
+LogCharts loadCharts(const BenchResult& result) {
   ChartPanel panel{"median times", "library alone [s]", "load [s]", {}};
   for (const BenchRow* row : rowsOf(result, "load")) {
     panel.series.push_back(
         {textOf(*row, "format"), {{figureOf(*row, "library_median_s"), figureOf(*row, "load_median_s")}}});
   }
-  return logChartSvg("Loading", {panel}, ChartMarks::kPoints);
+  return {{"Loading", {panel}, ChartMarks::kPoints}};
 }
 
 }  // namespace palpate

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "apps/bench/bench_result.hpp"
+#include "apps/bench/log_chart.hpp"
 #include "apps/console/progress.hpp"
 
 namespace palpate {
@@ -28,6 +29,6 @@ struct LoadBenchRequest {
 [[nodiscard]] BenchResult runLoadBench(const LoadBenchRequest& request, Progress& progress);
 
 [[nodiscard]] std::string loadTable(const BenchResult& result);
-[[nodiscard]] std::string loadChart(const BenchResult& result);  // load against library, a point for each format
+[[nodiscard]] LogCharts loadCharts(const BenchResult& result);  // load against library, a point for each format
 
 }  // namespace palpate

@@ -7,9 +7,12 @@
 #include <limits>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "apps/report/html_text.hpp"
 #include "apps/report/label_placer.hpp"
+#include "base/error.hpp"
+#include "base/nearest_word.hpp"
 
 namespace palpate {
 namespace {
@@ -256,6 +259,42 @@ Legend legendOf(const std::vector<ChartPanel>& panels, const std::vector<std::st
   return legend;
 }
 
+// A chart without the frame of a file, and what it takes [pixel].
+struct ChartSvg {
+  std::string text;
+  double width = 0, height = 0;
+};
+
+ChartSvg chartSvg(const LogChart& chart) {
+  const std::vector<ChartPanel>& panels = chart.panels;
+  std::vector<std::string> names;
+  for (const ChartPanel& panel : panels) {
+    for (const ChartSeries& series : panel.series) {
+      if (kindOf(series.name, names) == names.size()) names.push_back(series.name);
+    }
+  }
+  const std::size_t columns = chart.columns == 0 ? panels.size() : std::min(chart.columns, panels.size());
+  const std::size_t across = std::max<std::size_t>(columns, 1);
+  const std::size_t down = std::max<std::size_t>((panels.size() + across - 1) / across, 1);
+  const double width = kPanelWidth * static_cast<double>(across);
+  const Legend legend = legendOf(panels, names, width, kTitle + kPanelHeight * static_cast<double>(down));
+  std::string out = text(width / 2, 20, "middle", chart.title, " font-size=\"14\" font-weight=\"bold\"");
+  for (std::size_t i = 0; i < panels.size(); ++i) {
+    const Axis x = axisOver(panels[i], &ChartPoint::x), y = axisOver(panels[i], &ChartPoint::y);
+    const std::size_t row = i / across, column = i % across;
+    out += fmt::format("<g transform=\"translate({} {})\">\n", kPanelWidth * static_cast<double>(column),
+                       kTitle + kPanelHeight * static_cast<double>(row));
+    out += axes(panels[i], x, y);
+    for (const ChartSeries& series : panels[i].series) {
+      out += seriesSvg(series, kindOf(series.name, names), x, y, chart.marks);
+    }
+    out += frontSvg(panels[i], x, y);
+    if (chart.marks == ChartMarks::kPoints) out += labelsSvg(panels[i], names, x, y);
+    out += "</g>\n";
+  }
+  return {out + legend.svg, width, legend.bottom};
+}
+
 }  // namespace
 
 void addPoint(std::vector<ChartPanel>& panels, const ChartPanel& panel, const std::string& series, ChartPoint point) {
@@ -266,38 +305,37 @@ void addPoint(std::vector<ChartPanel>& panels, const ChartPanel& panel, const st
   line->points.push_back(std::move(point));
 }
 
-std::string logChartSvg(const std::string& title, const std::vector<ChartPanel>& panels, ChartMarks marks,
-                        std::size_t columns) {
-  std::vector<std::string> names;
-  for (const ChartPanel& panel : panels) {
-    for (const ChartSeries& series : panel.series) {
-      if (kindOf(series.name, names) == names.size()) names.push_back(series.name);
-    }
+LogCharts onlyPanels(LogCharts charts, const std::vector<std::string>& titles) {
+  std::vector<std::string> known;
+  for (LogChart& chart : charts) {
+    for (const ChartPanel& panel : chart.panels) known.push_back(panel.title);
+    std::erase_if(chart.panels,
+                  [&](const ChartPanel& panel) { return std::ranges::find(titles, panel.title) == titles.end(); });
   }
-  const std::size_t across = std::max<std::size_t>(columns == 0 ? panels.size() : std::min(columns, panels.size()), 1);
-  const std::size_t down = std::max<std::size_t>((panels.size() + across - 1) / across, 1);
-  const double width = kPanelWidth * static_cast<double>(across);
-  const Legend legend = legendOf(panels, names, width, kTitle + kPanelHeight * static_cast<double>(down));
-  std::string out = fmt::format(
-      R"(<svg xmlns="http://www.w3.org/2000/svg" width="{0}" height="{1}" viewBox="0 0 {0} {1}" font-family="DejaVu Sans, sans-serif" font-size="12">
+  std::erase_if(charts, [](const LogChart& chart) { return chart.panels.empty(); });
+  for (const std::string& title : titles) {
+    if (std::ranges::find(known, title) != known.end()) continue;
+    refuse(title, "no panel of the chart has this title",
+           withDidYouMean(title, known, fmt::format("the titles are: {}", fmt::join(known, "; "))));
+  }
+  return charts;
+}
+
+std::string logChartSvg(const LogCharts& charts) {
+  double width = kPanelWidth, height = 0;
+  std::string out;
+  for (const LogChart& chart : charts) {
+    const ChartSvg svg = chartSvg(chart);
+    out += fmt::format("<g transform=\"translate(0 {})\">\n{}</g>\n", height, svg.text);
+    width = std::max(width, svg.width);
+    height += svg.height;
+  }
+  return fmt::format(
+             R"(<svg xmlns="http://www.w3.org/2000/svg" width="{0}" height="{1}" viewBox="0 0 {0} {1}" font-family="DejaVu Sans, sans-serif" font-size="12">
 <rect width="100%" height="100%" fill="white"/>
 )",
-      width, legend.bottom);
-  out += text(width / 2, 20, "middle", title, " font-size=\"14\" font-weight=\"bold\"");
-  for (std::size_t i = 0; i < panels.size(); ++i) {
-    const Axis x = axisOver(panels[i], &ChartPoint::x), y = axisOver(panels[i], &ChartPoint::y);
-    const std::size_t row = i / across, column = i % across;
-    out += fmt::format("<g transform=\"translate({} {})\">\n", kPanelWidth * static_cast<double>(column),
-                       kTitle + kPanelHeight * static_cast<double>(row));
-    out += axes(panels[i], x, y);
-    for (const ChartSeries& series : panels[i].series) {
-      out += seriesSvg(series, kindOf(series.name, names), x, y, marks);
-    }
-    out += frontSvg(panels[i], x, y);
-    if (marks == ChartMarks::kPoints) out += labelsSvg(panels[i], names, x, y);
-    out += "</g>\n";
-  }
-  return out + legend.svg + "</svg>\n";
+             width, std::max(height, 1.0)) +
+         out + "</svg>\n";
 }
 
 }  // namespace palpate

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/bench/log_chart.hpp: a chart of several panels with two logarithmic axes each, as an SVG file that needs no
+// apps/bench/log_chart.hpp: charts of several panels with two logarithmic axes each, as an SVG file that needs no
 // other file. It prints well: up to twelve series have marks that can be told apart without colours.
 //
 // Points with a zero, negative or non-finite value are left out. Any thread; cost: linear in the number of points.
@@ -38,9 +38,19 @@ enum class ChartMarks { kPoints, kLine };
 // end if they are not there yet.
 void addPoint(std::vector<ChartPanel>& panels, const ChartPanel& panel, const std::string& series, ChartPoint point);
 
-// `columns`: panels beside each other; 0: all. The points with rings of a panel are joined by a stepped line, below and
-// left of which no choice lies.
-[[nodiscard]] std::string logChartSvg(const std::string& title, const std::vector<ChartPanel>& panels, ChartMarks marks,
-                                      std::size_t columns = 0);
+struct LogChart {
+  std::string title;
+  std::vector<ChartPanel> panels;
+  ChartMarks marks = ChartMarks::kPoints;
+  std::size_t columns = 0;  // panels beside each other; 0: all
+};
+using LogCharts = std::vector<LogChart>;
+
+// The panels of these titles alone, in their order. Throws Error(kBadInput) on a title that no panel has.
+[[nodiscard]] LogCharts onlyPanels(LogCharts charts, const std::vector<std::string>& titles);
+
+// The charts one below the other. The points with rings of a panel are joined by a stepped line, below and left of
+// which no choice lies. Each chart has a legend of its own.
+[[nodiscard]] std::string logChartSvg(const LogCharts& charts);
 
 }  // namespace palpate

@@ -314,7 +314,7 @@ std::string loopTable(const BenchResult& result) {
   return text;
 }
 
-std::string loopChart(const BenchResult& result) {
+LogCharts loopCharts(const BenchResult& result) {
   std::vector<ChartPanel> panels;
   for (const BenchRow* row : rowsOf(result, "histogram")) {
     addPoint(panels,
@@ -324,7 +324,7 @@ std::string loopChart(const BenchResult& result) {
               {}},
              textOf(*row, "side"), {figureOf(*row, "lateness_to_us"), figureOf(*row, "share_later")});
   }
-  return logChartSvg("Lateness of wake-ups, engine busy", panels, ChartMarks::kLine);
+  return {{"Lateness of wake-ups, engine busy", panels, ChartMarks::kLine}};
 }
 
 }  // namespace palpate

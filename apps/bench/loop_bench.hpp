@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "apps/bench/bench_result.hpp"
+#include "apps/bench/log_chart.hpp"
 #include "apps/console/progress.hpp"
 
 namespace palpate {
@@ -41,6 +42,6 @@ struct LoopBenchRequest {
 
 [[nodiscard]] std::string loopTable(const BenchResult& result);
 // The fraction of wake-ups that are later than a time, a panel for each rate.
-[[nodiscard]] std::string loopChart(const BenchResult& result);
+[[nodiscard]] LogCharts loopCharts(const BenchResult& result);
 
 }  // namespace palpate

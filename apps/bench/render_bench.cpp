@@ -273,7 +273,7 @@ std::string renderTable(const BenchResult& result) {
   return tableText(result, {{"picture"}, shown(renderColumns())});
 }
 
-std::string renderChart(const BenchResult& result) {
+LogCharts renderCharts(const BenchResult& result) {
   ChartPanel panel{"median error of depth against time", "time [us/pixel]", "error [voxel]", {}};
   for (const char* kernel : {kOurs, kBefore}) {
     ChartSeries series{kernel, {}};
@@ -283,7 +283,7 @@ std::string renderChart(const BenchResult& result) {
     }
     panel.series.push_back(std::move(series));
   }
-  return logChartSvg("Drawing", {panel}, ChartMarks::kPoints);
+  return {{"Drawing", {panel}, ChartMarks::kPoints}};
 }
 
 }  // namespace palpate

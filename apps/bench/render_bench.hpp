@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "apps/bench/bench_result.hpp"
+#include "apps/bench/log_chart.hpp"
 #include "apps/console/progress.hpp"
 
 namespace palpate {
@@ -33,6 +34,6 @@ struct RenderBenchRequest {
 
 [[nodiscard]] BenchResult runRenderBench(const RenderBenchRequest& request, Progress& progress);
 [[nodiscard]] std::string renderTable(const BenchResult& result);
-[[nodiscard]] std::string renderChart(const BenchResult& result);  // depth error against time a pixel
+[[nodiscard]] LogCharts renderCharts(const BenchResult& result);  // depth error against time a pixel
 
 }  // namespace palpate

@@ -24,6 +24,7 @@
 #include <vector>
 
 #include "apps/bench/bench_result.hpp"
+#include "apps/bench/log_chart.hpp"
 #include "apps/console/progress.hpp"
 
 namespace palpate {
@@ -90,6 +91,6 @@ void addServoTargets(BenchResult& result);
 [[nodiscard]] std::string tableTrial(const BenchResult& result);
 
 // Cost against error: a series for each algorithm, a point for each n.
-[[nodiscard]] std::string servoChart(const BenchResult& result);
+[[nodiscard]] LogCharts servoCharts(const BenchResult& result);
 
 }  // namespace palpate

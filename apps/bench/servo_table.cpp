@@ -228,11 +228,11 @@ std::string tableTrial(const BenchResult& result) {
          head + "\n" + text;
 }
 
-std::string servoChart(const BenchResult& result) {
-  return logChartSvg("Cost against error: medians over the volumes",
-                     {panel(result, "position", "vhip_error_median_voxel", "VHIP error, median [voxel]"),
-                      panel(result, "direction", "force_angle_median_deg", "angle of the force, median [degree]")},
-                     ChartMarks::kPoints);
+LogCharts servoCharts(const BenchResult& result) {
+  return {{"Cost against error: medians over the volumes",
+           {panel(result, "position", "vhip_error_median_voxel", "VHIP error, median [voxel]"),
+            panel(result, "direction", "force_angle_median_deg", "angle of the force, median [degree]")},
+           ChartMarks::kPoints}};
 }
 
 }  // namespace palpate

@@ -171,14 +171,14 @@ std::string startTable(const BenchResult& result) {
   return tableText(result, {{"start"}, shown(startColumns())});
 }
 
-std::string startChart(const BenchResult& result) {
+LogCharts startCharts(const BenchResult& result) {
   ChartPanel panel{"median times", "libraries loaded [-]", "to the first tick [ms]", {}};
   for (const BenchRow* row : rowsOf(result, "start")) {
     if (!std::isfinite(figureOf(*row, "first_tick_median_ms"))) continue;
     panel.series.push_back(
         {textOf(*row, "job"), {{figureOf(*row, "libraries"), figureOf(*row, "first_tick_median_ms")}}});
   }
-  return logChartSvg("Start", {panel}, ChartMarks::kPoints);
+  return {{"Start", {panel}, ChartMarks::kPoints}};
 }
 
 }  // namespace palpate

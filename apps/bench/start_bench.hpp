@@ -12,6 +12,7 @@
 #include <string>
 
 #include "apps/bench/bench_result.hpp"
+#include "apps/bench/log_chart.hpp"
 #include "apps/console/progress.hpp"
 
 namespace palpate {
@@ -28,6 +29,6 @@ struct StartBenchRequest {
 [[nodiscard]] BenchResult runStartBench(const StartBenchRequest& request, Progress& progress);
 
 [[nodiscard]] std::string startTable(const BenchResult& result);
-[[nodiscard]] std::string startChart(const BenchResult& result);  // time over libraries
+[[nodiscard]] LogCharts startCharts(const BenchResult& result);  // time over libraries
 
 }  // namespace palpate

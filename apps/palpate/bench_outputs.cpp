@@ -66,6 +66,9 @@ void addOutputFlags(CLI::App& verb, BenchOutputFlags& flags, bool report) {
   verb.add_option("--json", flags.json, "write rows and targets into this file too")->type_name("FILE");
   verb.add_option("--csv", flags.csv, "write the rows into this file too")->type_name("FILE");
   verb.add_option("--chart", flags.chart, "draw the figures into this SVG file")->type_name("FILE.svg");
+  verb.add_option("--panel", flags.panels, "draw only the panels of these titles (may be given several times)")
+      ->type_name("TITLE")
+      ->allow_extra_args(false);
   verb.add_option("--page", flags.page, "write a page to read into this Markdown file")->type_name("FILE.md");
   if (!report) return;
   verb.add_option("--report", flags.report, "write a report with all plots and figures into this HTML file")
@@ -76,12 +79,15 @@ BenchOutputs::BenchOutputs(const BenchOutputFlags& flags) : flags_(flags) {
   checkOutputsDiffer({flags.json, flags.csv, flags.chart, flags.page, flags.report});
   add(flags.json, [](const Bench&, const BenchResult& result, const std::string&) { return jsonText(result); });
   add(flags.csv, [](const Bench&, const BenchResult& result, const std::string&) { return csvText(result); });
-  add(flags.chart,
-      [](const Bench& bench, const BenchResult& result, const std::string&) { return bench.chart(result); });
   add(flags.report,
       [](const Bench& bench, const BenchResult& result, const std::string&) { return bench.report(result); });
   add(flags.page, [this](const Bench& bench, const BenchResult& result, const std::string& tables) {
     return benchPage(result, {bench.title, bench.introduction, tables, fromPage(flags_.chart, flags_.page)});
+  });
+  // The last one: only now is it known which titles there are, and what was measured is not lost for a wrong one.
+  add(flags.chart, [this](const Bench& bench, const BenchResult& result, const std::string&) {
+    LogCharts charts = bench.charts(result);
+    return logChartSvg(flags_.panels.empty() ? charts : onlyPanels(std::move(charts), flags_.panels));
   });
 }
 

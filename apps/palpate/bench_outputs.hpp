@@ -25,6 +25,7 @@ namespace palpate {
 struct BenchOutputFlags {
   bool strict = false;  // exit status 1 when a target does not hold
   std::string json, csv, chart, page, report;
+  std::vector<std::string> panels;  // of the chart, by title; none: all
 };
 // `report`: whether there is a report.
 void addOutputFlags(CLI::App& verb, BenchOutputFlags& flags, bool report);
@@ -49,6 +50,7 @@ class BenchOutputs {
 
 // The other verbs under `palpate bench`.
 void addBenchMerge(CLI::App& bench);
+void addBenchShow(CLI::App& bench);
 void addBenchAll(CLI::App& bench);
 
 }  // namespace palpate

@@ -83,6 +83,7 @@ void addBenchVerb(CLI::App& app) {
   auto flags = std::make_shared<BenchFlags>();
   for (const Bench& bench : everyBench()) addBench(*verb, bench, flags);
   addBenchMerge(*verb);
+  addBenchShow(*verb);
   addBenchAll(*verb);
 }
 

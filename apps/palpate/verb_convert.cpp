@@ -16,8 +16,9 @@ void addConvertVerb(CLI::App& app) {
   auto request = std::make_shared<ConvertRequest>();
   auto unit = std::make_shared<std::string>();
   verb->add_option("in", request->in, "file, DICOM folder or 'phantom:NAME?size=64'")->required();
-  verb->add_option("out", request->out,
-                   fmt::format("the volume: {}; a closed mesh of its isosurface: {}", volumeFileSuffixes(), kMeshFileSuffixes))
+  verb->add_option(
+          "out", request->out,
+          fmt::format("the volume: {}; a closed mesh of its isosurface: {}", volumeFileSuffixes(), kMeshFileSuffixes))
       ->required();
   verb->add_option("--iso", request->isovalue,
                    "isovalue of the mesh [density]; as `palpate touch` chooses it if not given");

@@ -64,7 +64,7 @@ std::string stabilityTable(const BenchResult& result) {
          tableText(result, widthTable()) + "\nStiff walls\n" + stiffTable(result);
 }
 
-std::string stabilityChart(const BenchResult& result) {
+LogCharts stabilityCharts(const BenchResult& result) {
   std::vector<ChartPanel> panels;
   for (const StudyDevice& device : studyDevices()) {
     const BenchRow like = {{"device", device.name}, {"hand", "normal"}};
@@ -82,12 +82,12 @@ std::string stabilityChart(const BenchResult& result) {
         addPoints(panels, *row, fmt::format("quiet, {}", variant).c_str(), "stiffness_N_per_m");
     }
   }
-  return logChartSvg("How stiff a contact may be", panels, ChartMarks::kLine);
+  return {{"How stiff a contact may be", panels, ChartMarks::kLine}};
 }
 
 const Bench& stabilityBench() {
   static const Bench kBench = {.name = "stability",
-                               .help = "what a contact can bear until it shakes (some ten minutes; --quick: under two)",
+                               .help = "what a contact can bear until it shakes (some four minutes; --quick: half a one)",
                                .title = "What a contact can bear",
                                .introduction = kIntroduction,
                                .run =
@@ -98,7 +98,7 @@ const Bench& stabilityBench() {
                                      return runStabilityBench(request, progress);
                                    },
                                .table = stabilityTable,
-                               .chart = stabilityChart};
+                               .charts = stabilityCharts};
   return kBench;
 }
 

@@ -18,7 +18,7 @@ namespace palpate {
 [[nodiscard]] BenchResult runStabilityBench(const StabilityRequest& request, Progress& progress);
 [[nodiscard]] std::string stabilityTable(const BenchResult& result);
 // The borders in the plane of K and B for each device, and what the controller makes of them.
-[[nodiscard]] std::string stabilityChart(const BenchResult& result);
+[[nodiscard]] LogCharts stabilityCharts(const BenchResult& result);
 
 // As an entry of the table of benches.
 [[nodiscard]] const Bench& stabilityBench();

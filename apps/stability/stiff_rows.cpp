@@ -107,7 +107,7 @@ void addStiffTargets(BenchResult& result) {
 
 std::string stiffTable(const BenchResult& result) {
   std::string text =
-      fmt::format("{:<10}{:>8}{:>10}{:>34}\n", "expected", "trials", "noticed", "noticed after, median / longest");
+      fmt::format("{:<10}{:>8}{:>10}{:>40}\n", "expected", "trials", "noticed", "noticed after, median / longest");
   for (const Expected expected : {Expected::kSettles, Expected::kBorder, Expected::kGrows}) {
     const BenchRows rows = rowsOf(result, "stiff", {{"expected", name(expected)}});
     const BenchRows noticed = rowsOf(result, "stiff", {{"expected", name(expected)}, {"noticed", std::int64_t{1}}});
@@ -117,7 +117,7 @@ std::string stiffTable(const BenchResult& result) {
       times = fmt::format("{:.2f} / {:.2f} s, {:.0f} / {:.0f} ticks", median(seconds), largestOf(seconds),
                           median(ticks), largestOf(ticks));
     }
-    text += fmt::format("{:<10}{:>8}{:>10}{:>34}\n", name(expected), rows.size(), noticed.size(), times);
+    text += fmt::format("{:<10}{:>8}{:>10}{:>40}\n", name(expected), rows.size(), noticed.size(), times);
   }
   return text;
 }

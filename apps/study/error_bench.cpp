@@ -177,7 +177,7 @@ Bench errorBench() {
           .takes = {"gpu", "studies", "shard"},
           .run = run,
           .table = errorTable,
-          .chart = errorChart,
+          .charts = errorCharts,
           .report = errorReport,
           .merge = mergeParts};
 }

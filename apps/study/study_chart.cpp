@@ -42,12 +42,6 @@ ChartPanel panelOf(const StudyPlot& plot, const PlottedRows& plotted) {
   return panels.front();
 }
 
-// The width or height that an SVG picture of logChartSvg() says of itself [pixel].
-double lengthIn(const std::string& svg, const std::string& name) {
-  const std::size_t at = svg.find(" " + name + "=\"");
-  return std::stod(svg.substr(at + name.size() + 3));
-}
-
 }  // namespace
 
 std::vector<ChartPanel> panelsOf(const BenchResult& result, const Study& study, bool quick) {
@@ -59,25 +53,17 @@ std::vector<ChartPanel> panelsOf(const BenchResult& result, const Study& study, 
   return panels;
 }
 
-std::string studyChart(const BenchResult& result, const Study& study, bool quick) {
-  const std::vector<ChartPanel> panels = panelsOf(result, study, quick);
-  return panels.empty() ? "" : logChartSvg(study.title, panels, ChartMarks::kPoints, kPlotsAcross);
+LogCharts studyCharts(const BenchResult& result, const Study& study, bool quick) {
+  std::vector<ChartPanel> panels = panelsOf(result, study, quick);
+  if (panels.empty()) return {};
+  return {{study.title, std::move(panels), ChartMarks::kPoints, kPlotsAcross}};
 }
 
-std::string errorChart(const BenchResult& result) {
-  double width = 1, height = 0;
-  std::string charts;
-  for (const Study& study : studies()) {
-    const std::string chart = studyChart(result, study, isQuick(result));
-    if (chart.empty()) continue;
-    charts += fmt::format("<svg y=\"{}\"{}", height, chart.substr(std::string_view("<svg").size()));
-    width = std::max(width, lengthIn(chart, "width"));
-    height += lengthIn(chart, "height");
-  }
-  return fmt::format(
-             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\">\n", width,
-             std::max(height, 1.0)) +
-         charts + "</svg>\n";
+LogCharts errorCharts(const BenchResult& result) {
+  LogCharts charts;
+  for (const Study& study : studies())
+    std::ranges::move(studyCharts(result, study, isQuick(result)), std::back_inserter(charts));
+  return charts;
 }
 
 }  // namespace palpate

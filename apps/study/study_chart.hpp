@@ -15,10 +15,9 @@ inline constexpr std::size_t kPlotsAcross = 3;  // beside each other
 
 // One panel for each plot that has rows. The front has rings; marks on it and that of the default have their labels.
 [[nodiscard]] std::vector<ChartPanel> panelsOf(const BenchResult& result, const Study& study, bool quick);
-// "" without such plots.
-[[nodiscard]] std::string studyChart(const BenchResult& result, const Study& study, bool quick);
-
-// The charts of all studies, one below the other, as one picture.
-[[nodiscard]] std::string errorChart(const BenchResult& result);
+// A chart of these panels; none without them.
+[[nodiscard]] LogCharts studyCharts(const BenchResult& result, const Study& study, bool quick);
+// The charts of all studies.
+[[nodiscard]] LogCharts errorCharts(const BenchResult& result);
 
 }  // namespace palpate

@@ -107,7 +107,7 @@ std::string studySection(const BenchResult& result, const Study& study) {
   const BenchRow own = {{"study", study.name}};
   std::string text = fmt::format("<section id=\"{}\">\n<h2>{}</h2>\n<p>{}</p>\n", study.name, escapeHtml(study.title),
                                  escapeHtml(study.words));
-  text += studyChart(result, study, isQuick(result));
+  text += logChartSvg(studyCharts(result, study, isQuick(result)));
   if (const BenchRows rows = rowsOf(result, "default", own); !rows.empty()) {
     text += "<h3>The defaults</h3>\n" + htmlTable(rows, {{"plot", "plot"},
                                                          {"default", "default"},

@@ -16,7 +16,7 @@ void showAll(const BenchResult& result) {
   fuzz::require(!jsonText(result).empty() && !csvText(result).empty(), "a result is empty");
   static_cast<void>(errorTable(result));
   fuzz::require(errorReport(result).ends_with("</html>\n"), "the report has no end");
-  fuzz::require(errorChart(result).ends_with("</svg>\n"), "the chart has no end");
+  fuzz::require(logChartSvg(errorCharts(result)).ends_with("</svg>\n"), "the chart has no end");
 }
 
 void check(const std::string& bytes) {

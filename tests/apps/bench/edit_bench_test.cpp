@@ -63,8 +63,8 @@ TEST(EditBench, HasEveryStageOfEveryVolumeAndRadius) {
   EXPECT_EQ(result.targets[3].bound, 0.5);
   EXPECT_THAT(editTable(result), HasSubstr("64^3 all"));
   EXPECT_THAT(editTable(result), HasSubstr("anew"));
-  EXPECT_THAT(editChart(result), HasSubstr("96^3"));
-  EXPECT_THAT(editChart(result), HasSubstr("gradient kernel"));
+  EXPECT_THAT(logChartSvg(editCharts(result)), HasSubstr("96^3"));
+  EXPECT_THAT(logChartSvg(editCharts(result)), HasSubstr("gradient kernel"));
 }
 
 // Two edits: the clock measures one, the device's own clock the other. So most figures are one measurement, and what is

@@ -49,7 +49,7 @@ TEST(LiveBench, HasARowForEverySession) {
             figureOf(*rowsOf(result, "live", {{"drawn", "camera stands"}})[0], "between_pictures_ms"));
   EXPECT_NEAR(result.targets[0].bound, 1000.0 / 30, 1e-9);
   EXPECT_THAT(liveTable(result), testing::HasSubstr("camera turns"));
-  EXPECT_THAT(liveChart(result), testing::HasSubstr("camera stands"));
+  EXPECT_THAT(logChartSvg(liveCharts(result)), testing::HasSubstr("camera stands"));
 }
 
 }  // namespace live_bench_test

@@ -8,6 +8,8 @@
 
 #include <gmock/gmock.h>
 
+#include "tests/support/refusal.hpp"
+
 namespace palpate {
 namespace log_chart_test {
 
@@ -29,7 +31,7 @@ ChartPanel panelOf(std::vector<ChartPoint> points) {
 // Equal ratios are equal distances. Positions are written with one decimal, so a distance is true to 0.1.
 TEST(LogChart, AxesAreLogarithmic) {
   const std::string svg =
-      logChartSvg("chart", {panelOf({{1, 1, "n=1"}, {10, 2, "n=5"}, {100, 4, ""}})}, ChartMarks::kPoints);
+      logChartSvg({{"chart", {panelOf({{1, 1, "n=1"}, {10, 2, "n=5"}, {100, 4, ""}})}, ChartMarks::kPoints}});
   const std::vector<double> xs = centresX(svg);
   ASSERT_EQ(xs.size(), 4U);  // and one in the legend
   EXPECT_NEAR(xs[1] - xs[0], xs[2] - xs[1], 0.11);
@@ -43,7 +45,7 @@ TEST(LogChart, AxesAreLogarithmic) {
 // the way, 10 in the middle.
 TEST(LogChart, PointsLieWhereTheirLogarithmsAre) {
   const std::string svg =
-      logChartSvg("chart", {panelOf({{1, 1, ""}, {10, 10, ""}, {100, 100, ""}})}, ChartMarks::kPoints);
+      logChartSvg({{"chart", {panelOf({{1, 1, ""}, {10, 10, ""}, {100, 100, ""}})}, ChartMarks::kPoints}});
   for (const char* at : {"cx=\"101.9\" cy=\"314.2\"", "cx=\"261.0\" cy=\"182.0\"", "cx=\"420.1\" cy=\"49.8\""}) {
     EXPECT_THAT(svg, HasSubstr(at));
   }
@@ -58,7 +60,7 @@ TEST(LogChart, PointsLieWhereTheirLogarithmsAre) {
 
 // Three decades have air of 6 % at either end, and their powers of ten alone.
 TEST(LogChart, ManyDecadesHaveTheirPowersOfTenAlone) {
-  const std::string svg = logChartSvg("chart", {panelOf({{1, 1, ""}, {1000, 1000, ""}})}, ChartMarks::kLine);
+  const std::string svg = logChartSvg({{"chart", {panelOf({{1, 1, ""}, {1000, 1000, ""}})}, ChartMarks::kLine}});
   EXPECT_THAT(svg, HasSubstr("<polyline points=\"97.6,317.7 424.4,46.3 \""));
   EXPECT_THAT(svg, HasSubstr("stroke-width=\"1.8\""));
   EXPECT_EQ(centresX(svg).size(), 1U);  // the legend's
@@ -88,7 +90,7 @@ TEST(LogChart, LabelsStayApartAndInside) {
   std::vector<ChartPoint> points;
   for (int i = 0; i < 5; ++i) points.push_back({1 + 0.02 * i, 1 + 0.03 * (i % 2), "n=50"});
   points.push_back({1000, 1000, "any n"});
-  const std::string svg = logChartSvg("chart", {panelOf(points)}, ChartMarks::kPoints);
+  const std::string svg = logChartSvg({{"chart", {panelOf(points)}, ChartMarks::kPoints}});
   static const std::regex kLabel(
       "<text x=\"([0-9.]+)\" y=\"([0-9.]+)\" text-anchor=\"start\" font-size=\"10\"[^>]*>([^<]*)<");
   std::vector<std::array<double, 3>> labels;  // left, baseline, right
@@ -109,26 +111,26 @@ TEST(LogChart, LabelsStayApartAndInside) {
 TEST(LogChart, WhatHasNoLogarithmIsLeftOut) {
   const double inf = std::numeric_limits<double>::infinity();
   const std::string svg =
-      logChartSvg("chart", {panelOf({{1, 0, ""}, {-1, 1, ""}, {inf, 1, ""}, {2, 3, ""}})}, ChartMarks::kPoints);
+      logChartSvg({{"chart", {panelOf({{1, 0, ""}, {-1, 1, ""}, {inf, 1, ""}, {2, 3, ""}})}, ChartMarks::kPoints}});
   EXPECT_EQ(centresX(svg).size(), 2U);
   EXPECT_THAT(svg, testing::Not(HasSubstr("nan")));
   EXPECT_THAT(svg, testing::Not(HasSubstr("inf")));
 }
 
 TEST(LogChart, NothingToDrawIsStillAPicture) {
-  EXPECT_THAT(logChartSvg("empty", {}, ChartMarks::kLine), testing::EndsWith("</svg>\n"));
-  EXPECT_THAT(logChartSvg("empty", {panelOf({})}, ChartMarks::kLine), testing::Not(HasSubstr("nan")));
+  EXPECT_THAT(logChartSvg({{"empty", {}, ChartMarks::kLine}}), testing::EndsWith("</svg>\n"));
+  EXPECT_THAT(logChartSvg({{"empty", {panelOf({})}, ChartMarks::kLine}}), testing::Not(HasSubstr("nan")));
 }
 
 TEST(LogChart, NamesCannotBreakTheFile) {
-  const std::string svg = logChartSvg("<b>&", {}, ChartMarks::kPoints);
+  const std::string svg = logChartSvg({{"<b>&", {}, ChartMarks::kPoints}});
   EXPECT_THAT(svg, HasSubstr("&lt;b&gt;&amp;"));
 }
 
 TEST(LogChart, ASeriesHasTheSameMarkInEveryPanel) {
   ChartPanel second = panelOf({{1, 1, ""}, {3, 3, ""}});
   second.series.insert(second.series.begin(), {"blezek", {{2, 2, ""}}});
-  const std::string svg = logChartSvg("chart", {panelOf({{1, 1, ""}}), second}, ChartMarks::kPoints);
+  const std::string svg = logChartSvg({{"chart", {panelOf({{1, 1, ""}}), second}, ChartMarks::kPoints}});
   EXPECT_EQ(centresX(svg).size(), 4U);  // hri: one, two, and the legend's
 }
 
@@ -136,7 +138,7 @@ TEST(LogChart, ASeriesHasTheSameMarkInEveryPanel) {
 TEST(LogChart, TwelveSeriesAreToldApartWithoutColours) {
   ChartPanel panel{"panel", "x", "y", {}};
   for (int i = 0; i < 12; ++i) panel.series.push_back({"series " + std::to_string(i), {}, SeriesLook::kMarksAlone});
-  const std::string svg = logChartSvg("chart", {panel}, ChartMarks::kPoints);
+  const std::string svg = logChartSvg({{"chart", {panel}, ChartMarks::kPoints}});
   const std::string legend = svg.substr(svg.find("</g>"));
   std::set<std::string> marks;
   static const std::regex kMark("<(circle|rect|path)[^>]*>"), kPlace("(cx|cy|x|y)=\"[0-9.]+\"|M[0-9.]+ [0-9.]+"),
@@ -151,20 +153,20 @@ TEST(LogChart, TwelveSeriesAreToldApartWithoutColours) {
 TEST(LogChart, AFrontHasRingsAndSteps) {
   ChartPanel panel{"panel", "cost", "error", {}};
   panel.series.push_back({"a", {{1, 100, "", true}, {100, 1, "", true}, {100, 100, ""}}, SeriesLook::kMarksAlone});
-  const std::string svg = logChartSvg("chart", {panel}, ChartMarks::kPoints);
+  const std::string svg = logChartSvg({{"chart", {panel}, ChartMarks::kPoints}});
   EXPECT_THAT(svg, HasSubstr("<polyline points=\"101.9,30.0 101.9,49.8 420.1,49.8 420.1,314.2 444.0,314.2\""));
   for (const char* ring : {"<ellipse cx=\"101.9\" cy=\"49.8\"", "<ellipse cx=\"420.1\" cy=\"314.2\"", "Pareto front"}) {
     EXPECT_THAT(svg, HasSubstr(ring));
   }
   EXPECT_THAT(svg, testing::Not(HasSubstr("<ellipse cx=\"420.1\" cy=\"49.8\"")));
   panel.series[0].points = {{1, 100, ""}};
-  EXPECT_THAT(logChartSvg("chart", {panel}, ChartMarks::kPoints), testing::Not(HasSubstr("Pareto front")));
+  EXPECT_THAT(logChartSvg({{"chart", {panel}, ChartMarks::kPoints}}), testing::Not(HasSubstr("Pareto front")));
 }
 
 TEST(LogChart, AFormulaIsADashedLineWithoutMarks) {
   ChartPanel panel{"panel", "x", "y", {}};
   panel.series.push_back({"x^2", {{1, 1, ""}, {10, 100, ""}}, SeriesLook::kDashed});
-  const std::string svg = logChartSvg("chart", {panel}, ChartMarks::kPoints);
+  const std::string svg = logChartSvg({{"chart", {panel}, ChartMarks::kPoints}});
   EXPECT_TRUE(centresX(svg).empty());
   EXPECT_THAT(svg, testing::ContainsRegex("<polyline points=\"[0-9., ]+\"[^>]*stroke-dasharray"));
   EXPECT_THAT(svg, HasSubstr(">x^2<"));
@@ -173,23 +175,62 @@ TEST(LogChart, AFormulaIsADashedLineWithoutMarks) {
 // Panels of 460 x 380 below a title of 30, and a line of 22 for the legend.
 TEST(LogChart, PanelsAreLaidOutInColumns) {
   const std::vector<ChartPanel> panels(5, panelOf({{1, 1, ""}}));
-  EXPECT_THAT(logChartSvg("chart", panels, ChartMarks::kPoints), HasSubstr("width=\"2300\" height=\"432\""));
-  const std::string svg = logChartSvg("chart", panels, ChartMarks::kPoints, 3);
+  EXPECT_THAT(logChartSvg({{"chart", panels, ChartMarks::kPoints}}), HasSubstr("width=\"2300\" height=\"432\""));
+  const std::string svg = logChartSvg({{"chart", panels, ChartMarks::kPoints, 3}});
   EXPECT_THAT(svg, HasSubstr("width=\"1380\" height=\"812\""));
   EXPECT_THAT(svg, HasSubstr("translate(920 30)"));
   EXPECT_THAT(svg, HasSubstr("translate(460 410)"));
-  EXPECT_THAT(logChartSvg("chart", {panels[0]}, ChartMarks::kPoints, 3), HasSubstr("width=\"460\" height=\"432\""));
+  EXPECT_THAT(logChartSvg({{"chart", {panels[0]}, ChartMarks::kPoints, 3}}), HasSubstr("width=\"460\" height=\"432\""));
 }
 
 TEST(LogChart, ALegendThatIsLongHasSeveralLines) {
   ChartPanel panel{"panel", "x", "y", {}};
   for (int i = 0; i < 12; ++i) panel.series.push_back({"a library with a long name " + std::to_string(i), {}});
-  const std::string svg = logChartSvg("chart", {panel}, ChartMarks::kPoints);
+  const std::string svg = logChartSvg({{"chart", {panel}, ChartMarks::kPoints}});
   EXPECT_THAT(svg, HasSubstr("width=\"460\" height=\"674\""));  // twelve lines
   static const std::regex kText("<text x=\"([0-9.]+)\" y=\"[0-9.]+\" text-anchor=\"start\">");
   for (auto it = std::sregex_iterator(svg.begin(), svg.end(), kText); it != std::sregex_iterator(); ++it) {
     EXPECT_LT(std::stod((*it)[1]), 100);
   }
+}
+
+LogCharts twoCharts() {
+  const auto titled = [](const char* title) {
+    ChartPanel panel = panelOf({{1, 1, ""}});
+    panel.title = title;
+    return panel;
+  };
+  return {{"upper", {titled("depth"), titled("noise")}}, {"lower", {titled("memory")}}};
+}
+
+TEST(LogChart, ChartsStandBelowEachOther) {
+  const std::string svg = logChartSvg(twoCharts());
+  const std::string one = logChartSvg({twoCharts()[1]});
+  // The upper chart has two panels and so the width; both have a title, one row of panels and a line of the legend.
+  EXPECT_THAT(svg, HasSubstr("width=\"920\" height=\"864\""));
+  EXPECT_THAT(one, HasSubstr("width=\"460\" height=\"432\""));
+  EXPECT_LT(svg.find(">upper<"), svg.find("translate(0 432)"));
+  EXPECT_GT(svg.find(">lower<"), svg.find("translate(0 432)"));
+}
+
+TEST(OnlyPanels, LeavesThoseAskedForInTheirOrder) {
+  const LogCharts charts = onlyPanels(twoCharts(), {"memory", "noise"});
+  ASSERT_EQ(charts.size(), 2U);
+  ASSERT_EQ(charts[0].panels.size(), 1U);
+  EXPECT_EQ(charts[0].panels[0].title, "noise");
+  EXPECT_EQ(charts[1].panels[0].title, "memory");
+}
+
+TEST(OnlyPanels, AChartWithoutPanelsIsLeftOut) {
+  const LogCharts charts = onlyPanels(twoCharts(), {"memory"});
+  ASSERT_EQ(charts.size(), 1U);
+  EXPECT_EQ(charts[0].title, "lower");
+}
+
+TEST(OnlyPanels, RefusesATitleThatNoPanelHas) {
+  EXPECT_THAT(refusalOf([] { (void)onlyPanels(twoCharts(), {"noise", "memroy"}); }),
+              testing::AllOf(HasSubstr("memroy"), HasSubstr("memory")));
+  EXPECT_THAT(refusalOf([] { (void)onlyPanels(twoCharts(), {"force"}); }), HasSubstr("depth; noise; memory"));
 }
 
 }  // namespace log_chart_test

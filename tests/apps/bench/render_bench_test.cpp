@@ -68,7 +68,7 @@ TEST(RenderBench, HasARowForEveryVolumeViewAndKernel) {
   EXPECT_DOUBLE_EQ(result.targets[2].bound, 0.01 * 256 / 48);
   EXPECT_EQ(result.targets[3].value, 0);
   EXPECT_THAT(renderTable(result), testing::HasSubstr("half-voxel steps"));
-  EXPECT_THAT(renderChart(result), testing::HasSubstr("cell tree"));
+  EXPECT_THAT(logChartSvg(renderCharts(result)), testing::HasSubstr("cell tree"));
 }
 
 }  // namespace render_bench_test

@@ -101,7 +101,7 @@ TEST_F(ServoBench, HaptizationHasNoVhipErrorAndNoErrorOfTheForce) {
   }
   EXPECT_GT(rows, 100);
   EXPECT_THAT(jsonText(result()), HasSubstr("\"vhip_error_median_voxel\": null"));
-  const std::string chart = servoChart(result());
+  const std::string chart = logChartSvg(servoCharts(result()));
   const std::size_t direction = chart.find("angle of the force, median");
   ASSERT_NE(direction, std::string::npos);
   EXPECT_THAT(chart.substr(direction), HasSubstr("haptization"));
@@ -269,7 +269,7 @@ TEST_F(ServoBench, SaysItAllOnTheTerminalAndInTheChart) {
   }
   EXPECT_THAT(tableOne(result()), HasSubstr("sphere (64x64x64) today"));
   EXPECT_THAT(tableTrial(result()), testing::ContainsRegex("sphere.size=64 +0.25 +2 \\| +[0-9]"));
-  const std::string chart = servoChart(result());
+  const std::string chart = logChartSvg(servoCharts(result()));
   for (const char* words : {"<svg", "hri-paper", "n=5", "VHIP error", "angle of the force"}) {
     EXPECT_THAT(chart, HasSubstr(words));
   }

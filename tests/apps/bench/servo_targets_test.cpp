@@ -259,7 +259,7 @@ TEST(ServoChart, AnAlgorithmWithoutAPlaneIsOnePoint) {
   BenchResult result;
   result.rows = {row("steady", 11, 40, 0.1), row("steady", 12, 60, 0.1), row("turning", 13, 50, 0.2),
                  row("turning", 14, 20, 0.3), row("lonely", 15, 30, 0.4)};
-  const std::string chart = servoChart(result);
+  const std::string chart = logChartSvg(servoCharts(result));
   EXPECT_EQ(timesIn(chart, "any n"), 2);
   for (const char* n : {"n=11", "n=12"}) EXPECT_EQ(timesIn(chart, n), 0) << n;
   for (const char* n : {"n=13", "n=14", "n=15"}) EXPECT_EQ(timesIn(chart, n), 2) << n;

@@ -116,7 +116,7 @@ TEST(StartBench, PromisesTheVersionAndTheFirstTickOfABareTouch) {
   EXPECT_EQ(result.targets[1].value, figureOf(*touch.at(0), "first_tick_median_ms"));
   EXPECT_EQ(result.targets[1].bound, 150);
   EXPECT_THAT(startTable(result), HasSubstr("god-object"));
-  EXPECT_THAT(startChart(result), HasSubstr("touch sphere.nii"));
+  EXPECT_THAT(logChartSvg(startCharts(result)), HasSubstr("touch sphere.nii"));
 }
 
 TEST(StartBench, AJobThatFailsIsNamed) {

@@ -140,6 +140,38 @@ TEST_F(ErrorStudies, DamagedPartsAreRefused) {
   expectRefusal(run({"bench", "merge", "."}), ".", "no plain file", 2);
 }
 
+TEST_F(ErrorStudies, AResultIsShownAgain) {
+  ASSERT_EQ(run(kServoQuick + Words{"--json", "e.json", "--chart", "all.svg", "--csv", "e.csv"}).status, 0);
+  const Outcome outcome = run({"bench", "show", "e.json", "--csv", "again.csv", "--chart", "again.svg"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, testing::ContainsRegex("[0-9]+ of 5 targets hold\n$"));
+  EXPECT_EQ(contentsOf(file("again.csv")), contentsOf(file("e.csv")));
+  EXPECT_EQ(contentsOf(file("again.svg")), contentsOf(file("all.svg")));
+}
+
+TEST_F(ErrorStudies, OnePanelOfTheChartIsDrawn) {
+  ASSERT_EQ(run(kServoQuick + Words{"--json", "e.json"}).status, 0);
+  ASSERT_EQ(run({"bench", "show", "e.json", "--chart", "one.svg", "--panel", "angle"}).status, 0);
+  const std::string chart = contentsOf(file("one.svg"));
+  EXPECT_THAT(chart, HasSubstr(">angle<"));
+  EXPECT_THAT(chart, testing::Not(HasSubstr(">position<")));
+  expectRefusal(run({"bench", "show", "e.json", "--json", "kept.json", "--chart", "none.svg", "--panel", "angel"}),
+                "angel", "no panel of the chart has this title; did you mean angle?", 2);
+  EXPECT_TRUE(exists("kept.json"));
+  EXPECT_FALSE(exists("none.svg"));
+}
+
+TEST_F(ErrorStudies, WhatCannotBeShownIsRefused) {
+  const char* head =
+      R"(,"commit":"a","machine":"b","vulkan_device":"c","command":"d","rows":[{"part":"edit"}],"targets":[]})";
+  write("edit.json", std::string(R"({"bench":"edit")") + head);
+  write("none.json", std::string(R"({"bench":"colours")") + head);
+  expectRefusal(run({"bench", "show", "edit.json"}), "edit.json", "its rows are not those of bench edit", 2);
+  expectRefusal(run({"bench", "show", "edit.json", "--report", "r.html"}), "--report", "bench edit has no report", 2);
+  expectRefusal(run({"bench", "show", "none.json"}), "none.json", "there is no bench 'colours'", 2);
+  expectRefusal(run({"bench", "show", "nowhere.json"}), "nowhere.json", "no such file", 3);
+}
+
 // The loop bench is given no device, so it fails; the servo bench opens none.
 TEST_F(ErrorStudies, AllBenchesGoOnWhenOneFails) {
   const Outcome outcome = run({"bench", "all", "--quick", "--bench", "loop,error", "--gpu", "Voodoo", "--out", "b"});
@@ -156,7 +188,8 @@ TEST_F(ErrorStudies, AllBenchesAreGatheredOnOnePage) {
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_THAT(outcome.out, testing::ContainsRegex("filters: [0-9]+ of [0-9]+ targets hold, [0-9]+ s\n"));
   EXPECT_THAT(contentsOf(file("b/all.md")), HasSubstr("| [filters](filters.md) | What filters cost | "));
-  for (const char* name : {"b/filters.json", "b/filters.csv", "b/filters.svg", "b/filters.md"}) EXPECT_TRUE(exists(name)) << name;
+  for (const char* name : {"b/filters.json", "b/filters.csv", "b/filters.svg", "b/filters.md"})
+    EXPECT_TRUE(exists(name)) << name;
 }
 
 TEST_F(ErrorStudies, AllBenchesStopWithTheOneThatRuns) {

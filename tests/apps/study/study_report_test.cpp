@@ -76,7 +76,7 @@ TEST(StudyReport, ShowsPlotsFrontsDefaultsOrdersTargetsAndCells) {
 }
 
 TEST(StudyChart, MarksTheFrontAndTheDefault) {
-  const std::string chart = errorChart(someResult());
+  const std::string chart = logChartSvg(errorCharts(someResult()));
   EXPECT_THAT(chart, testing::StartsWith("<svg"));
   EXPECT_THAT(chart, testing::EndsWith("</svg>\n"));
   // In "position" three are on the front, and blezek is not; each has a ring, and the legend shows one.
@@ -89,7 +89,7 @@ TEST(StudyChart, MarksTheFrontAndTheDefault) {
 }
 
 TEST(StudyChart, WithoutRowsIsStillAPicture) {
-  EXPECT_THAT(errorChart(BenchResult{}), testing::EndsWith("</svg>\n"));
+  EXPECT_THAT(logChartSvg(errorCharts(BenchResult{})), testing::EndsWith("</svg>\n"));
   EXPECT_THAT(errorReport(BenchResult{}), testing::EndsWith("</html>\n"));
   EXPECT_EQ(errorTable(BenchResult{}), "");
 }
