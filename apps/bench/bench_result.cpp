@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "apps/report/machine_facts.hpp"
@@ -135,22 +136,24 @@ std::string machineInWords() {
 }
 
 std::string jsonText(const BenchResult& result) {
-  Json rows = Json::array();
+  std::vector<std::string> rows, targets;
   for (const BenchRow& row : result.rows) {
     Json object = Json::object();
     for (const auto& [key, figure] : row) object[key] = jsonOf(figure);
-    rows.push_back(std::move(object));
+    rows.push_back(object.dump());
   }
-  Json targets = Json::array();
   for (const BenchTarget& target : result.targets) {
-    targets.push_back(
-        {{"name", target.name}, {"value", target.value}, {"bound", target.bound}, {"holds", target.holds()}});
+    const Json object = {
+        {"name", target.name}, {"value", target.value}, {"bound", target.bound}, {"holds", target.holds()}};
+    targets.push_back(object.dump());
   }
-  const Json json = {{"bench", result.bench},        {"commit", result.commit},
-                     {"machine", result.machine},    {"vulkan_device", result.vulkan_device},
-                     {"command", result.command},    {"rows", std::move(rows)},
-                     {"targets", std::move(targets)}};
-  return json.dump(1) + "\n";
+  // A line for each row: a result of thousands of rows stays short, and two of them can be compared by lines.
+  return fmt::format(
+      "{{\n\"bench\": {},\n\"commit\": {},\n\"machine\": {},\n\"vulkan_device\": {},\n\"command\": {},\n"
+      "\"rows\": [\n{}\n],\n\"targets\": [\n{}\n]\n}}\n",
+      Json(result.bench).dump(), Json(result.commit).dump(), Json(result.machine).dump(),
+      Json(result.vulkan_device).dump(), Json(result.command).dump(), fmt::join(rows, ",\n"),
+      fmt::join(targets, ",\n"));
 }
 
 std::string csvText(const BenchResult& result) {

@@ -69,20 +69,10 @@ TEST(Columns, MakeTheTable) {
 
 TEST(Columns, MakeJson) {
   const std::string json = jsonText(sample());
-  EXPECT_THAT(json, testing::HasSubstr("  {\n"
-                                       "   \"part\": \"fall\",\n"
-                                       "   \"body\": \"moon\",\n"
-                                       "   \"stones\": 12,\n"
-                                       "   \"depth_m\": 1.625,\n"
-                                       "   \"time_median_s\": null,\n"
-                                       "   \"time_max_s\": 4.0,\n"
-                                       "   \"speed_m_per_s\": null\n"
-                                       "  },\n"
-                                       "  {\n"
-                                       "   \"part\": \"fall\",\n"
-                                       "   \"body\": \"mars\",\n"
-                                       "   \"stones\": 7\n"
-                                       "  }\n"));
+  EXPECT_THAT(json, testing::HasSubstr(
+                        "{\"part\":\"fall\",\"body\":\"moon\",\"stones\":12,\"depth_m\":1.625,\"time_median_s\":null,"
+                        "\"time_max_s\":4.0,\"speed_m_per_s\":null},\n"
+                        "{\"part\":\"fall\",\"body\":\"mars\",\"stones\":7}\n"));
 }
 
 TEST(Columns, MakeCsv) {

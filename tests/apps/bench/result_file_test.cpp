@@ -72,9 +72,9 @@ TEST(ResultFile, AFigureThatWasNotFiniteIsNaN) {
 // Whether a target holds is not taken from the file.
 TEST(ResultFile, ATargetIsHeldAgainstItsBoundAnew) {
   std::string text = jsonText(sampleResult());
-  const std::string lie = "\"bound\": 0.015,\n   \"holds\": false";
+  const std::string lie = "\"bound\":0.015,\"holds\":false";
   ASSERT_NE(text.find(lie), std::string::npos);
-  text.replace(text.find(lie), lie.size(), "\"bound\": 0.015,\n   \"holds\": true");
+  text.replace(text.find(lie), lie.size(), "\"bound\":0.015,\"holds\":true");
   EXPECT_FALSE(benchResultFrom(text, "a.json").targets[1].holds());
 }
 

@@ -100,7 +100,7 @@ TEST_F(ServoBench, HaptizationHasNoVhipErrorAndNoErrorOfTheForce) {
     }
   }
   EXPECT_GT(rows, 100);
-  EXPECT_THAT(jsonText(result()), HasSubstr("\"vhip_error_median_voxel\": null"));
+  EXPECT_THAT(jsonText(result()), HasSubstr("\"vhip_error_median_voxel\":null"));
   const std::string chart = logChartSvg(servoCharts(result()));
   const std::size_t direction = chart.find("angle of the force, median");
   ASSERT_NE(direction, std::string::npos);
