@@ -7,18 +7,38 @@
 
 namespace palpate {
 
+namespace {
+
+std::string inMillimetres(const Vec3& p_m) {
+  return formatted("{} x {} x {} mm", p_m.x() * kMillimetresPerMetre, p_m.y() * kMillimetresPerMetre,
+                   p_m.z() * kMillimetresPerMetre);
+}
+
+}  // namespace
+
 void checkLattice(const Lattice& lattice, const std::string& input) {
+  const auto refuse = [&](const std::string& what, const char* remedy) {
+    throw Error(Error::Code::kBadInput, input, what, remedy);
+  };
   const Vec3& h = lattice.spacing_m;
   if (!h.allFinite() || h.minCoeff() <= 0) {
-    throw Error(Error::Code::kBadInput, input,
-                formatted("spacing {} x {} x {} mm is not positive", h.x() * kMillimetresPerMetre,
-                          h.y() * kMillimetresPerMetre, h.z() * kMillimetresPerMetre),
-                "write the true voxel size into the file's header");
+    refuse(formatted("spacing {} is not positive", inMillimetres(h)),
+           "write the true voxel size into the file's header");
+  }
+  if (h.minCoeff() < kFinest_m || h.maxCoeff() > kCoarsest_m) {
+    refuse(formatted("spacing {} is not within {} m to {} m", inMillimetres(h), kFinest_m, kCoarsest_m),
+           "write the true voxel size into the file's header");
+  }
+  if (!lattice.origin_W.allFinite()) refuse("its origin is not finite", "write the true origin into the file's header");
+  const double far_m = lattice.origin_W.cwiseAbs().maxCoeff();
+  if (far_m > kFarthest_voxel * h.minCoeff()) {
+    refuse(formatted("it lies {} m from the world's origin, too far from the origin for voxels of {}", far_m,
+                     inMillimetres(h)),
+           "move the volume to the world's origin");
   }
   const Mat3 product = lattice.R_WL.transpose() * lattice.R_WL;
-  if (!lattice.origin_W.allFinite() || !product.isIdentity(1e-4)) {
-    throw Error(Error::Code::kBadInput, input, "its axes are sheared or its orientation is not a rotation",
-                "resample the volume onto orthogonal axes");
+  if (!product.isIdentity(1e-4)) {
+    refuse("its axes are sheared or its orientation is not a rotation", "resample the volume onto orthogonal axes");
   }
 }
 

@@ -39,8 +39,14 @@ struct WorldBox {
 // The smallest one that holds the centres of all samples of a grid of `size` [voxel], at least one along each axis.
 [[nodiscard]] WorldBox worldBoxOf(const Lattice& lattice, const Vec3i& size);
 
-// Throws Error(kBadInput) unless the spacing is finite and positive and the axes are orthonormal within 1e-4. Files
-// with six-digit direction cosines need that tolerance. `input` names the file in the message.
+// Voxels are from 1 pm to 10 km. At kFarthest_voxel from the world's origin doubles are 2e-5 voxels apart, a thousandth
+// of what algorithms tell apart; neighbouring voxels would soon be one.
+inline constexpr double kFinest_m = 1e-12, kCoarsest_m = 1e4;  // [m]
+inline constexpr double kFarthest_voxel = 1e11;
+
+// Throws Error(kBadInput) unless the spacing and the distance from the origin are within these limits and the axes are
+// orthonormal within 1e-4. Files with six-digit direction cosines need that tolerance. `input` names the file in the
+// message.
 void checkLattice(const Lattice& lattice, const std::string& input);
 
 }  // namespace palpate

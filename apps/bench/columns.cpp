@@ -99,7 +99,8 @@ std::string tableText(const BenchResult& result, const Table& table) {
 
 std::string cellText(const BenchRow& row, const std::string& key, int width, int digits) {
   const BenchFigure* figure = findFigure(row, key);
-  return padded(figure == nullptr ? "" : wordsOf(*figure, digits), static_cast<std::size_t>(std::abs(width)), width < 0);
+  return padded(figure == nullptr ? "" : wordsOf(*figure, digits), static_cast<std::size_t>(std::abs(width)),
+                width < 0);
 }
 
 void LineByLine::add(const std::string& name, const std::string& cell) {

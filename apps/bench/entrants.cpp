@@ -23,7 +23,7 @@ AlgorithmSetup setupFor(const BenchVolume& volume, const AlgorithmNeeds& needs, 
                          .plane_renewal_ticks = n},
           .effects = std::move(effects),
           .haptization = {},
-          .scale = {.contrast = volume.maximum() - volume.isovalue(), .voxel_m = volume.voxel_m()},
+          .scale = volume.scale(),
           .isosurface =
               needs.isosurface_mesh ? std::make_shared<const MeshObject>(volume.isosurface(), "isosurface") : nullptr};
 }

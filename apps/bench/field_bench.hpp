@@ -19,8 +19,8 @@
 #include <vector>
 
 #include "apps/bench/bench_result.hpp"
-#include "apps/bench/log_chart.hpp"
 #include "apps/bench/copy_speed.hpp"
+#include "apps/bench/log_chart.hpp"
 #include "apps/bench/turns.hpp"
 #include "apps/console/progress.hpp"
 #include "apps/rivals/rivals.hpp"

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "apps/bench/random.hpp"
+#include "apps/sampled/window_follower.hpp"
 #include "base/units.hpp"
 #include "servo/window/window_sampler.hpp"
 

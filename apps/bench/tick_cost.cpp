@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "apps/sampled/window_follower.hpp"
 #include "servo/loop/real_time.hpp"
 
 namespace palpate {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "apps/sampled/window_follower.hpp"
 #include "base/units.hpp"
 #include "servo/safety/faults.hpp"
 

@@ -5,6 +5,7 @@
 
 #include "apps/bench/log_chart.hpp"
 #include "apps/console/interrupt.hpp"
+#include "apps/stability/extreme_rows.hpp"
 #include "apps/stability/limit_rows.hpp"
 #include "apps/stability/stiff_rows.hpp"
 #include "apps/stability/study_device.hpp"
@@ -27,6 +28,8 @@ are the same on every machine. K: stiffness of the surface, B: its damping, T: a
   in one thing. *controller*: `--passivity control`.
 - *stiff*: walls of up to 1e6 N/m, devices of 10 g to 10 kg, ticks of 50 us to 10 ms, drawn by chance. The servo watches its own contact
   (`servo/loop/instability_guard.hpp`). What grows must be noticed and end without a force; what settles must be left alone.
+- *extreme*: named cases at the edge of what a user may set or meet (`apps/extreme`), each with what is expected. In every one of
+  them every force that the device takes is finite, within the force limit and within the slew limit.
 
 The devices are of kinds that laboratories have (`apps/stability/study_device.hpp`); their masses and frictions are assumed. The
 hands are three of the size that was measured (`servo/devices/typical_hands.hpp`).)";
@@ -53,15 +56,18 @@ BenchResult runStabilityBench(const StabilityRequest& request, Progress& progres
   addWidthRows(result, request, tell);
   progress.stage("stiff walls");
   addStiffRows(result, request, tell);
+  progress.stage("extreme cases");
+  addExtremeRows(result, tell);
   addLimitTargets(result);
   addWidthTargets(result);
   addStiffTargets(result);
+  addExtremeTarget(result);
   return result;
 }
 
 std::string stabilityTable(const BenchResult& result) {
   return "Limits of the linear loop\n" + tableText(result, limitTable()) + "\nHow stiff a surface may be\n" +
-         tableText(result, widthTable()) + "\nStiff walls\n" + stiffTable(result);
+         tableText(result, widthTable()) + "\nStiff walls\n" + stiffTable(result) + tableText(result, extremeTable());
 }
 
 LogCharts stabilityCharts(const BenchResult& result) {
@@ -86,19 +92,19 @@ LogCharts stabilityCharts(const BenchResult& result) {
 }
 
 const Bench& stabilityBench() {
-  static const Bench kBench = {.name = "stability",
-                               .help = "what a contact can bear until it shakes (some four minutes; --quick: half a one)",
-                               .title = "What a contact can bear",
-                               .introduction = kIntroduction,
-                               .run =
-                                   [](const Bench&, const BenchArguments& arguments, Progress& progress) {
-                                     StabilityRequest request =
-                                         arguments.quick ? StabilityRequest::quick() : StabilityRequest{};
-                                     request.seed = arguments.seed;
-                                     return runStabilityBench(request, progress);
-                                   },
-                               .table = stabilityTable,
-                               .charts = stabilityCharts};
+  static const Bench kBench = {
+      .name = "stability",
+      .help = "what a contact can bear until it shakes (some four minutes; --quick: half a one)",
+      .title = "What a contact can bear",
+      .introduction = kIntroduction,
+      .run =
+          [](const Bench&, const BenchArguments& arguments, Progress& progress) {
+            StabilityRequest request = arguments.quick ? StabilityRequest::quick() : StabilityRequest{};
+            request.seed = arguments.seed;
+            return runStabilityBench(request, progress);
+          },
+      .table = stabilityTable,
+      .charts = stabilityCharts};
   return kBench;
 }
 

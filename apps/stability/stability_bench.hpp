@@ -5,6 +5,7 @@
 //   limit   exact limits of the linear loop and the real servo's (limit_rows.hpp)
 //   width   how stiff a surface may be until it shakes, with everything that is not linear (width_rows.hpp)
 //   stiff   random stiff walls, and what the running servo does with them (stiff_rows.hpp)
+//   extreme named cases at the edge of what a user may set or meet (extreme_rows.hpp)
 //   note    what was left out
 // Simulated time, no Vulkan: the same seed gives the same rows on every machine. One thread.
 #pragma once

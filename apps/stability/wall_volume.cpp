@@ -1,14 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/stability/wall_volume.hpp"
 
-#include <algorithm>
-#include <string>
-#include <utility>
-
-#include "engine/field/isosurface_mesh.hpp"
-#include "engine/field/volume.hpp"
-#include "engine/reference/dense_field.hpp"
-#include "engine/reference/window.hpp"
 #include "servo/meshes/mesh_object.hpp"
 
 namespace palpate {
@@ -30,36 +22,22 @@ Lattice latticeAroundOrigin() {
   return lattice;
 }
 
-Volume volumeOf(WallVolume::Shape shape, const Lattice& lattice) {
-  VolumeFacts facts;
-  facts.source = shape == WallVolume::Shape::kPlane ? "a plane" : "a ball";
-  return Volume::fromBricks(
-      Vec3i::Constant(WallVolume::kSide), lattice, std::move(facts), [&](const Vec3i& brick, float* values) {
-        for (int n = 0; n < kBrickVoxels; ++n) {
-          const Vec3i in_brick(n % kBrickSize, n / kBrickSize % kBrickSize, n / kBrickSize / kBrickSize);
-          const Vec3i at = kBrickSize * brick + in_brick;
-          values[n] = static_cast<float>(density(shape, lattice.toWorld(at.cast<double>())));
-        }
-        return false;
-      });
+Volume volumeOf(WallVolume::Shape shape) {
+  return volumeOfDensity(Vec3i::Constant(WallVolume::kSide), latticeAroundOrigin(),
+                         shape == WallVolume::Shape::kPlane ? "a plane" : "a ball",
+                         [&](const Vec3& p_W) { return density(shape, p_W); });
 }
 
 }  // namespace
 
-WallVolume::WallVolume(Shape shape) : lattice_(latticeAroundOrigin()) {
-  const Volume volume = volumeOf(shape, lattice_);
-  maximum_ = volume.maximum();
-  isosurface_ = std::make_shared<const MeshObject>(isosurfaceMesh(volume, kIsovalue), "isosurface");
-  samples_ = reference::windowSamples(reference::denseField(volume), Vec3i::Zero(), volume.size());
-}
+WallVolume::WallVolume(Shape shape)
+    : volume_(volumeOf(shape), kIsovalue),
+      isosurface_(std::make_shared<const MeshObject>(volume_.isosurface(), "isosurface")) {}
 
 void WallVolume::publish(WindowExchange& exchange) const {
   SampleWindow& window = exchange.back();
-  window.lattice = lattice_;
-  window.size = Vec3i::Constant(kSide);
-  window.low_is_border = window.high_is_border = {true, true, true};
+  volume_.gather({.first = Vec3i::Zero(), .size = Vec3i::Constant(kSide)}, exchange.backSamples(), window);
   window.stamp_ns = 0;
-  std::copy(samples_.begin(), samples_.end(), exchange.backSamples());
   exchange.publish();
 }
 

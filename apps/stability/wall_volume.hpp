@@ -9,8 +9,8 @@
 #pragma once
 
 #include <memory>
-#include <vector>
 
+#include "apps/sampled/sampled_volume.hpp"
 #include "servo/algorithms/registry.hpp"
 #include "servo/window/window_exchange.hpp"
 
@@ -30,13 +30,11 @@ class WallVolume {
   void publish(WindowExchange& exchange) const;
   // What algorithms are made from, beside their parameters.
   [[nodiscard]] const std::shared_ptr<const ContactObject>& isosurface() const noexcept { return isosurface_; }
-  [[nodiscard]] DensityScale scale() const noexcept { return {.contrast = maximum_, .voxel_m = kVoxel_m}; }
+  [[nodiscard]] DensityScale scale() const noexcept { return volume_.scale(); }
 
  private:
-  Lattice lattice_;
-  std::vector<Sample> samples_;
+  SampledVolume volume_;
   std::shared_ptr<const ContactObject> isosurface_;
-  double maximum_ = 0;  // [density]
 };
 
 }  // namespace palpate

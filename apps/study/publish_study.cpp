@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "apps/bench/tick_cost.hpp"
+#include "apps/sampled/window_follower.hpp"
 #include "apps/scene/scene.hpp"
 #include "apps/study/shared.hpp"
 #include "apps/study/shrinking_ball.hpp"

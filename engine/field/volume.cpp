@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include <fmt/format.h>
 
 #include "base/error.hpp"
 #include "base/module.hpp"
+#include "base/units.hpp"
 #include "engine/field/field_grid.hpp"
 #include "engine/field/raw_values.hpp"
 
@@ -206,11 +208,21 @@ bool Volume::sample(const Vec3& p_W, double& density, Vec3& gradient_W) const {
 
 void checkTouchable(const Volume& volume) {
   const Vec3i& size = volume.size();
-  if (size.minCoeff() >= 2) return;
-  throw Error(
-      Error::Code::kBadInput, volume.facts().source,
-      fmt::format("it has {} x {} x {} voxels, and a surface needs two along every axis", size.x(), size.y(), size.z()),
-      "give a volume of more slices");
+  if (size.minCoeff() < 2) {
+    throw Error(Error::Code::kBadInput, volume.facts().source,
+                fmt::format("it has {} x {} x {} voxels, and a surface needs two along every axis", size.x(), size.y(),
+                            size.z()),
+                "give a volume of more slices");
+  }
+  // Operators add up to 32 densities before they divide, and divide by the voxel's size.
+  constexpr double kSummed = 32;
+  const double low = volume.minimum(), high = volume.maximum(), voxel_m = volume.lattice().smallestSpacing();
+  const double largest = kSummed * std::max({std::abs(low), std::abs(high), (high - low) / voxel_m});
+  if (largest <= static_cast<double>(std::numeric_limits<float>::max())) return;
+  throw Error(Error::Code::kBadInput, volume.facts().source,
+              fmt::format("its densities, {:g} to {:g} in voxels of {:g} mm, have gradients that fit no float", low,
+                          high, voxel_m * kMillimetresPerMetre),
+              "divide the densities by a constant");
 }
 
 std::size_t Volume::storedBytes() const {

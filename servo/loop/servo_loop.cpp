@@ -312,11 +312,32 @@ void ServoLoop::endChange() noexcept {
   changes_->done(std::exchange(change_, nullptr));
 }
 
-// Reads where the tool is. Only a report that was not read before updates velocity and energy. False: no answer.
+// Whether the tool can be there. A place that no motion explains is believed when the next reading lies near it: then
+// the device counts from elsewhere, and everything begins anew there. Otherwise it was a wrong reading.
+bool ServoLoop::believes(const Vec3& read_W) noexcept {
+  const double way_m = (read_W - hip_W_).stableNorm();
+  const double longest_m = kFastest_m_per_s * std::max(1, ticks_since_report_) / parameters_.rate_hz;
+  if (way_m <= longest_m) {
+    leapt_ = false;
+    return true;
+  }
+  const bool again = leapt_ && (read_W - leap_W_).stableNorm() < way_m;
+  leapt_ = !again;
+  leap_W_ = read_W;
+  if (!again) return false;
+  algorithm_->resume(read_W, read_W);
+  if (leaving_ != nullptr) leaving_->resume(read_W, read_W);
+  velocity_.reset(read_W);
+  passivity_.reset(read_W);
+  return true;
+}
+
+// Reads where the tool is. Only a report that was not read before updates velocity and energy. False: no answer that
+// can be used.
 bool ServoLoop::readDevice(int elapsed_ticks, std::int64_t gap_ns, std::int64_t& report_age_ns) noexcept {
   ticks_since_report_ += elapsed_ticks;
   Vec3 read_W = hip_W_;
-  if (!device_.read(read_W) || !read_W.allFinite()) return false;
+  if (!device_.read(read_W) || !read_W.allFinite() || !believes(read_W)) return false;
   hip_W_ = read_W;
   report_age_ns = device_.reportAge_ns();
   if (report_age_ns >= std::max<std::int64_t>(gap_ns, 1)) return true;

@@ -21,7 +21,8 @@ constexpr std::array kTable = {
               "make the window larger, publish more often, or move more slowly"},
     FaultText{ServoFault::kNonFiniteForce, "non-finite-force", "the algorithm gave a force that is not a number",
               kFades, "report it with the scene and the trace: it is an error in the program"},
-    FaultText{ServoFault::kDeviceError, "device-error", "the device could not be read or written",
+    FaultText{ServoFault::kDeviceError, "device-error",
+              "the device could not be read or written, or told a place that no motion explains",
               "falls to zero within the fade time while it lasts, then grows back within the fade time; while the "
               "device refuses writes it holds the force that it took last, and then falls at the slew limit",
               "check its cable and power, then start again"},

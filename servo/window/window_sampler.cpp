@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/window/window_sampler.hpp"
 
+#include <algorithm>
 #include <limits>
 
 namespace palpate {
@@ -16,7 +17,12 @@ WindowSampler::WindowSampler(const SampleWindow& window) noexcept
       window_(&window) {
   if (!window.usable()) return;
   last_L_ = (window.size - Vec3i::Ones()).cast<double>();
-  high_L_ = last_L_.array() + kFaceTolerance;
+  // A place in the world is rounded, the more the farther it is from the origin.
+  constexpr double kRoundings = 8;
+  const double far = (window.lattice.origin_W.cwiseAbs().maxCoeff() / smallest_spacing_m_ + last_L_.maxCoeff());
+  const double tolerance = std::max(kFaceTolerance, kRoundings * 0x1p-53 * far);
+  low_ = -tolerance;
+  high_L_ = last_L_.array() + tolerance;
   last_cell_ = window.size - Vec3i::Constant(2);
 }
 

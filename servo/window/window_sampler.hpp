@@ -66,7 +66,7 @@ class WindowSampler {
  private:
   using Float4 = float __attribute__((vector_size(16)));  // gradient i, j, k and density of one sample
 
-  // Rounding may put a point on a face this far outside [voxel].
+  // Rounding may put a point on a face this far outside, or farther where the lattice is far from the origin [voxel].
   static constexpr double kFaceTolerance = 1e-9;
 
   [[nodiscard]] bool holds(const Vec3& p_L) const noexcept {

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "apps/sampled/window_follower.hpp"
 #include "base/error.hpp"
 #include "engine/reference/window.hpp"
 

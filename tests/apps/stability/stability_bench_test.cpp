@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "apps/extreme/extreme_case.hpp"
 #include "apps/stability/stiff_trial.hpp"
 #include "apps/stability/study_device.hpp"
 #include "base/error.hpp"
@@ -33,7 +34,8 @@ BenchResult run(const StabilityRequest& request) {
 TEST(StabilityBench, EveryPromiseHoldsAndEveryPartHasRows) {
   const BenchResult result = run(small(3));
   for (const BenchTarget& target : result.targets) EXPECT_TRUE(target.holds()) << target.name << " " << target.value;
-  EXPECT_EQ(result.targets.size(), 9U);
+  EXPECT_EQ(result.targets.size(), 10U);
+  EXPECT_EQ(rowsOf(result, "extreme").size(), extremeCases().size());
   EXPECT_EQ(rowsOf(result, "limit").size(), 2 * studyDevices().size());
   EXPECT_EQ(rowsOf(result, "stiff").size(), 60U);
   EXPECT_GT(rowsOf(result, "width").size(), 2 * 3 * studyDevices().size());
