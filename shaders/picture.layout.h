@@ -4,8 +4,8 @@
 #define PALPATE_PICTURE_LAYOUT_H
 #include "layout_types.h"
 
-#define PICTURE_MOST_SIDE 16384       // [pixel]
-#define PICTURE_MOST_PIXELS 16777216  // 8 bytes each: 128 MiB, all that Vulkan guarantees for a binding
+#define PICTURE_MOST_SIDE 16384         // [pixel]
+#define PICTURE_MOST_PIXELS 16777216    // 8 bytes each: 128 MiB, all that Vulkan guarantees for a binding
 #define PICTURE_BACKGROUND 0x00faf7f6u  // light; as a pixel that shows nothing
 
 PALPATE_LAYOUT_BEGIN

@@ -120,8 +120,6 @@ class FieldBench {
 
 // Leaves the head out if all sizes are below 64^3, as in tests.
 [[nodiscard]] BenchResult runGradientBench(const FieldBenchRequest& request, Progress& progress);
-// The head's name, as loadVolume takes it: the demo's scan, else the scan in PALPATE_DATA, else a phantom.
-[[nodiscard]] std::string headVolume();
 
 [[nodiscard]] std::string fieldTable(const BenchResult& result);
 // Time per voxel [ns] against size: a panel for each of some jobs, a series for each library, with its fastest way.

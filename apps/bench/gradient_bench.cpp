@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "apps/bench/field_bench.hpp"
+#include "apps/bench/head_volume.hpp"
 #include "apps/bench/resident_gradient.hpp"
 #include "engine/bricks/active_bricks.hpp"
 #include "engine/field/statistics.hpp"
@@ -57,23 +58,6 @@ void measureHead(FieldBench& bench, const std::string& name, Progress& progress)
 }
 
 }  // namespace
-
-std::string headVolume() {
-  std::vector<std::filesystem::path> places;
-  if (const char* cache = std::getenv("XDG_CACHE_HOME")) {
-    places.push_back(std::filesystem::path(cache) / "palpate/Cranium.inv3");
-  } else if (const char* home = std::getenv("HOME")) {
-    places.push_back(std::filesystem::path(home) / ".cache/palpate/Cranium.inv3");  // where ./dev demo keeps it
-  }
-  if (const char* data = std::getenv("PALPATE_DATA")) {
-    places.push_back(std::filesystem::path(data) / "ct_head_invesalius.nrrd");
-  }
-  std::error_code ignored;
-  for (const auto& place : places) {
-    if (std::filesystem::is_regular_file(place, ignored)) return place.string();
-  }
-  return "phantom:head?size=256";
-}
 
 BenchResult runGradientBench(const FieldBenchRequest& request, Progress& progress) {
   constexpr int kLeastForHead_voxel = 64;

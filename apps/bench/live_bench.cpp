@@ -13,6 +13,7 @@
 
 #include "apps/bench/columns.hpp"
 #include "apps/bench/field_bench.hpp"
+#include "apps/bench/head_volume.hpp"
 #include "apps/bench/log_chart.hpp"
 #include "apps/console/interrupt.hpp"
 #include "apps/sculpt/brush_choice.hpp"

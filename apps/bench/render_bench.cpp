@@ -17,6 +17,7 @@
 #include "apps/bench/depth_errors.hpp"
 #include "apps/bench/field_bench.hpp"
 #include "apps/bench/half_voxel_march.hpp"
+#include "apps/bench/head_volume.hpp"
 #include "apps/bench/log_chart.hpp"
 #include "apps/bench/turns.hpp"
 #include "apps/console/interrupt.hpp"

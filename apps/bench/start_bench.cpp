@@ -8,16 +8,14 @@
 #include <limits>
 #include <vector>
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
-#include <spawn.h>
-#include <sys/wait.h>
 
 #include "apps/bench/columns.hpp"
 #include "apps/bench/log_chart.hpp"
 #include "apps/console/interrupt.hpp"
+#include "apps/console/run_program.hpp"
 #include "apps/rivals/scratch_folder.hpp"
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
@@ -70,30 +68,12 @@ const Columns<Job>& startColumns() {
 }
 
 // Throws unless it ends with status 0.
-void runProgram(const std::string& program, const Words& words) {
-  std::vector<char*> argv = {const_cast<char*>("palpate")};
-  for (const std::string& word : words) argv.push_back(const_cast<char*>(word.c_str()));
-  argv.push_back(nullptr);
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, 1, "/dev/null", O_WRONLY, 0);
-  posix_spawn_file_actions_addopen(&actions, 2, "/dev/null", O_WRONLY, 0);
-  pid_t child = -1;
-  const int failed = posix_spawn(&child, program.c_str(), &actions, nullptr, argv.data(), environ);
-  posix_spawn_file_actions_destroy(&actions);
-  if (failed != 0) {
-    throw Error(Error::Code::kIo, kStartBench,
-                fmt::format("no process can be started ({})", std::generic_category().message(failed)),
-                "end other programs");
-  }
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
+void runOrThrow(const std::string& program, const Words& words) {
+  const ProgramEnd end = runProgram({.words = words, .program = program, .shows_messages = false});
   throwIfInterrupted(kStartBench);
-  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
-    throw Error(Error::Code::kDevice, fmt::format("palpate {}", fmt::join(words, " ")), "it failed in the bench",
-                "run it by itself to see why");
-  }
+  if (end.failure.empty()) return;
+  throw Error(Error::Code::kDevice, fmt::format("palpate {}", fmt::join(words, " ")), "it failed in the bench",
+              "run it by itself to see why");
 }
 
 class StartBench {
@@ -106,7 +86,7 @@ class StartBench {
     addTouch("the same, god-object", phantom, {"--algorithm", "god-object"});
     for (const char* format : {".vdb", ".nii", ".nrrd"}) {
       const std::string file = (folder_.path() / (std::string("sphere") + format)).string();
-      runProgram(request_.program, {"convert", phantom, file});
+      runOrThrow(request_.program, {"convert", phantom, file});
       addTouch(std::string("touch sphere") + format, file, {});
     }
   }
@@ -145,7 +125,7 @@ class StartBench {
 
   void runJob(Job& job, bool counts) {
     const Stopwatch watch;
-    runProgram(request_.program, job.words);
+    runOrThrow(request_.program, job.words);
     const double wall_ms = 1e3 * watch.seconds();
     if (!counts) return;
     job.wall_ms.push_back(wall_ms);

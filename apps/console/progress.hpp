@@ -26,7 +26,7 @@ class Progress {
   void stage(const std::string& what);  // "loading skull.inv3"
   // 0 ... 1 of the stage, and how long the work will still take, where that is known [s].
   void fraction(double done, std::optional<double> left_s = {});
-  void done();                          // clears the line, before a result
+  void done();  // clears the line, before a result
 
  private:
   void show(const std::string& text);

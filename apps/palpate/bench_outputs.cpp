@@ -8,6 +8,7 @@
 
 #include "apps/console/message.hpp"
 #include "apps/console/progress.hpp"
+#include "apps/plan/plan_bench.hpp"
 #include "apps/stability/stability_bench.hpp"
 #include "apps/study/error_bench.hpp"
 #include "apps/study/shard.hpp"
@@ -46,6 +47,7 @@ const std::vector<Bench>& everyBench() {
     std::vector<Bench> all = benches();
     all.push_back(errorBench());
     all.push_back(stabilityBench());
+    all.push_back(planBench());
     return all;
   }();
   return kAll;

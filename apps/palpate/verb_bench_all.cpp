@@ -11,10 +11,10 @@
 #include "apps/bench/result_file.hpp"
 #include "apps/console/interrupt.hpp"
 #include "apps/console/message.hpp"
+#include "apps/console/run_program.hpp"
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
 #include "bench_outputs.hpp"
-#include "run_self.hpp"
 #include "scene_arguments.hpp"
 #include "verbs.hpp"
 
@@ -78,7 +78,7 @@ BenchOutcome outcomeOf(const Bench& bench, const AllFlags& flags) {
   const Stopwatch watch;
   BenchOutcome outcome{bench.name, bench.title};
   try {
-    outcome.failure = runSelf(wordsFor(bench, flags, stem));
+    outcome.failure = runProgram({.words = wordsFor(bench, flags, stem)}).failure;
     outcome.seconds = watch.seconds();
     if (!outcome.failure.empty()) return outcome;
     outcome.result = readBenchResult(stem.string() + ".json");

@@ -7,9 +7,7 @@
 namespace {
 
 void addVerbs(CLI::App& app) {
-  palpate::addSculptVerb(app, [](const palpate::SculptRequest& request) {
-    palpate::runWindow(request);
-  });
+  palpate::addSculptVerb(app, [](const palpate::SculptRequest& request) { palpate::runWindow(request); });
 }
 
 }  // namespace

@@ -163,6 +163,25 @@ Json faultJson(const RunFault& f) {
           {"text", f.text}, {"effect", f.effect}, {"remedy", f.remedy}};
 }
 
+Json workJson(const RunWork& work, const RunFigures& figures) {
+  const auto kernel = [](const gpu::KernelUse& k) {
+    const auto constant = [](const auto& c) { return fmt::format("{}={}", c.first, c.second); };
+    return Json{{"name", k.name},
+                {"constants", listOf(k.constants, constant)},
+                {"made_ms", 1e3 * k.made_s},
+                {"dispatches", k.dispatches}};
+  };
+  const auto buffer = [](const gpu::BufferUse& b) {
+    return Json{{"name", b.name}, {"count", b.count}, {"bytes", b.bytes}};
+  };
+  return {{"kernels", listOf(work.gpu.kernels, kernel)},
+          {"buffers", listOf(work.gpu.buffers, buffer)},
+          {"submissions", work.gpu.submissions},
+          {"peak_bytes", work.gpu.peak_bytes},
+          {"threads", work.threads},
+          {"effect_runs", figures.effect_runs}};
+}
+
 // Every option of the table, nested as a scene file nests them: {"servo": {"n": 5, ...}, ...}. Null for a number, size,
 // direction, point or table that was not given. "objects": each as --object takes it.
 Json sceneJson(const Scene& scene) {
@@ -206,6 +225,7 @@ Json makeSummary(const TouchRun& run) {
           {"memory", listOf(run.memory, memory)},
           {"plan", run.plan},
           {"libraries", run.libraries},
+          {"work", workJson(run.work, figures)},
           {"machine", machineJson(run.machine)},
           {"vulkan",
            {{"device", run.vulkan.device}, {"driver", run.vulkan.driver}, {"api_version", run.vulkan.api_version}}},

@@ -13,6 +13,7 @@
 #include "apps/report/machine_facts.hpp"
 #include "apps/scene/scene.hpp"
 #include "base/measured.hpp"
+#include "engine/gpu/gpu_use.hpp"
 #include "servo/loop/contact_stability.hpp"
 #include "servo/loop/run_figures.hpp"
 #include "servo/loop/tick_record.hpp"
@@ -30,6 +31,12 @@ struct RunVolume {
 
 struct VulkanFacts {
   std::string device, driver, api_version;
+};
+
+// What the run had done, as counted while it ran.
+struct RunWork {
+  gpu::GpuUse gpu = {};
+  std::vector<std::string> threads = {};  // names of those that the process had while the servo ran
 };
 
 struct RunFault {
@@ -89,9 +96,10 @@ struct TouchRun {
   std::vector<TickRecord> records;                 // one a tick, in order
   double start_to_first_tick_s = 0;                // from the process's start until the first tick was due
   std::vector<std::string> libraries;              // that the process had loaded at the end (base/mapped_libraries.hpp)
-  std::int64_t grid_points = 0;                    // ticks that were run or left out; 0: as many as records
-  std::optional<RunFigures> figures;               // of the records, once these are whole; see figuresOf()
-  ContactStability stability;                      // of the contact in the records
+  RunWork work;
+  std::int64_t grid_points = 0;       // ticks that were run or left out; 0: as many as records
+  std::optional<RunFigures> figures;  // of the records, once these are whole; see figuresOf()
+  ContactStability stability;         // of the contact in the records
   std::vector<RunFault> faults;
   std::string ended_early;         // "stopped by the user after 1.2 s of 5 s"; empty: it ended as planned
   std::vector<std::string> files;  // written or to be written, as shown to the user

@@ -48,8 +48,8 @@ class LiveView {
  public:
   // Two frames that differ only in how fine they are come this many frames apart.
   static constexpr int kFinerFrames = 4;
-  // `frame_s`: the least time between two frames, but for one that is whole or the last of its camera. `piece_s`: device
-  // time of a piece of work. A window of samples for the servo waits for no more than one piece.
+  // `frame_s`: the least time between two frames, but for one that is whole or the last of its camera. `piece_s`:
+  // device time of a piece of work. A window of samples for the servo waits for no more than one piece.
   explicit LiveView(double frame_s = 1.0 / 60, double piece_s = 1.2e-3);
 
   // What is to be seen from now on; the newest request counts.
@@ -75,7 +75,7 @@ class LiveView {
   std::optional<ViewRequest> request_;  // the newest one that was not taken
   std::string failure_;
   std::optional<ViewRequest> shown_;
-  double isovalue_ = 0;       // of what is shown
+  double isovalue_ = 0;  // of what is shown
   // Of the newest frame:
   std::uint64_t pieces_ = 0;
   bool whole_ = false;

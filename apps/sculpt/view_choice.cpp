@@ -9,9 +9,7 @@ namespace {
 
 AskedPlane across(int axis, double share, bool turned) {
   const double sign = turned ? -1 : 1;
-  return {.normal_W = sign * Vec3::Unit(axis),
-          .place = turned ? 1 - share : share,
-          .is_share = true};
+  return {.normal_W = sign * Vec3::Unit(axis), .place = turned ? 1 - share : share, .is_share = true};
 }
 
 }  // namespace

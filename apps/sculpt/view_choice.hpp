@@ -28,8 +28,8 @@ struct ViewChoice {
   bool occlusion = true;
   std::array<CutChoice, 3> cuts = {};  // across x, y, z
   std::array<SliceChoice, 3> slices = {};
-  SliceRange slice_range = {};             // densities that slices show black and white
-  std::optional<double> second_isovalue;   // of a translucent surface before the first; empty: none [density]
+  SliceRange slice_range = {};            // densities that slices show black and white
+  std::optional<double> second_isovalue;  // of a translucent surface before the first; empty: none [density]
   double second_opacity = DrawStyle{}.other_opacity;
 };
 

@@ -12,6 +12,7 @@
 #include "apps/touch/scene_settings.hpp"
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
+#include "base/thread_names.hpp"
 #include "servo/loop/real_time.hpp"
 #include "servo/loop/tick_record.hpp"
 
@@ -22,26 +23,29 @@ double ticksOf(const Scene& scene) {
   return std::round(scene.duration_s * scene.rate_hz);
 }
 
-LoopResult runSimulated(TouchRig& rig, double ticks, Progress& progress) {
+ServoRun runSimulated(TouchRig& rig, double ticks, Progress& progress) {
   std::int64_t first_ns = 0;
-  LoopResult result = rig.runSimulated({}, [&](std::int64_t tick, std::int64_t) {
+  ServoRun run{.loop = {}, .threads = threadNames()};
+  run.loop = rig.runSimulated({}, [&](std::int64_t tick, std::int64_t) {
     if (tick == 0) first_ns = monotonicNow_ns();
     if (interrupted()) rig.requestStop();  // at every tick: one with an edit may take long
     if (tick % 256 == 0) progress.fraction(static_cast<double>(tick) / ticks);
   });
-  result.first_due_ns = first_ns;
-  return result;
+  run.loop.first_due_ns = first_ns;
+  return run;
 }
 
-LoopResult runReal(TouchRig& rig, double duration_s, Progress& progress) {
+ServoRun runReal(TouchRig& rig, double duration_s, Progress& progress) {
   const Stopwatch watch;
+  std::vector<std::string> threads;
   rig.start();
   while (rig.running()) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    if (threads.empty() && rig.running()) threads = threadNames();
     progress.fraction(std::min(1.0, watch.seconds() / duration_s));
     if (interrupted()) rig.requestStop();
   }
-  return rig.wait();
+  return {rig.wait(), std::move(threads)};
 }
 
 }  // namespace
@@ -67,8 +71,8 @@ void checkRunLength(const Scene& scene, std::uint64_t available_bytes) {
               "make it shorter or the rate lower");
 }
 
-LoopResult runServo(const Scene& scene, RigVolume volume, const Path& path, Engine& engine, RigEdits* edits,
-                    Progress& progress, const std::function<void(const std::vector<std::string>&)>& before_first_tick) {
+ServoRun runServo(const Scene& scene, RigVolume volume, const Path& path, Engine& engine, RigEdits* edits,
+                  Progress& progress, const std::function<void(const std::vector<std::string>&)>& before_first_tick) {
   const LoopParameters parameters = loopParameters(scene);
   const std::unique_ptr<Device> device = makeDevice(scene.device, deviceSetup(scene, path));
   const RigSettings settings = rigSettings(scene, engine.isovalue());

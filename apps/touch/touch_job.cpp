@@ -377,15 +377,17 @@ void TouchJob::feel() {
         tellWhatIsKept(wordsOfSecondRequest(scene_.journal, scene_.save));
         progress_.stage(fmt::format("palpating with {} on {}", scene_.algorithm, engine_->gpu().name));
       };
-  LoopResult result = stages_.run("servo", "making ready to palpate", [&] {
-    LoopResult loop;
+  ServoRun run = stages_.run("servo", "making ready to palpate", [&] {
+    ServoRun servo_run;
     const auto servo = [&] {
-      loop = runServo(run_.scene, std::move(rig_volume_), path_->path, *engine_, edits_ ? &edits_->edits() : nullptr,
-                      progress_, begin);
+      servo_run = runServo(run_.scene, std::move(rig_volume_), path_->path, *engine_,
+                           edits_ ? &edits_->edits() : nullptr, progress_, begin);
     };
     edits_ ? edits_->during(servo) : servo();
-    return loop;
+    return servo_run;
   });
+  LoopResult& result = run.loop;
+  run_.work.threads = std::move(run.threads);
   run_.records = std::move(result.records);
   device_ = result.device;
   run_.grid_points = result.ticks_run + result.ticks_skipped;
@@ -448,6 +450,7 @@ TouchRun TouchJob::tell() {
   run_.memory = engine_->memory();
   run_.memory.push_back({"volume on the CPU", volume_->storedBytes()});
   run_.memory.push_back(residentPeak());
+  run_.work.gpu = engine_->gpuUse();
   run_.libraries = mappedLibraries();
   if (run_.ended_early.empty()) progress_.stage("writing " + scene_.out);
   writeOutputs(run_, view, *folder_);

@@ -17,11 +17,13 @@ void showBrushSection(WindowModel& model) {
     if (ImGui::RadioButton(entry.name, brush.kind == entry.kind)) brush.kind = entry.kind;
     tip(fmt::format("{}{}{}", entry.help, *entry.inverse != '\0' ? "; Ctrl: " : "", entry.inverse));
   }
-  slider("Radius", brush.radius_m, BrushChoice::kLeastRadius_m, BrushChoice::kMostRadius_m, kMetresPerMillimetre, "%.2f mm", true);
+  slider("Radius", brush.radius_m, BrushChoice::kLeastRadius_m, BrushChoice::kMostRadius_m, kMetresPerMillimetre,
+         "%.2f mm", true);
   tip("F, then move the mouse; or [ and ]");
   slider("Strength", brush.strength, 0.01, 1, 1, "%.2f");
   tip("How fast it works: Shift+F, then move the mouse");
-  slider("Depth", model.settings.reach.depth_m, Gestures::kLeastDepth_m, Gestures::kMostDepth_m, kMetresPerMillimetre, "%.2f mm", true);
+  slider("Depth", model.settings.reach.depth_m, Gestures::kLeastDepth_m, Gestures::kMostDepth_m, kMetresPerMillimetre,
+         "%.2f mm", true);
   tip("How far the mouse presses the tool below the surface; the wheel changes it during a stroke");
   int mirror = brush.mirror_axis ? *brush.mirror_axis + 1 : 0;
   leaveRoomForLabel();

@@ -51,9 +51,9 @@ bool recover(GuiHost& host, const std::filesystem::path& journals, const std::st
              std::optional<LeftSession>& from) {
   for (const LeftSession& left : leftSessions(journals)) {
     if (!isSameVolume(left.volume, volume)) continue;
-    const std::string words =
-        fmt::format("A session of {} was not closed.\nIts journal has {} {} that no file may hold.{}", volume,
-                    left.edits, left.edits == 1 ? "edit" : "edits", left.damage.empty() ? "" : "\nLost: " + left.damage);
+    const std::string words = fmt::format(
+        "A session of {} was not closed.\nIts journal has {} {} that no file may hold.{}", volume, left.edits,
+        left.edits == 1 ? "edit" : "edits", left.damage.empty() ? "" : "\nLost: " + left.damage);
     const auto choice = ask(host, words, {"Make them again", "Begin anew, keep the journal", "Throw them away"});
     if (!choice) return false;
     if (*choice == 0) from = left;

@@ -23,7 +23,7 @@ std::string lasting(const std::string& volume) {
 
 // The next volume in place of the present one. Null: the present one stays, and `window` says why.
 std::unique_ptr<OpenVolume> openNext(GuiHost& host, SculptWindow& window, const SculptRequest& request,
-                                   const std::filesystem::path& journals) {
+                                     const std::filesystem::path& journals) {
   try {
     return openVolume(host, request, journals);
   } catch (const std::exception& error) {
@@ -34,8 +34,8 @@ std::unique_ptr<OpenVolume> openNext(GuiHost& host, SculptWindow& window, const 
 
 // The window of one session, until it shall close: nothing; or until another volume is open.
 std::unique_ptr<OpenVolume> runSession(GuiHost& host, OpenVolume& open, SculptRequest& request,
-                                     const std::filesystem::path& journals, SculptSettings& settings,
-                                     std::string& remark) {
+                                       const std::filesystem::path& journals, SculptSettings& settings,
+                                       std::string& remark) {
   SculptWindow window(host, *open.session, settings);
   if (!remark.empty()) window.say(std::exchange(remark, {}));
   std::unique_ptr<OpenVolume> next;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/window/sculpt_window.hpp: the window of one session: picture, panels, mouse and keys, frame by frame. One thread.
+// apps/window/sculpt_window.hpp: the window of one session: picture, panels, mouse and keys, frame by frame. One
+// thread.
 #pragma once
 
 #include <optional>

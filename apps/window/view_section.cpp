@@ -30,7 +30,7 @@ void showViewSection(WindowModel& model) {
     ViewKey key;
     const char* keys;
   };
-  constexpr Side kSides[] = {{"Front", ViewKey::kFront, "1"},   {"Back", ViewKey::kBack, "Ctrl+1"},
+  constexpr Side kSides[] = {{"Front", ViewKey::kFront, "1"},    {"Back", ViewKey::kBack, "Ctrl+1"},
                              {"Left", ViewKey::kLeft, "Ctrl+3"}, {"Right", ViewKey::kRight, "3"},
                              {"Top", ViewKey::kTop, "7"},        {"Bottom", ViewKey::kBottom, "Ctrl+7"}};
   for (int i = 0; i < 6; ++i) {
@@ -48,8 +48,8 @@ void showViewSection(WindowModel& model) {
   ImGui::SameLine();
   ImGui::SetNextItemWidth(-ImGui::GetFontSize() * 3);
   constexpr double kScales[] = {0, 1, 1.25, 1.5, 2, 3};
-  if (ImGui::BeginCombo("size", model.settings.scale == 0 ? "of the display"
-                                                          : fmt::format("{:g}x", model.settings.scale).c_str())) {
+  if (ImGui::BeginCombo(
+          "size", model.settings.scale == 0 ? "of the display" : fmt::format("{:g}x", model.settings.scale).c_str())) {
     for (const double scale : kScales) {
       const std::string name = scale == 0 ? "of the display" : fmt::format("{:g}x", scale);
       if (ImGui::Selectable(name.c_str(), scale == model.settings.scale)) model.settings.scale = scale;
@@ -82,8 +82,8 @@ void showCutsSection(WindowModel& model) {
     ImGui::PopID();
   }
   const VolumeStatistics& statistics = model.session.volume().statistics;
-  for (const auto& [label, value] : {std::pair{"black", &model.sight.slice_range.black},
-                                     std::pair{"white", &model.sight.slice_range.white}}) {
+  for (const auto& [label, value] :
+       {std::pair{"black", &model.sight.slice_range.black}, std::pair{"white", &model.sight.slice_range.white}}) {
     slider(label, *value, statistics.minimum, statistics.maximum, 1, "%.4g");
     tip("Density that slices show so");
   }

@@ -51,11 +51,11 @@ struct WindowModel {
   KeyPointer keys = {};
   PointerInput pointer = {};  // of this frame
   Trace force_N = {}, depth_mm = {}, energy_mJ = {}, cost_us = {}, lateness_us = {}, window_age_ms = {};
-  std::deque<Vec3> path_W = {};                // of the surface point, while the contact lasts
+  std::deque<Vec3> path_W = {};                 // of the surface point, while the contact lasts
   std::optional<TickRecording> recording = {};  // of the tool's way
-  std::deque<std::string> messages = {};       // the newest last
-  char file[1024] = "";                        // to save as
-  char opens[1024] = "";                       // to open
+  std::deque<std::string> messages = {};        // the newest last
+  char file[1024] = "";                         // to save as
+  char opens[1024] = "";                        // to open
   Leaving leaving = {};
   bool wants_screenshot = false;
 

@@ -37,10 +37,10 @@ enum class DrawOrder {
 
 // How far the picture is that is kept up to date.
 struct PictureState {
-  std::uint64_t pieces = 0;  // of work that are done, since the start
-  bool showable = false;     // all pixels are of the present camera, coarse ones perhaps
-  bool fine = false;         // and all of them fine
-  bool whole = false;        // and of the volume as it is
+  std::uint64_t pieces = 0;   // of work that are done, since the start
+  bool showable = false;      // all pixels are of the present camera, coarse ones perhaps
+  bool fine = false;          // and all of them fine
+  bool whole = false;         // and of the volume as it is
   std::uint64_t version = 0;  // of the volume: every edit up to it is seen
 };
 

@@ -2,9 +2,9 @@
 // engine/draw/picture_tiles.hpp: which pixels of a picture are to be drawn, in tiles of 8x8, and in which order. Any
 // thread. Cost: a few operations a tile.
 //
-// A whole picture comes at once, or first every eighth or fourth pixel, then every second, then all. Once the first grid of
-// pixels is out, those that a change has made stale come before everything else, the longest stale first, so that none
-// waits for long however many changes follow.
+// A whole picture comes at once, or first every eighth or fourth pixel, then every second, then all. Once the first
+// grid of pixels is out, those that a change has made stale come before everything else, the longest stale first, so
+// that none waits for long however many changes follow.
 #pragma once
 
 #include <cstdint>
@@ -32,11 +32,12 @@ struct TileBatch {
 
 class PictureTiles {
  public:
-  // Everything is to be drawn, from this camera. `coarsest`: of kCoarseFirst: every so many-th pixel comes first, 4 or 8.
+  // Everything is to be drawn, from this camera. `coarsest`: of kCoarseFirst: every so many-th pixel comes first, 4
+  // or 8.
   void start(const Camera& camera, DrawOrder order, std::uint32_t coarsest = 4);
   void again() { start(camera_, DrawOrder::kWhole); }
-  // What is seen in this box of the lattice has changed [voxel, the ends included]. `version`: of the volume by then; it
-  // never falls.
+  // What is seen in this box of the lattice has changed [voxel, the ends included]. `version`: of the volume by then;
+  // it never falls.
   void changed(const Lattice& lattice, const Vec3& low, const Vec3& high, std::uint64_t version);
 
   [[nodiscard]] bool done() const noexcept { return stale_.empty() && grids_.empty(); }

@@ -111,8 +111,8 @@ class Volume {
   std::unique_ptr<Grid> grid_;
 };
 
-// Throws Error(kBadInput) if a volume is one voxel thick: such a volume can be filtered and has gradients, but it has no
-// cell of eight voxels, so no surface to feel. Also if its densities are so large that gradients fit no float.
+// Throws Error(kBadInput) if a volume is one voxel thick: such a volume can be filtered and has gradients, but it has
+// no cell of eight voxels, so no surface to feel. Also if its densities are so large that gradients fit no float.
 void checkTouchable(const Volume& volume);
 
 }  // namespace palpate

@@ -72,6 +72,7 @@ class FilterRegion {
   BrickPool& scratch(std::size_t i);
   [[nodiscard]] const BrickPool& readBy(std::size_t step) const;
   [[nodiscard]] const BrickPool& writtenBy(std::size_t step) const;
+  [[nodiscard]] const gpu::Kernel& pageKernel();
   [[nodiscard]] bool inPlaceFollows(std::size_t step) const noexcept;
 
   gpu::Gpu& gpu_;
@@ -82,7 +83,7 @@ class FilterRegion {
   const BrickPool& source_;
   BrickPool& result_;
   BrickGrid grid_;
-  gpu::Kernel page_kernel_;
+  std::optional<gpu::Kernel> page_kernel_;  // once something is edited
   std::array<std::unique_ptr<BrickPool>, FilterRoute::kResult> scratch_;
   std::vector<StepOutput> outputs_;
   std::vector<layout::FilterTask> tasks_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/gpu/buffer.hpp"
 
+#include <algorithm>
 #include <array>
 
 #include <fmt/format.h>
@@ -58,9 +59,25 @@ Buffer::Buffer(Gpu& gpu, std::string name, std::size_t bytes, MemoryKind kind) :
                 fmt::format("{} has no {} left for it ({})", vulkan.info.name, inMiB(bytes), error.what()),
                 "close other programs, use a smaller volume, or choose another device with --gpu");
   }
-  state_->gpu = &vulkan;
   state_->bytes = bytes;
-  vulkan.bytes_in_use += bytes;
+  state_->count(vulkan);
+}
+
+void Buffer::State::count(Gpu::State& by) {
+  BufferUse& use = by.buffers.try_emplace(name, BufferUse{.name = name}).first->second;
+  ++use.count;
+  use.bytes += bytes;
+  by.bytes_in_use += bytes;
+  by.peak_bytes = std::max(by.peak_bytes, by.bytes_in_use.load());
+  gpu = &by;
+}
+
+Buffer::State::~State() {
+  if (gpu == nullptr) return;
+  gpu->bytes_in_use -= bytes;
+  const auto use = gpu->buffers.find(name);
+  use->second.bytes -= bytes;
+  if (--use->second.count == 0) gpu->buffers.erase(use);
 }
 
 Buffer::~Buffer() = default;

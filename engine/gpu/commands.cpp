@@ -120,6 +120,7 @@ void Commands::dispatch(const Kernel& kernel, std::span<const Buffer* const> buf
         vk::ArrayProxy<const std::byte>(static_cast<std::uint32_t>(push.size()), push.data()));
   }
   commands.dispatch(groups.x, groups.y, 1);
+  ++state_->gpu->dispatches[&pipeline];
 }
 
 void Commands::copy(const Buffer& from, std::size_t from_offset, const Buffer& to, std::size_t to_offset,

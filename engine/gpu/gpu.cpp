@@ -68,6 +68,19 @@ Gpu::~Gpu() {
 const GpuInfo& Gpu::info() const noexcept {
   return state_->info;
 }
+GpuUse Gpu::use() const {
+  GpuUse use{.submissions = state_->submitted, .peak_bytes = state_->peak_bytes};
+  for (const auto& kernel : state_->kernels) {
+    const auto made = state_->made_s.find(kernel.get());
+    const auto dispatched = state_->dispatches.find(kernel.get());
+    use.kernels.push_back({.name = kernel->name,
+                           .constants = kernel->constants,
+                           .made_s = made == state_->made_s.end() ? 0 : made->second,
+                           .dispatches = dispatched == state_->dispatches.end() ? 0 : dispatched->second});
+  }
+  for (const auto& [name, buffer] : state_->buffers) use.buffers.push_back(buffer);
+  return use;
+}
 std::uint64_t Gpu::bytesInUse() const noexcept {
   return state_->bytes_in_use.load();
 }

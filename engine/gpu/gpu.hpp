@@ -11,6 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "engine/gpu/gpu_use.hpp"
+
 namespace palpate::gpu {
 
 // What is known of a Vulkan device before it is opened. Any thread may read it.
@@ -50,6 +52,7 @@ class Gpu {
 
   [[nodiscard]] const GpuInfo& info() const noexcept;
   [[nodiscard]] std::uint64_t bytesInUse() const noexcept;  // of all buffers [byte]
+  [[nodiscard]] GpuUse use() const;
 
   struct State;  // vulkan_state.hpp
   [[nodiscard]] State& state() noexcept { return *state_; }

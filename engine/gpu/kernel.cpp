@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/gpu/kernel.hpp"
 
+#include <algorithm>
 #include <functional>
 #include <span>
 #include <string_view>
@@ -8,6 +9,8 @@
 #include <fmt/format.h>
 
 #include "base/error.hpp"
+#include "base/stopwatch.hpp"
+#include "engine/gpu/spirv_names.hpp"
 #include "engine/gpu/vulkan_state.hpp"
 
 namespace palpate::gpu {
@@ -52,6 +55,14 @@ vk::raii::Pipeline makePipeline(const vk::raii::Device& device, const KernelSpec
   return {device, nullptr, vk::ComputePipelineCreateInfo{.stage = stage, .layout = *layout}};
 }
 
+std::vector<std::pair<std::string, std::uint32_t>> constantsOf(const KernelSpec& spec) {
+  std::vector<std::pair<std::string, std::uint32_t>> constants;
+  for (const auto& [id, name] : constantNames(spec.spirv)) {
+    if (id < spec.specialisation.size()) constants.emplace_back(name, spec.specialisation[id]);
+  }
+  return constants;
+}
+
 OpenDevice::KernelKey keyOf(const KernelSpec& spec) {
   const std::string_view bytes(reinterpret_cast<const char*>(spec.spirv.data()), spec.spirv.size_bytes());
   return {spec.name,           spec.bindings, spec.push_bytes,
@@ -65,10 +76,12 @@ Kernel::Kernel(Gpu& gpu, const KernelSpec& spec) {
   const std::lock_guard lock(vulkan.opened->one_at_a_time);
   std::shared_ptr<const State>& known = vulkan.opened->kernels[keyOf(spec)];
   if (!known) {
+    const Stopwatch watch;
     auto made = std::make_shared<State>();
     made->name = spec.name;
     made->bindings = spec.bindings;
     made->push_bytes = spec.push_bytes;
+    made->constants = constantsOf(spec);
     try {
       made->set_layout = makeSetLayout(vulkan.device, spec.bindings);
       made->layout = makeLayout(vulkan.device, made->set_layout, spec.push_bytes);
@@ -79,9 +92,11 @@ Kernel::Kernel(Gpu& gpu, const KernelSpec& spec) {
                   "choose another device with --gpu");
     }
     vulkan.name(made->pipeline, spec.name);
+    vulkan.made_s[made.get()] = watch.seconds();
     known = std::move(made);
   }
   state_ = known;
+  if (std::ranges::find(vulkan.kernels, state_) == vulkan.kernels.end()) vulkan.kernels.push_back(state_);
 }
 
 Kernel::~Kernel() = default;

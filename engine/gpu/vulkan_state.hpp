@@ -3,8 +3,12 @@
 #pragma once
 
 #include <atomic>
+#include <map>
+#include <memory>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <vulkan/vulkan_raii.hpp>
 
@@ -32,6 +36,13 @@ struct Gpu::State {
   std::uint64_t submitted = 0;             // the value of the newest submission
   std::atomic<std::uint64_t> bytes_in_use = 0;
 
+  // What gpu_use.hpp shows. Kernels are shared by all Gpus of a device, and each Gpu counts its own dispatches.
+  std::vector<std::shared_ptr<const Kernel::State>> kernels;  // that this Gpu was given, in that order
+  std::map<const Kernel::State*, std::uint64_t> dispatches;
+  std::map<const Kernel::State*, double> made_s;  // of the pipelines that were made for this Gpu
+  std::map<std::string, BufferUse> buffers;
+  std::uint64_t peak_bytes = 0;
+
   void submit(const vk::SubmitInfo& work);  // to the device's queue, which all its Gpus share
   void wait(std::uint64_t value);           // until submission `value` is done; throws Error(kDevice) after 60 s
 
@@ -53,13 +64,13 @@ struct Buffer::State {
   vk::raii::Buffer buffer = nullptr;
   void* mapped = nullptr;
 
-  ~State() {
-    if (gpu != nullptr) gpu->bytes_in_use -= bytes;
-  }
+  void count(Gpu::State& by);  // from now on, until it is destroyed
+  ~State();
 };
 
 struct Kernel::State {
   std::string name;
+  std::vector<std::pair<std::string, std::uint32_t>> constants;  // names and values of its specialisation
   std::uint32_t bindings = 0;
   std::uint32_t push_bytes = 0;
   vk::raii::DescriptorSetLayout set_layout = nullptr;

@@ -11,6 +11,7 @@
 #include "base/durable_io.hpp"
 #include "base/error.hpp"
 #include "base/part_file.hpp"
+#include "base/thread_names.hpp"
 
 namespace palpate {
 namespace {
@@ -117,6 +118,7 @@ void JournalWriter::append(RecordKind kind, std::string_view content) {
 }
 
 void JournalWriter::work() {
+  nameThisThread("journal");
   std::unique_lock lock(mutex_);
   for (;;) {
     wake_.wait(lock, [&] { return !queue_.empty() || closing_; });

@@ -66,12 +66,12 @@ class Editor {
     const gpu::Buffer* previous = nullptr;  // the box before this edit, source of unchanged samples; null: gather all
   };
   struct Outcome {
-    std::uint64_t version = 0;           // number of the edit, from 1
-    bool window_gathered = false;        // the target now holds samples of the edited volume
-    std::size_t changed_bricks = 0;      // bricks that the commands may have changed
-    std::size_t gradient_bricks = 0;     // bricks whose samples may have been recomputed
+    std::uint64_t version = 0;          // number of the edit, from 1
+    bool window_gathered = false;       // the target now holds samples of the edited volume
+    std::size_t changed_bricks = 0;     // bricks that the commands may have changed
+    std::size_t gradient_bricks = 0;    // bricks whose samples may have been recomputed
     std::vector<ChangedBrick> altered;  // whose densities may have changed in the field that is felt
-    std::vector<StageTime> stages;       // plan, record, gpu
+    std::vector<StageTime> stages;      // plan, record, gpu
   };
   // Applies commands one after another. Gathers the window if `target` is given and the edit reaches its box. Blocks
   // until the GPU is done. `before`, if given, is called once the edit is planned, before anything changes.

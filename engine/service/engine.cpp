@@ -119,6 +119,9 @@ const std::vector<StageTime>& Engine::stages() const noexcept {
 std::vector<MemoryFigure> Engine::memory() const {
   return parts_->memory();
 }
+gpu::GpuUse Engine::gpuUse() const {
+  return parts_->gpuUse();
+}
 std::uint64_t Engine::budgetedBytes() const noexcept {
   return parts_->budgetedBytes();
 }

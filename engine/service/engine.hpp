@@ -28,7 +28,8 @@ namespace palpate {
 
 namespace gpu {
 struct GpuInfo;
-}
+struct GpuUse;
+}  // namespace gpu
 class EngineParts;
 class WindowExchange;
 
@@ -130,6 +131,7 @@ class Engine {
   [[nodiscard]] const gpu::GpuInfo& gpu() const noexcept;
   [[nodiscard]] const std::vector<StageTime>& stages() const noexcept;
   [[nodiscard]] std::vector<MemoryFigure> memory() const;
+  [[nodiscard]] gpu::GpuUse gpuUse() const;  // engine/gpu/gpu_use.hpp
   // The part of memory() that counts against `gpu_memory_bytes`, room to grow included: densities, also filtered and
   // smoothed ones, and samples.
   [[nodiscard]] std::uint64_t budgetedBytes() const noexcept;

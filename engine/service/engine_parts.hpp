@@ -55,6 +55,7 @@ class EngineParts {
   [[nodiscard]] RenderedImage picture();
   [[nodiscard]] std::vector<layout::BrickBounds> boundsNow();  // of every brick of the field that is felt
   [[nodiscard]] std::vector<MemoryFigure> memory() const;
+  [[nodiscard]] gpu::GpuUse gpuUse() const { return gpu_.use(); }
   [[nodiscard]] PlanFacts planFacts() const noexcept;
 
   [[nodiscard]] Editor* editor() noexcept { return editor_.get(); }  // null until edits are allowed

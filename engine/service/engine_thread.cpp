@@ -4,6 +4,8 @@
 #include <chrono>
 #include <utility>
 
+#include "base/thread_names.hpp"
+
 namespace palpate {
 namespace {
 
@@ -37,6 +39,7 @@ void EngineThread::stop() {
 }
 
 void EngineThread::run() {
+  nameThisThread("engine");
   try {
     while (!stopping_.load(std::memory_order_relaxed)) {
       const ToolPose& pose = poses_.latest();

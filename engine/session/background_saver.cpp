@@ -8,6 +8,7 @@
 #include <sys/resource.h>
 
 #include "base/stopwatch.hpp"
+#include "base/thread_names.hpp"
 #include "engine/field/brick_values.hpp"
 
 namespace palpate {
@@ -78,6 +79,7 @@ void BackgroundSaver::close() {
 }
 
 void BackgroundSaver::work() {
+  nameThisThread("saver");
   // On Linux this applies to the calling thread alone. If it is refused, saving only disturbs the session a little
   // more.
   static_cast<void>(setpriority(PRIO_PROCESS, 0, kNiceness));

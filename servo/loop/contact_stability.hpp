@@ -15,8 +15,8 @@
 // quiet if it gave no more than the sum of two parts: kQuietShare of the most that any contact of the run stored, and
 // the encoders' error. That error is Delta times the sum of the force's changes along each axis.
 //
-// Swings: servo/loop/swing_watch.hpp says which are those of an unstable contact. A contact that the servo has ended for
-// it was unstable, too.
+// Swings: servo/loop/swing_watch.hpp says which are those of an unstable contact. A contact that the servo has ended
+// for it was unstable, too.
 //
 // Frame W: world [m, N]. Thread: any, after the run. Cost: one pass over the records. Errors: none.
 #pragma once

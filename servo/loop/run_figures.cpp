@@ -25,6 +25,10 @@ Percentiles over(std::span<const TickRecord> records, bool contact_only, Value v
   return percentiles(std::move(values));
 }
 
+void addEffects(std::span<const TickRecord> records, RunFigures& figures) {
+  for (const TickRecord& record : records) figures.effect_runs += record.effects;
+}
+
 void addContact(std::span<const TickRecord> records, RunFigures& figures) {
   for (std::size_t i = 0; i < records.size(); ++i) {
     const TickRecord& now = records[i];
@@ -113,6 +117,7 @@ RunFigures computeFigures(std::span<const TickRecord> records, double rate_hz, s
   figures.ticks = static_cast<std::int64_t>(records.size());
   addTimes(records, rate_hz, grid_points, figures);
   addContact(records, figures);
+  addEffects(records, figures);
   addLoop(records, figures);
   addEnergy(records, figures);
   addFaults(records, figures);

@@ -9,6 +9,7 @@
 
 #include "base/error.hpp"
 #include "base/formatted.hpp"
+#include "base/thread_names.hpp"
 #include "base/units.hpp"
 #include "servo/algorithms/iso_field.hpp"
 #include "servo/window/window_sampler.hpp"
@@ -166,6 +167,7 @@ void ServoLoop::start() {
   std::promise<bool> may_run;
   std::future<bool> allowed = may_run.get_future();
   thread_ = std::jthread([this, may_run = std::move(may_run)]() mutable {
+    nameThisThread("servo");
     if (parameters_.real_time) real_time_ = becomeRealTime(parameters_.priority);
     const bool runs = !parameters_.require_real_time || real_time_.granted();
     may_run.set_value(runs);
@@ -266,6 +268,7 @@ const SampleWindow& ServoLoop::runTick(const Due& due, std::int64_t now_ns, Tick
   record.window_age_ns = window.version == 0 ? 0 : now_ns - window.stamp_ns;
   record.energy_J = passivity_.energy_J();
   record.in_contact = out.in_contact;
+  record.effects = out.effects;
   record.damped = !damping_W.isZero(0) && (gated.faults & kFadingFaults) == 0;
   guard_.add(record);
   return window;

@@ -27,7 +27,8 @@ struct TickRecord {
   double energy_J = 0;             // taken from the hand by the environment so far (servo/safety/passivity.hpp) [J]
   std::uint64_t edit_version = 0;  // the volume edit that the window in use held
   bool in_contact = false;
-  bool damped = false;  // the passivity controller added a force
+  bool damped = false;       // the passivity controller added a force
+  std::int32_t effects = 0;  // contact effects that moved the VHIP
 };
 static_assert(std::is_trivially_copyable_v<TickRecord>);
 

@@ -13,6 +13,7 @@
 #include <gmock/gmock.h>
 
 #include "apps/bench/copy_speed.hpp"
+#include "apps/bench/head_volume.hpp"
 #include "apps/bench/resident_chain.hpp"
 #include "apps/rivals/scratch_folder.hpp"
 #include "base/error.hpp"

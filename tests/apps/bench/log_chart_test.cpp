@@ -228,7 +228,9 @@ TEST(OnlyPanels, AChartWithoutPanelsIsLeftOut) {
 }
 
 TEST(OnlyPanels, RefusesATitleThatNoPanelHas) {
-  EXPECT_THAT(refusalOf([] { (void)onlyPanels(twoCharts(), {"noise", "memroy"}); }),
+  EXPECT_THAT(refusalOf([] {
+                (void)onlyPanels(twoCharts(), {"noise", "memroy"});
+              }),
               testing::AllOf(HasSubstr("memroy"), HasSubstr("memory")));
   EXPECT_THAT(refusalOf([] { (void)onlyPanels(twoCharts(), {"force"}); }), HasSubstr("depth; noise; memory"));
 }

@@ -59,6 +59,13 @@ inline TouchRun sampleRun() {
   run.realtime = {"SCHED_FIFO not allowed: raise rtprio in /etc/security/limits.conf"};
   run.start_to_first_tick_s = 0.125;
   run.libraries = {"libc.so.6", "openvdb.so"};
+  run.work = {
+      .gpu = {.kernels =
+                  {{.name = "gradient", .constants = {{"kHalf", 0}, {"kRun", 8}}, .made_s = 0.0125, .dispatches = 3}},
+              .buffers = {{.name = "window slot", .count = 3, .bytes = 1572864}},
+              .submissions = 7,
+              .peak_bytes = 2000000},
+      .threads = {"palpate", "engine", "servo"}};
   run.notes = {"the slide is 12 mm instead of 20 mm"};
   run.phases = {{"approach", 0, 1}, {"press", 1, 2}, {"slide", 2, 4}, {"retreat", 4, 5}};
   run.records = sampleRecords(5000, run.scene.rate_hz);

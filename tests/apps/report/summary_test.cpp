@@ -87,6 +87,11 @@ TEST(Summary, HoldsEveryFigureToTheLetter) {
     "save_failure": "it is full too", "content": "0000000000000abc", "added_m3": 2e-9})"));
   EXPECT_EQ(s["machine"], Json::parse(R"({"cpu": "Example CPU", "cores": 4, "memory_bytes": 8589934592,
     "kernel": "Linux 6.1", "os": "Debian GNU/Linux 12"})"));
+  EXPECT_EQ(s["work"], Json::parse(R"({"kernels": [{"name": "gradient", "constants": ["kHalf=0", "kRun=8"],
+                                                    "made_ms": 12.5, "dispatches": 3}],
+                                       "buffers": [{"name": "window slot", "count": 3, "bytes": 1572864}],
+                                       "submissions": 7, "peak_bytes": 2000000, "threads": ["palpate", "engine", "servo"],
+                                       "effect_runs": 0})"));
   EXPECT_EQ(s["libraries"], Json::parse(R"(["libc.so.6", "openvdb.so"])"));
   EXPECT_EQ(s["stages"][1], Json::parse(R"({"name": "gradient", "seconds": 0.1})"));
   EXPECT_EQ(s["memory"][0], Json::parse(R"({"name": "bricks on the GPU", "bytes": 3145728})"));

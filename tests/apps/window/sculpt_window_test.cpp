@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The window on a desktop, with a person's mouse and keys. Under the validation layer.
+#include "sculpt_window.hpp"
+
 #include <chrono>
 #include <csignal>
 #include <filesystem>
@@ -10,7 +12,6 @@
 
 #include "apps/sculpt/session_folders.hpp"
 #include "engine/journal/volume_identity.hpp"
-#include "sculpt_window.hpp"
 
 namespace palpate {
 namespace sculpt_window_test {
@@ -57,8 +58,8 @@ TEST_F(OnADesktop, DrillsUndoesAndSaves) {
   EXPECT_TRUE(std::filesystem::exists(home() / ".config/palpate/sculpt.json"));
 }
 
-// Dragging with the right button takes the groove elsewhere, and a key brings it back; the wheel makes the ball smaller,
-// and another key as it was.
+// Dragging with the right button takes the groove elsewhere, and a key brings it back; the wheel makes the ball
+// smaller, and another key as it was.
 TEST_F(OnADesktop, TurnsAndZooms) {
   start();
   ASSERT_TRUE(showsBall()) << program->said();

@@ -118,7 +118,7 @@ TEST(PictureTiles, AChangeBesideThePictureDrawsNothing) {
   const Camera camera = lookAt(Vec3::Zero(), Vec3::UnitX(), 1, Vec3::UnitZ(), 80, 80, 0.5);
   tiles.start(camera, DrawOrder::kWhole);
   static_cast<void>(drawAll(tiles, 80, 80, 1000));
-  Lattice lattice;                                             // 1 mm
+  Lattice lattice;                                                // 1 mm
   tiles.changed(lattice, Vec3(0, 500, 0), Vec3(10, 510, 10), 1);  // half a metre to the side: 27 degrees, of 14 seen
   EXPECT_TRUE(tiles.done());
   tiles.changed(lattice, Vec3(-5, -5, -5), Vec3(5, 5, 5), 2);  // at the middle: 10 of 511 mm across

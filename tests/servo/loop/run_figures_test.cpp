@@ -103,6 +103,13 @@ TEST(RunFigures, OfAContactFromTheFirstTickOn) {
   EXPECT_EQ(f.plane_age_max_ticks, 7);
 }
 
+TEST(RunFigures, SumUpTheEffects) {
+  std::vector<TickRecord> records = twoTouches();
+  records[1].effects = 3;
+  records[2].effects = 2;
+  EXPECT_EQ(computeFigures(records, 1000).effect_runs, 5);
+}
+
 TEST(RunFigures, SumUpTheEnergy) {
   std::vector<TickRecord> records = twoTouches();
   const double energies_J[] = {-0.5e-3, -0.9e-12, -1e-3, 2e-3, 0.5e-3};  // without contact; rounding; active

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/plan/counted_run.hpp"
+
+#include <fstream>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "apps/console/interrupt.hpp"
+#include "apps/console/run_program.hpp"
+#include "apps/path/path_csv.hpp"
+#include "apps/scene/scene_words.hpp"
+#include "base/error.hpp"
+#include "base/stopwatch.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr double kLongestPath_s = 2;
+constexpr double kCountedRun_s = 0.2;  // a built path fits into it, contact included
+
+std::filesystem::path journalIn(const std::filesystem::path& folder) {
+  return folder / "journal";
+}
+
+gpu::KernelUse kernelOf(const nlohmann::json& kernel) {
+  gpu::KernelUse use{.name = kernel.at("name"),
+                     .constants = {},
+                     .made_s = 1e-3 * kernel.at("made_ms").get<double>(),
+                     .dispatches = kernel.at("dispatches")};
+  for (const std::string constant : kernel.at("constants")) {
+    const std::size_t equals = constant.find('=');
+    use.constants.emplace_back(constant.substr(0, equals),
+                               static_cast<std::uint32_t>(std::stoul(constant.substr(equals + 1))));
+  }
+  return use;
+}
+
+RunCounts countsOf(const nlohmann::json& summary) {
+  const nlohmann::json& work = summary.at("work");
+  RunCounts counts;
+  for (const nlohmann::json& kernel : work.at("kernels")) counts.gpu.kernels.push_back(kernelOf(kernel));
+  for (const nlohmann::json& buffer : work.at("buffers"))
+    counts.gpu.buffers.push_back({.name = buffer.at("name"), .count = buffer.at("count"), .bytes = buffer.at("bytes")});
+  counts.gpu.submissions = work.at("submissions");
+  counts.gpu.peak_bytes = work.at("peak_bytes");
+  counts.threads = work.at("threads").get<std::vector<std::string>>();
+  counts.effect_runs = work.at("effect_runs");
+  counts.libraries = summary.at("libraries").get<std::vector<std::string>>();
+  counts.plan = summary.at("plan").get<std::vector<std::string>>();
+  counts.start_ms = summary.at("servo").at("start_to_first_tick_ms");
+  counts.tick_us = summary.at("servo").at("tick_cost_us").at("p50");
+  for (const nlohmann::json& stage : summary.at("stages")) counts.stages.push_back({stage.at("name"), stage.at("seconds")});
+  for (const nlohmann::json& memory : summary.at("memory"))
+    if (memory.at("name") == "process peak") counts.main_bytes = memory.at("bytes");
+  return counts;
+}
+
+// The program's own message, without its name.
+std::string reasonIn(const std::string& messages) {
+  constexpr std::string_view kName = "palpate: ";
+  const std::size_t last = messages.rfind(kName);
+  if (last == std::string::npos) return "it said nothing";
+  const std::size_t from = last + kName.size();
+  return messages.substr(from, messages.find('\n', from) - from);
+}
+
+}  // namespace
+
+std::uint64_t RunCounts::dispatches() const noexcept {
+  std::uint64_t sum = 0;
+  for (const gpu::KernelUse& kernel : gpu.kernels) sum += kernel.dispatches;
+  return sum;
+}
+
+Scene shortRun(Scene scene, const std::filesystem::path& folder) {
+  scene.series.clear();  // the volume's name holds it, as --nan
+  scene.nan.clear();
+  scene.out = (folder / "out").string();
+  if (!scene.journal.empty()) scene.journal = journalIn(folder).string();
+  if (!scene.save.empty()) scene.save = (folder / "saved.vdb").string();
+  scene.duration_s = kCountedRun_s;
+  scene.simulated_clock = false;
+  scene.require_real_time = false;
+  if (!scene.path_file.empty()) {
+    const std::vector<TimedPoint> points = readPathCsv(scene.path_file);
+    if (points.back().time_s - points.front().time_s > kLongestPath_s) scene.path_file.clear();
+  }
+  return scene;
+}
+
+RunCounts countedRun(const Scene& scene, const std::filesystem::path& folder, const std::string& program) {
+  const Scene run = shortRun(scene, folder);
+  ProgramCall call{.words = {"touch"}, .shows_messages = false};
+  if (!program.empty()) call.program = program;
+  const std::vector<std::string> words = sceneWords(run);
+  call.words.insert(call.words.end(), words.begin(), words.end());
+  std::filesystem::remove_all(journalIn(folder));
+  const Stopwatch watch;
+  const ProgramEnd end = runProgram(call);
+  const double wall_ms = 1e3 * watch.seconds();
+  throwIfInterrupted("palpate");
+  if (!end.failure.empty()) {
+    throw Error(Error::Code::kBadInput, scene.volume, "the run that should be counted failed: " + reasonIn(end.messages),
+                "run it by itself with 'palpate touch' to see more");
+  }
+  std::ifstream file(std::filesystem::path(run.out) / "summary.json");
+  RunCounts counts = countsOf(nlohmann::json::parse(file));
+  counts.wall_ms = wall_ms;
+  return counts;
+}
+
+}  // namespace palpate

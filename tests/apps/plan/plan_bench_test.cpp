@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+// The bench's own work, with a program whose counts follow from its words.
+#include "apps/plan/plan_bench.hpp"
+
+#include <algorithm>
+
+#include <gmock/gmock.h>
+
+#include "apps/plan/feature.hpp"
+#include "base/error.hpp"
+#include "counting_program.hpp"
+#include "tests/support/refusal.hpp"
+
+namespace palpate {
+namespace plan_bench_test {
+
+using testing::HasSubstr;
+
+// Nothing that this program refuses is a step of the ladder but the texture, which stands for a scene that fails.
+TEST(PlanBench, ASceneThatFailsEndsItWithItsReason) {
+  const CountingProgram program;
+  Progress progress;
+  EXPECT_THAT(refusalOf([&] {
+                (void)runPlanBench({.rounds = 1, .volume = "phantom:sphere", .program = program.path()}, progress);
+              }),
+              HasSubstr("too rough"));
+}
+
+class PlanBenchRuns : public testing::Test {
+ protected:
+  PlanBenchRuns() {
+    std::filesystem::permissions(program_.path(), std::filesystem::perms::owner_all);
+    Progress progress;
+    result_ = runPlanBench({.rounds = 2, .volume = "phantom:sphere", .program = gentle()}, progress);
+  }
+  // The same program, which bears a texture too.
+  [[nodiscard]] std::string gentle() const {
+    const std::string path = program_.path() + "_gentle";
+    std::ifstream from(program_.path());
+    std::ofstream to(path);
+    for (std::string line; std::getline(from, line);)
+      if (line.find("--texture") == std::string::npos) to << line << '\n';
+    to.close();
+    std::filesystem::permissions(path, std::filesystem::perms::owner_all);
+    return path;
+  }
+  CountingProgram program_;
+  BenchResult result_;
+};
+
+TEST_F(PlanBenchRuns, ClimbsFromTheBareTouchToEverything) {
+  const auto adding = static_cast<std::size_t>(std::ranges::count_if(features(), &Feature::adds));
+  const BenchRows ladder = rowsOf(result_, "ladder");
+  const BenchRows alone = rowsOf(result_, "alone");
+  ASSERT_EQ(ladder.size(), 1 + adding);
+  ASSERT_EQ(alone.size(), features().size());
+  EXPECT_EQ(program_.called().size(), 3 * (ladder.size() + alone.size()));  // a round more, to warm up
+  const BenchRow& bare = *ladder.front();
+  const BenchRow& all = *ladder.back();
+  EXPECT_EQ(textOf(bare, "feature"), "bare touch");
+  EXPECT_EQ(textOf(bare, "volume"), "phantom:sphere");
+  EXPECT_EQ(figureOf(bare, "runs"), 2);
+  EXPECT_EQ(figureOf(bare, "pipelines"), 2);
+  EXPECT_EQ(figureOf(bare, "dispatches"), 7);
+  EXPECT_EQ(figureOf(bare, "effect_runs"), 0);
+  EXPECT_EQ(figureOf(bare, "libraries"), 2);
+  EXPECT_EQ(figureOf(bare, "threads"), 2);
+  EXPECT_EQ(figureOf(bare, "tick_median_us"), 2);
+  EXPECT_EQ(figureOf(bare, "main_peak_MiB"), 3);
+  EXPECT_EQ(figureOf(all, "pipelines"), 3);
+  EXPECT_EQ(figureOf(all, "dispatches"), 12);
+  EXPECT_EQ(figureOf(all, "effect_runs"), 7);
+  EXPECT_EQ(figureOf(all, "libraries"), 3);
+  EXPECT_EQ(figureOf(all, "threads"), 3);
+  EXPECT_EQ(figureOf(all, "tick_median_us"), 3);
+  EXPECT_EQ(figureOf(*rowsOf(result_, "alone", {{"feature", "filters"}}).at(0), "effect_runs"), 0);
+}
+
+TEST_F(PlanBenchRuns, PromisesLittleMemoryAndASoonStart) {
+  ASSERT_EQ(result_.targets.size(), 2U);
+  EXPECT_THAT(result_.targets[0].name, HasSubstr("GPU memory of a bare touch / of everything on, phantom:sphere"));
+  EXPECT_DOUBLE_EQ(result_.targets[0].value, 1000.0 / 1500);
+  EXPECT_EQ(result_.targets[0].bound, 1.0 / 5);
+  const BenchRows ladder = rowsOf(result_, "ladder");
+  EXPECT_DOUBLE_EQ(result_.targets[1].value,
+                   figureOf(*ladder.front(), "start_median_ms") / figureOf(*ladder.back(), "start_median_ms"));
+  EXPECT_EQ(result_.targets[1].bound, 1.0 / 3);
+}
+
+TEST_F(PlanBenchRuns, IsATableAndAChart) {
+  const std::string table = planTable(result_);
+  EXPECT_THAT(table, HasSubstr("each with all above it, phantom:sphere"));
+  EXPECT_THAT(table, HasSubstr("each alone"));
+  EXPECT_THAT(logChartSvg(planCharts(result_)), HasSubstr("a journal"));
+}
+
+}  // namespace plan_bench_test
+}  // namespace palpate
