@@ -34,7 +34,7 @@ const VerbCase kVerbs[] = {
      {"o.png", "d.pfm"}},
     {"Check", {"check", "edits", "phantom:sphere?size=16", "--edits", "3", "--json", "o.json"}, {}},
     {"Info", {"info", "phantom:sphere?size=16"}, {}},
-    {"Plan", {"plan", "phantom:sphere?size=16"}, {}},
+    {"Plan", {"plan", "phantom:sphere?size=16", "--rounds", "0"}, {}},
     {"Devices", {"devices"}, {}},
     {"Scene", {"scene"}, {}},
     {"Faults", {"faults"}, {}},

@@ -261,19 +261,60 @@ TEST_F(Verbs, DevicesListsADeviceAndTheDefault) {
 }
 
 TEST_F(Verbs, PlanSaysWhatIsDoneAndWhatIsLeftOut) {
-  const Outcome all = run({"plan", "phantom:sphere?size=64"});
+  const Outcome all = run({"plan", "phantom:sphere?size=64", "--rounds", "0"});
   expectSuccess(all);
   EXPECT_THAT(all.out, testing::ContainsRegex("\n  do +.*gradient of [0-9]+ of 512 bricks"));
   EXPECT_THAT(all.out, testing::StartsWith("phantom:sphere?size=64 at isovalue 0 on "));
   EXPECT_THAT(all.out, testing::ContainsRegex("\n  do  +[0-9]+ of 512 bricks of density +-[0-9.]+ MiB  a brick that"));
   EXPECT_THAT(all.out, testing::ContainsRegex("\n  leave  +contact effects  +the scene names none\n"));
-  const Outcome less = run({"plan", "phantom:sphere?size=64", "--picture", "off"});
+  const Outcome less = run({"plan", "phantom:sphere?size=64", "--picture", "off", "--rounds", "0"});
   expectSuccess(less);
   EXPECT_THAT(less.out, testing::ContainsRegex("\n  leave +"));
   EXPECT_FALSE(exists("out"));  // a plan writes nothing
 }
 
+// With everything on that goes together, each pipeline, buffer and library has words that say what it is for.
+TEST_F(Verbs, PlanSaysOfEverythingWhatItIsFor) {
+  expectSuccess(run({"plan", "phantom:sphere?size=32", "--rounds", "0", "--json", "plan.json", "--filter", "median:1",
+                     "--gradient-operator", "gaussian:1", "--edit", "smooth:radius=2mm", "--friction-static", "0.5",
+                     "--object", "sphere:centre=0,0,100000:radius=5"}));
+  const auto plan = nlohmann::json::parse(contentsOf(file("plan.json")));
+  for (const char* list : {"pipelines", "buffers"}) {
+    EXPECT_GE(plan["counted"][list].size(), 6U);
+    for (const auto& item : plan["counted"][list]) EXPECT_NE(item["why"], "") << item;
+  }
+  for (const auto& module : plan["modules"]) EXPECT_NE(module["why"], "") << module;
+  EXPECT_EQ(plan["effects"], "friction");
+  EXPECT_GT(plan["counted"]["effect_runs"], 0);
+  EXPECT_THAT(plan["counted"]["threads"], testing::Contains("servo"));
+  EXPECT_TRUE(plan["features"].empty());
+}
+
+// One round: every feature is switched once, and none of the files that the scene names is written.
+TEST_F(Verbs, PlanMeasuresEveryFeature) {
+  const Outcome outcome = run({"plan", "phantom:sphere?size=16", "--rounds", "1", "--picture", "off", "--edit",
+                               "remove:radius=2mm", "--journal", "journal", "--save", "saved.vdb", "--json", "plan.json"});
+  expectSuccess(outcome);
+  EXPECT_THAT(outcome.out, HasSubstr("\n| has | a journal | "));
+  EXPECT_THAT(outcome.out, HasSubstr("\n| lacks | filters (gaussian:1) | "));
+  const auto plan = nlohmann::json::parse(contentsOf(file("plan.json")));
+  for (const auto& feature : plan["features"]) EXPECT_FALSE(feature.contains("not_measured")) << feature;
+  for (const char* name : {"journal", "saved.vdb", "out"}) EXPECT_FALSE(exists(name)) << name;
+}
+
+// On a box as large as its volume no path begins outside; its passes are told all the same.
+TEST_F(Verbs, PlanOfWhatCannotBeTouchedSaysWhy) {
+  const Outcome outcome = run({"plan", "phantom:sphere?size=16", "--rounds", "0", "--start", "900,0,0"});
+  expectSuccess(outcome);
+  EXPECT_THAT(outcome.out, HasSubstr("bricks of density"));
+  EXPECT_THAT(outcome.out, HasSubstr("\nNothing was counted: the run that should be counted failed: "));
+}
+
 TEST_F(Verbs, PlanRefusesWhatTouchRefuses) {
+  expectRefusal(run({"plan", "phantom:sphere?size=16", "--rounds", "-1"}), "--rounds", "-1", 2);
+  expectRefusal(run({"plan", "phantom:sphere?size=16", "--json", "no/such/folder/p.json"}), "no/such/folder", "", 4);
+  expectSuccess(run({"convert", "phantom:sphere?size=16", "in.vdb"}));
+  expectRefusal(run({"plan", "in.vdb", "--json", "in.vdb"}), "in.vdb", "it is the input", 2);
   expectRefusal(run({"plan", "nowhere.nrrd"}), "nowhere.nrrd", "no such file", 3);
   expectRefusal(run({"plan", "phantom:sphere?size=16", "--iso", "9999"}), "phantom:sphere", "isovalue", 2);
 }
@@ -351,16 +392,18 @@ TEST_F(Verbs, GradientWritesVectorsAndRefusesItsInput) {
 
 // The plan names the operator and says what halves save, and that edits keep a smoothed field.
 TEST_F(Verbs, PlanSaysOperatorAndSamples) {
-  const Outcome half = run({"plan", "phantom:sphere?size=24", "--gradient-operator", "central4", "--samples", "half"});
+  const Outcome half = run(
+      {"plan", "phantom:sphere?size=24", "--gradient-operator", "central4", "--samples", "half", "--rounds", "0"});
   expectSuccess(half);
   EXPECT_THAT(half.out, HasSubstr(": central4"));
   EXPECT_THAT(half.out, HasSubstr("samples as halves"));
-  const Outcome smooth = run({"plan", "phantom:sphere?size=24", "--gradient-operator", "gaussian:1"});
+  const Outcome smooth = run({"plan", "phantom:sphere?size=24", "--gradient-operator", "gaussian:1", "--rounds", "0"});
   expectSuccess(smooth);
   EXPECT_THAT(smooth.out, HasSubstr("smoothing of the whole field"));
   EXPECT_THAT(smooth.out, HasSubstr("freed then"));
   const Outcome edited =
-      run({"plan", "phantom:sphere?size=24", "--gradient-operator", "gaussian:1", "--edit", "remove:radius=2mm"});
+      run({"plan", "phantom:sphere?size=24", "--gradient-operator", "gaussian:1", "--edit", "remove:radius=2mm",
+           "--rounds", "0"});
   expectSuccess(edited);
   EXPECT_THAT(edited.out, HasSubstr("kept, since edits change it"));
   expectRefusal(run({"touch", "phantom:sphere?size=24", "--gradient-operator", "prewitt"}), "prewitt", "central4", 2);
