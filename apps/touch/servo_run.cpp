@@ -12,6 +12,7 @@
 #include "apps/touch/scene_settings.hpp"
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
+#include "base/units.hpp"
 #include "servo/loop/real_time.hpp"
 #include "servo/loop/tick_record.hpp"
 
@@ -22,15 +23,39 @@ double ticksOf(const Scene& scene) {
   return std::round(scene.duration_s * scene.rate_hz);
 }
 
-LoopResult runSimulated(TouchRig& rig, double ticks, Progress& progress) {
+// Adds up the time between its stops: what a tick and the engine's work before the next one take.
+class TickTimer {
+ public:
+  void stop() {
+    if (begun_) ns_ += monotonicNow_ns() - begin_ns_;
+    ticks_ += begun_ ? 1 : 0;
+  }
+  void go() {
+    begin_ns_ = monotonicNow_ns();
+    begun_ = true;
+  }
+  [[nodiscard]] std::optional<double> mean_us() const {
+    if (ticks_ == 0) return std::nullopt;
+    return 1e6 / kNanosecondsPerSecond * static_cast<double>(ns_) / static_cast<double>(ticks_);
+  }
+
+ private:
+  std::int64_t begin_ns_ = 0, ns_ = 0, ticks_ = 0;
+  bool begun_ = false;
+};
+
+ServoRun runSimulated(TouchRig& rig, double ticks, Progress& progress) {
   std::int64_t first_ns = 0;
+  TickTimer timer;
   LoopResult result = rig.runSimulated({}, [&](std::int64_t tick, std::int64_t) {
+    timer.stop();
     if (tick == 0) first_ns = monotonicNow_ns();
     if (interrupted()) rig.requestStop();  // at every tick: one with an edit may take long
     if (tick % 256 == 0) progress.fraction(static_cast<double>(tick) / ticks);
+    timer.go();
   });
   result.first_due_ns = first_ns;
-  return result;
+  return {std::move(result), timer.mean_us()};
 }
 
 LoopResult runReal(TouchRig& rig, double duration_s, Progress& progress) {
@@ -67,15 +92,15 @@ void checkRunLength(const Scene& scene, std::uint64_t available_bytes) {
               "make it shorter or the rate lower");
 }
 
-LoopResult runServo(const Scene& scene, RigVolume volume, const Path& path, Engine& engine, RigEdits* edits,
-                    Progress& progress, const std::function<void(const std::vector<std::string>&)>& before_first_tick) {
+ServoRun runServo(const Scene& scene, RigVolume volume, const Path& path, Engine& engine, RigEdits* edits,
+                  Progress& progress, const std::function<void(const std::vector<std::string>&)>& before_first_tick) {
   const LoopParameters parameters = loopParameters(scene);
   const std::unique_ptr<Device> device = makeDevice(scene.device, deviceSetup(scene, path));
   const RigSettings settings = rigSettings(scene, engine.isovalue());
   TouchRig rig(engine, *device, parameters, std::move(volume), settings, edits);
   before_first_tick(boundWarnings(settings, parameters, *device));
   if (scene.simulated_clock) return runSimulated(rig, static_cast<double>(parameters.ticks), progress);
-  return runReal(rig, scene.duration_s, progress);
+  return {runReal(rig, scene.duration_s, progress)};
 }
 
 }  // namespace palpate

@@ -25,10 +25,14 @@ struct EngineRequest {
   bool gradient_all = false;  // gradients of every brick, not only of those that the isosurface needs
   std::string gradient_operator = "central";  // engine/gradient/gradient_operator.hpp
   bool half_samples = false;                  // samples are stored as halves, not as floats
+  int window_edge = 32;                       // samples along an edge of the servo's window, at most 32 [voxel]
   bool edits = false;                         // the volume will be edited, so what edits need is kept
   bool other_isovalues = false;               // the isovalue may change, so what gradients need is kept
   bool draws = false;                         // the isosurface will be drawn
 };
+
+// A window has at least so many samples along an edge: with fewer, the tool could leave it between two windows.
+inline constexpr int kLeastWindowEdge = 8;
 
 struct Plan {
   EngineRequest request;
@@ -40,7 +44,7 @@ struct Plan {
   [[nodiscard]] bool has(Pass pass) const noexcept;
 };
 
-// Throws Error(kBadInput) for invalid filters or an unknown gradient operator.
+// Throws Error(kBadInput) for invalid filters, an unknown gradient operator, and a window's edge out of range.
 [[nodiscard]] Plan makePlan(const EngineRequest& request);
 
 // Figures for planLines(), known once the engine has computed the bounds of every brick.

@@ -96,6 +96,7 @@ class EngineParts {
   std::unique_ptr<WindowPass> window_;
   std::unique_ptr<Drawing> drawing_;  // the picture that is kept up to date, once show() was called
   bool gradient_all_ = false;
+  int window_edge_ = kWindowEdge;            // the plan's [voxel]
   bool draws_ = false;                       // the plan said so
   bool distance_ = false;                    // the field that is felt is a distance from the isosurface
   std::vector<gpu::Buffer> window_buffers_;  // three, mapped: the exchange's storages

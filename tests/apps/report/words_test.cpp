@@ -127,7 +127,7 @@ TEST(Words, ClosingSummaryToTheLetter) {
       "Edited    3 times; from edit to window 1.5 ms median, 2.5 ms p99; 2 of 3 journal records saved in kept, 500 "
       "B; 1 refused; saved 2 times in a.vdb up to edit 3, 2 KiB, at most 0.5 s, 4 failed\n"
       "Volume    added about 2 mm3, content 0000000000000abc\n"
-      "Truth     VHIP off by 0.01 voxel median, 0.05 p99; force off by 0.3 degrees median, 1.2 p99; over 2000 ticks "
+      "Truth     VHIP off by 0.01 voxel median, 0.05 p99; force off by 0.02 N median, 0.04 N p99, and by 0.3 degrees median, 1.2 p99; over 2000 ticks "
       "in contact of the slide\n"
       "Fault     stale_window in 12 of 5000 ticks, first at tick 300: the engine published too rarely; the force "
       "falls to zero; make the window larger\n"
