@@ -41,6 +41,7 @@ class Search {
     truest.gradient_operator = operators.front();
     const std::vector<int> windows = cheapestWindows(truest);
     feelAll(filters, operators, windows);
+    feelAround(best());
     measureAgain();
     return std::move(found_);
   }
@@ -106,22 +107,54 @@ class Search {
     }
   }
 
+  [[nodiscard]] Candidate best() const {
+    const std::vector<std::size_t> order = ranked(goal_, found_.trials, found_.base);
+    return found_.trials[order.empty() ? nearestTo(goal_, found_.trials, found_.base) : order.front()].candidate;
+  }
+
+  // Every other value of each choice. A choice that was made early may be another one beside the rest, and the reasons
+  // for the pick compare it with these.
+  void feelAround(const Candidate& middle) {
+    const auto vary = [&](auto Candidate::*choice, const auto& values) {
+      Candidate candidate = middle;
+      for (const auto& value : values) {
+        candidate.*choice = value;
+        feel(candidate);
+      }
+    };
+    vary(&Candidate::gradient_operator, space_.operators);
+    vary(&Candidate::filter, space_.filters);
+    vary(&Candidate::window_edge, space_.windows);
+    vary(&Candidate::samples, space_.samples);
+    vary(&Candidate::n, space_.ns);
+  }
+
+  // Those that may meet the goal, the best first: without any, a budget's quickest, whose times may be off by chance.
+  [[nodiscard]] std::vector<std::size_t> finalists() const {
+    std::vector<std::size_t> finalists = ranked(goal_, found_.trials, found_.base);
+    if (finalists.empty() && goal_.kind == Goal::Kind::kBudget) {
+      for (std::size_t i = 0; i < found_.trials.size(); ++i) {
+        if (holdsContact(found_.trials[i], found_.base)) finalists.push_back(i);
+      }
+      std::ranges::stable_sort(finalists, {}, [&](std::size_t i) { return found_.trials[i].loop_us; });
+    }
+    if (finalists.size() > kFinalists) finalists.resize(kFinalists);
+    return finalists;
+  }
+
   void measureAgain() {
-    found_.picks = ranked(goal_, found_.trials, found_.base);
-    if (found_.picks.size() > kFinalists) found_.picks.resize(kFinalists);
-    std::vector<std::vector<double>> times_us(found_.picks.size());
+    const std::vector<std::size_t> places = finalists();
+    std::vector<std::vector<double>> times_us(places.size());
     for (int round = 0; round < kRounds; ++round) {
-      for (std::size_t i = 0; i < found_.picks.size(); ++i)
-        times_us[i].push_back(feel_(found_.trials[found_.picks[i]].candidate).loop_us);
+      for (std::size_t i = 0; i < places.size(); ++i)
+        times_us[i].push_back(feel_(found_.trials[places[i]].candidate).loop_us);
     }
-    std::vector<Trial> finalists;
-    for (std::size_t i = 0; i < found_.picks.size(); ++i) {
-      found_.trials[found_.picks[i]].loop_us = median(times_us[i]);
-      finalists.push_back(found_.trials[found_.picks[i]]);
+    std::vector<Trial> again;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      found_.trials[places[i]].loop_us = median(times_us[i]);
+      again.push_back(found_.trials[places[i]]);
     }
-    const std::vector<std::size_t> before = found_.picks;
-    found_.picks.clear();
-    for (const std::size_t i : ranked(goal_, finalists, found_.base)) found_.picks.push_back(before[i]);
+    for (const std::size_t i : ranked(goal_, again, found_.base)) found_.picks.push_back(places[i]);
   }
 
   const Goal& goal_;
@@ -164,7 +197,9 @@ std::size_t mostTrials(const SearchSpace& space) {
                             space.windows.size() - 1;
   const std::size_t combined = kept(space.filters.size() + space.more_filters.size()) * kept(space.operators.size()) *
                                kept(space.windows.size()) * space.samples.size() * space.ns.size();
-  return alone + combined + kFinalists * kRounds;
+  const std::size_t around = space.operators.size() + space.filters.size() + space.windows.size() +
+                             space.samples.size() + space.ns.size() - 5;
+  return alone + combined + around + kFinalists * kRounds;
 }
 
 Found search(const Goal& goal, const SearchSpace& space, const std::function<Trial(const Candidate&)>& feel) {

@@ -35,7 +35,7 @@ struct SpaceRequest {
 struct Found {
   std::vector<Trial> trials;       // each candidate once, in the order of their trials
   Trial base;                      // the truest settings of all but filter and operator, which are the scene's
-  std::vector<std::size_t> picks;  // the trials that meet the goal, the best first; at most kFinalists
+  std::vector<std::size_t> picks;  // the finalists that meet the goal, the best first
 };
 
 // So many candidates are measured again, in turns, kRounds times.
@@ -47,7 +47,8 @@ inline constexpr int kRounds = 5;
 //    largest window). Of filters and operators the scene's own and the truest stay; of windows the two that cost least
 //    among those that keep the contact and err no more than the largest.
 // 3. Every combination of what stayed, with both storages and every n.
-// 4. The best for the goal are measured again in turns, and the median of their times counts.
+// 4. Around the best of these: every value of one choice with the rest as it is.
+// 5. The best for the goal are measured again in turns, and the median of their times counts.
 //
 // `feel` may throw; the search ends then. It is called again for each round of a finalist.
 [[nodiscard]] Found search(const Goal& goal, const SearchSpace& space,

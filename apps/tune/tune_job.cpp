@@ -201,8 +201,8 @@ class TuneJob {
   }
 
   // The volume's name says series and NaN already.
-  [[nodiscard]] std::string tunedScene() const {
-    Scene scene = withCandidate(request_.scene, result_.chosen.candidate);
+  [[nodiscard]] std::string tunedScene() {
+    Scene scene = bench_->sceneOf(result_.chosen.candidate);
     scene.series.clear();
     scene.nan.clear();
     std::string text = fmt::format("{}: {}\n", kFirstWords, request_.command);

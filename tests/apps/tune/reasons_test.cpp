@@ -25,7 +25,7 @@ TEST(Reasons, SayWhatElseCosts) {
   std::vector<Trial> trials = {with(5, 0.03, 2), with(5, 0.03, 2), with(5, 0.03, 2)};
   trials[1].candidate.samples = "half";
   trials[1].memory_bytes = 3'097'152;
-  EXPECT_EQ(reasonFor(Axis::kSamples, trials[0], trials, trials[0], kError), "half takes 2 MiB more");
+  EXPECT_EQ(reasonFor(Axis::kSamples, trials[0], trials, trials[0], kError), "half takes 2.0 MiB more");
   trials[2].candidate.filter = "median:1";
   trials[2].start_ms = 150;
   EXPECT_EQ(reasonFor(Axis::kFilter, trials[0], trials, trials[0], kError), "median:1 starts 50 ms later");
