@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // apps/tune/search.hpp: which candidates are tried, in which order, and what is left of them.
 //
-// The search knows no engine: `feel` makes a trial. One thread. Cost: at most mostTrials() calls.
+// The search knows no engine: `feel` makes a trial. One thread. Cost: at most mostRuns() calls.
 #pragma once
 
 #include <functional>
@@ -29,13 +29,13 @@ struct SpaceRequest {
 };
 [[nodiscard]] SearchSpace searchSpace(const Scene& scene, const SpaceRequest& request);
 
-// The most trials that a search makes in this space.
-[[nodiscard]] std::size_t mostTrials(const SearchSpace& space);
+// The most calls of `feel` that a search makes in this space.
+[[nodiscard]] std::size_t mostRuns(const SearchSpace& space);
 
 struct Found {
   std::vector<Trial> trials;       // each candidate once, in the order of their trials
   Trial base;                      // the truest settings of all but filter and operator, which are the scene's
-  std::vector<std::size_t> picks;  // the finalists that meet the goal, the best first
+  std::vector<std::size_t> picks;  // the trials that meet the goal: the finalists, then the others, the best first
 };
 
 // So many candidates are measured again, in turns, kRounds times.
@@ -50,7 +50,7 @@ inline constexpr int kRounds = 5;
 // 4. Around the best of these: every value of one choice with the rest as it is.
 // 5. The best for the goal are measured again in turns, and the median of their times counts.
 //
-// `feel` may throw; the search ends then. It is called again for each round of a finalist.
+// `feel` may throw; the search ends then. A trial is two calls, and each round of a finalist is one more.
 [[nodiscard]] Found search(const Goal& goal, const SearchSpace& space,
                            const std::function<Trial(const Candidate& candidate)>& feel);
 

@@ -30,7 +30,7 @@ struct TuneResult {
   Found found;
   bool met = false;
   Trial chosen;            // met: as it was felt in fresh runs; otherwise what came nearest
-  std::size_t trials = 0;  // that were made, fresh runs not counted
+  std::size_t runs = 0;  // that the trials took, fresh ones not counted
   std::string truth;       // what the error is taken against, and why, in words
   std::vector<std::string> notes;
   std::vector<Reason> reasons;  // met: for each choice

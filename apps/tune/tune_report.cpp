@@ -112,8 +112,8 @@ std::string tuneWords(const TuneRequest& request, const TuneResult& result) {
   const char* asked = goal.kind == Goal::Kind::kError ? "--error" : "--budget";
   std::string text = fmt::format("Asked     {} {} of {}\n", asked, boundText(goal), request.source);
   text += fmt::format("Truth     {}\n", result.truth);
-  text += fmt::format("Trials    {} on {}; error is that of the spring's force, which 99 % of the ticks keep\n",
-                      result.trials, result.device);
+  text += fmt::format("Trials    {} in {} runs on {}; error is that of the spring's force, which 99 % of the ticks keep\n",
+                      result.found.trials.size(), result.runs, result.device);
   text += tableOf(request, result);
   for (const std::string& note : result.notes) text += fmt::format("Note      {}\n", note);
   if (!result.met) {

@@ -167,6 +167,7 @@ Trial Workbench::trialOf(const Candidate& candidate, Made& made, Ground& ground,
   checkRunLength(scene, availableMemoryBytes());
   Progress quiet(nullptr);
   const RigVolume rig{.scale = ground.scale, .objects = objects_.objects, .isosurface = ground.mesh};
+  made.engine->forgetWindow();  // else the last run's window could save this one a gather
   const ServoRun run = runServo(scene, rig, ground.path->path, *made.engine, nullptr, quiet, [](const auto&) {});
   stopTuningIfInterrupted();
   const RunErrors errors = runErrors(truth, run.loop.records, ground.path->phases, springStiffness(scene));
@@ -201,6 +202,7 @@ std::vector<TickRecord> Workbench::feelTruest(const std::vector<TickRecord>& alo
   Progress quiet(nullptr);
   const Ground& ground = *grounds_.at(scene.filter);
   const RigVolume rig{.scale = ground.scale, .objects = objects_.objects, .isosurface = ground.mesh};
+  made.engine->forgetWindow();
   return runServo(scene, rig, path, *made.engine, nullptr, quiet, [](const auto&) {}).loop.records;
 }
 

@@ -17,7 +17,7 @@ using testing::Not;
 
 const Words kVerbs = {"touch",   "edit",   "recover", "info",   "convert", "gradient",
                       "filter",  "render", "sculpt",  "check",  "bench",   "stability",
-                      "devices", "plan",   "scene",   "faults", "help",    "completion"};
+                      "devices", "plan",   "tune", "scene",   "faults", "help",    "completion"};
 const std::vector<Words> kVerbsBelow = {
     {"check", "gradient"}, {"check", "filters"}, {"check", "edits"}, {"check", "all"},     {"bench", "servo"},
     {"bench", "loop"},     {"bench", "edit"},    {"bench", "load"},  {"bench", "filters"}, {"bench", "gradient"}};
