@@ -67,13 +67,15 @@ void addTuneVerb(CLI::App& app) {
       "Picks gradient operator, filter, n, window and storage, says why, and writes the scene.\n"
       "Example: palpate tune scene.toml --error 0.05N");
   auto arguments = std::make_shared<TuneArguments>(*verb);
-  verb->add_option("--error", arguments->error, "the most that the spring's force may be off, in 99 % of the ticks: 0.05N")
+  verb->add_option("--error", arguments->error,
+                   "the most that the spring's force may be off, in 99 % of the ticks: 0.05N")
       ->type_name("FORCE")
       ->check(notEmpty);
   verb->add_option("--budget", arguments->budget, "the mean time that a tick may take, windows included: 200us")
       ->type_name("TIME")
       ->check(notEmpty);
-  verb->add_option("-o,--write", arguments->out, "the scene; NAME.tuned.toml beside NAME.toml, or tuned.toml, if not given")
+  verb->add_option("-o,--write", arguments->out,
+                   "the scene; NAME.tuned.toml beside NAME.toml, or tuned.toml, if not given")
       ->type_name("FILE")
       ->check(notEmpty);
   verb->add_flag("--overwrite", arguments->overwrite, "also a file that palpate tune did not write");

@@ -60,9 +60,10 @@ std::string exactFigures(const std::optional<ExactErrors>& e) {
           ? figure(shortNumber(*e->force_error_median_N), "N",
                    fmt::format("force off the exact one, median; 99 % within {} N", shortNumber(*e->force_error_p99_N)))
           : "";
-  return surface + force + figure(shortNumber(e->force_angle_median_deg), "degrees",
-                          fmt::format("force off the exact normal, median; 99 % within {} degrees",
-                                      shortNumber(e->force_angle_p99_deg)));
+  return surface + force +
+         figure(shortNumber(e->force_angle_median_deg), "degrees",
+                fmt::format("force off the exact normal, median; 99 % within {} degrees",
+                            shortNumber(e->force_angle_p99_deg)));
 }
 
 std::string editFigures(const std::optional<RunEdits>& e) {

@@ -93,9 +93,9 @@ struct TouchRun {
   std::vector<std::string> libraries;              // that the process had loaded at the end (base/mapped_libraries.hpp)
   // Simulated clock: mean time that a tick took this machine, with the engine's work before it [us].
   std::optional<double> loop_us_a_tick = {};
-  std::int64_t grid_points = 0;                    // ticks that were run or left out; 0: as many as records
-  std::optional<RunFigures> figures;               // of the records, once these are whole; see figuresOf()
-  ContactStability stability;                      // of the contact in the records
+  std::int64_t grid_points = 0;       // ticks that were run or left out; 0: as many as records
+  std::optional<RunFigures> figures;  // of the records, once these are whole; see figuresOf()
+  ContactStability stability;         // of the contact in the records
   std::vector<RunFault> faults;
   std::string ended_early;         // "stopped by the user after 1.2 s of 5 s"; empty: it ended as planned
   std::vector<std::string> files;  // written or to be written, as shown to the user

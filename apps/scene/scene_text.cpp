@@ -59,7 +59,8 @@ struct ValueForm {
 
 std::string seenFrom(const fs::path& folder, const std::string& name) {
   if (name.empty() || name.starts_with("phantom:") || fs::path(name).is_absolute()) return name;
-  return fs::absolute(name).lexically_normal().lexically_proximate(fs::absolute(folder).lexically_normal()).string();
+  const fs::path here = fs::current_path();
+  return (here / name).lexically_normal().lexically_proximate((here / folder).lexically_normal()).string();
 }
 
 struct ObjectTomlForm {

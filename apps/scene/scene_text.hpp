@@ -12,8 +12,8 @@
 namespace palpate {
 
 // Every option that differs from its default, those of the keys `always`, and the objects. Read back, each member has
-// the same value, bit for bit, a direction within rounding. `folder`: of the file; paths that are relative to the current folder become relative to
-// it, since readSceneFile() takes them so.
+// the same value, bit for bit, a direction within rounding. `folder`: of the file; paths that are relative to the
+// current folder become relative to it, since readSceneFile() takes them so.
 [[nodiscard]] std::string sceneText(const Scene& scene, const std::filesystem::path& folder,
                                     std::span<const std::string_view> always = {});
 

@@ -45,9 +45,8 @@ bool inSlide(double time_s, const std::vector<PathPhase>& phases) {
 
 CountedTicks countedTicks(const std::vector<TickRecord>& records, const std::vector<PathPhase>& phases) {
   CountedTicks counted;
-  counted.slide_only = std::ranges::any_of(records, [&](const TickRecord& record) {
-    return isSurfaceForce(record) && inSlide(record.time_s, phases);
-  });
+  counted.slide_only = std::ranges::any_of(
+      records, [&](const TickRecord& record) { return isSurfaceForce(record) && inSlide(record.time_s, phases); });
   for (const TickRecord& record : records) {
     if (!isSurfaceForce(record) || (counted.slide_only && !inSlide(record.time_s, phases))) continue;
     counted.ticks.push_back(&record);

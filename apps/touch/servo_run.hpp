@@ -34,8 +34,8 @@ struct ServoRun {
 // Blocks for the run's time. Ctrl-C ends it early, in good order. `edits` may be null. `before_first_tick` is called
 // once, after the memory for the records of all ticks has been allocated, with what the device cannot render
 // (apps/rig/contact_bounds.hpp).
-[[nodiscard]] ServoRun runServo(const Scene& scene, RigVolume volume, const Path& path, Engine& engine,
-                                RigEdits* edits, Progress& progress,
+[[nodiscard]] ServoRun runServo(const Scene& scene, RigVolume volume, const Path& path, Engine& engine, RigEdits* edits,
+                                Progress& progress,
                                 const std::function<void(const std::vector<std::string>&)>& before_first_tick);
 
 }  // namespace palpate

@@ -51,7 +51,8 @@ std::string valueOn(Axis axis, const Candidate& candidate) {
 }
 
 bool differOnlyOn(Axis axis, const Candidate& a, const Candidate& b) {
-  return std::ranges::all_of(kAxes, [&](Axis other) { return (valueOn(other, a) == valueOn(other, b)) != (other == axis); });
+  return std::ranges::all_of(kAxes,
+                             [&](Axis other) { return (valueOn(other, a) == valueOn(other, b)) != (other == axis); });
 }
 
 }  // namespace palpate

@@ -10,7 +10,7 @@ namespace {
 
 struct Criterion {
   double (*value)(const Trial& trial);
-  double share;  // values within this share above the least count as equal
+  double share;      // values within this share above the least count as equal
   double least = 0;  // or within this difference
 };
 
@@ -28,11 +28,13 @@ std::vector<Criterion> criteriaOf(const Goal& goal) {
 }
 
 // The best of `left`: those that are equal to the least by one criterion are judged by the next.
-std::size_t bestOf(std::vector<std::size_t> left, std::span<const Trial> trials, const std::vector<Criterion>& criteria) {
+std::size_t bestOf(std::vector<std::size_t> left, std::span<const Trial> trials,
+                   const std::vector<Criterion>& criteria) {
   for (const Criterion& by : criteria) {
     double least = std::numeric_limits<double>::infinity();
     for (const std::size_t i : left) least = std::min(least, by.value(trials[i]));
-    std::erase_if(left, [&](std::size_t i) { return by.value(trials[i]) > std::max(least * (1 + by.share), least + by.least); });
+    std::erase_if(
+        left, [&](std::size_t i) { return by.value(trials[i]) > std::max(least * (1 + by.share), least + by.least); });
   }
   return left.front();
 }

@@ -16,7 +16,9 @@ struct Goal {
   Kind kind = Kind::kError;
   double bound = 0;  // [N] or [us]
 
-  [[nodiscard]] double figureOf(const Trial& trial) const { return kind == Kind::kError ? trial.error_N : trial.loop_us; }
+  [[nodiscard]] double figureOf(const Trial& trial) const {
+    return kind == Kind::kError ? trial.error_N : trial.loop_us;
+  }
   [[nodiscard]] const char* unit() const { return kind == Kind::kError ? "N" : "us"; }
 };
 

@@ -198,12 +198,12 @@ SearchSpace searchSpace(const Scene& scene, const SpaceRequest& request) {
 
 std::size_t mostRuns(const SearchSpace& space) {
   const auto kept = [](std::size_t values) { return std::min(values, kKeptOfAxis); };
-  const std::size_t alone = 1 + space.filters.size() + space.more_filters.size() + space.operators.size() - 1 +
-                            space.windows.size() - 1;
+  const std::size_t alone =
+      1 + space.filters.size() + space.more_filters.size() + space.operators.size() - 1 + space.windows.size() - 1;
   const std::size_t combined = kept(space.filters.size() + space.more_filters.size()) * kept(space.operators.size()) *
                                kept(space.windows.size()) * space.samples.size() * space.ns.size();
-  const std::size_t around = space.operators.size() + space.filters.size() + space.windows.size() +
-                             space.samples.size() + space.ns.size() - 5;
+  const std::size_t around =
+      space.operators.size() + space.filters.size() + space.windows.size() + space.samples.size() + space.ns.size() - 5;
   return 2 * (alone + combined + around) + kFinalists * kRounds;
 }
 

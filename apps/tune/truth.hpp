@@ -36,7 +36,7 @@ using FeelAlong = std::function<std::vector<TickRecord>(const std::vector<TickRe
 
 // The error of a run.
 struct RunErrors {
-  double p99_N = 0;         // NaN: no tick has a known error
+  double p99_N = 0;          // NaN: no tick has a known error
   double contact_share = 0;  // ticks with one, of those of the slide; of all, where there is no slide [-]
 };
 [[nodiscard]] RunErrors runErrors(Truth& truth, const std::vector<TickRecord>& records,

@@ -29,8 +29,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kFreshRuns = 3;              // each with an engine of its own
-constexpr std::size_t kMostConfirmed = 8;  // so many picks are felt anew at most
+constexpr int kFreshRuns = 3;                                     // each with an engine of its own
+constexpr std::size_t kMostConfirmed = 8;                         // so many picks are felt anew at most
 constexpr const char* kFirstWords = "# Written by palpate tune";  // by which a file is known as its own
 constexpr std::string_view kTunedKeys[] = {"filter", "gradient_operator", "samples", "window", "servo.n"};
 
@@ -105,10 +105,10 @@ class TuneJob {
 
  private:
   void find() {
-    const SearchSpace space = searchSpace(
-        request_.scene, {.filters_and_operators = bench_->whyNotExact().empty(),
-                         .renews_planes = algorithmEntry(request_.scene.algorithm).traits.renews_planes,
-                         .longest_edge = bench_->longestEdge()});
+    const SearchSpace space =
+        searchSpace(request_.scene, {.filters_and_operators = bench_->whyNotExact().empty(),
+                                     .renews_planes = algorithmEntry(request_.scene.algorithm).traits.renews_planes,
+                                     .longest_edge = bench_->longestEdge()});
     RunProgress runs(progress_, mostRuns(space));
     result_.found = search(request_.goal, space, [&](const Candidate& candidate) {
       Trial trial = bench_->feel(candidate);
@@ -205,8 +205,9 @@ class TuneJob {
     const Trial& best = result_.chosen;
     if (!holdsContact(best, result_.found.base)) return "a path on which the contact is not lost";
     if (request_.goal.kind == Goal::Kind::kBudget) {
-      return fmt::format("a budget of {} us (a quarter above what was measured is kept free), or a quicker algorithm or machine",
-                         shortNumber(best.loop_us * longer_ * kTimeMargin));
+      return fmt::format(
+          "a budget of {} us (a quarter above what was measured is kept free), or a quicker algorithm or machine",
+          shortNumber(best.loop_us * longer_ * kTimeMargin));
     }
     const double share = request_.goal.bound / (best.error_N * kErrorMargin);
     if (!(share < 1)) return "runs that repeat what the trials found";
@@ -224,7 +225,8 @@ class TuneJob {
     scene.series.clear();
     scene.nan.clear();
     std::string text = fmt::format("{}: {}\n", kFirstWords, request_.command);
-    for (const Reason& reason : result_.reasons) text += fmt::format("# {} = {}: {}\n", reason.choice, reason.value, reason.why);
+    for (const Reason& reason : result_.reasons)
+      text += fmt::format("# {} = {}: {}\n", reason.choice, reason.value, reason.why);
     text += "# Comments of the scene that it was made from are not here.\n\n";
     for (char& c : text) c = static_cast<unsigned char>(c) < 0x20 && c != '\n' ? ' ' : c;
     return text + sceneText(scene, fs::path(out_).parent_path(), kTunedKeys);

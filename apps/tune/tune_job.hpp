@@ -29,9 +29,9 @@ struct Reason {
 struct TuneResult {
   Found found;
   bool met = false;
-  Trial chosen;            // met: as it was felt in fresh runs; otherwise what came nearest
+  Trial chosen;          // met: as it was felt in fresh runs; otherwise what came nearest
   std::size_t runs = 0;  // that the trials took, fresh ones not counted
-  std::string truth;       // what the error is taken against, and why, in words
+  std::string truth;     // what the error is taken against, and why, in words
   std::vector<std::string> notes;
   std::vector<Reason> reasons;  // met: for each choice
   std::string needed;           // not met: what would help
@@ -42,8 +42,8 @@ struct TuneResult {
 // "head.tuned.toml" beside a scene's file "head.toml"; "tuned.toml" for a volume.
 [[nodiscard]] std::string tunedName(const std::string& source);
 
-// Writes the scene if the goal is met, and the JSON in any case. Throws Error: as `palpate touch` does; kBadInput for an
-// algorithm without a surface, a path without contact, and an `out` that is there and not by `palpate tune`; kIo.
+// Writes the scene if the goal is met, and the JSON in any case. Throws Error: as `palpate touch` does; kBadInput for
+// an algorithm without a surface, a path without contact, and an `out` that is there and not by `palpate tune`; kIo.
 [[nodiscard]] TuneResult tune(const TuneRequest& request, Progress& progress);
 
 }  // namespace palpate

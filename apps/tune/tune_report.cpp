@@ -58,8 +58,10 @@ std::string markOf(const Trial& trial, const TuneResult& result, const Candidate
   if (trial.candidate == result.chosen.candidate) marks.emplace_back(result.met ? "picked" : "nearest");
   if (trial.candidate == own) marks.emplace_back("the scene's");
   if (front) marks.emplace_back("front");
-  if (!trial.impossible.empty()) marks.push_back("cannot be: " + trial.impossible);
-  else if (!holdsContact(trial, result.found.base)) marks.emplace_back("loses the contact");
+  if (!trial.impossible.empty())
+    marks.push_back("cannot be: " + trial.impossible);
+  else if (!holdsContact(trial, result.found.base))
+    marks.emplace_back("loses the contact");
   return fmt::format("{}", fmt::join(marks, ", "));
 }
 
@@ -82,15 +84,18 @@ std::string tableOf(const TuneRequest& request, const TuneResult& result) {
     const std::string error = std::isnan(trial.error_N) ? "-" : figureText(trial.error_N);
     text += fmt::format("  {:<12} {:<20} {:>6} {:>6} {:<7} {:>8} {:>10} {:>9} {:>9}  {}\n", c.gradient_operator,
                         valueOn(Axis::kFilter, c), c.n, c.window_edge, c.samples, error, figureText(trial.loop_us),
-                        figureText(static_cast<double>(trial.memory_bytes) / kBytesPerMiB),
-                        figureText(trial.start_ms), markOf(trial, result, own, front[i]));
+                        figureText(static_cast<double>(trial.memory_bytes) / kBytesPerMiB), figureText(trial.start_ms),
+                        markOf(trial, result, own, front[i]));
   }
   return text;
 }
 
 Json candidateJson(const Candidate& c) {
-  return {{"gradient_operator", c.gradient_operator}, {"filter", c.filter}, {"n_ticks", c.n},
-          {"window_voxel", c.window_edge},            {"samples", c.samples}};
+  return {{"gradient_operator", c.gradient_operator},
+          {"filter", c.filter},
+          {"n_ticks", c.n},
+          {"window_voxel", c.window_edge},
+          {"samples", c.samples}};
 }
 
 Json trialJson(const Trial& trial) {
@@ -112,8 +117,9 @@ std::string tuneWords(const TuneRequest& request, const TuneResult& result) {
   const char* asked = goal.kind == Goal::Kind::kError ? "--error" : "--budget";
   std::string text = fmt::format("Asked     {} {} of {}\n", asked, boundText(goal), request.source);
   text += fmt::format("Truth     {}\n", result.truth);
-  text += fmt::format("Trials    {} in {} runs on {}; error is that of the spring's force, which 99 % of the ticks keep\n",
-                      result.found.trials.size(), result.runs, result.device);
+  text +=
+      fmt::format("Trials    {} in {} runs on {}; error is that of the spring's force, which 99 % of the ticks keep\n",
+                  result.found.trials.size(), result.runs, result.device);
   text += tableOf(request, result);
   for (const std::string& note : result.notes) text += fmt::format("Note      {}\n", note);
   if (!result.met) {
@@ -132,20 +138,22 @@ std::string tuneWords(const TuneRequest& request, const TuneResult& result) {
 std::string tuneJson(const TuneRequest& request, const TuneResult& result) {
   const std::vector<bool> front = onFront(result.found);
   const MachineFacts machine = readMachineFacts();
-  Json json = {{"schema", "palpate.tune/1"},
-               {"commit", request.commit},
-               {"command", request.command},
-               {"cpu", machine.cpu},
-               {"vulkan_device", result.device},
-               {"asked", {{request.goal.kind == Goal::Kind::kError ? "force_error_p99_N" : "loop_us_a_tick", request.goal.bound}}},
-               {"met", result.met},
-               {"chosen", trialJson(result.chosen)},
-               {"scene", result.met ? Json(result.out) : Json(nullptr)},
-               {"needed", result.met ? Json(nullptr) : Json(result.needed)},
-               {"truth", result.truth},
-               {"notes", result.notes},
-               {"reasons", Json::array()},
-               {"trials", Json::array()}};
+  Json json = {
+      {"schema", "palpate.tune/1"},
+      {"commit", request.commit},
+      {"command", request.command},
+      {"cpu", machine.cpu},
+      {"vulkan_device", result.device},
+      {"asked",
+       {{request.goal.kind == Goal::Kind::kError ? "force_error_p99_N" : "loop_us_a_tick", request.goal.bound}}},
+      {"met", result.met},
+      {"chosen", trialJson(result.chosen)},
+      {"scene", result.met ? Json(result.out) : Json(nullptr)},
+      {"needed", result.met ? Json(nullptr) : Json(result.needed)},
+      {"truth", result.truth},
+      {"notes", result.notes},
+      {"reasons", Json::array()},
+      {"trials", Json::array()}};
   for (const Reason& reason : result.reasons)
     json["reasons"].push_back({{"choice", reason.choice}, {"value", reason.value}, {"why", reason.why}});
   for (std::size_t i = 0; i < result.found.trials.size(); ++i) {

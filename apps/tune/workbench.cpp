@@ -78,7 +78,10 @@ struct Workbench::Made {
 };
 
 Workbench::Workbench(const Scene& scene, Progress& progress)
-    : given_(scene), scene_(forTrials(scene)), objects_(makeSceneObjects(scene.objects)), volume_(loadAndTell(scene.volume, progress)) {
+    : given_(scene),
+      scene_(forTrials(scene)),
+      objects_(makeSceneObjects(scene.objects)),
+      volume_(loadAndTell(scene.volume, progress)) {
   checkTouchable(volume_);
   isovalue_ = static_cast<float>(scene.isovalue ? *scene.isovalue : defaultIsovalue(volume_));
   checkIsovalue(volume_, isovalue_);
@@ -145,7 +148,8 @@ Scene Workbench::trialScene(const Candidate& candidate) {
 
 // Frees the engines used least lately where they would take too much.
 Workbench::Made& Workbench::shelved(const Candidate& candidate) {
-  const auto known = std::ranges::find_if(shelf_, [&](const auto& made) { return shareEngine(made->candidate, candidate); });
+  const auto known =
+      std::ranges::find_if(shelf_, [&](const auto& made) { return shareEngine(made->candidate, candidate); });
   if (known != shelf_.end()) {
     shelf_.splice(shelf_.begin(), shelf_, known);
     return *shelf_.front();

@@ -5,8 +5,8 @@
 // The volume is loaded once, and engines are kept for further trials while there is memory. As in `palpate touch`, a
 // path is built from the surface that is felt, so another filter has another path. For these, what the scene leaves to
 // the program is fixed to what it chose for the scene itself: place, direction and lengths. So all candidates are felt
-// at the same place. A tool that edits is felt without its brush. One thread. A trial blocks for as long as the simulated run takes, some milliseconds a
-// second; making an engine takes longer.
+// at the same place. A tool that edits is felt without its brush. One thread. A trial blocks for as long as the
+// simulated run takes, some milliseconds a second; making an engine takes longer.
 #pragma once
 
 #include <list>
@@ -22,8 +22,8 @@
 #include "apps/touch/scene_objects.hpp"
 #include "apps/touch/scripted_path.hpp"
 #include "apps/touch/volume_surface.hpp"
-#include "apps/tune/truth.hpp"
 #include "apps/tune/candidate.hpp"
+#include "apps/tune/truth.hpp"
 #include "engine/field/volume.hpp"
 #include "engine/service/engine.hpp"
 
@@ -37,7 +37,7 @@ class Workbench {
 
   // Why the exact surface is not known; empty: it is.
   [[nodiscard]] const std::string& whyNotExact() const noexcept { return why_not_exact_; }
-  [[nodiscard]] int longestEdge() const { return volume_.size().maxCoeff(); }                        // [voxel]
+  [[nodiscard]] int longestEdge() const { return volume_.size().maxCoeff(); }                     // [voxel]
   [[nodiscard]] double smallestSpacing_m() const { return volume_.lattice().smallestSpacing(); }  // [m]
   [[nodiscard]] const std::string& deviceName() const noexcept { return device_name_; }  // of Vulkan, after a trial
 

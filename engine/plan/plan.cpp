@@ -111,7 +111,9 @@ std::vector<PlanLine> planLines(const Plan& plan, const PlanFacts& facts) {
     if (plan.request.edits) why = "the operator takes its gradient; kept, since edits change it";
     lines.insert(lines.begin() + 2, {true, "smoothing of the whole field", why, 0});
   }
-  lines.push_back({true, fmt::format("window of up to {0}x{0}x{0} samples around the tool, three slots", plan.request.window_edge), "what the servo reads", 0});
+  lines.push_back(
+      {true, fmt::format("window of up to {0}x{0}x{0} samples around the tool, three slots", plan.request.window_edge),
+       "what the servo reads", 0});
   if (plan.request.draws) {
     lines.push_back({true, "isosurface picture", "view.png and report.html show it", 0});
   } else {

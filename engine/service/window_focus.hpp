@@ -9,10 +9,11 @@
 
 namespace palpate {
 
-inline constexpr double kWindowLead_s = 5e-3;      // about the time that a slow device takes to gather a window
+inline constexpr double kWindowLead_s = 5e-3;  // about the time that a slow device takes to gather a window
 
-// The longest lead of a window with this edge [voxel]: six voxels for 32, small enough that the tool stays inside. Where
-// a new window is gathered the tool is at most this and recentreVoxels() from its middle, six sixteenths of the edge.
+// The longest lead of a window with this edge [voxel]: six voxels for 32, small enough that the tool stays inside.
+// Where a new window is gathered the tool is at most this and recentreVoxels() from its middle, six sixteenths of the
+// edge.
 [[nodiscard]] constexpr double longestWindowLead(int edge) noexcept {
   return 3.0 * edge / 16;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Forces with a unit, and times behind a 't'. One that is accepted is above zero and finite and, written as text and read again, the
-// same.
+// Forces with a unit, and times behind a 't'. One that is accepted is above zero and finite and, written as text and
+// read again, the same.
 #include "apps/tune/quantity.hpp"
 
 #include <cmath>

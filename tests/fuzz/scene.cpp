@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scene files. An accepted scene, written to a file in full, or as `palpate tune` does, and read again, is the same. A refused one leaves the scene
-// as it was.
+// Scene files. An accepted scene, written to a file in full, or as `palpate tune` does, and read again, is the same. A
+// refused one leaves the scene as it was.
 #include "apps/scene/scene_file.hpp"
 #include "apps/scene/scene_text.hpp"
 #include "fuzz_target.hpp"

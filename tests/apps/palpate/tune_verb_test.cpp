@@ -135,7 +135,7 @@ RandomScene randomScene(std::uint64_t seed) {
   scene.toml += fmt::format("stiffness_N_per_m = {:.0f}\n", spread(150, 1500));
   if (bits() % 2 == 0) scene.toml += fmt::format("[path]\ndepth_mm = {:.2f}\n", uniform(0.3, 1.2));
   const bool error = bits() % 2 == 0;
-  scene.bound = std::stod(fmt::format("{:.3g}", error ? spread(0.003, 0.3) : spread(0.5, 5)));
+  scene.bound = std::stod(fmt::format("{:.3g}", error ? spread(0.003, 0.3) : spread(1, 30)));
   scene.flag = error ? "--error" : "--budget";
   scene.text = fmt::format("{}{}", scene.bound, error ? "N" : "us");
   return scene;

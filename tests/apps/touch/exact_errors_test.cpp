@@ -48,21 +48,27 @@ TEST_F(ExactErrorsTest, AreDistanceInVoxelsAndAngleInDegrees) {
 }
 
 TEST_F(ExactErrorsTest, InsideCountsAsOutside) {
-  EXPECT_NEAR(exactErrors(*sphere_, {touching(*sphere_, 0, -0.5 * kVoxel_m, -10)}, {}, kStiffness_N_per_m)->vhip_median_voxel.value_or(-1),
+  EXPECT_NEAR(exactErrors(*sphere_, {touching(*sphere_, 0, -0.5 * kVoxel_m, -10)}, {}, kStiffness_N_per_m)
+                  ->vhip_median_voxel.value_or(-1),
               0.5, 1e-9);
-  EXPECT_NEAR(exactErrors(*sphere_, {touching(*sphere_, 0, -0.5 * kVoxel_m, -10)}, {}, kStiffness_N_per_m)->force_angle_median_deg, 10,
-              1e-9);
+  EXPECT_NEAR(exactErrors(*sphere_, {touching(*sphere_, 0, -0.5 * kVoxel_m, -10)}, {}, kStiffness_N_per_m)
+                  ->force_angle_median_deg,
+              10, 1e-9);
 }
 
 // 1e-6 degrees is far below what an arc cosine could tell from 0 (its argument is then 1 - 1.5e-16).
 TEST_F(ExactErrorsTest, SmallAnglesAreKept) {
-  EXPECT_NEAR(exactErrors(*sphere_, {touching(*sphere_, 0, 0, 1e-6)}, {}, kStiffness_N_per_m)->force_angle_median_deg, 1e-6, 1e-9);
-  EXPECT_NEAR(exactErrors(*sphere_, {touching(*sphere_, 0, 0, 180)}, {}, kStiffness_N_per_m)->force_angle_median_deg, 180, 1e-9);
+  EXPECT_NEAR(exactErrors(*sphere_, {touching(*sphere_, 0, 0, 1e-6)}, {}, kStiffness_N_per_m)->force_angle_median_deg,
+              1e-6, 1e-9);
+  EXPECT_NEAR(exactErrors(*sphere_, {touching(*sphere_, 0, 0, 180)}, {}, kStiffness_N_per_m)->force_angle_median_deg,
+              180, 1e-9);
 }
 
 TEST_F(ExactErrorsTest, VoxelsAreTheSmallestEdge) {
   const auto flat = makePhantom("phantom:sphere?size=32&spacing=1x1x4mm");
-  EXPECT_NEAR(exactErrors(*flat, {touching(*flat, 0, 0.25e-3, 0)}, {}, kStiffness_N_per_m)->vhip_median_voxel.value_or(-1), 0.25, 1e-9);
+  EXPECT_NEAR(
+      exactErrors(*flat, {touching(*flat, 0, 0.25e-3, 0)}, {}, kStiffness_N_per_m)->vhip_median_voxel.value_or(-1),
+      0.25, 1e-9);
 }
 
 TEST_F(ExactErrorsTest, CountTheSlideOnly) {
@@ -82,7 +88,8 @@ TEST_F(ExactErrorsTest, AreTheMedianAndThe99thPercentileOfTheSlide) {
                                      touching(*sphere_, std::nextafter(2.0, 3.0), 5e-3, 90)};
   for (int n = 1; n <= 100; ++n)
     records.push_back(touching(*sphere_, n == 1 ? 1 : n == 100 ? 2 : 1.5, 0.01 * n * kVoxel_m, 0.5 * n));
-  const auto errors = exactErrors(*sphere_, records, {{"press", 0, 1}, {"slide", 1, 2}, {"retreat", 2, 3}}, kStiffness_N_per_m);
+  const auto errors =
+      exactErrors(*sphere_, records, {{"press", 0, 1}, {"slide", 1, 2}, {"retreat", 2, 3}}, kStiffness_N_per_m);
   ASSERT_TRUE(errors);
   EXPECT_TRUE(errors->slide_only);
   EXPECT_EQ(errors->ticks, 100);
@@ -94,7 +101,8 @@ TEST_F(ExactErrorsTest, AreTheMedianAndThe99thPercentileOfTheSlide) {
 
 TEST_F(ExactErrorsTest, CountAllContactWhereTheSlideHasNone) {
   const std::vector<PathPhase> phases = {{"press", 0, 1}, {"slide", 1, 2}};
-  const auto errors = exactErrors(*sphere_, {touching(*sphere_, 0.4, 0, 2), touching(*sphere_, 0.5, 0, 2)}, phases, kStiffness_N_per_m);
+  const auto errors =
+      exactErrors(*sphere_, {touching(*sphere_, 0.4, 0, 2), touching(*sphere_, 0.5, 0, 2)}, phases, kStiffness_N_per_m);
   ASSERT_TRUE(errors);
   EXPECT_FALSE(errors->slide_only);
   EXPECT_EQ(errors->ticks, 2);
@@ -105,7 +113,8 @@ TEST_F(ExactErrorsTest, LeaveOutWhatThePassivityControllerAdds) {
   TickRecord damped = touching(*sphere_, 0, 0, 60);
   damped.damped = true;
   EXPECT_FALSE(exactErrors(*sphere_, {damped}, {}, kStiffness_N_per_m));
-  EXPECT_NEAR(exactErrors(*sphere_, {damped, touching(*sphere_, 0, 0, 2)}, {}, kStiffness_N_per_m)->force_angle_p99_deg, 2, 1e-9);
+  EXPECT_NEAR(exactErrors(*sphere_, {damped, touching(*sphere_, 0, 0, 2)}, {}, kStiffness_N_per_m)->force_angle_p99_deg,
+              2, 1e-9);
 }
 
 // The force is known, a surface is not.
@@ -155,7 +164,9 @@ TEST_F(ExactErrorsTest, LeaveOutWhatIsNoContact) {
   std::fill(std::begin(gated.force_W), std::end(gated.force_W), 0.0);
   EXPECT_FALSE(exactErrors(*sphere_, {free, gated}, {}, kStiffness_N_per_m));
   EXPECT_FALSE(exactErrors(*sphere_, {}, {}, kStiffness_N_per_m));
-  EXPECT_NEAR(exactErrors(*sphere_, {free, gated, touching(*sphere_, 0, 0, 2)}, {}, kStiffness_N_per_m)->force_angle_p99_deg, 2, 1e-9);
+  EXPECT_NEAR(
+      exactErrors(*sphere_, {free, gated, touching(*sphere_, 0, 0, 2)}, {}, kStiffness_N_per_m)->force_angle_p99_deg, 2,
+      1e-9);
 }
 
 // The sphere's surface point over the HIP is known: K times the distance to it, which counts a wrong depth and a wrong
@@ -190,7 +201,8 @@ TEST(SpringStiffness, IsTheLargestThatTheDensityGives) {
 }
 
 TEST_F(ExactErrorsTest, DoNotExistWithoutASurface) {
-  EXPECT_FALSE(exactErrors(*makePhantom("phantom:random?size=8"), {touching(*sphere_, 0, 0, 0)}, {}, kStiffness_N_per_m));
+  EXPECT_FALSE(
+      exactErrors(*makePhantom("phantom:random?size=8"), {touching(*sphere_, 0, 0, 0)}, {}, kStiffness_N_per_m));
 }
 
 }  // namespace exact_errors_test

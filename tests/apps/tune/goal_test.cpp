@@ -13,11 +13,8 @@ using testing::ElementsAre;
 using testing::IsEmpty;
 
 Trial trial(double error_N, double loop_us, std::uint64_t memory_bytes = 1'000'000, double start_ms = 100) {
-  return {.error_N = error_N,
-          .loop_us = loop_us,
-          .memory_bytes = memory_bytes,
-          .start_ms = start_ms,
-          .contact_share = 1};
+  return {
+      .error_N = error_N, .loop_us = loop_us, .memory_bytes = memory_bytes, .start_ms = start_ms, .contact_share = 1};
 }
 const Trial kBase = trial(0.01, 5);
 const Goal kError{Goal::Kind::kError, 0.1};

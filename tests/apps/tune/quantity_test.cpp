@@ -44,8 +44,10 @@ TEST(Quantity, RefusesWhatIsNotOne) {
   for (const char* text : {"0.05us", "0.05n", "0.05newton", "0.05NN"})
     EXPECT_THAT(refusalOf(forceOf_N, text), HasSubstr("is no unit of it; use one of N, mN")) << text;
   EXPECT_THAT(refusalOf(timeOf_us, "5N"), HasSubstr("is no unit of it; use one of us, ms"));
-  for (const char* text : {"0N", "-1N", "-0.0mN", "1e308kN", "1e999N"}) EXPECT_NE(refusalOf(forceOf_N, text), "") << text;
-  for (const char* text : {"nanN", "infN", "nan N", "inf N", "NaN", "inf"}) EXPECT_NE(refusalOf(forceOf_N, text), "") << text;
+  for (const char* text : {"0N", "-1N", "-0.0mN", "1e308kN", "1e999N"})
+    EXPECT_NE(refusalOf(forceOf_N, text), "") << text;
+  for (const char* text : {"nanN", "infN", "nan N", "inf N", "NaN", "inf"})
+    EXPECT_NE(refusalOf(forceOf_N, text), "") << text;
 }
 
 }  // namespace quantity_test

@@ -12,8 +12,8 @@ namespace palpate {
 namespace search_test {
 
 // What the model's scene costs and how wrong it is. Errors: the plane's age gives n^2 mN; noise gives 100 mN, which a
-// Gaussian of 1 voxel halves, a wider one quarters and an operator does not change; a window below 12 loses the contact.
-// Costs: a tick costs 0.1 / n us, a window of edge e (e / 32)^2 us. Halves halve the memory.
+// Gaussian of 1 voxel halves, a wider one quarters and an operator does not change; a window below 12 loses the
+// contact. Costs: a tick costs 0.1 / n us, a window of edge e (e / 32)^2 us. Halves halve the memory.
 struct Model {
   bool noise = true;
   std::size_t calls = 0;
@@ -41,8 +41,8 @@ Found found(Model& model, const Goal& goal, const SpaceRequest& request = kEvery
   return search(goal, space, [&](const Candidate& c) { return model(c); });
 }
 
-// With noise the wider Gaussian leaves 26 mN. Then n = 8 errs by 90 mN and n = 13 by 195; the smallest window that holds
-// the contact is 12, and halves take less.
+// With noise the wider Gaussian leaves 26 mN. Then n = 8 errs by 90 mN and n = 13 by 195; the smallest window that
+// holds the contact is 12, and halves take less.
 TEST(Search, AnErrorTakesTheCheapestThatKeepsIt) {
   Model model;
   const Found f = found(model, {Goal::Kind::kError, 0.1});

@@ -29,7 +29,8 @@ double radius_m() {
   return -makePhantom(kSphere)->signedDistance_m(Vec3::Zero());
 }
 
-// Each tick finds the surface k tenths of a millimetre outside the true one; with 1000 N/m that is k tenths of a newton.
+// Each tick finds the surface k tenths of a millimetre outside the true one; with 1000 N/m that is k tenths of a
+// newton.
 TEST(Truth, OfAPhantomIsItsExactSurface) {
   std::vector<TickRecord> records;
   for (int k = 1; k <= 100; ++k) {
@@ -45,8 +46,8 @@ TEST(Truth, OfAPhantomIsItsExactSurface) {
 // Two thirds of the slide's ticks are in contact; the others count only for the share.
 TEST(Truth, CountsTheSlideAndItsContact) {
   const Vec3 hip_W = Vec3::UnitX() * (radius_m() - 1e-3);
-  std::vector<TickRecord> records = {touching(0.1, hip_W, 5e-3), touching(1.1, hip_W, 2e-3),
-                                     touching(1.2, hip_W, 2e-3), touching(1.3, hip_W, 2e-3)};
+  std::vector<TickRecord> records = {touching(0.1, hip_W, 5e-3), touching(1.1, hip_W, 2e-3), touching(1.2, hip_W, 2e-3),
+                                     touching(1.3, hip_W, 2e-3)};
   records[3].in_contact = false;
   const auto truth = exactTruth(kSphere);
   const RunErrors errors = runErrors(*truth, records, {{"press", 0, 1}, {"slide", 1, 2}}, 1000);
