@@ -97,7 +97,9 @@ TEST(Summary, HoldsEveryFigureToTheLetter) {
   run.ended_early = "stopped";
   run.scene.simulated_clock = true;
   EXPECT_EQ(makeSummary(run)["ended_early"], "stopped");
+  run.loop_us_a_tick = 1.5;
   EXPECT_EQ(makeSummary(run)["servo"]["times_measured"], false);
+  EXPECT_EQ(makeSummary(run)["servo"]["loop_us_a_tick"], 1.5);
 }
 
 // Swings are told only where they made the contact unstable.
