@@ -33,8 +33,8 @@ std::string compared(const Trial& other, const Trial& picked, const Trial& base,
   if (!holdsContact(other, base)) {
     return other.faulty_ticks > base.faulty_ticks ? "raises faults of the window" : "loses the contact";
   }
-  const std::string error = fmt::format("errs by {} N", figureText(other.error_N));
-  const std::string cost = moreCost(other, picked);
+  std::string error = fmt::format("errs by {} N", figureText(other.error_N));
+  std::string cost = moreCost(other, picked);
   if (!meets(goal, other, base)) {
     return goal.kind == Goal::Kind::kError ? error : fmt::format("takes {} us a tick", figureText(other.loop_us));
   }

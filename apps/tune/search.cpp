@@ -60,7 +60,7 @@ class Search {
   // The truest value of a choice and, if it is another one, the scene's.
   std::vector<std::string> truestTwo(Candidate candidate, std::string Candidate::*choice,
                                      const std::vector<std::string>& values, const std::vector<std::string>& more) {
-    const std::string own = values.front();
+    const std::string& own = values.front();
     std::string best = own;
     double least_N = std::numeric_limits<double>::infinity();
     const auto tryAll = [&](const std::vector<std::string>& list) {

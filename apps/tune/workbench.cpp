@@ -137,7 +137,7 @@ Workbench::Ground& Workbench::keptGround(const Candidate& candidate) {
 }
 
 Scene Workbench::sceneOf(const Candidate& candidate) {
-  const Scene scene = withCandidate(given_, candidate);
+  Scene scene = withCandidate(given_, candidate);
   if (candidate.filter == given_.filter) return scene;
   return withPathOf(scene, *keptGround(candidateOf(given_)).path);
 }

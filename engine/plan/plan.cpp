@@ -80,10 +80,10 @@ bool Plan::has(Pass pass) const noexcept {
 }
 
 Plan makePlan(const EngineRequest& request) {
-  constexpr int kMost = EngineRequest{}.window_edge;
-  if (request.window_edge < kLeastWindowEdge || request.window_edge > kMost) {
+  if (request.window_edge < kLeastWindowEdge || request.window_edge > kMostWindowEdge) {
     throw Error(Error::Code::kBadInput, fmt::format("a window of {} voxels", request.window_edge),
-                "the tool would leave it, or it has no room", fmt::format("give {} to {}", kLeastWindowEdge, kMost));
+                "the tool would leave it, or it has no room",
+                fmt::format("give {} to {}", kLeastWindowEdge, kMostWindowEdge));
   }
   Plan plan;
   plan.request = request;

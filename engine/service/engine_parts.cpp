@@ -18,7 +18,7 @@
 namespace palpate {
 namespace {
 
-static_assert(kLeastWindowEdge <= kWindowEdge && recentreVoxels(kLeastWindowEdge) >= 1);
+static_assert(kMostWindowEdge == kWindowEdge && recentreVoxels(kLeastWindowEdge) >= 1);
 
 constexpr std::size_t kDensityBytes = kBrickVoxels * sizeof(float);  // of a brick
 

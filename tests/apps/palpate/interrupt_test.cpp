@@ -88,12 +88,12 @@ TEST_F(Interrupt, OfARunInRealTime) {
 // Between two runs of the scene, and within one.
 TEST_F(Interrupt, OfATuningWritesNothing) {
   for (const char* seconds : {"2", "2000"}) {
-    const Command command = {.arguments = {"tune", "phantom:sphere?size=24", "--seconds", seconds, "--error", "0.05N",
-                                           "--json", "t.json"},
-                             .folder = folder(),
-                             .signal_at = "at most",
-                             .signal_delay_s = 0.2,
-                             .signals = {SIGINT}};
+    const Command command = {
+        .arguments = {"tune", "phantom:sphere?size=24", "--seconds", seconds, "--error", "0.05N", "--json", "t.json"},
+        .folder = folder(),
+        .signal_at = "at most",
+        .signal_delay_s = 0.2,
+        .signals = {SIGINT}};
     const Outcome outcome = runPalpate(command);
     expectRefusal(outcome, "palpate tune", "stopped by the user; nothing was written", 130);
     EXPECT_TRUE(std::filesystem::is_empty(folder()));

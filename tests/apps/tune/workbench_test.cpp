@@ -81,7 +81,8 @@ TEST_F(WorkbenchTest, FixesThePathForAnotherFilter) {
   EXPECT_EQ(fixed.press_depth_m, 0.7e-3);
 }
 
-// A ball beside the volume: nothing exact is known. The truest settings are then their own truth; an older plane is not.
+// A ball beside the volume: nothing exact is known. The truest settings are then their own truth; an older plane is
+// not.
 TEST_F(WorkbenchTest, ComparesWithTheTruestSettingsWhereNothingIsExact) {
   for (const bool spring : {false, true}) {
     Scene scene = shortScene("phantom:knot?size=40");

@@ -18,8 +18,6 @@
 namespace palpate {
 namespace window_edge_test {
 
-constexpr int kMostEdge = EngineRequest{}.window_edge;
-
 Volume knot() {
   return makeVolume(*makePhantom("phantom:knot?size=61x53x47&spacing=0.8x1x1.2mm"));
 }
@@ -37,7 +35,7 @@ void expectTheTwins(Engine& engine, const Volume& volume) {
 
 class WindowEdge : public testing::TestWithParam<int> {};
 
-INSTANTIATE_TEST_SUITE_P(Edges, WindowEdge, testing::Range(kLeastWindowEdge, kMostEdge + 1));
+INSTANTIATE_TEST_SUITE_P(Edges, WindowEdge, testing::Range(kLeastWindowEdge, kMostWindowEdge + 1));
 
 // In the middle, at corners, and over an edit.
 TEST_P(WindowEdge, HoldsTheTwinsSamples) {
@@ -103,14 +101,16 @@ TEST_P(WindowEdge, ServesAnotherIsovalue) {
 // A tool bounces about in the volume at up to a voxel a tick (at 1 kHz and 0.5 mm that is 0.5 m/s) and turns wherever
 // it likes. Each tick reads the window that was published for the pose before it. Between turns the tool is at most
 // 3/16 of the edge behind the focus, and the focus as much from the middle, a rounding of 1 voxel included where the
-// edge is 8: within 3 of 3.5 voxels. A turn throws the focus to the other side, by at most 6/16 and a voxel. So with the
-// smallest edge the tick after a turn may be beyond: turns are left out there, by a tick.
+// edge is 8: within 3 of 3.5 voxels. A turn throws the focus to the other side, by at most 6/16 and a voxel. So with
+// the smallest edge the tick after a turn may be beyond: turns are left out there, by a tick.
 TEST_P(WindowEdge, KeepsTheToolInside) {
   const Volume volume = knot();
   Engine engine(volume, makePlan({.window_edge = GetParam()}), 0, "");
   const Lattice& lattice = volume.lattice();
   std::mt19937 bits(5);
-  const auto uniform = [&](double low, double high) { return low + (high - low) * static_cast<double>(bits()) / 4294967296.0; };
+  const auto uniform = [&](double low, double high) {
+    return low + (high - low) * static_cast<double>(bits()) / 4294967296.0;
+  };
   for (const double voxels_a_tick : {0.02, 0.3, 1.0}) {
     SCOPED_TRACE(voxels_a_tick);
     Vec3 at_L(30, 26, 23), way_L = Vec3::UnitX();
@@ -139,7 +139,7 @@ TEST_P(WindowEdge, KeepsTheToolInside) {
 }
 
 TEST(WindowEdges, OutOfRangeAreRefused) {
-  for (const int edge : {-1, 0, kLeastWindowEdge - 1, kMostEdge + 1, 1000})
+  for (const int edge : {-1, 0, kLeastWindowEdge - 1, kMostWindowEdge + 1, 1000})
     EXPECT_THROW(static_cast<void>(makePlan({.window_edge = edge})), Error) << edge;
 }
 
