@@ -11,7 +11,7 @@ void addVerbs(CLI::App& app) {
        {palpate::addTouchVerb, palpate::addEditVerb, palpate::addRecoverVerb, palpate::addInfoVerb,
         palpate::addConvertVerb, palpate::addGradientVerb, palpate::addFilterVerb, palpate::addRenderVerb,
         palpate::addCheckVerb, palpate::addBenchVerb, palpate::addStabilityVerb, palpate::addDevicesVerb,
-        palpate::addPlanVerb, palpate::addSceneVerb, palpate::addFaultsVerb, palpate::addHelpVerb,
+        palpate::addPlanVerb, palpate::addTuneVerb, palpate::addSceneVerb, palpate::addFaultsVerb, palpate::addHelpVerb,
         palpate::addCompletionVerb}) {
     add(app);
   }

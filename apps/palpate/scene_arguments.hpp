@@ -27,6 +27,9 @@ class SceneArguments {
   // named.
   [[nodiscard]] Scene scene() const;
 
+  // The volume or scene file, as given; empty if only --volume names it.
+  [[nodiscard]] const std::string& source() const noexcept { return source_; }
+
   // The scene flags on the command line, without their values.
   [[nodiscard]] std::vector<std::string> givenFlags() const;
 

@@ -35,6 +35,7 @@ void addBenchVerb(CLI::App& app);
 void addStabilityVerb(CLI::App& app);
 void addDevicesVerb(CLI::App& app);
 void addPlanVerb(CLI::App& app);
+void addTuneVerb(CLI::App& app);
 void addSceneVerb(CLI::App& app);
 void addFaultsVerb(CLI::App& app);
 void addHelpVerb(CLI::App& app);

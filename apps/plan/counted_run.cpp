@@ -9,7 +9,8 @@
 #include "apps/console/interrupt.hpp"
 #include "apps/console/run_program.hpp"
 #include "apps/path/path_csv.hpp"
-#include "apps/scene/scene_words.hpp"
+#include "apps/scene/scene_text.hpp"
+#include "base/atomic_file.hpp"
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
 
@@ -91,10 +92,10 @@ Scene shortRun(Scene scene, const std::filesystem::path& folder) {
 
 RunCounts countedRun(const Scene& scene, const std::filesystem::path& folder, const std::string& program) {
   const Scene run = shortRun(scene, folder);
-  ProgramCall call{.words = {"touch"}, .shows_messages = false};
+  const std::filesystem::path file_of_scene = folder / "scene.toml";
+  writeFileAtomically(file_of_scene, sceneText(run, folder));
+  ProgramCall call{.words = {"touch", file_of_scene.string()}, .shows_messages = false};
   if (!program.empty()) call.program = program;
-  const std::vector<std::string> words = sceneWords(run);
-  call.words.insert(call.words.end(), words.begin(), words.end());
   std::filesystem::remove_all(journalIn(folder));
   const Stopwatch watch;
   const ProgramEnd end = runProgram(call);

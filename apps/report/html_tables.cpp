@@ -55,9 +55,15 @@ std::string exactFigures(const std::optional<ExactErrors>& e) {
                                            fmt::format("tool point off the exact surface, median; 99 % within {} voxel",
                                                        shortNumber(*e->vhip_p99_voxel)))
                                   : "";
-  return surface + figure(shortNumber(e->force_angle_median_deg), "degrees",
-                          fmt::format("force off the exact normal, median; 99 % within {} degrees",
-                                      shortNumber(e->force_angle_p99_deg)));
+  const std::string force =
+      e->force_error_median_N
+          ? figure(shortNumber(*e->force_error_median_N), "N",
+                   fmt::format("force off the exact one, median; 99 % within {} N", shortNumber(*e->force_error_p99_N)))
+          : "";
+  return surface + force +
+         figure(shortNumber(e->force_angle_median_deg), "degrees",
+                fmt::format("force off the exact normal, median; 99 % within {} degrees",
+                            shortNumber(e->force_angle_p99_deg)));
 }
 
 std::string editFigures(const std::optional<RunEdits>& e) {

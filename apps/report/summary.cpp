@@ -97,6 +97,7 @@ Json servoJson(const TouchRun& run, const RunFigures& f) {
           {"faulty_ticks", f.faulty_ticks},
           {"windows_used", f.windows_used},
           {"plane_age_max_ticks", f.plane_age_max_ticks},
+          {"loop_us_a_tick", run.loop_us_a_tick ? Json(*run.loop_us_a_tick) : Json(nullptr)},
           {"tick_cost_us", toJson(f.tick_cost_us)},
           {"lateness_us", toJson(f.lateness_us)},
           {"window_age_ms", toJson(f.window_age_ms)},
@@ -135,7 +136,9 @@ Json exactJson(const std::optional<ExactErrors>& e) {
           {"vhip_median_voxel", orNull(e->vhip_median_voxel)},
           {"vhip_p99_voxel", orNull(e->vhip_p99_voxel)},
           {"force_angle_median_deg", e->force_angle_median_deg},
-          {"force_angle_p99_deg", e->force_angle_p99_deg}};
+          {"force_angle_p99_deg", e->force_angle_p99_deg},
+          {"force_error_median_N", orNull(e->force_error_median_N)},
+          {"force_error_p99_N", orNull(e->force_error_p99_N)}};
 }
 
 Json editsJson(const std::optional<RunEdits>& e) {

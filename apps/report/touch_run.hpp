@@ -56,6 +56,8 @@ struct ExactErrors {
   double force_angle_median_deg = 0, force_angle_p99_deg = 0;  // force against the exact normal [deg]
   std::int64_t ticks = 0;                                      // number of ticks that count
   bool slide_only = false;                                     // all of these ticks are in the slide
+  // Error of the spring's force (apps/touch/force_error.hpp) [N]. Empty where no exact surface point is known.
+  std::optional<double> force_error_median_N = {}, force_error_p99_N = {};
 };
 
 // What the tool changed, in a run with a brush.
@@ -97,6 +99,8 @@ struct TouchRun {
   double start_to_first_tick_s = 0;                // from the process's start until the first tick was due
   std::vector<std::string> libraries;              // that the process had loaded at the end (base/mapped_libraries.hpp)
   RunWork work;
+  // Simulated clock: mean time that a tick took this machine, with the engine's work before it [us].
+  std::optional<double> loop_us_a_tick = {};
   std::int64_t grid_points = 0;       // ticks that were run or left out; 0: as many as records
   std::optional<RunFigures> figures;  // of the records, once these are whole; see figuresOf()
   ContactStability stability;         // of the contact in the records

@@ -134,7 +134,11 @@ std::string exactLine(const TouchRun& run) {
                                   ? fmt::format("VHIP off by {} voxel median, {} p99; ",
                                                 shortNumber(*e.vhip_median_voxel), shortNumber(*e.vhip_p99_voxel))
                                   : "";
-  return fmt::format("Truth     {}force off by {} degrees median, {} p99; over {} in contact{}\n", surface,
+  const std::string force = e.force_error_median_N
+                                ? fmt::format("force off by {} N median, {} N p99, and ",
+                                              shortNumber(*e.force_error_median_N), shortNumber(*e.force_error_p99_N))
+                                : "force off ";
+  return fmt::format("Truth     {}{}by {} degrees median, {} p99; over {} in contact{}\n", surface, force,
                      shortNumber(e.force_angle_median_deg), shortNumber(e.force_angle_p99_deg),
                      counted(static_cast<std::uint64_t>(e.ticks), "tick"), e.slide_only ? " of the slide" : "");
 }

@@ -11,8 +11,7 @@
 
 namespace palpate {
 
-// When to gather a new window, by the engine's rule (engine/service/engine.cpp): when its place is six voxels from the
-// middle of the last window, or when the border of the volume stops the box.
+// When to gather a new window, by the engine's rule: stillServes() in engine/passes/window_pass.hpp.
 class WindowRule {
  public:
   // The box to gather now; empty while the last window still serves.

@@ -78,6 +78,7 @@ const SceneOption kOptions[] = {
      TextOption{&Scene::gradient_operator}},
     {"--samples", "samples", "", "gradients and densities for the tool are kept as floats, or as halves in half the memory; docs/gradients.md",
      WordOption{&Scene::samples, kSampleForms}},
+    {"--window", "window", "voxel", "edge of the box of samples around the tool that the servo reads: smaller ones are gathered sooner and more often", integer(&Scene::window_edge, 8, 32)},
     {"--algorithm", "servo.algorithm", "", "haptic algorithm", WordOption{&Scene::algorithm, algorithmNames()}},
     {"--n", "servo.n", "ticks", "the virtual plane is found again every n ticks", integer(&Scene::plane_renewal_ticks, 1, 100000)},
     {"--stiffness", "servo.stiffness_N_per_m", "N/m", "stiffness of the contact, K", number(&Scene::stiffness_N_per_m, 1, 0, 1e5)},

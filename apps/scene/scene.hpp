@@ -37,6 +37,7 @@ struct Scene {
   bool gradient_all = false;                  // gradients of every brick, not only of those that the isosurface needs
   std::string gradient_operator = "central";  // engine/gradient/gradient_operator.hpp
   std::string samples = "float";              // or "half": how the GPU stores samples (gradient, density)
+  int window_edge = 32;                       // samples along an edge of the window that the servo reads [voxel]
   // servo
   std::string algorithm = defaultAlgorithm();
   int plane_renewal_ticks = 5;  // n: the plane is found anew every n ticks

@@ -1,25 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/touch/exact_errors.hpp"
 
-#include <algorithm>
 #include <cmath>
 
+#include "apps/touch/force_error.hpp"
 #include "base/units.hpp"
 #include "servo/loop/run_figures.hpp"
 
 namespace palpate {
 namespace {
-
-bool inSlide(const TickRecord& record, const std::vector<PathPhase>& phases) {
-  return std::any_of(phases.begin(), phases.end(), [&](const PathPhase& phase) {
-    return phase.name == "slide" && record.time_s >= phase.begin_s && record.time_s <= phase.end_s;
-  });
-}
-
-// The passivity controller's part is no error of the surface's force.
-bool isSurfaceForce(const TickRecord& record) {
-  return record.in_contact && !record.damped && Vec3(record.force_W).norm() > 0;
-}
 
 // The exact normal at the surface point nearest to the HIP. In a thin wall this may lie on the side not in touch.
 Vec3 exactNormal(const Phantom& phantom, const TickRecord& record) {
@@ -31,26 +20,25 @@ Vec3 exactNormal(const Phantom& phantom, const TickRecord& record) {
 }  // namespace
 
 std::optional<ExactErrors> exactErrors(const Phantom& phantom, const std::vector<TickRecord>& records,
-                                       const std::vector<PathPhase>& phases) {
+                                       const std::vector<PathPhase>& phases, double stiffness_N_per_m) {
   if (!phantom.hasSurface()) return std::nullopt;
   const double voxel_m = phantom.lattice().smallestSpacing();
-  ExactErrors errors;
-  errors.slide_only = std::any_of(records.begin(), records.end(), [&](const TickRecord& record) {
-    return isSurfaceForce(record) && inSlide(record, phases);
-  });
-  std::vector<double> distance_voxel;
-  std::vector<double> angle_deg;
-  for (const TickRecord& record : records) {
-    if (!isSurfaceForce(record) || (errors.slide_only && !inSlide(record, phases))) continue;
-    const Vec3 force_W(record.force_W);
-    const Vec3 normal_W = exactNormal(phantom, record);
-    if (!std::isnan(record.depth_m)) {
-      distance_voxel.push_back(std::abs(phantom.signedDistance_m(surfacePointOf(record))) / voxel_m);
-    }
+  const CountedTicks counted = countedTicks(records, phases);
+  if (counted.ticks.empty()) return std::nullopt;
+  std::vector<double> distance_voxel, angle_deg, force_N;
+  for (const TickRecord* record : counted.ticks) {
+    const Vec3 force_W(record->force_W);
+    const Vec3 normal_W = exactNormal(phantom, *record);
     // By atan2, since acos alone is inaccurate for small angles.
     angle_deg.push_back(std::atan2(force_W.cross(normal_W).norm(), force_W.dot(normal_W)) * kDegreesPerRadian);
+    if (std::isnan(record->depth_m)) continue;
+    distance_voxel.push_back(std::abs(phantom.signedDistance_m(surfacePointOf(*record))) / voxel_m);
+    const auto truth = exactSurfacePoint(phantom, asVec3(record->hip_W));
+    const auto error_N = truth ? forceError_N(stiffness_N_per_m, *record, *truth) : std::nullopt;
+    if (error_N) force_N.push_back(*error_N);
   }
-  if (angle_deg.empty()) return std::nullopt;
+  ExactErrors errors;
+  errors.slide_only = counted.slide_only;
   errors.ticks = static_cast<std::int64_t>(angle_deg.size());
   const Percentiles angle = percentiles(std::move(angle_deg));
   errors.force_angle_median_deg = angle.p50;
@@ -59,6 +47,11 @@ std::optional<ExactErrors> exactErrors(const Phantom& phantom, const std::vector
     const Percentiles distance = percentiles(std::move(distance_voxel));
     errors.vhip_median_voxel = distance.p50;
     errors.vhip_p99_voxel = distance.p99;
+  }
+  if (!force_N.empty()) {
+    const Percentiles force = percentiles(std::move(force_N));
+    errors.force_error_median_N = force.p50;
+    errors.force_error_p99_N = force.p99;
   }
   return errors;
 }

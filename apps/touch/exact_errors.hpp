@@ -13,10 +13,10 @@
 namespace palpate {
 
 // The errors are the distance of the surface point that the algorithm found from the exact surface, in units of the
-// smallest spacing [voxel], and the angle between the force and the exact normal at the surface point nearest to the
-// HIP. They are taken over the ticks in contact with a force of the surface alone, without the passivity controller's.
-// If such ticks exist in the phase "slide", only those count. Empty if there are none at all.
+// smallest spacing [voxel]; the angle between the force and the exact normal at the surface point nearest to the HIP;
+// and the error of the spring's force (force_error.hpp), for a stiffness in N/m. They are taken over countedTicks(),
+// the last without ticks at which the exact surface point is not known. Empty if there are no such ticks.
 [[nodiscard]] std::optional<ExactErrors> exactErrors(const Phantom& phantom, const std::vector<TickRecord>& records,
-                                                     const std::vector<PathPhase>& phases);
+                                                     const std::vector<PathPhase>& phases, double stiffness_N_per_m);
 
 }  // namespace palpate

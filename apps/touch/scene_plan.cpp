@@ -37,6 +37,7 @@ Plan planFor(const Scene& scene) {
                    .gradient_all = scene.gradient_all || needs.gradient_everywhere,
                    .gradient_operator = scene.gradient_operator,
                    .half_samples = scene.samples == "half",
+                   .window_edge = scene.window_edge,
                    .edits = !scene.edit.empty(),
                    .draws = scene.picture});
 }

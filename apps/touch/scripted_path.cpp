@@ -58,11 +58,17 @@ std::vector<std::string> notesOnReach(const SurfaceField& surface, const std::ve
 ScriptedPath scriptedPath(const Scene& scene, const SurfaceField& surface) {
   if (!scene.path_file.empty()) {
     const std::vector<TimedPoint> points = readPathCsv(scene.path_file);
-    return {sampled(points), {}, notesOnReach(surface, points)};
+    return {.path = sampled(points), .phases = {}, .notes = notesOnReach(surface, points)};
   }
   TouchPath built = buildTouchPath(surface, requestOf(scene));
-  return {sampled(built.points), std::move(built.phases), std::move(built.notes), built.depth_m,
-          built.slid_m,          built.approach_m};
+  return {.path = sampled(built.points),
+          .phases = std::move(built.phases),
+          .notes = std::move(built.notes),
+          .depth_m = built.depth_m,
+          .slide_m = built.slid_m,
+          .approach_m = built.approach_m,
+          .start_W = built.start.p_W,
+          .slide_W = built.slide_W.isZero(0) ? std::nullopt : std::optional(built.slide_W)};
 }
 
 }  // namespace palpate

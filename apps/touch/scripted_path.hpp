@@ -19,6 +19,8 @@ struct ScriptedPath {
   std::vector<std::string> notes;  // how the path differs from what was asked for, in words
   // Lengths of a built path [m], whether asked for or chosen; empty for a path from a file.
   std::optional<double> depth_m = {}, slide_m = {}, approach_m = {};
+  // Where the press of a built path begins [m], and the unit direction of its slide, if it has one.
+  std::optional<Vec3> start_W = {}, slide_W = {};
 };
 
 [[nodiscard]] ScriptedPath scriptedPath(const Scene& scene, const SurfaceField& surface);

@@ -13,6 +13,7 @@
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
 #include "base/thread_names.hpp"
+#include "base/units.hpp"
 #include "servo/loop/real_time.hpp"
 #include "servo/loop/tick_record.hpp"
 
@@ -23,15 +24,40 @@ double ticksOf(const Scene& scene) {
   return std::round(scene.duration_s * scene.rate_hz);
 }
 
+// Adds up the time between its stops: what a tick and the engine's work before the next one take.
+class TickTimer {
+ public:
+  void stop() {
+    if (begun_) ns_ += monotonicNow_ns() - begin_ns_;
+    ticks_ += begun_ ? 1 : 0;
+  }
+  void go() {
+    begin_ns_ = monotonicNow_ns();
+    begun_ = true;
+  }
+  [[nodiscard]] std::optional<double> mean_us() const {
+    if (ticks_ == 0) return std::nullopt;
+    return 1e6 / kNanosecondsPerSecond * static_cast<double>(ns_) / static_cast<double>(ticks_);
+  }
+
+ private:
+  std::int64_t begin_ns_ = 0, ns_ = 0, ticks_ = 0;
+  bool begun_ = false;
+};
+
 ServoRun runSimulated(TouchRig& rig, double ticks, Progress& progress) {
   std::int64_t first_ns = 0;
+  TickTimer timer;
   ServoRun run{.loop = {}, .threads = threadNames()};
   run.loop = rig.runSimulated({}, [&](std::int64_t tick, std::int64_t) {
+    timer.stop();
     if (tick == 0) first_ns = monotonicNow_ns();
     if (interrupted()) rig.requestStop();  // at every tick: one with an edit may take long
     if (tick % 256 == 0) progress.fraction(static_cast<double>(tick) / ticks);
+    timer.go();
   });
   run.loop.first_due_ns = first_ns;
+  run.loop_us_a_tick = timer.mean_us();
   return run;
 }
 
@@ -45,7 +71,7 @@ ServoRun runReal(TouchRig& rig, double duration_s, Progress& progress) {
     progress.fraction(std::min(1.0, watch.seconds() / duration_s));
     if (interrupted()) rig.requestStop();
   }
-  return {rig.wait(), std::move(threads)};
+  return {.loop = rig.wait(), .threads = std::move(threads)};
 }
 
 }  // namespace

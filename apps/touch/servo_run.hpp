@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,13 +24,17 @@ namespace palpate {
 // records do not fit into `available_bytes`.
 void checkRunLength(const Scene& scene, std::uint64_t available_bytes);
 
+struct ServoRun {
+  LoopResult loop;
+  // Simulated clock: mean time that a tick took this machine, with the engine's work before it (windows, edits). The
+  // first tick, whose window may wait for the driver's compiler, does not count [us].
+  std::optional<double> loop_us_a_tick = {};
+  std::vector<std::string> threads = {};  // names of those that the process had while the servo ran
+};
+
 // Blocks for the run's time. Ctrl-C ends it early, in good order. `edits` may be null. `before_first_tick` is called
 // once, after the memory for the records of all ticks has been allocated, with what the device cannot render
 // (apps/rig/contact_bounds.hpp).
-struct ServoRun {
-  LoopResult loop;
-  std::vector<std::string> threads;  // of the process, while the servo ran
-};
 [[nodiscard]] ServoRun runServo(const Scene& scene, RigVolume volume, const Path& path, Engine& engine, RigEdits* edits,
                                 Progress& progress,
                                 const std::function<void(const std::vector<std::string>&)>& before_first_tick);

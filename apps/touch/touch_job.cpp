@@ -18,6 +18,7 @@
 #include "apps/report/words.hpp"
 #include "apps/touch/device_ahead.hpp"
 #include "apps/touch/exact_errors.hpp"
+#include "apps/touch/force_error.hpp"
 #include "apps/touch/live_edits.hpp"
 #include "apps/touch/object_volume.hpp"
 #include "apps/touch/output_folder.hpp"
@@ -103,7 +104,7 @@ std::optional<ExactErrors> exactErrorsOf(const TouchRun& run) {
     return std::nullopt;
   const std::unique_ptr<Phantom> phantom = makePhantom(run.scene.volume);
   if (phantom->isovalue() != run.volume.isovalue) return std::nullopt;
-  return exactErrors(*phantom, run.records, run.phases);
+  return exactErrors(*phantom, run.records, run.phases, springStiffness(run.scene));
 }
 
 // Pictures and pages name a file without its folder; the command that repeats the run has its path.
@@ -377,17 +378,18 @@ void TouchJob::feel() {
         tellWhatIsKept(wordsOfSecondRequest(scene_.journal, scene_.save));
         progress_.stage(fmt::format("palpating with {} on {}", scene_.algorithm, engine_->gpu().name));
       };
-  ServoRun run = stages_.run("servo", "making ready to palpate", [&] {
-    ServoRun servo_run;
+  ServoRun felt = stages_.run("servo", "making ready to palpate", [&] {
+    ServoRun run;
     const auto servo = [&] {
-      servo_run = runServo(run_.scene, std::move(rig_volume_), path_->path, *engine_,
-                           edits_ ? &edits_->edits() : nullptr, progress_, begin);
+      run = runServo(run_.scene, std::move(rig_volume_), path_->path, *engine_, edits_ ? &edits_->edits() : nullptr,
+                     progress_, begin);
     };
     edits_ ? edits_->during(servo) : servo();
-    return servo_run;
+    return run;
   });
-  LoopResult& result = run.loop;
-  run_.work.threads = std::move(run.threads);
+  run_.loop_us_a_tick = felt.loop_us_a_tick;
+  run_.work.threads = std::move(felt.threads);
+  LoopResult& result = felt.loop;
   run_.records = std::move(result.records);
   device_ = result.device;
   run_.grid_points = result.ticks_run + result.ticks_skipped;

@@ -16,15 +16,24 @@ layout::WindowPush pushFor(const BrickPool& pool, const WindowBox& box, const Ta
 
 }  // namespace
 
-WindowBox windowAround(const Vec3& p_L, const Vec3i& domain) {
+WindowBox windowAround(const Vec3& p_L, const Vec3i& domain, int edge) {
   WindowBox box;
-  box.size = domain.cwiseMin(kWindowEdge);
+  box.size = domain.cwiseMin(edge);
   for (int axis = 0; axis < 3; ++axis) {
     // Clamped in double first: a tool may be anywhere, even where a voxel number does not fit an int.
     const double wish = p_L[axis] - 0.5 * (box.size[axis] - 1);
     box.first[axis] = static_cast<int>(std::clamp(wish, 0.0, static_cast<double>(domain[axis] - box.size[axis])));
   }
   return box;
+}
+
+bool stillServes(const WindowBox& last, const WindowBox& wish, const Vec3i& domain, int edge) {
+  const Vec3i farthest = domain - wish.size;
+  for (int axis = 0; axis < 3; ++axis) {
+    const int first = wish.first[axis];
+    if (first != last.first[axis] && (first == 0 || first == farthest[axis])) return false;
+  }
+  return (wish.first - last.first).cwiseAbs().maxCoeff() < recentreVoxels(edge);
 }
 
 WindowPass::WindowPass(gpu::Gpu& gpu, const BrickPool& pool, const SampleStore& store)

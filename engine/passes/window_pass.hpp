@@ -17,7 +17,9 @@
 
 namespace palpate {
 
-inline constexpr int kWindowEdge = 32;  // samples along an edge, fewer where the volume is thinner [voxel]
+// The usual number of samples along an edge of a window, which is also the most; fewer where the volume is thinner
+// [voxel].
+inline constexpr int kWindowEdge = 32;
 
 // Where a window lies.
 struct WindowBox {
@@ -25,7 +27,19 @@ struct WindowBox {
   Vec3i size = Vec3i::Zero();   // [voxel]
 };
 // The window around a point, as near to centred on it as the domain allows.
-[[nodiscard]] WindowBox windowAround(const Vec3& p_L, const Vec3i& domain);
+[[nodiscard]] WindowBox windowAround(const Vec3& p_L, const Vec3i& domain, int edge = kWindowEdge);
+
+// How far the place of the window may be from the middle of the last one before a new one is gathered: three sixteenths
+// of the edge, six voxels of 32. A window then still has five sixteenths of its edge ahead of that place. A gather for
+// every voxel would cost too much.
+[[nodiscard]] constexpr int recentreVoxels(int edge) {
+  return 3 * edge / 16;
+}
+
+// Whether the window of the box `last` still serves where `wish` would be the new box. At the volume's border the box
+// stops following the tool, so a window does not serve any more once the new box gets there.
+[[nodiscard]] bool stillServes(const WindowBox& last, const WindowBox& wish, const Vec3i& domain,
+                               int edge = kWindowEdge);
 
 class WindowPass {
  public:

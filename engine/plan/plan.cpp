@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "base/error.hpp"
+
 namespace palpate {
 namespace {
 
@@ -78,6 +80,11 @@ bool Plan::has(Pass pass) const noexcept {
 }
 
 Plan makePlan(const EngineRequest& request) {
+  if (request.window_edge < kLeastWindowEdge || request.window_edge > kMostWindowEdge) {
+    throw Error(Error::Code::kBadInput, fmt::format("a window of {} voxels", request.window_edge),
+                "the tool would leave it, or it has no room",
+                fmt::format("give {} to {}", kLeastWindowEdge, kMostWindowEdge));
+  }
   Plan plan;
   plan.request = request;
   plan.gradient = gradientOperator(request.gradient_operator);
@@ -104,7 +111,9 @@ std::vector<PlanLine> planLines(const Plan& plan, const PlanFacts& facts) {
     if (plan.request.edits) why = "the operator takes its gradient; kept, since edits change it";
     lines.insert(lines.begin() + 2, {true, "smoothing of the whole field", why, 0});
   }
-  lines.push_back({true, "window of up to 32x32x32 samples around the tool, three slots", "what the servo reads", 0});
+  lines.push_back(
+      {true, fmt::format("window of up to {0}x{0}x{0} samples around the tool, three slots", plan.request.window_edge),
+       "what the servo reads", 0});
   if (plan.request.draws) {
     lines.push_back({true, "isosurface picture", "view.png and report.html show it", 0});
   } else {

@@ -18,6 +18,10 @@ enum class Pass { kUpload, kFilter, kBrickBounds, kSmoothing, kGradient, kWindow
 
 [[nodiscard]] const char* passName(Pass pass) noexcept;
 
+// Samples along an edge of the servo's window [voxel]. With fewer the tool could leave it between two windows; for more
+// there is no room.
+inline constexpr int kLeastWindowEdge = 8, kMostWindowEdge = 32;
+
 // What an engine shall do. Nothing else is computed or kept.
 struct EngineRequest {
   std::string filter = {};    // chain of filters before the field is felt: "gaussian:0.8mm"; empty: none
@@ -25,6 +29,7 @@ struct EngineRequest {
   bool gradient_all = false;  // gradients of every brick, not only of those that the isosurface needs
   std::string gradient_operator = "central";  // engine/gradient/gradient_operator.hpp
   bool half_samples = false;                  // samples are stored as halves, not as floats
+  int window_edge = kMostWindowEdge;          // of the servo's window [voxel]
   bool edits = false;                         // the volume will be edited, so what edits need is kept
   bool other_isovalues = false;               // the isovalue may change, so what gradients need is kept
   bool draws = false;                         // the isosurface will be drawn
@@ -40,7 +45,7 @@ struct Plan {
   [[nodiscard]] bool has(Pass pass) const noexcept;
 };
 
-// Throws Error(kBadInput) for invalid filters or an unknown gradient operator.
+// Throws Error(kBadInput) for invalid filters, an unknown gradient operator, and a window's edge out of range.
 [[nodiscard]] Plan makePlan(const EngineRequest& request);
 
 // Figures for planLines(), known once the engine has computed the bounds of every brick.

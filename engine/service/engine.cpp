@@ -17,6 +17,10 @@ bool Engine::publishFor(const ToolPose& tool, std::int64_t now_ns) {
   return parts_->publishFor(tool, now_ns);
 }
 
+void Engine::forgetWindow() noexcept {
+  parts_->forgetWindow();
+}
+
 void Engine::allowEdits(const BrushProfile& profile, std::span<const EditKind> kinds) {
   parts_->allowEdits(profile, kinds);
 }

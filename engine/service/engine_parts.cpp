@@ -18,9 +18,7 @@
 namespace palpate {
 namespace {
 
-// A new window is gathered once the tool is this far from the middle of the last one [voxel]. In a window of 32 voxels
-// it then still has 10 voxels of samples ahead. A gather for every voxel would cost too much.
-constexpr int kRecentreVoxels = 6;
+static_assert(kMostWindowEdge == kWindowEdge && recentreVoxels(kLeastWindowEdge) >= 1);
 
 constexpr std::size_t kDensityBytes = kBrickVoxels * sizeof(float);  // of a brick
 
@@ -71,7 +69,8 @@ EngineParts::EngineParts(const Volume& volume, const Plan& plan, double isovalue
     : isovalue_(isovalue),
       gpu_(gpu::GpuRequest{.name = gpu_name}),
       transfer_(gpu_),
-      gradient_all_(plan.request.gradient_all) {
+      gradient_all_(plan.request.gradient_all),
+      window_edge_(plan.request.window_edge) {
   checkTouchable(volume);
   stage(passName(Pass::kUpload), [&] {
     auto budget = makeGpuBudget(gpu_memory_bytes);
@@ -150,7 +149,7 @@ void EngineParts::computeGradients(const Volume& volume, const Plan& plan, const
 
 void EngineParts::makeWindows() {
   window_ = std::make_unique<WindowPass>(gpu_, field(), *store_);
-  const auto capacity = static_cast<std::size_t>(pool_->size().cwiseMin(kWindowEdge).prod());
+  const auto capacity = static_cast<std::size_t>(pool_->size().cwiseMin(window_edge_).prod());
   std::array<Sample*, 3> storages{};
   for (Sample*& storage : storages) {
     window_buffers_.emplace_back(gpu_, "window slot", capacity * sizeof(Sample), gpu::MemoryKind::kHost);
@@ -160,20 +159,14 @@ void EngineParts::makeWindows() {
 }
 
 bool EngineParts::publishFor(const ToolPose& tool, std::int64_t now_ns) {
-  return publishAround(windowFocus(tool, pool_->lattice().smallestSpacing()), now_ns);
+  const double lead_m = longestWindowLead(window_edge_) * pool_->lattice().smallestSpacing();
+  return publishAround(windowFocus(tool, lead_m), now_ns);
 }
 
 bool EngineParts::publishAround(const Vec3& focus_W, std::int64_t now_ns) {
   if (editor_ && editor_->broken()) return false;  // the volume is unknown, so no window may be confirmed
-  const WindowBox box = windowAround(pool_->lattice().toIndex(focus_W), pool_->size());
-  // At the volume's border the box stops following the tool. So a window is gathered as soon as its box gets there.
-  const Vec3i last = pool_->size() - box.size;
-  const auto stopped = [&](int axis) {
-    const int first = box.first[axis];
-    return first != published_->first[axis] && (first == 0 || first == last[axis]);
-  };
-  const bool near = published_ && (box.first - published_->first).cwiseAbs().maxCoeff() < kRecentreVoxels;
-  if (near && !stopped(0) && !stopped(1) && !stopped(2)) {
+  const WindowBox box = windowAround(pool_->lattice().toIndex(focus_W), pool_->size(), window_edge_);
+  if (published_ && stillServes(*published_, box, pool_->size(), window_edge_)) {
     exchange_->confirm(now_ns);
     return false;
   }

@@ -38,6 +38,7 @@ class EngineParts {
               std::uint64_t gpu_memory_bytes, const Engine::StartProgress& progress);
   bool publishAround(const Vec3& focus_W, std::int64_t now_ns);
   bool publishFor(const ToolPose& tool, std::int64_t now_ns);
+  void forgetWindow() noexcept { published_.reset(); }
   void allowEdits(const BrushProfile& profile, std::span<const EditKind> kinds);
   Engine::EditResult edit(std::span<const EditCommand> commands, std::int64_t now_ns, const BeforeChange& before);
   Engine::EditResult replace(std::span<const BrickContent> bricks, std::int64_t now_ns);
@@ -97,6 +98,7 @@ class EngineParts {
   std::unique_ptr<WindowPass> window_;
   std::unique_ptr<Drawing> drawing_;  // the picture that is kept up to date, once show() was called
   bool gradient_all_ = false;
+  int window_edge_ = kWindowEdge;            // the plan's [voxel]
   bool draws_ = false;                       // the plan said so
   bool distance_ = false;                    // the field that is felt is a distance from the isosurface
   std::vector<gpu::Buffer> window_buffers_;  // three, mapped: the exchange's storages

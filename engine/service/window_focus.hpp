@@ -9,14 +9,18 @@
 
 namespace palpate {
 
-inline constexpr double kWindowLead_s = 5e-3;      // about the time that a slow device takes to gather a window
-inline constexpr double kMaxWindowLead_voxel = 6;  // small enough that the tool stays inside the window
+inline constexpr double kWindowLead_s = 5e-3;  // about the time that a slow device takes to gather a window
 
-// `voxel_m`: the volume's smallest spacing.
-[[nodiscard]] inline Vec3 windowFocus(const ToolPose& tool, double voxel_m) noexcept {
+// The longest lead of a window with this edge [voxel]: six voxels for 32, small enough that the tool stays inside.
+// Where a new window is gathered the tool is at most this and recentreVoxels() from its middle, six sixteenths of the
+// edge.
+[[nodiscard]] constexpr double longestWindowLead(int edge) noexcept {
+  return 3.0 * edge / 16;
+}
+
+[[nodiscard]] inline Vec3 windowFocus(const ToolPose& tool, double longest_m) noexcept {
   if (tool.at_surface) return tool.surface_W;
   const Vec3 lead_W = tool.velocity_W * kWindowLead_s;
-  const double longest_m = kMaxWindowLead_voxel * voxel_m;
   const double length_m = lead_W.norm();
   return tool.position_W + (length_m > longest_m ? Vec3(lead_W * (longest_m / length_m)) : lead_W);
 }

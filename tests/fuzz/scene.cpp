@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scene files. An accepted scene, written to a file in full and read again, is the same. A refused one leaves the scene
-// as it was.
+// Scene files. An accepted scene, written to a file in full, or as `palpate tune` does, and read again, is the same. A
+// refused one leaves the scene as it was.
 #include "apps/scene/scene_file.hpp"
+#include "apps/scene/scene_text.hpp"
 #include "fuzz_target.hpp"
 #include "scene_text.hpp"
 #include "scratch_file.hpp"
@@ -10,15 +11,8 @@ namespace {
 
 using namespace palpate;
 
-void check(const std::string& bytes) {
-  static const fuzz::ScratchFile file("scene.toml");
-  file.write(bytes);
-  Scene scene;
-  if (!fuzz::accepts(file.path(), [&] { readSceneFile(file.path(), scene); })) {
-    fuzz::require(fuzz::wordsOf(scene) == fuzz::wordsOf(Scene{}), "a refused file changed the scene");
-    return;
-  }
-  const std::string words = fuzz::tomlOf(scene);
+// The scene in full is read from `words` as it is.
+void readsBack(const fuzz::ScratchFile& file, const Scene& scene, const std::string& words) {
   file.write(words);
   fuzz::mustAccept("its own words are refused:\n" + words, [&] {
     Scene again;
@@ -28,6 +22,18 @@ void check(const std::string& bytes) {
                     std::string(option.key) + " reads otherwise from\n" + words);
     fuzz::require(fuzz::wordsOf(again).size() == fuzz::wordsOf(scene).size(), "objects are lost");
   });
+}
+
+void check(const std::string& bytes) {
+  static const fuzz::ScratchFile file("scene.toml");
+  file.write(bytes);
+  Scene scene;
+  if (!fuzz::accepts(file.path(), [&] { readSceneFile(file.path(), scene); })) {
+    fuzz::require(fuzz::wordsOf(scene) == fuzz::wordsOf(Scene{}), "a refused file changed the scene");
+    return;
+  }
+  readsBack(file, scene, fuzz::tomlOf(scene));
+  readsBack(file, scene, sceneText(scene, std::filesystem::path(file.path()).parent_path()));
 }
 
 }  // namespace

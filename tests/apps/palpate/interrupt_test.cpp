@@ -85,6 +85,22 @@ TEST_F(Interrupt, OfARunInRealTime) {
   expectSoon(command, outcome);
 }
 
+// Between two runs of the scene, and within one.
+TEST_F(Interrupt, OfATuningWritesNothing) {
+  for (const char* seconds : {"2", "2000"}) {
+    const Command command = {
+        .arguments = {"tune", "phantom:sphere?size=24", "--seconds", seconds, "--error", "0.05N", "--json", "t.json"},
+        .folder = folder(),
+        .signal_at = "at most",
+        .signal_delay_s = 0.2,
+        .signals = {SIGINT}};
+    const Outcome outcome = runPalpate(command);
+    expectRefusal(outcome, "palpate tune", "stopped by the user; nothing was written", 130);
+    EXPECT_TRUE(std::filesystem::is_empty(folder()));
+    expectSoon(command, outcome);
+  }
+}
+
 TEST_F(Interrupt, OfARunOnTheSimulatedClock) {
   // However many ticks the machine makes of the time until the signal. All are in the trace, so no time is promised.
   const Words run_of = {"--seconds", "120", "--rate", "20000", "--clock", "simulated", "--stopped-trace", "1000000000"};

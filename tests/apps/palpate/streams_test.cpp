@@ -35,6 +35,7 @@ const VerbCase kVerbs[] = {
     {"Check", {"check", "edits", "phantom:sphere?size=16", "--edits", "3", "--json", "o.json"}, {}},
     {"Info", {"info", "phantom:sphere?size=16"}, {}},
     {"Plan", {"plan", "phantom:sphere?size=16", "--rounds", "0"}, {}},
+    {"Tune", {"tune", "phantom:sphere?size=16", "--seconds", "0.3", "--error", "1N"}, {}},
     {"Devices", {"devices"}, {}},
     {"Scene", {"scene"}, {}},
     {"Faults", {"faults"}, {}},

@@ -19,6 +19,7 @@ TEST_F(Verbs, HelpOfEachSaysWhatItDoes) {
                             Words{"touch"},
                             Words{"edit"},
                             Words{"recover"},
+                            Words{"tune"},
                             Words{"info"},
                             Words{"check"},
                             Words{"check", "gradient"},
@@ -62,7 +63,7 @@ TEST_F(Verbs, ExamplesCanBeGivenToAShell) {
   for (const Words& verb :
        {Words{"touch"}, Words{"edit"}, Words{"recover"}, Words{"info"}, Words{"convert"}, Words{"gradient"},
         Words{"filter"}, Words{"render"}, Words{"check", "gradient"}, Words{"check", "filters"},
-        Words{"check", "edits"}, Words{"check", "all"}, Words{"bench", "servo"}, Words{"plan"}}) {
+        Words{"check", "edits"}, Words{"check", "all"}, Words{"bench", "servo"}, Words{"plan"}, Words{"tune"}}) {
     EXPECT_THAT(unquotedPhantoms(run(verb + Words{"--help"}).out), testing::IsEmpty()) << verb.back();
   }
   std::vector<std::filesystem::path> pages = {std::filesystem::path(PALPATE_DOCS).parent_path() / "README.md"};
@@ -129,7 +130,7 @@ std::string rampWithNan() {
 TEST_F(Verbs, TellWhatIsOddAboutAVolume) {
   write("a.nrrd", rampWithNan());
   for (const Words& verb :
-       {quickTouch("a.nrrd"), Words{"plan", "a.nrrd"},
+       {quickTouch("a.nrrd"), Words{"plan", "a.nrrd"}, Words{"tune", "a.nrrd", "--error", "1N"},
         Words{"edit", "a.nrrd", "e.nrrd", "--do", "remove:radius=2:at=0,0,0", "--journal", "journal"},
         Words{"recover", "journal", "--out", "r.nrrd"}, Words{"convert", "a.nrrd", "c.nrrd"},
         Words{"filter", "a.nrrd", "-o", "f.nrrd", "--filter", "median:1"}, Words{"gradient", "a.nrrd", "-o", "g.vdb"},
@@ -149,7 +150,7 @@ TEST_F(Verbs, TellWhatIsOddAboutAVolume) {
 TEST_F(Verbs, HelpOfTheProgramNamesEveryVerb) {
   const std::string help = run({"--help"}).out;
   for (const char* verb : {"touch", "edit", "recover", "info", "convert", "render", "check", "bench", "devices", "plan",
-                           "scene", "faults"}) {
+                           "tune", "scene", "faults"}) {
     EXPECT_THAT(help, testing::ContainsRegex(std::string("\n  ") + verb + " +[a-z]"));
   }
 }

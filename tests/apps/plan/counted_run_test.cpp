@@ -70,10 +70,10 @@ TEST(CountedRun, WritesIntoItsFolderAlone) {
   ASSERT_EQ(program.called().size(), 1U);
   const std::string words = program.called()[0];
   EXPECT_THAT(words, Not(HasSubstr("/home/someone")));
-  for (const char* part : {"--seconds 0.2", "--journal ", "--save ", "--edit remove:radius=2mm"})
+  for (const char* part : {"touch ", "seconds = 0.2", "journal = ", "save = ", "brush = \"remove:radius=2mm\""})
     EXPECT_THAT(words, HasSubstr(part));
   EXPECT_THAT(words, Not(HasSubstr("simulated")));
-  EXPECT_THAT(words, Not(HasSubstr("--require-real-time")));
+  EXPECT_THAT(words, Not(HasSubstr("require_real_time")));
 }
 
 // What a volume's name holds already is not said twice.

@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 
 #include "apps/rivals/scratch_folder.hpp"
-#include "apps/scene/scene_words.hpp"
+#include "apps/scene/scene_text.hpp"
 #include "base/error.hpp"
 #include "tests/support/refusal.hpp"
 
@@ -23,11 +23,11 @@ TEST(Feature, EachIsThereOnceItWasAddedAndGoneOnceItWasRemoved) {
   const ScratchFolder folder;
   for (const Feature& feature : features()) {
     Scene scene = bareTouch();
-    const std::vector<std::string> bare = sceneWords(scene);
+    const std::string bare = sceneText(scene, ".");
     EXPECT_FALSE(feature.is_in(scene)) << feature.name;
     feature.add(scene, folder.path());
     EXPECT_TRUE(feature.is_in(scene)) << feature.name;
-    EXPECT_NE(sceneWords(scene), bare) << feature.name;
+    EXPECT_NE(sceneText(scene, "."), bare) << feature.name;
     feature.remove(scene);
     EXPECT_FALSE(feature.is_in(scene)) << feature.name;
   }
@@ -59,8 +59,8 @@ TEST(Feature, ABareSceneHasNoneAndKeepsTheRest) {
   for (const Feature& feature : features()) feature.add(scene, folder.path());
   const Scene bare = bareScene(scene);
   for (const Feature& feature : features()) EXPECT_FALSE(feature.is_in(bare)) << feature.name;
-  EXPECT_THAT(sceneWords(bare), testing::ElementsAre("--volume", "phantom:knot", "--iso", "0.5", "--n", "3", "--trace",
-                                                     "off", "--picture", "off"));
+  EXPECT_EQ(sceneText(bare, "."),
+            "volume = \"phantom:knot\"\nisovalue = 0.5\n\n[servo]\nn = 3\n\n[output]\ntrace = \"off\"\npicture = \"off\"\n");
 }
 
 TEST(Feature, AMeshThatCannotBeWrittenIsRefused) {

@@ -35,6 +35,7 @@ TEST(HtmlTables, KeyFiguresToTheLetter) {
                 figure("1.5", "ms", "from an edit to its window, median; 99 % within 2.5 ms") +
                 figure("1", "refused", "edits that were not applied; the notes tell why") +
                 figure("0.01", "voxel", "tool point off the exact surface, median; 99 % within 0.05 voxel") +
+                figure("0.02", "N", "force off the exact one, median; 99 % within 0.04 N") +
                 figure("0.3", "degrees", "force off the exact normal, median; 99 % within 1.2 degrees") +
                 figure("2", "us", "tick cost, median; 99 % within 3.25 us") +
                 figure("60", "us", "wake-up after the due time, 99 %; worst 70 us") +
@@ -51,7 +52,8 @@ TEST(HtmlTables, KeyFiguresLeaveOutWhatIsNotKnown) {
   const std::string before = kFiguresBegin + figure("0", "s", "in contact, of 5 s") +
                              figure("0", "N", "largest force; median 0 N") +
                              figure("0", "mm", "deepest press; median 0 mm") + figure("0", "mm", "of surface followed");
-  const std::string angle = figure("0.3", "degrees", "force off the exact normal, median; 99 % within 1.2 degrees");
+  const std::string angle = figure("0.02", "N", "force off the exact one, median; 99 % within 0.04 N") +
+                            figure("0.3", "degrees", "force off the exact normal, median; 99 % within 1.2 degrees");
   const std::string after = figure("simulated", "clock", "no times were measured") + "</div>\n</section>\n";
   EXPECT_EQ(keyFigures(run, none), before + figure("0", "edits", "of which 0 reached the window") + angle + after);
   run.edits->count = 1;

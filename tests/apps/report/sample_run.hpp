@@ -78,7 +78,7 @@ inline TouchRun sampleRun() {
   run.edits->save_bytes = 2048;
   run.edits->save_version = 3;
   run.edits->save_s = {0.25, 0.5};
-  run.exact = ExactErrors{0.01, 0.05, 0.3, 1.2, 2000, true};
+  run.exact = ExactErrors{0.01, 0.05, 0.3, 1.2, 2000, true, 0.02, 0.04};
   return run;
 }
 

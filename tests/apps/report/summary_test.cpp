@@ -73,12 +73,13 @@ TEST(Summary, HoldsEveryFigureToTheLetter) {
   EXPECT_EQ(servo, Json::parse(R"({"ticks": 4993, "time_s": 5, "times_measured": true,
     "start_to_first_tick_ms": 125, "late_ticks": 4,
     "skipped_ticks": 7, "faulty_ticks": 5, "windows_used": 251, "plane_age_max_ticks": 6,
-    "tick_cost_us": {"count": 4992, "p50": 2, "p90": 2.5, "p99": 3.25, "p99_9": 3.5, "max": 9},
+    "loop_us_a_tick": null, "tick_cost_us": {"count": 4992, "p50": 2, "p90": 2.5, "p99": 3.25, "p99_9": 3.5, "max": 9},
     "lateness_us": {"count": 4991, "p50": 40, "p90": 50, "p99": 60, "p99_9": 65, "max": 70},
     "window_age_ms": {"count": 4990, "p50": 10, "p90": 15, "p99": 20, "p99_9": 21, "max": 22}})"));
   EXPECT_EQ(s["energy"], Json::parse(R"({"min_J": -1e-5, "end_J": 0.0015, "active_ticks": 8, "damped_ticks": 0})"));
   EXPECT_EQ(s["exact"], Json::parse(R"({"ticks": 2000, "slide_only": true, "vhip_median_voxel": 0.01,
-    "vhip_p99_voxel": 0.05, "force_angle_median_deg": 0.3, "force_angle_p99_deg": 1.2})"));
+    "vhip_p99_voxel": 0.05, "force_angle_median_deg": 0.3, "force_angle_p99_deg": 1.2,
+    "force_error_median_N": 0.02, "force_error_p99_N": 0.04})"));
   EXPECT_EQ(s["edits"], Json::parse(R"({"count": 3, "published": 2,
     "edit_to_window_ms": {"count": 2, "p50": 1.5, "p90": 2.5, "p99": 2.5, "p99_9": 2.5, "max": 2.5},
     "journal_records": 3, "journal_saved": 2, "journal_bytes": 500, "journal_failure": "the disk is full",
@@ -101,7 +102,9 @@ TEST(Summary, HoldsEveryFigureToTheLetter) {
   run.ended_early = "stopped";
   run.scene.simulated_clock = true;
   EXPECT_EQ(makeSummary(run)["ended_early"], "stopped");
+  run.loop_us_a_tick = 1.5;
   EXPECT_EQ(makeSummary(run)["servo"]["times_measured"], false);
+  EXPECT_EQ(makeSummary(run)["servo"]["loop_us_a_tick"], 1.5);
 }
 
 // Swings are told only where they made the contact unstable.

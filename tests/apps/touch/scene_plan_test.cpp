@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "apps/scene/option_table.hpp"
 #include "base/error.hpp"
 #include "servo/algorithms/registry.hpp"
 
@@ -81,6 +82,19 @@ TEST(ScenePlan, SaysWhatTheServoDoes) {
   EXPECT_EQ(lineNaming(lines, "contact effects").what, "contact effects: texture, friction");
   scene.objects.resize(1);
   EXPECT_EQ(lineNaming(linesOf(scene), "object beside").what, "1 object beside the volume");
+}
+
+// The range of the option is the engine's.
+TEST(ScenePlan, TakesTheScenesWindow) {
+  const auto& edges = std::get<IntegerOption>(optionOfKey("window")->value);
+  EXPECT_EQ(edges.lowest, kLeastWindowEdge);
+  EXPECT_EQ(edges.highest, kMostWindowEdge);
+  Scene scene;
+  EXPECT_EQ(planFor(scene).request.window_edge, kMostWindowEdge);
+  scene.window_edge = 12;
+  EXPECT_EQ(planFor(scene).request.window_edge, 12);
+  scene.window_edge = kLeastWindowEdge - 1;
+  EXPECT_THROW(static_cast<void>(planFor(scene)), Error);
 }
 
 }  // namespace scene_plan_test

@@ -78,5 +78,32 @@ TEST(WindowAround, IsCentredAndStaysInTheDomain) {
   EXPECT_EQ(windowAround({99, 0, 0}, domain).first, Vec3i(68, 0, 0));
 }
 
+TEST(WindowAround, TakesItsEdge) {
+  const Vec3i domain(100, 20, 64);
+  EXPECT_EQ(windowAround({50, 10, 32}, domain, 8).first, Vec3i(46, 6, 28));
+  EXPECT_EQ(windowAround({50, 10, 32}, domain, 8).size, Vec3i(8, 8, 8));
+  EXPECT_EQ(windowAround({-1e12, 10, 1e12}, domain, 8).first, Vec3i(0, 6, 56));
+}
+
+// Three sixteenths of the edge, rounded down; at the border at once.
+TEST(StillServes, UntilThePlaceIsFarFromTheMiddle) {
+  const Vec3i domain(100, 100, 100);
+  for (const auto& [edge, far] : {std::pair(8, 1), std::pair(11, 2), std::pair(16, 3), std::pair(32, 6)}) {
+    const Vec3i size = Vec3i::Constant(edge);
+    const WindowBox last{Vec3i(30, 30, 30), size};
+    for (int axis = 0; axis < 3; ++axis) {
+      for (const int sign : {-1, 1}) {
+        const Vec3i step = sign * Vec3i::Unit(axis);
+        EXPECT_TRUE(stillServes(last, {last.first + (far - 1) * step, size}, domain, edge)) << edge;
+        EXPECT_FALSE(stillServes(last, {last.first + far * step, size}, domain, edge)) << edge;
+      }
+    }
+  }
+  const WindowBox near{Vec3i(1, 30, 67), Vec3i::Constant(32)};
+  EXPECT_TRUE(stillServes(near, {Vec3i(2, 30, 67), near.size}, domain));
+  EXPECT_FALSE(stillServes(near, {Vec3i(0, 30, 67), near.size}, domain));
+  EXPECT_FALSE(stillServes(near, {Vec3i(1, 30, 68), near.size}, domain));
+}
+
 }  // namespace window_test
 }  // namespace palpate

@@ -11,6 +11,7 @@
 namespace palpate {
 namespace plan_test {
 
+using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
@@ -101,6 +102,11 @@ std::vector<std::string> wholeLines(const EngineRequest& request) {
   for (const PlanLine& line : planLines(makePlan(request), facts))
     texts.push_back(fmt::format("{} {} | {} | {}", line.done ? "+" : "-", line.what, line.why, line.saved_bytes));
   return texts;
+}
+
+TEST(PlanLines, SayHowLargeTheWindowIs) {
+  EXPECT_THAT(wholeLines({.window_edge = 12}),
+              Contains("+ window of up to 12x12x12 samples around the tool, three slots | what the servo reads | 0"));
 }
 
 TEST(PlanLines, AreWholeAndInOrder) {

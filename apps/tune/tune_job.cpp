@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/tune/tune_job.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include <fmt/format.h>
+
+#include "apps/console/interrupt.hpp"
+#include "apps/report/words.hpp"
+#include "apps/scene/scene_text.hpp"
+#include "apps/touch/force_error.hpp"
+#include "apps/touch/live_edits.hpp"
+#include "apps/tune/reasons.hpp"
+#include "apps/tune/tune_report.hpp"
+#include "apps/tune/workbench.hpp"
+#include "base/atomic_file.hpp"
+#include "base/error.hpp"
+#include "base/quantile.hpp"
+#include "base/stopwatch.hpp"
+#include "base/units.hpp"
+#include "engine/phantoms/phantom_spec.hpp"
+#include "servo/algorithms/registry.hpp"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kFreshRuns = 3;                                     // each with an engine of its own
+constexpr std::size_t kMostConfirmed = 8;                         // so many picks are felt anew at most
+constexpr const char* kFirstWords = "# Written by palpate tune";  // by which a file is known as its own
+constexpr std::string_view kTunedKeys[] = {"filter", "gradient_operator", "samples", "window", "servo.n"};
+
+bool isOwnFile(const fs::path& file) {
+  std::ifstream stream(file);
+  std::string line;
+  return std::getline(stream, line) && line.starts_with(kFirstWords);
+}
+
+// Before any long work.
+void checkRequest(const TuneRequest& request, const std::string& out) {
+  if (!algorithmEntry(request.scene.algorithm).traits.shows_surface) {
+    refuse(fmt::format("--algorithm {}", request.scene.algorithm),
+           "it shows no surface, so its force has no error that could be kept", "tune a scene with another algorithm");
+  }
+  checkOutputsDiffer({out, request.json});
+  std::error_code ignored;
+  if (fs::exists(out, ignored) && !request.overwrite && !isOwnFile(out)) {
+    refuse(out, "it is there, and palpate tune did not write it", "name another file with -o, or give --overwrite");
+  }
+  checkWritable(out);
+  if (!request.json.empty()) checkWritable(request.json);
+}
+
+// Counts runs and says how long the others will take.
+class RunProgress {
+ public:
+  RunProgress(Progress& progress, std::size_t most) : progress_(progress), most_(most) {
+    progress_.stage(fmt::format("at most {} runs", most));
+  }
+  void done() {
+    throwIfInterrupted("palpate tune");
+    ++done_;
+    const double share = std::min(1.0, static_cast<double>(done_) / static_cast<double>(most_));
+    progress_.fraction(share, watch_.seconds() * (1 - share) / share);
+  }
+  [[nodiscard]] std::size_t count() const { return done_; }
+
+ private:
+  Progress& progress_;
+  std::size_t most_, done_ = 0;
+  Stopwatch watch_;
+};
+
+class TuneJob {
+ public:
+  TuneJob(const TuneRequest& request, Progress& progress)
+      : request_(request), progress_(progress), out_(request.out.empty() ? tunedName(request.source) : request.out) {
+    checkRequest(request, out_);
+  }
+
+  TuneResult run() {
+    progress_.stage("loading " + request_.scene.volume);
+    bench_ = std::make_unique<Workbench>(request_.scene, progress_);
+    find();
+    confirm();
+    result_.device = bench_->deviceName();
+    result_.truth = truthWords();
+    notes();
+    if (result_.met) {
+      reason();
+      writeFileAtomically(out_, tunedScene());
+      result_.out = out_;
+    } else {
+      result_.chosen = result_.found.trials[nearestTo(request_.goal, result_.found.trials, result_.found.base)];
+      result_.needed = neededWords();
+    }
+    if (!request_.json.empty()) writeFileAtomically(request_.json, tuneJson(request_, result_));
+    progress_.done();
+    return std::move(result_);
+  }
+
+ private:
+  void find() {
+    const SearchSpace space =
+        searchSpace(request_.scene, {.filters_and_operators = bench_->whyNotExact().empty(),
+                                     .renews_planes = algorithmEntry(request_.scene.algorithm).traits.renews_planes,
+                                     .longest_edge = bench_->longestEdge()});
+    RunProgress runs(progress_, mostRuns(space));
+    result_.found = search(request_.goal, space, [&](const Candidate& candidate) {
+      Trial trial = bench_->feel(candidate);
+      runs.done();
+      return trial;
+    });
+    result_.runs = runs.count();
+    if (std::isnan(result_.found.base.error_N)) {
+      refuse(request_.source, "the tool feels no surface on its path, so there is no error to keep",
+             "choose another path or isovalue; 'palpate touch' shows what is felt");
+    }
+  }
+
+  // A candidate in fresh runs: the median of their times, and the largest of their errors.
+  [[nodiscard]] Trial feltAnew(const Candidate& candidate) {
+    std::vector<double> times_us, starts_ms;
+    Trial fresh;
+    double most_N = 0;
+    for (int run = 0; run < kFreshRuns; ++run) {
+      throwIfInterrupted("palpate tune");
+      fresh = bench_->feelAnew(candidate);
+      times_us.push_back(fresh.loop_us);
+      starts_ms.push_back(fresh.start_ms);
+      most_N = std::isnan(fresh.error_N) ? fresh.error_N : std::max(most_N, fresh.error_N);
+    }
+    fresh.loop_us = median(times_us);
+    fresh.start_ms = median(starts_ms);
+    fresh.error_N = most_N;
+    return fresh;
+  }
+
+  // The first of the picks that meets the goal in fresh runs. What is told of it are the figures of these runs. After
+  // one that takes longer than in its trial, only those are tried that would still be quick enough by as much longer.
+  void confirm() {
+    for (const std::size_t pick : result_.found.picks) {
+      const Trial& trial = result_.found.trials[pick];
+      if (confirmed_ == kMostConfirmed) return;
+      Trial expected = trial;
+      expected.loop_us *= longer_;
+      if (!meets(request_.goal, expected, result_.found.base)) continue;
+      progress_.stage("feeling the choice anew");
+      ++confirmed_;
+      const Trial fresh = feltAnew(trial.candidate);
+      if (meets(request_.goal, fresh, result_.found.base)) {
+        result_.met = true;
+        result_.chosen = fresh;
+        picked_ = pick;
+        return;
+      }
+      longer_ = std::max(longer_, fresh.loop_us / trial.loop_us);
+      result_.notes.push_back(
+          fmt::format("a choice that met the goal in trials did not in fresh runs, with its margin: {} N, {} us a tick",
+                      figureText(fresh.error_N), figureText(fresh.loop_us)));
+    }
+  }
+
+  [[nodiscard]] std::string truthWords() const {
+    if (bench_->whyNotExact().empty()) return "the exact surface of the phantom, without its noise";
+    return fmt::format(
+        "what the same algorithm finds at the same places with n = 1, floats and the largest window, since {}",
+        bench_->whyNotExact());
+  }
+
+  void notes() {
+    const Scene& scene = request_.scene;
+    if (!withRecordedBrush(scene).edit.empty())
+      result_.notes.emplace_back("the tool was felt without its brush: what it edits changes the contact");
+    if (!scene.stiffness_density.empty())
+      result_.notes.emplace_back("the error is that of the largest stiffness which the density gives");
+    if (scene.spring_hand) {
+      result_.notes.emplace_back(
+          "the hand is a spring, so each candidate was felt at places of its own; the error is taken at these");
+    }
+    if (!scene.simulated_clock) {
+      result_.notes.emplace_back(
+          "trials go by the simulated clock: 'palpate touch' with --clock simulated repeats their error exactly");
+    }
+  }
+
+  void reason() {
+    const Trial& picked = result_.found.trials[picked_];
+    for (const Axis axis : kAxes) {
+      std::string why = reasonFor(axis, picked, result_.found.trials, result_.found.base, request_.goal);
+      const bool surface = axis == Axis::kOperator || axis == Axis::kFilter;
+      if (surface && !bench_->whyNotExact().empty()) why = "as the scene has it: another would feel another surface";
+      if (axis == Axis::kN && !algorithmEntry(request_.scene.algorithm).traits.renews_planes)
+        why = "as the scene has it: the algorithm keeps no planes";
+      if (why.empty()) why = "no other was tried with the rest of the choice";
+      result_.reasons.push_back({axisName(axis), valueOn(axis, picked.candidate), why});
+    }
+  }
+
+  [[nodiscard]] std::string neededWords() const {
+    const Trial& best = result_.chosen;
+    if (!holdsContact(best, result_.found.base)) return "a path on which the contact is not lost";
+    if (request_.goal.kind == Goal::Kind::kBudget) {
+      return fmt::format(
+          "a budget of {} us (a quarter above what was measured is kept free), or a quicker algorithm or machine",
+          shortNumber(best.loop_us * longer_ * kTimeMargin));
+    }
+    const double share = request_.goal.bound / (best.error_N * kErrorMargin);
+    if (!(share < 1)) return "runs that repeat what the trials found";
+    std::string words =
+        fmt::format("a stiffness of at most {} N/m", shortNumber(share * request_.scene.stiffness_N_per_m));
+    const bool noisy = bench_->whyNotExact().empty() && parsePhantomSpec(request_.scene.volume).noise > 0;
+    if (noisy) return words + ", or a volume with less noise";
+    return words + fmt::format(", or voxels of about {} mm (the error falls with their square)",
+                               shortNumber(std::sqrt(share) * bench_->smallestSpacing_m() * kMillimetresPerMetre));
+  }
+
+  // The volume's name says series and NaN already.
+  [[nodiscard]] std::string tunedScene() {
+    Scene scene = bench_->sceneOf(result_.chosen.candidate);
+    scene.series.clear();
+    scene.nan.clear();
+    std::string text = fmt::format("{}: {}\n", kFirstWords, request_.command);
+    for (const Reason& reason : result_.reasons)
+      text += fmt::format("# {} = {}: {}\n", reason.choice, reason.value, reason.why);
+    text += "# Comments of the scene that it was made from are not here.\n\n";
+    for (char& c : text) c = static_cast<unsigned char>(c) < 0x20 && c != '\n' ? ' ' : c;
+    return text + sceneText(scene, fs::path(out_).parent_path(), kTunedKeys);
+  }
+
+  const TuneRequest& request_;
+  Progress& progress_;
+  std::string out_;
+  std::unique_ptr<Workbench> bench_;
+  std::size_t picked_ = 0, confirmed_ = 0;
+  double longer_ = 1;  // how many times as long fresh runs took as trials, at most [-]
+  TuneResult result_;
+};
+
+}  // namespace
+
+std::string tunedName(const std::string& source) {
+  fs::path name(source);
+  if (name.extension() != ".toml") return "tuned.toml";
+  return name.replace_extension(".tuned.toml").string();
+}
+
+TuneResult tune(const TuneRequest& request, Progress& progress) {
+  return TuneJob(request, progress).run();
+}
+
+}  // namespace palpate

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+// apps/tune/workbench.hpp: feels a scene with one candidate after another, as `palpate touch` would, by the simulated
+// clock.
+//
+// The volume is loaded once, and engines are kept for further trials while there is memory. As in `palpate touch`, a
+// path is built from the surface that is felt, so another filter has another path. For these, what the scene leaves to
+// the program is fixed to what it chose for the scene itself: place, direction and lengths. So all candidates are felt
+// at the same place. A tool that edits is felt without its brush. One thread. A trial blocks for as long as the
+// simulated run takes, some milliseconds a second; making an engine takes longer.
+#pragma once
+
+#include <list>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "apps/console/progress.hpp"
+#include "apps/rig/touch_rig.hpp"
+#include "apps/touch/scene_objects.hpp"
+#include "apps/touch/scripted_path.hpp"
+#include "apps/touch/volume_surface.hpp"
+#include "apps/tune/candidate.hpp"
+#include "apps/tune/truth.hpp"
+#include "engine/field/volume.hpp"
+#include "engine/service/engine.hpp"
+
+namespace palpate {
+
+class Workbench {
+ public:
+  // Loads the volume. Throws Error as `palpate touch` does.
+  Workbench(const Scene& scene, Progress& progress);
+  ~Workbench();
+
+  // Why the exact surface is not known; empty: it is.
+  [[nodiscard]] const std::string& whyNotExact() const noexcept { return why_not_exact_; }
+  [[nodiscard]] int longestEdge() const { return volume_.size().maxCoeff(); }                     // [voxel]
+  [[nodiscard]] double smallestSpacing_m() const { return volume_.lattice().smallestSpacing(); }  // [m]
+  [[nodiscard]] const std::string& deviceName() const noexcept { return device_name_; }  // of Vulkan, after a trial
+
+  // The scene with a candidate's settings and, if its filter is another one, with the path fixed as above.
+  [[nodiscard]] Scene sceneOf(const Candidate& candidate);
+
+  // Throws Error. A candidate that cannot be felt only because it differs from the scene gives Trial::impossible.
+  [[nodiscard]] Trial feel(const Candidate& candidate);
+  // The same from scratch: with a new engine, field and path, as a new process would.
+  [[nodiscard]] Trial feelAnew(const Candidate& candidate);
+
+ private:
+  struct Ground;
+  struct Made;
+  [[nodiscard]] std::unique_ptr<Made> make(const Candidate& candidate);
+  [[nodiscard]] std::unique_ptr<Ground> groundOf(Engine& engine, const Scene& scene) const;
+  [[nodiscard]] Ground& keptGround(const Candidate& candidate);
+  [[nodiscard]] Scene trialScene(const Candidate& candidate);
+  [[nodiscard]] Made& shelved(const Candidate& candidate);
+  [[nodiscard]] Trial trialOf(const Candidate& candidate, Made& made, Ground& ground, Truth& truth);
+  [[nodiscard]] std::vector<TickRecord> feelTruest(const std::vector<TickRecord>& along);
+  [[nodiscard]] std::unique_ptr<Truth> newTruth();
+  template <typename Work>
+  [[nodiscard]] Trial orImpossible(const Candidate& candidate, const Work& work) const;
+  [[nodiscard]] bool isAsGiven(const Candidate& candidate) const;
+
+  Scene given_;
+  Scene scene_;  // the same with the simulated clock and without a brush
+  SceneObjects objects_;
+  Volume volume_;
+  double isovalue_ = 0;
+  std::string why_not_exact_, device_name_;
+  std::map<std::string, std::unique_ptr<Ground>> grounds_;  // by filter
+  std::map<std::string, std::unique_ptr<Truth>> truths_;    // by filter, whose path they know
+  std::unique_ptr<Engine> tiny_;                            // keeps the Vulkan driver loaded
+  std::set<std::string> kinds_made_;                        // of engines, by filter, operator and storage
+  std::list<std::unique_ptr<Made>> shelf_;                  // the one used last comes first
+};
+
+}  // namespace palpate

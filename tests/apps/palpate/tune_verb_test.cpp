@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: Apache-2.0
+// `palpate tune`, whose choice must keep what was asked for in a fresh `palpate touch`, or which says that it cannot.
+#include <cmath>
+#include <cstdlib>
+#include <random>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "base/quantile.hpp"
+#include "program_test.hpp"
+
+namespace palpate {
+namespace tune_verb_test {
+
+using testing::HasSubstr;
+using Json = nlohmann::json;
+
+constexpr const char* kSmall = "phantom:sphere?size=24";
+
+class TuneVerb : public ProgramTest {
+ protected:
+  [[nodiscard]] Outcome tune(const std::string& source, const Words& more) const {
+    return run(Words{"tune", source, "--seconds", "0.5"} + more);
+  }
+  [[nodiscard]] Json json(const std::string& name) const { return Json::parse(contentsOf(file(name))); }
+
+  // The summary of a fresh run of a scene.
+  [[nodiscard]] Json touched(const std::string& scene) const {
+    const Outcome outcome =
+        run({"touch", scene, "--clock", "simulated", "--picture", "off", "--trace", "off", "--out", "fresh"});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return json("fresh/summary.json");
+  }
+};
+
+TEST_F(TuneVerb, RefusesGoalsThatAreNone) {
+  expectRefusal(tune(kSmall, {}), "palpate tune", "nothing is asked for", 2);
+  expectRefusal(tune(kSmall, {"--error", "0.1N", "--budget", "2us"}), "--error and --budget", "both are given", 2);
+  expectRefusal(tune(kSmall, {"--error", "0.1"}), "--error '0.1'", "it has no unit", 2);
+  expectRefusal(tune(kSmall, {"--error", "2us"}), "--error '2us'", "'us' is no unit of it", 2);
+  expectRefusal(tune(kSmall, {"--budget", "2N"}), "--budget '2N'", "'N' is no unit of it", 2);
+  for (const char* none : {"0N", "-1N", "1e999N"})
+    expectRefusal(tune(kSmall, {fmt::format("--error={}", none)}), "--error", "", 2);
+  expectRefusal(tune(kSmall, {"--error", "nanN"}), "--error 'nanN'", "is", 2);
+  EXPECT_FALSE(exists("tuned.toml"));
+}
+
+TEST_F(TuneVerb, RefusesWhatHasNoErrorToKeep) {
+  expectRefusal(tune(kSmall, {"--error", "0.1N", "--algorithm", "haptization"}), "--algorithm haptization",
+                "it shows no surface", 2);
+  write("away.csv", "time_s,x_m,y_m,z_m\n0,0.011,0.011,0.011\n0.5,0.011,0.011,0.0105\n");
+  expectRefusal(run({"tune", kSmall, "--path", "away.csv", "--error", "0.1N"}), kSmall, "feels no surface", 2);
+  expectRefusal(run({"tune", "nothing.nrrd", "--error", "0.1N"}), "nothing.nrrd", "", 3);
+  EXPECT_FALSE(exists("tuned.toml"));
+}
+
+TEST_F(TuneVerb, ReplacesItsOwnFilesOnly) {
+  write("tuned.toml", "volume = 'mine'\n");
+  expectRefusal(tune(kSmall, {"--error", "1N"}), "tuned.toml", "palpate tune did not write it", 2);
+  EXPECT_EQ(contentsOf(file("tuned.toml")), "volume = 'mine'\n");
+  EXPECT_EQ(tune(kSmall, {"--error", "1N", "--overwrite"}).status, 0);
+  EXPECT_THAT(contentsOf(file("tuned.toml")), HasSubstr("# Written by palpate tune: palpate tune"));
+  EXPECT_EQ(tune(kSmall, {"--error", "1N"}).status, 0);
+  expectRefusal(tune(kSmall, {"--error", "1N", "-o", "a", "--json", "./a"}), "a", "", 2);
+  expectRefusal(tune(kSmall, {"--error", "1N", "-o", "none/a.toml"}), "none/a.toml", "", 4);
+}
+
+// What the user's scene says is in the new one, which lies beside it and is run from there.
+TEST_F(TuneVerb, KeepsWhatTheSceneSays) {
+  std::filesystem::create_directory(file("scenes"));
+  expectSuccess(run({"convert", "phantom:sphere?size=24", "ball.nrrd"}));
+  write("scenes/a.toml",
+        "volume = '../ball.nrrd'\nisovalue = 12.5\n[servo]\nseconds = 0.5\nstiffness_N_per_m = 300\n[path]\n"
+        "depth_mm = 0.7\n[[object]]\nkind = 'sphere'\ncentre_mm = [0, 0, 30]\nradius_mm = 5\n");
+  const Outcome outcome = run({"tune", "scenes/a.toml", "--error", "0.05N", "--json", "a.json"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("since the volume is no phantom"));
+  EXPECT_THAT(outcome.out, HasSubstr("filter none: as the scene has it"));
+  const Json scene = touched("scenes/a.tuned.toml")["scene"];
+  EXPECT_EQ(scene["isovalue"], 12.5);
+  EXPECT_EQ(scene["servo"]["stiffness_N_per_m"], 300);
+  EXPECT_EQ(scene["path"]["depth_mm"], 0.7);
+  EXPECT_EQ(scene["objects"].size(), 1U);
+  const Json found = json("a.json");
+  EXPECT_EQ(found["schema"], "palpate.tune/1");
+  EXPECT_TRUE(found["met"]);
+  EXPECT_EQ(found["chosen"]["n_ticks"], scene["servo"]["n"]);
+  EXPECT_EQ(found["chosen"]["window_voxel"], scene["window"]);
+  EXPECT_EQ(found["chosen"]["samples"], scene["samples"]);
+}
+
+TEST_F(TuneVerb, SaysWhatItCannot) {
+  const Outcome outcome = tune(kSmall, {"--error", "1uN", "--json", "a.json"});
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_THAT(outcome.out, HasSubstr("Cannot    no candidate keeps --error 1e-06N; the nearest: operator"));
+  EXPECT_THAT(outcome.out, HasSubstr("Needed    a stiffness of at most "));
+  EXPECT_FALSE(exists("tuned.toml"));
+  EXPECT_FALSE(json("a.json")["met"]);
+  EXPECT_THAT(tune(kSmall, {"--budget", "1ns"}).out, HasSubstr("Needed    a budget of "));
+}
+
+TEST_F(TuneVerb, FeelsAlgorithmsWithAndWithoutPlanes) {
+  for (const char* algorithm : {"hri-paper", "blezek", "god-object"}) {
+    SCOPED_TRACE(algorithm);
+    const Outcome outcome = tune(kSmall, {"--error", "1N", "--algorithm", algorithm, "--hand", "spring"});
+    EXPECT_EQ(outcome.status, 0) << outcome.out << outcome.err;
+    const bool planes = std::string(algorithm).starts_with("hri");
+    EXPECT_EQ(outcome.out.find("keeps no planes") == std::string::npos, planes);
+    EXPECT_LE(touched("tuned.toml")["exact"]["force_error_p99_N"], 1.0);
+  }
+}
+
+// A scene that nobody chose, and what is asked of it.
+struct RandomScene {
+  std::string toml, flag, text;
+  double bound = 0;  // [N] or [us]
+};
+
+RandomScene randomScene(std::uint64_t seed) {
+  std::mt19937_64 bits(seed);
+  const auto uniform = [&](double low, double high) {
+    return low + (high - low) * static_cast<double>(bits() >> 11U) * 0x1p-53;
+  };
+  const auto spread = [&](double low, double high) { return std::exp(uniform(std::log(low), std::log(high))); };
+  const auto one_of = [&](const auto& list) { return list[bits() % std::size(list)]; };
+  constexpr const char* kNames[] = {"sphere", "knot", "gyroid", "head", "spheres", "box", "lung"};
+  constexpr double kNoises[] = {0, 0, 0.02, 0.05, 0.1};
+  const char* name = one_of(kNames);
+  const int size = static_cast<int>(uniform(40, 90));
+  const double noise = one_of(kNoises);
+  RandomScene scene;
+  scene.toml = fmt::format("volume = 'phantom:{}?size={}&noise={}&seed={}'\n[servo]\nseconds = {:.2f}\nn = {}\n", name,
+                           size, noise, seed, uniform(0.5, 2), static_cast<int>(spread(1, 30)));
+  scene.toml += fmt::format("stiffness_N_per_m = {:.0f}\n", spread(150, 1500));
+  if (bits() % 2 == 0) scene.toml += fmt::format("[path]\ndepth_mm = {:.2f}\n", uniform(0.3, 1.2));
+  const bool error = bits() % 2 == 0;
+  scene.bound = std::stod(fmt::format("{:.3g}", error ? spread(0.003, 0.3) : spread(1, 30)));
+  scene.flag = error ? "--error" : "--budget";
+  scene.text = fmt::format("{}{}", scene.bound, error ? "N" : "us");
+  return scene;
+}
+
+// Two by default; PALPATE_TUNE_SCENES says how many. An error is the same in every run by the simulated clock, but
+// for the last bits. Of a time, which depends on what else the machine does, the median of five runs must be within.
+TEST_F(TuneVerb, KeepsWhatIsAskedOnRandomScenes) {
+  const char* wanted = std::getenv("PALPATE_TUNE_SCENES");
+  const int scenes = wanted != nullptr ? std::atoi(wanted) : 2;
+  int met = 0;
+  for (int i = 1; i <= scenes; ++i) {
+    const RandomScene scene = randomScene(static_cast<std::uint64_t>(i));
+    SCOPED_TRACE(fmt::format("scene {}: {}\n{} {}", i, scene.toml, scene.flag, scene.text));
+    const std::string name = fmt::format("s{}", i);
+    write(name + ".toml", scene.toml);
+    const Outcome outcome = run({"tune", name + ".toml", scene.flag, scene.text, "--json", "t.json"});
+    std::string felt = "cannot";
+    if (outcome.status == 0) {
+      std::vector<double> figures;
+      for (int turn = 0; turn < (scene.flag == "--budget" ? 5 : 1); ++turn) {
+        const Json summary = touched(name + ".tuned.toml");
+        figures.push_back(scene.flag == "--error" ? summary["exact"]["force_error_p99_N"].get<double>()
+                                                  : summary["servo"]["loop_us_a_tick"].get<double>());
+      }
+      EXPECT_LE(median(figures), scene.bound);
+      felt = fmt::format("{:.4g}", median(figures));
+      ++met;
+    } else {
+      EXPECT_EQ(outcome.status, 1) << outcome.err;
+      EXPECT_THAT(outcome.out, HasSubstr("Cannot    no candidate keeps"));
+      EXPECT_FALSE(exists(name + ".tuned.toml"));
+    }
+    const Json found = json("t.json");
+    const Json& chosen = found["chosen"];
+    std::string volume = scene.toml.substr(10, scene.toml.find('\n') - 11);
+    std::printf("%2d %-42s %s %-8s %s, fresh %s: p99 %.4g N, %.3g us; %s, %s, n %d, window %d, %s; %.1f s\n", i,
+                volume.c_str(), scene.flag.c_str(), scene.text.c_str(), outcome.status == 0 ? "met" : "cannot",
+                felt.c_str(), chosen["force_error_p99_N"].get<double>(), chosen["loop_us_a_tick"].get<double>(),
+                chosen["gradient_operator"].get<std::string>().c_str(),
+                chosen["filter"].get<std::string>().empty() ? "no filter" : chosen["filter"].get<std::string>().c_str(),
+                chosen["n_ticks"].get<int>(), chosen["window_voxel"].get<int>(),
+                chosen["samples"].get<std::string>().c_str(), outcome.seconds);
+  }
+  EXPECT_GE(met, 1);
+}
+
+}  // namespace tune_verb_test
+}  // namespace palpate

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+// Trials against `palpate touch`, which feels the same scene by itself.
+#include "apps/tune/workbench.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "apps/console/progress.hpp"
+#include "apps/touch/touch_job.hpp"
+#include "base/error.hpp"
+#include "temporary_folder.hpp"
+
+namespace palpate {
+namespace workbench_test {
+
+Scene shortScene(const std::string& volume) {
+  Scene scene;
+  scene.volume = volume;
+  scene.duration_s = 0.5;
+  scene.simulated_clock = true;
+  scene.picture = false;
+  scene.trace = false;
+  return scene;
+}
+
+class WorkbenchTest : public testing::Test {
+ protected:
+  // The p99 error that `palpate touch` reports [N].
+  double touched_N(Scene scene) const {
+    scene.out = (folder_.path() / "out").string();
+    Progress quiet(nullptr);
+    const TouchRun run = runTouchJob(scene, "", "", quiet);
+    EXPECT_TRUE(run.loop_us_a_tick.value_or(0) > 0);
+    return run.exact->force_error_p99_N.value_or(-1);
+  }
+  static Workbench bench(const Scene& scene) {
+    Progress quiet(nullptr);
+    return {scene, quiet};
+  }
+  TemporaryFolder folder_;
+};
+
+// Errors are the same but for roundings of positions in a window that begins elsewhere, some 1e-16 m times 500 N/m.
+TEST_F(WorkbenchTest, FeelsWhatTouchFeels) {
+  const Candidate candidates[] = {{"central", "", "float", 5, 32},
+                                  {"sobel", "", "half", 1, 12},
+                                  {"gaussian:1", "gaussian:1", "float", 8, 16},
+                                  {"central", "gaussian:0.7", "float", 3, 24}};
+  for (const char* volume : {"phantom:sphere?size=32&noise=0.05", "phantom:knot?size=40"}) {
+    for (const bool spring : {false, true}) {
+      Scene scene = shortScene(volume);
+      scene.spring_hand = spring;
+      Workbench bench = this->bench(scene);
+      EXPECT_EQ(bench.whyNotExact(), "");
+      for (const Candidate& candidate : candidates) {
+        SCOPED_TRACE(std::string(volume) + " " + candidate.filter + (spring ? " spring" : " rigid"));
+        const Trial kept = bench.feel(candidate), again = bench.feel(candidate), fresh = bench.feelAnew(candidate);
+        const double touched = touched_N(bench.sceneOf(candidate));
+        for (const Trial& trial : {kept, again, fresh}) {
+          EXPECT_NEAR(trial.error_N, touched, 1e-9);
+          EXPECT_GT(trial.contact_share, spring ? 0.5 : 0.9);  // half a second is a hasty stroke: a spring bounces
+          EXPECT_EQ(trial.faulty_ticks, 0);
+          EXPECT_GT(trial.loop_us, 0);
+        }
+      }
+    }
+  }
+}
+
+// Only another filter fixes the path, and only what the scene leaves open.
+TEST_F(WorkbenchTest, FixesThePathForAnotherFilter) {
+  Scene scene = shortScene("phantom:sphere?size=32");
+  scene.press_depth_m = 0.7e-3;
+  Workbench bench = this->bench(scene);
+  Candidate own = candidateOf(scene);
+  own.n = 1;
+  EXPECT_FALSE(bench.sceneOf(own).path_start_W);
+  own.filter = "gaussian:1";
+  const Scene fixed = bench.sceneOf(own);
+  EXPECT_TRUE(fixed.path_start_W && fixed.path_slide && fixed.slide_length_m && fixed.approach_m);
+  EXPECT_EQ(fixed.press_depth_m, 0.7e-3);
+}
+
+// A ball beside the volume: nothing exact is known. The truest settings are then their own truth; an older plane is
+// not.
+TEST_F(WorkbenchTest, ComparesWithTheTruestSettingsWhereNothingIsExact) {
+  for (const bool spring : {false, true}) {
+    Scene scene = shortScene("phantom:knot?size=40");
+    scene.spring_hand = spring;
+    scene.objects.emplace_back();
+    scene.objects.back().kind = ObjectKind::kSphere;
+    scene.objects.back().position_W = Vec3(1, 1, 1);
+    Workbench bench = this->bench(scene);
+    EXPECT_EQ(bench.whyNotExact(), "the scene has objects");
+    const Candidate truest{"central", "", "float", 1, 32}, older{"central", "", "float", 21, 32};
+    EXPECT_NEAR(bench.feel(truest).error_N, 0, 1e-9) << spring;
+    EXPECT_GT(bench.feel(older).error_N, 1e-4) << spring;
+    EXPECT_NEAR(bench.feelAnew(truest).error_N, 0, 1e-9) << spring;
+  }
+}
+
+TEST_F(WorkbenchTest, SaysWhatOnlyACandidateCannotAndThrowsWhatTheSceneCannot) {
+  const Scene scene = shortScene("phantom:sphere?size=24");
+  Workbench bench = this->bench(scene);
+  Candidate other = candidateOf(scene);
+  other.filter = "gaussian:1000";
+  EXPECT_NE(bench.feel(other).impossible, "");
+  Scene wrong = scene;
+  wrong.filter = "gaussian:1000";
+  Workbench of_wrong = this->bench(wrong);
+  EXPECT_THROW(static_cast<void>(of_wrong.feel(candidateOf(wrong))), Error);
+}
+
+}  // namespace workbench_test
+}  // namespace palpate
