@@ -15,7 +15,7 @@
 #include "apps/bench/columns.hpp"
 #include "apps/bench/log_chart.hpp"
 #include "apps/console/interrupt.hpp"
-#include "apps/console/run_program.hpp"
+#include "apps/console/call_program.hpp"
 #include "apps/rivals/scratch_folder.hpp"
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
@@ -69,7 +69,7 @@ const Columns<Job>& startColumns() {
 
 // Throws unless it ends with status 0.
 void runOrThrow(const std::string& program, const Words& words) {
-  const ProgramEnd end = runProgram({.words = words, .program = program, .shows_messages = false});
+  const ProgramEnd end = callProgram({.words = words, .program = program, .shows_messages = false});
   throwIfInterrupted(kStartBench);
   if (end.failure.empty()) return;
   throw Error(Error::Code::kDevice, fmt::format("palpate {}", fmt::join(words, " ")), "it failed in the bench",

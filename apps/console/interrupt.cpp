@@ -17,6 +17,7 @@
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
 #include "base/leftover.hpp"
+#include "base/thread_names.hpp"
 
 namespace palpate {
 namespace {
@@ -99,6 +100,7 @@ Error stopped() {
 }
 
 void* watch(void*) {
+  nameThisThread("stop");
   while (sem_wait(&request_came) != 0) {
   }
   for (auto since = Clock::now(); requests < 2; std::this_thread::sleep_for(kLook)) {

@@ -16,6 +16,7 @@
 #include "apps/console/message.hpp"
 #include "base/error.hpp"
 #include "base/process_start.hpp"
+#include "base/thread_names.hpp"
 #include "command_words.hpp"
 #include "engine/gpu/validation.hpp"
 #include "version.hpp"
@@ -115,6 +116,7 @@ namespace palpate {
 
 int runProgram(int argc, char** argv, void (*addVerbs)(CLI::App&)) {
   static_cast<void>(processStart_ns());  // before any thread begins
+  palpate::nameThisThread("palpate");    // whatever the name of the file is
   palpate::openClosedStreams();
   palpate::catchInterrupts();
   CLI::App app("Touch volumes: isosurface haptics over a Vulkan volume service.", "palpate");

@@ -6,7 +6,9 @@
 #include "apps/scene/object_table.hpp"
 #include "apps/scene/option_table.hpp"
 #include "apps/scene/scene_file.hpp"
+#include "base/atomic_file.hpp"
 #include "base/error.hpp"
+#include "engine/files/volume_file.hpp"
 #include "engine/files/volume_name.hpp"
 
 namespace palpate {
@@ -54,6 +56,17 @@ Scene SceneArguments::scene() const {
   if (!scene.series.empty()) scene.volume = withSeries(scene.volume, scene.series);
   if (!scene.nan.empty()) scene.volume = withNan(scene.volume, scene.nan);
   return scene;
+}
+
+void SceneArguments::checkNotRead(const Scene& scene, const std::string& output) const {
+  if (output.empty()) return;
+  checkNotInput(scene.volume, output);
+  std::vector<std::string> inputs = {source_, scene.path_file};
+  for (const ObjectSpec& object : scene.objects) inputs.push_back(object.file);
+  for (const std::string& input : inputs) {
+    if (input.empty() || !sameFile(input, output)) continue;
+    refuse(output, "the scene is made of it, and it would be overwritten", "write to another file");
+  }
 }
 
 std::vector<std::string> SceneArguments::givenFlags() const {

@@ -30,6 +30,10 @@ class SceneArguments {
   // The volume or scene file, as given; empty if only --volume names it.
   [[nodiscard]] const std::string& source() const noexcept { return source_; }
 
+  // Throws Error(kBadInput) for an output that is a file which the scene is made of: volume, scene file, path, mesh of
+  // an object. An empty name is no output.
+  void checkNotRead(const Scene& scene, const std::string& output) const;
+
   // The scene flags on the command line, without their values.
   [[nodiscard]] std::vector<std::string> givenFlags() const;
 

@@ -11,7 +11,7 @@
 #include "apps/bench/result_file.hpp"
 #include "apps/console/interrupt.hpp"
 #include "apps/console/message.hpp"
-#include "apps/console/run_program.hpp"
+#include "apps/console/call_program.hpp"
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
 #include "bench_outputs.hpp"
@@ -78,7 +78,7 @@ BenchOutcome outcomeOf(const Bench& bench, const AllFlags& flags) {
   const Stopwatch watch;
   BenchOutcome outcome{bench.name, bench.title};
   try {
-    outcome.failure = runProgram({.words = wordsFor(bench, flags, stem)}).failure;
+    outcome.failure = callProgram({.words = wordsFor(bench, flags, stem)}).failure;
     outcome.seconds = watch.seconds();
     if (!outcome.failure.empty()) return outcome;
     outcome.result = readBenchResult(stem.string() + ".json");

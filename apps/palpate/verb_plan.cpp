@@ -2,6 +2,7 @@
 // palpate plan VOLUME|SCENE: what a scene needs and why, what it leaves out, and what that saves.
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include <fmt/format.h>
@@ -11,15 +12,15 @@
 #include "apps/console/progress.hpp"
 #include "apps/load/load_and_tell.hpp"
 #include "apps/plan/module_cost.hpp"
-#include "apps/plan/reasons.hpp"
+#include "apps/plan/purposes.hpp"
 #include "apps/plan/scene_report.hpp"
 #include "apps/rivals/scratch_folder.hpp"
+#include "apps/touch/live_edits.hpp"
 #include "apps/touch/scene_plan.hpp"
 #include "apps/touch/scene_settings.hpp"
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
 #include "engine/field/statistics.hpp"
-#include "engine/files/volume_file.hpp"
 #include "engine/gpu/gpu.hpp"
 #include "engine/service/engine.hpp"
 #include "scene_arguments.hpp"
@@ -57,7 +58,7 @@ SceneReport planned(const Scene& scene, Progress& progress) {
 }
 
 // A scene that cannot be touched, since no path is found for example, still has a plan.
-void count(SceneReport& report, const Scene& scene, int rounds, Progress& progress) {
+void count(SceneReport& report, const Scene& scene, std::optional<int> rounds, Progress& progress) {
   const ScratchFolder folder;
   try {
     report.counted = countScene(scene, rounds, folder.path(), progress);
@@ -72,17 +73,18 @@ void count(SceneReport& report, const Scene& scene, int rounds, Progress& progre
 void addPlanVerb(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("plan", "say what a scene needs and why, what it leaves out and what that saves");
   auto arguments = std::make_shared<SceneArguments>(*verb);
-  auto rounds = std::make_shared<int>(3);
+  auto rounds = std::make_shared<std::optional<int>>();
   auto json = std::make_shared<std::string>();
   verb->add_option("--rounds", *rounds,
-                   "how often the scene is run with and without each feature (default 3); 0: run once, as it is")
+                   "how often the scene is run with and without each feature; 0: it is run once, as it is (default: up to "
+                   "3, as many as take a minute)")
       ->check(CLI::Range(0, kMostRounds));
   verb->add_option("--json", *json, "write it into this file too")->type_name("FILE");
   verb->callback([arguments, rounds, json] {
-    const Scene scene = arguments->scene();
+    const Scene scene = withRecordedBrush(arguments->scene());
     std::unique_ptr<AtomicFile> file;
     if (!json->empty()) {
-      checkNotInput(scene.volume, *json);
+      arguments->checkNotRead(scene, *json);
       file = std::make_unique<AtomicFile>(*json);
     }
     Progress progress;

@@ -47,6 +47,7 @@ void tuneScene(const TuneArguments& arguments) {
   request.json = arguments.json;
   request.commit = programCommit();
   request.scene = arguments.scene.scene();
+  for (const std::string& output : {request.out, request.json}) arguments.scene.checkNotRead(request.scene, output);
   request.source = arguments.scene.source().empty() ? request.scene.volume : arguments.scene.source();
   request.command = commandLine(arguments, request.scene);
   Progress progress;

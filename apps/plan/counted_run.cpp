@@ -2,13 +2,15 @@
 #include "apps/plan/counted_run.hpp"
 
 #include <fstream>
+#include <set>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "apps/console/interrupt.hpp"
-#include "apps/console/run_program.hpp"
+#include "apps/console/call_program.hpp"
 #include "apps/path/path_csv.hpp"
+#include "apps/plan/purposes.hpp"
 #include "apps/scene/scene_text.hpp"
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
@@ -22,6 +24,10 @@ constexpr double kCountedRun_s = 0.2;  // a built path fits into it, contact inc
 
 std::filesystem::path journalIn(const std::filesystem::path& folder) {
   return folder / "journal";
+}
+
+std::filesystem::path saveIn(const std::filesystem::path& folder) {
+  return folder / "saved.vdb";
 }
 
 gpu::KernelUse kernelOf(const nlohmann::json& kernel) {
@@ -66,7 +72,28 @@ std::string reasonIn(const std::string& messages) {
   return messages.substr(from, messages.find('\n', from) - from);
 }
 
+// What a status of the program stands for (exitStatus()). One that it never ends with, or a signal, is a fault of its
+// own, and its last message need not be the reason.
+[[noreturn]] void failedRun(const Scene& scene, const ProgramEnd& end) {
+  for (const Error::Code code : {Error::Code::kBadInput, Error::Code::kNotFound, Error::Code::kIo,
+                                 Error::Code::kOutOfMemory, Error::Code::kDevice}) {
+    if (end.signal == 0 && end.status == exitStatus(code)) {
+      throw Error(code, scene.volume, "the run that should be counted failed: " + reasonIn(end.messages),
+                  "run it by itself with 'palpate touch' to see more");
+    }
+  }
+  throw Error(Error::Code::kDevice, scene.volume, "the run that should be counted failed: " + end.failure,
+              "this is a fault of Palpate: please report it");
+}
+
 }  // namespace
+
+std::size_t RunCounts::ownThreads() const {
+  std::set<std::string> names;  // a driver's threads may have the program's name
+  for (const std::string& thread : threads)
+    if (!threadPurpose(thread).empty()) names.insert(thread);
+  return names.size();
+}
 
 std::uint64_t RunCounts::dispatches() const noexcept {
   std::uint64_t sum = 0;
@@ -79,7 +106,8 @@ Scene shortRun(Scene scene, const std::filesystem::path& folder) {
   scene.nan.clear();
   scene.out = (folder / "out").string();
   if (!scene.journal.empty()) scene.journal = journalIn(folder).string();
-  if (!scene.save.empty()) scene.save = (folder / "saved.vdb").string();
+  if (!scene.save.empty()) scene.save = saveIn(folder).string();
+  scene.device = defaultDevice();  // nobody's haptic device moves for a count
   scene.duration_s = kCountedRun_s;
   scene.simulated_clock = false;
   scene.require_real_time = false;
@@ -96,15 +124,13 @@ RunCounts countedRun(const Scene& scene, const std::filesystem::path& folder, co
   writeFileAtomically(file_of_scene, sceneText(run, folder));
   ProgramCall call{.words = {"touch", file_of_scene.string()}, .shows_messages = false};
   if (!program.empty()) call.program = program;
-  std::filesystem::remove_all(journalIn(folder));
+  for (const std::filesystem::path& old : {journalIn(folder), saveIn(folder), std::filesystem::path(run.out)})
+    std::filesystem::remove_all(old);
   const Stopwatch watch;
-  const ProgramEnd end = runProgram(call);
+  const ProgramEnd end = callProgram(call);
   const double wall_ms = 1e3 * watch.seconds();
   throwIfInterrupted("palpate");
-  if (!end.failure.empty()) {
-    throw Error(Error::Code::kBadInput, scene.volume, "the run that should be counted failed: " + reasonIn(end.messages),
-                "run it by itself with 'palpate touch' to see more");
-  }
+  if (!end.failure.empty()) failedRun(scene, end);
   std::ifstream file(std::filesystem::path(run.out) / "summary.json");
   RunCounts counts = countsOf(nlohmann::json::parse(file));
   counts.wall_ms = wall_ms;

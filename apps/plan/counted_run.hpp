@@ -27,15 +27,17 @@ struct RunCounts {
   std::vector<std::string> plan;
 
   [[nodiscard]] std::uint64_t dispatches() const noexcept;
+  [[nodiscard]] std::size_t ownThreads() const;  // of Palpate (purposes.hpp), not of a driver
 };
 
-// The scene as it is run for counting, by the real clock for a fifth of a second. Everything that it writes goes into
-// `folder`. A path from a file of more than two seconds is left out for one that is built from the surface.
+// The scene as it is run for counting, by the real clock for a fifth of a second, with the simulated device whatever the
+// scene names. Everything that it writes goes into `folder`. A path from a file of more than two seconds is left out for
+// one that is built from the surface.
 [[nodiscard]] Scene shortRun(Scene scene, const std::filesystem::path& folder);
 
 // Runs shortRun(scene, folder) with `program` (this one, if empty). `folder`: one of the caller's own; what an earlier
-// run left there goes. Throws Error: kBadInput with the program's own message if it refused the scene; kIo if no
-// process can be started; kCancelled on Ctrl-C.
+// run left there goes. Throws Error with the program's own message and the code that its status stands for; kDevice if
+// it crashed; kIo if no process can be started; kCancelled on Ctrl-C.
 [[nodiscard]] RunCounts countedRun(const Scene& scene, const std::filesystem::path& folder,
                                    const std::string& program = {});
 

@@ -2,11 +2,10 @@
 #include "apps/plan/feature_cost.hpp"
 
 #include <algorithm>
-#include <set>
+#include <limits>
 
 #include <fmt/format.h>
 
-#include "apps/plan/reasons.hpp"
 #include "base/error.hpp"
 #include "base/quantile.hpp"
 #include "base/stopwatch.hpp"
@@ -15,14 +14,14 @@ namespace palpate {
 namespace {
 
 // A scene and what its runs found.
-struct Trial {
+struct CountedScene {
   Scene scene;
   std::vector<RunCounts> runs = {};
   std::string failure = {};
 };
 
 template <typename Figure>
-std::vector<double> sortedFigures(const Trial& trial, Figure figure) {
+std::vector<double> sortedFigures(const CountedScene& trial, Figure figure) {
   std::vector<double> values;
   for (const RunCounts& run : trial.runs) values.push_back(figure(run));
   std::sort(values.begin(), values.end());
@@ -30,30 +29,25 @@ std::vector<double> sortedFigures(const Trial& trial, Figure figure) {
 }
 
 template <typename Figure>
-MeasuredDifference differenceOf(const Trial& with, const Trial& without, Figure figure) {
+MeasuredDifference differenceOf(const CountedScene& with, const CountedScene& without, Figure figure) {
   const std::vector<double> a = sortedFigures(with, figure);
   const std::vector<double> b = sortedFigures(without, figure);
-  return {.value = quantile(a, 0.5) - quantile(b, 0.5), .spread = std::max(a.back() - a.front(), b.back() - b.front())};
+  const bool is_known = a.size() > 1 && b.size() > 1;
+  return {.value = quantile(a, 0.5) - quantile(b, 0.5),
+          .spread = is_known ? std::max(a.back() - a.front(), b.back() - b.front())
+                             : std::numeric_limits<double>::quiet_NaN()};
 }
 
 template <typename Count>
-std::int64_t lessOf(const Trial& with, const Trial& without, Count count) {
+std::int64_t lessOf(const CountedScene& with, const CountedScene& without, Count count) {
   return static_cast<std::int64_t>(count(with.runs.back())) - static_cast<std::int64_t>(count(without.runs.back()));
 }
 
-// A driver's threads may have the program's name.
-std::size_t ownThreads(const RunCounts& run) {
-  std::set<std::string> names;
-  for (const std::string& thread : run.threads)
-    if (!threadReason(thread).empty()) names.insert(thread);
-  return names.size();
-}
-
-FeatureCost costOf(const Feature& feature, const Trial& scene, const Trial& switched) {
+FeatureCost costOf(const Feature& feature, const CountedScene& scene, const CountedScene& switched) {
   FeatureCost cost{.feature = &feature, .is_in = feature.is_in(scene.scene), .failure = switched.failure};
   if (!cost.failure.empty()) return cost;
-  const Trial& with = cost.is_in ? scene : switched;
-  const Trial& without = cost.is_in ? switched : scene;
+  const CountedScene& with = cost.is_in ? scene : switched;
+  const CountedScene& without = cost.is_in ? switched : scene;
   cost.start_ms = differenceOf(with, without, [](const RunCounts& run) { return run.start_ms; });
   cost.tick_us = differenceOf(with, without, [](const RunCounts& run) { return run.tick_us; });
   cost.main_bytes =
@@ -63,18 +57,18 @@ FeatureCost costOf(const Feature& feature, const Trial& scene, const Trial& swit
   cost.dispatches =
       differenceOf(with, without, [](const RunCounts& run) { return static_cast<double>(run.dispatches()); });
   cost.effect_runs = lessOf(with, without, [](const RunCounts& run) { return run.effect_runs; });
-  cost.threads = lessOf(with, without, ownThreads);
+  cost.threads = lessOf(with, without, [](const RunCounts& run) { return run.ownThreads(); });
   cost.libraries = lessOf(with, without, [](const RunCounts& run) { return run.libraries.size(); });
   return cost;
 }
 
 // A scene that is refused with a feature switched is no reason to say nothing of the others.
-void runTrial(Trial& trial, bool must_run, const std::filesystem::path& folder, const std::string& program) {
+void runCounted(CountedScene& trial, bool must_run, const std::filesystem::path& folder, const std::string& program) {
   if (!trial.failure.empty()) return;
   try {
     trial.runs.push_back(countedRun(trial.scene, folder, program));
   } catch (const Error& error) {
-    if (must_run || error.code() == Error::Code::kCancelled || error.code() == Error::Code::kIo) throw;
+    if (must_run || error.code() == Error::Code::kCancelled) throw;
     trial.failure = error.reason();
   }
 }
@@ -82,46 +76,53 @@ void runTrial(Trial& trial, bool must_run, const std::filesystem::path& folder, 
 // What is switched, and from which scene.
 struct Switched {
   const Feature* feature = nullptr;
-  std::size_t from = 0, to = 0;  // of the list of trials
+  std::size_t from = 0, to = 0;  // of the list of scenes
 };
+
+constexpr int kUsualRounds = 3;
+constexpr double kPatience_s = 60;  // that features may take to be measured if the user gave no number of rounds [s]
 
 }  // namespace
 
-SceneCounts countScene(const Scene& scene, int rounds, const std::filesystem::path& folder, Progress& progress,
-                       const std::string& program) {
-  std::vector<Trial> trials = {{.scene = scene}};
+int roundsIn(double seconds, double run_s, std::size_t scenes) noexcept {
+  const double rounds = seconds / (run_s * static_cast<double>(scenes));
+  return rounds < 2 ? 0 : std::min(kUsualRounds, static_cast<int>(rounds));
+}
+
+SceneCounts countScene(const Scene& scene, std::optional<int> rounds, const std::filesystem::path& folder,
+                       Progress& progress, const std::string& program) {
+  progress.stage("running the scene");
+  SceneCounts counts{.counts = countedRun(scene, folder, program)};
+  counts.rounds = rounds.value_or(roundsIn(kPatience_s, 1e-3 * counts.counts.wall_ms, features().size() + 2));
+  if (counts.rounds == 0) return counts;
+  std::vector<CountedScene> scenes = {{.scene = scene}};
   std::vector<Switched> switches;
-  if (rounds > 0) {
-    // A picture takes longer to draw than all else in so short a run. So other features are switched without it.
-    if (scene.picture) {
-      trials.push_back({.scene = scene});
-      trials.back().scene.picture = false;
-    }
-    const std::size_t ground = trials.size() - 1;
-    for (const Feature& feature : features()) {
-      const bool takes_picture = scene.picture && feature.is_in(scene) && !feature.is_in(trials[ground].scene);
-      if (takes_picture) {
-        switches.push_back({&feature, 0, ground});
-        continue;
-      }
-      Scene other = trials[ground].scene;
-      feature.is_in(other) ? feature.remove(other) : feature.add(other, folder);
-      switches.push_back({&feature, ground, trials.size()});
-      trials.push_back({.scene = std::move(other)});
-    }
+  // A picture takes longer to draw than all else in so short a run. So other features are switched without it.
+  if (scene.picture) {
+    scenes.push_back({.scene = scene});
+    scenes.back().scene.picture = false;
   }
-  progress.stage(rounds > 0 ? "running the scene with and without each feature" : "running the scene");
+  const std::size_t ground = scenes.size() - 1;
+  for (const Feature& feature : features()) {
+    if (feature.is_in(scene) && !feature.is_in(scenes[ground].scene)) {  // the picture
+      switches.push_back({&feature, 0, ground});
+      continue;
+    }
+    Scene other = scenes[ground].scene;
+    feature.is_in(other) ? feature.remove(other) : feature.add(other, folder);
+    switches.push_back({&feature, ground, scenes.size()});
+    scenes.push_back({.scene = std::move(other)});
+  }
+  progress.stage("running the scene with and without each feature");
   const Stopwatch watch;
-  const std::size_t all = trials.size() * static_cast<std::size_t>(std::max(1, rounds));
+  const std::size_t all = scenes.size() * static_cast<std::size_t>(counts.rounds);
   for (std::size_t n = 0; n < all; ++n) {
-    const std::size_t which = n % trials.size();
-    const bool must_run = which == 0 || (!switches.empty() && which == switches.front().from);
-    runTrial(trials[which], must_run, folder, program);
+    const std::size_t which = n % scenes.size();
+    runCounted(scenes[which], which <= ground, folder, program);
     const double done = static_cast<double>(n + 1) / static_cast<double>(all);
     progress.fraction(done, watch.seconds() * (1 - done) / done);
   }
-  SceneCounts counts{.counts = trials.front().runs.back(), .costs = {}};
-  for (const Switched& one : switches) counts.costs.push_back(costOf(*one.feature, trials[one.from], trials[one.to]));
+  for (const Switched& one : switches) counts.costs.push_back(costOf(*one.feature, scenes[one.from], scenes[one.to]));
   return counts;
 }
 

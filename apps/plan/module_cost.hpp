@@ -17,7 +17,8 @@ struct ModuleCost {
   std::string failure = {};            // why it cannot be loaded; empty: it can
 };
 
-// Loads it in a child process and forgets it. Call it while no other thread of this process loads libraries, and
+// Loads it in a child process and forgets it, twice: the figures are those of the second time, when its files are in the
+// system's cache. What two modules share counts in both. Call it while no other thread of this process loads libraries, and
 // before this process has loaded the module itself: what is there already costs nothing. Throws Error as runInChild()
 // does, and kCancelled.
 [[nodiscard]] ModuleCost moduleCost(const std::string& name);

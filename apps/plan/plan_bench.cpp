@@ -74,7 +74,7 @@ const Columns<Rung>& planColumns() {
       counted("dispatches", [](const RunCounts& run) { return static_cast<std::int64_t>(run.dispatches()); },
               {"dispatches", ""}),
       counted("effect_runs", [](const RunCounts& run) { return run.effect_runs; }, {"effects run", ""}),
-      counted("threads", [](const RunCounts& run) { return static_cast<std::int64_t>(run.threads.size()); },
+      counted("threads", [](const RunCounts& run) { return static_cast<std::int64_t>(run.ownThreads()); },
               {"threads", ""}),
       counted("libraries", [](const RunCounts& run) { return static_cast<std::int64_t>(run.libraries.size()); },
               {"libraries", ""})};

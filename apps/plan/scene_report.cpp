@@ -9,7 +9,7 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "apps/plan/reasons.hpp"
+#include "apps/plan/purposes.hpp"
 #include "base/byte_size.hpp"
 
 namespace palpate {
@@ -36,8 +36,14 @@ std::string pipelinesText(const gpu::GpuUse& use) {
     std::vector<std::string> constants;
     for (const auto& [name, value] : kernel.constants) constants.push_back(fmt::format("{}={}", name, value));
     text += fmt::format("| `{}` | {} | {:.1f} | {} | {} |\n", kernel.name, fmt::join(constants, " "),
-                        1e3 * kernel.made_s, kernel.dispatches, kernelReason(kernel.name));
+                        1e3 * kernel.made_s, kernel.dispatches, kernelPurpose(kernel.name));
   }
+  std::set<std::string> names;
+  for (const gpu::KernelUse& kernel : use.kernels)
+    for (const auto& [name, value] : kernel.constants) names.insert(name);
+  if (names.empty()) return text;
+  text += "\n| constant | what it says |\n|---|---|\n";
+  for (const std::string& name : names) text += fmt::format("| `{}` | {} |\n", name, constantPurpose(name));
   return text;
 }
 
@@ -47,7 +53,7 @@ std::string buffersText(const gpu::GpuUse& use) {
                                  bytesInWords(use.peak_bytes));
   for (const gpu::BufferUse& buffer : use.buffers)
     text += fmt::format("| {} | {} | {} | {} |\n", buffer.name, buffer.count, bytesInWords(buffer.bytes),
-                        bufferReason(buffer.name));
+                        bufferPurpose(buffer.name));
   return text;
 }
 
@@ -56,7 +62,7 @@ std::string threadsText(const std::vector<std::string>& threads) {
   std::size_t others = 0;
   std::set<std::string> told;  // a driver's threads may have the program's name, and are younger
   for (const std::string& thread : threads) {
-    const std::string_view reason = threadReason(thread);
+    const std::string_view reason = threadPurpose(thread);
     if (reason.empty() || !told.insert(thread).second) {
       ++others;
     } else {
@@ -67,31 +73,55 @@ std::string threadsText(const std::vector<std::string>& threads) {
   return text;
 }
 
+// "friction, texture": one by one.
+std::vector<std::string> effectNames(const std::string& names) {
+  std::vector<std::string> list;
+  for (std::size_t at = 0; at < names.size();) {
+    const std::size_t end = std::min(names.find(", ", at), names.size());
+    list.push_back(names.substr(at, end - at));
+    at = end + 2;
+  }
+  return list;
+}
+
 std::string effectsText(const std::string& names, std::int64_t runs) {
   if (names.empty()) return "\nServo effects: none, as the scene names none.\n";
-  return fmt::format("\nServo effects: {}; they moved the VHIP {} times in the run.\n", names, runs);
+  std::string text =
+      fmt::format("\nServo effects, in the order in which they act; they ran {} times:\n\n| effect | what for |\n|---|---|\n", runs);
+  for (const std::string& name : effectNames(names)) text += fmt::format("| {} | {} |\n", name, effectPurpose(name));
+  return text;
 }
 
 bool isLoaded(const std::vector<std::string>& libraries, const std::string& module) {
   return std::ranges::find(libraries, module + ".so") != libraries.end();
 }
 
+// Those that come with no module, or with two.
+std::size_t otherLibraries(const std::vector<ModuleCost>& modules, const std::vector<std::string>& libraries) {
+  std::size_t others = libraries.size();
+  for (const ModuleCost& module : modules)
+    if (isLoaded(libraries, module.name)) others -= std::min<std::size_t>(others, module.libraries);
+  return others;
+}
+
 std::string librariesText(const SceneReport& report, const std::vector<std::string>& libraries) {
   std::string text = fmt::format(
-      "\nLibraries that are loaded when a scene uses them; {} shared libraries are loaded in all:\n\n"
+      "\nLibraries that are loaded when a scene uses them, and what each takes by itself; {} shared libraries are loaded in "
+      "all:\n\n"
       "| library | loaded | time [ms] | memory | libraries | what for |\n|---|---|---:|---:|---:|---|\n",
       libraries.size());
   for (const ModuleCost& module : report.modules) {
     const char* loaded = isLoaded(libraries, module.name) ? "yes" : "no";
     if (!module.failure.empty()) {
       text += fmt::format("| {} | {} | | | | {}; it cannot be loaded: {} |\n", module.name, loaded,
-                          moduleReason(module.name), module.failure);
+                          modulePurpose(module.name), module.failure);
     } else {
       text += fmt::format("| {} | {} | {:.1f} | {} | {} | {} |\n", module.name, loaded, module.ms,
-                          bytesInWords(module.bytes), module.libraries, moduleReason(module.name));
+                          bytesInWords(module.bytes), module.libraries, modulePurpose(module.name));
     }
   }
-  return text;
+  return text + fmt::format("| all others | yes | | | {} | the C and C++ libraries, Vulkan with its driver, and what these and the modules share |\n",
+                            otherLibraries(report.modules, libraries));
 }
 
 // "+1.5 MiB", "-3 KiB", "0".
@@ -108,13 +138,17 @@ std::string clearText(const MeasuredDifference& difference, const std::string& t
   return difference.isClear() ? text : "-";
 }
 
-std::string featuresText(const std::vector<FeatureCost>& costs) {
-  if (costs.empty()) return {};
+std::string featuresText(const SceneCounts& counted) {
+  const std::vector<FeatureCost>& costs = counted.costs;
+  if (costs.empty()) {
+    return fmt::format("\nWhat each feature costs was not measured; a run of this scene takes {:.1f} s, and --rounds 3 runs it {} times.\n",
+                       1e-3 * counted.counts.wall_ms, 3 * (features().size() + 1));
+  }
   std::string text =
-      "\nWhat each feature adds, measured by running this scene with and without it (a dash: less than runs of the same "
-      "scene differ by). `has`: the scene has it, and leaving it out would save that; `lacks`: leaving it out saves "
+      "\nWhat each feature adds, measured by running this scene with and without it (a dash: no more than runs of the same "
+      "scene differ by, or only one run of each). `has`: the scene has it, and leaving it out would save that; `lacks`: leaving it out saves "
       "that.\n\n"
-      "| | feature | to the first tick [ms] | a tick [us] | GPU | main memory | pipelines | dispatches | threads | "
+      "| | feature | to the first tick [ms] | a tick [us] | GPU peak | main memory | pipelines | dispatches | threads | "
       "libraries | why |\n|---|---|---:|---:|---:|---:|---:|---:|---:|---:|---|\n";
   for (const FeatureCost& cost : costs) {
     const Feature& feature = *cost.feature;
@@ -144,14 +178,14 @@ Json useJson(const gpu::GpuUse& use) {
                        {"constants", constants},
                        {"made_ms", 1e3 * kernel.made_s},
                        {"dispatches", kernel.dispatches},
-                       {"why", kernelReason(kernel.name)}});
+                       {"why", kernelPurpose(kernel.name)}});
   }
   Json buffers = Json::array();
   for (const gpu::BufferUse& buffer : use.buffers) {
     buffers.push_back({{"name", buffer.name},
                        {"count", buffer.count},
                        {"bytes", buffer.bytes},
-                       {"why", bufferReason(buffer.name)}});
+                       {"why", bufferPurpose(buffer.name)}});
   }
   return {{"pipelines", kernels},
           {"buffers", buffers},
@@ -192,7 +226,7 @@ std::string reportDocument(const SceneReport& report) {
   const RunCounts& counts = report.counted->counts;
   return text + pipelinesText(counts.gpu) + buffersText(counts.gpu) + threadsText(counts.threads) +
          effectsText(report.effects, counts.effect_runs) + librariesText(report, counts.libraries) +
-         featuresText(report.counted->costs);
+         featuresText(*report.counted);
 }
 
 std::string reportJson(const SceneReport& report) {
@@ -216,7 +250,8 @@ std::string reportJson(const SceneReport& report) {
                                {"ms", module.ms},
                                {"bytes", module.bytes},
                                {"libraries", module.libraries},
-                               {"why", moduleReason(module.name)}});
+                               {"failure", module.failure},
+                               {"why", modulePurpose(module.name)}});
   }
   json["counted"] = is_counted ? useJson(report.counted->counts.gpu) : Json(nullptr);
   json["not_counted"] = is_counted ? Json(nullptr) : Json(report.not_counted);

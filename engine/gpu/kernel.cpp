@@ -76,12 +76,12 @@ Kernel::Kernel(Gpu& gpu, const KernelSpec& spec) {
   const std::lock_guard lock(vulkan.opened->one_at_a_time);
   std::shared_ptr<const State>& known = vulkan.opened->kernels[keyOf(spec)];
   if (!known) {
-    const Stopwatch watch;
     auto made = std::make_shared<State>();
     made->name = spec.name;
     made->bindings = spec.bindings;
     made->push_bytes = spec.push_bytes;
     made->constants = constantsOf(spec);
+    const Stopwatch watch;
     try {
       made->set_layout = makeSetLayout(vulkan.device, spec.bindings);
       made->layout = makeLayout(vulkan.device, made->set_layout, spec.push_bytes);

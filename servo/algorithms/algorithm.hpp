@@ -46,7 +46,7 @@ struct TickOutput {
   double stored_J = 0;  // what the contact's springs hold and can give back; NaN if the algorithm does not know [J]
   bool in_contact = false;
   std::int32_t plane_age_ticks = 0;  // ticks since the plane was found; 0 without a plane
-  std::int32_t effects = 0;          // contact effects that moved the VHIP in this tick
+  std::int32_t effects = 0;          // contact effects that ran in this tick
   std::uint32_t faults = 0;          // bits of ServoFault (servo/safety/faults.hpp)
   // The next window is needed around `surface_W`, not around the HIP. True in contact, and while a contact is
   // remembered whose surface point the window does not hold.

@@ -196,8 +196,10 @@ class VhipAlgorithm final : public Algorithm {
                                  .on_volume = objects_.empty() || objects_.onVolume(),
                                  .window = in.window};
       ContactPush moved{.vhip_W = out.vhip_W, .energy_m2 = 0.5 * depth_m * depth_m};
-      for (auto& effect : effects_) effect->move(contact, moved);
-      out.effects = static_cast<std::int32_t>(effects_.size());
+      for (auto& effect : effects_) {
+        effect->move(contact, moved);
+        ++out.effects;
+      }
       out.vhip_W = account_.settle(contact, moved);
       out.stored_J = stiffness_N_per_m_ * moved.energy_m2;
       const Vec3 spring_W = stiffness_N_per_m_ * (out.vhip_W - in.hip_W);

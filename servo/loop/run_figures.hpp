@@ -44,7 +44,7 @@ struct RunFigures {
   double energy_end_J = 0;         // energy that the environment has taken from the hand by the end of the run [J]
   std::int64_t active_ticks = 0;   // ticks in contact with the energy below zero
   std::int64_t damped_ticks = 0;   // ticks in which the passivity controller added a force
-  std::int64_t effect_runs = 0;    // contact effects that moved the VHIP, summed over ticks
+  std::int64_t effect_runs = 0;    // contact effects that ran, summed over ticks
   std::vector<FaultCount> faults;  // those that occurred, lowest bit first
 };
 

@@ -28,7 +28,7 @@ struct TickRecord {
   std::uint64_t edit_version = 0;  // the volume edit that the window in use held
   bool in_contact = false;
   bool damped = false;       // the passivity controller added a force
-  std::int32_t effects = 0;  // contact effects that moved the VHIP
+  std::int32_t effects = 0;  // contact effects that ran
 };
 static_assert(std::is_trivially_copyable_v<TickRecord>);
 

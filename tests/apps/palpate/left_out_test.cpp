@@ -14,9 +14,6 @@ namespace left_out_test {
 
 using nlohmann::json;
 using testing::Contains;
-using testing::ElementsAre;
-using testing::IsSupersetOf;
-using testing::Not;
 using testing::StartsWith;
 using testing::UnorderedElementsAre;
 using Names = std::multiset<std::string>;
@@ -60,7 +57,7 @@ TEST_F(LeftOut, ABareTouchHasThreePipelinesTwoThreadsAndNoEffect) {
   EXPECT_THAT(kernelsOf(bare), UnorderedElementsAre("brick_bounds", "gradient", "window"));
   for (const json& kernel : bare["work"]["kernels"]) {
     if (kernel["name"] == "window") {
-      EXPECT_EQ(kernel["dispatches"], bare["servo"]["windows_used"]);
+      EXPECT_GE(kernel["dispatches"], bare["servo"]["windows_used"]);  // a tick may pass while another one is gathered
     } else {
       EXPECT_EQ(kernel["dispatches"], 1);  // once, at the start
     }
@@ -73,7 +70,13 @@ TEST_F(LeftOut, ABareTouchHasThreePipelinesTwoThreadsAndNoEffect) {
 
 // The simulated clock needs no thread beside the program's own.
 TEST_F(LeftOut, TheSimulatedClockMakesNoThread) {
-  EXPECT_TRUE(ownThreads(summaryOf(kBare + Words{"--clock", "simulated"})).empty());
+  const json bare = summaryOf(kBare + Words{"--clock", "simulated"});
+  EXPECT_TRUE(ownThreads(bare).empty());
+  for (const json& kernel : bare["work"]["kernels"]) {  // in step, so every window is used
+    if (kernel["name"] == "window") {
+      EXPECT_EQ(kernel["dispatches"], bare["servo"]["windows_used"]);
+    }
+  }
 }
 
 // Each feature has something that the bare touch has not, and nothing of another feature.
@@ -162,24 +165,43 @@ INSTANTIATE_TEST_SUITE_P(
                 .memory = true}),
     [](const testing::TestParamInfo<Brought>& feature) { return std::string(feature.param.name); });
 
-// What remains of the scene is felt as before, bit for bit: what is drawn, kept on disk, or far away changes nothing.
-class LeftOutChangesNothing : public ProgramTest, public testing::WithParamInterface<std::pair<const char*, Words>> {};
+// A feature that is left out beside others leaves the rest of the scene as it was: the traces are the same, bit for bit.
+struct Beside {
+  const char* name;
+  Words rest, feature;
+};
+
+class LeftOutChangesNothing : public ProgramTest, public testing::WithParamInterface<Beside> {};
 
 TEST_P(LeftOutChangesNothing, OfWhatRemains) {
+  write("tetrahedron.stl",
+        "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0 1 0\nvertex 1 0 0\nendloop\nendfacet\n"
+        "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 0 1\nendloop\nendfacet\n"
+        "facet normal 0 0 1\nouter loop\nvertex 1 0 0\nvertex 0 1 0\nvertex 0 0 1\nendloop\nendfacet\n"
+        "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0 0 1\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n");
   const Words base = {"touch", "phantom:knot?size=32&noise=0.02", "--seconds", "0.3", "--clock", "simulated"};
-  expectSuccess(run(base + Words{"--picture", "off", "--out", "bare"}));
-  expectSuccess(run(base + GetParam().second + Words{"--out", "with"}));
-  const std::string bare = contentsOf(file("bare/trace.csv"));
-  EXPECT_GT(bare.size(), 10000U);
-  EXPECT_TRUE(bare == contentsOf(file("with/trace.csv"))) << "the traces differ";
+  const Beside& beside = GetParam();
+  expectSuccess(run(base + beside.rest + Words{"--out", "without"}));
+  expectSuccess(run(base + beside.rest + beside.feature + Words{"--out", "with"}));
+  const std::string without = contentsOf(file("without/trace.csv"));
+  EXPECT_GT(without.size(), 10000U);
+  EXPECT_TRUE(without == contentsOf(file("with/trace.csv"))) << "the traces differ";
 }
+
+const Words kNoPicture = {"--picture", "off"};
+const Words kEdited = {"--picture", "off", "--edit", "remove:radius=2mm"};
+const Words kBusy = {"--picture", "off", "--friction-static", "0.5", "--texture", "procedural", "--filter", "median:1"};
 
 INSTANTIATE_TEST_SUITE_P(
     Features, LeftOutChangesNothing,
-    testing::Values(std::pair("picture", Words{"--picture", "on"}),
-                    std::pair("all_gradients", Words{"--picture", "off", "--gradient", "all"}),
-                    std::pair("far_object", Words{"--picture", "off", "--object", "sphere:centre=0,0,100000:radius=5"})),
-    [](const auto& feature) { return std::string(feature.param.first); });
+    testing::Values(Beside{"picture", {}, kNoPicture}, Beside{"all_gradients", kNoPicture, {"--gradient", "all"}},
+                    Beside{"all_gradients_beside_others", kBusy, {"--gradient", "all"}},
+                    Beside{"far_ball", kNoPicture, {"--object", "sphere:centre=0,0,100000:radius=5"}},
+                    Beside{"far_mesh", kNoPicture, {"--object", "mesh:position=0,0,100000:file=tetrahedron.stl"}},
+                    Beside{"journal", kEdited, {"--journal", "journal"}},
+                    Beside{"save", kEdited, {"--save", "saved.vdb"}},
+                    Beside{"memory_limit", kBusy, {"--gpu-memory", "1GiB"}}),
+    [](const testing::TestParamInfo<Beside>& beside) { return std::string(beside.param.name); });
 
 }  // namespace left_out_test
 }  // namespace palpate

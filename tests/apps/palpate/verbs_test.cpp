@@ -287,7 +287,8 @@ TEST_F(Verbs, PlanSaysOfEverythingWhatItIsFor) {
   for (const auto& module : plan["modules"]) EXPECT_NE(module["why"], "") << module;
   EXPECT_EQ(plan["effects"], "friction");
   EXPECT_GT(plan["counted"]["effect_runs"], 0);
-  EXPECT_THAT(plan["counted"]["threads"], testing::Contains("servo"));
+  for (const char* name : {"palpate", "engine", "servo"})
+    EXPECT_THAT(plan["counted"]["threads"], testing::Contains(name));
   EXPECT_TRUE(plan["features"].empty());
 }
 
@@ -316,6 +317,16 @@ TEST_F(Verbs, PlanRefusesWhatTouchRefuses) {
   expectRefusal(run({"plan", "phantom:sphere?size=16", "--json", "no/such/folder/p.json"}), "no/such/folder", "", 4);
   expectSuccess(run({"convert", "phantom:sphere?size=16", "in.vdb"}));
   expectRefusal(run({"plan", "in.vdb", "--json", "in.vdb"}), "in.vdb", "it is the input", 2);
+  write("scene.toml", "volume = \"in.vdb\"\n");
+  write("way.csv", "time_s,x_m,y_m,z_m\n0,9,0,0.01\n0.1,9,0,0\n");
+  expectRefusal(run({"plan", "scene.toml", "--json", "scene.toml"}), "scene.toml", "the scene is made of it", 2);
+  expectRefusal(run({"plan", "in.vdb", "--path", "way.csv", "--json", "way.csv"}), "way.csv", "the scene is made of it", 2);
+  for (const char* output : {"--json", "-o"}) {
+    expectRefusal(run({"tune", "scene.toml", "--error", "1N", "--overwrite", output, "scene.toml"}), "scene.toml",
+                  "the scene is made of it", 2);
+    expectRefusal(run({"tune", "in.vdb", "--error", "1N", "--overwrite", output, "in.vdb"}), "in.vdb",
+                  "it is the input", 2);
+  }
   expectRefusal(run({"plan", "nowhere.nrrd"}), "nowhere.nrrd", "no such file", 3);
   expectRefusal(run({"plan", "phantom:sphere?size=16", "--iso", "9999"}), "phantom:sphere", "isovalue", 2);
 }

@@ -65,13 +65,17 @@ TEST(CountedRun, WritesIntoItsFolderAlone) {
   scene.duration_s = 100;
   std::filesystem::create_directories(program.folder() / "journal");
   std::ofstream(program.folder() / "journal" / "old") << "old";
+  std::ofstream(program.folder() / "saved.vdb") << "old";
+  scene.device = "another";
   (void)countedRun(scene, program.folder(), program.path());
   EXPECT_FALSE(std::filesystem::exists(program.folder() / "journal"));
+  EXPECT_FALSE(std::filesystem::exists(program.folder() / "saved.vdb"));
   ASSERT_EQ(program.called().size(), 1U);
   const std::string words = program.called()[0];
   EXPECT_THAT(words, Not(HasSubstr("/home/someone")));
   for (const char* part : {"touch ", "seconds = 0.2", "journal = ", "save = ", "brush = \"remove:radius=2mm\""})
     EXPECT_THAT(words, HasSubstr(part));
+  EXPECT_THAT(words, Not(HasSubstr("another")));  // the device
   EXPECT_THAT(words, Not(HasSubstr("simulated")));
   EXPECT_THAT(words, Not(HasSubstr("require_real_time")));
 }
@@ -102,6 +106,15 @@ TEST(CountedRun, TellsWhyTheProgramRefused) {
   const std::string message =
       refusalOf([&] { (void)countedRun(scene, program.folder(), program.path()); }, Error::Code::kBadInput);
   EXPECT_THAT(message, HasSubstr("phantom:sphere: the run that should be counted failed: texture: too rough; sand it"));
+  // A crash is no refusal, and its last message no reason.
+  const std::filesystem::path crashing = program.folder() / "crashing";
+  std::ofstream(crashing) << "#!/bin/sh\necho 'palpate: loading ...' >&2\nkill -SEGV $$\n";
+  std::filesystem::permissions(crashing, std::filesystem::perms::owner_all);
+  EXPECT_THAT(refusalOf([&] { (void)countedRun(scene, program.folder(), crashing); }, Error::Code::kDevice),
+              HasSubstr("failed: it was ended by signal 11; this is a fault of Palpate"));
+  std::ofstream(crashing) << "#!/bin/sh\necho 'palpate: a: no room; make some' >&2\nexit 5\n";
+  EXPECT_THAT(refusalOf([&] { (void)countedRun(scene, program.folder(), crashing); }, Error::Code::kOutOfMemory),
+              HasSubstr("failed: a: no room; make some"));
   EXPECT_THAT(refusalOf([&] { (void)countedRun(scene, program.folder(), "/no/such/program"); }, Error::Code::kIo),
               HasSubstr("no process"));
 }

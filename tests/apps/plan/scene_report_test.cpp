@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/plan/scene_report.hpp"
 
+#include <cmath>
+
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
@@ -26,6 +28,7 @@ SceneReport sample() {
   counts.threads = {"palpate", "palpate", "engine", "servo", "llvmpipe-0"};
   counts.libraries = {"openvdb.so", "libc.so.6"};
   counts.effect_runs = 12;
+  counts.wall_ms = 1500;
   const FeatureCost filters{.feature = &featureNamed("filters"),
                             .is_in = false,
                             .start_ms = {20, 3},
@@ -57,7 +60,8 @@ TEST(SceneReport, SaysOfEachThingHowMuchAndWhatFor) {
         "| `gradient` | kHalf=0 kRun=8 | 12.5 | 3 | gradients of the bricks that need them |\n",
         "| window slot | 3 | 1.5 MiB | the samples around the tool", "at most 2 MiB at one time",
         "| `servo` | the force, tick by tick |\n", "| 2 more | the Vulkan driver and libraries |\n",
-        "\nServo effects: friction; they moved the VHIP 12 times in the run.\n", "2 shared libraries are loaded in all",
+        "they ran 12 times:\n\n| effect | what for |\n|---|---|\n| friction | the tool sticks and slips |\n",
+        "| `kRun` | rows of a brick that one invocation computes |\n", "| all others | yes | | | 0 | the C and", "2 shared libraries are loaded in all",
         "| itk | no | 18.2 | 4 MiB | 40 | volumes in DICOM", "| openvdb | yes | 35.0 | 1 KiB | 9 |",
         "| cairo | no | | | | pictures; it cannot be loaded: it is gone |\n",
         "| lacks | filters (gaussian:1) | +20.0 | - | +1 MiB | -3 MiB | +1 | +4 | 0 | 0 | the scene names none: the "
@@ -87,6 +91,24 @@ TEST(SceneReport, WithoutEffectsAndMeasurementsSaysSo) {
   const std::string text = reportDocument(report);
   EXPECT_THAT(text, HasSubstr("\nServo effects: none, as the scene names none.\n"));
   EXPECT_THAT(text, Not(HasSubstr("What each feature adds")));
+  EXPECT_THAT(text, HasSubstr("\nWhat each feature costs was not measured; a run of this scene takes 1.5 s, and"));
+}
+
+TEST(SceneReport, HasARowForEachEffect) {
+  SceneReport report = sample();
+  report.effects = "texture, friction, stiffness by density";
+  const std::string text = reportDocument(report);
+  EXPECT_THAT(text, HasSubstr("| texture | fine relief |\n| friction | the tool sticks and slips |\n| stiffness by density | "));
+}
+
+// One run of each tells no difference from chance.
+TEST(SceneReport, OfOneRunShowsNoTimes) {
+  SceneReport report = sample();
+  FeatureCost& filters = report.counted->costs.front();
+  filters.start_ms.spread = filters.main_bytes.spread = filters.dispatches.spread = std::nan("");
+  const std::string text = reportDocument(report);
+  EXPECT_THAT(text, HasSubstr("| lacks | filters (gaussian:1) | - | - | +1 MiB | - | +1 | - | 0 | 0 |"));
+  EXPECT_EQ(json::parse(reportJson(report))["features"][0]["start_ms"]["spread"], nullptr);
 }
 
 TEST(SceneReport, IsThereForProgramsToTheLetter) {
@@ -104,8 +126,9 @@ TEST(SceneReport, IsThereForProgramsToTheLetter) {
   EXPECT_EQ(found["counted"]["libraries"].size(), 2U);
   EXPECT_EQ(found["counted"]["effect_runs"], 12);
   EXPECT_EQ(found["modules"][0], json::parse(R"({"name": "itk", "loaded": false, "ms": 18.25, "bytes": 4194304,
-    "libraries": 40, "why": "volumes in DICOM, NRRD and MetaImage"})"));
+    "libraries": 40, "failure": "", "why": "volumes in DICOM, NRRD and MetaImage"})"));
   EXPECT_EQ(found["modules"][1]["loaded"], true);
+  EXPECT_EQ(found["modules"][2]["failure"], "it is gone");
   EXPECT_EQ(found["features"][0], json::parse(R"({"name": "filters", "is_in": false,
     "why": "the scene names none: the volume itself is felt", "measured_with": "gaussian:1",
     "start_ms": {"value": 20, "spread": 3}, "tick_us": {"value": 0.01, "spread": 0.5},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/console/run_program.hpp"
+#include "apps/console/call_program.hpp"
 
 #include <cerrno>
 #include <csignal>
@@ -60,15 +60,21 @@ int waitFor(pid_t child) {
   }
 }
 
-std::string failureOf(int status, bool shows_messages) {
-  if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return {};
-  if (WIFSIGNALED(status)) return fmt::format("it was ended by signal {}", WTERMSIG(status));
-  return fmt::format("it ended with status {}{}", WEXITSTATUS(status), shows_messages ? "; its message is above" : "");
+ProgramEnd endOf(int status, bool shows_messages) {
+  if (WIFSIGNALED(status)) {
+    return {.signal = WTERMSIG(status), .failure = fmt::format("it was ended by signal {}", WTERMSIG(status))};
+  }
+  ProgramEnd end{.status = WEXITSTATUS(status)};
+  if (end.status != 0) {
+    end.failure =
+        fmt::format("it ended with status {}{}", end.status, shows_messages ? "; its message is above" : "");
+  }
+  return end;
 }
 
 }  // namespace
 
-ProgramEnd runProgram(const ProgramCall& call) {
+ProgramEnd callProgram(const ProgramCall& call) {
   std::vector<std::string> all = {"palpate"};
   all.insert(all.end(), call.words.begin(), call.words.end());
   std::vector<char*> arguments;
@@ -88,7 +94,7 @@ ProgramEnd runProgram(const ProgramCall& call) {
   });
   posix_spawn_file_actions_destroy(&actions);
   if (failure != 0) refuseProcess(failure);
-  ProgramEnd end{.failure = failureOf(waitFor(child), call.shows_messages), .messages = {}};
+  ProgramEnd end = endOf(waitFor(child), call.shows_messages);
   leftover.release();
   if (!call.shows_messages) {
     std::ifstream file("/proc/self/fd/" + std::to_string(kept.number()), std::ios::binary);
