@@ -25,7 +25,7 @@ struct Goal {
 // A candidate is picked only if its figure, times this, is within the bound. The error is the same in every run with
 // the simulated clock; with the real one windows come a little later. A time depends on what else the machine does.
 inline constexpr double kErrorMargin = 1.05;
-inline constexpr double kTimeMargin = 1.25;
+inline constexpr double kTimeMargin = 1.4;
 [[nodiscard]] double marginOf(const Goal& goal);
 
 // A time of repeated runs differs by so much by chance, and memory and start by less. Costs that are nearer to each
