@@ -14,8 +14,8 @@
 
 #include "apps/bench/columns.hpp"
 #include "apps/bench/log_chart.hpp"
-#include "apps/console/interrupt.hpp"
 #include "apps/console/call_program.hpp"
+#include "apps/console/interrupt.hpp"
 #include "apps/rivals/scratch_folder.hpp"
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"

@@ -66,8 +66,7 @@ ProgramEnd endOf(int status, bool shows_messages) {
   }
   ProgramEnd end{.status = WEXITSTATUS(status)};
   if (end.status != 0) {
-    end.failure =
-        fmt::format("it ended with status {}{}", end.status, shows_messages ? "; its message is above" : "");
+    end.failure = fmt::format("it ended with status {}{}", end.status, shows_messages ? "; its message is above" : "");
   }
   return end;
 }

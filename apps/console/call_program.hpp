@@ -15,8 +15,8 @@ struct ProgramCall {
 };
 
 struct ProgramEnd {
-  int status = 0;              // that it ended with; a signal ended it: 0
-  int signal = 0;              // that ended it; 0: none
+  int status = 0;             // that it ended with; a signal ended it: 0
+  int signal = 0;             // that ended it; 0: none
   std::string failure = {};   // why it did not end with status 0, in words; empty: it did
   std::string messages = {};  // what it wrote on standard error, if that was kept
 };

@@ -9,9 +9,9 @@
 
 #include "apps/bench/all_benches.hpp"
 #include "apps/bench/result_file.hpp"
+#include "apps/console/call_program.hpp"
 #include "apps/console/interrupt.hpp"
 #include "apps/console/message.hpp"
-#include "apps/console/call_program.hpp"
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
 #include "bench_outputs.hpp"

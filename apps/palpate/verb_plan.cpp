@@ -75,9 +75,10 @@ void addPlanVerb(CLI::App& app) {
   auto arguments = std::make_shared<SceneArguments>(*verb);
   auto rounds = std::make_shared<std::optional<int>>();
   auto json = std::make_shared<std::string>();
-  verb->add_option("--rounds", *rounds,
-                   "how often the scene is run with and without each feature; 0: it is run once, as it is (default: up to "
-                   "3, as many as take a minute)")
+  verb->add_option(
+          "--rounds", *rounds,
+          "how often the scene is run with and without each feature; 0: it is run once, as it is (default: up to "
+          "3, as many as take a minute)")
       ->check(CLI::Range(0, kMostRounds));
   verb->add_option("--json", *json, "write it into this file too")->type_name("FILE");
   verb->callback([arguments, rounds, json] {

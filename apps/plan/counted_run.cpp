@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "apps/console/interrupt.hpp"
 #include "apps/console/call_program.hpp"
+#include "apps/console/interrupt.hpp"
 #include "apps/path/path_csv.hpp"
 #include "apps/plan/purposes.hpp"
 #include "apps/scene/scene_text.hpp"
@@ -57,7 +57,8 @@ RunCounts countsOf(const nlohmann::json& summary) {
   counts.plan = summary.at("plan").get<std::vector<std::string>>();
   counts.start_ms = summary.at("servo").at("start_to_first_tick_ms");
   counts.tick_us = summary.at("servo").at("tick_cost_us").at("p50");
-  for (const nlohmann::json& stage : summary.at("stages")) counts.stages.push_back({stage.at("name"), stage.at("seconds")});
+  for (const nlohmann::json& stage : summary.at("stages"))
+    counts.stages.push_back({stage.at("name"), stage.at("seconds")});
   for (const nlohmann::json& memory : summary.at("memory"))
     if (memory.at("name") == "process peak") counts.main_bytes = memory.at("bytes");
   return counts;

@@ -20,9 +20,9 @@ struct RunCounts {
   std::vector<std::string> libraries;  // at the end
   std::vector<StageTime> stages;
   std::int64_t effect_runs = 0;
-  double start_ms = 0;      // from the start of the process until the first tick was due
-  double tick_us = 0;       // computing time of a tick in contact or not, median; 0 with the simulated clock
-  double wall_ms = 0;       // of the whole process, seen from outside
+  double start_ms = 0;           // from the start of the process until the first tick was due
+  double tick_us = 0;            // computing time of a tick in contact or not, median; 0 with the simulated clock
+  double wall_ms = 0;            // of the whole process, seen from outside
   std::uint64_t main_bytes = 0;  // of main memory, the process's peak [byte]
   std::vector<std::string> plan;
 
@@ -30,9 +30,9 @@ struct RunCounts {
   [[nodiscard]] std::size_t ownThreads() const;  // of Palpate (purposes.hpp), not of a driver
 };
 
-// The scene as it is run for counting, by the real clock for a fifth of a second, with the simulated device whatever the
-// scene names. Everything that it writes goes into `folder`. A path from a file of more than two seconds is left out for
-// one that is built from the surface.
+// The scene as it is run for counting, by the real clock for a fifth of a second, with the simulated device whatever
+// the scene names. Everything that it writes goes into `folder`. A path from a file of more than two seconds is left
+// out for one that is built from the surface.
 [[nodiscard]] Scene shortRun(Scene scene, const std::filesystem::path& folder);
 
 // Runs shortRun(scene, folder) with `program` (this one, if empty). `folder`: one of the caller's own; what an earlier

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/plan/feature.hpp: what a scene may have beside the bare touch of a volume, as a table: filters, effects, objects,
-// edits, pictures. So that the cost of each can be counted, each can be switched on or off in any scene. Any thread.
+// apps/plan/feature.hpp: what a scene may have beside the bare touch of a volume, as a table: filters, effects,
+// objects, edits, pictures. So that the cost of each can be counted, each can be switched on or off in any scene. Any
+// thread.
 //
 // The bare touch is the density of a volume, gradients where its isosurface is, an algorithm that feels samples, a
 // simulated device, and a summary.

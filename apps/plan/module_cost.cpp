@@ -34,8 +34,8 @@ std::string loadedCost(const std::string& name) {
   const double ms = 1e3 * watch.seconds();
   if (library == nullptr) return nlohmann::json{{"failure", dlerror()}}.dump();
   return nlohmann::json{{"ms", ms},
-              {"bytes", std::max<std::int64_t>(0, residentBytes() - bytes)},
-              {"libraries", mappedLibraries().size() - libraries}}
+                        {"bytes", std::max<std::int64_t>(0, residentBytes() - bytes)},
+                        {"libraries", mappedLibraries().size() - libraries}}
       .dump();
 }
 

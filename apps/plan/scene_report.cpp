@@ -24,7 +24,8 @@ std::string passesText(const SceneReport& report) {
                         line.saved_bytes > 0 ? "-" + inMiB(line.saved_bytes) : "", line.why);
   }
   std::vector<std::string> times;
-  for (const StageTime& pass : report.passes) times.push_back(fmt::format("{} {:.1f} ms", pass.name, 1e3 * pass.seconds));
+  for (const StageTime& pass : report.passes)
+    times.push_back(fmt::format("{} {:.1f} ms", pass.name, 1e3 * pass.seconds));
   return text + fmt::format("\nTime at the start: {}.\n", fmt::join(times, ", "));
 }
 
@@ -48,9 +49,10 @@ std::string pipelinesText(const gpu::GpuUse& use) {
 }
 
 std::string buffersText(const gpu::GpuUse& use) {
-  std::string text = fmt::format("\nBuffers on the device at the end; at most {} at one time:\n\n"
-                                 "| buffer | how many | size | what for |\n|---|---:|---:|---|\n",
-                                 bytesInWords(use.peak_bytes));
+  std::string text = fmt::format(
+      "\nBuffers on the device at the end; at most {} at one time:\n\n"
+      "| buffer | how many | size | what for |\n|---|---:|---:|---|\n",
+      bytesInWords(use.peak_bytes));
   for (const gpu::BufferUse& buffer : use.buffers)
     text += fmt::format("| {} | {} | {} | {} |\n", buffer.name, buffer.count, bytesInWords(buffer.bytes),
                         bufferPurpose(buffer.name));
@@ -86,8 +88,9 @@ std::vector<std::string> effectNames(const std::string& names) {
 
 std::string effectsText(const std::string& names, std::int64_t runs) {
   if (names.empty()) return "\nServo effects: none, as the scene names none.\n";
-  std::string text =
-      fmt::format("\nServo effects, in the order in which they act; they ran {} times:\n\n| effect | what for |\n|---|---|\n", runs);
+  std::string text = fmt::format(
+      "\nServo effects, in the order in which they act; they ran {} times:\n\n| effect | what for |\n|---|---|\n",
+      runs);
   for (const std::string& name : effectNames(names)) text += fmt::format("| {} | {} |\n", name, effectPurpose(name));
   return text;
 }
@@ -106,7 +109,8 @@ std::size_t otherLibraries(const std::vector<ModuleCost>& modules, const std::ve
 
 std::string librariesText(const SceneReport& report, const std::vector<std::string>& libraries) {
   std::string text = fmt::format(
-      "\nLibraries that are loaded when a scene uses them, and what each takes by itself; {} shared libraries are loaded in "
+      "\nLibraries that are loaded when a scene uses them, and what each takes by itself; {} shared libraries are "
+      "loaded in "
       "all:\n\n"
       "| library | loaded | time [ms] | memory | libraries | what for |\n|---|---|---:|---:|---:|---|\n",
       libraries.size());
@@ -120,8 +124,10 @@ std::string librariesText(const SceneReport& report, const std::vector<std::stri
                           bytesInWords(module.bytes), module.libraries, modulePurpose(module.name));
     }
   }
-  return text + fmt::format("| all others | yes | | | {} | the C and C++ libraries, Vulkan with its driver, and what these and the modules share |\n",
-                            otherLibraries(report.modules, libraries));
+  return text + fmt::format(
+                    "| all others | yes | | | {} | the C and C++ libraries, Vulkan with its driver, and what these and "
+                    "the modules share |\n",
+                    otherLibraries(report.modules, libraries));
 }
 
 // "+1.5 MiB", "-3 KiB", "0".
@@ -141,14 +147,19 @@ std::string clearText(const MeasuredDifference& difference, const std::string& t
 std::string featuresText(const SceneCounts& counted) {
   const std::vector<FeatureCost>& costs = counted.costs;
   if (costs.empty()) {
-    return fmt::format("\nWhat each feature costs was not measured; a run of this scene takes {:.1f} s, and --rounds 3 runs it {} times.\n",
-                       1e-3 * counted.counts.wall_ms, 3 * (features().size() + 1));
+    return fmt::format(
+        "\nWhat each feature costs was not measured; a run of this scene takes {:.1f} s, and --rounds 3 runs it {} "
+        "times.\n",
+        1e-3 * counted.counts.wall_ms, 3 * (features().size() + 1));
   }
   std::string text =
-      "\nWhat each feature adds, measured by running this scene with and without it (a dash: no more than runs of the same "
-      "scene differ by, or only one run of each). `has`: the scene has it, and leaving it out would save that; `lacks`: leaving it out saves "
+      "\nWhat each feature adds, measured by running this scene with and without it (a dash: no more than runs of the "
+      "same "
+      "scene differ by, or only one run of each). `has`: the scene has it, and leaving it out would save that; "
+      "`lacks`: leaving it out saves "
       "that.\n\n"
-      "| | feature | to the first tick [ms] | a tick [us] | GPU peak | main memory | pipelines | dispatches | threads | "
+      "| | feature | to the first tick [ms] | a tick [us] | GPU peak | main memory | pipelines | dispatches | threads "
+      "| "
       "libraries | why |\n|---|---|---:|---:|---:|---:|---:|---:|---:|---:|---|\n";
   for (const FeatureCost& cost : costs) {
     const Feature& feature = *cost.feature;
@@ -164,7 +175,8 @@ std::string featuresText(const SceneCounts& counted) {
                         clearText(cost.tick_us, fmt::format("{:+.2f}", cost.tick_us.value)),
                         signedBytes(static_cast<double>(cost.gpu_bytes)),
                         clearText(cost.main_bytes, signedBytes(cost.main_bytes.value)), signedCount(cost.pipelines),
-                        clearText(cost.dispatches, fmt::format("{:+.0f}", cost.dispatches.value)), signedCount(cost.threads), signedCount(cost.libraries), why);
+                        clearText(cost.dispatches, fmt::format("{:+.0f}", cost.dispatches.value)),
+                        signedCount(cost.threads), signedCount(cost.libraries), why);
   }
   return text;
 }
@@ -182,15 +194,11 @@ Json useJson(const gpu::GpuUse& use) {
   }
   Json buffers = Json::array();
   for (const gpu::BufferUse& buffer : use.buffers) {
-    buffers.push_back({{"name", buffer.name},
-                       {"count", buffer.count},
-                       {"bytes", buffer.bytes},
-                       {"why", bufferPurpose(buffer.name)}});
+    buffers.push_back(
+        {{"name", buffer.name}, {"count", buffer.count}, {"bytes", buffer.bytes}, {"why", bufferPurpose(buffer.name)}});
   }
-  return {{"pipelines", kernels},
-          {"buffers", buffers},
-          {"submissions", use.submissions},
-          {"peak_bytes", use.peak_bytes}};
+  return {
+      {"pipelines", kernels}, {"buffers", buffers}, {"submissions", use.submissions}, {"peak_bytes", use.peak_bytes}};
 }
 
 Json differenceJson(const MeasuredDifference& difference) {
@@ -230,14 +238,9 @@ std::string reportDocument(const SceneReport& report) {
 }
 
 std::string reportJson(const SceneReport& report) {
-  Json json = {{"schema", "palpate.plan/1"},
-               {"volume", report.volume},
-               {"isovalue_density", report.isovalue},
-               {"vulkan_device", report.gpu},
-               {"passes", Json::array()},
-               {"stages", Json::array()},
-               {"effects", report.effects},
-               {"modules", Json::array()}};
+  Json json = {{"schema", "palpate.plan/1"},  {"volume", report.volume}, {"isovalue_density", report.isovalue},
+               {"vulkan_device", report.gpu}, {"passes", Json::array()}, {"stages", Json::array()},
+               {"effects", report.effects},   {"modules", Json::array()}};
   for (const PlanLine& line : report.lines)
     json["passes"].push_back(
         {{"done", line.done}, {"what", line.what}, {"why", line.why}, {"saved_bytes", line.saved_bytes}});

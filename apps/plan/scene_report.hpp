@@ -16,8 +16,8 @@ namespace palpate {
 
 struct SceneReport {
   std::string volume = {};
-  double isovalue = 0;  // [density]
-  std::string gpu = {};      // name of the Vulkan device
+  double isovalue = 0;   // [density]
+  std::string gpu = {};  // name of the Vulkan device
   std::vector<PlanLine> lines = {};
   std::vector<StageTime> passes = {};  // of the engine's start
   std::string effects = {};            // names of contact effects; empty: none

@@ -28,8 +28,12 @@ FilterChain::FilterChain(gpu::Gpu& gpu, gpu::Transfer& transfer, const BrickPool
       dispatch_(gpu, transfer, checked(std::move(steps))),
       routes_(routesOf(dispatch_.steps())),
       reach_(totalReach(dispatch_.steps())),
-      result_(std::make_unique<BrickPool>(gpu, transfer, source, "filtered density")),
-      region_(gpu, transfer, dispatch_, routes_, source, *result_) {}
+      result_(std::make_unique<BrickPool>(gpu, transfer, source, "filtered density")) {}
+
+FilterRegion& FilterChain::region() {
+  if (!region_) region_ = std::make_unique<FilterRegion>(gpu_, transfer_, dispatch_, routes_, source_, *result_);
+  return *region_;
+}
 
 void FilterChain::run(const std::function<void(double)>& progress) {
   filterWhole(gpu_, transfer_, dispatch_, routes_, source_, *result_, progress);

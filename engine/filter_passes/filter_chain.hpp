@@ -48,7 +48,9 @@ class FilterChain {
   [[nodiscard]] const BrickPool& result() const noexcept { return *result_; }
   [[nodiscard]] const std::vector<FilterStep>& steps() const noexcept { return dispatch_.steps(); }
   [[nodiscard]] const Vec3i& reach() const noexcept { return reach_; }  // of the whole chain [voxel]
-  [[nodiscard]] std::size_t scratchBytes() const noexcept { return region_.scratchBytes(); }  // kept on the GPU
+  [[nodiscard]] std::size_t scratchBytes() const noexcept {
+    return region_ ? region_->scratchBytes() : 0;
+  }  // kept on the GPU
 
   // After a change of the source, four calls recompute the bricks of the result that the change can reach:
   //   plan()    finds the bricks that each step needs and makes room. `bricks`: those of the result, ascending.
@@ -59,24 +61,30 @@ class FilterChain {
   //   settle()  frees the storage of bricks that became constant. The work must be done and the source settled.
   using SourceConstant = FilterRegion::SourceConstant;
   void plan(std::span<const std::uint32_t> bricks, const SourceConstant& source_constant) {
-    region_.plan(bricks, source_constant);
+    region().plan(bricks, source_constant);
   }
   // The one density that a brick of the result will hold once the plan is carried out; empty if it will be stored. A
   // chain that reads this one's result takes it as its SourceConstant.
-  [[nodiscard]] std::optional<float> constantAfter(std::uint32_t brick) const { return region_.constantAfter(brick); }
+  [[nodiscard]] std::optional<float> constantAfter(std::uint32_t brick) const { return region_->constantAfter(brick); }
   // Call it instead of commit() if another part of the edit found no room. Forgets the plan and frees the scratch, so
   // that a smaller change may find room.
-  void abandon() noexcept { region_.abandon(); }
-  void makeKernels() { region_.makeKernels(); }  // after plan(), which adds slabs; throws Error(kDevice)
-  void commit() { region_.commit(); }
-  void record(gpu::Commands& commands) { region_.record(commands); }
-  void settle() { region_.settle(); }
-  [[nodiscard]] std::uint32_t dispatches() const noexcept { return region_.dispatches(); }  // upper limit for record()
+  void abandon() noexcept {
+    if (region_) region_->abandon();
+  }
+  void makeKernels() { region().makeKernels(); }  // after plan(), which adds slabs; throws Error(kDevice)
+  void commit() { region().commit(); }
+  void record(gpu::Commands& commands) { region().record(commands); }
+  void settle() { region().settle(); }
+  [[nodiscard]] std::uint32_t dispatches() const noexcept {  // upper limit for record()
+    return FilterRegion::dispatchesOf(steps().size());
+  }
   void reserve(std::size_t bricks);  // room for so many more stored bricks in the result; throws Error(kOutOfMemory)
   // Makes the kernels and scratch pools for edits, so that the first edit does not wait for the driver's compiler.
-  void prepare() { region_.prepare(); }
+  void prepare() { region().prepare(); }
 
  private:
+  [[nodiscard]] FilterRegion& region();
+
   gpu::Gpu& gpu_;
   gpu::Transfer& transfer_;
   const BrickPool& source_;
@@ -84,7 +92,7 @@ class FilterChain {
   std::vector<FilterRoute> routes_;
   Vec3i reach_;
   std::unique_ptr<BrickPool> result_;
-  FilterRegion region_;
+  std::unique_ptr<FilterRegion> region_;  // from the first change on
 };
 
 // A chain that has run; null if `steps` is empty. Throws as FilterChain's constructor and run() do.

@@ -19,19 +19,13 @@ FilterRegion::FilterRegion(gpu::Gpu& gpu, gpu::Transfer& transfer, FilterDispatc
       source_(source),
       result_(result),
       grid_(source.grid()),
+      page_kernel_(gpu, {.name = "page_write",
+                         .spirv = kernelSpirv("page_write"),
+                         .bindings = PAGE_WRITE_BINDINGS,
+                         .push_bytes = sizeof(layout::PageWritePush),
+                         .specialisation = {}}),
       task_list_(gpu, "filter tasks", 1),
       page_list_(gpu, "pages to write", 1) {}
-
-const gpu::Kernel& FilterRegion::pageKernel() {
-  if (!page_kernel_) {
-    page_kernel_.emplace(gpu_, gpu::KernelSpec{.name = "page_write",
-                                               .spirv = kernelSpirv("page_write"),
-                                               .bindings = PAGE_WRITE_BINDINGS,
-                                               .push_bytes = sizeof(layout::PageWritePush),
-                                               .specialisation = {}});
-  }
-  return *page_kernel_;
-}
 
 std::size_t FilterRegion::scratchBytes() const noexcept {
   std::size_t bytes = 0;
@@ -142,7 +136,6 @@ void FilterRegion::abandon() noexcept {
 }
 
 void FilterRegion::makeKernels() {
-  static_cast<void>(pageKernel());
   for (std::size_t i = 0; i < steps_.size(); ++i) {
     for (const bool edge : {false, true}) {
       if (edge && !dispatch_.hasEdge(i)) continue;
@@ -207,9 +200,9 @@ void FilterRegion::listTasks(std::size_t step) {
   outputs_[step].ranges = by_range.moveTo(tasks_);
 }
 
-std::uint32_t FilterRegion::dispatches() const noexcept {
+std::uint32_t FilterRegion::dispatchesOf(std::size_t steps) noexcept {
   // For each step: its pages, then for each slab its inner and its border bricks.
-  return static_cast<std::uint32_t>(steps_.size()) * (1 + 2 * DENSITY_SLABS);
+  return static_cast<std::uint32_t>(steps) * (1 + 2 * DENSITY_SLABS);
 }
 
 void FilterRegion::record(gpu::Commands& commands) {
@@ -220,7 +213,7 @@ void FilterRegion::record(gpu::Commands& commands) {
     if (output.page_count > 0) {
       const layout::PageWritePush push{output.first_page, output.page_count};
       const std::uint32_t groups = (output.page_count + PAGE_WRITE_GROUP - 1) / PAGE_WRITE_GROUP;
-      commands.dispatch(pageKernel(), std::array{&page_list_.buffer(), &writtenBy(i).pages()}, gpu::pushBytes(push),
+      commands.dispatch(page_kernel_, std::array{&page_list_.buffer(), &writtenBy(i).pages()}, gpu::pushBytes(push),
                         gpu::Groups::folded(groups, GROUPS_PER_ROW));
     }
     dispatch_.record(commands, i, readBy(i), writtenBy(i), task_list_.buffer(), output.ranges);
@@ -246,7 +239,7 @@ void FilterRegion::prepare() {
   for (const FilterRoute& route : routes_) {
     if (route.pool != FilterRoute::kResult) static_cast<void>(scratch(route.pool));
   }
-  gpu::Commands commands(gpu_, "filter kernels", dispatches());
+  gpu::Commands commands(gpu_, "filter kernels", dispatchesOf(steps_.size()));
   commands.begin();
   for (std::size_t i = 0; i < steps_.size(); ++i) {
     for (const bool edge : {false, true}) {
@@ -257,7 +250,7 @@ void FilterRegion::prepare() {
     }
   }
   const layout::PageWritePush push{0, 0};
-  commands.dispatch(pageKernel(), std::array{&page_list_.buffer(), &result_.pages()}, gpu::pushBytes(push), {});
+  commands.dispatch(page_kernel_, std::array{&page_list_.buffer(), &result_.pages()}, gpu::pushBytes(push), {});
   commands.run();
 }
 

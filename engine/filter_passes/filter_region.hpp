@@ -43,7 +43,7 @@ class FilterRegion {
   void commit();
   void record(gpu::Commands& commands);
   void settle();
-  [[nodiscard]] std::uint32_t dispatches() const noexcept;
+  [[nodiscard]] static std::uint32_t dispatchesOf(std::size_t steps) noexcept;  // upper limit for record()
   void prepare();
   [[nodiscard]] std::size_t scratchBytes() const noexcept;
 
@@ -72,7 +72,6 @@ class FilterRegion {
   BrickPool& scratch(std::size_t i);
   [[nodiscard]] const BrickPool& readBy(std::size_t step) const;
   [[nodiscard]] const BrickPool& writtenBy(std::size_t step) const;
-  [[nodiscard]] const gpu::Kernel& pageKernel();
   [[nodiscard]] bool inPlaceFollows(std::size_t step) const noexcept;
 
   gpu::Gpu& gpu_;
@@ -83,7 +82,7 @@ class FilterRegion {
   const BrickPool& source_;
   BrickPool& result_;
   BrickGrid grid_;
-  std::optional<gpu::Kernel> page_kernel_;  // once something is edited
+  gpu::Kernel page_kernel_;
   std::array<std::unique_ptr<BrickPool>, FilterRoute::kResult> scratch_;
   std::vector<StepOutput> outputs_;
   std::vector<layout::FilterTask> tasks_;

@@ -30,7 +30,7 @@ std::string textOf(std::span<const std::uint32_t> words) {
 }  // namespace
 
 std::map<std::uint32_t, std::string> constantNames(std::span<const std::uint32_t> spirv) {
-  std::map<std::uint32_t, std::string> names;          // by target
+  std::map<std::uint32_t, std::string> names;  // by target
   std::map<std::uint32_t, std::uint32_t> id_of_target;
   if (spirv.size() < kHeaderWords || spirv.front() != kMagic) return {};
   for (std::size_t at = kHeaderWords; at < spirv.size();) {
@@ -39,7 +39,8 @@ std::map<std::uint32_t, std::string> constantNames(std::span<const std::uint32_t
     if (length == 0 || at + length > spirv.size()) break;
     const std::span<const std::uint32_t> operands = spirv.subspan(at + 1, length - 1);
     if (opcode == kOpName && operands.size() >= 2) names[operands[0]] = textOf(operands.subspan(1));
-    if (opcode == kOpDecorate && operands.size() >= 3 && operands[1] == kSpecId) id_of_target[operands[0]] = operands[2];
+    if (opcode == kOpDecorate && operands.size() >= 3 && operands[1] == kSpecId)
+      id_of_target[operands[0]] = operands[2];
     at += length;
   }
   std::map<std::uint32_t, std::string> by_id;

@@ -32,7 +32,8 @@ class LeftOut : public ProgramTest {
 
   static Names namesIn(const json& list) {
     Names names;
-    for (const json& item : list) names.insert(item.is_string() ? item.get<std::string>() : item["name"].get<std::string>());
+    for (const json& item : list)
+      names.insert(item.is_string() ? item.get<std::string>() : item["name"].get<std::string>());
     return names;
   }
   // Palpate's own beside the first, whose name a driver's threads may have too.
@@ -84,11 +85,16 @@ struct Brought {
   const char* name;
   Words words;
   std::vector<std::string> kernels = {};    // how the names of those begin that come with it
+  std::vector<std::string> buffers = {};    // likewise of those that it may bring
   std::vector<std::string> threads = {};    // that come with it
   std::vector<std::string> libraries = {};  // how the names of those begin that come with it
   bool effects = false;
   std::optional<bool> memory = false;  // more on the device; empty: it was there while something else was not
 };
+
+const std::vector<std::string> kEditBuffers = {"bounds tasks",   "brick tasks",  "edit",
+                                               "given bricks",   "stamps",       "staging",
+                                               "touched bricks", "samples slab", "density slab"};
 
 class LeftOutFeature : public LeftOut, public testing::WithParamInterface<Brought> {};
 
@@ -113,6 +119,11 @@ TEST_P(LeftOutFeature, IsPaidForByThoseWhoNameItAlone) {
   }
   for (const std::string& begin : feature.kernels) EXPECT_THAT(kernels, Contains(StartsWith(begin))) << feature.name;
   EXPECT_THAT(more(ownThreads(with), ownThreads(bare)), testing::UnorderedElementsAreArray(feature.threads));
+  // No buffer of another feature.
+  for (const std::string& name : more(namesIn(with["work"]["buffers"]), namesIn(bare["work"]["buffers"]))) {
+    EXPECT_TRUE(std::ranges::any_of(feature.buffers, [&](const std::string& begin) { return name.starts_with(begin); }))
+        << name << " comes with " << feature.name;
+  }
   const Names libraries = more(namesIn(with["libraries"]), namesIn(bare["libraries"]));
   EXPECT_EQ(libraries.empty(), feature.libraries.empty()) << testing::PrintToString(libraries);
   for (const std::string& begin : feature.libraries) EXPECT_THAT(libraries, Contains(StartsWith(begin)));
@@ -126,46 +137,58 @@ TEST_P(LeftOutFeature, IsPaidForByThoseWhoNameItAlone) {
 
 INSTANTIATE_TEST_SUITE_P(
     Features, LeftOutFeature,
-    testing::Values(
-        Brought{.name = "filter", .words = {"--filter", "gaussian:1"}, .kernels = {"filter_convolve"}, .memory = true},
-        Brought{.name = "distance", .words = {"--field", "distance"}, .kernels = {"filter_distance"}, .memory = true},
-        Brought{.name = "smoothing",
-                .words = {"--gradient-operator", "gaussian:1"},
-                .kernels = {"filter_convolve", "gradient_smoothed"},
-                .memory = std::nullopt},
-        Brought{.name = "all_gradients", .words = {"--gradient", "all"}, .memory = true},
-        Brought{.name = "picture",
-                .words = {"--picture", "on"},
-                .kernels = {"draw", "cell_"},
-                .libraries = {"cairo.so", "libcairo."},
-                .memory = true},
-        Brought{.name = "friction", .words = {"--friction-static", "0.5"}, .effects = true},
-        Brought{.name = "texture", .words = {"--texture", "procedural"}, .effects = true},
-        Brought{.name = "recovery", .words = {"--recovery", "20"}, .effects = true},
-        Brought{.name = "shading", .words = {"--force-shading", "on"}, .effects = true},
-        Brought{.name = "stiffness_by_density", .words = {"--stiffness-density", "0:1,1:2"}, .effects = true},
-        Brought{.name = "object", .words = {"--object", "sphere:centre=0,0,100000:radius=5"}},
-        Brought{.name = "mesh",
-                .words = {"--object", "mesh:position=0,0,100000:file=tetrahedron.obj"},
-                .libraries = {"embree.so", "libembree", "assimp.so", "libassimp."}},
-        Brought{.name = "passivity", .words = {"--passivity", "control"}},
-        Brought{.name = "edits",
-                .words = {"--edit", "remove:radius=2mm"},
-                .kernels = {"edit", "brick_commit", "brick_bounds"},
-                .memory = true},
-        Brought{.name = "journal",
-                .words = {"--edit", "remove:radius=2mm", "--journal", "journal"},
-                .kernels = {"edit", "brick_commit", "brick_bounds"},
-                .threads = {"journal"},
-                .memory = true},
-        Brought{.name = "save",
-                .words = {"--edit", "remove:radius=2mm", "--save", "saved.vdb"},
-                .kernels = {"edit", "brick_commit", "brick_bounds"},
-                .threads = {"saver"},
-                .memory = true}),
+    testing::Values(Brought{.name = "filter",
+                            .words = {"--filter", "gaussian:1"},
+                            .kernels = {"filter_convolve"},
+                            .buffers = {"filter"},
+                            .memory = true},
+                    Brought{.name = "distance",
+                            .words = {"--field", "distance"},
+                            .kernels = {"filter_distance"},
+                            .buffers = {"filter"},
+                            .memory = true},
+                    Brought{.name = "smoothing",
+                            .words = {"--gradient-operator", "gaussian:1"},
+                            .kernels = {"filter_convolve", "gradient_smoothed"},
+                            .memory = std::nullopt},
+                    Brought{.name = "all_gradients", .words = {"--gradient", "all"}, .memory = true},
+                    Brought{.name = "picture",
+                            .words = {"--picture", "on"},
+                            .kernels = {"draw", "cell_"},
+                            .libraries = {"cairo.so", "libcairo."},
+                            .memory = true},
+                    Brought{.name = "friction", .words = {"--friction-static", "0.5"}, .effects = true},
+                    Brought{.name = "texture", .words = {"--texture", "procedural"}, .effects = true},
+                    Brought{.name = "recovery", .words = {"--recovery", "20"}, .effects = true},
+                    Brought{.name = "shading", .words = {"--force-shading", "on"}, .effects = true},
+                    Brought{
+                        .name = "stiffness_by_density", .words = {"--stiffness-density", "0:1,1:2"}, .effects = true},
+                    Brought{.name = "object", .words = {"--object", "sphere:centre=0,0,100000:radius=5"}},
+                    Brought{.name = "mesh",
+                            .words = {"--object", "mesh:position=0,0,100000:file=tetrahedron.obj"},
+                            .libraries = {"embree.so", "libembree", "assimp.so", "libassimp."}},
+                    Brought{.name = "passivity", .words = {"--passivity", "control"}},
+                    Brought{.name = "edits",
+                            .words = {"--edit", "remove:radius=2mm"},
+                            .kernels = {"edit", "brick_commit", "brick_bounds"},
+                            .buffers = kEditBuffers,
+                            .memory = true},
+                    Brought{.name = "journal",
+                            .words = {"--edit", "remove:radius=2mm", "--journal", "journal"},
+                            .kernels = {"edit", "brick_commit", "brick_bounds"},
+                            .buffers = kEditBuffers,
+                            .threads = {"journal"},
+                            .memory = true},
+                    Brought{.name = "save",
+                            .words = {"--edit", "remove:radius=2mm", "--save", "saved.vdb"},
+                            .kernels = {"edit", "brick_commit", "brick_bounds"},
+                            .buffers = kEditBuffers,
+                            .threads = {"saver"},
+                            .memory = true}),
     [](const testing::TestParamInfo<Brought>& feature) { return std::string(feature.param.name); });
 
-// A feature that is left out beside others leaves the rest of the scene as it was: the traces are the same, bit for bit.
+// A feature that is left out beside others leaves the rest of the scene as it was: the traces are the same, bit for
+// bit.
 struct Beside {
   const char* name;
   Words rest, feature;

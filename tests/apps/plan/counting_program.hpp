@@ -19,8 +19,10 @@ class CountingProgram {
  public:
   CountingProgram() {
     std::ofstream file(path());
-    file << "#!/bin/sh\nall=$(cat \"$2\")\necho \"$1\" $all >> '" << calls() << "'\n" << R"(
-calls=$(wc -l < ')" << calls() << R"(')
+    file << "#!/bin/sh\nall=$(cat \"$2\")\necho \"$1\" $all >> '" << calls() << "'\n"
+         << R"(
+calls=$(wc -l < ')"
+         << calls() << R"(')
 bytes=1000; start=$calls; tick=2; effects=0; more_kernel=; more_thread=; more_library=', "libcairo.so.2"'
 case "$all" in *"filter = "*) bytes=1500; start=$((start + 20))
   more_kernel=', {"name": "filter_convolve", "constants": ["kAxis=1"], "made_ms": 9, "dispatches": 5}';; esac

@@ -42,7 +42,7 @@ TEST(FeatureCost, IsTheRunWithItLessTheRunWithout) {
   EXPECT_EQ(filter.pipelines, 1);
   EXPECT_EQ(filter.dispatches.value, 5);
   EXPECT_EQ(filter.effect_runs, 0);
-  EXPECT_FALSE(filter.start_ms.isClear());  // of one run each
+  EXPECT_FALSE(filter.start_ms.isClear());                   // of one run each
   const FeatureCost& friction = costOf(counts, "friction");  // the scene has it
   EXPECT_TRUE(friction.is_in);
   EXPECT_EQ(friction.effect_runs, 7);

@@ -59,8 +59,9 @@ TEST(Feature, ABareSceneHasNoneAndKeepsTheRest) {
   for (const Feature& feature : features()) feature.add(scene, folder.path());
   const Scene bare = bareScene(scene);
   for (const Feature& feature : features()) EXPECT_FALSE(feature.is_in(bare)) << feature.name;
-  EXPECT_EQ(sceneText(bare, "."),
-            "volume = \"phantom:knot\"\nisovalue = 0.5\n\n[servo]\nn = 3\n\n[output]\ntrace = \"off\"\npicture = \"off\"\n");
+  EXPECT_EQ(
+      sceneText(bare, "."),
+      "volume = \"phantom:knot\"\nisovalue = 0.5\n\n[servo]\nn = 3\n\n[output]\ntrace = \"off\"\npicture = \"off\"\n");
 }
 
 TEST(Feature, AMeshThatCannotBeWrittenIsRefused) {

@@ -21,10 +21,11 @@ const Feature& featureNamed(const std::string& name) {
 
 SceneReport sample() {
   RunCounts counts;
-  counts.gpu = {.kernels = {{.name = "gradient", .constants = {{"kHalf", 0}, {"kRun", 8}}, .made_s = 0.0125, .dispatches = 3}},
-                .buffers = {{.name = "window slot", .count = 3, .bytes = 1572864}},
-                .submissions = 7,
-                .peak_bytes = 2097152};
+  counts.gpu = {
+      .kernels = {{.name = "gradient", .constants = {{"kHalf", 0}, {"kRun", 8}}, .made_s = 0.0125, .dispatches = 3}},
+      .buffers = {{.name = "window slot", .count = 3, .bytes = 1572864}},
+      .submissions = 7,
+      .peak_bytes = 2097152};
   counts.threads = {"palpate", "palpate", "engine", "servo", "llvmpipe-0"};
   counts.libraries = {"openvdb.so", "libc.so.6"};
   counts.effect_runs = 12;
@@ -37,7 +38,8 @@ SceneReport sample() {
                             .dispatches = {4, 1},
                             .gpu_bytes = 1048576,
                             .pipelines = 1};
-  const FeatureCost friction{.feature = &featureNamed("friction"), .is_in = true, .tick_us = {0.25, 0.1}, .effect_runs = 12};
+  const FeatureCost friction{
+      .feature = &featureNamed("friction"), .is_in = true, .tick_us = {0.25, 0.1}, .effect_runs = 12};
   const FeatureCost texture{.feature = &featureNamed("texture"), .failure = "too rough"};
   return {.volume = "phantom:sphere",
           .isovalue = 0.5,
@@ -55,15 +57,15 @@ SceneReport sample() {
 TEST(SceneReport, SaysOfEachThingHowMuchAndWhatFor) {
   const std::string text = reportDocument(sample());
   for (const char* line :
-       {"phantom:sphere at isovalue 0.5 on llvmpipe\n", "\n  do        60 of 100 bricks of density", "\n  leave     filters",
-        "\nTime at the start: upload 2.0 ms, gradient 10.5 ms.\n",
+       {"phantom:sphere at isovalue 0.5 on llvmpipe\n", "\n  do        60 of 100 bricks of density",
+        "\n  leave     filters", "\nTime at the start: upload 2.0 ms, gradient 10.5 ms.\n",
         "| `gradient` | kHalf=0 kRun=8 | 12.5 | 3 | gradients of the bricks that need them |\n",
         "| window slot | 3 | 1.5 MiB | the samples around the tool", "at most 2 MiB at one time",
         "| `servo` | the force, tick by tick |\n", "| 2 more | the Vulkan driver and libraries |\n",
         "they ran 12 times:\n\n| effect | what for |\n|---|---|\n| friction | the tool sticks and slips |\n",
-        "| `kRun` | rows of a brick that one invocation computes |\n", "| all others | yes | | | 0 | the C and", "2 shared libraries are loaded in all",
-        "| itk | no | 18.2 | 4 MiB | 40 | volumes in DICOM", "| openvdb | yes | 35.0 | 1 KiB | 9 |",
-        "| cairo | no | | | | pictures; it cannot be loaded: it is gone |\n",
+        "| `kRun` | rows of a brick that one invocation computes |\n", "| all others | yes | | | 0 | the C and",
+        "2 shared libraries are loaded in all", "| itk | no | 18.2 | 4 MiB | 40 | volumes in DICOM",
+        "| openvdb | yes | 35.0 | 1 KiB | 9 |", "| cairo | no | | | | pictures; it cannot be loaded: it is gone |\n",
         "| lacks | filters (gaussian:1) | +20.0 | - | +1 MiB | -3 MiB | +1 | +4 | 0 | 0 | the scene names none: the "
         "volume itself is felt |\n",
         "| has | friction | - | +0.25 | 0 | - | 0 | - | 0 | 0 | as the scene says |\n",
@@ -98,7 +100,9 @@ TEST(SceneReport, HasARowForEachEffect) {
   SceneReport report = sample();
   report.effects = "texture, friction, stiffness by density";
   const std::string text = reportDocument(report);
-  EXPECT_THAT(text, HasSubstr("| texture | fine relief |\n| friction | the tool sticks and slips |\n| stiffness by density | "));
+  EXPECT_THAT(
+      text,
+      HasSubstr("| texture | fine relief |\n| friction | the tool sticks and slips |\n| stiffness by density | "));
 }
 
 // One run of each tells no difference from chance.

@@ -17,14 +17,34 @@ using Words = std::vector<std::uint32_t>;
 
 // By hand, as the specification says: header; OpName %7 "kReach" (k R e a, then c h and the end); OpName %9 "main";
 // OpDecorate %7 SpecId 4; OpDecorate %9 SpecId 2 would name a constant "main".
-const Words kShader = {0x07230203, 0x00010500, 0, 10, 0,                              // header
-                       4U << 16U | 5U,  7, 0x6165526BU, 0x00006863U,                  // "kRea" "ch"
-                       4U << 16U | 5U,  9, 0x6E69616DU, 0,                            // "main", its end in a word alone
-                       4U << 16U | 71U, 7, 1, 4,                                      // SpecId 4
-                       3U << 16U | 71U, 9, 2,                                         // another decoration
-                       4U << 16U | 71U, 8, 1, 3};                                     // a constant without a name
+const Words kShader = {0x07230203,
+                       0x00010500,
+                       0,
+                       10,
+                       0,  // header
+                       4U << 16U | 5U,
+                       7,
+                       0x6165526BU,
+                       0x00006863U,  // "kRea" "ch"
+                       4U << 16U | 5U,
+                       9,
+                       0x6E69616DU,
+                       0,  // "main", its end in a word alone
+                       4U << 16U | 71U,
+                       7,
+                       1,
+                       4,  // SpecId 4
+                       3U << 16U | 71U,
+                       9,
+                       2,  // another decoration
+                       4U << 16U | 71U,
+                       8,
+                       1,
+                       3};  // a constant without a name
 
-TEST(SpirvNames, AreThoseOfTheConstants) { EXPECT_THAT(constantNames(kShader), ElementsAre(Pair(4, "kReach"))); }
+TEST(SpirvNames, AreThoseOfTheConstants) {
+  EXPECT_THAT(constantNames(kShader), ElementsAre(Pair(4, "kReach")));
+}
 
 // Cut anywhere, it reads no word behind the end and finds no more than the whole has.
 TEST(SpirvNames, OfWhatIsNoShaderAreNone) {
