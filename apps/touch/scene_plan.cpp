@@ -39,7 +39,8 @@ Plan planFor(const Scene& scene) {
                    .half_samples = scene.samples == "half",
                    .window_edge = scene.window_edge,
                    .edits = !scene.edit.empty(),
-                   .draws = scene.picture});
+                   .draws = scene.picture,
+                   .gradients_as_needed = true});
 }
 
 std::vector<PlanLine> scenePlanLines(const Scene& scene, const Plan& plan, const PlanFacts& facts,

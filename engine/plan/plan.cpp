@@ -26,14 +26,16 @@ PlanLine uploadLine(const PlanFacts& facts) {
 }
 
 PlanLine gradientLine(const Plan& plan, const PlanFacts& facts) {
-  PlanLine line{
-      true,
-      fmt::format("gradient of {} of {} bricks: {}", facts.gradient_bricks, facts.bricks, plan.gradient.kind.name), "",
-      0};
+  const bool as_needed = plan.gradientsAsNeeded();
+  PlanLine line{true,
+                fmt::format("gradient of {}{} of {} bricks: {}", as_needed ? "up to " : "", facts.gradient_bricks,
+                            facts.bricks, plan.gradient.kind.name),
+                "", 0};
   if (plan.request.gradient_all) {
     line.why = "every brick: --gradient all, or an algorithm that feels away from the isosurface";
   } else {
     line.why = "those that the isosurface crosses, and their halo";
+    if (as_needed) line.why += ", each when the tool first comes near";
     line.saved_bytes = (facts.bricks - facts.gradient_bricks) * sampleBytes(plan);
   }
   return line;
@@ -77,6 +79,11 @@ const char* passName(Pass pass) noexcept {
 
 bool Plan::has(Pass pass) const noexcept {
   return std::find(passes.begin(), passes.end(), pass) != passes.end();
+}
+
+bool Plan::gradientsAsNeeded() const noexcept {
+  return request.gradients_as_needed && !request.edits && !request.other_isovalues && !request.gradient_all &&
+         !gradient.smooths();
 }
 
 Plan makePlan(const EngineRequest& request) {

@@ -33,6 +33,9 @@ struct EngineRequest {
   bool edits = false;                         // the volume will be edited, so what edits need is kept
   bool other_isovalues = false;               // the isovalue may change, so what gradients need is kept
   bool draws = false;                         // the isosurface will be drawn
+  // Gradients of a brick are computed when a window first reaches it, not all at the start. Only where nothing else
+  // asks for them: see Plan::gradientsAsNeeded().
+  bool gradients_as_needed = false;
 };
 
 struct Plan {
@@ -43,6 +46,9 @@ struct Plan {
   GradientOperator gradient;
 
   [[nodiscard]] bool has(Pass pass) const noexcept;
+  // True if the request says so and nothing changes samples or needs them all: no edits, no other isovalue, not the
+  // gradients of every brick, no smoothed field, which would have to be kept.
+  [[nodiscard]] bool gradientsAsNeeded() const noexcept;
 };
 
 // Throws Error(kBadInput) for invalid filters, an unknown gradient operator, and a window's edge out of range.
@@ -53,7 +59,7 @@ struct PlanFacts {
   std::size_t bricks = 0;           // in the whole domain
   std::size_t stored_bricks = 0;    // bricks of the volume that are not constant
   std::size_t filtered_bricks = 0;  // bricks of the filtered field that are not constant
-  std::size_t gradient_bricks = 0;  // bricks with gradients
+  std::size_t gradient_bricks = 0;  // bricks that have gradients, or get them when a window reaches them
 };
 
 struct PlanLine {

@@ -13,6 +13,7 @@
 #include "engine/field/statistics.hpp"
 #include "engine/filter_passes/filter_chain.hpp"
 #include "engine/passes/pool_volume.hpp"
+#include "engine/service/edit_plan.hpp"
 #include "engine/service/window_focus.hpp"
 
 namespace palpate {
@@ -135,16 +136,38 @@ void EngineParts::computeGradients(const Volume& volume, const Plan& plan, const
     if (plan.request.half_samples && !filters_)
       checkHalfSamples(format, range.first, range.second, meanAbove(volume, isovalue_) - isovalue_);
     checkSampleRoom(*pool_->budget(), bricks.size() * kBrickVoxels * format.bytesAVoxel());
-    store_ = std::make_unique<SampleStore>(gpu_, pool_->brickCount(), inBlocks(bricks, pool_->grid()), pool_->budget(),
-                                           format);
+    const bool as_needed = plan.gradientsAsNeeded();
+    store_ = std::make_unique<SampleStore>(
+        gpu_, pool_->brickCount(), as_needed ? std::vector<std::uint32_t>{} : inBlocks(bricks, pool_->grid()),
+        pool_->budget(), format);
     gradient_ = std::make_unique<GradientPass>(
         gpu_, transfer_, field(), *store_, plan.gradient, smoothing_ ? &smoothing_->result() : nullptr,
         plan.request.edits || plan.request.other_isovalues ? GradientUse::kOften : GradientUse::kOnce);
+    needed_bricks_ = bricks.size();
+    if (as_needed) {
+      needs_gradient_.resize(pool_->brickCount());
+      for (const std::uint32_t brick : bricks) needs_gradient_[brick] = true;
+      return;
+    }
     gradient_->run(progressOf(Pass::kGradient, progress));
   });
   if (!smoothing_ || plan.request.edits || plan.request.other_isovalues) return;
   gradient_.reset();
   smoothing_.reset();
+}
+
+// Of the bricks that a window at this place shows, those that need gradients and have none yet.
+void EngineParts::computeGradientsIn(const WindowBox& box) {
+  if (needs_gradient_.empty()) return;
+  std::vector<std::uint32_t> missing;
+  grid_.forEachIn({box.first, box.first + box.size - Vec3i::Ones()}, [&](const Vec3i& at) {
+    const std::uint32_t brick = grid_.index(at);
+    if (needs_gradient_[brick] && !store_->has(brick)) missing.push_back(brick);
+  });
+  if (missing.empty()) return;
+  store_->reserve(missing.size());
+  for (const std::uint32_t brick : missing) store_->add(brick, neighbourWithSamples(grid_, *store_, brick));
+  gradient_->run(missing);
 }
 
 void EngineParts::makeWindows() {
@@ -170,6 +193,7 @@ bool EngineParts::publishAround(const Vec3& focus_W, std::int64_t now_ns) {
     exchange_->confirm(now_ns);
     return false;
   }
+  computeGradientsIn(box);
   window_->run(box, window_buffers_[exchange_->backIndex()]);
   publishBox(box, now_ns);
   return true;
@@ -372,7 +396,7 @@ PlanFacts EngineParts::planFacts() const noexcept {
   facts.bricks = pool_->brickCount();
   facts.stored_bricks = pool_->storedBricks();
   facts.filtered_bricks = field().storedBricks();
-  facts.gradient_bricks = store_->brickCount();
+  facts.gradient_bricks = needs_gradient_.empty() ? store_->brickCount() : needed_bricks_;
   return facts;
 }
 

@@ -78,6 +78,7 @@ class EngineParts {
   [[nodiscard]] const BrickPool& field() const noexcept { return filters_ ? filters_->result() : *pool_; }
   void computeGradients(const Volume& volume, const Plan& plan, const Engine::StartProgress& progress);
   [[nodiscard]] std::pair<float, float> densityRange(const Volume& volume);
+  void computeGradientsIn(const WindowBox& box);
   void makeWindows();
   template <typename Change>
   Engine::EditResult change(std::int64_t now_ns, const Change& change);
@@ -98,6 +99,10 @@ class EngineParts {
   std::unique_ptr<WindowPass> window_;
   std::unique_ptr<Drawing> drawing_;  // the picture that is kept up to date, once show() was called
   bool gradient_all_ = false;
+  // Plan::gradientsAsNeeded(): by brick, whether the isosurface needs its gradients; and how many bricks these are.
+  // Empty: every gradient that is needed has been computed.
+  std::vector<bool> needs_gradient_;
+  std::size_t needed_bricks_ = 0;
   int window_edge_ = kWindowEdge;            // the plan's [voxel]
   bool draws_ = false;                       // the plan said so
   bool distance_ = false;                    // the field that is felt is a distance from the isosurface
