@@ -264,7 +264,7 @@ TEST_F(Verbs, DevicesListsADeviceAndTheDefault) {
 TEST_F(Verbs, PlanSaysWhatIsDoneAndWhatIsLeftOut) {
   const Outcome all = run({"plan", "phantom:sphere?size=64", "--rounds", "0"});
   expectSuccess(all);
-  EXPECT_THAT(all.out, testing::ContainsRegex("\n  do +.*gradient of [0-9]+ of 512 bricks"));
+  EXPECT_THAT(all.out, testing::ContainsRegex("\n  do +.*gradient of up to [0-9]+ of 512 bricks"));
   EXPECT_THAT(all.out, testing::StartsWith("phantom:sphere?size=64 at isovalue 0 on "));
   EXPECT_THAT(all.out, testing::ContainsRegex("\n  do  +[0-9]+ of 512 bricks of density +-[0-9.]+ MiB  a brick that"));
   EXPECT_THAT(all.out, testing::ContainsRegex("\n  leave  +contact effects  +the scene names none\n"));

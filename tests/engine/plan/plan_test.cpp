@@ -142,6 +142,32 @@ TEST(PlanLines, AreWholeAndInOrder) {
                           window, "+ isosurface picture | view.png and report.html show it | 0"));
 }
 
+// Whatever changes samples, or reads them all, needs them all.
+TEST(Plan, ComputesGradientsAsNeededOnlyWhereNothingElseAsksForThem) {
+  EXPECT_FALSE(makePlan({}).gradientsAsNeeded());  // nobody asked for it
+  EngineRequest request{.gradients_as_needed = true};
+  EXPECT_TRUE(makePlan(request).gradientsAsNeeded());
+  request.draws = true;
+  request.filter = "median:1";
+  request.half_samples = true;
+  EXPECT_TRUE(makePlan(request).gradientsAsNeeded());
+  for (bool EngineRequest::*other :
+       {&EngineRequest::edits, &EngineRequest::other_isovalues, &EngineRequest::gradient_all}) {
+    EngineRequest more = request;
+    more.*other = true;
+    EXPECT_FALSE(makePlan(more).gradientsAsNeeded());
+  }
+  request.gradient_operator = "gaussian:1";
+  EXPECT_FALSE(makePlan(request).gradientsAsNeeded());
+  const auto lines = linesNaming(planLines(makePlan({.gradients_as_needed = true}),
+                                           {.bricks = 100, .stored_bricks = 60, .gradient_bricks = 25}),
+                                 "gradient");
+  ASSERT_EQ(lines.size(), 1U);
+  EXPECT_EQ(lines[0].what, "gradient of up to 25 of 100 bricks: central");
+  EXPECT_EQ(lines[0].why, "those that the isosurface crosses, and their halo, each when the tool first comes near");
+  EXPECT_EQ(lines[0].saved_bytes, 75U * 8192U);
+}
+
 TEST(Plan, NamesEveryPass) {
   std::vector<std::string> names;
   for (const Pass pass :
