@@ -6,8 +6,11 @@
 #include <gtest/gtest.h>
 
 #include "apps/console/progress.hpp"
+#include "apps/touch/scene_plan.hpp"
 #include "apps/touch/touch_job.hpp"
 #include "base/error.hpp"
+#include "engine/field/statistics.hpp"
+#include "engine/files/volume_file.hpp"
 #include "temporary_folder.hpp"
 
 namespace palpate {
@@ -96,6 +99,62 @@ TEST_F(WorkbenchTest, ComparesWithTheTruestSettingsWhereNothingIsExact) {
     EXPECT_NEAR(bench.feel(truest).error_N, 0, 1e-9) << spring;
     EXPECT_GT(bench.feel(older).error_N, 1e-4) << spring;
     EXPECT_NEAR(bench.feelAnew(truest).error_N, 0, 1e-9) << spring;
+  }
+}
+
+// Without room, the engine for the truth drives out that of the trial whose truth it is.
+TEST_F(WorkbenchTest, FeelsTheSameWithoutRoomForEngines) {
+  Scene scene = shortScene("phantom:knot?size=40");
+  scene.objects.emplace_back();
+  scene.objects.back().kind = ObjectKind::kSphere;
+  scene.objects.back().position_W = Vec3(1, 1, 1);
+  Progress quiet(nullptr);
+  Workbench roomy(scene, quiet), narrow(scene, quiet, {.engines = 8, .share = 0});
+  Workbench single(scene, quiet, {.engines = 1});
+  const Candidate candidate{"central", "", "half", 21, 16};
+  const Trial usual = roomy.feel(candidate);
+  for (Workbench* bench : {&narrow, &single}) {
+    const Trial trial = bench->feel(candidate);
+    EXPECT_EQ(trial.error_N, usual.error_N);
+    EXPECT_EQ(trial.memory_bytes, usual.memory_bytes);
+    EXPECT_GT(trial.start_ms, 0);
+    EXPECT_EQ(bench->feelAnew(candidate).memory_bytes, usual.memory_bytes);
+  }
+}
+
+// A device that is not there is no matter: it is not opened.
+TEST_F(WorkbenchTest, FeelsWithTheSimulatedDevice) {
+  Scene scene = shortScene("phantom:sphere?size=32");
+  const Candidate own = candidateOf(scene);
+  const double usual_N = bench(scene).feel(own).error_N;
+  scene.device = "of somebody";
+  Workbench bench = this->bench(scene);
+  EXPECT_EQ(bench.feel(own).error_N, usual_N);
+  EXPECT_EQ(bench.sceneOf(own).device, "of somebody");
+}
+
+// The least memory in which halves fit is too little for floats, whose samples take twice as much.
+TEST_F(WorkbenchTest, FloatsThatDoNotFitAreAChoiceThatCannotBe) {
+  for (const bool exact : {true, false}) {
+    Scene scene = shortScene("phantom:sphere?size=48");
+    scene.samples = "half";
+    if (!exact) {
+      scene.objects.emplace_back();
+      scene.objects.back().kind = ObjectKind::kSphere;
+      scene.objects.back().position_W = Vec3(1, 1, 1);
+    }
+    Progress quiet(nullptr);
+    const Volume volume = loadVolume(scene.volume);
+    const Engine engine(volume, planFor(scene), static_cast<float>(defaultIsovalue(volume)), "");
+    scene.gpu_memory_bytes = engine.budgetedBytes();
+    Workbench bench = this->bench(scene);
+    const Candidate half = candidateOf(scene);
+    Candidate floats = half;
+    floats.samples = "float";
+    EXPECT_EQ(bench.feel(half).impossible, "");
+    EXPECT_NE(bench.feel(floats).impossible, "");
+    EXPECT_EQ(bench.feelAnew(half).impossible, "");
+    EXPECT_EQ(bench.truthSamples(), exact ? "float" : "half");
   }
 }
 
