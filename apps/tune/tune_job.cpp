@@ -28,15 +28,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kFreshRuns = 5;                                     // each with an engine of its own
-constexpr std::size_t kMostConfirmed = 8;                         // so many picks are felt anew at most
-constexpr const char* kFirstWords = "# Written by palpate tune";  // by which a file is known as its own
+constexpr int kFreshRuns = 5;                                   // each with an engine of its own
+constexpr std::size_t kMostConfirmed = 8;                       // so many picks are felt anew at most
+constexpr const char* kFirstWords = "Written by palpate tune";  // by which a file is known as its own
 constexpr std::string_view kTunedKeys[] = {"filter", "gradient_operator", "samples", "window", "servo.n"};
 
 bool isOwnFile(const fs::path& file) {
   std::ifstream stream(file);
   std::string line;
-  return std::getline(stream, line) && line.starts_with(kFirstWords);
+  return std::getline(stream, line) && line.starts_with(fmt::format("# {}", kFirstWords));
 }
 
 // By a brush of the scene, or of its path's file.
@@ -54,6 +54,7 @@ void checkRequest(const TuneRequest& request, const std::string& out) {
     refuse(request.source, "its tool edits, which takes time at every tick, and trials are felt without a brush",
            "tune it with --error, or give --budget for the scene without its brush");
   }
+  (void)sceneText(request.scene, fs::path(out).parent_path());  // refuses names that a scene cannot hold
   checkOutputsDiffer({out, request.json});
   std::error_code ignored;
   if (fs::exists(out, ignored) && !request.overwrite && !isOwnFile(out)) {
@@ -265,11 +266,10 @@ class TuneJob {
     Scene scene = bench_->sceneOf(result_.chosen.candidate);
     scene.series.clear();
     scene.nan.clear();
-    std::string text = fmt::format("{}: {}\n", kFirstWords, request_.command);
+    std::string text = tomlComment(fmt::format("{}: {}", kFirstWords, request_.command));
     for (const Reason& reason : result_.reasons)
-      text += fmt::format("# {} = {}: {}\n", reason.choice, reason.value, reason.why);
-    text += "# Comments of the scene that it was made from are not here.\n\n";
-    for (char& c : text) c = static_cast<unsigned char>(c) < 0x20 && c != '\n' ? ' ' : c;
+      text += tomlComment(fmt::format("{} = {}: {}", reason.choice, reason.value, reason.why));
+    text += tomlComment("Comments of the scene that it was made from are not here.") + "\n";
     return text + sceneText(scene, fs::path(out_).parent_path(), kTunedKeys);
   }
 

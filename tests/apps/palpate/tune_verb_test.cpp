@@ -62,6 +62,17 @@ TEST_F(TuneVerb, RefusesABudgetForAToolThatEdits) {
   EXPECT_THAT(outcome.out, HasSubstr("Met       without its brush, in fresh runs"));
 }
 
+// Before any trial. A control character is no matter: the file holds it escaped, its comment without.
+TEST_F(TuneVerb, RefusesNamesThatASceneCannotHold) {
+  const std::string rows = "time_s,x_m,y_m,z_m\n0,0.011,0,0\n0.5,0.007,0,0\n";
+  write("a\xFF.csv", rows);
+  expectRefusal(run({"tune", kSmall, "--path", "a\xFF.csv", "--error", "1N"}), "a\xFF.csv", "not in UTF-8", 2);
+  EXPECT_FALSE(exists("tuned.toml"));
+  write("a\x7f\x01.csv", rows);
+  EXPECT_EQ(run({"tune", kSmall, "--path", "a\x7f\x01.csv", "--error", "1N"}).status, 0);
+  EXPECT_EQ(touched("tuned.toml")["scene"]["path"]["file"], "a\x7f\x01.csv");
+}
+
 TEST_F(TuneVerb, ReplacesItsOwnFilesOnly) {
   write("tuned.toml", "volume = 'mine'\n");
   expectRefusal(tune(kSmall, {"--error", "1N"}), "tuned.toml", "palpate tune did not write it", 2);
