@@ -8,8 +8,8 @@
 //   it should be, and is not:               K times the true depth: the whole force
 //   it is, and should not be:               K times the depth that was found
 // The three agree where one passes into another, as the depth goes to zero. A contact that begins or ends some ticks
-// late is therefore no special case: its error is K times the way into the surface meanwhile, and counts as it is. Of a
-// run's first touch none of this shows, since errors are taken over the slide. The point that was found is the VHIP
+// late is therefore no special case: its error is K times the way into the surface meanwhile, and counts as it is. The
+// first touch comes before the slide, and does not count where there is one. The point that was found is the VHIP
 // before effects move it. Damping, friction and texture therefore do not count, nor does the force limit.
 #pragma once
 
