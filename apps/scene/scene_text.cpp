@@ -9,6 +9,8 @@
 
 #include "apps/scene/object_table.hpp"
 #include "apps/scene/option_table.hpp"
+#include "base/error.hpp"
+#include "base/outside_text.hpp"
 
 namespace palpate {
 namespace {
@@ -17,6 +19,10 @@ namespace fs = std::filesystem;
 
 // A basic string of TOML.
 std::string quotedText(const std::string& text) {
+  if (!isUtf8(text)) {
+    refuse(fmt::format("'{}'", oneLine(text)), "it is not in UTF-8, and a scene's file holds no other text",
+           "give the file or folder another name");
+  }
   std::string quoted = "\"";
   for (const char c : text) {
     if (c == '"' || c == '\\') {
@@ -113,6 +119,22 @@ std::string sceneText(const Scene& scene, const fs::path& folder, std::span<cons
   }
   for (const ObjectSpec& object : seen.objects) text += objectTable(object);
   return text;
+}
+
+std::string tomlComment(std::string_view words) {
+  std::string text = "# ";
+  for (std::size_t at = 0; at < words.size();) {
+    const std::size_t bytes = characterBytes(words, at);
+    const auto lead = static_cast<unsigned char>(words[at]);
+    if (lead == '\n')
+      text += "\n# ";
+    else if (bytes == 0 || lead < 0x20 || lead == 0x7f)
+      text += '?';
+    else
+      text += words.substr(at, bytes);
+    at += std::max<std::size_t>(bytes, 1);
+  }
+  return text + "\n";
 }
 
 }  // namespace palpate

@@ -25,7 +25,7 @@ std::optional<ExactErrors> exactErrors(const Phantom& phantom, const std::vector
   const double voxel_m = phantom.lattice().smallestSpacing();
   const CountedTicks counted = countedTicks(records, phases);
   if (counted.ticks.empty()) return std::nullopt;
-  std::vector<double> distance_voxel, angle_deg, force_N;
+  std::vector<double> distance_voxel, angle_deg;
   for (const TickRecord* record : counted.ticks) {
     const Vec3 force_W(record->force_W);
     const Vec3 normal_W = exactNormal(phantom, *record);
@@ -33,9 +33,6 @@ std::optional<ExactErrors> exactErrors(const Phantom& phantom, const std::vector
     angle_deg.push_back(std::atan2(force_W.cross(normal_W).norm(), force_W.dot(normal_W)) * kDegreesPerRadian);
     if (std::isnan(record->depth_m)) continue;
     distance_voxel.push_back(std::abs(phantom.signedDistance_m(surfacePointOf(*record))) / voxel_m);
-    const auto truth = exactSurfacePoint(phantom, asVec3(record->hip_W));
-    const auto error_N = truth ? forceError_N(stiffness_N_per_m, *record, *truth) : std::nullopt;
-    if (error_N) force_N.push_back(*error_N);
   }
   ExactErrors errors;
   errors.slide_only = counted.slide_only;
@@ -48,8 +45,10 @@ std::optional<ExactErrors> exactErrors(const Phantom& phantom, const std::vector
     errors.vhip_median_voxel = distance.p50;
     errors.vhip_p99_voxel = distance.p99;
   }
-  if (!force_N.empty()) {
-    const Percentiles force = percentiles(std::move(force_N));
+  const auto truthOf = [&](const TickRecord& record) { return exactSurfacePoint(phantom, asVec3(record.hip_W)); };
+  ForceErrors known = forceErrors(stiffness_N_per_m, records, phases, truthOf);
+  if (!known.errors_N.empty()) {
+    const Percentiles force = percentiles(std::move(known.errors_N));
     errors.force_error_median_N = force.p50;
     errors.force_error_p99_N = force.p99;
   }

@@ -2,6 +2,7 @@
 #include "apps/tune/candidate.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace palpate {
 
@@ -48,6 +49,13 @@ std::string valueOn(Axis axis, const Candidate& candidate) {
       return std::to_string(candidate.window_edge);
   }
   return "?";
+}
+
+void keepWorse(Trial& trial, const Trial& again) {
+  if (trial.impossible.empty()) trial.impossible = again.impossible;
+  if (std::isnan(again.error_N) || again.error_N > trial.error_N) trial.error_N = again.error_N;
+  trial.contact_share = std::min(trial.contact_share, again.contact_share);
+  trial.faulty_ticks = std::max(trial.faulty_ticks, again.faulty_ticks);
 }
 
 bool differOnlyOn(Axis axis, const Candidate& a, const Candidate& b) {

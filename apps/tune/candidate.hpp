@@ -41,8 +41,12 @@ struct Trial {
   double loop_us = 0;                                         // mean time of a tick with its share of the windows [us]
   std::uint64_t memory_bytes = 0;                             // on the Vulkan device, and of a mesh
   double start_ms = 0;       // from the volume in memory to the first tick, without its path [ms]
-  double contact_share = 0;  // ticks of the slide (of all, where there is none) whose error counts [-]
+  double contact_share = 0;  // ticks in contact of the slide (of all, where there is none) whose error counts [-]
   std::int64_t faulty_ticks = 0;
 };
+
+// `trial` was felt once more: the worse of both counts in error, contact, faults and possibility. The time, memory and
+// start of `trial` stay.
+void keepWorse(Trial& trial, const Trial& again);
 
 }  // namespace palpate

@@ -30,11 +30,8 @@ class Search {
 
   Found run() {
     feel(space_.own);
-    Candidate truest = space_.own;
-    truest.samples = space_.samples.front();
-    truest.n = space_.ns.front();
-    truest.window_edge = space_.windows.back();
-    found_.base = feel(truest);
+    Candidate truest = truestOfTheScene();
+    if (!(found_.base.contact_share > 0)) return std::move(found_);
     const auto filters = truestTwo(truest, &Candidate::filter, space_.filters, space_.more_filters);
     truest.filter = filters.front();
     const auto operators = truestTwo(truest, &Candidate::gradient_operator, space_.operators, {});
@@ -47,12 +44,29 @@ class Search {
   }
 
  private:
+  // All but filter and operator, which are the scene's, as true as they can be. Floats may not fit where halves do.
+  Candidate truestOfTheScene() {
+    Candidate truest = space_.own;
+    truest.n = space_.ns.front();
+    truest.window_edge = space_.windows.back();
+    for (const std::string& samples : space_.samples) {
+      truest.samples = samples;
+      found_.base = feel(truest);
+      if (found_.base.impossible.empty()) break;
+    }
+    return truest;
+  }
+
   // Each candidate once, by two runs of which the quicker counts: what else the machine does only adds to a time.
   const Trial& feel(const Candidate& candidate) {
     const auto known = std::ranges::find(found_.trials, candidate, &Trial::candidate);
     if (known != found_.trials.end()) return *known;
     Trial trial = feel_(candidate);
-    if (trial.impossible.empty()) trial.loop_us = std::min(trial.loop_us, feel_(candidate).loop_us);
+    if (trial.impossible.empty()) {
+      const Trial again = feel_(candidate);
+      if (again.impossible.empty()) trial.loop_us = std::min(trial.loop_us, again.loop_us);
+      keepWorse(trial, again);
+    }
     found_.trials.push_back(std::move(trial));
     return found_.trials.back();
   }
@@ -148,12 +162,17 @@ class Search {
     const std::vector<std::size_t> places = finalists();
     std::vector<std::vector<double>> times_us(places.size());
     for (int round = 0; round < kRounds; ++round) {
-      for (std::size_t i = 0; i < places.size(); ++i)
-        times_us[i].push_back(feel_(found_.trials[places[i]].candidate).loop_us);
+      for (std::size_t i = 0; i < places.size(); ++i) {
+        Trial& trial = found_.trials[places[i]];
+        if (!trial.impossible.empty()) continue;
+        const Trial once_more = feel_(trial.candidate);
+        if (once_more.impossible.empty()) times_us[i].push_back(once_more.loop_us);
+        keepWorse(trial, once_more);
+      }
     }
     std::vector<Trial> again;
     for (std::size_t i = 0; i < places.size(); ++i) {
-      found_.trials[places[i]].loop_us = median(times_us[i]);
+      if (!times_us[i].empty()) found_.trials[places[i]].loop_us = median(times_us[i]);
       again.push_back(found_.trials[places[i]]);
     }
     for (const std::size_t i : ranked(goal_, again, found_.base)) found_.picks.push_back(places[i]);

@@ -11,7 +11,8 @@
 
 namespace palpate {
 
-// The values of each choice. The scene's own are among them.
+// The values of each choice. The scene's own are among them, but for a window larger than needed: one that holds the
+// whole volume is enough.
 struct SearchSpace {
   Candidate own;                          // what the scene says
   std::vector<std::string> filters;       // the scene's first
@@ -43,14 +44,17 @@ inline constexpr std::size_t kFinalists = 6;
 inline constexpr int kRounds = 5;
 
 // 1. The scene's own settings.
+//    The truest settings of all but filter and operator come next: the base. If there is no contact on its path, the
+//    search ends there, and `picks` is empty.
 // 2. Filters, operators and windows, one choice at a time, with all others as true as they can be (n = 1, floats, the
 //    largest window). Of filters and operators the scene's own and the truest stay; of windows the two that cost least
 //    among those that keep the contact and err no more than the largest.
 // 3. Every combination of what stayed, with both storages and every n.
-// 4. Around the best of these: every value of one choice with the rest as it is.
+// 4. Around the best of these: every value of one choice but the filters of `more_filters`, with the rest as it is.
 // 5. The best for the goal are measured again in turns, and the median of their times counts.
 //
-// `feel` may throw; the search ends then. A trial is two calls, and each round of a finalist is one more.
+// `feel` may throw; the search ends then. A trial is two calls, and each round of a finalist is one more. Of these the
+// worst counts, but for the time: the quicker of the two, then the median of the rounds.
 [[nodiscard]] Found search(const Goal& goal, const SearchSpace& space,
                            const std::function<Trial(const Candidate& candidate)>& feel);
 

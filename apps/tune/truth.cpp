@@ -2,7 +2,7 @@
 #include "apps/tune/truth.hpp"
 
 #include <algorithm>
-#include <limits>
+#include <cmath>
 
 #include "base/quantile.hpp"
 #include "servo/loop/run_figures.hpp"
@@ -32,7 +32,8 @@ class FeltTruth final : public Truth {
     std::vector<std::optional<TruePoint>> points;
     for (const TickRecord& record : felt_(records)) {
       std::optional<TruePoint>& point = points.emplace_back();
-      if (record.in_contact) point = TruePoint{surfacePointOf(record), asVec3(record.normal_W)};
+      if (!std::isnan(record.depth_m))  // without contact the depth is 0
+        point = TruePoint{surfacePointOf(record), asVec3(record.normal_W), record.in_contact ? record.depth_m : 0};
     }
     points.resize(records.size());
     return points;
@@ -63,18 +64,12 @@ std::unique_ptr<Truth> feltTruth(FeelAlong felt) {
 RunErrors runErrors(Truth& truth, const std::vector<TickRecord>& records, const std::vector<PathPhase>& phases,
                     double stiffness_N_per_m) {
   const auto& points = truth.pointsOf(records);
-  const CountedTicks counted = countedTicks(records, phases);
-  std::vector<double> errors_N;
-  for (const TickRecord* record : counted.ticks) {
-    const auto& point = points[static_cast<std::size_t>(record - records.data())];
-    const auto error_N = point ? forceError_N(stiffness_N_per_m, *record, *point) : std::nullopt;
-    if (error_N) errors_N.push_back(*error_N);
-  }
-  if (errors_N.empty()) return {std::numeric_limits<double>::quiet_NaN(), 0};
-  const auto sliding = std::ranges::count_if(records, [&](const TickRecord& r) { return inSlide(r.time_s, phases); });
-  const auto all = counted.slide_only ? static_cast<double>(sliding) : static_cast<double>(records.size());
-  const auto known = static_cast<double>(errors_N.size());
-  return {percentiles(std::move(errors_N)).p99, known / all};
+  ForceErrors known = forceErrors(stiffness_N_per_m, records, phases, [&](const TickRecord& record) {
+    return points[static_cast<std::size_t>(&record - records.data())];
+  });
+  if (known.errors_N.empty()) return {};
+  const double share = static_cast<double>(known.felt_ticks) / static_cast<double>(known.possible_ticks);
+  return {percentiles(std::move(known.errors_N)).p99, share};
 }
 
 std::string whyNotExact(const Scene& scene, double isovalue) {

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -36,8 +37,9 @@ using FeelAlong = std::function<std::vector<TickRecord>(const std::vector<TickRe
 
 // The error of a run.
 struct RunErrors {
-  double p99_N = 0;          // NaN: no tick has a known error
-  double contact_share = 0;  // ticks with one, of those of the slide; of all, where there is no slide [-]
+  // Over the ticks of forceErrors(); NaN: no tick has a known error.
+  double p99_N = std::numeric_limits<double>::quiet_NaN();
+  double contact_share = 0;  // ticks of these in contact, of all of the slide; of the run, where it has no slide [-]
 };
 [[nodiscard]] RunErrors runErrors(Truth& truth, const std::vector<TickRecord>& records,
                                   const std::vector<PathPhase>& phases, double stiffness_N_per_m);

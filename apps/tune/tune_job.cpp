@@ -2,11 +2,11 @@
 #include "apps/tune/tune_job.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <fstream>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "apps/console/interrupt.hpp"
 #include "apps/report/words.hpp"
@@ -20,7 +20,6 @@
 #include "base/error.hpp"
 #include "base/quantile.hpp"
 #include "base/stopwatch.hpp"
-#include "base/units.hpp"
 #include "engine/phantoms/phantom_spec.hpp"
 #include "servo/algorithms/registry.hpp"
 
@@ -29,15 +28,20 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kFreshRuns = 5;                                     // each with an engine of its own
-constexpr std::size_t kMostConfirmed = 8;                         // so many picks are felt anew at most
-constexpr const char* kFirstWords = "# Written by palpate tune";  // by which a file is known as its own
+constexpr int kFreshRuns = 5;                                   // each with an engine of its own
+constexpr std::size_t kMostConfirmed = 8;                       // so many picks are felt anew at most
+constexpr const char* kFirstWords = "Written by palpate tune";  // by which a file is known as its own
 constexpr std::string_view kTunedKeys[] = {"filter", "gradient_operator", "samples", "window", "servo.n"};
 
 bool isOwnFile(const fs::path& file) {
   std::ifstream stream(file);
   std::string line;
-  return std::getline(stream, line) && line.starts_with(kFirstWords);
+  return std::getline(stream, line) && line.starts_with(fmt::format("# {}", kFirstWords));
+}
+
+// By a brush of the scene, or of its path's file.
+bool edits(const Scene& scene) {
+  return !withRecordedBrush(scene).edit.empty();
 }
 
 // Before any long work.
@@ -46,6 +50,11 @@ void checkRequest(const TuneRequest& request, const std::string& out) {
     refuse(fmt::format("--algorithm {}", request.scene.algorithm),
            "it shows no surface, so its force has no error that could be kept", "tune a scene with another algorithm");
   }
+  if (request.goal.kind == Goal::Kind::kBudget && edits(request.scene)) {
+    refuse(request.source, "its tool edits, which takes time at every tick, and trials are felt without a brush",
+           "tune it with --error, or give --budget for the scene without its brush");
+  }
+  (void)sceneText(request.scene, fs::path(out).parent_path());  // refuses names that a scene cannot hold
   checkOutputsDiffer({out, request.json});
   std::error_code ignored;
   if (fs::exists(out, ignored) && !request.overwrite && !isOwnFile(out)) {
@@ -95,7 +104,7 @@ class TuneJob {
       writeFileAtomically(out_, tunedScene());
       result_.out = out_;
     } else {
-      result_.chosen = result_.found.trials[nearestTo(request_.goal, result_.found.trials, result_.found.base)];
+      takeNearest();
       result_.needed = neededWords();
     }
     if (!request_.json.empty()) writeFileAtomically(request_.json, tuneJson(request_, result_));
@@ -116,68 +125,99 @@ class TuneJob {
       return trial;
     });
     result_.runs = runs.count();
-    if (std::isnan(result_.found.base.error_N)) {
+    if (!(result_.found.base.contact_share > 0)) {
       refuse(request_.source, "the tool feels no surface on its path, so there is no error to keep",
              "choose another path or isovalue; 'palpate touch' shows what is felt");
     }
   }
 
-  // A candidate in fresh runs: the median of their times, and the largest of their errors.
+  // A candidate in fresh runs: the median of their times and starts, and the worst of what else was felt. The first
+  // that is impossible ends them.
   [[nodiscard]] Trial feltAnew(const Candidate& candidate) {
     std::vector<double> times_us, starts_ms;
-    Trial fresh;
-    double most_N = 0;
-    for (int run = 0; run < kFreshRuns; ++run) {
+    Trial worst;
+    for (int run = 0; run < kFreshRuns && worst.impossible.empty(); ++run) {
       throwIfInterrupted("palpate tune");
-      fresh = bench_->feelAnew(candidate);
+      const Trial fresh = bench_->feelAnew(candidate);
       times_us.push_back(fresh.loop_us);
       starts_ms.push_back(fresh.start_ms);
-      most_N = std::isnan(fresh.error_N) ? fresh.error_N : std::max(most_N, fresh.error_N);
+      if (run == 0) worst = fresh;
+      keepWorse(worst, fresh);
     }
-    fresh.loop_us = median(times_us);
-    longest_us_ = std::ranges::max(times_us);
-    fresh.start_ms = median(starts_ms);
-    fresh.error_N = most_N;
-    return fresh;
+    worst.loop_us = median(times_us);
+    longest_us_.push_back(std::ranges::max(times_us));
+    worst.start_ms = median(starts_ms);
+    return worst;
   }
 
   // The first of the picks that meets the goal in fresh runs. What is told of it are the figures of these runs. After
   // one that takes longer than in its trial, only those are tried that would still be quick enough by as much longer.
   void confirm() {
+    bench_->emptyShelf();
     for (const std::size_t pick : result_.found.picks) {
       const Trial& trial = result_.found.trials[pick];
-      if (confirmed_ == kMostConfirmed) return;
+      if (result_.felt_anew.size() == kMostConfirmed) return;
       Trial expected = trial;
-      expected.loop_us *= longer_;
+      expected.loop_us *= result_.longer;
       if (!meets(request_.goal, expected, result_.found.base)) continue;
       progress_.stage("feeling the choice anew");
-      ++confirmed_;
       const Trial fresh = feltAnew(trial.candidate);
-      const bool quick = request_.goal.kind == Goal::Kind::kError || longest_us_ <= request_.goal.bound;
+      result_.felt_anew.push_back(fresh);
+      const bool quick = request_.goal.kind == Goal::Kind::kError || longest_us_.back() <= request_.goal.bound;
       if (quick && meets(request_.goal, fresh, result_.found.base)) {
         result_.met = true;
         result_.chosen = fresh;
         picked_ = pick;
         return;
       }
-      longer_ = std::max(longer_, std::max(fresh.loop_us, longest_us_ / kTimeMargin) / trial.loop_us);
-      result_.notes.push_back(
-          fmt::format("a choice that met the goal in trials did not in fresh runs, with its margin: {} N, {} us a tick",
-                      figureText(fresh.error_N), figureText(fresh.loop_us)));
+      tellMiss(trial, fresh);
     }
+  }
+
+  void tellMiss(const Trial& trial, const Trial& fresh) {
+    if (!fresh.impossible.empty()) {
+      result_.notes.push_back("a choice that met the goal in trials could not be felt anew: " + fresh.impossible);
+      return;
+    }
+    const double taken_us = std::max(fresh.loop_us, longest_us_.back() / kTimeMargin);
+    if (trial.loop_us > 0) result_.longer = std::max(result_.longer, taken_us / trial.loop_us);
+    result_.notes.push_back(
+        fmt::format("a choice that met the goal in trials did not in fresh runs, with its margin: {} N, {} us a tick",
+                    figureText(fresh.error_N), figureText(fresh.loop_us)));
+  }
+
+  // Of what was felt anew, if anything was: trials met the goal then, and are no answer to why it cannot be met.
+  void takeNearest() {
+    const bool anew = !result_.felt_anew.empty();
+    const std::vector<Trial>& felt = anew ? result_.felt_anew : result_.found.trials;
+    const std::size_t nearest = nearestTo(request_.goal, felt, result_.found.base);
+    result_.chosen = felt[nearest];
+    // No fresh run may take longer than a budget either.
+    needed_us_ = std::max(result_.chosen.loop_us * kTimeMargin, anew ? longest_us_[nearest] : 0);
   }
 
   [[nodiscard]] std::string truthWords() const {
     if (bench_->whyNotExact().empty()) return "the exact surface of the phantom, without its noise";
     return fmt::format(
-        "what the same algorithm finds at the same places with n = 1, floats and the largest window, since {}",
-        bench_->whyNotExact());
+        "what the same algorithm finds at the same places with n = 1, {} and the largest window, since {}",
+        bench_->truthSamples() == Scene{}.samples ? "floats" : "halves, as floats do not fit,", bench_->whyNotExact());
   }
 
   void notes() {
     const Scene& scene = request_.scene;
-    if (!withRecordedBrush(scene).edit.empty())
+    std::vector<std::string> how;
+    if (edits(scene)) {
       result_.notes.emplace_back("the tool was felt without its brush: what it edits changes the contact");
+      how.emplace_back("without its brush");
+    }
+    if (scene.device != defaultDevice()) {
+      result_.notes.push_back(fmt::format(
+          "trials are felt with the simulated device, not with {}: no hand can repeat its way. Its hand and "
+          "its force's delay are not in the figures",
+          scene.device));
+      how.emplace_back("with the simulated device");
+    }
+    result_.felt_how = fmt::format("{}", fmt::join(how, ", "));
     if (!scene.stiffness_density.empty())
       result_.notes.emplace_back("the error is that of the largest stiffness which the density gives");
     if (scene.spring_hand) {
@@ -205,21 +245,20 @@ class TuneJob {
 
   [[nodiscard]] std::string neededWords() const {
     const Trial& best = result_.chosen;
+    if (!best.impossible.empty()) return fmt::format("settings that can be: {}", best.impossible);
     if (!holdsContact(best, result_.found.base)) return "a path on which the contact is not lost";
     if (request_.goal.kind == Goal::Kind::kBudget) {
       return fmt::format(
           "a budget of {} us ({} times what was measured, for the machine's other work), or a quicker algorithm or "
           "machine",
-          shortNumber(best.loop_us * longer_ * kTimeMargin), kTimeMargin);
+          shortNumber(needed_us_), kTimeMargin);
     }
     const double share = request_.goal.bound / (best.error_N * kErrorMargin);
     if (!(share < 1)) return "runs that repeat what the trials found";
     std::string words =
         fmt::format("a stiffness of at most {} N/m", shortNumber(share * request_.scene.stiffness_N_per_m));
     const bool noisy = bench_->whyNotExact().empty() && parsePhantomSpec(request_.scene.volume).noise > 0;
-    if (noisy) return words + ", or a volume with less noise";
-    return words + fmt::format(", or voxels of about {} mm (the error falls with their square)",
-                               shortNumber(std::sqrt(share) * bench_->smallestSpacing_m() * kMillimetresPerMetre));
+    return words + (noisy ? ", or a volume with less noise" : ", or smaller voxels");
   }
 
   // The volume's name says series and NaN already.
@@ -227,11 +266,10 @@ class TuneJob {
     Scene scene = bench_->sceneOf(result_.chosen.candidate);
     scene.series.clear();
     scene.nan.clear();
-    std::string text = fmt::format("{}: {}\n", kFirstWords, request_.command);
+    std::string text = tomlComment(fmt::format("{}: {}", kFirstWords, request_.command));
     for (const Reason& reason : result_.reasons)
-      text += fmt::format("# {} = {}: {}\n", reason.choice, reason.value, reason.why);
-    text += "# Comments of the scene that it was made from are not here.\n\n";
-    for (char& c : text) c = static_cast<unsigned char>(c) < 0x20 && c != '\n' ? ' ' : c;
+      text += tomlComment(fmt::format("{} = {}: {}", reason.choice, reason.value, reason.why));
+    text += tomlComment("Comments of the scene that it was made from are not here.") + "\n";
     return text + sceneText(scene, fs::path(out_).parent_path(), kTunedKeys);
   }
 
@@ -239,9 +277,9 @@ class TuneJob {
   Progress& progress_;
   std::string out_;
   std::unique_ptr<Workbench> bench_;
-  std::size_t picked_ = 0, confirmed_ = 0;
-  double longest_us_ = 0;  // of the last fresh runs
-  double longer_ = 1;      // how many times as long fresh runs took as trials, at most [-]
+  std::size_t picked_ = 0;
+  std::vector<double> longest_us_;  // the longest run of each that was felt anew
+  double needed_us_ = 0;            // not met: a budget that the nearest keeps
   TuneResult result_;
 };
 

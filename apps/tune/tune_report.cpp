@@ -123,7 +123,9 @@ std::string tuneWords(const TuneRequest& request, const TuneResult& result) {
   text += tableOf(request, result);
   for (const std::string& note : result.notes) text += fmt::format("Note      {}\n", note);
   if (!result.met) {
-    text += fmt::format("Cannot    no candidate keeps {} {}; the nearest: {}\n", asked, boundText(goal),
+    const std::string who =
+        result.felt_anew.empty() ? "no candidate" : fmt::format("none of the {} felt anew", result.felt_anew.size());
+    text += fmt::format("Cannot    {} keeps {} {}; the nearest: {}\n", who, asked, boundText(goal),
                         choiceWords(result.chosen.candidate));
     text += fmt::format("Nearest   {}\nNeeded    {}\n", figureWords(result.chosen), result.needed);
     return text;
@@ -131,7 +133,8 @@ std::string tuneWords(const TuneRequest& request, const TuneResult& result) {
   text += fmt::format("Picked    {}\n", choiceWords(result.chosen.candidate));
   for (const Reason& reason : result.reasons)
     text += fmt::format("          {} {}: {}\n", reason.choice, reason.value, reason.why);
-  text += fmt::format("Met       in fresh runs {}\nScene     {}\n", figureWords(result.chosen), result.out);
+  const std::string how = result.felt_how.empty() ? "" : result.felt_how + ", ";
+  text += fmt::format("Met       {}in fresh runs {}\nScene     {}\n", how, figureWords(result.chosen), result.out);
   return text;
 }
 
@@ -147,15 +150,20 @@ std::string tuneJson(const TuneRequest& request, const TuneResult& result) {
       {"asked",
        {{request.goal.kind == Goal::Kind::kError ? "force_error_p99_N" : "loop_us_a_tick", request.goal.bound}}},
       {"met", result.met},
+      {"base", trialJson(result.found.base)},
+      {"felt_how", result.felt_how},
+      {"fresh_runs_times_as_long", result.longer},
       {"chosen", trialJson(result.chosen)},
       {"scene", result.met ? Json(result.out) : Json(nullptr)},
       {"needed", result.met ? Json(nullptr) : Json(result.needed)},
       {"truth", result.truth},
       {"notes", result.notes},
       {"reasons", Json::array()},
+      {"felt_anew", Json::array()},
       {"trials", Json::array()}};
   for (const Reason& reason : result.reasons)
     json["reasons"].push_back({{"choice", reason.choice}, {"value", reason.value}, {"why", reason.why}});
+  for (const Trial& trial : result.felt_anew) json["felt_anew"].push_back(trialJson(trial));
   for (std::size_t i = 0; i < result.found.trials.size(); ++i) {
     json["trials"].push_back(trialJson(result.found.trials[i]));
     json["trials"].back()["front"] = static_cast<bool>(front[i]);

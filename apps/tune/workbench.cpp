@@ -10,6 +10,7 @@
 #include "apps/touch/live_edits.hpp"
 #include "apps/touch/scene_plan.hpp"
 #include "apps/touch/servo_run.hpp"
+#include "apps/touch/volume_surface.hpp"
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
 #include "engine/field/isosurface_mesh.hpp"
@@ -23,15 +24,13 @@
 namespace palpate {
 namespace {
 
-constexpr std::size_t kMostEngines = 8;
-constexpr std::uint64_t kShareOfMemory = 4;  // engines that are kept take at most this part of the free memory
-
 void stopTuningIfInterrupted() {
   throwIfInterrupted("palpate tune");
 }
 
 Scene forTrials(Scene scene) {
   scene.simulated_clock = true;
+  scene.device = defaultDevice();
   scene.edit.clear();
   return scene;
 }
@@ -60,11 +59,10 @@ bool shareEngine(const Candidate& a, const Candidate& b) {
 
 }  // namespace
 
-// What is felt through a filter, and the tool's way on it.
+// The tool's way on what is felt through a filter, the truth along it, and what is felt besides the engine's windows.
 struct Workbench::Ground {
-  std::optional<Volume> filtered;
-  std::optional<VolumeSurface> surface;
   std::optional<ScriptedPath> path;
+  std::unique_ptr<Truth> truth;
   std::shared_ptr<const ContactObject> mesh;
   std::uint64_t mesh_bytes = 0;
   double mesh_ms = 0;
@@ -77,11 +75,15 @@ struct Workbench::Made {
   double start_ms = 0;
 };
 
-Workbench::Workbench(const Scene& scene, Progress& progress)
+Workbench::Workbench(const Scene& scene, Progress& progress, const ShelfRoom& room)
     : given_(scene),
       scene_(forTrials(scene)),
       objects_(makeSceneObjects(scene.objects)),
-      volume_(loadAndTell(scene.volume, progress)) {
+      volume_(loadAndTell(scene.volume, progress)),
+      truth_samples_(Scene{}.samples),
+      shelf_(room.engines, [share = room.share] {
+        return static_cast<std::uint64_t>(share * static_cast<double>(availableMemoryBytes()));
+      }) {
   checkTouchable(volume_);
   isovalue_ = static_cast<float>(scene.isovalue ? *scene.isovalue : defaultIsovalue(volume_));
   checkIsovalue(volume_, isovalue_);
@@ -93,10 +95,10 @@ Workbench::~Workbench() = default;
 
 // The first engine of a kind waits for the driver's compiler, if the driver has not kept what it compiled for an
 // earlier run. Its time to start says nothing of later runs, so it is made again.
-std::unique_ptr<Workbench::Made> Workbench::make(const Candidate& candidate) {
+std::shared_ptr<Workbench::Made> Workbench::make(const Candidate& candidate) {
   Progress quiet(nullptr);
   const Plan plan = planFor(withCandidate(scene_, candidate));
-  auto made = std::make_unique<Made>();
+  auto made = std::make_shared<Made>();
   made->candidate = candidate;
   const std::string kind = fmt::format("{}|{}|{}", candidate.filter, candidate.gradient_operator, candidate.samples);
   for (const bool is_first = kinds_made_.insert(kind).second; const int turn : {0, 1}) {
@@ -111,14 +113,16 @@ std::unique_ptr<Workbench::Made> Workbench::make(const Candidate& candidate) {
   return made;
 }
 
-std::unique_ptr<Workbench::Ground> Workbench::groundOf(Engine& engine, const Scene& scene) const {
-  auto ground = std::make_unique<Ground>();
-  if (engine.filters()) ground->filtered = engine.filtered(volume_.facts());
-  const Volume& felt = ground->filtered ? *ground->filtered : volume_;
-  ground->surface.emplace(felt, engine.isovalue());
+// The filtered volume is as large as the volume, and only the path and the mesh need it.
+std::shared_ptr<Workbench::Ground> Workbench::groundOf(Engine& engine, const Scene& scene) {
+  auto ground = std::make_shared<Ground>();
+  std::optional<Volume> filtered;
+  if (engine.filters()) filtered = engine.filtered(volume_.facts());
+  const Volume& felt = filtered ? *filtered : volume_;
   ground->scale = densityScaleOf(felt, engine.isovalue());
   stopTuningIfInterrupted();
-  ground->path = scriptedPath(scene, *ground->surface);
+  ground->path = scriptedPath(scene, VolumeSurface(felt, engine.isovalue()));
+  ground->truth = newTruth();
   if (algorithmEntry(scene_.algorithm).needs.isosurface_mesh) {
     const Stopwatch watch;
     TriangleMesh mesh = isosurfaceMesh(felt, engine.isovalue());
@@ -129,68 +133,69 @@ std::unique_ptr<Workbench::Ground> Workbench::groundOf(Engine& engine, const Sce
   return ground;
 }
 
-Workbench::Ground& Workbench::keptGround(const Candidate& candidate) {
+// Meshes may be large: of the grounds that hold one, the scene's own and the last one stay.
+std::shared_ptr<Workbench::Ground> Workbench::keptGround(const Candidate& candidate) {
+  if (const auto known = grounds_.find(candidate.filter); known != grounds_.end()) return known->second;
   const Scene scene = trialScene(candidate);
-  std::unique_ptr<Ground>& ground = grounds_[candidate.filter];
-  if (!ground) ground = groundOf(*shelved(candidate).engine, scene);
-  return *ground;
+  std::erase_if(grounds_, [&](const auto& kept) { return kept.second->mesh && kept.first != given_.filter; });
+  return grounds_[candidate.filter] = groundOf(*shelved(candidate)->engine, scene);
 }
 
 Scene Workbench::sceneOf(const Candidate& candidate) {
   Scene scene = withCandidate(given_, candidate);
   if (candidate.filter == given_.filter) return scene;
-  return withPathOf(scene, *keptGround(candidateOf(given_)).path);
+  return withPathOf(scene, *keptGround(candidateOf(given_))->path);
 }
 
 Scene Workbench::trialScene(const Candidate& candidate) {
   return forTrials(sceneOf(candidate));
 }
 
-// Frees the engines used least lately where they would take too much.
-Workbench::Made& Workbench::shelved(const Candidate& candidate) {
-  const auto known =
-      std::ranges::find_if(shelf_, [&](const auto& made) { return shareEngine(made->candidate, candidate); });
-  if (known != shelf_.end()) {
-    shelf_.splice(shelf_.begin(), shelf_, known);
-    return *shelf_.front();
-  }
-  const auto taken = [&] {
-    std::uint64_t bytes = 0;
-    for (const auto& made : shelf_) bytes += made->engine->memory().back().bytes;
-    return bytes;
-  };
-  while (!shelf_.empty() && (shelf_.size() >= kMostEngines || taken() > availableMemoryBytes() / kShareOfMemory))
-    shelf_.pop_back();
-  shelf_.push_front(make(candidate));
-  return *shelf_.front();
+std::shared_ptr<Workbench::Made> Workbench::shelved(const Candidate& candidate) {
+  return shelf_.find([&](const Made& made) { return shareEngine(made.candidate, candidate); },
+                     [&] { return make(candidate); },
+                     [](const Made& made) { return made.engine->memory().back().bytes; });
 }
 
-Trial Workbench::trialOf(const Candidate& candidate, Made& made, Ground& ground, Truth& truth) {
+// Lets the engine go before the truth is looked up, which may need another one.
+Trial Workbench::trialOf(const Candidate& candidate, std::shared_ptr<Made> made, Ground& ground) {
   Scene scene = trialScene(candidate);
   if (!scene.path_file.empty()) scene.duration_s = ground.path->path.duration_s();
   checkRunLength(scene, availableMemoryBytes());
   Progress quiet(nullptr);
   const RigVolume rig{.scale = ground.scale, .objects = objects_.objects, .isosurface = ground.mesh};
-  made.engine->forgetWindow();  // else the last run's window could save this one a gather
-  const ServoRun run = runServo(scene, rig, ground.path->path, *made.engine, nullptr, quiet, [](const auto&) {});
+  made->engine->forgetWindow();  // else the last run's window could save this one a gather
+  const ServoRun run = runServo(scene, rig, ground.path->path, *made->engine, nullptr, quiet, [](const auto&) {});
   stopTuningIfInterrupted();
-  const RunErrors errors = runErrors(truth, run.loop.records, ground.path->phases, springStiffness(scene));
-  return {.candidate = candidate,
-          .error_N = errors.p99_N,
-          .loop_us = run.loop_us_a_tick.value_or(0),
-          .memory_bytes = made.engine->memory().back().bytes + ground.mesh_bytes,
-          .start_ms = made.start_ms + ground.mesh_ms,
-          .contact_share = errors.contact_share,
-          .faulty_ticks = std::ranges::count_if(run.loop.records, [](const TickRecord& r) { return r.faults != 0; })};
+  Trial trial{.candidate = candidate,
+              .loop_us = run.loop_us_a_tick.value_or(0),
+              .memory_bytes = made->engine->memory().back().bytes + ground.mesh_bytes,
+              .start_ms = made->start_ms + ground.mesh_ms,
+              .faulty_ticks = std::ranges::count_if(run.loop.records, [](const auto& r) { return r.faults != 0; })};
+  made.reset();
+  const RunErrors errors = runErrors(*ground.truth, run.loop.records, ground.path->phases, springStiffness(scene));
+  trial.error_N = errors.p99_N;
+  trial.contact_share = errors.contact_share;
+  return trial;
+}
+
+// The engine for the truest settings. Where floats do not fit, the scene's own storage has to do.
+std::shared_ptr<Workbench::Made> Workbench::truestMade(Scene& scene) {
+  scene.samples = truth_samples_;
+  try {
+    return shelved(candidateOf(scene));
+  } catch (const Error& error) {
+    if (error.code() != Error::Code::kOutOfMemory || scene.samples == given_.samples) throw;
+  }
+  scene.samples = truth_samples_ = given_.samples;
+  return shelved(candidateOf(scene));
 }
 
 // The places are those of the records: a rigid hand goes from one to the next. Encoders have rounded them already.
 std::vector<TickRecord> Workbench::feelTruest(const std::vector<TickRecord>& along) {
   Scene scene = scene_;
   scene.plane_renewal_ticks = 1;
-  scene.samples = Scene{}.samples;
   scene.window_edge = Scene{}.window_edge;
-  scene.device = defaultDevice();
   scene.spring_hand = false;
   scene.encoder_resolution_m = 0;
   scene.device_delay_ticks = 0;
@@ -202,12 +207,12 @@ std::vector<TickRecord> Workbench::feelTruest(const std::vector<TickRecord>& alo
     places_W.push_back(asVec3(record.hip_W));
   }
   const SampledPath path(std::move(times_s), std::move(places_W), SampledPath::Interpolation::kLinear);
-  Made& made = shelved(candidateOf(scene));
+  const std::shared_ptr<Ground> ground = keptGround(candidateOf(scene_));
+  const std::shared_ptr<Made> made = truestMade(scene);
   Progress quiet(nullptr);
-  const Ground& ground = *grounds_.at(scene.filter);
-  const RigVolume rig{.scale = ground.scale, .objects = objects_.objects, .isosurface = ground.mesh};
-  made.engine->forgetWindow();
-  return runServo(scene, rig, path, *made.engine, nullptr, quiet, [](const auto&) {}).loop.records;
+  const RigVolume rig{.scale = ground->scale, .objects = objects_.objects, .isosurface = ground->mesh};
+  made->engine->forgetWindow();
+  return runServo(scene, rig, path, *made->engine, nullptr, quiet, [](const auto&) {}).loop.records;
 }
 
 std::unique_ptr<Truth> Workbench::newTruth() {
@@ -216,8 +221,8 @@ std::unique_ptr<Truth> Workbench::newTruth() {
 }
 
 bool Workbench::isAsGiven(const Candidate& candidate) const {
-  const bool plain = candidate.samples == Scene{}.samples || candidate.samples == scene_.samples;
-  return plain && candidate.filter == scene_.filter && candidate.gradient_operator == scene_.gradient_operator;
+  return candidate.samples == given_.samples && candidate.filter == given_.filter &&
+         candidate.gradient_operator == given_.gradient_operator;
 }
 
 // What the scene itself cannot do is the user's to mend.
@@ -234,18 +239,16 @@ Trial Workbench::orImpossible(const Candidate& candidate, const Work& work) cons
 
 Trial Workbench::feel(const Candidate& candidate) {
   return orImpossible(candidate, [&] {
-    Ground& ground = keptGround(candidate);
-    std::unique_ptr<Truth>& truth = truths_[candidate.filter];
-    if (!truth) truth = newTruth();
-    return trialOf(candidate, shelved(candidate), ground, *truth);
+    const std::shared_ptr<Ground> ground = keptGround(candidate);
+    return trialOf(candidate, shelved(candidate), *ground);
   });
 }
 
 Trial Workbench::feelAnew(const Candidate& candidate) {
   return orImpossible(candidate, [&] {
-    const std::unique_ptr<Made> made = make(candidate);
-    const std::unique_ptr<Ground> ground = groundOf(*made->engine, trialScene(candidate));
-    return trialOf(candidate, *made, *ground, *newTruth());
+    std::shared_ptr<Made> made = shelf_.withRoom([&] { return make(candidate); });
+    const std::shared_ptr<Ground> ground = groundOf(*made->engine, trialScene(candidate));
+    return trialOf(candidate, std::move(made), *ground);
   });
 }
 

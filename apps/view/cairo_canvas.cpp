@@ -12,6 +12,7 @@
 
 #include "apps/view/canvas.hpp"
 #include "base/error.hpp"
+#include "base/outside_text.hpp"
 
 namespace palpate {
 namespace {
@@ -44,19 +45,16 @@ cairo_status_t append(void* file, const unsigned char* bytes, unsigned int count
   }
 }
 
-// Cairo refuses text that is not UTF-8; names of files need not be. Every byte outside a whole character becomes '?'.
+// Cairo refuses text that is not UTF-8; names of files need not be. Every byte outside a whole character becomes '?',
+// as do control characters and the bytes of those beyond the first plane, which fonts seldom have.
 std::string validUtf8(const std::string& words) {
   std::string out;
   for (std::size_t i = 0; i < words.size();) {
-    const auto lead = static_cast<unsigned char>(words[i]);
-    const std::size_t length = lead < 0x80 ? 1 : lead >= 0xC2 && lead < 0xE0 ? 2 : lead >= 0xE0 && lead < 0xF0 ? 3 : 0;
-    bool whole = length > 0 && i + length <= words.size();
-    for (std::size_t k = 1; whole && k < length; ++k)
-      whole = (static_cast<unsigned char>(words[i + k]) & 0xC0U) == 0x80;
-    const bool plain = whole && lead != 0xE0 && lead != 0xED && lead >= 0x20;  // not overlong, no surrogate, no control
-    if (plain) out.append(words, i, length);
+    const std::size_t bytes = characterBytes(words, i);
+    const bool plain = bytes > 0 && bytes < 4 && static_cast<unsigned char>(words[i]) >= 0x20;
+    if (plain) out.append(words, i, bytes);
     if (!plain) out += '?';
-    i += plain ? length : 1;
+    i += plain ? bytes : 1;
   }
   return out;
 }

@@ -8,6 +8,7 @@
 #include "apps/scene/object_table.hpp"
 #include "apps/scene/option_table.hpp"
 #include "apps/scene/scene_file.hpp"
+#include "base/error.hpp"
 #include "temporary_folder.hpp"
 
 namespace palpate {
@@ -85,6 +86,38 @@ TEST_F(SceneText, PathsAreSeenFromTheFolder) {
   EXPECT_THAT(text, HasSubstr("file = \"/paths/way.csv\"\n"));
   EXPECT_THAT(text, HasSubstr("file = \"../../parts/tool.stl\"\n"));
   EXPECT_THAT(sceneText(scene, ""), HasSubstr("volume = \"scans/head.nii?nan=0\"\n"));
+}
+
+// TOML takes every character of UTF-8 in a string, control characters escaped, and no other bytes.
+TEST_F(SceneText, HoldsEveryNameInUtf8AndRefusesOthers) {
+  for (const std::string name : {"a\x7f b", "a\x01\x1f", "\xC3\xA4\xE2\x82\xAC\xF0\x9F\x98\x80"}) {
+    Scene scene;
+    scene.out = name;
+    expectSame(readBack(sceneText(scene, folder_.path())), scene);
+  }
+  for (const std::string name : {"\xFF", "\xC3", "\xC0\x80", "\xED\xA0\x80", "\xF4\x90\x80\x80", "a\x80"}) {
+    Scene scene;
+    scene.out = name;
+    try {
+      static_cast<void>(sceneText(scene, folder_.path()));
+      ADD_FAILURE() << "accepted";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), Error::Code::kBadInput);
+      EXPECT_THAT(error.what(), HasSubstr("not in UTF-8"));
+    }
+  }
+}
+
+// A comment is read over, whatever the words held.
+TEST_F(SceneText, CommentsAreReadOver) {
+  std::string words = "first\nsecond \xC3\xA4 \xFF\xC3";
+  for (char c = 1; c < 0x20; ++c) words += c;
+  words += "\x7f";
+  const std::string comment = tomlComment(words);
+  EXPECT_TRUE(comment.starts_with("# first\n# second \xC3\xA4 ??")) << comment;
+  Scene scene;
+  scene.plane_renewal_ticks = 9;
+  EXPECT_EQ(readBack(comment + sceneText(scene, folder_.path())).plane_renewal_ticks, 9);
 }
 
 }  // namespace scene_text_test

@@ -182,6 +182,28 @@ TEST_F(ExactErrorsTest, ForceErrorIsStiffnessTimesTheVectorBetweenTheSurfacePoin
   EXPECT_NEAR(errors->force_error_p99_N.value_or(-1), 800 * 2 * std::sin(turn / 2) * 1e-3, 1e-9);
 }
 
+// Two ticks of the slide: one felt right, one 1 mm deep without contact, which errs by the whole force. What is before
+// the slide does not count.
+TEST_F(ExactErrorsTest, ForceErrorCountsLostContact) {
+  TickRecord lost = touching(*sphere_, 1.5, 0, 0), early = lost;
+  lost.in_contact = early.in_contact = false;
+  lost.depth_m = early.depth_m = 0;
+  early.time_s = 0.5;
+  early.hip_W[0] -= 5e-3;
+  const std::vector<PathPhase> phases = {{"press", 0, 1}, {"slide", 1, 2}};
+  const auto errors = exactErrors(*sphere_, {early, touching(*sphere_, 1.2, 0, 0), lost}, phases, 800);
+  EXPECT_NEAR(errors->force_error_p99_N.value_or(-1), 800 * 1e-3, 1e-9);
+  EXPECT_EQ(errors->ticks, 1);
+}
+
+// The HIP is 0.2 mm outside, and a depth of 0.3 mm was found.
+TEST_F(ExactErrorsTest, ForceErrorCountsContactThatShouldNotBe) {
+  TickRecord record = touching(*sphere_, 0, 0, 0);
+  record.hip_W[0] = radius_m(*sphere_) + 0.2e-3;
+  record.depth_m = 0.3e-3;
+  EXPECT_NEAR(exactErrors(*sphere_, {record}, {}, 800)->force_error_p99_N.value_or(-1), 800 * 0.3e-3, 1e-9);
+}
+
 TEST_F(ExactErrorsTest, ForceErrorIsLeftOutWhereTheSurfacePointIsNotKnown) {
   TickRecord none = touching(*sphere_, 0, 0, 2);  // an algorithm without a surface
   none.depth_m = std::numeric_limits<double>::quiet_NaN();

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/tune/candidate.hpp"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 namespace palpate {
@@ -26,6 +28,21 @@ TEST(Candidate, NamesItsValues) {
   EXPECT_EQ(valueOn(Axis::kFilter, Candidate{}), "none");
   EXPECT_EQ(valueOn(Axis::kFilter, kOther), "gaussian:1");
   EXPECT_EQ(valueOn(Axis::kN, kOther), "8");
+}
+
+TEST(Trial, KeepsTheWorseOfTwoRuns) {
+  Trial trial{.error_N = 0.1, .loop_us = 3, .contact_share = 0.9, .faulty_ticks = 0};
+  keepWorse(trial, {.error_N = 0.05, .loop_us = 9, .contact_share = 0.8, .faulty_ticks = 2});
+  EXPECT_EQ(trial.error_N, 0.1);
+  EXPECT_EQ(trial.loop_us, 3);
+  EXPECT_EQ(trial.contact_share, 0.8);
+  EXPECT_EQ(trial.faulty_ticks, 2);
+  EXPECT_EQ(trial.impossible, "");
+  keepWorse(trial, {.impossible = "no memory"});
+  EXPECT_EQ(trial.impossible, "no memory");
+  EXPECT_TRUE(std::isnan(trial.error_N));
+  keepWorse(trial, {.error_N = 0.2});
+  EXPECT_TRUE(std::isnan(trial.error_N));
 }
 
 }  // namespace candidate_test

@@ -3,8 +3,10 @@
 #include "apps/tune/search.hpp"
 
 #include <cmath>
+#include <map>
 #include <set>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -95,6 +97,51 @@ TEST(Search, FeelsNoMoreThanItSays) {
       }
     }
   }
+}
+
+// A failed run has no time, and must not come first for it.
+TEST(Search, ARunThatFailsMakesItsTrialImpossible) {
+  for (const std::size_t fails_at : {2U, 3U}) {  // the second run of the trial, and one of the rounds after the search
+    std::map<std::string, std::size_t> calls;
+    const auto feel = [&](const Candidate& c) {
+      const std::size_t call = ++calls[fmt::format("{} {} {}", c.n, c.window_edge, c.samples)];
+      Trial trial{.candidate = c, .error_N = 1e-3 * c.n, .loop_us = 1 + 0.01 * c.window_edge, .contact_share = 1};
+      const bool fails = c.n == 3 && c.window_edge == 12 && call >= fails_at;
+      return fails ? Trial{.candidate = c, .impossible = "no memory"} : trial;
+    };
+    const SearchSpace space = searchSpace(Scene{}, {.longest_edge = 12});
+    const Found f = search({Goal::Kind::kError, 0.5}, space, feel);
+    bool seen = false;
+    for (const std::size_t pick : f.picks) {
+      seen = seen || !f.trials[pick].impossible.empty();
+      EXPECT_GT(f.trials[pick].loop_us, 0);
+    }
+    EXPECT_FALSE(seen) << fails_at;
+    EXPECT_FALSE(f.picks.empty());
+  }
+}
+
+TEST(Search, EndsWithTheBaseWhereThePathHasNoContact) {
+  std::size_t calls = 0;
+  const Found f = search({Goal::Kind::kError, 0.5}, searchSpace(Scene{}, kEverything), [&](const Candidate& c) {
+    ++calls;
+    return Trial{.candidate = c, .error_N = 1, .loop_us = 1};  // the truth is in contact, the tool is not
+  });
+  EXPECT_LE(calls, 4U);
+  EXPECT_TRUE(f.picks.empty());
+}
+
+// Where floats cannot be, everything is compared with halves.
+TEST(Search, TakesHalvesForTheBaseWhereFloatsDoNotFit) {
+  Model model;
+  Scene scene;
+  scene.samples = "half";
+  const Found f = search({Goal::Kind::kError, 0.1}, searchSpace(scene, kEverything), [&](const Candidate& c) {
+    return c.samples == "half" ? model(c) : Trial{.candidate = c, .impossible = "no memory"};
+  });
+  EXPECT_EQ(f.base.candidate.samples, "half");
+  ASSERT_FALSE(f.picks.empty());
+  EXPECT_EQ(f.trials[f.picks.front()].candidate.filter, "gaussian:1.5");
 }
 
 TEST(SearchSpace, HoldsTheScenesOwnValues) {

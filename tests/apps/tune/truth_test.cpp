@@ -43,16 +43,41 @@ TEST(Truth, OfAPhantomIsItsExactSurface) {
   EXPECT_EQ(errors.contact_share, 1);
 }
 
-// Two thirds of the slide's ticks are in contact; the others count only for the share.
+// Two thirds of the slide's ticks are in contact; the last should be, and errs by 1 mm as the others do.
 TEST(Truth, CountsTheSlideAndItsContact) {
   const Vec3 hip_W = Vec3::UnitX() * (radius_m() - 1e-3);
   std::vector<TickRecord> records = {touching(0.1, hip_W, 5e-3), touching(1.1, hip_W, 2e-3), touching(1.2, hip_W, 2e-3),
                                      touching(1.3, hip_W, 2e-3)};
   records[3].in_contact = false;
+  records[3].depth_m = 0;
   const auto truth = exactTruth(kSphere);
   const RunErrors errors = runErrors(*truth, records, {{"press", 0, 1}, {"slide", 1, 2}}, 1000);
   EXPECT_NEAR(errors.p99_N, 1, 1e-9);
   EXPECT_NEAR(errors.contact_share, 2.0 / 3, 1e-12);
+}
+
+// A tick without the contact that should be: K times the true depth, 1 mm. Three of a hundred are more than the
+// percentile leaves out.
+TEST(Truth, ATickThatLosesTheContactErrsByTheWholeForce) {
+  const Vec3 hip_W = Vec3::UnitX() * (radius_m() - 1e-3);
+  std::vector<TickRecord> records(100, touching(1, hip_W, 1e-3));
+  for (std::size_t i = 40; i < 43; ++i) records[i].in_contact = false;
+  for (std::size_t i = 40; i < 43; ++i) records[i].depth_m = 0;
+  const auto exact = exactTruth(kSphere);
+  EXPECT_NEAR(runErrors(*exact, records, {}, 1000).p99_N, 1, 1e-9);
+  EXPECT_NEAR(runErrors(*exact, records, {}, 1000).contact_share, 0.97, 1e-12);
+  const auto felt = feltTruth([&](const auto& along) { return std::vector(along.size(), touching(1, hip_W, 1e-3)); });
+  EXPECT_NEAR(runErrors(*felt, records, {}, 1000).p99_N, 1, 1e-9);
+}
+
+// A contact that should not be: K times the depth that was found.
+TEST(Truth, ATickWithAContactTooManyErrsByTheWholeForce) {
+  const Vec3 hip_W = Vec3::UnitX() * (radius_m() + 0.1e-3);
+  const std::vector<TickRecord> records(100, touching(1, hip_W, 0.3e-3));
+  const auto exact = exactTruth(kSphere);
+  EXPECT_NEAR(runErrors(*exact, records, {}, 1000).p99_N, 0.3, 1e-9);
+  const auto felt = feltTruth([](const auto& along) { return std::vector<TickRecord>(along.size()); });
+  EXPECT_NEAR(runErrors(*felt, records, {}, 1000).p99_N, 0.3, 1e-9);
 }
 
 TEST(Truth, OfAnythingElseIsWhatIsFeltAtTheSamePlaces) {
@@ -74,7 +99,7 @@ TEST(Truth, OfAnythingElseIsWhatIsFeltAtTheSamePlaces) {
 
 TEST(Truth, IsNotKnownWithoutContact) {
   const auto truth = exactTruth(kSphere);
-  TickRecord free = touching(0, Vec3::UnitX() * 1e-3, 1e-3);
+  TickRecord free = touching(0, Vec3::UnitX() * (radius_m() + 1e-3), 0);
   free.in_contact = false;
   EXPECT_TRUE(std::isnan(runErrors(*truth, {free}, {}, 1000).p99_N));
   EXPECT_TRUE(std::isnan(runErrors(*truth, {}, {}, 1000).p99_N));
