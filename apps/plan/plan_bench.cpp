@@ -127,12 +127,12 @@ BenchResult runPlanBench(const PlanBenchRequest& request, Progress& progress) {
   progress.stage("touching with one feature more and more");
   const Stopwatch watch;
   const std::size_t count = all.size();
-  const std::size_t runs = count * static_cast<std::size_t>(request.rounds + 1);
+  const std::size_t runs = count * static_cast<std::size_t>(request.rounds + (request.warms_up ? 1 : 0));
   for (std::size_t n = 0; n < runs; ++n) {
-    const std::size_t round = n / count;  // the first one warms up
+    const std::size_t round = n / count;
     Rung& rung = all[(n + round) % count];
     RunCounts run = countedRun(rung.scene, folder.path(), request.program);
-    if (round > 0) rung.runs.push_back(std::move(run));
+    if (round > 0 || !request.warms_up) rung.runs.push_back(std::move(run));
     const double done = static_cast<double>(n + 1) / static_cast<double>(runs);
     progress.fraction(done, watch.seconds() * (1 - done) / done);
   }
@@ -177,8 +177,8 @@ Bench planBench() {
           .takes = {"gpu"},
           .run =
               [](const Bench&, const BenchArguments& arguments, Progress& progress) {
-                PlanBenchRequest request{.gpu = arguments.gpu};
-                if (arguments.quick) request.rounds = 1;
+                PlanBenchRequest request = arguments.quick ? PlanBenchRequest::quick() : PlanBenchRequest{};
+                request.gpu = arguments.gpu;
                 return runPlanBench(request, progress);
               },
           .table = planTable,

@@ -19,9 +19,12 @@ namespace palpate {
 
 struct PlanBenchRequest {
   int rounds = 5;
+  bool warms_up = true;     // a first round that does not count
   std::string volume = {};  // empty: the CT head where it is known, or a phantom
   std::string gpu = {};
   std::string program = {};  // empty: this one
+
+  [[nodiscard]] static PlanBenchRequest quick() { return {.rounds = 1, .warms_up = false}; }
 };
 
 // Throws Error: as countedRun() does.

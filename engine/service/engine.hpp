@@ -50,7 +50,8 @@ class Engine {
   bool publishAround(const Vec3& focus_W, std::int64_t now_ns);
   // As publishAround(), around the point where this tool needs the window (window_focus.hpp).
   bool publishFor(const ToolPose& tool, std::int64_t now_ns);
-  // The next of these calls gathers a window wherever the tool is, as that of a new engine does. Between two runs.
+  // The next of these calls gathers a window wherever the tool is, and computes what gradients it needs, as that of a
+  // new engine does. Between two runs.
   void forgetWindow() noexcept;
 
   // Prepares for edits. Call it once, before the first edit. Kernels of these `kinds` are compiled now, so that not

@@ -137,9 +137,9 @@ void EngineParts::computeGradients(const Volume& volume, const Plan& plan, const
       checkHalfSamples(format, range.first, range.second, meanAbove(volume, isovalue_) - isovalue_);
     checkSampleRoom(*pool_->budget(), bricks.size() * kBrickVoxels * format.bytesAVoxel());
     const bool as_needed = plan.gradientsAsNeeded();
-    store_ = std::make_unique<SampleStore>(
-        gpu_, pool_->brickCount(), as_needed ? std::vector<std::uint32_t>{} : inBlocks(bricks, pool_->grid()),
-        pool_->budget(), format);
+    store_ = std::make_unique<SampleStore>(gpu_, pool_->brickCount(),
+                                           as_needed ? std::vector<std::uint32_t>{} : inBlocks(bricks, pool_->grid()),
+                                           pool_->budget(), format);
     gradient_ = std::make_unique<GradientPass>(
         gpu_, transfer_, field(), *store_, plan.gradient, smoothing_ ? &smoothing_->result() : nullptr,
         plan.request.edits || plan.request.other_isovalues ? GradientUse::kOften : GradientUse::kOnce);
@@ -154,6 +154,12 @@ void EngineParts::computeGradients(const Volume& volume, const Plan& plan, const
   if (!smoothing_ || plan.request.edits || plan.request.other_isovalues) return;
   gradient_.reset();
   smoothing_.reset();
+}
+
+void EngineParts::forgetWindow() noexcept {
+  published_.reset();
+  for (std::size_t brick = 0; brick < needs_gradient_.size(); ++brick)
+    if (store_->has(brick)) store_->remove(brick);
 }
 
 // Of the bricks that a window at this place shows, those that need gradients and have none yet.

@@ -76,6 +76,19 @@ TEST_F(PlanBenchRuns, ClimbsFromTheBareTouchToEverything) {
   EXPECT_EQ(figureOf(*rowsOf(result_, "alone", {{"feature", "filters"}}).at(0), "effect_runs"), 0);
 }
 
+// Without a round to warm up each scene is run once.
+TEST_F(PlanBenchRuns, AQuickOneRunsEachSceneOnce) {
+  PlanBenchRequest request = PlanBenchRequest::quick();
+  request.volume = "phantom:sphere";
+  request.program = gentle();
+  const std::size_t before = program_.called().size();
+  Progress progress;
+  const BenchResult quick = runPlanBench(request, progress);
+  EXPECT_EQ(program_.called().size() - before, rowsOf(quick, "ladder").size() + rowsOf(quick, "alone").size());
+  EXPECT_EQ(figureOf(*rowsOf(quick, "ladder").front(), "runs"), 1);
+  EXPECT_EQ(quick.targets.size(), 2U);
+}
+
 TEST_F(PlanBenchRuns, PromisesLittleMemoryAndASoonStart) {
   ASSERT_EQ(result_.targets.size(), 2U);
   EXPECT_THAT(result_.targets[0].name, HasSubstr("GPU memory of a bare touch / of everything on, phantom:sphere"));

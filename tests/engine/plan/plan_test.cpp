@@ -159,9 +159,9 @@ TEST(Plan, ComputesGradientsAsNeededOnlyWhereNothingElseAsksForThem) {
   }
   request.gradient_operator = "gaussian:1";
   EXPECT_FALSE(makePlan(request).gradientsAsNeeded());
-  const auto lines = linesNaming(planLines(makePlan({.gradients_as_needed = true}),
-                                           {.bricks = 100, .stored_bricks = 60, .gradient_bricks = 25}),
-                                 "gradient");
+  const auto lines = linesNaming(
+      planLines(makePlan({.gradients_as_needed = true}), {.bricks = 100, .stored_bricks = 60, .gradient_bricks = 25}),
+      "gradient");
   ASSERT_EQ(lines.size(), 1U);
   EXPECT_EQ(lines[0].what, "gradient of up to 25 of 100 bricks: central");
   EXPECT_EQ(lines[0].why, "those that the isosurface crosses, and their halo, each when the tool first comes near");

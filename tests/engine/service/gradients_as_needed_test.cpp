@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Gradients that are computed when a window first reaches a brick. Truth: an engine that has computed all of them at the
-// start; each window must be the same, bit for bit.
+// Gradients that are computed when a window first reaches a brick. Truth: an engine that has computed all of them at
+// the start; each window must be the same, bit for bit.
 #include <cstring>
 #include <random>
 
@@ -37,13 +37,13 @@ struct Case {
 
 class GradientsAsNeeded : public testing::TestWithParam<Case> {};
 
-INSTANTIATE_TEST_SUITE_P(
-    Requests, GradientsAsNeeded,
-    testing::Values(Case{"central", {}}, Case{"sobel", {.gradient_operator = "sobel"}},
-                    Case{"central4", {.gradient_operator = "central4"}}, Case{"halves", {.half_samples = true}},
-                    Case{"filtered", {.filter = "median:1"}}, Case{"distance", {.distance = true}},
-                    Case{"small_windows", {.window_edge = 8}}, Case{"drawn", {.draws = true}}),
-    [](const testing::TestParamInfo<Case>& one) { return std::string(one.param.name); });
+INSTANTIATE_TEST_SUITE_P(Requests, GradientsAsNeeded,
+                         testing::Values(Case{"central", {}}, Case{"sobel", {.gradient_operator = "sobel"}},
+                                         Case{"central4", {.gradient_operator = "central4"}},
+                                         Case{"halves", {.half_samples = true}},
+                                         Case{"filtered", {.filter = "median:1"}}, Case{"distance", {.distance = true}},
+                                         Case{"small_windows", {.window_edge = 8}}, Case{"drawn", {.draws = true}}),
+                         [](const testing::TestParamInfo<Case>& one) { return std::string(one.param.name); });
 
 // A tool anywhere in the volume and outside it, from place to place and creeping.
 TEST_P(GradientsAsNeeded, MakeTheSameWindows) {
@@ -86,6 +86,21 @@ TEST(GradientsAsNeededOnce, AreKept) {
   EXPECT_EQ(engine.memory()[3].bytes, bytes);
   showAt(136);  // the other side
   EXPECT_EQ(dispatchesOf(engine, "gradient"), first + 1);
+}
+
+// As of a new engine, so that times of one run say what another would take.
+TEST(GradientsAsNeededOnce, AreComputedAgainOnceTheWindowIsForgotten) {
+  const Volume volume = makeVolume(*makePhantom("phantom:sphere?size=160"));
+  Engine engine(volume, makePlan({.gradients_as_needed = true}), 0, "");
+  const Vec3 tool_W = volume.lattice().toWorld({24, 80, 80});
+  engine.publishAround(tool_W, 1);
+  std::vector<Sample> first(engine.exchange().latest().samples,
+                            engine.exchange().latest().samples + engine.exchange().latest().size.prod());
+  const std::uint64_t dispatches = dispatchesOf(engine, "gradient");
+  engine.forgetWindow();
+  engine.publishAround(tool_W, 2);
+  EXPECT_EQ(dispatchesOf(engine, "gradient"), 2 * dispatches);
+  EXPECT_EQ(std::memcmp(engine.exchange().latest().samples, first.data(), first.size() * sizeof(Sample)), 0);
 }
 
 // The limit is held against all that the isosurface needs, so that no run ends in the middle for want of room.
