@@ -43,6 +43,13 @@ class LeftOut : public ProgramTest {
       if (Names{"engine", "servo", "journal", "saver"}.contains(name)) own.insert(name);
     return own;
   }
+  // On the device at the end, without samples: which bricks have these depends on where a window met the tool.
+  static std::uint64_t heldBytes(const json& summary) {
+    std::uint64_t bytes = 0;
+    for (const json& buffer : summary["work"]["buffers"])
+      if (!buffer["name"].get<std::string>().starts_with("samples")) bytes += buffer["bytes"].get<std::uint64_t>();
+    return bytes;
+  }
   static Names kernelsOf(const json& summary) { return namesIn(summary["work"]["kernels"]); }
   // What has it that the bare touch lacks.
   static Names more(const Names& with, const Names& without) {
@@ -92,7 +99,7 @@ struct Brought {
   std::vector<std::string> threads = {};    // that come with it
   std::vector<std::string> libraries = {};  // how the names of those begin that come with it
   bool effects = false;
-  std::optional<bool> memory = false;  // more on the device; empty: it was there while something else was not
+  std::optional<bool> memory = false;  // more is held on the device; empty: it was, and is freed again
 };
 
 const std::vector<std::string> kEditBuffers = {"bounds tasks",   "brick tasks",  "edit",
@@ -131,11 +138,9 @@ TEST_P(LeftOutFeature, IsPaidForByThoseWhoNameItAlone) {
   EXPECT_EQ(libraries.empty(), feature.libraries.empty()) << testing::PrintToString(libraries);
   for (const std::string& begin : feature.libraries) EXPECT_THAT(libraries, Contains(StartsWith(begin)));
   EXPECT_EQ(with["work"]["effect_runs"].get<int>() > 0, feature.effects);
-  const auto peakOf = [](const json& summary) { return summary["work"]["peak_bytes"].get<std::uint64_t>(); };
   if (feature.memory) {
-    EXPECT_EQ(peakOf(with) > peakOf(bare), *feature.memory);
+    EXPECT_EQ(heldBytes(with) > heldBytes(bare), *feature.memory);
   }
-  EXPECT_GE(peakOf(with), peakOf(bare));
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -154,12 +159,12 @@ INSTANTIATE_TEST_SUITE_P(
                             .words = {"--gradient-operator", "gaussian:1"},
                             .kernels = {"filter_convolve", "gradient_smoothed"},
                             .memory = std::nullopt},
-                    Brought{.name = "all_gradients", .words = {"--gradient", "all"}, .memory = true},
+                    Brought{.name = "all_gradients", .words = {"--gradient", "all"}},  // samples alone
                     Brought{.name = "picture",
                             .words = {"--picture", "on"},
                             .kernels = {"draw", "cell_"},
                             .libraries = {"cairo.so", "libcairo."},
-                            .memory = true},
+                            .memory = std::nullopt},
                     Brought{.name = "friction", .words = {"--friction-static", "0.5"}, .effects = true},
                     Brought{.name = "texture", .words = {"--texture", "procedural"}, .effects = true},
                     Brought{.name = "recovery", .words = {"--recovery", "20"}, .effects = true},

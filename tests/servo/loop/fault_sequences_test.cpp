@@ -69,7 +69,8 @@ InjectedFault randomFault(Dice& dice) {
       fault.size = dice.coin() ? 0.05 : dice.decades(1e-4, 0.3);
       break;
     case Injected::kWildPosition:
-      fault.size = sign * (dice.coin() ? 1e308 : dice.decades(1e-4, 1e300));
+      // Half of them are so near that the servo believes them, at least at slow rates (ServoLoop::kFastest_m_per_s).
+      fault.size = sign * (dice.coin() ? dice.decades(1e-4, 10) : dice.coin() ? 1e308 : dice.decades(1e-4, 1e300));
       break;
     case Injected::kHugeForce:
       fault.size = sign * dice.decades(1, 1e308);
@@ -276,9 +277,10 @@ TEST(FaultSequences, NoneLetsOutAForceThatIsNotWithinTheLimits) {
     ASSERT_NO_FATAL_FAILURE(playSequence(static_cast<unsigned>(i), storage, seen));
   }
   // That the sequences were worth something: each fading fault was raised, forces came back, the controller acted. An
-  // unstable contact needs a tool that follows the force (instability_guard_test.cpp).
-  constexpr std::uint32_t kPlayed = kFadingFaults & ~bit(ServoFault::kUnstable);
-  EXPECT_EQ(seen.faults & kFadingFaults, kPlayed) << faultNames(seen.faults);
+  // unstable contact needs a tool that follows the force (instability_guard_test.cpp), and a plane is left behind by a
+  // tool that outruns the surface over many windows' lengths (way_and_age_test.cpp): leaps as wide are not believed.
+  constexpr std::uint32_t kPlayed = kFadingFaults & ~(bit(ServoFault::kUnstable) | bit(ServoFault::kPlaneBehind));
+  EXPECT_EQ(seen.faults & kPlayed, kPlayed) << faultNames(seen.faults);
   EXPECT_GT(seen.back_to_the_wanted, kSequences / 2);
   EXPECT_GT(seen.pushing_at_the_end, kSequences / 2);
   EXPECT_GT(seen.fades_to_zero, kSequences / 4);
