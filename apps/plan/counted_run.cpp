@@ -46,6 +46,7 @@ gpu::KernelUse kernelOf(const nlohmann::json& kernel) {
 RunCounts countsOf(const nlohmann::json& summary) {
   const nlohmann::json& work = summary.at("work");
   RunCounts counts;
+  counts.vulkan_device = summary.at("vulkan").at("device");
   for (const nlohmann::json& kernel : work.at("kernels")) counts.gpu.kernels.push_back(kernelOf(kernel));
   for (const nlohmann::json& buffer : work.at("buffers"))
     counts.gpu.buffers.push_back({.name = buffer.at("name"), .count = buffer.at("count"), .bytes = buffer.at("bytes")});

@@ -15,6 +15,7 @@
 namespace palpate {
 
 struct RunCounts {
+  std::string vulkan_device;
   gpu::GpuUse gpu;
   std::vector<std::string> threads;    // while the servo ran
   std::vector<std::string> libraries;  // at the end

@@ -123,7 +123,7 @@ The driver's cache of compiled kernels and the system's cache of files are warm.
 BenchResult runPlanBench(const PlanBenchRequest& request, Progress& progress) {
   const ScratchFolder folder;
   std::vector<Rung> all = rungs(request, folder.path());
-  BenchResult result = beginBench("plan");
+  std::string device;
   progress.stage("touching with one feature more and more");
   const Stopwatch watch;
   const std::size_t count = all.size();
@@ -132,10 +132,12 @@ BenchResult runPlanBench(const PlanBenchRequest& request, Progress& progress) {
     const std::size_t round = n / count;
     Rung& rung = all[(n + round) % count];
     RunCounts run = countedRun(rung.scene, folder.path(), request.program);
+    device = run.vulkan_device;
     if (round > 0 || !request.warms_up) rung.runs.push_back(std::move(run));
     const double done = static_cast<double>(n + 1) / static_cast<double>(runs);
     progress.fraction(done, watch.seconds() * (1 - done) / done);
   }
+  BenchResult result = beginBench("plan", device);
   for (const Rung& rung : all) {
     BenchRow row = {{"part", rung.part}, {"volume", std::filesystem::path(rung.scene.volume).filename().string()}};
     addFigures(row, planColumns(), rung);
@@ -157,15 +159,22 @@ std::string planTable(const BenchResult& result) {
 }
 
 LogCharts planCharts(const BenchResult& result) {
+  constexpr double kSeen = 1.05;  // a step by less has no name on the chart
   std::vector<ChartPanel> panels;
   for (const char* part : {kLadder, kAlone}) {
     const ChartPanel panel{part, "to the first tick [ms]", "GPU memory [MiB]", {}};
+    const BenchRow* from = rowsOf(result, kLadder).front();
     for (const BenchRow* row : rowsOf(result, part)) {
-      const std::string name = textOf(*row, "feature");
+      const auto stepOf = [&](const char* key) { return figureOf(*row, key) / figureOf(*from, key); };
+      const bool is_seen = row == from || std::max(stepOf("start_median_ms"), stepOf("gpu_peak_MiB")) > kSeen;
       addPoint(panels, panel, part,
-               {.x = figureOf(*row, "start_median_ms"), .y = figureOf(*row, "gpu_peak_MiB"), .label = name});
+               {.x = figureOf(*row, "start_median_ms"),
+                .y = figureOf(*row, "gpu_peak_MiB"),
+                .label = is_seen ? textOf(*row, "feature") : std::string()});
+      if (part == kLadder) from = row;  // alone: all beside the bare touch
     }
   }
+  for (ChartSeries& series : panels.back().series) series.look = SeriesLook::kMarksAlone;
   return {{"What each feature costs", panels, ChartMarks::kPoints}};
 }
 

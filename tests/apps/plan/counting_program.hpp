@@ -37,7 +37,7 @@ cat > "$out/summary.json" <<END
                       {"name": "gradient", "constants": ["kHalf=0", "kRun=8"], "made_ms": 0, "dispatches": 4}$more_kernel],
           "buffers": [{"name": "window slot", "count": 3, "bytes": 900}], "submissions": 6, "peak_bytes": $bytes,
           "threads": ["palpate", "engine"$more_thread], "effect_runs": $effects},
- "libraries": ["openvdb.so", "libc.so.6"$more_library], "plan": ["done: this"],
+ "libraries": ["openvdb.so", "libc.so.6"$more_library], "plan": ["done: this"], "vulkan": {"device": "a device"},
  "servo": {"start_to_first_tick_ms": $start, "tick_cost_us": {"p50": $tick}},
  "stages": [{"name": "gradient", "seconds": 0.25}],
  "memory": [{"name": "gpu total", "bytes": 5}, {"name": "process peak", "bytes": 3145728}]}
