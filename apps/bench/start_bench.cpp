@@ -99,6 +99,7 @@ class StartBench {
       for (std::size_t n = 0; n < jobs_.size(); ++n)
         runJob(jobs_[(n + static_cast<std::size_t>(round + 1)) % jobs_.size()], round >= 0);
     }
+    result.vulkan_device = vulkan_device_;
     for (const Job& job : jobs_) {
       BenchRow row = {{"part", "start"}};
       addFigures(row, startColumns(), job);
@@ -132,6 +133,7 @@ class StartBench {
     if (!job.touches) return;
     std::ifstream file(folder_.path() / "out" / "summary.json");
     const auto summary = nlohmann::json::parse(file);
+    vulkan_device_ = summary.at("vulkan").at("device");
     job.first_tick_ms.push_back(summary.at("servo").at("start_to_first_tick_ms"));
     job.libraries = static_cast<std::int64_t>(summary.at("libraries").size());
   }
@@ -139,6 +141,7 @@ class StartBench {
   StartBenchRequest request_;
   ScratchFolder folder_;
   std::vector<Job> jobs_;
+  std::string vulkan_device_;  // of the touches
 };
 
 }  // namespace

@@ -34,7 +34,7 @@ class Program {
          << "while [ \"$1\" != --out ]; do shift; done\n"
          << "mkdir -p \"$2\"\n"
          << "touches=$(grep -c '^touch' '" << calls() << "')\n"
-         << "echo '{\"servo\": {\"start_to_first_tick_ms\": '$touches'}, \"libraries\": [\"a\", \"b\", \"c\"]}'"
+         << "echo '{\"servo\": {\"start_to_first_tick_ms\": '$touches'}, \"libraries\": [\"a\", \"b\", \"c\"], \"vulkan\": {\"device\": \"a device\"}}'"
          << " > \"$2/summary.json\"\n";
     file.close();
     fs::permissions(path(), fs::perms::owner_all);
@@ -108,6 +108,7 @@ TEST(StartBench, TheFirstTickIsWhatTheTouchesToldInTheRoundsThatCount) {
 TEST(StartBench, PromisesTheVersionAndTheFirstTickOfABareTouch) {
   const Program program;
   const BenchResult result = runWith(program, 1);
+  EXPECT_EQ(result.vulkan_device, "a device");
   ASSERT_EQ(result.targets.size(), 2U);
   const auto version = rowsOf(result, "start", {{"job", "--version"}});
   EXPECT_EQ(result.targets[0].value, figureOf(*version.at(0), "wall_median_ms"));
