@@ -34,7 +34,8 @@ class Program {
          << "while [ \"$1\" != --out ]; do shift; done\n"
          << "mkdir -p \"$2\"\n"
          << "touches=$(grep -c '^touch' '" << calls() << "')\n"
-         << "echo '{\"servo\": {\"start_to_first_tick_ms\": '$touches'}, \"libraries\": [\"a\", \"b\", \"c\"], \"vulkan\": {\"device\": \"a device\"}}'"
+         << "echo '{\"servo\": {\"start_to_first_tick_ms\": '$touches'}, \"libraries\": [\"a\", \"b\", \"c\"], "
+            "\"vulkan\": {\"device\": \"a device\"}}'"
          << " > \"$2/summary.json\"\n";
     file.close();
     fs::permissions(path(), fs::perms::owner_all);
