@@ -67,9 +67,12 @@ void addOutputFlags(CLI::App& verb, BenchOutputFlags& flags, bool report) {
   verb.add_flag("--strict", flags.strict, "exit status 1 when a target does not hold");
   verb.add_option("--json", flags.json, "write rows and targets into this file too")->type_name("FILE");
   verb.add_option("--csv", flags.csv, "write the rows into this file too")->type_name("FILE");
-  verb.add_option("--chart", flags.chart, "draw the figures into this SVG file")->type_name("FILE.svg");
-  verb.add_option("--panel", flags.panels, "draw only the panels of these titles (may be given several times)")
+  CLI::Option* chart =
+      verb.add_option("--chart", flags.chart, "draw the figures into this SVG file")->type_name("FILE.svg");
+  verb.add_option("--panel", flags.panels,
+                  "of the chart, draw only the panels of these titles (may be given several times)")
       ->type_name("TITLE")
+      ->needs(chart)
       ->allow_extra_args(false);
   verb.add_option("--page", flags.page, "write a page to read into this Markdown file")->type_name("FILE.md");
   if (!report) return;

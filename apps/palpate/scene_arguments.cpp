@@ -39,7 +39,7 @@ SceneArguments::SceneArguments(CLI::App& verb) : values_(sceneOptions().size()) 
 
 Scene SceneArguments::scene() const {
   Scene scene;
-  if (std::filesystem::path(source_).extension() == ".toml") {
+  if (std::filesystem::path(source_).extension() == kSceneExtension) {
     readSceneFile(source_, scene);
   } else {
     scene.volume = source_;

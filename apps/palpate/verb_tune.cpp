@@ -72,14 +72,16 @@ void addTuneVerb(CLI::App& app) {
                    "the most that the spring's force may be off, in 99 % of the ticks: 0.05N")
       ->type_name("FORCE")
       ->check(notEmpty);
-  verb->add_option("--budget", arguments->budget, "the mean time that a tick may take, windows included: 200us")
+  verb->add_option("--budget", arguments->budget,
+                   "the mean time that a tick may take by the simulated clock, windows included: 200us")
       ->type_name("TIME")
       ->check(notEmpty);
   verb->add_option("-o,--write", arguments->out,
                    "the scene; NAME.tuned.toml beside NAME.toml, or tuned.toml, if not given")
       ->type_name("FILE")
       ->check(notEmpty);
-  verb->add_flag("--overwrite", arguments->overwrite, "also a file that palpate tune did not write");
+  verb->add_flag("--overwrite", arguments->overwrite,
+                 "also a file that palpate tune did not write, or that was edited since");
   verb->add_option("--json", arguments->json, "file for every trial")->type_name("FILE")->check(notEmpty);
   verb->callback([arguments] { tuneScene(*arguments); });
 }

@@ -18,7 +18,10 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 std::string passesText(const SceneReport& report) {
-  std::string text = fmt::format("{} at isovalue {:g} on {}\n", report.volume, report.isovalue, report.gpu);
+  std::string text = fmt::format(
+      "{} at isovalue {:g} on {}\n\nPasses and fields: those that this scene needs (do), and those that it does not "
+      "(leave), with the memory that this saves:\n\n",
+      report.volume, report.isovalue, report.gpu);
   for (const PlanLine& line : report.lines) {
     text += fmt::format("  {:<8}  {:<64} {:>10}  {}\n", line.done ? "do" : "leave", line.what,
                         line.saved_bytes > 0 ? "-" + inMiB(line.saved_bytes) : "", line.why);
@@ -148,16 +151,17 @@ std::string featuresText(const SceneCounts& counted) {
   const std::vector<FeatureCost>& costs = counted.costs;
   if (costs.empty()) {
     return fmt::format(
-        "\nWhat each feature costs was not measured; a run of this scene takes {:.1f} s, and --rounds 3 runs it {} "
-        "times.\n",
-        1e-3 * counted.counts.wall_ms, 3 * (features().size() + 1));
+        "\nWhat each feature costs was not measured; --rounds 3 runs this scene {} times, nearly all without a "
+        "picture. "
+        "This run took {:.1f} s.\n",
+        3 * (features().size() + 1), 1e-3 * counted.counts.wall_ms);
   }
   std::string text =
       "\nWhat each feature adds, measured by running this scene with and without it (a dash: no more than runs of the "
       "same "
-      "scene differ by, or only one run of each). `has`: the scene has it, and leaving it out would save that; "
-      "`lacks`: leaving it out saves "
-      "that.\n\n"
+      "scene differ by, or only one run of each). A scene that `has` it would save that without it, one that `lacks` "
+      "it "
+      "saves that now; a minus is what the feature itself saves.\n\n"
       "| | feature | to the first tick [ms] | a tick [us] | GPU peak | main memory | pipelines | dispatches | threads "
       "| "
       "libraries | why |\n|---|---|---:|---:|---:|---:|---:|---:|---:|---:|---|\n";

@@ -40,8 +40,13 @@ inline constexpr double kSameTime_us = 0.02;
 [[nodiscard]] bool meets(const Goal& goal, const Trial& trial, const Trial& base);
 
 // The trials that meet the goal, by their places in the list, the best first: for an error the cheapest by time, then
-// memory, then start, then the truest; for a budget the truest, then the cheapest.
-[[nodiscard]] std::vector<std::size_t> ranked(const Goal& goal, std::span<const Trial> trials, const Trial& base);
+// memory, then start; for a budget the truest, then the cheapest. Of equal ones the first changes fewest of `own`, the
+// scene's settings; of these the truest comes first.
+[[nodiscard]] std::vector<std::size_t> ranked(const Goal& goal, std::span<const Trial> trials, const Trial& base,
+                                              const Candidate& own);
+
+// How many of them are as good as the best, but for chance.
+[[nodiscard]] std::size_t countAsGood(const Goal& goal, std::span<const Trial> trials, const Trial& base);
 
 // The place of the trial that comes nearest to the goal, whether it meets it or not. The list may not be empty.
 [[nodiscard]] std::size_t nearestTo(const Goal& goal, std::span<const Trial> trials, const Trial& base);

@@ -23,13 +23,21 @@ struct Unit {
 constexpr Unit kForces[] = {{"N", 1}, {"mN", 1e-3}, {"uN", 1e-6}, {"kN", 1e3}};
 constexpr Unit kTimes[] = {{"us", 1}, {"ms", 1e3}, {"ns", 1e-3}, {"s", 1e6}};
 
+// Micro is a sign of its own on some keyboards, and the Greek letter on others.
+std::string withPlainMicro(std::string unit) {
+  for (const std::string_view micro : {"\u00b5", "\u03bc"}) {
+    if (unit.starts_with(micro)) unit.replace(0, micro.size(), "u");
+  }
+  return unit;
+}
+
 double quantityOf(const std::string& text, const std::string& where, std::span<const Unit> units,
                   const std::string& example) {
   const std::string input = fmt::format("{} '{}'", where, text);
   const std::string remedy = fmt::format("give a number above 0 with its unit, as {}", example);
-  const std::size_t letters = text.find_last_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ");
-  const std::size_t begin = letters == std::string::npos ? 0 : letters + 1;
-  const std::string word = text.substr(begin);
+  const std::size_t number_end = text.find_last_of("0123456789. ");
+  const std::size_t begin = number_end == std::string::npos ? 0 : number_end + 1;
+  const std::string word = withPlainMicro(text.substr(begin));
   std::string number = text.substr(0, begin);
   while (!number.empty() && number.back() == ' ') number.pop_back();
   const auto value = numberOf(number);

@@ -38,8 +38,12 @@ class Search {
     truest.gradient_operator = operators.front();
     const std::vector<int> windows = cheapestWindows(truest);
     feelAll(filters, operators, windows);
-    feelAround(best());
-    measureAgain();
+    const Candidate middle = best();
+    feelAround(middle);
+    const std::vector<std::size_t> finalists = measureAgain();
+    if (!finalists.empty() && found_.trials[finalists.front()].candidate != middle)
+      feelAround(found_.trials[finalists.front()].candidate);
+    pick(finalists);
     return std::move(found_);
   }
 
@@ -124,7 +128,7 @@ class Search {
   }
 
   [[nodiscard]] Candidate best() const {
-    const std::vector<std::size_t> order = ranked(goal_, found_.trials, found_.base);
+    const std::vector<std::size_t> order = ranked(goal_, found_.trials, found_.base, space_.own);
     return found_.trials[order.empty() ? nearestTo(goal_, found_.trials, found_.base) : order.front()].candidate;
   }
 
@@ -147,7 +151,7 @@ class Search {
 
   // Those that may meet the goal, the best first: without any, a budget's quickest, whose times may be off by chance.
   [[nodiscard]] std::vector<std::size_t> finalists() const {
-    std::vector<std::size_t> finalists = ranked(goal_, found_.trials, found_.base);
+    std::vector<std::size_t> finalists = ranked(goal_, found_.trials, found_.base, space_.own);
     if (finalists.empty() && goal_.kind == Goal::Kind::kBudget) {
       for (std::size_t i = 0; i < found_.trials.size(); ++i) {
         if (holdsContact(found_.trials[i], found_.base)) finalists.push_back(i);
@@ -158,7 +162,8 @@ class Search {
     return finalists;
   }
 
-  void measureAgain() {
+  // The finalists that still meet the goal, the best first.
+  std::vector<std::size_t> measureAgain() {
     const std::vector<std::size_t> places = finalists();
     std::vector<std::vector<double>> times_us(places.size());
     for (int round = 0; round < kRounds; ++round) {
@@ -171,14 +176,21 @@ class Search {
       }
     }
     std::vector<Trial> again;
+    std::vector<std::size_t> order;
     for (std::size_t i = 0; i < places.size(); ++i) {
       if (!times_us[i].empty()) found_.trials[places[i]].loop_us = median(times_us[i]);
       again.push_back(found_.trials[places[i]]);
     }
-    for (const std::size_t i : ranked(goal_, again, found_.base)) found_.picks.push_back(places[i]);
-    for (const std::size_t i : ranked(goal_, found_.trials, found_.base)) {
-      if (std::ranges::find(places, i) == places.end()) found_.picks.push_back(i);
+    for (const std::size_t i : ranked(goal_, again, found_.base, space_.own)) order.push_back(places[i]);
+    return order;
+  }
+
+  void pick(const std::vector<std::size_t>& finalists) {
+    found_.picks = finalists;
+    for (const std::size_t i : ranked(goal_, found_.trials, found_.base, space_.own)) {
+      if (std::ranges::find(finalists, i) == finalists.end()) found_.picks.push_back(i);
     }
+    found_.as_good = countAsGood(goal_, found_.trials, found_.base);
   }
 
   const Goal& goal_;
@@ -223,7 +235,7 @@ std::size_t mostRuns(const SearchSpace& space) {
                                kept(space.windows.size()) * space.samples.size() * space.ns.size();
   const std::size_t around =
       space.operators.size() + space.filters.size() + space.windows.size() + space.samples.size() + space.ns.size() - 5;
-  return 2 * (alone + combined + around) + kFinalists * kRounds;
+  return 2 * (alone + combined + 2 * around) + kFinalists * kRounds;
 }
 
 Found search(const Goal& goal, const SearchSpace& space, const std::function<Trial(const Candidate&)>& feel) {

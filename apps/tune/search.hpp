@@ -37,6 +37,7 @@ struct Found {
   std::vector<Trial> trials;       // each candidate once, in the order of their trials
   Trial base;                      // the truest settings of all but filter and operator, which are the scene's
   std::vector<std::size_t> picks;  // the trials that meet the goal: the finalists, then the others, the best first
+  std::size_t as_good = 0;         // how many of them are as good as the best, but for chance
 };
 
 // So many candidates are measured again, in turns, kRounds times.
@@ -51,7 +52,8 @@ inline constexpr int kRounds = 5;
 //    among those that keep the contact and err no more than the largest.
 // 3. Every combination of what stayed, with both storages and every n.
 // 4. Around the best of these: every value of one choice but the filters of `more_filters`, with the rest as it is.
-// 5. The best for the goal are measured again in turns, and the median of their times counts.
+// 5. The best for the goal are measured again in turns, and the median of their times counts. If another one is the
+//    best then, step 4 is taken around it, too.
 //
 // `feel` may throw; the search ends then. A trial is two calls, and each round of a finalist is one more. Of these the
 // worst counts, but for the time: the quicker of the two, then the median of the rounds.

@@ -10,6 +10,7 @@
 
 #include "apps/console/interrupt.hpp"
 #include "apps/report/words.hpp"
+#include "apps/scene/scene_file.hpp"
 #include "apps/scene/scene_text.hpp"
 #include "apps/touch/force_error.hpp"
 #include "apps/touch/live_edits.hpp"
@@ -17,6 +18,7 @@
 #include "apps/tune/tune_report.hpp"
 #include "apps/tune/workbench.hpp"
 #include "base/atomic_file.hpp"
+#include "base/crc32c.hpp"
 #include "base/error.hpp"
 #include "base/quantile.hpp"
 #include "base/stopwatch.hpp"
@@ -31,12 +33,37 @@ namespace fs = std::filesystem;
 constexpr int kFreshRuns = 5;                                   // each with an engine of its own
 constexpr std::size_t kMostConfirmed = 8;                       // so many picks are felt anew at most
 constexpr const char* kFirstWords = "Written by palpate tune";  // by which a file is known as its own
+constexpr const char* kSealWords =
+    "# Checksum of the lines above, by which palpate tune knows that nobody edited them: ";
+constexpr double kLeastUsefulStiffness_N_per_m = 10;  // a softer wall is hardly felt
 constexpr std::string_view kTunedKeys[] = {"filter", "gradient_operator", "samples", "window", "servo.n"};
 
-bool isOwnFile(const fs::path& file) {
-  std::ifstream stream(file);
-  std::string line;
-  return std::getline(stream, line) && line.starts_with(fmt::format("# {}", kFirstWords));
+// A file's first words say who wrote it, and its last line what else it then held, so that no hand's work is lost.
+std::string withSeal(const std::string& text) {
+  return text + fmt::format("{}{:08x}\n", kSealWords, crc32c(text));
+}
+
+enum class Writer { kTune, kTuneAndAHand, kOther };
+
+Writer writerOf(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  const std::string text(std::istreambuf_iterator<char>(stream), {});
+  if (!text.starts_with(fmt::format("# {}", kFirstWords))) return Writer::kOther;
+  const std::size_t seal = text.rfind(kSealWords);
+  const bool sealed = seal != std::string::npos && text == withSeal(text.substr(0, seal));
+  return sealed ? Writer::kTune : Writer::kTuneAndAHand;
+}
+
+// What is there already, and is not for the program to replace.
+void checkMayReplace(const std::string& out) {
+  std::error_code ignored;
+  if (!fs::exists(out, ignored)) return;
+  const Writer writer = writerOf(out);
+  if (writer == Writer::kTune) return;
+  refuse(out,
+         writer == Writer::kOther ? "it is there, and palpate tune did not write it"
+                                  : "it is there, and was edited since palpate tune wrote it",
+         "name another file with -o, or give --overwrite");
 }
 
 // By a brush of the scene, or of its path's file.
@@ -55,11 +82,10 @@ void checkRequest(const TuneRequest& request, const std::string& out) {
            "tune it with --error, or give --budget for the scene without its brush");
   }
   (void)sceneText(request.scene, fs::path(out).parent_path());  // refuses names that a scene cannot hold
+  if (fs::path(out).extension() != kSceneExtension)
+    refuse(out, "a scene's name ends with .toml", "add .toml to it, so that it can be run");
   checkOutputsDiffer({out, request.json});
-  std::error_code ignored;
-  if (fs::exists(out, ignored) && !request.overwrite && !isOwnFile(out)) {
-    refuse(out, "it is there, and palpate tune did not write it", "name another file with -o, or give --overwrite");
-  }
+  if (!request.overwrite) checkMayReplace(out);
   checkWritable(out);
   if (!request.json.empty()) checkWritable(request.json);
 }
@@ -106,6 +132,8 @@ class TuneJob {
     } else {
       takeNearest();
       result_.needed = neededWords();
+      std::error_code ignored;
+      if (fs::exists(out_, ignored)) result_.notes.push_back(out_ + " is of an earlier run, and stays as it is");
     }
     if (!request_.json.empty()) writeFileAtomically(request_.json, tuneJson(request_, result_));
     progress_.done();
@@ -226,8 +254,13 @@ class TuneJob {
     }
     if (!scene.simulated_clock) {
       result_.notes.emplace_back(
-          "trials go by the simulated clock: 'palpate touch' with --clock simulated repeats their error exactly");
+          "trials go by the simulated clock: by the real one a tick wakes from sleep and takes two to three times as "
+          "long");
     }
+    result_.notes.emplace_back(
+        bench_->whyNotExact().empty()
+            ? "'palpate touch' of the scene with --clock simulated repeats the error (exact.force_error_p99_N)"
+            : "'palpate touch' cannot repeat the error: it knows exact surfaces only");
   }
 
   void reason() {
@@ -253,10 +286,11 @@ class TuneJob {
           "machine",
           shortNumber(needed_us_), kTimeMargin);
     }
-    const double share = request_.goal.bound / (best.error_N * kErrorMargin);
+    const double least_N = best.error_N * kErrorMargin, share = request_.goal.bound / least_N;
     if (!(share < 1)) return "runs that repeat what the trials found";
-    std::string words =
-        fmt::format("a stiffness of at most {} N/m", shortNumber(share * request_.scene.stiffness_N_per_m));
+    std::string words = fmt::format("an error of {} N", shortNumber(least_N));
+    if (share * request_.scene.stiffness_N_per_m >= kLeastUsefulStiffness_N_per_m)
+      words += fmt::format(", or a stiffness of at most {} N/m", shortNumber(share * request_.scene.stiffness_N_per_m));
     const bool noisy = bench_->whyNotExact().empty() && parsePhantomSpec(request_.scene.volume).noise > 0;
     return words + (noisy ? ", or a volume with less noise" : ", or smaller voxels");
   }
@@ -270,7 +304,7 @@ class TuneJob {
     for (const Reason& reason : result_.reasons)
       text += tomlComment(fmt::format("{} = {}: {}", reason.choice, reason.value, reason.why));
     text += tomlComment("Comments of the scene that it was made from are not here.") + "\n";
-    return text + sceneText(scene, fs::path(out_).parent_path(), kTunedKeys);
+    return withSeal(text + sceneText(scene, fs::path(out_).parent_path(), kTunedKeys));
   }
 
   const TuneRequest& request_;
@@ -287,7 +321,7 @@ class TuneJob {
 
 std::string tunedName(const std::string& source) {
   fs::path name(source);
-  if (name.extension() != ".toml") return "tuned.toml";
+  if (name.extension() != kSceneExtension) return "tuned.toml";
   return name.replace_extension(".tuned.toml").string();
 }
 

@@ -55,7 +55,7 @@ bool isNear(const Candidate& a, const Candidate& b) {
 
 std::string markOf(const Trial& trial, const TuneResult& result, const Candidate& own, bool front) {
   std::vector<std::string> marks;
-  if (trial.candidate == result.chosen.candidate) marks.emplace_back(result.met ? "picked" : "nearest");
+  if (trial.candidate == result.chosen.candidate) marks.emplace_back(result.met ? "picked, felt anew" : "nearest");
   if (trial.candidate == own) marks.emplace_back("the scene's");
   if (front) marks.emplace_back("front");
   if (!trial.impossible.empty())
@@ -79,7 +79,8 @@ std::string tableOf(const TuneRequest& request, const TuneResult& result) {
   std::string text = fmt::format("  {:<12} {:<20} {:>6} {:>6} {:<7} {:>8} {:>10} {:>9} {:>9}\n", "operator", "filter",
                                  "n", "window", "storage", "error N", "us a tick", "MiB", "start ms");
   for (const std::size_t i : rows) {
-    const Trial& trial = result.found.trials[i];
+    const bool anew = result.met && result.found.trials[i].candidate == result.chosen.candidate;
+    const Trial& trial = anew ? result.chosen : result.found.trials[i];
     const Candidate& c = trial.candidate;
     const std::string error = std::isnan(trial.error_N) ? "-" : figureText(trial.error_N);
     text += fmt::format("  {:<12} {:<20} {:>6} {:>6} {:<7} {:>8} {:>10} {:>9} {:>9}  {}\n", c.gradient_operator,
@@ -133,6 +134,11 @@ std::string tuneWords(const TuneRequest& request, const TuneResult& result) {
   text += fmt::format("Picked    {}\n", choiceWords(result.chosen.candidate));
   for (const Reason& reason : result.reasons)
     text += fmt::format("          {} {}: {}\n", reason.choice, reason.value, reason.why);
+  if (result.found.as_good > 1) {
+    text += fmt::format(
+        "Equal     {} choices do as well but for chance; of these one was picked that changes fewest settings\n",
+        result.found.as_good);
+  }
   const std::string how = result.felt_how.empty() ? "" : result.felt_how + ", ";
   text += fmt::format("Met       {}in fresh runs {}\nScene     {}\n", how, figureWords(result.chosen), result.out);
   return text;
@@ -153,6 +159,7 @@ std::string tuneJson(const TuneRequest& request, const TuneResult& result) {
       {"base", trialJson(result.found.base)},
       {"felt_how", result.felt_how},
       {"fresh_runs_times_as_long", result.longer},
+      {"choices_as_good", result.found.as_good},
       {"chosen", trialJson(result.chosen)},
       {"scene", result.met ? Json(result.out) : Json(nullptr)},
       {"needed", result.met ? Json(nullptr) : Json(result.needed)},

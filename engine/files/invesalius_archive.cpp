@@ -30,11 +30,14 @@ constexpr std::size_t kBlockBytes = 1U << 16U;
 // stream is unpacked here, because libarchive does not check its checksum.
 class ArchiveMember {
  public:
-  ArchiveMember(const std::string& path, const std::string& wanted, const std::string& source)
+  enum class Reading { kToMember, kToEnd };
+
+  ArchiveMember(const std::string& path, const std::string& wanted, Reading reading, const std::string& source)
       : stream_(path, 0, isGzip(path) ? Packing::kGzip : Packing::kNone),
         block_(kBlockBytes),
         reader_(archive_read_new(), archive_read_free),
         source_(source) {
+    if (reading == Reading::kToEnd) stream_.unpackWhole();
     archive_read_support_format_tar(reader_.get());
     check(archive_read_open(reader_.get(), this, nullptr, readBlock, nullptr));
     archive_entry* entry = nullptr;
@@ -112,7 +115,7 @@ struct PlistFree {
 using Plist = std::unique_ptr<void, PlistFree>;
 
 Plist readPlist(const std::string& path, const std::string& source) {
-  ArchiveMember member(path, "main.plist", source);
+  ArchiveMember member(path, "main.plist", ArchiveMember::Reading::kToMember, source);
   if (member.bytes() <= 0 || static_cast<std::uint64_t>(member.bytes()) > kMostPlistBytes) {
     refuseProject(source, fmt::format("its main.plist has {} bytes", member.bytes()));
   }
@@ -181,7 +184,7 @@ InvesaliusProject readProject(const std::string& name, std::size_t memory_budget
 }
 
 void readMatrix(const std::string& name, const InvesaliusProject& project, std::span<char> raw) {
-  ArchiveMember member(name, "matrix.dat", name);
+  ArchiveMember member(name, "matrix.dat", ArchiveMember::Reading::kToEnd, name);
   if (member.bytes() != static_cast<std::int64_t>(raw.size())) {
     refuseProject(name,
                   fmt::format("its matrix.dat has {} bytes, and {} x {} x {} voxels of {} need {}", member.bytes(),

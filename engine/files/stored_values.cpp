@@ -35,6 +35,7 @@ void skip(Unpacker& from, std::uint64_t bytes) {
 
 void readBytes(const StoredValues& values, const StoredPart& part, std::span<char> to) {
   Unpacker from = open(values, part);
+  from.unpackWhole();
   skip(from, values.skip_bytes);
   if (from.read(to.data(), to.size()) < to.size()) throw std::runtime_error(kTooFew);
   if (from.drain() > 0) throw std::runtime_error(kTooMany);

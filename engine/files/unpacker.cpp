@@ -14,6 +14,8 @@
 #include <unistd.h>
 #include <zlib.h>
 
+#include "engine/files/whole_gzip.hpp"
+
 namespace palpate {
 namespace {
 
@@ -25,7 +27,7 @@ constexpr std::size_t kBlockBytes = std::size_t{1} << 18;
 class Unpacker::Input {
  public:
   Input(const std::string& path, std::uint64_t offset, std::uint64_t bytes)
-      : descriptor_(open(path.c_str(), O_RDONLY | O_CLOEXEC)), left_(bytes) {
+      : descriptor_(open(path.c_str(), O_RDONLY | O_CLOEXEC)), offset_(offset), to_end_(bytes == kToEnd), left_(bytes) {
     if (descriptor_ < 0) fail(errno);
     if (lseek(descriptor_, static_cast<off_t>(offset), SEEK_SET) < 0) fail(errno);
   }
@@ -34,6 +36,11 @@ class Unpacker::Input {
   }
   Input(const Input&) = delete;
   Input& operator=(const Input&) = delete;
+
+  // Empty, with nothing read: see wholeGzip.
+  [[nodiscard]] std::optional<WholeGzip> whole() const {
+    return to_end_ ? wholeGzip(descriptor_, offset_) : std::nullopt;
+  }
 
   // 0: the end.
   std::size_t read(char* to, std::size_t count) {
@@ -50,7 +57,11 @@ class Unpacker::Input {
  private:
   [[noreturn]] static void fail(int why) { throw std::system_error(why, std::generic_category()); }
 
+  static constexpr std::uint64_t kToEnd = std::numeric_limits<std::uint64_t>::max();
+
   int descriptor_;
+  std::uint64_t offset_;
+  bool to_end_;
   std::uint64_t left_;
 };
 
@@ -114,6 +125,8 @@ struct Unpacker::State {
   std::unique_ptr<Bytef[]> block;
   z_stream stream = {};
   bool at_end = false;
+  std::optional<WholeGzip> whole;
+  std::size_t whole_at = 0;  // so many of its bytes were delivered
 };
 
 Unpacker::Unpacker(const std::string& path, std::uint64_t offset, Packing packing, std::uint64_t packed_bytes)
@@ -122,9 +135,19 @@ Unpacker::~Unpacker() = default;
 Unpacker::Unpacker(Unpacker&&) noexcept = default;
 Unpacker& Unpacker::operator=(Unpacker&&) noexcept = default;
 
+void Unpacker::unpackWhole() {
+  if (state_->packing == Packing::kGzip) state_->whole = state_->input.whole();
+}
+
 std::size_t Unpacker::read(char* to, std::size_t count) {
   std::size_t done = 0;
   State& state = *state_;
+  if (state.whole) {
+    done = std::min(count, state.whole->count - state.whole_at);
+    std::copy_n(state.whole->bytes.get() + state.whole_at, done, to);
+    state.whole_at += done;
+    return done;
+  }
   if (state.packing == Packing::kNone) {
     while (done < count) {
       const std::size_t got = state.input.read(to + done, count - done);

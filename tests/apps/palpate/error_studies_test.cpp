@@ -155,6 +155,9 @@ TEST_F(ErrorStudies, OnePanelOfTheChartIsDrawn) {
   const std::string chart = contentsOf(file("one.svg"));
   EXPECT_THAT(chart, HasSubstr(">angle<"));
   EXPECT_THAT(chart, testing::Not(HasSubstr(">position<")));
+  const Outcome no_chart = run({"bench", "show", "e.json", "--panel", "angle"});
+  EXPECT_EQ(no_chart.status, 2);
+  EXPECT_THAT(no_chart.err, testing::HasSubstr("--panel requires --chart"));
   expectRefusal(run({"bench", "show", "e.json", "--json", "kept.json", "--chart", "none.svg", "--panel", "angel"}),
                 "angel", "no panel of the chart has this title; did you mean angle?", 2);
   EXPECT_TRUE(exists("kept.json"));

@@ -105,6 +105,8 @@ TEST(Summary, HoldsEveryFigureToTheLetter) {
   run.loop_us_a_tick = 1.5;
   EXPECT_EQ(makeSummary(run)["servo"]["times_measured"], false);
   EXPECT_EQ(makeSummary(run)["servo"]["loop_us_a_tick"], 1.5);
+  EXPECT_EQ(makeSummary(run)["servo"]["tick_cost_us"], nullptr);
+  EXPECT_EQ(makeSummary(run)["servo"]["lateness_us"], nullptr);
 }
 
 // Swings are told only where they made the contact unstable.

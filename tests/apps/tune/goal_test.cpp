@@ -43,17 +43,35 @@ TEST(Goal, IsNotMetWithoutTheContact) {
 
 // Times within a tenth count as equal, memories within a hundredth, starts within a quarter.
 TEST(Goal, AnErrorRanksByTimeThenMemoryThenStartThenError) {
-  EXPECT_THAT(ranked(kError, std::vector{trial(0.01, 9), trial(0.05, 5), trial(0.2, 1)}, kBase), ElementsAre(1, 0));
-  EXPECT_THAT(ranked(kError, std::vector{trial(0.05, 5), trial(0.05, 5.4, 900'000)}, kBase), ElementsAre(1, 0));
-  EXPECT_THAT(ranked(kError, std::vector{trial(0.05, 5, 1'005'000, 90), trial(0.05, 5, 1'000'000, 120)}, kBase),
+  EXPECT_THAT(ranked(kError, std::vector{trial(0.01, 9), trial(0.05, 5), trial(0.2, 1)}, kBase, {}), ElementsAre(1, 0));
+  EXPECT_THAT(ranked(kError, std::vector{trial(0.05, 5), trial(0.05, 5.4, 900'000)}, kBase, {}), ElementsAre(1, 0));
+  EXPECT_THAT(ranked(kError, std::vector{trial(0.05, 5, 1'005'000, 90), trial(0.05, 5, 1'000'000, 120)}, kBase, {}),
               ElementsAre(0, 1));
-  EXPECT_THAT(ranked(kError, std::vector{trial(0.05, 5, 1'000'000, 110), trial(0.04, 5)}, kBase), ElementsAre(1, 0));
-  EXPECT_THAT(ranked(kError, std::vector{trial(0.2, 1)}, kBase), IsEmpty());
+  EXPECT_THAT(ranked(kError, std::vector{trial(0.05, 5, 1'000'000, 110), trial(0.04, 5)}, kBase, {}),
+              ElementsAre(1, 0));
+  EXPECT_THAT(ranked(kError, std::vector{trial(0.2, 1)}, kBase, {}), IsEmpty());
+}
+
+// Which of equal ones came first is chance: the scene's own settings win, and of the others the truest.
+TEST(Goal, EqualOnesRankByWhatTheyChange) {
+  std::vector<Trial> trials = {trial(0.01, 5.1), trial(0.02, 5), trial(0.03, 5.2), trial(0.001, 5)};
+  trials[0].candidate = {.samples = "half", .n = 3};
+  trials[1].candidate = {.samples = "half"};
+  trials[3].candidate = {.filter = "median:1", .samples = "half", .n = 3};
+  EXPECT_THAT(ranked(kError, trials, kBase, {}), ElementsAre(2, 1, 0, 3));
+  EXPECT_THAT(ranked(kError, trials, kBase, {.samples = "half", .n = 3}), ElementsAre(0, 3, 1, 2));
+  EXPECT_EQ(countAsGood(kError, trials, kBase), 4U);
+  trials[2].loop_us = 5.6;
+  EXPECT_EQ(countAsGood(kError, trials, kBase), 3U);
+  EXPECT_EQ(countAsGood(kError, {}, kBase), 0U);
+  for (Trial& t : trials) t.error_N = 0.02;
+  EXPECT_THAT(ranked({Goal::Kind::kBudget, 7.2}, trials, kBase, {.samples = "half", .n = 3}), ElementsAre(0, 1, 3));
 }
 
 TEST(Goal, ABudgetRanksByErrorThenCost) {
-  EXPECT_THAT(ranked(kBudget, std::vector{trial(0.05, 2), trial(0.01, 7), trial(0.001, 9)}, kBase), ElementsAre(1, 0));
-  EXPECT_THAT(ranked(kBudget, std::vector{trial(0.01, 7), trial(0.0101, 2)}, kBase), ElementsAre(1, 0));
+  EXPECT_THAT(ranked(kBudget, std::vector{trial(0.05, 2), trial(0.01, 7), trial(0.001, 9)}, kBase, {}),
+              ElementsAre(1, 0));
+  EXPECT_THAT(ranked(kBudget, std::vector{trial(0.01, 7), trial(0.0101, 2)}, kBase, {}), ElementsAre(1, 0));
 }
 
 TEST(Goal, TheNearestIsTheLeastFigureWithContact) {

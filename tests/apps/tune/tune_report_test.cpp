@@ -40,5 +40,27 @@ TEST(TuneReport, QualifiesWhatWasMet) {
   EXPECT_THAT(tuneWords(request(), met), HasSubstr("Met       without its brush, in fresh runs"));
 }
 
+// The figures of the fresh runs, not of the trial: that the same choice has two times says nothing to a user.
+TEST(TuneReport, HasOneTimeForThePickedChoice) {
+  TuneResult met = result();
+  met.met = true;
+  met.chosen.loop_us = 7.5;
+  const std::string words = tuneWords(request(), met);
+  EXPECT_THAT(words, HasSubstr("picked, felt anew"));
+  EXPECT_THAT(words, HasSubstr(" 7.5 us a tick, "));
+  EXPECT_THAT(words, testing::ContainsRegex(" 7\\.5 +0 +0  picked"));
+  EXPECT_THAT(words, testing::Not(testing::ContainsRegex(" 6 +0 +0 ")));
+}
+
+TEST(TuneReport, SaysHowManyChoicesDoAsWell) {
+  TuneResult met = result();
+  met.met = true;
+  met.found.as_good = 1;
+  EXPECT_THAT(tuneWords(request(), met), testing::Not(HasSubstr("Equal")));
+  met.found.as_good = 2;
+  EXPECT_THAT(tuneWords(request(), met), HasSubstr("Equal     2 choices do as well but for chance"));
+  EXPECT_EQ(nlohmann::json::parse(tuneJson(request(), met))["choices_as_good"], 2);
+}
+
 }  // namespace tune_report_test
 }  // namespace palpate

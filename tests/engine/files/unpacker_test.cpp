@@ -24,13 +24,31 @@ class Unpacking : public testing::Test {
     writeGzip(folder_.file("gz"), bytes);
     return readFile(folder_.file("gz"));
   }
+  struct Outcome {
+    std::string bytes, failure;
+    bool operator==(const Outcome&) const = default;
+  };
+  [[nodiscard]] Outcome outcomeOf(Packing packing, std::size_t piece, std::uint64_t offset, bool whole) const {
+    Unpacker from(path_, offset, packing);
+    if (whole) from.unpackWhole();
+    Outcome outcome;
+    std::string block(piece, '\0');
+    try {
+      for (std::size_t got = 0; (got = from.read(block.data(), block.size())) > 0;)
+        outcome.bytes += block.substr(0, got);
+    } catch (const std::runtime_error& error) {
+      outcome.failure = error.what();
+    }
+    return outcome;
+  }
+  // In one go it is the same as block by block.
   [[nodiscard]] std::string unpacked(const std::string& bytes, Packing packing, std::size_t piece = 1000,
                                      std::uint64_t offset = 0) const {
     writeFile(path_, bytes);
-    Unpacker from(path_, offset, packing);
-    std::string out, block(piece, '\0');
-    for (std::size_t got = 0; (got = from.read(block.data(), block.size())) > 0;) out += block.substr(0, got);
-    return out;
+    const Outcome outcome = outcomeOf(packing, piece, offset, false);
+    EXPECT_TRUE(outcomeOf(packing, piece, offset, true) == outcome) << outcome.failure;
+    if (!outcome.failure.empty()) throw std::runtime_error(outcome.failure);
+    return outcome.bytes;
   }
   void refuses(const std::string& bytes, Packing packing, const std::string& why) const {
     try {
